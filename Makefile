@@ -75,7 +75,12 @@ SOURCES  := $(if $(X86),$(SOURCES),$(filter-out %_sse42.c %_avx2.c %_avx512.c,$(
 MAINS    := $(filter %_main.c,$(SOURCES))
 TETGEN_C := prep/tetrahedralize/tetrahedralize_main.c
 NATIVE   := render/bench/peer_embree.c render/bench/peer_rays.c
-PARTS    := $(filter-out $(MAINS) $(NATIVE),$(SOURCES))
+# In the place of the C library's functions, in importers alone. Sanitizers have an allocator of their own and look
+# into their process, coverage writes what it counted: their importers announce files, but have no fence.
+IN_PLACE := prep/import/import_calls.c prep/import/import_malloc.c
+WATCHED  := $(filter sanitize thread fuzz coverage,$(CONFIG))
+IN_PLACE_O := $(patsubst %.c,$B/obj/%.o,$(if $(WATCHED),prep/import/import_calls.c,$(IN_PLACE)))
+PARTS    := $(filter-out $(MAINS) $(NATIVE) $(IN_PLACE),$(SOURCES))
 # The verb view is the folder render/view. What of it needs no library goes into the archive of verbs.
 VIEW_C   := render/view/view_main.c
 VIEW_PURE := render/view/view_state.c render/view/view_slice_state.c render/view/view_access.c \
@@ -110,8 +115,8 @@ CLI      := $(sort $(wildcard tests/cli/*.sh))
 
 # A test says what it is in a line of its own, `marks: threads` (it starts threads: run under
 # CONFIG=thread), `long` (it takes long: begun first, left out by `make quick`), `plain` (it holds numbers
-# against numbers, on input that other tests read, too: left out under CONFIG=sanitize), `bits` (what it
-# says could differ on another CPU: run under CROSS), or several.
+# against numbers, or words, on input that other tests read, too: left out under CONFIG=sanitize), `bits`
+# (what it says could differ on another CPU: run under CROSS), or several.
 names  = $(basename $(notdir $1))
 marked = $(call names,$(shell grep -lE '^[^ ]+ marks:.*\b$1\b' tests/test_*.c tests/cli/*.sh))
 LONG  := $(call marked,long)
@@ -158,7 +163,9 @@ LIB_images  := $(if $(OIIO),$(shell $(PKG_CONFIG) --cflags --libs OpenImageIO))
 LIB_dicom   := $(if $(CXX_HERE),$(if $(call has,libdcmtk-dev),-ldcmjpeg -lijg8 -lijg12 -lijg16 -ldcmjpls -ldcmtkcharls -ldcmimgle -ldcmdata -loflog -lofstd))
 LIB_view    := $(if $(and $(call has,libwebsockets-dev),$(call has,libturbojpeg0-dev)),$(shell $(PKG_CONFIG) --libs libwebsockets libturbojpeg))
 LIB_hdf5    := $(if $(call has,libhdf5-dev),$(shell $(PKG_CONFIG) --cflags --libs hdf5-serial))
-LIB_netcdf  := $(if $(call has,libnetcdf-dev),$(shell $(PKG_CONFIG) --cflags --libs netcdf))
+# netCDF-4 is HDF5 below, which is looked at before libnetcdf is.
+LIB_netcdf  := $(if $(LIB_hdf5),$(if $(call has,libnetcdf-dev),$(shell $(PKG_CONFIG) --cflags --libs netcdf) $(LIB_hdf5)))
+ALSO_netcdf := $(addprefix prep/import/hdf5/,hdf5_storage.c hdf5_text.c hdf5_walk.c)
 endif
 endif
 
@@ -281,7 +288,7 @@ endif
 
 # C++ only where the library is; linked as C++ is. A folder whose library is not here leaves nothing behind.
 define importer_rule
-$B/libexec/leafcast-import-$1: $(patsubst %,$B/obj/%.o,$(basename $(wildcard prep/import/$1/*.c prep/import/$1/*.cpp))) $(INTERNAL)
+$B/libexec/leafcast-import-$1: $(patsubst %,$B/obj/%.o,$(basename $(wildcard prep/import/$1/*.c prep/import/$1/*.cpp) $(ALSO_$1))) $(IN_PLACE_O) $(INTERNAL)
 	@mkdir -p $$(@D)
 	$$(call say,LINK,$$@)
 	$(Q)$(if $(wildcard prep/import/$1/*.cpp),$(CXX),$(CC)) $(COMMON) $(LDFLAGS) -o $$@ $$(filter %.o,$$^) \
@@ -289,6 +296,7 @@ $B/libexec/leafcast-import-$1: $(patsubst %,$B/obj/%.o,$(basename $(wildcard pre
 $B/obj/prep/import/$1/%.o: IMPORT := $(filter -I% -D%,$(LIB_$1))
 endef
 $(foreach x,$(IMPORTS),$(if $(LIB_$x),$(eval $(call importer_rule,$x))))
+$B/obj/prep/import/import_calls.o: IMPORT := $(if $(WATCHED),-DIMPORT_UNFENCED)
 LEFT_OUT = $(foreach x,$(IMPORTS),$(if $(LIB_$x),,$B/libexec/leafcast-import-$x))
 .PHONY: $(LEFT_OUT)
 $(LEFT_OUT):
@@ -337,10 +345,16 @@ $B/emulated/bin/leafcast: $(FRONT) $(VERBS)
 # ---- tests ---------------------------------------------------------------------------------------
 $(TESTS) $(TOOLS): LINK_TESTS := -lcmocka
 $(FUZZERS): LINK_TESTS := -fsanitize=fuzzer -lcmocka
+# What importers parse themselves, without their libraries.
+$B/tests/fuzz_image: $(patsubst %,$B/obj/prep/import/images/%.o,jpeg_end tiff_pages tiff_pieces)
+$B/tests/fuzz_import: $(patsubst %,$B/obj/prep/import/%.o,packed_samples netcdf/netcdf_header dicom/dicom_order images/image_names)
 $(TESTS) $(TOOLS) $(FUZZERS): $B/tests/%: $B/obj/tests/%.o $(AIDS) $(ARCHIVES)
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
 	$(link) $(LINK_TESTS)
+
+# Fenced as importers are.
+$B/tests/tool_importer: $(IN_PLACE_O)
 
 $B/flags-link: FORCE
 	$(call remember,$(LDFLAGS) $(DEPS_LIBS))

@@ -17,6 +17,7 @@
 #include "formats/leaf/leaf_file.h"
 #include "formats/leaf/leaf_histogram.h"
 #include "formats/leaf/leaf_stats.h"
+#include "formats/trust_options.h"
 
 enum { ISOS_MAX = 64, HISTOGRAM_MAX = 32 };
 
@@ -41,6 +42,7 @@ static const struct argp_option options[] = {
      "of raw samples: u8 i8 u16 i16 u32 i32 u64 i64 f16 f32 f64", 1},
     {"big-endian", KEY_BIG_ENDIAN, NULL, 0, "of raw samples: most significant byte first", 1},
     {"skip", KEY_SKIP, "BYTES", 0, "of raw samples: header bytes to pass over", 1},
+    TRUST_OPTIONS(1),
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status add_iso(arguments *a, const char *text) {
@@ -60,7 +62,7 @@ static status set_option(void *own, int key, const char *text) {
     case KEY_TYPE: return cli_sample_type(text, &q->grid.type);
     case KEY_BIG_ENDIAN: q->grid.big_endian = true; return ST_OK;
     case KEY_SKIP: return num_size(text, "--skip", &q->grid.skip);
-    default: return ST_AGAIN;
+    default: return trust_option(&q->grid.trust, key);
     }
 }
 
@@ -186,9 +188,9 @@ static void print_steps(const facts *x) {
     const leaf_file *f = x->f;
     char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
     if (f->header.steps > 1)
-        printf("steps       %u, times %s .. %s%s\n", f->header.steps, num_print(f->times[0], a),
-               num_print(f->times[f->header.steps - 1], b),
-               f->layout.moved_steps ? ", vertices move" : "");
+        printf("steps       %u, times %s .. %s%s%s%s\n", f->header.steps, num_print(f->times[0], a),
+               num_print(f->times[f->header.steps - 1], b), f->frame.time_unit[0] ? " " : "",
+               f->frame.time_unit, f->layout.moved_steps ? ", vertices move" : "");
 }
 
 static void print_header(const facts *x) {
@@ -209,6 +211,9 @@ static void print_header(const facts *x) {
             printf("%s%s", num_print(h->to_world[4 * r + c], a), c < 3 ? "  " : "\n");
     }
     printf("space       %s\n", h->rectilinear ? "rectilinear" : "regular");
+    char axes[WORLD_FRAME_TEXT];
+    if (world_frame_print(&x->f->frame, axes)[0])
+        printf("axes        %s\n", axes);
     printf("treelets    %u^3 cells, halo %u, blocks of %u^3, runs at %u, %s\n", 1u << h->cells_log2,
            h->halo, 1u << h->block_log2, 1u << h->run_align_log2, codec_name(h));
     printf("file        %llu bytes, %.3f of the samples\n", (unsigned long long)h->file_bytes,
@@ -434,6 +439,7 @@ static json_t *header_json(const facts *x) {
     json_object_update(json, sizes);
     json_decref(sizes);
     json_object_set_new(json, "implied_payloads", json_integer(x->implied));
+    cli_json_frame(json, &x->f->frame);
     if (x->f->layout.sets > 1)
         add_sets(json, x->f);
     return json;
@@ -640,15 +646,15 @@ static status report(arguments *a, mem *m, leaf_file *f) {
 /* ---- an input that is no treelet file ---- */
 
 /* What an input is, and which inputs can use an option. */
-enum { LEAF = 1, RAW = 2, HEADED = 4, MESH = 8, FIELDS = 16, INPUT = RAW | HEADED | MESH | FIELDS };
-static const char *const input_names[] = {[LEAF] = "treelet files",
-                                          [RAW] = "raw samples",
-                                          [MESH] = "meshes",
-                                          [MESH | FIELDS] = "formats that have several",
-                                          [INPUT] = "inputs of convert"};
-static const cli_use uses[] = {{KEY_ISO, LEAF}, {KEY_QUICK, INPUT}, {KEY_FIELD, MESH | FIELDS},
-                               {KEY_DIMS, RAW}, {KEY_TYPE, RAW},    {KEY_BIG_ENDIAN, RAW},
-                               {KEY_SKIP, RAW}};
+enum { LEAF = 1, RAW = 2, HEADED = 4, MESH = 8, FIELDS = 16 };
+enum { GRID = RAW | HEADED | FIELDS, INPUT = GRID | MESH };
+static const char *const input_names[] = {
+    [LEAF] = "treelet files", [RAW] = "raw samples",
+    [MESH] = "meshes",        [MESH | FIELDS] = "formats that have several",
+    [GRID] = "grids",         [INPUT] = "inputs of convert"};
+static const cli_use uses[] = {{KEY_ISO, LEAF}, {KEY_QUICK, INPUT},      {KEY_FIELD, MESH | FIELDS},
+                               {KEY_DIMS, RAW}, {KEY_TYPE, RAW},         {KEY_BIG_ENDIAN, RAW},
+                               {KEY_SKIP, RAW}, {TRUST_KEY_LINKS, GRID}, {TRUST_KEY_MISSING, GRID}};
 
 /* Options that the input cannot use are refused. */
 static status check_uses(const arguments *a, unsigned input, const char *format) {

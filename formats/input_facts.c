@@ -129,6 +129,57 @@ static void set_name(input_facts *x, const char *own) {
         text_file_name(x->name, sizeof x->name, x->path);
 }
 
+/* The one of this name, a new one where there is none; NULL: there is no room. */
+static input_field *list_field(input_facts *x, const char *name) {
+    char clean[MESH_NAME_MAX + 1];
+    text_name(clean, sizeof clean, name);
+    const uint32_t listed =
+        x->field_count < INPUT_FACTS_FIELDS ? x->field_count : INPUT_FACTS_FIELDS;
+    for (uint32_t i = 0; i < listed; i++)
+        if (strcmp(x->fields[i].name, clean) == 0)
+            return &x->fields[i];
+    x->field_count++;
+    if (listed == INPUT_FACTS_FIELDS)
+        return NULL;
+    memcpy(x->fields[listed].name, clean, sizeof clean);
+    return &x->fields[listed];
+}
+
+static void take_field(input_facts *x, const char *name, uint32_t components) {
+    input_field *f = *name ? list_field(x, name) : NULL;
+    if (f)
+        f->components = components > 1 ? components : 1;
+    if (f && f->steps == 0)
+        f->steps = 1;
+}
+
+static void take_times(input_facts *x, const slice_field *f) {
+    const uint32_t listed = f->steps < INPUT_FACTS_TIMES ? f->steps : INPUT_FACTS_TIMES;
+    x->timed = true;
+    memcpy(x->times, f->times, listed * sizeof *x->times);
+    x->last_time = f->times[f->steps - 1];
+    if (f->time_unit)
+        text_name(x->frame.time_unit, sizeof x->frame.time_unit, f->time_unit);
+}
+
+static status take_slice_field(void *ctx, const slice_field *f) {
+    input_facts *x = ctx;
+    take_field(x, f->name, f->components);
+    input_field *listed = *f->name ? list_field(x, f->name) : NULL;
+    if (listed)
+        listed->steps = f->steps;
+    if (!f->taken)
+        return ST_OK;
+    text_name(x->field, sizeof x->field, f->name);
+    x->steps = f->steps;
+    x->components = f->components > 1 ? f->components : 1;
+    x->component = f->component;
+    x->colours = f->colours;
+    if (f->times)
+        take_times(x, f);
+    return ST_OK;
+}
+
 static status ask_volume(mem *m, volume *v, const input_question *q, const progress *p,
                          input_facts *x) {
     status st = ST_OK;
@@ -140,11 +191,16 @@ static status ask_volume(mem *m, volume *v, const input_question *q, const progr
     x->type = g->type;
     x->source = grid_source(g);
     x->rectilinear = grid_is_rectilinear(g);
+    x->absent = g->absent;
+    memcpy(x->note, g->note, sizeof x->note);
     memcpy(x->dims, g->dims, sizeof x->dims);
     memcpy(x->to_world, g->to_world, sizeof x->to_world);
+    x->frame = g->frame;
     set_name(x, g->name);
     if (q->opened)
         st = q->opened(q->ctx, x);
+    if (st == ST_OK)
+        st = volume_fields(v, &(slice_fields){take_slice_field, x});
     if (st == ST_OK && !q->header_only)
         st = count_volume(m, v, p, x);
     return st;
@@ -261,14 +317,8 @@ static status count_mesh(mem *m, mesh_input *x, const progress *p, input_facts *
     return st;
 }
 
-static void take_name(void *ctx, const char *name) {
-    input_facts *x = ctx;
-    for (uint32_t i = 0; i < x->field_count && i < INPUT_FACTS_FIELDS; i++)
-        if (strcmp(x->fields[i], name) == 0)
-            return;
-    if (x->field_count < INPUT_FACTS_FIELDS)
-        text_name(x->fields[x->field_count], sizeof x->fields[0], name);
-    x->field_count++;
+static void take_array(void *ctx, const char *name, int components) {
+    take_field(ctx, name, (uint32_t)components);
 }
 
 static status ask_mesh(mem *m, mesh_input *found, const input_question *q, const progress *p,
@@ -277,11 +327,17 @@ static status ask_mesh(mem *m, mesh_input *found, const input_question *q, const
     x->is_mesh = true;
     x->format = mesh_input_format(found);
     set_name(x, mesh_input_name(found));
-    mesh_input_fields(found, take_name, x);
+    mesh_input_fields(found, take_array, x);
     if (q->opened)
         st = q->opened(q->ctx, x);
     if (st == ST_OK && !q->header_only)
         st = count_mesh(m, found, p, x);
+    const char *asked = q->mesh.field ? q->mesh.field : x->field_count ? x->fields[0].name : "";
+    text_name(x->field, sizeof x->field, x->read ? x->report.field : asked);
+    for (uint32_t i = 0; i < x->field_count && i < INPUT_FACTS_FIELDS; i++)
+        if (strcmp(x->fields[i].name, x->field) == 0)
+            x->components = x->fields[i].components;
+    x->component = (uint32_t)q->mesh.component;
     return st;
 }
 
@@ -291,6 +347,8 @@ status input_facts_read(mem *m, const input_question *q, const progress *p, inpu
     input in;
     *out = (input_facts){.path = q->path,
                          .read = !q->header_only,
+                         .steps = 1,
+                         .components = 1,
                          .range = {DBL_MAX, -DBL_MAX},
                          .bounds = {FLT_MAX, FLT_MAX, FLT_MAX, -FLT_MAX, -FLT_MAX, -FLT_MAX}};
     status st = input_open(m, q->path, &q->grid, &q->mesh, &in);
@@ -308,7 +366,7 @@ static double spacing_of(const input_facts *x, int a) {
 }
 
 static void print_grid(FILE *to, const input_facts *x) {
-    char n[3][NUM_TEXT_MAX];
+    char n[3][NUM_TEXT_MAX], absent[ABSENT_TEXT];
     const double bytes =
         (double)x->dims[0] * x->dims[1] * x->dims[2] * (double)sample_size(x->type);
     fprintf(to, "grid        %u x %u x %u %s, %.1f MiB", x->dims[0], x->dims[1], x->dims[2],
@@ -316,11 +374,18 @@ static void print_grid(FILE *to, const input_facts *x) {
     if (x->source != x->type)
         fprintf(to, " (of %s)", sample_name(x->source));
     fputc('\n', to);
+    if (x->absent.count)
+        fprintf(to, "absent      %s\n", absent_print(&x->absent, absent));
+    if (x->note[0])
+        fprintf(to, "note        %s\n", x->note);
     fprintf(to, "spacing     %s %s %s%s\n", num_print(spacing_of(x, 0), n[0]),
             num_print(spacing_of(x, 1), n[1]), num_print(spacing_of(x, 2), n[2]),
             x->rectilinear ? ", times the coordinates of its axes (rectilinear)" : "");
     fprintf(to, "origin      %s %s %s\n", num_print(x->to_world[3], n[0]),
             num_print(x->to_world[7], n[1]), num_print(x->to_world[11], n[2]));
+    char axes[WORLD_FRAME_TEXT];
+    if (world_frame_print(&x->frame, axes)[0])
+        fprintf(to, "axes        %s\n", axes);
 }
 
 static void print_mesh(FILE *to, const input_facts *x) {
@@ -328,16 +393,43 @@ static void print_mesh(FILE *to, const input_facts *x) {
     if (x->read)
         fprintf(to, "mesh        %llu tets, %llu points\n", (unsigned long long)x->report.tets,
                 (unsigned long long)x->report.points);
-    for (uint32_t i = 0; i < x->field_count && i < INPUT_FACTS_FIELDS; i++)
-        fprintf(to, "%s%s%s\n", i ? "            " : "fields      ", x->fields[i],
-                strcmp(x->fields[i], x->report.field) == 0 ? " (taken here)" : "");
     if (x->field_count == 0)
         fprintf(to, "fields      none\n");
-    else if (x->field_count > INPUT_FACTS_FIELDS)
-        fprintf(to, "            .. %u in all\n", x->field_count);
     for (int a = 0; a < 3 && x->read && x->report.points > 0; a++)
         fprintf(to, "%s%s .. %s\n", a ? "            " : "bounds      ",
                 num_print((double)x->bounds[a], n[0]), num_print((double)x->bounds[a + 3], n[1]));
+}
+
+static void print_field(FILE *to, const input_facts *x, const input_field *f) {
+    fputs(f->name, to);
+    if (f->components > 1)
+        fprintf(to, ", %u components", f->components);
+    if (f->steps > 1)
+        fprintf(to, ", %u steps", f->steps);
+    fputs(strcmp(f->name, x->field) == 0 ? " (taken here)\n" : "\n", to);
+}
+
+/* Each choice of several, and what is taken unasked. */
+static void print_choices(FILE *to, const input_facts *x) {
+    char n[2][NUM_TEXT_MAX];
+    for (uint32_t i = 0; i < x->field_count && i < INPUT_FACTS_FIELDS; i++) {
+        fputs(i ? "            " : "fields      ", to);
+        print_field(to, x, &x->fields[i]);
+    }
+    if (x->field_count > INPUT_FACTS_FIELDS)
+        fprintf(to, "            .. %u in all\n", x->field_count);
+    if (x->components > 1 && x->component)
+        fprintf(to, "components  %u a sample, number %u is taken here\n", x->components,
+                x->component);
+    else if (x->components > 1)
+        fprintf(to, "components  %u a sample, taken here as their %s\n", x->components,
+                x->colours ? "luminance" : "magnitude");
+    if (x->steps > 1)
+        fprintf(to, "steps       %u, the first is taken here\n", x->steps);
+    if (x->steps > 1 && x->timed)
+        fprintf(to, "times       %s .. %s%s%s\n", num_print(x->times[0], n[0]),
+                num_print(x->last_time, n[1]), x->frame.time_unit[0] ? " " : "",
+                x->frame.time_unit);
 }
 
 static void print_values(FILE *to, const input_facts *x) {
@@ -366,6 +458,7 @@ void input_facts_print(FILE *to, const input_facts *x) {
         print_mesh(to, x);
     else
         print_grid(to, x);
+    print_choices(to, x);
     if (x->read)
         print_values(to, x);
 }
@@ -416,6 +509,10 @@ bool input_facts_next(const input_facts *x, const input_question *q, char *text,
     }
     if (q->mesh.cells_to_points)
         shell_line_put(&c, " --cells-to-points");
+    if (q->grid.trust.follow_links)
+        shell_line_put(&c, " --follow-links");
+    if (q->grid.trust.allow_missing)
+        shell_line_put(&c, " --allow-missing");
     /* Else it would be refused: there is nothing to draw. */
     if (x->is_mesh && x->field_count == 0)
         shell_line_put(&c, " --allow-empty");
@@ -430,24 +527,22 @@ static void set_grid(json_t *json, const input_facts *x) {
     json_t *world = json_array();
     for (int i = 0; i < 12; i++)
         json_array_append_new(world, json_real(x->to_world[i]));
-    json_t *more = json_pack("{s:[I,I,I], s:s, s:s, s:b, s:o, s:I}", "dims", (json_int_t)x->dims[0],
-                             (json_int_t)x->dims[1], (json_int_t)x->dims[2], "sample_type",
-                             sample_name(sample_stored(x->type)), "source_type",
-                             sample_name(x->source), "rectilinear", (int)x->rectilinear, "to_world",
-                             world, "trailing_bytes", (json_int_t)x->trailing);
+    json_t *more =
+        json_pack("{s:[I,I,I], s:s, s:s, s:b, s:o, s:s, s:I, s:I, s:I}", "dims",
+                  (json_int_t)x->dims[0], (json_int_t)x->dims[1], (json_int_t)x->dims[2],
+                  "sample_type", sample_name(sample_stored(x->type)), "source_type",
+                  sample_name(x->source), "rectilinear", (int)x->rectilinear, "to_world", world,
+                  "note", x->note, "trailing_bytes", (json_int_t)x->trailing, "absent",
+                  (json_int_t)x->absent.count, "absent_of", (json_int_t)x->absent.of);
     json_object_update(json, more);
     json_decref(more);
+    cli_json_frame(json, &x->frame);
 }
 
 static void set_mesh(json_t *json, const input_facts *x) {
-    json_t *bounds = json_array(), *fields = json_array();
+    json_t *bounds = json_array();
     for (int i = 0; i < 6 && x->read && x->report.points > 0; i++)
         json_array_append_new(bounds, json_real((double)x->bounds[i]));
-    for (uint32_t i = 0; i < x->field_count && i < INPUT_FACTS_FIELDS; i++)
-        json_array_append_new(fields, json_pack("{s:s}", "name", x->fields[i]));
-    json_object_set_new(json, "field_count", json_integer(x->field_count));
-    json_object_set_new(json, "fields", fields);
-    json_object_set_new(json, "field", json_string(x->report.field));
     json_object_set_new(json, "bounds", bounds);
     if (x->read) {
         json_object_set_new(json, "tets", json_integer((json_int_t)x->report.tets));
@@ -457,10 +552,31 @@ static void set_mesh(json_t *json, const input_facts *x) {
     }
 }
 
+static void set_choices(json_t *json, const input_facts *x) {
+    json_t *fields = json_array(), *times = json_array();
+    for (uint32_t i = 0; i < x->field_count && i < INPUT_FACTS_FIELDS; i++) {
+        const input_field *f = &x->fields[i];
+        json_array_append_new(fields, json_pack("{s:s, s:I, s:I}", "name", f->name, "steps",
+                                                (json_int_t)f->steps, "components",
+                                                (json_int_t)f->components));
+    }
+    json_object_set_new(json, "field_count", json_integer(x->field_count));
+    json_object_set_new(json, "fields", fields);
+    json_object_set_new(json, "field", json_string(x->field));
+    json_object_set_new(json, "steps", json_integer(x->steps));
+    json_object_set_new(json, "components", json_integer(x->components));
+    json_object_set_new(json, "component", json_integer(x->component));
+    json_object_set_new(json, "colours", json_boolean(x->colours));
+    for (uint32_t i = 0; x->timed && i < x->steps && i < INPUT_FACTS_TIMES; i++)
+        json_array_append_new(times, json_real(x->times[i]));
+    json_object_set_new(json, "times", times);
+}
+
 json_t *input_facts_json(const input_facts *x) {
     const bool any = x->range[0] <= x->range[1];
-    json_t *json = json_pack("{s:s, s:s, s:s, s:I}", "format", x->format, "kind",
-                             x->is_mesh ? "mesh" : "grid", "name", x->name, "steps", (json_int_t)1);
+    json_t *json = json_pack("{s:s, s:s, s:s}", "format", x->format, "kind",
+                             x->is_mesh ? "mesh" : "grid", "name", x->name);
+    set_choices(json, x);
     if (x->is_mesh)
         set_mesh(json, x);
     else

@@ -20,7 +20,13 @@
 #include "formats/leaf/histogram.h"
 #include "formats/mesh/mesh_input.h"
 
-enum { INPUT_FACTS_FIELDS = 256 };
+enum { INPUT_FACTS_FIELDS = 256, INPUT_FACTS_TIMES = 4096 };
+
+/* One that could have been asked for. */
+typedef struct input_field {
+    char name[MESH_NAME_MAX + 1];
+    uint32_t steps, components; /* 1 or more */
+} input_field;
 
 typedef struct input_facts {
     const char *path;   /* as given */
@@ -34,10 +40,20 @@ typedef struct input_facts {
     uint32_t dims[3];
     sample_type type, source; /* as read, and in the file */
     double to_world[12];
+    world_frame frame;
     bool rectilinear;
-    /* a mesh; counts, bounds (lo, hi) and the field taken when it was read */
-    char fields[INPUT_FACTS_FIELDS][MESH_NAME_MAX + 1];
+    absent_parts absent;
+    char note[GRID_NOTE_MAX]; /* see struct grid */
+    /* fields that have a name, and what is taken of them */
+    input_field fields[INPUT_FACTS_FIELDS];
     uint32_t field_count; /* may be more than are listed */
+    char field[MESH_NAME_MAX + 1];
+    uint32_t steps, components; /* that it has */
+    uint32_t component;         /* the number that is taken, from 1; 0: all, together */
+    bool colours;               /* as a luminance, not a magnitude */
+    bool timed;                 /* the steps have times: the first ones, and the last */
+    double times[INPUT_FACTS_TIMES], last_time;
+    /* a mesh; counts and bounds (lo, hi) when it was read */
     mesh_report report;
     float bounds[6];
     /* values */
@@ -60,7 +76,7 @@ typedef struct input_question {
 } input_question;
 
 /* input_facts_read() - ST_CORRUPT, ST_UNSUPPORTED, ST_IO as the readers have it, ST_NOMEM. The
- * facts point into the question. p may be NULL. About 30 KB: not for a small stack. */
+ * facts point into the question. p may be NULL. About 80 KB: not for a small stack. */
 CHECKED status input_facts_read(mem *m, const input_question *q, const progress *p,
                                 input_facts *out);
 

@@ -27,6 +27,9 @@ typedef enum leafcast_status {
     LEAFCAST_FAILED = 10  /* anything else */
 } leafcast_status;
 
+/* Threads that a device or a conversion may have. */
+enum { LEAFCAST_THREADS_MAX = 1024 };
+
 /* leafcast_error_text() - more about the calling thread's last error. */
 LEAFCAST_API const char *leafcast_error_text(void);
 

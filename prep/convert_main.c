@@ -13,7 +13,10 @@
 #include "formats/base/num.h"
 #include "formats/base/text.h"
 #include "formats/input_open.h"
+#include "formats/trust_options.h"
+#include "prep/convert_choices.h"
 #include "prep/convert_defaults.h"
+#include "prep/convert_notes.h"
 #include "prep/convert_sets.h"
 #include "prep/grid/convert.h"
 #include "prep/mesh/mesh_convert.h"
@@ -43,6 +46,9 @@ enum {
     KEY_SPACING,
     KEY_MISSING,
     KEY_ORIGIN,
+    KEY_EXAGGERATE,
+    KEY_AXES,
+    KEY_UNIT,
     KEY_AXIS_X,
     KEY_AXIS_Y,
     KEY_AXIS_Z,
@@ -74,6 +80,7 @@ static const struct argp_option options[] = {
     {"allow-empty", KEY_ALLOW_EMPTY, NULL, 0, "convert an input without any finite number, too", 0},
     {"dry-run", KEY_DRY_RUN, NULL, CLI_BASIC,
      "print sizes, memory, levels and treelets; write nothing", 0},
+    TRUST_OPTIONS(0),
     {NULL, 0, NULL, 0, "What a raw input does not say itself:", 1},
     {"dims", KEY_DIMS, "X,Y,Z", CLI_BASIC, "samples per axis", 1},
     {"type", KEY_TYPE, "TYPE", CLI_BASIC, "u8 i8 u16 i16 u32 i32 u64 i64 f16 f32 f64", 1},
@@ -85,6 +92,13 @@ static const struct argp_option options[] = {
     {"missing", KEY_MISSING, "VALUE", 0,
      "this value stands for no data; integers are then kept as f32", 2},
     {"origin", KEY_ORIGIN, "X,Y,Z", 0, "world position of the first sample", 2},
+    {"exaggerate", KEY_EXAGGERATE, "Z", 0,
+     "factor on the world's z: where degrees stand beside metres", 2},
+    {"axes", KEY_AXES, "none|LPS|RAS", 0,
+     "which way the axes point in a body: x to the left and y to the back (LPS), or x to the right "
+     "and y to the front (RAS)",
+     2},
+    {"unit", KEY_UNIT, "NAME", 0, "of lengths, such as mm", 2},
     {"axis-x", KEY_AXIS_X, "FILE", 0,
      "text file with one coordinate per sample: a rectilinear grid", 2},
     {"axis-y", KEY_AXIS_Y, "FILE", 0, NULL, 2},
@@ -100,7 +114,7 @@ static const struct argp_option options[] = {
      "take all fields: of a mesh all arrays of the points (or cells), of a grid all that are like "
      "the first",
      3},
-    {"steps", KEY_STEPS, "all", CLI_BASIC, "take all time steps of a file with several", 3},
+    {"steps", KEY_STEPS, STEP_LIST_FORM, CLI_BASIC, "take these time steps of one file", 3},
     {"times", KEY_TIMES, "T0,T1,..", 0, "times of the steps (default: 0, 1, ..)", 3},
     {"component", KEY_COMPONENT, "N", 0,
      "of vectors and colours: 1, 2, ..; default: their magnitude, or luminance", 3},
@@ -127,7 +141,9 @@ static const char *const input_names[] = {[RAW] = "raw samples",
                                           [FIELDS] = "grids of formats that have several",
                                           [MESH] = "meshes",
                                           [FIELDS | MESH] = "formats that have several"};
-static const cli_use uses[] = {{KEY_TREELET, GRID},
+static const cli_use uses[] = {{TRUST_KEY_LINKS, GRID},
+                               {TRUST_KEY_MISSING, GRID},
+                               {KEY_TREELET, GRID},
                                {KEY_HALO, GRID},
                                {KEY_DIMS, RAW},
                                {KEY_TYPE, RAW},
@@ -136,6 +152,9 @@ static const cli_use uses[] = {{KEY_TREELET, GRID},
                                {KEY_SPACING, GRID},
                                {KEY_MISSING, GRID},
                                {KEY_ORIGIN, GRID},
+                               {KEY_EXAGGERATE, GRID},
+                               {KEY_AXES, GRID},
+                               {KEY_UNIT, GRID},
                                {KEY_AXIS_X, GRID},
                                {KEY_AXIS_Y, GRID},
                                {KEY_AXIS_Z, GRID},
@@ -157,6 +176,13 @@ static status set_spacing(arguments *a, const char *text) {
         if (!isfinite(a->hints.spacing[i]) || a->hints.spacing[i] == 0)
             st = status_describe(ST_USAGE, "--spacing: \"%s\": expected three numbers other than 0",
                                  text);
+    return st;
+}
+
+static status set_exaggerate(volume_hints *h, const char *text) {
+    status st = num_double(text, "--exaggerate", &h->exaggerate);
+    if (st == ST_OK && !(h->exaggerate > 0 && isfinite(h->exaggerate)))
+        st = status_describe(ST_USAGE, "--exaggerate: \"%s\": expected a number above 0", text);
     return st;
 }
 
@@ -200,11 +226,16 @@ static status add_field(arguments *a, const char *name) {
     return st;
 }
 
-static status set_all(const char *text, const char *option, const char *instead, bool *all) {
+static status set_fields(const char *text, bool *all) {
     *all = strcmp(text, "all") == 0;
-    return *all ? ST_OK
-                : status_describe(ST_USAGE, "%s: \"%s\": only \"all\" is known; %s takes one",
-                                  option, text, instead);
+    return *all ? ST_OK : status_describe(ST_USAGE, "--fields takes all; --field NAME takes one");
+}
+
+static status set_axes(volume_hints *h, const char *text) {
+    h->has_axes = world_axes_find(text, &h->axes);
+    return h->has_axes
+               ? ST_OK
+               : status_describe(ST_USAGE, "--axes: \"%s\": expected none, LPS or RAS", text);
 }
 
 static status set_grid(volume_hints *h, int key, const char *text) {
@@ -215,6 +246,9 @@ static status set_grid(volume_hints *h, int key, const char *text) {
     case KEY_SKIP: return num_size(text, "--skip", &h->skip);
     case KEY_MISSING: h->has_missing = true; return num_double(text, "--missing", &h->missing);
     case KEY_ORIGIN: h->has_origin = true; return num_doubles(text, "--origin", ", ", 3, h->origin);
+    case KEY_AXES: return set_axes(h, text);
+    case KEY_UNIT: h->unit = text; return ST_OK;
+    case KEY_EXAGGERATE: return set_exaggerate(h, text);
     case KEY_AXIS_X:
     case KEY_AXIS_Y:
     case KEY_AXIS_Z: h->axis_file[key - KEY_AXIS_X] = text; return ST_OK;
@@ -231,8 +265,8 @@ static status set_component(arguments *a, const char *text) {
 static status set_mesh(arguments *a, int key, const char *text) {
     switch (key) {
     case KEY_FIELD: return add_field(a, text);
-    case KEY_FIELDS: return set_all(text, "--fields", "--field NAME", &a->sets.all_fields);
-    case KEY_STEPS: return set_all(text, "--steps", "--step N", &a->sets.all_steps);
+    case KEY_FIELDS: return set_fields(text, &a->sets.all_fields);
+    case KEY_STEPS: return step_list_parse(text, "--steps", &a->sets.taken);
     case KEY_TIMES: a->sets.times = text; return ST_OK;
     case KEY_COMPONENT: return set_component(a, text);
     case KEY_STEP: return cli_uint(text, "--step", 0, INT_MAX, &a->hints.step);
@@ -262,7 +296,9 @@ static status set_option(void *own, int key, const char *text) {
     case KEY_NAME: a->hints.name = a->mesh.name = text; return ST_OK;
     default: break;
     }
-    status st = set_grid(&a->hints, key, text);
+    status st = trust_option(&a->hints.trust, key);
+    if (st == ST_AGAIN)
+        st = set_grid(&a->hints, key, text);
     return st == ST_AGAIN ? set_mesh(a, key, text) : st;
 }
 
@@ -273,15 +309,24 @@ static status check(void *own) {
     return convert_sets_check(&a->sets, a->common.input_count, cli_given(&a->common, KEY_STEP));
 }
 
+static const output_kind *output(const void *own) {
+    static const output_kind leaf = {.what = "a treelet file",
+                                     .suffixes = ".leaf ",
+                                     .instead = "`leafcast export F.leaf -o FILE' writes others"};
+    (void)own;
+    return &leaf;
+}
+
 static const cli_verb verb = {
     .options = options,
     .set_option = set_option,
     .check = check,
+    .output = output,
     .inputs_max = LEAF_SETS_MAX,
     .args_doc = "INPUT... -o F.leaf",
     .doc = "Convert a volume or a mesh to a treelet file. INPUT: NRRD, MHD/MHA, VTK grids "
            "(.vti, .vtr, legacy .vtk; in pieces: .pvti, .pvtr), NIfTI, NumPy "
-           "arrays, MRC, PVM, Zarr 2 and OME-Zarr (a folder), raw samples "
+           "arrays, MRC, FreeSurfer (.mgh, .mgz), PVM, Zarr 2 and OME-Zarr (a folder), raw samples "
            "(dimensions in the file's name, in a JSON beside it, or given); a mesh of tetrahedra: "
            "TetGen (.node, .ele), VTK (.vtk, .vtu), Gmsh (.msh), a mesh stream; packed by gzip, "
            "bzip2, xz or zstd; or - for any of these on standard input that takes one file and one "
@@ -394,13 +439,14 @@ static void add_outcome(json_t *json, const outcome *o) {
                  (double)sample_size((sample_type)h->sample_type) * h->fields * h->steps;
     char id[LEAF_ID_TEXT];
     json_t *more = json_pack(
-        "{s:I, s:I, s:f, s:o, s:o, s:I, s:o, s:I, s:s, s:f, s:f, s:I}", "file_bytes",
+        "{s:I, s:I, s:f, s:o, s:o, s:I, s:o, s:I, s:s, s:f, s:f, s:I, s:I, s:I}", "file_bytes",
         (json_int_t)h->file_bytes, "payload_bytes", (json_int_t)h->payload_bytes, "ratio",
         (double)h->file_bytes / raw, "value_min", cli_json_real(h->value_min), "value_max",
         cli_json_real(h->value_max), "non_finite", (json_int_t)h->non_finite, "rounding_error",
         cli_json_real(h->rounding_error), "trailing_bytes", (json_int_t)o->result.trailing_bytes,
         "id", leaf_id_text(h, id), "seconds", o->seconds, "mb_per_s", raw / 1e6 / o->seconds,
-        "peak_rss_bytes", (json_int_t)o->peak_rss);
+        "peak_rss_bytes", (json_int_t)o->peak_rss, "absent", (json_int_t)o->result.absent.count,
+        "absent_of", (json_int_t)o->result.absent.of);
     json_object_update(json, more);
     json_decref(more);
 }
@@ -409,19 +455,6 @@ static uint64_t peak_rss(void) {
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     return (uint64_t)usage.ru_maxrss * 1024;
-}
-
-/* What is hardly a value like the others. Told as --missing takes it: compared in the samples' own
- * precision, which is that of floats, or a double's that was written in few digits. */
-static void note_marker(const arguments *a, const histogram_marker *m) {
-    char value[NUM_TEXT_MAX];
-    if (m->share == 0.0)
-        return;
-    cli_note(&a->common, 0,
-             "%s: %.3g %% of the samples are %s, others %g .. %g; if that stands for no data, "
-             "--missing=%s says so",
-             a->common.input, 100.0 * m->share, num_print_float((float)m->value, value),
-             m->others[0], m->others[1], value);
 }
 
 /* o: NULL for a dry run. */
@@ -467,6 +500,7 @@ static status convert_grid(arguments *a, mem *m, volume *v, const grid_series *s
                  "avoid that",
                  plan.spilled_levels, (double)plan.spill_bytes / 0x1p20,
                  (double)plan.memory_in_core / 0x1p20);
+    char text[ABSENT_TEXT];
     outcome out;
     st = convert_run(m, v, a->common.output, &o, &plan, cli_progress(&a->common), &out.result);
     if (st != ST_OK)
@@ -476,7 +510,9 @@ static status convert_grid(arguments *a, mem *m, volume *v, const grid_series *s
     if (out.result.trailing_bytes)
         cli_note(&a->common, 1, "%s: %llu bytes behind the samples are ignored", a->common.input,
                  (unsigned long long)out.result.trailing_bytes);
-    note_marker(a, &out.result.marker);
+    convert_note_marker(&a->common, &out.result.marker);
+    if (out.result.absent.count)
+        cli_note(&a->common, 1, "%s: %s", a->common.input, absent_print(&out.result.absent, text));
     return report(a, &plan, volume_grid(v), &out);
 }
 
@@ -607,7 +643,8 @@ static leaf_sets leaf_sets_of(const arguments *a) {
     return (leaf_sets){.fields = a->sets.count ? (uint32_t)a->sets.count : 1,
                        .steps = steps_of(a),
                        .names = a->sets.count ? a->sets.names : NULL,
-                       .times = a->sets.parsed};
+                       .times = a->sets.parsed,
+                       .time_unit = a->sets.time_unit[0] ? a->sets.time_unit : NULL};
 }
 
 static status convert_meshes(arguments *a, mem *m, mesh_input *x, double start) {
@@ -649,11 +686,13 @@ static status begin_series(arguments *a, mem *m, grid_series *series, volume **v
 }
 
 static status convert_volumes(arguments *a, mem *m, volume **v, double start) {
-    status st = convert_sets_of_grid(&a->sets, *v);
+    status st = convert_sets_of_grid(&a->sets, *v, a->common.input);
+    if (a->sets.times_fall)
+        cli_note(&a->common, 1, "%s: its times do not ascend: 0, 1, .. instead", a->common.input);
     if (st == ST_OK)
         st = convert_sets_times(&a->sets, steps_of(a));
     grid_series series = {.paths = (const char *const *)a->common.inputs,
-                          .in_file = a->sets.steps > 0,
+                          .in_file = a->sets.steps > 0 ? &a->sets.taken : NULL,
                           .sets = leaf_sets_of(a),
                           .fields = a->sets.count ? a->sets.asked : NULL,
                           .hints = a->hints};
@@ -677,6 +716,13 @@ static status convert_opened(arguments *a, mem *m, input *in, double start) {
     if (in->v && volume_importer(in->v))
         cli_note(&a->common, 1, "%s: %s, read by leafcast import-%s", a->common.input, format,
                  volume_importer(in->v));
+    if (in->v)
+        convert_note_grid(&a->common, volume_grid(in->v), a->hints.exaggerate != 0);
+    if (in->v)
+        convert_note_volume(&a->common, in->v, &a->hints, cli_given(&a->common, KEY_STEP),
+                            &a->sets);
+    else
+        convert_note_mesh(&a->common, in->x, &a->mesh, &a->sets);
     return in->x ? convert_meshes(a, m, in->x, start) : convert_volumes(a, m, &in->v, start);
 }
 
@@ -701,6 +747,7 @@ static status run(arguments *a) {
     const double start = clock_seconds();
     input in = {0};
     a->sets.m = &m;
+    convert_sets_first_step(&a->sets, &a->hints.step);
     status st = guard_files(a);
     if (st == ST_OK)
         st = input_open(&m, a->common.input, &a->hints, &a->mesh, &in);

@@ -1,5 +1,6 @@
 #include "prep/convert_sets.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -32,12 +33,19 @@ status convert_sets_add(convert_sets *s, const char *name) {
 status convert_sets_check(const convert_sets *s, int inputs, bool step) {
     if (s->all_fields && s->count)
         return status_describe(ST_USAGE, "--fields all and --field exclude each other");
-    if (s->all_steps && step)
-        return status_describe(ST_USAGE, "--steps all and --step exclude each other");
-    if (s->all_steps && inputs > 1)
-        return status_describe(ST_USAGE, "--steps all takes those of one file: several inputs are "
-                                         "the steps themselves");
+    if (step_list_given(&s->taken) && step)
+        return status_describe(ST_USAGE, "--steps and --step exclude each other");
+    if (step_list_given(&s->taken) && inputs > 1)
+        return status_describe(ST_USAGE, "--steps takes those of one file: several inputs are the "
+                                         "steps themselves");
+    if (!step_list_ascends(&s->taken))
+        return status_describe(ST_USAGE, "--steps: the steps of a series ascend, each comes once");
     return ST_OK;
+}
+
+void convert_sets_first_step(const convert_sets *s, uint32_t *step) {
+    if (s->taken.count > 0)
+        *step = step_list_at(&s->taken, 0);
 }
 
 /* One that the input has; each once. */
@@ -65,7 +73,8 @@ typedef struct taking {
     status st;
 } taking;
 
-static void take_array(void *ctx, const char *name) {
+static void take_array(void *ctx, const char *name, int components) {
+    (void)components;
     taking *t = ctx;
     if (t->st == ST_OK)
         t->st = take_copy(t->s, name);
@@ -82,6 +91,7 @@ status convert_sets_of_mesh(convert_sets *s, const mesh_input *x) {
 
 typedef struct choice {
     convert_sets *s;
+    double *times;  /* of all its steps, a copy; or NULL */
     bool found;     /* the one that was taken, */
     uint32_t steps; /* and so many has it */
 } choice;
@@ -95,23 +105,55 @@ static status take_first(void *ctx, const slice_field *f) {
     if (!first)
         return ST_OK;
     c->found = true;
+    if (f->times && !c->s->times && step_list_given(&c->s->taken)) {
+        c->times = mem_array(c->s->m, f->steps, sizeof *c->times);
+        if (!c->times)
+            return ST_NOMEM;
+        memcpy(c->times, f->times, f->steps * sizeof *c->times);
+        text_name(c->s->time_unit, sizeof c->s->time_unit, f->time_unit ? f->time_unit : "");
+    }
     return c->s->all_fields && *f->name ? take_copy(c->s, f->name) : ST_OK;
 }
 
 static status take_others(void *ctx, const slice_field *f) {
     const choice *c = ctx;
-    const bool fits = !c->s->all_steps || f->steps == c->steps;
+    const bool fits = !step_list_given(&c->s->taken) || f->steps == c->steps;
     return !f->taken && fits ? take_copy(c->s, f->name) : ST_OK;
 }
 
-status convert_sets_of_grid(convert_sets *s, const volume *v) {
+/* The file's times of the steps that are taken; where they do not ascend, none. */
+static status take_times(convert_sets *s, const double *all) {
+    s->parsed = mem_array(s->m, s->steps, sizeof *s->parsed);
+    if (!s->parsed)
+        return ST_NOMEM;
+    for (uint32_t i = 0; i < s->steps; i++) {
+        s->parsed[i] = all[step_list_at(&s->taken, i)];
+        s->times_fall = s->times_fall || !isfinite(s->parsed[i]) ||
+                        (i > 0 && !(s->parsed[i] > s->parsed[i - 1]));
+    }
+    if (!s->times_fall)
+        return ST_OK;
+    mem_free(s->m, s->parsed);
+    s->parsed = NULL;
+    s->time_unit[0] = 0;
+    return ST_OK;
+}
+
+status convert_sets_of_grid(convert_sets *s, const volume *v, const char *name) {
     choice c = {.s = s};
-    if (!s->all_fields && !s->all_steps)
+    const bool chosen = step_list_given(&s->taken);
+    if (!s->all_fields && !chosen)
         return ST_OK;
     status st = volume_fields(v, &(slice_fields){take_first, &c});
     if (st == ST_OK && s->count > 0 && s->all_fields)
         st = volume_fields(v, &(slice_fields){take_others, &c});
-    s->steps = s->all_steps ? c.steps : 0;
+    if (st == ST_OK && chosen)
+        st = step_list_settle(&s->taken, "--steps", name, c.steps ? c.steps : 1);
+    s->steps = chosen ? (uint32_t)step_list_count(&s->taken) : 0;
+    if (st == ST_OK && c.times)
+        st = take_times(s, c.times);
+    if (c.times)
+        mem_free(s->m, c.times);
     return st;
 }
 

@@ -1,13 +1,13 @@
 #include "prep/leafcast_prep.h"
 
 #include <errno.h>
-#include <limits.h>
 #include <math.h>
 #include <pthread.h>
 #include <string.h>
 #include <sys/stat.h>
 
 #include "formats/base/file.h"
+#include "formats/base/file_guard.h"
 #include "formats/base/pool.h"
 #include "formats/base/text.h"
 #include "formats/input_open.h"
@@ -15,6 +15,7 @@
 #include "prep/convert_defaults.h"
 #include "prep/grid/convert.h"
 #include "prep/mesh/mesh_convert.h"
+#include "prep/prep_arguments.h"
 
 _Static_assert((int)LEAFCAST_U8 == (int)SAMPLE_U8 && (int)LEAFCAST_I8 == (int)SAMPLE_I8 &&
                    (int)LEAFCAST_U16 == (int)SAMPLE_U16 && (int)LEAFCAST_I16 == (int)SAMPLE_I16 &&
@@ -22,13 +23,12 @@ _Static_assert((int)LEAFCAST_U8 == (int)SAMPLE_U8 && (int)LEAFCAST_I8 == (int)SA
                    (int)LEAFCAST_I32 == (int)SAMPLE_I32 && (int)LEAFCAST_F64 == (int)SAMPLE_F64,
                "public and internal sample types agree");
 
-enum { ZSTD_LEVEL_MAX = 22 };
-
 /* A call: its budget, and the caller's function that is told how far it is. */
 typedef struct job {
     mem m;
     leafcast_convert_options o; /* the caller's, or the default */
     const char *out;
+    file_guard_target target; /* what `out` replaces */
     progress p;
     pthread_mutex_t lock; /* of watch(), and of all that follows */
     const char *stage;
@@ -38,43 +38,13 @@ typedef struct job {
 
 /* ---- Arguments ---- */
 
-static status in_range(const char *name, long long value, long long lo, long long hi) {
-    if (value == 0 || (value >= lo && value <= hi))
-        return ST_OK;
-    return status_describe(ST_USAGE, "leafcast_convert_options.%s is %lld: 0, or %lld to %lld",
-                           name, value, lo, hi);
-}
-
-static status check_options(const leafcast_convert_options *o) {
-    status st = public_size("leafcast_convert_options", o->size, sizeof *o);
-    if (st == ST_OK)
-        st = in_range("threads", o->threads, 1, INT_MAX);
-    if (st == ST_OK)
-        st = in_range("zstd_level", o->zstd_level, 1, ZSTD_LEVEL_MAX);
-    if (st == ST_OK)
-        st = in_range("treelet_cells", o->treelet_cells, 1 << LEAF_CELLS_LOG2_MIN,
-                      1 << LEAF_CELLS_LOG2_MAX);
-    if (st == ST_OK && o->treelet_cells & (o->treelet_cells - 1))
-        st = status_describe(ST_USAGE,
-                             "leafcast_convert_options.treelet_cells is %u: 16, 32 and 64 are "
-                             "possible",
-                             o->treelet_cells);
-    if (st == ST_OK)
-        st = in_range("coarse_dims", o->coarse_dims, 2, GRID_DIM_MAX);
-    if (st == ST_OK)
-        st = in_range("treelet_tets", o->treelet_tets, 1, LEAF_TREELET_TETS_MAX);
-    if (st == ST_OK)
-        st = in_range("leaf_tets", o->leaf_tets, 1, LEAF_LEAF_TETS_MAX);
-    if (st == ST_OK)
-        st = in_range("field_count", o->field_count, 1, LEAF_SETS_MAX);
-    return st == ST_OK ? in_range("component", o->component, 1, INT_MAX) : st;
-}
-
-/* Whether a file may give way. No input of a conversion is empty, or a treelet file. */
-static status check_replaced(mem *m, const char *path) {
+/* Whether a file may give way, inputs apart. */
+static status check_replaced(const char *path) {
     char magic[sizeof LEAF_MAGIC - 1] = "";
     file *f = NULL;
-    status st = file_open(m, path, &f);
+    mem m; /* not the job's, which refuses its output */
+    mem_init(&m, 0);
+    status st = file_open(&m, path, &f);
     const uint64_t size = st == ST_OK ? file_size(f) : 0;
     if (size >= sizeof magic)
         st = file_read_at(f, 0, magic, sizeof magic);
@@ -84,14 +54,24 @@ static status check_replaced(mem *m, const char *path) {
     return st;
 }
 
-static status check_output(job *j) {
+/* in: paths of inputs, so many. Files that they lead to are refused when they are opened. */
+static status check_output(job *j, const char *const *in, uint32_t count) {
     struct stat info;
+    status st = ST_OK;
     if (lstat(j->out, &info) != 0)
         return ST_OK; /* or what the writer says */
-    if (!j->o.replace)
-        return status_describe(ST_EXISTS, "%s: exists already, and shall not be replaced", j->out);
-    return stat(j->out, &info) == 0 && S_ISREG(info.st_mode) ? check_replaced(&j->m, j->out)
-                                                             : ST_OK;
+    file_guard_aim(&j->m, &j->target, j->out);
+    for (uint32_t i = 0; i < count && st == ST_OK; i++)
+        st = file_guard_named(&j->m, in[i]);
+    if (st == ST_OK && !j->o.replace)
+        st = status_describe(ST_EXISTS, "%s: exists already, and shall not be replaced", j->out);
+    return st;
+}
+
+/* Asked when the inputs are open: to have opened this one is told first. */
+static status check_gives_way(const job *j) {
+    struct stat info;
+    return stat(j->out, &info) == 0 && S_ISREG(info.st_mode) ? check_replaced(j->out) : ST_OK;
 }
 
 /* ---- A job ---- */
@@ -116,10 +96,11 @@ static bool must_stop(void *ctx) {
 }
 
 /* In any case job_end() follows. */
-static status job_begin(job *j, const char *out, const leafcast_convert_options *options) {
+static status job_begin(job *j, const char *const *in, uint32_t count, const char *out,
+                        const leafcast_convert_options *options) {
     *j = (job){.out = out, .o = {.size = sizeof j->o}, .stage = "begin"};
     pthread_mutex_init(&j->lock, NULL);
-    status st = options ? check_options(options) : ST_OK;
+    status st = options ? prep_arguments_check_options(options) : ST_OK;
     if (st != ST_OK)
         return st;
     if (options)
@@ -128,7 +109,7 @@ static status job_begin(job *j, const char *out, const leafcast_convert_options 
     j->o.threads = j->o.threads ? j->o.threads : pool_default_threads();
     if (j->o.watch)
         j->p = (progress){.report = tell, .stop = must_stop, .ctx = j};
-    return check_output(j);
+    return check_output(j, in, count);
 }
 
 static leafcast_status job_end(job *j, status st) {
@@ -152,8 +133,11 @@ static leaf_parameters parameters_of(const job *j) {
 /* ---- Grids ---- */
 
 static volume_hints hints_of(const job *j) {
-    return (volume_hints){
-        .has_missing = j->o.has_missing, .missing = j->o.missing, .name = j->o.name};
+    return (volume_hints){.has_missing = j->o.has_missing,
+                          .missing = j->o.missing,
+                          .exaggerate = j->o.exaggerate,
+                          .name = j->o.name,
+                          .trust = {j->o.follow_links, j->o.allow_missing}};
 }
 
 static status convert_volume(job *j, volume *v) {
@@ -164,7 +148,9 @@ static status convert_volume(job *j, volume *v) {
                                .refuse_empty = !j->o.allow_empty};
     convert_plan plan;
     convert_result result;
-    status st = convert_plan_make(&j->m, volume_grid(v), &o, &plan);
+    status st = check_gives_way(j);
+    if (st == ST_OK)
+        st = convert_plan_make(&j->m, volume_grid(v), &o, &plan);
     return st == ST_OK ? convert_run(&j->m, v, j->out, &o, &plan, &j->p, &result) : st;
 }
 
@@ -179,13 +165,9 @@ static void place_nodes(const leafcast_grid *from, grid *g) {
 
 /* Release it in any case. */
 static status make_grid(mem *m, const leafcast_grid *from, grid *g) {
-    status st = public_size("leafcast_grid", from->size, sizeof *from);
-    *g = (grid){0};
-    if (st != ST_OK)
-        return st;
     grid_init(g, from->dims, (sample_type)from->type);
     place_nodes(from, g);
-    st = grid_check(g, "leafcast_grid");
+    status st = grid_check(g, "leafcast_grid");
     for (int a = 0; a < 3 && st == ST_OK; a++)
         if (from->axis[a])
             st = grid_set_axis(g, m, "leafcast_grid", a, from->axis[a]);
@@ -239,9 +221,15 @@ static status call_slices(void *ctx, uint32_t first, uint32_t count, void *to) {
 leafcast_status leafcast_convert_slices(const leafcast_grid *from, leafcast_slice slice, void *ctx,
                                         const char *out, const leafcast_convert_options *options) {
     job j;
+    status st = public_needs(__func__, "grid slice out",
+                             (const void *[]){from, slice ? (const void *)from : NULL, out});
+    if (st == ST_OK)
+        st = prep_arguments_check_grid(from);
+    if (st != ST_OK)
+        return public_status(st);
     slices s = {.slice = slice, .ctx = ctx, .bytes = slice_bytes(from)};
     slice_source source = {.read = call_slices, .ctx = &s};
-    status st = job_begin(&j, out, options);
+    st = job_begin(&j, NULL, 0, out, options);
     if (st == ST_OK)
         st = convert_source(&j, from, &source);
     return job_end(&j, st);
@@ -278,15 +266,22 @@ leafcast_status leafcast_convert_array(const leafcast_grid *from, const void *sa
                                        const ptrdiff_t strides[3], const char *out,
                                        const leafcast_convert_options *options) {
     job j;
-    array a = {.samples = samples, .width = sample_size((sample_type)from->type)};
+    status st = public_needs(__func__, "grid samples out", (const void *[]){from, samples, out});
+    if (st == ST_OK)
+        st = prep_arguments_check_grid(from);
+    if (st != ST_OK)
+        return public_status(st);
+    const ptrdiff_t width = (ptrdiff_t)sample_size((sample_type)from->type),
+                    row = width * (ptrdiff_t)from->dims[0];
+    const ptrdiff_t tight[3] = {width, row, row * (ptrdiff_t)from->dims[1]};
+    array a = {.samples = samples, .width = (size_t)width};
+    memcpy(a.dims, from->dims, sizeof a.dims);
+    memcpy(a.strides, strides ? strides : tight, sizeof a.strides);
     slice_source source = {.read = copy_slices, .ctx = &a};
-    ptrdiff_t tight = (ptrdiff_t)a.width;
-    for (int i = 0; i < 3; i++) {
-        a.dims[i] = from->dims[i];
-        a.strides[i] = strides ? strides[i] : tight;
-        tight *= (ptrdiff_t)from->dims[i];
-    }
-    status st = job_begin(&j, out, options);
+    st = prep_arguments_check_strides(from, a.strides);
+    if (st != ST_OK)
+        return public_status(st);
+    st = job_begin(&j, NULL, 0, out, options);
     if (st == ST_OK)
         st = convert_source(&j, from, &source);
     return job_end(&j, st);
@@ -308,25 +303,19 @@ static status convert_mesh(job *j, mesh_input *x, const mesh_series *series) {
     o.refuse_empty = !j->o.allow_empty;
     o.treelet_tets = j->o.treelet_tets ? j->o.treelet_tets : o.treelet_tets;
     o.leaf_tets = j->o.leaf_tets ? j->o.leaf_tets : o.leaf_tets;
-    return mesh_convert_run(&j->m, x, j->out, &o, &j->p, &result);
+    status st = check_gives_way(j);
+    return st == ST_OK ? mesh_convert_run(&j->m, x, j->out, &o, &j->p, &result) : st;
 }
 
 static status convert_arrays(job *j, const leafcast_tets *tets) {
     mesh_input *x = NULL;
-    status st = public_size("leafcast_tets", tets->size, sizeof *tets);
-    if (st == ST_OK && (tets->vertex_count > MESH_POINTS_MAX || !tets->values))
-        st = status_describe(ST_USAGE, "leafcast_tets: %llu vertices%s",
-                             (unsigned long long)tets->vertex_count,
-                             tets->values ? ": too many" : " without values");
-    if (st != ST_OK)
-        return st;
     const mesh_arrays arrays = {.points = tets->vertex_count,
                                 .tets = tets->tet_count,
                                 .xyz = tets->vertices,
                                 .values = tets->values,
                                 .ids = tets->tets,
                                 .field = tets->field};
-    st = mesh_input_open_arrays(&j->m, &arrays, j->o.name, &x);
+    status st = mesh_input_open_arrays(&j->m, &arrays, j->o.name, &x);
     if (st == ST_OK)
         st = convert_mesh(j, x, NULL);
     mesh_input_close(x);
@@ -336,7 +325,12 @@ static status convert_arrays(job *j, const leafcast_tets *tets) {
 leafcast_status leafcast_convert_tets(const leafcast_tets *tets, const char *out,
                                       const leafcast_convert_options *options) {
     job j;
-    status st = job_begin(&j, out, options);
+    status st = public_needs(__func__, "tets out", (const void *[]){tets, out});
+    if (st == ST_OK)
+        st = prep_arguments_check_tets(tets);
+    if (st != ST_OK)
+        return public_status(st);
+    st = job_begin(&j, NULL, 0, out, options);
     if (st == ST_OK)
         st = convert_arrays(&j, tets);
     return job_end(&j, st);
@@ -375,22 +369,11 @@ static status convert_input_of(job *j, const input *in, const mesh_series *serie
     return convert_volume(j, in->v);
 }
 
-static status check_paths(const char *const *paths, uint32_t steps) {
-    if (steps < 1 || steps > LEAF_SETS_MAX)
-        return status_describe(ST_USAGE, "%u steps: 1 to %d are possible", steps, LEAF_SETS_MAX);
-    for (uint32_t i = 0; i < steps; i++)
-        if (strcmp(paths[i], "-") == 0)
-            return status_describe(ST_USAGE, "-: standard input is none of the library's");
-    return ST_OK;
-}
-
 static status convert_files(job *j, const char *const *paths, uint32_t steps, const double *times) {
     const volume_hints of_grids = hints_of(j);
     field_names fields = {0};
     input in = {0};
-    status st = check_paths(paths, steps);
-    if (st == ST_OK)
-        st = clean_fields(j, &fields);
+    status st = clean_fields(j, &fields);
     const mesh_series series = {.paths = paths,
                                 .steps = steps,
                                 .names = fields.names,
@@ -413,7 +396,12 @@ static status convert_files(job *j, const char *const *paths, uint32_t steps, co
 leafcast_status leafcast_convert_steps(const char *const *in, uint32_t steps, const double *times,
                                        const char *out, const leafcast_convert_options *options) {
     job j;
-    status st = job_begin(&j, out, options);
+    status st = public_needs(__func__, "in out", (const void *[]){in, out});
+    if (st == ST_OK)
+        st = prep_arguments_check_paths(in, steps);
+    if (st != ST_OK)
+        return public_status(st);
+    st = job_begin(&j, in, steps, out, options);
     if (st == ST_OK)
         st = convert_files(&j, in, steps, times);
     return job_end(&j, st);

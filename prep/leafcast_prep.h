@@ -6,8 +6,10 @@
  *         return complain(leafcast_error_text());
  *     leafcast_open("engine.leaf", NULL, &volume);
  *
- * Statuses, struct sizes and enumerations are as in leafcast.h. The same samples and parameters
- * give the same bytes as `leafcast convert` does, whatever the threads and the memory.
+ * Statuses, struct sizes and enumerations are as in leafcast.h, and so are arguments: every field
+ * is looked at, used or not, and what is wrong is LEAFCAST_USAGE, whose text names it. The same
+ * samples and parameters give the same bytes as `leafcast convert` does, whatever the threads and
+ * the memory.
  *
  * Outputs. A file appears under its name when it is complete and on the disk; until then, and after
  * any failure or cancel, nothing is there. It is written as OUT.partial-1, and what does not fit
@@ -40,9 +42,10 @@ extern "C" {
 typedef struct leafcast_convert_options {
     size_t size;
     uint64_t memory;  /* bytes, without the caller's own; 0: 2 GiB */
-    int threads;      /* 0: the CPUs this process may use */
+    int threads;      /* to LEAFCAST_THREADS_MAX; 0: the CPUs this process may use */
     bool replace;     /* an output that is there, and is a treelet file or empty, gives way. Nothing
-                         else ever does: no input is overwritten */
+                         else ever does; one that is an input, by any name, or that an input leads
+                         to (slices of a folder, samples beside a header), is LEAFCAST_USAGE */
     int zstd_level;   /* payloads: 1 to 22, or 0: as they are */
     bool allow_empty; /* convert what has no finite value, too; else LEAFCAST_UNSUPPORTED */
     const char *name; /* of the data set; NULL: as the input says */
@@ -56,20 +59,28 @@ typedef struct leafcast_convert_options {
     uint32_t treelet_cells; /* of a treelet, per axis: 16, 32 or 64; 0: 32 */
     bool without_halo;      /* no samples around treelets: normals need the neighbours' */
     bool has_missing;
-    double missing; /* this value stands for no data; integers are then kept as f32 */
+    double missing; /* this value stands for no data; integers are then kept as f32. Any value */
 
     /* Meshes. */
     bool gradients;        /* store that of each vertex, too, for smooth normals */
     bool coarse;           /* with a grid of the values, for previews, */
-    uint32_t coarse_dims;  /* of so many nodes along the longest edge; 0: as suits the mesh */
-    uint32_t treelet_tets; /* in a treelet at most; 0: 4096 */
-    uint32_t leaf_tets;    /* in a leaf of its tree at most; 0: 12 */
+    uint32_t coarse_dims;  /* of so many nodes along the longest edge, 2 to 2^20; 0: as suits the
+                              mesh */
+    uint32_t treelet_tets; /* in a treelet at most, to 16384; 0: 4096 */
+    uint32_t leaf_tets;    /* in a leaf of its tree at most, to 64; 0: 12 */
 
     /* Meshes in files: arrays to take, by name; none: the first of the points. */
     const char *const *fields;
-    uint32_t field_count;
+    uint32_t field_count; /* to 65536 */
     int component;        /* of vectors: 1, 2, ..; 0: their magnitude */
     bool cells_to_points; /* take arrays of the cells, averaged to the points */
+
+    /* Grids in files. What they are refused for otherwise: */
+    bool follow_links;  /* they may name files outside of their folder */
+    bool allow_missing; /* parts that they lack may all be the fill value */
+
+    /* Grids: factor on the world's z, where degrees stand beside metres: 1e-100 to 1e100; 0: 1. */
+    double exaggerate;
 } leafcast_convert_options;
 
 /* ---- From files ---- */
@@ -105,11 +116,11 @@ typedef enum leafcast_sample_type {
  */
 typedef struct leafcast_grid {
     size_t size;
-    uint32_t dims[3]; /* 2 or more on each axis */
+    uint32_t dims[3]; /* 2 to 2^20 on each axis */
     leafcast_sample_type type;
-    double spacing[3]; /* may be negative; 0: 1 */
-    double origin[3];  /* of node (0, 0, 0) */
-    /* 12 numbers, 3 rows of 4: in place of spacing and origin. NULL: as those say. */
+    double spacing[3]; /* of magnitude 1e-100 to 1e100; 0: 1 */
+    double origin[3];  /* of node (0, 0, 0); within 1e100 */
+    /* 12 numbers, 3 rows of 4, within 1e100: in place of spacing and origin. NULL: as those say. */
     const double *to_world;
     /* Of a rectilinear grid: coordinates, ascending or descending. NULL: 0, 1, 2, .. */
     const double *axis[3];
@@ -135,7 +146,7 @@ LEAFCAST_API leafcast_status leafcast_convert_array(const leafcast_grid *grid, c
 
 typedef struct leafcast_tets {
     size_t size;
-    uint64_t vertex_count, tet_count; /* vertices: below 2^32 - 1 */
+    uint64_t vertex_count, tet_count; /* below 2^32 - 1, and to 2^56 */
     const float (*vertices)[3];       /* finite */
     const float *values;              /* one a vertex */
     /* Of either orientation. Those with a vertex twice, or with one that is not there, are left

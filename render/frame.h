@@ -45,6 +45,13 @@ typedef struct frame {
     const atomic_bool *cancel; /* ends it soon with ST_STOPPED once it is true; or NULL */
 } frame;
 
+/* frame_goes_on() - whether neither *cancel nor watch() says that it shall end; for rays that take
+ * long. watch() is told less than 0: no news. */
+static inline bool frame_goes_on(const frame *f) {
+    return !(f->cancel && atomic_load_explicit(f->cancel, memory_order_relaxed)) &&
+           (!f->watch || f->watch(f->watch_ctx, -1.0));
+}
+
 /* frame_plane() - where a pixel is in the image's planes. */
 static inline size_t frame_plane(const frame *f, uint32_t pixel) {
     return pixel / f->width * f->stride + pixel % f->width;

@@ -40,6 +40,19 @@ static status open_loader(leafcast *v) {
     return loader_create(v->m, v->file, &o, v->device->readers, &v->treelets);
 }
 
+_Static_assert((int)LEAFCAST_AXES_LPS == (int)WORLD_LPS && (int)LEAFCAST_AXES_RAS == (int)WORLD_RAS,
+               "the public axes are those of the file");
+
+/* In the world that is asked for, where the file says which is its own. */
+static void place(leafcast *v) {
+    const world_axes wanted = (world_axes)v->options.axes;
+    double map[3][4];
+    memcpy(map, v->file->header.to_world, sizeof map);
+    const bool turned = world_axes_turn(v->file->frame.axes, wanted, map);
+    v->axes = turned ? wanted : (world_axes)v->file->frame.axes;
+    affine_init(&v->space, (const double *)map);
+}
+
 status volume_open_file(leafcast *v) {
     mem *m = v->m;
     v->kind = kind_of(v->file);
@@ -52,7 +65,7 @@ status volume_open_file(leafcast *v) {
     v->stop = mem_array(m, v->file->layout.treelets, sizeof *v->stop);
     if (!v->touched || !v->stop)
         return ST_NOMEM;
-    affine_init(&v->space, v->file->header.to_world);
+    place(v);
     v->preview_levels = v->file->header.levels + coarse_preview_levels(v);
     return ST_OK;
 }
@@ -127,10 +140,14 @@ static status open_on(leafcast_device *d, const leafcast_options *options, const
 static leafcast_status open_volume(const location *from, const leafcast_options *given,
                                    leafcast **volume) {
     const double start = clock_seconds();
+    status st = given ? arguments_check_options(given) : ST_OK;
+    if (st != ST_OK)
+        return public_status(st);
     const leafcast_options options = given ? *given : (leafcast_options){.size = sizeof options};
     leafcast_device *d = options.device;
-    status st = arguments_check_options(&options);
-    if (st == ST_OK && !d)
+    if (d)
+        st = arguments_check_device("leafcast_open", d);
+    else
         st = (status)leafcast_device_create(&options, &d);
     if (st != ST_OK)
         return public_status(st);
@@ -149,17 +166,20 @@ static leafcast_status open_volume(const location *from, const leafcast_options 
 leafcast_status leafcast_open(const char *path, const leafcast_options *options,
                               leafcast **volume) {
     const location from = {.path = path};
-    return open_volume(&from, options, volume);
+    const status st = public_needs(__func__, "path volume", (const void *[]){path, volume});
+    return st == ST_OK ? open_volume(&from, options, volume) : public_status(st);
 }
 
 leafcast_status leafcast_open_memory(const void *bytes, size_t size,
                                      const leafcast_options *options, leafcast **volume) {
     const location from = {.bytes = bytes, .size = size};
-    return open_volume(&from, options, volume);
+    const status st =
+        public_needs(__func__, "bytes volume", (const void *[]){size > 0 ? bytes : "", volume});
+    return st == ST_OK ? open_volume(&from, options, volume) : public_status(st);
 }
 
 void leafcast_close(leafcast *v) {
-    if (!v)
+    if (!v || !device_is_here(v->device))
         return;
     leafcast_device *d = v->device;
     device_lock(d);
@@ -174,10 +194,17 @@ void leafcast_close(leafcast *v) {
 }
 
 leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
-    const leaf_header *h = &v->file->header;
-    const status st = public_size("leafcast_info", info->size, sizeof *info);
+    status st = public_needs(__func__, "info", (const void *[]){info});
+    if (st == ST_OK)
+        st = arguments_check_info(info);
     if (st != ST_OK)
         return public_status(st);
+    *info = (leafcast_info){.size = sizeof *info};
+    st = public_needs(__func__, "volume", (const void *[]){v});
+    if (st != ST_OK)
+        return public_status(st);
+    const leaf_header *h = &v->file->header;
+    const world_frame *world = &v->file->frame;
     *info = (leafcast_info){.size = sizeof *info,
                             .kind = v->kind->name,
                             .levels = h->levels,
@@ -191,6 +218,9 @@ leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
                             .value_max = h->value_max,
                             .preview_levels = v->preview_levels,
                             .gradients = h->gradients != 0,
+                            .axes = (leafcast_axes)v->axes,
+                            .units = {world->unit[0], world->unit[1], world->unit[2]},
+                            .time_unit = world->time_unit,
                             .cell_size = 1.0,
                             .file_bytes = h->file_bytes,
                             .payload_bytes = h->payload_bytes};
@@ -205,7 +235,9 @@ leafcast_surface leafcast_surface_default(double isovalue) {
 }
 
 leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, int count) {
-    const status st = arguments_check_surfaces(surfaces, count);
+    status st = arguments_check_volume(__func__, v);
+    if (st == ST_OK)
+        st = arguments_check_surfaces(surfaces, count);
     if (st != ST_OK)
         return public_status(st);
     device_lock(v->device);
@@ -226,6 +258,8 @@ status volume_check_set(const leafcast *v, uint32_t field, uint32_t step) {
 }
 
 void leafcast_stop_reading(leafcast *v) {
+    if (!v || !device_is_here(v->device))
+        return;
     device_lock(v->device);
     loader_rest(v->treelets);
     if (v->coarse)
@@ -234,7 +268,9 @@ void leafcast_stop_reading(leafcast *v) {
 }
 
 leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) {
-    const status st = volume_check_set(v, field, step);
+    status st = arguments_check_volume(__func__, v);
+    if (st == ST_OK)
+        st = volume_check_set(v, field, step);
     if (st != ST_OK)
         return public_status(st);
     device_lock(v->device);
@@ -247,21 +283,27 @@ leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) 
 }
 
 leafcast_status leafcast_range(const leafcast *v, uint32_t field, uint32_t step, double range[2]) {
-    const status st = volume_check_set(v, field, step);
+    status st = public_needs(__func__, "volume range", (const void *[]){v, range});
+    if (st == ST_OK)
+        st = volume_check_set(v, field, step);
     if (st == ST_OK)
         leaf_histogram_range(v->file, leaf_layout_set(&v->file->layout, field, step), range);
     return public_status(st);
 }
 
 const char *leafcast_field_name(const leafcast *v, uint32_t field) {
-    return leaf_file_field_name(v->file, field);
+    return v ? leaf_file_field_name(v->file, field) : "";
 }
 
 double leafcast_step_time(const leafcast *v, uint32_t step) {
-    return leaf_file_step_time(v->file, step);
+    return v ? leaf_file_step_time(v->file, step) : (double)step;
 }
 
 leafcast_status leafcast_find_field(const leafcast *v, const char *name, uint32_t *field) {
+    const status given =
+        public_needs(__func__, "volume name field", (const void *[]){v, name, field});
+    if (given != ST_OK)
+        return public_status(given);
     const uint32_t fields = v->file->header.fields;
     int64_t number = 0;
     for (*field = 0; *field < fields; ++*field)
@@ -281,7 +323,9 @@ leafcast_status leafcast_find_field(const leafcast *v, const char *name, uint32_
 }
 
 leafcast_status leafcast_init_scene(leafcast_scene *scene) {
-    const status st = public_size("leafcast_scene", scene->size, sizeof *scene);
+    status st = public_needs(__func__, "scene", (const void *[]){scene});
+    if (st == ST_OK)
+        st = public_size("leafcast_scene", scene->size, sizeof *scene);
     if (st == ST_OK)
         *scene = (leafcast_scene){
             .size = sizeof *scene, .ambient = 0.15f, .specular = 0.3f, .shininess = 32};
@@ -290,8 +334,15 @@ leafcast_status leafcast_init_scene(leafcast_scene *scene) {
 
 leafcast_status leafcast_get_standard_view(const leafcast *v, double distance, uint32_t width,
                                            uint32_t height, leafcast_camera *view) {
-    const leafcast_info info = leafcast_describe(v);
-    const status st = public_size("leafcast_camera", view->size, sizeof *view);
+    leafcast_info info = {.size = sizeof info};
+    status st = arguments_begin_view(__func__, view, width, height);
+    if (st == ST_OK)
+        st = public_needs(__func__, "volume", (const void *[]){v});
+    if (st == ST_OK)
+        st = public_in_range(__func__, "distance", distance, LEAFCAST_DIRECTION_LEAST,
+                             LEAFCAST_PLACE_MOST);
+    if (st == ST_OK)
+        st = (status)leafcast_get_info(v, &info);
     if (st == ST_OK)
         *view = camera_standard((const double(*)[3])info.bounds, distance, width, height);
     return public_status(st);
@@ -300,12 +351,14 @@ leafcast_status leafcast_get_standard_view(const leafcast *v, double distance, u
 void leafcast_pixel_ray(const leafcast_camera *camera_of, double x, double y, double origin[3],
                         double direction[3]) {
     camera c;
+    if (!origin || !direction)
+        return;
     for (int a = 0; a < 3; a++) {
-        origin[a] = camera_of->eye[a];
+        origin[a] = camera_of ? camera_of->eye[a] : 0.0;
         direction[a] = 0.0;
     }
-    if (public_size("leafcast_camera", camera_of->size, sizeof *camera_of) == ST_OK &&
-        camera_init(&c, camera_of) == ST_OK)
+    if (camera_of && arguments_check_camera(camera_of) == ST_OK &&
+        camera_init(&c, camera_of) == ST_OK && isfinite(x) && isfinite(y))
         camera_ray(&c, x, y, origin, direction);
 }
 

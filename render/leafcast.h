@@ -14,7 +14,13 @@
  *
  * Errors. Every call that can fail returns a leafcast_status; leafcast_error_text() then says more,
  * for the calling thread. A volume stays usable after any failure: the next call starts afresh.
- * Pointers must be valid; only those of which it is said may be NULL.
+ *
+ * Arguments. Every call looks at all that it is given before it does anything: at pointers, and at
+ * every field of every struct, used or not, for the range that is said where it is declared. What
+ * is wrong is LEAFCAST_USAGE, whose text names the field. Numbers are finite where nothing else is
+ * said. Only pointers of which it is said may be NULL, and arrays without elements; others must
+ * point to as much as the call needs, which nobody can look at. Structs that are all zero but
+ * `size` are right, but for cameras, surfaces and slices.
  *
  * Sizes. A struct that has a member `size` may grow at its end in later versions: set it to the
  * size of the struct before the struct is passed, whether you fill it or the library does
@@ -31,6 +37,10 @@
  * that share a volume let their scenes say it instead. Of the caller's code, a device's threads run
  * watch() alone, which must not call for that device. Their signal mask is that of the thread that
  * made them.
+ *
+ * Processes. What fork() copies is no use to the child: there, calls with a volume or frame from
+ * before are LEAFCAST_USAGE, and closing, destroying and ending give nothing back, but return. It
+ * may make devices and open volumes of its own. The parent goes on undisturbed.
  *
  * Colours are linear RGB in [0, 1]. Those of pictures are premultiplied by alpha (a background of
  * alpha 0 adds nothing), and not clamped: light may exceed 1. Bytes for a screen are the caller's:
@@ -54,6 +64,23 @@ extern "C" {
 /* leafcast_version() - of the library that is linked: a LEAFCAST_VERSION, as text. */
 LEAFCAST_API const char *leafcast_version(void);
 
+/* ---- Ranges ---- */
+
+/* Of numbers in world space: coordinates, lengths, planes, directions. A direction may have any
+ * length whose largest component is from the least to the most: so no square of one, and no
+ * quotient of two of these, is 0 or infinite. */
+#define LEAFCAST_PLACE_MOST      1e100
+#define LEAFCAST_DIRECTION_LEAST 1e-100
+
+/* Of a component of a colour that is drawn, or of light. */
+#define LEAFCAST_COLOUR_MOST 1e9
+
+enum {
+    LEAFCAST_LEVEL_MAX = 31, /* of detail; the coarsest there is stands for those that are not */
+    LEAFCAST_SHININESS_MAX = 1024,
+    LEAFCAST_LINE_POINTS_MAX = 1 << 24 /* of a slice along a line */
+};
+
 /* ---- Opening ---- */
 
 typedef struct leafcast_device leafcast_device;
@@ -67,6 +94,14 @@ typedef enum leafcast_backend {
     LEAFCAST_BACKEND_ARENA /* treelets are read (and decompressed) into memory of our own */
 } leafcast_backend;
 
+/* Which way the axes of the world point in a body: x to the left, y to its back and z to its head
+ * (DICOM, ITK), or x to the right, y to the front and z to the head (NIfTI). */
+typedef enum leafcast_axes {
+    LEAFCAST_AXES_FILE = 0, /* as the file has them; in leafcast_info: the file does not say */
+    LEAFCAST_AXES_LPS,
+    LEAFCAST_AXES_RAS
+} leafcast_axes;
+
 typedef struct leafcast_options {
     size_t size;
 
@@ -74,7 +109,8 @@ typedef struct leafcast_options {
 
     /* Bytes for everything: directories, treelets, rays; 0: as much as scenes need. */
     uint64_t memory;
-    int threads;     /* render threads; 0: the CPUs this process may use; 1: the caller's alone */
+    int threads; /* render threads, to LEAFCAST_THREADS_MAX; 0: the CPUs this process may use; 1:
+                    the caller's alone */
     const char *isa; /* kernels by name ("scalar"); NULL or "auto": the best this CPU has */
     /* To draw by `threads` threads of the caller's: run() calls work(arg, i) once for every i below
      * count, side by side or one after the other, and returns when all these have returned. NULL:
@@ -91,6 +127,9 @@ typedef struct leafcast_options {
      * means then go from tet to tet (M08 6.3), with the same bits: mostly in two thirds of the
      * time, in more where a transfer function leaves most tets out. */
     bool neighbours;
+    /* The world that the volume is to lie in: one whose file says that it lies in the other is
+     * turned by half a turn about z; one whose file does not say stays as it is. */
+    leafcast_axes axes;
 } leafcast_options;
 
 /* leafcast_device_create() - options may be NULL for the defaults; those of volumes do not matter.
@@ -132,10 +171,14 @@ typedef struct leafcast_info {
     uint64_t file_bytes, payload_bytes;
     uint32_t preview_levels; /* of detail that a preview may draw: levels; of a mesh with a coarse
                                 grid the tets, and then those of the grid */
-    bool gradients; /* at the vertices of a mesh: leafcast_scene.smooth_normals may be set */
+    bool gradients;        /* at the vertices of a mesh: leafcast_scene.smooth_normals may be set */
+    leafcast_axes axes;    /* of the world that it lies in */
+    const char *units[3];  /* of lengths along x, y, z: "mm"; "": the file does not say */
+    const char *time_unit; /* of leafcast_step_time(): "s"; likewise */
 } leafcast_info;
 
-/* leafcast_get_info(), leafcast_describe() - pointers live as long as the volume. */
+/* leafcast_get_info(), leafcast_describe() - pointers live as long as the volume. Of no volume
+ * (NULL) all is 0. */
 LEAFCAST_API leafcast_status leafcast_get_info(const leafcast *volume, leafcast_info *info);
 
 static inline leafcast_info leafcast_describe(const leafcast *of) {
@@ -150,9 +193,9 @@ static inline leafcast_info leafcast_describe(const leafcast *of) {
 enum { LEAFCAST_SURFACES_MAX = 32, LEAFCAST_LIGHTS_MAX = 16, LEAFCAST_CLIP_PLANES_MAX = 16 };
 
 typedef struct leafcast_surface {
-    double isovalue;
-    float rgb[3];
-    float opacity; /* (0, 1]; 1 is opaque */
+    double isovalue; /* finite */
+    float rgb[3];    /* 0 to LEAFCAST_COLOUR_MOST */
+    float opacity;   /* (0, 1]; 1 is opaque */
 } leafcast_surface;
 
 LEAFCAST_API leafcast_surface leafcast_surface_default(double isovalue);
@@ -205,7 +248,7 @@ LEAFCAST_API leafcast_status leafcast_range(const leafcast *volume, uint32_t fie
 typedef struct leafcast_light {
     bool point;       /* position, else direction */
     double vector[3]; /* towards the light, or where it is */
-    float rgb[3];     /* no fall-off */
+    float rgb[3];     /* 0 to LEAFCAST_COLOUR_MOST; no fall-off */
 } leafcast_light;
 
 typedef enum leafcast_shading {
@@ -229,9 +272,10 @@ typedef enum leafcast_lod {
  * what of it comes through all that is in front. Where several volumes are filled at one place,
  * their k add, and so do their c k. */
 typedef struct leafcast_transfer_point {
-    double value; /* finite; that of the point before, or more by LEAFCAST_TRANSFER_NARROWEST */
-    float rgb[3]; /* 0 and more */
-    double extinction; /* per world length: 0 and more, finite */
+    double value;      /* -1e300 to 1e300; that of the point before, or more by
+                          LEAFCAST_TRANSFER_NARROWEST */
+    double rgb[3];     /* 0 to the greatest float */
+    double extinction; /* per world length: 0 to 1e100 */
 } leafcast_transfer_point;
 
 enum { LEAFCAST_TRANSFER_POINTS_MAX = 4096 };
@@ -276,21 +320,22 @@ typedef struct leafcast_scene {
     leafcast_light lights[LEAFCAST_LIGHTS_MAX];
     int light_count; /* 0: a headlight at the eye, without shadows */
     float ambient;   /* k_a of M08 eq. 4.6, in [0, 1] */
-    float specular;  /* Phong: weight of the highlight */
-    int shininess;   /* Phong: its exponent, 1 .. 1024 */
+    float specular;  /* Phong: weight of the highlight, 0 to LEAFCAST_COLOUR_MOST */
+    int shininess;   /* Phong: its exponent, 1 to LEAFCAST_SHININESS_MAX; others: or 0 */
     leafcast_shading shading;
     bool shadows;
     bool analytic_normals; /* gradient of the cell's trilinear form instead of interpolated central
                               differences; of a mesh that of the tet, in any case but the next */
     bool smooth_normals;   /* of a mesh: interpolated gradients at the vertices, which its file must
                               have; for shading and image.normal alone */
-    float background[4];   /* RGBA */
+    float background[4];   /* RGBA, each 0 to LEAFCAST_COLOUR_MOST */
     bool clip_box;         /* draw only what is inside clip_min .. clip_max */
     double clip_min[3], clip_max[3];
     double clip_planes[LEAFCAST_CLIP_PLANES_MAX][4]; /* (n, d): draw only where n . p + d >= 0 */
     int clip_plane_count;
     leafcast_lod lod;
-    uint32_t lod_level;
+    uint32_t lod_level; /* 0 is full resolution; more than there are: the last one; at most
+                           LEAFCAST_LEVEL_MAX */
     bool preview; /* do not wait: draw the finest level that is resident, of a mesh its coarse grid
                      where tets are absent, and say where that is provisional; of a medium also how
                      far that may be off (image.error). A mesh with a coarse grid has coarse levels
@@ -301,14 +346,16 @@ typedef struct leafcast_scene {
     int samples;  /* rays a pixel for r, g, b, a: 0 or 1 (through its centre), 4 or 16 on a fixed
                      pattern, whose mean is taken; each takes the time of a picture. z, normal and
                      id stay those of the pixel's centre */
-    int layers_max; /* stop after so many transparent surfaces on a ray; 0: no limit */
+    int layers_max; /* stop after so many transparent surfaces on a ray; 0: no limit; not below 0 */
     const struct leafcast_scene_experiments *experiments; /* leafcast_experimental.h; NULL: none */
     const leafcast_medium *media;                         /* what its volumes are filled with, */
     int media_count; /* as many as volumes (volume_count 0: 1); or 0: nothing is */
     /* How far a channel (r, g, b, a) of a picture with media may be from the integral along the ray
      * through the pixel's centre, as that ray is when it has been rounded to the volume's own
      * space: in [1e-9, 1]; 0: half a step of 8 bits, 1/510. image.error says how far it is at most.
-     */
+     * The integral is that of the data at full resolution, with surfaces and caps as they are lit,
+     * in floats. Where lod draws coarse levels, nobody knows how far those are from the data: then
+     * image.error is all that may be seen, and the pixel is uncertified. */
     double error;
     /* Instead of surfaces and media. Coloured by the colours of the first medium, whatever its
      * extinction; without, grey from the least to the greatest value of the volumes' fields. */
@@ -345,16 +392,18 @@ static inline leafcast_scene leafcast_scene_default(void) {
 typedef struct leafcast_camera {
     size_t size;
     double eye[3], look_at[3], up[3];
-    double fov;             /* vertical, degrees; of a perspective camera */
-    uint32_t width, height; /* pixels; centres at +0.5, y down */
-    /* Orthographic, if not 0: world units from the lower to the upper edge of the picture. Rays are
-     * parallel and begin in the plane through the eye. */
+    double fov;             /* vertical, degrees, below 180; above 0 of a perspective camera */
+    uint32_t width, height; /* pixels, 1 or more each, below 2^31 together; centres at +0.5, y down
+                             */
+    /* Orthographic, if not 0: world units from the lower to the upper edge of the picture, to
+     * LEAFCAST_PLACE_MOST. Rays are parallel and begin in the plane through the eye. */
     double ortho_height;
 } leafcast_camera;
 
-/* leafcast_get_standard_view(), leafcast_standard_view() - fov 45, up +z, looking at the centre of
- * the bounding box from `distance` (2.2: the standard view, 1.1: the close view) times its longest
- * edge in the direction (1, 0.6, 0.8). */
+/* leafcast_get_standard_view(), leafcast_standard_view() - width and height as a camera may have
+ * them, distance above 0; what is wrong gives a camera that is all 0. fov 45, up +z, looking at the
+ * centre of the bounding box from `distance` (2.2: the standard view, 1.1: the close view) times
+ * its longest edge in the direction (1, 0.6, 0.8). */
 LEAFCAST_API leafcast_status leafcast_get_standard_view(const leafcast *volume, double distance,
                                                         uint32_t width, uint32_t height,
                                                         leafcast_camera *camera);
@@ -400,8 +449,8 @@ LEAFCAST_API leafcast_status leafcast_get_histogram(const leafcast *volume, uint
 LEAFCAST_API leafcast_status leafcast_data_range(const leafcast *volume, uint32_t field,
                                                  uint32_t step, double range[2]);
 
-/* leafcast_suggested_isovalues() - up to `max` (at most LEAFCAST_SUGGESTIONS_MAX) isovalues whose
- * surfaces are worth a look, best first; *count may become 0. */
+/* leafcast_suggested_isovalues() - up to `max` (0 and more; at most LEAFCAST_SUGGESTIONS_MAX)
+ * isovalues whose surfaces are worth a look, best first; *count may become 0. */
 enum { LEAFCAST_SUGGESTIONS_MAX = 4 };
 LEAFCAST_API leafcast_status leafcast_suggested_isovalues(const leafcast *volume, uint32_t field,
                                                           uint32_t step, double *isovalues, int max,
@@ -409,8 +458,8 @@ LEAFCAST_API leafcast_status leafcast_suggested_isovalues(const leafcast *volume
 
 /* leafcast_fit_view() - a view of what these isovalues make active, of the whole volume where they
  * make nothing so. Up is +z, unless the box is more than twice as long along z as along x and y:
- * then up is the longer one of these. The longest of the other axes lies across. fov: vertical,
- * degrees; 0: LEAFCAST_FIT_FOV. */
+ * then up is the longer one of these. The longest of the other axes lies across. count: 0 to
+ * LEAFCAST_SURFACES_MAX. fov: vertical, degrees, below 180; 0: LEAFCAST_FIT_FOV. */
 enum { LEAFCAST_FIT_FOV = 35 };
 LEAFCAST_API leafcast_status leafcast_fit_view(const leafcast *volume, uint32_t field,
                                                uint32_t step, const double *isovalues, int count,
@@ -435,10 +484,11 @@ typedef struct leafcast_image {
     /* The part of the camera's picture that is drawn, and that planes hold: its left upper pixel
      * and its size. Width 0: the whole picture. */
     uint32_t x, y, width, height;
-    size_t stride; /* values from row to row, of all planes; 0: width */
+    size_t stride; /* values from row to row, of all planes, width or more; 0: width */
     double *rgba;  /* 4 values a pixel: colour and alpha as in r, g, b, a, unrounded */
     double *error; /* of media: no channel of rgba is further off than this; where provisional: off
-                      the picture of all data */
+                      the picture of all data. Of projections: 0, or +inf where they are of coarse
+                      levels or provisional */
     double *value; /* of a projection; NaN where the ray meets no data */
 } leafcast_image;
 
@@ -457,8 +507,8 @@ typedef struct leafcast_stats {
     uint64_t nodes, cells, roots;
     uint64_t covered_pixels; /* that show a surface */
     uint64_t provisional_pixels, ill_conditioned;
-    uint64_t uncertified_pixels; /* of media: scene.error is less than rounding allows; without
-                                    those that are provisional */
+    uint64_t uncertified_pixels; /* of media: scene.error is less than rounding allows, or coarse
+                                    levels are drawn; without those that are provisional */
     uint64_t passes; /* 1, and 1 more whenever all rays waited for treelets to give way to others */
     /* Of packets through a mesh (W07 table 4): rays individually tested against boxes and against
      * isopolygons; packets against boxes by intervals, and against isoranges; isopolygons taken up.
@@ -476,9 +526,9 @@ typedef struct leafcast_stats {
 } leafcast_stats;
 
 /* leafcast_check_room() - whether the memory budget holds such a picture, before its planes are
- * there: planes may have any pointers that are not NULL. `beside`: bytes of the caller's own that
- * shall count too, in this and in the following pictures. LEAFCAST_NOMEM names the smallest budget
- * that would do. */
+ * there: planes may have any pointers that are not NULL. `beside`: bytes of the caller's own (to
+ * 2^60) that shall count too, in this and in the following pictures. LEAFCAST_NOMEM names the
+ * smallest budget that would do. */
 LEAFCAST_API leafcast_status leafcast_check_room(leafcast *volume, const leafcast_scene *scene,
                                                  const leafcast_camera *camera,
                                                  const leafcast_image *planes, uint64_t beside);
@@ -502,9 +552,9 @@ LEAFCAST_API leafcast_status leafcast_frame_begin(leafcast *volume, const leafca
                                                   const leafcast_image *image,
                                                   leafcast_frame **frame);
 
-/* leafcast_frame_advance() - draw for about so many seconds (INFINITY: to the end), then return
- * with what there is; *done: all of it. Some tiles are drawn in any case. The next call goes on
- * where this one stopped, whatever was drawn in between: the picture is the same bits. stats, of
+/* leafcast_frame_advance() - draw for about so many seconds (INFINITY: to the end; no NaN), then
+ * return with what there is; *done: all of it. Some tiles are drawn in any case. The next call goes
+ * on where this one stopped, whatever was drawn in between: the picture is the same bits. stats, of
  * all calls so far, may be NULL; rays and cells are in it only when all is done. After a failure
  * the frame may only be ended. */
 LEAFCAST_API leafcast_status leafcast_frame_advance(leafcast_frame *frame, double seconds,
@@ -535,8 +585,9 @@ typedef struct leafcast_hit {
     double error_bound; /* of t, world units; INFINITY when the ray only grazes */
 } leafcast_hit;
 
-/* leafcast_probe_ray() - all hits of one ray with the selected surfaces, in order; at most max of
- * them, *count says how many were written. t counts in lengths of direction. */
+/* leafcast_probe_ray() - all hits of one ray with the selected surfaces, in order; at most max (0
+ * and more) of them, *count says how many were written. t counts in lengths of direction. Origin
+ * and direction as of a leafcast_ray. */
 LEAFCAST_API leafcast_status leafcast_probe_ray(leafcast *volume, const leafcast_scene *scene,
                                                 const double origin[3], const double direction[3],
                                                 leafcast_hit *hits, int max, int *count);
@@ -565,8 +616,9 @@ LEAFCAST_API leafcast_status leafcast_probe_segments(leafcast *volume, const lea
 
 /* Rays of the caller's own, in world space. t counts in lengths of direction. */
 typedef struct leafcast_ray {
-    double origin[3], direction[3]; /* finite; direction not 0,0,0 */
-    double t0, t1;                  /* t0 <= t1; t1 may be INFINITY */
+    double origin[3];    /* within LEAFCAST_PLACE_MOST */
+    double direction[3]; /* the largest component LEAFCAST_DIRECTION_LEAST to LEAFCAST_PLACE_MOST */
+    double t0, t1;       /* t0 <= t1; t1 may be INFINITY */
 } leafcast_ray;
 
 typedef struct leafcast_ray_hit {
@@ -580,8 +632,8 @@ typedef struct leafcast_ray_hit {
     bool entering;   /* from below the isovalue to above */
 } leafcast_ray_hit;
 
-/* leafcast_trace_rays() - the first hit of each of count rays with what the scene shows; its
- * preview, lights and colours do not matter. By all threads of the device, within its budget.
+/* leafcast_trace_rays() - the first hit of each of count rays (to 2^30) with what the scene shows;
+ * its preview, lights and colours do not matter. By all threads of the device, within its budget.
  * leafcast_occluded_rays() - whether there is any: 1 or 0 a ray, for less.
  *
  * Rays walk in batches: neighbours in the array that go the same way take less time. */
@@ -593,7 +645,7 @@ LEAFCAST_API leafcast_status leafcast_occluded_rays(leafcast *volume, const leaf
                                                     uint8_t *occluded);
 
 /* leafcast_pixel_ray() - the primary ray of a pixel: origin = eye, unit direction; direction 0,0,0
- * of a camera that cannot be. */
+ * of a camera, or a pixel, that cannot be. */
 LEAFCAST_API void leafcast_pixel_ray(const leafcast_camera *camera, double x, double y,
                                      double origin[3], double direction[3]);
 
@@ -611,6 +663,8 @@ typedef struct leafcast_sample {
     uint32_t treelet;
 } leafcast_sample;
 
+/* leafcast_probe_point() - the cell that holds a point. One that is beyond all volumes, not finite
+ * among them, is not `inside`, and its value is NaN. */
 LEAFCAST_API leafcast_status leafcast_probe_point(leafcast *volume, const double point[3],
                                                   leafcast_sample *sample);
 
@@ -637,12 +691,12 @@ typedef enum leafcast_interpolation {
 typedef struct leafcast_slice_pixels {
     size_t size;
     leafcast_interpolation interpolation;
-    uint32_t level; /* of detail: 0 is full resolution; of a mesh 0 */
+    uint32_t level; /* of detail, which the volume has: 0 is full resolution; of a mesh 0 */
     double origin[3], u[3], v[3];
-    const double (*line)[3]; /* of a polyline; NULL: none */
-    uint32_t line_count;     /* 0, or 2 and more */
-    uint32_t width, height;
-    uint64_t beside;          /* bytes of the caller's own that the budget counts, too */
+    const double (*line)[3];  /* of a polyline; NULL: none */
+    uint32_t line_count;      /* 0, or 2 to LEAFCAST_LINE_POINTS_MAX */
+    uint32_t width, height;   /* 1 and more */
+    uint64_t beside;          /* bytes of the caller's own that the budget counts, too; to 2^60 */
     uint32_t first_row, rows; /* leafcast_sample_slice(): these rows alone; rows 0: all */
 } leafcast_slice_pixels;
 

@@ -151,7 +151,7 @@ static status draw_volume(turn *t, const frame *f, const transfer *colours, int 
     const point_samples p = {
         .volume = shown->volume,
         .set = leaf_layout_set(&shown->volume->file->layout, shown->field, shown->step),
-        .level = scene->lod == LEAFCAST_LOD_LEVEL ? scene->lod_level : 0,
+        .level = scene_level(scene, shown->volume),
         .count = frame_pixels(f),
         .point = cap_point,
         .found = cap_found,

@@ -1,5 +1,6 @@
 #include "render/leafcast_device.h"
 
+#include "formats/public_status.h"
 #include "render/arguments.h"
 #include "render/leafcast_volume.h"
 
@@ -22,6 +23,7 @@ static status device_init(leafcast_device *d) {
     mem_init(&d->budget, (size_t)d->options.memory);
     pthread_mutex_init(&d->lock, NULL);
     d->users = 1;
+    d->process = getpid();
     if (!kernels_for(d->options.isa, &d->kernels))
         return status_describe(ST_USAGE, "this CPU or this build has no kernels called %s",
                                d->options.isa);
@@ -34,7 +36,9 @@ static status device_init(leafcast_device *d) {
 
 leafcast_status leafcast_device_create(const leafcast_options *options, leafcast_device **device) {
     mem outside;
-    status st = options ? arguments_check_options(options) : ST_OK;
+    status st = public_needs(__func__, "device", (const void *[]){device});
+    if (st == ST_OK && options)
+        st = arguments_check_options(options);
     if (st == ST_OK && options && options->device)
         st = status_describe(ST_USAGE, "leafcast_options.device: a device is not on another one");
     if (st != ST_OK)
@@ -70,7 +74,7 @@ void device_release(leafcast_device *d) {
 }
 
 void leafcast_device_destroy(leafcast_device *d) {
-    if (d)
+    if (d && device_is_here(d))
         device_release(d);
 }
 

@@ -8,6 +8,7 @@
 #define RENDER_LEAFCAST_DEVICE_H
 
 #include <pthread.h>
+#include <unistd.h>
 
 #include "formats/base/pool.h"
 #include "render/kernels.h"
@@ -19,6 +20,7 @@ struct leafcast_device {
     pool *threads;
     readers *readers;
     kernels kernels;
+    pid_t process; /* that made it, and has its threads */
     pthread_mutex_t lock;
     /* Guarded by lock: */
     leafcast *volumes;    /* open on it, by their `next` */
@@ -30,10 +32,17 @@ struct leafcast_device {
     size_t scratch_bytes; /* counted in frames_bytes */
 };
 
+/* device_is_here() - whether this is the process that made it. In a child of fork() it has no
+ * threads, and its lock may be held for ever. */
+static inline bool device_is_here(const leafcast_device *d) {
+    return d->process == getpid();
+}
+
 void device_lock(leafcast_device *d);
 void device_unlock(leafcast_device *d);
 
-/* device_release() - one user less; without any, it ends. With the lock not held. */
+/* device_release() - one user less; without any, it ends. With the lock not held, by the process
+ * that made it. */
 void device_release(leafcast_device *d);
 
 /* device_clear() - all volumes give their treelets back, if the device has a budget. With the lock

@@ -1,5 +1,7 @@
 /* leafcast_fit.c - what is worth a look, and from where: histograms, isovalues, the view that fits.
  */
+#include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -24,7 +26,9 @@ static status find_histogram(const leafcast *v, uint32_t field, uint32_t step, h
 leafcast_status leafcast_get_histogram(const leafcast *v, uint32_t field, uint32_t step,
                                        leafcast_histogram *to) {
     histogram h;
-    const status st = find_histogram(v, field, step, &h);
+    status st = public_needs(__func__, "volume histogram", (const void *[]){v, to});
+    if (st == ST_OK)
+        st = find_histogram(v, field, step, &h);
     if (st != ST_OK)
         return public_status(st);
     *to =
@@ -63,18 +67,42 @@ leafcast_status leafcast_data_range(const leafcast *v, uint32_t field, uint32_t 
 leafcast_status leafcast_suggested_isovalues(const leafcast *v, uint32_t field, uint32_t step,
                                              double *isovalues, int max, int *count) {
     histogram h;
-    const status st = find_histogram(v, field, step, &h);
-    *count = st == ST_OK ? histogram_suggest(&h, isovalues, max) : 0;
+    status st = public_needs(__func__, "volume count isovalues",
+                             (const void *[]){v, count, max == 0 ? (void *)count : isovalues});
+    if (st != ST_OK)
+        return public_status(st);
+    *count = 0;
+    st = public_in_range(__func__, "max", max, 0, INT_MAX);
+    if (st == ST_OK)
+        st = find_histogram(v, field, step, &h);
+    if (st == ST_OK && max > 0)
+        *count = histogram_suggest(&h, isovalues,
+                                   max < LEAFCAST_SUGGESTIONS_MAX ? max : LEAFCAST_SUGGESTIONS_MAX);
     return public_status(st);
+}
+
+static status check_isovalues(const char *call, const double *isovalues, int count) {
+    status st = public_in_range(call, "count", count, 0, LEAFCAST_SURFACES_MAX);
+    if (st == ST_OK && count > 0)
+        st = public_needs(call, "isovalues", (const void *[]){isovalues});
+    for (int i = 0; i < count && st == ST_OK; i++)
+        st = public_in_range(call, "an isovalue", isovalues[i], -DBL_MAX, DBL_MAX);
+    return st;
 }
 
 leafcast_status leafcast_fit_view(const leafcast *v, uint32_t field, uint32_t step,
                                   const double *isovalues, int count, double fov, uint32_t width,
                                   uint32_t height, leafcast_camera *view) {
     double corners[8][3];
-    status st = public_size("leafcast_camera", view->size, sizeof *view);
+    status st = arguments_begin_view(__func__, view, width, height);
+    if (st == ST_OK)
+        st = public_needs(__func__, "volume", (const void *[]){v});
     if (st == ST_OK)
         st = volume_check_set(v, field, step);
+    if (st == ST_OK)
+        st = check_isovalues(__func__, isovalues, count);
+    if (st == ST_OK)
+        st = public_in_range(__func__, "fov", fov, 0.0, nextafter(180.0, 0.0));
     if (st != ST_OK)
         return public_status(st);
     v->kind->active_box(v, leaf_layout_set(&v->file->layout, field, step), isovalues, count,

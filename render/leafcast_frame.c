@@ -37,6 +37,7 @@ struct leafcast_frame {
     ray_counters counters;
     double render_s;
     atomic_bool cancelled;
+    _Atomic double share;                  /* of the pixels, as watch() was told */
     bool (*watch)(void *ctx, double done); /* see leafcast_trace() */
     void *watch_ctx;
 };
@@ -234,6 +235,10 @@ static status project_scene(leafcast_frame *fr) {
     fr->t.f.look = &fr->projected;
     for (int i = 0; i < fr->t.volumes && st == ST_OK; i++)
         st = project_volume(fr, i);
+    /* What is less than all data is reached where these begin. So differences from the data lose no
+     * digits. */
+    if (scene->project == LEAFCAST_PROJECT_FIRST && isfinite(fr->projected.range[0]))
+        fr->projected.value = fr->t.above = fmax(scene->project_value, fr->projected.range[0]);
     return st;
 }
 
@@ -339,9 +344,15 @@ static leafcast_image part_image(const leafcast_frame *fr) {
     return image;
 }
 
+/* What one thread hears ends it for all of them. */
 static bool watch_part(void *ctx, double done) {
-    const leafcast_frame *fr = ctx;
-    return fr->watch(fr->watch_ctx, (fr->part + done) / fr->parts);
+    leafcast_frame *fr = ctx;
+    if (done >= 0.0)
+        atomic_store_explicit(&fr->share, (fr->part + done) / fr->parts, memory_order_relaxed);
+    if (fr->watch(fr->watch_ctx, atomic_load_explicit(&fr->share, memory_order_relaxed)))
+        return true;
+    atomic_store(&fr->cancelled, true);
+    return false;
 }
 
 /* Tiles of rays, where there are kernels for them. An experiment's intersector wants single rays.
@@ -536,15 +547,21 @@ static status describe_within(leafcast_frame *fr, leafcast *v, const leafcast_sc
     return describe(fr, v, &finest, from, image);
 }
 
-/* A frame of what is passed, checked; outside of the budget. beside: NULL, or what is beside it
+static status check_call(const char *call, const leafcast *v, const leafcast_scene *scene,
+                         const leafcast_camera *from, const leafcast_image *image,
+                         const leafcast_stats *stats) {
+    status st = arguments_check_volume(call, v);
+    if (st == ST_OK)
+        st = public_needs(call, "scene camera image", (const void *[]){scene, from, image});
+    return st == ST_OK ? arguments_check_picture(scene, from, image, stats) : st;
+}
+
+/* A frame of what has been checked; outside of the budget. beside: NULL, or what is beside it
  * from now on, and that it fits is checked, too. */
 static status make_frame(leafcast *v, const leafcast_scene *scene, const leafcast_camera *from,
                          const leafcast_image *image, const uint64_t *beside,
                          leafcast_frame **out) {
     mem outside;
-    status st = arguments_check_picture(scene, from, image, NULL);
-    if (st != ST_OK)
-        return st;
     mem_init(&outside, 0);
     leafcast_frame *fr = mem_zalloc(&outside, sizeof *fr);
     if (!fr)
@@ -552,7 +569,7 @@ static status make_frame(leafcast *v, const leafcast_scene *scene, const leafcas
     device_lock(v->device);
     if (beside)
         v->device->beside = (size_t)*beside;
-    st = describe_within(fr, v, scene, from, image);
+    status st = describe_within(fr, v, scene, from, image);
     if (st == ST_OK && beside)
         st = budget_check(&fr->t);
     if (st != ST_OK)
@@ -569,7 +586,11 @@ leafcast_status leafcast_check_room(leafcast *v, const leafcast_scene *scene,
                                     const leafcast_camera *from, const leafcast_image *planes,
                                     uint64_t beside) {
     leafcast_frame *fr = NULL;
-    const status st = make_frame(v, scene, from, planes, &beside, &fr);
+    status st = check_call(__func__, v, scene, from, planes, NULL);
+    if (st == ST_OK)
+        st = public_in_range(__func__, "beside", (double)beside, 0, 0x1p60);
+    if (st == ST_OK)
+        st = make_frame(v, scene, from, planes, &beside, &fr);
     leafcast_frame_end(fr);
     return public_status(st);
 }
@@ -577,13 +598,23 @@ leafcast_status leafcast_check_room(leafcast *v, const leafcast_scene *scene,
 leafcast_status leafcast_frame_begin(leafcast *v, const leafcast_scene *scene,
                                      const leafcast_camera *from, const leafcast_image *image,
                                      leafcast_frame **out) {
-    return public_status(make_frame(v, scene, from, image, NULL, out));
+    status st = check_call(__func__, v, scene, from, image, NULL);
+    if (st == ST_OK)
+        st = public_needs(__func__, "frame", (const void *[]){out});
+    return public_status(st == ST_OK ? make_frame(v, scene, from, image, NULL, out) : st);
 }
 
 leafcast_status leafcast_frame_advance(leafcast_frame *fr, double seconds, bool *done,
                                        leafcast_stats *stats) {
-    status st = stats ? public_size("leafcast_stats", stats->size, sizeof *stats) : ST_OK;
+    status st = public_needs(__func__, "frame done", (const void *[]){fr, done});
+    if (st != ST_OK)
+        return public_status(st);
     *done = false;
+    st = arguments_check_device(__func__, fr->t.device);
+    if (st == ST_OK)
+        st = public_in_range(__func__, "seconds", seconds, -INFINITY, INFINITY);
+    if (st == ST_OK)
+        st = arguments_check_stats(stats);
     if (st != ST_OK)
         return public_status(st);
     device_lock(fr->t.device);
@@ -595,12 +626,13 @@ leafcast_status leafcast_frame_advance(leafcast_frame *fr, double seconds, bool 
 }
 
 void leafcast_frame_cancel(leafcast_frame *fr) {
-    atomic_store(&fr->cancelled, true);
+    if (fr)
+        atomic_store(&fr->cancelled, true);
 }
 
 void leafcast_frame_end(leafcast_frame *fr) {
     mem outside;
-    if (!fr)
+    if (!fr || !device_is_here(fr->t.device))
         return;
     device_lock(fr->t.device);
     release(fr);
@@ -615,14 +647,14 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
                                void *watch_ctx) {
     leafcast_frame *fr = NULL;
     bool done;
-    leafcast_status st = public_status(arguments_check_picture(scene, from, image, stats));
-    if (st == LEAFCAST_OK)
-        st = leafcast_frame_begin(v, scene, from, image, &fr);
-    if (st != LEAFCAST_OK)
-        return st;
+    status st = check_call(__func__, v, scene, from, image, stats);
+    if (st == ST_OK)
+        st = make_frame(v, scene, from, image, NULL, &fr);
+    if (st != ST_OK)
+        return public_status(st);
     fr->watch = watch;
     fr->watch_ctx = watch_ctx;
-    st = leafcast_frame_advance(fr, INFINITY, &done, stats);
+    const leafcast_status told = leafcast_frame_advance(fr, INFINITY, &done, stats);
     leafcast_frame_end(fr);
-    return st;
+    return told;
 }

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "render/arguments.h"
 #include "render/kind.h"
 #include "render/leafcast_device.h"
 
@@ -50,7 +51,11 @@ static status check(const leafcast *v, uint32_t level, const uint32_t blocks[3])
 
 leafcast_status leafcast_map_treelets(leafcast *v, uint32_t level, const uint32_t blocks[3],
                                       leafcast_block *map) {
-    const status st = check(v, level, blocks);
+    status st = arguments_check_volume(__func__, v);
+    if (st == ST_OK)
+        st = public_needs(__func__, "blocks map", (const void *[]){blocks, map});
+    if (st == ST_OK)
+        st = check(v, level, blocks);
     if (st != ST_OK)
         return public_status(st);
     const leaf_level *of = &v->file->layout.level[level];

@@ -1,3 +1,4 @@
+#include <limits.h>
 #include <math.h>
 
 #include "render/arguments.h"
@@ -53,16 +54,23 @@ static status describe_hit(leafcast *v, const tracer *tr, const ray *r, const do
     return v->kind->cell_of_hit(v, tr, r, h, out);
 }
 
-static status check_ray(const double origin[3], const double direction[3]) {
-    double length = 0.0, distance = 0.0;
-    for (int a = 0; a < 3; a++) {
-        length += fabs(direction[a]);
-        distance += fabs(origin[a]);
-    }
-    if (!(length > 0.0 && length < INFINITY && distance < INFINITY))
-        return status_describe(ST_USAGE, "a ray needs a finite origin and a finite direction that "
-                                         "is not 0,0,0");
-    return ST_OK;
+/* found: room for max of them. */
+static status check_call(const char *call, const leafcast *v, const leafcast_scene *scene,
+                         const double origin[3], const double direction[3], const void *found,
+                         int max, int *count) {
+    status st = arguments_check_volume(call, v);
+    if (st == ST_OK)
+        st = public_needs(call, "scene origin direction count",
+                          (const void *[]){scene, origin, direction, count});
+    if (st != ST_OK)
+        return st;
+    *count = 0;
+    st = public_in_range(call, "max", max, 0, INT_MAX);
+    if (st == ST_OK && max > 0)
+        st = public_needs(call, "found", (const void *[]){found});
+    if (st == ST_OK)
+        st = arguments_check_ray(origin, direction);
+    return st == ST_OK ? arguments_check_scene(scene) : st;
 }
 
 static status probe_ray(leafcast *v, const leafcast_scene *scene, const double origin[3],
@@ -70,10 +78,7 @@ static status probe_ray(leafcast *v, const leafcast_scene *scene, const double o
     tracer tr;
     ray r;
     ray_counters counters = {0};
-    *count = 0;
-    status st = check_ray(origin, direction);
-    if (st == ST_OK)
-        st = show(v, scene);
+    status st = show(v, scene);
     if (st == ST_OK)
         st = volume_tracer(v, scene, NULL, &tr);
     if (st != ST_OK)
@@ -106,9 +111,11 @@ static status probe_ray(leafcast *v, const leafcast_scene *scene, const double o
 leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, const double origin[3],
                                    const double direction[3], leafcast_hit *hits, int max,
                                    int *count) {
+    status st = check_call(__func__, v, scene, origin, direction, hits, max, count);
+    if (st != ST_OK)
+        return public_status(st);
     device_lock(v->device);
-    const status st =
-        volume_check_file(v, probe_ray(v, scene, origin, direction, hits, max, count));
+    st = volume_check_file(v, probe_ray(v, scene, origin, direction, hits, max, count));
     device_unlock(v->device);
     return public_status(st);
 }
@@ -155,12 +162,9 @@ static status probe_segments(leafcast *v, const leafcast_scene *scene, const dou
                              int *count) {
     tracer tr;
     ray r;
-    *count = 0;
     if (!v->kind->segments)
         return status_describe(ST_USAGE, "a ray through %s has no pieces", v->kind->name);
-    status st = check_ray(origin, direction);
-    if (st == ST_OK)
-        st = show(v, scene);
+    status st = show(v, scene);
     if (st == ST_OK)
         st = volume_tracer_of_all(v, scene, NULL, &tr);
     if (st != ST_OK)
@@ -179,9 +183,11 @@ static status probe_segments(leafcast *v, const leafcast_scene *scene, const dou
 leafcast_status leafcast_probe_segments(leafcast *v, const leafcast_scene *scene,
                                         const double origin[3], const double direction[3],
                                         leafcast_segment *segments, int max, int *count) {
+    status st = check_call(__func__, v, scene, origin, direction, segments, max, count);
+    if (st != ST_OK)
+        return public_status(st);
     device_lock(v->device);
-    const status st =
-        volume_check_file(v, probe_segments(v, scene, origin, direction, segments, max, count));
+    st = volume_check_file(v, probe_segments(v, scene, origin, direction, segments, max, count));
     device_unlock(v->device);
     return public_status(st);
 }
@@ -203,12 +209,17 @@ static status probe_point(leafcast *v, const double point[3], leafcast_sample *s
 }
 
 leafcast_status leafcast_probe_point(leafcast *v, const double point[3], leafcast_sample *sample) {
+    status st = arguments_check_volume(__func__, v);
+    if (st == ST_OK)
+        st = public_needs(__func__, "point sample", (const void *[]){point, sample});
+    if (st != ST_OK)
+        return public_status(st);
     *sample = (leafcast_sample){.value = NAN};
     device_lock(v->device);
     device_make_room(v);
     loader_forget_failures(v->treelets);
     loader_select_set(v->treelets, v->set = leaf_layout_set(&v->file->layout, v->field, v->step));
-    const status st = volume_check_file(v, probe_point(v, point, sample));
+    st = volume_check_file(v, probe_point(v, point, sample));
     device_unlock(v->device);
     return public_status(st);
 }

@@ -1,7 +1,5 @@
 #include "render/leafcast.h"
 
-#include <math.h>
-
 #include "render/arguments.h"
 #include "render/kind.h"
 #include "render/leafcast_turn.h"
@@ -9,25 +7,19 @@
 
 enum { RAYS_MAX = INT32_MAX / 2 };
 
-static status check_rays(const leafcast_ray *rays, size_t count) {
-    if (count > RAYS_MAX)
-        return status_describe(ST_USAGE, "%zu rays: at most %d at a time", count, RAYS_MAX);
-    for (size_t i = 0; i < count; i++) {
-        const leafcast_ray *r = &rays[i];
-        double length = 0.0, distance = 0.0;
-        for (int a = 0; a < 3; a++) {
-            length += fabs(r->direction[a]);
-            distance += fabs(r->origin[a]);
-        }
-        if (!(length > 0.0 && length < INFINITY && distance < INFINITY))
-            return status_describe(ST_USAGE,
-                                   "ray %zu needs a finite origin and a finite direction that is "
-                                   "not 0,0,0",
-                                   i);
-        if (!(r->t0 > -INFINITY && r->t0 <= r->t1))
-            return status_describe(ST_USAGE, "ray %zu: no t from %g to %g", i, r->t0, r->t1);
-    }
-    return ST_OK;
+/* told: where the answers go. */
+static status check_call(const char *call, const leafcast *v, const leafcast_scene *scene,
+                         const leafcast_ray *rays, size_t count, const void *told) {
+    status st = arguments_check_volume(call, v);
+    if (st == ST_OK)
+        st = public_needs(call, "scene", (const void *[]){scene});
+    if (st == ST_OK && count > 0)
+        st = public_needs(call, "rays answers", (const void *[]){rays, told});
+    if (st == ST_OK)
+        st = public_in_range(call, "count", (double)count, 0, RAYS_MAX);
+    if (st == ST_OK)
+        st = arguments_check_scene(scene);
+    return st == ST_OK ? arguments_check_rays(rays, count) : st;
 }
 
 static status trace_rays(turn *t, ray_look *look) {
@@ -48,11 +40,9 @@ static status trace_rays(turn *t, ray_look *look) {
 
 static leafcast_status trace(leafcast *v, const leafcast_scene *scene, ray_look *look) {
     mem outside;
-    status st = arguments_check_scene(scene);
-    if (st == ST_OK)
-        st = check_rays(look->rays, look->count);
-    if (st != ST_OK || look->count == 0)
-        return public_status(st);
+    status st = ST_OK;
+    if (look->count == 0)
+        return LEAFCAST_OK;
     mem_init(&outside, 0);
     turn *t = mem_zalloc(&outside, sizeof *t);
     if (!t)
@@ -73,11 +63,13 @@ leafcast_status leafcast_trace_rays(leafcast *v, const leafcast_scene *scene,
                                     const leafcast_ray *rays, size_t count,
                                     leafcast_ray_hit *hits) {
     ray_look look = {.rays = rays, .count = count, .hits = hits};
-    return trace(v, scene, &look);
+    const status st = check_call(__func__, v, scene, rays, count, hits);
+    return st == ST_OK ? trace(v, scene, &look) : public_status(st);
 }
 
 leafcast_status leafcast_occluded_rays(leafcast *v, const leafcast_scene *scene,
                                        const leafcast_ray *rays, size_t count, uint8_t *occluded) {
     ray_look look = {.rays = rays, .count = count, .occluded = occluded};
-    return trace(v, scene, &look);
+    const status st = check_call(__func__, v, scene, rays, count, occluded);
+    return st == ST_OK ? trace(v, scene, &look) : public_status(st);
 }

@@ -8,6 +8,20 @@
 
 /* ---- Which volumes ---- */
 
+/* One world: what says which way its axes point agrees with all else that does. */
+static status check_world(const leafcast_scene *scene, int i) {
+    const world_axes axes = scene->volumes[i].volume->axes;
+    for (int k = 0; k < i; k++) {
+        const world_axes other = scene->volumes[k].volume->axes;
+        if (axes && other && axes != other)
+            return status_describe(ST_USAGE,
+                                   "volume %d of the scene lies in a world of %s axes, volume %d "
+                                   "in one of %s: open both with the same leafcast_options.axes",
+                                   k + 1, world_axes_name(other), i + 1, world_axes_name(axes));
+    }
+    return ST_OK;
+}
+
 /* The i-th of a scene's list. */
 static status check_shown(const leafcast *v, const leafcast_scene *scene, int i) {
     const leafcast_shown *s = &scene->volumes[i];
@@ -17,7 +31,9 @@ static status check_shown(const leafcast *v, const leafcast_scene *scene, int i)
         if (scene->volumes[k].volume == s->volume)
             return status_describe(ST_USAGE, "volumes %d and %d of the scene are the same", k + 1,
                                    i + 1);
-    const status st = volume_check_set(s->volume, s->field, s->step);
+    status st = check_world(scene, i);
+    if (st == ST_OK)
+        st = volume_check_set(s->volume, s->field, s->step);
     const bool surfaces = s->count != 0 || !scene_is_filled(scene);
     return st == ST_OK && surfaces ? arguments_check_surfaces(s->surfaces, s->count) : st;
 }
@@ -25,8 +41,8 @@ static status check_shown(const leafcast *v, const leafcast_scene *scene, int i)
 status scene_volumes(leafcast *v, const leafcast_scene *scene,
                      leafcast_shown shown[LEAFCAST_VOLUMES_MAX], int *count) {
     status st = arguments_check_scene(scene);
-    *count = scene->volume_count;
-    for (int i = 0; i < scene->volume_count && st == ST_OK; i++) {
+    *count = st == ST_OK ? scene->volume_count : 0;
+    for (int i = 0; i < *count && st == ST_OK; i++) {
         st = check_shown(v, scene, i);
         shown[i] = scene->volumes[i];
     }
@@ -116,6 +132,7 @@ status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const came
                  .treelets = v->treelets,
                  .layout = &v->file->layout,
                  .set = v->set,
+                 .target_level = scene_level(scene, v),
                  .isos = {v->isovalue_count, v->isovalues},
                  .space = v->space,
                  .preview = scene->preview,

@@ -35,6 +35,14 @@ static inline int scene_filled(const leafcast_scene *scene) {
     return filled;
 }
 
+/* scene_level() - the level of detail of v that the scene shows: where it asks for more, the last.
+ * Nothing else reads leafcast_scene.lod_level to find treelets or cells. */
+static inline uint32_t scene_level(const leafcast_scene *scene, const leafcast *v) {
+    const uint32_t asked = scene->lod == LEAFCAST_LOD_LEVEL ? scene->lod_level : 0,
+                   last = v->file->layout.levels - 1;
+    return asked < last ? asked : last;
+}
+
 /* scene_intersector() - the exact one, but for experiments. */
 static inline leafcast_intersector scene_intersector(const leafcast_scene *scene) {
     return scene->experiments ? scene->experiments->intersector : LEAFCAST_MARMITT;

@@ -38,6 +38,14 @@ static leafcast_status sample(point_samples *p, leafcast_stats *stats) {
 leafcast_status leafcast_sample_points(leafcast *v, const double (*points)[3], size_t count,
                                        leafcast_sample *samples) {
     point_list list = {points, samples};
+    status st = arguments_check_volume(__func__, v);
+    if (st == ST_OK && count > 0)
+        st = public_needs(__func__, "points samples", (const void *[]){points, samples});
+    if (st == ST_OK)
+        st = public_in_range(__func__, "count", (double)count, 0,
+                             (double)(SIZE_MAX / sizeof *samples));
+    if (st != ST_OK)
+        return public_status(st);
     point_samples p = {
         .volume = v, .count = count, .point = listed_point, .found = listed_found, .ctx = &list};
     return sample(&p, NULL);
@@ -47,7 +55,7 @@ leafcast_status leafcast_sample_points(leafcast *v, const double (*points)[3], s
 
 /* Pixels are taken in columns of bands of so many rows: neighbours are in the same treelets, and in
  * the same lines of the cache. */
-enum { BAND = 32, LINE_MOST = 1 << 24 };
+enum { BAND = 32 };
 
 typedef struct slice_job {
     const leafcast_slice_pixels *slice;
@@ -110,13 +118,6 @@ static void slice_found(void *ctx, size_t i, const double point[3], const leafca
 
 /* ---- A slice that can be ---- */
 
-static bool all_finite(const double *x, size_t count) {
-    bool finite = true;
-    for (size_t i = 0; i < count; i++)
-        finite &= isfinite(x[i]) != 0;
-    return finite;
-}
-
 /* along: of each point the length up to there. */
 static status measure_line(const leafcast_slice_pixels *s, double *along) {
     along[0] = 0.0;
@@ -131,37 +132,12 @@ static status measure_line(const leafcast_slice_pixels *s, double *along) {
     return ST_OK;
 }
 
-static status check_line(const leafcast_slice_pixels *s) {
-    if (s->line_count == 0 && !s->line)
-        return ST_OK;
-    if (!s->line || s->line_count < 2 || s->line_count > LINE_MOST)
-        return status_describe(ST_USAGE, "a slice along a line of %u points: 2 to %d are possible",
-                               s->line_count, LINE_MOST);
-    if (!all_finite(&s->line[0][0], 3 * (size_t)s->line_count))
-        return status_describe(ST_USAGE, "a slice along a line whose points are not all finite");
-    return ST_OK;
-}
-
 static status check_slice(const leafcast *v, const leafcast_slice_pixels *s) {
-    status st = public_size("leafcast_slice_pixels", s->size, sizeof *s);
-    if (st == ST_OK && (int)s->interpolation != LEAFCAST_INTERPOLATION_LINEAR &&
-        (int)s->interpolation != LEAFCAST_INTERPOLATION_NEAREST)
-        st = status_describe(ST_USAGE,
-                             "leafcast_slice_pixels.interpolation is %d: 0 to 1 are possible",
-                             (int)s->interpolation);
+    status st = arguments_check_slice(s);
     if (st == ST_OK && s->level >= v->file->layout.levels)
         st = status_describe(ST_USAGE, "level of detail %u: there are 0 to %u", s->level,
                              v->file->layout.levels - 1);
-    if (st == ST_OK && (s->width == 0 || s->height == 0 ||
-                        (uint64_t)s->width * s->height > SIZE_MAX / (2 * sizeof(double))))
-        st = status_describe(ST_USAGE, "a slice of %u x %u pixels", s->width, s->height);
-    if (st == ST_OK && (s->first_row > s->height || s->rows > s->height - s->first_row ||
-                        (s->rows == 0 && s->first_row > 0)))
-        st = status_describe(ST_USAGE, "%u rows from row %u on, of a slice of %u", s->rows,
-                             s->first_row, s->height);
-    if (st == ST_OK && !(all_finite(s->origin, 3) && all_finite(s->u, 3) && all_finite(s->v, 3)))
-        st = status_describe(ST_USAGE, "a slice whose corner or edges are not finite");
-    return st == ST_OK ? check_line(s) : st;
+    return st;
 }
 
 static leafcast_status sample_pixels(slice_job *pixels, point_samples *p, leafcast_stats *stats) {
@@ -183,9 +159,13 @@ static leafcast_status sample_pixels(slice_job *pixels, point_samples *p, leafca
 leafcast_status leafcast_sample_slice(leafcast *v, const leafcast_slice_pixels *s, double *value,
                                       leafcast_stats *stats, bool (*watch)(void *ctx, double done),
                                       void *watch_ctx) {
-    status st = check_slice(v, s);
-    if (st == ST_OK && stats)
-        st = public_size("leafcast_stats", stats->size, sizeof *stats);
+    status st = arguments_check_volume(__func__, v);
+    if (st == ST_OK)
+        st = public_needs(__func__, "slice value", (const void *[]){s, value});
+    if (st == ST_OK)
+        st = check_slice(v, s);
+    if (st == ST_OK)
+        st = arguments_check_stats(stats);
     if (st != ST_OK)
         return public_status(st);
     const bool nearest = s->interpolation == LEAFCAST_INTERPOLATION_NEAREST;
@@ -248,17 +228,22 @@ static status fit_pixels(const leafcast *v, leafcast_slice_pixels *s) {
 }
 
 leafcast_status leafcast_fit_slice(const leafcast *v, leafcast_slice_pixels *s) {
-    status st = public_size("leafcast_slice_pixels", s->size, sizeof *s);
+    status st = public_needs(__func__, "volume slice", (const void *[]){v, s});
+    if (st == ST_OK)
+        st = public_size("leafcast_slice_pixels", s->size, sizeof *s);
     if (st != ST_OK)
         return public_status(st);
     s->width = s->height = 1;
+    s->first_row = s->rows = 0;
     st = check_slice(v, s);
     return public_status(st == ST_OK ? fit_pixels(v, s) : st);
 }
 
 /* Forget what the last slice was. */
-static status begin_slice(const leafcast *v, leafcast_slice_pixels *s) {
-    status st = public_size("leafcast_slice_pixels", s->size, sizeof *s);
+static status begin_slice(const char *call, const leafcast *v, leafcast_slice_pixels *s) {
+    status st = public_needs(call, "volume slice", (const void *[]){v, s});
+    if (st == ST_OK)
+        st = public_size("leafcast_slice_pixels", s->size, sizeof *s);
     if (st != ST_OK)
         return st;
     *s = (leafcast_slice_pixels){.size = sizeof *s,
@@ -339,7 +324,12 @@ static status plane_slice(const leafcast *v, const double given[4], leafcast_sli
 
 leafcast_status leafcast_plane_slice(const leafcast *v, const double plane[4],
                                      leafcast_slice_pixels *s) {
-    status st = begin_slice(v, s);
+    status st = begin_slice(__func__, v, s);
+    if (st == ST_OK)
+        st = public_needs(__func__, "plane", (const void *[]){plane});
+    for (int i = 0; i < 4 && st == ST_OK; i++)
+        st = public_in_range(__func__, "the plane", plane[i], -LEAFCAST_PLACE_MOST,
+                             LEAFCAST_PLACE_MOST);
     if (st == ST_OK)
         st = plane_slice(v, plane, s);
     return public_status(st);
@@ -348,7 +338,7 @@ leafcast_status leafcast_plane_slice(const leafcast *v, const double plane[4],
 leafcast_status leafcast_layer_slice(const leafcast *v, int axis, uint32_t node,
                                      leafcast_slice_pixels *s) {
     double edges[2][3];
-    status st = begin_slice(v, s);
+    status st = begin_slice(__func__, v, s);
     if (st == ST_OK && (axis < 0 || axis > 2))
         st = status_describe(ST_USAGE, "axis %d: 0 to 2 are possible", axis);
     if (st == ST_OK)

@@ -60,12 +60,16 @@ bool turn_any_instead(const turn *t) {
 static status prepare_volume(turn *t, int i) {
     const leafcast_shown *s = &t->shown[i];
     leafcast *v = s->volume;
-    if (turn_is_instead(t, i))
-        return coarse_preview_show(t->drawn[i], &t->scene, s, &t->beside[i], &t->f.camera,
-                                   &t->tracers[i]);
+    if (turn_is_instead(t, i)) {
+        const status st = coarse_preview_show(t->drawn[i], &t->scene, s, &t->beside[i],
+                                              &t->f.camera, &t->tracers[i]);
+        t->tracers[i].above = t->above;
+        return st;
+    }
     loader_forget_failures(v->treelets);
     volume_show_beside(s, &t->beside[i]);
     status st = volume_tracer(v, &t->scene, &t->f.camera, &t->tracers[i]);
+    t->tracers[i].above = t->above;
     if (st == ST_OK && s->count > 0)
         st = coarse_preview_begin(v, &t->scene, s, &t->coarse_tracers[i], &t->coarse[i]);
     return st;

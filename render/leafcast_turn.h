@@ -14,6 +14,7 @@
 
 typedef struct turn {
     leafcast_device *device;
+    double above;         /* of tracers */
     leafcast_scene scene; /* its experiments, and its volumes, are: */
     leafcast_scene_experiments experiments;
     int volumes;

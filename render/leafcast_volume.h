@@ -19,6 +19,7 @@ struct leafcast {
     const struct kind *kind;
     void *own; /* the kind's part */
     affine space;
+    world_axes axes; /* of the world that space leads to */
     kernels kernels;
     /* What rays look for now: */
     double isovalues[LEAFCAST_SURFACES_MAX];

@@ -14,7 +14,10 @@ void medium_batch_put(medium_batch *m, unsigned i, const medium_stretch *seen) {
 void medium_batch_single(medium_batch *m, const segment_columns *pieces, unsigned i) {
     const medium_rule rule = {
         m->transfer, m->share, m->per_length[i], m->drop, {m->t_error[i], m->value_error[i]}};
-    segment piece = {.t0 = pieces->t0[i], .t1 = pieces->t1[i], .degree = (uint32_t)pieces->degree};
+    segment piece = {.t0 = pieces->t0[i],
+                     .t1 = pieces->t1[i],
+                     .spread = pieces->spread[i],
+                     .degree = (uint32_t)pieces->degree};
     for (int k = 0; k <= pieces->degree; k++)
         piece.b[k] = pieces->b[k][i];
     const medium_stretch seen = medium_of_piece(&rule, &piece);

@@ -187,12 +187,13 @@ SIMD void see_lanes(double share, int degree, const stretch_lanes *p, seen_lanes
     out->rgb_error = (out->tangent + shift * (most_rgb + spread)) +
                      (d_min(p->value_error * p->span.rgb_rate, most_rgb) * (opacity + rounding) +
                       rounding * most_rgb);
-    out->allowed = d_set(share) * opacity + p->per_length * p->length;
+    out->allowed = d_max(d_set(share) * opacity + p->per_length * p->length,
+                         d_set(MEDIUM_STEP_OF_REST) * (out->rgb_error - out->tangent));
 }
 
 /* The lanes that need no steps: seen_between() */
 SIMD md is_enough(const seen_lanes *s) {
-    return md_or(d_le(s->tangent, s->allowed), d_gt(s->rgb_error - s->tangent, s->allowed));
+    return d_le(s->tangent, s->allowed);
 }
 
 /* next_step() */
@@ -213,14 +214,16 @@ typedef struct piece_lanes {
 } piece_lanes;
 
 /* segment_value_error() */
-SIMD vd lanes_value_error(const medium_batch *m, unsigned i, int degree, const vd b[4], vd length) {
+SIMD vd lanes_value_error(const medium_batch *m, unsigned i, int degree, const vd b[4], vd length,
+                          md even) {
     vd largest = d_abs(b[0]), step = d_set(0.0);
     for (int k = 0; k < degree; k++) {
         largest = d_max(largest, d_abs(b[k + 1]));
         step = d_max(step, d_abs(b[k + 1] - b[k]));
     }
     const vd by_t = d_set(degree) * step * d_min(d_load(m->t_error + i) / length, d_set(1.0));
-    return d_load(m->value_error + i) + by_t + d_set(16.0 * 0x1p-53) * largest;
+    const vd error = d_load(m->value_error + i) + by_t + d_set(16.0 * 0x1p-53) * largest;
+    return d_select(even, d_set(0.0), error);
 }
 
 /* So many spans are counted sooner than they are halved. */
@@ -260,15 +263,18 @@ SIMD void find_lanes(const transfer *t, vd value, unsigned lanes, uint16_t at[VD
 SIMD void load_pieces(medium_batch *m, const segment_columns *c, unsigned i, int degree,
                       piece_lanes *p) {
     stretch_lanes *s = &p->whole;
+    const md even = d_eq(d_load(c->spread + i), d_set(SEGMENT_EVEN));
     vd lo, hi;
-    lo = hi = s->f[0] = d_load(c->b[0] + i);
+    lo = hi = s->f[0] = d_select(even, d_load(c->b[1] + i), d_load(c->b[0] + i));
     for (int k = 1; k <= degree; k++) {
         s->f[k] = d_load(c->b[k] + i);
+        if (k == 3)
+            s->f[k] = d_select(even, s->f[1], s->f[k]);
         lo = d_min(lo, s->f[k]);
         hi = d_max(hi, s->f[k]);
     }
     s->length = d_load(c->t1 + i) - d_load(c->t0 + i);
-    s->value_error = lanes_value_error(m, i, degree, s->f, s->length);
+    s->value_error = lanes_value_error(m, i, degree, s->f, s->length, even);
     s->per_length = d_load(m->per_length + i);
     d_store(m->error + i, s->value_error);
     const unsigned lanes = c->count - i < VD_N ? c->count - i : VD_N;

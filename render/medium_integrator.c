@@ -6,6 +6,7 @@
 #include "render/kind.h"
 #include "render/medium_doubt.h"
 #include "render/medium_overlay.h"
+#include "render/medium_pixel.h"
 #include "render/medium_whole.h"
 #include "render/overlay_ray.h"
 #include "render/shade.h"
@@ -28,6 +29,7 @@ typedef struct medium_ray {
     bool begun;     /* to walk; */
     bool doubted;   /* preview: it has come to a doubt */
     bool unbounded; /* preview: something was not there that may be anything */
+    bool coarse;    /* it meets a volume that is drawn coarser than its data */
     double reached; /* so far, through several media */
     medium_rule rule;
     uint32_t treelet; /* of the last piece */
@@ -93,6 +95,22 @@ static medium_rule rule_of(const frame *f, uint32_t pixel, int v, double way[2])
     return rule;
 }
 
+/* Whether the ray meets a volume of which coarse levels are drawn. */
+static bool meets_coarse(const frame *f, uint32_t pixel) {
+    for (int v = 0; v < f->volumes; v++) {
+        const tracer *tr = &f->tracer[v];
+        if (!tr->coarse)
+            continue;
+        const world_ray w = surface_ray_primary(f, pixel);
+        ray r;
+        double t_in = w.t0, t_out = w.t1;
+        if (tracer_ray(tr, w.origin, w.direction, w.t0, w.t1, &r) &&
+            tracer_box(tr, &r, &t_in, &t_out))
+            return true;
+    }
+    return false;
+}
+
 /* What a length may err by. */
 static double per_length_of(const frame *f, const double way[2]) {
     return by_length * look_of(f)->error / fmax(way[1] - way[0], 1e-300);
@@ -105,6 +123,7 @@ static void medium_begin(const frame *f, uint32_t pixel, ray_record *r) {
     p->stage = FINDING;
     p->begun = p->doubted = false;
     p->unbounded = look_of(f)->unbounded;
+    p->coarse = meets_coarse(f, pixel);
     p->from = 0.0;
     p->rule = rule_of(f, pixel, filled_from(f, 0), way);
     for (int i = 0, v = filled_from(f, 0); i < look_of(f)->filled && overlaid(f); i++) {
@@ -125,7 +144,9 @@ static void join(const frame *f, const medium_ray *p, medium_stretch *front,
 }
 
 static void end_run(const frame *f, medium_ray *p) {
+    medium_pixel_limit(&p->run, look_of(f)->brightest);
     join(f, p, &p->front, &p->run);
+    medium_pixel_limit(&p->front, look_of(f)->brightest);
     p->run = medium_nothing();
 }
 
@@ -212,7 +233,7 @@ static bool take_doubt(const frame *f, medium_ray *p, take_scratch *s, const seg
         return true;
     }
     const bool bounded = p->doubted && medium_doubt_bounds(doubt_of(p), c->t0[i]);
-    if (c->spread[i] > 0.0 && !bounded)
+    if (c->spread[i] >= SEGMENT_EXACT && !bounded)
         medium_batch_whole(&s->batch, c, i);
     if (!p->doubted)
         return false;
@@ -241,7 +262,7 @@ static shaded_piece lit_piece(const frame *f, int v, const treelet *at, const ra
                               const segment *s) {
     const tracer *tr = &f->tracer[v];
     shaded_piece p = {.t0 = s->t0, .t1 = s->t1};
-    if (!at || s->spread > 0.0)
+    if (!at || s->spread >= SEGMENT_EXACT)
         return p;
     p.steepness = look_of(f)->shade->steepness[v];
     tr->kind->gradient(tr, at, r, s, &p.gradient);
@@ -371,7 +392,7 @@ static void medium_take(const frame *f, ray_record *const r[], const segment_col
         return;
     }
     for (unsigned i = 0; i < c->count; i++)
-        if (c->spread[i] > 0.0)
+        if (c->spread[i] >= SEGMENT_EXACT)
             medium_batch_whole(m, c, i);
     for (unsigned i = 0, end; i < c->count; i = end) {
         const unsigned number = c->ray[i];
@@ -553,43 +574,23 @@ static bool composite(const frame *f, medium_ray *p) {
 
 /* ---- The pixel ---- */
 
-/* No channel x is further off than all that there may be of it. */
-static double most_off(const frame *f, const float background[4], const double x[4]) {
-    const double behind = (double)background[3];
-    double most = 0.0;
-    for (int c = 0; c < 4; c++) {
-        const double all = c < 3 ? look_of(f)->brightest * fmax(behind, 1.0) : fmax(behind, 1.0);
-        const double none = c < 3 ? fmin((double)background[c] * behind, 0.0) : fmin(behind, 0.0);
-        most = fmax(most, fmax(all - x[c], x[c] - none));
-    }
-    return most;
-}
-
-/* Of any channel, before the background. */
-static double error_of(const medium_stretch *s, const float background[4]) {
-    double brightest = 1.0;
-    for (int c = 0; c < 3; c++)
-        brightest = fmax(brightest, fabs((double)background[c]));
-    /* The last term is of sums along the ray: no way has 2^18 pieces. */
-    return s->rgb_error + (s->through_error + 0x1p-33) * brightest;
-}
-
 /* Of the pixel with channels x. What is not known of its surfaces may be anywhere. */
 static double pixel_error(const frame *f, medium_ray *p, const double x[4],
                           ray_counters *counters) {
     const float *background = look_of(f)->surfaces.scene->background;
-    const bool unbounded = p->unbounded || p->way.provisional;
-    double error = error_of(&p->front, background);
+    const bool unbounded = p->unbounded || p->coarse || p->way.provisional;
+    double error = medium_pixel_error(&p->front, background);
+    if (unbounded || error > look_of(f)->error) {
+        const double most = medium_pixel_most(look_of(f)->brightest, background, x);
+        error = unbounded ? most : fmin(error, most);
+    }
     p->way.provisional |= p->doubted || p->unbounded;
     if (look_of(f)->shade)
         error = (double)INFINITY;
-    if (!p->way.provisional || look_of(f)->shade) {
+    if (p->way.provisional && !look_of(f)->shade)
+        ray_counters_doubt(counters, error);
+    else
         counters->uncertified_pixels += error > look_of(f)->error;
-        return error;
-    }
-    const double most = most_off(f, background, x);
-    error = unbounded ? most : fmin(error, most);
-    ray_counters_doubt(counters, error);
     return error;
 }
 

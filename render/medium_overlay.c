@@ -17,6 +17,11 @@ medium_layer medium_layer_of(const medium_rule *rule, const segment *piece, doub
         .transfer = rule->transfer, .end_error = 2.0 * rule->error.t, .light = {1.0, 1.0, 1.0}};
     double largest = 0.0, f[4];
     segment_part(piece, a, b, f);
+    if (piece->spread == SEGMENT_EVEN) {
+        for (int i = 0; i < 4; i++)
+            l.b[i] = piece->b[1];
+        return l;
+    }
     if (piece->degree == 1) {
         l.b[0] = f[0];
         l.b[1] = (2.0 * f[0] + f[1]) / 3.0;
@@ -243,10 +248,13 @@ static void halve(medium_layer front[], medium_layer back[], int count) {
     }
 }
 
-enum { HALVINGS_MAX = 60 };
+/* VIEWS_MAX bounds the work where an error is wanted that no halving gives: of numbers near the
+ * ends of their ranges. Stretches of honest ones take less than a tenth of it. */
+enum { HALVINGS_MAX = 60, VIEWS_MAX = 1 << 18 };
 
+/* *views_left: how many parts may still be halved. */
 static medium_stretch seen_of(const medium_overlay_rule *rule, const medium_layer layers[],
-                              int count, double length, int halvings) {
+                              int count, double length, int halvings, int *views_left) {
     layer_view views[MEDIUM_LAYERS_MAX];
     medium_layer front[MEDIUM_LAYERS_MAX], back[MEDIUM_LAYERS_MAX];
     double inexact;
@@ -255,13 +263,14 @@ static medium_stretch seen_of(const medium_overlay_rule *rule, const medium_laye
     if (is_nothing(views, count))
         return medium_nothing();
     medium_stretch seen = seen_at_once(rule, layers, views, count, length, &inexact);
-    const double allowed =
+    const double asked =
         rule->share * (1.0 - seen.through) + rule->per_length * length + rule->enough;
-    if (inexact <= allowed || seen.rgb_error - inexact > allowed || halvings == 0)
+    const double allowed = fmax(asked, MEDIUM_STEP_OF_REST * (seen.rgb_error - inexact));
+    if (inexact <= allowed || halvings == 0 || --*views_left <= 0)
         return seen;
     memcpy(front, layers, sizeof *front * (size_t)count);
     halve(front, back, count);
-    seen = seen_of(rule, front, count, 0.5 * length, halvings - 1);
+    seen = seen_of(rule, front, count, 0.5 * length, halvings - 1, views_left);
     /* Where hardly anything comes through the front, what is behind may be left out. */
     const double left = (seen.through + seen.through_error) * rule->most_rgb;
     if (left <= rule->drop) {
@@ -270,14 +279,16 @@ static medium_stretch seen_of(const medium_overlay_rule *rule, const medium_laye
         seen.through = 0.0;
         return seen;
     }
-    const medium_stretch behind = seen_of(rule, back, count, 0.5 * length, halvings - 1);
+    const medium_stretch behind =
+        seen_of(rule, back, count, 0.5 * length, halvings - 1, views_left);
     medium_join(&seen, &behind, rule->most_rgb);
     return seen;
 }
 
 medium_stretch medium_of_layers(const medium_overlay_rule *rule, const medium_layer layers[],
                                 int count, double length) {
-    medium_stretch seen = seen_of(rule, layers, count, length, HALVINGS_MAX);
+    int views_left = VIEWS_MAX;
+    medium_stretch seen = seen_of(rule, layers, count, length, HALVINGS_MAX, &views_left);
     for (int i = 0; i < count; i++) {
         const double shift = shift_of(layers[i].end_error * layers[i].transfer->most_k);
         seen.through_error = fmin(seen.through_error + shift, 1.0);

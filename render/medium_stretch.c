@@ -128,7 +128,7 @@ static double coefficient(double w) {
 }
 
 /* [a, b] of a piece at once; *fit: how its tangent's error compares with what is allowed, 1 or more
- * where that is enough, or where less of the stretch would not help. */
+ * where that is enough. */
 static medium_stretch seen_between(const segment *piece, const smooth_span *p, double a, double b,
                                    double *fit) {
     const medium_rule *rule = p->rule;
@@ -141,9 +141,9 @@ static medium_stretch seen_between(const segment *piece, const smooth_span *p, d
         s.w[i] = unknown ? 0.5 : coefficient((f[i] - p->span->base) * p->span->inverse);
     complete(p->span, &s);
     const medium_stretch out = seen_at_once(p, &s, &tangent);
-    const double allowed = rule->share * (1.0 - out.through) + rule->per_length * s.length;
-    const bool enough = tangent <= allowed || out.rgb_error - tangent > allowed;
-    *fit = enough ? fmax(allowed / tangent, 1.0) : allowed / tangent;
+    const double asked = rule->share * (1.0 - out.through) + rule->per_length * s.length;
+    const double allowed = fmax(asked, MEDIUM_STEP_OF_REST * (out.rgb_error - tangent));
+    *fit = tangent <= allowed ? fmax(allowed / tangent, 1.0) : allowed / tangent;
     return out;
 }
 
@@ -372,12 +372,14 @@ static void see_parts(piece_walk *walk) {
     }
 }
 
-medium_stretch medium_of_piece(const medium_rule *rule, const segment *piece) {
+medium_stretch medium_of_piece(const medium_rule *rule, const segment *of) {
+    segment piece = *of;
     piece_walk walk = {.rule = rule,
-                       .piece = piece,
-                       .value_error = segment_value_error(piece, &rule->error),
+                       .piece = &piece,
+                       .value_error = segment_value_error(of, &rule->error),
                        .seen = medium_nothing()};
-    const transfer_span *span = only_span(rule->transfer, piece, walk.value_error);
+    segment_flatten(&piece);
+    const transfer_span *span = only_span(rule->transfer, &piece, walk.value_error);
     if (span && transfer_is_empty(span))
         return walk.seen;
     if (span)

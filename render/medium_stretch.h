@@ -27,9 +27,10 @@
  *     error <= |dc| (integral of |w'|) R / 2                                            (3)
  *
  * with the sum of the differences of w's Bernstein coefficients for the integral of |w'|. Where
- * that is more than (1) allows, the stretch is gone through in steps. By (3) the error falls as the
- * third power of a short step, what is allowed as the first: so the next step follows from the last
- * one's error, as in the solvers of differential equations.
+ * that is more than (1) allows, and more than half of what rounding adds, the stretch is gone
+ * through in steps. By (3) the error falls as the third power of a short step, what is allowed as
+ * the first: so the next step follows from the last one's error, as in the solvers of differential
+ * equations.
  *
  * Rounding. The value errs, by what segments.h says and by the slope times the error of t. Where
  * the transfer function is continuous, that moves w by that error / width, the depth by so much of
@@ -98,6 +99,12 @@ void medium_add_ends(const transfer *t, double t_error, medium_stretch *seen);
 
 /* Cuts are looked for in so many steps: 54 of them are by the middle. */
 enum { MEDIUM_CUT_STEPS = 216 };
+
+/* Where rounding alone exceeds what (1) allows, the tangent may err by this share of it. A step has
+ * the error a h^3 + q h + r in its length h: tangent, value, rounding. Along the ray that is
+ * (a h^2 + q + r / h), least where a h^3 = r / 2. So no step is shorter than pays, and a smaller
+ * error asked for never gives a larger one. */
+#define MEDIUM_STEP_OF_REST 0.5
 
 /* Steps through a span: the share of what would just do, to be sure; by these factors at least and
  * at most; no shorter than that, of a piece whose length is 1. */

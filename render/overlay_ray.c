@@ -5,6 +5,7 @@
 void overlay_begin(overlay_lane lanes[], int count) {
     for (int i = 0; i < count; i++) {
         lanes[i].in_piece = lanes[i].ended = false;
+        lanes[i].stretches = 0;
         lanes[i].walk = segments_begin(lanes[i].ahead, OVERLAY_AHEAD);
     }
 }
@@ -44,9 +45,13 @@ static void stretch_of(const overlay_lane lanes[], int count, double from, overl
     }
 }
 
+enum { ASKED_EVERY = 64 }; /* stretches */
+
 segments_result overlay_next(const frame *f, const world_ray *w, overlay_lane lanes[], int count,
                              double *from, overlay_stretch *out, int *blocked,
                              ray_counters *counters) {
+    if (++lanes->stretches % ASKED_EVERY == 0 && !frame_goes_on(f))
+        return SEGMENTS_END;
     for (int i = 0; i < count; i++) {
         const bool behind = !lanes[i].ended && !(lanes[i].in_piece && lanes[i].piece.t1 > *from);
         if (!behind || step(f, w, &lanes[i], *from, counters) != SEGMENTS_BLOCKED)

@@ -17,6 +17,7 @@ enum { OVERLAY_AHEAD = 8 }; /* pieces: more takes memory, less time */
 typedef struct overlay_lane {
     uint16_t volume;
     bool in_piece, ended; /* a piece has been reached; there are no more */
+    uint32_t stretches;   /* of the first lane: so many have been given */
     segment piece;
     segments_error error; /* of its pieces: the caller's */
     segments_state walk;
@@ -34,7 +35,8 @@ typedef struct overlay_stretch {
 void overlay_begin(overlay_lane lanes[], int count);
 
 /* overlay_next() - the next stretch from t = *from on, which becomes its end. SEGMENTS_BLOCKED:
- * lane *blocked has missed the treelet walk.blocked. */
+ * lane *blocked has missed the treelet walk.blocked. SEGMENTS_END: there are none, or the frame
+ * shall end, which is asked for now and then: a stretch may take long. */
 segments_result overlay_next(const frame *f, const world_ray *w, overlay_lane lanes[], int count,
                              double *from, overlay_stretch *out, int *blocked,
                              ray_counters *counters);

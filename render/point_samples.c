@@ -315,7 +315,10 @@ static void describe(const waiting *w, const loader_stats *before, double second
 status point_samples_run(const point_samples *p, leafcast_stats *stats) {
     leafcast *v = p->volume;
     const double start = clock_seconds();
-    waiting w = {.job = p};
+    const uint32_t coarsest = v->file->layout.levels - 1;
+    point_samples job = *p;
+    job.level = job.level < coarsest ? job.level : coarsest;
+    waiting w = {.job = &job};
     loader_forget_failures(v->treelets);
     loader_select_set(v->treelets, v->set = p->set);
     const loader_stats before = loader_statistics(v->treelets);

@@ -66,11 +66,12 @@ static void take_mean(ray_record *const r[], const segment_columns *c) {
     }
 }
 
-/* Where the value reaches v, between a place where it does not and one where it does. */
-static double reach(const segment *piece, double v, double below, double at) {
+/* Where the value reaches the threshold, above which the piece's values are, between a place where
+ * it does not and one where it does. */
+static double reach(const segment *piece, double below, double at) {
     for (double middle = 0.5 * (below + at); middle > below && middle < at;
          middle = 0.5 * (below + at)) {
-        if (segment_at(piece, middle) >= v)
+        if (segment_at(piece, middle) >= 0.0)
             at = middle;
         else
             below = middle;
@@ -78,15 +79,15 @@ static double reach(const segment *piece, double v, double below, double at) {
     return at;
 }
 
-/* The first place of a piece that reaches v, which its start does not. False: none does. */
-static bool find_first(const segment *piece, double v, double *t) {
+/* The first place of a piece that reaches it, which its start does not. False: none does. */
+static bool find_first(const segment *piece, double *t) {
     double turn[3];
     int turns = piece->degree == 3 ? cubic_extrema(piece->b, turn) : 0;
     double below = 0.0;
     turn[turns++] = 1.0;
     for (int i = 0; i < turns; below = turn[i++]) {
-        if (segment_at(piece, turn[i]) >= v) {
-            *t = segment_t(piece, reach(piece, v, below, turn[i]));
+        if (segment_at(piece, turn[i]) >= 0.0) {
+            *t = segment_t(piece, reach(piece, below, turn[i]));
             return true;
         }
     }
@@ -96,14 +97,14 @@ static bool find_first(const segment *piece, double v, double *t) {
 /* Whether a later piece may be in front of what has been found. */
 static bool pass_first(projected_ray *p, const segment *piece, double v) {
     double t = piece->t0;
-    const bool at_once = piece->b[0] >= v;
+    const bool at_once = piece->b[0] >= 0.0;
     if (t >= p->t)
         return false;
-    if (!at_once && !find_first(piece, v, &t))
+    if (!at_once && !find_first(piece, &t))
         return true;
     if (t < p->t) {
         p->t = t;
-        p->value = at_once ? piece->b[0] : v;
+        p->value = at_once ? v + piece->b[0] : v;
     }
     return false;
 }
@@ -175,6 +176,14 @@ static void conclude(const frame *f, projected_ray *p) {
     }
 }
 
+/* Nobody knows how far coarse levels, or what is there, are from the data. */
+static bool is_exact(const frame *f, const projected_ray *p) {
+    bool coarse = p->provisional;
+    for (int v = 0; v < f->volumes; v++)
+        coarse = coarse || f->tracer[v].coarse;
+    return !coarse;
+}
+
 static void write(const frame *f, const projected_ray *p, ray_counters *counters) {
     const leafcast_image *image = &f->image;
     const size_t at = frame_plane(f, p->head.pixel);
@@ -182,7 +191,7 @@ static void write(const frame *f, const projected_ray *p, ray_counters *counters
     if (image->value)
         image->value[at] = p->value;
     if (image->error)
-        image->error[at] = 0.0;
+        image->error[at] = is_exact(f, p) ? 0.0 : (double)INFINITY;
     if (image->z)
         image->z[at] = p->t;
     if (image->id)

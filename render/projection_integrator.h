@@ -27,7 +27,7 @@ extern const integrator projection_integrator;
 /* frame.look */
 typedef struct projection_look {
     leafcast_project project;
-    double value;           /* of LEAFCAST_PROJECT_FIRST */
+    double value;           /* of LEAFCAST_PROJECT_FIRST; tracers' `above`, too */
     const transfer *colour; /* by the value; NULL: grey, black and white at */
     double range[2];
     float background[4];

@@ -57,6 +57,8 @@ double segment_value_error(const segment *s, const segments_error *error) {
         step = fmax(step, fabs(s->b[i + 1] - s->b[i]));
     }
     /* The slope is a mean of its Bernstein coefficients; and nothing leaves the range of those. */
+    if (s->spread == SEGMENT_EVEN)
+        return 0.0;
     const double by_t = s->degree * step * fmin(error->t / (s->t1 - s->t0), 1.0);
     return error->value + by_t + 16.0 * 0x1p-53 * largest;
 }

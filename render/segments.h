@@ -14,12 +14,15 @@
  *     the start of the other: the same bits of t and of the value. In a grid a ray through an edge
  *     or a corner passes from cell to cell at one t, too, but the value there is that of either
  *     cell's own face, equal to rounding. So it is beside a flat tet.
+ *   - Values count from tracer.above: 0, or the threshold of who asks whether it is reached. That
+ *     is taken off the samples first, as isosurfaces do. So where a face's samples are all equal,
+ *     the sign of the value there is exact.
  *   - What a ray in a face, along an edge or through a vertex belongs to: in a grid, to the cell
  *     that owns [i, i + 1); in a mesh, to the tet that it would pass if it were moved by (e, e^2,
  *     e^3), e infinitely small. So nothing is counted twice or left out.
  *   - Where the selection says that it does not matter which value of a range it is
  *     (stream/homogeneous.h), a node or a treelet of a grid may be one piece, of the range's middle
- *     and with half its width, or SEGMENT_EXACT, as spread. Elsewhere that is 0.
+ *     and with half its width, or SEGMENT_EXACT, as spread. Elsewhere that is 0, or SEGMENT_EVEN.
  *   - Where a preview misses a treelet that matters, the ray has a doubt instead (tracer.doubts):
  *     something like a piece, between others, that says in how much of the ray what is missing may
  *     be. In a grid pieces of coarser treelets follow that stand in there, if there are such. Where
@@ -44,7 +47,8 @@
 typedef struct segment {
     double t0, t1;
     double b[4];
-    double spread; /* above 0: the value may be off by so much; below: it is a doubt; see above */
+    double spread; /* SEGMENT_EXACT or more: the value may be off by so much, but see there; below
+                      0: it is a doubt; else 0, or SEGMENT_EVEN */
     uint64_t cell; /* as in a hit; of several cells: one of theirs */
     uint32_t treelet; /* that it came from */
     uint32_t degree;  /* 1 (a tet), 3 (a trilinear cell) */
@@ -97,7 +101,16 @@ double segment_at(const segment *s, double at);
 void segment_part(const segment *s, double a, double b, double out[4]);
 
 /* The spread of a piece that was taken whole and has one value. */
-#define SEGMENT_EXACT 0x1p-1022
+#define SEGMENT_EXACT 0x1p-1021
+
+/* The spread of a cell's own piece where all samples of the cell are equal: b[1] is that value, and
+ * not even rounding moves it; b[0] and b[degree] are those of the neighbours, which rounding may
+ * have moved. segment_flatten() - such a piece has that value everywhere; no other changes. */
+#define SEGMENT_EVEN 0x1p-1022
+static inline void segment_flatten(segment *s) {
+    for (uint32_t k = 0; k <= s->degree && s->spread == SEGMENT_EVEN; k++)
+        s->b[k] = s->b[1];
+}
 
 /* segment_spread() - for values from range[0] to range[1], with their middle. segment_values() -
  * the same range again, or a little more where it has no exact middle. */

@@ -31,6 +31,8 @@ typedef struct tracer {
     bool boxed;            /* rays are cut to the box: coarse levels reach past it */
     bool preview;          /* draw what is resident instead of suspending */
     bool doubts;           /* and have pieces of rays tell where that is (segments.h) */
+    bool coarse;           /* what is drawn may be coarser than the data where nothing is absent */
+    double above;          /* pieces of rays say how far values are above it (segments.h) */
     uint32_t target_level; /* the level that is drawn; */
     const uint8_t *stop;   /* when not NULL, also at treelets with a 1 */
     atomic_uchar *touched; /* per treelet: set when a ray walked it */

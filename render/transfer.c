@@ -14,7 +14,7 @@ static transfer_span span_of(const leafcast_transfer_point *a, const leafcast_tr
         s.k[e] = ends[e]->extinction;
         s.most_k = fmax(s.most_k, s.k[e]);
         for (int c = 0; c < 3; c++) {
-            s.rgb[e][c] = (double)ends[e]->rgb[c];
+            s.rgb[e][c] = ends[e]->rgb[c];
             s.most_rgb = fmax(s.most_rgb, s.rgb[e][c]);
             s.rgb_change = fmax(s.rgb_change, fabs(s.rgb[e][c] - s.rgb[0][c]));
         }
@@ -70,7 +70,7 @@ static void reach_out(transfer *t) {
 static void note_most(transfer *t, const leafcast_transfer_point *p) {
     t->most_k = fmax(t->most_k, p->extinction);
     for (int c = 0; c < 3; c++)
-        t->most_rgb = fmax(t->most_rgb, (double)p->rgb[c]);
+        t->most_rgb = fmax(t->most_rgb, p->rgb[c]);
 }
 
 static status note_from(transfer *t, mem *m) {

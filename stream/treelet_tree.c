@@ -42,8 +42,18 @@ status treelet_tree_init(treelet_tree *tree, mem *m, const treelet_bounds bounds
     return ST_OK;
 }
 
+static void widen(double widest[3], const treelet_bounds bounds) {
+    for (int a = 0; a < 3; a++) {
+        const double width = (double)bounds[a + 3] - (double)bounds[a];
+        widest[a] = width > widest[a] ? width : widest[a];
+    }
+}
+
 void treelet_tree_move(treelet_tree *tree, const treelet_bounds bounds[]) {
     memcpy(tree->bounds[0], bounds, tree->count[0] * sizeof(treelet_bounds));
+    memset(tree->widest, 0, sizeof tree->widest);
+    for (uint32_t t = 0; t < tree->count[0]; t++)
+        widen(tree->widest, bounds[t]);
     for (uint32_t level = 1; level < tree->levels; level++)
         merge_level(tree, level);
 }

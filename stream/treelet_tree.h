@@ -27,6 +27,7 @@ typedef struct treelet_tree {
     uint32_t count[TREELET_TREE_LEVELS_MAX];
     treelet_bounds *bounds[TREELET_TREE_LEVELS_MAX];
     uint8_t *active[TREELET_TREE_LEVELS_MAX]; /* 1: a treelet below is of interest */
+    double widest[3];                         /* no treelet is wider, along each axis */
     void *block;
     mem *m;
 } treelet_tree;

@@ -94,7 +94,7 @@ static void test_pictures(void **state) {
         l->stats.size = wrong[i];
         refused(l, "leafcast_stats.size", false);
         l->scene.experiments = &(leafcast_scene_experiments){.size = wrong[i]};
-        refused(l, "leafcast_scene_experiments.size", true);
+        refused(l, "leafcast_scene.experiments.size", true);
     }
     for (int i = 0; i < 2; i++) {
         l->scene.shading = (leafcast_shading)(i ? -1 : LEAFCAST_SHADING_FLAT + 1);
@@ -102,7 +102,7 @@ static void test_pictures(void **state) {
         l->scene.lod = (leafcast_lod)(i ? -1 : LEAFCAST_LOD_PIXEL + 1);
         refused(l, "leafcast_scene.lod", true);
         l->scene.experiments = INTERSECTOR((leafcast_intersector)(i ? -1 : LEAFCAST_SCHWARZE + 1));
-        refused(l, "leafcast_scene_experiments.intersector", true);
+        refused(l, "leafcast_scene.experiments.intersector", true);
         l->scene.light_count = i ? -1 : LEAFCAST_LIGHTS_MAX + 1;
         refused(l, "leafcast_scene.light_count", true);
         l->scene.clip_plane_count = i ? -1 : LEAFCAST_CLIP_PLANES_MAX + 1;
@@ -151,13 +151,13 @@ static void test_options(void **state) {
         o = good;
         leafcast_experiments e = {.size = i ? 0 : sizeof e + 1};
         o.experiments = &e;
-        bad_options(o, "leafcast_experiments.size");
+        bad_options(o, "leafcast_options.experiments.size");
         e = (leafcast_experiments){.size = sizeof e};
         e.schema = (leafcast_schema)(i ? -1 : LEAFCAST_SCHEMA_REFIT + 1);
-        bad_options(o, "leafcast_experiments.schema");
+        bad_options(o, "leafcast_options.experiments.schema");
         e = (leafcast_experiments){.size = sizeof e};
         e.isopolygons = (leafcast_isopolygons)(i ? -1 : LEAFCAST_ISOPOLYGONS_CACHE + 1);
-        bad_options(o, "leafcast_experiments.isopolygons");
+        bad_options(o, "leafcast_options.experiments.isopolygons");
     }
 }
 

@@ -79,13 +79,13 @@ static bool entry_of(const leafcast_scene *scene, const leafcast_camera *view, i
     return slope > 0.0 && *t > 0.0;
 }
 
-static const leafcast_transfer_point ramp[2] = {{-1e3, {0.0F, 0.25F, 1.0F}, 0.0},
-                                                {1e3, {1.0F, 0.5F, 0.0F}, 0.0}};
+static const leafcast_transfer_point ramp[2] = {{-1e3, {0.0, 0.25, 1.0}, 0.0},
+                                                {1e3, {1.0, 0.5, 0.0}, 0.0}};
 
 /* The cap's own colour by values. */
 static double ramp_at(double value, int c) {
     const double w = fmin(fmax((value + 1e3) / 2e3, 0.0), 1.0);
-    return (1.0 - w) * (double)ramp[0].rgb[c] + w * (double)ramp[1].rgb[c];
+    return (1.0 - w) * ramp[0].rgb[c] + w * ramp[1].rgb[c];
 }
 
 /* One pixel of a picture with caps beside the same without. Whether it has one. */
@@ -214,7 +214,7 @@ static void test_nested_surfaces(void **state) {
 static void test_with_all_else(void **state) {
     (void)state;
     static planes want, got;
-    const leafcast_transfer_point fog = {.rgb = {1.0F, 1.0F, 1.0F}, .extinction = 0.02};
+    const leafcast_transfer_point fog = {.rgb = {1.0, 1.0, 1.0}, .extinction = 0.02};
     const leafcast_medium medium = {&fog, 1};
     field f;
     assert_true(field_make(&f, "noise-u8", 40, 3));

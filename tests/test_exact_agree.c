@@ -78,7 +78,9 @@ static void tiny(corners t) {
 }
 
 static void denormal(corners t) {
-    scale(t, 0x1p-147F);
+    static int made;
+    /* The first of each mesh gives it an extent that is possible (leaf_place.h). */
+    scale(t, made++ % TETS ? 0x1p-147F : 0x1p-117F);
 }
 
 static void any_sizes(corners t) {

@@ -95,6 +95,10 @@ static void test_watching(void **state) {
     file_close(f);
     assert_int_equal(file_guard_check(in), ST_OK);
     file_guard_watch();
+    file_guard_look(true);
+    assert_int_equal(file_open(&m, in, &f), ST_OK);
+    file_guard_look(false);
+    file_close(f);
     assert_int_equal(out_file_create(&m, in, true, &out), ST_OK);
     assert_int_equal(file_open(&m, in, &f), ST_OK);
     file_close(f);
@@ -133,6 +137,94 @@ static void test_forget(void **state) {
     free(other);
 }
 
+/* A job's target is no input of that job, and may be one of another; nothing watches here. */
+static void test_target(void **state) {
+    (void)state;
+    mem m, other;
+    file_guard_target t;
+    file *f = NULL;
+    mem_init(&m, 0);
+    mem_init(&other, 0);
+    char *in = copy(scratch_text("in", "data")), *hard = copy(scratch_path("hard"));
+    assert_int_equal(link(in, hard), 0);
+    file_guard_aim(&m, &t, in);
+    assert_int_equal(file_guard_named(&m, scratch_path("none")), ST_OK);
+    assert_int_equal(file_guard_named(&m, hard), ST_USAGE);
+    assert_non_null(strstr(status_text(), in));
+    assert_non_null(strstr(status_text(), hard));
+    assert_int_equal(file_open(&m, hard, &f), ST_USAGE);
+    assert_int_equal(file_open(&other, hard, &f), ST_OK);
+    file_close(f);
+    file_guard_aim(&m, &t, scratch_path("none"));
+    assert_int_equal(file_open(&m, hard, &f), ST_OK);
+    file_close(f);
+    assert_int_equal(mem_used(&m), 0);
+    remove(in);
+    remove(hard);
+    free(in);
+    free(hard);
+}
+
+static status take_output(void *ctx, const char *path) {
+    char *all = ctx;
+    snprintf(all + strlen(all), 4096 - strlen(all), "%s;", path);
+    return ST_OK;
+}
+
+static status stop_there(void *ctx, const char *path) {
+    (void)ctx;
+    (void)path;
+    return ST_STOPPED;
+}
+
+static void test_each_output(void **state) {
+    (void)state;
+    mem m;
+    file_guard_target t;
+    mem_init(&m, 0);
+    char all[4096] = "", *in = copy(scratch_text("in", "data"));
+    assert_int_equal(file_guard_each_output(&m, stop_there, NULL), ST_OK);
+    assert_int_equal(file_guard_input(in), ST_OK);
+    assert_int_equal(file_guard_output("one"), ST_OK);
+    assert_int_equal(file_guard_output("two"), ST_OK);
+    assert_int_equal(file_guard_each_output(&m, take_output, all), ST_OK);
+    assert_string_equal(all, "one;two;");
+    assert_int_equal(file_guard_each_output(&m, stop_there, NULL), ST_STOPPED);
+    file_guard_aim(&m, &t, scratch_path("none"));
+    file_guard_aim(&m, &t, in);
+    *all = 0;
+    assert_int_equal(file_guard_each_output(&m, take_output, all), ST_OK);
+    assert_int_equal(strncmp(all, in, strlen(in)), 0);
+    assert_string_equal(all + strlen(in), ";one;two;");
+    remove(in);
+    free(in);
+}
+
+/* A folder's slices by the hundred: none is lost, also when some are forgotten. */
+static void test_many(void **state) {
+    (void)state;
+    enum { FILES = 300 };
+    char name[32];
+    for (int i = 0; i < FILES; i++) {
+        snprintf(name, sizeof name, "in%d", i);
+        assert_int_equal(file_guard_input(scratch_text(name, "data")), ST_OK);
+        assert_int_equal(file_guard_input(scratch_path(name)), ST_OK);
+    }
+    for (int i = 0; i < FILES; i += 3) {
+        snprintf(name, sizeof name, "in%d", i);
+        file_guard_forget(scratch_path(name));
+    }
+    file_guard_next();
+    for (int i = 0; i < FILES; i++) {
+        snprintf(name, sizeof name, "in%d", i);
+        assert_int_equal(file_guard_check(scratch_path(name)), i % 3 ? ST_USAGE : ST_OK);
+    }
+    for (int i = 0; i < FILES; i++) {
+        snprintf(name, sizeof name, "in%d", i);
+        remove(scratch_path(name));
+    }
+}
+
 static void test_no_memory(void **state) {
     (void)state;
     char *in = copy(scratch_text("in", "data"));
@@ -157,6 +249,9 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_outputs, reset, reset),
         cmocka_unit_test_setup_teardown(test_watching, reset, reset),
         cmocka_unit_test_setup_teardown(test_forget, reset, reset),
+        cmocka_unit_test_setup_teardown(test_each_output, reset, reset),
+        cmocka_unit_test_setup_teardown(test_target, reset, reset),
+        cmocka_unit_test_setup_teardown(test_many, reset, reset),
         cmocka_unit_test_setup_teardown(test_no_memory, reset, reset),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -100,14 +100,14 @@ static void test_values(void **state) {
         "\"step\": 0,"
         "  \"shadows\": true, \"samples\": 1, \"tf\": \"a1\", \"clip_box\": [0,0,0,1,1,1], "
         "\"window\": [1, 2]},"
-        " {\"iso\": [20, 40], \"color\": [\"#204060\", \"blue\"], \"opacity\": [\"10:1,60:0\"], "
+        " {\"iso\": [20, 40], \"colour\": [\"#204060\", \"blue\"], \"opacity\": [\"10:1,60:0\"], "
         "\"step\": 3,"
         "  \"shadows\": false, \"samples\": 4, \"tf\": \"a2\", \"clip-box\": [1,0,0,3,1,1], "
         "\"window\": [1, 2, "
         "3]}]",
         5);
     assert_true(number(path, 1, "iso", 0) == 12.5 && number(path, 2, "iso", 1) == 30.0);
-    const json_t *colours = json_object_get(json_array_get(path, 2), "color");
+    const json_t *colours = json_object_get(json_array_get(path, 2), "colour");
     assert_string_equal(json_string_value(json_array_get(colours, 0)), "#102030");
     assert_string_equal(json_string_value(json_array_get(colours, 1)), "red");
     const json_t *curve = json_object_get(json_array_get(path, 2), "opacity");

@@ -47,8 +47,11 @@ static void fill_pieces(segment_columns *c, medium_batch *m, const transfer_rang
         c->t1[i] = c->t0[i] + range->length * field_random_in(r, 1e-9, 0.01);
         c->treelet[i] = 0;
         c->ray[i] = 0;
+        const bool even = field_random_below(r, 8) == 0;
+        c->spread[i] = even ? SEGMENT_EVEN : 0.0;
         for (int k = 0; k < 4; k++)
-            c->b[k][i] = centre + spread * field_random_in(r, -1, 1);
+            c->b[k][i] = even ? centre * (1.0 + 0x1p-52 * (k % 3 == 0 && c->degree == 3))
+                              : centre + spread * field_random_in(r, -1, 1);
         m->per_length[i] = field_random_in(r, 0, 1e-3) / range->length;
         m->t_error[i] = 1e-15 * range->length;
         m->value_error[i] = (double)field_random_below(r, 2) * 1e-13 * fabs(range->most);

@@ -46,7 +46,7 @@ typedef struct filling {
 } filling;
 
 static void fill(filling *fill, const leafcast *v) {
-    static const float rgb[POINTS][3] = {{1, 1, 1}, {0.9F, 0.5F, 0.2F}, {0.2F, 0.6F, 1}, {1, 1, 0}};
+    static const double rgb[POINTS][3] = {{1, 1, 1}, {0.9, 0.5, 0.2}, {0.2, 0.6, 1}, {1, 1, 0}};
     static const double extinction[POINTS] = {0.0, 0.6, 1.5, 3.0};
     const leafcast_info info = leafcast_describe(v);
     double across = INFINITY;

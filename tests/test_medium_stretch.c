@@ -24,7 +24,7 @@ static int points_of(field_random *r, bool steps, leafcast_transfer_point p[POIN
         value += step ? 0.0 : field_random_in(r, 0.05, 1.0) / count;
         p[i] = (leafcast_transfer_point){.value = value, .extinction = field_random_in(r, 0, 2)};
         for (int c = 0; c < 3; c++)
-            p[i].rgb[c] = (float)field_random_in(r, 0, 1);
+            p[i].rgb[c] = field_random_in(r, 0, 1);
     }
     return count;
 }

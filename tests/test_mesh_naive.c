@@ -57,7 +57,7 @@ static void test_soups(void **state) {
 static void test_places(void **state) {
     (void)state;
     static const float places[][4] = {{1e7F, 1, 1, 1},
-                                      {0, 1e-38F, 1e-38F, 1e-40F},
+                                      {0, 1e-36F, 1e-36F, 1e-40F},
                                       {0, 1e37F, 3e37F, 1},
                                       {-3, 1, 0, 1},
                                       {5, 0, 0, 1}};

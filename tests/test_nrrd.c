@@ -175,9 +175,14 @@ static void test_detached(void **state) {
     volumes_refused(scratch_text("a.nhdr", RAW "data file: lines.txt\nline skip: 9\n"), NULL,
                     ST_CORRUPT, "ends 6 lines before the samples");
     volumes_refused(scratch_text("a.nhdr", RAW "data file: none.bin\n"), NULL, ST_IO, "none.bin");
-    volumes_refused(scratch_text("a.nhdr", RAW "data file: LIST\nx\n"), NULL, ST_CORRUPT, "line 8");
-    volumes_refused(scratch_text("a.nhdr", RAW "data file: s%03d.bin 1 2 1\n"), NULL,
-                    ST_UNSUPPORTED, "several files");
+    volumes_refused(scratch_text("a.nhdr", RAW "data file: LIST\nx\n"), NULL, ST_IO, "x: cannot");
+    volumes_refused(scratch_text("a.nhdr", RAW "data file: LIST\n"), NULL, ST_CORRUPT, "no file");
+    volumes_refused(scratch_text("a.nhdr", RAW "data file: s%03d.bin 1 2 1\n"), NULL, ST_IO,
+                    "s001.bin: cannot");
+    volumes_refused(scratch_text("a.nhdr", RAW "data file: s%03d.bin 1 2 0\n"), NULL, ST_CORRUPT,
+                    "the pattern of names");
+    volumes_refused(scratch_text("a.nhdr", RAW "data file: s%03x.bin 1 2 1\n"), NULL, ST_CORRUPT,
+                    "the pattern of names");
     volumes_faults(scratch_text("a.nhdr", RAW "data file: samples.bin\nbyte skip: -6"), NULL);
 }
 
@@ -223,7 +228,6 @@ static void test_refused(void **state) {
         {"NRRD0004\ntype: int16\ndimension: 3\nsizes: 4 3 2\nencoding: raw\nendian: middle\n\n",
          ST_CORRUPT, "line 6: endian"},
         {BASE "encoding: hex\n\n", ST_UNSUPPORTED, "line 6: encoding: \"hex\""},
-        {BASE "encoding: bzip2\n\n", ST_UNSUPPORTED, "bzip2"},
         {"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 3\nencoding: raw\n\n", ST_CORRUPT,
          "line 4: sizes"},
         {"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 3 -2\nencoding: raw\n\n", ST_CORRUPT,
@@ -304,8 +308,9 @@ static void test_damaged(void **state) {
     scratch_write("a.gz", gz, packed);
     free(gz);
     const char *path = scratch_text("a.nhdr", BASE "encoding: gzip\ndata file: a.gz\n");
-    /* Whatever becomes of a header, it must not crash. */
-    (void)volumes_damage(path, NULL);
+    /* What is not noticed, of three changes a byte: 13 bytes of the comment, version 5 for 4, zeros
+     * in front of two numbers, and one slice fewer, behind which bytes may follow. */
+    assert_int_equal(volumes_damage(path, NULL), 43);
     /* Damage to the data is found, but for gzip's own time stamp, flags and system (bytes 4 to 9).
      */
     char *data = scratch_read(scratch_path("a.gz"), &size);
@@ -421,9 +426,9 @@ static void test_axes(void **state) {
     const double x[4] = {0, 1, 10, 11.5}, z[2] = {-5, 7};
     assert_memory_equal(g->axis[0], x, sizeof x);
     assert_memory_equal(g->axis[2], z, sizeof z);
-    /* y: spacing -9 became the direction -1, decreasing coordinates turned it round once more. */
+    /* Spacings scale coordinates, but those of a hint. y: decreasing ones turn -9 round. */
     assert_true(g->axis[1][0] == -3 && g->axis[1][2] == -1);
-    assert_true(g->to_world[0][0] == 1 && g->to_world[1][1] == 1 && g->to_world[2][2] == 1);
+    assert_true(g->to_world[0][0] == 9 && g->to_world[1][1] == 9 && g->to_world[2][2] == 1);
     volume_close(v);
     hints.axis_file[2] = scratch_path("none");
     volumes_refused(path, &hints, ST_IO, "none");
@@ -463,7 +468,7 @@ static void test_written_axes(void **state) {
     mem m;
     mem_init(&m, 0);
     const uint32_t dims[3] = {VOLUMES_NX, VOLUMES_NY, VOLUMES_NZ};
-    const double x[4] = {0.1, 0.2, 1e3, 1e300}, y[3] = {2, 1, -1};
+    const double x[4] = {0.1, 0.2, 1e3, 1e60}, y[3] = {2, 1, -1};
     grid g;
     grid_init(&g, dims, SAMPLE_U8);
     assert_int_equal(grid_set_axis(&g, &m, "x", 0, x), ST_OK);

@@ -153,6 +153,9 @@ static void test_options(void **state) {
     o.missing = 77;
     check_options("missing", &g, o, "", "--missing 77");
     o = DEFAULTS;
+    o.exaggerate = 2.5;
+    check_options("exaggerate", &g, o, "", "--exaggerate 2.5");
+    o = DEFAULTS;
     o.memory = 3 << 20;
     o.threads = 2;
     check_options("memory", &g, o, "", "");
@@ -402,7 +405,7 @@ static void test_replaced(void **state) {
     char *before = scratch_read(in, &size);
     for (int replace = 0; replace < 2; replace++) {
         o.replace = replace;
-        assert_int_equal(leafcast_convert_path(in, in, &o), LEAFCAST_EXISTS);
+        assert_int_equal(leafcast_convert_path(in, in, &o), LEAFCAST_USAGE);
         assert_int_equal(leafcast_convert_array(&g, samples, NULL, in, &o), LEAFCAST_EXISTS);
         assert_int_equal(leafcast_convert_array(&g, samples, NULL, "/dev/null", &o),
                          LEAFCAST_EXISTS);
@@ -625,7 +628,7 @@ static void test_tet_arguments(void **state) {
     assert_int_equal(leafcast_convert_tets(&tets, at("no.leaf"), NULL), LEAFCAST_USAGE);
     tets = tets_of(&c);
     tets.tet_count = 0;
-    assert_int_equal(leafcast_convert_tets(&tets, at("no.leaf"), NULL), LEAFCAST_CORRUPT);
+    assert_int_equal(leafcast_convert_tets(&tets, at("no.leaf"), NULL), LEAFCAST_UNSUPPORTED);
     c.points[3][1] = NAN;
     tets = tets_of(&c);
     assert_int_equal(leafcast_convert_tets(&tets, at("no.leaf"), NULL), LEAFCAST_CORRUPT);

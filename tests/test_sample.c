@@ -104,12 +104,18 @@ static void test_grid(void **state) {
         bad.to_world[2][2] = wrong[i];
         assert_int_equal(grid_check(&bad, "it"), ST_CORRUPT);
     }
-    /* Tiny and huge spacings are fine, also together; directions in a plane are not. */
+    /* Tiny and huge spacings are fine, also together, as far as pictures are right; directions in a
+     * plane are not. */
     for (int row = 0; row < 3; row++)
-        bad.to_world[row][row] = row == 1 ? -1e-200 : 1e200;
+        bad.to_world[row][row] = row == 1 ? -0x1p-201 : 0x1p200;
+    assert_int_equal(grid_check(&bad, "it"), ST_CORRUPT);
+    bad.to_world[1][1] = -0x1p-200;
     assert_int_equal(grid_check(&bad, "it"), ST_OK);
-    bad.to_world[1][0] = 1e200;
-    bad.to_world[0][1] = bad.to_world[1][1] = 1e-200;
+    bad.to_world[2][2] = 0x1p201;
+    assert_int_equal(grid_check(&bad, "it"), ST_CORRUPT);
+    bad.to_world[2][2] = 0x1p200;
+    bad.to_world[1][0] = 0x1p200;
+    bad.to_world[0][1] = bad.to_world[1][1] = 0x1p-200;
     assert_int_equal(grid_check(&bad, "it"), ST_CORRUPT);
 }
 

@@ -751,9 +751,9 @@ static void transfer_functions_are_checked(void **state) {
         {{{3, {1, 1, 1}, 1}, {3, {1, 1, 1}, 0}}, NULL},
         {{{0, {1, 1, 1}, 1}, {1e-291, {1, 1, 1}, 0}}, "point 2 of the transfer function: its"},
         {{{4, {1, 1, 1}, 1}, {3, {1, 1, 1}, 0}}, "point 2 of the transfer function has a smaller"},
-        {{{4, {1, -1, 1}, 1}, {5, {1, 1, 1}, 0}}, "point 1 of the transfer function: a value"},
-        {{{4, {1, 1, 1}, 1}, {(double)NAN, {1, 1, 1}, 0}}, "point 2 of the transfer function: a"},
-        {{{4, {1, 1, 1}, 1}, {5, {1, 1, 1}, -1}}, "point 2 of the transfer function: a value"},
+        {{{4, {1, -1, 1}, 1}, {5, {1, 1, 1}, 0}}, "leafcast_scene.media[0].points[0].rgb[1] is -1"},
+        {{{4, {1, 1, 1}, 1}, {(double)NAN, {1, 1, 1}, 0}}, "media[0].points[1].value is"},
+        {{{4, {1, 1, 1}, 1}, {5, {1, 1, 1}, -1}}, "media[0].points[1].extinction"},
     };
     static picture p;
     const leafcast_camera c = view_of(68);

@@ -41,10 +41,9 @@ typedef struct shot {
 static void put(shot *s, double share, double depth) {
     const transfer_range *of = &s->body->range;
     const int k = s->medium.count++;
-    s->points[k] =
-        (leafcast_transfer_point){.value = of->least + share * (of->most - of->least),
-                                  .rgb = {0.2F + 0.1F * (float)k, 1.0F - 0.1F * (float)k, 0.5F},
-                                  .extinction = depth / of->length};
+    s->points[k] = (leafcast_transfer_point){.value = of->least + share * (of->most - of->least),
+                                             .rgb = {0.2 + 0.1 * k, 1.0 - 0.1 * k, 0.5},
+                                             .extinction = depth / of->length};
 }
 
 /* In steps that are no round number of cells, before a background. */
@@ -370,19 +369,19 @@ static void test_claims(void **state) {
         assert_true(isinf(s.error[i]) && s.error[i] > 0.0);
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         s.how.step = wrong[i];
-        refused(&s, "leafcast_scene_experiments.step");
+        refused(&s, "experiments.step");
     }
     s.how.step = 1.0;
     s.how.opaque = 1.5;
-    refused(&s, "leafcast_scene_experiments.opaque");
+    refused(&s, "experiments.opaque");
     s.how.opaque = 0.0;
     for (int table = 15; table < 4000; table += 2034) {
         s.how.table = table;
-        refused(&s, "leafcast_scene_experiments.table");
+        refused(&s, "experiments.table");
     }
     s.how.table = 0;
     s.how.summing = (leafcast_summing)17;
-    refused(&s, "leafcast_scene_experiments.summing");
+    refused(&s, "experiments.summing");
     s.how.summing = LEAFCAST_STEPS;
     s.surface = leafcast_surface_default(b.field.iso);
     s.shown.surfaces = &s.surface;

@@ -531,6 +531,25 @@ static void test_bad_workers(void **state) {
         set_path(folder);
         refused(cloud, how, cases[i].st, cases[i].said);
     }
+    /* A surface, unlike points, can be repaired. */
+    static const struct {
+        const char *script;
+        status st;
+        const char *said;
+    } surfaces[] = {
+        {"kill -SEGV $$", ST_UNSUPPORTED, "TetGen crashed on this input; `meshfix in.ply -o out'"},
+        {"exit 22", ST_UNSUPPORTED, "TetGen failed on this input; `meshfix in.ply -o out'"},
+        {"exit 23", ST_CORRUPT, "edges and corners alone; `meshfix in.ply -o out'"},
+        {"exit 24", ST_CORRUPT, "without such places; `meshfix in.ply -o out'"},
+    };
+    const char *torus = write_torus("torus.off", 16, 0, false);
+    for (size_t i = 0; i < sizeof surfaces / sizeof *surfaces; i++) {
+        snprintf(script, sizeof script, "#!/bin/sh\n%s\n", surfaces[i].script);
+        snprintf(script + 3000, 1000, "chmod 755 %s", scratch_text("leafcast-tetgen", script));
+        assert_int_equal(system(script + 3000), 0);
+        set_path(folder);
+        refused(torus, how, surfaces[i].st, surfaces[i].said);
+    }
     (void)remove(scratch_path("leafcast-tetgen"));
 }
 

@@ -42,6 +42,10 @@ static bool signal_caught(void) {
     return caught != 0;
 }
 
+int cli_signal(void) {
+    return caught;
+}
+
 static void install_signals(void) {
     /* The first signal asks the job to stop; a second one of the kind ends the process as usual. It
      * also ends a write of results that waits for their reader, hence no SA_RESTART. */
@@ -131,6 +135,14 @@ static noreturn void tell(const cli_common *c, int key) {
     exit(status_exit_code(st));
 }
 
+/* Not by the start of its name: --list is a word that people try. */
+static void refuse_hidden(struct argp_state *state, int key) {
+    if (key == KEY_LIST && strcmp(state->argv[state->next - 1], "--list-options") != 0)
+        argp_error(state,
+                   "there is no option %s; `leafcast info INPUT' tells what there is in a file",
+                   state->argv[state->next - 1]);
+}
+
 /* An option that this verb does not have. */
 static void refuse_option(struct argp_state *state, const cli_common *c, int key) {
     for (const struct argp_option *o = common_options; o->name || o->doc; o++)
@@ -141,6 +153,7 @@ static void refuse_option(struct argp_state *state, const cli_common *c, int key
 static error_t parse_common(int key, char *arg, struct argp_state *state) {
     cli_common *c = state->input;
     refuse_option(state, c, key);
+    refuse_hidden(state, key);
     switch (key) {
     case 'o': c->output = arg; break;
     case 'q': c->verbosity = 0; break;
@@ -218,7 +231,10 @@ static error_t parse_verb(int key, char *arg, struct argp_state *state) {
         else if (c->input_count > most)
             argp_error(state, "%s: one %s is enough", c->inputs[1], verb->input);
         return 0;
-    case ARGP_KEY_END: usage_unless(state, verb->check ? verb->check(c) : ST_OK); return 0;
+    case ARGP_KEY_END:
+        usage_unless(state, verb->check ? verb->check(c) : ST_OK);
+        usage_unless(state, verb->output ? output_name_check(c->output, verb->output(c)) : ST_OK);
+        return 0;
     default:
         if (verb->set_option && key > 0 && key < ARGP_KEY_END)
             st = verb->set_option(c, key, arg);
@@ -326,8 +342,12 @@ void cli_parse(const cli_verb *verb, cli_common *common, int argc, char **argv) 
     common->verbosity = 1;
     argp_err_exit_status = status_exit_code(ST_USAGE);
     parsed_verb = verb;
-    table =
-        (struct argp){verb->options, parse_verb, verb->args_doc, verb->doc, children, NULL, NULL};
+    const struct argp_option *spelt = cli_options_spelt(verb->options);
+    table = (struct argp){.options = spelt ? spelt : verb->options,
+                          .parser = parse_verb,
+                          .args_doc = verb->args_doc,
+                          .doc = verb->doc,
+                          .children = children};
     parsed = &table;
     listen_in(argc, argv);
     error_t error = argp_parse(parsed, argc, argv, ARGP_NO_HELP, NULL, common);

@@ -13,6 +13,7 @@
 
 #include "formats/base/cli_json.h"
 #include "formats/base/cli_options.h"
+#include "formats/base/output_name.h"
 #include "formats/base/progress.h"
 #include "formats/base/status.h"
 
@@ -41,6 +42,9 @@ typedef struct cli_verb {
      * struct that begins with the verb's cli_common. NULL: there are none. */
     status (*set_option)(void *own, int key, const char *text);
     status (*check)(void *own); /* what must hold over all of them */
+    /* What -o names, behind check(): a name that says another format is a usage error. NULL: it
+     * has no -o. */
+    const output_kind *(*output)(const void *own);
 } cli_verb;
 
 /* cli_parse() - parse argv for a verb, whose options begin with `common`. Options that ask for
@@ -70,6 +74,9 @@ CHECKED status cli_check_uses(const cli_common *common, const cli_use *uses, siz
 /* cli_progress() - bar on a terminal, otherwise a line every few seconds, nothing with -q. Valid
  * for the process's life. */
 const progress *cli_progress(cli_common *common);
+
+/* cli_signal() - the signal that has asked the job to stop; 0: none has. */
+int cli_signal(void);
 
 /* cli_note() - a message on stderr at this verbosity: "leafcast VERB: ..." */
 void cli_note(const cli_common *common, int verbosity, const char *fmt, ...)

@@ -58,3 +58,12 @@ json_t *cli_json_error(status st, int code, const char *message) {
 json_t *cli_json_real(double value) {
     return isfinite(value) ? json_real(value) : json_null();
 }
+
+void cli_json_frame(json_t *object, const world_frame *frame) {
+    json_t *units = json_array();
+    for (int a = 0; a < 3; a++)
+        json_array_append_new(units, json_string(frame->unit[a]));
+    json_object_set_new(object, "axes", json_string(world_axes_name(frame->axes)));
+    json_object_set_new(object, "units", units);
+    json_object_set_new(object, "time_unit", json_string(frame->time_unit));
+}

@@ -7,6 +7,7 @@
 #include <stdio.h>
 
 #include "formats/base/status.h"
+#include "formats/base/world_frame.h"
 
 /* cli_json_watch() - from now on cli_json_write() knows where memory did not suffice, so that those
  * who make a document need not look. For main programs, before the first document. */
@@ -25,5 +26,8 @@ json_t *cli_json_error(status st, int code, const char *message);
 
 /* cli_json_real() - a number, or null where it is not finite: JSON has no other word for it. */
 json_t *cli_json_real(double value);
+
+/* cli_json_frame() - what the world's axes mean, into an object: "axes", "units", "time_unit". */
+void cli_json_frame(json_t *object, const world_frame *frame);
 
 #endif

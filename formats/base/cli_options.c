@@ -25,6 +25,57 @@ bool cli_options_listed(const char *list, const char *name) {
     return false;
 }
 
+/* ---- two spellings of a word ---- */
+
+static const char COLOUR[] = "colour", COLOR[] = "color";
+enum { NAME_ROOM = 64 }; /* longer than any option's */
+
+void cli_options_name(const char *given, char *out, size_t room) {
+    size_t n = 0;
+    while (*given && n + 1 < room) {
+        if (strncmp(given, COLOR, sizeof COLOR - 1) == 0 && n + sizeof COLOUR <= room) {
+            memcpy(out + n, COLOUR, sizeof COLOUR - 1);
+            n += sizeof COLOUR - 1;
+            given += sizeof COLOR - 1;
+        } else {
+            out[n++] = *given == '_' ? '-' : *given;
+            given++;
+        }
+    }
+    out[n] = 0;
+}
+
+bool cli_options_same(const char *name, const char *option) {
+    char own[NAME_ROOM];
+    cli_options_name(name, own, sizeof own);
+    return option && strcmp(own, option) == 0;
+}
+
+/* To be kept; NULL: it has no other spelling, or there is no memory. */
+static char *other_spelling(const char *name) {
+    const char *word = name ? strstr(name, COLOUR) : NULL;
+    char *other = NULL;
+    if (!word ||
+        asprintf(&other, "%.*s%s%s", (int)(word - name), name, COLOR, word + sizeof COLOUR - 1) < 0)
+        return NULL;
+    return other;
+}
+
+const struct argp_option *cli_options_spelt(const struct argp_option *table) {
+    size_t rows = 1, n = 0;
+    for (const struct argp_option *o = table; o && is_row(o); o++)
+        rows += 2;
+    struct argp_option *out = calloc(rows, sizeof *out);
+    for (const struct argp_option *o = table; out && o && is_row(o); o++) {
+        out[n++] = *o;
+        const char *other = other_spelling(o->name);
+        if (other)
+            out[n++] = (struct argp_option){
+                .name = other, .key = o->key, .flags = OPTION_ALIAS | OPTION_HIDDEN};
+    }
+    return out;
+}
+
 /* ---- the rows of one view ---- */
 
 typedef struct rows {

@@ -22,6 +22,16 @@ typedef enum cli_view { CLI_VIEW_BASIC, CLI_VIEW_ALL, CLI_VIEW_USAGE } cli_view;
 /* cli_options_listed() - whether a list of names divided by blanks, or NULL, has this one. */
 bool cli_options_listed(const char *list, const char *name);
 
+/* cli_options_name() - an option's name as tables have it, of one that may have '_' for '-' and
+ * "color" for "colour": help and manuals have one spelling, and both are taken. Cut to room.
+ * cli_options_same() - whether a name is that of an option, so read. */
+void cli_options_name(const char *given, char *out, size_t room);
+bool cli_options_same(const char *name, const char *option);
+
+/* cli_options_spelt() - the table, with a hidden alias behind each option that has another
+ * spelling. For the life of the process; NULL: no memory. */
+const struct argp_option *cli_options_spelt(const struct argp_option *table);
+
 /* cli_options_help() - the help of a verb, whose children's options count as its own, but for those
  * of the list `without`. The table's doc has up to three parts, divided by \v: what the verb does;
  * what --help says behind the options, such as an example; what only --help-all says there. */

@@ -45,7 +45,7 @@ status file_failed(int error, const char *path, const char *doing) {
 
 /* ---- reading ---- */
 
-static const char *kind_name(mode_t mode) {
+const char *file_kind_name(mode_t mode) {
     return S_ISDIR(mode)    ? "a folder"
            : S_ISFIFO(mode) ? "a named pipe"
            : S_ISSOCK(mode) ? "a socket"
@@ -53,7 +53,7 @@ static const char *kind_name(mode_t mode) {
 }
 
 static status wrong_kind(const char *path, mode_t mode, const char *wanted) {
-    return status_describe(ST_IO, "%s: is %s, expected %s", path, kind_name(mode), wanted);
+    return status_describe(ST_IO, "%s: is %s, expected %s", path, file_kind_name(mode), wanted);
 }
 
 /* O_NONBLOCK: a named pipe without a writer must not hold us up; regular files do not care. */
@@ -76,7 +76,7 @@ static status open_regular(file *f, const char *path) {
     if (!S_ISREG(info.st_mode))
         return wrong_kind(path, info.st_mode, "a regular file");
     f->size = (uint64_t)info.st_size;
-    return file_guard_opened(f->fd, path);
+    return file_guard_opened(f->m, f->fd, path);
 }
 
 static status make_file(mem *m, const char *path, file **out) {
@@ -207,18 +207,6 @@ status file_read_at(file *f, uint64_t offset, void *buffer, size_t size) {
         return read_at(f->fd, f->path, f->offset + offset, buffer, size);
     memcpy(buffer, f->memory + f->offset + offset, size);
     return ST_OK;
-}
-
-char *file_beside(mem *m, const char *header, const char *name) {
-    const char *slash = strrchr(header, '/');
-    const size_t folder = slash && *name != '/' ? (size_t)(slash - header) + 1 : 0;
-    const size_t length = strlen(name) + 1;
-    char *path = mem_alloc(m, folder + length);
-    if (!path)
-        return NULL;
-    memcpy(path, header, folder);
-    memcpy(path + folder, name, length);
-    return path;
 }
 
 /* ---- writing ---- */

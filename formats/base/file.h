@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <sys/types.h>
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
@@ -47,9 +48,8 @@ CHECKED status file_read_at(file *f, uint64_t offset, void *buffer, size_t size)
 
 typedef struct out_file out_file;
 
-/* file_beside() - the path of a file that another one, header, names: a relative name is looked for
- * beside it. Freed by mem_free(); NULL: no memory. */
-char *file_beside(mem *m, const char *header, const char *name);
+/* file_kind_name() - what is no regular file, by its mode: "a folder", "a named pipe". */
+const char *file_kind_name(mode_t mode);
 
 /* out_file_create() - open a temporary file beside path, see partial.h. ST_EXISTS when path
  * exists and force is false, or when it is no regular file. ST_USAGE when it is an input, see

@@ -3,6 +3,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 #include "formats/base/fault.h"
 #include "formats/base/status.h"
@@ -15,6 +16,7 @@ void mem_init(mem *m, size_t limit) {
     atomic_init(&m->peak, 0);
     m->limit = limit;
     m->lent = 0;
+    m->target = NULL;
 }
 
 static void *refuse(const mem *m, size_t size) {
@@ -123,4 +125,12 @@ size_t mem_used(const mem *m) {
 
 size_t mem_peak(const mem *m) {
     return atomic_load(&m->peak);
+}
+
+bool mem_room(size_t bytes) {
+    void *some = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (some == MAP_FAILED)
+        return false;
+    munmap(some, bytes);
+    return true;
 }

@@ -8,6 +8,7 @@
 #define FORMATS_BASE_MEM_H
 
 #include <stdatomic.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "formats/base/status.h"
@@ -17,6 +18,7 @@ typedef struct mem {
     atomic_size_t peak; /* the most that `used` ever was */
     size_t limit;       /* 0: no limit */
     size_t lent;        /* by which it is lower than at first */
+    const struct file_guard_target *target; /* of the job, see file_guard.h; NULL: none */
 } mem;
 
 void mem_init(mem *m, size_t limit);
@@ -49,6 +51,10 @@ void mem_zlib_free(void *m, void *block);
  * mem_take_back() - it has ended. By the thread that uses m alone. */
 size_t mem_lend_half(mem *m);
 void mem_take_back(mem *m, size_t lent);
+
+/* mem_room() - whether the system would give this process so many bytes now, whatever the budgets
+ * say: for libraries that fail without a reason. A signal's handler may call it. */
+bool mem_room(size_t bytes);
 
 /* mem_used(), mem_peak() - bytes now, and at most. */
 size_t mem_used(const mem *m);

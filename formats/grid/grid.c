@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "formats/base/num.h"
+#include "formats/leaf/leaf_place.h"
 
 void grid_init(grid *g, const uint32_t dims[3], sample_type type) {
     memset(g, 0, sizeof *g);
@@ -57,22 +58,13 @@ status grid_set_axis(grid *g, mem *m, const char *what, int a, const double *coo
     return ST_OK;
 }
 
-/* The volume of the parallelepiped of the three columns, each scaled to unit length: 1 for a right
- * angle between all, near 0 for columns that nearly lie in a plane. NaN or 0 when one is not finite
- * or zero. */
-static double spread(const double m[3][4]) {
-    double c[3][3];
-    for (int a = 0; a < 3; a++) {
-        double largest = fmax(fabs(m[0][a]), fmax(fabs(m[1][a]), fabs(m[2][a])));
-        double x = m[0][a] / largest, y = m[1][a] / largest, z = m[2][a] / largest;
-        double length = sqrt(x * x + y * y + z * z);
-        c[a][0] = x / length;
-        c[a][1] = y / length;
-        c[a][2] = z / length;
-    }
-    return fabs(c[0][0] * (c[1][1] * c[2][2] - c[1][2] * c[2][1]) -
-                c[0][1] * (c[1][0] * c[2][2] - c[1][2] * c[2][0]) +
-                c[0][2] * (c[1][0] * c[2][1] - c[1][1] * c[2][0]));
+/* Where it lies is judged as who opens the treelet file does. */
+static status check_place(const grid *g, const char *what) {
+    char why[LEAF_PLACE_TEXT];
+    bool sound = leaf_place_grid((const double *)g->to_world, why);
+    for (int a = 0; sound && g->axis[0] && a < 3; a++)
+        sound = leaf_place_axis((const double *)g->to_world, a, g->axis[a], g->dims[a], why);
+    return sound ? ST_OK : status_describe(ST_CORRUPT, "%s: %s", what, why);
 }
 
 status grid_check(const grid *g, const char *what) {
@@ -89,17 +81,7 @@ status grid_check(const grid *g, const char *what) {
     }
     if (!sample_size(g->type) || sample_widened(g->type) != g->type)
         return status_describe(ST_UNSUPPORTED, "%s: unknown sample type %d", what, (int)g->type);
-    for (int row = 0; row < 3; row++)
-        for (int column = 0; column < 4; column++)
-            if (!isfinite(g->to_world[row][column]))
-                return status_describe(ST_CORRUPT, "%s: spacing, directions or origin not finite",
-                                       what);
-    if (!(spread(g->to_world) > 1e-9))
-        return status_describe(ST_CORRUPT,
-                               "%s: the axes do not span space (a zero spacing, or directions that "
-                               "lie in a plane)",
-                               what);
-    return ST_OK;
+    return check_place(g, what);
 }
 
 bool grid_is_rectilinear(const grid *g) {
@@ -145,23 +127,14 @@ static status parse_coordinates(const char *what, const char *text, uint32_t cou
     }
 }
 
-static void make_unit(grid *g, int a) {
-    double x = g->to_world[0][a], y = g->to_world[1][a], z = g->to_world[2][a];
-    double length = sqrt(x * x + y * y + z * z);
-    for (int row = 0; row < 3; row++)
-        g->to_world[row][a] /= length;
-}
-
 status grid_set_axis_text(grid *g, mem *m, const char *what, int a, const char *text) {
     uint32_t count = g->dims[a];
     double *coordinates = mem_array(m, count, sizeof *coordinates);
     if (!coordinates)
         return ST_NOMEM;
     status st = parse_coordinates(what, text, count, coordinates);
-    if (st == ST_OK) {
-        make_unit(g, a);
+    if (st == ST_OK)
         st = grid_set_axis(g, m, what, a, coordinates);
-    }
     mem_free(m, coordinates);
     return st;
 }

@@ -16,8 +16,10 @@
 #include "formats/base/mem.h"
 #include "formats/base/sample.h"
 #include "formats/base/status.h"
+#include "formats/base/world_frame.h"
+#include "formats/grid/absent.h"
 
-enum { GRID_NAME_MAX = 64, GRID_DIM_MAX = 1 << 20 };
+enum { GRID_NAME_MAX = 64, GRID_NOTE_MAX = 320, GRID_DIM_MAX = 1 << 20 };
 
 typedef struct grid {
     uint32_t dims[3];      /* nodes per axis, each 2 .. GRID_DIM_MAX */
@@ -27,6 +29,10 @@ typedef struct grid {
     double *axis[3]; /* rectilinear: dims[a] strictly increasing coordinates; all three NULL for a
                         regular grid */
     char name[GRID_NAME_MAX];
+    world_frame frame;        /* which way the world's axes point, and their units */
+    absent_parts absent;      /* samples that its file does not have */
+    char note[GRID_NOTE_MAX]; /* what its file says and the reader did not take as it is; "":
+                                 nothing */
 } grid;
 
 /* grid_init() - a regular grid with unit spacing at the origin. */
@@ -41,12 +47,12 @@ void grid_init(grid *g, const uint32_t dims[3], sample_type type);
 CHECKED status grid_set_axis(grid *g, mem *m, const char *what, int a, const double *coordinates);
 
 /* grid_set_axis_text() - the same of a text with exactly dims[a] numbers, split by blanks, line
- * ends or commas. Its column of to_world becomes a unit vector: coordinates replace a spacing.
- * `what` names the source. */
+ * ends or commas; `what` names the source. Its column of to_world stays, and scales them: who wants
+ * coordinates to replace a spacing makes it a unit vector before. */
 CHECKED status grid_set_axis_text(grid *g, mem *m, const char *what, int a, const char *text);
 
-/* grid_check() - dims in range (a one-sample axis is refused with a clear text), finite invertible
- * to_world; ST_CORRUPT or ST_UNSUPPORTED naming `what`. Every importer ends with it. */
+/* grid_check() - dims in range (a one-sample axis is refused with a clear text), a sound place
+ * (leaf_place.h); ST_CORRUPT or ST_UNSUPPORTED naming `what`. Every importer ends with it. */
 CHECKED status grid_check(const grid *g, const char *what);
 
 bool grid_is_rectilinear(const grid *g);

@@ -2,11 +2,14 @@
 
 #include <dirent.h>
 #include <jansson.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "formats/base/child.h"
+#include "formats/base/file_guard.h"
+#include "formats/base/json_text.h"
 #include "formats/base/sibling.h"
 #include "formats/base/wait.h"
 #include "formats/grid/layout_slices.h"
@@ -22,6 +25,7 @@ typedef struct import {
     char *path;
     char *field; /* of the hints; NULL: not given */
     uint32_t component, step;
+    input_trust trust;
     char program[SIBLING_PATH];
     child c;
     bool running;
@@ -35,12 +39,43 @@ static const char *last_words(const child *c) {
     return colon ? colon + 2 : line;
 }
 
+/* Signals that nobody sends but who wants it to end, or the system when memory runs out. */
+static status verb_ended(const import *x, int number) {
+    static const int crashes[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS};
+    const char *program = strrchr(x->program, '/') + 1;
+    if (number == SIGKILL)
+        return status_describe(ST_NOMEM,
+                               "%s: %s was killed over this file (signal 9), as the system does "
+                               "when its memory runs out",
+                               x->path, program);
+    for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++)
+        if (number == crashes[i])
+            return status_describe(ST_CORRUPT, "%s: %s was ended by signal %d over this file (%s)",
+                                   x->path, program, number, strsignal(number));
+    return status_describe(number == SIGXCPU ? ST_NOMEM : ST_FAILED,
+                           "%s: %s was ended by signal %d (%s)", x->path, program, number,
+                           strsignal(number));
+}
+
+enum { EXIT_NOT_LOADED = 127 };
+
+/* The system's loader tells its reason in words alone. */
+static status verb_not_loaded(const import *x, const child *c) {
+    static const char *const memory[] = {"cannot map", "failed to map", "annot allocate"};
+    status st = ST_FAILED;
+    for (size_t i = 0; i < sizeof memory / sizeof *memory; i++)
+        st = strstr(c->words, memory[i]) ? ST_NOMEM : st;
+    return status_describe(st, "%s: %s cannot be loaded: %s", x->path, strrchr(x->program, '/') + 1,
+                           last_words(c));
+}
+
 static status verb_failed(const import *x, const child *c, int code) {
     static const status meaning[] = {[2] = ST_USAGE, [3] = ST_CORRUPT, [4] = ST_NOMEM};
     const bool known = code >= 2 && code <= 4;
     if (code > 128)
-        return status_describe(ST_CORRUPT, "%s: %s was ended by signal %d over this file", x->path,
-                               strrchr(x->program, '/') + 1, code - 128);
+        return verb_ended(x, code - 128);
+    if (code == EXIT_NOT_LOADED)
+        return verb_not_loaded(x, c);
     if (code == 4 && x->lent)
         return status_describe(ST_NOMEM, "%s (it has %zu of the budget's %zu MiB)", last_words(c),
                                x->lent >> 20, (x->m->limit + x->m->lent) >> 20);
@@ -81,35 +116,81 @@ static void close_output(void *ctx) {
 
 /* ---- starting it ---- */
 
-enum { ARGUMENTS_MAX = 16, NUMBER_MAX = 24 };
+/* A command line; its words are copies. */
+typedef struct command {
+    mem *m;
+    char **words; /* NULL behind the last */
+    size_t count, room;
+} command;
+
+static status add_word(void *ctx, const char *word) {
+    command *c = ctx;
+    char *copy = mem_copy_text(c->m, word);
+    const size_t taken = c->count ? c->count + 1 : 0;
+    status st = copy ? mem_grow(c->m, &c->words, sizeof *c->words, taken, 32, &c->room) : ST_NOMEM;
+    if (st != ST_OK) {
+        mem_free(c->m, copy);
+        return st;
+    }
+    c->words[c->count++] = copy;
+    c->words[c->count] = NULL;
+    return ST_OK;
+}
+
+static status add_option(command *c, const char *option, const char *value) {
+    status st = add_word(c, option);
+    return st == ST_OK ? add_word(c, value) : st;
+}
+
+static status add_number(command *c, const char *option, size_t value) {
+    char text[24];
+    snprintf(text, sizeof text, "%zu", value);
+    return value ? add_option(c, option, text) : ST_OK;
+}
+
+/* The verb reads files that this process does not know of: it must know what is written here. */
+static status add_output(void *ctx, const char *path) {
+    return add_option(ctx, "--guard", path);
+}
+
+static void release_command(command *c) {
+    for (size_t i = 0; i < c->count; i++)
+        mem_free(c->m, c->words[i]);
+    mem_free(c->m, c->words);
+}
 
 /* first: up to three words that say what is wanted. */
-static status start(const import *x, const char *const first[3], size_t lent, child *c) {
-    char component[NUMBER_MAX], step[NUMBER_MAX], memory[NUMBER_MAX];
-    const char *argv[ARGUMENTS_MAX] = {x->program, "-q"};
-    int count = 2;
-    for (int i = 0; i < 3 && first[i]; i++)
-        argv[count++] = first[i];
-    const struct {
-        bool given;
-        const char *option, *value;
-    } hints[] = {{x->field, "--field", x->field},
-                 {x->component, "--component", component},
-                 {x->step, "--step", step},
-                 {lent, "--memory", memory}};
-    snprintf(memory, sizeof memory, "%zu", lent);
-    snprintf(component, sizeof component, "%u", x->component);
-    snprintf(step, sizeof step, "%u", x->step);
-    for (size_t i = 0; i < sizeof hints / sizeof *hints; i++)
-        if (hints[i].given) {
-            argv[count++] = hints[i].option;
-            argv[count++] = hints[i].value;
-        }
-    argv[count++] = "--";
-    argv[count++] = x->path;
-    status st = child_start(x->program, (char *const *)(uintptr_t)argv, true, c);
+static status write_command(const import *x, const char *const first[3], size_t lent, command *c) {
+    status st = add_word(c, x->program);
     if (st == ST_OK)
-        child_fed(c);
+        st = add_word(c, "-q");
+    for (int i = 0; i < 3 && first[i] && st == ST_OK; i++)
+        st = add_word(c, first[i]);
+    if (st == ST_OK && x->field)
+        st = add_option(c, "--field", x->field);
+    if (st == ST_OK)
+        st = add_number(c, "--component", x->component);
+    if (st == ST_OK)
+        st = add_number(c, "--step", x->step);
+    if (st == ST_OK)
+        st = add_number(c, "--memory", lent);
+    if (st == ST_OK && x->trust.follow_links)
+        st = add_word(c, "--follow-links");
+    if (st == ST_OK && x->trust.allow_missing)
+        st = add_word(c, "--allow-missing");
+    if (st == ST_OK)
+        st = file_guard_each_output(x->m, add_output, c);
+    return st == ST_OK ? add_option(c, "--", x->path) : st;
+}
+
+static status start(const import *x, const char *const first[3], size_t lent, child *out) {
+    command c = {.m = x->m};
+    status st = write_command(x, first, lent, &c);
+    if (st == ST_OK)
+        st = child_start(x->program, c.words, true, out);
+    if (st == ST_OK)
+        child_fed(out);
+    release_command(&c);
     return st;
 }
 
@@ -130,6 +211,7 @@ static status copy_hints(import *x, const char *path, const volume_hints *hints)
     x->field = hints->field ? mem_copy_text(x->m, hints->field) : NULL;
     x->component = hints->component;
     x->step = hints->step;
+    x->trust = hints->trust;
     return x->path && (x->field || !hints->field) ? ST_OK : ST_NOMEM;
 }
 
@@ -175,27 +257,52 @@ static status read_list(const import *x, child *c, json_t **out) {
                              x->path, LIST_MAX);
     if (st == ST_OK && code != 0)
         st = verb_failed(x, c, code);
-    *out = st == ST_OK ? json_loadb(text, got, 0, NULL) : NULL;
+    json_error_t error;
+    *out = st == ST_OK ? json_loadb(text, got, 0, &error) : NULL;
     mem_free(x->m, text);
     if (st == ST_OK && !json_is_array(json_object_get(*out, "fields")))
-        st = status_describe(ST_FAILED, "%s: %s --list --json: no list of fields", x->path,
+        st = status_describe(*out ? ST_FAILED : json_text_status(&error, ST_FAILED),
+                             "%s: %s --list --json: no list of fields", x->path,
                              strrchr(x->program, '/') + 1);
     return st;
 }
 
+/* One number for each step, or NULL. */
+static status read_times(mem *m, const json_t *item, uint32_t steps, double **out) {
+    const json_t *times = json_object_get(item, "times");
+    *out = NULL;
+    if (json_array_size(times) != steps)
+        return ST_OK;
+    *out = mem_array(m, steps, sizeof **out);
+    for (uint32_t i = 0; *out && i < steps; i++)
+        (*out)[i] = json_number_value(json_array_get(times, i));
+    return *out ? ST_OK : ST_NOMEM;
+}
+
 /* Those that can be read. */
-static status tell_items(const json_t *items, const slice_fields *to) {
+static status tell_items(mem *m, const json_t *items, const slice_fields *to) {
     status st = ST_OK;
     for (size_t i = 0; st == ST_OK && i < json_array_size(items); i++) {
         const json_t *item = json_array_get(items, i);
         const char *name = json_string_value(json_object_get(item, "name"));
         const json_int_t steps =
             json_integer_value(json_array_get(json_object_get(item, "shape"), 3));
-        const slice_field one = {.name = name,
-                                 .steps = steps < 1 || steps > UINT32_MAX ? 1 : (uint32_t)steps,
-                                 .taken = json_is_true(json_object_get(item, "taken"))};
-        if (name && json_is_true(json_object_get(item, "readable")))
+        slice_field one = {.name = name,
+                           .steps = steps < 1 || steps > UINT32_MAX ? 1 : (uint32_t)steps,
+                           .taken = json_is_true(json_object_get(item, "taken"))};
+        one.components = (uint32_t)json_integer_value(json_object_get(item, "components"));
+        one.component = (uint32_t)json_integer_value(json_object_get(item, "component"));
+        one.colours = json_is_true(json_object_get(item, "colours"));
+        double *times = NULL;
+        if (!name || !json_is_true(json_object_get(item, "readable")))
+            continue;
+        st = read_times(m, item, one.steps, &times);
+        one.times = times;
+        one.time_unit = json_string_value(json_object_get(item, "time_unit"));
+        if (st == ST_OK)
             st = to->take(to->ctx, &one);
+        if (times)
+            mem_free(m, times);
     }
     return st;
 }
@@ -211,7 +318,7 @@ static status tell_fields(void *ctx, const slice_fields *to) {
         st = read_list(x, &c, &root);
     mem_take_back(x->m, lent);
     if (st == ST_OK)
-        st = tell_items(json_object_get(root, "fields"), to);
+        st = tell_items(x->m, json_object_get(root, "fields"), to);
     json_decref(root);
     return st;
 }

@@ -23,11 +23,14 @@ typedef struct held_slices {
 } held_slices;
 
 typedef struct layout_slices {
-    volume_layout layout; /* its grid has gone to the source, but for sizes and type */
+    volume_layout layout;            /* its grid has gone to the source, but for sizes and type */
+    char time_unit[WORLD_TIME_UNIT]; /* of the grid's frame, which is handed on */
+    stored_samples in_file;          /* the layout's are those that are held */
     unpack_stream *packed;
     uint64_t behind; /* bytes of later steps, where they lie there */
     char *chunk;     /* samples as they are stored; NULL: as the grid has them */
     held_slices held;
+    double rounding; /* of what was read */
 } layout_slices;
 
 static const char *name_of(const layout_slices *s) {
@@ -47,7 +50,8 @@ static status read_encoded(layout_slices *s, void *buffer, size_t size, size_t *
     status st = ST_OK;
     switch (l->encoding) {
     case VOLUME_RAW: return byte_stream_read(data_of(s), buffer, size, got);
-    case VOLUME_DEFLATE: return unpack_stream_read(s->packed, buffer, size, got);
+    case VOLUME_DEFLATE:
+    case VOLUME_BZIP2: return unpack_stream_read(s->packed, buffer, size, got);
     case VOLUME_TEXT:
         st = text_stream_read(l->data, l->stored.type, buffer, size / width, got);
         *got *= width;
@@ -262,9 +266,21 @@ static status finish(void *ctx, uint64_t *trailing) {
 /* One, of several steps perhaps. */
 static status tell_fields(void *ctx, const slice_fields *to) {
     const layout_slices *s = ctx;
-    const slice_field one = {
-        .name = "", .steps = s->layout.steps ? s->layout.steps : 1, .taken = true};
-    return to->take(to->ctx, &one);
+    const volume_layout *l = &s->layout;
+    slice_field one = {.name = "", .steps = l->steps ? l->steps : 1, .taken = true};
+    stored_samples_tell(&s->in_file, &one);
+    if (l->time_step == 0 || one.steps == 1)
+        return to->take(to->ctx, &one);
+    double *times = mem_array(l->m, one.steps, sizeof *times);
+    if (!times)
+        return ST_NOMEM;
+    for (uint32_t i = 0; i < one.steps; i++)
+        times[i] = l->first_time + i * l->time_step;
+    one.times = times;
+    one.time_unit = s->time_unit[0] ? s->time_unit : NULL;
+    const status st = to->take(to->ctx, &one);
+    mem_free(l->m, times);
+    return st;
 }
 
 static void close_slices(void *ctx) {
@@ -320,8 +336,8 @@ static status hold(layout_slices *s) {
 
 static status prepare(layout_slices *s) {
     volume_layout *l = &s->layout;
-    const bool packed = l->encoding == VOLUME_DEFLATE;
-    status st = packed ? unpack_stream_open(l->m, &packer_zlib, l->data, &s->packed) : ST_OK;
+    const packer *packed = volume_layout_packer(l);
+    status st = packed ? unpack_stream_open(l->m, packed, l->data, &s->packed) : ST_OK;
     if (st == ST_OK && packed)
         st = skip_encoded(s, l->skip_decoded);
     if (st == ST_OK && l->ordered)
@@ -341,6 +357,9 @@ status layout_slices_open(volume_layout *l, slice_source *out) {
     if (!s)
         return ST_NOMEM;
     s->layout = *l;
+    s->layout.stored.rounding = &s->rounding;
+    s->in_file = l->stored;
+    memcpy(s->time_unit, l->g.frame.time_unit, sizeof s->time_unit);
     const bool several = l->steps > 1 || l->stored.components > 1;
     status st = prepare(s);
     if (st != ST_OK) {
@@ -357,6 +376,7 @@ status layout_slices_open(volume_layout *l, slice_source *out) {
                           .next_step = l->all_steps ? next_step : NULL,
                           .close = close_slices,
                           .ctx = s,
+                          .rounding = &s->rounding,
                           .fields = tell_fields,
                           .fields_ctx = s};
     for (int a = 0; a < 3; a++)

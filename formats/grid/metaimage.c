@@ -1,4 +1,5 @@
 #include "formats/grid/metaimage.h"
+#include "formats/grid/volume_files.h"
 
 #include <string.h>
 #include <strings.h>
@@ -10,6 +11,7 @@ typedef struct metaimage {
     header_fields fields;
     volume_layout *l;
     int axes;
+    bool follow_links;
 } metaimage;
 
 static bool known(const char *path, const uint8_t *start, size_t size) {
@@ -150,6 +152,7 @@ static status read_placement(metaimage *h) {
         st = read_directions(h, direction);
     if (st == ST_OK)
         volume_layout_place(h->l, direction, spacing, origin);
+    world_frame_set(&h->l->g.frame, WORLD_LPS, "mm"); /* as ITK has it, whatever the header says */
     return st;
 }
 
@@ -162,20 +165,20 @@ static status find_samples(metaimage *h) {
     if (st != ST_OK)
         return st;
     bool local = strcasecmp(file->value, "LOCAL") == 0;
-    if (strncmp(file->value, "LIST", 4) == 0 || strchr(file->value, '%'))
-        return header_fields_fault(&h->fields, file, ST_UNSUPPORTED,
-                                   "samples in several files are not supported");
+    if (volume_files_are(file->value))
+        return volume_files_open(h->l, h->fields.name, file->value, h->follow_links, 0,
+                                 header_size);
     if (!local)
-        st = volume_layout_open(h->l, h->fields.name, file->value, byte_stream_open_stored);
+        st = volume_layout_open(h->l, h->fields.name, file->value, h->follow_links,
+                                byte_stream_open_stored);
     return st == ST_OK ? volume_layout_skip(h->l, 0, header_size) : st;
 }
 
 static status open_layout(volume_layout *l, const volume_hints *hints) {
-    (void)hints;
     static const header_style style = {.separator = '=', .end_key = "ElementDataFile"};
     static status (*const steps[])(metaimage *) = {read_sizes,    read_type,      read_channels,
                                                    read_encoding, read_placement, find_samples};
-    metaimage h = {.l = l};
+    metaimage h = {.l = l, .follow_links = hints->trust.follow_links};
     const uint32_t none[3] = {0, 0, 0};
     grid_init(&l->g, none, SAMPLE_U8);
     status st = header_fields_read(&h.fields, l->m, l->data, &style);

@@ -140,6 +140,7 @@ static status read_placement(mrc *h) {
             origin[row] += (double)word(h, WORD_START + i) * spacing[i] * direction[i][row];
     }
     volume_layout_place(h->l, direction, spacing, origin);
+    world_frame_set(&h->l->g.frame, WORLD_UNTOLD, "angstrom");
     return grid_check(&h->l->g, h->name);
 }
 

@@ -9,6 +9,7 @@
 #include "formats/base/num.h"
 #include "formats/base/text.h"
 #include "formats/input/binary_fields.h"
+#include "formats/input/named_file.h"
 
 /* Where the two versions have their fields, and how wide these are. */
 typedef struct nifti_form {
@@ -22,6 +23,8 @@ typedef struct nifti_form {
     int codes, code_width; /* qform_code, sform_code */
     int quaternion;        /* b, c, d, and the offset x, y, z */
     int rows;              /* srow_x[4], srow_y[4], srow_z[4] */
+    int units, unit_width; /* xyzt_units */
+    int time_offset;
 } nifti_form;
 
 static const nifti_form forms[] = {{.magic = {"n+1", "ni1"},
@@ -31,6 +34,7 @@ static const nifti_form forms[] = {{.magic = {"n+1", "ni1"},
                                     .size_width = 2,
                                     .datatype = 70,
                                     .pixdim = 76,
+                                    .time_offset = 136,
                                     .real_width = 4,
                                     .vox_offset = 108,
                                     .slope = 112,
@@ -38,7 +42,9 @@ static const nifti_form forms[] = {{.magic = {"n+1", "ni1"},
                                     .codes = 252,
                                     .code_width = 2,
                                     .quaternion = 256,
-                                    .rows = 280},
+                                    .rows = 280,
+                                    .units = 123,
+                                    .unit_width = 1},
                                    {.magic = {"n+2", "ni2"},
                                     .magic_at = 4,
                                     .header_bytes = 540,
@@ -46,6 +52,7 @@ static const nifti_form forms[] = {{.magic = {"n+1", "ni1"},
                                     .size_width = 8,
                                     .datatype = 12,
                                     .pixdim = 104,
+                                    .time_offset = 216,
                                     .real_width = 8,
                                     .vox_offset = 168,
                                     .slope = 176,
@@ -53,7 +60,9 @@ static const nifti_form forms[] = {{.magic = {"n+1", "ni1"},
                                     .codes = 344,
                                     .code_width = 4,
                                     .quaternion = 352,
-                                    .rows = 400}};
+                                    .rows = 400,
+                                    .units = 500,
+                                    .unit_width = 4}};
 
 enum { HEADER_MAX = 540 };
 
@@ -107,7 +116,8 @@ static bool find_header(mem *m, const char *image, char path[PATH_MAX], nifti *h
     const int stem = (int)strlen(image) - 4;
     for (int i = 0; i < 3 && text_ends_in(image, ".img"); i++)
         if (snprintf(path, PATH_MAX, "%.*s%s", stem, image, suffixes[i]) < PATH_MAX &&
-            access(path, R_OK) == 0 && is_header_file(m, path, h))
+            access(path, R_OK) == 0 && named_file_implied(path) == ST_OK &&
+            is_header_file(m, path, h))
             return true;
     return false;
 }
@@ -256,13 +266,38 @@ static void place_by_spacings(nifti *h, bool turned) {
     volume_layout_place(h->l, direction, spacing, origin);
 }
 
+/* Of the world the standard knows one kind, RAS; where neither code says that the axes are of it,
+ * they are as they come. */
+static void read_frame(nifti *h, bool placed) {
+    static const char *const names[8] = {"", "m", "mm", "um"};
+    const int code =
+        (int)binary_unsigned(h->bytes + h->form->units, h->form->unit_width, h->big) & 7;
+    world_frame_set(&h->l->g.frame, placed ? WORLD_RAS : WORLD_UNTOLD,
+                    names[code] ? names[code] : "");
+}
+
+/* The repetition time, from toffset on. */
+static void read_times(nifti *h) {
+    static const char *const names[8] = {[1] = "s", [2] = "ms", [3] = "us"};
+    const int code =
+        (int)binary_unsigned(h->bytes + h->form->units, h->form->unit_width, h->big) >> 3 & 7;
+    h->l->time_step = fabs(real_at(h, h->form->pixdim, 4));
+    h->l->first_time = real_at(h, h->form->time_offset, 0);
+    world_frame_set_time_unit(&h->l->g.frame, names[code] ? names[code] : "");
+}
+
 static status read_placement(nifti *h) {
     const int width = h->form->code_width;
     const uint8_t *codes = h->bytes + h->form->codes;
-    if (binary_signed(codes + width, width, h->big) > 0)
+    const bool by_rows = binary_signed(codes + width, width, h->big) > 0;
+    const bool turned = binary_signed(codes, width, h->big) > 0;
+    if (by_rows)
         place_by_rows(h);
     else
-        place_by_spacings(h, binary_signed(codes, width, h->big) > 0);
+        place_by_spacings(h, turned);
+    read_frame(h, by_rows || turned);
+    if (h->l->steps > 1)
+        read_times(h);
     return grid_check(&h->l->g, h->name);
 }
 
@@ -285,7 +320,7 @@ static status open_image(nifti *h) {
                              h->name);
     else {
         memcpy(suffix + 1, suffix[1] == 'h' ? "img" : "IMG", 3);
-        st = volume_layout_open(h->l, h->l->path, name, byte_stream_open);
+        st = volume_layout_open(h->l, h->l->path, name, true, byte_stream_open);
     }
     mem_free(h->l->m, name);
     return st;

@@ -1,4 +1,5 @@
 #include "formats/grid/nrrd.h"
+#include "formats/grid/volume_files.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -6,6 +7,7 @@
 #include <strings.h>
 
 #include "formats/base/num.h"
+#include "formats/base/text.h"
 #include "formats/input/header_fields.h"
 
 /* A header while it is interpreted. Per-axis values are in the order of the file until squeeze()
@@ -199,6 +201,7 @@ static bool is_one_of(const char *value, const char *const *names) {
 
 static status read_encoding(nrrd *n) {
     static const char *const gzip[] = {"gzip", "gz", NULL};
+    static const char *const bzip2[] = {"bzip2", "bz2", NULL};
     static const char *const text[] = {"text", "txt", "ascii", NULL};
     const header_field *f;
     status st = need(n, "encoding", &f);
@@ -208,11 +211,13 @@ static status read_encoding(nrrd *n) {
         n->l->encoding = VOLUME_RAW;
     else if (is_one_of(f->value, gzip))
         n->l->encoding = VOLUME_DEFLATE;
+    else if (is_one_of(f->value, bzip2))
+        n->l->encoding = VOLUME_BZIP2;
     else if (is_one_of(f->value, text))
         n->l->encoding = VOLUME_TEXT;
     else
         return header_fields_fault(&n->fields, f, ST_UNSUPPORTED,
-                                   "\"%s\": supported are raw, gzip and text", f->value);
+                                   "\"%s\": supported are raw, gzip, bzip2 and text", f->value);
     return ST_OK;
 }
 
@@ -273,6 +278,64 @@ static status check_space(const nrrd *n) {
     if (dimension != 3)
         return header_fields_fault(&n->fields, f, ST_UNSUPPORTED, "a volume lies in a space of 3");
     return ST_OK;
+}
+
+/* What "space" may say of the axes, by name or by letters, with or without "-time" behind. Which
+ * way those of the others point is the scanner's affair. */
+static const struct {
+    const char *name, *letters;
+    world_axes axes;
+    bool mirrored; /* x the other way: LAS */
+} spaces[] = {
+    {"right-anterior-superior", "RAS", WORLD_RAS, false},
+    {"left-posterior-superior", "LPS", WORLD_LPS, false},
+    {"left-anterior-superior", "LAS", WORLD_RAS, true},
+    {"scanner-xyz", "", WORLD_UNTOLD, false},
+    {"3D-right-handed", "", WORLD_UNTOLD, false},
+    {"3D-left-handed", "", WORLD_UNTOLD, false},
+};
+
+static bool is_space(const char *value, const char *name) {
+    const size_t length = strlen(name);
+    return length > 0 && strncasecmp(value, name, length) == 0 &&
+           (!value[length] || strcasecmp(value + length, "-time") == 0);
+}
+
+/* Units are quoted strings, or words. Those of the axes of space come first. */
+static void take_units(world_frame *frame, const char *text) {
+    for (int a = 0; a < 3; a++) {
+        char unit[WORLD_UNIT];
+        text += strspn(text, " \t");
+        const bool quoted = *text == '"';
+        text += quoted;
+        const size_t length = strcspn(text, quoted ? "\"" : " \t");
+        snprintf(unit, sizeof unit, "%.*s", (int)length, text);
+        world_frame_set_unit(frame, a, unit);
+        text += length;
+        text += quoted && *text;
+    }
+}
+
+/* LAS is mirrored, and becomes RAS. */
+static status read_frame(const nrrd *n) {
+    const header_field *space = get(n, "space"), *units = get(n, "space units");
+    grid *g = &n->l->g;
+    if (units)
+        take_units(&g->frame, units->value);
+    if (!space)
+        return ST_OK;
+    for (size_t i = 0; i < sizeof spaces / sizeof *spaces; i++) {
+        if (!is_space(space->value, spaces[i].name) && !is_space(space->value, spaces[i].letters))
+            continue;
+        g->frame.axes = spaces[i].axes;
+        for (int c = 0; spaces[i].mirrored && c < 4; c++)
+            g->to_world[0][c] = 0 - g->to_world[0][c]; /* never -0 */
+        return ST_OK;
+    }
+    return header_fields_fault(&n->fields, space, ST_CORRUPT,
+                               "\"%s\": expected a space that NRRD knows, such as "
+                               "left-posterior-superior or RAS",
+                               space->value);
 }
 
 /* The step from node to node along each axis: a vector of "space directions", or a spacing along x,
@@ -344,6 +407,38 @@ static status read_placement(const nrrd *n) {
         st = take_vector(n, f, &text, &none, origin);
     if (st == ST_OK)
         volume_layout_place(n->l, direction, spacing, origin);
+    return st == ST_OK ? read_frame(n) : st;
+}
+
+/* The word in quotes of an axis. */
+static void take_word(const char *text, int axis, char *to, size_t room) {
+    to[0] = 0;
+    for (int quotes = 0; quotes <= 2 * axis; quotes++) {
+        text = strchr(text, '"');
+        if (!text)
+            return;
+        text++;
+    }
+    const char *end = strchr(text, '"');
+    if (end)
+        snprintf(to, room, "%.*s", (int)(end - text), text);
+}
+
+/* Of an axis of times, which is the last: where it starts, its spacing and unit. */
+static status read_times(const nrrd *n) {
+    const header_field *spacings = get(n, "spacings"), *mins = get(n, "axis mins");
+    const header_field *units = get(n, "units");
+    double step[4] = {NAN, NAN, NAN, NAN}, first[4] = {NAN, NAN, NAN, NAN};
+    char unit[WORLD_TIME_UNIT];
+    if (n->axes != 4 || n->l->steps < 2)
+        return ST_OK;
+    status st = spacings ? header_fields_numbers(&n->fields, spacings, 4, step) : ST_OK;
+    if (st == ST_OK && mins)
+        st = header_fields_numbers(&n->fields, mins, 4, first);
+    n->l->time_step = isfinite(step[3]) ? step[3] : 0;
+    n->l->first_time = isfinite(first[3]) ? first[3] : 0;
+    take_word(units ? units->value : "", 3, unit, sizeof unit);
+    world_frame_set_time_unit(&n->l->g.frame, unit);
     return st;
 }
 
@@ -362,18 +457,18 @@ static status read_axes(const nrrd *n) {
     return ST_OK;
 }
 
-/* ---- where the samples are ---- */
-
-static status open_data(const nrrd *n, const header_field *f) {
-    const char *name = f->value;
-    bool several = strncmp(name, "LIST", 4) == 0 || (strchr(name, '%') && strchr(name, ' '));
-    if (several)
-        return header_fields_fault(&n->fields, f, ST_UNSUPPORTED,
-                                   "samples in several files are not supported");
-    return volume_layout_open(n->l, n->fields.name, name, byte_stream_open_stored);
+static void read_words(const nrrd *n) {
+    const header_field *absent = header_fields_find_pair(&n->fields, "leafcast absent");
+    const header_field *note = header_fields_find_pair(&n->fields, "leafcast note");
+    if (absent)
+        absent_parse(absent->value, &n->l->g.absent);
+    if (note)
+        text_name(n->l->g.note, sizeof n->l->g.note, note->value);
 }
 
-static status find_samples(const nrrd *n) {
+/* ---- where the samples are ---- */
+
+static status find_samples(const nrrd *n, const volume_hints *hints) {
     const header_field *file = get(n, "data file");
     const header_field *line_skip = get(n, "line skip"), *byte_skip = get(n, "byte skip");
     int64_t lines = 0, bytes = 0;
@@ -382,8 +477,12 @@ static status find_samples(const nrrd *n) {
         st = header_fields_int(&n->fields, line_skip, 0, INT32_MAX, &lines);
     if (st == ST_OK && byte_skip)
         st = header_fields_int(&n->fields, byte_skip, -INT64_MAX, INT64_MAX, &bytes);
+    if (st == ST_OK && file && volume_files_are(file->value))
+        return volume_files_open(n->l, n->fields.name, file->value, hints->trust.follow_links,
+                                 (uint64_t)lines, bytes);
     if (st == ST_OK && file)
-        st = open_data(n, file);
+        st = volume_layout_open(n->l, n->fields.name, file->value, hints->trust.follow_links,
+                                byte_stream_open_stored);
     return st == ST_OK ? volume_layout_skip(n->l, (uint64_t)lines, bytes) : st;
 }
 
@@ -399,24 +498,30 @@ static status interpret(nrrd *n) {
         st = grid_check(&n->l->g, n->fields.name);
     if (st == ST_OK)
         st = read_axes(n);
+    if (st == ST_OK)
+        st = read_times(n);
+    read_words(n);
     return st;
 }
 
 static status open_layout(volume_layout *l, const volume_hints *hints) {
-    (void)hints;
     byte_stream *header = l->data;
     status st = check_magic(header);
     if (st != ST_OK)
         return st;
     nrrd n = {.l = l};
-    static const header_style style = {.separator = ':', .ends_blank = true, .lines_read = 1};
+    static const header_style style = {.separator = ':',
+                                       .ends_blank = true,
+                                       .end_key = "data file",
+                                       .end_value = "LIST",
+                                       .lines_read = 1};
     const uint32_t none[3] = {0, 0, 0};
     grid_init(&l->g, none, SAMPLE_U8);
     st = header_fields_read(&n.fields, l->m, header, &style);
     if (st == ST_OK)
         st = interpret(&n);
     if (st == ST_OK)
-        st = find_samples(&n);
+        st = find_samples(&n, hints);
     header_fields_release(&n.fields);
     return st;
 }

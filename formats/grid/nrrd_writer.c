@@ -60,6 +60,30 @@ static void put_axis(header *h, const grid *g, int a) {
     put(h, "\n");
 }
 
+static void put_absent(header *h, const grid *g) {
+    char text[ABSENT_TEXT];
+    absent_pair(&g->absent, text);
+    put(h, "leafcast absent:=");
+    put(h, text);
+    put(h, "\n");
+}
+
+/* NRRD has a name for the space, or its dimension. */
+static void put_frame(header *h, const world_frame *frame) {
+    static const char *const names[WORLD_AXES] = {
+        [WORLD_LPS] = "left-posterior-superior", [WORLD_RAS] = "right-anterior-superior"};
+    put(h, names[frame->axes] ? "space: " : "space dimension: 3");
+    put(h, names[frame->axes] ? names[frame->axes] : "");
+    const char *before = "\nspace units: \"";
+    char text[WORLD_UNITS_TEXT];
+    for (int a = 0; a < 3 && world_frame_units_print(frame, text)[0]; a++) {
+        put(h, before);
+        put(h, frame->unit[a]);
+        put(h, "\"");
+        before = " \"";
+    }
+}
+
 status nrrd_write_header(out_stream *out, const grid *g) {
     header written = {out, ST_OK}, *h = &written;
     put(h, "NRRD0004\ntype: ");
@@ -73,7 +97,8 @@ status nrrd_write_header(out_stream *out, const grid *g) {
         put(h, g->name);
         put(h, "\n");
     }
-    put(h, "space dimension: 3\nspace directions:");
+    put_frame(h, &g->frame);
+    put(h, "\nspace directions:");
     for (int a = 0; a < 3; a++)
         put_vector(h, g, a);
     put(h, "\nspace origin:");
@@ -81,6 +106,13 @@ status nrrd_write_header(out_stream *out, const grid *g) {
     put(h, "\n");
     for (int a = 0; a < 3 && grid_is_rectilinear(g); a++)
         put_axis(h, g, a);
+    if (g->absent.count)
+        put_absent(h, g);
+    if (g->note[0]) {
+        put(h, "leafcast note:=");
+        put(h, g->note);
+        put(h, "\n");
+    }
     put(h, "\n");
     return h->st;
 }

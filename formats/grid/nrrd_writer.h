@@ -1,7 +1,8 @@
 /* nrrd_writer.h - a volume written as NRRD, sample by sample: attached header, raw, little endian.
  *
  * The same grid and samples give the same bytes on every machine. Placement goes to space
- * directions and origin; rectilinear axes to the key/value pairs that nrrd.h reads.
+ * directions and origin; rectilinear axes, how much is absent, and a note, to the key/value pairs
+ * that nrrd.h reads.
  */
 #ifndef FORMATS_GRID_NRRD_WRITER_H
 #define FORMATS_GRID_NRRD_WRITER_H

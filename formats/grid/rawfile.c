@@ -7,6 +7,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
+#include "formats/base/json_text.h"
 #include "formats/base/text.h"
 #include "formats/grid/volume.h"
 #include "formats/input/foreign.h"
@@ -142,7 +143,8 @@ static status parse_json(mem *m, byte_stream *s, facts *known) {
         if (root)
             st = read_facts(name, root, known);
         else
-            st = status_describe(ST_CORRUPT, "%s: line %d: %s", name, error.line, error.text);
+            st = status_describe(json_text_status(&error, ST_CORRUPT), "%s: line %d: %s", name,
+                                 error.line, error.text);
         json_decref(root);
     }
     mem_free(m, text);
@@ -174,16 +176,18 @@ static status read_json_beside(mem *m, const char *path, size_t front, facts *kn
 
 /* Read path, which is a JSON, and open the samples that it describes: those it names, or those of
  * its own name. */
-static status open_json(volume_layout *l, const char *path, facts *known) {
+static status open_json(volume_layout *l, const char *path, bool follow_links, facts *known) {
     status st = parse_json(l->m, l->data, known);
     if (st != ST_OK)
         return st;
-    if (!known->file[0]) {
+    const bool implied = !known->file[0];
+    if (implied) {
         const char *name = base_name(path);
         snprintf(known->file, sizeof known->file, "%.*s.raw", (int)(strlen(name) - strlen(".json")),
                  name);
     }
-    return volume_layout_open(l, path, known->file, byte_stream_open_stored);
+    return volume_layout_open(l, path, known->file, implied || follow_links,
+                              byte_stream_open_stored);
 }
 
 /* ---- all together ---- */
@@ -198,11 +202,11 @@ static void apply_hints(facts *known, const volume_hints *hints) {
     known->skip = hints->skip;
 }
 
-static status gather(volume_layout *l, const char *path, facts *known) {
+static status gather(volume_layout *l, const char *path, bool follow_links, facts *known) {
     if (strcmp(path, "-") == 0)
         return ST_OK;
     if (text_ends_in(path, ".json"))
-        return open_json(l, path, known);
+        return open_json(l, path, follow_links, known);
     size_t front = parse_name(base_name(path), known);
     return read_json_beside(l->m, path, front, known);
 }
@@ -231,7 +235,7 @@ static status open_layout(volume_layout *l, const volume_hints *hints) {
     const char *path = l->path;
     facts known = {.spacing = {1, 1, 1}};
     grid_init(&l->g, known.dims, SAMPLE_U8);
-    status st = gather(l, path, &known);
+    status st = gather(l, path, hints->trust.follow_links, &known);
     if (st != ST_OK)
         return st;
     apply_hints(&known, hints);

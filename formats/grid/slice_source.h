@@ -17,9 +17,14 @@
 
 /* One of the fields that a file has: an array, a grid, a data set, a variable. */
 typedef struct slice_field {
-    const char *name; /* as volume_hints.field takes it; "": the only one has none */
-    uint32_t steps;   /* of time that it has; 1 or more */
-    bool taken;       /* it is the one that the slices are of */
+    const char *name;      /* as volume_hints.field takes it; "": the only one has none */
+    uint32_t steps;        /* of time that it has; 1 or more */
+    bool taken;            /* it is the one that the slices are of */
+    const double *times;   /* of its steps, until take() returns; NULL: untold */
+    const char *time_unit; /* "s", "days since 2000-01-01"; NULL: untold */
+    uint32_t components;   /* numbers a sample; 0: 1 */
+    uint32_t component;    /* of several, which one is read, from 1; 0: all, */
+    bool colours;          /* as their luminance, or else as their magnitude */
 } slice_field;
 
 /* Whom they are told to, in the file's order. What is not ST_OK ends it, and is passed on. */
@@ -52,6 +57,9 @@ typedef struct slice_source {
     void (*next_step)(void *ctx);
     void (*close)(void *ctx); /* NULL: nothing to do */
     void *ctx;
+    /* The most that a sample read so far was rounded by on its way to g.type, as by a slope; of
+     * ctx. NULL: none is. */
+    const double *rounding;
     /* All fields that could have been asked for. NULL: there is one, without a name, of one step.
      */
     status (*fields)(void *fields_ctx, const slice_fields *to);

@@ -42,6 +42,12 @@ status stored_samples_choose(stored_samples *s, const char *file, const volume_h
     return ST_OK;
 }
 
+void stored_samples_tell(const stored_samples *s, slice_field *to) {
+    to->components = components_of(s);
+    to->component = s->component;
+    to->colours = s->colours;
+}
+
 /* The chosen number of each sample, side by side in the same place. */
 static void pick(const stored_samples *s, char *numbers, size_t count) {
     const size_t width = sample_size(s->type), step = width * components_of(s);
@@ -76,11 +82,15 @@ static void scale(const stored_samples *s, double *v, size_t count) {
         v[i] = s->slope * v[i] + s->intercept;
 }
 
-static void store(sample_type to, const double *v, char *out, size_t count) {
-    if (to == SAMPLE_F64)
+static void store(const stored_samples *s, sample_type to, const double *v, char *out,
+                  size_t count) {
+    if (to == SAMPLE_F64) {
         memcpy(out, v, count * sizeof *v);
-    else
-        sample_to_stored(SAMPLE_F64, v, out, count);
+        return;
+    }
+    const double error = sample_to_stored(SAMPLE_F64, v, out, count);
+    if (s->rounding && error > *s->rounding)
+        *s->rounding = error;
 }
 
 size_t stored_samples_take(const stored_samples *s, void *in, sample_type to, void *out,
@@ -103,7 +113,7 @@ size_t stored_samples_take(const stored_samples *s, void *in, sample_type to, vo
             scale(s, v, n * numbers);
         if (is_joined(s))
             join(s, v, n);
-        store(to, v, (char *)out + done * sample_size(to), n);
+        store(s, to, v, (char *)out + done * sample_size(to), n);
     }
     return count;
 }

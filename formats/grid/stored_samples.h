@@ -15,6 +15,7 @@
 #include "formats/base/sample.h"
 #include "formats/base/status.h"
 #include "formats/grid/grid.h"
+#include "formats/grid/slice_source.h"
 #include "formats/grid/volume_hints.h"
 
 enum { STORED_SAMPLES_COMPONENTS = 256 };
@@ -26,6 +27,7 @@ typedef struct stored_samples {
     uint32_t component;      /* the one to take, from 1; 0: all together */
     bool colours;            /* red, green, blue, and what follows: together, their luminance */
     double slope, intercept; /* value = slope * number + intercept; slope 0: not scaled */
+    double *rounding;        /* keeps the most that a value was rounded by; NULL: nothing does */
 } stored_samples;
 
 /* stored_samples_choose() - what the hints and the numbers make of a grid: s->component, g->type
@@ -33,6 +35,9 @@ typedef struct stored_samples {
  * not there, ST_UNSUPPORTED for too many; file: for messages. */
 CHECKED status stored_samples_choose(stored_samples *s, const char *file, const volume_hints *hints,
                                      grid *g);
+
+/* stored_samples_tell() - how many numbers a sample has, and which of them is read. */
+void stored_samples_tell(const stored_samples *s, slice_field *to);
 
 /* stored_samples_bytes() - of one sample, as it is stored. */
 size_t stored_samples_bytes(const stored_samples *s);

@@ -11,6 +11,7 @@
 #include "formats/grid/imported.h"
 #include "formats/grid/layout_slices.h"
 #include "formats/grid/metaimage.h"
+#include "formats/grid/mgh.h"
 #include "formats/grid/mrc.h"
 #include "formats/grid/nifti.h"
 #include "formats/grid/npy.h"
@@ -20,6 +21,8 @@
 #include "formats/grid/vtk_grid_legacy.h"
 #include "formats/grid/vtk_grid_xml.h"
 #include "formats/grid/zarr.h"
+#include "formats/input/dicom_mark.h"
+#include "formats/input/foreign.h"
 
 struct volume {
     mem *m;
@@ -33,8 +36,10 @@ struct volume {
 
 /* What the formats are told by; the first that knows the file reads it. Raw samples know any. */
 static const grid_reader *const readers[] = {
-    &nrrd_reader, &metaimage_reader,    &nifti_reader,           &npy_reader,      &mrc_reader,
-    &pvm_reader,  &vtk_grid_xml_reader, &vtk_grid_legacy_reader, &imported_reader, &raw_reader,
+    &nrrd_reader,     &metaimage_reader,    &nifti_reader,
+    &npy_reader,      &mrc_reader,          &mgh_reader,
+    &pvm_reader,      &vtk_grid_xml_reader, &vtk_grid_legacy_reader,
+    &imported_reader, &raw_reader,
 };
 
 /* ---- hints ---- */
@@ -70,9 +75,11 @@ static status read_text(mem *m, const char *path, char **out) {
     return ST_OK;
 }
 
+/* Its coordinates replace the spacing. */
 static status apply_axis_file(slice_source *from, int a, const char *path) {
     char *text = NULL;
     status st = read_text(from->m, path, &text);
+    apply_spacing(&from->g, a, 1);
     if (st == ST_OK)
         st = grid_set_axis_text(&from->g, from->m, path, a, text);
     mem_free(from->m, text);
@@ -87,9 +94,15 @@ static status apply_hints(slice_source *from, const volume_hints *hints) {
             return st;
         if (hints->spacing[a] != 0)
             apply_spacing(&from->g, a, hints->spacing[a]);
-        if (hints->has_origin)
-            from->g.to_world[a][3] = hints->origin[a];
+        if (hints->unit)
+            world_frame_set_unit(&from->g.frame, a, hints->unit);
     }
+    for (int c = 0; hints->exaggerate != 0 && c < 4; c++)
+        from->g.to_world[2][c] *= hints->exaggerate;
+    for (int a = 0; hints->has_origin && a < 3; a++)
+        from->g.to_world[a][3] = hints->origin[a];
+    if (hints->has_axes)
+        from->g.frame.axes = hints->axes;
     return ST_OK;
 }
 
@@ -119,6 +132,8 @@ static status apply_missing(volume *v, const volume_hints *hints) {
 static const grid_reader *find_reader(const char *path, const uint8_t *start, size_t size,
                                       const volume_hints *hints) {
     const grid_reader *const *r = readers;
+    if (!hints->dims[0] && dicom_mark_is_at(start, size))
+        return &imported_reader;
     while ((hints->dims[0] && *r == &imported_reader) || !(*r)->known(path, start, size))
         r++;
     return *r;
@@ -157,6 +172,9 @@ static status begin(volume *v, const volume_hints *hints) {
         st = apply_missing(v, hints);
     if (st == ST_OK)
         st = grid_check(&v->g, v->from.name);
+    /* The file's own place was sound: it is the options'. */
+    if (st == ST_CORRUPT && (hints->has_origin || hints->spacing[0] != 0 || hints->exaggerate != 0))
+        st = ST_USAGE;
     /* Never the file's: the same samples are the same data set. */
     text_name(v->g.name, sizeof v->g.name, hints->name ? hints->name : v->from.g.name);
     return st;
@@ -195,8 +213,10 @@ status volume_open_stream(mem *m, byte_stream *s, const volume_hints *hints, vol
 
 static status open_folder(mem *m, const char *path, const volume_hints *hints, volume **out) {
     slice_source from = {0};
-    status st = zarr_known(path) ? zarr_open(m, path, hints, &from)
-                                 : imported_folder(m, path, hints, &from);
+    status st = foreign_check_folder(m, path);
+    if (st == ST_OK)
+        st = zarr_known(path) ? zarr_open(m, path, hints, &from)
+                              : imported_folder(m, path, hints, &from);
     return st == ST_OK ? volume_open_slices(m, &from, hints, out) : st;
 }
 
@@ -293,6 +313,10 @@ status volume_read_tiles(volume *v, uint32_t count, void *buffer, uint8_t *busy)
     return st;
 }
 
+double volume_rounding(const volume *v) {
+    return v->from.rounding ? *v->from.rounding : 0;
+}
+
 status volume_finish(volume *v, uint64_t *trailing) {
     uint64_t count = 0;
     status st = v->from.finish ? v->from.finish(v->from.ctx, &count) : ST_OK;
@@ -315,6 +339,7 @@ void volume_rest(volume *v) {
         from->close(from->ctx);
     from->close = NULL;
     from->fields = NULL;
+    from->rounding = NULL;
     from->name = NULL;
     v->rests = true;
 }

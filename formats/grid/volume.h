@@ -6,9 +6,10 @@
  * than it was asked for, plus fixed buffers, gzip included. One thread per volume.
  *
  * Where the nodes lie: regular grids have everything in to_world. An axis with coordinates of its
- * own makes the grid rectilinear; its column of to_world is then a unit vector (coordinates replace
- * that axis' spacing), negated, like the coordinates, when they decrease (see grid_set_axis()). A
- * spacing hint scales that vector, and so the coordinates.
+ * own makes the grid rectilinear; its column of to_world scales and directs them, and both are
+ * negated where they decrease (see grid_set_axis()). The others then count 0, 1, .., times a column
+ * that is their spacing. Coordinates of a hint replace a spacing: their column is a unit vector. A
+ * spacing hint sets the length of any column.
  */
 #ifndef FORMATS_GRID_VOLUME_H
 #define FORMATS_GRID_VOLUME_H
@@ -69,6 +70,10 @@ CHECKED status volume_read(volume *v, uint32_t count, void *buffer);
  * each slice (slice_tiles.h): before, what buffer holds, after, what has been read. */
 bool volume_quiet(const volume *v, uint8_t sample[SLICE_SAMPLE_MAX]);
 CHECKED status volume_read_tiles(volume *v, uint32_t count, void *buffer, uint8_t *busy);
+
+/* volume_rounding() - the most that a sample read so far was rounded by, of what the file's numbers
+ * and its slope make; 0: they are exact. */
+double volume_rounding(const volume *v);
 
 /* volume_finish() - after the last slice: check what is behind it (a gzip checksum) and count the
  * bytes that follow, which are allowed up to VOLUME_TRAILING_MAX where they must be read to be

@@ -7,6 +7,8 @@
 #include <stdint.h>
 
 #include "formats/base/sample.h"
+#include "formats/base/world_frame.h"
+#include "formats/input/input_trust.h"
 
 /* Zero/NULL = not given. */
 typedef struct volume_hints {
@@ -18,6 +20,11 @@ typedef struct volume_hints {
                           negative */
     double origin[3];  /* world position of node (0, 0, 0) */
     bool has_origin;
+    double exaggerate; /* scales the world's z, where degrees stand beside metres; above 0. An
+                          origin given here stays where it is */
+    bool has_axes;     /* which way the world's axes point, whatever the file says */
+    world_axes axes;
+    const char *unit; /* of lengths, likewise */
     bool has_missing; /* samples equal to `missing` are read as NaN, no data; integers are then
                          handed out as f32, and one that f32 cannot hold is ST_UNSUPPORTED */
     double missing;
@@ -29,6 +36,7 @@ typedef struct volume_hints {
                                  colours the luminance */
     uint32_t step;            /* of several time steps, from 0 on */
     bool all_steps;           /* those behind it will be read, too: see volume_next_step() */
+    input_trust trust;
 } volume_hints;
 
 #endif

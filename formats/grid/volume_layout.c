@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-#include "formats/base/file.h"
 #include "formats/base/num.h"
+#include "formats/input/named_file.h"
 #include "formats/input/unpack_stream.h"
 
 void volume_layout_release(volume_layout *l) {
@@ -14,19 +14,26 @@ void volume_layout_release(volume_layout *l) {
     grid_release(&l->g, l->m);
 }
 
-status volume_layout_open(volume_layout *l, const char *header, const char *name,
+status volume_layout_open(volume_layout *l, const char *header, const char *name, bool follow_links,
                           status (*open)(mem *m, const char *path, byte_stream **out)) {
-    char *path = file_beside(l->m, header, name);
-    if (!path)
-        return ST_NOMEM;
+    char *path = NULL;
     byte_stream *data = NULL;
-    status st = open(l->m, path, &data);
+    status st = named_file_find(l->m, header, name, follow_links, &path);
+    if (st != ST_OK)
+        return st;
+    st = open(l->m, path, &data);
     mem_free(l->m, path);
     if (st != ST_OK)
         return st;
     byte_stream_close(l->data);
     l->data = data;
     return ST_OK;
+}
+
+const packer *volume_layout_packer(const volume_layout *l) {
+    return l->encoding == VOLUME_DEFLATE ? &packer_zlib
+           : l->encoding == VOLUME_BZIP2 ? &packer_bzip2
+                                         : NULL;
 }
 
 static uint64_t times(uint64_t a, uint64_t b) {
@@ -90,7 +97,7 @@ status volume_layout_skip(volume_layout *l, uint64_t lines, int64_t bytes) {
         return st;
     if (bytes < 0)
         return skip_to_end(l, (uint64_t)(-1 - bytes));
-    if (l->encoding != VOLUME_DEFLATE)
+    if (!volume_layout_packer(l))
         return byte_stream_skip(l->data, (uint64_t)bytes);
     l->skip_decoded = (uint64_t)bytes;
     return ST_OK;
@@ -105,6 +112,8 @@ status volume_layout_check(const volume_layout *l) {
     uint64_t least = all_bytes(l);
     if (l->encoding == VOLUME_DEFLATE)
         least /= UNPACK_ZLIB_RATIO;
+    else if (l->encoding == VOLUME_BZIP2)
+        least /= UNPACK_BZIP2_RATIO;
     else if (l->encoding == VOLUME_TEXT)
         least = times(2, all_bytes(l) / sample_size(l->stored.type)) - 1;
     if (left < least)

@@ -16,8 +16,14 @@
 #include "formats/grid/stored_samples.h"
 #include "formats/grid/volume_hints.h"
 #include "formats/input/byte_stream.h"
+#include "formats/input/unpack_stream.h"
 
-typedef enum volume_encoding { VOLUME_RAW, VOLUME_DEFLATE, VOLUME_TEXT } volume_encoding;
+typedef enum volume_encoding {
+    VOLUME_RAW,
+    VOLUME_DEFLATE,
+    VOLUME_BZIP2,
+    VOLUME_TEXT
+} volume_encoding;
 
 typedef struct volume_layout {
     mem *m;
@@ -31,21 +37,28 @@ typedef struct volume_layout {
     uint32_t steps;            /* of time, one behind the other where `ordered` is not; 0: 1 */
     uint32_t step;             /* the one to take */
     bool all_steps;            /* and those behind it, one after the other */
-    uint64_t skip_decoded;     /* VOLUME_DEFLATE: decompressed bytes in front of the samples */
-    bool has_tail;             /* what is behind the samples is part of the format */
-    byte_stream *data;         /* at the first byte of the encoded samples; owned */
+    double first_time;         /* of step 0, and from one to the next; 0: untold */
+    double time_step;
+    uint64_t skip_decoded; /* of packed ones: decompressed bytes in front of the samples */
+    bool has_tail;         /* what is behind the samples is part of the format */
+    byte_stream *data;     /* at the first byte of the encoded samples; owned */
 } volume_layout;
 
 void volume_layout_release(volume_layout *l);
 
 /* volume_layout_open() - replace l->data by the file `name`; a relative one is looked for beside
- * the header's file (header: its path). open: byte_stream_open() or byte_stream_open_stored(). */
+ * the header's file (header: its path). follow_links: as named_file.h has it; true for a name that
+ * follows from the header's own. open: byte_stream_open() or byte_stream_open_stored(). */
 CHECKED status volume_layout_open(volume_layout *l, const char *header, const char *name,
+                                  bool follow_links,
                                   status (*open)(mem *m, const char *path, byte_stream **out));
+
+/* volume_layout_packer() - what unpacks the samples; NULL: they are not packed. */
+const packer *volume_layout_packer(const volume_layout *l);
 
 /* volume_layout_skip() - move l->data on to the samples: behind `lines` lines, then `bytes` bytes;
  * bytes = -1 - n: so that the samples end n bytes before the file does (raw files only). In
- * decompressed data for VOLUME_DEFLATE (bytes >= 0). */
+ * decompressed data for packed samples (bytes >= 0). */
 CHECKED status volume_layout_skip(volume_layout *l, uint64_t lines, int64_t bytes);
 
 /* volume_layout_settle() - apply the hints that choose among what is stored: a component, a step.

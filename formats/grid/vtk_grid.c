@@ -135,8 +135,10 @@ static status tell_fields(void *ctx, const slice_fields *to) {
     status st = ST_OK;
     for (size_t i = 0; st == ST_OK && i < f->count[g->owner]; i++) {
         const vtk_array *a = &f->items[g->owner][i];
-        const slice_field one = {
-            .name = a->name, .steps = 1, .taken = text_same_name(a->name, g->chosen, VTK_NAME_MAX)};
+        slice_field one = {.name = a->name, .steps = 1, .components = a->components};
+        one.taken = text_same_name(a->name, g->chosen, VTK_NAME_MAX);
+        if (one.taken)
+            stored_samples_tell(&g->stored, &one);
         if (vtk_fields_is_one(a))
             st = to->take(to->ctx, &one);
     }
@@ -459,6 +461,7 @@ status vtk_grid_open(vtk_grid *g, const volume_hints *hints, slice_source *out) 
         grid_release(&to, g->m);
         return st;
     }
+    g->stored.rounding = &g->rounding;
     *out = (slice_source){.name = g->paths[0],
                           .has_fields = true,
                           .m = g->m,
@@ -466,6 +469,7 @@ status vtk_grid_open(vtk_grid *g, const volume_hints *hints, slice_source *out) 
                           .read = read_slices,
                           .close = close_slices,
                           .ctx = g,
+                          .rounding = &g->rounding,
                           .fields = tell_fields,
                           .fields_ctx = g};
     return ST_OK;

@@ -68,6 +68,7 @@ typedef struct vtk_grid {
     vtk_owner owner;         /* whose field was chosen, */
     const char *chosen;      /* and its name */
     stored_samples stored;   /* its numbers, */
+    double rounding;         /* by what reading them rounded, */
     sample_type type;        /* what they become, */
     vtk_extent samples;      /* and how they are numbered: as the nodes or the cells */
     char *chunk;             /* some of them as they are stored; NULL: as the grid has them */

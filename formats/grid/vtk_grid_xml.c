@@ -2,9 +2,9 @@
 
 #include <string.h>
 
-#include "formats/base/file.h"
 #include "formats/base/text.h"
 #include "formats/grid/vtk_grid.h"
+#include "formats/input/named_file.h"
 #include "formats/vtk/vtk_xml.h"
 
 /* What an element is to us; its children are read accordingly. */
@@ -45,7 +45,8 @@ typedef struct scan {
     vtk_grid *g;
     const char *path; /* of this file */
     vtk_frame frame;
-    bool framed;   /* the grid's element was there */
+    bool framed; /* the grid's element was there */
+    bool follow_links;
     bool in_piece; /* the last of the grid's pieces; else one without nodes */
     source *sources;
     size_t count, room;
@@ -104,8 +105,10 @@ static status on_source(vtk_xml *x, const char **attributes) {
         st = vtk_xml_fault(x, ST_CORRUPT, "expected the attribute Source");
     if (st != ST_OK || vtk_extent_is_empty(&new.extent))
         return st;
-    char *path = file_beside(s->g->m, s->path, name);
-    st = path ? vtk_grid_add_path(s->g, path, &new.path) : ST_NOMEM;
+    char *path = NULL;
+    st = named_file_find(s->g->m, s->path, name, s->follow_links, &path);
+    if (st == ST_OK)
+        st = vtk_grid_add_path(s->g, path, &new.path);
     mem_free(s->g->m, path);
     if (st == ST_OK)
         st = mem_grow(s->g->m, &s->sources, sizeof new, s->count, 16, &s->room);
@@ -194,8 +197,9 @@ static status scan_source(vtk_grid *g, const source *from, const char *type) {
     return st;
 }
 
-static status scan_all(vtk_grid *g, byte_stream *data, const grid_kind *kind) {
-    scan s = {.g = g, .path = g->paths[0]};
+static status scan_all(vtk_grid *g, byte_stream *data, const grid_kind *kind,
+                       const volume_hints *hints) {
+    scan s = {.g = g, .path = g->paths[0], .follow_links = hints->trust.follow_links};
     status st = scan_file(&s, data, kind->type);
     g->frame = s.frame;
     for (size_t i = 0; st == ST_OK && i < s.count; i++)
@@ -228,7 +232,7 @@ static status open_grid(vtk_grid *g, volume_layout *l, const grid_kind *kind,
     if (st == ST_OK)
         st = vtk_grid_add_path(g, l->path, &path);
     if (st == ST_OK)
-        st = scan_all(g, l->data, kind);
+        st = scan_all(g, l->data, kind, hints);
     return st == ST_OK ? vtk_grid_open(g, hints, out) : st;
 }
 

@@ -6,6 +6,8 @@
 #include <sys/stat.h>
 
 #include "formats/grid/zarr_array.h"
+#include "formats/grid/zarr_present.h"
+#include "formats/input/named_file.h"
 
 enum { HELD_MAX = 1 << 28, NAME_ROOM = ZARR_AXES * 12 };
 
@@ -14,6 +16,8 @@ enum { HELD_MAX = 1 << 28, NAME_ROOM = ZARR_AXES * 12 };
 typedef struct zarr {
     mem *m;
     zarr_array a;
+    char *folder; /* as it was given */
+    bool follow_links;
     grid g;                    /* sizes and type */
     uint32_t step;             /* the one to take */
     uint32_t first_c, numbers; /* of a sample, those held */
@@ -22,6 +26,8 @@ typedef struct zarr {
     size_t stride[ORDER_AXES]; /* numbers in a chunk, from one to the next along a role */
     uint8_t *chunk, *held;
     uint32_t room, first, count; /* slices */
+    stored_samples in_file;      /* the array's are those that are held */
+    double rounding;             /* of what was read */
 } zarr;
 
 bool zarr_known(const char *folder) {
@@ -51,7 +57,9 @@ static status read_chunk(zarr *z, const uint32_t index[ORDER_AXES]) {
     for (int i = 0; i < a->axes; i++)
         length += snprintf(path + length, sizeof path - (size_t)length, "%c%u",
                            i ? a->separator : '/', a->role[i] < 0 ? 0 : index[a->role[i]]);
-    status st = zarr_chunk_read(z->m, a->codec, path, z->chunk, z->chunk_bytes, &there);
+    status st = named_file_check(z->folder, path, z->follow_links);
+    if (st == ST_OK)
+        st = zarr_chunk_read(z->m, a->codec, path, z->chunk, z->chunk_bytes, &there);
     if (st != ST_OK)
         return st;
     for (size_t at = 0; !there && at < z->chunk_bytes; at += z->width)
@@ -169,6 +177,7 @@ static void close_zarr(void *ctx) {
     zarr *z = ctx;
     mem_free(z->m, z->chunk);
     mem_free(z->m, z->held);
+    mem_free(z->m, z->folder);
     mem_free(z->m, z);
 }
 
@@ -194,7 +203,9 @@ static uint32_t steps_of(const zarr *z) {
 }
 
 static status tell_fields(void *ctx, const slice_fields *to) {
-    const slice_field one = {.name = "", .steps = steps_of(ctx), .taken = true};
+    const zarr *z = ctx;
+    slice_field one = {.name = "", .steps = steps_of(z), .taken = true};
+    stored_samples_tell(&z->in_file, &one);
     return to->take(to->ctx, &one);
 }
 
@@ -207,11 +218,36 @@ static status choose(zarr *z, const volume_hints *hints, grid *g) {
                                hints->step, steps == 1 ? "is" : "are", steps);
     z->step = hints->step;
     status st = stored_samples_choose(s, z->a.path, hints, g);
+    z->in_file = *s;
     z->first_c = s->component ? s->component - 1 : 0;
     z->numbers = s->component ? 1 : s->components;
     s->components = z->numbers;
     s->component = 0;
     return st;
+}
+
+/* The chunks that will be read: how many there are, and have no file. */
+static status count_absent(zarr *z, bool allow_missing) {
+    const zarr_array *a = &z->a;
+    absent_parts *absent = &z->g.absent;
+    zarr_range range;
+    uint64_t there = 0;
+    *absent = (absent_parts){.of = 1, .parts = "chunks"};
+    for (int i = 0; i < a->axes; i++) {
+        const int r = a->role[i];
+        const uint32_t from = r == ORDER_STEP ? z->step : r == ORDER_COMPONENT ? z->first_c : 0;
+        const uint32_t count = r == ORDER_STEP        ? 1
+                               : r == ORDER_COMPONENT ? z->numbers
+                                                      : a->shape[i];
+        range.first[i] = from / a->chunk[i];
+        range.last[i] = (from + count - 1) / a->chunk[i];
+        const uint64_t chunks = range.last[i] - range.first[i] + 1;
+        if (__builtin_mul_overflow(absent->of, chunks, &absent->of))
+            absent->of = UINT64_MAX;
+    }
+    status st = zarr_present_count(a, &range, &there);
+    absent->count = absent->of > there ? absent->of - there : 0;
+    return st == ST_OK ? absent_check(absent, a->path, allow_missing) : st;
 }
 
 static status set_strides(zarr *z) {
@@ -251,14 +287,19 @@ status zarr_open(mem *m, const char *folder, const volume_hints *hints, slice_so
         return ST_NOMEM;
     z->m = m;
     grid g;
-    status st = zarr_array_read(m, folder, hints, &z->a);
+    z->folder = mem_copy_text(m, folder);
+    z->follow_links = hints->trust.follow_links;
+    status st = z->folder ? zarr_array_read(m, folder, hints, &z->a) : ST_NOMEM;
     if (st == ST_OK)
         st = set_grid(z, &g);
     if (st == ST_OK)
         st = choose(z, hints, &g);
     z->g = g;
     if (st == ST_OK)
+        st = count_absent(z, hints->trust.allow_missing);
+    if (st == ST_OK)
         st = make_room(z);
+    z->a.stored.rounding = &z->rounding;
     if (st != ST_OK) {
         close_zarr(z);
         return st;
@@ -267,10 +308,11 @@ status zarr_open(mem *m, const char *folder, const volume_hints *hints, slice_so
                           .name = z->a.path,
                           .has_fields = true,
                           .m = m,
-                          .g = g,
+                          .g = z->g,
                           .read = read_slices,
                           .close = close_zarr,
                           .ctx = z,
+                          .rounding = &z->rounding,
                           .fields = tell_fields,
                           .fields_ctx = z};
     return ST_OK;

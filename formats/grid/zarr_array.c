@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include "formats/base/file.h"
+#include "formats/base/json_text.h"
 #include "formats/grid/npy.h"
 
 enum { JSON_MAX = 1 << 22, DEPTH_MAX = 4, LIST_MAX = 300, FILE_NAME = 320 };
@@ -45,8 +46,9 @@ static status load(mem *m, const char *folder, const char *name, json_t **out) {
         json_error_t error;
         *out = json_loadb(text, size, 0, &error);
         if (!json_is_object(*out)) {
-            st = status_describe(ST_CORRUPT, "%s: expected a JSON object: line %d: %s", path,
-                                 *out ? 1 : error.line, *out ? "another value" : error.text);
+            st = *out ? ST_CORRUPT : json_text_status(&error, ST_CORRUPT);
+            status_describe(st, "%s: expected a JSON object: line %d: %s", path,
+                            *out ? 1 : error.line, *out ? "another value" : error.text);
             json_decref(*out);
             *out = NULL;
         }
@@ -276,7 +278,8 @@ static status find_axes(zarr_array *z, bool named) {
     }
     const int c = z->axis[ORDER_COMPONENT];
     z->stored.components = c < 0 ? 1 : z->shape[c];
-    if (named) /* OME's channels are no vector */
+    /* Channels are no vector; whether OME names them, or they stand before the places. */
+    if (named || (c >= 0 && c + 1 < z->axes))
         z->stored.component = 1;
     return ST_OK;
 }
@@ -293,7 +296,9 @@ static status read_storage(zarr_array *z, const json_t *root) {
     if (json_array_size(json_object_get(root, "filters")) > 0)
         return bad(z, ".zarray", ST_UNSUPPORTED, "filters", "none");
     z->fortran = order && strcmp(order, "F") == 0;
-    z->separator = separator && *separator == '/' ? '/' : '.';
+    z->separator = separator ? *separator : '.';
+    if (separator && strcmp(separator, ".") != 0 && strcmp(separator, "/") != 0)
+        return bad(z, ".zarray", ST_UNSUPPORTED, "dimension_separator", "\".\" or \"/\"");
     z->codec = json_is_object(compressor) ? zarr_codec_find(id ? id : "") : ZARR_RAW;
     if (z->codec)
         return ST_OK;

@@ -70,6 +70,13 @@ static status take_stream(mem *m, bool is_packed, const char *path, void *to, si
 typedef int blosc_validate(const void *from, size_t bytes, size_t *unpacked);
 typedef int blosc_unpack(const void *from, void *to, size_t room, int threads);
 
+/* Libraries do not tell this from a damaged chunk, or from their absence. */
+static status no_memory(const char *path, const char *to) {
+    return status_describe(ST_NOMEM, "%s: the system has no memory to %s", path, to);
+}
+
+enum { BLOSC_ROOM = 4 << 20 }; /* what the library takes, and what a block needs besides itself */
+
 /* Few files ask for blosc: it is loaded where one does. */
 static status find_blosc(const char *path, const char *symbol, void **out) {
     static const char library[] = "libblosc.so.1";
@@ -77,6 +84,8 @@ static status find_blosc(const char *path, const char *symbol, void **out) {
     *out = handle ? dlsym(handle, symbol) : NULL;
     if (*out)
         return ST_OK;
+    if (!mem_room(BLOSC_ROOM))
+        return no_memory(path, "load blosc");
     return status_describe(ST_UNSUPPORTED,
                            "%s: %s, which unpacks this chunk, is not there: install it "
                            "(scripts/setup-debian)",
@@ -104,9 +113,11 @@ static status take_blosc(const char *path, const uint8_t *bytes, size_t count, v
     if (unpacked != size)
         return wrong_size(path, size);
     const int result = unpack(bytes, to, size, 1);
-    if (result < 0 || (size_t)result != size)
-        return status_describe(ST_CORRUPT, "%s: damaged blosc data", path);
-    return ST_OK;
+    if (result >= 0 && (size_t)result == size)
+        return ST_OK;
+    if (!mem_room(BLOSC_ROOM + 3 * size)) /* its blocks are no larger than the chunk */
+        return no_memory(path, "unpack it");
+    return status_describe(ST_CORRUPT, "%s: damaged blosc data", path);
 }
 
 /* The length, then one block. */
@@ -139,7 +150,8 @@ static status take_whole(mem *m, zarr_codec codec, const char *path, void *to, s
 status zarr_chunk_read(mem *m, zarr_codec codec, const char *path, void *to, size_t size,
                        bool *there) {
     struct stat info;
-    *there = stat(path, &info) == 0 || (errno != ENOENT && errno != ENOTDIR);
+    /* A link that leads nowhere is there, and cannot be opened. */
+    *there = lstat(path, &info) == 0 || (errno != ENOENT && errno != ENOTDIR);
     if (!*there)
         return ST_OK;
     if (codec == ZARR_RAW || codec == ZARR_STREAM)

@@ -11,6 +11,7 @@
 #include "formats/base/file_guard.h"
 #include "formats/base/text.h"
 #include "formats/base/wait.h"
+#include "formats/input/dicom_mark.h"
 #include "formats/input/unpack_stream.h"
 
 struct byte_stream {
@@ -35,7 +36,7 @@ static bool is_regular(const char *path) {
 static status open_path(byte_stream *s) {
     if (strcmp(s->path, "-") == 0) {
         s->fd = STDIN_FILENO;
-        return file_guard_opened(s->fd, byte_stream_name(s));
+        return file_guard_opened(s->m, s->fd, byte_stream_name(s));
     }
     if (is_regular(s->path))
         return file_open(s->m, s->path, &s->f);
@@ -141,13 +142,13 @@ status byte_stream_open(mem *m, const char *path, byte_stream **out) {
     status st = byte_stream_open_stored(m, path, out);
     if (st != ST_OK || !((*out)->fd >= 0 || packer_is_suffix(path)))
         return st;
-    st = byte_stream_peek(*out, PACKER_PEEK, &start, &size);
+    st = byte_stream_peek(*out, DICOM_MARK_END, &start, &size);
     if (st != ST_OK) {
         byte_stream_close(*out);
         *out = NULL;
         return st;
     }
-    const packer *how = packer_find(start, size);
+    const packer *how = dicom_mark_is_at(start, size) ? NULL : packer_find(start, size);
     return how ? unpack(m, how, *out, out) : ST_OK;
 }
 

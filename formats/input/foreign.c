@@ -1,10 +1,15 @@
 #include "formats/input/foreign.h"
 
+#include <limits.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
+#include "formats/base/text.h"
+#include "formats/input/dicom_mark.h"
+#include "formats/input/foreign_start.h"
 #include "formats/leaf/leaf.h"
 
 #define BYTES(text) text, sizeof(text) - 1
@@ -15,11 +20,34 @@
 #define SLICES   "join the slices to one NRRD, for example with Fiji (File > Save As > NRRD)"
 #define ARRAY    "write the array as raw samples and give --dims X,Y,Z and --type"
 #define CONVERT  "`leafcast convert' takes it"
-#define MESH     "`leafcast convert' takes it, and `resample' makes a grid of it"
-#define UNPACK   "it is unpacked on the way where its name ends in .gz, .bz2, .xz or .zst"
+#define MESH                                                                                     \
+    "`leafcast convert' takes its tets; its surface as .ply, as `meshio convert' writes it, is " \
+    "filled by `leafcast tetrahedralize'"
+#define UNPACK "it is unpacked on the way where its name ends in .gz, .bz2, .xz or .zst"
 #define HEIGHTS                                                                                   \
     "heights are no volume, but z - height(x, y) on a grid is one (as .npy, with Python), whose " \
     "surface at 0 is the ground"
+#define MESHIO(in) "`meshio convert " in " out.vtu' (python3-meshio) writes what is read"
+#define UCD \
+    "`meshio convert --input-format avsucd in.inp out.vtu' (python3-meshio) writes what is read"
+#define AVS_FIELD                                                                               \
+    "its samples begin behind two form feeds, or in the file that it names: give that as raw, " \
+    "with --dims X,Y,Z --type TYPE --skip BYTES"
+#define PARTICLES                                                                  \
+    "particles are no volume, but yt (Python) makes a grid of them: load(), then " \
+    "arbitrary_grid() of the dataset, transposed and saved by numpy.save() as .npy"
+#define AMREX                                                                       \
+    "yt (Python) makes a grid of it: load(), then covering_grid() of the dataset, " \
+    "transposed and saved by numpy.save() as .npy"
+#define FOAM "OpenFOAM's own `foamToVTK' writes it as .vtu or .vtk, into the folder VTK"
+#define NEK  "open its .nek5000 in ParaView and save it as .vtu"
+#define VTI  "save it as .vti, with Python (vtk: vtkSLCReader, vtkXMLImageDataWriter)"
+#define CUBE                                                                                  \
+    "write its array as .npy with Python: numpy.save() of what ase.io.cube.read_cube_data() " \
+    "gives, transposed"
+#define LAS                                                                                    \
+    "points are no volume, but `pdal translate in.las out.csv' and `leafcast tetrahedralize' " \
+    "of that make tets"
 #define SURFACE "`leafcast tetrahedralize' fills a surface with tets"
 
 typedef struct row {
@@ -27,23 +55,45 @@ typedef struct row {
     size_t at; /* of the bytes in the file; ANYWHERE: in what is looked at */
     const char *bytes;
     size_t size;
+    const char *word;                              /* somewhere, too; NULL: none */
+    bool (*is)(const uint8_t *start, size_t size); /* and it says so; NULL: nobody is asked */
     const char *suffixes; /* each with a blank behind; hints where the bytes say nothing */
     bool both;            /* the bytes are others', too: a suffix must say so besides */
+    const char *inside;   /* files of a folder, each with a blank behind, one of which fits */
 } row;
 
 enum { ANYWHERE = FOREIGN_PEEK };
 
 #define NO_BYTES NULL, 0
+#define HDF5     "\x89HDF\r\n\x1a\n"
+
+/* Of this program: read by another verb, or by an importer. */
 #define KNOWN(name, advice, at, bytes, suffixes) \
-    { {name, advice, NULL}, at, bytes, suffixes, false }
+    { {name, advice, NULL}, at, bytes, NULL, NULL, suffixes, false, "" }
 #define IMPORTED(name, importer, at, bytes, suffixes) \
-    { {name, CONVERT, importer}, at, bytes, suffixes, false }
+    { {name, CONVERT, importer}, at, bytes, NULL, NULL, suffixes, false, "" }
 #define IMPORTED_IF_NAMED(name, importer, at, bytes, suffixes) \
-    { {name, CONVERT, importer}, at, bytes, suffixes, true }
+    { {name, CONVERT, importer}, at, bytes, NULL, NULL, suffixes, true, "" }
+
+/* Read by nothing here. tests/support/foreign_samples.py has a file for each of these. */
+#define REFUSED(name, advice, at, bytes, suffixes) \
+    { {name, advice, NULL}, at, bytes, NULL, NULL, suffixes, false, "" }
+#define REFUSED_IF_NAMED(name, advice, bytes, suffixes) \
+    { {name, advice, NULL}, 0, bytes, NULL, NULL, suffixes, true, "" }
+#define REFUSED_WITH(name, advice, bytes, word) \
+    { {name, advice, NULL}, 0, bytes, word, NULL, "", false, "" }
+#define REFUSED_IF(name, advice, is, suffixes) \
+    { {name, advice, NULL}, 0, NO_BYTES, NULL, is, suffixes, false, "" }
+#define REFUSED_IF_BOTH(name, advice, is, suffixes) \
+    { {name, advice, NULL}, 0, NO_BYTES, NULL, is, suffixes, true, "" }
+#define REFUSED_FOLDER(name, advice, is, suffixes, inside) \
+    { {name, advice, NULL}, 0, NO_BYTES, NULL, is, suffixes, false, inside }
 
 /* What the formats are told by; the first that fits. Formats that another verb reads, first, go by
  * their bytes alone: a broken one is not to be sent to and fro. */
 static const row rows[] = {
+    /* First: its preamble may be the head of any other. */
+    IMPORTED("DICOM", "dicom", DICOM_PREAMBLE, BYTES("DICM"), ".dcm .ima "),
     KNOWN("a treelet file", "render or info take it as it is", 0, BYTES(LEAF_MAGIC), ""),
     KNOWN("NRRD, a grid", CONVERT, 0, BYTES("NRRD000"), ""),
     KNOWN("MetaImage, a grid", CONVERT, 0, BYTES("ObjectType"), ""),
@@ -61,9 +111,8 @@ static const row rows[] = {
     KNOWN("Gmsh", MESH, 0, BYTES("$MeshFormat"), ""),
     KNOWN("a VTK mesh", MESH, ANYWHERE, BYTES("type=\"UnstructuredGrid\""), ""),
     KNOWN("a legacy VTK mesh", MESH, ANYWHERE, BYTES("DATASET UNSTRUCTURED_GRID"), ""),
-    KNOWN("Analyze 7.5", TO_NRRD, 0, BYTES("\x5c\x01\0\0"), ""),
-    KNOWN("Analyze 7.5", TO_NRRD, 0, BYTES("\0\0\x01\x5c"), ""),
-    IMPORTED("DICOM", "dicom", 128, BYTES("DICM"), ".dcm .ima "),
+    REFUSED("Analyze 7.5", TO_NRRD, 0, BYTES("\x5c\x01\0\0"), ""),
+    REFUSED("Analyze 7.5", TO_NRRD, 0, BYTES("\0\0\x01\x5c"), ""),
     IMPORTED("TIFF", "images", 0, BYTES("II*\0"), ".tif .tiff "),
     IMPORTED("TIFF", "images", 0, BYTES("MM\0*"), ""),
     IMPORTED("BigTIFF", "images", 0, BYTES("II+\0"), ""),
@@ -72,48 +121,86 @@ static const row rows[] = {
     IMPORTED("JPEG", "images", 0, BYTES("\xff\xd8\xff"), ".jpg .jpeg "),
     IMPORTED("OpenEXR", "images", 0, BYTES("\x76\x2f\x31\x01"), ".exr "),
     IMPORTED_IF_NAMED("PNM", "images", 0, BYTES("P"), ".pgm .ppm .pnm .pbm "),
-    KNOWN("JPEG 2000", SLICES, 0, BYTES("\0\0\0\x0cjP  \r\n"), ".jp2 "),
+    REFUSED("JPEG 2000", SLICES, 0, BYTES("\0\0\0\x0cjP  \r\n"), ".jp2 "),
     IMPORTED("OpenVDB", "vdb", 0, BYTES(" BDV\0\0\0\0"), ".vdb "),
+    /* Files of HDF5 and NetCDF, by what is in them: before these. */
+    REFUSED_WITH("Exodus", MESHIO("in.exo"), BYTES(HDF5), "num_el_blk"),
+    REFUSED_WITH("Exodus", MESHIO("in.exo"), BYTES("CDF"), "num_el_blk"),
+    REFUSED_IF_NAMED("Exodus", MESHIO("in.exo"), BYTES(HDF5), ".exo .ex2 .e .g .exii "),
+    REFUSED_IF_NAMED("Exodus", MESHIO("in.exo"), BYTES("CDF"), ".exo .ex2 .e .g .exii "),
+    REFUSED("Exodus", MESHIO("in.exo"), 0, NO_BYTES, ".exo .ex2 "),
+    REFUSED_WITH("MED", MESHIO("in.med"), BYTES(HDF5), "INFOS_GENERALES"),
+    REFUSED_IF_NAMED("MED", MESHIO("in.med"), BYTES(HDF5), ".med .rmed "),
+    REFUSED_WITH("CGNS", PARAVIEW, BYTES(HDF5), "CGNSLibraryVersion"),
+    REFUSED_IF_NAMED("CGNS", PARAVIEW, BYTES(HDF5), ".cgns "),
+    REFUSED("CGNS", PARAVIEW, 0, NO_BYTES, ".cgns "),
+    REFUSED_WITH("GADGET, particles", PARTICLES, BYTES(HDF5), "PartType"),
+    REFUSED_IF("GADGET, particles", PARTICLES, foreign_is_gadget, ""),
+    REFUSED("GADGET, particles", PARTICLES, 0, BYTES("\x08\0\0\0HEAD"), ""),
+    REFUSED("GADGET, particles", PARTICLES, 0, BYTES("\0\0\0\x08HEAD"), ""),
     IMPORTED_IF_NAMED("NetCDF-4", "netcdf", 0, BYTES("\x89HDF\r\n\x1a\n"), ".nc .nc4 .cdf "),
     IMPORTED("HDF5", "hdf5", 0, BYTES("\x89HDF\r\n\x1a\n"), ".h5 .hdf5 .he5 "),
-    KNOWN("HDF4", ARRAY, 0, BYTES("\x0e\x03\x13\x01"), ".hdf "),
+    REFUSED("HDF4", ARRAY, 0, BYTES("\x0e\x03\x13\x01"), ".hdf "),
     IMPORTED("NetCDF", "netcdf", 0, BYTES("CDF\x01"), ".nc .cdf "),
     IMPORTED("NetCDF", "netcdf", 0, BYTES("CDF\x02"), ""),
     IMPORTED("NetCDF", "netcdf", 0, BYTES("CDF\x05"), ""),
-    KNOWN("a MATLAB file", ARRAY, 0, BYTES("MATLAB 5.0 MAT"), ".mat "),
-    KNOWN("FITS", ARRAY " and --big-endian", 0, BYTES("SIMPLE  ="), ".fits .fit "),
-    KNOWN("GRIB", ARRAY, 0, BYTES("GRIB"), ".grib .grb .grib2 "),
+    REFUSED("a MATLAB file", ARRAY, 0, BYTES("MATLAB 5.0 MAT"), ".mat "),
+    REFUSED("FITS", ARRAY " and --big-endian", 0, BYTES("SIMPLE  ="), ".fits .fit "),
+    REFUSED("GRIB", ARRAY, 0, BYTES("GRIB"), ".grib .grb .grib2 "),
     KNOWN("VTK image data (.vti)", CONVERT, ANYWHERE, BYTES("type=\"ImageData\""), ""),
     KNOWN("VTK image data in pieces (.pvti)", CONVERT, ANYWHERE, BYTES("type=\"PImageData\""), ""),
     KNOWN("a VTK rectilinear grid", CONVERT, ANYWHERE, BYTES("type=\"RectilinearGrid\""), ""),
     KNOWN("a VTK rectilinear grid in pieces (.pvtr)", CONVERT, ANYWHERE,
           BYTES("type=\"PRectilinearGrid\""), ""),
-    KNOWN("a VTK structured grid", PARAVIEW, ANYWHERE, BYTES("type=\"StructuredGrid\""), ".vts "),
-    KNOWN("VTK surface data", SURFACE " of .ply or .stl, which ParaView writes", ANYWHERE,
-          BYTES("type=\"PolyData\""), ".vtp "),
-    KNOWN("a parallel VTK mesh", "ParaView joins its pieces (File > Save Data)", ANYWHERE,
-          BYTES("type=\"PUnstructuredGrid\""), ".pvtu "),
-    KNOWN("a parallel VTK structured grid", PARAVIEW, ANYWHERE, BYTES("type=\"PStructuredGrid\""),
-          ".pvts "),
-    KNOWN("VTK data of several blocks", "give one of the files that it names", ANYWHERE,
-          BYTES("type=\"vtkMultiBlockDataSet\""), ".vtm .vtmb "),
-    KNOWN("a collection of VTK files", "give one of the files that it names", ANYWHERE,
-          BYTES("type=\"Collection\""), ".pvd "),
+    REFUSED("a VTK structured grid", PARAVIEW, ANYWHERE, BYTES("type=\"StructuredGrid\""), ".vts "),
+    REFUSED("VTK surface data", SURFACE " of .ply or .stl, which ParaView writes", ANYWHERE,
+            BYTES("type=\"PolyData\""), ".vtp "),
+    REFUSED("a parallel VTK mesh", "ParaView joins its pieces (File > Save Data)", ANYWHERE,
+            BYTES("type=\"PUnstructuredGrid\""), ".pvtu "),
+    REFUSED("a parallel VTK structured grid", PARAVIEW, ANYWHERE, BYTES("type=\"PStructuredGrid\""),
+            ".pvts "),
+    REFUSED("VTK data of several blocks", "give one of the files that it names", ANYWHERE,
+            BYTES("type=\"vtkMultiBlockDataSet\""), ".vtm .vtmb "),
+    REFUSED("a collection of VTK files", "give one of the files that it names", ANYWHERE,
+            BYTES("type=\"Collection\""), ".pvd "),
     KNOWN("legacy VTK of structured points", CONVERT, ANYWHERE, BYTES("DATASET STRUCTURED_POINTS"),
           ""),
     KNOWN("a legacy VTK rectilinear grid", CONVERT, ANYWHERE, BYTES("DATASET RECTILINEAR_GRID"),
           ""),
-    KNOWN("a legacy VTK structured grid", PARAVIEW, ANYWHERE, BYTES("DATASET STRUCTURED_GRID"), ""),
-    KNOWN("legacy VTK surface data", SURFACE " of .ply or .stl, which ParaView writes", ANYWHERE,
-          BYTES("DATASET POLYDATA"), ""),
-    KNOWN("a USGS DEM, heights over a map", HEIGHTS, 0, NO_BYTES, ".dem "),
-    KNOWN("EnSight", PARAVIEW, 0, BYTES("EnSight"), ".case "),
-    KNOWN("CGNS", PARAVIEW, 0, NO_BYTES, ".cgns "),
-    KNOWN("Exodus", PARAVIEW, 0, NO_BYTES, ".exo .ex2 "),
-    KNOWN("PLOT3D", PARAVIEW, 0, NO_BYTES, ".p3d .q "),
-    KNOWN("a mesh of DOLFIN", "save it as .vtu, for example with Python (meshio)", ANYWHERE,
-          BYTES("<dolfin"), ""),
-    KNOWN("XDMF", PARAVIEW, 0, NO_BYTES, ".xdmf .xmf "),
+    REFUSED("a legacy VTK structured grid", PARAVIEW, ANYWHERE, BYTES("DATASET STRUCTURED_GRID"),
+            ""),
+    REFUSED("legacy VTK surface data", SURFACE " of .ply or .stl, which ParaView writes", ANYWHERE,
+            BYTES("DATASET POLYDATA"), ""),
+    REFUSED("a USGS DEM, heights over a map", HEIGHTS, 0, NO_BYTES, ".dem "),
+    REFUSED("EnSight", PARAVIEW, 0, BYTES("EnSight"), ".case "),
+    REFUSED_IF("Abaqus", MESHIO("in.inp"), foreign_is_abaqus, ".inp "),
+    REFUSED_IF_BOTH("AVS UCD", UCD, foreign_is_ucd, ".inp .avs .ucd "),
+    REFUSED("AVS field", AVS_FIELD, 0, BYTES("# AVS"), ".fld "),
+    REFUSED_IF("Nastran", MESHIO("in.bdf"), foreign_is_nastran, ".bdf .nas "),
+    REFUSED_IF("Medit", MESHIO("in.mesh"), foreign_is_medit, ".meshb "),
+    REFUSED_IF("SU2", MESHIO("in.su2"), foreign_is_su2, ".su2 "),
+    REFUSED("UGRID", MESHIO("in.ugrid"), 0, NO_BYTES, ".ugrid "),
+    REFUSED("Tecplot, binary", PARAVIEW, 0, BYTES("#!TDV"), ".plt "),
+    REFUSED("Tecplot, binary", PARAVIEW, 0, BYTES("#!SZPLT"), ".szplt "),
+    REFUSED_IF("Tecplot", MESHIO("in.dat"), foreign_is_tecplot, ".tec "),
+    REFUSED("MFEM", "MFEM's own ParaViewDataCollection writes it as .vtu", 0, BYTES("MFEM "), ""),
+    REFUSED("Nek5000", NEK, 0, BYTES("#std"), ".nek5000 "),
+    REFUSED("Nek5000", NEK, 0, BYTES("#v00"), ".re2 "),
+    REFUSED_FOLDER("an AMReX plotfile", AMREX, foreign_is_amrex, "", "Header "),
+    REFUSED_FOLDER("OpenFOAM", FOAM, foreign_is_foam, ".foam ",
+                   "system/controlDict constant/polyMesh/owner owner "),
+    REFUSED("SLC", VTI, 0, BYTES("11111\n"), ".slc "),
+    REFUSED("SLC", VTI, 0, BYTES("11111 "), ""),
+    REFUSED_IF("a Gaussian cube file", CUBE, foreign_is_cube, ".cube .cub "),
+    REFUSED("LAS, points", LAS, 0, BYTES("LASF"), ".las .laz "),
+    REFUSED("AFNI", "`3dAFNItoNIFTI -prefix out.nii in+orig' writes it as NIfTI", ANYWHERE,
+            BYTES("string-attribute"), ".head .brik "),
+    REFUSED("Philips PAR/REC", "`parrec2nii in.PAR' (nibabel) writes it as NIfTI", 0,
+            BYTES("# === DATA DESCRIPTION FILE"), ".par .rec "),
+    REFUSED("PLOT3D", PARAVIEW, 0, NO_BYTES, ".p3d .q "),
+    REFUSED("a mesh of DOLFIN", "save it as .vtu, for example with Python (meshio)", ANYWHERE,
+            BYTES("<dolfin"), ""),
+    REFUSED("XDMF", PARAVIEW, 0, NO_BYTES, ".xdmf .xmf "),
     KNOWN("PLY", SURFACE, 0, BYTES("ply\n"), ".ply "),
     KNOWN("PLY", SURFACE, 0, BYTES("ply\r"), ""),
     KNOWN("OFF", SURFACE, 0, BYTES("OFF\n"), ".off "),
@@ -121,24 +208,30 @@ static const row rows[] = {
     KNOWN("a surface for TetGen", "`leafcast tetrahedralize' takes it", 0, NO_BYTES,
           ".poly .smesh "),
     KNOWN("a table", "`leafcast tetrahedralize' makes tets of points", 0, NO_BYTES, ".csv .xyz "),
-    KNOWN("Wavefront OBJ", "save it as .ply; " SURFACE, 0, NO_BYTES, ".obj "),
+    REFUSED("Wavefront OBJ", "save it as .ply; " SURFACE, 0, NO_BYTES, ".obj "),
     KNOWN("gzip", UNPACK, 0, BYTES("\x1f\x8b\x08"), ""),
     KNOWN("zstd", UNPACK, 0, BYTES("\x28\xb5\x2f\xfd"), ""),
     KNOWN("xz", UNPACK, 0, BYTES("\xfd\x37zXZ\0"), ""),
     KNOWN("bzip2", UNPACK, 0, BYTES("BZh"), ""),
-    KNOWN("a zip archive", "unpack it first", 0, BYTES("PK\x03\x04"), ".zip .npz "),
-    KNOWN("a tar archive", "unpack it first", 257, BYTES("ustar"), ".tar "),
-    KNOWN("PDF", "it holds no volume", 0, BYTES("%PDF"), ".pdf "),
+    REFUSED("a zip archive", "unpack it first", 0, BYTES("PK\x03\x04"), ".zip .npz "),
+    REFUSED("a tar archive", "unpack it first", 257, BYTES("ustar"), ".tar "),
+    REFUSED("PDF", "it holds no volume", 0, BYTES("%PDF"), ".pdf "),
 };
 
 enum { ROWS = sizeof rows / sizeof *rows };
 
 static bool has_bytes(const row *r, const uint8_t *start, size_t size) {
     if (!r->bytes)
-        return false;
+        return r->is != NULL;
     if (r->at >= ANYWHERE)
         return memmem(start, size, r->bytes, r->size) != NULL;
     return size >= r->at + r->size && memcmp(start + r->at, r->bytes, r->size) == 0;
+}
+
+/* Whether a file begins as the row says. */
+static bool begins(const row *r, const uint8_t *start, size_t size) {
+    return has_bytes(r, start, size) && (!r->is || r->is(start, size)) &&
+           (!r->word || memmem(start, size, r->word, strlen(r->word)));
 }
 
 /* Whether the path ends as one of the row's suffixes. */
@@ -182,12 +275,12 @@ const foreign_format *foreign_find(const char *path, const uint8_t *start, size_
                                    uint64_t bytes) {
     static const foreign_format plot3d = {"PLOT3D", PARAVIEW, NULL};
     for (int i = 0; i < ROWS; i++)
-        if (has_bytes(&rows[i], start, size) && (!rows[i].both || has_suffix(&rows[i], path)))
+        if (begins(&rows[i], start, size) && (!rows[i].both || has_suffix(&rows[i], path)))
             return &rows[i].format;
     if (is_plot3d(start, size, bytes))
         return &plot3d;
     for (int i = 0; i < ROWS; i++)
-        if (has_suffix(&rows[i], path))
+        if ((!rows[i].both || rows[i].format.importer) && has_suffix(&rows[i], path))
             return &rows[i].format;
     return NULL;
 }
@@ -199,6 +292,11 @@ static void show_start(const uint8_t *start, size_t size, char text[64]) {
         at += (size_t)snprintf(text + at, 64 - at, "%s%02x", i ? " " : "", start[i]);
 }
 
+static status refuse(const char *name, const foreign_format *f) {
+    return status_describe(ST_UNSUPPORTED, "%s: this is %s, which is not read here: %s", name,
+                           f->name, f->advice);
+}
+
 status foreign_refuse(byte_stream *s, const char *expected) {
     const uint8_t *start;
     size_t size;
@@ -206,13 +304,38 @@ status foreign_refuse(byte_stream *s, const char *expected) {
     status st = byte_stream_peek(s, FOREIGN_PEEK, &start, &size);
     if (st != ST_OK)
         return st;
-    if (size == 0)
-        return status_describe(ST_CORRUPT, "%s: is empty", byte_stream_name(s));
     const foreign_format *f = foreign_find(byte_stream_kind(s), start, size, byte_stream_left(s));
+    /* An empty file may stand for its folder, as case.foam does. */
+    if (size == 0 && !(f && text_ends_in(byte_stream_kind(s), ".foam")))
+        return status_describe(ST_CORRUPT, "%s: is empty", byte_stream_name(s));
     if (f)
-        return status_describe(ST_UNSUPPORTED, "%s: this is %s, which is not read here: %s",
-                               byte_stream_name(s), f->name, f->advice);
+        return refuse(byte_stream_name(s), f);
     show_start(start, size, bytes);
     return status_describe(ST_UNSUPPORTED, "%s: no known format (it begins with %s): %s",
                            byte_stream_name(s), bytes, expected);
+}
+
+/* ---- folders ---- */
+
+/* Whether a file of a folder is there, and begins as the row says. */
+static bool fits_inside(mem *m, const row *r, const char *folder, const char *name, int length) {
+    char path[PATH_MAX];
+    byte_stream *s = NULL;
+    const uint8_t *start;
+    size_t size;
+    if (snprintf(path, sizeof path, "%s/%.*s", folder, length, name) >= (int)sizeof path ||
+        access(path, R_OK) != 0 || byte_stream_open(m, path, &s) != ST_OK)
+        return false;
+    const bool fits =
+        byte_stream_peek(s, FOREIGN_PEEK, &start, &size) == ST_OK && begins(r, start, size);
+    byte_stream_close(s);
+    return fits;
+}
+
+status foreign_check_folder(mem *m, const char *folder) {
+    for (int i = 0; i < ROWS; i++)
+        for (const char *at = rows[i].inside; *at; at += strcspn(at, " ") + 1)
+            if (fits_inside(m, &rows[i], folder, at, (int)strcspn(at, " ")))
+                return refuse(folder, &rows[i].format);
+    return ST_OK;
 }

@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/input/byte_stream.h"
 
@@ -26,5 +27,9 @@ const foreign_format *foreign_find(const char *path, const uint8_t *start, size_
  * known, and what to do; else `expected`, as the end of a sentence. Of the stream nothing was
  * taken. */
 CHECKED status foreign_refuse(byte_stream *s, const char *expected);
+
+/* foreign_check_folder() - ST_UNSUPPORTED for a folder that is a file of a format that nobody
+ * reads, as a case of OpenFOAM is. */
+CHECKED status foreign_check_folder(mem *m, const char *folder);
 
 #endif

@@ -99,6 +99,12 @@ static status add_field(header_fields *h, const char *line, unsigned number, cha
     return ST_OK;
 }
 
+static bool is_end(const header_field *f, const header_style *style) {
+    const char *value = style->end_value ? style->end_value : "";
+    return style->end_key && header_fields_same(f->key, style->end_key) &&
+           strncmp(f->value, value, strlen(value)) == 0;
+}
+
 static status read_lines(header_fields *h, byte_stream *s, const header_style *style,
                          text_line *line) {
     for (unsigned number = style->lines_read + 1;; number++) {
@@ -114,7 +120,7 @@ static status read_lines(header_fields *h, byte_stream *s, const header_style *s
         st = add_field(h, text, number, style->separator);
         if (st != ST_OK)
             return st;
-        if (style->end_key && header_fields_same(h->items[h->count - 1].key, style->end_key))
+        if (is_end(&h->items[h->count - 1], style))
             return ST_OK;
     }
 }

@@ -33,7 +33,8 @@ typedef struct header_style {
     char separator;      /* ':' or '='; a separator ':' also knows the pairs ":=" */
     bool ends_blank;     /* the header ends at the first blank line, else blank lines are skipped */
     const char *end_key; /* the header ends behind the line with this key; NULL: it does not */
-    unsigned lines_read; /* lines in front of this header */
+    const char *end_value; /* where its value begins so; NULL: whatever it is */
+    unsigned lines_read;   /* lines in front of this header */
 } header_style;
 
 /* header_fields_read() - all fields up to the header's end, or the stream's; the stream then stands

@@ -202,11 +202,15 @@ const packer packer_zlib = {"gzip",     ".gz",     MAGIC("\x1f\x8b\x08"), zlib_o
                             zlib_again, zlib_close};
 const packer packer_bzip2 = {"bzip2",    ".bz2",      MAGIC("BZh"), bzip2_open,
                              bzip2_step, bzip2_again, bzip2_close};
+/* FreeSurfer's name for a .mgh that gzip has packed. */
+static const packer packer_mgz = {
+    "gzip", ".mgz", MAGIC("\x1f\x8b\x08"), zlib_open, zlib_step, zlib_again, zlib_close};
 static const packer packer_xz = {"xz",     ".xz",   MAGIC("\xfd\x37zXZ\0"), xz_open, xz_step,
                                  xz_again, xz_close};
 static const packer packer_zstd = {
     "zstd", ".zst", MAGIC("\x28\xb5\x2f\xfd"), zstd_open, zstd_step, zstd_again, zstd_close};
-static const packer *const packers[] = {&packer_zlib, &packer_bzip2, &packer_xz, &packer_zstd};
+static const packer *const packers[] = {&packer_zlib, &packer_bzip2, &packer_xz, &packer_zstd,
+                                        &packer_mgz};
 
 enum { PACKERS = sizeof packers / sizeof *packers };
 

@@ -19,8 +19,8 @@ typedef struct packer packer;
 typedef struct unpack_stream unpack_stream;
 
 /* No deflate stream gives more bytes than this for each of its own: a bound on what a file can
- * hold, before reading it. */
-enum { UNPACK_ZLIB_RATIO = 1032 };
+ * hold, before reading it. Of bzip2, whose blocks of 46 MB take 39 bytes at least. */
+enum { UNPACK_ZLIB_RATIO = 1032, UNPACK_BZIP2_RATIO = 1 << 21 };
 
 /* gzip or zlib, as the data says; bzip2. */
 extern const packer packer_zlib, packer_bzip2;

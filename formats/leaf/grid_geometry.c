@@ -7,6 +7,7 @@
 #include "formats/base/sample.h"
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/implied_payload.h"
+#include "formats/leaf/leaf_place.h"
 
 /* ---- The header ---- */
 
@@ -31,16 +32,9 @@ static status check_values(const char *path, const leaf_header *h) {
         return leaf_check_corrupt(path, offsetof(leaf_header, non_finite),
                                   "%llu samples cannot be NaN or infinite",
                                   (unsigned long long)h->non_finite);
-    const double *w = h->to_world;
-    for (int i = 0; i < 12; i++)
-        if (!isfinite(w[i]))
-            return leaf_check_corrupt(path, offsetof(leaf_header, to_world) + sizeof *w * (size_t)i,
-                                      "expected a finite number");
-    double det = w[0] * (w[5] * w[10] - w[6] * w[9]) - w[1] * (w[4] * w[10] - w[6] * w[8]) +
-                 w[2] * (w[4] * w[9] - w[5] * w[8]);
-    if (!(fabs(det) > 0))
-        return leaf_check_corrupt(path, offsetof(leaf_header, to_world),
-                                  "expected an invertible matrix");
+    char why[LEAF_PLACE_TEXT];
+    if (!leaf_place_grid(h->to_world, why))
+        return leaf_check_corrupt(path, offsetof(leaf_header, to_world), "%s", why);
     return ST_OK;
 }
 
@@ -209,6 +203,7 @@ static const char *payload_name(const leaf_layout *l, uint32_t p, char text[LEAF
 }
 
 const leaf_geometry grid_geometry = {.holds_indices = false,
+                                     .has_map = true,
                                      .check_parameters = check_parameters,
                                      .check_values = check_values,
                                      .check_rest = check_rest,

@@ -25,6 +25,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "formats/base/world_frame.h"
+
 enum {
     LEAF_VERSION = 2, /* the last one; a file has 1 where it has nothing that came with 2 */
     LEAF_HEADER_BYTES = 4096,
@@ -176,8 +178,12 @@ typedef enum leaf_section_kind {
         1 << 30, /* set in kinds that a reader may pass over; others it must know */
     LEAF_SECTION_HISTOGRAMS = LEAF_SECTION_ANCILLARY | 1, /* histogram (histogram.h): an element a
                                                              set */
-    LEAF_SECTION_DEVIATIONS = LEAF_SECTION_ANCILLARY | 2 /* grid: uint16_t (deviation.h): an element
-                                                            a brick of each coarse treelet */
+    LEAF_SECTION_DEVIATIONS =
+        LEAF_SECTION_ANCILLARY | 2, /* grid: uint16_t (deviation.h): an
+                                       element a brick of each coarse treelet */
+    LEAF_SECTION_WORLD =
+        LEAF_SECTION_ANCILLARY | 3, /* may be missing: a world_frame, not of zeros */
+    LEAF_ANCILLARY_LAST = 3         /* of those known here */
 } leaf_section_kind;
 /* A treelet without a finite sample has lo = +inf, hi = -inf. */
 

@@ -171,9 +171,13 @@ status leaf_check_layout(const char *path, const leaf_header *h, leaf_layout *l)
 
 /* ---- sections ---- */
 
+bool leaf_section_ancillary(uint32_t kind) {
+    return kind > LEAF_SECTION_ANCILLARY && kind <= (LEAF_SECTION_ANCILLARY | LEAF_ANCILLARY_LAST);
+}
+
 bool leaf_section_optional(uint32_t kind) {
-    return kind == LEAF_SECTION_HISTOGRAMS || kind == LEAF_SECTION_DEVIATIONS ||
-           kind == LEAF_SECTION_FIELDS || kind == LEAF_SECTION_TIMES || kind == LEAF_SECTION_COARSE;
+    return leaf_section_ancillary(kind) || kind == LEAF_SECTION_FIELDS ||
+           kind == LEAF_SECTION_TIMES || kind == LEAF_SECTION_COARSE;
 }
 
 uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
@@ -191,6 +195,7 @@ uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
     case LEAF_SECTION_FIELDS: return g->labels(h) ? h->fields * sizeof(char[64]) : 0;
     case LEAF_SECTION_TIMES: return g->labels(h) && h->steps > 1 ? h->steps * sizeof(double) : 0;
     case LEAF_SECTION_HISTOGRAMS: return sets <= LEAF_HISTOGRAMS_MAX ? sets * sizeof(histogram) : 0;
+    case LEAF_SECTION_WORLD: return sizeof(world_frame);
     default: return g->section_bytes(h, kind);
     }
 }
@@ -198,8 +203,8 @@ uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
 /* One entry: its kind, and that it lies right behind `end`. */
 static status check_section(const char *path, const leaf_header *h, const leaf_section *s,
                             uint64_t entry, uint64_t *end) {
-    const bool ancillary = s->kind == LEAF_SECTION_HISTOGRAMS || s->kind == LEAF_SECTION_DEVIATIONS;
-    bool known = (s->kind >= 1 && s->kind <= LEAF_SECTION_LAST) || (ancillary && s->version == 1);
+    bool known = (s->kind >= 1 && s->kind <= LEAF_SECTION_LAST) ||
+                 (leaf_section_ancillary(s->kind) && s->version == 1);
     if (!known && !(s->kind & LEAF_SECTION_ANCILLARY))
         return status_describe(
             ST_UNSUPPORTED, "%s: byte %llu: a section of kind %u, which this program does not know",
@@ -390,4 +395,24 @@ status leaf_check_axis(const char *path, const double *axis, uint32_t count, uin
                                       "expected strictly increasing coordinates, found %g",
                                       axis[i]);
     return ST_OK;
+}
+
+status leaf_check_world(const char *path, const leaf_header *h, const world_frame *f, uint64_t at) {
+    const uint32_t most = leaf_geometry_of(h->kind)->has_map ? WORLD_AXES - 1 : WORLD_UNTOLD;
+    if (f->axes > most)
+        return leaf_check_corrupt(path, at, "expected axes of number 0 to %u, found %u", most,
+                                  f->axes);
+    if (!world_frame_is_told(f))
+        return leaf_check_corrupt(path, at, "expected axes or units, found nothing but zeros");
+    status st = leaf_check_zero(path, &f->reserved0, sizeof f->reserved0,
+                                at + offsetof(world_frame, reserved0));
+    for (int a = 0; st == ST_OK && a < 3; a++)
+        st = leaf_check_text(path, f->unit[a], sizeof f->unit[a],
+                             at + offsetof(world_frame, unit) + (size_t)a * sizeof f->unit[a]);
+    if (st == ST_OK)
+        st = leaf_check_text(path, f->time_unit, sizeof f->time_unit,
+                             at + offsetof(world_frame, time_unit));
+    return st == ST_OK ? leaf_check_zero(path, f->reserved, sizeof f->reserved,
+                                         at + offsetof(world_frame, reserved))
+                       : st;
 }

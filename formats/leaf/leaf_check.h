@@ -58,11 +58,17 @@ CHECKED status leaf_check_directory(const char *path, const leaf_header *h, cons
  * file. */
 CHECKED status leaf_check_axis(const char *path, const double *axis, uint32_t count, uint64_t at);
 
+/* leaf_check_world() - section WORLD, at byte `at`. */
+CHECKED status leaf_check_world(const char *path, const leaf_header *h, const world_frame *f,
+                                uint64_t at);
+
 /* leaf_section_bytes() - the size that a section of this kind must have; 0 for an unknown kind, one
  * that this file has not, and a geometry that nobody knows. leaf_section_optional() - whether it
- * may be missing all the same. */
+ * may be missing all the same. leaf_section_ancillary() - whether it is one of the known ones that
+ * a reader may pass over. */
 uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind);
 bool leaf_section_optional(uint32_t kind);
+bool leaf_section_ancillary(uint32_t kind);
 
 /* leaf_header_checksum(), leaf_header_id() - as a sound header has them. */
 uint64_t leaf_header_checksum(const leaf_header *h);

@@ -9,6 +9,7 @@
 #include "formats/base/text.h"
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/leaf_geometry.h"
+#include "formats/leaf/leaf_place.h"
 
 _Static_assert(
     __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
@@ -90,6 +91,10 @@ static status read_axes(leaf_file *f, const leaf_section *s) {
     for (int a = 0; a < 3 && st == ST_OK; a++)
         st = leaf_check_axis(file_path(f->source), f->axis[a], dims[a],
                              s->offset + (uint64_t)(f->axis[a] - f->axis[0]) * sizeof(double));
+    char why[LEAF_PLACE_TEXT];
+    for (int a = 0; a < 3 && st == ST_OK; a++)
+        if (!leaf_place_axis(f->header.to_world, a, f->axis[a], dims[a], why))
+            st = leaf_check_corrupt(file_path(f->source), s->offset, "%s", why);
     return st;
 }
 
@@ -124,6 +129,16 @@ static status read_histograms(leaf_file *f, const leaf_section *s) {
 static status read_deviations(leaf_file *f, const leaf_section *s) {
     f->deviations = mem_alloc(f->m, (size_t)s->bytes);
     return f->deviations ? read_section(f, s, f->deviations) : ST_NOMEM;
+}
+
+static status read_world(leaf_file *f, const leaf_section *s) {
+    status st = read_section(f, s, &f->frame);
+    if (st == ST_OK)
+        st = leaf_check_world(file_path(f->source), &f->header, &f->frame, s->offset);
+    for (int a = 0; st == ST_OK && a < 3; a++)
+        text_name(f->frame.unit[a], sizeof f->frame.unit[a], f->frame.unit[a]);
+    text_name(f->frame.time_unit, sizeof f->frame.time_unit, f->frame.time_unit);
+    return st;
 }
 
 /* As they are where the file does not say. */
@@ -178,6 +193,8 @@ static status read_sections(opening *o) {
             st = read_histograms(f, s);
         else if (s->kind == LEAF_SECTION_DEVIATIONS && s->version == 1)
             st = read_deviations(f, s);
+        else if (s->kind == LEAF_SECTION_WORLD && s->version == 1)
+            st = read_world(f, s);
         else if (s->kind > LEAF_SECTION_LAST)
             st = check_ancillary(f, s);
         else if (s->kind == LEAF_SECTION_AXES)
@@ -312,6 +329,13 @@ status leaf_file_open_memory(mem *m, const char *name, const void *bytes, size_t
     file *source = NULL;
     status st = file_open_memory(m, name, bytes, size, &source);
     return st == ST_OK ? open_source(m, source, name, out) : st;
+}
+
+status leaf_file_prove(mem *m, const char *path) {
+    leaf_file *f = NULL;
+    status st = leaf_file_open(m, path, &f);
+    leaf_file_close(f);
+    return st;
 }
 
 bool leaf_file_has_coarse(const leaf_file *f, uint32_t set) {

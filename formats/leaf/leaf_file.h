@@ -46,6 +46,7 @@ typedef struct leaf_file {
     mesh_directory *mesh;  /* NULL: no mesh */
     void *besides;         /* what the directory of another kind has */
     histogram *histograms; /* of each set; NULL: the file has none */
+    world_frame frame;     /* what the world's axes mean; zeros: the file does not say */
     uint16_t *deviations;  /* codes (deviation.h) of the coarse treelets' bricks; NULL: likewise */
     file *source;
     file_mark mark; /* of the file, or of the one that this is a part of, when it was opened; of
@@ -63,6 +64,10 @@ CHECKED status leaf_file_open(mem *m, const char *path, leaf_file **out);
 CHECKED status leaf_file_open_memory(mem *m, const char *name, const void *bytes, size_t size,
                                      leaf_file **out);
 void leaf_file_close(leaf_file *f); /* NULL is fine */
+
+/* leaf_file_prove() - a file about to get its name is opened as any other, and closed: what the
+ * writer accepts, the reader opens. */
+CHECKED status leaf_file_prove(mem *m, const char *path);
 
 /* leaf_file_has_coarse() - whether f, a mesh, has a coarse grid of a set. leaf_file_open_coarse() -
  * open it: a treelet file as any other, of kind grid, which may outlive f; messages call it F.leaf

@@ -11,6 +11,7 @@
 
 typedef struct leaf_geometry {
     bool holds_indices; /* leaf_file_holds_indices() */
+    bool has_map;       /* to_world is its own, so that section WORLD may say which way it leads */
 
     /* ---- The header, as leaf_check_header() and leaf_check_layout() ---- */
 

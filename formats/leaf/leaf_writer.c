@@ -8,10 +8,11 @@
 
 #include "formats/base/file.h"
 #include "formats/base/hash.h"
-#include "formats/base/text.h"
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/leaf_check.h"
+#include "formats/leaf/leaf_file.h"
 #include "formats/leaf/leaf_geometry.h"
+#include "formats/leaf/leaf_head.h"
 #include "formats/mesh/mesh_leaf.h"
 
 struct leaf_writer {
@@ -19,7 +20,7 @@ struct leaf_writer {
     leaf_parameters p;
     leaf_layout layout;
     leaf_header header;
-    leaf_section table[LEAF_SECTION_LAST + 2];
+    leaf_section table[LEAF_SECTION_LAST + LEAF_ANCILLARY_LAST];
     /* The directory, as in leaf_section_kind. */
     float (*ranges)[2];
     float (*own)[2];
@@ -33,6 +34,7 @@ struct leaf_writer {
     leaf_part *parts;      /* coarse grids; or NULL */
     histogram *histograms; /* of sets; or NULL */
     uint16_t *deviations;  /* of coarse treelets' bricks; or NULL */
+    world_frame frame;
     bool settled;
     out_file *out;
     /* Where payloads wait until all sizes are known: compressed ones, and a mesh's. NULL: they are
@@ -95,59 +97,6 @@ uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max) {
 
 /* ---- creating ---- */
 
-static void copy_text(char *to, size_t size, const char *text) {
-    char name[TEXT_NAME_MAX];
-    text_name(name, size, text);
-    memcpy(to, name, strlen(name));
-}
-
-static void fill_common(leaf_writer *w) {
-    leaf_header *h = &w->header;
-    memcpy(h->magic, LEAF_MAGIC, sizeof h->magic);
-    h->version = 1;
-    h->sample_type = w->layout.type;
-    h->levels = w->layout.levels;
-    h->run_align_log2 = w->p.run_align_log2;
-    h->codec = w->p.codec;
-    h->treelets = w->layout.treelets;
-}
-
-static void fill_grid(leaf_writer *w, const grid *g, const leaf_sets *sets) {
-    leaf_header *h = &w->header;
-    fill_common(w);
-    h->kind = LEAF_KIND_GRID;
-    h->source_type = grid_source(g);
-    memcpy(h->dims, g->dims, sizeof h->dims);
-    h->cells_log2 = w->p.cells_log2;
-    h->halo = w->p.halo;
-    h->block_log2 = LEAF_BLOCK_LOG2;
-    h->rectilinear = grid_is_rectilinear(g);
-    h->fields = sets->fields;
-    h->steps = sets->steps;
-    if (w->layout.sets > 1) {
-        h->version = 2;
-        copy_text(h->field, sizeof h->field, sets->names ? sets->names[0] : "");
-    }
-    memcpy(h->to_world, g->to_world, sizeof h->to_world);
-    copy_text(h->name, sizeof h->name, g->name);
-}
-
-static void fill_mesh(leaf_writer *w, const leaf_mesh *mesh) {
-    leaf_header *h = &w->header;
-    fill_common(w);
-    h->kind = LEAF_KIND_MESH;
-    h->source_type = SAMPLE_F32;
-    h->fields = mesh->fields;
-    h->steps = mesh->steps;
-    h->to_world[0] = h->to_world[5] = h->to_world[10] = 1;
-    h->treelet_tets = mesh->treelet_tets;
-    h->leaf_tets = mesh->leaf_tets;
-    h->gradients = mesh->gradients;
-    h->moving = mesh->moving;
-    copy_text(h->name, sizeof h->name, mesh->name);
-    copy_text(h->field, sizeof h->field, mesh->field);
-}
-
 static uint64_t sections_end(const leaf_writer *w) {
     const leaf_section *last = &w->table[w->header.sections - 1];
     return last->offset + last->bytes;
@@ -162,6 +111,7 @@ static bool has_section(const leaf_writer *w, uint32_t kind) {
            : kind == LEAF_SECTION_COARSE     ? w->parts != NULL
            : kind == LEAF_SECTION_HISTOGRAMS ? w->histograms != NULL
            : kind == LEAF_SECTION_DEVIATIONS ? w->deviations != NULL
+           : kind == LEAF_SECTION_WORLD      ? world_frame_is_told(&w->frame)
                                              : true;
 }
 
@@ -176,8 +126,8 @@ static void place_sections(leaf_writer *w) {
     leaf_header *h = &w->header;
     for (uint32_t kind = 1; kind <= LEAF_SECTION_LAST; kind++)
         add_section(w, kind);
-    add_section(w, LEAF_SECTION_HISTOGRAMS);
-    add_section(w, LEAF_SECTION_DEVIATIONS);
+    for (uint32_t i = 1; i <= LEAF_ANCILLARY_LAST; i++)
+        add_section(w, LEAF_SECTION_ANCILLARY | i);
     uint64_t end = LEAF_HEADER_BYTES + h->sections * sizeof *w->table;
     for (uint32_t i = 0; i < h->sections; i++) {
         w->table[i].offset = leaf_layout_aligned(end, LEAF_ALIGN_LOG2);
@@ -254,7 +204,7 @@ static status copy_labels(leaf_writer *w, const leaf_sets *sets) {
         if (!w->names)
             return ST_NOMEM;
         for (uint32_t i = 0; i < sets->fields; i++)
-            copy_text(w->names[i], sizeof w->names[i], sets->names[i]);
+            leaf_head_text(w->names[i], sizeof w->names[i], sets->names[i]);
     }
     if (sets->times && sets->steps > 1) {
         w->times = mem_array(w->m, sets->steps, sizeof *w->times);
@@ -334,7 +284,10 @@ status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
         leaf_writer_discard(w);
         return st;
     }
-    fill_grid(w, g, sets);
+    leaf_head_grid(&w->header, &w->layout, p, g, sets);
+    w->frame = g->frame;
+    if (sets->time_unit)
+        world_frame_set_time_unit(&w->frame, sets->time_unit);
     place_sections(w);
     if (!w->scratch) {
         for (uint32_t i = 0; i < w->layout.payloads; i++)
@@ -364,7 +317,8 @@ status leaf_writer_create_mesh(mem *m, const char *path, bool force, const leaf_
     if (st == ST_OK)
         st = allocate_mesh(w);
     if (st == ST_OK)
-        st = copy_labels(w, &(leaf_sets){mesh->fields, mesh->steps, mesh->names, mesh->times});
+        st =
+            copy_labels(w, &(leaf_sets){mesh->fields, mesh->steps, mesh->names, mesh->times, NULL});
     if (st == ST_OK)
         st = allocate_parts(w, mesh);
     if (st == ST_OK)
@@ -375,7 +329,7 @@ status leaf_writer_create_mesh(mem *m, const char *path, bool force, const leaf_
         leaf_writer_discard(w);
         return st;
     }
-    fill_mesh(w, mesh);
+    leaf_head_mesh(&w->header, &w->layout, p, mesh);
     place_sections(w);
     *out = w;
     return ST_OK;
@@ -653,11 +607,12 @@ static status write_sections(leaf_writer *w) {
     const void *arrays[LEAF_SECTION_LAST] = {w->ranges, w->own,       w->flags, w->offsets,
                                              w->sizes,  w->checksums, w->axes,  w->bounds,
                                              w->counts, w->names,     w->times, w->parts};
+    const void *ancillary[LEAF_ANCILLARY_LAST] = {w->histograms, w->deviations, &w->frame};
     for (uint32_t i = 0; i < w->header.sections; i++) {
         leaf_section *s = &w->table[i];
-        const void *bytes = s->kind == LEAF_SECTION_HISTOGRAMS   ? (const void *)w->histograms
-                            : s->kind == LEAF_SECTION_DEVIATIONS ? w->deviations
-                                                                 : arrays[s->kind - 1];
+        const void *bytes = leaf_section_ancillary(s->kind)
+                                ? ancillary[s->kind - LEAF_SECTION_ANCILLARY - 1]
+                                : arrays[s->kind - 1];
         s->checksum = hash_bytes(bytes, (size_t)s->bytes);
         status st = out_file_write_at(w->out, s->offset, bytes, (size_t)s->bytes);
         if (st != ST_OK)
@@ -683,7 +638,7 @@ static void note_facts(leaf_writer *w, const leaf_facts *facts) {
     h->repeated = facts->repeated;
     h->bad = facts->bad;
     h->version = w->implied ? 2 : h->version;
-    copy_text(h->provenance, sizeof h->provenance, facts->provenance);
+    leaf_head_text(h->provenance, sizeof h->provenance, facts->provenance);
 }
 
 static status write_header(leaf_writer *w) {
@@ -782,6 +737,8 @@ static status write_parts(leaf_writer *w) {
 
 status leaf_writer_finish(leaf_writer *w, const leaf_facts *facts, leaf_header *header) {
     status st = w->settled ? write_parts(w) : write_all(w, facts);
+    if (st == ST_OK)
+        st = leaf_file_prove(w->m, out_file_temporary(w->out));
     if (st == ST_OK) {
         if (header)
             *header = w->header;

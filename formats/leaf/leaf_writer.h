@@ -47,6 +47,7 @@ typedef struct leaf_sets {
     uint32_t fields, steps;   /* 1 or more; their product up to LEAF_SETS_MAX */
     const char *const *names; /* of all fields; NULL: untold; cut if too long */
     const double *times;      /* of all steps, ascending; NULL: untold */
+    const char *time_unit;    /* "s"; cut if too long; NULL: as the grid's frame has it */
 } leaf_sets;
 
 /* What a mesh file is to be; of leaf_parameters, cells_log2 and halo do not matter then. */

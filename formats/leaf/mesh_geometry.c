@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "formats/base/text.h"
+#include "formats/leaf/leaf_place.h"
 #include "formats/mesh/mesh_leaf.h"
 
 /* ---- The header ---- */
@@ -227,6 +228,9 @@ static status check_bounds(const char *path, const leaf_header *h, const leaf_la
                 "expected the treelets' bounds along %c, %g .. %g, found %g .. %g", "xyz"[a],
                 (double)lo, (double)hi, (double)h -> bounds[a], (double)h -> bounds[a + 3]);
     }
+    char why[LEAF_PLACE_TEXT];
+    if (!leaf_place_mesh(h->bounds, why))
+        return leaf_check_corrupt(path, offsetof(leaf_header, bounds), "%s", why);
     return ST_OK;
 }
 

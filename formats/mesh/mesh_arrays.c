@@ -50,10 +50,10 @@ static void arrays_close(void *state) {
         mem_free(s->m, s);
 }
 
-static void arrays_fields(const void *state, void (*take)(void *ctx, const char *name), void *ctx) {
+static void arrays_fields(const void *state, mesh_field_taker *take, void *ctx) {
     const mesh_arrays *a = &((const arrays_state *)state)->a;
     if (a->values && a->field)
-        take(ctx, a->field);
+        take(ctx, a->field, 1);
 }
 
 const mesh_reader mesh_arrays_reader = {

@@ -4,12 +4,17 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/leaf/leaf_place.h"
 #include "formats/mesh/mesh_split.h"
 
 status mesh_feed_begin(mesh_feed *f, mem *m, const char *name, uint32_t fields,
                        const mesh_sink *sink, mesh_report *report) {
     *f = (mesh_feed){.m = m, .name = name, .sink = sink, .report = report, .fields = fields};
     *report = (mesh_report){0};
+    for (int a = 0; a < 3; a++) {
+        f->bounds[a] = INFINITY;
+        f->bounds[a + 3] = -INFINITY;
+    }
     f->xyz = mem_array(m, MESH_FEED_CHUNK, sizeof *f->xyz);
     f->tets = mem_array(m, MESH_FEED_CHUNK, sizeof *f->tets);
     f->columns = mem_array(m, fields, sizeof *f->columns);
@@ -85,12 +90,18 @@ static status keep_point(mesh_feed *f, const float p[3]) {
                                "numbers that are finite as float",
                                f->name, (unsigned long long)id, (double)p[0], (double)p[1],
                                (double)p[2]);
+    for (int a = 0; a < 3; a++) {
+        f->bounds[a] = fminf(f->bounds[a], p[a]);
+        f->bounds[a + 3] = fmaxf(f->bounds[a + 3], p[a]);
+    }
     memcpy(f->xyz[f->points_held++], p, sizeof *f->xyz);
     return f->points_held == MESH_FEED_CHUNK ? flush_points(f) : ST_OK;
 }
 
 status mesh_feed_point(mesh_feed *f, const double xyz[3]) {
     const float p[3] = {(float)xyz[0], (float)xyz[1], (float)xyz[2]};
+    for (int a = 0; a < 3; a++)
+        f->vanished |= xyz[a] != 0 && p[a] == 0;
     return keep_point(f, p);
 }
 
@@ -194,8 +205,20 @@ status mesh_feed_tets(mesh_feed *f, const uint32_t (*ids)[4], size_t count) {
     return st;
 }
 
+static status check_place(const mesh_feed *f) {
+    const float *b = f->bounds;
+    char why[LEAF_PLACE_TEXT] = "its points are told apart by less than floats hold: scale it";
+    const bool vanished =
+        f->vanished && !(b[3] > b[0]) && !(b[4] > b[1]) && !(b[5] > b[2]) && f->points > 0;
+    if (!vanished && (f->points == 0 || leaf_place_mesh(b, why)))
+        return ST_OK;
+    return status_describe(ST_CORRUPT, "%s: %s", f->name, why);
+}
+
 status mesh_feed_end(mesh_feed *f) {
-    status st = flush_points(f);
+    status st = check_place(f);
+    if (st == ST_OK)
+        st = flush_points(f);
     assert(st != ST_OK || f->points_given == f->points);
     for (uint32_t k = 0; st == ST_OK && k < f->fields; k++) {
         st = flush_values(f, k);

@@ -2,9 +2,9 @@
  * counts.
  *
  * A reader says how many points there are, then feeds points, values and cells one at a time or in
- * runs. The feed rounds positions to floats and refuses what is not finite, splits cells, leaves
- * out cells with an id that is no point and tets with a repeated vertex, and counts all of it in
- * the report.
+ * runs. The feed rounds positions to floats and refuses what is not finite or too close together,
+ * splits cells, leaves out cells with an id that is no point and tets with a repeated vertex, and
+ * counts all of it in the report.
  */
 #ifndef FORMATS_MESH_MESH_FEED_H
 #define FORMATS_MESH_MESH_FEED_H
@@ -35,6 +35,8 @@ typedef struct mesh_feed {
     mesh_feed_column *columns; /* of the fields */
     uint32_t fields;
     uint32_t (*tets)[4];
+    float bounds[6]; /* of the points so far: lo x, y, z, hi x, y, z */
+    bool vanished;   /* a coordinate was too small for a float, and none that is 0 */
 } mesh_feed;
 
 /* mesh_feed_begin() - for so many fields, 1 or more. Clears the report. Release in any case. */
@@ -75,7 +77,7 @@ CHECKED status mesh_feed_cell(mesh_feed *f, mesh_cell kind, const uint64_t *ids)
 CHECKED status mesh_feed_tets(mesh_feed *f, const uint32_t (*ids)[4], size_t count);
 
 /* mesh_feed_end() - the rest goes to the sink; all points and values must have been fed (an
- * assert). */
+ * assert). ST_CORRUPT for a mesh whose place no treelet file may have (leaf_place.h). */
 CHECKED status mesh_feed_end(mesh_feed *f);
 
 /* mesh_feed_magnitude() - of a vector array: component 1, 2, .. or, for 0, the length (the value

@@ -540,11 +540,11 @@ static status gmsh_read(void *state, mesh_feed *feed) {
     return st;
 }
 
-static void gmsh_fields(const void *state, void (*take)(void *ctx, const char *name), void *ctx) {
+static void gmsh_fields(const void *state, mesh_field_taker *take, void *ctx) {
     const gmsh_state *s = state;
     for (size_t i = 0; i < s->file.count; i++)
         if ((s->file.arrays[i].owner == GMSH_ELEMENTS) == s->hints->cells_to_points)
-            take(ctx, s->file.arrays[i].name);
+            take(ctx, s->file.arrays[i].name, s->file.arrays[i].components);
 }
 
 const mesh_reader mesh_gmsh_reader = {"Gmsh",     gmsh_known, gmsh_open,  gmsh_read,

@@ -4,6 +4,7 @@
 #include <strings.h>
 
 #include "formats/base/text.h"
+#include "formats/input/dicom_mark.h"
 #include "formats/input/foreign.h"
 #include "formats/mesh/mesh_arrays.h"
 #include "formats/mesh/mesh_feed.h"
@@ -33,7 +34,7 @@ enum { READERS = sizeof readers / sizeof *readers };
 /* ---- recognising ---- */
 
 static const mesh_reader *find_reader(const char *path, const uint8_t *start, size_t size) {
-    for (int i = 0; i < READERS; i++)
+    for (int i = 0; i < READERS && !dicom_mark_is_at(start, size); i++)
         if (readers[i]->known(path, start, size))
             return readers[i];
     return NULL;
@@ -130,18 +131,18 @@ const char *mesh_input_name(const mesh_input *x) {
 }
 
 typedef struct taker {
-    void (*take)(void *ctx, const char *name);
+    mesh_field_taker *take;
     void *ctx;
 } taker;
 
-static void take_clean(void *ctx, const char *name) {
+static void take_clean(void *ctx, const char *name, int components) {
     const taker *t = ctx;
     char clean[MESH_NAME_MAX + 1];
     text_name(clean, sizeof clean, name);
-    t->take(t->ctx, clean);
+    t->take(t->ctx, clean, components);
 }
 
-void mesh_input_fields(const mesh_input *x, void (*take)(void *ctx, const char *name), void *ctx) {
+void mesh_input_fields(const mesh_input *x, mesh_field_taker *take, void *ctx) {
     taker t = {take, ctx};
     x->reader->fields(x->state, take_clean, &t);
 }

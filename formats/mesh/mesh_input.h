@@ -106,10 +106,12 @@ const char *mesh_input_format(const mesh_input *x);
  * wants to tell. Never less than before. */
 double mesh_input_share(mesh_input *x);
 
-/* mesh_input_fields() - give `take` the name of each array that could have been asked for, in the
- * order of the file: of the points, or of the cells where the hints say so. A name may come again.
+/* mesh_input_fields() - give `take` the name of each array that could have been asked for, and how
+ * many numbers it has a point, in the order of the file: of the points, or of the cells where the
+ * hints say so. A name may come again: of several steps the first is taken.
  * The first is the one that is taken when none is asked for. Before mesh_input_read(). */
-void mesh_input_fields(const mesh_input *x, void (*take)(void *ctx, const char *name), void *ctx);
+typedef void mesh_field_taker(void *ctx, const char *name, int components);
+void mesh_input_fields(const mesh_input *x, mesh_field_taker *take, void *ctx);
 
 /* mesh_input_take() - take these fields, each as mesh_hints.field, in place of the hints' one;
  * before mesh_input_read(). ST_USAGE as mesh_input_open(). */

@@ -33,7 +33,7 @@ typedef struct mesh_reader {
      * name may be NULL where there is one: that of the hints, or none. */
     status (*take)(void *state, const char *const *names, uint32_t count);
     /* mesh_input_fields(), of one that is open */
-    void (*fields)(const void *state, void (*take)(void *ctx, const char *name), void *ctx);
+    void (*fields)(const void *state, mesh_field_taker *take, void *ctx);
 } mesh_reader;
 
 #endif

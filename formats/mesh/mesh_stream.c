@@ -315,10 +315,10 @@ static status stream_read(void *state, mesh_feed *feed) {
     return st;
 }
 
-static void stream_fields(const void *state, void (*take)(void *ctx, const char *name), void *ctx) {
+static void stream_fields(const void *state, mesh_field_taker *take, void *ctx) {
     const stream_state *s = state;
     if (s->header.field[0])
-        take(ctx, s->header.field);
+        take(ctx, s->header.field, 1);
 }
 
 const mesh_reader mesh_stream_reader = {"mesh stream", stream_known, stream_open,  stream_read,

@@ -5,6 +5,7 @@
 
 #include "formats/base/num.h"
 #include "formats/base/text.h"
+#include "formats/input/named_file.h"
 #include "formats/input/text_tokens.h"
 #include "formats/mesh/mesh_average.h"
 #include "formats/mesh/mesh_choice.h"
@@ -148,7 +149,8 @@ static status open_other(tetgen_state *s, const char *path, const char *kind) {
         return ST_NOMEM;
     snprintf(s->other_path, room, "%.*s%s%s", (int)stem, path, nodes ? ".ele" : ".node",
              path + strlen(kind));
-    return byte_stream_open(s->m, s->other_path, &s->other);
+    status st = named_file_implied(s->other_path);
+    return st == ST_OK ? byte_stream_open(s->m, s->other_path, &s->other) : st;
 }
 
 static status make_row(tetgen_state *s) {
@@ -298,13 +300,13 @@ static status tetgen_read(void *state, mesh_feed *feed) {
     return st;
 }
 
-static void tetgen_fields(const void *state, void (*take)(void *ctx, const char *name), void *ctx) {
+static void tetgen_fields(const void *state, mesh_field_taker *take, void *ctx) {
     const tetgen_state *s = state;
     const bool cells = s->hints->cells_to_points;
     for (int k = 1; k <= (cells ? s->cell_columns : s->has.attributes); k++) {
         char name[MESH_NAME_MAX + 1];
         snprintf(name, sizeof name, "%s%d", cells ? "region" : "attr", k);
-        take(ctx, name);
+        take(ctx, name, 1);
     }
 }
 

@@ -239,11 +239,12 @@ status vtk_unstructured_read(void *state, mesh_feed *feed) {
     return st == ST_OK && g->taken_count == 0 ? mesh_feed_zeros(feed) : st;
 }
 
-void vtk_unstructured_fields(const void *state, void (*take)(void *ctx, const char *name),
-                             void *ctx) {
+void vtk_unstructured_fields(const void *state, mesh_field_taker *take, void *ctx) {
     const vtk_unstructured *g = state;
     for (size_t i = 0; i < g->count; i++)
-        for (size_t k = 0; k < g->pieces[i].fields.count[g->owner]; k++)
-            if (vtk_fields_is_one(&g->pieces[i].fields.items[g->owner][k]))
-                take(ctx, g->pieces[i].fields.items[g->owner][k].name);
+        for (size_t k = 0; k < g->pieces[i].fields.count[g->owner]; k++) {
+            const vtk_array *a = &g->pieces[i].fields.items[g->owner][k];
+            if (vtk_fields_is_one(a))
+                take(ctx, a->name, (int)a->components);
+        }
 }

@@ -45,7 +45,6 @@ CHECKED status vtk_unstructured_open(mesh_source *source,
 CHECKED status vtk_unstructured_take(void *state, const char *const *names, uint32_t count);
 CHECKED status vtk_unstructured_read(void *state, mesh_feed *feed);
 void vtk_unstructured_close(void *state); /* NULL is fine */
-void vtk_unstructured_fields(const void *state, void (*take)(void *ctx, const char *name),
-                             void *ctx);
+void vtk_unstructured_fields(const void *state, mesh_field_taker *take, void *ctx);
 
 #endif

@@ -6,6 +6,7 @@
 #include <strings.h>
 
 #include "formats/base/text.h"
+#include "formats/input/dicom_mark.h"
 #include "formats/input/foreign.h"
 #include "formats/mesh/mesh_reader.h"
 #include "formats/surface/plc_off.h"
@@ -112,8 +113,10 @@ static status find_format(const plc_source *s, const plc_format **out) {
                                       "no format \"%s\": there are node csv ply stl off "
                                       "poly smesh",
                                       s->hints.format);
-    status st = byte_stream_peek(s->data, 6, &start, &size);
-    if (st == ST_OK && size >= 4 && memcmp(start, "ply", 3) == 0 && start[3] <= '\r')
+    status st = byte_stream_peek(s->data, DICOM_MARK_END, &start, &size);
+    if (st == ST_OK && dicom_mark_is_at(start, size))
+        *out = NULL;
+    else if (st == ST_OK && size >= 4 && memcmp(start, "ply", 3) == 0 && start[3] <= '\r')
         *out = format_named("ply");
     else if (st == ST_OK && size >= 3 && memcmp(start, "OFF", 3) == 0)
         *out = format_named("off");

@@ -5,6 +5,7 @@
 
 #include "formats/base/num.h"
 #include "formats/base/text.h"
+#include "formats/input/named_file.h"
 #include "formats/input/text_tokens.h"
 #include "formats/mesh/mesh_tetgen.h"
 
@@ -106,7 +107,9 @@ static status read_other(const plc_source *s, nodes *n) {
     if (!path)
         return ST_NOMEM;
     snprintf(path, room, "%.*s.node", (int)stem, s->path);
-    status st = byte_stream_open(s->out->m, path, &other.data);
+    status st = named_file_implied(path);
+    if (st == ST_OK)
+        st = byte_stream_open(s->out->m, path, &other.data);
     if (st == ST_OK) {
         text_tokens t = {.s = other.data, .line = 1, .comment = '#', .commas = true};
         st = read_points(&other, &t, n);

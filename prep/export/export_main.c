@@ -54,8 +54,8 @@ static const cli_use uses[] = {{KEY_BOX, SAMPLES | GRID_SURFACE},
                                {KEY_FLOATS, GRID_SURFACE | MESH_SURFACE}};
 
 static const struct argp_option options[] = {
-    {"format", KEY_FORMAT, "nrrd|raw|nifti|nifti1|nifti2|vti|vtr|tiff|vdb|ply|stl|vtp|vtu",
-     CLI_BASIC,
+    {"format", KEY_FORMAT,
+     "nrrd|raw|nifti|nifti1|nifti2|metaimage|npy|vti|vtr|tiff|vdb|ply|stl|vtp|vtu", CLI_BASIC,
      "default: as the output's name ends (.nii: nifti); nifti is NIfTI-1 where that holds the grid "
      "exactly, else NIfTI-2",
      1},
@@ -175,10 +175,33 @@ static status check(void *own) {
     return st == ST_OK && a->pieces && a->pieces->corners == 3 ? check_surface(a) : st;
 }
 
+/* All names of the format, also packed; of formats by name alone those of their kin (nifti2: .nii).
+ */
+static const output_kind *output(const void *own) {
+    static char suffixes[64];
+    static output_kind kind = {.suffixes = suffixes};
+    const arguments *a = own;
+    *suffixes = 0;
+    if (a->pieces) {
+        kind.what = a->pieces->name;
+        text_add(suffixes, sizeof suffixes, "%s ", a->pieces->suffix);
+        return &kind;
+    }
+    kind.what = a->samples->name;
+    kind.sequence = a->samples->slices;
+    for (int i = 0; i < sample_format_count; i++) {
+        const sample_format *f = &sample_formats[i];
+        if (f->suffix && strncmp(kind.what, f->name, strlen(f->name)) == 0)
+            text_add(suffixes, sizeof suffixes, f->unpacked ? "%s " : "%1$s %1$s.gz ", f->suffix);
+    }
+    return &kind;
+}
+
 static const cli_verb verb = {
     .options = options,
     .set_option = set_option,
     .check = check,
+    .output = output,
     .input = "treelet file",
     .args_doc = "F.leaf -o FILE.nrrd|.raw|.nii|.vti|.vtr|.tif|.vdb\n"
                 "F.leaf --iso V -o FILE.ply|.stl|.vtp\nF.leaf -o FILE.vtu",
@@ -360,6 +383,15 @@ static status report_samples(const arguments *a, const grid *g, double seconds) 
     return ST_OK;
 }
 
+/* What the file does not keep; and how its array is called. */
+static void settle_head(const arguments *a, const char *field, grid *g) {
+    const char *lost = a->samples->loses ? a->samples->loses(g) : NULL;
+    if (lost)
+        cli_note(&a->common, 1, "%s: %s", a->common.output, lost);
+    if (a->samples->named && field[0])
+        text_name(g->name, sizeof g->name, field);
+}
+
 static status export_samples(arguments *a, mem *m, leaf_file *f, double start) {
     grid_part part;
     grid g = {.dims = {0}};
@@ -371,6 +403,8 @@ static status export_samples(arguments *a, mem *m, leaf_file *f, double start) {
         st = grid_part_describe(m, f, &part, &g);
     if (st == ST_OK && a->samples->check)
         st = a->samples->check(&g);
+    if (st == ST_OK)
+        settle_head(a, f->names[fields.fields[0]], &g);
     if (st == ST_OK)
         st = write_samples(a, m,
                            &(sample_export){.f = f,

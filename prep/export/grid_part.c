@@ -69,6 +69,7 @@ status grid_part_describe(mem *m, const leaf_file *f, const grid_part *part, gri
         dims[a] = part->end[a] - part->lo[a];
     grid_init(g, dims, f->layout.type);
     text_name(g->name, sizeof g->name, f->header.name);
+    g->frame = f->frame;
     if (!f->header.rectilinear) {
         put_map(f, part, g);
         return ST_OK;

@@ -46,6 +46,22 @@ static int type_code(sample_type type) {
     }
 }
 
+/* The world of NIfTI is RAS. What has axes of its own is written as it is. */
+static grid in_ras(const grid *g) {
+    grid turned = *g;
+    (void)world_axes_turn(g->frame.axes, WORLD_RAS, turned.to_world);
+    return turned;
+}
+
+/* What xyzt_units has a number for: the unit of all three axes. */
+static int unit_code(const grid *g) {
+    static const char *const names[] = {"", "m", "mm", "um"};
+    int code = (int)(sizeof names / sizeof *names) - 1;
+    while (code > 0 && strcmp(world_frame_unit(&g->frame), names[code]) != 0)
+        code--;
+    return code;
+}
+
 static double spacing(const grid *g, int a) {
     const double column[3] = {g->to_world[0][a], g->to_world[1][a], g->to_world[2][a]};
     return vec3_length(column);
@@ -87,6 +103,7 @@ bool nifti_exact1(const grid *g) {
 
 status nifti_head1(mem *m, out_stream *out, const grid *g) {
     unsigned char h[BYTES1 + EXTENSION] = {0};
+    const grid ras = in_ras(g);
     (void)m;
     put32(h, BYTES1);
     put16(h + 40, 3);
@@ -95,7 +112,7 @@ status nifti_head1(mem *m, out_stream *out, const grid *g) {
         put16(h + 42 + 2 * a, (int)g->dims[a]);
         put_float(h + 80 + 4 * a, spacing(g, a));
         for (int c = 0; c < 4; c++)
-            put_float(h + 280 + 16 * a + 4 * c, g->to_world[a][c]);
+            put_float(h + 280 + 16 * a + 4 * c, ras.to_world[a][c]);
     }
     for (int i = 4; i < 8; i++)
         put16(h + 40 + 2 * i, 1);
@@ -103,6 +120,7 @@ status nifti_head1(mem *m, out_stream *out, const grid *g) {
     put16(h + 72, 8 * (int)sample_size(g->type));
     put_float(h + 108, BYTES1 + EXTENSION);
     put_float(h + 112, 1);
+    h[123] = (unsigned char)unit_code(g);
     memcpy(h + 148, g->name, strlen(g->name));
     put16(h + 254, ALIGNED);
     memcpy(h + 344, "n+1", 4);
@@ -111,6 +129,7 @@ status nifti_head1(mem *m, out_stream *out, const grid *g) {
 
 status nifti_head2(mem *m, out_stream *out, const grid *g) {
     unsigned char h[BYTES2 + EXTENSION] = {0};
+    const grid ras = in_ras(g);
     (void)m;
     put32(h, BYTES2);
     memcpy(h + 4, "n+2\0\r\n\032\n", 8);
@@ -122,12 +141,13 @@ status nifti_head2(mem *m, out_stream *out, const grid *g) {
         put64(h + 24 + 8 * a, g->dims[a]);
         put_double(h + 112 + 8 * a, spacing(g, a));
         for (int c = 0; c < 4; c++)
-            put_double(h + 400 + 32 * a + 8 * c, g->to_world[a][c]);
+            put_double(h + 400 + 32 * a + 8 * c, ras.to_world[a][c]);
     }
     for (int i = 4; i < 8; i++)
         put64(h + 16 + 8 * i, 1);
     put64(h + 168, BYTES2 + EXTENSION);
     put_double(h + 176, 1);
+    put32(h + 500, unit_code(g));
     memcpy(h + 240, g->name, strlen(g->name));
     put32(h + 348, ALIGNED);
     return out_stream_write(out, h, sizeof h);

@@ -1,7 +1,9 @@
 #include "prep/export/sample_format.h"
 
 #include "formats/grid/nrrd_writer.h"
+#include "prep/export/metaimage_head.h"
 #include "prep/export/nifti_head.h"
+#include "prep/export/npy_head.h"
 #include "prep/export/tiff_head.h"
 #include "prep/export/vdb_writer.h"
 #include "prep/export/vtk_head.h"
@@ -14,7 +16,7 @@ static status nrrd_head(mem *m, out_stream *out, const grid *g) {
 #define TIFF(end)                                                                   \
     {                                                                               \
         .name = "tiff", .suffix = end, .check = tiff_head_check, .head = tiff_head, \
-        .unpacked = true, .slices = true                                            \
+        .loses = tiff_head_loses, .unpacked = true, .slices = true                  \
     }
 
 const sample_format sample_formats[] = {
@@ -23,8 +25,25 @@ const sample_format sample_formats[] = {
     {.name = "nifti", .suffix = ".nii", .check = nifti_check2, .head = nifti_head},
     {.name = "nifti1", .check = nifti_check1, .head = nifti_head1},
     {.name = "nifti2", .check = nifti_check2, .head = nifti_head2},
-    {"vti", ".vti", vtk_head_image_check, vtk_head_image, vtk_head_tail, NULL, false, false},
-    {"vtr", ".vtr", vtk_head_axes_check, vtk_head_axes, vtk_head_tail, NULL, false, false},
+    {.name = "metaimage",
+     .suffix = ".mha",
+     .check = metaimage_head_check,
+     .head = metaimage_head,
+     .loses = metaimage_head_loses,
+     .unpacked = true},
+    {.name = "npy", .suffix = ".npy", .head = npy_head, .loses = npy_head_loses, .unpacked = true},
+    {.name = "vti",
+     .suffix = ".vti",
+     .check = vtk_head_image_check,
+     .head = vtk_head_image,
+     .tail = vtk_head_tail,
+     .named = true},
+    {.name = "vtr",
+     .suffix = ".vtr",
+     .check = vtk_head_axes_check,
+     .head = vtk_head_axes,
+     .tail = vtk_head_tail,
+     .named = true},
     TIFF(".tif"),
     TIFF(".tiff"),
     {.name = "vdb",

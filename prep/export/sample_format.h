@@ -35,7 +35,11 @@ typedef struct sample_format {
     /* A writer of its own, of several fields; NULL: head, samples, tail, of one. */
     status (*write)(mem *m, const sample_export *e);
     bool unpacked; /* gzip would keep it from being read */
-    bool slices;   /* may be a file a slice, where the output's name has a %04d */
+    bool named;    /* its array has a name: the field's, else the data set's */
+    /* What of the grid other programs will not find in the file, as a sentence; NULL: nothing. May
+     * be NULL. */
+    const char *(*loses)(const grid *g);
+    bool slices; /* may be a file a slice, where the output's name has a %04d */
 } sample_format;
 
 extern const sample_format sample_formats[];

@@ -26,6 +26,15 @@ status tiff_head_check(const grid *g) {
                            "which .vtr and .nrrd can hold");
 }
 
+const char *tiff_head_loses(const grid *g) {
+    for (int row = 0; row < 3; row++)
+        for (int column = 0; column < 4; column++)
+            if (column == row ? g->to_world[row][column] < 0 : g->to_world[row][column] != 0)
+                return "other programs find in a TIFF how far samples are apart, not where they "
+                       "lie nor how they are turned; .nrrd, .nii and .vti tell them";
+    return NULL;
+}
+
 /* ---- numbers ---- */
 
 static void add16(head_text *h, uint64_t value) {

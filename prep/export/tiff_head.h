@@ -14,6 +14,10 @@
 /* tiff_head_check() - ST_UNSUPPORTED for rectilinear grids. */
 CHECKED status tiff_head_check(const grid *g);
 
+/* tiff_head_loses() - what is told where the grid is turned or lies elsewhere than at 0; or NULL.
+ */
+const char *tiff_head_loses(const grid *g);
+
 /* tiff_head() - all before the first sample; dims[2] pages, 1 is possible. */
 CHECKED status tiff_head(mem *m, out_stream *out, const grid *g);
 

@@ -151,10 +151,24 @@ static const char *describe(void) {
     return text;
 }
 
+static const output_kind *output(const void *own) {
+    static const output_kind samples = {
+        .what = "NRRD", .suffixes = ".nrrd ", .instead = OUTPUT_BY_EXPORT};
+    static const output_kind mesh = {
+        .what = "a mesh stream", .suffixes = ".mesh ", .instead = OUTPUT_BY_EXPORT};
+    static const output_kind meshes = {.what = "mesh streams",
+                                       .suffixes = ".mesh ",
+                                       .instead = OUTPUT_BY_EXPORT,
+                                       .sequence = true};
+    const arguments *a = own;
+    return !a->tets ? &samples : a->steps > 0 ? &meshes : &mesh;
+}
+
 static cli_verb verb = {
     .options = options,
     .set_option = set_option,
     .check = check,
+    .output = output,
     .input = "FIELD",
     .args_doc = "FIELD --dims N[,N,N] -o F.nrrd\nFIELD --tets --dims N[,N,N] -o F.mesh",
 };

@@ -358,6 +358,7 @@ static status convert_set(conversion *c, volume *v, const char *output, read_ahe
         facts->non_finite += seen.non_finite;
         facts->rounding_error = fmax(facts->rounding_error, seen.rounding_error);
         facts->trailing_bytes += seen.trailing_bytes;
+        absent_add(&facts->absent, &g->absent);
     }
     release_set(c);
     return st;
@@ -366,7 +367,7 @@ static status convert_set(conversion *c, volume *v, const char *output, read_ahe
 /* The volume of c->set, in place of the one before: which may be read on. */
 static status next_volume(const conversion *c, volume *first, volume **v) {
     const grid_series *series = c->o->series;
-    if (c->set % c->layout->steps > 0 && series->in_file && volume_next_step(*v))
+    if (grid_series_follows(series, c->set) && volume_next_step(*v))
         return ST_OK;
     volume_rest(first);
     if (*v != first)
@@ -419,6 +420,7 @@ status convert_run(mem *m, volume *v, const char *output, const convert_options 
                         .rounding_error = seen.rounding_error,
                         .provenance = provenance};
     result->trailing_bytes = seen.trailing_bytes;
+    result->absent = seen.absent;
     result->marker = c.marker;
     return leaf_writer_finish(c.writer, &facts, &result->header);
 }

@@ -21,6 +21,7 @@
 typedef struct convert_result {
     leaf_header header;      /* the file's */
     uint64_t trailing_bytes; /* of the input, behind its samples; ignored */
+    absent_parts absent;     /* of the input, of all its steps and fields */
     histogram_marker marker; /* of the first field or step that has one; share 0: none has */
 } convert_result;
 

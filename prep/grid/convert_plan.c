@@ -120,8 +120,10 @@ static uint64_t directory_size(const leaf_layout *l, const grid *g, const conver
             bytes += leaf_layout_aligned(leaf_section_bytes(&h, kind), LEAF_ALIGN_LOG2);
             sections++;
         }
-    const bool ancillary[] = {o->file.histograms, o->file.deviations};
-    for (uint32_t i = 0; i < 2; i++) {
+    const bool ancillary[LEAF_ANCILLARY_LAST] = {o->file.histograms, o->file.deviations,
+                                                 world_frame_is_told(&g->frame) ||
+                                                     (sets && sets->time_unit)};
+    for (uint32_t i = 0; i < LEAF_ANCILLARY_LAST; i++) {
         const uint64_t size = leaf_section_bytes(&h, LEAF_SECTION_HISTOGRAMS + i);
         if (ancillary[i] && size) {
             bytes += leaf_layout_aligned(size, LEAF_ALIGN_LOG2);

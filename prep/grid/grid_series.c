@@ -13,7 +13,7 @@ status grid_series_open(mem *m, const grid_series *s, uint32_t set, volume **out
     if (s->fields)
         hints.field = s->fields[set / s->sets.steps];
     if (s->in_file) {
-        hints.step = set % s->sets.steps;
+        hints.step = step_list_at(s->in_file, set % s->sets.steps);
         hints.all_steps = true;
     }
     return volume_open(m, path_of(s, set), &hints, out);
@@ -31,6 +31,10 @@ static bool same_place(const grid *a, const grid *b) {
     return true;
 }
 
+static const char *axes_text(const grid *g) {
+    return g->frame.axes ? world_axes_name(g->frame.axes) : "untold";
+}
+
 /* name: of what g is. */
 static status check_like(const grid *g, const grid *first, const char *name) {
     const sample_type type = sample_stored(g->type), wanted = sample_stored(first->type);
@@ -43,6 +47,9 @@ static status check_like(const grid *g, const grid *first, const char *name) {
         return status_describe(ST_UNSUPPORTED,
                                "%s: has samples of type %s, expected %s as the first", name,
                                sample_name(grid_source(g)), sample_name(grid_source(first)));
+    if (g->frame.axes != first->frame.axes)
+        return status_describe(ST_UNSUPPORTED, "%s: its axes are %s, expected %s as the first's",
+                               name, axes_text(g), axes_text(first));
     if (!same_place(g, first))
         return status_describe(ST_UNSUPPORTED,
                                "%s: its samples lie elsewhere in the world than those of the first",
@@ -61,11 +68,17 @@ status grid_series_alike(mem *m, const grid_series *s, uint32_t set, const volum
 
 static bool is_known(const grid_series *s, uint32_t set) {
     const bool first_step = set % s->sets.steps == 0;
-    return set == 0 || (first_step ? s->fields_alike : s->in_file);
+    return set == 0 || (first_step ? s->fields_alike : s->in_file != NULL);
+}
+
+bool grid_series_follows(const grid_series *s, uint32_t set) {
+    const uint32_t step = set % s->sets.steps;
+    return s->in_file && step > 0 &&
+           step_list_at(s->in_file, step) == step_list_at(s->in_file, step - 1) + 1;
 }
 
 status grid_series_check(mem *m, const grid_series *s, const volume *first) {
-    status st = series_check(s->paths, s->in_file, &s->sets);
+    status st = series_check(s->paths, s->in_file != NULL, &s->sets);
     for (uint32_t set = 1; set < s->sets.fields * s->sets.steps && st == ST_OK; set++)
         if (!is_known(s, set))
             st = grid_series_alike(m, s, set, first);

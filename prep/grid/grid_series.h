@@ -12,12 +12,13 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
+#include "formats/base/step_list.h"
 #include "formats/grid/volume.h"
 #include "formats/leaf/leaf_writer.h"
 
 typedef struct grid_series {
     const char *const *paths;  /* of the steps, in order; one where they are in a file */
-    bool in_file;              /* all steps are of the first path's file */
+    const step_list *in_file;  /* the steps are these of the first path's file; NULL: one a path */
     leaf_sets sets;            /* names may be NULL where there is one field: what the hints take */
     const char *const *fields; /* likewise, as the input calls them */
     volume_hints hints;        /* but for `field` where there are names; `step` where in_file */
@@ -33,6 +34,9 @@ CHECKED status grid_series_check(mem *m, const grid_series *s, const volume *fir
 
 /* grid_series_alike() - a set is opened, and has to be like the first: else ST_UNSUPPORTED. */
 CHECKED status grid_series_alike(mem *m, const grid_series *s, uint32_t set, const volume *first);
+
+/* grid_series_follows() - whether a set is the step behind the set before, in the same file. */
+bool grid_series_follows(const grid_series *s, uint32_t set);
 
 /* grid_series_open() - a set of it; set = field * steps + step. */
 CHECKED status grid_series_open(mem *m, const grid_series *s, uint32_t set, volume **out);

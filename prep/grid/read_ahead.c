@@ -70,6 +70,7 @@ static status read_slice(read_ahead *r, char *into, uint8_t *busy) {
     status st = volume_read(r->v, 1, raw);
     if (st != ST_OK)
         return st;
+    r->facts.rounding_error = fmax(r->facts.rounding_error, volume_rounding(r->v));
     if (sample_stored(type) != type) {
         double error = sample_to_stored(type, raw, into, r->slice_samples);
         r->facts.rounding_error = fmax(r->facts.rounding_error, error);

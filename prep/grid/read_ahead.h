@@ -19,6 +19,7 @@ typedef struct read_ahead_facts {
     uint64_t non_finite;     /* samples that are NaN or inf as stored */
     double rounding_error;   /* largest |stored - input| */
     uint64_t trailing_bytes; /* behind the last slice */
+    absent_parts absent;
 } read_ahead_facts;
 
 /* read_ahead_create() - start reading v, which must not be touched until read_ahead_destroy().

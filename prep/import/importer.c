@@ -7,11 +7,14 @@
 #include "formats/base/cli.h"
 #include "formats/base/cli_value.h"
 #include "formats/base/clock.h"
+#include "formats/base/file_guard.h"
 #include "formats/base/text.h"
 #include "formats/grid/nrrd_writer.h"
 #include "formats/grid/tile_stream.h"
 #include "prep/convert_defaults.h"
 #include "prep/import/crash.h"
+#include "prep/import/file_door.h"
+#include "prep/import/import_limits.h"
 #include "prep/import/importer_options.h"
 
 enum { BLOCK_BYTES = 16 << 20, COMPONENT_MAX = 1 << 16, STEP_MAX = INT32_MAX };
@@ -34,8 +37,11 @@ static status set_option(void *own, int key, const char *text) {
     case IMPORT_KEY_STEP: return cli_uint(text, "--step", 0, STEP_MAX, &a->q.step);
     case IMPORT_KEY_LIST: a->list = true; return ST_OK;
     case IMPORT_KEY_TILES: a->tiles = true; return ST_OK;
-    default: return a->importer->set_option ? a->importer->set_option(key, text) : ST_AGAIN;
+    case IMPORT_KEY_GUARD: return file_guard_output(text);
+    default: break;
     }
+    status st = trust_option(&a->q.trust, key);
+    return st == ST_AGAIN && a->importer->set_option ? a->importer->set_option(key, text) : st;
 }
 
 static status check(void *own) {
@@ -54,6 +60,30 @@ static status check(void *own) {
     return ST_OK;
 }
 
+/* ---- what went wrong ---- */
+
+/* Libraries go on without a file that was refused, and tell a lack of memory as they like. */
+static status judge(const arguments *a, status st) {
+    size_t bytes;
+    const status refused = file_door_refused();
+    if (refused != ST_OK)
+        return refused;
+    const bool vague = st == ST_CORRUPT || st == ST_UNSUPPORTED || st == ST_IO || st == ST_FAILED;
+    if (!vague || !import_limits_short(&bytes))
+        return st;
+    char said[STATUS_TEXT_MAX / 2], much[64] = "";
+    snprintf(said, sizeof said, "%s", status_text());
+    if (bytes)
+        snprintf(much, sizeof much, " (%.1f MiB more)", (double)bytes / 0x1p20);
+    return status_describe(ST_NOMEM, "%s: %s got no memory%s; --memory gives it more: %s",
+                           a->common.input, a->importer->format, much, said);
+}
+
+static status step(const progress *p, double fraction) {
+    import_limits_progress();
+    return progress_step(p, "importing", fraction);
+}
+
 /* ---- writing ---- */
 
 static status write_slices(mem *m, slice_source *from, const progress *p, nrrd_writer *w) {
@@ -65,14 +95,14 @@ static status write_slices(mem *m, slice_source *from, const progress *p, nrrd_w
     status st = block ? ST_OK : ST_NOMEM;
     for (uint32_t z = 0, n; z < g->dims[2] && st == ST_OK; z += n) {
         n = g->dims[2] - z < most ? g->dims[2] - z : most;
-        st = progress_step(p, "importing", (double)z / g->dims[2]);
+        st = step(p, (double)z / g->dims[2]);
         if (st == ST_OK)
             st = from->read(from->ctx, z, n, block);
         if (st == ST_OK)
             st = nrrd_writer_append(w, block, (size_t)n * g->dims[0] * g->dims[1]);
     }
     mem_free(m, block);
-    return st == ST_OK ? progress_step(p, "importing", 1) : st;
+    return st == ST_OK ? step(p, 1) : st;
 }
 
 static status write_nrrd(mem *m, arguments *a, slice_source *from) {
@@ -83,6 +113,7 @@ static status write_nrrd(mem *m, arguments *a, slice_source *from) {
         st = write_slices(m, from, cli_progress(&a->common), w);
     if (st == ST_OK && from->finish)
         st = from->finish(from->ctx, &trailing);
+    st = judge(a, st);
     if (st == ST_OK)
         return nrrd_writer_commit(w);
     nrrd_writer_discard(w);
@@ -125,7 +156,7 @@ static status send_slices(const slice_source *from, const progress *p, const til
     status st = ST_OK;
     for (uint32_t z = 0, n; z < g->dims[2] && st == ST_OK; z += n) {
         n = g->dims[2] - z < b->room ? g->dims[2] - z : b->room;
-        st = progress_step(p, "importing", (double)z / g->dims[2]);
+        st = step(p, (double)z / g->dims[2]);
         if (st == ST_OK)
             st = from->read_tiles(from->ctx, z, n, b->slices, b->busy);
         if (st == ST_OK)
@@ -144,6 +175,7 @@ static status write_tiles(mem *m, arguments *a, const slice_source *from) {
         st = tile_stream_begin(out, &from->g, from->quiet);
     if (st == ST_OK)
         st = send_slices(from, cli_progress(&a->common), &b, out);
+    st = judge(a, st);
     if (st == ST_OK)
         st = out_stream_commit(out);
     else
@@ -154,14 +186,25 @@ static status write_tiles(mem *m, arguments *a, const slice_source *from) {
     return st;
 }
 
+static void note_grid(const arguments *a, const grid *g) {
+    char text[ABSENT_TEXT];
+    if (g->note[0])
+        cli_note(&a->common, 1, "%s: %s", a->common.input, g->note);
+    if (g->absent.count)
+        cli_note(&a->common, 1, "%s: %s", a->common.input, absent_print(&g->absent, text));
+}
+
 static status report(const arguments *a, const grid *g, double seconds) {
+    note_grid(a, g);
     if (!a->common.json)
         return ST_OK;
-    return cli_print_json(
-        &a->common, json_pack("{s:s, s:s, s:s, s:s, s:[i,i,i], s:s, s:f}", "input", a->common.input,
-                              "output", a->common.output, "format", a->importer->format, "name",
-                              g->name, "dims", (int)g->dims[0], (int)g->dims[1], (int)g->dims[2],
-                              "type", sample_name(g->type), "seconds", seconds));
+    return cli_print_json(&a->common,
+                          json_pack("{s:s, s:s, s:s, s:s, s:[i,i,i], s:s, s:s, s:I, s:I, s:f}",
+                                    "input", a->common.input, "output", a->common.output, "format",
+                                    a->importer->format, "name", g->name, "dims", (int)g->dims[0],
+                                    (int)g->dims[1], (int)g->dims[2], "type", sample_name(g->type),
+                                    "note", g->note, "absent", (json_int_t)g->absent.count,
+                                    "absent_of", (json_int_t)g->absent.of, "seconds", seconds));
 }
 
 static status import(mem *m, arguments *a) {
@@ -174,8 +217,14 @@ static status import(mem *m, arguments *a) {
         st = grid_check(&from.g, from.name);
     if (st == ST_OK)
         st = a->tiles && from.read_tiles ? write_tiles(m, a, &from) : write_nrrd(m, a, &from);
+    st = judge(a, st);
     if (st == ST_OK)
         st = report(a, &from.g, clock_seconds() - start);
+    if (st == ST_OK)
+        st = cli_flush();
+    /* What the library does while it closes changes nothing of that. */
+    if (st == ST_OK)
+        crash_done(0);
     slice_source_close(&from);
     return st;
 }
@@ -189,10 +238,29 @@ static json_t *shape_json(const uint64_t shape[4]) {
     return list;
 }
 
+static void set_times(json_t *entry, const import_item *item) {
+    json_t *times = json_array();
+    for (uint64_t i = 0; i < item->shape[3]; i++)
+        json_array_append_new(times, json_real(item->times[i]));
+    json_object_set_new(entry, "times", times);
+    if (item->time_unit)
+        json_object_set_new(entry, "time_unit", json_string(item->time_unit));
+}
+
+static void set_components(json_t *entry, const import_item *item) {
+    json_object_set_new(entry, "components", json_integer(item->components));
+    json_object_set_new(entry, "component", json_integer(item->component));
+    json_object_set_new(entry, "colours", json_boolean(item->colours));
+}
+
 static status list_json(void *ctx, const import_item *item) {
     json_t *entry =
         json_pack("{s:s, s:s, s:o, s:b, s:b}", "name", item->name, "type", item->type, "shape",
                   shape_json(item->shape), "readable", item->refuse == NULL, "taken", item->taken);
+    if (entry && item->times)
+        set_times(entry, item);
+    if (entry && item->components > 1)
+        set_components(entry, item);
     if (entry && item->refuse)
         json_object_set_new(entry, "why", json_string(item->refuse));
     return json_array_append_new(ctx, entry) == 0 ? ST_OK : ST_NOMEM;
@@ -210,9 +278,9 @@ static status list_line(void *ctx, const import_item *item) {
 
 static status list(mem *m, const arguments *a) {
     if (!a->common.json)
-        return a->importer->list(m, &a->q, &(import_list){list_line, NULL});
+        return judge(a, a->importer->list(m, &a->q, &(import_list){list_line, NULL}));
     json_t *items = json_array();
-    status st = a->importer->list(m, &a->q, &(import_list){list_json, items});
+    status st = judge(a, a->importer->list(m, &a->q, &(import_list){list_json, items}));
     if (st == ST_OK)
         return cli_print_json(&a->common,
                               json_pack("{s:s, s:s, s:o}", "input", a->common.input, "format",
@@ -221,8 +289,39 @@ static status list(mem *m, const arguments *a) {
     return st;
 }
 
+/* ---- the fence ---- */
+
+/* Before the library opens anything: what is an output is none of its inputs. */
+static status guard_files(const arguments *a) {
+    const char *output = a->list ? NULL : a->common.output;
+    file_guard_watch();
+    status st = file_guard_output(output);
+    for (int i = 0; i < a->q.path_count && st == ST_OK; i++)
+        st = file_guard_input(a->q.paths[i]);
+    return st;
+}
+
+static void fence(const arguments *a) {
+    const char *open =
+        file_door_grant(&(file_door_grants){.inputs = a->q.paths,
+                                            .input_count = a->q.path_count,
+                                            .beside = a->importer->beside,
+                                            .anywhere = a->q.trust.follow_links,
+                                            .output = a->list ? NULL : a->common.output});
+    if (open)
+        cli_note(&a->common, 2, "%s is not kept from %s", a->importer->format, open);
+}
+
+static const output_kind *output(const void *own) {
+    static const output_kind samples = {
+        .what = "NRRD", .suffixes = ".nrrd ", .instead = OUTPUT_BY_EXPORT};
+    (void)own;
+    return &samples;
+}
+
 int importer_main(const importer *x, int argc, char **argv) {
-    arguments a = {.common = {.verb = x->verb, .without = "threads"}, .importer = x};
+    arguments a = {
+        .common = {.verb = x->verb, .without = "threads"}, .importer = x, .q = {.verb = x->verb}};
     char usage[256];
     snprintf(usage, sizeof usage, "%s [-o F.nrrd]\n%s --list", x->inputs, x->inputs);
     const cli_verb verb = {.options = x->options,
@@ -231,10 +330,18 @@ int importer_main(const importer *x, int argc, char **argv) {
                            .input = "input",
                            .inputs_max = x->inputs_max,
                            .set_option = set_option,
-                           .check = check};
+                           .check = check,
+                           .output = output};
     cli_parse(&verb, &a.common, argc, argv);
     mem m;
     mem_init(&m, a.common.memory ? a.common.memory : CONVERT_MEMORY_DEFAULT);
     crash_watch(x->verb, x->format, a.common.input);
-    return cli_finish(&a.common, a.list ? list(&m, &a) : import(&m, &a));
+    import_limits_begin(m.limit, IMPORT_SECONDS);
+    fence(&a);
+    status st = guard_files(&a);
+    if (st == ST_OK)
+        st = a.list ? list(&m, &a) : import(&m, &a);
+    const int code = cli_finish(&a.common, st);
+    crash_done(code);
+    return code;
 }

@@ -33,7 +33,7 @@ static bool has_holes(const packed_samples *p) {
     return p->fills > 0 || p->has_range;
 }
 
-static bool is_colour(const packed_samples *p) {
+bool packed_is_colour(const packed_samples *p) {
     return (p->type == SAMPLE_U8 || p->type == SAMPLE_U16) &&
            (components(p) == 3 || components(p) == 4);
 }
@@ -137,7 +137,7 @@ static double magnitude(const double *v, uint32_t n) {
 static void reduce(const packed_samples *p, double *v, size_t samples) {
     const uint32_t n = components(p);
     for (size_t i = 0; i < samples && n > 1; i++)
-        v[i] = is_colour(p) ? luminance(v + i * n) : magnitude(v + i * n, n);
+        v[i] = packed_is_colour(p) ? luminance(v + i * n) : magnitude(v + i * n, n);
 }
 
 #define PUT_ALL(sample)                                   \

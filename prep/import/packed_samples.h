@@ -46,6 +46,9 @@ void packed_fill(packed_samples *p, long double value);
  *                       (ITU-R BT.709 of the first three) */
 sample_type packed_type(const packed_samples *p);
 
+/* packed_is_colour() - of all components together: the luminance. */
+bool packed_is_colour(const packed_samples *p);
+
 /* packed_bytes() - of a stored sample, with all its components. */
 size_t packed_bytes(const packed_samples *p);
 

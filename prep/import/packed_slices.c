@@ -35,7 +35,10 @@ status packed_slices_begin(packed_slices *s) {
 void packed_slices_end(packed_slices *s) {
     if (s->slab)
         mem_free(s->m, s->slab);
+    if (s->scales)
+        mem_free(s->m, s->scales);
     s->slab = NULL;
+    s->scales = NULL;
 }
 
 /* Where a chunk needs several slabs, none reaches into the next chunk. */
@@ -62,6 +65,11 @@ status packed_slices_read(packed_slices *s, uint32_t first, uint32_t count, void
         if (st != ST_OK)
             return st;
         n = (uint32_t)at_most(first + count, s->slab_first + s->slab_count) - z;
+        if (s->scales) {
+            n = 1;
+            s->packed.scale = s->scales[2 * (size_t)z];
+            s->packed.offset = s->scales[2 * (size_t)z + 1];
+        }
         const char *in = (char *)s->slab + (z - s->slab_first) * s->slice_bytes;
         const size_t bad = packed_unpack(&s->packed, in, out, n * samples);
         if (bad < n * samples)

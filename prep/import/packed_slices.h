@@ -19,6 +19,8 @@ typedef struct packed_slices {
     /* Slices first .. first + count - 1, with all components, native byte order. */
     status (*load)(void *ctx, uint32_t first, uint32_t count, void *stored);
     void *ctx;
+    double *scales; /* of m, taken over: scale and offset of each slice, in place of those of
+                       `packed`; NULL: all have these */
     /* what follows is its own */
     uint64_t slice_bytes; /* of a slice as stored */
     void *slab;           /* slices slab_first .. slab_first + slab_count - 1 */

@@ -97,6 +97,12 @@ static status sort_tets(conversion *c, const char *output, leaf_facts *facts) {
     facts->non_finite = seen.non_finite;
     facts->repeated += seen.repeated;
     facts->bad += seen.bad;
+    if (seen.tets + facts->bad + facts->repeated == 0)
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: no tets; a surface of triangles is filled with them: `meshio "
+                               "convert IN surface.ply' (python3-meshio), then `leafcast "
+                               "tetrahedralize surface.ply -o F.mesh', and convert F.mesh",
+                               *c->name ? c->name : "the mesh");
     if (seen.tets == 0)
         return status_describe(ST_CORRUPT,
                                "%s: %llu tets with an id that is no point, %llu with a vertex "

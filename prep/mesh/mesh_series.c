@@ -3,7 +3,8 @@
 #include "prep/series_check.h"
 
 status mesh_series_check(const mesh_series *s) {
-    return series_check(s->paths, false, &(leaf_sets){s->fields, s->steps, s->names, s->times});
+    return series_check(s->paths, false,
+                        &(leaf_sets){s->fields, s->steps, s->names, s->times, NULL});
 }
 
 /* All fields of a step. */

@@ -96,10 +96,18 @@ static status check(void *own) {
     return ST_OK;
 }
 
+static const output_kind *output(const void *own) {
+    static const output_kind samples = {
+        .what = "NRRD", .suffixes = ".nrrd ", .instead = OUTPUT_BY_EXPORT};
+    (void)own;
+    return &samples;
+}
+
 static const cli_verb verb = {
     .options = options,
     .set_option = set_option,
     .check = check,
+    .output = output,
     .input = "MESH",
     .args_doc = "MESH -o F.nrrd",
     .doc = "Resample a mesh of tetrahedra to a regular grid of f32 samples, as NRRD (-o -: to "

@@ -127,6 +127,15 @@ static status end_process(tetgen_job *job, bool kill, int *code) {
 
 /* ---- what became of it ---- */
 
+/* MeshFix takes crossings, slivers and holes out of a surface (its manual: meshfix(7)). */
+#define REPAIR \
+    "; `meshfix in.ply -o out' repairs such surfaces into out.off (iso2mesh-tools, or pymeshfix)"
+
+/* Points have no surface to be repaired. */
+static const char *repair(const tetgen_job *job) {
+    return job->input->facets.count > 0 ? REPAIR : "";
+}
+
 /* Facets A and B intersect, if TetGen's own search says so in time. */
 static bool find_intersection(tetgen_job *job, unsigned pair[2]) {
     char byte;
@@ -151,7 +160,7 @@ static status intersection(const tetgen_job *job, const unsigned pair[2]) {
         ST_CORRUPT,
         "%s: the surface cuts itself: facets %u and %u (counted from %u), near "
         "(%.9g %.9g %.9g), expected facets that meet in common edges and corners "
-        "alone",
+        "alone" REPAIR,
         job->options.file, plc_facet_at(x, pair[0])->number + x->counted_from,
         plc_facet_at(x, pair[1])->number + x->counted_from, x->counted_from, p[0], p[1], p[2]);
 }
@@ -190,17 +199,19 @@ static status explain(tetgen_job *job, int code) {
     if (code == TETGEN_INTERSECTION)
         return status_describe(ST_CORRUPT,
                                "%s: the surface cuts itself, expected facets that meet in common "
-                               "edges and corners alone",
+                               "edges and corners alone" REPAIR,
                                file);
     if (code == TETGEN_SMALL || code == TETGEN_CLOSE)
-        return status_describe(ST_CORRUPT,
-                               "%s: TetGen finds %s, expected a surface without such places", file,
-                               code == TETGEN_SMALL ? "a detail too small to be meshed"
-                                                    : "two facets all but on top of each other");
+        return status_describe(
+            ST_CORRUPT, "%s: TetGen finds %s, expected a surface without such places%s", file,
+            code == TETGEN_SMALL ? "a detail too small to be meshed"
+                                 : "two facets all but on top of each other",
+            repair(job));
     if (code == TETGEN_INPUT)
         return status_describe(ST_CORRUPT, "%s: TetGen refuses the input: %s", file, said);
-    return status_describe(ST_UNSUPPORTED, "%s: TetGen %s on this input%s%s", file,
-                           code > 128 ? "crashed" : "failed", said[0] ? ": " : "", said);
+    return status_describe(ST_UNSUPPORTED, "%s: TetGen %s on this input%s%s%s", file,
+                           code > 128 ? "crashed" : "failed", said[0] ? ": " : "", said,
+                           repair(job));
 }
 
 /* The next size bytes of the reply. */

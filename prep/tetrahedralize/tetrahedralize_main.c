@@ -95,10 +95,18 @@ static status check(void *own) {
     return ST_OK;
 }
 
+static const output_kind *output(const void *own) {
+    static const output_kind mesh = {
+        .what = "a mesh stream", .suffixes = ".mesh ", .instead = OUTPUT_BY_EXPORT};
+    (void)own;
+    return &mesh;
+}
+
 static const cli_verb verb = {
     .options = options,
     .set_option = set_option,
     .check = check,
+    .output = output,
     .input = "input",
     .args_doc = "INPUT -o F.mesh",
     .doc =

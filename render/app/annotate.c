@@ -4,7 +4,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/base/text.h"
 #include "formats/base/vec3.h"
+#include "formats/base/world_frame.h"
 #include "render/camera.h"
 
 /* ---- What is wanted ---- */
@@ -264,11 +266,13 @@ static double draw_tick(const page *g, const edge *e, double value, const double
 static void draw_name(const page *g, int axis, const double at[2], const double outward[2],
                       double off) {
     static const char *const names[] = {"x", "y", "z"};
-    char text[ANNOTATE_UNIT_MAX + 8];
+    char text[ANNOTATE_UNIT_MAX + 24];
+    snprintf(text, sizeof text, "%s", names[axis]);
+    if (g->what->axes != LEAFCAST_AXES_FILE)
+        text_add(text, sizeof text, ", %c to %c", world_axes_end(g->what->axes, axis, false),
+                 world_axes_end(g->what->axes, axis, true));
     if (g->what->unit[0])
-        snprintf(text, sizeof text, "%s (%s)", names[axis], g->what->unit);
-    else
-        snprintf(text, sizeof text, "%s", names[axis]);
+        text_add(text, sizeof text, " (%s)", g->what->unit);
     const double half = 0.5 * text_face_width(g->face, text);
     const double x = at[0] + (off + half * fabs(outward[0])) * outward[0],
                  y = at[1] + off * outward[1];

@@ -14,6 +14,7 @@ typedef struct annotation {
     unsigned parts;                /* ANNOTATE_..., together */
     char title[ANNOTATE_TEXT_MAX]; /* ""; or a line above the picture */
     char unit[ANNOTATE_UNIT_MAX];  /* of world space, behind lengths; "": none is named */
+    leafcast_axes axes;            /* names the ends of the axes: "x, R to L" */
 } annotation;
 
 /* annotate_parts() - of --annotate: NULL (all), or names out of box, axes, scale, divided by

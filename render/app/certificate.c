@@ -24,8 +24,11 @@ certificate certificate_compare(const leafcast_image *a, const leafcast_image *b
     return made;
 }
 
+/* Of all data, at full resolution: that is what bounds are about. */
 static leafcast_scene halved(const leafcast_scene *scene) {
     leafcast_scene half = *scene;
+    half.lod = LEAFCAST_LOD_EXACT;
+    half.preview = false;
     half.error = fmax(0.5 * (scene->error > 0.0 ? scene->error : WHOLE), LEAST);
     return half;
 }
@@ -51,4 +54,14 @@ status certificate_make(leafcast *volume, const leafcast_scene *scene,
                              "differ by more than both bounds",
                              (unsigned long long)out->outside);
     return st;
+}
+
+const char *certificate_lacks(const view_options *view) {
+    if (view->scene.shade_media)
+        return "the medium is shaded: not certified";
+    if (view->experiments.summing != LEAFCAST_CERTIFIED)
+        return "nobody knows the error of steps";
+    if (view->scene.lod != LEAFCAST_LOD_EXACT)
+        return "nobody knows how far levels of detail are from the data";
+    return "rounding alone may";
 }

@@ -1,4 +1,4 @@
-/* certificate.h - a picture of media held against the same one drawn with half the bound: each has
+/* certificate.h - a picture of media held against the exact one drawn with half the bound: each has
  * a bound of its own for every pixel, so two channels may differ by no more than both bounds.
  */
 #ifndef RENDER_APP_CERTIFICATE_H
@@ -6,7 +6,7 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
-#include "render/leafcast.h"
+#include "render/app/view_options.h"
 
 typedef struct certificate {
     bool made;
@@ -19,10 +19,14 @@ typedef struct certificate {
 certificate certificate_compare(const leafcast_image *a, const leafcast_image *b, size_t pixels);
 
 /* certificate_make() - draw the picture, which has planes rgba and error, again with half its
- * bound, and compare. ST_FAILED where it does not hold, and what drawing returns. m: of the planes.
+ * bound and of all data at full resolution, and compare. ST_FAILED where it does not hold, and what
+ * drawing returns. m: of the planes.
  */
 CHECKED status certificate_make(leafcast *volume, const leafcast_scene *scene,
                                 const leafcast_camera *camera, const leafcast_image *image, mem *m,
                                 certificate *out);
+
+/* certificate_lacks() - why pixels of such a picture are uncertified. */
+const char *certificate_lacks(const view_options *view);
 
 #endif

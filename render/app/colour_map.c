@@ -110,7 +110,7 @@ static void colour_at(const void *ctx, double s, leafcast_transfer_point *p) {
     if (!end)
         colour_space_between(of->space, of->a->rgb, of->b->rgb, s, linear);
     for (int c = 0; c < 3; c++)
-        p->rgb[c] = (float)(end ? picture_linear(end->rgb[c]) : linear[c]);
+        p->rgb[c] = end ? picture_linear(end->rgb[c]) : linear[c];
 }
 
 status colour_map_convert(colour_space space, const colour_point *points, size_t count,

@@ -57,6 +57,15 @@ static const image_format RAWS[IMAGE_RAWS] = {
     [IMAGE_VALUE] = {.name = "f64", .write = write_value}};
 enum { FORMAT_COUNT = sizeof FORMATS / sizeof *FORMATS };
 
+const char *image_out_suffixes(const char *format) {
+    static const char *const all = ".png .ppm .pfm .exr ";
+    static const char *const each[FORMAT_COUNT] = {".png ", ".ppm ", ".pfm ", ".exr "};
+    for (int i = 0; format && i < FORMAT_COUNT; i++)
+        if (strcmp(FORMATS[i].name, format) == 0)
+            return each[i];
+    return all;
+}
+
 struct image_out {
     mem *m;
     image_out_options options;

@@ -23,9 +23,9 @@ typedef struct image_out image_out;
 
 typedef struct image_out_options {
     bool force;
-    int threads;        /* at least 1 */
-    const char *format; /* "png", "ppm", "pfm", "exr": whatever the names are; NULL: by their ends,
-                           PNG to standard output */
+    int threads;          /* at least 1 */
+    const char *format;   /* "png", "ppm", "pfm", "exr"; NULL: by the ends of the names,
+                             PNG to standard output */
     bool (*stop)(void *); /* or NULL; asked while the helper is waited for */
     void *ctx;
 } image_out_options;
@@ -47,6 +47,10 @@ bool image_out_wants_all(const image_out_options *options, const char *path);
 
 /* image_out_bytes() - memory that writing such a picture takes at a time beside its planes. */
 size_t image_out_bytes(const image_out_options *options, const char *path, uint32_t width);
+
+/* image_out_suffixes() - of names of pictures, as an output_kind has them; of one format, or NULL:
+ * of all. */
+const char *image_out_suffixes(const char *format);
 
 typedef struct image_target image_target;
 

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/base/cli_options.h"
 #include "formats/base/num.h"
 #include "formats/base/vec3.h"
 
@@ -11,9 +12,9 @@ enum { TEXT_MAX = 1024 };
 
 /* What changes evenly; "step" does so by whole steps. */
 static const char *const EVEN[] = {
-    "iso",   "opacity",  "color",       "colour",  "eye",      "look-at",   "up",
-    "fov",   "ortho",    "window",      "ambient", "specular", "shininess", "clip-plane",
-    "light", "clip-box", "point-light", "error",   "step",     "background"};
+    "iso",      "opacity",     "colour",  "eye",      "look-at",   "up",         "fov",
+    "ortho",    "window",      "ambient", "specular", "shininess", "clip-plane", "light",
+    "clip-box", "point-light", "error",   "step",     "background"};
 
 static bool changes_evenly(const char *key) {
     for (size_t i = 0; i < sizeof EVEN / sizeof *EVEN; i++)
@@ -40,9 +41,7 @@ static status flatten(const json_t *from, json_t *to, int depth) {
                 return st;
             continue;
         }
-        snprintf(name, sizeof name, "%s", strcmp(key, "isovalues") == 0 ? "iso" : key);
-        for (char *c = name; *c; c++)
-            *c = *c == '_' ? '-' : *c;
+        cli_options_name(strcmp(key, "isovalues") == 0 ? "iso" : key, name, sizeof name);
         if (json_object_set(to, name, value) != 0)
             return status_describe(ST_NOMEM, "no memory for the views of a movie");
     }

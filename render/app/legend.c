@@ -62,7 +62,8 @@ static void draw_bar(const canvas *c, canvas_box b, const transfer_list *t,
         const double s = ((double)(b.y1 - 1 - y) + 0.5) / rows;
         const leafcast_transfer_point p =
             transfer_list_at(t, (1.0 - s) * window[0] + s * window[1], true);
-        canvas_fill(c, (canvas_box){b.x0, y, b.x1, y + 1}, p.rgb, 1.0f);
+        const float rgb[3] = {(float)p.rgb[0], (float)p.rgb[1], (float)p.rgb[2]};
+        canvas_fill(c, (canvas_box){b.x0, y, b.x1, y + 1}, rgb, 1.0f);
     }
 }
 

@@ -24,7 +24,6 @@ const struct argp_option medium_options_table[] = {
      "its colours: grey, viridis, plasma, inferno, magma, cool-warm, rainbow or a file of --tf's "
      "(of several maps in it FILE#NAME)",
      0},
-    {"color-map", MEDIUM_COLOUR_MAP, NULL, OPTION_ALIAS, NULL, 0},
     {"window", MEDIUM_WINDOW, "LO,HI", 0,
      "values over which the colour map, or a file of --tf's, is spread (the field's range)", 0},
     {"opacity-length", MEDIUM_OPACITY_LENGTH, "L", 0,
@@ -43,9 +42,8 @@ const struct argp_option medium_options_table[] = {
      "smallest, the mean, or the first that reaches V",
      0},
     {"caps", MEDIUM_CAPS, "NAME", OPTION_ARG_OPTIONAL,
-     "close isosurfaces that clips have cut open: in the surface's color, or by the values there "
-     "in "
-     "the colours NAME, as of --colour-map",
+     "close isosurfaces that clips have cut open: in the surface's colour, or by the values there "
+     "in the colours NAME, as of --colour-map",
      40},
     {"shade-medium", MEDIUM_SHADE, "FADE", OPTION_ARG_OPTIONAL,
      "light the medium, with the gradient of the value as the normal; not certified. Fades away "

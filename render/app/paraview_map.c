@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/base/json_text.h"
 #include "formats/base/num.h"
 
 enum { BYTES_MAX = 1 << 24, WHERE_MAX = 256 };
@@ -120,10 +121,8 @@ static status load_json(byte_stream *s, json_t **root) {
     *root = json_load_callback(more_bytes, &bytes, 0, &error);
     if (bytes.st != ST_OK || *root)
         return bytes.st;
-    if (json_error_code(&error) == json_error_out_of_memory)
-        return status_describe(ST_NOMEM, "%s: no memory to parse it", byte_stream_name(s));
-    return status_describe(ST_CORRUPT, "%s: line %d: expected JSON: %s", byte_stream_name(s),
-                           error.line, error.text);
+    return status_describe(json_text_status(&error, ST_CORRUPT), "%s: line %d: expected JSON: %s",
+                           byte_stream_name(s), error.line, error.text);
 }
 
 /* Rows of four numbers in one array. */

@@ -1,5 +1,8 @@
 #include "render/app/picture_scene.h"
 
+#include <stdio.h>
+#include <string.h>
+
 #include "render/app/legend.h"
 
 void picture_scene_init(picture_scene *p, mem *m) {
@@ -109,9 +112,14 @@ static void annotate(const picture_volume *first, const leafcast_camera *camera,
     const bool light = rgba[3] * (0.3f * rgba[0] + 0.6f * rgba[1] + 0.1f * rgba[2]) > 0.2f;
     const leafcast_info info = leafcast_describe(first->volume);
     leafcast_image planes = *image;
+    annotation a = view->annotation;
+    a.axes = info.axes;
+    if (!a.unit[0] && strcmp(info.units[0], info.units[1]) == 0 &&
+        strcmp(info.units[0], info.units[2]) == 0)
+        snprintf(a.unit, sizeof a.unit, "%s", info.units[0]);
     if (view->scene.project != LEAFCAST_PROJECT_NONE || view->isos == 0)
         planes.z = NULL; /* hides nothing */
-    annotate_draw(&planes, camera, info.bounds, &view->annotation, light, face);
+    annotate_draw(&planes, camera, info.bounds, &a, light, face);
 }
 
 void picture_scene_mark(const picture_scene *p, const picture_volume *volumes,

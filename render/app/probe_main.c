@@ -18,6 +18,7 @@
 #include "render/app/ray_profile.h"
 #include "render/app/render_job.h"
 #include "render/app/view_camera.h"
+#include "render/app/world_options.h"
 
 enum { HITS_MAX = 1000 };
 
@@ -29,6 +30,7 @@ typedef struct probe_options {
     double pixel[2], where[3], line[6];
     int hits;
     bool segments;
+    leafcast_axes axes;
     const char *csv, *svg; /* files; csv "-": standard output */
     mem m;
 } probe_options;
@@ -48,6 +50,7 @@ static const struct argp_option OPTIONS[] = {
      "the ray's profile: every cell that it passes, and the values there; needs no --iso", 0},
     {"csv", CSV, "FILE", CLI_BASIC, "the profile as a table; - for standard output", 0},
     {"svg", SVG, "FILE", CLI_BASIC, "the profile as a plot: the value along the ray", 0},
+    WORLD_OPTION(0),
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status set_option(void *own, int key, const char *text) {
@@ -61,11 +64,12 @@ static status set_option(void *own, int key, const char *text) {
     case CSV:
         o->segments = true;
         o->csv = text;
-        return ST_OK;
+        return output_name_check(text, &(output_kind){.what = "a table", .suffixes = ".csv "});
+    case WORLD_OPTION_KEY: return world_option_set(text, &o->axes);
     case SVG:
         o->segments = true;
         o->svg = text;
-        return ST_OK;
+        return output_name_check(text, &(output_kind){.what = "a plot", .suffixes = ".svg "});
     default: return view_options_set(&o->view, key, text);
     }
 }
@@ -419,8 +423,10 @@ static status check_outputs(probe_options *o) {
 }
 
 static status run(probe_options *o, json_t *answer) {
-    const leafcast_options open = {
-        .size = sizeof(leafcast_options), .memory = o->common.memory, .threads = 1};
+    const leafcast_options open = {.size = sizeof(leafcast_options),
+                                   .memory = o->common.memory,
+                                   .threads = 1,
+                                   .axes = o->axes};
     leafcast *volume = NULL;
     status st = check_outputs(o);
     if (st == ST_OK)

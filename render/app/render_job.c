@@ -16,6 +16,12 @@ status render_status(leafcast_status st) {
     return (status)st;
 }
 
+/* The first volume that says which way its axes point decides it for those that follow. */
+static void choose_world(leafcast_options *options, const leafcast *volume) {
+    if (options->axes == LEAFCAST_AXES_FILE)
+        options->axes = leafcast_describe(volume).axes;
+}
+
 /* All volumes, on one device that ends with them. */
 static status open_volumes(render_job *job, const char *path, const leafcast_options *options) {
     leafcast_options on = *options;
@@ -25,8 +31,13 @@ static status open_volumes(render_job *job, const char *path, const leafcast_opt
     on.isa = NULL;
     if (st == ST_OK)
         st = render_status(leafcast_open(path, &on, &job->volume));
-    for (int i = 0; i < job->also_count && st == ST_OK; i++)
+    if (st == ST_OK)
+        choose_world(&on, job->volume);
+    for (int i = 0; i < job->also_count && st == ST_OK; i++) {
         st = render_status(leafcast_open(job->also[i].path, &on, &job->also[i].volume));
+        if (st == ST_OK)
+            choose_world(&on, job->also[i].volume);
+    }
     leafcast_device_destroy(on.device);
     return st;
 }

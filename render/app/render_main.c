@@ -11,8 +11,10 @@
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "formats/base/sequence.h"
+#include "formats/base/step_list.h"
 #include "render/app/keyframes.h"
 #include "render/app/render_job.h"
+#include "render/app/world_options.h"
 
 typedef struct render_options {
     cli_common common;
@@ -21,9 +23,8 @@ typedef struct render_options {
     leafcast_experiments experiments; /* of these */
     const char *files[FRAME_FILES];   /* but for the picture, which is -o */
     const char *stats, *script, *iso_list, *camera_path, *font, *format, *state;
-    status_note state_read; /* what became of reading it */
-    bool series;            /* --steps: */
-    uint32_t first_step, last_step;
+    status_note state_read;            /* what became of reading it */
+    step_list steps;                   /* --steps */
     render_also also[RENDER_ALSO_MAX]; /* --and: what follows is about the last of these */
     int also_count;
     int repeat;
@@ -70,8 +71,8 @@ static const char BACKENDS[] = "auto|mapped|arena", SIDES[] = "tile|2|4|8|16",
 
 static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Outputs (-o takes .png, .ppm, .pfm, .exr; -: standard output):", 1},
-    {"format", FORMAT, "NAME", 0, "png, ppm, pfm or exr, whatever the name's end is (-o -: png)",
-     0},
+    {"format", FORMAT, "NAME", 0,
+     "png, ppm, pfm or exr, where the name does not say it (-o -: png)", 0},
     {"depth-f64", FILES + FRAME_RAW + IMAGE_DEPTH, "FILE", 0,
      "distances from the eye as raw doubles", 0},
     {"rgba-f64", FILES + FRAME_RAW + IMAGE_RGBA, "FILE", 0,
@@ -96,13 +97,15 @@ static const struct argp_option OPTIONS[] = {
      "add to it",
      10},
     {"and", AND, "FILE", 0,
-     "a volume more, in the same picture; --iso, --color, --opacity, --tf, --colour-map, --window, "
-     "--opacity-length, --field and --step behind it are about that one. Repeatable",
+     "a volume more, in the same picture; --iso, --colour, --opacity, --tf, --colour-map, "
+     "--window, --opacity-length, --field and --step behind it are about that one. Repeatable; "
+     "each can have a medium",
      10},
+    WORLD_OPTION(10),
     {NULL, 0, NULL, 0, "Many pictures (-o out.png becomes out_0000.png ...):", 50},
     {"iso-list", ISO_LIST, "V1,V2,...", 0, "a picture for each isovalue; V:V is a picture with two",
      0},
-    {"steps", STEPS, "A:B", 0, "a picture for each time step from A to B", 0},
+    {"steps", STEPS, STEP_LIST_FORM, 0, "a picture for each of these time steps", 0},
     {"camera-path", CAMERA_PATH, "FILE", 0,
      "a picture for each entry of a JSON array: [{\"eye\": [1,2,3]}, ...]", 0},
     {"frames", FRAMES, "N", 0,
@@ -140,23 +143,6 @@ static const struct argp_option OPTIONS[] = {
      0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-static status set_steps(render_options *o, const char *text) {
-    double ends[2];
-    status st = num_doubles(text, "--steps", ":", 2, ends);
-    for (int i = 0; i < 2 && st == ST_OK; i++)
-        if (!(ends[i] >= 0.0 && ends[i] <= UINT16_MAX && ends[i] == floor(ends[i])))
-            st = status_describe(ST_USAGE, "--steps: \"%s\" is not A:B, each 0 to %d", text,
-                                 UINT16_MAX);
-    if (st == ST_OK && ends[1] < ends[0])
-        st = status_describe(ST_USAGE, "--steps: \"%s\" ends before it begins", text);
-    if (st != ST_OK)
-        return st;
-    o->series = true;
-    o->first_step = (uint32_t)ends[0];
-    o->last_step = (uint32_t)ends[1];
-    return ST_OK;
-}
-
 static status set_machine(render_options *o, int key, const char *text) {
     static const int sides[] = {0, 2, 4, 8, 16};
     int which = 0;
@@ -183,6 +169,7 @@ static status set_machine(render_options *o, int key, const char *text) {
         o->experiments.packets = sides[which];
         return st;
     case ISA: o->open.isa = text; return ST_OK;
+    case WORLD_OPTION_KEY: return world_option_set(text, &o->open.axes);
     case TREELET_LIMIT:
         return cli_uint(text, "--treelet-limit", 0, UINT32_MAX, &o->experiments.treelet_limit);
     default: return ST_AGAIN;
@@ -227,7 +214,7 @@ static status set_option(void *own, int key, const char *text) {
     case ISO_LIST: o->iso_list = text; return ST_OK;
     case CAMERA_PATH: o->camera_path = text; return ST_OK;
     case FRAMES: return cli_int(text, "--frames", 1, PICTURES_MAX, &o->frames);
-    case STEPS: return set_steps(o, text);
+    case STEPS: return step_list_parse(text, "--steps", &o->steps);
     case TURNTABLE: return cli_int(text, "--turntable", 1, PICTURES_MAX, &o->turns);
     case FAIL_EMPTY: o->fail_empty = true; return ST_OK;
     case CERTIFY: o->certify = true; return ST_OK;
@@ -244,7 +231,7 @@ static status set_option(void *own, int key, const char *text) {
 }
 
 static bool is_sequence(const render_options *o) {
-    return o->iso_list || o->series || o->camera_path || o->turns;
+    return o->iso_list || step_list_given(&o->steps) || o->camera_path || o->turns;
 }
 
 static bool to_stdout(const char *path) {
@@ -280,7 +267,7 @@ static status check_options(void *own) {
         return status_describe(ST_USAGE, "--frames: of which --camera-path?");
     if (o->iso_list && o->view.isos > 0)
         return status_describe(ST_USAGE, "either --iso or --iso-list");
-    if (o->series && o->view.step > 0)
+    if (step_list_given(&o->steps) && o->view.step > 0)
         return status_describe(ST_USAGE, "either --step or --steps");
     /* Of a path or a script, too: its entries may say either. */
     return view_options_check_camera(&o->view);
@@ -371,15 +358,14 @@ static void say_done(const render_options *o, const script_frame *frame, const r
         cli_note(&o->common, 1, "%llu pixels are provisional",
                  (unsigned long long)t->provisional_pixels);
     if (s->certified.made)
-        cli_note(&o->common, 0,
-                 "certified: with half of the bound no channel differs by more than "
-                 "%.3g, %.3g of both bounds",
-                 s->certified.difference, s->certified.of_bounds);
-    if (frame->view.scene.shade_media)
-        cli_note(&o->common, 1, "the medium is shaded: not certified, --error is of what is not");
-    else if (t->uncertified_pixels)
-        cli_note(&o->common, 1, "%llu pixels may be further off than --error: rounding alone may",
-                 (unsigned long long)t->uncertified_pixels);
+        cli_note(
+            &o->common, 0,
+            "%s: with half of the bound no channel differs by more than %.3g, %.3g of both bounds",
+            t->uncertified_pixels ? "not certified, but within bounds" : "certified",
+            s->certified.difference, s->certified.of_bounds);
+    if (t->uncertified_pixels)
+        cli_note(&o->common, 1, "%llu pixels may be further off than --error: %s",
+                 (unsigned long long)t->uncertified_pixels, certificate_lacks(&frame->view));
     if (t->ill_conditioned)
         cli_note(&o->common, 2, "%llu shadow rays are ill-conditioned",
                  (unsigned long long)t->ill_conditioned);
@@ -457,8 +443,8 @@ static status name_outputs(const render_options *o, bool many, int index, script
     return st;
 }
 
-static int steps_of(const render_options *o) {
-    return o->series ? (int)(o->last_step - o->first_step) + 1 : 1;
+static int64_t steps_of(const render_options *o) {
+    return step_list_given(&o->steps) ? (int64_t)step_list_count(&o->steps) : 1;
 }
 
 static int turns_of(const render_options *o) {
@@ -482,8 +468,8 @@ static status describe_frame(const render_options *o, sequence *s, int number,
     frame->view = o->view;
     memcpy(frame->view.surfaces, isos.surfaces, sizeof isos.surfaces);
     frame->view.isos = isos.isos;
-    if (o->series)
-        frame->view.step = o->first_step + (uint32_t)(index / views % steps_of(o));
+    if (step_list_given(&o->steps))
+        frame->view.step = step_list_at(&o->steps, (uint64_t)(index / views % steps_of(o)));
     if (st == ST_OK && s->path) {
         char what[64];
         snprintf(what, sizeof what, "--camera-path: entry %d", index % views + 1);
@@ -611,10 +597,14 @@ static status check_file(const render_options *o, const render_job *job) {
                                    o->common.input, job->info.kind);
     if (o->experiments.schema != 0 && job->info.steps == 1)
         return status_describe(ST_USAGE, "--schema: %s has one step", o->common.input);
-    if (!o->series || o->last_step < job->info.steps)
-        return ST_OK;
-    return status_describe(ST_USAGE, "--steps: there is no step %u: %s has %u", o->last_step,
-                           o->common.input, job->info.steps);
+    return ST_OK;
+}
+
+/* How many steps all are, the file knows. */
+static status settle_steps(render_options *o, render_job *job) {
+    status st = job->volume ? ST_OK : render_job_open(job, o->common.input, &o->open);
+    return st == ST_OK ? step_list_settle(&o->steps, "--steps", o->common.input, job->info.steps)
+                       : st;
 }
 
 static status run_sequence(render_options *o, render_job *job) {
@@ -622,11 +612,13 @@ static status run_sequence(render_options *o, render_job *job) {
     sequence s = {0};
     json_t *all = json_array();
     mem_init(&s.m, 0);
-    status st = count_frames(o, &s);
+    status st = o->steps.all ? settle_steps(o, job) : ST_OK;
+    if (st == ST_OK)
+        st = count_frames(o, &s);
     if (st == ST_OK)
         st = check_sequence(o, job, &s, &frame);
     if (st == ST_OK)
-        st = render_job_open(job, o->common.input, &o->open);
+        st = settle_steps(o, job);
     if (st == ST_OK)
         st = check_file(o, job);
     if (st == ST_OK && o->stats)
@@ -719,6 +711,14 @@ static bool by_faces(const render_options *o) {
     return o->traversal ? o->traversal == 2 : filled && !o->experiments.isopolygons;
 }
 
+static const output_kind *output(const void *own) {
+    static output_kind pictures = {.what = "a picture"};
+    const render_options *o = own;
+    pictures.suffixes = image_out_suffixes(o->format);
+    pictures.sequence = is_sequence(o);
+    return &pictures;
+}
+
 int main(int argc, char **argv) {
     static render_options o = {
         .common = {.verb = "render"},
@@ -728,11 +728,12 @@ int main(int argc, char **argv) {
     struct argp_option options[VIEW_OPTIONS_ROOM];
     view_options_join(
         options, OPTIONS, true,
-        "iso color opacity tf colour-map project size eye look-at light shadows clip-box");
+        "iso colour opacity tf colour-map project size eye look-at light shadows clip-box");
     const cli_verb verb = {
         .options = options,
         .set_option = set_option,
         .check = check_options,
+        .output = output,
         .input = "treelet file",
         .args_doc = "F.leaf -o FILE.png",
         .doc = "Draw isosurfaces of a treelet file, or see through it, into a picture.\v"

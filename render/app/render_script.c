@@ -5,7 +5,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "formats/base/cli_options.h"
 #include "formats/base/file.h"
+#include "formats/base/json_text.h"
 #include "formats/base/num.h"
 
 enum { LINE_MAX_BYTES = 1 << 20, NEST_MAX = 4 };
@@ -99,7 +101,7 @@ static const char *const FILE_KEYS[FRAME_FILES] = {[FRAME_PICTURE] = "output",
 /* Which file a key names; FRAME_FILES: none. */
 static int find_file(const char *key) {
     int which = 0;
-    while (which < FRAME_FILES && !view_options_same_name(key, FILE_KEYS[which]))
+    while (which < FRAME_FILES && !cli_options_same(key, FILE_KEYS[which]))
         which++;
     return which;
 }
@@ -135,7 +137,8 @@ status script_parse(script_frame *frame, const char *text, size_t size, const ch
     json_error_t error;
     json_t *object = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
     if (!object)
-        return status_describe(ST_USAGE, "%s: column %d: %s", what, error.column, error.text);
+        return status_describe(json_text_status(&error, ST_USAGE), "%s: column %d: %s", what,
+                               error.column, error.text);
     status st = script_apply(frame, object, what);
     json_decref(object);
     return st;
@@ -152,7 +155,8 @@ static status load_json(const char *path, json_t **out) {
     *out = json_loadfd(file_descriptor(f), JSON_REJECT_DUPLICATES, &error);
     file_close(f);
     if (!*out)
-        return status_describe(ST_CORRUPT, "%s: line %d: %s", path, error.line, error.text);
+        return status_describe(json_text_status(&error, ST_CORRUPT), "%s: line %d: %s", path,
+                               error.line, error.text);
     return ST_OK;
 }
 

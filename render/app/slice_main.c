@@ -14,6 +14,7 @@
 #include "render/app/image_out.h"
 #include "render/app/render_job.h"
 #include "render/app/slice_request.h"
+#include "render/app/world_options.h"
 
 enum { OPTIONS_ROOM = 40 };
 
@@ -21,6 +22,7 @@ typedef struct slice_run {
     cli_common common;
     slice_request slice;
     const char *format, *values, *stats_path;
+    leafcast_axes axes;
     mem m;
     leafcast *volume;
     double *value;
@@ -37,11 +39,12 @@ enum { FORMAT = 0x3040, VALUES, STATS };
 
 static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Outputs (-o takes .png, .ppm, .pfm, .exr; -: standard output):", 4},
-    {"format", FORMAT, "NAME", 0, "png, ppm, pfm or exr, whatever the name's end is (-o -: png)",
-     0},
+    {"format", FORMAT, "NAME", 0,
+     "png, ppm, pfm or exr, where the name does not say it (-o -: png)", 0},
     {"value-f64", VALUES, "FILE", CLI_BASIC,
      "the values as raw doubles, row by row from the top; NaN where there is no data", 0},
     {"stats", STATS, "FILE", 0, "times, treelets and bytes as JSON", 0},
+    WORLD_OPTION(0),
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status set_option(void *own, int key, const char *text) {
@@ -50,6 +53,7 @@ static status set_option(void *own, int key, const char *text) {
     case FORMAT: o->format = text; return ST_OK;
     case VALUES: o->values = text; return ST_OK;
     case STATS: o->stats_path = text; return ST_OK;
+    case WORLD_OPTION_KEY: return world_option_set(text, &o->axes);
     default: return slice_request_set(&o->slice, key, text);
     }
 }
@@ -64,9 +68,13 @@ static status check_picture(const slice_run *o) {
         int key;
         const char *name;
     } of_pictures[] = {
-        {MEDIUM_COLOUR_MAP, "--colour-map"}, {MEDIUM_TF, "--tf"},  {MEDIUM_WINDOW, "--window"},
-        {MEDIUM_LEGEND, "--legend"},         {SLICE_ISO, "--iso"}, {SLICE_COLOR, "--color"},
-        {SLICE_COLOUR, "--colour"},          {FORMAT, "--format"},
+        {MEDIUM_COLOUR_MAP, "--colour-map"},
+        {MEDIUM_TF, "--tf"},
+        {MEDIUM_WINDOW, "--window"},
+        {MEDIUM_LEGEND, "--legend"},
+        {SLICE_ISO, "--iso"},
+        {SLICE_COLOUR, "--colour"},
+        {FORMAT, "--format"},
     };
     for (size_t i = 0; i < sizeof of_pictures / sizeof *of_pictures && !o->common.output; i++)
         if (cli_given(&o->common, of_pictures[i].key))
@@ -213,8 +221,10 @@ static status check_outputs(slice_run *o) {
 }
 
 static status open_volume(slice_run *o) {
-    const leafcast_options options = {
-        .size = sizeof options, .memory = o->common.memory, .threads = o->common.threads};
+    const leafcast_options options = {.size = sizeof options,
+                                      .memory = o->common.memory,
+                                      .threads = o->common.threads,
+                                      .axes = o->axes};
     status st = render_status(leafcast_open(o->common.input, &options, &o->volume));
     if (st == ST_OK)
         st = slice_request_select(&o->slice, o->volume);
@@ -370,6 +380,12 @@ _Static_assert(SLICE_OPTIONS_COUNT + SLICE_REQUEST_COUNT + sizeof OPTIONS / size
                    OPTIONS_ROOM,
                "room");
 
+static const output_kind *output(const void *own) {
+    static output_kind kind = {.what = "a picture"};
+    kind.suffixes = image_out_suffixes(((const slice_run *)own)->format);
+    return &kind;
+}
+
 int main(int argc, char **argv) {
     static slice_run o = {.common = {.verb = "slice"}};
     struct argp_option options[OPTIONS_ROOM];
@@ -378,6 +394,7 @@ int main(int argc, char **argv) {
         .options = options,
         .set_option = set_option,
         .check = check_options,
+        .output = output,
         .input = "treelet file",
         .args_doc = "F.leaf -o FILE.png",
         .doc = "Slice through a volume: a picture of its values in a plane, or the values.\v"

@@ -68,7 +68,7 @@ static void fill_pixel(const slice_look *look, const plane *p, uint32_t x, uint3
     const double line = coverage(look, p, x, y);
     const leafcast_transfer_point colour = transfer_list_at(&look->colours, value, true);
     for (int c = 0; c < 3; c++)
-        rgb[c][i] = (float)((1.0 - line) * (double)colour.rgb[c] + line * (double)look->line[c]);
+        rgb[c][i] = (float)((1.0 - line) * colour.rgb[c] + line * (double)look->line[c]);
 }
 
 void slice_picture_fill(const slice_look *look, const double *value, uint32_t width,

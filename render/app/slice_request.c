@@ -17,15 +17,14 @@ const struct argp_option slice_request_table[SLICE_REQUEST_COUNT] = {
      "grey, viridis, plasma, inferno, magma, cool-warm, rainbow or a file of --tf's (of several "
      "maps in it FILE#NAME) (grey)",
      0},
-    {"color-map", MEDIUM_COLOUR_MAP, NULL, OPTION_ALIAS, NULL, 0},
     {"tf", MEDIUM_TF, "FILE", 0,
      "the colours of a transfer function: auto, ct, mr or a file, as render takes it", 0},
     {"window", MEDIUM_WINDOW, "LO,HI", CLI_BASIC,
      "the values of the map's first and last colour (the field's range)", 0},
     {"legend", MEDIUM_LEGEND, NULL, 0, "draw a bar of the colours with their values", 0},
     {"iso", SLICE_ISO, "V[,V...]", CLI_BASIC, "an isoline of each value, on top. Repeatable", 0},
-    {"color", SLICE_COLOR, "COLOR", 0, "of the isolines: red, R,G,B (linear) or #rrggbb (sRGB)", 0},
-    {"colour", SLICE_COLOUR, "COLOR", OPTION_ALIAS, NULL, 0},
+    {"colour", SLICE_COLOUR, "COLOUR", 0, "of the isolines: red, R,G,B (linear) or #rrggbb (sRGB)",
+     0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 void slice_request_init(slice_request *r, mem *m) {
@@ -65,8 +64,9 @@ status slice_request_set(slice_request *r, int key, const char *text) {
     case SLICE_STEP: return cli_uint(text, "--step", 0, UINT16_MAX, &r->step);
     case MEDIUM_LEGEND: r->legend = true; return ST_OK;
     case SLICE_ISO: return add_isovalues(r, text);
-    case SLICE_COLOR:
-    case SLICE_COLOUR: r->coloured = true; return colour_parse(text, "--color", r->look.line, NULL);
+    case SLICE_COLOUR:
+        r->coloured = true;
+        return colour_parse(text, "--colour", r->look.line, NULL);
     default: break;
     }
     const status st = medium_options_set(&r->medium, key, text);
@@ -77,7 +77,7 @@ int slice_request_key(const char *name, view_value *value) {
     const struct argp_option *const tables[] = {slice_options_table, slice_request_table};
     for (int t = 0; t < 2; t++)
         for (const struct argp_option *o = tables[t]; o->name || o->doc; o++) {
-            if (!view_options_same_name(name, o->name))
+            if (!cli_options_same(name, o->name))
                 continue;
             *value = !o->arg && !(o->flags & OPTION_ALIAS) ? VIEW_VALUE_NONE : VIEW_VALUE_NEEDED;
             return o->key;
@@ -87,7 +87,7 @@ int slice_request_key(const char *name, view_value *value) {
 
 status slice_request_check(slice_request *r) {
     if (r->coloured && r->look.isos == 0)
-        return status_describe(ST_USAGE, "--color is for isolines: --iso V");
+        return status_describe(ST_USAGE, "--colour is for isolines: --iso V");
     const status st = medium_options_check(&r->medium, true);
     return st == ST_OK ? slice_options_check(&r->place) : st;
 }

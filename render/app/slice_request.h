@@ -12,7 +12,7 @@
 enum { SLICE_ISOS_MAX = 32 };
 
 /* Keys of the flags behind slice_options' and beside medium_options'. */
-enum { SLICE_FIELD = 0x3000, SLICE_STEP, SLICE_ISO, SLICE_COLOR, SLICE_COLOUR };
+enum { SLICE_FIELD = 0x3000, SLICE_STEP, SLICE_ISO, SLICE_COLOUR };
 
 typedef struct slice_request {
     slice_options place;
@@ -26,7 +26,7 @@ typedef struct slice_request {
 
 /* The flags that are no place: field, step and the picture's; for argp. */
 extern const struct argp_option slice_request_table[];
-enum { SLICE_REQUEST_COUNT = 12 };
+enum { SLICE_REQUEST_COUNT = 10 };
 
 /* slice_request_init() - nothing given yet. slice_request_release() - what the place and the
  * colours hold. */

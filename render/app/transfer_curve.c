@@ -36,8 +36,7 @@ static bool is_near(const leafcast_transfer_point *exact, const end *a, const en
     const double drawn = (1.0 - w) * a->p.extinction + w * b->p.extinction;
     bool near = fabs(swallowed(exact->extinction) - swallowed(drawn)) <= MOST;
     for (int c = 0; c < 3 && near; c++)
-        near = near_component((double)exact->rgb[c],
-                              (1.0 - w) * (double)a->p.rgb[c] + w * (double)b->p.rgb[c]);
+        near = near_component(exact->rgb[c], (1.0 - w) * a->p.rgb[c] + w * b->p.rgb[c]);
     return near;
 }
 

@@ -24,11 +24,8 @@ static status take_point(text_tokens *t, leafcast_transfer_point *p) {
     status st = text_tokens_double_here(t, "a value", &p->value);
     if (st == ST_OK && !(fabs(p->value) <= 1e300))
         st = text_tokens_fault(t, "a finite value, up to 1e300");
-    for (int c = 0; c < 3 && st == ST_OK; c++) {
-        double x = 0.0;
-        st = take_share(t, NAMES[c], BRIGHTEST, &x);
-        p->rgb[c] = (float)x;
-    }
+    for (int c = 0; c < 3 && st == ST_OK; c++)
+        st = take_share(t, NAMES[c], BRIGHTEST, &p->rgb[c]);
     if (st == ST_OK)
         st = take_share(t, "an extinction", TRANSFER_LIST_MOST, &p->extinction);
     return st;
@@ -103,7 +100,7 @@ void transfer_file_print(const leafcast_transfer_point *points, size_t count, FI
         const leafcast_transfer_point *p = &points[i];
         fputs(num_print(p->value, text), out);
         for (int c = 0; c < 3; c++)
-            fprintf(out, " %s", num_print((double)p->rgb[c], text));
+            fprintf(out, " %s", num_print(p->rgb[c], text));
         fprintf(out, " %s\n", num_print(p->extinction, text));
     }
 }

@@ -42,7 +42,7 @@ static leafcast_transfer_point between(const leafcast_transfer_point *a,
     leafcast_transfer_point p = {.value = value,
                                  .extinction = (1.0 - s) * a->extinction + s * b->extinction};
     for (int c = 0; c < 3; c++)
-        p.rgb[c] = (float)((1.0 - s) * (double)a->rgb[c] + s * (double)b->rgb[c]);
+        p.rgb[c] = (1.0 - s) * a->rgb[c] + s * b->rgb[c];
     return p;
 }
 

@@ -10,9 +10,9 @@ enum { ROWS_MAX = 6 };
 
 /* A point at a percentile of the samples above a threshold. */
 typedef struct row {
-    int above;    /* 0: the one of what stands out, 1: the one of what is dense */
-    double share; /* of these samples, 0 .. 1, that are below */
-    float rgb[3]; /* linear */
+    int above;     /* 0: the one of what stands out, 1: the one of what is dense */
+    double share;  /* of these samples, 0 .. 1, that are below */
+    double rgb[3]; /* linear */
     double weight;
 } row;
 
@@ -28,19 +28,19 @@ static const struct preset {
      NULL,
      4.0,
      5,
-     {{0, 0.0, {0.40f, 0.10f, 0.05f}, 0.0},
-      {0, 0.2, {0.60f, 0.22f, 0.12f}, 0.04},
-      {1, 0.0, {0.80f, 0.42f, 0.25f}, 0.06},
-      {1, 0.4, {0.95f, 0.85f, 0.68f}, 0.7},
-      {1, 0.95, {1.0f, 0.98f, 0.93f}, 1.0}}},
+     {{0, 0.0, {0.40, 0.10, 0.05}, 0.0},
+      {0, 0.2, {0.60, 0.22, 0.12}, 0.04},
+      {1, 0.0, {0.80, 0.42, 0.25}, 0.06},
+      {1, 0.4, {0.95, 0.85, 0.68}, 0.7},
+      {1, 0.95, {1.0, 0.98, 0.93}, 1.0}}},
     {"mr",
      NULL,
      3.0,
      4,
-     {{0, 0.0, {0.10f, 0.04f, 0.03f}, 0.0},
-      {0, 0.5, {0.45f, 0.25f, 0.18f}, 0.12},
-      {0, 0.9, {0.85f, 0.70f, 0.55f}, 0.5},
-      {0, 0.99, {1.0f, 0.97f, 0.90f}, 1.0}}}};
+     {{0, 0.0, {0.10, 0.04, 0.03}, 0.0},
+      {0, 0.5, {0.45, 0.25, 0.18}, 0.12},
+      {0, 0.9, {0.85, 0.70, 0.55}, 0.5},
+      {0, 0.99, {1.0, 0.97, 0.90}, 1.0}}}};
 
 enum { PRESETS_COUNT = sizeof PRESETS / sizeof *PRESETS };
 

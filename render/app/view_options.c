@@ -49,11 +49,10 @@ static const char SHADINGS[] = "diffuse|phong|flat",
 const struct argp_option view_options_table[] = {
     {NULL, 0, NULL, 0, "Isosurfaces (repeat for more than one):", 10},
     {"iso", ISO, "V[,V...]", 0, "draw the isosurface of value V", 0},
-    {"color", COLOUR, "COLOR", 0,
-     "color of the isosurface given at the same position: a name (red), R,G,B (linear) or "
+    {"colour", COLOUR, "COLOUR", 0,
+     "colour of the isosurface given at the same position: a name (red), R,G,B (linear) or "
      "#rrggbb (sRGB)",
      0},
-    {"colour", COLOUR, NULL, OPTION_ALIAS, NULL, 0},
     {"opacity", OPACITY, "A", 0,
      "opacity of the isosurface given at the same position, above 0 to 1 (1); or V:A,V:A,...: of a "
      "medium, at values V",
@@ -82,7 +81,7 @@ const struct argp_option view_options_table[] = {
      "(faceted)",
      0},
     {"light", LIGHT, "X,Y,Z[,R,G,B]", 0,
-     "a light from this direction, in this color; without lights, one shines from the eye. "
+     "a light from this direction, in this colour; without lights, one shines from the eye. "
      "Repeatable",
      0},
     {"point-light", POINT_LIGHT, "X,Y,Z[,R,G,B]", 0, "a light at this point. Repeatable", 0},
@@ -91,8 +90,8 @@ const struct argp_option view_options_table[] = {
     {"specular", SPECULAR, "S", 0, "weight of the highlight of --shading phong (0.3)", 0},
     {"shininess", SHININESS, "N", 0, "exponent of the highlight of --shading phong, 1 to 1024 (32)",
      0},
-    {"background", BACKGROUND, "COLOR", 0,
-     "color behind all surfaces, as --color takes it, or R,G,B,A or #rrggbbaa; 0,0,0,0 is "
+    {"background", BACKGROUND, "COLOUR", 0,
+     "colour behind all surfaces, as --colour takes it, or R,G,B,A or #rrggbbaa; 0,0,0,0 is "
      "transparent (a dark slate)",
      0},
 
@@ -156,18 +155,11 @@ void view_options_init(view_options *v) {
     memcpy(v->scene.background, slate, sizeof slate);
 }
 
-bool view_options_same_name(const char *name, const char *flag) {
-    size_t i = 0;
-    while (flag && name[i] && (name[i] == '_' ? '-' : name[i]) == flag[i])
-        i++;
-    return flag && !name[i] && !flag[i];
-}
-
 int view_options_key(const char *name, bool *repeats, view_value *value) {
     const struct argp_option *const tables[] = {view_options_table, medium_options_table};
     for (int t = 0; t < 2; t++)
         for (const struct argp_option *o = tables[t]; o->name || o->doc; o++) {
-            if (!view_options_same_name(name, o->name))
+            if (!cli_options_same(name, o->name))
                 continue;
             const int key = o->key;
             *repeats = key == ISO || key == COLOUR || key == OPACITY || key == LIGHT ||
@@ -262,9 +254,9 @@ static status add_iso(view_options *v, const char *text) {
 }
 
 static status add_colour(view_options *v, const char *text) {
-    status st = room("--color", v->colours, LEAFCAST_SURFACES_MAX);
+    status st = room("--colour", v->colours, LEAFCAST_SURFACES_MAX);
     if (st == ST_OK)
-        st = colour_parse(text, "--color", v->surfaces[v->colours].rgb, NULL);
+        st = colour_parse(text, "--colour", v->surfaces[v->colours].rgb, NULL);
     v->colours += st == ST_OK;
     return st;
 }
@@ -679,7 +671,7 @@ status view_options_check(view_options *v) {
     if (v->colours > v->isos || v->opacities > v->isos)
         return status_describe(ST_USAGE, "%d of --%s for %d of --iso: the k-th belongs to the k-th",
                                v->colours > v->isos ? v->colours : v->opacities,
-                               v->colours > v->isos ? "color" : "opacity", v->isos);
+                               v->colours > v->isos ? "colour" : "opacity", v->isos);
     enum { PALETTE_SIZE = sizeof PALETTE / sizeof *PALETTE };
     for (int i = v->colours; i < v->isos; i++)
         memcpy(v->surfaces[i].rgb, PALETTE[(v->painted + i) % PALETTE_SIZE], sizeof PALETTE[0]);

@@ -71,12 +71,10 @@ void view_options_clear(view_options *v, int key);
  * starts from: its eye may then be said instead of the --view that was. */
 void view_options_inherit(view_options *v);
 
-/* view_options_key() - a flag's key by its long name, '_' for '-' allowed; 0 when there is none
- * such. *repeats: it may be given several times; *value: it takes one.
- * view_options_same_name() - whether a name is that of a flag, likewise. */
+/* view_options_key() - a flag's key by its long name, as cli_options_same() takes it; 0 when there
+ * is none such. *repeats: it may be given several times; *value: it takes one. */
 typedef enum view_value { VIEW_VALUE_NONE, VIEW_VALUE_OPTIONAL, VIEW_VALUE_NEEDED } view_value;
 int view_options_key(const char *name, bool *repeats, view_value *value);
-bool view_options_same_name(const char *name, const char *flag);
 
 /* view_options_transparent() - whether --opacity makes a surface transparent. */
 bool view_options_transparent(const view_options *v);

@@ -403,6 +403,13 @@ static int hand_over(char **argv) {
     return 1;
 }
 
+static const output_kind *output(const void *own) {
+    static const output_kind kind = {.what = "a table, or of some suites a picture",
+                                     .suffixes = ".csv .png "};
+    (void)own;
+    return &kind;
+}
+
 int main(int argc, char **argv) {
     if (argc > 1 && strcmp(argv[1], "peers") == 0)
         return hand_over(argv + 1);
@@ -413,6 +420,7 @@ int main(int argc, char **argv) {
     const cli_verb verb = {.options = options,
                            .set_option = set_option,
                            .check = take_arguments,
+                           .output = output,
                            .inputs_max = 2,
                            .args_doc = "[SUITE [F.leaf]]",
                            .doc = describe()};

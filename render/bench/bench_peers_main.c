@@ -115,9 +115,9 @@ static status write_table(peers_options *o, const char *path,
 }
 
 /* Those that peer_race_check() looks at are among them. */
-#define PEER_FLAGS                                                                                 \
-    "iso color opacity layers size samples view eye look-at up fov ambient shading normals light " \
-    "point-light shadows clip-box clip-plane lod preview"
+#define PEER_FLAGS                                                                            \
+    "iso colour opacity layers size samples view eye look-at up fov ambient shading normals " \
+    "light point-light shadows clip-box clip-plane lod preview"
 
 /* What would change nothing. */
 static status check_flags(const peers_options *o) {

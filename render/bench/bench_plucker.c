@@ -52,8 +52,8 @@ static status fill(entrant *e, int draws) {
         edge = length > edge ? length : edge;
     }
     const double most = (draws == 1 ? 1.0 : 100.0) / edge;
-    e->points[0] = (leafcast_transfer_point){range[0], {1.0F, 1.0F, 1.0F}, 0.0};
-    e->points[1] = (leafcast_transfer_point){range[1], {1.0F, 1.0F, 1.0F}, most};
+    e->points[0] = (leafcast_transfer_point){range[0], {1.0, 1.0, 1.0}, 0.0};
+    e->points[1] = (leafcast_transfer_point){range[1], {1.0, 1.0, 1.0}, most};
     e->medium = (leafcast_medium){e->points, 2};
     return st;
 }

@@ -64,7 +64,7 @@ static status add_between(media_race *r, const leafcast_transfer_point *a,
         r->opacity_off = fmax(r->opacity_off, fabs(0.5 * (p.extinction + next) -
                                                    opacity_at(k + 0.5 * step, r->cell)));
         for (int c = 0; c < 3; c++)
-            p.rgb[c] = (float)((1.0 - w) * (double)a->rgb[c] + w * (double)b->rgb[c]);
+            p.rgb[c] = (1.0 - w) * a->rgb[c] + w * b->rgb[c];
         st = transfer_list_add(&r->opacities, p);
     }
     return st;

@@ -178,8 +178,7 @@ status peer_vtk_fill(peer_vtk *v, const peer_vtk_scene *s) {
     fprintf(v->ask, "\n");
     for (int i = 0; i < s->count; i++) {
         const leafcast_transfer_point *p = &s->points[i];
-        const double x[] = {p->value, (double)p->rgb[0], (double)p->rgb[1], (double)p->rgb[2],
-                            p->extinction};
+        const double x[] = {p->value, p->rgb[0], p->rgb[1], p->rgb[2], p->extinction};
         say_numbers(v, x, 5);
         fprintf(v->ask, "\n");
     }

@@ -111,10 +111,10 @@ bool cell_cubic(const cell_visit *visit, const float samples[8], double iso, dou
     return true;
 }
 
-void cell_values(const cell_visit *visit, const float samples[8], double b[4]) {
+void cell_values(const cell_visit *visit, const float samples[8], double above, double b[4]) {
     double f[8];
     for (int i = 0; i < 8; i++)
-        f[i] = (double)samples[i];
+        f[i] = (double)samples[i] - above;
     blossom(visit, f, b);
 }
 

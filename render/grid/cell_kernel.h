@@ -56,9 +56,9 @@ bool cell_visit_of(const ray *r, const cell_box *box, cell_visit *visit);
  * active for iso (not min < iso && iso <= max). */
 bool cell_cubic(const cell_visit *visit, const float samples[8], double iso, double b[4]);
 
-/* cell_values() - f itself along the visit, in the same form, whatever the samples: b[0] and b[3]
+/* cell_values() - f - above along the visit, in the same form, whatever the samples: b[0] and b[3]
  * are those of the cells beyond the faces. */
-void cell_values(const cell_visit *visit, const float samples[8], double b[4]);
+void cell_values(const cell_visit *visit, const float samples[8], double above, double b[4]);
 
 /* cell_blossom() - the same of any trilinear form, by its corners. */
 void cell_blossom(const cell_visit *visit, const double corners[8], double b[4]);

@@ -123,7 +123,7 @@ bool grid_extreme_cell(const walk_scene *scene, const resident_grid *at, const r
     if (!cell_visit_of(r, &box, &visit) || !(visit.t_in < visit.t_out))
         return false;
     segment piece = {.t0 = visit.t_in, .t1 = visit.t_out, .degree = 3};
-    cell_values(&visit, samples, piece.b);
+    cell_values(&visit, samples, 0.0, piece.b);
     if (!extreme_matters(s, greatest_control(s, piece.b), visit.t_in))
         return false;
     const segment_extent e = segment_range(&piece);

@@ -162,9 +162,10 @@ static status grid_check(const leafcast *v, const leafcast_scene *scene) {
 }
 
 /* For --lod pixel: stop at the treelets whose cells are not larger than a pixel where they come
- * nearest to the eye. */
-static void stop_levels(leafcast *v, const camera *c) {
+ * nearest to the eye. Returns whether any of them is coarser than the data. */
+static bool stop_levels(leafcast *v, const camera *c) {
     const leaf_layout *layout = &v->file->layout;
+    bool coarse = false;
     for (uint32_t t = 0; t < layout->treelets; t++) {
         const level_planes *planes = &grid_of(v)->planes.levels[layout->level_of[t]];
         double centre[3], radius = 0.0, edge = 0.0, distance = 0.0, world[3];
@@ -181,7 +182,9 @@ static void stop_levels(leafcast *v, const camera *c) {
         for (int a = 0; a < 3; a++)
             distance += (world[a] - c->eye[a]) * (world[a] - c->eye[a]);
         v->stop[t] = edge <= camera_pixel(c, fmax(sqrt(distance) - radius, 0.0));
+        coarse = coarse || (v->stop[t] && layout->level_of[t] > 0);
     }
+    return coarse;
 }
 
 static void grid_aim(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
@@ -204,13 +207,11 @@ static void grid_aim(leafcast *v, const leafcast_scene *scene, const camera *c, 
         tr->box[0][a] = v->file->axis[a][0];
         tr->box[1][a] = v->file->axis[a][v->file->header.dims[a] - 1];
     }
-    if (scene->lod == LEAFCAST_LOD_LEVEL)
-        tr->target_level =
-            scene->lod_level < layout->levels ? scene->lod_level : layout->levels - 1;
     if (scene->lod == LEAFCAST_LOD_PIXEL && c) {
-        stop_levels(v, c);
+        tr->coarse = stop_levels(v, c);
         tr->stop = v->stop;
     }
+    tr->coarse = tr->coarse || tr->target_level > 0;
     tr->boxed = tr->preview || tr->stop || tr->target_level > 0;
 }
 
@@ -361,7 +362,7 @@ static bool find_cell(const leafcast *v, uint32_t level, const double point[3], 
         double x = grid[a];
         if (!(x >= lo && x <= hi)) {
             const double slack = rounding_of(v, point, a);
-            if (!(x >= lo - slack && x <= hi + slack))
+            if (!(x >= lo - slack && x <= hi + slack && slack < (double)INFINITY))
                 return false;
             x = x < lo ? lo : hi;
         }

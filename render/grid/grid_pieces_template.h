@@ -380,12 +380,20 @@ SIMD void put_pieces(pieces_walk *w, const rider *q, const sample_words *s, unsi
     vd f[8], b[4];
     piece_visits(w, q, cell, &v);
     cell_samples(s, cell, f);
+    for (int k = 0; k < 8 && w->tr->above != 0.0; k++)
+        f[k] = f[k] - d_set(w->tr->above);
     cubic(&v, f, b);
+    md even = d_eq(f[1], f[0]);
+    for (int k = 2; k < 8; k++)
+        even = md_and(even, d_eq(f[k], f[0]));
+    if (!q->bounded)
+        for (int k = 1; k < 3; k++)
+            b[k] = d_select(even, f[0], b[k]);
     d_store(c->t0 + to, v.t_in);
     d_store(c->t1 + to, v.t_out);
     for (int k = 0; k < 4; k++)
         d_store(c->b[k] + to, b[k]);
-    d_store(c->spread + to, d_set(0.0));
+    d_store(c->spread + to, d_select(even, d_set(SEGMENT_EVEN), d_set(0.0)));
     if (q->bounded)
         put_deviations(w, q, q->cell + i, count, c->spread + to);
     for (unsigned k = 0; k < VD_N; k++) {

@@ -24,6 +24,13 @@ typedef struct collector {
     ray_counters *counters;
 } collector;
 
+static bool is_even(const float samples[8]) {
+    bool even = true;
+    for (int i = 1; i < 8; i++)
+        even = even && samples[i] == samples[0];
+    return even;
+}
+
 /* The piece in a cell, if there is one. False: there is, but no room for it. */
 static bool take_cell(const collector *c, const uint32_t cell[3]) {
     const level_planes *planes = &c->scene->levels[c->at->level];
@@ -45,7 +52,11 @@ static bool take_cell(const collector *c, const uint32_t cell[3]) {
                        .degree = 3};
     if (c->bounded)
         piece->spread = resident_grid_deviation(c->at, c->tr->layout, cell);
-    cell_values(&visit, samples, piece->b);
+    cell_values(&visit, samples, c->tr->above, piece->b);
+    if (!c->bounded && is_even(samples)) {
+        piece->spread = SEGMENT_EVEN;
+        piece->b[1] = piece->b[2] = (double)samples[0] - c->tr->above;
+    }
     s->t_from = visit.t_out;
     return true;
 }

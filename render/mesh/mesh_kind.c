@@ -28,9 +28,6 @@ static status mesh_open(leafcast *v) {
     v->own = mem_zalloc(v->m, sizeof(mesh_rays));
     if (!v->own || side == 0)
         return v->own ? ST_OK : ST_NOMEM;
-    if (side != 2 && side != 4 && side != 8 && side != 16)
-        return status_describe(ST_USAGE, "packets of %d x %d rays: 2, 4, 8 or 16 on a side", side,
-                               side);
     v->kernels.mesh_tile = v->kernels.mesh_packet;
     v->kernels.packet = (uint8_t)side;
     return ST_OK;

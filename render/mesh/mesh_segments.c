@@ -45,6 +45,7 @@ static uint32_t held_before(const segments_state *s, double t) {
 typedef struct collector {
     const ray *r;
     segments_state *state;
+    double above; /* as of the tracer */
 } collector;
 
 /* Within the ray's [t0, t1]: an end that is cut off has the value between. */
@@ -78,11 +79,21 @@ bool mesh_piece(const tet *x, const ray *r, segment *s) {
     return tet_segment(x, r, &p) && piece_of(&p, r, s);
 }
 
+static bool is_even(const resident_mesh *at, uint32_t local) {
+    const tet x = mesh_walk_tet(at, local);
+    return x.f[0] == x.f[1] && x.f[0] == x.f[2] && x.f[0] == x.f[3];
+}
+
 static void visit_passed(void *ctx, const resident_mesh *at, uint32_t local, const tet_piece *p) {
     const collector *c = ctx;
     segment s = {.cell = at->first_tet + local, .treelet = at->head.id};
-    if (piece_of(p, c->r, &s))
-        hold(c->state, &s);
+    if (!piece_of(p, c->r, &s))
+        return;
+    if (p->f[0] == p->f[1] && is_even(at, local))
+        s.spread = SEGMENT_EVEN;
+    for (int end = 0; end < 2; end++)
+        s.b[end] -= c->above;
+    hold(c->state, &s);
 }
 
 static void visit_tet(void *ctx, const resident_mesh *at, uint32_t local, const tet *x) {
@@ -111,7 +122,7 @@ static void hold_doubt(const tracer *tr, const ray *r, segments_state *s, uint32
 static segments_result go_on(const tracer *tr, const ray *r, segments_state *state,
                              ray_counters *counters) {
     const hit after = hit_behind(state->last.t0);
-    collector c = {r, state};
+    collector c = {r, state, tr->above};
     mesh_passages s;
     bool resuming = state->blocked != LEAF_NO_TREELET;
     mesh_passage at = {state->t_from, resuming ? state->blocked : state->entered};
@@ -155,17 +166,19 @@ segments_result mesh_segments(const tracer *tr, const ray *r, segments_state *st
     return result;
 }
 
+/* A value: the ends', and what cut() rounds. */
+#define VALUE_ROUNDING (TET_VALUE_ROUNDING + 14.0 * 0x1p-53)
+
 segments_error mesh_segments_error(const tracer *tr, const ray *r, const double range[2]) {
-    const double u = 0x1p-53;
-    double reach = 0.0, diagonal = 0.0, dd = 0.0;
+    const double *widest = mesh_rays_of(tr)->tree->widest;
+    double reach = 0.0, across = 0.0, dd = 0.0;
     for (int a = 0; a < 3; a++) {
-        const double edge = tr->box[1][a] - tr->box[0][a];
         const double far = fmax(fabs(tr->box[0][a] - r->o[a]), fabs(tr->box[1][a] - r->o[a]));
-        diagonal += edge * edge;
+        across += fabs(r->d[a]) * widest[a];
         reach += fabs(r->d[a]) * far;
         dd += r->d[a] * r->d[a];
     }
-    return (segments_error){.t = 0x1p-30 * sqrt(diagonal / dd) + 8.0 * u * reach / dd,
-                            .value = 0x1p-30 * (range[1] - range[0]) +
-                                     8.0 * u * fmax(fabs(range[0]), fabs(range[1]))};
+    return (segments_error){.t = (TET_MEAN_ERROR * across + TET_T_ROUNDING * reach) / dd,
+                            .value = TET_MEAN_ERROR * (range[1] - range[0]) +
+                                     VALUE_ROUNDING * fmax(fabs(range[0]), fabs(range[1]))};
 }

@@ -24,8 +24,9 @@ segments_result mesh_segments(const tracer *tr, const ray *r, segments_state *st
  * no length. */
 bool mesh_piece(const tet *x, const ray *r, segment *s);
 
-/* mesh_segments_error() - the row's `segments_error`: the above; no face spans more of t than the
- * ray's way through the box, nor more values than there are. */
+/* mesh_segments_error() - the row's `segments_error`: the above. A face lies in its treelet's box,
+ * so that it spans no more of t than the widest of these do along the ray, however large the mesh
+ * is; nor more values than there are. */
 segments_error mesh_segments_error(const tracer *tr, const ray *r, const double range[2]);
 
 #endif

@@ -10,13 +10,30 @@
  *     face have the same bits, and all tets around an edge that is met.
  *
  * Errors, with u = 2^-53, W the difference of the t (of the values) of the face's three vertices:
- * t errs by at most 2^-30 W + 8u (sum of |d_a (p_a - o_a)|) / d^2, a value by 2^-30 W + 8u (largest
- * |value|): each weight is right to 2^-32 of itself, or it is computed exactly and rounded.
+ * t errs by at most
+ *
+ *     TET_MEAN_ERROR W + TET_T_ROUNDING (largest sum of |d_a (p_a - o_a)|) / d^2,
+ *
+ * a value by TET_MEAN_ERROR W + TET_VALUE_ROUNDING (largest |value|).
+ *
+ * Proof. What is met is a mean m of three x, by weights w > 0. A weight as computed is right to
+ * e = 2^-32 of itself (and 2^-64), or it is computed exactly and rounded: it is w (1 + r) with
+ * |r| <= e. As the sum of w (x - m) is 0, that moves the mean by the sum of w r (x - m) over that
+ * of w (1 + r): by e / (1 - e) times the mean of |x - m| at most. There, what lies above m balances
+ * what lies below; so with the x no more than W apart, that mean is W / 2 at most. This makes
+ * 2^-33 W, and a 256th of it is far more than e^2 and the six roundings of the mean's differences,
+ * products, sums and quotient, u W each at most. The last sum rounds by u |m|. Each t, too, has
+ * been rounded eight times: p - o, a product, two sums; in d^2 a product, two sums; the quotient. A
+ * mean of what these take is no more than the largest. That is 9u, and another u is for u^2.
  */
 #ifndef RENDER_MESH_TET_SEGMENT_H
 #define RENDER_MESH_TET_SEGMENT_H
 
 #include "render/mesh/tet_kernel.h"
+
+#define TET_MEAN_ERROR     0x1.01p-33
+#define TET_T_ROUNDING     (10.0 * 0x1p-53)
+#define TET_VALUE_ROUNDING (2.0 * 0x1p-53)
 
 typedef struct tet_piece {
     double t[2], f[2];

@@ -151,6 +151,11 @@ static void draw_panes(view_draw *d, view_seat *seat) {
     say(d, seat, message);
 }
 
+static void tell_doing(view_draw *d, view_doing_what what, const view_wish *wish) {
+    view_doing_begin(d->tools.doing, wish->file ? VIEW_DOING_FILE : what, &wish->told,
+                     wish->number);
+}
+
 static void take_turn(view_draw *d, view_seat *seat, const turn *t, const view_wish *wish) {
     if (t->leave) {
         view_picture_leave(seat->picture);
@@ -159,8 +164,12 @@ static void take_turn(view_draw *d, view_seat *seat, const turn *t, const view_w
     }
     if (t->slice)
         draw_panes(d, seat);
-    if (t->pick)
+    if (t->pick) {
+        tell_doing(d, VIEW_DOING_PICK, wish);
         answer_pick(d, seat, wish, &t->picked);
+    }
+    if (t->begin || t->draw)
+        tell_doing(d, VIEW_DOING_VIEW, t->begin ? wish : view_picture_wish(seat->picture));
     if (t->begin && view_picture_begin(seat->picture, wish, others_bytes(d, seat)) != ST_OK) {
         view_picture_stop(seat->picture);
         refuse(d, seat, wish->number);
@@ -228,6 +237,7 @@ static void *draw_all(void *arg) {
         }
         pthread_mutex_unlock(&d->lock);
         take_turn(d, seat, &t, wish);
+        view_doing_end(d->tools.doing);
         pthread_mutex_lock(&d->lock);
         if (t.leave)
             clear(seat);
@@ -259,12 +269,15 @@ static void release(view_draw *d) {
     mem_free(d->m, d);
 }
 
-status view_draw_open(mem *m, int threads, void (*notify)(void *ctx), void *ctx, view_draw **out) {
+status view_draw_open(mem *m, int threads, view_doing *doing, void (*notify)(void *ctx), void *ctx,
+                      view_draw **out) {
     view_draw *d = mem_zalloc(m, sizeof *d);
     if (!d)
         return ST_NOMEM;
-    *d = (view_draw){
-        .m = m, .tools = {.m = m, .wake = wake, .wake_ctx = d}, .notify = notify, .ctx = ctx};
+    *d = (view_draw){.m = m,
+                     .tools = {.m = m, .doing = doing, .wake = wake, .wake_ctx = d},
+                     .notify = notify,
+                     .ctx = ctx};
     pthread_mutex_init(&d->lock, NULL);
     pthread_cond_init(&d->work, NULL);
     status st = pool_create(m, threads, &d->tools.threads);

@@ -17,11 +17,11 @@ enum { VIEW_SEATS_MAX = 16, VIEW_UNSEEN_MAX = 2, VIEW_PICKS_MAX = 16, VIEW_TEXTS
 typedef struct view_draw view_draw;
 typedef struct view_seat view_seat;
 
-/* view_draw_open() - begins the thread. threads: that write PNG. notify(): by the drawing thread,
- * when something is there to be taken. view_draw_close() - ends what is drawn, and the thread;
- * seats are gone. NULL is fine. */
-CHECKED status view_draw_open(mem *m, int threads, void (*notify)(void *ctx), void *ctx,
-                              view_draw **out);
+/* view_draw_open() - begins the thread. threads: that write PNG. doing: what is being drawn is told
+ * there. notify(): by the drawing thread, when something is there to be taken. view_draw_close() -
+ * ends what is drawn, and the thread; seats are gone. NULL is fine. */
+CHECKED status view_draw_open(mem *m, int threads, view_doing *doing, void (*notify)(void *ctx),
+                              void *ctx, view_draw **out);
 void view_draw_close(view_draw *d);
 
 /* view_draw_sit() - NULL: all seats are taken, or no memory. view_draw_leave() - ends what is drawn

@@ -6,7 +6,10 @@
 #include "formats/base/child.h"
 #include "formats/base/cli.h"
 #include "formats/base/cli_value.h"
+#include "render/view/view_access.h"
+#include "render/view/view_listen.h"
 #include "render/view/view_server.h"
+#include "render/view/view_supervisor.h"
 
 enum { FILES_MAX = 64 };
 
@@ -16,6 +19,9 @@ typedef struct view_verb {
     const char *address, *isa;
     bool open;
     mem m;
+    view_file files[FILES_MAX];
+    int listener;
+    char token[VIEW_TOKEN_TEXT];
 } view_verb;
 
 enum { PORT = 0x3000, ADDRESS, OPEN, ISA };
@@ -46,7 +52,7 @@ static status check_options(void *own) {
 }
 
 /* All on one device, which ends with them. */
-static status open_files(const view_verb *o, view_file *files) {
+static status open_files(view_verb *o) {
     leafcast_options options = {.size = sizeof options,
                                 .memory = o->common.memory,
                                 .threads = o->common.threads,
@@ -56,8 +62,8 @@ static status open_files(const view_verb *o, view_file *files) {
     options.threads = 0;
     options.isa = NULL;
     for (int i = 0; i < o->common.input_count && st == ST_OK; i++) {
-        files[i].path = o->common.inputs[i];
-        st = (status)leafcast_open(files[i].path, &options, &files[i].volume);
+        o->files[i].path = o->common.inputs[i];
+        st = (status)leafcast_open(o->files[i].path, &options, &o->files[i].volume);
     }
     leafcast_device_destroy(options.device);
     return st;
@@ -89,35 +95,103 @@ static void open_page(const view_verb *o, const char *url) {
         cli_note(&o->common, 0, "no xdg-open here: open the address in a browser");
 }
 
-static status serve(const view_verb *o, const view_file *files, mem *m) {
-    const progress *watch = cli_progress((cli_common *)&o->common);
-    const view_server_options options = {.files = files,
+/* Who looks already need not be told again after a crash. */
+static status announce(const view_verb *o, const char *url) {
+    cli_results(&o->common, false);
+    printf("%s\n", url);
+    const status st = cli_flush();
+    for (int i = 0; i < o->common.input_count; i++)
+        tell_slow(o, &o->files[i]);
+    if (st == ST_OK && o->open)
+        open_page(o, url);
+    return st;
+}
+
+/* ---- The process that draws ---- */
+
+static bool stops(void *ctx) {
+    return cli_signal() || view_life_alone(ctx);
+}
+
+static status serve(view_verb *o, view_life *life) {
+    const view_server_options options = {.files = o->files,
                                          .file_count = o->common.input_count,
                                          .machine = {o->common.memory, o->common.threads, o->isa},
                                          .address = o->address,
-                                         .port = o->port};
+                                         .listener = o->listener,
+                                         .token = o->token,
+                                         .life = life};
     view_server *server = NULL;
-    status st = view_server_open(m, &options, &server);
+    status st = view_server_open(&o->m, &options, &server);
     if (st != ST_OK)
         return st;
-    cli_results(&o->common, false);
-    printf("%s\n", view_server_url(server));
-    st = cli_flush();
-    for (int i = 0; i < o->common.input_count; i++)
-        tell_slow(o, &files[i]);
-    if (st == ST_OK && o->open)
-        open_page(o, view_server_url(server));
+    if (life->number == 0)
+        st = announce(o, view_server_url(server));
     if (st == ST_OK) {
-        view_server_run(server, watch->stop, watch->ctx);
+        view_life_ready(life);
+        view_server_run(server, stops, life);
         st = status_describe(ST_STOPPED, "stopped");
     }
     view_server_close(server);
     return st;
 }
 
+static int draw(view_verb *o, view_life *life) {
+    status st = open_files(o);
+    if (st == ST_OK)
+        st = serve(o, life);
+    for (int i = 0; i < FILES_MAX; i++)
+        leafcast_close(o->files[i].volume);
+    return cli_finish(&o->common, st);
+}
+
+/* ---- The process that outlives it ---- */
+
+static void tell_crash(const view_verb *o, const view_end *end, bool goes_on) {
+    const bool any = end->last.what != VIEW_DOING_NOTHING;
+    cli_note(&o->common, 0, "the process that draws has crashed: signal %d (%s)%s%s%s%s%s",
+             end->signal, strsignal(end->signal), any ? ", at the " : "",
+             any ? view_doing_name(end->last.what) : "", any ? " " : "",
+             any ? end->last.told.text : "", goes_on ? "; another one begins" : "");
+}
+
+/* Returns in each process that draws, as well: the exit status of either. */
+static int supervise(view_verb *o, view_supervisor *s) {
+    view_life life = {0};
+    view_end end = {0};
+    bool inside = false;
+    status st = ST_OK;
+    while (st == ST_OK) {
+        st = view_supervisor_begin(s, &life, &inside);
+        if (st == ST_OK && inside)
+            return draw(o, &life);
+        if (st != ST_OK)
+            break;
+        view_supervisor_wait(s, cli_signal, &life, &end);
+        if (end.signal == 0)
+            return end.code; /* it has said why */
+        st = cli_signal() ? status_describe(ST_STOPPED, "stopped")
+                          : view_supervisor_goes_on(s, &end);
+        tell_crash(o, &end, st == ST_OK);
+    }
+    return cli_finish(&o->common, st);
+}
+
+static int run(view_verb *o) {
+    view_supervisor s = {.now = NULL};
+    status st = view_access_token(o->token);
+    if (st == ST_OK)
+        st = view_listen(o->address, o->port, &o->listener);
+    if (st == ST_OK)
+        st = view_supervisor_open(&s);
+    const int code = st == ST_OK ? supervise(o, &s) : cli_finish(&o->common, st);
+    view_supervisor_close(&s);
+    return code;
+}
+
 int main(int argc, char **argv) {
-    static view_verb o = {.common = {.verb = "view", .without = "output json force"}};
-    static view_file files[FILES_MAX];
+    static view_verb o = {.common = {.verb = "view", .without = "output json force"},
+                          .address = "127.0.0.1"};
     const cli_verb verb = {
         .options = OPTIONS,
         .set_option = set_option,
@@ -135,10 +209,5 @@ int main(int argc, char **argv) {
                "leafcast view F.leaf --port 8080"};
     mem_init(&o.m, 0);
     cli_parse(&verb, &o.common, argc, argv);
-    status st = open_files(&o, files);
-    if (st == ST_OK)
-        st = serve(&o, files, &o.m);
-    for (int i = 0; i < FILES_MAX; i++)
-        leafcast_close(files[i].volume);
-    return cli_finish(&o.common, st);
+    return run(&o);
 }

@@ -361,9 +361,11 @@ status view_picture_begin(view_picture *p, const view_wish *wish, uint64_t besid
     return ST_OK;
 }
 
-/* Level of detail that the state asks for. */
+/* Level of detail that the state asks for: the last one where it asks for more. */
 static uint32_t asked_level(const view_picture *p) {
-    return p->scene.lod == LEAFCAST_LOD_LEVEL ? p->scene.lod_level : 0;
+    const uint32_t asked = p->scene.lod == LEAFCAST_LOD_LEVEL ? p->scene.lod_level : 0,
+                   last = leafcast_describe(p->wish.volume).preview_levels - 1;
+    return asked < last ? asked : last;
 }
 
 static void make_coarse(const view_picture *p, leafcast_scene *scene, leafcast_camera *camera) {

@@ -15,6 +15,7 @@
 #include "render/app/picture_scene.h"
 #include "render/view/view_file.h"
 #include "render/view/view_jpeg.h"
+#include "render/view/view_life.h"
 #include "render/view/view_message.h"
 #include "render/view/view_pace.h"
 
@@ -31,6 +32,7 @@ typedef struct view_wish {
     bool file;         /* the last part alone, as a file without JSON before it, of this kind: */
     view_file_kind kind;
     double asked; /* clock_seconds() */
+    view_told told;
 } view_wish;
 
 /* What the views of one client share. */
@@ -38,6 +40,7 @@ typedef struct view_tools {
     mem *m;
     pool *threads; /* that PNG is written by */
     view_jpeg *jpeg;
+    view_doing *doing;
     void (*wake)(void *ctx); /* by any thread: a file is written */
     void *wake_ctx;
 } view_tools;

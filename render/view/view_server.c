@@ -3,14 +3,18 @@
 #include <arpa/inet.h>
 #include <libwebsockets.h>
 #include <netdb.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "formats/base/clock.h"
 #include "render/view/view_access.h"
 #include "render/view/view_crowd.h"
 #include "render/view/view_draw.h"
+#include "render/view/view_listen.h"
 #include "render/view/view_page.h"
 #include "render/view/view_talk.h"
 
@@ -48,7 +52,7 @@ struct view_server {
     struct lws_vhost *vhost;
     session *sessions;
     view_crowd crowd;
-    char token[VIEW_TOKEN_TEXT], url[HOST_MAX + VIEW_TOKEN_TEXT + 32];
+    char url[HOST_MAX + VIEW_TOKEN_TEXT + 32];
     char argument[VIEW_HEADERS_MAX];
     char own[HOST_MAX]; /* how it is called but localhost; "": no other way */
     bool (*stop)(void *ctx);
@@ -104,7 +108,7 @@ static const char *argument(struct lws *wsi, const char *name) {
 }
 
 static bool has_token(struct lws *wsi) {
-    return view_access_same(server_of(wsi)->token, argument(wsi, "token="));
+    return view_access_same(server_of(wsi)->options.token, argument(wsi, "token="));
 }
 
 /* ---- Answers ---- */
@@ -317,8 +321,8 @@ static int confirm_upgrade(struct lws *wsi) {
 static int open_socket(struct lws *wsi, session *now) {
     view_server *s = server_of(wsi);
     *now = (session){0};
-    now->talk =
-        view_talk_open(s->m, s->draw, s->options.files, s->options.file_count, &s->options.machine);
+    now->talk = view_talk_open(s->m, s->draw, s->options.files, s->options.file_count,
+                               &s->options.machine, s->options.life);
     if (!now->talk)
         return -1;
     enlist(s, now, wsi);
@@ -367,12 +371,22 @@ static void admit(view_server *s, struct lws *wsi) {
         lws_set_timeout(oldest, PENDING_TIMEOUT_AWAITING_PING, LWS_TO_KILL_ASYNC);
 }
 
+/* libwebsockets cannot be given a socket that listens already, but those that come of it. */
+static void accept_next(view_server *s) {
+    const int on = 1, fd = accept4(s->options.listener, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    if (fd < 0)
+        return; /* whoever it was is gone */
+    (void)setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    (void)lws_adopt_socket_vhost(s->vhost, fd); /* closes it where that is no use */
+}
+
 static int on_event(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in,
                     size_t size) {
     session *now = user;
     switch (reason) {
     case LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED: admit(server_of(wsi), wsi); return 0;
     case LWS_CALLBACK_WSI_DESTROY: view_crowd_leave(&server_of(wsi)->crowd, wsi); return 0;
+    case LWS_CALLBACK_RAW_RX_FILE: accept_next(server_of(wsi)); return 0;
     case LWS_CALLBACK_HTTP: return answer_request(wsi, now, in);
     case LWS_CALLBACK_HTTP_WRITEABLE: return go_on(wsi, now);
     case LWS_CALLBACK_HTTP_BODY: return -1;
@@ -418,9 +432,9 @@ static status make_context(view_server *s) {
         own_only = {&no_referrer, NULL, "cross-origin-resource-policy:", "same-origin"},
         no_store = {&own_only, NULL, "cache-control:", "no-store"},
         no_sniff = {&no_store, NULL, "x-content-type-options:", "nosniff"};
+    const int listener = s->options.listener;
     const struct lws_context_creation_info info = {
-        .port = s->options.port,
-        .iface = s->options.address ? s->options.address : "127.0.0.1",
+        .port = CONTEXT_PORT_NO_LISTEN_SERVER,
         .protocols = protocols,
         .gid = (gid_t)-1,
         .uid = (uid_t)-1,
@@ -443,10 +457,10 @@ static status make_context(view_server *s) {
     if (!s->context)
         return status_describe(ST_NOMEM, "no memory for a server");
     s->vhost = lws_create_vhost(s->context, &info);
-    if (!s->vhost || lws_get_vhost_listen_port(s->vhost) <= 0)
-        return status_describe(ST_IO,
-                               "cannot listen at %s port %d: no such address, or it is taken",
-                               info.iface, info.port);
+    if (!s->vhost || !lws_adopt_descriptor_vhost(s->vhost, LWS_ADOPT_RAW_FILE_DESC,
+                                                 (lws_sock_file_fd_type){.filefd = listener},
+                                                 protocols[0].name, NULL))
+        return status_describe(ST_NOMEM, "no memory for a server");
     return ST_OK;
 }
 
@@ -460,11 +474,11 @@ static bool is_any(const char *address) {
 
 /* As addresses have it: its own, where that is one and not all there are. */
 static void name_self(view_server *s) {
-    const char *address = s->options.address ? s->options.address : "127.0.0.1";
+    const char *address = s->options.address;
     if (!is_any(address) || gethostname(s->own, sizeof s->own - 1) != 0)
         snprintf(s->own, sizeof s->own, is_ipv6(address) ? "[%s]" : "%s", address);
     snprintf(s->url, sizeof s->url, "http://%s:%d/?token=%s", s->own,
-             lws_get_vhost_listen_port(s->vhost), s->token);
+             view_listen_port(s->options.listener), s->options.token);
 }
 
 status view_server_open(mem *m, const view_server_options *options, view_server **out) {
@@ -473,12 +487,10 @@ status view_server_open(mem *m, const view_server_options *options, view_server 
         return ST_NOMEM;
     s->m = m;
     s->options = *options;
-    status st = view_access_token(s->token);
-    if (st == ST_OK)
-        st = make_context(s);
+    status st = make_context(s);
     if (st == ST_OK) {
         name_self(s);
-        st = view_draw_open(m, options->machine.threads, notify, s, &s->draw);
+        st = view_draw_open(m, options->machine.threads, options->life->now, notify, s, &s->draw);
     }
     if (st == ST_OK)
         *out = s;

@@ -11,6 +11,7 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
+#include "render/view/view_life.h"
 #include "render/view/view_volume.h"
 
 enum {
@@ -23,12 +24,14 @@ typedef struct view_server_options {
     const view_file *files;
     int file_count;
     view_machine machine;
-    const char *address; /* to listen at; NULL: 127.0.0.1 */
-    int port;            /* 0: any */
+    const char *address; /* that it listens at, */
+    int listener;        /* by this socket, which becomes the server's */
+    const char *token;
+    view_life *life;
 } view_server_options;
 
-/* view_server_open() - listens, and draws by a thread of its own. ST_IO: no such address, or the
- * port is taken. view_server_close() - NULL is fine. */
+/* view_server_open() - serves whoever comes to the listener, and draws by a thread of its own.
+ * view_server_close() - NULL is fine. */
 CHECKED status view_server_open(mem *m, const view_server_options *options, view_server **out);
 void view_server_close(view_server *s);
 

@@ -308,6 +308,10 @@ static status end_pass(view_slices *s, view_message **out) {
     return st;
 }
 
+static void tell_doing(const view_slices *s) {
+    view_doing_begin(s->tools.doing, VIEW_DOING_SLICE, &s->wish.told, s->wish.number);
+}
+
 /* ST_STOPPED: nothing may be drawn now. */
 static status begin_next(view_slices *s) {
     pthread_mutex_lock(&s->lock);
@@ -318,7 +322,10 @@ static status begin_next(view_slices *s) {
         s->next = (k + 1) % VIEW_PANES_MAX;
     }
     pthread_mutex_unlock(&s->lock);
-    return k >= 0 ? begin_wish(s) : ST_STOPPED;
+    if (k < 0)
+        return ST_STOPPED;
+    tell_doing(s);
+    return begin_wish(s);
 }
 
 /* What is drawn gives way to a newer wish, but for a preview that will soon be there. */
@@ -334,7 +341,11 @@ status view_slices_advance(view_slices *s, double seconds, uint64_t beside, view
     *out = NULL;
     if (gives_way(s))
         stop(s);
-    status st = s->drawn_pane < 0 ? begin_next(s) : ST_OK;
+    status st = ST_OK;
+    if (s->drawn_pane < 0)
+        st = begin_next(s);
+    else
+        tell_doing(s);
     *number = s->wish.number;
     *which = s->wish.pane;
     if (st == ST_OK)

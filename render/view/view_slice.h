@@ -22,6 +22,7 @@ typedef struct view_slice_wish {
     uint32_t box[2];       /* pixels that it is to fit into */
     bool moving;           /* a preview is all that is wanted */
     double asked;          /* clock_seconds() */
+    view_told told;
 } view_slice_wish;
 
 typedef struct view_slices view_slices;

@@ -5,6 +5,7 @@
 
 #include "formats/base/cli_json.h"
 #include "formats/base/cli_options.h"
+#include "formats/base/json_text.h"
 #include "render/app/colour_map.h"
 #include "render/app/render_script.h"
 #include "render/app/transfer_preset.h"
@@ -13,7 +14,8 @@ status view_state_parse(const char *text, size_t size, json_t **object) {
     json_error_t error;
     *object = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
     if (!*object)
-        return status_describe(ST_USAGE, "no JSON: column %d: %s", error.column, error.text);
+        return status_describe(json_text_status(&error, ST_USAGE), "no JSON: column %d: %s",
+                               error.column, error.text);
     if (json_is_object(*object))
         return ST_OK;
     json_decref(*object);

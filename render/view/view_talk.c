@@ -18,9 +18,11 @@ struct view_talk {
     const view_file *files;
     int file_count, file; /* and which is shown */
     const view_machine *machine;
+    const view_life *life;
+    uint64_t client;
     view_queue queue; /* before what waits at the seat */
     double allowance, last_heard;
-    size_t heard;
+    size_t heard, told; /* of the message that comes; of the last one that came */
     view_wish wish;
     view_slice_wish slice;
     char text[VIEW_HEARD_MAX];
@@ -34,11 +36,18 @@ static void tell(view_talk *t, json_t *object) {
 }
 
 static void tell_volume(view_talk *t) {
-    tell(t, view_volume_json(t->files, t->file_count, t->file, t->machine));
+    json_t *said = view_volume_json(t->files, t->file_count, t->file, t->machine);
+    json_t *before = view_life_json(t->life);
+    if (said)
+        json_object_set_new(said, "talk", json_integer((json_int_t)t->client));
+    if (said && before)
+        json_object_set(said, "crash", before);
+    json_decref(before);
+    tell(t, said);
 }
 
 view_talk *view_talk_open(mem *m, view_draw *draw, const view_file *files, int count,
-                          const view_machine *machine) {
+                          const view_machine *machine, view_life *life) {
     view_talk *t = mem_zalloc(m, sizeof *t);
     if (!t)
         return NULL;
@@ -46,6 +55,8 @@ view_talk *view_talk_open(mem *m, view_draw *draw, const view_file *files, int c
     t->files = files;
     t->file_count = count;
     t->machine = machine;
+    t->life = life;
+    t->client = view_life_client(life);
     t->allowance = BURST;
     t->last_heard = clock_seconds();
     t->seat = view_draw_sit(draw);
@@ -99,6 +110,7 @@ static status hear_view(view_talk *t, const json_t *message, double *number) {
         st = view_state_apply(t->m, state, &w->view);
     if (st != ST_OK)
         return st;
+    view_told_keep(&w->told, t->client, t->text, t->told);
     w->view.camera.width = (uint32_t)width;
     w->view.camera.height = (uint32_t)height;
     w->number = (uint64_t)*number;
@@ -162,6 +174,7 @@ static status hear_slice(view_talk *t, const json_t *message) {
         st = view_slice_state_apply(t->m, json_object_get(message, "state"), &w->request);
     if (st != ST_OK)
         return st;
+    view_told_keep(&w->told, t->client, t->text, t->told);
     for (int i = 0; i < 2; i++)
         w->box[i] = (uint32_t)side[i];
     w->number = (uint64_t)number;
@@ -247,6 +260,7 @@ view_talk_result view_talk_hear(view_talk *t, const void *bytes, size_t size, bo
     if (is_too_fast(t))
         return VIEW_TALK_TOO_FAST;
     status st = view_state_parse(t->text, t->heard, &message);
+    t->told = t->heard;
     t->heard = 0;
     if (st == ST_OK)
         st = hear_message(t, message, &number);
@@ -285,6 +299,7 @@ status view_talk_file(mem *m, const view_file *files, int count, const char *sta
             st = status_describe(ST_USAGE, "size: a side is 1 to %d", VIEW_SIDE_MAX);
     if (st != ST_OK)
         return st;
+    view_told_keep(&wish->told, 0, state, strlen(state));
     wish->view.camera.width = (uint32_t)sides[0];
     wish->view.camera.height = (uint32_t)sides[1];
     wish->number = 0;

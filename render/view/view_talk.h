@@ -13,10 +13,10 @@ enum { VIEW_HEARD_MAX = 64 << 10 }; /* bytes of a message from a page */
 typedef struct view_talk view_talk;
 
 /* view_talk_open() - a page is there: the message about the first volume is the first that waits.
- * NULL: no seat, or no memory. files and machine must live as long. view_talk_close() - NULL is
- * fine. */
+ * NULL: no seat, or no memory. files, machine and life must live as long. view_talk_close() - NULL
+ * is fine. */
 view_talk *view_talk_open(mem *m, view_draw *draw, const view_file *files, int count,
-                          const view_machine *machine);
+                          const view_machine *machine, view_life *life);
 void view_talk_close(view_talk *t);
 
 typedef enum view_talk_result {

@@ -6,6 +6,7 @@
 
 #include "formats/base/cli_json.h"
 #include "formats/base/text.h"
+#include "formats/base/world_frame.h"
 #include "render/app/colour_map.h"
 #include "render/app/transfer_preset.h"
 #include "render/picture_bytes.h"
@@ -47,8 +48,8 @@ static json_t *colours_json(const transfer_list *list, const double ends[2], int
         const leafcast_transfer_point p =
             transfer_list_at(list, (1.0 - s) * ends[0] + s * ends[1], false);
         char text[16];
-        snprintf(text, sizeof text, "#%02x%02x%02x", picture_byte(table, p.rgb[0]),
-                 picture_byte(table, p.rgb[1]), picture_byte(table, p.rgb[2]));
+        snprintf(text, sizeof text, "#%02x%02x%02x", picture_byte(table, (float)p.rgb[0]),
+                 picture_byte(table, (float)p.rgb[1]), picture_byte(table, (float)p.rgb[2]));
         json_array_append_new(out, json_string(text));
     }
     return out;
@@ -206,6 +207,16 @@ static json_t *steps_json(const leafcast *volume, uint32_t steps) {
     return out;
 }
 
+/* The letter of what lies at each end, +x, -x, +y ..; none where nobody knows. */
+static json_t *ends_json(leafcast_axes axes) {
+    json_t *out = json_array();
+    for (int i = 0; i < 6 && axes != LEAFCAST_AXES_FILE; i++) {
+        const char letter[2] = {world_axes_end(axes, i / 2, i % 2 == 0), 0};
+        json_array_append_new(out, json_string(letter));
+    }
+    return out;
+}
+
 static json_t *describe(const view_file *files, int count, int which, const view_machine *machine,
                         const byte_table *table) {
     const leafcast *volume = files[which].volume;
@@ -232,6 +243,9 @@ static json_t *describe(const view_file *files, int count, int which, const view
                         json_pack("[o,o]", reals(info.bounds[0], 3), reals(info.bounds[1], 3)));
     json_object_set_new(out, "cell_size", cli_json_real(info.cell_size));
     json_object_set_new(out, "gradients", json_boolean(info.gradients));
+    json_object_set_new(out, "ends", ends_json(info.axes));
+    json_object_set_new(out, "units",
+                        json_pack("[s,s,s]", info.units[0], info.units[1], info.units[2]));
     json_object_set_new(out, "levels", json_integer(info.levels));
     json_object_set_new(out, "treelets", json_integer(info.treelets));
     json_object_set_new(out, "file_bytes", json_integer((json_int_t)info.file_bytes));

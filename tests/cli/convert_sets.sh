@@ -147,7 +147,40 @@ exits "too few times" 2 "$leafcast" convert "$tmp/four.nii" --steps all --times 
 exits "fewer samples" 3 "$leafcast" convert "$tmp/cut.nii" --steps all -o "$out" --force -q
 exits "fewer, packed" 3 "$leafcast" convert "$tmp/cut.nii.gz" --steps all -o "$out" --force -q
 ok "no output is left" [ ! -e "$out.part" ]
-exits "--steps some" 2 "$leafcast" convert "$tmp/four.nii" --steps 2 -o "$out" --force -q
+exits "--steps some" 2 "$leafcast" convert "$tmp/four.nii" --steps some -o "$out" --force -q
+# chosen FILE LIST STEP.. - these are the steps of the output, each as from a conversion of it alone.
+chosen() {
+    chosen_file=$1 chosen_list=$2 chosen_k=0
+    shift 2
+    convert "$tmp/$chosen_file" --steps "$chosen_list" --json
+    ok "$chosen_file, --steps $chosen_list: $# steps" json "x['steps'] == $#"
+    [ $# -gt 1 ] || set -- "$@" ""
+    for chosen_step in "$@"; do
+        [ "$chosen_step" ] || break
+        run "$leafcast" convert "$tmp/$chosen_file" --step "$chosen_step" -o "$tmp/one.leaf" --force -q
+        "$leafcast" export "$tmp/one.leaf" -o "$tmp/one.raw" --force -q -q
+        [ "${2-}" ] && "$leafcast" export "$out" --step $chosen_k -o "$tmp/set.raw" --force -q
+        [ "${2-}" ] || "$leafcast" export "$out" -o "$tmp/set.raw" --force -q
+        ok "step $chosen_k is $chosen_step" same one.raw set.raw
+        chosen_k=$((chosen_k + 1))
+    done
+}
+for file in four.nii four.nii.gz c.npy f.npy gzip.nrrd steps.zarr; do
+    chosen $file 1:2 1 2
+    chosen $file 0:3:2 0 2
+    chosen $file 1,3 1 3
+    chosen $file 2 2
+done
+chosen four.nii.gz 0,2:3 0 2 3
+convert "$tmp/four.nii" --steps 1,3 --times 5,7
+run "$leafcast" info "$out" --json
+ok "times of those that are taken" json 'x["times"] == [5, 7]'
+for list in 4 0:4 1,9; do
+    exits "no such step: $list" 2 "$leafcast" convert "$tmp/four.nii" --steps $list -o "$out" --force -q
+done
+for list in 3,1 1,1 0:2,2; do
+    exits "not ascending: $list" 2 "$leafcast" convert "$tmp/four.nii" --steps $list -o "$out" --force -q
+done
 exits "with --step" 2 "$leafcast" convert "$tmp/four.nii" --steps all --step 0 -o "$out" --force -q
 exits "with several inputs" 2 "$leafcast" convert "$tmp/four.nii" "$tmp/four.nii" --steps all -o "$out" --force -q
 # shellcheck disable=SC2016
@@ -180,7 +213,7 @@ import h5py, numpy as np, sys
 r = np.random.default_rng(3)
 with h5py.File(sys.argv[1], "w") as f:
     f["x"] = np.arange(7)
-    for name, shape in ("a", (5, 6, 7)), ("b/c", (5, 6, 7)), ("d", (5, 6, 8)), ("t", (3, 5, 6, 7)), ("u", (3, 5, 6, 7)):
+    for name, shape in ("a", (5, 6, 7)), ("b/c", (5, 6, 7)), ("d", (5, 6, 6)), ("t", (3, 5, 6, 7)), ("u", (3, 5, 6, 7)):
         f[name] = r.random(shape).astype("f4")
     f["whole"] = r.integers(0, 9, (5, 6, 7)).astype("i2")
     f["v" + "e" * 80] = r.random((5, 6, 7)).astype("f4")
@@ -215,9 +248,9 @@ PY
     all "NetCDF" "$tmp/a.nc" 1 still salt heat
     run "$leafcast" convert "$tmp/a.nc" --field salt --field heat --steps all -o "$out" --force -q
     all "NetCDF, unlimited time" "$tmp/a.nc" 3 salt heat
-    # The first is one without steps: those with steps are none of its series.
+    # The first is one with steps: those without are none of its series.
     run "$leafcast" convert "$tmp/a.nc" --fields all --steps all --json -o "$out" --force -q
-    ok "NetCDF: a series of what has no steps" json 'x["fields"] == ["still"] and x["steps"] == 1'
+    ok "NetCDF: a series of what has steps" json 'x["fields"] == ["salt", "heat"] and x["steps"] == 3'
 fi
 tool=${LEAFCAST_BUILD:-build/release}/tests/tool_vdb
 if ! has vdb || [ ! -x "$tool" ]; then

@@ -124,7 +124,7 @@ else
     refused "a frustum" "frustum" frustum.vdb
     refused "no active voxel" "no active voxel" empty.vdb
     refused "no grid at all" "no grid in it" nothing.vdb
-    refused "no such grid" 'no grid "heat": --list' blosc.vdb --field heat
+    refused "no such grid" 'no grid "heat"; `leafcast import-vdb .* --list' blosc.vdb --field heat
     refused "a number that no sample holds" "beyond 2^53" huge.vdb
     refused_code=2
     refused "no such component" "has 1" blosc.vdb --component 2

@@ -54,12 +54,17 @@ cat >"$tmp/options" <<TABLE
 compress=zstd:1 rhm
 treelet=16 rh
 halo=0 rh
+follow-links rh
+allow-missing rh
 dims=8,8,8 r
 type=u8 r
 big-endian r
 skip=0 r
 spacing=1,2,3 rh
 origin=1,2,3 rh
+exaggerate=2 rh
+axes=LPS rh
+unit=mm rh
 axis-x=$tmp/axis rh
 axis-y=$tmp/axis rh
 axis-z=$tmp/axis rh
@@ -205,8 +210,12 @@ ok "is named, with what to do" says "this is a USGS DEM, heights over a map.*z -
 # A door of our own: what import-vdb and import-dicom do is played.
 mkdir "$tmp/door"
 for verb in convert info; do cp "${LEAFCAST_BUILD:?}/libexec/leafcast-$verb" "$tmp/door/$verb"; done
-play() { # play VERB: its lines on standard input
-    { echo "#!/bin/sh"; cat; } >"$tmp/door/leafcast-$1"
+play() { # play VERB: its lines on standard input; asked for a list, it has one field
+    {
+        echo "#!/bin/sh"
+        echo 'case " $* " in *" --list "*) echo "{\"fields\": [{\"name\": \"v\", \"readable\": true}]}"; exit ;; esac'
+        cat
+    } >"$tmp/door/leafcast-$1"
     chmod +x "$tmp/door/leafcast-$1"
 }
 bare() { # bare VERB ARGUMENT...: with no other verb in reach
@@ -234,7 +243,7 @@ exits "OpenVDB with it" 0 bare convert "$tmp/OpenVDB" -o "$tmp/x.leaf" --force
 ok "is what it writes" cmp "$tmp/x.leaf" "$tmp/nrrd.leaf"
 ok "is said" says "OpenVDB, read by leafcast import-vdb"
 exits "with hints" 0 bare convert "$tmp/OpenVDB" --field=-a --component 2 --step 3 --memory 64M -o "$tmp/x.leaf" --force
-ok "hands them on" [ "$(tr '\n' ' ' <"$tmp/asked")" = "-q --tiles -o - --field -a --component 2 --step 3 --memory 33554432 -- $tmp/OpenVDB " ]
+ok "hands them on" [ "$(tr '\n' ' ' <"$tmp/asked")" = "-q --tiles -o - --field -a --component 2 --step 3 --memory 33554432 --guard $tmp/x.leaf -- $tmp/OpenVDB " ]
 exits "info of it" 0 bare info "$tmp/OpenVDB"
 ok "tells the format" prints '^format  *OpenVDB$'
 ok "and the values" prints '^values  *[0-9]* \.\. [0-9]*$'
@@ -344,7 +353,7 @@ ok "counts what is not finite, and what is behind" \
     json 'x["non_finite"] == 2 and x["trailing_bytes"] == 4 and x["value_min"] == -2.5 and x["sample_type"] == "f32"'
 exits "info of a mesh" 0 "$leafcast" info "$tmp/a.mesh" --json
 ok "tells tets, points, fields, bounds" json \
-    'x["tets"] == 384 and x["vertices"] == 125 and x["fields"] == [{"name": "sphere"}] and x["bounds"] == [0, 0, 0, 4, 4, 4]'
+    'x["tets"] == 384 and x["vertices"] == 125 and x["fields"] == [{"name": "sphere", "steps": 1, "components": 1}] and x["bounds"] == [0, 0, 0, 4, 4, 4]'
 ok "draws all tets" json 'x["histogram"]["drawn"] == 384'
 "$leafcast" info "$tmp/mesh.leaf" --json >"$tmp/out"
 ok "as a treelet file" json \

@@ -116,6 +116,7 @@ for verb in convert verify info slice render resample export; do
     verify | info | slice) json error "$verb" absent.leaf ;;
     render) json error render absent.leaf --iso 1 -o x.png ;;
     export) json error export absent.leaf -o y.nrrd ;;
+    resample) json error resample absent.mesh -o x.nrrd ;;
     *) json error "$verb" absent.nrrd -o x.leaf ;;
     esac
     ok "$verb: no input: exit 1 or 3" [ "$status" = 1 -o "$status" = 3 ]

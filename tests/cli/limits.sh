@@ -76,6 +76,32 @@ case $verbs in
 *sanitize* | *thread* | *fuzz*) skip "address space" "a sanitizer's build" ;;
 *) under "address space" -v "0 4" 24000 32000 48000 64000 96000 160000 ;;
 esac
+# What libraries allocate: JSON, then blosc, which is loaded when it is needed. 127: not even leafcast is loaded.
+mkdir "$tmp/b.zarr"
+cat >"$tmp/b.zarr/.zarray" <<'X'
+{"zarr_format": 2, "shape": [4, 4, 4], "chunks": [4, 4, 4], "dtype": "|u1", "order": "C", "filters": null,
+ "compressor": {"id": "blosc", "cname": "lz4", "clevel": 5, "shuffle": 1, "blocksize": 0}, "fill_value": 0}
+X
+{
+    printf '\002\001\002\001\100\000\000\000\100\000\000\000\120\000\000\000'
+    printf 'leafcast%.0s' 1 2 3 4
+    head -c 32 /dev/zero
+} >"$tmp/b.zarr/0.0.0"
+case $verbs in
+*sanitize* | *thread* | *fuzz*) skip "data" "a sanitizer's build" ;;
+*)
+    if "$leafcast" convert "$tmp/b.zarr" -o "$tmp/c.leaf" --force >/dev/null 2>"$tmp/err"; then
+        bad='' runs=0
+        for each in 400 500 600 700 800 860 900 920 940 960 980 1000 1020 1040 1060 1080 1100 1120 1140 1160 1180 1200 1400; do
+            limited -d $each "0 4 127" convert "$tmp/b.zarr" -o "$tmp/c.leaf" --threads 1 --force
+        done
+        ok "data: $runs runs of blosc end with one of 0 4" no_trouble
+        [ -z "$bad" ] || printf '%s\n' "$bad" | sed 's/^/# /'
+    else
+        skip "data" "$(tail -n 1 "$tmp/err")"
+    fi
+    ;;
+esac
 under "stack" -s "0" 256 1024
 under "file size" -f "0 4" 0 1 20
 under "descriptors" -n "0 1 4" 6 7 8 10

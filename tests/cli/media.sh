@@ -68,6 +68,17 @@ ok "has its own" [ "$(cksum <"$tmp/s1.tf")" != "$(cksum <"$tmp/s_0001.tf")" ]
 exits "a PNG" 0 draw --tf auto --window 3,30 --colour-map magma --error 1/100 -o "$tmp/a.png"
 ok "says what it was made with" [ "$(grep -aoc 'leafcast:\(tf\|colour_map\|window\|error\)' "$tmp/a.png")" -ge 1 -a \
     "$(grep -ao 'leafcast:\(tf\|colour_map\|window\|error\)' "$tmp/a.png" | sort -u | wc -l)" = 4 ]
+# Each volume has the constant medium of above: together they are one of so many times the extinction.
+set --
+for count in 2 3 16; do
+    while [ $# -lt $((4 * (count - 1))) ]; do set -- "$@" --and "$tmp/v.leaf" --tf "$tmp/one.tf"; done
+    # shellcheck disable=SC2086
+    exits "media in $count volumes" 0 draw --tf "$tmp/one.tf" "$@" $view --rgba-f64 "$tmp/rgba" --error-f64 "$tmp/error"
+    ok "mix" numbers "$tmp/rgba" "all(abs(x[4 * i + 3] - 1 + math.exp(-1.2 * $count)) < 1 / 510 and
+        abs(x[4 * i + 1] - 0.5 * x[4 * i + 3]) < 2 / 510 for i in range(1200))"
+    ok "within the error" numbers "$tmp/error" 'all(0 <= e <= 1 / 510 for e in x)'
+done
+exits "in one more volume than there may be" 2 draw --tf "$tmp/one.tf" "$@" --and "$tmp/v.leaf" -o "$tmp/x.ppm"
 exits "a second volume's medium" 0 draw --iso 40 --and "$tmp/v.leaf" --tf auto -o "$tmp/and.ppm"
 if draw --tf auto -o "$tmp/a.exr" 2>/dev/null; then
     ok "EXR says the error" grep -aq error "$tmp/a.exr"
@@ -279,7 +290,7 @@ there is no surface without --iso|--tf ct --light 1,0,0
 --value-f64 is of --project|--tf ct --value-f64 @e
 --write-tf is of|--write-tf @e
 no surface without --iso|--tf ct --shading phong
-1 of --color for 0 of --iso|--tf ct --color red
+1 of --colour for 0 of --iso|--tf ct --color red
 is an input|--tf @one.tf --write-tf @one.tf
 TABLE
 exits "a broken file" 3 draw -o "$tmp/x.ppm" --tf "$tmp/v.raw"

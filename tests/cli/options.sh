@@ -126,12 +126,10 @@ render|--packets|stats|@mesh|--packets 4
 render|--isopolygons|shown view|
 render|--traversal|stats|@m.leaf --project mean|--traversal tree
 render|--iso|picture|@grid|--iso 150 --opacity 0.4
-render|--color|picture|@grid|--color red
 render|--colour|picture|@grid|--colour red
 render|--opacity|picture|@grid|--opacity 0.4
 render|--tf|picture|@g.leaf --colour-map grey|--tf ct
 render|--colour-map|picture|@g.leaf --tf auto|--colour-map plasma
-render|--color-map|picture|@g.leaf --tf auto|--color-map plasma
 render|--window|picture|@g.leaf --colour-map plasma|--window 100,120
 render|--opacity-length|picture|@g.leaf --opacity 90:0,200:0.5|--opacity-length 9
 render|--error|shown media|
@@ -214,8 +212,7 @@ bench|--tf|refused is for media|walk @grid|--tf auto
 bench|--ray-cells|counts|intersectors noise --runs 1 --ray-cells 90|--ray-cells 80
 bench|--runs|refused needs one|kernel @grid --size 8x8|--runs 2
 bench|--iso|counts|walk @grid --size 16x16 --runs 1 --opacity 0.5|--iso 150
-bench|--color|refused --color: bench walk would not change|walk @grid --size 16x16 --runs 1|--color red
-bench|--colour|refused --color: bench walk would not change|walk @grid --size 16x16 --runs 1|--colour red
+bench|--colour|refused --colour: bench walk would not change|walk @grid --size 16x16 --runs 1|--colour red
 bench|--opacity|counts|walk @grid --size 16x16 --runs 1|--opacity 0.4
 bench|--layers|refused --layers: bench frames|frames @grid --size 8x8 --runs 1|--layers 1
 bench|--view|counts|walk @grid --size 16x16 --runs 1|--view close
@@ -261,7 +258,6 @@ bench peers|--plot|shown peers|
 bench peers|--runs|shown peers|
 bench peers|--step|refused number|@grid --size 8x8 --runs 1|--step x
 bench peers|--iso|refused one isosurface|@grid --size 8x8 --runs 1|--iso 150
-bench peers|--color|refused a name such as|@grid --size 8x8 --runs 1|--color redd
 bench peers|--colour|refused a name such as|@grid --size 8x8 --runs 1|--colour redd
 bench peers|--opacity|counts|@grid --size 8x8 --runs 1|--opacity 0.5
 bench peers|--eye|shown peers|
@@ -300,6 +296,9 @@ bench peers|--help|shown help|
 bench peers|--help-all|shown help|
 bench peers|--usage|taken||--usage
 bench peers|--version|taken||--version
+render|--axes|shown world|
+slice|--axes|shown world|
+probe|--axes|shown world|
 probe|--at|says|@grid --size 16x16 --at 8,8|--at 9,8
 probe|--ray|shown probe|
 probe|--point|shown probe|
@@ -319,7 +318,6 @@ probe|--size|says|@grid --size 16x16 --at 8,8|--size 17x17
 probe|--clip-plane|says|@grid --size 16x16 --at 8,8|--clip-plane 1,0,0,-25
 probe|--clip-box|says|@grid --size 16x16 --at 8,8|--clip-box 0,0,0,20,36,44
 probe|--samples|refused one ray|@grid --size 16x16 --at 8,8|--samples 4
-probe|--color|taken|@grid --size 16x16 --at 8,8|--color red
 probe|--colour|taken|@grid --size 16x16 --at 8,8|--colour red
 probe|--opacity|taken|@grid --size 16x16 --at 8,8|--opacity 0.4
 probe|--layers|taken|@grid --size 16x16 --at 8,8|--opacity 0.4 --layers 1
@@ -362,11 +360,9 @@ slice|--field|refused no field|@m.leaf --json|--field none
 slice|--step|output|@m.leaf --format ppm|--step 1
 slice|--window|output|@g.leaf --format ppm|--window 50,200
 slice|--colour-map|output|@g.leaf --format ppm|--colour-map viridis
-slice|--color-map|output|@g.leaf --format ppm|--color-map viridis
 slice|--tf|output|@g.leaf --format ppm|--tf auto
 slice|--legend|output|@g.leaf --format ppm --size 200x200|--legend
 slice|--iso|output|@g.leaf --format ppm|--iso 120
-slice|--color|output|@g.leaf --format ppm --iso 120|--color red
 slice|--colour|output|@g.leaf --format ppm --iso 120|--colour red
 slice|--format|output|@g.leaf --format ppm|--format pfm
 slice|--value-f64|makes zz|@g.leaf|--value-f64 @zz
@@ -383,6 +379,8 @@ slice|--help-all|shown help|
 slice|--usage|says|@g.leaf -o @sq.png --force|--usage
 slice|--version|says|@g.leaf -o @sq.png --force|--version
 info|--iso|says|@g.leaf|--iso 120
+info|--follow-links|shown named_files|
+info|--allow-missing|shown absent_parts|
 info|--quick|fewer|@g.nrrd|--quick
 info|--field|refused no array|@m_0000.mesh|--field none
 info|--dims|says|@g_40x36x44_uint8.raw|--dims 36,40,44
@@ -475,6 +473,8 @@ tetrahedralize|--version|says|@p.csv -o @pq.mesh --force|--version
 import-hdf5|--axes|shown import_hdf5|
 import-hdf5|--component|shown import_hdf5|
 import-hdf5|--field|shown import_hdf5|
+import-hdf5|--follow-links|shown named_files|
+import-hdf5|--allow-missing|shown absent_parts|
 import-hdf5|--list|shown import_hdf5|
 import-hdf5|--step|shown import_hdf5|
 import-hdf5|--output|shown import_options|
@@ -489,6 +489,9 @@ import-hdf5|--usage|taken||--usage
 import-hdf5|--version|taken||--version
 import-netcdf|--field|shown import_netcdf|
 import-netcdf|--indices|shown import_netcdf|
+import-netcdf|--stack-time|shown import_netcdf|
+import-netcdf|--follow-links|shown named_files|
+import-netcdf|--allow-missing|shown absent_parts|
 import-netcdf|--list|shown import_netcdf|
 import-netcdf|--step|shown import_netcdf|
 import-netcdf|--output|shown import_options|
@@ -575,4 +578,40 @@ while read -r verb; do
     grep "^$verb|" "$tmp/table" | cut -d'|' -f2 | sort | comm -3 "$tmp/have" - >"$tmp/out"
     ok "$verb: a row for every option, and no other" [ ! -s "$tmp/out" ]
 done <"$tmp/verbs"
+
+# A colour is written in one way, and read in two: whatever option has one in its name.
+: >"$tmp/coloured"
+while read -r verb; do
+    # shellcheck disable=SC2086 # bench peers are two words
+    {
+        "$leafcast" $verb --list-options
+        "$leafcast" $verb --help-all
+        cat "scripts/man/leafcast-$(echo $verb | tr ' ' -).1"
+    } >"$tmp/words" 2>/dev/null
+    ok "$verb: one spelling of colour" [ "$(grep -ci 'color' "$tmp/words")" = 0 ]
+    # shellcheck disable=SC2086
+    "$leafcast" $verb --list-options | cut -f1 | grep colour >"$tmp/names"
+    while read -r option; do
+        other=$(echo "$option" | sed 's/colour/color/')
+        # shellcheck disable=SC2086
+        run "$leafcast" $verb "$other"
+        ok "$verb $other: taken, but for its value" grep -q "requires an argument" "$tmp/err"
+        echo "$verb $other" >>"$tmp/coloured"
+    done <"$tmp/names"
+done <"$tmp/here"
+ok "several have one" [ "$(wc -l <"$tmp/coloured")" -ge 5 ]
+paint() { # paint NAME ARGUMENT...: a picture, $tmp/NAME
+    name=$1
+    shift
+    "$leafcast" "$@" --force -q -o "$tmp/$name"
+}
+paint a.ppm render "$tmp/g.leaf" --iso 120 --colour red --size 16x16
+paint b.ppm render "$tmp/g.leaf" --iso 120 --color=red --size 16x16
+paint c.ppm render "$tmp/g.leaf" --iso 120 --size 16x16
+ok "the same colour by either" cmp -s "$tmp/a.ppm" "$tmp/b.ppm"
+ok "and one at all" test "$(cksum <"$tmp/a.ppm")" != "$(cksum <"$tmp/c.ppm")"
+for key in color colour; do
+    echo "{\"$key\": \"red\", \"tf\": \"auto\", \"${key}_map\": \"plasma\", \"output\": \"$tmp/$key.ppm\"}"
+done | "$leafcast" render "$tmp/g.leaf" --iso 120 --size 16x16 --script - --force -q >/dev/null 2>&1
+ok "in a script, too" cmp -s "$tmp/color.ppm" "$tmp/colour.ppm"
 finish

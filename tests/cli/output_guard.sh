@@ -1,22 +1,87 @@
 #!/bin/sh
-# output_guard.sh - no verb writes over what it reads, or twice to one file, whatever the names and with --force.
+# output_guard.sh - no verb writes over what it reads, or twice to one file, whatever the names and with --force:
+# each verb with each form of input (tests/support/guard_forms.py), and with each of the files that belong to it. So
+# does a host program of the library (tool_convert).
 . tests/support/tap.sh
+build=${LEAFCAST_BUILD:-$PWD/build/release}
 
 says() { grep -q -- "$1" "$tmp/err"; }
-# refused NAME FILE COMMAND... - exit 2, a word about it, FILE as it was, nothing new in the folder.
+# refused NAME FILE COMMAND... - exit 2, a word about it, FILE as it was, nothing new in the folder. Where already the
+# output's name says no, it is asked again by a name that says nothing, which is the same file.
 refused() {
+    refused_once "$@"
+    ! says 'what is written is' || plainly "$@"
+}
+plainly() {
     name=$1
     kept=$2
     shift 2
-    before=$(ls -A "$tmp/in")
+    before=
+    for word; do
+        shift
+        case $before in
+        -o | --csv | --svg)
+            ln -Lf "$word" "$word.same"
+            word=$word.same
+            link=$word
+            ;;
+        esac
+        before=$word
+        set -- "$@" "$word"
+    done
+    refused_once "$name, by another name" "$kept" "$@"
+    ok "$name: it is the guard that says so" says 'an input\|an output\|two outputs'
+    rm -f "$link"
+}
+refused_once() {
+    name=$1
+    kept=$2
+    shift 2
+    before=$(ls -AR)
     sum=$(cksum <"$kept")
     exits "$name" 2 "$@"
-    ok "$name: says so" says 'an input\|an output\|two outputs'
+    ok "$name: says so" says 'an input\|an output\|two outputs\|what is written is'
     ok "$name: the file is as before" [ "$(cksum <"$kept")" = "$sum" ]
-    ok "$name: nothing else is there" [ "$(ls -A "$tmp/in")" = "$before" ]
+    ok "$name: nothing else is there" [ "$(ls -AR)" = "$before" ]
 }
 
-mkdir "$tmp/in" "$tmp/alias"
+mkdir "$tmp/in" "$tmp/alias" "$tmp/forms"
+python=$(python_with h5py)
+PYTHONDONTWRITEBYTECODE=1 "${python:-python3}" tests/support/guard_forms.py "$tmp/forms" >"$tmp/table" 2>"$tmp/err"
+ok "the forms are made" [ ! -s "$tmp/err" ]
+# OpenVDB's is leafcast's own.
+run "$leafcast" generate sphere --dims 6 -o "$tmp/v.nrrd"
+run "$leafcast" convert "$tmp/v.nrrd" -o "$tmp/v.leaf"
+exits "a file of OpenVDB" 0 "$leafcast" export "$tmp/v.leaf" -o "$tmp/forms/v.vdb"
+printf 'import-vdb\tv.vdb\t\tv.vdb\n' >>"$tmp/table"
+# An importer that this build has not (its library is not here, or not for sanitizers) reads nothing.
+"$leafcast" --list-verbs >"$tmp/verbs"
+awk -F'\t' 'NR == FNR { built[$1] = 1; next } !/^import-/ || $1 in built' "$tmp/verbs" "$tmp/table" >"$tmp/built"
+mv "$tmp/built" "$tmp/table"
+
+# ---- nothing is forgotten: readers are told by their tables, verbs by the front door ----
+row() { cut -f1 "$tmp/table" | grep -qx -- "$1" || grep -q "^skip	$1	" "$tmp/table"; }
+for reader in $(sed -n '/^static const [a-z_]*reader \*const readers/,/};/p' formats/grid/volume.c formats/mesh/mesh_input.c |
+    grep -o '&[a-z_]*_reader' | tr -d '&'); do
+    case $reader in
+    imported_reader) ;; # these are the importers
+    mesh_stream_reader) ;; # m.mesh, t_0000.mesh, .. below
+    *) ok "guard_forms.py has a row for $reader" row "${reader%_reader}" ;;
+    esac
+done
+for verb in $("$leafcast" --list-verbs); do
+    case $verb in
+    import-*) ok "guard_forms.py has a row for $verb" row "$verb" ;;
+    bench | convert | export | probe | render | resample | slice | tetrahedralize) ;; # below
+    generate) ;; # reads nothing
+    info | verify | view)
+        ok "$verb has no output" sh -c '! "$1" "$2" --list-options | grep -qE "^--(output|stats|svg|plot|[a-z]*-f64)	"' \
+            - "$leafcast" "$verb"
+        ;;
+    *) ok "$verb, which is new, is tested here" false ;;
+    esac
+done
+
 cd "$tmp/in" || exit 1
 run "$leafcast" generate sphere --dims 20 -o s.nrrd
 run "$leafcast" convert s.nrrd -o s.leaf
@@ -32,15 +97,9 @@ for name in s.nrrd ./s.nrrd "$tmp/alias/soft" "$tmp/alias/hard" "$tmp/alias/fold
     refused "convert to its input as ${name##*/alias/}" s.nrrd "$leafcast" convert s.nrrd -o "$name" --force
 done
 refused "the same without --force" s.nrrd "$leafcast" convert s.nrrd -o s.nrrd
-ok "from standard input" sh -c '! "$1" convert - -o s.nrrd --force <s.nrrd 2>"$2"' - "$leafcast" "$tmp/err"
-ok "says so" says 's.nrrd: is the same file as standard input'
-head -c 64 /dev/zero >raw.bin
-printf 'NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nencoding: raw\ndata file: raw.bin\n' >d.nhdr
-refused "the samples beside a header" raw.bin "$leafcast" convert d.nhdr -o raw.bin --force
-printf 'NDims = 3\nDimSize = 4 4 4\nElementType = MET_UCHAR\nElementDataFile = raw.bin\n' >d.mhd
-refused "the same of MetaImage" raw.bin "$leafcast" convert d.mhd -o raw.bin --force
-printf '0 1 2 3' >x.txt
-refused "an axis' file" x.txt "$leafcast" convert raw.bin --dims 4,4,4 --type u8 --axis-x x.txt -o x.txt --force
+ln s.nrrd plain
+ok "from standard input" sh -c '! "$1" convert - -o plain --force <s.nrrd 2>"$2"' - "$leafcast" "$tmp/err"
+ok "says so" says 'plain: is the same file as standard input'
 printf '4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n' >p.node
 printf '1 4 0\n1 1 2 3 4\n' >p.ele
 refused "the other file of a pair" p.node "$leafcast" convert p.ele -o p.node --force
@@ -48,6 +107,75 @@ refused "and the other way round" p.ele "$leafcast" convert p.node -o p.ele --fo
 refused "a later step" t_0002.mesh "$leafcast" convert t_0000.mesh t_0001.mesh t_0002.mesh -o t_0002.mesh --force
 exits "the first of a pair may have its name's neighbour" 0 "$leafcast" convert p.ele -o p.leaf --allow-empty
 rm p.leaf
+
+# ---- each form, each of its files ----
+sums() { find . -type f -exec cksum {} + | sort; }
+# over VERB ARGUMENT... - each of $files is refused as its output.
+over() {
+    for file in $files; do refused "$given: $1 over $file" "$file" "$leafcast" "$@" -o "$file" --force; done
+}
+# hosted GIVEN - the same by the library. What is read late is refused before, as no treelet file.
+hosted() {
+    [ -x "$build/tests/tool_convert" ] || { skip "$1: a host" "no tools for this CPU"; return; }
+    host() { PATH=$build/libexec:$PATH "$build/tests/tool_convert" "$1" "$2"; }
+    exits "$1: a host" 0 host "$1" "$tmp/host.leaf"
+    rm -f "$tmp/host.leaf"
+    for file in $files; do
+        sum=$(cksum <"$file")
+        run host "$1" "$file"
+        ok "$1: a host over $file" refused_by_library
+        ok "$1: a host over $file: as before" [ "$(cksum <"$file")" = "$sum" ]
+    done
+}
+refused_by_library() {
+    case $rc in
+    2) says 'an input' ;;
+    8) says 'no treelet file' ;;
+    *) false ;;
+    esac
+}
+walk() { # walk READER GIVEN OPTIONS FILES
+    reader=$1
+    given=$2
+    options=$3
+    files=$4
+    # shellcheck disable=SC2086 # options are words
+    set -- "$given" $options
+    all=$(sums)
+    case $reader in
+    surface)
+        "$leafcast" tetrahedralize "$@" -o - >/dev/null 2>&1 || { skip "$given" "no TetGen here"; return; }
+        over tetrahedralize "$@"
+        return
+        ;;
+    mesh_*) over resample "$@" ;;
+    import-*)
+        exits "$given: $reader" 0 "$leafcast" "$reader" "$@" -o "$tmp/form.nrrd" --force
+        over "$reader" "$@"
+        ;;
+    esac
+    exits "$given: convert" 0 "$leafcast" convert "$@" -o "$tmp/form.leaf" --force --allow-empty
+    over convert "$@"
+    [ "$options" ] || hosted "$given"
+    if [ -d "$given" ]; then
+        exits "$given: an output in it" 0 "$leafcast" convert "$@" -o "$given/0.leaf"
+        exits "$given: once more" 0 "$leafcast" convert "$@" -o "$given/0.leaf" --force
+        rm -f "$given/0.leaf"
+    fi
+    # shellcheck disable=SC2086 # options are words
+    exits "$given: info" 0 "$leafcast" info "$given" ${options%% --axis*}
+    ok "$given: all files are as before" [ "$(sums)" = "$all" ]
+}
+cd "$tmp/forms" || exit 1
+while IFS= read -r line; do
+    reader=$(echo "$line" | cut -f1)
+    if [ "$reader" = skip ]; then
+        skip "$(echo "$line" | cut -f2)" "$(echo "$line" | cut -f3)"
+    else
+        walk "$reader" "$(echo "$line" | cut -f2)" "$(echo "$line" | cut -f3)" "$(echo "$line" | cut -f4)"
+    fi
+done <"$tmp/table"
+cd "$tmp/in" || exit 1
 
 refused "resample a mesh" m.mesh "$leafcast" resample m.mesh -o m.mesh --force
 refused "export a treelet file" m.leaf "$leafcast" export m.leaf -o "$tmp/alias/folder/m.leaf" --format vtu --force
@@ -62,6 +190,10 @@ else
     skip "tetrahedralize" "no TetGen here"
 fi
 
+refused "a surface over the volume" s.leaf "$leafcast" export s.leaf --iso 100 -o s.leaf --format ply --force
+refused "a slice over the volume" s.leaf "$leafcast" slice s.leaf --axis x --format ppm -o s.leaf --force
+refused "a slice's statistics over the volume" s.leaf "$leafcast" slice s.leaf --axis x -o x.png --stats s.leaf --force
+refused "a probe's plot over the volume" s.leaf "$leafcast" probe s.leaf --iso 100 --at 5,5 --segments --svg s.leaf --force
 shot() { "$leafcast" render s.leaf --iso 100 --size 16,16 "$@"; }
 refused "depths over the volume" s.leaf shot --depth-f64 s.leaf --force
 refused "statistics over the volume" s.leaf shot --stats "$tmp/alias/folder/s.leaf" --force

@@ -51,7 +51,7 @@ wrong "ends before it begins" "$leaf" --iso 1 --clip-box 0,0,5,9,9,4 --depth-f64
 wrong "same point" "$leaf" --iso 1 --eye 1,2,3 --look-at 1,2,3 --depth-f64 "$d"
 wrong "kernels" "$leaf" --iso 1 --isa abacus --depth-f64 "$d"
 wrong "either --iso or --iso-list" "$leaf" --iso 1 --iso-list 2 --depth-f64 "$d"
-wrong "ends in .png, .ppm, .pfm or .exr" "$leaf" --iso 1 -o "$tmp/x.jpg"
+wrong "ends in .png .ppm .pfm .exr" "$leaf" --iso 1 -o "$tmp/x.jpg"
 ok "nothing was written" gone "$d" "$tmp/x.jpg"
 exits "help" 0 "$leafcast" render --help
 ok "is on standard output" says 'Usage: leafcast render' out

@@ -57,9 +57,29 @@ sys.exit(a["step"] != 2 or a["time"] != 1 or "step" in b or [h["t"] for h in a["
 
 exits "steps beyond the end" 2 "$leafcast" render "$tmp/b.leaf" $view --steps 2:4 --depth-f64 "$tmp/y"
 ok "are told before anything is drawn" [ ! -e "$tmp/y_0000" ]
-for steps in 1 2:1 -1:2 a:b 1:2:3 0.5:1; do
+for steps in 2:1 -1:2 a:b 1:2:0 0.5:1 '1,' all:1 4 1,4; do
     exits "--steps $steps" 2 "$leafcast" render "$tmp/b.leaf" $view --steps=$steps --depth-f64 "$tmp/y"
 done
+# drawn LIST STEP.. - the pictures of a list are those of these steps, in this order, numbered from 0 on.
+drawn() {
+    list=$1 k=0
+    shift
+    rm -f "$tmp"/z_*
+    exits "--steps $list" 0 "$leafcast" render "$tmp/b.leaf" $view --steps "$list" --depth-f64 "$tmp/z" -q
+    for step in "$@"; do
+        ok "picture $k is step $step" same z_000$k want_"$step"
+        k=$((k + 1))
+    done
+    ok "no more than $#" [ ! -e "$tmp/z_000$k" ]
+}
+drawn all 0 1 2 3
+drawn 1:2 1 2
+drawn 0:3:2 0 2
+drawn 3,0:1 3 0 1
+drawn 2 2
+exits "all steps, isovalue by isovalue, to a pipe" 0 "$leafcast" render "$tmp/b.leaf" --iso-list 0.3,0.5 --steps all --size 8x8 --json
+ok "a line each" [ "$(grep -c '"step":' "$tmp/out")" = 8 ]
+exits "all of one that is none" 3 "$leafcast" render "$tmp/s1.json" $view --steps all --depth-f64 "$tmp/y"
 exits "an unknown field" 2 "$leafcast" render "$tmp/b.leaf" $view --field nix --depth-f64 "$tmp/y"
 ok "with those there are" says 'there are 1: buckyball' err
 exits "an unknown schema" 2 "$leafcast" render "$tmp/b.leaf" $view --schema 3 --depth-f64 "$tmp/y"

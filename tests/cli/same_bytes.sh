@@ -51,10 +51,10 @@ same "under another name" "$leafcast" convert "$tmp/other/y.nrrd"
 same "in raw" "$leafcast" convert "$tmp/v.raw" --dims 20,12,10 --type u8
 same "in raw whose name tells" "$leafcast" convert "$tmp/w_20x12x10_uint8.raw"
 same "in gzip" zipped "$tmp/v.raw" --dims 20,12,10 --type u8
-same "in MHD" "$leafcast" convert "$tmp/m.mhd"
-same "in MHA" "$leafcast" convert "$tmp/m.mha"
+same "in MHD" "$leafcast" convert "$tmp/m.mhd" --axes none --unit=
+same "in MHA" "$leafcast" convert "$tmp/m.mha" --axes none --unit=
 same "NRRD through a pipe" piped "$tmp/one/x.nrrd"
-same "MHA through a pipe" piped "$tmp/m.mha"
+same "MHA through a pipe" piped "$tmp/m.mha" --axes none --unit=
 same "raw through a pipe" piped "$tmp/v.raw" --dims 20,12,10 --type u8
 same "a name taken away" "$leafcast" convert "$tmp/named.nrrd" --name=
 ok "the id, too" [ -n "$(id_of "$tmp/a.leaf")" -a "$(id_of "$tmp/a.leaf")" = "$(id_of "$tmp/b.leaf")" ]

@@ -7,8 +7,8 @@ run "$leafcast" generate sphere --dims 65 --type f32 -o "$tmp/s.nrrd"
 exits "a sphere" 0 "$leafcast" convert "$tmp/s.nrrd" -o "$tmp/s.leaf" -q
 run "$leafcast" generate gyroid --dims 48 -o "$tmp/g.nrrd"
 exits "a volume of many edges" 0 "$leafcast" convert "$tmp/g.nrrd" -o "$tmp/g.leaf" --treelet 16 -q
-run "$leafcast" generate gyroid --dims 20 --tets -o "$tmp/g.vtu"
-exits "a mesh of it" 0 "$leafcast" convert "$tmp/g.vtu" -o "$tmp/m.leaf" -q
+run "$leafcast" generate gyroid --dims 20 --tets -o "$tmp/g.mesh"
+exits "a mesh of it" 0 "$leafcast" convert "$tmp/g.mesh" -o "$tmp/m.leaf" -q
 
 # ---- what is asked for ----
 for n in 0 2 3 5 9 17 -1 x 4.0; do

@@ -110,6 +110,7 @@ exits "an open surface" 3 "$leafcast" tetrahedralize "$tmp/open.off" -o "$tmp/x.
 ok "and where" says "open.off: the surface is open: facet [0-9]* (counted from 0) has the edge"
 exits "a surface that cuts itself" 3 "$leafcast" tetrahedralize "$tmp/cross.off" -o "$tmp/x.mesh"
 ok "and where" says "cross.off: the surface cuts itself: facets [0-9]* and [0-9]* (counted"
+ok "and what repairs it" says "meshfix in.ply -o out' repairs such surfaces into out.off"
 printf '0 0 0\n1 0 0\n0 1 0\n' >"$tmp/three.csv"
 exits "three points" 3 "$leafcast" tetrahedralize "$tmp/three.csv" -o "$tmp/x.mesh"
 ok "and what is expected" says "three.csv: 3 different points, expected 4 or more"

@@ -1,16 +1,10 @@
 #!/bin/sh
 # view_page.sh - the page of leafcast view in a browser: every control, and pictures that are render's.
+# marks: plain
 . tests/support/tap.sh
 
-python=$(python_with selenium)
-"$leafcast" --list-verbs own | grep -qx view || {
-    skip "the viewer's page" "leafcast view is not built here: no libwebsockets or libturbojpeg"
-    finish
-}
-if [ -z "$python" ] || ! command -v chromium >/dev/null || ! command -v chromedriver >/dev/null; then
-    skip "the viewer's page" "chromium, chromium-driver or python3-selenium is not here"
-    finish
-fi
+need_view
+need_browser
 "$leafcast" generate gyroid --dims 48,40,44 -o "$tmp/g.nrrd" -q
 "$leafcast" convert "$tmp/g.nrrd" -o "$tmp/g.leaf" -q
 "$leafcast" generate buckyball --tets --dims 11 --steps 4 --deform 0.4 -o "$tmp/m.mesh" -q
@@ -21,10 +15,5 @@ v = [-9999.0 if i % 5 == 0 else i % 7 for i in range(4096)]
 open(sys.argv[1], "wb").write(struct.pack("<4096f", *v))' "$tmp/n_16x16x16_f32.raw"
 "$leafcast" convert "$tmp/n_16x16x16_f32.raw" -o "$tmp/n.leaf" -q
 
-run "$python" tests/support/view_page.py "$leafcast" "$tmp"
-ok "the browser's driver ends well" [ "$rc" = 0 ]
-while read -r result name; do ok "$name" [ "$result" = ok ]; done <<LINES
-$(sed -n 's/^\(ok\|not\) /\1 /p' "$tmp/out")
-LINES
-ok "and has told of all" grep -qx "end" "$tmp/out"
+client "the page" "$python" tests/support/view_page.py "$leafcast" "$tmp"
 finish

@@ -6,28 +6,14 @@
 # marks: threads
 . tests/support/tap.sh
 
-"$leafcast" --list-verbs own | grep -qx view || {
-    skip "the viewer" "it is not built here: no libwebsockets or libturbojpeg"
-    finish
-}
+need_view
 "$leafcast" generate gyroid --dims 48,40,44 -o "$tmp/g.nrrd" -q
 mkdir "$tmp/hostile" "$tmp/wander"
 "$leafcast" convert "$tmp/g.nrrd" -o "$tmp/hostile/g.leaf" -q
 "$leafcast" generate buckyball --tets --dims 11 --steps 2 --deform 0.4 -o "$tmp/m.mesh" -q
 "$leafcast" convert "$tmp/m_0000.mesh" "$tmp/m_0001.mesh" --coarse -o "$tmp/hostile/m.leaf" -q
 
-# trial NAME COMMAND... - what it has looked at.
-trial() {
-    title=$1
-    shift
-    run "$@"
-    ok "$title: it ends well" [ "$rc" = 0 ]
-    while read -r result name; do ok "$title: $name" [ "$result" = ok ]; done <<LINES
-$(sed -n 's/^\(ok\|not\) /\1 /p' "$tmp/out")
-LINES
-    ok "$title: and has told of all" grep -qx "end" "$tmp/out"
-}
-trial "hostile" python3 tests/support/view_hostile.py "$leafcast" "$tmp/hostile" 600
-trial "at random" python3 tests/support/view_wander.py "$leafcast" "$tmp/wander" 500 "$tmp/hostile/g.leaf" \
+client "hostile" python3 tests/support/view_hostile.py "$leafcast" "$tmp/hostile" 600
+client "at random" python3 tests/support/view_wander.py "$leafcast" "$tmp/wander" 500 "$tmp/hostile/g.leaf" \
     "$tmp/hostile/m.leaf"
 finish

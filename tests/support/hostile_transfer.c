@@ -30,7 +30,7 @@ static void put(maker *m, double value, double e) {
     leafcast_transfer_point *p = &m->points[m->count++];
     *p = (leafcast_transfer_point){.value = value, .extinction = e};
     for (int c = 0; c < 3; c++)
-        p->rgb[c] = (float)field_random_unit(m->r);
+        p->rgb[c] = field_random_unit(m->r);
 }
 
 /* Points at random values, a third of them without extinction. */

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """import_dicom.py LEAFCAST FOLDER DATA - files by pydicom, and what leafcast import-dicom makes of them."""
+import itertools
 import json
 import os
 import shutil
@@ -314,5 +315,76 @@ def real():
     same("a real slice thrice, one without meta information", [f.pixel_array] * 3, *take("bare"))
 
 
-for part in (types, rescale, places, faults, studies, compressed, several_frames, colours, hostile, real):
+def preambles():
+    """The first 128 bytes are anyone's, and may look like any other format: DICM behind them tells."""
+    a = random.integers(0, 65535, SHAPE, dtype="u2")
+    f = image(a, SpacingBetweenSlices=3, PixelSpacing=[0.5, 0.25])
+    node = b"8 3 0 0\n" + b"".join(b"%d 0 0 0\n" % i for i in range(8))
+    suffixes = itertools.cycle((".dcm", ".nii", ".node"))
+    for other, head in (
+            ("nothing", b""), ("Analyze 7.5", b"\x5c\x01\0\0"), ("Analyze 7.5, big endian", b"\0\0\x01\x5c"),
+            ("NIfTI-2", b"\x1c\x02\0\0n+2\0\r\n\x1a\n"), ("TIFF", b"II*\0\x08\0\0\0"), ("BigTIFF", b"MM\0+"),
+            ("NRRD", b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n"),
+            ("MetaImage", b"ObjectType = Image\nNDims = 3\n"), ("NumPy", b"\x93NUMPY\x01\0"), ("PVM", b"PVM\n2 2 2\n"),
+            ("a mesh stream", b"LEAFCAST MESH 1\n"), ("Gmsh", b"$MeshFormat\n4.1 0 8\n"),
+            ("VTK", b'<VTKFile type="ImageData">'), ("a VTK mesh", b'<VTKFile type="UnstructuredGrid">'),
+            ("legacy VTK", b"# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\n"),
+            ("HDF5", b"\x89HDF\r\n\x1a\n"), ("NetCDF", b"CDF\x02"), ("PNG", b"\x89PNG\r\n\x1a\n"),
+            ("JPEG", b"\xff\xd8\xff\xe0"), ("OpenVDB", b" BDV\0\0\0\0"), ("gzip", b"\x1f\x8b\x08"), ("bzip2", b"BZh9"),
+            ("xz", b"\xfd7zXZ\0"), ("zstd", b"\x28\xb5\x2f\xfd"), ("PDF", b"%PDF-1.4"), ("PLY", b"ply\n"), ("nodes", node)):
+        f.preamble = head[:128].ljust(128, b"\0")
+        for suffix in ("", next(suffixes)):
+            name = path("preamble" + suffix)
+            f.save_as(name, write_like_original=False)
+            rc, out, said = start(leafcast, "convert", name, "-o", path("preamble.leaf"), "--force")
+            if rc == 0:
+                rc, out, said = start(leafcast, "export", path("preamble.leaf"), "-o", path("preamble.raw"), "--force")
+            wrong = said if rc else "" if open(path("preamble.raw"), "rb").read() == a.tobytes() else "other samples"
+            if not wrong:
+                rc, out, said = start(leafcast, "info", name, "--json", "--quick")
+                wrong = said if rc else "" if json.loads(out)["format"] == "DICOM" else out.decode()
+            tell("a preamble of %s, as *%s" % (other, suffix), wrong)
+        ends("and as a surface: " + other, 3, "this is DICOM", leafcast, "tetrahedralize", path("preamble"), "-o", path("x.mesh"))
+
+
+def no_slices():
+    """Frames beside one another, or after one another: refused by name, by each of what tells."""
+    from pydicom.tag import Tag
+    a = random.integers(0, 255, SHAPE, dtype="u1")
+    tiled = "tiles of one flat picture"
+    cine = "frames one after another in time"
+    slide = "1.2.840.10008.5.1.4.1.1.77.1.6"
+    where = dict(SpacingBetweenSlices=3, PixelSpacing=[0.5, 0.25])
+    ultrasound = dict(Modality="US", SOPClassUID="1.2.840.10008.5.1.4.1.1.3.1")
+    for name, words, tags in (
+            ("a whole slide, by its class", tiled, dict(Modality="SM", SOPClassUID=slide)),
+            ("a whole slide, by its size", tiled, dict(TotalPixelMatrixColumns=4 * COLUMNS, TotalPixelMatrixRows=2 * ROWS)),
+            ("tiles, by their organisation", tiled, dict(DimensionOrganizationType="TILED_FULL")),
+            ("tiles in some places", tiled, dict(DimensionOrganizationType="TILED_SPARSE")),
+            ("cine, by its pointer", cine, dict(FrameIncrementPointer=Tag(0x0018, 0x1063), FrameTime="33.3", **ultrasound)),
+            ("cine, uneven", cine, dict(FrameIncrementPointer=Tag(0x0018, 0x1065), FrameTimeVector=[0] + [30] * (SLICES - 1))),
+            ("cine, by several", cine, dict(FrameIncrementPointer=[Tag(0x0018, 0x1063), Tag(0x0020, 0x0013)], FrameTime="40")),
+            ("cine without a pointer", cine, dict(FrameTime="33.3", **ultrasound)),
+            ("slices by number", "", dict(FrameIncrementPointer=Tag(0x0020, 0x0013))),
+            ("slices of a dose, with a time", "", dict(GridFrameOffsetVector=[2 * i for i in range(SLICES)], FrameTime="1",
+                                                       ImagePositionPatient=[0, 0, 0], ImageOrientationPatient=[1, 0, 0, 0, 1, 0]))):
+        f = image(a, **where, **tags)
+        f.file_meta.MediaStorageSOPClassUID = f.SOPClassUID
+        f.save_as(path("frames.dcm"), write_like_original=False)
+        if not words:
+            same(name, a, *take("frames.dcm"))
+            continue
+        ends(name, 3, words, *take("frames.dcm"))
+        ends(name + ", converted", 3, words, leafcast, "convert", path("frames.dcm"), "-o", path("frames.leaf"))
+        ends(name + ", in a folder", 3, words, leafcast, "info", folder_of("frames.dcm"))
+
+
+def folder_of(name):
+    os.makedirs(path("alone"), exist_ok=True)
+    shutil.copy(path(name), path("alone/a.dcm"))
+    return path("alone")
+
+
+for part in (types, rescale, places, faults, studies, compressed, several_frames, colours, hostile, real, preambles,
+             no_slices):
     part()

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """import_hdf5.py LEAFCAST FOLDER - files by h5py, and what leafcast import-hdf5 makes of them."""
+import json
 import sys
 
 from imported import Imported, damaged, elsewhere, ends, np, same, start, tell
@@ -172,13 +173,68 @@ def vtkhdf():
     ends("VTKHDF of another type", 3, "UnstructuredGrid", *take("vtk", "--field", "a"))
 
 
+def fields():
+    """What is taken unasked is the largest field: no scale of a dimension, nothing that an attribute names."""
+    def taken(name, want, *arguments):
+        rc, out, said = start(*take(name, "--list", "--json", *arguments))
+        got = [f["name"] for f in json.loads(out)["fields"] if f["taken"]] if rc == 0 else said
+        tell("%s: %s is taken %s" % (name, want, " ".join(arguments)), "" if got == [want] else got)
+        ends(name + ": and read", 0, "", *take(name, *arguments))
+
+    with h5py.File(path("sizes"), "w") as f:
+        f["bounding box"] = np.zeros((2, 3, 3))
+        f["masks"] = np.zeros((4, 5, 6), "u1")
+        f["run/state"] = random.random((7, 8, 9, 10)).astype("f4")
+        f["run/vectors"] = random.random((6, 6, 6, 3)).astype("f4")
+    taken("sizes", "/run/state")
+    taken("sizes", "/run/state", "--step", "6")
+    taken("sizes", "/run/vectors", "--component", "3")
+    for attribute in ("coordinates", "bounds", "climatology", "ancillary_variables", "grid_mapping", "cell_measures",
+                      "formula_terms"):
+        for name in ("other", "/other"):
+            with h5py.File(path("role"), "w") as f:
+                f["other"] = np.zeros((9, 9, 9))
+                f["g/field"] = random.random((4, 5, 6))
+                f["g/field"].attrs[attribute] = "key: " + name
+            taken("role", "/g/field")
+    with h5py.File(path("scales"), "w") as f:
+        f["a scale"] = np.zeros((9, 9, 9))
+        f["a scale"].make_scale("a scale")
+        f["field"] = random.random((4, 5, 6))
+    taken("scales", "/field")
+
+
+def times():
+    """Scales that are of times: a map that changes is no volume."""
+    a = random.random((5, 6, 7, 3)).astype("f4")
+    for name, attributes in (("time", {}), ("when", {"units": "days since 2000-01-01"}), ("q", {"axis": "T"}),
+                             ("r", {"standard_name": "time"}), ("MONTH", {})):
+        with h5py.File(path("timed"), "w") as f:
+            f[name] = np.arange(5.0)
+            f[name].attrs.update(attributes)
+            f[name].make_scale(name)
+            f["map"], f["volume"] = a[..., 0], a
+            for v in ("map", "volume"):
+                f[v].dims[0].attach_scale(f[name])
+        ends("a map over %s is refused" % name, 3, "a map that changes is no volume", *take("timed", "--field", "map"))
+        same("but stacked if asked", a[..., 0], *take("timed", "--field", "map", "--axes", "zyx"))
+        same("steps over " + name, a[2], *take("timed", "--step", "2"))
+        with h5py.File(path("timed"), "r+") as f:
+            del f["volume"]
+        ends("a file of maps over %s" % name, 3, "/map is a map that changes in time", *take("timed"))
+    with h5py.File(path("timed"), "w") as f:
+        f["level"], f["volume"] = np.arange(5.0), a[..., 0]
+        f["level"].make_scale("level")
+        f["volume"].dims[0].attach_scale(f["level"])
+    same("levels are no times", a[..., 0], *take("timed"))
+
+
 def lists():
     rc, out, _ = start(*take("axes", "--list"))
     lines = {line.split()[0]: line for line in out.decode().splitlines()}
     right = rc == 0 and "8 x 7 x 6 x 5" in lines.get("/tczyx", "") and len(lines) == 8
     tell("--list", "" if right else lines)
     rc, out, _ = start(*take("types", "--list", "--json"))
-    import json
     fields = {f["name"]: f for f in json.loads(out)["fields"]}
     right = not fields["/words"]["readable"] and fields["/t/u1"]["shape"] == [23, 17, 12]
     tell("--list --json", "" if right else fields)
@@ -200,5 +256,5 @@ def hostile():
     damaged("damaged files, listed", path("sound"), path("broken"), 50, *take("broken", "--list"))
 
 
-for part in (types, chunks, once, axes, places, vtkhdf, lists, hostile):
+for part in (types, chunks, once, axes, places, vtkhdf, fields, times, lists, hostile):
     part()

@@ -4,6 +4,7 @@
 DATA: a folder of real data sets, or an empty word.
 """
 import glob
+import json
 import os
 import subprocess
 import sys
@@ -147,6 +148,155 @@ def places():
     tell("units in the name", "" if Imported(out).name == "v [degC]" else Imported(out).name)
 
 
+def tables(name, dims, *variables, form="NETCDF4"):
+    """A file of variables (name, type, dimensions, values or None, attributes)."""
+    with Dataset(path(name), "w", format=form) as f:
+        for d, n in dims.items():
+            f.createDimension(d, n)
+        for v, type, along, values, attributes in variables:
+            made = f.createVariable(v, type, tuple(along))
+            made.setncatts(attributes)
+            shape = [dims[d] or 3 for d in along]
+            made[...] = random.random(shape).astype(type) if values is None else values
+
+
+def taken(name, want, words, *arguments):
+    """The variable that is taken unasked, and the words of the note; --list says the same."""
+    rc, out, said = start(*take(name, *arguments))
+    got = Imported(out) if rc == 0 else None
+    right = got and got.name.split(" [")[0] == want and (words in got.note if words else not got.note)
+    right = right and (words in said if words else not said)
+    tell("%s: %s is taken, told \"%s\"" % (name, want, words), "" if right else (got and (got.name, got.note)) or said)
+    rc, out, said = start(*take(name, "--list", "--json", *arguments))
+    marked = [f["name"] for f in json.loads(out)["fields"] if f["taken"]] if rc == 0 else said
+    tell(name + ": the one in the list", "" if marked == [want] else marked)
+    return got
+
+
+ROLES = ("coordinates", "bounds", "climatology", "ancillary_variables", "grid_mapping", "cell_measures", "formula_terms")
+
+
+def fields():
+    """What is taken unasked is the largest field; whatever an attribute names is none."""
+    for form in ("NETCDF3_CLASSIC", "NETCDF4"):
+        for role in ROLES if form == "NETCDF4" else ROLES[:1]:
+            value = "area: other" if role in ("cell_measures", "formula_terms") else "other"
+            dims, small = {"z": 6, "y": 7, "x": 8, "n": 4}, ("n", "y", "x")
+            tables("role", dims, ("other", "f4", "zyx", None, {}), ("field", "f4", small, None, {role: value}), form=form)
+            taken("role", "field", "coordinates that are not used: other" if role == "coordinates" else "")
+            rc, out, _ = start(*take("role", "--list"))
+            lines = [line for line in out.decode().splitlines() if line.startswith("other")]
+            tell("the list says what it is: " + role, "" if rc == 0 and lines[0].rstrip() != lines[0].split(" f4")[0] + " f4"
+                 else lines)
+            ends("it can be asked for: " + role, 0, "", *take("role", "--field", "other", "-q"))
+    dims = {"t": None, "z": 6, "y": 7, "x": 8, "two": 2}
+    tables("sizes", dims, ("box", "f8", ("two", "y", "x"), None, {}), ("mask", "i1", "zyx", None, {}),
+           ("state", "f4", "tzyx", None, {}), ("map", "f4", "tyx", None, {}), ("words", "S1", "tzyx", b"x", {}))
+    taken("sizes", "state", "")
+    taken("sizes", "state", "", "--step", "2")
+    tables("small", {"t": None, "z": 6, "y": 7, "x": 8, "n": 3}, ("v", "f4", ("t", "n", "y", "x"), None, {}),
+           ("w", "f4", "zyx", None, {}))
+    taken("small", "w", "")
+    taken("small", "v", "", "--step", "1")
+    tables("named", {"z": 6, "y": 7, "x": 8}, ("other", "f4", "zyx", None, {"coordinates": "other"}))
+    ends("none is a field", 3, "no field of numbers", *take("named"))
+
+
+def curvilinear():
+    """As WRF and ROMS have it: places in variables of two dimensions, and of time."""
+    dims = {"Time": None, "z": 6, "y": 7, "x": 8}
+    where = {"XLAT": {"units": "degree_north"}, "XLONG": {"units": "degree_east"}}
+    tables("wrf", dims, *((v, "f4", ("Time", "y", "x"), None, a) for v, a in where.items()),
+           ("T", "f4", ("Time", "z", "y", "x"), None, {"coordinates": "XLONG XLAT XTIME"}))
+    got = taken("wrf", "T", "coordinates that are not used: XLONG, XLAT (x and y and z count nodes)")
+    tell("wrf: indices", "" if np.allclose(got.columns[:3], np.eye(3)) else got.columns)
+    taken("wrf", "T", "", "--indices")
+    z = np.arange(6.0)
+    tables("sigma", {"z": 6, "y": 7, "x": 8}, ("ps", "f4", "yx", None, {}),
+           ("z", "f8", "z", z, {"standard_name": "atmosphere_sigma_coordinate", "formula_terms": "sigma: z ps: ps"}),
+           ("T", "f4", "zyx", None, {}))
+    taken("sigma", "T", "the formula that makes heights of it is not used")
+
+
+def times():
+    """An axis of times is steps, and never z, however it says so."""
+    hours = 6.0 * np.arange(5)
+    ways = [("time", {"units": "hours since 2000-01-01"}), ("when", {"units": "days since 1900-1-1 00:00"}),
+            ("q", {"axis": "T"}), ("r", {"standard_name": "time"}), ("MONTH_REG", {}), ("s", {"units": "months"}),
+            ("month", {"units": "1"}), ("TIME1", {"units": "hours", "time_origin": "15-JAN-1901"}), ("Time", None)]
+    for form in ("NETCDF3_CLASSIC", "NETCDF4"):
+        for name, attributes in ways if form == "NETCDF4" else ways[:1]:
+            dims = {name: 5, "lat": 6, "lon": 7, "lev": 4}
+            coordinates = [] if attributes is None else [(name, "f8", (name,), hours, attributes)]
+            t2m = ("t2m", "f4", (name, "lat", "lon"), None, {})
+            tables("map", dims, *coordinates, t2m, form=form)
+            ends("a map over %s is refused" % name, 3, "t2m is a map that changes in time", *take("map"))
+            ends("and by its name", 3, "its dimension %s is time" % name, *take("map", "--field", "t2m"))
+            same("but stacked if asked", read("map", "t2m"), *take("map", "--stack-time"))
+            tables("steps", dims, *coordinates, t2m, ("t", "f4", (name, "lev", "lat", "lon"), None, {}),
+                   ("last", "f4", ("lev", "lat", "lon", name), None, {}), form=form)
+            same("steps over " + name, read("steps", "t")[3], *take("steps", "--step", "3"))
+            ends("times behind", 3, "must be in front", *take("steps", "--field", "last"))
+    level = ("level", "f8", ("level",), np.arange(5.0), {"axis": "Z"})
+    tables("level", {"level": 5, "lat": 6, "lon": 7}, level, ("t", "f4", ("level", "lat", "lon"), None, {}))
+    taken("level", "t", "")
+    tables("axis", {"months": 5, "lat": 6, "lon": 7}, ("months", "f8", ("months",), np.arange(5.0), {"axis": "Z"}),
+           ("t", "f4", ("months", "lat", "lon"), None, {}))
+    taken("axis", "t", "")
+
+
+def down():
+    """Depths and pressures: up is up, and each sample keeps its place."""
+    depth = np.array([0, 10, 30, 60, 100.0])
+    for name, z, attributes in (("uneven", depth, {"positive": "down", "units": "m"}),
+                                ("even", 10 * np.arange(5.0), {"positive": "down", "units": "m"}),
+                                ("upwards", depth[::-1], {"positive": "DOWN"}),
+                                ("pressure", 100 * np.arange(10.0, 5, -1), {"units": "hPa"}),
+                                ("up", depth, {"positive": "up", "units": "hPa"})):
+        tables("depth_" + name, {"z": 5, "y": 6, "x": 7}, ("z", "f8", "z", z, attributes), ("v", "f4", "zyx", None, {}))
+        sign = 1 if name == "up" else -1
+        got = taken("depth_" + name, "v", "" if sign > 0 else "z is minus z, which grows downwards")
+        lies = [got.place(0, 0, i)[2] for i in range(5)]
+        tell(name + ": heights", "" if np.allclose(lies, sign * z) else lies)
+        tell(name + ": samples", "" if np.array_equal(got.samples, read("depth_" + name, "v")) else "differ")
+
+
+def exaggerated():
+    """convert --exaggerate: the world's third axis, and nothing else."""
+    def world(name, *options):
+        leaf = path(name) + ".leaf"
+        rc, _, said = start(leafcast, "convert", path(name), "-o", leaf, "--force", *options)
+        rc2, out, _ = start(leafcast, "export", leaf, "-o", "-", "--format", "nrrd")
+        return (Imported(out), said) if rc == 0 and rc2 == 0 else (None, said)
+
+    for name in ("depth_uneven", "depth_even"):
+        plain, said = world(name)
+        tell(name + ": convert tells the note", "" if "z is minus z" in said else said)
+        _, said = world(name, "-q")
+        tell(name + ": -q does not", said)
+        high, _ = world(name, "--exaggerate", "2.5")
+        nodes = [(0, 0, 0), (6, 0, 0), (0, 5, 0), (0, 0, 4), (6, 5, 4), (3, 2, 1), (1, 1, 3), (5, 4, 2)]
+        wrong = [n for n in nodes if not np.allclose(high.place(*n), plain.place(*n) * [1, 1, 2.5])]
+        tell(name + ": exaggerated", wrong or "")
+        origin, _ = world(name, "--exaggerate", "2.5", "--origin", "1,2,3", "--spacing", "1,1,2")
+        step = (origin.place(0, 0, 1) - origin.place(0, 0, 0))[2]
+        tell(name + ": an origin stays", "" if np.allclose(origin.place(0, 0, 0)[:2], [1, 2]) and
+             abs(abs(step) - 2 * 2.5 * (10 if name == "depth_uneven" else 1)) < 1e-9 else (origin.columns, step))
+    lat = [("x", "f8", "x", np.arange(7.0), {"units": "degrees_east"}), ("y", "f8", "y", np.arange(6.0), {"units": "degrees_north"})]
+    for unit, hint in (("m", "degrees_east along x stand beside m along z"), ("", ""), ("degrees", "")):
+        z = ("z", "f8", "z", 500 * np.arange(5.0), {"units": unit} if unit else {})
+        tables("units", {"z": 5, "y": 6, "x": 7}, z, *lat, ("v", "f4", "zyx", None, {}))
+        _, said = world("units")
+        tell("units beside \"%s\": the hint" % unit, "" if hint in said and ("--exaggerate" in said) == (hint != "") else said)
+        _, said = world("units", "--exaggerate", "0.002")
+        tell("units beside \"%s\": no hint with a factor" % unit, "" if "--exaggerate" not in said else said)
+    for value in ("0", "-1", "nan", "inf", "much"):
+        ends("--exaggerate " + value, 2, "--exaggerate", leafcast, "convert", path("depth_even"), "-o", path("no"),
+             "--exaggerate=" + value)
+    rc, out, said = start(leafcast, "info", path("depth_even"), "--json", "--quick")
+    tell("info tells the note", "" if rc == 0 and "z is minus z" in json.loads(out)["note"] else said)
+
+
 def groups():
     with create("groups") as f:
         f.createVariable("x", "f8", ("x",))[...] = 2.0 * np.arange(SHAPE[2])
@@ -210,11 +360,11 @@ def real():
         a = staged(months[i], (19, 90, 180))
         same("ocean of month %d" % (i + 1), np.where(a == np.float32(-1e34), np.nan, a), leafcast, "import-netcdf",
              source + "ocean_atlas_subset.nc", "--field", "TEMP", "--step", i,
-             columns=[[2, 0, 0], [0, 2, 0], [0, 0, 1], [20.5, -89.5, 0]])
+             columns=[[2, 0, 0], [0, 2, 0], [0, 0, -1], [20.5, -89.5, 0]])
     a = staged(glob.glob(data + "/levitus_temp/*.zst")[0], (20, 180, 360))
     same("Levitus' climatology", np.where(a == np.float32(-1e10), np.nan, a), leafcast, "import-netcdf",
          source + "levitus_climatology.cdf", "--field", "TEMP")
 
 
-for part in (forms, packing, places, groups, chunks, hostile, real):
+for part in (forms, packing, places, fields, curvilinear, times, down, exaggerated, groups, chunks, hostile, real):
     part()

@@ -10,17 +10,7 @@ import_files() {
         >"$tmp/results" 2>"$tmp/said"
     rc=$?
     [ $rc != 77 ] || { skip "import-$1" "no $2 here"; finish; }
-    while IFS='	' read -r name result; do
-        case $result in
-        skip*) skip "$name" "${result#skip }" ;;
-        *)
-            echo "$result" >"$tmp/err"
-            ok "$name" [ "$result" = right ]
-            ;;
-        esac
-    done <"$tmp/results"
-    cp "$tmp/said" "$tmp/err"
-    ok "all of them were run (exit $rc)" [ $rc = 0 ]
+    results
 }
 
 import_options() {

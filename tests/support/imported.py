@@ -32,9 +32,13 @@ class Imported:
 
     def __init__(self, nrrd):
         head, data = nrrd.split(b"\n\n", 1)
-        field, self.axes = {}, [None] * 3
+        field, self.axes, self.absent, self.note = {}, [None] * 3, None, ""
         for line in head.decode().split("\n")[1:]:
-            if ":=" in line:
+            if line.startswith("leafcast absent:="):
+                self.absent = line.split(":=")[1]
+            elif line.startswith("leafcast note:="):
+                self.note = line.split(":=")[1]
+            elif ":=" in line:
                 key, value = line.split(":=")
                 self.axes[int(key.split()[-1])] = np.array([float(v) for v in value.split()])
             else:
@@ -52,11 +56,11 @@ class Imported:
         return self.columns[3] + sum(at[a] * self.columns[a] for a in range(3))
 
 
-def start(leafcast, *arguments, timeout=30):
+def start(leafcast, *arguments, timeout=30, env=None):
     """(exit status, output, what it said); status None: it took too long."""
     try:
         done = subprocess.run([leafcast, *map(str, arguments)], stdin=subprocess.DEVNULL, timeout=timeout,
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=env)
     except subprocess.TimeoutExpired:
         return None, b"", "took longer than %d s" % timeout
     return done.returncode, done.stdout, done.stderr.decode(errors="replace")
@@ -105,6 +109,9 @@ def damaged(name, path, broken, count, leafcast, *arguments):
     whole = open(path, "rb").read()
     dice = random.Random(20)
     wrong, refused = "", 0
+    # Sanitizers take the place of the importer's limit of memory: what it refuses, they refuse.
+    few = ":max_allocation_size_mb=2048:allocator_may_return_null=1"
+    env = dict(os.environ, **{name: os.environ.get(name, "") + few for name in ("ASAN_OPTIONS", "TSAN_OPTIONS")})
     for i in range(2 * count):
         data = bytearray(whole)
         if i < count:
@@ -115,7 +122,7 @@ def damaged(name, path, broken, count, leafcast, *arguments):
                 data[at] = dice.randrange(256)
         with open(broken, "wb") as f:
             f.write(data)
-        rc, _, said = start(leafcast, *arguments)
+        rc, _, said = start(leafcast, *arguments, env=env)
         refused += i < count and rc == 3
         if rc not in (0, 1, 2, 3, 4) or (rc and not said):
             wrong = "damaged file %d: exit %s: %s" % (i, rc, said)

@@ -60,6 +60,9 @@ static const char *write_input(const leaf_case *c, volume_hints *hints) {
     size_t count = (size_t)c->dims[0] * c->dims[1] * c->dims[2];
     *hints = (volume_hints){.dims = {c->dims[0], c->dims[1], c->dims[2]}, .type = c->type};
     memcpy(hints->axis_file, c->axis_file, sizeof hints->axis_file);
+    hints->has_axes = c->axes != WORLD_UNTOLD;
+    hints->axes = c->axes;
+    hints->unit = c->unit;
     return scratch_write(input, c->samples, count * sample_size(c->type));
 }
 

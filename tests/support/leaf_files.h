@@ -14,6 +14,8 @@ typedef struct leaf_case {
     sample_type type;
     const void *samples;
     const char *axis_file[3]; /* rectilinear: as in volume_hints */
+    world_axes axes;          /* and these likewise */
+    const char *unit;
     convert_options options;
 } leaf_case;
 

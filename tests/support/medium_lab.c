@@ -86,11 +86,23 @@ static void make_field(medium_body *b, int index, const leafcast_options *option
     b->volume = fixture_open(b->path, options);
 }
 
-static void make_mesh(medium_body *b, const char *name, const leafcast_options *options) {
-    assert_true(lab_mesh_make(&b->mesh, name, CUBES, 5));
+static void make_mesh(medium_body *b, const char *name, int cubes,
+                      const leafcast_options *options) {
+    assert_true(lab_mesh_make(&b->mesh, name, cubes, 5));
     b->as_mesh = lab_mesh_reference(&b->mesh);
     b->path = lab_leaf_make(&b->mesh, TREELET_TETS, false);
     b->volume = fixture_open(b->path, options);
+}
+
+static void find_range(medium_body *b, field_random *r) {
+    const leafcast_info info = leafcast_describe(b->volume);
+    const long *n = b->field.dims;
+    double length = 0.0;
+    for (int a = 0; a < 3; a++)
+        length = hypot(length, info.bounds[1][a] - info.bounds[0][a]);
+    b->range = b->mesh.tet_count > 0
+                   ? transfer_range_of(b->mesh.values, b->mesh.point_count, length, r)
+                   : transfer_range_of(b->field.samples, (size_t)(n[0] * n[1] * n[2]), length, r);
 }
 
 void medium_body_make(medium_body *b, int index, const leafcast_options *options) {
@@ -98,22 +110,44 @@ void medium_body_make(medium_body *b, int index, const leafcast_options *options
                                        "tets-wild", "tets-denormal", "tets-minute",
                                        "tets-huge", "tets-raised",   "constant"};
     field_random r = {(uint64_t)index};
-    double length = 0.0;
     *b = (medium_body){.tame = true};
     snprintf(b->name, sizeof b->name, "%s", medium_body_name(index));
     for (size_t i = 0; i < sizeof wild / sizeof *wild; i++)
         b->tame = b->tame && strcmp(b->name, wild[i]) != 0;
     if (is_mesh_index(index))
-        make_mesh(b, plain_name(index), options);
+        make_mesh(b, plain_name(index), CUBES, options);
     else
         make_field(b, index, options);
-    const leafcast_info info = leafcast_describe(b->volume);
-    for (int a = 0; a < 3; a++)
-        length = hypot(length, info.bounds[1][a] - info.bounds[0][a]);
-    const long *n = b->field.dims;
-    b->range = b->mesh.tet_count > 0
-                   ? transfer_range_of(b->mesh.values, b->mesh.point_count, length, &r)
-                   : transfer_range_of(b->field.samples, (size_t)(n[0] * n[1] * n[2]), length, &r);
+    find_range(b, &r);
+}
+
+void medium_body_of_mesh(medium_body *b, const char *name, int cubes) {
+    field_random r = {1};
+    *b = (medium_body){.tame = true};
+    snprintf(b->name, sizeof b->name, "tets-%s", name);
+    make_mesh(b, name, cubes, NULL);
+    find_range(b, &r);
+}
+
+void medium_body_of_bytes(medium_body *b, const char *name, const long dims[3],
+                          const uint8_t *samples) {
+    const size_t count = (size_t)(dims[0] * dims[1] * dims[2]);
+    field_random r = {1};
+    *b = (medium_body){.tame = true, .field = {.name = "bytes", .type = "u8"}};
+    snprintf(b->name, sizeof b->name, "%s", name);
+    field *f = &b->field;
+    f->samples = malloc(count * sizeof *f->samples);
+    assert_non_null(f->samples);
+    for (size_t i = 0; i < count; i++)
+        f->samples[i] = (float)samples[i];
+    for (int a = 0; a < 3; a++) {
+        f->dims[a] = dims[a];
+        f->spacing[a] = 1.0;
+    }
+    b->as_grid = field_volume(f);
+    b->path = fixture_leaf(f, 4, 1, false);
+    b->volume = fixture_open(b->path, NULL);
+    find_range(b, &r);
 }
 
 void medium_body_release(medium_body *b) {
@@ -473,6 +507,29 @@ leafcast_status medium_lab_planes(const medium_job *job, medium_planes *planes) 
     const leafcast_status st = shot_draw(&s);
     memcpy(planes->rgba, s.rgba, sizeof s.rgba);
     memcpy(planes->error, s.error, sizeof s.error);
+    return st;
+}
+
+leafcast_status medium_lab_ask(const medium_job *job, double asked, const leafcast_medium *medium,
+                               medium_planes *planes, double off[MEDIUM_PIXELS]) {
+    static shot s;
+    shot_of_medium(&s, job);
+    s.scene.error = asked;
+    s.shown[0].count = 0;
+    if (medium) {
+        memcpy(s.points[0], medium->points, (size_t)medium->count * sizeof *medium->points);
+        s.media[0].count = medium->count;
+    }
+    const leafcast_status st = shot_draw(&s);
+    memcpy(planes->rgba, s.rgba, sizeof s.rgba);
+    memcpy(planes->error, s.error, sizeof s.error);
+    for (int i = 0; i < PIXELS && st == LEAFCAST_OK; i++) {
+        const ref_ray ray = shot_ray(&s, i);
+        size_t seen;
+        const ref_colour truth = truth_of(&s, &ray, &seen);
+        const real error = fmaxl(error_of(s.rgba[i], &truth) - truth.error - SLACK, 0);
+        off[i] = error > s.error[i] && grazes_data(&s, &ray) ? NAN : (double)error;
+    }
     return st;
 }
 

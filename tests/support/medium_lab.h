@@ -45,6 +45,14 @@ const char *medium_body_name(int index);
 void medium_body_make(medium_body *b, int index, const leafcast_options *options);
 void medium_body_release(medium_body *b);
 
+/* medium_body_of_mesh() - a mesh of tet_meshes.h of more cubes, in many treelets. */
+void medium_body_of_mesh(medium_body *b, const char *name, int cubes);
+
+/* medium_body_of_bytes() - of samples of the test's own, x fastest, on a lattice of spacing 1 from
+ * 0 on. */
+void medium_body_of_bytes(medium_body *b, const char *name, const long dims[3],
+                          const uint8_t *samples);
+
 /* medium_body_reopen() - with other options. */
 leafcast_status medium_body_reopen(medium_body *b, const leafcast_options *options);
 
@@ -88,6 +96,13 @@ typedef struct medium_planes {
     double rgba[MEDIUM_PIXELS][4], error[MEDIUM_PIXELS];
 } medium_planes;
 leafcast_status medium_lab_planes(const medium_job *job, medium_planes *planes);
+
+/* medium_lab_ask() - the same picture with a bound and a medium of the test's own (NULL: the
+ * job's); off: how far each pixel is from the integral, NaN where the way of its ray is a matter of
+ * rounding.
+ */
+leafcast_status medium_lab_ask(const medium_job *job, double asked, const leafcast_medium *medium,
+                               medium_planes *planes, double off[MEDIUM_PIXELS]);
 
 void medium_tally_add(medium_tally *to, const medium_tally *from);
 uint64_t medium_tally_faults(const medium_tally *t);

@@ -128,7 +128,7 @@ static extent extent_of(const tet_ref_mesh *m, size_t tet, const ref_ray *r) {
 }
 
 static real t_off(const extent *e) {
-    return 0x1p-30L * e->reach + 16 * U * e->terms;
+    return 0x1.01p-33L * e->reach + 10 * U * e->terms;
 }
 
 static size_t mesh_pieces(const void *of, const ref_ray *r, truth_piece *out, size_t room) {
@@ -153,7 +153,7 @@ static real mesh_value(const void *of, const ref_ray *r, uint64_t tet, real at, 
     *off = 0;
     if (!tet_ref_crossings(m, tet, r, t, f))
         return NAN;
-    const real length = t[1] - t[0], error = 0x1p-30L * e.range + 16 * U * e.largest;
+    const real length = t[1] - t[0], error = 0x1.01p-33L * e.range + 16 * U * e.largest;
     /* Where t may be off by the whole length, the value may be either end's. */
     const real steep = length > 0 ? fminl(1, 2 * t_off(&e) / length) : 1;
     *off = error + steep * fabsl(f[1] - f[0]);
@@ -259,7 +259,8 @@ static void judge_face(segment_tally *sum, const segment_truth *truth, const cha
 }
 
 void segment_judge(segment_tally *sum, const segment_truth *truth, const char *name,
-                   const ref_ray *r, const segment *got, size_t count) {
+                   const ref_ray *r, const segment *got, size_t count,
+                   const segments_error *error) {
     static truth_piece want[PIECES_MAX];
     static bool seen[PIECES_MAX];
     const size_t wanted = truth->pieces(truth->of, r, want, PIECES_MAX);
@@ -282,6 +283,9 @@ void segment_judge(segment_tally *sum, const segment_truth *truth, const char *n
         if (seen[w - want])
             fault(sum, name, r, got[i].cell, "twice", 0, 0);
         seen[w - want] = true;
+        if (fmaxl(w->off[0], w->off[1]) > (1 + 0x1p-40L) * error->t)
+            fault(sum, name, r, got[i].cell, "the ray's bound is less than its piece's", w->off[1],
+                  error->t);
         judge_end(sum, name, r, got[i].cell, got[i].t0, w->t0, w->off[0]);
         judge_end(sum, name, r, got[i].cell, got[i].t1, w->t1, w->off[1]);
         judge_values(sum, truth, name, r, &got[i]);

@@ -41,8 +41,9 @@ typedef struct segment_tally {
     double worst_t, worst_value, worst_sum; /* of the bounds */
 } segment_tally;
 
-/* segment_judge() - pieces of a ray, as they came. Faults are counted and said. */
+/* segment_judge() - pieces of a ray, as they came, and what is said of their errors. Faults are
+ * counted and said. */
 void segment_judge(segment_tally *sum, const segment_truth *truth, const char *name,
-                   const ref_ray *r, const segment *got, size_t count);
+                   const ref_ray *r, const segment *got, size_t count, const segments_error *error);
 
 #endif

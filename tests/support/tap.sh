@@ -52,6 +52,22 @@ skip() {
     echo "ok $tap_count - $1 # SKIP $2"
 }
 
+# results - what a script in Python has written to $tmp/results, a line a test: its name, a tab, "right", "skip WHY" or
+# what was wrong; it ended with $rc and said $tmp/said.
+results() {
+    while IFS='	' read -r name result; do
+        case $result in
+        skip*) skip "$name" "${result#skip }" ;;
+        *)
+            echo "$result" >"$tmp/err"
+            ok "$name" [ "$result" = right ]
+            ;;
+        esac
+    done <"$tmp/results"
+    cp "$tmp/said" "$tmp/err"
+    ok "all of them were run (exit $rc)" [ "$rc" = 0 ]
+}
+
 # python_with MODULE - the Python that has it: the system's own, where another goes before it; else nothing.
 python_with() {
     for python in python3 /usr/bin/python3; do
@@ -60,6 +76,34 @@ python_with() {
             return
         fi
     done
+}
+
+# client NAME COMMAND... - run a program that tells what it has looked at, a line a test: "ok NAME" or "not NAME", with
+# "end" behind the last.
+client() {
+    tap_client=$1
+    shift
+    run "$@"
+    ok "$tap_client: it ends well" [ "$rc" = 0 ]
+    while read -r result name; do ok "$tap_client: $name" [ "$result" = ok ]; done <<LINES
+$(sed -n 's/^\(ok\|not\) /\1 /p' "$tmp/out")
+LINES
+    ok "$tap_client: it has told of all" grep -qx "end" "$tmp/out"
+}
+
+# need_view - the viewer; or skip the whole script.
+need_view() {
+    "$leafcast" --list-verbs own | grep -qx view && return
+    skip "the viewer" "it is not built here: no libwebsockets or libturbojpeg"
+    finish
+}
+
+# need_browser - a browser that Python drives, as $python; or skip the whole script.
+need_browser() {
+    python=$(python_with selenium)
+    [ -z "$python" ] || ! command -v chromium >/dev/null || ! command -v chromedriver >/dev/null || return 0
+    skip "the viewer's page" "chromium, chromium-driver or python3-selenium is not here"
+    finish
 }
 
 # finish - the last line of every script.

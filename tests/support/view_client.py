@@ -47,9 +47,29 @@ class Server:
         _, said = self.process.communicate(timeout=60)
         return self.process.returncode, said
 
+    def drawer(self):
+        """The process that draws and serves: the child of the one that was started; None: there is none."""
+        for pid in filter(str.isdigit, os.listdir("/proc")):
+            try:
+                parent = int(open(f"/proc/{pid}/stat").read().rsplit(")", 1)[1].split()[1])
+            except OSError:
+                continue
+            if parent == self.process.pid:
+                return int(pid)
+        return None
+
     def cpu_seconds(self):
-        fields = open(f"/proc/{self.process.pid}/stat").read().rsplit(")", 1)[1].split()
+        fields = open(f"/proc/{self.drawer()}/stat").read().rsplit(")", 1)[1].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def rests(self):
+        """Whether it comes to rest within a minute: there is a second in which it hardly works."""
+        for _ in range(60):
+            before = self.cpu_seconds()
+            time.sleep(1.0)
+            if self.cpu_seconds() - before < 0.3:
+                return True
+        return False
 
 
 def read_answer(s):

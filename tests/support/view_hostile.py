@@ -482,7 +482,8 @@ def crowd(server):
 
 def main():
     server = Server([leafcast, "view", GRID, MESH, "--threads", "2"])
-    before, files = usage(server.process.pid), opened(server.process.pid)
+    drawer = server.drawer()
+    before, files = usage(drawer), opened(drawer)
     first = Page(server)
     first.send({"type": "open", "file": 1})
     mesh_state = first.text("volume")["state"]
@@ -492,16 +493,16 @@ def main():
     enemies = [Enemy(server, random.Random(1000 * SEED + i)) for i in range(ENEMIES)]
     # What the first of each leaves behind is not counted: allocators, buffers, treelets.
     attack(enemies, COUNT // 5)
-    warm, there = usage(server.process.pid), tree(folder)
+    warm, there = usage(drawer), tree(folder)
     early = [g.looked for g in guests]
     left = COUNT - COUNT // 5
     while left > 0:
         attack(enemies, min(left, 5000))
         left -= 5000
-        resident, fds, threads = usage(server.process.pid)
+        resident, fds, threads = usage(drawer)
         print(f"# {COUNT - max(left, 0)} requests: {resident >> 20} MiB, {fds} files, {threads} threads,",
               f"{[g.looked for g in guests]} pictures", flush=True)
-    strange = opened(server.process.pid) - files
+    strange = opened(drawer) - files
     for e in enemies:
         e.end()
     late = [g.looked for g in guests]
@@ -521,7 +522,7 @@ def main():
     ok(f"nothing was given to whom it must not be ({leaks[:3]})", not leaks)
     ok("no file was touched", tree(folder) == there)
     ok(f"nor opened ({strange})", not strange)
-    after = settled(server.process.pid, before, 1, 300)
+    after = settled(drawer, before, 1, 300)
     ok(f"open files: {before[1]} before, {after[1]} after", after[1] - before[1] in (0, 1))
     ok(f"threads: {before[2]} before, {after[2]} after", after[2] == before[2])
     ok(f"memory: {before[0] >> 20} MiB, {warm[0] >> 20} at work, {after[0] >> 20} in the end", after[0] <= warm[0] + SLACK)

@@ -15,6 +15,7 @@ SURFACE = {"iso": [120], "eye": [110, 90, 80], "look-at": [24, 20, 22], "fov": 3
 SHADED = dict(SURFACE, **{"iso": [110, 140], "color": ["red", "#80c0ff"], "opacity": [0.5, 1], "light": [[1, 1, 2]],
                           "shadows": True, "clip-box": [0, 0, 0, 40, 30, 44]})
 MEDIUM = {"tf": "auto", "eye": [110, 90, 80], "look-at": [24, 20, 22], "legend": True}
+ENDLESS = dict(MEDIUM, error=1e-6, samples=16)  # each ray is soon done, all of a large picture are not
 CLEAR = dict(SURFACE, background="0,0,0,0", annotate=True, title="gyroid", unit="mm")
 SAMPLES = dict(SURFACE, samples=4)
 PROJECTED = {"project": "max", "colour-map": "viridis", "eye": [110, 90, 80], "look-at": [24, 20, 22]}
@@ -154,6 +155,12 @@ def mapped(page, at_rest):
     page.view(number + 20, dict(SURFACE, lod=1), W, H)
     page.final()
     ok("the map is of the level drawn", page.text("treelets")["map"]["level"] == 1)
+    beyond = {**SURFACE, "clip-plane": [[1, 0.1, 0, -20]], "caps": True}
+    last = page.volume["levels"] - 1
+    page.view(number + 21, dict(beyond, lod="9"), W, H)
+    head, data = page.final()[-1]
+    ok("a level beyond the last one is the last one", head["lod_level"] == last and
+       png_pixels(data) == rendered(dict(beyond, lod=str(last))) and page.text("treelets")["map"]["level"] == last)
     page.send({"type": "residency", "on": False})
 
 
@@ -307,7 +314,7 @@ def files(s):
         code, _, body = picture_of(s, state, more="&type=exr")
         ok("EXR without its helper: 400, and why", code == 400 and b"leafcast-write-image" in body)
     page, asked = Page(s), s.connect()
-    query = f"token={s.token}&size=9000x9000&state={urllib.parse.quote(json.dumps(SURFACE))}"
+    query = f"token={s.token}&size=9000x9000&state={urllib.parse.quote(json.dumps(ENDLESS))}"
     asked.sendall(f"GET /picture?{query} HTTP/1.1\r\nHost: 127.0.0.1:{s.port}\r\n\r\n".encode())
     time.sleep(0.2)
     good = 0
@@ -316,10 +323,7 @@ def files(s):
         good += page.final()[-1][0]["exact"]
     ok("others are drawn for while a large file is", good == 8 and not select.select([asked], [], [], 0)[0])
     asked.close()
-    time.sleep(1.5)
-    before = s.cpu_seconds()
-    time.sleep(1.0)
-    ok("one that nobody waits for is given up", s.cpu_seconds() - before < 0.3)
+    ok("one that nobody waits for is given up", s.rests())
     page.close()
 
 
@@ -390,9 +394,7 @@ def unseen(s):
     while page.waits(0.5):
         count += page.message()[0] == "picture"
     ok(f"two pictures that are not seen ({count})", count == 2)
-    before = s.cpu_seconds()
-    time.sleep(1.0)
-    ok("and nothing is drawn meanwhile", s.cpu_seconds() - before < 0.3)
+    ok("and nothing is drawn meanwhile", s.rests())
     page.send({"type": "seen", "number": 29, "part": 1})
     ok("then the newest", page.picture()[0]["number"] == 29)
     page.close()
@@ -583,13 +585,10 @@ def several(s):
     b.view(1, other, W, H)
     ok("another client need not wait for the first", png_pixels(b.final()[-1][1]) == rendered(other))
     ok("nor is it disturbed", a.final()[-1][0]["exact"])
-    a.view(2, dict(MEDIUM, error=1e-8), 1600, 1200)
+    a.view(2, ENDLESS, 3200, 2400)
     time.sleep(0.3)
     a.close()
-    time.sleep(0.5)
-    before = s.cpu_seconds()
-    time.sleep(1.0)
-    ok("what a client that vanished wanted is not drawn", s.cpu_seconds() - before < 0.3)
+    ok("what a client that vanished wanted is not drawn", s.rests())
     b.view(2, SURFACE, W, H)
     ok("the other goes on", png_pixels(b.final()[-1][1]) == rendered(SURFACE))
     idle = [s.connect() for _ in range(20)]

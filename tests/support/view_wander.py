@@ -295,7 +295,7 @@ def wander(server, tally):
             if done % 250 == 0:
                 dice.choice(visitors).compare()
             if done % 100 == 0:
-                lines.append(usage(server.process.pid))
+                lines.append(usage(server.drawer()))
                 f.write(f"{done},{time.monotonic() - begun:.1f},{lines[-1][0]},{lines[-1][1]},{lines[-1][2]}\n")
                 f.flush()
     for v in visitors:
@@ -305,7 +305,7 @@ def wander(server, tally):
 
 def main():
     server = Server([leafcast, "view", *files, "--threads", "2"])
-    before = usage(server.process.pid)
+    before = usage(server.drawer())
     tally = Tally()
     lines = wander(server, tally)
     counts = {k: getattr(tally, k) for k in ("views", "pictures", "finals", "refused", "picks", "same", "again")}
@@ -320,7 +320,7 @@ def main():
     half = lines[len(lines) // 2:]
     early, late = max(l[0] for l in lines[:len(lines) // 2] or lines), max(l[0] for l in half)
     ok(f"memory stays: {before[0] >> 20}, {early >> 20}, {late >> 20} MiB at most", late <= early + SLACK)
-    after = settled(server.process.pid, before, len(files), 100)
+    after = settled(server.drawer(), before, len(files), 100)
     ok(f"open files: {before[1]} before, {after[1]} after", 0 <= after[1] - before[1] <= len(files))
     ok(f"threads: {before[2]} before, {after[2]} after", after[2] == before[2])
     code, said = server.stop(signal.SIGTERM)

@@ -136,6 +136,53 @@ void check_pixels(DcmItem *set, uint64_t bytes, dicom_image *image) {
         refuse(image, "it is too short for so many frames", "");
 }
 
+/* ---- frames that are no slices ---- */
+
+/* A flat picture in tiles: by its class, or as its frames are organised (PS3.3, C.7.6.17.3). */
+bool is_tiled(DcmItem *set, const OFString &kind, const dicom_image *image) {
+    OFString organised;
+    set->findAndGetOFString(DCM_DimensionOrganizationType, organised);
+    Uint32 whole = 0;
+    set->findAndGetUint32(DCM_TotalPixelMatrixColumns, whole);
+    return kind == UID_VLWholeSlideMicroscopyImageStorage ||
+           organised.compare(0, 5, "TILED") == 0 || whole > image->columns;
+}
+
+bool has_frame_positions(DcmItem *set) {
+    DcmItem *frame = nullptr;
+    return set->tagExists(DCM_GridFrameOffsetVector) ||
+           (set->findAndGetSequenceItem(DCM_PerFrameFunctionalGroupsSequence, frame, 0).good() &&
+            frame->tagExists(DCM_PlanePositionSequence));
+}
+
+/* From frame to frame it is time that goes on (PS3.3, C.7.6.5 and C.7.6.6). */
+bool is_cine(DcmItem *set, const dicom_image *image) {
+    DcmElement *pointer = nullptr;
+    if (image->frames < 2 || has_frame_positions(set))
+        return false;
+    if (set->findAndGetElement(DCM_FrameIncrementPointer, pointer).bad())
+        return set->tagExists(DCM_FrameTime) || set->tagExists(DCM_FrameTimeVector);
+    DcmAttributeTag *tags = dynamic_cast<DcmAttributeTag *>(pointer);
+    DcmTagKey key;
+    for (unsigned long i = 0; tags && tags->getTagVal(key, i).good(); i++)
+        if (key == DCM_FrameTime || key == DCM_FrameTimeVector)
+            return true;
+    return false;
+}
+
+void check_frames(DcmItem *set, const OFString &kind, dicom_image *image) {
+    if (is_tiled(set, kind, image))
+        refuse(image,
+               "tiles of one flat picture (a whole slide image), side by side: no slices of "
+               "a volume",
+               "");
+    else if (is_cine(set, image))
+        refuse(image,
+               "frames one after another in time (cine), of one place: no slices of a "
+               "volume; `dcm2pnm +Fa' writes them as pictures",
+               "");
+}
+
 void read_image(DcmFileFormat &file, uint64_t bytes, dicom_image *image) {
     DcmDataset *set = file.getDataset();
     OFString kind;
@@ -156,6 +203,7 @@ void read_image(DcmFileFormat &file, uint64_t bytes, dicom_image *image) {
     image->high = get_short(set, DCM_HighBit, image->stored - 1);
     image->is_signed = get_short(set, DCM_PixelRepresentation, 0) == 1;
     check_syntax(file, image);
+    check_frames(set, kind, image);
     check_pixels(set, bytes, image);
 }
 

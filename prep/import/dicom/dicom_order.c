@@ -247,6 +247,7 @@ static status place_uneven(mem *m, const order *o, double usual, grid *g) {
 static status place_known(mem *m, const order *o, bool gaps, grid *g) {
     double next[3];
     place_plane(&o->slices[0].place, g);
+    world_frame_set(&g->frame, WORLD_LPS, "mm");
     on_line(o, 1.0 / (double)(o->count - 1), next);
     for (int row = 0; row < 3; row++)
         g->to_world[row][2] = next[row] - o->slices[0].place.position[row];
@@ -267,6 +268,7 @@ static status place_unknown(const order *o, uint32_t step, grid *g) {
             return status_describe(ST_UNSUPPORTED,
                                    "%s and %s have neither positions nor different numbers",
                                    path_of(o, i), path_of(o, i + 1));
+    world_frame_set(&g->frame, WORLD_UNTOLD, "mm");
     g->to_world[0][0] = p->between[0];
     g->to_world[1][1] = p->between[1];
     g->to_world[2][2] = p->apart > 0 ? p->apart : 1;

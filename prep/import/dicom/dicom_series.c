@@ -4,7 +4,9 @@
 #include <string.h>
 
 #include "formats/base/file.h"
+#include "formats/base/file_guard.h"
 #include "formats/base/text.h"
+#include "prep/import/import_hint.h"
 
 /* ---- a file ---- */
 
@@ -70,11 +72,13 @@ static status take_image(dicom_study *s, uint32_t at, const dicom_image *image, 
     return ST_OK;
 }
 
-/* It counts as an input, and begins as DICOM does. */
+/* Whether it begins as DICOM does. What does not is no input: a folder may hold the output, too. */
 static status look(mem *m, const char *path, uint64_t *bytes, bool *known) {
     char start[132] = "";
     file *f = NULL;
+    file_guard_look(true);
     status st = file_open(m, path, &f);
+    file_guard_look(false);
     if (st != ST_OK)
         return st;
     *bytes = file_size(f);
@@ -159,14 +163,16 @@ static int named(const dicom_study *s, const char *field, uint32_t *out) {
     return count;
 }
 
-status dicom_study_choose(const dicom_study *s, const char *field, uint32_t *out) {
+status dicom_study_choose(const dicom_study *s, const import_request *q, uint32_t *out) {
+    char hint[IMPORT_HINT_MAX];
+    const char *field = q->field;
     const char *input = s->files.path[s->series[0].file];
     if (field) {
         const int count = named(s, field, out);
         if (count == 1)
             return ST_OK;
-        return status_describe(ST_USAGE, "%s: %s series \"%s\"; --list tells what there is", input,
-                               count ? "more than one" : "no", field);
+        return status_describe(ST_USAGE, "%s: %s series \"%s\"; `%s' tells what there is", input,
+                               count ? "more than one" : "no", field, import_hint_list(q, hint));
     }
     for (uint32_t i = 0; i < s->series_count; i++)
         if (!s->series[i].image.refuse[0] && s->series[i].slices > 1) {
@@ -177,7 +183,7 @@ status dicom_study_choose(const dicom_study *s, const char *field, uint32_t *out
     if (s->series[0].image.refuse[0])
         return ST_OK; /* and it will be said why not */
     return status_describe(ST_UNSUPPORTED,
-                           "%s: no series of several slices; --list tells what "
+                           "%s: no series of several slices; `%s' tells what "
                            "there is",
-                           input);
+                           input, import_hint_list(q, hint));
 }

@@ -4,6 +4,7 @@
 
 #include "prep/import/dicom/dicom_files.h"
 #include "prep/import/dicom/dicom_image.h"
+#include "prep/import/importer.h"
 
 /* One frame of one file. */
 typedef struct dicom_slice {
@@ -35,8 +36,9 @@ typedef struct dicom_study {
 CHECKED status dicom_study_read(mem *m, char *const *paths, int count, dicom_study *out);
 void dicom_study_release(dicom_study *s);
 
-/* dicom_study_choose() - the series of this SeriesInstanceUID, or of this description where only
- * one has it; NULL: the first of two slices and more that can be read. ST_USAGE, ST_UNSUPPORTED. */
-CHECKED status dicom_study_choose(const dicom_study *s, const char *field, uint32_t *out);
+/* dicom_study_choose() - the series with q's field as its SeriesInstanceUID, or as its description
+ * where only one has it; NULL: the first of two slices and more that can be read. ST_USAGE,
+ * ST_UNSUPPORTED. */
+CHECKED status dicom_study_choose(const dicom_study *s, const import_request *q, uint32_t *out);
 
 #endif

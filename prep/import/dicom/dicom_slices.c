@@ -10,7 +10,8 @@
 typedef struct dicom_slices {
     mem *m;
     dicom_study study;
-    dicom_image image;   /* of the series */
+    uint32_t series;     /* the one that is read */
+    dicom_image image;   /* of it */
     dicom_slice *slices; /* those of the grid, in order */
     size_t count;
     packed_samples packed; /* but for scale and offset, which are each slice's */
@@ -163,10 +164,11 @@ static status create(mem *m, const import_request *q, dicom_slices **out) {
 /* The slices of the series that is asked for. */
 static status choose(dicom_slices *s, const import_request *q) {
     uint32_t series = 0;
-    status st = dicom_study_choose(&s->study, q->field, &series);
+    status st = dicom_study_choose(&s->study, q, &series);
     if (st != ST_OK)
         return st;
     const dicom_series *chosen = &s->study.series[series];
+    s->series = series;
     s->image = chosen->image;
     if (s->image.refuse[0] || chosen->slices == 0)
         return status_describe(ST_UNSUPPORTED, "%s: series %s cannot be read: %s",
@@ -224,17 +226,37 @@ status dicom_slices_open(mem *m, const import_request *q, bool gaps, slice_sourc
     return ST_OK;
 }
 
+/* How many steps has the series that would be read; 0: none would. */
+static uint32_t steps_of_choice(dicom_slices *s, const import_request *q) {
+    grid g = {0};
+    status st = choose(s, q);
+    const size_t slices = s->count;
+    if (st == ST_OK)
+        st = make_grid(s, q, true, &g);
+    grid_release(&g, s->m);
+    return st == ST_OK && s->count > 0 ? (uint32_t)(slices / s->count) : 0;
+}
+
 status dicom_slices_list(mem *m, const import_request *q, const import_list *to) {
     dicom_slices *s = NULL;
     status st = create(m, q, &s);
     if (st != ST_OK)
         return st;
+    const uint32_t steps = steps_of_choice(s, q);
     for (size_t i = 0; i < s->study.series_count && st == ST_OK; i++) {
         const dicom_series *one = &s->study.series[i];
-        const import_item item = {.name = one->image.series,
-                                  .type = one->type,
-                                  .shape = {one->image.columns, one->image.rows, one->slices},
-                                  .refuse = one->image.refuse[0] ? one->image.refuse : NULL};
+        import_item item = {.name = one->image.series,
+                            .type = one->type,
+                            .shape = {one->image.columns, one->image.rows, one->slices},
+                            .refuse = one->image.refuse[0] ? one->image.refuse : NULL,
+                            .taken = steps > 0 && i == s->series,
+                            .components = one->image.samples,
+                            .component = q->component,
+                            .colours = one->image.samples == 3};
+        if (item.taken && steps > 1) {
+            item.shape[2] = one->slices / steps;
+            item.shape[3] = steps;
+        }
         st = to->take(to->ctx, &item);
     }
     close_slices(s);

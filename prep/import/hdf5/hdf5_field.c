@@ -5,6 +5,9 @@
 #include <string.h>
 
 #include "formats/base/text.h"
+#include "prep/import/hdf5/hdf5_minc.h"
+#include "prep/import/hdf5/hdf5_roles.h"
+#include "prep/import/hdf5/hdf5_storage.h"
 #include "prep/import/hdf5/hdf5_text.h"
 
 /* ---- the type of an element ---- */
@@ -218,12 +221,33 @@ static bool has_steps(hid_t file) {
     return H5Lexists(file, "/VTKHDF/Steps", H5P_DEFAULT) > 0;
 }
 
+/* By the scales of its dimensions. NULL: they tell nothing, or refuse says why it is not read. */
+static const char *timed_axes(hdf5_field *f) {
+    const int time = hdf5_time_dimension(f->set);
+    if (time < 0 || f->rank < 3)
+        return NULL;
+    f->map = f->rank == 3;
+    if (f->map)
+        snprintf(f->refuse, sizeof f->refuse,
+                 "dimension %d counts times: a map that changes is no volume; --axes zyx takes its "
+                 "times as slices along z",
+                 time);
+    else if (time > 0)
+        snprintf(f->refuse, sizeof f->refuse,
+                 "dimension %d counts times, which come first, but --axes says what it is", time);
+    return time == 0 && f->rank == 4 ? "tzyx" : NULL;
+}
+
 static void find_axes(hid_t file, const char *axes, bool vtk, hdf5_field *f) {
     char own[16];
     if (vtk)
         axes = has_steps(file) && f->rank == 4 ? "tzyx" : usual_axes(f, true);
     else if (!axes && (tagged_axes(f->set, own, sizeof own) || labelled_axes(f, own, sizeof own)))
         axes = own;
+    else if (!axes)
+        axes = timed_axes(f);
+    if (f->refuse[0])
+        return;
     if (set_axes(f, axes ? axes : usual_axes(f, false)))
         return;
     if (axes && strlen(axes) == (size_t)f->rank)
@@ -325,10 +349,20 @@ static void find_shape(hid_t file, const char *path, const char *axes, hdf5_fiel
         memcpy(f->refuse, why, sizeof f->refuse);
 }
 
-bool hdf5_field_open(hid_t file, const char *path, const char *axes, hdf5_field *f) {
+/* What may not be read is not even asked how large it is: that would look into its sources. */
+static void find_missing(const char *name, const char *path, hdf5_field *f) {
+    status st = hdf5_storage_check(f->set, name, path, &f->absent);
+    if (st == ST_OK)
+        return;
+    f->denied = true;
+    snprintf(f->refuse, sizeof f->refuse, "%s", status_text());
+}
+
+bool hdf5_field_open(hid_t file, const char *name, const char *path, const char *axes,
+                     hdf5_field *f) {
     memset(f, 0, sizeof *f);
     f->memory = H5I_INVALID_HID;
-    hid_t uncached = H5Pcreate(H5P_DATASET_ACCESS);
+    hid_t uncached = hdf5_storage_access();
     /* Slabs are read by whole chunks: each is decompressed once, and none is kept. */
     H5Pset_chunk_cache(uncached, 1, 0, H5D_CHUNK_CACHE_W0_DEFAULT);
     f->set = H5Dopen2(file, path, uncached);
@@ -338,10 +372,14 @@ bool hdf5_field_open(hid_t file, const char *path, const char *axes, hdf5_field 
     hid_t type = H5Dget_type(f->set);
     find_type(type, f);
     if (!f->refuse[0])
+        find_missing(name, path, f);
+    if (!f->refuse[0])
         find_shape(file, path, axes, f);
     find_storage(type, f);
-    if (!f->refuse[0])
+    hdf5_minc_find(path, f);
+    if (!f->refuse[0] && !f->minc)
         find_packing(f);
+    f->scale = hdf5_is_scale(f->set);
     H5Tclose(type);
     return true;
 }

@@ -3,10 +3,10 @@
  *
  * Axes are called by letters: x, y, z, t (time steps) and c (components), the fastest, which is the
  * last, at the end: "zyx". Their order comes from --axes, else from the attribute axistags (of
- * vigra and ilastik), else from the labels of the dimensions (DIMENSION_LABELS), else from their
- * number: 3  zyx 4  zyxc where the last has at most 4 samples, else tzyx 5  tzyxc where the last
- * has at most 4 samples, else tczyx In VTKHDF files it is zyx, zyxc, or with time steps tzyx,
- * tzyxc.
+ * vigra and ilastik), else from the labels of the dimensions (DIMENSION_LABELS), else tzyx where
+ * the first has a scale of times, else from their number: 3  zyx 4  zyxc where the last has at most
+ * 4 samples, else tzyx 5  tzyxc where the last has at most 4 samples, else tczyx In VTKHDF files it
+ * is zyx, zyxc, or with time steps tzyx, tzyxc.
  */
 #ifndef PREP_IMPORT_HDF5_HDF5_FIELD_H
 #define PREP_IMPORT_HDF5_HDF5_FIELD_H
@@ -15,10 +15,11 @@
 #include <stdbool.h>
 
 #include "formats/grid/grid.h"
+#include "prep/import/hdf5/hdf5_walk.h"
 #include "prep/import/importer.h"
 #include "prep/import/packed_samples.h"
 
-enum { HDF5_TEXT = 200, HDF5_PATH = 1024, HDF5_AXES = 5 };
+enum { HDF5_TEXT = 600, HDF5_AXES = 5 };
 enum { HDF5_X, HDF5_Y, HDF5_Z, HDF5_T, HDF5_C };
 
 typedef struct hdf5_field {
@@ -30,13 +31,19 @@ typedef struct hdf5_field {
     uint64_t chunk_bytes;
     int at[HDF5_AXES];      /* which dimension is x, y, ..; -1: none */
     packed_samples packed;  /* components: those inside of an element */
+    absent_parts absent;    /* what is known to be missing */
+    bool minc;              /* an image of MINC 2 (hdf5_minc.h) */
+    bool scale;             /* it is the scale of a dimension */
+    bool map;               /* refused, since it is a map that changes in time */
+    bool denied;            /* refuse says what it may not read, or lacks */
     char type[HDF5_TEXT];   /* for people */
     char refuse[HDF5_TEXT]; /* why it cannot be read; "": it can */
 } hdf5_field;
 
-/* hdf5_field_open() - a data set; axes: of --axes, or NULL. false where it cannot even be opened.
- * Release it in any case. */
-bool hdf5_field_open(hid_t file, const char *path, const char *axes, hdf5_field *out);
+/* hdf5_field_open() - a data set of the open file, whose name is `name`; axes: of --axes, or NULL.
+ * false where it cannot even be opened. Release it in any case. */
+bool hdf5_field_open(hid_t file, const char *name, const char *path, const char *axes,
+                     hdf5_field *out);
 void hdf5_field_release(hdf5_field *f);
 
 /* hdf5_field_count() - samples along an axis, HDF5_X ..; 1 where there is none. */

@@ -5,6 +5,7 @@
 
 #include "formats/base/text.h"
 #include "prep/import/hdf5/hdf5_field.h"
+#include "prep/import/hdf5/hdf5_minc.h"
 #include "prep/import/hdf5/hdf5_text.h"
 
 /* ---- VTKHDF ---- */
@@ -117,6 +118,8 @@ static void place_attributes(hid_t file, const char *path, const hdf5_field *f, 
 status hdf5_field_place(hid_t file, const char *name, const char *path, const hdf5_field *f,
                         grid *g) {
     char none[HDF5_TEXT];
+    if (f->minc)
+        return hdf5_minc_place(file, name, f, g);
     if (!hdf5_vtk_array(file, path, none, sizeof none)) {
         place_attributes(file, path, f, g);
         return ST_OK;

@@ -6,7 +6,11 @@
 #include "formats/base/file.h"
 #include "formats/base/text.h"
 #include "prep/import/hdf5/hdf5_field.h"
+#include "prep/import/hdf5/hdf5_minc.h"
+#include "prep/import/hdf5/hdf5_roles.h"
+#include "prep/import/hdf5/hdf5_storage.h"
 #include "prep/import/hdf5/hdf5_text.h"
+#include "prep/import/import_hint.h"
 #include "prep/import/packed_slices.h"
 
 typedef struct hdf5_slices {
@@ -55,7 +59,9 @@ static status create(mem *m, const import_request *q, hdf5_slices **out) {
         return ST_NOMEM;
     s->m = m;
     s->file = s->field.set = s->field.memory = H5I_INVALID_HID;
-    status st = open_file(s, q->paths[0]);
+    status st = hdf5_storage_begin(m, &q->trust);
+    if (st == ST_OK)
+        st = open_file(s, q->paths[0]);
     if (st != ST_OK) {
         close_slices(s);
         return st;
@@ -66,13 +72,24 @@ static status create(mem *m, const import_request *q, hdf5_slices **out) {
 
 /* ---- walking through the data sets ---- */
 
+/* How well a data set suits, the most important first. */
+typedef struct merit {
+    bool suits, has_asked; /* the step and the component that are asked for */
+    bool of_points;
+    uint64_t samples;
+    int plain; /* of equal ones, that without steps or components, but where these are asked for */
+} merit;
+
 typedef struct walk {
     hid_t file;
     const char *axes;
     const import_request *q;
-    const import_list *to; /* NULL: search */
-    int best;              /* how well the best one so far suits */
-    char path[HDF5_PATH];  /* of that; to list: of the one that is taken, or "" */
+    const hdf5_roles *roles;
+    const import_list *to;  /* NULL: search */
+    merit best;             /* of the one found so far */
+    char map[HDF5_PATH];    /* the first map that changes in time; "": there is none */
+    char path[HDF5_PATH];   /* of that; to list: of the one that is taken, or "" */
+    char denied[HDF5_TEXT]; /* why the first that is denied is */
     status st;
 } walk;
 
@@ -86,6 +103,10 @@ static void list_shape(const hdf5_field *f, uint64_t shape[4]) {
             shape[i] = i == 3 && f->at[HDF5_T] < 0 ? 0 : hdf5_field_count(f, order[i]);
 }
 
+static hsize_t components_of(const hdf5_field *f) {
+    return f->at[HDF5_C] >= 0 ? hdf5_field_count(f, HDF5_C) : f->packed.components;
+}
+
 static void take_listed(walk *w, const char *path, hdf5_field *f) {
     import_item item = {.name = path, .type = f->type};
     if (!f->refuse[0] && f->at[HDF5_C] >= 0)
@@ -94,68 +115,102 @@ static void take_listed(walk *w, const char *path, hdf5_field *f) {
     list_shape(f, item.shape);
     item.refuse = f->refuse[0] ? f->refuse : NULL;
     item.taken = strcmp(path, w->path) == 0;
+    if (!f->refuse[0]) {
+        packed_samples p = f->packed;
+        p.components = (uint32_t)components_of(f);
+        item.components = p.components;
+        item.component = w->q->component;
+        item.colours = packed_is_colour(&p);
+    }
     w->st = w->to->take(w->to->ctx, &item);
 }
 
-/* 0: not at all. One of three axes is likelier meant than one of steps or components, but where
- * those are asked for. */
-static int suits(const hdf5_field *f, const import_request *q) {
-    const bool steps = f->at[HDF5_T] >= 0;
-    const bool components = f->at[HDF5_C] >= 0 || f->packed.components > 1;
-    if (f->refuse[0])
-        return 0;
-    for (int a = HDF5_X; a <= HDF5_Z; a++)
+static merit merit_of(const walk *w, const char *path, const hdf5_field *f) {
+    const import_request *q = w->q;
+    const hsize_t steps = hdf5_field_count(f, HDF5_T);
+    const hsize_t components = components_of(f);
+    merit x = {.samples = 1};
+    if (f->refuse[0] || f->scale || hdf5_roles_describes(w->roles, path))
+        return x;
+    for (int a = HDF5_X; a <= HDF5_Z; a++) {
         if (hdf5_field_count(f, a) < 2)
-            return 0;
-    return 1 + 2 * (steps == (q->step > 0)) + (components == (q->component > 0));
+            return x;
+        x.samples *= hdf5_field_count(f, a);
+    }
+    x.suits = true;
+    x.has_asked = steps > q->step && components >= q->component;
+    x.of_points = strncmp(path, "/VTKHDF/C", 9) != 0;
+    x.plain = 2 * ((steps > 1) == (q->step > 0)) + ((components > 1) == (q->component > 0));
+    return x;
+}
+
+static bool is_better(const merit *a, const merit *b) {
+    if (a->suits != b->suits)
+        return a->suits;
+    if (a->has_asked != b->has_asked)
+        return a->has_asked;
+    if (a->of_points != b->of_points)
+        return a->of_points;
+    return a->samples != b->samples ? a->samples > b->samples : a->plain > b->plain;
 }
 
 static void take_suiting(walk *w, const char *path, const hdf5_field *f) {
-    const bool of_cells = strncmp(path, "/VTKHDF/C", 9) == 0;
-    const int score = suits(f, w->q) * 2 - of_cells;
-    if (score <= w->best || strlen(path) >= sizeof w->path)
+    const merit x = merit_of(w, path, f);
+    if (f->map && !w->map[0])
+        snprintf(w->map, sizeof w->map, "%s", path);
+    if (!is_better(&x, &w->best) || strlen(path) >= sizeof w->path)
         return;
-    w->best = score;
+    w->best = x;
     snprintf(w->path, sizeof w->path, "%s", path);
 }
 
-static herr_t visit(hid_t root, const char *name, const H5O_info_t *info, void *ctx) {
+static status visit(void *ctx, const char *path) {
     walk *w = ctx;
-    char path[HDF5_PATH];
     hdf5_field f;
-    (void)root;
-    if (info->type != H5O_TYPE_DATASET || strlen(name) + 2 > sizeof path)
-        return 0;
-    snprintf(path, sizeof path, "/%s", name);
-    if (!hdf5_field_open(w->file, path, w->axes, &f)) {
+    if (!hdf5_field_open(w->file, w->q->paths[0], path, w->axes, &f)) {
         hdf5_words(f.refuse, sizeof f.refuse);
         snprintf(f.type, sizeof f.type, "unknown");
     }
+    if (f.denied && !w->denied[0])
+        memcpy(w->denied, f.refuse, sizeof w->denied);
     if (w->to)
         take_listed(w, path, &f);
     else
         take_suiting(w, path, &f);
     hdf5_field_release(&f);
-    return w->st == ST_OK ? 0 : -1;
+    return w->st;
 }
 
 static status walk_all(walk *w, const char *path) {
-    const herr_t done = H5Ovisit2(w->file, H5_INDEX_NAME, H5_ITER_INC, visit, w, H5O_INFO_BASIC);
-    if (w->st != ST_OK)
-        return w->st;
-    return done < 0 ? hdf5_failed(path, "listing its data sets") : ST_OK;
+    return hdf5_walk(w->file, path, visit, w);
 }
 
 /* ---- choosing ---- */
 
+static status nothing_found(const walk *w, const char *path) {
+    char hint[IMPORT_HINT_MAX];
+    if (w->denied[0])
+        return status_describe(ST_UNSUPPORTED, "%s", w->denied);
+    if (w->map[0])
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: no data set of numbers along x, y and z: %s is a map that "
+                               "changes in time; import-hdf5 --axes zyx takes its times as slices "
+                               "along z",
+                               path, w->map);
+    return status_describe(ST_UNSUPPORTED,
+                           "%s: no data set of numbers along x, y and z; `%s' tells what there is",
+                           path, import_hint_list(w->q, hint));
+}
+
 static status search(hdf5_slices *s, const import_request *q, const char *axes) {
-    walk w = {.file = s->file, .axes = axes, .q = q};
-    status st = walk_all(&w, q->paths[0]);
-    if (st == ST_OK && w.best == 0)
-        st = status_describe(ST_UNSUPPORTED,
-                             "%s: no data set of numbers along x, y and z; --list tells what there "
-                             "is",
-                             q->paths[0]);
+    hdf5_roles roles;
+    walk w = {.file = s->file, .axes = axes, .q = q, .roles = &roles};
+    status st = hdf5_roles_find(s->m, s->file, q->paths[0], &roles);
+    if (st == ST_OK)
+        st = walk_all(&w, q->paths[0]);
+    hdf5_roles_release(&roles);
+    if (st == ST_OK && !w.best.suits)
+        st = nothing_found(&w, q->paths[0]);
     memcpy(s->path, w.path, sizeof s->path);
     return st;
 }
@@ -167,18 +222,25 @@ static status find(hdf5_slices *s, const import_request *q, const char *axes) {
         if (strlen(q->field) + 32 > sizeof s->path)
             break;
         snprintf(s->path, sizeof s->path, "%s%s", inside[i], q->field);
-        if (hdf5_field_open(s->file, s->path, axes, &s->field))
+        if (hdf5_field_open(s->file, q->paths[0], s->path, axes, &s->field))
             return ST_OK;
+        status st = hdf5_storage_denied();
+        if (st != ST_OK)
+            return st;
     }
     H5Eclear2(H5E_DEFAULT);
-    return status_describe(ST_USAGE, "%s: no data set \"%s\"; --list tells what there is",
-                           q->paths[0], q->field);
+    char hint[IMPORT_HINT_MAX];
+    return status_describe(ST_USAGE, "%s: no data set \"%s\"; `%s' tells what there is",
+                           q->paths[0], q->field, import_hint_list(q, hint));
 }
 
 static status choose(hdf5_slices *s, const import_request *q, const char *axes) {
     status st = q->field ? find(s, q, axes) : search(s, q, axes);
-    if (st == ST_OK && !q->field && !hdf5_field_open(s->file, s->path, axes, &s->field))
+    if (st == ST_OK && !q->field &&
+        !hdf5_field_open(s->file, q->paths[0], s->path, axes, &s->field))
         st = hdf5_failed(q->paths[0], s->path);
+    if (st == ST_OK && s->field.denied)
+        return status_describe(ST_UNSUPPORTED, "%s", s->field.refuse);
     if (st == ST_OK && s->field.refuse[0])
         st = status_describe(ST_UNSUPPORTED, "%s: data set %s cannot be read: %s", q->paths[0],
                              s->path, s->field.refuse);
@@ -307,6 +369,7 @@ static status make_grid(hdf5_slices *s, grid *g) {
     }
     grid_init(g, dims, packed_type(&s->field.packed));
     text_name(g->name, sizeof g->name, s->path + 1);
+    g->absent = s->field.absent;
     status st = grid_check(g, path);
     return st == ST_OK ? hdf5_field_place(s->file, path, s->path, &s->field, g) : st;
 }
@@ -321,7 +384,12 @@ static status begin_slices(hdf5_slices *s, const grid *g) {
                                 .load = load_slab,
                                 .ctx = s};
     memcpy(s->slices.dims, g->dims, sizeof g->dims);
-    return packed_slices_begin(&s->slices);
+    const hdf5_field *f = &s->field;
+    status st = f->minc && f->packed.has_range
+                    ? hdf5_minc_scales(s->m, s->file, file_path(s->guard), s->path, f, s->step,
+                                       &s->slices.scales)
+                    : ST_OK;
+    return st == ST_OK ? packed_slices_begin(&s->slices) : st;
 }
 
 status hdf5_slices_open(mem *m, const import_request *q, const char *axes, slice_source *out) {
@@ -336,6 +404,8 @@ status hdf5_slices_open(mem *m, const import_request *q, const char *axes, slice
     if (st == ST_OK)
         st = choose_component(s, q);
     if (st == ST_OK)
+        st = absent_check(&s->field.absent, q->paths[0], q->trust.allow_missing);
+    if (st == ST_OK)
         st = make_grid(s, &g);
     if (st == ST_OK)
         st = begin_slices(s, &g);
@@ -343,7 +413,7 @@ status hdf5_slices_open(mem *m, const import_request *q, const char *axes, slice
         close_slices(s);
         return st;
     }
-    *out = (slice_source){.format = "HDF5",
+    *out = (slice_source){.format = s->field.minc ? "MINC 2" : "HDF5",
                           .name = file_path(s->guard),
                           .m = m,
                           .g = g,

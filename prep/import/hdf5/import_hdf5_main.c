@@ -5,14 +5,14 @@
 enum { KEY_AXES = IMPORT_KEY_OWN };
 
 static const struct argp_option options[] = {
-    IMPORT_FIELD("data set"),
+    IMPORT_FIELD_BY("data set", "largest"),
     IMPORT_COMPONENT,
     IMPORT_STEP,
     {"axes", KEY_AXES, "ORDER", CLI_BASIC,
      "the order of its axes, the fastest last, such as zyx, tzyx, zyxc: t time steps, c components",
      0},
     IMPORT_LIST("data sets"),
-    IMPORT_END};
+    IMPORT_TRUST_END};
 
 static const char doc[] =
     "Import a data set of an HDF5 file as NRRD: for convert, or for others.\v"
@@ -43,6 +43,7 @@ int main(int argc, char **argv) {
                            .format = "HDF5",
                            .inputs = "F.h5",
                            .doc = doc,
+                           .beside = true,
                            .options = options,
                            .set_option = set,
                            .open = open,

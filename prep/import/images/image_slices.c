@@ -38,6 +38,8 @@ static void stack_free(stack *s) {
 
 /* ---- the channel ---- */
 
+enum { NO_CHANNEL = IMAGE_LUMINANCE - 1 };
+
 static status refuse_channel(const stack *s, const char *asked) {
     char known[256] = "";
     for (uint32_t c = 0; c < s->first.channels && strlen(known) < 160; c++)
@@ -287,7 +289,11 @@ status image_slices_open(mem *m, const import_request *q, const image_wish *wish
     return ST_OK;
 }
 
-static status list_channels(const stack *s, const import_list *to) {
+/* wanted: the channel that is taken; IMAGE_LUMINANCE: all. Channels that are pages of their own are
+ * components. */
+static status list_channels(const stack *s, const import_request *q, int wanted,
+                            const import_list *to) {
+    const bool of_pages = s->tags.channels > 1 && s->first.channels == 1;
     status st = ST_OK;
     for (uint32_t c = 0; c < s->first.channels && st == ST_OK; c++) {
         sample_type type;
@@ -296,7 +302,10 @@ static status list_channels(const stack *s, const import_list *to) {
                                   .type = can ? sample_name(type) : "?",
                                   .shape = {s->first.width, s->first.height, s->page_count,
                                             s->tags.steps > 1 ? s->tags.steps : 0},
-                                  .refuse = can ? NULL : "of this type there are no samples"};
+                                  .refuse = can ? NULL : "of this type there are no samples",
+                                  .taken = can && (int)c == wanted,
+                                  .components = of_pages ? s->tags.channels : 1,
+                                  .component = q->component ? q->component : 1};
         st = to->take(to->ctx, &item);
     }
     return st;
@@ -312,8 +321,10 @@ status image_slices_list(mem *m, const import_request *q, const image_wish *wish
     any.field = NULL;
     any.component = 1;
     st = look_at_all(s, &any);
-    if (st == ST_OK)
-        st = list_channels(s, to);
+    if (st == ST_OK) {
+        const int wanted = choose_channel(s, q) == ST_OK ? s->channel : NO_CHANNEL;
+        st = list_channels(s, q, wanted, to);
+    }
     stack_free(s);
     return st;
 }

@@ -3,23 +3,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "formats/base/file.h"
-
-typedef struct tiff {
-    file *file;
-    const char *path;
-    bool big_endian; /* "MM" */
-    bool big;        /* BigTIFF: counts and offsets of 8 bytes */
-} tiff;
-
-static status read_number(const tiff *t, uint64_t offset, int bytes, uint64_t *out) {
-    unsigned char raw[8];
-    const status st = file_read_at(t->file, offset, raw, (size_t)bytes);
-    *out = 0;
-    for (int i = 0; i < bytes && st == ST_OK; i++)
-        *out = *out << 8 | raw[t->big_endian ? i : bytes - 1 - i];
-    return st;
-}
+#include "prep/import/images/tiff_pieces.h"
 
 static status read_header(tiff *t, uint64_t *first) {
     unsigned char order[2];
@@ -28,13 +12,13 @@ static status read_header(tiff *t, uint64_t *first) {
     if (st != ST_OK)
         return st;
     t->big_endian = order[0] == 'M';
-    st = read_number(t, 2, 2, &version);
+    st = tiff_number(t, 2, 2, &version);
     t->big = version == 43;
-    return st == ST_OK ? read_number(t, t->big ? 8 : 4, t->big ? 8 : 4, first) : st;
+    return st == ST_OK ? tiff_number(t, t->big ? 8 : 4, t->big ? 8 : 4, first) : st;
 }
 
 /* A directory: how many entries, the entries, where the next one is. */
-static status follow(const tiff *t, uint64_t at, uint64_t *next) {
+static status follow(const tiff *t, uint64_t at, uint64_t page, uint64_t *next) {
     const uint64_t size = file_size(t->file), entry = t->big ? 20 : 12;
     const int head = t->big ? 8 : 2, link = t->big ? 8 : 4;
     uint64_t entries;
@@ -43,13 +27,14 @@ static status follow(const tiff *t, uint64_t at, uint64_t *next) {
                                "%s: cut off: a page's directory is at byte %llu, the file ends at "
                                "byte %llu",
                                t->path, (unsigned long long)at, (unsigned long long)size);
-    const status st = read_number(t, at, head, &entries);
+    status st = tiff_number(t, at, head, &entries);
     if (st != ST_OK)
         return st;
     if (entries > size / entry)
         return status_describe(ST_CORRUPT, "%s: the directory at byte %llu has %llu entries",
                                t->path, (unsigned long long)at, (unsigned long long)entries);
-    return read_number(t, at + (uint64_t)head + entries * entry, link, next);
+    st = tiff_number(t, at + (uint64_t)head + entries * entry, link, next);
+    return st == ST_OK ? tiff_pieces_check(t, at + (uint64_t)head, entries, page) : st;
 }
 
 static status count_pages(tiff *t, uint64_t *pages) {
@@ -60,7 +45,7 @@ static status count_pages(tiff *t, uint64_t *pages) {
         if (*pages > most)
             return status_describe(ST_CORRUPT, "%s: its pages' directories go round in a circle",
                                    t->path);
-        st = follow(t, at, &at);
+        st = follow(t, at, *pages, &at);
     }
     return st;
 }

@@ -12,7 +12,7 @@
 #include "formats/base/status.h"
 
 /* tiff_pages_count() - of a TIFF or BigTIFF. ST_CORRUPT where the chain leaves the file or does not
- * end; ST_IO. */
+ * end, or a page lacks bytes (tiff_pieces.h); ST_IO. */
 CHECKED status tiff_pages_count(mem *m, const char *path, uint64_t *pages);
 
 #endif

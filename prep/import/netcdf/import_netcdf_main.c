@@ -2,14 +2,16 @@
 #include "prep/import/importer_options.h"
 #include "prep/import/netcdf/netcdf_slices.h"
 
-enum { KEY_INDICES = IMPORT_KEY_OWN };
+enum { KEY_INDICES = IMPORT_KEY_OWN, KEY_STACK_TIME };
 
 static const struct argp_option options[] = {
-    IMPORT_FIELD("variable"),
+    IMPORT_FIELD_BY("variable", "largest field"),
     IMPORT_STEP,
     {"indices", KEY_INDICES, NULL, 0, "leave coordinates aside: nodes lie at 0, 1, 2, ..", 0},
+    {"stack-time", KEY_STACK_TIME, NULL, 0, "take a map that changes: its times are slices along z",
+     0},
     IMPORT_LIST("variables"),
-    IMPORT_END};
+    IMPORT_TRUST_END};
 
 static const char doc[] =
     "Import a variable of a netCDF file as NRRD: for convert, or for others.\v"
@@ -19,18 +21,23 @@ static const char doc[] =
     "are "
     "spacing and origin, or axes where distances differ.";
 
-static bool indices;
+static netcdf_wish wish;
 
 static status set(int key, const char *text) {
     (void)text;
-    if (key != KEY_INDICES)
-        return ST_AGAIN;
-    indices = true;
-    return ST_OK;
+    switch (key) {
+    case KEY_INDICES: wish.indices = true; return ST_OK;
+    case KEY_STACK_TIME: wish.stack_time = true; return ST_OK;
+    default: return ST_AGAIN;
+    }
 }
 
 static status open(mem *m, const import_request *q, slice_source *out) {
-    return netcdf_slices_open(m, q, indices, out);
+    return netcdf_slices_open(m, q, &wish, out);
+}
+
+static status list(mem *m, const import_request *q, const import_list *to) {
+    return netcdf_slices_list(m, q, &wish, to);
 }
 
 int main(int argc, char **argv) {
@@ -38,9 +45,10 @@ int main(int argc, char **argv) {
                              .format = "netCDF",
                              .inputs = "F.nc",
                              .doc = doc,
+                             .beside = true,
                              .options = options,
                              .set_option = set,
                              .open = open,
-                             .list = netcdf_slices_list};
+                             .list = list};
     return importer_main(&netcdf, argc, argv);
 }

@@ -1,7 +1,7 @@
 /* netcdf_classic.h - whether a classic netCDF file has the bytes that it says it has.
  *
- * Behind the end of such a file the library reads zeros, and says nothing. So what its header has
- * about where a variable begins is read here, too: CDF-1, CDF-2 (64-bit offset) and CDF-5.
+ * Behind the end of such a file the library reads zeros, and says nothing. So where a variable
+ * begins is looked up in the header, too (netcdf_header.h).
  */
 #ifndef PREP_IMPORT_NETCDF_NETCDF_CLASSIC_H
 #define PREP_IMPORT_NETCDF_NETCDF_CLASSIC_H

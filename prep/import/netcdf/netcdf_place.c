@@ -3,29 +3,15 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/base/text.h"
+#include "prep/import/cf_names.h"
+#include "prep/import/netcdf/netcdf_minc.h"
+#include "prep/import/netcdf/netcdf_roles.h"
 #include "prep/import/netcdf/netcdf_variable.h"
 
 static const double uneven = 1e-3; /* of the step: more is no equal distance */
 
 /* ---- reading ---- */
-
-/* A dimension's coordinates are the variable of its name, in the same group or one around it. */
-static bool find_coordinates(const netcdf_variable *v, int dim, int *group, int *id) {
-    char name[NC_MAX_NAME + 1];
-    if (nc_inq_dimname(v->group, dim, name) != NC_NOERR)
-        return false;
-    for (*group = v->group;;) {
-        int rank = 0, own = -1;
-        nc_type type = NC_CHAR;
-        if (nc_inq_varid(*group, name, id) == NC_NOERR)
-            return nc_inq_varndims(*group, *id, &rank) == NC_NOERR && rank == 1 &&
-                   nc_inq_vardimid(*group, *id, &own) == NC_NOERR && own == dim &&
-                   nc_inq_vartype(*group, *id, &type) == NC_NOERR && type != NC_CHAR &&
-                   type <= NC_UINT64;
-        if (nc_inq_grp_parent(*group, group) != NC_NOERR)
-            return false;
-    }
-}
 
 static bool is_longitude(int group, int id) {
     static const char *const known[] = {"degrees_east", "degree_east", "degree_E",
@@ -84,16 +70,107 @@ static status place_axis(mem *m, const char *file, const double *x, int a, grid 
     return grid_set_axis(g, m, file, a, x);
 }
 
+/* ---- what is told of it ---- */
+
+/* What goes on in a note: "a; b". */
+static void begin_note(grid *g) {
+    if (g->note[0] && strlen(g->note) + 3 < sizeof g->note)
+        strcat(g->note, "; ");
+}
+
+/* Cut where there is no more room. */
+static void add_note(grid *g, const char *text) {
+    const size_t used = strlen(g->note);
+    text_name(g->note + used, sizeof g->note - used, text);
+}
+
+static void turn_up(grid *g, int a, int group, int id, double *x) {
+    char name[NC_MAX_NAME + 1] = "", text[NC_MAX_NAME + 64];
+    for (uint32_t i = 0; i < g->dims[a]; i++)
+        x[i] = -x[i];
+    nc_inq_varname(group, id, name);
+    snprintf(text, sizeof text, "%c is minus %s, which grows downwards", "xyz"[a], name);
+    begin_note(g);
+    add_note(g, text);
+}
+
+/* Of coordinates that need others to be heights. */
+static void note_formula(grid *g, int a, int group, int id) {
+    char name[NC_MAX_NAME + 1] = "", terms[NETCDF_TEXT], text[NC_MAX_NAME + 128];
+    netcdf_text(group, id, "formula_terms", terms, sizeof terms);
+    if (!terms[0])
+        return;
+    nc_inq_varname(group, id, name);
+    snprintf(text, sizeof text,
+             "%c is %s as it is: the formula that makes heights of it is not used", "xyz"[a], name);
+    begin_note(g);
+    add_note(g, text);
+}
+
+/* Named as coordinates, but of several dimensions, or of one that has its own. */
+static bool is_unused(const netcdf_variable *v, int group, int id) {
+    int rank = 0, dim = -1, in, own;
+    nc_type type = NC_CHAR;
+    nc_inq_varndims(group, id, &rank);
+    nc_inq_vartype(group, id, &type);
+    if (rank == 0 || type == NC_CHAR || type == NC_STRING)
+        return false;
+    if (rank > 1)
+        return true;
+    nc_inq_vardimid(group, id, &dim);
+    for (int a = 0; a < 3; a++)
+        if (dim == v->dim[v->rank - 1 - a])
+            return !(netcdf_coordinates(v->group, dim, &in, &own) && in == group && own == id);
+    return false;
+}
+
+/* Axes that count nodes, as "x and y". */
+static void list_indices(const netcdf_variable *v, char *to, size_t room) {
+    int group, id;
+    to[0] = 0;
+    for (int a = 0; a < 3; a++)
+        if (!netcdf_coordinates(v->group, v->dim[v->rank - 1 - a], &group, &id))
+            text_add(to, room, "%s%c", to[0] ? " and " : "", "xyz"[a]);
+}
+
+static void note_unused(const netcdf_variable *v, grid *g) {
+    char text[1024], name[NC_MAX_NAME + 1], counted[32];
+    const char *at = text;
+    int group, id, unused = 0;
+    netcdf_text(v->group, v->id, "coordinates", text, sizeof text);
+    while (cf_next_name(&at, name, sizeof name)) {
+        if (!netcdf_find(v->group, name, &group, &id) || !is_unused(v, group, id))
+            continue;
+        if (unused == 0)
+            begin_note(g);
+        add_note(g, unused++ ? ", " : "coordinates that are not used: ");
+        add_note(g, name);
+    }
+    list_indices(v, counted, sizeof counted);
+    if (unused && counted[0]) {
+        snprintf(text, sizeof text, " (%s count nodes)", counted);
+        add_note(g, text);
+    }
+}
+
+/* ---- all of it ---- */
+
 static status place_dimension(mem *m, const char *file, const netcdf_variable *v, int a, grid *g) {
     int group, id;
-    if (!find_coordinates(v, v->dim[v->rank - 1 - a], &group, &id))
+    char unit[WORLD_UNIT];
+    if (!netcdf_coordinates(v->group, v->dim[v->rank - 1 - a], &group, &id))
         return ST_OK;
     double *x = mem_array(m, g->dims[a], sizeof *x);
     if (!x)
         return ST_NOMEM;
     status st = read_coordinates(file, group, id, x, g->dims[a]);
+    if (st == ST_OK && netcdf_goes_down(group, id))
+        turn_up(g, a, group, id, x);
     if (st == ST_OK)
         st = place_axis(m, file, x, a, g);
+    netcdf_text(group, id, "units", unit, sizeof unit);
+    world_frame_set_unit(&g->frame, a, unit);
+    note_formula(g, a, group, id);
     mem_free(m, x);
     return st;
 }
@@ -101,11 +178,29 @@ static status place_dimension(mem *m, const char *file, const netcdf_variable *v
 status netcdf_variable_place(mem *m, const char *file, const netcdf_variable *v, bool indices,
                              grid *g) {
     char what[NETCDF_PATH + 256];
+    if (v->minc)
+        return indices ? ST_OK : netcdf_minc_place(file, v, g);
     snprintf(what, sizeof what, "%s: %s (--indices does without coordinates)", file, v->path);
     for (int a = 0; a < 3 && !indices; a++) {
         status st = place_dimension(m, what, v, a, g);
         if (st != ST_OK)
             return st;
     }
+    if (!indices)
+        note_unused(v, g);
     return ST_OK;
+}
+
+status netcdf_variable_times(mem *m, const char *file, const netcdf_variable *v, double **times,
+                             char unit[WORLD_TIME_UNIT]) {
+    int group, id;
+    *times = NULL;
+    unit[0] = 0;
+    if (v->time < 0 || netcdf_variable_stacked(v) || v->steps < 2 || v->steps > UINT32_MAX ||
+        v->count[v->time] != v->steps ||
+        !netcdf_coordinates(v->group, v->dim[v->time], &group, &id))
+        return ST_OK;
+    *times = mem_array(m, v->steps, sizeof **times);
+    netcdf_text(group, id, "units", unit, WORLD_TIME_UNIT);
+    return *times ? read_coordinates(file, group, id, *times, (uint32_t)v->steps) : ST_NOMEM;
 }

@@ -7,6 +7,8 @@
 #include <strings.h>
 
 #include "formats/base/text.h"
+#include "prep/import/netcdf/netcdf_minc.h"
+#include "prep/import/netcdf/netcdf_roles.h"
 
 /* ---- attributes ---- */
 
@@ -174,6 +176,13 @@ static void find_grown(netcdf_variable *v) {
         v->grows = v->grows || ids[i] == v->dim[0];
 }
 
+static void find_time(netcdf_variable *v) {
+    v->time = -1;
+    for (int i = 0; i < v->rank && v->time < 0; i++)
+        if (netcdf_is_time(v->group, v->dim[i]))
+            v->time = i;
+}
+
 static bool find_shape(netcdf_variable *v) {
     v->steps = 1;
     for (int i = 0; i < v->rank; i++) {
@@ -185,6 +194,7 @@ static bool find_shape(netcdf_variable *v) {
             v->steps *= v->count[i];
     }
     find_grown(v);
+    find_time(v);
     if (v->rank < 3)
         snprintf(v->refuse, sizeof v->refuse, "%d dimension%s", v->rank, v->rank == 1 ? "" : "s");
     return true;
@@ -217,10 +227,14 @@ static void find_units(netcdf_variable *v) {
         text_add(v->type, sizeof v->type, ", steps unlimited");
 }
 
+bool netcdf_variable_stacked(const netcdf_variable *v) {
+    return v->rank >= 3 && v->time >= v->rank - 3;
+}
+
 void netcdf_variable_find(int group, int id, const char *prefix, netcdf_variable *v) {
     char name[NC_MAX_NAME + 1] = "";
     nc_type type = NC_NAT;
-    *v = (netcdf_variable){.group = group, .id = id};
+    *v = (netcdf_variable){.group = group, .id = id, .time = -1};
     bool sound = nc_inq_varname(group, id, name) == NC_NOERR &&
                  nc_inq_vartype(group, id, &type) == NC_NOERR &&
                  nc_inq_varndims(group, id, &v->rank) == NC_NOERR;
@@ -237,7 +251,9 @@ void netcdf_variable_find(int group, int id, const char *prefix, netcdf_variable
         snprintf(v->refuse, sizeof v->refuse, "its dimensions cannot be told");
     if (v->refuse[0])
         return;
-    find_packing(v, type);
+    netcdf_minc_find(v);
+    if (!v->minc)
+        find_packing(v, type);
     find_chunks(v);
     find_units(v);
 }

@@ -23,9 +23,11 @@ typedef struct netcdf_variable {
     size_t count[NETCDF_RANK];
     bool grows;                /* the first dimension is unlimited */
     uint64_t steps;            /* in front of the last three; 1: none */
+    int time;                  /* the dimension that counts times; -1: none */
     size_t chunk[NETCDF_RANK]; /* all 0 where samples are not in chunks */
     uint64_t chunk_bytes;
     packed_samples packed;
+    bool minc;                /* an image of MINC 1 (netcdf_minc.h) */
     char units[64];           /* "" where it says none */
     char type[NETCDF_TEXT];   /* for people */
     char refuse[NETCDF_TEXT]; /* why it cannot be read; "": it can */
@@ -35,12 +37,23 @@ typedef struct netcdf_variable {
  */
 void netcdf_variable_find(int group, int id, const char *prefix, netcdf_variable *out);
 
+/* netcdf_variable_stacked() - whether its times would be slices: they are among the last three
+ * dimensions, and the rest is no volume. */
+bool netcdf_variable_stacked(const netcdf_variable *v);
+
 /* netcdf_variable_place() - spacing and origin, or axes, from the coordinates of the last three
  * dimensions; those without keep indices, and with indices all do. The grid's dims are set. Of
  * equal distance are coordinates of which none is a thousandth of the step off. Longitudes that
- * turn over from 360 to 0 go on. ST_CORRUPT where coordinates do not go one way. */
+ * turn over from 360 to 0 go on; those that go down (netcdf_goes_down()) are negated, so that up is
+ * up. The grid's note tells of that, and of coordinates that are not used. ST_CORRUPT where
+ * coordinates do not go one way. */
 CHECKED status netcdf_variable_place(mem *m, const char *file, const netcdf_variable *v,
                                      bool indices, grid *g);
+
+/* netcdf_variable_times() - the times of its steps, where these are one dimension that has
+ * coordinates, and their unit; *times is of m, or NULL: untold. */
+CHECKED status netcdf_variable_times(mem *m, const char *file, const netcdf_variable *v,
+                                     double **times, char unit[WORLD_TIME_UNIT]);
 
 /* netcdf_text() - an attribute that is a text; "" where it is none. */
 void netcdf_text(int group, int id, const char *name, char *to, size_t room);

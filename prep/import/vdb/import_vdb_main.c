@@ -4,6 +4,7 @@
 #include "formats/base/cli_value.h"
 #include "formats/base/num.h"
 #include "formats/base/text.h"
+#include "prep/import/import_hint.h"
 #include "prep/import/importer.h"
 #include "prep/import/importer_options.h"
 #include "prep/import/vdb/vdb_memory.h"
@@ -75,6 +76,8 @@ static void take_facts(const vdb_facts *facts, grid *g) {
 static status open_vdb(mem *m, const import_request *q, slice_source *out) {
     vdb_facts facts;
     vdb_tree *tree = NULL;
+    static char hint[IMPORT_HINT_MAX]; /* asked outlives this call */
+    asked.list = import_hint_list(q, hint);
     asked.path = q->paths[0];
     asked.field = q->field;
     asked.component = q->component;
@@ -101,6 +104,7 @@ static status open_vdb(mem *m, const import_request *q, slice_source *out) {
 typedef struct listing {
     const import_list *to;
     const char *field; /* asked for; NULL: the first that can be read */
+    uint32_t component;
     bool found;
 } listing;
 
@@ -111,13 +115,15 @@ static status pass_entry(void *ctx, const vdb_entry *e) {
                               .type = e->type,
                               .shape = {e->dims[0], e->dims[1], e->dims[2]},
                               .refuse = e->refuse,
-                              .taken = wanted && !l->found};
+                              .taken = wanted && !l->found,
+                              .components = e->components,
+                              .component = l->component};
     l->found = l->found || wanted;
     return l->to->take(l->to->ctx, &item);
 }
 
 static status list_vdb(mem *m, const import_request *q, const import_list *to) {
-    listing l = {.to = to, .field = q->field};
+    listing l = {.to = to, .field = q->field, .component = q->component};
     vdb_memory_join(m);
     const status st = vdb_tree_list(q->paths[0], pass_entry, &l);
     vdb_memory_join(NULL);

@@ -3,14 +3,9 @@
 #include <cerrno>
 #include <cstdarg>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <new>
-
-#include <unistd.h>
-
-#include "prep/import/vdb/vdb_memory.h"
 
 using openvdb::GridBase;
 using openvdb::io::GridDescriptor;
@@ -51,16 +46,7 @@ status vdb_told(const std::string &path) {
     }
 }
 
-[[noreturn]] static void on_terminate() {
-    if (!vdb_memory_refused())
-        abort();
-    fprintf(stderr, "leafcast import-vdb: OpenVDB's tree does not fit in what --memory leaves for "
-                    "it\n");
-    _exit(status_exit_code(ST_NOMEM));
-}
-
 void vdb_begin() {
-    std::set_terminate(on_terminate);
     openvdb::initialize();
 }
 

@@ -1,8 +1,9 @@
 #include "prep/import/vdb/vdb_memory.h"
 
+#include "prep/import/import_limits.h"
+
 static mem own; /* before the budget is known, and after it is gone */
 static mem *budget = &own;
-static atomic_bool refused;
 static atomic_size_t library; /* bytes of operator new, wherever they are counted */
 
 bool vdb_memory_take(size_t bytes) {
@@ -10,17 +11,13 @@ bool vdb_memory_take(size_t bytes) {
     const size_t used = atomic_fetch_add(&m->used, bytes) + bytes;
     if (m->limit && used > m->limit) {
         atomic_fetch_sub(&m->used, bytes);
-        atomic_store(&refused, true);
+        import_limits_refused(bytes);
         return false;
     }
     atomic_fetch_add(&library, bytes);
     size_t peak = atomic_load(&m->peak);
     while (used > peak && !atomic_compare_exchange_weak(&m->peak, &peak, used)) {}
     return true;
-}
-
-bool vdb_memory_refused(void) {
-    return atomic_load(&refused);
 }
 
 void vdb_memory_give(size_t bytes) {

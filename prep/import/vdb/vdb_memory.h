@@ -20,9 +20,8 @@ extern "C" {
 void vdb_memory_join(mem *m);
 #endif
 
-/* vdb_memory_take() - false: no room. vdb_memory_refused() - whether that ever was so. */
+/* vdb_memory_take() - false: no room, which is noted (import_limits.h). */
 bool vdb_memory_take(size_t bytes);
-bool vdb_memory_refused(void);
 void vdb_memory_give(size_t bytes);
 
 #ifdef __cplusplus

@@ -306,8 +306,8 @@ const vdb_grid &choose(const vdb_archive &archive, const vdb_request &q) {
         return g;
     }
     if (q.field)
-        vdb_fail(ST_UNSUPPORTED, "%s: no grid \"%s\": --list prints those that there are", q.path,
-                 q.field);
+        vdb_fail(ST_UNSUPPORTED, "%s: no grid \"%s\"; `%s' tells what there is", q.path, q.field,
+                 q.list);
     if (refused)
         vdb_fail(ST_UNSUPPORTED, "%s: no grid of samples: \"%s\" is of type %s: %s", q.path,
                  refused->name.c_str(), refused->entry.gridType().c_str(), why_not(*refused));
@@ -400,7 +400,8 @@ status list_grid(vdb_archive &archive, const vdb_grid &g,
     const char *refuse = why_not(g);
     const GridBase::Ptr grid = refuse ? g.empty : archive.load(g);
     const std::string type = describe(g, *grid);
-    vdb_entry e = {g.name.c_str(), type.c_str(), {0, 0, 0}, refuse};
+    const kind *k = find_kind(g.entry.gridType());
+    vdb_entry e = {g.name.c_str(), type.c_str(), {0, 0, 0}, refuse, k ? k->components : 0};
     const CoordBBox box = refuse ? CoordBBox() : grid->evalActiveVoxelBoundingBox();
     for (int a = 0; a < 3 && !box.empty(); a++)
         e.dims[a] = uint64_t(int64_t(box.max()[a]) - box.min()[a] + 1);

@@ -23,6 +23,7 @@ extern "C" {
 typedef struct vdb_request {
     const char *path;
     const char *field;  /* NULL: the first grid that can be read */
+    const char *list;   /* the command that lists them, for messages */
     uint32_t component; /* of vectors: 1 .. 3; 0: their magnitude */
     bool boxed;         /* the slices are of box, not of the box of what is active */
     int32_t box[2][3];  /* index coordinates, the upper corner included */
@@ -54,9 +55,10 @@ void vdb_tree_close(vdb_tree *t); /* NULL is fine */
 /* A grid of a file. */
 typedef struct vdb_entry {
     const char *name;
-    const char *type;   /* "float, half, level set" */
-    uint64_t dims[3];   /* of what is active; 0: nothing is, or it cannot be read */
-    const char *refuse; /* why it cannot be read; NULL: it can */
+    const char *type;    /* "float, half, level set" */
+    uint64_t dims[3];    /* of what is active; 0: nothing is, or it cannot be read */
+    const char *refuse;  /* why it cannot be read; NULL: it can */
+    uint32_t components; /* 3: of a vector; 0: of a scalar */
 } vdb_entry;
 
 /* vdb_tree_list() - each grid of a file, in the file's order of names. */

@@ -5,6 +5,11 @@ import {diagonal} from "./state.js";
 const RIGHT_ANGLES = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]];
 export const AXES = RIGHT_ANGLES.map(v => v.join());
 
+// The names of the six sides, with what lies there where the file says: "+X L".
+export function sides(volume) {
+  return AXES.map((_, k) => `${"+−"[k % 2]}${"XYZ"[k >> 1]} ${volume?.ends[k] ?? ""}`.trim());
+}
+
 // ---- what moves do to a camera {eye, lookAt, up, fov, ortho} ----
 
 export function frame(c) {

@@ -87,6 +87,8 @@ export class Data {
       f.name ? ["field", f.name] : null, v.steps.length > 1 ? ["time steps", v.steps.length] : null,
       ["type", v.sample_type], ["values", `${short(f.range[0])} … ${short(f.range[1])}`],
       ["from", v.bounds[0].map(x => short(x)).join(", ")], ["to", v.bounds[1].map(x => short(x)).join(", ")],
+      v.ends.length ? ["axes", [0, 2, 4].map(k => `${"XYZ"[k >> 1]}: ${v.ends[k + 1]} to ${v.ends[k]}`).join(", ")] : null,
+      v.units.some(Boolean) ? ["units", v.units.map(u => u || "?").join(", ")] : null,
       ["treelets", v.treelets.toLocaleString("en")], ["drawn by", `leafcast ${v.version}, ${v.threads} threads, ${v.isa}`]];
     return element("dl", {}, ...lines.filter(Boolean).flatMap(([a, b]) => [element("dt", {}, a), element("dd", {}, String(b))]));
   }

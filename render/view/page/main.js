@@ -1,7 +1,8 @@
 // main.js - puts the page together: the model, the panel, the picture.
 import {Annotate} from "./annotate.js";
-import {AXES, axisView, drive, fit, setUp, upward, widen} from "./camera.js";
+import {AXES, axisView, drive, fit, setUp, sides, upward, widen} from "./camera.js";
 import {Clip} from "./clip.js";
+import {Crash} from "./crash.js";
 import {Data} from "./data.js";
 import {byId, choice, element, slider} from "./dom.js";
 import {Honesty} from "./honesty.js";
@@ -38,6 +39,7 @@ class App {
     this.honesty = new Honesty(this);
     this.save = new Save(this);
     this.movie = new Movie(this);
+    this.crash = new Crash(this);
     this.listen();
     this.hands();
     this.tools();
@@ -47,12 +49,13 @@ class App {
 
   listen() {
     const on = (type, f) => this.link.addEventListener(type, event => f(event.detail));
-    on("volume", volume => this.show(volume));
+    on("volume", volume => { this.crash.connected(volume); this.show(volume); });
     on("picture", ({head, bitmap, latency}) => {
       this.screen.show(head, bitmap);
       this.honesty.picture(head, latency);
       this.data.shown(head);
       this.movie.shown(head);
+      this.crash.shown(head);
       if (this.refused && head.number > this.refused) { this.refused = 0; this.quiet(); }
     });
     on("refused", ({number, why}) => {
@@ -82,11 +85,12 @@ class App {
     // A new connection begins with the first file, the page does not.
     if (this.model && !again) return void this.link.open(this.volume.which);
     this.volume = volume;
+    for (const [k, name] of sides(volume).entries()) byId("axis").options[k + 1].textContent = name;
     const saved = fromFragment(location.hash), first = !this.opened;
     this.opened = true;
     if (first && saved && this.numberOf(saved.file) !== volume.which) return void this.link.open(this.numberOf(saved.file));
     this.entitle();
-    if (again) return this.changed(false);
+    if (again) return void (this.crash.after ? this.crash.goOn() : this.changed(false));
     const before = this.models.get(volume.which);
     if (before) return this.take(before);
     const mine = saved && [undefined, volume.file, volume.which].includes(saved.file) ? saved : null;
@@ -188,7 +192,9 @@ class App {
     byId("ortho").setAttribute("aria-pressed", this.model.camera.ortho);
     this.fov?.set(this.model.camera.fov);
     this.upChoice?.set(AXES.indexOf(this.model.camera.up.join()));
-    return this.link.view(flags, this.screen.width, this.screen.height, moving, this.honesty.where);
+    const number = this.link.view(flags, this.screen.width, this.screen.height, moving, this.honesty.where);
+    this.crash.ask(number, flags);
+    return number;
   }
 
   // sliced() - likewise of the slices alone.
@@ -339,7 +345,7 @@ class App {
   cameraPanel() {
     this.fov = slider("Field of view", {min: 5, max: 120, step: 1, value: this.model.camera.fov,
       change: (v, resting) => { this.model.camera.fov = v; this.changed(!resting); }});
-    this.upChoice = choice("Up", {options: [[-1, "as rolled"], ...AXES.map((_, k) => [k, `${"+−"[k % 2]}${"XYZ"[k >> 1]}`])],
+    this.upChoice = choice("Up", {options: [[-1, "as rolled"], ...sides(this.volume).entries()],
       value: -1, change: k => k >= 0 && this.raise(AXES[k].split(",").map(Number))});
     byId("camera").replaceChildren(this.fov, this.upChoice, element("div", {class: "row"},
       element("button", {onclick: () => this.fit()}, "Fit all"),

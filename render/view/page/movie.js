@@ -5,7 +5,7 @@ import {command, toFlags} from "./state.js";
 import {add, cross, dot, length, scale, sub, turn, unit} from "./vector.js";
 
 const KEYS_MAX = 100;
-const EVEN = ["iso", "opacity", "color", "fov", "ortho", "window", "ambient", "specular", "shininess", "clip-plane",
+const EVEN = ["iso", "opacity", "colour", "fov", "ortho", "window", "ambient", "specular", "shininess", "clip-plane",
   "light", "clip-box", "point-light", "error", "step", "background", "opacity-length"];
 
 // ---- what is between two keys: as render/app/keyframes.c has it ----

@@ -244,8 +244,14 @@ export class Slices {
 
   toggle() {
     if (!this.app.model) return;
-    const any = this.s.on.some(Boolean);
-    this.s.on = any ? [false, false, false, false] : [true, true, true, false];
+    if (this.s.on.some(Boolean)) return this.hide();
+    this.s.on = [true, true, true, false];
+    this.build();
+    this.app.sliced(false);
+  }
+
+  hide() {
+    this.s.on = [false, false, false, false];
     this.build();
     this.app.sliced(false);
   }

@@ -72,8 +72,8 @@ function volumeOf(flags, curve) {
 
 function unseenOf(page) {
   const given = Array.isArray(page?.surfaces) ? page.surfaces : [];
-  return given.filter(s => Number.isFinite(s?.iso)).map(({iso, color, opacity, on, covered}) =>
-    ({iso, color: hexOf(color, "#ffffff"), opacity: opacity > 0 && opacity <= 1 ? opacity : 1,
+  return given.filter(s => Number.isFinite(s?.iso)).map(({iso, colour, color, opacity, on, covered}) =>
+    ({iso, color: hexOf(colour ?? color, "#ffffff"), opacity: opacity > 0 && opacity <= 1 ? opacity : 1,
       on: on === true, covered: covered === true}));
 }
 
@@ -81,7 +81,7 @@ export function fromFlags(given, volume) {
   const flags = {};
   for (const [key, value] of Object.entries(given)) flags[key.replaceAll("_", "-")] = value;
   Object.assign(flags, flags.camera ?? {});
-  const colours = list(flags.color ?? flags.colour), curve = [], opacities = [];
+  const colours = list(flags.colour ?? flags.color), curve = [], opacities = [];
   for (const o of list(flags.opacity))
     if (String(o).includes(":")) for (const p of String(o).split(",")) curve.push(p.split(":").map(Number));
     else opacities.push(+o);
@@ -190,7 +190,7 @@ function volumeFlags(v, volume, field, flags) {
 function pageFlags(model, unseen) {
   const slices = slicesPage(model.slices);
   const surfaces = unseen.map(({iso, color, opacity, on, covered}) =>
-    ({iso, color, opacity, on, ...covered && {covered}}));
+    ({iso, colour: color, opacity, on, ...covered && {covered}}));
   if (!slices && !surfaces.length) return {};
   return {page: {...slices && {slices}, ...surfaces.length && {surfaces}}};
 }
@@ -202,7 +202,7 @@ export function toFlags(model, volume) {
   if (model.data.step > 0) flags.step = model.data.step;
   if (!projected && on.length) {
     flags.iso = on.map(s => s.iso);
-    flags.color = on.map(s => s.color);
+    flags.colour = on.map(s => s.color);
     if (on.some(s => s.opacity < 1)) flags.opacity = on.map(s => s.opacity);
   } else if (!projected && model.volume.mode === "off") flags.iso = [nowhere(field)];
   volumeFlags(model.volume, volume, field, flags);
@@ -222,7 +222,7 @@ export function toFlags(model, volume) {
 // ---- as a line for a shell ----
 
 const quoted = text => /^[\w.,:=#+\/-]+$/.test(text) && !text.startsWith("#") ? text : `'${text.replaceAll("'", "'\\''")}'`;
-const REPEATED = ["iso", "color", "opacity", "light", "point-light", "clip-plane"];
+const REPEATED = ["iso", "colour", "opacity", "light", "point-light", "clip-plane"];
 
 export function command(flags, file, width, height, verb = "render") {
   const words = ["leafcast", verb, quoted(file.startsWith("-") ? "./" + file : file)];

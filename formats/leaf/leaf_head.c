@@ -1,0 +1,57 @@
+#include "formats/leaf/leaf_head.h"
+
+#include <string.h>
+
+#include "formats/base/text.h"
+
+void leaf_head_text(char *to, size_t size, const char *text) {
+    char name[TEXT_NAME_MAX];
+    text_name(name, size, text);
+    memcpy(to, name, strlen(name));
+}
+
+static void fill_common(leaf_header *h, const leaf_layout *l, const leaf_parameters *p) {
+    memcpy(h->magic, LEAF_MAGIC, sizeof h->magic);
+    h->version = 1;
+    h->sample_type = l->type;
+    h->levels = l->levels;
+    h->run_align_log2 = p->run_align_log2;
+    h->codec = p->codec;
+    h->treelets = l->treelets;
+}
+
+void leaf_head_grid(leaf_header *h, const leaf_layout *l, const leaf_parameters *p, const grid *g,
+                    const leaf_sets *sets) {
+    fill_common(h, l, p);
+    h->kind = LEAF_KIND_GRID;
+    h->source_type = grid_source(g);
+    memcpy(h->dims, g->dims, sizeof h->dims);
+    h->cells_log2 = p->cells_log2;
+    h->halo = p->halo;
+    h->block_log2 = LEAF_BLOCK_LOG2;
+    h->rectilinear = grid_is_rectilinear(g);
+    h->fields = sets->fields;
+    h->steps = sets->steps;
+    if (l->sets > 1) {
+        h->version = 2;
+        leaf_head_text(h->field, sizeof h->field, sets->names ? sets->names[0] : "");
+    }
+    memcpy(h->to_world, g->to_world, sizeof h->to_world);
+    leaf_head_text(h->name, sizeof h->name, g->name);
+}
+
+void leaf_head_mesh(leaf_header *h, const leaf_layout *l, const leaf_parameters *p,
+                    const leaf_mesh *mesh) {
+    fill_common(h, l, p);
+    h->kind = LEAF_KIND_MESH;
+    h->source_type = SAMPLE_F32;
+    h->fields = mesh->fields;
+    h->steps = mesh->steps;
+    h->to_world[0] = h->to_world[5] = h->to_world[10] = 1;
+    h->treelet_tets = mesh->treelet_tets;
+    h->leaf_tets = mesh->leaf_tets;
+    h->gradients = mesh->gradients;
+    h->moving = mesh->moving;
+    leaf_head_text(h->name, sizeof h->name, mesh->name);
+    leaf_head_text(h->field, sizeof h->field, mesh->field);
+}

@@ -1,0 +1,45 @@
+#include "prep/convert_notes.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "formats/base/num.h"
+
+/* How far a grid reaches along an axis of the world, which its own axis lies along. */
+static double extent(const grid *g, int a) {
+    const uint32_t last = g->dims[a] - 1;
+    const double steps = g->axis[a] ? g->axis[a][last] - g->axis[a][0] : last;
+    return fabs(g->to_world[a][a]) * steps;
+}
+
+static void note_units(const cli_common *common, const grid *g) {
+    const char *across = g->frame.unit[0], *up = g->frame.unit[2];
+    const bool angles = strncmp(across, "degree", 6) == 0 && strncmp(up, "degree", 6) == 0;
+    const double wide = fmax(extent(g, 0), extent(g, 1)), high = extent(g, 2);
+    if (!across[0] || !up[0] || strcmp(across, up) == 0 || angles || !(high > 0))
+        return;
+    cli_note(common, 1,
+             "%s: %s along x stand beside %s along z, %g wide and %g high: --exaggerate=%.1g makes "
+             "it half as high as wide",
+             common->input, across, up, wide, high, wide / high / 2);
+}
+
+void convert_note_grid(const cli_common *common, const grid *g, bool exaggerated) {
+    if (g->note[0])
+        cli_note(common, 1, "%s: %s", common->input, g->note);
+    if (!exaggerated)
+        note_units(common, g);
+}
+
+/* What is hardly a value like the others. Told as --missing takes it: compared in the samples' own
+ * precision, which is that of floats, or a double's that was written in few digits. */
+void convert_note_marker(const cli_common *common, const histogram_marker *m) {
+    char value[NUM_TEXT_MAX];
+    if (m->share == 0.0)
+        return;
+    cli_note(common, 0,
+             "%s: %.3g %% of the samples are %s, others %g .. %g; if that stands for no data, "
+             "--missing=%s says so",
+             common->input, 100.0 * m->share, num_print_float((float)m->value, value), m->others[0],
+             m->others[1], value);
+}

@@ -1,0 +1,65 @@
+#include "prep/import/cf_names.h"
+
+#include <string.h>
+#include <strings.h>
+
+const cf_role cf_roles[CF_ROLES] = {{"coordinates", "coordinates"},
+                                    {"bounds", "bounds"},
+                                    {"climatology", "bounds"},
+                                    {"ancillary_variables", "ancillary"},
+                                    {"grid_mapping", "grid mapping"},
+                                    {"cell_measures", "cell measures"},
+                                    {"formula_terms", "terms of a formula"}};
+
+static const char gaps[] = " \t\r\n,";
+
+bool cf_next_name(const char **at, char *to, size_t room) {
+    for (;;) {
+        *at += strspn(*at, gaps);
+        const size_t length = strcspn(*at, gaps);
+        if (length == 0)
+            return false;
+        const char *word = *at;
+        *at += length;
+        if (word[length - 1] == ':' || length >= room)
+            continue;
+        memcpy(to, word, length);
+        to[length] = 0;
+        return true;
+    }
+}
+
+static bool has_word(const char *text, const char *word) {
+    return strcasestr(text, word) != NULL;
+}
+
+static bool is_any(const char *text, const char *const *words) {
+    while (*words && strcasecmp(text, *words) != 0)
+        words++;
+    return *words != NULL;
+}
+
+/* "Time", "time_counter", "MONTH_REG", "day". */
+static bool is_called_time(const char *name) {
+    static const char *const exact[] = {"day",   "days", "hour", "hours", "year",
+                                        "years", "date", "t",    NULL};
+    return has_word(name, "time") || has_word(name, "month") || is_any(name, exact);
+}
+
+bool cf_is_time(const cf_coordinates *c, const char *dimension) {
+    static const char *const names[] = {"time", "forecast_reference_time", NULL};
+    static const char *const months[] = {"month", "months", "month number", NULL};
+    if (has_word(c->units, " since ") || strcasecmp(c->axis, "T") == 0 ||
+        is_any(c->standard_name, names) || is_any(c->units, months) || c->time_origin[0])
+        return true;
+    return !c->axis[0] && !c->standard_name[0] && is_called_time(dimension);
+}
+
+bool cf_goes_down(const cf_coordinates *c) {
+    static const char *const pressures[] = {"Pa",       "hPa",       "kPa", "mbar",
+                                            "millibar", "millibars", "mb",  "dbar",
+                                            "decibar",  "decibars",  NULL};
+    if (c->positive[0])
+        return strcasecmp(c->positive, "down") == 0;
+    return is_any(c->units, pressures);
+}

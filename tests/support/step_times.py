@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+"""step_times.py LEAFCAST FOLDER - inputs of several steps, and the times that a treelet file has of them.
+
+Each row of FORMS writes a file of STEPS steps, and says their times and unit.
+"""
+import json
+import struct
+import sys
+
+from imported import elsewhere, np, start, tell
+
+leafcast, folder = sys.argv[1:3]
+STEPS, SHAPE = 5, (3, 4, 6)
+A = np.arange(STEPS * 72, dtype="<f4").reshape((STEPS,) + SHAPE)
+
+
+def write(name, data):
+    with open("%s/%s" % (folder, name), "wb") as f:
+        f.write(data)
+    return "%s/%s" % (folder, name)
+
+
+def netcdf(times, name="time", **attributes):
+    from netCDF4 import Dataset
+    path = "%s/a.nc" % folder
+    with Dataset(path, "w") as f:
+        for d, n in zip((name, "z", "y", "x"), A.shape):
+            f.createDimension(d, n)
+        if times is not None:
+            f.createVariable(name, "f8", (name,))[...] = times
+            f[name].setncatts(attributes)
+        f.createVariable("v", "f4", (name, "z", "y", "x"))[...] = A
+    return path
+
+
+def nifti(step, offset, code):
+    head = bytearray(352)
+    struct.pack_into("<i", head, 0, 348)
+    struct.pack_into("<8h", head, 40, 4, *SHAPE[::-1], STEPS, 1, 1, 1)
+    struct.pack_into("<2h", head, 70, 16, 32)
+    struct.pack_into("<8f", head, 76, 1, 1, 1, 1, step, 1, 1, 1)
+    struct.pack_into("<3f", head, 108, 352, 1, 0)
+    head[123] = 2 | code
+    struct.pack_into("<f", head, 136, offset)
+    head[344:348] = b"n+1\0"
+    return write("a.nii", bytes(head) + A.tobytes())
+
+
+def nibabel_written(step):
+    import nibabel
+    image = nibabel.Nifti2Image(A.transpose(3, 2, 1, 0), np.eye(4))
+    image.header.set_xyzt_units("mm", "sec")
+    image.header["pixdim"][4] = step
+    image.header["toffset"] = -3
+    nibabel.save(image, folder + "/b.nii")
+    return folder + "/b.nii"
+
+
+def nrrd(lines):
+    return write("a.nrrd", b"NRRD0005\ntype: float\ndimension: 4\nsizes: 6 4 3 5\nencoding: raw\nendian: little\n"
+                 b"kinds: domain domain domain time\n" + lines.encode() + b"\n" + A.tobytes())
+
+
+HOURS = [0, 6, 12, 24.5, 36]
+SINCE = "hours since 2000-01-01 00:00"
+FORMS = {
+    "netCDF, CF": (lambda: netcdf(HOURS, units=SINCE), HOURS, SINCE),
+    "netCDF, packed": (lambda: netcdf([0, 2, 4, 6, 9], units=SINCE, scale_factor=0.5, add_offset=1.0),
+                       [1, 2, 3, 4, 5.5], SINCE),
+    "netCDF, months": (lambda: netcdf([1, 2, 3, 4, 5], "MONTH", units="months"), [1, 2, 3, 4, 5], "months"),
+    "netCDF, untold": (lambda: netcdf(None), [0, 1, 2, 3, 4], ""),
+    "netCDF, falling": (lambda: netcdf(HOURS[::-1], units=SINCE), [0, 1, 2, 3, 4], ""),
+    "NIfTI, s": (lambda: nifti(2.5, 0, 8), [0, 2.5, 5, 7.5, 10], "s"),
+    "NIfTI, ms, from an offset on": (lambda: nifti(720, 100, 16), [100, 820, 1540, 2260, 2980], "ms"),
+    "NIfTI, without a time": (lambda: nifti(0, 0, 0), [0, 1, 2, 3, 4], ""),
+    "NIfTI-2, by nibabel": (lambda: nibabel_written(0.75), [-3, -2.25, -1.5, -0.75, 0], "s"),
+    "NRRD": (lambda: nrrd('spacings: 1 1 1 0.25\naxis mins: nan nan nan 4\nunits: "mm" "mm" "mm" "s"\n'),
+             [4, 4.25, 4.5, 4.75, 5], "s"),
+    "NRRD, untold": (lambda: nrrd(""), [0, 1, 2, 3, 4], ""),
+}
+
+
+def times_of(path, *options):
+    """Times, unit and what convert said."""
+    rc, _, said = start(leafcast, "convert", path, "-o", folder + "/a.leaf", "--force", *options)
+    rc2, out, more = start(leafcast, "info", folder + "/a.leaf", "--json") if rc == 0 else (rc, b"", said)
+    if rc != 0 or rc2 != 0:
+        return None, None, said + more
+    info = json.loads(out)
+    return info.get("times"), info.get("time_unit", ""), said
+
+
+def main():
+    for name, (make, times, unit) in FORMS.items():
+        try:
+            path = make()
+        except ImportError as e:
+            print("%s\tskip %s" % (name, e))
+            continue
+        if "netCDF" in name and start(leafcast, "import-netcdf", "--help")[0] != 0:
+            print("%s\tskip no import-netcdf here" % name)
+            continue
+        got, of, said = times_of(path, "--steps", "all")
+        right = got is not None and np.allclose(got, times) and of == unit
+        tell(name + ": all steps", "" if right else (got, of, said))
+        got, of, said = times_of(path, "--steps", "1,3,4")
+        want = [times[i] for i in (1, 3, 4)] if unit or "untold" not in name and "without" not in name else [0, 1, 2]
+        want = [0, 1, 2] if "falling" in name else want
+        right = got is not None and np.allclose(got, want) and of == unit
+        tell(name + ": some", "" if right else (got, of, said))
+        got, of, _ = times_of(path, "--steps", "all", "--times", "7,8,9,10,11")
+        tell(name + ": those given come first", "" if got == [7, 8, 9, 10, 11] and of in ("", unit) else (got, of))
+        if "falling" in name:
+            _, _, said = times_of(path, "--steps", "all")
+            tell(name + ": told", "" if "its times do not ascend" in said else said)
+            _, _, said = times_of(path, "--steps", "all", "-q")
+            tell(name + ": -q does not", said)
+
+
+main()
