@@ -198,8 +198,8 @@ static void besiege(const victim *v, const char *backend, int runs) {
         whole = fmin(whole, clock_seconds() - begun);
     }
     char *right = scratch_read(out, &size);
-    alarm(STUCK_S);
     for (int i = 0; i < runs; i++) {
+        alarm(STUCK_S);
         restore(v);
         (void)remove(out);
         const pid_t pid = start_render(v, backend, out, err);

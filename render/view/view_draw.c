@@ -66,6 +66,7 @@ typedef struct turn {
 static void say(view_draw *d, view_seat *seat, view_message *message) {
     if (!message)
         return;
+    view_doing_end(d->tools.doing); /* before anybody can know that it is done */
     pthread_mutex_lock(&d->lock);
     const bool full = !message->binary && seat->queue.count >= VIEW_TEXTS_MAX;
     if (seat->gone || full) {
