@@ -3,7 +3,7 @@
 # Sources are found by wildcard: every .c file of the four layers goes into app/libinternal.a, with which
 # verbs and tests are linked, except X_main.c, which is the verb X (build/release/libexec/leafcast-X), and
 # what verbs share: render/app and render/bench have archives of their own. A new source needs no line
-# here. The library for others, lib/libleafcast.a and .so, is what render/leafcast*.c and prep/leafcast*.c
+# here. The library for others, lib/libleafcast.a and .so, is what render/door/leafcast*.c and prep/leafcast*.c
 # need of that.
 
 VERSION := $(shell sed -n 's/^.define LEAFCAST_VERSION "\(.*\)"/\1/p' render/leafcast.h)
@@ -91,7 +91,7 @@ INTERNAL := $B/app/libinternal.a
 APP      := $B/app/libapp.a
 BENCH    := $B/app/libbench.a
 ARCHIVES := $(BENCH) $(APP) $(INTERNAL)
-DOOR     := $(patsubst %.c,$B/obj/%.o,$(filter formats/public_status.c prep/leafcast% render/leafcast%,$(PARTS)))
+DOOR     := $(patsubst %.c,$B/obj/%.o,$(filter formats/public_status.c prep/leafcast% render/door/leafcast%,$(PARTS)))
 HEADERS  := $(wildcard render/leafcast.h render/leafcast_experimental.h prep/leafcast_prep.h formats/leafcast_status.h)
 STATIC   := $B/lib/libleafcast.a
 SONAME   := libleafcast.so.$(firstword $(subst ., ,$(VERSION)))

@@ -5,18 +5,18 @@
 #ifndef RENDER_KERNELS_H
 #define RENDER_KERNELS_H
 
+#include "render/experiments/stepping_batch.h"
 #include "render/grid/cell_batch.h"
 #include "render/grid/grid_batch.h"
 #include "render/grid/grid_peaks.h"
 #include "render/grid/grid_pieces.h"
 #include "render/grid/grid_tile.h"
 #include "render/grid/walk.h"
-#include "render/medium_batch.h"
+#include "render/medium/medium_batch.h"
 #include "render/mesh/mesh_batch.h"
 #include "render/mesh/mesh_packet.h"
 #include "render/mesh/mesh_tile.h"
 #include "render/mesh/tet_batch.h"
-#include "render/stepping_batch.h"
 
 typedef struct kernels {
     const char *name;

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "render/camera.h"
+#include "render/look/camera.h"
 #include "tests/support/ref_camera.h"
 
 static void check_vector(const double got[3], double x, double y, double z, double within) {

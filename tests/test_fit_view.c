@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "render/camera.h"
+#include "render/look/camera.h"
 #include "tests/support/fixture.h"
 
 /* camera.c leaves 4 % around what is fitted. */

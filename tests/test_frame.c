@@ -16,11 +16,11 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/fault.h"
-#include "render/kind.h"
-#include "render/leafcast_device.h"
-#include "render/leafcast_volume.h"
-#include "render/ray_records.h"
-#include "render/surface_integrator.h"
+#include "render/door/leafcast_device.h"
+#include "render/door/leafcast_volume.h"
+#include "render/frame/ray_records.h"
+#include "render/ray/kind.h"
+#include "render/surface/surface_integrator.h"
 #include "tests/support/fixture.h"
 #include "tests/support/mesh_leaves.h"
 

@@ -13,7 +13,7 @@
 #include <string.h>
 
 #include "formats/base/cpu.h"
-#include "render/medium_doubt.h"
+#include "render/medium/medium_doubt.h"
 #include "tests/support/hostile_transfer.h"
 #include "tests/support/pictures.h"
 #include "tests/support/ray_stage.h"

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "render/medium_overlay.h"
+#include "render/medium/medium_overlay.h"
 #include "tests/support/fixture.h"
 #include "tests/support/mesh_leaves.h"
 

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "render/medium_stretch.h"
+#include "render/medium/medium_stretch.h"
 #include "tests/support/fields.h"
 
 enum { SEED = 5, ROUNDS = 400, PIECES = 20, POINTS_MAX = 8 };

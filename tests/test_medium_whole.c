@@ -15,7 +15,7 @@
 #include <string.h>
 
 #include "formats/base/cpu.h"
-#include "render/medium_whole.h"
+#include "render/medium/medium_whole.h"
 #include "tests/support/fixture.h"
 #include "tests/support/hostile_transfer.h"
 #include "tests/support/ref_media.h"

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/kind.h"
 #include "render/mesh/mesh_passage.h"
+#include "render/ray/kind.h"
 #include "tests/support/fixture.h"
 #include "tests/support/lab_leaf.h"
 #include "tests/support/mesh_batch_wide.h"

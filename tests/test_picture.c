@@ -15,7 +15,7 @@
 #include "formats/base/fault.h"
 #include "render/app/picture_png.h"
 #include "render/app/picture_pnm.h"
-#include "render/picture_bytes.h"
+#include "render/look/picture_bytes.h"
 
 static mem budget;
 

@@ -18,7 +18,7 @@
 
 #include "formats/base/cpu.h"
 #include "formats/leaf/leaf_file.h"
-#include "render/leafcast_volume.h"
+#include "render/door/leafcast_volume.h"
 #include "tests/support/fixture.h"
 #include "tests/support/lab_leaf.h"
 #include "tests/support/leaf_files.h"

@@ -16,7 +16,7 @@
 #include <string.h>
 
 #include "prep/prep_arguments.h"
-#include "render/arguments.h"
+#include "render/door/arguments.h"
 #include "tests/support/public_calls.h"
 #include "tests/support/public_header.h"
 

@@ -13,7 +13,7 @@
 #include <string.h>
 
 #include "formats/base/cpu.h"
-#include "render/kind.h"
+#include "render/ray/kind.h"
 #include "tests/support/fixture.h"
 #include "tests/support/grid_batch_wide.h"
 #include "tests/support/lab_leaf.h"

@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/kind.h"
 #include "render/mesh/mesh_walk.h"
+#include "render/ray/kind.h"
 #include "stream/grid_resident.h"
 #include "tests/support/fixture.h"
 #include "tests/support/interests.h"

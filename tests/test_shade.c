@@ -7,7 +7,7 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include "render/shade.h"
+#include "render/surface/shade.h"
 
 static const float RED[3] = {1.0f, 0.5f, 0.25f}, WHITE[3] = {1.0f, 1.0f, 1.0f};
 static const float UP[3] = {0.0f, 0.0f, 1.0f}, DOWN[3] = {0.0f, 0.0f, -1.0f};

@@ -13,7 +13,7 @@
 
 #include "formats/base/vec3.h"
 #include "prep/grid/convert.h"
-#include "render/leafcast_volume.h"
+#include "render/door/leafcast_volume.h"
 #include "tests/support/fixture.h"
 #include "tests/support/lab_leaf.h"
 #include "tests/support/naive_points.h"

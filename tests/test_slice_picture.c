@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 #include "render/app/slice_picture.h"
-#include "render/picture_bytes.h"
+#include "render/look/picture_bytes.h"
 #include "tests/support/fields.h"
 
 enum { WIDTH = 90, HEIGHT = 70, PIXELS = WIDTH * HEIGHT };

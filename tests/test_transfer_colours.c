@@ -14,7 +14,7 @@
 #include "render/app/colour_map.h"
 #include "render/app/transfer_file.h"
 #include "render/app/transfer_preset.h"
-#include "render/picture_bytes.h"
+#include "render/look/picture_bytes.h"
 #include "tests/support/medium_lab.h"
 #include "tests/support/scratch.h"
 

@@ -13,8 +13,8 @@
 #include <string.h>
 #include <time.h>
 
-#include "render/kind.h"
 #include "render/leafcast_experimental.h"
+#include "render/ray/kind.h"
 #include "tests/support/fields.h"
 
 enum { ROUNDS_MAX = 99, TILE_SIDE = 32 };

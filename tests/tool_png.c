@@ -12,7 +12,7 @@
 
 #include "render/app/colour.h"
 #include "render/app/picture_png.h"
-#include "render/picture_bytes.h"
+#include "render/look/picture_bytes.h"
 
 static size_t written;
 

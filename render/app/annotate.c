@@ -7,7 +7,7 @@
 #include "formats/base/text.h"
 #include "formats/base/vec3.h"
 #include "formats/base/world_frame.h"
-#include "render/camera.h"
+#include "render/look/camera.h"
 
 /* ---- What is wanted ---- */
 

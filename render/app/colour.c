@@ -7,7 +7,7 @@
 
 #include "formats/base/num.h"
 #include "render/app/colour_names.h"
-#include "render/picture_bytes.h"
+#include "render/look/picture_bytes.h"
 
 /* The value of two hexadecimal digits, or -1. */
 static int hex_byte(const char *text) {

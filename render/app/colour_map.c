@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "render/app/transfer_curve.h"
-#include "render/picture_bytes.h"
+#include "render/look/picture_bytes.h"
 
 /* ---- By name ---- */
 

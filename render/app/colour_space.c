@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "formats/base/portable_math.h"
-#include "render/picture_bytes.h"
+#include "render/look/picture_bytes.h"
 
 bool colour_space_find(const char *name, colour_space *space) {
     static const struct {

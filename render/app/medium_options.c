@@ -11,7 +11,7 @@
 #include "render/app/opacity_curve.h"
 #include "render/app/transfer_file.h"
 #include "render/app/transfer_preset.h"
-#include "render/preintegrated_table.h"
+#include "render/experiments/preintegrated_table.h"
 
 const struct argp_option medium_options_table[] = {
     {NULL, 0, NULL, 0, "Media (the volume itself is seen; with --iso, too, both):", 15},

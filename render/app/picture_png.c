@@ -7,7 +7,7 @@
 #include <string.h>
 #include <zlib.h>
 
-#include "render/picture_bytes.h"
+#include "render/look/picture_bytes.h"
 
 /* tests/measurements/picture_files.md has what other levels and filters cost. */
 enum { LEVEL = 1, WINDOW_BITS = 15, MEMORY_LEVEL = 8, FILTER_UP = 2 };

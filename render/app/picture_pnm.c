@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "render/picture_bytes.h"
+#include "render/look/picture_bytes.h"
 
 typedef void (*row_fn)(const picture *p, const byte_table *t, uint32_t y, void *row);
 

@@ -2,7 +2,7 @@
 
 #include <sys/resource.h>
 
-#include "render/counters.h"
+#include "render/ray/counters.h"
 
 uint64_t render_stats_peak_rss(void) {
     struct rusage usage;

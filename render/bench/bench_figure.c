@@ -2,12 +2,12 @@
 
 #include <math.h>
 
-#include "render/affine.h"
 #include "render/app/image_out.h"
-#include "render/camera.h"
 #include "render/grid/intersect.h"
 #include "render/grid/surface.h"
-#include "render/shade.h"
+#include "render/look/camera.h"
+#include "render/ray/affine.h"
+#include "render/surface/shade.h"
 
 /* Two sheets, one at each end of the diagonal that the camera looks along. */
 static const float SAMPLES[8] = {0.0f, 0.9f, 1.0f, 0.2f, 0.1f, 1.0f, 0.8f, 0.0f};

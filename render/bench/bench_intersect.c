@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
-#include "render/experiment.h"
+#include "render/experiments/experiment.h"
 #include "render/grid/cell_batch.h"
 #include "render/grid/intersect.h"
 

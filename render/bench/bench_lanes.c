@@ -2,7 +2,7 @@
 
 #include "render/app/view_camera.h"
 #include "render/kernels.h"
-#include "render/lane_counts.h"
+#include "render/ray/lane_counts.h"
 
 lane_counts lane_counts_now; /* what the kernels below count */
 

@@ -5,9 +5,9 @@
 
 #include "formats/base/clock.h"
 #include "render/bench/bench_tree.h"
-#include "render/camera.h"
 #include "render/grid/cell_kernel.h"
 #include "render/grid/octree_step.h"
+#include "render/look/camera.h"
 
 enum { ENDS = 2, CONTESTANTS = KEEPINGS * ENDS };
 

@@ -5,7 +5,7 @@
 #include "formats/base/clock.h"
 #include "formats/base/mem.h"
 #include "render/bench/bench_table.h"
-#include "render/experiment.h"
+#include "render/experiments/experiment.h"
 
 typedef struct ray_cell {
     ray r;

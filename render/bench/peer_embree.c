@@ -59,7 +59,7 @@ status peer_embree_frame(const peer_embree *e, pool *threads, const peer_way *wa
 #endif
 
 #include "render/bench/peer_rays.h"
-#include "render/camera.h"
+#include "render/look/camera.h"
 
 enum { TILE = 16, SIDE = 4, LANES = SIDE * SIDE, CONFIG_MAX = 80 };
 

@@ -6,7 +6,7 @@
 #include <stdint.h>
 
 #include "formats/base/pool.h"
-#include "render/affine.h"
+#include "render/ray/affine.h"
 
 typedef struct peer_field {
     uint32_t dims[3];

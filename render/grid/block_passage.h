@@ -10,7 +10,7 @@
 
 #include "render/grid/level_planes.h"
 #include "render/grid/walk.h"
-#include "render/ray.h"
+#include "render/ray/ray.h"
 #include "stream/active.h"
 
 /* Along one axis: where the ray crosses the planes between cells, in its order, and the cell that

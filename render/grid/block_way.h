@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-#include "render/segments.h"
+#include "render/ray/segments.h"
 #include "stream/grid_resident.h"
 
 /* Along an axis, by blocks of 4 cells. */

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "render/cubic.h"
+#include "render/ray/cubic.h"
 
 enum {
     START = -1,

@@ -22,7 +22,7 @@
 
 #include <stdbool.h>
 
-#include "render/ray.h"
+#include "render/ray/ray.h"
 
 typedef struct cell_box {
     double lo[3], hi[3]; /* its planes in grid space, lo < hi */

@@ -18,7 +18,7 @@
 #define RENDER_GRID_GRID_BATCH_H
 
 #include "formats/base/cpu.h"
-#include "render/ray_batch.h"
+#include "render/ray/ray_batch.h"
 
 /* What a batch_fn of a grid needs. */
 enum { GRID_BATCH_SCRATCH = 80 << 10 };

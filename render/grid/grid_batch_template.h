@@ -15,7 +15,7 @@
 #include "render/grid/intersect.h"
 #include "render/grid/octant_order.h"
 #include "render/kernels.h"
-#include "render/ray_box.h"
+#include "render/ray/ray_box.h"
 
 void SIMD_NAME(grid_batch_trace)(const tracer *tr, const kernels *k, ray_batch *b, void *scratch,
                                  ray_counters *counters);

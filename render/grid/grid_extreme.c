@@ -2,7 +2,7 @@
 
 #include "render/grid/block_passage.h"
 #include "render/grid/grid_passage.h"
-#include "render/segments.h"
+#include "render/ray/segments.h"
 
 /* ---- Treelets ---- */
 

@@ -7,8 +7,8 @@
 #ifndef RENDER_GRID_GRID_EXTREME_H
 #define RENDER_GRID_GRID_EXTREME_H
 
-#include "render/extremes.h"
 #include "render/grid/walk.h"
+#include "render/ray/extremes.h"
 
 /* grid_extreme_ways(), grid_extreme(), grid_extreme_near() - the rows `extreme_ways`, `extreme` and
  * `extreme_near`. tr->own: a walk_scene. */

@@ -8,7 +8,7 @@
 #ifndef RENDER_GRID_GRID_GRADIENT_H
 #define RENDER_GRID_GRID_GRADIENT_H
 
-#include "render/segments.h"
+#include "render/ray/segments.h"
 
 /* grid_gradient() - the row's `gradient`. tr->own: a walk_scene. */
 void grid_gradient(const tracer *tr, const treelet *at, const ray *r, const segment *s,

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "formats/base/box3.h"
+#include "render/door/leafcast_scene.h"
 #include "render/grid/grid_batch.h"
 #include "render/grid/grid_extreme.h"
 #include "render/grid/grid_gradient.h"
@@ -13,7 +14,6 @@
 #include "render/grid/grid_tile.h"
 #include "render/grid/grid_tracer.h"
 #include "render/grid/surface.h"
-#include "render/leafcast_scene.h"
 
 /* What an open grid has beside its treelets: leafcast.own. */
 typedef struct grid_volume {

@@ -2,7 +2,7 @@
 #ifndef RENDER_GRID_GRID_KIND_H
 #define RENDER_GRID_GRID_KIND_H
 
-#include "render/kind.h"
+#include "render/ray/kind.h"
 
 extern const kind grid_kind;
 

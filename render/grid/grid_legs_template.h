@@ -10,7 +10,7 @@
 
 #include "render/grid/grid_rays_template.h"
 #include "render/grid/walk.h"
-#include "render/tracer.h"
+#include "render/ray/tracer.h"
 
 /* Of all planes: half of where they are, and from there to the last. */
 typedef struct grid_extent {

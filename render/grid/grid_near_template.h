@@ -13,8 +13,8 @@
 #ifdef SIMD_NAME
 
 #include "render/grid/grid_cross_template.h"
-#include "render/projection.h"
-#include "render/tile_rays_template.h"
+#include "render/look/projection.h"
+#include "render/tile/tile_rays_template.h"
 #include "stream/grid_resident.h"
 
 /* ---- Visits ---- */

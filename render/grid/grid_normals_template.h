@@ -12,7 +12,7 @@
 #include "render/grid/grid_points_template.h"
 #include "render/grid/grid_walk_template.h"
 #include "render/grid/surface.h"
-#include "render/tile_shade_template.h"
+#include "render/tile/tile_shade_template.h"
 
 typedef double four __attribute__((vector_size(32)));
 

@@ -8,7 +8,7 @@
 
 #include "render/grid/octree_step.h"
 #include "render/grid/walk.h"
-#include "render/tracer.h"
+#include "render/ray/tracer.h"
 
 enum { GRID_PASSAGES_MAX = 4 * LEAF_LEVELS_MAX };
 

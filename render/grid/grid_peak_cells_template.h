@@ -8,10 +8,10 @@
 
 #ifdef SIMD_NAME
 
-#include "render/extreme_batch.h"
 #include "render/grid/cell_visit_template.h"
 #include "render/grid/grid_extreme.h"
 #include "render/grid/grid_ray_cells_template.h"
+#include "render/ray/extreme_batch.h"
 #include "stream/grid_resident.h"
 
 /* What rays have found, by their places, as nodes and cells compare it: scores rounded down. Where

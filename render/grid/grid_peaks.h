@@ -17,7 +17,7 @@
 #define RENDER_GRID_GRID_PEAKS_H
 
 #include "formats/base/cpu.h"
-#include "render/extreme_batch.h"
+#include "render/ray/extreme_batch.h"
 
 /* What such a kernel needs. */
 enum { GRID_PEAKS_SCRATCH = 128 << 10 };

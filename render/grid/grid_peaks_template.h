@@ -13,7 +13,7 @@
 #include "render/grid/grid_peak_cells_template.h"
 #include "render/grid/grid_peaks.h"
 #include "render/grid/octant_order.h"
-#include "render/ray_box.h"
+#include "render/ray/ray_box.h"
 
 void SIMD_NAME(grid_peaks)(const tracer *tr, extreme_batch *b, void *scratch,
                            ray_counters *counters);

@@ -12,7 +12,7 @@
 #define RENDER_GRID_GRID_PIECES_H
 
 #include "formats/base/cpu.h"
-#include "render/segment_batch.h"
+#include "render/ray/segment_batch.h"
 
 /* What such a kernel needs. */
 enum { GRID_PIECES_SCRATCH = 96 << 10 };

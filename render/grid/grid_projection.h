@@ -3,7 +3,7 @@
 #define RENDER_GRID_GRID_PROJECTION_H
 
 #include "render/grid/level_planes.h"
-#include "render/projection.h"
+#include "render/look/projection.h"
 
 /* grid_projection_init() - of a file's levels, allocated from m; grid_projection_bytes() - how
  * much. */

@@ -14,7 +14,7 @@
 
 #include "render/grid/grid_cross_template.h"
 #include "render/grid/level_planes.h"
-#include "render/ray_batch.h"
+#include "render/ray/ray_batch.h"
 
 /* A bit a ray, by its place in the batch's order. */
 enum { RAY_SET_WORDS = RAY_BATCH / 64 };

@@ -17,7 +17,7 @@
 #ifndef RENDER_GRID_GRID_SEGMENTS_H
 #define RENDER_GRID_GRID_SEGMENTS_H
 
-#include "render/segments.h"
+#include "render/ray/segments.h"
 
 /* grid_segments() - the row's `segments`. tr->own: a walk_scene. */
 segments_result grid_segments(const tracer *tr, const ray *r, segments_state *state,

@@ -9,7 +9,7 @@
 #ifndef RENDER_GRID_GRID_TILE_H
 #define RENDER_GRID_GRID_TILE_H
 
-#include "render/tile.h"
+#include "render/frame/tile.h"
 
 /* Pixels on a side: tests/measurements/tiles.md. What a tile_fn needs beside its outcome. */
 enum { GRID_TILE = 32, GRID_TILE_SCRATCH = 640 << 10 };

@@ -7,7 +7,7 @@
 #define RENDER_GRID_GRID_TRACER_H
 
 #include "render/grid/walk.h"
-#include "render/tracer.h"
+#include "render/ray/tracer.h"
 
 /* grid_tracer_next() - tracer_next(); grid_tracer_surface() - tracer_surface(). tr->own: a
  * walk_scene. */

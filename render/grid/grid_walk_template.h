@@ -10,10 +10,10 @@
 #include "render/grid/grid_near_template.h"
 #include "render/grid/octant_order.h"
 #include "render/kernels.h"
-#include "render/lane_counts.h"
-#include "render/ray_box.h"
-#include "render/tile_rects_template.h"
-#include "render/tile_state_template.h"
+#include "render/ray/lane_counts.h"
+#include "render/ray/ray_box.h"
+#include "render/tile/tile_rects_template.h"
+#include "render/tile/tile_state_template.h"
 
 typedef struct tile_walk {
     tile_state s;

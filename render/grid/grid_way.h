@@ -6,7 +6,7 @@
 
 #include "render/grid/grid_passage.h"
 #include "render/grid/stand_in.h"
-#include "render/segments.h"
+#include "render/ray/segments.h"
 
 typedef struct grid_way {
     bool resuming; /* at the treelet state->blocked */

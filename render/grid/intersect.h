@@ -17,7 +17,7 @@
 
 #include "render/grid/cell_kernel.h"
 #include "render/leafcast_experimental.h"
-#include "render/ray.h"
+#include "render/ray/ray.h"
 
 typedef struct intersector {
     leafcast_intersector id;

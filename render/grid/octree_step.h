@@ -15,7 +15,7 @@
 
 #include <math.h>
 
-#include "render/ray.h"
+#include "render/ray/ray.h"
 
 typedef struct octree_child {
     double t_in, t_out;

@@ -4,7 +4,7 @@
 #ifndef RENDER_GRID_STAND_IN_H
 #define RENDER_GRID_STAND_IN_H
 
-#include "render/tracer.h"
+#include "render/ray/tracer.h"
 #include "stream/grid_resident.h"
 
 typedef struct stand_in {

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "render/shade.h"
+#include "render/surface/shade.h"
 
 void surface_cell_of(const level_planes *planes, uint64_t index, uint32_t cell[3]) {
     cell[0] = (uint32_t)(index % planes->cells[0]);

@@ -4,9 +4,9 @@
 
 #include <stdbool.h>
 
-#include "render/affine.h"
 #include "render/grid/walk.h"
-#include "render/surface_point.h"
+#include "render/ray/affine.h"
+#include "render/ray/surface_point.h"
 
 /* surface_at() - the point of hit h on ray r, whose cell lies in tr. analytic: take the normal from
  * the cell's own gradient (always so without a halo, or where a neighbour is not finite). */

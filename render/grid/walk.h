@@ -9,11 +9,11 @@
 #include <stdint.h>
 
 #include "formats/base/sample.h"
-#include "render/counters.h"
 #include "render/grid/cell_kernel.h"
 #include "render/grid/level_planes.h"
 #include "render/leafcast_experimental.h"
-#include "render/ray.h"
+#include "render/ray/counters.h"
+#include "render/ray/ray.h"
 #include "stream/grid_resident.h"
 #include "stream/loader.h"
 

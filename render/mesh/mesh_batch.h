@@ -21,7 +21,7 @@
 #define RENDER_MESH_MESH_BATCH_H
 
 #include "formats/base/cpu.h"
-#include "render/ray_batch.h"
+#include "render/ray/ray_batch.h"
 
 enum { MESH_BEAMS = 32, MESH_BATCH_SCRATCH = 128 << 10 };
 

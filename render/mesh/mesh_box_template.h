@@ -1,5 +1,5 @@
 /* mesh_box_template.h - many rays against a box of tets; included by the units of an ISA (see
- * formats/base/simd.h). What it is widened by, and why: render/ray_box.h. */
+ * formats/base/simd.h). What it is widened by, and why: render/ray/ray_box.h. */
 #ifndef RENDER_MESH_MESH_BOX_TEMPLATE_H
 #define RENDER_MESH_MESH_BOX_TEMPLATE_H
 
@@ -8,7 +8,7 @@
 #ifdef SIMD_NAME
 
 #include "render/mesh/mesh_walk.h"
-#include "render/ray_box_template.h"
+#include "render/ray/ray_box_template.h"
 
 /* Which of VD_N rays of directions d meet a box, whose corners are seen from where they start,
  * within [from, to]: what mesh_interval_in() says, for directions without a 0. */

@@ -10,9 +10,9 @@
 #ifndef RENDER_MESH_MESH_CHAIN_H
 #define RENDER_MESH_MESH_CHAIN_H
 
-#include "render/counters.h"
 #include "render/mesh/mesh_faces.h"
 #include "render/mesh/tet_segment.h"
+#include "render/ray/counters.h"
 
 /* mesh_chain_each() - visit() with the active tets of a treelet that the ray crosses, and where,
  * but for those that begin behind `nearest` by more than rounding; in no order. */

@@ -4,7 +4,7 @@
 #ifndef RENDER_MESH_MESH_EXTREME_H
 #define RENDER_MESH_MESH_EXTREME_H
 
-#include "render/extremes.h"
+#include "render/ray/extremes.h"
 
 /* mesh_extreme_ways(), mesh_extreme(), mesh_extreme_near() - the rows `extreme_ways`, `extreme` and
  * `extreme_near`. tr->own: a mesh_rays. */

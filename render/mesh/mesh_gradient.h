@@ -4,7 +4,7 @@
 #ifndef RENDER_MESH_MESH_GRADIENT_H
 #define RENDER_MESH_MESH_GRADIENT_H
 
-#include "render/segments.h"
+#include "render/ray/segments.h"
 
 /* mesh_gradient() - the row's `gradient`. tr->own: a mesh_rays. */
 void mesh_gradient(const tracer *tr, const treelet *at, const ray *r, const segment *s,

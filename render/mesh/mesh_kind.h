@@ -2,7 +2,7 @@
 #ifndef RENDER_MESH_MESH_KIND_H
 #define RENDER_MESH_MESH_KIND_H
 
-#include "render/kind.h"
+#include "render/ray/kind.h"
 
 extern const kind mesh_kind;
 

@@ -21,7 +21,7 @@
 #ifndef RENDER_MESH_MESH_PACKET_H
 #define RENDER_MESH_MESH_PACKET_H
 
-#include "render/tile.h"
+#include "render/frame/tile.h"
 
 /* mesh_packet_for() - packets of f->kernels->packet rays on a side: 2, 4, 8 or
  * 16. NULL where there is none: every ray by itself. */

@@ -14,7 +14,7 @@
 #include "render/mesh/mesh_shade_template.h"
 #include "render/mesh/mesh_tracer.h"
 #include "render/mesh/packet_frustum.h"
-#include "render/tile_rects_template.h"
+#include "render/tile/tile_rects_template.h"
 
 void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                             tile_outcome *out, ray_counters *counters);

@@ -14,7 +14,7 @@
 #define RENDER_MESH_MESH_SEGMENTS_H
 
 #include "render/mesh/tet_segment.h"
-#include "render/segments.h"
+#include "render/ray/segments.h"
 
 /* mesh_segments() - the row's `segments`. tr->own: a mesh_rays. */
 segments_result mesh_segments(const tracer *tr, const ray *r, segments_state *state,

@@ -7,17 +7,17 @@
 
 #ifdef SIMD_NAME
 
+#include "render/frame/tile.h"
 #include "render/mesh/mesh_tile.h"
 #include "render/mesh/mesh_tracer.h"
 #include "render/mesh/mesh_walk.h"
 #include "render/mesh/tet_normals_template.h"
 #include "render/mesh/tet_points_template.h"
 #include "render/mesh/tet_smooth.h"
-#include "render/tile.h"
 
 enum { TILE = MESH_TILE, TILE_WINDOWS = 0 }; /* of the templates that follow */
 
-#include "render/tile_shade_template.h"
+#include "render/tile/tile_shade_template.h"
 
 /* Neighbouring rays hit the same tets: slots of the last ones. */
 enum { KNOWN_TETS = 64 };

@@ -16,7 +16,7 @@
 #ifndef RENDER_MESH_MESH_TILE_H
 #define RENDER_MESH_MESH_TILE_H
 
-#include "render/tile.h"
+#include "render/frame/tile.h"
 
 /* Pixels on a side: render/README.md says why. What a tile_fn needs beside its outcome. */
 enum { MESH_TILE = 32, MESH_TILE_SCRATCH = 768 << 10 };

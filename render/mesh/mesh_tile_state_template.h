@@ -9,12 +9,12 @@
 
 #include <float.h>
 
-#include "render/lane_counts.h"
 #include "render/mesh/mesh_shade_template.h"
 #include "render/mesh/mesh_tile.h"
 #include "render/mesh/mesh_tracer.h"
 #include "render/mesh/tet_polygons_template.h"
-#include "render/tile_rects_template.h"
+#include "render/ray/lane_counts.h"
+#include "render/tile/tile_rects_template.h"
 
 /* Active tets of a treelet, a lane each, on their way to covers_of(). */
 typedef struct tet_lanes {

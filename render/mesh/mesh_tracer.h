@@ -10,7 +10,7 @@
 #ifndef RENDER_MESH_MESH_TRACER_H
 #define RENDER_MESH_MESH_TRACER_H
 
-#include "render/tracer.h"
+#include "render/ray/tracer.h"
 
 /* A mesh as rays see it during a frame: tracer.own. */
 typedef struct mesh_rays {

@@ -9,7 +9,7 @@
 #define RENDER_MESH_MESH_WALK_H
 
 #include "render/mesh/tet_kernel.h"
-#include "render/tracer.h"
+#include "render/ray/tracer.h"
 #include "stream/mesh_resident.h"
 
 /* mesh_walk() - lower state->best to the first hit in this treelet that counts, in the order of
@@ -44,7 +44,7 @@ bool mesh_walk_find(const resident_mesh *tr, const double point[3], uint32_t *lo
                     double weights[4]);
 
 /* Kernel and boxes round differently; what is given away is a millionth of the distance
- * (render/ray_box.h). */
+ * (render/ray/ray_box.h). */
 #define MESH_GENEROSITY 0x1p-20
 
 /* The part of a ray's [t0, t1] in a box, generously: never less than the t of what the kernel finds

@@ -5,8 +5,8 @@
 
 #include <stdbool.h>
 
+#include "render/look/projection.h"
 #include "render/mesh/mesh_walk.h"
-#include "render/projection.h"
 
 /* Planes as seen from the eye. */
 typedef struct packet_box {

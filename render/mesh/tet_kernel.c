@@ -5,7 +5,7 @@
 
 #include "formats/base/exact.h"
 #include "formats/base/vec3.h"
-#include "render/shade.h"
+#include "render/surface/shade.h"
 
 const uint8_t tet_edge_ends[TET_EDGES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 

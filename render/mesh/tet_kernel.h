@@ -47,8 +47,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "render/ray.h"
-#include "render/surface_point.h"
+#include "render/ray/ray.h"
+#include "render/ray/surface_point.h"
 
 /* Edges of a tet by number: 01 02 03 12 13 23, in the order of their ends, so of these' global
  * ids. */

@@ -1,7 +1,7 @@
 #include "render/mesh/tet_smooth.h"
 
 #include "formats/base/vec3.h"
-#include "render/shade.h"
+#include "render/surface/shade.h"
 
 static const uint8_t ends_of[TET_EDGES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 

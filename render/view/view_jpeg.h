@@ -3,7 +3,7 @@
 #define RENDER_VIEW_VIEW_JPEG_H
 
 #include "render/app/picture.h"
-#include "render/picture_bytes.h"
+#include "render/look/picture_bytes.h"
 #include "render/view/view_message.h"
 
 typedef struct view_jpeg view_jpeg;

@@ -9,7 +9,7 @@
 #include "formats/base/world_frame.h"
 #include "render/app/colour_map.h"
 #include "render/app/transfer_preset.h"
-#include "render/picture_bytes.h"
+#include "render/look/picture_bytes.h"
 #include "render/view/view_state.h"
 
 enum { MAP_COLOURS = 64, PRESET_COLOURS = 32, NAME_MAX_BYTES = 64 };

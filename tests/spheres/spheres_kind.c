@@ -5,7 +5,7 @@
 
 #include "formats/base/box3.h"
 #include "formats/base/vec3.h"
-#include "render/leafcast_scene.h"
+#include "render/door/leafcast_scene.h"
 #include "tests/spheres/spheres_resident.h"
 
 /* ---- An open volume ---- */

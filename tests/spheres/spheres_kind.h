@@ -2,7 +2,7 @@
 #ifndef TESTS_SPHERES_SPHERES_KIND_H
 #define TESTS_SPHERES_SPHERES_KIND_H
 
-#include "render/kind.h"
+#include "render/ray/kind.h"
 
 extern const kind spheres_kind;
 

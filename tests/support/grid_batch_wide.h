@@ -2,7 +2,7 @@
 #ifndef TESTS_SUPPORT_GRID_BATCH_WIDE_H
 #define TESTS_SUPPORT_GRID_BATCH_WIDE_H
 
-#include "render/ray_batch.h"
+#include "render/ray/ray_batch.h"
 
 /* grid_batch_trace_wide() - as every batch_fn of a grid. */
 void grid_batch_trace_wide(const tracer *tr, const struct kernels *k, ray_batch *b, void *scratch,

@@ -2,7 +2,7 @@
 #ifndef TESTS_SUPPORT_GRID_PEAKS_WIDE_H
 #define TESTS_SUPPORT_GRID_PEAKS_WIDE_H
 
-#include "render/extreme_batch.h"
+#include "render/ray/extreme_batch.h"
 
 /* grid_peaks_wide() - as every extreme_batch_fn of a grid. */
 void grid_peaks_wide(const tracer *tr, extreme_batch *b, void *scratch, ray_counters *counters);

@@ -5,4 +5,4 @@
 
 #include "tests/support/simd_wide.h"
 
-#include "render/medium_batch_template.h"
+#include "render/medium/medium_batch_template.h"

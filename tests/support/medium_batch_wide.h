@@ -2,7 +2,7 @@
 #ifndef TESTS_SUPPORT_MEDIUM_BATCH_WIDE_H
 #define TESTS_SUPPORT_MEDIUM_BATCH_WIDE_H
 
-#include "render/medium_batch.h"
+#include "render/medium/medium_batch.h"
 
 void medium_batch_wide(medium_batch *m, const segment_columns *pieces);
 

@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "prep/prep_arguments.h"
-#include "render/arguments.h"
+#include "render/door/arguments.h"
 #include "tests/support/fixture.h"
 #include "tests/support/scratch.h"
 

@@ -4,7 +4,7 @@
 #ifndef TESTS_SUPPORT_RAY_STAGE_H
 #define TESTS_SUPPORT_RAY_STAGE_H
 
-#include "render/kind.h"
+#include "render/ray/kind.h"
 #include "tests/support/fixture.h"
 #include "tests/support/lab_leaf.h"
 

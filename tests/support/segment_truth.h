@@ -8,7 +8,7 @@
 #ifndef TESTS_SUPPORT_SEGMENT_TRUTH_H
 #define TESTS_SUPPORT_SEGMENT_TRUTH_H
 
-#include "render/segments.h"
+#include "render/ray/segments.h"
 #include "tests/support/tet_reference.h"
 
 typedef struct truth_piece {

@@ -1,0 +1,150 @@
+#include "render/door/coarse_preview.h"
+
+#include "render/door/leafcast_device.h"
+
+enum { SHARE_LOG2 = 3 };
+
+/* Of the device's budget, if it has one. */
+static size_t share_of(const leafcast *v) {
+    return v->m->limit >> SHARE_LOG2;
+}
+
+size_t coarse_preview_bytes(const leafcast *v) {
+    return v->coarse ? share_of(v) : 0;
+}
+
+void coarse_preview_end(leafcast *v) {
+    if (!v->coarse || v->coarse->frames > 0)
+        return;
+    volume_release(v->coarse);
+    v->coarse = NULL;
+}
+
+uint32_t coarse_preview_levels(const leafcast *v) {
+    leaf_file *grid = NULL;
+    if (!leaf_file_has_coarse(v->file, 0) ||
+        leaf_file_open_coarse(v->m, v->file, 0, &grid) != ST_OK)
+        return 0;
+    const uint32_t levels = grid->header.levels;
+    leaf_file_close(grid);
+    return levels;
+}
+
+static status open_coarse(leafcast *v, uint32_t set) {
+    leafcast_options options = v->options;
+    leafcast_experiments experiments = v->experiments;
+    experiments.packets = 0;
+    options.experiments = &experiments;
+    options.backend = LEAFCAST_BACKEND_ARENA;
+    leafcast *coarse = volume_on(v->device, &options);
+    if (!coarse)
+        return ST_NOMEM;
+    const size_t before = mem_used(v->m);
+    status st = leaf_file_open_coarse(v->m, v->file, set, &coarse->file);
+    if (st == ST_OK)
+        st = volume_open_file(coarse);
+    if (st != ST_OK) {
+        volume_release(coarse);
+        return st;
+    }
+    coarse->base_bytes = mem_used(v->m) - before;
+    v->coarse = coarse;
+    v->coarse_set = set;
+    return ST_OK;
+}
+
+/* As many treelets as its share holds; false: not even one. */
+static bool make_slots(const leafcast *v) {
+    const leafcast *coarse = v->coarse;
+    const size_t slot = loader_slot_bytes(coarse->treelets), share = share_of(v);
+    size_t slots = coarse->file->layout.treelets;
+    if (share) {
+        const size_t room = share > coarse->base_bytes ? (share - coarse->base_bytes) / slot : 0;
+        slots = room < slots ? room : slots;
+    }
+    if (slots > 0)
+        loader_set_capacity(coarse->treelets, (uint32_t)slots, 0);
+    return slots > 0;
+}
+
+/* The coarsest level, which is one treelet, at once. */
+static status load_root(loader *l) {
+    loader_request root = {0, 0};
+    loader_forget_failures(l);
+    return l->own[0] && !loader_lookup(l, 0) ? loader_admit(l, &root, 1) : ST_OK;
+}
+
+/* The grid of what is shown of v, with room for treelets; NULL: there is none, or no room. */
+static status open_shown(leafcast *v, const leafcast_shown *shown, leafcast **out) {
+    const uint32_t set = leaf_layout_set(&v->file->layout, shown->field, shown->step);
+    *out = NULL;
+    if (v->coarse && v->coarse_set != set)
+        coarse_preview_end(v);
+    if (!leaf_file_has_coarse(v->file, set) || (v->coarse && v->coarse_set != set))
+        return ST_OK;
+    const status st = v->coarse ? ST_OK : open_coarse(v, set);
+    if (st != ST_OK)
+        return st == ST_NOMEM ? ST_OK : st;
+    if (make_slots(v))
+        *out = v->coarse;
+    else
+        coarse_preview_end(v);
+    return ST_OK;
+}
+
+/* A grid has other normals, and other levels. */
+static leafcast_scene scene_of_grid(const leafcast_scene *scene, leafcast_lod lod, uint32_t level) {
+    leafcast_scene of = *scene;
+    of.smooth_normals = false;
+    of.lod = lod;
+    of.lod_level = level;
+    return of;
+}
+
+status coarse_preview_begin(leafcast *v, const leafcast_scene *scene, const leafcast_shown *shown,
+                            tracer *tr, const tracer **out) {
+    const leafcast_scene whole = scene_of_grid(scene, LEAFCAST_LOD_EXACT, 0);
+    leafcast *coarse = NULL;
+    *out = NULL;
+    status st = scene->preview ? open_shown(v, shown, &coarse) : ST_OK;
+    if (!coarse)
+        return st;
+    volume_show(coarse, 0, 0, shown->surfaces, shown->count);
+    st = load_root(coarse->treelets);
+    if (st == ST_OK)
+        st = volume_tracer(coarse, &whole, NULL, tr); /* forgets what is wanted */
+    if (st != ST_OK)
+        return st;
+    loader_sweep(coarse->treelets);
+    *out = tr;
+    return ST_OK;
+}
+
+status coarse_preview_instead(leafcast *v, const leafcast_scene *scene, const leafcast_shown *shown,
+                              leafcast **out) {
+    const bool asked = scene->preview && scene->lod == LEAFCAST_LOD_LEVEL && scene->lod_level > 0;
+    *out = NULL;
+    return asked ? open_shown(v, shown, out) : ST_OK;
+}
+
+status coarse_preview_show(leafcast *coarse, const leafcast_scene *scene,
+                           const leafcast_shown *shown, const interest *beside, const camera *c,
+                           tracer *tr) {
+    const leafcast_scene level = scene_of_grid(scene, LEAFCAST_LOD_LEVEL, scene->lod_level - 1);
+    const leafcast_shown grid = {coarse, 0, 0, shown->surfaces, shown->count};
+    volume_show_beside(&grid, beside);
+    status st = load_root(coarse->treelets);
+    if (st == ST_OK)
+        st = volume_tracer(coarse, &level, c, tr);
+    if (st == ST_OK)
+        loader_sweep_level(coarse->treelets, tr->target_level);
+    tr->doubts = false; /* how far the grid is from the mesh is not known */
+    return st;
+}
+
+void coarse_preview_stats(const leafcast *v, leafcast_stats *stats) {
+    const loader_stats l = loader_statistics(v->coarse->treelets);
+    stats->bytes_read += l.bytes_read;
+    stats->bytes_read_ever += l.bytes_read_ever;
+    stats->bytes_resident += l.bytes_resident;
+}

@@ -1,0 +1,171 @@
+/* leafcast_budget.c - a device's memory budget, shared out before each turn of a frame: what is
+ * always there, what frames may need, treelets of each volume.
+ */
+#include "render/door/coarse_preview.h"
+#include "render/door/leafcast_turn.h"
+#include "render/ray/kind.h"
+
+size_t budget_image(const leafcast_image *image, size_t pixels) {
+    const float *const floats[] = {image->r,         image->g,         image->b,        image->a,
+                                   image->normal[0], image->normal[1], image->normal[2]};
+    size_t bytes = 0;
+    for (size_t i = 0; i < sizeof floats / sizeof *floats; i++)
+        bytes += floats[i] ? pixels * sizeof(float) : 0;
+    bytes += image->z ? pixels * sizeof(double) : 0;
+    bytes += image->id ? pixels * sizeof(int32_t) : 0;
+    bytes += image->rgba ? 4 * pixels * sizeof(double) : 0;
+    bytes += image->error ? pixels * sizeof(double) : 0;
+    bytes += image->value ? pixels * sizeof(double) : 0;
+    bytes += image->rgba8 ? 4 * pixels : 0;
+    return bytes + (image->provisional ? pixels : 0);
+}
+
+/* Records of suspended rays, as many as there may be use for. */
+static uint32_t records_wanted(const frame *f) {
+    const uint32_t least = frame_records_min(f);
+    const size_t records = (frame_pixels(f) + 255) / 256 * 256 * 2;
+    return records < least ? least : records < UINT32_MAX / 2 ? (uint32_t)records : UINT32_MAX / 2;
+}
+
+/* What all threads draw in. */
+size_t budget_scratch(const frame *f) {
+    return (size_t)pool_threads(f->threads) * frame_scratch_bytes(f);
+}
+
+/* What the frame needs but for records and treelets. */
+static size_t frame_fixed_bytes(const turn *t) {
+    const frame *f = &t->f;
+    const leafcast_image *planes = &f->image;
+    const leafcast_image colours = {.r = planes->r, .g = planes->g, .b = planes->b, .a = planes->a};
+    const size_t kept = t->device->scratch_bytes, scratch = budget_scratch(f);
+    size_t bytes = (kept > scratch ? kept : scratch) + budget_image(&f->image, frame_pixels(f)) +
+                   frame_bytes(f, records_wanted(f));
+    if (t->scene.samples > 1)
+        bytes += budget_image(&colours, frame_pixels(f));
+    for (int i = 0; i < t->volumes; i++) {
+        const leafcast *v = t->drawn[i];
+        bytes += coarse_preview_bytes(t->shown[i].volume) +
+                 (v->kind->projection_bytes ? v->kind->projection_bytes(&v->file->layout) : 0);
+    }
+    return bytes;
+}
+
+/* All of the budget but records and treelets. */
+static size_t fixed_bytes(const turn *t) {
+    const leafcast_device *d = t->device;
+    return d->base_bytes + d->beside + d->frames_bytes - t->reserved + frame_fixed_bytes(t);
+}
+
+/* One treelet of each volume. */
+static size_t least_slots(const turn *t) {
+    size_t bytes = 0;
+    for (int i = 0; i < t->volumes; i++)
+        bytes += loader_slot_bytes(t->shown[i].volume->treelets);
+    return bytes;
+}
+
+/* With the fewest records, and one treelet of each volume at a time. */
+static status check_budget(const turn *t, size_t fixed) {
+    const size_t limit = t->device->budget.limit;
+    const size_t records = t->begun ? t->f.records_max : frame_records_min(&t->f);
+    const size_t needed = fixed + records * frame_record_bytes(&t->f) + least_slots(t);
+    if (limit == 0 || needed <= limit)
+        return ST_OK;
+    return status_describe(
+        ST_NOMEM,
+        "the memory budget of %zu bytes is too small for this picture: %zu bytes would do", limit,
+        needed);
+}
+
+/* All that it might bring in. */
+static size_t wanted_bytes(const leafcast *v) {
+    return v->treelets->treelets_active * loader_slot_bytes(v->treelets);
+}
+
+static bool is_shown(const turn *t, const leafcast *v) {
+    bool shown = false;
+    for (int i = 0; i < t->volumes; i++)
+        shown |= t->shown[i].volume == v;
+    return shown;
+}
+
+/* What treelets of volumes that are not shown hold of `rest` bytes: they give them back if the
+ * frame could use them. */
+static size_t others_bytes(turn *t, size_t rest) {
+    size_t held = 0, wanted = records_wanted(&t->f) * frame_record_bytes(&t->f);
+    for (leafcast *v = t->device->volumes; v; v = v->next) {
+        if (is_shown(t, v))
+            wanted += wanted_bytes(v);
+        else
+            held += loader_statistics(v->treelets).bytes_resident;
+    }
+    if (wanted + held <= rest)
+        return held;
+    for (leafcast *v = t->device->volumes; v; v = v->next)
+        if (!is_shown(t, v))
+            loader_clear(v->treelets);
+    return 0;
+}
+
+void budget_slots(leafcast *v, size_t bytes) {
+    const uint32_t treelets = v->file->layout.treelets, limit = v->experiments.treelet_limit;
+    const size_t slot = loader_slot_bytes(v->treelets);
+    size_t slots = bytes / slot < treelets ? bytes / slot : treelets;
+    size_t cached = bytes == SIZE_MAX ? SIZE_MAX : bytes - slots * slot;
+    if (limit) {
+        slots = slots < limit ? slots : limit;
+        cached = 0;
+    }
+    loader_set_capacity(v->treelets, (uint32_t)slots, cached);
+}
+
+/* To each volume one treelet, and of the rest as much as it has of all that is active. */
+static void share_treelets(turn *t, size_t bytes) {
+    size_t spare = bytes - least_slots(t);
+    double wanted = 0.0;
+    for (int i = 0; i < t->volumes; i++)
+        wanted += (double)wanted_bytes(t->shown[i].volume);
+    for (int i = 0; i < t->volumes; i++) {
+        leafcast *v = t->shown[i].volume;
+        const double share = wanted > 0.0 ? (double)wanted_bytes(v) / wanted : 1.0;
+        const bool last = i + 1 == t->volumes || share >= 1.0;
+        const size_t more = last ? spare : (size_t)(share * (double)spare);
+        wanted -= (double)wanted_bytes(v);
+        spare -= more;
+        budget_slots(v, loader_slot_bytes(v->treelets) + more);
+    }
+}
+
+/* Share the budget out: what is there, the picture, records of suspended rays (a quarter of the
+ * rest, or what one treelet leaves), treelets. */
+status budget_share(turn *t) {
+    leafcast_device *d = t->device;
+    frame *f = &t->f;
+    const uint32_t least = frame_records_min(f);
+    size_t records = t->begun ? f->records_max : records_wanted(f);
+    if (d->budget.limit == 0) {
+        for (int i = 0; i < t->volumes; i++)
+            budget_slots(t->shown[i].volume, SIZE_MAX);
+    } else {
+        const size_t fixed = fixed_bytes(t), slots = least_slots(t);
+        status st = check_budget(t, fixed);
+        if (st != ST_OK)
+            return st;
+        size_t rest = d->budget.limit - fixed;
+        rest -= others_bytes(t, rest);
+        const size_t beside = rest - slots;
+        const size_t most = (rest / 4 < beside ? rest / 4 : beside) / frame_record_bytes(f);
+        if (!t->begun)
+            records = most < least ? least : most < records ? most : records;
+        share_treelets(t, rest - records * frame_record_bytes(f));
+    }
+    f->records_max = (uint32_t)records;
+    d->frames_bytes -= t->reserved;
+    t->reserved = frame_fixed_bytes(t) + records * frame_record_bytes(f);
+    d->frames_bytes += t->reserved;
+    return ST_OK;
+}
+
+status budget_check(const turn *t) {
+    return check_budget(t, fixed_bytes(t));
+}

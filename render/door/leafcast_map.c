@@ -1,0 +1,68 @@
+/* leafcast_map.c - which treelets are wanted, resident and seen, in blocks of the volume. */
+#include <math.h>
+#include <string.h>
+
+#include "render/door/arguments.h"
+#include "render/door/leafcast_device.h"
+#include "render/ray/kind.h"
+
+/* Blocks first .. last along an axis that a treelet from lo to hi reaches into. Where it only
+ * touches one, by rounding or not, it does not. */
+static void reach(double lo, double hi, uint32_t blocks, uint32_t *first, uint32_t *last) {
+    const double most = blocks - 1.0, rounding = 1e-9;
+    *first = (uint32_t)fmin(fmax(floor(lo * blocks + rounding), 0.0), most);
+    *last = (uint32_t)fmin(fmax(ceil(hi * blocks - rounding) - 1.0, *first), most);
+}
+
+static void count(const leafcast *v, uint32_t t, const uint32_t blocks[3], leafcast_block *map) {
+    /* Others may be resident, too: those that points and slices were taken from. */
+    const bool wanted = v->treelets->own[t];
+    const bool resident = wanted && loader_is_ready(v->treelets, t);
+    const leafcast_block one = {.treelets = 1,
+                                .wanted = wanted,
+                                .resident = resident,
+                                .seen = resident &&
+                                        atomic_load_explicit(&v->touched[t], memory_order_relaxed)};
+    double span[2][3];
+    uint32_t lo[3], hi[3];
+    v->kind->span(v, t, span);
+    for (int a = 0; a < 3; a++)
+        reach(span[0][a], span[1][a], blocks[a], &lo[a], &hi[a]);
+    for (uint32_t z = lo[2]; z <= hi[2]; z++)
+        for (uint32_t y = lo[1]; y <= hi[1]; y++)
+            for (uint32_t x = lo[0]; x <= hi[0]; x++) {
+                leafcast_block *b = &map[((size_t)z * blocks[1] + y) * blocks[0] + x];
+                b->treelets += one.treelets;
+                b->wanted += one.wanted;
+                b->resident += one.resident;
+                b->seen += one.seen;
+            }
+}
+
+static status check(const leafcast *v, uint32_t level, const uint32_t blocks[3]) {
+    const uint32_t levels = v->file->layout.levels;
+    for (int a = 0; a < 3; a++)
+        if (blocks[a] < 1 || blocks[a] > LEAFCAST_BLOCKS_MAX)
+            return status_describe(ST_USAGE, "a map of %u blocks along an axis: 1 to %d", blocks[a],
+                                   LEAFCAST_BLOCKS_MAX);
+    return level < levels ? ST_OK
+                          : status_describe(ST_USAGE, "level %u: there are %u", level, levels);
+}
+
+leafcast_status leafcast_map_treelets(leafcast *v, uint32_t level, const uint32_t blocks[3],
+                                      leafcast_block *map) {
+    status st = arguments_check_volume(__func__, v);
+    if (st == ST_OK)
+        st = public_needs(__func__, "blocks map", (const void *[]){blocks, map});
+    if (st == ST_OK)
+        st = check(v, level, blocks);
+    if (st != ST_OK)
+        return public_status(st);
+    const leaf_level *of = &v->file->layout.level[level];
+    memset(map, 0, (size_t)blocks[0] * blocks[1] * blocks[2] * sizeof *map);
+    device_lock(v->device);
+    for (uint32_t t = of->first; t < of->first + of->count; t++)
+        count(v, t, blocks, map);
+    device_unlock(v->device);
+    return LEAFCAST_OK;
+}

@@ -1,0 +1,149 @@
+#include "render/door/leafcast_scene.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "render/door/arguments.h"
+#include "render/ray/kind.h"
+
+/* ---- Which volumes ---- */
+
+/* One world: what says which way its axes point agrees with all else that does. */
+static status check_world(const leafcast_scene *scene, int i) {
+    const world_axes axes = scene->volumes[i].volume->axes;
+    for (int k = 0; k < i; k++) {
+        const world_axes other = scene->volumes[k].volume->axes;
+        if (axes && other && axes != other)
+            return status_describe(ST_USAGE,
+                                   "volume %d of the scene lies in a world of %s axes, volume %d "
+                                   "in one of %s: open both with the same leafcast_options.axes",
+                                   k + 1, world_axes_name(other), i + 1, world_axes_name(axes));
+    }
+    return ST_OK;
+}
+
+/* The i-th of a scene's list. */
+static status check_shown(const leafcast *v, const leafcast_scene *scene, int i) {
+    const leafcast_shown *s = &scene->volumes[i];
+    if (s->volume->device != v->device)
+        return status_describe(ST_USAGE, "volume %d of the scene is on another device", i + 1);
+    for (int k = 0; k < i; k++)
+        if (scene->volumes[k].volume == s->volume)
+            return status_describe(ST_USAGE, "volumes %d and %d of the scene are the same", k + 1,
+                                   i + 1);
+    status st = check_world(scene, i);
+    if (st == ST_OK)
+        st = volume_check_set(s->volume, s->field, s->step);
+    const bool surfaces = s->count != 0 || !scene_is_filled(scene);
+    return st == ST_OK && surfaces ? arguments_check_surfaces(s->surfaces, s->count) : st;
+}
+
+status scene_volumes(leafcast *v, const leafcast_scene *scene,
+                     leafcast_shown shown[LEAFCAST_VOLUMES_MAX], int *count) {
+    status st = arguments_check_scene(scene);
+    *count = st == ST_OK ? scene->volume_count : 0;
+    for (int i = 0; i < *count && st == ST_OK; i++) {
+        st = check_shown(v, scene, i);
+        shown[i] = scene->volumes[i];
+    }
+    if (st != ST_OK || *count > 0)
+        return st;
+    shown[0] = (leafcast_shown){v, v->field, v->step, v->surfaces, v->surface_count};
+    *count = 1;
+    return ST_OK;
+}
+
+/* ---- What rays look for ---- */
+
+/* All that is looked for: LEAFCAST_SURFACES_MAX and SCENE_BESIDE_MAX are as many as there may be.
+ */
+static interest wanted_of(const leafcast *v) {
+    interest_interval of[INTEREST_MAX];
+    int count = 0;
+    for (int i = 0; i < v->isovalue_count; i++)
+        of[count++] = (interest_interval){v->isovalues[i], v->isovalues[i], false, true};
+    for (int i = 0; i < v->beside.count; i++)
+        of[count++] = v->beside.of[i];
+    interest wanted = interest_of_intervals(of, count);
+    wanted.whole = v->beside.whole;
+    for (int i = 0; i < v->isovalue_count; i++)
+        homogeneous_except(&wanted.whole, v->isovalues[i]);
+    return wanted;
+}
+
+void volume_show(leafcast *v, uint32_t field, uint32_t step, const leafcast_surface *surfaces,
+                 int count) {
+    const interest nothing = {.count = 0};
+    const leafcast_shown s = {v, field, step, surfaces, count};
+    volume_show_beside(&s, &nothing);
+}
+
+void volume_show_beside(const leafcast_shown *s, const interest *beside) {
+    leafcast *v = s->volume;
+    const uint32_t set = leaf_layout_set(&v->file->layout, s->field, s->step);
+    bool changed =
+        s->count != v->isovalue_count || set != v->set || !interest_same(beside, &v->beside);
+    for (int i = 0; i < s->count; i++) {
+        changed |= v->isovalues[i] != s->surfaces[i].isovalue;
+        v->isovalues[i] = s->surfaces[i].isovalue;
+    }
+    v->isovalue_count = s->count;
+    v->set = set;
+    v->beside = *beside;
+    if (!changed)
+        return;
+    loader_select_set(v->treelets, set);
+    const interest wanted = wanted_of(v);
+    loader_select(v->treelets, &wanted);
+    loader_reset_statistics(v->treelets);
+}
+
+static status add_clip(tracer *tr, const double plane[4]) {
+    for (int i = 0; i < 4; i++)
+        if (!isfinite(plane[i]))
+            return status_describe(ST_USAGE, "a clip plane has a number that is not finite");
+    memcpy(tr->clip[tr->clip_count++], plane, sizeof tr->clip[0]);
+    return ST_OK;
+}
+
+static status clip_of(const leafcast_scene *scene, tracer *tr) {
+    status st = ST_OK;
+    for (int a = 0; scene->clip_box && a < 3 && st == ST_OK; a++) {
+        double below[4] = {0.0, 0.0, 0.0, -scene->clip_min[a]},
+               above[4] = {0.0, 0.0, 0.0, scene->clip_max[a]};
+        below[a] = 1.0;
+        above[a] = -1.0;
+        st = add_clip(tr, below);
+        if (st == ST_OK)
+            st = add_clip(tr, above);
+    }
+    for (int i = 0; i < scene->clip_plane_count && st == ST_OK; i++)
+        st = add_clip(tr, scene->clip_planes[i]);
+    return st;
+}
+
+status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
+    const status st = v->kind->check(v, scene);
+    if (st != ST_OK)
+        return st;
+    loader_select_gradients(v->treelets, scene->smooth_normals);
+    *tr =
+        (tracer){.kind = v->kind,
+                 .treelets = v->treelets,
+                 .layout = &v->file->layout,
+                 .set = v->set,
+                 .target_level = scene_level(scene, v),
+                 .isos = {v->isovalue_count, v->isovalues},
+                 .space = v->space,
+                 .preview = scene->preview,
+                 .doubts = scene->preview && scene_is_certified(scene) && scene_filled(scene) == 1,
+                 .touched = v->touched};
+    v->kind->aim(v, scene, c, tr);
+    return clip_of(scene, tr);
+}
+
+status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
+    if (v->isovalue_count == 0 && !scene_is_filled(scene))
+        return status_describe(ST_USAGE, "no isosurface is selected");
+    return volume_tracer_of_all(v, scene, c, tr);
+}

@@ -1,0 +1,179 @@
+#include "render/door/leafcast_turn.h"
+
+#include "render/door/coarse_preview.h"
+#include "render/ray/kind.h"
+
+/* How many there are, or 0 where nothing is in any of them. */
+static int filled_media(const leafcast_scene *scene) {
+    for (int i = 0; i < scene->media_count; i++)
+        if (scene->media[i].count > 0)
+            return scene->media_count;
+    return 0;
+}
+
+/* A coarse grid stays open until turn_end(). */
+static status choose_drawn(turn *t, int i) {
+    const leafcast_shown *s = &t->shown[i];
+    leafcast *coarse = NULL;
+    const status st = coarse_preview_instead(s->volume, &t->scene, s, &coarse);
+    t->drawn[i] = coarse ? coarse : s->volume;
+    t->drawn[i]->frames += turn_is_instead(t, i);
+    t->tracers[i] = (tracer){.kind = t->drawn[i]->kind, .layout = &t->drawn[i]->file->layout};
+    if (i == 0)
+        t->f.kernels = &t->drawn[i]->kernels;
+    return st;
+}
+
+status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene) {
+    *t = (turn){.device = v->device, .scene = *scene};
+    status st = scene_volumes(v, scene, t->shown, &t->volumes);
+    if (st == ST_OK && scene->experiments) {
+        t->experiments = *scene->experiments;
+        t->scene.experiments = &t->experiments;
+    }
+    t->scene.media_count = st == ST_OK ? filled_media(scene) : 0;
+    int32_t id = 0;
+    for (int i = 0; i < t->volumes && st == ST_OK; i++) {
+        leafcast_shown *s = &t->shown[i];
+        for (int k = 0; k < s->count; k++)
+            t->surfaces[i][k] = s->surfaces[k];
+        s->surfaces = t->surfaces[i];
+        t->first_id[i] = id;
+        id += s->count;
+        st = choose_drawn(t, i);
+    }
+    t->f.m = &v->device->budget;
+    t->f.threads = v->device->threads;
+    t->f.tracer = t->tracers;
+    t->f.volumes = t->volumes;
+    return st;
+}
+
+bool turn_any_instead(const turn *t) {
+    bool any = false;
+    for (int i = 0; i < t->volumes; i++)
+        any |= turn_is_instead(t, i);
+    return any;
+}
+
+/* What rays see of a volume from now on. */
+static status prepare_volume(turn *t, int i) {
+    const leafcast_shown *s = &t->shown[i];
+    leafcast *v = s->volume;
+    if (turn_is_instead(t, i)) {
+        const status st = coarse_preview_show(t->drawn[i], &t->scene, s, &t->beside[i],
+                                              &t->f.camera, &t->tracers[i]);
+        t->tracers[i].above = t->above;
+        return st;
+    }
+    loader_forget_failures(v->treelets);
+    volume_show_beside(s, &t->beside[i]);
+    status st = volume_tracer(v, &t->scene, &t->f.camera, &t->tracers[i]);
+    t->tracers[i].above = t->above;
+    if (st == ST_OK && s->count > 0)
+        st = coarse_preview_begin(v, &t->scene, s, &t->coarse_tracers[i], &t->coarse[i]);
+    return st;
+}
+
+/* Rather without coarse grids than not at all. */
+static bool drop_coarse(turn *t) {
+    bool any = false;
+    for (int i = 0; i < t->volumes; i++) {
+        any |= t->coarse[i] != NULL;
+        t->coarse[i] = NULL;
+        coarse_preview_end(t->shown[i].volume);
+    }
+    return any;
+}
+
+static void begin_loading(turn *t, int i) {
+    leafcast *v = t->shown[i].volume;
+    if (!t->scene.preview)
+        loader_follow(v->treelets, v->touched);
+    for (uint32_t k = 0; k < v->file->layout.treelets && !t->begun; k++)
+        atomic_store_explicit(&v->touched[k], 0, memory_order_relaxed);
+    if (turn_is_instead(t, i))
+        loader_rest(v->treelets);
+    else if (t->scene.sweep)
+        loader_sweep(v->treelets);
+    else if (t->scene.preview)
+        loader_sweep_level(v->treelets, t->tracers[i].target_level);
+}
+
+/* A turn: all that another frame may have changed. */
+status turn_prepare(turn *t) {
+    status st = ST_OK;
+    for (int i = 0; i < t->volumes && st == ST_OK; i++)
+        st = prepare_volume(t, i);
+    if (st == ST_OK)
+        st = budget_share(t);
+    if (st == ST_NOMEM && drop_coarse(t))
+        st = budget_share(t);
+    if (st != ST_OK)
+        return st;
+    for (int i = 0; i < t->volumes; i++)
+        begin_loading(t, i);
+    st = device_scratch(t->device, budget_scratch(&t->f));
+    t->f.scratch = t->device->scratch;
+    t->begun = true;
+    return st;
+}
+
+/* ---- The end of a turn ---- */
+
+status turn_check(const turn *t, bool done, status st) {
+    for (int i = 0; i < t->volumes; i++) {
+        const leafcast *v = t->shown[i].volume;
+        if (st == ST_OK && (t->coarse[i] || turn_is_instead(t, i)))
+            st = loader_failure(v->coarse->treelets);
+        if (st == ST_OK && done && t->scene.sweep && !t->scene.preview)
+            st = loader_settle(v->treelets);
+        st = volume_check_file(v, st);
+    }
+    return st;
+}
+
+/* ---- Statistics ---- */
+
+static uint64_t visible_bytes(const leafcast *v) {
+    uint64_t visible = 0;
+    for (uint32_t t = 0; t < v->file->layout.treelets; t++)
+        visible += atomic_load_explicit(&v->touched[t], memory_order_relaxed)
+                       ? loader_stored_bytes(v->treelets, t)
+                       : 0;
+    return visible;
+}
+
+static void add_volume_stats(const leafcast *v, leafcast_stats *stats) {
+    const loader_stats l = loader_statistics(v->treelets);
+    stats->load_s += l.load_s;
+    stats->treelets_total += v->file->layout.treelets;
+    stats->treelets_active += v->treelets->treelets_active;
+    stats->treelets_loaded += l.loads;
+    stats->bytes_file += v->file->header.file_bytes;
+    stats->bytes_active += v->treelets->bytes_active;
+    stats->bytes_visible += visible_bytes(v);
+    stats->bytes_read += l.bytes_read;
+    stats->bytes_read_ever += l.bytes_read_ever;
+    stats->bytes_resident += l.bytes_resident;
+}
+
+void turn_stats(const turn *t, leafcast_stats *stats) {
+    const leafcast *first = t->shown[0].volume;
+    stats->open_s = first->open_s;
+    stats->first_image_s = first->first_image_s;
+    stats->bytes_peak = mem_peak(&t->device->budget);
+    stats->threads = pool_threads(t->f.threads);
+    stats->isa = first->kernels.name;
+    for (int i = 0; i < t->volumes; i++) {
+        add_volume_stats(t->shown[i].volume, stats);
+        if (t->coarse[i] || turn_is_instead(t, i))
+            coarse_preview_stats(t->shown[i].volume, stats);
+    }
+}
+
+void turn_end(turn *t) {
+    t->device->frames_bytes -= t->reserved;
+    for (int i = 0; i < t->volumes && t->drawn[i]; i++)
+        t->drawn[i]->frames -= turn_is_instead(t, i);
+}

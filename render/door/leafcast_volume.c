@@ -1,0 +1,371 @@
+#include "render/leafcast.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "formats/base/clock.h"
+#include "formats/base/num.h"
+#include "formats/leaf/leaf_histogram.h"
+#include "formats/public_status.h"
+#include "render/door/arguments.h"
+#include "render/door/coarse_preview.h"
+#include "render/door/leafcast_device.h"
+#include "render/experiments/experiment.h"
+#include "render/ray/kind.h"
+
+_Static_assert((int)LEAFCAST_SURFACES_MAX <= (int)ISOVALUES_MAX, "as many isovalues as surfaces");
+
+status volume_check_file(const leafcast *v, status st) {
+    if (st != ST_OK && st != ST_CORRUPT && st != ST_IO)
+        return st;
+    const status changed = file_mark_check(v->file->source, &v->file->mark);
+    return changed != ST_OK ? changed : st;
+}
+
+const char *leafcast_version(void) {
+    return LEAFCAST_VERSION;
+}
+
+/* ---- Opening ---- */
+
+enum { LOADER_WORKERS = 2 }; /* threads that read */
+
+static status open_loader(leafcast *v) {
+    static const source_kind kinds[] = {SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA};
+    loader_options o = {
+        .source = kinds[v->options.backend], .workers = LOADER_WORKERS, .isa = v->kernels.isa};
+    if (v->kind->loading)
+        v->kind->loading(v, &o);
+    return loader_create(v->m, v->file, &o, v->device->readers, &v->treelets);
+}
+
+_Static_assert((int)LEAFCAST_AXES_LPS == (int)WORLD_LPS && (int)LEAFCAST_AXES_RAS == (int)WORLD_RAS,
+               "the public axes are those of the file");
+
+/* In the world that is asked for, where the file says which is its own. */
+static void place(leafcast *v) {
+    const world_axes wanted = (world_axes)v->options.axes;
+    double map[3][4];
+    memcpy(map, v->file->header.to_world, sizeof map);
+    const bool turned = world_axes_turn(v->file->frame.axes, wanted, map);
+    v->axes = turned ? wanted : (world_axes)v->file->frame.axes;
+    affine_init(&v->space, (const double *)map);
+}
+
+status volume_open_file(leafcast *v) {
+    mem *m = v->m;
+    v->kind = kind_of(v->file);
+    status st = v->kind->open(v);
+    if (st == ST_OK)
+        st = open_loader(v);
+    if (st != ST_OK)
+        return st;
+    v->touched = mem_array(m, v->file->layout.treelets, sizeof *v->touched);
+    v->stop = mem_array(m, v->file->layout.treelets, sizeof *v->stop);
+    if (!v->touched || !v->stop)
+        return ST_NOMEM;
+    place(v);
+    v->preview_levels = v->file->header.levels + coarse_preview_levels(v);
+    return ST_OK;
+}
+
+/* Where a volume is: a file, or its bytes. */
+typedef struct location {
+    const char *path; /* NULL: in memory */
+    const void *bytes;
+    size_t size;
+} location;
+
+static status open_location(leafcast *v, const location *from) {
+    const status st =
+        from->path ? leaf_file_open(v->m, from->path, &v->file)
+                   : leaf_file_open_memory(v->m, "memory", from->bytes, from->size, &v->file);
+    return st == ST_OK ? volume_open_file(v) : st;
+}
+
+leafcast *volume_on(leafcast_device *d, const leafcast_options *options) {
+    mem outside;
+    mem_init(&outside, 0);
+    leafcast *v = mem_zalloc(&outside, sizeof *v);
+    if (!v)
+        return NULL;
+    v->device = d;
+    v->m = &d->budget;
+    v->kernels = d->kernels;
+    v->options = *options;
+    if (options->experiments)
+        v->experiments = *options->experiments;
+    v->options.experiments = NULL; /* the caller's */
+    return v;
+}
+
+void volume_release(leafcast *v) {
+    mem outside;
+    mem_init(&outside, 0);
+    if (v->coarse)
+        volume_release(v->coarse);
+    loader_destroy(v->treelets);
+    if (v->kind)
+        v->kind->close(v);
+    mem_free(v->m, v->stop);
+    mem_free(v->m, v->touched);
+    leaf_file_close(v->file);
+    mem_free(&outside, v);
+}
+
+/* With the device's lock held, which the volume becomes a user of. What it takes is measured: no
+ * other treelets may come meanwhile. */
+static status open_on(leafcast_device *d, const leafcast_options *options, const location *from,
+                      leafcast **out) {
+    device_clear(d);
+    const size_t before = mem_used(&d->budget);
+    leafcast *v = volume_on(d, options);
+    if (!v)
+        return ST_NOMEM;
+    const status st = open_location(v, from);
+    if (st != ST_OK) {
+        volume_release(v);
+        return st;
+    }
+    v->base_bytes = mem_used(&d->budget) - before;
+    d->base_bytes += v->base_bytes;
+    d->users++;
+    v->next = d->volumes;
+    d->volumes = v;
+    *out = v;
+    return ST_OK;
+}
+
+static leafcast_status open_volume(const location *from, const leafcast_options *given,
+                                   leafcast **volume) {
+    const double start = clock_seconds();
+    status st = given ? arguments_check_options(given) : ST_OK;
+    if (st != ST_OK)
+        return public_status(st);
+    const leafcast_options options = given ? *given : (leafcast_options){.size = sizeof options};
+    leafcast_device *d = options.device;
+    if (d)
+        st = arguments_check_device("leafcast_open", d);
+    else
+        st = (status)leafcast_device_create(&options, &d);
+    if (st != ST_OK)
+        return public_status(st);
+    device_lock(d);
+    st = open_on(d, &options, from, volume);
+    device_unlock(d);
+    if (st == ST_OK) {
+        (*volume)->opened_at = start;
+        (*volume)->open_s = clock_seconds() - start;
+    }
+    if (!options.device)
+        device_release(d); /* it is its volume's alone */
+    return public_status(st);
+}
+
+leafcast_status leafcast_open(const char *path, const leafcast_options *options,
+                              leafcast **volume) {
+    const location from = {.path = path};
+    const status st = public_needs(__func__, "path volume", (const void *[]){path, volume});
+    return st == ST_OK ? open_volume(&from, options, volume) : public_status(st);
+}
+
+leafcast_status leafcast_open_memory(const void *bytes, size_t size,
+                                     const leafcast_options *options, leafcast **volume) {
+    const location from = {.bytes = bytes, .size = size};
+    const status st =
+        public_needs(__func__, "bytes volume", (const void *[]){size > 0 ? bytes : "", volume});
+    return st == ST_OK ? open_volume(&from, options, volume) : public_status(st);
+}
+
+void leafcast_close(leafcast *v) {
+    if (!v || !device_is_here(v->device))
+        return;
+    leafcast_device *d = v->device;
+    device_lock(d);
+    leafcast **at = &d->volumes;
+    while (*at != v)
+        at = &(*at)->next;
+    *at = v->next;
+    d->base_bytes -= v->base_bytes;
+    volume_release(v);
+    device_unlock(d);
+    device_release(d);
+}
+
+leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
+    status st = public_needs(__func__, "info", (const void *[]){info});
+    if (st == ST_OK)
+        st = arguments_check_info(info);
+    if (st != ST_OK)
+        return public_status(st);
+    *info = (leafcast_info){.size = sizeof *info};
+    st = public_needs(__func__, "volume", (const void *[]){v});
+    if (st != ST_OK)
+        return public_status(st);
+    const leaf_header *h = &v->file->header;
+    const world_frame *world = &v->file->frame;
+    *info = (leafcast_info){.size = sizeof *info,
+                            .kind = v->kind->name,
+                            .levels = h->levels,
+                            .fields = h->fields,
+                            .steps = h->steps,
+                            .moving = v->file->layout.moved_steps > 0,
+                            .treelets = v->file->layout.treelets,
+                            .sample_type = sample_name((sample_type)h->sample_type),
+                            .name = v->file->name,
+                            .value_min = h->value_min,
+                            .value_max = h->value_max,
+                            .preview_levels = v->preview_levels,
+                            .gradients = h->gradients != 0,
+                            .axes = (leafcast_axes)v->axes,
+                            .units = {world->unit[0], world->unit[1], world->unit[2]},
+                            .time_unit = world->time_unit,
+                            .cell_size = 1.0,
+                            .file_bytes = h->file_bytes,
+                            .payload_bytes = h->payload_bytes};
+    v->kind->describe(v, info);
+    return LEAFCAST_OK;
+}
+
+/* ---- Selecting ---- */
+
+leafcast_surface leafcast_surface_default(double isovalue) {
+    return (leafcast_surface){isovalue, {0.9f, 0.85f, 0.75f}, 1.0f};
+}
+
+leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, int count) {
+    status st = arguments_check_volume(__func__, v);
+    if (st == ST_OK)
+        st = arguments_check_surfaces(surfaces, count);
+    if (st != ST_OK)
+        return public_status(st);
+    device_lock(v->device);
+    memcpy(v->surfaces, surfaces, (size_t)count * sizeof *surfaces);
+    v->surface_count = count;
+    volume_show(v, v->field, v->step, surfaces, count);
+    loader_reset_statistics(v->treelets);
+    device_unlock(v->device);
+    return LEAFCAST_OK;
+}
+
+status volume_check_set(const leafcast *v, uint32_t field, uint32_t step) {
+    const leaf_header *h = &v->file->header;
+    if (field < h->fields && step < h->steps)
+        return ST_OK;
+    return status_describe(ST_USAGE, "field %u at step %u: there are %u fields and %u steps", field,
+                           step, h->fields, h->steps);
+}
+
+void leafcast_stop_reading(leafcast *v) {
+    if (!v || !device_is_here(v->device))
+        return;
+    device_lock(v->device);
+    loader_rest(v->treelets);
+    if (v->coarse)
+        loader_rest(v->coarse->treelets);
+    device_unlock(v->device);
+}
+
+leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) {
+    status st = arguments_check_volume(__func__, v);
+    if (st == ST_OK)
+        st = volume_check_set(v, field, step);
+    if (st != ST_OK)
+        return public_status(st);
+    device_lock(v->device);
+    v->field = field;
+    v->step = step;
+    loader_select_set(v->treelets, leaf_layout_set(&v->file->layout, field, step));
+    loader_reset_statistics(v->treelets);
+    device_unlock(v->device);
+    return LEAFCAST_OK;
+}
+
+leafcast_status leafcast_range(const leafcast *v, uint32_t field, uint32_t step, double range[2]) {
+    status st = public_needs(__func__, "volume range", (const void *[]){v, range});
+    if (st == ST_OK)
+        st = volume_check_set(v, field, step);
+    if (st == ST_OK)
+        leaf_histogram_range(v->file, leaf_layout_set(&v->file->layout, field, step), range);
+    return public_status(st);
+}
+
+const char *leafcast_field_name(const leafcast *v, uint32_t field) {
+    return v ? leaf_file_field_name(v->file, field) : "";
+}
+
+double leafcast_step_time(const leafcast *v, uint32_t step) {
+    return v ? leaf_file_step_time(v->file, step) : (double)step;
+}
+
+leafcast_status leafcast_find_field(const leafcast *v, const char *name, uint32_t *field) {
+    const status given =
+        public_needs(__func__, "volume name field", (const void *[]){v, name, field});
+    if (given != ST_OK)
+        return public_status(given);
+    const uint32_t fields = v->file->header.fields;
+    int64_t number = 0;
+    for (*field = 0; *field < fields; ++*field)
+        if (strcmp(leafcast_field_name(v, *field), name) == 0)
+            return LEAFCAST_OK;
+    if (num_int(name, "field", 0, (int64_t)fields - 1, &number) == ST_OK) {
+        *field = (uint32_t)number;
+        return LEAFCAST_OK;
+    }
+    char list[512] = "";
+    for (uint32_t i = 0; i < fields && strlen(list) + 80 < sizeof list; i++)
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "",
+                 leafcast_field_name(v, i));
+    return public_status(status_describe(
+        ST_USAGE, "no field is called \"%s\", nor has that number; there are %u: %s", name, fields,
+        list));
+}
+
+leafcast_status leafcast_init_scene(leafcast_scene *scene) {
+    status st = public_needs(__func__, "scene", (const void *[]){scene});
+    if (st == ST_OK)
+        st = public_size("leafcast_scene", scene->size, sizeof *scene);
+    if (st == ST_OK)
+        *scene = (leafcast_scene){
+            .size = sizeof *scene, .ambient = 0.15f, .specular = 0.3f, .shininess = 32};
+    return public_status(st);
+}
+
+leafcast_status leafcast_get_standard_view(const leafcast *v, double distance, uint32_t width,
+                                           uint32_t height, leafcast_camera *view) {
+    leafcast_info info = {.size = sizeof info};
+    status st = arguments_begin_view(__func__, view, width, height);
+    if (st == ST_OK)
+        st = public_needs(__func__, "volume", (const void *[]){v});
+    if (st == ST_OK)
+        st = public_in_range(__func__, "distance", distance, LEAFCAST_DIRECTION_LEAST,
+                             LEAFCAST_PLACE_MOST);
+    if (st == ST_OK)
+        st = (status)leafcast_get_info(v, &info);
+    if (st == ST_OK)
+        *view = camera_standard((const double(*)[3])info.bounds, distance, width, height);
+    return public_status(st);
+}
+
+void leafcast_pixel_ray(const leafcast_camera *camera_of, double x, double y, double origin[3],
+                        double direction[3]) {
+    camera c;
+    if (!origin || !direction)
+        return;
+    for (int a = 0; a < 3; a++) {
+        origin[a] = camera_of ? camera_of->eye[a] : 0.0;
+        direction[a] = 0.0;
+    }
+    if (camera_of && arguments_check_camera(camera_of) == ST_OK &&
+        camera_init(&c, camera_of) == ST_OK && isfinite(x) && isfinite(y))
+        camera_ray(&c, x, y, origin, direction);
+}
+
+void experiment_intersect(leafcast *v, intersect_fn intersect) {
+    v->intersect = intersect;
+}
+
+kernels *kernels_in_use(leafcast *v) {
+    return &v->kernels;
+}

@@ -1,0 +1,1 @@
+#include "render/experiments/stepping_batch_template.h"

@@ -1,0 +1,1 @@
+#include "render/medium/medium_batch_template.h"

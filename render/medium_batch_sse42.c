@@ -1,1 +1,0 @@
-#include "render/medium_batch_template.h"

@@ -1,0 +1,33 @@
+/* extreme_batch.h - the greatest, or the least, values on many rays through one volume
+ * (extremes.h).
+ *
+ * Each ray has the value and the place that it would have alone, to the bit, and wants no treelet
+ * that it would not want alone.
+ */
+#ifndef RENDER_EXTREME_BATCH_H
+#define RENDER_EXTREME_BATCH_H
+
+#include "render/ray/extremes.h"
+#include "render/ray/ray_batch.h"
+
+typedef struct extreme_batch {
+    unsigned count; /* 1 to RAY_BATCH */
+    ray rays[RAY_BATCH];
+    extreme_state *state[RAY_BATCH]; /* extreme_next()'s; all look for the greatest, or the least */
+    trace_result result[RAY_BATCH];  /* likewise */
+} extreme_batch;
+
+/* extreme_batch_fn - a kind's kernel: all rays of *b. scratch: kind.batch_scratch bytes of the
+ * caller's, 64-byte aligned, whatever is in them. */
+typedef void (*extreme_batch_fn)(const tracer *tr, extreme_batch *b, void *scratch,
+                                 ray_counters *counters);
+
+/* extreme_batch_next() - extreme_next() for all rays: by the kind's kernel, or ray by ray where it
+ * has none. */
+void extreme_batch_next(const tracer *tr, const struct kernels *k, extreme_batch *b, void *scratch,
+                        ray_counters *counters);
+
+/* extreme_batch_single() - the same for ray i alone. */
+void extreme_batch_single(const tracer *tr, extreme_batch *b, unsigned i, ray_counters *counters);
+
+#endif

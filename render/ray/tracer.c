@@ -1,0 +1,86 @@
+#include "render/ray/tracer.h"
+
+#include <math.h>
+
+#include "render/ray/kind.h"
+#include "render/ray/ray_box.h"
+
+/* Cut [t0, t1] by n . (o + t d) + w >= 0. */
+static bool cut(const double plane[4], const double o[3], const double d[3], double *t0,
+                double *t1) {
+    const double at_origin = plane[0] * o[0] + plane[1] * o[1] + plane[2] * o[2] + plane[3];
+    const double slope = plane[0] * d[0] + plane[1] * d[1] + plane[2] * d[2];
+    if (slope == 0.0)
+        return at_origin >= 0.0;
+    const double t = -at_origin / slope;
+    if (slope > 0.0 && t > *t0)
+        *t0 = t;
+    if (slope < 0.0 && t < *t1)
+        *t1 = t;
+    return *t0 <= *t1;
+}
+
+int tracer_enters_by(const tracer *tr, const double origin[3], const double direction[3],
+                     double *t) {
+    double t0 = 0.0, t1 = INFINITY;
+    int by = -1;
+    for (int i = 0; i < tr->clip_count; i++) {
+        const double before = t0;
+        if (!cut(tr->clip[i], origin, direction, &t0, &t1))
+            return -1;
+        by = t0 > before ? i : by;
+    }
+    *t = t0;
+    return by;
+}
+
+bool tracer_box(const tracer *tr, const ray *r, double *t0, double *t1) {
+    for (int a = 0; a < 3; a++) {
+        if (r->d[a] == 0.0) {
+            if (r->o[a] < tr->box[0][a] || r->o[a] > tr->box[1][a])
+                return false;
+            continue;
+        }
+        ray_box_slab(tr->box[0][a], tr->box[1][a], r->o[a], r->d[a], t0, t1);
+    }
+    return *t0 <= *t1;
+}
+
+void tracer_direction(const tracer *tr, const double direction[3], double in_grid[3]) {
+    affine_vector_to_grid(&tr->space, direction, in_grid);
+    for (int a = 0; a < 3; a++)
+        in_grid[a] += 0.0; /* -0 becomes +0 */
+}
+
+bool tracer_ray_along(const tracer *tr, const double origin[3], const double direction[3],
+                      double t0, double t1, ray *out) {
+    for (int i = 0; i < tr->clip_count; i++)
+        if (!cut(tr->clip[i], origin, direction, &t0, &t1))
+            return false;
+    affine_point_to_grid(&tr->space, origin, out->o);
+    for (int a = 0; a < 3; a++) {
+        const double end = tr->box[1][a];
+        out->held[a] = out->o[a] < end ? out->o[a] : nextafter(end, tr->box[0][a]);
+    }
+    /* Coarse levels reach past the volume: there the box is a clip interval like any other. */
+    if (tr->boxed && !tracer_box(tr, out, &t0, &t1))
+        return false;
+    out->t0 = t0;
+    out->t1 = t1;
+    return true;
+}
+
+bool tracer_ray(const tracer *tr, const double origin[3], const double direction[3], double t0,
+                double t1, ray *out) {
+    tracer_direction(tr, direction, out->d);
+    return tracer_ray_along(tr, origin, direction, t0, t1, out);
+}
+
+trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
+                         ray_counters *counters) {
+    return tr->kind->next(tr, r, state, counters);
+}
+
+surface_point tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h) {
+    return tr->kind->surface(tr, at, r, h);
+}

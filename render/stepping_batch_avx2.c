@@ -1,1 +1,0 @@
-#include "render/stepping_batch_template.h"

@@ -1,0 +1,73 @@
+#include "render/surface/surface_integrator.h"
+
+#include <string.h>
+
+#include "render/ray/kind.h"
+#include "render/surface/shade.h"
+#include "render/surface/surface_ray.h"
+
+typedef struct surface_pixel {
+    surface_ray way;
+    float rgba[4]; /* composited so far, premultiplied */
+} surface_pixel;
+
+static surface_pixel *surface_pixel_of(ray_record *r) {
+    return (surface_pixel *)r;
+}
+
+bool surface_opaque(const frame *f) {
+    for (int v = 0; v < f->volumes; v++)
+        for (int i = 0; i < f->tracer[v].isos.count; i++)
+            if (surface_look_of(f)->surfaces[v][i].opacity < 1.0f)
+                return false;
+    return true;
+}
+
+static void surface_begin(const frame *f, uint32_t pixel, ray_record *r) {
+    surface_pixel *p = surface_pixel_of(r);
+    (void)f;
+    surface_ray_begin(pixel, &p->way);
+    memset(p->rgba, 0, sizeof p->rgba);
+}
+
+/* The current surface is done with. False: nothing behind it counts. */
+static bool composite(const frame *f, surface_pixel *p) {
+    const float opacity = surface_ray_opacity(f, &p->way);
+    shade_composite(p->rgba, p->way.rgb, opacity);
+    return surface_ray_pass(f, &p->way) && surface_shows_through(p->rgba[3], opacity);
+}
+
+static bool surface_ask(const frame *f, ray_record *record, ray_question *q,
+                        ray_counters *counters) {
+    surface_pixel *p = surface_pixel_of(record);
+    do {
+        if (p->way.head.leg == SURFACE_PRIMARY) {
+            if (surface_ray_find(f, &p->way, q))
+                return true;
+            if (!surface_ray_meet(f, &p->way, counters))
+                break;
+        }
+        if (surface_ray_light(f, &p->way, q, counters))
+            return true;
+    } while (composite(f, p));
+    shade_background(p->rgba, surface_look_of(f)->scene->background);
+    surface_ray_write(f, &p->way, p->rgba, counters);
+    return false;
+}
+
+static void surface_answer(const frame *f, ray_record *record, trace_result result) {
+    surface_ray_answer(f, &surface_pixel_of(record)->way, result);
+}
+
+/* A tile's kernel walks one volume. */
+static tile_fn surface_tile(const frame *f) {
+    const kind *k = f->tracer->kind;
+    return f->projection && k->tile ? k->tile(f->kernels) : NULL;
+}
+
+const integrator surface_integrator = {.record_bytes = sizeof(surface_pixel),
+                                       .begin = surface_begin,
+                                       .ask = surface_ask,
+                                       .answer = surface_answer,
+                                       .bundle = surface_ray_bundle,
+                                       .tile = surface_tile};

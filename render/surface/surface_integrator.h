@@ -1,0 +1,40 @@
+/* surface_integrator.h - isosurfaces, opaque or transparent, with lights and shadows: a ray's way
+ * (surface_ray.h), each surface composited behind those before it.
+ */
+#ifndef RENDER_SURFACE_INTEGRATOR_H
+#define RENDER_SURFACE_INTEGRATOR_H
+
+#include "render/frame/integrator.h"
+
+extern const integrator surface_integrator;
+
+/* How surfaces look: frame.look. Arrays have an element a volume. */
+typedef struct surface_look {
+    const leafcast_scene *scene;                               /* its lights, shading, background */
+    const leafcast_surface (*surfaces)[LEAFCAST_SURFACES_MAX]; /* one an isovalue of the tracer */
+    const int32_t *first_id;     /* in the plane of ids: of the first of them */
+    const tracer *const *coarse; /* what a preview draws where treelets are absent, or NULL */
+} surface_look;
+
+static inline const surface_look *surface_look_of(const frame *f) {
+    return f->look;
+}
+
+/* surface_opaque() - whether no light comes through any surface. */
+bool surface_opaque(const frame *f);
+
+/* surface_layers() - how many surfaces of a ray count, at most; 0: any number. */
+static inline int surface_layers(const frame *f) {
+    return surface_opaque(f) ? 1 : surface_look_of(f)->scene->layers_max;
+}
+
+/* What is left of the light behind surfaces that hide this much no longer counts: a twelfth bit. */
+static const float surface_opaque_enough = 1.0f - 1.0f / 4096.0f;
+
+/* surface_shows_through() - whether what is behind a surface may still count; alpha: of all that
+ * has been composited, the surface included. */
+static inline bool surface_shows_through(float alpha, float opacity) {
+    return alpha < surface_opaque_enough && opacity < 1.0f;
+}
+
+#endif

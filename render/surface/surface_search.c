@@ -1,0 +1,54 @@
+#include "render/surface/surface_search.h"
+
+/* Where the search begins in volume v: of two surfaces at the same t, that of the lower volume
+ * comes first. */
+static hit begins_at(const surface_search *s, uint16_t v) {
+    const hit *last = &s->behind;
+    if (v == s->behind_volume || last->t == -INFINITY)
+        return *last;
+    return v < s->behind_volume ? hit_behind(last->t) : hit_from(last->t);
+}
+
+static void begin(surface_search *s, uint16_t volume) {
+    const hit after = begins_at(s, volume);
+    trace_begin_at(&s->state, &after);
+    s->state.any = s->any;
+    if (hit_exists(&s->found))
+        s->state.best = hit_from(s->found.t);
+    s->searching = true;
+}
+
+bool surface_search_ask(const frame *f, const world_ray *w, const tracer *const coarse[],
+                        uint16_t *volume, surface_search *s, ray_question *q) {
+    for (; *volume < f->volumes; ++*volume) {
+        if (f->tracer[*volume].isos.count == 0 || (s->any && hit_exists(&s->found)))
+            continue;
+        if (!s->searching)
+            begin(s, *volume);
+        q->tracer = s->stand_in ? coarse[*volume] : &f->tracer[*volume];
+        q->state = &s->state;
+        /* Clip planes may leave nothing of it. */
+        if (tracer_ray(q->tracer, w->origin, w->direction, w->t0, w->t1, &q->ray))
+            return true;
+        s->searching = s->stand_in = false;
+    }
+    *volume = 0;
+    return false;
+}
+
+void surface_search_answer(const tracer *const coarse[], uint16_t *volume, surface_search *s,
+                           trace_result result) {
+    s->provisional |= s->state.provisional;
+    if (coarse && coarse[*volume] && !s->stand_in && s->state.provisional) {
+        s->stand_in = true;
+        begin(s, *volume);
+        return;
+    }
+    s->searching = s->stand_in = false;
+    if (result == TRACE_HIT && !hit_is_bound(&s->state.best)) {
+        s->found = s->state.best;
+        s->point = s->state.point;
+        s->found_volume = *volume;
+    }
+    ++*volume;
+}

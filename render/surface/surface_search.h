@@ -1,0 +1,54 @@
+/* surface_search.h - the next surface on a ray through all volumes of a frame, resumable.
+ *
+ * Volumes are searched one after the other; what has been found in those before bounds the search.
+ * Surfaces are ordered by (t, volume), then as their kind orders hits.
+ */
+#ifndef RENDER_SURFACE_SEARCH_H
+#define RENDER_SURFACE_SEARCH_H
+
+#include "render/frame/integrator.h"
+
+/* A ray in world space, for t0 <= t <= t1. */
+typedef struct world_ray {
+    double origin[3], direction[3], t0, t1;
+} world_ray;
+
+typedef struct surface_search {
+    hit behind;          /* the surface behind which the next one is looked for */
+    hit found;           /* the nearest of the volumes searched so far */
+    surface_point point; /* there */
+    uint16_t behind_volume, found_volume;
+    bool searching;    /* in the volume whose turn it is already, */
+    bool stand_in;     /* or in what stands in for it */
+    bool any;          /* any surface will do, and its point does not matter */
+    bool provisional;  /* something on the way was drawn coarser than asked for */
+    trace_state state; /* in that volume */
+} surface_search;
+
+/* surface_search_begin() - before all surfaces; any: see above. What need not be set is not: rays
+ * that meet nothing are many. surface_search_behind() - then: behind the one that was found. */
+static inline void surface_search_begin(surface_search *s, bool any) {
+    s->behind = hit_before_all();
+    s->found = hit_none();
+    s->behind_volume = s->found_volume = 0;
+    s->any = any;
+    s->searching = s->stand_in = s->provisional = false;
+}
+
+static inline void surface_search_behind(surface_search *s) {
+    s->behind = s->found;
+    s->behind_volume = s->found_volume;
+    s->found = hit_none();
+}
+
+/* surface_search_ask() - the next question. False: s->found is certain, hit_none() if there is
+ * none. *volume: 0 to begin with, and again at the end. coarse: a volume, what stands in for it
+ * where a preview's treelets are absent, or NULL. */
+bool surface_search_ask(const frame *f, const world_ray *ray, const tracer *const coarse[],
+                        uint16_t *volume, surface_search *s, ray_question *q);
+
+/* surface_search_answer() - to that question; coarse and *volume as there. */
+void surface_search_answer(const tracer *const coarse[], uint16_t *volume, surface_search *s,
+                           trace_result result);
+
+#endif

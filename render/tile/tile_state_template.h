@@ -1,0 +1,254 @@
+/* tile_state_template.h - what tiles through grids and through meshes have in common: their rays,
+ * and the surfaces that these have met; included by the units of an ISA (see formats/base/simd.h).
+ *
+ * A walk keeps the first surfaces of each ray, in order: one where surfaces are opaque, else as
+ * many as are composited or as there is room for (layers). A ray is full when nothing behind its
+ * last surface counts; what is found then looks no farther than that. Rays that are full for want
+ * of room alone take another walk behind what they have (tile_state_again()).
+ */
+#ifndef RENDER_TILE_STATE_TEMPLATE_H
+#define RENDER_TILE_STATE_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include "render/surface/surface_integrator.h"
+#include "render/tile/tile_rays_template.h"
+
+/* Surfaces of a ray that a walk has room for. */
+enum { TILE_LAYERS = 8 };
+
+/* A surface on a ray's way. */
+typedef struct tile_surface {
+    double t;
+    const treelet *at;
+    uint32_t local; /* its cell in the treelet, as the kind counts them */
+    int32_t iso;
+    bool entering;
+} tile_surface;
+
+/* How a kind orders what has the same t. */
+typedef struct tile_order {
+    uint64_t (*cell_of)(const frame *f, const tile_surface *s);
+    bool (*less)(const hit *a, const hit *b);
+    bool (*same)(const hit *a, const hit *b); /* one crossing, seen from two cells */
+} tile_order;
+
+typedef struct tile_state {
+    const frame *f;
+    ray_counters *counters;
+    tile_outcome *out;
+    const tile_order *order;
+    uint32_t x0, y0; /* its first pixel */
+    bool has_rays;
+    tile_rays rays;       /* made when the first are needed */
+    tile_row asked[TILE]; /* a bit a pixel, as in tile.h */
+    tile_row open[ROWS];  /* rays that still look for a surface */
+    /* What this walk has found. */
+    int layers;               /* it keeps so many of a ray; */
+    int deepest;              /* any ray has so many */
+    double reach[TILE_RAYS];  /* how far a ray looks */
+    uint8_t count[TILE_RAYS]; /* surfaces of a ray: `layers` a ray, those that it has first */
+    tile_surface surfaces[TILE_RAYS * TILE_LAYERS];
+    /* What walks before it have. */
+    int before;                    /* layers */
+    float alpha[TILE_RAYS];        /* composited so far */
+    tile_surface after[TILE_RAYS]; /* the last: only what lies behind counts; before > 0 */
+} tile_state;
+
+/* The surfaces of one number. */
+typedef struct tile_layer {
+    const tile_state *s;
+    unsigned number;
+} tile_layer;
+
+static const leafcast_surface *tile_look(const tile_state *s, int32_t iso) {
+    return &surface_look_of(s->f)->surfaces[0][iso];
+}
+
+/* ---- Walks ---- */
+
+/* At most `most` layers a walk. */
+static void begin_walk(tile_state *s, int most) {
+    const int wanted = surface_layers(s->f);
+    s->layers = wanted == 0 || wanted - s->before > most ? most : wanted - s->before;
+    s->deepest = 0;
+    memset(s->count, 0, sizeof s->count);
+    for (unsigned i = 0; i < TILE_RAYS; i += VD_N)
+        d_store(s->reach + i, d_set(INFINITY));
+}
+
+static void tile_state_begin(tile_state *s, const frame *f, const tile_order *order, int most,
+                             uint32_t x0, uint32_t y0, const tile_row asked[], tile_outcome *out,
+                             ray_counters *counters) {
+    s->f = f;
+    s->counters = counters;
+    s->out = out;
+    s->order = order;
+    s->x0 = x0;
+    s->y0 = y0;
+    s->has_rays = false;
+    out->absent_count = 0;
+    for (unsigned y = 0; y < ROWS; y++)
+        s->open[y] = y < TILE ? asked[y] : 0;
+    for (unsigned y = 0; y < TILE; y++) {
+        s->asked[y] = s->open[y];
+        s->rays.single[y] = out->waits[y] = 0;
+    }
+    s->before = 0;
+    memset(s->alpha, 0, sizeof s->alpha);
+    begin_walk(s, most);
+}
+
+/* Make the rays, once. Tiles that meet no active cell do without. */
+static void tile_state_rays(tile_state *s) {
+    if (s->has_rays)
+        return;
+    tile_rays_make(s->f, s->x0, s->y0, &s->rays);
+    s->has_rays = true;
+    for (unsigned y = 0; y < TILE; y++) {
+        s->rays.single[y] &= s->asked[y];
+        s->open[y] &= ~s->rays.single[y];
+    }
+}
+
+/* ---- Surfaces ---- */
+
+static tile_surface *surfaces_of(tile_state *s, unsigned i) {
+    return &s->surfaces[i * (unsigned)s->layers];
+}
+
+/* Whether ray i has a surface in a layer; that one. */
+static bool in_layer(const tile_layer *l, unsigned i) {
+    return l->number < l->s->count[i];
+}
+
+static const tile_surface *surface_of(const tile_layer *l, unsigned i) {
+    return &l->s->surfaces[i * (unsigned)l->s->layers + l->number];
+}
+
+static hit tile_hit(const tile_state *s, const tile_surface *x) {
+    return (hit){x->t, s->order->cell_of(s->f, x), x->iso, x->entering};
+}
+
+/* -1, 0, 1: a comes before b, is the same crossing, comes behind it. */
+static int compare(const tile_state *s, const tile_surface *a, const tile_surface *b) {
+    if (a->t != b->t)
+        return a->t < b->t ? -1 : 1;
+    const hit x = tile_hit(s, a), y = tile_hit(s, b);
+    if (s->order->same(&x, &y))
+        return 0;
+    return s->order->less(&x, &y) ? -1 : 1;
+}
+
+/* Surfaces of ray i behind which nothing counts are cut off. Whether it is full. */
+static bool is_full(tile_state *s, unsigned i) {
+    const tile_surface *x = surfaces_of(s, i);
+    float alpha = s->alpha[i];
+    for (unsigned k = 0; k < s->count[i]; k++) {
+        const float opacity = tile_look(s, x[k].iso)->opacity;
+        alpha += (1.0f - alpha) * opacity;
+        if (!surface_shows_through(alpha, opacity)) {
+            s->count[i] = (uint8_t)(k + 1);
+            return true;
+        }
+    }
+    return s->count[i] == s->layers;
+}
+
+/* The same crossing, seen from another cell: the lesser cell's counts. */
+static void take_double(const tile_state *s, tile_surface *known, const tile_surface *found) {
+    const hit x = tile_hit(s, found), y = tile_hit(s, known);
+    if (s->order->less(&x, &y))
+        *known = *found;
+}
+
+/* tile_state_take() where a ray keeps several surfaces, or has one. */
+static bool take_among_others(tile_state *s, unsigned i, const tile_surface *found) {
+    tile_surface *x = surfaces_of(s, i);
+    unsigned k = s->count[i];
+    if (s->before > 0 && compare(s, found, &s->after[i]) <= 0)
+        return false;
+    for (; k > 0; k--) {
+        const int order = compare(s, found, &x[k - 1]);
+        if (order == 0)
+            take_double(s, &x[k - 1], found);
+        if (order == 0)
+            return false;
+        if (order > 0)
+            break;
+    }
+    if ((int)k == s->layers)
+        return false;
+    const unsigned last = s->count[i] < s->layers ? s->count[i]++ : (unsigned)s->layers - 1;
+    for (unsigned to = last; to > k; to--)
+        x[to] = x[to - 1];
+    x[k] = *found;
+    if (is_full(s, i))
+        s->reach[i] = x[s->count[i] - 1].t;
+    if (s->count[i] > s->deepest)
+        s->deepest = s->count[i];
+    return k < s->count[i];
+}
+
+/* Put a surface into its place among those of ray i. False: it does not count, or is there already.
+ * A ray that is full has a reach. Most are the first and only one: by its members, as a copy of
+ * what has just been stored piece by piece waits for that. */
+SIMD bool tile_state_take(tile_state *s, unsigned i, tile_surface found) {
+    if (s->layers > 1 || s->before > 0 || s->count[i] > 0)
+        return take_among_others(
+            s, i, &(tile_surface){found.t, found.at, found.local, found.iso, found.entering});
+    *surfaces_of(s, i) = (tile_surface){found.t, found.at, found.local, found.iso, found.entering};
+    s->count[i] = 1;
+    s->deepest = 1;
+    s->reach[i] = found.t;
+    return true;
+}
+
+/* Which of `count` rays from i on have a surface in a layer. */
+SIMD unsigned hits_from(const tile_layer *l, unsigned i, unsigned count) {
+    unsigned hits = 0;
+    for (unsigned k = 0; k < count; k++)
+        hits |= (unsigned)in_layer(l, i + k) << k;
+    return hits;
+}
+
+/* ---- Again ---- */
+
+/* Of a ray that has `layers` of them. */
+static const tile_surface *last_of(const tile_state *s, unsigned i) {
+    return &s->surfaces[(i + 1) * (unsigned)s->layers - 1];
+}
+
+/* Whether a ray that has `layers` surfaces looks for those behind; alpha: composited by then. */
+static bool wants_more(const tile_state *s, unsigned i, const float alpha[]) {
+    const bool done = (s->rays.single[i / TILE] | s->out->waits[i / TILE]) >> i % TILE & 1u;
+    return !done && s->count[i] == s->layers &&
+           surface_shows_through(alpha[i], tile_look(s, last_of(s, i)->iso)->opacity);
+}
+
+/* When what has been found is composited: take the rays that were full for want of room behind it,
+ * by another walk. False: there are none. */
+static bool tile_state_again(tile_state *s, int most, const float alpha[]) {
+    const int wanted = surface_layers(s->f);
+    tile_row any = 0;
+    if (s->deepest < s->layers || s->before + s->layers == wanted)
+        return false;
+    memset(s->open, 0, sizeof s->open);
+    for (unsigned i = 0; i < TILE_RAYS; i++) {
+        if (!wants_more(s, i, alpha))
+            continue;
+        s->open[i / TILE] |= (tile_row)1 << i % TILE;
+        any |= s->open[i / TILE];
+        s->after[i] = *last_of(s, i);
+    }
+    memcpy(s->alpha, alpha, sizeof s->alpha);
+    s->before += s->layers;
+    if (any)
+        begin_walk(s, most);
+    return any;
+}
+
+#endif
+#endif
