@@ -39,11 +39,11 @@ static int versions(void) {
 static cell_batch_fn version(int v, const char **name) {
     const bool wide = v > (int)cpu_best();
     *name = wide ? "wide" : cpu_isa_name((cpu_isa)v);
-    return wide ? cell_batch_wide : cell_batch_for((cpu_isa)v);
+    return wide ? cell_batch_wide : cell_batch_kernels[(cpu_isa)v];
 }
 
 static cell_roots_fn roots_version(int v) {
-    return v > (int)cpu_best() ? cell_roots_wide : cell_roots_for((cpu_isa)v);
+    return v > (int)cpu_best() ? cell_roots_wide : cell_roots_kernels[(cpu_isa)v];
 }
 
 static int batches(void) {

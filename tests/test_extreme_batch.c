@@ -118,12 +118,13 @@ static void climb(ray_stage *s, const extreme_batch *b, int k) {
     for (unsigned turn = 0; left.count > 0; turn++) {
         assert_true(turn < s->v->file->layout.treelets);
         memset(s->scratch, 0xa5, s->v->kind->batch_scratch);
-        extreme_batch_next(&s->tr, &s->with[k], &left, s->scratch, &counters);
+        s->tr.kernels = &s->with[k];
+        extreme_batch_next(&s->tr, &left, s->scratch, &counters);
         keep_blocked(s, &left);
     }
     cells_together += k == 0 ? counters.cells : 0;
     for (unsigned i = 0; i < b->count; i++)
-        judge_ray(b, i, s->with[k].name);
+        judge_ray(b, i, cpu_isa_name(s->with[k].isa));
     for (uint32_t t = 0; t < s->v->file->layout.treelets; t++)
         assert_true(wanted[t] || !atomic_load(&s->tr.touched[t]));
 }

@@ -214,7 +214,7 @@ static void stage_open(stage *s, const subject *of, int threads, uint32_t slots,
                    .volumes = 1,
                    .integrator = &surface_integrator,
                    .look = &s->look,
-                   .kernels = &s->v->kernels,
+                   .isa = s->v->kernels.isa,
                    .width = SIDE,
                    .height = SIDE,
                    .image = {.size = sizeof(leafcast_image), .z = into->z, .r = into->r},
@@ -225,7 +225,7 @@ static void stage_open(stage *s, const subject *of, int threads, uint32_t slots,
     s->f.scratch = mem_alloc(s->v->m, (size_t)threads * frame_scratch_bytes(&s->f));
     assert_non_null(s->f.scratch);
     loader_set_capacity(s->v->treelets, slots, 0);
-    if (s->v->kind->tile && s->v->kind->tile(&s->v->kernels)) {
+    if (s->v->kernels.tile) {
         assert_int_equal(s->v->kind->project(s->v, &s->f.camera, &s->projection), ST_OK);
         s->f.projection = s->projection.usable ? &s->projection : NULL;
     }

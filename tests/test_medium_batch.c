@@ -23,7 +23,7 @@ static int versions(void) {
 static medium_batch_fn version(int v, const char **name) {
     const bool wide = v > (int)cpu_best();
     *name = wide ? "wide" : cpu_isa_name((cpu_isa)v);
-    return wide ? medium_batch_wide : medium_batch_for((cpu_isa)v);
+    return wide ? medium_batch_wide : medium_batch_kernels[(cpu_isa)v];
 }
 
 /* Values of a cell: anything in the range, next to nothing apart, or those of points. */
@@ -112,7 +112,7 @@ static void the_same_bits(void **state) {
         meant.drop = 1e-6;
         fill_pieces(&pieces, &meant, &range, points, count, &r);
         got = meant;
-        medium_batch_for(CPU_SCALAR)(&meant, &pieces);
+        medium_batch_kernels[CPU_SCALAR](&meant, &pieces);
         for (int v = 1; v < versions(); v++) {
             const char *name;
             const medium_batch_fn kernel = version(v, &name);

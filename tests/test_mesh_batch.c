@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "render/door/leafcast_volume.h"
 #include "render/mesh/mesh_passage.h"
 #include "render/ray/kind.h"
 #include "tests/support/fixture.h"
@@ -31,7 +32,7 @@ typedef struct stage {
     leafcast *v;
     tracer tr;
     const char *kernel_name[KERNELS_MAX];
-    kernels kernels[KERNELS_MAX];
+    ray_kernels kernels[KERNELS_MAX];
     int kernel_count;
     uint32_t treelets;
     uint8_t *walked; /* by single rays */
@@ -45,14 +46,11 @@ typedef struct stage {
 static void find_kernels(stage *s) {
     s->kernel_count = 0;
     for (int isa = 1; isa <= (int)cpu_best(); isa++) {
-        kernels *k = &s->kernels[s->kernel_count];
-        if (!kernels_for(cpu_isa_name((cpu_isa)isa), k) || !k->mesh_batch)
-            continue;
-        s->kernel_name[s->kernel_count++] = k->name;
+        s->kernels[s->kernel_count] = ray_kernels_of(s->v->kind, (cpu_isa)isa);
+        s->kernel_name[s->kernel_count++] = cpu_isa_name((cpu_isa)isa);
     }
-    kernels *wide = &s->kernels[s->kernel_count];
-    assert_true(kernels_for("scalar", wide));
-    wide->mesh_batch = mesh_batch_wide;
+    s->kernels[s->kernel_count] = ray_kernels_of(s->v->kind, CPU_SCALAR);
+    s->kernels[s->kernel_count].batch = mesh_batch_wide;
     s->kernel_name[s->kernel_count++] = "wide";
 }
 
@@ -302,7 +300,8 @@ static void check_batch(stage *s, const ray_batch *begun, bool all) {
         got = *begun;
         clear_touched(s);
         memset(s->scratch, 0xff, s->v->kind->batch_scratch);
-        ray_batch_next(&s->tr, &s->kernels[k], &got, s->scratch, &counters);
+        s->tr.kernels = &s->kernels[k];
+        ray_batch_next(&s->tr, &got, s->scratch, &counters);
         check_touched(s, begun);
         for (unsigned i = 0; i < begun->count; i++)
             if (!agrees(s, &begun->rays[i], &begun->states[i], want.results[i], &want.states[i],
@@ -461,7 +460,8 @@ static void test_together(void **state) {
         ray_counters single = {0}, batch = {0};
         static ray_batch own;
         own = b;
-        ray_batch_next(&s.tr, &s.kernels[k], &own, s.scratch, &batch);
+        s.tr.kernels = &s.kernels[k];
+        ray_batch_next(&s.tr, &own, s.scratch, &batch);
         own = b;
         for (unsigned i = 0; i < RAY_BATCH; i++)
             ray_batch_single(&s.tr, &own, i, &single);

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/kernels.h"
+#include "render/ray/open_volume.h"
 #include "tests/support/fixture.h"
 #include "tests/support/mesh_packet_wide.h"
 #include "tests/support/mesh_pictures.h"
@@ -46,10 +46,7 @@ static picture_volumes open_all(const char *path, int threads) {
             open_packets(&v, path, cpu_isa_name((cpu_isa)isa), SIDES[s], threads);
     for (int s = 1; s < SIDE_COUNT; s += 2) {
         open_packets(&v, path, "scalar", SIDES[s], threads);
-        kernels *k = kernels_in_use(v.of[v.count - 1]);
-        k->mesh_tile = mesh_packet_wide;
-        k->grid_tile = grid_tile_for(cpu_best()); /* so that there is a projection */
-        k->tets = tet_batch_wide;
+        v.of[v.count - 1]->kernels.tile = mesh_packet_wide;
         v.name[v.count - 1] = "wide";
     }
     return v;
@@ -127,7 +124,7 @@ static void fewer(const char *what, uint64_t small, uint64_t large, double least
 static void test_counts(void **state) {
     (void)state;
     const size_t bytes = (size_t)BALL_SIDE * BALL_SIDE * sizeof(double);
-    if (WATCHED || !mesh_packet_for(cpu_best()))
+    if (WATCHED || !mesh_packet_kernels[cpu_best()])
         skip();
     double *z[2] = {malloc(bytes), malloc(bytes)};
     const char *path = lab_leaf_field("buckyball", BALL);

@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "render/kernels.h"
+#include "render/ray/open_volume.h"
 #include "tests/support/fixture.h"
 #include "tests/support/mesh_pictures.h"
 #include "tests/support/mesh_tile_wide.h"
@@ -26,8 +26,7 @@ enum { CUBES = 6, SCENES = 18, STEP = 7 };
 
 static void open_wide(picture_volumes *v, const char *path, int threads) {
     pictures_open_one(v, path, "scalar", threads);
-    kernels_in_use(v->of[v->count - 1])->mesh_tile = mesh_tile_wide;
-    kernels_in_use(v->of[v->count - 1])->grid_tile = grid_tile_for(cpu_best());
+    v->of[v->count - 1]->kernels.tile = mesh_tile_wide;
     v->name[v->count - 1] = "wide";
 }
 
@@ -107,7 +106,7 @@ static leafcast_stats draw_with(const char *path, double iso, tile_fn kernel, ui
     leafcast *v = NULL;
     assert_int_equal(leafcast_open(path, &o, &v), LEAFCAST_OK);
     assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
-    kernels_in_use(v)->mesh_tile = kernel;
+    v->kernels.tile = kernel;
     const leafcast_camera c = pictures_view(v, 0, &r);
     pictures_draw(v, &scene, &c, &p, &stats);
     leafcast_close(v);
@@ -125,7 +124,8 @@ static void test_hidden_treelets(void **state) {
     assert_true(lab_mesh_make(&lab, "sphere", 24, 7));
     const char *path = lab_leaf_make(&lab, 100, false);
     for (int view = 0; view < VIEWS; view++) {
-        const leafcast_stats narrow = draw_with(path, lab.iso, mesh_tile_for(CPU_SSE42), 0, view);
+        const leafcast_stats narrow =
+            draw_with(path, lab.iso, mesh_tile_kernels[CPU_SSE42], 0, view);
         const uint32_t enough = (uint32_t)narrow.treelets_loaded + MORE;
         passes += (int)draw_with(path, lab.iso, mesh_tile_wide, enough, view).passes;
     }

@@ -42,8 +42,7 @@ typedef struct source_row {
     void (*make)(source *s, int index);
     void (*release)(source *s);
     ref_ray (*aim)(const source *s, field_random *r); /* seeks trouble; world space */
-    batch_fn wide; /* the kernel of AVX-512 in plain C, or NULL */
-    void (*set)(kernels *k, batch_fn batch);
+    batch_fn wide;      /* the kernel of AVX-512 in plain C, or NULL */
     bool marks_exactly; /* the treelets that rays walk; else, as far as boxes of all rays tell */
 } source_row;
 
@@ -70,10 +69,6 @@ static ref_ray grid_aim(const source *s, field_random *r) {
     }
 }
 
-static void grid_set(kernels *k, batch_fn batch) {
-    k->grid_batch = batch;
-}
-
 static void mesh_make(source *s, int index) {
     s->name = lab_mesh_name(index);
     assert_true(lab_mesh_make(&s->mesh, s->name, 6, FIELD_SEED));
@@ -90,8 +85,8 @@ static ref_ray mesh_aim(const source *s, field_random *r) {
 }
 
 static const source_row rows[] = {
-    {"grid", field_count, grid_make, grid_release, grid_aim, grid_batch_trace_wide, grid_set, true},
-    {"mesh", lab_mesh_count, mesh_make, mesh_release, mesh_aim, NULL, NULL, false},
+    {"grid", field_count, grid_make, grid_release, grid_aim, grid_batch_trace_wide, true},
+    {"mesh", lab_mesh_count, mesh_make, mesh_release, mesh_aim, NULL, false},
 };
 
 /* ---- A volume, and the rays that it is asked about ---- */
@@ -102,17 +97,12 @@ typedef struct stage {
     leafcast *v;
     tracer tr;
     leafcast_info info;
-    kernels with[8];
+    ray_kernels with[8];
     int kernel_count;
     void *scratch;
     field_random random;
     size_t rays, hits, blocked;
 } stage;
-
-static void add_kernels(stage *s, const char *name) {
-    if (kernels_for(name, &s->with[s->kernel_count]))
-        s->kernel_count++;
-}
 
 static void stage_open(stage *s, const source_row *row, int index) {
     *s = (stage){.row = row, .random = {(uint64_t)index + 1}};
@@ -120,10 +110,10 @@ static void stage_open(stage *s, const source_row *row, int index) {
     s->v = fixture_open(s->from.path, NULL);
     s->info = leafcast_describe(s->v);
     for (int isa = 0; isa <= (int)cpu_best(); isa++)
-        add_kernels(s, cpu_isa_name((cpu_isa)isa));
+        s->with[s->kernel_count++] = ray_kernels_of(s->v->kind, (cpu_isa)isa);
     if (row->wide) {
-        add_kernels(s, "scalar");
-        row->set(&s->with[s->kernel_count - 1], row->wide);
+        s->with[s->kernel_count] = s->with[0];
+        s->with[s->kernel_count++].batch = row->wide;
     }
     s->scratch = aligned_alloc(64, (s->v->kind->batch_scratch + 127) / 64 * 64);
     assert_non_null(s->scratch);
@@ -291,7 +281,7 @@ static void tell_difference(const stage *s, const ray_batch *want, const ray_bat
     const trace_state *x = &want->states[i], *y = &got->states[i];
     const ray *r = &want->rays[i];
     print_message("%s %s, batch %d, kernel %d %s: ray %u of %u\n", s->row->name, s->from.name,
-                  number, k, s->with[k].name, i, want->count);
+                  number, k, cpu_isa_name(s->with[k].isa), i, want->count);
     print_message("o %a %a %a d %a %a %a t %a %a after %a any %d\n", r->o[0], r->o[1], r->o[2],
                   r->d[0], r->d[1], r->d[2], r->t0, r->t1, x->after.t, x->any);
     print_message(
@@ -318,7 +308,8 @@ static void judge(stage *s, ray_batch *b, int number) {
         got = *b;
         clear_touched(s);
         memset(s->scratch, 0xa5, s->v->kind->batch_scratch);
-        ray_batch_next(&s->tr, &s->with[k], &got, s->scratch, &counters);
+        s->tr.kernels = &s->with[k];
+        ray_batch_next(&s->tr, &got, s->scratch, &counters);
         for (unsigned i = 0; i < b->count; i++) {
             if (!same_answer(&want, &got, i))
                 tell_difference(s, &want, &got, i, number, k);

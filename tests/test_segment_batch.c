@@ -154,7 +154,8 @@ static void walk(ray_stage *s, segment_batch *b, int k, const segments_state fro
     b->take = take;
     memset(s->scratch, 0xa5, s->v->kind->batch_scratch);
     ray_stage_clear_touched(s);
-    segment_batch_walk(&s->tr, &s->with[k], b, s->scratch, &counters);
+    s->tr.kernels = &s->with[k];
+    segment_batch_walk(&s->tr, b, s->scratch, &counters);
     for (unsigned i = 0; i < b->count; i++)
         after += got[i].count;
     assert_true(counters.cells + before >= after);
@@ -209,7 +210,7 @@ static void judge(ray_stage *s, segment_batch *b, bool impatient) {
             memcpy(got, so_far, sizeof so_far);
             walk(s, b, k, from);
             for (unsigned i = 0; i < b->count; i++)
-                judge_ray(s, b, i, s->with[k].name);
+                judge_ray(s, b, i, cpu_isa_name(s->with[k].isa));
             for (uint32_t t = 0; t < treelets && !impatient; t++)
                 assert_int_equal(touched[t], atomic_load(&s->tr.touched[t]));
         }

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "render/door/leafcast_volume.h"
 #include "render/mesh/mesh_walk.h"
 #include "render/ray/kind.h"
 #include "stream/grid_resident.h"

@@ -28,7 +28,7 @@ static int versions(void) {
 static tet_batch_fn version(int v, const char **name) {
     const bool wide = v > (int)cpu_best();
     *name = wide ? "wide" : cpu_isa_name((cpu_isa)v);
-    return wide ? tet_batch_wide : tet_batch_for((cpu_isa)v);
+    return wide ? tet_batch_wide : tet_batch_kernels[(cpu_isa)v];
 }
 
 /* ---- what is tried --------------------------------------------------------------------------- */

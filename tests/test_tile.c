@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "formats/base/cpu.h"
-#include "render/kernels.h"
+#include "render/ray/open_volume.h"
 #include "tests/support/fixture.h"
 #include "tests/support/grid_tile_wide.h"
 #include "tests/support/pictures.h"
@@ -18,7 +18,7 @@
 
 static void open_wide(picture_volumes *v, const char *path, int threads) {
     pictures_open_one(v, path, "scalar", threads);
-    kernels_in_use(v->of[v->count - 1])->grid_tile = grid_tile_trace_wide;
+    v->of[v->count - 1]->kernels.tile = grid_tile_trace_wide;
     v->name[v->count - 1] = "wide";
 }
 

@@ -13,6 +13,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "render/door/leafcast_volume.h"
 #include "render/leafcast_experimental.h"
 #include "render/ray/kind.h"
 #include "tests/support/fields.h"
@@ -187,15 +188,16 @@ static bool same(const sort *s, size_t i, const ray_batch *b, unsigned k) {
                        memcmp(&want->point, &got->point, sizeof want->point) == 0));
 }
 
-static double time_batches(lab *l, const kernels *k, sort *s, size_t *wrong) {
+static double time_batches(lab *l, const ray_kernels *k, sort *s, size_t *wrong) {
     ray_counters counters = {0};
     double sum = 0.0;
+    l->tr.kernels = k;
     for (size_t i = 0; i < s->count; i += l->batch.count) {
         l->batch.count = (unsigned)(s->count - i < RAY_BATCH ? s->count - i : RAY_BATCH);
         memcpy(l->batch.rays, &s->rays[i], l->batch.count * sizeof(ray));
         memcpy(l->batch.states, &s->states[i], l->batch.count * sizeof(trace_state));
         const double begun = seconds();
-        ray_batch_next(&l->tr, k, &l->batch, l->scratch, &counters);
+        ray_batch_next(&l->tr, &l->batch, l->scratch, &counters);
         sum += seconds() - begun;
         for (unsigned c = 0; c < l->batch.count; c++)
             *wrong += !same(s, i + c, &l->batch, c);
@@ -221,11 +223,9 @@ static size_t race(lab *l, sort *s, int rounds, const char *only) {
     for (int round = 0; round < rounds; round++) {
         spent[0][round] = round == 0 || !only ? time_single(l, s) : spent[0][0];
         for (int isa = 1; isa <= best; isa++) {
-            kernels k;
             if (only && strcmp(only, cpu_isa_name((cpu_isa)isa)) != 0)
                 continue;
-            if (!kernels_for(cpu_isa_name((cpu_isa)isa), &k))
-                continue;
+            const ray_kernels k = ray_kernels_of(l->tr.kind, (cpu_isa)isa);
             spent[isa][round] = time_batches(l, &k, s, &wrong);
         }
     }

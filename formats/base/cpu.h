@@ -8,6 +8,7 @@
 #define FORMATS_BASE_CPU_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 /* In ascending order: a CPU that can run one can run those before it. */
 typedef enum cpu_isa { CPU_SCALAR, CPU_SSE42, CPU_AVX2, CPU_AVX512, CPU_ISAS } cpu_isa;
@@ -21,5 +22,17 @@ const char *cpu_isa_name(cpu_isa isa);
 /* cpu_isa_find() - by name; NULL or "auto": the best. False for names unknown, and for what this
  * CPU or this build has not. */
 bool cpu_isa_find(const char *name, cpu_isa *isa);
+
+/* CPU_KERNELS() - defines `const FN table[CPU_ISAS]`, the versions of one function by ISA: scalar,
+ * which may be NULL where there is none, and name_sse42, name_avx2, name_avx512, which it declares;
+ * on a CPU that is no x86, scalar alone. FN: a pointer to a function. */
+#if defined __x86_64__ || defined __i386__
+#define CPU_KERNELS(FN, table, scalar, name)                               \
+    extern __typeof__(*(FN)NULL) name##_sse42, name##_avx2, name##_avx512; \
+    const FN table[CPU_ISAS] = {scalar, name##_sse42, name##_avx2, name##_avx512}
+#else
+#define CPU_KERNELS(FN, table, scalar, name) \
+    const FN table[CPU_ISAS] = {scalar, scalar, scalar, scalar}
+#endif
 
 #endif

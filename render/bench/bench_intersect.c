@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
-#include "render/experiments/experiment.h"
 #include "render/grid/cell_batch.h"
+#include "render/grid/grid_kind.h"
 #include "render/grid/intersect.h"
 
 const char bench_intersect_headings[] =
@@ -56,9 +56,9 @@ status bench_ray_cells_record(mem *m, leafcast *volume, const leafcast_scene *sc
     tape = out;
     for (int a = 0; a < 3; a++)
         tape_cells[a] = leafcast_describe(volume).dims[a] - 1;
-    experiment_intersect(volume, record);
+    grid_intersect_by(volume, record);
     status st = (status)leafcast_trace(volume, scene, camera, &nothing, NULL, NULL, NULL);
-    experiment_intersect(volume, NULL);
+    grid_intersect_by(volume, NULL);
     tape = NULL;
     return st;
 }
@@ -323,7 +323,7 @@ static void time_batches(leafcast_intersector how, const bench_ray_cells *c, bat
         ns[isa] = 0.0;
     for (; chunks < CHUNKS_MAX && fill(b, c); chunks++)
         for (int isa = 0; isa <= (int)cpu_best(); isa++) {
-            const cell_batch_fn run = cell_batch_for((cpu_isa)isa);
+            const cell_batch_fn run = cell_batch_kernels[(cpu_isa)isa];
             double start = 0.0;
             for (int pass = 0; pass < PASSES; pass++) {
                 if (pass == 1)

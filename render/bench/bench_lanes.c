@@ -1,45 +1,21 @@
 #include "render/bench/bench_lanes.h"
 
 #include "render/app/view_camera.h"
-#include "render/kernels.h"
 #include "render/ray/lane_counts.h"
+#include "render/ray/open_volume.h"
 
 lane_counts lane_counts_now; /* what the kernels below count */
 
 /* ---- kernels that count ---- */
 
-#if defined __x86_64__ || defined __i386__
-#define DECLARE(name)                                                            \
-    void name(const frame *f, uint32_t x0, uint32_t y0, const tile_row pixels[], \
-              tile_outcome *out, ray_counters *counters)
-DECLARE(grid_lanes_sse42);
-DECLARE(grid_lanes_avx2);
-DECLARE(grid_lanes_avx512);
-DECLARE(mesh_lanes_sse42);
-DECLARE(mesh_lanes_avx2);
-DECLARE(mesh_lanes_avx512);
-#endif
+CPU_KERNELS(tile_fn, grid_lanes_kernels, NULL, grid_lanes);
+CPU_KERNELS(tile_fn, mesh_lanes_kernels, NULL, mesh_lanes);
 
 /* False: none of this ISA. */
-static bool let_count(cpu_isa isa, kernels *k) {
-    (void)k; /* another CPU has no such ISA */
-    switch (isa) {
-#if defined __x86_64__ || defined __i386__
-    case CPU_SSE42:
-        k->grid_tile = grid_lanes_sse42;
-        k->mesh_tile = mesh_lanes_sse42;
-        return true;
-    case CPU_AVX2:
-        k->grid_tile = grid_lanes_avx2;
-        k->mesh_tile = mesh_lanes_avx2;
-        return true;
-    case CPU_AVX512:
-        k->grid_tile = grid_lanes_avx512;
-        k->mesh_tile = mesh_lanes_avx512;
-        return true;
-#endif
-    default: return false;
-    }
+static bool let_count(leafcast *v) {
+    const bool mesh = leafcast_describe(v).tets > 0;
+    v->kernels.tile = (mesh ? mesh_lanes_kernels : grid_lanes_kernels)[v->kernels.isa];
+    return v->kernels.tile;
 }
 
 /* Lanes of a vector of floats, of doubles. */
@@ -53,13 +29,12 @@ static int doubles_of(cpu_isa isa) {
 
 /* ---- a picture ---- */
 
-static status draw(bench_job *job, const bench_subject *s, cpu_isa isa, leafcast *volume,
-                   uint64_t *pixels) {
+static status draw(bench_job *job, const bench_subject *s, leafcast *volume, uint64_t *pixels) {
     const leafcast_camera view = view_camera_of(&s->view, volume);
     float *colours = NULL;
     status st = (status)leafcast_select(volume, s->view.surfaces, s->view.isos);
     *pixels = (uint64_t)view.width * view.height;
-    if (st == ST_OK && !let_count(isa, kernels_in_use(volume)))
+    if (st == ST_OK && !let_count(volume))
         st = status_describe(ST_UNSUPPORTED, "this CPU has no vectors");
     if (st == ST_OK && !(colours = mem_array(&job->m, 3 * *pixels, sizeof *colours)))
         st = ST_NOMEM;
@@ -110,7 +85,7 @@ static status count(bench_job *job, const bench_subject *s, cpu_isa isa) {
     uint64_t pixels = 0;
     status st = (status)leafcast_open(s->path, &options, &volume);
     if (st == ST_OK)
-        st = draw(job, s, isa, volume, &pixels);
+        st = draw(job, s, volume, &pixels);
     if (st == ST_OK)
         add_rows(&job->table, s, isa, leafcast_describe(volume).tets > 0, pixels);
     leafcast_close(volume);

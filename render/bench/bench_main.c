@@ -15,7 +15,7 @@
 #include "formats/base/printed_file.h"
 #include "formats/base/sibling.h"
 #include "formats/base/text.h"
-#include "render/bench/bench_suite.h"
+#include "render/bench/bench_suites.h"
 
 typedef struct bench_options {
     cli_common common;

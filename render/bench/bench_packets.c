@@ -4,7 +4,7 @@
 
 #include "formats/base/clock.h"
 #include "render/bench/bench_race.h"
-#include "render/kernels.h"
+#include "render/ray/open_volume.h"
 
 static const char *const NAMES[] = {"bucky-32", "bucky-2x32", "bucky-4x32", NULL};
 static const char *const BRIEF[] = {"bucky-12", NULL};
@@ -45,7 +45,7 @@ static status enter(const bench_subject *s, int side, leafcast_isopolygons how, 
     const uint32_t size = s->view.camera.width;
     *r = (bench_racer){.scene = leafcast_scene_default()};
     status st = (status)leafcast_open(s->path, &options, &r->volume);
-    if (st == ST_OK && !kernels_in_use(r->volume)->mesh_packet)
+    if (st == ST_OK && !r->volume->kernels.tile)
         st = status_describe(ST_UNSUPPORTED, "this CPU has no vectors for packets");
     if (st == ST_OK)
         st = (status)leafcast_select(r->volume, s->view.surfaces, s->view.isos);

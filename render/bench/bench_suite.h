@@ -1,4 +1,5 @@
-/* bench_suite.h - what `leafcast bench` can measure: a table of suites. */
+/* bench_suite.h - a suite of `leafcast bench`: a row of the table (bench_suites.h), and its
+ * subjects. */
 #ifndef RENDER_BENCH_BENCH_SUITE_H
 #define RENDER_BENCH_BENCH_SUITE_H
 
@@ -53,11 +54,6 @@ typedef struct bench_suite {
     bench_chart charts[BENCH_SUITE_CHARTS]; /* bars; ends at a NULL column */
     bench_curve curve;                      /* or points and lines; x NULL: none */
 } bench_suite;
-
-/* bench_suite_at() - by index from 0 on; NULL behind the last. bench_suite_find() - by name, or
- * NULL. */
-const bench_suite *bench_suite_at(int index);
-const bench_suite *bench_suite_find(const char *name);
 
 /* What is measured: a treelet file, and what to draw of it. */
 typedef struct bench_subject {

@@ -4,7 +4,7 @@
 
 #include "formats/base/clock.h"
 #include "render/app/view_camera.h"
-#include "render/experiments/experiment.h"
+#include "render/bench/experiment_filter.h"
 
 const char bench_walk_headings[] = "file|kernel|ns/ray|+-|x masks|nodes/ray|cells/ray|roots/ray|"
                                    "active MB|peak MB";

@@ -5,7 +5,8 @@
 #include "formats/base/clock.h"
 #include "formats/base/mem.h"
 #include "render/bench/bench_table.h"
-#include "render/experiments/experiment.h"
+#include "render/bench/experiment_filter.h"
+#include "render/grid/grid_kind.h"
 
 typedef struct ray_cell {
     ray r;
@@ -130,9 +131,9 @@ leafcast_status experiment_filter(leafcast *volume, const leafcast_scene *scene,
     if (!tape.cells)
         return LEAFCAST_NOMEM;
     const leafcast_image nothing = {.size = sizeof(leafcast_image)};
-    experiment_intersect(volume, record);
+    grid_intersect_by(volume, record);
     leafcast_status st = leafcast_trace(volume, scene, camera, &nothing, NULL, NULL, NULL);
-    experiment_intersect(volume, NULL);
+    grid_intersect_by(volume, NULL);
     if (st == LEAFCAST_OK)
         measure(result);
     mem_free(&m, tape.cells);

@@ -5,8 +5,8 @@
  * All sizes are those of this version, as there is no other yet. Whoever appends a member accepts
  * the sizes of before, too, and gives what is missing its default.
  */
-#ifndef RENDER_ARGUMENTS_H
-#define RENDER_ARGUMENTS_H
+#ifndef RENDER_DOOR_ARGUMENTS_H
+#define RENDER_DOOR_ARGUMENTS_H
 
 #include "formats/public_fields.h"
 #include "render/leafcast.h"

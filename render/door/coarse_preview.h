@@ -11,8 +11,8 @@
  * level n - 1. A preview that asks for such a level shows the grid alone, and all of it is
  * provisional.
  */
-#ifndef RENDER_COARSE_PREVIEW_H
-#define RENDER_COARSE_PREVIEW_H
+#ifndef RENDER_DOOR_COARSE_PREVIEW_H
+#define RENDER_DOOR_COARSE_PREVIEW_H
 
 #include "render/door/leafcast_volume.h"
 

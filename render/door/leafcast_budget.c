@@ -3,6 +3,7 @@
  */
 #include "render/door/coarse_preview.h"
 #include "render/door/leafcast_turn.h"
+#include "render/door/leafcast_volume.h"
 #include "render/ray/kind.h"
 
 size_t budget_image(const leafcast_image *image, size_t pixels) {

@@ -5,8 +5,8 @@
  * when it is drawn, all of them at once: the values are those of points (point_samples.h), so no
  * treelet is read but those that a clip cuts.
  */
-#ifndef RENDER_LEAFCAST_CAPS_H
-#define RENDER_LEAFCAST_CAPS_H
+#ifndef RENDER_DOOR_LEAFCAST_CAPS_H
+#define RENDER_DOOR_LEAFCAST_CAPS_H
 
 #include "render/door/leafcast_turn.h"
 #include "render/look/transfer.h"

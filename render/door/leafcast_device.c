@@ -3,6 +3,7 @@
 #include "formats/public_status.h"
 #include "render/door/arguments.h"
 #include "render/door/leafcast_volume.h"
+#include "render/experiments/walk_choices.h"
 
 void device_lock(leafcast_device *d) {
     pthread_mutex_lock(&d->lock);
@@ -19,12 +20,23 @@ static status make_threads(leafcast_device *d) {
                   : pool_create(&d->budget, threads, &d->threads);
 }
 
+/* By the name of an ISA, or of an experiment's choice. */
+static bool choose_kernels(leafcast_device *d) {
+    d->choice = walk_choice_named(d->options.isa);
+    if (d->choice)
+        d->isa = d->choice->walk ? CPU_SCALAR : cpu_best();
+    else if (!cpu_isa_find(d->options.isa, &d->isa))
+        return false;
+    d->isa_name = d->choice ? d->choice->name : cpu_isa_name(d->isa);
+    return true;
+}
+
 static status device_init(leafcast_device *d) {
     mem_init(&d->budget, (size_t)d->options.memory);
     pthread_mutex_init(&d->lock, NULL);
     d->users = 1;
     d->process = getpid();
-    if (!kernels_for(d->options.isa, &d->kernels))
+    if (!choose_kernels(d))
         return status_describe(ST_USAGE, "this CPU or this build has no kernels called %s",
                                d->options.isa);
     status st = make_threads(d);

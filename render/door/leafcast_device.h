@@ -4,14 +4,15 @@
  * one budget: what is always there (volumes without their treelets), what frames that are under way
  * may need, and treelets, in what is left.
  */
-#ifndef RENDER_LEAFCAST_DEVICE_H
-#define RENDER_LEAFCAST_DEVICE_H
+#ifndef RENDER_DOOR_LEAFCAST_DEVICE_H
+#define RENDER_DOOR_LEAFCAST_DEVICE_H
 
 #include <pthread.h>
 #include <unistd.h>
 
+#include "formats/base/cpu.h"
 #include "formats/base/pool.h"
-#include "render/kernels.h"
+#include "render/leafcast.h"
 #include "stream/readers.h"
 
 struct leafcast_device {
@@ -19,8 +20,10 @@ struct leafcast_device {
     leafcast_options options;
     pool *threads;
     readers *readers;
-    kernels kernels;
-    pid_t process; /* that made it, and has its threads */
+    cpu_isa isa;
+    const char *isa_name;             /* as it was asked for */
+    const struct walk_choice *choice; /* of an experiment, or NULL */
+    pid_t process;                    /* that made it, and has its threads */
     pthread_mutex_t lock;
     /* Guarded by lock: */
     leafcast *volumes;    /* open on it, by their `next` */

@@ -7,6 +7,7 @@
 
 #include "formats/leaf/leaf_histogram.h"
 #include "render/door/arguments.h"
+#include "render/door/leafcast_volume.h"
 #include "render/ray/kind.h"
 
 _Static_assert((int)LEAFCAST_BINS_MAX == (int)HISTOGRAM_BINS &&

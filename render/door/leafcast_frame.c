@@ -8,6 +8,7 @@
 #include "render/door/arguments.h"
 #include "render/door/leafcast_caps.h"
 #include "render/door/leafcast_turn.h"
+#include "render/door/leafcast_volume.h"
 #include "render/experiments/preintegrated_integrator.h"
 #include "render/experiments/stepping_integrator.h"
 #include "render/look/picture_bytes.h"
@@ -355,12 +356,11 @@ static bool watch_part(void *ctx, double done) {
     return false;
 }
 
-/* Tiles of rays, where there are kernels for them. An experiment's intersector wants single rays.
- */
+/* Tiles of rays, where there are kernels for them. */
 static status project(leafcast_frame *fr, frame *f) {
     leafcast *v = fr->t.drawn[0];
-    const bool tiles = f->integrator->tile && v->kind->tile && v->kind->tile(f->kernels);
-    if (!tiles || f->volumes > 1 || v->intersect || f->camera.ortho)
+    const bool tiles = f->integrator->tile && v->kernels.tile;
+    if (!tiles || f->volumes > 1 || f->camera.ortho)
         return ST_OK;
     const status st = v->kind->project(v, &f->camera, &fr->projection);
     if (st == ST_OK && fr->projection.usable)

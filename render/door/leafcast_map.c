@@ -4,6 +4,7 @@
 
 #include "render/door/arguments.h"
 #include "render/door/leafcast_device.h"
+#include "render/door/leafcast_volume.h"
 #include "render/ray/kind.h"
 
 /* Blocks first .. last along an axis that a treelet from lo to hi reaches into. Where it only

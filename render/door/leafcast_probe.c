@@ -4,6 +4,7 @@
 #include "render/door/arguments.h"
 #include "render/door/leafcast_device.h"
 #include "render/door/leafcast_scene.h"
+#include "render/door/leafcast_volume.h"
 #include "render/ray/kind.h"
 
 /* Bring in the one treelet that a probe needs. */

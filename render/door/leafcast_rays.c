@@ -2,6 +2,7 @@
 
 #include "render/door/arguments.h"
 #include "render/door/leafcast_turn.h"
+#include "render/door/leafcast_volume.h"
 #include "render/ray/kind.h"
 #include "render/surface/ray_integrator.h"
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "render/door/arguments.h"
+#include "render/door/leafcast_volume.h"
 #include "render/ray/kind.h"
 
 /* ---- Which volumes ---- */
@@ -129,6 +130,7 @@ status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const came
     loader_select_gradients(v->treelets, scene->smooth_normals);
     *tr =
         (tracer){.kind = v->kind,
+                 .kernels = &v->kernels,
                  .treelets = v->treelets,
                  .layout = &v->file->layout,
                  .set = v->set,

@@ -1,8 +1,10 @@
 /* leafcast_scene.h - the volumes of a scene, as rays see them. */
-#ifndef RENDER_LEAFCAST_SCENE_H
-#define RENDER_LEAFCAST_SCENE_H
+#ifndef RENDER_DOOR_LEAFCAST_SCENE_H
+#define RENDER_DOOR_LEAFCAST_SCENE_H
 
 #include "render/door/leafcast_volume.h"
+#include "render/frame/frame.h"
+#include "render/look/scene_facts.h"
 
 _Static_assert((int)LEAFCAST_VOLUMES_MAX == (int)FRAME_VOLUMES_MAX,
                "as many in a frame as in a scene");
@@ -15,37 +17,12 @@ CHECKED status scene_volumes(leafcast *v, const leafcast_scene *scene,
 /* Intervals of values that matter beside isovalues, at most. */
 enum { SCENE_BESIDE_MAX = (int)INTEREST_MAX - (int)LEAFCAST_SURFACES_MAX };
 
-/* scene_is_filled() - whether it shows more than surfaces: media or a projection. */
-static inline bool scene_is_filled(const leafcast_scene *scene) {
-    return scene->media_count > 0 || scene->project != LEAFCAST_PROJECT_NONE;
-}
-
-/* scene_is_certified() - whether it shows media with a bound. */
-static inline bool scene_is_certified(const leafcast_scene *scene) {
-    return scene->media_count > 0 && scene->project == LEAFCAST_PROJECT_NONE &&
-           !scene->shade_media &&
-           (!scene->experiments || scene->experiments->summing == LEAFCAST_CERTIFIED);
-}
-
-/* scene_filled() - how many volumes are filled with a medium. */
-static inline int scene_filled(const leafcast_scene *scene) {
-    int filled = 0;
-    for (int i = 0; i < scene->media_count; i++)
-        filled += scene->media[i].count > 0;
-    return filled;
-}
-
 /* scene_level() - the level of detail of v that the scene shows: where it asks for more, the last.
  * Nothing else reads leafcast_scene.lod_level to find treelets or cells. */
 static inline uint32_t scene_level(const leafcast_scene *scene, const leafcast *v) {
     const uint32_t asked = scene->lod == LEAFCAST_LOD_LEVEL ? scene->lod_level : 0,
                    last = v->file->layout.levels - 1;
     return asked < last ? asked : last;
-}
-
-/* scene_intersector() - the exact one, but for experiments. */
-static inline leafcast_intersector scene_intersector(const leafcast_scene *scene) {
-    return scene->experiments ? scene->experiments->intersector : LEAFCAST_MARMITT;
 }
 
 #endif

@@ -4,6 +4,7 @@
 #include "formats/base/vec3.h"
 #include "render/door/arguments.h"
 #include "render/door/leafcast_device.h"
+#include "render/door/leafcast_volume.h"
 #include "render/door/point_samples.h"
 #include "render/ray/kind.h"
 

@@ -1,6 +1,7 @@
 #include "render/door/leafcast_turn.h"
 
 #include "render/door/coarse_preview.h"
+#include "render/door/leafcast_volume.h"
 #include "render/ray/kind.h"
 
 /* How many there are, or 0 where nothing is in any of them. */
@@ -18,9 +19,9 @@ static status choose_drawn(turn *t, int i) {
     const status st = coarse_preview_instead(s->volume, &t->scene, s, &coarse);
     t->drawn[i] = coarse ? coarse : s->volume;
     t->drawn[i]->frames += turn_is_instead(t, i);
-    t->tracers[i] = (tracer){.kind = t->drawn[i]->kind, .layout = &t->drawn[i]->file->layout};
-    if (i == 0)
-        t->f.kernels = &t->drawn[i]->kernels;
+    t->tracers[i] = (tracer){.kind = t->drawn[i]->kind,
+                             .kernels = &t->drawn[i]->kernels,
+                             .layout = &t->drawn[i]->file->layout};
     return st;
 }
 
@@ -44,6 +45,7 @@ status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene) {
     }
     t->f.m = &v->device->budget;
     t->f.threads = v->device->threads;
+    t->f.isa = v->device->isa;
     t->f.tracer = t->tracers;
     t->f.volumes = t->volumes;
     return st;
@@ -164,7 +166,7 @@ void turn_stats(const turn *t, leafcast_stats *stats) {
     stats->first_image_s = first->first_image_s;
     stats->bytes_peak = mem_peak(&t->device->budget);
     stats->threads = pool_threads(t->f.threads);
-    stats->isa = first->kernels.name;
+    stats->isa = first->device->isa_name;
     for (int i = 0; i < t->volumes; i++) {
         add_volume_stats(t->shown[i].volume, stats);
         if (t->coarse[i] || turn_is_instead(t, i))

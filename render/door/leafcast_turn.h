@@ -5,8 +5,8 @@
  * is shared out anew: others may have had their turn in between. The device's lock is held
  * throughout.
  */
-#ifndef RENDER_LEAFCAST_TURN_H
-#define RENDER_LEAFCAST_TURN_H
+#ifndef RENDER_DOOR_LEAFCAST_TURN_H
+#define RENDER_DOOR_LEAFCAST_TURN_H
 
 #include "render/door/leafcast_device.h"
 #include "render/door/leafcast_scene.h"

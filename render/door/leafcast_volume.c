@@ -11,7 +11,7 @@
 #include "render/door/arguments.h"
 #include "render/door/coarse_preview.h"
 #include "render/door/leafcast_device.h"
-#include "render/experiments/experiment.h"
+#include "render/door/leafcast_volume.h"
 #include "render/ray/kind.h"
 
 _Static_assert((int)LEAFCAST_SURFACES_MAX <= (int)ISOVALUES_MAX, "as many isovalues as surfaces");
@@ -56,6 +56,7 @@ static void place(leafcast *v) {
 status volume_open_file(leafcast *v) {
     mem *m = v->m;
     v->kind = kind_of(v->file);
+    v->kernels = ray_kernels_of(v->kind, v->device->isa);
     status st = v->kind->open(v);
     if (st == ST_OK)
         st = open_loader(v);
@@ -92,7 +93,8 @@ leafcast *volume_on(leafcast_device *d, const leafcast_options *options) {
         return NULL;
     v->device = d;
     v->m = &d->budget;
-    v->kernels = d->kernels;
+    v->choice = d->choice;
+    v->threads = pool_threads(d->threads);
     v->options = *options;
     if (options->experiments)
         v->experiments = *options->experiments;
@@ -360,12 +362,4 @@ void leafcast_pixel_ray(const leafcast_camera *camera_of, double x, double y, do
     if (camera_of && arguments_check_camera(camera_of) == ST_OK &&
         camera_init(&c, camera_of) == ST_OK && isfinite(x) && isfinite(y))
         camera_ray(&c, x, y, origin, direction);
-}
-
-void experiment_intersect(leafcast *v, intersect_fn intersect) {
-    v->intersect = intersect;
-}
-
-kernels *kernels_in_use(leafcast *v) {
-    return &v->kernels;
 }

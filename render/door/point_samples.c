@@ -8,6 +8,7 @@
 #include "render/door/coarse_preview.h"
 #include "render/door/leafcast_device.h"
 #include "render/door/leafcast_turn.h"
+#include "render/door/leafcast_volume.h"
 #include "render/ray/kind.h"
 
 enum {
@@ -309,7 +310,7 @@ static void describe(const waiting *w, const loader_stats *before, double second
                               .bytes_resident = l.bytes_resident,
                               .bytes_peak = mem_peak(v->m),
                               .threads = pool_threads(v->device->threads),
-                              .isa = v->kernels.name};
+                              .isa = v->device->isa_name};
 }
 
 status point_samples_run(const point_samples *p, leafcast_stats *stats) {

@@ -10,8 +10,8 @@
  * for all points at a time: they are taken in chunks then. What is found depends on the point
  * alone.
  */
-#ifndef RENDER_POINT_SAMPLES_H
-#define RENDER_POINT_SAMPLES_H
+#ifndef RENDER_DOOR_POINT_SAMPLES_H
+#define RENDER_DOOR_POINT_SAMPLES_H
 
 #include "render/door/leafcast_volume.h"
 

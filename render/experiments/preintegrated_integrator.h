@@ -6,8 +6,8 @@
  * their share of a whole one would, and are as much less bright. The value is looked up once a
  * step, the four channels are computed together.
  */
-#ifndef RENDER_PREINTEGRATED_INTEGRATOR_H
-#define RENDER_PREINTEGRATED_INTEGRATOR_H
+#ifndef RENDER_EXPERIMENTS_PREINTEGRATED_INTEGRATOR_H
+#define RENDER_EXPERIMENTS_PREINTEGRATED_INTEGRATOR_H
 
 #include "render/experiments/preintegrated_table.h"
 #include "render/experiments/stepping_ray.h"

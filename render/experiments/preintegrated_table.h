@@ -5,8 +5,8 @@
  * (medium_stretch.h); between them the four around are interpolated. A step in the transfer
  * function is smeared over an entry, and what values do along a step is taken to be even.
  */
-#ifndef RENDER_PREINTEGRATED_TABLE_H
-#define RENDER_PREINTEGRATED_TABLE_H
+#ifndef RENDER_EXPERIMENTS_PREINTEGRATED_TABLE_H
+#define RENDER_EXPERIMENTS_PREINTEGRATED_TABLE_H
 
 #include "formats/base/mem.h"
 #include "formats/base/pool.h"

@@ -54,19 +54,4 @@ static void stepping_batch_scalar(stepping_batch *m, const segment_columns *piec
         take_piece(m, pieces, i);
 }
 
-#if defined __x86_64__ || defined __i386__
-void stepping_batch_sse42(stepping_batch *m, const segment_columns *pieces);
-void stepping_batch_avx2(stepping_batch *m, const segment_columns *pieces);
-void stepping_batch_avx512(stepping_batch *m, const segment_columns *pieces);
-#endif
-
-stepping_batch_fn stepping_batch_for(cpu_isa isa) {
-    switch (isa) {
-#if defined __x86_64__ || defined __i386__
-    case CPU_AVX512: return stepping_batch_avx512;
-    case CPU_AVX2: return stepping_batch_avx2;
-    case CPU_SSE42: return stepping_batch_sse42;
-#endif
-    default: return stepping_batch_scalar;
-    }
-}
+CPU_KERNELS(stepping_batch_fn, stepping_batch_kernels, stepping_batch_scalar, stepping_batch);

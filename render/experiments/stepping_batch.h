@@ -10,8 +10,8 @@
  * Versions for newer instructions come from one template (stepping_batch_template.h) and give the
  * same bits as the scalar one.
  */
-#ifndef RENDER_STEPPING_BATCH_H
-#define RENDER_STEPPING_BATCH_H
+#ifndef RENDER_EXPERIMENTS_STEPPING_BATCH_H
+#define RENDER_EXPERIMENTS_STEPPING_BATCH_H
 
 #include "formats/base/cpu.h"
 #include "render/look/transfer.h"
@@ -28,7 +28,7 @@ typedef struct stepping_batch {
 /* Of all pieces in the columns; columns behind the last one may be read, and written, too. */
 typedef void (*stepping_batch_fn)(stepping_batch *m, const segment_columns *pieces);
 
-/* stepping_batch_for() - the version for an ISA that this CPU has (see cpu.h). */
-stepping_batch_fn stepping_batch_for(cpu_isa isa);
+/* By ISA (cpu.h). */
+extern const stepping_batch_fn stepping_batch_kernels[CPU_ISAS];
 
 #endif

@@ -2,8 +2,8 @@
  * it: the scalar functions (stepping_batch.c) written again for vectors, operation by operation; a
  * lane is a piece.
  */
-#ifndef RENDER_STEPPING_BATCH_TEMPLATE_H
-#define RENDER_STEPPING_BATCH_TEMPLATE_H
+#ifndef RENDER_EXPERIMENTS_STEPPING_BATCH_TEMPLATE_H
+#define RENDER_EXPERIMENTS_STEPPING_BATCH_TEMPLATE_H
 
 #include "formats/base/simd.h"
 

@@ -1,6 +1,5 @@
 #include "render/experiments/stepping_integrator.h"
-
-#include "render/kernels.h"
+#include "render/experiments/stepping_batch.h"
 
 static bool stepping_ask(const frame *f, ray_record *r, ray_question *q, ray_counters *counters) {
     if (stepping_ray_ask(f, stepping_ray_of(r), q))
@@ -21,7 +20,7 @@ static void stepping_take(const frame *f, ray_record *const r[], const segment_c
         m->from[i] = p->from;
         m->to[i] = p->to;
     }
-    f->kernels->stepping(m, c);
+    stepping_batch_kernels[f->isa](m, c);
     for (unsigned i = 0; i < c->count; i++) {
         const double rgb[3] = {m->rgb[0][i], m->rgb[1][i], m->rgb[2][i]};
         if (m->through[i] != 1.0 && !stop[c->ray[i]])

@@ -4,8 +4,8 @@
  * They exist to be compared with (medium_integrator.h): how far off their pixels are, nobody knows.
  * image.error says +inf, and every pixel counts as uncertified. One volume, and no surfaces.
  */
-#ifndef RENDER_STEPPING_RAY_H
-#define RENDER_STEPPING_RAY_H
+#ifndef RENDER_EXPERIMENTS_STEPPING_RAY_H
+#define RENDER_EXPERIMENTS_STEPPING_RAY_H
 
 #include "render/frame/integrator.h"
 #include "render/look/transfer.h"

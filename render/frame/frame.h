@@ -6,8 +6,8 @@
  * no room for all their rays. So any budget that holds the directories, one treelet of each volume
  * and one tile's rays a thread finishes, and the picture is the same bits for all of them.
  */
-#ifndef RENDER_FRAME_H
-#define RENDER_FRAME_H
+#ifndef RENDER_FRAME_FRAME_H
+#define RENDER_FRAME_FRAME_H
 
 #include <stdatomic.h>
 
@@ -19,7 +19,6 @@
 #include "render/ray/tracer.h"
 
 struct integrator;
-struct kernels;
 
 /* Volumes that a frame shows, at most. */
 enum { FRAME_VOLUMES_MAX = 16 };
@@ -33,7 +32,7 @@ typedef struct frame {
     const void *look;   /* the integrator's part: what it makes of rays */
     size_t record_more; /* bytes that its records have for this look, a multiple of 8 */
     camera camera;
-    const struct kernels *kernels;
+    cpu_isa isa;                  /* of the integrator's own kernels */
     const projection *projection; /* of the first volume, or NULL: where tiles of a kind need it */
     uint32_t width, height;
     leafcast_image image;

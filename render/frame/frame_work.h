@@ -34,8 +34,8 @@
  * Nobody who holds the lock calls a loader but for what is lock-free there, so that nobody waits
  * long for it; the records' lock may be taken within.
  */
-#ifndef RENDER_FRAME_WORK_H
-#define RENDER_FRAME_WORK_H
+#ifndef RENDER_FRAME_FRAME_WORK_H
+#define RENDER_FRAME_FRAME_WORK_H
 
 #include <stdatomic.h>
 

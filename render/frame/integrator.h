@@ -6,8 +6,8 @@
  * their heads. Whoever makes a frame says which integrator, and gives it its description:
  * frame.integrator, frame.look.
  */
-#ifndef RENDER_INTEGRATOR_H
-#define RENDER_INTEGRATOR_H
+#ifndef RENDER_FRAME_INTEGRATOR_H
+#define RENDER_FRAME_INTEGRATOR_H
 
 #include "render/frame/frame.h"
 #include "render/frame/tile.h"

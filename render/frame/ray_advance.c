@@ -87,7 +87,7 @@ static void walk_together(const frame *f, ray_company *c, unsigned first, ray_pi
     gather_walkers(c, first, p);
     b->take = take;
     b->ctx = p;
-    segment_batch_walk(c->question[first].tracer, f->kernels, b, scratch, counters);
+    segment_batch_walk(c->question[first].tracer, b, scratch, counters);
     for (unsigned k = 0; k < b->count; k++)
         go_on(f, c, c->asked[k],
               b->result[k] == SEGMENTS_BLOCKED && !b->stop[k] ? TRACE_BLOCKED : TRACE_MISS,
@@ -98,7 +98,7 @@ static void walk_together(const frame *f, ray_company *c, unsigned first, ray_pi
 static void answer_together(const frame *f, ray_company *c, unsigned first, ray_batch *b,
                             void *scratch, ray_counters *counters) {
     gather(c, first, b);
-    ray_batch_next(c->question[first].tracer, f->kernels, b, scratch, counters);
+    ray_batch_next(c->question[first].tracer, b, scratch, counters);
     for (unsigned k = 0; k < b->count; k++) {
         *c->question[c->asked[k]].state = b->states[k];
         go_on(f, c, c->asked[k], b->results[k], counters);
@@ -121,7 +121,7 @@ static void climb_together(const frame *f, ray_company *c, unsigned first, ray_p
         b->state[b->count] = q->extreme;
         c->asked[b->count++] = (uint8_t)i;
     }
-    extreme_batch_next(tr, f->kernels, b, scratch, counters);
+    extreme_batch_next(tr, b, scratch, counters);
     for (unsigned k = 0; k < b->count; k++)
         go_on(f, c, c->asked[k], b->result[k], counters);
 }

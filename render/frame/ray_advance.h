@@ -3,8 +3,8 @@
  * Each goes its own way: its answers are those that it would have alone, to the bit, whatever the
  * others ask.
  */
-#ifndef RENDER_RAY_ADVANCE_H
-#define RENDER_RAY_ADVANCE_H
+#ifndef RENDER_FRAME_RAY_ADVANCE_H
+#define RENDER_FRAME_RAY_ADVANCE_H
 
 #include "render/frame/integrator.h"
 #include "render/ray/extreme_batch.h"

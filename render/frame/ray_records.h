@@ -8,8 +8,8 @@
  * A promise is kept without waiting for anybody: a reserve never has more free records at hand than
  * are promised to it. So what is neither a ray's nor at hand elsewhere suffices for it.
  */
-#ifndef RENDER_RAY_RECORDS_H
-#define RENDER_RAY_RECORDS_H
+#ifndef RENDER_FRAME_RAY_RECORDS_H
+#define RENDER_FRAME_RAY_RECORDS_H
 
 #include <pthread.h>
 #include <stdatomic.h>

@@ -9,12 +9,11 @@
  * What single rays do better or alone stays with them: rays that meet a treelet which is absent,
  * and directions with a component that is all but zero.
  */
-#ifndef RENDER_TILE_H
-#define RENDER_TILE_H
+#ifndef RENDER_FRAME_TILE_H
+#define RENDER_FRAME_TILE_H
 
-#include "formats/base/cpu.h"
 #include "render/frame/frame.h"
-#include "render/ray/ray_batch.h"
+#include "render/ray/ray_kernels.h"
 
 /* Pixels on a side of a kind's tiles, at most. */
 enum { TILE_MAX = 32 };
@@ -44,10 +43,8 @@ typedef struct tile_outcome {
     int absent_count;
 } tile_outcome;
 
-/* tile_fn - rays of the tile whose first pixel is (x0, y0); pixels: which. f->projection
- * must be usable. */
-typedef void (*tile_fn)(const frame *f, uint32_t x0, uint32_t y0, const tile_row pixels[],
-                        tile_outcome *out, ray_counters *counters);
+/* A tile_fn (ray_kernels.h) takes rays of the tile whose first pixel is (x0, y0), those of
+ * pixels[], a tile_row each; f->projection must be usable. */
 
 /* tile_absent() - rays met treelet t, which is absent. */
 static inline void tile_absent(tile_outcome *out, uint32_t t, uint16_t leg) {

@@ -76,36 +76,5 @@ static void cell_roots_scalar(const cell_batch *b, int lanes, double isovalue,
     }
 }
 
-#if defined __x86_64__ || defined __i386__
-void cell_roots_sse42(const cell_batch *b, int lanes, double isovalue, cell_batch_roots *out);
-void cell_roots_avx2(const cell_batch *b, int lanes, double isovalue, cell_batch_roots *out);
-void cell_roots_avx512(const cell_batch *b, int lanes, double isovalue, cell_batch_roots *out);
-void cell_batch_sse42(const cell_batch *b, int lanes, const double *isovalues, int count,
-                      leafcast_intersector how, cell_batch_hits *out);
-void cell_batch_avx2(const cell_batch *b, int lanes, const double *isovalues, int count,
-                     leafcast_intersector how, cell_batch_hits *out);
-void cell_batch_avx512(const cell_batch *b, int lanes, const double *isovalues, int count,
-                       leafcast_intersector how, cell_batch_hits *out);
-#endif
-
-cell_batch_fn cell_batch_for(cpu_isa isa) {
-    switch (isa) {
-#if defined __x86_64__ || defined __i386__
-    case CPU_AVX512: return cell_batch_avx512;
-    case CPU_AVX2: return cell_batch_avx2;
-    case CPU_SSE42: return cell_batch_sse42;
-#endif
-    default: return cell_batch_scalar;
-    }
-}
-
-cell_roots_fn cell_roots_for(cpu_isa isa) {
-    switch (isa) {
-#if defined __x86_64__ || defined __i386__
-    case CPU_AVX512: return cell_roots_avx512;
-    case CPU_AVX2: return cell_roots_avx2;
-    case CPU_SSE42: return cell_roots_sse42;
-#endif
-    default: return cell_roots_scalar;
-    }
-}
+CPU_KERNELS(cell_batch_fn, cell_batch_kernels, cell_batch_scalar, cell_batch);
+CPU_KERNELS(cell_roots_fn, cell_roots_kernels, cell_roots_scalar, cell_roots);

@@ -59,8 +59,8 @@ typedef struct cell_batch_roots {
 typedef void (*cell_roots_fn)(const cell_batch *b, int lanes, double isovalue,
                               cell_batch_roots *out);
 
-/* cell_batch_for(), cell_roots_for() - the version for an ISA that this CPU has (see cpu.h). */
-cell_batch_fn cell_batch_for(cpu_isa isa);
-cell_roots_fn cell_roots_for(cpu_isa isa);
+/* By ISA (cpu.h). */
+extern const cell_batch_fn cell_batch_kernels[CPU_ISAS];
+extern const cell_roots_fn cell_roots_kernels[CPU_ISAS];
 
 #endif

@@ -23,7 +23,7 @@
 /* What a batch_fn of a grid needs. */
 enum { GRID_BATCH_SCRATCH = 80 << 10 };
 
-/* grid_batch_for() - NULL where there is none: every ray by itself. */
-batch_fn grid_batch_for(cpu_isa isa);
+/* By ISA; scalar, NULL: every ray by itself. */
+extern const batch_fn grid_batch_kernels[CPU_ISAS];
 
 #endif

@@ -7,6 +7,7 @@
 
 #ifdef SIMD_NAME
 
+#include "render/grid/cell_batch.h"
 #include "render/grid/grid_batch.h"
 #include "render/grid/grid_block_cells_template.h"
 #include "render/grid/grid_legs_template.h"
@@ -14,10 +15,11 @@
 #include "render/grid/grid_tracer.h"
 #include "render/grid/intersect.h"
 #include "render/grid/octant_order.h"
-#include "render/kernels.h"
+#include "render/grid/walk.h"
 #include "render/ray/ray_box.h"
+#include "render/ray/ray_kernels.h"
 
-void SIMD_NAME(grid_batch_trace)(const tracer *tr, const kernels *k, ray_batch *b, void *scratch,
+void SIMD_NAME(grid_batch_trace)(const tracer *tr, ray_batch *b, void *scratch,
                                  ray_counters *counters);
 
 /* A subtree of the directory; a node of a treelet's tree, a cube of 2^size cells. */
@@ -36,7 +38,6 @@ enum { TREE_STACK_MAX = 8 * (LEAF_CELLS_LOG2_MAX + 1), DIRECTORY_STACK_MAX = 8 *
 typedef struct batch_walk {
     const tracer *tr;
     const walk_scene *scene;
-    const kernels *kernels;
     ray_batch *b;
     ray_counters *counters;
     bool filter; /* the intersector is the one that the filter knows */
@@ -162,7 +163,8 @@ static void take_later_hits(batch_walk *w, unsigned lanes) {
     const walk_scene *scene = w->scene;
     cell_batch_roots roots;
     for (int32_t iso = 0; iso < scene->count && lanes; iso++) {
-        w->kernels->roots(&w->batch, (int)w->waiting, scene->isovalues[iso], &roots);
+        cell_roots_kernels[w->tr->kernels->isa](&w->batch, (int)w->waiting, scene->isovalues[iso],
+                                                &roots);
         for (unsigned left = lanes; left; left &= left - 1)
             take_later_root(w, (unsigned)__builtin_ctz(left), iso, &roots);
     }
@@ -177,8 +179,8 @@ static void flush(batch_walk *w) {
         return;
     if (w->filter)
         drop_starts(w);
-    w->kernels->cells(&w->batch, (int)w->waiting, scene->isovalues, scene->count,
-                      scene->intersector, &hits);
+    cell_batch_kernels[w->tr->kernels->isa](&w->batch, (int)w->waiting, scene->isovalues,
+                                            scene->count, scene->intersector, &hits);
     for (uint32_t left = hits.found; left; left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left), i = w->ray_of[k];
         const resident_grid *at = w->treelet_of[k];
@@ -524,7 +526,7 @@ static uint8_t begin_ray(const batch_walk *w, unsigned i, grid_approach *way) {
     return DONE;
 }
 
-void SIMD_NAME(grid_batch_trace)(const tracer *tr, const kernels *k, ray_batch *b, void *scratch,
+void SIMD_NAME(grid_batch_trace)(const tracer *tr, ray_batch *b, void *scratch,
                                  ray_counters *counters) {
     batch_walk *w = scratch;
     grid_approach ways[RAY_BATCH];
@@ -532,7 +534,6 @@ void SIMD_NAME(grid_batch_trace)(const tracer *tr, const kernels *k, ray_batch *
     unsigned octants = 0;
     w->tr = tr;
     w->scene = tr->own;
-    w->kernels = k;
     w->b = b;
     w->counters = counters;
     w->filter = w->scene->intersector == LEAFCAST_MARMITT;

@@ -5,26 +5,38 @@
 #include <string.h>
 
 #include "formats/base/box3.h"
-#include "render/door/leafcast_scene.h"
 #include "render/grid/grid_batch.h"
 #include "render/grid/grid_extreme.h"
 #include "render/grid/grid_gradient.h"
+#include "render/grid/grid_peaks.h"
+#include "render/grid/grid_pieces.h"
 #include "render/grid/grid_projection.h"
 #include "render/grid/grid_segments.h"
 #include "render/grid/grid_tile.h"
 #include "render/grid/grid_tracer.h"
+#include "render/grid/intersect.h"
 #include "render/grid/surface.h"
+#include "render/grid/walk_choice.h"
+#include "render/look/camera.h"
+#include "render/look/scene_facts.h"
+#include "render/ray/open_volume.h"
 
 /* What an open grid has beside its treelets: leafcast.own. */
 typedef struct grid_volume {
     level_planes_table planes;
-    double narrowest[3]; /* cell of level 0 along each axis */
-    walk_scene scene;    /* of the frame, or of the question, that is under way */
+    double narrowest[3];    /* cell of level 0 along each axis */
+    walk_scene scene;       /* of the frame, or of the question, that is under way */
+    intersect_fn intersect; /* instead of the scene's, or NULL */
 } grid_volume;
 
 static grid_volume *grid_of(const leafcast *v) {
     return v->own;
 }
+
+CPU_KERNELS(tile_fn, grid_tile_kernels, NULL, grid_tile_trace);
+CPU_KERNELS(batch_fn, grid_batch_kernels, NULL, grid_batch_trace);
+CPU_KERNELS(segment_batch_fn, grid_pieces_kernels, NULL, grid_pieces);
+CPU_KERNELS(extreme_batch_fn, grid_peaks_kernels, NULL, grid_peaks);
 
 /* ---- An open volume ---- */
 
@@ -44,6 +56,12 @@ static status grid_open(leafcast *v) {
     for (int a = 0; a < 3; a++)
         grid_of(v)->narrowest[a] = narrowest_cell(v->file->axis[a], v->file->header.dims[a]);
     return level_planes_init(&grid_of(v)->planes, v->m, v->file);
+}
+
+/* Single rays alone ask it. */
+void grid_intersect_by(leafcast *v, intersect_fn intersect) {
+    grid_of(v)->intersect = intersect;
+    v->kernels.tile = intersect ? NULL : grid_tile_kernels[v->kernels.isa];
 }
 
 static void grid_close(leafcast *v) {
@@ -190,6 +208,7 @@ static bool stop_levels(leafcast *v, const camera *c) {
 static void grid_aim(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
     const leaf_layout *layout = &v->file->layout;
     const leafcast_intersector how = scene_intersector(scene);
+    const walk_choice *choice = v->choice;
     grid_volume *g = grid_of(v);
     g->scene =
         (walk_scene){.levels = g->planes.levels,
@@ -198,8 +217,10 @@ static void grid_aim(leafcast *v, const leafcast_scene *scene, const camera *c, 
                      .type = layout->type,
                      .halo = layout->halo,
                      .intersector = how,
-                     .intersect = v->intersect ? v->intersect : intersector_find(how)->next_hit,
-                     .walk = v->kernels.grid_walk,
+                     .intersect = g->intersect ? g->intersect : intersector_find(how)->next_hit,
+                     .walk = choice && choice->walk ? choice->walk : walk_treelet,
+                     .packet = choice && choice->packet > 0 ? choice->packet : GRID_TILE,
+                     .by_cell = choice && choice->by_cell,
                      .analytic_normals = scene->analytic_normals};
     tr->own = &g->scene;
     for (int a = 0; a < 3; a++) {
@@ -218,22 +239,6 @@ static void grid_aim(leafcast *v, const leafcast_scene *scene, const camera *c, 
 static status grid_project(leafcast *v, const camera *c, projection *out) {
     return grid_projection_init(out, v->m, &v->file->layout, grid_of(v)->planes.levels, &v->space,
                                 c);
-}
-
-static tile_fn grid_tile(const kernels *k) {
-    return k->grid_tile;
-}
-
-static batch_fn grid_batch(const kernels *k) {
-    return k->grid_batch;
-}
-
-static segment_batch_fn grid_segment_batch(const kernels *k) {
-    return k->grid_pieces;
-}
-
-static extreme_batch_fn grid_extreme_batch(const kernels *k) {
-    return k->grid_peaks;
 }
 
 /* ---- The order of treelets ---- */
@@ -467,20 +472,20 @@ const kind grid_kind = {.name = "grid",
                         .projection_bytes = grid_projection_bytes,
                         .tile_side = GRID_TILE,
                         .tile_scratch = GRID_TILE_SCRATCH,
-                        .tile = grid_tile,
+                        .tile = grid_tile_kernels,
                         .rank = grid_rank,
                         .next = grid_tracer_next,
                         .surface = grid_tracer_surface,
                         .batch_scratch = GRID_PEAKS_SCRATCH, /* more than the others need */
-                        .batch = grid_batch,
+                        .batch = grid_batch_kernels,
                         .segments = grid_segments,
-                        .segment_batch = grid_segment_batch,
+                        .segment_batch = grid_pieces_kernels,
                         .segments_error = grid_segments_error,
                         .gradient = grid_gradient,
                         .extreme_ways = grid_extreme_ways,
                         .extreme = grid_extreme,
                         .extreme_near = grid_extreme_near,
-                        .extreme_batch = grid_extreme_batch,
+                        .extreme_batch = grid_peaks_kernels,
                         .cell_of_hit = grid_cell_of_hit,
                         .cell_of_segment = grid_cell_of_segment,
                         .treelet_at = grid_treelet_at,

@@ -22,7 +22,7 @@
 /* What such a kernel needs. */
 enum { GRID_PEAKS_SCRATCH = 128 << 10 };
 
-/* grid_peaks_for() - NULL where there is none: every ray by itself. */
-extreme_batch_fn grid_peaks_for(cpu_isa isa);
+/* By ISA; scalar, NULL: every ray by itself. */
+extern const extreme_batch_fn grid_peaks_kernels[CPU_ISAS];
 
 #endif

@@ -17,7 +17,7 @@
 /* What such a kernel needs. */
 enum { GRID_PIECES_SCRATCH = 96 << 10 };
 
-/* grid_pieces_for() - NULL where there is none: every ray by itself. */
-segment_batch_fn grid_pieces_for(cpu_isa isa);
+/* By ISA; scalar, NULL: every ray by itself. */
+extern const segment_batch_fn grid_pieces_kernels[CPU_ISAS];
 
 #endif

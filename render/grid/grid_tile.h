@@ -14,7 +14,7 @@
 /* Pixels on a side: tests/measurements/tiles.md. What a tile_fn needs beside its outcome. */
 enum { GRID_TILE = 32, GRID_TILE_SCRATCH = 640 << 10 };
 
-/* grid_tile_for() - NULL where there is none: every ray by itself. */
-tile_fn grid_tile_for(cpu_isa isa);
+/* By ISA; scalar, NULL: every ray by itself. */
+extern const tile_fn grid_tile_kernels[CPU_ISAS];
 
 #endif

@@ -7,17 +7,20 @@
 
 #ifdef SIMD_NAME
 
+#include "render/grid/cell_batch.h"
 #include "render/grid/grid_near_template.h"
 #include "render/grid/octant_order.h"
-#include "render/kernels.h"
+#include "render/grid/walk.h"
 #include "render/ray/lane_counts.h"
 #include "render/ray/ray_box.h"
+#include "render/ray/ray_kernels.h"
 #include "render/tile/tile_rects_template.h"
 #include "render/tile/tile_state_template.h"
 
 typedef struct tile_walk {
     tile_state s;
     tile_view view;
+    cpu_isa isa;            /* of the cell kernel */
     tile_row pending[ROWS]; /* rays of s.open that look for one surface and of which a cell waits
                                in the batch */
     bool filter;            /* the intersector is the one that the filter knows */
@@ -82,8 +85,8 @@ static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool enter
 static void flush_first(tile_walk *w) {
     const walk_scene *scene = scene_of(w);
     cell_batch_hits hits;
-    w->s.f->kernels->cells(&w->batch, (int)w->waiting, scene->isovalues, scene->count,
-                           scene->intersector, &hits);
+    cell_batch_kernels[w->isa](&w->batch, (int)w->waiting, scene->isovalues, scene->count,
+                               scene->intersector, &hits);
     for (uint32_t left = hits.found; left; left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left);
         take_hit(w, k, hits.t[k], hits.iso[k], hits.entering >> k & 1u, hits.at_exit >> k & 1u);
@@ -96,7 +99,7 @@ static void flush_all(tile_walk *w) {
     const walk_scene *scene = scene_of(w);
     cell_batch_roots roots;
     for (int32_t iso = 0; iso < scene->count; iso++) {
-        w->s.f->kernels->roots(&w->batch, (int)w->waiting, scene->isovalues[iso], &roots);
+        cell_roots_kernels[w->isa](&w->batch, (int)w->waiting, scene->isovalues[iso], &roots);
         for (int n = 0; n < CELL_ROOTS_MAX; n++) {
             for (uint32_t left = roots.found[n]; left; left &= left - 1) {
                 const unsigned k = (unsigned)__builtin_ctz(left);
@@ -196,7 +199,7 @@ static void queue_flush(tile_walk *w) {
             flush(w);
         if (is_open(w, i))
             add_to_batch(w, q->at[k], q->cell[k], samples[k], i);
-        if (w->s.f->kernels->by_cell)
+        if (scene_of(w)->by_cell)
             flush(w);
     }
 }
@@ -238,7 +241,7 @@ SIMD void window_to_batch(tile_walk *w, unsigned n) {
         add_to_batch(w, s->at[k], s->cell[k], s->samples[k],
                      TILE * (y + lane / WINDOW_X) + x + lane % WINDOW_X);
     }
-    if (w->s.f->kernels->by_cell)
+    if (scene_of(w)->by_cell)
         flush(w);
 }
 
@@ -601,6 +604,7 @@ static void tile_walk_begin(tile_walk *w, const frame *f, uint32_t x0, uint32_t 
     tile_state_begin(&w->s, f, &grid_order, TILE_LAYERS, x0, y0, asked, out, counters);
     w->view = tile_view_of(f, x0, y0);
     w->filter = scene_of(w)->intersector == LEAFCAST_MARMITT;
+    w->isa = w->s.f->tracer->kernels->isa;
     w->several = w->s.layers != 1;
     w->waiting = 0;
     w->queue.count = w->stage.cells = w->stage.windows = 0;
@@ -610,7 +614,7 @@ static void tile_walk_begin(tile_walk *w, const frame *f, uint32_t x0, uint32_t 
 
 /* Up to where rays are full. */
 static void tile_walk_run(tile_walk *w) {
-    const uint8_t packet = w->s.f->kernels->packet;
+    const uint8_t packet = scene_of(w)->packet;
     for (uint8_t y = 0; y < TILE; y += packet)
         for (uint8_t x = 0; x < TILE; x += packet)
             walk_directory(w,

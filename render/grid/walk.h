@@ -39,6 +39,8 @@ struct walk_scene {
     leafcast_intersector intersector;
     intersect_fn intersect; /* that of a ray by itself */
     walk_fn walk;
+    uint8_t packet; /* pixels on a side of a tile that walk together: GRID_TILE, or less of it */
+    bool by_cell;   /* a batch never holds ray-cells of more than one cell */
     bool analytic_normals; /* of the cells, instead of central differences */
     double narrowest[3];   /* cell of level 0 along each axis */
 };

@@ -4,8 +4,8 @@
  * the top left corner. Everything is double, and nothing but + - * / sqrt is used (the tangent too
  * is our own), so that a pixel has the same ray on every CPU.
  */
-#ifndef RENDER_CAMERA_H
-#define RENDER_CAMERA_H
+#ifndef RENDER_LOOK_CAMERA_H
+#define RENDER_LOOK_CAMERA_H
 
 #include "formats/base/status.h"
 #include "render/leafcast.h"

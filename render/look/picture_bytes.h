@@ -3,8 +3,8 @@
  * A byte is the nearest one, by IEC 61966-2-1 (sRGB); what is below 0 or NaN becomes 0, what is
  * above 1 becomes 255. Alpha is not encoded. No libm: the same bytes on every CPU.
  */
-#ifndef RENDER_PICTURE_BYTES_H
-#define RENDER_PICTURE_BYTES_H
+#ifndef RENDER_LOOK_PICTURE_BYTES_H
+#define RENDER_LOOK_PICTURE_BYTES_H
 
 #include <stddef.h>
 #include <stdint.h>

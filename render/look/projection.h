@@ -8,8 +8,8 @@
  * Of a grid all planes between cells have their entries. A mesh has planes of its own for every
  * box; theirs are products of `axis` and the distance from the eye.
  */
-#ifndef RENDER_PROJECTION_H
-#define RENDER_PROJECTION_H
+#ifndef RENDER_LOOK_PROJECTION_H
+#define RENDER_LOOK_PROJECTION_H
 
 #include "formats/base/mem.h"
 #include "formats/leaf/leaf.h"

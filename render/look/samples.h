@@ -10,8 +10,8 @@
  * mean is of linear, premultiplied colours, summed in the order i + n j in single precision; N is a
  * power of two, so the division is exact. So nothing depends on threads, kernels or memory.
  */
-#ifndef RENDER_SAMPLES_H
-#define RENDER_SAMPLES_H
+#ifndef RENDER_LOOK_SAMPLES_H
+#define RENDER_LOOK_SAMPLES_H
 
 #include <stdbool.h>
 

@@ -1,8 +1,8 @@
 /* transfer.h - a transfer function as rays want it: cut into spans of the value, in each of which
  * colour and extinction are linear.
  */
-#ifndef RENDER_TRANSFER_H
-#define RENDER_TRANSFER_H
+#ifndef RENDER_LOOK_TRANSFER_H
+#define RENDER_LOOK_TRANSFER_H
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"

@@ -58,19 +58,4 @@ static void medium_batch_scalar(medium_batch *m, const segment_columns *pieces) 
         medium_batch_single(m, pieces, i);
 }
 
-#if defined __x86_64__ || defined __i386__
-void medium_batch_sse42(medium_batch *m, const segment_columns *pieces);
-void medium_batch_avx2(medium_batch *m, const segment_columns *pieces);
-void medium_batch_avx512(medium_batch *m, const segment_columns *pieces);
-#endif
-
-medium_batch_fn medium_batch_for(cpu_isa isa) {
-    switch (isa) {
-#if defined __x86_64__ || defined __i386__
-    case CPU_AVX512: return medium_batch_avx512;
-    case CPU_AVX2: return medium_batch_avx2;
-    case CPU_SSE42: return medium_batch_sse42;
-#endif
-    default: return medium_batch_scalar;
-    }
-}
+CPU_KERNELS(medium_batch_fn, medium_batch_kernels, medium_batch_scalar, medium_batch);

@@ -4,8 +4,8 @@
  * come from one template (medium_batch_template.h); the scalar one asks that function, and is the
  * truth.
  */
-#ifndef RENDER_MEDIUM_BATCH_H
-#define RENDER_MEDIUM_BATCH_H
+#ifndef RENDER_MEDIUM_MEDIUM_BATCH_H
+#define RENDER_MEDIUM_MEDIUM_BATCH_H
 
 #include "formats/base/cpu.h"
 #include "render/medium/medium_cuts.h"
@@ -32,8 +32,8 @@ typedef struct medium_batch {
 /* Of all pieces in the columns; columns behind the last one may be read, too. */
 typedef void (*medium_batch_fn)(medium_batch *m, const segment_columns *pieces);
 
-/* medium_batch_for() - the version for an ISA that this CPU has (see cpu.h). */
-medium_batch_fn medium_batch_for(cpu_isa isa);
+/* By ISA (cpu.h). */
+extern const medium_batch_fn medium_batch_kernels[CPU_ISAS];
 
 /* medium_batch_put() - what is seen of piece i. */
 void medium_batch_put(medium_batch *m, unsigned i, const medium_stretch *seen);

@@ -6,8 +6,8 @@
  * cuts are found, stretches looked at, and steps made, many at a time. What is left to the scalar
  * code are pieces at a step of the transfer function, or in too many spans.
  */
-#ifndef RENDER_MEDIUM_BATCH_TEMPLATE_H
-#define RENDER_MEDIUM_BATCH_TEMPLATE_H
+#ifndef RENDER_MEDIUM_MEDIUM_BATCH_TEMPLATE_H
+#define RENDER_MEDIUM_MEDIUM_BATCH_TEMPLATE_H
 
 #include "formats/base/simd.h"
 

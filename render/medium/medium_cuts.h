@@ -4,8 +4,8 @@
  * Pieces are added; vectors find their cuts (at[], off[]); medium_cuts_place() makes stretches from
  * those; vectors tell what is seen of each. All by the operations of medium_stretch.c.
  */
-#ifndef RENDER_MEDIUM_CUTS_H
-#define RENDER_MEDIUM_CUTS_H
+#ifndef RENDER_MEDIUM_MEDIUM_CUTS_H
+#define RENDER_MEDIUM_MEDIUM_CUTS_H
 
 #include "render/medium/medium_stretch.h"
 #include "render/ray/segment_batch.h"

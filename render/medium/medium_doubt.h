@@ -33,8 +33,8 @@
  * beside the error of T and of the light of v. Of (1) and (2) the lesser one is taken, for the two
  * numbers each by itself: what comes through and the light.
  */
-#ifndef RENDER_MEDIUM_DOUBT_H
-#define RENDER_MEDIUM_DOUBT_H
+#ifndef RENDER_MEDIUM_MEDIUM_DOUBT_H
+#define RENDER_MEDIUM_MEDIUM_DOUBT_H
 
 #include "render/medium/medium_stretch.h"
 

@@ -386,7 +386,7 @@ static void medium_take(const frame *f, ray_record *const r[], const segment_col
     lit_ray on = {.of = NULL};
     m->transfer = &look->media[filled_from(f, 0)];
     set_rules(look, r, c, m);
-    f->kernels->medium(m, c);
+    medium_batch_kernels[f->isa](m, c);
     if (f->tracer[filled_from(f, 0)].doubts) {
         take_doubted(f, r, c, stop, s);
         return;

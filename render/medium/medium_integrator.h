@@ -11,8 +11,8 @@
  * (medium_doubt.h). Where surfaces are not sure, or several media are at one place, its bound is
  * all that may be seen.
  */
-#ifndef RENDER_MEDIUM_INTEGRATOR_H
-#define RENDER_MEDIUM_INTEGRATOR_H
+#ifndef RENDER_MEDIUM_MEDIUM_INTEGRATOR_H
+#define RENDER_MEDIUM_MEDIUM_INTEGRATOR_H
 
 #include "render/look/transfer.h"
 #include "render/medium/medium_shade.h"

@@ -19,8 +19,8 @@
  * error goes with the length: it is let be where it is `enough` or less, or where values are not
  * known better, and counts.
  */
-#ifndef RENDER_MEDIUM_OVERLAY_H
-#define RENDER_MEDIUM_OVERLAY_H
+#ifndef RENDER_MEDIUM_MEDIUM_OVERLAY_H
+#define RENDER_MEDIUM_MEDIUM_OVERLAY_H
 
 #include "render/medium/medium_stretch.h"
 

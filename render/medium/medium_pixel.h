@@ -1,7 +1,7 @@
 /* medium_pixel.h - how far a pixel of a medium may be off before its background.
  */
-#ifndef RENDER_MEDIUM_PIXEL_H
-#define RENDER_MEDIUM_PIXEL_H
+#ifndef RENDER_MEDIUM_MEDIUM_PIXEL_H
+#define RENDER_MEDIUM_MEDIUM_PIXEL_H
 
 #include "render/medium/medium_stretch.h"
 

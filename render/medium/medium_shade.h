@@ -18,8 +18,8 @@
  * middle and at either end differ are halved until they do not, or too little of the pixel is left
  * of them to matter. Nothing bounds what that is off, so shaded pixels are not certified.
  */
-#ifndef RENDER_MEDIUM_SHADE_H
-#define RENDER_MEDIUM_SHADE_H
+#ifndef RENDER_MEDIUM_MEDIUM_SHADE_H
+#define RENDER_MEDIUM_MEDIUM_SHADE_H
 
 #include "render/medium/medium_overlay.h"
 #include "render/surface/surface_search.h"

@@ -46,8 +46,8 @@
  * polynomial p of degree n with |p| <= e on an interval of length m, and |p| = M somewhere on one
  * of length l around it, has M <= e/2 (4 l / m)^n.
  */
-#ifndef RENDER_MEDIUM_STRETCH_H
-#define RENDER_MEDIUM_STRETCH_H
+#ifndef RENDER_MEDIUM_MEDIUM_STRETCH_H
+#define RENDER_MEDIUM_MEDIUM_STRETCH_H
 
 #include "render/look/transfer.h"
 #include "render/ray/segments.h"

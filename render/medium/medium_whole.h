@@ -27,8 +27,8 @@
  * known of a few ranges alone (homogeneous.h), once for all rays: per_length is that of the longest
  * one. Nine tenths of it are allowed: products of errors are what the rest is for.
  */
-#ifndef RENDER_MEDIUM_WHOLE_H
-#define RENDER_MEDIUM_WHOLE_H
+#ifndef RENDER_MEDIUM_MEDIUM_WHOLE_H
+#define RENDER_MEDIUM_MEDIUM_WHOLE_H
 
 #include "render/medium/medium_batch.h"
 #include "stream/homogeneous.h"

@@ -4,8 +4,8 @@
  * The pieces come one by one, by the truth of each kind (segments.h). Resumable where a treelet is
  * absent in any volume; the same stretches, whatever was resident when.
  */
-#ifndef RENDER_OVERLAY_RAY_H
-#define RENDER_OVERLAY_RAY_H
+#ifndef RENDER_MEDIUM_OVERLAY_RAY_H
+#define RENDER_MEDIUM_OVERLAY_RAY_H
 
 #include "render/frame/frame.h"
 #include "render/ray/segments.h"

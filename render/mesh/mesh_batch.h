@@ -25,7 +25,7 @@
 
 enum { MESH_BEAMS = 32, MESH_BATCH_SCRATCH = 128 << 10 };
 
-/* mesh_batch_for() - NULL where there is none: every ray by itself. */
-batch_fn mesh_batch_for(cpu_isa isa);
+/* By ISA; scalar, NULL: every ray by itself. */
+extern const batch_fn mesh_batch_kernels[CPU_ISAS];
 
 #endif

@@ -9,8 +9,7 @@
 
 #include "render/mesh/mesh_batch_tets_template.h"
 
-void SIMD_NAME(mesh_batch)(const tracer *tr, const struct kernels *k, ray_batch *b, void *scratch,
-                           ray_counters *counters);
+void SIMD_NAME(mesh_batch)(const tracer *tr, ray_batch *b, void *scratch, ray_counters *counters);
 
 /* What is still to be visited; in a treelet: the child. */
 typedef struct batch_pending {
@@ -445,12 +444,10 @@ static bool goes_alone(const beam_frame *f, const ray *r, const trace_state *s) 
     return !near || !(largest >= 0x1p-200);
 }
 
-void SIMD_NAME(mesh_batch)(const tracer *tr, const struct kernels *k, ray_batch *b, void *scratch,
-                           ray_counters *counters) {
+void SIMD_NAME(mesh_batch)(const tracer *tr, ray_batch *b, void *scratch, ray_counters *counters) {
     const treelet_tree *tree = mesh_rays_of(tr)->tree;
     mesh_batch *w = scratch;
     unsigned octants = 0;
-    (void)k;
     w->tr = tr;
     w->b = b;
     w->counters = counters;

@@ -7,18 +7,24 @@
 #include "formats/base/box3.h"
 #include "formats/base/exact.h"
 #include "formats/base/vec3.h"
-#include "render/door/leafcast_device.h"
-#include "render/door/leafcast_scene.h"
+#include "render/look/camera.h"
+#include "render/look/scene_facts.h"
 #include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_batch.h"
 #include "render/mesh/mesh_extreme.h"
 #include "render/mesh/mesh_faces.h"
 #include "render/mesh/mesh_gradient.h"
+#include "render/mesh/mesh_packet.h"
 #include "render/mesh/mesh_projection.h"
 #include "render/mesh/mesh_segments.h"
 #include "render/mesh/mesh_tile.h"
 #include "render/mesh/mesh_tracer.h"
 #include "render/mesh/mesh_walk.h"
+#include "render/ray/open_volume.h"
+
+CPU_KERNELS(tile_fn, mesh_tile_kernels, NULL, mesh_tile);
+CPU_KERNELS(tile_fn, mesh_packet_kernels, NULL, mesh_packet);
+CPU_KERNELS(batch_fn, mesh_batch_kernels, NULL, mesh_batch);
 
 /* ---- An open volume ---- */
 
@@ -28,8 +34,7 @@ static status mesh_open(leafcast *v) {
     v->own = mem_zalloc(v->m, sizeof(mesh_rays));
     if (!v->own || side == 0)
         return v->own ? ST_OK : ST_NOMEM;
-    v->kernels.mesh_tile = v->kernels.mesh_packet;
-    v->kernels.packet = (uint8_t)side;
+    v->kernels.tile = mesh_packet_kernels[v->kernels.isa];
     return ST_OK;
 }
 
@@ -57,11 +62,10 @@ static mesh_schema schema_of(const leafcast *v) {
 
 /* Readers refit trees, too: then as many as there are threads. */
 static void mesh_loading(const leafcast *v, loader_options *o) {
-    const int threads = pool_threads(v->device->threads);
     o->schema = schema_of(v);
     o->derived = derived_of(v);
-    if (v->file->header.steps > 1 && o->schema == MESH_REFIT && threads > o->workers)
-        o->workers = threads;
+    if (v->file->header.steps > 1 && o->schema == MESH_REFIT && v->threads > o->workers)
+        o->workers = v->threads;
 }
 
 static void mesh_close(leafcast *v) {
@@ -124,7 +128,7 @@ static status mesh_check(const leafcast *v, const leafcast_scene *scene) {
 static void mesh_aim(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
     mesh_rays *own = v->own;
     (void)c;
-    *own = (mesh_rays){v->treelets->tree, scene->smooth_normals};
+    *own = (mesh_rays){v->treelets->tree, scene->smooth_normals, (unsigned)v->experiments.packets};
     tr->own = own;
     tr->boxed = tr->preview;
     box3_of_floats(v->file->header.bounds, tr->box);
@@ -138,14 +142,6 @@ static status mesh_project(leafcast *v, const camera *c, projection *out) {
 static size_t mesh_projection_bytes(const leaf_layout *layout) {
     (void)layout;
     return 0;
-}
-
-static tile_fn mesh_tile(const kernels *k) {
-    return k->mesh_tile;
-}
-
-static batch_fn mesh_batch(const kernels *k) {
-    return k->mesh_batch;
 }
 
 /* ---- The order of treelets ---- */
@@ -332,12 +328,12 @@ const kind mesh_kind = {.name = "mesh",
                         .projection_bytes = mesh_projection_bytes,
                         .tile_side = MESH_TILE,
                         .tile_scratch = MESH_TILE_SCRATCH,
-                        .tile = mesh_tile,
+                        .tile = mesh_tile_kernels,
                         .rank = mesh_rank,
                         .next = mesh_tracer_next,
                         .surface = mesh_tracer_surface,
                         .batch_scratch = MESH_BATCH_SCRATCH,
-                        .batch = mesh_batch,
+                        .batch = mesh_batch_kernels,
                         .segments = mesh_segments,
                         .segments_error = mesh_segments_error,
                         .gradient = mesh_gradient,

@@ -23,8 +23,7 @@
 
 #include "render/frame/tile.h"
 
-/* mesh_packet_for() - packets of f->kernels->packet rays on a side: 2, 4, 8 or
- * 16. NULL where there is none: every ray by itself. */
-tile_fn mesh_packet_for(cpu_isa isa);
+/* By ISA; scalar, NULL: every ray by itself. Of mesh_rays.packet rays on a side: 2, 4, 8 or 16. */
+extern const tile_fn mesh_packet_kernels[CPU_ISAS];
 
 #endif

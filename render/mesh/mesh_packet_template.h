@@ -7,17 +7,19 @@
 
 #ifdef SIMD_NAME
 
-#include "render/kernels.h"
 #include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_box_template.h"
 #include "render/mesh/mesh_packet.h"
 #include "render/mesh/mesh_shade_template.h"
 #include "render/mesh/mesh_tracer.h"
 #include "render/mesh/packet_frustum.h"
+#include "render/mesh/tet_batch.h"
 #include "render/tile/tile_rects_template.h"
 
 void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                             tile_outcome *out, ray_counters *counters);
+void SIMD_NAME(tet_batch)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
+                          tet_rays *rays, int first, int end);
 
 /* A box with its planes as seen from the eye is `packet_box`; what is still to be visited: */
 typedef struct packet_pending {
@@ -209,7 +211,7 @@ static void packet_tet(packet *w, const resident_mesh *at, uint32_t local, int f
             continue;
         if (view == PACKET_DIFFERS)
             w->counters->polygon_tests += (uint64_t)(end - first);
-        f->kernels->tets(g, at->first_tet + local, i, known_by(view), &w->rays, first, end);
+        SIMD_NAME(tet_batch)(g, at->first_tet + local, i, known_by(view), &w->rays, first, end);
         w->lowered = true;
     }
 }
@@ -449,7 +451,7 @@ void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile
     tile_state_begin(&w->s, f, &mesh_order, PACKET_LAYERS, x0, y0, asked, out, counters);
     tile_state_rays(&w->s);
     w->counters = counters;
-    w->side = f->kernels->packet;
+    w->side = mesh_rays_of(f->tracer)->packet;
     w->count = (int)(w->side * w->side);
     w->rays.one_origin = true;
     for (int a = 0; a < 3; a++)

@@ -21,7 +21,7 @@
 /* Pixels on a side: render/README.md says why. What a tile_fn needs beside its outcome. */
 enum { MESH_TILE = 32, MESH_TILE_SCRATCH = 768 << 10 };
 
-/* mesh_tile_for() - NULL where there is none: every ray by itself. */
-tile_fn mesh_tile_for(cpu_isa isa);
+/* By ISA; scalar, NULL: every ray by itself. */
+extern const tile_fn mesh_tile_kernels[CPU_ISAS];
 
 #endif

@@ -16,6 +16,7 @@
 typedef struct mesh_rays {
     const treelet_tree *tree; /* over its treelets */
     bool smooth;              /* normals by the gradients at vertices, which its treelets have */
+    unsigned packet;          /* rays on a side of those of mesh_packet.h; 0: tiles instead */
 } mesh_rays;
 
 static inline const mesh_rays *mesh_rays_of(const tracer *tr) {

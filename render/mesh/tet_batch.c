@@ -30,22 +30,4 @@ static void tet_batch_scalar(const isopolygon *g, uint64_t cell, int32_t iso_ind
             (void)tet_batch_one(g, cell, iso_index, rays, i);
 }
 
-#if defined __x86_64__ || defined __i386__
-void tet_batch_sse42(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
-                     tet_rays *rays, int first, int end);
-void tet_batch_avx2(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
-                    tet_rays *rays, int first, int end);
-void tet_batch_avx512(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
-                      tet_rays *rays, int first, int end);
-#endif
-
-tet_batch_fn tet_batch_for(cpu_isa isa) {
-    switch (isa) {
-#if defined __x86_64__ || defined __i386__
-    case CPU_AVX512: return tet_batch_avx512;
-    case CPU_AVX2: return tet_batch_avx2;
-    case CPU_SSE42: return tet_batch_sse42;
-#endif
-    default: return tet_batch_scalar;
-    }
-}
+CPU_KERNELS(tet_batch_fn, tet_batch_kernels, tet_batch_scalar, tet_batch);

@@ -49,8 +49,8 @@ typedef enum tet_known { TET_UNKNOWN, TET_FIRST_IS_HIT, TET_SECOND_IS_HIT } tet_
 typedef void (*tet_batch_fn)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
                              tet_rays *rays, int first, int end);
 
-/* tet_batch_for() - the version for an ISA that this CPU has (see cpu.h). */
-tet_batch_fn tet_batch_for(cpu_isa isa);
+/* By ISA (cpu.h). */
+extern const tet_batch_fn tet_batch_kernels[CPU_ISAS];
 
 /* tet_batch_offer() - for the versions: a hit that this ray has. True: the first of its so far. */
 static inline bool tet_batch_offer(tet_rays *rays, int lane, const hit *h) {

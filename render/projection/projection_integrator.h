@@ -16,8 +16,8 @@
  * Of several volumes: the greatest and the least value, and the first place, of any of them; the
  * mean over the sum of the ways through them.
  */
-#ifndef RENDER_PROJECTION_INTEGRATOR_H
-#define RENDER_PROJECTION_INTEGRATOR_H
+#ifndef RENDER_PROJECTION_PROJECTION_INTEGRATOR_H
+#define RENDER_PROJECTION_PROJECTION_INTEGRATOR_H
 
 #include "render/frame/integrator.h"
 #include "render/look/transfer.h"

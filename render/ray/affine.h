@@ -1,6 +1,6 @@
 /* affine.h - grid space to world space and back; rows are (M | origin) as in a grid's to_world. */
-#ifndef RENDER_AFFINE_H
-#define RENDER_AFFINE_H
+#ifndef RENDER_RAY_AFFINE_H
+#define RENDER_RAY_AFFINE_H
 
 typedef struct affine {
     double to_world[3][4];

@@ -1,8 +1,8 @@
 /* counters.h - what rays cost, counted by each thread for itself: one table, from which the struct,
  * its sum, the public statistics and their JSON are made.
  */
-#ifndef RENDER_COUNTERS_H
-#define RENDER_COUNTERS_H
+#ifndef RENDER_RAY_COUNTERS_H
+#define RENDER_RAY_COUNTERS_H
 
 #include <math.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* cubic.h - what the cell kernel and those who look at pieces of rays ask of a cubic. */
-#ifndef RENDER_CUBIC_H
-#define RENDER_CUBIC_H
+#ifndef RENDER_RAY_CUBIC_H
+#define RENDER_RAY_CUBIC_H
 
 #include <math.h>
 #include <stdbool.h>

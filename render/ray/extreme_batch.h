@@ -4,8 +4,8 @@
  * Each ray has the value and the place that it would have alone, to the bit, and wants no treelet
  * that it would not want alone.
  */
-#ifndef RENDER_EXTREME_BATCH_H
-#define RENDER_EXTREME_BATCH_H
+#ifndef RENDER_RAY_EXTREME_BATCH_H
+#define RENDER_RAY_EXTREME_BATCH_H
 
 #include "render/ray/extremes.h"
 #include "render/ray/ray_batch.h"
@@ -24,8 +24,7 @@ typedef void (*extreme_batch_fn)(const tracer *tr, extreme_batch *b, void *scrat
 
 /* extreme_batch_next() - extreme_next() for all rays: by the kind's kernel, or ray by ray where it
  * has none. */
-void extreme_batch_next(const tracer *tr, const struct kernels *k, extreme_batch *b, void *scratch,
-                        ray_counters *counters);
+void extreme_batch_next(const tracer *tr, extreme_batch *b, void *scratch, ray_counters *counters);
 
 /* extreme_batch_single() - the same for ray i alone. */
 void extreme_batch_single(const tracer *tr, extreme_batch *b, unsigned i, ray_counters *counters);

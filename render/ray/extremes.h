@@ -15,8 +15,8 @@
  * A ray that meets an absent treelet suspends with what it has found and the treelet's place in the
  * order. What comes before that place has been seen, or did not matter.
  */
-#ifndef RENDER_EXTREMES_H
-#define RENDER_EXTREMES_H
+#ifndef RENDER_RAY_EXTREMES_H
+#define RENDER_RAY_EXTREMES_H
 
 #include "render/ray/tracer.h"
 

@@ -1,8 +1,8 @@
 /* isovalue_list.h - the isosurfaces that rays look for, in the caller's order: a hit's `iso` counts
  * from 0 here. What a volume is asked for because of them is an interest (stream/interest.h).
  */
-#ifndef RENDER_ISOVALUE_LIST_H
-#define RENDER_ISOVALUE_LIST_H
+#ifndef RENDER_RAY_ISOVALUE_LIST_H
+#define RENDER_RAY_ISOVALUE_LIST_H
 
 enum { ISOVALUES_MAX = 32 };
 

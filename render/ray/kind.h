@@ -4,18 +4,16 @@
  * files (render/grid, render/mesh; likewise in stream/ and formats/) know more of it. Adding one
  * adds such files, a number in formats/leaf/leaf.h and a row to three tables: CONTRIBUTING.md.
  */
-#ifndef RENDER_KIND_H
-#define RENDER_KIND_H
+#ifndef RENDER_RAY_KIND_H
+#define RENDER_RAY_KIND_H
 
-#include "render/door/leafcast_volume.h"
-#include "render/frame/frame.h"
-#include "render/frame/tile.h"
-#include "render/kernels.h"
-#include "render/ray/extreme_batch.h"
 #include "render/ray/extremes.h"
-#include "render/ray/ray_batch.h"
 #include "render/ray/ray_bundle.h"
-#include "render/ray/segment_batch.h"
+#include "render/ray/ray_kernels.h"
+#include "render/leafcast.h"
+
+struct camera;
+struct projection;
 
 typedef struct kind {
     const char *name; /* leafcast_info.kind */
@@ -43,14 +41,15 @@ typedef struct kind {
     /* What the scene asks of this kind in vain: ST_USAGE. */
     status (*check)(const leafcast *v, const leafcast_scene *scene);
     /* The tracer's box, its kind's part and its levels of detail. c: see volume_tracer(). */
-    void (*aim)(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr);
+    void (*aim)(leafcast *v, const leafcast_scene *scene, const struct camera *c, tracer *tr);
     /* Tiles of primary rays: pixels on a side, 1 to TILE_MAX, also where rays go one by one; bytes
-     * that one needs; the kernel, NULL: none. Where there are none, the three may be NULL. */
+     * that one needs; the kernels, CPU_ISAS of them. Where there are none, all may be NULL, like
+     * project(). */
     uint32_t tile_side;
     size_t tile_scratch;
-    tile_fn (*tile)(const kernels *k);
+    const tile_fn *tile;
     /* The camera's; not usable where tiles are not possible. Memory that it takes. */
-    status (*project)(leafcast *v, const camera *c, projection *out);
+    status (*project)(leafcast *v, const struct camera *c, struct projection *out);
     size_t (*projection_bytes)(const leaf_layout *layout);
 
     /* ---- The order of treelets ---- */
@@ -64,10 +63,10 @@ typedef struct kind {
     trace_result (*next)(const tracer *tr, const ray *r, trace_state *state,
                          ray_counters *counters);
     surface_point (*surface)(const tracer *tr, const treelet *at, const ray *r, const hit *h);
-    /* Many rays together: bytes that this, and their pieces, need; the kernel, NULL: one by one.
-     * Where there is none, the row may leave both out. */
+    /* Many rays together: bytes that this, and their pieces, need; the kernels, CPU_ISAS of them.
+     * Where there are none, the row may leave both out. */
     size_t batch_scratch;
-    batch_fn (*batch)(const kernels *k);
+    const batch_fn *batch;
 
     /* The pieces of a ray: what segments_next() is made of. state->first = state->sure = 0, so that
      * ahead[0 .. count) were found before. Result SEGMENTS_SOME: state->sure of them come next.
@@ -75,9 +74,9 @@ typedef struct kind {
     segments_result (*segments)(const tracer *tr, const ray *r, segments_state *state,
                                 ray_counters *counters);
 
-    /* Those of many rays together: the kernel, NULL: ray by ray. Its scratch is that of batches.
-     * The row may leave it out. */
-    segment_batch_fn (*segment_batch)(const kernels *k);
+    /* Those of many rays together: the kernels, CPU_ISAS of them. Their scratch is that of batches.
+     * The row may leave them out. */
+    const segment_batch_fn *segment_batch;
     /* segments_error_of(). */
     segments_error (*segments_error)(const tracer *tr, const ray *r, const double range[2]);
 
@@ -98,9 +97,9 @@ typedef struct kind {
     /* The same in some cells about t, whatever is in the others; NULL: none. */
     void (*extreme_near)(const tracer *tr, const treelet *at, const ray *r, double t,
                          extreme_state *s, ray_counters *counters);
-    /* Those of many rays together: the kernel, NULL: ray by ray. Its scratch is that of batches.
-     * The row may leave it out. */
-    extreme_batch_fn (*extreme_batch)(const kernels *k);
+    /* Those of many rays together: the kernels, CPU_ISAS of them. Their scratch is that of batches.
+     * The row may leave them out. */
+    const extreme_batch_fn *extreme_batch;
 
     /* ---- A cell ---- */
 

@@ -3,8 +3,8 @@
  * Counted by the kernels of `leafcast bench lanes` alone, which are units of their own that define
  * LANE_COUNTS before they include the templates. Everywhere else LANE_COUNT() is nothing at all.
  */
-#ifndef RENDER_LANE_COUNTS_H
-#define RENDER_LANE_COUNTS_H
+#ifndef RENDER_RAY_LANE_COUNTS_H
+#define RENDER_RAY_LANE_COUNTS_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -5,8 +5,8 @@
  * Hits along a ray are ordered by (t, cell, iso), and a ray resumes strictly behind such a triple,
  * never behind t + epsilon.
  */
-#ifndef RENDER_RAY_H
-#define RENDER_RAY_H
+#ifndef RENDER_RAY_RAY_H
+#define RENDER_RAY_RAY_H
 
 #include <math.h>
 #include <stdbool.h>

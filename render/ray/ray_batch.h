@@ -5,12 +5,10 @@
  * bit, that of tracer_next() alone, whatever the others are; only the time is the batch's. One that
  * looks for any hit may find one where alone it would wait for a treelet.
  */
-#ifndef RENDER_RAY_BATCH_H
-#define RENDER_RAY_BATCH_H
+#ifndef RENDER_RAY_RAY_BATCH_H
+#define RENDER_RAY_RAY_BATCH_H
 
 #include "render/ray/tracer.h"
-
-struct kernels;
 
 /* Rays of a batch, at most. */
 enum { RAY_BATCH = 256 };
@@ -27,13 +25,11 @@ typedef struct ray_batch {
 
 /* batch_fn - a kind's kernel: all rays of *b. scratch: kind.batch_scratch bytes of the caller's,
  * 64-byte aligned, whatever is in them. */
-typedef void (*batch_fn)(const tracer *tr, const struct kernels *k, ray_batch *b, void *scratch,
-                         ray_counters *counters);
+typedef void (*batch_fn)(const tracer *tr, ray_batch *b, void *scratch, ray_counters *counters);
 
 /* ray_batch_next() - tracer_next() for all rays of *b: by the kind's kernel, or one by one where it
  * has none. */
-void ray_batch_next(const tracer *tr, const struct kernels *k, ray_batch *b, void *scratch,
-                    ray_counters *counters);
+void ray_batch_next(const tracer *tr, ray_batch *b, void *scratch, ray_counters *counters);
 
 /* ray_batch_single() - the same for ray i alone, which the others are not to wait for. */
 static inline void ray_batch_single(const tracer *tr, ray_batch *b, unsigned i,

@@ -26,8 +26,8 @@
  *   beams     beams_through(), boxes_in(): intervals of origins and of directions, in floats of a
  *             mesh's own frame; what that takes stands in mesh_beams_template.h
  */
-#ifndef RENDER_RAY_BOX_H
-#define RENDER_RAY_BOX_H
+#ifndef RENDER_RAY_RAY_BOX_H
+#define RENDER_RAY_RAY_BOX_H
 
 /* ray_box_slab() - cut [t0, t1] to where o + t d lies in [lo, hi] of one axis; d is not 0. */
 static inline void ray_box_slab(double lo, double hi, double o, double d, double *t0, double *t1) {

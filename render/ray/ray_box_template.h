@@ -1,7 +1,7 @@
 /* ray_box_template.h - ray_box.h for vectors of rays; included by the units of an ISA (see
  * formats/base/simd.h). */
-#ifndef RENDER_RAY_BOX_TEMPLATE_H
-#define RENDER_RAY_BOX_TEMPLATE_H
+#ifndef RENDER_RAY_RAY_BOX_TEMPLATE_H
+#define RENDER_RAY_RAY_BOX_TEMPLATE_H
 
 #include "formats/base/simd.h"
 

@@ -3,8 +3,8 @@
  * Each leg of a ray's way belongs to a bundle. Treelets are asked for in its order, so that with
  * few of them resident at a time nearly every one is still read once.
  */
-#ifndef RENDER_RAY_BUNDLE_H
-#define RENDER_RAY_BUNDLE_H
+#ifndef RENDER_RAY_RAY_BUNDLE_H
+#define RENDER_RAY_RAY_BUNDLE_H
 
 typedef struct ray_bundle {
     enum { RAYS_FROM, RAYS_TOWARDS, RAYS_ALONG } way;

@@ -1,6 +1,6 @@
 #include "render/ray/segment_batch.h"
 
-#include "render/ray/kind.h"
+#include "render/ray/ray_kernels.h"
 
 enum { AHEAD = 64 }; /* pieces: more saves time */
 
@@ -20,9 +20,8 @@ void segment_batch_single(const tracer *tr, segment_batch *b, unsigned i, ray_co
     b->result[i] = result == SEGMENTS_BLOCKED ? SEGMENTS_BLOCKED : SEGMENTS_END;
 }
 
-void segment_batch_walk(const tracer *tr, const struct kernels *k, segment_batch *b, void *scratch,
-                        ray_counters *counters) {
-    const segment_batch_fn walk = tr->kind->segment_batch ? tr->kind->segment_batch(k) : NULL;
+void segment_batch_walk(const tracer *tr, segment_batch *b, void *scratch, ray_counters *counters) {
+    const segment_batch_fn walk = tr->kernels->segment_batch;
     b->columns.count = 0;
     for (unsigned i = 0; i < b->count; i++)
         b->stop[i] = false;

@@ -4,8 +4,8 @@
  * Each ray has the pieces that it would have alone, to the bit and in its order; those of different
  * rays come mixed.
  */
-#ifndef RENDER_SEGMENT_BATCH_H
-#define RENDER_SEGMENT_BATCH_H
+#ifndef RENDER_RAY_SEGMENT_BATCH_H
+#define RENDER_RAY_SEGMENT_BATCH_H
 
 #include "render/ray/ray_batch.h"
 #include "render/ray/segments.h"
@@ -45,8 +45,7 @@ typedef void (*segment_batch_fn)(const tracer *tr, segment_batch *b, void *scrat
 
 /* segment_batch_walk() - all pieces of all rays, until each has no more, wants no more or is
  * blocked: by the kind's kernel, or ray by ray where it has none. */
-void segment_batch_walk(const tracer *tr, const struct kernels *k, segment_batch *b, void *scratch,
-                        ray_counters *counters);
+void segment_batch_walk(const tracer *tr, segment_batch *b, void *scratch, ray_counters *counters);
 
 /* ---- For kinds ---- */
 

@@ -37,8 +37,8 @@
  * adjoin, bit for bit. The sum of lengths. The same bits with one resident treelet, with room for
  * one piece, and with everything.
  */
-#ifndef RENDER_SEGMENTS_H
-#define RENDER_SEGMENTS_H
+#ifndef RENDER_RAY_SEGMENTS_H
+#define RENDER_RAY_SEGMENTS_H
 
 #include "render/ray/tracer.h"
 

@@ -3,8 +3,8 @@
  *
  * Computed while the treelet of the hit is at hand; a suspended ray carries it along.
  */
-#ifndef RENDER_SURFACE_POINT_H
-#define RENDER_SURFACE_POINT_H
+#ifndef RENDER_RAY_SURFACE_POINT_H
+#define RENDER_RAY_SURFACE_POINT_H
 
 typedef struct surface_point {
     double gradient[3]; /* of the cell's own interpolant, world space: decides sides and bounds,

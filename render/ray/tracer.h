@@ -6,8 +6,8 @@
  * volume's treelets are ordered, and what is in them, is its kind's affair: grid/grid_tracer.h,
  * mesh/mesh_tracer.h.
  */
-#ifndef RENDER_TRACER_H
-#define RENDER_TRACER_H
+#ifndef RENDER_RAY_TRACER_H
+#define RENDER_RAY_TRACER_H
 
 #include <stdatomic.h>
 
@@ -21,7 +21,8 @@
 /* A volume as the rays of a frame see it. */
 typedef struct tracer {
     const struct kind *kind;
-    const void *own; /* the kind's part */
+    const struct ray_kernels *kernels; /* of many rays together (ray_kernels.h) */
+    const void *own;                   /* the kind's part */
     loader *treelets;
     const leaf_layout *layout;
     uint32_t set; /* of values, that is drawn */

@@ -1,6 +1,6 @@
 /* ray_integrator.h - rays of the caller's own: each one's first surface, or whether it has any. */
-#ifndef RENDER_RAY_INTEGRATOR_H
-#define RENDER_RAY_INTEGRATOR_H
+#ifndef RENDER_SURFACE_RAY_INTEGRATOR_H
+#define RENDER_SURFACE_RAY_INTEGRATOR_H
 
 #include "render/frame/integrator.h"
 

@@ -16,8 +16,8 @@
  * Vectors have unit length and point away from the hit. Colours may exceed 1 where lights add up;
  * nothing is clamped here.
  */
-#ifndef RENDER_SHADE_H
-#define RENDER_SHADE_H
+#ifndef RENDER_SURFACE_SHADE_H
+#define RENDER_SURFACE_SHADE_H
 
 #include "render/leafcast.h"
 

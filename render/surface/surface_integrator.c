@@ -61,8 +61,7 @@ static void surface_answer(const frame *f, ray_record *record, trace_result resu
 
 /* A tile's kernel walks one volume. */
 static tile_fn surface_tile(const frame *f) {
-    const kind *k = f->tracer->kind;
-    return f->projection && k->tile ? k->tile(f->kernels) : NULL;
+    return f->projection ? f->tracer->kernels->tile : NULL;
 }
 
 const integrator surface_integrator = {.record_bytes = sizeof(surface_pixel),

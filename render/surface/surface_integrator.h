@@ -1,8 +1,8 @@
 /* surface_integrator.h - isosurfaces, opaque or transparent, with lights and shadows: a ray's way
  * (surface_ray.h), each surface composited behind those before it.
  */
-#ifndef RENDER_SURFACE_INTEGRATOR_H
-#define RENDER_SURFACE_INTEGRATOR_H
+#ifndef RENDER_SURFACE_SURFACE_INTEGRATOR_H
+#define RENDER_SURFACE_SURFACE_INTEGRATOR_H
 
 #include "render/frame/integrator.h"
 

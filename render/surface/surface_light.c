@@ -182,7 +182,7 @@ void lit_batch_trace(const frame *f, lit_batch *b, const leafcast_light *light, 
                      void *scratch, ray_counters *counters) {
     add_rays(f, b, light, rays);
     while (rays->count > 0) {
-        ray_batch_next(f->tracer, f->kernels, rays, scratch, counters);
+        ray_batch_next(f->tracer, rays, scratch, counters);
         keep_going(f, b, rays);
     }
 }

@@ -4,8 +4,8 @@
  * light. Roots within the error of the surface's own are the surface itself (DESIGN 5.7). What
  * arrives is what the surfaces on the way let through, one after the other.
  */
-#ifndef RENDER_SURFACE_LIGHT_H
-#define RENDER_SURFACE_LIGHT_H
+#ifndef RENDER_SURFACE_SURFACE_LIGHT_H
+#define RENDER_SURFACE_SURFACE_LIGHT_H
 
 #include "render/ray/ray_batch.h"
 #include "render/surface/shade.h"

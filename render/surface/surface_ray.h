@@ -3,8 +3,8 @@
  * and the current hit whenever the state is taken up. Integrators that draw surfaces have it in
  * their records.
  */
-#ifndef RENDER_SURFACE_RAY_H
-#define RENDER_SURFACE_RAY_H
+#ifndef RENDER_SURFACE_SURFACE_RAY_H
+#define RENDER_SURFACE_SURFACE_RAY_H
 
 #include "render/surface/surface_integrator.h"
 #include "render/surface/surface_search.h"

@@ -3,8 +3,8 @@
  * Volumes are searched one after the other; what has been found in those before bounds the search.
  * Surfaces are ordered by (t, volume), then as their kind orders hits.
  */
-#ifndef RENDER_SURFACE_SEARCH_H
-#define RENDER_SURFACE_SEARCH_H
+#ifndef RENDER_SURFACE_SURFACE_SEARCH_H
+#define RENDER_SURFACE_SURFACE_SEARCH_H
 
 #include "render/frame/integrator.h"
 

@@ -1,8 +1,8 @@
 /* tile_rays_template.h - the rays of a tile; included by the units of an ISA (see
  * formats/base/simd.h), which say how many pixels TILE has on a side, and whether windows look at
  * its rays: TILE_WINDOWS. */
-#ifndef RENDER_TILE_RAYS_TEMPLATE_H
-#define RENDER_TILE_RAYS_TEMPLATE_H
+#ifndef RENDER_TILE_TILE_RAYS_TEMPLATE_H
+#define RENDER_TILE_TILE_RAYS_TEMPLATE_H
 
 #include "formats/base/simd.h"
 

@@ -1,7 +1,7 @@
 /* tile_rects_template.h - which pixels of a tile the eight children of a node can cover; included
  * by the units of an ISA (see formats/base/simd.h). */
-#ifndef RENDER_TILE_RECTS_TEMPLATE_H
-#define RENDER_TILE_RECTS_TEMPLATE_H
+#ifndef RENDER_TILE_TILE_RECTS_TEMPLATE_H
+#define RENDER_TILE_TILE_RECTS_TEMPLATE_H
 
 #include "formats/base/simd.h"
 

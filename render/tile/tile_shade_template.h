@@ -4,8 +4,8 @@
  * surface_at(), shade.h and surface_light.h in the same order of operations, many pixels at a time:
  * layer by layer, each composited behind those in front of it.
  */
-#ifndef RENDER_TILE_SHADE_TEMPLATE_H
-#define RENDER_TILE_SHADE_TEMPLATE_H
+#ifndef RENDER_TILE_TILE_SHADE_TEMPLATE_H
+#define RENDER_TILE_TILE_SHADE_TEMPLATE_H
 
 #include "formats/base/simd.h"
 

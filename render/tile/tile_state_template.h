@@ -6,8 +6,8 @@
  * last surface counts; what is found then looks no farther than that. Rays that are full for want
  * of room alone take another walk behind what they have (tile_state_again()).
  */
-#ifndef RENDER_TILE_STATE_TEMPLATE_H
-#define RENDER_TILE_STATE_TEMPLATE_H
+#ifndef RENDER_TILE_TILE_STATE_TEMPLATE_H
+#define RENDER_TILE_TILE_STATE_TEMPLATE_H
 
 #include "formats/base/simd.h"
 

@@ -6,6 +6,8 @@
 #include "formats/base/box3.h"
 #include "formats/base/vec3.h"
 #include "render/door/leafcast_scene.h"
+#include "render/frame/tile.h"
+#include "render/ray/open_volume.h"
 #include "tests/spheres/spheres_resident.h"
 
 /* ---- An open volume ---- */

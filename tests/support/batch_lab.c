@@ -32,7 +32,7 @@ unsigned batch_lab_unlike(const batch_lab *b, double iso, leafcast_intersector h
     unsigned unlike = 0;
     for (int isa = CPU_SCALAR; isa <= (int)cpu_best(); isa++) {
         cell_batch_hits hits = {.found = 0};
-        cell_batch_for((cpu_isa)isa)(&b->lanes, CELL_BATCH, &iso, 1, how, &hits);
+        cell_batch_kernels[(cpu_isa)isa](&b->lanes, CELL_BATCH, &iso, 1, how, &hits);
         const bool found = hits.found >> b->next & 1u, entering = hits.entering >> b->next & 1u;
         bool alike = found == (first != NULL);
         if (found && first)

@@ -5,7 +5,6 @@
 #include "render/ray/ray_batch.h"
 
 /* grid_batch_trace_wide() - as every batch_fn of a grid. */
-void grid_batch_trace_wide(const tracer *tr, const struct kernels *k, ray_batch *b, void *scratch,
-                           ray_counters *counters);
+void grid_batch_trace_wide(const tracer *tr, ray_batch *b, void *scratch, ray_counters *counters);
 
 #endif

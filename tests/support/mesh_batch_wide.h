@@ -5,7 +5,6 @@
 #include "render/mesh/mesh_batch.h"
 
 /* mesh_batch_wide() - as every batch_fn. */
-void mesh_batch_wide(const tracer *tr, const struct kernels *k, ray_batch *b, void *scratch,
-                     ray_counters *counters);
+void mesh_batch_wide(const tracer *tr, ray_batch *b, void *scratch, ray_counters *counters);
 
 #endif

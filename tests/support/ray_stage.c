@@ -13,20 +13,18 @@
 #include "tests/support/grid_pieces_wide.h"
 #include "tests/support/interests.h"
 
-static void add_kernels(ray_stage *s, const char *name) {
-    if (kernels_for(name, &s->with[s->kernel_count]))
-        s->kernel_count++;
-}
-
 void ray_stage_open(ray_stage *s, const char *path, uint64_t seed) {
     *s = (ray_stage){.random = {seed}};
     s->v = fixture_open(path, NULL);
     s->info = leafcast_describe(s->v);
     for (int isa = 0; isa <= (int)cpu_best(); isa++)
-        add_kernels(s, cpu_isa_name((cpu_isa)isa));
-    add_kernels(s, "scalar");
-    s->with[s->kernel_count - 1].grid_pieces = grid_pieces_wide;
-    s->with[s->kernel_count - 1].grid_peaks = grid_peaks_wide;
+        s->with[s->kernel_count++] = ray_kernels_of(s->v->kind, (cpu_isa)isa);
+    s->with[s->kernel_count] = s->with[0];
+    if (s->info.tets == 0) {
+        s->with[s->kernel_count].segment_batch = grid_pieces_wide;
+        s->with[s->kernel_count].extreme_batch = grid_peaks_wide;
+    }
+    s->kernel_count++;
     s->scratch = aligned_alloc(64, (s->v->kind->batch_scratch + 127) / 64 * 64);
     assert_non_null(s->scratch);
 }

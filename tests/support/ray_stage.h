@@ -4,6 +4,7 @@
 #ifndef TESTS_SUPPORT_RAY_STAGE_H
 #define TESTS_SUPPORT_RAY_STAGE_H
 
+#include "render/door/leafcast_volume.h"
 #include "render/ray/kind.h"
 #include "tests/support/fixture.h"
 #include "tests/support/lab_leaf.h"
@@ -14,7 +15,7 @@ typedef struct ray_stage {
     leafcast_info info;
     ref_volume world;    /* a grid; */
     const lab_mesh *lab; /* or a mesh */
-    kernels with[8];
+    ray_kernels with[8];
     int kernel_count;
     void *scratch;
     field_random random;

@@ -1,14 +1,8 @@
-/* experiment.h - hooks into an open volume for benchmarks and experiments; not installed, not part
- * of the public interface. */
-#ifndef RENDER_EXPERIMENT_H
-#define RENDER_EXPERIMENT_H
+/* experiment_filter.h - E2: a float filter in front of the cell kernel. */
+#ifndef RENDER_BENCH_EXPERIMENT_FILTER_H
+#define RENDER_BENCH_EXPERIMENT_FILTER_H
 
-#include "render/grid/cell_kernel.h"
 #include "render/leafcast.h"
-
-/* experiment_intersect() - draw with this cell intersector instead of the scene's; NULL: with the
- * scene's again. */
-void experiment_intersect(leafcast *volume, intersect_fn intersect);
 
 /* E2: the cell kernel in double throughout, against a float filter with a proven bound in front of
  * it. */

@@ -1,0 +1,51 @@
+/* open_volume.h - what an open volume is made of: for kinds, and for the files that implement
+ * leafcast.h. */
+#ifndef RENDER_RAY_OPEN_VOLUME_H
+#define RENDER_RAY_OPEN_VOLUME_H
+
+#include "formats/base/world_frame.h"
+#include "render/leafcast.h"
+#include "render/leafcast_experimental.h"
+#include "render/ray/affine.h"
+#include "render/ray/ray_kernels.h"
+#include "stream/loader.h"
+
+struct leafcast {
+    leafcast_device *device;
+    leafcast *next;           /* on it */
+    mem *m;                   /* its budget */
+    leafcast_options options; /* its experiments: */
+    leafcast_experiments experiments;
+    leaf_file *file;
+    loader *treelets;
+    const struct kind *kind;
+    void *own; /* the kind's part */
+    affine space;
+    world_axes axes; /* of the world that space leads to */
+    ray_kernels kernels;
+    const struct walk_choice *choice; /* of an experiment, or NULL */
+    int threads;                      /* of the device */
+    /* What rays look for now: */
+    double isovalues[LEAFCAST_SURFACES_MAX];
+    int isovalue_count;
+    interest beside;
+    uint32_t set;
+    /* What leafcast_select() and leafcast_select_set() said: */
+    leafcast_surface surfaces[LEAFCAST_SURFACES_MAX];
+    int surface_count;
+    uint32_t field, step;
+    uint32_t preview_levels;
+    int frames;          /* of a coarse grid: under way, in which it is drawn in a mesh's place */
+    leafcast *coarse;    /* a mesh's coarse grid, once a preview wants it; else NULL */
+    uint32_t coarse_set; /* of which set */
+    atomic_uchar *touched;
+    uint8_t *stop;     /* per treelet, for --lod pixel */
+    size_t base_bytes; /* of the budget, before any treelet */
+    double opened_at, open_s, first_image_s;
+};
+
+/* volume_treelet() - treelet t, brought in if need be: what rays have seen may have given way to
+ * others since. */
+CHECKED status volume_treelet(leafcast *v, uint32_t t, const treelet **out);
+
+#endif
