@@ -3,8 +3,12 @@
 #include "prep/series_check.h"
 
 status mesh_series_check(const mesh_series *s) {
-    return series_check(s->paths, false,
+    return series_check(s->paths, s->in_file != NULL,
                         &(leaf_sets){s->fields, s->steps, s->names, s->times, NULL});
+}
+
+static const char *path_of(const mesh_series *s, uint32_t step) {
+    return s->paths[s->in_file ? 0 : step];
 }
 
 /* All fields of a step. */
@@ -23,7 +27,9 @@ static status read_later_step(mem *m, const mesh_series *s, mesh_gather *g, cons
     mesh_report report;
     mesh_input *x = NULL;
     hints.field = s->names ? s->names[0] : *field ? field : NULL;
-    status st = mesh_input_open(m, s->paths[g->step], &hints, &x);
+    if (s->in_file)
+        hints.step = step_list_at(s->in_file, g->step);
+    status st = mesh_input_open(m, path_of(s, g->step), &hints, &x);
     if (st == ST_OK)
         st = read_step(s, g, x, sink, &report);
     mesh_input_close(x);
@@ -37,7 +43,7 @@ status mesh_series_read(mem *m, const mesh_series *s, mesh_input *first, mesh_ga
     mesh_gather_next(g, 0, s->paths[0]);
     status st = read_step(s, g, first, sink, report);
     for (uint32_t step = 1; step < s->steps && st == ST_OK; step++) {
-        mesh_gather_next(g, step, s->paths[step]);
+        mesh_gather_next(g, step, path_of(s, step));
         st = read_later_step(m, s, g, report->field, sink);
     }
     return st;
