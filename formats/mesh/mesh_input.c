@@ -161,6 +161,10 @@ bool mesh_input_names_files(const mesh_input *x) {
     return x->reader->steps != NULL;
 }
 
+const char *mesh_input_file(const mesh_input *x) {
+    return x->reader->file ? x->reader->file(x->state) : x->source.path;
+}
+
 uint32_t mesh_input_steps(const mesh_input *x) {
     const double *times;
     return x->reader->steps ? x->reader->steps(x->state, &times) : 1;

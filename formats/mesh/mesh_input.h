@@ -122,6 +122,9 @@ void mesh_input_fields(const mesh_input *x, mesh_field_taker *take, void *ctx);
  */
 bool mesh_input_names_files(const mesh_input *x);
 
+/* mesh_input_file() - for messages: its file, or of a collection the first one of the step. */
+const char *mesh_input_file(const mesh_input *x);
+
 /* mesh_input_steps() - how many time steps its file has, 1 or more; mesh_input_times() - of each,
  * ascending; NULL: it tells none. */
 uint32_t mesh_input_steps(const mesh_input *x);

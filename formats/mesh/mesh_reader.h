@@ -37,6 +37,7 @@ typedef struct mesh_reader {
     /* mesh_input_steps(), and their times. NULL: there is one, and open() need not look at the
      * hints' step. */
     uint32_t (*steps)(const void *state, const double **times);
+    const char *(*file)(const void *state); /* mesh_input_file(); NULL: the source's */
 } mesh_reader;
 
 #endif

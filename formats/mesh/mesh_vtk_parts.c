@@ -128,8 +128,15 @@ static uint32_t tell_steps(const void *state, const double **times) {
     return g->parts.steps;
 }
 
+static const char *tell_file(const void *state) {
+    const vtk_unstructured *g = state;
+    return g->parts.kind == VTK_PARTS_COLLECTION
+               ? g->parts.items[g->parts.first[g->source->hints.step]].path
+               : g->source->path;
+}
+
 const mesh_reader mesh_vtk_parts_reader = {
-    .format = "VTK files",
+    .format = "VTK mesh in files",
     .known = known,
     .open = open_file,
     .read = vtk_unstructured_read,
@@ -137,4 +144,5 @@ const mesh_reader mesh_vtk_parts_reader = {
     .take = take_fields,
     .fields = vtk_unstructured_fields,
     .steps = tell_steps,
+    .file = tell_file,
 };

@@ -56,6 +56,14 @@ const vtk_array *vtk_unstructured_field(const vtk_unstructured *g, const vtk_pie
     return vtk_fields_find(&p->fields, g->owner, g->taken[k]->name);
 }
 
+/* Which piece of its own file it is, from 1. */
+static size_t number_in_file(const vtk_unstructured *g, size_t i) {
+    size_t number = 1;
+    while (number <= i && g->pieces[i - number].path == g->pieces[i].path)
+        number++;
+    return number;
+}
+
 /* The chosen array, in each piece that has use for one. */
 static status check_pieces(const vtk_unstructured *g, const vtk_array *chosen) {
     for (size_t i = 0; i < g->count; i++) {
@@ -64,7 +72,7 @@ static status check_pieces(const vtk_unstructured *g, const vtk_array *chosen) {
         const vtk_array *field = vtk_fields_find(&p->fields, g->owner, chosen->name);
         if (!field && tuples > 0)
             return status_describe(ST_CORRUPT, "%s: piece %zu has no array \"%s\", unlike others",
-                                   p->path, i + 1, chosen->name);
+                                   p->path, number_in_file(g, i), chosen->name);
         if (!field)
             continue;
         if (!is_numeric(field))

@@ -7,10 +7,6 @@ status mesh_series_check(const mesh_series *s) {
                         &(leaf_sets){s->fields, s->steps, s->names, s->times, NULL});
 }
 
-static const char *path_of(const mesh_series *s, uint32_t step) {
-    return s->paths[s->in_file ? 0 : step];
-}
-
 /* All fields of a step. */
 static status read_step(const mesh_series *s, mesh_gather *g, mesh_input *x, const mesh_sink *sink,
                         mesh_report *report) {
@@ -21,17 +17,19 @@ static status read_step(const mesh_series *s, mesh_gather *g, mesh_input *x, con
 }
 
 /* field: of the first step, where the series has no names; "": it has none. */
-static status read_later_step(mem *m, const mesh_series *s, mesh_gather *g, const char *field,
-                              const mesh_sink *sink) {
+static status read_later_step(mem *m, const mesh_series *s, mesh_gather *g, uint32_t step,
+                              const char *field, const mesh_sink *sink) {
     mesh_hints hints = s->hints;
     mesh_report report;
     mesh_input *x = NULL;
     hints.field = s->names ? s->names[0] : *field ? field : NULL;
     if (s->in_file)
-        hints.step = step_list_at(s->in_file, g->step);
-    status st = mesh_input_open(m, path_of(s, g->step), &hints, &x);
-    if (st == ST_OK)
+        hints.step = step_list_at(s->in_file, step);
+    status st = mesh_input_open(m, s->paths[s->in_file ? 0 : step], &hints, &x);
+    if (st == ST_OK) {
+        mesh_gather_next(g, step, mesh_input_file(x));
         st = read_step(s, g, x, sink, &report);
+    }
     mesh_input_close(x);
     return st;
 }
@@ -40,11 +38,9 @@ status mesh_series_read(mem *m, const mesh_series *s, mesh_input *first, mesh_ga
                         const mesh_sink *sink, mesh_report *report) {
     g->fields = s->fields;
     g->steps = s->steps;
-    mesh_gather_next(g, 0, s->paths[0]);
+    mesh_gather_next(g, 0, mesh_input_file(first));
     status st = read_step(s, g, first, sink, report);
-    for (uint32_t step = 1; step < s->steps && st == ST_OK; step++) {
-        mesh_gather_next(g, step, path_of(s, step));
-        st = read_later_step(m, s, g, report->field, sink);
-    }
+    for (uint32_t step = 1; step < s->steps && st == ST_OK; step++)
+        st = read_later_step(m, s, g, step, report->field, sink);
     return st;
 }
