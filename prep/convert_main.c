@@ -335,10 +335,12 @@ static const cli_verb verb = {
     .inputs_max = LEAF_SETS_MAX,
     .args_doc = "INPUT... -o F.leaf",
     .doc = "Convert a volume or a mesh to a treelet file. INPUT: NRRD, MHD/MHA, VTK grids "
-           "(.vti, .vtr, legacy .vtk; in pieces: .pvti, .pvtr), NIfTI, NumPy "
+           "(.vti, .vtr, straight .vts, legacy .vtk; in pieces: .pvti, .pvtr, .pvts), NIfTI, NumPy "
            "arrays, MRC, FreeSurfer (.mgh, .mgz), PVM, Zarr 2 and OME-Zarr (a folder), raw samples "
            "(dimensions in the file's name, in a JSON beside it, or given); a mesh of tetrahedra: "
-           "TetGen (.node, .ele), VTK (.vtk, .vtu), Gmsh (.msh), a mesh stream; packed by gzip, "
+           "TetGen (.node, .ele), VTK (.vtk, .vtu; in files: .pvtu, .vtm), Gmsh (.msh), a mesh "
+           "stream; "
+           "VTK's collections of either (.pvd), with all their steps; packed by gzip, "
            "bzip2, xz or zstd; or - for any of these on standard input that takes one file and one "
            "pass. OpenVDB, images (a file of several, a folder), DICOM series (a folder), HDF5 and "
            "NetCDF are read by the verbs import-vdb, import-images and so on, if they are there. "

@@ -109,7 +109,8 @@ static void test_refused(void **state) {
     } cases[] = {
         {"PUnstructuredGrid", "", ST_CORRUPT, "names no file"},
         {"PUnstructuredGrid", "<Piece/>", ST_CORRUPT, "line 3: expected the attribute Source"},
-        {"PUnstructuredGrid", "<Piece Source='none.vtu'/>", ST_IO, "none.vtu: No such file"},
+        {"PUnstructuredGrid", "<Piece Source='none.vtu'/>", ST_IO,
+         "none.vtu: cannot open: No such file"},
         {"PUnstructuredGrid", "<Piece Source='l.xml'/>", ST_UNSUPPORTED, "is PUnstructuredGrid"},
         {"PUnstructuredGrid", "<Piece Source='../a.vtu'/>", ST_UNSUPPORTED,
          "outside of its folder"},

@@ -1,15 +1,13 @@
 #include "formats/vtk/vtk_parts.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <unistd.h>
 
+#include "formats/base/file.h"
 #include "formats/base/name_list.h"
-#include "formats/base/text.h"
 #include "formats/input/named_file.h"
 #include "formats/vtk/vtk_xml.h"
 
@@ -70,6 +68,19 @@ bool vtk_parts_are_grids(const uint8_t *start, size_t size) {
 
 /* ---- elements ---- */
 
+/* It is there, and an input from now on, though only another step may be read. */
+static status look_at(const vtk_xml *x, const char *path) {
+    const scan *s = vtk_xml_user(x);
+    file *f = NULL;
+    char why[STATUS_TEXT_MAX];
+    status st = file_open(s->m, path, &f);
+    file_close(f);
+    if (st != ST_IO)
+        return st;
+    snprintf(why, sizeof why, "%s", status_text());
+    return vtk_xml_fault(x, st, "the file that it names: %s", why);
+}
+
 static status add_part(vtk_xml *x, const char *name, double time) {
     scan *s = vtk_xml_user(x);
     vtk_parts *p = s->to;
@@ -81,8 +92,8 @@ static status add_part(vtk_xml *x, const char *name, double time) {
         st = named_file_find(s->m, s->path, name, s->follow_links, &path);
     if (st != ST_OK)
         return st;
-    if (access(path, R_OK) != 0) {
-        st = vtk_xml_fault(x, ST_IO, "the file that it names, %s: %s", path, strerror(errno));
+    st = look_at(x, path);
+    if (st != ST_OK) {
         mem_free(s->m, path);
         return st;
     }

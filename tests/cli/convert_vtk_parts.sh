@@ -64,7 +64,7 @@ list none.pvtu PUnstructuredGrid ''
 refused "no piece" "it names no file" "$tmp/none.pvtu"
 list lost.pvtu PUnstructuredGrid '<Piece Source="a.vtu"/><Piece Source="gone.vtu"/>'
 exits "a piece that is not there" 1 "$leafcast" convert "$tmp/lost.pvtu" -o "$out" --force
-ok "is named, with its place" says "lost.pvtu: line 1: the file that it names, $tmp/gone.vtu: No such file" err
+ok "is named, with its place" says "lost.pvtu: line 1: the file that it names: $tmp/gone.vtu: cannot open: No such file" err
 list circle.pvtu PUnstructuredGrid '<Piece Source="circle.pvtu"/>'
 refused "a file that names itself" "is PUnstructuredGrid" "$tmp/circle.pvtu"
 list odd.pvtu PUnstructuredGrid '<Piece/>'
@@ -118,7 +118,7 @@ ok "parts of one time are one mesh" says "10 points, 4 tets" out
 ok "at both times" says "steps       2" out
 list lost.pvd Collection "$(step 0 0 a.vtu)$(step 1 0 gone.vtu)"
 exits "a step's file that is not there" 1 "$leafcast" convert "$tmp/lost.pvd" -o "$out" --force
-ok "is named before work begins" says "lost.pvd: line 1: the file that it names, $tmp/gone.vtu" err
+ok "is named before work begins" says "lost.pvd: line 1: the file that it names: $tmp/gone.vtu" err
 list odd.pvd Collection "$(step x 0 a.vtu)"
 refused "a time that is no number" 'timestep="x", expected 1 numbers' "$tmp/odd.pvd"
 list odd.pvd Collection "$(step inf 0 a.vtu)"
