@@ -21,6 +21,7 @@
 #include "formats/grid/vtk_grid_legacy.h"
 #include "formats/grid/vtk_grid_parts.h"
 #include "formats/grid/vtk_grid_xml.h"
+#include "formats/grid/xdmf.h"
 #include "formats/grid/zarr.h"
 #include "formats/input/dicom_mark.h"
 #include "formats/input/foreign.h"
@@ -47,6 +48,7 @@ static const grid_reader *const readers[] = {
     &vtk_grid_xml_reader,
     &vtk_grid_parts_reader,
     &vtk_grid_legacy_reader,
+    &xdmf_reader,
     &imported_reader,
     &raw_reader,
 };

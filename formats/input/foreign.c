@@ -198,7 +198,7 @@ static const row rows[] = {
     REFUSED("PLOT3D", PARAVIEW, 0, NO_BYTES, ".p3d .q "),
     REFUSED("a mesh of DOLFIN", "save it as .vtu, for example with Python (meshio)", ANYWHERE,
             BYTES("<dolfin"), ""),
-    REFUSED("XDMF", PARAVIEW, 0, NO_BYTES, ".xdmf .xmf "),
+    KNOWN("XDMF", CONVERT " where it is of grids", ANYWHERE, BYTES("<Xdmf"), ".xdmf .xmf "),
     KNOWN("PLY", SURFACE, 0, BYTES("ply\n"), ".ply "),
     KNOWN("PLY", SURFACE, 0, BYTES("ply\r"), ""),
     KNOWN("OFF", SURFACE, 0, BYTES("OFF\n"), ".off "),

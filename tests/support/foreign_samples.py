@@ -125,7 +125,6 @@ SAMPLES = [
     ("PLOT3D", "a.p3d", b"\0\0\0\1" + bytes(64)),
     ("PLOT3D", "plot3d", struct.pack(">3i", 2, 3, 4) + bytes(12 * 24)),
     ("a mesh of DOLFIN", "dolfin", text('<?xml version="1.0"?>', '<dolfin xmlns:dolfin="http://fenicsproject.org">')),
-    ("XDMF", "a.xdmf", text('<?xml version="1.0" ?>', '<Xdmf Version="3.0">')),
     ("Wavefront OBJ", "a.obj", text("v 0 0 0", "v 1 0 0", "v 0 1 0", "f 1 2 3")),
     ("a zip archive", "a.npz", b"PK\x03\x04" + bytes(64)),
     ("a tar archive", "a.tar", bytes(tar())),

@@ -119,6 +119,20 @@ def vtk_grids():
                                   "LOOKUP_TABLE default\n%s\n" % NUMBERS))
 
 
+def xdmf(name, where, form):
+    return write(name, '<Xdmf Version="2.0"><Domain><Grid GridType="Collection" CollectionType="Temporal">%s</Grid></Domain>'
+                 "</Xdmf>" % "".join('<Grid><Topology TopologyType="3DCoRectMesh" Dimensions="4 4 4"/><Geometry GeometryType='
+                                     '"ORIGIN_DXDYDZ"><DataItem Dimensions="3">0 0 0</DataItem><DataItem Dimensions="3">1 1 1'
+                                     '</DataItem></Geometry><Attribute Name="v"><DataItem Dimensions="4 4 4" Format="%s" '
+                                     'NumberType="UChar">%s</DataItem></Attribute></Grid>' % (form, w) for w in where))
+
+
+def xdmf_raw():
+    for name in "x0.raw", "x1.raw":
+        write(name, SAMPLES)
+    form("xdmf", xdmf("x.xdmf", ["x0.raw", "x1.raw"], "Binary"), "x.xdmf", "x0.raw", "x1.raw")
+
+
 def raw():
     told = "--dims 4,4,4 --type u8"
     form("raw", write("plain.bin", SAMPLES), options=told)
@@ -232,6 +246,9 @@ def hdf5():
     with h5py.File("linked.h5", "w") as f:
         f["w"] = h5py.ExternalLink("h.h5", "/v")
     form("import-hdf5", "h.h5")
+    with h5py.File("x.h5", "w") as f:
+        f["g/v"] = a
+    form("xdmf", xdmf("h.xmf", ["x.h5:/g/v"], "HDF"), "h.xmf", "x.h5")
     form("import-hdf5", "outside.h5", "outside.h5", "outside.raw")
     form("import-hdf5", "deeper.h5", "deeper.h5", "sub/outside.raw")
     form("import-hdf5", "virtual.h5", "virtual.h5", *["source%d.h5" % z for z in range(4)])
@@ -286,5 +303,5 @@ def dicom():
     form("import-dicom", "dcm", *["dcm/%d.dcm" % z for z in range(4)])
 
 
-for make in nrrd, metaimage, nifti, others, vtk_grids, raw, zarr, meshes, surfaces, hdf5, netcdf, images, dicom:
+for make in nrrd, metaimage, nifti, others, vtk_grids, xdmf_raw, raw, zarr, meshes, surfaces, hdf5, netcdf, images, dicom:
     make()

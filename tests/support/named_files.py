@@ -92,6 +92,15 @@ def vtk_list(type, element, suffix):
     return make
 
 
+def xdmf(form, where):
+    def make(path, name):
+        return text(path + ".xdmf", "<Xdmf><Domain><Grid><Topology TopologyType='3DCoRectMesh' Dimensions='%d %d %d'/><Geometry "
+                    "GeometryType='ORIGIN_DXDYDZ'><DataItem>0 0 0</DataItem><DataItem>1 1 1</DataItem></Geometry><Attribute "
+                    "Name='a'><DataItem Format='%s' NumberType='UChar' Dimensions='%d %d %d'>%s</DataItem></Attribute></Grid>"
+                    "</Domain></Xdmf>" % (N, N, N, form, N, N, N, where % name))
+    return make
+
+
 def hdf5_source(path):
     with h5py.File(path, "w") as f:
         f["g/a"] = h5_samples()
@@ -140,6 +149,8 @@ FORMATS = {
     "VTK mesh in pieces": (vtk_list("PUnstructuredGrid", "<Piece Source='%s'/>", ".pvtu"), vtk_mesh, (), False),
     "VTK blocks": (vtk_list("vtkMultiBlockDataSet", "<Block><DataSet file='%s'/></Block>", ".vtm"), vtk_mesh, (), False),
     "VTK collection": (vtk_list("Collection", "<DataSet timestep='2' file='%s'/>", ".pvd"), vtk_mesh, (), False),
+    "XDMF, raw": (xdmf("Binary", "%s"), raw, (), False),
+    "XDMF, HDF5": (xdmf("HDF", "%s:/g/a"), hdf5_source, (), True),
     "HDF5 external storage": (hdf5_storage, raw, (), True),
     "HDF5 virtual data set": (hdf5_virtual, hdf5_source, (), True),
     "HDF5 external link": (hdf5_link, hdf5_source, ("--field", "a"), True),
@@ -286,7 +297,7 @@ OPENS = {
     "formats/grid/imported.c": "folder", "formats/grid/layout_slices.c": "kept", "formats/grid/nifti.c": "implied",
     "formats/grid/metaimage.c": "rule", "formats/grid/volume_files.c": "rule", "formats/grid/nrrd.c": "rule", "formats/grid/rawfile.c": "implied",
     "formats/grid/volume.c": "given", "formats/grid/volume_layout.c": "rule", "formats/grid/vtk_grid_xml.c": "rule",
-    "formats/grid/vtk_grid_parts.c": "kept", "formats/vtk/vtk_parts.c": "rule", "formats/mesh/mesh_vtk_parts.c": "kept",
+    "formats/grid/vtk_grid_parts.c": "kept", "formats/grid/xdmf_file.c": "rule", "formats/grid/xdmf.c": "kept", "formats/vtk/vtk_parts.c": "rule", "formats/mesh/mesh_vtk_parts.c": "kept",
     "formats/grid/zarr.c": "rule", "formats/grid/zarr_array.c": "folder", "formats/grid/zarr_chunk.c": "kept",
     "formats/input/foreign.c": "folder",
     "formats/info_main.c": "given", "formats/input/byte_stream.c": "given", "formats/input_open.c": "given",
