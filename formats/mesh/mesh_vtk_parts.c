@@ -56,7 +56,7 @@ static status scan_nested(vtk_unstructured *g, const char *path, byte_stream *da
     return st;
 }
 
-/* The i-th file, which a step of `in` has. */
+/* One of the files that `by` names for a step. */
 static status scan_stream(vtk_unstructured *g, const vtk_parts *in, const char *by, uint32_t step,
                           const char *path, byte_stream *data) {
     const uint8_t *start;
