@@ -116,7 +116,8 @@ CLI      := $(sort $(wildcard tests/cli/*.sh))
 # A test says what it is in a line of its own, `marks: threads` (it starts threads: run under
 # CONFIG=thread), `long` (it takes long: begun first, left out by `make quick`), `plain` (it holds numbers
 # against numbers, or words, on input that other tests read, too: left out under CONFIG=sanitize), `bits`
-# (what it says could differ on another CPU: run under CROSS), or several.
+# (what it says could differ on another CPU: run under CROSS), `leaks` (a script, whose processes are to
+# leave no memory behind: scripts/run-tests; programs look for that in any case), or several.
 names  = $(basename $(notdir $1))
 marked = $(call names,$(shell grep -lE '^[^ ]+ marks:.*\b$1\b' tests/test_*.c tests/cli/*.sh))
 LONG  := $(call marked,long)

@@ -321,6 +321,14 @@ static void take_array(void *ctx, const char *name, int components) {
     take_field(ctx, name, (uint32_t)components);
 }
 
+static void take_mesh_steps(input_facts *x, uint32_t steps, const double *times) {
+    x->steps = steps;
+    for (uint32_t i = 0; i < x->field_count && i < INPUT_FACTS_FIELDS; i++)
+        x->fields[i].steps = steps;
+    if (times)
+        take_times(x, &(slice_field){.steps = steps, .times = times});
+}
+
 static status ask_mesh(mem *m, mesh_input *found, const input_question *q, const progress *p,
                        input_facts *x) {
     status st = ST_OK;
@@ -328,6 +336,7 @@ static status ask_mesh(mem *m, mesh_input *found, const input_question *q, const
     x->format = mesh_input_format(found);
     set_name(x, mesh_input_name(found));
     mesh_input_fields(found, take_array, x);
+    take_mesh_steps(x, mesh_input_steps(found), mesh_input_times(found));
     if (q->opened)
         st = q->opened(q->ctx, x);
     if (st == ST_OK && !q->header_only)
@@ -351,7 +360,9 @@ status input_facts_read(mem *m, const input_question *q, const progress *p, inpu
                          .components = 1,
                          .range = {DBL_MAX, -DBL_MAX},
                          .bounds = {FLT_MAX, FLT_MAX, FLT_MAX, -FLT_MAX, -FLT_MAX, -FLT_MAX}};
-    status st = input_open(m, q->path, &q->grid, &q->mesh, &in);
+    mesh_hints of_meshes = q->mesh;
+    of_meshes.trust = q->grid.trust;
+    status st = input_open(m, q->path, &q->grid, &of_meshes, &in);
     if (st == ST_OK)
         st = in.x ? ask_mesh(m, in.x, q, p, out) : ask_volume(m, in.v, q, p, out);
     input_close(&in);
@@ -393,6 +404,9 @@ static void print_mesh(FILE *to, const input_facts *x) {
     if (x->read)
         fprintf(to, "mesh        %llu tets, %llu points\n", (unsigned long long)x->report.tets,
                 (unsigned long long)x->report.points);
+    if (x->read && x->report.ghosts)
+        fprintf(to, "ghosts      %llu cells of other pieces, or hidden, are left out\n",
+                (unsigned long long)x->report.ghosts);
     if (x->field_count == 0)
         fprintf(to, "fields      none\n");
     for (int a = 0; a < 3 && x->read && x->report.points > 0; a++)
@@ -549,6 +563,7 @@ static void set_mesh(json_t *json, const input_facts *x) {
         json_object_set_new(json, "vertices", json_integer((json_int_t)x->report.points));
         json_object_set_new(json, "repeated", json_integer((json_int_t)x->report.repeated));
         json_object_set_new(json, "bad", json_integer((json_int_t)x->report.bad_indices));
+        json_object_set_new(json, "ghosts", json_integer((json_int_t)x->report.ghosts));
     }
 }
 

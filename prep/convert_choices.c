@@ -10,6 +10,7 @@ typedef struct choices {
     const convert_sets *sets;
     uint32_t component; /* asked for; 0: none */
     bool step;          /* one is asked for, or several */
+    uint32_t steps;     /* that a mesh has */
     name_list taken, others;
     uint32_t count; /* of those two */
 } choices;
@@ -92,8 +93,10 @@ void convert_note_volume(const cli_common *common, const volume *v, const volume
 /* The first is taken; a name that comes again is that of another piece or step. */
 static void take_array(void *ctx, const char *name, int components) {
     choices *c = ctx;
-    const slice_field f = {
-        .name = name, .steps = 1, .taken = c->count == 0, .components = (uint32_t)components};
+    const slice_field f = {.name = name,
+                           .steps = c->steps,
+                           .taken = c->count == 0,
+                           .components = (uint32_t)components};
     name_list before = {0};
     name_list_add(&before, name);
     if (!strstr(c->taken.text, before.text) && !strstr(c->others.text, before.text))
@@ -101,8 +104,12 @@ static void take_array(void *ctx, const char *name, int components) {
 }
 
 void convert_note_mesh(const cli_common *common, const mesh_input *x, const mesh_hints *hints,
-                       const convert_sets *sets) {
-    choices c = {.common = common, .sets = sets, .component = (uint32_t)hints->component};
+                       bool step, const convert_sets *sets) {
+    choices c = {.common = common,
+                 .sets = sets,
+                 .component = (uint32_t)hints->component,
+                 .steps = mesh_input_steps(x),
+                 .step = step || step_list_given(&sets->taken)};
     if (!speaks(common))
         return;
     mesh_input_fields(x, take_array, &c);

@@ -15,6 +15,6 @@
 void convert_note_volume(const cli_common *common, const volume *v, const volume_hints *hints,
                          bool step, const convert_sets *sets);
 void convert_note_mesh(const cli_common *common, const mesh_input *x, const mesh_hints *hints,
-                       const convert_sets *sets);
+                       bool step, const convert_sets *sets);
 
 #endif

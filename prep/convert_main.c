@@ -135,13 +135,23 @@ static const struct argp_option options[] = {
     {NULL, 0, NULL, 0, NULL, 0}};
 
 /* What an input is, and which inputs can use an option. Those that are not here serve all. */
-enum { RAW = 1, HEADED = 2, FIELDS = 4, GRID = RAW | HEADED | FIELDS, MESH = 8 };
+enum {
+    RAW = 1,
+    HEADED = 2,
+    FIELDS = 4,
+    GRID = RAW | HEADED | FIELDS,
+    LONE_MESH = 8,
+    NAMING_MESH = 16, /* its file names those that have it, or its steps */
+    MESH = LONE_MESH | NAMING_MESH
+};
 static const char *const input_names[] = {[RAW] = "raw samples",
                                           [GRID] = "grids",
                                           [FIELDS] = "grids of formats that have several",
+                                          [FIELDS | NAMING_MESH] = "formats of several steps",
+                                          [GRID | NAMING_MESH] = "grids and collections of VTK",
                                           [MESH] = "meshes",
                                           [FIELDS | MESH] = "formats that have several"};
-static const cli_use uses[] = {{TRUST_KEY_LINKS, GRID},
+static const cli_use uses[] = {{TRUST_KEY_LINKS, GRID | NAMING_MESH},
                                {TRUST_KEY_MISSING, GRID},
                                {KEY_TREELET, GRID},
                                {KEY_HALO, GRID},
@@ -161,8 +171,8 @@ static const cli_use uses[] = {{TRUST_KEY_LINKS, GRID},
                                {KEY_FIELD, FIELDS | MESH},
                                {KEY_FIELDS, GRID | MESH},
                                {KEY_COMPONENT, FIELDS | MESH},
-                               {KEY_STEP, FIELDS},
-                               {KEY_STEPS, GRID},
+                               {KEY_STEP, FIELDS | NAMING_MESH},
+                               {KEY_STEPS, GRID | NAMING_MESH},
                                {KEY_CELLS_TO_POINTS, MESH},
                                {KEY_COARSE, MESH},
                                {KEY_TREELET_TETS, MESH},
@@ -325,10 +335,13 @@ static const cli_verb verb = {
     .inputs_max = LEAF_SETS_MAX,
     .args_doc = "INPUT... -o F.leaf",
     .doc = "Convert a volume or a mesh to a treelet file. INPUT: NRRD, MHD/MHA, VTK grids "
-           "(.vti, .vtr, legacy .vtk; in pieces: .pvti, .pvtr), NIfTI, NumPy "
-           "arrays, MRC, FreeSurfer (.mgh, .mgz), PVM, Zarr 2 and OME-Zarr (a folder), raw samples "
+           "(.vti, .vtr, straight .vts, legacy .vtk; in pieces: .pvti, .pvtr, .pvts), NIfTI, NumPy "
+           "arrays, MRC, FreeSurfer (.mgh, .mgz), PVM, XDMF, Zarr 2 and OME-Zarr (a folder), raw "
+           "samples "
            "(dimensions in the file's name, in a JSON beside it, or given); a mesh of tetrahedra: "
-           "TetGen (.node, .ele), VTK (.vtk, .vtu), Gmsh (.msh), a mesh stream; packed by gzip, "
+           "TetGen (.node, .ele), VTK (.vtk, .vtu; in files: .pvtu, .vtm), Gmsh (.msh), a mesh "
+           "stream; "
+           "VTK's collections of either (.pvd), with all their steps; packed by gzip, "
            "bzip2, xz or zstd; or - for any of these on standard input that takes one file and one "
            "pass. OpenVDB, images (a file of several, a folder), DICOM series (a folder), HDF5 and "
            "NetCDF are read by the verbs import-vdb, import-images and so on, if they are there. "
@@ -531,6 +544,9 @@ static void print_input(const arguments *a, const mesh_report *r) {
             printf("split       %llu %s\n", whole(r->split[i]), kinds[i]);
     if (r->skipped)
         printf("passed over %llu cells without a volume\n", whole(r->skipped));
+    if (r->ghosts)
+        printf("ghosts      %llu cells of other pieces, or hidden, are left out\n",
+               whole(r->ghosts));
 }
 
 static void print_mesh_plan(const mesh_plan *plan) {
@@ -567,12 +583,13 @@ static void print_mesh(const mesh_result *r, double seconds) {
 
 static json_t *mesh_plan_json(const mesh_result *r) {
     const mesh_report *in = &r->report;
-    return json_pack(
-        "{s:I, s:I, s:s, s:[I,I,I,I], s:I, s:I, s:I, s:I}", "input_points", (json_int_t)in->points,
-        "input_tets", (json_int_t)in->tets, "field", in->field, "split", (json_int_t)in->split[0],
-        (json_int_t)in->split[1], (json_int_t)in->split[2], (json_int_t)in->split[3], "skipped",
-        (json_int_t)in->skipped, "memory_planned", (json_int_t)r->plan.memory, "memory_least",
-        (json_int_t)r->plan.memory_least, "spill_bytes", (json_int_t)r->plan.spill_bytes);
+    return json_pack("{s:I, s:I, s:s, s:[I,I,I,I], s:I, s:I, s:I, s:I, s:I}", "input_points",
+                     (json_int_t)in->points, "input_tets", (json_int_t)in->tets, "field", in->field,
+                     "split", (json_int_t)in->split[0], (json_int_t)in->split[1],
+                     (json_int_t)in->split[2], (json_int_t)in->split[3], "skipped",
+                     (json_int_t)in->skipped, "ghosts", (json_int_t)in->ghosts, "memory_planned",
+                     (json_int_t)r->plan.memory, "memory_least", (json_int_t)r->plan.memory_least,
+                     "spill_bytes", (json_int_t)r->plan.spill_bytes);
 }
 
 static void add_mesh(json_t *json, const mesh_result *r, double seconds) {
@@ -648,11 +665,12 @@ static leaf_sets leaf_sets_of(const arguments *a) {
 }
 
 static status convert_meshes(arguments *a, mem *m, mesh_input *x, double start) {
-    status st = convert_sets_of_mesh(&a->sets, x);
+    status st = convert_sets_of_mesh(&a->sets, x, a->common.input);
     if (st == ST_OK)
         st = convert_sets_times(&a->sets, steps_of(a));
     const leaf_sets sets = leaf_sets_of(a);
     const mesh_series series = {.paths = (const char *const *)a->common.inputs,
+                                .in_file = a->sets.steps > 0 ? &a->sets.taken : NULL,
                                 .steps = sets.steps,
                                 .names = sets.names,
                                 .fields = sets.fields,
@@ -703,9 +721,16 @@ static status convert_volumes(arguments *a, mem *m, volume **v, double start) {
 
 /* ---- what it is ---- */
 
+/* A collection of VTK is a list of steps: all are meant, as if they were given one by one. */
+static bool is_collection(const input *in) {
+    return in->x ? mesh_input_times(in->x) != NULL
+                 : strcmp(volume_format(in->v), VOLUME_COLLECTION) == 0;
+}
+
 static status convert_opened(arguments *a, mem *m, input *in, double start) {
     const char *format = in->x ? mesh_input_format(in->x) : volume_format(in->v);
-    const int kind = in->x                                     ? MESH
+    const int kind = in->x && mesh_input_names_files(in->x)    ? NAMING_MESH
+                     : in->x                                   ? LONE_MESH
                      : strcmp(format, VOLUME_RAW_SAMPLES) == 0 ? RAW
                      : volume_has_fields(in->v)                ? FIELDS
                                                                : HEADED;
@@ -713,6 +738,8 @@ static status convert_opened(arguments *a, mem *m, input *in, double start) {
         cli_check_uses(&a->common, uses, sizeof uses / sizeof *uses, kind, input_names, format);
     if (st != ST_OK)
         return st;
+    if (is_collection(in) && a->common.input_count == 1 && !cli_given(&a->common, KEY_STEP))
+        convert_sets_take_all(&a->sets);
     if (in->v && volume_importer(in->v))
         cli_note(&a->common, 1, "%s: %s, read by leafcast import-%s", a->common.input, format,
                  volume_importer(in->v));
@@ -722,7 +749,7 @@ static status convert_opened(arguments *a, mem *m, input *in, double start) {
         convert_note_volume(&a->common, in->v, &a->hints, cli_given(&a->common, KEY_STEP),
                             &a->sets);
     else
-        convert_note_mesh(&a->common, in->x, &a->mesh, &a->sets);
+        convert_note_mesh(&a->common, in->x, &a->mesh, cli_given(&a->common, KEY_STEP), &a->sets);
     return in->x ? convert_meshes(a, m, in->x, start) : convert_volumes(a, m, &in->v, start);
 }
 
@@ -748,6 +775,8 @@ static status run(arguments *a) {
     input in = {0};
     a->sets.m = &m;
     convert_sets_first_step(&a->sets, &a->hints.step);
+    a->mesh.step = a->hints.step;
+    a->mesh.trust = a->hints.trust;
     status st = guard_files(a);
     if (st == ST_OK)
         st = input_open(&m, a->common.input, &a->hints, &a->mesh, &in);

@@ -43,6 +43,10 @@ status convert_sets_check(const convert_sets *s, int inputs, bool step) {
     return ST_OK;
 }
 
+void convert_sets_take_all(convert_sets *s) {
+    s->taken.all = s->taken.all || !step_list_given(&s->taken);
+}
+
 void convert_sets_first_step(const convert_sets *s, uint32_t *step) {
     if (s->taken.count > 0)
         *step = step_list_at(&s->taken, 0);
@@ -66,6 +70,26 @@ static status take_copy(convert_sets *s, const char *name) {
     return st;
 }
 
+/* ---- of either ---- */
+
+/* The file's times of the steps that are taken; where they do not ascend, none. */
+static status take_times(convert_sets *s, const double *all) {
+    s->parsed = mem_array(s->m, s->steps, sizeof *s->parsed);
+    if (!s->parsed)
+        return ST_NOMEM;
+    for (uint32_t i = 0; i < s->steps; i++) {
+        s->parsed[i] = all[step_list_at(&s->taken, i)];
+        s->times_fall = s->times_fall || !isfinite(s->parsed[i]) ||
+                        (i > 0 && !(s->parsed[i] > s->parsed[i - 1]));
+    }
+    if (!s->times_fall)
+        return ST_OK;
+    mem_free(s->m, s->parsed);
+    s->parsed = NULL;
+    s->time_unit[0] = 0;
+    return ST_OK;
+}
+
 /* ---- of a mesh ---- */
 
 typedef struct taking {
@@ -80,11 +104,20 @@ static void take_array(void *ctx, const char *name, int components) {
         t->st = take_copy(t->s, name);
 }
 
-status convert_sets_of_mesh(convert_sets *s, const mesh_input *x) {
+static status take_mesh_steps(convert_sets *s, const mesh_input *x, const char *name) {
+    const double *times = mesh_input_times(x);
+    status st = step_list_settle(&s->taken, "--steps", name, mesh_input_steps(x));
+    if (st != ST_OK)
+        return st;
+    s->steps = (uint32_t)step_list_count(&s->taken);
+    return times && !s->times ? take_times(s, times) : ST_OK;
+}
+
+status convert_sets_of_mesh(convert_sets *s, const mesh_input *x, const char *name) {
     taking t = {s, ST_OK};
     if (s->all_fields)
         mesh_input_fields(x, take_array, &t);
-    return t.st;
+    return t.st == ST_OK && step_list_given(&s->taken) ? take_mesh_steps(s, x, name) : t.st;
 }
 
 /* ---- of a grid ---- */
@@ -119,24 +152,6 @@ static status take_others(void *ctx, const slice_field *f) {
     const choice *c = ctx;
     const bool fits = !step_list_given(&c->s->taken) || f->steps == c->steps;
     return !f->taken && fits ? take_copy(c->s, f->name) : ST_OK;
-}
-
-/* The file's times of the steps that are taken; where they do not ascend, none. */
-static status take_times(convert_sets *s, const double *all) {
-    s->parsed = mem_array(s->m, s->steps, sizeof *s->parsed);
-    if (!s->parsed)
-        return ST_NOMEM;
-    for (uint32_t i = 0; i < s->steps; i++) {
-        s->parsed[i] = all[step_list_at(&s->taken, i)];
-        s->times_fall = s->times_fall || !isfinite(s->parsed[i]) ||
-                        (i > 0 && !(s->parsed[i] > s->parsed[i - 1]));
-    }
-    if (!s->times_fall)
-        return ST_OK;
-    mem_free(s->m, s->parsed);
-    s->parsed = NULL;
-    s->time_unit[0] = 0;
-    return ST_OK;
 }
 
 status convert_sets_of_grid(convert_sets *s, const volume *v, const char *name) {

@@ -42,11 +42,15 @@ CHECKED status convert_sets_add(convert_sets *s, const char *name);
  * another one than the first is asked for. */
 CHECKED status convert_sets_check(const convert_sets *s, int inputs, bool step);
 
+/* convert_sets_take_all() - all steps of the file, where the command line says none. */
+void convert_sets_take_all(convert_sets *s);
+
 /* convert_sets_first_step() - of a list of steps, which one is read first. */
 void convert_sets_first_step(const convert_sets *s, uint32_t *step);
 
-/* convert_sets_of_mesh() - all fields of a mesh, where all are asked for. */
-CHECKED status convert_sets_of_mesh(convert_sets *s, const mesh_input *x);
+/* convert_sets_of_mesh() - all fields of a mesh, and the steps that are taken, where they are asked
+ * for. ST_USAGE: there is no such step. */
+CHECKED status convert_sets_of_mesh(convert_sets *s, const mesh_input *x, const char *name);
 
 /* convert_sets_of_grid() - all fields of a volume, and the steps that are taken, where they are
  * asked for. The one that was taken unasked comes first, then the others in the file's order, but

@@ -382,7 +382,8 @@ static status convert_files(job *j, const char *const *paths, uint32_t steps, co
                                 .hints = {.field = fields.names ? fields.names[0] : NULL,
                                           .component = j->o.component,
                                           .cells_to_points = j->o.cells_to_points,
-                                          .name = j->o.name}};
+                                          .name = j->o.name,
+                                          .trust = of_grids.trust}};
     if (st == ST_OK)
         st = input_open(&j->m, paths[0], &of_grids, &series.hints, &in);
     if (st == ST_OK)

@@ -87,9 +87,10 @@ typedef struct leafcast_convert_options {
 
 /* leafcast_convert_path() - a file as `leafcast convert` takes it: NRRD, MetaImage, NIfTI,
  * NumPy, MRC, PVM, a Zarr folder, raw samples with their dimensions in the name or in a JSON beside
- * them; a mesh of TetGen, VTK, Gmsh, a mesh stream. A named pipe's writer is waited for, whatever
- * watch() says; standard input is refused. leafcast_convert_steps() - several meshes of the same
- * tets, whose points may move: the steps of a time series. times: ascending; NULL: 0, 1, .. options
+ * them; a mesh of TetGen, VTK, Gmsh, a mesh stream; of a file of several steps the first. A named
+ * pipe's writer is waited for, whatever watch() says; standard input is refused.
+ * leafcast_convert_steps() - several meshes of the same tets, whose points may move: the steps of a
+ * time series. times: ascending; NULL: 0, 1, .. options
  * may be NULL. */
 LEAFCAST_API leafcast_status leafcast_convert_path(const char *in, const char *out,
                                                    const leafcast_convert_options *options);

@@ -48,7 +48,9 @@ static void test_fields(void **state) {
                  {"q", 0, true},  {"w", 0, true},  {"w", 1, true}};
     for (int i = 0; i < 2 * VERSIONS; i++)
         for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-            const mesh_hints hints = {cases[k].field, cases[k].component, cases[k].of_cells, NULL};
+            const mesh_hints hints = {.field = cases[k].field,
+                                      .component = cases[k].component,
+                                      .cells_to_points = cases[k].of_cells};
             const mesh_copy *a = mesh_files_good(file_of(i), &hints);
             vtk_files_check(a, 1, cases[k].field, cases[k].component);
         }

@@ -73,7 +73,9 @@ static void test_fields(void **state) {
                  {"q", 0, true},  {"w", 0, true},  {"w", 2, true}};
     for (int i = 0; i < STYLES; i++)
         for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-            const mesh_hints hints = {cases[k].field, cases[k].component, cases[k].of_cells, NULL};
+            const mesh_hints hints = {.field = cases[k].field,
+                                      .component = cases[k].component,
+                                      .cells_to_points = cases[k].of_cells};
             const char *path = vtk_files_xml("a.vtu", &styles[i]);
             vtk_files_check(mesh_files_good(path, &hints), 1, cases[k].field, cases[k].component);
         }

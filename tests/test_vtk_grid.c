@@ -375,8 +375,9 @@ static void test_structure(void **state) {
     const char *a = vtk_grid_files_xml("a.vti", &g);
     refused(a, "<VTKFile type", "<File type", ST_CORRUPT, "line 2: <File>, expected <VTKFile>");
     refused(a, "type=\"ImageData\" ", "", ST_CORRUPT, "ImageData is supported");
-    refused(a, "\"ImageData\"", "\"StructuredGrid\"", ST_UNSUPPORTED,
-            "this is a VTK structured grid, which is not read here");
+    refused(a, "\"ImageData\"", "\"PolyData\"", ST_UNSUPPORTED,
+            "this is VTK surface data, which is not read here");
+    refused(a, "\"ImageData\"", "\"StructuredGrid\"", ST_CORRUPT, "expected the points of a piece");
     refused(a, "\"ImageData\"", "\"RectilinearGrid\"", ST_CORRUPT, "expected the x coordinates");
     refused(a, "<ImageData WholeExtent", "<ImageDatum WholeExtent", ST_CORRUPT, "mismatched tag");
     refused(a, "WholeExtent", "Extent", ST_CORRUPT, "line 3: expected the attribute WholeExtent");
@@ -458,8 +459,9 @@ static void test_legacy_refused(void **state) {
     const char *a = vtk_grid_files_legacy("a.vtk", &g, 3, 0);
     refused(a, "3.0", "6.0", ST_UNSUPPORTED, "version 6; 1.0 to 5.1 are supported");
     refused(a, "ASCII", "TEXT", ST_CORRUPT, "byte 34: expected ASCII or BINARY");
-    refused(a, "STRUCTURED_POINTS", "STRUCTURED_GRID", ST_UNSUPPORTED,
-            "this is a legacy VTK structured grid");
+    refused(a, "STRUCTURED_POINTS", "POLYDATA", ST_UNSUPPORTED, "this is legacy VTK surface data");
+    refused(a, "STRUCTURED_POINTS", "STRUCTURED_GRID", ST_CORRUPT,
+            "expected the points of a piece");
     refused(a, "DIMENSIONS 4 3 2\n", "", ST_CORRUPT, "POINT_DATA of 24, expected 0");
     refused(a, "DIMENSIONS 4 3 2", "DIMENSIONS 4 3", ST_CORRUPT,
             "expected \"DIMENSIONS nx ny nz\"");

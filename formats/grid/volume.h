@@ -43,8 +43,10 @@ void volume_close(volume *v); /* NULL is fine */
 
 const grid *volume_grid(const volume *v);
 
-/* volume_format() - what it was read as: "NRRD", VOLUME_RAW_SAMPLES. */
+/* volume_format() - what it was read as: "NRRD", VOLUME_RAW_SAMPLES; VOLUME_COLLECTION for
+ * several steps, all of which are meant. */
 #define VOLUME_RAW_SAMPLES "raw samples"
+#define VOLUME_COLLECTION  "a collection of VTK grids"
 const char *volume_format(const volume *v);
 
 /* volume_has_fields() - whether its format has several of them, or steps or components, of which

@@ -6,6 +6,7 @@
 
 #include "formats/base/name_list.h"
 #include "formats/base/text.h"
+#include "formats/grid/vtk_grid_points.h"
 
 enum { CHUNK_BYTES = 1 << 16 };
 
@@ -77,6 +78,7 @@ void vtk_grid_close(vtk_grid *g) {
     for (size_t i = 0; i < g->path_count; i++)
         mem_free(g->m, g->paths[i]);
     mem_free(g->m, g->paths);
+    vtk_parts_release(&g->parts, g->m);
     mem_free(g->m, g->pieces);
     mem_free(g->m, g->order);
     mem_free(g->m, g->active);
@@ -136,6 +138,10 @@ static status tell_fields(void *ctx, const slice_fields *to) {
     for (size_t i = 0; st == ST_OK && i < f->count[g->owner]; i++) {
         const vtk_array *a = &f->items[g->owner][i];
         slice_field one = {.name = a->name, .steps = 1, .components = a->components};
+        if (g->parts.kind == VTK_PARTS_COLLECTION) {
+            one.steps = g->parts.steps;
+            one.times = g->parts.times;
+        }
         one.taken = text_same_name(a->name, g->chosen, VTK_NAME_MAX);
         if (one.taken)
             stored_samples_tell(&g->stored, &one);
@@ -255,9 +261,11 @@ static status place_axis(const vtk_grid *g, int a, grid *to) {
 
 static status place(const vtk_grid *g, grid *to) {
     status st = ST_OK;
-    if (!g->rectilinear)
+    if (g->geometry == VTK_REGULAR)
         place_regular(g, to);
-    for (int a = 0; st == ST_OK && a < 3 && g->rectilinear; a++)
+    if (g->geometry == VTK_STRUCTURED)
+        st = vtk_grid_place_points(g, to);
+    for (int a = 0; st == ST_OK && a < 3 && g->geometry == VTK_RECTILINEAR; a++)
         st = place_axis(g, a, to);
     return st == ST_OK ? grid_check(to, g->paths[0]) : st;
 }
@@ -417,7 +425,7 @@ static status make_order(vtk_grid *g) {
 }
 
 static status check_step(const vtk_grid *g, const volume_hints *hints) {
-    return hints->step == 0
+    return hints->step == 0 || g->parts.steps > 0 /* then it was looked at */
                ? ST_OK
                : status_describe(ST_USAGE, "%s: no step %u: there is 1, counted from 0",
                                  g->paths[0], hints->step);

@@ -1,5 +1,5 @@
-/* vtk_grid.h - a regular or rectilinear grid of VTK whose arrays have been found, as a source of
- * slices.
+/* vtk_grid.h - a regular, rectilinear or structured grid of VTK whose arrays have been found, as a
+ * source of slices.
  *
  * A scanner (vtk_grid_xml.c, vtk_grid_legacy.c) says where the grid lies, and adds its pieces with
  * the arrays in them; vtk_grid_open() chooses one array. Its samples are those of the nodes, or,
@@ -19,6 +19,7 @@
 #include "formats/grid/volume_hints.h"
 #include "formats/vtk/vtk_cursor.h"
 #include "formats/vtk/vtk_fields.h"
+#include "formats/vtk/vtk_parts.h"
 
 /* Nodes, the last one included: x, y, z from lo to hi. */
 typedef struct vtk_extent {
@@ -44,11 +45,18 @@ typedef struct vtk_frame {
 /* vtk_frame_init() - unit spacing at the origin, no nodes. */
 void vtk_frame_init(vtk_frame *f);
 
+typedef enum vtk_geometry {
+    VTK_REGULAR,     /* in the frame */
+    VTK_RECTILINEAR, /* along the axes of the pieces */
+    VTK_STRUCTURED   /* at the points of the pieces, which must make one of the others */
+} vtk_geometry;
+
 typedef struct vtk_grid_piece {
     const char *path; /* of the file it is in; the grid's */
     vtk_extent extent;
     vtk_fields fields;
     vtk_array axis[3]; /* rectilinear: the nodes' coordinates */
+    vtk_array points;  /* structured: the nodes' places */
 
     /* vtk_grid.c's own */
     const vtk_array *field; /* the one chosen */
@@ -59,7 +67,8 @@ typedef struct vtk_grid {
     mem *m;
     char **paths; /* of its files; the first is the one that was opened */
     size_t path_count, path_room;
-    bool rectilinear;
+    vtk_parts parts; /* where a collection names the file that was opened; else zeros */
+    vtk_geometry geometry;
     vtk_frame frame;
     vtk_grid_piece *pieces;
     size_t count, room;

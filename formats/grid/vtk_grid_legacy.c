@@ -105,6 +105,28 @@ static status on_coordinates(vtk_legacy *v) {
     return st == ST_OK ? vtk_legacy_array(v, type, roles[a], count, &s->p->axis[a]) : st;
 }
 
+/* Of a structured grid: "POINTS n type" and the numbers. */
+static status on_points(vtk_legacy *v) {
+    scan *s = v->user;
+    vtk_type type = VTK_ABSENT;
+    uint64_t count = 0;
+    bool before = s->p->points.type != VTK_ABSENT;
+    status st = vtk_legacy_need_words(v, 3, "POINTS n type");
+    if (st == ST_OK)
+        st = vtk_legacy_once(v, &before);
+    if (st == ST_OK)
+        st = vtk_legacy_count(v, 1, &count);
+    if (st == ST_OK && (!s->sized || count != v->tuples_there[VTK_OF_POINTS]))
+        st = bad_word(v, 1, "as many as there are nodes, told before");
+    if (st == ST_OK)
+        st = vtk_legacy_type(v, 2, &type);
+    if (st != ST_OK)
+        return st;
+    st = vtk_legacy_array(v, type, "POINTS", 3 * count, &s->p->points);
+    s->p->points.components = 3;
+    return st;
+}
+
 static const vtk_legacy_keyword of_points[] = {
     {"DIMENSIONS", on_dimensions}, {"EXTENT", on_extent},        {"ORIGIN", on_origin},
     {"SPACING", on_spacing},       {"ASPECT_RATIO", on_spacing}, {NULL, NULL}};
@@ -112,8 +134,18 @@ static const vtk_legacy_keyword of_rectilinear[] = {
     {"DIMENSIONS", on_dimensions},     {"EXTENT", on_extent},
     {"X_COORDINATES", on_coordinates}, {"Y_COORDINATES", on_coordinates},
     {"Z_COORDINATES", on_coordinates}, {NULL, NULL}};
-static const vtk_legacy_dataset sets[] = {
-    {"STRUCTURED_POINTS", of_points}, {"RECTILINEAR_GRID", of_rectilinear}, {NULL, NULL}};
+static const vtk_legacy_keyword of_structured[] = {
+    {"DIMENSIONS", on_dimensions}, {"EXTENT", on_extent}, {"POINTS", on_points}, {NULL, NULL}};
+static const vtk_legacy_dataset sets[] = {{"STRUCTURED_POINTS", of_points},
+                                          {"RECTILINEAR_GRID", of_rectilinear},
+                                          {"STRUCTURED_GRID", of_structured},
+                                          {NULL, NULL}};
+
+static vtk_geometry geometry_of(const vtk_legacy_dataset *d) {
+    return d && d->keywords == of_rectilinear  ? VTK_RECTILINEAR
+           : d && d->keywords == of_structured ? VTK_STRUCTURED
+                                               : VTK_REGULAR;
+}
 
 /* ---- the reader ---- */
 
@@ -136,7 +168,7 @@ static status scan_file(vtk_grid *g, byte_stream *data) {
     s.p->path = g->paths[0];
     vtk_legacy v = {.m = g->m, .path = g->paths[0], .s = data, .fields = &s.p->fields, .user = &s};
     st = vtk_legacy_scan(&v, sets);
-    g->rectilinear = v.dataset && v.dataset->keywords == of_rectilinear;
+    g->geometry = geometry_of(v.dataset);
     if (st == ST_OK && !s.sized)
         st = status_describe(ST_CORRUPT, "%s: ends at byte %llu without DIMENSIONS", g->paths[0],
                              (unsigned long long)byte_stream_position(data));

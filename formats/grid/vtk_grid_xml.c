@@ -14,6 +14,7 @@ enum {
     ELEMENT_POINT_DATA,
     ELEMENT_CELL_DATA,
     ELEMENT_COORDINATES,
+    ELEMENT_POINTS,
     ELEMENT_PARALLEL, /* a grid whose pieces are files */
     ELEMENT_SOURCE,   /* one of them */
 };
@@ -23,14 +24,17 @@ typedef struct grid_kind {
     const char *type, *suffix;
     const char *format; /* for messages */
     const char *pieces; /* the type of the pieces' files; NULL: they are in this one */
-    bool rectilinear;
+    vtk_geometry geometry;
 } grid_kind;
 
 static const grid_kind kinds[] = {
-    {"ImageData", ".vti", "VTK image data", NULL, false},
-    {"RectilinearGrid", ".vtr", "VTK rectilinear grid", NULL, true},
-    {"PImageData", ".pvti", "VTK image data in pieces", "ImageData", false},
-    {"PRectilinearGrid", ".pvtr", "VTK rectilinear grid in pieces", "RectilinearGrid", true},
+    {"ImageData", ".vti", "VTK image data", NULL, VTK_REGULAR},
+    {"RectilinearGrid", ".vtr", "VTK rectilinear grid", NULL, VTK_RECTILINEAR},
+    {"StructuredGrid", ".vts", "VTK structured grid", NULL, VTK_STRUCTURED},
+    {"PImageData", ".pvti", "VTK image data in pieces", "ImageData", VTK_REGULAR},
+    {"PRectilinearGrid", ".pvtr", "VTK rectilinear grid in pieces", "RectilinearGrid",
+     VTK_RECTILINEAR},
+    {"PStructuredGrid", ".pvts", "VTK structured grid in pieces", "StructuredGrid", VTK_STRUCTURED},
 };
 
 enum { KINDS = sizeof kinds / sizeof *kinds };
@@ -129,6 +133,14 @@ static status on_coordinates(vtk_xml *x, vtk_grid_piece *p, const vtk_array *a) 
     return vtk_xml_fault(x, ST_CORRUPT, "coordinates of more than three axes");
 }
 
+static status on_points(vtk_xml *x, vtk_grid_piece *p, const vtk_array *a) {
+    if (p->points.type != VTK_ABSENT)
+        return vtk_xml_fault(x, ST_CORRUPT, "the points come twice");
+    p->points = *a;
+    p->points.role = "points";
+    return ST_OK;
+}
+
 static status on_array(vtk_xml *x, int element, const char *name, const vtk_array *a) {
     const scan *s = vtk_xml_user(x);
     if (!s->in_piece)
@@ -138,6 +150,7 @@ static status on_array(vtk_xml *x, int element, const char *name, const vtk_arra
     case ELEMENT_POINT_DATA: return vtk_fields_add(&p->fields, s->g->m, VTK_OF_POINTS, name, a);
     case ELEMENT_CELL_DATA: return vtk_fields_add(&p->fields, s->g->m, VTK_OF_CELLS, name, a);
     case ELEMENT_COORDINATES: return on_coordinates(x, p, a);
+    case ELEMENT_POINTS: return on_points(x, p, a);
     default: return ST_OK;
     }
 }
@@ -145,12 +158,15 @@ static status on_array(vtk_xml *x, int element, const char *name, const vtk_arra
 static const vtk_xml_element elements[] = {
     {VTK_XML_FILE, "ImageData", ELEMENT_GRID, on_grid},
     {VTK_XML_FILE, "RectilinearGrid", ELEMENT_GRID, on_grid},
+    {VTK_XML_FILE, "StructuredGrid", ELEMENT_GRID, on_grid},
     {ELEMENT_GRID, "Piece", ELEMENT_PIECE, on_piece},
     {ELEMENT_PIECE, "PointData", ELEMENT_POINT_DATA, NULL},
     {ELEMENT_PIECE, "CellData", ELEMENT_CELL_DATA, NULL},
     {ELEMENT_PIECE, "Coordinates", ELEMENT_COORDINATES, NULL},
+    {ELEMENT_PIECE, "Points", ELEMENT_POINTS, NULL},
     {VTK_XML_FILE, "PImageData", ELEMENT_PARALLEL, on_grid},
     {VTK_XML_FILE, "PRectilinearGrid", ELEMENT_PARALLEL, on_grid},
+    {VTK_XML_FILE, "PStructuredGrid", ELEMENT_PARALLEL, on_grid},
     {ELEMENT_PARALLEL, "Piece", ELEMENT_SOURCE, on_source},
     {0, NULL, 0, NULL},
 };
@@ -169,6 +185,7 @@ static status scan_file(scan *s, byte_stream *data, const char *type) {
         vtk_xml_locate_fields(&appended, &s->g->pieces[i].fields);
         for (int a = 0; a < 3; a++)
             vtk_xml_locate(&appended, &s->g->pieces[i].axis[a]);
+        vtk_xml_locate(&appended, &s->g->pieces[i].points);
     }
     return st;
 }
@@ -227,7 +244,7 @@ static bool known(const char *path, const uint8_t *start, size_t size) {
 static status open_grid(vtk_grid *g, volume_layout *l, const grid_kind *kind,
                         const volume_hints *hints, slice_source *out) {
     const char *path;
-    g->rectilinear = kind->rectilinear;
+    g->geometry = kind->geometry;
     status st = vtk_array_check_file(l->path);
     if (st == ST_OK)
         st = vtk_grid_add_path(g, l->path, &path);
@@ -236,22 +253,33 @@ static status open_grid(vtk_grid *g, volume_layout *l, const grid_kind *kind,
     return st == ST_OK ? vtk_grid_open(g, hints, out) : st;
 }
 
-static status open_slices(volume_layout *l, const volume_hints *hints, slice_source *out) {
+status vtk_grid_xml_open(volume_layout *l, const volume_hints *hints, vtk_parts *parts,
+                         slice_source *out) {
     const uint8_t *start;
     size_t size;
     vtk_grid *g;
-    status st = byte_stream_peek(l->data, GRID_READER_PEEK, &start, &size);
-    if (st != ST_OK)
+    status st = vtk_grid_create(l->m, &g);
+    if (st != ST_OK) {
+        vtk_parts_release(parts, l->m);
         return st;
+    }
+    g->parts = *parts;
+    *parts = (vtk_parts){0};
+    st = byte_stream_peek(l->data, GRID_READER_PEEK, &start, &size);
+    if (st != ST_OK) {
+        vtk_grid_close(g);
+        return st;
+    }
     const grid_kind *kind = find_kind(byte_stream_kind(l->data), start, size);
-    st = vtk_grid_create(l->m, &g);
-    if (st != ST_OK)
-        return st;
     st = open_grid(g, l, kind, hints, out);
     if (st != ST_OK)
         vtk_grid_close(g);
     out->format = kind->format;
     return st;
+}
+
+static status open_slices(volume_layout *l, const volume_hints *hints, slice_source *out) {
+    return vtk_grid_xml_open(l, hints, &(vtk_parts){0}, out);
 }
 
 const grid_reader vtk_grid_xml_reader = {

@@ -23,6 +23,7 @@
 #define MESH                                                                                     \
     "`leafcast convert' takes its tets; its surface as .ply, as `meshio convert' writes it, is " \
     "filled by `leafcast tetrahedralize'"
+#define BLOCKS CONVERT "; or give one of the files that it names"
 #define UNPACK "it is unpacked on the way where its name ends in .gz, .bz2, .xz or .zst"
 #define HEIGHTS                                                                                   \
     "heights are no volume, but z - height(x, y) on a grid is one (as .npy, with Python), whose " \
@@ -110,6 +111,10 @@ static const row rows[] = {
     KNOWN("a mesh stream", MESH, 0, BYTES("LEAFCAST MESH "), ""),
     KNOWN("Gmsh", MESH, 0, BYTES("$MeshFormat"), ""),
     KNOWN("a VTK mesh", MESH, ANYWHERE, BYTES("type=\"UnstructuredGrid\""), ""),
+    KNOWN("a VTK mesh in pieces (.pvtu)", MESH, ANYWHERE, BYTES("type=\"PUnstructuredGrid\""), ""),
+    KNOWN("VTK data of several blocks (.vtm)", BLOCKS, ANYWHERE,
+          BYTES("type=\"vtkMultiBlockDataSet\""), ""),
+    KNOWN("a collection of VTK files (.pvd)", BLOCKS, ANYWHERE, BYTES("type=\"Collection\""), ""),
     KNOWN("a legacy VTK mesh", MESH, ANYWHERE, BYTES("DATASET UNSTRUCTURED_GRID"), ""),
     REFUSED("Analyze 7.5", TO_NRRD, 0, BYTES("\x5c\x01\0\0"), ""),
     REFUSED("Analyze 7.5", TO_NRRD, 0, BYTES("\0\0\x01\x5c"), ""),
@@ -152,23 +157,16 @@ static const row rows[] = {
     KNOWN("a VTK rectilinear grid", CONVERT, ANYWHERE, BYTES("type=\"RectilinearGrid\""), ""),
     KNOWN("a VTK rectilinear grid in pieces (.pvtr)", CONVERT, ANYWHERE,
           BYTES("type=\"PRectilinearGrid\""), ""),
-    REFUSED("a VTK structured grid", PARAVIEW, ANYWHERE, BYTES("type=\"StructuredGrid\""), ".vts "),
+    KNOWN("a VTK structured grid", CONVERT, ANYWHERE, BYTES("type=\"StructuredGrid\""), ""),
+    KNOWN("a VTK structured grid in pieces (.pvts)", CONVERT, ANYWHERE,
+          BYTES("type=\"PStructuredGrid\""), ""),
     REFUSED("VTK surface data", SURFACE " of .ply or .stl, which ParaView writes", ANYWHERE,
             BYTES("type=\"PolyData\""), ".vtp "),
-    REFUSED("a parallel VTK mesh", "ParaView joins its pieces (File > Save Data)", ANYWHERE,
-            BYTES("type=\"PUnstructuredGrid\""), ".pvtu "),
-    REFUSED("a parallel VTK structured grid", PARAVIEW, ANYWHERE, BYTES("type=\"PStructuredGrid\""),
-            ".pvts "),
-    REFUSED("VTK data of several blocks", "give one of the files that it names", ANYWHERE,
-            BYTES("type=\"vtkMultiBlockDataSet\""), ".vtm .vtmb "),
-    REFUSED("a collection of VTK files", "give one of the files that it names", ANYWHERE,
-            BYTES("type=\"Collection\""), ".pvd "),
     KNOWN("legacy VTK of structured points", CONVERT, ANYWHERE, BYTES("DATASET STRUCTURED_POINTS"),
           ""),
     KNOWN("a legacy VTK rectilinear grid", CONVERT, ANYWHERE, BYTES("DATASET RECTILINEAR_GRID"),
           ""),
-    REFUSED("a legacy VTK structured grid", PARAVIEW, ANYWHERE, BYTES("DATASET STRUCTURED_GRID"),
-            ""),
+    KNOWN("a legacy VTK structured grid", CONVERT, ANYWHERE, BYTES("DATASET STRUCTURED_GRID"), ""),
     REFUSED("legacy VTK surface data", SURFACE " of .ply or .stl, which ParaView writes", ANYWHERE,
             BYTES("DATASET POLYDATA"), ""),
     REFUSED("a USGS DEM, heights over a map", HEIGHTS, 0, NO_BYTES, ".dem "),
@@ -200,7 +198,7 @@ static const row rows[] = {
     REFUSED("PLOT3D", PARAVIEW, 0, NO_BYTES, ".p3d .q "),
     REFUSED("a mesh of DOLFIN", "save it as .vtu, for example with Python (meshio)", ANYWHERE,
             BYTES("<dolfin"), ""),
-    REFUSED("XDMF", PARAVIEW, 0, NO_BYTES, ".xdmf .xmf "),
+    KNOWN("XDMF", CONVERT " where it is of grids", ANYWHERE, BYTES("<Xdmf"), ".xdmf .xmf "),
     KNOWN("PLY", SURFACE, 0, BYTES("ply\n"), ".ply "),
     KNOWN("PLY", SURFACE, 0, BYTES("ply\r"), ""),
     KNOWN("OFF", SURFACE, 0, BYTES("OFF\n"), ".off "),

@@ -547,5 +547,5 @@ static void gmsh_fields(const void *state, mesh_field_taker *take, void *ctx) {
             take(ctx, s->file.arrays[i].name, s->file.arrays[i].components);
 }
 
-const mesh_reader mesh_gmsh_reader = {"Gmsh",     gmsh_known, gmsh_open,  gmsh_read,
-                                      gmsh_close, gmsh_take,  gmsh_fields};
+const mesh_reader mesh_gmsh_reader = {"Gmsh",    gmsh_known,  gmsh_open, gmsh_read, gmsh_close,
+                                      gmsh_take, gmsh_fields, NULL,      NULL};

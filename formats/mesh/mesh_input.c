@@ -13,6 +13,7 @@
 #include "formats/mesh/mesh_stream.h"
 #include "formats/mesh/mesh_tetgen.h"
 #include "formats/mesh/mesh_vtk.h"
+#include "formats/mesh/mesh_vtk_parts.h"
 #include "formats/mesh/mesh_vtu.h"
 
 struct mesh_input {
@@ -27,7 +28,8 @@ struct mesh_input {
 
 /* What the formats are told by; the first that knows the file reads it. */
 static const mesh_reader *const readers[] = {&mesh_stream_reader, &mesh_tetgen_reader,
-                                             &mesh_gmsh_reader, &mesh_vtk_reader, &mesh_vtu_reader};
+                                             &mesh_gmsh_reader,   &mesh_vtk_reader,
+                                             &mesh_vtu_reader,    &mesh_vtk_parts_reader};
 
 enum { READERS = sizeof readers / sizeof *readers };
 
@@ -62,6 +64,9 @@ static status open_reader(mesh_input *x) {
     if (!x->reader)
         return foreign_refuse(source->data, "expected a mesh: TetGen (.node and .ele), VTK (.vtk, "
                                             ".vtu), Gmsh (.msh) or a mesh stream");
+    if (!x->reader->steps && source->hints.step > 0)
+        return status_describe(ST_USAGE, "%s: no step %u: there is 1, counted from 0",
+                               byte_stream_name(source->data), source->hints.step);
     return x->reader->open(source, &x->state);
 }
 
@@ -150,6 +155,26 @@ void mesh_input_fields(const mesh_input *x, mesh_field_taker *take, void *ctx) {
 status mesh_input_take(mesh_input *x, const char *const *names, uint32_t count) {
     x->fields = count;
     return x->reader->take(x->state, names, count);
+}
+
+bool mesh_input_names_files(const mesh_input *x) {
+    return x->reader->steps != NULL;
+}
+
+const char *mesh_input_file(const mesh_input *x) {
+    return x->reader->file ? x->reader->file(x->state) : x->source.path;
+}
+
+uint32_t mesh_input_steps(const mesh_input *x) {
+    const double *times;
+    return x->reader->steps ? x->reader->steps(x->state, &times) : 1;
+}
+
+const double *mesh_input_times(const mesh_input *x) {
+    const double *times = NULL;
+    if (x->reader->steps)
+        x->reader->steps(x->state, &times);
+    return times;
 }
 
 /* ---- reading ---- */

@@ -19,6 +19,7 @@
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/input/byte_stream.h"
+#include "formats/input/input_trust.h"
 
 enum { MESH_NAME_MAX = 63 }; /* bytes, without the NUL */
 #define MESH_POINTS_MAX ((uint64_t)UINT32_MAX - 1)
@@ -44,6 +45,8 @@ typedef struct mesh_hints {
     bool
         cells_to_points; /* take cell data, averaged to the points: the mean over a point's cells */
     const char *name;    /* of the data set, in place of the mesh's own */
+    uint32_t step;       /* of a file of several time steps, from 0 on */
+    input_trust trust;
 } mesh_hints;
 
 /* The cells that are split, by the number of their vertices' arrangement; also indexes
@@ -63,6 +66,7 @@ typedef struct mesh_report {
     uint64_t bad_indices;             /* cells left out: an id that is no point */
     uint64_t repeated;                /* tets left out: the same vertex twice */
     uint64_t skipped; /* cells of fewer dimensions (vertices, edges, triangles, ..) passed over */
+    uint64_t ghosts;  /* cells left out: another piece of the mesh has them, or they are hidden */
     char field[MESH_NAME_MAX + 1]; /* the first array taken; "" for a mesh without any */
 } mesh_report;
 
@@ -75,7 +79,8 @@ CHECKED status mesh_input_recognise(byte_stream *s, bool *known);
 /* mesh_input_open() - path, or "-" for a mesh on standard input. hints may be NULL; its text must
  * live as long as the mesh. ST_CORRUPT, ST_UNSUPPORTED (also for a file of no known format) or
  * ST_IO, naming file and place; ST_USAGE when there is no array as the hints want, naming those
- * there are. mesh_input_open_stream() - of a stream, which is taken over, and closed in any case.
+ * there are, and when there is no such step. mesh_input_open_stream() - of a stream, which is taken
+ * over, and closed in any case.
  */
 CHECKED status mesh_input_open(mem *m, const char *path, const mesh_hints *hints, mesh_input **out);
 CHECKED status mesh_input_open_stream(mem *m, byte_stream *s, const mesh_hints *hints,
@@ -112,6 +117,18 @@ double mesh_input_share(mesh_input *x);
  * The first is the one that is taken when none is asked for. Before mesh_input_read(). */
 typedef void mesh_field_taker(void *ctx, const char *name, int components);
 void mesh_input_fields(const mesh_input *x, mesh_field_taker *take, void *ctx);
+
+/* mesh_input_names_files() - whether its format is one whose files name others, and may have steps.
+ */
+bool mesh_input_names_files(const mesh_input *x);
+
+/* mesh_input_file() - for messages: its file, or of a collection the first one of the step. */
+const char *mesh_input_file(const mesh_input *x);
+
+/* mesh_input_steps() - how many time steps its file has, 1 or more; mesh_input_times() - of each,
+ * ascending; NULL: it tells none. */
+uint32_t mesh_input_steps(const mesh_input *x);
+const double *mesh_input_times(const mesh_input *x);
 
 /* mesh_input_take() - take these fields, each as mesh_hints.field, in place of the hints' one;
  * before mesh_input_read(). ST_USAGE as mesh_input_open(). */

@@ -34,6 +34,10 @@ typedef struct mesh_reader {
     status (*take)(void *state, const char *const *names, uint32_t count);
     /* mesh_input_fields(), of one that is open */
     void (*fields)(const void *state, mesh_field_taker *take, void *ctx);
+    /* mesh_input_steps(), and their times. NULL: there is one, and open() need not look at the
+     * hints' step. */
+    uint32_t (*steps)(const void *state, const double **times);
+    const char *(*file)(const void *state); /* mesh_input_file(); NULL: the source's */
 } mesh_reader;
 
 #endif

@@ -321,5 +321,6 @@ static void stream_fields(const void *state, mesh_field_taker *take, void *ctx) 
         take(ctx, s->header.field, 1);
 }
 
-const mesh_reader mesh_stream_reader = {"mesh stream", stream_known, stream_open,  stream_read,
-                                        stream_close,  stream_take,  stream_fields};
+const mesh_reader mesh_stream_reader = {"mesh stream", stream_known, stream_open,
+                                        stream_read,   stream_close, stream_take,
+                                        stream_fields, NULL,         NULL};

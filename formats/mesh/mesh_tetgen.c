@@ -310,5 +310,6 @@ static void tetgen_fields(const void *state, mesh_field_taker *take, void *ctx) 
     }
 }
 
-const mesh_reader mesh_tetgen_reader = {"TetGen",     tetgen_known, tetgen_open,  tetgen_read,
-                                        tetgen_close, tetgen_take,  tetgen_fields};
+const mesh_reader mesh_tetgen_reader = {"TetGen",      tetgen_known, tetgen_open,
+                                        tetgen_read,   tetgen_close, tetgen_take,
+                                        tetgen_fields, NULL,         NULL};

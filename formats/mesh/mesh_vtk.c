@@ -95,7 +95,7 @@ static status check_parts(const scan *s, byte_stream *data) {
 
 static status scan_file(vtk_unstructured *g, byte_stream *data) {
     scan s = {0};
-    status st = vtk_unstructured_add_piece(g, &s.p);
+    status st = vtk_unstructured_add_piece(g, g->source->path, &s.p);
     if (st != ST_OK)
         return st;
     vtk_legacy v = {

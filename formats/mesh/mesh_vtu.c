@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "formats/base/text.h"
-#include "formats/mesh/vtk_unstructured.h"
 #include "formats/vtk/vtk_cursor.h"
 #include "formats/vtk/vtk_xml.h"
 
@@ -19,12 +18,13 @@ enum {
 
 typedef struct scan {
     vtk_unstructured *g;
+    const char *path; /* of this file */
     vtk_piece *piece;
 } scan;
 
 static status on_piece(vtk_xml *x, const char **attributes) {
     scan *s = vtk_xml_user(x);
-    status st = vtk_unstructured_add_piece(s->g, &s->piece);
+    status st = vtk_unstructured_add_piece(s->g, s->path, &s->piece);
     if (st == ST_OK)
         st = vtk_xml_count(x, attributes, "NumberOfPoints", -1, 0, &s->piece->points);
     if (st == ST_OK)
@@ -76,8 +76,9 @@ static status on_array(vtk_xml *x, int element, const char *name, const vtk_arra
 
 /* ---- the file ---- */
 
-static void locate_arrays(const vtk_unstructured *g, const vtk_appended *appended) {
-    for (size_t i = 0; i < g->count; i++) {
+/* Those from piece `before` on. */
+static void locate_arrays(const vtk_unstructured *g, size_t before, const vtk_appended *appended) {
+    for (size_t i = before; i < g->count; i++) {
         vtk_piece *p = &g->pieces[i];
         vtk_xml_locate(appended, &p->position);
         vtk_xml_locate(appended, &p->cells.ids);
@@ -88,20 +89,19 @@ static void locate_arrays(const vtk_unstructured *g, const vtk_appended *appende
 }
 
 /* Offsets make a cell's points; without them the ids would be read in the legacy form. */
-static status check_cells(const vtk_unstructured *g) {
-    for (size_t i = 0; i < g->count; i++) {
+static status check_cells(const vtk_unstructured *g, size_t before, const char *path) {
+    for (size_t i = before; i < g->count; i++) {
         const vtk_cells_source *c = &g->pieces[i].cells;
         if (c->count > 0 && c->offsets.type == VTK_ABSENT)
             return status_describe(ST_CORRUPT, "%s: piece %zu: expected the offsets of its cells",
-                                   g->source->path, i + 1);
+                                   path, i - before + 1);
     }
-    if (g->count == 0)
-        return status_describe(ST_CORRUPT, "%s: expected a Piece in an UnstructuredGrid",
-                               g->source->path);
+    if (g->count == before)
+        return status_describe(ST_CORRUPT, "%s: expected a Piece in an UnstructuredGrid", path);
     return ST_OK;
 }
 
-static status scan_file(vtk_unstructured *g, byte_stream *data) {
+status mesh_vtu_scan(vtk_unstructured *g, const char *path, byte_stream *data) {
     static const vtk_xml_element elements[] = {
         {VTK_XML_FILE, "UnstructuredGrid", ELEMENT_GRID, NULL},
         {ELEMENT_GRID, "Piece", ELEMENT_PIECE, on_piece},
@@ -112,13 +112,18 @@ static status scan_file(vtk_unstructured *g, byte_stream *data) {
         {0, NULL, 0, NULL},
     };
     static const vtk_xml_reader reader = {"UnstructuredGrid", elements, on_array};
-    scan s = {.g = g};
+    scan s = {.g = g, .path = path};
+    const size_t before = g->count;
     vtk_appended appended;
-    status st = vtk_xml_scan(g->m, g->source->path, data, &reader, &s, &appended);
+    status st = vtk_xml_scan(g->m, path, data, &reader, &s, &appended);
     if (st != ST_OK)
         return st;
-    locate_arrays(g, &appended);
-    return check_cells(g);
+    locate_arrays(g, before, &appended);
+    return check_cells(g, before, path);
+}
+
+static status scan_file(vtk_unstructured *g, byte_stream *data) {
+    return mesh_vtu_scan(g, g->source->path, data);
 }
 
 /* ---- the reader ---- */

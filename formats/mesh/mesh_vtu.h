@@ -7,7 +7,11 @@
 #define FORMATS_MESH_MESH_VTU_H
 
 #include "formats/mesh/mesh_reader.h"
+#include "formats/mesh/vtk_unstructured.h"
 
 extern const mesh_reader mesh_vtu_reader;
+
+/* mesh_vtu_scan() - the pieces of one more file to a grid. path: lives as long as the grid. */
+CHECKED status mesh_vtu_scan(vtk_unstructured *g, const char *path, byte_stream *data);
 
 #endif

@@ -40,7 +40,7 @@ static status add_cell(averaging *a, const vtk_cell *cell) {
     for (uint32_t k = 0; st == ST_OK && k < a->count; k++) {
         const size_t n = a->fields[k]->components;
         st = vtk_cursor_doubles(a->values[k], n, a->tuple);
-        if (st == ST_OK && cell->volume)
+        if (st == ST_OK && cell->volume && !cell->hidden)
             mesh_average_add(&a->sums, k, cell->kind, cell->ids,
                              mesh_feed_magnitude(a->tuple, (int)n, a->component));
     }

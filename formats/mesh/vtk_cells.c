@@ -1,12 +1,15 @@
 #include "formats/mesh/vtk_cells.h"
 
+#include <string.h>
+
 #include "formats/mesh/mesh_split.h"
 #include "formats/vtk/vtk_cursor.h"
+#include "formats/vtk/vtk_fields.h"
 
 struct vtk_cells {
     mem *m;
     const vtk_cells_source *source;
-    vtk_cursor *types, *offsets, *ids;
+    vtk_cursor *types, *offsets, *ids, *ghosts;
     uint64_t cell; /* the next one */
     uint64_t end;  /* where the ids of the one before ended */
 };
@@ -35,6 +38,10 @@ static status open_cursors(vtk_cells *c) {
         st = vtk_cursor_open(c->m, &s->ids, s->ids_size, &c->ids);
     if (st == ST_OK && !counted)
         st = vtk_cursor_open(c->m, &s->offsets, s->count + s->from_zero, &c->offsets);
+    if (st == ST_OK && s->ghosts && !vtk_array_whole(s->ghosts->type))
+        st = vtk_array_fault(s->ghosts, ST_CORRUPT, "expected whole numbers");
+    if (st == ST_OK && s->ghosts)
+        st = vtk_cursor_open(c->m, s->ghosts, s->count * s->ghosts->components, &c->ghosts);
     return st;
 }
 
@@ -65,6 +72,7 @@ void vtk_cells_close(vtk_cells *c) {
     vtk_cursor_close(c->types);
     vtk_cursor_close(c->offsets);
     vtk_cursor_close(c->ids);
+    vtk_cursor_close(c->ghosts);
     mem_free(c->m, c);
 }
 
@@ -189,9 +197,30 @@ static status pass_over(vtk_cells *c, uint64_t count) {
     return st;
 }
 
+/* vtkGhostType has bits, vtkGhostLevels how far from its own part a cell is. */
+static status next_ghost(vtk_cells *c, vtk_cell *cell) {
+    enum { DUPLICATE = 1, REFINED = 8, HIDDEN = 32 };
+    uint64_t word = 0;
+    cell->copied = cell->hidden = false;
+    if (!c->ghosts)
+        return ST_OK;
+    const bool levels = strcmp(c->source->ghosts->name, VTK_GHOST_LEVELS) == 0;
+    status st = ST_OK;
+    for (uint32_t i = 0; st == ST_OK && i < c->source->ghosts->components; i++) {
+        uint64_t next;
+        st = vtk_cursor_whole(c->ghosts, 1, &next);
+        word = i == 0 ? next : word;
+    }
+    cell->copied = levels ? word > 0 : (word & DUPLICATE) != 0;
+    cell->hidden = !levels && (word & (REFINED | HIDDEN)) != 0;
+    return st;
+}
+
 status vtk_cells_next(vtk_cells *c, vtk_cell *cell) {
     uint64_t type, size;
-    status st = vtk_cursor_whole(c->types, 1, &type);
+    status st = next_ghost(c, cell);
+    if (st == ST_OK)
+        st = vtk_cursor_whole(c->types, 1, &type);
     if (st == ST_OK)
         st = next_size(c, &size);
     if (st != ST_OK)
@@ -216,5 +245,7 @@ status vtk_cells_finish(vtk_cells *c) {
     status st = vtk_cursor_finish(c->types);
     if (st == ST_OK && c->offsets)
         st = vtk_cursor_finish(c->offsets);
+    if (st == ST_OK && c->ghosts)
+        st = vtk_cursor_finish(c->ghosts);
     return st == ST_OK ? vtk_cursor_finish(c->ids) : st;
 }

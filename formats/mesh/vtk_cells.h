@@ -13,6 +13,7 @@
 typedef struct vtk_cells_source {
     uint64_t count;
     vtk_array types, offsets, ids;
+    const vtk_array *ghosts; /* vtkGhostType or vtkGhostLevels; NULL: there is none */
     bool from_zero;    /* the offsets start with a 0, so there is one more of them than cells */
     uint64_t ids_size; /* numbers in ids; VTK_CURSOR_ANY for as many as there are */
 } vtk_cells_source;
@@ -22,6 +23,8 @@ typedef struct vtk_cell {
     mesh_cell kind; /* arranged as mesh_input.h has it */
     int count;      /* of ids */
     uint64_t ids[8];
+    bool copied; /* another piece has it, too; or */
+    bool hidden; /* nobody shall see it: finer ones are in its place, say */
 } vtk_cell;
 
 typedef struct vtk_cells vtk_cells;

@@ -10,10 +10,21 @@
 
 enum { COMPONENTS_MAX = 4096 };
 
-status vtk_unstructured_add_piece(vtk_unstructured *g, vtk_piece **out) {
+status vtk_unstructured_add_path(vtk_unstructured *g, const char *path, const char **out) {
+    status st = mem_grow(g->m, &g->paths, sizeof *g->paths, g->path_count, 4, &g->path_room);
+    char *kept = st == ST_OK ? mem_copy_text(g->m, path) : NULL;
+    if (!kept)
+        return ST_NOMEM;
+    *out = g->paths[g->path_count++] = kept;
+    return ST_OK;
+}
+
+status vtk_unstructured_add_piece(vtk_unstructured *g, const char *path, vtk_piece **out) {
     status st = mem_grow(g->m, &g->pieces, sizeof *g->pieces, g->count, 8, &g->room);
     if (st == ST_OK)
         *out = &g->pieces[g->count++];
+    if (st == ST_OK)
+        (*out)->path = path;
     return st;
 }
 
@@ -45,6 +56,14 @@ const vtk_array *vtk_unstructured_field(const vtk_unstructured *g, const vtk_pie
     return vtk_fields_find(&p->fields, g->owner, g->taken[k]->name);
 }
 
+/* Which piece of its own file it is, from 1. */
+static size_t number_in_file(const vtk_unstructured *g, size_t i) {
+    size_t number = 1;
+    while (number <= i && g->pieces[i - number].path == g->pieces[i].path)
+        number++;
+    return number;
+}
+
 /* The chosen array, in each piece that has use for one. */
 static status check_pieces(const vtk_unstructured *g, const vtk_array *chosen) {
     for (size_t i = 0; i < g->count; i++) {
@@ -53,7 +72,7 @@ static status check_pieces(const vtk_unstructured *g, const vtk_array *chosen) {
         const vtk_array *field = vtk_fields_find(&p->fields, g->owner, chosen->name);
         if (!field && tuples > 0)
             return status_describe(ST_CORRUPT, "%s: piece %zu has no array \"%s\", unlike others",
-                                   g->source->path, i + 1, chosen->name);
+                                   p->path, number_in_file(g, i), chosen->name);
         if (!field)
             continue;
         if (!is_numeric(field))
@@ -94,12 +113,12 @@ status vtk_unstructured_take(void *state, const char *const *names, uint32_t cou
     return st;
 }
 
-static status check_piece(const vtk_unstructured *g, const vtk_piece *p) {
+static status check_piece(const vtk_piece *p) {
     if (p->points == 0)
         return ST_OK;
     if (p->position.type == VTK_ABSENT)
-        return status_describe(ST_CORRUPT, "%s: expected the positions of %llu points",
-                               g->source->path, (unsigned long long)p->points);
+        return status_describe(ST_CORRUPT, "%s: expected the positions of %llu points", p->path,
+                               (unsigned long long)p->points);
     if (p->position.components != 3 || !is_numeric(&p->position))
         return vtk_array_fault(&p->position, ST_CORRUPT, "%u components, expected 3",
                                p->position.components);
@@ -109,7 +128,7 @@ static status check_piece(const vtk_unstructured *g, const vtk_piece *p) {
 static status check(vtk_unstructured *g) {
     for (size_t i = 0; i < g->count; i++) {
         vtk_piece *p = &g->pieces[i];
-        status st = check_piece(g, p);
+        status st = check_piece(p);
         if (st != ST_OK)
             return st;
         if (p->points > MESH_POINTS_MAX || g->points + p->points > MESH_POINTS_MAX)
@@ -133,6 +152,8 @@ status vtk_unstructured_open(mesh_source *source,
     status st = vtk_array_check_file(source->path);
     if (st == ST_OK)
         st = scan(g, source->data);
+    for (size_t i = 0; i < g->count; i++)
+        g->pieces[i].cells.ghosts = vtk_fields_ghosts(&g->pieces[i].fields);
     return st == ST_OK ? check(g) : st;
 }
 
@@ -142,6 +163,10 @@ void vtk_unstructured_close(void *state) {
         return;
     for (size_t i = 0; i < g->count; i++)
         vtk_fields_release(&g->pieces[i].fields, g->m);
+    for (size_t i = 0; i < g->path_count; i++)
+        mem_free(g->m, g->paths[i]);
+    mem_free(g->m, g->paths);
+    vtk_parts_release(&g->parts, g->m);
     mem_free(g->m, g->pieces);
     mem_free(g->m, g->taken);
     mem_free(g->m, g);
@@ -197,7 +222,9 @@ static status read_cells(vtk_unstructured *g, const vtk_piece *p, uint64_t first
             break;
         for (int v = 0; v < cell.count; v++)
             cell.ids[v] = cell.ids[v] < p->points ? first + cell.ids[v] : UINT64_MAX;
-        if (cell.volume)
+        if (cell.copied || cell.hidden)
+            feed->report->ghosts++;
+        else if (cell.volume)
             st = mesh_feed_cell(feed, cell.kind, cell.ids);
         else
             feed->report->skipped++;

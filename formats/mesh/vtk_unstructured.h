@@ -11,8 +11,10 @@
 #include "formats/mesh/mesh_reader.h"
 #include "formats/mesh/vtk_cells.h"
 #include "formats/vtk/vtk_fields.h"
+#include "formats/vtk/vtk_parts.h"
 
 typedef struct vtk_piece {
+    const char *path; /* of the file it is in; not owned */
     uint64_t points;
     vtk_array position;
     vtk_cells_source cells;
@@ -24,14 +26,21 @@ typedef struct vtk_unstructured {
     const mesh_source *source;
     vtk_piece *pieces;
     size_t count, room;
+    vtk_parts parts; /* the files that the source names */
+    char **paths;    /* of those with pieces */
+    size_t path_count, path_room;
     uint64_t points;         /* of all pieces */
     vtk_owner owner;         /* whose fields are taken, */
     const vtk_array **taken; /* each as it is in some piece; */
     uint32_t taken_count;    /* 0: there is none */
 } vtk_unstructured;
 
-/* vtk_unstructured_add_piece() - an empty piece, valid until the next one. */
-CHECKED status vtk_unstructured_add_piece(vtk_unstructured *g, vtk_piece **out);
+/* vtk_unstructured_add_path() - a copy of a path that lives as long as the grid. */
+CHECKED status vtk_unstructured_add_path(vtk_unstructured *g, const char *path, const char **out);
+
+/* vtk_unstructured_add_piece() - an empty piece of a file, valid until the next one. path: lives as
+ * long as the grid. */
+CHECKED status vtk_unstructured_add_piece(vtk_unstructured *g, const char *path, vtk_piece **out);
 
 /* vtk_unstructured_field() - the k-th array taken, in a piece; NULL: it has no use for it. */
 const vtk_array *vtk_unstructured_field(const vtk_unstructured *g, const vtk_piece *p, uint32_t k);

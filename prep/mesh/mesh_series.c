@@ -3,7 +3,7 @@
 #include "prep/series_check.h"
 
 status mesh_series_check(const mesh_series *s) {
-    return series_check(s->paths, false,
+    return series_check(s->paths, s->in_file != NULL,
                         &(leaf_sets){s->fields, s->steps, s->names, s->times, NULL});
 }
 
@@ -17,15 +17,19 @@ static status read_step(const mesh_series *s, mesh_gather *g, mesh_input *x, con
 }
 
 /* field: of the first step, where the series has no names; "": it has none. */
-static status read_later_step(mem *m, const mesh_series *s, mesh_gather *g, const char *field,
-                              const mesh_sink *sink) {
+static status read_later_step(mem *m, const mesh_series *s, mesh_gather *g, uint32_t step,
+                              const char *field, const mesh_sink *sink) {
     mesh_hints hints = s->hints;
     mesh_report report;
     mesh_input *x = NULL;
     hints.field = s->names ? s->names[0] : *field ? field : NULL;
-    status st = mesh_input_open(m, s->paths[g->step], &hints, &x);
-    if (st == ST_OK)
+    if (s->in_file)
+        hints.step = step_list_at(s->in_file, step);
+    status st = mesh_input_open(m, s->paths[s->in_file ? 0 : step], &hints, &x);
+    if (st == ST_OK) {
+        mesh_gather_next(g, step, mesh_input_file(x));
         st = read_step(s, g, x, sink, &report);
+    }
     mesh_input_close(x);
     return st;
 }
@@ -34,11 +38,9 @@ status mesh_series_read(mem *m, const mesh_series *s, mesh_input *first, mesh_ga
                         const mesh_sink *sink, mesh_report *report) {
     g->fields = s->fields;
     g->steps = s->steps;
-    mesh_gather_next(g, 0, s->paths[0]);
+    mesh_gather_next(g, 0, mesh_input_file(first));
     status st = read_step(s, g, first, sink, report);
-    for (uint32_t step = 1; step < s->steps && st == ST_OK; step++) {
-        mesh_gather_next(g, step, s->paths[step]);
-        st = read_later_step(m, s, g, report->field, sink);
-    }
+    for (uint32_t step = 1; step < s->steps && st == ST_OK; step++)
+        st = read_later_step(m, s, g, step, report->field, sink);
     return st;
 }

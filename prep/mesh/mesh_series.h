@@ -10,16 +10,18 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
+#include "formats/base/step_list.h"
 #include "formats/mesh/mesh_input.h"
 #include "prep/mesh/mesh_gather.h"
 
 typedef struct mesh_series {
-    const char *const *paths; /* of the steps, in order */
+    const char *const *paths; /* of the steps, in order; one where they are in a file */
+    const step_list *in_file; /* the steps are these of the first path's file; NULL: one a path */
     uint32_t steps;           /* 1 or more */
     const char *const *names; /* of the fields; NULL: one, that which the hints take */
     uint32_t fields;          /* 1 or more */
     const double *times;      /* of the steps, ascending; NULL: untold */
-    mesh_hints hints;         /* but for `field` where there are names */
+    mesh_hints hints;         /* but for `field` where there are names; `step` where in_file */
 } mesh_series;
 
 /* mesh_series_check() - whether it can be: ST_USAGE for standard input where more than one reading

@@ -390,6 +390,9 @@ static uint64_t add_lamp(const frame *f, const lamp *at, const packet *p, const 
         for (int i = 0; i < LANES; i++) {
             valid[i] = facing[i] > 0.0f ? -1 : 0;
             rays += facing[i] > 0.0f;
+            /* Where packets of 16 are split, Embree looks at all that is not empty. */
+            if (!valid[i])
+                to.tfar[i] = -INFINITY;
         }
         if (rays)
             peer_rays_occluded(f->e->scene, &f->way, valid, &to);

@@ -42,8 +42,8 @@ json_t *view_life_json(const view_life *life) {
                      "number", (json_int_t)life->last.number);
 }
 
-void view_life_ready(const view_life *life) {
-    const char word = 1;
+void view_life_tell(const view_life *life, view_stage stage) {
+    const char word = (char)stage;
     /* Where it cannot be told, the supervisor is gone, and so is this process soon. */
     (void)!write(life->channel, &word, sizeof word);
 }

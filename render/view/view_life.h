@@ -33,13 +33,20 @@ typedef struct view_doing {
     view_told told;
 } view_doing;
 
+typedef enum view_stage {
+    VIEW_BEGINS,
+    VIEW_SERVES,   /* pages */
+    VIEW_ANNOUNCED /* and the address is printed */
+} view_stage;
+
 typedef struct view_life {
-    uint32_t number;  /* 0: the first */
-    int signal;       /* that ended the one before; 0: this is the first */
-    view_doing last;  /* what that was at */
-    view_doing *now;  /* seen by the supervisor */
-    int channel;      /* to the supervisor; at its end, that is gone */
-    uint32_t clients; /* how many there were */
+    uint32_t number;   /* 0: the first */
+    int signal;        /* that ended the one before; 0: this is the first */
+    view_doing last;   /* what that was at */
+    view_stage before; /* how far any life before has come */
+    view_doing *now;   /* seen by the supervisor */
+    int channel;       /* to the supervisor; at its end, that is gone */
+    uint32_t clients;  /* how many there were */
 } view_life;
 
 /* view_told_keep() - the text, cut where it is too long. */
@@ -59,9 +66,9 @@ uint64_t view_life_client(view_life *life);
 /* view_life_json() - how the life before ended, for pages; NULL: there was none, or no memory. */
 json_t *view_life_json(const view_life *life);
 
-/* view_life_ready() - tells the supervisor that pages are served: from now on a crash is no reason
- * to end. view_life_alone() - whether the supervisor is gone. */
-void view_life_ready(const view_life *life);
+/* view_life_tell() - tells the supervisor how far this life has come: from VIEW_SERVES on a crash
+ * is no reason to end. view_life_alone() - whether the supervisor is gone. */
+void view_life_tell(const view_life *life, view_stage stage);
 bool view_life_alone(const view_life *life);
 
 #endif

@@ -125,10 +125,11 @@ static status serve(view_verb *o, view_life *life) {
     status st = view_server_open(&o->m, &options, &server);
     if (st != ST_OK)
         return st;
-    if (life->number == 0)
+    view_life_tell(life, VIEW_SERVES); /* first: who reads the address may be quick */
+    if (life->before < VIEW_ANNOUNCED)
         st = announce(o, view_server_url(server));
     if (st == ST_OK) {
-        view_life_ready(life);
+        view_life_tell(life, VIEW_ANNOUNCED);
         view_server_run(server, stops, life);
         st = status_describe(ST_STOPPED, "stopped");
     }

@@ -95,9 +95,10 @@ status view_supervisor_begin(view_supervisor *s, view_life *life, bool *inside) 
 
 /* ---- Its end ---- */
 
-/* Until the child's end of the channel is closed, which its own end does. */
-static bool listen_to(const view_supervisor *s, int (*asked)(void)) {
-    bool served = false, passed = false;
+/* Until the child's end of the channel is closed, which its own end does. How far it has come. */
+static view_stage listen_to(const view_supervisor *s, int (*asked)(void)) {
+    view_stage came = VIEW_BEGINS;
+    bool passed = false;
     for (;;) {
         struct pollfd end = {.fd = s->channel, .events = POLLIN};
         char word;
@@ -108,14 +109,14 @@ static bool listen_to(const view_supervisor *s, int (*asked)(void)) {
         if (ppoll(&end, 1, NULL, &s->before) <= 0)
             continue;
         if (read(s->channel, &word, sizeof word) <= 0)
-            return served;
-        served = true;
+            return came;
+        came = (view_stage)word;
     }
 }
 
 void view_supervisor_wait(view_supervisor *s, int (*asked)(void), view_life *life, view_end *end) {
     int how = 0;
-    *end = (view_end){.served = listen_to(s, asked)};
+    *end = (view_end){.came = listen_to(s, asked)};
     while (waitpid(s->child, &how, 0) < 0 && errno == EINTR) {}
     close(s->channel);
     s->channel = -1;
@@ -125,14 +126,17 @@ void view_supervisor_wait(view_supervisor *s, int (*asked)(void), view_life *lif
         end->signal = WTERMSIG(how);
     else
         end->code = WEXITSTATUS(how);
-    *life = (view_life){.number = life->number + 1, .signal = end->signal, .last = *s->now};
+    *life = (view_life){.number = life->number + 1,
+                        .signal = end->signal,
+                        .last = *s->now,
+                        .before = end->came > life->before ? end->came : life->before};
 }
 
 status view_supervisor_goes_on(view_supervisor *s, const view_end *end) {
     const double now = clock_seconds();
     s->crashed[s->crashes++ % VIEW_CRASHES_MOST] = now;
     const double oldest = s->crashed[s->crashes % VIEW_CRASHES_MOST];
-    if (!end->served)
+    if (end->came < VIEW_SERVES)
         return status_describe(ST_FAILED, "it was not yet served: ended");
     if (s->crashes >= VIEW_CRASHES_MOST && now - oldest < VIEW_CRASHES_S)
         return status_describe(ST_FAILED, "drawing crashed %d times within %d seconds: ended",

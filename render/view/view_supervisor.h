@@ -30,7 +30,7 @@ typedef struct view_supervisor {
 typedef struct view_end {
     int code;        /* its exit status, where it ended by itself; */
     int signal;      /* 0; else the signal that ended it, */
-    bool served;     /* whether pages were served by then, */
+    view_stage came; /* how far it had come by then, */
     view_doing last; /* and what it was at */
 } view_end;
 

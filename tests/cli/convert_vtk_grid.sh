@@ -55,7 +55,14 @@ else
         cp "$out" "$tmp/expected.leaf"
         convert "$tmp/vtk/$form" --field "$field"
         ok "$form, $field" [ "$rc" = 0 ]
-        ok "the bytes of what VTK reads" cmp -s "$tmp/expected.leaf" "$out"
+        # A magnitude is rounded, which a file says: of one, samples and place alone.
+        if [ "$field" = "a vector" ]; then
+            "$leafcast" export "$tmp/expected.leaf" -o "$tmp/expected.nrrd" --force -q
+            "$leafcast" export "$out" -o "$tmp/got.nrrd" --force -q
+            ok "the samples of what VTK reads" cmp -s "$tmp/expected.nrrd" "$tmp/got.nrrd"
+        else
+            ok "the bytes of what VTK reads" cmp -s "$tmp/expected.leaf" "$out"
+        fi
     done <"$tmp/forms"
 fi
 finish

@@ -1,5 +1,6 @@
 #!/bin/sh
 # export.sh - leafcast export: samples, surfaces and meshes out again, to files and pipes; exit codes.
+# marks: leaks
 . tests/support/tap.sh
 
 grid=$tmp/g.leaf

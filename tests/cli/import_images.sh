@@ -1,7 +1,7 @@
 #!/bin/sh
 # import_images.sh - stacks of images through the importer: the samples and distances that tifffile and
 # oiiotool read back; order of names; channels; slices that do not fit; broken files; budgets.
-# marks: long plain
+# marks: long plain leaks
 . tests/support/tap.sh
 
 if ! "$leafcast" --list-verbs | grep -qx import-images; then

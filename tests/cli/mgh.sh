@@ -1,6 +1,7 @@
 #!/bin/sh
 # mgh.sh - FreeSurfer volumes written by nibabel: the samples and the place that it reads back, of every type, packed or
 # not, with frames; and what is refused.
+# marks: leaks
 . tests/support/tap.sh
 
 export PYTHONDONTWRITEBYTECODE=1

@@ -1,5 +1,6 @@
 #!/bin/sh
 # probe.sh - leafcast probe: a pixel's ray, a ray, a point; text and JSON; that it sees what render draws.
+# marks: leaks
 . tests/support/tap.sh
 
 leaf=$tmp/v.leaf

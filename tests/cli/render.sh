@@ -1,6 +1,6 @@
 #!/bin/sh
 # render.sh - leafcast render: exit codes, what goes where, files, sequences, scripts, and the same bits for any budget.
-# marks: threads, long
+# marks: threads, long, leaks
 . tests/support/tap.sh
 
 leaf=$tmp/v.leaf

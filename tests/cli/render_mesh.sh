@@ -1,7 +1,7 @@
 #!/bin/sh
 # render_mesh.sh - pictures and probes of meshes: from every kernel, budget and compression the same
 # distances; what a mesh does not have is refused.
-# marks: threads, long
+# marks: threads, long, leaks
 . tests/support/tap.sh
 
 says() { grep -q -- "$1" "$tmp/$2"; }

@@ -1,5 +1,6 @@
 #!/bin/sh
 # resample.sh - leafcast resample: meshes and treelet files of them to grids, pipes, exit codes.
+# marks: leaks
 . tests/support/tap.sh
 
 out=$tmp/a.nrrd

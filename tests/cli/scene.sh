@@ -1,6 +1,6 @@
 #!/bin/sh
 # scene.sh - leafcast render --and: several volumes in a picture; --ortho: parallel rays.
-# marks: threads
+# marks: threads leaks
 . tests/support/tap.sh
 
 says() { grep -q -- "$1" "$tmp/$2"; }

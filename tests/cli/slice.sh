@@ -1,5 +1,6 @@
 #!/bin/sh
 # slice.sh - leafcast slice: planes, layers and curved slices as pictures, values and JSON; what is read.
+# marks: leaks
 . tests/support/tap.sh
 
 leaf=$tmp/v.leaf

@@ -1,5 +1,6 @@
 #!/bin/sh
 # view.sh - named colours, lists of isovalues, turntables; flags of a view that would change nothing.
+# marks: leaks
 . tests/support/tap.sh
 
 says() { grep -q -- "$1" "$tmp/${2:-err}"; }

@@ -91,6 +91,19 @@ def pieces(second):
                'Name="a"/></PPointData><Piece Extent="0 3 0 7 0 7" Source="whole.vti"/>%s</PImageData></VTKFile>' % second)
 
 
+def collection(*files):
+    put("whole.vti", vti(RAW))
+    return put("a.pvd", '<VTKFile type="Collection"><Collection>%s</Collection></VTKFile>' %
+               "".join('<DataSet timestep="%d" file="%s"/>' % f for f in files))
+
+
+def xdmf(name):
+    put("short.raw", SHORT)
+    return put("a.xdmf", "<Xdmf><Domain><Grid><Topology TopologyType='3DCoRectMesh' Dimensions='8 8 8'/><Geometry GeometryType="
+               "'ORIGIN_DXDYDZ'><DataItem>0 0 0</DataItem><DataItem>1 1 1</DataItem></Geometry><Attribute Name='a'><DataItem "
+               "Format='Binary' NumberType='UChar' Dimensions='8 8 8'>%s</DataItem></Attribute></Grid></Domain></Xdmf>" % name)
+
+
 def vtk_legacy():
     return put("a.vtk", b"# vtk DataFile Version 3.0\na\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 8 8 8\nORIGIN 0 0 0\n"
                b"SPACING 1 1 1\nPOINT_DATA 512\nSCALARS a unsigned_char\nLOOKUP_TABLE default\n" + SHORT)
@@ -233,6 +246,10 @@ ROWS = (
     ("VTK", "bytes at the end, legacy", vtk_legacy, 3, "a.vtk", None),
     ("VTK in pieces", "the file of a piece", lambda: pieces('<Piece Extent="4 7 0 7 0 7" Source="none.vti"/>'), 1, "none.vti", None),
     ("VTK in pieces", "a piece", lambda: pieces(""), 3, "do not fill the whole extent", None),
+    ("VTK collection", "the file of a step", lambda: collection((0, "whole.vti"), (1, "none.vti")), 1, "none.vti", None),
+    ("VTK collection", "a part's file", lambda: collection((0, "none.vtu"), (0, "none2.vtu")), 1, "none.vtu", None),
+    ("XDMF", "the file of an attribute", lambda: xdmf("none.raw"), 1, "none.raw", None),
+    ("XDMF", "bytes at the end of a raw file", lambda: xdmf("short.raw"), 3, "short.raw", None),
     ("Zarr", "some chunks", lambda: zarr(HALF), 0, "1 of 2 chunks is absent", None),
     ("Zarr", "all chunks", lambda: zarr({}), 3, "none of its 2 chunks", "2 of 2 chunks are absent"),
     ("Zarr", "chunks, by another separator", lambda: zarr({"0_0_0": RAW[:256]}, dimension_separator="_"), 3, "dimension_separator", None),

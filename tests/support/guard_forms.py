@@ -100,9 +100,37 @@ def vtk_grids():
     form("vtk_grid_xml", write("r.vtr", '<VTKFile type="RectilinearGrid" version="1.0" byte_order="LittleEndian">'
                                '<RectilinearGrid WholeExtent="0 3 0 3 0 3"><Piece Extent="0 3 0 3 0 3">%s<Coordinates>%s'
                                "</Coordinates></Piece></RectilinearGrid></VTKFile>" % (data % NUMBERS, 3 * axis)))
+    points = " ".join("%d %d %d" % (i, j, k) for k in range(4) for j in range(4) for i in range(4))
+    points = '<Points><DataArray type="Float32" NumberOfComponents="3" format="ascii">%s</DataArray></Points>' % points
+    whole = '<VTKFile type="%s" version="1.0"><%s WholeExtent="0 3 0 3 0 3"><Piece Extent="0 3 0 3 0 3"'
+    write("s.vts", whole % (2 * ("StructuredGrid",)) + ">%s%s</Piece></StructuredGrid></VTKFile>" % (data % NUMBERS, points))
+    form("vtk_grid_xml", "s.vts")
+    write("s.pvts", whole % (2 * ("PStructuredGrid",)) + ' Source="s.vts"/></PStructuredGrid></VTKFile>')
+    form("vtk_grid_xml", "s.pvts", "s.pvts", "s.vts")
+    list = '<VTKFile type="%s" version="1.0"><%s>%s</%s></VTKFile>'
+    image("j.vti", 0, 3)
+    write("i.pvd", list % ("Collection", "Collection", '<DataSet timestep="0" file="i.pvti"/><DataSet timestep="1" '
+                           'file="j.vti"/>', "Collection"))
+    form("vtk_grid_parts", "i.pvd", "i.pvd", "i.pvti", "j.vti", *pieces)
+    write("i.vtm", list % ("vtkMultiBlockDataSet", "vtkMultiBlockDataSet", '<DataSet file="i.vti"/>', "vtkMultiBlockDataSet"))
+    form("vtk_grid_parts", "i.vtm", "i.vtm", "i.vti")
     form("vtk_grid_legacy", write("l.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 4 4 4"
                                   "\nORIGIN 0 0 0\nSPACING 1 1 1\nPOINT_DATA 64\nSCALARS v unsigned_char 1\n"
                                   "LOOKUP_TABLE default\n%s\n" % NUMBERS))
+
+
+def xdmf(name, where, form):
+    return write(name, '<Xdmf Version="2.0"><Domain><Grid GridType="Collection" CollectionType="Temporal">%s</Grid></Domain>'
+                 "</Xdmf>" % "".join('<Grid><Topology TopologyType="3DCoRectMesh" Dimensions="4 4 4"/><Geometry GeometryType='
+                                     '"ORIGIN_DXDYDZ"><DataItem Dimensions="3">0 0 0</DataItem><DataItem Dimensions="3">1 1 1'
+                                     '</DataItem></Geometry><Attribute Name="v"><DataItem Dimensions="4 4 4" Format="%s" '
+                                     'NumberType="UChar">%s</DataItem></Attribute></Grid>' % (form, w) for w in where))
+
+
+def xdmf_raw():
+    for name in "x0.raw", "x1.raw":
+        write(name, SAMPLES)
+    form("xdmf", xdmf("x.xdmf", ["x0.raw", "x1.raw"], "Binary"), "x.xdmf", "x0.raw", "x1.raw")
 
 
 def raw():
@@ -156,12 +184,26 @@ def meshes():
          + points + "\nCELLS 2 10\n" + tets + "\nCELL_TYPES 2\n10 10\nPOINT_DATA 5\nSCALARS v float 1\n"
          "LOOKUP_TABLE default\n0 1 2 3 4\n"))
     array = '<DataArray type="%s" Name="%s" NumberOfComponents="%d" format="ascii">%s</DataArray>'
-    form("mesh_vtu", write("u.vtu", '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian">'
+    vtu = ('<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian">'
          '<UnstructuredGrid><Piece NumberOfPoints="5" NumberOfCells="2"><PointData Scalars="v">'
          + array % ("Float32", "v", 1, "0 1 2 3 4") + "</PointData><Points>" + array % ("Float32", "p", 3, points)
          + "</Points><Cells>" + array % ("Int32", "connectivity", 1, " ".join("%d %d %d %d" % t for t in TETS))
          + array % ("Int32", "offsets", 1, "4 8") + array % ("UInt8", "types", 1, "10 10")
-         + "</Cells></Piece></UnstructuredGrid></VTKFile>"))
+         + "</Cells></Piece></UnstructuredGrid></VTKFile>")
+    form("mesh_vtu", write("u.vtu", vtu))
+    for name in "u0.vtu", "u1.vtu":
+        write(name, vtu)
+    list = '<VTKFile type="%s" version="1.0"><%s>%s</%s></VTKFile>'
+
+    def parts(name, type, element, *files):
+        write(name, list % (type, type, "".join(element % f for f in files), type))
+
+    parts("u.pvtu", "PUnstructuredGrid", '<Piece Source="%s"/>', "u0.vtu", "u1.vtu")
+    form("mesh_vtk_parts", "u.pvtu", "u.pvtu", "u0.vtu", "u1.vtu")
+    parts("u.vtm", "vtkMultiBlockDataSet", '<DataSet file="%s"/>', "u.pvtu", "u.vtu")
+    form("mesh_vtk_parts", "u.vtm", "u.vtm", "u.pvtu", "u.vtu", "u0.vtu", "u1.vtu")
+    parts("u.pvd", "Collection", '<DataSet timestep="%d" file="%s"/>', (0, "u0.vtu"), (1, "u1.vtu"))
+    form("mesh_vtk_parts", "u.pvd", "u.pvd", "u0.vtu", "u1.vtu")
 
 
 def surfaces():
@@ -204,6 +246,9 @@ def hdf5():
     with h5py.File("linked.h5", "w") as f:
         f["w"] = h5py.ExternalLink("h.h5", "/v")
     form("import-hdf5", "h.h5")
+    with h5py.File("x.h5", "w") as f:
+        f["g/v"] = a
+    form("xdmf", xdmf("h.xmf", ["x.h5:/g/v"], "HDF"), "h.xmf", "x.h5")
     form("import-hdf5", "outside.h5", "outside.h5", "outside.raw")
     form("import-hdf5", "deeper.h5", "deeper.h5", "sub/outside.raw")
     form("import-hdf5", "virtual.h5", "virtual.h5", *["source%d.h5" % z for z in range(4)])
@@ -258,5 +303,5 @@ def dicom():
     form("import-dicom", "dcm", *["dcm/%d.dcm" % z for z in range(4)])
 
 
-for make in nrrd, metaimage, nifti, others, vtk_grids, raw, zarr, meshes, surfaces, hdf5, netcdf, images, dicom:
+for make in nrrd, metaimage, nifti, others, vtk_grids, xdmf_raw, raw, zarr, meshes, surfaces, hdf5, netcdf, images, dicom:
     make()

@@ -53,12 +53,21 @@ def extent():
     return "0 %d 0 %d 0 %d" % ((N - 1,) * 3)
 
 
+def geometry(kind):
+    if kind[0] == "I":
+        return ""
+    if kind[0] == "R":
+        return "<Coordinates>%s</Coordinates>" % (3 * ("<DataArray type='Float32' format='ascii'>%s</DataArray>"
+                                                       % " ".join(map(str, range(N)))))
+    points = " ".join("%d %d %d" % (i, j, k) for k in range(N) for j in range(N) for i in range(N))
+    return "<Points><DataArray type='Float32' NumberOfComponents='3' format='ascii'>%s</DataArray></Points>" % points
+
+
 def vtk_piece(path, kind):
     values = " ".join(map(str, SAMPLES))
-    axes = "".join("<DataArray type='Float32' format='ascii'>%s</DataArray>" % " ".join(map(str, range(N))) for _ in "xyz")
     text(path, "<VTKFile type='%s'><%s WholeExtent='%s'><Piece Extent='%s'><PointData><DataArray type='UInt8' Name='a' "
          "format='ascii'>%s</DataArray></PointData>%s</Piece></%s></VTKFile>" %
-         (kind, kind, extent(), extent(), values, "<Coordinates>%s</Coordinates>" % axes if kind[0] == "R" else "", kind))
+         (kind, kind, extent(), extent(), values, geometry(kind), kind))
 
 
 def vtk_pieces(kind, suffix):
@@ -66,6 +75,29 @@ def vtk_pieces(kind, suffix):
         return text(path + suffix, "<VTKFile type='P%s'><P%s WholeExtent='%s'><PPointData><PDataArray type='UInt8' "
                     "Name='a'/></PPointData><Piece Extent='%s' Source='%s'/></P%s></VTKFile>" %
                     (kind, kind, extent(), extent(), name, kind))
+    return make
+
+
+def vtk_mesh(path):
+    array = "<DataArray type='%s' Name='%s' NumberOfComponents='%d' format='ascii'>%s</DataArray>"
+    text(path, "<VTKFile type='UnstructuredGrid'><UnstructuredGrid><Piece NumberOfPoints='4' NumberOfCells='1'><PointData>"
+         + array % ("UInt8", "a", 1, "1 2 3 4") + "</PointData><Points>" + array % ("Float32", "p", 3, "0 0 0 1 0 0 0 1 0 0 0 1")
+         + "</Points><Cells>" + array % ("Int32", "connectivity", 1, "0 1 2 3") + array % ("Int32", "offsets", 1, "4")
+         + array % ("UInt8", "types", 1, "10") + "</Cells></Piece></UnstructuredGrid></VTKFile>")
+
+
+def vtk_list(type, element, suffix):
+    def make(path, name):
+        return text(path + suffix, "<VTKFile type='%s'><%s>%s</%s></VTKFile>" % (type, type, element % name, type))
+    return make
+
+
+def xdmf(form, where):
+    def make(path, name):
+        return text(path + ".xdmf", "<Xdmf><Domain><Grid><Topology TopologyType='3DCoRectMesh' Dimensions='%d %d %d'/><Geometry "
+                    "GeometryType='ORIGIN_DXDYDZ'><DataItem>0 0 0</DataItem><DataItem>1 1 1</DataItem></Geometry><Attribute "
+                    "Name='a'><DataItem Format='%s' NumberType='UChar' Dimensions='%d %d %d'>%s</DataItem></Attribute></Grid>"
+                    "</Domain></Xdmf>" % (N, N, N, form, N, N, N, where % name))
     return make
 
 
@@ -113,6 +145,12 @@ FORMATS = {
     "JSON of raw samples": (raw_json, raw, (), False),
     "VTK image data": (vtk_pieces("ImageData", ".pvti"), lambda p: vtk_piece(p, "ImageData"), (), False),
     "VTK rectilinear grid": (vtk_pieces("RectilinearGrid", ".pvtr"), lambda p: vtk_piece(p, "RectilinearGrid"), (), False),
+    "VTK structured grid": (vtk_pieces("StructuredGrid", ".pvts"), lambda p: vtk_piece(p, "StructuredGrid"), (), False),
+    "VTK mesh in pieces": (vtk_list("PUnstructuredGrid", "<Piece Source='%s'/>", ".pvtu"), vtk_mesh, (), False),
+    "VTK blocks": (vtk_list("vtkMultiBlockDataSet", "<Block><DataSet file='%s'/></Block>", ".vtm"), vtk_mesh, (), False),
+    "VTK collection": (vtk_list("Collection", "<DataSet timestep='2' file='%s'/>", ".pvd"), vtk_mesh, (), False),
+    "XDMF, raw": (xdmf("Binary", "%s"), raw, (), False),
+    "XDMF, HDF5": (xdmf("HDF", "%s:/g/a"), hdf5_source, (), True),
     "HDF5 external storage": (hdf5_storage, raw, (), True),
     "HDF5 virtual data set": (hdf5_virtual, hdf5_source, (), True),
     "HDF5 external link": (hdf5_link, hdf5_source, ("--field", "a"), True),
@@ -259,6 +297,7 @@ OPENS = {
     "formats/grid/imported.c": "folder", "formats/grid/layout_slices.c": "kept", "formats/grid/nifti.c": "implied",
     "formats/grid/metaimage.c": "rule", "formats/grid/volume_files.c": "rule", "formats/grid/nrrd.c": "rule", "formats/grid/rawfile.c": "implied",
     "formats/grid/volume.c": "given", "formats/grid/volume_layout.c": "rule", "formats/grid/vtk_grid_xml.c": "rule",
+    "formats/grid/vtk_grid_parts.c": "kept", "formats/grid/xdmf_file.c": "rule", "formats/grid/xdmf.c": "kept", "formats/vtk/vtk_parts.c": "rule", "formats/mesh/mesh_vtk_parts.c": "kept",
     "formats/grid/zarr.c": "rule", "formats/grid/zarr_array.c": "folder", "formats/grid/zarr_chunk.c": "kept",
     "formats/input/foreign.c": "folder",
     "formats/info_main.c": "given", "formats/input/byte_stream.c": "given", "formats/input_open.c": "given",
