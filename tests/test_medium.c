@@ -6,7 +6,7 @@
  *   test_medium NAME                  one of the tests below; * is any text
  *   test_medium VOLUME KIND SEED      one picture, every pixel
  */
-/* marks: threads, long */
+/* marks: threads, long, plain */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

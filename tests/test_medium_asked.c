@@ -2,7 +2,7 @@
  * the truth grows from 1e-2 to 1e-9, whatever the transfer function; not even where rounding alone
  * exceeds what is asked for.
  */
-/* marks: long */
+/* marks: long, plain */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
