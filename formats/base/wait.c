@@ -3,8 +3,7 @@
 #include <errno.h>
 #include <poll.h>
 #include <stddef.h>
-
-#include "formats/base/file.h"
+#include <string.h>
 
 enum { WAIT_MS = 100 };
 
@@ -30,6 +29,7 @@ status wait_ready(int fd, short events, const char *name) {
         if (ready > 0)
             return ST_OK;
         if (ready < 0 && errno != EINTR)
-            return file_failed(errno, name, "cannot wait for");
+            return status_describe(errno == ENOMEM ? ST_NOMEM : ST_IO, "%s: cannot wait for: %s",
+                                   name, strerror(errno));
     }
 }

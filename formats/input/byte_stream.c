@@ -11,8 +11,6 @@
 #include "formats/base/file_guard.h"
 #include "formats/base/text.h"
 #include "formats/base/wait.h"
-#include "formats/input/dicom_mark.h"
-#include "formats/input/unpack_stream.h"
 
 struct byte_stream {
     mem *m;
@@ -95,63 +93,6 @@ void byte_stream_close(byte_stream *s) {
     mem_free(s->m, s);
 }
 
-/* ---- packed files ---- */
-
-/* A source of unpacked bytes. */
-typedef struct unpacked {
-    mem *m;
-    byte_stream *packed;
-    unpack_stream *bytes;
-} unpacked;
-
-static status read_unpacked(void *ctx, void *to, size_t size, size_t *got) {
-    return unpack_stream_read(((unpacked *)ctx)->bytes, to, size, got);
-}
-
-static void close_unpacked(void *ctx) {
-    unpacked *u = ctx;
-    unpack_stream_close(u->bytes);
-    byte_stream_close(u->packed);
-    mem_free(u->m, u);
-}
-
-/* packed is taken over. */
-static status unpack(mem *m, const packer *how, byte_stream *packed, byte_stream **out) {
-    *out = NULL;
-    unpacked *u = mem_zalloc(m, sizeof *u);
-    if (!u) {
-        byte_stream_close(packed);
-        return ST_NOMEM;
-    }
-    *u = (unpacked){.m = m, .packed = packed};
-    const byte_source from = {read_unpacked, close_unpacked, u};
-    status st = unpack_stream_open(m, how, packed, &u->bytes);
-    if (st != ST_OK) {
-        close_unpacked(u);
-        return st;
-    }
-    st = byte_stream_open_source(m, byte_stream_path(packed), &from, out);
-    if (st == ST_OK && packer_is_suffix((*out)->kind))
-        *strrchr((*out)->kind, '.') = 0;
-    return st;
-}
-
-status byte_stream_open(mem *m, const char *path, byte_stream **out) {
-    const uint8_t *start;
-    size_t size = 0;
-    status st = byte_stream_open_stored(m, path, out);
-    if (st != ST_OK || !((*out)->fd >= 0 || packer_is_suffix(path)))
-        return st;
-    st = byte_stream_peek(*out, DICOM_MARK_END, &start, &size);
-    if (st != ST_OK) {
-        byte_stream_close(*out);
-        *out = NULL;
-        return st;
-    }
-    const packer *how = dicom_mark_is_at(start, size) ? NULL : packer_find(start, size);
-    return how ? unpack(m, how, *out, out) : ST_OK;
-}
-
 /* ---- reading ---- */
 
 const char *byte_stream_name(const byte_stream *s) {
@@ -164,6 +105,14 @@ const char *byte_stream_path(const byte_stream *s) {
 
 const char *byte_stream_kind(const byte_stream *s) {
     return s->kind;
+}
+
+void byte_stream_drop_suffix(byte_stream *s) {
+    *strrchr(s->kind, '.') = 0;
+}
+
+bool byte_stream_is_pipe(const byte_stream *s) {
+    return s->fd >= 0;
 }
 
 uint64_t byte_stream_position(const byte_stream *s) {

@@ -47,6 +47,11 @@ const char *byte_stream_name(const byte_stream *s);
 const char *byte_stream_path(const byte_stream *s);
 const char *byte_stream_kind(const byte_stream *s);
 
+/* byte_stream_drop_suffix() - the kind without the last one, which it has. byte_stream_is_pipe() -
+ * whether it reads standard input or a named pipe. */
+void byte_stream_drop_suffix(byte_stream *s);
+bool byte_stream_is_pipe(const byte_stream *s);
+
 /* byte_stream_position() - bytes taken so far. byte_stream_left() - bytes still to come; UINT64_MAX
  * when a pipe or a packed file does not tell. */
 uint64_t byte_stream_position(const byte_stream *s);

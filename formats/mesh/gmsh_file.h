@@ -15,7 +15,7 @@
 #include "formats/base/status.h"
 #include "formats/input/byte_stream.h"
 #include "formats/input/text_tokens.h"
-#include "formats/mesh/mesh_input.h"
+#include "formats/mesh/mesh_sink.h"
 
 enum { GMSH_COMPONENTS_MAX = 9 };
 

@@ -2,6 +2,7 @@
 #ifndef FORMATS_MESH_MESH_ARRAYS_H
 #define FORMATS_MESH_MESH_ARRAYS_H
 
+#include "formats/mesh/mesh_input.h"
 #include "formats/mesh/mesh_reader.h"
 
 /* mesh_arrays_state() - what the reader reads from. */

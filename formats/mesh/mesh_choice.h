@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 #include "formats/base/name_list.h"
-#include "formats/mesh/mesh_input.h"
+#include "formats/mesh/mesh_sink.h"
 
 /* mesh_choice_missing() - no array was found that the hints ask for. ST_OK when they ask for none
  * and the file has none; else ST_USAGE: what arrays there are, and the option for those of the

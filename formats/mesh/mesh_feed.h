@@ -9,7 +9,7 @@
 #ifndef FORMATS_MESH_MESH_FEED_H
 #define FORMATS_MESH_MESH_FEED_H
 
-#include "formats/mesh/mesh_input.h"
+#include "formats/mesh/mesh_sink.h"
 
 enum { MESH_FEED_CHUNK = 4096 };
 

@@ -6,7 +6,7 @@
 
 #include "formats/input/byte_stream.h"
 #include "formats/mesh/mesh_feed.h"
-#include "formats/mesh/mesh_input.h"
+#include "formats/mesh/mesh_sink.h"
 
 enum { MESH_READER_PEEK = 4096 };
 

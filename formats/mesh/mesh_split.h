@@ -14,7 +14,7 @@
 #ifndef FORMATS_MESH_MESH_SPLIT_H
 #define FORMATS_MESH_MESH_SPLIT_H
 
-#include "formats/mesh/mesh_input.h"
+#include "formats/mesh/mesh_sink.h"
 
 enum { MESH_SPLIT_TETS = 6 };
 

@@ -12,8 +12,8 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
-#include "formats/mesh/mesh_input.h"
 #include "formats/mesh/mesh_reader.h"
+#include "formats/mesh/mesh_sink.h"
 
 typedef struct mesh_stream_header {
     char name[MESH_NAME_MAX + 1], field[MESH_NAME_MAX + 1]; /* "": none; printable, one line */

@@ -5,7 +5,7 @@
 #define FORMATS_MESH_VTK_CELLS_H
 
 #include "formats/base/mem.h"
-#include "formats/mesh/mesh_input.h"
+#include "formats/mesh/mesh_sink.h"
 #include "formats/vtk/vtk_array.h"
 
 /* Where they are written. Without offsets, each cell's number of points stands in front of its ids.
