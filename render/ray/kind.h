@@ -7,10 +7,10 @@
 #ifndef RENDER_RAY_KIND_H
 #define RENDER_RAY_KIND_H
 
+#include "render/leafcast.h"
 #include "render/ray/extremes.h"
 #include "render/ray/ray_bundle.h"
 #include "render/ray/ray_kernels.h"
-#include "render/leafcast.h"
 
 struct camera;
 struct projection;
