@@ -1,6 +1,7 @@
 #include "formats/grid/zarr.h"
 
 #include <endian.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -192,6 +193,7 @@ static status set_grid(zarr *z, grid *g) {
         g->dims[r] = a->shape[axis];
         g->to_world[r][r] = a->scale[axis];
         g->to_world[r][3] = a->translation[axis];
+        world_frame_set_unit(&g->frame, r, a->unit[axis]);
     }
     memcpy(g->name, a->name, sizeof g->name);
     return grid_check(g, a->path);
@@ -202,11 +204,35 @@ static uint32_t steps_of(const zarr *z) {
     return t < 0 ? 1 : z->a.shape[t];
 }
 
+/* Of the steps, by OME's scale and translation: NULL where these tell nothing, which is that of
+ * writers that know of no times. They increase. */
+static status make_times(const zarr *z, double **out) {
+    const zarr_array *a = &z->a;
+    const int t = a->axis[ORDER_STEP];
+    if (t < 0 || a->shape[t] < 2 || !(a->scale[t] > 0) || !isfinite(a->scale[t]) ||
+        !isfinite(a->translation[t]) ||
+        (a->scale[t] == 1 && a->translation[t] == 0 && !a->unit[t][0]))
+        return ST_OK;
+    *out = mem_array(z->m, a->shape[t], sizeof **out);
+    for (uint32_t i = 0; *out && i < a->shape[t]; i++)
+        (*out)[i] = a->translation[t] + i * a->scale[t];
+    return *out ? ST_OK : ST_NOMEM;
+}
+
 static status tell_fields(void *ctx, const slice_fields *to) {
     const zarr *z = ctx;
     slice_field one = {.name = "", .steps = steps_of(z), .taken = true};
+    double *times = NULL;
     stored_samples_tell(&z->in_file, &one);
-    return to->take(to->ctx, &one);
+    status st = make_times(z, &times);
+    if (st != ST_OK)
+        return st;
+    one.times = times;
+    if (times && z->a.unit[z->a.axis[ORDER_STEP]][0])
+        one.time_unit = z->a.unit[z->a.axis[ORDER_STEP]];
+    st = to->take(to->ctx, &one);
+    mem_free(z->m, times);
+    return st;
 }
 
 /* Which numbers and which step: z->a.stored then tells what is held. */

@@ -10,6 +10,8 @@
 
 #include "formats/base/file.h"
 #include "formats/base/json_text.h"
+#include "formats/base/text.h"
+#include "formats/grid/ngff_units.h"
 #include "formats/grid/npy.h"
 
 enum { JSON_MAX = 1 << 22, DEPTH_MAX = 4, LIST_MAX = 300, FILE_NAME = 320 };
@@ -148,13 +150,16 @@ static int role_of(const json_t *axis) {
     return at ? (int)(at - "xyzct") : -1;
 }
 
-/* Roles by name; the array's shape is not known yet. */
+/* Roles by name, and units; the array's shape is not known yet. */
 static void name_axes(zarr_array *z, const json_t *axes) {
     z->axes = (int)json_array_size(axes);
     for (int i = 0; i < z->axes && i < ZARR_AXES; i++) {
         static const int roles[] = {ORDER_X, ORDER_Y, ORDER_Z, ORDER_COMPONENT, ORDER_STEP};
-        const int role = role_of(json_array_get(axes, (size_t)i));
+        const json_t *axis = json_array_get(axes, (size_t)i);
+        const char *unit = json_string_value(json_object_get(axis, "unit"));
+        const int role = role_of(axis);
         z->role[i] = role < 0 ? -1 : roles[role];
+        text_name(z->unit[i], sizeof z->unit[i], unit ? ngff_units_symbol(unit) : "");
     }
 }
 
