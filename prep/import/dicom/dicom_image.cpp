@@ -1,6 +1,7 @@
 extern "C" {
 #include "prep/import/dicom/dicom_image.h"
 #include "formats/base/text.h"
+#include "prep/import/dicom/dicom_j2k.h"
 }
 
 #include <dcmtk/config/osconfig.h>
@@ -18,6 +19,7 @@ extern "C" {
 #include <new>
 #include <string>
 #include <utility>
+#include <vector>
 
 struct dicom_reader {
     std::string path;
@@ -27,6 +29,8 @@ struct dicom_reader {
     uint32_t samples;
     bool planar;
     bool halves; /* of 32 bits, big endian */
+    bool j2k;
+    dicom_j2k_form form;
 };
 
 namespace {
@@ -106,13 +110,20 @@ void refuse(dicom_image *image, const char *why, const char *what) {
         snprintf(image->refuse, sizeof image->refuse, "%s%s", why, what);
 }
 
+bool is_j2k(E_TransferSyntax syntax) {
+    return syntax == EXS_JPEG2000LosslessOnly || syntax == EXS_JPEG2000;
+}
+
 void check_syntax(DcmFileFormat &file, dicom_image *image) {
     const E_TransferSyntax syntax = file.getDataset()->getOriginalXfer();
     const DcmXfer transfer(syntax);
     text_name(image->syntax, sizeof image->syntax, transfer.getXferName());
     if (transfer.isEncapsulated() &&
-        !DcmCodecList::canChangeCoding(syntax, EXS_LittleEndianExplicit))
+        !DcmCodecList::canChangeCoding(syntax, EXS_LittleEndianExplicit) &&
+        !(is_j2k(syntax) && dicom_j2k_is_there()))
         refuse(image, "no decoder here for ", image->syntax);
+    if (is_j2k(syntax) && image->high + 1 != image->stored)
+        refuse(image, "JPEG 2000 whose high bit is not that of its stored bits", "");
 }
 
 void check_pixels(DcmItem *set, uint64_t bytes, dicom_image *image) {
@@ -183,6 +194,27 @@ void check_frames(DcmItem *set, const OFString &kind, dicom_image *image) {
                "");
 }
 
+void read_numbers(DcmItem *set, dicom_image *image) {
+    image->columns = get_short(set, DCM_Columns, 0);
+    image->rows = get_short(set, DCM_Rows, 0);
+    image->frames = get_frames(set);
+    image->samples = get_short(set, DCM_SamplesPerPixel, 1);
+    image->allocated = get_short(set, DCM_BitsAllocated, 16);
+    image->stored = get_short(set, DCM_BitsStored, image->allocated);
+    image->high = get_short(set, DCM_HighBit, image->stored - 1);
+    image->is_signed = get_short(set, DCM_PixelRepresentation, 0) == 1;
+}
+
+/* JPEG 2000 turns its own colours into RGB; what a program made of them before stays. */
+status check_colours(DcmItem *set, const char *path, uint32_t samples) {
+    char kind[32];
+    get_text(set, DCM_PhotometricInterpretation, kind, sizeof kind);
+    if (samples == 1 || strcmp(kind, "RGB") == 0 || strcmp(kind, "YBR_RCT") == 0 ||
+        strcmp(kind, "YBR_ICT") == 0)
+        return ST_OK;
+    return status_describe(ST_UNSUPPORTED, "%s: colours as %s are not read", path, kind);
+}
+
 void read_image(DcmFileFormat &file, uint64_t bytes, dicom_image *image) {
     DcmDataset *set = file.getDataset();
     OFString kind;
@@ -194,14 +226,7 @@ void read_image(DcmFileFormat &file, uint64_t bytes, dicom_image *image) {
     get_text(set, DCM_SOPInstanceUID, image->instance, sizeof image->instance);
     get_text(set, DCM_SeriesDescription, image->description, sizeof image->description);
     get_text(set, DCM_Modality, image->modality, sizeof image->modality);
-    image->columns = get_short(set, DCM_Columns, 0);
-    image->rows = get_short(set, DCM_Rows, 0);
-    image->frames = get_frames(set);
-    image->samples = get_short(set, DCM_SamplesPerPixel, 1);
-    image->allocated = get_short(set, DCM_BitsAllocated, 16);
-    image->stored = get_short(set, DCM_BitsStored, image->allocated);
-    image->high = get_short(set, DCM_HighBit, image->stored - 1);
-    image->is_signed = get_short(set, DCM_PixelRepresentation, 0) == 1;
+    read_numbers(set, image);
     check_syntax(file, image);
     check_frames(set, kind, image);
     check_pixels(set, bytes, image);
@@ -327,6 +352,54 @@ void forget_fragments(DcmPixelData *pixels, Uint32 from, Uint32 to) {
     }
 }
 
+/* The fragments of a frame, from r->fragment on; to: behind the last. One a frame, or all of the
+ * only one, or as the table of offsets in front of them says. */
+OFCondition find_fragments(dicom_reader *r, DcmPixelSequence *sequence, uint32_t frame,
+                           uint32_t frames, Uint32 &to) {
+    const Uint32 all = (Uint32)sequence->card();
+    r->fragment = 1;
+    to = all;
+    if (frames == 1)
+        return EC_Normal;
+    if (all == frames + 1) {
+        r->fragment = frame + 1;
+        to = frame + 2;
+        return EC_Normal;
+    }
+    OFCondition done =
+        DcmCodec::determineStartFragment(frame, (Sint32)frames, sequence, r->fragment);
+    if (done.good() && frame + 1 < frames)
+        done = DcmCodec::determineStartFragment(frame + 1, (Sint32)frames, sequence, to);
+    return done;
+}
+
+status read_j2k(dicom_reader *r, DcmPixelData *pixels, uint32_t frame, void *buffer) {
+    const char *path = r->path.c_str();
+    DcmPixelSequence *sequence = nullptr;
+    E_TransferSyntax syntax = EXS_Unknown;
+    const DcmRepresentationParameter *parameter = nullptr;
+    Uint32 to = 0;
+    pixels->getOriginalRepresentationKey(syntax, parameter);
+    OFCondition done = pixels->getEncapsulatedRepresentation(syntax, parameter, sequence);
+    if (done.good())
+        done = find_fragments(r, sequence, frame, get_frames(r->file.getDataset()), to);
+    std::vector<Uint8> stream;
+    for (Uint32 i = r->fragment; done.good() && i < to; i++) {
+        DcmPixelItem *item = nullptr;
+        Uint8 *bytes = nullptr;
+        done = sequence->getItem(item, i);
+        if (done.good())
+            done = item->getUint8Array(bytes);
+        if (done.good() && bytes)
+            stream.insert(stream.end(), bytes, bytes + item->getLength());
+    }
+    if (done.bad())
+        return failed(path, "finding a frame's pixels", done);
+    const status st = dicom_j2k_decode(path, stream.data(), stream.size(), &r->form, buffer);
+    forget_fragments(pixels, r->fragment, to);
+    return st;
+}
+
 status read_frame(dicom_reader *r, uint32_t frame, void *buffer, size_t size) {
     const char *path = r->path.c_str();
     DcmDataset *set = r->file.getDataset();
@@ -340,6 +413,8 @@ status read_frame(dicom_reader *r, uint32_t frame, void *buffer, size_t size) {
     if (expected != size)
         return status_describe(ST_CORRUPT, "%s: a frame has %lu bytes, expected %lu", path,
                                (unsigned long)expected, (unsigned long)size);
+    if (r->j2k)
+        return read_j2k(r, pixels, frame, buffer);
     OFString colours;
     const Uint32 from = r->fragment = frame == r->next ? r->fragment : 0;
     r->next = frame + 1;
@@ -384,7 +459,7 @@ status dicom_image_read(const char *path, uint64_t bytes, dicom_image *out,
 
 status dicom_reader_open(const char *path, dicom_reader **out) {
     return guarded(path, [&]() -> status {
-        dicom_reader *r = new dicom_reader{path, DcmFileFormat(), 0, 0, 1, false, false};
+        dicom_reader *r = new dicom_reader{path, DcmFileFormat(), 0, 0, 1, false, false, false, {}};
         *out = r;
         const OFCondition done = r->file.loadFile(path, EXS_Unknown, EGL_noChange, 4096);
         if (done.bad())
@@ -394,6 +469,14 @@ status dicom_reader_open(const char *path, dicom_reader **out) {
         r->planar = r->samples == 3 && get_short(set, DCM_PlanarConfiguration, 0) == 1;
         r->halves = set->getOriginalXfer() == EXS_BigEndianExplicit &&
                     get_short(set, DCM_BitsAllocated, 16) == 32;
+        r->j2k = is_j2k(set->getOriginalXfer());
+        if (r->j2k) {
+            dicom_image image = {};
+            read_numbers(set, &image);
+            r->form = {image.columns,   image.rows,   image.samples,
+                       image.allocated, image.stored, image.is_signed};
+            return check_colours(set, path, image.samples);
+        }
         return ST_OK;
     });
 }
