@@ -372,6 +372,123 @@ def several_frames():
     ends("frames that it cannot have", 3, "too short", *take("many.dcm"))
 
 
+def segmentation(name, segments, skip_empty=False, places=None, numbers=None, kind="BINARY", bits=1, **tags):
+    """segments[s, z, y, x] of bool as DICOM SEG: a frame a segment and place, the bits of all in a row."""
+    meta = FileMetaDataset()
+    meta.TransferSyntaxUID, meta.MediaStorageSOPClassUID = ExplicitVRLittleEndian, "1.2.840.10008.5.1.4.1.1.66.4"
+    meta.MediaStorageSOPInstanceUID = generate_uid()
+    f = FileDataset(None, {}, file_meta=meta, preamble=b"\0" * 128)
+    f.is_little_endian, f.is_implicit_VR = True, False
+    f.SOPClassUID, f.SOPInstanceUID = meta.MediaStorageSOPClassUID, meta.MediaStorageSOPInstanceUID
+    f.StudyInstanceUID, f.SeriesInstanceUID, f.Modality, f.InstanceNumber = "1.2.3", "1.2.3.9", "SEG", 1
+    f.SamplesPerPixel, f.PhotometricInterpretation, f.PixelRepresentation = 1, "MONOCHROME2", 0
+    f.BitsAllocated = f.BitsStored = bits
+    f.HighBit, f.SegmentationType = bits - 1, kind
+    f.Rows, f.Columns = segments.shape[2:]
+    listed = []
+    numbers = numbers or list(range(1, len(segments) + 1))
+    for number in numbers:
+        one = Dataset()
+        one.SegmentNumber, one.SegmentLabel, one.SegmentAlgorithmType = number, "part %d" % number, "MANUAL"
+        listed.append(one)
+    f.SegmentSequence = Sequence(listed)
+    shared, measures, plane = Dataset(), Dataset(), Dataset()
+    measures.PixelSpacing = [0.5, 0.25]
+    plane.ImageOrientationPatient = [1, 0, 0, 0, 1, 0]
+    shared.PixelMeasuresSequence, shared.PlaneOrientationSequence = Sequence([measures]), Sequence([plane])
+    f.SharedFunctionalGroupsSequence = Sequence([shared])
+    frames, pixels = [], []
+    for s, number in enumerate(numbers):
+        for z in range(segments.shape[1]):
+            if skip_empty and not segments[s, z].any():
+                continue
+            frame, where, which = Dataset(), Dataset(), Dataset()
+            where.ImagePositionPatient = list(places[z] if places else (-20, 30, 100 + 2 * z))
+            which.ReferencedSegmentNumber = number
+            frame.PlanePositionSequence = Sequence([where])
+            frame.SegmentIdentificationSequence = Sequence([which])
+            frames.append(frame)
+            pixels.append(segments[s, z])
+    f.PerFrameFunctionalGroupsSequence = Sequence(frames)
+    f.NumberOfFrames = len(frames)
+    packed = np.packbits(np.array(pixels).ravel(), bitorder="little") if bits == 1 else np.array(pixels, "u1").ravel() * 200
+    f.PixelData = packed.tobytes() + b"\0" * (len(packed) % 2)
+    f["PixelData"].VR = "OB"
+    for tag, value in tags.items():
+        setattr(f, tag, value)
+    f.save_as(path(name), write_like_original=False)
+    return f
+
+
+def segments():
+    """Binary segments become labels, at their places; what several have is told."""
+    one = random.random((1,) + SHAPE) < 0.3
+    segmentation("seg1.dcm", one)
+    same("one segment", one[0], *take("seg1.dcm"), columns=COLUMNS_MAP, type="u1")
+    read = pydicom.dcmread(path("seg1.dcm"))
+    same("as pydicom reads it", read.pixel_array, *take("seg1.dcm"))
+    segmentation("seg1.dcm", one, numbers=[7])
+    same("one segment of another number", one[0], *take("seg1.dcm"), type="u1")
+    segmentation("seg1.dcm", one, places=[(-20, 30, 112 - 2 * i) for i in range(SLICES)])
+    same("from above", one[0][::-1], *take("seg1.dcm"), columns=COLUMNS_MAP)
+    # No pixel of two segments.
+    label = random.integers(0, 5, SHAPE)
+    label[2] = label[4] = 0
+    apart = np.array([label == s for s in (1, 2, 3, 4)])
+    segmentation("seg4.dcm", apart)
+    same("four segments", label, *take("seg4.dcm"), columns=COLUMNS_MAP, type="u1")
+    rc, out, _ = start(*take("seg4.dcm"))
+    tell("nothing is told", "" if Imported(out).note == "" else Imported(out).note)
+    segmentation("seg4.dcm", apart, skip_empty=True)
+    same("without empty frames", label, *take("seg4.dcm"), columns=COLUMNS_MAP, type="u1")
+    segmentation("seg4.dcm", apart, numbers=[2, 300, 5, 9])
+    same("numbers of 16 bits", np.array([0, 2, 300, 5, 9])[label], *take("seg4.dcm"), type="u2")
+    rc, out, _ = start(*take("seg4.dcm", "--list"))
+    tell("--list", "" if b"labels of 4 segments" in out else out)
+    # Pixels of several.
+    both = random.random((3,) + SHAPE) < 0.4
+    segmentation("seg3.dcm", both)
+    want = np.where(both[0], 1, np.where(both[1], 2, np.where(both[2], 3, 0)))
+    same("segments that overlap", want, *take("seg3.dcm"), columns=COLUMNS_MAP, type="u1")
+    rc, out, _ = start(*take("seg3.dcm"))
+    times = (both.sum(0) - both.any(0)).sum()
+    tell("are told", "" if "segments overlap, %d times" % times in Imported(out).note else Imported(out).note)
+    rc, _, said = start(leafcast, "convert", path("seg3.dcm"), "-o", path("seg3.leaf"), "--force")
+    tell("by convert, too", "" if rc == 0 and "segments overlap" in said else said)
+    # What is refused.
+    segmentation("seg3.dcm", both, kind="FRACTIONAL", bits=8)
+    ends("fractional segments", 3, "several fractional segments", *take("seg3.dcm"))
+    segmentation("seg1.dcm", one, kind="FRACTIONAL", bits=8)
+    same("one fractional segment", one[0] * 200, *take("seg1.dcm"), columns=COLUMNS_MAP, type="u1")
+    f = segmentation("seg3.dcm", both)
+    f.PixelData = f.PixelData[:-40]
+    f.save_as(path("seg_cut.dcm"), write_like_original=False)
+    ends("too few bits", 3, "bits, expected", *take("seg_cut.dcm"))
+    f = segmentation("seg3.dcm", both)
+    del f.PerFrameFunctionalGroupsSequence[5].SegmentIdentificationSequence
+    f.save_as(path("seg_cut.dcm"), write_like_original=False)
+    ends("a frame of no segment", 3, "frame 5 (counted from 0)", *take("seg_cut.dcm"))
+    f = segmentation("seg3.dcm", both)
+    del f.SegmentSequence
+    f.save_as(path("seg_cut.dcm"), write_like_original=False)
+    ends("single bits of no segments", 3, "not of 8, 16 or 32 bits", *take("seg_cut.dcm"))
+    os.makedirs(path("segs"))
+    segmentation("segs/a.dcm", both)
+    segmentation("segs/b.dcm", both)
+    ends("two files", 3, "give one of them", *take("segs"))
+    if shutil.which("dcmcrle"):
+        f = segmentation("seg3.dcm", both)
+        f.file_meta.TransferSyntaxUID = "1.2.840.10008.1.2.5"
+        f.PixelData = pydicom.encaps.encapsulate([f.PixelData])
+        f["PixelData"].is_undefined_length = True
+        f.save_as(path("seg_cut.dcm"), write_like_original=False)
+        ends("compressed bits", 3, "single bits, compressed", *take("seg_cut.dcm"))
+    os.makedirs(path("segd"))
+    segmentation("segd/a.dcm", both)
+    shutil.copy(path("segd/a.dcm"), path("seg_whole"))
+    damaged("damaged segments", path("seg_whole"), path("segd/a.dcm"), 50, *take("segd"))
+
+
 def colours():
     rgb = random.integers(0, 255, SHAPE + (3,), dtype="u1")
     series("rgb", rgb)
@@ -488,6 +605,6 @@ def folder_of(name):
     return path("alone")
 
 
-for part in (types, rescale, places, faults, studies, compressed, j2k, several_frames, colours, hostile, real, preambles,
+for part in (types, rescale, places, faults, studies, compressed, j2k, several_frames, segments, colours, hostile, real, preambles,
              no_slices):
     part()
