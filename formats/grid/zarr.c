@@ -26,6 +26,8 @@ typedef struct zarr {
     size_t chunk_bytes, slice_bytes;
     size_t stride[ORDER_AXES]; /* numbers in a chunk, from one to the next along a role */
     uint8_t *chunk, *held;
+    uint8_t *coded; /* a chunk that filters were applied to; NULL: it has none */
+    size_t coded_bytes;
     uint32_t room, first, count; /* slices */
     stored_samples in_file;      /* the array's are those that are held */
     double rounding;             /* of what was read */
@@ -60,7 +62,10 @@ static status read_chunk(zarr *z, const uint32_t index[ORDER_AXES]) {
                            i ? a->separator : '/', a->role[i] < 0 ? 0 : index[a->role[i]]);
     status st = named_file_check(z->folder, path, z->follow_links);
     if (st == ST_OK)
-        st = zarr_chunk_read(z->m, a->codec, path, z->chunk, z->chunk_bytes, &there);
+        st = zarr_chunk_read(z->m, a->codec, path, z->coded ? z->coded : z->chunk, z->coded_bytes,
+                             &there);
+    if (st == ST_OK && there && z->coded)
+        st = zarr_filters_undo(&a->filters, path, z->chunk_bytes / z->width, z->coded, z->chunk);
     if (st != ST_OK)
         return st;
     for (size_t at = 0; !there && at < z->chunk_bytes; at += z->width)
@@ -177,6 +182,7 @@ static status read_slices(void *ctx, uint32_t first, uint32_t count, void *slice
 static void close_zarr(void *ctx) {
     zarr *z = ctx;
     mem_free(z->m, z->chunk);
+    mem_free(z->m, z->coded);
     mem_free(z->m, z->held);
     mem_free(z->m, z->folder);
     mem_free(z->m, z);
@@ -291,19 +297,34 @@ static status set_strides(zarr *z) {
     return ST_OK;
 }
 
+/* Of a chunk, and of it as it is unpacked, where filters are to be undone. */
+static status make_chunk(zarr *z) {
+    const zarr_array *a = &z->a;
+    const zarr_number array = {a->stored.type, a->big_endian};
+    const size_t numbers = z->chunk_bytes / z->width;
+    size_t most;
+    z->coded_bytes = numbers * zarr_filters_width(&a->filters, array, &most);
+    z->chunk = mem_alloc(z->m, numbers * most);
+    if (a->filters.count)
+        z->coded = mem_alloc(z->m, numbers * most);
+    return z->chunk && (z->coded || !a->filters.count) ? ST_OK : ST_NOMEM;
+}
+
 static status make_room(zarr *z) {
     z->width = sample_size(z->a.stored.type);
     z->slice_bytes = (size_t)z->g.dims[0] * z->g.dims[1] * z->numbers * z->width;
     status st = set_strides(z);
     if (st != ST_OK)
         return st;
-    z->chunk = mem_alloc(z->m, z->chunk_bytes);
+    st = make_chunk(z);
+    if (st != ST_OK)
+        return st;
     const uint64_t left = z->m->limit ? z->m->limit - mem_used(z->m) : UINT64_MAX;
     const uint64_t bytes = left / 4 < HELD_MAX ? left / 4 : HELD_MAX;
     const uint64_t room = bytes / z->slice_bytes, depth = chunk_of(z, ORDER_Z);
     const uint64_t most = depth < z->g.dims[2] ? depth : z->g.dims[2];
     z->room = (uint32_t)(room < 1 ? 1 : room < most ? room : most);
-    z->held = z->chunk ? mem_alloc(z->m, z->room * z->slice_bytes) : NULL;
+    z->held = mem_alloc(z->m, z->room * z->slice_bytes);
     return z->held ? ST_OK : ST_NOMEM;
 }
 

@@ -7,7 +7,8 @@
  * complex ones; both dimension_separators. Axes as OME names them (x, y, z, t: steps, c: numbers of
  * a sample, the first by default), else as npy.h has them, or (t, c, z, y, x). Spacings, origin and
  * times by OME's scales and translations, with the units of its axes. In a group, the one array
- * that there is, or hints' field. Refused with ST_UNSUPPORTED: version 3, filters, structures.
+ * that there is, or hints' field. Filters: zarr_filter.h. Refused with ST_UNSUPPORTED: version 3,
+ * other filters, structures.
  */
 #ifndef FORMATS_GRID_ZARR_H
 #define FORMATS_GRID_ZARR_H

@@ -289,6 +289,13 @@ static status find_axes(zarr_array *z, bool named) {
     return ST_OK;
 }
 
+static status read_filters(zarr_array *z, const json_t *list) {
+    char json[ZARR_PATH + FILE_NAME];
+    const zarr_number array = {z->stored.type, z->big_endian};
+    snprintf(json, sizeof json, "%s/.zarray", z->path);
+    return zarr_filters_read(list, array, json, &z->filters);
+}
+
 static status read_storage(zarr_array *z, const json_t *root) {
     const char *type = json_string_value(json_object_get(root, "dtype"));
     const char *order = json_string_value(json_object_get(root, "order"));
@@ -298,8 +305,9 @@ static status read_storage(zarr_array *z, const json_t *root) {
     if (!type || !npy_type(type, &z->stored, &z->big_endian) || z->stored.components > 1)
         return bad(z, ".zarray", ST_UNSUPPORTED, "dtype",
                    "bool, an 8 to 64 bit integer, half, float or double");
-    if (json_array_size(json_object_get(root, "filters")) > 0)
-        return bad(z, ".zarray", ST_UNSUPPORTED, "filters", "none");
+    status st = read_filters(z, json_object_get(root, "filters"));
+    if (st != ST_OK)
+        return st;
     z->fortran = order && strcmp(order, "F") == 0;
     z->separator = separator ? *separator : '.';
     if (separator && strcmp(separator, ".") != 0 && strcmp(separator, "/") != 0)

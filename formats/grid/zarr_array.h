@@ -13,6 +13,7 @@
 #include "formats/grid/stored_samples.h"
 #include "formats/grid/volume_hints.h"
 #include "formats/grid/zarr_chunk.h"
+#include "formats/grid/zarr_filter.h"
 
 enum { ZARR_AXES = 8, ZARR_PATH = 4096 };
 
@@ -29,6 +30,7 @@ typedef struct zarr_array {
     bool big_endian, fortran;
     char separator;
     zarr_codec codec;
+    zarr_filters filters;
     uint8_t fill[8]; /* one number, native */
 } zarr_array;
 
