@@ -18,6 +18,7 @@
 #include "formats/grid/nrrd.h"
 #include "formats/grid/pvm.h"
 #include "formats/grid/rawfile.h"
+#include "formats/grid/slc.h"
 #include "formats/grid/vtk_grid_legacy.h"
 #include "formats/grid/vtk_grid_xml.h"
 #include "formats/grid/zarr.h"
@@ -36,10 +37,10 @@ struct volume {
 
 /* What the formats are told by; the first that knows the file reads it. Raw samples know any. */
 static const grid_reader *const readers[] = {
-    &nrrd_reader,     &metaimage_reader,    &nifti_reader,
-    &npy_reader,      &mrc_reader,          &mgh_reader,
-    &pvm_reader,      &vtk_grid_xml_reader, &vtk_grid_legacy_reader,
-    &imported_reader, &raw_reader,
+    &nrrd_reader, &metaimage_reader,    &nifti_reader,
+    &npy_reader,  &mrc_reader,          &mgh_reader,
+    &pvm_reader,  &vtk_grid_xml_reader, &vtk_grid_legacy_reader,
+    &slc_reader,  &imported_reader,     &raw_reader,
 };
 
 /* ---- hints ---- */
