@@ -41,6 +41,13 @@ const char *lzf_size(const void *packed, size_t size, size_t *unpacked) {
     return NULL;
 }
 
+/* Where they overlap, it is a pattern that repeats. */
+static void repeat(uint8_t *to, size_t back, size_t count) {
+    const uint8_t *from = to - back;
+    for (size_t i = 0; i < count; i++)
+        to[i] = from[i];
+}
+
 void lzf_unpack(const void *packed, size_t size, void *to) {
     const uint8_t *at = packed, *const end = at + size;
     uint8_t *out = to;
@@ -48,11 +55,8 @@ void lzf_unpack(const void *packed, size_t size, void *to) {
     for (; at < end && next_item(at, (size_t)(end - at), &i); at += i.taken) {
         if (i.back == 0)
             memcpy(out, at + 1, i.given);
-        else if (i.back >= i.given)
-            memcpy(out, out - i.back, i.given);
-        else /* they overlap: a pattern that repeats */
-            for (size_t k = 0; k < i.given; k++)
-                out[k] = out[k - i.back];
+        else
+            repeat(out, i.back, i.given);
         out += i.given;
     }
 }
