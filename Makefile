@@ -161,7 +161,9 @@ OIIO        := $(if $(CXX_HERE),$(call has,libopenimageio-dev))
 # import-vdb counts what C++ allocates by an operator new of its own, which the sanitizers' does not go with.
 LIB_vdb     := $(if $(filter sanitize thread fuzz,$(CONFIG)),,$(if $(CXX_HERE),$(if $(and $(call has,libopenvdb-dev),$(call has,libboost-dev)),-lopenvdb -ltbb $(shell $(PKG_CONFIG) --libs Imath))))
 LIB_images  := $(if $(OIIO),$(shell $(PKG_CONFIG) --cflags --libs OpenImageIO))
-LIB_dicom   := $(if $(CXX_HERE),$(if $(call has,libdcmtk-dev),-ldcmjpeg -lijg8 -lijg12 -lijg16 -ldcmjpls -ldcmtkcharls -ldcmimgle -ldcmdata -loflog -lofstd))
+# DCMTK has no decoder of JPEG 2000.
+LIB_j2k     := $(if $(call has,libopenjp2-7-dev),-DDICOM_J2K $(shell $(PKG_CONFIG) --cflags --libs libopenjp2))
+LIB_dicom   := $(if $(CXX_HERE),$(if $(call has,libdcmtk-dev),-ldcmjpeg -lijg8 -lijg12 -lijg16 -ldcmjpls -ldcmtkcharls -ldcmimgle -ldcmdata -loflog -lofstd $(LIB_j2k)))
 LIB_view    := $(if $(and $(call has,libwebsockets-dev),$(call has,libturbojpeg0-dev)),$(shell $(PKG_CONFIG) --libs libwebsockets libturbojpeg))
 LIB_hdf5    := $(if $(call has,libhdf5-dev),$(shell $(PKG_CONFIG) --cflags --libs hdf5-serial))
 # netCDF-4 is HDF5 below, which is looked at before libnetcdf is.

@@ -1,6 +1,6 @@
 /* fuzz_import.c - what importers parse and compute without their libraries. The first byte chooses:
  * the header of a classic netCDF file, the slices of a DICOM series, names of images, packed
- * samples.
+ * samples, a chunk that LZF packed.
  */
 #include <math.h>
 #include <stdint.h>
@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "formats/input/lzf.h"
 #include "prep/import/dicom/dicom_order.h"
 #include "prep/import/images/image_names.h"
 #include "prep/import/netcdf/netcdf_header.h"
@@ -186,13 +187,27 @@ static void unpack_samples(bytes *b) {
     free(out);
 }
 
+/* ---- LZF ---- */
+
+static void unpack_lzf(const bytes *b) {
+    size_t size;
+    if (lzf_size(b->at, b->left, &size))
+        return;
+    check(size <= 88 * b->left);
+    char *to = malloc(size + 1);
+    check(to != NULL);
+    lzf_unpack(b->at, b->left, to);
+    free(to);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     bytes b = {data, size};
-    switch (take_byte(&b) % 4) {
+    switch (take_byte(&b) % 5) {
     case 0: read_header(&b); break;
     case 1: order_slices(&b); break;
     case 2: compare_names(&b); break;
-    default: unpack_samples(&b); break;
+    case 3: unpack_samples(&b); break;
+    default: unpack_lzf(&b); break;
     }
     return 0;
 }

@@ -1,5 +1,5 @@
-/* test_grid_readers.c - readers of NIfTI, NumPy, MRC and PVM: files made by hand, byte by byte;
- * what is refused, cut and damaged.
+/* test_grid_readers.c - readers of NIfTI, NumPy, MRC, PVM and SLC: files made by hand, byte by
+ * byte; what is refused, cut and damaged.
  */
 /* marks: bits, long */
 #include <setjmp.h>
@@ -562,8 +562,102 @@ static void test_pvm_refused(void **state) {
     volumes_refused(dds('d', (const uint8_t *)"P", 1, 1, 1, 1), NULL, ST_CORRUPT, "expected PVM");
 }
 
+/* ---- SLC ---- */
+
+static const double slc_map[3][4] = {{0.5, 0, 0, 0}, {0, 2, 0, 0}, {0, 0, 1.25, 0}};
+enum { SLC_PLANE = 4 * 3 };
+
+/* A slice in runs: of each byte alone, of up to `most` that follow (literal), or of equal ones. */
+static size_t pack_slice(const uint8_t *from, int most, uint8_t *to) {
+    size_t size = 0;
+    for (int i = 0, n; i < SLC_PLANE; i += n) {
+        n = SLC_PLANE - i < most ? SLC_PLANE - i : most;
+        to[size] = (uint8_t)(0x80 | n);
+        memcpy(to + size + 1, from + i, (size_t)n);
+        if (n == 1) {
+            while (i + n < SLC_PLANE && from[i + n] == from[i])
+                n++;
+            to[size] = (uint8_t)n;
+        }
+        size += to[size] & 0x80 ? (size_t)n + 1 : 2;
+    }
+    to[size++] = 0;
+    return size;
+}
+
+/* most: 0 is not packed. */
+static size_t slc(const char *head, int most, uint8_t *out) {
+    size_t at = strlen(head);
+    const uint8_t *bytes = (const uint8_t *)samples;
+    memcpy(out, head, at);
+    const size_t size = volumes_samples(SAMPLE_U8, true, samples);
+    for (size_t i = 0; most && i < size; i += SLC_PLANE) {
+        uint8_t packed[64];
+        const size_t n = pack_slice(bytes + i, most, packed);
+        at += (size_t)sprintf((char *)out + at, "%zu X", n);
+        memcpy(out + at, packed, n);
+        at += n;
+    }
+    if (most)
+        return at;
+    memcpy(out + at, samples, size);
+    return at + size;
+}
+
+static void test_slc(void **state) {
+    (void)state;
+    uint8_t file[512];
+    const char *plain = "11111\n4 3 2\n8\n0.5 2 1.25\n1 2 0 0\n1 2 Xrrggbb";
+    const char *packed = "11111 4 3 2 8 0.500000 2.0 1.25 1 2 0 1\n0 0 X";
+    const char *path = scratch_write("a.slc", file, slc(plain, 0, file));
+    volumes_check(path, NULL, SAMPLE_U8, slc_map);
+    hurt(path, 0);
+    volumes_check(scratch_write("a", file, slc(plain, 0, file)), NULL, SAMPLE_U8, slc_map);
+    for (int most = 1; most <= SLC_PLANE; most++) {
+        path = scratch_write("a.slc", file, slc(packed, most, file));
+        volumes_check(path, NULL, SAMPLE_U8, slc_map);
+        if (most % 5 == 1)
+            hurt(path, 1);
+    }
+}
+
+static void test_slc_refused(void **state) {
+    (void)state;
+    static const struct {
+        const char *text;
+        status st;
+        const char *said;
+    } cases[] = {
+        {"11111\n4 3\n", ST_CORRUPT, "a number of voxels"},
+        {"11111 4 3 0 8 1 1 1 0 0 0 0 0 0 X", ST_CORRUPT, "a number of voxels"},
+        {"11111 4 3 2 8 1 0 1 0 0 0 0 0 0 X", ST_CORRUPT, "do not span"},
+        {"11111 4 3 2 16 1 1 1 0 0 0 0 0 0 X", ST_UNSUPPORTED, "16 bits a voxel"},
+        {"11111 4 3 2 8 1 1 1 0 0 0 2 0 0 X", ST_CORRUPT, "0 or 1: how it is packed"},
+        {"11111 4 3 2 8 1 1 1 0 0 0 0 -1 0 X", ST_CORRUPT, "a size of the icon"},
+        {"11111 4 3 2 8 1 1 1 0 0 0 0 9 9 Xabc", ST_CORRUPT, "a.slc"},
+        {"11111 4 3 2 8 1 1 1 0 0 0 0 0 0 Y", ST_CORRUPT, "expected X"},
+        {"11111 4 3 2 8 1 1 1 0 0 0 1 0 0 X5 X\x0c"
+         "a\x01",
+         ST_CORRUPT, "ends at byte"},
+        {"11111 4 3 2 8 1 1 1 0 0 0 1 0 0 X2 X\x0d"
+         "abc",
+         ST_CORRUPT, "more voxels"},
+        {"11111 4 3 2 8 1 1 1 0 0 0 1 0 0 X2 X\x0b"
+         "abc",
+         ST_CORRUPT, "end before it does"},
+        {"11111 4 3 2 8 1 1 1 0 0 0 1 0 0 X4 X\x0c"
+         "a  9Z",
+         ST_CORRUPT, "expected"},
+        {"11111 4 3 2 8 1 1 1 0 0 0 1 0 0 X-1 X", ST_CORRUPT, "bytes of a packed slice"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        volumes_refused(scratch_write("a.slc", cases[i].text, strlen(cases[i].text)), NULL,
+                        cases[i].st, cases[i].said);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_slc),           cmocka_unit_test(test_slc_refused),
         cmocka_unit_test(test_nifti_types),   cmocka_unit_test(test_nifti_placement),
         cmocka_unit_test(test_nifti2),        cmocka_unit_test(test_nifti_pair),
         cmocka_unit_test(test_nifti_refused), cmocka_unit_test(test_npy),

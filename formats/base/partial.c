@@ -1,5 +1,6 @@
 #include "formats/base/partial.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -13,7 +14,7 @@
 
 #include "formats/base/file_guard.h"
 
-enum { RANDOM_TRIES = 16 };
+enum { RANDOM_TRIES = 16, FOLDERS_DEEP = 16 };
 
 static partial_leftover on_leftover;
 
@@ -106,6 +107,92 @@ static int create(const char *name) {
     errno = EEXIST;
     return -1;
 }
+
+/* ---- folders ---- */
+
+/* What is in an open folder, which it closes. */
+static bool empty_folder(int fd, int deep, uint64_t *bytes) {
+    DIR *d = fdopendir(fd);
+    bool empty = d != NULL;
+    if (!d)
+        close(fd);
+    for (const struct dirent *e; d && (e = readdir(d));) {
+        struct stat info;
+        if (strcmp(e->d_name, ".") == 0 || strcmp(e->d_name, "..") == 0)
+            continue;
+        bool gone = fstatat(fd, e->d_name, &info, AT_SYMLINK_NOFOLLOW) == 0;
+        if (gone && S_ISDIR(info.st_mode)) {
+            const int below =
+                openat(fd, e->d_name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+            gone = below >= 0 && deep < FOLDERS_DEEP && empty_folder(below, deep + 1, bytes) &&
+                   unlinkat(fd, e->d_name, AT_REMOVEDIR) == 0;
+        } else if (gone) {
+            gone = unlinkat(fd, e->d_name, 0) == 0;
+            *bytes += gone ? (uint64_t)info.st_size : 0;
+        }
+        empty &= gone;
+    }
+    if (d)
+        closedir(d);
+    return empty;
+}
+
+static int open_folder(const char *name) {
+    return open(name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+}
+
+bool partial_remove_folder(const char *name, uint64_t *bytes) {
+    const int fd = open_folder(name);
+    *bytes = 0;
+    return fd >= 0 && empty_folder(fd, 0, bytes) && rmdir(name) == 0;
+}
+
+/* As remove_leftover(). */
+static void remove_left_folder(const char *name) {
+    struct stat info;
+    uint64_t bytes = 0;
+    const int fd = open_folder(name);
+    if (fd < 0)
+        return;
+    if (lock(fd) == 0 && still_named(fd, name, &info)) {
+        const bool removed = locks_are_seen(fd) && partial_remove_folder(name, &bytes);
+        if (on_leftover)
+            on_leftover(name, bytes, removed);
+    }
+    close(fd);
+}
+
+static int create_folder(const char *name) {
+    struct stat info;
+    if (mkdir(name, 0777) != 0)
+        return -1;
+    const int fd = open_folder(name);
+    if (fd < 0)
+        return -1;
+    const bool taken = lock(fd) != 0 && errno == EWOULDBLOCK;
+    if (!taken && still_named(fd, name, &info))
+        return fd;
+    close(fd);
+    errno = EEXIST;
+    return -1;
+}
+
+int partial_open_folder(const char *path, char *name) {
+    for (int slot = 1; slot <= PARTIAL_SLOTS; slot++) {
+        slot_name(path, slot, name);
+        remove_left_folder(name);
+    }
+    for (int slot = 1; slot <= PARTIAL_SLOTS; slot++) {
+        slot_name(path, slot, name);
+        const int fd = create_folder(name);
+        if (fd >= 0 || errno != EEXIST)
+            return fd;
+    }
+    errno = EBUSY;
+    return -1;
+}
+
+/* ---- files ---- */
 
 int partial_open(const char *path, char *name) {
     for (int slot = 1; slot <= PARTIAL_SLOTS; slot++) {

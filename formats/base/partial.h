@@ -20,6 +20,15 @@ enum { PARTIAL_ROOM = 40, PARTIAL_SLOTS = 8 }; /* bytes behind PATH; names tried
  * nothing is. */
 int partial_open(const char *path, char *name);
 
+/* partial_open_folder() - the same of an output that is a folder: what killed runs left of path's
+ * goes with all that is in it, then a folder of such a name is made and locked. Links in it are
+ * removed, not followed. */
+int partial_open_folder(const char *path, char *name);
+
+/* partial_remove_folder() - a folder and all that is in it, as far as it can be removed; bytes:
+ * out, what the files in it had. */
+bool partial_remove_folder(const char *name, uint64_t *bytes);
+
 /* partial_on_leftover() - what to call for each file that a killed run left; removed: false where
  * it had to stay. NULL, the default: nothing. Main programs set it before they write. */
 typedef void (*partial_leftover)(const char *name, uint64_t bytes, bool removed);

@@ -18,6 +18,7 @@
 #include "formats/grid/nrrd.h"
 #include "formats/grid/pvm.h"
 #include "formats/grid/rawfile.h"
+#include "formats/grid/slc.h"
 #include "formats/grid/vtk_grid_legacy.h"
 #include "formats/grid/vtk_grid_parts.h"
 #include "formats/grid/vtk_grid_xml.h"
@@ -45,6 +46,7 @@ static const grid_reader *const readers[] = {
     &mrc_reader,
     &mgh_reader,
     &pvm_reader,
+    &slc_reader,
     &vtk_grid_xml_reader,
     &vtk_grid_parts_reader,
     &vtk_grid_legacy_reader,

@@ -1,6 +1,7 @@
 #include "formats/grid/zarr.h"
 
 #include <endian.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -25,6 +26,8 @@ typedef struct zarr {
     size_t chunk_bytes, slice_bytes;
     size_t stride[ORDER_AXES]; /* numbers in a chunk, from one to the next along a role */
     uint8_t *chunk, *held;
+    uint8_t *coded; /* a chunk that filters were applied to; NULL: it has none */
+    size_t coded_bytes;
     uint32_t room, first, count; /* slices */
     stored_samples in_file;      /* the array's are those that are held */
     double rounding;             /* of what was read */
@@ -59,7 +62,10 @@ static status read_chunk(zarr *z, const uint32_t index[ORDER_AXES]) {
                            i ? a->separator : '/', a->role[i] < 0 ? 0 : index[a->role[i]]);
     status st = named_file_check(z->folder, path, z->follow_links);
     if (st == ST_OK)
-        st = zarr_chunk_read(z->m, a->codec, path, z->chunk, z->chunk_bytes, &there);
+        st = zarr_chunk_read(z->m, a->codec, path, z->coded ? z->coded : z->chunk, z->coded_bytes,
+                             &there);
+    if (st == ST_OK && there && z->coded)
+        st = zarr_filters_undo(&a->filters, path, z->chunk_bytes / z->width, z->coded, z->chunk);
     if (st != ST_OK)
         return st;
     for (size_t at = 0; !there && at < z->chunk_bytes; at += z->width)
@@ -176,6 +182,7 @@ static status read_slices(void *ctx, uint32_t first, uint32_t count, void *slice
 static void close_zarr(void *ctx) {
     zarr *z = ctx;
     mem_free(z->m, z->chunk);
+    mem_free(z->m, z->coded);
     mem_free(z->m, z->held);
     mem_free(z->m, z->folder);
     mem_free(z->m, z);
@@ -192,6 +199,7 @@ static status set_grid(zarr *z, grid *g) {
         g->dims[r] = a->shape[axis];
         g->to_world[r][r] = a->scale[axis];
         g->to_world[r][3] = a->translation[axis];
+        world_frame_set_unit(&g->frame, r, a->unit[axis]);
     }
     memcpy(g->name, a->name, sizeof g->name);
     return grid_check(g, a->path);
@@ -202,11 +210,35 @@ static uint32_t steps_of(const zarr *z) {
     return t < 0 ? 1 : z->a.shape[t];
 }
 
+/* Of the steps, by OME's scale and translation: NULL where these tell nothing, which is that of
+ * writers that know of no times. They increase. */
+static status make_times(const zarr *z, double **out) {
+    const zarr_array *a = &z->a;
+    const int t = a->axis[ORDER_STEP];
+    if (t < 0 || a->shape[t] < 2 || !(a->scale[t] > 0) || !isfinite(a->scale[t]) ||
+        !isfinite(a->translation[t]) ||
+        (a->scale[t] == 1 && a->translation[t] == 0 && !a->unit[t][0]))
+        return ST_OK;
+    *out = mem_array(z->m, a->shape[t], sizeof **out);
+    for (uint32_t i = 0; *out && i < a->shape[t]; i++)
+        (*out)[i] = a->translation[t] + i * a->scale[t];
+    return *out ? ST_OK : ST_NOMEM;
+}
+
 static status tell_fields(void *ctx, const slice_fields *to) {
     const zarr *z = ctx;
     slice_field one = {.name = "", .steps = steps_of(z), .taken = true};
+    double *times = NULL;
     stored_samples_tell(&z->in_file, &one);
-    return to->take(to->ctx, &one);
+    status st = make_times(z, &times);
+    if (st != ST_OK)
+        return st;
+    one.times = times;
+    if (times && z->a.unit[z->a.axis[ORDER_STEP]][0])
+        one.time_unit = z->a.unit[z->a.axis[ORDER_STEP]];
+    st = to->take(to->ctx, &one);
+    mem_free(z->m, times);
+    return st;
 }
 
 /* Which numbers and which step: z->a.stored then tells what is held. */
@@ -265,19 +297,34 @@ static status set_strides(zarr *z) {
     return ST_OK;
 }
 
+/* Of a chunk, and of it as it is unpacked, where filters are to be undone. */
+static status make_chunk(zarr *z) {
+    const zarr_array *a = &z->a;
+    const zarr_number array = {a->stored.type, a->big_endian};
+    const size_t numbers = z->chunk_bytes / z->width;
+    size_t most;
+    z->coded_bytes = numbers * zarr_filters_width(&a->filters, array, &most);
+    z->chunk = mem_alloc(z->m, numbers * most);
+    if (a->filters.count)
+        z->coded = mem_alloc(z->m, numbers * most);
+    return z->chunk && (z->coded || !a->filters.count) ? ST_OK : ST_NOMEM;
+}
+
 static status make_room(zarr *z) {
     z->width = sample_size(z->a.stored.type);
     z->slice_bytes = (size_t)z->g.dims[0] * z->g.dims[1] * z->numbers * z->width;
     status st = set_strides(z);
     if (st != ST_OK)
         return st;
-    z->chunk = mem_alloc(z->m, z->chunk_bytes);
+    st = make_chunk(z);
+    if (st != ST_OK)
+        return st;
     const uint64_t left = z->m->limit ? z->m->limit - mem_used(z->m) : UINT64_MAX;
     const uint64_t bytes = left / 4 < HELD_MAX ? left / 4 : HELD_MAX;
     const uint64_t room = bytes / z->slice_bytes, depth = chunk_of(z, ORDER_Z);
     const uint64_t most = depth < z->g.dims[2] ? depth : z->g.dims[2];
     z->room = (uint32_t)(room < 1 ? 1 : room < most ? room : most);
-    z->held = z->chunk ? mem_alloc(z->m, z->room * z->slice_bytes) : NULL;
+    z->held = mem_alloc(z->m, z->room * z->slice_bytes);
     return z->held ? ST_OK : ST_NOMEM;
 }
 

@@ -5,9 +5,10 @@
  * Fortran; absent ones are the fill value, and counted (absent.h); raw, or packed as zlib, gzip,
  * zstd, bz2, lzma, lz4, and, where libblosc is there, blosc; types as npy.h has them, but for
  * complex ones; both dimension_separators. Axes as OME names them (x, y, z, t: steps, c: numbers of
- * a sample, the first by default), else as npy.h has them, or (t, c, z, y, x). Spacings and origin
- * by OME's scales and translations. In a group, the one array that there is, or hints' field.
- * Refused with ST_UNSUPPORTED: version 3, filters, structures.
+ * a sample, the first by default), else as npy.h has them, or (t, c, z, y, x). Spacings, origin and
+ * times by OME's scales and translations, with the units of its axes. In a group, the one array
+ * that there is, or hints' field. Filters: zarr_filter.h. Refused with ST_UNSUPPORTED: version 3,
+ * other filters, structures.
  */
 #ifndef FORMATS_GRID_ZARR_H
 #define FORMATS_GRID_ZARR_H

@@ -10,6 +10,8 @@
 
 #include "formats/base/file.h"
 #include "formats/base/json_text.h"
+#include "formats/base/text.h"
+#include "formats/grid/ngff_units.h"
 #include "formats/grid/npy.h"
 
 enum { JSON_MAX = 1 << 22, DEPTH_MAX = 4, LIST_MAX = 300, FILE_NAME = 320 };
@@ -148,13 +150,16 @@ static int role_of(const json_t *axis) {
     return at ? (int)(at - "xyzct") : -1;
 }
 
-/* Roles by name; the array's shape is not known yet. */
+/* Roles by name, and units; the array's shape is not known yet. */
 static void name_axes(zarr_array *z, const json_t *axes) {
     z->axes = (int)json_array_size(axes);
     for (int i = 0; i < z->axes && i < ZARR_AXES; i++) {
         static const int roles[] = {ORDER_X, ORDER_Y, ORDER_Z, ORDER_COMPONENT, ORDER_STEP};
-        const int role = role_of(json_array_get(axes, (size_t)i));
+        const json_t *axis = json_array_get(axes, (size_t)i);
+        const char *unit = json_string_value(json_object_get(axis, "unit"));
+        const int role = role_of(axis);
         z->role[i] = role < 0 ? -1 : roles[role];
+        text_name(z->unit[i], sizeof z->unit[i], unit ? ngff_units_symbol(unit) : "");
     }
 }
 
@@ -284,6 +289,13 @@ static status find_axes(zarr_array *z, bool named) {
     return ST_OK;
 }
 
+static status read_filters(zarr_array *z, const json_t *list) {
+    char json[ZARR_PATH + FILE_NAME];
+    const zarr_number array = {z->stored.type, z->big_endian};
+    snprintf(json, sizeof json, "%s/.zarray", z->path);
+    return zarr_filters_read(list, array, json, &z->filters);
+}
+
 static status read_storage(zarr_array *z, const json_t *root) {
     const char *type = json_string_value(json_object_get(root, "dtype"));
     const char *order = json_string_value(json_object_get(root, "order"));
@@ -293,8 +305,9 @@ static status read_storage(zarr_array *z, const json_t *root) {
     if (!type || !npy_type(type, &z->stored, &z->big_endian) || z->stored.components > 1)
         return bad(z, ".zarray", ST_UNSUPPORTED, "dtype",
                    "bool, an 8 to 64 bit integer, half, float or double");
-    if (json_array_size(json_object_get(root, "filters")) > 0)
-        return bad(z, ".zarray", ST_UNSUPPORTED, "filters", "none");
+    status st = read_filters(z, json_object_get(root, "filters"));
+    if (st != ST_OK)
+        return st;
     z->fortran = order && strcmp(order, "F") == 0;
     z->separator = separator ? *separator : '.';
     if (separator && strcmp(separator, ".") != 0 && strcmp(separator, "/") != 0)

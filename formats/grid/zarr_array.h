@@ -8,10 +8,12 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
+#include "formats/base/world_frame.h"
 #include "formats/grid/sample_order.h"
 #include "formats/grid/stored_samples.h"
 #include "formats/grid/volume_hints.h"
 #include "formats/grid/zarr_chunk.h"
+#include "formats/grid/zarr_filter.h"
 
 enum { ZARR_AXES = 8, ZARR_PATH = 4096 };
 
@@ -23,10 +25,12 @@ typedef struct zarr_array {
     int role[ZARR_AXES];  /* ORDER_X .. ORDER_STEP; -1: of one sample, none */
     int axis[ORDER_AXES]; /* which axis has a role; -1: none */
     double scale[ZARR_AXES], translation[ZARR_AXES]; /* node i of an axis */
+    char unit[ZARR_AXES][WORLD_TIME_UNIT];           /* "um"; "": untold */
     stored_samples stored;
     bool big_endian, fortran;
     char separator;
     zarr_codec codec;
+    zarr_filters filters;
     uint8_t fill[8]; /* one number, native */
 } zarr_array;
 

@@ -42,7 +42,6 @@
     "transposed and saved by numpy.save() as .npy"
 #define FOAM "OpenFOAM's own `foamToVTK' writes it as .vtu or .vtk, into the folder VTK"
 #define NEK  "open its .nek5000 in ParaView and save it as .vtu"
-#define VTI  "save it as .vti, with Python (vtk: vtkSLCReader, vtkXMLImageDataWriter)"
 #define CUBE                                                                                  \
     "write its array as .npy with Python: numpy.save() of what ase.io.cube.read_cube_data() " \
     "gives, transposed"
@@ -187,8 +186,8 @@ static const row rows[] = {
     REFUSED_FOLDER("an AMReX plotfile", AMREX, foreign_is_amrex, "", "Header "),
     REFUSED_FOLDER("OpenFOAM", FOAM, foreign_is_foam, ".foam ",
                    "system/controlDict constant/polyMesh/owner owner "),
-    REFUSED("SLC", VTI, 0, BYTES("11111\n"), ".slc "),
-    REFUSED("SLC", VTI, 0, BYTES("11111 "), ""),
+    KNOWN("SLC, a grid", CONVERT, 0, BYTES("11111\n"), ".slc "),
+    KNOWN("SLC, a grid", CONVERT, 0, BYTES("11111 "), ""),
     REFUSED_IF("a Gaussian cube file", CUBE, foreign_is_cube, ".cube .cub "),
     REFUSED("LAS, points", LAS, 0, BYTES("LASF"), ".las .laz "),
     REFUSED("AFNI", "`3dAFNItoNIFTI -prefix out.nii in+orig' writes it as NIfTI", ANYWHERE,

@@ -11,11 +11,13 @@
 #include "formats/base/file.h"
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
+#include "formats/base/out_folder.h"
 #include "formats/base/text.h"
 #include "prep/export/grid_slices.h"
 #include "prep/export/grid_surface.h"
 #include "prep/export/piece_export.h"
 #include "prep/export/sample_format.h"
+#include "prep/export/sample_stream.h"
 #include "prep/export/slice_files.h"
 #include "prep/export/tet_pieces.h"
 #include "prep/export/tet_surface.h"
@@ -40,6 +42,7 @@ typedef struct arguments {
     bool floats;
     const char *fields[FIELDS_MAX];
     uint32_t field_count, step;
+    bool all_steps;
 } arguments;
 
 enum { KEY_FORMAT = 0x2000, KEY_BOX, KEY_LEVEL, KEY_ISO, KEY_FLOATS, KEY_FIELD, KEY_STEP };
@@ -55,7 +58,7 @@ static const cli_use uses[] = {{KEY_BOX, SAMPLES | GRID_SURFACE},
 
 static const struct argp_option options[] = {
     {"format", KEY_FORMAT,
-     "nrrd|raw|nifti|nifti1|nifti2|metaimage|npy|vti|vtr|tiff|vdb|ply|stl|vtp|vtu", CLI_BASIC,
+     "nrrd|raw|nifti|nifti1|nifti2|metaimage|npy|vti|vtr|tiff|vdb|zarr|ply|stl|vtp|vtu", CLI_BASIC,
      "default: as the output's name ends (.nii: nifti); nifti is NIfTI-1 where that holds the grid "
      "exactly, else NIfTI-2",
      1},
@@ -71,7 +74,8 @@ static const struct argp_option options[] = {
     {NULL, 0, NULL, 0, "Of several fields and steps:", 4},
     {"field", KEY_FIELD, "NAME", CLI_BASIC,
      "this one; may be repeated for .vdb and .vtu (default: there all, else the first)", 4},
-    {"step", KEY_STEP, "K", CLI_BASIC, "of time steps this one, from 0 on (0)", 4},
+    {"step", KEY_STEP, "K|all", CLI_BASIC,
+     "of time steps this one, from 0 on (0); all: one .nii or .zarr of four axes", 4},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 /* ---- what is asked for ---- */
@@ -112,6 +116,12 @@ static status set_format(arguments *a, const char *name) {
     return cli_word(name, "--format", options[0].arg, &index);
 }
 
+static status set_step(arguments *a, const char *text) {
+    a->all_steps = strcmp(text, "all") == 0;
+    a->step = 0;
+    return a->all_steps ? ST_OK : cli_uint(text, "--step", 0, LEAF_SETS_MAX, &a->step);
+}
+
 static status set_option(void *own, int key, const char *text) {
     arguments *a = own;
     switch (key) {
@@ -121,7 +131,7 @@ static status set_option(void *own, int key, const char *text) {
     case KEY_ISO: return add_iso(a, text);
     case KEY_FLOATS: a->floats = true; return ST_OK;
     case KEY_FIELD: return add_field(a, text);
-    case KEY_STEP: return cli_uint(text, "--step", 0, LEAF_SETS_MAX, &a->step);
+    case KEY_STEP: return set_step(a, text);
     default: return ST_AGAIN;
     }
 }
@@ -135,6 +145,8 @@ static bool is_meant(const arguments *a, const char *name, const char *suffix, c
 static status find_format(arguments *a) {
     char path[4096];
     snprintf(path, sizeof path, "%s", a->common.output);
+    for (size_t n = strlen(path); n > 1 && path[n - 1] == '/'; n--)
+        path[n - 1] = 0; /* a folder, as shells complete it */
     a->gzip = text_ends_in(path, ".gz");
     if (a->gzip)
         path[strlen(path) - 3] = 0;
@@ -149,6 +161,10 @@ static status find_format(arguments *a) {
                                a->common.output);
     if (a->gzip && (a->pieces || a->samples->unpacked))
         return status_describe(ST_USAGE, "%s: %s is not packed by gzip", a->common.output,
+                               a->pieces ? a->pieces->name : a->samples->name);
+    if (a->all_steps && !(a->samples && a->samples->steps))
+        return status_describe(ST_USAGE,
+                               "--step all: a file of %s is of one step; .nii and .zarr have all",
                                a->pieces ? a->pieces->name : a->samples->name);
     return ST_OK;
 }
@@ -203,7 +219,7 @@ static const cli_verb verb = {
     .check = check,
     .output = output,
     .input = "treelet file",
-    .args_doc = "F.leaf -o FILE.nrrd|.raw|.nii|.vti|.vtr|.tif|.vdb\n"
+    .args_doc = "F.leaf -o FILE.nrrd|.raw|.nii|.vti|.vtr|.tif|.vdb|.zarr\n"
                 "F.leaf --iso V -o FILE.ply|.stl|.vtp\nF.leaf -o FILE.vtu",
     .doc =
         "Write what is in a treelet file to another format: the samples of a grid, isosurfaces of "
@@ -241,7 +257,7 @@ static status check_step(const arguments *a, const leaf_file *f) {
 
 /* Whether the format has several. */
 static bool takes_all(const arguments *a) {
-    return a->samples ? a->samples->write != NULL : a->pieces->corners == 4;
+    return a->samples ? a->samples->fields : a->pieces->corners == 4;
 }
 
 /* The fields that are asked for, or all, or the first. fields: room for as many. */
@@ -282,11 +298,23 @@ static void name_fields(const leaf_file *f, const uint32_t *fields, uint32_t cou
 
 /* Fields that were chosen, with names. */
 typedef struct field_list {
-    uint32_t *fields, *sets; /* at the step */
+    uint32_t *fields, *sets; /* at the step, or the first's at all steps */
     char (*texts)[80];
     const char **names;
     uint32_t count;
 } field_list;
+
+/* One field's sets at all steps. */
+static status list_steps(mem *m, const leaf_file *f, field_list *l) {
+    mem_free(m, l->sets);
+    l->sets = mem_array(m, f->header.steps, sizeof *l->sets);
+    if (!l->sets)
+        return ST_NOMEM;
+    l->count = f->header.steps;
+    for (uint32_t i = 0; i < l->count; i++)
+        l->sets[i] = leaf_layout_set(&f->layout, l->fields[0], i);
+    return ST_OK;
+}
 
 static status list_fields(const arguments *a, mem *m, const leaf_file *f, field_list *l) {
     const uint32_t most = f->header.fields + a->field_count;
@@ -303,7 +331,7 @@ static status list_fields(const arguments *a, mem *m, const leaf_file *f, field_
         name_fields(f, l->fields, l->count, l->texts, l->names);
     for (uint32_t i = 0; i < l->count && st == ST_OK; i++)
         l->sets[i] = leaf_layout_set(&f->layout, l->fields[i], a->step);
-    return st;
+    return st == ST_OK && a->all_steps ? list_steps(m, f, l) : st;
 }
 
 static void release_fields(mem *m, field_list *l) {
@@ -322,36 +350,12 @@ static status choose_part(const arguments *a, const leaf_file *f, uint32_t field
 
 /* ---- samples ---- */
 
-/* Where samples go. */
-typedef struct sample_sink {
-    out_stream *out;
-    sample_type type;
-} sample_sink;
-
-static status append(void *ctx, const void *samples, size_t count) {
-    const sample_sink *sink = ctx;
-    return out_stream_samples(sink->out, sink->type, samples, count);
-}
-
-static status write_stream(const arguments *a, mem *m, const sample_export *e, const grid *g) {
-    sample_sink sink = {.type = g->type};
-    status st = out_stream_create(m, e->path, e->force, a->gzip, &sink.out);
-    if (st != ST_OK)
-        return st;
-    if (a->samples->head)
-        st = a->samples->head(m, sink.out, g);
-    if (st == ST_OK)
-        st = grid_slices_run(m, e->f, e->part, e->threads, e->p, append, &sink);
-    if (st == ST_OK && a->samples->tail)
-        st = a->samples->tail(sink.out);
-    if (st == ST_OK)
-        return out_stream_commit(sink.out);
-    out_stream_discard(sink.out);
-    return st;
-}
-
 static bool is_sequence(const arguments *a) {
     return a->samples && a->samples->slices && strchr(a->common.output, '%');
+}
+
+static bool is_folder(const arguments *a) {
+    return a->samples && a->samples->folder;
 }
 
 static status write_slices(const arguments *a, mem *m, const sample_export *e, const grid *g) {
@@ -365,29 +369,34 @@ static status write_slices(const arguments *a, mem *m, const sample_export *e, c
 static status write_samples(const arguments *a, mem *m, const sample_export *e, const grid *g) {
     if (a->samples->write)
         return a->samples->write(m, e);
-    return is_sequence(a) ? write_slices(a, m, e, g) : write_stream(a, m, e, g);
+    return is_sequence(a) ? write_slices(a, m, e, g)
+                          : sample_stream_write(m, a->samples, e, g, a->gzip);
 }
 
-static status report_samples(const arguments *a, const grid *g, double seconds) {
+static status report_samples(const arguments *a, const grid *g, uint32_t steps, double seconds) {
     if (a->common.json)
-        return cli_print_json(&a->common,
-                              json_pack("{s:s, s:s, s:[i,i,i], s:s, s:f}", "output",
-                                        a->common.output, "format", a->samples->name, "dims",
-                                        (int)g->dims[0], (int)g->dims[1], (int)g->dims[2], "type",
-                                        sample_name(g->type), "seconds", seconds));
+        return cli_print_json(
+            &a->common,
+            json_pack("{s:s, s:s, s:[i,i,i], s:s, s:i, s:f}", "output", a->common.output, "format",
+                      a->samples->name, "dims", (int)g->dims[0], (int)g->dims[1], (int)g->dims[2],
+                      "type", sample_name(g->type), "steps", (int)steps, "seconds", seconds));
     if (to_stdout(a) || !cli_results(&a->common, true))
         return ST_OK;
     printf("samples     %u x %u x %u %s, little endian, as %s\n", g->dims[0], g->dims[1],
            g->dims[2], sample_name(g->type), a->samples->name);
+    if (steps > 1)
+        printf("steps       %u\n", steps);
     printf("time        %.2f s\n", seconds);
     return ST_OK;
 }
 
 /* What the file does not keep; and how its array is called. */
-static void settle_head(const arguments *a, const char *field, grid *g) {
-    const char *lost = a->samples->loses ? a->samples->loses(g) : NULL;
-    if (lost)
-        cli_note(&a->common, 1, "%s: %s", a->common.output, lost);
+static void settle_head(const arguments *a, const char *field, const sample_times *times, grid *g) {
+    const char *lost[] = {a->samples->loses ? a->samples->loses(g) : NULL,
+                          a->all_steps ? a->samples->loses_times(times) : NULL};
+    for (int i = 0; i < 2; i++)
+        if (lost[i])
+            cli_note(&a->common, 1, "%s: %s", a->common.output, lost[i]);
     if (a->samples->named && field[0])
         text_name(g->name, sizeof g->name, field);
 }
@@ -396,6 +405,7 @@ static status export_samples(arguments *a, mem *m, leaf_file *f, double start) {
     grid_part part;
     grid g = {.dims = {0}};
     field_list fields;
+    const sample_times times = sample_times_of(f, a->all_steps);
     status st = list_fields(a, m, f, &fields);
     if (st == ST_OK)
         st = choose_part(a, f, fields.fields[0], &part);
@@ -404,7 +414,7 @@ static status export_samples(arguments *a, mem *m, leaf_file *f, double start) {
     if (st == ST_OK && a->samples->check)
         st = a->samples->check(&g);
     if (st == ST_OK)
-        settle_head(a, f->names[fields.fields[0]], &g);
+        settle_head(a, f->names[fields.fields[0]], &times, &g);
     if (st == ST_OK)
         st = write_samples(a, m,
                            &(sample_export){.f = f,
@@ -412,13 +422,14 @@ static status export_samples(arguments *a, mem *m, leaf_file *f, double start) {
                                             .sets = fields.sets,
                                             .names = fields.names,
                                             .count = fields.count,
+                                            .times = &times,
                                             .path = a->common.output,
                                             .force = a->common.force,
                                             .threads = a->common.threads,
                                             .p = cli_progress(&a->common)},
                            &g);
     if (st == ST_OK)
-        st = report_samples(a, &g, clock_seconds() - start);
+        st = report_samples(a, &g, times.steps, clock_seconds() - start);
     grid_release(&g, m);
     release_fields(m, &fields);
     return st;
@@ -592,7 +603,9 @@ static status run(arguments *a) {
     status st = file_guard_input(a->common.input);
     if (st == ST_OK)
         st = file_guard_output(a->common.output);
-    if (st == ST_OK && !to_stdout(a) && !is_sequence(a))
+    if (st == ST_OK && is_folder(a))
+        st = out_folder_check(a->common.output);
+    else if (st == ST_OK && !to_stdout(a) && !is_sequence(a))
         st = out_file_check(&m, a->common.output, a->common.force);
     if (st == ST_OK)
         st = leaf_file_open(&m, a->common.input, &f);

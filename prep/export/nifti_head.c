@@ -62,6 +62,15 @@ static int unit_code(const grid *g) {
     return code;
 }
 
+/* The same of times; seconds, where nothing is told, are not made up. */
+static int time_code(const sample_times *times) {
+    static const char *const names[] = {"s", "ms", "us"};
+    for (int i = 0; i < (int)(sizeof names / sizeof *names); i++)
+        if (strcmp(times->unit, names[i]) == 0)
+            return 8 * (i + 1);
+    return 0;
+}
+
 static double spacing(const grid *g, int a) {
     const double column[3] = {g->to_world[0][a], g->to_world[1][a], g->to_world[2][a]};
     return vec3_length(column);
@@ -101,12 +110,11 @@ bool nifti_exact1(const grid *g) {
     return exact;
 }
 
-status nifti_head1(mem *m, out_stream *out, const grid *g) {
+static status write_head1(out_stream *out, const grid *g, const sample_times *times) {
     unsigned char h[BYTES1 + EXTENSION] = {0};
     const grid ras = in_ras(g);
-    (void)m;
     put32(h, BYTES1);
-    put16(h + 40, 3);
+    put16(h + 40, times ? 4 : 3);
     put_float(h + 76, 1);
     for (int a = 0; a < 3; a++) {
         put16(h + 42 + 2 * a, (int)g->dims[a]);
@@ -124,18 +132,23 @@ status nifti_head1(mem *m, out_stream *out, const grid *g) {
     memcpy(h + 148, g->name, strlen(g->name));
     put16(h + 254, ALIGNED);
     memcpy(h + 344, "n+1", 4);
+    if (times) {
+        put16(h + 48, (int)times->steps);
+        put_float(h + 92, times->apart);
+        put_float(h + 136, times->first);
+        h[123] |= (unsigned char)time_code(times);
+    }
     return out_stream_write(out, h, sizeof h);
 }
 
-status nifti_head2(mem *m, out_stream *out, const grid *g) {
+static status write_head2(out_stream *out, const grid *g, const sample_times *times) {
     unsigned char h[BYTES2 + EXTENSION] = {0};
     const grid ras = in_ras(g);
-    (void)m;
     put32(h, BYTES2);
     memcpy(h + 4, "n+2\0\r\n\032\n", 8);
     put16(h + 12, type_code(g->type));
     put16(h + 14, 8 * (int)sample_size(g->type));
-    put64(h + 16, 3);
+    put64(h + 16, times ? 4 : 3);
     put_double(h + 104, 1);
     for (int a = 0; a < 3; a++) {
         put64(h + 24 + 8 * a, g->dims[a]);
@@ -147,12 +160,54 @@ status nifti_head2(mem *m, out_stream *out, const grid *g) {
         put64(h + 16 + 8 * i, 1);
     put64(h + 168, BYTES2 + EXTENSION);
     put_double(h + 176, 1);
-    put32(h + 500, unit_code(g));
+    put32(h + 500, unit_code(g) | (times ? time_code(times) : 0));
     memcpy(h + 240, g->name, strlen(g->name));
     put32(h + 348, ALIGNED);
+    if (times) {
+        put64(h + 48, times->steps);
+        put_double(h + 136, times->apart);
+        put_double(h + 216, times->first);
+    }
     return out_stream_write(out, h, sizeof h);
+}
+
+status nifti_head1(mem *m, out_stream *out, const grid *g) {
+    (void)m;
+    return write_head1(out, g, NULL);
+}
+
+status nifti_head2(mem *m, out_stream *out, const grid *g) {
+    (void)m;
+    return write_head2(out, g, NULL);
 }
 
 status nifti_head(mem *m, out_stream *out, const grid *g) {
     return nifti_exact1(g) ? nifti_head1(m, out, g) : nifti_head2(m, out, g);
+}
+
+status nifti_head1_steps(mem *m, out_stream *out, const grid *g, const sample_times *times) {
+    (void)m;
+    if (times->steps > DIM_MAX1)
+        return status_describe(ST_UNSUPPORTED,
+                               "NIfTI-1 holds up to %d steps, here are %u: --format nifti2",
+                               DIM_MAX1, times->steps);
+    return write_head1(out, g, times);
+}
+
+status nifti_head2_steps(mem *m, out_stream *out, const grid *g, const sample_times *times) {
+    (void)m;
+    return write_head2(out, g, times);
+}
+
+status nifti_head_steps(mem *m, out_stream *out, const grid *g, const sample_times *times) {
+    const bool one = nifti_exact1(g) && times->steps <= DIM_MAX1;
+    return one ? nifti_head1_steps(m, out, g, times) : nifti_head2_steps(m, out, g, times);
+}
+
+const char *nifti_head_loses_times(const sample_times *times) {
+    if (times->uneven)
+        return "the steps are at uneven times, which NIfTI cannot say: they count 0, 1, .. there";
+    if (times->unit[0] && !time_code(times))
+        return "NIfTI has no number for the unit of times: they are without one";
+    return NULL;
 }

@@ -7,6 +7,7 @@
 #include "prep/export/tiff_head.h"
 #include "prep/export/vdb_writer.h"
 #include "prep/export/vtk_head.h"
+#include "prep/export/zarr_writer.h"
 
 static status nrrd_head(mem *m, out_stream *out, const grid *g) {
     (void)m;
@@ -19,12 +20,18 @@ static status nrrd_head(mem *m, out_stream *out, const grid *g) {
         .loses = tiff_head_loses, .unpacked = true, .slices = true                  \
     }
 
+#define NIFTI(called, end, checked, of)                                                        \
+    {                                                                                          \
+        .name = called, .suffix = end, .check = checked, .head = of, .head_steps = of##_steps, \
+        .loses_times = nifti_head_loses_times, .steps = true                                   \
+    }
+
 const sample_format sample_formats[] = {
     {.name = "nrrd", .suffix = ".nrrd", .head = nrrd_head},
     {.name = "raw", .suffix = ".raw"},
-    {.name = "nifti", .suffix = ".nii", .check = nifti_check2, .head = nifti_head},
-    {.name = "nifti1", .check = nifti_check1, .head = nifti_head1},
-    {.name = "nifti2", .check = nifti_check2, .head = nifti_head2},
+    NIFTI("nifti", ".nii", nifti_check2, nifti_head),
+    NIFTI("nifti1", NULL, nifti_check1, nifti_head1),
+    NIFTI("nifti2", NULL, nifti_check2, nifti_head2),
     {.name = "metaimage",
      .suffix = ".mha",
      .check = metaimage_head_check,
@@ -50,6 +57,16 @@ const sample_format sample_formats[] = {
      .suffix = ".vdb",
      .check = vdb_writer_check,
      .write = vdb_writer_run,
+     .fields = true,
+     .unpacked = true},
+    {.name = "zarr",
+     .suffix = ".zarr",
+     .check = zarr_writer_check,
+     .write = zarr_writer_run,
+     .loses = zarr_writer_loses,
+     .loses_times = zarr_writer_loses_times,
+     .steps = true,
+     .folder = true,
      .unpacked = true},
 };
 const int sample_format_count = sizeof sample_formats / sizeof *sample_formats;

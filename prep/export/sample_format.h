@@ -11,6 +11,7 @@
 #include "formats/base/progress.h"
 #include "formats/grid/grid.h"
 #include "prep/export/grid_part.h"
+#include "prep/export/sample_times.h"
 
 /* What is to be exported, and where to. */
 typedef struct sample_export {
@@ -18,8 +19,9 @@ typedef struct sample_export {
     const grid_part *part;
     const uint32_t *sets;     /* count of them, the first the part's own */
     const char *const *names; /* of the sets, no two alike */
-    uint32_t count;           /* 1, but for formats of several fields */
-    const char *path;         /* "-": standard output */
+    uint32_t count;           /* 1, but for formats of several fields; of all steps, theirs */
+    const sample_times *times;
+    const char *path; /* "-": standard output */
     bool force;
     int threads;
     const progress *p;
@@ -32,13 +34,19 @@ typedef struct sample_format {
     status (*check)(const grid *g);
     status (*head)(mem *m, out_stream *out, const grid *g); /* NULL: none */
     status (*tail)(out_stream *out);                        /* NULL: none */
-    /* A writer of its own, of several fields; NULL: head, samples, tail, of one. */
-    status (*write)(mem *m, const sample_export *e);
+    /* The head of a file of all steps, whose samples follow one another. ST_UNSUPPORTED: too many.
+     * NULL: a file is of one step, or the writer does it. */
+    status (*head_steps)(mem *m, out_stream *out, const grid *g, const sample_times *times);
+    status (*write)(mem *m, const sample_export *e); /* NULL: head, samples, tail */
+    bool fields;                                     /* the writer takes several */
+    bool steps;                                      /* a file can be of all steps */
+    bool folder;   /* the output is a folder, which nothing replaces */
     bool unpacked; /* gzip would keep it from being read */
     bool named;    /* its array has a name: the field's, else the data set's */
     /* What of the grid other programs will not find in the file, as a sentence; NULL: nothing. May
      * be NULL. */
     const char *(*loses)(const grid *g);
+    const char *(*loses_times)(const sample_times *times); /* the same of the steps' times */
     bool slices; /* may be a file a slice, where the output's name has a %04d */
 } sample_format;
 

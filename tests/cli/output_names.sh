@@ -18,7 +18,7 @@ resample m.mesh --dims 5|.nrrd
 tetrahedralize p.node|.mesh
 generate sphere --dims 5|.nrrd
 generate sphere --tets --dims 3|.mesh
-export g.leaf|.nrrd .nrrd.gz .raw .raw.gz .nii .nii.gz .mha .npy .vti .vti.gz .vtr .tif .tiff .vdb
+export g.leaf|.nrrd .nrrd.gz .raw .raw.gz .nii .nii.gz .mha .npy .vti .vti.gz .vtr .tif .tiff .vdb .zarr
 export g.leaf --format nrrd|.nrrd .nrrd.gz
 export g.leaf --format raw|.raw .raw.gz
 export g.leaf --format nifti1|.nii .nii.gz
@@ -27,6 +27,7 @@ export g.leaf --format metaimage|.mha
 export g.leaf --format npy|.npy
 export g.leaf --format vti|.vti .vti.gz
 export g.leaf --format tiff|.tif .tiff
+export g.leaf --format zarr|.zarr
 export g.leaf --iso 99|.ply .stl .vtp
 export m.leaf|.vtu
 export m.leaf --format vtu|.vtu
@@ -49,7 +50,7 @@ ok "so were those known by sight" [ "$(wc -l <sight)" -gt 60 ]
 comm -13 endings sight >missing
 cp missing err
 ok "each ending known by sight is known of outputs" [ ! -s missing ]
-sed -n 's/.*\.suffix = "\(\.[a-z]*\)".*/\1/p; s/^ *{"[a-z]*", "\(\.[a-z]*\)".*/\1/p; s/^ *TIFF("\(.*\)").*/\1/p' \
+sed -n 's/.*\.suffix = "\(\.[a-z]*\)".*/\1/p; s/^ *{"[a-z]*", "\(\.[a-z]*\)".*/\1/p; s/^ *TIFF("\(.*\)").*/\1/p; s/^ *NIFTI("[a-z]*", "\(\.[a-z]*\)".*/\1/p' \
     "$home/prep/export/sample_format.c" "$home/prep/export/piece_format.c" | sort -u >written
 ok "each ending that export writes is known" [ -z "$(comm -13 endings written)" ] && [ "$(wc -l <written)" -ge 12 ]
 

@@ -61,8 +61,6 @@ packers += [nc.Blosc(cname, 5, shuffle) for cname in nc.blosc.list_compressors()
 for packer in packers:
     save(a, chunks=(8, 16, 32), compressor=packer)
     same(path, a)
-save(a, chunks=(8, 16, 32), compressor=None, filters=[nc.Delta("f4")])
-refused(path, '"filters": expected none')
 for packer in packers: # what is cut or too long is found
     save(a, chunks=(8, 16, 32), compressor=packer)
     chunk = f"{path}/1.1.0"
@@ -74,6 +72,43 @@ for packer in packers: # what is cut or too long is found
 end()
 PY
 exits "packers" 0 "$python" "$tmp/test.py" "$tmp"
+
+begin <<'PY'
+# Filters, alone and in rows: as Python's zarr undoes them.
+nc = numcodecs
+whole, real = some("i4", (9, 10, 11)), np.cumsum(some("f8", (9, 10, 11)), 2)
+cases = [(whole.astype(t), [nc.Shuffle(np.dtype(t).itemsize)]) for t in ("u1", "<i2", ">u4", "<f8", "<i8", "<f2")]
+cases += [((abs(whole) if "u" in t else whole).astype(t), [nc.Delta(t)]) for t in ("u1", "i1", "<u2", ">u2", "<i4", "<i8", ">u8", "<f4", ">f8")]
+cases += [(np.cumsum(whole % 5, 2).astype("<u2"), [nc.Delta("<u2", "i1")]), ((whole % 100).astype("<i4"), [nc.Delta("<i4", ">i2")])]
+cases += [((real % 1000).astype(t), [nc.FixedScaleOffset(offset, scale, t, coded)]) for t in ("<f4", "<f8", ">f4")
+          for offset, scale, coded in ((0, 10, "<u2"), (500, 8, "<i2"), (-3.25, 0.1, "u1"), (1, 3, "<f4"), (1, 3, "<f8"), (0, 1, ">i4"))]
+cases += [((whole % 1000).astype("<i4"), [nc.FixedScaleOffset(7, 0.5, "<i4", "<i2")])]
+cases += [(real.astype(t), [nc.Quantize(3, t, coded)]) for t in ("<f4", "<f8") for coded in ("<f4", "<f8")]
+cases += [((whole % 100).astype(a), [nc.AsType(b, a)]) for a, b in (("<f4", "u1"), ("<f8", ">f4"), ("<i4", "<i2"), ("<u2", "<f8"))]
+cases += [((whole % 100).astype("<f8"), [nc.AsType("<i4", "<f8"), nc.Delta("<i4"), nc.Shuffle(4)]),
+          ((real % 1000).astype(">f4"), [nc.FixedScaleOffset(0, 100, ">f4", ">u4"), nc.Shuffle(4)])]
+for a, filters in cases:
+    for more in dict(compressor=None), dict(compressor=nc.Zlib(1), order="F", chunks=(4, 10, 3)):
+        save(a, filters=filters, **dict(dict(chunks=(4, 5, 11)), **more))
+        same(path, read_as(zarr.open_array(path, mode="r")[...]))
+import json
+save(whole.astype("<i4"), chunks=(4, 5, 11), compressor=None, filters=[nc.Delta("<i4")])
+head = json.load(open(f"{path}/.zarray"))
+for filters, words in (([{"id": "fletcher32"}], '"fletcher32"; supported are shuffle, delta'), ([{}], '""; supported'), ([7], '""; supported'),
+                       ([{"id": "delta", "dtype": "<i2"}], "of the type that the array has"), ([{"id": "delta", "dtype": "<x4"}], "is not undone"),
+                       ([{"id": "delta", "dtype": "<i4", "astype": "<f4"}], "is not undone"), ([{"id": "delta", "dtype": 3}], "is not undone"),
+                       ([{"id": "astype", "decode_dtype": "<i4", "encode_dtype": "<i8"}], "is not undone"),
+                       ([{"id": "astype", "decode_dtype": "<i4", "encode_dtype": "|b1"}], "is not undone"),
+                       ([{"id": "fixedscaleoffset", "dtype": "<i4", "astype": "<i2", "scale": 0, "offset": 0}], "expected a scale"),
+                       ([{"id": "fixedscaleoffset", "dtype": "<i4", "astype": "<f4", "scale": 1, "offset": 0}], "does not fit"),
+                       ([{"id": "shuffle", "elementsize": 7}], "does not fit"), ([{"id": "shuffle", "elementsize": 1 << 40}], "is not undone"),
+                       ([{"id": "shuffle", "elementsize": -1}], "is not undone"), ([{"id": "astype", "decode_dtype": "<i4", "encode_dtype": "<i2"}], "bytes expected"),
+                       ([{"id": "shuffle"}] * 9, "more than 8")):
+    json.dump(dict(head, filters=filters), open(f"{path}/.zarray", "w"))
+    refused(path, words)
+end()
+PY
+exits "filters" 0 "$python" "$tmp/test.py" "$tmp"
 
 begin <<'PY'
 # Chunks that are missing are the fill value.

@@ -242,6 +242,7 @@ ROWS = (
     ("MRC", "bytes at the end", mrc, 3, "ends at byte", None),
     ("FreeSurfer", "bytes at the end", mgh, 3, "ends at byte", None),
     ("PVM", "bytes at the end", lambda: put("a.pvm", b"PVM\n8 8 8\n1\n" + SHORT), 3, "ends at byte", None),
+    ("SLC", "bytes at the end", lambda: put("a.slc", b"11111 8 8 8 8 1 1 1 0 0 0 0 0 0 X" + SHORT), 3, "ends at byte", None),
     ("VTK", "values of an array", lambda: put("a.vti", vti(SHORT)), 3, "a.vti", None),
     ("VTK", "bytes at the end, legacy", vtk_legacy, 3, "a.vtk", None),
     ("VTK in pieces", "the file of a piece", lambda: pieces('<Piece Extent="4 7 0 7 0 7" Source="none.vti"/>'), 1, "none.vti", None),

@@ -113,8 +113,6 @@ SAMPLES = [
     ("OpenFOAM", "cavity", {"system/controlDict": FOAM, "0/U": FOAM, "constant/polyMesh/owner": FOAM}),
     ("OpenFOAM", "decomposed", {"constant/polyMesh/owner": FOAM, "constant/polyMesh/points": FOAM}),
     ("OpenFOAM", "polyMesh", {"owner": FOAM, "points": FOAM}),
-    ("SLC", "a.slc", text("11111", "2 2 2 8", "1.0 1.0 1.0", "1 0 0 0") + b" "),
-    ("SLC", "line", b"11111 2 2 2 8 1.0 1.0 1.0 1 0 0 0 X"),
     ("a Gaussian cube file", "density", CUBE),
     ("a Gaussian cube file", "a.cube", CUBE[:80]),
     ("LAS, points", "a.las", b"LASF" + bytes(371)),

@@ -78,6 +78,7 @@ def others():
     form("mrc", write("m.mrc", bytes(head) + SAMPLES))
     form("mgh", write("f.mgh", struct.pack(">7i", 1, 4, 4, 4, 1, 0, 0) + bytes(256) + SAMPLES))
     form("pvm", write("p.pvm", b"PVM\n4 4 4\n1\n" + SAMPLES))
+    form("slc", write("s.slc", b"11111\n4 4 4\n8\n1 1 1\n0 0 0 0\n1 1 Xrgb" + SAMPLES))
 
 
 def vtk_grids():

@@ -64,10 +64,59 @@ def chunks():
         part[3:9, 2:5] = a[3:9, 2:5]
     with h5py.File(path("chunks"), "r") as f:
         for name in f:
-            if name != "lzf":
-                same("chunks of " + name, f[name][()], *take("chunks", "--field", name))
-    rc, _, said = start(*take("chunks", "--field", "lzf"))
-    tell("a filter without a plugin", "" if rc == 0 or (rc == 3 and "lzf (filter 32000)" in said) else said)
+            same("chunks of " + name, f[name][()], *take("chunks", "--field", name))
+
+
+def lzf():
+    """h5py's own filter: alone, with others, of chunks that it cannot make smaller, and malformed."""
+    ramp = (np.arange(np.prod(SHAPE)) // 7 % 300).astype("u2").reshape(SHAPE)
+    noise = (random.random(SHAPE) * 65535).astype("u2")
+    with h5py.File(path("lzf"), "w") as f:
+        for i, more in enumerate(({}, {"shuffle": True}, {"fletcher32": True}, {"shuffle": True, "fletcher32": True})):
+            for a, data in (("ramp", ramp), ("noise", noise), ("zeros", 0 * ramp), ("reals", ramp / 3)):
+                f.create_dataset("%s%d" % (a, i), data=data, chunks=(5, 8, 23), compression="lzf", **more)
+        f.create_dataset("long", data=np.zeros((40, 64, 64)), chunks=(40, 64, 64), compression="lzf")
+        f.create_dataset("scaleoffset", data=ramp, chunks=(4, 4, 4), compression="lzf", scaleoffset=0)
+    with h5py.File(path("lzf"), "r") as f:
+        packed = f["ramp0"].id.get_chunk_info(0)
+        tell("a chunk is packed", "" if packed.filter_mask == 0 and packed.size < 2 * 5 * 8 * 23 else packed)
+        for name in f:
+            if name != "scaleoffset":
+                same("lzf: " + name, f[name][()], *take("lzf", "--field", name))
+    ends("lzf behind scaleoffset", 3, "behind a filter that changes sizes", *take("lzf", "--field", "scaleoffset"))
+
+    def put(name, chunk):
+        with h5py.File(path("lzf-" + name), "w") as f:
+            f.create_dataset("a", (4, 4, 4), "u1", chunks=(4, 4, 4), compression="lzf").id.write_direct_chunk((0, 0, 0), chunk)
+    put("sound", b"\x00\x05" + b"\xe0\x36\x00")
+    same("lzf: a byte and 63 of it again", np.full((4, 4, 4), 5), *take("lzf-sound"))
+    for name, words, chunk in (("empty literals", "ends inside", b"\x1f123"), ("no offset", "ends inside", b"\x00a\x20"),
+                               ("no length", "ends inside", b"\x00a\xe0\x36"),
+                               ("too far back", "before the first", b"\x00a\x20\x01"),
+                               ("nothing before", "before the first", b"\x20\x00"),
+                               ("too short", "another size", b"\x00\x05" + b"\xe0\x35\x00"),
+                               ("too long", "another size", b"\x00\x05" + b"\xe0\x37\x00"),
+                               ("much too long", "another size", b"\x00\x05" + b"\xe0\xff\x00" * 20000)):
+        put(name, chunk)
+        ends("lzf: " + name, 3, words, *take("lzf-" + name))
+    whole, told = open(path("lzf-sound"), "rb").read(), np.array([4, 261, 64], "<u4").tobytes()
+    tell("lzf: the filter tells the size of a chunk", "" if whole.count(told) == 1 else whole.count(told))
+    for size in (0, 63, 65, 0xffffffff):
+        other = np.array([4, 261, size], "<u4").tobytes()
+        open(path("lzf-told"), "wb").write(whole.replace(told, other))
+        ends("lzf: of %d bytes it tells" % size, 3, "another size of chunks", *take("lzf-told", "--field", "a"))
+    damaged("lzf: damaged", path("lzf-sound"), path("lzf-broken"), 50, *take("lzf-broken"))
+
+
+def filters():
+    """A filter that is not there is named; so is one behind many others."""
+    with h5py.File(path("filters"), "w") as f:
+        f.create_dataset("a", data=np.zeros((4, 4, 4), "u2"), chunks=(4, 4, 4), shuffle=True, compression="gzip")
+    whole = open(path("filters"), "rb").read()
+    gzip = b"\x01\x00\x08\x00\x01\x00\x01\x00deflate\0"
+    tell("the filter is known by its bytes", "" if whole.count(gzip) == 1 else whole.count(gzip))
+    open(path("filters"), "wb").write(whole.replace(gzip, b"\xe1\x7c" + gzip[2:]))
+    ends("a filter without a plugin", 3, "(filter 31969)", *take("filters", "--field", "a"))
 
 
 def once():
@@ -256,5 +305,5 @@ def hostile():
     damaged("damaged files, listed", path("sound"), path("broken"), 50, *take("broken", "--list"))
 
 
-for part in (types, chunks, once, axes, places, vtkhdf, fields, times, lists, hostile):
+for part in (types, chunks, lzf, filters, once, axes, places, vtkhdf, fields, times, lists, hostile):
     part()

@@ -61,6 +61,23 @@ def nrrd(lines):
                  b"kinds: domain domain domain time\n" + lines.encode() + b"\n" + A.tobytes())
 
 
+def ome(scale, translation, unit):
+    import zarr
+    group = zarr.open_group(folder + "/a.zarr", mode="w")
+    group.create_dataset("0", data=A, chunks=(1, 3, 4, 6))
+    axes = [dict({"name": "t", "type": "time"}, **({"unit": unit} if unit else {}))] + [{"name": n, "type": "space"} for n in "zyx"]
+    group.attrs["multiscales"] = [{"version": "0.4", "axes": axes, "datasets": [{"path": "0", "coordinateTransformations": [
+        {"type": "scale", "scale": [scale, 1, 1, 1]}, {"type": "translation", "translation": [translation, 0, 0, 0]}]}]}]
+    return folder + "/a.zarr"
+
+
+def tiff(**more):
+    import tifffile
+    name = folder + ("/a.tif" if more.get("imagej") else "/a.ome.tif")
+    tifffile.imwrite(name, A, **more)
+    return name
+
+
 HOURS = [0, 6, 12, 24.5, 36]
 SINCE = "hours since 2000-01-01 00:00"
 FORMS = {
@@ -76,6 +93,13 @@ FORMS = {
     "NIfTI-2, by nibabel": (lambda: nibabel_written(0.75), [-3, -2.25, -1.5, -0.75, 0], "s"),
     "NRRD": (lambda: nrrd('spacings: 1 1 1 0.25\naxis mins: nan nan nan 4\nunits: "mm" "mm" "mm" "s"\n'),
              [4, 4.25, 4.5, 4.75, 5], "s"),
+    "OME-Zarr": (lambda: ome(0.5, 3, "second"), [3, 3.5, 4, 4.5, 5], "s"),
+    "OME-Zarr, other units": (lambda: ome(2, 0, "fortnight"), [0, 2, 4, 6, 8], "fortnight"),
+    "OME-Zarr, untold": (lambda: ome(1, 0, ""), [0, 1, 2, 3, 4], ""),
+    "OME-TIFF": (lambda: tiff(metadata={"axes": "TZYX", "TimeIncrement": 2.5, "TimeIncrementUnit": "ms"}), [0, 2.5, 5, 7.5, 10], "ms"),
+    "OME-TIFF, the unit untold there": (lambda: tiff(metadata={"axes": "TZYX", "TimeIncrement": 0.25}), [0, 0.25, 0.5, 0.75, 1], "s"),
+    "OME-TIFF, untold": (lambda: tiff(metadata={"axes": "TZYX"}), [0, 1, 2, 3, 4], ""),
+    "ImageJ": (lambda: tiff(imagej=True, metadata={"axes": "TZYX", "finterval": 0.125}), [0, 0.125, 0.25, 0.375, 0.5], "s"),
     "NRRD, untold": (lambda: nrrd(""), [0, 1, 2, 3, 4], ""),
 }
 
@@ -99,6 +123,9 @@ def main():
             continue
         if "netCDF" in name and start(leafcast, "import-netcdf", "--help")[0] != 0:
             print("%s\tskip no import-netcdf here" % name)
+            continue
+        if ("TIFF" in name or name == "ImageJ") and start(leafcast, "import-images", "--help")[0] != 0:
+            print("%s\tskip no import-images here" % name)
             continue
         got, of, said = times_of(path, "--steps", "all")
         right = got is not None and np.allclose(got, times) and of == unit

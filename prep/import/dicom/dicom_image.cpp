@@ -1,6 +1,8 @@
 extern "C" {
 #include "prep/import/dicom/dicom_image.h"
 #include "formats/base/text.h"
+#include "prep/import/dicom/dicom_j2k.h"
+#include "prep/import/dicom/dicom_labels.h"
 }
 
 #include <dcmtk/config/osconfig.h>
@@ -13,11 +15,13 @@ extern "C" {
 #include <dcmtk/dcmjpeg/djdecode.h>
 #include <dcmtk/dcmjpls/djdecode.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <new>
 #include <string>
 #include <utility>
+#include <vector>
 
 struct dicom_reader {
     std::string path;
@@ -27,6 +31,10 @@ struct dicom_reader {
     uint32_t samples;
     bool planar;
     bool halves; /* of 32 bits, big endian */
+    bool j2k;
+    dicom_j2k_form form;
+    dicom_image image;
+    std::vector<dicom_label> labels; /* of binary segments, grouped */
 };
 
 namespace {
@@ -99,6 +107,35 @@ uint32_t get_frames(DcmItem *item) {
     return item->findAndGetSint32(DCM_NumberOfFrames, n).good() && n > 0 ? (uint32_t)n : 1;
 }
 
+/* ---- segments (PS3.3, A.51) ---- */
+
+/* Numbers from 1 on; 0: there are none. */
+uint32_t most_segment(DcmItem *set, uint32_t &count) {
+    DcmSequenceOfItems *segments = nullptr;
+    uint32_t most = 0;
+    count = 0;
+    if (set->findAndGetSequence(DCM_SegmentSequence, segments).bad() || !segments)
+        return 0;
+    count = (uint32_t)segments->card();
+    for (DcmObject *item = nullptr; (item = segments->nextInContainer(item));) {
+        const uint32_t number = get_short(static_cast<DcmItem *>(item), DCM_SegmentNumber, 0);
+        most = number > most ? number : most;
+    }
+    return most;
+}
+
+/* Single bits become labels of 8 bits, or of 16. */
+void find_segments(DcmItem *set, dicom_image *image) {
+    uint32_t count = 0;
+    const uint32_t most = most_segment(set, count);
+    if (count == 0 || image->allocated != 1)
+        return;
+    image->segments = count;
+    image->allocated = image->stored = count > 1 && most > 255 ? 16 : 8;
+    image->high = image->stored - 1;
+    image->is_signed = false;
+}
+
 /* ---- what can be read ---- */
 
 void refuse(dicom_image *image, const char *why, const char *what) {
@@ -106,13 +143,20 @@ void refuse(dicom_image *image, const char *why, const char *what) {
         snprintf(image->refuse, sizeof image->refuse, "%s%s", why, what);
 }
 
+bool is_j2k(E_TransferSyntax syntax) {
+    return syntax == EXS_JPEG2000LosslessOnly || syntax == EXS_JPEG2000;
+}
+
 void check_syntax(DcmFileFormat &file, dicom_image *image) {
     const E_TransferSyntax syntax = file.getDataset()->getOriginalXfer();
     const DcmXfer transfer(syntax);
     text_name(image->syntax, sizeof image->syntax, transfer.getXferName());
     if (transfer.isEncapsulated() &&
-        !DcmCodecList::canChangeCoding(syntax, EXS_LittleEndianExplicit))
+        !DcmCodecList::canChangeCoding(syntax, EXS_LittleEndianExplicit) &&
+        !(is_j2k(syntax) && dicom_j2k_is_there()))
         refuse(image, "no decoder here for ", image->syntax);
+    if (is_j2k(syntax) && image->high + 1 != image->stored)
+        refuse(image, "JPEG 2000 whose high bit is not that of its stored bits", "");
 }
 
 void check_pixels(DcmItem *set, uint64_t bytes, dicom_image *image) {
@@ -170,6 +214,28 @@ bool is_cine(DcmItem *set, const dicom_image *image) {
     return false;
 }
 
+/* Of segments only binary ones, which do not tell how much of a pixel is of which. */
+void check_segments(DcmFileFormat &file, dicom_image *image) {
+    DcmDataset *set = file.getDataset();
+    OFString kind;
+    uint32_t count = 0;
+    most_segment(set, count);
+    set->findAndGetOFString(DCM_SegmentationType, kind);
+    if (count > 1 && kind == "FRACTIONAL")
+        refuse(image,
+               "several fractional segments in one file, which are no labels: a file for each can "
+               "be read, and so can binary ones",
+               "");
+    if (!image->segments)
+        return;
+    if (DcmXfer(set->getOriginalXfer()).isEncapsulated())
+        refuse(image, "single bits, compressed: `dcmdrle' undoes RLE", "");
+    else if (image->samples != 1)
+        refuse(image, "single bits of several colours", "");
+    else if (!has_frame_positions(set))
+        refuse(image, "segments whose frames have no positions", "");
+}
+
 void check_frames(DcmItem *set, const OFString &kind, dicom_image *image) {
     if (is_tiled(set, kind, image))
         refuse(image,
@@ -183,6 +249,28 @@ void check_frames(DcmItem *set, const OFString &kind, dicom_image *image) {
                "");
 }
 
+void read_numbers(DcmItem *set, dicom_image *image) {
+    image->columns = get_short(set, DCM_Columns, 0);
+    image->rows = get_short(set, DCM_Rows, 0);
+    image->frames = get_frames(set);
+    image->samples = get_short(set, DCM_SamplesPerPixel, 1);
+    image->allocated = get_short(set, DCM_BitsAllocated, 16);
+    image->stored = get_short(set, DCM_BitsStored, image->allocated);
+    image->high = get_short(set, DCM_HighBit, image->stored - 1);
+    image->is_signed = get_short(set, DCM_PixelRepresentation, 0) == 1;
+    find_segments(set, image);
+}
+
+/* JPEG 2000 turns its own colours into RGB; what a program made of them before stays. */
+status check_colours(DcmItem *set, const char *path, uint32_t samples) {
+    char kind[32];
+    get_text(set, DCM_PhotometricInterpretation, kind, sizeof kind);
+    if (samples == 1 || strcmp(kind, "RGB") == 0 || strcmp(kind, "YBR_RCT") == 0 ||
+        strcmp(kind, "YBR_ICT") == 0)
+        return ST_OK;
+    return status_describe(ST_UNSUPPORTED, "%s: colours as %s are not read", path, kind);
+}
+
 void read_image(DcmFileFormat &file, uint64_t bytes, dicom_image *image) {
     DcmDataset *set = file.getDataset();
     OFString kind;
@@ -194,16 +282,10 @@ void read_image(DcmFileFormat &file, uint64_t bytes, dicom_image *image) {
     get_text(set, DCM_SOPInstanceUID, image->instance, sizeof image->instance);
     get_text(set, DCM_SeriesDescription, image->description, sizeof image->description);
     get_text(set, DCM_Modality, image->modality, sizeof image->modality);
-    image->columns = get_short(set, DCM_Columns, 0);
-    image->rows = get_short(set, DCM_Rows, 0);
-    image->frames = get_frames(set);
-    image->samples = get_short(set, DCM_SamplesPerPixel, 1);
-    image->allocated = get_short(set, DCM_BitsAllocated, 16);
-    image->stored = get_short(set, DCM_BitsStored, image->allocated);
-    image->high = get_short(set, DCM_HighBit, image->stored - 1);
-    image->is_signed = get_short(set, DCM_PixelRepresentation, 0) == 1;
+    read_numbers(set, image);
     check_syntax(file, image);
     check_frames(set, kind, image);
+    check_segments(file, image);
     check_pixels(set, bytes, image);
 }
 
@@ -293,6 +375,87 @@ status tell_places(DcmItem *set, uint32_t frames, const dicom_places *places) {
     return ST_OK;
 }
 
+/* ---- labels ---- */
+
+/* Which segment a frame is of; 0: none is named. */
+uint32_t segment_of(DcmItem *set, uint32_t frame) {
+    DcmItem *named = group_item(set, frame, DCM_SegmentIdentificationSequence);
+    return named ? get_short(named, DCM_ReferencedSegmentNumber, 0) : 0;
+}
+
+status find_labels(DcmItem *set, const char *path, const dicom_image &image,
+                   std::vector<dicom_label> &labels) {
+    for (uint32_t i = 0; i < image.frames; i++) {
+        dicom_label one = {};
+        one.frame = i;
+        read_place(set, i, image.frames, &one.place);
+        one.place.slope = 1;
+        one.place.intercept = 0;
+        one.segment = segment_of(set, i);
+        if (image.segments == 1)
+            one.segment = 1;
+        if (!one.place.known || one.segment == 0 || one.segment >> image.stored)
+            return status_describe(ST_CORRUPT,
+                                   "%s: frame %u (counted from 0): expected its position and the "
+                                   "number of its segment",
+                                   path, i);
+        labels.push_back(one);
+    }
+    dicom_labels_group(labels.data(), (uint32_t)labels.size());
+    return ST_OK;
+}
+
+status tell_labels(DcmItem *set, const char *path, const dicom_image &image,
+                   const dicom_places *places) {
+    std::vector<dicom_label> labels;
+    status st = find_labels(set, path, image, labels);
+    if (st != ST_OK)
+        return st;
+    return dicom_labels_tell(labels.data(), (uint32_t)labels.size(), image.frames, places);
+}
+
+/* All bits of all frames. */
+status find_bits(dicom_reader *r, const uint8_t **bits) {
+    const char *path = r->path.c_str();
+    DcmElement *element = nullptr;
+    Uint8 *bytes = nullptr;
+    OFCondition done = r->file.getDataset()->findAndGetElement(DCM_PixelData, element);
+    if (done.good())
+        done = element->getUint8Array(bytes);
+    if (done.bad() || !bytes)
+        return failed(path, "reading its pixels", done.bad() ? done : EC_CorruptedData);
+    const uint64_t pixels = (uint64_t)r->image.rows * r->image.columns;
+    const uint64_t has = (uint64_t)element->getLength() * 8;
+    *bits = bytes;
+    if (pixels * r->image.frames <= has)
+        return ST_OK;
+    return status_describe(ST_CORRUPT, "%s: its pixels have %llu bits, expected %llu", path,
+                           (unsigned long long)has, (unsigned long long)(pixels * r->image.frames));
+}
+
+/* The labels of a group, from its first on, into zeros. */
+uint64_t put_group(const dicom_reader *r, const uint8_t *bits, const dicom_label *first,
+                   void *numbers) {
+    const dicom_label *end = r->labels.data() + r->labels.size();
+    const size_t pixels = (size_t)r->image.rows * r->image.columns;
+    uint64_t taken = 0;
+    for (const dicom_label *at = first; at && at < end && at->group == first->group; at++)
+        taken +=
+            dicom_labels_put(bits, at->frame, pixels, at->segment, r->image.allocated, numbers);
+    return taken;
+}
+
+status read_labels(dicom_reader *r, uint32_t frame, void *buffer, size_t size) {
+    const uint8_t *bits = nullptr;
+    status st = find_bits(r, &bits);
+    if (st != ST_OK)
+        return st;
+    memset(buffer, 0, size);
+    put_group(r, bits, dicom_labels_first(r->labels.data(), (uint32_t)r->labels.size(), frame),
+              buffer);
+    return ST_OK;
+}
+
 /* ---- pixels ---- */
 
 /* From a plane a colour to colours side by side, through the second half of the buffer. */
@@ -327,8 +490,58 @@ void forget_fragments(DcmPixelData *pixels, Uint32 from, Uint32 to) {
     }
 }
 
+/* The fragments of a frame, from r->fragment on; to: behind the last. One a frame, or all of the
+ * only one, or as the table of offsets in front of them says. */
+OFCondition find_fragments(dicom_reader *r, DcmPixelSequence *sequence, uint32_t frame,
+                           uint32_t frames, Uint32 &to) {
+    const Uint32 all = (Uint32)sequence->card();
+    r->fragment = 1;
+    to = all;
+    if (frames == 1)
+        return EC_Normal;
+    if (all == frames + 1) {
+        r->fragment = frame + 1;
+        to = frame + 2;
+        return EC_Normal;
+    }
+    OFCondition done =
+        DcmCodec::determineStartFragment(frame, (Sint32)frames, sequence, r->fragment);
+    if (done.good() && frame + 1 < frames)
+        done = DcmCodec::determineStartFragment(frame + 1, (Sint32)frames, sequence, to);
+    return done;
+}
+
+status read_j2k(dicom_reader *r, DcmPixelData *pixels, uint32_t frame, void *buffer) {
+    const char *path = r->path.c_str();
+    DcmPixelSequence *sequence = nullptr;
+    E_TransferSyntax syntax = EXS_Unknown;
+    const DcmRepresentationParameter *parameter = nullptr;
+    Uint32 to = 0;
+    pixels->getOriginalRepresentationKey(syntax, parameter);
+    OFCondition done = pixels->getEncapsulatedRepresentation(syntax, parameter, sequence);
+    if (done.good())
+        done = find_fragments(r, sequence, frame, get_frames(r->file.getDataset()), to);
+    std::vector<Uint8> stream;
+    for (Uint32 i = r->fragment; done.good() && i < to; i++) {
+        DcmPixelItem *item = nullptr;
+        Uint8 *bytes = nullptr;
+        done = sequence->getItem(item, i);
+        if (done.good())
+            done = item->getUint8Array(bytes);
+        if (done.good() && bytes)
+            stream.insert(stream.end(), bytes, bytes + item->getLength());
+    }
+    if (done.bad())
+        return failed(path, "finding a frame's pixels", done);
+    const status st = dicom_j2k_decode(path, stream.data(), stream.size(), &r->form, buffer);
+    forget_fragments(pixels, r->fragment, to);
+    return st;
+}
+
 status read_frame(dicom_reader *r, uint32_t frame, void *buffer, size_t size) {
     const char *path = r->path.c_str();
+    if (r->image.segments)
+        return read_labels(r, frame, buffer, size);
     DcmDataset *set = r->file.getDataset();
     DcmElement *element = nullptr;
     OFCondition done = set->findAndGetElement(DCM_PixelData, element);
@@ -340,6 +553,8 @@ status read_frame(dicom_reader *r, uint32_t frame, void *buffer, size_t size) {
     if (expected != size)
         return status_describe(ST_CORRUPT, "%s: a frame has %lu bytes, expected %lu", path,
                                (unsigned long)expected, (unsigned long)size);
+    if (r->j2k)
+        return read_j2k(r, pixels, frame, buffer);
     OFString colours;
     const Uint32 from = r->fragment = frame == r->next ? r->fragment : 0;
     r->next = frame + 1;
@@ -378,13 +593,17 @@ status dicom_image_read(const char *path, uint64_t bytes, dicom_image *out,
         if (done.bad())
             return failed(path, "reading its header", done);
         read_image(file, bytes, out);
-        return out->refuse[0] ? ST_OK : tell_places(file.getDataset(), out->frames, places);
+        if (out->refuse[0])
+            return ST_OK;
+        return out->segments ? tell_labels(file.getDataset(), path, *out, places)
+                             : tell_places(file.getDataset(), out->frames, places);
     });
 }
 
 status dicom_reader_open(const char *path, dicom_reader **out) {
     return guarded(path, [&]() -> status {
-        dicom_reader *r = new dicom_reader{path, DcmFileFormat(), 0, 0, 1, false, false};
+        dicom_reader *r =
+            new dicom_reader{path, DcmFileFormat(), 0, 0, 1, false, false, false, {}, {}, {}};
         *out = r;
         const OFCondition done = r->file.loadFile(path, EXS_Unknown, EGL_noChange, 4096);
         if (done.bad())
@@ -394,12 +613,38 @@ status dicom_reader_open(const char *path, dicom_reader **out) {
         r->planar = r->samples == 3 && get_short(set, DCM_PlanarConfiguration, 0) == 1;
         r->halves = set->getOriginalXfer() == EXS_BigEndianExplicit &&
                     get_short(set, DCM_BitsAllocated, 16) == 32;
+        r->j2k = is_j2k(set->getOriginalXfer());
+        read_numbers(set, &r->image);
+        if (r->image.segments)
+            return find_labels(set, path, r->image, r->labels);
+        if (r->j2k) {
+            const dicom_image &image = r->image;
+            r->form = {image.columns,   image.rows,   image.samples,
+                       image.allocated, image.stored, image.is_signed};
+            return check_colours(set, path, image.samples);
+        }
         return ST_OK;
     });
 }
 
 void dicom_reader_close(dicom_reader *r) {
     delete r;
+}
+
+status dicom_reader_overlaps(dicom_reader *r, uint64_t *pixels) {
+    return guarded(r->path.c_str(), [&]() -> status {
+        const uint8_t *bits = nullptr;
+        status st = find_bits(r, &bits);
+        std::vector<uint16_t> numbers((size_t)r->image.rows * r->image.columns);
+        *pixels = 0;
+        for (size_t i = 0; i < r->labels.size() && st == ST_OK; i++) {
+            if (i > 0 && r->labels[i].group == r->labels[i - 1].group)
+                continue;
+            std::fill(numbers.begin(), numbers.end(), (uint16_t)0);
+            *pixels += put_group(r, bits, &r->labels[i], numbers.data());
+        }
+        return st;
+    });
 }
 
 status dicom_reader_frame(dicom_reader *r, uint32_t frame, void *buffer, size_t size) {

@@ -21,6 +21,7 @@ typedef struct dicom_image {
     uint32_t samples;                 /* 1, or 3 of colours */
     uint32_t allocated, stored, high; /* bits of a stored number; its highest bit */
     bool is_signed;
+    uint32_t segments;        /* binary ones, as labels of 8 or 16 bits; 0: it has none */
     bool dicom, storage;      /* it says of what class it is; and that this is one of images */
     char refuse[DICOM_WORDS]; /* why it cannot be read; "": it can */
 } dicom_image;
@@ -56,9 +57,14 @@ typedef struct dicom_reader dicom_reader;
 status dicom_reader_open(const char *path, dicom_reader **out);
 void dicom_reader_close(dicom_reader *r); /* NULL is fine */
 
+/* dicom_reader_overlaps() - of labels: how many pixels more than one segment has, over all frames.
+ * ST_CORRUPT. */
+status dicom_reader_overlaps(dicom_reader *r, uint64_t *pixels);
+
 /* dicom_reader_frame() - decoded, in native byte order: columns * rows * samples numbers of so many
  * allocated bits, the samples of a pixel side by side. size: of that, in bytes; buffer has room for
- * twice that. ST_CORRUPT, ST_UNSUPPORTED, ST_NOMEM. */
+ * twice that. Of labels, those of all segments at the frame's place: their numbers, or 1 where
+ * there is one alone. ST_CORRUPT, ST_UNSUPPORTED, ST_NOMEM. */
 status dicom_reader_frame(dicom_reader *r, uint32_t frame, void *buffer, size_t size);
 
 #endif

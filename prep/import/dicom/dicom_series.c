@@ -29,7 +29,7 @@ static status take_place(void *ctx, uint32_t frame, const dicom_place *place) {
 static bool alike(const dicom_image *a, const dicom_image *b) {
     return a->columns == b->columns && a->rows == b->rows && a->samples == b->samples &&
            a->allocated == b->allocated && a->stored == b->stored && a->high == b->high &&
-           a->is_signed == b->is_signed;
+           a->is_signed == b->is_signed && a->segments == b->segments;
 }
 
 static void describe(dicom_series *series) {
@@ -37,6 +37,9 @@ static void describe(dicom_series *series) {
     snprintf(series->type, sizeof series->type, "%s, %s%u%s, %s%s%s", i->modality,
              i->is_signed ? "i" : "u", i->stored, i->samples == 3 ? " x 3" : "", i->syntax,
              i->description[0] ? ", " : "", i->description);
+    if (i->segments && strlen(series->type) + 32 < sizeof series->type)
+        text_add(series->type, sizeof series->type, ", labels of %u segment%s", i->segments,
+                 i->segments == 1 ? "" : "s");
 }
 
 static status add_series(dicom_study *s, const dicom_image *image, uint32_t at,
@@ -61,6 +64,9 @@ static status take_image(dicom_study *s, uint32_t at, const dicom_image *image, 
         snprintf(refuse, DICOM_WORDS, "%.120s is of another size or type than others",
                  name ? name + 1 : s->files.path[at]);
     }
+    if (!refuse[0] && image->segments && series->file != at)
+        snprintf(refuse, DICOM_WORDS,
+                 "several files of segments, each with labels of its own: give one of them");
     if (!refuse[0])
         memcpy(refuse, image->refuse, DICOM_WORDS);
     for (size_t i = first; i < s->slice_count; i++) {

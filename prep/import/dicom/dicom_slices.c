@@ -1,6 +1,7 @@
 #include "prep/import/dicom/dicom_slices.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "formats/base/text.h"
@@ -193,6 +194,24 @@ static status make_grid(dicom_slices *s, const import_request *q, bool gaps, gri
     return st == ST_OK ? grid_check(g, q->paths[0]) : st;
 }
 
+/* A pixel of several segments keeps the least number, which is told. */
+static status note_overlaps(dicom_slices *s, grid *g) {
+    const char *path = s->study.files.path[s->slices[0].file];
+    dicom_reader *r = NULL;
+    uint64_t pixels = 0;
+    if (s->image.segments < 2)
+        return ST_OK;
+    status st = dicom_reader_open(path, &r);
+    if (st == ST_OK)
+        st = dicom_reader_overlaps(r, &pixels);
+    dicom_reader_close(r);
+    if (st == ST_OK && pixels)
+        snprintf(g->note, sizeof g->note,
+                 "segments overlap, %llu times at a pixel, which has the least of their numbers",
+                 (unsigned long long)pixels);
+    return st;
+}
+
 static status make_room(dicom_slices *s) {
     s->frame_bytes =
         (size_t)s->image.columns * s->image.rows * s->image.samples * (s->image.allocated / 8);
@@ -211,6 +230,8 @@ status dicom_slices_open(mem *m, const import_request *q, bool gaps, slice_sourc
         st = make_grid(s, q, gaps, &g);
     if (st == ST_OK)
         st = make_room(s);
+    if (st == ST_OK)
+        st = note_overlaps(s, &g);
     if (st != ST_OK) {
         grid_release(&g, m);
         close_slices(s);

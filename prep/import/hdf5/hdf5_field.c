@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "formats/base/text.h"
+#include "prep/import/hdf5/hdf5_lzf.h"
 #include "prep/import/hdf5/hdf5_minc.h"
 #include "prep/import/hdf5/hdf5_roles.h"
 #include "prep/import/hdf5/hdf5_storage.h"
@@ -276,7 +277,7 @@ static const char *filter_name(H5Z_filter_t id) {
                  {H5Z_FILTER_NBIT, "nbit"},
                  {H5Z_FILTER_SCALEOFFSET, "scaleoffset"},
                  {307, "bzip2"},
-                 {32000, "lzf"},
+                 {HDF5_LZF, "lzf"},
                  {32001, "blosc"},
                  {32004, "lz4"},
                  {32008, "bitshuffle"},
@@ -290,19 +291,32 @@ static const char *filter_name(H5Z_filter_t id) {
     return "a filter";
 }
 
+/* Why libhdf5 cannot undo it here, into room; it can: false. */
+static bool filter_refuses(hid_t plist, unsigned at, H5Z_filter_t id, const hdf5_field *f, char *to,
+                           size_t room) {
+    if (H5Zfilter_avail(id) <= 0) {
+        snprintf(to, room,
+                 "compressed by %s (filter %d), of which libhdf5 finds no plugin here; "
+                 "HDF5_PLUGIN_PATH says where they are",
+                 filter_name(id), (int)id);
+        return true;
+    }
+    const char *why = id == HDF5_LZF ? hdf5_lzf_check(plist, at, f->chunk_bytes) : NULL;
+    snprintf(to, room, "%s", why ? why : "");
+    return why != NULL;
+}
+
 static void find_filters(hid_t plist, hdf5_field *f) {
+    enum { NAMED = 5 };
+    char why[HDF5_TEXT];
     for (int i = 0; i < H5Pget_nfilters(plist); i++) {
         unsigned flags, setup;
         size_t none = 0;
         H5Z_filter_t id = H5Pget_filter2(plist, (unsigned)i, &flags, &none, NULL, 0, NULL, &setup);
-        text_add(f->type, sizeof f->type, "%s%s", i ? " " : ", ", filter_name(id));
-        if (H5Zfilter_avail(id) <= 0 && !f->refuse[0])
-            snprintf(f->refuse, sizeof f->refuse,
-                     "compressed by %s (filter %d), of which libhdf5 finds no plugin here; "
-                     "HDF5_PLUGIN_PATH says where they are",
-                     filter_name(id), (int)id);
-        if (i == 4)
-            return;
+        if (i < NAMED)
+            text_add(f->type, sizeof f->type, "%s%s", i ? " " : ", ", filter_name(id));
+        if (filter_refuses(plist, (unsigned)i, id, f, why, sizeof why) && !f->refuse[0])
+            memcpy(f->refuse, why, sizeof f->refuse);
     }
 }
 

@@ -6,6 +6,7 @@
 #include "formats/base/file.h"
 #include "formats/base/text.h"
 #include "prep/import/hdf5/hdf5_field.h"
+#include "prep/import/hdf5/hdf5_lzf.h"
 #include "prep/import/hdf5/hdf5_minc.h"
 #include "prep/import/hdf5/hdf5_roles.h"
 #include "prep/import/hdf5/hdf5_storage.h"
@@ -27,6 +28,8 @@ typedef struct hdf5_slices {
 
 static status open_library(const char *path, hid_t *out) {
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    if (!hdf5_lzf_register())
+        return hdf5_failed(path, "a filter for LZF");
     hid_t access = H5Pcreate(H5P_FILE_ACCESS);
     H5Pset_file_locking(access, false, true);
     const htri_t known = H5Fis_hdf5(path);
@@ -336,8 +339,11 @@ static bool read_slab(const hdf5_slices *s, const hsize_t *start, const hsize_t 
     const bool read =
         H5Sselect_hyperslab(file_space, H5S_SELECT_SET, start, NULL, size, NULL) >= 0 &&
         H5Dread(s->field.set, s->field.memory, memory, file_space, H5P_DEFAULT, stored) >= 0;
+    /* Each call forgets what the one before said. */
+    hid_t said = H5Eget_current_stack();
     H5Sclose(memory);
     H5Sclose(file_space);
+    H5Eset_current_stack(said);
     return read;
 }
 

@@ -289,12 +289,25 @@ status image_slices_open(mem *m, const import_request *q, const image_wish *wish
     return ST_OK;
 }
 
+/* Of the steps, where the description says how far apart they are; else NULL. */
+static status make_times(const stack *s, double **out) {
+    const image_tags *t = &s->tags;
+    *out = NULL;
+    if (!t->by || t->steps < 2 || !(t->time_step > 0))
+        return ST_OK;
+    *out = mem_array(s->m, t->steps, sizeof **out);
+    for (uint32_t i = 0; *out && i < t->steps; i++)
+        (*out)[i] = i * t->time_step;
+    return *out ? ST_OK : ST_NOMEM;
+}
+
 /* wanted: the channel that is taken; IMAGE_LUMINANCE: all. Channels that are pages of their own are
  * components. */
 static status list_channels(const stack *s, const import_request *q, int wanted,
                             const import_list *to) {
     const bool of_pages = s->tags.channels > 1 && s->first.channels == 1;
-    status st = ST_OK;
+    double *times;
+    status st = make_times(s, &times);
     for (uint32_t c = 0; c < s->first.channels && st == ST_OK; c++) {
         sample_type type;
         const bool can = image_file_type(s->open, (int)c, &type) == ST_OK;
@@ -304,10 +317,13 @@ static status list_channels(const stack *s, const import_request *q, int wanted,
                                             s->tags.steps > 1 ? s->tags.steps : 0},
                                   .refuse = can ? NULL : "of this type there are no samples",
                                   .taken = can && (int)c == wanted,
+                                  .times = times,
+                                  .time_unit = times ? s->tags.time_unit : NULL,
                                   .components = of_pages ? s->tags.channels : 1,
                                   .component = q->component ? q->component : 1};
         st = to->take(to->ctx, &item);
     }
+    mem_free(s->m, times);
     return st;
 }
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "formats/base/num.h"
+#include "formats/base/text.h"
 
 /* ---- values ---- */
 
@@ -37,6 +38,8 @@ static status take_line(const char *path, const char *key, const char *value, im
         return take_count(path, key, value, &t->steps);
     if (strcmp(key, "spacing") == 0)
         take_distance(value, &t->spacing[2]);
+    if (strcmp(key, "finterval") == 0)
+        take_distance(value, &t->time_step);
     return ST_OK;
 }
 
@@ -45,6 +48,7 @@ static status read_imagej(const char *path, const char *text, image_tags *t) {
     status st = ST_OK;
     t->by = "ImageJ";
     memcpy(t->order, "CZT", 4);
+    memcpy(t->time_unit, "s", 2);
     while (*text && st == ST_OK) {
         const size_t length = strcspn(text, "\n");
         char line[128];
@@ -100,6 +104,10 @@ static status take_attribute(const ome *o, const char *name, const char *value) 
     for (int a = 0; a < 3; a++)
         if (strcmp(name, sizes[a]) == 0)
             take_distance(value, &o->t->spacing[a]);
+    if (strcmp(name, "TimeIncrement") == 0)
+        take_distance(value, &o->t->time_step);
+    if (strcmp(name, "TimeIncrementUnit") == 0)
+        text_name(o->t->time_unit, sizeof o->t->time_unit, value);
     if (strcmp(name, "SizeC") == 0)
         return take_count(o->path, name, value, &o->t->channels);
     if (strcmp(name, "SizeZ") == 0)
@@ -115,6 +123,7 @@ static void take_pixels(ome *o, const char **attributes) {
     o->seen = true;
     o->t->by = "OME";
     memcpy(o->t->order, "CZT", 4);
+    memcpy(o->t->time_unit, "s", 2);
     for (int i = 0; attributes[i] && o->st == ST_OK; i += 2)
         o->st = take_attribute(o, attributes[i], attributes[i + 1]);
     if (o->st == ST_OK && o->t->channels % o->samples == 0)

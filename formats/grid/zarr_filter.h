@@ -1,0 +1,56 @@
+/* zarr_filter.h - what filters of numcodecs did to the bytes of a Zarr chunk, before these were
+ * packed; undone in the reverse order.
+ *
+ *   shuffle            bytes of one place of all elements side by side
+ *   delta              differences, of numbers of the same kind
+ *   fixedscaleoffset   (value - offset) * scale, rounded
+ *   quantize, astype   another type
+ *
+ * Computed as numcodecs does, in the type that NumPy would choose; whole numbers wrap around.
+ */
+#ifndef FORMATS_GRID_ZARR_FILTER_H
+#define FORMATS_GRID_ZARR_FILTER_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "formats/base/sample.h"
+#include "formats/base/status.h"
+
+enum { ZARR_FILTERS = 8 };
+
+typedef struct zarr_number {
+    sample_type type;
+    bool big_endian;
+} zarr_number;
+
+typedef struct zarr_filter {
+    int kind;                 /* a row of the table in zarr_filter.c */
+    zarr_number plain, coded; /* numbers before it was applied, and after; of shuffle the same */
+    double scale, offset;
+    uint32_t element; /* bytes */
+} zarr_filter;
+
+typedef struct zarr_filters {
+    int count;
+    zarr_filter of[ZARR_FILTERS];
+} zarr_filters;
+
+/* zarr_filters_read() - of the list "filters" of an array of such numbers; NULL and null are none.
+ * ST_UNSUPPORTED, ST_CORRUPT; json: the name of the file, for messages. */
+CHECKED status zarr_filters_read(const json_t *list, zarr_number array, const char *json,
+                                 zarr_filters *out);
+
+/* zarr_filters_width() - bytes of a number behind the last filter, and the most that one has on the
+ * way, its own included. */
+size_t zarr_filters_width(const zarr_filters *f, zarr_number array, size_t *most);
+
+/* zarr_filters_undo() - a chunk of so many numbers, from `coded`, which is destroyed, into `plain`;
+ * both with room for the most bytes. path: of the chunk. ST_CORRUPT for values that its type cannot
+ * have. */
+CHECKED status zarr_filters_undo(const zarr_filters *f, const char *path, size_t numbers,
+                                 void *coded, void *plain);
+
+#endif
