@@ -104,10 +104,13 @@ verb      = $B/libexec/leafcast-$(subst _,-,$(patsubst %_main.c,%,$(notdir $1)))
 VERBS     = $(foreach m,$(VERBS_C),$(call verb,$m))
 FRONT    := $B/bin/leafcast
 EMULATED := $(if $(CROSS),$B/emulated/bin/leafcast)
-SUPPORT  := $(sort $(wildcard tests/*/*.c))
+# Below tests/ a file is a program that is named for it, or what programs share. Names are unique.
+TESTS_C  := $(sort $(wildcard tests/*/*.c tests/*/*/*.c))
+sources   = $(foreach f,$(TESTS_C),$(if $(filter $1_%,$(notdir $f)),$f))
+SUPPORT  := $(filter-out $(foreach p,test tool fuzz,$(call sources,$p)),$(TESTS_C))
 SUPPORT  := $(if $(X86),$(SUPPORT),$(filter-out %_sse42.c %_avx2.c %_avx512.c,$(SUPPORT)))
 AIDS     := $B/app/libsupport.a
-programs  = $(patsubst %.c,$B/%,$(sort $(wildcard tests/$1_*.c)))
+programs  = $(patsubst %.c,$B/tests/%,$(notdir $(call sources,$1)))
 TESTS    := $(call programs,test)
 TOOLS    := $(call programs,tool)
 FUZZERS  := $(if $(filter fuzz,$(CONFIG)),$(call programs,fuzz))
@@ -119,7 +122,7 @@ CLI      := $(sort $(wildcard tests/cli/*.sh))
 # (what it says could differ on another CPU: run under CROSS), `leaks` (a script, whose processes are to
 # leave no memory behind: scripts/run-tests; programs look for that in any case), or several.
 names  = $(basename $(notdir $1))
-marked = $(call names,$(shell grep -lE '^[^ ]+ marks:.*\b$1\b' tests/test_*.c tests/cli/*.sh))
+marked = $(call names,$(shell grep -lE '^[^ ]+ marks:.*\b$1\b' $(call sources,test) $(CLI)))
 LONG  := $(call marked,long)
 QUICK  = $(filter-out $(LONG),$(call names,$(TESTS) $(CLI)))
 
@@ -204,7 +207,7 @@ $B/obj/%_avx512.o: ISA := -mavx512f -mavx512dq -mavx512bw -mavx512vl -mavx512cd 
 
 # Plain C in the place of vectors takes compilers longest. What it computes the units of an ISA compute, too.
 $B/obj/%_wide.o:   ISA := -Wno-psabi -g0 $(if $(findstring undefined,$(FLAGS_$(CONFIG))),-fno-sanitize=undefined)
-$B/obj/tests/test_isopolygon.o: ISA := -Wno-psabi
+$B/obj/tests/render/mesh/test_isopolygon.o: ISA := -Wno-psabi
 
 $B/obj/%.o: %.c $B/flags
 	@mkdir -p $(@D)
@@ -351,10 +354,13 @@ $(FUZZERS): LINK_TESTS := -fsanitize=fuzzer -lcmocka
 # What importers parse themselves, without their libraries.
 $B/tests/fuzz_image: $(patsubst %,$B/obj/prep/import/images/%.o,jpeg_end tiff_pages tiff_pieces)
 $B/tests/fuzz_import: $(patsubst %,$B/obj/prep/import/%.o,packed_samples netcdf/netcdf_header dicom/dicom_order images/image_names)
-$(TESTS) $(TOOLS) $(FUZZERS): $B/tests/%: $B/obj/tests/%.o $(AIDS) $(ARCHIVES)
-	@mkdir -p $(@D)
-	$(call say,LINK,$@)
-	$(link) $(LINK_TESTS)
+define program_rule
+$B/tests/$(basename $(notdir $1)): $B/obj/$(1:.c=.o) $(AIDS) $(ARCHIVES)
+	@mkdir -p $$(@D)
+	$$(call say,LINK,$$@)
+	$$(link) $$(LINK_TESTS)
+endef
+$(foreach p,test tool fuzz,$(foreach f,$(call sources,$p),$(eval $(call program_rule,$f))))
 
 # Fenced as importers are.
 $B/tests/tool_importer: $(IN_PLACE_O)
@@ -365,7 +371,7 @@ $(SHARED) $(VERBS) $(IMPORTERS) $(IMAGE) $(TETGEN_BIN) $(TESTS) $(TOOLS) $(FUZZE
 
 # Files of a library's own making, and what it reads of them.
 TOOL_VDB = $(if $(LIB_vdb),$B/tests/tool_vdb)
-$B/tests/tool_vdb: tests/tool_vdb.cpp $B/flags-c++
+$B/tests/tool_vdb: tests/tools/tool_vdb.cpp $B/flags-c++
 	@mkdir -p $(@D) $B/obj/$(<D)
 	$(call say,C++ ,$<)
 	$(Q)$(CXX) $(filter-out -fvisibility=hidden,$(ALL_CXX)) -O0 -Wno-deprecated-declarations -MMD -MP \
@@ -373,7 +379,7 @@ $B/tests/tool_vdb: tests/tool_vdb.cpp $B/flags-c++
 
 tests: all $(TESTS) $(TOOLS) $(TOOL_VDB)
 # What tests are made of, and no more: with CFLAGS=-fsyntax-only, what a compiler says of it.
-test-objects: $(patsubst $B/%,$B/obj/%.o,$(TESTS) $(TOOLS)) $(SUPPORT:%.c=$B/obj/%.o)
+test-objects: $(patsubst %.c,$B/obj/%.o,$(call sources,test) $(call sources,tool) $(SUPPORT))
 TEST_ENV = LEAFCAST_BUILD=$(CURDIR)/$B LEAFCAST=$(CURDIR)/$(or $(EMULATED),$(FRONT)) \
            LEAFCAST_COMPILE=$(call quoted,$(CC) $(ALL_C)) LEAFCAST_LIBS='$(ALL_LIBS) -lcmocka'
 run-tests: all $(EMULATED) $(if $(CROSS),,$(TOOLS) $(TOOL_VDB)) $(filter $B/%,$(RUN))

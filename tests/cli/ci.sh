@@ -64,7 +64,7 @@ ok "and its input" [ "$(sed -n '/base64 -d <<X/,/^X$/p' "$tmp/out" | sed '1d;$d'
 ok "the other one ends" grep -q 'fuzz_good: 12 runs' "$tmp/out"
 
 exits "mutants with a compiler that fails" 1 env LEAFCAST_COMPILE=false \
-    scripts/run-mutants --file tests/watertight.mutants --sample 1 --seed 1
+    scripts/run-mutants --file tests/mutants/watertight.mutants --sample 1 --seed 1
 ok "are faults of the tests" grep -q '^not ok 1 - .* passes$' "$tmp/out"
 ok "for that reason" grep -qx '# does not compile or link' "$tmp/out"
 

@@ -29,7 +29,7 @@ else
         run trial open-fence "$tool" "$tmp/given/F" -o "$out"
         grep '^right\|^wrong' "$tmp/err" >"$tmp/tried"
         while IFS= read -r line; do ok "-o ${out##*/}: ${line#*: }" [ "${line%%:*}" = right ]; done <"$tmp/tried"
-        ok "all was tried" [ "$(wc -l <"$tmp/tried")" = "$(grep -c '^    {".*\(true\|false\)},$' tests/tool_importer.c)" ]
+        ok "all was tried" [ "$(wc -l <"$tmp/tried")" = "$(grep -c '^    {".*\(true\|false\)},$' tests/tools/tool_importer.c)" ]
         ok "and it went on" [ "$rc" = 0 ]
     done
     ok "nothing foreign is changed" [ "$(cat "$tmp/foreign/S")$(ls -A "$tmp/foreign")$(stat -c %a%u "$tmp/foreign/S")" = "secretS644$(id -u)" ]

@@ -48,7 +48,7 @@ int main(int argc, char **argv) {
     int at = oracle_parse(&o, "tool_tet_oracle", argc, argv, options, set_arrays, &from);
     bool arrays = from.points && from.values && from.tets;
     if (at != argc - !arrays)
-        oracle_stop(2, o.name, "MESH", "one, or three arrays (see tests/tool_tet_oracle.c)");
+        oracle_stop(2, o.name, "MESH", "one, or three arrays (see tests/tools/tool_tet_oracle.c)");
     const char *path = arrays ? from.values : argv[at];
     if (!(arrays ? tet_load_arrays(&from, &mesh, &why) : tet_load_stream(path, &mesh, &why)))
         oracle_stop(3, o.name, path, why);

@@ -74,7 +74,7 @@ int main(int argc, char **argv) {
     const char *why;
     int at = oracle_parse(&o, "tool_oracle", argc, argv, options, set_source, &s);
     if (at != argc - 1)
-        oracle_stop(2, o.name, "VOLUME", "one, please (see the head of tests/tool_oracle.c)");
+        oracle_stop(2, o.name, "VOLUME", "one, please (see the head of tests/tools/tool_oracle.c)");
     s.from.path = argv[at];
     ref_source_set(&s.from, s.spacing, s.origin);
     if (!ref_load(&s.from, &volume, &why))

@@ -49,7 +49,7 @@ typedef struct stress {
 } stress;
 
 static _Noreturn void usage(const char *what) {
-    fprintf(stderr, "tool_stress: %s (see the head of tests/tool_stress.c)\n", what);
+    fprintf(stderr, "tool_stress: %s (see the head of tests/tools/tool_stress.c)\n", what);
     exit(2);
 }
 

@@ -162,11 +162,11 @@ static void read_options(slow *s, int argc, char **argv) {
         case 'd': s->distance = atof(optarg); break;
         case 'l': s->light = true; break;
         case 'r': s->runs = atoi(optarg) < RUNS_MAX ? atoi(optarg) : RUNS_MAX; break;
-        default: give_up("see the head of tests/tool_slow_reads.c");
+        default: give_up("see the head of tests/tools/tool_slow_reads.c");
         }
     }
     if (optind + 1 != argc || s->runs < 1 || s->size < 1)
-        give_up("see the head of tests/tool_slow_reads.c");
+        give_up("see the head of tests/tools/tool_slow_reads.c");
     s->path = argv[optind];
 }
 
