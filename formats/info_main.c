@@ -25,7 +25,7 @@ typedef struct arguments {
     cli_common common;
     double isos[ISOS_MAX];
     int iso_count;
-    input_question question; /* of an input that is no treelet file */
+    input_question question; /* for inputs that are not treelet files */
 } arguments;
 
 enum { KEY_ISO = 0x2000, KEY_QUICK, KEY_FIELD, KEY_DIMS, KEY_TYPE, KEY_BIG_ENDIAN, KEY_SKIP };
@@ -83,15 +83,15 @@ static const cli_verb verb = {
            "max over its samples.\vExample:\n  leafcast info bonsai.leaf --iso 37",
 };
 
-/* What is printed, as text or as JSON. */
+/* Facts of a treelet file, printed as text or as JSON. */
 typedef struct facts {
     const leaf_file *f;
-    double raw_bytes; /* of level 0's samples */
+    double raw_bytes; /* of level 0's samples; of a mesh's arrays */
     uint64_t level_bytes[LEAF_LEVELS_MAX];
-    uint64_t histogram[HISTOGRAM_MAX]; /* payloads by log2 of their stored size */
+    uint64_t histogram[HISTOGRAM_MAX]; /* payloads counted by log2 of their stored size */
     leaf_activity (*activity)[LEAF_LEVELS_MAX];
     char id[LEAF_ID_TEXT];
-    uint32_t implied;      /* payloads of no bytes */
+    uint32_t implied;      /* payloads without bytes */
     leaf_mesh_parts parts; /* of a mesh */
     histogram values;      /* of the first set */
 } facts;
@@ -100,7 +100,7 @@ static int log2_of(uint64_t size) {
     return 63 - __builtin_clzll(size);
 }
 
-/* Of a mesh: positions, values and indices as mesh streams have them, indices once. */
+/* Bytes before compression. Meshes: positions, values, indices as in mesh streams, indices once. */
 static double raw_bytes(const leaf_file *f) {
     const leaf_header *h = &f->header;
     if (f->mesh)
@@ -167,7 +167,7 @@ static void field_range(const leaf_file *f, uint32_t field, double range[2]) {
     }
 }
 
-/* The name of a lone field; of several, their ranges too. */
+/* Print the name of a single field; of several, their ranges too. */
 static void print_fields(const facts *x) {
     const leaf_file *f = x->f;
     if (f->header.fields == 1) {
@@ -384,7 +384,7 @@ static void print_activity(const facts *x, double iso,
 
 /* ---- JSON ---- */
 
-/* Per field: name, and range of its values at each step. */
+/* For each field its name, and the range of its values at each step. */
 static json_t *fields_json(const leaf_file *f) {
     json_t *fields = json_array();
     for (uint32_t i = 0; i < f->header.fields; i++) {
@@ -408,7 +408,7 @@ static json_t *times_json(const leaf_file *f) {
     return times;
 }
 
-/* What a file of several sets says of them, and of a mesh's any. */
+/* Add fields and steps: for grids of several sets, and for every mesh. */
 static void add_sets(json_t *json, const leaf_file *f) {
     json_object_set_new(json, "field_count", json_integer(f->header.fields));
     json_object_set_new(json, "steps", json_integer(f->header.steps));
@@ -545,7 +545,7 @@ static json_t *activity_json(const facts *x, double iso,
     return json;
 }
 
-/* The command that comes next, and the same as it is printed: there a byte may take four. */
+/* Room for the next command, and for it as printed: there a byte may take four. */
 enum { NEXT_MAX = 6000, NEXT_SHOWN_MAX = 4 * NEXT_MAX };
 
 static void print_next(const char *line) {
@@ -560,7 +560,7 @@ static void set_next(json_t *json, const char *line) {
         json_object_set_new(json, "next", json_string(text_printable(shown, sizeof shown, line)));
 }
 
-/* NULL where it does not fit. */
+/* Print the command that draws the file; NULL where it does not fit. */
 static const char *next_command(const arguments *a, char line[NEXT_MAX]) {
     size_t length;
     const char *stem = text_stem(a->common.input, &length);
@@ -595,7 +595,7 @@ static status print_json(const arguments *a, const facts *x) {
     return cli_print_json(&a->common, json);
 }
 
-/* How the values are spread, and what to do next. */
+/* Print the distribution of the values, and what to do next. */
 static void print_values_of_first(const arguments *a, const facts *x) {
     char next[NEXT_MAX];
     histogram_print(stdout, &x->values,
@@ -643,9 +643,9 @@ static status report(arguments *a, mem *m, leaf_file *f) {
     return st;
 }
 
-/* ---- an input that is no treelet file ---- */
+/* ---- an input that is not a treelet file ---- */
 
-/* What an input is, and which inputs can use an option. */
+/* Kinds of inputs, as bits: an option lists those that can use it. */
 enum { LEAF = 1, RAW = 2, HEADED = 4, MESH = 8, FIELDS = 16 };
 enum { GRID = RAW | HEADED | FIELDS, INPUT = GRID | MESH };
 static const char *const input_names[] = {
@@ -656,7 +656,7 @@ static const cli_use uses[] = {{KEY_ISO, LEAF}, {KEY_QUICK, INPUT},      {KEY_FI
                                {KEY_DIMS, RAW}, {KEY_TYPE, RAW},         {KEY_BIG_ENDIAN, RAW},
                                {KEY_SKIP, RAW}, {TRUST_KEY_LINKS, GRID}, {TRUST_KEY_MISSING, GRID}};
 
-/* Options that the input cannot use are refused. */
+/* Refuse options that the input cannot use. */
 static status check_uses(const arguments *a, unsigned input, const char *format) {
     return cli_check_uses(&a->common, uses, sizeof uses / sizeof *uses, input, input_names, format);
 }
@@ -698,7 +698,7 @@ static status run_input(arguments *a, mem *m) {
     return st;
 }
 
-/* By its first bytes or its name: what is called F.leaf is to be told why it is none. */
+/* By first bytes or name. F.leaf counts in any case: opening it tells what is wrong. */
 static status is_leaf(mem *m, const char *path, bool *is) {
     const size_t length = strlen(path);
     *is = length > 5 && strcmp(path + length - 5, ".leaf") == 0;

@@ -28,13 +28,12 @@ static void add_value(input_facts *x, double value) {
 
 /* ---- a grid ---- */
 
-/* Slices as they are read and as they would be stored; `held` of the latter begin at slice `first`.
- */
+/* Slices as read, and as they would be stored. `held` stored slices begin at slice `first`. */
 typedef struct slices {
     volume *v;
     const grid *g;
     void *read, *stored;
-    uint64_t count; /* samples of a slice */
+    uint64_t count; /* samples per slice */
     uint32_t room, first, held;
 } slices;
 
@@ -50,7 +49,7 @@ static status make_slices(mem *m, volume *v, slices *s) {
     return s->read && s->stored ? ST_OK : ST_NOMEM;
 }
 
-/* More slices behind those held, which fill the room or reach the end. */
+/* Read slices behind those held, until the room is full or the grid ends. */
 static status read_more(slices *s, input_facts *x) {
     const uint32_t left = s->g->dims[2] - s->first - s->held;
     const uint32_t more = s->room - s->held < left ? s->room - s->held : left;
@@ -66,7 +65,8 @@ static status read_more(slices *s, input_facts *x) {
     return ST_OK;
 }
 
-/* Nodes of all slices held but the last, which belongs to the next block, too. */
+/* Draw nodes of all slices held but the last. That one stays, as it belongs to the next block,
+ * too. */
 static void draw_held(slices *s, const histogram_draw *d, const histogram_space *space,
                       histogram_cell *cells) {
     const sample_type type = sample_stored(s->g->type);
@@ -121,7 +121,7 @@ static status count_volume(mem *m, volume *v, const progress *p, input_facts *x)
     return st;
 }
 
-/* Its own, or where it has none, the file's without the suffix. */
+/* Take the input's own name, or else the file's without the suffix. */
 static void set_name(input_facts *x, const char *own) {
     if (*own || strcmp(x->path, "-") == 0)
         text_name(x->name, sizeof x->name, own);
@@ -129,7 +129,7 @@ static void set_name(input_facts *x, const char *own) {
         text_file_name(x->name, sizeof x->name, x->path);
 }
 
-/* The one of this name, a new one where there is none; NULL: there is no room. */
+/* Returns the field of this name, adding it if needed; NULL: no room is left. */
 static input_field *list_field(input_facts *x, const char *name) {
     char clean[MESH_NAME_MAX + 1];
     text_name(clean, sizeof clean, name);
@@ -208,7 +208,7 @@ static status ask_volume(mem *m, volume *v, const input_question *q, const progr
 
 /* ---- a mesh ---- */
 
-/* Positions and values of all points; of the tets every step-th, few enough for the room. */
+/* Positions and values of all points, and every step-th tet, few enough for the room. */
 typedef struct gathered {
     mem *m;
     mesh_input *mesh;
@@ -267,7 +267,7 @@ static status take_values(void *ctx, uint64_t first, size_t count, const float *
     return progress_step(g->p, "reading", mesh_input_share(g->mesh));
 }
 
-/* Every other one of those kept goes. */
+/* Drop every other tet that is kept. */
 static void thin(gathered *g) {
     for (uint32_t i = 0; i < g->kept; i += 2)
         memcpy(g->ids[i / 2], g->ids[i], sizeof *g->ids);
@@ -350,7 +350,7 @@ static status ask_mesh(mem *m, mesh_input *found, const input_question *q, const
     return st;
 }
 
-/* ---- either ---- */
+/* ---- both kinds ---- */
 
 status input_facts_read(mem *m, const input_question *q, const progress *p, input_facts *out) {
     input in;
@@ -423,7 +423,7 @@ static void print_field(FILE *to, const input_facts *x, const input_field *f) {
     fputs(strcmp(f->name, x->field) == 0 ? " (taken here)\n" : "\n", to);
 }
 
-/* Each choice of several, and what is taken unasked. */
+/* Print what can be chosen where there are several, and the default. */
 static void print_choices(FILE *to, const input_facts *x) {
     char n[2][NUM_TEXT_MAX];
     for (uint32_t i = 0; i < x->field_count && i < INPUT_FACTS_FIELDS; i++) {
@@ -477,7 +477,7 @@ void input_facts_print(FILE *to, const input_facts *x) {
         print_values(to, x);
 }
 
-/* A path without the slashes behind a folder and the suffix of a packed file. Cut if too long. */
+/* Remove slashes behind a folder, and the suffix of a compressed file. Cut if too long. */
 static const char *unpacked_path(const char *path, char copy[PATH_MAX]) {
     snprintf(copy, PATH_MAX, "%s", path);
     for (size_t n = strlen(copy); n > 1 && copy[n - 1] == '/'; n--)
@@ -487,7 +487,7 @@ static const char *unpacked_path(const char *path, char copy[PATH_MAX]) {
     return copy;
 }
 
-/* NAME.leaf in the folder where one is, of the input's name without its last suffix. */
+/* Append NAME.leaf, in the current folder, for an input called NAME with its last suffix. */
 static void put_leaf_name(shell_line *c, const char *path) {
     char name[PATH_MAX], copy[PATH_MAX];
     size_t length;
@@ -527,7 +527,7 @@ bool input_facts_next(const input_facts *x, const input_question *q, char *text,
         shell_line_put(&c, " --follow-links");
     if (q->grid.trust.allow_missing)
         shell_line_put(&c, " --allow-missing");
-    /* Else it would be refused: there is nothing to draw. */
+    /* Without this option convert would refuse it: there is nothing to draw. */
     if (x->is_mesh && x->field_count == 0)
         shell_line_put(&c, " --allow-empty");
     shell_line_put(&c, " -o ");

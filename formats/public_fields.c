@@ -7,7 +7,7 @@
 
 #include "formats/public_status.h"
 
-/* Where in a struct a value is: the way to it, from the inside out. */
+/* Where a value is in a struct: a path of names, from the innermost outwards. */
 typedef struct place {
     const struct place *in;
     const char *name;
@@ -43,7 +43,7 @@ size_t public_fields_width(public_type type) {
     return widths[type];
 }
 
-/* Bytes are copied: what is there may be no value of the member's type. */
+/* Copies bytes, since they may be no valid value of the member's type. */
 static double number_at(public_type type, const char *at) {
     union {
         uint8_t byte;
@@ -126,7 +126,7 @@ static const public_field *row_named(const public_fields *table, const char *nam
     return NULL;
 }
 
-/* How many elements a row has, which its counter, checked before, says. */
+/* How many elements a row has. Its counter says so, and was checked before. */
 static size_t elements_of(const public_fields *table, const public_field *row, const char *of) {
     if (!row->counted_by)
         return 1;

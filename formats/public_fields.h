@@ -1,13 +1,14 @@
 /* public_fields.h - what callers of the public headers may pass: tables of the fields of structs,
- * and the one function that checks a struct by them.
+ * and the one function that checks a struct by its table.
  *
- * Each public struct has a table, each of its fields a row: type, range, whether it may be 0 or
- * NULL besides, and which other field counts its elements. All fields are checked, whether the call
- * uses them or not, so a struct that is zero or a default must pass. Elements behind the count of
- * their array are not looked at. What several fields must be together is a function of the table.
+ * Each public struct has a table, with a row for each field: its type, its range, whether it may
+ * also be 0 or NULL, and which other field counts its elements. All fields are checked, whether the
+ * call uses them or not, so a struct of zeros or defaults must pass. Elements beyond the count of
+ * their array are not looked at. A function of the table checks how several fields fit together.
  *
  * Whoever adds a field adds its row: tests/test_public_fields.c reads the headers, and fails until
- * it is there. A fault is described as "leafcast_scene.lights[1].rgb[0] is nan: ...", ST_USAGE.
+ * the row exists. A fault is described as "leafcast_scene.lights[1].rgb[0] is nan: ...",
+ * ST_USAGE.
  */
 #ifndef FORMATS_PUBLIC_FIELDS_H
 #define FORMATS_PUBLIC_FIELDS_H
@@ -26,42 +27,42 @@ typedef enum public_type {
     PUBLIC_UINT64, /* size_t, too */
     PUBLIC_FLOAT,
     PUBLIC_DOUBLE,
-    PUBLIC_STRUCT,   /* `element` */
-    PUBLIC_POINTER,  /* to anything, or to what `element` or `number` says */
+    PUBLIC_STRUCT,   /* described by `element` */
+    PUBLIC_POINTER,  /* to anything, or to what `element` or `number` describes */
     PUBLIC_ANYTHING, /* a context of the caller's, or a function that may be NULL */
     PUBLIC_TYPES
 } public_type;
 
 enum {
-    PUBLIC_OR_ZERO = 1,   /* 0 is possible besides */
-    PUBLIC_ABOVE = 2,     /* `least` itself is not possible */
+    PUBLIC_OR_ZERO = 1,   /* 0 is allowed, too */
+    PUBLIC_ABOVE = 2,     /* `least` itself is not allowed */
     PUBLIC_BELOW = 4,     /* nor is `most` */
-    PUBLIC_OR_NULL = 8,   /* of pointers; one with a count of 0 may be NULL in any case */
-    PUBLIC_DIRECTION = 16 /* the largest magnitude of its values is least to most */
+    PUBLIC_OR_NULL = 8,   /* a pointer may be NULL; one with a count of 0 always may */
+    PUBLIC_DIRECTION = 16 /* only the largest magnitude of its values must be in [least, most] */
 };
 
 typedef struct public_field {
     const char *name;
     size_t offset;
     public_type type;
-    uint32_t values;    /* beside each other; of an array that is counted: of each element */
-    double least, most; /* finite numbers between these; a NaN never is */
+    uint32_t values;    /* numbers side by side; in a counted array: per element */
+    double least, most; /* the range of numbers; a NaN is never in it */
     unsigned how;
-    const char *counted_by;              /* the field that counts the elements; NULL: none does */
+    const char *counted_by;              /* the field that counts the elements; NULL: none */
     const struct public_fields *element; /* of PUBLIC_STRUCT; or what a pointer points to, */
-    const struct public_field *number;   /* or numbers, as this row says; both NULL: unknown */
+    const struct public_field *number;   /* or the numbers it points to; both NULL: unknown */
 } public_field;
 
 typedef struct public_fields {
     const char *name;
     size_t size;
-    const public_field *rows; /* what counts comes before what is counted; the library's: NULL */
+    const public_field *rows; /* a counter comes before what it counts; NULL for `written` */
     int count;
-    bool written; /* the library fills it: of the caller's is `size` alone, where there is one */
+    bool written; /* the library fills it; the caller sets only `size`, if there is one */
     status (*together)(const void *of);
 } public_fields;
 
-/* Rows. The type of a number is that of the member. */
+/* Rows. A number has the type of its member. */
 #define PUBLIC_FIRST(s, f) \
     _Generic(((s *)0)->f,               \
     bool: PUBLIC_BOOL, bool *: PUBLIC_BOOL,                    \
@@ -108,16 +109,16 @@ typedef struct public_fields {
 #define PUBLIC_WRITTEN(s) \
     { .name = #s, .size = sizeof(s), .written = true }
 
-/* public_fields_width() - bytes of one value; a struct's are its table's. */
+/* public_fields_width() - bytes of one value; not for structs, whose table has their size. */
 size_t public_fields_width(public_type type);
 
-/* public_fields_check() - one struct, by its table; of `written` ones their size alone.
- * public_fields_check_all() - count of them. */
+/* public_fields_check() - check one struct by its table; of a `written` one only the size.
+ * public_fields_check_all() - check count structs. */
 CHECKED status public_fields_check(const public_fields *table, const void *of);
 CHECKED status public_fields_check_all(const public_fields *table, const void *of, size_t count);
 
-/* public_needs() - ST_USAGE where one of a call's pointers is NULL. names: of all of them, in
- * order, with a space between. */
+/* public_needs() - ST_USAGE where one of a call's pointers is NULL. names: of all pointers, in
+ * order, separated by a space. */
 CHECKED status public_needs(const char *call, const char *names, const void *const pointers[]);
 
 /* public_in_range() - ST_USAGE where a call's number is not in [least, most]. */

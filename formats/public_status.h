@@ -1,5 +1,5 @@
-/* public_status.h - for the files that implement the public headers: what becomes of a status and
- * of a struct at the border.
+/* public_status.h - for files that implement the public headers: convert a status, and check a
+ * struct's size, at the border.
  */
 #ifndef FORMATS_PUBLIC_STATUS_H
 #define FORMATS_PUBLIC_STATUS_H
@@ -10,7 +10,7 @@
 
 #include "formats/base/status.h"
 
-/* public_status() - an internal status as the interface has it. */
+/* public_status() - the public status for an internal one. */
 leafcast_status public_status(status st);
 
 /* public_size() - ST_USAGE where a struct's member `size` is not that of this version. */

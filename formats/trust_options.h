@@ -1,4 +1,4 @@
-/* trust_options.h - the options by which a verb's user allows what inputs are refused for. */
+/* trust_options.h - options that let a user accept inputs which a verb otherwise refuses. */
 #ifndef FORMATS_TRUST_OPTIONS_H
 #define FORMATS_TRUST_OPTIONS_H
 
@@ -9,7 +9,7 @@
 
 enum { TRUST_KEY_LINKS = 0x3000, TRUST_KEY_MISSING };
 
-/* Two rows of a table. flags: OPTION_HIDDEN, or 0. */
+/* The two rows for a table of options. flags: OPTION_HIDDEN, or 0. */
 #define TRUST_OPTIONS(group) TRUST_OPTIONS_AS(0, group)
 #define TRUST_OPTIONS_AS(flags, group)                                                  \
     {"follow-links",                                                                    \
@@ -23,7 +23,7 @@ enum { TRUST_KEY_LINKS = 0x3000, TRUST_KEY_MISSING };
             "take an input that lacks parts: their samples are the fill value", group   \
     }
 
-/* trust_option() - ST_AGAIN: the key is none of these. */
+/* trust_option() - set one of these options. ST_AGAIN: the key is none of them. */
 static inline status trust_option(input_trust *trust, int key) {
     switch (key) {
     case TRUST_KEY_LINKS: trust->follow_links = true; return ST_OK;

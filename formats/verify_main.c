@@ -1,4 +1,4 @@
-/* leafcast verify - whether every byte of a treelet file is sound. */
+/* leafcast verify - checks whether every byte of a treelet file is sound. */
 #include <jansson.h>
 #include <stdio.h>
 

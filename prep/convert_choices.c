@@ -8,18 +8,19 @@
 typedef struct choices {
     const cli_common *common;
     const convert_sets *sets;
-    uint32_t component; /* asked for; 0: none */
-    bool step;          /* one is asked for, or several */
-    uint32_t steps;     /* that a mesh has */
+    uint32_t component; /* --component; 0: not given */
+    bool step;          /* --step or --steps is given */
+    uint32_t steps;     /* steps of a mesh */
     name_list taken, others;
-    uint32_t count; /* of those two */
+    uint32_t count; /* fields in both lists */
 } choices;
 
 static bool speaks(const cli_common *common) {
     return common->verbosity > 0;
 }
 
-/* Whether a field goes into the file: one that is asked for, all, or the one taken unasked. */
+/* Returns whether a field goes into the file: named on the command line, one of all, or the
+ * reader's default. */
 static bool is_wanted(const convert_sets *s, const char *name, bool taken) {
     for (int i = 0; i < s->count; i++)
         if (text_same_name(s->asked[i], name, sizeof s->kept[0]))
@@ -90,7 +91,8 @@ void convert_note_volume(const cli_common *common, const volume *v, const volume
                  status_text());
 }
 
-/* The first is taken; a name that comes again is that of another piece or step. */
+/* The first array is the default. A name that comes again belongs to another piece or step: skip
+ * it. */
 static void take_array(void *ctx, const char *name, int components) {
     choices *c = ctx;
     const slice_field f = {.name = name,

@@ -1,5 +1,5 @@
-/* convert_defaults.h - what the verb and the library convert by, where nobody says otherwise: so
- * that the same input gives the same bytes.
+/* convert_defaults.h - defaults that `leafcast convert` and the library share, so that the same
+ * input gives the same bytes.
  */
 #ifndef PREP_CONVERT_DEFAULTS_H
 #define PREP_CONVERT_DEFAULTS_H
@@ -8,7 +8,7 @@
 
 #define CONVERT_MEMORY_DEFAULT ((uint64_t)2 << 30)
 
-/* convert_parameters_default() - leaf_parameters_default(), and with histograms and deviations. */
+/* convert_parameters_default() - leaf_parameters_default() with histograms and deviations on. */
 leaf_parameters convert_parameters_default(void);
 
 #endif

@@ -1,4 +1,4 @@
-/* leafcast convert - a volume or a mesh to a treelet file. */
+/* leafcast convert - turns a volume or a mesh into a treelet file. */
 #include <jansson.h>
 #include <limits.h>
 #include <math.h>
@@ -134,14 +134,14 @@ static const struct argp_option options[] = {
      "store the gradient at each vertex, too, for smooth normals", 3},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-/* What an input is, and which inputs can use an option. Those that are not here serve all. */
+/* Classes of inputs, and which of them can use an option. Options not listed here work for all. */
 enum {
     RAW = 1,
     HEADED = 2,
     FIELDS = 4,
     GRID = RAW | HEADED | FIELDS,
     LONE_MESH = 8,
-    NAMING_MESH = 16, /* its file names those that have it, or its steps */
+    NAMING_MESH = 16, /* its file names other files that hold the mesh or its steps */
     MESH = LONE_MESH | NAMING_MESH
 };
 static const char *const input_names[] = {[RAW] = "raw samples",
@@ -396,7 +396,7 @@ static uint32_t steps_of(const arguments *a) {
     return a->sets.steps ? a->sets.steps : (uint32_t)a->common.input_count;
 }
 
-/* field: the name of the only one; "": none. */
+/* field: name of the only field; "": it has none. */
 static void print_sets(const arguments *a, const char *field) {
     if (a->sets.count > 1)
         for (int i = 0; i < a->sets.count; i++)
@@ -407,7 +407,7 @@ static void print_sets(const arguments *a, const char *field) {
         printf("steps       %u\n", steps_of(a));
 }
 
-/* field: as above. */
+/* field: as for print_sets(). */
 static void add_sets(json_t *json, const arguments *a, const char *field) {
     json_t *fields = json_array();
     for (int i = 0; i < a->sets.count; i++)
@@ -686,8 +686,8 @@ static void note_left_out(void *ctx, const char *name, const char *why) {
     cli_note(&a->common, 1, "field %s is left out: %s", name, why);
 }
 
-/* Of several sets each is opened by itself: the first volume rests meanwhile, so that an importer
- * has all that importers may have. */
+/* Open each of several sets by itself. The first volume rests meanwhile, so that an importer gets
+ * the whole share of memory for importers. */
 static status begin_series(arguments *a, mem *m, grid_series *series, volume **v) {
     volume *first = *v;
     if (series->sets.fields * series->sets.steps > 1)
@@ -719,9 +719,9 @@ static status convert_volumes(arguments *a, mem *m, volume **v, double start) {
     return st == ST_OK ? convert_grid(a, m, *v, &series, start) : st;
 }
 
-/* ---- what it is ---- */
+/* ---- the kind of input ---- */
 
-/* A collection of VTK is a list of steps: all are meant, as if they were given one by one. */
+/* A VTK collection is a list of steps. All are taken, as if they were given one by one. */
 static bool is_collection(const input *in) {
     return in->x ? mesh_input_times(in->x) != NULL
                  : strcmp(volume_format(in->v), VOLUME_COLLECTION) == 0;
@@ -753,7 +753,7 @@ static status convert_opened(arguments *a, mem *m, input *in, double start) {
     return in->x ? convert_meshes(a, m, in->x, start) : convert_volumes(a, m, &in->v, start);
 }
 
-/* Before an input is opened, for hours perhaps. */
+/* Check all paths before an input is opened, which may take hours. */
 static status guard_files(const arguments *a) {
     const char *output = a->dry_run ? NULL : a->common.output;
     if (output && strcmp(output, "-") == 0)

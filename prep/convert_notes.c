@@ -5,7 +5,7 @@
 
 #include "formats/base/num.h"
 
-/* How far a grid reaches along an axis of the world, which its own axis lies along. */
+/* Extent of a grid along a world axis. Its own axis must lie along that one. */
 static double extent(const grid *g, int a) {
     const uint32_t last = g->dims[a] - 1;
     const double steps = g->axis[a] ? g->axis[a][last] - g->axis[a][0] : last;
@@ -31,8 +31,8 @@ void convert_note_grid(const cli_common *common, const grid *g, bool exaggerated
         note_units(common, g);
 }
 
-/* What is hardly a value like the others. Told as --missing takes it: compared in the samples' own
- * precision, which is that of floats, or a double's that was written in few digits. */
+/* The value is printed in the form that --missing takes. That is compared in the samples' own
+ * precision: a float's, or that of a double written in few digits. */
 void convert_note_marker(const cli_common *common, const histogram_marker *m) {
     char value[NUM_TEXT_MAX];
     if (m->share == 0.0)

@@ -1,5 +1,5 @@
-/* convert_notes.h - what convert says on standard error of an input, a line each: what was taken
- * otherwise than one may think, and the option that says so. */
+/* convert_notes.h - notes of convert on standard error about an input: what was read in a way that
+ * users may not expect, and the option that changes it. Each is one line. */
 #ifndef PREP_CONVERT_NOTES_H
 #define PREP_CONVERT_NOTES_H
 
@@ -9,11 +9,11 @@
 #include "formats/grid/grid.h"
 #include "formats/leaf/histogram.h"
 
-/* convert_note_grid() - the reader's own note; and where lengths along z have another unit than
- * those along x, unless a factor was given, that there is one. */
+/* convert_note_grid() - print the reader's own note. If lengths along z have another unit than
+ * those along x and no factor was given, also say that --exaggerate exists. */
 void convert_note_grid(const cli_common *common, const grid *g, bool exaggerated);
 
-/* convert_note_marker() - what is hardly a value like the others. */
+/* convert_note_marker() - tell of a value that probably stands for no data. */
 void convert_note_marker(const cli_common *common, const histogram_marker *m);
 
 #endif

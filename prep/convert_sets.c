@@ -52,7 +52,7 @@ void convert_sets_first_step(const convert_sets *s, uint32_t *step) {
         *step = step_list_at(&s->taken, 0);
 }
 
-/* One that the input has; each once. */
+/* Add a field of the input, once per name. */
 static status take_copy(convert_sets *s, const char *name) {
     char clean[sizeof s->kept[0]];
     text_name(clean, sizeof clean, name);
@@ -70,9 +70,9 @@ static status take_copy(convert_sets *s, const char *name) {
     return st;
 }
 
-/* ---- of either ---- */
+/* ---- grids and meshes ---- */
 
-/* The file's times of the steps that are taken; where they do not ascend, none. */
+/* Copy the file's times for the chosen steps. If they do not ascend, keep none. */
 static status take_times(convert_sets *s, const double *all) {
     s->parsed = mem_array(s->m, s->steps, sizeof *s->parsed);
     if (!s->parsed)
@@ -90,7 +90,7 @@ static status take_times(convert_sets *s, const double *all) {
     return ST_OK;
 }
 
-/* ---- of a mesh ---- */
+/* ---- meshes ---- */
 
 typedef struct taking {
     convert_sets *s;
@@ -120,16 +120,16 @@ status convert_sets_of_mesh(convert_sets *s, const mesh_input *x, const char *na
     return t.st == ST_OK && step_list_given(&s->taken) ? take_mesh_steps(s, x, name) : t.st;
 }
 
-/* ---- of a grid ---- */
+/* ---- grids ---- */
 
 typedef struct choice {
     convert_sets *s;
-    double *times;  /* of all its steps, a copy; or NULL */
-    bool found;     /* the one that was taken, */
-    uint32_t steps; /* and so many has it */
+    double *times;  /* copy of the times of all its steps, or NULL */
+    bool found;     /* the reader's default field was met */
+    uint32_t steps; /* steps of that field */
 } choice;
 
-/* The one that was taken; of formats without names, the only one. */
+/* Note the reader's default field. A format without names has only one field. */
 static status take_first(void *ctx, const slice_field *f) {
     choice *c = ctx;
     const bool first = f->taken && !c->found;

@@ -23,14 +23,14 @@ _Static_assert((int)LEAFCAST_U8 == (int)SAMPLE_U8 && (int)LEAFCAST_I8 == (int)SA
                    (int)LEAFCAST_I32 == (int)SAMPLE_I32 && (int)LEAFCAST_F64 == (int)SAMPLE_F64,
                "public and internal sample types agree");
 
-/* A call: its budget, and the caller's function that is told how far it is. */
+/* One call: its memory budget, and the caller's function for progress. */
 typedef struct job {
     mem m;
-    leafcast_convert_options o; /* the caller's, or the default */
+    leafcast_convert_options o; /* the caller's options, or the default */
     const char *out;
-    file_guard_target target; /* what `out` replaces */
+    file_guard_target target; /* the file that `out` replaces */
     progress p;
-    pthread_mutex_t lock; /* of watch(), and of all that follows */
+    pthread_mutex_t lock; /* guards calls of watch() and all fields below */
     const char *stage;
     double fraction;
     bool stopped;
@@ -38,11 +38,11 @@ typedef struct job {
 
 /* ---- Arguments ---- */
 
-/* Whether a file may give way, inputs apart. */
+/* Returns ST_OK if an existing file may be replaced. Inputs are checked elsewhere. */
 static status check_replaced(const char *path) {
     char magic[sizeof LEAF_MAGIC - 1] = "";
     file *f = NULL;
-    mem m; /* not the job's, which refuses its output */
+    mem m; /* not the job's, which refuses to open its own output */
     mem_init(&m, 0);
     status st = file_open(&m, path, &f);
     const uint64_t size = st == ST_OK ? file_size(f) : 0;
@@ -54,12 +54,12 @@ static status check_replaced(const char *path) {
     return st;
 }
 
-/* in: paths of inputs, so many. Files that they lead to are refused when they are opened. */
+/* in: count paths of inputs. Files that these lead to are refused when they are opened. */
 static status check_output(job *j, const char *const *in, uint32_t count) {
     struct stat info;
     status st = ST_OK;
     if (lstat(j->out, &info) != 0)
-        return ST_OK; /* or what the writer says */
+        return ST_OK; /* if it cannot be made, the writer reports that */
     file_guard_aim(&j->m, &j->target, j->out);
     for (uint32_t i = 0; i < count && st == ST_OK; i++)
         st = file_guard_named(&j->m, in[i]);
@@ -68,7 +68,7 @@ static status check_output(job *j, const char *const *in, uint32_t count) {
     return st;
 }
 
-/* Asked when the inputs are open: to have opened this one is told first. */
+/* Call this after the inputs are open: an output that is also an input is reported first. */
 static status check_gives_way(const job *j) {
     struct stat info;
     return stat(j->out, &info) == 0 && S_ISREG(info.st_mode) ? check_replaced(j->out) : ST_OK;
@@ -76,8 +76,8 @@ static status check_gives_way(const job *j) {
 
 /* ---- A job ---- */
 
-/* Stages that tell nothing (mesh_coarse.h) ask for a stop all the same: watch() then hears what it
- * heard before. */
+/* Stages that report no progress (mesh_coarse.h) still ask whether to stop. watch() then gets the
+ * last values again. */
 static void tell(void *ctx, const char *stage, double fraction) {
     job *j = ctx;
     pthread_mutex_lock(&j->lock);
@@ -95,7 +95,7 @@ static bool must_stop(void *ctx) {
     return stopped;
 }
 
-/* In any case job_end() follows. */
+/* Call job_end() in any case. */
 static status job_begin(job *j, const char *const *in, uint32_t count, const char *out,
                         const leafcast_convert_options *options) {
     *j = (job){.out = out, .o = {.size = sizeof j->o}, .stage = "begin"};
@@ -163,7 +163,7 @@ static void place_nodes(const leafcast_grid *from, grid *g) {
         memcpy(g->to_world, from->to_world, sizeof g->to_world);
 }
 
-/* Release it in any case. */
+/* Release the grid in any case. */
 static status make_grid(mem *m, const leafcast_grid *from, grid *g) {
     grid_init(g, from->dims, (sample_type)from->type);
     place_nodes(from, g);
@@ -171,11 +171,11 @@ static status make_grid(mem *m, const leafcast_grid *from, grid *g) {
     for (int a = 0; a < 3 && st == ST_OK; a++)
         if (from->axis[a])
             st = grid_set_axis(g, m, "leafcast_grid", a, from->axis[a]);
-    /* No file is malformed: the arguments are. */
+    /* A grid that is not valid is the caller's error here, not a malformed file's. */
     return st == ST_CORRUPT || st == ST_UNSUPPORTED ? ST_USAGE : st;
 }
 
-/* source: the grid is not set yet. */
+/* source: its grid is set here. */
 static status convert_source(job *j, const leafcast_grid *from, slice_source *source) {
     const volume_hints hints = hints_of(j);
     volume *v = NULL;
@@ -338,7 +338,7 @@ leafcast_status leafcast_convert_tets(const leafcast_tets *tets, const char *out
 
 /* ---- Files ---- */
 
-/* The names of the fields as files have them; NULL where none are given. */
+/* Field names as files have them; NULL: none are given. */
 typedef struct field_names {
     char (*text)[MESH_NAME_MAX + 1];
     const char **names;

@@ -11,7 +11,7 @@
 
 enum { ZSTD_LEVEL_MAX = 22 };
 
-/* Numbers of which squares and quotients are neither 0 nor infinite. */
+/* Squares and quotients of numbers in this range are neither 0 nor infinite. */
 #define PLACE_MOST  1e100
 #define PLACE_LEAST 1e-100
 
@@ -79,7 +79,7 @@ static const public_field grid_rows[] = {
     PUBLIC_PLACE(leafcast_grid, axis, PUBLIC_OR_NULL),
 };
 
-/* Columns of to_world, which the axes are. */
+/* Check the columns of to_world, or the spacing: these are the cell's edges. */
 static status grid_together(const void *of) {
     const leafcast_grid *g = of;
     for (int a = 0; a < 3; a++) {

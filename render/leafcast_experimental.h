@@ -1,10 +1,10 @@
 /* leafcast_experimental.h - what leafcast.h can do for experiments and tests alone. It may change
- * in any version, structs without growing.
+ * in any version, also in ways other than growing structs.
  *
  *     leafcast_experiments by_packets = {.size = sizeof by_packets, .packets = 8};
  *     leafcast_options options = {.size = sizeof options, .experiments = &by_packets};
  *
- * What is 0 is as if nothing had been said. Sizes and values are checked as those of leafcast.h.
+ * A field that is 0 changes nothing. Sizes and values are checked as those of leafcast.h.
  */
 #ifndef RENDER_LEAFCAST_EXPERIMENTAL_H
 #define RENDER_LEAFCAST_EXPERIMENTAL_H
@@ -15,40 +15,40 @@
 extern "C" {
 #endif
 
-/* ---- Of a volume ---- */
+/* ---- For a volume ---- */
 
-/* How another time step of a mesh comes in; the pictures are the same. */
+/* How another time step of a mesh is brought in. The pictures are the same. */
 typedef enum leafcast_schema {
     LEAFCAST_SCHEMA_AUTO = 0, /* trees, if all steps fit into half the budget or an eighth of the
                                  machine's memory; else refit */
-    /* W07 6.1: every step's trees are read with its vertices, and stay, as far as memory goes. */
+    /* W07 6.1: every step's trees are read with its vertices, and stay as long as memory allows. */
     LEAFCAST_SCHEMA_TREES = 1,
-    /* W07 6.2: one tree; vertices alone are read, and the tree is refit. */
+    /* W07 6.2: one tree for all steps; only vertices are read, and the tree is refit. */
     LEAFCAST_SCHEMA_REFIT = 2
 } leafcast_schema;
 
-/* What of a mesh's isosurfaces stays in memory, inside the budget: nothing; or polygons of up to a
- * third of each treelet's tets, all made at once, or each when rays first come to it. The same
- * pictures. */
+/* Which of a mesh's isopolygons stay in memory, inside the budget: none; or those of up to a third
+ * of each treelet's tets, all made at once, or each when rays first come to it. The pictures are
+ * the same. */
 typedef enum leafcast_isopolygons {
     LEAFCAST_ISOPOLYGONS_ONTHEFLY = 0,
     LEAFCAST_ISOPOLYGONS_PRECOMPUTE,
     LEAFCAST_ISOPOLYGONS_CACHE
 } leafcast_isopolygons;
 
-/* leafcast_options.experiments: read while the call runs; devices do without. */
+/* leafcast_options.experiments: read only during the call. Ignored for devices. */
 typedef struct leafcast_experiments {
     size_t size;
-    uint32_t treelet_limit; /* at most so many treelets at a time; 0: what memory allows */
-    int packets; /* of a mesh: 0: tiles of rays; 2, 4, 8, 16: packets of so many on a side as W07
-                    has them, the same pictures */
+    uint32_t treelet_limit; /* at most so many treelets in memory at a time; 0: as memory allows */
+    int packets; /* meshes: 0: tiles of rays; 2, 4, 8, 16: W07's packets with so many rays on a
+                    side. The pictures are the same */
     leafcast_schema schema;
-    leafcast_isopolygons isopolygons; /* without leafcast_options.neighbours */
+    leafcast_isopolygons isopolygons; /* not together with leafcast_options.neighbours */
 } leafcast_experiments;
 
-/* ---- Of a scene ---- */
+/* ---- For a scene ---- */
 
-/* Where a ray meets the surface in a cell of a grid. */
+/* How to find where a ray meets the surface in a cell of a grid. */
 typedef enum leafcast_intersector {
     LEAFCAST_MARMITT = 0, /* iterative root finding, converged: exact */
     LEAFCAST_MARMITT_3,   /* M08's fixed three steps */
@@ -58,27 +58,27 @@ typedef enum leafcast_intersector {
     LEAFCAST_SCHWARZE
 } leafcast_intersector;
 
-/* How the light of a medium is summed up along a ray. All but the first are there to be compared
- * with: nobody knows how far off they are, image.error is +inf, and all pixels are uncertified.
- * They draw one volume without surfaces, in steps of `step` times leafcast_info.cell_size, and end
- * a ray at an opacity of `opaque`. */
+/* How to sum up a medium's light along a ray. All but the first are for comparison: their error is
+ * unknown, so image.error is +inf and all pixels are uncertified. They draw one volume without
+ * surfaces, in steps of `step` times leafcast_info.cell_size, and end a ray at an opacity of
+ * `opaque`. */
 typedef enum leafcast_summing {
     LEAFCAST_CERTIFIED = 0,
-    LEAFCAST_STEPS,        /* colour and extinction as in the middle of each step */
-    LEAFCAST_PREINTEGRATED /* as by the values at both ends of each step, from a table */
+    LEAFCAST_STEPS,        /* colour and extinction at the middle of each step */
+    LEAFCAST_PREINTEGRATED /* from the values at both ends of each step, by a table */
 } leafcast_summing;
 
 #define LEAFCAST_STEP_LEAST 1e-4
 #define LEAFCAST_STEP_MOST  1e4
 
-/* leafcast_scene.experiments: read while the call runs; frames copy it. */
+/* leafcast_scene.experiments: read only during the call; frames copy it. */
 typedef struct leafcast_scene_experiments {
     size_t size;
     leafcast_intersector intersector;
-    /* Of a medium in a grid, if above 0: nodes and treelets whose values differ by so much at most
-     * are taken as if they had one value, their middle (M08 4.5; to a 512th of the volume's range).
-     * leafcast_image.error says what comes of it. 0: where the error that is asked for allows it.
-     */
+    /* Media in a grid, if above 0: nodes and treelets whose values differ by at most this are drawn
+     * as if they had one value, their middle. M08 4.5 goes up to 1/512 of the volume's range.
+     * leafcast_image.error includes the error of that. 0: only where the error asked for allows
+     * it. */
     double homogeneous;
     leafcast_summing summing;
     double step;   /* LEAFCAST_STEP_LEAST to LEAFCAST_STEP_MOST */

@@ -35,10 +35,10 @@ static unsigned row_shift(unsigned y, unsigned z) {
     return (y & 1u) << 1 | (y & 2u) << 3 | (z & 1u) << 2 | (z & 2u) << 4;
 }
 
-/* A bit a node of a block. */
+/* A bit per node (sample) of a block. */
 typedef uint8_t node_rows[NODES][NODES];
 
-/* The cells with any corner in `reach` and not all corners in `beyond`. */
+/* Returns the cells with any corner in `reach` and not all corners in `beyond`. */
 static uint64_t met_cells(const node_rows reach, const node_rows beyond) {
     uint64_t mask = 0;
     node_rows any, all;
@@ -58,7 +58,7 @@ static uint64_t met_cells(const node_rows reach, const node_rows beyond) {
     return mask;
 }
 
-/* The cells of a block that touch a set bit. */
+/* Returns the cells of a block that touch a set bit. */
 static uint64_t touched_cells(const node_rows rows) {
     uint64_t mask = 0;
     for (unsigned z = 0; z < BLOCK; z++) {
@@ -70,8 +70,8 @@ static uint64_t touched_cells(const node_rows rows) {
     return mask;
 }
 
-/* The samples of one block, as floats; nodes beyond the treelet repeat the last one, and
- * valid_cells() takes their cells out. */
+/* The samples of one block, as floats. Nodes beyond the treelet repeat its last sample;
+ * valid_cells() excludes their cells. */
 typedef struct block_samples {
     float f[NODES][NODES][NODES];
 } block_samples;
@@ -109,7 +109,7 @@ static void gather(sample_type type, block_samples *b, const void *samples, cons
     }
 }
 
-/* The samples of a block at or above a limit. */
+/* Mark the samples of a block at or above a limit. */
 static void rows_from(const block_samples *b, float limit, node_rows rows) {
     for (int z = 0; z < NODES; z++) {
         for (int y = 0; y < NODES; y++) {
@@ -149,7 +149,7 @@ static uint64_t block_mask(const block_samples *b, const interest_part *in, bool
     return mask & ~touched_cells(reach);
 }
 
-/* Cells beyond the treelet's own do not exist, whatever codes may say. */
+/* Returns the cells of a block that exist: none beyond the treelet, whatever codes say. */
 static uint64_t valid_cells(const uint32_t cells[3], const uint32_t at[3]) {
     uint64_t mask = 0;
     if (at[0] >= cells[0])
@@ -168,8 +168,7 @@ static void morton_decode(uint32_t code, uint32_t levels, uint32_t at[3]) {
             at[a] |= (code >> (3 * l + (uint32_t)a) & 1u) << l;
 }
 
-/* Which of the 8^k nodes of a level meet the interest by their codes: one byte of eight siblings at
- * a time. */
+/* Returns which of eight siblings meet the interest by their codes: a bit each. */
 static uint8_t held_siblings(const uint8_t *lo, const uint8_t *hi, const interest_part *in) {
     unsigned mask = 0;
     for (int i = 0; i < in->count; i++)
@@ -202,7 +201,7 @@ void active_range(const leaf_file *f, uint32_t p, const void *payload, uint32_t 
                   double range[2]) {
     const quantizer q = quantizer_of(f->own[p][0], f->own[p][1], f->layout.type);
     const uint8_t *lo = (const uint8_t *)payload + leaf_codes_at(k), *hi = lo + (1u << (3 * k));
-    /* Where codes are rounded, values too were when they were made. */
+    /* Where codes are rounded, the values that they were made of may have been rounded, too. */
     const double unsure = q.exact ? 0.0 : 1e-5;
     const double per_code = q.scale > 0.0 ? 1.0 / q.scale : 0.0;
     range[0] = fmax(q.lo + (lo[i] - unsure) * per_code, q.lo);
@@ -221,7 +220,7 @@ void active_whole(active_masks *masks, const leaf_file *f, uint32_t p, const voi
     if (in->bins == 0 || (f->flags[p] & LEAF_FLAG_NON_FINITE))
         return;
     memset(masks->whole, 0, (size_t)1 << (3 * levels));
-    /* Single blocks are not: their few cells on a ray's way cost less by vectors than a piece. */
+    /* Take no single block whole: a ray's few cells there cost less by vectors than a piece. */
     for (uint32_t k = 1; k < levels; k++) {
         const uint32_t below = 3 * (levels - k);
         for (uint32_t i = 0; i < 1u << (3 * k); i++) {
@@ -241,7 +240,7 @@ void active_whole(active_masks *masks, const leaf_file *f, uint32_t p, const voi
     }
 }
 
-/* Inner nodes by the blocks: a child is active iff one of its own children is. */
+/* Set inner nodes from the blocks: a child is active iff one of its own children is. */
 static void mark_nodes(active_masks *masks, uint32_t levels) {
     for (uint32_t k = levels; k >= 1; k--)
         for (uint32_t group = 0; group < 1u << (3 * (k - 1)); group++) {

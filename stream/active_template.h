@@ -1,11 +1,11 @@
 /* active_template.h - active_compute() with vectors; active_sse42.c, active_avx2.c and
  * active_avx512.c include it.
  *
- * The same bits as active.c, 32 cells at a time. A row of 33 samples becomes two words: which of
- * its 32 cells have any, and which have all samples at or above a limit. An interval takes any of
- * those that reach it and all of those beyond it: for an isovalue that is one pass. Words of four
- * rows are combined to active cells and turned into Morton order together. Only rows of blocks
- * (along x) with at least one block whose codes meet the interest are looked at.
+ * The same bits as active.c, 32 cells at a time. A row of 33 samples becomes two words of 32 cells:
+ * `any` sample, and `all` samples, at or above a limit. An interval needs `any` for its reach and
+ * `all` for its beyond; for an isovalue one pass gives both. Words of four rows are combined to
+ * active cells and turned into Morton order together. Only rows of blocks (along x) with at least
+ * one block whose codes meet the interest are looked at.
  */
 #ifndef STREAM_ACTIVE_TEMPLATE_H
 #define STREAM_ACTIVE_TEMPLATE_H
@@ -26,7 +26,7 @@ active_fn active_compute_sse42, active_compute_avx2, active_compute_avx512;
 
 enum {
     BLOCK = 1 << LEAF_BLOCK_LOG2,
-    ROW = 32, /* cells of a word */
+    ROW = 32, /* cells per word */
     ROW_BLOCKS = ROW / BLOCK,
     CELLS_MAX = 1 << LEAF_CELLS_LOG2_MAX,
     NODES_MAX = CELLS_MAX + 1,
@@ -34,7 +34,7 @@ enum {
     BLOCKS_A_SIDE_MAX = CELLS_MAX / BLOCK
 };
 
-/* The Morton index of (x, 0, 0); shifted by 1 and 2 that of (0, x, 0) and (0, 0, x). */
+/* The Morton index of (x, 0, 0). Shifted by 1 or 2 bits: the index of (0, x, 0) or (0, 0, x). */
 static const uint16_t SPREAD[BLOCKS_A_SIDE_MAX] = {0,   1,   8,   9,   64,  65,  72,  73,
                                                    512, 513, 520, 521, 576, 577, 584, 585};
 
@@ -86,7 +86,7 @@ SIMD uint32_t reach_i8(const int8_t *s, limit8 limit) {
     const __m256i a = load32(s);
     return (uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_max_epi8(a, limit), a));
 }
-/* Two masks of 16 words, in order. */
+/* Combine two masks of 16 words, in order. */
 SIMD uint32_t bits_of_words(__m256i first, __m256i second) {
     const __m256i packed = _mm256_packs_epi16(first, second);
     return (uint32_t)_mm256_movemask_epi8(_mm256_permute4x64_epi64(packed, 0xd8));
@@ -163,38 +163,38 @@ SIMD uint32_t finite_f32(const float *s, vf limit) {
 
 /* ---- Rows of cells ---- */
 
-/* One word of up to 32 cells for every row of nodes of a layer of blocks (y + nodes * z, z from the
- * layer's first plane on). */
+/* One word of up to 32 cells for every row of nodes of a layer of blocks. Index: y + nodes * z,
+ * with z from the layer's first plane on. */
 enum { PLANES = BLOCK + 1 };
 typedef uint32_t layer_words[NODES_MAX * PLANES];
 
-/* Where any of a cell's two samples on the row reaches the interval; where all lie beyond it; where
- * any is NaN or inf. spare: what a pass finds that nobody asks for. */
+/* Per cell, of its two samples on the row: any reaches the interval; all lie beyond it; any is NaN
+ * or inf (bad). spare: words of a pass that are not used. */
 typedef struct row_bits {
     layer_words any, all, bad, spare;
 } row_bits;
 
-/* What is looked at: one treelet's samples, from the halo on. */
+/* One treelet's samples, from behind the halo on. */
 typedef struct sample_rows {
     const char *first, *end;
     size_t element, row, slice; /* bytes */
     sample_type type;
 } sample_rows;
 
-/* f >= limit, as a comparison of samples. */
+/* The limit of f >= limit, in the type of samples: i of integers, f of floats. */
 typedef struct threshold {
     int32_t i;
     float f;
 } threshold;
 
-/* What samples of a layer are compared with, and where the words of its rows go: any or all of a
- * cell's two samples reach the limit. No limit: any are NaN or inf. */
+/* One pass over a layer: the limit, and the words of its rows to fill (any or all of a cell's two
+ * samples reach the limit). No limit: `any` becomes the cells with NaN or inf. */
 typedef struct row_pass {
     const threshold *limit;
     uint32_t *any, *all;
 } row_pass;
 
-/* False: no sample reaches it. */
+/* Convert a limit to the type of samples. Returns false if no sample can reach it. */
 SIMD bool threshold_of(sample_type type, float limit, threshold *out) {
     static const double least[] = {
         [SAMPLE_U8] = 0, [SAMPLE_I8] = INT8_MIN, [SAMPLE_U16] = 0, [SAMPLE_I16] = INT16_MIN};
@@ -241,7 +241,7 @@ static void run_bad(const void *from, size_t stride, uint32_t count, uint32_t *b
     }
 }
 
-/* Words of `count` rows that follow each other; reads 33 samples of each. */
+/* Make the words of `count` consecutive rows. Reads 33 samples of each. */
 static void run_of(const sample_rows *s, const void *from, size_t stride, uint32_t count,
                    const row_pass *pass, size_t at) {
     const threshold *limit = pass->limit;
@@ -259,8 +259,8 @@ static void run_of(const sample_rows *s, const void *from, size_t stride, uint32
     }
 }
 
-/* The same for rows y .. y + count - 1 of plane z, cells from x on. Rows may be shorter than 33
- * samples, and the payload may end with the last of them: those are copied first. */
+/* Make the words of rows y .. y + count - 1 of plane z, for cells from x on. Where 33 samples would
+ * reach past the end of the payload, copy the rows first. */
 static void rows_of_plane(const sample_rows *s, uint32_t x, uint32_t y, uint32_t z, uint32_t count,
                           const row_pass *pass, size_t at) {
     const size_t width = (ROW + 1) * s->element;
@@ -277,10 +277,11 @@ static void rows_of_plane(const sample_rows *s, uint32_t x, uint32_t y, uint32_t
     }
 }
 
-/* Which rows of blocks are looked at: a bit by, for every bz. */
+/* Which rows of blocks are looked at: bit by of element bz. */
 typedef uint16_t wanted_rows[BLOCKS_A_SIDE_MAX];
 
-/* The words of the rows of plane z that these rows of blocks touch; at: where the plane's go. */
+/* Make the words of the rows of plane z that the rows of blocks in `held` touch. at: index of the
+ * plane's first word. */
 static void rows_wanted(const sample_rows *s, const uint32_t cells[3], unsigned held, uint32_t x,
                         uint32_t z, const row_pass *pass, size_t at) {
     while (held) {
@@ -294,8 +295,8 @@ static void rows_wanted(const sample_rows *s, const uint32_t cells[3], unsigned 
     }
 }
 
-/* The words of layer bz of blocks. Its first plane is the last one of the layer below, if that was
- * looked at. */
+/* Make the words of layer bz of blocks. Copy its first plane from the layer below, whose last plane
+ * it is, if that layer was looked at. */
 static void layer_wanted(const sample_rows *s, const uint32_t cells[3], uint32_t side, uint32_t x,
                          const wanted_rows wanted, uint32_t bz, const row_pass *pass) {
     const uint32_t nodes = side + 1, z0 = bz * BLOCK;
@@ -308,7 +309,7 @@ static void layer_wanted(const sample_rows *s, const uint32_t cells[3], uint32_t
         k = 1;
     }
     for (; k <= last; k++) {
-        /* The next layer takes the last plane over. */
+        /* The next layer copies the last plane, so make that one for both. */
         const bool shared = k == BLOCK && z0 + BLOCK < side;
         rows_wanted(s, cells, wanted[bz] | (shared ? wanted[bz + 1] : 0u), x, z0 + k, pass,
                     (size_t)k * nodes);
@@ -321,7 +322,7 @@ SIMD __m128i words(const uint32_t *from) {
     return _mm_loadu_si128((const __m128i *)from);
 }
 
-/* Active cells of 4 x 4 rows: m[z], a lane a y. */
+/* Find the active cells of 4 x 4 rows: m[z], one lane per y. */
 SIMD void mixed_cells(const row_bits *rows, size_t at, size_t nodes, bool non_finite,
                       __m128i m[BLOCK]) {
     const uint32_t *any = rows->any + at, *all = rows->all + at, *bad = rows->bad + at;
@@ -343,14 +344,14 @@ SIMD void mixed_cells(const row_bits *rows, size_t at, size_t nodes, bool non_fi
     }
 }
 
-/* Exchange the bits of a chosen by mask with those `by` higher. */
+/* Swap the bits of a that mask selects with the bits `by` positions higher. */
 SIMD __m128i exchange(__m128i a, int by, int mask) {
     const __m128i t = _mm_and_si128(_mm_xor_si128(a, _mm_srli_epi32(a, by)), _mm_set1_epi32(mask));
     return _mm_xor_si128(a, _mm_xor_si128(t, _mm_slli_epi32(t, by)));
 }
 
-/* Four rows of 32 cells, (y, z) = 00 10 01 11, to bytes of 2 x 2 x 2 cells: in every byte column,
- * 4 x 4 pairs of bits are transposed. */
+/* Turn four rows of 32 cells, (y, z) = 00 10 01 11, into bytes of 2 x 2 x 2 cells: transpose 4 x 4
+ * pairs of bits in every byte column. */
 SIMD __m128i groups_of(__m128i rows) {
     const __m128i columns = _mm_setr_epi8(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15);
     const __m128i bytes = _mm_shuffle_epi8(rows, columns);
@@ -362,8 +363,7 @@ SIMD void add_blocks(uint64_t *to, __m128i pair) {
     _mm_storeu_si128(at, _mm_or_si128(_mm_loadu_si128(at), pair));
 }
 
-/* Masks of the blocks of a row from its 4 x 4 rows of cells; cells: where the row's first block is.
- */
+/* Add the masks of a row of blocks from its 4 x 4 rows of cells. cells: the row's first block. */
 SIMD void put_blocks(const __m128i m[BLOCK], uint32_t blocks, uint64_t *cells) {
     /* 16-bit lanes: the groups (x = 0, 1) of every block, for (y, z) = 00 10 01 11. */
     const __m128i g00 = groups_of(_mm_unpacklo_epi64(m[0], m[1]));
@@ -380,7 +380,7 @@ SIMD void put_blocks(const __m128i m[BLOCK], uint32_t blocks, uint64_t *cells) {
     add_blocks(cells + SPREAD[6], _mm_unpackhi_epi32(hi0, hi1));
 }
 
-/* Masks of the wanted rows of blocks of layer bz from the words of their rows. */
+/* Make the masks of the wanted rows of blocks of layer bz from the words of their rows. */
 static void blocks_wanted(const row_bits *rows, const uint32_t cells[3], uint32_t side, uint32_t x,
                           const wanted_rows wanted, uint32_t bz, bool non_finite, uint64_t *out) {
     const uint32_t left = cells[0] - x, z = bz * BLOCK;
@@ -390,7 +390,7 @@ static void blocks_wanted(const row_bits *rows, const uint32_t cells[3], uint32_
         const uint32_t by = (uint32_t)__builtin_ctz(held), y = by * BLOCK;
         __m128i m[BLOCK];
         mixed_cells(rows, y, side + 1, non_finite, m);
-        /* Only cells that exist. */
+        /* Keep only cells that exist. */
         const __m128i valid =
             _mm_and_si128(row, _mm_cmpgt_epi32(_mm_set1_epi32((int)cells[1] - (int)y), lanes));
         for (uint32_t k = 0; k < BLOCK; k++)
@@ -402,7 +402,7 @@ static void blocks_wanted(const row_bits *rows, const uint32_t cells[3], uint32_
 
 /* ---- Codes and nodes ---- */
 
-/* Whether the codes of each block meet the interest: a byte eight siblings. */
+/* Find whether the codes of each block meet the interest: a byte per eight siblings. */
 static void held_blocks(const uint8_t *lo, const uint8_t *hi, uint32_t blocks,
                         const interest_part *in, uint8_t *held) {
     for (uint32_t b = 0; b < blocks; b += 16) {
@@ -421,7 +421,7 @@ static void held_blocks(const uint8_t *lo, const uint8_t *hi, uint32_t blocks,
     }
 }
 
-/* Rows of blocks, of those from x on that a word covers, in which one is held. */
+/* Find the rows of blocks with a held block in the word from x on. Returns false for none. */
 static bool want_rows(const uint8_t *held, uint32_t side, uint32_t x, wanted_rows wanted) {
     const uint32_t pairs = side / (2 * BLOCK), first = x / (2 * BLOCK);
     unsigned any = 0;
@@ -443,7 +443,7 @@ static bool want_rows(const uint8_t *held, uint32_t side, uint32_t x, wanted_row
     return any != 0;
 }
 
-/* Which of eight blocks have an active cell. */
+/* Returns which of eight blocks have an active cell. */
 SIMD unsigned filled_blocks(const uint64_t cells[8]) {
 #if defined __AVX512F__
     const __m512i all = _mm512_loadu_si512(cells);
@@ -460,14 +460,14 @@ SIMD unsigned filled_blocks(const uint64_t cells[8]) {
 #endif
 }
 
-/* The tree above the blocks. */
+/* Build the tree above the blocks. */
 static void sum_up(active_masks *masks, uint32_t levels, const uint8_t *held) {
     uint8_t *leaves = masks->nodes + active_nodes_at(levels - 1);
     for (uint32_t g = 0; g < 1u << (3 * (levels - 1)); g++) {
         uint64_t *cells = masks->cells + 8 * (size_t)g;
         const unsigned filled = filled_blocks(cells);
-        /* A neighbour's row was looked at, the codes say that there is nothing: their word counts
-         * (and they are right, in files that we wrote). */
+        /* Clear blocks that were only looked at for a neighbour in their row, and whose codes say
+         * that nothing is there: codes decide. (In files that we wrote, they are right.) */
         for (unsigned wrong = filled & ~(unsigned)held[g]; wrong; wrong &= wrong - 1)
             cells[__builtin_ctz(wrong)] = 0;
         leaves[g] = (uint8_t)(filled & held[g]);
@@ -484,7 +484,7 @@ static void sum_up(active_masks *masks, uint32_t levels, const uint8_t *held) {
 
 /* ---- A treelet ---- */
 
-/* Masks of the cells from x on that a word covers. */
+/* Make the masks of the cells from x on that a word covers. */
 static void word_of_cells(active_masks *masks, const sample_rows *s, const leaf_payload *shape,
                           uint32_t x, const wanted_rows wanted, bool non_finite,
                           const interest_part *in) {
@@ -493,7 +493,7 @@ static void word_of_cells(active_masks *masks, const sample_rows *s, const leaf_
     row_bits rows;
     const row_pass missing = {NULL, rows.bad, rows.spare};
     if (shape->cells[1] < side || shape->cells[2] < side) {
-        /* Rows that do not exist are looked at with those that do. */
+        /* Clear the words of rows that do not exist: they are read together with others. */
         memset(rows.any, 0, used);
         memset(rows.all, 0, used);
         memset(rows.bad, 0, used);

@@ -12,7 +12,7 @@ void arrivals_release(arrivals *a, mem *m) {
     mem_free(m, a->next);
 }
 
-/* Both sides exchange `there`, so that who comes second sees what the first has done before. */
+/* Both sides exchange `there`, so the second to do it sees all that the first did before. */
 void arrivals_add(arrivals *a, uint32_t t) {
     if (atomic_exchange(&a->there[t], 1))
         return;

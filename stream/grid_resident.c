@@ -1,6 +1,6 @@
 #include "stream/grid_resident.h"
 
-/* A treelet and its masks share one block; these begin there. */
+/* One block holds a treelet and its masks, which begin at HEAD. */
 enum { HEAD = (sizeof(resident_grid) + 63) / 64 * 64 };
 
 static const treelet_bounds *boxes(const leaf_file *f, uint32_t set) {
@@ -23,7 +23,7 @@ static size_t masks_bytes(const leaf_file *f, uint32_t t) {
     return deviates(f, t) ? 2 * each : each;
 }
 
-/* Those of a level are alike. */
+/* The result is the same for all treelets of a level. */
 static size_t most_bytes(const resident_store *s, uint32_t t) {
     return leaf_layout_payload_max(&s->file->layout) + masks_bytes(s->file, t) +
            source_overhead_bytes(s->source) + HEAD + 256;
@@ -77,7 +77,7 @@ static uint32_t payload_of(const resident_store *s, const treelet *tr) {
     return leaf_layout_samples(&s->file->layout, tr->set, tr->id);
 }
 
-/* Sets share nothing: what has one keeps it. */
+/* Sets do not share treelets; a resident treelet stays with its set. */
 static void strip(const resident_store *s, treelet *tr) {
     (void)s;
     (void)tr;

@@ -9,22 +9,23 @@
 typedef struct resident_grid {
     treelet head;
     uint32_t level;
-    uint32_t first_cell[3]; /* of its level's grid */
+    uint32_t first_cell[3]; /* in its level's grid */
     leaf_payload shape;
     const void *samples; /* at the halo's first sample */
     active_masks *masks;
-    /* Of a coarse treelet in a file with deviations, else NULL: what it is to be walked by where it
-     * stands in for finer ones; and how far its bricks are off (deviation.h). */
+    /* Coarse treelets in a file with deviations, else NULL. wide: the masks for rays where the
+     * treelet stands in for finer ones. deviations: a code per brick (deviation.h). */
     active_masks *wide;
     const uint16_t *deviations;
 } resident_grid;
 
-/* resident_grid_of() - the whole of a treelet of a grid; NULL of NULL. */
+/* resident_grid_of() - returns the whole struct of a grid's treelet; NULL gives NULL. */
 static inline const resident_grid *resident_grid_of(const treelet *tr) {
     return (const resident_grid *)tr;
 }
 
-/* resident_grid_deviation() - of a treelet that has them, at a cell of its level's grid. */
+/* resident_grid_deviation() - returns the deviation at a cell of the level's grid. The treelet must
+ * have deviations. */
 static inline double resident_grid_deviation(const resident_grid *at, const leaf_layout *l,
                                              const uint32_t cell[3]) {
     return deviation_value(at->deviations[deviation_brick(

@@ -1,9 +1,9 @@
-/* homogeneous.h - ranges of values within which it does not matter which value it is (M08 4.5).
+/* homogeneous.h - ranges of values within which the exact value does not matter (M08 4.5).
  *
- * A treelet or a node whose values lie in such a range is taken whole: a ray has one piece in it,
- * of the range's middle (segments.h); and such a treelet is not read. Which ranges these are is
- * said by whoever knows what values stand for: for each of a row of bins, how far a range may go
- * that begins there. What lies in a range that is homogeneous is so, too.
+ * A treelet or node whose values lie in a homogeneous range is taken whole: a ray has one piece in
+ * it, with the middle of the range (segments.h). A whole treelet is not read. The caller, who knows
+ * what values stand for, gives the ranges: for each bin of values, how far a range that begins
+ * there may go. Every part of a homogeneous range is homogeneous, too.
  */
 #ifndef STREAM_HOMOGENEOUS_H
 #define STREAM_HOMOGENEOUS_H
@@ -12,23 +12,23 @@
 
 enum { HOMOGENEOUS_BINS = 512 };
 
-/* Zeroed: no range is. */
+/* Zeroed: no range is homogeneous. */
 typedef struct homogeneous {
     int bins;     /* at most HOMOGENEOUS_BINS */
-    double first; /* where the first one begins, */
-    double width; /* and how far it is to the next one; > 0 */
+    double first; /* where the first bin begins */
+    double width; /* of a bin; > 0 */
     float until[HOMOGENEOUS_BINS];
 } homogeneous;
 
-/* homogeneous_begin() - where bin i begins, at the latest: values may be taken for those of the
- * next bin if they are less than 1e-9 of a bin below it. Widths that are powers of two, and
- * integers, have no rounding. */
+/* homogeneous_begin() - returns where bin i begins, at the latest. By rounding, a value less than
+ * 1e-9 of a bin below a bin may count as a value of that bin. Nothing is rounded where bin widths
+ * are powers of two or values are integers. */
 static inline double homogeneous_begin(const homogeneous *h, int i) {
     return h->first + i * h->width;
 }
 
-/* homogeneous_holds() - whether the range from lo to hi is homogeneous. One value always is, where
- * any range may be. */
+/* homogeneous_holds() - returns whether the range from lo to hi is homogeneous. A single value
+ * always is, unless there are no bins. */
 static inline bool homogeneous_holds(const homogeneous *h, double lo, double hi) {
     if (h->bins == 0 || !(lo <= hi))
         return false;
@@ -40,7 +40,7 @@ static inline bool homogeneous_holds(const homogeneous *h, double lo, double hi)
     return hi <= (double)h->until[at < h->bins ? (int)at : h->bins - 1];
 }
 
-/* homogeneous_except() - no range that holds the value and something below it: an isovalue. */
+/* homogeneous_except() - exclude all ranges that hold an isovalue and anything below it. */
 void homogeneous_except(homogeneous *h, double value);
 
 bool homogeneous_same(const homogeneous *a, const homogeneous *b);

@@ -8,7 +8,7 @@ float interest_threshold(double v) {
     return (double)f < v ? nextafterf(f, INFINITY) : f;
 }
 
-/* The least float past v. */
+/* Returns the least float greater than v. */
 static float above(double v) {
     const float f = (float)v;
     return (double)f <= v ? nextafterf(f, INFINITY) : f;
@@ -29,13 +29,13 @@ static bool ends_before(const interest_interval *a, const interest_interval *b) 
     return a->hi != b->hi ? a->hi < b->hi : a->hi_open > b->hi_open;
 }
 
-/* By their begin, and the longest first. */
+/* Order by begin; of equal begins, the longest first. */
 static bool sorts_before(const interest_interval *a, const interest_interval *b) {
     return begins_before(a, b) || (!begins_before(b, a) && ends_before(b, a));
 }
 
-/* Of two in order, the first of which does not imply the second: whether their values make one
- * interval. Never with an isovalue: what could take it up implies it, and is sorted before it. */
+/* Returns whether a and b form one interval. a is sorted before b and does not imply b. Never true
+ * of an isovalue: an interval that could absorb it implies it, and is sorted before it. */
 static bool joined(const interest_interval *a, const interest_interval *b) {
     return b->lo < a->hi || (b->lo == a->hi && !(a->hi_open && b->lo_open));
 }
@@ -60,7 +60,8 @@ interest interest_of_intervals(const interest_interval of[], int count) {
     }
     sort(sorted, count);
     for (int i = 0; i < count; i++) {
-        /* The last one suffices: nothing lies between it and what it implies or joins. */
+        /* Compare with the last interval only: nothing lies between it and what it implies or
+         * joins. */
         interest_interval *last = in.count ? &in.of[in.count - 1] : NULL;
         if (last && !ends_before(last, &sorted[i]))
             continue;

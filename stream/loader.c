@@ -13,10 +13,10 @@
 
 typedef enum residence { ABSENT, QUEUED, LOADING, READY, FAILED } residence;
 
-/* What a thread reads in; as many as read for this loader at a time. */
+/* Scratch for one read; there is one per read that may run at a time. */
 typedef struct seat {
     resident_scratch scratch;
-    struct seat *next; /* that is free */
+    struct seat *next; /* in the list of free seats */
 } seat;
 
 /* A payload that treelets of several sets share. */
@@ -32,31 +32,31 @@ struct loader_private {
     pthread_mutex_t lock;
     pthread_cond_t done;
     /* Guarded by lock: */
-    atomic_uchar *state;   /* residence, a treelet; ABSENT or not can be seen without the lock */
+    atomic_uchar *state;   /* residence, per treelet; ABSENT or not: readable without the lock */
     loader_request *queue; /* binary heap, smallest priority first */
     size_t queued;
-    treelet **slots;     /* READY ones, oldest first */
-    treelet_cache cache; /* ABSENT ones, as long as nothing else needs their memory */
-    shared *shared;      /* a treelet; NULL: nothing is shared */
+    treelet **slots;     /* READY treelets, oldest first */
+    treelet_cache cache; /* ABSENT treelets, while nothing else needs their memory */
+    shared *shared;      /* per treelet; NULL: nothing is shared */
     uint32_t filled, loading, capacity;
-    _Atomic uint32_t claimed; /* filled, loading and queued; can be seen without the lock */
-    size_t bytes, room;       /* of all treelets; that they may have */
-    uint64_t published;       /* treelets that became READY */
-    uint32_t sweep_end;       /* treelets before this one are swept; 0: none are */
-    bool stepped;             /* another set was selected, and loader_follow() not yet called */
+    _Atomic uint32_t claimed; /* filled, loading and queued; readable without the lock */
+    size_t bytes, room;       /* memory of all treelets; the most that it may be */
+    uint64_t published;       /* how often a treelet became READY */
+    uint32_t sweep_end;       /* the sweep wants treelets before this one; 0: none */
+    bool stepped;             /* another set was selected since the last loader_follow() */
     status_note failure;
     loader_stats stats;
     seat *free_seats;
     atomic_bool reading; /* loader_is_reading() */
     sleepers *listeners; /* loader_listen() */
     interest selected;   /* read-only while anything is traced or loaded */
-    atomic_size_t masks; /* made */
-    uint8_t *existing;   /* a treelet's octants that are there */
-    uint8_t *held;       /* whether a treelet's subtree meets the interest: room for a sweep */
-    treelet_tree tree;   /* where treelets overlap */
-    uint32_t set;        /* selected */
+    atomic_size_t masks; /* how many were made */
+    uint8_t *existing;   /* per treelet: octants that exist */
+    uint8_t *held;       /* per treelet: its subtree meets the interest; scratch of sweep() */
+    treelet_tree tree;   /* for a mesh, whose treelets overlap */
+    uint32_t set;        /* the selected one */
     size_t slot_bytes;
-    readers *readers, *own_readers; /* the second NULL: they are the caller's */
+    readers *readers, *own_readers; /* own_readers NULL: the caller's readers */
     reader_customer customer;
     bool joined;
     seat *seats;
@@ -88,7 +88,7 @@ uint64_t loader_stored_bytes(const loader *l, uint32_t t) {
     return l->hidden->kind->stored(&l->hidden->store, l->hidden->set, t);
 }
 
-/* Under the lock: what is there of a shared payload, for one more user. */
+/* Add a user of a shared payload. Returns the payload, or NULL if absent. Needs the lock. */
 static const void *share_payload(struct loader_private *h, uint32_t t) {
     if (!h->shared)
         return NULL;
@@ -96,7 +96,7 @@ static const void *share_payload(struct loader_private *h, uint32_t t) {
     return h->shared[t].payload;
 }
 
-/* Under the lock: one user less. */
+/* Drop a user; the last one frees the payload. Needs the lock. */
 static void release_payload(struct loader_private *h, uint32_t t) {
     if (--h->shared[t].users > 0 || !h->shared[t].payload)
         return;
@@ -105,7 +105,7 @@ static void release_payload(struct loader_private *h, uint32_t t) {
     h->shared[t].payload = NULL;
 }
 
-/* Under the lock: a treelet's payload is there for others, too. */
+/* Let other treelets share a treelet's payload. Needs the lock. */
 static void offer(struct loader_private *h, const treelet *tr) {
     if (!h->shared || h->shared[tr->id].payload || !tr->payload)
         return;
@@ -137,7 +137,7 @@ static void publish(loader *l, treelet *tr) {
     arrivals_add(&l->arrivals, tr->id);
 }
 
-/* Give a treelet back that is neither READY nor in the cache. */
+/* Free a treelet that is neither READY nor in the cache. */
 static void discard(loader *l, treelet *tr) {
     struct loader_private *h = l->hidden;
     const uint32_t t = tr->id;
@@ -147,13 +147,13 @@ static void discard(loader *l, treelet *tr) {
         release_payload(h, t);
 }
 
-/* Take a treelet out of the rays' sight; its slot is the caller's to close. */
+/* Hide a treelet from rays. The caller must close the gap in `slots`. */
 static void withdraw(loader *l, treelet *tr) {
     atomic_store_explicit(&l->resident[tr->id], NULL, memory_order_relaxed);
     set_state(l->hidden, tr->id, ABSENT);
 }
 
-/* Empty the cache until so many more treelets have room. */
+/* Evict from the cache, oldest first, until there is room for `more` treelets. */
 static void make_room(loader *l, uint32_t more) {
     struct loader_private *h = l->hidden;
     const size_t wanted = (size_t)(h->loading + more) * h->slot_bytes;
@@ -174,7 +174,7 @@ static void evict_oldest(loader *l, uint32_t count) {
     memmove(h->slots, h->slots + count, h->filled * sizeof *h->slots);
 }
 
-/* What the cache has of a treelet in the selected set: READY then. */
+/* Make treelet t READY from the cache. Returns false if the cache lacks it in the selected set. */
 static bool take_back(loader *l, uint32_t t) {
     struct loader_private *h = l->hidden;
     treelet *tr = treelet_cache_find(&h->cache, t, h->set);
@@ -185,17 +185,17 @@ static bool take_back(loader *l, uint32_t t) {
     return true;
 }
 
-/* Under the lock: whether a thread could read something now. */
+/* Returns whether a thread could begin a read now. Needs the lock. */
 static bool can_begin(const struct loader_private *h) {
     return h->queued > 0 && h->filled + h->loading < h->capacity && h->free_seats;
 }
 
-/* Under the lock: something under way, or queued and able to begin. */
+/* Returns whether a read is under way, or is queued and has a slot. Needs the lock. */
 static bool is_reading(const struct loader_private *h) {
     return h->loading > 0 || (h->queued > 0 && h->filled < h->capacity);
 }
 
-/* Under the lock, after what is asked here has changed. */
+/* Tell the readers, after the queue or the slots have changed. Needs the lock. */
 static void tell_readers(struct loader_private *h) {
     atomic_store(&h->reading, is_reading(h));
     const bool waiting = can_begin(h);
@@ -203,7 +203,7 @@ static void tell_readers(struct loader_private *h) {
         readers_tell(h->readers, &h->customer, waiting, waiting ? h->queue[0].priority : 0);
 }
 
-/* Under the lock, which is given back while it reads. */
+/* Read treelet t and publish it. Needs the lock, and releases it during the read. */
 static void bring_in(loader *l, uint32_t t, resident_scratch *scratch) {
     struct loader_private *h = l->hidden;
     uint64_t read = 0;
@@ -249,7 +249,7 @@ static void bring_in(loader *l, uint32_t t, resident_scratch *scratch) {
     arrivals_add(&l->arrivals, t);
 }
 
-/* One read for the readers. Listeners hear of it when all is as it stays, without the lock. */
+/* Do one read for the readers. Wake a listener at the end, when the lock is released. */
 static void read_most_urgent(void *ctx) {
     loader *l = ctx;
     struct loader_private *h = l->hidden;
@@ -277,7 +277,7 @@ static void read_most_urgent(void *ctx) {
 
 static void relax(unsigned spins) {
     if (spins % 64 == 63)
-        (void)sched_yield(); /* the one that makes them may have been put off its core */
+        (void)sched_yield(); /* the thread that makes them may not be running */
 #if defined __x86_64__ || defined __i386__
     __builtin_ia32_pause();
 #endif
@@ -303,7 +303,7 @@ void loader_mask(const loader *l, treelet *tr) {
 
 /* ---- Making and ending ---- */
 
-/* Which octants of every treelet there are: needed with every selection. */
+/* Find the octants of every treelet that exist: every selection needs them. */
 static uint8_t *existing_octants(mem *m, const leaf_layout *layout) {
     uint8_t *existing = mem_array(m, layout->treelets, 1);
     for (uint32_t t = 0; existing && t < layout->treelets; t++)
@@ -311,7 +311,7 @@ static uint8_t *existing_octants(mem *m, const leaf_layout *layout) {
     return existing;
 }
 
-/* What a resident treelet costs at most. */
+/* Returns the most memory of a resident treelet. */
 static size_t slot_bytes_of(const loader *l) {
     const struct loader_private *h = l->hidden;
     size_t most = 0;
@@ -322,7 +322,7 @@ static size_t slot_bytes_of(const loader *l) {
     return most;
 }
 
-/* The directory as a tree, where treelets overlap. */
+/* Build a tree over treelets that overlap, and room for shared payloads. */
 static status grow_tree(loader *l) {
     struct loader_private *h = l->hidden;
     const uint32_t treelets = l->file->layout.treelets;
@@ -353,7 +353,7 @@ static void scratch_release(struct loader_private *h, resident_scratch *scratch)
     mem_free(h->store.m, scratch->room);
 }
 
-/* Room for so many reads at a time. */
+/* Make scratch for `count` reads at a time. */
 static status make_seats(loader *l, int count) {
     struct loader_private *h = l->hidden;
     h->seats = mem_array(l->m, (size_t)count, sizeof *h->seats);
@@ -370,7 +370,7 @@ static status make_seats(loader *l, int count) {
     return st;
 }
 
-/* The threads that read: the caller's, or some of its own. */
+/* Join the caller's reader threads, or create own ones. */
 static status join_readers(loader *l, readers *given, int workers) {
     struct loader_private *h = l->hidden;
     h->customer = (reader_customer){.read = read_most_urgent, .ctx = l};
@@ -475,7 +475,7 @@ void loader_destroy(loader *l) {
 
 /* ---- Selecting ---- */
 
-/* Forget everything queued, and wait for the reads under way. With the lock held. */
+/* Forget everything queued, and wait for the reads under way. Needs the lock. */
 static void quiesce(struct loader_private *h) {
     while (h->queued > 0)
         set_state(h, h->queue[--h->queued].t, ABSENT);
@@ -484,13 +484,13 @@ static void quiesce(struct loader_private *h) {
         pthread_cond_wait(&h->done, &h->lock);
 }
 
-/* The end of a picture's wishes, its sweep too. With the lock held. */
+/* Forget all that a picture wanted, its sweep included. Needs the lock. */
 static void rest(struct loader_private *h) {
     h->sweep_end = 0;
     quiesce(h);
 }
 
-/* The sweep: which treelets are of interest themselves, and which children's subtrees are. */
+/* The sweep: find the active treelets, and the children with active treelets in their subtrees. */
 static void sweep(loader *l) {
     const leaf_file *f = l->file;
     const struct loader_private *h = l->hidden;
@@ -499,7 +499,7 @@ static void sweep(loader *l) {
     sweep_ranges((const float(*)[2])f->own + first, treelets, &h->selected, l->own);
     sweep_ranges((const float(*)[2])f->ranges + first, treelets, &h->selected, h->held);
     memset(l->whole, 0, treelets);
-    if (!l->tree) /* where treelets lie side by side */
+    if (!l->tree) /* grids: treelets lie side by side */
         sweep_whole(f, h->set, &h->selected.whole, l->own, l->whole);
     uint64_t bytes = 0;
     uint32_t active = 0;
@@ -520,7 +520,7 @@ static void sweep(loader *l) {
         treelet_tree_select(&l->hidden->tree, l->own);
 }
 
-/* Resident treelets of interest are READY, the others in the cache. */
+/* Move inactive and other sets' treelets to the cache, and active ones back to free slots. */
 static void sort_resident(loader *l) {
     struct loader_private *h = l->hidden;
     const uint32_t filled = h->filled;
@@ -541,7 +541,7 @@ static void sort_resident(loader *l) {
     }
 }
 
-/* Another selection. With the lock held. */
+/* Apply another selection. Needs the lock. */
 static void select_anew(loader *l) {
     sweep(l);
     sort_resident(l);
@@ -566,7 +566,7 @@ void loader_select(loader *l, const interest *in) {
     pthread_mutex_unlock(&h->lock);
 }
 
-/* What is in the cache keeps what it shares alone. */
+/* Take their set's data from treelets in the cache (resident_kind.strip). */
 static void strip_cache(loader *l) {
     struct loader_private *h = l->hidden;
     for (treelet *tr = h->cache.oldest; tr; tr = tr->newer) {
@@ -716,14 +716,14 @@ status loader_admit(loader *l, loader_request *requests, size_t count) {
         ready = ready || state_of(h, requests[i].t) == READY;
     }
     if (!ready) {
-        /* Oldest first: front to back, those are the ones that rays have left behind. */
+        /* Evict the oldest: rays go front to back, and have left those behind. */
         const uint32_t room = count < h->capacity ? (uint32_t)count : h->capacity;
         const uint32_t fit = h->capacity - h->filled;
         evict_oldest(l, room > fit ? room - fit : 0);
     }
     for (size_t i = 0; i < count; i++)
         want_locked(l, requests[i].t, requests[i].priority);
-    /* What the rays leave room for. */
+    /* Sweep into the slots that rays leave free. */
     if (h->sweep_end > 0 && h->filled + h->queued < h->capacity)
         sweep_locked(l);
     tell_readers(h);

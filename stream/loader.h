@@ -1,21 +1,22 @@
 /* loader.h - treelets at run time: which are needed, which are resident, and the threads that bring
  * them in.
  *
- * The sweep (M08 4.4.1) over the directory says which treelets' ranges meet the interest; those
- * that are wanted are read, checked, given their masks of active cells and published by threads
- * (readers.h) that several loaders may share, most urgent first, into at most `capacity` slots. A
- * treelet goes ABSENT -> QUEUED -> LOADING -> READY, or to FAILED. READY treelets stay until
- * loader_admit(), loader_set_capacity() or another selection takes them away, which only happens
- * while no ray is being traced.
+ * The sweep (M08 4.4.1) over the directory finds the treelets whose ranges meet the interest.
+ * Threads (readers.h), which several loaders may share, read wanted treelets, most urgent first.
+ * They check a treelet, make its masks of active cells, and publish it in one of at most `capacity`
+ * slots. A treelet goes ABSENT -> QUEUED -> LOADING -> READY, or to FAILED. READY treelets stay
+ * until loader_admit(), loader_set_capacity(), loader_clear() or another selection removes them,
+ * which only happens while no ray is being traced.
  *
- * Another selection costs no more than its sweep: whoever looks a READY treelet up first makes its
- * new masks, and treelets that do not meet the new interest go to a cache, where they keep what
- * they have read until their slot is needed or they are of interest again. So do those of a mesh's
- * other fields and time steps, with their masks (schema trees); or a step's vertices give way to
- * the next one's, and the tree is refit (mesh_resident.h).
+ * Another selection costs no more than its sweep. The first thread that looks a READY treelet up
+ * makes its new masks. Treelets that do not meet the new interest go to a cache. They keep their
+ * data until their slot is needed or they are of interest again. Treelets of a mesh's other fields
+ * and time steps go there, too, with their masks (schema trees). In schema refit, a step's vertices
+ * are replaced by the next step's, and the tree is refit (mesh_resident.h).
  *
  * Render threads look treelets up with one acquire load of the treelet and one of its masks' state,
- * and may call loader_want(); everything else belongs to the thread that owns the loader.
+ * and may call loader_want(). Functions marked "any thread" apart, all else belongs to the thread
+ * that owns the loader.
  */
 #ifndef STREAM_LOADER_H
 #define STREAM_LOADER_H
@@ -33,27 +34,27 @@
 #include "stream/treelet.h"
 #include "stream/treelet_tree.h"
 
-#define LOADER_MASKING SIZE_MAX /* some thread is making them */
+#define LOADER_MASKING SIZE_MAX /* treelet.masked: a thread is making the masks */
 
 typedef struct loader_stats {
     uint64_t loads, bytes_read;
-    uint64_t bytes_read_ever; /* since the loader was made, whatever was reset */
+    uint64_t bytes_read_ever; /* since loader_create(), never reset */
     double load_s;            /* summed over workers */
-    uint64_t masks;           /* made, of treelets just read and of resident ones */
-    uint64_t bytes_resident;  /* now: of all treelets, drawn or not */
+    uint64_t masks;           /* made, for treelets just read and for resident ones */
+    uint64_t bytes_resident;  /* now: all treelets, drawn or in the cache */
 } loader_stats;
 
 typedef struct loader {
     mem *m;
     leaf_file *file;
     /* Per treelet, for the selected interest; read-only while tracing. */
-    uint8_t *own;      /* 1: the range of its own level meets it, and it must be looked at */
-    uint8_t *whole;    /* 1: it meets it, but is taken whole (homogeneous.h): it is not read */
-    uint8_t *children; /* octants whose subtree meets it, by the merged ranges */
+    uint8_t *own;      /* 1: its own samples' range meets it, and it must be read */
+    uint8_t *whole;    /* 1: likewise, but it is taken whole (homogeneous.h), not read */
+    uint8_t *children; /* bits: octants whose subtree meets it, by the merged ranges */
     _Atomic(treelet *) *resident;
-    arrivals arrivals;        /* that became READY or FAILED; the listeners' to take */
-    const treelet_tree *tree; /* where treelets overlap; else NULL */
-    size_t selection;         /* how many different ones there were */
+    arrivals arrivals;        /* treelets now READY or FAILED, for listeners to take */
+    const treelet_tree *tree; /* of a mesh, whose treelets overlap; else NULL */
+    size_t selection;         /* number of the current selection */
     uint64_t bytes_active;
     uint32_t treelets_active;
     struct loader_private *hidden;
@@ -62,60 +63,59 @@ typedef struct loader {
 /* How to read. */
 typedef struct loader_options {
     source_kind source;
-    mesh_schema schema;   /* of a mesh's steps */
-    int workers;          /* threads that read for it at a time, at least 1 */
+    mesh_schema schema;   /* for a mesh's steps */
+    int workers;          /* reads at a time, at least 1 */
     cpu_isa isa;          /* for active_for() */
-    mesh_derived derived; /* of a mesh's treelets, with their masks */
+    mesh_derived derived; /* made of a mesh's treelets, with their masks */
 } loader_options;
 
-/* loader_create() - nothing is selected yet; of a mesh, its first set is. given: threads that read
- * for other loaders, too, and outlive this one; at least `workers` of them from then on. NULL:
- * `workers` of its own. */
+/* loader_create() - make a loader with an empty interest and set 0. given: reader threads shared
+ * with other loaders, which must outlive this one; from then on there are at least `workers`. NULL:
+ * `workers` threads of its own. */
 CHECKED status loader_create(mem *m, leaf_file *f, const loader_options *o, readers *given,
                              loader **out);
 void loader_destroy(loader *l); /* waits for reads under way; NULL is fine */
 
-/* loader_readers() - its threads, for another loader that lives shorter. */
+/* loader_readers() - returns its reader threads, for another loader that is destroyed earlier. */
 readers *loader_readers(const loader *l);
 
-/* loader_select() - what the coming frames need of the volume (copied). One pass over the
- * directory, and none when it is the same as before. */
+/* loader_select() - select the interest (copied) of the coming frames. Takes one pass over the
+ * directory, or none if the interest is the same as before. */
 void loader_select(loader *l, const interest *in);
 
-/* loader_select_set() - the set of a mesh's values, and the step, that the coming frames show. A
- * pass over the directory, and none when it is the same as before. */
+/* loader_select_set() - select the set (field and step) of the coming frames. Takes one pass over
+ * the directory, or none if the set is the same as before. */
 void loader_select_set(loader *l, uint32_t set);
 
-/* loader_follow() - after another set was selected: bring in the active treelets among those that
- * rays touched last, and wait for them. What was seen of one step is mostly what will be of the
- * next, and rays need not wait for it one by one. As far as there are slots; trouble is
- * loader_failure()'s. Only while nothing is traced. */
+/* loader_follow() - after another set was selected: load the active treelets among those that rays
+ * touched last, and wait for them. Rays mostly see the same treelets in the next step, and so need
+ * not wait for each. Loads as many as there are slots. Errors are reported by loader_failure().
+ * Only while nothing is traced. */
 void loader_follow(loader *l, const atomic_uchar touched[]);
 
-/* loader_select_gradients() - whether the coming frames need the gradients of a mesh, which its
- * file must have then. What is resident gives its values back when that changes. */
+/* loader_select_gradients() - select whether the coming frames need a mesh's gradients; if so, its
+ * file must have them. On a change, resident treelets give their values back. */
 void loader_select_gradients(loader *l, bool needed);
 
-/* loader_slot_bytes() - memory that one resident treelet costs; with this the caller turns a
- * budget into slots. loader_stored_bytes() - what the file holds of a treelet in the selected set.
- */
+/* loader_slot_bytes() - returns the most memory of a resident treelet; the caller turns a budget
+ * into slots with it. loader_stored_bytes() - returns the bytes of treelet t in the file, in the
+ * selected set. */
 size_t loader_slot_bytes(const loader *l);
 uint64_t loader_stored_bytes(const loader *l, uint32_t t);
 
-/* loader_set_capacity() - at most so many treelets that are drawn, at least 1, and the cache in
- * what they leave of their memory and `beside` bytes; evicts what is too many. */
+/* loader_set_capacity() - allow `slots` READY treelets (0 counts as 1). The cache may use what they
+ * leave of the slots' memory and `beside` bytes more. Evicts what is too many. */
 void loader_set_capacity(loader *l, uint32_t slots, size_t beside);
 
-/* loader_clear() - give all treelets back. Only while nothing is traced. */
+/* loader_clear() - evict all treelets, and empty the cache. Only while nothing is traced. */
 void loader_clear(loader *l);
 
-/* loader_mask() - what loader_lookup() calls for a treelet whose masks are of another selection:
- * makes them, or waits for the thread that does (2 to 5 us a treelet of 32^3 cells, no lock, no
- * reading). */
+/* loader_mask() - make a treelet's masks for the current selection, or wait for the thread that
+ * does (2 to 5 us per treelet of 32^3 cells; no lock, no reading). loader_lookup() calls it. */
 void loader_mask(const loader *l, treelet *tr);
 
-/* loader_lookup() - the treelet if it is READY, with masks of the selected interest, else NULL.
- * Any thread. Never waits for a read. */
+/* loader_lookup() - returns the treelet, with masks of the selected interest, if it is READY; else
+ * NULL. Any thread. Never waits for a read. */
 static inline const treelet *loader_lookup(const loader *l, uint32_t t) {
     treelet *tr = atomic_load_explicit(&l->resident[t], memory_order_acquire);
     if (tr && atomic_load_explicit(&tr->masked, memory_order_acquire) != l->selection)
@@ -123,7 +123,7 @@ static inline const treelet *loader_lookup(const loader *l, uint32_t t) {
     return tr;
 }
 
-/* loader_prefetch() - loader_lookup() is to come: what it looks at may be on its way by then. */
+/* loader_prefetch() - prefetch into the CPU's cache what a later loader_lookup() reads. */
 static inline void loader_prefetch(const loader *l, uint32_t t) {
     const treelet *tr = atomic_load_explicit(&l->resident[t], memory_order_relaxed);
     if (tr) {
@@ -132,24 +132,24 @@ static inline void loader_prefetch(const loader *l, uint32_t t) {
     }
 }
 
-/* loader_peek() - the treelet if it is READY, whatever its masks are of, else NULL. */
+/* loader_peek() - returns the treelet if it is READY, with masks of any selection; else NULL. */
 static inline const treelet *loader_peek(const loader *l, uint32_t t) {
     return atomic_load_explicit(&l->resident[t], memory_order_acquire);
 }
 
-/* loader_is_ready() - whether it can be looked up. Any thread. */
+/* loader_is_ready() - returns whether treelet t is READY. Any thread. */
 static inline bool loader_is_ready(const loader *l, uint32_t t) {
     return atomic_load_explicit(&l->resident[t], memory_order_acquire) != NULL;
 }
 
-/* loader_sweep() - want every treelet of interest, coarse levels first, behind everything
- * that rays want. loader_sweep_level() - but none of a level finer than this one. */
+/* loader_sweep() - want every active treelet, coarse levels first, after all that rays want.
+ * loader_sweep_level() - likewise, but only treelets of this level and coarser ones. */
 void loader_sweep_level(loader *l, uint32_t level);
 static inline void loader_sweep(loader *l) {
     loader_sweep_level(l, 0);
 }
 
-/* loader_rest() - nothing is wanted any more; returns when what was being read is there. */
+/* loader_rest() - forget all that is wanted, and wait for the reads under way. */
 void loader_rest(loader *l);
 
 typedef struct loader_request {
@@ -157,39 +157,40 @@ typedef struct loader_request {
     uint64_t priority;
 } loader_request;
 
-/* loader_want() - bring them in when slots are free; smaller priority first. A load for each, and
- * no lock, when all were asked for before. Any thread. */
+/* loader_want() - queue treelets, to be read when slots are free, smaller priority first. If none
+ * is ABSENT, this takes one atomic load per request and no lock. Any thread. */
 void loader_want(loader *l, const loader_request *requests, size_t count);
 
-/* loader_admit() - rays wait for these treelets alone, none of which is resident: forget what else
- * rays had queued, make room among the resident ones if need be, and wait until at least one of
- * them is READY. Only while nothing is traced. Sorts the requests. Returns the error of a treelet
- * that failed. */
+/* loader_admit() - call it when rays wait for these treelets alone, none of them resident. Forgets
+ * what else was queued, evicts resident treelets if need be, and waits until at least one of the
+ * requested is READY. Only while nothing is traced. Sorts the requests. Returns the error of a
+ * treelet that failed. */
 CHECKED status loader_admit(loader *l, loader_request *requests, size_t count);
 
-/* loader_has_room() - whether there would be a slot for one more treelet when all that is wanted
- * has come. Any thread, no lock. */
+/* loader_has_room() - returns whether a slot stays free once all wanted treelets are READY. Any
+ * thread, no lock. */
 bool loader_has_room(const loader *l);
 
-/* loader_listen() - after each read that ended, well or not, one of these sleepers is woken from
- * now on. Before, the treelet is among the arrivals and loader_is_reading() says what is so without
- * this read. The loader's lock is not held meanwhile. NULL: no longer; only while nobody sleeps. */
+/* loader_listen() - from now on, wake one of these sleepers after each read, failed or not. By then
+ * the treelet is among the arrivals, and loader_is_reading() does not count this read. The loader's
+ * lock is not held meanwhile. NULL: stop that; only while nobody sleeps. */
 void loader_listen(loader *l, sleepers *listeners);
 
-/* loader_is_reading() - whether something is being read, or will be without anything being evicted
- * before: what is said to be listened for. Any thread, no lock. */
+/* loader_is_reading() - returns whether a read is under way, or is queued and needs no eviction. If
+ * so, loader_listen()'s sleepers will be woken. Any thread, no lock. */
 bool loader_is_reading(const loader *l);
 
-/* loader_settle() - wait until nothing that has a slot is still being read. */
+/* loader_settle() - wait for all reads that find a free slot. Returns the error of a failed
+ * treelet. */
 CHECKED status loader_settle(loader *l);
 
-/* loader_failure() - ST_OK, or the error of a treelet whose load failed. Stays until
+/* loader_failure() - returns ST_OK, or the error of the first treelet that failed since
  * loader_forget_failures(). */
 CHECKED status loader_failure(loader *l);
 
-/* loader_forget_failures() - what failed may be tried again: before each picture, so that one's
- * trouble (memory that ran out, a treelet that the next one need not have) is not the next one's.
- * Forgets what was queued, too. Only while nothing is traced. */
+/* loader_forget_failures() - let failed treelets be tried again. Call it before each picture, so
+ * that one picture's error (no memory, a treelet that the next picture does not need) does not fail
+ * the next. Forgets what was queued, too. Only while nothing is traced. */
 void loader_forget_failures(loader *l);
 
 loader_stats loader_statistics(loader *l);

@@ -21,8 +21,9 @@ mesh_active *mesh_active_init(void *block, const mesh_shape *shape) {
     return active;
 }
 
-/* Intervals are looked at together, as many as a byte has bits for. Bit i of a vertex: its value
- * reaches interval i; bit i + shift: it lies beyond. shift 0: for all of them this is the same. */
+/* Intervals that are tested together: as many as fit the bits of a byte per vertex. Bit i: the
+ * value reaches interval i; bit i + shift: it lies beyond. shift 0: isovalues, where both are the
+ * same. */
 typedef struct batch {
     const interest_limits *limits;
     const quantized_limits *codes;
@@ -32,7 +33,7 @@ typedef struct batch {
 
 enum { SIDE_BITS = 8 };
 
-/* The next ones from the first on: isovalues take a bit each, other intervals two. */
+/* Returns the batch from interval `first` on. Isovalues take a bit each, other intervals two. */
 static batch batch_of(const interest_part *part, int first) {
     const interest_limits *at = part->limits + first;
     const int left = part->count - first, most = left < SIDE_BITS ? left : SIDE_BITS;
@@ -57,7 +58,7 @@ static void find_sides(uint8_t *sides, const float *values, uint32_t count, cons
     }
 }
 
-/* A bit a tet: some vertex reaches an interval, and not all are beyond it. */
+/* Returns a bit per tet: some vertex reaches an interval, and not all vertices are beyond it. */
 static inline uint64_t met_tets(const uint8_t *s, const uint16_t (*tets)[4], uint32_t count,
                                 unsigned shift) {
     const unsigned reaches = (1u << (shift ? shift : SIDE_BITS)) - 1u;
@@ -82,7 +83,7 @@ static uint64_t finite_tets(const float *values, const uint16_t (*tets)[4], uint
     return bits;
 }
 
-/* Children whose values can meet one of the intervals, by their codes. */
+/* Returns the children whose codes may meet one of the intervals: a bit each. */
 static unsigned may_meet(const mesh_codes *codes, const batch *b) {
     unsigned mask = 0;
     for (int i = 0; i < b->count; i++)
@@ -91,10 +92,10 @@ static unsigned may_meet(const mesh_codes *codes, const batch *b) {
     return mask;
 }
 
-/* A bit a node. */
+/* A bit per node. */
 typedef uint64_t node_set[MESH_LEAF / 64];
 
-/* Leaves wait a while, so that their tets are on their way when it is their turn. */
+/* Leaves wait in a short queue, so that their prefetched tets have come when they are marked. */
 enum { LEAVES_WAITING = 8 };
 
 typedef struct waiting_leaves {
@@ -104,12 +105,12 @@ typedef struct waiting_leaves {
     unsigned count, next;
 } waiting_leaves;
 
-/* What is marked, and from what. */
+/* The masks to mark, and the data that decides. */
 typedef struct marking {
     mesh_active *active;
     const mesh_node *nodes;
     const mesh_codes *codes;
-    const uint16_t *first; /* a leaf: its first tet */
+    const uint16_t *first; /* per leaf: its first tet */
     const uint16_t (*tets)[4];
     const float *values;
     bool non_finite;
@@ -131,11 +132,12 @@ static void mark_leaf(const marking *m, const batch *b, waiting_leaves *w) {
     m->active->children[w->of[k].node] |= (uint8_t)((bits != 0) << w->of[k].child);
 }
 
-/* Down the tree as far as codes say; reached: the nodes that this comes to. */
+/* Descend the tree where codes may meet the batch, and mark its leaves' tets. reached: add the
+ * nodes visited. */
 static void mark_leaves(const marking *m, uint32_t nodes, const batch *b, node_set reached) {
     waiting_leaves waiting = {.count = 0};
     reached[0] |= 1;
-    /* Children come behind their parents. */
+    /* Children come after their parents, so one pass visits them all. */
     for (uint32_t word = 0; word * 64 < nodes; word++) {
         for (uint64_t done = 0, left; (left = reached[word] & ~done);) {
             const uint32_t n = word * 64 + (uint32_t)__builtin_ctzll(left);
@@ -163,7 +165,7 @@ static void mark_leaves(const marking *m, uint32_t nodes, const batch *b, node_s
         mark_leaf(m, b, &waiting);
 }
 
-/* Nodes with active ones below, from the last one that was reached to the first. */
+/* Mark children with active tets below, from the last reached node to the first. */
 static void mark_nodes(mesh_active *active, const mesh_shape *shape, const mesh_node *nodes,
                        const node_set reached) {
     for (uint32_t word = (shape->nodes + 63) / 64; word-- > 0;) {

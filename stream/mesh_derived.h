@@ -1,5 +1,5 @@
-/* mesh_derived.h - what the layer above makes of a mesh's treelet for the selected interest, and
- * keeps in its block, beside the masks. */
+/* mesh_derived.h - data that the layer above derives from a mesh's treelet for the selected
+ * interest, and keeps in the treelet's block, beside the masks. */
 #ifndef STREAM_MESH_DERIVED_H
 #define STREAM_MESH_DERIVED_H
 
@@ -9,11 +9,11 @@
 struct resident_mesh;
 
 typedef struct mesh_derived {
-    /* Room in the block of a treelet of this shape; NULL: nothing is derived. */
+    /* Returns the bytes to add to a treelet's block of this shape; NULL: nothing is derived. */
     size_t (*bytes)(const mesh_shape *shape);
-    /* Masks have been made for this interest: make what belongs to them, in tr->derived, zero to
-     * begin with, and say where it is. The interest stays until the masks are made anew. Nobody
-     * else looks at it meanwhile. */
+    /* Called when masks have been made for this interest: make the derived data in tr->derived (at
+     * first all 0), and set the pointer to it. The interest stays valid until masks are made anew.
+     * No other thread uses the treelet meanwhile. */
     void (*make)(struct resident_mesh *tr, const interest *in);
 } mesh_derived;
 

@@ -40,7 +40,7 @@ void mesh_refit_values(const mesh_shape *s, const void *topology, const float ow
     mesh_codes *codes = values;
     range *ranges = scratch;
     memset((char *)values + s->nodes * sizeof *codes, 0, s->values_at - s->nodes * sizeof *codes);
-    /* Children come behind their parents. */
+    /* Children come after their parents: go backwards. */
     for (uint32_t n = s->nodes; n-- > 0;) {
         range all = nothing;
         memset(codes[n].lo, 255, sizeof codes[n].lo);
@@ -51,7 +51,7 @@ void mesh_refit_values(const mesh_shape *s, const void *topology, const float ow
                                 ? leaf_range(tets, first[leaf], first[leaf + 1], value, finite)
                                 : ranges[child];
             all = wider(all, r.lo, r.hi);
-            /* Nothing finite; or no values of this file, as the checksum will tell. */
+            /* No finite value; or values that are not the file's: then the checksum will fail. */
             if (!(own[0] <= r.lo && r.lo <= r.hi && r.hi <= own[1]))
                 continue;
             codes[n].lo[c] = quantizer_floor(&q, (double)r.lo);

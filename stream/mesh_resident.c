@@ -15,7 +15,7 @@ static bool moves(const resident_store *s) {
     return s->file->layout.moved_steps > 0;
 }
 
-/* A treelet, its masks, where vertices move its nodes, and what is derived share a block. */
+/* One block holds a treelet, its masks, its nodes if vertices move, and derived data. */
 enum { HEAD = (sizeof(resident_mesh) + 63) / 64 * 64 };
 
 static size_t nodes_at(const mesh_shape *shape) {
@@ -64,7 +64,7 @@ static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t) {
     return bytes;
 }
 
-/* Room for refitting. */
+/* Returns the scratch bytes that refitting any treelet needs. */
 static size_t scratch_bytes(const resident_store *s) {
     size_t most = 0;
     for (uint32_t t = 0; s->schema == MESH_REFIT && t < s->file->layout.treelets; t++) {
@@ -95,7 +95,7 @@ static status create(const resident_store *s, uint32_t t, resident_mesh **out) {
     return ST_OK;
 }
 
-/* Give a payload back: to the source, or where it is our own. */
+/* Give a payload back: to the source, or free it if the memory is our own. */
 static void give_back(const resident_store *s, const resident_mesh *tr, uint32_t p,
                       const void *payload) {
     if (payload && tr->refit)
@@ -151,7 +151,7 @@ static status load_topology(const resident_store *s, resident_mesh *tr, resident
     return st;
 }
 
-/* Read payload p into memory of our own: from byte `from` on where that can be; *whole tells. */
+/* Read payload p into our own memory: a raw one from byte `from` on, else all of it (*whole). */
 static status read_own(const resident_store *s, uint32_t p, uint32_t from,
                        resident_scratch *scratch, char **payload, bool *whole, uint64_t *read) {
     leaf_file *f = s->file;
@@ -167,7 +167,7 @@ static status read_own(const resident_store *s, uint32_t p, uint32_t from,
     return st;
 }
 
-/* A completed payload must be the file's. */
+/* Check a completed payload by the file's checksum. */
 static status check_own(const resident_store *s, uint32_t p, const void *payload) {
     const void *view;
     return leaf_file_decode(s->file, p, payload, NULL, &view);
@@ -235,7 +235,7 @@ static status load_moved(const resident_store *s, resident_mesh *tr, uint32_t st
     return mesh_leaf_check_moved(s->file, step, tr->head.id, tr->moved);
 }
 
-/* Which vertices and boxes it has now: those of its topology, or of its own. */
+/* Point to the vertices and boxes of its step: the topology's, or moved ones. */
 static void point_to_geometry(resident_mesh *tr) {
     tr->nodes = mesh_leaf_nodes(tr->head.payload);
     tr->positions = mesh_leaf_positions(&tr->mesh, tr->head.payload);

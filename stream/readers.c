@@ -13,7 +13,7 @@ typedef struct reader {
 struct readers {
     mem *m;
     pthread_mutex_t lock;
-    pthread_cond_t work, rested; /* something to read; a thread has done its read */
+    pthread_cond_t work, rested; /* there is something to read; a thread ended a read */
     /* Guarded by lock: */
     reader *threads;
     reader_customer *customers;
@@ -26,7 +26,7 @@ static bool comes_before(const reader_customer *a, const reader_customer *b) {
     return a->priority != b->priority ? a->priority < b->priority : a->served < b->served;
 }
 
-/* Under the lock. NULL: nobody waits. */
+/* Returns the most urgent customer, or NULL if none waits. Needs the lock. */
 static reader_customer *next_customer(readers *r) {
     reader_customer *first = NULL;
     for (reader_customer *c = r->customers; c; c = c->next)
@@ -35,7 +35,7 @@ static reader_customer *next_customer(readers *r) {
     return first;
 }
 
-/* Under the lock, which is given back while it reads. */
+/* Let a customer do one read. Needs the lock, and releases it during the read. */
 static void serve(readers *r, reader_customer *c) {
     c->served = ++r->turns;
     c->busy++;
@@ -90,7 +90,7 @@ void readers_destroy(readers *r) {
     mem_free(r->m, r);
 }
 
-/* Under the lock: one thread more, of `wanted`. */
+/* Start one more thread, of `wanted`. Needs the lock. */
 static status start_reader(readers *r, int wanted) {
     char what[64];
     snprintf(what, sizeof what, "loader thread %d of %d", r->started + 1, wanted);

@@ -1,8 +1,8 @@
-/* resident.h - how a kind's treelets come into memory and go: a row of a table for each kind.
+/* resident.h - how a kind's treelets are loaded and freed: a table of functions for each kind.
  *
- * Whoever calls it holds the loader's lock where a treelet changes hands, and none while it is
- * read. A treelet of several sets may share what does not differ from set to set (of a mesh its
- * topology): that is its payload, which the loader counts users of.
+ * Callers hold the loader's lock when a treelet changes its owner, and no lock during a read.
+ * Treelets of several sets may share data that is the same in all sets (a mesh's topology). The
+ * shared data is their payload, and the loader counts its users.
  */
 #ifndef STREAM_RESIDENT_H
 #define STREAM_RESIDENT_H
@@ -13,7 +13,7 @@
 #include "stream/treelet.h"
 #include "stream/treelet_tree.h"
 
-/* How another time step of a mesh comes in: see mesh_resident.h. */
+/* How another time step of a mesh is loaded: see mesh_resident.h. */
 typedef enum mesh_schema { MESH_TREES = 1, MESH_REFIT = 2 } mesh_schema;
 
 /* Where treelets come from. */
@@ -21,45 +21,45 @@ typedef struct resident_store {
     mem *m;
     leaf_file *file;
     source *source;
-    active_fn *compute;   /* masks of a grid's treelet */
-    mesh_schema schema;   /* of a mesh: */
-    bool gradients;       /* are read, too */
-    mesh_derived derived; /* with its masks */
+    active_fn *compute;   /* makes the masks of a grid's treelet */
+    mesh_schema schema;   /* meshes: */
+    bool gradients;       /* gradients are read, too */
+    mesh_derived derived; /* made with the masks */
 } resident_store;
 
-/* What a thread owns while it loads. */
+/* Memory that one thread uses while it loads. */
 typedef struct resident_scratch {
     source_scratch source;
     void *room; /* resident_kind.scratch bytes; or NULL */
 } resident_scratch;
 
 typedef struct resident_kind {
-    /* Treelets of several sets share their payload. */
+    /* Whether treelets of several sets share their payload. */
     bool shares;
-    /* The boxes of treelets in a set, which overlap: a tree over them orders them. NULL: the
-     * directory does. */
+    /* Returns the boxes of a set's treelets, for a tree over treelets that overlap. NULL: the
+     * directory is the tree. */
     const treelet_bounds *(*boxes)(const leaf_file *f, uint32_t set);
-    /* What a thread needs to load any treelet, beside the source's scratch; 0: nothing. */
+    /* Returns the scratch bytes to load any treelet, beside the source's scratch. */
     size_t (*scratch)(const resident_store *s);
-    /* Memory that treelet t of any set takes at most; that its shared payload takes; bytes of a set
-     * of it in the file. */
+    /* bytes: the most memory of treelet t in any set. shared_bytes: the memory of its shared
+     * payload. stored: its bytes in the file for one set. */
     size_t (*bytes)(const resident_store *s, uint32_t t);
     size_t (*shared_bytes)(const resident_store *s, uint32_t t);
     uint64_t (*stored)(const resident_store *s, uint32_t set, uint32_t t);
-    /* Read treelet t of a set. *tr: NULL, or one without a set. shared: its payload, where that is
-     * there; NULL: it is read. What there is when it fails stays in *tr. *read grows by the bytes
-     * read. */
+    /* Read treelet t of a set. *tr: NULL, or a treelet t without a set, to fill. shared: its shared
+     * payload; NULL: read that, too. On failure *tr keeps what was made, or NULL. Adds the bytes
+     * read to *read. */
     status (*load)(const resident_store *s, uint32_t t, uint32_t set, const void *shared,
                    resident_scratch *scratch, treelet **tr, uint64_t *read);
-    /* Give back what belongs to the set: it has none then. */
+    /* Free what belongs to the treelet's set. If sets share a payload, it has no set then. */
     void (*strip)(const resident_store *s, treelet *tr);
-    /* Give all back but what is shared. */
+    /* Free all but the shared payload. */
     void (*destroy)(const resident_store *s, treelet *tr);
-    /* Masks of what is active. */
+    /* Make the masks of active cells or tets. */
     void (*mask)(const resident_store *s, treelet *tr, const interest *in);
 } resident_kind;
 
-/* resident_kind_of() - the row of a file's geometry. */
+/* resident_kind_of() - returns the table for a file's kind. */
 const resident_kind *resident_kind_of(const leaf_file *f);
 
 #endif

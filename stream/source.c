@@ -21,7 +21,7 @@ struct source {
     mem *m;
     leaf_file *file;
     source_kind kind;
-    const backend *backend; /* of payloads that have bytes in the file */
+    const backend *backend; /* for payloads with bytes in the file */
     uint8_t *map;           /* mapped: the whole file */
     const uint8_t *bytes;   /* in place: the whole file, the caller's */
     size_t page;
@@ -36,7 +36,7 @@ static status mapped_load(source *s, uint32_t p, source_scratch *scratch, const 
     if (fault_hit(FAULT_READ))
         return status_describe(ST_IO, "%s: payload %u: reading its pages failed",
                                file_path(s->file->source), p);
-    /* One request for the whole range; populating page by page would wait for each. */
+    /* Request the whole range at once: populating page by page would wait for each. */
     (void)madvise(s->map + first, (size_t)(to - first), MADV_WILLNEED);
     while (madvise(s->map + first, (size_t)(to - first), MADV_POPULATE_READ) != 0) {
         if (errno == EINTR || errno == EAGAIN)
@@ -52,8 +52,8 @@ static status mapped_load(source *s, uint32_t p, source_scratch *scratch, const 
 
 static void mapped_evict(source *s, uint32_t p, const void *payload) {
     (void)payload;
-    /* Only pages that hold no neighbour's bytes: giving back a shared page would fault it in again
-     * under a ray. */
+    /* Give back only pages without a neighbour's bytes: a ray would have to fault a shared page in
+     * again. */
     const uint64_t from = (s->file->offsets[p] + s->page - 1) / s->page * s->page;
     const uint64_t to = (s->file->offsets[p] + s->file->sizes[p]) / s->page * s->page;
     if (to > from)
@@ -99,7 +99,7 @@ static const backend arena_backend = {arena_load, arena_evict};
 
 /* ---- all ---- */
 
-/* What has no bytes in the file is made. */
+/* An implied payload has no bytes in the file: the arena makes it. */
 static const backend *backend_of(const source *s, uint32_t p) {
     return leaf_file_is_implied(s->file, p) ? &arena_backend : s->backend;
 }
@@ -121,7 +121,7 @@ static status map_file(source *s) {
     return ST_OK;
 }
 
-/* Payloads are aligned in the file; so they are in memory where the file is. */
+/* Payloads are aligned within the file, so they are aligned in memory if the file's bytes are. */
 static status use_bytes(source *s, const uint8_t *bytes) {
     s->kind = SOURCE_ARENA; /* nothing is rounded to pages */
     if ((uintptr_t)bytes % LEAF_ALIGN)
@@ -131,7 +131,7 @@ static status use_bytes(source *s, const uint8_t *bytes) {
     return ST_OK;
 }
 
-/* Payloads where they are, if they can be used there. */
+/* Use payloads in place, in memory or mapped, if their format allows it. */
 static status use_in_place(source *s) {
     const leaf_file *f = s->file;
     if (f->header.codec != LEAF_CODEC_RAW)
@@ -146,7 +146,7 @@ static status use_in_place(source *s) {
     return bytes ? use_bytes(s, bytes) : map_file(s);
 }
 
-/* The arena (stream/README.md says why), but for bytes that need no reading. */
+/* Returns the arena (stream/README.md says why), unless raw payloads are in memory already. */
 static source_kind best_kind(const leaf_file *f) {
     const bool here = file_memory(f->source) && f->header.codec == LEAF_CODEC_RAW;
     return here ? SOURCE_MAPPED : SOURCE_ARENA;

@@ -2,16 +2,16 @@
  *
  *   mapped  the file is mapped once; a load populates the treelet's pages with MADV_POPULATE_READ
  *           (which reports an error instead of raising SIGBUS) and checks them; an eviction gives
- *           them back with MADV_DONTNEED; raw payloads of grids only. Of a file in memory
- *           (leaf_file_open_memory()): its bytes are checked and used in place, where they are
- *           aligned to LEAF_ALIGN
+ *           them back with MADV_DONTNEED; raw payloads of grids only. The bytes of a file in memory
+ *           (leaf_file_open_memory()) are checked and used in place, if they are aligned to
+ *           LEAF_ALIGN
  *   arena   a load reads (and decompresses) into a buffer of our own
  *
- * Somebody may write to the file at any time. What the arena checked stays as it was. Mapped bytes
- * may change after the check, so nothing may follow an index, an offset or a count that it read
- * there: samples and codes of a grid are numbers to compare and to compute with, and no more. A
- * mesh's payloads hold indices, so they are always read by the arena. What became of the whole file
- * says volume_check_file().
+ * Another process may write to the file at any time. Bytes that the arena has checked do not
+ * change. Mapped bytes may change after the check, so no index, offset or count read there may be
+ * used. Samples and codes of a grid are only compared and computed with. A mesh's payloads hold
+ * indices, so the arena always reads them. volume_check_file() tells whether the whole file has
+ * changed.
  *
  * Thread-safe: any number of loads at once, each with a scratch of its own.
  */
@@ -24,29 +24,29 @@ typedef enum source_kind { SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA } source_kin
 
 typedef struct source source;
 
-/* source_open() - AUTO is the arena (stream/README.md says why), but for raw payloads in memory;
- * MAPPED is the arena for a mesh. ST_UNSUPPORTED when mapped is asked for compressed payloads. The
- * file stays the caller's and must outlive the source. */
+/* source_open() - AUTO means the arena (stream/README.md says why), except for raw payloads in
+ * memory. MAPPED means the arena for a mesh; for compressed payloads it returns ST_UNSUPPORTED. The
+ * caller keeps the file, which must outlive the source. */
 CHECKED status source_open(mem *m, leaf_file *f, source_kind kind, source **out);
 void source_close(source *s); /* NULL is fine */
 
-/* What a worker owns while it loads: room for compressed bytes. */
+/* A worker's buffer for compressed bytes while it loads. */
 typedef struct source_scratch {
     void *stored;
 } source_scratch;
 CHECKED status source_scratch_init(source *s, source_scratch *scratch);
 void source_scratch_release(source *s, source_scratch *scratch);
 
-/* source_load() - make payload p (of the directory) resident and checked: *payload points at its
- * bytes until source_evict(). ST_CORRUPT names it. */
+/* source_load() - load and check payload p of the directory. *payload points at its bytes until
+ * source_evict(). The message of ST_CORRUPT names the payload. */
 CHECKED status source_load(source *s, uint32_t p, source_scratch *scratch, const void **payload);
 void source_evict(source *s, uint32_t p, const void *payload);
 
-/* source_read() - bytes from `from` on of a payload that leaf_file_is_raw(), unchecked, by either
- * backend. */
+/* source_read() - read `bytes` bytes of payload p from byte `from` on, without a check. For either
+ * backend; leaf_file_is_raw() must be true of p. */
 CHECKED status source_read(source *s, uint32_t p, uint32_t from, uint32_t bytes, void *to);
 
-/* source_overhead_bytes() - what a loaded payload costs at most beside its bytes. */
+/* source_overhead_bytes() - returns the most memory of a loaded payload beside its bytes. */
 size_t source_overhead_bytes(const source *s);
 
 #endif

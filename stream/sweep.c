@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* Without a branch. */
+/* The inner loop has no branch. */
 void sweep_ranges(const float (*ranges)[2], uint32_t count, const interest *in, uint8_t *held) {
     memset(held, 0, count);
     for (int i = 0; i < in->count; i++) {

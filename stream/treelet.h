@@ -1,9 +1,9 @@
-/* treelet.h - a resident treelet: the head that every kind's has. What follows it is the kind's
- * own: a struct that begins with one of these (grid_resident.h, mesh_resident.h).
+/* treelet.h - a resident treelet: the head that all kinds share. Each kind has a struct of its own
+ * that begins with this one (grid_resident.h, mesh_resident.h).
  *
- * There may be several of the same id, one a set (a field at a time step); of a mesh they share
- * their topology. Only masks and nodes ever change while anybody looks, and only from one selection
- * to the next.
+ * Several treelets may have the same id, one per set (a field at a time step). A mesh's share their
+ * topology. While other threads use a treelet only masks and nodes change, and only from one
+ * selection to the next.
  */
 #ifndef STREAM_TREELET_H
 #define STREAM_TREELET_H
@@ -14,12 +14,12 @@
 
 typedef struct treelet {
     uint32_t id;
-    uint32_t set;         /* whose values these are; TREELET_NO_SET: none, as yet */
-    const void *payload;  /* what sets share of it, where they do */
-    atomic_size_t masked; /* the selection of its masks, 0: none; or LOADER_MASKING */
-    /* The loader's: */
-    size_t bytes;                         /* that it holds, without what it shares */
-    struct treelet *older, *newer, *next; /* in the cache: by age; the next one of this id */
+    uint32_t set;         /* of its values; TREELET_NO_SET: it has none yet */
+    const void *payload;  /* shared with other sets, if its kind shares */
+    atomic_size_t masked; /* its masks' selection; 0: no masks; or LOADER_MASKING */
+    /* For the loader: */
+    size_t bytes;                         /* of memory, without a shared payload */
+    struct treelet *older, *newer, *next; /* in the cache: by age, and by id */
 } treelet;
 
 enum { TREELET_NO_SET = UINT32_MAX };

@@ -1,9 +1,10 @@
 /* treelet_tree.h - the implicit tree over the treelets of a mesh.
  *
- * Treelets of a mesh stand in the order of a space-filling curve, so that eight in a row are
- * neighbours, and eight such families, too: a complete 8-ary tree whose shape follows from the
- * number of treelets alone. Level 0 is the treelets; node i of level k + 1 has the children 8i ..
- * 8i + 7 of level k that exist. Grids need none: their directory is an octree (leaf_layout.h).
+ * A mesh's treelets are in the order of a space-filling curve. So eight in a row are neighbours,
+ * and so are eight such groups. They form a complete 8-ary tree whose shape follows from the number
+ * of treelets alone. Level 0 is the treelets; the children of node i of level k + 1 are 8i .. 8i +
+ * 7 of level k, as far as they exist. Grids need no such tree: their directory is an octree
+ * (leaf_layout.h).
  */
 #ifndef STREAM_TREELET_TREE_H
 #define STREAM_TREELET_TREE_H
@@ -23,27 +24,28 @@ enum {
 typedef float treelet_bounds[6];
 
 typedef struct treelet_tree {
-    uint32_t levels; /* the last has one node */
+    uint32_t levels; /* the last level has one node */
     uint32_t count[TREELET_TREE_LEVELS_MAX];
     treelet_bounds *bounds[TREELET_TREE_LEVELS_MAX];
-    uint8_t *active[TREELET_TREE_LEVELS_MAX]; /* 1: a treelet below is of interest */
-    double widest[3];                         /* no treelet is wider, along each axis */
+    uint8_t *active[TREELET_TREE_LEVELS_MAX]; /* per node: 1: a treelet below is active */
+    double widest[3];                         /* the greatest width of a treelet along each axis */
     void *block;
     mem *m;
 } treelet_tree;
 
-/* treelet_tree_init() - over count >= 1 treelets with these bounds (copied); nothing is active. */
+/* treelet_tree_init() - make a tree over count >= 1 treelets with these bounds (copied).
+ * None is active. */
 CHECKED status treelet_tree_init(treelet_tree *tree, mem *m, const treelet_bounds bounds[],
                                  uint32_t count);
 void treelet_tree_release(treelet_tree *tree);
 
-/* treelet_tree_move() - other bounds of the same treelets. */
+/* treelet_tree_move() - set new bounds of the same treelets. */
 void treelet_tree_move(treelet_tree *tree, const treelet_bounds bounds[]);
 
-/* treelet_tree_select() - own: for each treelet whether it is of interest. */
+/* treelet_tree_select() - set which nodes are active. own: per treelet, whether it is active. */
 void treelet_tree_select(treelet_tree *tree, const uint8_t own[]);
 
-/* treelet_tree_children() - of a node of a level > 0: the first child's index and how many. */
+/* treelet_tree_children() - returns the first child of node i of a level > 0; *count children. */
 static inline uint32_t treelet_tree_children(const treelet_tree *tree, uint32_t level, uint32_t i,
                                              uint32_t *count) {
     const uint32_t first = TREELET_TREE_ARITY * i, left = tree->count[level - 1] - first;

@@ -1,11 +1,13 @@
-/* box3.h - boxes along the axes in three doubles: box[0] the lower corner, box[1] the upper one. */
+/* box3.h - axis-aligned boxes in doubles: box[0] is the lower corner, box[1] the upper one. */
 #ifndef FORMATS_BASE_BOX3_H
 #define FORMATS_BASE_BOX3_H
 
 #include <math.h>
 #include <stdbool.h>
 
-/* box3_begin() - nothing; box3_widen() - by another one; box3_any() - whether there is anything. */
+/* box3_begin() - make the box empty.
+ * box3_widen() - extend the box by another one.
+ * box3_any() - whether the box is not empty. */
 static inline void box3_begin(double box[2][3]) {
     for (int a = 0; a < 3; a++) {
         box[0][a] = INFINITY;
@@ -24,14 +26,14 @@ static inline bool box3_any(double box[2][3]) {
     return box[0][0] <= box[1][0];
 }
 
-/* box3_corner() - corner i: x + 2y + 4z. */
+/* box3_corner() - corner i, with i = x + 2y + 4z; x, y, z: 0 lower, 1 upper. */
 static inline void box3_corner(double box[2][3], int i, double corner[3]) {
     for (int a = 0; a < 3; a++)
         corner[a] = box[i >> a & 1][a];
 }
 
-/* box3_share_of() - a box as shares of a whole one: 0 at its lower corner, 1 at its upper one. Both
- * as lo x y z, hi x y z. */
+/* box3_share_of() - a box relative to a whole one: 0 at the whole's lower corner, 1 at its upper
+ * one. Both boxes are given as lo x y z, hi x y z. */
 static inline void box3_share_of(const float bounds[6], const float whole[6], double share[2][3]) {
     for (int i = 0; i < 6; i++) {
         const double begin = (double)whole[i % 3], end = (double)whole[i % 3 + 3];
@@ -39,7 +41,7 @@ static inline void box3_share_of(const float bounds[6], const float whole[6], do
     }
 }
 
-/* box3_of_floats() - of lo x y z, hi x y z. */
+/* box3_of_floats() - convert a box given as lo x y z, hi x y z. */
 static inline void box3_of_floats(const float bounds[6], double box[2][3]) {
     for (int i = 0; i < 6; i++)
         box[i / 3][i % 3] = (double)bounds[i];

@@ -16,17 +16,17 @@
 
 enum { LINE_MAX_BYTES = 5000 };
 
-/* What the handler uses: the stack it runs on may be small. Only the thread that took the flag
- * touches it. */
+/* The handler's buffers are static, as the stack it runs on may be small. Only the thread that took
+ * the flag uses them. */
 static const char *command_name = "";
 static uintptr_t page_bytes;
 static atomic_flag taken = ATOMIC_FLAG_INIT;
 static char chunk[4096], line[LINE_MAX_BYTES], shown[LINE_MAX_BYTES];
 
-/* The page that this thread found missing before. */
+/* The page that this thread last found missing. */
 static _Thread_local uintptr_t missed;
 
-/* ---- with system calls that a handler may make ---- */
+/* ---- using only system calls that a handler may make ---- */
 
 static void say(const char *text) {
     size_t left = strlen(text);
@@ -47,7 +47,7 @@ static _Noreturn void end(const char *path, const char *what, status st) {
     _exit(status_exit_code(st));
 }
 
-/* A hexadecimal number; *text ends up behind it and the character that follows. */
+/* Parse a hexadecimal number; moves *text behind it and the character that follows. */
 static uintptr_t hexadecimal(const char **text) {
     static const char digits[] = "0123456789abcdef";
     uintptr_t n = 0;
@@ -57,13 +57,14 @@ static uintptr_t hexadecimal(const char **text) {
     return n;
 }
 
-/* Where a page is: in a file, from byte `offset` on. */
+/* What is mapped at a page: a file, from byte `offset` on. */
 typedef struct mapping {
     const char *path;
     uint64_t offset;
 } mapping;
 
-/* "from-to perms offset device inode   /path" of /proc/self/maps: whether it has this page. */
+/* Parse "from-to perms offset device inode   /path" of /proc/self/maps. Returns whether the line
+ * maps this page to a file. */
 static bool mapping_on_line(const char *text, uintptr_t page, mapping *p) {
     const uintptr_t from = hexadecimal(&text), to = hexadecimal(&text);
     if (page < from || page >= to)
@@ -75,7 +76,7 @@ static bool mapping_on_line(const char *text, uintptr_t page, mapping *p) {
     return p->path != NULL;
 }
 
-/* Which file is mapped at a page; false: none. */
+/* Find the file that is mapped at a page; false: none. */
 static bool mapping_of(uintptr_t page, mapping *p) {
     const int fd = open("/proc/self/maps", O_RDONLY | O_CLOEXEC);
     size_t used = 0;
@@ -102,11 +103,11 @@ static bool ends_before(const mapping *p) {
     return stat(p->path, &info) == 0 && (uint64_t)info.st_size <= p->offset;
 }
 
-/* A page of a file is missing: returns, or ends the program. */
+/* Handle a missing page of a file: return to try again, or end the program. */
 static void tell(const mapping *p, uintptr_t page) {
     if (ends_before(p))
         end(p->path, " became shorter while it was in use\n", ST_CORRUPT);
-    /* It may have been cut and have grown again since: then a second look finds it. */
+    /* The file may have been cut and have grown again: then a second access succeeds. */
     if (missed == page)
         end(p->path, " could not be read\n", ST_IO);
     missed = page;
@@ -123,7 +124,7 @@ static void on_bus_error(int number, siginfo_t *info, void *context) {
     if (info->si_code == BUS_ADRERR && mapping_of(page, &p)) {
         tell(&p, page);
     } else {
-        /* Once more, without a handler. */
+        /* Raise it again, without a handler. */
         signal(number, SIG_DFL);
         raise(number);
     }

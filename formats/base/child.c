@@ -46,7 +46,7 @@ static int spawn(const char *program, char *const argv[], int feed, int result, 
     error = posix_spawnattr_init(&attributes);
     if (!error) {
         error = add_ends(&actions, feed, result, complain);
-        /* What this process ignores must not be inherited. */
+        /* The child must not inherit the signals that this process ignores. */
         posix_spawnattr_setsigdefault(&attributes, &normal);
         posix_spawnattr_setsigmask(&attributes, &none);
         posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
@@ -84,7 +84,7 @@ void child_fed(child *c) {
     close_end(&c->feed);
 }
 
-/* Keep the end of what is said: there the reason is. */
+/* Keep the end of what the child says: the reason stands there. */
 static void keep_words(child *c, const char *words, size_t n) {
     const size_t room = sizeof c->words - 1;
     if (n > room) {
@@ -100,7 +100,7 @@ static void keep_words(child *c, const char *words, size_t n) {
     c->said += n;
 }
 
-/* Whether there may be more to hear. */
+/* Read what the child says. Returns whether there may be more. */
 static bool hear(child *c) {
     char words[STATUS_TEXT_MAX];
     const ssize_t n = read(c->complain, words, sizeof words);
@@ -115,7 +115,7 @@ bool child_feed(child *c, const void *data, size_t size) {
         struct pollfd ends[2] = {{c->feed, POLLOUT, 0}, {c->complain, POLLIN, 0}};
         const int ready = poll(ends, 2, WAIT_MS);
         if (ready > 0 && ends[1].revents && !hear(c))
-            close_end(&c->complain); /* poll() passes over a negative descriptor */
+            close_end(&c->complain); /* poll() ignores a negative descriptor */
         if (ready > 0 && ends[0].revents) {
             const ssize_t n = send(c->feed, at, size, MSG_NOSIGNAL | MSG_DONTWAIT);
             if (n < 0 && errno != EINTR && errno != EAGAIN)

@@ -32,7 +32,7 @@ enum { EXIT_SIGNAL = 128, MAX_THREADS = 4096 };
 
 /* ---- signals ---- */
 
-static atomic_int caught; /* lock-free: a handler may write it, any thread read it */
+static atomic_int caught; /* lock-free: a handler may write it, and any thread read it */
 
 static void on_signal(int number) {
     caught = number;
@@ -47,18 +47,19 @@ int cli_signal(void) {
 }
 
 static void install_signals(void) {
-    /* The first signal asks the job to stop; a second one of the kind ends the process as usual. It
-     * also ends a write of results that waits for their reader, hence no SA_RESTART. */
+    /* The first signal asks the job to stop; a second one of the same kind ends the process as
+     * usual. A signal also ends a write of results that waits for its reader, hence no
+     * SA_RESTART. */
     struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND};
     const int stopping[] = {SIGINT, SIGTERM, SIGHUP};
     for (size_t i = 0; i < sizeof stopping / sizeof stopping[0]; i++) {
         struct sigaction before;
-        /* What the caller had ignored (nohup) stays ignored. */
+        /* Signals that the caller ignored (nohup) stay ignored. */
         if (sigaction(stopping[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
             sigaction(stopping[i], &action, NULL);
     }
-    /* A file that may not grow and a reader that went away are errors of a write, described like
-     * the others. */
+    /* A file that may not grow and a reader that went away become errors of the write, described
+     * like any other. */
     signal(SIGXFSZ, SIG_IGN);
     signal(SIGPIPE, SIG_IGN);
     wait_stop_when(signal_caught);
@@ -66,7 +67,7 @@ static void install_signals(void) {
 
 /* ---- results and errors ---- */
 
-/* Results that did not reach standard output are a failure too. */
+/* Results that did not reach standard output are a failure, too. */
 status cli_flush(void) {
     errno = 0;
     if (fflush(stdout) == 0 && !ferror(stdout))
@@ -108,19 +109,19 @@ static const struct argp_option common_options[] = {
     {"list-options", KEY_LIST, NULL, OPTION_HIDDEN, "for completion: a line an option", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-/* The process ends unless st is ST_OK. */
+/* End the process unless st is ST_OK. */
 static void usage_unless(struct argp_state *state, status st) {
     if (st != ST_OK)
         argp_error(state, "%s", status_text());
 }
 
-/* What is being parsed, for its help. */
+/* The table being parsed, for its help. */
 static const struct argp *parsed;
 static char command[128];       /* "leafcast VERB" */
-static const cli_common *sayer; /* how much may be said */
+static const cli_common *sayer; /* whose verbosity say_leftover() obeys */
 
 static noreturn void tell(const cli_common *c, int key) {
-    /* Without the remark that short options take arguments, too. */
+    /* Leave out the remark that short options take arguments, too. */
     setenv("ARGP_HELP_FMT", "no-dup-args-note", 0);
     switch (key) {
     case 'h': cli_options_help(parsed, c->without, command, CLI_VIEW_BASIC, stdout); break;
@@ -135,7 +136,7 @@ static noreturn void tell(const cli_common *c, int key) {
     exit(status_exit_code(st));
 }
 
-/* Not by the start of its name: --list is a word that people try. */
+/* Refuse the hidden --list-options when abbreviated: people try --list. */
 static void refuse_hidden(struct argp_state *state, int key) {
     if (key == KEY_LIST && strcmp(state->argv[state->next - 1], "--list-options") != 0)
         argp_error(state,
@@ -143,7 +144,7 @@ static void refuse_hidden(struct argp_state *state, int key) {
                    state->argv[state->next - 1]);
 }
 
-/* An option that this verb does not have. */
+/* Refuse a common option that this verb does not have. */
 static void refuse_option(struct argp_state *state, const cli_common *c, int key) {
     for (const struct argp_option *o = common_options; o->name || o->doc; o++)
         if (o->key == key && o->name && cli_options_listed(c->without, o->name))
@@ -186,7 +187,7 @@ static const struct argp common_argp = {.options = common_options, .parser = par
 
 static const cli_verb *parsed_verb;
 
-/* Of the verb's table: the row of an option. */
+/* The row of an option in the verb's table. */
 static int row_of(int key) {
     int row = 0;
     while (parsed_verb->options[row].key != key)
@@ -248,12 +249,12 @@ static error_t parse_verb(int key, char *arg, struct argp_state *state) {
 
 /* ---- usage errors ---- */
 
-/* argp and getopt write to stderr and exit. While they parse, stderr is a text, which is said when
- * the program ends: with a suggestion, and as JSON where that was asked for. */
+/* argp and getopt write to stderr and exit. While they parse, stderr is a buffer. It is printed
+ * when the program ends, with a suggestion, and as JSON where that was asked for. */
 static struct {
-    FILE *stream, *real; /* stream: NULL when it is over */
+    FILE *stream, *real; /* stream: NULL once parsing is over */
     char text[8192];
-    bool json, cut; /* cut: there was more, or no memory */
+    bool json, cut; /* cut: the buffer or the memory did not suffice */
 } said;
 
 static void stop_listening(void) {
@@ -263,7 +264,7 @@ static void stop_listening(void) {
     said.stream = NULL;
 }
 
-/* The message alone: its first line, without the command. */
+/* Reduce an error to its message: the first line, without the command. */
 static void cut_message(char *message) {
     const size_t prefix = strlen(command);
     message[strcspn(message, "\n")] = 0;
@@ -294,7 +295,7 @@ static void at_exit(void) {
 }
 
 static void listen_in(int argc, char **argv) {
-    /* Before it is parsed: --json may stand behind what is wrong. */
+    /* Look for --json before parsing: it may stand behind the faulty option. */
     for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++)
         said.json |= strlen(argv[i]) > 2 && strncmp("--json", argv[i], strlen(argv[i])) == 0;
     said.real = stderr;
@@ -305,10 +306,10 @@ static void listen_in(int argc, char **argv) {
 
 /* ---- parsing ---- */
 
-static double started; /* when the verb was */
+static double started; /* when the verb began, in clock_seconds() */
 
-/* An output must never be opened as descriptor 0, 1 or 2: messages would be written into it. What
- * is closed stays of no use: it cannot be written (0: read). */
+/* An output must never be opened as descriptor 0, 1 or 2: messages would be written into it. A
+ * closed one is filled with a descriptor that stays useless: it cannot be written (0: read). */
 static void fill_standard(void) {
     for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
         if (fcntl(fd, F_GETFD) < 0 && errno == EBADF &&
@@ -327,7 +328,7 @@ static void say_leftover(const char *name, uint64_t bytes, bool removed) {
 void cli_parse(const cli_verb *verb, cli_common *common, int argc, char **argv) {
     static struct argp table;
     static const struct argp_child children[] = {{&common_argp, 0, NULL, 0}, {NULL, 0, NULL, 0}};
-    /* Messages start with the command as it is typed: argp takes it from argv[0]. */
+    /* Messages start with the command as typed: argp takes it from argv[0]. */
     snprintf(command, sizeof command, "leafcast %s", common->verb);
     if (argc > 0)
         argv[0] = command;
@@ -368,11 +369,11 @@ static struct {
     progress interface;
     const char *verb;
     bool bar;
-    bool stages;       /* -v: each is told as it begins */
-    const char *stage; /* of the last report */
+    bool stages;       /* -v: print each stage as it begins */
+    const char *stage; /* the stage of the last report */
     bool drawn;        /* a bar stands on the current line */
     double start;      /* when the job began, seconds */
-    double next;       /* not before this is anything printed again */
+    double next;       /* print nothing before this time, seconds */
     double fraction;   /* never goes back */
 } meter = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
@@ -450,7 +451,7 @@ const progress *cli_progress(cli_common *common) {
     meter.bar = bar_wanted();
     meter.stages = common->verbosity > 1;
     meter.start = clock_seconds();
-    /* Short jobs draw nothing. */
+    /* Draw nothing for short jobs. */
     meter.next = meter.start + (meter.bar ? 0.3 : 5);
     meter.fraction = 0;
     meter.interface =
@@ -487,11 +488,11 @@ bool cli_results(const cli_common *common, bool summary) {
 status cli_print_json(const cli_common *common, json_t *results) {
     clear_bar();
     status st = cli_json_write(stdout, results, common->json_lines);
-    /* A reader of lines waits for each. */
+    /* A reader of lines waits for each, so flush. */
     return st == ST_OK && common->json_lines ? cli_flush() : st;
 }
 
-/* What the job took, for -v. */
+/* Print the time and memory that the job took, for -v. */
 static void tell_costs(const cli_common *common) {
     struct rusage used;
     if (common->verbosity < 2 || getrusage(RUSAGE_SELF, &used) != 0)
@@ -502,7 +503,7 @@ static void tell_costs(const cli_common *common) {
              clock_seconds() - started, cpu, (double)used.ru_maxrss / 1024.0, common->threads);
 }
 
-/* The same error to a program. */
+/* Print the same error as JSON, for programs. */
 static void print_error(const cli_common *common, status st, int code) {
     if (common->json &&
         cli_json_write(stdout, cli_json_error(st, code, status_text()), common->json_lines))

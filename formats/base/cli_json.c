@@ -8,8 +8,8 @@
 #include "formats/base/fault.h"
 #include "formats/base/text.h"
 
-/* An allocation failed since the last document was written. What is appended to an array or an
- * object may be missing then, and nobody looked. */
+/* Whether an allocation failed since the last document was written. An array or object may then
+ * lack an entry, and the code that appended it did not check. */
 static atomic_bool starved;
 
 static void *allocate(size_t size) {

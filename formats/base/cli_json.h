@@ -1,4 +1,4 @@
-/* cli_json.h - results and errors of the verbs as JSON: one way to write them for all. */
+/* cli_json.h - results and errors of the verbs as JSON, written in one way for all. */
 #ifndef FORMATS_BASE_CLI_JSON_H
 #define FORMATS_BASE_CLI_JSON_H
 
@@ -9,25 +9,25 @@
 #include "formats/base/status.h"
 #include "formats/base/world_frame.h"
 
-/* cli_json_watch() - from now on cli_json_write() knows where memory did not suffice, so that those
- * who make a document need not look. For main programs, before the first document. */
+/* cli_json_watch() - from now on cli_json_write() notices failed allocations, so that code that
+ * builds a document need not check each. For main programs, before the first document. */
 void cli_json_watch(void);
 
-/* cli_json_write() - a document, indented by two blanks, or a line of it; and a newline. Takes the
- * reference. ST_NOMEM where an allocation of jansson's failed since the last call: the document is
- * NULL then, or lacks something, and nothing is written. ST_FAILED where document is NULL
- * otherwise, which is how jansson refuses text that is no UTF-8. What did not reach the stream is
- * fflush()'s to find. */
+/* cli_json_write() - write a document indented by two blanks, or as one line, and a newline. Takes
+ * the reference. Returns ST_NOMEM where an allocation of jansson's failed since the last call: then
+ * the document is NULL or incomplete, and nothing is written. Returns ST_FAILED for any other NULL
+ * document: jansson gives NULL for text that is not UTF-8. Errors of the stream itself are left to
+ * fflush(). */
 CHECKED status cli_json_write(FILE *out, json_t *document, bool line);
 
-/* cli_json_error() - {"error": {"status": NAME, "exit": CODE, "message": TEXT}}; the text as
- * text_printable() has it. */
+/* cli_json_error() - {"error": {"status": NAME, "exit": CODE, "message": TEXT}}; the text is
+ * escaped by text_printable(). */
 json_t *cli_json_error(status st, int code, const char *message);
 
-/* cli_json_real() - a number, or null where it is not finite: JSON has no other word for it. */
+/* cli_json_real() - a number, or null where it is not finite, which JSON cannot write. */
 json_t *cli_json_real(double value);
 
-/* cli_json_frame() - what the world's axes mean, into an object: "axes", "units", "time_unit". */
+/* cli_json_frame() - add what the world's axes mean to an object: "axes", "units", "time_unit". */
 void cli_json_frame(json_t *object, const world_frame *frame);
 
 #endif

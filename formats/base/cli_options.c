@@ -8,7 +8,7 @@
 
 enum { GROUP_EXPERIMENTS = 95 };
 
-/* An option, or a heading of several. */
+/* Whether a row is an option or a heading: not the table's end. */
 static bool is_row(const struct argp_option *o) {
     return o->name || o->key || o->doc;
 }
@@ -28,7 +28,7 @@ bool cli_options_listed(const char *list, const char *name) {
 /* ---- two spellings of a word ---- */
 
 static const char COLOUR[] = "colour", COLOR[] = "color";
-enum { NAME_ROOM = 64 }; /* longer than any option's */
+enum { NAME_ROOM = 64 }; /* longer than any option's name */
 
 void cli_options_name(const char *given, char *out, size_t room) {
     size_t n = 0;
@@ -51,7 +51,7 @@ bool cli_options_same(const char *name, const char *option) {
     return option && strcmp(own, option) == 0;
 }
 
-/* To be kept; NULL: it has no other spelling, or there is no memory. */
+/* The other spelling of a name, never freed. NULL: there is none, or no memory. */
 static char *other_spelling(const char *name) {
     const char *word = name ? strstr(name, COLOUR) : NULL;
     char *other = NULL;
@@ -79,18 +79,18 @@ const struct argp_option *cli_options_spelt(const struct argp_option *table) {
 /* ---- the rows of one view ---- */
 
 typedef struct rows {
-    struct argp_option *list; /* ends with an empty one */
+    struct argp_option *list; /* ends with an empty row */
     size_t count;
 } rows;
 
-/* A heading gives way to the next one where nothing came between. */
+/* Append a row. A heading replaces a heading directly before it, which has no options. */
 static void add_row(rows *r, struct argp_option option) {
     if (is_heading(&option) && r->count > 0 && is_heading(&r->list[r->count - 1]))
         r->count--;
     r->list[r->count++] = option;
 }
 
-/* The options of --help stand in the order of their table, which a group each makes argp keep. */
+/* Add the options of --help. Each gets its own group, so that argp keeps the order of the table. */
 static void add_basic(rows *r, const struct argp_option *from, const char *without) {
     bool shown = false;
     for (const struct argp_option *o = from; is_row(o); o++) {
@@ -104,8 +104,8 @@ static void add_basic(rows *r, const struct argp_option *from, const char *witho
     }
 }
 
-/* Either what is no experiment, under its headings, or the experiments. An alias goes where the
- * option before it went. */
+/* Add either the experiments, or all other options under their headings. An alias goes with the
+ * option before it. */
 static void add_all(rows *r, const struct argp_option *from, const char *without,
                     bool experiments) {
     bool experiment = false;
@@ -128,7 +128,7 @@ static bool has_experiments(const struct argp_option *from) {
     return false;
 }
 
-/* The tables of a verb: its own, if it has one, then its children's. */
+/* List the tables of a verb: its own, if it has one, then its children's. */
 enum { TABLES_MAX = 4 };
 
 static int tables_of(const struct argp *table, const struct argp_option *out[TABLES_MAX]) {
@@ -164,7 +164,8 @@ static rows make_rows(const struct argp *table, const char *without, cli_view vi
 
 /* ---- help ---- */
 
-/* The parts of "does\vexample\vmore" that a view shows, as argp's doc; to be freed. */
+/* The parts of "does\vexample\vmore" that a view shows, in the form of argp's doc. Free the
+ * result. */
 static char *doc_of(const char *doc, cli_view view) {
     char *text = NULL;
     const char *first = doc ? doc : "";
@@ -220,18 +221,18 @@ static void list_table(const struct argp_option *from, const char *without, FILE
 void cli_options_list(const struct argp *table, const char *without, FILE *out) {
     const struct argp_option *tables[TABLES_MAX];
     const int count = tables_of(table, tables);
-    /* Of several lines of arguments the first. */
+    /* Of several lines of arguments, list the first. */
     const char *args = table->args_doc ? table->args_doc : "";
     fprintf(out, "\t\t%.*s\t\t\n", (int)strcspn(args, "\n"), args);
     for (int i = 0; i < count; i++)
         list_table(tables[i], without, out);
 }
 
-/* ---- slips ---- */
+/* ---- misspelt options ---- */
 
 enum { NAME_MAX_COMPARED = 40 };
 
-/* How many letters are to be changed, added, left out. */
+/* The edit distance: how many letters to change, add or leave out. */
 static int distance(const char *a, const char *b) {
     int row[NAME_MAX_COMPARED + 1];
     const int n = (int)strlen(b);
@@ -254,7 +255,7 @@ bool cli_options_nearest(const struct argp *table, const char *name, char *near,
     const int count = tables_of(table, tables);
     char word[NAME_MAX_COMPARED];
     snprintf(word, sizeof word, "%.*s", (int)strcspn(name, "'="), name);
-    /* Slips rarely change the first letter. */
+    /* Distances are doubled; another first letter adds 1, as slips rarely change it. */
     int best = strlen(word) > 3 ? 6 : 4;
     const int far = best;
     for (int i = 0; i < count; i++)

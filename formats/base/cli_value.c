@@ -75,7 +75,7 @@ status cli_sample_type(const char *text, sample_type *out) {
         ST_USAGE, "--type: \"%s\" is none of u8 i8 u16 i16 u32 i32 u64 i64 f16 f32 f64", text);
 }
 
-/* "a|b" as "a, b". */
+/* Print "a|b" as "a, b". */
 static const char *list_words(const char *words, char *out, size_t room) {
     size_t n = 0;
     for (const char *at = words; *at && n + 3 < room; at++) {

@@ -1,4 +1,4 @@
-/* clock.h - time, for statistics and progress; nothing that is computed depends on it. */
+/* clock.h - time, for statistics and progress. No computed result depends on it. */
 #ifndef FORMATS_BASE_CLOCK_H
 #define FORMATS_BASE_CLOCK_H
 
@@ -10,12 +10,12 @@ static inline double clock_read(clockid_t which) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* clock_seconds() - wall clock, from some start. */
+/* clock_seconds() - wall-clock seconds since an arbitrary start. */
 static inline double clock_seconds(void) {
     return clock_read(CLOCK_MONOTONIC);
 }
 
-/* clock_cpu_seconds() - what this process has used, all threads: other processes do not count. */
+/* clock_cpu_seconds() - CPU seconds that all threads of this process have used. */
 static inline double clock_cpu_seconds(void) {
     return clock_read(CLOCK_PROCESS_CPUTIME_ID);
 }

@@ -5,7 +5,7 @@
 
 cpu_isa cpu_best(void) {
 #if defined __x86_64__ || defined __i386__
-    /* What the compiler is told for each (see Makefile), and no more. */
+    /* Ask for just the instruction sets that the compiler uses for each ISA (see Makefile). */
     const bool bits = __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
                       __builtin_cpu_supports("popcnt");
     if (bits && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&

@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* A finite double is +-m 2^e. */
+/* A finite double as +-m 2^e. */
 typedef struct whole {
     uint32_t m[2]; /* low, high: 32 + 21 bits; 0, 0 for zero */
     int e;
@@ -20,14 +20,14 @@ typedef struct triple {
 } triple;
 
 enum {
-    TERMS = 24, /* at most in a sum */
-    /* Exponents of a product go from 3 x -1074 to 3 x 971; above the highest lie 159 bits, and
+    TERMS = 24, /* most terms of a sum */
+    /* Exponents of a product range from 3 x -1074 to 3 x 971. Above the highest come 159 bits, and
      * the carries of 24 terms. */
     LIMBS = (3 * (1074 + 971) + 159 + 5) / 32 + 3,
 };
 
-/* A sum of triples. Limb k counts 2^(32 k + e). Limbs stay unnormalised while terms are added: each
- * adds less than 2^32 to a limb, so 64 bits hold far more terms than there are. */
+/* A sum of triples. Limb k counts 2^(32 k + e). Limbs stay unnormalised while terms are added. Each
+ * term adds less than 2^32 to a limb, so 64 bits suffice for far more terms than there are. */
 typedef struct sum {
     triple term[TERMS];
     int terms;
@@ -50,7 +50,7 @@ static bool is_zero(const whole *a) {
     return (a->m[0] | a->m[1]) == 0;
 }
 
-/* to += a[0 .. n - 1] x b; to has n + 1 limbs. */
+/* to[0 .. n] = to[0 .. n - 1] + a[0 .. n - 1] x b. */
 static void multiply_add(uint32_t *to, const uint32_t *a, int n, uint32_t b) {
     uint64_t carry = 0;
     for (int i = 0; i < n; i++) {
@@ -75,7 +75,7 @@ static void add_term(sum *s, const whole *a, const whole *b, const whole *c, boo
     t->negative = negative ^ a->negative ^ b->negative ^ c->negative;
 }
 
-/* a . (b x c), or minus that. */
+/* Add a . (b x c) to the sum, or subtract it. */
 static void add_determinant(sum *s, const whole a[3], const whole b[3], const whole c[3],
                             bool negative) {
     for (int x = 0; x < 3; x++) {
@@ -108,7 +108,8 @@ static void add_up(sum *s) {
     }
 }
 
-/* Limbs to 0 .. 2^32 - 1; what goes out at the top is returned: negative where the sum is. */
+/* Normalise the limbs to 0 .. 2^32 - 1. Returns the carry out of the top: negative where the sum
+ * is. */
 static int64_t carry_over(sum *s) {
     int64_t carry = 0;
     for (int k = 0; k < s->limbs; k++) {
@@ -119,7 +120,7 @@ static int64_t carry_over(sum *s) {
     return carry;
 }
 
-/* The sum, rounded; never 0 or infinite unless it is 0. */
+/* The sum, rounded. A sum other than 0 never becomes 0 or infinite. */
 static double value_of(sum *s) {
     if (s->terms == 0)
         return 0.0;
@@ -144,7 +145,7 @@ static double value_of(sum *s) {
     return negative ? -value : value;
 }
 
-/* False: not all finite. */
+/* Convert three doubles; false: not all are finite. */
 static bool wholes_of(const double v[3], whole out[3]) {
     for (int a = 0; a < 3; a++) {
         if (!isfinite(v[a]))
@@ -154,11 +155,12 @@ static bool wholes_of(const double v[3], whole out[3]) {
     return true;
 }
 
-/* E = d . (P x Q) - d . (P x o) - d . (o x Q): no difference is ever taken of arguments. */
+/* E = d . (P x Q) - d . (P x o) - d . (o x Q): this needs no difference of arguments. */
 exact_estimate exact_edge(const double o[3], const double d[3], const double p[3],
                           const double q[3]) {
     if (p[0] == q[0] && p[1] == q[1] && p[2] == q[2])
-        return (exact_estimate){0.0, 0.0}; /* isovalues at vertices make many of these */
+        return (exact_estimate){0.0, 0.0}; /* common: surfaces through vertices give many such
+                                              edges */
     whole wo[3], wd[3], wp[3], wq[3];
     if (!wholes_of(o, wo) || !wholes_of(d, wd) || !wholes_of(p, wp) || !wholes_of(q, wq))
         return (exact_estimate){0.0, 0.0};
@@ -171,7 +173,7 @@ exact_estimate exact_edge(const double o[3], const double d[3], const double p[3
     return (exact_estimate){value, 2.0 * DBL_EPSILON * fabs(value)};
 }
 
-/* The last three less the first. False: some difference is no double. */
+/* The edges from point 0 to the other three. False: some difference is not exact in doubles. */
 static bool edges_of(const double (*p)[3], double e[3][3]) {
     bool exact = true;
     for (int i = 0; i < 3; i++)
@@ -184,7 +186,7 @@ static bool edges_of(const double (*p)[3], double e[3][3]) {
     return exact;
 }
 
-/* One determinant of edges, or four of points: [b c d] - [a c d] + [a b d] - [a b c]. */
+/* Compute one determinant of edges, or four of points: [b c d] - [a c d] + [a b d] - [a b c]. */
 double exact_volume(const double (*p)[3]) {
     double e[3][3];
     const bool exact = edges_of(p, e);
@@ -206,10 +208,12 @@ double exact_volume(const double (*p)[3]) {
     return value_of(&s);
 }
 
-/* Positive inside the plane of a tet's face, negative outside. There only the sign is right. */
+/* The height of a point over the plane of a tet's face, times twice the face's area: positive
+ * inside, negative outside. For negative ones only the sign is right. */
 static double height_over(const double p[4][3], const int face[3], int sign,
                           const double point[3]) {
-    double from[3][3]; /* by axes: the determinant is the same, and edges are not needed */
+    double from[3][3]; /* by axes, not by corners: the determinant is the same, and no edges are
+                          needed */
     for (int a = 0; a < 3; a++)
         for (int n = 0; n < 3; n++)
             from[a][n] = p[face[n]][a] - point[a];

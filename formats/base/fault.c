@@ -3,7 +3,7 @@
 #include <stdatomic.h>
 #include <time.h>
 
-/* Operations left until the failing one; 0 = off, negative = has fired. */
+/* Operations left until the one that fails; 0: off, negative: has fired. */
 static atomic_long countdown[FAULT_KINDS];
 
 static atomic_long delay_us[FAULT_KINDS];
@@ -30,7 +30,7 @@ bool fault_hit(fault_kind kind) {
     take_longer(kind);
     if (atomic_load_explicit(&countdown[kind], memory_order_relaxed) <= 0)
         return false;
-    /* The one that counts from 1 to 0 fails; a marker keeps later ones from firing. */
+    /* The operation that counts from 1 to 0 fails; the marker -1 keeps later ones from firing. */
     if (atomic_fetch_sub(&countdown[kind], 1) != 1)
         return false;
     atomic_store(&countdown[kind], -1);

@@ -1,8 +1,8 @@
-/* fault.h - the tests' hook: let the k-th allocation, read or thread creation of this process fail,
- * or let all of a kind take longer.
+/* fault.h - the tests' hook: make the k-th allocation, read, write or thread creation of this
+ * process fail, or make all of one kind take longer.
  *
- * Off by default, and then two relaxed loads. With the table of file_guard.h
- * the only state in the library that is global; only tests set it.
+ * Off by default; it then costs two relaxed loads. Together with the table of file_guard.h this is
+ * the only global state in the library; only tests set it.
  */
 #ifndef FORMATS_BASE_FAULT_H
 #define FORMATS_BASE_FAULT_H
@@ -17,19 +17,19 @@ typedef enum fault_kind {
     FAULT_KINDS
 } fault_kind;
 
-/* fault_arm() - from now on the k-th operation of this kind fails (k = 1: the next), once; k = 0
- * disarms. */
+/* fault_arm() - make the k-th operation of this kind from now on fail, once (k = 1: the next); k =
+ * 0 disarms. */
 void fault_arm(fault_kind kind, long k);
 
 /* fault_fired() - whether the armed fault has happened. */
 bool fault_fired(fault_kind kind);
 
-/* fault_delay() - from now on each operation of this kind takes so many microseconds more, asleep;
- * 0: none does. */
+/* fault_delay() - make each operation of this kind sleep for `us` microseconds first; 0: no
+ * delay. */
 void fault_delay(fault_kind kind, long us);
 
-/* fault_hit() - asked by the operation itself: true when it must fail now. Sleeps if it is delayed.
- * Thread-safe. */
+/* fault_hit() - called by the operation itself: returns true when it must fail now. Sleeps if a
+ * delay is set. Thread-safe. */
 bool fault_hit(fault_kind kind);
 
 #endif

@@ -19,8 +19,8 @@
 struct file {
     mem *m;
     int fd;
-    const char *memory; /* instead of fd; else NULL */
-    uint64_t offset;    /* of its first byte */
+    const char *memory; /* the bytes, in place of fd; else NULL */
+    uint64_t offset;    /* of byte 0, within fd or memory */
     uint64_t size;
     char *path;
 };
@@ -31,7 +31,7 @@ struct out_file {
     bool force;
     uint64_t end;
     char *path;
-    char *temporary; /* NULL: a scratch file, which has no name */
+    char *temporary; /* NULL: a scratch file, without a name */
 };
 
 /* One read or write call moves at most this much, so that sizes fit every system's ssize_t. */
@@ -56,7 +56,8 @@ static status wrong_kind(const char *path, mode_t mode, const char *wanted) {
     return status_describe(ST_IO, "%s: is %s, expected %s", path, file_kind_name(mode), wanted);
 }
 
-/* O_NONBLOCK: a named pipe without a writer must not hold us up; regular files do not care. */
+/* O_NONBLOCK: a named pipe without a writer must not block the open. It does not affect regular
+ * files. */
 static status open_any(const char *path, int *fd, struct stat *info) {
     *fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (*fd < 0) {
@@ -198,7 +199,7 @@ static status read_at(int fd, const char *path, uint64_t offset, void *buffer, s
 }
 
 status file_read_at(file *f, uint64_t offset, void *buffer, size_t size) {
-    /* Past the end is said with the file's true size, before an offset can overflow. */
+    /* Report a read past the end with the file's true size, before an offset can overflow. */
     if (offset > f->size || size > f->size - offset)
         return status_describe(ST_CORRUPT, "%s: ends at byte %llu, expected %zu bytes from %llu",
                                f->path, (unsigned long long)f->size, size,
@@ -239,8 +240,8 @@ static status exists(const char *path) {
     return status_describe(ST_EXISTS, "%s: exists already (--force overwrites it)", path);
 }
 
-/* What stands under the final name may be replaced only if it is a file but no input, and only with
- * force. A symbolic link stands there too, wherever it leads. */
+/* Check what has the final name. It may be replaced only if it is a regular file and no input, and
+ * only with force. A symbolic link counts as existing, wherever it leads. */
 static status check_target(const char *path, bool force) {
     if (strcmp(path, "-") == 0)
         return status_describe(ST_USAGE, "-: this cannot go to standard output (./- is a file)");
@@ -336,7 +337,7 @@ status out_file_scratch(mem *m, const char *path, out_file **out) {
         return st;
     f->fd = open_folder(m, path, O_TMPFILE | O_RDWR | O_EXCL);
     if (f->fd < 0 && (errno == EOPNOTSUPP || errno == EISDIR)) {
-        /* A file system without nameless files: take the name away again. */
+        /* A file system without nameless files: create one, then remove its name. */
         st = open_temporary(f);
         if (st == ST_OK)
             unlink(f->temporary);
@@ -353,7 +354,7 @@ status out_file_scratch(mem *m, const char *path, out_file **out) {
     return ST_OK;
 }
 
-/* Whether a write may wait for whoever reads. */
+/* Whether a write may block until someone reads. */
 static bool may_wait(int fd, const uint64_t *offset) {
     struct stat info;
     return !offset && !(fstat(fd, &info) == 0 && S_ISREG(info.st_mode));
@@ -363,8 +364,8 @@ status file_write_all(int fd, const char *path, const uint64_t *offset, const vo
                       size_t size) {
     if (fault_hit(FAULT_WRITE))
         return file_failed(ENOSPC, path, "cannot write");
-    /* When a pipe is ready for any bytes, it is for PIPE_BUF; more of them would wait inside of the
-     * call, where nobody can stop it. */
+    /* A pipe that poll() calls ready takes at least PIPE_BUF bytes. A longer write would block
+     * inside the call, where nobody can stop it. */
     const bool waits = may_wait(fd, offset);
     const size_t most = waits ? PIPE_BUF : CHUNK;
     for (size_t done = 0; done < size;) {
@@ -408,8 +409,8 @@ const char *out_file_temporary(const out_file *f) {
     return f->temporary;
 }
 
-/* For file systems with neither RENAME_NOREPLACE nor hard links: take the name first, by an empty
- * file, then replace that. */
+/* For file systems with neither RENAME_NOREPLACE nor hard links: claim the name with an empty file,
+ * then replace that. */
 static int claim_and_rename(const out_file *f) {
     const int fd = open(f->path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd < 0)
@@ -423,7 +424,7 @@ static int claim_and_rename(const out_file *f) {
     return -1;
 }
 
-/* Give the file its final name without ever replacing another that came up meanwhile. */
+/* Give the file its final name; never replace another that appeared meanwhile. */
 static status rename_new(const out_file *f) {
     int failed = renameat2(AT_FDCWD, f->temporary, AT_FDCWD, f->path, RENAME_NOREPLACE);
     if (failed && (errno == EINVAL || errno == ENOSYS)) {
@@ -458,8 +459,8 @@ status out_file_commit(out_file *f) {
         out_file_discard(f);
         return st;
     }
-    /* The name itself reaches the disk with its folder; some file systems cannot sync one, which is
-     * no fault of the file. */
+    /* Sync the folder, too, since it holds the name. Some file systems cannot sync a folder, which
+     * is no fault of the file. */
     int folder = open_folder(f->m, f->path, O_RDONLY | O_DIRECTORY);
     if (folder >= 0) {
         (void)fsync(folder);

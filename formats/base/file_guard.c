@@ -16,10 +16,10 @@ typedef struct file_id {
 
 typedef struct entry {
     bool output;
-    bool there;     /* file is known */
-    bool placed;    /* folder is known */
-    file_id file;   /* links followed */
-    file_id folder; /* outputs only, as the next */
+    bool there;     /* `file` is known */
+    bool placed;    /* `folder` is known */
+    file_id file;   /* with links followed */
+    file_id folder; /* of outputs only, as is `name` */
     const char *name;
     char *path;
 } entry;
@@ -30,9 +30,10 @@ static struct {
     mem m;
     entry *all;
     size_t count, room;
-    /* Where each input stands, by its file: a folder may have many. 0: free, else the place + 1. */
+    /* A hash table of inputs by file, as a folder may have many. 0: free, else 1 + the index in
+     * `all`. */
     size_t *slots;
-    size_t slot_room, inputs; /* a power of two; at most half of it */
+    size_t slot_room, inputs; /* a power of two; inputs <= slot_room / 2 */
 } table = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 static bool same_file(const file_id *a, const file_id *b) {
@@ -56,7 +57,7 @@ static status describe_output(const char *path, entry *e) {
     char *slash = strrchr(e->path, '/');
     e->name = slash ? slash + 1 : e->path;
     e->there = find_id(path, &e->file);
-    /* The folder: what is before the name, for a moment without it. */
+    /* Look up the folder: cut the path before the name for a moment. */
     const char first = *e->name;
     e->path[e->name - e->path] = 0;
     e->placed = find_id(slash ? e->path : ".", &e->folder);
@@ -92,9 +93,9 @@ static status refuse(const entry *output, const entry *other) {
     return refuse_paths(output->path, other->path, other->output);
 }
 
-/* ---- the table; under its lock ---- */
+/* ---- the table; call with its lock held ---- */
 
-/* The slot of an input, or the free one where it would be; there is one. */
+/* Returns the slot of an input, or the free slot where it would go; there is always one. */
 static size_t *find_slot(const file_id *id) {
     size_t at = (size_t)(id->inode * 0x9E3779B97F4A7C15u >> 32) ^ (size_t)id->device;
     for (;; at++) {
@@ -219,7 +220,7 @@ status file_guard_named(const mem *m, const char *path) {
     return stat(path, &info) == 0 ? check_target(m, &info, path) : ST_OK;
 }
 
-/* ---- the doors ---- */
+/* ---- public functions ---- */
 
 void file_guard_watch(void) {
     table.watching = true;

@@ -49,11 +49,11 @@ status file_mark_check(const file *f, const file_mark *mark) {
 }
 
 void file_mark_settle(const file_mark *mark) {
-    enum { TRIES = 100 }; /* a time that lies ahead is no reason to wait for it */
+    enum { TRIES = 100 }; /* a bound: a file's time that lies ahead is not worth waiting for */
     const struct timespec a_while = {.tv_nsec = 1000000};
     struct timespec now;
     for (int i = 0; i < TRIES; i++) {
-        /* The clock that files get their times from. */
+        /* The clock that gives files their times. */
         if (clock_gettime(CLOCK_REALTIME_COARSE, &now) != 0 || now.tv_sec > mark->modified_s + 1 ||
             now.tv_sec < mark->modified_s - 1)
             return;

@@ -1,6 +1,6 @@
 /* file_mark.h - whether a file is still the one that was opened.
  *
- * A mark holds a file's size, inode and time of last modification. What it cannot see: bytes that
+ * A mark holds a file's size, inode and time of last modification. It does not notice bytes that
  * change without a new time, as through a writable mapping of a file on tmpfs. Bytes in memory
  * (file_open_memory()) count as unchanged.
  */
@@ -16,17 +16,17 @@ typedef struct file_mark {
     int64_t modified_s, modified_ns;
 } file_mark;
 
-/* file_mark_take() - of a whole file, right after it was opened. */
+/* file_mark_take() - mark a whole file; call it right after it was opened. */
 CHECKED status file_mark_take(const file *f, file_mark *mark);
 
 /* file_mark_check() - ST_CORRUPT, with what changed, if the file has another size or time than its
- * mark, or if its name now belongs to another file. A file without a name any more is unchanged.
- * Thread-safe. */
+ * mark, or if its name now belongs to another file. A file that has lost its name counts as
+ * unchanged. Thread-safe. */
 CHECKED status file_mark_check(const file *f, const file_mark *mark);
 
-/* file_mark_settle() - wait until the next write must give the file another time than its mark's: a
- * tick of the clock at most, and only for a file that was written just now. Before bytes are used
- * in place. */
+/* file_mark_settle() - wait until any further write must give the file another time than the
+ * mark's. That takes a tick of the clock at most, and only for a file that was written just now.
+ * Call it before bytes are used in place. */
 void file_mark_settle(const file_mark *mark);
 
 #endif

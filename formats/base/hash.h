@@ -1,4 +1,4 @@
-/* hash.h - checksums (XXH3 64) and identities (XXH3 128). Not against forgery: against accident. */
+/* hash.h - checksums (XXH3 64) and identities (XXH3 128). They detect accidents, not forgery. */
 #ifndef FORMATS_BASE_HASH_H
 #define FORMATS_BASE_HASH_H
 

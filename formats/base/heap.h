@@ -1,8 +1,9 @@
-/* heap.h - binary heaps in arrays: item 0 comes first, and none comes before items[(i - 1) / 2].
+/* heap.h - binary heaps in arrays: items[0] comes out first, and no item comes before its parent
+ * items[(i - 1) / 2].
  *
- * Two steps are all there is; each is a function made for one type and one order, so that it costs
- * what it would cost written by hand. NAME_rise() and NAME_sink() put an item into the heap, given
- * the one place that is free; what is in the way moves.
+ * There are only two operations. Each is a function made for one type and one order, as fast as one
+ * written by hand. NAME_rise() and NAME_sink() put an item into a heap that has one free place, and
+ * move other items out of the way.
  *
  *     push:  thing_rise(items, count++, item);
  *     pop:   first = items[0]; last = items[--count]; thing_sink(items, 0, count, last);
@@ -14,7 +15,8 @@
 
 #include <stddef.h>
 
-/* HEAP_RISE() - defines NAME_rise(): from a free place at the end towards the first. */
+/* HEAP_RISE() - defines NAME_rise(): put an item in at a free place, moving it towards the
+ * first. */
 #define HEAP_RISE(NAME, TYPE, BEFORE)                                             \
     static inline void NAME##_rise(TYPE *items, size_t at, TYPE added) {          \
         for (; at > 0 && BEFORE(&added, &items[(at - 1) / 2]); at = (at - 1) / 2) \
@@ -22,7 +24,8 @@
         items[at] = added;                                                        \
     }
 
-/* HEAP_SINK() - defines NAME_sink(): from a free place away from the first, among `count` items. */
+/* HEAP_SINK() - defines NAME_sink(): put an item in at a free place, moving it away from the first,
+ * among `count` items. */
 #define HEAP_SINK(NAME, TYPE, BEFORE)                                                  \
     static inline void NAME##_sink(TYPE *items, size_t at, size_t count, TYPE added) { \
         for (size_t child; (child = 2 * at + 1) < count; at = child) {                 \

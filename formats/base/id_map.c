@@ -23,7 +23,7 @@ static bool is_larger(const id_run *a, const id_run *b) {
 
 HEAP_SINK(run, id_run, is_larger)
 
-/* Heapsort: no memory beyond the budget, no bad cases. */
+/* Heapsort: needs no memory beyond the budget, and has no bad cases. */
 static void sort(id_run *runs, size_t count) {
     for (size_t i = count / 2; i-- > 0;)
         run_sink(runs, i, count, runs[i]);

@@ -1,4 +1,4 @@
-/* json_text.h - what it means that jansson gave nothing. */
+/* json_text.h - tells why jansson gave nothing. */
 #ifndef FORMATS_BASE_JSON_TEXT_H
 #define FORMATS_BASE_JSON_TEXT_H
 
@@ -6,8 +6,8 @@
 
 #include "formats/base/status.h"
 
-/* json_text_status() - behind a json_load..() that returned NULL: ST_NOMEM where memory ran out,
- * which error->text then says, else `malformed`. */
+/* json_text_status() - call it after a json_load..() that returned NULL. Returns ST_NOMEM where
+ * memory ran out, and says so in error->text; else `malformed`. */
 CHECKED status json_text_status(json_error_t *error, status malformed);
 
 #endif

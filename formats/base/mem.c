@@ -8,7 +8,7 @@
 #include "formats/base/fault.h"
 #include "formats/base/status.h"
 
-/* One cache line before each block holds its size, so that the block itself stays aligned. */
+/* The cache line before each block holds its size, so that the block itself stays aligned. */
 enum { LINE = 64 };
 
 void mem_init(mem *m, size_t limit) {

@@ -1,4 +1,5 @@
-/* name_list.h - names for a message: "a", "b", ..; each once, cut where there are too many.
+/* name_list.h - a list of names for a message: "a", "b", ..; each name once, cut if there are too
+ * many.
  */
 #ifndef FORMATS_BASE_NAME_LIST_H
 #define FORMATS_BASE_NAME_LIST_H

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The C locale, made once and kept: a program that embeds us may have set another one. */
+/* The C locale, made once and kept: the program may have set another one. */
 static locale_t plain;
 static pthread_once_t plain_once = PTHREAD_ONCE_INIT;
 
@@ -22,13 +22,13 @@ static locale_t plain_locale(void) {
     return plain;
 }
 
-/* A number starts right away: strtod() and strtoll() would skip blanks. */
+/* Whether a number may start here: strtod() and strtoll() would skip blanks. */
 static bool starts_number(const char *text) {
     return *text && !strchr(" \t\n\v\f\r", *text);
 }
 
-/* The double that a text starts with; NULL when it starts with none, *out is +-inf when it is too
- * large. */
+/* Parse the double that a text starts with. Returns its end, or NULL where there is none. *out is
+ * +-inf when it is too large. */
 static const char *scan_double(const char *text, double *out) {
     if (!starts_number(text))
         return NULL;
@@ -94,7 +94,8 @@ status num_size(const char *text, const char *what, uint64_t *out) {
     return ST_OK;
 }
 
-/* One field of a list: up to the next separator; blanks around it go if blanks are separators. */
+/* Copy one field of a list: up to the next separator. Skip blanks around it if they are separators.
+ * Returns where the field ends. */
 static const char *take_field(const char *text, const char *separators, char *field, size_t room) {
     const char *blanks = strchr(separators, ' ') ? " \t" : "";
     text += strspn(text, blanks);
@@ -121,7 +122,7 @@ status num_doubles(const char *text, const char *what, const char *separators, i
             return status_describe(ST_USAGE, "%s: \"%s\" is not a list of %d numbers", what, text,
                                    count);
         out[i] = value;
-        /* A separator other than blanks stands between two fields, never behind the last. */
+        /* Skip a separator other than blanks only between two fields, never behind the last. */
         bool parted = rest > start && *rest && !strchr(" \t", *rest) && strchr(separators, *rest);
         if (parted && i + 1 < count)
             rest++;
@@ -140,7 +141,7 @@ static const char *print(double value, bool is_float, char buffer[NUM_TEXT_MAX])
         if ((is_float ? (double)(float)read : read) == value || isnan(value))
             break;
     }
-    /* 80, not 8e+01: an exponent only where the digits would be many. */
+    /* Print 80, not 8e+01: use an exponent only where the digits would be many. */
     if (fabs(value) < 1e15 && strstr(buffer, "e+"))
         snprintf(buffer, NUM_TEXT_MAX, "%.0f", value);
     uselocale(before);

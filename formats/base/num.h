@@ -1,4 +1,4 @@
-/* num.h - numbers to and from text, the same in every locale, and nothing accepted by half. */
+/* num.h - numbers to and from text, the same in every locale; text is never accepted in part. */
 #ifndef FORMATS_BASE_NUM_H
 #define FORMATS_BASE_NUM_H
 
@@ -15,13 +15,13 @@ CHECKED status num_int(const char *text, const char *what, int64_t lo, int64_t h
 CHECKED status num_size(const char *text, const char *what,
                         uint64_t *out); /* bytes; suffix K M G T = powers of 1024 */
 
-/* num_doubles() - count numbers split by any of the separators (", " "x"); exactly count of them.
- */
+/* num_doubles() - parse exactly count numbers, separated by any of the separators (", " "x"). */
 CHECKED status num_doubles(const char *text, const char *what, const char *separators, int count,
                            double *out);
 
-/* num_print() - the shortest decimal that reads back as the same double; returns buffer.
- * num_print_float() - as the same float: -1e+34 of what a double has as -9.999999790214768e+33. */
+/* num_print() - print the shortest decimal that reads back as the same double; returns buffer.
+ * num_print_float() - the shortest that reads back as the same float: -1e+34 where the double needs
+ * -9.999999790214768e+33. */
 enum { NUM_TEXT_MAX = 32 };
 const char *num_print(double value, char buffer[NUM_TEXT_MAX]);
 const char *num_print_float(float value, char buffer[NUM_TEXT_MAX]);

@@ -16,11 +16,11 @@
 
 struct out_folder {
     mem *m;
-    char *path, *temporary; /* without a slash at the end */
-    int fd;                 /* locked as long as it is open */
+    char *path, *temporary; /* path: without a slash at the end */
+    int fd;                 /* the folder, locked as long as this is open */
 };
 
-/* ---- its name ---- */
+/* ---- the folder's name ---- */
 
 static status exists(const char *path) {
     return status_describe(ST_EXISTS,
@@ -83,7 +83,7 @@ status out_folder_create(mem *m, const char *path, out_folder **out) {
     return ST_OK;
 }
 
-/* ---- files in it ---- */
+/* ---- files in the folder ---- */
 
 static status failed(const out_folder *f, const char *name, int error) {
     char path[PATH_MAX];
@@ -91,7 +91,7 @@ static status failed(const out_folder *f, const char *name, int error) {
     return file_failed(error, path, "cannot write");
 }
 
-/* Folders on the way to a file; another thread may make the same ones. */
+/* Make the folders on the way to a file; another thread may be making the same ones. */
 static status make_way(const out_folder *f, const char *name) {
     char way[NAME_MAX];
     for (const char *slash = strchr(name, '/'); slash; slash = strchr(slash + 1, '/')) {
@@ -120,8 +120,8 @@ status out_folder_put(out_folder *f, const char *name, const void *bytes, size_t
 
 /* ---- the end ---- */
 
-/* Where the system cannot refuse a name that is taken, a folder with files in it is not replaced
- * all the same. */
+/* Rename, never replacing a folder. Where the system cannot refuse a taken name, look first;
+ * rename() itself never replaces a folder that has files in it. */
 static int rename_new(const out_folder *f) {
     int wrong = renameat2(AT_FDCWD, f->temporary, AT_FDCWD, f->path, RENAME_NOREPLACE);
     if (wrong && (errno == EINVAL || errno == ENOSYS || errno == ENOTSUP)) {

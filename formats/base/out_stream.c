@@ -14,7 +14,7 @@ enum { PACKED_BYTES = 64 << 10, GZIP_FORM = 15 + 16 };
 struct out_stream {
     mem *m;
     out_file *file;        /* NULL: standard output */
-    unsigned char *packed; /* PACKED_BYTES; NULL: nothing is packed */
+    unsigned char *packed; /* PACKED_BYTES; NULL: no compression */
     z_stream z;
 };
 
@@ -37,7 +37,7 @@ static status begin_packing(out_stream *s) {
     return ST_NOMEM;
 }
 
-/* Pack what is in z.next_in, and with Z_FINISH the end; pass on what that gives. */
+/* Compress what is in z.next_in, and with Z_FINISH the end; write out the result. */
 static status pack(out_stream *s, int flush) {
     int more;
     do {
@@ -84,8 +84,8 @@ status out_stream_text(out_stream *s, const char *text) {
     return out_stream_write(s, text, strlen(text));
 }
 
-/* On a big-endian machine: swapped through a small buffer, so that the caller's samples stay as
- * they are. */
+/* For big-endian machines: swap through a small buffer, so that the caller's samples stay
+ * unchanged. */
 static status write_swapped(out_stream *s, sample_type type, const void *samples, size_t count) {
     uint64_t buffer[512];
     const size_t width = sample_size(type), step = sizeof buffer / width;

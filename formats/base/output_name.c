@@ -6,10 +6,10 @@
 
 #include "formats/base/text.h"
 
-/* What names of files say, here and elsewhere; tests/cli/output_names.sh compares it with the
- * formats that are read, written or known by sight. */
+/* Suffixes that name a format, ours or others'. tests/cli/output_names.sh compares the list with
+ * the formats that are read, written or recognized. */
 static const char known[] =
-    /* ours */
+    /* leafcast's own */
     ".leaf .mesh "
     /* grids */
     ".nrrd .nhdr .mha .mhd .nii .hdr .img .npy .npz .mrc .map .pvm .raw .vti .vtr .vts .pvti "
@@ -21,7 +21,7 @@ static const char known[] =
     ".tec .nek5000 .re2 .foam .case .xdmf .xmf .las .laz "
     /* pictures, tables, texts */
     ".tif .tiff .png .jpg .jpeg .jp2 .exr .pgm .ppm .pnm .pbm .pfm .svg .csv .xyz .json .pdf "
-    /* packed */
+    /* compressed */
     ".gz .bz2 .xz .zst .zip .tar ";
 
 static bool has_one_of(const char *path, const char *suffixes) {
@@ -38,7 +38,7 @@ bool output_name_is_known(const char *path) {
     return has_one_of(path, known);
 }
 
-/* Whether a %d, %4d or %04d is in it. */
+/* Whether a path has a %d, %4d or %04d. */
 static bool has_number(const char *path) {
     for (const char *at = path; (at = strchr(at, '%')); at++)
         if (at[1 + strspn(at + 1, "0123456789")] == 'd')

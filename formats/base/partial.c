@@ -22,7 +22,8 @@ void partial_on_leftover(partial_leftover say) {
     on_leftover = say;
 }
 
-/* Bytes of the path that are part of temporary names: all, but of names near the system's limit. */
+/* How many bytes of the path temporary names begin with: all, except for names near the system's
+ * limit. */
 static int stem(const char *path) {
     const size_t suffix = strlen(".partial-") + 16, most = NAME_MAX - suffix;
     const char *slash = strrchr(path, '/');
@@ -34,7 +35,7 @@ static void slot_name(const char *path, int slot, char *name) {
     snprintf(name, strlen(path) + PARTIAL_ROOM, "%.*s.partial-%d", stem(path), path, slot);
 }
 
-/* Whether the name still stands for the open file: another process may have removed it, and made a
+/* Whether the name still belongs to the open file. Another process may have removed it, and made a
  * new one. */
 static bool still_named(int fd, const char *name, struct stat *info) {
     struct stat named;
@@ -42,7 +43,7 @@ static bool still_named(int fd, const char *name, struct stat *info) {
            info->st_ino == named.st_ino;
 }
 
-/* File systems of one machine, where a lock is seen by all who could write the file. */
+/* Whether all who could write the file see a lock: true for file systems of a single machine. */
 static bool locks_are_seen(int fd) {
     static const uint32_t local[] = {
         0xEF53,     /* ext2, ext3, ext4 */
@@ -76,8 +77,8 @@ static int lock(int fd) {
     return failed;
 }
 
-/* Remove one that nobody has locked. It stays locked meanwhile: no other process can take it for a
- * leftover too, and remove a newer file of its name. */
+/* Remove a file that nobody has locked. Keep it locked meanwhile: no other process can then take it
+ * for a leftover too, and remove a newer file of its name. */
 static void remove_leftover(const char *name) {
     struct stat info;
     if (lstat(name, &info) != 0 || !S_ISREG(info.st_mode) || file_guard_check(name) != ST_OK)
@@ -93,8 +94,8 @@ static void remove_leftover(const char *name) {
     close(fd);
 }
 
-/* Create and lock. -1 and EEXIST also when another process took the new file for a leftover before
- * it was locked; it then removes it, and this one must not. */
+/* Create and lock a file. Returns -1 and EEXIST also when another process took the new file for a
+ * leftover before it was locked. That process then removes it; this one must not. */
 static int create(const char *name) {
     const int fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd < 0)
@@ -110,7 +111,7 @@ static int create(const char *name) {
 
 /* ---- folders ---- */
 
-/* What is in an open folder, which it closes. */
+/* Remove the contents of an open folder, and close it. Returns whether all is gone. */
 static bool empty_folder(int fd, int deep, uint64_t *bytes) {
     DIR *d = fdopendir(fd);
     bool empty = d != NULL;
@@ -147,7 +148,7 @@ bool partial_remove_folder(const char *name, uint64_t *bytes) {
     return fd >= 0 && empty_folder(fd, 0, bytes) && rmdir(name) == 0;
 }
 
-/* As remove_leftover(). */
+/* Does the same as remove_leftover() for a folder. */
 static void remove_left_folder(const char *name) {
     struct stat info;
     uint64_t bytes = 0;
@@ -205,7 +206,7 @@ int partial_open(const char *path, char *name) {
         if (fd >= 0 || errno != EEXIST)
             return fd;
     }
-    /* Many write to it, or someone put other things in the way. */
+    /* Many processes write to it, or other files have these names. */
     for (int i = 0; i < RANDOM_TRIES; i++) {
         uint64_t number = 0;
         if (getrandom(&number, sizeof number, 0) < 0)

@@ -18,14 +18,14 @@ typedef struct worker {
 
 struct pool {
     mem *m;
-    int threads; /* the caller included */
+    int threads; /* with the caller */
     int started;
     worker *workers;
-    pool_run_host run; /* on the caller's threads; NULL: on workers */
+    pool_run_host run; /* runs work on the caller's threads; NULL: use workers */
     void *host;
     pthread_mutex_t lock;
     pthread_cond_t wake, idle;
-    /* The loop that is running; guarded by lock but for `next`. */
+    /* The running loop. lock guards all but the atomics. */
     uint64_t generation;
     int busy;
     bool quit;
@@ -80,7 +80,7 @@ static void *work(void *arg) {
     return NULL;
 }
 
-/* Nobody works yet. */
+/* Make a pool without workers. */
 static pool *pool_make(mem *m, int threads) {
     pool *p = mem_zalloc(m, sizeof *p);
     if (!p)
@@ -152,7 +152,7 @@ static void work_for_host(void *arg, int index) {
     take_indices(arg, index);
 }
 
-/* All of a loop's indices, by all threads. */
+/* Run all of a loop's indices, on all threads. */
 static void share_out(pool *p) {
     if (p->run) {
         p->run(p->host, p->threads, work_for_host, p);

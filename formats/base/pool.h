@@ -1,8 +1,8 @@
 /* pool.h - a fixed set of threads that share out the indices of a loop.
  *
- * Results must not depend on which worker gets which index; the error that is returned does not
- * either (that of the lowest failing index among those that ran). One loop at a time. No body may
- * wait for another one: they may run one after the other.
+ * Results must not depend on which worker gets which index. The error returned is that of the
+ * lowest failing index among those that ran. One loop at a time. No body may wait for another one:
+ * they may run one after the other.
  */
 #ifndef FORMATS_BASE_POOL_H
 #define FORMATS_BASE_POOL_H
@@ -21,8 +21,8 @@ typedef status (*pool_body)(void *ctx, size_t index, int worker);
  * be created. */
 CHECKED status pool_create(mem *m, int threads, pool **out);
 
-/* pool_create_host() - threads that are the caller's: run() calls work(arg, i) once for every i
- * below count, on whatever threads, and returns when all of these calls have. */
+/* pool_create_host() - a pool on the caller's threads. run() calls work(arg, i) once for every i
+ * below count, on any threads, and returns when all of these calls have returned. */
 typedef void (*pool_run_host)(void *host, int count, void (*work)(void *arg, int index), void *arg);
 CHECKED status pool_create_host(mem *m, int threads, pool_run_host run, void *host, pool **out);
 
@@ -31,8 +31,8 @@ void pool_destroy(pool *p);
 
 int pool_threads(const pool *p);
 
-/* pool_run() - body for every index, in any order, in parallel; returns when all are done. After
- * the first error no further index is started. */
+/* pool_run() - call body for every index, in any order, in parallel; returns when all are done.
+ * After the first error no further index is started. */
 CHECKED status pool_run(pool *p, size_t count, pool_body body, void *ctx);
 
 /* pool_default_threads() - the number of CPUs this process may run on. */

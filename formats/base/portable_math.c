@@ -11,8 +11,7 @@ _Static_assert(FLT_EVAL_METHOD == 0, "doubles must be evaluated as doubles");
 /* Adding and taking away 1.5 * 2^52 rounds a double below 2^51 to the nearest whole number. */
 static const double ROUNDER = PORTABLE_ROUNDER;
 
-/* Taylor series about 0 for |a| <= pi / 4; the first terms left out are below 2^-57 of the result.
- */
+/* Taylor series about 0 for |a| <= pi / 4. The first omitted term is below 2^-57 of the result. */
 static double sine_series(double a) {
     double z = a * a;
     double p = -1.0 / 1307674368000.0;
@@ -34,7 +33,7 @@ static double cosine_series(double a) {
     p = p * z + 1.0 / 40320.0;
     p = p * z - 1.0 / 720.0;
     p = p * z + 1.0 / 24.0;
-    /* 1 - z / 2 loses a bit that its remainder brings back. */
+    /* 1 - z / 2 loses a bit, which its remainder restores. */
     double half = 0.5 * z, head = 1 - half;
     return head + (((1 - head) - half) + z * z * p);
 }
@@ -67,8 +66,8 @@ double portable_cos(double t) {
     return c;
 }
 
-/* The angle of (1, q), 0 <= q <= 1, in turns: that of the nearest eighth, and the rest by its
- * series; the first term left out is below 2^-60. */
+/* The angle of (1, q), 0 <= q <= 1, in turns: the angle of the nearest eighth from a table, and the
+ * rest by a series. Its first omitted term is below 2^-60. */
 static double angle_of_slope(double q) {
     static const double EIGHTHS[9] = {0x0.0p+0,
                                       0x1.4444750777668p-6,

@@ -4,7 +4,7 @@
 
 typedef struct sink {
     out_file *f;
-    status st; /* of the first fault; nothing is taken after it */
+    status st; /* of the first fault; all later bytes are refused */
 } sink;
 
 static ssize_t take(void *cookie, const char *data, size_t size) {
@@ -14,7 +14,7 @@ static ssize_t take(void *cookie, const char *data, size_t size) {
     return s->st == ST_OK ? (ssize_t)size : 0;
 }
 
-/* Not by open_memstream(): without memory that of glibc cuts the text and reports no error. */
+/* Avoid open_memstream(): when memory runs out, glibc's cuts the text and reports no error. */
 static status print_to(sink *s, void (*print)(const void *ctx, FILE *out), const void *ctx) {
     FILE *stream = fopencookie(s, "w", (cookie_io_functions_t){.write = take});
     if (!stream)

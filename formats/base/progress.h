@@ -1,7 +1,7 @@
-/* progress.h - how long jobs say how far they are, and are asked to stop.
+/* progress.h - how long jobs report their progress, and are asked to stop.
  *
- * The library calls back; what becomes of it (a bar, a log line, nothing) is the caller's affair.
- * May be called from any thread.
+ * The library calls these functions, from any thread. The caller decides what to show: a bar, a log
+ * line, nothing.
  */
 #ifndef FORMATS_BASE_PROGRESS_H
 #define FORMATS_BASE_PROGRESS_H
@@ -11,14 +11,14 @@
 #include "formats/base/status.h"
 
 typedef struct progress {
-    /* fraction of the whole job in [0, 1], not of the stage; may be NULL */
+    /* fraction: done of the whole job, not of the stage, in [0, 1]; may be NULL */
     void (*report)(void *ctx, const char *stage, double fraction);
-    /* true: stop as soon as nothing half-done stays behind; may be NULL */
+    /* returns true to stop the job as soon as nothing half-done would stay behind; may be NULL */
     bool (*stop)(void *ctx);
     void *ctx;
 } progress;
 
-/* progress_step() - report and look whether to go on: ST_OK or ST_STOPPED. p may be NULL. */
+/* progress_step() - report, and ask whether to go on: ST_OK or ST_STOPPED. p may be NULL. */
 CHECKED status progress_step(const progress *p, const char *stage, double fraction);
 
 #endif

@@ -115,7 +115,7 @@ sample_type sample_stored(sample_type type) {
     return is_type(type) ? types[type].stored : type;
 }
 
-/* The buffers have no type of their own: every access below goes through memcpy, which compiles to
+/* The buffers have no type of their own. So each access goes through memcpy, which compiles to
  * plain moves. */
 #define SWAP_ALL(type, swap)                                  \
     for (size_t i = 0; i < count; i++) {                      \
@@ -134,9 +134,8 @@ void sample_swap(sample_type type, void *samples, size_t count) {
     }
 }
 
-/* A double holds any u32, i32 and float exactly, so the difference below is the rounding error
- * itself. NaN compares false and is passed over; an inf that was one before has the difference NaN.
- */
+/* A double holds any u32, i32 and float exactly, so this difference is the rounding error itself.
+ * NaN compares false and is skipped. So is an input inf: its difference is NaN. */
 #define ROUND_ALL(type)                                        \
     for (size_t i = 0; i < count; i++) {                       \
         type v;                                                \
@@ -169,7 +168,7 @@ double sample_to_stored(sample_type type, const void *in, void *out, size_t coun
         out[i] = as_double(v);                                 \
     }
 
-/* IEEE 754 binary16: 1 bit of sign, 5 of exponent, 10 of mantissa. */
+/* Convert an IEEE 754 binary16: 1 bit of sign, 5 of exponent, 10 of mantissa. */
 static double of_half(uint16_t h) {
     const uint32_t sign = (uint32_t)(h & 0x8000) << 16, exponent = h >> 10 & 31, bits = h & 0x3ff;
     if (exponent == 0)
@@ -180,7 +179,8 @@ static double of_half(uint16_t h) {
     return (double)f;
 }
 
-/* Those that have at most 53 bits between the first and the last that is set. */
+/* The first integer that a double cannot hold: more than 53 bits from its first set bit to its
+ * last. */
 static size_t first_inexact(sample_type type, const void *in, size_t count) {
     for (size_t i = 0; i < count; i++) {
         uint64_t v;

@@ -6,8 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The values are written to files: never renumber. Treelet files hold samples of the first five
- * alone, grids of the first eight; the others are those of inputs, see sample_widened(). */
+/* The values are written to files: never renumber. Treelet files hold only samples of the first
+ * five types, grids of the first eight. Inputs may have any; see sample_widened(). */
 typedef enum sample_type {
     SAMPLE_U8 = 1,
     SAMPLE_I8 = 2,
@@ -32,16 +32,16 @@ const char *sample_name(sample_type type);
  * uchar, unsigned char, float32, double ...), in any case; false when unknown. */
 bool sample_parse(const char *name, sample_type *out);
 
-/* sample_widened() - the type in which a grid has samples that an input has in this one: of f16 it
- * is f32, of u64 and i64 f64. */
+/* sample_widened() - the type that a grid uses for an input of this type: f32 for f16, f64 for u64
+ * and i64, else the same. */
 sample_type sample_widened(sample_type type);
 
-/* sample_computed() - the type of what is computed of samples of this one, scaled or joined from
- * several numbers: f32 where a float holds all of theirs (8 and 16 bits, f32), else f64. */
+/* sample_computed() - the type of values computed from samples of this type (scaled, or joined from
+ * several numbers): f32 where a float holds all samples (8 and 16 bits, f32), else f64. */
 sample_type sample_computed(sample_type type);
 
-/* sample_stored() - the type under which a treelet file keeps samples of this type: those above 16
- * bits, and f16, become f32. */
+/* sample_stored() - the type in which a treelet file stores samples of this type: f32 for f16 and
+ * for all above 16 bits, else the same. */
 sample_type sample_stored(sample_type type);
 
 /* sample_swap() - reverse the bytes of each of count samples. */
@@ -53,20 +53,21 @@ void sample_swap(sample_type type, void *samples, size_t count);
  * inf, and so does the error. */
 double sample_to_stored(sample_type type, const void *in, void *out, size_t count);
 
-/* sample_to_doubles() - count samples of any type, of native byte order, as doubles. Returns the
- * first that a double cannot hold exactly (u64, i64); count when there is none. */
+/* sample_to_doubles() - convert count samples of any type, in native byte order, to doubles.
+ * Returns the first sample that a double cannot hold exactly (u64, i64); count when there is
+ * none. */
 size_t sample_to_doubles(sample_type type, const void *in, double *out, size_t count);
 
-/* sample_is_integer() - u8 to i32, u64, i64. */
+/* sample_is_integer() - whether the type is one of u8 to i32, u64, i64. */
 bool sample_is_integer(sample_type type);
 
-/* sample_holds() - whether a sample of this type can have that value: of integers a whole one in
- * their range, of floats any but a finite one beyond their range. */
+/* sample_holds() - whether a sample of this type can have that value: an integer any whole value in
+ * its range; a float any value in its range, and any that is not finite. */
 bool sample_holds(sample_type type, double value);
 
-/* sample_to_floats() - integers of a grid to floats, those that equal `missing` to NaN. in may lie
- * at the end of out's buffer. Returns the first sample that a float cannot hold exactly; count when
- * there is none. */
+/* sample_to_floats() - convert a grid's integers to floats, and those equal to `missing` to NaN. in
+ * may lie at the end of out's buffer. Returns the first sample that a float cannot hold exactly;
+ * count when there is none. */
 size_t sample_to_floats(sample_type type, const void *in, float *out, size_t count, double missing);
 
 /* sample_get() - one sample of a stored type as a float; exact. */

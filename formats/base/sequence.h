@@ -7,9 +7,9 @@
 
 #include "formats/base/status.h"
 
-/* sequence_name() - of file `index` (not negative), to out, `room` bytes: the pattern with its %d,
- * %4d or %04d replaced, or with _0000 put before the extension where it has none. ST_USAGE when it
- * is too long or has other %. */
+/* sequence_name() - the name of file `index` (not negative), into out of `room` bytes. The number
+ * replaces the pattern's %d, %4d or %04d. A pattern without one gets _0000 before its extension.
+ * ST_USAGE when the name is too long, or the pattern has any other %. */
 CHECKED status sequence_name(const char *pattern, int index, char *out, size_t room);
 
 #endif

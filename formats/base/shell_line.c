@@ -2,8 +2,8 @@
 
 #include <string.h>
 
-/* What no shell gives a meaning to, wherever it stands in a word; but for = at its beginning, which
- * zsh takes for a command's path. */
+/* Characters without a special meaning in any shell, wherever they stand in a word. One exception:
+ * zsh takes a leading = for a command's path. */
 static const char PLAIN[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
                             "_-./+,:=@%";
 
@@ -21,7 +21,7 @@ void shell_line_put(shell_line *l, const char *text) {
     l->length += size;
 }
 
-/* Bytes of a word between single quotes. */
+/* The bytes of a word between single quotes. */
 static size_t quoted_size(const char *word) {
     size_t size = 2;
     for (; *word; word++)

@@ -1,7 +1,7 @@
-/* shell_line.h - a command line that can be typed, or pasted into a shell, as it is printed.
+/* shell_line.h - a command line, as printed, that can be typed or pasted into a shell.
  *
- * A line of which not everything fits is of no use: from the first text or word that does not fit
- * on nothing more is put, and the line is `full`. It always ends with a NUL.
+ * An incomplete line is of no use. Once a text or word does not fit, nothing more is added, and the
+ * line is `full`. It always ends with a NUL.
  */
 #ifndef FORMATS_BASE_SHELL_LINE_H
 #define FORMATS_BASE_SHELL_LINE_H
@@ -10,7 +10,7 @@
 #include <stddef.h>
 
 typedef struct shell_line {
-    char *text; /* the caller's, of `room` bytes */
+    char *text; /* the caller's buffer of `room` bytes */
     size_t room, length;
     bool full; /* something is missing: do not print it */
 } shell_line;
@@ -18,13 +18,13 @@ typedef struct shell_line {
 /* shell_line_begin() - an empty line in the caller's text; room is at least 1. */
 shell_line shell_line_begin(char *text, size_t room);
 
-/* shell_line_put() - text as it is. */
+/* shell_line_put() - append text as it is. */
 void shell_line_put(shell_line *l, const char *text);
 
-/* shell_line_word() - one word, in quotes unless it is plain. */
+/* shell_line_word() - append one word, in quotes unless it is plain. */
 void shell_line_word(shell_line *l, const char *word);
 
-/* shell_line_path() - a file's name as one word that is not taken for an option. */
+/* shell_line_path() - append a file's name as one word that cannot be mistaken for an option. */
 void shell_line_path(shell_line *l, const char *path);
 
 #endif

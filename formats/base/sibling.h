@@ -1,4 +1,4 @@
-/* sibling.h - where the other programs of leafcast are. */
+/* sibling.h - where leafcast's other programs are. */
 #ifndef FORMATS_BASE_SIBLING_H
 #define FORMATS_BASE_SIBLING_H
 
@@ -6,8 +6,8 @@
 
 enum { SIBLING_PATH = 4096 };
 
-/* sibling_find() - the full path of a program such as "leafcast-convert": beside the running one,
- * or on PATH; false when it is nowhere. */
+/* sibling_find() - find a program such as "leafcast-convert" beside the running one, or else on
+ * PATH. path: out, its path; false when it is nowhere. */
 bool sibling_find(const char *name, char path[SIBLING_PATH]);
 
 #endif

@@ -1,5 +1,4 @@
-/* simd.h - one vocabulary of vectors for SSE4.2, AVX2 and AVX-512: what the kernels' templates are
- * written in.
+/* simd.h - one vocabulary of vectors for SSE4.2, AVX2 and AVX-512; the kernels' templates use it.
  *
  * Only translation units of an ISA (x_sse42.c, x_avx2.c, x_avx512.c) include it to any effect; a
  * template is a file that such units include. SIMD_NAME(f) gives a function its own name in each.
@@ -9,23 +8,23 @@
  *   vi       VF_N 32-bit integers, for operators and a few words  i_set i_load i_store ...
  *   vl       VD_N 64-bit integers, likewise, and a few words  l_set l_load l_store ...
  *
- * f_load_rows() takes VF_N / 4 rows of four floats, `stride` apart; f_load_triples() the three
- * floats from + 3 at[k] of lane k, and nothing behind them; f_load_fours() four floats from +
- * stride at[k] of lane k on; f_look_up() from[at[k]] of four; d_load_rows() VD_N / D_ROW rows of
- * D_ROW doubles; d_load_at() from[at[k]] of lane k, d_gather() the same; d_load_four() four of
- * them, from + stride at[k] of lane k on; d_look_up() is d_gather() from a table, of which all
- * D_TABLE doubles may be read, d_look_up_half() from one of half as many: of use where D_LOOKS_UP;
- * l_of_shorts() are VD_N 16-bit numbers; l_gather() the 8 bytes at from + at[k], at any address;
- * f_of_bytes() VF_N bytes, but eight at most and zeros. d_reverse(): lane 0 last.
- * d_of_low_floats(): of each lane's lower half. l_mul(): of lower halves. l_eq(): lanes that are
- * equal; l_odd(): those, as bits, whose lowest bit is set. d_pack(), l_pack() and i_pack() store
- * the lanes that have a bit one behind the other; what is behind them, up to a vector in all, may
- * be overwritten with any of the lanes or zeros. f_swap() exchanges lanes k and k ^ by: by is 1, 2,
- * 4 or 8, less than VF_N.
+ * Loads, with lane k: f_load_rows(): VF_N / 4 rows of four floats, `stride` apart.
+ * f_load_triples(): the three floats from + 3 at[k], and nothing behind them. f_load_fours(): four
+ * floats from + stride at[k]. f_look_up(): from[at[k]] of four. d_load_rows(): VD_N / D_ROW rows of
+ * D_ROW doubles. d_load_at(), d_gather(): from[at[k]]. d_load_four(): four doubles from + stride
+ * at[k]. d_look_up(): d_gather() from a table, all D_TABLE doubles of which may be read;
+ * d_look_up_half(): from one of half the size. Both are useful where D_LOOKS_UP. l_of_shorts():
+ * VD_N 16-bit numbers. l_gather(): the 8 bytes at from + at[k], at any address. f_of_bytes(): VF_N
+ * bytes, but eight at most and zeros.
+ * Others: d_reverse(): lane 0 last. d_of_low_floats(): the float in each lane's lower half.
+ * l_mul(): the product of lower halves. l_eq(): lanes that are equal. l_odd(): lanes with bit 0
+ * set, as bits. d_pack(), l_pack(), i_pack(): store the lanes that have a bit, one behind the
+ * other; the rest of that vector may be overwritten with any lanes or zeros. f_swap(): exchange
+ * lanes k and k ^ by; by is 1, 2, 4 or 8, less than VF_N.
  *
- * Arithmetic is written with + - * /, which the compilers know for vectors. min(a, b) is a < b ? a
- * : b and max(a, b) is a > b ? a : b, also for NaN. Comparisons with NaN are false. Loads and
- * stores take any address. Nothing is fused or approximated, but f_reciprocal().
+ * Arithmetic is written with + - * /, which compilers know for vectors. min(a, b) is a < b ? a : b
+ * and max(a, b) is a > b ? a : b, also for NaN. Comparisons with NaN are false. Loads and stores
+ * take any address. Nothing is fused or approximated, except in f_reciprocal().
  */
 #ifndef FORMATS_BASE_SIMD_H
 #define FORMATS_BASE_SIMD_H
@@ -45,14 +44,14 @@
 
 #define SIMD static inline __attribute__((always_inline))
 
-/* Four doubles of a row, or two where vectors have no more. */
+/* Doubles of a row: four, or two where vectors hold no more. */
 #if defined __AVX512F__ || defined __AVX2__
 enum { D_ROW = 4 };
 #else
 enum { D_ROW = 2 };
 #endif
 
-/* Three floats and a zero. */
+/* Load three floats and a zero. */
 SIMD __m128 triple_(const float *from) {
     return _mm_movelh_ps(_mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)(const void *)from)),
                          _mm_load_ss(from + 2));
@@ -468,8 +467,8 @@ SIMD vf f_load(const float *from) {
 SIMD void f_store(float *to, vf a) {
     F_(storeu)(to, a);
 }
-/* Past the caches, for what nobody reads soon; `to` is aligned as a vector is. f_stream_end()
- * before others may see it. */
+/* Store past the caches, for data that nobody reads soon. `to`: aligned like a vector. Call
+ * f_stream_end() before other threads may read it. */
 SIMD void f_stream(float *to, vf a) {
     F_(stream)(to, a);
 }
@@ -565,7 +564,7 @@ SIMD void i_store(uint32_t *to, vi a) {
     f_store((float *)(void *)to, (vf)a);
 }
 
-/* Whether any bit of it is set. */
+/* Whether any bit of a is set. */
 SIMD int i_any(vi a) {
 #if defined __AVX512F__
     return _mm512_test_epi32_mask((__m512i)a, (__m512i)a) != 0;
@@ -601,7 +600,7 @@ SIMD void i_pack(uint32_t *to, vi a, unsigned bits) {
 SIMD vd d_gather(const double *from, vl at) {
     return _mm512_i64gather_pd((__m512i)at, from, 8);
 }
-/* Gathers take five times as long. */
+/* Gathers would take five times as long. */
 SIMD vd d_look_up_half(const double *from, vl at) {
     return _mm512_permutex2var_pd(d_load(from), (__m512i)at, d_load(from + 8));
 }
@@ -719,13 +718,13 @@ SIMD void l_pack(uint64_t *to, vl a, unsigned bits) {
     d_pack((double *)(void *)to, (vd)a, bits);
 }
 
-/* Towards zero; for numbers that fit. */
+/* Round towards zero; for numbers that fit. */
 SIMD vi f_to_int(vf a) {
     return __builtin_convertvector(a, vi);
 }
 
-/* 1 / a to 2^-22 of itself; a of ordinary size. Differs between CPUs: for conservative tests only.
- */
+/* 1 / a with a relative error of 2^-22, for a of ordinary size. CPUs differ: for conservative tests
+ * only. */
 SIMD vf f_reciprocal(vf a) {
     const vf x = f_reciprocal_near(a);
     return x + x * (f_set(1.0f) - a * x);

@@ -10,7 +10,7 @@
 
 #include "formats/base/portable_math.h"
 
-/* simd_exp() - of x <= 0. */
+/* simd_exp() - e^x for x <= 0. */
 SIMD vd simd_exp(vd x) {
     static const double series[] = PORTABLE_EXP_SERIES;
     const vd ordinary = d_max(x, d_set(-700.0));
@@ -21,7 +21,7 @@ SIMD vd simd_exp(vd x) {
     for (size_t i = 1; i < sizeof series / sizeof *series; i++)
         p = p * r + d_set(series[i]);
     const vd value = d_set(1.0) + (r + r * r * p);
-    /* 2^n: n + 1023 are the lowest bits of the sum. */
+    /* 2^n: the lowest bits of the sum are n + 1023. */
     const vl bits = (vl)(n + d_set(0x1.8p52 + 1023.0)) << 52;
     return d_select(d_lt(x, d_set(-700.0)), d_set(0.0), value * (vd)bits);
 }

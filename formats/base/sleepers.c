@@ -19,7 +19,7 @@ uint32_t sleepers_lie_down(sleepers *s) {
     return (atomic_fetch_add(&s->state, ONE) + ONE) / ONE;
 }
 
-/* The wake that was promised. */
+/* Take the wake that a claim promised. */
 static void take_wake(sleepers *s) {
     while (sem_wait(&s->wakes) != 0)
         ;
@@ -31,10 +31,10 @@ void sleepers_get_up(sleepers *s) {
     while (state >= ONE)
         if (atomic_compare_exchange_weak(&s->state, &state, state - ONE))
             return;
-    take_wake(s); /* all who lay are claimed, so this one is */
+    take_wake(s); /* all sleepers that lay are claimed, so this one is */
 }
 
-/* Whether a wake came before this time. */
+/* Wait for a wake. Returns whether one came before this time. */
 static bool wait_until(sleepers *s, double until) {
     const struct timespec at = {(time_t)until, (long)(1e9 * (until - floor(until)))};
     int failed = 0;

@@ -7,7 +7,7 @@
 static _Thread_local char description[STATUS_TEXT_MAX];
 
 status status_describe(status st, const char *fmt, ...) {
-    /* Format aside first: an argument may be the old description itself. */
+    /* Format into another buffer first: an argument may be the old description itself. */
     char text[STATUS_TEXT_MAX];
     va_list args;
     va_start(args, fmt);

@@ -1,8 +1,7 @@
-/* status.h - how every function of leafcast says what became of it.
+/* status.h - how every function of leafcast reports success or failure.
  *
- * Detect = describe once, told = pass on: the function that finds a fault describes it with
- * status_describe(); everyone above passes the status up untouched. A caller's bug is an assert,
- * never a status.
+ * The function that detects a fault describes it, once, with status_describe(). Everyone above
+ * passes the status up untouched. A caller's bug is an assert, never a status.
  *
  * The description belongs to the calling thread (as errno does). A fault found on a worker thread
  * is carried to the thread that waits for it in a status_note.
@@ -42,8 +41,8 @@ status status_describe(status st, const char *fmt, ...) __attribute__((format(pr
  * next one. */
 const char *status_text(void);
 
-/* status_exit_code() - the exit status of a program that ends with this. A signal's handler may
- * call it. */
+/* status_exit_code() - the exit status of a program that ends with st. A signal handler may call
+ * it. */
 int status_exit_code(status st);
 
 /* status_note_take() - keep st with this thread's description. */

@@ -14,7 +14,7 @@ static status refuse(const char *text, const char *option) {
                            option, text);
 }
 
-/* The number at *at, which moves behind it. */
+/* Parse the number at *at, and move *at behind it. */
 static bool take_number(const char **at, uint32_t *out) {
     char digits[16];
     const size_t n = strspn(*at, "0123456789");

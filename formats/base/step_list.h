@@ -1,4 +1,5 @@
-/* step_list.h - which time steps: all, or a list of numbers and ranges, as --steps takes it. Pure.
+/* step_list.h - a choice of time steps: all, or a list of numbers and ranges, as --steps takes it.
+ * Pure.
  */
 #ifndef FORMATS_BASE_STEP_LIST_H
 #define FORMATS_BASE_STEP_LIST_H
@@ -8,7 +9,7 @@
 
 #include "formats/base/status.h"
 
-/* How it is written, for tables of options and for messages. */
+/* The syntax, for tables of options and for messages. */
 #define STEP_LIST_FORM "all|A:B[:S][,..]"
 
 enum { STEP_RANGES_MAX = 64 };
@@ -18,28 +19,28 @@ typedef struct step_range {
     uint32_t first, last, stride;
 } step_range;
 
-/* Zeros: none is asked for. */
+/* All zeros: no step is asked for. */
 typedef struct step_list {
-    bool all; /* of a file that is not known yet */
+    bool all; /* all steps, as long as their number is unknown; step_list_settle() replaces it */
     int count;
     step_range of[STEP_RANGES_MAX];
 } step_list;
 
-/* step_list_parse() - "all", or entries divided by commas: a number, A:B, or A:B:S. ST_USAGE
- * naming `option`. */
+/* step_list_parse() - parse "all", or entries separated by commas: a number, A:B, or A:B:S.
+ * ST_USAGE naming `option`. */
 CHECKED status step_list_parse(const char *text, const char *option, step_list *out);
 
-/* step_list_given() - whether any is asked for. */
+/* step_list_given() - whether any step is asked for. */
 bool step_list_given(const step_list *l);
 
-/* step_list_settle() - of a file `name` that has so many steps, which `all` becomes. ST_USAGE where
- * one is not there. */
+/* step_list_settle() - apply the list to a file `name` of so many steps: `all` becomes these.
+ * ST_USAGE where a step does not exist. */
 CHECKED status step_list_settle(step_list *l, const char *option, const char *name, uint32_t steps);
 
-/* step_list_ascends() - whether each comes but once, after smaller ones. */
+/* step_list_ascends() - whether each step comes once, after all smaller ones. */
 bool step_list_ascends(const step_list *l);
 
-/* step_list_count() - how many; step_list_at() - the i-th. Not of `all`. */
+/* step_list_count() - the number of steps. step_list_at() - the i-th step. Settle `all` first. */
 uint64_t step_list_count(const step_list *l);
 uint32_t step_list_at(const step_list *l, uint64_t i);
 

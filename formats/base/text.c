@@ -7,8 +7,8 @@
 #include <string.h>
 #include <strings.h>
 
-/* Bytes of the UTF-8 character at `at`, which ends in NUL; 0 when there is none (RFC 3629: neither
- * overlong, nor a surrogate, nor beyond U+10FFFF). */
+/* The size in bytes of the UTF-8 character at `at`, a NUL-terminated text. 0: not a valid one (RFC
+ * 3629: neither overlong, nor a surrogate, nor beyond U+10FFFF). */
 static size_t character(const char *at, uint32_t *code) {
     static const uint32_t least[5] = {0, 0, 0x80, 0x800, 0x10000};
     const uint8_t first = (uint8_t)*at;
@@ -33,7 +33,8 @@ static bool is_control(uint32_t code) {
     return code < 0x20 || (code >= 0x7f && code < 0xa0);
 }
 
-/* The next character of *from as it may be kept, and its size; moves *from behind it. */
+/* Returns the next character of *from as text_name() keeps it, and its size. Moves *from behind
+ * it. */
 static const char *keep(const char **from, size_t *size) {
     uint32_t code = 0;
     const char *at = *from;
@@ -99,7 +100,7 @@ bool text_same_name(const char *a, const char *b, size_t room) {
     return strcmp(first, second) == 0;
 }
 
-/* The next character of *from as it may be printed; moves *from behind it. */
+/* Write the next character of *from as it may be printed, and move *from behind it. */
 static void escape(const char **from, char out[8]) {
     static const char digits[] = "0123456789abcdef";
     uint32_t code = 0;
@@ -112,7 +113,7 @@ static void escape(const char **from, char out[8]) {
     } else if (*at == '\n' || *at == '\t') {
         memcpy(out, *at == '\n' ? "\\n" : "\\t", 3);
     } else {
-        /* A control character of two bytes, U+0080 to U+009F, is told by its code. */
+        /* Print a control character of two bytes, U+0080 to U+009F, by its code. */
         const uint32_t byte = size > 1 ? code : (uint8_t)*at;
         memcpy(out, (const char[5]){'\\', 'x', digits[byte >> 4], digits[byte & 15]}, 5);
     }

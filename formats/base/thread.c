@@ -5,7 +5,7 @@
 
 #include "formats/base/fault.h"
 
-/* Builds that check themselves need more: their frames are larger. */
+/* Builds with sanitizers, without optimization or by clang need more: their frames are larger. */
 #if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__ || !defined __OPTIMIZE__ || \
     defined __clang__
 enum { STACK_BYTES = 2 << 20 };

@@ -6,7 +6,7 @@
 
 #include "formats/base/text.h"
 
-/* Of each axis, the ends that it comes from and goes to. */
+/* ends: for each axis, the letters where it comes from and where it goes. */
 static const struct {
     const char *name;
     const char *ends[3];
@@ -22,8 +22,8 @@ bool world_frame_is_told(const world_frame *f) {
     return memcmp(f, &nothing, sizeof nothing) != 0;
 }
 
-/* Zeros behind the text: the struct is written as it is. Without quotation marks, which headers of
- * text put around it. */
+/* Copy a text and fill with zeros, since files store the struct as it is. Replace quotation marks,
+ * as headers made of text put their own around it. */
 static void set_text(char *to, size_t room, const char *from) {
     char text[TEXT_NAME_MAX];
     text_name(text, room, from);
@@ -94,6 +94,6 @@ bool world_axes_turn(uint32_t from, uint32_t to, double map[3][4]) {
         return false;
     for (int row = 0; row < 2 && from != to; row++)
         for (int column = 0; column < 4; column++)
-            map[row][column] = 0 - map[row][column]; /* never -0 */
+            map[row][column] = 0 - map[row][column]; /* + 0, never -0 */
     return true;
 }

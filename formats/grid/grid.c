@@ -58,7 +58,7 @@ status grid_set_axis(grid *g, mem *m, const char *what, int a, const double *coo
     return ST_OK;
 }
 
-/* Where it lies is judged as who opens the treelet file does. */
+/* Check the grid's place by the same rule as readers of treelet files. */
 static status check_place(const grid *g, const char *what) {
     char why[LEAF_PLACE_TEXT];
     bool sound = leaf_place_grid((const double *)g->to_world, why);

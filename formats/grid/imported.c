@@ -17,13 +17,13 @@
 #include "formats/grid/tile_stream.h"
 #include "formats/input/foreign.h"
 
-/* ---- the verb's output ---- */
+/* ---- the importer's output ---- */
 
 typedef struct import {
     mem *m;
-    size_t lent; /* of m's limit, while the source is open */
+    size_t lent; /* bytes of m's limit that are lent while the source is open */
     char *path;
-    char *field; /* of the hints; NULL: not given */
+    char *field; /* the hints' field; NULL: not given */
     uint32_t component, step;
     input_trust trust;
     char program[SIBLING_PATH];
@@ -31,7 +31,7 @@ typedef struct import {
     bool running;
 } import;
 
-/* What the verb said at last, without its own name in front. */
+/* Returns the importer's last message, without its own name in front. */
 static const char *last_words(const child *c) {
     const char *line = strrchr(c->words, '\n');
     line = line ? line + 1 : c->words;
@@ -39,7 +39,8 @@ static const char *last_words(const child *c) {
     return colon ? colon + 2 : line;
 }
 
-/* Signals that nobody sends but who wants it to end, or the system when memory runs out. */
+/* Describe the end by a signal. Crashes are the file's fault; other signals come from a user, or
+ * from the system when memory runs out. */
 static status verb_ended(const import *x, int number) {
     static const int crashes[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS};
     const char *program = strrchr(x->program, '/') + 1;
@@ -59,7 +60,7 @@ static status verb_ended(const import *x, int number) {
 
 enum { EXIT_NOT_LOADED = 127 };
 
-/* The system's loader tells its reason in words alone. */
+/* Describe a program that cannot be loaded. The system's loader gives its reason in words alone. */
 static status verb_not_loaded(const import *x, const child *c) {
     static const char *const memory[] = {"cannot map", "failed to map", "annot allocate"};
     status st = ST_FAILED;
@@ -107,7 +108,7 @@ static void close_output(void *ctx) {
     if (x->running) {
         child_kill(&x->c);
         if (child_end(&x->c, &code) != ST_OK)
-            code = 0; /* nobody is left to tell */
+            code = 0; /* there is no caller left to tell */
     }
     mem_free(x->m, x->path);
     mem_free(x->m, x->field);
@@ -116,10 +117,10 @@ static void close_output(void *ctx) {
 
 /* ---- starting it ---- */
 
-/* A command line; its words are copies. */
+/* A command line. It owns copies of its words. */
 typedef struct command {
     mem *m;
-    char **words; /* NULL behind the last */
+    char **words; /* NULL behind the last word */
     size_t count, room;
 } command;
 
@@ -148,7 +149,8 @@ static status add_number(command *c, const char *option, size_t value) {
     return value ? add_option(c, option, text) : ST_OK;
 }
 
-/* The verb reads files that this process does not know of: it must know what is written here. */
+/* Name a file that this process writes. The importer reads files unknown to this process, and must
+ * not read this one. */
 static status add_output(void *ctx, const char *path) {
     return add_option(ctx, "--guard", path);
 }
@@ -159,7 +161,7 @@ static void release_command(command *c) {
     mem_free(c->m, c->words);
 }
 
-/* first: up to three words that say what is wanted. */
+/* Write the command line. first: up to three words that say what is wanted. */
 static status write_command(const import *x, const char *const first[3], size_t lent, command *c) {
     status st = add_word(c, x->program);
     if (st == ST_OK)
@@ -241,7 +243,7 @@ static status open_import(mem *m, const foreign_format *f, const char *path,
 
 enum { LIST_MAX = 1 << 20 };
 
-/* What the verb prints, JSON; it has ended then. */
+/* Read the JSON that the importer prints. It has ended then. */
 static status read_list(const import *x, child *c, json_t **out) {
     int code = 0;
     size_t got = 0;
@@ -267,7 +269,7 @@ static status read_list(const import *x, child *c, json_t **out) {
     return st;
 }
 
-/* One number for each step, or NULL. */
+/* Read one time for each step; *out is NULL where there are none. */
 static status read_times(mem *m, const json_t *item, uint32_t steps, double **out) {
     const json_t *times = json_object_get(item, "times");
     *out = NULL;
@@ -279,7 +281,7 @@ static status read_times(mem *m, const json_t *item, uint32_t steps, double **ou
     return *out ? ST_OK : ST_NOMEM;
 }
 
-/* Those that can be read. */
+/* Tell the fields that can be read. */
 static status tell_items(mem *m, const json_t *items, const slice_fields *to) {
     status st = ST_OK;
     for (size_t i = 0; st == ST_OK && i < json_array_size(items); i++) {
@@ -323,7 +325,7 @@ static status tell_fields(void *ctx, const slice_fields *to) {
     return st;
 }
 
-/* The verb writes NRRD, or where it knows of quiet parts a tile stream. */
+/* Open what the importer writes: NRRD, or a tile stream where it knows of quiet parts. */
 static status open_slices(mem *m, const foreign_format *f, const char *path,
                           const volume_hints *hints, slice_source *out) {
     volume_layout l = {.m = m};
@@ -335,7 +337,7 @@ static status open_slices(mem *m, const foreign_format *f, const char *path,
         st = tile_stream_known(&l, &tiles, quiet);
     if (st == ST_OK)
         st = nrrd_reader.layout(&l, hints);
-    if (st == ST_OK) /* the verb has made the choice */
+    if (st == ST_OK) /* the importer has applied the hints */
         st = volume_layout_settle(&l, &(volume_hints){0});
     if (st == ST_OK)
         st = volume_layout_check(&l);

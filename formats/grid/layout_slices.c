@@ -9,28 +9,28 @@
 
 enum { CHUNK_BYTES = 1 << 16, HELD_MAX = 1 << 28 };
 
-/* Slices of samples in another order than the grid's: as many as there is room for are gathered in
- * one pass over the input, and handed out one by one. */
+/* Slices whose samples lie in another order than the grid's. One pass over the input gathers as
+ * many slices as there is room for. They are handed out one by one. */
 typedef struct held_slices {
     sample_order order;
-    uint32_t first_component, end_component; /* of those stored */
-    size_t slice_bytes;                      /* of what is held */
+    uint32_t first_component, end_component; /* range of the stored components */
+    size_t slice_bytes;                      /* bytes of a held slice */
     char *slices, *run;
     uint32_t room, first, count;
-    byte_stream *again; /* of the second and later passes */
+    byte_stream *again; /* stream of the second and later passes */
     uint64_t start;     /* where the samples begin */
     bool passed;        /* the first pass is over */
 } held_slices;
 
 typedef struct layout_slices {
-    volume_layout layout;            /* its grid has gone to the source, but for sizes and type */
-    char time_unit[WORLD_TIME_UNIT]; /* of the grid's frame, which is handed on */
-    stored_samples in_file;          /* the layout's are those that are held */
+    volume_layout layout;            /* the source owns its grid; sizes and type are kept here */
+    char time_unit[WORLD_TIME_UNIT]; /* unit of the grid's frame, which is handed on */
+    stored_samples in_file;          /* as the file has them; layout.stored: as they are held */
     unpack_stream *packed;
-    uint64_t behind; /* bytes of later steps, where they lie there */
-    char *chunk;     /* samples as they are stored; NULL: as the grid has them */
+    uint64_t behind; /* bytes of later steps, if they lie behind this one */
+    char *chunk;     /* stored samples; NULL: they need no conversion */
     held_slices held;
-    double rounding; /* of what was read */
+    double rounding; /* largest rounding error so far */
 } layout_slices;
 
 static const char *name_of(const layout_slices *s) {
@@ -43,7 +43,8 @@ static byte_stream *data_of(const layout_slices *s) {
 
 /* ---- bytes, as they are stored ---- */
 
-/* Of the file's byte order, native for VOLUME_TEXT; *got is smaller only at the end. */
+/* Read stored bytes, in the file's byte order (native for VOLUME_TEXT). *got is smaller only at the
+ * end. */
 static status read_encoded(layout_slices *s, void *buffer, size_t size, size_t *got) {
     const volume_layout *l = &s->layout;
     size_t width = sample_size(l->stored.type);
@@ -66,7 +67,7 @@ static status ends_early(const layout_slices *s, uint32_t slice) {
         (unsigned long long)byte_stream_position(data_of(s)), slice, s->layout.g.dims[2]);
 }
 
-/* Bytes in front of, between or behind the samples go. */
+/* Skip bytes in front of, between or behind the samples. */
 static status skip_encoded(void *ctx, uint64_t bytes) {
     layout_slices *s = ctx;
     char waste[4096];
@@ -94,8 +95,8 @@ static void make_native(const layout_slices *s, void *numbers, size_t bytes) {
 
 /* ---- slices ---- */
 
-/* Stored samples, native, to those of slices from `at` on, counted in samples from the grid's first
- * one. */
+/* Convert stored samples of native byte order. at: number of samples in front of them in the grid.
+ */
 static status take(layout_slices *s, void *in, void *out, uint64_t at, size_t count) {
     const uint64_t slice = (uint64_t)s->layout.g.dims[0] * s->layout.g.dims[1];
     const size_t bad = stored_samples_take(&s->layout.stored, in, s->layout.g.type, out, count);
@@ -109,7 +110,7 @@ static status take(layout_slices *s, void *in, void *out, uint64_t at, size_t co
                            sample_name(s->layout.stored.type));
 }
 
-/* Samples as the grid has them, straight to where they belong. */
+/* Read samples that need no conversion straight to where they belong. */
 static status read_plain(layout_slices *s, uint32_t first, uint32_t count, void *slices) {
     const size_t bytes = grid_slice_bytes(&s->layout.g), size = count * bytes;
     size_t got = 0;
@@ -122,7 +123,7 @@ static status read_plain(layout_slices *s, uint32_t first, uint32_t count, void 
     return ST_OK;
 }
 
-/* Others, chunk by chunk. */
+/* Read and convert samples, chunk by chunk. */
 static status read_chunks(layout_slices *s, uint32_t first, uint32_t count, char *slices) {
     const grid *g = &s->layout.g;
     const size_t width = stored_samples_bytes(&s->layout.stored), most = CHUNK_BYTES / width;
@@ -145,7 +146,7 @@ static status read_chunks(layout_slices *s, uint32_t first, uint32_t count, char
 
 /* ---- slices of another order ---- */
 
-/* Runs are short: through the stream's buffer, which byte_stream_read() passes by. */
+/* Read through the stream's buffer, which byte_stream_read() bypasses: runs are short. */
 static status read_buffered(layout_slices *s, void *to, size_t bytes, size_t *got) {
     const uint8_t *data;
     status st = byte_stream_peek(data_of(s), bytes, &data, got);
@@ -217,7 +218,7 @@ static status read_slices(void *ctx, uint32_t first, uint32_t count, void *slice
 
 /* ---- what follows ---- */
 
-/* Bytes that are left, taken and counted. */
+/* Take and count the bytes that are left. */
 static status drain(layout_slices *s, uint64_t *count) {
     uint8_t waste[4096];
     for (size_t got = 1; got > 0; *count += got) {
@@ -263,7 +264,7 @@ static status finish(void *ctx, uint64_t *trailing) {
 
 /* ---- opening ---- */
 
-/* One, of several steps perhaps. */
+/* Tell the one field, which may have several steps. */
 static status tell_fields(void *ctx, const slice_fields *to) {
     const layout_slices *s = ctx;
     const volume_layout *l = &s->layout;
@@ -294,7 +295,8 @@ static void close_slices(void *ctx) {
     mem_free(s->layout.m, s);
 }
 
-/* A file can be read again, as often as the memory asks for; all else is held as a whole. */
+/* Returns how many slices to hold. A file can be read again, so memory sets their number; of
+ * anything else all are held. */
 static uint32_t held_room(const layout_slices *s) {
     const volume_layout *l = &s->layout;
     const uint32_t all = l->g.dims[2];
@@ -363,7 +365,7 @@ status layout_slices_open(volume_layout *l, slice_source *out) {
     const bool several = l->steps > 1 || l->stored.components > 1;
     status st = prepare(s);
     if (st != ST_OK) {
-        s->layout.data = NULL; /* still the caller's */
+        s->layout.data = NULL; /* the caller keeps it */
         close_slices(s);
         return st;
     }

@@ -19,7 +19,7 @@ static bool known(const char *path, const uint8_t *start, size_t size) {
            (size >= 10 && memcmp(start, "ObjectType", 10) == 0);
 }
 
-/* The first of several names for one thing; the list ends with NULL. */
+/* Find the first field that exists of several names for one thing. The list ends with NULL. */
 static const header_field *get(const metaimage *h, const char *const *keys) {
     const header_field *f = NULL;
     while (!f && *keys)
@@ -32,7 +32,7 @@ static status need(const metaimage *h, const char *key, const header_field **out
     return *out ? ST_OK : header_fields_missing(&h->fields, key);
 }
 
-/* True, False, or `otherwise` when the field is absent. */
+/* Read True or False; `otherwise` when the field is absent. */
 static status read_flag(const metaimage *h, const char *const *keys, bool otherwise, bool *out) {
     const header_field *f = get(h, keys);
     *out = otherwise;
@@ -73,7 +73,7 @@ static status read_type(metaimage *h) {
     status st = need(h, "ElementType", &f);
     if (st != ST_OK)
         return st;
-    /* MetaIO's long is one of 32 bits on every machine. */
+    /* MetaIO's long has 32 bits on every machine. */
     static const struct {
         const char *name;
         sample_type type;
@@ -93,7 +93,7 @@ static status read_type(metaimage *h) {
                                f->value);
 }
 
-/* Three or four bytes are a colour. */
+/* Read the number of channels. Three or four bytes are a colour. */
 static status read_channels(metaimage *h) {
     const header_field *f = header_fields_find(&h->fields, "ElementNumberOfChannels");
     int64_t channels = 1;
@@ -127,7 +127,7 @@ static status read_numbers(const metaimage *h, const char *const *keys, double o
     return st;
 }
 
-/* The matrix has the direction of axis a in its row a. */
+/* Read the directions. Row a of the matrix is the direction of axis a. */
 static status read_directions(const metaimage *h, double direction[3][3]) {
     static const char *const keys[] = {"TransformMatrix", "Orientation", "Rotation", NULL};
     const header_field *f = get(h, keys);

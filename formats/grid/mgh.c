@@ -6,7 +6,7 @@
 #include "formats/base/text.h"
 #include "formats/input/binary_fields.h"
 
-/* Places in the header, in bytes. */
+/* Offsets in the header, in bytes. */
 enum {
     HEADER_BYTES = 284,
     KNOWN_BYTES = 28,
@@ -34,7 +34,8 @@ static int64_t word(const uint8_t *bytes, int at) {
     return binary_signed(bytes + at, 4, true);
 }
 
-/* Its number alone says little: sizes that can be, and a type, too. */
+/* Returns whether a file begins as one. The version alone says little, so possible sizes and a type
+ * are demanded, too. */
 static bool begins_so(const uint8_t *start, size_t size) {
     if (size < KNOWN_BYTES || word(start, 0) != 1)
         return false;
@@ -78,7 +79,8 @@ static status read_type(mgh *h) {
                            h->name, AT_TYPE, (long long)code);
 }
 
-/* The centre lies between the samples where their number is even: half of it along each axis. */
+/* Find the place. The file's centre is half the number of samples along each axis: between samples
+ * where the number is even. */
 static status read_placement(mgh *h) {
     double direction[3][3] = {{-1, 0, 0}, {0, 0, -1}, {0, 1, 0}}; /* coronal */
     double spacing[3] = {1, 1, 1}, origin[3] = {0, 0, 0};

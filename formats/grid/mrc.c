@@ -6,7 +6,7 @@
 #include "formats/base/portable_math.h"
 #include "formats/input/binary_fields.h"
 
-/* Words of four bytes, by their places in the header. */
+/* Indices of the header's words, four bytes each. */
 enum {
     HEADER_BYTES = 1024,
     WORD_SIZE = 0,
@@ -46,7 +46,8 @@ static double real(const mrc *h, int at) {
     return binary_real(h->bytes + (ptrdiff_t)4 * at, 4, h->big);
 }
 
-/* By the stamp; where there is none, by which there may be so many columns. */
+/* Returns the byte order by the stamp. Without a stamp: big, if the number of columns is impossible
+ * otherwise. */
 static bool is_big(const mrc *h) {
     const uint8_t stamp = h->bytes[4 * WORD_STAMP];
     if (stamp == 0x11 || stamp == 0x44)
@@ -77,7 +78,7 @@ static status read_type(mrc *h) {
     } types[] = {
         {0, SAMPLE_I8}, {1, SAMPLE_I16}, {2, SAMPLE_F32}, {6, SAMPLE_U16}, {12, SAMPLE_F16}};
     const int64_t mode = word(h, WORD_MODE);
-    /* IMOD says whether its bytes are signed, and they are not by default. */
+    /* IMOD's flag says whether bytes are signed. By default they are not. */
     const bool imod = word(h, WORD_IMOD) == IMOD_STAMP && !(word(h, WORD_IMOD + 1) & 1);
     h->l->stored.type = (sample_type)0;
     for (size_t i = 0; i < sizeof types / sizeof *types; i++)
@@ -93,14 +94,15 @@ static status read_type(mrc *h) {
 
 /* ---- where the nodes lie ---- */
 
-/* No number for what is no angle of a cell; 0: not given. */
+/* Returns an angle's cosine; 0 if the angle is not given, NaN if no cell can have it. */
 static double cosine(double degrees) {
     if (degrees == 0 || degrees == 90)
         return 0;
     return degrees > 0 && degrees < 180 ? portable_cos(degrees / 360) : (double)NAN;
 }
 
-/* The directions of the cell's edges: the first along x, the second in the plane of x and y. */
+/* Compute the directions of the cell's edges: the first along x, the second in the plane of x and
+ * y. */
 static void edges_of(const mrc *h, double edge[3][3]) {
     const double alpha = cosine(real(h, WORD_ANGLES)), beta = cosine(real(h, WORD_ANGLES + 1)),
                  gamma = cosine(real(h, WORD_ANGLES + 2));
@@ -109,7 +111,7 @@ static void edges_of(const mrc *h, double edge[3][3]) {
     memcpy(edge, of, sizeof of);
 }
 
-/* Which edge each of the file's axes goes along; none says, or one says it twice: in order. */
+/* Find which edge each of the file's axes follows. Without a valid permutation: in order. */
 static void read_axes(const mrc *h, int axes[3]) {
     int seen = 0;
     for (int i = 0; i < 3; i++) {

@@ -11,13 +11,13 @@
 #include "formats/input/binary_fields.h"
 #include "formats/input/named_file.h"
 
-/* Where the two versions have their fields, and how wide these are. */
+/* Offsets and widths of the fields in one of the two versions. */
 typedef struct nifti_form {
-    const char *magic[2]; /* of a single file, of a header alone; 4 bytes */
+    const char *magic[2]; /* of a single file, and of a header alone; 4 bytes */
     int magic_at, header_bytes;
     int dim, size_width; /* dim[8] */
     int datatype;
-    int pixdim, real_width; /* pixdim[8]; of reals */
+    int pixdim, real_width; /* pixdim[8]; bytes of a real */
     int vox_offset;
     int slope, intercept;
     int codes, code_width; /* qform_code, sform_code */
@@ -66,13 +66,13 @@ static const nifti_form forms[] = {{.magic = {"n+1", "ni1"},
 
 enum { HEADER_MAX = 540 };
 
-/* A header while it is interpreted. */
+/* A header that is being interpreted. */
 typedef struct nifti {
     const nifti_form *form;
-    const char *name; /* of the file */
+    const char *name; /* the file's name */
     volume_layout *l;
     bool pair, big;
-    bool at_image; /* the stream is of a pair's .img */
+    bool at_image; /* the stream is a pair's .img */
     size_t size;
     uint8_t bytes[HEADER_MAX];
 } nifti;
@@ -88,7 +88,7 @@ static const nifti_form *find_form(const uint8_t *start, size_t size, bool *pair
     return NULL;
 }
 
-/* Its first bytes are those of a header, and h->form's. */
+/* Returns whether the first bytes are those of a header. Sets h->form. */
 static bool is_header(nifti *h, const uint8_t *start, size_t size) {
     h->form = find_form(start, size, &h->pair);
     if (!h->form || (binary_unsigned(start, 4, false) != (uint64_t)h->form->header_bytes &&
@@ -110,7 +110,7 @@ static bool is_header_file(mem *m, const char *path, nifti *h) {
     return is;
 }
 
-/* The header beside an image: x.hdr or x.hdr.gz beside x.img. path: where it is. */
+/* Find the header beside an image: x.hdr or x.hdr.gz beside x.img. path: out. */
 static bool find_header(mem *m, const char *image, char path[PATH_MAX], nifti *h) {
     static const char *const suffixes[] = {".hdr", ".HDR", ".hdr.gz"};
     const int stem = (int)strlen(image) - 4;
@@ -137,7 +137,7 @@ static double real_at(const nifti *h, int at, int index) {
 
 /* ---- sizes and type ---- */
 
-/* Axis 1 .. 7; those that are not there have one sample. */
+/* Read the size of axis 1 .. 7; an axis that is not there has one sample. */
 static status read_size(const nifti *h, int axis, int64_t axes, uint32_t *out) {
     const int width = h->form->size_width;
     const int64_t size = binary_signed(h->bytes + h->form->dim + axis * width, width, h->big);
@@ -235,7 +235,7 @@ static void rotation_of(double b, double c, double d, double r[3][3]) {
     double a = 0;
     if (rest > 1e-7)
         a = sqrt(rest);
-    else { /* half a turn, but for rounding */
+    else { /* half a turn, up to rounding */
         b /= length;
         c /= length;
         d /= length;
@@ -247,7 +247,7 @@ static void rotation_of(double b, double c, double d, double r[3][3]) {
     memcpy(r, of, sizeof of);
 }
 
-/* By the quaternion, or where there is none, along the axes of the world. */
+/* Place the nodes by the quaternion, or without one along the world's axes. */
 static void place_by_spacings(nifti *h, bool turned) {
     double r[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     double direction[3][3], spacing[3], origin[3] = {0, 0, 0};
@@ -266,8 +266,8 @@ static void place_by_spacings(nifti *h, bool turned) {
     volume_layout_place(h->l, direction, spacing, origin);
 }
 
-/* Of the world the standard knows one kind, RAS; where neither code says that the axes are of it,
- * they are as they come. */
+/* Set the world's axes. The standard knows RAS alone; if neither code is set, the axes are unknown.
+ */
 static void read_frame(nifti *h, bool placed) {
     static const char *const names[8] = {"", "m", "mm", "um"};
     const int code =
@@ -276,7 +276,7 @@ static void read_frame(nifti *h, bool placed) {
                     names[code] ? names[code] : "");
 }
 
-/* The repetition time, from toffset on. */
+/* Read the times: multiples of the repetition time, from toffset on. */
 static void read_times(nifti *h) {
     static const char *const names[8] = {[1] = "s", [2] = "ms", [3] = "us"};
     const int code =
@@ -303,7 +303,7 @@ static status read_placement(nifti *h) {
 
 /* ---- where the samples are ---- */
 
-/* x.hdr: x.img; x.hdr.gz: x.img.gz. */
+/* Open x.img for x.hdr, and x.img.gz for x.hdr.gz. */
 static status open_image(nifti *h) {
     const char *slash = strrchr(h->l->path, '/');
     char *name = mem_copy_text(h->l->m, slash ? slash + 1 : h->l->path);
@@ -358,7 +358,8 @@ static status open_layout(volume_layout *l, const volume_hints *hints) {
     if (!is_header(&h, start, size)) {
         h.at_image = true;
         h.name = header;
-        if (!find_header(l->m, byte_stream_kind(l->data), header, &h)) /* it was there before */
+        if (!find_header(l->m, byte_stream_kind(l->data), header,
+                         &h)) /* it was there a moment ago */
             return status_describe(ST_IO, "%s: its header is not there", l->path);
     }
     if (h.size < (size_t)h.form->header_bytes)

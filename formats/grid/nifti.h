@@ -1,5 +1,5 @@
-/* nifti.h - NIfTI-1 and NIfTI-2: .nii, and .hdr with its samples in the .img beside it, either of
- * them given.
+/* nifti.h - NIfTI-1 and NIfTI-2: .nii, or .hdr with its samples in the .img beside it; the path of
+ * either will do.
  *
  * Format: https://nifti.nimh.nih.gov, nifti1.h and nifti2.h. Understood: either byte order; 8 to 64
  * bit integers, float, double; RGB24 and RGBA32, and complex numbers, as several numbers a sample;

@@ -8,7 +8,7 @@
 
 enum { HEADER_MAX = 1 << 16, AXES_MAX = 32 };
 
-/* A header while it is interpreted. */
+/* A header that is being interpreted. */
 typedef struct npy {
     volume_layout *l;
     const char *name;
@@ -28,7 +28,7 @@ static status fault(const npy *n, status st, const char *what) {
                            n->text);
 }
 
-/* The dictionary, as a string; the stream then stands at the samples. */
+/* Read the dictionary as a string. The stream then stands at the samples. */
 static status read_text(npy *n, byte_stream *s) {
     const uint8_t *start;
     size_t size, got = 0;
@@ -56,7 +56,7 @@ static status read_text(npy *n, byte_stream *s) {
     return st;
 }
 
-/* The value of a key of the dictionary; NULL when there is none. */
+/* Returns the value of a key in the dictionary; NULL when there is none. */
 static const char *find(const npy *n, const char *key) {
     const size_t length = strlen(key);
     for (const char *at = n->text; (at = strstr(at, key)); at++) {
@@ -70,7 +70,7 @@ static const char *find(const npy *n, const char *key) {
     return NULL;
 }
 
-/* Byte order, kind, bytes. */
+/* A word holds byte order, kind, bytes. */
 bool npy_type(const char *word, stored_samples *s, bool *big_endian) {
     static const struct {
         char name[4];
@@ -133,18 +133,18 @@ static status read_shape(npy *n) {
 
 /* ---- what the axes are ---- */
 
-/* Axes of one sample in front of z, y and x go. */
+/* Drop axes of one sample in front of z, y and x. */
 static void drop_front(npy *n) {
     while (n->axes > 3 && n->shape[0] == 1)
         memmove(n->shape, n->shape + 1, (size_t)--n->axes * sizeof *n->shape);
 }
 
-/* What each of the array's axes is. Fortran has the first one fastest, behind the numbers that the
- * array knows nothing of. */
+/* Set the order of the samples from the axes' roles. In Fortran order the first axis is fastest,
+ * behind the numbers of an element (complex), which are no axis. */
 static void set_order(npy *n, const uint8_t *roles) {
     uint8_t *order = n->l->order;
     int at = 0;
-    if (!n->fortran) /* as a grid wants it */
+    if (!n->fortran) /* the order is a grid's */
         return;
     n->l->ordered = true;
     if (!memchr(roles, ORDER_COMPONENT, (size_t)n->axes))

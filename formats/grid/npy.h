@@ -2,10 +2,10 @@
  *
  * Format: https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html. A volume is
  * array[z][y][x], in C or Fortran order: the same array is the same volume. Of four axes, a last
- * one of up to 4 has the numbers of a sample, else the first one the steps; axes of one sample in
- * front do not count. Understood: bool, 8 to 64 bit integers, half, float, double, complex numbers
- * (as two numbers a sample); either byte order. Refused with ST_UNSUPPORTED: structures, objects,
- * text, dates, longer floats.
+ * axis of up to 4 holds the numbers of a sample; else the first axis holds the steps. Axes of one
+ * sample in front do not count. Understood: bool, 8 to 64 bit integers, half, float, double,
+ * complex numbers (as two numbers a sample); either byte order. Refused with ST_UNSUPPORTED:
+ * structures, objects, text, dates, longer floats.
  */
 #ifndef FORMATS_GRID_NPY_H
 #define FORMATS_GRID_NPY_H
@@ -14,11 +14,11 @@
 
 extern const grid_reader npy_reader;
 
-/* A last, fourth axis of up to so many has the numbers of a sample. */
+/* A last, fourth axis of up to this length holds the numbers of a sample. */
 enum { NPY_NUMBERS = 4 };
 
-/* npy_type() - of a type in NumPy's words, "<f4": s->type and s->components, and the byte order;
- * false for one that is not read. */
+/* npy_type() - read a type in NumPy's words, "<f4", into s->type, s->components and the byte order.
+ * Returns false if it is not supported. */
 bool npy_type(const char *word, stored_samples *s, bool *big_endian);
 
 #endif

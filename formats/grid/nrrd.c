@@ -10,12 +10,12 @@
 #include "formats/base/text.h"
 #include "formats/input/header_fields.h"
 
-/* A header while it is interpreted. Per-axis values are in the order of the file until squeeze()
- * has picked the three axes. */
+/* A header that is being interpreted. Per-axis values are in the file's order until squeeze() has
+ * picked the three axes. */
 typedef struct nrrd {
     header_fields fields;
     volume_layout *l;
-    int axes;  /* 3 or 4 in the file; a fourth, first or last, is none of the volume's */
+    int axes;  /* 3 or 4 in the file; a fourth, first or last, is not the volume's */
     int first; /* the volume's axes are first .. first + 2 */
 } nrrd;
 
@@ -84,8 +84,8 @@ static status check_magic(byte_stream *s) {
     return ST_OK;
 }
 
-/* A misspelt field would silently give another picture: unknown ones are errors, as the format
- * demands. */
+/* Refuse unknown fields, as the format demands: a misspelt one would silently give another picture.
+ */
 static status check_known(const nrrd *n) {
     for (size_t i = 0; i < n->fields.count; i++) {
         const header_field *f = &n->fields.items[i];
@@ -100,7 +100,7 @@ static status check_known(const nrrd *n) {
 
 /* ---- sizes and type ---- */
 
-/* Word number `axis` of a per-axis field, "" where there is none. */
+/* Returns word number `axis` of a per-axis field, "" if there is none. */
 static const char *word_of_axis(const header_field *f, int axis) {
     const char *at = f ? f->value : "";
     for (; axis > 0; axis--) {
@@ -121,7 +121,7 @@ static bool is_any_word(const char *at, const char *const *words) {
     return *words != NULL;
 }
 
-/* Whether an axis has the numbers of a sample, as its kind says. */
+/* Returns whether an axis holds the numbers of a sample, by its kind. */
 static bool has_numbers(const nrrd *n, int axis) {
     static const char *const others[] = {"", "none", "???", "domain", "space", "time", NULL};
     return !is_any_word(word_of_axis(get(n, "kinds"), axis), others);
@@ -137,7 +137,8 @@ static void set_numbers(const nrrd *n, int axis, uint32_t size) {
     memcpy(l->order, last, sizeof last);
 }
 
-/* What is beside the volume's three axes: numbers of a sample, first or last, or steps of time. */
+/* Interpret the axis beside the volume's three: numbers of a sample, first or last, or time steps.
+ */
 static bool take_fourth_axis(nrrd *n, const uint32_t all[4]) {
     const bool last = !has_numbers(n, 0) && all[0] != 1;
     n->first = !last;
@@ -235,8 +236,8 @@ static status read_endian(nrrd *n) {
 
 /* ---- where the nodes lie ---- */
 
-/* A per-axis field of numbers, those of the volume's three axes; NaN where the field is absent or
- * says nan. */
+/* Read a per-axis field of numbers for the volume's three axes; NaN where it is absent or says nan.
+ */
 static status read_axis_numbers(const nrrd *n, const char *key, double out[3]) {
     const header_field *f = get(n, key);
     double all[4] = {NAN, NAN, NAN, NAN};
@@ -245,7 +246,7 @@ static status read_axis_numbers(const nrrd *n, const char *key, double out[3]) {
     return st;
 }
 
-/* The vector "(x,y,z)" at *text, or "none"; moves *text behind it. */
+/* Read the vector "(x,y,z)", or "none", at *text, and move *text behind it. */
 static status take_vector(const nrrd *n, const header_field *f, const char **text, bool *none,
                           double out[3]) {
     const char *at = *text + strspn(*text, " \t");
@@ -280,12 +281,12 @@ static status check_space(const nrrd *n) {
     return ST_OK;
 }
 
-/* What "space" may say of the axes, by name or by letters, with or without "-time" behind. Which
- * way those of the others point is the scanner's affair. */
+/* Values of "space", as names or letters, with or without "-time" behind. Where the axes are
+ * unknown, their directions are the scanner's. */
 static const struct {
     const char *name, *letters;
     world_axes axes;
-    bool mirrored; /* x the other way: LAS */
+    bool mirrored; /* x is mirrored: LAS */
 } spaces[] = {
     {"right-anterior-superior", "RAS", WORLD_RAS, false},
     {"left-posterior-superior", "LPS", WORLD_LPS, false},
@@ -301,7 +302,7 @@ static bool is_space(const char *value, const char *name) {
            (!value[length] || strcasecmp(value + length, "-time") == 0);
 }
 
-/* Units are quoted strings, or words. Those of the axes of space come first. */
+/* Read units, which are quoted strings or words. Those of the space's axes come first. */
 static void take_units(world_frame *frame, const char *text) {
     for (int a = 0; a < 3; a++) {
         char unit[WORLD_UNIT];
@@ -316,7 +317,7 @@ static void take_units(world_frame *frame, const char *text) {
     }
 }
 
-/* LAS is mirrored, and becomes RAS. */
+/* Read the space and its units. LAS is mirrored to become RAS. */
 static status read_frame(const nrrd *n) {
     const header_field *space = get(n, "space"), *units = get(n, "space units");
     grid *g = &n->l->g;
@@ -338,8 +339,8 @@ static status read_frame(const nrrd *n) {
                                space->value);
 }
 
-/* The step from node to node along each axis: a vector of "space directions", or a spacing along x,
- * y or z. */
+/* Read the step from node to node along each axis: a vector of "space directions", or a spacing
+ * along x, y or z. */
 static status read_directions(const nrrd *n, double direction[3][3], double spacing[3]) {
     const header_field *f = get(n, "space directions");
     const char *text = f ? f->value : "";
@@ -363,7 +364,7 @@ static status read_directions(const nrrd *n, double direction[3][3], double spac
     return ST_OK;
 }
 
-/* Whether samples sit in the middle of their part of the axis, so that they start half a step
+/* Returns whether samples sit in the middle of their part of the axis. Then they start half a step
  * behind its minimum. */
 static bool is_cell_centred(const nrrd *n, int a) {
     const header_field *f = get(n, "centerings");
@@ -372,7 +373,7 @@ static bool is_cell_centred(const nrrd *n, int a) {
     return strncasecmp(word_of_axis(f, a + n->first), "cell", 4) == 0;
 }
 
-/* Spacings and positions of axes given by their ends. */
+/* Read spacings and positions of axes given by their ends. */
 static status read_ends(const nrrd *n, double spacing[3], double origin[3]) {
     double lo[3], hi[3];
     status st = read_axis_numbers(n, "axis mins", lo);
@@ -410,7 +411,7 @@ static status read_placement(const nrrd *n) {
     return st == ST_OK ? read_frame(n) : st;
 }
 
-/* The word in quotes of an axis. */
+/* Copy the quoted word of an axis; "" if there is none. */
 static void take_word(const char *text, int axis, char *to, size_t room) {
     to[0] = 0;
     for (int quotes = 0; quotes <= 2 * axis; quotes++) {
@@ -424,7 +425,7 @@ static void take_word(const char *text, int axis, char *to, size_t room) {
         snprintf(to, room, "%.*s", (int)(end - text), text);
 }
 
-/* Of an axis of times, which is the last: where it starts, its spacing and unit. */
+/* Read where the axis of times, which is the last, starts, and its spacing and unit. */
 static status read_times(const nrrd *n) {
     const header_field *spacings = get(n, "spacings"), *mins = get(n, "axis mins");
     const header_field *units = get(n, "units");

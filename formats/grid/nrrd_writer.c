@@ -13,7 +13,7 @@ struct nrrd_writer {
     uint64_t left; /* samples still to come */
 };
 
-/* A header as it is written: the first failure ends it. */
+/* A header that is being written. The first failure ends it. */
 typedef struct header {
     out_stream *out;
     status st;
@@ -30,7 +30,7 @@ static void put_number(header *h, const char *before, double value) {
     put(h, num_print(value, number));
 }
 
-/* A column of the map: "(x,y,z)". */
+/* Write a column of the map: "(x,y,z)". */
 static void put_vector(header *h, const grid *g, int column) {
     static const char *const before[3] = {" (", ",", ","};
     for (int row = 0; row < 3; row++)
@@ -68,7 +68,7 @@ static void put_absent(header *h, const grid *g) {
     put(h, "\n");
 }
 
-/* NRRD has a name for the space, or its dimension. */
+/* Write the space by its name, or just its dimension where NRRD has no name. */
 static void put_frame(header *h, const world_frame *frame) {
     static const char *const names[WORLD_AXES] = {
         [WORLD_LPS] = "left-posterior-superior", [WORLD_RAS] = "right-anterior-superior"};

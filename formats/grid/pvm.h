@@ -2,7 +2,7 @@
  *
  * Format: http://paulbourke.net/dataformats/pvm and dds_stream.h. Understood: one byte a voxel, or
  * two, most significant first; three or four as a colour; relative sizes of voxels as spacings. The
- * texts behind the samples of PVM3 are passed over.
+ * texts behind the samples of PVM3 are skipped.
  */
 #ifndef FORMATS_GRID_PVM_H
 #define FORMATS_GRID_PVM_H

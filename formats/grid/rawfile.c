@@ -14,7 +14,7 @@
 
 enum { PATH_ROOM = 4096, JSON_MAX = 1 << 20 };
 
-/* What is known of the samples so far. */
+/* What is known about the samples so far. */
 typedef struct facts {
     uint32_t dims[3]; /* 0: not known */
     sample_type type; /* 0: not known */
@@ -32,7 +32,7 @@ static const char *base_name(const char *path) {
 
 /* ---- file names ---- */
 
-/* "_WxHxD_type" at `at`; the type ends at the name's extension. */
+/* Read "_WxHxD_type" at `at`. The type ends at the name's extension. */
 static bool parse_tail(const char *at, facts *known) {
     unsigned d[3];
     int length = 0;
@@ -53,8 +53,8 @@ static bool parse_tail(const char *at, facts *known) {
     return true;
 }
 
-/* The part of a file name in front of "_WxHxD_type.raw", or of its extension; fills in what the
- * name tells. */
+/* Take the facts that a file name tells. Returns the length of the part in front of
+ * "_WxHxD_type.raw", or of the extension. */
 static size_t parse_name(const char *name, facts *known) {
     for (const char *at = strchr(name, '_'); at; at = strchr(at + 1, '_'))
         if (parse_tail(at, known))
@@ -69,7 +69,7 @@ static status bad_json(const char *path, const char *key, const char *expected) 
     return status_describe(ST_CORRUPT, "%s: \"%s\": expected %s", path, key, expected);
 }
 
-/* A key that is absent leaves *out alone. */
+/* Read three numbers. An absent key leaves *out as it is. */
 static status get_triple(const char *path, const json_t *root, const char *key, double out[3]) {
     const json_t *list = json_object_get(root, key);
     if (!list)
@@ -127,7 +127,7 @@ static status read_facts(const char *path, const json_t *root, facts *known) {
     return st;
 }
 
-/* What the JSON in a stream says. */
+/* Read the JSON in a stream. */
 static status parse_json(mem *m, byte_stream *s, facts *known) {
     const char *name = byte_stream_name(s);
     char *text = mem_alloc(m, JSON_MAX);
@@ -151,7 +151,8 @@ static status parse_json(mem *m, byte_stream *s, facts *known) {
     return st;
 }
 
-/* The JSON beside the samples, if there is one: NAME.json, or that of the name's front part. */
+/* Read the JSON beside the samples, if there is one: NAME.json, or the front part of NAME with
+ * .json. */
 static status read_json_beside(mem *m, const char *path, size_t front, facts *known) {
     const char *name = base_name(path);
     const char *dot = strrchr(name, '.');
@@ -174,8 +175,8 @@ static status read_json_beside(mem *m, const char *path, size_t front, facts *kn
     return ST_OK;
 }
 
-/* Read path, which is a JSON, and open the samples that it describes: those it names, or those of
- * its own name. */
+/* Read the JSON `path`, and open its samples: the file that it names, else the file of its own
+ * name. */
 static status open_json(volume_layout *l, const char *path, bool follow_links, facts *known) {
     status st = parse_json(l->m, l->data, known);
     if (st != ST_OK)
@@ -211,8 +212,9 @@ static status gather(volume_layout *l, const char *path, bool follow_links, fact
     return read_json_beside(l->m, path, front, known);
 }
 
-/* How the samples lie in the file. Too few bytes, whose first ones tell a format, are packed:
- * bonsai_256x256x256_uint8.raw.gz is unpacked on the way, .zst is refused by name. */
+/* Find how the samples lie in the file. If there are too few bytes, and the first ones tell a
+ * packed format, they are packed: bonsai_256x256x256_uint8.raw.gz is unpacked on the way, .zst is
+ * refused by name. */
 static status find_encoding(volume_layout *l, const facts *known) {
     const double want =
         (double)known->dims[0] * known->dims[1] * known->dims[2] * (double)sample_size(known->type);

@@ -8,7 +8,7 @@ typedef struct gathering {
     const sample_bytes *from;
     const uint32_t *first, *end;
     size_t step[ORDER_AXES]; /* bytes from one number to the next in out */
-    uint64_t passed;         /* numbers */
+    uint64_t passed;         /* numbers read or skipped so far */
     char *run;
 } gathering;
 
@@ -31,8 +31,8 @@ static void scatter(const char *run, size_t width, size_t count, size_t step, ch
     }
 }
 
-/* What is wanted of a run along the input's fastest axis, which starts at a number and goes to `to`
- * in out. */
+/* Take the wanted part of a run along the input's fastest axis. The run starts at number `start`,
+ * its part goes to `to` in out. */
 static status take_run(gathering *g, uint64_t start, char *to) {
     const int a = g->o->axis[0];
     const size_t width = g->o->width, count = g->end[a] - g->first[a];
@@ -47,7 +47,7 @@ static status take_run(gathering *g, uint64_t start, char *to) {
     return st;
 }
 
-/* All runs along the input's axes 0 .. axis - 1 from a number on. */
+/* Take all runs along the input's axes 0 .. axis - 1, from number `start` on. */
 static status take_block(gathering *g, int axis, uint64_t start, uint64_t numbers, char *to) {
     if (axis == 0)
         return take_run(g, start, to);

@@ -1,5 +1,5 @@
-/* sample_order.h - samples that lie in another order than a grid has them: z fastest, say, or all
- * first components before all second ones. */
+/* sample_order.h - samples whose order differs from a grid's: z fastest, say, or all first
+ * components before all second ones. */
 #ifndef FORMATS_GRID_SAMPLE_ORDER_H
 #define FORMATS_GRID_SAMPLE_ORDER_H
 
@@ -8,23 +8,23 @@
 
 #include "formats/base/status.h"
 
-/* The axes of samples. A grid has ORDER_COMPONENT fastest, then ORDER_X. */
+/* The axes of samples. In a grid ORDER_COMPONENT is fastest, then ORDER_X. */
 enum { ORDER_X, ORDER_Y, ORDER_Z, ORDER_COMPONENT, ORDER_STEP, ORDER_AXES };
 
 typedef struct sample_order {
-    uint8_t axis[ORDER_AXES];   /* of the input: its fastest first */
+    uint8_t axis[ORDER_AXES];   /* the input's axes, the fastest first */
     uint32_t count[ORDER_AXES]; /* numbers along ORDER_X, .. */
     size_t width;               /* bytes of a number */
 } sample_order;
 
-/* The input's bytes, in its order. */
+/* Reads the input's bytes, in the input's order. */
 typedef struct sample_bytes {
     status (*read)(void *ctx, void *to, size_t bytes);
     status (*skip)(void *ctx, uint64_t bytes);
     void *ctx;
 } sample_bytes;
 
-/* sample_order_gather() - pass over all numbers, from the first to the last, and put those within
+/* sample_order_gather() - read past all numbers, from the first to the last, and put those within
  * first .. end - 1 along each axis into out, in the order of a grid. run: room for the numbers
  * along axis[0]. */
 CHECKED status sample_order_gather(const sample_order *o, const sample_bytes *from,

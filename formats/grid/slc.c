@@ -8,9 +8,10 @@
 
 enum { NUMBERS = 14, ICON_MAX = 1 << 15, PACKED_MAX = 1 << 30 };
 
-/* ---- known by its head ---- */
+/* ---- recognising by the head ---- */
 
-/* Whether an X comes behind as many numbers as the head has; other files begin with 11111, too. */
+/* Returns whether an X follows as many numbers as the head has. Other files begin with 11111, too.
+ */
 static bool is_head(const uint8_t *start, size_t size) {
     size_t at = 0;
     for (int i = 0; i <= NUMBERS; i++) {
@@ -38,13 +39,13 @@ typedef struct slc_stream {
     mem *m;
     byte_stream *from;
     uint64_t plane;         /* bytes of a slice */
-    uint32_t slices, slice; /* the one under way */
-    uint64_t given;         /* of it */
-    uint64_t left;          /* of its packed bytes; valid while it is open */
+    uint32_t slices, slice; /* slice: the current one */
+    uint64_t given;         /* bytes of the slice handed out */
+    uint64_t left;          /* packed bytes of it still to come; valid while it is open */
     bool is_open;
-    unsigned run; /* bytes that the control byte still stands for */
+    unsigned run; /* bytes that the control byte still covers */
     bool literal;
-    uint8_t value; /* of a run that is not */
+    uint8_t value; /* the repeated byte of a run that is not literal */
 } slc_stream;
 
 static status damaged(const slc_stream *s, const char *what) {
@@ -52,7 +53,7 @@ static status damaged(const slc_stream *s, const char *what) {
                            byte_stream_name(s->from), s->slice, what);
 }
 
-/* An X, behind blanks. */
+/* Take an X, behind blanks. */
 static status take_x(text_tokens *t) {
     const uint8_t *next;
     size_t size;
@@ -104,7 +105,7 @@ static status begin_run(slc_stream *s) {
     return st == ST_OK && !s->literal ? take_bytes(s, &s->value, 1) : st;
 }
 
-/* What is left of its packed bytes is its end. */
+/* End a slice. Packed bytes that are left are skipped. */
 static status end_slice(slc_stream *s) {
     status st = byte_stream_skip(s->from, s->left);
     s->is_open = false;
@@ -143,7 +144,7 @@ static void close_packed(void *ctx) {
     mem_free(s->m, s);
 }
 
-/* The slices take the place of the file. */
+/* Put the unpacked slices in the place of the file. */
 static status unpack(volume_layout *l) {
     slc_stream *s = mem_zalloc(l->m, sizeof *s);
     if (!s)

@@ -13,7 +13,7 @@ static bool is_scaled(const stored_samples *s) {
     return s->slope != 0 && !(s->slope == 1 && s->intercept == 0);
 }
 
-/* Several numbers make one. */
+/* Returns whether several numbers make one sample. */
 static bool is_joined(const stored_samples *s) {
     return components_of(s) > 1 && s->component == 0;
 }
@@ -48,7 +48,7 @@ void stored_samples_tell(const stored_samples *s, slice_field *to) {
     to->colours = s->colours;
 }
 
-/* The chosen number of each sample, side by side in the same place. */
+/* Move the chosen number of each sample to the front, side by side. */
 static void pick(const stored_samples *s, char *numbers, size_t count) {
     const size_t width = sample_size(s->type), step = width * components_of(s);
     const char *from = numbers + (s->component - 1) * width;
@@ -56,7 +56,7 @@ static void pick(const stored_samples *s, char *numbers, size_t count) {
         memmove(numbers + i * width, from + i * step, width);
 }
 
-/* Rec. 709, of linear light. */
+/* Returns the luminance of linear light (Rec. 709). */
 static double luminance(const double *c) {
     return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
 }
@@ -68,7 +68,7 @@ static double magnitude(const double *v, uint32_t count) {
     return sqrt(sum);
 }
 
-/* count samples in place. */
+/* Join the numbers of count samples, in place. */
 static void join(const stored_samples *s, double *v, size_t count) {
     const uint32_t n = components_of(s);
     for (size_t i = 0; i < count; i++) {

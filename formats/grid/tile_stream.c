@@ -30,7 +30,7 @@ typedef struct tile_stream {
     mem *m;
     byte_stream *data;
     uint32_t dims[3];
-    size_t width; /* of a sample */
+    size_t width; /* bytes of a sample */
     uint8_t quiet[SLICE_SAMPLE_MAX];
     char *packed;           /* room for a slice */
     uint8_t *busy, *before; /* maps of a slice */
@@ -108,7 +108,7 @@ static status read_all(void *ctx, uint32_t first, uint32_t count, void *slices) 
     return st;
 }
 
-/* The importer may still say that it has failed. */
+/* Check the end: the importer may still report that it has failed. */
 static status finish(void *ctx, uint64_t *trailing) {
     const tile_stream *s = ctx;
     char byte;

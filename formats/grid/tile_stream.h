@@ -1,5 +1,5 @@
-/* tile_stream.h - slices with their maps of busy tiles (slice_tiles.h) through a pipe, from an
- * importer to who has started it: what is quiet is not sent.
+/* tile_stream.h - sends slices with their maps of busy tiles (slice_tiles.h) through a pipe, from
+ * an importer to the process that started it. Quiet tiles are not sent.
  *
  *   offset  size  of the stream
  *        0     8  magic "LFTILES\n"
@@ -8,7 +8,7 @@
  *        .     .  slice after slice: its map, then the samples of its busy tiles, as
  *                 slice_tiles_gather() puts them
  *
- * In the machine's byte order but for the header: it stays on the machine.
+ * All but the header is in the machine's byte order, since the stream never leaves the machine.
  */
 #ifndef FORMATS_GRID_TILE_STREAM_H
 #define FORMATS_GRID_TILE_STREAM_H
@@ -17,17 +17,17 @@
 #include "formats/grid/slice_source.h"
 #include "formats/grid/volume_layout.h"
 
-/* tile_stream_begin() - write all that stands before the slices. tile_stream_slice() - the next
- * one; packed: room for a slice. */
+/* tile_stream_begin() - write all that stands before the slices.
+ * tile_stream_slice() - write the next slice; packed: room for a slice. */
 CHECKED status tile_stream_begin(out_stream *out, const grid *g, const void *quiet);
 CHECKED status tile_stream_slice(out_stream *out, const grid *g, const void *slice,
                                  const uint8_t *busy, void *packed);
 
-/* tile_stream_known() - whether l->data is such a stream: then its value is taken from it, which
- * the NRRD header follows; quiet: out. */
+/* tile_stream_known() - finds out whether l->data is a tile stream. If so, takes the quiet value
+ * from it, so that the NRRD header comes next; quiet: out. */
 CHECKED status tile_stream_known(volume_layout *l, bool *known, uint8_t quiet[SLICE_SAMPLE_MAX]);
 
-/* tile_stream_open() - l->data is at the first slice. As layout_slices_open(). */
+/* tile_stream_open() - open the slices; l->data is at the first one. As layout_slices_open(). */
 CHECKED status tile_stream_open(volume_layout *l, const uint8_t quiet[SLICE_SAMPLE_MAX],
                                 slice_source *out);
 

@@ -31,13 +31,13 @@ struct volume {
     mem *m;
     bool rests;
     slice_source from;
-    grid g;         /* as slices are handed out; its axes are those of from.g */
-    uint32_t slice; /* the next one */
+    grid g;         /* the grid of the slices handed out; from.g owns its axes */
+    uint32_t slice; /* the next slice */
     bool has_missing;
-    double missing; /* read as NaN */
+    double missing; /* the value that is read as NaN */
 };
 
-/* What the formats are told by; the first that knows the file reads it. Raw samples know any. */
+/* The formats. The first that recognises a file reads it; raw samples accept any file. */
 static const grid_reader *const readers[] = {
     &nrrd_reader,
     &metaimage_reader,
@@ -64,7 +64,7 @@ static void apply_spacing(grid *g, int a, double spacing) {
         g->to_world[row][a] = g->to_world[row][a] / length * spacing;
 }
 
-/* The whole of a text file, NUL-terminated. */
+/* Read a whole text file, NUL-terminated. */
 static status read_text(mem *m, const char *path, char **out) {
     file *f = NULL;
     char *text = NULL;
@@ -88,7 +88,7 @@ static status read_text(mem *m, const char *path, char **out) {
     return ST_OK;
 }
 
-/* Its coordinates replace the spacing. */
+/* Apply a file of coordinates, which replace the spacing. */
 static status apply_axis_file(slice_source *from, int a, const char *path) {
     char *text = NULL;
     status st = read_text(from->m, path, &text);
@@ -101,7 +101,7 @@ static status apply_axis_file(slice_source *from, int a, const char *path) {
 
 static status apply_hints(slice_source *from, const volume_hints *hints) {
     for (int a = 0; a < 3; a++) {
-        /* Coordinates first: they set the axis' step, which the hint replaces. */
+        /* Apply coordinates first: they set the axis' step, which the hint replaces. */
         status st = hints->axis_file[a] ? apply_axis_file(from, a, hints->axis_file[a]) : ST_OK;
         if (st != ST_OK)
             return st;
@@ -119,7 +119,7 @@ static status apply_hints(slice_source *from, const volume_hints *hints) {
     return ST_OK;
 }
 
-/* Integers have no NaN: with a value for missing data they are handed out as floats. */
+/* Apply the value for missing data. Integers have no NaN, so they are then handed out as floats. */
 static status apply_missing(volume *v, const volume_hints *hints) {
     grid *g = &v->g;
     char value[NUM_TEXT_MAX];
@@ -141,7 +141,8 @@ static status apply_missing(volume *v, const volume_hints *hints) {
 
 /* ---- opening ---- */
 
-/* Whoever gives sizes says that it is raw samples, whatever they begin with. */
+/* Find the reader. If the hints give sizes, the file is raw samples even where it begins like a
+ * format of an importer. */
 static const grid_reader *find_reader(const char *path, const uint8_t *start, size_t size,
                                       const volume_hints *hints) {
     const grid_reader *const *r = readers;
@@ -177,7 +178,7 @@ static status open_reader(volume_layout *l, const volume_hints *hints, slice_sou
     return st;
 }
 
-/* The hints' part: v->from is set. */
+/* Apply the hints. v->from must be set. */
 static status begin(volume *v, const volume_hints *hints) {
     status st = apply_hints(&v->from, hints);
     v->g = v->from.g;
@@ -185,10 +186,10 @@ static status begin(volume *v, const volume_hints *hints) {
         st = apply_missing(v, hints);
     if (st == ST_OK)
         st = grid_check(&v->g, v->from.name);
-    /* The file's own place was sound: it is the options'. */
+    /* The file's own place was sound, so the options are at fault. */
     if (st == ST_CORRUPT && (hints->has_origin || hints->spacing[0] != 0 || hints->exaggerate != 0))
         st = ST_USAGE;
-    /* Never the file's: the same samples are the same data set. */
+    /* Never use the file's name: the same samples are the same data set. */
     text_name(v->g.name, sizeof v->g.name, hints->name ? hints->name : v->from.g.name);
     return st;
 }
@@ -277,8 +278,8 @@ const char *volume_importer(const volume *v) {
 
 /* ---- reading ---- */
 
-/* Missing data is NaN from here on. Compared in the samples' own precision, as it was written.
- * at: the samples, at the end of buffer. */
+/* Turn missing data into NaN. Compare in the samples' own precision, as they were written. at: the
+ * samples, at the end of buffer. */
 static status mark_missing(const volume *v, const void *at, void *buffer, size_t count) {
     if (v->from.g.type == SAMPLE_F32) {
         float *f = buffer, missing = (float)v->missing;

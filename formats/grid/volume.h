@@ -2,8 +2,8 @@
  *
  * volume_open() recognises the format (NRRD, MHD/MHA, VTK, raw with a JSON beside it or dimensions
  * in its name), reads its header and checks it against the file's length before anything is
- * allocated for samples. volume_read() then hands out slices front to back. No reader holds more
- * than it was asked for, plus fixed buffers, gzip included. One thread per volume.
+ * allocated for samples. volume_read() then hands out slices front to back. A reader holds no more
+ * than the slices asked for and fixed buffers, gzip included. One thread per volume.
  *
  * Where the nodes lie: regular grids have everything in to_world. An axis with coordinates of its
  * own makes the grid rectilinear; its column of to_world scales and directs them, and both are
@@ -23,72 +23,73 @@
 
 typedef struct volume volume;
 
-/* volume_open() - path, or "-" for standard input, or a folder: of any format in volume.c's table.
- * hints may be NULL. ST_CORRUPT,
- * ST_UNSUPPORTED (also for a file of no known format) or ST_IO, naming file and line. */
+/* volume_open() - open a path, "-" for standard input, or a folder, of any format in volume.c's
+ * table. hints may be NULL. ST_CORRUPT, ST_UNSUPPORTED (also for a file of no known format) or
+ * ST_IO, naming file and line. */
 CHECKED status volume_open(mem *m, const char *path, const volume_hints *hints, volume **out);
 
-/* volume_is_folder() - whether a path is that of a folder, whose files may be the slices. */
+/* volume_is_folder() - returns whether a path is a folder, whose files may be the slices. */
 bool volume_is_folder(const char *path);
 
-/* volume_open_stream() - the same of a stream of which nothing was taken; it is taken over, and
- * closed in any case. */
+/* volume_open_stream() - open a stream from which nothing was taken. It is taken over, and closed
+ * in any case. */
 CHECKED status volume_open_stream(mem *m, byte_stream *s, const volume_hints *hints, volume **out);
 
-/* volume_open_slices() - of any source, which is taken over, and closed in any case. Of hints,
- * which may be NULL, all count but those of raw samples. */
+/* volume_open_slices() - open any source, which is taken over, and closed in any case. hints may be
+ * NULL; all apply but those of raw samples. */
 CHECKED status volume_open_slices(mem *m, slice_source *from, const volume_hints *hints,
                                   volume **out);
 void volume_close(volume *v); /* NULL is fine */
 
 const grid *volume_grid(const volume *v);
 
-/* volume_format() - what it was read as: "NRRD", VOLUME_RAW_SAMPLES; VOLUME_COLLECTION for
- * several steps, all of which are meant. */
+/* volume_format() - returns the format that it is read as: "NRRD", VOLUME_RAW_SAMPLES;
+ * VOLUME_COLLECTION where all of several steps are meant. */
 #define VOLUME_RAW_SAMPLES "raw samples"
 #define VOLUME_COLLECTION  "a collection of VTK grids"
 const char *volume_format(const volume *v);
 
-/* volume_has_fields() - whether its format has several of them, or steps or components, of which
- * the hints choose. */
+/* volume_has_fields() - returns whether its format has several fields, steps or components, from
+ * which the hints choose. */
 bool volume_has_fields(const volume *v);
 
-/* volume_fields() - tell all the fields that could have been asked for; which of them was taken,
- * and how many steps they have. Before volume_rest(). Where the format has no names, the one is
- * called
- * "". */
+/* volume_fields() - tell all the fields that can be asked for, which one was taken, and their
+ * numbers of steps. Call before volume_rest(). Where the format has no names, the one field is
+ * called "". */
 CHECKED status volume_fields(const volume *v, const slice_fields *to);
 
-/* volume_importer() - "vdb" where leafcast-import-vdb reads it; NULL: this process does. */
+/* volume_importer() - returns "vdb" where leafcast-import-vdb reads it; NULL: this process does. */
 const char *volume_importer(const volume *v);
 
-/* volume_read() - the next `count` z slices, native byte order, type volume_grid()->type, into
- * buffer (count * grid_slice_bytes()). ST_CORRUPT when the data ends early, naming slice and byte.
- * The caller does not ask for more slices than are left. */
+/* volume_read() - read the next `count` z slices, in native byte order and of type
+ * volume_grid()->type, into buffer (count * grid_slice_bytes()). ST_CORRUPT when the data ends
+ * early, naming slice and byte. The caller must not ask for more slices than are left. */
 CHECKED status volume_read(volume *v, uint32_t count, void *buffer);
 
-/* volume_quiet() - whether large parts of v may be one value that its source tells of: out, a
- * sample of volume_grid()->type. Then volume_read_tiles() reads as volume_read(), with a map for
- * each slice (slice_tiles.h): before, what buffer holds, after, what has been read. */
+/* volume_quiet() - returns whether large parts of v may be one value that its source marks. sample:
+ * out, that value, of type volume_grid()->type. Then volume_read_tiles() reads as volume_read(),
+ * with a map for each slice (slice_tiles.h): on entry it says what buffer holds, on return what has
+ * been read. */
 bool volume_quiet(const volume *v, uint8_t sample[SLICE_SAMPLE_MAX]);
 CHECKED status volume_read_tiles(volume *v, uint32_t count, void *buffer, uint8_t *busy);
 
-/* volume_rounding() - the most that a sample read so far was rounded by, of what the file's numbers
- * and its slope make; 0: they are exact. */
+/* volume_rounding() - returns the largest rounding error of a sample so far, against the file's
+ * number and slope; 0: samples are exact. */
 double volume_rounding(const volume *v);
 
-/* volume_finish() - after the last slice: check what is behind it (a gzip checksum) and count the
- * bytes that follow, which are allowed up to VOLUME_TRAILING_MAX where they must be read to be
- * counted. trailing may be NULL. */
+/* volume_finish() - check what is behind the last slice (a gzip checksum), and count the bytes that
+ * follow. Where they must be read to be counted, up to VOLUME_TRAILING_MAX are allowed. trailing
+ * may be NULL. */
 enum { VOLUME_TRAILING_MAX = 1 << 26 };
 CHECKED status volume_finish(volume *v, uint64_t *trailing);
 
-/* volume_next_step() - of one whose hints had all_steps, behind volume_finish(): on to the slices
- * of the next step, which there is. false: it takes another opening, with another hint. */
+/* volume_next_step() - go on to the slices of the next step, which must exist. Call after
+ * volume_finish(), if the hints had all_steps. Returns false if the step has to be opened anew,
+ * with another hint. */
 bool volume_next_step(volume *v);
 
-/* volume_rest() - nothing more will be read: what that takes is given back, an importer ended. What
- * is known of the volume stays. Again is fine. */
+/* volume_rest() - nothing more will be read: free what reading takes, end an importer. What is
+ * known of the volume stays. May be called again. */
 void volume_rest(volume *v);
 bool volume_rests(const volume *v);
 

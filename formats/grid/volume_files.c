@@ -18,7 +18,7 @@ typedef struct volume_files {
     volume_layout shape; /* sizes, type, encoding, and the file that is open */
     uint64_t lines;
     int64_t bytes;
-    uint64_t each, left; /* bytes of samples of a file, and of the open one still to come */
+    uint64_t each, left; /* bytes of samples in each file; left: still to come in the open file */
     size_t next;
     unpack_stream *packed;
 } volume_files;
@@ -39,7 +39,7 @@ static status add_name(volume_files *f, const char *name) {
     return st;
 }
 
-/* The lines behind the header, up to its end. */
+/* Add the names in the lines behind the header, up to the file's end. */
 static status add_lines(volume_files *f, byte_stream *header) {
     text_line line = {.m = f->m};
     status st = ST_OK;
@@ -86,7 +86,7 @@ static void close_file(volume_files *f) {
     f->shape.data = NULL;
 }
 
-/* Unpacked, where they are packed. */
+/* Read bytes, unpacked if they are packed. */
 static status read_some(volume_files *f, void *to, size_t size, size_t *got) {
     return f->packed ? unpack_stream_read(f->packed, to, size, got)
                      : byte_stream_read(f->shape.data, to, size, got);
@@ -111,7 +111,7 @@ static status skip_unpacked(volume_files *f) {
     return ST_OK;
 }
 
-/* So that the samples end with the file, or bytes before it. */
+/* Skip to where the samples start if they end with the file, or -1 - bytes before it. */
 static status skip_to_end(const volume_files *f) {
     const uint64_t left = byte_stream_left(f->shape.data), behind = (uint64_t)(-1 - f->bytes);
     if (f->shape.encoding != VOLUME_RAW)
@@ -122,7 +122,7 @@ static status skip_to_end(const volume_files *f) {
     return byte_stream_skip(f->shape.data, left - behind - f->each);
 }
 
-/* One of them, up to its first sample. */
+/* Open one of the files, up to its first sample. */
 static status open_file(volume_files *f, size_t index) {
     const packer *p = volume_layout_packer(&f->shape);
     close_file(f);
@@ -163,7 +163,7 @@ static void close_files(void *ctx) {
 
 /* ---- opening ---- */
 
-/* How many bytes of each file are samples; the grid has sound sizes. */
+/* Compute how many bytes of each file are samples. The grid's sizes must be sound. */
 static status share(volume_files *f) {
     const uint64_t step = volume_layout_step_bytes(&f->shape),
                    steps = f->shape.steps ? f->shape.steps : 1;

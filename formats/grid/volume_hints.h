@@ -1,4 +1,4 @@
-/* volume_hints.h - what the command line says about a grid that its file does not say, or says
+/* volume_hints.h - facts about a grid from the command line, where its file lacks them or has them
  * wrong. */
 #ifndef FORMATS_GRID_VOLUME_HINTS_H
 #define FORMATS_GRID_VOLUME_HINTS_H
@@ -20,22 +20,22 @@ typedef struct volume_hints {
                           negative */
     double origin[3];  /* world position of node (0, 0, 0) */
     bool has_origin;
-    double exaggerate; /* scales the world's z, where degrees stand beside metres; above 0. An
-                          origin given here stays where it is */
-    bool has_axes;     /* which way the world's axes point, whatever the file says */
+    double exaggerate; /* scales the world's z (> 0), where degrees stand beside metres. An origin
+                          given here stays where it is */
+    bool has_axes; /* `axes` is given: which way the world's axes point, whatever the file says */
     world_axes axes;
-    const char *unit; /* of lengths, likewise */
+    const char *unit; /* unit of lengths, whatever the file says */
     bool has_missing; /* samples equal to `missing` are read as NaN, no data; integers are then
                          handed out as f32, and one that f32 cannot hold is ST_UNSUPPORTED */
     double missing;
     const char *axis_file[3]; /* rectilinear: a text file with one coordinate a line (or split by
                                  white space), per axis */
-    const char *name;         /* of the data set, in place of the input's own */
+    const char *name;         /* name of the data set, in place of the input's own */
     const char *field;        /* which of several: an array, a grid, a data set, a variable */
-    uint32_t component;       /* of several numbers a sample: 1, 2, ..; 0: their magnitude, or of
-                                 colours the luminance */
-    uint32_t step;            /* of several time steps, from 0 on */
-    bool all_steps;           /* those behind it will be read, too: see volume_next_step() */
+    uint32_t component; /* which of several numbers a sample: 1, 2, ..; 0: their magnitude, or the
+                           luminance of colours */
+    uint32_t step;      /* which of several time steps, from 0 */
+    bool all_steps;     /* later steps will be read, too: see volume_next_step() */
     input_trust trust;
 } volume_hints;
 

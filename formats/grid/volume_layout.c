@@ -45,7 +45,7 @@ uint64_t volume_layout_step_bytes(const volume_layout *l) {
     return times(grid_samples(&l->g), stored_samples_bytes(&l->stored));
 }
 
-/* Of all steps. */
+/* Returns the bytes of all steps. */
 static uint64_t all_bytes(const volume_layout *l) {
     return times(volume_layout_step_bytes(l), l->steps ? l->steps : 1);
 }
@@ -74,7 +74,7 @@ static status skip_lines(volume_layout *l, uint64_t lines) {
     return st;
 }
 
-/* So that the samples end `behind` bytes before the file does. */
+/* Skip to where the samples start if they end `behind` bytes before the file does. */
 static status skip_to_end(volume_layout *l, uint64_t behind) {
     const char *name = byte_stream_name(l->data);
     uint64_t left = byte_stream_left(l->data);
@@ -89,7 +89,7 @@ static status skip_to_end(volume_layout *l, uint64_t behind) {
 }
 
 status volume_layout_skip(volume_layout *l, uint64_t lines, int64_t bytes) {
-    /* Sizes first: products of unchecked ones overflow. */
+    /* Check sizes first: products of unchecked sizes overflow. */
     status st = grid_check(&l->g, byte_stream_name(l->data));
     if (st == ST_OK)
         st = skip_lines(l, lines);

@@ -27,7 +27,7 @@ static uint64_t along(const vtk_extent *e, int a) {
     return (uint64_t)(e->hi[a] - e->lo[a] + 1);
 }
 
-/* UINT64_MAX when there are more. */
+/* Returns the number of nodes; UINT64_MAX when there are more. */
 static uint64_t volume_of(const vtk_extent *e) {
     uint64_t area, all;
     return __builtin_mul_overflow(along(e, 0), along(e, 1), &area) ||
@@ -36,7 +36,7 @@ static uint64_t volume_of(const vtk_extent *e) {
                : all;
 }
 
-/* The samples of a field between these nodes: of cells one fewer along each axis, so that a flat
+/* Returns the samples of a field among these nodes. Cells are one fewer along each axis, so a flat
  * piece has none. */
 static vtk_extent samples_of(vtk_owner owner, const vtk_extent *nodes) {
     vtk_extent e = *nodes;
@@ -56,7 +56,7 @@ void vtk_frame_init(vtk_frame *f) {
         f->direction[a][a] = 1;
 }
 
-/* ---- making one ---- */
+/* ---- making a grid ---- */
 
 status vtk_grid_create(mem *m, vtk_grid **out) {
     vtk_grid *g = mem_zalloc(m, sizeof *g);
@@ -129,8 +129,8 @@ static const vtk_array *find_field(vtk_grid *g, const char *name) {
     return a;
 }
 
-/* Of the points or the cells, as the chosen one is, as far as the first piece has them: they are
- * the same in all. */
+/* Tell the fields that have the owner of the chosen one, from the first piece: all pieces have the
+ * same. */
 static status tell_fields(void *ctx, const slice_fields *to) {
     const vtk_grid *g = ctx;
     const vtk_fields *f = &g->pieces[0].fields;
@@ -151,7 +151,7 @@ static status tell_fields(void *ctx, const slice_fields *to) {
     return st;
 }
 
-/* The chosen array in a piece. */
+/* Find and check the chosen array in a piece. */
 static status choose_in_piece(const vtk_grid *g, vtk_grid_piece *p, const vtk_array *chosen) {
     if (!has_samples(g, p))
         return ST_OK;
@@ -171,7 +171,7 @@ static status choose_field(vtk_grid *g, const volume_hints *hints, grid *to) {
         return no_field(g, hints->field);
     if (vtk_array_width(chosen->type) == 0)
         return vtk_array_fault(chosen, ST_UNSUPPORTED, "strings and packed bits are no samples");
-    /* As VTK has it, bytes by three or four are colours. */
+    /* As in VTK, three or four bytes are a colour. */
     const bool colours =
         chosen->type == VTK_U8 && chosen->components >= 3 && chosen->components <= 4;
     g->chosen = chosen->name;
@@ -187,8 +187,8 @@ static status choose_field(vtk_grid *g, const volume_hints *hints, grid *to) {
 
 /* ---- where it lies ---- */
 
-/* Pieces within the whole, and enough of them; which samples none has is seen when they are read.
- */
+/* Check that pieces lie within the whole, and have enough nodes. A sample that no piece has is
+ * found when it is read. */
 static status check_extents(const vtk_grid *g) {
     uint64_t all = 0;
     for (size_t i = 0; i < g->count; i++) {
@@ -217,7 +217,7 @@ static void place_regular(const vtk_grid *g, grid *to) {
     }
 }
 
-/* A piece's coordinates of the nodes along an axis, to their place among all. */
+/* Read a piece's coordinates of the nodes along an axis, to their place in the whole axis. */
 static status read_piece_axis(const vtk_grid *g, const vtk_grid_piece *p, int a, double *axis) {
     const uint64_t count = along(&p->extent, a);
     const vtk_array *from = &p->axis[a];
@@ -236,7 +236,7 @@ static status read_piece_axis(const vtk_grid *g, const vtk_grid_piece *p, int a,
     return st;
 }
 
-/* Cells lie in the middle between their nodes. */
+/* Set an axis. Samples of cells lie in the middle between nodes. */
 static status set_axis(const vtk_grid *g, int a, double *nodes, grid *to) {
     for (uint32_t i = 0; g->owner == VTK_OF_CELLS && i < to->dims[a]; i++)
         nodes[i] += (nodes[i + 1] - nodes[i]) / 2;
@@ -249,7 +249,7 @@ static status place_axis(const vtk_grid *g, int a, grid *to) {
     if (!nodes)
         return ST_NOMEM;
     for (size_t i = 0; i < count; i++)
-        nodes[i] = NAN; /* so that those of no piece are found */
+        nodes[i] = NAN; /* to find nodes that no piece has */
     status st = ST_OK;
     for (size_t i = 0; st == ST_OK && i < g->count; i++)
         st = read_piece_axis(g, &g->pieces[i], a, nodes);
@@ -287,7 +287,7 @@ static status close_samples(vtk_grid_piece *p) {
     return st;
 }
 
-/* Mark the samples of the slice that the active pieces have; one that none has is a fault. */
+/* Mark the samples of the slice that active pieces have. A sample that none has is a fault. */
 static status check_filled(vtk_grid *g, int64_t z) {
     const vtk_extent *all = &g->samples;
     const size_t width = (size_t)along(all, 0), height = (size_t)along(all, 1);
@@ -307,7 +307,7 @@ static status check_filled(vtk_grid *g, int64_t z) {
                            (long long)(all->lo[1] + (int64_t)(at / width)), (long long)z);
 }
 
-/* Pieces come and go; *changed tells of it. */
+/* Update the active pieces for a slice. *changed: whether they are others than before. */
 static status begin_slice(vtk_grid *g, int64_t z, bool *changed) {
     size_t kept = 0;
     *changed = z == g->samples.lo[2];
@@ -329,7 +329,7 @@ static status begin_slice(vtk_grid *g, int64_t z, bool *changed) {
     return ST_OK;
 }
 
-/* The next samples of a piece. */
+/* Read the next samples of a piece. */
 static status read_samples(vtk_grid *g, vtk_grid_piece *p, size_t count, char *to) {
     if (!g->chunk)
         return vtk_cursor_raw(p->samples, count, to);
@@ -347,7 +347,7 @@ static status read_samples(vtk_grid *g, vtk_grid_piece *p, size_t count, char *t
     return ST_OK;
 }
 
-/* A piece's part of a slice: row by row, or at once where its rows are whole. */
+/* Read a piece's part of a slice: row by row, or at once where its rows are whole. */
 static status read_part(vtk_grid *g, vtk_grid_piece *p, int64_t z, char *slice) {
     const vtk_extent e = samples_of(g->owner, &p->extent), *all = &g->samples;
     const size_t width = (size_t)along(all, 0), size = sample_size(g->type);
@@ -396,7 +396,8 @@ static int by_first_slice(const void *a, const void *b, void *pieces) {
     return first != second ? (first > second) - (first < second) : (i > k) - (i < k);
 }
 
-/* Each piece has as many numbers as its extent asks for, and its file has room for them. */
+/* Check that each piece has as many numbers as its extent needs, and that its file has room for
+ * them. */
 static status check_pieces(vtk_grid *g) {
     status st = ST_OK;
     for (size_t i = 0; st == ST_OK && i < g->count; i++) {
@@ -425,13 +426,13 @@ static status make_order(vtk_grid *g) {
 }
 
 static status check_step(const vtk_grid *g, const volume_hints *hints) {
-    return hints->step == 0 || g->parts.steps > 0 /* then it was looked at */
+    return hints->step == 0 || g->parts.steps > 0 /* then the step has been checked */
                ? ST_OK
                : status_describe(ST_USAGE, "%s: no step %u: there is 1, counted from 0",
                                  g->paths[0], hints->step);
 }
 
-/* Sizes first: grid_check() holds them against their limits. */
+/* Describe the grid. Sizes come first: grid_check() checks their limits. */
 static status describe(vtk_grid *g, const volume_hints *hints, grid *to) {
     if (vtk_extent_is_empty(&g->frame.whole))
         return status_describe(ST_CORRUPT, "%s: its whole extent is empty", g->paths[0]);

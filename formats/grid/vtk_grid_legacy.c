@@ -14,7 +14,7 @@ typedef struct scan {
 
 /* ---- keywords ---- */
 
-/* The extent is known: so many points and cells. A flat grid has cells, too. */
+/* Set the extent, and with it the numbers of points and cells. A flat grid has cells, too. */
 static void set_extent(vtk_legacy *v, const vtk_extent *e) {
     scan *s = v->user;
     uint64_t points = 1, cells = 1;
@@ -49,7 +49,7 @@ static status on_dimensions(vtk_legacy *v) {
     return st;
 }
 
-/* The first and the last node along x, y, z. */
+/* Read the first and the last node along x, y, z. */
 static status on_extent(vtk_legacy *v) {
     scan *s = v->user;
     vtk_extent e = {0};
@@ -84,7 +84,7 @@ static status on_spacing(vtk_legacy *v) {
     return read_numbers(v, ((scan *)v->user)->g->frame.spacing);
 }
 
-/* "X_COORDINATES n type" and the numbers. */
+/* Read "X_COORDINATES n type" and the numbers. */
 static status on_coordinates(vtk_legacy *v) {
     static const char *const roles[] = {"X_COORDINATES", "Y_COORDINATES", "Z_COORDINATES"};
     scan *s = v->user;
@@ -105,7 +105,7 @@ static status on_coordinates(vtk_legacy *v) {
     return st == ST_OK ? vtk_legacy_array(v, type, roles[a], count, &s->p->axis[a]) : st;
 }
 
-/* Of a structured grid: "POINTS n type" and the numbers. */
+/* Read a structured grid's "POINTS n type" and the numbers. */
 static status on_points(vtk_legacy *v) {
     scan *s = v->user;
     vtk_type type = VTK_ABSENT;

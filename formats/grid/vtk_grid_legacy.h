@@ -2,7 +2,7 @@
  * 1.0 to 5.1.
  *
  * Text or big-endian bytes; attributes (scalars, vectors, ..) and field arrays of points and cells.
- * Only regular files: where the samples lie is found by a pass over the whole file.
+ * Only regular files: a pass over the whole file finds where the samples lie.
  */
 #ifndef FORMATS_GRID_VTK_GRID_LEGACY_H
 #define FORMATS_GRID_VTK_GRID_LEGACY_H

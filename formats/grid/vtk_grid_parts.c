@@ -10,7 +10,7 @@ static bool known(const char *path, const uint8_t *start, size_t size) {
            vtk_parts_are_grids(start, size);
 }
 
-/* The step's file in the place of l's. */
+/* Put the step's file in the place of l's. */
 static status open_part(volume_layout *l, const vtk_parts *p, uint32_t step) {
     char names[VTK_PARTS_TEXT];
     const uint8_t *start;

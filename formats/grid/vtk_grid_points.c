@@ -4,14 +4,13 @@
 #include <math.h>
 #include <string.h>
 
-/* Rounding of a node and of the edges that it is told by, in units of the last place of the largest
- * coordinate, with room for a writer's own. VTK writes text with 11 digits, and legacy files
- * with 6.
- */
+/* Allowed rounding errors of a node, and of the edges from which it is computed. In units of the
+ * last place of the largest coordinate, with room for the writer's own errors. VTK writes text with
+ * 11 digits, and legacy files with 6. */
 static const double roundings_of_edge = 4, roundings_of_node = 8;
 static const double text_rounding = 1e-10, legacy_rounding = 1e-5;
 
-/* An axis: the nodes along the edge from the first node, and what they are. */
+/* An axis: the nodes along the edge from the first node, and how they lie. */
 typedef struct edge {
     double (*at)[3];
     uint32_t count;
@@ -24,8 +23,8 @@ typedef struct places {
     const vtk_grid *g;
     edge e[3];
     double *row;
-    double far[3]; /* the largest coordinates, without sign */
-    double unit;   /* what rounding may make of 1 */
+    double far[3]; /* the largest absolute coordinates */
+    double unit;   /* the largest rounding error of 1 */
     double least;  /* the smallest step */
 } places;
 
@@ -99,7 +98,7 @@ static status take_edges(places *p, const vtk_grid_piece *piece, const int64_t n
     return ST_OK;
 }
 
-/* Types and codings of the pieces; the roughest counts. */
+/* Returns the largest rounding error of 1 over the types and codings of all pieces. */
 static double rounding_unit(const vtk_grid *g) {
     double unit = DBL_EPSILON;
     for (size_t i = 0; i < g->count; i++) {
@@ -120,7 +119,7 @@ static double distance(const double a[3], const double b[3]) {
     return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
 }
 
-/* Whether node i of an edge is where t of its step, from the first node on, leads. */
+/* Returns whether node i of an edge lies at the first node plus t times the step. */
 static bool lies_at(const places *p, const edge *e, uint32_t i, double t) {
     for (int c = 0; c < 3; c++)
         if (!(fabs(e->at[i][c] - (e->at[0][c] + t * e->step[c])) <=
@@ -129,7 +128,7 @@ static bool lies_at(const places *p, const edge *e, uint32_t i, double t) {
     return true;
 }
 
-/* The world's axis that an edge lies along to the bit; -1: none. */
+/* Returns the world's axis along which an edge lies, to the bit; -1: none. */
 static int find_aligned(const edge *e) {
     int found = -1, moving = 0;
     for (int c = 0; c < 3; c++) {
@@ -142,7 +141,7 @@ static int find_aligned(const edge *e) {
     return moving == 1 ? found : -1;
 }
 
-/* How far along its step node i lies. */
+/* Returns how far along its edge's step node i lies: 0 at the first node, 1 at the last. */
 static double share_of(const edge *e, uint32_t i) {
     double along = 0, square = 0;
     for (int c = 0; c < 3; c++) {
@@ -163,7 +162,7 @@ static status refuse_node(const places *p, const int64_t node[3], const double x
         xyz[2], expected[0], expected[1], expected[2]);
 }
 
-/* Regular where its nodes are evenly spaced, else on a line. */
+/* Judge an edge. It is regular if its nodes are evenly spaced; else they must lie on a line. */
 static status judge_edge(places *p, int a) {
     edge *e = &p->e[a];
     const uint32_t last = e->count - 1;
@@ -207,7 +206,7 @@ static status judge_edges(places *p) {
     return st;
 }
 
-/* Any node is where the three nodes of the edges lead together. */
+/* Check that a node lies where the nodes of the three edges together lead. */
 static status check_node(places *p, const vtk_grid_piece *piece, const int64_t node[3],
                          const double xyz[3]) {
     (void)piece;
@@ -225,7 +224,7 @@ static status check_node(places *p, const vtk_grid_piece *piece, const int64_t n
 
 /* ---- the grid ---- */
 
-/* Coordinates of the nodes that count along an axis, or of the cells' centres between them. */
+/* Set the coordinates along an axis: of the nodes, or of the cells' centres between them. */
 static status set_axis(const places *p, int a, grid *to) {
     const edge *e = &p->e[a];
     double *x = p->row; /* it has room for any axis */
@@ -236,7 +235,7 @@ static status set_axis(const places *p, int a, grid *to) {
     return grid_set_axis(to, p->g->m, p->g->paths[0], a, x);
 }
 
-/* An axis along one of the world's keeps its coordinates as they are. */
+/* Set to_world. An axis along one of the world's axes keeps its coordinates. */
 static status set_place(const places *p, grid *to) {
     status st = ST_OK;
     for (int c = 0; c < 3; c++) {
@@ -266,7 +265,7 @@ static status make_room(places *p) {
         if (!p->e[a].at)
             return ST_NOMEM;
         for (size_t i = 0; i < count; i++)
-            p->e[a].at[i][0] = NAN; /* so that those of no piece are found */
+            p->e[a].at[i][0] = NAN; /* to find nodes that no piece has */
         most = count > most ? count : most;
     }
     p->row = mem_array(p->g->m, most, 3 * sizeof *p->row);

@@ -7,7 +7,7 @@
 #include "formats/input/named_file.h"
 #include "formats/vtk/vtk_xml.h"
 
-/* What an element is to us; its children are read accordingly. */
+/* Our kinds of elements. How an element's children are read depends on its kind. */
 enum {
     ELEMENT_GRID = VTK_XML_OWN,
     ELEMENT_PIECE,
@@ -16,7 +16,7 @@ enum {
     ELEMENT_COORDINATES,
     ELEMENT_POINTS,
     ELEMENT_PARALLEL, /* a grid whose pieces are files */
-    ELEMENT_SOURCE,   /* one of them */
+    ELEMENT_SOURCE,   /* one of these files */
 };
 
 /* The types of a VTKFile that are grids. */
@@ -41,7 +41,7 @@ enum { KINDS = sizeof kinds / sizeof *kinds };
 
 /* A piece that is a file. */
 typedef struct source {
-    const char *path; /* the grid's */
+    const char *path; /* owned by the grid */
     vtk_extent extent;
 } source;
 
@@ -51,7 +51,7 @@ typedef struct scan {
     vtk_frame frame;
     bool framed; /* the grid's element was there */
     bool follow_links;
-    bool in_piece; /* the last of the grid's pieces; else one without nodes */
+    bool in_piece; /* in the grid's last piece; false: in a piece without nodes */
     source *sources;
     size_t count, room;
 } scan;
@@ -121,7 +121,7 @@ static status on_source(vtk_xml *x, const char **attributes) {
     return st;
 }
 
-/* They come in order: x, y, z. */
+/* Take the coordinates of the next axis: they come in the order x, y, z. */
 static status on_coordinates(vtk_xml *x, vtk_grid_piece *p, const vtk_array *a) {
     static const char *const roles[] = {"x coordinates", "y coordinates", "z coordinates"};
     for (int i = 0; i < 3; i++)
@@ -173,7 +173,7 @@ static const vtk_xml_element elements[] = {
 
 /* ---- files ---- */
 
-/* One file: its pieces go to the grid, its frame and sources to s. */
+/* Scan one file. Its pieces go to the grid, its frame and sources to s. */
 static status scan_file(scan *s, byte_stream *data, const char *type) {
     const vtk_xml_reader reader = {type, elements, on_array};
     const size_t before = s->g->count;
@@ -190,8 +190,8 @@ static status scan_file(scan *s, byte_stream *data, const char *type) {
     return st;
 }
 
-/* The file of a piece; it tells the directions where the parallel one, as VTK writes it, does not.
- */
+/* Scan the file of a piece. It gives the directions where the parallel file, as VTK writes it, does
+ * not. */
 static status scan_source(vtk_grid *g, const source *from, const char *type) {
     scan s = {.g = g, .path = from->path};
     const size_t before = g->count;
@@ -227,7 +227,8 @@ static status scan_all(vtk_grid *g, byte_stream *data, const grid_kind *kind,
 
 /* ---- the reader ---- */
 
-/* By what the file says itself, else by its name: then it is broken, and the reader tells. */
+/* Find the kind by the type that the file states. A file without a type goes by its suffix: it is
+ * broken, and the reader reports that. */
 static const grid_kind *find_kind(const char *path, const uint8_t *start, size_t size) {
     char type[VTK_XML_TYPE_MAX];
     const bool says = vtk_xml_type(start, size, type);

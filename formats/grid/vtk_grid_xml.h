@@ -14,8 +14,8 @@
 
 extern const grid_reader vtk_grid_xml_reader;
 
-/* vtk_grid_xml_open() - the same as the reader's, of a file of a collection. parts: moved to the
- * grid, in any case; the hints' step was looked at. */
+/* vtk_grid_xml_open() - open the file of a collection, as the reader would. parts: moved to the
+ * grid in any case; the hints' step has been applied. */
 CHECKED status vtk_grid_xml_open(volume_layout *l, const volume_hints *hints, vtk_parts *parts,
                                  slice_source *out);
 

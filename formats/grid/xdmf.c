@@ -8,12 +8,12 @@
 #include "formats/grid/layout_slices.h"
 #include "formats/grid/xdmf_file.h"
 
-/* The samples of one attribute, and what there is besides. */
+/* An open XDMF file, and the source of one attribute's samples. */
 typedef struct xdmf {
     mem *m;
-    char *path; /* of the XDMF file */
+    char *path; /* path of the XDMF file */
     xdmf_file file;
-    const xdmf_field *field; /* the one taken */
+    const xdmf_field *field; /* the field taken */
     slice_source from;
 } xdmf;
 
@@ -36,7 +36,7 @@ static status choose_field(xdmf *x, const char *name) {
                                       name_list_print(&names));
 }
 
-/* As many numbers a sample as the last dimension says. */
+/* Returns the numbers a sample: the fourth dimension, if there is one. */
 static uint32_t components_of(const xdmf_field *f) {
     return f->rank == 4 && f->dims[3] <= STORED_SAMPLES_COMPONENTS ? (uint32_t)f->dims[3] : 1;
 }
@@ -57,7 +57,7 @@ static status tell_fields(void *ctx, const slice_fields *to) {
 
 /* ---- samples ---- */
 
-/* The sizes of the grid of samples are those of its nodes, or of its cells. */
+/* Check that there are as many samples as the grid has nodes, or cells, along each axis. */
 static status check_dims(const xdmf *x) {
     const xdmf_field *f = x->field;
     for (int a = 0; a < 3; a++) {
@@ -131,7 +131,7 @@ static status open_samples(xdmf *x, const volume_hints *hints) {
 
 /* ---- the grid ---- */
 
-/* Where the samples lie is not what their own file says. */
+/* Place the samples as the XDMF file says, not as their own file does. */
 static status place(const xdmf *x, grid *g) {
     const xdmf_file *f = &x->file;
     const bool cells = x->field->cells;
@@ -177,7 +177,7 @@ static void close_xdmf(void *ctx) {
     mem_free(x->m, x);
 }
 
-/* The samples' own source, but for the place and the fields. */
+/* Hand out the samples' own source, with another place and other fields. */
 static void give(xdmf *x, slice_source *out) {
     *out = x->from;
     out->name = x->path;
@@ -190,7 +190,7 @@ static void give(xdmf *x, slice_source *out) {
     out->fields = tell_fields;
     out->ctx = out->fields_ctx = x;
     for (int a = 0; a < 3; a++)
-        x->from.g.axis[a] = NULL; /* they are out's */
+        x->from.g.axis[a] = NULL; /* out owns them now */
 }
 
 static status open_xdmf(xdmf *x, volume_layout *l, const volume_hints *hints) {

@@ -1,8 +1,8 @@
 /* xdmf.h - grids of XDMF (.xdmf, .xmf): 3DCoRectMesh and 3DRectMesh, whose samples lie in HDF5 or
- * in raw files; a temporal collection's grids are the steps.
+ * in raw files. The grids of a temporal collection are the steps.
  *
- * Samples in HDF5 are read by import-hdf5, as if the data set had been asked for there; where they
- * lie is what the XDMF file says.
+ * import-hdf5 reads samples in HDF5, as if the data set had been asked for there. The XDMF file
+ * says where they lie in the world.
  */
 #ifndef FORMATS_GRID_XDMF_H
 #define FORMATS_GRID_XDMF_H

@@ -17,9 +17,9 @@
 
 enum { DEPTH_MAX = 32, TEXT_MAX = 1 << 25, STEPS_MAX = 1 << 20, TOKEN_MAX = 64 };
 
-/* What an element is to us. */
+/* Our kinds of elements. */
 typedef enum element {
-    OTHER, /* and all that is in it */
+    OTHER, /* unknown, with all that is in it */
     ROOT,
     DOMAIN,
     COLLECTION,
@@ -37,23 +37,23 @@ typedef struct scan {
     const char *path;
     byte_stream *s;
     bool follow_links;
-    uint32_t step; /* the one to keep */
+    uint32_t step; /* the step to keep */
     XML_Parser parser;
-    status st; /* of a handler that stopped the parser */
+    status st; /* the fault of a handler that stopped the parser */
     element nest[DEPTH_MAX];
     int depth;
     /* the grid that is being read */
     bool kept, topology, rectilinear, geometry, timed;
     double time;
-    int items;         /* of its geometry, so far */
-    xdmf_field field;  /* the attribute, */
-    bool item_of_text; /* its item, or another, is numbers in the file itself */
+    int items;         /* items of its geometry so far */
+    xdmf_field field;  /* the current attribute */
+    bool item_of_text; /* the current item's numbers stand in this file */
     size_t rooms, field_room;
-    uint32_t times;     /* how many steps have one */
-    double *list;       /* the collection's times: all, */
-    uint64_t list_size; /* so many; or */
-    bool list_of_steps; /* the first, the step from one to the next, and how many */
-    char *text;         /* of an item */
+    uint32_t times;     /* number of steps that have a time */
+    double *list;       /* the collection's times */
+    uint64_t list_size; /* how many numbers the list has */
+    bool list_of_steps; /* the list has the first time, the step and the count */
+    char *text;         /* text of an item */
     size_t length, room;
 } scan;
 
@@ -90,7 +90,7 @@ static bool is(const char *value, const char *word) {
 
 /* ---- numbers ---- */
 
-/* The next word of a text; false: there is none, or a longer one. */
+/* Read the next word of a text. Returns false if there is none, or it is too long. */
 static bool next_word(const char **at, char word[TOKEN_MAX]) {
     *at += strspn(*at, " \t\r\n,");
     const size_t length = strcspn(*at, " \t\r\n,");
@@ -102,7 +102,7 @@ static bool next_word(const char **at, char word[TOKEN_MAX]) {
     return true;
 }
 
-/* Exactly count finite numbers. */
+/* Read exactly count finite numbers. */
 static status read_numbers(const scan *x, const char *text, size_t count, double *out) {
     char word[TOKEN_MAX];
     size_t n = 0;
@@ -117,7 +117,7 @@ static status read_numbers(const scan *x, const char *text, size_t count, double
     return ST_OK;
 }
 
-/* Whole numbers from 1 on; how many, at most XDMF_RANK. */
+/* Read whole numbers from 1 on, at most XDMF_RANK; *rank: how many. */
 static status read_dims(const scan *x, const char *text, uint64_t dims[XDMF_RANK], int *rank) {
     char word[TOKEN_MAX];
     int64_t n;
@@ -272,7 +272,7 @@ static status on_heavy(scan *x, const char **attributes, bool raw) {
     return st;
 }
 
-/* The list of a collection's times. */
+/* Begin the list of a collection's times. */
 static status on_times(scan *x, const char **attributes) {
     uint64_t dims[XDMF_RANK];
     int rank;
@@ -304,7 +304,7 @@ static status on_item(scan *x, const char **attributes, element parent) {
     return on_heavy(x, attributes, raw);
 }
 
-/* Origin and spacing stand as z, y, x, as ParaView reads them. */
+/* Take an item of a geometry. Origin and spacing stand as z, y, x, as ParaView reads them. */
 static status end_of_geometry(scan *x) {
     xdmf_file *to = x->to;
     double zyx[3];
@@ -328,7 +328,7 @@ static status end_of_times(scan *x) {
     return x->list ? read_numbers(x, x->text, (size_t)x->list_size, x->list) : ST_NOMEM;
 }
 
-/* It is there, and an input from now on. */
+/* Check that a file is there, and count it as an input from now on. */
 static status look_at(const scan *x, const char *path) {
     file *f = NULL;
     char why[STATUS_TEXT_MAX];
@@ -340,7 +340,7 @@ static status look_at(const scan *x, const char *path) {
     return fault(x, st, "the file that it names: %s", why);
 }
 
-/* "file.h5:/path", or the file of raw samples. */
+/* Read where an attribute's samples are: "file.h5:/path", or the file of raw samples. */
 static status end_of_attribute(scan *x) {
     xdmf_field *f = &x->field;
     char *name = x->text + strspn(x->text, " \t\r\n");
@@ -489,7 +489,8 @@ static void XMLCALL handle_text(void *user, const char *text, int length) {
     x->length += more;
 }
 
-/* Files of XDMF name a document type; none needs entities, which could grow without limit. */
+/* Refuse entities, which could grow without limit. XDMF files name a document type, but need no
+ * entities. */
 static void XMLCALL handle_entity(void *user, const char *name, int parameter, const char *value,
                                   int length, const char *base, const char *system,
                                   const char *public, const char *notation) {
@@ -522,7 +523,7 @@ static status parse_file(scan *x) {
     return ST_OK;
 }
 
-/* The collection's times, where the grids have none of their own. */
+/* Take the collection's times, where the grids have none of their own. */
 static status take_list(scan *x) {
     xdmf_file *to = x->to;
     const double count = x->list_of_steps ? x->list[2] : (double)x->list_size;

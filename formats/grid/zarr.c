@@ -12,25 +12,26 @@
 
 enum { HELD_MAX = 1 << 28, NAME_ROOM = ZARR_AXES * 12 };
 
-/* The samples of one layer of chunks, or of a part of it, as they are stored but in the order of a
- * grid. */
+/* An open array. It holds the samples of one layer of chunks, or of a part of it, as stored but in
+ * a grid's order. */
 typedef struct zarr {
     mem *m;
     zarr_array a;
     char *folder; /* as it was given */
     bool follow_links;
     grid g;                    /* sizes and type */
-    uint32_t step;             /* the one to take */
-    uint32_t first_c, numbers; /* of a sample, those held */
+    uint32_t step;             /* the step to take */
+    uint32_t first_c, numbers; /* range of a sample's numbers that are held */
     size_t width;              /* bytes of a number */
     size_t chunk_bytes, slice_bytes;
-    size_t stride[ORDER_AXES]; /* numbers in a chunk, from one to the next along a role */
+    size_t
+        stride[ORDER_AXES]; /* distance in a chunk, in numbers, from one to the next along a role */
     uint8_t *chunk, *held;
-    uint8_t *coded; /* a chunk that filters were applied to; NULL: it has none */
+    uint8_t *coded; /* a chunk before its filters are undone; NULL: no filters */
     size_t coded_bytes;
-    uint32_t room, first, count; /* slices */
-    stored_samples in_file;      /* the array's are those that are held */
-    double rounding;             /* of what was read */
+    uint32_t room, first, count; /* in slices */
+    stored_samples in_file;      /* as the file has them; a.stored: as they are held */
+    double rounding;             /* largest rounding error so far */
 } zarr;
 
 bool zarr_known(const char *folder) {
@@ -50,8 +51,8 @@ static uint32_t chunk_of(const zarr *z, int role) {
 
 /* ---- chunks ---- */
 
-/* The chunk of these indices, one a role, unpacked and of native byte order; the fill value where
- * there is none. */
+/* Read the chunk of these indices, one a role: unpacked, in native byte order. An absent chunk is
+ * the fill value. */
 static status read_chunk(zarr *z, const uint32_t index[ORDER_AXES]) {
     const zarr_array *a = &z->a;
     char path[ZARR_PATH + NAME_ROOM];
@@ -75,7 +76,7 @@ static status read_chunk(zarr *z, const uint32_t index[ORDER_AXES]) {
     return ST_OK;
 }
 
-/* A row of a chunk, from one number on, to where it is held. */
+/* Copy a row of a chunk, from one number on, to where it is held. */
 static void copy_row(const zarr *z, size_t from, uint8_t *to, uint32_t count) {
     const size_t step = z->stride[ORDER_X] * z->width, apart = z->numbers * z->width;
     const uint8_t *number = z->chunk + from * z->width;
@@ -87,7 +88,8 @@ static void copy_row(const zarr *z, size_t from, uint8_t *to, uint32_t count) {
         memcpy(to + i * apart, number + i * step, z->width);
 }
 
-/* What of a chunk is held. box: first and end of each role, within the chunk and what is held. */
+/* Copy the part of a chunk that is held. box: first and end of each role, within the chunk and what
+ * is held. */
 static void copy_chunk(const zarr *z, const uint32_t index[ORDER_AXES],
                        const uint32_t box[2][ORDER_AXES]) {
     size_t from = 0;
@@ -110,8 +112,8 @@ static void copy_chunk(const zarr *z, const uint32_t index[ORDER_AXES],
             }
 }
 
-/* The first chunk that meets first .. end - 1 along each role; the next one, false behind the last.
- */
+/* Find the first chunk that meets first .. end - 1 along each role, and the next one (false behind
+ * the last). */
 static void first_chunk(const zarr *z, const uint32_t first[ORDER_AXES],
                         uint32_t index[ORDER_AXES]) {
     for (int r = 0; r < ORDER_AXES; r++)
@@ -130,7 +132,7 @@ static bool next_chunk(const zarr *z, const uint32_t first[ORDER_AXES],
 
 /* ---- slices ---- */
 
-/* Slices from one on, up to the end of their layer of chunks. */
+/* Hold slices from one on, at most up to the end of their layer of chunks. */
 static status hold(zarr *z, uint32_t slice) {
     const uint32_t depth = chunk_of(z, ORDER_Z), layer_end = (slice / depth + 1) * depth;
     const uint32_t last = layer_end < z->g.dims[2] ? layer_end : z->g.dims[2];
@@ -210,8 +212,8 @@ static uint32_t steps_of(const zarr *z) {
     return t < 0 ? 1 : z->a.shape[t];
 }
 
-/* Of the steps, by OME's scale and translation: NULL where these tell nothing, which is that of
- * writers that know of no times. They increase. */
+/* Make the times of the steps, which increase, by OME's scale and translation. NULL where these are
+ * what writers without times put there. */
 static status make_times(const zarr *z, double **out) {
     const zarr_array *a = &z->a;
     const int t = a->axis[ORDER_STEP];
@@ -241,7 +243,7 @@ static status tell_fields(void *ctx, const slice_fields *to) {
     return st;
 }
 
-/* Which numbers and which step: z->a.stored then tells what is held. */
+/* Choose the numbers and the step. z->a.stored then says what is held. */
 static status choose(zarr *z, const volume_hints *hints, grid *g) {
     const uint32_t steps = steps_of(z);
     stored_samples *s = &z->a.stored;
@@ -258,7 +260,7 @@ static status choose(zarr *z, const volume_hints *hints, grid *g) {
     return st;
 }
 
-/* The chunks that will be read: how many there are, and have no file. */
+/* Count the chunks that will be read, and those of them that have no file. */
 static status count_absent(zarr *z, bool allow_missing) {
     const zarr_array *a = &z->a;
     absent_parts *absent = &z->g.absent;
@@ -297,7 +299,7 @@ static status set_strides(zarr *z) {
     return ST_OK;
 }
 
-/* Of a chunk, and of it as it is unpacked, where filters are to be undone. */
+/* Make room for a chunk, and for its bytes before filters are undone. */
 static status make_chunk(zarr *z) {
     const zarr_array *a = &z->a;
     const zarr_number array = {a->stored.type, a->big_endian};

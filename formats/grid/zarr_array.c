@@ -25,7 +25,7 @@ static bool is_there(const char *folder, const char *name) {
     return stat(path, &info) == 0 && S_ISREG(info.st_mode);
 }
 
-/* What is wrong with a value in the array's or group's JSON. */
+/* Describe what is wrong with a value in the array's or group's JSON. */
 static status bad(const zarr_array *z, const char *name, status st, const char *key,
                   const char *expected) {
     return status_describe(st, "%s/%s: \"%s\": expected %s", z->path, name, key, expected);
@@ -79,7 +79,7 @@ static int is_shown(const struct dirent *entry) {
     return entry->d_name[0] != '.';
 }
 
-/* The one array or group in a group; which there are, where there are more. */
+/* Enter the one array or group in a group. If there are more, name them. */
 static status descend(zarr_array *z) {
     struct dirent **entries = NULL;
     char list[LIST_MAX] = "", only[256] = "";
@@ -112,7 +112,7 @@ static const json_t *multiscale(const json_t *attributes) {
     return json_array_get(json_object_get(ome ? ome : attributes, "multiscales"), 0);
 }
 
-/* The data set of a path, or the first one, of full resolution. */
+/* Find the data set of a path; without a path the first one, of full resolution. */
 static const json_t *find_dataset(const json_t *image, const char *path) {
     const json_t *sets = json_object_get(image, "datasets");
     for (size_t i = 0; path && i < json_array_size(sets); i++) {
@@ -124,7 +124,7 @@ static const json_t *find_dataset(const json_t *image, const char *path) {
     return path ? NULL : json_array_get(sets, 0);
 }
 
-/* The number of an axis in a list; `otherwise` where there is no list. */
+/* Returns the number of an axis in a list; `otherwise` where there is no list. */
 static double number_of(const json_t *list, int axis, double otherwise) {
     return json_is_array(list) ? json_number_value(json_array_get(list, (size_t)axis)) : otherwise;
 }
@@ -141,7 +141,7 @@ static void apply_transformations(zarr_array *z, const json_t *list) {
     }
 }
 
-/* An axis is a name, or an object with one. */
+/* Returns an axis' place in "xyzct"; -1: none. An axis is a name, or an object with one. */
 static int role_of(const json_t *axis) {
     const char *name = json_string_value(axis);
     if (!name)
@@ -150,7 +150,7 @@ static int role_of(const json_t *axis) {
     return at ? (int)(at - "xyzct") : -1;
 }
 
-/* Roles by name, and units; the array's shape is not known yet. */
+/* Set the axes' roles, by name, and units. The array's shape is not known yet. */
 static void name_axes(zarr_array *z, const json_t *axes) {
     z->axes = (int)json_array_size(axes);
     for (int i = 0; i < z->axes && i < ZARR_AXES; i++) {
@@ -180,7 +180,7 @@ static status take_image(zarr_array *z, const json_t *image, const char *field, 
     return append(z, path);
 }
 
-/* One step from a group towards its array. */
+/* Go one step from a group towards its array. */
 static status enter(mem *m, zarr_array *z, const char **field) {
     json_t *attributes = NULL;
     bool taken = false;
@@ -251,7 +251,7 @@ static status read_shape(zarr_array *z, const json_t *root) {
     return st;
 }
 
-/* Of arrays whose axes nobody names. */
+/* Guess the roles of axes that nobody names. */
 static void guess_roles(zarr_array *z) {
     static const int roles[] = {ORDER_STEP, ORDER_COMPONENT, ORDER_Z, ORDER_Y, ORDER_X};
     static const int numbers[] = {ORDER_Z, ORDER_Y, ORDER_X, ORDER_COMPONENT};
@@ -283,7 +283,7 @@ static status find_axes(zarr_array *z, bool named) {
     }
     const int c = z->axis[ORDER_COMPONENT];
     z->stored.components = c < 0 ? 1 : z->shape[c];
-    /* Channels are no vector; whether OME names them, or they stand before the places. */
+    /* Channels are no vector, whether OME names them or they stand before the axes of space. */
     if (named || (c >= 0 && c + 1 < z->axes))
         z->stored.component = 1;
     return ST_OK;

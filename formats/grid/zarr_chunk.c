@@ -70,17 +70,20 @@ static status take_stream(mem *m, bool is_packed, const char *path, void *to, si
 typedef int blosc_validate(const void *from, size_t bytes, size_t *unpacked);
 typedef int blosc_unpack(const void *from, void *to, size_t room, int threads);
 
-/* Libraries do not tell this from a damaged chunk, or from their absence. */
+/* Report a lack of memory. Libraries do not tell it from a damaged chunk, or from their own
+ * absence. */
 static status no_memory(const char *path, const char *to) {
     return status_describe(ST_NOMEM, "%s: the system has no memory to %s", path, to);
 }
 
-enum { BLOSC_ROOM = 4 << 20 }; /* what the library takes, and what a block needs besides itself */
+enum {
+    BLOSC_ROOM = 4 << 20
+}; /* bytes that the library takes, and that a block needs besides itself */
 
-/* Few files ask for blosc: it is loaded where one does. */
+/* Find a function of blosc. Few files need blosc, so it is loaded on demand. */
 static status find_blosc(const char *path, const char *symbol, void **out) {
     static const char library[] = "libblosc.so.1";
-    void *handle = dlopen(library, RTLD_NOW); /* stays: one of them, however often */
+    void *handle = dlopen(library, RTLD_NOW); /* stays open: it is the same one, however often */
     *out = handle ? dlsym(handle, symbol) : NULL;
     if (*out)
         return ST_OK;
@@ -120,7 +123,7 @@ static status take_blosc(const char *path, const uint8_t *bytes, size_t count, v
     return status_describe(ST_CORRUPT, "%s: damaged blosc data", path);
 }
 
-/* The length, then one block. */
+/* Unpack LZ4: the length, then one block. */
 static status take_lz4(const char *path, const uint8_t *bytes, size_t count, void *to,
                        size_t size) {
     if (count < 4 || count > INT_MAX || size > INT_MAX || binary_unsigned(bytes, 4, false) != size)
@@ -150,7 +153,7 @@ static status take_whole(mem *m, zarr_codec codec, const char *path, void *to, s
 status zarr_chunk_read(mem *m, zarr_codec codec, const char *path, void *to, size_t size,
                        bool *there) {
     struct stat info;
-    /* A link that leads nowhere is there, and cannot be opened. */
+    /* A link that leads nowhere counts as there: opening it will fail. */
     *there = lstat(path, &info) == 0 || (errno != ENOENT && errno != ENOTDIR);
     if (!*there)
         return ST_OK;

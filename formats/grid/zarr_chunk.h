@@ -15,12 +15,12 @@ typedef enum zarr_codec {
     ZARR_LZ4
 } zarr_codec;
 
-/* zarr_codec_find() - by its "id"; 0 for one that is not known. */
+/* zarr_codec_find() - find a codec by its "id"; 0 if it is unknown. */
 zarr_codec zarr_codec_find(const char *id);
 
-/* zarr_chunk_read() - exactly size bytes of a chunk's file. *there is false, and nothing read,
- * where there is no such file. ST_CORRUPT where it holds fewer or more; ST_UNSUPPORTED where the
- * library that unpacks it is not there. */
+/* zarr_chunk_read() - read exactly size bytes, unpacked, from a chunk's file. Where there is no
+ * such file *there is false, and nothing is read. ST_CORRUPT where the file holds fewer or more;
+ * ST_UNSUPPORTED where the library that unpacks it is missing. */
 CHECKED status zarr_chunk_read(mem *m, zarr_codec codec, const char *path, void *to, size_t size,
                                bool *there);
 

@@ -11,7 +11,7 @@ enum { BLOCK = 512, ELEMENT_MAX = 256 };
 
 typedef enum filter_kind { SHUFFLE, DELTA, SCALE, CONVERT } filter_kind;
 
-/* The keys of the types before and after; NULL: it has none. */
+/* The filters, with the keys of the types before and after; NULL: no such key. */
 static const struct {
     const char *id, *plain, *coded;
     filter_kind kind;
@@ -42,7 +42,7 @@ static bool same_number(zarr_number a, zarr_number b) {
     return a.type == b.type && (a.big_endian == b.big_endian || sample_size(a.type) == 1);
 }
 
-/* Numbers that a double holds, and that are computed with. */
+/* Returns whether a double holds numbers of the type, so that they can be computed with. */
 static bool is_plain(sample_type t) {
     return t != SAMPLE_U64 && t != SAMPLE_I64 && t != SAMPLE_F16;
 }
@@ -129,7 +129,7 @@ static bool unshuffle(const zarr_filter *f, size_t bytes, const uint8_t *in, uin
 
 /* ---- numbers ---- */
 
-/* A whole number's bits, of any width, its sign spread. */
+/* Returns the bits of a whole number of any width, sign-extended. */
 static uint64_t bits_at(sample_type type, const void *numbers, size_t i) {
     switch (type) {
     case SAMPLE_U8: return ((const uint8_t *)numbers)[i];
@@ -166,7 +166,8 @@ static void sum_up(const zarr_filter *f, size_t count, const void *in, void *out
     }
 }
 
-/* As NumPy casts: whole numbers towards 0, which must fit 64 bits, then wrap. */
+/* Store a number as NumPy casts it. Whole numbers are rounded towards 0, must fit 64 bits, and
+ * wrap. */
 static bool store(sample_type type, double v, void *numbers, size_t i) {
     if (type == SAMPLE_F64)
         ((double *)numbers)[i] = v;
@@ -179,7 +180,7 @@ static bool store(sample_type type, double v, void *numbers, size_t i) {
     return true;
 }
 
-/* enc / scale + offset, in floats where enc is one. */
+/* Returns enc / scale + offset, computed in floats where enc is a float. */
 static double unscale(const zarr_filter *f, double v) {
     if (f->coded.type != SAMPLE_F32)
         return v / f->scale + f->offset;

@@ -1,5 +1,5 @@
-/* zarr_filter.h - what filters of numcodecs did to the bytes of a Zarr chunk, before these were
- * packed; undone in the reverse order.
+/* zarr_filter.h - undo numcodecs' filters, which were applied to the bytes of a Zarr chunk before
+ * packing. They are undone in reverse order.
  *
  *   shuffle            bytes of one place of all elements side by side
  *   delta              differences, of numbers of the same kind
@@ -27,8 +27,9 @@ typedef struct zarr_number {
 } zarr_number;
 
 typedef struct zarr_filter {
-    int kind;                 /* a row of the table in zarr_filter.c */
-    zarr_number plain, coded; /* numbers before it was applied, and after; of shuffle the same */
+    int kind; /* a row of the table in zarr_filter.c */
+    zarr_number plain,
+        coded; /* numbers before and after the filter was applied; of shuffle the same */
     double scale, offset;
     uint32_t element; /* bytes */
 } zarr_filter;
@@ -38,18 +39,18 @@ typedef struct zarr_filters {
     zarr_filter of[ZARR_FILTERS];
 } zarr_filters;
 
-/* zarr_filters_read() - of the list "filters" of an array of such numbers; NULL and null are none.
- * ST_UNSUPPORTED, ST_CORRUPT; json: the name of the file, for messages. */
+/* zarr_filters_read() - read the list "filters" of an array of such numbers; NULL and null mean no
+ * filters. ST_UNSUPPORTED, ST_CORRUPT. json: the name of the file, for messages. */
 CHECKED status zarr_filters_read(const json_t *list, zarr_number array, const char *json,
                                  zarr_filters *out);
 
-/* zarr_filters_width() - bytes of a number behind the last filter, and the most that one has on the
- * way, its own included. */
+/* zarr_filters_width() - returns the bytes of a number behind the last filter. most: out, the
+ * widest number on the way, the array's own included. */
 size_t zarr_filters_width(const zarr_filters *f, zarr_number array, size_t *most);
 
-/* zarr_filters_undo() - a chunk of so many numbers, from `coded`, which is destroyed, into `plain`;
- * both with room for the most bytes. path: of the chunk. ST_CORRUPT for values that its type cannot
- * have. */
+/* zarr_filters_undo() - undo the filters of a chunk of so many numbers, from `coded`, which is
+ * destroyed, into `plain`. Both have room for the widest numbers. path: the chunk's. ST_CORRUPT for
+ * values that the array's type cannot have. */
 CHECKED status zarr_filters_undo(const zarr_filters *f, const char *path, size_t numbers,
                                  void *coded, void *plain);
 

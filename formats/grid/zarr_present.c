@@ -7,7 +7,8 @@
 
 #include "formats/base/file.h"
 
-/* An index as chunks' names have it, without zeros in front, at *text, which moves behind it. */
+/* Read an index as in chunks' names, without zeros in front, at *text, and move *text behind it.
+ * Returns whether it is in first .. last. */
 static bool take_index(const char **text, uint32_t first, uint32_t last) {
     const char *at = *text;
     uint64_t index = 0;
@@ -20,8 +21,8 @@ static bool take_index(const char **text, uint32_t first, uint32_t last) {
     return some && index >= first && index <= last;
 }
 
-/* Whether a name has the indices of the axes from `axis` on, or with a folder an axis of that one.
- */
+/* Returns whether a name has the indices of the axes from `axis` on; if each axis has a folder, the
+ * index of `axis`. */
 static bool is_chunk(const zarr_array *a, const zarr_range *r, int axis, const char *name) {
     const int end = a->separator == '/' ? axis + 1 : a->axes;
     for (int i = axis; i < end; i++) {
@@ -33,13 +34,14 @@ static bool is_chunk(const zarr_array *a, const zarr_range *r, int axis, const c
     return !*name;
 }
 
-/* path: of the folder that has the names of the axes from `axis` on. It is written on behind. */
+/* Count the chunks in a folder whose entries name the axes from `axis` on. path: the folder's;
+ * names are appended to it. */
 static status count_folder(const zarr_array *a, const zarr_range *r, int axis, char *path,
                            size_t room, uint64_t *count) {
     const size_t length = strlen(path);
     const bool inner = a->separator == '/' && axis + 1 < a->axes;
     DIR *folder = opendir(path);
-    if (!folder) /* of an inner one: a file where a folder was due has no chunks in it */
+    if (!folder) /* a file in the place of an inner folder holds no chunks */
         return axis > 0 && (errno == ENOTDIR || errno == ENOENT)
                    ? ST_OK
                    : file_failed(errno, path, "cannot list the chunks");

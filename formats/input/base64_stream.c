@@ -4,7 +4,7 @@ static bool is_gap(uint8_t c) {
     return c == ' ' || (c >= '\t' && c <= '\r');
 }
 
-/* The six bits of a letter; -1 when it is none. */
+/* Returns the six bits of a letter; -1 when it is none. */
 static int letter_bits(uint8_t c) {
     if (c >= 'A' && c <= 'Z')
         return c - 'A';
@@ -20,7 +20,7 @@ static status fault(const base64_stream *s, size_t ahead, const char *what) {
                            (unsigned long long)(byte_stream_position(s->from) + ahead), what);
 }
 
-/* One more letter of a group; false when it cannot stand here. */
+/* Take one more letter of a group. Returns false when it cannot stand here. */
 static bool take_letter(base64_stream *s, uint8_t c) {
     int bits = c == '=' ? 0 : letter_bits(c);
     if (bits < 0 || (c == '=' && s->letters < 2) || (c != '=' && s->padding > 0))
@@ -38,7 +38,7 @@ static bool take_letter(base64_stream *s, uint8_t c) {
     return true;
 }
 
-/* Letters up to the end of a group, or of the text. */
+/* Take letters up to the end of a group, or of the text. */
 static status next_group(base64_stream *s) {
     const uint8_t *data;
     size_t size;
@@ -58,7 +58,8 @@ static status next_group(base64_stream *s) {
     return ST_OK;
 }
 
-/* The common case: whole groups without gaps or padding, straight from the stream's buffer. */
+/* The common case: decode whole groups without gaps or padding, straight from the stream's buffer.
+ */
 static status take_plain(base64_stream *s, uint8_t *to, size_t size, size_t *got) {
     const uint8_t *data;
     size_t held, i = 0;

@@ -1,4 +1,4 @@
-/* binary_fields.h - numbers of a binary header, at any address, of either byte order. */
+/* binary_fields.h - read numbers of a binary header, at any address and in either byte order. */
 #ifndef FORMATS_INPUT_BINARY_FIELDS_H
 #define FORMATS_INPUT_BINARY_FIELDS_H
 
@@ -18,7 +18,7 @@ static inline int64_t binary_signed(const uint8_t *at, int bytes, bool big) {
     return (int64_t)(binary_unsigned(at, bytes, big) << above) >> above;
 }
 
-/* binary_real() - of 4 or 8 bytes. */
+/* binary_real() - read a float of 4 or 8 bytes. */
 static inline double binary_real(const uint8_t *at, int bytes, bool big) {
     const uint64_t wide = binary_unsigned(at, bytes, big);
     const uint32_t narrow = (uint32_t)wide;

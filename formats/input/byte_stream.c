@@ -19,8 +19,8 @@ struct byte_stream {
     byte_source from; /* another source */
     char *path, *kind;
     uint64_t taken;    /* bytes handed out: the position of buffer[begin] */
-    size_t begin, end; /* what the buffer holds */
-    bool ended;        /* a pipe or a source has said so */
+    size_t begin, end; /* filled range of the buffer */
+    bool ended;        /* a pipe or a source has reached its end */
     uint8_t buffer[BYTE_STREAM_BUFFER];
 };
 
@@ -41,7 +41,7 @@ static status open_path(byte_stream *s) {
     return file_open_pipe(s->path, &s->fd);
 }
 
-/* A stream of that name, of which nothing is open. */
+/* Make a stream of that name, with nothing open. */
 static status make(mem *m, const char *path, byte_stream **out) {
     *out = NULL;
     byte_stream *s = mem_zalloc(m, sizeof *s);
@@ -125,7 +125,8 @@ uint64_t byte_stream_left(const byte_stream *s) {
     return s->ended ? s->end - s->begin : UINT64_MAX;
 }
 
-/* Up to size bytes that come behind the buffered ones; at least one, unless this is the end. */
+/* Read up to size bytes that come behind the buffered ones; at least one, unless this is the end.
+ */
 static status fetch(byte_stream *s, void *to, size_t size, size_t *got) {
     *got = 0;
     if (s->f) {
@@ -190,7 +191,7 @@ static size_t take_buffered(byte_stream *s, void *to, size_t size) {
 }
 
 status byte_stream_read(byte_stream *s, void *buffer, size_t size, size_t *got) {
-    /* What is buffered first; the rest goes straight to the caller. */
+    /* Take buffered bytes first. The rest goes straight to the caller. */
     *got = take_buffered(s, buffer, size);
     while (*got < size) {
         size_t more = 0;

@@ -12,15 +12,15 @@ enum {
 typedef struct dds_stream {
     mem *m;
     byte_stream *from;
-    uint32_t bits; /* read and not taken */
+    uint32_t bits; /* bits that are read but not taken */
     int bit_count;
     uint32_t skip, strip;           /* bytes of a voxel, of a row */
     uint64_t count;                 /* values so far */
-    uint32_t run;                   /* values left of it */
-    int width;                      /* of each */
+    uint32_t run;                   /* values left of the run */
+    int width;                      /* bits of each */
     bool apart_to_end, ended, past; /* past: zeros behind the end of the file were taken */
     uint8_t last;
-    uint8_t *block, *mixed; /* values; with voxels put together */
+    uint8_t *block, *mixed; /* values as they come; mixed: voxels put together */
     size_t room, size, taken;
     uint8_t history[HISTORY];
 } dds_stream;
@@ -50,7 +50,7 @@ static status take_byte(dds_stream *s, uint8_t *out) {
     return ST_OK;
 }
 
-/* Up to 16. */
+/* Take up to 16 bits. */
 static status take_bits(dds_stream *s, int count, uint32_t *out) {
     while (s->bit_count < count) {
         uint8_t byte = 0;
@@ -67,7 +67,8 @@ static status take_bits(dds_stream *s, int count, uint32_t *out) {
 
 /* ---- values ---- */
 
-/* The zeros of the end may be missing, but nothing else. */
+/* Read the head of a run. At the end of the file the zeros that end the runs may be missing, but
+ * nothing else. */
 static status begin_run(dds_stream *s) {
     uint32_t width = 0;
     status st = take_bits(s, 7, &s->run);

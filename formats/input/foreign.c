@@ -52,14 +52,14 @@
 
 typedef struct row {
     foreign_format format;
-    size_t at; /* of the bytes in the file; ANYWHERE: in what is looked at */
+    size_t at; /* where the bytes stand in the file; ANYWHERE: in any place that is looked at */
     const char *bytes;
     size_t size;
-    const char *word;                              /* somewhere, too; NULL: none */
-    bool (*is)(const uint8_t *start, size_t size); /* and it says so; NULL: nobody is asked */
-    const char *suffixes; /* each with a blank behind; hints where the bytes say nothing */
-    bool both;            /* the bytes are others', too: a suffix must say so besides */
-    const char *inside;   /* files of a folder, each with a blank behind, one of which fits */
+    const char *word;                              /* must stand anywhere, too; NULL: none */
+    bool (*is)(const uint8_t *start, size_t size); /* must agree, too; NULL: nobody is asked */
+    const char *suffixes; /* each with a blank behind; a hint where the bytes say nothing */
+    bool both;            /* other formats have the bytes, too: a suffix must fit besides */
+    const char *inside;   /* files in a folder, each with a blank behind; one of them must fit */
 } row;
 
 enum { ANYWHERE = FOREIGN_PEEK };
@@ -67,7 +67,7 @@ enum { ANYWHERE = FOREIGN_PEEK };
 #define NO_BYTES NULL, 0
 #define HDF5     "\x89HDF\r\n\x1a\n"
 
-/* Of this program: read by another verb, or by an importer. */
+/* Formats of this program, read by another verb or by an importer. */
 #define KNOWN(name, advice, at, bytes, suffixes) \
     { {name, advice, NULL}, at, bytes, NULL, NULL, suffixes, false, "" }
 #define IMPORTED(name, importer, at, bytes, suffixes) \
@@ -75,7 +75,7 @@ enum { ANYWHERE = FOREIGN_PEEK };
 #define IMPORTED_IF_NAMED(name, importer, at, bytes, suffixes) \
     { {name, CONVERT, importer}, at, bytes, NULL, NULL, suffixes, true, "" }
 
-/* Read by nothing here. tests/support/foreign_samples.py has a file for each of these. */
+/* Formats that nothing here reads. tests/support/foreign_samples.py has a file for each of them. */
 #define REFUSED(name, advice, at, bytes, suffixes) \
     { {name, advice, NULL}, at, bytes, NULL, NULL, suffixes, false, "" }
 #define REFUSED_IF_NAMED(name, advice, bytes, suffixes) \
@@ -89,10 +89,10 @@ enum { ANYWHERE = FOREIGN_PEEK };
 #define REFUSED_FOLDER(name, advice, is, suffixes, inside) \
     { {name, advice, NULL}, 0, NO_BYTES, NULL, is, suffixes, false, inside }
 
-/* What the formats are told by; the first that fits. Formats that another verb reads, first, go by
- * their bytes alone: a broken one is not to be sent to and fro. */
+/* How formats are recognised; the first row that fits wins. Formats that another verb reads come
+ * first, and go by their bytes alone: a broken file must not be sent to and fro. */
 static const row rows[] = {
-    /* First: its preamble may be the head of any other. */
+    /* DICOM is first: its preamble may be the head of any other format. */
     IMPORTED("DICOM", "dicom", DICOM_PREAMBLE, BYTES("DICM"), ".dcm .ima "),
     KNOWN("a treelet file", "render or info take it as it is", 0, BYTES(LEAF_MAGIC), ""),
     KNOWN("NRRD, a grid", CONVERT, 0, BYTES("NRRD000"), ""),
@@ -127,7 +127,7 @@ static const row rows[] = {
     IMPORTED_IF_NAMED("PNM", "images", 0, BYTES("P"), ".pgm .ppm .pnm .pbm "),
     REFUSED("JPEG 2000", SLICES, 0, BYTES("\0\0\0\x0cjP  \r\n"), ".jp2 "),
     IMPORTED("OpenVDB", "vdb", 0, BYTES(" BDV\0\0\0\0"), ".vdb "),
-    /* Files of HDF5 and NetCDF, by what is in them: before these. */
+    /* Formats inside HDF5 and NetCDF come before these two, and go by their content. */
     REFUSED_WITH("Exodus", MESHIO("in.exo"), BYTES(HDF5), "num_el_blk"),
     REFUSED_WITH("Exodus", MESHIO("in.exo"), BYTES("CDF"), "num_el_blk"),
     REFUSED_IF_NAMED("Exodus", MESHIO("in.exo"), BYTES(HDF5), ".exo .ex2 .e .g .exii "),
@@ -225,13 +225,13 @@ static bool has_bytes(const row *r, const uint8_t *start, size_t size) {
     return size >= r->at + r->size && memcmp(start + r->at, r->bytes, r->size) == 0;
 }
 
-/* Whether a file begins as the row says. */
+/* Returns whether a file begins as the row says. */
 static bool begins(const row *r, const uint8_t *start, size_t size) {
     return has_bytes(r, start, size) && (!r->is || r->is(start, size)) &&
            (!r->word || memmem(start, size, r->word, strlen(r->word)));
 }
 
-/* Whether the path ends as one of the row's suffixes. */
+/* Returns whether the path ends in one of the row's suffixes. */
 static bool has_suffix(const row *r, const char *path) {
     const size_t length = strlen(path);
     for (const char *at = r->suffixes; *at; at += strcspn(at, " ") + 1) {
@@ -251,8 +251,8 @@ static uint64_t word(const uint8_t *at, bool big) {
     return value;
 }
 
-/* PLOT3D has no magic: three sizes, then as many floats as they say (positions, or four numbers and
- * a solution of five), and at most some padding. */
+/* Returns whether a file is PLOT3D, which has no magic: three sizes, then as many floats as they
+ * say (positions, or four numbers and a solution of five), and at most some padding. */
 static bool is_plot3d(const uint8_t *start, size_t size, uint64_t bytes) {
     for (int big = 0; big < 2 && size >= 12; big++) {
         uint64_t nodes = 1;
@@ -282,7 +282,7 @@ const foreign_format *foreign_find(const char *path, const uint8_t *start, size_
     return NULL;
 }
 
-/* Up to sixteen bytes for people who know their formats. */
+/* Print up to sixteen bytes, for people who know their formats. */
 static void show_start(const uint8_t *start, size_t size, char text[64]) {
     *text = 0;
     for (size_t i = 0, at = 0; i < size && i < 16; i++)
@@ -314,7 +314,7 @@ status foreign_refuse(byte_stream *s, const char *expected) {
 
 /* ---- folders ---- */
 
-/* Whether a file of a folder is there, and begins as the row says. */
+/* Returns whether a file of a folder is there, and begins as the row says. */
 static bool fits_inside(mem *m, const row *r, const char *folder, const char *name, int length) {
     char path[PATH_MAX];
     byte_stream *s = NULL;

@@ -10,13 +10,14 @@
 
 enum { LINE_MAX_BYTES = 256 };
 
-/* What is left of the text. */
+/* The part of the text that is still to be read. */
 typedef struct lines {
     const uint8_t *at;
     size_t left;
 } lines;
 
-/* The next line without blanks in front, cut off where it is long; false at the end. */
+/* Read the next line without blanks in front, cut where it is too long. Returns false at the end.
+ */
 static bool next_line(lines *l, char line[LINE_MAX_BYTES]) {
     if (l->left == 0)
         return false;
@@ -33,7 +34,7 @@ static bool next_line(lines *l, char line[LINE_MAX_BYTES]) {
     return true;
 }
 
-/* The first line that is neither empty nor a comment. */
+/* Find the first line that is neither empty nor a comment. */
 static bool first_line(const uint8_t *start, size_t size, const char *comment,
                        char line[LINE_MAX_BYTES]) {
     lines l = {start, size};
@@ -47,7 +48,7 @@ static bool begins_with(const char *line, const char *word) {
     return strncasecmp(line, word, strlen(word)) == 0;
 }
 
-/* Whether any line begins with the word, in letters of either case. */
+/* Returns whether any line begins with the word, in letters of either case. */
 static bool has_line(const uint8_t *start, size_t size, const char *word) {
     char line[LINE_MAX_BYTES];
     lines l = {start, size};
@@ -57,7 +58,7 @@ static bool has_line(const uint8_t *start, size_t size, const char *word) {
     return false;
 }
 
-/* Whether the line is "WORD =". */
+/* Returns whether the line begins with "WORD =". */
 static bool is_assignment(const char *line, const char *word) {
     if (!begins_with(line, word))
         return false;
@@ -69,7 +70,7 @@ static bool is_assignment(const char *line, const char *word) {
 
 bool foreign_is_abaqus(const uint8_t *start, size_t size) {
     char line[LINE_MAX_BYTES];
-    /* LS-DYNA has nodes behind a star, too, and begins with *KEYWORD. */
+    /* LS-DYNA, too, has nodes behind a star, but begins with *KEYWORD. */
     return first_line(start, size, "**", line) && *line == '*' && !begins_with(line, "*KEYWORD") &&
            (has_line(start, size, "*HEADING") || has_line(start, size, "*NODE"));
 }
@@ -86,7 +87,7 @@ bool foreign_is_nastran(const uint8_t *start, size_t size) {
 }
 
 bool foreign_is_medit(const uint8_t *start, size_t size) {
-    /* 1, the version, and the keyword Dimension, which comes first. */
+    /* The binary form begins with 1, the version, and the code of the keyword Dimension. */
     for (int big = 0; big < 2 && size >= 12; big++) {
         const uint64_t version = binary_unsigned(start + 4, 4, big);
         if (binary_unsigned(start, 4, big) == 1 && version >= 1 && version <= 4 &&
@@ -125,7 +126,8 @@ bool foreign_is_amrex(const uint8_t *start, size_t size) {
 
 /* ---- grids ---- */
 
-/* Two lines of title; then atoms and the origin, and thrice a count and a vector. */
+/* A cube file has two lines of title, then atoms and origin, then three times a count and a vector.
+ */
 bool foreign_is_cube(const uint8_t *start, size_t size) {
     char line[LINE_MAX_BYTES];
     lines l = {start, size};

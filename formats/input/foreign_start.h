@@ -1,7 +1,7 @@
-/* foreign_start.h - formats without a magic number: whether a file's first bytes are those of one.
+/* foreign_start.h - recognise formats without a magic number by a file's first bytes.
  *
- * start: as many of them as foreign.h looks at, or all that there are. Each is written after the
- * format's own description, which the comment names.
+ * start: as many bytes as foreign.h looks at, or all there are. Each function follows the format's
+ * own description, which the comment names.
  */
 #ifndef FORMATS_INPUT_FOREIGN_START_H
 #define FORMATS_INPUT_FOREIGN_START_H

@@ -25,8 +25,8 @@ bool header_fields_same(const char *a, const char *b) {
     }
 }
 
-/* Equal for keys that are header_fields_same() (FNV-1a). Long keys that differ in their last letter
- * are told apart without being gone through once for each field. */
+/* Returns a hash that is equal for keys that are header_fields_same() (FNV-1a). Long keys that
+ * differ in their last letter alone need not be compared with each field. */
 static uint64_t hash_key(const char *key) {
     uint64_t hash = 0xcbf29ce484222325;
     for (key = skip_blanks(key); *key; key = skip_blanks(key + 1))
@@ -140,8 +140,8 @@ void header_fields_release(header_fields *h) {
     *h = (header_fields){.m = h->m};
 }
 
-/* A malformed number is a usage error to num.h, which knows command lines; here it is the file's
- * fault. */
+/* num.h, made for command lines, calls a malformed number a usage error. Here the file is at fault.
+ */
 static status blame_file(status st) {
     return st == ST_USAGE ? ST_CORRUPT : st;
 }

@@ -6,13 +6,13 @@
 
 enum { LITERALS = 32, LONG = 7, SHORTEST = 2 };
 
-/* An item: bytes of the stream that it takes, bytes that it gives, and how far behind the end those
- * are that come again; 0: they are literal. */
+/* An item: the bytes of the stream that it takes, the bytes that it gives, and how far before the
+ * end its source lies; 0: its bytes are literal. */
 typedef struct item {
     size_t taken, given, back;
 } item;
 
-/* false: the stream ends inside of it. */
+/* Read an item. Returns false when the stream ends inside it. */
 static bool next_item(const uint8_t *at, size_t left, item *i) {
     const size_t control = at[0], length = control >> 5;
     if (control < LITERALS) {
@@ -41,7 +41,7 @@ const char *lzf_size(const void *packed, size_t size, size_t *unpacked) {
     return NULL;
 }
 
-/* Where they overlap, it is a pattern that repeats. */
+/* Copy bytes that are out already. Where source and copy overlap, a pattern repeats. */
 static void repeat(uint8_t *to, size_t back, size_t count) {
     const uint8_t *from = to - back;
     for (size_t i = 0; i < count; i++)

@@ -25,14 +25,14 @@ static bool is_folder(const char *path) {
     return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
 }
 
-/* Cut a resolved path to the folder that it lies in. */
+/* Cut a resolved path to the folder that the file lies in. */
 static void cut_name(char *path) {
     char *slash = strrchr(path, '/');
     if (slash)
         slash[slash == path] = 0;
 }
 
-/* The folder of a path as it is given, resolved; of a folder itself where it is one. */
+/* Resolve the folder of a path as given; if the path is itself a folder, resolve that. */
 static bool folder_given(const char *by, char real[PATH_MAX]) {
     char folder[PATH_MAX];
     const char *slash = strrchr(by, '/');
@@ -45,7 +45,7 @@ static bool folder_given(const char *by, char real[PATH_MAX]) {
            realpath(folder, real) != NULL;
 }
 
-/* The folder of the file that the path leads to. */
+/* Resolve the folder of the file that the path leads to. */
 static bool folder_led_to(const char *by, char real[PATH_MAX]) {
     if (is_folder(by) || !realpath(by, real))
         return false;
@@ -53,7 +53,7 @@ static bool folder_led_to(const char *by, char real[PATH_MAX]) {
     return true;
 }
 
-/* Both are resolved. */
+/* Returns whether a path lies in a folder; both are resolved. */
 static bool lies_in(const char *path, const char *folder) {
     size_t length = strlen(folder);
     while (length > 0 && folder[length - 1] == '/')
@@ -61,7 +61,8 @@ static bool lies_in(const char *path, const char *folder) {
     return strncmp(path, folder, length) == 0 && path[length] == '/';
 }
 
-/* Whether a path that leads nowhere would leave the folder by its words alone. */
+/* Returns whether a path has ".." in it. Used where the path leads nowhere and cannot be resolved.
+ */
 static bool has_steps_up(const char *name) {
     for (const char *at = name; at; at = strchr(at, '/')) {
         at += strspn(at, "/");
@@ -71,7 +72,8 @@ static bool has_steps_up(const char *name) {
     return false;
 }
 
-/* name: as the file has it, where that is known; else the path. */
+/* Returns whether a file lies where the rule allows. name: as in the naming file, if known; else
+ * the path. */
 static bool lies_beside(const char *by, const char *path, const char *name) {
     char real[PATH_MAX], folder[PATH_MAX];
     if (!realpath(path, real))
@@ -95,7 +97,7 @@ status named_file_check(const char *by, const char *path, bool follow_links) {
     return check(by, path, below ? path + length + 1 : path, follow_links);
 }
 
-/* A relative name is looked for beside the file that has it. */
+/* Returns the path of a name; a relative one is looked for beside the file that has it. */
 static char *beside(mem *m, const char *header, const char *name) {
     const char *slash = strrchr(header, '/');
     const size_t folder = slash && *name != '/' ? (size_t)(slash - header) + 1 : 0;

@@ -1,4 +1,4 @@
-/* named_file.h - files that a file names: where they may lie, and what they must be.
+/* named_file.h - the rule for files that a file names: where they may lie, and what they must be.
  *
  * Whoever wrote an input chose the names in it. Followed blindly, a header that names /etc/passwd
  * puts that into a treelet file, and one that names a pipe waits for ever. So one rule serves all
@@ -10,7 +10,7 @@
  *     folder of the file that it leads to serves as well: that link is the user's.
  *   - It is a regular file.
  *
- * --follow-links (input_trust.h) takes files of other places, too; no other kinds.
+ * --follow-links (input_trust.h) also allows other places, but no other kinds of files.
  * Files whose names follow from a path that the user gave (x.ele for x.node, x.json for x.raw) may
  * lie anywhere, and must be regular.
  */
@@ -22,18 +22,18 @@
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 
-/* named_file_find() - the path to open of the file `name` that the file or folder `by` names; a
- * relative name is looked for beside it. by: "-" stands in the working folder. One that is not
- * there is no fault: opening it tells. ST_UNSUPPORTED where the rule forbids it, naming both. */
+/* named_file_find() - find the path to open of the file `name` that the file or folder `by` names.
+ * A relative name is looked for beside `by`; by "-": in the working folder. A missing file is no
+ * fault here: opening it fails. ST_UNSUPPORTED where the rule forbids it, naming both. */
 CHECKED status named_file_find(mem *m, const char *by, const char *name, bool follow_links,
                                char **path);
 
-/* named_file_check() - the same rule for a path that is already put together. `by` may be a folder
- * itself, such as that of a Zarr array: then the file lies below it. */
+/* named_file_check() - check the same rule for a path that is already put together. If `by` is a
+ * folder, such as that of a Zarr array, the file must lie below it. */
 CHECKED status named_file_check(const char *by, const char *path, bool follow_links);
 
-/* named_file_implied() - a file whose name follows from a path that the user gave: it is regular,
- * or not there. */
+/* named_file_implied() - check a file whose name follows from a path that the user gave: it must be
+ * regular, or not there. */
 CHECKED status named_file_implied(const char *path);
 
 #endif

@@ -1,4 +1,4 @@
-/* packed_stream.c - byte_stream_open(): a file as it is, or what was packed in it. */
+/* packed_stream.c - byte_stream_open(): a file as it is, or unpacked. */
 #include "formats/input/byte_stream.h"
 #include "formats/input/dicom_mark.h"
 #include "formats/input/unpack_stream.h"
@@ -21,7 +21,7 @@ static void close_unpacked(void *ctx) {
     mem_free(u->m, u);
 }
 
-/* packed is taken over. */
+/* Make a stream of unpacked bytes. packed is taken over. */
 static status unpack(mem *m, const packer *how, byte_stream *packed, byte_stream **out) {
     *out = NULL;
     unpacked *u = mem_zalloc(m, sizeof *u);

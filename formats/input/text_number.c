@@ -2,7 +2,8 @@
 
 #include "formats/base/num.h"
 
-/* Both numbers are exact doubles, so one operation rounds once: correctly. Up to 19 digits. */
+/* Scale up to 19 digits by a power of ten. Both numbers must be exact doubles: then one operation
+ * rounds once, so correctly. */
 static bool scale_exactly(uint64_t digits, int exponent, double *out) {
     static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                    1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
@@ -13,7 +14,7 @@ static bool scale_exactly(uint64_t digits, int exponent, double *out) {
     return true;
 }
 
-/* A plain decimal, the usual case; false when it takes strtod() to tell. */
+/* Read a plain decimal, the usual case. Returns false where strtod() must decide. */
 static bool plain_double(const char *at, double *out) {
     bool negative = *at == '-', negative_power;
     uint64_t digits = 0;

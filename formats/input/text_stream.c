@@ -14,7 +14,7 @@ static bool is_gap(uint8_t c) {
     return c == ' ' || c == ',' || (c >= '\t' && c <= '\r');
 }
 
-/* The next token; empty at the end of the stream. */
+/* Read the next token; empty at the end of the stream. */
 static status next_token(byte_stream *s, char token[TOKEN_MAX]) {
     size_t length = 0;
     token[0] = 0;
@@ -77,7 +77,7 @@ static void store(sample_type type, double value, void *sample) {
     }
 }
 
-/* Doubles do not hold all of these. */
+/* Store a 64-bit integer, which a double cannot hold in every case. */
 static bool store_wide(sample_type type, const char *token, void *sample) {
     char *end = NULL;
     errno = 0;

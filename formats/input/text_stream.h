@@ -8,8 +8,8 @@
 #include "formats/base/status.h"
 #include "formats/input/byte_stream.h"
 
-/* text_stream_read() - count samples of a type, native byte order; *got is smaller only at the end.
- * ST_CORRUPT for what is no number, or none of this type. There is no text of f16. */
+/* text_stream_read() - read count samples of a type, in native byte order; *got is smaller only at
+ * the end. ST_CORRUPT for a word that is no number of this type. There is no text of f16. */
 CHECKED status text_stream_read(byte_stream *s, sample_type type, void *samples, size_t count,
                                 size_t *got);
 

@@ -11,7 +11,7 @@ static bool is_gap(const text_tokens *t, uint8_t c) {
     return c == ' ' || (c >= '\t' && c <= '\r') || (t->commas && (c == ',' || c == ';'));
 }
 
-/* What a word is made of, in the one test that nearly all its bytes take. */
+/* Returns whether a byte belongs to a word. Nearly all of a word's bytes pass the first test. */
 static bool is_word(const text_tokens *t, uint8_t c) {
     if (c > '<' && c != (uint8_t)t->comment && c != (uint8_t)t->stop)
         return true;
@@ -42,7 +42,7 @@ status text_tokens_fault(const text_tokens *t, const char *fmt, ...) {
     return fault_at(t, expected);
 }
 
-/* Up to the next word, or to the line feed when this line is all that matters. */
+/* Skip to the next word; if one_line, at most to the line feed. */
 static status skip_gaps(text_tokens *t, bool one_line, bool *found) {
     bool comment = false;
     *found = false;
@@ -76,7 +76,7 @@ status text_tokens_more(text_tokens *t, bool *more) {
     return skip_gaps(t, true, more);
 }
 
-/* The word in front of which the stream stands. */
+/* Take the word that the stream stands in front of. */
 static status take_token(text_tokens *t) {
     const uint8_t *data;
     size_t size, length = 0;
@@ -97,7 +97,7 @@ static status take_token(text_tokens *t) {
     return ST_OK;
 }
 
-/* The usual case, in one go: blanks without a comment, and a word that ends in sight. */
+/* The usual case, in one go: blanks without a comment, and a word whose end is in the buffer. */
 static status next_in_sight(text_tokens *t, bool *done) {
     const uint8_t *data;
     size_t size, i = 0, lines = 0;
@@ -130,13 +130,13 @@ status text_tokens_next(text_tokens *t) {
     return st == ST_OK && done ? take_token(t) : st;
 }
 
-/* nan and inf are numbers. */
+/* Returns whether a word that begins so is no number. nan and inf are numbers. */
 static bool starts_text(uint8_t c) {
     bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
     return letter && !(c == 'n' || c == 'N' || c == 'i' || c == 'I');
 }
 
-/* How many bytes to pass over. */
+/* Count words in what is buffered. Returns how many bytes to skip. */
 static size_t skip_in_sight(text_tokens *t, const uint8_t *data, size_t size, uint64_t count,
                             uint64_t *got, bool *inside) {
     for (size_t i = 0; i < size; i++) {

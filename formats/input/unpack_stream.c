@@ -1,7 +1,7 @@
 #include "formats/input/unpack_stream.h"
 
 #define ZLIB_CONST
-#define ZSTD_STATIC_LINKING_ONLY /* an allocator of one's own */
+#define ZSTD_STATIC_LINKING_ONLY /* for our own allocator */
 #include <bzlib.h>
 #include <limits.h>
 #include <lzma.h>
@@ -12,7 +12,7 @@
 
 #include "formats/base/text.h"
 
-/* One step from what is in to where there is room; both move on. */
+/* Input and output of one step, which moves both on. */
 typedef struct span {
     const uint8_t *in;
     size_t in_size;
@@ -27,7 +27,7 @@ struct packer {
     size_t magic_size;
     bool (*open)(unpack_stream *s); /* false: no memory */
     unpacked (*step)(unpack_stream *s, span *x);
-    bool (*again)(unpack_stream *s); /* another member follows */
+    bool (*again)(unpack_stream *s); /* called when another member follows */
     void (*close)(unpack_stream *s);
 };
 
@@ -36,8 +36,8 @@ struct unpack_stream {
     byte_stream *from;
     const packer *how;
     bool ready, ended;
-    bool marked;     /* not so zlib data, which is one member */
-    const char *why; /* what the library says of damage; NULL: nothing */
+    bool marked;     /* the data has a mark; zlib data has none, and is one member */
+    const char *why; /* the library's message on damage; NULL: none */
     union {
         z_stream z;
         bz_stream bz;
@@ -271,13 +271,13 @@ static status damaged(const unpack_stream *s, const char *why) {
                            (unsigned long long)byte_stream_position(s->from), why);
 }
 
-/* zstd's frames without content, which tools put between others. */
+/* Returns whether a zstd frame without content comes; tools put these between others. */
 static bool is_skippable(const packer *p, const uint8_t *start, size_t size) {
     return p == &packer_zstd && size >= 4 && start[0] >> 4 == 5 &&
            memcmp(start + 1, "\x2a\x4d\x18", 3) == 0;
 }
 
-/* Behind a member: the end, or another one. */
+/* Behind a member, find out whether the data end or another member follows. */
 static status next_member(unpack_stream *s) {
     const uint8_t *data;
     size_t size;
@@ -289,7 +289,7 @@ static status next_member(unpack_stream *s) {
     return s->ended || s->how->again(s) ? ST_OK : ST_NOMEM;
 }
 
-/* Unpack what one peek gives, at most to the end of a member. */
+/* Unpack what one peek gives, at most up to the end of a member. */
 static status unpack_some(unpack_stream *s, uint8_t **out, size_t *room) {
     const uint8_t *data;
     size_t size;

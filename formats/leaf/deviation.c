@@ -17,7 +17,7 @@ uint16_t deviation_code(double d) {
     return (uint16_t)((bits + 0xFFFFu) >> 16);
 }
 
-/* ---- Where they are ---- */
+/* ---- Where codes are ---- */
 
 uint64_t deviation_bytes(const leaf_header *h) {
     uint64_t finest = 1;
@@ -58,7 +58,7 @@ bool deviation_sound(const leaf_layout *l, const uint16_t *codes, size_t *brick)
     return true;
 }
 
-/* Over the cells [first, end) of coarse treelet t. */
+/* The greatest deviation over the cells [first, end) of coarse treelet t. */
 static double most_over(const leaf_layout *l, const uint16_t *codes, uint32_t set, uint32_t t,
                         const uint32_t first[3], const uint32_t end[3]) {
     const uint16_t *of = codes + deviation_at(l, set, t);
@@ -90,7 +90,8 @@ double deviation_over(const leaf_layout *l, const uint16_t *codes, uint32_t set,
 
 /* ---- Two levels ---- */
 
-/* As a level's planes: the last cell of level 0 goes on behind the end. */
+/* The coordinate of a node, also behind the end: as in a level's planes, the last cell of level 0
+ * is repeated there. */
 static double coordinate(const double *axis, uint32_t last, uint64_t node) {
     return node <= last ? axis[node]
                         : axis[last] + (double)(node - last) * (axis[last] - axis[last - 1]);
@@ -103,8 +104,9 @@ double deviation_weight(const double *axis, uint32_t last, uint32_t fine, uint32
     return (at - from) / (to - from);
 }
 
-/* Of each of three axes the weight is off by 2^-51 at most, its product and two sums by as much of
- * numbers up to twice the largest value; all that less than 2^-46 of that value. */
+/* On each of three axes the weight errs by at most 2^-51. The product with it and two sums err by
+ * as much, relative to numbers up to twice the largest value. All that is less than 2^-46 of that
+ * value. */
 double deviation_rounding(sample_type type, bool rectilinear, const double range[2],
                           uint32_t level) {
     if ((type != SAMPLE_F32 && !rectilinear) || !(range[0] <= range[1]))
@@ -116,12 +118,13 @@ double deviation_rounding(sample_type type, bool rectilinear, const double range
 
 enum { COARSE_ROWS = DEVIATION_BRICK + 1 };
 
-/* Differences at the nodes of two rows of bricks, over all their rows of nodes and all slices:
- * those at even places on x, then those at odd ones; `row` of each. Floats hold those of integers
- * on a regular grid to the bit (17 bits and 3 of fractions); others are doubles. */
+/* The greatest differences at the nodes of two rows of bricks, over all their rows of nodes and all
+ * slices. Each row of bricks has `row` numbers for even places on x, then `row` for odd ones. For
+ * integers on a regular grid, floats hold the differences exactly (17 bits and 3 of fractions).
+ * Others are doubles. */
 struct deviation_band {
     uint32_t nodes, row;
-    bool wide; /* doubles */
+    bool wide; /* doubles, not floats */
     _Alignas(64) char most[];
 };
 
@@ -143,13 +146,13 @@ size_t deviation_scratch_bytes(uint32_t nodes) {
     return (COARSE_ROWS + 1) * (size_t)row_of(nodes) * sizeof(double);
 }
 
-/* What is not finite counts as infinite; integers are always finite. */
+/* A difference that is not finite counts as infinite; those of integers are always finite. */
 #define OF_REAL(A, x)    ((x) <= (A)DBL_MAX ? (x) : (A)INFINITY)
 #define OF_INTEGER(A, x) (x)
 
-/* T: the samples' type; A: in which is computed. */
+/* T: the samples' type; A: the type of the arithmetic. */
 #define DEFINE_COMPARE(T, A, suffix, FINITE)                                                       \
-    /* Between two coarse rows. */                                                                 \
+    /* Interpolate between two coarse rows. */                                                     \
     static void between_##suffix(const T *restrict a, const T *restrict b, A weight,               \
                                  uint32_t count, A *restrict out) {                                \
         for (uint32_t i = 0; i < count; i++)                                                       \
@@ -235,7 +238,7 @@ static double most_of(const deviation_band *band, uint32_t from, uint32_t count)
     return most;
 }
 
-/* Nodes 8 x .. 8 x + 8: half of them and one at even places. */
+/* Brick x has the nodes 8 x .. 8 x + 8: five at even places, four at odd ones. */
 double deviation_of_brick(const deviation_band *band, uint32_t x, uint32_t y) {
     const uint32_t half = DEVIATION_BRICK / 2, even = 2 * y * band->row;
     const uint32_t evens = (band->nodes + 1) / 2, odds = band->nodes / 2, from = half * x;

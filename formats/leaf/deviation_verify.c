@@ -11,23 +11,23 @@ enum {
     FINE_ROWS = 2 * DEVIATION_BRICK
 };
 
-/* A treelet's samples, from its first own node on. */
+/* A treelet's samples, starting at its first own node. */
 typedef struct nodes {
     const char *first;
-    size_t row, slice; /* samples */
+    size_t row, slice; /* in samples */
 } nodes;
 
 /* A parent and one of its children. */
 typedef struct family {
     const leaf_file *f;
     uint32_t set, level, child; /* level: the child's */
-    nodes fine, coarse;         /* coarse: from where the child begins */
+    nodes fine, coarse;         /* coarse: starts where the child begins */
     leaf_payload shape;         /* of the child */
-    uint32_t from[3];           /* the parent's cell where it begins */
+    uint32_t from[3];           /* the parent's cell where the child begins */
     double weight[3][CELLS_MAX / 2];
     deviation_band *band;
     void *scratch;
-    double most[BRICKS_MAX]; /* of the parent's bricks so far */
+    double most[BRICKS_MAX]; /* of the parent's bricks, so far */
 } family;
 
 static nodes nodes_of(const leaf_layout *l, uint32_t t, const void *payload,
@@ -44,7 +44,7 @@ static const char *node(const family *x, const nodes *n, uint32_t row, uint32_t 
     return n->first + (row * n->row + slice * n->slice) * sample_size(x->f->layout.type);
 }
 
-/* Layer z of the fine bricks of a band has been compared. */
+/* Add a layer of fine bricks, at z of the child, to the parent's bricks. It has been compared. */
 static void fold(family *x, uint32_t row, uint32_t z) {
     const leaf_layout *l = &x->f->layout;
     const uint16_t *own = x->f->deviations + deviation_at(l, x->set, x->child);
@@ -60,7 +60,7 @@ static void fold(family *x, uint32_t row, uint32_t z) {
         }
 }
 
-/* Rows of the child from `row` on, as far as a band reaches. */
+/* Compare the rows of the child that a band covers, from `row` on. */
 static void compare_band(family *x, uint32_t row) {
     const leaf_layout *l = &x->f->layout;
     const bool straight = !x->f->header.rectilinear;
@@ -118,7 +118,7 @@ static status check_bricks(const family *x, uint32_t t) {
     return ST_OK;
 }
 
-/* What a thread has, one behind the other. */
+/* The parts of a thread's room, which lie one behind the other. */
 static size_t payload_room(const leaf_layout *l) {
     return leaf_layout_aligned(leaf_layout_payload_max(l), LEAF_ALIGN_LOG2);
 }

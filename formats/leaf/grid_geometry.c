@@ -21,7 +21,8 @@ static status check_parameters(const char *path, const leaf_header *h) {
         LEAF_FIELD(h, steps, 1, h->version > 1 ? LEAF_SETS_MAX / (h->fields ? h->fields : 1) : 1),
     };
     status st = leaf_check_fields(path, fields, sizeof fields / sizeof fields[0]);
-    /* Integers with a value for no data are stored as f32, too, which has NaN for it. */
+    /* An input of integers with a value for missing data is also stored as f32, where NaN stands
+     * for it. */
     return st == ST_OK && h->sample_type != SAMPLE_F32 ? leaf_check_source(path, h) : st;
 }
 
@@ -85,7 +86,7 @@ static uint64_t payloads(const leaf_header *h) {
     return h->treelets * sets(h);
 }
 
-/* Version 1 has one set, without a name. */
+/* Version 1 has one set without a name. */
 static bool labels(const leaf_header *h) {
     return h->version > 1;
 }
@@ -98,7 +99,7 @@ static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
     return ((uint64_t)h->dims[0] + h->dims[1] + h->dims[2]) * sizeof(double);
 }
 
-/* The axes are leaf_file's. */
+/* leaf_file reads the axes itself. */
 static status allocate(leaf_file *f) {
     (void)f;
     return ST_OK;
@@ -119,11 +120,12 @@ static status lay_out(leaf_file *f, leaf_directory *d) {
     (void)d;
     status st = leaf_layout_init(&f->layout, f->m, h->dims, h->cells_log2, h->halo,
                                  (sample_type)h->sample_type);
-    (void)leaf_layout_repeat(&f->layout, h->fields, h->steps); /* has been checked */
+    (void)leaf_layout_repeat(&f->layout, h->fields, h->steps); /* cannot fail: check_layout() has
+                                                                  checked it */
     return st;
 }
 
-/* What integer samples can have as their range. */
+/* Whether samples of this type can have this range. */
 static bool of_type(sample_type type, const float range[2]) {
     static const float limits[][2] = {[SAMPLE_U8] = {0, 255},
                                       [SAMPLE_I8] = {-128, 127},
@@ -135,8 +137,8 @@ static bool of_type(sample_type type, const float range[2]) {
            range[0] == floorf(range[0]) && range[1] == floorf(range[1]);
 }
 
-/* Of a set; one treelet's own and merged range. A merged range is compared by value, so that -0 and
- * 0 are the same. */
+/* Check one treelet's own and merged range in a set. Merged ranges are compared by value, so that
+ * -0 equals 0. */
 static status check_ranges(const char *path, const leaf_layout *l, const leaf_directory *d,
                            uint32_t set, uint32_t t) {
     const size_t first = leaf_layout_samples(l, set, 0);
@@ -187,7 +189,7 @@ static uint32_t payload_bytes(const leaf_layout *l, uint32_t p) {
     return leaf_layout_payload(l, p % l->treelets).bytes;
 }
 
-/* The child in octant 0, which every parent has. */
+/* A run begins with the child in octant 0, which every parent has. */
 static bool begins_run(const leaf_layout *l, uint32_t p) {
     const uint32_t *place = l->place[p % l->treelets];
     return !((place[0] | place[1] | place[2]) & 1);

@@ -1,4 +1,4 @@
-/* grid_geometry.h - the row of grids in a treelet file. */
+/* grid_geometry.h - the table of functions for grids in a treelet file. */
 #ifndef FORMATS_LEAF_GRID_GEOMETRY_H
 #define FORMATS_LEAF_GRID_GEOMETRY_H
 

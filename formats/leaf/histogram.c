@@ -9,7 +9,7 @@
 
 enum { QUANTILE_DRAWS = 2048 };
 
-/* Values are floats, and edges little beyond them. */
+/* A bound of edges: values are floats, and edges lie just beyond them. */
 static const double EDGE_MAX = 0x1p128;
 
 static int compare_floats(const void *a, const void *b) {
@@ -21,9 +21,9 @@ static bool changes(const histogram_cell *c, const double within[2]) {
     return c->lo < c->hi && (double)c->lo >= within[0] && (double)c->hi <= within[1];
 }
 
-/* Where nearly all of the cells that change are, of those within a range: from the lowest 0.2 % of
- * their lower ends to the highest 0.2 % of their upper ends, a regular part of the cells being
- * looked at. */
+/* Find the range that holds nearly all of the changing cells within a range: from the lowest 0.2 %
+ * of their lower ends to the highest 0.2 % of their upper ends. It looks at a regular selection of
+ * the cells. */
 static bool bulk_of(const histogram_cell *cells, uint32_t count, const double within[2],
                     double bulk[2]) {
     float ends[2][QUANTILE_DRAWS];
@@ -50,7 +50,7 @@ static bool whole(sample_type type) {
     return type != SAMPLE_F32;
 }
 
-/* Bins of one width from a to b, behind what there is. */
+/* Append bins of equal width from a to b. */
 static void add_bins(histogram *h, double a, double b, uint32_t bins, bool integers) {
     double step = (b - a) / bins;
     if (integers) {
@@ -62,7 +62,7 @@ static void add_bins(histogram *h, double a, double b, uint32_t bins, bool integ
     h->edges[h->bins] = b;
 }
 
-/* Of the values in a range; most: bins. */
+/* Make the edges for the values in a range. most: the number of bins allowed. */
 static void make_edges(histogram *h, const histogram_cell *cells, uint32_t count, sample_type type,
                        const double range[2], uint32_t most) {
     const bool integers = whole(type);
@@ -89,7 +89,8 @@ static void make_edges(histogram *h, const histogram_cell *cells, uint32_t count
         h->edges[++h->bins] = hi;
 }
 
-/* The marker's bin, which holds nothing else, and the gap beside it: on the left or the right. */
+/* Add the marker's bin, which holds nothing else, and the gap beside it, at the left or right
+ * end. */
 static void add_marker(histogram *h, double value, sample_type type) {
     const double own[2] = {whole(type) ? value - 0.5 : value,
                            whole(type) ? value + 0.5 : nextafter(value, (double)INFINITY)};
@@ -102,7 +103,7 @@ static void add_marker(histogram *h, double value, sample_type type) {
 
 /* ---- counting ---- */
 
-/* A guess at the bin of a value: bins are of one width, but for one or two at the ends. */
+/* Guesses the bin of a value: bins have equal width, except one or two at the ends. */
 typedef struct ruler {
     double origin, per;
     const double *edges;
@@ -117,7 +118,7 @@ static ruler ruler_of(const histogram *h) {
     return r;
 }
 
-/* The last edge at or below v; -1: none; up to `bins`. */
+/* The index of the last edge at or below v, up to `bins`; -1: there is none. */
 static int32_t last_edge(const ruler *r, float value) {
     const double v = (double)value, guess = (v - r->origin) * r->per;
     int32_t i = !(guess > 0) ? 0 : guess < r->bins ? (int32_t)guess : r->bins;
@@ -229,15 +230,17 @@ const char *histogram_fault(const histogram *h) {
 
 /* ---- what is worth a look ---- */
 
-/* The rule "sharp and large". The score of an isovalue is the mean gradient g where its surface is,
- * times the surface's size: the fifth root of its area A times the volume V of the smaller one of
- * the two sides, which is a length. Boundaries of things score high; noise has a large area but a
- * small gradient, bright specks a large gradient but hardly any size. Area alone (g A) drew the
- * noise of 6 of 27 scans and simulations, volume alone (g cbrt V) the rim of one; this none.
+/* The rule "sharp and large". The score of an isovalue is the mean gradient g at its surface times
+ * the surface's size. The size is a length: the fifth root of A V, where A is the surface's area
+ * and V the volume of the smaller of its two sides. Boundaries of things score high. Noise has a
+ * large area but a small gradient; bright specks have a large gradient but hardly any size. Area
+ * alone (g A) chose the noise in 6 of 27 scans and simulations, volume alone (g cbrt V) the rim in
+ * one; this rule in none.
  *
- * g^5 A V puts isovalues into the same order and needs no root; g and A are shares of their largest
- * ones, and means over some bins, the nearer ones counting more. Of isovalues that are as good as
- * equal, as between two materials, the middle one is taken. Further ones are other peaks. */
+ * g^5 A V gives the same order and needs no root. g and A are relative to their greatest values,
+ * and averaged over some bins, with greater weights for nearer ones. Between two materials,
+ * isovalues are nearly equally good: the middle one is taken. Further suggestions are other
+ * peaks. */
 
 enum { SMOOTHING = 2, PEAK_WIDTH = HISTOGRAM_BINS / 16 };
 
@@ -272,7 +275,8 @@ static void scores_of(const histogram *h, double score[HISTOGRAM_BINS]) {
     }
 }
 
-/* The shortest decimal within half a bin of an edge, unless the bin is one integer's. */
+/* The shortest decimal within half a bin of an edge; the edge itself if the bin is one
+ * integer's. */
 static double shortened(const histogram *h, int k) {
     const double edge = h->edges[k];
     const double width = fmin(h->edges[k + 1] - edge, k > 0 ? edge - h->edges[k - 1] : INFINITY);
@@ -289,7 +293,7 @@ static double shortened(const histogram *h, int k) {
     return unit < 1e22 ? nearbyint(edge * unit) / unit : edge;
 }
 
-/* The middle of what is as good as bin k, on its right. */
+/* The middle of the bins on the right of bin k that are nearly as good as k. */
 static int middle(const double *score, int bins, int k) {
     int end = k;
     while (end + 1 < bins && score[end + 1] >= 0.999 * score[k])
@@ -305,7 +309,7 @@ uint32_t histogram_parting(const double *edges, const uint32_t *samples, uint32_
                            uint32_t to) {
     double count = 0.0, sum = 0.0, below = 0.0, sum_below = 0.0, best = 0.0;
     uint32_t found = from;
-    /* Relative to the first, so that far from 0 no digits are lost. */
+    /* Relative to the first middle, so that far from 0 no digits are lost. */
     const double origin = middle_of(edges, from);
     for (uint32_t i = from; i < to; i++) {
         count += samples[i];
@@ -317,7 +321,7 @@ uint32_t histogram_parting(const double *edges, const uint32_t *samples, uint32_
         if (!(below > 0.0 && below < count))
             continue;
         const double apart = sum_below / below - (sum - sum_below) / (count - below);
-        /* Divided first: values may be as large as floats are. */
+        /* Divide first: values may be as large as floats can be. */
         const double parted = below / count * (1.0 - below / count) * apart * apart;
         if (parted > best) {
             best = parted;
@@ -327,9 +331,9 @@ uint32_t histogram_parting(const double *edges, const uint32_t *samples, uint32_
     return found;
 }
 
-/* Beside a marker gradients say nothing: those of the cells between it and the data are far larger
- * than the data's own, at every isovalue. So it is where the data part into two, then the upper
- * half, then the lower. */
+/* Beside a marker gradients say nothing: in the cells between it and the data they are far larger
+ * than the data's own, at every isovalue. So suggest where the data split into two, then where the
+ * upper part does, then the lower. */
 static int suggest_partings(const histogram *h, const uint32_t bins[2], double *isovalues,
                             int most) {
     const uint32_t first = histogram_parting(h->edges, h->samples, bins[0], bins[1]);
@@ -372,7 +376,7 @@ int histogram_suggest(const histogram *h, double *isovalues, int most) {
     return count;
 }
 
-/* ---- what may be missing ---- */
+/* ---- missing data ---- */
 
 static const double MARKER_SHARE = 1e-3, MARKER_TIMES = 10.0;
 
@@ -406,7 +410,7 @@ bool histogram_find_marker(const histogram_cell *cells, uint32_t count, const do
     return false;
 }
 
-/* The value that a bin holds alone. */
+/* Whether a bin can hold only one value, and which. */
 static bool alone(const histogram *h, uint32_t bin, double *value) {
     const double lo = h->edges[bin], hi = h->edges[bin + 1];
     const bool integer = hi - lo == 1 && lo - floor(lo) == 0.5;

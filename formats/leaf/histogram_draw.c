@@ -60,17 +60,17 @@ uint64_t histogram_draw_tet(const histogram_run *r, uint32_t i) {
     return first + mixed(i) % size;
 }
 
-/* ---- what is seen ---- */
+/* ---- what is measured ---- */
 
 static const histogram_cell nothing = {NAN, INFINITY, -INFINITY, 0, 0, {0, 0, 0, 0}};
 
-/* The range of some values; false if one is not finite. */
+/* Find the range of some values; false if one is not finite. */
 static bool range_of(const float *v, int count, histogram_cell *c) {
     float lo = v[0], hi = v[0], sum = 0;
     for (int i = 0; i < count; i++) {
         lo = v[i] < lo ? v[i] : lo;
         hi = v[i] > hi ? v[i] : hi;
-        sum += v[i] - v[i]; /* NaN for NaN and inf */
+        sum += v[i] - v[i]; /* NaN where v[i] is NaN or inf */
     }
     if (!(sum == 0))
         return false;
@@ -96,7 +96,7 @@ histogram_space histogram_space_of(const double *to_world) {
     return s;
 }
 
-/* Slope and area from the gradient per cell, in index space, of the cell at a node. */
+/* Compute slope and area of the cell at a node from its gradient in index space. */
 static void measure(const histogram_space *s, const uint32_t node[3], const double gradient[3],
                     histogram_cell *c) {
     double own[3], square = 0, volume = s->volume;
@@ -184,7 +184,7 @@ histogram_cell histogram_tet(const float *const corners[4], const float values[4
             det += e == 0 ? edge[0][a] * normal[a] : 0;
         }
     }
-    /* The gradient is sum / det, the volume |det| / 6. */
+    /* The gradient is sum / det, and the volume is |det| / 6. */
     const double length = vec3_length(sum);
     const double span = (double)c.hi - (double)c.lo;
     if (det == 0 || span == 0)

@@ -7,8 +7,8 @@
 
 enum { ROWS = 24, BAR = 40 };
 
-/* Rows of bins: the tails and what is left aside, at the ends, by themselves, the rest in rows of
- * as many bins each. */
+/* A printed row of bins. Tails and a marker's bins, at the ends, have rows of their own. The others
+ * have equally many bins each. */
 typedef struct row {
     uint32_t first, end;
     uint64_t samples;

@@ -7,17 +7,18 @@
 
 #include "formats/leaf/histogram.h"
 
-/* histogram_print() - up to 28 lines of bars, as long as the cube roots of the counts, and a mark
- * where isovalues are suggested; what: "samples", "tets". Nothing for a histogram without bins. */
+/* histogram_print() - print up to 28 lines of bars, as long as the cube roots of the counts, with a
+ * mark at suggested isovalues. what: "samples", "tets". Prints nothing for a histogram without
+ * bins. */
 void histogram_print(FILE *to, const histogram *h, const char *what);
 
-/* histogram_print_isovalues() - the suggested isovalues, best first, in one line; nothing where
- * there are none. Before it, in a line, a value that is left aside. */
+/* histogram_print_isovalues() - print the suggested isovalues in a line, best first; nothing where
+ * there are none. If there is a marker, a line before it names that value. */
 void histogram_print_isovalues(FILE *to, const histogram *h);
 
-/* histogram_json() - everything, as the man page of `info` lists it: total, drawn, cells, edges,
- * samples, active, gradient, area, suggested, aside. Without memory it is NULL or lacks something:
- * cli_json_write() finds that. */
+/* histogram_json() - all of a histogram, as the man page of `info` lists it: total, drawn, cells,
+ * edges, samples, active, gradient, area, suggested, aside. If memory runs out, the result is NULL
+ * or incomplete; cli_json_write() notices. */
 json_t *histogram_json(const histogram *h);
 
 #endif

@@ -3,12 +3,13 @@
 #include <math.h>
 #include <string.h>
 
-/* NaN as converters write it; other bit patterns, and infinity, are kept as they are. */
+/* The value of all samples. NaN is the one that converters write: payloads with other NaNs, or with
+ * infinity, are stored. */
 static float value_of(const float own[2]) {
     return own[0] > own[1] ? NAN : own[0];
 }
 
-/* A sample of this type, as it lies in memory. */
+/* Write a sample of this type as it lies in memory. */
 static void encode(sample_type type, float value, uint8_t sample[4]) {
     const int whole = type == SAMPLE_F32 ? 0 : (int)value;
     const uint8_t u8 = (uint8_t)whole;
@@ -36,12 +37,12 @@ bool implied_payload_is(const leaf_layout *l, uint32_t t, const float own[2], ui
     if (!implied_payload_may(own, flags))
         return false;
     encode(l->type, value_of(own), first);
-    /* Each sample is the one before it. */
+    /* Compare each sample with the one before it. */
     return memcmp(samples, first, width) == 0 &&
            memcmp(samples, samples + width, bytes - width) == 0;
 }
 
-/* A block lies in the treelet if its first cell does. */
+/* Whether block m lies in the treelet: its first cell does. */
 static bool is_inside(const leaf_payload *p, uint32_t m) {
     uint32_t first[3] = {0, 0, 0};
     for (uint32_t bit = 0; bit < p->node_levels; bit++)
@@ -50,7 +51,7 @@ static bool is_inside(const leaf_payload *p, uint32_t m) {
     return first[0] < p->cells[0] && first[1] < p->cells[1] && first[2] < p->cells[2];
 }
 
-/* The one value has code 0; a node of no finite sample 255, 0. */
+/* Fill the codes: 0, 0 for the one value; 255, 0 for a node without a finite sample. */
 static void fill_codes(const leaf_payload *p, bool empty, uint8_t *codes) {
     const uint32_t blocks = 1u << (3 * p->node_levels);
     uint8_t *low = codes + leaf_codes_at(p->node_levels);
@@ -61,7 +62,7 @@ static void fill_codes(const leaf_payload *p, bool empty, uint8_t *codes) {
         uint8_t *here = codes + leaf_codes_at(k);
         const uint8_t *below = codes + leaf_codes_at(k + 1);
         for (uint32_t m = 0; m < 1u << (3 * k); m++)
-            here[m] = below[8 * m]; /* the child in octant 0 is inside, if any is */
+            here[m] = below[8 * m]; /* the child in octant 0 lies inside, if any does */
     }
 }
 

@@ -10,14 +10,14 @@
  *
  * All little endian. Everything not named is zero, and checked to be.
  *
- * A treelet of a grid is a block of up to B^3 cells (B = 2^cells_log2) of one level of detail with
- * the samples at their nodes, h more samples on every side, and the codes of the min/max kd-tree
- * over it (M08 4.3, 4.4). Levels count from 0 = full resolution.
+ * A treelet of a grid is a block of up to B^3 cells (B = 2^cells_log2) of one level of detail. It
+ * has the samples at their nodes, h more samples on every side, and the codes of the min/max
+ * kd-tree over it (M08 4.3, 4.4). Levels count from 0 = full resolution.
  *
- * A treelet of a tetrahedral mesh is a subtree of the bounding volume hierarchy over its tets with
- * them and their vertices (W07 5): one payload of topology, and one of values for each set (a field
- * at a time step); then, where the file has them, one of gradients for each set, and one of
- * positions for each step but the first. mesh_leaf.h has what is in these payloads.
+ * A treelet of a tetrahedral mesh is a subtree of the bounding volume hierarchy over its tets, with
+ * the tets and their vertices (W07 5). It has one payload of topology, and one of values for each
+ * set (a field at a time step). Then, where the file has them, come one of gradients for each set,
+ * and one of positions for each step but the first. mesh_leaf.h describes these payloads.
  */
 #ifndef FORMATS_LEAF_LEAF_H
 #define FORMATS_LEAF_LEAF_H
@@ -28,7 +28,7 @@
 #include "formats/base/world_frame.h"
 
 enum {
-    LEAF_VERSION = 2, /* the last one; a file has 1 where it has nothing that came with 2 */
+    LEAF_VERSION = 2, /* the latest; files that need nothing new in 2 have 1 */
     LEAF_HEADER_BYTES = 4096,
     LEAF_ALIGN_LOG2 = 6,
     LEAF_ALIGN = 1 << LEAF_ALIGN_LOG2, /* of sections, and of payloads inside a run */
@@ -48,7 +48,7 @@ enum {
 
 typedef enum leaf_kind { LEAF_KIND_GRID = 1, LEAF_KIND_MESH = 2 } leaf_kind;
 /* With a compressed codec, a payload that would not get smaller is stored raw; its stored size
- * tells. */
+ * shows this. */
 typedef enum leaf_codec { LEAF_CODEC_RAW = 0, LEAF_CODEC_ZSTD = 1 } leaf_codec;
 
 /* What a treelet's directory flags say. */
@@ -57,10 +57,11 @@ enum {
 }; /* a NaN or inf among its own cells' samples or its vertices' values: use the NaN-aware kernel */
 
 /* clang-format off */
-/* A mesh has 0 in what is of grids alone, and the other way round. */
+/* Fields that concern grids alone are 0 for a mesh, and the other way round. */
 typedef struct leaf_header {   /* offset size */
     char magic[8];             /*    0    8  LEAF_MAGIC, without its NUL */
-    uint32_t version;          /*    8    4  1, or 2 for implied payloads */
+    uint32_t version;          /*    8    4  1, or 2 for implied payloads, or several sets of a
+                                  grid */
     uint32_t kind;             /*   12    4  leaf_kind */
     uint32_t sample_type;      /*   16    4  sample_type, one that sample_stored() yields; mesh: f32 */
     uint32_t source_type;      /*   20    4  sample_type of the input */
@@ -94,10 +95,10 @@ typedef struct leaf_header {   /* offset size */
     float bounds[6];           /* 1360   24  of the whole mesh, at all steps: lo x y z, hi x y z */
     uint32_t treelet_tets;     /* 1384    4  at most so many in a treelet */
     uint32_t leaf_tets;        /* 1388    4  at most so many in a leaf of its tree */
-    uint64_t flat;             /* 1392    8  tets among them without a volume */
+    uint64_t flat;             /* 1392    8  of these, tets without a volume */
     uint64_t inverted;         /* 1400    8  tets that were oriented the other way in the input */
-    uint64_t repeated;         /* 1408    8  left out: tets of the input with a vertex twice, */
-    uint64_t bad;              /* 1416    8    and with an index that is no vertex's */
+    uint64_t repeated;         /* 1408    8  left out: input tets with a vertex twice, */
+    uint64_t bad;              /* 1416    8    and with an invalid vertex index */
     char field[64];            /* 1424   64  name of the first field, as name */
     uint32_t gradients;        /* 1488    4  1: each set has gradients too, else 0 */
     uint32_t moving;           /* 1492    4  1: steps behind the first have positions, else 0 */
@@ -112,11 +113,11 @@ typedef struct leaf_section {  /* offset size */
     uint64_t checksum;         /*   24    8  XXH3-64 of those bytes */
 } leaf_section;
 
-/* A whole treelet file of kind grid inside a mesh's: the values of a set resampled, for pictures
- * before the mesh has been read. Parts lie behind the last payload's run, set after set without
- * gaps, each a multiple of 2^run_align_log2 long. */
+/* A complete grid treelet file inside a mesh's: the values of a set, resampled, for pictures before
+ * the mesh has been read. Parts lie behind the last payload's run, set after set without gaps, each
+ * a multiple of 2^run_align_log2 long. */
 typedef struct leaf_part {     /* offset size */
-    uint64_t offset;           /*    0    8  from the file's start; 0: the set has none, and all is 0 */
+    uint64_t offset;           /*    0    8  from the file's start; 0: none, and all fields are 0 */
     uint64_t bytes;            /*    8    8 */
     uint64_t id[2];            /*   16   16  of its header */
 } leaf_part;
@@ -126,7 +127,7 @@ _Static_assert(sizeof(leaf_part) == 32, "leaf_part is 32 bytes");
 _Static_assert(sizeof(leaf_header) == LEAF_HEADER_BYTES, "leaf_header is a page");
 _Static_assert(sizeof(leaf_section) == 32, "leaf_section is 32 bytes");
 
-/* leaf_id_text() - the id for people. Returns text. */
+/* leaf_id_text() - print the id for people. Returns text. */
 enum { LEAF_ID_TEXT = 33 };
 static inline const char *leaf_id_text(const leaf_header *h, char text[LEAF_ID_TEXT]) {
     snprintf(text, LEAF_ID_TEXT, "%016llx%016llx", (unsigned long long)h->id[1],
@@ -134,33 +135,32 @@ static inline const char *leaf_id_text(const leaf_header *h, char text[LEAF_ID_T
     return text;
 }
 
-/* leaf_aligned() - the first multiple of LEAF_ALIGN at or behind a byte of a payload. */
+/* leaf_aligned() - the first multiple of LEAF_ALIGN at or behind byte `at` of a payload. */
 static inline uint32_t leaf_aligned(uint32_t at) {
     return (at + LEAF_ALIGN - 1) / LEAF_ALIGN * LEAF_ALIGN;
 }
 
 /* Sections follow the table in its order, each at the first multiple of LEAF_ALIGN behind the one
- * before; payloads follow the sections in order (leaf_placing_next()). So sizes alone fix
- * every offset, and no byte is unaccounted for.
+ * before. Payloads follow the sections in order (leaf_placing_next()). So sizes alone fix every
+ * offset, and no byte is unaccounted for.
  *
- * Directory sections: one array each, an element a treelet (grids; they have a payload a treelet),
- * in treelet order: coarsest level first; within a level by the parent's index, then by octant x +
- * 2y + 4z. So siblings are neighbours, and the root is treelet 0. Which children exist, and every
- * treelet's place, follows from dims and B alone. Of several sets, set after set
- * (leaf_layout_samples()).
+ * Grids: a directory section is one array with an element per treelet, which has one payload. The
+ * order is: coarsest level first; within a level by the parent's index, then by octant x + 2y + 4z.
+ * So siblings are neighbours, and the root is treelet 0. Which children exist, and every treelet's
+ * place, follows from dims and B alone. Several sets come set after set (leaf_layout_samples()).
  *
  * Meshes: n treelets in the order of their tets, fields * steps sets of values; set = field * steps
- * + step. Payloads come in blocks of n, payload block * n + t being treelet t's: one block of
- * topologies, a block of values for each set, with header.gradients a block of gradients for each
- * set, with header.moving a block of positions for each step 1 .. steps - 1 (leaf_layout_values()
- * and so on). RANGES, OWN, FLAGS: an element set * n + t; OFFSETS, SIZES, CHECKSUMS: an element a
- * payload; BOUNDS: an element step * n + t with header.moving, else a treelet; COUNTS: an element a
- * treelet. */
+ * + step. Payloads come in blocks of n; payload block * n + t belongs to treelet t. There is one
+ * block of topologies and a block of values for each set; with header.gradients a block of
+ * gradients for each set; with header.moving a block of positions for each step 1 .. steps - 1
+ * (leaf_layout_values() and so on). RANGES, OWN, FLAGS: an element set * n + t. OFFSETS, SIZES,
+ * CHECKSUMS: an element per payload. BOUNDS: an element step * n + t with header.moving, else one
+ * per treelet. COUNTS: an element per treelet. */
 typedef enum leaf_section_kind {
-    LEAF_SECTION_RANGES = 1,  /* float[2]: lo, hi over the treelet's finite samples and all its
-                                 descendants'; of a mesh as OWN */
-    LEAF_SECTION_OWN = 2,     /* float[2]: lo, hi over the treelet's own finite samples, halo apart;
-                                 codes relate to it */
+    LEAF_SECTION_RANGES = 1,  /* float[2]: lo, hi over the finite samples of the treelet and of all
+                                 its descendants; mesh: as OWN */
+    LEAF_SECTION_OWN = 2,     /* float[2]: lo, hi over the treelet's own finite samples, without the
+                                 halo; codes are relative to it */
     LEAF_SECTION_FLAGS = 3,   /* uint8_t: LEAF_FLAG_* */
     LEAF_SECTION_OFFSETS = 4, /* uint64_t: payload's offset in the file */
     LEAF_SECTION_SIZES = 5,   /* uint64_t: payload's stored bytes */
@@ -173,17 +173,17 @@ typedef enum leaf_section_kind {
     LEAF_SECTION_TIMES = 11,  /* of two steps or more, may be missing: double: time of a step,
                                  ascending */
     LEAF_SECTION_COARSE = 12, /* mesh, may be missing: leaf_part: a set's coarse grid */
-    LEAF_SECTION_LAST = 12,   /* of those known here */
+    LEAF_SECTION_LAST = 12,   /* the last that is known here */
     LEAF_SECTION_ANCILLARY =
-        1 << 30, /* set in kinds that a reader may pass over; others it must know */
-    LEAF_SECTION_HISTOGRAMS = LEAF_SECTION_ANCILLARY | 1, /* histogram (histogram.h): an element a
+        1 << 30, /* set in kinds that a reader may skip; it must know all others */
+    LEAF_SECTION_HISTOGRAMS = LEAF_SECTION_ANCILLARY | 1, /* histogram (histogram.h): an element per
                                                              set */
     LEAF_SECTION_DEVIATIONS =
-        LEAF_SECTION_ANCILLARY | 2, /* grid: uint16_t (deviation.h): an
-                                       element a brick of each coarse treelet */
+        LEAF_SECTION_ANCILLARY | 2, /* grid: uint16_t (deviation.h): an element per brick of each
+                                       coarse treelet */
     LEAF_SECTION_WORLD =
-        LEAF_SECTION_ANCILLARY | 3, /* may be missing: a world_frame, not of zeros */
-    LEAF_ANCILLARY_LAST = 3         /* of those known here */
+        LEAF_SECTION_ANCILLARY | 3, /* may be missing: a world_frame, not all zeros */
+    LEAF_ANCILLARY_LAST = 3         /* the last that is known here */
 } leaf_section_kind;
 /* A treelet without a finite sample has lo = +inf, hi = -inf. */
 

@@ -64,7 +64,8 @@ static status check_frame(const char *path, const leaf_header *h, uint64_t file_
     return ST_OK;
 }
 
-/* A field that must lie in [lo, hi]; outside, it may be a later version's, hence ST_UNSUPPORTED. */
+/* Check a field that must lie in [lo, hi]. A value outside may be a later version's, hence
+ * ST_UNSUPPORTED. */
 static status check_field(const char *path, size_t at, const char *name, uint32_t value,
                           uint32_t lo, uint32_t hi) {
     if (value >= lo && value <= hi)
@@ -200,7 +201,7 @@ uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
     }
 }
 
-/* One entry: its kind, and that it lies right behind `end`. */
+/* Check one entry: its kind and size, and that its section lies right behind `end`. */
 static status check_section(const char *path, const leaf_header *h, const leaf_section *s,
                             uint64_t entry, uint64_t *end) {
     bool known = (s->kind >= 1 && s->kind <= LEAF_SECTION_LAST) ||
@@ -263,14 +264,14 @@ status leaf_check_sections(const char *path, const leaf_header *h, const leaf_se
 
 /* ---- directory ---- */
 
-/* Whether the directory can tell a payload of no bytes. */
+/* Whether payload p may have no bytes because the directory implies it. */
 static bool may_be_empty(const leaf_header *h, const leaf_layout *l, const leaf_directory *d,
                          uint32_t p) {
     return h->version > 1 && l->geometry->may_imply &&
            l->geometry->may_imply(d->own[p], d->flags[p]);
 }
 
-/* Payload p; *place moves on. */
+/* Check payload p, and advance *place. */
 static status check_payload(const char *path, const leaf_header *h, const leaf_layout *l,
                             const leaf_directory *d, uint32_t p, leaf_placing *place) {
     const uint64_t at = leaf_placing_next(place, l, p, d->sizes[p], h->run_align_log2);
@@ -297,7 +298,7 @@ static status check_payload(const char *path, const leaf_header *h, const leaf_l
     return ST_OK;
 }
 
-/* Coarse grids follow one another from `end` on; it becomes where the last one ends. */
+/* Check that coarse grids follow one another from *end on; *end becomes where the last one ends. */
 static status check_parts(const char *path, const leaf_header *h, const leaf_directory *d,
                           uint64_t *end) {
     const uint64_t run = (uint64_t)1 << h->run_align_log2;

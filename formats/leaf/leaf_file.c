@@ -15,12 +15,12 @@ _Static_assert(
     __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
     "treelet files are little endian and read as they are; swap here for other machines");
 
-/* What only opening needs. */
+/* State needed only while opening. */
 typedef struct opening {
     leaf_file *f;
     leaf_section table[LEAF_SECTIONS_MAX];
-    uint64_t end;                   /* of the sections */
-    uint64_t at[LEAF_SECTION_LAST]; /* of known section k: at[k - 1] */
+    uint64_t end;                   /* where the sections end */
+    uint64_t at[LEAF_SECTION_LAST]; /* file offset of known section k: at[k - 1] */
 } opening;
 
 static status check_gap(leaf_file *f, uint64_t from, uint64_t to) {
@@ -72,7 +72,7 @@ static status read_section(leaf_file *f, const leaf_section *s, void *into) {
     return st == ST_OK ? check_sum(f, s, hash_bytes(into, (size_t)s->bytes)) : st;
 }
 
-/* The coordinates lie in one section and one block; axis[0] owns it. */
+/* Read the coordinates of all axes from one section into one block, which axis[0] owns. */
 static status read_axes(leaf_file *f, const leaf_section *s) {
     const uint32_t *dims = f->header.dims;
     size_t count = (size_t)dims[0] + dims[1] + dims[2];
@@ -98,7 +98,8 @@ static status read_axes(leaf_file *f, const leaf_section *s) {
     return st;
 }
 
-/* A kind from the future that may be passed over: sound all the same, or the file is not. */
+/* Check a section of a later kind, which may be skipped. If it is damaged, the file is refused all
+ * the same. */
 static status check_ancillary(leaf_file *f, const leaf_section *s) {
     void *bytes = mem_alloc(f->m, (size_t)s->bytes);
     if (!bytes)
@@ -108,7 +109,7 @@ static status check_ancillary(leaf_file *f, const leaf_section *s) {
     return st;
 }
 
-/* Histograms are sound in themselves; leaf_verify() counts again. */
+/* Read histograms, and check that each is sound in itself; leaf_verify() counts again. */
 static status read_histograms(leaf_file *f, const leaf_section *s) {
     const size_t count = (size_t)s->bytes / sizeof *f->histograms;
     f->histograms = mem_array(f->m, count, sizeof *f->histograms);
@@ -125,7 +126,7 @@ static status read_histograms(leaf_file *f, const leaf_section *s) {
     return st;
 }
 
-/* leaf_verify() compares the levels again. */
+/* Read deviations; leaf_verify() compares the levels again. */
 static status read_deviations(leaf_file *f, const leaf_section *s) {
     f->deviations = mem_alloc(f->m, (size_t)s->bytes);
     return f->deviations ? read_section(f, s, f->deviations) : ST_NOMEM;
@@ -141,7 +142,7 @@ static status read_world(leaf_file *f, const leaf_section *s) {
     return st;
 }
 
-/* As they are where the file does not say. */
+/* Allocate names and times, with defaults for a file that has none. */
 static status allocate_labels(leaf_file *f) {
     f->names = mem_array(f->m, f->header.fields, sizeof *f->names);
     f->times = mem_array(f->m, f->header.steps, sizeof *f->times);
@@ -220,7 +221,7 @@ static status check_names(const char *path, const leaf_header *h, const char (*n
                               h->field, names[0]);
 }
 
-/* Names and times, where the file has them. */
+/* Check names and times, where the file has them. */
 static status check_labels(leaf_file *f, const leaf_directory *d) {
     const char *path = file_path(f->source);
     const uint64_t names = d->at[LEAF_SECTION_FIELDS - 1], times = d->at[LEAF_SECTION_TIMES - 1];
@@ -233,7 +234,7 @@ static status check_labels(leaf_file *f, const leaf_directory *d) {
     return st == ST_OK && times ? leaf_check_axis(path, f->times, f->header.steps, times) : st;
 }
 
-/* Codes are numbers, and zero where no cells are. */
+/* Check that codes are valid, and 0 for bricks without cells. */
 static status check_deviations(const opening *o) {
     const leaf_file *f = o->f;
     size_t brick;
@@ -269,7 +270,7 @@ static status check_directory(const opening *o) {
     return st == ST_OK && f->deviations ? check_deviations(o) : st;
 }
 
-/* Whoever wrote the file, its names can be printed and put into JSON. */
+/* Make names safe to print and to put into JSON, whoever wrote the file. */
 static void clean_names(leaf_file *f, const char *path) {
     leaf_header *h = &f->header;
     text_name(h->name, sizeof h->name, h->name);
@@ -294,7 +295,7 @@ static status read_directory(opening *o) {
     return st == ST_OK ? check_gap(f, o->end, f->offsets[0]) : st;
 }
 
-/* source is consumed; path: where its bytes are, for a name. */
+/* Open a file; consumes source. path: gives the name to show, if the header has none. */
 static status open_source(mem *m, file *source, const char *path, leaf_file **out) {
     leaf_file *f = mem_zalloc(m, sizeof *f);
     if (!f) {

@@ -1,8 +1,8 @@
 /* leaf_file.h - open a treelet file: everything but the payloads, checked and in memory.
  *
- * After leaf_file_open() the header, the directory and every offset and size have been validated
- * against the file's length, so users need no checks of their own. Immutable afterwards: any thread
- * may read it. Payload bytes are checked by leaf_file_load().
+ * leaf_file_open() validates the header, the directory and every offset and size against the file's
+ * length, so users need no checks of their own. Immutable afterwards: any thread may read it.
+ * leaf_file_load() checks payload bytes.
  */
 #ifndef FORMATS_LEAF_LEAF_FILE_H
 #define FORMATS_LEAF_LEAF_FILE_H
@@ -16,95 +16,98 @@
 #include "formats/leaf/leaf.h"
 #include "formats/leaf/leaf_layout.h"
 
-/* What the directory of a mesh has besides; an element a treelet. */
+/* What the directory of a mesh has in addition; an element per treelet. */
 typedef struct mesh_directory {
     float (*bounds)[6];    /* lo x y z, hi x y z; where vertices move an element step * treelets +
-                              treelet (leaf_layout_bounds()), so that those of step 0 are first */
+                              treelet (leaf_layout_bounds()), so that step 0 comes first */
     uint32_t (*counts)[4]; /* for mesh_leaf_shape() */
-    uint64_t *first_tet;   /* treelets + 1: number in the whole mesh of a treelet's first tet */
-    leaf_part *coarse;     /* of sets; zeros without section COARSE */
+    uint64_t *first_tet;   /* treelets + 1: number of a treelet's first tet in the whole mesh */
+    leaf_part *coarse;     /* per set; zeros without section COARSE */
 } mesh_directory;
 
 typedef struct leaf_file {
     leaf_header header;
-    const struct leaf_geometry *geometry; /* the row of its kind */
-    char name[64]; /* to show: the header's, or the file's own without its suffix */
+    const struct leaf_geometry *geometry; /* the functions of its kind */
+    char name[64]; /* for display: the header's name, or the file's own without its suffix */
     leaf_layout layout;
-    /* The directory: ranges, own, flags an element set * treelets + treelet; offsets, sizes,
-     * checksums an element a payload (leaf_layout_samples(), leaf_layout_values()). */
+    /* The directory. ranges, own, flags: an element set * treelets + treelet. offsets, sizes,
+     * checksums: an element per payload (leaf_layout_samples(), leaf_layout_values()). */
     float (*ranges)[2]; /* merged */
     float (*own)[2];
     uint8_t *flags;
     uint64_t *offsets;
     uint64_t *sizes;
     uint64_t *checksums;
-    /* Level-0 node coordinates in grid space, always there (0, 1, 2, ... for a regular grid). */
+    /* Level-0 node coordinates in grid space, never NULL (0, 1, 2, ... for a regular grid). */
     double *axis[3];
-    char (*names)[64];     /* of fields; without FIELDS the first has the header's, others "" */
-    double *times;         /* of steps; without TIMES 0, 1, 2 .. */
+    char (*names)[64];     /* per field; without FIELDS the first is the header's, others "" */
+    double *times;         /* per step; without TIMES 0, 1, 2 .. */
     bool has_times;        /* section TIMES was there */
-    mesh_directory *mesh;  /* NULL: no mesh */
-    void *besides;         /* what the directory of another kind has */
-    histogram *histograms; /* of each set; NULL: the file has none */
+    mesh_directory *mesh;  /* NULL: not a mesh */
+    void *besides;         /* what the directory of another kind has in addition */
+    histogram *histograms; /* per set; NULL: the file has none */
     world_frame frame;     /* what the world's axes mean; zeros: the file does not say */
-    uint16_t *deviations;  /* codes (deviation.h) of the coarse treelets' bricks; NULL: likewise */
+    uint16_t *deviations;  /* codes (deviation.h) of the coarse treelets' bricks; NULL: the file has
+                              none */
     file *source;
-    file_mark mark; /* of the file, or of the one that this is a part of, when it was opened; of
-                       bytes in memory: 0 */
+    file_mark mark; /* of the file, or of the whole file if this is a part, when it was opened; all
+                       0 for bytes in memory */
     mem *m;
     uint64_t directory_bytes; /* in the file: header, section table, sections */
-    uint64_t payloads_end;    /* of the last run of payloads */
+    uint64_t payloads_end;    /* where the last run of payloads ends */
 } leaf_file;
 
 /* leaf_file_open() - ST_CORRUPT names file, byte and what was expected. */
 CHECKED status leaf_file_open(mem *m, const char *path, leaf_file **out);
 
-/* leaf_file_open_memory() - the same of a file's bytes, which stay the caller's, and as they are
- * until it is closed. name: instead of a path. No alignment is asked for. */
+/* leaf_file_open_memory() - open the bytes of a file. They stay the caller's, and must not change
+ * until it is closed. name: used as its path. Any alignment. */
 CHECKED status leaf_file_open_memory(mem *m, const char *name, const void *bytes, size_t size,
                                      leaf_file **out);
 void leaf_file_close(leaf_file *f); /* NULL is fine */
 
-/* leaf_file_prove() - a file about to get its name is opened as any other, and closed: what the
- * writer accepts, the reader opens. */
+/* leaf_file_prove() - open and close a file that is about to get its name. So the reader opens all
+ * that the writer accepts. */
 CHECKED status leaf_file_prove(mem *m, const char *path);
 
-/* leaf_file_has_coarse() - whether f, a mesh, has a coarse grid of a set. leaf_file_open_coarse() -
- * open it: a treelet file as any other, of kind grid, which may outlive f; messages call it F.leaf
- * (from byte N), and count its bytes from there. ST_CORRUPT also where it is not the one
- * that the directory says. */
+/* leaf_file_has_coarse() - whether f, a mesh, has a coarse grid of a set.
+ * leaf_file_open_coarse() - open it: a treelet file like any other, of kind grid, which may outlive
+ * f. Messages call it F.leaf (from byte N), and count its bytes from there. ST_CORRUPT also where
+ * it is not the file that the directory names. */
 bool leaf_file_has_coarse(const leaf_file *f, uint32_t set);
 CHECKED status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, leaf_file **out);
 
-/* leaf_file_is_raw() - whether payload p's stored bytes are it as they are: always with the raw
- * codec, and with a compressed one for payloads that would not have got smaller. */
+/* leaf_file_is_raw() - whether payload p is stored uncompressed: always with the raw codec; with a
+ * compressed one, for payloads that would not have become smaller. */
 bool leaf_file_is_raw(const leaf_file *f, uint32_t p);
 
-/* leaf_file_is_implied() - whether payload p has no bytes in the file, as the directory tells it
- * (implied_payload.h). */
+/* leaf_file_is_implied() - whether payload p has no bytes in the file, but follows from the
+ * directory (implied_payload.h). */
 bool leaf_file_is_implied(const leaf_file *f, uint32_t p);
 
-/* leaf_file_load() - read payload p's stored bytes, check them, and decode into payload
- * (leaf_layout_payload_bytes(p); 64-byte aligned). stored: room for sizes[p] bytes; may be NULL
- * when leaf_file_is_raw(), bytes are then read straight into payload,
- * and when leaf_file_is_implied(). ST_CORRUPT names file, byte
- * and treelet. A mesh's topology is to pass mesh_leaf_check_loaded() before it is used, positions
- * mesh_leaf_check_moved(). Thread-safe.
- */
+/* leaf_file_load() - read payload p's stored bytes, check them, and decode them into payload.
+ *
+ * payload   leaf_layout_payload_bytes(p) bytes, 64-byte aligned
+ * stored    room for sizes[p] bytes; may be NULL when leaf_file_is_implied(), or when
+ *           leaf_file_is_raw(), as bytes are then read straight into payload
+ *
+ * ST_CORRUPT names file, byte and treelet. Before use, a mesh's topology must pass
+ * mesh_leaf_check_loaded(), positions mesh_leaf_check_moved(). Thread-safe. */
 CHECKED status leaf_file_load(leaf_file *f, uint32_t p, void *stored, void *payload);
 
-/* leaf_file_decode() - the same from bytes that are in memory already (a mapping), of a payload
- * that is not implied: check, and unless leaf_file_is_raw() decode into payload; *view becomes the
+/* leaf_file_decode() - the same for bytes that are in memory already (a mapping), of a payload that
+ * is not implied: check them, and decode into payload unless leaf_file_is_raw(). *view: out, the
  * payload (stored itself when raw). Thread-safe. */
 CHECKED status leaf_file_decode(const leaf_file *f, uint32_t p, const void *stored, void *payload,
                                 const void **view);
 
-/* leaf_file_holds_indices() - whether payloads hold indices or offsets: such bytes are copied
- * before they are checked and used, as somebody may write to the file meanwhile. */
+/* leaf_file_holds_indices() - whether payloads hold indices or offsets. Such bytes must be copied
+ * before they are checked and used, as another process may write to the file meanwhile. */
 bool leaf_file_holds_indices(const leaf_file *f);
 
-/* leaf_file_field_name() - "" where it has none. leaf_file_step_time() - a step's, in the units of
- * the input; its number where there are no times. */
+/* leaf_file_field_name() - a field's name; "" where it has none.
+ * leaf_file_step_time() - a step's time in the units of the input; its number where there are no
+ * times. */
 const char *leaf_file_field_name(const leaf_file *f, uint32_t field);
 double leaf_file_step_time(const leaf_file *f, uint32_t step);
 

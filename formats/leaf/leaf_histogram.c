@@ -3,14 +3,14 @@
 #include <math.h>
 #include <string.h>
 
-/* Without its samples. */
+/* The box of nodes of a treelet, without samples. */
 static histogram_block block_of(const leaf_layout *l, const histogram_draw *d, uint32_t t,
                                 const leaf_payload *p) {
     histogram_block b = {.type = l->type};
     for (int a = 0; a < 3; a++) {
         b.first[a] = l->place[t][a] << l->cells_log2;
         b.end[a] = b.first[a] + p->cells[a];
-        /* The last treelet has the nodes of the far face, too. */
+        /* The last treelet also has the nodes of the far face. */
         b.end[a] += b.end[a] + 1 == d->dims[a];
     }
     return b;
@@ -27,7 +27,7 @@ void leaf_histogram_take(const leaf_layout *l, const histogram_draw *d, const hi
     histogram_draw_take(d, s, &b, cells);
 }
 
-/* A row of them that is all rows of all slices. */
+/* Use a single row of equal samples as every row of every slice. */
 void leaf_histogram_take_one(const leaf_layout *l, const histogram_draw *d,
                              const histogram_space *s, uint32_t t, const void *sample,
                              histogram_cell *cells) {
@@ -61,7 +61,7 @@ void leaf_histogram_take_tets(const histogram_run *r, uint64_t first_tet, const 
     }
 }
 
-/* Treelets of level 0 of a set. */
+/* The own ranges of a set's treelets of level 0. */
 static const float (*own_ranges(const leaf_file *f, uint32_t set))[2] {
     const leaf_layout *l = &f->layout;
     return (const float(*)[2])f->own + (size_t)set * l->treelets + l->level[0].first;
@@ -77,7 +77,7 @@ void leaf_histogram_range(const leaf_file *f, uint32_t set, double range[2]) {
     }
 }
 
-/* Treelets as if they were cells, with slopes by their ranges. */
+/* Treat treelets as cells, with their ranges' widths as slopes. */
 static status guess(mem *m, const leaf_file *f, uint32_t set, histogram *out) {
     const leaf_layout *l = &f->layout;
     const leaf_level *level = &l->level[0];

@@ -1,4 +1,5 @@
-/* leaf_histogram.h - histograms of treelet files: from payloads, and without a section of them. */
+/* leaf_histogram.h - histograms of treelet files: from payloads, or guessed where a file has
+ * none. */
 #ifndef FORMATS_LEAF_LEAF_HISTOGRAM_H
 #define FORMATS_LEAF_LEAF_HISTOGRAM_H
 
@@ -12,29 +13,28 @@
 #include "formats/leaf/leaf_layout.h"
 #include "formats/mesh/mesh_leaf.h"
 
-/* leaf_histogram_take() - look at what is drawn from a treelet of level 0 of a grid. Each element
- * of cells is written for one treelet alone. */
+/* leaf_histogram_take() - measure the nodes that are drawn from a treelet of level 0 of a grid.
+ * Each element of cells is written for one treelet alone. */
 void leaf_histogram_take(const leaf_layout *l, const histogram_draw *d, const histogram_space *s,
                          uint32_t t, const void *payload, histogram_cell *cells);
 
-/* leaf_histogram_take_one() - the same of a treelet all of whose samples are this one. */
+/* leaf_histogram_take_one() - the same for a treelet whose samples all equal this one. */
 void leaf_histogram_take_one(const leaf_layout *l, const histogram_draw *d,
                              const histogram_space *s, uint32_t t, const void *sample,
                              histogram_cell *cells);
 
-/* leaf_histogram_take_tets() - the same of a mesh's treelet, whose first tet is number first_tet;
+/* leaf_histogram_take_tets() - the same for a mesh's treelet. first_tet: number of its first tet;
  * positions, values: of its vertices. */
 void leaf_histogram_take_tets(const histogram_run *r, uint64_t first_tet, const mesh_shape *s,
                               const uint16_t (*tets)[4], const float (*positions)[3],
                               const float *values, histogram_cell *cells);
 
-/* leaf_histogram_range() - of the finite values of a set, as its treelets say; lo > hi: there are
- * none. */
+/* leaf_histogram_range() - the range of the finite values of a set, as its treelets state it; lo >
+ * hi: there are none. */
 void leaf_histogram_range(const leaf_file *f, uint32_t set, double range[2]);
 
-/* leaf_histogram_get() - of a set of a file (a grid has set 0): its own, or if it has none, a
- * likely one from the ranges of its treelets: good for suggestions, `total` counts treelets then.
- */
+/* leaf_histogram_get() - the histogram of a set of a file. If the file has none, guess one from the
+ * ranges of its treelets: good for suggestions, and `total` counts treelets then. */
 CHECKED status leaf_histogram_get(mem *m, const leaf_file *f, uint32_t set, histogram *out);
 
 #endif

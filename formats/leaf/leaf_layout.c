@@ -25,8 +25,8 @@ static leaf_payload payload_of(const leaf_layout *l, const uint32_t cells[3]) {
     return p;
 }
 
-/* The dims of every level down to the one whose cells fit a single treelet. Coarse cells are
- * ceil(cells / 2): two fine ones, or the last fine one alone. */
+/* Compute the dims of every level, up to the one whose cells fit a single treelet. A coarse level
+ * has ceil(cells / 2) cells: each covers two fine ones, or the last fine one alone. */
 static status level_dims(leaf_layout *l, const uint32_t dims[3]) {
     uint32_t b = 1u << l->cells_log2;
     uint32_t cells[3] = {dims[0] - 1, dims[1] - 1, dims[2] - 1};
@@ -80,7 +80,7 @@ status leaf_layout_levels(leaf_layout *l, const uint32_t dims[3], uint32_t cells
     return ST_OK;
 }
 
-/* Which of the eight children of the treelet at this place exist, on the level below. */
+/* The octants of those children of the treelet at this place that exist on the level below. */
 static uint8_t octants(const leaf_level *below, const uint32_t place[3]) {
     unsigned mask = 0;
     for (unsigned o = 0; o < 8; o++)
@@ -109,7 +109,7 @@ status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], uint32_t
         st = allocate(l, m);
     if (st != ST_OK)
         return st;
-    /* Breadth first from the root: the children of each treelet take the next free indices. */
+    /* Go breadth first from the root: each treelet's children take the next free indices. */
     l->level_of[0] = (uint8_t)(l->levels - 1);
     uint32_t next = 1;
     for (uint32_t t = 0; t < l->treelets; t++) {

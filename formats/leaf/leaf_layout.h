@@ -1,8 +1,8 @@
 /* leaf_layout.h - the geometry of a treelet file: all that follows from dims, B, h and the sample
  * type alone, or, for a mesh, from its COUNTS.
  *
- * Nothing of this is stored in the file; writer, reader and renderer derive it here. A mesh looks
- * like a grid of one level: treelets without parents or children, all at place 0, 0, 0.
+ * The file stores nothing of this; writer, reader and renderer derive it here. A mesh looks like a
+ * grid of one level: treelets without parents or children, all at place 0, 0, 0.
  */
 #ifndef FORMATS_LEAF_LEAF_LAYOUT_H
 #define FORMATS_LEAF_LEAF_LAYOUT_H
@@ -30,13 +30,13 @@ typedef struct leaf_layout {
     const struct leaf_geometry *geometry;
     uint32_t cells_log2, halo, levels;
     sample_type type;
-    uint32_t treelets; /* of all levels */
-    uint32_t payloads; /* of a grid treelets * sets, of a mesh treelets * blocks */
+    uint32_t treelets; /* in all levels */
+    uint32_t payloads; /* grid: treelets * sets; mesh: treelets * blocks */
     uint32_t sets;     /* fields * steps */
     uint32_t steps;
     uint32_t gradient_sets;      /* mesh: sets, or 0 where there are no gradients */
     uint32_t moved_steps;        /* mesh: steps - 1, or 0 where vertices stay in place */
-    const uint32_t (*counts)[4]; /* section COUNTS, or NULL; of the file or the writer */
+    const uint32_t (*counts)[4]; /* section COUNTS, or NULL; owned by the file or the writer */
     uint32_t payload_max;        /* leaf_layout_payload_max() */
     leaf_level level[LEAF_LEVELS_MAX];
     /* Per treelet: */
@@ -46,53 +46,56 @@ typedef struct leaf_layout {
     mem *m;
 } leaf_layout;
 
-/* leaf_layout_levels() - number of levels of a grid; fills level[].dims/cells/treelets/first/count
- * and totals without allocating. cells_log2 and halo must be possible ones (a caller's bug
- * otherwise); dims are checked: ST_UNSUPPORTED for less than 2 or more than GRID_DIM_MAX samples on
- * an axis, and when more than 2^32 - 2 treelets or LEAF_LEVELS_MAX levels were needed. */
+/* leaf_layout_levels() - compute the levels of a grid: level[].dims/cells/treelets/first/count and
+ * totals, without allocating. cells_log2 and halo must be possible ones (else a caller's bug). dims
+ * are checked: ST_UNSUPPORTED for less than 2 or more than GRID_DIM_MAX samples on an axis, and if
+ * more than 2^32 - 2 treelets or LEAF_LEVELS_MAX levels were needed. */
 CHECKED status leaf_layout_levels(leaf_layout *l, const uint32_t dims[3], uint32_t cells_log2,
                                   uint32_t halo, sample_type type);
 
-/* leaf_layout_init() - the above and the per-treelet arrays. */
+/* leaf_layout_init() - the same, and make the per-treelet arrays. */
 CHECKED status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], uint32_t cells_log2,
                                 uint32_t halo, sample_type type);
 void leaf_layout_release(leaf_layout *l);
 
-/* leaf_layout_repeat() - of a grid: with so many fields and steps, payloads set after set. False:
- * there were 2^32 - 1 payloads or more. */
+/* leaf_layout_repeat() - give a grid's layout so many fields and steps, with payloads set after
+ * set. False: that makes 2^32 - 1 payloads or more. */
 bool leaf_layout_repeat(leaf_layout *l, uint32_t fields, uint32_t steps);
 
-/* What there is of a mesh, in blocks of a payload a treelet (leaf.h). */
+/* The payloads of a mesh, in blocks of one payload per treelet (leaf.h). */
 typedef struct leaf_blocks {
     uint32_t treelets, fields, steps; /* 1 or more; fields * steps up to LEAF_SETS_MAX */
     bool gradients, moving;
 } leaf_blocks;
 
-/* leaf_blocks_payloads() - how many payloads: 2^32 - 1 or more are too many for a file. */
+/* leaf_blocks_payloads() - the number of payloads; 2^32 - 1 or more are too many for a file. */
 uint64_t leaf_blocks_payloads(const leaf_blocks *b);
 
-/* leaf_layout_flat() - of a kind without levels: treelets without parents or children, all at place
- * 0, 0, 0; without allocating. counts and payload_max, if its row looks at them, are the caller's
- * to set. leaf_layout_init_flat() - the per-treelet arrays of one. */
+/* leaf_layout_flat() - the layout of a kind without levels, without allocating: treelets have no
+ * parents or children, all at place 0, 0, 0. The caller sets counts and payload_max if the kind's
+ * functions use them.
+ * leaf_layout_init_flat() - make the per-treelet arrays of such a layout. */
 void leaf_layout_flat(leaf_layout *l, const struct leaf_geometry *geometry, uint32_t treelets,
                       uint32_t payloads);
 CHECKED status leaf_layout_init_flat(leaf_layout *l, mem *m);
 
-/* leaf_layout_mesh() - of a mesh file, without allocating; leaf_blocks_payloads() below 2^32 - 1.
- * leaf_layout_init_mesh() - and the per-treelet arrays. leaf_layout_set_counts() - what sizes
- * follow from: counts must outlive l, each without a mesh_leaf_counts_fault(). */
+/* leaf_layout_mesh() - the layout of a mesh file, without allocating. leaf_blocks_payloads() must
+ * be below 2^32 - 1.
+ * leaf_layout_init_mesh() - the same, and make the per-treelet arrays.
+ * leaf_layout_set_counts() - set the counts that sizes follow from. They must outlive l, each
+ * without a mesh_leaf_counts_fault(). */
 void leaf_layout_mesh(leaf_layout *l, const leaf_blocks *b);
 CHECKED status leaf_layout_init_mesh(leaf_layout *l, mem *m, const leaf_blocks *b);
 void leaf_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]);
 
-/* leaf_layout_find() - the treelet at a place of a level: descends from the root, so O(levels). */
+/* leaf_layout_find() - the treelet at a place of a level. Descends from the root: O(levels). */
 uint32_t leaf_layout_find(const leaf_layout *l, uint32_t level, const uint32_t place[3]);
 
 /* leaf_layout_children() - which octants of a treelet exist, as a bit mask (bit x + 2y + 4z); 0 at
  * level 0. The child in octant o is first_child[t] + number of existing octants below o. */
 uint8_t leaf_layout_children(const leaf_layout *l, uint32_t treelet);
 
-/* Of one treelet's payload, before compression. */
+/* Sizes of one treelet's payload, before compression. */
 typedef struct leaf_payload {
     uint32_t cells[3];    /* real cells, 1 .. B */
     uint32_t samples[3];  /* cells + 1 + 2 halo: the sample array, x fastest */
@@ -103,18 +106,19 @@ typedef struct leaf_payload {
 
 leaf_payload leaf_layout_payload(const leaf_layout *l, uint32_t treelet);
 
-/* leaf_layout_samples() - the payload of a grid's treelet in a set; as an element of RANGES, OWN
- * and FLAGS, too. */
+/* leaf_layout_samples() - the payload of a grid's treelet in a set; also its element of RANGES, OWN
+ * and FLAGS. */
 static inline uint32_t leaf_layout_samples(const leaf_layout *l, uint32_t set, uint32_t treelet) {
     return l->treelets * set + treelet;
 }
 
-/* leaf_layout_payload_bytes() - of payload p before compression; p as in the directory: a grid's
- * treelets set after set, a mesh's blocks of topologies, values, gradients, positions. */
+/* leaf_layout_payload_bytes() - bytes of payload p before compression. p counts as in the
+ * directory: a grid's treelets set after set, a mesh's blocks of topologies, values, gradients,
+ * positions. */
 uint32_t leaf_layout_payload_bytes(const leaf_layout *l, uint32_t p);
 
-/* leaf_layout_payload_max() - bytes of a full treelet's payload (mesh: of the largest); no other's
- * is larger. */
+/* leaf_layout_payload_max() - an upper bound of the payloads' bytes: those of a full treelet (mesh:
+ * of the largest). */
 uint32_t leaf_layout_payload_max(const leaf_layout *l);
 
 /* leaf_layout_set() - the set of a field at a step. */
@@ -123,9 +127,9 @@ static inline uint32_t leaf_layout_set(const leaf_layout *l, uint32_t of_field, 
 }
 
 /* leaf_layout_values() - the payload that holds the values of a mesh's treelet in a set.
- * leaf_layout_gradients() - its gradients in a set, below gradient_sets. leaf_layout_positions() -
- * its positions at a step from 1 up to moved_steps; those of step 0, and of every step where
- * nothing moves, are in the topology. */
+ * leaf_layout_gradients() - the payload of its gradients in a set, below gradient_sets.
+ * leaf_layout_positions() - the payload of its positions at a step from 1 up to moved_steps.
+ * Positions of step 0, and of every step where nothing moves, are in the topology. */
 static inline uint32_t leaf_layout_values(const leaf_layout *l, uint32_t set, uint32_t treelet) {
     return l->treelets * (1 + set) + treelet;
 }
@@ -137,13 +141,13 @@ static inline uint32_t leaf_layout_positions(const leaf_layout *l, uint32_t step
     return l->treelets * (l->sets + l->gradient_sets + step) + treelet;
 }
 
-/* leaf_layout_bounds() - the element of BOUNDS of a treelet at a step. */
+/* leaf_layout_bounds() - the element of BOUNDS for a treelet at a step. */
 static inline size_t leaf_layout_bounds(const leaf_layout *l, uint32_t step, uint32_t treelet) {
     return (l->moved_steps ? (size_t)step * l->treelets : 0) + treelet;
 }
 
-/* What a mesh's payload holds; leaf_layout_block_of() - of payload p, and of which set (values,
- * gradients) or step (positions). */
+/* What a mesh's payload holds. leaf_layout_block_of() - the block of payload p; *index: its set
+ * (values, gradients) or step (positions). */
 typedef enum leaf_block {
     LEAF_BLOCK_TOPOLOGY,
     LEAF_BLOCK_VALUES,
@@ -168,14 +172,15 @@ bool leaf_layout_begins_run(const leaf_layout *l, uint32_t p);
 
 /* Payloads get their places one after the other. */
 typedef struct leaf_placing {
-    uint64_t end; /* of the payload before, or of the last section */
-    bool run;     /* a run has begun of which there is no byte yet */
+    uint64_t end; /* where the payload before, or the last section, ends */
+    bool run;     /* a run has begun that has no bytes yet */
 } leaf_placing;
 
-/* leaf_placing_next() - where payload p of so many stored bytes lies: behind the one before it, at
- * the next multiple of LEAF_ALIGN, or of 2^run_align_log2 if it is the first of a run that has any.
- * A run begins, in a grid, with the child in octant 0, which every parent has; in a mesh with the
- * first treelet's payload in each block. One of no bytes lies where the one before it ends. */
+/* leaf_placing_next() - the offset of payload p of so many stored bytes. It lies behind the one
+ * before it, at the next multiple of LEAF_ALIGN; or of 2^run_align_log2 if it is the first of its
+ * run that has bytes. In a grid, a run begins with the child in octant 0, which every parent has.
+ * In a mesh, it begins with the first treelet's payload in each block. A payload of no bytes lies
+ * where the one before it ends. */
 static inline uint64_t leaf_placing_next(leaf_placing *x, const leaf_layout *l, uint32_t p,
                                          uint64_t bytes, uint32_t run_align_log2) {
     x->run |= leaf_layout_begins_run(l, p);
@@ -186,7 +191,7 @@ static inline uint64_t leaf_placing_next(leaf_placing *x, const leaf_layout *l, 
     return at;
 }
 
-/* Where the codes of tree level k (1 .. K) lie in the payload: lo[8^k] there, hi[8^k] behind it. */
+/* Offset of the codes of tree level k (1 .. K) in the payload: lo[8^k], then hi[8^k]. */
 static inline uint32_t leaf_codes_at(uint32_t k) {
     /* 2 * (8 + 64 + ... + 8^(k-1)) */
     return 2u * (((1u << (3 * k)) - 8u) / 7u);

@@ -43,7 +43,8 @@ void leaf_packer_destroy(mem *m, leaf_packer *k) {
     mem_free(m, k);
 }
 
-/* zstd tells the size of a context that has done the work, not beforehand; so let one do it. */
+/* zstd tells a context's size only after it has compressed something. So compress a payload of
+ * zeros. */
 status leaf_packer_memory(mem *m, size_t payload_max, const leaf_parameters *p, uint64_t *out) {
     *out = 0;
     if (p->codec == LEAF_CODEC_RAW)

@@ -3,7 +3,8 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Of a column, without over- or underflow; 0 for one that is not finite or zero. */
+/* The length of a column, and its unit vector, without over- or underflow; 0 if it is zero or not
+ * finite. */
 static double length_of(const double *w, int a, double unit[3]) {
     const double x = w[a], y = w[4 + a], z = w[8 + a];
     const double largest = fmax(fabs(x), fmax(fabs(y), fabs(z)));
@@ -16,8 +17,8 @@ static double length_of(const double *w, int a, double unit[3]) {
     return length * largest;
 }
 
-/* The volume of the box of the three columns, each scaled to unit length: 1 for right angles
- * between all, near 0 for columns that nearly lie in a plane. */
+/* The volume of the box of three columns, each scaled to unit length: 1 if all are at right angles,
+ * near 0 if they nearly lie in a plane. */
 static double spread(const double c[3][3]) {
     return fabs(c[0][0] * (c[1][1] * c[2][2] - c[1][2] * c[2][1]) -
                 c[0][1] * (c[1][0] * c[2][2] - c[1][2] * c[2][0]) +

@@ -8,7 +8,7 @@
 #include "formats/leaf/deviation.h"
 #include "formats/mesh/mesh_leaf_check.h"
 
-/* Which sides of the isovalue the samples of an edge, a face, a cell are on. */
+/* On which sides of the isovalue the samples of an edge, a face or a cell lie. */
 enum { SIDE_OUT = 1, SIDE_IN = 2, SIDE_NONE = 4, SIDE_BOTH = SIDE_OUT | SIDE_IN };
 
 enum { ROW_MAX = (1 << LEAF_CELLS_LOG2_MAX) + 1 };
@@ -25,7 +25,7 @@ static bool holds(const leaf_file *f, uint32_t t, double iso) {
     return (double)f->own[t][0] < iso && iso <= (double)f->own[t][1];
 }
 
-/* Sides of the line of samples at (y, z), the edges along x between them included. */
+/* Find the sides for each edge along x in the line of samples at (y, z). */
 static void row_sides(const leaf_layout *l, const leaf_payload *p, const char *samples, double iso,
                       uint32_t y, uint32_t z, uint8_t sides[ROW_MAX]) {
     size_t first =
@@ -46,7 +46,7 @@ uint64_t leaf_stats_cells(const leaf_layout *l, uint32_t t, const void *payload,
     uint64_t count = 0;
     for (uint32_t z = 0; z < p.cells[2]; z++) {
         uint8_t near[2][ROW_MAX],
-            far[2][ROW_MAX]; /* rows y and y + 1 (in turn) of slices z and z + 1 */
+            far[2][ROW_MAX]; /* rows y and y + 1 (in alternating places) of slices z and z + 1 */
         row_sides(l, &p, samples, iso, 0, z, near[0]);
         row_sides(l, &p, samples, iso, 0, z + 1, far[0]);
         for (uint32_t y = 0; y < p.cells[1]; y++) {
@@ -77,7 +77,7 @@ uint64_t leaf_stats_tets(const leaf_file *f, uint32_t t, const void *topology, c
     return count;
 }
 
-/* Behind the topology's room in the thread's payload, the values. */
+/* Count active tets. The thread's payload room holds the topology, then the values. */
 static status count_tets(const activity *a, uint32_t t, int worker) {
     leaf_file *f = a->f;
     char *topology = a->payloads[worker];

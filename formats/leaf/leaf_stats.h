@@ -1,4 +1,4 @@
-/* leaf_stats.h - what an isovalue needs of a treelet file, counted. */
+/* leaf_stats.h - counts what an isovalue needs of a treelet file. */
 #ifndef FORMATS_LEAF_LEAF_STATS_H
 #define FORMATS_LEAF_LEAF_STATS_H
 
@@ -10,44 +10,44 @@
 #include "formats/leaf/leaf_file.h"
 
 typedef struct leaf_activity {
-    uint64_t treelets; /* whose own range holds the isovalue: lo < iso && iso <= hi */
-    uint64_t bytes;    /* of their stored payloads; of a mesh of topology and values */
-    uint64_t cells; /* min < iso && iso <= max over the cell's 8 samples (a tet's 4 values), all of
-                       them finite */
+    uint64_t treelets; /* treelets whose own range holds the isovalue: lo < iso && iso <= hi */
+    uint64_t bytes;    /* of their stored payloads; mesh: of topology and values */
+    uint64_t cells; /* cells with min < iso && iso <= max over their 8 samples (a tet's 4 values),
+                       all of them finite */
 } leaf_activity;
 
-/* leaf_stats_activity() - per level (a mesh: its first set, as level 0); reads the payloads of
- * active treelets. p may be NULL. */
+/* leaf_stats_activity() - the activity per level (a mesh: of its first set, as level 0). Reads the
+ * payloads of active treelets. p may be NULL. */
 CHECKED status leaf_stats_activity(mem *m, leaf_file *f, double iso, int threads, const progress *p,
                                    leaf_activity levels[LEAF_LEVELS_MAX]);
 
-/* leaf_stats_cells() - active cells of one treelet's payload. */
+/* leaf_stats_cells() - the active cells of one treelet's payload. */
 uint64_t leaf_stats_cells(const leaf_layout *l, uint32_t t, const void *payload, double iso);
 
-/* leaf_stats_tets() - active tets of a mesh's treelet. */
+/* leaf_stats_tets() - the active tets of a mesh's treelet. */
 uint64_t leaf_stats_tets(const leaf_file *f, uint32_t t, const void *topology, const void *values,
                          double iso);
 
-/* The deviations of a level of a grid (deviation.h), over all bricks and sets. */
+/* A summary of the deviations of a level of a grid (deviation.h), over all bricks and sets. */
 typedef struct leaf_deviation {
-    uint64_t bricks;   /* with a number; */
-    uint64_t unknown;  /* without */
-    double mean, most; /* of those with one; 0 without any */
+    uint64_t bricks;   /* with a known deviation */
+    uint64_t unknown;  /* with an unknown one */
+    double mean, most; /* over the known ones; 0 without any */
 } leaf_deviation;
 
-/* leaf_stats_deviation() - of a level above 0 of a file that has them. */
+/* leaf_stats_deviation() - the summary of a level above 0, for a file that has deviations. */
 leaf_deviation leaf_stats_deviation(const leaf_file *f, uint32_t level);
 
 /* What the payloads of a mesh are made of: bytes before compression. */
 typedef struct leaf_mesh_parts {
     uint64_t nodes;       /* boxes and children of the trees, and where leaves begin */
     uint64_t tets;        /* their vertex indices */
-    uint64_t positions;   /* of vertices, once a treelet */
+    uint64_t positions;   /* of vertices, one array per treelet */
     uint64_t codes;       /* value ranges of the trees, all sets */
     uint64_t values;      /* of vertices, all sets */
     uint64_t gradients;   /* of vertices, all sets */
     uint64_t moved_boxes; /* boxes of the trees at the steps behind the first */
-    uint64_t moved;       /* positions of vertices at these */
+    uint64_t moved;       /* positions of vertices at these steps */
     uint64_t padding;
     uint64_t vertices, node_count, leaves; /* sums of COUNTS */
     uint64_t stored_topology, stored_values, stored_gradients, stored_positions; /* in the file */

@@ -15,8 +15,8 @@
 
 enum { BLOCK = 1 << LEAF_BLOCK_LOG2, PROGRESS_STEP = 64 };
 
-/* Neighbours share samples: hashes of what a treelet has in common with the one before and behind
- * it, per axis. */
+/* Neighbours share samples. These are hashes, per axis, of the samples that a treelet shares with
+ * the one before and the one behind it. */
 typedef struct shared {
     uint64_t before[3], behind[3];
 } shared;
@@ -24,24 +24,24 @@ typedef struct shared {
 typedef struct verification {
     leaf_file *f;
     const progress *p;
-    uint32_t set;         /* of a grid: the one that is looked at */
-    shared *edges;        /* per treelet of the set */
-    uint64_t *non_finite; /* per treelet of level 0: of the samples that no treelet behind it has,
-                             in all sets; of a mesh: of all its vertices' values */
-    /* Per thread; behind a payload's room: of a mesh that of values, of positions, then
-     * scratch; of a grid that of deviation_verify(). */
+    uint32_t set;         /* grid: the set being checked */
+    shared *edges;        /* per treelet of this set */
+    uint64_t *non_finite; /* per treelet of level 0: of samples at nodes that no treelet behind it
+                             has, in all sets; mesh: of all its vertices' values */
+    /* Per thread. payloads: room for a payload; then, for a mesh, for values, positions, and
+     * scratch; for a grid, the room of deviation_verify(). */
     char **payloads, **stored;
-    /* Of histograms; cells is NULL where the file has none. */
+    /* For histograms; cells is NULL where the file has none. */
     histogram_draw draw;
     histogram_space space;
     histogram_run run;
-    histogram_cell *cells; /* of each set */
+    histogram_cell *cells; /* set after set */
 } verification;
 
-/* One treelet while it is looked at. */
+/* One treelet while it is checked. */
 typedef struct subject {
     const leaf_file *f;
-    uint32_t t, element; /* of payloads, and of OWN and FLAGS */
+    uint32_t t, element; /* element: its payload, and its element of OWN and FLAGS */
     leaf_payload p;
     const uint8_t *bytes;
     const void *samples;
@@ -77,7 +77,8 @@ static size_t sample_index(const subject *s, uint32_t x, uint32_t y, uint32_t z)
     return x + (size_t)s->p.samples[0] * (y + (size_t)s->p.samples[1] * z);
 }
 
-/* Smallest and largest finite sample of the box of own nodes [first, last]; lo > hi without any. */
+/* The smallest and largest finite sample in the box of own nodes [first, last]; lo > hi without
+ * any. */
 static void range_of(const subject *s, const uint32_t first[3], const uint32_t last[3],
                      float range[2], bool *non_finite) {
     range[0] = INFINITY;
@@ -117,7 +118,7 @@ static status check_code(const subject *s, uint32_t at, const char *what, unsign
     return wrong(s, at, "expected the %s code %u, found %u", what, expected, s->bytes[at]);
 }
 
-/* Block m of the last tree level: its codes follow from its samples. */
+/* Check block m of the last tree level: its codes follow from its samples. */
 static status check_block(const subject *s, const quantizer *q, uint32_t m) {
     uint32_t first[3] = {0, 0, 0}, last[3];
     for (unsigned bit = 0; bit < s->p.node_levels; bit++)
@@ -139,7 +140,7 @@ static status check_block(const subject *s, const quantizer *q, uint32_t m) {
                        : st;
 }
 
-/* Node m of tree level k: the smallest and largest code of its eight children. */
+/* Check node m of tree level k: it has the smallest and largest code of its eight children. */
 static status check_node(const subject *s, uint32_t k, uint32_t m) {
     uint32_t nodes = 1u << (3 * k);
     const uint8_t *lo = s->bytes + leaf_codes_at(k + 1) + 8 * m, *hi = lo + 8 * nodes;
@@ -169,7 +170,7 @@ static status check_codes(const subject *s) {
     return ST_OK;
 }
 
-/* The nearest sample, along one axis, that lies in the volume. */
+/* The index, along one axis, of the nearest sample that lies in the volume. */
 static uint32_t nearest_inside(const subject *s, int axis, uint32_t i) {
     const leaf_level *v = &s->f->layout.level[s->f->layout.level_of[s->t]];
     int64_t first = ((int64_t)s->f->layout.place[s->t][axis] << s->f->layout.cells_log2) - s->halo;
@@ -178,7 +179,7 @@ static uint32_t nearest_inside(const subject *s, int axis, uint32_t i) {
     return (uint32_t)(node - first);
 }
 
-/* Samples outside the volume are copies of the nearest one inside. */
+/* Check that samples outside the volume are copies of the nearest one inside. */
 static status check_border(const subject *s) {
     const size_t size = sample_size(s->type);
     const char *samples = s->samples;
@@ -186,7 +187,7 @@ static status check_border(const subject *s) {
         for (uint32_t y = 0; y < s->p.samples[1]; y++) {
             uint32_t inner_y = nearest_inside(s, 1, y), inner_z = nearest_inside(s, 2, z);
             bool outside = inner_y != y || inner_z != z;
-            /* Within a row that is inside, only its ends can be outside. */
+            /* In a row that lies inside, only the ends can be outside. */
             uint32_t step = outside || s->p.samples[0] < 2 ? 1 : s->p.samples[0] - 1;
             for (uint32_t x = 0; x < s->p.samples[0]; x += step) {
                 size_t here = sample_index(s, x, y, z);
@@ -201,8 +202,8 @@ static status check_border(const subject *s) {
 
 /* ---- what treelets share ---- */
 
-/* Hash of the samples at positions [from, from + 1 + 2h) along an axis, which neighbours on that
- * axis both have. */
+/* Hash the samples at positions [from, from + 1 + 2h) along an axis. Both neighbours on that axis
+ * have them. */
 static uint64_t hash_shared(const subject *s, int axis, uint32_t from) {
     const size_t size = sample_size(s->type);
     uint32_t first[3] = {0, 0, 0},
@@ -227,8 +228,8 @@ static void note_shared(const subject *s, shared *edges) {
     }
 }
 
-/* Non-finite samples at nodes that no treelet behind has: all but those on the far faces, which
- * only the last treelet counts. */
+/* Count non-finite samples at nodes that no treelet behind has: all but those on the far faces,
+ * which only the last treelet counts. */
 static uint32_t count_non_finite(const subject *s) {
     const leaf_layout *l = &s->f->layout;
     uint32_t nodes[3], count = 0;
@@ -303,7 +304,8 @@ static uint32_t count_values(const leaf_file *f, uint32_t t, const void *values)
     return count;
 }
 
-/* Of a set's values; positions: room for those of a step that are elsewhere than at the first. */
+/* Measure the tets that are drawn for a set's histogram. positions: room for a step's positions, if
+ * they differ from the first step's. */
 static status look_at_tets(const verification *v, uint32_t set, uint32_t t, const char *topology,
                            const char *values, char *positions, char *stored) {
     leaf_file *f = v->f;
@@ -325,7 +327,7 @@ static status look_at_tets(const verification *v, uint32_t set, uint32_t t, cons
     return ST_OK;
 }
 
-/* Payload p of a treelet, but for its topology; room: of another payload, then scratch. */
+/* Check payload p of a treelet, any but its topology. room: for another payload, then scratch. */
 static status verify_block(const verification *v, uint32_t p, const char *topology,
                            const char *payload, char *room, char *stored) {
     leaf_file *f = v->f;
@@ -370,10 +372,10 @@ static status verify_mesh_treelet(void *ctx, size_t index, int worker) {
     return st;
 }
 
-/* ---- the whole ---- */
+/* ---- the whole file ---- */
 
-/* Treelets that touch hold the same samples where they overlap; corners follow from faces, which
- * are compared with their halos. */
+/* Check that neighbouring treelets hold the same samples where they overlap. Corners follow from
+ * faces, which are compared with their halos. */
 static status check_neighbours(const verification *v) {
     const leaf_layout *l = &v->f->layout;
     for (uint32_t t = 0; t < l->treelets; t++)
@@ -394,7 +396,8 @@ static status check_neighbours(const verification *v) {
     return ST_OK;
 }
 
-/* Treelets of a grid count each sample once; those of a mesh may share vertices. */
+/* Check the header's count. A grid's treelets count each sample once; a mesh's may share
+ * vertices. */
 static status check_count(const verification *v) {
     const uint64_t count = v->f->header.non_finite;
     uint64_t most = 0, least = 0;
@@ -434,14 +437,15 @@ static status check_gaps(const verification *v) {
     return ST_OK;
 }
 
-/* Whether the bins hold every value in a range, and there are none if that is empty. */
+/* Whether the bins hold every value of a range; for an empty range, whether there are no bins. */
 static bool holds(const histogram *h, const double range[2]) {
     if (h->bins == 0)
         return range[0] > range[1];
     return h->edges[0] <= range[0] && range[0] <= range[1] && range[1] < h->edges[h->bins];
 }
 
-/* The same cells in the same bins; sums of floats in the same order are the same bits. */
+/* Count the same cells into the same bins again: equal sums, as floats are added in the same
+ * order. */
 static status check_histograms(const verification *v) {
     const leaf_file *f = v->f;
     const uint32_t sets = v->cells ? f->layout.sets : 0;
@@ -465,7 +469,7 @@ static status check_histograms(const verification *v) {
     return ST_OK;
 }
 
-/* Of a grid. */
+/* Check all sets of a grid. */
 static status verify_sets(verification *v, pool *workers) {
     status st = ST_OK;
     for (v->set = 0; v->set < v->f->layout.sets && st == ST_OK; v->set++) {
@@ -488,7 +492,7 @@ static status verify_all(verification *v, pool *workers) {
     return st;
 }
 
-/* Room of a thread for what it decodes. */
+/* The room that a thread needs for what it decodes. */
 static size_t thread_bytes(const leaf_file *f) {
     const size_t payload = leaf_layout_payload_max(&f->layout);
     size_t scratch = 0;

@@ -1,15 +1,16 @@
 /* leaf_verify.h - whether every byte of a treelet file is what FORMAT.md says it must be.
  *
- * leaf_file_open() has checked header, directory and that ranges contain their children's. This
- * reads the payloads too, all of them: checksums, padding, samples within the own range, every code
- * recomputed from its samples, inner nodes from their children, halos that repeat the neighbour's
- * samples or the volume's border, the number of non-finite samples. Only what the levels' samples
- * should be is the writer's affair. Histograms are counted again, with the
- * edges of bins as they are.
+ * leaf_file_open() has checked the header, the directory and that ranges contain their children's.
+ * This reads all payloads, too. It checks checksums, padding, samples against the own range, every
+ * code against its samples, and inner nodes against their children. It also checks halos against
+ * the neighbour's samples or the volume's border, and the number of non-finite samples. It does not
+ * check how the writer made the coarse levels' samples. Histograms are counted again, with the
+ * file's edges of bins.
  *
- * Of a mesh: checksums, padding, trees (mesh_leaf_check.h), bounds and ranges exactly those of the
- * vertices, every code recomputed, each vertex some tet's, as many non-finite values as can be.
- * What the file cannot tell: which vertices treelets share, and so the header's count of them.
+ * Meshes: checksums, padding, trees (mesh_leaf_check.h); bounds and ranges are exactly those of the
+ * vertices; every code is recomputed; each vertex belongs to some tet; the number of non-finite
+ * values is possible. The file cannot tell which vertices treelets share. So the header's count of
+ * vertices is not checked exactly.
  */
 #ifndef FORMATS_LEAF_LEAF_VERIFY_H
 #define FORMATS_LEAF_LEAF_VERIFY_H

@@ -21,39 +21,39 @@ struct leaf_writer {
     leaf_layout layout;
     leaf_header header;
     leaf_section table[LEAF_SECTION_LAST + LEAF_ANCILLARY_LAST];
-    /* The directory, as in leaf_section_kind. */
+    /* The sections of the directory, see leaf_section_kind. */
     float (*ranges)[2];
     float (*own)[2];
     uint8_t *flags;
     uint64_t *offsets, *sizes, *checksums;
-    double *axes; /* rectilinear: all three, one after the other */
+    double *axes; /* rectilinear: all three, one behind the other */
     float (*bounds)[6];
     uint32_t (*counts)[4];
-    char (*names)[64]; /* or NULL, as times */
+    char (*names)[64]; /* or NULL; so are times */
     double *times;
     leaf_part *parts;      /* coarse grids; or NULL */
-    histogram *histograms; /* of sets; or NULL */
-    uint16_t *deviations;  /* of coarse treelets' bricks; or NULL */
+    histogram *histograms; /* per set; or NULL */
+    uint16_t *deviations;  /* codes of coarse treelets' bricks; or NULL */
     world_frame frame;
     bool settled;
     out_file *out;
-    /* Where payloads wait until all sizes are known: compressed ones, and a mesh's. NULL: they are
-     * known from the start. */
+    /* Compressed payloads, and a mesh's, wait here until all sizes are known. NULL: sizes are known
+     * from the start. */
     out_file *scratch;
-    uint64_t *scratch_at; /* or NOT_THERE */
+    uint64_t *scratch_at; /* per payload; or NOT_THERE */
     void *copy_buffer;
     /* Guarded by the lock: */
     pthread_mutex_t lock;
     uint64_t scratch_end;
-    uint32_t placed;   /* payloads whose place is known, as all before them have been put */
-    leaf_placing next; /* behind the last of these */
+    uint32_t placed;   /* how many payloads have a place: all before them have been put */
+    leaf_placing next; /* where the next payload goes */
     bool implied;      /* some payloads have no bytes */
 };
 
 #define NOT_THERE UINT64_MAX
-#define UNKNOWN   UINT64_MAX /* a size */
+#define UNKNOWN   UINT64_MAX /* of a size */
 
-/* Of each treelet in the layout, of each of its ranges, of each payload in the directory. */
+/* Memory per treelet of the layout, per range, and per payload of the directory. */
 enum {
     LAYOUT_BYTES = 3 * sizeof(uint32_t) + sizeof(uint32_t) + 1,
     RANGE_BYTES = 2 * sizeof(float[2]) + 1,
@@ -102,7 +102,7 @@ static uint64_t sections_end(const leaf_writer *w) {
     return last->offset + last->bytes;
 }
 
-/* Which sections there are, and where; their sizes are known from the start. */
+/* Whether the file has a section of this kind. */
 static bool has_section(const leaf_writer *w, uint32_t kind) {
     if (!leaf_section_bytes(&w->header, kind))
         return false;
@@ -136,7 +136,7 @@ static void place_sections(leaf_writer *w) {
     w->next = (leaf_placing){.end = end};
 }
 
-/* With all sizes known, the payloads' places. */
+/* Place the payloads, once all sizes are known. */
 static void place_payloads(leaf_writer *w) {
     leaf_placing next = {.end = sections_end(w)};
     w->header.payload_bytes = 0;
@@ -155,7 +155,7 @@ static status allocate_histograms(leaf_writer *w) {
     return w->histograms ? ST_OK : ST_NOMEM;
 }
 
-/* ranges: elements of the sections that hold them. */
+/* Allocate the directory. ranges: elements of RANGES, OWN and FLAGS. */
 static status allocate(leaf_writer *w, size_t ranges) {
     const size_t payloads = w->layout.payloads;
     w->ranges = mem_array(w->m, ranges, sizeof *w->ranges);
@@ -169,7 +169,7 @@ static status allocate(leaf_writer *w, size_t ranges) {
     return allocate_histograms(w);
 }
 
-/* All zero. */
+/* Allocate the deviations, all zero. */
 static status allocate_deviations(leaf_writer *w) {
     const size_t bricks = deviation_count(&w->layout);
     if (!w->p.deviations || bricks == 0)
@@ -224,7 +224,7 @@ static status allocate_parts(leaf_writer *w, const leaf_mesh *mesh) {
     return ST_OK;
 }
 
-/* A scratch file, for payloads whose sizes place them only in the end. */
+/* Create the scratch file for payloads whose places are known only in the end. */
 static status create_scratch(leaf_writer *w, const char *path) {
     w->scratch_at = mem_array(w->m, w->layout.payloads, sizeof *w->scratch_at);
     for (uint32_t p = 0; p < w->layout.payloads; p++)
@@ -232,7 +232,7 @@ static status create_scratch(leaf_writer *w, const char *path) {
     return w->scratch_at ? out_file_scratch(w->m, path, &w->scratch) : ST_NOMEM;
 }
 
-/* Of a mesh not before its counts are known. */
+/* Allocate the buffer for copying; for a mesh not before its counts are known. */
 static status allocate_copy(leaf_writer *w) {
     w->copy_buffer = mem_alloc(w->m, leaf_layout_payload_max(&w->layout));
     return w->copy_buffer ? ST_OK : ST_NOMEM;
@@ -392,9 +392,9 @@ size_t leaf_writer_pack_bytes(const leaf_layout *l, leaf_codec codec) {
     return codec == LEAF_CODEC_RAW ? 0 : leaf_layout_payload_max(l);
 }
 
-/* Where a payload of this size goes: true: to offsets[p], as all before it have been put; false: to
- * scratch_at[p]. Places become known in order; that of one that waits in the scratch file is only
- * needed for those behind it. */
+/* Decide where a payload of this size goes. Returns true for offsets[p], as all before it have been
+ * put; false for scratch_at[p]. Places become known in order. The place of a payload in the scratch
+ * file is needed now only to place those behind it. */
 static bool place_put(leaf_writer *w, uint32_t p, size_t size) {
     pthread_mutex_lock(&w->lock);
     const bool direct = p == w->placed;
@@ -424,7 +424,7 @@ static status put_payload(leaf_writer *w, leaf_packer *k, uint32_t p, const void
     return out_file_write_at(w->scratch, w->scratch_at[p], stored, size);
 }
 
-/* The directory tells it. */
+/* Put a payload without bytes; the directory implies it. */
 static void put_implied(leaf_writer *w, uint32_t p) {
     if (w->scratch)
         place_put(w, p, 0);
@@ -456,7 +456,7 @@ void leaf_writer_put_implied(leaf_writer *w, uint32_t set, uint32_t t, const lea
     put_implied(w, p);
 }
 
-/* -0 becomes +0, as readers may compare bytes. */
+/* Copy floats; -0 becomes +0, as readers may compare bytes. */
 static void copy_floats(float *to, const float *from, int count) {
     for (int i = 0; i < count; i++)
         to[i] = from[i] + 0.0F;
@@ -499,7 +499,7 @@ status leaf_writer_put_positions(leaf_writer *w, leaf_packer *k, uint32_t step, 
 
 /* ---- finishing ---- */
 
-/* From the scratch file to their places. */
+/* Copy payloads from the scratch file to their places. */
 static status copy_payloads(leaf_writer *w) {
     place_payloads(w);
     for (uint32_t p = 0; p < w->layout.payloads; p++) {
@@ -525,7 +525,7 @@ static status write_zeros(leaf_writer *w, uint64_t from, uint64_t to) {
     return st;
 }
 
-/* Payload p from where it was written to its place, which ends the gap that begins at `end`. */
+/* Move payload p from `from` to its place; zero the gap before it, which begins at `end`. */
 static status move_payload(leaf_writer *w, uint32_t p, uint64_t from, uint64_t end) {
     status st = out_file_read_at(w->out, from, w->copy_buffer, (size_t)w->sizes[p]);
     if (st == ST_OK)
@@ -535,8 +535,8 @@ static status move_payload(leaf_writer *w, uint32_t p, uint64_t from, uint64_t e
                : st;
 }
 
-/* Raw payloads lie where they would if none were implied. They move down, the first one first: none
- * is written over before it has moved. */
+/* Remove the room of implied payloads: raw payloads lie where they would if none were implied. Move
+ * them down in order, so that none is overwritten before it has moved. */
 static status close_ranks(leaf_writer *w) {
     leaf_placing next = {.end = sections_end(w)};
     status st = allocate_copy(w);
@@ -552,7 +552,7 @@ static status close_ranks(leaf_writer *w) {
     return st == ST_OK ? out_file_cut(w->out, w->header.file_bytes) : st;
 }
 
-/* Of a set of a grid. Children come behind their parents, so the last treelet goes first. */
+/* Merge the ranges of a grid's set, last treelet first: children come behind their parents. */
 static void merge_ranges(leaf_writer *w, uint32_t set) {
     const leaf_layout *l = &w->layout;
     const size_t first = leaf_layout_samples(l, set, 0);
@@ -568,7 +568,7 @@ static void merge_ranges(leaf_writer *w, uint32_t set) {
     }
 }
 
-/* What the header says of a grid follows from its treelets. */
+/* Compute the header's values of a grid from its treelets. */
 static void sum_up_grid(leaf_writer *w) {
     leaf_header *h = &w->header;
     h->value_min = (double)INFINITY;
@@ -582,7 +582,7 @@ static void sum_up_grid(leaf_writer *w) {
     }
 }
 
-/* What the header says of a mesh follows from its treelets. */
+/* Compute the header's values of a mesh from its treelets. */
 static void sum_up_mesh(leaf_writer *w) {
     leaf_header *h = &w->header;
     double lo = (double)INFINITY, hi = -(double)INFINITY;
@@ -621,7 +621,7 @@ static status write_sections(leaf_writer *w) {
     return ST_OK;
 }
 
-/* Nothing but zeros between the last payload and the end; the gaps before are holes, which read as
+/* Write zeros between the last payload and the end. The gaps before are holes, which read as
  * zeros. */
 static status write_end(leaf_writer *w) {
     const uint32_t last = w->layout.payloads - 1;
@@ -727,7 +727,7 @@ status leaf_writer_embed(leaf_writer *w, uint32_t set, const char *path) {
     return st;
 }
 
-/* The directory again, with what was embedded. */
+/* Write the directory again, with the embedded coarse grids. */
 static status write_parts(leaf_writer *w) {
     if (!w->parts)
         return ST_OK;

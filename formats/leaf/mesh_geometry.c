@@ -35,7 +35,7 @@ static status check_parameters(const char *path, const leaf_header *h) {
     return st == ST_OK ? leaf_check_source(path, h) : st;
 }
 
-/* What says how many there are of something that there cannot be more of than tets. */
+/* Check numbers of things against the number of tets, which bounds them, and to_world. */
 static status check_values(const char *path, const leaf_header *h) {
     const struct {
         size_t at;
@@ -64,7 +64,7 @@ static status check_values(const char *path, const leaf_header *h) {
     return ST_OK;
 }
 
-/* fields, steps and treelets are in their ranges, so that no product overflows. */
+/* Requires fields, steps and treelets in their ranges, so that no product overflows. */
 static leaf_blocks blocks_of(const leaf_header *h) {
     return (leaf_blocks){.treelets = (uint32_t)h->treelets,
                          .fields = h->fields,
@@ -182,7 +182,7 @@ static status check_counts(const char *path, const leaf_header *h, const leaf_di
     return ST_OK;
 }
 
-/* The layout of a mesh, once its counts are known to be sound. */
+/* Make the layout of a mesh. Its counts must have been checked. */
 static status init_layout(leaf_file *f) {
     mesh_directory *mesh = f->mesh;
     const leaf_blocks blocks = {.treelets = f->layout.treelets,
@@ -272,7 +272,7 @@ static uint32_t payload_bytes(const leaf_layout *l, uint32_t p) {
     }
 }
 
-/* The first treelet's payload in each block. */
+/* A run begins with the first treelet's payload in each block. */
 static bool begins_run(const leaf_layout *l, uint32_t p) {
     return p % l->treelets == 0;
 }

@@ -1,4 +1,4 @@
-/* mesh_geometry.h - the row of meshes in a treelet file. */
+/* mesh_geometry.h - the table of functions for meshes in a treelet file. */
 #ifndef FORMATS_LEAF_MESH_GEOMETRY_H
 #define FORMATS_LEAF_MESH_GEOMETRY_H
 

@@ -1,11 +1,11 @@
-/* quantize.h - min/max ranges as 8-bit codes relative to their treelet's own exact range
- * (M08 4.3.2.4).
+/* quantize.h - min/max ranges as 8-bit codes relative to their treelet's own exact range (M08
+ * 4.3.2.4).
  *
  * One monotone function g maps [lo, hi] onto [0, 255]; a range is stored as floor(g(min)),
  * ceil(g(max)). Writer, reader and renderer all use these functions, so that rounding can lose no
- * surface: a block whose samples have min < beyond && reach <= max passes quantize_holds() for
- * these limits; for every isovalue, which is both. Bit-reproducible: only - * / and comparisons in
- * double.
+ * surface: a block whose samples have min < beyond && reach <= max passes quantize_holds() with the
+ * limits for reach and beyond. For an isovalue both are that value. Bit-reproducible: only - * /
+ * and comparisons in double.
  */
 #ifndef FORMATS_LEAF_QUANTIZE_H
 #define FORMATS_LEAF_QUANTIZE_H
@@ -19,11 +19,11 @@
 typedef struct quantizer {
     double lo, hi; /* the treelet's own range; lo > hi: no finite sample */
     double scale;  /* codes per unit of value; 0 when lo == hi */
-    bool exact; /* integer samples on at most 256 values: codes are value - lo, and lose nothing */
+    bool exact;    /* integers with hi - lo <= 255: codes are value - lo, without loss */
 } quantizer;
 
-/* What is asked of a node's codes: they may hold it only if the lo code <= below and the hi code >=
- * above. */
+/* Limits for a node's codes. It may hold the interval only if its lo code <= below and its hi code
+ * >= above. */
 typedef struct quantized_limits {
     int below, above; /* no node qualifies: below = -1 */
 } quantized_limits;
@@ -35,7 +35,7 @@ static inline quantizer quantizer_of(float lo, float hi, sample_type type) {
     return q;
 }
 
-/* g itself: monotone, 0 at lo, within [0, 255]. */
+/* The function g: monotone, 0 at lo, within [0, 255]. */
 static inline double quantizer_map(const quantizer *q, double value) {
     double g = (value - q->lo) * q->scale;
     return g < 0.0 ? 0.0 : g > 255.0 ? 255.0 : g;
@@ -49,25 +49,24 @@ static inline uint8_t quantizer_ceil(const quantizer *q, double value) {
     return (uint8_t)ceil(quantizer_map(q, value));
 }
 
-/* quantizer_limits() - once per treelet and interval, for ranges with min < beyond && reach <= max;
- * with exact codes the strict side stays strict. Integers relate to a limit as they do to
- * its ceiling, whose difference to lo is exact where that of the limit may round (lo = -100, reach
- * = 1e-20).
- */
+/* quantizer_limits() - the limits for ranges with min < beyond && reach <= max; call it once per
+ * treelet and interval. With exact codes the strict side stays strict. An integer compares with a
+ * limit as it does with the limit's ceiling. The ceiling's difference to lo is exact, where the
+ * limit's may round (lo = -100, reach = 1e-20). */
 static inline quantized_limits quantizer_limits(const quantizer *q, double reach, double beyond) {
     quantized_limits c = {-1, 256};
     if (!(q->lo < beyond && reach <= q->hi))
         return c;
     reach = reach > q->lo ? reach : q->lo;
     if (q->exact)
-        beyond = ceil(beyond) - 1.0; /* the last value before it */
+        beyond = ceil(beyond) - 1.0; /* the last integer before it */
     beyond = beyond < q->hi ? beyond : q->hi;
     c.above = quantizer_ceil(q, q->exact ? ceil(reach) : reach);
     c.below = quantizer_floor(q, beyond);
     return c;
 }
 
-/* quantizer_iso() - for ranges that hold an isovalue: min < iso && iso <= max. */
+/* quantizer_iso() - the limits for ranges that hold an isovalue: min < iso && iso <= max. */
 static inline quantized_limits quantizer_iso(const quantizer *q, double iso) {
     return quantizer_limits(q, iso, iso);
 }

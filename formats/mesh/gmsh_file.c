@@ -104,7 +104,7 @@ static size_t line_feeds(const uint8_t *data, size_t size) {
     return count;
 }
 
-/* Move behind the end of a section that began on line `from`, whatever lies before it. */
+/* Skip to the line behind a section's end. The section began on line `from`. */
 static status skip_to_end(text_tokens *t, const char *name, uint64_t from) {
     char end[END_MAX];
     int length = snprintf(end, sizeof end, "$End%s", name + 1);
@@ -126,7 +126,7 @@ static status skip_to_end(text_tokens *t, const char *name, uint64_t from) {
     return text_tokens_end_line(t);
 }
 
-/* "4.1 0 8", and in binary files the number 1, which tells the byte order. */
+/* Read "4.1 0 8", and in binary files the number 1, which tells the byte order. */
 static status read_format(gmsh_file *f, text_tokens *t) {
     static const char *const known[] = {"2", "2.0", "2.1", "2.2", "4.1"};
     int64_t binary = 0, width = 0;
@@ -156,7 +156,7 @@ static status read_format(gmsh_file *f, text_tokens *t) {
     return st;
 }
 
-/* Tags that are texts: the first is the name, in quotes. */
+/* Read the string tags. The first is the array's name, in quotes. */
 static status read_name(text_tokens *t, char name[MESH_NAME_MAX + 1]) {
     int64_t tags;
     status st = text_tokens_int(t, "the number of string tags", 0, TAGS_MAX, &tags);
@@ -185,7 +185,7 @@ static status skip_reals(text_tokens *t) {
     return st;
 }
 
-/* Tags that are whole numbers: time step, components, rows, and what else there is. */
+/* Read the integer tags: time step, components, rows, and others. */
 static status read_shape(text_tokens *t, gmsh_array *a) {
     int64_t tags, value = 0;
     status st = text_tokens_int(t, "the number of integer tags, at least 3", 3, TAGS_MAX, &tags);
@@ -219,7 +219,7 @@ static status read_array(gmsh_file *f, text_tokens *t, gmsh_owner owner) {
     return st;
 }
 
-/* A section whose name is the last word. */
+/* Read the section whose name is the last word read. */
 static status read_section(gmsh_file *f, text_tokens *t) {
     char name[END_MAX - 10];
     uint64_t from = t->line;

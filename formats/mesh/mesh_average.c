@@ -55,7 +55,7 @@ static bool came_before(const uint64_t *ids, int i) {
     return false;
 }
 
-/* The values lie so many places apart. */
+/* Vertex i's value is values[i * step]. */
 static void add(mesh_average *a, uint32_t field, mesh_cell kind, const uint64_t *ids,
                 const double *values, int step) {
     int count = mesh_split_vertices(kind);

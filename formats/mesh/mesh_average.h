@@ -1,7 +1,7 @@
-/* mesh_average.h - cell data taken to the points: the mean over the cells at a point.
+/* mesh_average.h - cell data averaged to the points: each point gets the mean of its cells' values.
  *
- * Each cell counts once at each of its points, as it stands in the file, before it is split. Sums
- * are double, in the order of the cells. A point of no cell gets 0. 12 bytes a point and field.
+ * A cell counts once at each of its points, before it is split into tets. Sums are double, added in
+ * the order of the cells. A point without cells gets 0. Takes 12 bytes a point and field.
  *
  * A reader that can read its cells again may do so in rounds, each for a window of the points:
  *
@@ -11,7 +11,7 @@
  *         st = mesh_average_feed(&a, feed, 0);
  *     }
  *
- * The values are the same.
+ * The values are the same as without rounds.
  */
 #ifndef FORMATS_MESH_MESH_AVERAGE_H
 #define FORMATS_MESH_MESH_AVERAGE_H
@@ -21,26 +21,28 @@
 typedef struct mesh_average {
     mem *m;
     uint64_t points;
-    uint64_t first; /* the window: of all points, but for rounds */
+    uint64_t first; /* first point of the window; without rounds the window is all points */
     size_t count, room;
     uint32_t fields;
-    double *sums;    /* of each field those of the window, `room' apart */
-    uint32_t *cells; /* at each point, likewise */
+    double *sums;    /* the window's sums, field after field, `room` apart */
+    uint32_t *cells; /* number of cells at each point, likewise */
 } mesh_average;
 
-/* mesh_average_begin() - for so many points and fields, 1 or more. Release in any case, also one
- * that is all zeros. */
+/* mesh_average_begin() - begin with all points at once, for 1 or more fields. Release in any case;
+ * a zeroed mesh_average may be released, too. */
 CHECKED status mesh_average_begin(mesh_average *a, mem *m, uint64_t points, uint32_t fields);
 
-/* mesh_average_begin_rounds() - the same in windows, of a quarter of what the budget has left.
- * mesh_average_next() - on to the next window, its sums all 0; false behind the last one. */
+/* mesh_average_begin_rounds() - the same in windows, which take a quarter of what the budget has
+ * left.
+ * mesh_average_next() - go to the next window and set its sums to 0. Returns false behind the last
+ * one. */
 CHECKED status mesh_average_begin_rounds(mesh_average *a, mem *m, uint64_t points, uint32_t fields);
 bool mesh_average_next(mesh_average *a);
 
 void mesh_average_release(mesh_average *a);
 
-/* mesh_average_add() - a cell's value of a field, 0, 1, ..; a cell with an id that is no point is
- * passed over, as mesh_feed_cell() does. */
+/* mesh_average_add() - add a cell's value of a field (0, 1, ..) to its points. A cell with an id
+ * outside the points is skipped, as by mesh_feed_cell(). */
 void mesh_average_add(mesh_average *a, uint32_t field, mesh_cell kind, const uint64_t *ids,
                       double value);
 
@@ -48,8 +50,8 @@ void mesh_average_add(mesh_average *a, uint32_t field, mesh_cell kind, const uin
 void mesh_average_add_each(mesh_average *a, uint32_t field, mesh_cell kind, const uint64_t *ids,
                            const float *values);
 
-/* mesh_average_feed() - the values of the window, when the last cell has been added: of the fields
- * from `first' on. */
+/* mesh_average_feed() - feed the window's values when the last cell has been added. The first field
+ * is fed as field `first`, the others follow. */
 CHECKED status mesh_average_feed(const mesh_average *a, mesh_feed *feed, uint32_t first);
 
 #endif

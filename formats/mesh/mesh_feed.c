@@ -163,7 +163,7 @@ static bool repeats(const uint32_t t[4]) {
            t[2] == t[3];
 }
 
-/* One tet whose ids are all points. */
+/* Keep one tet whose ids are all valid. */
 static status keep_tet(mesh_feed *f, const uint32_t ids[4]) {
     if (repeats(ids)) {
         f->report->repeated++;

@@ -13,7 +13,7 @@
 
 enum { NODES_MAX = 56, SKIPPED = -1, REFUSED = -2 };
 
-/* What an element's type number means; kind: SKIPPED for less than a volume. */
+/* The meaning of an element's type number. kind: SKIPPED for anything less than a volume. */
 typedef struct element_type {
     int nodes, kind;
 } element_type;
@@ -46,14 +46,14 @@ typedef struct float_list {
 typedef struct gmsh_field {
     const gmsh_array *array;
     uint32_t number;   /* 0, 1, .. */
-    id_map rows;       /* of an array of elements: their numbers */
-    float_list values; /* a row: of $ElementNodeData its number of nodes first */
-    uint64_t *starts;  /* of $ElementNodeData: where a row's values start */
+    id_map rows;       /* element data: the elements' numbers */
+    float_list values; /* row by row; a row of $ElementNodeData begins with its number of nodes */
+    uint64_t *starts;  /* $ElementNodeData: where each row starts in values */
     size_t starts_room;
-    mesh_average average; /* of elements */
+    mesh_average average; /* element data: sums over the cells */
 } gmsh_field;
 
-/* What lives while a mesh is read. */
+/* State while a mesh is read. */
 typedef struct gmsh_reading {
     const gmsh_file *file;
     gmsh_field *fields;
@@ -86,7 +86,7 @@ static status no_array(const gmsh_state *s, const mesh_hints *asked) {
     return mesh_choice_missing(s->file.path, asked, &points, &cells);
 }
 
-/* name: NULL for the first. */
+/* Take the array of this name; NULL: the first. */
 static status take_array(gmsh_state *s, const char *name) {
     const gmsh_array *found = NULL;
     mesh_hints asked = *s->hints;
@@ -161,7 +161,7 @@ static status read_nodes_2(gmsh_reading *r, gmsh_cursor *c) {
     return st;
 }
 
-/* All numbers of a block, then all its points. */
+/* Read a block: all its node numbers, then all its points. */
 static status read_node_block(gmsh_reading *r, gmsh_cursor *c) {
     uint64_t dimensions = 0, tag, parametric = 0, count = 0, id = 0;
     status st = gmsh_cursor_int(c, "an entity's dimension", &dimensions);
@@ -188,7 +188,7 @@ static status read_node_block(gmsh_reading *r, gmsh_cursor *c) {
     return st;
 }
 
-/* "blocks all least greatest": in front of nodes and of elements. */
+/* Read "blocks all least greatest", the header of the nodes and of the elements. */
 static status read_block_header(gmsh_cursor *c, uint64_t *blocks, uint64_t *all) {
     uint64_t waste;
     status st = gmsh_cursor_size(c, "the number of blocks", blocks);
@@ -237,7 +237,7 @@ static status push(float_list *list, float value) {
     return st;
 }
 
-/* A row's value. */
+/* Read a row's components and reduce them to one value. */
 static status read_value(const gmsh_reading *r, const gmsh_field *f, gmsh_cursor *c, float *value) {
     double components[GMSH_COMPONENTS_MAX];
     int count = f->array->components;
@@ -280,7 +280,7 @@ static status push_start(gmsh_field *f) {
     return st;
 }
 
-/* A row's number of nodes, kept in front of its values. */
+/* Read a row's number of nodes, and keep it in front of the row's values. */
 static status begin_row(gmsh_field *f, gmsh_cursor *c, uint64_t *values) {
     status st = gmsh_cursor_int(c, "the number of an element's nodes", values);
     if (st == ST_OK && (*values < 1 || *values > 1000))
@@ -341,7 +341,7 @@ static status find_type(const gmsh_cursor *c, uint64_t number, element_type *typ
     return ST_OK;
 }
 
-/* What a cell adds to the points, of an array of elements. */
+/* Add a cell's element data, if it has any, to its points. */
 static status add_to_average(gmsh_field *f, const gmsh_cursor *c, mesh_cell kind, uint64_t id,
                              const uint64_t *ids) {
     uint64_t row = id_map_find(&f->rows, id);
@@ -368,7 +368,7 @@ static status add_to_averages(gmsh_reading *r, const gmsh_cursor *c, mesh_cell k
     return st;
 }
 
-/* Its nodes, which come next. */
+/* Read an element's nodes, which come next, and feed the cell. */
 static status read_element(gmsh_reading *r, gmsh_cursor *c, element_type type, uint64_t id) {
     uint64_t ids[NODES_MAX];
     status st = ST_OK;
@@ -397,8 +397,8 @@ static status skip_tags(gmsh_cursor *c, uint64_t count) {
     return st;
 }
 
-/* "id type tags .. nodes" of text; of binary files the type and the number of tags stand once in
- * front of some elements: `members` says how many these are. */
+/* Text: "id type tags .. nodes". Binary: the type and the number of tags stand once in front of
+ * `members` elements. */
 static status read_elements_2(gmsh_reading *r, gmsh_cursor *c) {
     uint64_t count = 0, id = 0, number = 0, members = 0, tags = 0;
     element_type type = {0};
@@ -432,7 +432,7 @@ static status read_elements_2(gmsh_reading *r, gmsh_cursor *c) {
     return st;
 }
 
-/* A block of elements of one type; *left of them are still to come in all. */
+/* Read a block of elements of one type. *left: elements still to come in all blocks. */
 static status read_element_block(gmsh_reading *r, gmsh_cursor *c, uint64_t *left) {
     uint64_t waste, number = 0, count = 0, id = 0;
     element_type type = {0};

@@ -21,12 +21,12 @@ struct mesh_input {
     mesh_source source;
     const mesh_reader *reader;
     void *state;
-    uint32_t fields;       /* taken */
-    const mesh_feed *feed; /* while it is read */
-    double share;          /* told last */
+    uint32_t fields;       /* number of fields taken */
+    const mesh_feed *feed; /* set while the mesh is read */
+    double share;          /* the last one returned */
 };
 
-/* What the formats are told by; the first that knows the file reads it. */
+/* The formats. The first that recognises a file reads it. */
 static const mesh_reader *const readers[] = {&mesh_stream_reader, &mesh_tetgen_reader,
                                              &mesh_gmsh_reader,   &mesh_vtk_reader,
                                              &mesh_vtu_reader,    &mesh_vtk_parts_reader};

@@ -46,7 +46,8 @@ static float from_bits(uint32_t bits) {
     return value;
 }
 
-/* Floats of 16 significant bits, in ascending order: their number is their bits but the last 8. */
+/* Returns the step of mesh_leaf_frame(). Bisect the floats of 16 significant bits: without their
+ * last 8 bits, which are zero, their bits count them in ascending order. */
 static float smallest_step(float lo, float hi) {
     uint32_t below = 0, enough = 0x7f7fff; /* the largest finite one */
     if (hi <= lo)
@@ -71,7 +72,7 @@ mesh_frame mesh_leaf_frame(const float bounds[6]) {
     return f;
 }
 
-/* The smallest code whose plane is >= at, which that of 255 is. */
+/* Returns the smallest code whose plane is >= at. Plane 255 must be. */
 static int search(const mesh_frame *f, int axis, float at) {
     int first = 0, end = 255;
     while (first < end) {
@@ -89,7 +90,7 @@ static bool is_first(const mesh_frame *f, int axis, int code, float at) {
            (code == 0 || mesh_leaf_plane(f, axis, code - 1) < at);
 }
 
-/* The same, by a guess that is mostly right. */
+/* Returns the same as search(), but tries a guess first, which is mostly right. */
 static int first_at_or_above(const mesh_frame *f, int axis, float at) {
     const float guess = (at - f->lo[axis]) / f->step[axis];
     if (!(guess < 255))
@@ -110,7 +111,7 @@ uint8_t mesh_leaf_code_lo(const mesh_frame *f, int axis, float at) {
     const int code = first_at_or_above(f, axis, at);
     if (code == 0 || mesh_leaf_plane(f, axis, code) == at)
         return (uint8_t)code;
-    /* The highest plane below `at` is that of the code before; others may share it. */
+    /* The code before has the highest plane below `at`. Smaller codes may share that plane. */
     const float below = mesh_leaf_plane(f, axis, code - 1);
     return (uint8_t)(is_first(f, axis, code - 1, below) ? code - 1 : search(f, axis, below));
 }

@@ -1,4 +1,4 @@
-/* mesh_leaf.h - what is in the payloads of a tetrahedral mesh's treelet (leaf.h, kind mesh).
+/* mesh_leaf.h - the payloads of a tetrahedral mesh's treelet (leaf.h, kind mesh).
  *
  *   topology   mesh_node[nodes]               the tree, breadth first; node 0 is the root
  *              uint16_t leaf_first[leaves+1]  first tet of each leaf; the last is `tets`
@@ -6,11 +6,11 @@
  *              float positions[vertices][3]   in ascending order of the mesh's vertex ids
  *   values     mesh_codes[nodes]              value ranges of each node's children
  *              float values[vertices]
- *   gradients  float gradients[vertices][3]   of a set, over the whole mesh: of each vertex the
- *                                             mean of its tets' gradients, weighted by volume (M08
- *                                             6.3.4); finite; 0 0 0: there is none
- *   positions  mesh_boxes[nodes]              at a step behind the first: boxes of each node's
- *                                             children, instead of mesh_node's
+ *   gradients  float gradients[vertices][3]   of a set: each vertex's mean of its tets' gradients
+ *                                             in the whole mesh, weighted by volume (M08 6.3.4);
+ *                                             finite; 0 0 0: no gradient
+ *   positions  mesh_boxes[nodes]              at a later step: boxes of each node's children,
+ *                                             which replace mesh_node's
  *              float positions[vertices][3]
  *
  * Each part ends with zeros up to a multiple of 64, so that every part is 64-byte aligned. Vertices
@@ -23,10 +23,10 @@
  * two children or more, unless the whole treelet is one leaf; a path from the root has at most
  * MESH_DEPTH_MAX nodes.
  *
- * A child's box is coded in 8 bits an axis and side, relative to the treelet's BOUNDS of the step,
- * and its values' range relative to the treelet's own range (quantize.h, as f32). Both contain what
- * is in the child by construction: mesh_leaf_plane() and quantizer_map() are monotone, and the only
- * functions that writer and readers use.
+ * A child's box is coded in 8 bits an axis and side, relative to the treelet's BOUNDS of the step.
+ * Its range of values is coded relative to the treelet's own range (quantize.h, as f32). Both
+ * contain the child by construction: mesh_leaf_plane() and quantizer_map() are monotone, and writer
+ * and readers use no other functions.
  */
 #ifndef FORMATS_MESH_MESH_LEAF_H
 #define FORMATS_MESH_MESH_LEAF_H
@@ -65,24 +65,24 @@ _Static_assert(sizeof(mesh_node) == 64, "mesh_node is a cache line");
 _Static_assert(sizeof(mesh_codes) == 16, "mesh_codes is 16 bytes");
 _Static_assert(sizeof(mesh_boxes) == 48, "mesh_boxes is 48 bytes");
 
-/* Where the parts of a treelet's payloads are. */
+/* Sizes of a treelet's payloads, and where their parts begin, in bytes. */
 typedef struct mesh_shape {
     uint32_t tets, vertices, nodes, leaves;
-    uint32_t leaf_first_at, tets_at, positions_at; /* bytes from the topology's start; nodes: 0 */
+    uint32_t leaf_first_at, tets_at, positions_at; /* from the topology's start; nodes are at 0 */
     uint32_t topology_bytes;
-    uint32_t values_at; /* from the values' start; codes: 0 */
+    uint32_t values_at; /* from the values' start; codes are at 0 */
     uint32_t values_bytes;
     uint32_t gradients_bytes;
-    uint32_t moved_at; /* positions from the start of a step's; boxes: 0 */
+    uint32_t moved_at; /* positions, from the start of a step's payload; boxes are at 0 */
     uint32_t positions_bytes;
 } mesh_shape;
 
-/* mesh_leaf_shape() - counts: an element of COUNTS (tets, vertices, nodes, leaves), within the
- * limits of mesh_leaf_counts_fault(). */
+/* mesh_leaf_shape() - returns the layout of a treelet's payloads. counts: an element of COUNTS
+ * (tets, vertices, nodes, leaves), within the limits of mesh_leaf_counts_fault(). */
 mesh_shape mesh_leaf_shape(const uint32_t counts[4]);
 
-/* mesh_leaf_counts_fault() - what is wrong with a treelet's counts in a file of these parameters;
- * NULL if they can be. Parameters in 1 .. LEAF_TREELET_TETS_MAX, LEAF_LEAF_TETS_MAX. */
+/* mesh_leaf_counts_fault() - returns which of a treelet's counts is impossible in a file of these
+ * parameters; NULL if none is. Parameters in 1 .. LEAF_TREELET_TETS_MAX, LEAF_LEAF_TETS_MAX. */
 const char *mesh_leaf_counts_fault(const uint32_t counts[4], uint32_t treelet_tets,
                                    uint32_t leaf_tets);
 
@@ -117,25 +117,27 @@ static inline const float (*mesh_leaf_moved(const mesh_shape *s, const void *pos
 
 /* ---- planes ---- */
 
-/* What turns codes into planes, once per treelet. */
+/* Turns codes into planes. Made once per treelet. */
 typedef struct mesh_frame {
     float lo[3], step[3];
 } mesh_frame;
 
-/* mesh_leaf_frame() - of a treelet's BOUNDS at a step of time. step: the smallest float >= 0 with
- * 16 significant bits (the last 8 of its 32 are zero) whose plane 255 is not below hi. */
+/* mesh_leaf_frame() - returns the frame of a treelet's BOUNDS at a time step. step: the smallest
+ * float >= 0 with 16 significant bits (the last 8 of its 32 are zero) whose plane 255 is not below
+ * hi. */
 mesh_frame mesh_leaf_frame(const float bounds[6]);
 
-/* mesh_leaf_plane() - where a code lies: monotone, plane 0 is lo, plane 255 is at or beyond hi;
- * +inf in boxes of nearly the whole range of floats. The product is exact, so that the one rounding
- * is the sum's: the same bits with and without FMA, scalar or vector. */
+/* mesh_leaf_plane() - returns the coordinate of a code's plane. Monotone: plane 0 is lo, plane 255
+ * is at or beyond hi; +inf in boxes of nearly the whole range of floats. The product is exact, so
+ * that the sum is the only rounding: the same bits with and without FMA, scalar or vector. */
 static inline float mesh_leaf_plane(const mesh_frame *f, int axis, int code) {
     return f->lo[axis] + (float)code * f->step[axis];
 }
 
-/* mesh_leaf_code_lo() - the smallest code whose plane is the highest one that is <= at;
- * mesh_leaf_code_hi() - the smallest code whose plane is >= at. So a box's lo codes are never above
- * its hi codes. at: within the bounds. */
+/* mesh_leaf_code_lo() - returns the smallest code of the highest plane that is <= at (codes may
+ * share a plane).
+ * mesh_leaf_code_hi() - returns the smallest code whose plane is >= at. So a box's lo codes are
+ * never above its hi codes. at: within the bounds. */
 uint8_t mesh_leaf_code_lo(const mesh_frame *f, int axis, float at);
 uint8_t mesh_leaf_code_hi(const mesh_frame *f, int axis, float at);
 

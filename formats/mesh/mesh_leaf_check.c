@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* One payload while it is looked at. */
+/* One payload under check. */
 typedef struct subject {
     const leaf_file *f;
     uint32_t t, payload;
@@ -26,7 +26,7 @@ static subject subject_of(const leaf_file *f, uint32_t t, uint32_t payload, cons
                      .nodes = mesh_leaf_nodes(topology)};
 }
 
-/* `at`: what is wrong, in the payload. */
+/* Describe a fault. at: the wrong bytes, in the payload. */
 __attribute__((format(printf, 3, 4))) static status wrong(const subject *x, const void *at,
                                                           const char *fmt, ...) {
     char text[STATUS_TEXT_MAX / 2], name[LEAF_NAME_MAX];
@@ -45,10 +45,10 @@ __attribute__((format(printf, 3, 4))) static status wrong(const subject *x, cons
                            name, text);
 }
 
-/* ---- what makes it safe to traverse ---- */
+/* ---- is it safe to traverse? ---- */
 
-/* Present children come first, and inner nodes are numbered as they are met: so each node but the
- * root is the child of exactly one node, which is before it. */
+/* Check that present children come first, and that inner nodes are numbered as they are met. Then
+ * each node but the root is the child of exactly one node, which is before it. */
 static status check_children(const subject *x) {
     uint32_t next = 1;
     for (uint32_t n = 0; n < x->s.nodes; n++) {
@@ -73,7 +73,7 @@ static status check_children(const subject *x) {
     return ST_OK;
 }
 
-/* From the root down, leaves come in order. */
+/* Check that a walk down from the root meets the leaves in order. */
 static status check_leaf_order(const subject *x) {
     struct {
         uint16_t node, child;
@@ -115,7 +115,7 @@ static status check_leaves(const subject *x) {
     return ST_OK;
 }
 
-/* All at once, as that is quick; which one is looked for only when there is one. */
+/* Check all tets at once, which is quick. Look for the bad one only when there is one. */
 static status check_tets(const subject *x) {
     const uint16_t(*tet)[4] = mesh_leaf_tets(&x->s, x->bytes);
     unsigned bad = 0;
@@ -168,7 +168,7 @@ status mesh_leaf_check_moved(const leaf_file *f, uint32_t step, uint32_t t, cons
                            f->mesh->bounds[leaf_layout_bounds(&f->layout, step, t)]);
 }
 
-/* ---- all that can be recomputed ---- */
+/* ---- everything that can be recomputed ---- */
 
 size_t mesh_leaf_check_scratch(const mesh_shape *s) {
     return s->nodes * sizeof(float[6]) + s->vertices;
@@ -188,7 +188,7 @@ static status check_code(const subject *x, const uint8_t *code, const char *what
     return wrong(x, code, "expected the %s code %u, found %u", what, expected, *code);
 }
 
-/* The first and last of something over a leaf's vertices, or over a child's box of `axes` axes. */
+/* Widen a box of `axes` axes to contain lo .. hi: of a vertex, or of a child's box. */
 static void widen(float *box, int axes, const float *lo, const float *hi) {
     for (int a = 0; a < axes; a++) {
         box[a] = lo[a] < box[a] ? lo[a] : box[a];
@@ -203,8 +203,8 @@ static void empty_box(float *box, int axes) {
     }
 }
 
-/* Box of a child: of `at` (axes numbers a vertex; those that are not finite apart) over its tets,
- * or what was found for that node. */
+/* Find a child's box. Leaf: the box of `at` (`axes` numbers per vertex) over its tets, without
+ * vertices that are not finite. Inner node: what was found for it, in `boxes`. */
 static void child_box(const subject *x, const void *topology, uint16_t child, const float *at,
                       int axes, const float *boxes, float *box) {
     empty_box(box, axes);
@@ -222,7 +222,8 @@ static void child_box(const subject *x, const void *topology, uint16_t child, co
         }
 }
 
-/* Where the positions of a step and the codes of their boxes are: in the topology, or apart. */
+/* A step's positions and the codes of their boxes, which lie in the topology or in a payload of
+ * their own. */
 typedef struct placement {
     const float (*positions)[3];
     const float *bounds;

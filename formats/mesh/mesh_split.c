@@ -5,8 +5,8 @@
 
 enum { NONE = 0xff }; /* the fourth vertex of a triangle */
 
-/* Faces turn counterclockwise seen from outside, for a cell whose base turns so seen from inside.
- */
+/* Faces are counterclockwise seen from outside if the cell's base is counterclockwise seen from
+ * inside. */
 typedef struct cell_shape {
     int vertices, faces;
     uint8_t face[6][4];
@@ -32,7 +32,7 @@ int mesh_split_vertices(mesh_cell kind) {
     return kind == MESH_TET ? 4 : shapes[kind].vertices;
 }
 
-/* The place of the smallest id; the first of equal ones. */
+/* Returns the place of the smallest id; of equal ids the first. */
 static int smallest(const uint32_t *ids, const uint8_t *places, int count) {
     int best = 0;
     for (int i = 1; i < count; i++)

@@ -16,7 +16,7 @@
 
 enum { HEADER_LINES_MAX = 100, CHUNK = 4096 };
 
-/* Words of the file's byte order, in place. */
+/* Convert words between the file's and the machine's byte order, in place. */
 static void swap_words(uint32_t *words, size_t count) {
     for (size_t i = 0; __BYTE_ORDER == __BIG_ENDIAN && i < count; i++)
         words[i] = __builtin_bswap32(words[i]);
@@ -36,7 +36,7 @@ static status write_bytes(mesh_stream_writer *w, const void *data, size_t size) 
     return file_write_all(STDOUT_FILENO, "standard output", NULL, data, size);
 }
 
-/* Swapped through a small buffer where need be, so that the caller's words stay as they are. */
+/* Write words. Where they must be swapped, a small buffer keeps the caller's words as they are. */
 static status write_words(mesh_stream_writer *w, const void *words, size_t count) {
     if (__BYTE_ORDER != __BIG_ENDIAN)
         return write_bytes(w, words, count * 4);
@@ -171,7 +171,7 @@ static status take_line(stream_state *s, const char *line) {
     return bad_line(s, line, "name, field, points, tets or an empty line");
 }
 
-/* One line of the header. A limit of its own: what follows is no text. */
+/* Read one line of the header. Its lines are limited in number: what follows is no text. */
 static status next_line(stream_state *s, text_line *line) {
     bool got;
     status st = byte_stream_line(s->data, line, &got);
@@ -198,7 +198,7 @@ static status read_header(stream_state *s, text_line *line) {
     return st;
 }
 
-/* A file says how long it is; a pipe will be seen to end. */
+/* Check a file's length against the header. A pipe's end is checked later, behind the last tet. */
 static status check_length(const stream_state *s) {
     uint64_t want = 16 * (s->header.points + s->header.tets), left = byte_stream_left(s->data);
     if (left == UINT64_MAX || left == want)
@@ -211,7 +211,7 @@ static status check_length(const stream_state *s) {
                            (unsigned long long)s->header.tets);
 }
 
-/* There is but one. */
+/* Take the one field that a stream can have. */
 static status stream_take(void *state, const char *const *names, uint32_t count) {
     const stream_state *s = state;
     const char *field = s->header.field;
@@ -253,7 +253,7 @@ static void stream_close(void *state) {
 
 /* ---- reading the arrays ---- */
 
-/* The next elements of an array into a buffer of CHUNK of them. */
+/* Read the array's next `count` elements of `words` words. `done` elements were read before. */
 static status read_words(const stream_state *s, const char *what, uint64_t done, size_t count,
                          size_t words, uint32_t *buffer) {
     size_t got, size = count * words * 4;

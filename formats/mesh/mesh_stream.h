@@ -1,4 +1,4 @@
-/* mesh_stream.h - the mesh stream: the simplest mesh there is, for pipes and for everything else.
+/* mesh_stream.h - the mesh stream: the simplest mesh format, for pipes and for everything else.
  *
  * A header of text, then three arrays, little endian; see MESH_STREAM.md. The same calls give the
  * same bytes on every machine.
@@ -24,19 +24,19 @@ typedef struct mesh_stream_header {
 
 typedef struct mesh_stream_writer mesh_stream_writer;
 
-/* mesh_stream_create() - begin the file path ("-": standard output) and write its header. See
- * out_file_create() for force. */
+/* mesh_stream_create() - begin the file `path` ("-": standard output) and write its header. force:
+ * see out_file_create(). */
 CHECKED status mesh_stream_create(mem *m, const char *path, bool force, const mesh_stream_header *h,
                                   mesh_stream_writer **out);
 
-/* All points, then all values, then all tets, in runs of any length; another order, or more than
- * the header says, is an assert. */
+/* Write all points, then all values, then all tets, in runs of any length. Another order, or more
+ * than the header says, fails an assert. */
 CHECKED status mesh_stream_points(mesh_stream_writer *w, size_t count, const float (*xyz)[3]);
 CHECKED status mesh_stream_values(mesh_stream_writer *w, size_t count, const float *values);
 CHECKED status mesh_stream_tets(mesh_stream_writer *w, size_t count, const uint32_t (*ids)[4]);
 
-/* mesh_stream_commit() - everything is written (an assert): give the file its name. Consumes w in
- * any case. */
+/* mesh_stream_commit() - give the file its name. Everything must have been written (an assert).
+ * Consumes w in any case. */
 CHECKED status mesh_stream_commit(mesh_stream_writer *w);
 
 /* mesh_stream_discard() - leave nothing behind. NULL is fine. */

@@ -19,11 +19,11 @@ typedef struct tetgen_state {
     mesh_tetgen_columns has;
     int64_t cells, cell_columns; /* columns behind a b c d */
     int64_t first;               /* id of the first point */
-    /* Taken, from 0, of attributes and marker, or of the tets' columns: */
+    /* Columns taken, from 0: of the points' attributes and marker, or of the tets' columns. */
     int *columns;
     uint32_t count;                /* 0: there is none */
     double *row;                   /* all columns of a point or tet */
-    char field[MESH_NAME_MAX + 1]; /* the first */
+    char field[MESH_NAME_MAX + 1]; /* name of the first */
 } tetgen_state;
 
 static bool tetgen_known(const char *path, const uint8_t *start, size_t size) {
@@ -67,7 +67,7 @@ static status read_tet_header(tetgen_state *s) {
 
 /* ---- the field ---- */
 
-/* K of "attrK" or "K", from 1; 0 when it is neither. */
+/* Returns K of "attrK" or "K", from 1; 0 when the name is neither. */
 static int64_t column_number(const char *field, const char *prefix) {
     size_t length = strlen(prefix);
     int64_t k = 0;
@@ -83,7 +83,7 @@ static void add_columns(name_list *names, const char *prefix, int64_t count) {
     }
 }
 
-/* Markers are taken by name alone, so a file with nothing else has no field. */
+/* Markers are taken by name alone. So a file with nothing else has no field. */
 static status no_field(const tetgen_state *s, const mesh_hints *asked) {
     name_list points = {0}, cells = {0};
     add_columns(&points, "attr", s->has.attributes);
@@ -94,7 +94,7 @@ static status no_field(const tetgen_state *s, const mesh_hints *asked) {
     return mesh_choice_missing(byte_stream_name(t->s), asked, &points, &cells);
 }
 
-/* The column of a name, and what it is called; -1: there is none. */
+/* Returns the column asked for, and puts its name into `called`; -1: there is none. */
 static int find_column(const tetgen_state *s, const mesh_hints *asked,
                        char called[MESH_NAME_MAX + 1]) {
     const bool cells = asked->cells_to_points;
@@ -112,7 +112,7 @@ static int find_column(const tetgen_state *s, const mesh_hints *asked,
     return (int)k - 1;
 }
 
-/* name: NULL for the first. */
+/* Take the column of this name; NULL: the first. */
 static status take_column(tetgen_state *s, const char *name) {
     char called[MESH_NAME_MAX + 1];
     mesh_hints asked = *s->hints;
@@ -139,7 +139,7 @@ static status tetgen_take(void *state, const char *const *names, uint32_t count)
 
 /* ---- opening ---- */
 
-/* F.ele for F.node, and the other way round; packed alike. kind: the path without the suffix of
+/* Open F.ele for F.node, or F.node for F.ele, packed alike. kind: the path without the suffix of
  * packed files. */
 static status open_other(tetgen_state *s, const char *path, const char *kind) {
     const bool nodes = text_ends_in(kind, ".node");
@@ -194,7 +194,7 @@ static void tetgen_close(void *state) {
 
 /* ---- reading ---- */
 
-/* The row's own number: what it counts must not have gaps. The first sets where counting begins. */
+/* Read a row's id. Ids must not have gaps; the first row's sets where they start. */
 static status read_id(text_tokens *t, int64_t row, int64_t *first) {
     int64_t id;
     status st = text_tokens_int(t, "an id", INT64_MIN, INT64_MAX, &id);
@@ -209,7 +209,7 @@ static status read_id(text_tokens *t, int64_t row, int64_t *first) {
     return ST_OK;
 }
 
-/* Columns up to the line's end. */
+/* Read columns up to the line's end. */
 static status read_columns(text_tokens *t, int64_t count, double *row) {
     status st = ST_OK;
     for (int64_t i = 0; st == ST_OK && i < count; i++)
@@ -252,7 +252,7 @@ static status read_tets(tetgen_state *s, mesh_feed *feed, mesh_average *average)
         for (int c = 0; st == ST_OK && c < 4; c++) {
             int64_t id = 0;
             st = text_tokens_int(t, "the id of a point", INT64_MIN, INT64_MAX, &id);
-            ids[c] = (uint64_t)id - (uint64_t)s->first; /* far off below the first: no point */
+            ids[c] = (uint64_t)id - (uint64_t)s->first; /* an id below the first wraps: no point */
         }
         if (st == ST_OK)
             st = read_columns(t, s->cell_columns, s->row);

@@ -31,7 +31,7 @@ static status on_points(vtk_legacy *v) {
     return st;
 }
 
-/* "OFFSETS type" or "CONNECTIVITY type" and count numbers. */
+/* Read "OFFSETS type" or "CONNECTIVITY type" and count numbers. */
 static status read_part(vtk_legacy *v, const char *keyword, uint64_t count, vtk_array *out) {
     vtk_type type = VTK_ABSENT;
     status st = vtk_legacy_next_line(v);
@@ -106,7 +106,8 @@ static status scan_file(vtk_unstructured *g, byte_stream *data) {
 
 /* ---- the reader ---- */
 
-/* A file that does not name its data set is one by its beginning or its name, and broken. */
+/* A file that does not name its data set is broken. Its first bytes or its suffix then make it one
+ * of ours. */
 static bool known(const char *path, const uint8_t *start, size_t size) {
     char name[VTK_LEGACY_NAME_MAX];
     if (vtk_legacy_names(start, size, name))

@@ -7,10 +7,10 @@
 #include "formats/vtk/vtk_parts.h"
 #include "formats/vtk/vtk_xml.h"
 
-/* ---- what is refused ---- */
+/* ---- refusing ---- */
 
-/* A file of no mesh that is read. The others may be given themselves. type: "" where it says none.
- */
+/* Refuse a file that is no mesh we read. If several are named, advise to give one of them itself.
+ * type: "" if the file states none. */
 static status refuse(const vtk_parts *in, const char *by, uint32_t step, const char *path,
                      const char *type) {
     char names[VTK_PARTS_TEXT];
@@ -26,7 +26,7 @@ static status refuse(const vtk_parts *in, const char *by, uint32_t step, const c
                            by, path, what, vtk_parts_list(in, step, names));
 }
 
-/* Blocks and parts that the reader of one mesh finds unlike. */
+/* Turn ST_CORRUPT for blocks and parts that differ into the advice to give one of them itself. */
 static status tell_parts(const vtk_unstructured *g, uint32_t step, status st) {
     char names[VTK_PARTS_TEXT];
     const vtk_parts *p = &g->parts;
@@ -39,8 +39,8 @@ static status tell_parts(const vtk_unstructured *g, uint32_t step, status st) {
 
 /* ---- opening ---- */
 
-/* Pieces are files of their own, blocks may have pieces, and collections either: none can lead back
- * to itself. */
+/* A list may name lists of a lower kind alone: collections name blocks and pieces, blocks name
+ * pieces. So no file can lead back to itself. */
 static bool may_name(vtk_parts_kind by, vtk_parts_kind named) {
     return named != VTK_PARTS_NONE && named < by;
 }
@@ -56,7 +56,7 @@ static status scan_nested(vtk_unstructured *g, const char *path, byte_stream *da
     return st;
 }
 
-/* One of the files that `by` names for a step. */
+/* Scan one of the files that `by` names for a step. */
 static status scan_stream(vtk_unstructured *g, const vtk_parts *in, const char *by, uint32_t step,
                           const char *path, byte_stream *data) {
     const uint8_t *start;
@@ -105,7 +105,7 @@ static status scan_file(vtk_unstructured *g, byte_stream *data) {
 
 /* ---- the reader ---- */
 
-/* A list of grids is theirs. */
+/* Lists of grids are left to the grids' reader. */
 static bool known(const char *path, const uint8_t *start, size_t size) {
     return vtk_parts_find_kind(path, start, size) != VTK_PARTS_NONE &&
            !vtk_parts_are_grids(start, size);

@@ -6,7 +6,7 @@
 #include "formats/vtk/vtk_cursor.h"
 #include "formats/vtk/vtk_xml.h"
 
-/* What an element is to us; its children are read accordingly. */
+/* Our kinds of elements. How an element's children are read depends on its kind. */
 enum {
     ELEMENT_GRID = VTK_XML_OWN,
     ELEMENT_PIECE,
@@ -76,7 +76,7 @@ static status on_array(vtk_xml *x, int element, const char *name, const vtk_arra
 
 /* ---- the file ---- */
 
-/* Those from piece `before` on. */
+/* Locate the arrays of the pieces from `before` on. */
 static void locate_arrays(const vtk_unstructured *g, size_t before, const vtk_appended *appended) {
     for (size_t i = before; i < g->count; i++) {
         vtk_piece *p = &g->pieces[i];
@@ -88,7 +88,7 @@ static void locate_arrays(const vtk_unstructured *g, size_t before, const vtk_ap
     }
 }
 
-/* Offsets make a cell's points; without them the ids would be read in the legacy form. */
+/* Check that offsets are there. Without them the ids would be read in the legacy form. */
 static status check_cells(const vtk_unstructured *g, size_t before, const char *path) {
     for (size_t i = before; i < g->count; i++) {
         const vtk_cells_source *c = &g->pieces[i].cells;
@@ -128,7 +128,7 @@ static status scan_file(vtk_unstructured *g, byte_stream *data) {
 
 /* ---- the reader ---- */
 
-/* A file that does not say its type is one by its name, and broken. */
+/* A file that does not say its type is broken. Its suffix then makes it one of ours. */
 static bool known(const char *path, const uint8_t *start, size_t size) {
     char type[VTK_XML_TYPE_MAX];
     if (vtk_xml_type(start, size, type))

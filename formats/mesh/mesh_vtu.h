@@ -11,7 +11,8 @@
 
 extern const mesh_reader mesh_vtu_reader;
 
-/* mesh_vtu_scan() - the pieces of one more file to a grid. path: lives as long as the grid. */
+/* mesh_vtu_scan() - add the pieces of one more file to a grid. path must live as long as the grid.
+ */
 CHECKED status mesh_vtu_scan(vtk_unstructured *g, const char *path, byte_stream *data);
 
 #endif

@@ -3,9 +3,9 @@
 #include "formats/mesh/mesh_average.h"
 #include "formats/vtk/vtk_cursor.h"
 
-enum { TOGETHER = 16 }; /* each has a cursor, with buffers */
+enum { TOGETHER = 16 }; /* fields at a time; each has a cursor, with buffers */
 
-/* Some of the fields taken, in a piece, while they are averaged. */
+/* Up to TOGETHER of a piece's taken fields, while they are averaged. */
 typedef struct averaging {
     mem *m;
     const vtk_piece *piece;
@@ -13,7 +13,7 @@ typedef struct averaging {
     uint32_t count;
     const vtk_array *fields[TOGETHER];
     vtk_cursor *values[TOGETHER];
-    double *tuple; /* of any of them */
+    double *tuple; /* room for a tuple of any field */
     mesh_average sums;
 } averaging;
 
@@ -47,7 +47,7 @@ static status add_cell(averaging *a, const vtk_cell *cell) {
     return st;
 }
 
-/* One round over the cells. */
+/* Add all cells of the piece: one round. */
 static status add_cells(averaging *a) {
     vtk_cells *cells = NULL;
     status st = open_values(a);

@@ -4,8 +4,8 @@
 
 #include "formats/mesh/vtk_unstructured.h"
 
-/* vtk_average_feed() - a value of each field taken for each point of the piece. The cells are read
- * as often as the sums take rounds over the points, once for every 16 fields. */
+/* vtk_average_feed() - feed each taken field's value at each point of the piece. The cells are read
+ * once for every 16 fields and every round that the sums take over the points. */
 CHECKED status vtk_average_feed(const vtk_unstructured *g, const vtk_piece *p, mesh_feed *feed);
 
 #endif

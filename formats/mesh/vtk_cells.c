@@ -10,8 +10,8 @@ struct vtk_cells {
     mem *m;
     const vtk_cells_source *source;
     vtk_cursor *types, *offsets, *ids, *ghosts;
-    uint64_t cell; /* the next one */
-    uint64_t end;  /* where the ids of the one before ended */
+    uint64_t cell; /* number of the next cell */
+    uint64_t end;  /* where the ids of the cell before ended */
 };
 
 /* ---- opening ---- */
@@ -81,7 +81,7 @@ void vtk_cells_close(vtk_cells *c) {
 enum { TETRA = 10, VOXEL, HEXAHEDRON, WEDGE, PYRAMID, TYPES_MAX = 96 };
 
 static const struct {
-    const char *name; /* of what is refused; NULL: no such type */
+    const char *name; /* for messages; NULL: no such type */
     bool passed_over; /* vertices, lines, surfaces */
 } types[TYPES_MAX] = {
     [0] = {"empty", true},
@@ -168,7 +168,7 @@ static status check_passed_over(const vtk_cells *c, uint64_t type) {
 
 /* ---- reading ---- */
 
-/* How many points the next cell has. */
+/* Read how many points the next cell has. */
 static status next_size(vtk_cells *c, uint64_t *size) {
     if (!c->offsets)
         return vtk_cursor_whole(c->ids, 1, size);
@@ -197,7 +197,8 @@ static status pass_over(vtk_cells *c, uint64_t count) {
     return st;
 }
 
-/* vtkGhostType has bits, vtkGhostLevels how far from its own part a cell is. */
+/* Read the next cell's ghost word. vtkGhostType holds bits; vtkGhostLevels holds the cell's
+ * distance from its own part. */
 static status next_ghost(vtk_cells *c, vtk_cell *cell) {
     enum { DUPLICATE = 1, REFINED = 8, HIDDEN = 32 };
     uint64_t word = 0;

@@ -56,7 +56,7 @@ const vtk_array *vtk_unstructured_field(const vtk_unstructured *g, const vtk_pie
     return vtk_fields_find(&p->fields, g->owner, g->taken[k]->name);
 }
 
-/* Which piece of its own file it is, from 1. */
+/* Returns the piece's number in its own file, from 1. */
 static size_t number_in_file(const vtk_unstructured *g, size_t i) {
     size_t number = 1;
     while (number <= i && g->pieces[i - number].path == g->pieces[i].path)
@@ -64,7 +64,7 @@ static size_t number_in_file(const vtk_unstructured *g, size_t i) {
     return number;
 }
 
-/* The chosen array, in each piece that has use for one. */
+/* Check the chosen array in each piece that needs it. */
 static status check_pieces(const vtk_unstructured *g, const vtk_array *chosen) {
     for (size_t i = 0; i < g->count; i++) {
         const vtk_piece *p = &g->pieces[i];
@@ -85,7 +85,7 @@ static status check_pieces(const vtk_unstructured *g, const vtk_array *chosen) {
     return ST_OK;
 }
 
-/* name: NULL for the first. */
+/* Take the field of this name; NULL: the first. */
 static status take_field(vtk_unstructured *g, const char *name) {
     mesh_hints asked = g->source->hints;
     asked.field = name;
@@ -189,7 +189,7 @@ static status read_points(vtk_unstructured *g, const vtk_piece *p, mesh_feed *fe
     return st;
 }
 
-/* The k-th field. */
+/* Read the k-th field of a piece. */
 static status read_values(vtk_unstructured *g, const vtk_piece *p, uint32_t k, mesh_feed *feed) {
     const vtk_array *field = vtk_unstructured_field(g, p, k);
     const int count = (int)field->components;
@@ -211,7 +211,8 @@ static status read_values(vtk_unstructured *g, const vtk_piece *p, uint32_t k, m
     return st;
 }
 
-/* The points of the piece get their place behind those of the pieces before. */
+/* Read a piece's cells. Its points are numbered from `first` on, behind the points of the pieces
+ * before. */
 static status read_cells(vtk_unstructured *g, const vtk_piece *p, uint64_t first, mesh_feed *feed) {
     vtk_cells *cells = NULL;
     status st = p->cells.count ? vtk_cells_open(g->m, &p->cells, &cells) : ST_OK;

@@ -1,8 +1,8 @@
 /* vtk_unstructured.h - an unstructured VTK grid whose arrays have been found, on its way to a mesh.
  *
- * A scanner (mesh_vtk.c, mesh_vtu.c) adds pieces and the arrays in them; vtk_unstructured_read()
- * then reads those it needs, each at its place in the file, so only a regular file will do. Pieces
- * follow one another: the points of the second come behind those of the first.
+ * A scanner (mesh_vtk.c, mesh_vtu.c) adds pieces and the arrays in them. vtk_unstructured_read()
+ * then reads the arrays that it needs, each at its place in the file, so the file must be regular.
+ * Pieces are joined in order: the points of the second come behind those of the first.
  */
 #ifndef FORMATS_MESH_VTK_UNSTRUCTURED_H
 #define FORMATS_MESH_VTK_UNSTRUCTURED_H
@@ -14,7 +14,7 @@
 #include "formats/vtk/vtk_parts.h"
 
 typedef struct vtk_piece {
-    const char *path; /* of the file it is in; not owned */
+    const char *path; /* the file it is in; not owned */
     uint64_t points;
     vtk_array position;
     vtk_cells_source cells;
@@ -27,27 +27,29 @@ typedef struct vtk_unstructured {
     vtk_piece *pieces;
     size_t count, room;
     vtk_parts parts; /* the files that the source names */
-    char **paths;    /* of those with pieces */
+    char **paths;    /* of the files with pieces */
     size_t path_count, path_room;
     uint64_t points;         /* of all pieces */
-    vtk_owner owner;         /* whose fields are taken, */
-    const vtk_array **taken; /* each as it is in some piece; */
-    uint32_t taken_count;    /* 0: there is none */
+    vtk_owner owner;         /* whose fields are taken */
+    const vtk_array **taken; /* each as found in one of the pieces */
+    uint32_t taken_count;    /* 0: the mesh has no field */
 } vtk_unstructured;
 
-/* vtk_unstructured_add_path() - a copy of a path that lives as long as the grid. */
+/* vtk_unstructured_add_path() - keep a copy of a path for as long as the grid lives. */
 CHECKED status vtk_unstructured_add_path(vtk_unstructured *g, const char *path, const char **out);
 
-/* vtk_unstructured_add_piece() - an empty piece of a file, valid until the next one. path: lives as
- * long as the grid. */
+/* vtk_unstructured_add_piece() - add an empty piece of a file. *out is valid until the next one is
+ * added. path must live as long as the grid. */
 CHECKED status vtk_unstructured_add_piece(vtk_unstructured *g, const char *path, vtk_piece **out);
 
-/* vtk_unstructured_field() - the k-th array taken, in a piece; NULL: it has no use for it. */
+/* vtk_unstructured_field() - returns the k-th taken array in a piece; NULL if an empty piece lacks
+ * it. */
 const vtk_array *vtk_unstructured_field(const vtk_unstructured *g, const vtk_piece *p, uint32_t k);
 
-/* vtk_unstructured_open() - the grid of a file, as a reader's state: scanned, its pieces checked.
- * ST_UNSUPPORTED for what is no regular file. vtk_unstructured_take() - ST_USAGE, naming what there
- * is, when there is no such field. */
+/* vtk_unstructured_open() - open a file's grid as a reader's state: scan it and check its pieces.
+ * ST_UNSUPPORTED if the file is not regular.
+ * vtk_unstructured_take() - choose the fields. ST_USAGE, naming the fields there are, when there is
+ * no such field. */
 CHECKED status vtk_unstructured_open(mesh_source *source,
                                      status (*scan)(vtk_unstructured *g, byte_stream *data),
                                      void **state);

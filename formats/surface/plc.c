@@ -97,7 +97,7 @@ static const plc_format *format_named(const char *name) {
     return NULL;
 }
 
-/* By the path's end; by its first bytes where it has none, as pipes. */
+/* Find the format by the path's end; without a known end, as for pipes, by the first bytes. */
 static status find_format(const plc_source *s, const plc_format **out) {
     const uint8_t *start;
     size_t size;
@@ -128,7 +128,7 @@ static status find_format(const plc_source *s, const plc_format **out) {
     return st;
 }
 
-/* That every corner is a point. */
+/* Check that every corner is a point. */
 static status check_corners(const plc_source *s) {
     const plc *x = s->out;
     const uint32_t *corner = x->corners.data;

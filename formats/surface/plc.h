@@ -1,8 +1,9 @@
-/* plc.h - points and facets, as tetrahedralize takes them: a piecewise linear complex, held whole.
+/* plc.h - a piecewise linear complex: points and facets for tetrahedralize, held in memory as a
+ * whole.
  *
  * Read from TetGen (.node, .poly, .smesh), PLY, STL, OFF and tables of text (.csv, .txt, .xyz),
- * through a fixed buffer; what a file's header promises is believed only as it comes. A facet is
- * one polygon, or several in one plane, of which holes may be taken. One thread.
+ * through a fixed buffer. A header's counts are not trusted before the data come. A facet is one
+ * polygon, or several in one plane, and may have holes. One thread.
  */
 #ifndef FORMATS_SURFACE_PLC_H
 #define FORMATS_SURFACE_PLC_H
@@ -16,7 +17,7 @@
 #include "formats/input/byte_stream.h"
 #include "formats/mesh/mesh_input.h"
 
-/* So many points, corners or facets can be handled: TetGen counts in int. */
+/* The most points, corners or facets: TetGen counts in int. */
 #define PLC_MAX ((uint64_t)1 << 26)
 
 /* A list that grows. */
@@ -27,17 +28,17 @@ typedef struct plc_list {
 
 typedef struct plc {
     mem *m;
-    char field[MESH_NAME_MAX + 1]; /* what the values are; "": there are none */
+    char field[MESH_NAME_MAX + 1]; /* name of the values; "": there are none */
     plc_list points;               /* double[3], finite */
     plc_list values;               /* double; NaN: no data; empty without a field */
     plc_list facets;               /* plc_facet */
     plc_list polygons;             /* uint32_t: the first corner of each */
     plc_list corners;              /* uint32_t: points, from 0 */
     plc_list facet_holes;          /* double[3]: points in holes of facets */
-    plc_list holes;                /* double[3]: points in what is not to be filled */
+    plc_list holes;                /* double[3]: points in regions that are not to be filled */
     plc_list regions;      /* double[5]: a point, an attribute, the largest volume or <= 0 */
-    bool loose;            /* facets may end in the open (.poly): walls inside */
-    unsigned counted_from; /* by the file: its first point's or facet's number */
+    bool loose;            /* facets may have free edges (.poly): walls inside */
+    unsigned counted_from; /* the number of the file's first point or facet */
 } plc;
 
 typedef struct plc_facet {
@@ -48,18 +49,18 @@ typedef struct plc_facet {
 
 /* What the command line says. Zero/NULL = not given. */
 typedef struct plc_hints {
-    const char *field;  /* of the points; else the first there is */
-    const char *format; /* node csv ply stl off poly smesh; else as the path ends or the file begins
-                         */
+    const char *field;  /* field of the points; NULL: the first there is */
+    const char *format; /* node csv ply stl off poly smesh; NULL: by the path's end or the file's
+                           beginning */
     bool optional;      /* the field need not be there */
 } plc_hints;
 
-/* plc_read() - path, or "-" for standard input. ST_CORRUPT, ST_UNSUPPORTED or ST_IO, naming file
- * and place. Release in any case. */
+/* plc_read() - read a path, or "-" for standard input. ST_CORRUPT, ST_UNSUPPORTED or ST_IO, naming
+ * file and place. Release in any case. */
 CHECKED status plc_read(mem *m, const char *path, const plc_hints *hints, plc *out);
 void plc_release(plc *x); /* zeroed is fine */
 
-/* Facets' polygons and polygons' corners: first .. end. */
+/* The ranges of facets' polygons and of polygons' corners: first .. end. */
 static inline const plc_facet *plc_facet_at(const plc *x, size_t f) {
     return (const plc_facet *)x->facets.data + f;
 }
@@ -86,14 +87,15 @@ typedef struct plc_source {
     plc *out;
 } plc_source;
 
-/* plc_add() - one more element of size bytes to a list; ST_UNSUPPORTED above PLC_MAX of them. */
+/* plc_add() - add an element of size bytes to a list. ST_UNSUPPORTED above PLC_MAX elements. */
 CHECKED status plc_add(plc *x, plc_list *list, const void *element, size_t size);
 
-/* plc_add_point() - ST_CORRUPT for one that is not finite, also as floats; `where` says which. */
+/* plc_add_point() - add a point. ST_CORRUPT unless it is finite, also as floats; line: for the
+ * message. */
 CHECKED status plc_add_point(const plc_source *s, const double xyz[3], uint64_t line);
 
-/* A facet, a polygon of it, a corner of that: whatever number, plc_read() looks whether it is a
- * point. */
+/* Add a facet, a polygon of it, or a corner of that. A corner may have any number: plc_read()
+ * checks that it is a point. */
 CHECKED status plc_add_facet(plc *x, uint64_t number);
 CHECKED status plc_add_polygon(plc *x);
 CHECKED status plc_add_corner(plc *x, uint64_t point);

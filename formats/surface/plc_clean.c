@@ -9,7 +9,7 @@
 #define NONE        UINT32_MAX
 #define PLANE_LIMIT 1e-8
 
-/* Slots for twice as many keys as there may be: a power of 2. */
+/* Returns a power of 2: slots for twice as many keys as there may be. */
 static size_t slots_for(size_t keys) {
     size_t slots = 16;
     while (slots < 2 * keys)
@@ -26,7 +26,7 @@ static uint32_t *empty_table(mem *m, size_t slots) {
 
 /* ---- points ---- */
 
-/* The point already there at this place, or NONE; then it is put there as `id`. */
+/* Returns the point that is already at this place, or NONE after putting `id` there. */
 static uint32_t find_or_add(uint32_t *table, size_t slots, double (*points)[3], uint32_t id) {
     size_t at = hash_bytes(points[id], sizeof *points) & (slots - 1);
     while (table[at] != NONE && memcmp(points[table[at]], points[id], sizeof *points) != 0)
@@ -37,7 +37,7 @@ static uint32_t find_or_add(uint32_t *table, size_t slots, double (*points)[3], 
     return found;
 }
 
-/* Moves the points that stay together; new_id[i] is where point i went. */
+/* Move the points that stay together. new_id[i]: where point i went. */
 static void weld_points(plc *x, bool floats, uint32_t *table, size_t slots, uint32_t *new_id) {
     double(*points)[3] = x->points.data;
     double *values = x->values.data;
@@ -77,7 +77,8 @@ static status weld(plc *x, bool floats, plc_report *report) {
 
 /* ---- facets ---- */
 
-/* Corners of a polygon without those that repeat the one before, moved to `to`; how many. */
+/* Move a polygon's corners to `to`, if tidy without those that repeat the one before. Returns how
+ * many. */
 static size_t move_corners(uint32_t *corner, size_t from, size_t end, size_t to, bool tidy) {
     size_t n = 0;
     for (size_t c = from; c < end; c++)
@@ -100,7 +101,8 @@ static void sort_three(const uint32_t *from, uint32_t to[3]) {
     }
 }
 
-/* Whether the triangle whose corners begin there is in the table already; else it is put in. */
+/* Returns whether the triangle whose corners begin at `first` is in the table already; else adds
+ * it. */
 static bool triangle_known(uint32_t *table, size_t slots, const uint32_t *corner, uint32_t first) {
     uint32_t key[3], other[3];
     sort_three(corner + first, key);
@@ -114,12 +116,13 @@ static bool triangle_known(uint32_t *table, size_t slots, const uint32_t *corner
     return false;
 }
 
-/* Where the lists are read and written. */
+/* Where the lists are written. */
 typedef struct facet_move {
     size_t facets, polygons, corners, holes; /* written so far */
 } facet_move;
 
-/* A facet's polygons and holes, moved to where the written ones end; false: it is useless. */
+/* Move a facet's polygons and holes to the end of the written ones. Returns false if the facet is
+ * useless. */
 static bool move_facet(plc *x, const plc_facet *f, size_t polygons_end, size_t corners_end,
                        size_t holes_end, facet_move *to) {
     uint32_t *polygon = x->polygons.data, *corner = x->corners.data;
@@ -182,8 +185,8 @@ status plc_clean(plc *x, bool floats, plc_report *report) {
 
 /* ---- what no mesh can be made of ---- */
 
-/* How far points are, at most, from the span of those found so far: a point, a line, a plane.
- * `axis` holds 0, 1 or 2 unit vectors at right angles. */
+/* Returns the largest distance of a point from the span of the points found so far: a point, a
+ * line, a plane. `axis` holds 0, 1 or 2 unit vectors at right angles. */
 static double farthest(const plc *x, const double (*axis)[3], int axes, size_t *which) {
     double most = -1;
     for (size_t i = 0; i < x->points.count; i++) {
@@ -232,7 +235,7 @@ status plc_check_solid(const plc *x, const char *file) {
     return ST_OK;
 }
 
-/* How often each edge is used: 0, 1, or 2 for more. */
+/* Counts how often each edge is used: 0, 1, or 2 for more. */
 typedef struct edge_table {
     uint64_t *key; /* ~0: empty */
     uint8_t *uses;
@@ -257,7 +260,7 @@ static status open_edge(const plc *x, const char *file, size_t f, uint32_t a, ui
                            p[0], p[1], p[2], q[0], q[1], q[2]);
 }
 
-/* Goes round all polygons: to count the edges, then to find one that was used once. */
+/* Go round all polygons: to count the edges, then to find an edge that is used once. */
 static status go_round(const plc *x, const char *file, edge_table *t, bool count) {
     const uint32_t *corner = x->corners.data;
     for (size_t f = 0; f < x->facets.count; f++)

@@ -4,7 +4,7 @@
 
 #include "formats/input/text_tokens.h"
 
-/* Numbers of a vertex or face that are of no use here. */
+/* Skip the other numbers of a vertex or face. */
 static status skip_line(text_tokens *t) {
     bool more;
     status st = text_tokens_more(t, &more);

@@ -1,7 +1,7 @@
 /* plc_off.h - Geomview's OFF, in text: vertices, then polygons.
  *
- * The colours of COFF and the normals of NOFF are passed over, as are those of faces. Binary OFF
- * and other dimensions are ST_UNSUPPORTED.
+ * The colours of COFF, the normals of NOFF and the colours of faces are skipped. Binary OFF and
+ * other dimensions are ST_UNSUPPORTED.
  */
 #ifndef FORMATS_SURFACE_PLC_OFF_H
 #define FORMATS_SURFACE_PLC_OFF_H

@@ -17,7 +17,7 @@ static const struct {
                   {"ushort", "uint16", 2}, {"int", "int32", 4},     {"uint", "uint32", 4},
                   {"float", "float32", 4}, {"double", "float64", 8}};
 
-/* What a property is for. */
+/* How a property is used. */
 typedef enum ply_use { SKIPPED, AXIS_X, AXIS_Y, AXIS_Z, VALUE, CORNERS } ply_use;
 
 typedef struct ply_property {
@@ -99,8 +99,8 @@ static bool names_corners(const char *name) {
     return strcmp(name, "vertex_indices") == 0 || strcmp(name, "vertex_index") == 0;
 }
 
-/* What a property of a vertex is: the first one that is no colour, normal or place in a picture is
- * the field, unless one is asked for. */
+/* Returns the use of a vertex's property. Unless a field is asked for, the field is the first
+ * property that is no colour, normal or place in a picture. */
 static ply_use use_of(ply *p, const char *name) {
     static const char *const others[] = {"nx",   "ny",        "nz",        "red",  "green",
                                          "blue", "alpha",     "u",         "v",    "s",
@@ -153,7 +153,7 @@ static status read_property(ply *p) {
     return st;
 }
 
-/* One line of the header; *ended behind its last. */
+/* Read one line of the header. *ended: true behind the last line. */
 static status read_line(ply *p, bool *ended) {
     char rest[4096];
     status st = text_tokens_next(&p->t);
@@ -176,7 +176,7 @@ static status read_line(ply *p, bool *ended) {
     return st == ST_OK ? text_tokens_end_line(&p->t) : st;
 }
 
-/* x, y and z are there, and the field; faces have corners. */
+/* Check that x, y and z are there, and the field, and that faces have corners. */
 static status check_header(const ply *p) {
     unsigned seen = 0;
     bool corners = true;
@@ -255,7 +255,7 @@ static status read_number(ply *p, const ply_element *e, int64_t index, ply_type 
     return st;
 }
 
-/* Corners go to the polygon; other lists nowhere. */
+/* Read a list. Corners go to the polygon; other lists are skipped. */
 static status read_list(ply *p, const ply_element *e, int64_t index, const ply_property *q) {
     double count = 0, number;
     status st = read_number(p, e, index, q->count_type, &count);
@@ -272,7 +272,7 @@ static status read_list(ply *p, const ply_element *e, int64_t index, const ply_p
     return st;
 }
 
-/* One element of whatever kind. */
+/* Read one element of any kind. */
 static status read_one(ply *p, const ply_element *e, int64_t index, bool vertex, bool face) {
     double number = 0, xyz[3] = {0}, value = 0;
     plc *x = p->s->out;
@@ -294,7 +294,7 @@ static status read_one(ply *p, const ply_element *e, int64_t index, bool vertex,
     return st;
 }
 
-/* Nothing may follow but line ends. */
+/* Check that nothing follows but line ends. */
 static status check_end(ply *p) {
     const uint8_t *more;
     size_t size;

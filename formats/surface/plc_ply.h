@@ -1,7 +1,7 @@
 /* plc_ply.h - PLY, in text or binary of either byte order: vertices with properties, and faces.
  *
- * A field is any scalar property of the vertices but x, y, z. Elements and properties not known are
- * passed over. Triangle strips are ST_UNSUPPORTED.
+ * A field is any scalar property of the vertices but x, y, z. Unknown elements and properties are
+ * skipped. Triangle strips are ST_UNSUPPORTED.
  */
 #ifndef FORMATS_SURFACE_PLC_PLY_H
 #define FORMATS_SURFACE_PLC_PLY_H

@@ -111,7 +111,7 @@ static status read_facet(const plc_source *s, text_tokens *t, uint64_t number) {
     return st == ST_OK ? expect(t, "endfacet") : st;
 }
 
-/* solid NAME, facets, endsolid NAME; several solids are one surface. */
+/* Read solid NAME, facets, endsolid NAME. Several solids are one surface. */
 static status read_text(const plc_source *s) {
     text_tokens t = {.s = s->data, .line = 1};
     char name[512];
@@ -140,7 +140,7 @@ static status read_text(const plc_source *s) {
     return st;
 }
 
-/* Headers of binary files may begin with "solid", too. */
+/* Find out whether the file is text. Headers of binary files may begin with "solid", too. */
 static status is_text(const plc_source *s, bool *text) {
     const uint8_t *start;
     size_t size;

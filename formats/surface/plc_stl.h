@@ -1,7 +1,7 @@
 /* plc_stl.h - STL, in text or binary: triangles, each with corners of its own, which plc_clean.h
  * welds.
  *
- * Normals and attributes are passed over. A binary file is known by its length, or by bytes that
+ * Normals and attributes are skipped. A binary file is recognised by its length, or by bytes that
  * are no text.
  */
 #ifndef FORMATS_SURFACE_PLC_STL_H

@@ -13,9 +13,9 @@ enum { COLUMNS_MAX = 4096, CELL_MAX = 255 };
 typedef struct table {
     plc_source *s;
     text_line line;
-    uint64_t number; /* of the line, from 1 */
+    uint64_t number; /* line number, from 1 */
     int axis[3];     /* columns, from 0 */
-    int column;      /* of the field; -1: none */
+    int column;      /* column of the field; -1: none */
 } table;
 
 /* ---- cells ---- */
@@ -28,8 +28,8 @@ static bool is_split(char c) {
     return c == ',' || c == ';';
 }
 
-/* The next cell of *at, without blanks and quotes around it, cut at CELL_MAX; false at the line's
- * end. Blanks alone split cells, too. */
+/* Read the next cell of *at, without blanks and quotes around it, cut at CELL_MAX. Returns false at
+ * the line's end. Blanks alone split cells, too. */
 static bool next_cell(const char **at, char cell[CELL_MAX + 1]) {
     const char *p = *at;
     while (is_blank(*p))
@@ -71,7 +71,7 @@ static status bad_cell(const table *t, const char *cell, const char *expected) {
 
 /* ---- the columns ---- */
 
-/* Which axis a column's name says, or -1: x, X, Points:0, Points_0, ... */
+/* Returns the axis that a column's name (x, X, Points:0, Points_0, ...) means, or -1. */
 static int axis_named(const char *name) {
     static const char *const forms[] = {"%c", "points:%d", "points_%d"};
     for (int a = 0; a < 3; a++)
@@ -94,14 +94,15 @@ static void take_column(table *t, int column, const char *name) {
     snprintf(x->field, sizeof x->field, "%.*s", MESH_NAME_MAX, name);
 }
 
-/* Without names: "columnN" or "N", from 1. */
+/* Returns whether the field is "columnN" or "N", from 1, of this column. For tables without names.
+ */
 static bool column_numbered(const char *field, int column) {
     int64_t number = 0;
     const char *digits = strncmp(field, "column", 6) == 0 ? field + 6 : field;
     return num_int(digits, "", 1, COLUMNS_MAX, &number) == ST_OK && number == column + 1;
 }
 
-/* The first row: names, or numbers already. Chooses the field. */
+/* Read the first row, which has names, or numbers already. Chooses the field. */
 static status choose_columns(table *t, bool *names) {
     const plc_hints *hints = &t->s->hints;
     const char *at = t->line.text;

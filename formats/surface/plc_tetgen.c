@@ -12,7 +12,7 @@
 typedef struct nodes {
     mesh_tetgen_columns has;
     int64_t first; /* id of the first point, 0 or 1 */
-    int column;    /* of the field; -1: none */
+    int column;    /* column of the field; -1: none */
 } nodes;
 
 static status skip_line(text_tokens *t) {
@@ -48,7 +48,7 @@ static status choose_field(const plc_source *s, nodes *n) {
 
 static status read_header(const plc_source *s, text_tokens *t, nodes *n) {
     status st = mesh_tetgen_points(t, PLC_MAX, &n->has);
-    /* Of a .poly without points, those of the .node say. */
+    /* A .poly without points takes the columns of the .node. */
     return st == ST_OK && n->has.points > 0 ? choose_field(s, n) : st;
 }
 
@@ -93,7 +93,7 @@ status plc_tetgen_read_node(plc_source *s) {
                : st;
 }
 
-/* The points of F.node, for F.poly and F.smesh. */
+/* Read the points of F.node, for F.poly or F.smesh. */
 static status read_other(const plc_source *s, nodes *n) {
     plc_source other = *s;
     const size_t stem = strlen(s->path) - (text_ends_in(s->path, ".poly") ? 5 : 6);
@@ -132,7 +132,7 @@ static status read_corners(plc *x, text_tokens *t, const nodes *n, int64_t count
     return st;
 }
 
-/* id x y z, then the rest of the line. */
+/* Read "id x y z" and skip the rest of the line. */
 static status read_hole(const plc_source *s, text_tokens *t, plc_list *list) {
     double id, xyz[3];
     status st = text_tokens_double(t, "the id of a hole", &id);
@@ -143,7 +143,7 @@ static status read_hole(const plc_source *s, text_tokens *t, plc_list *list) {
     return st == ST_OK ? skip_line(t) : st;
 }
 
-/* [holes] [marker] behind the number of polygons. */
+/* Read a facet: the number of polygons, then [holes] [marker]. */
 static status read_poly_facet(const plc_source *s, text_tokens *t, const nodes *n) {
     plc *x = s->out;
     int64_t polygons = 0, holes = 0, corners = 0;
@@ -187,7 +187,7 @@ static status read_facets(const plc_source *s, text_tokens *t, const nodes *n, b
 
 /* ---- holes and regions ---- */
 
-/* id x y z attribute [volume]; where there is one number behind z, it is both. */
+/* Read "id x y z attribute [volume]". A single number behind z is both. */
 static status read_region(const plc_source *s, text_tokens *t) {
     double id, region[5];
     bool more;
@@ -204,7 +204,7 @@ static status read_region(const plc_source *s, text_tokens *t) {
     return st == ST_OK ? skip_line(t) : st;
 }
 
-/* Both may be missing at the file's end. */
+/* Read holes and regions. Both may be missing at the file's end. */
 static status read_tail(const plc_source *s, text_tokens *t) {
     status st = text_tokens_next(t);
     for (int part = 0; st == ST_OK && part < 2 && t->token[0]; part++) {

@@ -1,8 +1,8 @@
 /* plc_tetgen.h - TetGen's .node (points), .poly and .smesh (points and facets).
  *
- * Points as in mesh_tetgen.h; without any, a .poly or .smesh takes those of F.node beside it. A
- * facet of .poly: polygons and points in holes; of .smesh: one polygon. Then holes and regions.
- * Fields of the points: attr1, attr2, .. (also 1, 2, ..) and marker.
+ * Points as in mesh_tetgen.h; a .poly or .smesh without points takes the points of F.node beside
+ * it. A facet of .poly: polygons and points in holes; of .smesh: one polygon. Then holes and
+ * regions. Fields of the points: attr1, attr2, .. (also 1, 2, ..) and marker.
  */
 #ifndef FORMATS_SURFACE_PLC_TETGEN_H
 #define FORMATS_SURFACE_PLC_TETGEN_H

@@ -1,6 +1,6 @@
-/* vtk_array.h - where an array of a VTK file lies, and how its numbers are written there.
+/* vtk_array.h - the place of an array in a VTK file, and how its numbers are written.
  *
- * Both kinds of file, legacy (.vtk) and XML, are first scanned for their arrays;
+ * Files of both kinds, legacy (.vtk) and XML, are first scanned for their arrays;
  * vtk_cursor.h then reads the numbers, several arrays at once, each at its own place.
  */
 #ifndef FORMATS_VTK_VTK_ARRAY_H
@@ -25,23 +25,23 @@ typedef enum vtk_type {
     VTK_U64,
     VTK_F32,
     VTK_F64,
-    VTK_BIT,   /* packed; passed over only */
-    VTK_STRING /* passed over only */
+    VTK_BIT,   /* packed; only ever skipped */
+    VTK_STRING /* only ever skipped */
 } vtk_type;
 
 typedef enum vtk_coding {
     VTK_TEXT,  /* decimal numbers, split by blanks; they end at a '<' */
-    VTK_BARE,  /* bytes, and nothing that says how many: legacy */
+    VTK_BARE,  /* bytes without a count: legacy */
     VTK_RAW,   /* bytes behind a head that counts them, or behind the table of packed blocks */
     VTK_BASE64 /* the same in base64, which ends at a '<' */
 } vtk_coding;
 
-/* Raw and base64: in blocks, as a compressor of VTK's writes them. */
+/* How raw and base64 data are packed: in blocks, as a compressor of VTK writes them. */
 typedef enum vtk_packing { VTK_PLAIN, VTK_ZLIB, VTK_LZ4, VTK_LZMA } vtk_packing;
 
 typedef struct vtk_array {
-    const char *path; /* of the file; not owned */
-    char *name;       /* of a field; owned by whoever found it */
+    const char *path; /* the file's; not owned */
+    char *name;       /* of a field; owned by its finder */
     const char *role; /* of any other array, for messages: "points", "cells", .. */
     vtk_type type;
     vtk_coding coding;
@@ -53,17 +53,17 @@ typedef struct vtk_array {
     uint64_t at;         /* the byte of the file where text, head or numbers start */
 } vtk_array;
 
-/* vtk_array_width() - bytes of one number; 0 for types that have none. */
+/* vtk_array_width() - returns the bytes of one number; 0 for bits, strings and absent arrays. */
 size_t vtk_array_width(vtk_type type);
 
-/* vtk_array_samples() - the type as one of samples; 0 for types that have no numbers. */
+/* vtk_array_samples() - returns the type of samples; 0 for types without numbers. */
 sample_type vtk_array_samples(vtk_type type);
 
-/* vtk_array_whole() - whether the type is one of whole numbers. */
+/* vtk_array_whole() - returns whether numbers of the type are whole. */
 bool vtk_array_whole(vtk_type type);
 
-/* vtk_array_check_file() - ST_UNSUPPORTED when the path ("-": standard input) is none of a regular
- * file: arrays are read at several places at once. */
+/* vtk_array_check_file() - ST_UNSUPPORTED unless the path ("-": standard input) is a regular file:
+ * arrays are read at several places at once. */
 CHECKED status vtk_array_check_file(const char *path);
 
 /* vtk_array_fault() - describe what is wrong with an array: "file: line 7: array "x": ..." (or

@@ -14,23 +14,23 @@ enum {
     PACKED_BUFFER = 1 << 14,
     ZLIB_RATIO = UNPACK_ZLIB_RATIO,
     LZ4_RATIO = 255,
-    LZMA_RATIO = 1 << 14, /* about twice what it can */
+    LZMA_RATIO = 1 << 14, /* about twice what LZMA can reach */
     WHOLE_MAX = LZ4_MAX_INPUT_SIZE / 4,
     WHOLE_HEAD = 1 << 10, /* what packing may add to little data */
 };
 
-/* What is read from one byte of the file on: base64 or not. */
+/* A reader of the file's bytes from one place on, base64 or not. */
 typedef struct input {
     byte_stream *from;
     base64_stream text;
 } input;
 
-/* A compressor. begin: the table's entry of the next block has been read; some: up to size bytes of
- * it, *got of them, perhaps none; end: behind its last one. start, end: NULL where there is nothing
- * to do. */
+/* A compressor. begin: called when the table's entry of the next block has been read. some: unpacks
+ * up to size bytes of the block, *got of them, perhaps none. end: called behind the block's last
+ * byte. start and end are NULL where there is nothing to do. */
 typedef struct unpacker {
     const char *name;
-    uint64_t ratio; /* no block gives more bytes for each of its own */
+    uint64_t ratio; /* the most bytes that a packed byte of a block gives */
     status (*start)(vtk_bytes *b);
     status (*begin)(vtk_bytes *b);
     status (*some)(vtk_bytes *b, void *to, size_t size, size_t *got);
@@ -43,15 +43,15 @@ struct vtk_bytes {
     mem *m;
     const vtk_array *array;
     const unpacker *unpacker; /* NULL: not packed */
-    input data, table; /* the table of the blocks' packed sizes; open with a compressor alone */
+    input data, table;        /* table: the blocks' packed sizes; open only with a compressor */
     uint64_t size;
 
     uint64_t blocks, block_size, last_size; /* the table; last_size is never 0 */
-    uint64_t block;                         /* the number of those begun */
+    uint64_t block;                         /* number of blocks begun */
     uint64_t block_left;                    /* bytes of the block to hand out */
     uint64_t packed_left;                   /* packed bytes of the block still in the file */
 
-    bool block_ended; /* zlib says so */
+    bool block_ended; /* zlib has met the block's end */
     bool ready;       /* z is initialised */
     z_stream z;
     uint8_t packed[PACKED_BUFFER];
@@ -97,7 +97,7 @@ static status input_skip(vtk_bytes *b, input *p, uint64_t size, const char *what
     return st;
 }
 
-/* One number of the head. */
+/* Read one number of the head. */
 static status input_number(vtk_bytes *b, input *p, uint64_t *out) {
     uint8_t bytes[8];
     bool big = b->array->big_endian;
@@ -111,8 +111,8 @@ static status input_number(vtk_bytes *b, input *p, uint64_t *out) {
 
 /* ---- the head ---- */
 
-/* [blocks, bytes a block, bytes of the last one or 0 for a full one]: then both inputs stand at the
- * table. */
+/* Read [blocks, bytes a block, bytes of the last one or 0 for a full one]. Then both inputs stand
+ * at the table. */
 static status read_table(vtk_bytes *b) {
     uint64_t head[3], again;
     status st = input_open(b, &b->table);
@@ -139,7 +139,7 @@ static status read_table(vtk_bytes *b) {
     return st == ST_OK && b->unpacker->start ? b->unpacker->start(b) : st;
 }
 
-/* Whoever reads may rely on the size: the file has room for it. */
+/* Check that the file has room for the size, so that readers may rely on it. */
 static status check_room(const vtk_bytes *b) {
     const uint64_t ratio = b->unpacker ? b->unpacker->ratio : 1;
     const uint64_t left = byte_stream_left(b->data.from);
@@ -269,7 +269,7 @@ static status inflate_some(vtk_bytes *b, void *to, size_t size, size_t *got) {
     return damaged(b, b->z.msg ? b->z.msg : "not compressed data");
 }
 
-/* Behind the block's last byte: its checksum, and nothing else. */
+/* Check that only the checksum follows the block's last byte. */
 static status end_zlib(vtk_bytes *b) {
     while (!b->block_ended) {
         uint8_t more;
@@ -306,7 +306,7 @@ static status make_room(vtk_bytes *b, int which, size_t size) {
     return ST_OK;
 }
 
-/* The packed bytes of the block to whole[0], room for the others in whole[1]. */
+/* Read the block's packed bytes into whole[0], and make room for the unpacked ones in whole[1]. */
 static status read_whole(vtk_bytes *b) {
     const uint64_t packed = b->packed_left, size = b->block_left;
     if (size > WHOLE_MAX)
@@ -330,7 +330,8 @@ static status begin_lz4(vtk_bytes *b) {
     return got == (int)b->block_left ? ST_OK : damaged(b, "not compressed data of its size");
 }
 
-/* Not cleared, unlike mem_array(): a window of 8 MiB for each block of VTK's 32 KiB. */
+/* Allocate memory that is not cleared, unlike mem_array(): each of VTK's blocks of 32 KiB takes a
+ * window of 8 MiB. */
 static void *lzma_alloc(void *m, size_t count, size_t size) {
     size_t bytes;
     return __builtin_mul_overflow(count, size, &bytes) ? NULL : mem_alloc(m, bytes);
@@ -341,7 +342,7 @@ static status begin_lzma(vtk_bytes *b) {
     if (st != ST_OK)
         return st;
     const lzma_allocator allocator = {lzma_alloc, mem_zlib_free, b->m};
-    uint64_t limit = UINT64_MAX; /* the budget is the only one */
+    uint64_t limit = UINT64_MAX; /* the budget is the only limit */
     size_t in = 0, out = 0;
     const lzma_ret result =
         lzma_stream_buffer_decode(&limit, 0, &allocator, b->whole[0], &in, (size_t)b->packed_left,

@@ -16,10 +16,10 @@ struct vtk_cursor {
     size_t width;
     uint64_t left;     /* numbers not yet handed out; VTK_CURSOR_ANY for text of any length */
     uint64_t taken;    /* numbers handed out */
-    byte_stream *from; /* text and bare bytes */
-    text_tokens text;  /* in it */
-    vtk_bytes *bytes;  /* the others */
-    size_t begin, end; /* of buffer[], in numbers */
+    byte_stream *from; /* source of text and bare bytes */
+    text_tokens text;  /* its words */
+    vtk_bytes *bytes;  /* source of the other codings */
+    size_t begin, end; /* filled part of buffer[], in numbers */
     uint8_t buffer[CURSOR_BYTES];
 };
 
@@ -30,7 +30,7 @@ static status too_few(const vtk_cursor *c, uint64_t found, uint64_t wanted) {
                            (unsigned long long)found, (unsigned long long)wanted);
 }
 
-/* Bytes whose number the file tells. */
+/* Open bytes whose count the file states. */
 static status open_counted(vtk_cursor *c, uint64_t count) {
     status st = vtk_bytes_open(c->m, c->array, &c->bytes);
     if (st != ST_OK)
@@ -51,7 +51,7 @@ static status open_plain(vtk_cursor *c, uint64_t count) {
     c->text = (text_tokens){.s = c->from, .stop = '<'};
     if (st != ST_OK)
         return st;
-    /* A digit and a blank, but for the last one. */
+    /* A number takes a digit and a blank; the last one needs no blank. */
     const uint64_t left = byte_stream_left(c->from);
     uint64_t room = c->array->coding == VTK_TEXT ? left / 2 + 1 : left / c->width;
     return count != VTK_CURSOR_ANY && count > room ? too_few(c, room, count) : ST_OK;
@@ -102,7 +102,7 @@ static status bad_word(const vtk_cursor *c, const char *expected) {
                            expected);
 }
 
-/* out: doubles, or whole numbers. */
+/* Read count numbers of text. out: doubles, or whole numbers. */
 static status text_numbers(vtk_cursor *c, size_t count, bool whole, void *out) {
     for (size_t i = 0; i < count; i++, c->taken++) {
         status st = next_word(c);
@@ -126,7 +126,7 @@ static status text_numbers(vtk_cursor *c, size_t count, bool whole, void *out) {
         return good;                                       \
     }
 
-/* A word as a number of the type; false when it is none. */
+/* Store a word as a number of the type. Returns false when it is none. */
 static bool word_of_type(vtk_type type, const char *word, void *out) {
     double real = 0;
     uint64_t whole = 0;
@@ -176,7 +176,7 @@ static void swap(uint8_t *bytes, size_t width, size_t count) {
         }
 }
 
-/* count of the numbers that are left, native byte order. */
+/* Read count of the numbers that are left, in native byte order. */
 static status read_bytes(vtk_cursor *c, size_t count, void *out) {
     size_t size = count * c->width, got;
     status st;
@@ -204,7 +204,7 @@ static status refill(vtk_cursor *c) {
     return ST_OK;
 }
 
-/* At least one number, at most count, is in the buffer at *from. */
+/* Hand out at least one number, at most *count, in the buffer at *from. */
 static status some(vtk_cursor *c, size_t *count, const uint8_t **from) {
     status st = c->begin == c->end ? refill(c) : ST_OK;
     if (st != ST_OK)

@@ -118,7 +118,8 @@ static status cut_short(const vtk_array *a, uint64_t got, uint64_t count) {
                            (unsigned long long)count);
 }
 
-/* The length of one string among bytes: its first two bits say how long the length is. */
+/* Skip one string in binary data. The first two bits of its length say how many bytes the length
+ * has. */
 static status skip_binary_string(vtk_legacy *v, const vtk_array *a, uint64_t done, uint64_t count) {
     uint8_t head[8];
     size_t got;
@@ -146,7 +147,7 @@ static status skip_strings(vtk_legacy *v, const vtk_array *a, uint64_t count) {
     return st;
 }
 
-/* Pass over an array that starts here. */
+/* Skip an array that starts here. */
 static status skip_numbers(vtk_legacy *v, const vtk_array *a, uint64_t count) {
     if (a->type == VTK_STRING)
         return skip_strings(v, a, count);
@@ -166,7 +167,7 @@ static status skip_numbers(vtk_legacy *v, const vtk_array *a, uint64_t count) {
     return byte_stream_skip(v->s, size);
 }
 
-/* Names have %20 for a blank, and so on. */
+/* Decode a name: %20 stands for a blank, and so on. */
 static void decode_name(char *name) {
     char *to = name;
     for (const char *at = name; *at; to++) {
@@ -178,7 +179,7 @@ static void decode_name(char *name) {
     *to = 0;
 }
 
-/* An array of the points or cells whose numbers start here; its name is the line's word. */
+/* Add an array of the points or cells whose numbers start here. Its name is a word of the line. */
 static status add_array(vtk_legacy *v, char *name, vtk_type type, uint64_t components,
                         uint64_t tuples) {
     vtk_array a = array_here(v, type, "array");
@@ -192,7 +193,7 @@ static status add_array(vtk_legacy *v, char *name, vtk_type type, uint64_t compo
     if (__builtin_mul_overflow(components, tuples, &count))
         return vtk_legacy_fault(v, ST_CORRUPT, "array \"%.60s\" is larger than any file", name);
     decode_name(name);
-    char *kept = mem_copy_text(v->m, name); /* strings behind it take its line's place */
+    char *kept = mem_copy_text(v->m, name); /* strings that follow overwrite its line */
     if (!kept)
         return ST_NOMEM;
     a.components = (uint32_t)components;
@@ -241,7 +242,7 @@ static status need_data(const vtk_legacy *v) {
                                   "%s without POINT_DATA or CELL_DATA in front of it", v->word[0]);
 }
 
-/* "LOOKUP_TABLE name" between SCALARS and its numbers. */
+/* Skip "LOOKUP_TABLE name" between SCALARS and its numbers. */
 static status pass_table_name(vtk_legacy *v) {
     static const char keyword[] = "LOOKUP_TABLE";
     const uint8_t *data;
@@ -275,7 +276,7 @@ static status on_scalars(vtk_legacy *v) {
     return st;
 }
 
-/* VECTORS and others: a name, a type, as many components as the keyword says. */
+/* Read VECTORS and others: a name, a type; the keyword sets the number of components. */
 static status on_attribute(vtk_legacy *v) {
     static const struct {
         const char *keyword;
@@ -330,7 +331,7 @@ static status on_table(vtk_legacy *v) {
     return st == ST_OK ? skip_numbers(v, &a, 4 * count) : st;
 }
 
-/* Lines up to a blank one. */
+/* Skip lines up to a blank one. */
 static status on_metadata(vtk_legacy *v) {
     for (bool more = true; more;) {
         bool got;
@@ -342,7 +343,7 @@ static status on_metadata(vtk_legacy *v) {
     return ST_OK;
 }
 
-/* "FIELD name n", then n times "name components tuples type" and the numbers. */
+/* Read "FIELD name n", then n times "name components tuples type" and the numbers. */
 static status on_field(vtk_legacy *v) {
     uint64_t arrays = 0;
     status st = vtk_legacy_need_words(v, 3, "FIELD name n");
@@ -384,7 +385,7 @@ static const vtk_legacy_keyword keywords[] = {
     {"METADATA", on_metadata},     {NULL, NULL},
 };
 
-/* The row of the line's first word; one of NULLs when there is none. */
+/* Find the row of the line's first word; a row of NULLs when there is none. */
 static const vtk_legacy_keyword *find_keyword(const vtk_legacy *v,
                                               const vtk_legacy_keyword *table) {
     while (table->keyword && !vtk_legacy_says(v, table->keyword))
@@ -410,7 +411,7 @@ static status scan_sections(vtk_legacy *v) {
     }
 }
 
-/* "DATASET name" */
+/* Read "DATASET name" and find the data set. */
 static status find_dataset(vtk_legacy *v, const vtk_legacy_dataset *sets) {
     if (!vtk_legacy_says(v, "DATASET") || v->words < 2)
         return vtk_legacy_fault(v, ST_CORRUPT, "expected \"DATASET %s\"", sets->name);
@@ -421,7 +422,7 @@ static status find_dataset(vtk_legacy *v, const vtk_legacy_dataset *sets) {
                             sets->name);
 }
 
-/* Four lines: version, title, ASCII or BINARY, DATASET. */
+/* Read four lines: version, title, ASCII or BINARY, DATASET. */
 static status scan_header(vtk_legacy *v, const vtk_legacy_dataset *sets) {
     bool got;
     int minor;
@@ -464,13 +465,13 @@ bool vtk_legacy_known(const uint8_t *start, size_t size) {
            strncasecmp((const char *)start, begin, sizeof begin - 1) == 0;
 }
 
-/* Behind the line feed; the end when there is none. */
+/* Returns the place behind the next line feed; the end when there is none. */
 static const char *next_line(const char *at, const char *end) {
     const char *feed = memchr(at, '\n', (size_t)(end - at));
     return feed ? feed + 1 : end;
 }
 
-/* Behind version and title: ASCII or BINARY, DATASET, its name. */
+/* Read, behind version and title: ASCII or BINARY, DATASET, its name. */
 bool vtk_legacy_names(const uint8_t *start, size_t size, char name[VTK_LEGACY_NAME_MAX]) {
     const char *at = (const char *)start, *end = at + size;
     bool is_dataset = false;

@@ -11,14 +11,14 @@
 #include "formats/input/named_file.h"
 #include "formats/vtk/vtk_xml.h"
 
-/* What an element is to us; its children are read accordingly. */
+/* Our kinds of elements. How an element's children are read depends on its kind. */
 enum { ELEMENT_LIST = VTK_XML_OWN, ELEMENT_FILE };
 
 enum { PEEK = 4096, PARTS_MAX = 1 << 20 };
 
 typedef struct scan {
     mem *m;
-    const char *path; /* of the file that names the others */
+    const char *path; /* path of the file that names the others */
     bool follow_links;
     vtk_parts *to;
 } scan;
@@ -36,7 +36,7 @@ static const struct {
 
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
-/* Whether a name ends in one of the suffixes, each with a blank behind. */
+/* Returns whether a name ends in one of the suffixes, each with a blank behind. */
 static bool has_suffix(const char *name, size_t length, const char *suffixes) {
     for (const char *at = suffixes; *at; at += strcspn(at, " ") + 1) {
         const size_t size = strcspn(at, " ");
@@ -68,7 +68,8 @@ bool vtk_parts_are_grids(const uint8_t *start, size_t size) {
 
 /* ---- elements ---- */
 
-/* It is there, and an input from now on, though only another step may be read. */
+/* Check that a file is there, and count it as an input from now on, though only another step may be
+ * read. */
 static status look_at(const vtk_xml *x, const char *path) {
     const scan *s = vtk_xml_user(x);
     file *f = NULL;

@@ -21,11 +21,11 @@ struct vtk_xml {
     XML_Parser parser;
     int nest[DEPTH_MAX];
     int depth;
-    status st; /* of a handler that stopped the parser */
+    status st; /* the fault of a handler that stopped the parser */
     bool big_endian, head64;
     vtk_packing packing;
     bool uses_appended;    /* some array lies in the appended data */
-    bool at_appended;      /* its element was reached: no XML from there */
+    bool at_appended;      /* its element has been reached: no XML from there on */
     bool appended_base64;  /* its encoding */
     uint64_t appended_tag; /* the byte behind its start tag */
 };
@@ -100,7 +100,7 @@ status vtk_xml_whole(const vtk_xml *x, const char **attributes, const char *name
                : st;
 }
 
-/* Which of the words a value is; the first when there is none, -1 for any other. */
+/* Returns the index of a value among the words: 0 when there is no value, -1 for any other word. */
 static int choose_word(const char *value, const char *const *words) {
     if (!value)
         return 0;
@@ -165,13 +165,14 @@ static status parse_type(const vtk_xml *x, const char *name, vtk_type *out) {
                          name ? name : "");
 }
 
-/* The byte behind the tag that is being handled. */
+/* Returns the byte behind the tag that is being handled. */
 static uint64_t behind_tag(const vtk_xml *x) {
     return (uint64_t)XML_GetCurrentByteIndex(x->parser) +
            (uint64_t)XML_GetCurrentByteCount(x->parser);
 }
 
-/* Behind the start tag, or at an offset in the appended data, which is added when that is found. */
+/* Find where an array's data start: behind the start tag, or at an offset in the appended data,
+ * whose place is added later. */
 static status parse_format(vtk_xml *x, const char **attributes, vtk_array *a) {
     static const char *const formats[] = {"ascii", "binary", "appended", NULL};
     const char *name = vtk_xml_attribute(attributes, "format");
@@ -197,19 +198,19 @@ static status on_array(vtk_xml *x, int parent, const char **attributes) {
                    .packing = x->packing,
                    .line = (uint64_t)XML_GetCurrentLineNumber(x->parser)};
     if (parent < VTK_XML_OWN)
-        return ST_OK; /* of the file as a whole */
+        return ST_OK; /* an array of the file as a whole */
     status st = parse_type(x, vtk_xml_attribute(attributes, "type"), &a.type);
     if (st == ST_OK)
         st = vtk_xml_count(x, attributes, "NumberOfComponents", 1, 0, &components);
     if (st == ST_OK && components > UINT32_MAX)
         st = vtk_xml_fault(x, ST_CORRUPT, "%llu components", (unsigned long long)components);
-    a.components = components ? (uint32_t)components : 1; /* old writers mean none by 0 */
+    a.components = components ? (uint32_t)components : 1; /* 0 by old writers: not given */
     if (st == ST_OK)
         st = parse_format(x, attributes, &a);
     return st == ST_OK ? x->reader->array(x, parent, name ? name : "", &a) : st;
 }
 
-/* Whatever follows is no XML any more, or not ours to parse. */
+/* Stop at the appended data: what follows is no longer XML, or not ours to parse. */
 static status on_appended(vtk_xml *x, const char **attributes) {
     static const char *const encodings[] = {"base64", "raw", NULL};
     const char *name = vtk_xml_attribute(attributes, "encoding");
@@ -222,7 +223,7 @@ static status on_appended(vtk_xml *x, const char **attributes) {
     return ST_OK;
 }
 
-/* The row of an element; one without a name when there is none. */
+/* Find the row of an element; a row without a name when there is none. */
 static const vtk_xml_element *find_element(const vtk_xml *x, int parent, const char *name) {
     const vtk_xml_element *e = x->reader->elements;
     while (e->name && (e->parent != parent || strcmp(e->name, name) != 0))
@@ -264,7 +265,7 @@ static void XMLCALL handle_end(void *user, const char *name) {
     ((vtk_xml *)user)->depth--;
 }
 
-/* No file of VTK has a document type; entities in one could grow without limit. */
+/* Refuse a document type, which no VTK file has: entities in it could grow without limit. */
 static void XMLCALL handle_doctype(void *user, const char *name, const char *system,
                                    const char *public, int internal) {
     vtk_xml *x = user;
@@ -308,7 +309,7 @@ static status parse_file(vtk_xml *x) {
     return ST_OK;
 }
 
-/* The appended data start behind the first '_'. */
+/* Find the first '_', behind which the appended data start. */
 static status find_underscore(const vtk_xml *x, uint64_t *at) {
     byte_stream *from;
     uint8_t c = ' ';
@@ -379,7 +380,7 @@ bool vtk_xml_type(const uint8_t *start, size_t size, char type[VTK_XML_TYPE_MAX]
     const char *end = memchr(at, '>', (size_t)(file_end - at));
     end = end ? end : file_end;
     at += sizeof tag - 1;
-    /* The attribute of that name: a blank before it, and no more letters behind it. */
+    /* Find the attribute of that name: a blank before it, and no more letters behind it. */
     while ((at = memmem(at, (size_t)(end - at), name, sizeof name - 1))) {
         const bool begins = strchr(" \t\r\n", at[-1]) != NULL;
         at += sizeof name - 1;

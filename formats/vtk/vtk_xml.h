@@ -1,8 +1,8 @@
-/* vtk_xml.h - one pass over a VTK XML file: its elements, and where its arrays lie.
+/* vtk_xml.h - one pass over a VTK XML file, to find its elements and the places of its arrays.
  *
  * A data set's reader gives a table of the elements that it knows and gets their attributes. No
- * array is held. The XML ends where appended data begin: their arrays are told by offsets, and find
- * their places when the pass is over.
+ * array is held. The XML ends where appended data begin. Arrays in them have offsets, and get their
+ * places when the pass is over.
  */
 #ifndef FORMATS_VTK_VTK_XML_H
 #define FORMATS_VTK_VTK_XML_H
@@ -18,7 +18,7 @@
 
 typedef struct vtk_xml vtk_xml;
 
-/* What an element is, so that its children are read accordingly. A reader's own follow. */
+/* Kinds of elements, by which their children are read. A reader's own kinds follow. */
 enum { VTK_XML_OTHER, VTK_XML_FILE, VTK_XML_OWN };
 
 /* attributes: name, value, name, .., NULL */
@@ -30,9 +30,10 @@ typedef struct vtk_xml_element {
 } vtk_xml_element;
 
 typedef struct vtk_xml_reader {
-    const char *type;                /* of the VTKFile: "UnstructuredGrid" */
-    const vtk_xml_element *elements; /* up to one without a name */
-    /* An array in an element of the table. Its name ("": none) is not kept; a->name is NULL. */
+    const char *type;                /* type of the VTKFile: "UnstructuredGrid" */
+    const vtk_xml_element *elements; /* ends with an element without a name */
+    /* Called for an array in an element of the table. Its name ("": none) is not kept; a->name is
+     * NULL. */
     status (*array)(vtk_xml *x, int element, const char *name, const vtk_array *a);
 } vtk_xml_reader;
 
@@ -42,14 +43,14 @@ typedef struct vtk_appended {
     uint64_t at; /* the byte that offsets are counted from */
 } vtk_appended;
 
-/* vtk_xml_type() - the type of the VTKFile whose first bytes these are, into type; false when there
- * is no such tag, or it has no type (""), or a longer one. */
+/* vtk_xml_type() - find the type of a VTKFile from its first bytes. Returns false when there is no
+ * such tag, or its type is absent ("") or too long. */
 enum { VTK_XML_TYPE_MAX = 32 };
 bool vtk_xml_type(const uint8_t *start, size_t size, char type[VTK_XML_TYPE_MAX]);
 
-/* vtk_xml_scan() - data: at the start of the file `path`, which must outlive the arrays. out: for
- * vtk_xml_locate(), which every array that was found needs. ST_CORRUPT, ST_UNSUPPORTED, ST_IO,
- * ST_NOMEM, naming file and line. */
+/* vtk_xml_scan() - scan the file `path`, which must outlive the arrays; data stands at its start.
+ * out: for vtk_xml_locate(), which must be called for every array found. ST_CORRUPT,
+ * ST_UNSUPPORTED, ST_IO, ST_NOMEM, naming file and line. */
 CHECKED status vtk_xml_scan(mem *m, const char *path, byte_stream *data, const vtk_xml_reader *r,
                             void *user, vtk_appended *out);
 void vtk_xml_locate(const vtk_appended *p, vtk_array *a);
@@ -63,17 +64,17 @@ void *vtk_xml_user(const vtk_xml *x);
 status vtk_xml_fault(const vtk_xml *x, status st, const char *fmt, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* vtk_xml_attribute() - the value of an attribute; NULL when it is not there. */
+/* vtk_xml_attribute() - returns the value of an attribute; NULL when it is not there. */
 const char *vtk_xml_attribute(const char **attributes, const char *name);
 
-/* vtk_xml_count() - a whole number from `least` on, below 2^47; `absent` when it is not there,
- * which is ST_CORRUPT for a negative one. */
+/* vtk_xml_count() - read a whole number from `least` on, below 2^47. An absent attribute gives
+ * `absent`, or ST_CORRUPT if that is negative. */
 CHECKED status vtk_xml_count(const vtk_xml *x, const char **attributes, const char *name,
                              int64_t absent, int64_t least, uint64_t *out);
 
-/* vtk_xml_numbers() - exactly count numbers; *found, which may be NULL, is false and out as it was
- * when the attribute is not there. vtk_xml_whole() - whole ones in lo .. hi, which must be there.
- */
+/* vtk_xml_numbers() - read exactly count numbers. If the attribute is absent, *found (may be NULL)
+ * is false and out stays as it is.
+ * vtk_xml_whole() - read whole numbers in lo .. hi, which must be there. */
 CHECKED status vtk_xml_numbers(const vtk_xml *x, const char **attributes, const char *name,
                                int count, double *out, bool *found);
 CHECKED status vtk_xml_whole(const vtk_xml *x, const char **attributes, const char *name, int count,

@@ -1,4 +1,4 @@
-/* leafcast export - samples, isosurfaces and meshes of a treelet file to other formats. */
+/* leafcast export - writes samples, isosurfaces and meshes of a treelet file in other formats. */
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -33,7 +33,7 @@ enum {
 typedef struct arguments {
     cli_common common;
     const char *format_name;
-    const sample_format *samples; /* one of the two */
+    const sample_format *samples; /* exactly one of the two is set */
     const piece_format *pieces;
     bool gzip;
     uint32_t level, box[6];
@@ -78,7 +78,7 @@ static const struct argp_option options[] = {
      "of time steps this one, from 0 on (0); all: one .nii or .zarr of four axes", 4},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-/* ---- what is asked for ---- */
+/* ---- options ---- */
 
 static status set_box(arguments *a, const char *text) {
     double numbers[6];
@@ -141,12 +141,13 @@ static bool is_meant(const arguments *a, const char *name, const char *suffix, c
                           : suffix && text_ends_in(path, suffix);
 }
 
-/* By --format, or by the output's suffix; .gz behind it packs what is written as a stream. */
+/* Find the format by --format, or by the output's suffix. A .gz behind that packs a streamed
+ * format. */
 static status find_format(arguments *a) {
     char path[4096];
     snprintf(path, sizeof path, "%s", a->common.output);
     for (size_t n = strlen(path); n > 1 && path[n - 1] == '/'; n--)
-        path[n - 1] = 0; /* a folder, as shells complete it */
+        path[n - 1] = 0; /* shells append a slash when they complete a folder */
     a->gzip = text_ends_in(path, ".gz");
     if (a->gzip)
         path[strlen(path) - 3] = 0;
@@ -191,7 +192,8 @@ static status check(void *own) {
     return st == ST_OK && a->pieces && a->pieces->corners == 3 ? check_surface(a) : st;
 }
 
-/* All names of the format, also packed; of formats by name alone those of their kin (nifti2: .nii).
+/* All suffixes of the format, packed ones too. A format known by name alone has those of its
+ * relatives (nifti2: .nii).
  */
 static const output_kind *output(const void *own) {
     static char suffixes[64];
@@ -255,12 +257,12 @@ static status check_step(const arguments *a, const leaf_file *f) {
                            f->header.steps);
 }
 
-/* Whether the format has several. */
+/* Returns whether one file of the format holds several fields. */
 static bool takes_all(const arguments *a) {
     return a->samples ? a->samples->fields : a->pieces->corners == 4;
 }
 
-/* The fields that are asked for, or all, or the first. fields: room for as many. */
+/* The fields that are named, or all, or the first. fields: room for all of them. */
 static status choose_fields(const arguments *a, const leaf_file *f, uint32_t *fields,
                             uint32_t *count) {
     status st = ST_OK;
@@ -281,7 +283,7 @@ static status choose_fields(const arguments *a, const leaf_file *f, uint32_t *fi
     return st;
 }
 
-/* Names as a file of VTK can have them: each its own, none empty. */
+/* Make names that VTK files can have: unique and not empty. */
 static void name_fields(const leaf_file *f, const uint32_t *fields, uint32_t count,
                         char (*names)[80], const char **list) {
     for (uint32_t i = 0; i < count; i++) {
@@ -296,15 +298,16 @@ static void name_fields(const leaf_file *f, const uint32_t *fields, uint32_t cou
     }
 }
 
-/* Fields that were chosen, with names. */
+/* The chosen fields with their names. */
 typedef struct field_list {
-    uint32_t *fields, *sets; /* at the step, or the first's at all steps */
+    uint32_t *fields, *sets; /* sets: of each field at the step, or of the first field at all
+                                steps */
     char (*texts)[80];
     const char **names;
     uint32_t count;
 } field_list;
 
-/* One field's sets at all steps. */
+/* The sets of one field at all steps. */
 static status list_steps(mem *m, const leaf_file *f, field_list *l) {
     mem_free(m, l->sets);
     l->sets = mem_array(m, f->header.steps, sizeof *l->sets);
@@ -341,7 +344,7 @@ static void release_fields(mem *m, field_list *l) {
     mem_free(m, l->names);
 }
 
-/* What of a grid; of its first field. */
+/* The part of a grid to export, of its first chosen field. */
 static status choose_part(const arguments *a, const leaf_file *f, uint32_t field, grid_part *part) {
     status st = grid_part_of(f, a->level, cli_given(&a->common, KEY_BOX) ? a->box : NULL, part);
     part->set = leaf_layout_set(&f->layout, field, a->step < f->header.steps ? a->step : 0);
@@ -390,7 +393,7 @@ static status report_samples(const arguments *a, const grid *g, uint32_t steps, 
     return ST_OK;
 }
 
-/* What the file does not keep; and how its array is called. */
+/* Tell what the file will not keep, and set the name of its array. */
 static void settle_head(const arguments *a, const char *field, const sample_times *times, grid *g) {
     const char *lost[] = {a->samples->loses ? a->samples->loses(g) : NULL,
                           a->all_steps ? a->samples->loses_times(times) : NULL};
@@ -457,7 +460,7 @@ static status report_pieces(const arguments *a, const piece_info *info, double s
     return ST_OK;
 }
 
-/* As many threads as have room for what each needs, beside as much for all else. */
+/* Reduce the threads until their needs take at most half of the free budget. */
 static int threads_for(const arguments *a, const mem *m, uint64_t each) {
     int threads = a->common.threads;
     while (m->limit && threads > 1 &&

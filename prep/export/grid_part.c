@@ -50,7 +50,7 @@ static status copy_axes(mem *m, const leaf_file *f, const grid_part *part, grid 
     return ST_OK;
 }
 
-/* The map from the part's nodes, which count from its corner on. */
+/* Set the part's map to the world. Its nodes are counted from the part's corner. */
 static void put_map(const leaf_file *f, const grid_part *part, grid *g) {
     const double *map = f->header.to_world;
     const double apart = ldexp(1, (int)part->level);

@@ -3,7 +3,7 @@
 #include "formats/base/pool.h"
 #include "prep/export/grid_box.h"
 
-/* Book-keeping beside what is planned: blocks' heads, the pool. */
+/* Bytes for bookkeeping that the plan does not count: heads of blocks, the pool. */
 enum { SPARE_BYTES = 64 << 10 };
 
 typedef struct job {
@@ -12,13 +12,13 @@ typedef struct job {
     const grid_part *part;
     pool *workers;
     int threads;
-    size_t width;               /* of a sample */
-    size_t payload;             /* room for one */
-    size_t slice;               /* bytes of one of the part */
-    char *payloads, *stored;    /* one a thread; stored: NULL where nothing is packed */
-    grid_box box;               /* the slab: slices that are in it now */
-    uint32_t slices;            /* most in it */
-    uint32_t from[3], count[3]; /* treelets of the layer that they are in */
+    size_t width;               /* bytes of a sample */
+    size_t payload;             /* bytes for one payload */
+    size_t slice;               /* bytes of a slice of the part */
+    char *payloads, *stored;    /* one per thread; stored: NULL if nothing is packed */
+    grid_box box;               /* the slab, with the slices that it holds now */
+    uint32_t slices;            /* most slices in the slab */
+    uint32_t from[3], count[3]; /* treelets of the layer that holds those slices */
 } job;
 
 static bool is_packed(const leaf_file *f) {
@@ -27,7 +27,7 @@ static bool is_packed(const leaf_file *f) {
 
 /* ---- memory ---- */
 
-/* As many threads and slices as fit. */
+/* Choose as many threads and slices as fit the budget. */
 static status plan(job *j) {
     const uint32_t *lo = j->part->lo, *end = j->part->end;
     const uint64_t all = end[2] - lo[2], layer = 1u << j->f->layout.cells_log2;

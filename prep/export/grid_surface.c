@@ -15,23 +15,23 @@ typedef struct unit {
     uint32_t treelet, isovalue;
 } unit;
 
-/* What a thread has of its treelet. */
+/* A thread's buffers for its treelet. */
 typedef struct bench {
     const struct grid_surface *s;
     piece *p;
     char *payload, *stored;
-    float *value;     /* with the halo */
-    uint8_t *side;    /* of its own nodes */
-    uint32_t *vertex; /* [3][nodes]: on the edge from a node along an axis */
-    double *at[3];    /* planes, with the halo's where there are such nodes */
-    /* Its treelet: */
+    float *value;     /* samples, with the halo */
+    uint8_t *side;    /* of the treelet's own nodes: inside, no data */
+    uint32_t *vertex; /* [3][nodes]: vertex on the edge from a node along an axis */
+    double *at[3];    /* coordinates per axis, of the halo too if those nodes exist */
+    /* The current treelet: */
     double isovalue;
     uint32_t isovalue_index;
     leaf_payload shape;
-    uint32_t node[3];           /* of the level: its first own one */
-    uint32_t first[3], last[3]; /* own nodes of the part */
-    uint32_t low[3], high[3];   /* samples that are nodes of the level, from low up to high */
-    bool before[3], behind[3];  /* there are treelets before and behind it */
+    uint32_t node[3];           /* its first own node, in the level */
+    uint32_t first[3], last[3]; /* range of its own nodes that are in the part */
+    uint32_t low[3], high[3];   /* range of samples that are nodes of the level, both included */
+    bool before[3], behind[3];  /* whether there are treelets before and behind it */
 } bench;
 
 struct grid_surface {
@@ -41,7 +41,7 @@ struct grid_surface {
     const double *isovalues;
     unit *units;
     size_t count, room;
-    double normal_map[3][3]; /* gradients in grid space to directions in the world, towards smaller
+    double normal_map[3][3]; /* from gradients in grid space to world directions towards smaller
                                 values */
     bool mirrored;
     int threads;
@@ -72,7 +72,7 @@ uint64_t grid_surface_worker(const leaf_file *f) {
            nodes_of(f) * (sizeof(uint8_t) + 3 * sizeof(uint32_t)) + 4096;
 }
 
-/* ---- where there is something ---- */
+/* ---- treelets with a surface ---- */
 
 static bool reaches(const grid_surface *s, uint32_t t) {
     const leaf_layout *l = &s->f->layout;
@@ -101,7 +101,7 @@ static status find_units(grid_surface *s, uint32_t isovalues) {
     return ST_OK;
 }
 
-/* Minus the inverse transpose of the map, but for a positive factor. */
+/* Set the normals' map: minus the inverse transpose of the grid's map, up to a positive factor. */
 static void map_normals(grid_surface *s) {
     double column[3][3], length[3];
     for (int a = 0; a < 3; a++) {
@@ -180,7 +180,7 @@ void grid_surface_destroy(grid_surface *s) {
 
 /* ---- a treelet ---- */
 
-/* i, j, k of samples, which begin with the halo. */
+/* i: x, y, z of a sample; they count from the halo on. */
 static size_t sample_at(const bench *b, const uint32_t i[3]) {
     return ((size_t)i[2] * b->shape.samples[1] + i[1]) * b->shape.samples[0] + i[0];
 }
@@ -241,7 +241,7 @@ static void orient(const bench *b, const double gradient[3], double normal[3]) {
         memset(normal, 0, 3 * sizeof *normal);
 }
 
-/* The slope along an axis from a sample to the next one; false: there is none. */
+/* Slope along an axis from a sample to the next. Returns false if there is no next one. */
 static bool slope(const bench *b, const uint32_t i[3], int axis, double *out) {
     if (i[axis] + 1 > b->high[axis])
         return false;
@@ -252,8 +252,8 @@ static bool slope(const bench *b, const uint32_t i[3], int axis, double *out) {
     return isfinite(*out);
 }
 
-/* The interpolant's derivative across an edge from sample i to the next along `axis`, at t: the
- * mean of those on both sides. */
+/* Derivative of the interpolant across the edge from sample i along `axis`, at t on the edge. It is
+ * the mean of both sides. */
 static double across(const bench *b, const uint32_t i[3], int axis, double t, int other) {
     uint32_t from[3] = {i[0], i[1], i[2]}, to[3] = {i[0], i[1], i[2]};
     double sum = 0, first, second;
@@ -272,7 +272,7 @@ static double across(const bench *b, const uint32_t i[3], int axis, double t, in
     return sides ? sum / sides : 0;
 }
 
-/* Whether the treelets around have the edge, too. */
+/* Returns whether neighbouring treelets have this edge, too. */
 static bool is_shared(const bench *b, const uint32_t own[3], int axis) {
     bool shared = false;
     for (int a = 0; a < 3; a++)
@@ -330,7 +330,7 @@ static status find_vertex(bench *b, const uint32_t cell[3], int edge, uint32_t *
 
 /* ---- centres ---- */
 
-/* A cell's interpolant, less the isovalue. */
+/* A cell's interpolant minus the isovalue. */
 typedef struct trilinear {
     double f[8];
 } trilinear;
@@ -351,7 +351,7 @@ static double value_at(const trilinear *c, const double u[3], double gradient[3]
     return sum;
 }
 
-/* Towards a corner on the other side: where the side changes. */
+/* Find by bisection where the sign changes between `from` and a corner of the other sign. */
 static void bisect(const trilinear *c, const double from[3], int corner, double root[3]) {
     double gradient[3], lo = 0, hi = 1;
     const bool side = value_at(c, from, gradient) >= 0;
@@ -366,7 +366,7 @@ static void bisect(const trilinear *c, const double from[3], int corner, double 
     }
 }
 
-/* The nearest point of the surface on the lines from `from` to the corners on the other side. */
+/* Find the nearest surface point on the lines from `from` to the corners of the other sign. */
 static void find_centre(const trilinear *c, const double from[3], double centre[3]) {
     double gradient[3], least = INFINITY;
     const bool side = value_at(c, from, gradient) >= 0;
@@ -383,7 +383,7 @@ static void find_centre(const trilinear *c, const double from[3], double centre[
     }
 }
 
-/* The middle of the loop that centre n is joined to, in the cell's own coordinates. */
+/* Middle of the loop around centre n, in cell coordinates. */
 static void middle_of_loop(const bench *b, const trilinear *c, const marching_case *m, int n,
                            double middle[3]) {
     int count = 0;
@@ -433,7 +433,7 @@ static trilinear corners_of(const bench *b, const uint32_t cell[3]) {
     return c;
 }
 
-/* The case of a cell: which corners are inside, and on undecided faces whether they are joined. */
+/* Case of a cell: which corners are inside, and whether they are joined on undecided faces. */
 static const marching_case *case_of(const bench *b, int mask, const trilinear *c) {
     const marching_table *t = &b->s->table;
     int joined = 0, asked = 0;
@@ -473,7 +473,7 @@ static status fill_cell(bench *b, const uint32_t cell[3], int mask) {
     return ST_OK;
 }
 
-/* Which of a cell's corners are inside; 0 also where one has no data. */
+/* One bit per corner that is inside; 0 also if a corner has no data. */
 static int mask_of(const bench *b, uint32_t x, uint32_t y, uint32_t z) {
     int mask = 0, all = 0;
     for (int row = 0; row < 4; row++) {

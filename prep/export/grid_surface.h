@@ -1,10 +1,9 @@
 /* grid_surface.h - isosurfaces of a part of a treelet file's grid, treelet by treelet.
  *
- * Inside is f >= isovalue; a cell with a sample that is not finite has no surface. Vertices lie on
- * the grid's edges, where the interpolant is linear, and so are exact but for the rounding of
- * doubles; the centres that marching_table.h asks for are found by bisection. Normals are the mean
- * of the interpolant's gradients in the cells around, as far as they are in the treelet (with a
- * halo: all).
+ * Inside is f >= isovalue. A cell with a sample that is not finite has no surface. Vertices lie on
+ * the grid's edges, where the interpolant is linear, so they are exact up to rounding of doubles.
+ * Centres (marching_table.h) are found by bisection. A normal is the mean of the interpolant's
+ * gradients in the cells around it that are in the treelet (with a halo: all).
  */
 #ifndef PREP_EXPORT_GRID_SURFACE_H
 #define PREP_EXPORT_GRID_SURFACE_H
@@ -14,14 +13,14 @@
 
 typedef struct grid_surface grid_surface;
 
-/* grid_surface_create() - isovalues: count of them; pieces come isovalue by isovalue, in the order
- * of treelets. part and isovalues must outlive it. */
+/* grid_surface_create() - isovalues: count of them. Pieces are ordered by isovalue, then by
+ * treelet. part and isovalues must outlive it. */
 CHECKED status grid_surface_create(mem *m, leaf_file *f, const grid_part *part,
                                    const double *isovalues, uint32_t count, int threads,
                                    grid_surface **out);
 void grid_surface_destroy(grid_surface *s); /* NULL is fine */
 
-/* grid_surface_worker() - bytes that each thread takes, beside its piece. */
+/* grid_surface_worker() - bytes that each thread needs besides its piece. */
 uint64_t grid_surface_worker(const leaf_file *f);
 
 piece_source grid_surface_source(grid_surface *s);

@@ -9,7 +9,7 @@
 
 enum { LEAST = 4096, LINE = 1024 };
 
-/* Room for size more bytes, and a NUL. */
+/* Make room for `size` more bytes and a NUL. */
 static char *reserve(head_text *h, size_t size) {
     if (h->st != ST_OK)
         return NULL;

@@ -18,7 +18,7 @@ static void number_edges(marching_table *t) {
             }
 }
 
-/* Clockwise as seen from outside. */
+/* Corners around a face, clockwise as seen from outside. */
 static void number_faces(marching_table *t) {
     for (int f = 0; f < 6; f++) {
         const int a = f / 2, base = (f & 1) << a, u = 1 << (a + 1) % 3, v = 1 << (a + 2) % 3;
@@ -58,8 +58,8 @@ static bool is_inside(const marching_table *t, int mask, int face, int i) {
     return mask >> t->face[face][i % 4] & 1;
 }
 
-/* From each edge that leaves the inside, going around a face, to the edge where the surface goes
- * on: the next one that is crossed, or where the inside is not joined the one before. */
+/* For each edge where a walk around the face leaves the inside, store where the surface continues.
+ * That is the next crossed edge, or the previous one if the inside is not joined. */
 static void join_face(const marching_table *t, int mask, int face, bool joined,
                       uint8_t next[MARCHING_EDGES]) {
     for (int i = 0; i < 4; i++) {
@@ -72,7 +72,7 @@ static void join_face(const marching_table *t, int mask, int face, bool joined,
     }
 }
 
-/* The loop from an edge on, whose edges are taken out. Returns how many. */
+/* Remove the loop that starts at an edge. Returns the number of its edges. */
 static int take_loop(uint8_t next[MARCHING_EDGES], int edge, uint8_t loop[MARCHING_EDGES]) {
     int count = 0;
     while (next[edge] != NO_EDGE) {
@@ -95,7 +95,8 @@ static bool may_join(const marching_table *t, const uint8_t *loop, int n, int i,
     return k - i == 1 || k - i == n - 1 || !share_a_face(t, loop[i], loop[k]);
 }
 
-/* The part of the loop from i to k, which are joined: whether it can be cut; then it is. */
+/* Triangulate the part of a loop between the joined edges i and k. Returns false if that is
+ * impossible. */
 static bool cut(const marching_table *t, const uint8_t *loop, int n, int i, int k,
                 marching_case *c) {
     if (k - i < 2)

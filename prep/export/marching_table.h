@@ -1,18 +1,17 @@
-/* marching_table.h - how an isosurface passes through a cell of eight samples: its triangles
- * between the edges that it crosses.
+/* marching_table.h - triangles of an isosurface in a cell of eight samples, between the edges that
+ * it crosses.
  *
- * On each face, crossings are joined as the bilinear interpolant of the face's four samples has it:
- * where all four edges are crossed, the sign at the saddle decides (the asymptotic decider). That
- * depends on the face alone, so that two cells that share it agree. The segments of all faces make
- * closed loops of edges, each of which becomes triangles whose inner sides join no two edges of one
- * face. So a side that lies in a face belongs to one triangle in each of the two cells, and any
- * other side to two triangles of this cell: no gaps, and no side of more than two triangles. Of a
- * few loops (116 of 1026 in all cases) there are no such triangles: they get a corner inside the
- * cell, a centre, joined to all of theirs.
+ * On each face, crossings are joined as in the bilinear interpolant of the face's four samples. If
+ * all four edges are crossed, the sign at the saddle decides (the asymptotic decider). This depends
+ * on the face alone, so two cells that share it agree. The segments of all faces make closed loops
+ * of edges. Each loop becomes triangles whose inner sides join no two edges of one face. So a side
+ * in a face belongs to one triangle in each of the two cells, and any other side to two triangles
+ * of this cell. There are no gaps, and no side of more than two triangles. A few loops (116 of 1026
+ * in all cases) have no such triangles. They get a corner inside the cell, a centre, joined to all
+ * their edges.
  *
  * Corner i of a cell is at (i & 1, i >> 1 & 1, i >> 2 & 1). Edges are numbered by axis: 4 a + n
- * runs along axis a from the n-th of those corners that are 0 on it. Faces: 2 a + s is at s on axis
- * a.
+ * runs along axis a from the n-th corner that is 0 on that axis. Face 2 a + s is at s on axis a.
  */
 #ifndef PREP_EXPORT_MARCHING_TABLE_H
 #define PREP_EXPORT_MARCHING_TABLE_H
@@ -31,14 +30,13 @@ typedef struct marching_case {
 typedef struct marching_table {
     uint8_t edge[MARCHING_EDGES][2]; /* corners; the second is one further along the axis */
     uint8_t face[6][4];              /* corners around it */
-    uint8_t
-        undecided[256];  /* by which corners are inside: a bit for each face with four crossings */
-    uint16_t first[256]; /* its cases: first + a bit for each undecided face in their order, 1
-                            where the corners inside are joined */
+    uint8_t undecided[256]; /* by mask of corners inside: a bit for each face with four crossings */
+    uint16_t first[256]; /* first case of a mask: add one bit per undecided face, in order; 1: the
+                            corners inside are joined */
     marching_case cases[MARCHING_CASES];
 } marching_table;
 
-/* marching_table_init() - in well under a millisecond. */
+/* marching_table_init() - takes well under a millisecond. */
 void marching_table_init(marching_table *t);
 
 #endif

@@ -39,7 +39,7 @@ static void add_numbers(head_text *h, const char *key, const double *values, int
     head_text_add(h, "\n");
 }
 
-/* Of axis a the direction is in its row a. */
+/* Row a of the direction matrix holds the direction of axis a. */
 static void add_place(head_text *h, const grid *g) {
     double direction[9], origin[3], spacing[3];
     for (int a = 0; a < 3; a++) {

@@ -46,14 +46,14 @@ static int type_code(sample_type type) {
     }
 }
 
-/* The world of NIfTI is RAS. What has axes of its own is written as it is. */
+/* Turn the grid to RAS, the world of NIfTI. A grid without LPS or RAS stays as it is. */
 static grid in_ras(const grid *g) {
     grid turned = *g;
     (void)world_axes_turn(g->frame.axes, WORLD_RAS, turned.to_world);
     return turned;
 }
 
-/* What xyzt_units has a number for: the unit of all three axes. */
+/* Number of the unit of all three axes in xyzt_units; 0: it has none. */
 static int unit_code(const grid *g) {
     static const char *const names[] = {"", "m", "mm", "um"};
     int code = (int)(sizeof names / sizeof *names) - 1;
@@ -62,7 +62,7 @@ static int unit_code(const grid *g) {
     return code;
 }
 
-/* The same of times; seconds, where nothing is told, are not made up. */
+/* The same for times. Seconds are not assumed if the file tells no unit. */
 static int time_code(const sample_times *times) {
     static const char *const names[] = {"s", "ms", "us"};
     for (int i = 0; i < (int)(sizeof names / sizeof *names); i++)

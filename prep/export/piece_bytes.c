@@ -95,7 +95,7 @@ char *piece_bytes_faces(const piece_view *v, const piece_array *a, char *to) {
     return to;
 }
 
-/* As the corners are turned; 0 0 0 where they lie in a line. */
+/* The facet's normal, by the order of its corners; 0 0 0 if they lie on a line. */
 static void facet_normal(const double *const at[3], double normal[3]) {
     double one[3], other[3];
     vec3_sub(at[1], at[0], one);

@@ -8,20 +8,20 @@
 
 enum { BATCH_PER_THREAD = 4, SPARE_BYTES = 256 << 10 };
 
-/* Room that grows, and keeps nothing when it does. */
+/* A buffer that loses its contents when it grows. */
 typedef struct buffer {
     void *bytes;
     size_t room;
 } buffer;
 
-/* What a thread needs. */
+/* Buffers of a thread. */
 typedef struct bench {
     piece p;
     buffer order, numbers, scratch, encoded;
     uint32_t owned;
 } bench;
 
-/* What becomes of a piece of the batch. */
+/* Result of one piece of the batch. */
 typedef struct result {
     uint32_t vertices, cells, shares;
     hash_id *keys;
@@ -34,14 +34,14 @@ typedef struct job {
     const piece_export *e;
     piece_info *info;
     pool *workers;
-    weld *weld; /* NULL: a format of loose triangles */
+    weld *weld; /* NULL: the format has loose triangles */
     bench *benches;
-    result *results; /* of the batch */
+    result *results; /* one per piece of the batch */
     uint32_t batch, first;
-    uint64_t *first_cell; /* of each piece, and behind the last one */
+    uint64_t *first_cell; /* number of each piece's first cell; one more entry for the end */
     piece_layout layout;
-    uint64_t *array_at; /* where arrays begin in the file */
-    int array;          /* that is written to standard output now */
+    uint64_t *array_at; /* offsets of the arrays in the file */
+    int array;          /* array that is being written to standard output */
     out_file *file;     /* NULL: standard output */
 } job;
 
@@ -121,8 +121,8 @@ static void drop_scratch(job *j) {
     }
 }
 
-/* A batch of pieces through body(), then take(): fewer at a time where memory does not suffice.
- * *count: how many there were. */
+/* Run a batch of pieces through body(), then take(). Halve the batch while memory is short. *count:
+ * pieces in the batch. */
 static status run_batch(job *j, pool_body body, status (*take)(job *j, uint32_t count),
                         uint32_t *count) {
     for (;;) {
@@ -172,7 +172,7 @@ static status number(job *j, uint32_t index, bench *b) {
     return weld_numbers(j->weld, index, p, b->numbers.bytes, b->scratch.bytes);
 }
 
-/* What there is of a piece in an array, in b->encoded. */
+/* Encode a piece's elements of an array into b->encoded. */
 static status encode(job *j, uint32_t index, bench *b, const piece_array *a, size_t *size) {
     const piece_view view = {.info = j->info,
                              .p = &b->p,
@@ -198,7 +198,7 @@ static status prepare(job *j, uint32_t index, int worker) {
     return number(j, index, &j->benches[worker]);
 }
 
-/* To the file: all arrays of a piece at once. */
+/* Write all arrays of a piece to the file. */
 static status write_one(void *ctx, size_t i, int worker) {
     job *j = ctx;
     const uint32_t index = j->first + (uint32_t)i;
@@ -216,7 +216,7 @@ static status write_one(void *ctx, size_t i, int worker) {
     return st;
 }
 
-/* To standard output: one array of a piece, kept until its turn comes. */
+/* For standard output: encode one array of a piece, and keep it until its turn. */
 static status keep_one(void *ctx, size_t i, int worker) {
     job *j = ctx;
     const uint32_t index = j->first + (uint32_t)i;
@@ -238,7 +238,7 @@ static status to_stdout(const void *bytes, size_t size) {
     return file_write_all(STDOUT_FILENO, "standard output", NULL, bytes, size);
 }
 
-/* What was kept; of a file, nothing. */
+/* Write the kept elements. Output to a file keeps none. */
 static status pass_on(job *j, uint32_t count) {
     status st = ST_OK;
     for (uint32_t i = 0; st == ST_OK && i < count; i++)
@@ -247,7 +247,7 @@ static status pass_on(job *j, uint32_t count) {
     return st;
 }
 
-/* All pieces through body(); part of parts: of the second pass. */
+/* Run all pieces through body(), as part number `part` of `parts` of the second pass. */
 static status go_through(job *j, pool_body body, int part, int parts) {
     const uint32_t pieces = j->e->source->pieces;
     status st = ST_OK;

@@ -23,7 +23,7 @@ static status begin(mem *m, const piece_info *info, piece_layout *l) {
     return l->arrays ? ST_OK : ST_NOMEM;
 }
 
-/* The next array. Returns what stands before it, to be added to. */
+/* Append an array. Returns the text before it, for the caller to fill. */
 static head_text *add(piece_layout *l, piece_array a) {
     a.before = (head_text){.m = l->m};
     l->arrays[l->count] = a;
@@ -96,7 +96,7 @@ static status lay_out_stl(mem *m, const piece_info *info, piece_layout *l) {
 
 /* ---- VTK's XML ---- */
 
-/* The arrays of a file as they are declared: each stands where the one before ends. */
+/* VTK arrays in the order of their declaration: each begins where the previous one ends. */
 typedef struct vtk_file {
     piece_layout *l;
     const piece_info *info;
@@ -154,7 +154,7 @@ static void declare_cells(vtk_file *f, size_t corners) {
         (piece_array){.stride = sizeof(int64_t), .of_cells = true, .encode = piece_bytes_offsets});
 }
 
-/* The declarations go before the first array, ahead of its size. */
+/* Put the declarations before the first array, ahead of its size. */
 static status end_vtk(vtk_file *f, const char *kind) {
     head_text_add(f->h, "</Piece>\n</%s>\n<AppendedData encoding=\"raw\">\n_", kind);
     head_text *first = &f->l->arrays[0].before;

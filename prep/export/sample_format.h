@@ -1,8 +1,8 @@
-/* sample_format.h - the formats to which samples of a grid are exported: a row of a table each.
+/* sample_format.h - formats for samples of a grid, one row of a table each.
  *
- * Most are a head, the samples as they are in little endian, x fastest, and perhaps a tail; so they
- * are written as a stream, to a pipe, too, and can be packed by gzip. Others have a writer of their
- * own. What a format cannot hold it refuses.
+ * Most are a head, the samples in little endian with x fastest, and perhaps a tail. These can be
+ * streamed, to a pipe, too, and packed by gzip. Others have a writer of their own. A format refuses
+ * what it cannot hold.
  */
 #ifndef PREP_EXPORT_SAMPLE_FORMAT_H
 #define PREP_EXPORT_SAMPLE_FORMAT_H
@@ -13,13 +13,14 @@
 #include "prep/export/grid_part.h"
 #include "prep/export/sample_times.h"
 
-/* What is to be exported, and where to. */
+/* An export: its input and its output. */
 typedef struct sample_export {
     leaf_file *f;
     const grid_part *part;
-    const uint32_t *sets;     /* count of them, the first the part's own */
-    const char *const *names; /* of the sets, no two alike */
-    uint32_t count;           /* 1, but for formats of several fields; of all steps, theirs */
+    const uint32_t *sets;     /* count of them; the first is the part's own set */
+    const char *const *names; /* of the sets; all differ */
+    uint32_t count;           /* of sets: several fields if the format has `fields`, or all steps;
+                                 else 1 */
     const sample_times *times;
     const char *path; /* "-": standard output */
     bool force;
@@ -29,25 +30,25 @@ typedef struct sample_export {
 
 typedef struct sample_format {
     const char *name;   /* --format */
-    const char *suffix; /* ".nrrd"; NULL: by name alone */
-    /* ST_UNSUPPORTED, saying what of the grid cannot be said in the format; NULL: all can. */
+    const char *suffix; /* such as ".nrrd"; NULL: chosen by --format alone */
+    /* ST_UNSUPPORTED, with what the format cannot express of the grid; NULL: it can express all. */
     status (*check)(const grid *g);
     status (*head)(mem *m, out_stream *out, const grid *g); /* NULL: none */
     status (*tail)(out_stream *out);                        /* NULL: none */
-    /* The head of a file of all steps, whose samples follow one another. ST_UNSUPPORTED: too many.
-     * NULL: a file is of one step, or the writer does it. */
+    /* Head of a file of all steps, whose samples follow one another. ST_UNSUPPORTED: too many
+     * steps. NULL: a file has one step, or `write` does it. */
     status (*head_steps)(mem *m, out_stream *out, const grid *g, const sample_times *times);
     status (*write)(mem *m, const sample_export *e); /* NULL: head, samples, tail */
-    bool fields;                                     /* the writer takes several */
+    bool fields;                                     /* `write` takes several fields */
     bool steps;                                      /* a file can be of all steps */
-    bool folder;   /* the output is a folder, which nothing replaces */
-    bool unpacked; /* gzip would keep it from being read */
-    bool named;    /* its array has a name: the field's, else the data set's */
-    /* What of the grid other programs will not find in the file, as a sentence; NULL: nothing. May
-     * be NULL. */
+    bool folder;   /* the output is a folder, which is never replaced */
+    bool unpacked; /* no gzip: other programs could not read that */
+    bool named;    /* its array is named after the field, else after the data set */
+    /* A sentence about what other programs will not find in the file; NULL: nothing. May be
+     * NULL. */
     const char *(*loses)(const grid *g);
-    const char *(*loses_times)(const sample_times *times); /* the same of the steps' times */
-    bool slices; /* may be a file a slice, where the output's name has a %04d */
+    const char *(*loses_times)(const sample_times *times); /* the same for the times of steps */
+    bool slices; /* can write one file per slice, if the output's name has a %04d */
 } sample_format;
 
 extern const sample_format sample_formats[];

@@ -2,7 +2,7 @@
 
 #include "prep/export/grid_slices.h"
 
-/* Where samples go. */
+/* Receiver of the samples. */
 typedef struct sample_sink {
     out_stream *out;
     sample_type type;
@@ -13,7 +13,7 @@ static status append(void *ctx, const void *samples, size_t count) {
     return out_stream_samples(sink->out, sink->type, samples, count);
 }
 
-/* A job of several alike. */
+/* Progress of one of several equal jobs. */
 typedef struct one_of {
     const progress *p;
     uint32_t index, count;
@@ -29,7 +29,7 @@ static bool stop_one(void *ctx) {
     return o->p->stop(o->p->ctx);
 }
 
-/* The sets one after the other. */
+/* Write the sets one after the other. */
 static status write_sets(mem *m, const sample_export *e, sample_sink *sink) {
     status st = ST_OK;
     for (uint32_t i = 0; i < e->count && st == ST_OK; i++) {

@@ -1,4 +1,4 @@
-/* sample_times.h - when the steps of a treelet file are, for formats that have a time axis.
+/* sample_times.h - times of a treelet file's steps, for formats that have a time axis.
  */
 #ifndef PREP_EXPORT_SAMPLE_TIMES_H
 #define PREP_EXPORT_SAMPLE_TIMES_H
@@ -7,13 +7,13 @@
 
 typedef struct sample_times {
     uint32_t steps;
-    double first, apart; /* 0 and 1 where times are untold, or uneven */
-    const char *unit;    /* "s", as the file has it; "": untold */
-    bool uneven;         /* no two numbers say them */
+    double first, apart; /* 0 and 1 if times are unknown or uneven */
+    const char *unit;    /* "s", as spelled in the file; "": unknown */
+    bool uneven;         /* first and apart cannot express them */
 } sample_times;
 
-/* sample_times_of() - all steps of a file, or of one step nothing. Times are even where each is
- * within a millionth of a step of where it would be. The unit lives as long as the file. */
+/* sample_times_of() - times of all steps; one step alone has none. Times are even if each is within
+ * a millionth of a step of its even position. The unit lives as long as the file. */
 sample_times sample_times_of(const leaf_file *f, bool all);
 
 #endif

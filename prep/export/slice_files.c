@@ -12,7 +12,7 @@ struct slice_files {
     bool force;
     const sample_format *format;
     const grid *g;
-    uint32_t complete; /* files */
+    uint32_t complete; /* files completed */
 };
 
 static status check_files(const slice_files *s) {
@@ -40,7 +40,7 @@ status slice_files_create(mem *m, const char *pattern, bool force, const sample_
     return st;
 }
 
-/* The grid of a slice alone. */
+/* The grid of slice z alone. */
 static grid slice_of(const grid *g, uint32_t z) {
     grid one = *g;
     one.dims[2] = 1;

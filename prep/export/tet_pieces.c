@@ -7,7 +7,7 @@ struct tet_pieces {
     const tet_choice *choice;
     int threads;
     tet_bench *benches;
-    char *names; /* what the key of a vertex is made of, one a thread */
+    char *names; /* bytes that a vertex's key is made from, one buffer per thread */
     size_t name;
 };
 

@@ -1,7 +1,8 @@
 /* tet_pieces.h - a mesh as it is, treelet by treelet: its points, tets and values.
  *
- * The file does not say which vertices of two treelets are one: those are whose coordinates and
- * values of the chosen fields are the same. Tets are turned so that their volume is positive.
+ * The file does not say which vertices of two treelets are one. Vertices count as one if their
+ * coordinates and their values of the chosen fields are equal. Tets are turned so that their volume
+ * is positive.
  */
 #ifndef PREP_EXPORT_TET_PIECES_H
 #define PREP_EXPORT_TET_PIECES_H

@@ -6,13 +6,13 @@
 
 #include "formats/base/vec3.h"
 
-#define NO_EDGE UINT32_MAX /* no pair of vertices: they are ascending */
+#define NO_EDGE UINT32_MAX /* no valid pair: in a pair the first vertex is lower */
 
 typedef struct unit {
     uint32_t treelet, isovalue;
 } unit;
 
-/* An edge of the treelet that is crossed. */
+/* A crossed edge of the treelet. */
 typedef struct crossing {
     uint32_t ends; /* lower vertex << 16 | higher vertex */
     uint32_t vertex;
@@ -20,7 +20,7 @@ typedef struct crossing {
 
 typedef struct bench {
     tet_bench tets;
-    crossing *edges; /* a table by hash */
+    crossing *edges; /* a hash table */
     piece *p;
 } bench;
 
@@ -30,12 +30,12 @@ struct tet_surface {
     const double *isovalues;
     unit *units;
     size_t count, room;
-    uint32_t slots; /* of the tables: a power of two */
+    uint32_t slots; /* slots of the hash tables: a power of two */
     int threads;
     bench *benches;
 };
 
-/* ---- where there is something ---- */
+/* ---- treelets with a surface ---- */
 
 static status find_units(tet_surface *s, uint32_t isovalues) {
     const leaf_file *f = s->choice->f;
@@ -121,7 +121,7 @@ static hash_id key_of(const bench *b, uint32_t low, uint32_t high) {
     return hash_identity(&name, sizeof name);
 }
 
-/* Towards smaller values, as the file's gradients have it; 0 without any. */
+/* Normal towards smaller values, by the file's gradients; 0 if there are none. */
 static void orient(const bench *b, uint32_t low, uint32_t high, double t, double normal[3]) {
     const float(*g)[3] = b->tets.gradient;
     for (int a = 0; a < 3; a++)
@@ -161,14 +161,14 @@ static status find_vertex(tet_surface *s, bench *b, uint32_t one, uint32_t other
 
 /* ---- tets ---- */
 
-/* Corners in an even permutation, those inside first, by which corners are inside; 3 inside: the
- * one outside first. */
+/* Corners by mask of those inside: an even permutation with the inside first; with 3 inside, the
+ * outside corner first. */
 static const uint8_t order_of[16][4] = {{0, 0, 0, 0}, {0, 1, 2, 3}, {1, 0, 3, 2}, {0, 1, 2, 3},
                                         {2, 3, 0, 1}, {0, 2, 3, 1}, {1, 2, 0, 3}, {3, 2, 1, 0},
                                         {3, 2, 1, 0}, {0, 3, 1, 2}, {1, 3, 2, 0}, {2, 3, 0, 1},
                                         {2, 3, 0, 1}, {1, 0, 3, 2}, {0, 1, 2, 3}, {0, 0, 0, 0}};
 
-/* The volume's gradient times six times its volume, whatever sign that has. */
+/* Add the volume's gradient times six times the volume. Its sign does not matter. */
 static void add_normals(bench *b, uint32_t tet, const uint32_t corner[], int count) {
     const uint16_t *v = b->tets.tets[tet];
     double edge[3][3], rise[3], sum[3] = {0, 0, 0};
@@ -216,7 +216,7 @@ static status fill_tet(tet_surface *s, bench *b, uint32_t tet, int mask) {
     return st;
 }
 
-/* Which corners are inside; 0 also where one has no data. */
+/* One bit per corner that is inside; 0 also if a corner has no data. */
 static int mask_of(const bench *b, uint32_t tet) {
     int mask = 0;
     for (int i = 0; i < 4; i++) {

@@ -1,10 +1,9 @@
 /* tet_surface.h - isosurfaces of a mesh of tets, treelet by treelet: marching tetrahedra.
  *
- * Inside is f >= isovalue; a tet with a value that is not finite has no surface. Vertices lie on
- * edges, taken from the lower to the higher vertex of the mesh, so that all tets around get the
- * same bits. Normals come from the file's gradients; without any, they are the mean of the
- * gradients of the treelet's tets around, weighted by volume. Flat tets are taken as turned the
- * positive way.
+ * Inside is f >= isovalue. A tet with a value that is not finite has no surface. Vertices lie on
+ * edges, computed from the lower to the higher vertex of the mesh, so all tets around get the same
+ * bits. Normals come from the file's gradients. Without these they are the mean of the gradients of
+ * the treelet's tets around, weighted by volume. Flat tets are treated as positively oriented.
  */
 #ifndef PREP_EXPORT_TET_SURFACE_H
 #define PREP_EXPORT_TET_SURFACE_H
@@ -14,13 +13,13 @@
 
 typedef struct tet_surface tet_surface;
 
-/* tet_surface_create() - of the choice's first field. isovalues: count of them; pieces come
- * isovalue by isovalue, in the order of treelets. choice and isovalues must outlive it. */
+/* tet_surface_create() - surfaces of the choice's first field. isovalues: count of them. Pieces are
+ * ordered by isovalue, then by treelet. choice and isovalues must outlive it. */
 CHECKED status tet_surface_create(mem *m, const tet_choice *choice, const double *isovalues,
                                   uint32_t count, int threads, tet_surface **out);
 void tet_surface_destroy(tet_surface *s); /* NULL is fine */
 
-/* tet_surface_worker() - bytes that each thread takes, beside its piece. */
+/* tet_surface_worker() - bytes that each thread needs besides its piece. */
 uint64_t tet_surface_worker(const tet_choice *choice);
 
 piece_source tet_surface_source(tet_surface *s);

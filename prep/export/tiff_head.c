@@ -10,12 +10,12 @@
 enum { SHORT = 3, LONG = 4, RATIONAL = 5, LONG8 = 16, ASCII = 2 };
 enum { ENTRIES = 13, ALIGNED = 64, NO_UNIT = 1, BLACK_IS_ZERO = 1 };
 
-/* Where everything lies: header, resolutions, description, pages, samples. */
+/* Offsets of all parts: header, resolutions, description, pages, samples. */
 typedef struct plan {
     bool big; /* BigTIFF */
     uint64_t slice;
     uint64_t resolutions, text, pages, samples; /* offsets */
-    uint64_t text_bytes;                        /* its NUL included */
+    uint64_t text_bytes;                        /* with its NUL */
 } plan;
 
 status tiff_head_check(const grid *g) {
@@ -47,7 +47,7 @@ static void add32(head_text *h, uint64_t value) {
     head_text_bytes(h, &little, sizeof little);
 }
 
-/* Of 8 bytes in a BigTIFF. */
+/* Add 4 bytes, or 8 in a BigTIFF. */
 static void add_word(head_text *h, const plan *p, uint64_t value) {
     add32(h, value);
     if (p->big)
@@ -64,7 +64,7 @@ static double spacing(const grid *g, int a) {
     return vec3_length(column);
 }
 
-/* Pixels a unit, with as many digits as fit. */
+/* Pixels per unit as a fraction, with as many digits as fit. */
 static void add_resolution(head_text *h, double value) {
     double below = 1;
     while (below < 1e9 && value * below != floor(value * below) && value * below * 10 < UINT32_MAX)
@@ -130,7 +130,7 @@ static void entry(head_text *h, const plan *p, int tag, int type, uint64_t count
     add_word(h, p, value);
 }
 
-/* A resolution is longer than an entry's value, but in a BigTIFF. */
+/* A resolution is too long for an entry's value, except in a BigTIFF. */
 static void add_resolutions(head_text *h, const plan *p, const grid *g) {
     for (int a = 0; a < 2; a++) {
         if (!p->big) {
@@ -160,7 +160,7 @@ static void add_page(head_text *h, const plan *p, const grid *g, uint32_t z) {
     if (first)
         entry(h, p, 270, ASCII, p->text_bytes, p->text);
     entry(h, p, 273, word, 1, p->samples + z * p->slice);
-    entry(h, p, 277, SHORT, 1, 1); /* sample a pixel */
+    entry(h, p, 277, SHORT, 1, 1); /* one sample per pixel */
     entry(h, p, 278, LONG, 1, g->dims[1]);
     entry(h, p, 279, word, 1, p->slice);
     add_resolutions(h, p, g);
@@ -198,7 +198,7 @@ static void add_start(head_text *h, const plan *p, const grid *g, const head_tex
     pad(h, p->pages);
 }
 
-/* What is in h goes out; it starts anew. */
+/* Write out the contents of h, and empty it. */
 static status flush(head_text *h, out_stream *out) {
     status st = h->st == ST_OK ? out_stream_write(out, h->text, h->size) : h->st;
     h->size = 0;

@@ -8,7 +8,7 @@ enum {
     NODE_SIDE = 1 << VDB_NODE_LOG2,
     LEAF_MASK_BYTES = VDB_VOXELS / 8,
     NODE_MASK_BYTES = VDB_SLOTS / 8,
-    INACTIVE_IS_BACKGROUND = 0 /* what OpenVDB calls NO_MASK_OR_INACTIVE_VALS */
+    INACTIVE_IS_BACKGROUND = 0 /* OpenVDB's NO_MASK_OR_INACTIVE_VALS */
 };
 
 unsigned char *vdb_put(unsigned char *at, uint32_t bits) {
@@ -30,10 +30,10 @@ static unsigned char *put_mask(unsigned char *at, const uint64_t *mask, int word
 typedef struct leaf {
     uint32_t bits[VDB_VOXELS];
     uint64_t active[VDB_VOXELS / 64]; /* a word for each x */
-    int count;                        /* of those that are */
+    int count;                        /* active voxels */
 } leaf;
 
-/* Samples side by side to values that are `apart` values apart. */
+/* Copy consecutive samples to values that are `apart` values apart. */
 #define SPREAD(stored, number)                                 \
     for (size_t i = 0; i < count; i++) {                       \
         stored s;                                              \
@@ -59,7 +59,7 @@ uint32_t vdb_node_bits(sample_type type, const void *sample) {
     return bits;
 }
 
-/* The voxels of a leaf that the box has, counted within the leaf. */
+/* Range of the leaf's voxels that are in the box, counted within the leaf. */
 static void clip(const grid_box *b, const uint32_t origin[3], uint32_t lo[3], uint32_t end[3]) {
     for (int a = 0; a < 3; a++) {
         lo[a] = b->lo[a] > origin[a] ? b->lo[a] - origin[a] : 0;
@@ -67,7 +67,7 @@ static void clip(const grid_box *b, const uint32_t origin[3], uint32_t lo[3], ui
     }
 }
 
-/* Rows of x of the box go to places that are a plane of the leaf apart. */
+/* Copy the box's rows along x. Neighbours in x are a plane of the leaf apart. */
 static void gather(const vdb_node *n, const uint32_t origin[3], uint32_t *bits) {
     const grid_box *b = &n->box;
     const size_t width = sample_size(n->type), nx = b->end[0] - b->lo[0], ny = b->end[1] - b->lo[1];
@@ -109,7 +109,7 @@ static void fill(const vdb_node *n, const uint32_t origin[3], leaf *l) {
         l->count += __builtin_popcountll(l->active[x]);
 }
 
-/* All active, all of one value. */
+/* Returns whether all voxels are active and have one value. */
 static bool is_tile(const leaf *l) {
     return l->count == VDB_VOXELS &&
            memcmp(l->bits, l->bits + 1, (VDB_VOXELS - 1) * sizeof *l->bits) == 0;
@@ -117,7 +117,7 @@ static bool is_tile(const leaf *l) {
 
 /* ---- a node ---- */
 
-/* Where a slot begins; false: nothing is in it. */
+/* Origin of a slot. Returns false if it is empty. */
 static bool slot_origin(const vdb_node *n, int slot, uint32_t origin[3]) {
     const int log2 = VDB_NODE_LOG2 - VDB_LEAF_LOG2, most = (1 << log2) - 1;
     bool meets = !n->empty[slot];
@@ -133,8 +133,8 @@ size_t vdb_node_topology_max(void) {
     return 2 * NODE_MASK_BYTES + 1 + (size_t)VDB_SLOTS * (VDB_WIDTH + LEAF_MASK_BYTES);
 }
 
-/* Masks, then the tiles' values, then the leaves' masks, which first stand behind all tiles that
- * there could be. */
+/* Write masks, then the tiles' values, then the leaves' masks. The latter are first put behind the
+ * room for the most tiles possible. */
 size_t vdb_node_topology(const vdb_node *n, unsigned char *out) {
     uint64_t children[VDB_SLOTS / 64] = {0}, tiles[VDB_SLOTS / 64] = {0};
     unsigned char *value = out + 2 * NODE_MASK_BYTES + 1;

@@ -12,7 +12,7 @@
 #include "prep/export/head_text.h"
 #include "prep/export/vdb_node.h"
 
-/* Of the file format, as OpenVDB's io/Archive and io/Compression have them. */
+/* Constants of the file format, from OpenVDB's io/Archive and io/Compression. */
 enum {
     MAGIC = 0x56444220,
     FILE_VERSION = 224,
@@ -23,16 +23,16 @@ enum {
     UPPER_SLOTS = 1 << 3 * UPPER_SIDE_LOG2,
     SPARE_BYTES = 64 << 10
 };
-static const double det_least = 3e-15; /* below, OpenVDB refuses a map */
+static const double det_least = 3e-15; /* OpenVDB refuses a map with a smaller determinant */
 
-/* What becomes of a node of 128^3 voxels. */
+/* State of a node of 128^3 voxels. */
 typedef enum node_state { NODE_NOTHING, NODE_TILE, NODE_CHILD } node_state;
 
 typedef struct bench {
-    char *samples, *payload, *stored; /* stored: NULL where nothing is packed */
+    char *samples, *payload, *stored; /* stored: NULL if nothing is packed */
     bool *empty;                      /* of the node's slots */
     unsigned char *out;
-    size_t size; /* of what is in it */
+    size_t size; /* bytes in `out` */
 } bench;
 
 typedef struct writer {
@@ -43,19 +43,19 @@ typedef struct writer {
     uint64_t at; /* bytes written */
     pool *workers;
     int threads;
-    bench *benches; /* one for each node of a batch, and for each worker */
+    bench *benches; /* indexed by a node's place in the batch, and by worker */
     uint32_t set, background;
-    uint64_t nodes_done; /* slots that were looked at, of this pass */
+    uint64_t nodes_done; /* slots examined in this pass */
     double passes_done, passes;
-    /* Of the node of 4096^3 voxels under way: */
+    /* The current node of 4096^3 voxels: */
     uint32_t upper[3];
     uint8_t state[UPPER_SLOTS];
     uint32_t value[UPPER_SLOTS];    /* of tiles */
-    uint16_t children[UPPER_SLOTS]; /* their slots, in order */
+    uint16_t children[UPPER_SLOTS]; /* slots of its children, in order */
     uint32_t child_count;
-    /* A batch of its children: */
+    /* The current batch of its children: */
     uint32_t first;
-    bool values; /* or their topology */
+    bool values; /* write their values, else their topology */
 } writer;
 
 status vdb_writer_check(const grid *g) {
@@ -127,7 +127,7 @@ static uint32_t implied_bits(const writer *w, uint32_t p) {
     return w->layout->type == SAMPLE_F32 ? bits : (uint32_t)whole;
 }
 
-/* The part of a node that is exported; false: nothing. */
+/* The exported part of a node. Returns false if it is empty. */
 static bool node_box(const writer *w, const uint32_t origin[3], grid_box *b) {
     *b = grid_box_of(w->e->part);
     for (int a = 0; a < 3; a++) {
@@ -152,7 +152,7 @@ static void corners_of(const writer *w, uint32_t corner[2][3]) {
     }
 }
 
-/* Whether the directory tells that all of a box is one value. */
+/* Returns whether the directory says that the whole box has one value. */
 static bool is_constant(const writer *w, const grid_box *b, uint32_t *bits) {
     uint32_t from[3], count[3];
     grid_box_treelets(b, w->layout, from, count);
@@ -191,7 +191,7 @@ static void slot_origin(const writer *w, uint32_t slot, uint32_t origin[3]) {
             ((slot >> (2 - a) * UPPER_SIDE_LOG2 & ((1u << UPPER_SIDE_LOG2) - 1)) << VDB_NODE_LOG2);
 }
 
-/* What is in the node of 4096^3 voxels at w->upper; false: nothing. */
+/* Classify the slots of the node of 4096^3 voxels at w->upper. Returns false if all are empty. */
 static bool look(writer *w) {
     bool any = false;
     w->child_count = 0;
@@ -209,7 +209,7 @@ static bool look(writer *w) {
 
 /* ---- children ---- */
 
-/* The nodes of a box that belong to a treelet. */
+/* The part of a box whose nodes belong to the treelet at a place. */
 static grid_box own_part(const writer *w, const grid_box *b, const uint32_t place[3]) {
     grid_box own = *b;
     for (int a = 0; a < 3; a++) {
@@ -221,7 +221,7 @@ static grid_box own_part(const writer *w, const grid_box *b, const uint32_t plac
     return own;
 }
 
-/* Slots of these nodes hold nothing. No treelet shares a slot with another. */
+/* Mark the slots of these nodes as empty. No two treelets share a slot. */
 static void mark_empty(const grid_box *own, bool *empty) {
     const uint32_t log2 = VDB_NODE_LOG2 - VDB_LEAF_LOG2, most = (1u << log2) - 1;
     uint32_t first[3], last[3];
@@ -307,7 +307,7 @@ static status put_children(writer *w) {
 
 /* ---- the tree ---- */
 
-/* All nodes of 4096^3 voxels that have anything, in order of x, then y, then z. */
+/* Call each() for every node of 4096^3 voxels that is not empty, in order of x, then y, then z. */
 static status for_uppers(writer *w, status (*each)(writer *w)) {
     const grid_part *p = w->e->part;
     status st = ST_OK;
@@ -345,7 +345,7 @@ static status put_upper(writer *w) {
         add_u32(&h, w->upper[a]);
     add_mask(&h, w->state, NODE_CHILD);
     add_mask(&h, w->state, NODE_TILE);
-    head_text_bytes(&h, "", 1); /* what is inactive is the background */
+    head_text_bytes(&h, "", 1); /* inactive values are the background */
     for (int i = 0; i < UPPER_SLOTS; i++)
         if (w->state[i] == NODE_TILE)
             add_u32(&h, w->value[i]);
@@ -359,7 +359,7 @@ static status put_topology(writer *w) {
     status st = for_uppers(w, count_upper);
     add_u32(&h, 1); /* buffers */
     add_u32(&h, w->background);
-    add_u32(&h, 0); /* tiles of the root */
+    add_u32(&h, 0); /* tiles of the root: none */
     add_u32(&h, w->first);
     w->values = false;
     if (st == ST_OK)
@@ -374,9 +374,9 @@ static status put_values(writer *w) {
 
 /* ---- a grid ---- */
 
-/* The value of most treelets that have one alone, among equals that of the lowest bits; 0 where
- * there is none. Of different ones the first CANDIDATES are counted: a background is not one of
- * many. */
+/* Choose as background the value that most treelets of one value have. Ties go to the lowest bits;
+ * without such treelets it is 0. Only the first CANDIDATES different values are counted: a
+ * background is not one of many. */
 enum { CANDIDATES = 64 };
 
 static void find_background(writer *w) {
@@ -406,7 +406,7 @@ static void find_background(writer *w) {
         }
 }
 
-/* OpenVDB's maps take rows of three: the axes are the matrix's first rows. */
+/* OpenVDB multiplies row vectors by its maps: the axes are the matrix's first rows. */
 static void add_map(const writer *w, head_text *h) {
     const double *map = w->e->f->header.to_world;
     const double apart = ldexp(1, (int)w->e->part->level);
@@ -449,7 +449,7 @@ static status put_grid(writer *w, uint32_t index) {
     find_background(w);
     add_string(&h, w->e->names[index]);
     add_string(&h, w->layout->type == SAMPLE_F32 ? "Tree_float_5_4_3" : "Tree_int32_5_4_3");
-    add_string(&h, ""); /* of no other's tree */
+    add_string(&h, ""); /* shares no other grid's tree */
     head_text_bytes(&h, offsets, sizeof offsets);
     status st = put_text(w, &h);
     const uint64_t at = w->at - sizeof offsets;
@@ -469,7 +469,7 @@ static status put_grid(writer *w, uint32_t index) {
 
 /* ---- the file ---- */
 
-/* As a UUID is written; the input's id, so that it is the same for the same input. */
+/* Write the input's id in the form of a UUID, so that the same input gives the same bytes. */
 static void add_uuid(const writer *w, head_text *h) {
     static const char hex[] = "0123456789abcdef";
     const uint64_t *id = w->e->f->header.id;

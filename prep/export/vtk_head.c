@@ -42,7 +42,7 @@ static void begin(head_text *h, const char *kind) {
                   kind, kind);
 }
 
-/* The array of samples, whose size stands at `offset` of the appended data. */
+/* Declare the array of samples. Its size stands at `offset` of the appended data. */
 static void put_samples(head_text *h, const grid *g, uint64_t offset) {
     const char *name = g->name[0] ? g->name : "value";
     head_text_add(h, "<PointData Scalars=\"");
@@ -69,7 +69,7 @@ status vtk_head_image_check(const grid *g) {
                            "which .vtr and .nrrd can hold");
 }
 
-/* A column of the map is spacing times direction; the direction of a column along an axis is exact.
+/* A column of the map is spacing times direction. If it lies along an axis, its direction is exact.
  */
 static void part_map(const grid *g, double spacing[3], double direction[9], double origin[3]) {
     for (int a = 0; a < 3; a++) {

@@ -8,12 +8,12 @@
 
 enum { BLOCK = 1 << 12, ALIKE_MAX = 8 };
 
-/* One more behind the last: the end of all. */
+/* One entry per piece, and one more for the end of all. */
 typedef struct piece_range {
-    uint64_t
-        vertex; /* the number of the first one that it owns; until weld_end(): how many it has */
-    uint64_t share; /* the number of its first share, of all pieces' */
-    uint64_t guest; /* how many shares before that are owned by other pieces */
+    uint64_t vertex; /* number of the first vertex that it owns; until weld_end(): how many vertices
+                        it has */
+    uint64_t share;  /* number of its first share, counted over all pieces */
+    uint64_t guest;  /* shares before it that other pieces own */
 } piece_range;
 
 struct weld {
@@ -22,11 +22,11 @@ struct weld {
     const char *beside;
     uint32_t pieces, added;
     piece_range *ranges; /* pieces + 1 */
-    uint64_t *owned;     /* a bit for each share */
-    out_file *keys;      /* a mesh_record for each share, in order; NULL: there is none */
-    out_file *hosts; /* for each share that its piece does not own: the share that is the same */
+    uint64_t *owned;     /* a bit per share: its piece owns it */
+    out_file *keys;      /* a mesh_record per share, in order; NULL: none */
+    out_file *hosts; /* for each share that its piece does not own: the equal share that is owned */
     mesh_runs *runs;
-    uint64_t room; /* for runs */
+    uint64_t room; /* memory for runs */
 };
 
 status weld_create(mem *m, pool *workers, const char *beside, uint32_t pieces, weld **out) {
@@ -58,9 +58,9 @@ static uint64_t shares(const weld *w) {
     return w->ranges[w->added].share;
 }
 
-/* ---- shares in ---- */
+/* ---- adding shares ---- */
 
-/* The upper 63 bits sort; all others tell those apart that they do not. */
+/* The upper 63 bits are the sort key. All other bits tell apart records with equal keys. */
 static mesh_record record_of(const hash_id *key, uint64_t share) {
     return (mesh_record){.key = key->hi >> 1,
                          .id = {(uint32_t)key->lo, (uint32_t)(key->lo >> 32), (uint32_t)share,
@@ -90,7 +90,7 @@ status weld_add(weld *w, uint32_t vertices, const hash_id *keys, uint32_t count)
     return st;
 }
 
-/* ---- who is the same ---- */
+/* ---- equal shares ---- */
 
 static status begin_runs(weld *w) {
     const uint64_t sort = mesh_sort_memory(pool_threads(w->workers));
@@ -127,8 +127,8 @@ static status sort_keys(weld *w) {
     return st == ST_OK ? mesh_runs_end(w->runs) : st;
 }
 
-/* Records of the same key follow one another in the order of shares. Which one of those seen so far
- * is a record the same as? */
+/* Records with equal keys follow one another in the order of shares. These are the distinct ones so
+ * far, which the next record is compared with. */
 typedef struct alike {
     mesh_record first[ALIKE_MAX];
     int count;
@@ -149,7 +149,8 @@ static status find_host(alike *a, const mesh_record *r, const mesh_record **host
     return ST_OK;
 }
 
-/* Of the sorted keys, those of guests go on to `out`, by share. */
+/* Go through the sorted keys. Guests, shares that an earlier piece owns, go to `out`, to be sorted
+ * by share. */
 static status find_guests(weld *w, mesh_runs *sorted, mesh_runs *out) {
     alike seen = {.count = 0};
     const mesh_record *records;
@@ -210,7 +211,7 @@ static status match(weld *w) {
 
 /* ---- numbers ---- */
 
-/* How many shares of [from, end) are owned by their pieces. */
+/* Number of shares in [from, end) that their pieces own. */
 static uint64_t count_owned(const weld *w, uint64_t from, uint64_t end) {
     uint64_t count = 0;
     for (uint64_t at = from; at < end;) {
@@ -288,7 +289,7 @@ uint32_t weld_owned(const weld *w, uint32_t index, const piece *p, uint32_t *ord
     return count;
 }
 
-/* The number of a share that its piece owns. */
+/* The vertex number of a share that its piece owns. */
 static uint64_t number_of(const weld *w, uint64_t share) {
     uint32_t lo = 0, hi = w->pieces;
     while (hi - lo > 1) {

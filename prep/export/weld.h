@@ -1,11 +1,11 @@
-/* weld.h - one number for each vertex of all pieces, however many have it.
+/* weld.h - gives each vertex of all pieces one number, however many pieces have it.
  *
- * The first piece that has a vertex owns it. Numbers are in the order of the output: pieces
- * in order, of each first those of its own that others could have, then those that none can. Which
- * shares are the same is found by sorting their keys, within the budget: in scratch files beside
- * the output where memory does not suffice.
+ * The first piece that has a vertex owns it. Numbers follow the output: pieces in order, and in
+ * each first its own vertices that others could have, then those that none can. Equal shares are
+ * found by sorting their keys, within the budget: in scratch files beside the output if memory does
+ * not suffice.
  *
- * Held all the time: 24 bytes a piece, a bit for each share.
+ * Permanent memory: 24 bytes per piece, a bit per share.
  */
 #ifndef PREP_EXPORT_WELD_H
 #define PREP_EXPORT_WELD_H
@@ -15,31 +15,32 @@
 
 typedef struct weld weld;
 
-/* weld_create() - beside: the path beside which scratch files may be, kept by reference. */
+/* weld_create() - beside: path beside which scratch files may lie; kept by reference. */
 CHECKED status weld_create(mem *m, pool *workers, const char *beside, uint32_t pieces, weld **out);
 void weld_destroy(weld *w); /* NULL is fine */
 
-/* weld_add() - the next piece: how many vertices it has, and the keys of those that it shares. */
+/* weld_add() - add the next piece: its number of vertices, and the keys of its shared vertices. */
 CHECKED status weld_add(weld *w, uint32_t vertices, const hash_id *keys, uint32_t shares);
 
-/* weld_end() - all pieces have been added. Until it returns, it takes up to what m's limit leaves,
- * less `spare` bytes. */
+/* weld_end() - call it when all pieces have been added. While it runs, it takes up to what m's
+ * limit leaves, less `spare` bytes. */
 CHECKED status weld_end(weld *w, uint64_t spare);
 
-/* weld_vertices() - of all pieces, each once. weld_first() - the number of the first one that a
- * piece owns. */
+/* weld_vertices() - vertices of all pieces, each counted once. weld_first() - number of the first
+ * vertex that a piece owns. */
 uint64_t weld_vertices(const weld *w);
 uint64_t weld_first(const weld *w, uint32_t index);
 
-/* weld_knows() - whether a piece that was made again has as many vertices and shares as before: the
- * functions below take no other. */
+/* weld_knows() - returns whether a piece that was made again has as many vertices and shares as
+ * before. The functions below need that. */
 bool weld_knows(const weld *w, uint32_t index, const piece *p);
 
-/* weld_owned() - the vertices that piece `index` owns, in the order of their numbers; returns how
- * many. order: room for its vertices. Thread-safe. */
+/* weld_owned() - write the vertices that piece `index` owns, in the order of their numbers. Returns
+ * how many. order: room for all its vertices. Thread-safe. */
 uint32_t weld_owned(const weld *w, uint32_t index, const piece *p, uint32_t *order);
 
-/* weld_numbers() - the number of each of its vertices; scratch: room for as many. Thread-safe. */
+/* weld_numbers() - write the number of each of the piece's vertices. scratch: room for as many.
+ * Thread-safe. */
 CHECKED status weld_numbers(const weld *w, uint32_t index, const piece *p, uint64_t *numbers,
                             uint64_t *scratch);
 

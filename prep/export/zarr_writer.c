@@ -12,12 +12,12 @@
 #include "prep/export/grid_box.h"
 #include "prep/export/head_text.h"
 
-/* zstd holds more than a chunk while it packs one; see bench_bytes(). */
+/* While zstd packs a chunk it needs more than the chunk; see bench_bytes(). */
 enum { SIDE = 64, LEVEL = 3, NAME_ROOM = 64, SPARE_BYTES = 64 << 10 };
 
-/* What a thread works with. */
+/* Buffers of a thread. */
 typedef struct bench {
-    char *samples, *payload, *stored, *packed; /* stored: NULL where nothing is packed */
+    char *samples, *payload, *stored, *packed; /* stored: NULL if nothing is packed */
     ZSTD_CCtx *zstd;
 } bench;
 
@@ -28,12 +28,12 @@ typedef struct writer {
     pool *workers;
     int threads;
     bench *benches;
-    uint32_t side[3], chunks[3]; /* samples of a chunk; chunks of a step */
+    uint32_t side[3], chunks[3]; /* samples per chunk; chunks per step */
     size_t width, chunk, payload, bound;
-    uint32_t step, layer; /* under way */
+    uint32_t step, layer; /* the current ones */
 } writer;
 
-/* ---- what it can hold ---- */
+/* ---- limits of the format ---- */
 
 status zarr_writer_check(const grid *g) {
     bool plain = !grid_is_rectilinear(g);
@@ -64,7 +64,7 @@ const char *zarr_writer_loses_times(const sample_times *times) {
 
 /* ---- JSON ---- */
 
-/* A text as JSON has it, quoted. */
+/* Add a text as a quoted JSON string. */
 static void add_text(head_text *h, const char *text) {
     json_t *string = json_string(text);
     char *quoted = string ? json_dumps(string, JSON_ENCODE_ANY) : NULL;
@@ -85,7 +85,8 @@ static void add_axis(head_text *h, const char *name, const char *type, const cha
     head_text_add(h, "}%s", strcmp(name, "x") ? ", " : "");
 }
 
-/* A transformation by its name: a number for times, those of the map's diagonal or last column. */
+/* Add a transformation by name: a number for time if there is one, then the map's diagonal or last
+ * column. */
 static void add_numbers(head_text *h, const char *name, const grid *g, bool origin,
                         const double *time) {
     head_text_add(h, "{\"type\": \"%s\", \"%s\": [", name, name);
@@ -192,7 +193,8 @@ static status load_box(const writer *w, const bench *b, const grid_box *box, uin
     return st;
 }
 
-/* From rows of the box to those of a whole chunk, the last first: what is beyond the grid is 0. */
+/* Spread rows of the box to those of a whole chunk, in place and so from the last row. Samples
+ * beyond the grid are 0. */
 static void spread(const writer *w, const bench *b, const grid_box *box) {
     const size_t row = w->side[0] * w->width;
     const size_t own = (box->end[0] - box->lo[0]) * w->width;
@@ -262,7 +264,7 @@ static bool is_packed(const writer *w) {
     return w->e->f->header.codec != LEAF_CODEC_RAW;
 }
 
-/* Outside of mem zstd holds its tables and the chunk once more. */
+/* zstd allocates its tables and another copy of the chunk outside of mem. */
 static uint64_t bench_bytes(const writer *w) {
     return w->chunk + w->bound + (is_packed(w) ? 2 : 1) * w->payload + w->chunk + (1 << 20);
 }

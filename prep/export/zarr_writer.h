@@ -14,14 +14,14 @@
 
 #include "prep/export/sample_format.h"
 
-/* zarr_writer_check() - ST_UNSUPPORTED for a rectilinear grid, and for one whose axes are turned,
- * sheared or reversed against the world's. zarr_writer_loses() - see sample_format. */
+/* zarr_writer_check() - ST_UNSUPPORTED for a rectilinear grid, or axes that are turned, sheared or
+ * reversed against the world's. zarr_writer_loses(), .._times() - see sample_format.h. */
 CHECKED status zarr_writer_check(const grid *g);
 const char *zarr_writer_loses(const grid *g);
 const char *zarr_writer_loses_times(const sample_times *times);
 
-/* zarr_writer_run() - all of it; see out_folder.h. ST_NOMEM names the smallest budget that would
- * do. */
+/* zarr_writer_run() - write the whole folder; see out_folder.h. ST_NOMEM names the smallest budget
+ * that would do. */
 CHECKED status zarr_writer_run(mem *m, const sample_export *e);
 
 #endif

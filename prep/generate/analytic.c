@@ -5,12 +5,12 @@
 
 #include "formats/base/portable_math.h"
 
-/* The table of an axis from column c on. */
+/* Column c of an axis' table. */
 static const double *column(const analytic *a, int axis, int c) {
     return a->table[axis] + (size_t)c * a->dims[axis];
 }
 
-/* The value in column c at the strip's place on the y or z axis, and the strip's values on the x
+/* Value of column c at the strip's place on the y or z axis; values of the strip along the x
  * axis. */
 static double at_y(const analytic *a, const analytic_strip *s, int c) {
     return column(a, 1, c)[s->j];
@@ -135,7 +135,7 @@ static void evaluate_buckyball(const analytic *a, const analytic_strip *s, const
     memset(out, 0, s->width * sizeof *out);
     for (int atom = 0; atom < ATOMS; atom++) {
         double weight = at_y(a, s, atom) * at_z(a, s, atom);
-        /* Too far from this row to change a float near an interesting value. */
+        /* Skip atoms that are too far from this row to change a float near an interesting value. */
         if (weight < 1e-12)
             continue;
         const double *x = along_x(a, s, atom);

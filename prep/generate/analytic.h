@@ -1,8 +1,8 @@
-/* analytic.h - the fields given by a formula, evaluated a strip of a row at a time.
+/* analytic.h - fields given by a formula, evaluated in strips of a row.
  *
- * What depends on one coordinate alone is tabulated per axis, so that a sample costs additions,
- * multiplications and at most a square root or an exponential. Everything is elementwise in a fixed
- * order: no result depends on strips, vectors or threads.
+ * Terms of one coordinate alone are tabulated per axis. So a sample costs additions,
+ * multiplications and at most a square root or an exponential. All is elementwise in a fixed order:
+ * results do not depend on strips, vectors or threads.
  */
 #ifndef PREP_GENERATE_ANALYTIC_H
 #define PREP_GENERATE_ANALYTIC_H
@@ -35,18 +35,19 @@ struct analytic_kind {
     field_info info;
     int columns;                                       /* of each axis' table */
     void (*set_up)(double *parameters, uint64_t seed); /* may be NULL */
-    /* the table's columns at coordinate x of an axis: out[c * stride] */
+    /* Compute the table's columns at coordinate x of an axis: out[c * stride]. */
     void (*tabulate)(const double *parameters, int axis, double x, double *out, size_t stride);
-    /* what strips of the same i, width and j share, whatever k: shared[ANALYTIC_STRIP]; may be NULL
+    /* Compute terms that strips of the same i, width and j share for all k: shared[ANALYTIC_STRIP].
+     * May be NULL.
      */
     void (*prepare)(const analytic *a, const analytic_strip *s, double *shared);
     void (*evaluate)(const analytic *a, const analytic_strip *s, const double *shared, double *out);
 };
 
-/* analytic_kinds() - all of them. */
+/* analytic_kinds() - all kinds; *count: how many. */
 const analytic_kind *analytic_kinds(size_t *count);
 
-/* analytic_init() - set up and tabulate; a is released in any case. */
+/* analytic_init() - set up and tabulate. Release a in any case. */
 CHECKED status analytic_init(analytic *a, mem *m, const analytic_kind *kind, const uint32_t dims[3],
                              uint64_t seed);
 void analytic_release(analytic *a, mem *m);

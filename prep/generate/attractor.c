@@ -11,12 +11,12 @@ const field_info attractor_info = {
 
 enum {
     LANES = 8,            /* orbits integrated side by side */
-    GROUPS = 32,          /* of so many orbits: what threads share out */
+    GROUPS = 32,          /* groups of LANES orbits, the unit of work for threads */
     WARM_UP = 2000,       /* steps until an orbit is on the attractor */
     POINTS_PER_NODE = 64, /* points = this times the square of the longest edge: the attractor is
                              nearly a surface */
     LEAST_EDGE = 128,     /* ... but never fewer than for this edge */
-    ONE = 16              /* the weight of a node per axis, in whole parts */
+    ONE = 16              /* weight of a whole point along an axis */
 };
 
 #define STEP   0.004
@@ -110,8 +110,8 @@ static void start(const attractor *a, size_t group, orbits *p) {
 
 /* ---- counting ---- */
 
-/* The node below a coordinate and the weight of the one above, in parts of ONE; false outside the
- * grid. */
+/* Find the node below a coordinate, and the weight of the node above in parts of ONE. Returns false
+ * outside the grid. */
 static bool locate(double at, uint32_t nodes, uint32_t *node, uint32_t *above) {
     if (!(at >= 0 && at < nodes - 1.0))
         return false;
@@ -137,7 +137,7 @@ static void deposit(attractor *a, const uint32_t node[3], const uint32_t above[3
     }
 }
 
-/* A point and its mirror image: the attractor is symmetric about its z axis. */
+/* Count a point and its mirror image: the attractor is symmetric about its z axis. */
 static void count_point(attractor *a, double x, double y, double z) {
     uint32_t node[3], above[3];
     double at_z = (z - CENTRE) * a->scale + 0.5 * (a->dims[2] - 1.0);

@@ -1,8 +1,8 @@
-/* attractor.h - the Lorenz attractor as a density: how often its orbits pass by each node.
+/* attractor.h - the Lorenz attractor as a density: how often its orbits pass each node.
  *
- * A fixed set of orbits is integrated by Runge and Kutta's method with + - * alone, and each point
- * shared out to the eight nodes around it in whole numbers, so that the sums depend on no order.
- * The orbits are integrated again for every block: memory is bounded by the counters of one block.
+ * A fixed set of orbits is integrated by Runge and Kutta's method with + - * alone. Each point is
+ * shared out to the eight nodes around it in whole numbers, so the sums depend on no order. The
+ * orbits are integrated again for every block: memory is bounded by one block's counters.
  */
 #ifndef PREP_GENERATE_ATTRACTOR_H
 #define PREP_GENERATE_ATTRACTOR_H
@@ -18,15 +18,16 @@ typedef struct attractor attractor;
 
 extern const field_info attractor_info;
 
-/* attractor_create() - room for blocks of at most `samples` nodes. */
+/* attractor_create() - samples: most nodes of a block. */
 CHECKED status attractor_create(mem *m, const uint32_t dims[3], uint64_t seed, size_t samples,
                                 attractor **out);
 void attractor_destroy(attractor *a); /* NULL is fine */
 
-/* attractor_count() - integrate, and count for the nodes of a block. */
+/* attractor_count() - integrate all orbits, and count their points at the nodes of a block. */
 CHECKED status attractor_count(attractor *a, pool *p, const field_block *block);
 
-/* attractor_values() - the density at count nodes of the counted block, from its first + n on. */
+/* attractor_values() - densities at `count` nodes of the counted block, from its node `first`
+ * on. */
 void attractor_values(const attractor *a, size_t first, size_t count, double *out);
 
 #endif

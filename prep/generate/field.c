@@ -11,8 +11,8 @@ struct field {
     mem *m;
     uint32_t dims[3];
     double lo, hi;
-    analytic formula;  /* in use unless there are orbits */
-    attractor *orbits; /* NULL for a formula */
+    analytic formula;  /* used if orbits is NULL */
+    attractor *orbits; /* NULL: the field is a formula */
 };
 
 const field_info *field_at(size_t index) {
@@ -94,7 +94,7 @@ void field_quantise(double lo, double hi, sample_type type, const double *values
         for (size_t n = 0; n < count; n++)
             ((float *)samples)[n] = (float)values[n];
         break;
-    default: assert(false); break; /* a caller's bug: no type that fields have */
+    default: assert(false); break; /* a caller's bug: fields have no other type */
     }
 }
 
@@ -112,7 +112,7 @@ static char *sample_at(const filling *fill, uint32_t i, uint32_t row, uint32_t s
     return fill->samples + index * sample_size(fill->type);
 }
 
-/* One strip in every slice of the block. */
+/* Fill one strip of a row in every slice of the block. */
 static void fill_strips(const filling *fill, uint32_t i, uint32_t row) {
     const field *f = fill->f;
     const analytic *a = &f->formula;
@@ -138,7 +138,7 @@ static status fill_row(void *ctx, size_t row, int worker) {
     return ST_OK;
 }
 
-/* The counted densities of one slice. */
+/* Convert the counted densities of one slice. */
 static status convert_slice(void *ctx, size_t slice, int worker) {
     (void)worker;
     const filling *fill = ctx;

@@ -1,13 +1,12 @@
-/* field.h - analytic test volumes: what they are, and their samples, block by block.
+/* field.h - analytic test volumes: a list of them, and their samples, block by block.
  *
  * The same field, sizes, type and seed give the same bytes on any CPU, with any number of threads
  * and any blocks.
  *
- * Node i of an axis of n nodes lies at (2 i - (n - 1)) / (m - 1), m being the largest of the three
- * sizes: the volume fills
- * [-1, 1] along its longest axis and is centred on 0. A field gives real values; f32 stores them as
- * they are, u8 and u16 map [lo, hi] of the field linearly to [0, 255] or [0, 65535], round to
- * nearest and clamp.
+ * Node i of an axis of n nodes lies at (2 i - (n - 1)) / (m - 1), where m is the largest of the
+ * three sizes. So the volume fills [-1, 1] along its longest axis and is centred on 0. A field
+ * gives real values. f32 stores them as they are. u8 and u16 map [lo, hi] of the field linearly to
+ * [0, 255] or [0, 65535], round to nearest and clamp.
  */
 #ifndef PREP_GENERATE_FIELD_H
 #define PREP_GENERATE_FIELD_H
@@ -24,36 +23,36 @@
 typedef struct field_info {
     const char *name;
     const char *about; /* what it is and which isovalues are interesting, for --help */
-    double lo, hi;     /* what u8 and u16 map to their ends */
-    bool seeded;       /* a seed gives another one of its kind */
+    double lo, hi;     /* values that become the ends of u8 and u16 */
+    bool seeded;       /* the field depends on the seed */
 } field_info;
 
-/* field_at() - the fields there are, by index from 0 on; NULL behind the last. field_find() - the
- * one of this name, or NULL. */
+/* field_at() - the field of an index, from 0 on; NULL behind the last. field_find() - the field of
+ * this name, or NULL. */
 const field_info *field_at(size_t index);
 const field_info *field_find(const char *name);
 
 typedef struct field field;
 
-/* field_create() - a field on a grid of dims nodes. seed: of those that are seeded. samples:
- * at most so many are asked of one field_fill(); the attractor has a counter for each, and
- * integrates its orbits again for every fill. */
+/* field_create() - a field on a grid of dims nodes. seed: used by seeded fields only. samples: most
+ * samples of one field_fill(). The attractor has a counter for each, and integrates its orbits
+ * again for every fill. */
 CHECKED status field_create(mem *m, const field_info *info, const uint32_t dims[3], uint64_t seed,
                             size_t samples, field **out);
 void field_destroy(field *f); /* NULL is fine */
 
-/* A part of the volume whose samples follow each other: whole slices, or some rows of one slice. */
+/* A part of the volume with consecutive samples: whole slices, or some rows of one slice. */
 typedef struct field_block {
-    uint32_t slice, slices; /* first, and how many */
-    uint32_t row, rows;     /* all rows where slices > 1 */
+    uint32_t slice, slices; /* the first, and how many */
+    uint32_t row, rows;     /* all rows if slices > 1 */
 } field_block;
 
-/* field_fill() - the samples of a block, of type u8, u16 or f32, native byte order. */
+/* field_fill() - compute the samples of a block, of type u8, u16 or f32, in native byte order. */
 CHECKED status field_fill(field *f, pool *p, const field_block *block, sample_type type,
                           void *samples);
 
-/* field_quantise() - count real values as samples of a type; lo and hi go to the ends of u8 and
- * u16. */
+/* field_quantise() - convert count real values to samples of a type. lo and hi become the ends of
+ * u8 and u16. */
 void field_quantise(double lo, double hi, sample_type type, const double *values, size_t count,
                     void *samples);
 

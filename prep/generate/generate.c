@@ -11,11 +11,11 @@ typedef struct job {
     pool *threads;
     nrrd_writer *writer;
     const progress *progress;
-    field_block block; /* sizes: the largest; the last ones are smaller */
+    field_block block; /* with the largest sizes; the last blocks are smaller */
     void *samples;
 } job;
 
-/* Blocks of whole slices where one fits, otherwise of rows. */
+/* Choose blocks of whole slices if one fits, otherwise of rows. */
 static field_block choose_block(const mem *m, const grid *g) {
     uint64_t room = m->limit && m->limit / 4 < BLOCK_BYTES ? m->limit / 4 : BLOCK_BYTES;
     uint64_t slices = room / grid_slice_bytes(g);

@@ -1,4 +1,4 @@
-/* generate.h - an analytic field as an NRRD, written as a stream: memory does not grow with the
+/* generate.h - writes an analytic field as NRRD, as a stream: memory does not grow with the
  * volume. */
 #ifndef PREP_GENERATE_GENERATE_H
 #define PREP_GENERATE_GENERATE_H
@@ -21,7 +21,7 @@ typedef struct generate_options {
 } generate_options;
 
 /* generate_volume() - g gives sizes, type (u8, u16 or f32) and placement. Works in blocks of 32 MiB
- * of samples, or a quarter of m's limit where that is less. The same bytes for any number of
+ * of samples, or a quarter of m's limit if that is less. The bytes are the same for any number of
  * threads and any limit. */
 CHECKED status generate_volume(mem *m, const grid *g, const generate_options *options,
                                const progress *p);

@@ -1,4 +1,4 @@
-/* leafcast generate - analytic test volumes as NRRD, or as meshes of tets. */
+/* leafcast generate - writes analytic test volumes as NRRD, or as meshes of tets. */
 #include <jansson.h>
 #include <stdio.h>
 #include <string.h>
@@ -116,7 +116,7 @@ static status find_field(arguments *a) {
     return status_describe(ST_USAGE, "no field \"%s\"; --help lists them", a->common.input);
 }
 
-/* What makes no sense together. */
+/* Refuse options that do not go together. */
 static status check(void *own) {
     arguments *a = own;
     status st = find_field(a);

@@ -11,9 +11,9 @@
 #include "formats/mesh/mesh_stream.h"
 
 enum {
-    BLOCK_BYTES = 4 << 20,  /* of points and tets: they stay in a cache until they are written */
-    VALUE_BYTES = 32 << 20, /* of values: the attractor starts again for each block */
-    PIECE_BYTES = 64 << 10, /* that a thread makes at a time */
+    BLOCK_BYTES = 4 << 20,  /* of points and tets: a block stays in a cache until it is written */
+    VALUE_BYTES = 32 << 20, /* of values: large, since the attractor starts again for each block */
+    PIECE_BYTES = 64 << 10, /* bytes that a thread makes at a time */
 };
 
 typedef struct job {
@@ -22,7 +22,7 @@ typedef struct job {
     pool *threads;
     const mesh_sink *sink;
     const progress *progress;
-    double done, whole; /* bytes of the mesh stream */
+    double done, whole; /* in bytes of the mesh stream */
 } job;
 
 static size_t room(const mem *m, size_t bytes) {
@@ -34,16 +34,16 @@ static status advance(job *j, size_t bytes) {
     return progress_step(j->progress, "generating", j->done / j->whole);
 }
 
-/* ---- points and tets: rows that know nothing of each other ---- */
+/* ---- points and tets: rows that are independent of each other ---- */
 
 typedef struct row_job {
     job *j;
     bool tets;           /* else points */
-    uint64_t count;      /* in the whole mesh */
+    uint64_t count;      /* rows in the whole mesh */
     size_t size;         /* bytes of a row */
     uint32_t items;      /* points or tets of a row */
-    uint64_t first;      /* of the block */
-    size_t block, piece; /* rows in it; rows a thread makes at a time */
+    uint64_t first;      /* first row of the block */
+    size_t block, piece; /* rows in a block; rows a thread makes at a time */
     char *buffer;
 } row_job;
 
@@ -105,12 +105,12 @@ static status make_rows(mem *m, job *j, bool tets) {
 typedef struct value_job {
     job *j;
     field *f;
-    field_block block; /* sizes: the largest */
-    size_t count;      /* samples that the largest holds */
+    field_block block; /* with the largest sizes */
+    size_t count;      /* samples of the largest block */
     float *samples;
 } value_job;
 
-/* Whole slices where one fits, otherwise rows. */
+/* Choose whole slices if one fits, otherwise rows. */
 static field_block choose_block(size_t bytes, const uint32_t dims[3]) {
     uint64_t row = dims[0] * sizeof(float), slice = row * dims[1];
     uint64_t slices = bytes / slice, count = bytes / row;
@@ -132,7 +132,7 @@ static status hand_values(value_job *v, const field_block *b, uint32_t copy, boo
     return st == ST_OK ? advance(j, count * sizeof(float)) : st;
 }
 
-/* The values of one copy; those of the first serve again where one block holds them all. */
+/* Hand over the values of one copy. The first copy's values are reused if one block holds all. */
 static status hand_copy(value_job *v, uint32_t copy) {
     const uint32_t *dims = v->j->lattice.shape.dims;
     const bool filled = copy > 0 && v->count == v->j->lattice.copy_points;
@@ -166,7 +166,7 @@ static status make_values(mem *m, job *j) {
 
 /* ---- the mesh ---- */
 
-/* Of a series of `steps` meshes, number `step`. */
+/* Generate step `step` of a series of `steps` meshes. */
 static status generate(mem *m, const tet_generate_options *options, const mesh_sink *sink,
                        const progress *p, uint32_t step, uint32_t steps) {
     job j = {.options = options, .sink = sink, .progress = p};
@@ -213,7 +213,7 @@ static status write_tets(void *writer, size_t count, const uint32_t (*ids)[4]) {
 }
 
 typedef struct series {
-    tet_generate_options options; /* of the step */
+    tet_generate_options options; /* for the current step */
     const char *output;
     bool force;
     const progress *progress;
@@ -238,7 +238,7 @@ static status write_file(mem *m, const series *s, const char *path) {
     return st;
 }
 
-/* What would stop a series in its middle. */
+/* Check all names first: an existing file would stop a series in its middle. */
 static status check_names(series *s) {
     char path[PATH_MAX];
     status st = ST_OK;

@@ -9,11 +9,11 @@
 #include "formats/base/portable_math.h"
 #include "formats/mesh/mesh_input.h"
 
-/* Beyond these a product with a number of cells might leave the range of floats. */
+/* Outside of this range, a product with a number of cells might leave the range of floats. */
 #define SPACING_LEAST 1e-30
 #define SPACING_MOST  1e30
 
-/* ---- what may be asked for ---- */
+/* ---- limits ---- */
 
 static status check_axis(const tet_lattice_shape *s, int a) {
     assert(s->dims[a] >= 2 && s->copies[a] >= 1);
@@ -29,7 +29,7 @@ static status check_axis(const tet_lattice_shape *s, int a) {
     return ST_OK;
 }
 
-/* The limits of the axes keep these below 2^60. */
+/* The limits of the axes keep these counts below 2^60. */
 uint64_t tet_lattice_count_points(const tet_lattice_shape *s) {
     uint64_t points = 1;
     for (int a = 0; a < 3; a++)
@@ -63,7 +63,7 @@ status tet_lattice_check(const tet_lattice_shape *s) {
 
 /* ---- set-up ---- */
 
-/* An order of the axes, and whether a tet along it is inverted. */
+/* An order of the axes, and whether a tet along it would be inverted. */
 static const struct {
     uint8_t axis[3];
     uint8_t odd;
@@ -87,7 +87,7 @@ static void set_corners(tet_lattice *l) {
     }
 }
 
-/* Both sines of an axis of n nodes; exactly 0 at its ends. */
+/* Tabulate both sines for an axis of n nodes; they are exactly 0 at its ends. */
 static void tabulate(double *sine, uint32_t n) {
     double turns = 2.0 * (n - 1);
     for (uint32_t i = 1; i + 1 < n; i++) {
@@ -130,7 +130,7 @@ void tet_lattice_release(tet_lattice *l, mem *m) {
 
 /* ---- rows ---- */
 
-/* Where a row lies: its copy, and where its first node is in that. */
+/* A row's copy, and the place of its first node in that copy. */
 typedef struct row_index {
     uint32_t copy;
     uint32_t j, k;
@@ -150,7 +150,7 @@ void tet_lattice_points(const tet_lattice *l, uint64_t row, float (*xyz)[3]) {
     const double x = (double)(p.copy % copies[0]) * (dims[0] - 1);
     const double y = (double)(p.copy / copies[0] % copies[1]) * (dims[1] - 1) + p.j;
     const double z = (double)(p.copy / copies[0] / copies[1]) * (dims[2] - 1) + p.k;
-    /* The swirl's factors along y and z; [0] of one half wave, [1] of two. */
+    /* The swirl's factors along y and z: [0] of one half wave, [1] of two. */
     const double sy[2] = {l->sine[1][p.j], l->sine[1][dims[1] + p.j]};
     const double sz[2] = {l->sine[2][p.k], l->sine[2][dims[2] + p.k]};
     const double along_x = l->amplitude * (sy[1] * sz[0]);

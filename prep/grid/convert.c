@@ -17,7 +17,7 @@
 #define LEAFCAST_VERSION "0"
 #endif
 
-/* One thread's tools. */
+/* Buffers of one thread. */
 typedef struct bench {
     treelet_scratch *scratch;
     void *payload;
@@ -25,12 +25,12 @@ typedef struct bench {
     leaf_packer *packer;
 } bench;
 
-/* One level under way. */
+/* State of one level. */
 typedef struct stage {
     slab *slab;
     pyramid *up;                /* makes the next level's slices; NULL at the last */
-    char *coarse;               /* and here they come out */
-    uint8_t *busy;              /* their maps; NULL: there are none */
+    char *coarse;               /* buffer for those slices */
+    uint8_t *busy;              /* maps of those slices; NULL: there are none */
     deviation_build *deviation; /* of the next level; NULL: the file has none */
 } stage;
 
@@ -41,14 +41,14 @@ typedef struct conversion {
     const progress *p;
     leaf_writer *writer;
     const leaf_layout *layout;
-    uint32_t set; /* under way */
+    uint32_t set; /* the current one */
     pool *workers;
-    bench *benches; /* one a worker */
+    bench *benches; /* one per worker */
     stage stages[LEAF_LEVELS_MAX];
     read_ahead *input;
-    const void *quiet; /* the value of what maps say is not busy; NULL: there are no maps */
+    const void *quiet; /* value of tiles that maps call not busy; NULL: there are no maps */
     uint32_t slices_done;
-    /* Of the histogram; cells is NULL where there is to be none. */
+    /* For the histogram; cells is NULL if the file has none. */
     histogram_draw draw;
     histogram_space space;
     histogram_cell *cells;
@@ -63,7 +63,7 @@ typedef struct cutting {
     uint32_t level;
 } cutting;
 
-/* All its samples are the quiet value. */
+/* Record a treelet of which all samples are the quiet value. */
 static void imply_treelet(const conversion *c, uint32_t t) {
     const float value = sample_get(c->layout->type, c->quiet, 0);
     const leaf_entry entry = {.own = {value, value}};
@@ -105,7 +105,7 @@ static status make_family(void *ctx, size_t index, int worker) {
     return ST_OK;
 }
 
-/* The share of all sets. */
+/* Share of the work on all sets that is done. */
 static double done(const conversion *c) {
     return (c->set + (double)c->slices_done / c->layout->level[0].dims[2]) / c->layout->sets;
 }
@@ -243,7 +243,7 @@ static void end_deviations(const conversion *c, const grid *g) {
         deviation_build_end(c->layout, c->set, grid_is_rectilinear(g), range, codes);
 }
 
-/* The input may tell where it is one value: then all levels do. */
+/* If the input tells which tiles have one value, keep such maps for all levels. */
 static status begin_maps(conversion *c) {
     c->quiet = read_ahead_quiet(c->input);
     for (uint32_t level = 0; c->quiet && level + 1 < c->layout->levels; level++) {
@@ -261,7 +261,7 @@ static status begin_maps(conversion *c) {
     return ST_OK;
 }
 
-/* All samples have been put. */
+/* Call it when all samples have been put. */
 static status check_empty(const conversion *c, const grid *g) {
     bool empty = c->o->refuse_empty;
     for (uint32_t set = 0; set < c->layout->sets && empty; set++) {
@@ -299,7 +299,7 @@ static void end_histogram(conversion *c, const grid *g) {
         (void)histogram_find_marker(c->cells, c->draw.count, range, &c->marker);
 }
 
-/* What one set has for itself. */
+/* Free what belongs to one set. */
 static void release_set(conversion *c) {
     mem_free(c->m, c->cells);
     read_ahead_destroy(c->input);
@@ -315,7 +315,7 @@ static void release_set(conversion *c) {
     c->input = NULL;
 }
 
-/* Everything but the writer, which leaf_writer_finish() consumes. */
+/* Free all but the writer, which leaf_writer_finish() consumes. */
 static void release(conversion *c) {
     release_set(c);
     for (int i = 0; c->benches && i < c->o->threads; i++) {
@@ -336,7 +336,7 @@ static void describe_origin(const convert_options *o, sample_type source, char *
              LEAFCAST_VERSION, sample_name(source), 1 << o->file.cells_log2, o->file.halo, codec);
 }
 
-/* All of v, the samples of c->set; facts: what was seen is added. */
+/* Convert all of v into set c->set. Adds to facts what was seen. */
 static status convert_set(conversion *c, volume *v, const char *output, read_ahead_facts *facts) {
     const grid *g = volume_grid(v);
     c->slices_done = 0;
@@ -364,7 +364,7 @@ static status convert_set(conversion *c, volume *v, const char *output, read_ahe
     return st;
 }
 
-/* The volume of c->set, in place of the one before: which may be read on. */
+/* Get the volume of c->set: by reading on in the previous one, or by opening another. */
 static status next_volume(const conversion *c, volume *first, volume **v) {
     const grid_series *series = c->o->series;
     if (grid_series_follows(series, c->set) && volume_next_step(*v))
@@ -376,7 +376,7 @@ static status next_volume(const conversion *c, volume *first, volume **v) {
     return grid_series_open(c->m, series, c->set, v);
 }
 
-/* first: the first set's; others are opened here, one at a time. */
+/* first: volume of the first set. The others are opened here, one at a time. */
 static status convert_sets(conversion *c, volume *first, const char *output,
                            read_ahead_facts *facts) {
     volume *v = first;

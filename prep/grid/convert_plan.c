@@ -9,7 +9,7 @@
 #include "prep/grid/read_ahead.h"
 #include "prep/grid/treelet_build.h"
 
-/* Book-keeping: the thread pool, stacks as far as they are touched, rounding of blocks. */
+/* Memory not counted elsewhere: the thread pool, touched parts of stacks, rounding of blocks. */
 enum { FIXED_BYTES = 256 << 10, THREAD_BYTES = 64 << 10, SPILLED_BATCH_MAX = 16 };
 
 slab_plan convert_plan_slab(const convert_plan *plan, uint32_t level, int threads) {
@@ -26,7 +26,7 @@ uint32_t convert_plan_slices(const convert_plan *plan, uint32_t level) {
     return slices < all ? slices : all;
 }
 
-/* Bytes that do not depend on how slabs are held. */
+/* Bytes needed however slabs are held. */
 static uint64_t fixed_memory(const grid *g, const convert_options *o, const leaf_layout *l,
                              uint64_t packer) {
     uint64_t thread = leaf_layout_payload_max(l) + leaf_writer_pack_bytes(l, o->file.codec) +
@@ -64,10 +64,11 @@ static uint64_t slab_side_memory(const grid *g, const convert_options *o,
 
 /* ---- sizes of the file ---- */
 
-/* Families along one axis fall into up to three sorts by the cells of their one or two treelets. */
+/* Families along one axis, grouped by the cells of their one or two treelets. There are up to three
+ * such groups. */
 typedef struct sort {
     uint64_t count;
-    uint32_t cells[2]; /* 0: there is no second */
+    uint32_t cells[2]; /* 0: there is no second treelet */
 } sort;
 
 static int family_sorts(uint32_t cells, uint32_t b, sort sorts[3]) {
@@ -101,7 +102,7 @@ static uint64_t family_size(const leaf_layout *l, const sort *x, const sort *y, 
     return bytes;
 }
 
-/* Where the payloads begin. */
+/* Bytes in front of the payloads. */
 static uint64_t directory_size(const leaf_layout *l, const grid *g, const convert_options *o) {
     const leaf_sets *sets = o->series ? &o->series->sets : NULL;
     const leaf_header h = {.kind = LEAF_KIND_GRID,
@@ -157,7 +158,7 @@ static void plan_sizes(convert_plan *plan, const grid *g, const convert_options 
 
 /* ---- choosing ---- */
 
-/* Level-0 slabs stay in memory only where two of them are at most half the budget. */
+/* Level-0 slabs stay in memory only if two of them take at most half the budget. */
 static bool may_hold(const convert_plan *plan, const convert_options *o) {
     if (plan->spilled_levels > 0)
         return true;
@@ -165,7 +166,7 @@ static bool may_hold(const convert_plan *plan, const convert_options *o) {
     return slab_memory(&plan->layout, 0, &held) <= o->memory / 4;
 }
 
-/* The least that this many spilled levels need: slices one by one, columns one family wide. */
+/* The least memory with this many spilled levels: single slices, columns one family wide. */
 static uint64_t least_memory(const grid *g, const convert_options *o, const convert_plan *plan,
                              uint32_t spilled) {
     convert_plan least = *plan;
@@ -175,8 +176,8 @@ static uint64_t least_memory(const grid *g, const convert_options *o, const conv
     return slab_side_memory(g, o, &least);
 }
 
-/* With plan->spilled_levels given: the widest columns, and with them the most slices at once, that
- * fit. */
+/* With plan->spilled_levels given: choose the widest columns that fit, then the most slices at
+ * once. */
 static bool choose_sizes(const grid *g, const convert_options *o, convert_plan *plan,
                          uint64_t room) {
     uint32_t most = plan->spilled_levels ? SPILLED_BATCH_MAX : 2u << plan->layout.cells_log2;
@@ -194,8 +195,8 @@ static bool choose_sizes(const grid *g, const convert_options *o, convert_plan *
     }
 }
 
-/* What is lent to an importer is in what the user gives: plan->memory_least and memory_in_core are
- * of all. */
+/* The user's budget includes what is lent to importers. So raise plan->memory_least and
+ * memory_in_core to cover that, too. */
 static void count_lent(const mem *m, const convert_options *o, convert_plan *plan) {
     const double share = o->memory ? (double)m->lent / (double)o->memory : 0;
     plan->memory_least += (uint64_t)ceil((double)plan->memory_least * share);

@@ -1,7 +1,7 @@
-/* convert_plan.h - how a conversion will go about it: levels, sizes, and what is held in memory.
+/* convert_plan.h - plans a conversion: levels, sizes, and what is held in memory.
  *
- * Everything a conversion allocates is counted here beforehand, so that it fails at once or not at
- * all. Nothing in a plan but the file's parameters has an influence on the file.
+ * All memory of a conversion is counted here beforehand, so that it fails at once or not at all. Of
+ * a plan, only the file's parameters influence the file.
  */
 #ifndef PREP_GRID_CONVERT_PLAN_H
 #define PREP_GRID_CONVERT_PLAN_H
@@ -17,39 +17,39 @@
 #include "prep/grid/grid_series.h"
 #include "prep/grid/slab.h"
 
-/* What the user asks for. */
+/* The user's choices. */
 typedef struct convert_options {
     leaf_parameters file;
     uint64_t memory;           /* budget in bytes */
-    int threads;               /* >= 1, beside the one that reads */
+    int threads;               /* >= 1, without the reading thread */
     bool force;                /* replace an existing output */
-    bool refuse_empty;         /* without any sample that is a number: ST_UNSUPPORTED */
-    const grid_series *series; /* checked; NULL: the volume alone */
+    bool refuse_empty;         /* ST_UNSUPPORTED if no sample is a number */
+    const grid_series *series; /* checked; NULL: a single volume */
 } convert_options;
 
 typedef struct convert_plan {
-    leaf_layout layout;       /* levels alone, no arrays: nothing to release */
+    leaf_layout layout;       /* levels only, no arrays: needs no release */
     uint32_t batch;           /* level-0 slices read at once */
-    uint32_t spilled_levels;  /* the finest ones, whose slabs go through a scratch file */
-    uint32_t column_families; /* width of a spilled column */
-    uint64_t memory;          /* bytes it will take, what is used already included */
-    uint64_t memory_in_core;  /* the smallest budget under which no slab is spilled */
-    uint64_t memory_least;    /* the smallest budget that would do, with these threads */
-    uint64_t spill_bytes;     /* size of the scratch files of slabs */
+    uint32_t spilled_levels;  /* number of finest levels whose slabs go through a scratch file */
+    uint32_t column_families; /* families across a spilled column */
+    uint64_t memory;          /* bytes of the conversion, with what is in use already */
+    uint64_t memory_in_core;  /* smallest budget with which no slab is spilled */
+    uint64_t memory_least;    /* smallest budget that would do with this many threads */
+    uint64_t spill_bytes;     /* bytes of the slabs' scratch files */
     uint64_t payload_bytes;   /* before compression */
-    uint64_t file_bytes;      /* at most; raw codec: exactly, but for payloads that are implied */
+    uint64_t file_bytes;      /* at most; raw codec: exact unless payloads are implied */
 } convert_plan;
 
-/* convert_plan_make() - the fastest plan within o->memory; m is where the budget is taken from, and
- * lends a little. ST_NOMEM, naming the smallest budget that would do (then also in
- * plan->memory_least), when there is none. */
+/* convert_plan_make() - the fastest plan within o->memory. The budget is taken from m, which lends
+ * a little. ST_NOMEM: there is no plan; the text and plan->memory_least give the smallest
+ * budget. */
 CHECKED status convert_plan_make(mem *m, const grid *g, const convert_options *o,
                                  convert_plan *plan);
 
-/* convert_plan_slab() - how level's slabs are held. */
+/* convert_plan_slab() - how the slabs of a level are held. */
 slab_plan convert_plan_slab(const convert_plan *plan, uint32_t level, int threads);
 
-/* convert_plan_slices() - most slices of a level that come at once. */
+/* convert_plan_slices() - most slices of a level that are made at once. */
 uint32_t convert_plan_slices(const convert_plan *plan, uint32_t level);
 
 #endif

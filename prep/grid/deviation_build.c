@@ -3,25 +3,25 @@
 #include <math.h>
 #include <string.h>
 
-enum { KEPT = 4, FINE_ROWS = 2 * DEVIATION_BRICK }; /* cells of a band */
+enum { KEPT = 4, FINE_ROWS = 2 * DEVIATION_BRICK }; /* FINE_ROWS: cells of a band, along y */
 
 struct deviation_build {
     mem *m;
     const leaf_layout *l;
     uint32_t fine, set;
     uint16_t *codes;
-    size_t slice_bytes[2]; /* of the fine level, of the coarse one */
+    size_t slice_bytes[2]; /* of the fine level; of the coarse level */
     uint32_t bands;
-    char *band;    /* one a coarse row of bricks: the slices since the last layer of fine bricks */
-    char *scratch; /* one a thread */
-    double *weights[3]; /* NULL: 1/2 */
+    char *band;    /* one per coarse row of bricks: slices since the last layer of fine bricks */
+    char *scratch; /* one per thread */
+    double *weights[3]; /* per axis; NULL: 1/2 */
     uint32_t seen[2];   /* slices so far */
-    uint32_t next;      /* the first fine slice that is not compared */
-    char *kept[KEPT];   /* fine slice z from there on is in kept[z % KEPT], */
-    char *last;         /* and the last coarse one here */
+    uint32_t next;      /* first fine slice that has not been compared */
+    char *kept[KEPT];   /* from there on, fine slice z is in kept[z % KEPT] */
+    char *last;         /* the last coarse slice */
 };
 
-/* Slices under way. */
+/* The slices being fed. */
 typedef struct feeding {
     deviation_build *b;
     const char *fine, *coarse;
@@ -30,7 +30,7 @@ typedef struct feeding {
 
 /* ---- A layer of fine bricks ---- */
 
-/* The code of a brick of a level. */
+/* Where the code of a brick of a level is stored. */
 static uint16_t *code_at(const deviation_build *b, uint32_t level, const uint32_t brick[3]) {
     const leaf_layout *l = b->l;
     const uint32_t log2 = l->cells_log2 - DEVIATION_BRICK_LOG2, mask = deviation_side(l) - 1;
@@ -45,7 +45,7 @@ static uint32_t bricks_along(const leaf_layout *l, uint32_t level, int axis) {
     return (l->level[level].cells[axis] + DEVIATION_BRICK - 1) / DEVIATION_BRICK;
 }
 
-/* Layer z of a band's fine bricks is complete. */
+/* Fold layer z of a band's fine bricks, which is complete, into the codes of the coarse level. */
 static void fold(const deviation_build *b, uint32_t index, const deviation_band *band, uint32_t z) {
     const uint32_t rows = bricks_along(b->l, b->fine, 1), width = bricks_along(b->l, b->fine, 0);
     for (uint32_t row = 0; row < 2 && 2 * index + row < rows; row++)
@@ -106,7 +106,7 @@ static status feed_band(void *ctx, size_t index, int worker) {
     return ST_OK;
 }
 
-/* What later slices will need. */
+/* Keep the slices that later ones will be compared with. */
 static void keep(const feeding *f, uint32_t fine_count, uint32_t coarse_count) {
     deviation_build *b = f->b;
     for (uint32_t z = f->until; z < b->seen[0] + fine_count; z++)
@@ -120,7 +120,7 @@ status deviation_build_feed(deviation_build *b, pool *workers, const void *fine,
                             uint32_t fine_count, const void *coarse, uint32_t coarse_count) {
     const uint32_t all = b->l->level[b->fine].dims[2], there = b->seen[1] + coarse_count;
     const uint32_t have = b->seen[0] + fine_count;
-    /* Those up to the one that lies on the last coarse slice. */
+    /* Fine slices up to the one that lies on the last coarse slice can be compared. */
     uint32_t until = there > 0 ? 2 * there - 1 : 0;
     until = until < have ? until : have;
     const feeding f = {b, fine, coarse, until < all ? until : all};

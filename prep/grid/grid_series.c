@@ -19,7 +19,7 @@ status grid_series_open(mem *m, const grid_series *s, uint32_t set, volume **out
     return volume_open(m, path_of(s, set), &hints, out);
 }
 
-/* ---- what can be one ---- */
+/* ---- checks ---- */
 
 static bool same_place(const grid *a, const grid *b) {
     if (memcmp(a->to_world, b->to_world, sizeof a->to_world) != 0 ||
@@ -35,7 +35,7 @@ static const char *axes_text(const grid *g) {
     return g->frame.axes ? world_axes_name(g->frame.axes) : "untold";
 }
 
-/* name: of what g is. */
+/* name: for errors about g. */
 static status check_like(const grid *g, const grid *first, const char *name) {
     const sample_type type = sample_stored(g->type), wanted = sample_stored(first->type);
     if (memcmp(g->dims, first->dims, sizeof g->dims) != 0)

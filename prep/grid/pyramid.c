@@ -9,7 +9,7 @@
 
 enum { TAPS = 5, BAND_ROWS = SLICE_TILE };
 
-/* Non-finite samples are kept track of beside f32 sums: the weights that went into a sum, and
+/* For f32, each sum has a mark for non-finite samples: the weights that went into the sum, and
  * whether its centre is missing. */
 enum {
     CENTRE_MISSING = 1 << 15,
@@ -22,14 +22,14 @@ struct pyramid {
     mem *m;
     sample_type type;
     uint32_t fine[3], coarse[3];
-    uint32_t fed, done; /* slices: fine ones so far, coarse ones so far */
+    uint32_t fed, done; /* fine slices so far; coarse slices so far */
     /* Fine slices filtered and thinned in x and y: sums in units of 1 / WHOLE_PLANE. Fine slice z
      * is in planes[z % TAPS]. */
     char *planes[TAPS];
-    uint16_t *weights[TAPS]; /* f32: valid for the bands that are dirty */
+    uint16_t *weights[TAPS]; /* f32: valid for dirty bands only */
     bool *dirty[TAPS];       /* per band: a non-finite sample went into it */
-    /* With maps of busy tiles: those of planes, whose tiles are as wide as bands are high; what is
-     * quiet in planes and in coarse slices. */
+    /* With maps of busy tiles: maps of the planes, whose tiles are as wide as bands are high; and
+     * the quiet value as a sum in planes and as a sample. */
     uint8_t *busy[TAPS];
     uint8_t quiet_sum[SLICE_SAMPLE_MAX], quiet[SLICE_SAMPLE_MAX];
     /* Per thread: rows filtered and thinned in x; fine row y is in row y % TAPS. */
@@ -54,7 +54,7 @@ static uint32_t clamped(int64_t i, uint32_t nodes) {
 #define WEIGH(S, v0, v1, v2, v3, v4) \
     (((((S)(v0) + (S)4 * (S)(v1)) + (S)6 * (S)(v2)) + (S)4 * (S)(v3)) + (S)(v4))
 
-/* T: the samples' type; P: one that holds sums over a plane; S: one in which sums are taken. */
+/* T: the samples' type; P: a type for sums over a plane; S: the type to add in. */
 #define DEFINE_XY(T, P, S, suffix)                                                                 \
     static void x_##suffix(const void *from, uint32_t nodes, void *to, uint32_t first,             \
                            uint32_t end) {                                                         \
@@ -82,9 +82,9 @@ static uint32_t clamped(int64_t i, uint32_t nodes) {
             sums[i] = (P)WEIGH(S, a[i], b[i], c[i], d[i], e[i]);                                   \
     }
 
-/* Half to even: below a half nothing is carried, above it always, and at it where the quotient is
- * odd. Shifts of negative sums are arithmetic (as gcc and clang have them), so quotients are
- * rounded down first, then up alike. */
+/* Round half to even: add just below a half, and one more if the quotient is odd. Shifts of
+ * negative sums are arithmetic (in gcc and clang): quotients round down first, then go up in the
+ * same way. */
 #define DEFINE_Z_INTEGER(T, P, S, suffix)                                                          \
     static void z_##suffix(const void *const taps[TAPS], void *to, uint32_t first, uint32_t end) { \
         const P *a = taps[0], *b = taps[1], *c = taps[2], *d = taps[3], *e = taps[4];              \
@@ -120,7 +120,7 @@ static const kernels all_kernels[] = {
     [SAMPLE_F32] = {sizeof(double), x_f32, y_f32, z_f32},
 };
 
-/* ---- the same with missing samples: sums with their weights ---- */
+/* ---- the same with missing samples: sums and their weights ---- */
 
 static const uint16_t tap_weights[TAPS] = {1, 4, 6, 4, 1};
 
@@ -151,7 +151,7 @@ static void add_weights(const uint16_t *const taps[TAPS], uint16_t *weights, uin
     }
 }
 
-/* weights: of each tap, or NULL where nothing is missing. */
+/* weights: of each tap; NULL: nothing is missing there. */
 static void z_missing(const double *const taps[TAPS], const uint16_t *const weights[TAPS],
                       float *samples, uint32_t coarse) {
     for (uint32_t i = 0; i < coarse; i++) {
@@ -177,9 +177,9 @@ typedef struct feeding {
 } feeding;
 
 typedef struct band {
-    uint32_t first, last; /* coarse rows, last one not included */
+    uint32_t first, last; /* coarse rows [first, last) */
     uint32_t index;
-    uint32_t tiles, fine_tiles[2]; /* coarse ones along x; fine ones */
+    uint32_t tiles, fine_tiles[2]; /* coarse tiles along x; fine tiles along x and y */
     char *rows;                    /* TAPS rows of sums */
     uint16_t *row_weights;
 } band;
@@ -194,13 +194,14 @@ static bool any_non_finite(const float *row, uint32_t nodes) {
     return found;
 }
 
-/* The fine rows that the band's reach. */
+/* The fine rows that a band's coarse rows depend on. */
 static void fine_rows(const pyramid *p, const band *b, uint32_t *from, uint32_t *to) {
     *from = clamped(2 * (int64_t)b->first - 2, p->fine[1]);
     *to = clamped(2 * (int64_t)(b->last - 1) + 2, p->fine[1]);
 }
 
-/* busy: the slice's map, or NULL; what is quiet is finite. */
+/* Returns whether a sample of the band is not finite. busy: the slice's map, or NULL; quiet tiles
+ * are finite. */
 static bool is_dirty(const pyramid *p, const band *b, const char *slice, const uint8_t *busy) {
     const size_t row = p->fine[0];
     uint32_t from, to;
@@ -227,7 +228,7 @@ static uint32_t at_most(uint32_t i, uint32_t most) {
     return i < most ? i : most;
 }
 
-/* Whether a coarse tile of the band reaches a busy tile of a fine slice. */
+/* Returns whether a coarse tile of the band depends on a busy tile of a fine slice. */
 static bool reaches_busy(const band *b, const uint8_t *busy, uint32_t tile) {
     const uint32_t x0 = tile ? 2 * tile - 1 : 0, x1 = at_most(2 * tile + 2, b->fine_tiles[0] - 1);
     const uint32_t y0 = b->index ? 2 * b->index - 1 : 0,
@@ -239,7 +240,7 @@ static bool reaches_busy(const band *b, const uint8_t *busy, uint32_t tile) {
     return any;
 }
 
-/* A tile of the band, of a slice or plane that has `size` bytes a node, becomes quiet. */
+/* Make a tile of the band quiet, in a slice or plane of `size` bytes per node. */
 static void quieten(const pyramid *p, const band *b, uint32_t tile, size_t size, const void *value,
                     char *to, uint8_t *busy) {
     if (*busy) {
@@ -249,8 +250,8 @@ static void quieten(const pyramid *p, const band *b, uint32_t tile, size_t size,
     *busy = 0;
 }
 
-/* Coarse nodes of the tiles from `tile` on that are busy, as far as they go on; returns the tile
- * behind them. */
+/* Find the run of coarse nodes in consecutive busy tiles from `tile` on. Returns the tile behind
+ * it. */
 static uint32_t busy_run(const pyramid *p, const band *b, const uint8_t *busy, uint32_t tile,
                          uint32_t run[2]) {
     run[0] = at_most(tile * SLICE_TILE, p->coarse[0]);
@@ -262,8 +263,7 @@ static uint32_t busy_run(const pyramid *p, const band *b, const uint8_t *busy, u
 
 /* ---- planes and slices ---- */
 
-/* Coarse nodes [run[0], run[1]) of the band's part of fine slice z, filtered and thinned in x and
- * y. */
+/* Filter and thin fine slice z in x and y: coarse nodes [run[0], run[1]) of the band. */
 static void filter_run(pyramid *p, const band *b, const char *slice, uint32_t z, bool dirty,
                        const uint32_t run[2]) {
     const kernels *k = &all_kernels[p->type];
@@ -294,7 +294,7 @@ static void filter_run(pyramid *p, const band *b, const char *slice, uint32_t z,
     }
 }
 
-/* The band's part of fine slice z. */
+/* Filter the band's part of fine slice z. */
 static void filter_plane(pyramid *p, const band *b, const char *slice, const uint8_t *busy,
                          uint32_t z) {
     const bool dirty = is_dirty(p, b, slice, busy);
@@ -319,7 +319,7 @@ static void filter_plane(pyramid *p, const band *b, const char *slice, const uin
     }
 }
 
-/* Coarse nodes of a run of the band's part of a coarse slice, from planes z. */
+/* Filter in z, from planes z: coarse nodes of a run of the band's part of a coarse slice. */
 static void sum_planes(const pyramid *p, const band *b, const uint32_t z[TAPS], bool dirty,
                        const uint32_t run[2], char *slice) {
     const uint32_t width = p->coarse[0];
@@ -339,7 +339,7 @@ static void sum_planes(const pyramid *p, const band *b, const uint32_t z[TAPS], 
     }
 }
 
-/* The band's part of coarse slice k, from the planes around fine slice 2k. */
+/* Make the band's part of coarse slice k, from the planes around fine slice 2k. */
 static void filter_slice(const pyramid *p, const band *b, uint32_t k, char *slice, uint8_t *busy) {
     uint32_t z[TAPS], run[2] = {0, p->coarse[0]};
     bool dirty = false;
@@ -368,8 +368,8 @@ static void filter_slice(const pyramid *p, const band *b, uint32_t k, char *slic
     }
 }
 
-/* Coarse slices that are complete when `seen` fine ones have been: those with all of 2k - 2 .. 2k +
- * 2 among them. */
+/* Number of coarse slices that are complete after `seen` fine ones: slice k needs fine slices 2k -
+ * 2 .. 2k + 2. */
 static uint32_t ready(const pyramid *p, uint32_t seen) {
     return seen == p->fine[2] ? p->coarse[2] : seen ? (seen - 1) / 2 : 0;
 }
@@ -473,7 +473,7 @@ uint32_t pyramid_ready(const pyramid *p, uint32_t count) {
     return ready(p, p->fed + count) - p->done;
 }
 
-/* The sum is what the kernels make of it. */
+/* The kernels compute the quiet sum, so that it has the same bits. */
 status pyramid_quiet(pyramid *p, const void *sample) {
     const kernels *k = &all_kernels[p->type];
     const size_t size = sample_size(p->type), tiles = slice_tiles_count(p->coarse);

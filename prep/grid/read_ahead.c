@@ -15,10 +15,10 @@ struct read_ahead {
     mem *m;
     volume *v;
     uint32_t batch;
-    size_t slice_samples, slice_bytes; /* stored */
-    void *raw;                         /* one slice as the input has it, where that is larger */
+    size_t slice_samples, slice_bytes; /* of the stored type */
+    void *raw;                         /* one slice of the input's type, if that is larger */
     char *slices[BATCHES];
-    uint8_t *busy[BATCHES]; /* maps of them, `tiles` bytes each; NULL: not known */
+    uint8_t *busy[BATCHES]; /* their maps, `tiles` bytes each; NULL: not known */
     size_t tiles;
     uint8_t quiet[SLICE_SAMPLE_MAX];
     pthread_t thread;
@@ -30,7 +30,7 @@ struct read_ahead {
     uint32_t counts[BATCHES];
     bool ended, quit;
     status_note note;
-    read_ahead_facts facts; /* the reader's until `ended` */
+    read_ahead_facts facts; /* written by the reader until `ended` */
 };
 
 static uint64_t count_non_finite(const float *samples, size_t count) {
@@ -43,7 +43,7 @@ static uint64_t count_non_finite(const float *samples, size_t count) {
     return found;
 }
 
-/* Of busy tiles; what is quiet is finite. */
+/* Count in busy tiles only: quiet samples are finite. */
 static uint64_t count_in_tiles(const read_ahead *r, const float *slice, const uint8_t *busy) {
     const uint32_t *dims = volume_grid(r->v)->dims;
     uint64_t found = 0;
@@ -80,7 +80,7 @@ static status read_slice(read_ahead *r, char *into, uint8_t *busy) {
     return ST_OK;
 }
 
-/* Wait for a batch that may be filled; false when the reader is to end. */
+/* Wait for a batch that may be filled. Returns false if the reader is to end. */
 static bool wait_for_room(read_ahead *r) {
     pthread_mutex_lock(&r->lock);
     while (!r->quit && r->filled - r->released == BATCHES)
@@ -146,7 +146,7 @@ uint64_t read_ahead_memory(const grid *g, uint32_t batch) {
     return bytes + sizeof(read_ahead) + 4096;
 }
 
-/* Whether the value of what is quiet is known to stay as it is: finite, its own zero. */
+/* Returns whether the quiet value is known and unchanged when stored: finite, and not -0. */
 static bool find_quiet(read_ahead *r) {
     const grid *g = volume_grid(r->v);
     float value = 0;

@@ -1,7 +1,7 @@
-/* read_ahead.h - a volume's slices as a treelet file will hold them, read by a thread of its own.
+/* read_ahead.h - reads a volume's slices in a thread of its own, as a treelet file will hold them.
  *
- * Two batches of slices: one is the caller's while the other is filled. Samples are converted to
- * their stored type on the way, and counted where they are no numbers.
+ * There are two batches of slices: the caller has one while the other is filled. Samples are
+ * converted to their stored type on the way. Samples that are no numbers are counted.
  */
 #ifndef PREP_GRID_READ_AHEAD_H
 #define PREP_GRID_READ_AHEAD_H
@@ -14,25 +14,26 @@
 
 typedef struct read_ahead read_ahead;
 
-/* What has been seen once all slices were handed out. */
+/* Facts about the samples, complete when all slices have been handed out. */
 typedef struct read_ahead_facts {
     uint64_t non_finite;     /* samples that are NaN or inf as stored */
     double rounding_error;   /* largest |stored - input| */
-    uint64_t trailing_bytes; /* behind the last slice */
+    uint64_t trailing_bytes; /* in the input, behind the last slice */
     absent_parts absent;
 } read_ahead_facts;
 
-/* read_ahead_create() - start reading v, which must not be touched until read_ahead_destroy().
- * batch: slices at once, >= 1. */
+/* read_ahead_create() - start reading v, which must not be used until read_ahead_destroy(). batch:
+ * slices read at once, >= 1. */
 CHECKED status read_ahead_create(mem *m, volume *v, uint32_t batch, read_ahead **out);
 
-/* read_ahead_destroy() - waits for the slice that is being read. NULL is fine. */
+/* read_ahead_destroy() - stop, and wait for the slice that is being read. NULL is fine. */
 void read_ahead_destroy(read_ahead *r);
 
 /* read_ahead_memory() - bytes that read_ahead_create() takes. */
 uint64_t read_ahead_memory(const grid *g, uint32_t batch);
 
-/* Slices one after the other in memory. busy: their maps (slice_tiles.h) likewise; NULL: not known.
+/* Slices, consecutive in memory. busy: their maps (slice_tiles.h), also consecutive; NULL: not
+ * known.
  */
 typedef struct read_slices {
     const char *samples;
@@ -40,15 +41,15 @@ typedef struct read_slices {
     uint32_t count;
 } read_slices;
 
-/* read_ahead_next() - the next slices, valid until the next call; count becomes 0 behind the last
- * one. Waits for them. */
+/* read_ahead_next() - wait for the next slices. They are valid until the next call; count is 0
+ * behind the last. */
 CHECKED status read_ahead_next(read_ahead *r, read_slices *out);
 
-/* read_ahead_quiet() - the value of what is not busy, a finite one; NULL where that is not known.
+/* read_ahead_quiet() - the value of tiles that are not busy, a finite sample; NULL: not known.
  */
 const void *read_ahead_quiet(const read_ahead *r);
 
-/* read_ahead_end() - what was seen; once read_ahead_next() has given 0 slices. */
+/* read_ahead_end() - the facts; call it after read_ahead_next() has given 0 slices. */
 read_ahead_facts read_ahead_end(const read_ahead *r);
 
 #endif

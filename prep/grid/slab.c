@@ -11,13 +11,13 @@ typedef struct shape {
     const leaf_layout *l;
     const leaf_level *level;
     uint32_t families[3];
-    size_t size;         /* of a sample */
-    uint32_t step;       /* cells that a family measures: 2B */
-    uint32_t depth;      /* most slices of a slab */
+    size_t size;         /* bytes of a sample */
+    uint32_t step;       /* cells of a family along an axis: 2B */
+    uint32_t depth;      /* most slices in a slab */
     uint32_t columns[2]; /* spilled: columns along x and y */
     uint32_t width;      /* most samples of a column's row */
     uint32_t height;     /* most rows of a column */
-    uint32_t across;     /* families a column is wide */
+    uint32_t across;     /* families across a column */
     uint64_t column_slice_bytes, column_bytes, area_bytes;
 } shape;
 
@@ -25,16 +25,16 @@ struct slab {
     mem *m;
     shape shape;
     bool spilled;
-    uint32_t next_z;  /* slice that comes next */
-    uint32_t current; /* slab that is filling or complete */
+    uint32_t next_z;  /* the next slice */
+    uint32_t current; /* the slab that is filling or complete */
     const char **slices;
-    char *samples; /* ring of `depth` slices; spilled: one column */
+    char *samples; /* ring of `depth` slices; if spilled: one column */
     size_t tiles;  /* bytes of a slice's map */
-    uint8_t *busy; /* maps of the ring's slices; NULL: none have come */
+    uint8_t *busy; /* maps of the ring's slices; NULL: no slice had one */
     const uint8_t **maps;
-    /* spilled */
+    /* If spilled: */
     out_file *file;
-    char *staging; /* per thread, one column's part of a slice */
+    char *staging; /* per thread: one column's part of a slice */
 };
 
 static uint32_t least(uint64_t a, uint32_t b) {
@@ -124,9 +124,9 @@ void slab_destroy(slab *s) {
     mem_free(s->m, s);
 }
 
-/* ---- which nodes belong to what ---- */
+/* ---- nodes of families and columns ---- */
 
-/* Nodes [first, last] that `count` families from family f on need along an axis. */
+/* Nodes [first, last] that `count` families from family f on need along an axis, with halo. */
 static void span(const shape *s, int axis, uint32_t f, uint32_t count, uint32_t *first,
                  uint32_t *last) {
     uint64_t from = (uint64_t)f * s->step, to = from + (uint64_t)count * s->step + s->l->halo;
@@ -154,10 +154,10 @@ typedef struct storing {
     const uint8_t *busy;
 } storing;
 
-/* The part of a slice that lies in a column: rows [y0, y1], samples [x0, x1]. */
+/* A column's part of a slice: rows [y0, y1], samples [x0, x1]. */
 typedef struct column {
     uint32_t x0, x1, y0, y1;
-    uint32_t fx, fy, across; /* its families */
+    uint32_t fx, fy, across; /* its families: the first in x and y, and how many across */
 } column;
 
 static column column_of(const shape *s, uint32_t index) {
@@ -169,7 +169,7 @@ static column column_of(const shape *s, uint32_t index) {
     return c;
 }
 
-/* Write one slice's part of every column of slab number n. */
+/* Write one slice's part of all columns of slab n. */
 static status spill_slice(slab *s, const char *slice, uint32_t z, uint32_t n, char *staging) {
     const shape *sh = &s->shape;
     const size_t row_bytes = sh->level->dims[0] * sh->size;
@@ -223,7 +223,7 @@ static status store_slice(void *ctx, size_t index, int worker) {
     return ST_OK;
 }
 
-/* The first maps that come. */
+/* Make room for maps; slices without one count as busy. */
 static status begin_maps(slab *s) {
     const size_t bytes = s->shape.depth * s->tiles;
     s->busy = mem_alloc(s->m, bytes);
@@ -279,7 +279,8 @@ static status take_column(slab *s, uint32_t index, slab_box *out) {
     out->first[1] = c.fy;
     out->count[0] = c.across;
     out->count[1] = 1;
-    /* The last slice's part may be short of column_slice_bytes, and the file end with it. */
+    /* The last slice's part may be shorter than column_slice_bytes, and the file may end behind
+     * it. */
     size_t bytes = (size_t)sh->column_slice_bytes * (out->samples.size[2] - 1) +
                    out->samples.row_bytes * out->samples.size[1];
     return out_file_read_at(s->file, s->current % 2 * sh->area_bytes + index * sh->column_bytes,

@@ -16,8 +16,9 @@ enum {
 };
 
 struct treelet_scratch {
-    float lo[BLOCKS_MAX], hi[BLOCKS_MAX]; /* of the 4^3 blocks, Morton order; lo > hi: empty */
-    /* Smallest and largest of the up to 25 rows of a line of blocks; of the sample type. */
+    float lo[BLOCKS_MAX], hi[BLOCKS_MAX]; /* ranges of the 4^3 blocks, Morton order; lo > hi:
+                                             empty */
+    /* Minimum and maximum over the up to 25 rows of a line of blocks; of the sample type. */
     _Alignas(64) char row_lo[ROW_MAX * sizeof(float)];
     _Alignas(64) char row_hi[ROW_MAX * sizeof(float)];
 };
@@ -28,7 +29,8 @@ size_t treelet_scratch_bytes(void) {
 
 /* ---- samples ---- */
 
-/* One row: `count` samples from node `first` on (it may lie outside), clamped to the level's nodes.
+/* Copy a row: `count` samples from node `first` on, which may lie outside; indices are clamped to
+ * the level's nodes.
  */
 static char *copy_row(char *out, const char *row, int64_t first, uint32_t count, uint32_t nodes,
                       uint32_t origin, size_t size) {
@@ -69,7 +71,7 @@ static void copy_samples(const leaf_layout *l, uint32_t t, const leaf_payload *p
 
 /* ---- ranges of the 4^3 blocks ---- */
 
-/* The bits of a block coordinate (below 16), two zero bits between each. */
+/* Spread the bits of a block coordinate (below 16), with two zero bits between each. */
 static uint32_t spread(uint32_t v) {
     return (v & 1) | (v & 2) << 2 | (v & 4) << 4 | (v & 8) << 6;
 }
@@ -78,15 +80,15 @@ static uint32_t morton(uint32_t x, uint32_t y, uint32_t z) {
     return spread(x) | spread(y) << 1 | spread(z) << 2;
 }
 
-/* What a sample contributes to a minimum and a maximum. */
+/* A sample as an operand of a minimum and of a maximum. */
 #define ANY_LO(v)    (v)
 #define ANY_HI(v)    (v)
 #define FINITE_LO(v) (isfinite(v) ? (v) : INFINITY)
 #define FINITE_HI(v) (isfinite(v) ? (v) : -INFINITY)
 
-/* The blocks at height (by, bz): their rows' samples are reduced to one row, that one to blocks.
- * Rows of own samples start at `own`; consecutive ones are row_stride, slices slice_stride samples
- * apart. */
+/* Reduce the rows' samples of the blocks at height (by, bz) to one row, and that to blocks. Rows of
+ * own samples start at `own`. Consecutive rows are row_stride samples apart, slices
+ * slice_stride. */
 #define DEFINE_BLOCK_LINE(name, T, OF_LO, OF_HI)                                                  \
     static void name(treelet_scratch *s, const leaf_payload *p, const char *own,                  \
                      size_t row_stride, size_t slice_stride, uint32_t by, uint32_t bz) {          \
@@ -131,7 +133,7 @@ DEFINE_BLOCK_LINE(line_f32_finite, float, FINITE_LO, FINITE_HI)
 typedef void (*block_line)(treelet_scratch *, const leaf_payload *, const char *, size_t, size_t,
                            uint32_t, uint32_t);
 
-/* Whether any of the treelet's own samples is NaN or inf: an exponent of all ones. */
+/* Returns whether any of the treelet's own samples is NaN or inf, by an exponent of all ones. */
 static bool any_non_finite(const leaf_payload *p, const char *own, size_t row_stride,
                            size_t slice_stride) {
     uint32_t found = 0;
@@ -177,7 +179,7 @@ static void own_range(const treelet_scratch *s, uint32_t blocks, float own[2]) {
         lo = s->lo[m] < lo ? s->lo[m] : lo;
         hi = s->hi[m] > hi ? s->hi[m] : hi;
     }
-    /* -0 + 0 is +0: the same bytes whichever zero came first. */
+    /* -0 + 0 is +0: so the bytes do not depend on which zero came first. */
     own[0] = lo + 0.0F;
     own[1] = hi + 0.0F;
 }
@@ -204,7 +206,7 @@ static void merge_children(const uint8_t *child_lo, const uint8_t *child_hi, uin
     }
 }
 
-/* The nodes that a treelet has samples of along an axis. */
+/* The nodes along an axis of which the treelet has samples, [*first, *last]. */
 static void nodes_of(const leaf_layout *l, uint32_t t, const leaf_payload *p, int a,
                      uint32_t *first, uint32_t *last) {
     const int64_t from = ((int64_t)l->place[t][a] << l->cells_log2) - l->halo;

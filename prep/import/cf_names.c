@@ -39,7 +39,7 @@ static bool is_any(const char *text, const char *const *words) {
     return *words != NULL;
 }
 
-/* "Time", "time_counter", "MONTH_REG", "day". */
+/* Returns whether a name is that of times, such as "Time", "time_counter", "MONTH_REG", "day". */
 static bool is_called_time(const char *name) {
     static const char *const exact[] = {"day",   "days", "hour", "hours", "year",
                                         "years", "date", "t",    NULL};

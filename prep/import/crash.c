@@ -14,15 +14,15 @@ enum { STACK_BYTES = 64 << 10, PATH_SHOWN = 512 };
 
 typedef enum crash_kind { MALFORMED, NO_MEMORY, NO_TIME, BEHIND_ITS_END, KINDS } crash_kind;
 
-/* Made ahead: little may be called by then. These are for libraries that crash as they are loaded,
- * which is no file's fault. */
+/* Prepared ahead, since a signal handler may call little. These first texts are for a library that
+ * crashes while it is loaded, which is not a file's fault. */
 static char lines[KINDS][1024] = {
     [MALFORMED] = "leafcast import: a library crashed before it read anything\n",
     [NO_MEMORY] = "leafcast import: a library ran out of memory before it read anything\n",
     [NO_TIME] = "leafcast import: a library took too much CPU time before it read anything\n"};
 static status meaning[KINDS] = {
     [MALFORMED] = ST_FAILED, [NO_MEMORY] = ST_NOMEM, [NO_TIME] = ST_NOMEM};
-static char stack[STACK_BYTES]; /* the thread's own may be used up */
+static char stack[STACK_BYTES]; /* signal stack: the thread's own may be used up */
 static atomic_int done = -1;    /* the exit code, once it is known */
 
 static crash_kind kind_of(int number) {

@@ -15,7 +15,7 @@
 
 /* ---- files ---- */
 
-/* As linux/landlock.h has them, which may be older than the kernel, or missing. */
+/* Constants of linux/landlock.h, which may be older than the kernel, or missing. */
 enum {
     CALL_CREATE = 444,
     CALL_ADD = 445,
@@ -46,7 +46,7 @@ typedef struct __attribute__((packed)) beneath {
     int32_t folder;
 } beneath;
 
-/* Every right that this version of Landlock knows is taken away. */
+/* All rights that this version of Landlock knows: all are taken away. */
 static uint64_t all_rights(int version) {
     uint64_t rights = ACCESS_REFER - 1;
     rights |= version >= 2 ? ACCESS_REFER : 0;
@@ -113,7 +113,7 @@ bool fence_close(fence *f) {
 
 #ifdef MACHINE
 
-/* Numbers that are newer than some headers; they are the same on all machines. */
+/* Call numbers newer than some headers. They are the same on all machines. */
 enum {
     CALL_PIDFD_SIGNAL = 424,
     CALL_IO_URING = 425,
@@ -124,11 +124,11 @@ enum {
     CALL_PIDFD_GETFD = 438,
     CALL_MOUNT_SETATTR = 442,
     CALL_FCHMODAT2 = 452,
-    FOREIGN_NUMBERS = 0x40000000 /* x32 has numbers of its own */
+    FOREIGN_NUMBERS = 0x40000000 /* x32 has its own numbers from here on */
 };
 
 static const int refused[] = {
-    /* No network, no programs, no look into other processes, no word to them. */
+    /* No network, no programs, no access to other processes, no signals to them. */
     SYS_socket,
     SYS_socketpair,
     SYS_execve,
@@ -149,7 +149,8 @@ static const int refused[] = {
     CALL_PIDFD_SIGNAL,
     CALL_PIDFD_OPEN,
     CALL_PIDFD_GETFD,
-    /* What Landlock leaves open with files: modes, owners, attributes, lengths, mounts. */
+    /* File operations that Landlock does not restrict: modes, owners, attributes, lengths,
+     * mounts. */
     SYS_fchmod,
     SYS_fchmodat,
     CALL_FCHMODAT2,
@@ -173,7 +174,7 @@ static const int refused[] = {
     CALL_OPEN_TREE,
     CALL_MOVE_MOUNT,
     CALL_MOUNT_SETATTR,
-    /* The machine, for who runs as root. */
+    /* Control of the machine, for processes of root. */
     SYS_reboot,
     SYS_swapon,
     SYS_swapoff,
@@ -217,7 +218,7 @@ static void answer(filter *f, uint32_t how) {
     f->step[f->steps++] = (struct sock_filter)BPF_STMT(BPF_RET | BPF_K, how);
 }
 
-/* The next `skip` steps are for those that pass the test. */
+/* The next `skip` steps run only if the test passes. */
 static void only_if(filter *f, int test, uint32_t value, uint8_t skip) {
     f->step[f->steps++] =
         (struct sock_filter)BPF_JUMP((uint16_t)(BPF_JMP | test | BPF_K), value, 0, skip);
@@ -228,7 +229,8 @@ static void fail(filter *f, int call, int error) {
     answer(f, SECCOMP_RET_ERRNO | (uint32_t)error);
 }
 
-/* Only if the first argument (its low half: both machines are little endian) passes the test. */
+/* Fail unless the first argument passes the test (its low half: both machines are little
+ * endian). */
 static void fail_unless(filter *f, int call, int test, uint32_t value) {
     only_if(f, BPF_JEQ, (uint32_t)call, 4);
     load(f, offsetof(struct seccomp_data, args));
@@ -248,10 +250,11 @@ static void write_filter(filter *f) {
     for (size_t i = 0; i < REFUSED; i++)
         fail(f, refused[i], EPERM);
     fail(f, CALL_IO_URING, ENOSYS);
-    /* Threads, but no processes. clone3() hides its flags: the C library goes on by clone(). */
+    /* Allow threads, but no processes. clone3() hides its flags: the C library falls back to
+     * clone(). */
     fail(f, CALL_CLONE3, ENOSYS);
     fail_unless(f, SYS_clone, BPF_JSET, CLONE_THREAD);
-    /* A signal to one of its own threads is how abort() ends it. */
+    /* abort() ends the process by a signal to one of its own threads: allow that. */
     fail_unless(f, SYS_tgkill, BPF_JEQ, (uint32_t)getpid());
     answer(f, SECCOMP_RET_ALLOW);
 }
@@ -260,7 +263,7 @@ bool fence_calls(void) {
     filter f = {.steps = 0};
     write_filter(&f);
     const struct sock_fprog program = {f.steps, f.step};
-    /* Nothing here guards secrets of this process from itself: code keeps its speed. */
+    /* No secrets of this process are kept from itself, so speculation may stay on, for speed. */
     return give_up_privileges() &&
            syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER,
                    SECCOMP_FILTER_FLAG_TSYNC | SECCOMP_FILTER_FLAG_SPEC_ALLOW, &program) == 0;

@@ -46,7 +46,7 @@ static void *serve(void *unused) {
     return unused;
 }
 
-/* By the doorman, or where there is none by the caller, who may all then. */
+/* Run a job by the doorman. Without one the caller runs it, as then it has all rights. */
 static void ask(void (*job)(void *ctx), void *ctx) {
     if (!doorman.there) {
         job(ctx);
@@ -67,7 +67,7 @@ static bool hire(void) {
     if (sem_init(&doorman.asked, 0, 0) != 0 || sem_init(&doorman.answered, 0, 0) != 0 ||
         pthread_attr_init(&attributes) != 0)
         return false;
-    /* Signals are for the others. */
+    /* Leave signals to the other threads. */
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     bool hired = pthread_attr_setstacksize(&attributes, STACK_BYTES) == 0;
@@ -101,7 +101,7 @@ static const char *const of_the_system[] = {"/usr",
                                             "/dev/urandom",
                                             "/dev/zero"};
 
-/* Where a user says that plugins and dictionaries are. */
+/* Variables with the user's folders of plugins and dictionaries. */
 static const char *const of_the_user[] = {"HDF5_PLUGIN_PATH",  "DCMDICTPATH", "LD_LIBRARY_PATH",
                                           "OIIO_LIBRARY_PATH", "LOCPATH",     "GCONV_PATH"};
 
@@ -115,7 +115,8 @@ static void allow_list(fence *f, const char *list) {
     }
 }
 
-/* The folder of a library that the program was linked with: others and plugins lie beside it. */
+/* Allow the folder of a library that the program is linked with: more libraries and plugins lie
+ * beside it. */
 static int allow_library(struct dl_phdr_info *info, size_t size, void *f) {
     char path[PATH_MAX];
     (void)size;
@@ -138,8 +139,8 @@ static void allow_system(fence *f) {
 
 static struct {
     bool files, calls, granted;
-    const char *output; /* of the grants */
-    size_t folder;      /* bytes of its folder's name, with the slash */
+    const char *output; /* as granted */
+    size_t folder;      /* bytes of its folder's name, slash included */
 } door;
 
 void file_door_build(void) {
@@ -154,16 +155,16 @@ void file_door_build(void) {
     door.calls = fence_calls();
 }
 
-/* ---- what this run may ---- */
+/* ---- rights of this run ---- */
 
 typedef struct grant {
     const file_door_grants *g;
     bool done;
 } grant;
 
-static fence *walked; /* nftw() hands nothing on */
+static fence *walked; /* nftw() passes no context */
 
-/* A link in a folder of slices: what it leads to is meant. */
+/* Allow the target of a link in a folder of slices. */
 static int allow_link(const char *path, const struct stat *info, int kind, struct FTW *at) {
     struct stat to;
     (void)info;
@@ -234,12 +235,12 @@ const char *file_door_grant(const file_door_grants *g) {
                         : "files or system calls (neither Landlock nor seccomp here)";
 }
 
-/* ---- going through ---- */
+/* ---- passing calls on ---- */
 
 typedef struct passage {
     int call;
     long argument[5];
-    long result; /* as of the system call, negative: an error's number */
+    long result; /* as from the system call; negative: an error number */
 } passage;
 
 static void pass(void *ctx) {
@@ -249,7 +250,7 @@ static void pass(void *ctx) {
     p->result = got < 0 ? -errno : got;
 }
 
-/* The caller's own rights suffice for what is the system's. */
+/* Try with the caller's own rights, which suffice for system files. Else ask the doorman. */
 static long go(passage *p) {
     pass(p);
     if (p->result != -EACCES || !doorman.there || !door.granted)
@@ -265,7 +266,7 @@ static int result_of(long got) {
     return -1;
 }
 
-/* The output, or a temporary file of it, and nothing else in its folder. */
+/* Returns whether a path is the output or a temporary file of it. Nothing else in its folder is. */
 static bool is_output(const char *path) {
     if (!doorman.there)
         return true;
@@ -297,7 +298,7 @@ static bool announce(int fd, const char *path) {
     return false;
 }
 
-/* fd was opened without waiting, for who would have waited. */
+/* fd was opened without blocking. patient: for a caller that would have blocked. */
 static int take_input(int fd, const char *path, bool patient) {
     struct stat info;
     const bool seen = fstat(fd, &info) == 0;
@@ -323,7 +324,7 @@ int file_door_open(int folder, const char *path, int flags, mode_t mode) {
     const bool patient = !writes && !(flags & (O_NONBLOCK | O_PATH));
     passage p = {SYS_openat, {folder, (long)path, flags | (patient ? O_NONBLOCK : 0), mode}, 0};
     if (writes && !is_output(path)) {
-        pass(&p); /* /dev/null is anybody's */
+        pass(&p); /* /dev/null is open to anyone */
         return result_of(p.result);
     }
     const int fd = result_of(go(&p));
@@ -345,7 +346,7 @@ int file_door_link(const char *from, const char *to) {
     return is_output(from) && is_output(to) ? result_of(go(&p)) : refuse();
 }
 
-/* ---- what came of it ---- */
+/* ---- results ---- */
 
 status file_door_refused(void) {
     pthread_mutex_lock(&inputs.lock);

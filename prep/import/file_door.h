@@ -1,15 +1,15 @@
-/* file_door.h - the only way by which an importer opens files.
+/* file_door.h - the only way for an importer to open files.
  *
  * Libraries open files when and as they like: pieces of a data set, sources of a virtual one, rows
- * of configuration. In an importer each of their calls, and each of leafcast's own, ends here
- * (import_calls.c): the file is announced to the file guard, or refused where it is an output of
- * this process or of the one that has started it.
+ * of configuration. In an importer all these calls, and leafcast's own, end here (import_calls.c).
+ * The file is announced to the file guard, or refused if it is an output of this process or of its
+ * parent.
  *
- * Where the kernel has Landlock nothing else can be opened, so that no way around is forgotten:
- * threads may read only what libraries are made of. One thread, the doorman, may more. It opens
- * what the others ask for, once file_door_grant() has said what this run reads and writes, and the
- * kernel holds it to that. It is no wall against code that has taken over the process: that can do
- * what the doorman can, and no more.
+ * If the kernel has Landlock, files cannot be opened in any other way, so none is overlooked:
+ * threads may only read what libraries are made of. One thread, the doorman, has more rights and
+ * opens files for the others. file_door_grant() says what this run reads and writes, and the kernel
+ * holds the doorman to that. This is no wall against code that has taken over the process: such
+ * code can do what the doorman can, and no more.
  */
 #ifndef PREP_IMPORT_FILE_DOOR_H
 #define PREP_IMPORT_FILE_DOOR_H
@@ -19,30 +19,31 @@
 
 #include "formats/base/status.h"
 
-/* file_door_build() - before any library has started a thread: the fences go up, and all that is
- * not a system's file is closed until file_door_grant(). Nothing is announced before either. */
+/* file_door_build() - put up the fences; call it before any library has started a thread. Until
+ * file_door_grant() only system files can be opened. Before this call, nothing is announced. */
 void file_door_build(void);
 
 typedef struct file_door_grants {
     char *const *inputs; /* files and folders; links in a folder may lead out of it */
     int input_count;
-    bool beside;        /* an input may name files in its own folder */
-    bool anywhere;      /* .. and any file there is */
-    const char *output; /* NULL or "-": none. Also temporary files beside it, see partial.h */
+    bool beside;        /* an input may name files in its folder */
+    bool anywhere;      /* an input may name any file */
+    const char *output; /* NULL or "-": none. Covers temporary files beside it, see partial.h */
 } file_door_grants;
 
-/* file_door_grant() - once. What stays without a fence, as words for a user; NULL: nothing. */
+/* file_door_grant() - call it once. Returns a message for users about what stays without a fence;
+ * NULL: nothing. */
 const char *file_door_grant(const file_door_grants *g);
 
-/* file_door_open(), .. - as openat() and so on, links followed. A named pipe is refused (ENXIO)
- * rather than waited for, but where O_NONBLOCK is asked for. */
+/* file_door_open() and so on - like openat() and so on; links are followed. A named pipe is refused
+ * (ENXIO) instead of waited for, unless O_NONBLOCK is given. */
 int file_door_open(int folder, const char *path, int flags, mode_t mode);
 int file_door_unlink(const char *path);
 int file_door_rename(const char *from, const char *to, unsigned flags);
 int file_door_link(const char *from, const char *to);
 
-/* file_door_refused() - ST_OK, or why the first file was refused that is an output: its
- * description is then this thread's. A library may have gone on without the file. */
+/* file_door_refused() - ST_OK, or why the first file that is an output was refused. Its description
+ * becomes this thread's. A library may have gone on without the file. */
 CHECKED status file_door_refused(void);
 
 #endif

@@ -1,8 +1,8 @@
-/* import_calls.c - the C library's functions that open files, in the place of its own: all of an
- * importer's calls, its libraries' too, go through file_door.h.
+/* import_calls.c - replaces the C library's functions that open files, so that all calls of an
+ * importer and of its libraries go through file_door.h.
  *
- * Linked into importers alone. What the C library calls inside of itself stays its own: that reads
- * what is the system's, which the fence leaves open. Standard error codes, no descriptions.
+ * It is linked into importers alone. Calls inside of the C library are not replaced: they read
+ * system files, which the fence leaves open. Errors are errno codes, without descriptions.
  */
 #undef _FORTIFY_SOURCE
 #include <dirent.h>
@@ -20,7 +20,8 @@
 
 /* ---- before all others ---- */
 
-/* Libraries start threads when they are loaded, and Landlock holds only those that start later. */
+/* Run before all else: libraries start threads when they are loaded, and Landlock holds only
+ * threads that start later. */
 #ifndef IMPORT_UNFENCED
 static void begin(void) {
     crash_begin();
@@ -32,7 +33,7 @@ __attribute__((section(".preinit_array"), used)) static void (*const first)(void
 
 /* ---- descriptors ---- */
 
-/* The mode is there only where a file may be made. */
+/* The mode argument exists only if a file may be created. */
 #define WITH_MODE(mode, flags)                 \
     do {                                       \
         if ((flags) & (O_CREAT | O_TMPFILE)) { \
@@ -75,7 +76,7 @@ PUBLIC int creat64(const char *path, mode_t mode) {
     return creat(path, mode);
 }
 
-/* What calls become in programs that are built with _FORTIFY_SOURCE. */
+/* Variants that programs built with _FORTIFY_SOURCE call. */
 int __open_2(const char *path, int flags);
 int __open64_2(const char *path, int flags);
 int __openat_2(int folder, const char *path, int flags);

@@ -1,4 +1,4 @@
-/* import_hint.h - commands that messages of importers name, as they can be typed.
+/* import_hint.h - commands for importers' messages, in a form that can be typed.
  */
 #ifndef PREP_IMPORT_IMPORT_HINT_H
 #define PREP_IMPORT_IMPORT_HINT_H
@@ -7,8 +7,8 @@
 
 enum { IMPORT_HINT_MAX = 600 };
 
-/* import_hint_list() - "leafcast import-vdb F.vdb --list", into text, which is returned. Of several
- * paths as many as there is room for. */
+/* import_hint_list() - write a command such as "leafcast import-vdb F.vdb --list" to text, and
+ * return it. Of several paths, it names as many as fit. */
 const char *import_hint_list(const import_request *q, char text[IMPORT_HINT_MAX]);
 
 #endif

@@ -7,7 +7,7 @@
 #include "formats/base/mem.h"
 #include "formats/base/pool.h"
 
-/* With sanitizers an allocation takes address space by its own rules. */
+/* Sanitizers reserve address space by rules of their own. */
 #if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
 #define OWN_RULES 1
 #elif defined __has_feature
@@ -21,7 +21,7 @@
 
 /* ---- memory ---- */
 
-/* More than any machine's address space has room for. */
+/* More than fits any machine's address space. */
 static const size_t any_size = (size_t)1 << 46;
 
 static atomic_size_t first_refused;
@@ -32,10 +32,10 @@ static void lower(int what, rlim_t to) {
         return;
     limit.rlim_cur = to;
     if (setrlimit(what, &limit) != 0)
-        return; /* then it stays as it was */
+        return; /* then the limit stays as it is */
 }
 
-/* What counts already; 0: not known. */
+/* Bytes that count against the limit already; 0: unknown. */
 static uint64_t data_bytes(void) {
     char line[128];
     unsigned long long kib = 0;
@@ -62,7 +62,7 @@ void import_limits_refused(size_t bytes) {
 }
 
 bool import_limits_short(size_t *bytes) {
-    enum { THREAD = 16 << 20 }; /* its stack, and more: libraries crash where they get none */
+    enum { THREAD = 16 << 20 }; /* a thread's stack, and more: libraries crash if they get none */
     *bytes = first_refused;
     return *bytes || !mem_room(THREAD);
 }
@@ -70,7 +70,7 @@ bool import_limits_short(size_t *bytes) {
 /* ---- time ---- */
 
 static struct {
-    atomic_uint_least32_t patience; /* seconds; 0: nothing is limited */
+    atomic_uint_least32_t patience; /* seconds; 0: no limit */
     atomic_uint_least64_t opened, since;
 } allowed;
 
@@ -84,7 +84,7 @@ static void extend(void) {
     struct rlimit limit;
     if (!allowed.patience || getrlimit(RLIMIT_CPU, &limit) != 0)
         return;
-    /* Each part of what was used is cut to seconds. */
+    /* The clock cuts each part of the time used to whole seconds, so allow 2 more. */
     const rlim_t until = allowed.since + 2 + allowed.patience + (allowed.opened >> 20);
     limit.rlim_cur = until < limit.rlim_max ? until : limit.rlim_max;
     if (setrlimit(RLIMIT_CPU, &limit) != 0)
@@ -106,7 +106,7 @@ void import_limits_begin(size_t budget, uint32_t seconds) {
     limit_memory(budget);
     const bool own = getrlimit(RLIMIT_CPU, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
     allowed.patience = own ? 0 : seconds;
-    /* A word first: at the hard limit the system kills. */
+    /* Stop before the hard limit, where the system kills without a message. */
     if (own && limit.rlim_max != RLIM_INFINITY && limit.rlim_max > 1)
         lower(RLIMIT_CPU, limit.rlim_max - 1);
     import_limits_progress();

@@ -1,13 +1,13 @@
-/* import_limits.h - how much memory and time an importer may take, its library included.
+/* import_limits.h - limits memory and CPU time of an importer, its library included.
  *
- * Memory: RLIMIT_DATA, not RLIMIT_AS: it counts what is allocated, in all ways, and neither mapped
- * files nor room that is only set aside (an allocator sets aside 64 MiB a thread). Libraries
- * allocate beside the budget of --memory, mostly little, at worst as much again for a block packed
- * and unpacked; so the limit is twice the budget and some more on top of what the program has at
- * its start. It does not hold back honest files, but stops what would fill the machine.
+ * Memory: by RLIMIT_DATA, not RLIMIT_AS. It counts all allocations, but neither mapped files nor
+ * space that is only reserved (an allocator reserves 64 MiB per thread). Libraries allocate outside
+ * of the budget of --memory: mostly little, at worst as much again for a block packed and unpacked.
+ * So the limit is twice the budget and some more, on top of what the program has at its start.
+ * Honest files never reach it, but what would fill the machine is stopped.
  *
- * Time: CPU time without a slice done. Waiting for a pipe or a disk takes none. Whoever wants
- * another limit sets RLIMIT_CPU (ulimit -t), which is then of all of the import.
+ * Time: CPU time without a finished slice. Waiting for a pipe or a disk takes none. For another
+ * limit, set RLIMIT_CPU (ulimit -t), which then applies to the whole import.
  */
 #ifndef PREP_IMPORT_IMPORT_LIMITS_H
 #define PREP_IMPORT_IMPORT_LIMITS_H
@@ -16,24 +16,24 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Seconds of CPU without progress: some, and one for each MiB of what was opened, since a library
- * may read all of it before the first slice. */
+/* Allowed CPU seconds without progress. Each MiB of opened files adds one: a library may read all
+ * of it before the first slice. */
 enum { IMPORT_SECONDS = 600 };
 
-/* import_limits_begin() - budget: of --memory. seconds: IMPORT_SECONDS, or what a test has. */
+/* import_limits_begin() - budget: of --memory. seconds: IMPORT_SECONDS, or a test's own. */
 void import_limits_begin(size_t budget, uint32_t seconds);
 
-/* import_limits_progress() - the time starts anew; import_limits_opened() - so many bytes more are
+/* import_limits_progress() - restart the clock. import_limits_opened() - this many more bytes are
  * to be read. Any thread. */
 void import_limits_progress(void);
 void import_limits_opened(uint64_t bytes);
 
-/* import_limits_refused() - by allocators: so many bytes were not given. Sizes that no machine has
- * are a file's fault, and do not count. Any thread. */
+/* import_limits_refused() - allocators report that they refused so many bytes. Sizes that no
+ * machine has are ignored: they are a file's fault. Any thread. */
 void import_limits_refused(size_t bytes);
 
-/* import_limits_short() - whether memory was refused before, or there is none now; *bytes: the
- * first that was refused, 0: not known. A signal's handler may call it. */
+/* import_limits_short() - returns whether memory was refused before, or there is none now. *bytes:
+ * the first size refused; 0: unknown. Safe in a signal handler. */
 bool import_limits_short(size_t *bytes);
 
 #endif

@@ -1,9 +1,8 @@
-/* import_malloc.c - the C library's allocator under its own names, so that a refused block is
- * noted.
+/* import_malloc.c - wraps the C library's allocator under the same names, to note refused blocks.
  *
- * Libraries tell a lack of memory in many ways, some as malformed input, some not at all. What they
- * were refused is in import_limits.h, for whoever words the failure. Linked into importers alone,
- * and not where sanitizers have an allocator of their own.
+ * Libraries report a lack of memory in many ways: some as malformed input, some not at all. What
+ * they were refused is kept by import_limits.h, for error messages. It is linked into importers
+ * alone, and not if sanitizers have an allocator of their own.
  */
 #include <errno.h>
 #include <malloc.h>

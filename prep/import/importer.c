@@ -62,7 +62,8 @@ static status check(void *own) {
 
 /* ---- what went wrong ---- */
 
-/* Libraries go on without a file that was refused, and tell a lack of memory as they like. */
+/* Find the true reason of a failure. Libraries go on without a file that was refused, and report a
+ * lack of memory in ways of their own. */
 static status judge(const arguments *a, status st) {
     size_t bytes;
     const status refused = file_door_refused();
@@ -120,7 +121,7 @@ static status write_nrrd(mem *m, arguments *a, slice_source *from) {
     return st;
 }
 
-/* Some slices, their maps, and one slice packed. */
+/* Buffers for some slices, their maps, and one packed slice. */
 typedef struct tile_block {
     uint32_t room;
     char *slices, *packed;
@@ -222,7 +223,7 @@ static status import(mem *m, arguments *a) {
         st = report(a, &from.g, clock_seconds() - start);
     if (st == ST_OK)
         st = cli_flush();
-    /* What the library does while it closes changes nothing of that. */
+    /* The output is complete: a crash while the library closes changes nothing. */
     if (st == ST_OK)
         crash_done(0);
     slice_source_close(&from);
@@ -291,7 +292,7 @@ static status list(mem *m, const arguments *a) {
 
 /* ---- the fence ---- */
 
-/* Before the library opens anything: what is an output is none of its inputs. */
+/* Register the files before the library opens any: an output must not be an input. */
 static status guard_files(const arguments *a) {
     const char *output = a->list ? NULL : a->common.output;
     file_guard_watch();

@@ -1,4 +1,4 @@
-/* importer_options.h - the options of every importer, as rows of argp: first those of its own. */
+/* importer_options.h - options of all importers, as rows for argp; an importer's own come first. */
 #ifndef PREP_IMPORT_IMPORTER_OPTIONS_H
 #define PREP_IMPORT_IMPORTER_OPTIONS_H
 
@@ -18,9 +18,9 @@ enum {
     IMPORT_KEY_OWN
 };
 
-/* The ends of an importer's table; a format without steps or components leaves their rows out. Who
- * asks for tiles can read a tile_stream.h where the importer has one; whose output must be none of
- * the inputs names it by --guard. */
+/* Common rows for the end of an importer's table. Formats without steps or components leave those
+ * rows out. --tiles: the caller can read a tile_stream.h, if the importer has one. --guard: names
+ * the caller's output, which must not be an input. */
 #define IMPORT_FIELD_BY(what, which)                                            \
     {                                                                           \
         "field", IMPORT_KEY_FIELD, "NAME", CLI_BASIC,                           \
@@ -41,7 +41,7 @@ enum {
         {"guard", IMPORT_KEY_GUARD, "FILE", OPTION_HIDDEN, "for convert", 0}, { \
         NULL, 0, NULL, 0, NULL, 0                                               \
     }
-/* Of a format whose files name no others, and have all that they should: taken, without effect. */
+/* For formats whose files are complete in themselves: the options are accepted, without effect. */
 #define IMPORT_END       TRUST_OPTIONS_AS(OPTION_HIDDEN, 0), IMPORT_LAST
 #define IMPORT_TRUST_END TRUST_OPTIONS_AS(0, 0), IMPORT_LAST
 

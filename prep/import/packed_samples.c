@@ -3,14 +3,14 @@
 #include <math.h>
 #include <string.h>
 
-/* Numbers go through blocks of doubles, so that each loop is over one type. */
+/* Numbers are processed as blocks of doubles, so that each loop handles one type. */
 enum { BLOCK = 2048 };
 
 void packed_init(packed_samples *p, sample_type type, packed_wide wide) {
     *p = (packed_samples){.type = type, .wide = wide, .components = 1, .scale = 1};
 }
 
-/* The value as a number of the stored type would be; a fill value may be written in another. */
+/* Round a value to the stored type: fill values may be written in another type. */
 static long double as_stored(const packed_samples *p, long double value) {
     return p->type == SAMPLE_F32 ? (long double)(float)value : value;
 }
@@ -20,7 +20,7 @@ void packed_fill(packed_samples *p, long double value) {
         p->fill[p->fills++] = as_stored(p, value);
 }
 
-/* Numbers that make a sample's value. */
+/* Numbers that are combined to a sample's value. */
 static uint32_t components(const packed_samples *p) {
     return p->component ? 1 : p->components;
 }
@@ -60,7 +60,7 @@ size_t packed_bytes(const packed_samples *p) {
 
 /* ---- a block ---- */
 
-/* Every stride-th number. */
+/* Load every stride-th number. */
 #define LOAD_ALL(stored)                                                \
     for (size_t i = 0; i < count; i++) {                                \
         stored v;                                                       \
@@ -78,7 +78,7 @@ static void load(sample_type type, const void *in, size_t stride, double *out, s
     case SAMPLE_I32: LOAD_ALL(int32_t) break;
     case SAMPLE_F32: LOAD_ALL(float) break;
     case SAMPLE_F64: LOAD_ALL(double) break;
-    default: break; /* no importer has others */
+    default: break; /* importers have no other types */
     }
 }
 
@@ -89,7 +89,8 @@ static bool is_fill(const packed_samples *p, long double value) {
     return false;
 }
 
-/* Fill values are often the largest integers, which no double holds: they are told apart here. */
+/* Find fill values before conversion: they are often the largest integers, which no double
+ * holds. */
 static size_t load_wide(const packed_samples *p, const void *in, size_t stride, double *out,
                         size_t count) {
     size_t first = count;
@@ -146,7 +147,7 @@ static void reduce(const packed_samples *p, double *v, size_t samples) {
         memcpy((char *)out + i * sizeof s, &s, sizeof s); \
     }
 
-/* Integers are put out as such only where all values are whole and fit. */
+/* Store values. Integer types only occur if all values are whole and fit. */
 static void put(sample_type type, const double *v, void *out, size_t count) {
     switch (type) {
     case SAMPLE_U8: PUT_ALL(uint8_t) break;
@@ -157,11 +158,12 @@ static void put(sample_type type, const double *v, void *out, size_t count) {
     case SAMPLE_I32: PUT_ALL(int32_t) break;
     case SAMPLE_F32: PUT_ALL(float) break;
     case SAMPLE_F64: memcpy(out, v, count * sizeof *v); break;
-    default: break; /* no importer has others */
+    default: break; /* importers have no other types */
     }
 }
 
-/* numbers: of samples, all components. Returns as packed_unpack() does, in numbers. */
+/* Load and mark values. numbers: samples, times components if all are used. Returns as
+ * packed_unpack() does, in numbers. */
 static size_t load_values(const packed_samples *p, const char *in, double *v, size_t numbers) {
     const size_t stride = p->component ? p->components : 1;
     size_t bad = numbers;

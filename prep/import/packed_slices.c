@@ -2,7 +2,8 @@
 
 #include <assert.h>
 
-static const uint64_t slab_least = (uint64_t)4 << 20; /* of shallow chunks several are a slab */
+static const uint64_t slab_least = (uint64_t)4 << 20; /* a slab takes several chunks if they are
+                                                         shallow */
 
 static uint64_t at_most(uint64_t a, uint64_t b) {
     return a < b ? a : b;
@@ -41,7 +42,7 @@ void packed_slices_end(packed_slices *s) {
     s->scales = NULL;
 }
 
-/* Where a chunk needs several slabs, none reaches into the next chunk. */
+/* If a chunk needs several slabs, end the slab with the chunk. */
 static uint32_t slab_end(const packed_slices *s, uint32_t first) {
     const uint64_t deep = s->chunk_depth;
     const uint64_t end = at_most((uint64_t)first + s->depth, s->dims[2]);

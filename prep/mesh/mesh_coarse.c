@@ -91,7 +91,7 @@ static status embed_sets(embedding *e, leaf_writer *w) {
 
 status mesh_coarse_embed(mem *m, leaf_writer *w, const char *output, const mesh_coarse *o,
                          const progress *p) {
-    /* How far it is, the job at large has said: this is a small rest. */
+    /* Do not report progress: this is a small rest of the whole job. */
     const progress quiet = {.stop = p ? p->stop : NULL, .ctx = p ? p->ctx : NULL};
     embedding e = {.m = m,
                    .o = o,

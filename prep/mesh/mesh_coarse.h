@@ -1,5 +1,5 @@
-/* mesh_coarse.h - the coarse grids of a mesh's treelet file (leaf.h, COARSE): its values resampled,
- * with their pyramid, for pictures before the mesh has been read.
+/* mesh_coarse.h - makes the coarse grids in a mesh's treelet file (leaf.h, COARSE): its values
+ * resampled, with their pyramid. They are drawn before the mesh has been read.
  */
 #ifndef PREP_MESH_MESH_COARSE_H
 #define PREP_MESH_MESH_COARSE_H
@@ -18,8 +18,8 @@ typedef struct mesh_coarse {
     int threads;
 } mesh_coarse;
 
-/* mesh_coarse_embed() - into w, settled, a grid of each set. output: the path beside which scratch
- * files may be. The grids depend on the mesh, dims and file alone. */
+/* mesh_coarse_embed() - put a grid for each set into w, which must be settled. output: path beside
+ * which scratch files may lie. The grids depend on the mesh, dims and file alone. */
 CHECKED status mesh_coarse_embed(mem *m, leaf_writer *w, const char *output, const mesh_coarse *o,
                                  const progress *p);
 

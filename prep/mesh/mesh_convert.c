@@ -18,12 +18,12 @@
 #define LEAFCAST_VERSION "0"
 #endif
 
-enum { BATCH_PER_THREAD = 32 }; /* treelets that are built between two looks at the progress */
+enum { BATCH_PER_THREAD = 32 }; /* treelets per thread between two progress reports */
 
-/* Where the stages begin and end, of the whole job. */
+/* Ends of the stages, as shares of the whole job. */
 static const double READ_END = 0.25, KEYS_END = 0.4, SORT_END = 0.5, GRADIENTS_END = 0.6;
 
-/* One thread's tools and counts. */
+/* Buffers and counts of one thread. */
 typedef struct bench {
     mesh_treelet_builder *builder;
     mesh_sah *sah; /* NULL: trees by keys */
@@ -33,13 +33,14 @@ typedef struct bench {
     uint64_t flat, positive, negative;
 } bench;
 
-/* Treelets that are built at once: that number i has the records first[i] .. first[i + 1]. */
+/* Treelets that are built at once. Treelet i of the batch has the records [first[i], first[i +
+ * 1]). */
 typedef struct batch {
     const mesh_record *records;
     size_t *first;
     size_t count, most;
-    uint32_t treelet; /* index of the first */
-    uint64_t tet;     /* number of the first tet */
+    uint32_t treelet; /* index of the batch's first treelet */
+    uint64_t tet;     /* number of the batch's first tet */
 } batch;
 
 typedef struct conversion {
@@ -54,11 +55,11 @@ typedef struct conversion {
     uint64_t tets; /* kept */
     mesh_spool gradients;
     mesh_gradients *summing;
-    double band, band_end; /* the part that is under way, of all gradients */
+    double band, band_end; /* share of all gradients: begin and end of the current part */
     leaf_writer *writer;
     bench *benches;
     batch batch;
-    uint32_t first_step, end_step; /* what is being built */
+    uint32_t first_step, end_step; /* range of steps being built */
     mesh_histogram histogram;
 } conversion;
 
@@ -114,7 +115,7 @@ static status sort_tets(conversion *c, const char *output, leaf_facts *facts) {
 
 /* ---- cutting ---- */
 
-/* Calls back with one batch of treelets after the other, in order. */
+/* Call take() for one batch of treelets after the other, in order. */
 static status for_each_batch(conversion *c, status (*take)(conversion *c)) {
     batch *b = &c->batch;
     uint64_t before = 0, done = 0;
@@ -182,7 +183,8 @@ static status sum_gradients(conversion *c, uint32_t step, uint32_t field) {
     return st;
 }
 
-/* Of every vertex in every set, in the order of the values, to c->gradients. */
+/* Compute the gradients of all vertices in all sets, in the order of the values, into
+ * c->gradients. */
 static status make_gradients(conversion *c, const char *output) {
     mesh_gather *g = c->g;
     mesh_spool_init(&c->gradients, c->m, output, sizeof(float[3]), 0);
@@ -200,7 +202,7 @@ static status make_gradients(conversion *c, const char *output) {
 
 /* ---- building ---- */
 
-/* What one treelet is made from. */
+/* The input of one treelet. */
 typedef struct piece {
     uint32_t treelet;
     uint64_t first_tet;
@@ -208,7 +210,7 @@ typedef struct piece {
     size_t count;
 } piece;
 
-/* k->values: of the set. */
+/* k->values must be those of the set. */
 static status take_histogram(const conversion *c, bench *k, const piece *p, uint32_t step,
                              uint32_t set) {
     k->points.first = mesh_gather_points(c->g, step);
@@ -216,7 +218,7 @@ static status take_histogram(const conversion *c, bench *k, const piece *p, uint
                                &k->values);
 }
 
-/* The topology, and the first field at the first step. */
+/* Build the topology, and the first field at the first step. */
 static status build_first(const conversion *c, bench *k, const piece *p, mesh_treelet *t) {
     const uint32_t treelet = p->treelet;
     k->points.first = k->values.first = 0;
@@ -255,7 +257,7 @@ static status build_positions(const conversion *c, bench *k, uint32_t treelet, u
                        : st;
 }
 
-/* Of all sets; last, since nothing is left of the topology. */
+/* Store the gradients of all sets. Do this last: it overwrites the topology. */
 static status put_gradients(const conversion *c, bench *k, uint32_t treelet,
                             const mesh_treelet *t) {
     status st = ST_OK;
@@ -312,8 +314,8 @@ static status build_batch(conversion *c) {
     return st == ST_OK ? progress_step(c->p, "build", from + (1 - from) * done) : st;
 }
 
-/* In memory, a vertex' values at all steps are as near as one; in files, each step is a place of
- * its own, which the windows would lose again and again. */
+/* Build several steps at once if all is in memory, where a vertex' values at all steps are close
+ * by. In files each step has its own place, and the windows would be reloaded again and again. */
 static status build_steps(conversion *c) {
     const bool held = mesh_spool_held(&c->g->points) && mesh_spool_held(&c->g->values);
     status st = ST_OK;
@@ -373,7 +375,7 @@ static void release_benches(conversion *c, leaf_facts *facts) {
     }
     mem_free(c->m, c->benches);
     c->benches = NULL;
-    /* Formats differ in what they hold to be upright: it is what most tets are. */
+    /* Formats disagree about orientation. The majority of the tets decides. */
     facts->inverted = positive < negative ? positive : negative;
 }
 
@@ -417,7 +419,7 @@ static status build_treelets(conversion *c, const char *field, const char *outpu
     return st;
 }
 
-/* All values have been put. A mesh without an array was given zeros. */
+/* Call it when all values have been put. A mesh without an array was given zeros. */
 static status check_empty(const conversion *c, const mesh_report *r) {
     const uint32_t sets = c->g->fields * c->g->steps;
     bool numbers = false, zeros = true;
@@ -456,7 +458,7 @@ static void describe_origin(const mesh_options *o, const mesh_report *r, char *t
              cells, o->gradients ? ", gradients" : "", codec);
 }
 
-/* Everything but the writer, which leaf_writer_finish() consumes. */
+/* Free all but the writer, which leaf_writer_finish() consumes. */
 static void release(conversion *c, leaf_facts *facts) {
     release_benches(c, facts);
     mesh_runs_destroy(c->runs);
@@ -534,7 +536,8 @@ static status plan_counted(mem *m, mesh_input *x, const mesh_options *o, const p
     return st == ST_OK ? mesh_plan_make(m, &g, o, &result->plan) : st;
 }
 
-/* A budget that is too small for any mesh cannot even gather this one; what it needs is told. */
+/* If the budget is too small for any mesh, this one cannot even be gathered. So count what it
+ * needs, and report that. */
 static status check_budget(mem *m, mesh_input *x, const mesh_options *o, const progress *p,
                            mesh_result *result) {
     uint64_t least = 0;

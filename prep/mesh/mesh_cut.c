@@ -2,7 +2,7 @@
 
 #include "prep/mesh/mesh_morton.h"
 
-/* The first of records[low .. count) that does not share `bits` bits with records[0]. */
+/* Index of the first of records[low .. count) that does not share `bits` bits with records[0]. */
 static size_t end_of_node(const mesh_record *records, size_t count, int bits) {
     size_t low = 1, high = count;
     while (low < high) {
@@ -25,6 +25,6 @@ size_t mesh_cut_next(const mesh_record *records, size_t count, const uint64_t *b
         bits = more > bits ? more : bits;
         count = most;
     }
-    /* All of one key, or the rest of such tets: no node but this key. */
+    /* All tets have one key, or they are the rest of such tets: no node but this key fits. */
     return end_of_node(records, count, bits > MESH_MORTON_BITS ? MESH_MORTON_BITS : bits);
 }

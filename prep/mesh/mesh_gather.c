@@ -32,7 +32,8 @@ size_t mesh_gather_least(uint32_t fields) {
            mesh_spool_buffers(sizeof(float)) + mesh_spool_buffers(sizeof(uint32_t[4]));
 }
 
-/* Whether points and tets are those that all else is held against. */
+/* Returns whether this step is the first, whose points and tets all other steps are compared
+ * with. */
 static bool is_first(const mesh_gather *g) {
     return g->step == 0;
 }
@@ -55,8 +56,8 @@ static status too_many(const mesh_gather *g, const char *what, uint64_t expected
                            (unsigned long long)expected, what, g->first_name);
 }
 
-/* Copies of the first step's points for the steps that did not move, and up to point `end` of this
- * one. */
+/* Copy the first step's points for the steps that did not move, and up to point `end` of this
+ * step. */
 static status catch_up(mesh_gather *g, uint64_t end) {
     float xyz[SOME][3];
     for (uint32_t step = 1; step <= g->step; step++) {
@@ -73,7 +74,7 @@ static status catch_up(mesh_gather *g, uint64_t end) {
     return ST_OK;
 }
 
-/* How many of the points are, bit by bit, the first step's; they begin with number `first`. */
+/* Count how many points equal the first step's bit by bit. They begin with number `first`. */
 static status count_same(mesh_gather *g, uint64_t first, size_t count, const float (*xyz)[3],
                          size_t *same) {
     float before[SOME][3];
@@ -134,7 +135,7 @@ static status check_tets(mesh_gather *g, size_t count, const uint32_t (*ids)[4])
 
 /* ---- taking ---- */
 
-/* How far all readings are together. */
+/* Report progress over all readings. */
 static status tell(const mesh_gather *g) {
     const double done = g->step + (g->reading ? mesh_input_share(g->reading) : 0);
     return progress_step(g->p, "read", g->share * done / g->steps);
@@ -221,7 +222,7 @@ static status count_in(mesh_gather *g, mesh_spool *s, size_t count) {
     return tell(g);
 }
 
-/* Of a series, as if all points moved. */
+/* Count as if all points of a series moved. */
 static status count_points(void *ctx, uint64_t first, size_t count, const float (*xyz)[3]) {
     mesh_gather *g = ctx;
     (void)first, (void)xyz;

@@ -1,5 +1,5 @@
-/* Shares of tets are made by all threads, some thousands at a time, and then added by all: each
- * thread adds what belongs to its own vertices, in the order of the tets. */
+/* All threads compute shares of tets, some thousands at a time, and then add them. Each thread adds
+ * the shares of its own vertices, in the order of the tets. */
 #include "prep/mesh/mesh_gradients.h"
 
 #include <float.h>
@@ -9,26 +9,27 @@
 #include "formats/base/vec3.h"
 
 enum {
-    SLICE = 8192, /* tets whose shares are held */
-    CHUNK = 256,  /* of these, what a thread takes at a time */
+    SLICE = 8192, /* tets whose shares are held at a time */
+    CHUNK = 256,  /* tets that a thread takes at a time */
     BAND_MIN = 1024,
-    OWN_LOG2 = 3, /* so many neighbouring vertices belong to one thread */
-    SOME = 512    /* gradients that are written at a time */
+    OWN_LOG2 = 3, /* log2 of neighbouring vertices that belong to one thread */
+    SOME = 512    /* gradients written at a time */
 };
 
-/* A tet's |determinant| below so much of its terms' moduli is rounding. */
+/* A tet's |determinant| is rounding error if it is below this part of the sum of its terms'
+ * moduli. */
 #define GRADIENT_SURE 0x1p-36
 
 #define NOBODY UINT16_MAX
 
-/* The sums for a vertex, or what a tet adds to them: gradient times volume, and volume; times 6. */
+/* Sums of a vertex, or a tet's contribution: gradient times volume, and volume; both times 6. */
 typedef struct weighted {
     double gradient[3], volume;
 } weighted;
 
 typedef struct share {
     weighted sum;
-    uint16_t owner[4]; /* threads of the tet's vertices; NOBODY: there is nothing to be added */
+    uint16_t owner[4]; /* threads that own the tet's vertices; NOBODY: nothing to add */
 } share;
 
 typedef struct window {
@@ -39,16 +40,16 @@ struct mesh_gradients {
     mem *m;
     pool *workers;
     uint64_t vertices, band;
-    uint64_t first, count; /* of the band under way */
-    uint64_t point, value; /* elements of vertex 0 */
-    weighted *sums;        /* of its vertices */
+    uint64_t first, count; /* vertices of the current band */
+    uint64_t point, value; /* index of vertex 0 in points, and in values */
+    weighted *sums;        /* of the band's vertices */
     share *shares;
-    window *windows; /* of each thread */
+    window *windows; /* one per thread */
     const mesh_record *records;
     size_t records_count;
 };
 
-/* ---- what is held ---- */
+/* ---- memory ---- */
 
 uint64_t mesh_gradients_memory(const mesh_gradients_plan *plan, int threads) {
     return sizeof(mesh_gradients) + plan->band * sizeof(weighted) + SLICE * sizeof(share) +
@@ -65,7 +66,7 @@ mesh_gradients_plan mesh_gradients_plan_make(const mesh_spool *points, const mes
     }
     const uint64_t least = mesh_gradients_memory(&plan, threads);
     uint64_t left = room > least ? room - least : 0;
-    /* Another band costs more than windows that are not wide. */
+    /* Prefer fewer bands: another band costs more than narrower windows do. */
     const uint64_t wider = (paged ? left / 4 * 3 : left) / sizeof(weighted);
     const uint64_t more = wider < vertices - plan.band ? wider : vertices - plan.band;
     plan.band += more;
@@ -134,7 +135,7 @@ void mesh_gradients_begin(mesh_gradients *g, uint64_t band, uint64_t point, uint
 
 /* ---- shares ---- */
 
-/* Of e[0] . (e[1] x e[2]). */
+/* Sum of the moduli of the terms of e[0] . (e[1] x e[2]). */
 static double moduli_of_terms(const double e[3][3]) {
     double sum = 0;
     for (int i = 0; i < 3; i++) {
@@ -144,7 +145,8 @@ static double moduli_of_terms(const double e[3][3]) {
     return sum;
 }
 
-/* False: the tet has no say. Floats' products are far from what doubles cannot hold. */
+/* Compute a tet's contribution. Returns false if it has none. Products of floats are far from the
+ * limits of doubles. */
 static bool weigh(const float p[4][3], const float f[4], weighted *out) {
     double e[3][3], df[3], normal[3][3];
     for (int i = 0; i < 3; i++) {
@@ -166,7 +168,7 @@ static bool weigh(const float p[4][3], const float f[4], weighted *out) {
     return true;
 }
 
-/* Whether the tet adds anything to the band's vertices, and whose they are. */
+/* Find the owners of the tet's vertices in the band. Returns false if there is none. */
 static bool find_owners(const mesh_gradients *g, const uint32_t id[4], uint16_t owner[4]) {
     const uint32_t threads = (uint32_t)pool_threads(g->workers);
     bool any = false;

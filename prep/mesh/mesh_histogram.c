@@ -28,7 +28,7 @@ void mesh_histogram_release(mesh_histogram *h) {
     h->cells = NULL;
 }
 
-/* A tet's corners in ascending order of their ids, as the file has them. */
+/* Sort a tet's corners by their ids, as the file has them. */
 static void sort_ids(const uint32_t from[4], uint32_t to[4]) {
     for (int i = 0; i < 4; i++) {
         int k = i;

@@ -9,7 +9,7 @@
 
 enum { BLOCK = 1 << 12, BLOCKS_MAX = 256 };
 
-/* One thread's tools and counts. */
+/* Buffers and counts of one thread. */
 typedef struct bench {
     mesh_pages points;
     uint32_t (*tets)[4];
@@ -22,9 +22,9 @@ typedef struct keying {
     mesh_lattice lattice;
     int threads;
     bench *benches;
-    atomic_uint *used; /* a bit a point: is it any tet's? */
+    atomic_uint *used; /* a bit per point: some tet has it */
     size_t used_words;
-    /* The blocks that are being made. */
+    /* The current blocks. */
     uint64_t first;
     size_t count;
     mesh_record *to;
@@ -93,7 +93,7 @@ static status make_block(void *ctx, size_t index, int worker) {
     return st;
 }
 
-/* The blocks' records, without gaps. */
+/* Move the blocks' records together. Returns how many there are. */
 static size_t close_gaps(const keying *k, size_t blocks) {
     size_t end = 0;
     for (size_t i = 0; i < blocks; i++) {
@@ -129,7 +129,8 @@ static void release(keying *k) {
     mem_free(k->m, k->used);
 }
 
-/* Points that are no tet's may have any value, and files have nothing of them. */
+/* Count values that are not finite, at points of tets only: other points may have any value, and
+ * are not written. */
 static status count_non_finite(const keying *k, mesh_spool *values, uint64_t *count) {
     enum { SOME = 4 * BLOCK };
     float *value = (float *)k->benches[0].tets;

@@ -1,7 +1,7 @@
-/* mesh_morton.h - where a tet stands along the Morton curve through its mesh.
+/* mesh_morton.h - a tet's place along the Morton curve through its mesh.
  *
- * The centroid's place on a lattice of 2^21 cells along the longest edge of the points' box, bits
- * interleaved: 63 bits, the same on any machine.
+ * It is the centroid's place on a lattice of 2^21 cells along the longest edge of the points' box,
+ * bits interleaved: 63 bits, the same on any machine.
  */
 #ifndef PREP_MESH_MESH_MORTON_H
 #define PREP_MESH_MESH_MORTON_H
@@ -12,7 +12,7 @@ enum { MESH_MORTON_BITS = 63, MESH_MORTON_AXIS_BITS = 21 };
 
 typedef struct mesh_lattice {
     double lo[3];
-    double scale; /* cells per unit of length; 0 for a box without any */
+    double scale; /* cells per unit of length; 0: the box has no extent */
 } mesh_lattice;
 
 /* mesh_lattice_of() - bounds: lo x y z, hi x y z, finite. */
@@ -29,7 +29,7 @@ static inline mesh_lattice mesh_lattice_of(const float bounds[6]) {
     return l;
 }
 
-/* The lowest 21 bits, each at three times its place. */
+/* Spread the lowest 21 bits: bit i moves to bit 3 i. */
 static inline uint64_t mesh_morton_spread(uint64_t x) {
     x = (x | x << 32) & UINT64_C(0x001f00000000ffff);
     x = (x | x << 16) & UINT64_C(0x001f0000ff0000ff);
@@ -38,7 +38,7 @@ static inline uint64_t mesh_morton_spread(uint64_t x) {
     return (x | x << 2) & UINT64_C(0x1249249249249249);
 }
 
-/* mesh_morton_key() - of the tet with these vertices, which lie within the bounds. */
+/* mesh_morton_key() - key of the tet with these vertices, which must lie within the bounds. */
 static inline uint64_t mesh_morton_key(const mesh_lattice *l, const float p[4][3]) {
     uint64_t key = 0;
     for (int a = 0; a < 3; a++) {
@@ -51,7 +51,7 @@ static inline uint64_t mesh_morton_key(const mesh_lattice *l, const float p[4][3
     return key;
 }
 
-/* mesh_morton_common() - how many of the first bits two keys share: 0 .. 63. */
+/* mesh_morton_common() - number of leading bits that two keys share: 0 .. 63. */
 static inline int mesh_morton_common(uint64_t a, uint64_t b) {
     return a == b ? MESH_MORTON_BITS : __builtin_clzll(a ^ b) - (64 - MESH_MORTON_BITS);
 }

@@ -9,7 +9,7 @@ static uint64_t bytes_of(const mesh_spool *s, uint32_t sets_log2) {
     return ways * (PAGE * s->element + sizeof(uint64_t)) + (UINT64_C(1) << sets_log2) + 512;
 }
 
-/* No more pages than the spool has, and no more than there is room for. */
+/* log2 of the number of sets: no more pages than the spool has, and than fit into room. */
 static uint32_t sets_for(const mesh_spool *s, uint64_t room) {
     uint32_t log2 = SETS_LOG2_MIN;
     while (log2 < SETS_LOG2_MAX && bytes_of(s, log2 + 1) <= room &&
@@ -62,7 +62,7 @@ static char *read_page(mesh_pages *p, uint64_t page, size_t set) {
 
 const void *mesh_pages_find(mesh_pages *p, uint64_t i) {
     uint64_t page = i >> MESH_PAGES_LOG2;
-    /* Fibonacci hashing: neighbours go to different sets, and so do layers of a lattice. */
+    /* Fibonacci hashing: neighbours go to different sets, and so do the layers of a lattice. */
     size_t set = (size_t)(page * UINT64_C(0x9e3779b97f4a7c15) >> (64 - p->sets_log2));
     const uint64_t *tags = &p->tags[set * MESH_PAGES_WAYS];
     size_t element = p->spool->element, in_page = (size_t)(i & (PAGE - 1)) * element;

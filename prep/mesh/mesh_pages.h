@@ -1,7 +1,7 @@
-/* mesh_pages.h - single elements of a spool, wherever it is: one thread's window on it.
+/* mesh_pages.h - one thread's window on a spool, to read single elements wherever it is held.
  *
- * A spool held in memory is read directly. Of one in a file, pages are kept: a 4-way cache, the
- * oldest of a set going first.
+ * A spool in memory is read directly. Of a spool in a file, pages are cached: 4-way, and the oldest
+ * page of a set is replaced.
  */
 #ifndef PREP_MESH_MESH_PAGES_H
 #define PREP_MESH_MESH_PAGES_H
@@ -11,30 +11,30 @@
 
 #include "prep/mesh/mesh_spool.h"
 
-enum { MESH_PAGES_LOG2 = 9, MESH_PAGES_WAYS = 4 }; /* elements of a page; pages of a set */
+enum { MESH_PAGES_LOG2 = 9, MESH_PAGES_WAYS = 4 }; /* elements per page; pages per set */
 
 typedef struct mesh_pages {
     mesh_spool *spool;
     char *pages;
     uint64_t *tags; /* page number + 1; 0: empty */
-    uint8_t *next;  /* of each set: the way to be replaced */
+    uint8_t *next;  /* per set: the way to replace next */
     uint32_t sets_log2;
-    uint64_t first; /* of the spool, the element that is number 0 here; may be changed */
-    status st;      /* of the last mesh_pages_at() that gave NULL */
+    uint64_t first; /* element of the spool that is number 0 here; may be changed */
+    status st;      /* of the last mesh_pages_at() that returned NULL */
 } mesh_pages;
 
-/* mesh_pages_least(), mesh_pages_memory() - bytes of the smallest window on a spool in a file;
- * bytes that a window with `room` at its disposal takes of it. */
+/* mesh_pages_least() - bytes of the smallest window on a spool in a file. mesh_pages_memory() -
+ * bytes that a window takes of `room`. */
 uint64_t mesh_pages_least(const mesh_spool *s);
 uint64_t mesh_pages_memory(const mesh_spool *s, uint64_t room);
 
-/* mesh_pages_init() - s: ended; room >= mesh_pages_least(s) unless it is held in memory. */
+/* mesh_pages_init() - s: complete; room >= mesh_pages_least(s) unless it is held in memory. */
 CHECKED status mesh_pages_init(mesh_pages *p, mesh_spool *s, uint64_t room);
-void mesh_pages_release(mesh_pages *p); /* zeroed is fine */
+void mesh_pages_release(mesh_pages *p); /* a zeroed struct is fine */
 
 const void *mesh_pages_find(mesh_pages *p, uint64_t i);
 
-/* mesh_pages_at() - element p->first + i < count, valid until the next call; NULL when it cannot be
+/* mesh_pages_at() - element p->first + i < count, valid until the next call. NULL: it cannot be
  * read, see p->st. */
 static inline const void *mesh_pages_at(mesh_pages *p, uint64_t i) {
     i += p->first;

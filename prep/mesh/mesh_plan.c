@@ -6,19 +6,19 @@
 #include "prep/mesh/mesh_sah.h"
 #include "prep/mesh/mesh_treelet.h"
 
-/* Book-keeping: the thread pool, stacks as far as they are touched, rounding of blocks. */
+/* Memory not counted elsewhere: the thread pool, touched parts of stacks, rounding of blocks. */
 enum { FIXED_BYTES = 512 << 10, THREAD_BYTES = 64 << 10 };
 
-/* What a plan is made from. */
+/* Input of a plan. */
 typedef struct needs {
     const mesh_options *o;
     const mesh_gather *g;
-    uint64_t packer;   /* bytes of one, outside of mem */
-    uint64_t others;   /* bytes that are none of the gathered */
-    uint64_t treelets; /* guessed */
+    uint64_t packer;   /* bytes of a packer, outside of mem */
+    uint64_t others;   /* bytes in use that are not gathered data */
+    uint64_t treelets; /* estimated */
 } needs;
 
-/* How much may be spilled before all else. */
+/* What is spilled before all else. */
 typedef enum spilling { SPILL_NOTHING, SPILL_TETS, SPILL_ALL, SPILLINGS } spilling;
 
 static uint64_t larger(uint64_t a, uint64_t b) {
@@ -37,13 +37,13 @@ static uint64_t held_bytes(const mesh_spool *s) {
     return s->chunk_count * chunk_bytes(s) + s->chunk_room * sizeof *s->chunks + 128;
 }
 
-/* Of one that will be filled; in a file it has a buffer. */
+/* Bytes of a spool that will be filled. In a file it has a buffer. */
 static uint64_t filled_bytes(const mesh_spool *s, bool held) {
     const uint64_t chunks = held ? (s->count >> MESH_SPOOL_LOG2) + 1 : 1;
     return chunks * (chunk_bytes(s) + 4 * sizeof *s->chunks) + 4096;
 }
 
-/* ---- what the stages take beside points, tets, runs and windows ---- */
+/* ---- needs of the stages besides points, tets, runs and windows ---- */
 
 static uint64_t keys_fixed(const needs *n) {
     return n->others + mesh_keys_memory(n->g->vertices, n->o->threads) +
@@ -74,15 +74,15 @@ static uint64_t build_fixed(const needs *n) {
 
 /* ---- choosing ---- */
 
-/* The gradients that there will be. */
+/* The spool of gradients, as large as it will be. */
 static mesh_spool gradients_of(const needs *n) {
     const mesh_options *o = n->o;
     return (mesh_spool){.element = sizeof(float[3]),
                         .count = o->gradients ? n->g->values.count : 0};
 }
 
-/* Summing up gradients, which takes its place between sorting and building; plan->memory may grow.
- * base: what is held besides. */
+/* Plan the gradients, which are computed between sorting and building. plan->memory may grow. base:
+ * bytes held besides. */
 static void choose_gradients(const needs *n, bool paged, uint64_t base, uint64_t budget,
                              mesh_plan *plan) {
     const mesh_gather *g = n->g;
@@ -98,7 +98,7 @@ static void choose_gradients(const needs *n, bool paged, uint64_t base, uint64_t
     plan->spill_bytes += paged ? gradients.count * gradients.element : 0;
 }
 
-/* The best plan with so much spilled within the budget, or the one that needs least: plan->memory
+/* Make the best plan for this spilling within the budget, or the smallest one: plan->memory
  * tells. */
 static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *plan) {
     const mesh_gather *g = n->g;
@@ -119,7 +119,7 @@ static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *pla
                            (any && !paged ? filled_bytes(&gradients, true) : 0);
     const uint64_t keys_least = keys + threads * least_points,
                    build_least = build + threads * (least_points + least_values + least_gradients);
-    /* Wide windows are worth as much as long runs. */
+    /* Wide windows are worth as much as long runs: share equally. */
     const uint64_t share = paged ? 2 : 1;
     plan->runs = mesh_runs_plan_make(count, (uint64_t)n->o->treelet_tets + 1,
                                      room_above(budget, keys_least) / share,
@@ -153,7 +153,7 @@ static status needs_of(mem *m, const mesh_gather *g, const mesh_options *o, need
         g->counted ? 0 : held_bytes(&g->points) + held_bytes(&g->values) + held_bytes(&g->tets);
     *n = (needs){.o = o, .g = g};
     n->others = FIXED_BYTES + (uint64_t)o->threads * THREAD_BYTES + room_above(mem_used(m), held);
-    /* Treelets are full to 70 % on average; where much of a mesh is sparse, less. */
+    /* On average treelets are 70 % full, and less if much of a mesh is sparse. */
     n->treelets = 3 * (g->tets.count / o->treelet_tets) + 64;
     if (n->treelets > g->tets.count)
         n->treelets = g->tets.count;
@@ -200,7 +200,7 @@ status mesh_plan_make(mem *m, const mesh_gather *g, const mesh_options *o, mesh_
     for (spilling how = SPILL_NOTHING; how < SPILLINGS; how++) {
         choose(&n, how, o->memory, plan);
         plan->memory_least = least;
-        /* Tets in memory take the room that longer runs could have. */
+        /* If runs are merged, tets in memory take room that longer runs could have. */
         const bool wasteful = how == SPILL_NOTHING && plan->runs.block && mesh_spool_held(&g->tets);
         if (plan->memory <= o->memory && !wasteful)
             return ST_OK;

@@ -7,11 +7,11 @@
 
 enum { BLOCK_MIN = 1 << 11, BLOCK_MAX = 1 << 16, WINDOW_MAX = 1 << 20, RUN_MIN = 1 << 12 };
 
-/* One run during the merge. */
+/* A run while it is merged. */
 typedef struct stream {
     mesh_record *block;
     size_t at, count; /* in the block */
-    uint64_t next;    /* record of the file that the next block begins with */
+    uint64_t next;    /* record of the file where the next block begins */
     uint64_t end;
 } stream;
 
@@ -20,17 +20,17 @@ struct mesh_runs {
     const char *beside;
     mesh_runs_plan plan;
     mesh_sort *sort;
-    mesh_record *records, *spare; /* of one run */
+    mesh_record *records, *spare; /* of the current run */
     size_t filled;
-    /* Several runs */
+    /* With several runs: */
     out_file *file;
     uint64_t written;
     uint64_t runs;
     stream *streams;
     mesh_record *blocks;
-    uint32_t *losers; /* of a tournament of all streams; [0]: who won */
+    uint32_t *losers; /* tournament tree over all streams; [0]: the winner */
     mesh_record *window;
-    /* What is in sight */
+    /* The visible records */
     size_t first, held;
 };
 
@@ -59,7 +59,7 @@ uint64_t mesh_runs_spill(const mesh_runs_plan *plan, uint64_t records) {
     return plan->block ? records * sizeof(mesh_record) : 0;
 }
 
-/* Runs so long that making them takes as much as merging them at the least. */
+/* The shortest run for which making runs takes as much memory as the smallest merge. */
 static uint64_t shortest_run(uint64_t records) {
     uint64_t run = RUN_MIN;
     while (run < records && (records + run - 1) / run * BLOCK_MIN > 2 * run)
@@ -67,7 +67,7 @@ static uint64_t shortest_run(uint64_t records) {
     return run < records ? run : records;
 }
 
-/* Twice as much of something as long as it fits. */
+/* Double *what, up to `most`, as long as the merge fits into room. */
 static void widen(mesh_runs_plan *plan, uint64_t *what, uint64_t most, uint64_t records,
                   uint64_t room) {
     while (*what < most) {
@@ -86,7 +86,7 @@ mesh_runs_plan mesh_runs_plan_make(uint64_t records, uint64_t in_sight, uint64_t
         return one;
     mesh_runs_plan plan = {
         .run = shortest_run(records), .block = BLOCK_MIN, .window = in_sight + RUN_MIN};
-    /* Nothing is gained by merging where that takes as much. */
+    /* Do not merge if that takes as much memory as one run. */
     if (mesh_runs_merging(&plan, records) >= mesh_runs_sorting(&one))
         return one;
     while (plan.run < records) {
@@ -162,7 +162,7 @@ mesh_record *mesh_runs_room(mesh_runs *r, size_t *count) {
 status mesh_runs_put(mesh_runs *r, size_t count) {
     r->filled += count;
     assert(r->filled <= r->plan.run);
-    /* A full run may be the only one: then it stays. */
+    /* A full run may be the only one: then it stays in memory. */
     return r->filled == r->plan.run && r->plan.block ? write_run(r) : ST_OK;
 }
 
@@ -177,19 +177,20 @@ static status fill_block(mesh_runs *r, stream *s) {
     return s->count ? out_file_read_at(r->file, at, s->block, s->count * sizeof *s->block) : ST_OK;
 }
 
-/* No key is that large. */
+/* The next key of a stream; at its end UINT64_MAX, which no key reaches. */
 static uint64_t head(const mesh_runs *r, uint32_t i) {
     const stream *s = &r->streams[i];
     return s->at < s->count ? s->block[s->at].key : UINT64_MAX;
 }
 
-/* Of the same key, that of the earlier run comes first. */
+/* Returns whether stream a comes before b. For equal keys the earlier run does. */
 static bool precedes(const mesh_runs *r, uint32_t a, uint32_t b) {
     uint64_t x = head(r, a), y = head(r, b);
     return x < y || (x == y && a < b);
 }
 
-/* A tournament: node i has the nodes 2i and 2i + 1 below it, node runs + k is stream k. */
+/* Play the tournament below a node. Node i has children 2i and 2i + 1; node runs + k is stream
+ * k. */
 static uint32_t play(mesh_runs *r, uint32_t node) {
     if (node >= r->runs)
         return node - (uint32_t)r->runs;
@@ -199,7 +200,7 @@ static uint32_t play(mesh_runs *r, uint32_t node) {
     return first ? a : b;
 }
 
-/* Stream i has a new head: it plays against those whom its old one had beaten. */
+/* Stream i has a new head: replay the matches on its path to the root. */
 static void replay(mesh_runs *r, uint32_t i) {
     uint32_t winner = i;
     for (uint32_t node = ((uint32_t)r->runs + i) / 2; node > 0; node /= 2)

@@ -1,7 +1,7 @@
-/* mesh_runs.h - tets in, sorted tets out, within a fixed amount of memory.
+/* mesh_runs.h - sorts tets within a fixed amount of memory.
  *
- * What fits into one run is sorted in memory and never written. Otherwise sorted runs go to a
- * scratch file, and are merged as they are asked for: the same order, for runs are merged stably.
+ * Tets that fit into one run are sorted in memory and never written. Otherwise sorted runs go to a
+ * scratch file, and are merged while they are read. Merging is stable, so the order is the same.
  */
 #ifndef PREP_MESH_MESH_RUNS_H
 #define PREP_MESH_MESH_RUNS_H
@@ -14,21 +14,21 @@
 
 typedef struct mesh_runs mesh_runs;
 
-/* How much of everything is held. */
+/* Sizes of what is held. */
 typedef struct mesh_runs_plan {
-    uint64_t run;    /* records of a run; two such arrays while one is sorted */
-    uint64_t block;  /* records of each run in memory during the merge; 0: one run */
-    uint64_t window; /* records in sight during the merge, at most */
+    uint64_t run;    /* records per run; two arrays of them while a run is sorted */
+    uint64_t block;  /* records of each run in memory during the merge; 0: there is one run */
+    uint64_t window; /* most visible records during the merge */
 } mesh_runs_plan;
 
-/* mesh_runs_plan_make() - for `records` records of which `in_sight` must be: the best plan that
- * takes at most `making` bytes while runs are made and `merging` from then on; else the one that
- * needs least. */
+/* mesh_runs_plan_make() - plan for `records` records of which `in_sight` must be visible at a time.
+ * It is the best plan of at most `making` bytes while runs are made, and `merging` bytes
+ * afterwards; else the smallest one. */
 mesh_runs_plan mesh_runs_plan_make(uint64_t records, uint64_t in_sight, uint64_t making,
                                    uint64_t merging);
 
-/* Bytes that a plan takes, but for mesh_sort_memory(): mesh_runs_filling() - until mesh_runs_end();
- * mesh_runs_sorting() - in there, at most; mesh_runs_merging() - behind it. */
+/* Bytes that a plan takes, without mesh_sort_memory(). mesh_runs_filling() - until mesh_runs_end().
+ * mesh_runs_sorting() - most bytes within mesh_runs_end(). mesh_runs_merging() - after it. */
 uint64_t mesh_runs_filling(const mesh_runs_plan *plan);
 uint64_t mesh_runs_sorting(const mesh_runs_plan *plan);
 uint64_t mesh_runs_merging(const mesh_runs_plan *plan, uint64_t records);
@@ -36,26 +36,26 @@ uint64_t mesh_runs_merging(const mesh_runs_plan *plan, uint64_t records);
 /* mesh_runs_spill() - size of the scratch file; 0: none. */
 uint64_t mesh_runs_spill(const mesh_runs_plan *plan, uint64_t records);
 
-/* mesh_runs_create() - plan: of at least as many records as will come. p must outlive it; beside:
- * the path beside which the scratch file may be, kept by reference. */
+/* mesh_runs_create() - plan: for at least as many records as will come. p must outlive it. beside:
+ * path beside which the scratch file may lie; kept by reference. */
 CHECKED status mesh_runs_create(mem *m, pool *p, const char *beside, const mesh_runs_plan *plan,
                                 mesh_runs **out);
 void mesh_runs_destroy(mesh_runs *r); /* NULL is fine */
 
-/* mesh_runs_room(), mesh_runs_put() - where the next records go, and how many may be put there;
- * then, that `count` of them are there. */
+/* mesh_runs_room() - where to put the next records, and how many at most. mesh_runs_put() - `count`
+ * of them have been put there. */
 mesh_record *mesh_runs_room(mesh_runs *r, size_t *count);
 CHECKED status mesh_runs_put(mesh_runs *r, size_t count);
 
-/* mesh_runs_end() - all are there. */
+/* mesh_runs_end() - call it when all records have been put. */
 CHECKED status mesh_runs_end(mesh_runs *r);
 
-/* mesh_runs_window() - the records that are next: those in sight before, without the first `used`
- * of them, and more. *last: these are all that are left. Valid until the next call. */
+/* mesh_runs_window() - move the window forward: drop its first `used` records, and append more.
+ * *last: the window holds all that are left. Valid until the next call. */
 CHECKED status mesh_runs_window(mesh_runs *r, size_t used, const mesh_record **records,
                                 size_t *count, bool *last);
 
-/* mesh_runs_rewind() - the window begins with the first record again. */
+/* mesh_runs_rewind() - move the window back to the first record. */
 CHECKED status mesh_runs_rewind(mesh_runs *r);
 
 #endif

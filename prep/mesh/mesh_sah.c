@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Below so many levels mesh_tree.c splits in the middle, whatever the keys. */
+/* Below this many levels mesh_tree.c splits in the middle, whatever the keys. */
 enum { BINS = 16, LEVELS = 48 };
 
 typedef struct sah_box {
@@ -14,7 +14,7 @@ typedef struct sah_box {
 struct mesh_sah {
     mem *m;
     uint32_t treelet_tets, leaf_tets;
-    sah_box *boxes; /* of the tets, as they come */
+    sah_box *boxes; /* of the tets, in the order given */
     uint32_t *order, *spare;
     mesh_record *records;
 };
@@ -62,7 +62,7 @@ static void widen(sah_box *b, const float lo[3], const float hi[3]) {
     }
 }
 
-/* Half of it. */
+/* Half of the box's surface area. */
 static double area(const sah_box *b) {
     double d[3];
     for (int a = 0; a < 3; a++)
@@ -70,7 +70,7 @@ static double area(const sah_box *b) {
     return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
 }
 
-/* Twice the centre. */
+/* Twice the centre along an axis. */
 static double centre(const sah_box *b, int axis) {
     return (double)b->lo[axis] + (double)b->hi[axis];
 }
@@ -103,7 +103,7 @@ static int bin_of(const sah_cut *cut, const sah_box *b) {
     return at < BINS - 1 ? (int)at : BINS - 1;
 }
 
-/* The best cut along one axis, where it is better than *best. */
+/* Find the best cut along one axis, and store it if it is better than *best. */
 static void try_axis(const mesh_sah *s, uint32_t first, uint32_t end, sah_cut along,
                      sah_cut *best) {
     sah_box box[BINS], right = EMPTY, left = EMPTY;
@@ -151,7 +151,8 @@ static sah_cut find_cut(const mesh_sah *s, uint32_t first, uint32_t end) {
     return best;
 }
 
-/* Left ones before right ones, each in the order they were in; returns where the right begin. */
+/* Move left tets before right ones, keeping their order. Returns the index of the first right
+ * one. */
 static uint32_t part(mesh_sah *s, uint32_t first, uint32_t end, const sah_cut *cut) {
     uint32_t left = first, right = 0;
     for (uint32_t i = first; i < end; i++) {
@@ -171,7 +172,7 @@ static void split(mesh_sah *s, uint32_t first, uint32_t end, int level, uint64_t
     sah_cut cut = {.cost = INFINITY};
     if (end - first > s->leaf_tets && level < LEVELS)
         cut = find_cut(s, first, end);
-    if (!(cut.cost < INFINITY)) { /* a leaf, or all in one place: halves will do */
+    if (!(cut.cost < INFINITY)) { /* a leaf, or all tets in one place: halve it */
         for (uint32_t i = first; i < end; i++)
             s->records[i].key = path;
         return;

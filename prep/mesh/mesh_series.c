@@ -7,7 +7,7 @@ status mesh_series_check(const mesh_series *s) {
                         &(leaf_sets){s->fields, s->steps, s->names, s->times, NULL});
 }
 
-/* All fields of a step. */
+/* Read all fields of a step. */
 static status read_step(const mesh_series *s, mesh_gather *g, mesh_input *x, const mesh_sink *sink,
                         mesh_report *report) {
     status st = s->names ? mesh_input_take(x, s->names, s->fields) : ST_OK;
@@ -16,7 +16,7 @@ static status read_step(const mesh_series *s, mesh_gather *g, mesh_input *x, con
     return st == ST_OK ? mesh_gather_done(g) : st;
 }
 
-/* field: of the first step, where the series has no names; "": it has none. */
+/* field: of the first step, used if the series has no names; "": it has none. */
 static status read_later_step(mem *m, const mesh_series *s, mesh_gather *g, uint32_t step,
                               const char *field, const mesh_sink *sink) {
     mesh_hints hints = s->hints;

@@ -1,6 +1,6 @@
-/* mesh_series.h - several meshes as the steps of one, several arrays of theirs as its fields.
+/* mesh_series.h - several meshes as the steps of one, and several of their arrays as its fields.
  *
- * The tets of every step must be, one by one, those of the first; points may move. A file is read
+ * The tets of every step must equal those of the first, one by one. Points may move. A file is read
  * once, with all its fields.
  */
 #ifndef PREP_MESH_MESH_SERIES_H
@@ -15,23 +15,23 @@
 #include "prep/mesh/mesh_gather.h"
 
 typedef struct mesh_series {
-    const char *const *paths; /* of the steps, in order; one where they are in a file */
-    const step_list *in_file; /* the steps are these of the first path's file; NULL: one a path */
+    const char *const *paths; /* of the steps, in order; one path if the steps are in a file */
+    const step_list *in_file; /* chosen steps of the first path's file; NULL: one step per path */
     uint32_t steps;           /* 1 or more */
-    const char *const *names; /* of the fields; NULL: one, that which the hints take */
+    const char *const *names; /* of the fields; NULL: one field, chosen by the hints */
     uint32_t fields;          /* 1 or more */
-    const double *times;      /* of the steps, ascending; NULL: untold */
-    mesh_hints hints;         /* but for `field` where there are names; `step` where in_file */
+    const double *times;      /* of the steps, ascending; NULL: unknown */
+    mesh_hints hints;         /* `field` is unused if there are names, `step` if in_file is set */
 } mesh_series;
 
-/* mesh_series_check() - whether it can be: ST_USAGE for standard input where more than one reading
- * is needed, times that do not ascend, names given twice; ST_UNSUPPORTED for more than
- * LEAF_SETS_MAX fields times steps. */
+/* mesh_series_check() - check a series. ST_USAGE: standard input would be read more than once,
+ * times do not ascend, or a name is given twice. ST_UNSUPPORTED: more than LEAF_SETS_MAX fields
+ * times steps. */
 CHECKED status mesh_series_check(const mesh_series *s);
 
-/* mesh_series_read() - all of it to sink, that of g; first: the first step's mesh, just opened,
- * with any of the fields. report: of the first reading. ST_CORRUPT names the file that is unlike
- * the first, and the first tet that is. */
+/* mesh_series_read() - read all steps into sink, a sink of g. first: the first step's mesh, just
+ * opened, with any of the fields. report: of the first reading. ST_CORRUPT names the file that
+ * differs from the first, and its first tet that does. */
 CHECKED status mesh_series_read(mem *m, const mesh_series *s, mesh_input *first, mesh_gather *g,
                                 const mesh_sink *sink, mesh_report *report);
 

@@ -1,7 +1,7 @@
-/* First by the highest bits in which keys differ, all threads together, from `records` to `spare`:
- * each thread counts, then moves, a stretch of its own. Then bucket by bucket, a thread each, back
- * to `records`: some digits of 8 bits at a time, from the lowest of them on (LSD). A bucket that
- * holds most of it all is sorted by all threads again. */
+/* First sort by the highest bits in which keys differ, with all threads, from `records` to `spare`.
+ * Each thread counts, then moves, a part of its own. Then sort bucket by bucket, one thread each,
+ * back to `records`: some digits of 8 bits at a time, the lowest first (LSD). A bucket that holds
+ * most records is again sorted by all threads. */
 #include "prep/mesh/mesh_sort.h"
 
 #include <stdbool.h>
@@ -15,12 +15,12 @@ enum {
     PASSES_MAX = 3,
     PARTS_PER_THREAD = 4,
     INSERTION_MAX = 24,
-    SHARED_MIN = 1 << 15 /* a bucket of so many, or of 1/8 of all, is worth all threads */
+    SHARED_MIN = 1 << 15 /* a bucket this large, or of 1/8 of all, is sorted by all threads */
 };
 
 typedef struct part {
-    size_t count[BUCKETS]; /* then: where its next record of a bucket goes */
-    uint64_t any, all;     /* bits set in some keys, in every key */
+    size_t count[BUCKETS]; /* later: where its next record of a bucket goes */
+    uint64_t any, all;     /* bits set in some key, and in every key */
 } part;
 
 struct mesh_sort {
@@ -29,7 +29,7 @@ struct mesh_sort {
     size_t parts;
     part *part;
     size_t *starts; /* BUCKETS + 1 for each level of recursion */
-    /* The stretch that is being sorted. */
+    /* The part that is being sorted. */
     mesh_record *from, *to;
     size_t count;
     int shift; /* of its top digit */
@@ -72,7 +72,7 @@ void mesh_sort_destroy(mesh_sort *s) {
 
 /* ---- one bucket, one thread ---- */
 
-/* From one place to another, in order. */
+/* Insertion sort from one place to another. */
 static void insert(const mesh_record *from, mesh_record *to, size_t count) {
     for (size_t i = 0; i < count; i++) {
         mesh_record r = from[i];
@@ -94,7 +94,8 @@ static void move_by_digit(const mesh_record *from, mesh_record *to, size_t count
         to[next[from[i].key >> shift & (DIGITS - 1)]++] = from[i];
 }
 
-/* By the bits [low, low + passes * DIGIT_BITS) alone, from `at` to `home`; both are overwritten. */
+/* Sort by the bits [low, low + passes * DIGIT_BITS) alone, from `at` to `home`; both are
+ * overwritten. */
 static void sort_by_digits(mesh_record *at, mesh_record *home, size_t count, int low, int passes) {
     uint32_t counts[PASSES_MAX][DIGITS];
     memset(counts, 0, (size_t)passes * sizeof counts[0]);
@@ -115,9 +116,9 @@ static void sort_by_digits(mesh_record *at, mesh_record *home, size_t count, int
         memcpy(home, from, count * sizeof *home);
 }
 
-/* The lowest `bits` bits are still to be looked at. `at` holds the records; they end up in `home`,
- * and both are overwritten. count < 2^32. The first digits tell nearly all keys of a bucket apart;
- * the few that they do not are sorted by the rest. */
+/* Sort a bucket by its lowest `bits` bits. `at` holds the records; they end up in `home`, and both
+ * are overwritten. count < 2^32. The first digits tell apart nearly all keys of a bucket. The few
+ * keys that they do not are sorted by the remaining bits. */
 static void sort_bucket(mesh_record *at, mesh_record *home, size_t count, int bits) {
     if (count <= INSERTION_MAX) {
         insert(at, home, count);
@@ -184,7 +185,7 @@ static status move_part(void *ctx, size_t index, int worker) {
     return ST_OK;
 }
 
-/* Where the buckets begin, and within them the parts' shares. */
+/* Compute where buckets begin, and where the parts' shares in them do. */
 static void place_buckets(mesh_sort *s, size_t *start) {
     size_t at = 0;
     for (size_t b = 0; b < BUCKETS; b++) {
@@ -211,7 +212,7 @@ static status sort_one_bucket(void *ctx, size_t b, int worker) {
     return ST_OK;
 }
 
-/* How many of the lowest bits are enough to tell the keys apart. */
+/* Number of lowest bits that are enough to tell the keys apart. */
 static status bits_that_differ(mesh_sort *s, int *bits) {
     status st = pool_run(s->workers, s->parts, look_at_part, s);
     uint64_t any = 0, all = UINT64_MAX;

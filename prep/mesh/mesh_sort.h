@@ -1,6 +1,6 @@
-/* mesh_sort.h - sort tets by their place along the Morton curve, in memory, with many threads.
+/* mesh_sort.h - sorts tets by their place along the Morton curve, in memory, with many threads.
  *
- * Stable: those of the same key stay in the order they came in. So the result is one, whatever the
+ * It is stable: records of the same key keep their order. So the result does not depend on the
  * threads.
  */
 #ifndef PREP_MESH_MESH_SORT_H
@@ -13,21 +13,21 @@
 #include "formats/base/pool.h"
 #include "formats/base/status.h"
 
-/* A tet on its way into a treelet. */
+/* A tet before it is in a treelet. */
 typedef struct mesh_record {
     uint64_t key;
-    uint32_t id[4]; /* its vertices, as the input has them */
+    uint32_t id[4]; /* its vertices, numbered as in the input */
 } mesh_record;
 
 typedef struct mesh_sort mesh_sort;
 
-/* mesh_sort_memory(), mesh_sort_create() - what a sort needs beside the records. p must outlive it.
+/* mesh_sort_memory() - bytes of a sort besides the records. mesh_sort_create() - p must outlive it.
  */
 uint64_t mesh_sort_memory(int threads);
 CHECKED status mesh_sort_create(mem *m, pool *p, mesh_sort **out);
 void mesh_sort_destroy(mesh_sort *s); /* NULL is fine */
 
-/* mesh_sort_records() - sorts `records` by key; spare: room for as many. */
+/* mesh_sort_records() - sort `records` by key. spare: room for as many. */
 CHECKED status mesh_sort_records(mesh_sort *s, mesh_record *records, mesh_record *spare,
                                  size_t count);
 

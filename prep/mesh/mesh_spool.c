@@ -29,7 +29,7 @@ size_t mesh_spool_buffers(size_t element) {
     return CHUNK * element + 4096;
 }
 
-/* Chunks before it may be missing. */
+/* Add chunk i. Chunks before it may be missing. */
 static status add_chunk(mesh_spool *s, uint64_t i) {
     while (s->chunk_count <= i) {
         status st =
@@ -64,7 +64,7 @@ static bool is_full(const mesh_spool *s) {
     return s->ceiling && mem_used(s->m) + CHUNK * s->element > s->ceiling;
 }
 
-/* A chunk to put elements in, or the file. */
+/* Make room for chunk i, or go to a file. */
 static status make_room(mesh_spool *s, uint64_t i) {
     if (s->file || (i < s->chunk_count && s->chunks[i]))
         return ST_OK;
@@ -79,7 +79,7 @@ static status make_room(mesh_spool *s, uint64_t i) {
     return add_chunk(s, i);
 }
 
-/* Within one chunk, where there are any. */
+/* Put elements of one chunk, or any number if the spool is in a file. */
 static status put_some(mesh_spool *s, uint64_t at, const char *from, size_t count) {
     status st = make_room(s, at >> MESH_SPOOL_LOG2);
     if (st != ST_OK)

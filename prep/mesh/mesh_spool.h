@@ -1,8 +1,8 @@
 /* mesh_spool.h - a growing array of small elements, in memory while there is room, else in a
  * scratch file.
  *
- * Elements are put there by one thread; when all are, any number of threads may read. In memory
- * they lie in chunks of 2^MESH_SPOOL_LOG2 elements, in a file one behind the other.
+ * One thread puts elements. When all are there, any number of threads may read. In memory they lie
+ * in chunks of 2^MESH_SPOOL_LOG2 elements, in a file one after the other.
  */
 #ifndef PREP_MESH_MESH_SPOOL_H
 #define PREP_MESH_MESH_SPOOL_H
@@ -22,44 +22,45 @@ struct mesh_spool {
     mem *m;
     const char *beside;
     size_t element;        /* bytes */
-    size_t ceiling;        /* above this much of m in use, no further chunk is held; 0: none */
-    mesh_spool *first_out; /* goes to its file before this one does; may be NULL */
+    size_t ceiling;        /* bytes that m may have in use; above, no further chunk is held; 0:
+                              any */
+    mesh_spool *first_out; /* goes to its file before this spool does; may be NULL */
     uint64_t count;
     char **chunks;
     size_t chunk_count, chunk_room;
-    out_file *file; /* NULL: all in memory */
+    out_file *file; /* NULL: all is in memory */
 };
 
-/* mesh_spool_init() - an empty one; beside: the path beside which a scratch file may be, kept by
- * reference. mesh_spool_release() gives everything back; also for a zeroed struct. */
+/* mesh_spool_init() - an empty spool. beside: path beside which a scratch file may lie; kept by
+ * reference. mesh_spool_release() - free everything; a zeroed struct is fine. */
 void mesh_spool_init(mesh_spool *s, mem *m, const char *beside, size_t element, size_t ceiling);
 void mesh_spool_release(mesh_spool *s);
 
-/* mesh_spool_buffers() - bytes that a spool holds at least while it grows. */
+/* mesh_spool_buffers() - least bytes that a spool holds while it grows. */
 size_t mesh_spool_buffers(size_t element);
 
-/* mesh_spool_append() - behind the last one; mesh_spool_put() - from any place on. What is left
- * between them is zeros, until it is put there, too. */
+/* mesh_spool_append() - put elements behind the last one. mesh_spool_put() - put them from index
+ * `at` on. Gaps are zeros until they are filled. */
 CHECKED status mesh_spool_append(mesh_spool *s, const void *elements, size_t count);
 CHECKED status mesh_spool_put(mesh_spool *s, uint64_t at, const void *elements, size_t count);
 
-/* mesh_spool_spill() - move everything to a file; nothing to do when it is there. */
+/* mesh_spool_spill() - move everything to a file, if it is not in one. */
 CHECKED status mesh_spool_spill(mesh_spool *s);
 
 static inline bool mesh_spool_held(const mesh_spool *s) {
     return !s->file;
 }
 
-/* mesh_spool_at() - element i < count of a spool that is held in memory. */
+/* mesh_spool_at() - element i < count of a spool held in memory. */
 static inline const void *mesh_spool_at(const mesh_spool *s, uint64_t i) {
     return s->chunks[i >> MESH_SPOOL_LOG2] + (i & ((1u << MESH_SPOOL_LOG2) - 1)) * s->element;
 }
 
-/* mesh_spool_read() - copy elements [first, first + count), which are below s->count; by many
- * threads once nothing is put there any more. */
+/* mesh_spool_read() - copy elements [first, first + count), which must be below s->count. Many
+ * threads may call this once nothing more is put. */
 CHECKED status mesh_spool_read(mesh_spool *s, uint64_t first, size_t count, void *to);
 
-/* mesh_spool_forget() - elements before this one will not be read again: gives memory back. */
+/* mesh_spool_forget() - free memory of elements before this one, which are not read again. */
 void mesh_spool_forget(mesh_spool *s, uint64_t before);
 
 #endif

@@ -1,11 +1,12 @@
-/* Which nodes of the binary tree become nodes of 8 children is found by dynamic programming, from
- * the leaves up, as for wide trees on GPUs (Ylitie et al. 2017), with the number of nodes for cost:
+/* Dynamic programming decides which nodes of the binary tree become nodes of 8 children. It goes
+ * from the leaves up, as for wide trees on GPUs (Ylitie et al. 2017), with the number of nodes as
+ * cost:
  *
  *   open(n, j)  = least over k of below(left, k) + below(right, j - k)
  *   below(n, 1) = 1 + open(n, 8), or 0 for a leaf
  *   below(n, j) = the lesser of below(n, 1) and open(n, j)
  *
- * is how many nodes there are at least below something that has room for j children of n's.
+ * below(n, j) is the least number of nodes below n if its parent has room for j children from it.
  */
 #include "prep/mesh/mesh_tree.h"
 
@@ -14,24 +15,24 @@
 
 #include "formats/leaf/leaf.h"
 
-/* Below so many levels, ranges are split in the middle: with up to 2^14 tets, no path is longer
- * than MESH_DEPTH_MAX, whatever the keys. */
+/* Below this many levels, ranges are split in the middle. With up to 2^14 tets, no path is then
+ * longer than MESH_DEPTH_MAX, whatever the keys. */
 enum { WAYS = MESH_CHILDREN, LEVELS_BY_KEY = 48 };
 _Static_assert(1 << (MESH_DEPTH_MAX - LEVELS_BY_KEY) >= LEAF_TREELET_TETS_MAX, "paths are short");
 
-/* A node of the binary tree. It stands before its left child, and that one's before the right. */
+/* A node of the binary tree. Stored before its left child, which is stored before the right one. */
 struct mesh_tree_pair {
     uint32_t first, end;  /* tets */
-    uint32_t right;       /* 0: a leaf */
+    uint32_t right;       /* number of the right child; 0: a leaf */
     uint32_t leaf;        /* leaves before it */
     uint16_t below[WAYS]; /* [j - 1]: below(n, j) */
-    uint8_t share[WAYS];  /* [j - 1]: of j children, the left one's, in open(n, j) */
-    uint8_t opens;        /* bit j - 1: open(n, j) is no more than below(n, 1) */
+    uint8_t share[WAYS];  /* [j - 1]: the left one's part of j children, in open(n, j) */
+    uint8_t opens;        /* bit j - 1: open(n, j) <= below(n, 1) */
 };
 
-/* The least is no more than what comes of opening the largest child until there are 8 or all are
- * leaves: a node with fewer has nothing but leaves below it, of more than leaf_tets tets
- * altogether, and one with 8 takes 7 from what is left to join. */
+/* Proof: the minimum is at most what comes of opening the largest child until there are 8 or all
+ * are leaves. Then a node with fewer has only leaves below it, with more than leaf_tets tets
+ * together. A node with 8 takes 7 from the number left to join. */
 uint32_t mesh_tree_nodes_max(uint32_t tets, uint32_t leaf_tets) {
     return tets / (leaf_tets + 1) + tets / 7 + 2;
 }
@@ -62,7 +63,7 @@ void mesh_tree_release(mesh_tree *t) {
 
 /* ---- the binary tree ---- */
 
-/* Where [first, end) is split: at least one tet on either side. */
+/* The index where [first, end) is split, with at least one tet on either side. */
 static uint32_t split(const mesh_record *records, uint32_t first, uint32_t end, int level) {
     uint64_t differ = records[first].key ^ records[end - 1].key;
     if (!differ || level >= LEVELS_BY_KEY)
@@ -79,7 +80,7 @@ static uint32_t split(const mesh_record *records, uint32_t first, uint32_t end, 
     return low;
 }
 
-/* Pairs from number `at` on; returns the number behind the last one. */
+/* Make pairs from number `at` on. Returns the number behind the last one. */
 static uint32_t split_pairs(mesh_tree *t, const mesh_record *records, uint32_t at, uint32_t first,
                             uint32_t end, int level) {
     mesh_tree_pair *p = &t->pairs[at];
@@ -93,9 +94,9 @@ static uint32_t split_pairs(mesh_tree *t, const mesh_record *records, uint32_t a
     return split_pairs(t, records, p->right, middle, end, level + 1);
 }
 
-/* ---- its nodes that stay ---- */
+/* ---- nodes to keep ---- */
 
-/* open(n, j), and the share that gives it; of equal ones that nearest to the half. */
+/* Compute open(n, j) and the share that gives it. Ties go to the share nearest to a half. */
 static uint32_t open_pair(const mesh_tree_pair *left, const mesh_tree_pair *right, uint32_t j,
                           uint8_t *share) {
     uint32_t least = UINT32_MAX;
@@ -141,8 +142,8 @@ static void add_child(mesh_tree *t, mesh_tree_node *n, uint32_t pair) {
         t->pair_of[t->nodes++] = (uint16_t)pair;
 }
 
-/* What is below a pair becomes up to `room` children of n. With as few nodes either way it is
- * opened: the boxes are smaller. */
+/* Make what is below a pair up to `room` children of n. If opening it takes no more nodes, open it:
+ * the boxes are smaller. */
 static void add_children(mesh_tree *t, mesh_tree_node *n, uint32_t pair, uint32_t room) {
     const mesh_tree_pair *p = &t->pairs[pair];
     if (!(p->opens >> (room - 1) & 1)) {

@@ -8,9 +8,9 @@
 #include "prep/mesh/mesh_tree.h"
 #include "prep/mesh/mesh_vertices.h"
 
-/* Codes of a box and a range of values: lo of x, y, z, value, then 255 - hi of the same. So what
- * holds two of them has the smaller of each byte. Where only one of the two is asked for, the other
- * is that of the treelet before. */
+/* Codes of a box and a range of values: lo of x, y, z, value, then 255 - hi of the same. So the
+ * union of two has the smaller of each byte. If only the box or the range is wanted, the other one
+ * is left over from the treelet before. */
 typedef struct codes {
     uint8_t byte[8];
 } codes;
@@ -23,9 +23,9 @@ struct mesh_treelet_builder {
     codes *vertex_codes;
     codes *node_codes;
     char *topology, *values;
-    char *positions; /* of a further step; NULL until there is one */
+    char *positions; /* of a further step; NULL: there has been none */
     size_t positions_room;
-    mesh_shape shape; /* of the treelet in hand */
+    mesh_shape shape; /* of the current treelet */
 };
 
 /* ---- sizes ---- */
@@ -95,7 +95,7 @@ void mesh_treelet_destroy(mesh_treelet_builder *b) {
 
 /* ---- vertices ---- */
 
-/* `size` bytes of each vertex, one behind the other. */
+/* Copy `size` bytes of each vertex, consecutively. */
 static status fetch(const mesh_treelet_builder *b, mesh_pages *from, void *to, size_t size) {
     char *at = to;
     for (uint32_t i = 0; i < b->vertices.count; i++, at += size) {
@@ -117,7 +117,7 @@ static void find_bounds(const float (*position)[3], uint32_t count, float bounds
             lo[a] = x < lo[a] ? x : lo[a];
             hi[a] = x > hi[a] ? x : hi[a];
         }
-    /* -0 becomes +0: which of the two came out would be chance. */
+    /* Turn -0 into +0: otherwise it would be chance which of the two comes out. */
     for (int a = 0; a < 6; a++)
         bounds[a] += 0.0F;
 }
@@ -137,8 +137,8 @@ static leaf_entry find_range(const float *value, uint32_t count) {
     return e;
 }
 
-/* mesh_leaf_code_lo() and mesh_leaf_code_hi() of a coordinate within the bounds, from a guess
- * instead of a search: one step or two from it. */
+/* Compute mesh_leaf_code_lo() and mesh_leaf_code_hi() of a coordinate within the bounds. Start at a
+ * guess, one or two steps away, instead of searching. */
 static void code_coordinate(const mesh_frame *f, int axis, double per_step, float at, uint8_t *lo,
                             uint8_t *hi) {
     const double guess = ((double)at - (double)f->lo[axis]) * per_step;
@@ -248,8 +248,8 @@ static void set_range(mesh_codes *v, uint32_t c, codes box) {
     v->hi[c] = (uint8_t)(255 - box.byte[7]);
 }
 
-/* Boxes of the children, `stride` bytes from node to node, or their values' ranges, or both.
- * Children come behind their parents, so the last node goes first. */
+/* Code the children's boxes, `stride` bytes from node to node, or their ranges of values, or both.
+ * Children are stored behind their parents, so go from the last node to the first. */
 static void code_nodes(mesh_treelet_builder *b, char *boxes, size_t stride, mesh_codes *values) {
     const uint16_t(*tets)[4] = mesh_leaf_tets(&b->shape, b->topology);
     for (uint32_t i = b->shape.nodes; i-- > 0;) {
@@ -319,7 +319,7 @@ void mesh_treelet_begin(mesh_treelet_builder *b, const mesh_record *records, siz
     place_tets(b, (uint16_t(*)[4])(b->topology + b->shape.tets_at));
 }
 
-/* The values, their range and, in vertex_codes, their codes. */
+/* Take the values. Sets their range and, in vertex_codes, their codes. */
 static status take_values(mesh_treelet_builder *b, mesh_pages *values, mesh_treelet *out) {
     const mesh_shape *s = &b->shape;
     float *value = (float *)(b->values + s->values_at);

@@ -7,7 +7,7 @@
 
 enum { DIGITS = 256 };
 
-/* Never more than half full. */
+/* log2 of the slots for so many vertices: at most half are used. */
 static uint32_t slots_log2(uint64_t vertices) {
     uint32_t log2 = 6;
     while ((uint64_t)1 << log2 < 2 * vertices)
@@ -60,7 +60,7 @@ static void rebuild_slots(mesh_vertices *v, uint32_t log2) {
     }
 }
 
-/* Numbers in the order in which vertices are met; ids[number] = id << 32 | number. */
+/* Number vertices in the order in which they are met; ids[number] = id << 32 | number. */
 static void collect(mesh_vertices *v, const mesh_record *records, size_t tets) {
     uint32_t log2 = slots_log2(tets / 2 + 4);
     v->count = 0;
@@ -81,7 +81,7 @@ static void collect(mesh_vertices *v, const mesh_record *records, size_t tets) {
     }
 }
 
-/* ---- in order of ids: by digits, from the lowest on ---- */
+/* ---- sorting by ids: digit by digit, the lowest first ---- */
 
 static void move_by_digit(const uint64_t *from, uint64_t *to, uint32_t count, int shift) {
     uint32_t next[DIGITS] = {0}, sum = 0;

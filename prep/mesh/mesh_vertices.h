@@ -1,4 +1,4 @@
-/* mesh_vertices.h - the vertices of some tets, each once, numbered in order of their ids. */
+/* mesh_vertices.h - lists the vertices of some tets, each once, numbered in order of their ids. */
 #ifndef PREP_MESH_MESH_VERTICES_H
 #define PREP_MESH_MESH_VERTICES_H
 
@@ -13,22 +13,22 @@ typedef struct mesh_vertex_slot {
     uint32_t id, number;
 } mesh_vertex_slot;
 
-/* Scratch for, and what mesh_vertices_number() finds. */
+/* Scratch and results of mesh_vertices_number(). */
 typedef struct mesh_vertices {
     mem *m;
     uint32_t count;
     uint64_t *ids;          /* [count]: ascending; the ids are the upper 32 bits */
-    uint16_t (*corners)[4]; /* of each tet, in the input's order: its vertices' local numbers */
+    uint16_t (*corners)[4]; /* of each tet, in the input's order: local numbers of its vertices */
     uint64_t *other;
     uint16_t *local;
     mesh_vertex_slot *slots;
     uint32_t slots_log2_max;
 } mesh_vertices;
 
-/* mesh_vertices_init() - for up to tets_max tets, <= LEAF_TREELET_TETS_MAX; mesh_vertices_memory()
+/* mesh_vertices_init() - for up to tets_max tets, <= LEAF_TREELET_TETS_MAX. mesh_vertices_memory()
  * - bytes it takes. */
 CHECKED status mesh_vertices_init(mesh_vertices *v, mem *m, uint32_t tets_max);
-void mesh_vertices_release(mesh_vertices *v); /* zeroed is fine */
+void mesh_vertices_release(mesh_vertices *v); /* a zeroed struct is fine */
 uint64_t mesh_vertices_memory(uint32_t tets_max);
 
 void mesh_vertices_number(mesh_vertices *v, const mesh_record *records, size_t tets);

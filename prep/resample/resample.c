@@ -6,9 +6,9 @@
 #include "formats/base/pool.h"
 #include "formats/mesh/mesh_leaf_check.h"
 
-/* Treelets in memory at once, and the share of rows that a thread draws at a time. */
+/* Treelets in memory per thread, and shares of rows per thread. */
 enum { BATCH_PER_THREAD = 16, SHARES_PER_THREAD = 4 };
-/* Book-keeping beside what is planned: blocks' heads, the pool. */
+/* Bytes for bookkeeping that the plan does not count: heads of blocks, the pool. */
 enum { SPARE_BYTES = 16 << 10 };
 
 typedef struct job {
@@ -20,15 +20,15 @@ typedef struct job {
     mem *m;
     pool *workers;
     resample_block block;
-    uint64_t rows_most; /* of a slab */
-    size_t payload;     /* room for one */
+    uint64_t rows_most; /* most rows of a slab */
+    size_t payload;     /* bytes for one payload */
     /* The batch: treelets in ascending order, their payloads. */
     size_t most, count;
     uint32_t *treelets;
     char *topologies, *values, *stored;
-    char *moved;   /* positions; NULL: the topologies' */
+    char *moved;   /* their positions; NULL: those in the topologies */
     uint32_t step; /* of the set */
-    /* Rows that the batch reaches, and into how many shares they are cut. */
+    /* Rows that the batch reaches, and the number of shares they are cut into. */
     uint64_t first_row, rows;
     size_t shares;
     resample_result *result;
@@ -41,7 +41,8 @@ static double longest_of(const double extent[3]) {
     return longest > extent[2] ? longest : extent[2];
 }
 
-/* Steps of about the same length, so many along the longest edge. Returns how many nodes. */
+/* Divide the box into steps of about equal length, `steps` along the longest edge. Returns the
+ * number of nodes. */
 static double divide(const double extent[3], uint32_t steps, uint32_t dims[3]) {
     const double longest = longest_of(extent);
     double nodes = 1;
@@ -53,7 +54,7 @@ static double divide(const double extent[3], uint32_t steps, uint32_t dims[3]) {
     return nodes;
 }
 
-/* As many nodes as there may be, but for rounding; 2 an axis at least. */
+/* Choose as many nodes as allowed, up to rounding, with at least 2 per axis. */
 static void divide_into(const double extent[3], uint64_t nodes, uint32_t dims[3]) {
     uint32_t few = 1, many = GRID_DIM_MAX;
     while (many - few > 1) {
@@ -136,7 +137,7 @@ static bool is_packed(const leaf_file *f) {
     return f->header.codec != LEAF_CODEC_RAW;
 }
 
-/* Rows and treelets at once within the budget. */
+/* Choose the rows and treelets held at a time, within the budget. */
 static status plan(job *j) {
     const resample_grid *g = j->block.grid;
     const uint64_t row = g->dims[0] * sizeof(float), all = (uint64_t)g->dims[1] * g->dims[2];
@@ -214,7 +215,7 @@ static status load_one(void *ctx, size_t index, int worker) {
     return st == ST_OK ? mesh_leaf_check_moved(j->f, j->step, t, moved) : st;
 }
 
-/* Shares are cut so that each thread has rows of its own. */
+/* Draw a share. Shares are cut so that each thread has its own rows. */
 static status draw_share(void *ctx, size_t index, int worker) {
     const job *j = ctx;
     (void)worker;
@@ -231,7 +232,7 @@ static status draw_share(void *ctx, size_t index, int worker) {
     return ST_OK;
 }
 
-/* The block's rows that a treelet's box reaches; false: none. */
+/* Find the block's rows that a treelet's box reaches. Returns false if there are none. */
 static bool reach(const job *j, uint32_t t, uint64_t *first_row, uint64_t *end_row) {
     const resample_grid *g = j->block.grid;
     const float *b = j->f->mesh->bounds[leaf_layout_bounds(&j->f->layout, j->step, t)];
@@ -294,7 +295,7 @@ static status make_slabs(job *j) {
     const uint32_t *dims = j->block.grid->dims;
     const uint64_t all = (uint64_t)dims[1] * dims[2];
     for (uint64_t row = 0; row < all; row += j->block.rows) {
-        /* Whole planes, or rows of one. */
+        /* Take whole planes, or rows of one plane. */
         const uint64_t left = j->rows_most < dims[1] ? dims[1] - row % dims[1] : all - row;
         j->block.first_row = row;
         j->block.rows = j->rows_most < left ? j->rows_most : left;

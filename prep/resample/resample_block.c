@@ -5,9 +5,9 @@
 
 #include "prep/resample/tet_value.h"
 
-/* NaNs by their bits: that of a node which no tet has held yet, and any other. */
+/* NaNs by their bits: a node that no tet has held yet, and any other. */
 static const uint32_t EMPTY = 0x7fc0beef, NO_DATA = 0x7fc00000;
-/* Rows of fewer nodes are not worth being narrowed. */
+/* Do not narrow rows of fewer nodes: it does not pay. */
 enum { NARROW_MIN = 6 };
 
 static uint32_t bits_of(const float *x) {
@@ -18,7 +18,7 @@ static uint32_t bits_of(const float *x) {
 
 /* ---- nodes ---- */
 
-/* The first node at or behind `at`, from a guess that is right but for a few nodes. */
+/* The first node at or behind `at`. The search starts at a guess, a few nodes away at most. */
 static uint32_t node_from(const resample_grid *g, int axis, double at) {
     const double guess = (at - g->origin[axis]) / g->spacing[axis];
     const uint32_t dims = g->dims[axis];
@@ -41,7 +41,7 @@ void resample_grid_nodes(const resample_grid *g, int axis, double lo, double hi,
 
 /* ---- one tet ---- */
 
-/* The tet's faces as functions of the place, positive inside, and how far doubles may be off. */
+/* The tet's faces as functions of position, positive inside, with bounds for the rounding error. */
 typedef struct faces {
     double normal[4][3], from[4][3], error[4];
 } faces;
@@ -50,11 +50,11 @@ typedef struct drawing {
     const resample_block *block;
     uint64_t first_row, end_row;
     tet_value tet;
-    uint32_t first[3], end[3]; /* nodes in the tet's box */
+    uint32_t first[3], end[3]; /* range of nodes in the tet's box */
     faces faces;
 } drawing;
 
-/* The nodes in the tet's box; false: none. */
+/* Find the nodes in the tet's box. Returns false if there are none. */
 static bool find_box(drawing *d, const float *const xyz[4]) {
     for (int a = 2; a >= 0; a--) {
         float lo = xyz[0][a], hi = lo;
@@ -87,15 +87,15 @@ static void find_faces(drawing *d) {
         }
         d->faces.error[n] = 0x1p-45 * error;
         if (fabs(height) <= d->faces.error[n])
-            d->faces.error[n] = INFINITY; /* which side is inside cannot be told */
+            d->faces.error[n] = INFINITY; /* unknown which side is inside */
         if (height < 0)
             for (int a = 0; a < 3; a++)
                 d->faces.normal[n][a] = -d->faces.normal[n][a];
     }
 }
 
-/* The nodes of a row that are not surely outside. Steps and heights are right to `error` over the
- * tet's box; a node more at either end makes up for the division. */
+/* Narrow a row to the nodes that may be inside. Steps and heights are right to `error` over the
+ * tet's box. One more node at either end makes up for the division's rounding. */
 static void narrow(const drawing *d, const double at[3], uint32_t *first, uint32_t *end) {
     const resample_grid *g = d->block->grid;
     double lo = *first, hi = *end;
@@ -162,7 +162,7 @@ void resample_block_clear(const resample_block *b) {
         memcpy(&b->samples[i], &EMPTY, sizeof EMPTY);
 }
 
-/* Whether a tet reaches the planes from z_lo to z_hi. */
+/* Returns whether a tet reaches the planes from z_lo to z_hi. */
 static bool reaches(const float (*positions)[3], const uint16_t ids[4], double z_lo, double z_hi) {
     float lo = positions[ids[0]][2], hi = lo;
     for (int i = 1; i < 4; i++) {

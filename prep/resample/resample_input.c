@@ -21,7 +21,7 @@ bool resample_input_is_leaf(const char *path) {
     return is;
 }
 
-/* Reading it is half of the whole job, rather more than less. */
+/* Reading the mesh is half of the whole job, or a bit more. */
 typedef struct half {
     const progress *p;
 } half;
@@ -54,8 +54,8 @@ static status convert(mem *m, const resample_source *s, const char *path, const 
     return st;
 }
 
-/* Convert to SCRATCH.partial-N.leaf, which nobody else writes as long as SCRATCH.partial-N is
- * locked. It has a name only until it is open; the next run finds what a killed one left. */
+/* Convert to SCRATCH.partial-N.leaf, which nobody else writes while SCRATCH.partial-N is locked.
+ * The file has a name only until it is open. The next run finds what a killed one left. */
 static status open_scratch(mem *m, const resample_source *s, const char *scratch, const progress *p,
                            leaf_file **out) {
     const size_t size = strlen(scratch) + PARTIAL_ROOM;

@@ -1,4 +1,4 @@
-/* resample_input.h - whatever holds a mesh, as an open treelet file of it. */
+/* resample_input.h - opens anything that holds a mesh as a treelet file. */
 #ifndef PREP_RESAMPLE_RESAMPLE_INPUT_H
 #define PREP_RESAMPLE_RESAMPLE_INPUT_H
 
@@ -9,19 +9,19 @@
 #include "formats/mesh/mesh_input.h"
 
 typedef struct resample_source {
-    const char *path;   /* a treelet file, or what mesh_input_open() takes; "-": standard input */
-    mesh_hints hints;   /* of a mesh */
-    const char *beside; /* the path beside which a mesh becomes a treelet file; NULL: in $TMPDIR,
-                           or /tmp */
+    const char *path;   /* a treelet file, or an input of mesh_input_open(); "-": standard input */
+    mesh_hints hints;   /* for a mesh */
+    const char *beside; /* path beside which a mesh is converted to a treelet file; NULL: in
+                           $TMPDIR, or /tmp */
     int threads;
 } resample_source;
 
-/* resample_input_is_leaf() - whether the file begins as a treelet file does. */
+/* resample_input_is_leaf() - returns whether a file begins as a treelet file does. */
 bool resample_input_is_leaf(const char *path);
 
-/* resample_input_open() - a treelet file as it is; a mesh is converted to one, within m's limit,
- * that has no name any more when this returns and vanishes on leaf_file_close(). ST_UNSUPPORTED for
- * a grid. p may be NULL. */
+/* resample_input_open() - open a treelet file directly, or convert a mesh to one, within m's limit.
+ * The converted file has no name when this returns, and vanishes on leaf_file_close().
+ * ST_UNSUPPORTED: a grid. p may be NULL. */
 CHECKED status resample_input_open(mem *m, const resample_source *s, const progress *p,
                                    leaf_file **out);
 

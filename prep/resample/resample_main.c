@@ -1,4 +1,4 @@
-/* leafcast resample - a mesh of tets to a regular grid. */
+/* leafcast resample - resamples a mesh of tets on a regular grid. */
 #include <jansson.h>
 #include <limits.h>
 #include <math.h>
@@ -156,9 +156,9 @@ static status append(void *ctx, const float *samples, size_t count) {
     return nrrd_writer_append(ctx, samples, count);
 }
 
-/* The set of values that is asked for. */
+/* Find the set of values asked for. */
 static status find_set(const arguments *a, const leaf_file *f, uint32_t *set) {
-    /* A mesh that was converted for this has the one field that was asked for. */
+    /* A mesh converted for this job has only the field asked for. */
     const char *name = resample_input_is_leaf(a->source.path) ? a->source.hints.field : NULL;
     const uint32_t step = a->step > 0 ? (uint32_t)a->step : 0;
     uint32_t i = 0;

@@ -13,9 +13,9 @@ void tet_value_init(tet_value *t, const float *const xyz[4], const float values[
     t->sign = exact_orientation((const double(*)[3])t->at);
 }
 
-/* ---- points of no volume ---- */
+/* ---- points on faces and edges ---- */
 
-/* Twice the area of the triangle o, p, q as seen along an axis, or minus that. */
+/* Twice the signed area of the triangle o, p, q, projected along an axis. */
 static double area_along(int axis, const double o[3], const double p[3], const double q[3]) {
     const double along[3] = {axis == 0, axis == 1, axis == 2};
     double a[3], b[3];
@@ -28,7 +28,7 @@ static double area_along(int axis, const double o[3], const double p[3], const d
                                                         : exact_edge(o, along, p, q).value;
 }
 
-/* The axis along which the face is largest. */
+/* The axis along which the face's projection is largest. */
 static int axis_of_face(const tet_value *t, const int face[3]) {
     double most = -1;
     int best = 2;
@@ -66,7 +66,7 @@ static void weigh_edge(const tet_value *t, const double point[3], const int edge
     weight[edge[1]] = fabs(t->at[edge[0]][axis] - point[axis]);
 }
 
-/* The weights of those vertices that have a part, as their face or edge alone says. */
+/* Compute the weights again for the vertices that have one, within their face or edge alone. */
 static void weigh_part(const tet_value *t, const double point[3], double weight[4]) {
     int part[4], count = 0;
     for (int i = 0; i < 4; i++)

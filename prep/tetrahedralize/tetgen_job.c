@@ -14,7 +14,7 @@ enum { SWITCHES_MAX = 128, CHUNK = 4096 };
 enum { CODE_NO_MEMORY = 4, TETGEN_FAILED = 20, TETGEN_NO_MEMORY = 21 };
 enum { TETGEN_INTERSECTION = 23, TETGEN_SMALL = 24, TETGEN_CLOSE = 25, TETGEN_INPUT = 30 };
 
-/* Measured: 880 bytes a point for a million of them, 6.7 tets a point. */
+/* Measured: 880 bytes per point for a million points, 6.7 tets per point. */
 enum { BYTES_A_POINT = 900, BYTES_AT_LEAST = 64 << 20, DIAGNOSE_SECONDS = 60 };
 
 uint64_t tetgen_job_memory(uint64_t points) {
@@ -50,7 +50,7 @@ static bool feed_list(child *c, const plc_list *list, size_t size) {
     return list->count == 0 || child_feed(c, list->data, list->count * size);
 }
 
-/* Which count of a facet or polygon is fed. */
+/* Which count of facets or polygons is sent. */
 typedef enum fed_count { FED_POLYGONS, FED_HOLES, FED_CORNERS } fed_count;
 
 static uint32_t count_of(const plc *x, fed_count what, size_t i) {
@@ -99,7 +99,7 @@ static status start(tetgen_job *job, const char *wanted, double seconds) {
     job->running = st == ST_OK;
     job->until = seconds > 0 ? clock_seconds() + seconds : 0;
     if (job->running && feed_request(&job->c, job->input))
-        child_fed(&job->c); /* if not, its exit code will say why */
+        child_fed(&job->c); /* if that fails, the exit code tells why */
     return st;
 }
 
@@ -111,13 +111,13 @@ static status wait_for(void *ctx) {
         return status_describe(ST_UNSUPPORTED,
                                "%s: TetGen did not come to an end within %g s (--timeout)",
                                job->options.file, job->options.seconds);
-    /* Nobody knows how far TetGen is. */
+    /* TetGen does not report progress: only check for a stop. */
     const progress *p = job->options.progress;
     return p && p->stop && p->stop(p->ctx) ? status_describe(ST_STOPPED, "stopped while meshing")
                                            : ST_OK;
 }
 
-/* Kill it or let it end. */
+/* Kill the process, or let it end. */
 static status end_process(tetgen_job *job, bool kill, int *code) {
     if (kill)
         child_kill(&job->c);
@@ -125,18 +125,19 @@ static status end_process(tetgen_job *job, bool kill, int *code) {
     return child_end(&job->c, code);
 }
 
-/* ---- what became of it ---- */
+/* ---- errors ---- */
 
-/* MeshFix takes crossings, slivers and holes out of a surface (its manual: meshfix(7)). */
+/* MeshFix removes crossings, slivers and holes from a surface (its manual: meshfix(7)). */
 #define REPAIR \
     "; `meshfix in.ply -o out' repairs such surfaces into out.off (iso2mesh-tools, or pymeshfix)"
 
-/* Points have no surface to be repaired. */
+/* The hint on repair; points have no surface to be repaired. */
 static const char *repair(const tetgen_job *job) {
     return job->input->facets.count > 0 ? REPAIR : "";
 }
 
-/* Facets A and B intersect, if TetGen's own search says so in time. */
+/* Find facets A and B that intersect. Returns false unless TetGen's own search finds them in
+ * time. */
 static bool find_intersection(tetgen_job *job, unsigned pair[2]) {
     char byte;
     size_t got;
@@ -173,7 +174,7 @@ static status no_memory(const tetgen_job *job, bool killed) {
                            killed ? "" : "; --memory gives it more, larger tets need less");
 }
 
-/* The last line the process said. */
+/* The last line that the process printed. */
 static const char *last_words(const tetgen_job *job) {
     const char *line = strrchr(job->c.words, '\n');
     return line ? line + 1 : job->c.words;
@@ -214,7 +215,7 @@ static status explain(tetgen_job *job, int code) {
                            repair(job));
 }
 
-/* The next size bytes of the reply. */
+/* Read the next `size` bytes of the reply. */
 static status read_reply(tetgen_job *job, void *data, size_t size) {
     size_t got;
     int code = 0;
@@ -273,7 +274,7 @@ status tetgen_job_tets(tetgen_job *job, uint32_t (*tets)[4], size_t count) {
 void tetgen_job_end(tetgen_job *job) {
     int code;
     if (job->running && end_process(job, true, &code) != ST_OK)
-        job->running = false; /* nothing is left to do about it */
+        job->running = false; /* nothing more can be done */
     if (job->m) {
         mem_free(job->m, job->xyz);
         mem_free(job->m, job->triangle);

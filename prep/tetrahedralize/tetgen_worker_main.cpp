@@ -2,10 +2,10 @@
  *
  *   leafcast-tetgen SWITCHES BYTES < request > reply
  *
- * TetGen is AGPL, throws integers, and may crash, loop or eat all memory on some input: so it is
- * linked into this program alone, which gets points and facets through a pipe, may take BYTES of
- * address space (0: any), and dies with the program that started it. SWITCHES are TetGen's own.
- * Native byte order: both ends are on one machine. See tetgen_job.h for what is on the other end.
+ * TetGen is AGPL, throws integers, and may crash, loop or eat all memory on some input. So it is
+ * linked into this program alone. The program gets points and facets through a pipe, may take BYTES
+ * of address space (0: any), and dies with its parent. SWITCHES are TetGen's own. Numbers are in
+ * native byte order: both ends are on one machine. See tetgen_job.h for the other end.
  *
  * Request: magic "LFTGREQ1"; u64 counts of points, facets, polygons, corners, facets' holes, holes,
  * regions; then f64 xyz of the points; u32 polygons of each facet; u32 holes of each facet; u32
@@ -16,8 +16,9 @@
  * the triangles on facets; u32[4] of the tets. The points of the request come first, in their
  * order.
  *
- * With SWITCHES that begin with d nothing is meshed: exit 23 when two facets intersect, and the
- * last line of standard error is "facets A B", counted from 0; else exit 0 without a reply.
+ * If SWITCHES begin with d, nothing is meshed. If two facets intersect, it exits with 23, and the
+ * last line of standard error is "facets A B", counted from 0. Else it exits with 0 without a
+ * reply.
  *
  * Exit codes: 0; 2 usage; 3 malformed request; 4 no memory; 5 cannot write; 20 + N when TetGen gave
  * up with N: 1 no memory, 2 an internal error, 3 facets intersect, 4 a very small feature, 5 facets
@@ -37,8 +38,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-/* The library's own frees the mesh and throws, and the mesh is freed again while that unwinds: a
- * crash where there was a code. It calls this one instead, which the linker finds first. */
+/* The library's own function frees the mesh and throws. While that unwinds, the mesh is freed
+ * again: a crash instead of a code. So the linker finds this function first. */
 #define TETLIBRARY
 #define terminatetetgen tetgen_terminate_and_crash
 #include <tetgen.h>
@@ -61,7 +62,7 @@ void end_with(int code) {
 }
 void (*give_up)(int code) = end_with;
 
-FILE *reply; /* what was standard output: TetGen prints there even when told to be quiet */
+FILE *reply; /* the original standard output: TetGen prints to stdout even if told to be quiet */
 
 void get(void *to, size_t size, uint64_t count) {
     if (count > 0 && fread(to, size, count, stdin) != count)
@@ -76,7 +77,7 @@ template <typename T> T *get_array(uint64_t count, int each) {
     return array;
 }
 
-/* Everything but the polygons' corners, which point into one array. TetGen deletes none of it: the
+/* Read the facets. The polygons' corners point into one array. TetGen deletes none of it, since the
  * process ends first. */
 void get_facets(tetgenio &in, const uint64_t *count) {
     uint32_t *polygons = get_array<uint32_t>(count[FACETS], 1);
@@ -140,7 +141,7 @@ void put_reply(const tetgenio &out) {
         throw failure{5, "cannot write the reply"};
 }
 
-/* The first "Facet #A .. facet #B" of what TetGen printed; counted from 1 there. */
+/* Find the first "Facet #A .. facet #B" that TetGen printed; it counts from 1. */
 bool find_pair(FILE *printed, int pair[2]) {
     char line[512];
     rewind(printed);
@@ -154,7 +155,7 @@ bool find_pair(FILE *printed, int pair[2]) {
     return false;
 }
 
-/* "d": what of the facets intersects, as TetGen's own search prints it. */
+/* Switch "d": run TetGen's own search for facets that intersect, and read what it prints. */
 int diagnose(char *switches, tetgenio *in, tetgenio *out) {
     int pair[2];
     FILE *printed = tmpfile();
@@ -165,7 +166,7 @@ int diagnose(char *switches, tetgenio *in, tetgenio *out) {
     try {
         tetrahedralize(switches, in, out);
     } catch (...) {
-        /* what was printed up to here may do */
+        /* the output so far may suffice */
     }
     fflush(stdout);
     if (!find_pair(printed, pair))
@@ -195,7 +196,7 @@ void limit_memory(const char *bytes) {
 
 } // namespace
 
-/* In place of the library's own: so it must be seen from there. */
+/* Replaces the library's own function, so it must be visible to the library. */
 __attribute__((visibility("default"))) void terminatetetgen(tetgenmesh *, int code) {
     give_up(code);
 }
@@ -225,5 +226,5 @@ int main(int argc, char **argv) {
         code = TETGEN_FAILED + 2;
     }
     fflush(stdout);
-    _exit(code); /* nothing is tidied up: much of it is not TetGen's to delete */
+    _exit(code); /* skip all destructors: much of the data is not TetGen's to delete */
 }

@@ -13,7 +13,7 @@
 
 enum { BATCH = 4096 };
 
-/* All there is while a mesh is made. */
+/* State of one job. */
 typedef struct work {
     mem *m;
     const tetrahedralize_options *options;
@@ -21,9 +21,9 @@ typedef struct work {
     tetrahedralize_report *report;
     const char *file; /* for messages */
     plc input;
-    bool distance; /* is computed */
+    bool distance; /* is the field */
     tetgen_job job;
-    float (*xyz)[3]; /* of the mesh, as written */
+    float (*xyz)[3]; /* of the mesh, rounded as written */
     float *values;
 } work;
 
@@ -100,7 +100,7 @@ static status run_tetgen(work *w) {
     if (st != ST_OK)
         return st;
     if (w->job.tets == 0 || w->job.points < w->input.points.count) {
-        /* An open .poly: say where, if there is an edge to name. */
+        /* If a .poly is open, name an edge of the gap. */
         st = w->report->surface ? plc_check_closed(&w->input, w->file) : ST_OK;
         return st != ST_OK
                    ? st
@@ -129,8 +129,8 @@ typedef struct near_task {
     const work *w;
     const triangle_tree *tree;
     const uint32_t (*corners)[3];
-    const double *given; /* values at the input's points; NULL: distances */
-    size_t first;        /* point to be given a value */
+    const double *given; /* values at the input's points; NULL: compute distances */
+    size_t first;        /* first point that needs a value */
 } near_task;
 
 static status near_batch(void *ctx, size_t index, int worker) {
@@ -175,7 +175,7 @@ static status set_distances(work *w) {
     return run_near(&t, w->job.triangles);
 }
 
-/* The facets' polygons as fans of triangles. */
+/* Cut the facets' polygons into fans of triangles. */
 static size_t make_fans(const plc *x, uint32_t (*corners)[3]) {
     const uint32_t *corner = x->corners.data;
     size_t n = 0;
@@ -188,7 +188,8 @@ static size_t make_fans(const plc *x, uint32_t (*corners)[3]) {
     return n;
 }
 
-/* A surface's points keep theirs; what TetGen added takes that of the nearest place. */
+/* Points of a surface keep their values. Points that TetGen added get the value of the nearest
+ * place on it. */
 static status set_field(work *w) {
     const double *given = w->input.values.data;
     const size_t first = w->input.points.count;
@@ -207,12 +208,12 @@ static status set_field(work *w) {
 static status set_values(work *w) {
     if (w->distance)
         return set_distances(w);
-    return w->report->field[0] ? set_field(w) : ST_OK; /* zeros */
+    return w->report->field[0] ? set_field(w) : ST_OK; /* else: zeros */
 }
 
 /* ---- the output ---- */
 
-/* Six times the volume, by orientation; 0 where it is flat, and only there. */
+/* Six times the signed volume; 0 if and only if the tet is flat. */
 static double six_volumes(const float (*xyz)[3], const uint32_t tet[4]) {
     double p[4][3];
     for (int c = 0; c < 4; c++)
@@ -224,7 +225,7 @@ static double six_volumes(const float (*xyz)[3], const uint32_t tet[4]) {
 typedef struct tally {
     uint64_t positive, negative;
     double volume;
-    uint8_t *used; /* a byte a point */
+    uint8_t *used; /* a byte per point */
 } tally;
 
 static void count_tet(const work *w, tally *t, const uint32_t tet[4]) {

@@ -1,12 +1,14 @@
-/* tetrahedralize.h - points to a Delaunay mesh, closed surfaces to a quality mesh: a mesh stream.
+/* tetrahedralize.h - meshes points (Delaunay) or closed surfaces (with quality bounds) into a mesh
+ * stream.
  *
- * Points are rounded to floats first, so that the mesh is the Delaunay mesh of what is written;
- * those of a surface after meshing, so that its facets stay plane. Points at one place become one.
+ * Points are rounded to floats first, so that the result is the Delaunay mesh of what is written.
+ * Points of a surface are rounded after meshing, so that its facets stay plane. Points at one place
+ * become one.
  *
- * Values: of points, the field asked for, or the first there is, or zeros. Of a surface, the
- * distance to the nearest facet: 0 on it, computed of the points as they are written, in doubles;
- * or, when a field is asked for, its values at the surface's points, and elsewhere those of the
- * nearest place on the surface, linear in between.
+ * Values of points: the field asked for, else the first there is, else zeros. Values of a surface:
+ * the distance to the nearest facet, 0 on it, computed in doubles from the points as written. Or,
+ * if a field is asked for, its values at the surface's points; elsewhere the value of the nearest
+ * place on the surface, interpolated linearly.
  */
 #ifndef PREP_TETRAHEDRALIZE_TETRAHEDRALIZE_H
 #define PREP_TETRAHEDRALIZE_TETRAHEDRALIZE_H
@@ -24,26 +26,26 @@
 typedef struct tetrahedralize_options {
     const char *input; /* "-": standard input */
     const char *format,
-        *field;         /* NULL: see plc_hints; "distance" is computed, unless it is there */
+        *field;         /* NULL: see plc_hints; "distance" is computed unless the input has it */
     const char *output; /* "-": standard output */
     bool force;
-    bool points;         /* facets are left aside */
-    bool meshing;        /* ratio or max_volume were asked for: points alone are no input */
+    bool points;         /* ignore facets */
+    bool meshing;        /* ratio or max_volume are given: points alone are refused */
     double ratio, angle; /* see tetgen_options */
     double max_volume;
-    uint64_t memory; /* of the whole job; 0: what the machine has */
-    double seconds;  /* TetGen may take; 0: any */
+    uint64_t memory; /* budget of the whole job; 0: the machine's memory */
+    double seconds;  /* time limit for TetGen; 0: none */
     int threads;
 } tetrahedralize_options;
 
 typedef struct tetrahedralize_report {
     bool surface;
-    uint64_t points_in, facets_in; /* as read, cleaned */
+    uint64_t points_in, facets_in; /* after reading and cleaning */
     plc_report cleaned;
-    uint64_t points, tets; /* of the mesh */
-    uint64_t unused;       /* points in no tet */
-    uint64_t flat; /* tets without volume, or turned over, by positions being rounded to floats */
-    double volume; /* of all tets */
+    uint64_t points, tets;         /* of the mesh */
+    uint64_t unused;               /* points in no tet */
+    uint64_t flat;                 /* tets that rounding to floats made flat or inverted */
+    double volume;                 /* of all tets */
     char field[MESH_NAME_MAX + 1]; /* "": none */
 } tetrahedralize_report;
 

@@ -1,4 +1,4 @@
-/* leafcast tetrahedralize - points or a closed surface to a mesh of tets, by TetGen. */
+/* leafcast tetrahedralize - meshes points or a closed surface into tets, by TetGen. */
 #include <jansson.h>
 #include <stdio.h>
 #include <string.h>
@@ -41,7 +41,7 @@ static const struct argp_option options[] = {
      "TetGen is stopped after so many (default 3600; 0: never)", 2},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-/* R or R,ANGLE. */
+/* Parse R or R,ANGLE. */
 static status set_quality(tetrahedralize_options *how, const char *text) {
     double numbers[2] = {0, 0};
     status st = num_doubles(text, "--quality", ",", strchr(text, ',') ? 2 : 1, numbers);

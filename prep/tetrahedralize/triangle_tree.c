@@ -10,7 +10,8 @@ enum { LEAF = 4, STACK = 128 };
 
 typedef struct tree_node {
     float lo[3], hi[3];
-    uint32_t first, count; /* leaf: triangles order[first] ..; else count 0, children first, + 1 */
+    uint32_t first, count; /* leaf: triangles order[first] ..; else count is 0, and children are
+                              first, first + 1 */
 } tree_node;
 
 struct triangle_tree {
@@ -23,7 +24,7 @@ struct triangle_tree {
 
 /* ---- building ---- */
 
-/* Three times the centre: enough to compare. */
+/* Three times the centre: enough for comparisons. */
 static double centre(const triangle_tree *t, uint32_t triangle, int axis) {
     const uint32_t *c = t->corners[triangle];
     return (double)t->xyz[c[0]][axis] + (double)t->xyz[c[1]][axis] + (double)t->xyz[c[2]][axis];
@@ -62,7 +63,7 @@ static int longest_axis(const triangle_tree *t, size_t first, size_t end) {
     return axis;
 }
 
-/* Reorders first .. end so that none before `middle` has its centre behind one after it. */
+/* Reorder [first, end) so that no centre before `middle` is larger than one after it. */
 static void split_middle(triangle_tree *t, size_t first, size_t end, size_t middle, int axis) {
     while (end - first > 1) {
         const double pivot = centre(t, t->order[first + (end - first) / 2], axis);
@@ -78,7 +79,7 @@ static void split_middle(triangle_tree *t, size_t first, size_t end, size_t midd
             t->order[i++] = t->order[j];
             t->order[j--] = swap;
         }
-        /* All before i are at most the pivot, all from i on at least. */
+        /* All before i are at most the pivot. All from i on are at least the pivot. */
         const size_t cut = i > first ? i : first + 1;
         if (middle < cut)
             end = cut;
@@ -145,9 +146,9 @@ void triangle_tree_free(triangle_tree *t) {
     mem_free(t->m, t);
 }
 
-/* ---- asking ---- */
+/* ---- queries ---- */
 
-/* The nearest point of a segment from 0 to d, seen from p: its share of d. */
+/* The point nearest to p on the segment from 0 to d, as a share of d. */
 static double nearest_on(const double d[3], const double p[3]) {
     const double length = vec3_dot(d, d), along = vec3_dot(d, p);
     return length > 0 && along > 0 ? (along < length ? along / length : 1) : 0;
@@ -157,7 +158,7 @@ typedef struct corner_offsets {
     double ab[3], ac[3], ap[3];
 } corner_offsets;
 
-/* The square of the distance to a + v ab + w ac; kept in *near when it is smaller. */
+/* Compute the squared distance to a + v ab + w ac, and update *near if it is smaller. */
 static void take_nearer(const corner_offsets *o, double v, double w, triangle_near *near,
                         double *square) {
     double d[3];
@@ -172,7 +173,7 @@ static void take_nearer(const corner_offsets *o, double v, double w, triangle_ne
     }
 }
 
-/* The foot of the perpendicular where it is inside; else the nearest of the three edges. */
+/* Take the foot of the perpendicular if it is inside, else the nearest point of the edges. */
 static double nearest_in(const triangle_tree *t, uint32_t triangle, const double p[3],
                          triangle_near *near) {
     const float *a = t->xyz[t->corners[triangle][0]], *b = t->xyz[t->corners[triangle][1]];

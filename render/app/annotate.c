@@ -41,12 +41,13 @@ double annotate_round(double length) {
 
 typedef struct projector {
     double eye[3], axis[3][3]; /* right, down, forward */
-    double scale;              /* pixels a world unit; of perspective cameras at a distance of 1 */
+    double scale;              /* pixels per world unit; with perspective, at a distance of 1 */
     double middle[2], nearest;
     bool parallel;
 } projector;
 
-/* A point of the picture; far: along the ray, as image.z counts. */
+/* A world point in the picture. depth: along the camera's axis; far: along the ray, as in
+ * image.z. */
 typedef struct projected {
     double at[2], depth, far;
 } projected;
@@ -57,7 +58,7 @@ static double depth_of(const projector *p, const double point[3]) {
     return vec3_dot(d, p->axis[2]);
 }
 
-/* False: the camera cannot be. */
+/* Returns false if the camera is not valid. */
 static bool projector_of(const leafcast_camera *from, projector *p) {
     camera c;
     if (camera_init(&c, from) != ST_OK)
@@ -76,7 +77,7 @@ static bool projector_of(const leafcast_camera *from, projector *p) {
     return true;
 }
 
-/* Of a point before the eye. */
+/* Project a point that lies in front of the eye. */
 static projected project(const projector *p, const double point[3]) {
     double d[3];
     vec3_sub(point, p->eye, d);
@@ -97,16 +98,17 @@ typedef struct page {
     const annotation *what;
     text_face *face;
     text_style ink;
-    double letters; /* their size, pixels */
+    double letters; /* size of the letters in pixels */
 } page;
 
-/* A stretch between two points in the world, of which what surfaces hide is left out. */
+/* A line between two points of the world; parts that surfaces hide are not drawn. */
 typedef struct world_line {
     const page *of;
     projected end[2];
 } world_line;
 
-/* 1 / depth is linear in the picture, but for parallel rays. */
+/* Returns whether no surface hides the line at this pixel. With perspective 1 / depth is linear in
+ * the picture, with parallel rays depth is. */
 static bool is_seen(const void *ctx, double share, long x, long y) {
     const world_line *l = ctx;
     const projector *p = &l->of->p;
@@ -153,7 +155,7 @@ static void draw_flat_line(const page *g, const double a[2], const double b[2], 
     canvas_draw_line(&g->on, &line);
 }
 
-/* In the middle of (x, y). */
+/* Draw text centred at (x, y). */
 static void draw_text(const page *g, const char *text, double x, double y) {
     text_face_draw(g->face, &g->on, text, x - 0.5 * text_face_width(g->face, text),
                    y + 0.35 * g->letters, &g->ink);
@@ -161,8 +163,7 @@ static void draw_text(const page *g, const char *text, double x, double y) {
 
 /* ---- The box ---- */
 
-/* An edge along an axis; side[] of the other two axes (the next, the one after): 0 lower, 1 upper.
- */
+/* An edge of the box along an axis. side[]: on the next two axes, 0 the lower side, 1 the upper. */
 typedef struct edge {
     int axis, side[2];
 } edge;
@@ -175,14 +176,14 @@ static void edge_end(const page *g, const edge *e, int end, double out[3]) {
     }
 }
 
-/* Whether the face of the box across an axis looks at the eye. */
+/* Returns whether the face of the box at this end of an axis faces the eye. */
 static bool faces_eye(const page *g, int axis, int side) {
     const double out = side ? 1.0 : -1.0;
     return g->p.parallel ? out * g->p.axis[2][axis] < 0.0
                          : out * (g->p.eye[axis] - g->bounds[side][axis]) > 0.0;
 }
 
-/* How many of the edge's two faces do: 1 on the outline. */
+/* Returns how many of the edge's two faces face the eye; with 1 the edge is on the outline. */
 static int faces_of(const page *g, const edge *e) {
     return faces_eye(g, (e->axis + 1) % 3, e->side[0]) +
            faces_eye(g, (e->axis + 2) % 3, e->side[1]);
@@ -201,8 +202,8 @@ static void draw_box(const page *g) {
 
 /* ---- Values along its edges ---- */
 
-/* Outward in the picture, across the edge: a unit vector. False: the edge points at the eye, or is
- * behind it. */
+/* Find the direction in the picture that is perpendicular to the edge and points out of the box: a
+ * unit vector. Returns false if the edge is too short in the picture or not before the eye. */
 static bool edge_outward(const page *g, const edge *e, double out[2]) {
     double end[2][3], middle[3];
     for (int i = 0; i < 2; i++) {
@@ -227,7 +228,8 @@ static bool edge_outward(const page *g, const edge *e, double out[2]) {
     return true;
 }
 
-/* The outline's edge along an axis that is farthest down, or left. False: none is to be seen. */
+/* Find the edge of the outline along an axis that is lowest in the picture, or farthest left.
+ * Returns false if none is visible. */
 static bool find_outline(const page *g, int axis, edge *found, double outward[2]) {
     double best = -INFINITY;
     for (int i = 0; i < 4; i++) {
@@ -245,7 +247,7 @@ static bool find_outline(const page *g, int axis, edge *found, double outward[2]
     return best > -INFINITY;
 }
 
-/* Returns how wide its value is written. */
+/* Draw one tick with its value. Returns the width of the value's text in pixels. */
 static double draw_tick(const page *g, const edge *e, double value, const double outward[2]) {
     const double length = 0.4 * g->letters;
     double at[3];
@@ -276,12 +278,12 @@ static void draw_name(const page *g, int axis, const double at[2], const double 
     const double half = 0.5 * text_face_width(g->face, text);
     const double x = at[0] + (off + half * fabs(outward[0])) * outward[0],
                  y = at[1] + off * outward[1];
-    /* At the picture's margin rather than across it. */
+    /* Keep the name inside the picture. */
     draw_text(g, text, fmin(fmax(x, half + 2.0), (double)g->on.width - half - 2.0),
               fmin(fmax(y, g->letters), (double)g->on.height - g->letters));
 }
 
-/* Round values, as many as have room. */
+/* Draw the axis' name and ticks at round values, as many as there is room for. */
 static void draw_axis(const page *g, int axis) {
     double outward[2], a[3], b[3], widest = 0.0;
     edge e = {axis, {0, 0}};

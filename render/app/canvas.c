@@ -21,11 +21,12 @@ void canvas_fill(const canvas *c, canvas_box box, const float rgb[3], float opac
 
 /* ---- Lines ---- */
 
-/* Along the axis on which it goes farther, pixel by pixel; across it, those that it covers. */
+/* A line to draw: step along its longer axis pixel by pixel, and at each step over the pixels
+ * across that it covers. */
 typedef struct stroke {
     const canvas_line *line;
     int along;         /* 0: x */
-    double a[2], b[2]; /* (along, across) of its ends, a before b */
+    double a[2], b[2]; /* its ends as (along, across), a before b */
     double length, reach;
     bool turned; /* a is `to` */
 } stroke;
@@ -39,7 +40,7 @@ static stroke stroke_of(const canvas_line *line) {
         s.a[i] = a[i ^ s.along];
         s.b[i] = b[i ^ s.along];
     }
-    /* Across, a line at an angle is wider. */
+    /* A slanted line covers more pixels across. */
     s.reach = 0.5 * line->width * s.length / fmax(s.b[0] - s.a[0], 1e-9) + 1.0;
     return s;
 }

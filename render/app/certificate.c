@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-static const double WHOLE = 1.0 / 510.0, LEAST = 1e-9; /* bounds: where none is given, possible */
+static const double WHOLE = 1.0 / 510.0, LEAST = 1e-9; /* bounds: default, least allowed */
 
-/* NaN is worst of all. */
+/* Returns the larger value; NaN counts as the largest. */
 static double worse(double a, double b) {
     return isnan(a) || a >= b ? a : b;
 }
@@ -24,7 +24,8 @@ certificate certificate_compare(const leafcast_image *a, const leafcast_image *b
     return made;
 }
 
-/* Of all data, at full resolution: that is what bounds are about. */
+/* Returns the scene with half the bound, without previews or levels of detail: bounds are about all
+ * data at full resolution. */
 static leafcast_scene halved(const leafcast_scene *scene) {
     leafcast_scene half = *scene;
     half.lod = LEAFCAST_LOD_EXACT;

@@ -1,5 +1,6 @@
-/* certificate.h - a picture of media held against the exact one drawn with half the bound: each has
- * a bound of its own for every pixel, so two channels may differ by no more than both bounds.
+/* certificate.h - check the error bounds of a picture of media: draw it again with half the bound
+ * and compare. Each picture has a bound for every pixel, so two channels may differ by at most the
+ * sum of both.
  */
 #ifndef RENDER_APP_CERTIFICATE_H
 #define RENDER_APP_CERTIFICATE_H
@@ -10,23 +11,26 @@
 
 typedef struct certificate {
     bool made;
-    double difference; /* of any channel, the largest; */
-    double of_bounds;  /* and the largest as a share of the two bounds, 0 where it is 0 */
-    uint64_t outside;  /* pixels of which a channel differs by more than both bounds */
+    double difference; /* largest difference of any channel */
+    double
+        of_bounds; /* largest difference divided by the sum of the two bounds; 0 for equal pixels */
+    uint64_t outside; /* pixels with a channel that differs by more than the sum of both bounds */
 } certificate;
 
-/* certificate_compare() - two pictures of so many pixels: planes rgba and error, without gaps. */
+/* certificate_compare() - compare two pictures of `pixels` pixels, by their planes rgba and error,
+ * without gaps. */
 certificate certificate_compare(const leafcast_image *a, const leafcast_image *b, size_t pixels);
 
-/* certificate_make() - draw the picture, which has planes rgba and error, again with half its
- * bound and of all data at full resolution, and compare. ST_FAILED where it does not hold, and what
- * drawing returns. m: of the planes.
+/* certificate_make() - draw the picture again with half its bound, from all data at full
+ * resolution, and compare. The picture needs planes rgba and error; m allocates those of the
+ * second. Returns ST_FAILED where the bound does not hold, or an error of drawing.
  */
 CHECKED status certificate_make(leafcast *volume, const leafcast_scene *scene,
                                 const leafcast_camera *camera, const leafcast_image *image, mem *m,
                                 certificate *out);
 
-/* certificate_lacks() - why pixels of such a picture are uncertified. */
+/* certificate_lacks() - returns why pixels of a picture with these flags are uncertified, as
+ * text. */
 const char *certificate_lacks(const view_options *view);
 
 #endif

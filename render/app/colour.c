@@ -9,7 +9,7 @@
 #include "render/app/colour_names.h"
 #include "render/look/picture_bytes.h"
 
-/* The value of two hexadecimal digits, or -1. */
+/* Returns the value of two hexadecimal digits, or -1. */
 static int hex_byte(const char *text) {
     int value = 0;
     for (int i = 0; i < 2; i++) {

@@ -8,7 +8,7 @@
 
 /* ---- By name ---- */
 
-/* A place of 0 .. 255 and its colour, 0xrrggbb. */
+/* A position in 0 .. 255 and its colour, 0xrrggbb. */
 typedef struct knot {
     uint8_t at;
     uint32_t rgb;
@@ -16,8 +16,8 @@ typedef struct knot {
 
 enum { KNOTS_MAX = 29 };
 
-/* Knots of those from viridis to magma are the fewest of the 256 colours, as bytes, that keep all
- * of them within one byte. cool-warm: Moreland 2009. */
+/* viridis to magma: the fewest of their 256 colours that keep all 256 within 1 of 255 when
+ * interpolated. cool-warm: Moreland 2009. */
 static const struct named {
     const char *name;
     colour_space space;

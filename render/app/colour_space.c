@@ -47,7 +47,7 @@ static double power(double x, double e) {
     return x > 0.0 ? portable_exp(e * portable_log(x)) : 0.0;
 }
 
-/* ---- HSV, as Smith 1978 has it ---- */
+/* ---- HSV (Smith 1978) ---- */
 
 static void hsv_of(const double rgb[3], double hsv[3]) {
     const double most = fmax(rgb[0], fmax(rgb[1], rgb[2]));
@@ -64,7 +64,8 @@ static void hsv_of(const double rgb[3], double hsv[3]) {
         hsv[0] += 1.0;
 }
 
-/* How much of a component is there, by its hue's distance from the colour's, in sixths. */
+/* Returns the share of a component whose own hue is `at`, by its distance from `hue` in sixths of a
+ * turn. */
 static double hue_share(double hue, double at) {
     double away = fabs(6.0 * (hue - at));
     away = away > 3.0 ? 6.0 - away : away;
@@ -94,14 +95,14 @@ static void between_hsv(bool wrapped, const double a[3], const double b[3], doub
 
 /* ---- CIE L*a*b* ---- */
 
-/* Of D65, and sRGB's primaries (IEC 61966-2-1). */
+/* White point D65, primaries of sRGB (IEC 61966-2-1). */
 static const double WHITE[3] = {0.9505, 1.0, 1.089};
 static const double TO_XYZ[3][3] = {
     {0.4124, 0.3576, 0.1805}, {0.2126, 0.7152, 0.0722}, {0.0193, 0.1192, 0.9505}};
 static const double FROM_XYZ[3][3] = {
     {3.2406, -1.5372, -0.4986}, {-0.9689, 1.8758, 0.0415}, {0.0557, -0.2040, 1.0570}};
 
-/* The cube root, and a line where that gets steep. */
+/* Returns the cube root; near 0, where that is steep, a line. */
 static double lightness(double t) {
     return t > 0.008856 ? power(t, 1.0 / 3.0) : 7.787 * t + 16.0 / 116.0;
 }
@@ -127,7 +128,7 @@ double colour_space_encoded(double linear) {
     return linear > 0.0031308 ? 1.055 * power(linear, 1.0 / 2.4) - 0.055 : 12.92 * linear;
 }
 
-/* What is too bright is scaled as a screen's values are; what is below black is black. */
+/* Scale colours that are too bright, in sRGB values, then clamp components below 0 to black. */
 static void bring_back(double linear[3]) {
     const double most = fmax(linear[0], fmax(linear[1], linear[2]));
     if (most > 1.0) {
@@ -184,13 +185,13 @@ static bool saturated(const msh *p) {
     return p->s * TURN > 0.05;
 }
 
-/* At least a third of half a turn apart. */
+/* Returns whether two hues are at least 0.33 of half a turn apart. */
 static bool distinct(const msh *a, const msh *b) {
     const double apart = fabs(a->h - b->h);
     return (apart > 0.5 ? 1.0 - apart : apart) > 0.33 / 2.0;
 }
 
-/* The hue to give a colour of magnitude m that has none, on the way to this one. */
+/* Returns the hue to give an unsaturated colour of magnitude m when interpolating to this one. */
 static double spun_hue(const msh *to, double m) {
     if (to->m >= m - 0.1)
         return to->h;

@@ -1,6 +1,6 @@
-/* colour_space.h - which colours lie between two others, as ParaView and VTK have it.
+/* colour_space.h - interpolate between two colours in the colour spaces of ParaView and VTK.
  *
- * Colours go in as a screen shows them (sRGB) and come out linear. The same bits on every CPU.
+ * Colours go in as sRGB and come out linear. The results have the same bits on every CPU.
  */
 #ifndef RENDER_APP_COLOUR_SPACE_H
 #define RENDER_APP_COLOUR_SPACE_H
@@ -8,25 +8,26 @@
 #include <stdbool.h>
 
 typedef enum colour_space {
-    COLOUR_LINEAR, /* light is linear; ParaView has no such space */
+    COLOUR_LINEAR, /* interpolates linear light; ParaView has no such space */
     COLOUR_RGB,
     COLOUR_HSV,         /* hues never pass red */
-    COLOUR_HSV_WRAPPED, /* they go the shorter way around */
+    COLOUR_HSV_WRAPPED, /* hues go the shorter way around */
     COLOUR_LAB,         /* CIE 1976 L*a*b*, white D65 */
     COLOUR_DIVERGING    /* Moreland's Msh, by way of white between two saturated colours */
 } colour_space;
 
-/* colour_space_find() - by the name that ParaView's files have: RGB, HSV, Wrapped, Lab, CIELAB,
- * Diverging. False where it is none of these. */
+/* colour_space_find() - find a space by its name in ParaView's files: RGB, HSV, Wrapped, Lab,
+ * CIELAB, Diverging. Returns false for any other name. */
 bool colour_space_find(const char *name, colour_space *space);
 
-/* colour_space_between() - the colour at the share s, 0 .. 1, of the way from a to b, whose
- * components are in [0, 1]; linear ones in [0, 1]. What no screen can show is brought back as VTK
- * does: scaled, then cut. */
+/* colour_space_between() - compute the colour at the share s, 0 .. 1, of the way from a to b.
+ * Components of a and b are in [0, 1], and so are the linear ones of the result. Colours that no
+ * screen can show are brought into range as VTK does: scaled, then clamped. */
 void colour_space_between(colour_space space, const double a[3], const double b[3], double s,
                           double linear[3]);
 
-/* colour_space_encoded() - what a linear component is on a screen: picture_linear() backwards. */
+/* colour_space_encoded() - returns the sRGB value of a linear component: the inverse of
+ * picture_linear(). */
 double colour_space_encoded(double linear);
 
 #endif

@@ -65,7 +65,7 @@ void image_helper_end(image_helper *h) {
     int code;
     if (!h)
         return;
-    /* It owes no answer, and may still be loading its library. */
+    /* Kill the helper: no answer is pending, and it may still be loading its library. */
     if (!h->ended) {
         child_kill(&h->process);
         h->ended = child_end(&h->process, &code) == ST_OK;
@@ -96,7 +96,7 @@ typedef struct plane {
 
 enum { PLANES = 11 };
 
-/* The planes that are there. */
+/* List the planes that the image has. Returns their number. */
 static int planes_of(const leafcast_image *image, plane out[PLANES]) {
     const plane all[PLANES] = {
         {"R", image->r, PLANE_FLOAT},           {"G", image->g, PLANE_FLOAT},
@@ -113,7 +113,7 @@ static int planes_of(const leafcast_image *image, plane out[PLANES]) {
     return n;
 }
 
-/* Values first .. first + count of a plane as floats. */
+/* Convert the values first .. first + count - 1 of a plane to floats. */
 static void convert(const plane *p, size_t first, size_t count, float *out) {
     for (size_t i = 0; i < count; i++) {
         const size_t at = first + i;
@@ -160,7 +160,7 @@ static bool feed_picture(image_helper *h, const char *format, const picture *p) 
 
 enum { CODE_NO_MEMORY = 4, CODE_SIGNAL = 128 };
 
-/* Its last words, without its name in front; NULL: none. */
+/* Returns the helper's last words without its name in front; NULL if there are none. */
 static const char *last_words(const child *c) {
     const size_t name = strlen(HELPER);
     const bool named =
@@ -175,7 +175,7 @@ static status ended_by(int signal, const char *path, const char *words) {
                            words ? ": " : "", words ? words : "");
 }
 
-/* The helper has stopped listening or speaking: wait for its end, say what became of it. */
+/* The helper has closed its pipe: wait for its end and describe the cause. */
 static status gone(image_helper *h, const char *path) {
     int code;
     h->ended = true;
@@ -198,7 +198,7 @@ static status kill_it(image_helper *h, status why) {
     return child_end(&h->process, &code) == ST_OK ? status_note_raise(&note) : why;
 }
 
-/* Exactly size bytes of its answer. */
+/* Read exactly `size` bytes of the helper's answer. */
 static status take(image_helper *h, const char *path, void *data, size_t size) {
     size_t got = 0;
     status st = child_read(&h->process, data, size, &got, wait_for, h);

@@ -1,8 +1,8 @@
-/* image_helper.h - pictures through a helper process, leafcast-write-image (write_image_main.cpp
- * has the stream), because the library behind it takes half a second to load.
+/* image_helper.h - write pictures through a helper process, leafcast-write-image, because its
+ * library takes half a second to load. write_image_main.cpp describes the stream.
  *
- * It is looked for beside the running program, then on PATH. It opens no file: it gives a picture's
- * bytes back. One thread per helper; one picture after another.
+ * The helper is looked for beside the running program, then on PATH. It opens no file: it sends a
+ * picture's bytes back. Use a helper from one thread, for one picture after another.
  */
 #ifndef RENDER_APP_IMAGE_HELPER_H
 #define RENDER_APP_IMAGE_HELPER_H
@@ -14,21 +14,22 @@
 
 typedef struct image_helper image_helper;
 
-/* image_helper_check() - ST_UNSUPPORTED when there is none. */
+/* image_helper_check() - returns ST_UNSUPPORTED if the helper is not installed. */
 CHECKED status image_helper_check(void);
 
-/* image_helper_start() - does not wait for it. stop (or NULL) is asked every tenth of a second
- * while the helper is waited for. */
+/* image_helper_start() - start the helper without waiting until it is ready. stop (or NULL) is
+ * called every tenth of a second during waits for the helper. */
 CHECKED status image_helper_start(mem *m, bool (*stop)(void *), void *ctx, image_helper **out);
 
-/* image_helper_write() - one picture as `format` ("exr"), its bytes to the sink. `path` is for
- * descriptions. No signal is raised when the helper dies: its last words go into the description.
- * ST_STOPPED when a signal to stop ended it, or stop() said so; ST_NOMEM when it had no memory.
- * After a fault only image_helper_end() may follow. */
+/* image_helper_write() - write one picture as `format` ("exr") to the sink. `path` is for error
+ * descriptions. If the helper dies, no signal is raised, and its last words go into the
+ * description. Returns ST_STOPPED when a signal to stop ended the helper, or stop() returned true;
+ * ST_NOMEM when it had no memory. After an error only image_helper_end() may follow. */
 CHECKED status image_helper_write(image_helper *h, const char *format, const char *path,
                                   const picture *p, const byte_sink *to);
 
-/* image_helper_end() - at once: a helper that is still loading is not waited for. NULL is fine. */
+/* image_helper_end() - end the helper at once, without waiting for one that is still loading. NULL
+ * is allowed. */
 void image_helper_end(image_helper *h);
 
 #endif

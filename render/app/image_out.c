@@ -12,12 +12,12 @@
 #include "render/app/picture_pnm.h"
 
 typedef struct image_format {
-    const char *name; /* and the end of files' names */
+    const char *name; /* of the format; also its files' suffix */
     status (*write)(mem *m, pool *threads, const picture *p,
                     const byte_sink *to);         /* NULL: helper */
-    size_t (*bytes)(int threads, uint32_t width); /* that writing takes; NULL: those of a row */
-    bool all;                                     /* takes every plane */
-    bool parallel;                                /* goes over the threads */
+    size_t (*bytes)(int threads, uint32_t width); /* memory for writing; NULL: that of one row */
+    bool all;                                     /* stores every plane */
+    bool parallel;                                /* uses the threads */
 } image_format;
 
 static status put_doubles(const picture *p, const byte_sink *to, const double *plane,
@@ -91,7 +91,7 @@ static bool ends_in(const char *path, const char *name) {
     return n > t + 1 && path[n - t - 1] == '.' && strcasecmp(path + n - t, name) == 0;
 }
 
-/* NULL where there is none. */
+/* Returns the format of a name, or NULL if it has none. */
 static const image_format *format_of(const image_out_options *options, const char *path) {
     for (int i = 0; i < FORMAT_COUNT; i++)
         if (options->format ? strcasecmp(options->format, FORMATS[i].name) == 0
@@ -179,7 +179,7 @@ void image_out_discard(image_target *t) {
     mem_free(t->owner->m, t);
 }
 
-/* A helper that failed is not asked again: the next picture gets another. */
+/* Write through the helper. End a helper that failed: the next picture gets a new one. */
 static status through_helper(image_target *t, const picture *p, const byte_sink *to) {
     image_out *o = t->owner;
     status st = image_helper_write(o->helper, t->format->name, t->path, p, to);

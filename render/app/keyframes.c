@@ -10,7 +10,7 @@
 
 enum { TEXT_MAX = 1024 };
 
-/* What changes evenly; "step" does so by whole steps. */
+/* Keys whose values change linearly; "step" changes by whole steps. */
 static const char *const EVEN[] = {
     "iso",      "opacity",     "colour",  "eye",      "look-at",   "up",         "fov",
     "ortho",    "window",      "ambient", "specular", "shininess", "clip-plane", "light",
@@ -23,7 +23,7 @@ static bool changes_evenly(const char *key) {
     return strcmp(key, "opacity-length") == 0;
 }
 
-/* ---- One object a key, whose names have one form ---- */
+/* ---- One flat object per key, with names in one form ---- */
 
 static status flatten(const json_t *from, json_t *to, int depth) {
     char name[64];
@@ -54,7 +54,8 @@ static double between(double a, double b, double t) {
     return a == b ? a : a + t * (b - a);
 }
 
-/* "#rrggbb", or with alpha: each pair of digits. False: no two of the same kind. */
+/* Interpolate "#rrggbb" or "#rrggbbaa", digit pair by digit pair. Returns false if the two are not
+ * of one form. */
 static bool between_colours(const char *a, const char *b, double t, char *out) {
     const size_t n = strlen(a);
     unsigned from, to;
@@ -69,7 +70,7 @@ static bool between_colours(const char *a, const char *b, double t, char *out) {
     return true;
 }
 
-/* The number at the start of *at, which is passed by. */
+/* Read the number at the start of *at and move *at behind it. */
 static bool take_number(const char **at, double *value) {
     char token[64];
     const size_t n = strspn(*at, "0123456789.+-eE");
@@ -81,7 +82,7 @@ static bool take_number(const char **at, double *value) {
     return num_double(token, "a view", value) == ST_OK;
 }
 
-/* Texts that differ in their numbers alone: "0:0,40:0.2". */
+/* Interpolate texts that differ in their numbers alone: "0:0,40:0.2". */
 static bool between_texts(const char *a, const char *b, double t, char out[TEXT_MAX]) {
     size_t n = 0;
     while (*a && n + NUM_TEXT_MAX + 1 < TEXT_MAX) {
@@ -102,7 +103,7 @@ static bool between_texts(const char *a, const char *b, double t, char out[TEXT_
     return !*a && !*b;
 }
 
-/* A new value; the first one where there is none between the two. */
+/* Returns a new value between a and b, or a if they cannot be interpolated. */
 static json_t *between_values(json_t *a, json_t *b, double t) {
     if (json_is_number(a) && json_is_number(b))
         return json_real(between(json_number_value(a), json_number_value(b), t));
@@ -152,8 +153,8 @@ static bool take_pose(const json_t *key, pose *p) {
     return vec3_unit(p->away, p->away) && vec3_unit(p->up, p->up);
 }
 
-/* From unit vector a towards b, on the great circle; opposite ones have many, one of which is gone.
- * t may be beyond 0 and 1. */
+/* Turn the unit vector a towards b on their great circle. Opposite vectors have many; one of these
+ * is taken. t may be outside of 0 .. 1. */
 static void turn(const double a[3], const double b[3], double t, double out[3]) {
     double axis[3], side[3];
     vec3_cross(a, b, axis);
@@ -178,8 +179,8 @@ static pose pose_between(const pose *a, const pose *b, double t) {
     return out;
 }
 
-/* Barry and Goldman's pyramid for Catmull-Rom splines (SIGGRAPH 1988), with knots -1, 0, 1, 2: on
- * the sphere as in space. */
+/* Evaluate a Catmull-Rom spline by Barry and Goldman's pyramid (SIGGRAPH 1988), with knots -1, 0,
+ * 1, 2. It works on the sphere as well as in space. */
 static pose pose_at(const pose p[4], double t) {
     const pose a = pose_between(&p[0], &p[1], t + 1.0), b = pose_between(&p[1], &p[2], t),
                c = pose_between(&p[2], &p[3], t - 1.0);
@@ -210,7 +211,7 @@ static void put_camera(const json_t *keys, size_t k, double t, json_t *out) {
 
 /* ---- Views ---- */
 
-/* Between keys k and k + 1. */
+/* Returns the view at the share t between keys k and k + 1. */
 static json_t *view_between(const json_t *keys, size_t k, double t) {
     json_t *from = json_array_get(keys, k), *to = json_array_get(keys, k + 1), *value;
     json_t *out = json_copy(from);
@@ -236,7 +237,7 @@ static json_t *view_at(const json_t *keys, int frame, int frames) {
     const double at = frames > 1 ? (double)frame * (double)last / (frames - 1) : 0.0;
     const size_t k = (size_t)at;
     const double t = at - (double)k;
-    /* A key's own view is what it says, to the bit. */
+    /* At a key, use its view unchanged, to the bit. */
     return t == 0.0 ? json_incref(json_array_get(keys, k)) : view_between(keys, k, t);
 }
 

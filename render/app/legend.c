@@ -7,7 +7,7 @@
 
 #include "render/app/canvas.h"
 
-/* Letters of 5 x 7 dots: a row a byte, the left dot is the bit of 16. */
+/* Letters of 5 x 7 dots: one byte per row, the leftmost dot is the bit of 16. */
 enum { DOTS_X = 5, DOTS_Y = 7, ADVANCE = 6, TEXT_MAX = 16, MARKS = 3 };
 
 static const char LETTERS[] = "0123456789.-+einf";
@@ -33,7 +33,7 @@ static void write_letter(const canvas *c, char letter, long x, long y, long dot)
                             white, 1.0f);
 }
 
-/* Letters, and what a dot of theirs is; with a face its own. */
+/* How text is drawn: with the face, or (NULL) as dots of `dot` pixels. */
 typedef struct hand {
     long dot;
     text_face *face;
@@ -44,7 +44,7 @@ static long width_of(const hand *h, const char *text) {
                    : (long)strlen(text) * ADVANCE * h->dot;
 }
 
-/* Around the height y. */
+/* Write text centred vertically at y. */
 static void write_text(const canvas *c, const hand *h, const char *text, long x, long y) {
     static const text_style white = {{1.0f, 1.0f, 1.0f}, {0.0f, 0.0f, 0.0f}};
     const long half = DOTS_Y * h->dot / 2;
@@ -54,7 +54,7 @@ static void write_text(const canvas *c, const hand *h, const char *text, long x,
         write_letter(c, *text, x, y - half, h->dot);
 }
 
-/* The colours, a row of pixels each. */
+/* Draw the colours, one row of pixels each. */
 static void draw_bar(const canvas *c, canvas_box b, const transfer_list *t,
                      const double window[2]) {
     const double rows = (double)(b.y1 - b.y0);

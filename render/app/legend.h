@@ -1,5 +1,4 @@
-/* legend.h - a bar of the colours of a transfer function with some of its values, drawn into a
- * picture.
+/* legend.h - draw a bar of a transfer function's colours, with some of its values, into a picture.
  */
 #ifndef RENDER_APP_LEGEND_H
 #define RENDER_APP_LEGEND_H
@@ -7,10 +6,10 @@
 #include "render/app/text_face.h"
 #include "render/app/transfer_list.h"
 
-/* legend_draw() - at the right edge of the planes r, g, b and a (as far as there are any) of a
- * picture of width x height pixels: the colours from window[0], below, to window[1], opaque, and
- * the values at its ends and in the middle, in letters of a font, or of dots (face NULL). Of a
- * picture too small for it nothing is changed. */
+/* legend_draw() - draw at the right edge of a picture of width x height pixels, over its planes r,
+ * g, b and a (NULL ones are skipped). The bar shows the colours, opaque, from window[0] at the
+ * bottom to window[1]; numbers give the values at the ends and in the middle. face: the font of the
+ * numbers; NULL: letters of dots. A picture that is too small is left unchanged. */
 void legend_draw(const leafcast_image *image, uint32_t width, uint32_t height,
                  const transfer_list *t, const double window[2], text_face *face);
 

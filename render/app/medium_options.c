@@ -94,7 +94,7 @@ status medium_options_set(medium_options *o, int key, const char *text) {
     }
 }
 
-/* "V:A" */
+/* Read one "V:A". */
 static status take_opacity(medium_options *o, const char *text) {
     double *p = o->opacity[o->opacities], before = -1e300;
     status st = num_doubles(text, "--opacity", ":", 2, p);
@@ -146,7 +146,7 @@ status medium_options_caps(const char *text, medium_options *o) {
     return text ? take_name(text, "--caps", o->colour_map) : ST_OK;
 }
 
-/* "V" or "V/W" */
+/* Read "V" or "V/W". */
 static status take_ratio(const char *text, const char *what, double *out) {
     double part[2] = {0.0, 1.0};
     status st =
@@ -170,7 +170,7 @@ status medium_options_shade(const char *text, double *fade) {
     return st;
 }
 
-/* "F", of "F" or "F,REST" behind the '='; returns the rest, or NULL. */
+/* Read F of "F" or "F,REST", the text behind the '='. *rest: the REST, or NULL. */
 static status take_step(const char *text, double *step, const char **rest) {
     char first[80];
     const size_t n = strcspn(text, ",");
@@ -248,13 +248,13 @@ status medium_options_check(const medium_options *o, bool projected) {
 
 /* ---- Made for a volume ---- */
 
-/* What is put together. */
+/* A transfer function that is being made. */
 typedef struct making {
     const medium_options *o;
     const leafcast *volume;
     uint32_t field, step;
     transfer_list colours, extinctions;
-    double factor; /* of the extinctions */
+    double factor; /* for the extinctions */
 } making;
 
 static double diagonal(const leafcast *volume) {
@@ -267,7 +267,8 @@ static double diagonal(const leafcast *volume) {
     return sqrt(sum);
 }
 
-/* Extinctions of opacities over a length of 1 become those over the length that is meant. */
+/* Returns the factor that turns extinctions for opacities over a length of 1 into those for
+ * --opacity-length. */
 static double of_length(const making *k) {
     enum { TENTH = 10 };
     const double across = diagonal(k->volume);
@@ -289,7 +290,7 @@ static void take_list(transfer_list *to, transfer_list *from) {
     *from = (transfer_list){.m = to->m};
 }
 
-/* The window that a map is spread over. */
+/* Get the value range that a map is spread over. */
 static status window_of(const making *k, double window[2]) {
     memcpy(window, k->o->window, 2 * sizeof *window);
     if (k->o->windowed)
@@ -307,7 +308,8 @@ static void ends_of(const transfer_list *t, double ends[2]) {
     ends[1] = fmax(ends[1], t->points[t->count - 1].value);
 }
 
-/* What is not one of these names is a file; where it is not there, it was meant to be one. */
+/* Read the file of a name that is not one of `names`. A missing file is reported as an unknown
+ * name, unless the name looks like a file's. */
 static status read_named(const making *k, const char *name, const char *flag, const char *names,
                          transfer_file *f) {
     const status st = transfer_file_read(k->colours.m, name, f);
@@ -339,7 +341,7 @@ static status use_file(making *k) {
     return st;
 }
 
-/* Colours of a map by name or of a file, spread over the window. */
+/* Take the colours of a map, by name or from a file, and spread them over the window. */
 static status use_map(making *k, const char *name) {
     transfer_file f = {0};
     double window[2], ends[2] = {INFINITY, -INFINITY};

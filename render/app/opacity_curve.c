@@ -13,20 +13,20 @@ typedef struct span {
     const opacity_point *a, *b;
 } span;
 
-/* x^e for x in [0, 1]. */
+/* Returns x^e for x in [0, 1]. */
 static double power(double x, double e) {
     return x > 0.0 ? portable_exp(e * portable_log(x)) : 0.0;
 }
 
-/* The share of the way, with its middle where it shall be. */
+/* Returns the share of the way, remapped so that `middle` becomes 0.5. */
 static double about_middle(double s, double middle) {
     return s < middle     ? 0.5 * s / middle
            : middle < 1.0 ? 0.5 + 0.5 * (s - middle) / (1.0 - middle)
                           : 1.0;
 }
 
-/* As vtkPiecewiseFunction has it: away from the middle it is flatter the sharper it is, by a power;
- * then a Hermite curve whose slope at both ends is less the sharper it is. */
+/* Follow vtkPiecewiseFunction: first a power, which flattens the curve away from the middle as
+ * sharpness grows, then a Hermite curve whose slope at both ends falls with sharpness. */
 static double sharpened(double s, double sharpness) {
     if (sharpness > 0.99)
         return s < 0.5 ? 0.0 : 1.0;

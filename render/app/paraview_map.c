@@ -12,14 +12,15 @@ enum { BYTES_MAX = 1 << 24, WHERE_MAX = 256 };
 
 /* ---- What both forms share ---- */
 
-/* A component or an opacity; maps overshoot by rounding. */
+/* Clamp a component or an opacity to [0, 1]. Returns false if it is outside by more than
+ * rounding. */
 static bool in_unit(double *x) {
     const bool good = *x >= -0.001 && *x <= 1.001;
     *x = fmin(fmax(*x, 0.0), 1.0);
     return good;
 }
 
-/* where: file and place of the point. */
+/* Check the value of a point against the one before. where: file and place of the point. */
 static status check_value(double value, const double *before, const char *where) {
     char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
     if (!(fabs(value) <= 1e300))
@@ -63,7 +64,7 @@ void paraview_map_release(paraview_map *p) {
     *p = (paraview_map){.m = p->m};
 }
 
-/* A map begins: whether it is the one that is read. */
+/* Count a map that begins. Returns whether it is the one to read. */
 static bool begin_map(paraview_map *p, const char *name) {
     p->maps++;
     name_list_add(&p->names, name);
@@ -80,7 +81,7 @@ static status set_space(paraview_map *p, const char *name, const char *where) {
                            where, name);
 }
 
-/* Once all has been read. */
+/* Check, after all is read, that the wanted map was found and has points. */
 static status check_found(const paraview_map *p, const char *file) {
     if (p->maps == 0)
         return status_describe(ST_CORRUPT, "%s: expected a colour map", file);
@@ -103,7 +104,7 @@ typedef struct json_bytes {
     status st;
 } json_bytes;
 
-/* For json_load_callback(). */
+/* The reader for json_load_callback(). */
 static size_t more_bytes(void *buffer, size_t size, void *ctx) {
     json_bytes *b = ctx;
     size_t got = 0;
@@ -125,7 +126,7 @@ static status load_json(byte_stream *s, json_t **root) {
                            byte_stream_name(s), error.line, error.text);
 }
 
-/* Rows of four numbers in one array. */
+/* Call `add` for each point of an array that holds four numbers per point. */
 static status each_row(paraview_map *p, const json_t *map, const char *key, const char *file,
                        status (*add)(paraview_map *p, const double x[4], const char *where)) {
     char where[WHERE_MAX];
@@ -207,8 +208,8 @@ typedef struct xml_reader {
     paraview_map *map;
     byte_stream *s;
     XML_Parser parser;
-    bool inside; /* of the map that is read */
-    status st;   /* of a handler that stopped the parser */
+    bool inside; /* inside of the map to read */
+    status st;   /* error of the handler that stopped the parser */
 } xml_reader;
 
 static const char *attribute(const char **attributes, const char *name) {
@@ -281,7 +282,7 @@ static void XMLCALL handle_end(void *user, const char *name) {
         r->inside = false;
 }
 
-/* No colour map has a document type; entities in one could grow without limit. */
+/* Refuse document types: no colour map has one, and its entities could grow without limit. */
 static void XMLCALL handle_doctype(void *user, const char *name, const char *system,
                                    const char *public, int internal) {
     xml_reader *r = user;
@@ -322,7 +323,7 @@ static status parse_xml(xml_reader *r) {
     return ST_OK;
 }
 
-/* Some of the points have opacities, and some have none: then there are none. */
+/* Drop all opacities if only some of the points have one. */
 static void drop_partial_opacities(paraview_map *p) {
     if (p->opacity_count < p->colour_count)
         p->opacity_count = 0;

@@ -1,4 +1,4 @@
-/* picture.h - what the writers of pictures take: planes and words in, bytes out. */
+/* picture.h - what picture writers take (planes, metadata) and where they put bytes. */
 #ifndef RENDER_APP_PICTURE_H
 #define RENDER_APP_PICTURE_H
 
@@ -8,13 +8,13 @@
 #include "formats/base/status.h"
 #include "render/leafcast.h"
 
-/* Kept in the picture as "leafcast:KEY". UTF-8. */
+/* Metadata, stored in the picture as "leafcast:KEY". UTF-8. */
 typedef struct image_meta {
     const char *key;
     const char *value;
 } image_meta;
 
-/* r, g and b must be there; without a the picture is opaque. */
+/* A picture to write. Planes r, g and b must be there; without a it is opaque. */
 typedef struct picture {
     uint32_t width, height;
     const leafcast_image *image;
@@ -22,7 +22,7 @@ typedef struct picture {
     size_t meta_count;
 } picture;
 
-/* Where a writer's bytes go, one run after the other. */
+/* Receives a writer's bytes, in order. */
 typedef struct byte_sink {
     status (*put)(void *ctx, const void *data, size_t size);
     void *ctx;

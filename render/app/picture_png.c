@@ -9,7 +9,7 @@
 
 #include "render/look/picture_bytes.h"
 
-/* tests/measurements/picture_files.md has what other levels and filters cost. */
+/* tests/measurements/picture_files.md compares other levels and filters. */
 enum { LEVEL = 1, WINDOW_BITS = 15, MEMORY_LEVEL = 8, FILTER_UP = 2 };
 enum { WIDTH_MAX = 1 << 28 }; /* zlib counts a row in 32 bits */
 enum { BAND_BYTES = 256 << 10, SLOTS_PER_THREAD = 2, PIXEL_MAX = 4 };
@@ -20,9 +20,9 @@ typedef struct slot {
     z_stream z;
     bool started;
     uint8_t *rows[2];  /* the row above, and this one */
-    uint8_t *filtered; /* of the whole band */
+    uint8_t *filtered; /* the whole band */
     uint8_t *deflated;
-    size_t size;      /* of deflated, after zlib's header where there is one */
+    size_t size;      /* bytes in `deflated` */
     uint32_t adler;   /* of filtered */
     size_t raw_bytes; /* of filtered */
 } slot;
@@ -31,11 +31,11 @@ typedef struct bands {
     mem *m;
     const picture *p;
     byte_table table;
-    uint32_t rows, count; /* of a band; bands */
-    uint32_t first;       /* of this wave */
+    uint32_t rows, count; /* rows of a band; number of bands */
+    uint32_t first;       /* first band of this wave */
     size_t stride;        /* bytes of a filtered row */
     bool alpha;
-    size_t room; /* of slot.deflated */
+    size_t room; /* size of slot.deflated */
     slot *slots;
     int slot_count;
 } bands;
@@ -56,7 +56,7 @@ static bool slot_init(const bands *b, slot *s) {
     s->deflated = mem_alloc(b->m, b->room);
     if (!s->rows[0] || !s->rows[1] || !s->filtered || !s->deflated)
         return false;
-    /* Without zlib's own header and end: the bands are parts of one stream. */
+    /* Deflate without zlib's header and trailer: the bands are parts of one stream. */
     s->started = deflateInit2(&s->z, LEVEL, Z_DEFLATED, -WINDOW_BITS, MEMORY_LEVEL,
                               Z_DEFAULT_STRATEGY) == Z_OK;
     return s->started;
@@ -67,8 +67,8 @@ static status bands_init(bands *b, mem *m, const picture *p, int threads) {
     b->stride = stride_of(p->width, b->alpha);
     b->rows = rows_of(b->stride);
     b->count = (p->height + b->rows - 1) / b->rows;
-    /* deflateBound() of a stream that was never started is the most of any; a flush adds 5 bytes,
-     * the end of zlib's stream 4. */
+    /* deflateBound() without a stream gives the largest bound of all settings. A flush adds 5
+     * bytes, the end of zlib's stream 4. */
     b->room = deflateBound(NULL, (uLong)(b->stride * b->rows)) + 64;
     const uint32_t most = (uint32_t)threads * SLOTS_PER_THREAD;
     b->slot_count = (int)(b->count < most ? b->count : most);
@@ -101,7 +101,7 @@ static void encode_row(const bands *b, uint32_t y, uint8_t *out) {
         picture_bytes_rgb(&b->table, b->p->image, first, b->p->width, out);
 }
 
-/* Each byte less the one above it. */
+/* Encode and filter rows y0 to y1 - 1: from each byte subtract the byte above. */
 static void filter_rows(const bands *b, slot *s, uint32_t y0, uint32_t y1) {
     const size_t bytes = b->stride - 1;
     uint8_t *above = s->rows[0], *now = s->rows[1], *out = s->filtered;
@@ -135,7 +135,7 @@ static status deflate_band(void *ctx, size_t index, int worker) {
     s->z.avail_in = (uInt)s->raw_bytes;
     s->z.next_out = s->deflated;
     s->z.avail_out = (uInt)b->room;
-    /* A flushed band ends at a byte, and the next one refers to nothing in it. */
+    /* A flushed band ends at a byte boundary, and the next band does not refer to it. */
     const bool last = band + 1 == b->count;
     const int code = deflate(&s->z, last ? Z_FINISH : Z_FULL_FLUSH);
     if (code != (last ? Z_STREAM_END : Z_OK) || s->z.avail_in > 0)
@@ -194,7 +194,7 @@ static bool plain(const char *text) {
     return true;
 }
 
-/* Cut to less than room bytes before a letter of UTF-8. */
+/* Copy text, cut to less than `room` bytes between two UTF-8 characters. */
 static void copy_text(char *to, size_t room, const char *from) {
     size_t n = strnlen(from, room - 1);
     while (n > 0 && ((unsigned char)from[n] & 0xC0) == 0x80)
@@ -229,7 +229,8 @@ static void describe(png_structp png, png_infop info, const picture *p) {
     }
 }
 
-/* One chunk a band; zlib's header before the first, its sum of all behind the last. */
+/* Write a band as one chunk. zlib's header goes before the first band, the checksum of all behind
+ * the last. */
 static void put_band(png_structp png, const bands *b, const slot *s, uint32_t band, uLong adler) {
     static const uint8_t head[2] = {0x78, 0x01}, name[] = "IDAT";
     const bool first = band == 0, last = band + 1 == b->count;
@@ -245,7 +246,8 @@ static void put_band(png_structp png, const bands *b, const slot *s, uint32_t ba
     png_write_chunk_end(png);
 }
 
-/* Wave by wave: as many bands as there are slots, in parallel, then to the sink in order. */
+/* Write the bands wave by wave: deflate as many as there are slots in parallel, then pass them to
+ * the sink in order. */
 static status put_bands(png_structp png, bands *b, pool *threads, const png_out *o) {
     uLong adler = 1;
     status st = ST_OK;

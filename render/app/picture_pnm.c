@@ -48,7 +48,7 @@ status picture_ppm_write(mem *m, pool *threads, const picture *p, const byte_sin
 status picture_pfm_write(mem *m, pool *threads, const picture *p, const byte_sink *to) {
     char head[64];
     (void)threads;
-    /* The sign of the scale says: little endian. */
+    /* A negative scale means little endian. */
     snprintf(head, sizeof head, "PF\n%u %u\n-1.0\n", p->width, p->height);
     return write_rows(m, p, to, head, 3 * sizeof(float), pfm_row);
 }

@@ -40,7 +40,7 @@ status picture_scene_choose(const leafcast *volume, view_options *v, double *sug
     return st;
 }
 
-/* What a volume of the picture is filled with. */
+/* Make the transfer function of one volume of the picture. */
 static status fill_volume(picture_scene *p, const picture_volume *volumes, int volume) {
     const leafcast_shown *shown = &p->shown[volume];
     const medium_options *medium = &volumes[volume].view->medium;
@@ -60,7 +60,7 @@ static status fill_volume(picture_scene *p, const picture_volume *volumes, int v
     return st;
 }
 
-/* By the values of the first volume. */
+/* Colour the caps by the values of the first volume. */
 static status colour_caps(picture_scene *p, const picture_volume *first, leafcast_scene *scene) {
     const view_options *v = first->view;
     uint32_t field;
@@ -118,7 +118,7 @@ static void annotate(const picture_volume *first, const leafcast_camera *camera,
         strcmp(info.units[0], info.units[2]) == 0)
         snprintf(a.unit, sizeof a.unit, "%s", info.units[0]);
     if (view->scene.project != LEAFCAST_PROJECT_NONE || view->isos == 0)
-        planes.z = NULL; /* hides nothing */
+        planes.z = NULL; /* nothing hides the box */
     annotate_draw(&planes, camera, info.bounds, &a, light, face);
 }
 

@@ -1,5 +1,5 @@
-/* picture_scene.h - what a picture shows, as flags say it, as the library takes it: the scene of
- * one volume or several, and what it points to.
+/* picture_scene.h - build a library scene from flags, for one volume or several, and hold the data
+ * that it points to.
  */
 #ifndef RENDER_APP_PICTURE_SCENE_H
 #define RENDER_APP_PICTURE_SCENE_H
@@ -9,7 +9,7 @@
 #include "render/app/transfer_list.h"
 #include "render/app/view_options.h"
 
-/* A volume of the picture, and the flags that are about it. */
+/* A volume of the picture and its flags. */
 typedef struct picture_volume {
     leafcast *volume;
     const view_options *view;
@@ -17,12 +17,12 @@ typedef struct picture_volume {
 
 typedef struct picture_scene {
     leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
-    transfer_list transfer[LEAFCAST_VOLUMES_MAX]; /* of the picture's volumes; none: no medium */
-    leafcast_medium media[LEAFCAST_VOLUMES_MAX];  /* these */
-    transfer_list caps;                           /* colours of caps; none: surfaces' own */
+    transfer_list transfer[LEAFCAST_VOLUMES_MAX]; /* per volume; empty: no medium */
+    leafcast_medium media[LEAFCAST_VOLUMES_MAX];  /* the same, for the scene */
+    transfer_list caps;                           /* colours of caps; empty: the surfaces' own */
     leafcast_medium cap_colours;
-    /* Whose values presets and windows go by: the first picture of this field has set the step, so
-     * that colours mean the same at every step. */
+    /* The step whose values set presets and windows: that of the first picture of this field. So
+     * colours mean the same at every step. */
     struct {
         bool known;
         uint32_t field, step;
@@ -30,27 +30,30 @@ typedef struct picture_scene {
     leafcast_scene_experiments experiments;
 } picture_scene;
 
-/* picture_scene_init() - m holds its transfer functions. picture_scene_release() - in any case. */
+/* picture_scene_init() - start empty; m allocates the transfer functions. picture_scene_release() -
+ * call it in any case. */
 void picture_scene_init(picture_scene *p, mem *m);
 void picture_scene_release(picture_scene *p);
 
-/* picture_scene_choose() - where flags give no isovalue, and no medium, one that is worth a look.
- * suggested: room for LEAFCAST_SUGGESTIONS_MAX; *count of them, 0: isovalues were given. volume
- * NULL: not open yet, any isovalue will do. ST_USAGE: none can be suggested. */
+/* picture_scene_choose() - choose an isovalue if the flags give neither isovalue nor medium.
+ * suggested: room for LEAFCAST_SUGGESTIONS_MAX; *count: how many are suggested, 0 if the flags gave
+ * isovalues. volume NULL: not open yet, sets any isovalue. ST_USAGE: none can be suggested. */
 CHECKED status picture_scene_choose(const leafcast *volume, view_options *v, double *suggested,
                                     int *count);
 
-/* picture_scene_describe() - *scene, which points into *p and to what the flags hold; count
- * volumes, of whose flags those of the first say what the picture is like. It lists its volumes
- * where there are several, or media, or always. */
+/* picture_scene_describe() - fill in *scene, which points into *p and to data of the flags. The
+ * first volume's flags describe the picture as a whole. The scene lists its `count` volumes if
+ * there are several or any has a medium, or if `always`. */
 CHECKED status picture_scene_describe(picture_scene *p, const picture_volume *volumes, int count,
                                       bool always, leafcast_scene *scene);
 
-/* picture_scene_filled() - the first volume of a described scene that is filled; -1: none. */
+/* picture_scene_filled() - returns the first volume of a described scene that has a medium; -1:
+ * none. */
 int picture_scene_filled(const picture_scene *p, const leafcast_scene *scene);
 
-/* picture_scene_mark() - draw legend and annotations over a picture as the camera took it, where
- * the flags ask for them. face: letters, which annotations need; NULL: the legend's are of dots. */
+/* picture_scene_mark() - draw legend and annotations over a picture that the camera has taken, if
+ * the flags ask for them. face: the font, required for annotations; NULL: the legend uses letters
+ * of dots. */
 void picture_scene_mark(const picture_scene *p, const picture_volume *volumes,
                         const leafcast_scene *scene, const leafcast_camera *camera,
                         const leafcast_image *image, text_face *face);

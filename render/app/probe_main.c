@@ -1,4 +1,4 @@
-/* probe_main.c - leafcast probe: what a pixel's ray or a point of space sees. */
+/* probe_main.c - leafcast probe: print what a pixel's ray or a point of space meets. */
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -25,13 +25,13 @@ enum { HITS_MAX = 1000 };
 typedef struct probe_options {
     cli_common common;
     view_options view;
-    bool is_mesh; /* the file: known once it is open */
+    bool is_mesh; /* the file holds a mesh; known once it is open */
     bool at, point, ray;
     double pixel[2], where[3], line[6];
     int hits;
     bool segments;
     leafcast_axes axes;
-    const char *csv, *svg; /* files; csv "-": standard output */
+    const char *csv, *svg; /* file names; csv "-": standard output */
     mem m;
 } probe_options;
 
@@ -78,7 +78,7 @@ static bool to_stdout(const probe_options *o) {
     return o->csv && strcmp(o->csv, "-") == 0;
 }
 
-/* A ray's profile needs no isosurface, nor does a point. */
+/* Check the view's flags. A ray's profile and a point need no isosurface. */
 static status check_view(probe_options *o) {
     if (o->view.isos > 0 || !(o->point || o->segments))
         return view_options_check(&o->view);
@@ -108,7 +108,7 @@ static status check_options(void *own) {
     return check_view(o);
 }
 
-/* ---- the answer: JSON first, from which the text is printed ---- */
+/* ---- the answer: JSON first; the text is printed from it ---- */
 
 static json_t *reals(const double *x, int count) {
     json_t *list = json_array();
@@ -128,7 +128,7 @@ static json_t *cell_of(const uint32_t cell[3]) {
     return json_pack("[i,i,i]", (int)cell[0], (int)cell[1], (int)cell[2]);
 }
 
-/* Where in a grid or in a mesh: the keys of a hit and of a point. */
+/* Set the keys that say where a hit or point is: in a cell of a grid, or in a tet. */
 static void set_cell(json_t *out, const uint32_t cell[3], const double at[3],
                      const float samples[8]) {
     json_object_set_new(out, "cell", cell_of(cell));
@@ -212,7 +212,7 @@ static void print_value(const json_t *value) {
     }
 }
 
-/* "  key: value" a line; objects in a list are numbered. */
+/* Print one "  key: value" a line; number the objects of a list. */
 static void print_text(json_t *object, int indent) {
     const char *key;
     json_t *value;
@@ -235,7 +235,7 @@ static void print_text(json_t *object, int indent) {
 
 /* ---- the question ---- */
 
-/* An answer about a ray, and where it is printed from once the volume is closed. */
+/* The answer about a ray. It is printed after the volume is closed. */
 static leafcast_hit hits[HITS_MAX];
 static ray_profile profile = {.hits = hits};
 
@@ -275,7 +275,7 @@ static status probe_hits(const probe_options *o, leafcast *volume, const double 
 
 enum { SEGMENTS_AT_FIRST = 4096 };
 
-/* However many there are. */
+/* Find all segments: double the room until they fit. */
 static status find_segments(probe_options *o, leafcast *volume, const double origin[3],
                             const double direction[3]) {
     leafcast_scene_experiments e;
@@ -370,9 +370,9 @@ static status probe_point(const probe_options *o, leafcast *volume, json_t *answ
     return ST_OK;
 }
 
-enum { QUOTED_MOST = 4 }; /* letters that a shell, or text_printable(), makes of one */
+enum { QUOTED_MOST = 4 }; /* growth of one byte by quoting or text_printable() */
 
-/* The command as it can be typed again. */
+/* Add the command line, quoted so that it can be typed again. */
 static status set_rerun(json_t *answer, int argc, char **argv) {
     mem m;
     size_t room = 1;
@@ -394,7 +394,7 @@ static status set_rerun(json_t *answer, int argc, char **argv) {
     return ST_OK;
 }
 
-/* The field and step; said where there is more than one. */
+/* Select the field and step. Name them in the answer if the file has more than one. */
 static status select_set(const probe_options *o, leafcast *volume, json_t *answer) {
     const leafcast_info info = leafcast_describe(volume);
     uint32_t field;
@@ -409,7 +409,7 @@ static status select_set(const probe_options *o, leafcast *volume, json_t *answe
     return ST_OK;
 }
 
-/* What could not be written is told before work begins. */
+/* Check before any work that the outputs can be written. */
 static status check_outputs(probe_options *o) {
     const char *const outputs[] = {to_stdout(o) ? NULL : o->csv, o->svg};
     file_guard_watch();

@@ -6,7 +6,8 @@
 
 /* ---- All together ---- */
 
-/* The mean of a polynomial in Bernstein form is that of its control values. */
+/* Returns a segment's mean value. A polynomial in Bernstein form has the mean of its control
+ * values. */
 static double mean_of(const leafcast_segment *s) {
     double sum = 0.0;
     for (int i = 0; i <= s->degree; i++)
@@ -80,7 +81,7 @@ void ray_profile_text(const void *profile, FILE *out) {
 enum { WIDTH = 800, HEIGHT = 440, LEFT = 84, RIGHT = 70, TOP = 44, BOTTOM = 52 };
 enum { X_STEPS = 8, Y_STEPS = 6, TICKS_MAX = 400 };
 
-/* From t and values to the picture's coordinates. */
+/* The ranges of t and of values that the plot shows. */
 typedef struct frame {
     double t[2], value[2];
 } frame;
@@ -94,7 +95,7 @@ static double y_of(const frame *f, double value) {
            (HEIGHT - TOP - BOTTOM) * ((value - f->value[0]) / (f->value[1] - f->value[0]));
 }
 
-/* A little more than there is, and something where there is nothing. */
+/* Widen a range a little; an empty one becomes a range, too. */
 static void pad(double range[2]) {
     double more = 0.05 * (range[1] - range[0]);
     if (!(more > 0.0))
@@ -128,7 +129,7 @@ static void print_line(FILE *out, double x0, double y0, double x1, double y1, co
     fprintf(out, "<path d=\"M%.2f %.2fL%.2f %.2f\" %s/>\n", x0, y0, x1, y1, style);
 }
 
-/* 1, 2 or 5 times a power of ten, so that there are about so many. */
+/* Returns 1, 2 or 5 times a power of ten that divides the range into about `steps` steps. */
 static double step_of(const double range[2], int steps) {
     const double rough = (range[1] - range[0]) / steps, power = pow(10.0, floor(log10(rough)));
     const double times = rough / power;
@@ -156,7 +157,7 @@ static void draw_axes(const ray_profile *p, const frame *f, FILE *out) {
         tick_text(text, i * dv, dv);
         print_text(out, LEFT - 6, y + 4, "text-anchor=\"end\" fill=\"#555\"", text);
     }
-    /* Where the ray goes from cell to cell, unless that were a bar. */
+    /* Mark where the ray enters each cell, unless there are too many marks. */
     for (int i = 0; i < p->count && p->count <= TICKS_MAX; i++) {
         const double x = x_of(f, p->segments[i].t0);
         print_line(out, x, bottom - 4, x, bottom, "stroke=\"#888\" stroke-width=\"0.6\"");
@@ -184,13 +185,13 @@ static void draw_isovalues(const ray_profile *p, const frame *f, FILE *out) {
                 x_of(f, p->hits[i].t), y_of(f, p->isovalues[p->hits[i].surface]));
 }
 
-/* A cubic over t is a Bezier curve, whose control points have its control values. */
+/* Draw the values as Bezier curves: the control points of a cubic over t are its control values. */
 static void draw_curve(const ray_profile *p, const frame *f, FILE *out) {
     fputs("<path d=\"", out);
     for (int i = 0; i < p->count; i++) {
         const leafcast_segment *s = &p->segments[i];
         const double dt = (s->t1 - s->t0) / s->degree;
-        /* What is missing between is a gap. */
+        /* Leave a gap where there is no segment. */
         if (i == 0 || s->t0 > p->segments[i - 1].t1 + 1e-9 * (s->t1 - s->t0))
             fprintf(out, "M%.2f %.2f", x_of(f, s->t0), y_of(f, s->control[0]));
         fputc(s->degree == 3 ? 'C' : 'L', out);

@@ -1,5 +1,4 @@
-/* ray_profile.h - what a field does along a ray: its pieces as a table, as CSV, as a plot in SVG.
- */
+/* ray_profile.h - print the values of a field along a ray: as a table, as CSV, as a plot in SVG. */
 #ifndef RENDER_APP_RAY_PROFILE_H
 #define RENDER_APP_RAY_PROFILE_H
 
@@ -8,24 +7,25 @@
 #include "render/leafcast.h"
 
 typedef struct ray_profile {
-    const leafcast_segment *segments; /* in order */
+    const leafcast_segment *segments; /* in order along the ray */
     int count;
     bool is_mesh;
     const char *title;       /* of the plot */
-    const double *isovalues; /* marked there, and where the ray meets them: */
+    const double *isovalues; /* drawn as lines, with the ray's hits */
     int isos;
     const leafcast_hit *hits;
     int hit_count;
 } ray_profile;
 
-/* ray_profile_sum() - of all pieces together: how long they are, the extremes and where, the mean
- * over t; exactly those of the interpolants, but for rounding. NaN where there is no piece. */
+/* ray_profile_sum() - sum up all segments: total length, extremes and where they are, mean over t.
+ * Exact for the interpolants, but for rounding. NaN where there is no segment. */
 typedef struct ray_profile_total {
     double length, least, least_t, most, most_t, mean;
 } ray_profile_total;
 ray_profile_total ray_profile_sum(const ray_profile *p);
 
-/* Each to a stream; the pointer is to a ray_profile, as printed_file_write() hands it on. */
+/* Print the profile to a stream. The pointer is to a ray_profile, as printed_file_write() passes
+ * it. */
 void ray_profile_text(const void *profile, FILE *out);
 void ray_profile_csv(const void *profile, FILE *out);
 void ray_profile_svg(const void *profile, FILE *out);

@@ -16,13 +16,13 @@ status render_status(leafcast_status st) {
     return (status)st;
 }
 
-/* The first volume that says which way its axes point decides it for those that follow. */
+/* Use the axes of the first volume that names them for the volumes that follow. */
 static void choose_world(leafcast_options *options, const leafcast *volume) {
     if (options->axes == LEAFCAST_AXES_FILE)
         options->axes = leafcast_describe(volume).axes;
 }
 
-/* All volumes, on one device that ends with them. */
+/* Open all volumes on one device, which closes with them. */
 static status open_volumes(render_job *job, const char *path, const leafcast_options *options) {
     leafcast_options on = *options;
     status st = render_status(leafcast_device_create(options, &on.device));
@@ -80,7 +80,8 @@ void render_job_close(render_job *job) {
 
 /* ---- before anything is drawn ---- */
 
-/* The other volumes; colours go on behind those of the first. */
+/* Check the flags of the other volumes. Default colours continue behind those of the volume
+ * before. */
 static status check_also(const render_job *job, const view_options *first) {
     double suggested[LEAFCAST_SUGGESTIONS_MAX];
     int painted = first->isos, count;
@@ -97,7 +98,7 @@ static status check_also(const render_job *job, const view_options *first) {
     return st;
 }
 
-/* What the picture shows of its other volumes. */
+/* Note in the first volume's flags what the other volumes show. */
 static void note_others(const render_job *job, view_options *first) {
     const bool projected = first->scene.project != LEAFCAST_PROJECT_NONE;
     for (int i = 0; i < job->also_count; i++) {
@@ -109,7 +110,7 @@ static void note_others(const render_job *job, view_options *first) {
     }
 }
 
-/* Files of what the picture does not have. */
+/* Refuse output files for planes that the picture does not have. */
 static status check_planes(const script_frame *frame) {
     const view_options *v = &frame->view;
     if (frame->file[FRAME_RAW + IMAGE_ERROR][0] && !view_options_any_medium(v))
@@ -166,7 +167,7 @@ status render_job_check(const render_job *job, script_frame *frame) {
 
 /* ---- drawing ---- */
 
-/* Which planes a picture takes: those that are written. */
+/* Returns the planes that a picture needs: those that are written or drawn from. */
 static leafcast_image planes_wanted(const render_job *job, const script_frame *frame) {
     static float any_float;
     static double any_double;
@@ -178,7 +179,7 @@ static leafcast_image planes_wanted(const render_job *job, const script_frame *f
     const bool colour = frame->file[FRAME_PICTURE][0] || !raws;
     const bool certify = job->certify;
     const bool all = image_out_wants_all(&job->out, frame->file[FRAME_PICTURE]);
-    const bool opaque = v->scene.background[3] >= 1.0f; /* then so is every pixel */
+    const bool opaque = v->scene.background[3] >= 1.0f; /* then every pixel is, too */
     const bool projected = v->scene.project != LEAFCAST_PROJECT_NONE;
     float *const c = colour ? &any_float : NULL, *const n = all ? &any_float : NULL;
     return (leafcast_image){
@@ -196,8 +197,9 @@ static leafcast_image planes_wanted(const render_job *job, const script_frame *f
         .value = raw[IMAGE_VALUE] || (all && projected) ? &any_double : NULL};
 }
 
-/* A plane as it is wanted now: the one that is there, a new one, or NULL. *failed when there is no
- * memory. Not zeroed: that would touch its pages on one thread, and a picture writes every pixel.
+/* Returns the plane as it is needed now: the existing one, a new one, or NULL. Sets *failed if
+ * there is no memory. New planes are not zeroed: that would touch their pages on one thread, and a
+ * picture writes every pixel.
  */
 static void *plane(render_job *job, void *there, const void *wanted, size_t size, bool *failed) {
     if (there && wanted)
@@ -208,8 +210,7 @@ static void *plane(render_job *job, void *there, const void *wanted, size_t size
     return made;
 }
 
-/* They come out of the same budget as the treelets; whether they fit is asked before memory is
- * taken. */
+/* Allocate the planes. They count against the treelets' budget, so check first that they fit. */
 static status make_planes(render_job *job, const script_frame *frame, const leafcast_scene *scene,
                           const leafcast_camera *camera) {
     const leafcast_image w = planes_wanted(job, frame);
@@ -250,8 +251,8 @@ static bool same_surfaces(const render_job *job, const view_options *view) {
     return true;
 }
 
-/* Sweep the directory, unless the last picture had the same surfaces. A scene that lists its
- * volumes needs none. */
+/* Select the isosurfaces, which sweeps the directory. Skip that if the last picture had the same
+ * ones, or none is given: a scene that lists its volumes needs none. */
 static status select_surfaces(render_job *job, const view_options *view) {
     if (view->isos == 0 || same_surfaces(job, view))
         return ST_OK;
@@ -264,7 +265,7 @@ static status select_surfaces(render_job *job, const view_options *view) {
     return st;
 }
 
-/* Likewise the field and the time step. */
+/* Select the field and time step, unless they are selected already. */
 static status select_set(render_job *job, const view_options *view) {
     uint32_t field;
     status st = view_options_field(view, job->volume, &field);
@@ -278,7 +279,7 @@ static status select_set(render_job *job, const view_options *view) {
     return st;
 }
 
-/* A picture's part in the whole job. */
+/* A picture's part in the progress of the whole job. */
 typedef struct part {
     const progress *watch;
     double done, share;
@@ -291,7 +292,7 @@ static bool report(void *ctx, double done) {
     return !p->watch->stop || !p->watch->stop(p->watch->ctx);
 }
 
-/* All volumes of the picture. */
+/* List all volumes of the picture. Returns their number. */
 static int volumes_of(const render_job *job, const view_options *first,
                       picture_volume volumes[LEAFCAST_VOLUMES_MAX]) {
     volumes[0] = (picture_volume){job->volume, first};
@@ -300,7 +301,7 @@ static int volumes_of(const render_job *job, const view_options *first,
     return job->also_count + 1;
 }
 
-/* The letters, opened when a picture first wants them. */
+/* Open the font when a picture first needs it. */
 static status open_face(render_job *job, const annotation *a) {
     return annotate_wanted(a) && !job->face ? text_face_open(&job->m, job->font, &job->face)
                                             : ST_OK;
@@ -345,10 +346,10 @@ static bool several(const render_job *job) {
     return job->info.fields > 1 || job->info.steps > 1;
 }
 
-/* What a picture is made of, as texts. */
+/* Metadata that describes a picture, as texts. */
 typedef struct notes {
     image_meta meta[NOTES_MAX];
-    char text[NOTES_MAX][META_TEXT_MAX]; /* those that are numbers */
+    char text[NOTES_MAX][META_TEXT_MAX]; /* texts of numbers */
     size_t count;
 } notes;
 
@@ -363,7 +364,7 @@ static void note_numbers(notes *n, const char *key, const double *x, int count) 
     note_text(n, key, text);
 }
 
-/* What fills it, as far as flags say. */
+/* Note the medium, as far as flags describe it. */
 static void note_medium(notes *n, const view_options *v) {
     const medium_options *m = &v->medium;
     double flat[2 * MEDIUM_OPACITIES_MAX];
@@ -383,7 +384,7 @@ static void note_medium(notes *n, const view_options *v) {
         note_numbers(n, "error", &v->scene.error, 1);
 }
 
-/* What one needs to draw the picture again goes into it. */
+/* Finish the picture, with the metadata that one needs to draw it again. */
 static status finish_picture(render_job *job, const script_frame *frame,
                              const leafcast_camera *camera, image_target *to) {
     notes n = {.count = 0};
@@ -413,7 +414,7 @@ static status finish_picture(render_job *job, const script_frame *frame,
 
 /* ---- a picture ---- */
 
-/* What a picture and its raw planes are written to; NULL: nothing. */
+/* Open files of a picture and its raw planes; NULL: not written. */
 typedef struct targets {
     image_target *file[FRAME_TF];
 } targets;
@@ -433,7 +434,7 @@ static void print_transfer(const void *ctx, FILE *out) {
     transfer_file_print(t->points, t->count, out);
 }
 
-/* The picture last. */
+/* Write all files, the picture last. */
 static status write_targets(render_job *job, const script_frame *frame,
                             const leafcast_camera *camera, const leafcast_scene *scene,
                             targets *to) {
@@ -453,7 +454,7 @@ static status write_targets(render_job *job, const script_frame *frame,
     return st;
 }
 
-/* Pictures of one run keep the view that was fitted to the first of their size. */
+/* Returns the flags with the view that was fitted to the run's first picture of this size. */
 static view_options hold_fitted(render_job *job, const view_options *view) {
     view_options held = *view;
     const leafcast_camera *size = &view->camera;

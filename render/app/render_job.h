@@ -1,5 +1,5 @@
-/* render_job.h - draw described pictures of one open file and write them: what render does between
- * its flags and its messages. */
+/* render_job.h - draw described pictures of one open file and write them: the work of `leafcast
+ * render` between reading its flags and printing its messages. */
 #ifndef RENDER_APP_RENDER_JOB_H
 #define RENDER_APP_RENDER_JOB_H
 
@@ -20,23 +20,23 @@ typedef struct render_also {
 } render_also;
 
 typedef struct render_job {
-    mem m; /* of the planes; counted against the volume's budget by leafcast_trace() */
+    mem m; /* allocates the planes; leafcast_trace() counts them against the volume's budget */
     leafcast *volume;
-    render_also *also; /* also_count more, on the same device */
+    render_also *also; /* also_count more volumes, on the same device */
     int also_count;
     picture_scene scene;
     leafcast_info info;
-    leafcast_camera fitted; /* to the first picture; width 0: to none yet */
+    leafcast_camera fitted; /* the view fitted to the first picture; width 0: none yet */
     const char *source;     /* the treelet file's path, for the pictures' metadata */
     const progress *watch;
-    double done, share; /* of the whole job: before this picture, and this picture; share 0:
-                           unknown, only stop() is asked */
+    double done, share; /* shares of the whole job: before this picture, and for it; share 0:
+                           unknown, then only stop() is called */
     image_out_options out;
     int repeat;
     bool certify;     /* see certificate.h */
-    const char *font; /* of annotations: a file, or NULL: what is found; and once it is open: */
+    const char *font; /* font file of annotations; NULL: a common one */
     text_face *face;
-    /* Kept between pictures. */
+    /* Kept between pictures, from here on. */
     image_out *files;
     leafcast_image image;
     uint32_t width, height;
@@ -45,24 +45,25 @@ typedef struct render_job {
     uint32_t field, step;
 } render_job;
 
-/* render_status() - a public status as an internal one; the description is the same. */
+/* render_status() - convert a public status to an internal one; its description stays. */
 status render_status(leafcast_status st);
 
-/* render_job_open() - *job is zeroed but for out, repeat, font, also and watch, which the caller
- * has set. render_job_close() in any case. */
+/* render_job_open() - open the volumes. The caller has zeroed *job and set out, repeat, font, also
+ * and watch. Call render_job_close() in any case. */
 CHECKED status render_job_open(render_job *job, const char *path, const leafcast_options *options);
 void render_job_close(render_job *job);
 
-/* render_job_check() - what can be known to fail before anything is drawn: output files that exist,
- * names of no picture, flags that do not go together. Fills in defaults, see view_options_check().
+/* render_job_check() - check before drawing what can fail: existing output files, names without a
+ * picture's suffix, flags that contradict each other. Fills in defaults, see view_options_check().
  */
 CHECKED status render_job_check(const render_job *job, script_frame *frame);
 
-/* render_job_turn() - fix the view that a checked picture would have, turned by this share of a
- * full turn, see view_camera_turn(). */
+/* render_job_turn() - fix the view of a checked picture, turned by this share of a full turn, see
+ * view_camera_turn(). */
 void render_job_turn(render_job *job, view_options *view, double share);
 
-/* render_job_draw() - open a checked picture's files, draw it job->repeat times, write them once.
+/* render_job_draw() - open the files of a checked picture, draw it job->repeat times, write it
+ * once.
  */
 CHECKED status render_job_draw(render_job *job, const script_frame *frame, render_stats *stats);
 

@@ -1,4 +1,4 @@
-/* render_main.c - leafcast render: pictures of isosurfaces. */
+/* render_main.c - leafcast render: draw pictures of isosurfaces and media. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,29 +20,29 @@ typedef struct render_options {
     cli_common common;
     view_options view;
     leafcast_options open;
-    leafcast_experiments experiments; /* of these */
-    const char *files[FRAME_FILES];   /* but for the picture, which is -o */
+    leafcast_experiments experiments; /* experiments of `open` */
+    const char *files[FRAME_FILES];   /* all but the picture, which is -o */
     const char *stats, *script, *iso_list, *camera_path, *font, *format, *state;
-    status_note state_read;            /* what became of reading it */
+    status_note state_read;            /* the result of reading it */
     step_list steps;                   /* --steps */
-    render_also also[RENDER_ALSO_MAX]; /* --and: what follows is about the last of these */
+    render_also also[RENDER_ALSO_MAX]; /* --and; later flags are about the last one */
     int also_count;
     int repeat;
     int turns;     /* --turntable; 0: none */
     int frames;    /* --frames; 0: a picture for each entry of the path */
     int traversal; /* --traversal: 1 tree, 2 faces; 0: faces where volumes are filled */
     bool fail_empty, certify;
-    int drawn; /* pictures so far; of these */
-    int empty; /* without any surface */
+    int drawn; /* pictures so far */
+    int empty; /* of these, pictures without any surface */
 } render_options;
 
 /* ---- flags ---- */
 
-/* Pictures of one run: a name has room for so many, and memory for their statistics. */
+/* Most pictures of one run; limited by the digits of a name, and by memory for their statistics. */
 enum { PICTURES_MAX = 1000000 };
 
 enum {
-    FILES = 0x3000, /* and a frame_file */
+    FILES = 0x3000, /* plus a frame_file */
     STATS = FILES + FRAME_FILES,
     REPEAT,
     TURNTABLE,
@@ -187,13 +187,13 @@ static status add_volume(render_options *o, const char *path) {
     return ST_OK;
 }
 
-/* What a flag is about: the last volume that was named, or the picture. */
+/* Returns the options that a flag belongs to: of the last volume of --and, or of the picture. */
 static view_options *view_of(render_options *o, int key) {
     return o->also_count > 0 && view_options_of_one(key) ? &o->also[o->also_count - 1].view
                                                          : &o->view;
 }
 
-/* Where it stands among the flags. */
+/* Read --state at its place among the flags: later flags add to it. Errors are kept for later. */
 static status read_state(render_options *o, const char *path) {
     if (o->state)
         return status_describe(ST_USAGE, "--state: one is enough");
@@ -238,7 +238,7 @@ static bool to_stdout(const char *path) {
     return path && strcmp(path, "-") == 0;
 }
 
-/* Files beside the picture; streams: those that are standard output. */
+/* Returns the number of files beside the picture; streams: of those that are standard output. */
 static int count_files(const render_options *o, bool streams) {
     int n = 0;
     for (int i = 0; i < FRAME_FILES; i++)
@@ -246,7 +246,7 @@ static int count_files(const render_options *o, bool streams) {
     return n;
 }
 
-/* What must hold over all flags. */
+/* Check all flags together. */
 static status check_options(void *own) {
     const render_options *o = own;
     const bool sequence = is_sequence(o);
@@ -269,13 +269,13 @@ static status check_options(void *own) {
         return status_describe(ST_USAGE, "either --iso or --iso-list");
     if (step_list_given(&o->steps) && o->view.step > 0)
         return status_describe(ST_USAGE, "either --step or --steps");
-    /* Of a path or a script, too: its entries may say either. */
+    /* With a path or a script, too: their entries may give --view or --eye. */
     return view_options_check_camera(&o->view);
 }
 
 /* ---- one picture ---- */
 
-/* Isovalues without a surface in what is shown. Whether any has one. */
+/* Note isovalues that have no surface in the field and step drawn. Returns whether any has one. */
 static bool say_absent(const render_options *o, const render_job *job, const view_options *view) {
     char value[NUM_TEXT_MAX], lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX];
     double range[2];
@@ -284,7 +284,7 @@ static bool say_absent(const render_options *o, const render_job *job, const vie
         return true;
     for (int i = 0; i < view->isos; i++) {
         const double iso = view->surfaces[i].isovalue;
-        /* A surface is where f >= iso begins: at the smallest value it is everywhere. */
+        /* A surface bounds f >= iso. At the smallest value f >= iso is true everywhere. */
         const bool there = iso > range[0] && iso <= range[1];
         any |= there;
         if (!there && range[0] > range[1])
@@ -321,7 +321,7 @@ static void say_suggested(const render_options *o, const script_frame *frame) {
              num_print(frame->suggested[0], value), others);
 }
 
-/* A value that neither suggestions nor transfer functions count. */
+/* Note a value at an end of the range that suggestions and transfer functions leave out. */
 static void say_aside(const render_options *o, const render_job *job, const script_frame *frame) {
     char value[NUM_TEXT_MAX];
     double range[2], data[2];
@@ -385,7 +385,7 @@ static status draw(render_options *o, render_job *job, const script_frame *frame
     return ST_OK;
 }
 
-/* Consumes f in any case. */
+/* Write the statistics. Consumes f in any case. */
 static status write_stats(out_file *f, const json_t *stats) {
     char *text = json_dumps(stats, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
     status st = text ? out_file_append(f, text, strlen(text))
@@ -399,17 +399,17 @@ static status write_stats(out_file *f, const json_t *stats) {
     return st;
 }
 
-/* ---- sequences; a single picture is one of one ---- */
+/* ---- sequences; a single picture is a sequence of one ---- */
 
 typedef struct sequence {
     mem m;
-    out_file *stats; /* NULL: none are wanted */
+    out_file *stats; /* NULL: not wanted */
     json_t *path;    /* NULL: no camera path */
     int count;
     const char *isos; /* the rest of --iso-list */
 } sequence;
 
-/* The isovalues of the next entry of --iso-list: V or V:V:... */
+/* Read the isovalues of the next entry of --iso-list: V or V:V:... */
 static status next_isos(const char **list, view_options *view) {
     bool repeats;
     view_value takes;
@@ -434,7 +434,7 @@ static status name_outputs(const render_options *o, bool many, int index, script
     for (int i = 0; i < FRAME_FILES && st == ST_OK; i++) {
         const char *name = i == FRAME_PICTURE ? o->common.output : o->files[i];
         frame->file[i][0] = 0;
-        if (name && many && strcmp(name, "-") != 0) /* pictures follow one another there */
+        if (name && many && strcmp(name, "-") != 0) /* "-" takes all pictures in turn */
             st = sequence_name(name, index, frame->file[i], SCRIPT_PATH_MAX);
         else if (name &&
                  (size_t)snprintf(frame->file[i], SCRIPT_PATH_MAX, "%s", name) >= SCRIPT_PATH_MAX)
@@ -451,8 +451,8 @@ static int turns_of(const render_options *o) {
     return o->turns ? o->turns : 1;
 }
 
-/* Picture `number` of the command line: for each isovalue, step by step, view by view, each turned
- * about. In order, since the list of isovalues is eaten up. */
+/* Describe picture `number` of the command line. Isovalues are the outermost loop, then steps,
+ * views, turns. Call it in order of `number`, since it consumes the list of isovalues. */
 static status describe_frame(const render_options *o, sequence *s, int number,
                              script_frame *frame) {
     const int views = s->path ? (int)json_array_size(s->path) : 1;
@@ -480,7 +480,7 @@ static status describe_frame(const render_options *o, sequence *s, int number,
     return st;
 }
 
-/* The entries of the camera path, and what is between them. */
+/* Load the entries of the camera path and, with --frames, interpolate between them. */
 static status load_path(const render_options *o, json_t **path) {
     json_t *keys = NULL;
     status st = script_load_path(o->camera_path, &keys);
@@ -500,7 +500,7 @@ static status count_frames(const render_options *o, sequence *s) {
     status st = o->camera_path ? load_path(o, &s->path) : ST_OK;
     if (st != ST_OK)
         return st;
-    /* Each factor is below 2^31, and a product that is too large ends it. */
+    /* No overflow: each factor is below 2^31, and the loop ends at a product that is too large. */
     const int64_t factors[] = {steps_of(o), turns_of(o),
                                s->path ? (int64_t)json_array_size(s->path) : 1};
     for (size_t i = 0; i < sizeof factors / sizeof *factors && count <= PICTURES_MAX; i++)
@@ -513,7 +513,7 @@ static status count_frames(const render_options *o, sequence *s) {
     return ST_OK;
 }
 
-/* What it reads; outputs are held against it. */
+/* Register the input files; outputs are compared with them. */
 static status guard_inputs(const render_options *o) {
     file_guard_watch();
     status st = file_guard_input(o->common.input);
@@ -526,8 +526,8 @@ static status guard_inputs(const render_options *o) {
     return st == ST_OK ? file_guard_input(o->script) : st;
 }
 
-/* The outputs of one picture, and the statistics, are different files. Pictures of a sequence have
- * different numbers, and a line of a script may replace the picture of another, with --force. */
+/* Check that the outputs of one picture and the statistics are different files. Pictures of a
+ * sequence differ by number. A line of a script may replace another's picture, with --force. */
 static status guard_frame(const render_options *o, const script_frame *frame) {
     file_guard_next();
     status st = file_guard_output(o->stats);
@@ -581,7 +581,7 @@ static status draw_sequence(render_options *o, render_job *job, sequence *s, scr
     return st;
 }
 
-/* Before the first picture is drawn: flags that would change nothing, steps that are not there. */
+/* Refuse, before the first picture is drawn, flags that have no effect on this file. */
 static status check_file(const render_options *o, const render_job *job) {
     const bool mesh = strcmp(job->info.kind, "mesh") == 0;
     const struct {
@@ -600,7 +600,7 @@ static status check_file(const render_options *o, const render_job *job) {
     return ST_OK;
 }
 
-/* How many steps all are, the file knows. */
+/* Open the file, if it is not open, and settle --steps: "all" depends on the file's steps. */
 static status settle_steps(render_options *o, render_job *job) {
     status st = job->volume ? ST_OK : render_job_open(job, o->common.input, &o->open);
     return st == ST_OK ? step_list_settle(&o->steps, "--steps", o->common.input, job->info.steps)
@@ -703,7 +703,7 @@ static status check_empty(const render_options *o) {
     return status_describe(ST_FAILED, "%d of %d pictures show no surface", o->empty, o->drawn);
 }
 
-/* Whether meshes are to know which tets are neighbours. */
+/* Returns whether meshes need to know which tets are neighbours. */
 static bool by_faces(const render_options *o) {
     bool filled = view_options_filled(&o->view);
     for (int i = 0; i < o->also_count; i++)

@@ -54,7 +54,8 @@ static status set_flag(view_options *view, int flag_key, const json_t *value, co
     return status_describe(st, "%s: %s", what, why);
 }
 
-/* Several values of one flag, where [1, 2, 3] is three isovalues but one light. */
+/* Returns whether an array holds several values of one flag: [1, 2, 3] is three isovalues but one
+ * light. */
 static bool is_list(const json_t *value, const char *name) {
     if (!json_is_array(value))
         return false;
@@ -98,7 +99,7 @@ static const char *const FILE_KEYS[FRAME_FILES] = {[FRAME_PICTURE] = "output",
                                                    [FRAME_RAW + IMAGE_VALUE] = "value-f64",
                                                    [FRAME_TF] = "write-tf"};
 
-/* Which file a key names; FRAME_FILES: none. */
+/* Returns which file a key names; FRAME_FILES: none. */
 static int find_file(const char *key) {
     int which = 0;
     while (which < FRAME_FILES && !cli_options_same(key, FILE_KEYS[which]))
@@ -204,7 +205,7 @@ struct script_reader {
     int fd;
     bool ended;
     long number;
-    size_t from, to; /* what of the buffer has been read but not handed out */
+    size_t from, to; /* bytes of the buffer that are read but not yet returned */
     char buffer[LINE_MAX_BYTES];
 };
 
@@ -238,7 +239,7 @@ void script_close(script_reader *r) {
     mem_free(r->m, r);
 }
 
-/* More bytes into the buffer, behind a partial line that is moved to its start. */
+/* Move a partial line to the start of the buffer and read more bytes behind it. */
 static status fill(script_reader *r, bool (*stop)(void *), void *ctx) {
     memmove(r->buffer, r->buffer + r->from, r->to - r->from);
     r->to -= r->from;
@@ -249,8 +250,8 @@ static status fill(script_reader *r, bool (*stop)(void *), void *ctx) {
     for (;;) {
         if (stop && stop(ctx))
             return status_describe(ST_STOPPED, "stopped");
-        /* poll() before read(): a signal ends it, where it would restart a read. The time-out is
-         * for a signal that came between the two. */
+        /* poll() before read(): a signal ends poll(), but would restart read(). The time-out is for
+         * a signal between stop() and poll(). */
         struct pollfd ready = {.fd = r->fd, .events = POLLIN};
         const int n = poll(&ready, 1, 200);
         if (n == 0 || (n < 0 && errno == EINTR))

@@ -1,4 +1,4 @@
-/* render_stats.h - what drawing one picture took, as JSON. */
+/* render_stats.h - the time and data that one picture took, as JSON. */
 #ifndef RENDER_APP_RENDER_STATS_H
 #define RENDER_APP_RENDER_STATS_H
 
@@ -10,24 +10,24 @@
 
 typedef struct render_stats {
     leafcast_stats trace;
-    double write_s; /* pictures and depth files */
+    double write_s; /* writing pictures and raw planes */
     double total_s; /* from opening the picture's files to their final names, repeats included */
     uint64_t peak_rss_bytes; /* of the process so far */
-    const char *field; /* of a mesh with several fields or steps, else NULL: what was drawn, */
+    const char *field;       /* field drawn, if the file has several fields or steps; else NULL */
     uint32_t step;
     double time;           /* of the step */
     certificate certified; /* of --certify */
-    int repeats; /* the picture was drawn so often; trace is the one of median render time */
+    int repeats; /* how often the picture was drawn; trace is the run of median render time */
 } render_stats;
 
-/* render_stats_peak_rss() - the largest resident size of this process until now. */
+/* render_stats_peak_rss() - returns the largest resident size of this process so far, in bytes. */
 uint64_t render_stats_peak_rss(void);
 
-/* render_stats_median() - the index of the median by render time; of an even count the faster of
- * the two in the middle. */
+/* render_stats_median() - returns the index of the median by render time; of an even count, the
+ * faster of the two in the middle. */
 int render_stats_median(const leafcast_stats *all, int count);
 
-/* render_stats_json() - one object; NULL when there is no memory. output may be "". */
+/* render_stats_json() - returns one object, or NULL without memory. output may be "". */
 json_t *render_stats_json(const render_stats *s, const view_options *view, const char *output);
 
 #endif

@@ -1,5 +1,5 @@
-/* slice_main.c - leafcast slice: pictures and values of a plane, or of a curved sheet, through a
- * volume. */
+/* slice_main.c - leafcast slice: draw or write the values in a plane, or in a curved sheet, through
+ * a volume. */
 #include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
@@ -62,7 +62,7 @@ static bool to_stdout(const char *path) {
     return path && strcmp(path, "-") == 0;
 }
 
-/* What is for the picture alone changes nothing without one. */
+/* Refuse flags that only affect the picture if there is none. */
 static status check_picture(const slice_run *o) {
     static const struct {
         int key;
@@ -204,7 +204,7 @@ static status tell(slice_run *o) {
 
 /* ---- Before work begins ---- */
 
-/* What could not be written is told at once. */
+/* Check the outputs before any work. */
 static status check_outputs(slice_run *o) {
     const char *const outputs[] = {o->common.output, o->values, o->stats_path};
     file_guard_watch();
@@ -275,7 +275,7 @@ static void numbers(char text[256], const double *x, int count) {
     }
 }
 
-/* What one needs to make a plane slice again goes into its picture. */
+/* Write the picture, with the metadata that one needs to make a plane slice again. */
 static status write_picture(slice_run *o, image_target *to) {
     const leafcast_slice_pixels *s = &o->slice.place.slice;
     const char *slash = strrchr(o->common.input, '/');
@@ -300,7 +300,7 @@ static status write_picture(slice_run *o, image_target *to) {
     return image_out_finish(to, &p);
 }
 
-/* What it is written to; NULL: nothing. */
+/* Open output files; NULL: not written. */
 typedef struct targets {
     image_target *picture, *values;
 } targets;
@@ -368,7 +368,7 @@ static void release(slice_run *o) {
     slice_request_release(&o->slice);
 }
 
-/* The slice's rows, then the verb's own. */
+/* Join the options of slices with the verb's own. */
 static void join_options(struct argp_option out[OPTIONS_ROOM]) {
     enum { PLACE = SLICE_OPTIONS_COUNT - 1, LOOK = SLICE_REQUEST_COUNT - 1 };
     memcpy(out, slice_options_table, PLACE * sizeof *out);

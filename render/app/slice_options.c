@@ -66,7 +66,7 @@ static status set_size(slice_options *o, const char *text) {
     return st;
 }
 
-/* The point that `text` begins with; *end: the ';' or the end behind it. */
+/* Read the point at the start of `text`; *end is the ';' or the end behind it. */
 static status one_point(const char *text, const char **end, double point[3]) {
     char copy[256];
     const size_t length = strcspn(text, ";");
@@ -129,7 +129,7 @@ status slice_options_set(slice_options *o, int key, const char *text) {
 
 /* ---- All of them ---- */
 
-/* Which flags describe a slice in each way; those that must be there. */
+/* The flags of each way to describe a slice. all: every one is required, else the first. */
 static const struct {
     slice_way way;
     int keys[3];
@@ -149,7 +149,7 @@ static int keys_given(const slice_options *o, int way) {
     return count;
 }
 
-/* Flags of no other way than this one. */
+/* Returns whether no flag of another way was given. */
 static bool only(const slice_options *o, int way) {
     bool others = false;
     for (int key = AXIS; key <= SWEEP; key++) {
@@ -175,7 +175,7 @@ status slice_options_check(slice_options *o) {
         if (WAYS[i].all && count < 3)
             return status_describe(ST_USAGE, "where? %s go together", WAYS[i].names);
         if (!WAYS[i].all && !was_given(o, WAYS[i].keys[0]))
-            continue; /* --axis alone: in the middle */
+            continue; /* --axis alone means the middle */
         o->way = WAYS[i].way;
         return ST_OK;
     }
@@ -188,7 +188,7 @@ status slice_options_check(slice_options *o) {
 
 static status place_across(slice_options *o, const leafcast *volume) {
     const leafcast_info info = leafcast_describe(volume);
-    /* Seen so that x, or else y, goes to the right. */
+    /* Choose the side from which x, or else y, points to the right. */
     const double side = o->axis == 1 ? -1.0 : 1.0;
     const double middle = 0.5 * (info.bounds[0][o->axis] + info.bounds[1][o->axis]);
     double plane[4] = {0};
@@ -207,7 +207,7 @@ static status place(slice_options *o, const leafcast *volume) {
     }
 }
 
-/* Tets are large: so many pixels more that one sees what is inside of them. */
+/* Enlarge slices of meshes: tets are large, and more pixels show the values inside of them. */
 static void enlarge(leafcast_slice_pixels *s) {
     enum { SIDE = 512 };
     const uint32_t longest = s->width > s->height ? s->width : s->height;

@@ -1,4 +1,4 @@
-/* slice_options.h - where a slice lies, by the flags of `leafcast slice`. */
+/* slice_options.h - the flags of `leafcast slice` that say where the slice lies. */
 #ifndef RENDER_APP_SLICE_OPTIONS_H
 #define RENDER_APP_SLICE_OPTIONS_H
 
@@ -10,38 +10,38 @@
 
 /* How a slice was described. */
 typedef enum slice_way {
-    SLICE_ACROSS, /* an axis of the world, at a coordinate or in the middle */
-    SLICE_LAYER,  /* an axis of the grid, through its nodes of a number */
-    SLICE_PLANE,  /* as an equation */
-    SLICE_FRAME,  /* a corner and two edges */
-    SLICE_LINE    /* a polyline that is swept */
+    SLICE_ACROSS, /* perpendicular to a world axis, at a coordinate or in the middle */
+    SLICE_LAYER,  /* perpendicular to a grid axis, through the nodes of one index */
+    SLICE_PLANE,  /* given by an equation */
+    SLICE_FRAME,  /* given by a corner and two edges */
+    SLICE_LINE    /* given by a polyline that is swept */
 } slice_way;
 
-/* Zeroed but for m before the first flag. */
+/* Zero all but m before the first flag. */
 typedef struct slice_options {
     mem *m;
-    uint64_t given; /* which flags */
+    uint64_t given; /* one bit for each flag */
     int axis;
     double at, plane[4];
     uint32_t index;
-    bool fit; /* no --size */
+    bool fit; /* no --size was given */
     slice_way way;
-    double (*line)[3];           /* of m */
-    leafcast_slice_pixels slice; /* what flags said; slice_options_place() makes the rest */
+    double (*line)[3];           /* allocated from m */
+    leafcast_slice_pixels slice; /* from flags; slice_options_place() fills in the rest */
 } slice_options;
 
-/* The rows that these options are, for argp; their keys begin at SLICE_OPTIONS_FIRST. */
+/* The table of these flags, for argp; keys begin at SLICE_OPTIONS_FIRST. */
 enum { SLICE_OPTIONS_FIRST = 0x3100, SLICE_OPTIONS_END = 0x3120 };
 extern const struct argp_option slice_options_table[];
 enum { SLICE_OPTIONS_COUNT = 15 };
 
-/* slice_options_set() - one flag; ST_USAGE, ST_NOMEM, ST_AGAIN: it is none of these. */
+/* slice_options_set() - apply one flag. ST_USAGE, ST_NOMEM; ST_AGAIN: not one of these flags. */
 CHECKED status slice_options_set(slice_options *o, int key, const char *text);
 
-/* slice_options_check() - that they go together: ST_USAGE. */
+/* slice_options_check() - returns ST_USAGE for flags that contradict each other. */
 CHECKED status slice_options_check(slice_options *o);
 
-/* slice_options_place() - all of o->slice, through this volume. */
+/* slice_options_place() - fill in all of o->slice, for this volume. */
 CHECKED status slice_options_place(slice_options *o, const leafcast *volume);
 
 void slice_options_release(slice_options *o);

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* Of a line, in pixels; and how far away it may have its other side. */
+/* Half an isoline's width, and how far from it a pixel of the other side may be; both in pixels. */
 static const double HALF_WIDTH = 0.75;
 enum { REACH = 2 };
 
@@ -17,7 +17,7 @@ static double at(const plane *p, int64_t x, int64_t y) {
     return inside ? p->value[(size_t)y * p->width + (size_t)x] : (double)NAN;
 }
 
-/* The larger of the steps to two neighbours, as far as they are there. */
+/* Returns the larger of the differences to two neighbours; NaN neighbours count as 0. */
 static double slope(double before, double here, double behind) {
     const double a = fabs(here - before), b = fabs(behind - here);
     return fmax(isnan(a) ? 0.0 : a, isnan(b) ? 0.0 : b);
@@ -30,7 +30,7 @@ static double gradient(const plane *p, uint32_t x, uint32_t y) {
     return sqrt(across * across + down * down);
 }
 
-/* Whether there is another side near this pixel. */
+/* Returns whether a pixel within REACH lies on the other side of the isovalue. */
 static bool changes_side(const plane *p, uint32_t x, uint32_t y, double iso) {
     const bool here = at(p, x, y) >= iso;
     for (int64_t j = (int64_t)y - REACH; j <= (int64_t)y + REACH; j++)
@@ -42,7 +42,7 @@ static bool changes_side(const plane *p, uint32_t x, uint32_t y, double iso) {
     return false;
 }
 
-/* How much of a pixel lines cover. */
+/* Returns how much of a pixel isolines cover, 0 to 1. */
 static double coverage(const slice_look *look, const plane *p, uint32_t x, uint32_t y) {
     const double here = at(p, x, y), steep = look->isos > 0 ? gradient(p, x, y) : 0.0;
     double most = 0.0;

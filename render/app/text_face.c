@@ -12,7 +12,7 @@ struct text_face {
     FT_Face face;
 };
 
-/* Sans serif, of Debian, Fedora, Arch and their kin. */
+/* Sans serif fonts, where Debian, Fedora, Arch and their kin install them. */
 static const char *const COMMON[] = {
     "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
     "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
@@ -65,7 +65,8 @@ void text_face_size(text_face *f, double pixels) {
     FT_Set_Pixel_Sizes(f->face, 0, (FT_UInt)lround(fmin(fmax(pixels, 4.0), 1000.0)));
 }
 
-/* The next letter of a UTF-8 text; 0 at its end. What is no UTF-8 is taken for Latin-1. */
+/* Returns the next character of a UTF-8 text, 0 at its end. Bytes that are not UTF-8 are read as
+ * Latin-1. */
 static unsigned long next_letter(const char **text) {
     const unsigned char *p = (const unsigned char *)*text;
     const int more = *p >= 0xf0 ? 3 : *p >= 0xe0 ? 2 : *p >= 0xc0 ? 1 : 0;
@@ -81,7 +82,7 @@ static unsigned long next_letter(const char **text) {
     return letter;
 }
 
-/* The letter's advance, pixels. */
+/* Returns the advance of the loaded letter in pixels. */
 static double advance_of(const text_face *f) {
     return (double)f->face->glyph->advance.x / 64.0;
 }
@@ -94,7 +95,7 @@ double text_face_width(text_face *f, const char *text) {
     return width;
 }
 
-/* The letter that is loaded, moved by (x, y). */
+/* Draw the loaded letter at (x, y). */
 static void put_letter(const text_face *f, const canvas *c, long x, long y, const float rgb[3],
                        float opacity) {
     const FT_GlyphSlot g = f->face->glyph;
@@ -109,7 +110,7 @@ static void put_letter(const text_face *f, const canvas *c, long x, long y, cons
 
 void text_face_draw(text_face *f, const canvas *c, const char *text, double x, double y,
                     const text_style *style) {
-    static const float THIN = 0.3f; /* the halo, eight times over itself at most */
+    static const float THIN = 0.3f; /* opacity of each of the halo's nine copies */
     for (int pass = 0; pass < 2; pass++) {
         const char *at = text;
         double pen = x;

@@ -8,10 +8,10 @@
 
 enum { HALVINGS_MAX = 12, CHECKS = 16 };
 
-/* Between two places that are looked at it may be a little more. */
+/* The error allowed at the places that are checked; between them it may be a little larger. */
 static const double MOST = 0.9 * TRANSFER_CURVE_ERROR;
 
-/* The end of a piece of the curve. */
+/* An end of a piece of the curve, at the share s. */
 typedef struct end {
     double s;
     leafcast_transfer_point p;

@@ -10,7 +10,7 @@
 
 /* ---- Our own form ---- */
 
-/* Of one component or extinction of a line. */
+/* Read one component or extinction of a line, 0 to `most`. */
 static status take_share(text_tokens *t, const char *what, double most, double *out) {
     status st = text_tokens_double_here(t, what, out);
     if (st == ST_OK && !(*out >= 0.0 && *out <= most))
@@ -47,7 +47,7 @@ static status add_point(const text_tokens *t, transfer_list *list,
                            num_print(p->value, a), num_print(before, b));
 }
 
-/* An empty line or comment gives no point. */
+/* Read a line; an empty one or a comment gives no point. */
 static status read_line(text_tokens *t, transfer_list *list) {
     leafcast_transfer_point p = {0};
     bool more = false;
@@ -127,7 +127,7 @@ static status read_paraview(mem *m, transfer_file *out, byte_stream *s, const ch
     return st;
 }
 
-/* The first byte that is no blank, and no mark of UTF-8's byte order; 0: there is none. */
+/* Get the first byte behind blanks and a UTF-8 byte order mark; 0: there is none. */
 static status first_letter(byte_stream *s, char *letter) {
     const uint8_t *data;
     size_t size;
@@ -160,7 +160,7 @@ static status read_stream(mem *m, transfer_file *out, byte_stream *s, const char
     return read_text(out, s);
 }
 
-/* "FILE#NAME", unless there is a file of all of this name: cuts it in two. */
+/* Cut "FILE#NAME" in two and return the NAME; NULL if there is none, or a file of the full name. */
 static const char *split_name(char *path) {
     char *mark = access(path, F_OK) == 0 ? NULL : strrchr(path, '#');
     if (!mark)

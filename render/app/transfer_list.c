@@ -17,7 +17,7 @@ void transfer_list_release(transfer_list *t) {
     *t = (transfer_list){.m = t->m};
 }
 
-/* How many points are below a value, or up to it. */
+/* Returns how many points are below a value, or (and_at) at most it. */
 static size_t points_before(const transfer_list *t, double value, bool and_at) {
     size_t lo = 0, hi = t->count;
     while (lo < hi) {
@@ -31,7 +31,8 @@ static size_t points_before(const transfer_list *t, double value, bool and_at) {
     return lo;
 }
 
-/* The share of the way from a to b that a value has gone; halves, since b - a may overflow. */
+/* Returns the share of the way from a to b at which a value lies. Halved, since b - a may
+ * overflow. */
 static double share_of(double a, double b, double value) {
     return (0.5 * value - 0.5 * a) / (0.5 * b - 0.5 * a);
 }
@@ -68,7 +69,7 @@ void transfer_list_stretch(transfer_list *t, const double from[2], const double 
         const double v = t->points[i].value;
         const double s = from[0] < from[1] ? share_of(from[0], from[1], v) : 0.0;
         const double moved = s >= 1.0 ? to[1] : (1.0 - s) * to[0] + s * to[1];
-        /* Rounding may not make it fall. */
+        /* Keep values from falling by rounding. */
         below = fmin(fmax(moved, below), to[1]);
         t->points[i].value = below;
     }

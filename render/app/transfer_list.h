@@ -1,8 +1,8 @@
-/* transfer_list.h - the points of a transfer function while it is put together.
+/* transfer_list.h - the points of a transfer function that is being made.
  *
- * A list may hold colours, extinctions or both: what it does not hold is 0 throughout. Values do
- * not fall from point to point; of several points at one value the first and the last count, a
- * step. Beyond its ends a list goes on as it is there.
+ * A list may hold colours, extinctions or both; the others are 0 in all points. Values do not fall
+ * from point to point. Several points at one value are a step: the first and the last count. Beyond
+ * its ends a list is constant.
  */
 #ifndef RENDER_APP_TRANSFER_LIST_H
 #define RENDER_APP_TRANSFER_LIST_H
@@ -13,7 +13,7 @@
 #include "formats/base/mem.h"
 #include "render/leafcast.h"
 
-/* The largest extinction that a scene takes; no ray could tell it from a larger one. */
+/* The largest extinction that a scene takes; a larger one would look the same. */
 #define TRANSFER_LIST_MOST 1e100
 
 /* Start with all zeros but for m. */
@@ -23,25 +23,25 @@ typedef struct transfer_list {
     size_t count, room;
 } transfer_list;
 
-/* transfer_list_add() - behind the others. ST_UNSUPPORTED where there would be more than
- * LEAFCAST_TRANSFER_POINTS_MAX; ST_NOMEM. */
+/* transfer_list_add() - append a point. ST_UNSUPPORTED for more than LEAFCAST_TRANSFER_POINTS_MAX;
+ * ST_NOMEM. */
 CHECKED status transfer_list_add(transfer_list *t, leafcast_transfer_point point);
 
-/* transfer_list_release() - as it was at the start. */
+/* transfer_list_release() - free the points; the list is empty again and keeps m. */
 void transfer_list_release(transfer_list *t);
 
-/* transfer_list_at() - the function at a value: where it steps, before (`after` false) or behind
- * the step. count is not 0. */
+/* transfer_list_at() - returns the function at a value; at a step, the point before it (`after`
+ * false) or behind it. count must not be 0. */
 leafcast_transfer_point transfer_list_at(const transfer_list *t, double value, bool after);
 
-/* transfer_list_stretch() - move the points so that a value from[0] comes to to[0], and from[1] to
- * to[1]; all are finite, from[0] <= all values <= from[1], to[0] <= to[1]. Where from[0] is
- * from[1], all come to to[0]. */
+/* transfer_list_stretch() - move the points so that value from[0] becomes to[0], and from[1]
+ * becomes to[1]. All are finite, from[0] <= all values <= from[1], to[0] <= to[1]. If from[0]
+ * equals from[1], all values become to[0]. */
 void transfer_list_stretch(transfer_list *t, const double from[2], const double to[2]);
 
-/* transfer_list_join() - the colours of one list and the extinctions of another one, times
- * `factor` (at most TRANSFER_LIST_MOST), into an empty one, with the points of both. Neither is
- * empty. Errors as of transfer_list_add(). */
+/* transfer_list_join() - join the colours of one list and `factor` times the extinctions of another
+ * into an empty list, with the points of both. Products are cut at TRANSFER_LIST_MOST. Neither
+ * input is empty. Errors as from transfer_list_add(). */
 CHECKED status transfer_list_join(transfer_list *out, const transfer_list *colours,
                                   const transfer_list *extinctions, double factor);
 

@@ -10,15 +10,15 @@ enum { ROWS_MAX = 6 };
 
 /* A point at a percentile of the samples above a threshold. */
 typedef struct row {
-    int above;     /* 0: the one of what stands out, 1: the one of what is dense */
-    double share;  /* of these samples, 0 .. 1, that are below */
+    int above;     /* threshold: 0 of the foreground, 1 of its dense part */
+    double share;  /* share of these samples that are below, 0 .. 1 */
     double rgb[3]; /* linear */
     double weight;
 } row;
 
-/* depth: the optical depth of a way as long as the diagonal, on average. */
+/* depth: the average optical depth along the length of the diagonal. */
 static const struct preset {
-    const char *name, *map; /* map: of its colours; NULL: those of its rows */
+    const char *name, *map; /* map: its colour map; NULL: the colours of its rows */
     double depth;
     int count;
     row rows[ROWS_MAX];
@@ -65,7 +65,7 @@ static double middle_of(const leafcast_histogram *h, uint32_t bin) {
     return 0.5 * h->edges[bin] + 0.5 * h->edges[bin + 1];
 }
 
-/* The value below which this share of the samples of bins from `first` on is. */
+/* Returns the value below which this share of the samples lies, of the bins from `first` on. */
 static double percentile(const leafcast_histogram *h, uint32_t first, double share) {
     double count = 0.0;
     for (uint32_t i = first; i < h->end; i++)
@@ -82,7 +82,7 @@ static double percentile(const leafcast_histogram *h, uint32_t first, double sha
 
 /* ---- The function ---- */
 
-/* Its weights as extinctions. */
+/* Add a point for each row, with its weight as extinction. */
 static status weigh(const struct preset *p, const leafcast_histogram *h, transfer_list *colours,
                     transfer_list *extinctions) {
     uint32_t first[2];
@@ -94,7 +94,7 @@ static status weigh(const struct preset *p, const leafcast_histogram *h, transfe
         const row *r = &p->rows[i];
         leafcast_transfer_point point = {.value = percentile(h, first[r->above], r->share),
                                          .extinction = r->weight};
-        /* The bins of a field of one value are narrower than any. */
+        /* Make points that are too close a step, as in a field of one value. */
         if (!(point.value - before >= LEAFCAST_TRANSFER_NARROWEST))
             point.value = before;
         memcpy(point.rgb, r->rgb, sizeof point.rgb);
@@ -115,8 +115,8 @@ static double mean_weight(const leafcast_histogram *h, const transfer_list *t) {
     return count > 0.0 ? sum / count : 0.0;
 }
 
-/* Extinctions such that a diagonal's depth is as wanted on average. What is very sparse swallows no
- * more than nearly all on a 500th of it. */
+/* Scale extinctions to the wanted average depth of the diagonal. The limit for very sparse volumes
+ * is an optical depth of 5 over a 500th of the diagonal. */
 static void scale(transfer_list *t, double depth, double mean, double length) {
     enum { STRONGEST = 2500 };
     const double factor =

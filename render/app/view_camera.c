@@ -18,7 +18,7 @@ leafcast_camera view_camera_fit(const view_options *v, const leafcast *volume) {
         leafcast_fit_view(volume, field, v->step, isovalues, v->isos, v->fov ? given->fov : 0.0,
                           given->width, given->height, &c) == LEAFCAST_OK)
         return c;
-    /* No such field or step: whoever draws will say so. */
+    /* There is no such field or step: drawing will report that. */
     return leafcast_standard_view(volume, v->distance, given->width, given->height);
 }
 
@@ -29,7 +29,7 @@ static leafcast_camera first_view(const view_options *v, const leafcast *volume)
     return leafcast_standard_view(volume, v->distance, given->width, given->height);
 }
 
-/* Parallel rays begin in the plane through the eye: in front of all of the volume. */
+/* Move the eye in front of the whole volume: parallel rays begin in the plane through it. */
 static void step_back(leafcast_camera *c, const leafcast *volume) {
     const leafcast_info info = leafcast_describe(volume);
     double diagonal = 0.0, away = 0.0;
@@ -56,7 +56,7 @@ leafcast_camera view_camera_of(const view_options *v, const leafcast *volume) {
     c.ortho_height = given->ortho_height;
     if (c.ortho_height > 0.0 && !v->eye)
         step_back(&c, volume);
-    /* Straight down or up: +z cannot be up. */
+    /* Looking straight down or up, +z cannot be up. */
     if (!v->up && c.eye[0] == c.look_at[0] && c.eye[1] == c.look_at[1]) {
         c.up[1] = 1.0;
         c.up[2] = 0.0;
@@ -75,7 +75,7 @@ void view_camera_turn(view_options *v, const leafcast *volume, double share) {
         from[a] = c.eye[a] - c.look_at[a];
         along += axis[a] * from[a];
     }
-    /* Rodrigues: what is along the axis stays, the rest turns. */
+    /* Rodrigues' formula: the part along the axis stays, the rest turns. */
     for (int a = 0; a < 3; a++) {
         const int b = (a + 1) % 3, d = (a + 2) % 3;
         const double across = axis[b] * from[d] - axis[d] * from[b];

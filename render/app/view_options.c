@@ -114,7 +114,7 @@ const struct argp_option view_options_table[] = {
      "midpoint, linear, neubauer, schwarze, marmitt-3 or marmitt (the exact one)", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-/* A verb's own option of this name hides the view's. */
+/* Returns whether a verb has its own option of this name, which hides the view's. */
 static bool has_own(const struct argp_option *own, const char *name) {
     for (; name && (own->name || own->doc); own++)
         if (own->name && strcmp(own->name, name) == 0)
@@ -235,7 +235,7 @@ static status room(const char *what, int count, int max) {
     return status_describe(ST_USAGE, "%s: more than %d of them", what, max);
 }
 
-/* V or V,V,...: several surfaces in one picture. */
+/* Add the isovalues of "V" or "V,V,...": several surfaces in one picture. */
 static status add_iso(view_options *v, const char *text) {
     for (const char *at = text;; at++) {
         char one[64];
@@ -501,7 +501,7 @@ void view_options_inherit(view_options *v) {
 
 /* ---- all together ---- */
 
-/* Told apart by more than their hue. */
+/* Default colours of surfaces; they differ by more than their hue. */
 static const float PALETTE[][3] = {{0.90f, 0.85f, 0.75f}, {0.75f, 0.13f, 0.10f},
                                    {0.10f, 0.32f, 0.75f}, {0.80f, 0.55f, 0.08f},
                                    {0.12f, 0.50f, 0.20f}, {0.50f, 0.15f, 0.55f}};
@@ -655,7 +655,7 @@ static const flag_need MESH_NEEDS[] = {
     {INTERSECTOR, intersector_is_exact, "--intersector: intersectors are for grids"},
     {NORMALS, normals_of_meshes, "--normals: a mesh's are faceted or smooth"}};
 
-/* Of kinds that are not known here the library says itself what they cannot do. */
+/* For other kinds the library itself reports what they cannot do. */
 status view_options_check_volume(const view_options *v, const leafcast *volume) {
     const leafcast_info info = leafcast_describe(volume);
     if (strcmp(info.kind, "grid") == 0)

@@ -1,8 +1,8 @@
 /* view_options.h - the flags that say what a picture shows: isosurfaces, media, camera, light,
  * shading, clipping, level of detail, field and time step.
  *
- * One table for all verbs that look at a volume, and for the JSON of render --script, whose keys
- * are the flags' names.
+ * One table serves all verbs that draw a volume, and the JSON of render --script, whose keys are
+ * the flags' names.
  */
 #ifndef RENDER_APP_VIEW_OPTIONS_H
 #define RENDER_APP_VIEW_OPTIONS_H
@@ -19,95 +19,95 @@ enum { VIEW_FIELD_MAX = 64 };
 
 typedef struct view_options {
     leafcast_surface
-        surfaces[LEAFCAST_SURFACES_MAX]; /* view_options_check() has filled in what was not given */
+        surfaces[LEAFCAST_SURFACES_MAX]; /* view_options_check() fills in what was not given */
     int isos, colours, opacities;        /* how often each flag was given */
-    leafcast_scene scene;                /* without experiments: view_options_scene() */
+    leafcast_scene scene;                /* without experiments; view_options_scene() adds them */
     leafcast_scene_experiments experiments;
-    leafcast_camera camera; /* width and height, and what the flags below say was given */
+    leafcast_camera camera; /* width and height; other fields if flags gave them, see below */
     bool eye, look_at, up, fov;
-    uint64_t given;              /* which flags: a bit each, of view_options.c */
-    int normals;                 /* of --normals: as view_options.c numbers them */
-    bool fit;                    /* --view fit, else */
-    double distance;             /* of --view, in longest edges */
-    const leafcast_camera *hold; /* instead of one that is fitted anew; NULL */
-    char field[VIEW_FIELD_MAX];  /* "": the first */
+    uint64_t given;              /* one bit for each flag given, numbered in view_options.c */
+    int normals;                 /* --normals, as numbered in view_options.c */
+    bool fit;                    /* --view fit; else `distance` counts */
+    double distance;             /* of --view, in longest edges of the volume */
+    const leafcast_camera *hold; /* fitted view to use instead of a new one; or NULL */
+    char field[VIEW_FIELD_MAX];  /* "": the first field */
     uint32_t step;
-    int painted; /* surfaces of other volumes in the picture: colours begin behind theirs */
-    bool others_transparent;             /* some of theirs are: view_options_transparent() */
-    bool others_surfaces, others_filled; /* some volume has isosurfaces, or a medium */
-    bool takes_media;                    /* the verb draws media: set before flags are */
+    int painted;             /* surfaces of other volumes; default colours begin behind theirs */
+    bool others_transparent; /* some of theirs are transparent */
+    bool others_surfaces, others_filled; /* some other volume has isosurfaces, or a medium */
+    bool takes_media;                    /* the verb draws media; set it before flags are applied */
     medium_options medium;
     medium_options caps; /* colours of --caps; colour_map "": surfaces' own */
     bool legend;
     annotation annotation;
 } view_options;
 
-/* The table, for argp. */
+/* The table of these flags, for argp. */
 extern const struct argp_option view_options_table[];
 
-/* view_options_join() - a verb's own options, then the table but for what has the name of one of
- * them, for argp; media: with medium_options_table. basic: names, divided by blanks, of the tables'
- * options that the verb's --help shows, too. */
+/* view_options_join() - join a verb's own options with the table, for argp. A verb's option hides
+ * one of the same name. media: add medium_options_table. basic: names, separated by blanks, of the
+ * tables' options that the verb's --help also shows. */
 enum { VIEW_OPTIONS_ROOM = 96 };
 void view_options_join(struct argp_option out[VIEW_OPTIONS_ROOM], const struct argp_option *own,
                        bool media, const char *basic);
 
 void view_options_init(view_options *v);
 
-/* view_options_set() - one flag, text NULL where it takes none. ST_USAGE with a description;
- * ST_AGAIN when the key is not in the table. */
+/* view_options_set() - apply one flag; text is NULL if it has no value. ST_USAGE with a
+ * description; ST_AGAIN: the key is not in the table. */
 CHECKED status view_options_set(view_options *v, int key, const char *text);
 
-/* view_options_of_one() - whether a flag is about one volume of several: its isosurfaces, field,
- * step.
+/* view_options_of_one() - returns whether a flag is about one volume of several: its isosurfaces,
+ * medium, field, step.
  */
 bool view_options_of_one(int key);
 
-/* view_options_clear() - forget what was given for a flag, as if it had not been on the command
- * line. */
+/* view_options_clear() - reset a flag as if it had not been given. */
 void view_options_clear(view_options *v, int key);
 
-/* view_options_inherit() - what was given so far is what a line of a script or an entry of a path
- * starts from: its eye may then be said instead of the --view that was. */
+/* view_options_inherit() - let a line of a script or an entry of a path start from the flags given
+ * so far. Its eye may then replace an earlier --view, which would otherwise contradict. */
 void view_options_inherit(view_options *v);
 
-/* view_options_key() - a flag's key by its long name, as cli_options_same() takes it; 0 when there
- * is none such. *repeats: it may be given several times; *value: it takes one. */
+/* view_options_key() - returns a flag's key by its long name, in the spellings of
+ * cli_options_same(); 0: there is none. *repeats: whether it may be given several times; *value:
+ * whether it takes one. */
 typedef enum view_value { VIEW_VALUE_NONE, VIEW_VALUE_OPTIONAL, VIEW_VALUE_NEEDED } view_value;
 int view_options_key(const char *name, bool *repeats, view_value *value);
 
-/* view_options_transparent() - whether --opacity makes a surface transparent. */
+/* view_options_transparent() - returns whether --opacity makes a surface transparent. */
 bool view_options_transparent(const view_options *v);
 
-/* view_options_filled() - whether the volume is: a medium or a projection, with isosurfaces or
- * without any. */
+/* view_options_filled() - returns whether flags give a medium or a projection, with or without
+ * isosurfaces. */
 bool view_options_filled(const view_options *v);
 
-/* view_options_any_filled(), view_options_any_medium() - likewise of all volumes in the picture;
- * the second: a medium is seen. */
+/* view_options_any_filled() - the same for any volume of the picture. view_options_any_medium() -
+ * returns whether any has a medium that is drawn, not a projection. */
 bool view_options_any_filled(const view_options *v);
 bool view_options_any_medium(const view_options *v);
 
-/* view_options_check() - what must hold over all flags: at least one isovalue, unless the volume is
- * filled, no more colours or
- * opacities than isovalues, no flag that would change nothing. */
+/* view_options_check() - check all flags together and fill in defaults. ST_USAGE without an
+ * isovalue, unless the volume is filled; for more colours or opacities than isovalues; for a flag
+ * without effect. */
 CHECKED status view_options_check(view_options *v);
 
-/* view_options_check_camera() - likewise, of what says where the camera is. */
+/* view_options_check_camera() - check the flags that place the camera. */
 CHECKED status view_options_check_camera(const view_options *v);
 
-/* view_options_only() - ST_USAGE for a flag that was given and is none of these names, divided by
- * blanks; who: what would not change by it. */
+/* view_options_only() - returns ST_USAGE for a given flag that is not in `names`, separated by
+ * blanks. who: what the flag would not change, for the description. */
 CHECKED status view_options_only(const view_options *v, const char *names, const char *who);
 
-/* view_options_check_volume() - likewise, of this volume: ST_USAGE for a flag that is of no meaning
- * for its kind. */
+/* view_options_check_volume() - returns ST_USAGE for a flag without meaning for this kind of
+ * volume. */
 CHECKED status view_options_check_volume(const view_options *v, const leafcast *volume);
 
-/* view_options_scene() - the scene, with experiments that are *e. */
+/* view_options_scene() - returns the scene; its experiments are copied to *e and point there. */
 leafcast_scene view_options_scene(const view_options *v, leafcast_scene_experiments *e);
 
-/* view_options_field() - the number of the field that is meant. */
+/* view_options_field() - get the number of the field that --field names. */
 CHECKED status view_options_field(const view_options *v, const leafcast *volume, uint32_t *field);
 
 #endif

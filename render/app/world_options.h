@@ -1,4 +1,5 @@
-/* world_options.h - --axes of the verbs that look: which way the axes of the world point. */
+/* world_options.h - the flag --axes of render, probe and slice: which way the world's axes
+ * point. */
 #ifndef RENDER_APP_WORLD_OPTIONS_H
 #define RENDER_APP_WORLD_OPTIONS_H
 

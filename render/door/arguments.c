@@ -13,17 +13,17 @@
 #include "render/leafcast_experimental.h"
 #include "render/look/samples.h"
 
-/* Values and light that sums of products of them do not overflow with. */
+/* Limits within which sums of products of values and light do not overflow. */
 #define MEDIUM_VALUE_MOST      1e300
 #define MEDIUM_EXTINCTION_MOST 1e100
 
-/* So many bytes of the caller's own, pixels of a slice, and values of a plane can be counted. */
+/* The most bytes of the caller's own, pixels of a slice, and values of a plane: none overflows. */
 #define BYTES_MOST        0x1p60
 #define SLICE_PIXELS_MOST 0x1p59
 #define STRIDE_MOST       0x1p40
 #define PLANE_MOST        0x1p58
 
-/* ---- Of a device and a volume ---- */
+/* ---- Devices and volumes ---- */
 
 static const public_field experiments_rows[] = {
     PUBLIC_OWN_SIZE(leafcast_experiments),
@@ -75,7 +75,7 @@ static status options_together(const void *of) {
 static const public_fields options_table =
     PUBLIC_TABLE(leafcast_options, options_rows, .together = options_together);
 
-/* ---- Of a scene ---- */
+/* ---- Scenes ---- */
 
 static const public_field surface_rows[] = {
     PUBLIC_NUMBER(leafcast_surface, isovalue, -DBL_MAX, DBL_MAX, 0),
@@ -244,7 +244,7 @@ static status scene_together(const void *of) {
 static const public_fields scene_table =
     PUBLIC_TABLE(leafcast_scene, scene_rows, .together = scene_together);
 
-/* ---- Of a picture ---- */
+/* ---- Pictures ---- */
 
 static const public_field camera_rows[] = {
     PUBLIC_OWN_SIZE(leafcast_camera),
@@ -258,7 +258,7 @@ static const public_field camera_rows[] = {
     PUBLIC_NUMBER(leafcast_camera, ortho_height, 0, LEAFCAST_PLACE_MOST, 0),
 };
 
-/* What else a camera may be wrong by. */
+/* Check what camera_init() checks, beside the ranges above. */
 static status camera_together(const void *of) {
     camera c;
     return camera_init(&c, of);
@@ -299,7 +299,7 @@ static status image_together(const void *of) {
 static const public_fields image_table =
     PUBLIC_TABLE(leafcast_image, image_rows, .together = image_together);
 
-/* The part of the picture, and its rows. */
+/* Check the part of the picture that is drawn, and its row stride. */
 static status check_image(const leafcast_image *image, const leafcast_camera *from) {
     const status st = public_fields_check(&image_table, image);
     if (st != ST_OK)
@@ -320,7 +320,7 @@ static status check_image(const leafcast_image *image, const leafcast_camera *fr
     return ST_OK;
 }
 
-/* ---- Of rays and slices ---- */
+/* ---- Rays and slices ---- */
 
 static const public_field ray_rows[] = {
     PUBLIC_NUMBER(leafcast_ray, origin, -LEAFCAST_PLACE_MOST, LEAFCAST_PLACE_MOST, 0),
@@ -467,7 +467,7 @@ status arguments_check_info(const leafcast_info *info) {
     return public_fields_check(&info_table, info);
 }
 
-/* What the rows say, for many; a NaN is not below anything. */
+/* Fast form of ray_rows and ray_together(). A NaN fails: no comparison with it is true. */
 static bool is_fine(const leafcast_ray *r) {
     bool fine = r->t0 <= r->t1 && r->t0 >= -DBL_MAX && r->t0 <= DBL_MAX;
     for (int a = 0; a < 3; a++)

@@ -1,9 +1,10 @@
-/* arguments.h - what callers of leafcast.h pass, before it is used: the tables of its structs
- * (formats/public_fields.h), and what else is looked at, once for all calls. A fault is described,
- * ST_USAGE.
+/* arguments.h - checks of what callers of leafcast.h pass, before it is used.
  *
- * All sizes are those of this version, as there is no other yet. Whoever appends a member accepts
- * the sizes of before, too, and gives what is missing its default.
+ * Holds the tables of the public structs (formats/public_fields.h), and all other checks, once for
+ * all calls. A fault returns ST_USAGE with a description.
+ *
+ * Only this version's struct sizes are accepted: there is no other version yet. Whoever appends a
+ * member must accept the earlier sizes, too, and give missing members their defaults.
  */
 #ifndef RENDER_DOOR_ARGUMENTS_H
 #define RENDER_DOOR_ARGUMENTS_H
@@ -11,11 +12,12 @@
 #include "formats/public_fields.h"
 #include "render/leafcast.h"
 
-/* arguments_tables() - of the structs of leafcast.h and leafcast_experimental.h, *count of them. */
+/* arguments_tables() - returns the *count tables of the structs of leafcast.h and
+ * leafcast_experimental.h. */
 const public_fields *const *arguments_tables(int *count);
 
-/* arguments_check_volume() - that it is one, and of this process: what a device's threads and locks
- * are needed for does not go on in a child of fork(). arguments_check_device() - likewise. */
+/* arguments_check_volume() - check that v is not NULL and that this process opened it. A child of
+ * fork() has neither the device's threads nor usable locks. arguments_check_device() - likewise. */
 CHECKED status arguments_check_volume(const char *call, const leafcast *v);
 CHECKED status arguments_check_device(const char *call, const leafcast_device *d);
 
@@ -25,21 +27,22 @@ CHECKED status arguments_check_surfaces(const leafcast_surface *surfaces, int co
 CHECKED status arguments_check_camera(const leafcast_camera *camera);
 CHECKED status arguments_check_slice(const leafcast_slice_pixels *slice);
 
-/* arguments_check_rays() - count of them, in one pass that takes little of the time of tracing
- * them. arguments_check_ray() - one of a call that has no range of t. */
+/* arguments_check_rays() - check `count` rays in one pass, fast beside tracing them.
+ * arguments_check_ray() - check one ray of a call without a range of t. */
 CHECKED status arguments_check_rays(const leafcast_ray *rays, size_t count);
 CHECKED status arguments_check_ray(const double origin[3], const double direction[3]);
 
-/* arguments_check_picture() - of a picture, or the question whether there is room for it. stats may
- * be NULL. */
+/* arguments_check_picture() - check the arguments that draw a picture, or that ask whether there is
+ * room for one. stats may be NULL. */
 CHECKED status arguments_check_picture(const leafcast_scene *scene, const leafcast_camera *camera,
                                        const leafcast_image *image, const leafcast_stats *stats);
 
-/* arguments_begin_view() - that such a camera can be filled, which is all 0 until it is. */
+/* arguments_begin_view() - check the size of a picture, and set all of *view but `size` to 0: the
+ * caller fills it next. */
 CHECKED status arguments_begin_view(const char *call, leafcast_camera *view, uint32_t width,
                                     uint32_t height);
 
-/* Of structs that are filled: their sizes. */
+/* Structs that the library fills: check their sizes. */
 CHECKED status arguments_check_stats(const leafcast_stats *stats); /* may be NULL */
 CHECKED status arguments_check_info(const leafcast_info *info);
 

@@ -4,7 +4,7 @@
 
 enum { SHARE_LOG2 = 3 };
 
-/* Of the device's budget, if it has one. */
+/* The grid's bytes of the device's budget; 0: the device has no budget. */
 static size_t share_of(const leafcast *v) {
     return v->m->limit >> SHARE_LOG2;
 }
@@ -53,7 +53,7 @@ static status open_coarse(leafcast *v, uint32_t set) {
     return ST_OK;
 }
 
-/* As many treelets as its share holds; false: not even one. */
+/* Allow as many treelets as the grid's share holds. Returns false if not even one fits. */
 static bool make_slots(const leafcast *v) {
     const leafcast *coarse = v->coarse;
     const size_t slot = loader_slot_bytes(coarse->treelets), share = share_of(v);
@@ -67,14 +67,14 @@ static bool make_slots(const leafcast *v) {
     return slots > 0;
 }
 
-/* The coarsest level, which is one treelet, at once. */
+/* Load the coarsest level, which is one treelet, and wait for it. */
 static status load_root(loader *l) {
     loader_request root = {0, 0};
     loader_forget_failures(l);
     return l->own[0] && !loader_lookup(l, 0) ? loader_admit(l, &root, 1) : ST_OK;
 }
 
-/* The grid of what is shown of v, with room for treelets; NULL: there is none, or no room. */
+/* Open the grid of the set that is shown of v. *out = NULL: there is no grid, or no room for it. */
 static status open_shown(leafcast *v, const leafcast_shown *shown, leafcast **out) {
     const uint32_t set = leaf_layout_set(&v->file->layout, shown->field, shown->step);
     *out = NULL;
@@ -92,7 +92,7 @@ static status open_shown(leafcast *v, const leafcast_shown *shown, leafcast **ou
     return ST_OK;
 }
 
-/* A grid has other normals, and other levels. */
+/* The scene for rays through a grid: without a mesh's normals, and with the grid's levels. */
 static leafcast_scene scene_of_grid(const leafcast_scene *scene, leafcast_lod lod, uint32_t level) {
     leafcast_scene of = *scene;
     of.smooth_normals = false;
@@ -112,7 +112,7 @@ status coarse_preview_begin(leafcast *v, const leafcast_scene *scene, const leaf
     volume_show(coarse, 0, 0, shown->surfaces, shown->count);
     st = load_root(coarse->treelets);
     if (st == ST_OK)
-        st = volume_tracer(coarse, &whole, NULL, tr); /* forgets what is wanted */
+        st = volume_tracer(coarse, &whole, NULL, tr); /* forgets what was queued */
     if (st != ST_OK)
         return st;
     loader_sweep(coarse->treelets);

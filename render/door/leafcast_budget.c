@@ -1,5 +1,5 @@
-/* leafcast_budget.c - a device's memory budget, shared out before each turn of a frame: what is
- * always there, what frames may need, treelets of each volume.
+/* leafcast_budget.c - a device's memory budget, shared out before each turn of a frame: volumes
+ * without treelets, the most that frames may need, treelets of each volume.
  */
 #include "render/door/coarse_preview.h"
 #include "render/door/leafcast_turn.h"
@@ -21,19 +21,19 @@ size_t budget_image(const leafcast_image *image, size_t pixels) {
     return bytes + (image->provisional ? pixels : 0);
 }
 
-/* Records of suspended rays, as many as there may be use for. */
+/* The most records of suspended rays that a frame can use. */
 static uint32_t records_wanted(const frame *f) {
     const uint32_t least = frame_records_min(f);
     const size_t records = (frame_pixels(f) + 255) / 256 * 256 * 2;
     return records < least ? least : records < UINT32_MAX / 2 ? (uint32_t)records : UINT32_MAX / 2;
 }
 
-/* What all threads draw in. */
+/* Bytes of scratch of all threads. */
 size_t budget_scratch(const frame *f) {
     return (size_t)pool_threads(f->threads) * frame_scratch_bytes(f);
 }
 
-/* What the frame needs but for records and treelets. */
+/* The frame's bytes without records and treelets. */
 static size_t frame_fixed_bytes(const turn *t) {
     const frame *f = &t->f;
     const leafcast_image *planes = &f->image;
@@ -51,13 +51,13 @@ static size_t frame_fixed_bytes(const turn *t) {
     return bytes;
 }
 
-/* All of the budget but records and treelets. */
+/* All bytes of the budget but this frame's records and treelets. */
 static size_t fixed_bytes(const turn *t) {
     const leafcast_device *d = t->device;
     return d->base_bytes + d->beside + d->frames_bytes - t->reserved + frame_fixed_bytes(t);
 }
 
-/* One treelet of each volume. */
+/* Bytes of one treelet of each volume. */
 static size_t least_slots(const turn *t) {
     size_t bytes = 0;
     for (int i = 0; i < t->volumes; i++)
@@ -65,7 +65,8 @@ static size_t least_slots(const turn *t) {
     return bytes;
 }
 
-/* With the fewest records, and one treelet of each volume at a time. */
+/* Check that the fewest records and one treelet of each volume fit. After the first turn, records
+ * have a fixed number. */
 static status check_budget(const turn *t, size_t fixed) {
     const size_t limit = t->device->budget.limit;
     const size_t records = t->begun ? t->f.records_max : frame_records_min(&t->f);
@@ -78,7 +79,7 @@ static status check_budget(const turn *t, size_t fixed) {
         needed);
 }
 
-/* All that it might bring in. */
+/* Bytes of all active treelets of a volume. */
 static size_t wanted_bytes(const leafcast *v) {
     return v->treelets->treelets_active * loader_slot_bytes(v->treelets);
 }
@@ -90,8 +91,8 @@ static bool is_shown(const turn *t, const leafcast *v) {
     return shown;
 }
 
-/* What treelets of volumes that are not shown hold of `rest` bytes: they give them back if the
- * frame could use them. */
+/* Returns how many of `rest` bytes remain with treelets of volumes that are not shown. Evicts these
+ * treelets if the frame could use the bytes. */
 static size_t others_bytes(turn *t, size_t rest) {
     size_t held = 0, wanted = records_wanted(&t->f) * frame_record_bytes(&t->f);
     for (leafcast *v = t->device->volumes; v; v = v->next) {
@@ -120,7 +121,7 @@ void budget_slots(leafcast *v, size_t bytes) {
     loader_set_capacity(v->treelets, (uint32_t)slots, cached);
 }
 
-/* To each volume one treelet, and of the rest as much as it has of all that is active. */
+/* Give each volume one treelet, and a share of the rest in proportion to its active bytes. */
 static void share_treelets(turn *t, size_t bytes) {
     size_t spare = bytes - least_slots(t);
     double wanted = 0.0;
@@ -137,8 +138,8 @@ static void share_treelets(turn *t, size_t bytes) {
     }
 }
 
-/* Share the budget out: what is there, the picture, records of suspended rays (a quarter of the
- * rest, or what one treelet leaves), treelets. */
+/* Share the budget out: the fixed part and the picture first, then records of suspended rays (a
+ * quarter of the rest, or what one treelet of each volume leaves), then treelets. */
 status budget_share(turn *t) {
     leafcast_device *d = t->device;
     frame *f = &t->f;

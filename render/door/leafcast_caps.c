@@ -13,11 +13,11 @@ typedef struct cap_job {
     const frame *f;
     const transfer *colours;
     int volume;
-    bool exact; /* planes of doubles are drawn; else they are made of floats later */
+    bool exact; /* rgba and error are drawn; else made of floats later */
     atomic_size_t capped;
 } cap_job;
 
-/* Where a pixel's ray enters what clips leave, and the clip; -1: through none. */
+/* Where a pixel's ray enters the part that clips leave, and through which clip; -1: none. */
 typedef struct entry {
     double origin[3], direction[3], t;
     int clip;
@@ -38,7 +38,7 @@ static void cap_point(const void *ctx, size_t i, double point[3]) {
         point[a] = e.clip >= 0 ? e.origin[a] + e.t * e.direction[a] : (double)NAN;
 }
 
-/* The innermost surface that a value is in; -1: it is in none. */
+/* Returns the surface of the greatest isovalue that is at most `value`; -1: there is none. */
 static int surface_in(const leafcast_shown *s, double value) {
     int found = -1;
     for (int i = 0; i < s->count; i++)
@@ -50,7 +50,7 @@ static int surface_in(const leafcast_shown *s, double value) {
 
 /* ---- Colours ---- */
 
-/* Lit from all lights that are on the eye's side: no shadows fall on caps. */
+/* Shade a cap by all lights on the eye's side, without shadows. */
 static void lit(const cap_job *job, uint32_t pixel, const entry *e, const float rgb[3],
                 const float normal[3], float out[3]) {
     const leafcast_scene *scene = &job->t->scene;
@@ -70,7 +70,7 @@ static void lit(const cap_job *job, uint32_t pixel, const entry *e, const float 
     }
 }
 
-/* A cap over what a channel shows. */
+/* Composite a cap over a channel's value. */
 static double over(double cap, double opacity, double behind) {
     return opacity * cap + (1.0 - opacity) * behind;
 }
@@ -136,7 +136,7 @@ static void cap_found(void *ctx, size_t i, const double point[3], const leafcast
     atomic_fetch_add_explicit(&job->capped, 1, memory_order_relaxed);
 }
 
-/* As frames are: until they are cancelled, or their caller wants no more. */
+/* Returns false once the frame is cancelled or its caller wants no more. */
 static bool watch(void *ctx, double done) {
     const frame *f = ctx;
     (void)done;
@@ -166,7 +166,7 @@ static status draw_volume(turn *t, const frame *f, const transfer *colours, int 
 status caps_draw(turn *t, const frame *f, const transfer *colours, ray_counters *counters) {
     size_t capped = 0;
     status st = ST_OK;
-    /* The first volume comes last: it is on top. */
+    /* Draw the first volume last: it is on top. */
     for (int v = t->volumes - 1; v >= 0 && st == ST_OK; v--)
         if (t->shown[v].count > 0)
             st = draw_volume(t, f, colours, v, &capped);

@@ -20,7 +20,7 @@ static status make_threads(leafcast_device *d) {
                   : pool_create(&d->budget, threads, &d->threads);
 }
 
-/* By the name of an ISA, or of an experiment's choice. */
+/* Find the kernels that options.isa names: an ISA, or an experiment's choice. */
 static bool choose_kernels(leafcast_device *d) {
     d->choice = walk_choice_named(d->options.isa);
     if (d->choice)
@@ -61,7 +61,7 @@ leafcast_status leafcast_device_create(const leafcast_options *options, leafcast
         return LEAFCAST_NOMEM;
     if (options)
         d->options = *options;
-    d->options.experiments = NULL; /* volumes have some */
+    d->options.experiments = NULL; /* volumes have their own */
     st = device_init(d);
     if (st == ST_OK)
         *device = d;

@@ -1,8 +1,8 @@
-/* leafcast_device.h - what volumes that are open together share: threads, memory, kernels.
+/* leafcast_device.h - what open volumes share: threads, memory, kernels.
  *
- * Calls on one device take turns: whoever looks at treelets holds its lock. All memory comes out of
- * one budget: what is always there (volumes without their treelets), what frames that are under way
- * may need, and treelets, in what is left.
+ * Calls on one device take turns: a call that uses treelets holds the device's lock. All memory
+ * comes out of one budget. It holds the base (volumes without their treelets), the most that begun
+ * frames may need, and treelets in the rest.
  */
 #ifndef RENDER_DOOR_LEAFCAST_DEVICE_H
 #define RENDER_DOOR_LEAFCAST_DEVICE_H
@@ -21,22 +21,22 @@ struct leafcast_device {
     pool *threads;
     readers *readers;
     cpu_isa isa;
-    const char *isa_name;             /* as it was asked for */
-    const struct walk_choice *choice; /* of an experiment, or NULL */
-    pid_t process;                    /* that made it, and has its threads */
+    const char *isa_name;             /* as the caller named it */
+    const struct walk_choice *choice; /* an experiment's, or NULL */
+    pid_t process;                    /* made the device, and has its threads */
     pthread_mutex_t lock;
     /* Guarded by lock: */
-    leafcast *volumes;    /* open on it, by their `next` */
-    int users;            /* those, and whoever made it */
-    size_t base_bytes;    /* of the budget: what is always there */
-    size_t frames_bytes;  /* ... may be needed by frames that are begun and not ended */
-    size_t beside;        /* ... is the caller's: leafcast_check_room() */
-    void *scratch;        /* that threads draw in, for the frame whose turn it is */
+    leafcast *volumes;    /* open on this device, linked by `next` */
+    int users;            /* the volumes, and the caller that made it */
+    size_t base_bytes;    /* of the budget: volumes without treelets */
+    size_t frames_bytes;  /* ... the most that begun frames may need */
+    size_t beside;        /* ... the caller's own: leafcast_check_room() */
+    void *scratch;        /* of all threads, for the frame that has its turn */
     size_t scratch_bytes; /* counted in frames_bytes */
 };
 
-/* device_is_here() - whether this is the process that made it. In a child of fork() it has no
- * threads, and its lock may be held for ever. */
+/* device_is_here() - returns whether this process made the device. In a child of fork() a device
+ * has no threads, and its lock may be held for ever. */
 static inline bool device_is_here(const leafcast_device *d) {
     return d->process == getpid();
 }
@@ -44,19 +44,18 @@ static inline bool device_is_here(const leafcast_device *d) {
 void device_lock(leafcast_device *d);
 void device_unlock(leafcast_device *d);
 
-/* device_release() - one user less; without any, it ends. With the lock not held, by the process
- * that made it. */
+/* device_release() - drop one user; the last one destroys the device. Call it without the lock, in
+ * the process that made the device. */
 void device_release(leafcast_device *d);
 
-/* device_clear() - all volumes give their treelets back, if the device has a budget. With the lock
- * held, as the next one. */
+/* device_clear() - evict the treelets of all volumes, if the device has a budget. Needs the lock,
+ * as does device_make_room(). */
 void device_clear(leafcast_device *d);
 
-/* device_make_room() - for a treelet of v that may come: the others give theirs back, if need be.
- */
+/* device_make_room() - make room for one treelet of v: evict all volumes' treelets if need be. */
 void device_make_room(leafcast *v);
 
-/* device_scratch() - room for all threads, which stays for the next frame. With the lock held. */
+/* device_scratch() - allocate scratch for all threads; the next frame reuses it. Needs the lock. */
 CHECKED status device_scratch(leafcast_device *d, size_t bytes);
 
 #endif

@@ -1,5 +1,4 @@
-/* leafcast_fit.c - what is worth a look, and from where: histograms, isovalues, the view that fits.
- */
+/* leafcast_fit.c - suggestions: histograms, data ranges, isovalues, the view that fits. */
 #include <float.h>
 #include <limits.h>
 #include <math.h>
@@ -57,7 +56,7 @@ leafcast_status leafcast_data_range(const leafcast *v, uint32_t field, uint32_t 
         return told;
     const status st = find_histogram(v, field, step, &h);
     if (st == ST_OK && histogram_data(&h, data, &marker)) {
-        /* Edges of integers lie half way between two. */
+        /* Bin edges of integer data lie half way between two integers. */
         const double half = v->file->layout.type == SAMPLE_F32 ? 0.0 : 0.5;
         range[0] = fmax(range[0], h.edges[data[0]] + half);
         range[1] = fmin(range[1], h.edges[data[1]] - half);

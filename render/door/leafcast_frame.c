@@ -19,31 +19,31 @@
 #include "render/surface/surface_integrator.h"
 
 struct leafcast_frame {
-    turn t;           /* t.f.image: all planes, those made here among them */
-    medium_look look; /* of surfaces, too */
+    turn t;           /* t.f.image: all planes, of the caller and of `own` */
+    medium_look look; /* media and surfaces */
     projection_look projected;
-    preintegrated_look stepped; /* in other steps, too */
+    preintegrated_look stepped; /* media in equal steps, too */
     transfer media[LEAFCAST_VOLUMES_MAX];
-    medium_shade shade;   /* of media, if they are shaded */
-    transfer cap_colours; /* without spans: surfaces' own */
+    medium_shade shade;   /* for scene.shade_media */
+    transfer cap_colours; /* without spans: caps have surfaces' colours */
     double ranges[LEAFCAST_VOLUMES_MAX][2];
-    leafcast_image own; /* planes that are made here */
+    leafcast_image own; /* planes allocated here */
     byte_table bytes;   /* for rgba8 */
-    /* A picture is made of parts: the planes that are not colours, then each sample. */
+    /* A picture is drawn in parts: first the planes that are not colours, then each sample. */
     int parts, part, first_sample;
-    leafcast_image sample; /* that is not summed up yet */
-    frame drawn;           /* the part as a frame of its own */
-    projection projection; /* ... */
-    drawing *drawing;      /* ... ; NULL: not begun */
+    leafcast_image sample; /* one sample's colours, before they are summed */
+    frame drawn;           /* the current part, as a frame */
+    projection projection; /* of the part, for tiles of rays */
+    drawing *drawing;      /* of the part; NULL: not begun */
     ray_counters counters;
     double render_s;
     atomic_bool cancelled;
-    _Atomic double share;                  /* of the pixels, as watch() was told */
+    _Atomic double share;                  /* of the pixels: what watch() gets */
     bool (*watch)(void *ctx, double done); /* see leafcast_trace() */
     void *watch_ctx;
 };
 
-/* The planes of an image that samples are summed up in. */
+/* Returns the image with only the planes that samples are summed up in. */
 static leafcast_image colours_of(const leafcast_image *image) {
     return (leafcast_image){.size = sizeof *image,
                             .width = image->width,
@@ -61,7 +61,7 @@ static bool any_plane(const leafcast_image *image) {
 
 /* ---- Describing ---- */
 
-/* The brightest that a lit surface may be. */
+/* Returns an upper bound of a lit surface's colour channels. */
 static double brightest_surface(const leafcast_frame *fr) {
     const leafcast_scene *scene = &fr->t.scene;
     double rgb = 0.0, lights = scene->light_count > 0 ? 0.0 : 1.0;
@@ -75,14 +75,14 @@ static double brightest_surface(const leafcast_frame *fr) {
     return rgb * (1.0 + lights) + fabs((double)scene->specular) * lights;
 }
 
-/* Of a volume's values: as they look is by these, whatever is drawn of it. */
+/* The value range that lighting and colours go by, also where a coarse grid is drawn. */
 static void shown_range(const leafcast_frame *fr, int i, double range[2]) {
     const leafcast_shown *s = &fr->t.shown[i];
     const leaf_file *of = s->volume->file;
     leaf_histogram_range(of, leaf_layout_set(&of->layout, s->field, s->step), range);
 }
 
-/* Of those that are drawn. */
+/* The value range of the data that is drawn: the volume's, or its coarse grid's. */
 static void drawn_range(const leafcast_frame *fr, int i, double range[2]) {
     if (turn_is_instead(&fr->t, i))
         leaf_histogram_range(fr->t.drawn[i]->file, 0, range);
@@ -106,7 +106,7 @@ static status fill_volume(leafcast_frame *fr, int i) {
     return ST_OK;
 }
 
-/* All that describing it takes. */
+/* Free all that describe() allocated. */
 static void empty(leafcast_frame *fr) {
     for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
         transfer_release(&fr->media[i], &fr->t.device->budget);
@@ -115,7 +115,7 @@ static void empty(leafcast_frame *fr) {
     turn_end(&fr->t);
 }
 
-/* Media without a bound. */
+/* Set media up for an experiment that sums in steps, without an error bound. */
 static status fill_for_steps(leafcast_frame *fr) {
     enum { TABLE = 256 };
     const leafcast_scene *scene = &fr->t.scene;
@@ -138,7 +138,7 @@ static status fill_for_steps(leafcast_frame *fr) {
                                     fr->ranges[0], steps->step, e->table > 0 ? e->table : TABLE);
 }
 
-/* Of the one volume that is filled, what need not be looked at closely. */
+/* For the only filled volume: which ranges of values are taken whole. */
 static homogeneous homogeneous_of(const leafcast_frame *fr, int i) {
     const leafcast *v = fr->t.drawn[i];
     const leafcast_scene_experiments *e = fr->t.scene.experiments;
@@ -151,7 +151,7 @@ static homogeneous homogeneous_of(const leafcast_frame *fr, int i) {
                               e ? e->homogeneous : 0.0);
 }
 
-/* Their gradients are what every node has to say: none is taken whole. */
+/* Set up shading of media. Shading needs the gradient in each node, so no node is taken whole. */
 static status shade_media(leafcast_frame *fr) {
     const leafcast_scene *scene = &fr->t.scene;
     fr->shade = medium_shade_of(scene);
@@ -174,7 +174,7 @@ static status shade_media(leafcast_frame *fr) {
     return ST_OK;
 }
 
-/* What volumes are filled with. */
+/* Set up the media that fill volumes. */
 static status fill(leafcast_frame *fr) {
     const leafcast_scene *scene = &fr->t.scene;
     status st = ST_OK;
@@ -205,7 +205,7 @@ static status fill(leafcast_frame *fr) {
     return st;
 }
 
-/* What rays of a projection need of a volume, and which values it has. */
+/* Set a volume up for projection: its interest, and its part of the value range. */
 static status project_volume(leafcast_frame *fr, int i) {
     leafcast_shown *s = &fr->t.shown[i];
     const leafcast_scene *scene = &fr->t.scene;
@@ -236,14 +236,14 @@ static status project_scene(leafcast_frame *fr) {
     fr->t.f.look = &fr->projected;
     for (int i = 0; i < fr->t.volumes && st == ST_OK; i++)
         st = project_volume(fr, i);
-    /* What is less than all data is reached where these begin. So differences from the data lose no
-     * digits. */
+    /* Raise a threshold below all data to their least value: rays reach it where data begin, too.
+     * So differences from the data lose no digits. */
     if (scene->project == LEAFCAST_PROJECT_FIRST && isfinite(fr->projected.range[0]))
         fr->projected.value = fr->t.above = fmax(scene->project_value, fr->projected.range[0]);
     return st;
 }
 
-/* All that needs no treelets. */
+/* Set up all that needs no treelets. */
 static status describe(leafcast_frame *fr, leafcast *v, const leafcast_scene *scene,
                        const leafcast_camera *from, const leafcast_image *image) {
     frame *f = &fr->t.f;
@@ -276,7 +276,7 @@ static status describe(leafcast_frame *fr, leafcast *v, const leafcast_scene *sc
     return st;
 }
 
-/* Planes that bytes are made of, where the caller has none. */
+/* Allocate the colour planes that rgba8 and rgba are made of, where the caller has none. */
 static status make_planes(leafcast_frame *fr) {
     leafcast_image *i = &fr->t.f.image;
     float **const planes[4] = {&i->r, &i->g, &i->b, &i->a};
@@ -299,7 +299,7 @@ static void free_colours(mem *m, leafcast_image *image) {
 
 /* ---- Parts ---- */
 
-/* Several samples: first the planes that are not colours, if there are any. */
+/* Returns whether planes that are not colours are drawn first, for several samples. */
 static bool other_planes(const leafcast_frame *fr) {
     leafcast_image planes = fr->t.f.image;
     planes.r = planes.g = planes.b = planes.a = NULL;
@@ -307,7 +307,7 @@ static bool other_planes(const leafcast_frame *fr) {
     return any_plane(&planes);
 }
 
-/* Where the colours of samples but the first are drawn. */
+/* Allocate planes for the colours of all samples but the first. */
 static status make_sample_planes(leafcast_frame *fr) {
     const leafcast_image *like = &fr->t.f.image;
     float *const there[4] = {like->r, like->g, like->b, like->a};
@@ -332,7 +332,7 @@ static status count_parts(leafcast_frame *fr) {
     return make_sample_planes(fr);
 }
 
-/* What the part is drawn into. */
+/* Returns the planes that the current part is drawn into. */
 static leafcast_image part_image(const leafcast_frame *fr) {
     leafcast_image image = fr->t.f.image;
     if (fr->parts == 1)
@@ -345,7 +345,7 @@ static leafcast_image part_image(const leafcast_frame *fr) {
     return image;
 }
 
-/* What one thread hears ends it for all of them. */
+/* Pass progress on. If the caller's watch() returns false, cancel the frame for all threads. */
 static bool watch_part(void *ctx, double done) {
     leafcast_frame *fr = ctx;
     if (done >= 0.0)
@@ -356,7 +356,7 @@ static bool watch_part(void *ctx, double done) {
     return false;
 }
 
-/* Tiles of rays, where there are kernels for them. */
+/* Project the volume for tiles of rays, where there are kernels for tiles. */
 static status project(leafcast_frame *fr, frame *f) {
     leafcast *v = fr->t.drawn[0];
     const bool tiles = f->integrator->tile && v->kernels.tile;
@@ -384,7 +384,7 @@ static status begin_part(leafcast_frame *fr) {
     return st == ST_OK ? frame_begin(f, &fr->drawing) : st;
 }
 
-/* A pixel counts once: the largest count of any sample's picture. */
+/* Add a part's counters. A pixel counts once, so counts of pixels are the largest of any sample. */
 static void add_counters(leafcast_frame *fr) {
     ray_counters *all = &fr->counters;
     const uint64_t provisional = all->provisional_pixels, covered = all->covered_pixels;
@@ -432,7 +432,7 @@ static status draw_parts(leafcast_frame *fr, double until) {
     return st;
 }
 
-/* Nothing of it is drawn as it is. */
+/* Mark all pixels provisional: a coarse grid is drawn in a volume's place. */
 static void mark_instead(const leafcast_frame *fr) {
     const leafcast_image *i = &fr->t.f.image;
     for (size_t row = 0; row < fr->t.f.height && i->provisional; row++)
@@ -441,7 +441,7 @@ static void mark_instead(const leafcast_frame *fr) {
 
 /* ---- Bytes ---- */
 
-/* Surfaces have colours of floats, and no error. */
+/* Fill rgba, error and value for pictures of surfaces: colours from floats, error 0, no value. */
 static void widen_row(const leafcast_image *i, size_t from) {
     const float *const planes[4] = {i->r, i->g, i->b, i->a};
     for (size_t at = from; at < from + i->width; at++) {
@@ -466,7 +466,7 @@ static status encode_row(void *ctx, size_t row, int worker) {
     return ST_OK;
 }
 
-/* What is made of the planes when they are done. */
+/* Fill the planes that are made of other planes. */
 static status encode(leafcast_frame *fr) {
     const leafcast_image *i = &fr->t.f.image;
     if (i->rgba8)
@@ -521,7 +521,7 @@ static status advance(leafcast_frame *fr, double seconds, bool *done) {
     return st;
 }
 
-/* All that it holds; its drawing's counters are lost. */
+/* Free all that the frame holds. The counters of an unfinished drawing are lost. */
 static void release(leafcast_frame *fr) {
     mem *m = &fr->t.device->budget;
     ray_counters lost = {0};
@@ -534,7 +534,7 @@ static void release(leafcast_frame *fr) {
 
 /* ---- The public functions ---- */
 
-/* Rather the tets than nothing: a coarse grid for which there is no room is not drawn. */
+/* Describe the frame. Draw the tets if there is no room for a coarse grid in their place. */
 static status describe_within(leafcast_frame *fr, leafcast *v, const leafcast_scene *scene,
                               const leafcast_camera *from, const leafcast_image *image) {
     const status st = describe(fr, v, scene, from, image);
@@ -556,8 +556,8 @@ static status check_call(const char *call, const leafcast *v, const leafcast_sce
     return st == ST_OK ? arguments_check_picture(scene, from, image, stats) : st;
 }
 
-/* A frame of what has been checked; outside of the budget. beside: NULL, or what is beside it
- * from now on, and that it fits is checked, too. */
+/* Make a frame from checked arguments; the struct itself is outside of the budget. beside: NULL, or
+ * the caller's own bytes from now on; then check also that all of it fits. */
 static status make_frame(leafcast *v, const leafcast_scene *scene, const leafcast_camera *from,
                          const leafcast_image *image, const uint64_t *beside,
                          leafcast_frame **out) {

@@ -1,4 +1,4 @@
-/* leafcast_map.c - which treelets are wanted, resident and seen, in blocks of the volume. */
+/* leafcast_map.c - counts of wanted, resident and seen treelets, in blocks of the volume. */
 #include <math.h>
 #include <string.h>
 
@@ -7,8 +7,8 @@
 #include "render/door/leafcast_volume.h"
 #include "render/ray/kind.h"
 
-/* Blocks first .. last along an axis that a treelet from lo to hi reaches into. Where it only
- * touches one, by rounding or not, it does not. */
+/* Find the blocks first .. last along an axis that a treelet from lo to hi overlaps. A block that
+ * the treelet only touches does not count, nor does an overlap within rounding (1e-9 block). */
 static void reach(double lo, double hi, uint32_t blocks, uint32_t *first, uint32_t *last) {
     const double most = blocks - 1.0, rounding = 1e-9;
     *first = (uint32_t)fmin(fmax(floor(lo * blocks + rounding), 0.0), most);
@@ -16,7 +16,7 @@ static void reach(double lo, double hi, uint32_t blocks, uint32_t *first, uint32
 }
 
 static void count(const leafcast *v, uint32_t t, const uint32_t blocks[3], leafcast_block *map) {
-    /* Others may be resident, too: those that points and slices were taken from. */
+    /* Unwanted treelets may be resident, too: points and slices bring them in. */
     const bool wanted = v->treelets->own[t];
     const bool resident = wanted && loader_is_ready(v->treelets, t);
     const leafcast_block one = {.treelets = 1,

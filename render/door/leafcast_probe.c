@@ -7,7 +7,7 @@
 #include "render/door/leafcast_volume.h"
 #include "render/ray/kind.h"
 
-/* Bring in the one treelet that a probe needs. */
+/* Load the treelet that a probe needs, and wait for it. */
 static status need(leafcast *v, uint32_t t) {
     loader_request request = {t, 0};
     return loader_admit(v->treelets, &request, 1);
@@ -23,7 +23,7 @@ status volume_treelet(leafcast *v, uint32_t t, const treelet **out) {
 
 /* ---- Rays ---- */
 
-/* The volume shows what it does in the scene. */
+/* Select the scene's surfaces of the probed volume. */
 static status show(leafcast *v, const leafcast_scene *scene) {
     leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
     int count = 0, i = 0;
@@ -55,7 +55,7 @@ static status describe_hit(leafcast *v, const tracer *tr, const ray *r, const do
     return v->kind->cell_of_hit(v, tr, r, h, out);
 }
 
-/* found: room for max of them. */
+/* found: the caller's array of `max` answers. */
 static status check_call(const char *call, const leafcast *v, const leafcast_scene *scene,
                          const double origin[3], const double direction[3], const void *found,
                          int max, int *count) {
@@ -171,7 +171,7 @@ static status probe_segments(leafcast *v, const leafcast_scene *scene, const dou
     if (st != ST_OK)
         return st;
     tr.preview = false;
-    /* All of the volume, and then what frames show again. */
+    /* Make the whole volume active while the ray is followed. Then select the isovalues again. */
     const interest all = interest_of_all();
     const interest shown = interest_of_isovalues(v->isovalues, v->isovalue_count);
     loader_select(v->treelets, &all);

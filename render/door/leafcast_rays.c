@@ -8,7 +8,7 @@
 
 enum { RAYS_MAX = INT32_MAX / 2 };
 
-/* told: where the answers go. */
+/* told: the caller's array for the answers. */
 static status check_call(const char *call, const leafcast *v, const leafcast_scene *scene,
                          const leafcast_ray *rays, size_t count, const void *told) {
     status st = arguments_check_volume(call, v);
@@ -26,7 +26,8 @@ static status check_call(const char *call, const leafcast *v, const leafcast_sce
 static status trace_rays(turn *t, ray_look *look) {
     frame *f = &t->f;
     ray_counters counters = {0};
-    /* A narrow picture: neighbours in the caller's order are in one tile, and go on together. */
+    /* Make a picture one tile wide: neighbours in the caller's order share a tile, and walk
+     * together. */
     const size_t row = f->tracer->kind->tile_side < 16 ? f->tracer->kind->tile_side : 16;
     f->integrator = &ray_integrator;
     f->look = look;

@@ -9,7 +9,7 @@
 
 /* ---- Which volumes ---- */
 
-/* One world: what says which way its axes point agrees with all else that does. */
+/* Check that volume i's world axes agree with those of earlier volumes, where both are known. */
 static status check_world(const leafcast_scene *scene, int i) {
     const world_axes axes = scene->volumes[i].volume->axes;
     for (int k = 0; k < i; k++) {
@@ -23,7 +23,7 @@ static status check_world(const leafcast_scene *scene, int i) {
     return ST_OK;
 }
 
-/* The i-th of a scene's list. */
+/* Check the i-th volume of a scene's list. */
 static status check_shown(const leafcast *v, const leafcast_scene *scene, int i) {
     const leafcast_shown *s = &scene->volumes[i];
     if (s->volume->device != v->device)
@@ -56,8 +56,7 @@ status scene_volumes(leafcast *v, const leafcast_scene *scene,
 
 /* ---- What rays look for ---- */
 
-/* All that is looked for: LEAFCAST_SURFACES_MAX and SCENE_BESIDE_MAX are as many as there may be.
- */
+/* Returns the whole interest. It fits: INTEREST_MAX is LEAFCAST_SURFACES_MAX + SCENE_BESIDE_MAX. */
 static interest wanted_of(const leafcast *v) {
     interest_interval of[INTEREST_MAX];
     int count = 0;

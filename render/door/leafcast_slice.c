@@ -8,7 +8,7 @@
 #include "render/door/point_samples.h"
 #include "render/ray/kind.h"
 
-/* ---- Points of the caller's ---- */
+/* ---- The caller's points ---- */
 
 typedef struct point_list {
     const double (*points)[3];
@@ -26,7 +26,7 @@ static void listed_found(void *ctx, size_t i, const double point[3], const leafc
     list->samples[i] = *s;
 }
 
-/* In the field and at the step that are selected. */
+/* Sample in the selected field and step. */
 static leafcast_status sample(point_samples *p, leafcast_stats *stats) {
     leafcast *v = p->volume;
     device_lock(v->device);
@@ -54,8 +54,8 @@ leafcast_status leafcast_sample_points(leafcast *v, const double (*points)[3], s
 
 /* ---- Pixels of a slice ---- */
 
-/* Pixels are taken in columns of bands of so many rows: neighbours are in the same treelets, and in
- * the same lines of the cache. */
+/* Take pixels column by column in bands of BAND rows: successive points then share treelets and
+ * cache lines. */
 enum { BAND = 32 };
 
 typedef struct slice_job {
@@ -69,7 +69,7 @@ static uint32_t rows_of(const leafcast_slice_pixels *s) {
     return s->rows > 0 ? s->rows : s->height;
 }
 
-/* y: among the rows that are wanted. */
+/* Map point number i to its pixel. y counts from first_row on. */
 static void pixel_of(const leafcast_slice_pixels *s, size_t i, uint32_t *x, uint32_t *y) {
     const size_t band = i / ((size_t)BAND * s->width), first = band * BAND;
     const size_t rows = rows_of(s) - first < BAND ? rows_of(s) - first : BAND;
@@ -78,7 +78,7 @@ static void pixel_of(const leafcast_slice_pixels *s, size_t i, uint32_t *x, uint
     *y = (uint32_t)(first + within % rows);
 }
 
-/* The point of a line at a share of its length. */
+/* Find the point of the line at a share (0 to 1) of its length. */
 static void point_along(const slice_job *p, double share, double point[3]) {
     const leafcast_slice_pixels *s = p->slice;
     const double at = share * p->along[s->line_count - 1];
@@ -117,9 +117,9 @@ static void slice_found(void *ctx, size_t i, const double point[3], const leafca
     p->value[(size_t)y * p->slice->width + x] = isfinite(value) ? value : (double)NAN;
 }
 
-/* ---- A slice that can be ---- */
+/* ---- Checking a slice ---- */
 
-/* along: of each point the length up to there. */
+/* Fill along[i] with the line's length up to point i. */
 static status measure_line(const leafcast_slice_pixels *s, double *along) {
     along[0] = 0.0;
     for (uint32_t i = 1; i < s->line_count; i++) {
@@ -185,7 +185,7 @@ leafcast_status leafcast_sample_slice(leafcast *v, const leafcast_slice_pixels *
 
 enum { SIDE_MOST = 1 << 15 };
 
-/* So many pixels along an edge, of so many a world unit. */
+/* Returns the pixels along an edge of `length` world units, at `density` cells per world unit. */
 static uint32_t side_of(const leafcast_slice_pixels *s, double length, double density) {
     const double pixels = ceil(rint(length * density) / (double)(1u << s->level));
     const uint32_t more = s->interpolation == LEAFCAST_INTERPOLATION_NEAREST;
@@ -240,7 +240,7 @@ leafcast_status leafcast_fit_slice(const leafcast *v, leafcast_slice_pixels *s) 
     return public_status(st == ST_OK ? fit_pixels(v, s) : st);
 }
 
-/* Forget what the last slice was. */
+/* Reset *s, but for interpolation and level. */
 static status begin_slice(const char *call, const leafcast *v, leafcast_slice_pixels *s) {
     status st = public_needs(call, "volume slice", (const void *[]){v, s});
     if (st == ST_OK)
@@ -255,7 +255,7 @@ static status begin_slice(const char *call, const leafcast *v, leafcast_slice_pi
     return check_slice(v, s);
 }
 
-/* A rectangle in a plane: where it lies along two of its directions. */
+/* A rectangle in a plane: two directions, and its extent along them. */
 typedef struct rectangle {
     double right[3], up[3];
     double lo[2], hi[2];
@@ -279,7 +279,7 @@ static void widen(rectangle *r, const double point[3]) {
     }
 }
 
-/* To hold where the plane cuts an edge of the volume's box, if it does. */
+/* Widen r to hold the point where the plane cuts an edge a b of the volume's box, if it does. */
 static void cut_edge(rectangle *r, const double a[3], const double b[3], const double plane[4]) {
     const double from = vec3_dot(plane, a) + plane[3], to = vec3_dot(plane, b) + plane[3];
     if (!(fmin(from, to) <= 0.0 && fmax(from, to) >= 0.0))

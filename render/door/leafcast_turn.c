@@ -4,7 +4,7 @@
 #include "render/door/leafcast_volume.h"
 #include "render/ray/kind.h"
 
-/* How many there are, or 0 where nothing is in any of them. */
+/* Returns the number of media, or 0 if all of them are empty. */
 static int filled_media(const leafcast_scene *scene) {
     for (int i = 0; i < scene->media_count; i++)
         if (scene->media[i].count > 0)
@@ -12,7 +12,7 @@ static int filled_media(const leafcast_scene *scene) {
     return 0;
 }
 
-/* A coarse grid stays open until turn_end(). */
+/* Choose between the volume and its coarse grid, which then stays open until turn_end(). */
 static status choose_drawn(turn *t, int i) {
     const leafcast_shown *s = &t->shown[i];
     leafcast *coarse = NULL;
@@ -58,7 +58,7 @@ bool turn_any_instead(const turn *t) {
     return any;
 }
 
-/* What rays see of a volume from now on. */
+/* Select what rays see of volume i in this turn. */
 static status prepare_volume(turn *t, int i) {
     const leafcast_shown *s = &t->shown[i];
     leafcast *v = s->volume;
@@ -77,7 +77,7 @@ static status prepare_volume(turn *t, int i) {
     return st;
 }
 
-/* Rather without coarse grids than not at all. */
+/* Close coarse grids to gain room. Returns whether any was to be drawn. */
 static bool drop_coarse(turn *t) {
     bool any = false;
     for (int i = 0; i < t->volumes; i++) {
@@ -102,7 +102,7 @@ static void begin_loading(turn *t, int i) {
         loader_sweep_level(v->treelets, t->tracers[i].target_level);
 }
 
-/* A turn: all that another frame may have changed. */
+/* Set all that another frame may have changed in between. */
 status turn_prepare(turn *t) {
     status st = ST_OK;
     for (int i = 0; i < t->volumes && st == ST_OK; i++)

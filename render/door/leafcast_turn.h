@@ -1,8 +1,8 @@
-/* leafcast_turn.h - a scene whose turn it is on its device: behind the frames, and the rays, of
+/* leafcast_turn.h - a scene that has its turn on its device: behind the frames, and the rays, of
  * leafcast.h.
  *
- * Frames are drawn in turns. Before each the volumes are told what the frame shows, and the budget
- * is shared out anew: others may have had their turn in between. The device's lock is held
+ * Frames are drawn in turns. Each turn first selects the frame's interest in its volumes and shares
+ * the budget out anew, since other frames may have had a turn in between. The device's lock is held
  * throughout.
  */
 #ifndef RENDER_DOOR_LEAFCAST_TURN_H
@@ -14,65 +14,64 @@
 
 typedef struct turn {
     leafcast_device *device;
-    double above;         /* of tracers */
-    leafcast_scene scene; /* its experiments, and its volumes, are: */
+    double above;         /* tracer.above of all tracers */
+    leafcast_scene scene; /* its experiments and volumes are copied below: */
     leafcast_scene_experiments experiments;
     int volumes;
     leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
     leafcast_surface surfaces[LEAFCAST_VOLUMES_MAX][LEAFCAST_SURFACES_MAX];
-    int32_t first_id[LEAFCAST_VOLUMES_MAX]; /* of a volume's surfaces, numbered through */
-    interest beside[LEAFCAST_VOLUMES_MAX];  /* values that matter beside those of surfaces */
-    leafcast *drawn[LEAFCAST_VOLUMES_MAX];  /* the volume, or in a preview its coarse grid */
-    tracer tracers[LEAFCAST_VOLUMES_MAX];   /* of that */
-    const tracer
-        *coarse[LEAFCAST_VOLUMES_MAX]; /* what a preview draws where treelets are absent, */
+    int32_t first_id[LEAFCAST_VOLUMES_MAX];      /* a volume's surfaces have ids from here on */
+    interest beside[LEAFCAST_VOLUMES_MAX];       /* the interest beside isovalues */
+    leafcast *drawn[LEAFCAST_VOLUMES_MAX];       /* the volume, or in a preview its coarse grid */
+    tracer tracers[LEAFCAST_VOLUMES_MAX];        /* of drawn[i] */
+    const tracer *coarse[LEAFCAST_VOLUMES_MAX];  /* where a preview's treelets are absent: */
     tracer coarse_tracers[LEAFCAST_VOLUMES_MAX]; /* one of these; or NULL */
     frame f;
-    size_t reserved; /* of the device's frames_bytes */
+    size_t reserved; /* this frame's part of the device's frames_bytes */
     bool begun;      /* this is not the first turn */
 } turn;
 
-/* turn_describe() - *t anew, and of t->f all but what is drawn: look, integrator, camera, image and
- * size are the caller's to set. Nothing of volumes changes, but that coarse grids are opened. */
+/* turn_describe() - set *t up from a scene. The caller sets the look, integrator, camera, image and
+ * size of t->f. Changes nothing in the volumes, except that it may open coarse grids. */
 CHECKED status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene);
 
-/* turn_is_instead() - whether a volume's coarse grid is drawn in its place. turn_any_instead() - of
- * any volume. */
+/* turn_is_instead() - returns whether volume i's coarse grid is drawn in its place.
+ * turn_any_instead() - returns whether that is so for any volume. */
 static inline bool turn_is_instead(const turn *t, int i) {
     return t->drawn[i] != t->shown[i].volume;
 }
 bool turn_any_instead(const turn *t);
 
-/* turn_prepare() - the volumes show what this frame does, and have their share of the budget. */
+/* turn_prepare() - begin a turn: select this frame's interest in its volumes, share the budget, and
+ * begin loading. */
 CHECKED status turn_prepare(turn *t);
 
-/* turn_check() - what else decides how a turn ends: sweeps and coarse grids without trouble, files
- * as they were. */
+/* turn_check() - returns how a turn ends: `st`, or what failed in a sweep or a coarse grid, or
+ * ST_CORRUPT where a file has changed. */
 CHECKED status turn_check(const turn *t, bool done, status st);
 
-/* turn_stats() - of the volumes and the device. */
+/* turn_stats() - add the figures of the volumes and the device. */
 void turn_stats(const turn *t, leafcast_stats *stats);
 
-/* turn_end() - after the last one, also of a turn_describe() that failed: the budget is the
- * others'. */
+/* turn_end() - call after the last turn, also after a turn_describe() that failed. Gives the
+ * frame's part of the budget back. */
 void turn_end(turn *t);
 
 /* ---- leafcast_budget.c ---- */
 
-/* budget_check() - ST_NOMEM if there is no room for one treelet of each volume beside the frame. */
+/* budget_check() - ST_NOMEM if the budget cannot hold the frame and one treelet of each volume. */
 CHECKED status budget_check(const turn *t);
 
-/* budget_share() - the same; then the rest is records of suspended rays (a quarter, or what one
- * treelet leaves) and treelets. */
+/* budget_share() - check that, too. Then share the rest out to records of suspended rays (a quarter
+ * of it, or what one treelet of each volume leaves) and to treelets. */
 CHECKED status budget_share(turn *t);
 
-/* budget_scratch() - what all threads draw in. budget_image() - an image's planes of so many
- * pixels.
- */
+/* budget_scratch() - bytes of scratch of all threads. budget_image() - bytes of an image's planes
+ * with that many pixels. */
 size_t budget_scratch(const frame *f);
 size_t budget_image(const leafcast_image *image, size_t pixels);
 
-/* budget_slots() - so many bytes for a volume's treelets; SIZE_MAX: as many as it has. */
+/* budget_slots() - allow `bytes` for a volume's treelets; SIZE_MAX: enough for all of them. */
 void budget_slots(leafcast *v, size_t bytes);
 
 static inline size_t frame_pixels(const frame *f) {

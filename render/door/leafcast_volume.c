@@ -43,7 +43,7 @@ static status open_loader(leafcast *v) {
 _Static_assert((int)LEAFCAST_AXES_LPS == (int)WORLD_LPS && (int)LEAFCAST_AXES_RAS == (int)WORLD_RAS,
                "the public axes are those of the file");
 
-/* In the world that is asked for, where the file says which is its own. */
+/* Place the volume in the world that the options ask for, if the file names its own axes. */
 static void place(leafcast *v) {
     const world_axes wanted = (world_axes)v->options.axes;
     double map[3][4];
@@ -71,7 +71,7 @@ status volume_open_file(leafcast *v) {
     return ST_OK;
 }
 
-/* Where a volume is: a file, or its bytes. */
+/* Where a volume is opened from: a file, or its bytes in memory. */
 typedef struct location {
     const char *path; /* NULL: in memory */
     const void *bytes;
@@ -98,7 +98,7 @@ leafcast *volume_on(leafcast_device *d, const leafcast_options *options) {
     v->options = *options;
     if (options->experiments)
         v->experiments = *options->experiments;
-    v->options.experiments = NULL; /* the caller's */
+    v->options.experiments = NULL; /* points into the caller's memory */
     return v;
 }
 
@@ -116,8 +116,8 @@ void volume_release(leafcast *v) {
     mem_free(&outside, v);
 }
 
-/* With the device's lock held, which the volume becomes a user of. What it takes is measured: no
- * other treelets may come meanwhile. */
+/* Needs the lock of the device; the volume becomes a user of it. Evict all treelets first, so that
+ * the volume's own memory can be measured. */
 static status open_on(leafcast_device *d, const leafcast_options *options, const location *from,
                       leafcast **out) {
     device_clear(d);
@@ -161,7 +161,7 @@ static leafcast_status open_volume(const location *from, const leafcast_options 
         (*volume)->open_s = clock_seconds() - start;
     }
     if (!options.device)
-        device_release(d); /* it is its volume's alone */
+        device_release(d); /* the volume is its only user */
     return public_status(st);
 }
 

@@ -13,29 +13,29 @@
 
 enum {
     BLOCK = 1024,        /* points that a thread takes at a time */
-    CHUNK_LEAST = BLOCK, /* points that wait at a time */
+    CHUNK_LEAST = BLOCK, /* points that may wait at a time */
     CHUNK_MOST = 1 << 22,
-    BATCH_MOST = 1024 /* treelets that are asked for at a time */
+    BATCH_MOST = 1024 /* treelets requested at a time */
 };
 
-/* The end of a list; the list of a treelet that no point has waited for yet. */
+/* NO_POINT ends a list. NOT_SEEN: no point has waited for this treelet yet. */
 #define NO_POINT UINT32_MAX
 #define NOT_SEEN (UINT32_MAX - 1)
 
-/* A chunk of the points, and what waits for what. Numbers of points count from `first` on. */
+/* A chunk of points, and the lists of those that wait. Points are numbered from `first` on. */
 typedef struct waiting {
     const point_samples *job;
     size_t first;
     uint32_t count;
-    uint32_t *treelet; /* a point: that it waits for; LEAF_NO_TREELET: it is done */
-    uint32_t *next;    /* a point: the next one in its list */
-    uint32_t *picked;  /* points whose treelets are there */
-    uint32_t *list;    /* a treelet: the first point that waits for it */
-    uint32_t low;      /* all lists before are empty */
+    uint32_t *treelet; /* per point: waits for this; LEAF_NO_TREELET: done */
+    uint32_t *next;    /* per point: the next point in its list */
+    uint32_t *picked;  /* points whose treelets are resident */
+    uint32_t *list;    /* per treelet: the first point that waits for it */
+    uint32_t low;      /* lists of earlier treelets are empty */
     loader_request *batch;
     uint32_t batch_room;
-    uint32_t chunk; /* points at most */
-    size_t done;    /* points of earlier chunks and of this one */
+    uint32_t chunk; /* most points of a chunk */
+    size_t done;    /* points, in all chunks so far */
     uint64_t treelets, bytes;
 } waiting;
 
@@ -44,7 +44,7 @@ enum { POINT_BYTES = 3 * sizeof(uint32_t) };
 
 /* ---- The budget ---- */
 
-/* What frames that are under way have reserved includes the scratch. */
+/* All bytes but points and treelets. The bytes that begun frames reserved include the scratch. */
 static size_t fixed_bytes(const point_samples *p) {
     const leafcast *v = p->volume;
     const leafcast_device *d = v->device;
@@ -54,7 +54,7 @@ static size_t fixed_bytes(const point_samples *p) {
            BATCH_MOST * sizeof(loader_request) + 4096;
 }
 
-/* Treelets of other volumes stay as long as they leave half of the rest; what they hold. */
+/* Returns the bytes of other volumes' treelets. Evicts these if they take over half of `rest`. */
 static size_t others_bytes(const leafcast *v, size_t rest) {
     size_t held = 0;
     for (const leafcast *w = v->device->volumes; w; w = w->next)
@@ -67,7 +67,7 @@ static size_t others_bytes(const leafcast *v, size_t rest) {
     return 0;
 }
 
-/* A quarter of what there is may be points that wait, the rest is treelets. */
+/* Share the budget: up to a quarter for waiting points, the rest for treelets. */
 static status share_budget(waiting *w) {
     const point_samples *p = w->job;
     const size_t limit = p->volume->m->limit, slot = loader_slot_bytes(p->volume->treelets);
@@ -139,8 +139,8 @@ static void push(waiting *w, uint32_t point) {
     w->list[t] = point;
 }
 
-/* Points that wait go to their lists; the others are done. numbers: of which points; NULL: the
- * first ones. */
+/* Put waiting points into their lists, and count the others as done. numbers: which points; NULL:
+ * the first `count`. */
 static void sort_out(waiting *w, const uint32_t *numbers, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t point = numbers ? numbers[i] : i;
@@ -151,7 +151,7 @@ static void sort_out(waiting *w, const uint32_t *numbers, uint32_t count) {
     }
 }
 
-/* Everything that waits for a treelet, behind what is picked. */
+/* Append all points that wait for treelet t to `picked`. Returns the new length. */
 static uint32_t pick(waiting *w, uint32_t t, uint32_t picked) {
     for (uint32_t point = w->list[t]; point != NO_POINT; point = w->next[point])
         w->picked[picked++] = point;
@@ -225,7 +225,7 @@ static size_t blocks_of(size_t points) {
 
 /* ---- Treelets ---- */
 
-/* The first treelets that points wait for. */
+/* Fill the batch with the first treelets that points wait for. Returns their number. */
 static uint32_t next_batch(waiting *w) {
     const uint32_t treelets = w->job->volume->file->layout.treelets;
     uint32_t count = 0;
@@ -237,8 +237,8 @@ static uint32_t next_batch(waiting *w) {
     return count;
 }
 
-/* The points of those that are there; *absent: how many are not, which come first in the batch
- * then. */
+/* Pick the points of the batch's resident treelets. Move the other treelets to the front of the
+ * batch; *absent is their number. */
 static uint32_t pick_ready(waiting *w, uint32_t count, uint32_t *absent) {
     const loader *l = w->job->volume->treelets;
     uint32_t picked = 0;
@@ -253,7 +253,7 @@ static uint32_t pick_ready(waiting *w, uint32_t count, uint32_t *absent) {
     return picked;
 }
 
-/* What can be done without waiting, or wait. */
+/* Sample points of resident treelets while others load. If there are none, wait for one. */
 static status go_on(waiting *w, uint32_t count) {
     leafcast *v = w->job->volume;
     uint32_t absent;

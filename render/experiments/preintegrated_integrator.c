@@ -4,9 +4,9 @@
 
 typedef struct preintegrated_ray {
     stepping_ray way;
-    bool running;          /* pieces without a gap since: */
-    double front_t, front; /* the last step's end, or the run's start; and the value there */
-    double end_t, end;     /* of the last piece */
+    bool running;          /* in a run of pieces without a gap, from: */
+    double front_t, front; /* the last step's end, or the run's start, and the value there */
+    double end_t, end;     /* end of the last piece, and the value there */
 } preintegrated_ray;
 
 static preintegrated_ray *preintegrated_ray_of(ray_record *r) {
@@ -22,7 +22,7 @@ static void preintegrated_begin(const frame *f, uint32_t pixel, ray_record *r) {
     preintegrated_ray_of(r)->running = false;
 }
 
-/* From the front on, as much of a step as there is. */
+/* Join part of a step, from the front to t. */
 static void join_part(const preintegrated_look *look, preintegrated_ray *p, double t,
                       double value) {
     const preintegrated_table *table = &look->table;
@@ -39,7 +39,7 @@ static void join_part(const preintegrated_look *look, preintegrated_ray *p, doub
     p->front = value;
 }
 
-/* Behind a gap, or at the start. */
+/* Begin a run, behind a gap or at the start. */
 static void begin_run(const preintegrated_look *look, preintegrated_ray *p, double t,
                       double value) {
     if (p->running)
@@ -49,7 +49,7 @@ static void begin_run(const preintegrated_look *look, preintegrated_ray *p, doub
     p->front = value;
 }
 
-/* A piece's polynomial by powers of s; those that it has not are 0. */
+/* A piece's polynomial by powers of s; missing powers are 0. */
 static void powers_of(const segment_columns *c, unsigned i, double power[4]) {
     const double b0 = c->b[0][i], b1 = c->b[1][i];
     const bool cubic = c->degree == 3;
@@ -60,7 +60,7 @@ static void powers_of(const segment_columns *c, unsigned i, double power[4]) {
     power[3] = cubic ? (b3 - b0) - 3.0 * (b2 - b1) : 0.0;
 }
 
-/* The steps that end in piece i. Returns whether nothing counts behind it. */
+/* Join the steps that end in piece i. Returns whether nothing behind it counts. */
 static bool take_piece(const preintegrated_look *look, preintegrated_ray *p,
                        const segment_columns *c, unsigned i) {
     const preintegrated_table *table = &look->table;

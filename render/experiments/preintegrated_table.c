@@ -30,7 +30,7 @@ static status make_row(void *ctx, size_t front, int worker) {
 status preintegrated_table_make(preintegrated_table *t, mem *m, pool *threads,
                                 const transfer *medium, const double range[2], double step,
                                 int side) {
-    const double error = 1e-5; /* of all steps of a ray together, at most */
+    const double error = 1e-5; /* the most, of all steps of a ray together */
     making k = {.table = t,
                 .rule = {.transfer = medium,
                          .share = error,
@@ -38,7 +38,7 @@ status preintegrated_table_make(preintegrated_table *t, mem *m, pool *threads,
                          .drop = 1e-3 * error},
                 .range = {range[0], range[1]}};
     *t = (preintegrated_table){.side = side, .least = range[0], .step = step};
-    if (!(range[0] <= range[1])) /* no value is finite, and no piece comes */
+    if (!(range[0] <= range[1])) /* no value is finite, so no piece will come */
         k.range[0] = k.range[1] = t->least = 0.0;
     if (k.range[0] < k.range[1])
         t->scale = (side - 1) / (k.range[1] - k.range[0]);

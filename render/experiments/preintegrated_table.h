@@ -1,9 +1,9 @@
-/* preintegrated_table.h - what is seen of a step along which the value goes evenly from one value
- * to another, by both of them (Engel, Kraus, Ertl 2001).
+/* preintegrated_table.h - what is seen of a step along which the value changes linearly, by its
+ * values at both ends (Engel, Kraus, Ertl 2001).
  *
  * side x side entries over the values of a volume, each to 1e-5 of what it hides
- * (medium_stretch.h); between them the four around are interpolated. A step in the transfer
- * function is smeared over an entry, and what values do along a step is taken to be even.
+ * (medium_stretch.h). Look-ups interpolate between four entries. So a jump of the transfer function
+ * is smeared over an entry, and values are taken to be linear along a step.
  */
 #ifndef RENDER_EXPERIMENTS_PREINTEGRATED_TABLE_H
 #define RENDER_EXPERIMENTS_PREINTEGRATED_TABLE_H
@@ -24,20 +24,20 @@ typedef struct preintegrated_table {
     preintegrated_entry *entry; /* entry[front * side + back]; NULL: none */
 } preintegrated_table;
 
-/* preintegrated_table_make() - over range[0] .. range[1]. preintegrated_table_release() - also
- * where that failed, and of a zeroed one. */
+/* preintegrated_table_make() - make the table for values in range[0] .. range[1].
+ * preintegrated_table_release() - also after a failed make, and for a zeroed one. */
 CHECKED status preintegrated_table_make(preintegrated_table *t, mem *m, pool *threads,
                                         const transfer *medium, const double range[2], double step,
                                         int side);
 void preintegrated_table_release(preintegrated_table *t, mem *m);
 
-/* The place of a value between entries, 0 to side - 1. */
+/* The position of a value among the entries, 0 to side - 1. */
 static inline float preintegrated_place(const preintegrated_table *t, double value) {
     const double at = (value - t->least) * t->scale, last = t->side - 1;
     return (float)(at > 0.0 ? at < last ? at : last : 0.0);
 }
 
-/* preintegrated_look_up() - between two such places. */
+/* preintegrated_look_up() - the interpolated entry for two positions. */
 static inline preintegrated_entry preintegrated_look_up(const preintegrated_table *t, float front,
                                                         float back) {
     const int most = t->side - 2;

@@ -1,5 +1,5 @@
 /* stepping_batch_template.h - stepping_batch.h for the ISA of the translation unit that includes
- * it: the scalar functions (stepping_batch.c) written again for vectors, operation by operation; a
+ * it: the scalar functions (stepping_batch.c) written again for vectors, operation by operation. A
  * lane is a piece.
  */
 #ifndef RENDER_EXPERIMENTS_STEPPING_BATCH_TEMPLATE_H
@@ -14,10 +14,10 @@
 
 void SIMD_NAME(stepping_batch)(stepping_batch *m, const segment_columns *pieces);
 
-/* Of spans that lie so many doubles behind the first. */
+/* A member of spans; at: how many doubles each lies behind the first span. */
 #define OF_SPANS(m, member, at) d_gather(&(m)->transfer->span->member, at)
 
-/* Where spans lie, by their number. */
+/* Offsets of spans, in doubles, by their number. */
 SIMD vl span_at(vd number) {
     return l_mul((vl)(number + d_set(0x1p52)), l_set(sizeof(transfer_span) / sizeof(double)));
 }
@@ -64,7 +64,7 @@ SIMD void take_samples(const stepping_batch *m, double widest, md live, vd value
     const vl at = find_spans(m, widest, value);
     const vd w = (value - OF_SPANS(m, base, at)) * OF_SPANS(m, inverse, at), rest = one - w;
     const vd k = rest * OF_SPANS(m, k[0], at) + w * OF_SPANS(m, k[1], at);
-    live = md_and(live, d_gt(k, zero)); /* without, the sums stay as they are */
+    live = md_and(live, d_gt(k, zero)); /* without extinction the sums do not change */
     if (!md_bits(live))
         return;
     const vd through = simd_exp(zero - k * length), share = p->through * (one - through);

@@ -4,7 +4,7 @@
 
 #include "render/ray/kind.h"
 
-/* The whole ray. False: it misses the volume. */
+/* Make the whole ray. Returns false if it misses the volume. */
 static bool ray_of(const frame *f, uint32_t pixel, ray *r) {
     double origin[3], direction[3];
     camera_ray(&f->camera, pixel % f->width + 0.5, pixel / f->width + 0.5, origin, direction);
@@ -37,7 +37,7 @@ bool stepping_ray_ask(const frame *f, stepping_ray *p, ray_question *q) {
     return true;
 }
 
-/* The volume is behind it. */
+/* The walk through the volume has ended. */
 void stepping_ray_answer(const frame *f, ray_record *record, trace_result result) {
     stepping_ray *p = stepping_ray_of(record);
     (void)f;

@@ -8,15 +8,15 @@
 #include "render/frame/ray_advance.h"
 #include "render/ray/kind.h"
 
-/* What a thread counts and has in its hand, apart from the others' cache lines. */
+/* A thread's counters and work in hand, on cache lines of its own. */
 typedef struct tally {
     _Alignas(64) ray_counters counters;
     atomic_size_t finished; /* pixels */
     work_hand hand;
 } tally;
 
-/* What a thread draws a tile in; then comes room for a batch of rays. The tile's kernel has the
- * rest of the scratch, and when it has done rays that go on together have it, with their records.
+/* A thread's scratch, at its start; room for a batch of rays follows. The rest belongs to the
+ * tile's kernel first, and then to rays that go on together, with their records.
  */
 typedef struct easel {
     _Alignas(64) tile_outcome todo;
@@ -57,7 +57,7 @@ static size_t company_bytes(const frame *f) {
     return up_to_64(sizeof(ray_company) + WORK_BATCH * frame_record_bytes(f));
 }
 
-/* What a tile's kernel and rays that go on together have in turn. */
+/* Bytes that a tile's kernel and rays that go on together use in turn. */
 static size_t shared_scratch(const frame *f) {
     const size_t tile = up_to_64(f->tracer->kind->tile_scratch), company = company_bytes(f);
     return tile > company ? tile : company;
@@ -119,9 +119,9 @@ static tile_row *rows_to_do(const drawing *d, uint32_t tile) {
     return d->to_do + (size_t)tile * d->side;
 }
 
-/* A tile whose rays met absent treelets is taken up again when they have come; but rays wait one by
- * one where treelets have to take turns, and where a preview goes on without them. From here on it
- * may be another thread's. */
+/* Let a tile whose rays met absent treelets wait for them; then another thread may take it up at
+ * once. Returns false where its rays must wait one by one: where treelets have to take turns, and
+ * where a preview goes on without them. */
 static bool wait_for_treelets(drawing *d, uint32_t tile, const tile_outcome *todo, tally *mine) {
     if (todo->absent_count == 0 || d->f->tracer->preview)
         return false;
@@ -157,7 +157,7 @@ static void advance(const drawing *d, easel *e, tally *mine) {
     ray_advance(d->f, e->rays, e->todo.batch, e->pieces, e->todo.batch_scratch, &mine->counters);
 }
 
-/* Those that are blocked wait for their treelets; a record was promised to each. */
+/* Keep the blocked rays in records, which were promised, until their treelets come. */
 static status keep_blocked(drawing *d, const ray_company *rays, uint32_t *count, work_hand *own) {
     uint32_t kept[WORK_BATCH];
     status st = ST_OK;
@@ -181,11 +181,11 @@ static void count_finished(tally *t, size_t pixels) {
     atomic_store_explicit(&t->finished, before + pixels, memory_order_relaxed);
 }
 
-/* Neighbours go on together: a square of pixels, as many as there are records. */
+/* Neighbours go on together: a square of pixels fills an item. */
 enum { SQUARE = 16 };
 _Static_assert(SQUARE *SQUARE == WORK_BATCH && TILE_MAX % SQUARE == 0, "a square is an item");
 
-/* Begin what a tile has left over of the square at (x, y); x0, y0: of the tile. */
+/* Begin the pixels that the kernel left open in the square at (x, y); x0, y0: the tile. */
 static void begin_square(const drawing *d, easel *e, uint32_t x0, uint32_t y0, uint32_t x,
                          uint32_t y) {
     const frame *f = d->f;
@@ -204,7 +204,7 @@ static void begin_square(const drawing *d, easel *e, uint32_t x0, uint32_t y0, u
     }
 }
 
-/* What a tile has left over. *kept: how many were suspended, by then. */
+/* Trace the pixels that the kernel left open. Adds the number of suspended rays to *kept. */
 static status draw_rest(drawing *d, easel *e, uint32_t x0, uint32_t y0, uint32_t *kept,
                         tally *mine) {
     status st = ST_OK;
@@ -220,7 +220,7 @@ static status draw_rest(drawing *d, easel *e, uint32_t x0, uint32_t y0, uint32_t
     return st;
 }
 
-/* Trace a tile's rays, by its kernel as far as that goes. */
+/* Trace a tile's rays, by its kernel as far as possible. */
 static status draw_tile(drawing *d, uint32_t tile, easel *e, tally *mine) {
     uint32_t kept = 0;
     const uint32_t x0 = tile % d->tiles_x * d->side, y0 = tile / d->tiles_x * d->side;
@@ -271,7 +271,7 @@ static status draw_item(drawing *d, const work_item *item, int worker) {
     return ST_OK;
 }
 
-/* A thread's round. */
+/* One thread's part in a round. */
 static status draw_items(void *ctx, size_t index, int worker) {
     drawing *d = ctx;
     work_item item;
@@ -286,7 +286,7 @@ static status draw_items(void *ctx, size_t index, int worker) {
     return st;
 }
 
-/* The first volume's that has one. */
+/* The first failure of any volume's loader. */
 static status failure(const frame *f) {
     status st = ST_OK;
     for (int v = 0; v < f->volumes && st == ST_OK; v++)
@@ -294,7 +294,7 @@ static status failure(const frame *f) {
     return st;
 }
 
-/* Until nothing can be done without treelets giving way to others, or the time is over. */
+/* Work until nothing can be done unless treelets are evicted, or the time is over. */
 static status draw_round(drawing *d) {
     const frame *f = d->f;
     d->rounds++;
@@ -321,7 +321,7 @@ status frame_advance(drawing *d, double until, bool *done) {
     return st;
 }
 
-/* A tile with all its pixels in the picture to do. */
+/* Mark all pixels of a tile that lie in the picture as to do. */
 static void begin_to_do(drawing *d, uint32_t tile) {
     const frame *f = d->f;
     const uint32_t x0 = tile % d->tiles_x * d->side, y0 = tile / d->tiles_x * d->side;
@@ -330,12 +330,13 @@ static void begin_to_do(drawing *d, uint32_t tile) {
         rows_to_do(d, tile)[y] = y0 + y < f->height ? (tile_row)((UINT64_C(1) << columns) - 1) : 0;
 }
 
-/* The even bits of a number below 2^8, together. */
+/* Gather the even bits of a number below 2^8. */
 static uint32_t even_bits(uint32_t n) {
     return (n & 1) | (n >> 1 & 2) | (n >> 2 & 4) | (n >> 3 & 8);
 }
 
-/* Squares of 8 x 8 tiles along a Z: what neighbours need is still in the cache. */
+/* Order tiles in squares of 8 x 8 along a Z curve: data that neighbours share is then still
+ * cached. */
 static void put_in_order(drawing *d) {
     enum { SIDE = 8 };
     const uint32_t tiles_y = d->tiles / d->tiles_x;

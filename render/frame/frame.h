@@ -1,10 +1,11 @@
 /* frame.h - one picture: tiles of rays over all threads, suspended rays, passes.
  *
- * Each pixel has a ray, and an integrator (integrator.h) that makes a pixel of it. Wherever that
- * needs a treelet that is absent, its record suspends into the treelet's bucket; when the treelet
- * is resident the bucket is run. Records of suspended rays are limited: tiles wait while there is
- * no room for all their rays. So any budget that holds the directories, one treelet of each volume
- * and one tile's rays a thread finishes, and the picture is the same bits for all of them.
+ * Each pixel has a ray, and an integrator (integrator.h) that turns it into a pixel. Where that
+ * needs an absent treelet, the ray's record suspends into the treelet's bucket. The bucket is run
+ * when the treelet is resident. Records of suspended rays are limited: a tile waits until there is
+ * room for all its rays. So a frame finishes with any budget that holds the directories, one
+ * treelet of each volume and one tile's rays a thread. The picture is the same bits for all
+ * budgets.
  */
 #ifndef RENDER_FRAME_FRAME_H
 #define RENDER_FRAME_FRAME_H
@@ -20,7 +21,7 @@
 
 struct integrator;
 
-/* Volumes that a frame shows, at most. */
+/* The most volumes that a frame shows. */
 enum { FRAME_VOLUMES_MAX = 16 };
 
 typedef struct frame {
@@ -29,63 +30,64 @@ typedef struct frame {
     const tracer *tracer; /* one a volume */
     int volumes;
     const struct integrator *integrator;
-    const void *look;   /* the integrator's part: what it makes of rays */
-    size_t record_more; /* bytes that its records have for this look, a multiple of 8 */
+    const void *look;   /* description for the integrator */
+    size_t record_more; /* bytes that records need more for this look, a multiple of 8 */
     camera camera;
     cpu_isa isa;                  /* of the integrator's own kernels */
-    const projection *projection; /* of the first volume, or NULL: where tiles of a kind need it */
+    const projection *projection; /* of the first volume; NULL unless its kind's tiles need one */
     uint32_t width, height;
     leafcast_image image;
-    size_t stride;        /* of its planes: from row to row */
+    size_t stride;        /* of the image's planes, from row to row */
     void *scratch;        /* frame_scratch_bytes() for each thread, not initialised */
-    uint32_t records_max; /* suspended rays at a time, at least frame_records_min() */
+    uint32_t records_max; /* most suspended rays, at least frame_records_min() */
     bool (*watch)(void *ctx, double done); /* see leafcast_trace() */
     void *watch_ctx;
-    const atomic_bool *cancel; /* ends it soon with ST_STOPPED once it is true; or NULL */
+    const atomic_bool *cancel; /* once true, the frame soon ends with ST_STOPPED; or NULL */
 } frame;
 
-/* frame_goes_on() - whether neither *cancel nor watch() says that it shall end; for rays that take
- * long. watch() is told less than 0: no news. */
+/* frame_goes_on() - false when *cancel or watch() ask to stop; for rays that take long. Calls
+ * watch() with a number below 0: no news. */
 static inline bool frame_goes_on(const frame *f) {
     return !(f->cancel && atomic_load_explicit(f->cancel, memory_order_relaxed)) &&
            (!f->watch || f->watch(f->watch_ctx, -1.0));
 }
 
-/* frame_plane() - where a pixel is in the image's planes. */
+/* frame_plane() - index of a pixel in the image's planes. */
 static inline size_t frame_plane(const frame *f, uint32_t pixel) {
     return pixel / f->width * f->stride + pixel % f->width;
 }
 
 typedef struct drawing drawing;
 
-/* frame_begin() - a drawing of f, which is used until frame_end(); nothing is drawn yet. All its
- * memory is of f->m. */
+/* frame_begin() - make a drawing of f, which must live until frame_end(). Draws nothing yet. All
+ * its memory comes from f->m. */
 CHECKED status frame_begin(const frame *f, drawing **out);
 
-/* frame_advance() - go on. Nothing is begun after `until` (clock_seconds(), INFINITY: never) but
- * what makes some progress, so that any number of calls ends. *done when every pixel is written.
- * In between the loaders may serve others: they must have the same selection again, and forgotten
- * their failures. ST_STOPPED when watch() or *cancel said so; the planes are then partly written.
- * After any error there is only frame_end(). */
+/* frame_advance() - go on until clock_seconds() is `until`; INFINITY: to the end. Some progress is
+ * made even if that is over, so that any number of calls ends. *done: every pixel is written.
+ * Between calls the loaders may serve others; but then they must have the same selection again, and
+ * have forgotten their failures. ST_STOPPED when watch() or *cancel ask to stop; the planes are
+ * then partly written. After an error only frame_end() may be called. */
 CHECKED status frame_advance(drawing *d, double until, bool *done);
 
-/* frame_end() - adds what it took to the counters, which may be NULL. NULL for d is fine. */
+/* frame_end() - free the drawing, and add its costs to the counters. Both may be NULL. */
 void frame_end(drawing *d, ray_counters *total);
 
-/* frame_render() - the three in a row. */
+/* frame_render() - frame_begin(), frame_advance() and frame_end() in a row. */
 CHECKED status frame_render(const frame *f, ray_counters *counters);
 
-/* The following need of f: tracer (kind, layout), volumes, integrator, threads, width and height.
+/* The following functions use only these members of f: tracer (kind, layout), volumes, integrator,
+ * threads, width and height.
  *
- * frame_records_min() - the fewest records with which a frame can finish; frame_record_bytes() -
- * memory of one. */
+ * frame_records_min() - the fewest records with which a frame can finish. frame_record_bytes() -
+ * memory of one record. */
 uint32_t frame_records_min(const frame *f);
 size_t frame_record_bytes(const frame *f);
 
-/* frame_scratch_bytes() - memory that a thread draws in, whatever the picture; a multiple of 64. */
+/* frame_scratch_bytes() - scratch memory of a thread, whatever the picture; a multiple of 64. */
 size_t frame_scratch_bytes(const frame *f);
 
-/* frame_bytes() - memory that a frame needs beside records, treelets and image. */
+/* frame_bytes() - memory of a frame beside records, treelets and image. */
 size_t frame_bytes(const frame *f, uint32_t records_max);
 
 #endif

@@ -5,12 +5,12 @@
 #include "formats/base/clock.h"
 #include "render/ray/kind.h"
 
-enum { NONE = -1, NOT_COME = -2 }; /* ends of lists; a bucket that is not in one */
+enum { NONE = -1, NOT_COME = -2 }; /* end of a list; not in the list of come buckets */
 static const uint32_t none = (uint32_t)NONE, not_come = (uint32_t)NOT_COME;
 
 /* ---- The order of treelets ---- */
 
-/* A treelet that is to be asked for. */
+/* A treelet to be requested. */
 typedef struct wish {
     int volume;
     uint32_t t, leg;
@@ -26,7 +26,7 @@ static uint64_t priority_of(const frame *f, wish w) {
     return (uint64_t)w.leg << 32 | tr->kind->rank(tr, w.t, &rays);
 }
 
-/* At most WORK_BATCH. */
+/* Request up to WORK_BATCH treelets. */
 static void ask_for(const frame *f, const wish wishes[], uint32_t count) {
     loader_request requests[WORK_BATCH];
     for (uint32_t i = 0, run = 0; i < count; i += run) {
@@ -39,7 +39,7 @@ static void ask_for(const frame *f, const wish wishes[], uint32_t count) {
 
 /* ---- Buckets; with the lock held ---- */
 
-/* A bucket whose treelet is READY, unless it is empty. */
+/* List bucket t, whose treelet is READY, among those that have come, unless it is empty. */
 static void come(frame_work *w, uint32_t t) {
     work_bucket *b = &w->buckets[t];
     if (b->next != not_come || (b->rays == none && b->tiles == none))
@@ -52,7 +52,7 @@ static void come(frame_work *w, uint32_t t) {
     w->come_last = t;
 }
 
-/* Before something waits for a treelet: whether nothing did. */
+/* Call before something is put into a treelet's bucket. Returns whether the bucket was empty. */
 static bool begin_waiting(frame_work *w, uint32_t t) {
     const work_bucket *b = &w->buckets[t];
     const bool first = b->rays == none && b->tiles == none;
@@ -85,8 +85,8 @@ static uint32_t pop_tile(frame_work *w, uint32_t *list) {
     return tile;
 }
 
-/* Whether nothing was waiting for the ray's treelet, which is then to be asked for. It may have
- * come since the ray looked. */
+/* Put a ray into its treelet's bucket. Returns whether the treelet must now be requested: nothing
+ * waited for it yet, and it has not come since the ray looked. */
 static bool hang_up_ray(frame_work *w, uint32_t record) {
     const ray_record *r = ray_records_at(w->records, record);
     const uint32_t t = w->first[r->volume] + r->blocked;
@@ -98,7 +98,7 @@ static bool hang_up_ray(frame_work *w, uint32_t record) {
     return first;
 }
 
-/* Into the bucket of a treelet that is absent, or among the tiles that can go on. */
+/* Put a tile into the bucket of one of its absent treelets, or among the tiles that can go on. */
 static void hang_up_tile(frame_work *w, uint32_t tile) {
     const work_tile *x = &w->tiles[tile];
     for (uint32_t i = 0; i < x->absent_count; i++) {
@@ -113,7 +113,7 @@ static void hang_up_tile(frame_work *w, uint32_t tile) {
     push_tile(w, &w->resumable, tile);
 }
 
-/* With the lock held: the tiles in a thread's hand, which wait. */
+/* With the lock held: put the waiting tiles of a thread's hand into buckets. */
 static void hang_up_hand(frame_work *w, work_hand *own) {
     while (own->tile_count > 0)
         hang_up_tile(w, own->tiles[--own->tile_count]);
@@ -121,7 +121,7 @@ static void hang_up_hand(frame_work *w, work_hand *own) {
 
 /* ---- Arrivals ---- */
 
-/* Volumes before this one may have the same loader. */
+/* Whether no volume before this one has the same loader. */
 static bool is_first_of_loader(const frame *f, int volume) {
     int v = 0;
     while (f->tracer[v].treelets != f->tracer[volume].treelets)
@@ -129,7 +129,7 @@ static bool is_first_of_loader(const frame *f, int volume) {
     return v == volume;
 }
 
-/* No lock. */
+/* Whether any loader has arrivals. Takes no lock. */
 static bool has_arrivals(const frame *f) {
     bool any = false;
     for (int v = 0; v < f->volumes && !any; v++)
@@ -137,14 +137,14 @@ static bool has_arrivals(const frame *f) {
     return any;
 }
 
-/* With the lock held: a treelet of a loader, perhaps of several volumes. */
+/* With the lock held: list a loader's treelet as come, in all volumes that have that loader. */
 static void come_to_all(frame_work *w, const loader *from, uint32_t t) {
     for (int v = 0; v < w->f->volumes; v++)
         if (w->f->tracer[v].treelets == from)
             come(w, w->first[v] + t);
 }
 
-/* With the lock held: what loaders have brought since. Whether all of it is READY. */
+/* With the lock held: take all arrivals of the loaders. Returns whether all of them are READY. */
 static bool hear(frame_work *w) {
     bool all = true;
     for (int v = 0; v < w->f->volumes; v++) {
@@ -176,7 +176,7 @@ static bool next_tile(frame_work *w, uint32_t *tile) {
     return true;
 }
 
-/* Whether no more is to be begun, as far as is known without the lock. */
+/* Whether the round is over, as far as is known without the lock. */
 static bool is_over(const frame_work *w) {
     return atomic_load_explicit(&w->over, memory_order_relaxed);
 }
@@ -188,8 +188,8 @@ static bool has_work(frame_work *w) {
     return rays || ((tiles || tile_left(w)) && ray_records_unpromised(w->records) >= w->tile_rays);
 }
 
-/* After any change of what can be done: wakes a thread if there is work for it. That one wakes the
- * next. Nobody starts up while the lock is held, which it would soon wait for. */
+/* Call after any change of what can be done. Wakes a thread if there is work for it; that one wakes
+ * the next. Wakes it after unlocking, since it would soon wait for the lock. */
 static void unlock_and_wake(frame_work *w) {
     const bool claimed = has_work(w) && sleepers_claim(&w->sleepers);
     pthread_mutex_unlock(&w->lock);
@@ -246,12 +246,12 @@ bool frame_work_late(const frame_work *w) {
            atomic_load_explicit(&w->progress, memory_order_relaxed) && clock_seconds() >= w->until;
 }
 
-/* Whether a treelet has come, or one will and be heard of. */
+/* Whether a treelet has come, or a read is under way whose end will wake a thread. */
 static bool more_comes(const frame *f) {
     return loaders_read(f) || has_arrivals(f);
 }
 
-/* Until when to sleep. */
+/* The time at which a sleeping thread must wake. */
 static double alarm_time(const frame_work *w) {
     const bool timed = atomic_load_explicit(&w->progress, memory_order_relaxed);
     return timed ? w->until : (double)INFINITY;
@@ -261,7 +261,8 @@ static bool is_cancelled(const frame *f) {
     return f->cancel && atomic_load_explicit(f->cancel, memory_order_relaxed);
 }
 
-/* The same, known with the lock held, after a look at all that may end a round. */
+/* Whether the round is over. With the lock held: ends it first if a read failed, on cancel, or when
+ * the time is over. */
 static bool look_over(frame_work *w) {
     const bool failed = !hear(w);
     if (!is_over(w) && (failed || is_cancelled(w->f) || frame_work_late(w)))
@@ -269,10 +270,12 @@ static bool look_over(frame_work *w) {
     return is_over(w);
 }
 
-/* Whether to sleep until something has changed. The last one awake finds out whether anything will.
+/* Returns whether to sleep until something has changed. The last thread awake finds out whether
+ * anything will, and ends the round if not.
  */
 static bool lie_down_or_end(frame_work *w, work_hand *own) {
-    /* Others may have waited for these; and they count before anybody says that there are none. */
+    /* Give records back: others may wait for them, and they must count before the last thread finds
+     * that there are none. */
     (void)ray_records_keep(w->records, &own->reserve, 0);
     const bool last = sleepers_lie_down(&w->sleepers) == atomic_load(&w->inside);
     const bool ends = last && !(w->hung_up > 0 && more_comes(w->f));
@@ -284,7 +287,7 @@ static bool lie_down_or_end(frame_work *w, work_hand *own) {
     return false;
 }
 
-/* What is in the hand is hung up, without anything to be taken. */
+/* Put the tiles of the hand into buckets, without taking an item. */
 static void put_down_hand(frame_work *w, work_hand *own) {
     if (own->tile_count == 0)
         return;
@@ -303,7 +306,7 @@ void frame_work_leave(frame_work *w, work_hand *own) {
     atomic_fetch_sub(&w->inside, 1);
 }
 
-/* A tile to begin, while nothing else can be done. No lock. */
+/* Take a tile to begin while nothing else can be done. Takes no lock. */
 static bool take_quickly(frame_work *w, const work_hand *own, work_item *item) {
     item->is_tile = true;
     return !atomic_load_explicit(&w->look, memory_order_relaxed) && !has_arrivals(w->f) &&
@@ -344,7 +347,7 @@ void frame_work_suspend(frame_work *w, work_hand *own, const uint32_t rays[], ui
     ask_for(w->f, wishes, wished);
 }
 
-/* What it waits for is asked for, so nobody but this thread needs to know of it yet. */
+/* The tile's treelets have been requested, so only this thread needs to know of it yet. */
 static void take_in_hand(frame_work *w, work_hand *own, uint32_t tile) {
     own->tiles[own->tile_count++] = tile;
     if (own->tile_count == WORK_HAND)
@@ -375,7 +378,8 @@ void frame_work_stop(frame_work *w) {
 
 /* ---- Between rounds ---- */
 
-/* Treelets that something still waits for; whether tiles do, which are taken up again. */
+/* Keep in the list those treelets that rays still wait for, and make tiles resumable. Returns
+ * whether there were any tiles. */
 static bool look_over_waiting(frame_work *w) {
     bool tiles = false;
     uint32_t kept = 0;
@@ -393,12 +397,12 @@ static bool look_over_waiting(frame_work *w) {
     return tiles;
 }
 
-/* What a treelet's first ray waits for. */
+/* The wish of the first ray in a treelet's bucket. */
 static wish wish_for(const frame_work *w, uint32_t t) {
     return wish_of(ray_records_at(w->records, w->buckets[t].rays));
 }
 
-/* What rays wait for from a loader. */
+/* Collect requests for the treelets that rays await from a loader. */
 static size_t collect_requests(frame_work *w, const loader *from) {
     size_t count = 0;
     pthread_mutex_lock(&w->lock);
@@ -433,7 +437,7 @@ status frame_work_admit(frame_work *w) {
         if (count > 0)
             st = loader_admit(from, w->requests, count);
     }
-    /* What has come meanwhile may have given way again: that is no failure. */
+    /* Treelets that came meanwhile may have been evicted again: that is no failure. */
     pthread_mutex_lock(&w->lock);
     (void)hear(w);
     (void)has_work(w);
@@ -441,8 +445,8 @@ status frame_work_admit(frame_work *w) {
     return st;
 }
 
-/* Other frames may have been drawn since: what had come may have gone, and nothing is asked for any
- * more. */
+/* Sort all that waits anew. Other frames may have been drawn since: treelets that had come may be
+ * gone, and nothing is requested any more. */
 static void sort_buckets(frame_work *w) {
     w->come_first = none;
     w->waiting_count = 0;
@@ -469,11 +473,11 @@ void frame_work_begin(frame_work *w, double until) {
     w->until = until;
     atomic_store_explicit(&w->progress, false, memory_order_relaxed);
     atomic_store_explicit(&w->over, false, memory_order_relaxed);
-    (void)hear(w); /* before the buckets are looked at */
+    (void)hear(w); /* before the buckets are sorted */
     sort_buckets(w);
     (void)has_work(w);
     pthread_mutex_unlock(&w->lock);
-    /* Nobody else is in a round yet. */
+    /* No other thread is in a round yet, so no lock is needed. */
     for (uint32_t i = 0; i < w->waiting_count; i++) {
         const wish x = wish_for(w, w->waiting[i]);
         ask_for(f, &x, 1);

@@ -1,12 +1,12 @@
 #include "render/frame/ray_advance.h"
 
-/* Whose turn it is first: what lights let through comes before the next surface, so that all get
- * there together. */
+/* Order of a ray's turn, least first: shadow legs come before the next surface, so that all rays
+ * get there together. */
 static uint32_t turn_of(const ray_record *r) {
     return (uint32_t)(uint16_t)(r->leg - 1) << 16 | r->volume;
 }
 
-/* The number of a ray whose turn it is; count: none asks. */
+/* The number of a ray whose turn it is; count: no ray asks. */
 static unsigned next_of(const ray_company *c) {
     unsigned next = c->count;
     for (unsigned i = 0; i < c->count; i++)
@@ -15,7 +15,7 @@ static unsigned next_of(const ray_company *c) {
     return next;
 }
 
-/* Put the questions of all those whose turn it is, too, into the batch. */
+/* Put the questions of all rays with the same turn as `first` into the batch. */
 static void gather(ray_company *c, unsigned first, ray_batch *b) {
     const tracer *tr = c->question[first].tracer;
     const uint32_t turn = turn_of(c->record[first]);
@@ -30,7 +30,7 @@ static void gather(ray_company *c, unsigned first, ray_batch *b) {
     }
 }
 
-/* What a question waits for. */
+/* The treelet that a question waits for. */
 static uint32_t absent_of(const ray_question *q) {
     return q->state     ? q->state->blocked
            : q->walk    ? q->walk->blocked
@@ -61,7 +61,7 @@ static void take(void *ctx, segment_batch *b) {
     p->f->integrator->take(p->f, p->record, &b->columns, b->stop, p->scratch);
 }
 
-/* Of those whose turn it is, all that ask for pieces. */
+/* Gather all rays with the same turn as `first` that ask for pieces. */
 static void gather_walkers(ray_company *c, unsigned first, ray_pieces *p) {
     segment_batch *b = &p->batch;
     const tracer *tr = c->question[first].tracer;
@@ -79,7 +79,7 @@ static void gather_walkers(ray_company *c, unsigned first, ray_pieces *p) {
     }
 }
 
-/* All pieces of all these. */
+/* Answer rays of one turn that ask for pieces. */
 static void walk_together(const frame *f, ray_company *c, unsigned first, ray_pieces *p,
                           void *scratch, ray_counters *counters) {
     segment_batch *b = &p->batch;
@@ -94,7 +94,7 @@ static void walk_together(const frame *f, ray_company *c, unsigned first, ray_pi
               counters);
 }
 
-/* Those whose turn it is together, as far as they ask for hits. */
+/* Answer rays of one turn that ask for hits. */
 static void answer_together(const frame *f, ray_company *c, unsigned first, ray_batch *b,
                             void *scratch, ray_counters *counters) {
     gather(c, first, b);
@@ -105,7 +105,7 @@ static void answer_together(const frame *f, ray_company *c, unsigned first, ray_
     }
 }
 
-/* Of those whose turn it is, all that ask for the greatest values on their ways. */
+/* Answer rays of one turn that ask for the greatest value on their ways. */
 static void climb_together(const frame *f, ray_company *c, unsigned first, ray_pieces *p,
                            void *scratch, ray_counters *counters) {
     extreme_batch *b = &p->extremes;

@@ -1,7 +1,7 @@
-/* ray_advance.h - rays of pixels go on side by side: what several ask is answered by batches.
+/* ray_advance.h - rays of pixels go on side by side; questions of several rays are answered in
+ * batches.
  *
- * Each goes its own way: its answers are those that it would have alone, to the bit, whatever the
- * others ask.
+ * Each ray's answers are those that it would have alone, to the bit, whatever the others ask.
  */
 #ifndef RENDER_FRAME_RAY_ADVANCE_H
 #define RENDER_FRAME_RAY_ADVANCE_H
@@ -13,13 +13,13 @@
 typedef struct ray_company {
     unsigned count;                /* at most RAY_BATCH */
     ray_record *record[RAY_BATCH]; /* the caller's */
-    bool blocked[RAY_BATCH];       /* needs a treelet: the head says which. Else it is done */
-    bool asks[RAY_BATCH];          /* these and the rest: while they go on */
+    bool blocked[RAY_BATCH];       /* needs the treelet that its head names; false: it is done */
+    bool asks[RAY_BATCH];          /* this and the rest are only used within ray_advance() */
     ray_question question[RAY_BATCH];
-    uint8_t asked[RAY_BATCH]; /* those that are asked together, by number */
+    uint8_t asked[RAY_BATCH]; /* numbers of the rays in the current batch */
 } ray_company;
 
-/* Room for what integrator.take() is given, or for rays that look for the greatest value. */
+/* Room for the pieces for integrator.take(), or for rays that look for the greatest value. */
 typedef struct ray_pieces {
     union {
         segment_batch batch;
@@ -30,11 +30,11 @@ typedef struct ray_pieces {
     _Alignas(64) char scratch[]; /* integrator.take_scratch bytes */
 } ray_pieces;
 
-/* ray_pieces_bytes() - of one, a multiple of 64. */
+/* ray_pieces_bytes() - size of one for this integrator, a multiple of 64. */
 size_t ray_pieces_bytes(const integrator *by);
 
-/* ray_advance() - all rays go on until their pixels are written or they are blocked; also those
- * that were blocked. *b, *pieces and scratch: room, see ray_batch.h; pieces may be NULL for an
+/* ray_advance() - let all rays go on, also those that were blocked, until their pixels are written
+ * or they are blocked. *b, *pieces and scratch: room, see ray_batch.h. pieces may be NULL for an
  * integrator that asks for none. */
 void ray_advance(const frame *f, ray_company *c, ray_batch *b, ray_pieces *pieces, void *scratch,
                  ray_counters *counters);

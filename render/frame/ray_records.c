@@ -74,7 +74,7 @@ static status make_chunk(ray_records *r) {
     return ST_OK;
 }
 
-/* Under the lock: a record that nobody has, of those that were promised to who asks. */
+/* Under the lock: a record of the promised ones that no thread has. */
 static status find(ray_records *r, uint32_t *i) {
     if (r->free_head != ray_records_none) {
         *i = pop(r, &r->free_head);
@@ -86,7 +86,7 @@ static status find(ray_records *r, uint32_t *i) {
     return st;
 }
 
-/* As many more at hand as are promised, up to a few. */
+/* Bring records to hand: as many as are promised, up to REFILL. */
 static status refill(ray_records *r, ray_reserve *own) {
     const uint32_t count = own->promised < REFILL ? own->promised : REFILL;
     status st = ST_OK;

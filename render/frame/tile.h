@@ -1,13 +1,13 @@
 /* tile.h - the primary rays of a square of pixels through a volume together, up to the last surface
- * that counts: what a kernel takes and what it leaves (grid/grid_tile.h, mesh/mesh_tile.h).
+ * that counts: input and outcome of a kernel (grid/grid_tile.h, mesh/mesh_tile.h).
  *
  * All of them start at the eye, so one order of nodes is front to back for them all. The tree is
- * walked once a tile: every node carries the rectangle of pixels that it can cover (projection.h),
- * and goes when that is empty or all its pixels have their surfaces: empty space and what is hidden
- * cost nothing more. The picture is the same bits as that of single rays.
+ * walked once a tile. Every node carries the rectangle of pixels that it can cover (projection.h),
+ * and is dropped when that is empty or all its pixels have their surfaces. So empty space and
+ * hidden nodes cost nothing more. The picture is the same bits as that of single rays.
  *
- * What single rays do better or alone stays with them: rays that meet a treelet which is absent,
- * and directions with a component that is all but zero.
+ * Two cases are left to single rays: rays that meet an absent treelet, and directions with a
+ * component that is nearly, but not exactly, zero.
  */
 #ifndef RENDER_FRAME_TILE_H
 #define RENDER_FRAME_TILE_H
@@ -15,13 +15,13 @@
 #include "render/frame/frame.h"
 #include "render/ray/ray_kernels.h"
 
-/* Pixels on a side of a kind's tiles, at most. */
+/* The most pixels on a side of a kind's tiles. */
 enum { TILE_MAX = 32 };
 
-/* Pixels of a tile's row, a bit each. */
+/* One bit for each pixel of a tile's row. */
 typedef uint32_t tile_row;
 
-/* Treelets that a tile is told to wait for at a time. */
+/* The most treelets that a tile reports as absent at a time. */
 enum { TILE_ABSENT_MAX = 32 };
 
 /* A treelet of the first volume that rays need on a leg of their way (see integrator.h). */
@@ -30,23 +30,24 @@ typedef struct tile_treelet {
     uint16_t leg;
 } tile_treelet;
 
-/* What is left to do. Rows and rays of the tile that there is, rays row by row. All other pixels
- * that were asked for have been written. */
+/* What the kernel leaves to do, row by row of the tile. All other pixels that were asked for are
+ * written. */
 typedef struct tile_outcome {
-    /* Room of the caller's, since stacks may be small: kind.tile_scratch bytes, 64-byte aligned; */
+    /* The caller's room, since stacks may be small: kind.tile_scratch bytes, 64-byte aligned; */
     void *scratch;
-    ray_batch *batch;         /* for rays behind the first surfaces, */
-    void *batch_scratch;      /* and kind.batch_scratch bytes of whichever volume needs most */
-    tile_row open[TILE_MAX];  /* to be traced one by one, from their start */
-    tile_row waits[TILE_MAX]; /* met an absent treelet: again with it, or one by one */
-    tile_treelet absent[TILE_ABSENT_MAX]; /* those treelets, as many as there is room for */
+    ray_batch *batch;        /* for rays behind the first surfaces, */
+    void *batch_scratch;     /* and the largest kind.batch_scratch of all volumes */
+    tile_row open[TILE_MAX]; /* pixels to be traced one by one, from their start */
+    tile_row
+        waits[TILE_MAX]; /* pixels that met an absent treelet: try again with it, or one by one */
+    tile_treelet absent[TILE_ABSENT_MAX]; /* the absent treelets, as many as fit */
     int absent_count;
 } tile_outcome;
 
-/* A tile_fn (ray_kernels.h) takes rays of the tile whose first pixel is (x0, y0), those of
- * pixels[], a tile_row each; f->projection must be usable. */
+/* A tile_fn (ray_kernels.h) traces rays of the tile whose first pixel is (x0, y0): the set bits of
+ * pixels[], a tile_row each. f->projection must be usable. */
 
-/* tile_absent() - rays met treelet t, which is absent. */
+/* tile_absent() - note that rays met treelet t, which is absent. */
 static inline void tile_absent(tile_outcome *out, uint32_t t, uint16_t leg) {
     for (int i = 0; i < out->absent_count; i++)
         if (out->absent[i].t == t && out->absent[i].leg == leg)

@@ -1,9 +1,9 @@
 /* block_passage.h - the cells of a block on a ray's way, front to back.
  *
- * Below blocks there are no ranges, so that every active cell counts that the ray passes: from one
- * to the next costs a comparison or two, where descending costs a step of octree_step.h for each.
- * Crossings are the cell kernel's own, (plane - o) / d, and are taken in (t, axis) order, so that
- * both say the same.
+ * Blocks have no ranges below them, so the ray visits every active cell that it passes. A move from
+ * cell to cell costs a comparison or two; a descent would cost a step of octree_step.h for each.
+ * Crossings are the cell kernel's own, (plane - o) / d, taken in (t, axis) order, so that both
+ * agree.
  */
 #ifndef RENDER_GRID_BLOCK_PASSAGE_H
 #define RENDER_GRID_BLOCK_PASSAGE_H
@@ -45,8 +45,8 @@ static inline block_axis block_axis_of(const ray *r, int a, const double *plane,
     return x;
 }
 
-/* block_passage_begin() - of the block whose first cell in its level is `first`, where the ray is
- * from t_in to t_out. */
+/* block_passage_begin() - begins the passage of the block whose first cell in its level is `first`.
+ * The ray is in the block from t_in to t_out. */
 static inline block_passage block_passage_begin(const level_planes *planes, const ray *r,
                                                 const uint32_t first[3], uint64_t active,
                                                 double t_in, double t_out) {
@@ -56,14 +56,14 @@ static inline block_passage block_passage_begin(const level_planes *planes, cons
     return p;
 }
 
-/* The axis whose next plane comes first. */
+/* Returns the axis whose next plane comes first. */
 static inline unsigned block_passage_axis(const block_axis x[3]) {
     const double t[3] = {x[0].t[x[0].crossed], x[1].t[x[1].crossed], x[2].t[x[2].crossed]};
     const unsigned of_two = t[1] < t[0];
     return t[2] < t[of_two] ? 2 : of_two;
 }
 
-/* Whether the cell that the ray is in is active. */
+/* Returns whether the ray's cell is active. */
 static inline bool block_passage_active(const block_passage *p) {
     static const uint8_t spread[BLOCK_SIDE] = {0, 1, 8, 9};
     const block_axis *x = p->axis;
@@ -71,8 +71,8 @@ static inline bool block_passage_active(const block_passage *p) {
     return p->active >> bit & 1u;
 }
 
-/* block_passage_next() - the next active cell that is passed for some length, numbered within the
- * block, and where it is entered. False: there is none. */
+/* block_passage_next() - finds the next active cell that is passed for some length: its number
+ * within the block, and *t_in where it is entered. Returns false when there is none. */
 static inline bool block_passage_next(block_passage *p, uint32_t cell[3], double *t_in) {
     while (!p->done) {
         block_axis *x = p->axis;

@@ -1,5 +1,6 @@
-/* block_way.h - a ray's way through a treelet with nodes that are taken whole (homogeneous.h): from
- * such a node to the stretch between it and the next one, and so on.
+/* block_way.h - a ray's way through a treelet with nodes that are taken whole (homogeneous.h).
+ *
+ * The way is a row of stretches: each passes one whole node, or the blocks between two of them.
  */
 #ifndef RENDER_GRID_BLOCK_WAY_H
 #define RENDER_GRID_BLOCK_WAY_H
@@ -9,13 +10,13 @@
 #include "render/ray/segments.h"
 #include "stream/grid_resident.h"
 
-/* Along an axis, by blocks of 4 cells. */
+/* The way along an axis, by blocks of 4 cells. */
 typedef struct block_axis_way {
-    const double *planes; /* between cells, as the ray comes to them; */
-    uint32_t leaves;      /* that between the block that it is in and the next one, */
-    uint32_t left;        /* and how many more blocks there are; 0: it stays in this one */
-    uint32_t at;          /* the block; */
-    bool back;            /* blocks become less */
+    const double *planes; /* t of each plane between cells, in the ray's order */
+    uint32_t leaves;      /* the plane where it leaves its block */
+    uint32_t left;        /* blocks after this one; 0: it stays in this one */
+    uint32_t at;          /* number of its block */
+    bool back;            /* block numbers fall along the ray */
 } block_axis_way;
 
 typedef struct block_way {
@@ -24,12 +25,12 @@ typedef struct block_way {
     bool done;
 } block_way;
 
-/* A stretch of it: of a whole node, or of blocks that are in none. */
+/* A stretch of the way: through a whole node, or through blocks that lie in none. */
 typedef struct block_stretch {
     double t_in, t_out;
-    uint32_t node;  /* its first block in Morton order, */
+    uint32_t node;  /* the node's first block in Morton order */
     unsigned whole; /* as in active_masks.whole; 0: none */
-    bool active;    /* there is something in the blocks */
+    bool active;    /* some block has active cells */
 } block_stretch;
 
 static inline uint32_t block_way_morton(const block_way *w) {
@@ -45,7 +46,7 @@ static inline double block_way_leaves(const block_axis_way *x) {
     return x->left > 0 ? x->planes[x->leaves] : INFINITY;
 }
 
-/* Out of the block, whose end comes at *t_out at the latest. */
+/* Step out of the block. Sets *t_out to where the ray leaves it, w->t_out at the latest. */
 static inline void block_way_step(block_way *w, double *t_out) {
     unsigned first = 0;
     for (unsigned a = 1; a < 3; a++)
@@ -62,7 +63,8 @@ static inline void block_way_step(block_way *w, double *t_out) {
     x->at += x->back ? -1u : 1u;
 }
 
-/* block_way_next() - the next stretch that has a length. False: there is none. */
+/* block_way_next() - sets *s to the next stretch that has a length. Returns false when none is
+ * left. */
 static inline bool block_way_next(block_way *w, const active_masks *masks, block_stretch *s) {
     bool found = false;
     *s = (block_stretch){0};
@@ -90,7 +92,8 @@ static inline bool block_way_next(block_way *w, const active_masks *masks, block
 
 /* ---- Pieces ---- */
 
-/* block_way_piece() - of a node or a treelet with values in range[0] .. range[1]. */
+/* block_way_piece() - returns the piece of a whole node or treelet with values in range[0] ..
+ * range[1]. */
 static inline segment block_way_piece(const double range[2], double t_in, double t_out) {
     const double middle = 0.5 * range[0] + 0.5 * range[1];
     return (segment){.t0 = t_in + 0.0,
@@ -100,7 +103,7 @@ static inline segment block_way_piece(const double range[2], double t_in, double
                      .degree = 3};
 }
 
-/* block_way_node() - of a node of a treelet in memory. */
+/* block_way_node() - returns the piece of a whole node of a resident treelet. */
 static inline segment block_way_node(const leaf_file *f, const leaf_layout *layout,
                                      const resident_grid *at, const block_stretch *node) {
     const uint32_t p = leaf_layout_samples(layout, at->head.set, at->head.id);
@@ -112,7 +115,7 @@ static inline segment block_way_node(const leaf_file *f, const leaf_layout *layo
     return s;
 }
 
-/* block_way_treelet() - of treelet t as a whole. */
+/* block_way_treelet() - returns the piece of treelet t taken whole. */
 static inline segment block_way_treelet(const tracer *tr, uint32_t t, double t_in, double t_out) {
     const float *own = tr->treelets->file->own[leaf_layout_samples(tr->layout, tr->set, t)];
     segment s = block_way_piece((const double[2]){(double)own[0], (double)own[1]}, t_in, t_out);

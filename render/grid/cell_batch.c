@@ -3,7 +3,7 @@
 #include "render/grid/cell_kernel.h"
 #include "render/grid/intersect.h"
 
-/* Where one lane's ray visits its cell. False: nowhere. */
+/* Find where one lane's ray visits its cell. Returns false if it does not. */
 static bool visit_of(const cell_batch *b, int lane, ray *r, float samples[8], cell_visit *visit) {
     cell_box box;
     *r = (ray){.t0 = b->t0[lane], .t1 = b->t1[lane]};
@@ -12,14 +12,15 @@ static bool visit_of(const cell_batch *b, int lane, ray *r, float samples[8], ce
         box.lo[a] = b->lo[a][lane];
         box.hi[a] = b->hi[a][lane];
         box.inv[a] = b->inv[a][lane];
-        box.last[a] = false; /* of rays with d = 0 only */
+        box.last[a] = false; /* matters to rays with d = 0 only */
     }
     for (int i = 0; i < 8; i++)
         samples[i] = b->samples[i][lane];
     return cell_visit_of(r, &box, visit);
 }
 
-/* The first hit of one lane, as one of cell 0, or hit_none(); its visit ends at *t_out. */
+/* Returns one lane's first hit, given as one of cell 0, or hit_none(). *t_out: where the visit
+ * ends. */
 static hit first_hit(const cell_batch *b, int lane, const double *isovalues, int count,
                      intersect_fn next_hit, double *t_out) {
     const hit start = hit_before_all();

@@ -1,9 +1,9 @@
 /* cell_batch.h - sixteen ray-cells at a time: the first surface of each.
  *
- * The answer of a lane is, to the bit, that of cell_visit_of() followed by the intersector for
- * every isovalue, from before all hits on; it does not depend on the other lanes. Versions for
- * newer instructions come from one template (cell_batch_template.h); the scalar one asks the
- * functions just named, and is the truth.
+ * A lane's answer equals, to the bit, cell_visit_of() followed by the intersector for every
+ * isovalue, searching from before all hits. It does not depend on the other lanes. The scalar
+ * version calls these functions and is the truth. One template makes the versions for newer
+ * instructions (cell_batch_template.h).
  */
 #ifndef RENDER_GRID_CELL_BATCH_H
 #define RENDER_GRID_CELL_BATCH_H
@@ -18,17 +18,16 @@ enum { CELL_BATCH = 16 };
 /* Ray-cells, one a lane. Planes are relative to the ray's origin: plane - o, in double. */
 typedef struct cell_batch {
     _Alignas(64) double d[3][CELL_BATCH];        /* none is 0: see CELL_ALONG */
-    double t0[CELL_BATCH], t1[CELL_BATCH];       /* of the ray */
+    double t0[CELL_BATCH], t1[CELL_BATCH];       /* the ray's interval */
     double lo[3][CELL_BATCH], hi[3][CELL_BATCH]; /* planes, lo < hi */
     double inv[3][CELL_BATCH];                   /* 1 / (hi - lo), as in cell_box */
     float samples[8][CELL_BATCH];                /* corner x + 2y + 4z, finite */
 } cell_batch;
 
-/* For a component of 0, of a ray that goes along an axis' planes: these are met so far away that
- * nothing comes of it, and t times it is lost beside them, so that the answer is that of 0, to the
- * bit. That takes planes no nearer to the ray than CELL_ALONG_NEAR, and |t| of CELL_ALONG_T at
- * most.
- */
+/* CELL_ALONG replaces a direction component of 0, of a ray along an axis' planes. The ray meets
+ * these planes so far away that they cut nothing, and t * CELL_ALONG is lost in rounding beside
+ * plane - o. So the answer is the same as for 0, to the bit, provided that
+ * |plane - o| >= CELL_ALONG_NEAR and |t| <= CELL_ALONG_T. */
 #define CELL_ALONG      0x1p-960
 #define CELL_ALONG_NEAR 0x1p-500
 #define CELL_ALONG_T    0x1p400
@@ -42,12 +41,13 @@ typedef struct cell_batch_hits {
                          same t */
 } cell_batch_hits;
 
-/* Lanes 0 .. lanes - 1 of *b are looked at, 1 <= lanes <= CELL_BATCH; the others may hold anything.
- * A lane's hit is the least in (t, iso). */
+/* Finds the first hits of lanes 0 .. lanes - 1 of *b, each the least in (t, iso). 1 <= lanes <=
+ * CELL_BATCH; the other lanes may hold anything. */
 typedef void (*cell_batch_fn)(const cell_batch *b, int lanes, const double *isovalues, int count,
                               leafcast_intersector how, cell_batch_hits *out);
 
-/* All changes of side: those of a lane in the order of t, t[0] first. Bit k of a mask is lane k. */
+/* All changes of side. A lane's roots come in the order of t, t[0] first. Bit k of a mask is lane
+ * k. */
 enum { CELL_ROOTS_MAX = 3 };
 
 typedef struct cell_batch_roots {
@@ -55,7 +55,8 @@ typedef struct cell_batch_roots {
     uint32_t found[CELL_ROOTS_MAX], entering[CELL_ROOTS_MAX], at_exit[CELL_ROOTS_MAX];
 } cell_batch_roots;
 
-/* The same lanes and one isovalue, by `marmitt`: what cell_next_hit() finds one after the other. */
+/* Finds all roots of these lanes for one isovalue, by `marmitt`: the hits that cell_next_hit()
+ * finds one after the other. */
 typedef void (*cell_roots_fn)(const cell_batch *b, int lanes, double isovalue,
                               cell_batch_roots *out);
 

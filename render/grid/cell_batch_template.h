@@ -1,12 +1,12 @@
 /* cell_batch_template.h - cell_batch.h for the ISA of the translation unit that includes it.
  *
  * The scalar functions (cell_kernel.c, intersect.c) written again for vectors, operation by
- * operation: every lane goes through the very roundings of the scalar code, branches have become
- * masks. What is left to the scalar code: `schwarze`, whose cosines are libm's, and of `marmitt`
- * the lanes whose control polygon changes sides more than once, or ends at the isovalue.
+ * operation. Every lane goes through the very roundings of the scalar code; branches have become
+ * masks. The scalar code still does all of `schwarze`, whose cosines are libm's. Of `marmitt` it
+ * does the lanes whose control polygon changes sides more than once, or has an end at the isovalue.
  *
- * `marmitt` packs the lanes that do have a root before it refines: of the active cells that rays
- * meet, about one in three has.
+ * `marmitt` packs the lanes with a root before it refines them: about one in three of the active
+ * cells that rays meet has one.
  */
 #ifndef RENDER_GRID_CELL_BATCH_TEMPLATE_H
 #define RENDER_GRID_CELL_BATCH_TEMPLATE_H
@@ -31,7 +31,7 @@ enum { VECTORS = CELL_BATCH / VD_N, VECTOR_LANES = (1 << VD_N) - 1, PACK_MAX = C
 
 /* ---- the cubic: cell_cubic() ---- */
 
-/* Samples without the isovalue; the lanes that are active. */
+/* Subtract the isovalue from the samples. Returns the active lanes. */
 SIMD md differences(const cell_batch *b, int at, vd iso, vd f[8]) {
     md any = md_of_bits(0), all = md_of_bits(VECTOR_LANES);
     for (int i = 0; i < 8; i++) {
@@ -50,7 +50,8 @@ typedef struct search {
     md side_lo, going;
 } search;
 
-/* The only root of cubics with control values b, whose ends lie on different sides. */
+/* Begin the search for the only root of cubics with control values b, whose ends lie on different
+ * sides. */
 SIMD search search_begin(const double b[4][CELL_BATCH], int at, unsigned lanes) {
     const vd three = d_set(3.0), b0 = d_load(b[0] + at), b1 = d_load(b[1] + at),
              b2 = d_load(b[2] + at), b3 = d_load(b[3] + at);
@@ -90,7 +91,7 @@ SIMD void search_step(search *r) {
     r->going = md_and_not(r->going, md_or(md_and(accepted, settled), closed));
 }
 
-/* Two vectors at a time: one waits for its division while the other works. */
+/* Search two vectors at a time: one waits for its division while the other works. */
 static void search_all(const double b[4][CELL_BATCH], unsigned lanes, double roots[CELL_BATCH]) {
     for (int at = 0; lanes >> at; at += 2 * VD_N) {
         search x = search_begin(b, at, lanes >> at & VECTOR_LANES);
@@ -110,7 +111,7 @@ static void search_all(const double b[4][CELL_BATCH], unsigned lanes, double roo
     }
 }
 
-/* The same, of a few lanes: side by side. */
+/* Search a few lanes, packed side by side. */
 static void search_packed(const double b[4][CELL_BATCH], unsigned lanes, double roots[CELL_BATCH]) {
     _Alignas(64) double packed[4][CELL_BATCH], found[CELL_BATCH];
     int n = 0;
@@ -123,8 +124,8 @@ static void search_packed(const double b[4][CELL_BATCH], unsigned lanes, double 
         roots[__builtin_ctz(rest)] = found[n];
 }
 
-/* Sorts the lanes that `active` names: those with one clear change of side go to *plain, those that
- * need the scalar code to *hard. */
+/* Sort the active lanes: those with one clear change of side go to *plain, those that need the
+ * scalar code to *hard. */
 SIMD void classify(const vd b[4], md active, md *plain, md *hard) {
     const vd zero = d_set(0.0);
     const md s0 = d_ge(b[0], zero), s1 = d_ge(b[1], zero), s2 = d_ge(b[2], zero),
@@ -143,7 +144,7 @@ SIMD void classify(const vd b[4], md active, md *plain, md *hard) {
     *hard = md_and_not(some, *plain);
 }
 
-/* First roots of the lanes `hard`, by the scalar code; those that have one. */
+/* Find the first roots of the lanes `hard` by the scalar code. Returns the lanes that have one. */
 static unsigned scalar_roots(const double b[4][CELL_BATCH], unsigned hard, double s[CELL_BATCH]) {
     unsigned has = 0;
     for (unsigned rest = hard; rest; rest &= rest - 1) {
@@ -185,7 +186,7 @@ SIMD void cubics_of(const cell_batch *b, const visits v[VECTORS], unsigned visit
     }
 }
 
-/* The roots of the lanes `plain`. */
+/* Find the roots of the lanes `plain`. */
 SIMD void plain_roots(const cubics *q, double s[CELL_BATCH]) {
     if (__builtin_popcount(q->plain) > PACK_MAX)
         search_all(q->control, q->plain, s);
@@ -193,7 +194,8 @@ SIMD void plain_roots(const cubics *q, double s[CELL_BATCH]) {
         search_packed(q->control, q->plain, s);
 }
 
-/* First roots of the lanes `visited`: parameters go to s; returns those that have one. */
+/* Find the first roots of the lanes `visited`. Parameters go to s; returns the lanes that have one.
+ */
 SIMD unsigned marmitt_roots(const cell_batch *b, const visits v[VECTORS], unsigned visited,
                             double iso, double s[CELL_BATCH], unsigned *entering) {
     cubics q;
@@ -205,7 +207,7 @@ SIMD unsigned marmitt_roots(const cell_batch *b, const visits v[VECTORS], unsign
 
 /* ---- the approximate ones: intersect.c ---- */
 
-/* f at parameter s of the visit; f0: what the corners have beyond the isovalue. */
+/* Returns f - iso at parameter s of the visit. f: the corners less the isovalue. */
 SIMD vd trilinear(const visits *v, const vd f[8], vd s) {
     vd at[3], x[4], y[2];
     for (int a = 0; a < 3; a++)
@@ -222,12 +224,12 @@ typedef struct stretch {
     vd s_in, s_out, f_in, f_out;
 } stretch;
 
-/* Where the straight line between the ends is zero. */
+/* Returns where the straight line between the ends is zero. */
 SIMD vd crossing(const stretch *p) {
     return p->s_in - (p->s_out - p->s_in) * (p->f_in / (p->f_out - p->f_in));
 }
 
-/* Cut at s, where f is value: the part that the change of side is in. */
+/* Cut at s, where f is `value`, and keep the part with the change of side. */
 SIMD void cut(stretch *p, vd s, vd value, md inside) {
     const md beyond = md_xor(d_ge(value, d_set(0.0)), inside);
     p->s_in = d_select(beyond, p->s_in, s);
@@ -253,7 +255,7 @@ SIMD vd polynomial_at(const vd c[4], vd s) {
     return c[0] + s * (c[1] + s * (c[2] + s * c[3]));
 }
 
-/* The extrema of the polynomial, ascending; -1 or more than 1 where there is none. */
+/* Find the extrema of the polynomial, ascending; -1 or more than 1 where there is none. */
 SIMD void monotone_parts(const vd c[4], vd *first, vd *second) {
     const vd none = d_set(-1.0), zero = d_set(0.0);
     const vd a = d_set(3.0) * c[3], half = c[2];
@@ -294,7 +296,7 @@ SIMD md three_steps(const vd b[4], vd *s, md *inside) {
     return found;
 }
 
-/* As marmitt_roots(). */
+/* The same as marmitt_roots(), by an approximate intersector. */
 SIMD unsigned approximate_roots(leafcast_intersector how, const cell_batch *b,
                                 const visits v[VECTORS], unsigned visited, double iso,
                                 double s[CELL_BATCH], unsigned *entering) {
@@ -320,7 +322,7 @@ SIMD unsigned approximate_roots(leafcast_intersector how, const cell_batch *b,
     return has;
 }
 
-/* As marmitt_roots(): lane by lane. */
+/* The same as marmitt_roots(), by `schwarze`, lane by lane. */
 static unsigned schwarze_roots(const cell_batch *b, const visits v[VECTORS], unsigned visited,
                                double iso, double s[CELL_BATCH], unsigned *entering) {
     unsigned has = 0;
@@ -350,7 +352,7 @@ static unsigned schwarze_roots(const cell_batch *b, const visits v[VECTORS], uns
 
 /* ---- a batch ---- */
 
-/* Roots at parameters s of the lanes `has` become hits with isovalue i, where they come first. */
+/* Make the roots at parameters s of the lanes `has` hits with isovalue i, where they come first. */
 SIMD void report(const visits *v, int at, const double *s, unsigned has, unsigned entering, int i,
                  vd *best, cell_batch_hits *out) {
     const vd at_s = d_load(s + at), line = v->t_in + at_s * (v->t_out - v->t_in);
@@ -395,7 +397,7 @@ SIMD void batch_with(const cell_batch *b, int lanes, const double *isovalues, in
 
 /* ---- all roots ---- */
 
-/* Those of the lanes that need the scalar code; s: by number, then by lane. */
+/* Find all roots of the lanes that need the scalar code. s: by number, then by lane. */
 static void all_scalar_roots(const cubics *q, double s[CELL_ROOTS_MAX][CELL_BATCH],
                              cell_batch_roots *out) {
     for (unsigned rest = q->hard; rest; rest &= rest - 1) {
@@ -411,7 +413,7 @@ static void all_scalar_roots(const cubics *q, double s[CELL_ROOTS_MAX][CELL_BATC
     }
 }
 
-/* Parameters of the n-th roots become t. */
+/* Convert the parameters of the n-th roots to t. */
 SIMD void place_roots(const visits *v, int at, int n, const double *s, cell_batch_roots *out) {
     const vd at_s = d_load(s + at), line = v->t_in + at_s * (v->t_out - v->t_in);
     const md before = md_and(d_lt(at_s, d_set(1.0)), d_lt(line, v->t_out));

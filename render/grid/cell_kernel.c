@@ -15,8 +15,8 @@ static double clamp01(double x) {
     return x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x;
 }
 
-/* Cell coordinates at an event: exact on the axis that is crossed, from the event's own t on the
- * others. About the ray's origin, so that the grid's size costs no digits. */
+/* Compute cell coordinates at an event: exact on the axis that is crossed, from the event's own t
+ * on the others. All is relative to the ray's origin, so that the grid's size costs no digits. */
 static void coordinates_at(const ray *r, const cell_box *box, double t, int axis, double on_axis,
                            double at[3]) {
     for (int a = 0; a < 3; a++)
@@ -29,7 +29,7 @@ bool cell_visit_of(const ray *r, const cell_box *box, cell_visit *visit) {
     for (int a = 0; a < 3; a++) {
         double o = r->o[a], d = r->d[a];
         if (d == 0.0) {
-            /* [lo, hi) is owned; nothing is ever crossed on this axis. */
+            /* The cell owns [lo, hi); nothing is ever crossed on this axis. */
             if (o < box->lo[a] || o > box->hi[a] || (o == box->hi[a] && !box->last[a]))
                 return false;
             continue;
@@ -66,7 +66,7 @@ static inline double mix(double a, double b, double s) {
     return (1.0 - s) * a + s * b;
 }
 
-/* The form of eight corner values along a visit. */
+/* Compute the cubic's control values along a visit, from eight corner values. */
 static void blossom(const cell_visit *visit, const double f[8], double b[4]) {
     /* The trilinear form at all corners of the box that entry and exit span; bit a of the index =
      * exit on axis a. Always x, then y, then z: with an exact 0 or 1 on the crossed axis what
@@ -132,19 +132,20 @@ static double cubic_at(const cubic *p, double s) {
     return p->c[0] + s * (p->c[1] + s * (p->c[2] + s * p->c[3]));
 }
 
-/* The root in [lo, hi], where f(lo) and f(hi) lie on different sides: from the secant on, steps of
- * fourth order (the series of the inverse function about s, to its third term; one division each)
- * within a bracket. With q and p the relative sizes of the second and third term, and
- * z = q^2 + |p|, the series is
+/* Returns the root in [lo, hi], where f(lo) and f(hi) lie on different sides. From the secant on,
+ * it takes steps of fourth order within a bracket: the series of the inverse function about s, to
+ * its third term, with one division each. With q and p the relative sizes of the second and third
+ * term, and z = q^2 + |p|, the series is
  *   - only used where z <= 1/8: beyond, its terms may cancel, and it would stop where no root is;
  *     there it is cut to its first term, Newton's step;
  *   - done where z <= 2^-10 and what is left out cannot move the last bit of [0, 1]: less than
  *     z (5 q + 48 z) of the first term.
  * A step that leaves the bracket, or is not half as long as the one before, gives way to a
- * bisection. Two evaluations on average.
+ * bisection. There are two evaluations on average.
  *
  * Every quantity that decides has no unit, so that powers of two in the samples' scale change
- * nothing: cell_batch_template.h counts on it, and repeats this sequence operation by operation. */
+ * nothing. cell_batch_template.h counts on that, and repeats this sequence operation by operation.
+ */
 static double refine(const cubic *p, double lo, double hi, double f_lo, double f_hi) {
     const double c0 = p->c[0], c1 = p->c[1], c2 = p->c[2], c3 = p->c[3];
     const bool side_lo = f_lo >= 0.0;
@@ -184,7 +185,7 @@ static double refine(const cubic *p, double lo, double hi, double f_lo, double f
     return s;
 }
 
-/* The greatest power of two that is not above x, which is positive and normal. */
+/* Returns the greatest power of two that is not above x, which is positive and normal. */
 static double power_below(double x) {
     uint64_t bits;
     memcpy(&bits, &x, sizeof bits);
@@ -208,16 +209,17 @@ static void normalise(const double b[4], double scaled[4]) {
     }
 }
 
-/* Whether an extremum is a touch as far as rounding can tell: a pair of roots in one place. No harm
- * when it is not: the trilinear form has no extremum in space, so that a ray moved a little
- * sideways does meet the surface there. Only a true bend counts; a stretch that is nearly level, as
+/* Returns whether an extremum is a touch as far as rounding can tell: a pair of roots in one place.
+ * A false touch does no harm: the trilinear form has no extremum in space, so a ray moved a little
+ * sideways does meet the surface there. Only a true bend counts. A stretch that is nearly level, as
  * beside a triple root, has its sign from elsewhere. */
 static bool touches(const cubic *p, double s, double f) {
     static const double NEAR = 64.0 * DBL_EPSILON, BEND = 0.25; /* of a cubic scaled to [1, 2) */
     return fabs(f) <= NEAR && fabs(2.0 * p->c[2] + 6.0 * p->c[3] * s) >= BEND;
 }
 
-/* Roots between neighbouring extrema, where the cubic is monotone. */
+/* Find the roots between neighbouring extrema, where the cubic is monotone. Returns their number.
+ */
 static int isolate(const cubic *p, const double b[4], double roots[3]) {
     double at[4] = {0.0}, f[4] = {b[0]};
     const int last = 1 + cubic_extrema(b, at + 1);
@@ -251,8 +253,9 @@ int cell_roots(const double control[4], double roots[3]) {
     double b[4];
     normalise(control, b);
     const cubic p = cubic_of(b);
-    /* One root, and f has the sign of its end right up to there, unless that end is all but zero:
-     * then rounding hides the sign beside it, and the iteration would take the end for the root. */
+    /* There is one root, and f has the sign of its end right up to there. Not if that end is nearly
+     * zero: then rounding hides the sign beside it, and the iteration would take the end for the
+     * root. */
     if (changes == 1 && fabs(b[0]) > CELL_NEAR_END && fabs(b[3]) > CELL_NEAR_END) {
         roots[0] = refine(&p, 0.0, 1.0, b[0], b[3]);
         return 1;

@@ -37,13 +37,14 @@ typedef struct cell_visit {
                              face that is crossed */
 } cell_visit;
 
-/* What the root search goes by: here for the SIMD versions, which repeat it. */
+/* Constants of the root search. They are here since the SIMD versions repeat the search. */
 #define CELL_STEPS_MAX   200
 #define CELL_LAST_BIT    0x1p-53 /* of [0, 1] */
 #define CELL_SERIES_USED 0x1p-3  /* see refine() */
 #define CELL_SERIES_SURE 0x1p-10
 #define CELL_NEAR_END    1e-6 /* see cell_roots(); of control values scaled to [1, 2) */
-/* Largest control values between which no product vanishes or overflows for want of scaling. */
+/* If the largest control value lies between these two, no product vanishes or overflows without
+ * scaling. */
 #define CELL_ORDINARY_MIN  0x1p-300
 #define CELL_ORDINARY_MAX  0x1p300
 #define CELL_EXPONENT_BITS UINT64_C(0x7ff0000000000000)
@@ -56,30 +57,30 @@ bool cell_visit_of(const ray *r, const cell_box *box, cell_visit *visit);
  * active for iso (not min < iso && iso <= max). */
 bool cell_cubic(const cell_visit *visit, const float samples[8], double iso, double b[4]);
 
-/* cell_values() - f - above along the visit, in the same form, whatever the samples: b[0] and b[3]
- * are those of the cells beyond the faces. */
+/* cell_values() - f - above along the visit, in the same form, whether the cell is active or not.
+ * b[0] and b[3] equal the values of the cells beyond the faces. */
 void cell_values(const cell_visit *visit, const float samples[8], double above, double b[4]);
 
-/* cell_blossom() - the same of any trilinear form, by its corners. */
+/* cell_blossom() - the same form of any trilinear function, given by its corner values. */
 void cell_blossom(const cell_visit *visit, const double corners[8], double b[4]);
 
-/* cell_roots() - the changes of side of the cubic in [0, 1], ascending: 0 to 3 parameters.
- * scale-invariant; b finite. */
+/* cell_roots() - finds the changes of side of the cubic in [0, 1]: 0 to 3 parameters, ascending.
+ * Returns their number. Scale-invariant; b must be finite. */
 int cell_roots(const double b[4], double roots[3]);
 
-/* cell_root_t() - the ray's t at parameter s of the visit; t_out exactly at s = 1. */
+/* cell_root_t() - returns the ray's t at parameter s of the visit; t_out exactly at s = 1. */
 static inline double cell_root_t(const cell_visit *visit, double s) {
     double t = visit->t_in + s * (visit->t_out - visit->t_in);
     return s < 1.0 && t < visit->t_out ? t : visit->t_out;
 }
 
-/* cell_next_hit() - the first hit in this cell that comes strictly after `after` in (t, cell, iso)
- * order: the `marmitt` intersector, iterated to the last bits. iso_index and cell go into *found,
- * which is set only when true is returned. */
+/* cell_next_hit() - finds the first hit in this cell that comes strictly after `after` in (t, cell,
+ * iso) order: the `marmitt` intersector, iterated to the last bits. iso_index and cell go into
+ * *found, which is set only when true is returned. */
 bool cell_next_hit(const ray *r, const cell_visit *visit, const float samples[8], double iso,
                    int32_t iso_index, uint64_t cell, const hit *after, hit *found);
 
-/* What an intersector looks like, exact or approximate; see intersect.h. */
+/* The signature of an intersector, exact or approximate; see intersect.h. */
 typedef bool (*intersect_fn)(const ray *r, const cell_visit *visit, const float samples[8],
                              double iso, int32_t iso_index, uint64_t cell, const hit *after,
                              hit *found);

@@ -1,5 +1,5 @@
-/* cell_visit_template.h - rays inside cells, a lane each, and the value there: what the kernels of
- * an ISA share (see formats/base/simd.h), operation by operation that of cell_kernel.c.
+/* cell_visit_template.h - rays inside cells, a lane each, and the value there; shared by the
+ * kernels of an ISA (see formats/base/simd.h). Every operation is the one of cell_kernel.c.
  */
 #ifndef RENDER_GRID_CELL_VISIT_TEMPLATE_H
 #define RENDER_GRID_CELL_VISIT_TEMPLATE_H
@@ -12,17 +12,17 @@
 
 #include "render/grid/cell_batch.h"
 
-/* Where rays are in their cells: cell_visit. */
+/* The rays' visits of their cells: cell_visit, a lane each. */
 typedef struct visits {
     vd t_in, t_out, in[3], out[3];
 } visits;
 
-/* The coordinate at t between two planes, of which the lower one is `lo` from the origin. */
+/* Returns the cell coordinate at t. lo: the cell's lower plane less the ray's origin. */
 SIMD vd cell_coordinate(vd t, vd d, vd lo, vd inverse) {
     return d_min(d_set(1.0), d_max(d_set(0.0), (t * d - lo) * inverse));
 }
 
-/* Cell coordinates at t; exact on the axis that is crossed. */
+/* Compute cell coordinates at t, exact on the axis that is crossed. */
 SIMD void coordinates_at(const cell_batch *b, int at, vd t, vd axis, vd upper, vd lower, vd to[3]) {
     for (int a = 0; a < 3; a++) {
         const vd d = d_load(b->d[a] + at);
@@ -32,7 +32,7 @@ SIMD void coordinates_at(const cell_batch *b, int at, vd t, vd axis, vd upper, v
     }
 }
 
-/* The lanes from `at` on that visit their cells: cell_visit_of(). */
+/* Returns the lanes from `at` on that visit their cells, and sets *v: cell_visit_of(). */
 SIMD md visits_of(const cell_batch *b, int at, visits *v) {
     const vd t0 = d_load(b->t0 + at), none = d_set(-1.0), end = d_set(3.0);
     vd t_in = t0, t_out = d_load(b->t1 + at), axis_in = none, axis_out = end;

@@ -22,7 +22,8 @@
 void SIMD_NAME(grid_batch_trace)(const tracer *tr, ray_batch *b, void *scratch,
                                  ray_counters *counters);
 
-/* A subtree of the directory; a node of a treelet's tree, a cube of 2^size cells. */
+/* With the rays that meet it: a subtree of the directory, or a node of a treelet's tree, a cube of
+ * 2^size cells. */
 typedef struct directory_node {
     ray_set rays;
     uint32_t t;
@@ -40,22 +41,22 @@ typedef struct batch_walk {
     const walk_scene *scene;
     ray_batch *b;
     ray_counters *counters;
-    bool filter; /* the intersector is the one that the filter knows */
+    bool filter; /* the intersector is `marmitt`, for which the filter is right */
     grid_extent extent;
     grid_legs legs;
     grid_rays rays;
     ray_set open;    /* still look for a surface */
-    ray_set pending; /* of these: a cell waits in the batch */
+    ray_set pending; /* open rays with a cell that waits in the batch */
     ray_set single;  /* met an absent treelet */
-    ray_set level;   /* have a component of 0 */
+    ray_set level;   /* have a direction component of 0 */
     hit best[RAY_BATCH];
-    const resident_grid *at[RAY_BATCH]; /* in which; NULL: what it was given */
+    const resident_grid *at[RAY_BATCH]; /* treelet of best; NULL: best is the state's */
     block_cells block;
     /* Ray-cells on their way to the cell kernel. */
     cell_batch batch;
     unsigned waiting;
-    unsigned starts;          /* lanes whose ray has something to be behind, */
-    double after[CELL_BATCH]; /* and its t; else -INFINITY */
+    unsigned starts;          /* lanes whose ray has a hit to be behind, */
+    double after[CELL_BATCH]; /* and the t of that hit; else -INFINITY */
     uint8_t ray_of[CELL_BATCH];
     uint32_t cell_of[CELL_BATCH][3];
     const resident_grid *treelet_of[CELL_BATCH];
@@ -74,9 +75,9 @@ SIMD trace_state *state_at(const batch_walk *w, unsigned i) {
     return &w->b->states[w->rays.ray[i]];
 }
 
-/* A hit of ray i, where t_out ends its visit: all cells to come lie behind. But the next cell may
- * claim the same t. Cells of one ray may be answered together, in any order: the least hit stays.
- */
+/* Take a hit of ray i. The ray is done, since all cells to come lie behind. But at the cell's exit,
+ * the next cell may claim the same t. Cells of one ray may be answered together, in any order: the
+ * least hit stays. */
 static void take_hit(batch_walk *w, unsigned i, const resident_grid *at, const hit *h,
                      bool at_exit) {
     if (hit_less(h, &w->best[i])) {
@@ -90,7 +91,7 @@ static void take_hit(batch_walk *w, unsigned i, const resident_grid *at, const h
             (float)(w->best[i].t - w->rays.t_in[i]) * (1.0f + 4.0f * UNIT);
 }
 
-/* The first hit of ray i in a cell, behind what it is to be behind: asked of the scalar kernel. */
+/* Take ray i's first hit in a cell strictly behind state->after, by the scalar kernel. */
 static void take_scalar_hit(batch_walk *w, unsigned i, const resident_grid *at,
                             const uint32_t cell[3], const float samples[8]) {
     const walk_scene *scene = w->scene;
@@ -108,8 +109,8 @@ static void take_scalar_hit(batch_walk *w, unsigned i, const resident_grid *at,
     }
 }
 
-/* Of lanes whose first hits are not behind what they are to be behind, by an intersector that knows
- * one hit a cell. */
+/* Take the hits of lanes whose first hit is not behind state->after, by the scalar kernel. The
+ * batch gives only one hit a cell for such an intersector. */
 static void take_scalar_hits(batch_walk *w, unsigned lanes) {
     for (; lanes; lanes &= lanes - 1) {
         const unsigned k = (unsigned)__builtin_ctz(lanes);
@@ -122,7 +123,7 @@ static void take_scalar_hits(batch_walk *w, unsigned lanes) {
 
 /* ---- The batch ---- */
 
-/* Leave out the lanes that have no hit behind the surface on which their ray starts. */
+/* Drop the lanes that have no hit behind the surface on which their ray starts. */
 SIMD void drop_starts(batch_walk *w) {
     const walk_scene *scene = w->scene;
     cell_batch *b = &w->batch;
@@ -144,7 +145,7 @@ SIMD void drop_starts(batch_walk *w) {
     w->starts = 0;
 }
 
-/* Of these roots of an isosurface the first of lane k that is behind what it is to be behind. */
+/* Take lane k's first root of this isosurface that is behind state->after. */
 static void take_later_root(batch_walk *w, unsigned k, int32_t iso, const cell_batch_roots *roots) {
     const unsigned i = w->ray_of[k];
     const resident_grid *at = w->treelet_of[k];
@@ -158,7 +159,8 @@ static void take_later_root(batch_walk *w, unsigned k, int32_t iso, const cell_b
     }
 }
 
-/* Of such lanes, by all roots that there are. */
+/* Take the hits of lanes whose first hit is not behind state->after, from all roots of their cells.
+ */
 static void take_later_hits(batch_walk *w, unsigned lanes) {
     const walk_scene *scene = w->scene;
     cell_batch_roots roots;
@@ -170,7 +172,7 @@ static void take_later_hits(batch_walk *w, unsigned lanes) {
     }
 }
 
-/* Let the cell kernel answer what waits. */
+/* Let the cell kernel answer the ray-cells that wait. */
 static void flush(batch_walk *w) {
     const walk_scene *scene = w->scene;
     cell_batch_hits hits;
@@ -200,7 +202,7 @@ static void flush(batch_walk *w) {
     w->pending = (ray_set){{0}};
 }
 
-/* Let ray i wait for the cell kernel's answer. */
+/* Add ray i in a cell to the batch. Flush when the batch is full. */
 static void add_to_batch(batch_walk *w, const resident_grid *at, const uint32_t cell[3],
                          const float samples[8], unsigned i) {
     const unsigned k = w->waiting++;
@@ -224,8 +226,8 @@ static bool goes_along(const batch_walk *w, const resident_grid *at, const uint3
 
 /* ---- Blocks ---- */
 
-/* Filter the ray-cells of a block, and add the rest to the batch. Not inlined: seldom called from
- * the loop over cells. */
+/* Filter the ray-cells of a block, and add those that pass to the batch. Not inlined: seldom called
+ * from the loop over cells. */
 static __attribute__((noinline)) void block_flush(batch_walk *w) {
     block_cells *b = &w->block;
     if (b->count == 0)
@@ -254,7 +256,8 @@ static __attribute__((noinline)) void block_flush(batch_walk *w) {
     b->met = 0;
 }
 
-/* The cells of a block that VF_N rays meet, those from `at` on that are in the set `in`. */
+/* Collect the active cells that the VF_N rays from `at` on meet. in: those of the rays that count.
+ */
 SIMD void walk_cells(batch_walk *w, uint64_t active, unsigned at, unsigned in) {
     block_cells *b = &w->block;
     const block_met m = block_met_of(&w->rays.slabs, at, &b->planes);
@@ -267,7 +270,7 @@ SIMD void walk_cells(batch_walk *w, uint64_t active, unsigned at, unsigned in) {
     }
 }
 
-/* A block with active cells, and rays that meet it. */
+/* Walk the active cells of a block for the rays that meet it. */
 static void walk_block(batch_walk *w, const resident_grid *at, const uint32_t first[3],
                        uint64_t cells, const ray_set *rays) {
     const uint64_t active = block_in_order(cells, w->rays.back), all = (UINT64_C(1) << VF_N) - 1;
@@ -284,8 +287,8 @@ static void walk_block(batch_walk *w, const resident_grid *at, const uint32_t fi
 
 /* ---- Nodes ---- */
 
-/* Whether rays of the set still look for a surface; it keeps those alone. When all that do have
- * cells in the batch, those are answered first. */
+/* Keep those rays of the set that still look for a surface. Returns whether there are any. If all
+ * of them have cells in the batch, they are answered first. */
 static bool wanted(batch_walk *w, ray_set *rays) {
     uint64_t open = 0, idle = 0;
     for (unsigned k = 0; k < w->rays.words; k++) {
@@ -340,20 +343,20 @@ static void walk_tree(batch_walk *w, const resident_grid *at, const ray_set *ray
 
 /* ---- Treelets ---- */
 
-/* So few rays go through a treelet one by one. */
+/* At most so many rays go through a treelet one by one. */
 enum { ALONE_MAX = 4 };
 
-/* Whether ray i passes treelet t, by its own interval, since nodes are generous, and where. A cell
- * that the kernel lets it visit lies within. */
+/* Returns whether ray i passes treelet t, and where. Its own interval decides, since nodes are
+ * generous. Each cell that the kernel lets the ray visit lies within. */
 static bool passes(const batch_walk *w, uint32_t t, unsigned i, double *from, double *to) {
     const leaf_layout *layout = w->tr->layout;
     const level_planes *planes = &w->scene->levels[layout->level_of[t]];
     const ray *r = ray_at(w, i);
-    /* Behind what it has already, nothing is of use to it. */
+    /* The ray needs nothing behind its best hit. */
     double t_in = w->rays.t_in[i];
     double t_out = w->best[i].t < w->rays.t_out[i] ? w->best[i].t : w->rays.t_out[i];
     for (int a = 0; a < 3; a++) {
-        /* The last treelet's cells end before it does. */
+        /* The last treelet's cells end before its planes do. */
         const uint32_t first = layout->place[t][a] << layout->cells_log2;
         const uint32_t end = first + (1u << layout->cells_log2);
         const uint32_t last = end < planes->cells[a] ? end : planes->cells[a];
@@ -379,7 +382,7 @@ static ray_set passing(batch_walk *w, uint32_t t, const ray_set *rays) {
     return some;
 }
 
-/* Remember that rays came into a treelet. */
+/* Mark a treelet as touched if a ray passes it. */
 static void touch(batch_walk *w, uint32_t t, const ray_set *rays) {
     if (atomic_load_explicit(&w->tr->touched[t], memory_order_relaxed))
         return;
@@ -388,7 +391,7 @@ static void touch(batch_walk *w, uint32_t t, const ray_set *rays) {
         tracer_touch(w->tr, t);
 }
 
-/* Rays that pass a treelet which is not there go no further here. */
+/* Leave rays that pass an absent treelet to single rays. */
 static void miss_treelet(batch_walk *w, uint32_t t, const ray_set *rays) {
     const ray_set some = passing(w, t, rays);
     for (unsigned k = 0; k < w->rays.words; k++) {
@@ -397,7 +400,7 @@ static void miss_treelet(batch_walk *w, uint32_t t, const ray_set *rays) {
     }
 }
 
-/* Cells of theirs that wait come first. */
+/* Answer the batch first if a cell of these rays waits in it. */
 static void answer(batch_walk *w, const ray_set *rays) {
     uint64_t waiting = 0;
     for (unsigned k = 0; k < w->rays.words; k++)
@@ -406,7 +409,7 @@ static void answer(batch_walk *w, const ray_set *rays) {
         flush(w);
 }
 
-/* Few rays fill no vectors, and by themselves they stop at their first hit. */
+/* Walk rays one by one. Few rays fill no vectors, and alone they stop at their first hit. */
 static void walk_alone(batch_walk *w, uint32_t t, const resident_grid *at, const ray_set *rays) {
     answer(w, rays);
     for (unsigned k = 0; k < w->rays.words; k++) {
@@ -476,7 +479,7 @@ static void walk_directory(batch_walk *w) {
 
 /* ---- Rays ---- */
 
-/* Tell what has been found; rays that met absent treelets begin anew by themselves. */
+/* Write the results. Rays that met absent treelets begin anew as single rays. */
 static void deliver(batch_walk *w) {
     const tracer *tr = w->tr;
     for (unsigned i = 0; i < w->rays.count; i++) {
@@ -492,7 +495,7 @@ static void deliver(batch_walk *w) {
     }
 }
 
-/* All rays of w->legs, which go to one octant. */
+/* Walk all rays of w->legs, whose directions lie in one octant. */
 static void walk_octant(batch_walk *w) {
     grid_rays_make(&w->rays, &w->legs, w->extent.middle, w->extent.size);
     w->open = w->pending = w->single = w->level = (ray_set){{0}};
@@ -511,8 +514,8 @@ static void walk_octant(batch_walk *w) {
 
 enum { DONE = 8, ALONE };
 
-/* What becomes of ray i: one of an octant's, one that goes by itself, or done: nothing of the
- * volume is in its way, or behind what it has. */
+/* Returns how ray i goes: the octant that it goes with, ALONE, or DONE. DONE: the volume has
+ * nothing between the hit to be behind and the ray's best hit. */
 static uint8_t begin_ray(const batch_walk *w, unsigned i, grid_approach *way) {
     const ray *r = &w->b->rays[i];
     const trace_state *state = &w->b->states[i];

@@ -12,8 +12,8 @@
 #include "render/grid/grid_rays_template.h"
 #include "render/grid/walk.h"
 
-/* By place along each axis: a cell's planes, counted from the rays' middle, and 1 / their distance;
- * and which of the planes rays come to first. */
+/* By place along each axis: a cell's planes, counted from the rays' middle, and 1 / their distance.
+ * Rays enter by the plane `near` and leave by `far`. */
 typedef struct block_planes {
     float lo[3][BLOCK_SIDE], hi[3][BLOCK_SIDE], inverse[3][BLOCK_SIDE];
     float near[3][BLOCK_SIDE], far[3][BLOCK_SIDE];
@@ -36,7 +36,7 @@ SIMD block_planes block_planes_of(const grid_rays *g, const level_planes *planes
     return b;
 }
 
-/* Where VF_N rays come into the cells along each axis, and leave them. */
+/* t where VF_N rays enter and leave the cells, along each axis. */
 typedef struct block_met {
     vf near[3][BLOCK_SIDE], far[3][BLOCK_SIDE];
 } block_met;
@@ -47,7 +47,7 @@ SIMD block_met block_met_of(const ray_slabs *rays, unsigned at, const block_plan
     return m;
 }
 
-/* Where they come into a cell, and leave another or the same. */
+/* Return t where the rays enter a cell, and where they leave a cell. */
 SIMD vf block_comes(const block_met *m, const unsigned cell[3]) {
     return f_max(f_max(m->near[2][cell[2]], m->near[1][cell[1]]), m->near[0][cell[0]]);
 }

@@ -14,24 +14,25 @@
 
 enum {
     BLOCK_ROWS = (BLOCK_SIDE + 1) * (BLOCK_SIDE + 1),
-    BLOCK_SLICE = (BLOCK_SIDE + 1) * BLOCK_SIDE, /* numbers of a slice of rows */
+    BLOCK_SLICE = (BLOCK_SIDE + 1) * BLOCK_SIDE, /* numbers in a slice of rows */
     BLOCK_NUMBERS = (BLOCK_ROWS * BLOCK_SIDE + 15) / 16 * 16
 };
 _Static_assert(BLOCK_SIDE == 4, "a slice of cells is sixteen");
 
-/* Rows of nodes lie one after the other, the (BLOCK_SIDE + 1) y + z-th: without their last node,
- * and without their first one. */
+/* Rows of nodes along x lie one after the other, in the order (BLOCK_SIDE + 1) z + y. `lower` has
+ * each row without its last node, `upper` without its first one. */
 typedef struct block_scores {
     _Alignas(64) float lower[BLOCK_NUMBERS + 32], upper[BLOCK_NUMBERS + 32];
-    float most[BLOCK_NUMBERS + 32]; /* of the cell whose first node is at the same place */
+    float most[BLOCK_NUMBERS +
+               32]; /* greatest score of the cell whose first node is at the same place */
 } block_scores;
 
-/* The place of a cell of the block. */
+/* Returns the place of a cell of the block: its first node's in `lower`. */
 static inline unsigned block_place(unsigned x, unsigned y, unsigned z) {
     return BLOCK_SLICE * z + BLOCK_SIDE * y + x;
 }
 
-/* Rows as they lie in a treelet: where they begin, and where its samples end. */
+/* Rows as they lie in a treelet: the samples at which they begin, and the number of samples. */
 typedef struct block_rows {
     const void *samples;
     size_t first[BLOCK_ROWS], end;
@@ -61,7 +62,8 @@ BLOCK_OF(block_of_u16, uint16_t)
 BLOCK_OF(block_of_i16, int16_t)
 BLOCK_OF(block_of_f32, float)
 
-/* Cells that do not exist have some numbers. */
+/* Rows beyond the treelet repeat its last one, so that cells that do not exist have some numbers.
+ */
 static block_rows block_rows_of(const walk_scene *scene, const resident_grid *at,
                                 const uint32_t cell[3]) {
     const size_t row = at->shape.samples[0], slice = row * at->shape.samples[1];
@@ -89,7 +91,7 @@ static void block_load(const walk_scene *scene, const resident_grid *at, const u
     }
 }
 
-/* The greatest of each cell: of pairs along x, along y, along z. */
+/* Find the greatest score of each cell: of pairs along x, then y, then z. */
 SIMD void block_maxima(block_scores *b) {
     float pairs[BLOCK_NUMBERS + 32];
     for (unsigned i = 0; i < BLOCK_NUMBERS; i += VF_N)
@@ -100,7 +102,7 @@ SIMD void block_maxima(block_scores *b) {
         f_store(b->most + i, f_max(f_load(pairs + i), f_load(pairs + i + BLOCK_SLICE)));
 }
 
-/* block_cell() - the eight scores of the cell at a place. */
+/* block_cell() - reads the eight scores of the cell at a place. */
 static inline void block_cell(const block_scores *b, unsigned place, float scores[8]) {
     for (unsigned i = 0; i < 4; i++) {
         const unsigned row = place + (i & 1u) * BLOCK_SIDE + (i >> 1) * BLOCK_SLICE;

@@ -1,6 +1,6 @@
-/* grid_cross_template.h - which ray-cells may cross a surface, in single precision and proven: what
- * tiles and batches of rays put in front of the cell kernel; included by the units of an ISA (see
- * formats/base/simd.h).
+/* grid_cross_template.h - which ray-cells may cross a surface, in single precision and proven: the
+ * filter that tiles and batches of rays put in front of the cell kernel; included by the units of
+ * an ISA (see formats/base/simd.h).
  */
 #ifndef RENDER_GRID_GRID_CROSS_TEMPLATE_H
 #define RENDER_GRID_GRID_CROSS_TEMPLATE_H
@@ -11,13 +11,13 @@
 
 static const float UNIT = 0x1p-24f; /* of float rounding */
 
-/* f - iso over cells, one a lane, as a sum of products of coordinates, 1 x y z xy yz xz xyz, and
- * the bound of may_cross(). */
+/* f - iso over cells, one a lane: the coefficients of 1 x y z xy yz xz xyz, in cell coordinates,
+ * and the bound of may_cross(). */
 typedef struct near_forms {
     vf c[8], bound;
 } near_forms;
 
-/* The sums' coefficients, of the corners without the isovalue. */
+/* Compute the coefficients from the corners f, less the isovalue. */
 SIMD void near_coefficients(const vf f[8], vf c[8]) {
     const vf x0 = f[1] - f[0], x1 = f[3] - f[2], x2 = f[5] - f[4], x3 = f[7] - f[6];
     const vf y0 = f[2] - f[0], xy0 = x1 - x0;
@@ -31,7 +31,7 @@ SIMD void near_coefficients(const vf f[8], vf c[8]) {
     c[7] = (x3 - x2) - xy0;
 }
 
-/* Where visits enter their cells, in the cells' coordinates, and their way through them. */
+/* Where visits enter their cells, and exit minus entry, in cell coordinates. */
 typedef struct near_way {
     vf in[3], way[3];
 } near_way;
@@ -40,7 +40,7 @@ SIMD vf near_coordinate(vf t, vf d, vf lo, vf inv) {
     return f_min(f_max((t * d - lo) * inv, f_set(0.0f)), f_set(1.0f));
 }
 
-/* The control values of the cubic along a visit: cell_cubic(), but for rounding. */
+/* Compute the control values of the cubic along a visit, as cell_cubic() does but for rounding. */
 SIMD void near_controls(const near_way *v, const vf c[8], vf b[4]) {
     const vf *in = v->in, *way = v->way;
     const vf x = in[0], y = in[1], z = in[2];
@@ -61,19 +61,21 @@ SIMD void near_controls(const near_way *v, const vf c[8], vf b[4]) {
     b[3] = k0 + k1 + k2 + k3;
 }
 
-/* Which rays' control polygons (cell_cubic()) may change side: the others have no root, says the
- * cell kernel too.
+/* Returns the lanes whose control polygons (cell_cubic()) may change side. The cell kernel finds no
+ * root in the others.
  *
- * The proof, in units u = 2^-24. Coordinates in the cell, (t d - lo) inv: t errs by 5 u of itself,
- * d by u, and with the product's u, lo's and the difference's the sum errs by at most 10 u
- * max(|lo|, |hi|) inv, since |t d| is no more than that where the ray passes the cell; inv and the
- * product add 2 u, taking entry from exit and adding it again 2 u: less than e = 16 u (max(|lo|,
- * |hi|) inv + 1). Clamping takes nothing away. The form is linear in each coordinate with slopes of
- * at most 2 F, F = max |f|: positions add 2 F (e_x + e_y + e_z). Values: f errs by u F, the eight
- * coefficients by 81 u F together; their sizes add up to 27 F. The cubic's coefficients k0 .. k3
- * add up to 27, 54, 36 and 8 F before signs cancel, with at most 14 roundings on the way: 1750 u F.
- * Where results are denormal, 2^-149 a step. Together with the kernel's own rounding, 2^-50 F, less
- * than F (2048 u + 2 (e_x + e_y + e_z)) + 2^-130. */
+ * The proof, in units u = 2^-24. Coordinates in the cell are (t d - lo) inv. t errs by 5 u of
+ * itself, d by u; the product, lo and the difference add u each. Where the ray passes the cell, |t
+ * d| is at most max(|lo|, |hi|), so the sum errs by at most 10 u max(|lo|, |hi|) inv. inv and the
+ * last product add 2 u; taking entry from exit and adding it again adds 2 u. All that is less than
+ * e = 16 u (max(|lo|, |hi|) inv + 1). Clamping adds nothing.
+ *
+ * The form is linear in each coordinate with slopes of at most 2 F, F = max |f|: positions add 2 F
+ * (e_x + e_y + e_z). Values: f errs by u F, the eight coefficients by 81 u F together; their sizes
+ * add up to 27 F. The cubic's coefficients k0 .. k3 add up to 27, 54, 36 and 8 F before signs
+ * cancel, with at most 14 roundings on the way: 1750 u F. Denormal results err by 2^-149 a step.
+ * Together with the kernel's own rounding, 2^-50 F, that is less than F (2048 u + 2 (e_x + e_y +
+ * e_z)) + 2^-130. */
 SIMD unsigned may_cross(const near_way *v, const near_forms *forms) {
     vf b[4];
     near_controls(v, forms->c, b);

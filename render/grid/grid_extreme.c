@@ -12,7 +12,7 @@ static float bound_of(const tracer *tr, const extreme_state *s, const grid_passa
     return extreme_bound(s, grid_passage_drawn(tr, node) ? f->own[at] : f->ranges[at]);
 }
 
-/* A preview passes something over, or draws it coarser: as much as there may be in it. */
+/* Raise the doubt to treelet t's bound, where a preview passes t over or draws it coarser. */
 static void doubt(const tracer *tr, extreme_state *s, uint32_t t) {
     const float bound =
         extreme_bound(s, tr->treelets->file->ranges[leaf_layout_samples(tr->layout, tr->set, t)]);
@@ -48,7 +48,7 @@ void grid_extreme_ways(const tracer *tr, const ray *r, extreme_ways *ways, ray_c
 
 /* ---- Codes ---- */
 
-/* What does not change on the way through a treelet, and what has been found. */
+/* A search through one treelet: what does not change on the way, and what has been found. */
 typedef struct climb {
     const walk_scene *scene;
     const resident_grid *at;
@@ -56,11 +56,12 @@ typedef struct climb {
     extreme_state *s;
     ray_counters *counters;
     quantizer codes;
-    int above, level; /* no node whose score's code is less has a score above, or as great as, what
-                         has been found */
+    int above, level; /* a node whose score's code is less than `above` has no score above what has
+                         been found; less than `level`: none as great */
 } climb;
 
-/* The least code of what reaches a value; the greatest code of what comes down to one. */
+/* Return the least code of values that reach `value`, and the greatest code of values down to it.
+ */
 static int code_up(const quantizer *q, double value) {
     if (!(value <= q->hi))
         return 256;
@@ -75,7 +76,7 @@ static int code_down(const quantizer *q, double value) {
     return quantizer_floor(q, q->exact ? floor(value) : value);
 }
 
-/* Scores of codes are codes, or 255 minus them. */
+/* Set c->level and c->above. A code's score is the code, or 255 minus it for the least. */
 static void set_limits(climb *c) {
     const quantizer *q = &c->codes;
     const double value = extreme_value(c->s);
@@ -88,7 +89,7 @@ static void set_limits(climb *c) {
     }
 }
 
-/* Of the nodes of 2^size cells on a side, blocks or larger. */
+/* Returns the score, as a code, of a node of 2^size cells on a side: a block or larger. */
 static int node_score(const climb *c, uint32_t size, uint32_t morton) {
     const uint32_t k = c->at->shape.node_levels + LEAF_BLOCK_LOG2 - size;
     const uint8_t *lo = (const uint8_t *)c->at->head.payload + leaf_codes_at(k);
@@ -106,7 +107,8 @@ static double greatest_sample(const extreme_state *s, const float samples[8]) {
     return s->least ? -(double)least : (double)most;
 }
 
-/* No value between control values is beyond all of them, but by rounding: three means of means. */
+/* Returns a bound of the score: no value is beyond all control values, except by the rounding of
+ * three means of means. */
 static double greatest_control(const extreme_state *s, const double b[4]) {
     double least = b[0], most = b[0];
     for (int i = 1; i < 4; i++) {
@@ -151,7 +153,7 @@ typedef struct pending {
     uint32_t cell[3];
     uint32_t morton;
     uint32_t size; /* 2^size cells on a side */
-    int score;     /* by its code */
+    int score;     /* its greatest one, as a code */
 } pending;
 
 enum { STACK_MAX = 4 * (LEAF_CELLS_LOG2_MAX + 1) };
@@ -160,7 +162,7 @@ static bool node_matters(const climb *c, int score, double t_in) {
     return score >= c->above || (score >= c->level && t_in < c->s->t);
 }
 
-/* The best child comes last, of equal ones the nearest. */
+/* Push the children that matter: the best last, of equal ones the nearest last. */
 static int push_children(const climb *c, const pending *node, unsigned octants,
                          pending stack[STACK_MAX], int top) {
     const level_planes *planes = &c->scene->levels[c->at->level];
@@ -193,7 +195,7 @@ static int push_children(const climb *c, const pending *node, unsigned octants,
 
 /* ---- Blocks ---- */
 
-/* Cells have no codes: all that the ray passes, as far as they matter. */
+/* Try the cells that the ray passes, as long as the block matters: cells have no codes. */
 static void walk_block(climb *c, const pending *block) {
     block_passage p =
         block_passage_begin(&c->scene->levels[c->at->level], c->r, block->cell,
@@ -251,7 +253,8 @@ void grid_extreme(const tracer *tr, const treelet *found, const ray *r, const ex
 
 /* ---- Near a place ---- */
 
-/* The cell of the treelet that owns a coordinate, or the nearest one, in the treelet. */
+/* Returns the treelet's cell that owns a coordinate, or the nearest one, counted within the
+ * treelet. */
 static uint32_t cell_near(const level_planes *planes, const resident_grid *at, int a, double x) {
     uint32_t lo = 0, hi = at->shape.cells[a];
     while (hi - lo > 1) {

@@ -4,8 +4,8 @@
 
 #include "render/grid/surface.h"
 
-/* The cell of a treelet between whose planes x is, or the nearest one. planes: of its first cell
- * on. */
+/* Returns the treelet's cell between whose planes x lies, or the nearest one. planes: from the
+ * treelet's first cell on. */
 static uint32_t cell_at(const double planes[], uint32_t cells, double x) {
     const double guess = (x - planes[0]) / (planes[cells] - planes[0]) * cells;
     uint32_t i = guess > 0.0 ? (uint32_t)fmin(guess, (double)(cells - 1)) : 0;
@@ -16,7 +16,7 @@ static uint32_t cell_at(const double planes[], uint32_t cells, double x) {
     return i;
 }
 
-/* The cell that holds the middle of a piece, and where in it the piece begins and ends. */
+/* Find the cell that holds the middle of a piece, and where the piece begins and ends in it. */
 static void find_cell(const level_planes *planes, const resident_grid *at, const ray *r,
                       const segment *s, uint32_t cell[3], cell_visit *visit) {
     const double t = 0.5 * (s->t0 + s->t1);
@@ -30,8 +30,8 @@ static void find_cell(const level_planes *planes, const resident_grid *at, const
     }
 }
 
-/* Differences along the cell's edges: their trilinear form is the gradient of that of the samples.
- */
+/* Compute the differences along the cell's edges. Their trilinear form is the gradient of the
+ * samples' trilinear form. */
 static void own_gradients(const walk_scene *scene, const resident_grid *at, const uint32_t cell[3],
                           double gradients[8][4]) {
     const level_planes *planes = &scene->levels[at->level];

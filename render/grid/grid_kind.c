@@ -24,9 +24,9 @@
 /* What an open grid has beside its treelets: leafcast.own. */
 typedef struct grid_volume {
     level_planes_table planes;
-    double narrowest[3];    /* cell of level 0 along each axis */
-    walk_scene scene;       /* of the frame, or of the question, that is under way */
-    intersect_fn intersect; /* instead of the scene's, or NULL */
+    double narrowest[3];    /* width of the narrowest cell of level 0 on each axis */
+    walk_scene scene;       /* of the frame, or of the question, under way */
+    intersect_fn intersect; /* used instead of the scene's; NULL: the scene's */
 } grid_volume;
 
 static grid_volume *grid_of(const leafcast *v) {
@@ -58,7 +58,7 @@ static status grid_open(leafcast *v) {
     return level_planes_init(&grid_of(v)->planes, v->m, v->file);
 }
 
-/* Single rays alone ask it. */
+/* Only single rays use another intersector, so there are no tiles then. */
 void grid_intersect_by(leafcast *v, intersect_fn intersect) {
     grid_of(v)->intersect = intersect;
     v->kernels.tile = intersect ? NULL : grid_tile_kernels[v->kernels.isa];
@@ -70,7 +70,7 @@ static void grid_close(leafcast *v) {
     mem_free(v->m, v->own);
 }
 
-/* Where a grid is, and how large its cells are. */
+/* Describe where a grid is, and how large its cells are. */
 static void grid_describe(const leafcast *v, leafcast_info *info) {
     const leaf_header *h = &v->file->header;
     for (int a = 0; a < 3; a++) {
@@ -96,7 +96,8 @@ static void grid_describe(const leafcast *v, leafcast_info *info) {
 
 /* ---- The box of what is active ---- */
 
-/* Of the cells that the histogram has seen in the isovalue's bin and the next one: nodes. */
+/* Widen the box, in nodes, by the cells that the histogram has in the isovalue's bin and the next
+ * one. */
 static void widen_by_histogram(const leafcast *v, uint32_t set, double isovalue, double box[2][3]) {
     const histogram *h = &v->file->histograms[set];
     const uint32_t *dims = v->file->header.dims;
@@ -114,7 +115,7 @@ static void widen_by_histogram(const leafcast *v, uint32_t set, double isovalue,
     }
 }
 
-/* Of the treelets of level 0: nodes. */
+/* Widen the box, in nodes, by the active treelets of level 0. */
 static void widen_by_treelets(const leafcast *v, uint32_t set, const double *isovalues, int count,
                               double box[2][3]) {
     const interest in = interest_of_isovalues(isovalues, count);
@@ -243,7 +244,8 @@ static status grid_project(leafcast *v, const camera *c, projection *out) {
 
 /* ---- The order of treelets ---- */
 
-/* The treelet of the level-0 grid that a coordinate falls into; outside, the one beyond. */
+/* Returns the place, on one axis, of the level-0 treelet that a coordinate falls into. Outside the
+ * volume: the place just beyond. */
 static int64_t treelet_of(const tracer *tr, int a, double x) {
     const walk_scene *scene = tr->own;
     const level_planes *planes = &scene->levels[0];
@@ -278,7 +280,8 @@ static uint32_t grid_rank(const tracer *tr, uint32_t t, const ray_bundle *rays) 
             continue;
         }
         /* A ray only moves away from the eye's treelet on every axis (and towards a light's), so
-         * the Manhattan distance rises. Of a coarse treelet: from the one of its level there. */
+         * the Manhattan distance rises (falls). A coarse treelet's distance is from the treelet of
+         * its own level there. */
         const int64_t size = (int64_t)1 << level;
         const int64_t centre = (treelet_of(tr, a, vector[a]) >> level) * size;
         const int64_t distance = place > centre ? place - centre : centre - place;
@@ -315,8 +318,8 @@ static void grid_cell_of_segment(const tracer *tr, const segment *s, leafcast_se
 
 /* ---- Points ---- */
 
-/* The cell that owns a coordinate of at[0] .. at[cells]: [i, i + 1), the last one its end too. Most
- * axes are even: the guess is right. */
+/* Returns the cell that owns a coordinate in at[0] .. at[cells]. Cell i owns [i, i + 1), the last
+ * one its end, too. Most axes are even: the guess is right. */
 static uint32_t cell_owning(const double *at, uint32_t cells, double x) {
     const double share = (x - at[0]) / (at[cells] - at[0]) * cells;
     const uint32_t guess = share < cells ? (uint32_t)share : cells - 1;
@@ -333,8 +336,8 @@ static uint32_t cell_owning(const double *at, uint32_t cells, double x) {
     return lo;
 }
 
-/* What a point of world space that is near the volume may be off in grid space by rounding alone:
- * its own, that of the transform and that of the way back. */
+/* Returns how far a world-space point near the volume may be off on a grid axis by rounding alone:
+ * of the point itself, of the transform and of the way back. */
 static double rounding_of(const leafcast *v, const double point[3], int a) {
     const affine *space = &v->space;
     double sum = 0.0;
@@ -356,7 +359,8 @@ typedef struct cell_point {
     double at[3], inverse[3]; /* in the cell; 1 / its edges */
 } cell_point;
 
-/* False: outside. What rounding has brought out of the volume is on its border. */
+/* Find the cell of a world-space point. Returns false outside the volume. A point that rounding has
+ * brought out of the volume counts as on its border. */
 static bool find_cell(const leafcast *v, uint32_t level, const double point[3], cell_point *out) {
     const level_planes *planes = &grid_of(v)->planes.levels[level];
     double grid[3];

@@ -1,5 +1,5 @@
-/* grid_legs_template.h - which rays of a batch go through a grid together, and their ways to it;
- * included by the units of an ISA (see formats/base/simd.h).
+/* grid_legs_template.h - which rays of a batch go through a grid together, and where they meet its
+ * box; included by the units of an ISA (see formats/base/simd.h).
  */
 #ifndef RENDER_GRID_GRID_LEGS_TEMPLATE_H
 #define RENDER_GRID_GRID_LEGS_TEMPLATE_H
@@ -12,12 +12,12 @@
 #include "render/grid/walk.h"
 #include "render/ray/tracer.h"
 
-/* Of all planes: half of where they are, and from there to the last. */
+/* The middle of all planes on each axis, the distance from there to the last, and 1 / it. */
 typedef struct grid_extent {
     double middle[3], size[3], per_size[3];
 } grid_extent;
 
-/* grid_extent_of() - false: out of floats' range. */
+/* grid_extent_of() - sets *e. Returns false if it is out of floats' range. */
 static bool grid_extent_of(grid_extent *e, const tracer *tr) {
     const walk_scene *scene = tr->own;
     const leaf_layout *layout = tr->layout;
@@ -33,13 +33,14 @@ static bool grid_extent_of(grid_extent *e, const tracer *tr) {
     return usable;
 }
 
-/* A ray as the kernel looks at it first. */
+/* A ray before the kernel takes it: 1 / d, where it begins and ends, and where it enters the box.
+ */
 typedef struct grid_approach {
     double per_d[3], t_in, t_out, t_box;
     unsigned octant;
 } grid_approach;
 
-/* grid_way_ordinary() - whether kernels can do with a ray's direction. */
+/* grid_way_ordinary() - returns whether the kernels can do with a ray's direction. */
 static bool grid_way_ordinary(const grid_extent *e, const ray *r, grid_approach *way) {
     double least = INFINITY, most = 0.0;
     bool usable = true;
@@ -57,7 +58,8 @@ static bool grid_way_ordinary(const grid_extent *e, const ray *r, grid_approach 
     return usable && least >= COMPONENT_MIN * most;
 }
 
-/* grid_way_meets_box() - tracer_box(), give or take roundings: generous. */
+/* grid_way_meets_box() - cuts the ray to the volume's box, as tracer_box() but with room for
+ * rounding. Returns whether something is left. */
 static bool grid_way_meets_box(const tracer *tr, const ray *r, grid_approach *way) {
     const double(*box)[3] = tr->box;
     double t_in = -INFINITY, t_out = INFINITY;
@@ -79,7 +81,7 @@ static bool grid_way_meets_box(const tracer *tr, const ray *r, grid_approach *wa
     return way->t_in <= way->t_out;
 }
 
-/* grid_legs_add() - ray i. */
+/* grid_legs_add() - adds ray i. */
 static void grid_legs_add(grid_legs *legs, const ray rays[], unsigned i, const grid_approach *way) {
     const unsigned to = legs->count++;
     legs->number[to] = (uint8_t)i;

@@ -2,8 +2,8 @@
  * which rays may visit a cell, and which of those may cross a surface there; included by the units
  * of an ISA (see formats/base/simd.h).
  *
- * Lanes are rays of a window that look at one cell, cells that one ray looks at, or ray-cells of
- * any kind. What these tests let through goes to the cell kernel (cell_batch.h), which decides.
+ * Lanes are rays of a window at one cell, cells of one ray, or any ray-cells. Those that pass these
+ * tests go to the cell kernel (cell_batch.h), which decides.
  */
 #ifndef RENDER_GRID_GRID_NEAR_TEMPLATE_H
 #define RENDER_GRID_GRID_NEAR_TEMPLATE_H
@@ -27,15 +27,15 @@ SIMD void near_slab(vf lo, vf hi, vf reciprocal, vf *t_in, vf *t_out) {
     *t_out = f_min(*t_out, f_max(to_lo, to_hi));
 }
 
-/* What is left of them after all axes. Planes, reciprocals and products err by 4 units of t at
- * most, and so do t0 and t1; the test gives 16. */
+/* Returns the lanes with something left after all axes. Planes, reciprocals and products err by at
+ * most 4 units (2^-24) of t, and so do t0 and t1; the test allows 16. */
 SIMD unsigned near_passes(vf t_in, vf t_out) {
     const vf slack = f_set(16.0f * UNIT) * (f_abs(t_in) + f_abs(t_out));
     /* Inf - inf is no reason to drop a ray. */
     return ~mf_bits(f_gt(t_in - t_out, slack));
 }
 
-/* The cells of a group of 2^3, a lane a cell: lane % 8 is the octant from `from` on. */
+/* The planes of a group's 2^3 cells, a lane a cell: lane k is octant (from + k) % 8. */
 typedef struct group_planes {
     vf lo[3], hi[3];
 } group_planes;
@@ -54,7 +54,7 @@ SIMD group_planes group_planes_of(const plane_projection *const planes[3], const
     return g;
 }
 
-/* Which cells of a group a ray may visit. */
+/* Returns which cells of a group a ray may visit, and sets t of their entries and exits. */
 SIMD unsigned group_visits(const tile_rays *rays, unsigned at, const group_planes *g, float t_in[],
                            float t_out[]) {
     vf in = f_set(rays->near_t0[at]), out = f_set(rays->near_t1[at]);
@@ -67,7 +67,8 @@ SIMD unsigned group_visits(const tile_rays *rays, unsigned at, const group_plane
 
 /* ---- The filter ---- */
 
-/* What the bound takes from where VF_N cells lie. */
+/* Returns what the bound needs from where VF_N cells lie: may_cross()'s e_x + e_y + e_z in units of
+ * 16 u. */
 SIMD vf near_reach(const vf lo[3], const vf hi[3], const vf inv[3]) {
     vf e = f_set(3.0f);
     for (int a = 0; a < 3; a++)
@@ -103,7 +104,7 @@ typedef struct near_queue {
     unsigned count;
 } near_queue;
 
-/* Which of the lanes may cross any of the surfaces. */
+/* Returns the lanes that may cross any of the surfaces. */
 SIMD unsigned queue_may_cross(const near_queue *q, const double isovalues[], int count) {
     vf lo[3], hi[3], inv[3];
     near_way v;
@@ -126,8 +127,8 @@ SIMD unsigned queue_may_cross(const near_queue *q, const double isovalues[], int
 
 /* ---- Cells and windows ---- */
 
-/* Active cells, one a lane, and windows of rays that visit them, on their way to the filter: many
- * at a time, so that none waits for what another's is decided by. */
+/* Active cells, one a lane, and windows of rays that visit them, on their way to the filter. Many
+ * are filtered at a time, so that no cell waits for the result of another. */
 enum { STAGE_CELLS = 16, STAGE_WINDOWS = 32 };
 
 typedef struct cell_stage {
@@ -137,14 +138,14 @@ typedef struct cell_stage {
     const resident_grid *at[STAGE_CELLS];
     uint32_t cell[STAGE_CELLS][3];
     float t_in[STAGE_WINDOWS][VF_N], t_out[STAGE_WINDOWS][VF_N];
-    uint8_t of[STAGE_WINDOWS]; /* the cell */
+    uint8_t of[STAGE_WINDOWS]; /* number of the window's cell */
     uint8_t x[STAGE_WINDOWS], y[STAGE_WINDOWS];
     uint16_t visitors[STAGE_WINDOWS]; /* rays of the window, a bit each */
     uint16_t crossing[STAGE_WINDOWS];
     unsigned cells, windows;
 } cell_stage;
 
-/* Put a cell on the stage; it goes when it is not counted. */
+/* Put a cell on the stage. The next one replaces it unless the caller counts it in s->cells. */
 SIMD void stage_cell(cell_stage *s, const resident_grid *at,
                      const plane_projection *const planes[3], const uint32_t cell[3]) {
     const unsigned k = s->cells;
@@ -157,7 +158,7 @@ SIMD void stage_cell(cell_stage *s, const resident_grid *at,
     }
 }
 
-/* Forms of all cells. */
+/* Compute the forms of all cells on the stage. */
 SIMD void stage_forms(cell_stage *s, double iso) {
     for (unsigned from = 0; from < s->cells; from += VF_N) {
         float samples[8][VF_N];
@@ -177,7 +178,7 @@ SIMD void stage_forms(cell_stage *s, double iso) {
     }
 }
 
-/* The rays of a window that may cross the surface that the forms are of. */
+/* Returns the rays of window n that may cross the surface for which the forms were made. */
 SIMD unsigned window_crosses(const cell_stage *s, const tile_rays *rays, unsigned n) {
     const unsigned k = s->of[n], at = STRIDE * s->y[n] + s->x[n];
     const vf t_in = f_load(s->t_in[n]), t_out = f_load(s->t_out[n]);

@@ -1,7 +1,7 @@
-/* grid_normals_template.h - the normals of what a tile's rays have found in a grid; included by the
- * units of an ISA (see formats/base/simd.h).
+/* grid_normals_template.h - the normals of the surfaces that a tile's rays have found in a grid;
+ * included by the units of an ISA (see formats/base/simd.h).
  *
- * surface_at() in the same order of operations, many pixels at a time. */
+ * The operations and their order are those of surface_at(), for many pixels at a time. */
 #ifndef RENDER_GRID_GRID_NORMALS_TEMPLATE_H
 #define RENDER_GRID_GRID_NORMALS_TEMPLATE_H
 
@@ -39,7 +39,7 @@ typedef struct known_cell {
     double gradients[8][4];
 } known_cell;
 
-/* The gradients at the corners of the cell of a surface. */
+/* Returns the gradients at the corners of surface i's cell, computed or remembered. */
 static const known_cell *corners_of(const tile_walk *w, const tile_layer *l, unsigned i,
                                     known_cell *known) {
     const resident_grid *at = resident_grid_of(surface_of(l, i)->at);
@@ -55,7 +55,7 @@ static const known_cell *corners_of(const tile_walk *w, const tile_layer *l, uns
     return k;
 }
 
-/* The gradients that the normals of VD_N pixels are taken from; lanes without a hit: any. */
+/* Compute the gradients for the normals of VD_N pixels. Lanes without a hit get any gradient. */
 SIMD void gradients_at(const tile_walk *w, const tile_layer *l, unsigned i, unsigned hits,
                        bool central, known_cell *known, double gradient[3][VD_N]) {
     const walk_scene *scene = scene_of(w);
@@ -101,8 +101,8 @@ SIMD void gradients_at(const tile_walk *w, const tile_layer *l, unsigned i, unsi
     }
 }
 
-/* Unit normals against the gradients, VD_N at a time. Returns the lanes that have no such: gradient
- * zero or not finite. */
+/* Compute unit normals against the gradients, VD_N at a time. Returns the lanes without a normal:
+ * the gradient is zero or not finite. */
 SIMD unsigned normals_of(const affine *space, double gradient[3][VD_N], unsigned i,
                          tile_normals normal) {
     vd grid[3], g[3], v[3];
@@ -121,7 +121,7 @@ SIMD unsigned normals_of(const affine *space, double gradient[3][VD_N], unsigned
     return ~md_bits(md_and(d_gt(largest, d_set(0.0)), d_lt(d_abs(sum), infinite)));
 }
 
-/* A ray of the tile, as the scalar code has it. */
+/* Returns ray i of the tile in the form of the scalar code. */
 static ray ray_of(const tile_state *s, unsigned i) {
     ray r = {.t0 = s->rays.t0[i], .t1 = s->rays.t1[i]};
     for (int a = 0; a < 3; a++) {
@@ -131,7 +131,7 @@ static ray ray_of(const tile_state *s, unsigned i) {
     return r;
 }
 
-/* surface_at() by itself, where neighbours do not give a normal. */
+/* Take the normal of surface_at(), where the vector code has found none. */
 static void normal_of_its_own(const tile_walk *w, const tile_layer *l, unsigned i,
                               tile_normals normal) {
     const tracer *tr = w->s.f->tracer;
@@ -144,7 +144,7 @@ static void normal_of_its_own(const tile_walk *w, const tile_layer *l, unsigned 
         normal[a][i] = point.normal[a];
 }
 
-/* Of all surfaces of a layer. */
+/* Compute the normals of all surfaces of a layer. */
 static void grid_normals(void *work, const tile_layer *l, tile_normals normal) {
     const tile_walk *w = work;
     const tracer *tr = w->s.f->tracer;

@@ -1,7 +1,7 @@
 /* grid_passage.h - the treelets on a ray's way through a grid's directory, front to back.
  *
- * The directory is an octree of treelets. Whoever follows a ray keeps a stack of subtrees still to
- * be visited, the nearest on top, and replaces what is not drawn itself by its children.
+ * The directory is an octree of treelets. The caller keeps a stack of subtrees still to be visited,
+ * the nearest on top, and replaces a treelet that is not drawn itself by its children.
  */
 #ifndef RENDER_GRID_GRID_PASSAGE_H
 #define RENDER_GRID_GRID_PASSAGE_H
@@ -28,9 +28,9 @@ static inline void grid_passage_middle(const tracer *tr, uint32_t t, double midd
         middle[a] = scene->levels[level].at[a][(layout->place[t][a] << layout->cells_log2) + half];
 }
 
-/* Push what of treelet t's children is active and passed, the nearest last. In a preview the finest
- * resident ancestor stands in for what is absent, as far as that is below it, and *provisional is
- * set; NULL: nothing stands in here. */
+/* Push the active children of treelet node->t that the ray passes, the nearest last. Returns the
+ * new top. In a preview an absent child sets *provisional, and the node's own eighth stands in for
+ * the child if the node is resident or taken whole. provisional NULL: nothing stands in. */
 static inline int grid_passage_push(const tracer *tr, const ray *r, const grid_passage *node,
                                     grid_passage *stack, int top, bool *provisional) {
     const leaf_layout *layout = tr->layout;
@@ -59,7 +59,7 @@ static inline int grid_passage_push(const tracer *tr, const ray *r, const grid_p
     return top;
 }
 
-/* grid_passage_drawn() - whether the treelet itself is what rays look at, not its children. */
+/* grid_passage_drawn() - returns whether rays look at the treelet itself, not at its children. */
 static inline bool grid_passage_drawn(const tracer *tr, const grid_passage *node) {
     return node->octants || tr->layout->level_of[node->t] == tr->target_level ||
            (tr->stop && tr->stop[node->t]);

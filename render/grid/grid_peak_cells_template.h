@@ -1,5 +1,5 @@
-/* grid_peak_cells_template.h - ray-cells on a climb through a grid (grid_peaks.h): which may
- * matter, and what is in them; included by the units of an ISA (see formats/base/simd.h).
+/* grid_peak_cells_template.h - ray-cells in a search for extremes in a grid (grid_peaks.h): which
+ * may matter, and what is in them; included by the units of an ISA (see formats/base/simd.h).
  */
 #ifndef RENDER_GRID_GRID_PEAK_CELLS_TEMPLATE_H
 #define RENDER_GRID_GRID_PEAK_CELLS_TEMPLATE_H
@@ -14,20 +14,21 @@
 #include "render/ray/extreme_batch.h"
 #include "stream/grid_resident.h"
 
-/* What rays have found, by their places, as nodes and cells compare it: scores rounded down. Where
- * that is exact, those that reach the same matter as far as `t`, counted as that of grid_rays and
- * rounded up; else not at all: -INFINITY. */
+/* What rays have found, by their places, as nodes and cells compare it. Scores are rounded down.
+ * Where a score is exact, an equal one matters up to `t`, counted as in grid_rays and rounded up.
+ * Where it is not exact, an equal one does not matter: t is -INFINITY. */
 typedef struct peaks {
-    float score[RAY_BATCH + 1], t[RAY_BATCH + 1]; /* the last: nobody's */
+    float score[RAY_BATCH + 1], t[RAY_BATCH + 1]; /* the last one is no ray's */
 } peaks;
 
-/* Ray-cells, one a lane, on their way to the filter. Lanes of a cell are beside each other; what is
- * the cell's is stored a vector at a time from the first of them on, and so reaches over. */
+/* Ray-cells, one a lane, on their way to the filter. Lanes of one cell lie beside each other. A
+ * cell's own numbers are stored a vector at a time from its first lane on, so they reach beyond its
+ * lanes. */
 typedef struct cell_queue {
     float lo[3][2 * VF_N], hi[3][2 * VF_N], inv[3][2 * VF_N]; /* planes, from the middle on */
     float samples[8][2 * VF_N];
-    uint32_t ray[VF_N]; /* its place */
-    uint8_t cell[VF_N]; /* of these: */
+    uint32_t ray[VF_N]; /* the ray's place */
+    uint8_t cell[VF_N]; /* number of its cell, of these: */
     const resident_grid *at[VF_N];
     uint32_t cells[VF_N][3];
     unsigned count, cell_count;
@@ -37,20 +38,20 @@ typedef struct cell_queue {
 typedef struct peak_batch {
     cell_batch cells;
     unsigned count;
-    uint8_t ray[CELL_BATCH]; /* its place */
+    uint8_t ray[CELL_BATCH]; /* the ray's place */
     uint32_t treelet[CELL_BATCH];
-    _Alignas(64) double score[CELL_BATCH]; /* found before */
+    _Alignas(64) double score[CELL_BATCH]; /* the ray's score when the lane was filled */
 } peak_batch;
 
 typedef struct peak_cells {
     const walk_scene *scene;
     extreme_batch *b;
     grid_rays rays;
-    bool least; /* what is looked for; sign: of scores */
+    bool least; /* looks for the least values; sign: of scores, -1 for the least */
     float sign;
-    ray_set level;            /* have a component of 0 */
-    peaks found, in_block;    /* in_block: by slots, */
-    uint16_t slot[RAY_BATCH]; /* that a ray has while a block is climbed; RAY_BATCH: none */
+    ray_set level;            /* have a direction component of 0 */
+    peaks found, in_block;    /* in_block: the same by slots */
+    uint16_t slot[RAY_BATCH]; /* a ray's slot while a block is searched; RAY_BATCH: none */
     cell_queue queue;
     peak_batch batch;
 } peak_cells;
@@ -65,7 +66,7 @@ SIMD extreme_state *peak_state(const peak_cells *p, unsigned i) {
 
 /* ---- What has been found ---- */
 
-/* peaks_know() - what ray i has found. */
+/* peaks_know() - updates what ray i has found. */
 static void peaks_know(peak_cells *p, unsigned i) {
     const extreme_state *s = peak_state(p, i);
     float score = (float)s->score, t = -INFINITY;
@@ -79,7 +80,7 @@ static void peaks_know(peak_cells *p, unsigned i) {
     p->found.t[i] = p->in_block.t[p->slot[i]] = t;
 }
 
-/* peak_cells_enter(), peak_cells_leave() - ray i has a slot, or none. */
+/* peak_cells_enter(), peak_cells_leave() - give ray i a slot; take its slot away. */
 SIMD void peak_cells_enter(peak_cells *p, unsigned i, unsigned slot) {
     p->slot[i] = (uint16_t)slot;
     p->in_block.score[slot] = p->found.score[i];
@@ -89,8 +90,8 @@ SIMD void peak_cells_leave(peak_cells *p, unsigned i) {
     p->slot[i] = RAY_BATCH;
 }
 
-/* peaks_matter() - of the VF_N rays from `at` on, those to which scores up to `bound` matter from
- * t_in on. */
+/* peaks_matter() - returns which of the VF_N rays from `at` on are interested in scores up to
+ * `bound` from t_in on. */
 SIMD mf peaks_matter(const peaks *found, unsigned at, vf bound, vf t_in) {
     const vf score = f_load(found->score + at);
     const mf before = f_le(t_in, f_load(found->t + at));
@@ -99,7 +100,8 @@ SIMD mf peaks_matter(const peaks *found, unsigned at, vf bound, vf t_in) {
 
 /* ---- In double ---- */
 
-/* The greatest, or the least, on a cubic, and the parameter where it is first: segment_range(). */
+/* The greatest, or the least, value of a cubic, and the parameter where it comes first:
+ * segment_range(). */
 typedef struct cubic_peak {
     vd value, at;
 } cubic_peak;
@@ -115,7 +117,7 @@ SIMD void offer_value(cubic_peak *best, vd value, vd at, md there, vd sign) {
     best->at = d_select(better, at, best->at);
 }
 
-/* cubic_extrema(), and the ends. */
+/* Returns the extreme value over cubic_extrema() and the ends. */
 SIMD cubic_peak cubic_peak_of(const vd b[4], vd sign) {
     const vd zero = d_set(0.0), one = d_set(1.0), none = d_set(-1.0);
     const vd q0 = b[1] - b[0], q1 = b[2] - b[1], q2 = b[3] - b[2];
@@ -135,7 +137,7 @@ SIMD cubic_peak cubic_peak_of(const vd b[4], vd sign) {
     return best;
 }
 
-/* No value is beyond all control values, but by rounding. */
+/* Returns a bound of the score: no value is beyond all control values, except by rounding. */
 SIMD vd most_control(const vd b[4], vd sign) {
     vd most = b[0] * sign, size = d_abs(b[0]);
     for (int i = 1; i < 4; i++) {
@@ -159,7 +161,7 @@ SIMD void take_peaks(peak_cells *p, int at, unsigned lanes, vd score, vd t) {
     }
 }
 
-/* A vector of ray-cells. */
+/* Compute the extremes of a vector of ray-cells. */
 SIMD void compute_peaks(peak_cells *p, int at, unsigned lanes) {
     const cell_batch *cells = &p->batch.cells;
     const vd sign = d_set((double)p->sign), before = d_load(p->batch.score + at);
@@ -179,7 +181,7 @@ SIMD void compute_peaks(peak_cells *p, int at, unsigned lanes) {
     const cubic_peak peak = cubic_peak_of(b, sign);
     const vd score = d_min(peak.value * sign, most);
     const vd line = d_min(v.t_in + peak.at * (v.t_out - v.t_in), v.t_out);
-    const vd inside = d_select(d_gt(peak.at, d_set(0.0)), line, v.t_in); /* also of -0 */
+    const vd inside = d_select(d_gt(peak.at, d_set(0.0)), line, v.t_in); /* keeps t_in = -0 */
     const vd t = d_select(d_lt(peak.at, d_set(1.0)), inside, v.t_out);
     take_peaks(p, at, lanes & md_bits(d_ge(score, before)), score, t);
 }
@@ -213,8 +215,8 @@ static void peak_batch_add(peak_cells *p, const resident_grid *at, const uint32_
 
 /* ---- In single precision ---- */
 
-/* Lanes whose greatest control value may reach what their rays have found. Scores without that are
- * as exact as samples without an isovalue: the proof is that of may_cross(). */
+/* Returns the lanes whose greatest control value may reach what their rays have found. Scores less
+ * the found score are as exact as samples less an isovalue, so may_cross()'s proof holds. */
 SIMD unsigned queue_may_matter(const peak_cells *p) {
     const cell_queue *q = &p->queue;
     float found[VF_N] = {0};
@@ -249,13 +251,13 @@ static void peak_queue_flush(peak_cells *p) {
     }
 }
 
-/* peak_cells_flush() - compute all that has been collected. */
+/* peak_cells_flush() - computes all ray-cells that have been collected. */
 static void peak_cells_flush(peak_cells *p) {
     peak_queue_flush(p);
     peak_batch_flush(p);
 }
 
-/* A cell for the lanes that follow. */
+/* Put a cell for the lanes that follow. */
 SIMD void queue_cell(cell_queue *q, const resident_grid *at, const uint32_t cell[3],
                      const float planes[3][3], const float scores[8]) {
     const unsigned c = q->cell_count++;
@@ -270,7 +272,7 @@ SIMD void queue_cell(cell_queue *q, const resident_grid *at, const uint32_t cell
         f_store(q->samples[s] + q->count, f_set(scores[s]));
 }
 
-/* peak_cells_add() - a cell for rays: bit k is the one at places[k]. */
+/* peak_cells_add() - adds a cell for some rays: bit k of `rays` is the ray at places[k]. */
 static void peak_cells_add(peak_cells *p, const resident_grid *at, const uint32_t cell[3],
                            const float planes[3][3], const float scores[8], const uint8_t places[],
                            unsigned rays) {

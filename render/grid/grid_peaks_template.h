@@ -22,9 +22,9 @@ void SIMD_NAME(grid_peaks)(const tracer *tr, extreme_batch *b, void *scratch,
 typedef struct peak_tree {
     ray_set rays;
     float bound;  /* no score in it is greater */
-    int32_t rank; /* among those of one bound: rises along all rays */
+    int32_t rank; /* orders trees of one bound: rises along all rays */
     uint32_t t;
-    bool drawn; /* the treelet itself */
+    bool drawn; /* search the treelet itself, not its children */
 } peak_tree;
 
 static inline bool peak_tree_before(const peak_tree *a, const peak_tree *b) {
@@ -46,13 +46,13 @@ typedef struct peak_node {
 
 enum { PEAK_TREES_MAX = 768, PEAK_NODES_MAX = 8 * (LEAF_CELLS_LOG2_MAX + 1) };
 
-/* Scores of codes: base + code step + slack, and no more than most. */
+/* The greatest score of a code: base + code step + slack, but at most `most`. */
 typedef struct peak_codes {
     float base, step, slack, most;
 } peak_codes;
 
-/* The rays that meet a block, side by side: what grid_rays has of them, by slots. What they have
- * found is in peak_cells. */
+/* The rays that meet a block, side by side: grid_rays' data by slots. What they have found is in
+ * peak_cells. */
 typedef struct block_rays {
     ray_slabs slabs;
     uint8_t place[RAY_BATCH];
@@ -66,9 +66,9 @@ typedef struct peak_walk {
     grid_extent extent;
     grid_legs legs;
     peak_cells cells;
-    ray_set open;    /* still climb */
+    ray_set open;    /* still search */
     ray_set resumed; /* have seen treelets before */
-    ray_set single;  /* for these there was no room */
+    ray_set single;  /* the list of trees had no room for them */
     unsigned tree_count;
     peak_tree trees[PEAK_TREES_MAX];
     peak_node nodes[PEAK_NODES_MAX];
@@ -77,7 +77,7 @@ _Static_assert(sizeof(peak_walk) <= GRID_PEAKS_SCRATCH, "a climb has room in its
 
 /* ---- Sets of rays ---- */
 
-/* Keep those to which scores up to `bound` matter, wherever. False: there are none. */
+/* Keep the rays to which scores up to `bound` matter, at any t. Returns false if none is left. */
 static bool keep_climbing(const peak_walk *w, float bound, ray_set *rays) {
     const uint64_t all = (UINT64_C(1) << VF_N) - 1;
     uint64_t any = 0;
@@ -96,8 +96,8 @@ static bool keep_climbing(const peak_walk *w, float bound, ray_set *rays) {
     return any != 0;
 }
 
-/* The rays that meet a node's children, and to which their bounds matter from there on; of these
- * children, in order. */
+/* Find the rays that meet each of a node's children and to which its bound matters from there on.
+ * Children, bounds and sets are in order. */
 SIMD void children_matter(const peak_walk *w, const node_planes *n, const ray_set *in,
                           unsigned children, const float bound[8], ray_set met[8]) {
     const grid_rays *g = &w->cells.rays;
@@ -124,7 +124,7 @@ SIMD void children_matter(const peak_walk *w, const node_planes *n, const ray_se
 
 /* ---- Blocks ---- */
 
-/* The rays of a set into slots; and out of them. */
+/* Put the rays of a set into slots; block_rays_leave() takes them out again. */
 static void block_rays_gather(peak_walk *w, const ray_set *rays) {
     const grid_rays *g = &w->cells.rays;
     block_rays *b = &w->block;
@@ -151,7 +151,7 @@ static void block_rays_leave(peak_walk *w) {
         peak_cells_leave(&w->cells, w->block.place[k]);
 }
 
-/* Cells by their numbers x + 4 y + 16 z, from those along a Z. */
+/* Convert a mask of cells from Morton order to numbers x + 4 y + 16 z. */
 static uint64_t cells_in_rows(uint64_t along_z) {
     static const uint8_t place[BLOCK_SIDE] = {0, 1, 8, 9};
     uint64_t cells = 0;
@@ -163,18 +163,18 @@ static uint64_t cells_in_rows(uint64_t along_z) {
     return cells;
 }
 
-/* What lies in a block. */
+/* A block to be searched. */
 typedef struct peak_block {
     const resident_grid *at;
     uint32_t first[3];
-    uint64_t cells; /* those that are of interest: bit x + 4 y + 16 z */
+    uint64_t cells; /* the active ones: bit x + 4 y + 16 z */
     block_planes planes;
     block_scores scores;
     float group[8];   /* the greatest score of each group of 2^3 cells, */
     uint8_t order[8]; /* and the groups, the best first */
 } peak_block;
 
-/* A cell of the block for rays: bit k is that of slot `from` + k. */
+/* Add a cell of the block for some rays: bit k of `rays` is slot `from` + k. */
 static void add_cell(peak_walk *w, const peak_block *b, const unsigned in_block[3], unsigned from,
                      unsigned rays) {
     float planes[3][3], scores[8];
@@ -190,8 +190,8 @@ static void add_cell(peak_walk *w, const peak_block *b, const unsigned in_block[
     peak_cells_add(&w->cells, b->at, cell, planes, scores, w->block.place + from, rays);
 }
 
-/* Of the rays from slot `at` on, those that meet cells between a first and a last one in order, and
- * to which scores up to `most` matter there. */
+/* Returns the rays from slot `at` on that meet the cells from `first` to `last`, in the rays'
+ * order, and to which scores up to `most` matter there. */
 SIMD unsigned rays_matter(const peak_walk *w, const block_met *m, unsigned at,
                           const unsigned first[3], const unsigned last[3], float most) {
     const vf near = block_comes(m, first);
@@ -199,7 +199,7 @@ SIMD unsigned rays_matter(const peak_walk *w, const block_met *m, unsigned at,
                           peaks_matter(&w->cells.in_block, at, f_set(most), near)));
 }
 
-/* The cells of a group for VF_N rays. */
+/* Search the cells of a group for VF_N rays. */
 SIMD void climb_group(peak_walk *w, const peak_block *b, const block_met *m, unsigned g,
                       unsigned at, unsigned rays) {
     const unsigned group[3] = {2 * (g & 1u), g & 2u, g >> 1 & 2u}, back = w->cells.rays.back;
@@ -259,7 +259,8 @@ static void climb_block(peak_walk *w, const resident_grid *at, const peak_node *
 
 /* ---- Nodes ---- */
 
-/* Scores of a treelet's codes. Where these are not exact, they err by 4 roundings of its range. */
+/* Returns how a treelet's codes become scores. Where these are not exact, they err by 4 roundings
+ * of its range. */
 static peak_codes peak_codes_of(const peak_walk *w, const resident_grid *at) {
     const uint32_t p = leaf_layout_samples(w->tr->layout, w->tr->set, at->head.id);
     const float *own = w->tr->treelets->file->own[p];
@@ -273,7 +274,7 @@ static peak_codes peak_codes_of(const peak_walk *w, const resident_grid *at) {
                         .most = w->cells.least ? -own[0] : own[1]};
 }
 
-/* The bounds of a node's children, in order. */
+/* Compute the bounds of a node's children, in order. */
 SIMD void bounds_of(const peak_walk *w, const peak_codes *c, const resident_grid *at,
                     const peak_node *node, float bound[8]) {
     const uint32_t k = at->shape.node_levels + LEAF_BLOCK_LOG2 - (node->size - 1);
@@ -289,7 +290,7 @@ SIMD void bounds_of(const peak_walk *w, const peak_codes *c, const resident_grid
         bound[i] = of[i ^ w->cells.rays.back];
 }
 
-/* The best child comes last, of equal ones the nearest. */
+/* Push the children that matter: the best last, of equal ones the nearest last. */
 static unsigned push_children(peak_walk *w, const peak_codes *codes, const resident_grid *at,
                               const peak_node *node, unsigned count) {
     const walk_scene *scene = w->tr->own;
@@ -338,7 +339,8 @@ static void climb_treelet(peak_walk *w, const resident_grid *at, const peak_tree
 
 /* ---- Treelets ---- */
 
-/* Where ray i passes a treelet, as grid_extreme_ways() finds it, and whether that matters. */
+/* Returns whether ray i passes a treelet and its scores matter there. *way: where, as
+ * grid_extreme_ways() finds it. */
 static bool way_matters(const peak_walk *w, const peak_tree *tree, unsigned i, extreme_way *way) {
     const tracer *tr = w->tr;
     const leaf_layout *layout = tr->layout;
@@ -362,7 +364,7 @@ static bool way_matters(const peak_walk *w, const peak_tree *tree, unsigned i, e
            extreme_matters(peak_state(&w->cells, i), (double)tree->bound, t_in);
 }
 
-/* Leave out the rays that have seen this treelet before. */
+/* Drop the rays that have seen this treelet before. */
 static void drop_seen(const peak_walk *w, peak_tree *tree) {
     for (unsigned k = 0; k < w->cells.rays.words; k++) {
         for (uint64_t left = tree->rays.of[k] & w->resumed.of[k]; left; left &= left - 1) {
@@ -378,7 +380,7 @@ static void drop_seen(const peak_walk *w, peak_tree *tree) {
     }
 }
 
-/* Remember that rays came into a treelet. */
+/* Mark a treelet as touched if it matters to a ray. */
 static void touch(peak_walk *w, const peak_tree *tree) {
     if (atomic_load_explicit(&w->tr->touched[tree->t], memory_order_relaxed))
         return;
@@ -391,7 +393,7 @@ static void touch(peak_walk *w, const peak_tree *tree) {
             }
 }
 
-/* Rays to which a treelet matters that is not there go no further. */
+/* Block the rays to which an absent treelet matters. */
 static void miss_treelet(peak_walk *w, const peak_tree *tree) {
     for (unsigned k = 0; k < w->cells.rays.words; k++) {
         for (uint64_t left = tree->rays.of[k]; left; left &= left - 1) {
@@ -427,7 +429,8 @@ static void climb_drawn(peak_walk *w, peak_tree *tree) {
 
 /* ---- The directory ---- */
 
-/* Rises along rays of an octant of directions: by the corner that they come to first. */
+/* Returns a rank that rises along rays of the octant, by the treelet's corner that they come to
+ * first. */
 static int32_t rank_of(const peak_walk *w, uint32_t t) {
     const leaf_layout *layout = w->tr->layout;
     const uint32_t level = layout->level_of[t];
@@ -449,7 +452,7 @@ static peak_tree tree_of(const peak_walk *w, uint32_t t) {
     return tree;
 }
 
-/* Rays of a subtree for which there is no room go on by themselves. */
+/* Push a subtree. If there is no room, its rays go on as single rays. */
 static void push_tree(peak_walk *w, peak_tree tree) {
     if (w->tree_count < PEAK_TREES_MAX) {
         peak_trees_rise(w->trees, w->tree_count++, tree);
@@ -513,7 +516,7 @@ static void climb_directory(peak_walk *w) {
 
 /* ---- Rays ---- */
 
-/* All rays of w->legs, which go to one octant. */
+/* Search along all rays of w->legs, whose directions lie in one octant. */
 static void climb_octant(peak_walk *w) {
     peak_cells *c = &w->cells;
     grid_rays_make(&c->rays, &w->legs, w->extent.middle, w->extent.size);
@@ -540,7 +543,7 @@ static void climb_octant(peak_walk *w) {
 
 enum { PEAK_MISSES = 8, PEAK_ALONE };
 
-/* What becomes of a ray: one of an octant's, one that goes by itself, or nothing is in its way. */
+/* Returns how a ray goes: the octant that it goes with, PEAK_ALONE, or PEAK_MISSES. */
 static uint8_t begin_climb(const peak_walk *w, const ray *r, grid_approach *way) {
     if (!grid_way_ordinary(&w->extent, r, way))
         return PEAK_ALONE;

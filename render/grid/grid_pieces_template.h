@@ -19,19 +19,21 @@ void SIMD_NAME(grid_pieces)(const tracer *tr, segment_batch *b, void *scratch,
 
 enum {
     SIDE_MAX = 1 << LEAF_CELLS_LOG2_MAX,
-    /* Planes, and what a search or a vector reaches over. */
+    /* Planes of an axis, and room for searches and vectors that reach beyond. */
     PLANES_MAX = (SIDE_MAX + 1 + SIDE_MAX / 2 + 7) / 8 * 8,
     SLOTS_MAX = 3 * SIDE_MAX + 2 * 8,
-    /* A round of theirs is about a column; and they share a small cache. */
+    /* Rays under way at a time. A round of them gives pieces for about one flush, and they share a
+     * small cache. */
     RIDERS = 8,
-    /* Of a ray at a time: behind those that are opaque none are wanted. */
+    /* Pieces of a ray at a time: behind opaque ones no more are wanted. */
     PIECES_A_TURN = 16
 };
 
 /* ---- Cells as numbers ---- */
 
-/* A cell of a treelet, the axis of the crossing before it, and, of a piece, that of the one behind
- * it; NO_AXIS: none. */
+/* A cell is a 64-bit number: its place on each axis, and the axis of the crossing where the ray
+ * enters it. A piece also has the axis of the crossing where the ray leaves it. NO_AXIS: no
+ * crossing. */
 enum { FIELD_BITS = 21, AXIS_AT = 62, NEXT_AXIS_AT = 56, NO_AXIS = 3 };
 
 SIMD vl cell_axis(vl cell) {
@@ -50,7 +52,7 @@ static uint64_t in_every_field(uint64_t bits) {
     return bits | bits << FIELD_BITS | bits << 2 * FIELD_BITS;
 }
 
-/* Its number among the treelet's cells in Morton order. */
+/* Returns the cell's number among the treelet's cells in Morton order. */
 SIMD vl cell_morton(vl cell) {
     cell &= l_set(in_every_field(0x7f));
     cell = (cell | cell << 8) & l_set(in_every_field(0x700f));
@@ -62,30 +64,30 @@ SIMD vl cell_morton(vl cell) {
 
 /* ---- A ray ---- */
 
-/* The planes of one axis in a treelet as a ray comes to them. */
+/* The crossings of one axis' planes in a treelet, in the ray's order. */
 typedef struct slab {
-    _Alignas(64) double t[PLANES_MAX]; /* of plane 0, 1, ...; INFINITY behind the last; NaN where
-                                          they are never crossed */
-    uint32_t first, last;              /* the cells that it is in at the passage's start and end */
-    double per_step;                   /* cells between them over the time */
+    _Alignas(64) double t[PLANES_MAX]; /* of plane 0, 1, ...; INFINITY behind the last; NaN: the ray
+                                          never crosses them */
+    uint32_t first, last;              /* the ray's cells at the passage's start and end */
+    double per_step;                   /* cells per unit of t between them */
 } slab;
 
 typedef struct rider {
     unsigned number; /* in the batch */
     bool riding;
-    const resident_grid *at;   /* what the slabs are of; NULL: nothing yet */
-    const active_masks *masks; /* what it is walked by */
-    bool bounded;              /* as in grid_way, where it is now */
-    uint64_t flips;            /* of cells' fields: ways down an axis count from its end */
+    const resident_grid *at;   /* treelet of the slabs; NULL: none yet */
+    const active_masks *masks; /* masks that the treelet is walked by */
+    bool bounded;              /* grid_way.bounded for this treelet */
+    uint64_t flips;            /* XORed to cells: down an axis, slabs count cells from its end */
     grid_way way;
-    bool by_blocks; /* it is in a treelet with nodes that are taken whole: */
+    bool by_blocks; /* the ray is in a treelet with nodes that are taken whole: */
     block_way blocks;
     slab slabs[3];
-    /* Of one passage: where cells begin, cell after cell, and where the last one ends; */
+    /* One passage: t where each cell begins, cell after cell, and where the last one ends; */
     unsigned slots;
     _Alignas(64) double t[SLOTS_MAX];
     uint64_t cell[SLOTS_MAX];
-    /* then, at their front, those that are pieces, with their ends, of which some are given. */
+    /* then the pieces, packed to the front, with their ends. `given` of them have been given. */
     unsigned pieces, given;
     double t_out[SLOTS_MAX];
 } rider;
@@ -107,14 +109,14 @@ SIMD const level_planes *planes_of(const pieces_walk *w, const resident_grid *at
     return &scene->levels[at->level];
 }
 
-/* Planes, or what belongs to them, of all cells of a treelet along an axis. */
+/* Look up planes of cells, or numbers that belong to them, along an axis of a treelet. */
 SIMD vd of_planes(const double *from, vl place, uint32_t side) {
     return side == D_TABLE ? d_look_up(from, place) : d_gather(from, place);
 }
 
 /* ---- Slabs ---- */
 
-/* All planes from `first` on, as cell_visit_of() divides. */
+/* Compute t of all planes from `first` on, with cell_visit_of()'s division. */
 static void slab_cross(slab *s, const double *first, uint32_t side, double o, double d) {
     const vd from = d_set(o), per = d_set(d);
     for (uint32_t k = 0; k < side; k += VD_N) {
@@ -129,7 +131,7 @@ static void slab_cross(slab *s, const double *first, uint32_t side, double o, do
         s->t[k] = INFINITY;
 }
 
-/* The cell that owns a ray which stays between the planes of an axis. */
+/* Find the cell that owns a ray which crosses no planes of an axis. */
 static void slab_stay(slab *s, const double *first, uint32_t side, double held) {
     s->first = 0;
     while (s->first + 1 < side && held >= first[s->first + 1])
@@ -154,7 +156,7 @@ static void rider_enter(const pieces_walk *w, rider *q, const resident_grid *at)
     q->at = at;
 }
 
-/* What of [*t_in, *t_out] lies in the layers of active blocks along an axis. */
+/* Cut [*t_in, *t_out] to the layers of active blocks along an axis. */
 static void slab_narrow(const slab *s, const active_masks *masks, const int a, uint32_t side,
                         bool back, double *t_in, double *t_out) {
     const uint32_t first = (uint32_t)masks->first[a] << LEAF_BLOCK_LOG2;
@@ -166,8 +168,8 @@ static void slab_narrow(const slab *s, const active_masks *masks, const int a, u
         *t_out = s->t[out];
 }
 
-/* The cells at both ends of a passage: of crossings at one t, all are behind the ray at its start,
- * none is at its end. */
+/* Find the cells at both ends of a passage. The ray has crossed planes at t_in, and has not yet
+ * crossed planes at t_out. */
 static void slab_clip(slab *s, uint32_t side, double t_in, double t_out) {
     unsigned behind = 0, met = 0;
     for (uint32_t k = 0; k <= side; k += VD_N) {
@@ -183,13 +185,13 @@ static void slab_clip(slab *s, uint32_t side, double t_in, double t_out) {
 
 /* ---- Crossings in order ---- */
 
-/* Whether crossings of a slab come before those at t of another axis: at one t, those of the axis
- * that is named first do. */
+/* Returns whether crossings of a slab come before another axis' crossings at t. At equal t, the
+ * axis named first comes first. */
 SIMD md comes_before(vd crossing, vd t, bool named_first) {
     return named_first ? d_le(crossing, t) : d_lt(crossing, t);
 }
 
-/* The cells of a slab at these t by halving: for planes as they may come. */
+/* Find the cells of a slab at these t by halving, for planes at any distances. */
 static __attribute__((noinline)) vl slab_search(const slab *s, vd t, bool named_first) {
     vl at = l_set(s->first);
     unsigned step = 1;
@@ -202,8 +204,8 @@ static __attribute__((noinline)) vl slab_search(const slab *s, vd t, bool named_
     return at;
 }
 
-/* The cells of a slab at these t, which lie in the passage: a guess, as if all had one width, is
- * mostly right. lanes: those that count. */
+/* Find the cells of a slab at these t, which lie in the passage. A guess, as if all cells had one
+ * width, is mostly right. lanes: the lanes that count. */
 SIMD vl slab_cells(const slab *s, uint32_t side, vd t, bool named_first, unsigned lanes) {
     const vd whole = d_set(0x1p52);
     if (s->first == s->last)
@@ -218,7 +220,7 @@ SIMD vl slab_cells(const slab *s, uint32_t side, vd t, bool named_first, unsigne
     return right ? guess : slab_search(s, t, named_first);
 }
 
-/* The crossings of axis a, each with the cell behind it. */
+/* Put the crossings of axis a into their places, each with the cell behind it. */
 SIMD void put_crossings(rider *q, const int a, uint32_t side) {
     const int b = (a + 1) % 3, c = (a + 2) % 3;
     const slab *s = &q->slabs[a], *sb = &q->slabs[b], *sc = &q->slabs[c];
@@ -243,8 +245,8 @@ SIMD void put_crossings(rider *q, const int a, uint32_t side) {
     }
 }
 
-/* The first cell, and what ends the last one: of crossings at one t, those of the last axis let in,
- * those of the first one out; and t is theirs, also of zeros. */
+/* Put the first cell, and the end of the last one. Of crossings at one t, the last axis' is the
+ * entry, the first axis' the exit. t is the crossing's own, to keep the sign of zero. */
 static void put_ends(rider *q, double t_in, double t_out) {
     uint64_t first = 0, in = NO_AXIS, out = NO_AXIS;
     q->slots = 1;
@@ -264,15 +266,15 @@ static void put_ends(rider *q, double t_in, double t_out) {
     q->t[0] = t_in;
     q->cell[0] = (first ^ q->flips) | in << AXIS_AT;
     q->t[q->slots] = t_out;
-    for (unsigned i = 0; i < VD_N; i++) /* cells that vectors reach over */
+    for (unsigned i = 0; i < VD_N; i++) /* vectors reach beyond the last cell */
         q->cell[q->slots + i] = 0;
     q->cell[q->slots] = out << AXIS_AT;
 }
 
 /* ---- Pieces ---- */
 
-/* Those of the cells that have a length and are of interest. What is packed does not reach what is
- * still to be looked at. */
+/* Pack the cells that have a length and are active to the front. What is written does not reach the
+ * cells still to be read. */
 static void find_pieces(rider *q, const active_masks *masks) {
     q->pieces = q->given = 0;
     for (unsigned p = 0; p < q->slots; p += VD_N) {
@@ -288,14 +290,15 @@ static void find_pieces(rider *q, const active_masks *masks) {
         l_pack(q->cell + q->pieces, cell | cell_axis(next) << NEXT_AXIS_AT, found);
         q->pieces += (unsigned)__builtin_popcount(found);
     }
-    l_store(q->cell + q->pieces, l_set(0)); /* cells that vectors reach over */
+    l_store(q->cell + q->pieces, l_set(0)); /* vectors reach beyond the last cell */
 }
 
-/* How samples lie in a treelet: two of a row come together, as the last bytes of a word. */
+/* How samples lie in a treelet. Two neighbours of a row are read together, as the last bytes of a
+ * word. */
 typedef struct sample_words {
     const char *base;
     uint64_t size, row, slice, halo;
-    uint64_t bits, sign; /* of an integer */
+    uint64_t bits, sign; /* of an integer: all its bits, its sign bit */
     bool real;
 } sample_words;
 
@@ -313,13 +316,13 @@ static sample_words words_of(const walk_scene *scene, const resident_grid *at) {
                           .real = scene->type == SAMPLE_F32};
 }
 
-/* An integer of up to 52 bits, of which `sign` is the sign's, as a double. */
+/* Convert integers of up to 52 bits to double. sign: the sign bit, or 0. */
 SIMD vd whole_number(vl bits, uint64_t sign) {
     const double whole = 0x1p52;
     return (vd)((bits ^ sign) | (vl)d_set(whole)) - d_set(whole + (double)sign);
 }
 
-/* Two neighbours along a row. */
+/* Read two neighbours along a row. */
 SIMD void sample_pair(const sample_words *s, vl at, vd f[2]) {
     const vl word = l_gather(s->base, at);
     if (s->real) {
@@ -341,7 +344,7 @@ SIMD void cell_samples(const sample_words *s, vl cell, vd f[8]) {
     sample_pair(s, at + (s->row + s->slice), f + 6);
 }
 
-/* Where the ray enters and leaves cells. */
+/* Compute the cell coordinates at which the ray enters and leaves cells. */
 SIMD void piece_visits(const pieces_walk *w, const rider *q, vl cell, visits *v) {
     const uint32_t side = 1u << w->tr->layout->cells_log2;
     const level_planes *planes = planes_of(w, q->at);
@@ -360,7 +363,7 @@ SIMD void piece_visits(const pieces_walk *w, const rider *q, vl cell, visits *v)
     }
 }
 
-/* How far pieces may be off that stand in. */
+/* Set the spread of pieces that stand in: how far they may be off. */
 static void put_deviations(const pieces_walk *w, const rider *q, const uint64_t *cell,
                            unsigned count, double *spread) {
     for (unsigned i = 0; i < count; i++) {
@@ -371,7 +374,7 @@ static void put_deviations(const pieces_walk *w, const rider *q, const uint64_t 
     }
 }
 
-/* Pieces from i on, as many as a vector takes, to the columns. */
+/* Write the pieces from i on to the columns, as many as a vector holds. */
 SIMD void put_pieces(pieces_walk *w, const rider *q, const sample_words *s, unsigned i) {
     segment_columns *c = &w->b->columns;
     const unsigned left = q->pieces - i, count = left < VD_N ? left : VD_N, to = c->count;
@@ -403,7 +406,7 @@ SIMD void put_pieces(pieces_walk *w, const rider *q, const sample_words *s, unsi
     c->count += count;
 }
 
-/* Some pieces of the passage to the columns, unless the ray wants no more. */
+/* Give some pieces of the passage to the columns, unless the ray wants no more. */
 static void give_pieces(pieces_walk *w, rider *q) {
     const sample_words s = words_of(w->tr->own, q->at);
     const unsigned left = q->pieces - q->given;
@@ -435,7 +438,7 @@ static void give_doubt(pieces_walk *w, const rider *q) {
     s->doubted = q->way.doubt.treelet;
 }
 
-/* The pieces in cells between t_in and t_out. */
+/* Find the pieces in cells between t_in and t_out, and give the first ones. */
 static void pass_cells(pieces_walk *w, rider *q, double t_in, double t_out) {
     const uint32_t side = 1u << w->tr->layout->cells_log2;
     const ray *r = ray_of(w, q);
@@ -470,7 +473,7 @@ static block_axis_way axis_way(const slab *s, double d, uint32_t side, double t_
     return x;
 }
 
-/* Into a treelet with nodes that are taken whole. */
+/* Enter a treelet with nodes that are taken whole. */
 static void enter_blocks(pieces_walk *w, rider *q, const grid_passage *passage) {
     const uint32_t side = 1u << w->tr->layout->cells_log2;
     q->blocks = (block_way){.t_in = passage->t_in, .t_out = passage->t_out};
@@ -478,7 +481,7 @@ static void enter_blocks(pieces_walk *w, rider *q, const grid_passage *passage) 
         q->blocks.axis[a] = axis_way(&q->slabs[a], ray_of(w, q)->d[a], side, passage->t_in);
 }
 
-/* Through it up to the next pieces. */
+/* Go on through such a treelet until there are pieces of cells to give, or to its end. */
 static void pass_blocks(pieces_walk *w, rider *q) {
     block_stretch s;
     while (q->given == q->pieces && !w->b->stop[q->number]) {
@@ -518,7 +521,7 @@ static void pass_treelet(pieces_walk *w, rider *q, const resident_grid *at,
         pass_cells(w, q, passage->t_in, passage->t_out);
 }
 
-/* On with the ray, as far as some pieces or a treelet. False: it is done with. */
+/* Advance the ray by some pieces or a treelet. Returns false when the ray is done. */
 static bool ride(pieces_walk *w, rider *q) {
     const resident_grid *at;
     grid_passage passage;
@@ -541,7 +544,7 @@ static bool ride(pieces_walk *w, rider *q) {
     return next == SEGMENTS_SOME;
 }
 
-/* Ray i, from where it is. False: there is nothing on its way. */
+/* Begin with ray i, from where its state has come to. Returns false if nothing is on its way. */
 static bool mount(pieces_walk *w, rider *q, unsigned i) {
     const uint64_t last = (1u << w->tr->layout->cells_log2) - 1u;
     const ray *r = &w->b->rays[i];
@@ -556,7 +559,8 @@ static bool mount(pieces_walk *w, rider *q, unsigned i) {
     return grid_way_begin(&q->way, w->tr, r, w->b->state[i]);
 }
 
-/* The next ray to go on, if there is one; one with pieces ahead goes by itself. */
+/* Begin with the next ray that has something on its way. Returns false if there is none. Rays with
+ * pieces ahead go alone. */
 static bool mount_next(pieces_walk *w, rider *q, unsigned *next) {
     while (*next < w->b->count) {
         const unsigned i = (*next)++;
@@ -587,7 +591,7 @@ void SIMD_NAME(grid_pieces)(const tracer *tr, segment_batch *b, void *scratch,
             q->riding = mount_next(w, q, &next);
             riding -= !q->riding;
         }
-        /* So rays that want no more do not go far. */
+        /* Flush early, so that rays that want no more do not go far. */
         if (b->columns.count >= SEGMENT_COLUMNS / 4)
             segment_batch_flush(b);
     }

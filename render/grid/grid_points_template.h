@@ -1,4 +1,4 @@
-/* grid_points_template.h - surface_at() but for the normal, of many surfaces of a tile at a time,
+/* grid_points_template.h - surface_at() without the normal, for many surfaces of a tile at a time,
  * to the bit; included by the units of an ISA (see formats/base/simd.h). */
 #ifndef RENDER_GRID_GRID_POINTS_TEMPLATE_H
 #define RENDER_GRID_GRID_POINTS_TEMPLATE_H
@@ -11,7 +11,7 @@
 
 #include "render/grid/grid_walk_template.h"
 
-/* Surfaces of VD_N rays in their cells, a lane each; lanes without one are like any other. */
+/* Surfaces of VD_N rays in their cells, a lane each. Lanes without a surface are computed, too. */
 typedef struct point_columns {
     double t[VD_N], iso[VD_N], lo[3][VD_N], size[3][VD_N], inverse[3][VD_N];
     float samples[8][VD_N];
@@ -42,7 +42,7 @@ SIMD vd point_mix(vd a, vd b, vd s) {
     return (d_set(1.0) - s) * a + s * b;
 }
 
-/* The gradients of the cells' own interpolants: surface_trilinear(). */
+/* Compute the gradients of the cells' own trilinear forms, as surface_trilinear() does. */
 SIMD void point_gradients(const vd s[8], const vd at[3], const vd inverse[3], vd gradient[3]) {
     vd x[4], dx[4];
     for (int i = 0; i < 4; i++) {
@@ -56,7 +56,7 @@ SIMD void point_gradients(const vd s[8], const vd at[3], const vd inverse[3], vd
     gradient[2] = (high - low) * inverse[2];
 }
 
-/* position_errors() of surface.c. */
+/* The same as position_errors() of surface.c. */
 SIMD void point_places(const affine *space, const double o[3], const vd d[3], vd t, vd error[3]) {
     vd grid[3], world[3];
     for (int a = 0; a < 3; a++)

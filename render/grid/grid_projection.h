@@ -5,8 +5,8 @@
 #include "render/grid/level_planes.h"
 #include "render/look/projection.h"
 
-/* grid_projection_init() - of a file's levels, allocated from m; grid_projection_bytes() - how
- * much. */
+/* grid_projection_init() - projects the planes of all levels of a file, allocated from m.
+ * grid_projection_bytes() - returns how many bytes that takes. */
 CHECKED status grid_projection_init(projection *p, mem *m, const leaf_layout *layout,
                                     const level_planes levels[], const affine *space,
                                     const camera *c);

@@ -1,5 +1,6 @@
-/* grid_ray_cells_template.h - ray-cells on their way to a kernel of cells: in single precision,
- * then as it takes them; included by the units of an ISA (see formats/base/simd.h).
+/* grid_ray_cells_template.h - ray-cells on their way to the cell kernel: in single precision for
+ * the filter, then as the kernel takes them; included by the units of an ISA (see
+ * formats/base/simd.h).
  */
 #ifndef RENDER_GRID_GRID_RAY_CELLS_TEMPLATE_H
 #define RENDER_GRID_GRID_RAY_CELLS_TEMPLATE_H
@@ -12,14 +13,15 @@
 #include "render/grid/grid_rays_template.h"
 #include "render/grid/level_planes.h"
 
-/* Where rays come into their cells, and how far they go, in the cells' coordinates; e: by how much
- * these may err, less 3, in units of may_cross()'s e. */
+/* Where rays enter their cells, and how far they go there, in cell coordinates. e: may_cross()'s
+ * error bounds of these, summed over the axes, in units of 16 u, less the constant 3. */
 typedef struct ray_visits {
     near_way way;
     vf e;
 } ray_visits;
 
-/* Of the rays at these places, a lane each, in cells between planes that count from the middle. */
+/* Returns the visits of the rays at these places, one a lane. The cells lie between planes `from`
+ * and `to`, counted from the rays' middle. */
 SIMD ray_visits ray_visits_of(const grid_rays *g, const uint32_t places[], const vf from[3],
                               const vf to[3], const vf inverse[3]) {
     ray_visits v = {.e = f_set(0.0f)};
@@ -46,8 +48,9 @@ SIMD ray_visits ray_visits_of(const grid_rays *g, const uint32_t places[], const
     return v;
 }
 
-/* The bound has more for planes as seen from where each ray comes in, which may be off by as much
- * as `astray` has added, and for corners f without the isovalue that are off by less than `off`. */
+/* Returns the forms of corners f, less the isovalue. Two errors add to the bound of may_cross().
+ * Planes as seen from a ray's entry are off by up to 2^-23 `astray`, which is in e. Corners are off
+ * by less than `off`. */
 SIMD near_forms ray_cell_forms(const vf f[8], vf e, vf off) {
     near_forms forms;
     vf largest = f_set(0.0f);
@@ -61,7 +64,7 @@ SIMD near_forms ray_cell_forms(const vf f[8], vf e, vf off) {
 
 /* ---- In double ---- */
 
-/* cell_batch_put() - lane k: a ray and a cell. */
+/* cell_batch_put() - puts a ray and a cell into lane k. */
 SIMD void cell_batch_put(cell_batch *b, unsigned k, const level_planes *planes, const ray *r,
                          const uint32_t cell[3], const float samples[8]) {
     for (int a = 0; a < 3; a++) {
@@ -76,7 +79,7 @@ SIMD void cell_batch_put(cell_batch *b, unsigned k, const level_planes *planes, 
         b->samples[s][k] = samples[s];
 }
 
-/* cell_batch_along() - whether a ray with a component of 0 is what a batch can do with in a cell:
+/* cell_batch_along() - returns whether a batch can take a ray with a component of 0 in this cell:
  * see CELL_ALONG. */
 static bool cell_batch_along(const level_planes *planes, const ray *r, const uint32_t cell[3],
                              double t_in, double t_out) {

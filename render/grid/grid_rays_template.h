@@ -1,5 +1,5 @@
-/* grid_rays_template.h - the rays of a batch that go the same way, in order, as nodes of a grid
- * test them; included by the units of an ISA (see formats/base/simd.h).
+/* grid_rays_template.h - the rays of a batch with directions in one octant, sorted, in the form
+ * that nodes of a grid test; included by the units of an ISA (see formats/base/simd.h).
  */
 #ifndef RENDER_GRID_GRID_RAYS_TEMPLATE_H
 #define RENDER_GRID_GRID_RAYS_TEMPLATE_H
@@ -16,31 +16,32 @@
 #include "render/grid/level_planes.h"
 #include "render/ray/ray_batch.h"
 
-/* A bit a ray, by its place in the batch's order. */
+/* A set of rays: a bit a ray, by its place in the batch's order. */
 enum { RAY_SET_WORDS = RAY_BATCH / 64 };
 typedef struct ray_set {
     uint64_t of[RAY_SET_WORDS];
 } ray_set;
 
-/* Some rays of a batch, and where they come into what is asked of the grid, and leave it. */
+/* Some rays of a batch, and the intervals in which they are to be followed through the grid. */
 typedef struct grid_legs {
     unsigned count;
     uint8_t number[RAY_BATCH]; /* in the batch */
     const ray *r[RAY_BATCH];
     double t_in[RAY_BATCH], t_out[RAY_BATCH];
-    double t_box[RAY_BATCH]; /* where they come into the volume's box, or before */
+    double t_box[RAY_BATCH]; /* where they enter the volume's box, or a little before */
     double per_d[RAY_BATCH][3];
 } grid_legs;
 
-/* Rays between planes, until t1, by their places. They meet near and far planes at (plane - near_o)
- * reciprocal and (plane - far_o) reciprocal: early and late enough, see widening(). */
+/* Rays by their places, until t1, as planes test them. A ray meets a near plane at (plane - near_o)
+ * reciprocal and a far plane at (plane - far_o) reciprocal: early and late enough, see widening().
+ */
 typedef struct ray_slabs {
     float near_o[3][RAY_BATCH], far_o[3][RAY_BATCH], reciprocal[3][RAY_BATCH], t1[RAY_BATCH];
 } ray_slabs;
 
-/* Rays of one octant of directions, as nodes test them: in single precision, conservatively. Each
- * has a place such that neighbours are beside each other. Points are those where rays come in, from
- * `middle` on; t counts from there. */
+/* Rays of one octant of directions, as nodes test them: in single precision, conservatively.
+ * Neighbours have places beside each other. A ray's origin here is its entry, counted from
+ * `middle`; t counts from the entry. */
 typedef struct grid_rays {
     unsigned count, words;  /* words of sets in use */
     unsigned back;          /* bit a: d[a] < 0 */
@@ -52,22 +53,22 @@ typedef struct grid_rays {
     /* The same ray by ray, for f_load_triples(). [0] of the span: where the cell kernel lets the
      * ray begin, not above 0; [1]: t1. */
     float o_of[RAY_BATCH][3], d_of[RAY_BATCH][3], per_d_of[RAY_BATCH][3], span_of[RAY_BATCH][3];
-    float astray[3]; /* 2^23 times how far entries and planes are off at most, by rounding */
+    float astray[3]; /* 2^23 times the largest rounding error of entries and planes, by axis */
 } grid_rays;
 
-/* Planes of a node's halves as rays of an octant of directions meet them: [0] those of the half
- * that they come to first. */
+/* Planes of a node's halves, as rays of an octant of directions meet them. [0]: the half that they
+ * enter first. */
 typedef struct node_planes {
     float near[3][2], far[3][2];
 } node_planes;
 
-/* Components much smaller than others leave reciprocals useless; and all is to stay in float's
- * range, products too. */
+/* Limits that keep all numbers and their products in float's range. Components below COMPONENT_MIN
+ * of the largest would leave reciprocals useless. */
 static const double EXTENT_MIN = 1e-15, EXTENT_MAX = 1e15, COMPONENT_MIN = 1e-9;
 
-/* The reciprocal of 0: times any extent still in float's range, and so far that no ray gets there.
- * Between planes that rays do not cross, they are from before their beginning to beyond their end.
- */
+/* The reciprocal of 0. Times any extent it stays in float's range, and is so far that no ray gets
+ * there. So a ray lies between planes that it does not cross from before its start to beyond its
+ * end. */
 static const double PER_NOTHING = 1e20;
 
 /* ---- Sets ---- */
@@ -100,18 +101,18 @@ SIMD void ray_set_drop(ray_set *s, unsigned i) {
 
 /* ---- Places ---- */
 
-/* Four bits, each followed by a zero. */
+/* Spread four bits, each followed by a zero. */
 static unsigned spread(unsigned x) {
     return (x & 1u) | (x & 2u) << 1 | (x & 4u) << 2 | (x & 8u) << 3;
 }
 
-/* 0 .. 15 between lo and hi, also where there is nothing between. */
+/* Returns x's square, 0 .. 15, counted from lo; also where all x are equal. */
 static unsigned square_of(float x, float lo, float per) {
     const float at = (x - lo) * per;
     return at >= 15.0f ? 15u : at > 0.0f ? (unsigned)at : 0u;
 }
 
-/* The axis along which rays go furthest. */
+/* Returns the axis along which rays go furthest. */
 static int main_axis(const grid_legs *legs) {
     double way[3] = {0.0, 0.0, 0.0};
     for (unsigned i = 0; i < legs->count; i++)
@@ -121,8 +122,8 @@ static int main_axis(const grid_legs *legs) {
     return way[2] > way[first] ? 2 : first;
 }
 
-/* Where rays pass a plane across their main axis half way: neighbours there are neighbours on their
- * way. */
+/* Find where rays pass a plane across their main axis, half way. Neighbours there are neighbours on
+ * their way. */
 static void crossings(const grid_legs *legs, float u[2][RAY_BATCH]) {
     const int main = main_axis(legs), side[2] = {(main + 1) % 3, (main + 2) % 3};
     double middle = 0.0;
@@ -139,7 +140,7 @@ static void crossings(const grid_legs *legs, float u[2][RAY_BATCH]) {
     }
 }
 
-/* Codes of 8 bits along a Z through that plane. */
+/* Compute codes of 8 bits: the rays' places along a Morton curve in that plane. */
 static void codes_of(const grid_legs *legs, uint8_t code[RAY_BATCH]) {
     float u[2][RAY_BATCH], lo[2] = {FLT_MAX, FLT_MAX}, hi[2] = {-FLT_MAX, -FLT_MAX};
     crossings(legs, u);
@@ -157,7 +158,7 @@ static void codes_of(const grid_legs *legs, uint8_t code[RAY_BATCH]) {
                             spread(square_of(u[1][i], lo[1], per)) << 1);
 }
 
-/* Numbers 0 .. count - 1 by their codes, in order. */
+/* Sort the numbers 0 .. count - 1 by their codes. */
 static void sort_by_code(const uint8_t code[], unsigned count, uint8_t order[]) {
     uint16_t from[257] = {0};
     for (unsigned i = 0; i < count; i++)
@@ -185,8 +186,9 @@ SIMD node_planes node_planes_of(const grid_rays *g, const level_planes *planes,
     return n;
 }
 
-/* Where the VF_N rays from `at` on come to slabs, `slabs` along each axis, between near and far
- * planes (3 times `slabs`, x first), and leave them; along z within what there is of the rays. */
+/* Compute t where the VF_N rays from `at` on enter slabs between near and far planes, and leave
+ * them. Each axis has `slabs` of them, x first. Along z, t is cut to the rays' own interval, 0 to
+ * t1. */
 SIMD void slabs_meet(const ray_slabs *s, unsigned at, unsigned slabs, const float near[],
                      const float far[], vf comes[], vf leaves[]) {
     for (unsigned a = 0; a < 3; a++) {
@@ -204,7 +206,7 @@ SIMD void slabs_meet(const ray_slabs *s, unsigned at, unsigned slabs, const floa
     }
 }
 
-/* Where the VF_N rays from `at` on come to both halves of a node on each axis, and leave them. */
+/* t where VF_N rays enter and leave both halves of a node, on each axis. */
 typedef struct halves_met {
     vf near[3][2], far[3][2];
 } halves_met;
@@ -215,7 +217,7 @@ SIMD halves_met halves_met_of(const grid_rays *g, const node_planes *n, unsigned
     return m;
 }
 
-/* In order: child k is octant k ^ back. */
+/* Return t where rays enter and leave child k in order: octant k ^ back. */
 SIMD vf child_near(const halves_met *m, unsigned k) {
     return f_max(f_max(m->near[2][k >> 2], m->near[1][k >> 1 & 1]), m->near[0][k & 1]);
 }
@@ -223,7 +225,7 @@ SIMD vf child_far(const halves_met *m, unsigned k) {
     return f_min(f_min(m->far[2][k >> 2], m->far[1][k >> 1 & 1]), m->far[0][k & 1]);
 }
 
-/* The rays that meet each of a node's children. */
+/* Find the rays that meet each of a node's children, in order. */
 SIMD void children_met(const grid_rays *g, const node_planes *n, const ray_set *in,
                        ray_set met[8]) {
     const uint64_t all = (UINT64_C(1) << VF_N) - 1;
@@ -243,16 +245,16 @@ SIMD void children_met(const grid_rays *g, const node_planes *n, const ray_set *
 
 /* ---- Making them ---- */
 
-/* By how much a ray's entry is moved away from near and far planes. In units u of 2^-24: planes and
- * entries err by u of their size when they become floats; their difference, its product and the
- * reciprocal by u each: 2 u size + 3 u (2 size), size being the larger of both, and terms of second
- * order. The entry itself, the kernel's own crossings, and where t begins and ends, err by a few
- * 2^-53 of how far the ray has come. */
+/* Returns by how much a ray's entry is moved away from near and far planes. In units u of 2^-24:
+ * planes and entries err by u of their size when they become floats. Their difference, its product
+ * and the reciprocal err by u each. That is 2 u size + 3 u (2 size), where size is the larger of
+ * both, and terms of second order. The entry itself, the kernel's own crossings, and the ends of t
+ * err by a few 2^-53 of `come`: how far the ray has come. */
 static double widening(double size, double come) {
     return 9.0 * 0x1p-24 * size + 0x1p-48 * come;
 }
 
-/* Rays' entries, and how large and far everything is: *size and *come of widening(). */
+/* Set the rays' entries. Raise size[] and come[] to the largest ones, for widening(). */
 static void rays_enter(grid_rays *g, const grid_legs *legs, const uint8_t order[], double size[3],
                        double come[3]) {
     for (unsigned i = 0; i < legs->count; i++) {
@@ -279,7 +281,7 @@ static void rays_enter(grid_rays *g, const grid_legs *legs, const uint8_t order[
     }
 }
 
-/* Lanes beside the last ray of a vector meet nothing. */
+/* Fill up the last vector with lanes that meet nothing. */
 static void fill_up(grid_rays *g) {
     for (unsigned i = g->count; i % VF_N != 0; i++) {
         g->slabs.t1[i] = -1.0f;
@@ -288,8 +290,8 @@ static void fill_up(grid_rays *g) {
     }
 }
 
-/* grid_rays_make() - of rays that go to the same octant. middle: of the volume; size: from there to
- * the furthest plane. */
+/* grid_rays_make() - makes *g of rays in one octant of directions. middle: of the volume; size:
+ * from there to the furthest plane. */
 static void grid_rays_make(grid_rays *g, const grid_legs *legs, const double middle[3],
                            const double size[3]) {
     uint8_t code[RAY_BATCH], order[RAY_BATCH];

@@ -12,7 +12,7 @@ typedef struct pending {
     uint32_t size; /* 2^size cells on a side */
 } pending;
 
-/* What a walk through a treelet does not change. */
+/* The constants of a walk through a treelet. */
 typedef struct collector {
     const tracer *tr;
     const walk_scene *scene;
@@ -31,7 +31,7 @@ static bool is_even(const float samples[8]) {
     return even;
 }
 
-/* The piece in a cell, if there is one. False: there is, but no room for it. */
+/* Append the piece in a cell, if there is one. Returns false if there is no room for it. */
 static bool take_cell(const collector *c, const uint32_t cell[3]) {
     const level_planes *planes = &c->scene->levels[c->at->level];
     const cell_box box = walk_cell_box(planes, cell);
@@ -61,7 +61,8 @@ static bool take_cell(const collector *c, const uint32_t cell[3]) {
     return true;
 }
 
-/* A node or treelet as a whole; its first cell. False: as above. */
+/* Append the piece of a whole node or treelet. cell: its first cell. Returns false if there is no
+ * room. */
 static bool take_whole(segments_state *s, ray_counters *counters, const segment *piece,
                        uint64_t cell) {
     counters->cells++;
@@ -98,7 +99,7 @@ static int push_children(const collector *c, const pending *node, unsigned octan
     return top;
 }
 
-/* The pieces in a block. False: there was no room for all of them. */
+/* Append the pieces in a block. Returns false if there was no room for all of them. */
 static bool walk_block(const collector *c, const pending *block) {
     block_passage p =
         block_passage_begin(&c->scene->levels[c->at->level], c->r, block->cell,
@@ -115,7 +116,7 @@ static bool walk_block(const collector *c, const pending *block) {
     return true;
 }
 
-/* Whether the node is the largest one that is taken whole there. */
+/* Returns whether the node is the largest one that is taken whole there. */
 static bool is_whole(const collector *c, const pending *node) {
     const active_masks *masks = c->masks;
     if (!masks->some_whole || node->size == c->at->shape.node_levels + LEAF_BLOCK_LOG2)
@@ -135,7 +136,8 @@ static bool walk_whole(const collector *c, const pending *node) {
                       walk_cell_index(&c->scene->levels[c->at->level], node->cell));
 }
 
-/* The pieces in a treelet, front to back. False: there was no room for all of them. */
+/* Append the pieces in a treelet, front to back. Returns false if there was no room for all of
+ * them. */
 static bool walk_pieces(const collector *c, const grid_passage *node) {
     unsigned octants = node->octants ? node->octants : 255u;
     pending stack[STACK_MAX];
@@ -157,7 +159,7 @@ static bool walk_pieces(const collector *c, const grid_passage *node) {
     return true;
 }
 
-/* False: no room. */
+/* Append a doubt. Returns false if there is no room. */
 static bool tell_doubt(segments_state *s, ray_counters *counters, const segment *doubt) {
     counters->cells++;
     if (s->count == s->room)
@@ -168,7 +170,7 @@ static bool tell_doubt(segments_state *s, ray_counters *counters, const segment 
     return true;
 }
 
-/* Where a treelet is not in memory. */
+/* Append the piece of a whole treelet that is not in memory. Returns false if there is no room. */
 static bool walk_treelet_whole(const collector *c, const grid_passage *node) {
     const leaf_layout *layout = c->tr->layout;
     uint32_t cell[3];
@@ -181,7 +183,7 @@ static bool walk_treelet_whole(const collector *c, const grid_passage *node) {
                       walk_cell_index(&c->scene->levels[layout->level_of[node->t]], cell));
 }
 
-/* What there is to be given out, else why there is nothing. */
+/* Returns SEGMENTS_SOME if there are pieces to give, else `otherwise`: why there are none. */
 static segments_result stop(segments_state *state, segments_result otherwise) {
     state->sure = state->count;
     return state->count > 0 ? SEGMENTS_SOME : otherwise;

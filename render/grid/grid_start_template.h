@@ -2,8 +2,8 @@
  * units of an ISA (see formats/base/simd.h).
  *
  * A shadow ray has a root at its start, give or take rounding: the surface that it comes from,
- * which does not count. Whether its cell has another is mostly clear from the control polygon
- * alone, without the scalar kernel, which would look for that root.
+ * which does not count. Mostly the control polygon alone tells that the cell has no other root.
+ * That spares the scalar kernel, which would look for the root at the start.
  */
 #ifndef RENDER_GRID_GRID_START_TEMPLATE_H
 #define RENDER_GRID_GRID_START_TEMPLATE_H
@@ -14,8 +14,8 @@
 
 #include "render/grid/cell_batch.h"
 
-/* A ray in its cell: the kernel's visit but for a few roundings, and how far coordinates are off at
- * most in units of 2^-50. */
+/* A ray in its cell: the kernel's visit but for a few roundings. off: bound of the coordinates'
+ * error, in units of 2^-50. */
 typedef struct start_visit {
     vd t_in, t_out, in[3], out[3], off;
 } start_visit;
@@ -43,7 +43,7 @@ SIMD vd start_mix(vd a, vd b, vd s) {
     return (d_set(1.0) - s) * a + s * b;
 }
 
-/* cell_cubic()'s control values; f: corners without the isovalue. */
+/* Compute cell_cubic()'s control values. f: corners less the isovalue. */
 SIMD void start_cubic(const start_visit *v, const vd f[8], vd b[4]) {
     vd m[8];
     for (int i = 0; i < 8; i++) {
@@ -59,19 +59,20 @@ SIMD void start_cubic(const start_visit *v, const vd f[8], vd b[4]) {
     b[3] = m[7];
 }
 
-/* Lanes whose cubics have no root behind t = after, as the kernel finds them.
+/* Returns the lanes in which the kernel finds no root behind t = after.
  *
  * The proof, for a cubic that ends above 0 (the others are mirror images). F: the largest |f|; m:
- * the least of b1, b2, b3; e: by how much the kernel's control values may differ from these.
- * Coordinates differ by 2^-50 `off` at most, slopes are 2 F, and mixing adds 2^-48 F: e = (4 + off)
- * 2^-48 F.
- *   b0 > e, m > e: no change of side among control values, so no root.
- *   Else, m >= 2^-10 F and |b0| <= 2^-26 F, so |b0| <= 2^-16 m. A third of the slope is (1 - s)^2
- * (b1 - b0) + 2 s (1 - s) (b2 - b1) + s^2 (b3 - b2), above 0 for s <= 2^-13: no extremum before.
- * Behind, the cubic is no less than m (1 - (1 - s)^3) - |b0| >= m s - |b0| > 2^-14 m >= 2^-24 F:
- * nothing that rounding would take for a touch, or a root. So the only root, if any, lies before
- * (|b0| + e) / m. The rounding of the kernel's polynomial, less than 2^-47 F, moves it by e / m at
- * most. */
+ * the least of b1, b2, b3; e: how far the kernel's control values may differ from these.
+ * Coordinates differ by at most 2^-50 `off`, slopes are at most 2 F, and mixing adds 2^-48 F: e =
+ * (4 + off) 2^-48 F.
+ *
+ * Case b0 > e, m > e: the control values do not change side, so there is no root.
+ *
+ * Else m >= 2^-10 F and |b0| <= 2^-26 F, so |b0| <= 2^-16 m. A third of the slope is (1 - s)^2 (b1
+ * - b0) + 2 s (1 - s) (b2 - b1) + s^2 (b3 - b2), above 0 for s <= 2^-13: there is no extremum
+ * before. Behind, the cubic is no less than m (1 - (1 - s)^3) - |b0| >= m s - |b0| > 2^-14 m >=
+ * 2^-24 F: rounding makes no touch or root of that. So the only root, if any, lies before (|b0| +
+ * e) / m. The rounding of the kernel's polynomial, less than 2^-47 F, moves it by at most e / m. */
 SIMD unsigned start_clears(const start_visit *v, const vd f[8], vd after) {
     vd b[4], largest = d_set(0.0);
     const vd zero = d_set(0.0);

@@ -1,8 +1,8 @@
-/* grid_tile.h - the primary rays of 32 x 32 pixels through a grid together, up to the last
- * surface that counts.
+/* grid_tile.h - the primary rays of 32 x 32 pixels through a grid together, up to the last surface
+ * that counts.
  *
  * The implicit octree is walked once for all rays of a tile (tile.h). At an active cell the rays of
- * its rectangle are tested in single precision, conservatively; those that may meet the surface are
+ * its rectangle are tested in single precision, conservatively. Rays that may meet the surface are
  * collected over several cells and go to the cell kernel together (cell_batch.h), whose answer is
  * the same as for single rays.
  */
@@ -11,10 +11,11 @@
 
 #include "render/frame/tile.h"
 
-/* Pixels on a side: tests/measurements/tiles.md. What a tile_fn needs beside its outcome. */
+/* Pixels on a side (tests/measurements/tiles.md), and bytes of scratch that a tile_fn needs beside
+ * its outcome. */
 enum { GRID_TILE = 32, GRID_TILE_SCRATCH = 640 << 10 };
 
-/* By ISA; scalar, NULL: every ray by itself. */
+/* By ISA. The scalar entry is NULL: every ray walks alone. */
 extern const tile_fn grid_tile_kernels[CPU_ISAS];
 
 #endif

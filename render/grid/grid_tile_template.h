@@ -1,4 +1,4 @@
-/* grid_tile_template.h - tile_trace_X() of tile.h; included by the units of an ISA (see
+/* grid_tile_template.h - grid_tile_trace_X() of grid_tile.h; included by the units of an ISA (see
  * formats/base/simd.h). */
 #ifndef RENDER_GRID_GRID_TILE_TEMPLATE_H
 #define RENDER_GRID_GRID_TILE_TEMPLATE_H
@@ -9,14 +9,14 @@
 
 #include "render/grid/grid_tile.h"
 
-enum { TILE = GRID_TILE, TILE_WINDOWS = 1 }; /* of the templates that follow */
+enum { TILE = GRID_TILE, TILE_WINDOWS = 1 }; /* for the templates included below */
 
 #include "render/grid/grid_normals_template.h"
 
 void SIMD_NAME(grid_tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                                 tile_outcome *out, ray_counters *counters);
 
-/* What lies in the outcome's scratch. */
+/* The layout of the outcome's scratch. */
 typedef struct tile_work {
     tile_walk walk;
     tile_pixels pixels;
@@ -29,7 +29,7 @@ void SIMD_NAME(grid_tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const 
     tile_walk *w = &work->walk;
     tile_pixels *p = &work->pixels;
     tile_walk_begin(w, f, x0, y0, asked, out, counters);
-    if (w->several && !w->filter) { /* all of a cell's roots are those of `marmitt` */
+    if (w->several && !w->filter) { /* only `marmitt` gives all roots of a cell */
         memcpy(out->open, w->s.asked, sizeof w->s.asked);
         return;
     }

@@ -1,5 +1,5 @@
-/* grid_walk_template.h - a tile's rays down to their first surfaces; included by the units of an
- * ISA (see formats/base/simd.h). */
+/* grid_walk_template.h - a tile's rays down to their surfaces; included by the units of an ISA (see
+ * formats/base/simd.h). */
 #ifndef RENDER_GRID_GRID_WALK_TEMPLATE_H
 #define RENDER_GRID_GRID_WALK_TEMPLATE_H
 
@@ -21,9 +21,9 @@ typedef struct tile_walk {
     tile_state s;
     tile_view view;
     cpu_isa isa;            /* of the cell kernel */
-    tile_row pending[ROWS]; /* rays of s.open that look for one surface and of which a cell waits
+    tile_row pending[ROWS]; /* rays of s.open that look for one surface and have a cell that waits
                                in the batch */
-    bool filter;            /* the intersector is the one that the filter knows */
+    bool filter;            /* the intersector is `marmitt`, for which the filter is right */
     bool several;           /* more than the first surface counts */
     near_queue queue;
     cell_stage stage;
@@ -60,15 +60,15 @@ static uint64_t grid_cell_of(const frame *f, const tile_surface *s) {
     return walk_cell_index(&scene->levels[at->level], cell);
 }
 
-/* An extremum that touches the surface counts as one hit. */
+/* Returns whether hits at one t are the same: an extremum that touches the surface counts once. */
 static bool grid_same(const hit *a, const hit *b) {
     return a->cell == b->cell && a->iso == b->iso;
 }
 
 static const tile_order grid_order = {grid_cell_of, hit_less, grid_same};
 
-/* A hit of ray-cell k. A ray that is full is done: all cells to come lie behind. But one that has
- * its last surface where it leaves a cell: the next cell may claim the same t. */
+/* Take a hit of ray-cell k. A full ray is done, since all cells to come lie behind. But where its
+ * last surface is at the cell's exit, the next cell may claim the same t. */
 static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool entering, bool at_exit) {
     const unsigned i = w->ray_of[k];
     const resident_grid *at = w->treelet_of[k];
@@ -112,7 +112,7 @@ static void flush_all(tile_walk *w) {
     }
 }
 
-/* Let the cell kernel answer what waits. */
+/* Let the cell kernel answer the ray-cells that wait. */
 static void flush(tile_walk *w) {
     if (w->waiting == 0)
         return;
@@ -130,7 +130,7 @@ static bool is_open(const tile_walk *w, unsigned i) {
     return w->s.open[i / TILE] >> i % TILE & 1u;
 }
 
-/* Let ray i wait for the cell kernel's answer. */
+/* Add ray i in a cell to the batch. Flush when the batch is full. */
 static void add_to_batch(tile_walk *w, const resident_grid *at, const uint32_t cell[3],
                          const float samples[8], unsigned i) {
     const level_planes *planes = &scene_of(w)->levels[at->level];
@@ -157,7 +157,7 @@ static void add_to_batch(tile_walk *w, const resident_grid *at, const uint32_t c
 
 /* ---- Cells ---- */
 
-/* The open rays of a window that lie in the rectangle. */
+/* Returns the open rays of a window that lie in the rectangle. */
 SIMD unsigned window_open(const tile_walk *w, unsigned x, unsigned y, tile_rect r) {
     const unsigned mask = row_mask(r), below = r.y1 - y; /* rows that follow y */
     unsigned bits = 0;
@@ -175,7 +175,7 @@ SIMD unsigned window_pending(const tile_walk *w, unsigned x, unsigned y) {
 
 /* ---- Ray-cells, one a lane ---- */
 
-/* Filter what has been queued, and add the rest to the batch. */
+/* Filter the queued ray-cells, and add those that pass to the batch. */
 static void queue_flush(tile_walk *w) {
     const walk_scene *scene = scene_of(w);
     near_queue *q = &w->queue;
@@ -206,7 +206,7 @@ static void queue_flush(tile_walk *w) {
 
 /* ---- Cells and windows ---- */
 
-/* Their samples, one after the other: they come from memory together. */
+/* Read the samples of the staged cells one after the other, so that memory accesses overlap. */
 static void stage_samples(tile_walk *w) {
     cell_stage *s = &w->stage;
     const walk_scene *scene = scene_of(w);
@@ -228,7 +228,7 @@ static void stage_filter(tile_walk *w) {
         s->visitors[n] &= s->crossing[n];
 }
 
-/* Add the rays of a window that are left to the batch. */
+/* Add the rays of window n that passed the filter to the batch. */
 SIMD void window_to_batch(tile_walk *w, unsigned n) {
     static const tile_rect all = {0, TILE - 1, 0, TILE - 1};
     const cell_stage *s = &w->stage;
@@ -245,7 +245,7 @@ SIMD void window_to_batch(tile_walk *w, unsigned n) {
         flush(w);
 }
 
-/* Filter what has been staged, and add the rest to the batch. */
+/* Filter the staged windows, and add the rays that pass to the batch. */
 static void stage_flush(tile_walk *w) {
     cell_stage *s = &w->stage;
     if (s->windows > 0) {
@@ -259,14 +259,13 @@ static void stage_flush(tile_walk *w) {
     s->cells = s->windows = 0;
 }
 
-/* Answer all that waits for the filter. The queue's cells and those on the stage are never there
- * together. */
+/* Flush all that waits for the filter. Queue and stage never hold cells at the same time. */
 static void near_flush(tile_walk *w) {
     stage_flush(w);
     queue_flush(w);
 }
 
-/* The open rays of a window that visit the last cell of the stage. */
+/* Put a window of the stage's last cell on the stage. Returns the open rays that visit the cell. */
 SIMD unsigned stage_window(tile_walk *w, unsigned x, unsigned y, unsigned open) {
     cell_stage *s = &w->stage;
     const tile_rays *rays = &w->s.rays;
@@ -286,8 +285,8 @@ SIMD unsigned stage_window(tile_walk *w, unsigned x, unsigned y, unsigned open) 
     return visitors;
 }
 
-/* One active cell and the rays of its rectangle. Inlined, its loops are short of registers: frames
- * of large cells take x 1.2. */
+/* Stage one active cell and the rays of its rectangle. Not inlined: its loops would be short of
+ * registers, and frames of large cells take 1.2 times as long. */
 static __attribute__((noinline)) void walk_cell(tile_walk *w, const resident_grid *at,
                                                 const uint32_t cell[3], tile_rect r) {
     cell_stage *s = &w->stage;
@@ -339,11 +338,11 @@ SIMD void queue_add(tile_walk *w, const resident_grid *at, const plane_projectio
         queue_flush(w);
 }
 
-/* Where more rays look at a group, it is better seen cell by cell. */
+/* With more rays at a group, it is faster to walk it cell by cell. */
 enum { GROUP_RAYS_MAX = 8 };
 
-/* The active cells of a group (octants), for the open rays of its rectangle one by one: few rays
- * visit the same cell there, and the lanes are better filled by its cells. */
+/* Queue the active cells of a group (octants) ray by ray, for the open rays of its rectangle. Few
+ * rays visit the same cell there, so the group's cells fill the lanes better. */
 static void walk_group(tile_walk *w, const resident_grid *at, const uint32_t first_cell[3],
                        unsigned active, unsigned first, tile_rect r) {
     enum { VECTORS_OF_8 = VF_N < 8 ? 8 / VF_N : 1 };
@@ -375,8 +374,8 @@ static void walk_group(tile_walk *w, const resident_grid *at, const uint32_t fir
 
 /* ---- Nodes ---- */
 
-/* The octant that the eye is in, or nearest to: children in the order first ^ 0, first ^ 1, ... are
- * front to back for any ray. */
+/* Returns the octant that the eye is in, or nearest to. Children in the order first ^ 0, first ^ 1,
+ * ... are front to back for any ray. */
 static unsigned first_octant(const tile_walk *w, const level_planes *planes,
                              const uint32_t first[3], uint32_t half) {
     unsigned octant = 0;
@@ -385,8 +384,8 @@ static unsigned first_octant(const tile_walk *w, const level_planes *planes,
     return octant;
 }
 
-/* Rays of a rectangle that still look for a surface, and those of them that do not wait for an
- * answer: VF_N rows a vector, one on the other. */
+/* Rays of a rectangle. open: they still look for a surface; idle: open, and they wait for no
+ * answer. VF_N rows make a vector; the vectors are ORed together. */
 typedef struct rect_rays {
     vi open, idle;
 } rect_rays;
@@ -409,8 +408,8 @@ SIMD rect_rays rect_rays_of(const tile_walk *w, tile_rect r) {
     return rays;
 }
 
-/* Whether rays of the rectangle still look for a surface. When all that do have cells in the batch,
- * those are answered first. */
+/* Returns whether rays of the rectangle still look for a surface. If all these have cells in the
+ * batch, they are answered first. */
 static bool wanted(tile_walk *w, tile_rect r) {
     const rect_rays rays = rect_rays_of(w, r);
     if (!i_any(rays.open))
@@ -488,21 +487,22 @@ static void walk_tree(tile_walk *w, const resident_grid *at, tile_rect rect) {
     }
 }
 
-/* The open rays of row y in the rectangle that pass treelet t: by their own intervals, since
- * rectangles are generous. A cell that the kernel lets a ray visit lies within. */
+/* Returns the open rays of row y in the rectangle that pass treelet t. Their own intervals decide,
+ * since rectangles are generous. Each cell that the kernel lets a ray visit lies within. */
 static unsigned rays_into(const tile_walk *w, uint32_t t, unsigned y, tile_rect r) {
     const leaf_layout *layout = w->s.f->tracer->layout;
     const level_planes *planes = &scene_of(w)->levels[layout->level_of[t]];
     unsigned passing = 0;
     for (unsigned left = w->s.open[y] & row_mask(r); left; left &= left - 1) {
         const unsigned x = (unsigned)__builtin_ctz(left), i = TILE * y + x;
-        /* Behind what a ray has already, nothing is of use to it. */
+        /* A ray needs nothing up to its last surface of earlier walks, and nothing beyond its
+         * reach. */
         double t_in = w->s.before > 0 && w->s.after[i].t > w->s.rays.t0[i] ? w->s.after[i].t
                                                                            : w->s.rays.t0[i],
                t_out = w->s.reach[i] < w->s.rays.t1[i] ? w->s.reach[i] : w->s.rays.t1[i];
         for (int a = 0; a < 3; a++) {
             const double d = w->s.rays.d[a][i], eye = w->view.p->eye[a];
-            /* The last treelet's cells end before it does. */
+            /* The last treelet's cells end before its planes do. */
             const uint32_t first = layout->place[t][a] << layout->cells_log2;
             const uint32_t end = first + (1u << layout->cells_log2);
             const uint32_t last = end < planes->cells[a] ? end : planes->cells[a];
@@ -513,7 +513,7 @@ static unsigned rays_into(const tile_walk *w, uint32_t t, unsigned y, tile_rect 
     return passing;
 }
 
-/* Remember that rays came into a treelet. */
+/* Mark a treelet as touched if a ray passes it. */
 static void touch(tile_walk *w, uint32_t t, tile_rect r) {
     atomic_uchar *touched = &w->s.f->tracer->touched[t];
     if (atomic_load_explicit(touched, memory_order_relaxed))
@@ -528,7 +528,7 @@ static void touch(tile_walk *w, uint32_t t, tile_rect r) {
         }
 }
 
-/* Rays that pass a treelet which is not there go no further. */
+/* Stop rays that pass an absent treelet: they wait for it. */
 static void miss_treelet(tile_walk *w, uint32_t t, tile_rect r) {
     unsigned any = 0;
     tile_state_rays(&w->s);
@@ -598,7 +598,7 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
     flush(w);
 }
 
-/* All of a tile's rays. */
+/* Begin with the rays of a tile that are asked for. */
 static void tile_walk_begin(tile_walk *w, const frame *f, uint32_t x0, uint32_t y0,
                             const tile_row asked[], tile_outcome *out, ray_counters *counters) {
     tile_state_begin(&w->s, f, &grid_order, TILE_LAYERS, x0, y0, asked, out, counters);
@@ -612,7 +612,7 @@ static void tile_walk_begin(tile_walk *w, const frame *f, uint32_t x0, uint32_t 
         w->pending[y] = 0;
 }
 
-/* Up to where rays are full. */
+/* Walk until rays are full, or nothing is left. */
 static void tile_walk_run(tile_walk *w) {
     const uint8_t packet = scene_of(w)->packet;
     for (uint8_t y = 0; y < TILE; y += packet)
@@ -621,7 +621,7 @@ static void tile_walk_run(tile_walk *w) {
                            (tile_rect){x, (uint8_t)(x + packet - 1), y, (uint8_t)(y + packet - 1)});
 }
 
-/* Behind what rays have. False: none of them wants more. */
+/* Prepare to walk behind the surfaces that rays have. Returns false if no ray wants more. */
 static bool tile_walk_again(tile_walk *w, const float alpha[]) {
     if (!tile_state_again(&w->s, TILE_LAYERS, alpha))
         return false;

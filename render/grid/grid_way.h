@@ -1,5 +1,5 @@
-/* grid_way.h - the treelets that a ray which wants pieces (segments.h) passes, one after the other,
- * resumable.
+/* grid_way.h - the treelets that a ray passes when it wants pieces (segments.h), one after the
+ * other, resumable.
  */
 #ifndef RENDER_GRID_GRID_WAY_H
 #define RENDER_GRID_GRID_WAY_H
@@ -9,16 +9,16 @@
 #include "render/ray/segments.h"
 
 typedef struct grid_way {
-    bool resuming; /* at the treelet state->blocked */
-    bool doubted;  /* there is a doubt about the treelet to be walked, */
-    segment doubt; /* to be given before its pieces: then state->doubted becomes its treelet */
-    bool bounded;  /* the pieces of *at say how far they are off (SEGMENT_BOUNDED) */
+    bool resuming; /* still on the way to the treelet state->blocked */
+    bool doubted;  /* the treelet to be walked has a doubt, */
+    segment doubt; /* to be given before its pieces; then set state->doubted to its treelet */
+    bool bounded;  /* each piece of *at tells how far it may be off (SEGMENT_BOUNDED) */
     int top;
     grid_passage stack[GRID_PASSAGES_MAX];
 } grid_way;
 
-/* grid_way_begin() - from the ray's start, or from where *state has come. False: nothing is left.
- */
+/* grid_way_begin() - begins at the ray's start, or where *state has come to. Returns false when
+ * nothing is left. */
 static inline bool grid_way_begin(grid_way *w, const tracer *tr, const ray *r,
                                   const segments_state *state) {
     double t_in = fmax(r->t0, state->t_from), t_out = r->t1;
@@ -31,16 +31,16 @@ static inline bool grid_way_begin(grid_way *w, const tracer *tr, const ray *r,
     return true;
 }
 
-/* grid_way_next() - the next treelet to be walked, *at, and where: *passage. NULL: it is taken
- * whole (loader.whole), or passage->t is LEAF_NO_TREELET and there is nothing but w->doubt.
- * SEGMENTS_BLOCKED and SEGMENTS_END: there is none, and *state says why. */
+/* grid_way_next() - finds the next treelet to be walked: *at, over *passage. *at is NULL if treelet
+ * passage->t is taken whole, or if passage->t is LEAF_NO_TREELET and there is only w->doubt.
+ * Returns SEGMENTS_BLOCKED or SEGMENTS_END when there is no next one; *state says why. */
 static inline segments_result grid_way_next(grid_way *w, const tracer *tr, const ray *r,
                                             segments_state *state, ray_counters *counters,
                                             const resident_grid **at, grid_passage *passage) {
     while (w->top > 0) {
         const grid_passage node = w->stack[--w->top];
-        /* Crossings are the cells' own: where a node has no length, none of its cells has. So what
-         * lies before t_from, to the bit the end of a piece, does not come again. */
+        /* Crossings are the cells' own: a node without length has no cell with a length. t_from is
+         * the end of a piece, to the bit, so nothing before it comes again. */
         if (!(node.t_in < node.t_out))
             continue;
         if (!grid_passage_drawn(tr, &node)) {

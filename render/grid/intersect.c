@@ -17,7 +17,7 @@ static bool active(const float samples[8], double iso) {
     return inside != 0 && inside != 8;
 }
 
-/* f - iso at parameter s of the visit, by seven linear interpolations. */
+/* Returns f - iso at parameter s of the visit, by seven linear interpolations. */
 static double trilinear(const cell_visit *v, const float samples[8], double iso, double s) {
     double at[3], x[4], y[2];
     for (int a = 0; a < 3; a++)
@@ -40,7 +40,7 @@ static double polynomial_at(const polynomial *p, double s) {
     return p->c[0] + s * (p->c[1] + s * (p->c[2] + s * p->c[3]));
 }
 
-/* Tell a root at s, when it comes after `after`. */
+/* Report a root at s if it comes after `after`. Returns whether it does. */
 static bool report(const cell_visit *v, double s, bool entering, int32_t iso, uint64_t cell,
                    const hit *after, hit *found) {
     const hit h = {cell_root_t(v, s), cell, iso, entering};
@@ -56,7 +56,7 @@ static bool midpoint(const ray *r, const cell_visit *v, const float samples[8], 
     return active(samples, iso) && report(v, 0.5, true, iso_index, cell, after, found);
 }
 
-/* Algorithms 6 (steps 0) and 7. */
+/* M08's algorithms 6 (steps = 0) and 7. */
 static bool interpolated(int steps, const cell_visit *v, const float samples[8], double iso,
                          int32_t iso_index, uint64_t cell, const hit *after, hit *found) {
     if (!active(samples, iso))
@@ -93,7 +93,7 @@ static bool neubauer(const ray *r, const cell_visit *v, const float samples[8], 
     return interpolated(STEPS, v, samples, iso, iso_index, cell, after, found);
 }
 
-/* The real roots of a s^2 + b s + c, a not tiny. */
+/* Find the real roots of a s^2 + b s + c, a not tiny. Returns their number. */
 static int solve_quadratic(double a, double b, double c, double roots[3]) {
     const double discriminant = b * b - 4.0 * a * c;
     if (discriminant < 0.0)
@@ -104,8 +104,8 @@ static int solve_quadratic(double a, double b, double c, double roots[3]) {
     return 2;
 }
 
-/* Schwarze's order of things: small leading coefficients are dropped, else Cardano on the depressed
- * cubic x^3 + 3 p x + 2 q. All real roots, in no order. */
+/* Find all real roots, in no order. As Schwarze does, drop small leading coefficients, else use
+ * Cardano's formula on the depressed cubic x^3 + 3 p x + 2 q. */
 static int solve_cubic(const polynomial *f, double roots[3]) {
     const double tiny = 1e-12 * (fabs(f->c[0]) + fabs(f->c[1]) + fabs(f->c[2]) + fabs(f->c[3]));
     if (fabs(f->c[3]) <= tiny && fabs(f->c[2]) <= tiny) {
@@ -124,7 +124,7 @@ static int solve_cubic(const polynomial *f, double roots[3]) {
         roots[0] = cbrt(root - q) - cbrt(root + q) - shift;
         return 1;
     }
-    /* Three real roots: a third of an angle. */
+    /* Three real roots, by a third of an angle. */
     static const double THIRD = 2.0943951023931953; /* 2 pi / 3 */
     const double size = sqrt(-p), cosine = size > 0.0 ? -q / (size * size * size) : 0.0;
     const double angle = acos(fmax(-1.0, fmin(1.0, cosine))) / 3.0;
@@ -147,7 +147,7 @@ typedef struct crossing {
     bool entering;
 } crossing;
 
-/* The roots in [0, 1], ascending. */
+/* Find the roots in [0, 1], ascending. Returns their number. */
 static int schwarze_crossings(const double b[4], crossing out[3]) {
     double roots[3];
     const polynomial f = polynomial_of(b);
@@ -185,9 +185,9 @@ static bool schwarze(const ray *r, const cell_visit *v, const float samples[8], 
     return false;
 }
 
-/* The ends of the at most three parts of [0, 1] between the extrema; how many parts. The quadratic
- * formula is the stable one: the printed one loses the extrema of flat cubics, and with them roots.
- */
+/* Split [0, 1] at the extrema into at most three parts. Sets their ends; returns their number. The
+ * quadratic formula is the stable one: the printed one loses the extrema of flat cubics, and with
+ * them roots. */
 static int monotone_parts(const polynomial *f, double ends[4]) {
     const double a = 3.0 * f->c[3], half = f->c[2], c = f->c[1];
     const double discriminant = half * half - a * c;
@@ -205,7 +205,7 @@ static int monotone_parts(const polynomial *f, double ends[4]) {
     return parts;
 }
 
-/* Algorithm 8. */
+/* M08's algorithm 8. */
 static bool marmitt_3(const ray *r, const cell_visit *v, const float samples[8], double iso,
                       int32_t iso_index, uint64_t cell, const hit *after, hit *found) {
     (void)r;

@@ -27,17 +27,18 @@ typedef struct intersector {
 
 enum { INTERSECTOR_COUNT = 6 };
 
-/* intersector_at() - in the order of the list above, index 0 .. INTERSECTOR_COUNT - 1. */
+/* intersector_at() - returns an intersector by its place in the list above, from 0 to
+ * INTERSECTOR_COUNT - 1. */
 const intersector *intersector_at(int index);
 
-/* intersector_find() - by the public interface's constant; NULL when there is none such. */
+/* intersector_find() - returns an intersector by its public constant; NULL: there is none. */
 const intersector *intersector_find(leafcast_intersector id);
 
-/* intersect_schwarze() - the first root in [0, 1] of the cubic with control values b as `schwarze`
- * finds it, for the SIMD versions; false, with nothing set, when there is none. */
+/* intersect_schwarze() - finds the first root in [0, 1] of the cubic with control values b, as
+ * `schwarze` does, for the SIMD versions. Returns false, with nothing set, when there is none. */
 bool intersect_schwarze(const double b[4], double *s, bool *entering);
 
-/* intersector_named() - by name; NULL when there is none such. */
+/* intersector_named() - returns an intersector by its name; NULL: there is none. */
 const intersector *intersector_named(const char *name);
 
 #endif

@@ -8,9 +8,9 @@
 
 #include "formats/leaf/leaf_file.h"
 
-/* Where a level's nodes and cells lie in grid space. Coarse levels reach past the volume's end. */
+/* Where a level's nodes and cells lie, in grid space. Coarse levels reach past the volume's end. */
 typedef struct level_planes {
-    const double *at[3]; /* plane coordinates, node i of the level; enough for whole treelets */
+    const double *at[3];      /* coordinate of the level's plane i; enough for whole treelets */
     const double *inverse[3]; /* 1 / (at[i + 1] - at[i]) */
     const double *central[3]; /* 1 / (at[i + 1] - at[i - 1]), one-sided at the level's ends */
     uint32_t cells[3];
@@ -22,7 +22,7 @@ typedef struct level_planes_table {
     mem *m;
 } level_planes_table;
 
-/* level_planes_init() - of every level of a file, allocated from m. */
+/* level_planes_init() - makes the planes of every level of a file, allocated from m. */
 CHECKED status level_planes_init(level_planes_table *table, mem *m, const leaf_file *f);
 void level_planes_release(level_planes_table *table);
 

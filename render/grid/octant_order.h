@@ -1,13 +1,14 @@
-/* octant_order.h - the children of an octree's node, and the cells of a block, front to back: those
- * of a ray's directions, or of the eye's place, come in the order first ^ 0, first ^ 1, ... first
- * ^ 7.
+/* octant_order.h - the children of an octree's node, and the cells of a block, front to back.
+ *
+ * `first` is the nearest octant, given by a ray's direction or the eye's place. Octants come in the
+ * order first ^ 0, first ^ 1, ... first ^ 7.
  */
 #ifndef RENDER_GRID_OCTANT_ORDER_H
 #define RENDER_GRID_OCTANT_ORDER_H
 
 #include <stdint.h>
 
-/* octants_in_order() - a mask of octants o in order: o is bit o ^ first. */
+/* octants_in_order() - sorts a mask of octants: octant o becomes bit o ^ first. */
 static inline unsigned octants_in_order(unsigned octants, unsigned first) {
     unsigned m = octants;
     m = first & 1u ? (m & 0x55u) << 1 | (m & 0xaau) >> 1 : m;
@@ -15,12 +16,12 @@ static inline unsigned octants_in_order(unsigned octants, unsigned first) {
     return first & 4u ? (m & 0x0fu) << 4 | (m & 0xf0u) >> 4 : m;
 }
 
-/* octants_last() - the last one of such a mask, which is not 0. */
+/* octants_last() - returns the last bit of a sorted mask, which is not 0. */
 static inline unsigned octants_last(unsigned order) {
     return 31u - (unsigned)__builtin_clz(order);
 }
 
-/* block_in_order() - likewise the 64 cells of a block, by their numbers in Morton order: cell n is
+/* block_in_order() - sorts the mask of a block's 64 cells, numbered in Morton order: cell n becomes
  * bit n ^ block_flip(first). */
 static inline unsigned block_flip(unsigned first) {
     return first | first << 3;

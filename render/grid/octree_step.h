@@ -2,13 +2,12 @@
  * in which intervals.
  *
  * The implicit kd-tree (M08 4.3.1) is walked three splits at a time: x, y and z through the node's
- * middle make eight children, of which a ray passes at most four. From the directory's root over
- * the treelets' trees to single cells it is the same step.
+ * middle make eight children, of which a ray passes at most four. The same step leads from the
+ * directory's root over the treelets' trees to single cells.
  *
- * Conservative for the cell kernel's rules by construction: crossings are the kernel's own
- * (plane - o) / d, taken in (t, axis) order; a crossing at the interval's very start counts as
- * still to come, so that zero-length visits are kept. Cells that are offered in vain are refused
- * by the kernel.
+ * The step is conservative for the cell kernel's rules. Crossings are the kernel's own (plane - o)
+ * / d, taken in (t, axis) order. A crossing at the interval's very start counts as still to come,
+ * so zero-length visits are kept. The kernel refuses cells that are offered in vain.
  */
 #ifndef RENDER_GRID_OCTREE_STEP_H
 #define RENDER_GRID_OCTREE_STEP_H
@@ -22,8 +21,8 @@ typedef struct octree_child {
     unsigned octant; /* x + 2y + 4z */
 } octree_child;
 
-/* octree_step() - middle: the three split planes; [t_in, t_out]: the ray's interval in the node.
- * Children in order; returns their number, 1 to 4. */
+/* octree_step() - sets children[] to the children that the ray passes, in order. Returns their
+ * number, 1 to 4. middle: the three split planes; [t_in, t_out]: the ray's interval in the node. */
 static inline int octree_step(const ray *r, const double middle[3], double t_in, double t_out,
                               octree_child children[4]) {
     double t[3];

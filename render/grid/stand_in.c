@@ -15,7 +15,7 @@ stand_in stand_in_for(const tracer *tr, uint32_t t) {
         const uint32_t up = leaf_layout_find(layout, level + k, place);
         if (l->whole[up])
             return (stand_in){NULL, up};
-        /* Its values are such that it shows nothing. */
+        /* Nothing in it is active, so it shows nothing. */
         if (!l->own[up])
             return (stand_in){NULL, LEAF_NO_TREELET};
         const treelet *at = loader_lookup(l, up);
@@ -27,7 +27,7 @@ stand_in stand_in_for(const tracer *tr, uint32_t t) {
     return (stand_in){NULL, tr->doubts ? t : LEAF_NO_TREELET};
 }
 
-/* Deviations are from level 0. */
+/* Deviations say how far a level is from level 0, so they bound only treelets of level 0. */
 bool stand_in_is_bounded(const tracer *tr, uint32_t t, const stand_in *of) {
     const leaf_file *f = tr->treelets->file;
     uint32_t up;

@@ -37,14 +37,14 @@ double surface_trilinear(const float samples[8], const double at[3], const doubl
 /* Two neighbours along x. */
 typedef double pair __attribute__((vector_size(16)));
 
-/* The nodes around a cell, as seen from its first: one less, or one more than the cell's own on
- * each axis, unless the volume ends there. */
+/* Offsets from a cell's first node to the nodes around the cell: one below and one above the cell's
+ * own on each axis, unless the volume ends there. */
 typedef struct cell_around {
     ptrdiff_t stride[3], below[3], above[3];
     double width[3][2]; /* 1 / the distance between a node's neighbours */
 } cell_around;
 
-/* Each sample that takes part is converted once, rows of x by rows. */
+/* Compute the gradients at a cell's corners, row by row of x. Each sample is converted once. */
 #define GRADIENTS_OF(NAME, TYPE)                                                         \
     static inline pair NAME##_pair(const TYPE *s) {                                      \
         return (pair){(double)s[0], (double)s[1]};                                       \
@@ -116,8 +116,8 @@ void surface_gradients(const walk_scene *scene, const resident_grid *tr, const u
     }
 }
 
-/* Trilinear interpolation of the nodes' central differences: in a regular grid the same as M08's
- * six evaluations of f. */
+/* Interpolate the nodes' central differences trilinearly: in a regular grid the same as M08's six
+ * evaluations of f. */
 static void central_gradient(const walk_scene *scene, const resident_grid *tr,
                              const uint32_t cell[3], const double at[3], double gradient[3]) {
     double g[8][4];
@@ -128,8 +128,8 @@ static void central_gradient(const walk_scene *scene, const resident_grid *tr,
                 mix(mix(g[4][a], g[5][a], at[0]), mix(g[6][a], g[7][a], at[0]), at[1]), at[2]);
 }
 
-/* Bounds of how far the computed point (and a ray that starts there) lies from the hit, in grid
- * space. It goes through world space, whose origin may be far away: rounded there, too. */
+/* Bound how far the computed point (and a ray that starts there) lies from the hit, in grid space.
+ * The point goes through world space, whose origin may be far away, and is rounded there, too. */
 static void position_errors(const affine *space, const ray *r, double t, double error[3]) {
     double grid[3], world[3];
     for (int a = 0; a < 3; a++)
@@ -167,7 +167,7 @@ static cell_hit cell_hit_of(const walk_scene *scene, const resident_grid *tr, co
     return c;
 }
 
-/* All but the normal. */
+/* Compute the surface point but for its normal. */
 static surface_point start_of(const walk_scene *scene, const affine *space, const resident_grid *tr,
                               const ray *r, const hit *h, const cell_hit *c) {
     double position_error[3], gradient[3], magnitude = 0.0;
@@ -177,8 +177,8 @@ static surface_point start_of(const walk_scene *scene, const affine *space, cons
     surface_trilinear(samples, c->at, c->box.inv, gradient);
     for (int i = 0; i < 8; i++)
         magnitude = fmax(magnitude, fabs((double)samples[i] - scene->isovalues[h->iso]));
-    /* The kernel's sums err by a few ulps of the largest difference; its position by a few ulps of
-     * where it lies. */
+    /* The kernel's sums err by a few ulps of the largest difference. The hit's position errs by a
+     * few ulps of where it lies. */
     surface_point point = {.span = INFINITY, .error = 32.0 * DBL_EPSILON * magnitude};
     for (int a = 0; a < 3; a++) {
         point.span = fmin(point.span, affine_unit(space, a) * (c->box.hi[a] - c->box.lo[a]));

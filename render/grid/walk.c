@@ -52,7 +52,8 @@ void walk_cell_samples(const walk_scene *scene, const resident_grid *tr, const u
     samples_at(scene->type, tr->samples, at[0] + row * at[1] + slice * at[2], row, slice, samples);
 }
 
-/* All selected isosurfaces in one active cell. */
+/* Lower *best to the first hit of any selected isosurface in one active cell. Returns whether *best
+ * changed. */
 static bool intersect_cell(const walk_scene *scene, const resident_grid *tr, const ray *r,
                            const uint32_t cell[3], const hit *after, hit *best,
                            ray_counters *counters) {
@@ -79,21 +80,20 @@ static bool intersect_cell(const walk_scene *scene, const resident_grid *tr, con
     return changed;
 }
 
-/* A node still to be visited: a cube of 2^size cells at `cell` (of the level), children given by a
- * byte of masks. */
+/* A node still to be visited: a cube of 2^size cells, the first at `cell` of the level. A byte of
+ * the masks tells its active children. */
 typedef struct pending {
     double t_in, t_out;
     uint32_t cell[3];
-    uint32_t morton; /* its place among the nodes of its tree level; below the blocks, the group
-                        within the block */
+    uint32_t morton; /* its place among the nodes of its size, in Morton order */
     uint32_t size;
 } pending;
 
-/* How far down the masks are looked at; below, cells are found by their samples. Only FINEST_CELL
- * is used for pictures; the others are what experiment E1 compares it with. */
+/* How far down masks are used; below, cells are found by their samples. Pictures use FINEST_CELL
+ * only; experiment E1 compares it with the others. */
 typedef enum finest { FINEST_CELL, FINEST_GROUP, FINEST_BLOCK } finest;
 
-/* Whether a cell exists and is active, from its samples. */
+/* Returns whether a cell exists and is active, by its samples. */
 static bool cell_is_active(const walk_scene *scene, const resident_grid *tr,
                            const uint32_t cell[3]) {
     for (int a = 0; a < 3; a++)
@@ -128,7 +128,7 @@ static inline bool walk_to(finest known, const walk_scene *scene, const resident
     unsigned wanted = octants;
     while (top > 0) {
         const pending node = stack[--top];
-        /* Front to back: nothing behind can come before the best hit any more. */
+        /* Nodes come front to back: nothing behind can come before the best hit any more. */
         if (node.t_in > best->t)
             break;
         if (node.size == 0) {

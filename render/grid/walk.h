@@ -22,9 +22,9 @@ enum { BLOCK_SIDE = 1 << LEAF_BLOCK_LOG2 };
 
 typedef struct walk_scene walk_scene;
 
-/* walk_treelet() - lower *best to the first hit in this treelet that is strictly after `after`, if
- * there is a lesser one. [t_in, t_out] holds the ray's interval in the treelet; octants: which
- * eighths of it to look at (255: all). Returns whether *best changed. */
+/* walk_treelet() - lower *best to the first hit in this treelet strictly after `after`, if that hit
+ * is less than *best. [t_in, t_out] holds the ray's interval in the treelet; octants: which eighths
+ * of it to look at (255: all). Returns whether *best changed. */
 typedef bool (*walk_fn)(const walk_scene *scene, const resident_grid *tr, const ray *r, double t_in,
                         double t_out, unsigned octants, const hit *after, hit *best,
                         ray_counters *counters);
@@ -37,20 +37,22 @@ struct walk_scene {
     sample_type type;
     uint32_t halo;
     leafcast_intersector intersector;
-    intersect_fn intersect; /* that of a ray by itself */
+    intersect_fn intersect; /* for rays that walk alone */
     walk_fn walk;
-    uint8_t packet; /* pixels on a side of a tile that walk together: GRID_TILE, or less of it */
+    uint8_t packet; /* side, in pixels, of the squares of a tile that walk together: GRID_TILE or
+                       less */
     bool by_cell;   /* a batch never holds ray-cells of more than one cell */
-    bool analytic_normals; /* of the cells, instead of central differences */
-    double narrowest[3];   /* cell of level 0 along each axis */
+    bool analytic_normals; /* normals from the cell's own gradient, not from central differences */
+    double narrowest[3];   /* width of the narrowest cell of level 0 on each axis, grid space */
 };
 
 bool walk_treelet(const walk_scene *scene, const resident_grid *tr, const ray *r, double t_in,
                   double t_out, unsigned octants, const hit *after, hit *best,
                   ray_counters *counters);
 
-/* The same result without the cells' masks, for experiment E1: down to 2^3 groups by masks (as if
- * the tree went on to 2^3), or to blocks, then cell by cell by the samples. */
+/* Return the same result without the masks of cells, for experiment E1. Groups: use masks down to
+ * groups of 2^3 cells, as if the tree went on to 2^3. Corners: use masks down to blocks. Below that
+ * each cell is tested by its samples. */
 bool walk_treelet_groups(const walk_scene *scene, const resident_grid *tr, const ray *r,
                          double t_in, double t_out, unsigned octants, const hit *after, hit *best,
                          ray_counters *counters);
@@ -58,14 +60,14 @@ bool walk_treelet_corners(const walk_scene *scene, const resident_grid *tr, cons
                           double t_in, double t_out, unsigned octants, const hit *after, hit *best,
                           ray_counters *counters);
 
-/* walk_cell_box() - the planes of a cell of a level. */
+/* walk_cell_box() - returns the planes of a cell of a level. */
 cell_box walk_cell_box(const level_planes *planes, const uint32_t cell[3]);
 
-/* walk_cell_samples() - its eight samples from its treelet. */
+/* walk_cell_samples() - reads a cell's eight samples from its treelet: corner x + 2y + 4z. */
 void walk_cell_samples(const walk_scene *scene, const resident_grid *tr, const uint32_t cell[3],
                        float samples[8]);
 
-/* walk_cell_prefetch() - towards the cache: they will be asked for soon. */
+/* walk_cell_prefetch() - prefetches a cell's samples, which will be read soon. */
 static inline void walk_cell_prefetch(const walk_scene *scene, const resident_grid *tr,
                                       const uint32_t cell[3]) {
     size_t at[3];
@@ -80,9 +82,10 @@ static inline void walk_cell_prefetch(const walk_scene *scene, const resident_gr
     __builtin_prefetch(first + slice + row);
 }
 
-/* walk_children() - the child mask of a node of 2^size cells on a side: of the root, of an inner
- * node, of a block (its 2^3 groups with active cells), of such a group (its cells). morton: its
- * place among the nodes of its size. walk_children_of() - by other masks than its own. */
+/* walk_children() - returns the mask of active children of a node of 2^size cells on a side. The
+ * children of a block are its groups of 2^3 cells, the children of a group its cells. morton: the
+ * node's place among the nodes of its size. walk_children_of() uses the given masks instead of the
+ * treelet's. */
 static inline unsigned walk_children_of(const resident_grid *tr, const active_masks *masks,
                                         uint32_t size, uint32_t morton) {
     if (size > LEAF_BLOCK_LOG2) {

@@ -6,9 +6,9 @@
 
 typedef struct walk_choice {
     const char *name;
-    walk_fn walk;   /* of single rays; NULL: tiles, */
-    uint8_t packet; /* of so many pixels on a side that walk together, */
-    bool by_cell;   /* which never hold ray-cells of more than one cell at a time */
+    walk_fn walk;   /* walks rays one by one; NULL: rays walk in tiles */
+    uint8_t packet; /* side, in pixels, of the squares of a tile that walk together; 0: GRID_TILE */
+    bool by_cell;   /* a batch never holds ray-cells of more than one cell */
 } walk_choice;
 
 #endif

@@ -7,8 +7,8 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* tan x for x in (0, pi/2): both Taylor series, from their small ends. Within 1e-15 of itself below
- * 1.5, and the same bits everywhere, which libm does not promise. */
+/* tan x for x in (0, pi/2), by the Taylor series of sine and cosine, small terms first. Within
+ * 1e-15 of the true value below 1.5, and the same bits everywhere, which libm does not promise. */
 static double tangent(double x) {
     const double s = x * x;
     double sine = 0.0, cosine = 0.0;
@@ -78,7 +78,7 @@ void camera_shift(camera *c, double dx, double dy) {
     c->middle[1] = c->height - 2.0 * (c->window[1] + dy);
 }
 
-/* Parallel rays: (u, v) is where they begin. */
+/* A ray of a parallel camera; (u, v) is where it begins. */
 static void ortho_ray(const camera *c, double u, double v, double origin[3], double direction[3]) {
     for (int a = 0; a < 3; a++) {
         origin[a] = c->eye[a] + u * c->right[a] + v * c->up[a];
@@ -132,18 +132,19 @@ leafcast_camera camera_standard(const double bounds[2][3], double distance, uint
 
 /* ---- the view that fits ---- */
 
-/* Towards the eye: across, third axis, up. 27 degrees to the side, 24 above. */
+/* The direction to the eye: across, along the third axis, up. 27 degrees to the side, 24 above. */
 static const double FIT_ACROSS = 0.5, FIT_DEPTH = 1.0, FIT_UP = 0.5;
 static const double FIT_MARGIN = 1.04;
 
-/* Which world axes are up and across; the box's extents are size[]. */
+/* Choose the world axes that are up and across; size[]: the box's extents. */
 static void fit_axes(const double size[3], int *up, int *across) {
     const double sides = fmax(size[0], size[1]);
     *up = size[2] > 2.0 * sides ? (size[0] >= size[1] ? 0 : 1) : 2;
     *across = *up == 2 ? (size[0] >= size[1] ? 0 : 1) : 2;
 }
 
-/* How far from the middle along `back` the eye must be to see a corner at `offset` from it. */
+/* How far from the middle, along `back`, the eye must be to see a corner at `offset` from the
+ * middle. */
 static double fit_distance(const double offset[3], const camera *c, double aspect) {
     const double towards = -vec3_dot(offset, c->forward);
     const double half = vec3_dot(c->up, c->up); /* tan^2 of half the field of view */
@@ -168,8 +169,8 @@ leafcast_camera camera_fit(const double corners[8][3], double fov, uint32_t widt
     }
     int up, across;
     fit_axes(size, &up, &across);
-    /* Right-handed: across x up points away from the picture, to the eye, on one side or the other
-     * of the third axis. */
+    /* Right-handed: across x up points away from the picture, to the eye. So the eye is on one side
+     * or the other of the third axis. */
     const int depth = 3 - up - across;
     const double side = (across + 1) % 3 == up ? 1.0 : -1.0;
     double back[3], edge = fmax(fmax(size[0], size[1]), size[2]);

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/* x^(1/5) for x in (0, 1], by Newton from above, where every step but the last goes down. */
+/* x^(1/5) for x in (0, 1], by Newton's method from above: every step but the last decreases. */
 static double fifth_root(double x) {
     double root = 1.0;
     for (;;) {

@@ -1,7 +1,7 @@
 /* picture_bytes.h - linear premultiplied colours as the bytes that a screen shows.
  *
- * A byte is the nearest one, by IEC 61966-2-1 (sRGB); what is below 0 or NaN becomes 0, what is
- * above 1 becomes 255. Alpha is not encoded. No libm: the same bytes on every CPU.
+ * Each byte is the nearest one by IEC 61966-2-1 (sRGB). Values below 0 and NaN become 0, values
+ * above 1 become 255. Alpha is not encoded. No libm: the same bytes on every CPU.
  */
 #ifndef RENDER_LOOK_PICTURE_BYTES_H
 #define RENDER_LOOK_PICTURE_BYTES_H
@@ -11,11 +11,11 @@
 
 #include "render/leafcast.h"
 
-/* picture_linear() - what an sRGB component in [0, 1] is in linear light. */
+/* picture_linear() - the linear light of an sRGB component in [0, 1]. */
 double picture_linear(double encoded);
 
-/* From 2^-13, below which the byte is 0, to 1: 128 buckets an octave, each with at most one border
- * between two bytes. */
+/* The table covers 2^-13, below which the byte is 0, to 1, with 128 buckets an octave. A bucket has
+ * at most one border between two bytes. */
 enum { BYTES_OCTAVES = 13, BYTES_BUCKETS = 128 * BYTES_OCTAVES };
 
 typedef struct byte_table {
@@ -25,12 +25,12 @@ typedef struct byte_table {
 
 void picture_bytes_init(byte_table *t);
 
-/* picture_byte() - one linear value, encoded. */
+/* picture_byte() - the byte of one linear value. */
 uint8_t picture_byte(const byte_table *t, float linear);
 
-/* picture_bytes_rgba() - pixels first .. first + count: R G B A, not premultiplied.
- * picture_bytes_rgb() - R G B of the premultiplied colours: as seen before black, and as they are
- * where a picture is opaque. */
+/* picture_bytes_rgba() - write pixels first .. first + count as R G B A, not premultiplied.
+ * picture_bytes_rgb() - write R G B of the premultiplied colours: as seen before black, and
+ * unchanged where a picture is opaque. */
 void picture_bytes_rgba(const byte_table *t, const leafcast_image *image, size_t first,
                         size_t count, uint8_t *out);
 void picture_bytes_rgb(const byte_table *t, const leafcast_image *image, size_t first, size_t count,

@@ -21,10 +21,10 @@ double projection_scale(const affine *space) {
     return scalbn(1.0, -ilogb(largest));
 }
 
-/* Each entry is rounded once and two sums are: |error| of x <= 3 u sum |x| and of w <= 3 u sum |w|,
- * u = 2^-24, where sum |x| <= reach sum far and sum |w| <= sum far. Of x / w then 3 u (reach + |x /
- * w|) sum far / w, and the reciprocal's 2^-21; doubled and rounded up. rounded: how much more the
- * entries are. */
+/* Each entry is rounded once, and so are two sums. So |error| of x <= 3 u sum |x| and of w <= 3 u
+ * sum |w|, u = 2^-24, where sum |x| <= reach sum far and sum |w| <= sum far. The error of x / w is
+ * then 3 u (reach + |x / w|) sum far / w, and 2^-21 of the reciprocal; doubled and rounded up.
+ * rounded: how many times more roundings entries have. */
 void projection_set_bounds(projection *p, const camera *c, double worst, double rounded) {
     const double u = rounded * ldexp(1.0, -24);
     const double shift = fmax(fabs(c->width - c->middle[0]), fabs(c->height - c->middle[1]));
@@ -35,7 +35,7 @@ void projection_set_bounds(projection *p, const camera *c, double worst, double 
     p->margin = (float)(8.0 * u / (double)projection_depth_share * (reach + half) + least);
     p->margin_least = (float)least;
     p->plane_error = (float)(8.0 * u * (reach + half));
-    /* The reciprocal wants numbers of ordinary size. */
+    /* The reciprocal needs numbers of ordinary size. */
     p->usable = worst < 1e15 && p->margin < 4.0f;
 }
 

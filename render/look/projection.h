@@ -1,12 +1,13 @@
 /* projection.h - where the planes between cells lie in a camera's picture.
  *
- * Homogeneous pixel coordinates are linear in each grid coordinate: a point's are the sum of three
- * entries, one a plane through it and axis. So the corners of any box of cells cost a few additions
- * each. All is relative to the eye, taken in double and then rounded to float: errors stay a tiny
- * part of a pixel however far from the origin, or the eye from the volume.
+ * Homogeneous pixel coordinates are linear in each grid coordinate. So a point's are the sum of
+ * three entries, one for the plane through it across each axis, and the corners of any box of cells
+ * cost a few additions each. All is relative to the eye, computed in double and then rounded to
+ * float. So errors stay a tiny part of a pixel however far the eye or the volume is from the
+ * origin.
  *
- * Of a grid all planes between cells have their entries. A mesh has planes of its own for every
- * box; theirs are products of `axis` and the distance from the eye.
+ * Grids have entries for all planes between cells. Every box of a mesh has planes of its own; their
+ * entries are products of `axis` and the distance from the eye.
  */
 #ifndef RENDER_LOOK_PROJECTION_H
 #define RENDER_LOOK_PROJECTION_H
@@ -16,32 +17,33 @@
 #include "render/look/camera.h"
 #include "render/ray/affine.h"
 
-/* What a plane adds: pixels right of where the camera looks, below it, and depth are x / w, y / w,
- * w; all w scaled alike. far bounds the share of any of the point's distance that is due to this
- * axis.
+/* What a plane adds to a point's coordinates: pixels right of the picture's centre (x / w), below
+ * it (y / w), and depth w; all w are scaled alike. far: this axis's share of a point's distance, in
+ * any direction, is at most that.
  */
 typedef struct plane_projection {
     float x, y, w, far;
-    float from_eye,
-        inverse;     /* the plane itself and 1 / the width of the cell behind it; grid space */
-    float unused[2]; /* two to a cache line */
+    float from_eye, inverse; /* the plane, and 1 / the width of the cell behind it; in grid space */
+    float unused[2];         /* makes two fill a cache line */
 } plane_projection;
 
 typedef struct projection {
-    const plane_projection *at[LEAF_LEVELS_MAX][3]; /* of a grid */
-    float axis[3][4]; /* of a mesh, world space: x, y, w, far of a plane at 1 from the eye */
-    bool usable;      /* false: numbers beyond float; nothing else is set then */
+    const plane_projection *at[LEAF_LEVELS_MAX][3]; /* for a grid */
+    float axis[3][4]; /* for a mesh, world space: x, y, w, far of a plane at 1 from the eye */
+    bool usable;      /* false: numbers exceed float; then nothing else is set */
     double eye[3];    /* grid space */
     float centre[2];  /* where the camera looks: pixels from the picture's left and top edge */
-    /* x / w of a corner is right to margin pixels within the picture, where w is at least
-     * depth_share of the sum of its far; beyond the picture it does not come in. */
+    /* Bounds the error of a corner's x / w, in pixels, within the picture, where w is at least
+     * depth_share of the sum of its far. No corner beyond the picture gets into it. */
     float margin;
-    float margin_least; /* the part of it that depth has no share in: the rest goes with far / w */
-    /* |error| of x - c w for a constant c of at most half the picture's size, over the sum of far.
+    float margin_least; /* the part of margin that does not depend on depth; the rest scales with
+                           far / w */
+    /* Times the sum of far: bounds |error| of x - c w, for a constant c up to half the picture's
+     * size.
      */
     float plane_error;
-    double scale, unscale; /* the power of two that brings the grid's directions to ordinary size;
-                              1 / it */
+    double scale,
+        unscale; /* power of two that brings directions in the grid to ordinary size; 1 / it */
     plane_projection *block;
     mem *m;
 } projection;
@@ -52,7 +54,7 @@ void projection_release(projection *p);
 
 /* ---- For kinds: grid/grid_projection.h, mesh/mesh_projection.h ---- */
 
-/* What a step of one along a grid axis adds. */
+/* What one unit along a grid axis adds to homogeneous pixel coordinates. */
 typedef struct axis_projection {
     double x, y, w, far;
 } axis_projection;
@@ -62,8 +64,8 @@ axis_projection projection_axis(const affine *space, const camera *c, int a);
 /* projection_scale() - the power of two that brings vectors in grid space to ordinary size. */
 double projection_scale(const affine *space);
 
-/* projection_set_bounds() - margin, plane_error and usable. worst: the largest of what entries add
- * up to; rounded: how many roundings an entry has. */
+/* projection_set_bounds() - set margin, plane_error and usable. worst: the largest sum of entries;
+ * rounded: how many roundings an entry has. */
 void projection_set_bounds(projection *p, const camera *c, double worst, double rounded);
 
 #endif

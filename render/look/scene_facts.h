@@ -1,16 +1,16 @@
-/* scene_facts.h - what follows from a scene alone. */
+/* scene_facts.h - facts that follow from a scene alone. */
 #ifndef RENDER_LOOK_SCENE_FACTS_H
 #define RENDER_LOOK_SCENE_FACTS_H
 
 #include "render/leafcast.h"
 #include "render/leafcast_experimental.h"
 
-/* scene_is_filled() - whether it shows more than surfaces: media or a projection. */
+/* scene_is_filled() - whether the scene shows more than surfaces: media or a projection. */
 static inline bool scene_is_filled(const leafcast_scene *scene) {
     return scene->media_count > 0 || scene->project != LEAFCAST_PROJECT_NONE;
 }
 
-/* scene_is_certified() - whether it shows media with a bound. */
+/* scene_is_certified() - whether the scene shows media with a bound of the error. */
 static inline bool scene_is_certified(const leafcast_scene *scene) {
     return scene->media_count > 0 && scene->project == LEAFCAST_PROJECT_NONE &&
            !scene->shade_media &&
@@ -25,7 +25,7 @@ static inline int scene_filled(const leafcast_scene *scene) {
     return filled;
 }
 
-/* scene_intersector() - the exact one, but for experiments. */
+/* scene_intersector() - the exact one, unless experiments choose another. */
 static inline leafcast_intersector scene_intersector(const leafcast_scene *scene) {
     return scene->experiments ? scene->experiments->intersector : LEAFCAST_MARMITT;
 }

@@ -5,7 +5,7 @@
 
 /* ---- Making ---- */
 
-/* One span between two points, or beyond the first or the last one: then both are that one. */
+/* The span between two points; with a == b the one beyond the first or the last point. */
 static transfer_span span_of(const leafcast_transfer_point *a, const leafcast_transfer_point *b) {
     transfer_span s = {.from = a->value, .to = b->value, .base = a->value};
     const leafcast_transfer_point *ends[2] = {a, b};
@@ -30,7 +30,7 @@ static transfer_span beyond(const leafcast_transfer_point *p, double from, doubl
     return s;
 }
 
-/* Whether two neighbours are the same where they meet. */
+/* Whether two neighbouring spans agree where they meet. */
 static bool is_smooth(const transfer_span *a, const transfer_span *b) {
     bool same = a->k[1] == b->k[0];
     for (int c = 0; c < 3; c++)
@@ -39,18 +39,18 @@ static bool is_smooth(const transfer_span *a, const transfer_span *b) {
 }
 
 static void take_in_rates(transfer_span *s, const transfer_span *of) {
-    const double most = 1e300; /* times the smallest error is more than any change */
+    const double most = 1e300; /* times the smallest error this exceeds any change */
     s->k_rate = fmax(s->k_rate, fmin(fabs(of->k[1] - of->k[0]) * of->inverse, most));
     s->rgb_rate = fmax(s->rgb_rate, fmin(of->rgb_change * of->inverse, most));
 }
 
-/* Whatever the value is off by there adds twice as much times the rate to the error. So little does
- * not matter even where a piece is a million times as deep as light goes. */
+/* An error of the value there adds twice that error times the rate. So small an error is harmless
+ * even where a piece is a million times as deep as light goes. */
 static double give_of(const transfer_span *below, const transfer_span *above) {
     return 0x1p-32 * fmin(below->to - below->from, above->to - above->from);
 }
 
-/* What depends on neighbours. */
+/* Set the members that depend on neighbouring spans. */
 static void reach_out(transfer *t) {
     for (int i = 0; i < t->spans; i++) {
         transfer_span *s = &t->span[i];
@@ -89,7 +89,7 @@ static status note_columns(transfer *t, mem *m) {
     if (!t->column)
         return ST_NOMEM;
     for (size_t i = 0; i < TRANSFER_FEW; i++) {
-        const size_t span = i < (size_t)t->spans ? i : 0; /* all may be read */
+        const size_t span = i < (size_t)t->spans ? i : 0; /* vectors read all columns */
         double member[TRANSFER_COLUMNS];
         memcpy(member, &t->span[span], sizeof member);
         for (size_t k = 0; k < TRANSFER_COLUMNS; k++)
@@ -171,7 +171,7 @@ transfer_extent transfer_extent_of(const transfer *t, double lo, double hi) {
     return e;
 }
 
-/* By the steepest span; a step between two of them may be all that there is. */
+/* Bounded by the steepest span's rate. Across a step the change may be as large as the values. */
 transfer_change transfer_change_of(const transfer *t, double lo, double hi, double e) {
     transfer_change c = {0};
     double most_k = 0.0;
@@ -189,7 +189,7 @@ transfer_change transfer_change_of(const transfer *t, double lo, double hi, doub
     return c;
 }
 
-/* Two neighbours become one. */
+/* Merge interval `before` with the next one. Returns the new count. */
 static int take_in_gap(interest_interval of[], int count, int before) {
     of[before].hi = of[before + 1].hi;
     of[before].hi_open = of[before + 1].hi_open;

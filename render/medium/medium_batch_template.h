@@ -1,10 +1,10 @@
 /* medium_batch_template.h - medium_batch.h for the ISA of the translation unit that includes it.
  *
  * The scalar functions (medium_stretch.c) written again for vectors, operation by operation. First
- * each piece is looked at in its place. Those that lie in one span of the transfer function, and
- * need no steps, are done then. The others are cut into stretches, which follow each other densely:
- * cuts are found, stretches looked at, and steps made, many at a time. What is left to the scalar
- * code are pieces at a step of the transfer function, or in too many spans.
+ * each piece is tried in its place. Pieces that lie in one span of the transfer function, and need
+ * no steps, are then done. The others are cut into stretches in dense lists. Cuts are found,
+ * stretches seen, and steps made, many at a time. Pieces at a step of the transfer function, or in
+ * too many spans, are left to the scalar code.
  */
 #ifndef RENDER_MEDIUM_MEDIUM_BATCH_TEMPLATE_H
 #define RENDER_MEDIUM_MEDIUM_BATCH_TEMPLATE_H
@@ -18,14 +18,14 @@
 
 void SIMD_NAME(medium_batch)(medium_batch *m, const segment_columns *pieces);
 
-/* The lanes' spans, as far as is needed in them. */
+/* The lanes' spans, only the members that are needed. */
 typedef struct span_lanes {
     vd base, inverse, k[2];
     vd rgb[2][3], most_rgb, rgb_change;
     vd most_k, k_rate, rgb_rate;
 } span_lanes;
 
-/* Members of spans from this one on: four at a time, or each from its column. */
+/* Load members of spans from this one on: four at a time, or each from its column. */
 #define LOAD_SPANS(t, at, member, out)                                \
     d_load_four((const double *)(const void *)(t)->span +             \
                     offsetof(transfer_span, member) / sizeof(double), \
@@ -82,7 +82,7 @@ SIMD void load_spans(const transfer *t, const uint16_t at[], span_lanes *s) {
     s->rgb_rate = four[2];
 }
 
-/* Where the lanes' spans begin and end, and how far rates reach. */
+/* The ends of the lanes' spans, and their reach. */
 SIMD void load_ends(const transfer *t, const uint16_t at[], vd ends[4]) {
     if (D_LOOKS_UP && t->column)
         FIND_SPANS(t, l_of_shorts(at), from, 4, ends);
@@ -208,8 +208,8 @@ SIMD vd next_step_lanes(vd step, const seen_lanes *s) {
 
 typedef struct piece_lanes {
     stretch_lanes whole;
-    md seen;   /* something is, and all of it is in one span */
-    md single; /* it is not in one span, but in those from low to high */
+    md seen;   /* something is seen, and the piece is in one span */
+    md single; /* it is not in one span, but in spans low to high */
     uint16_t low[VD_N], high[VD_N];
 } piece_lanes;
 
@@ -226,11 +226,11 @@ SIMD vd lanes_value_error(const medium_batch *m, unsigned i, int degree, const v
     return d_select(even, d_set(0.0), error);
 }
 
-/* So many spans are counted sooner than they are halved. */
+/* Up to so many spans, counting is faster than halving. */
 enum { COUNTED_SPANS = 5 * VD_N };
 
-/* The number of spans that begin at the value or below, but for the first one, whose every value
- * is. */
+/* The number of spans that begin at the value or below. Does not count the first, which begins
+ * below every value. */
 SIMD vl count_below(const double *from, int spans, vd value) {
     const vd one = (vd)l_set(1), none = (vd)l_set(0);
     vl count = l_set(0);
@@ -250,7 +250,7 @@ SIMD vl search_below(const double *from, int spans, vd value) {
     return lo;
 }
 
-/* transfer_find() of the lanes; others' are 0. */
+/* transfer_find() of the lanes; 0 in other lanes. */
 SIMD void find_lanes(const transfer *t, vd value, unsigned lanes, uint16_t at[VD_N]) {
     uint64_t found[VD_N];
     l_store(found, t->spans <= COUNTED_SPANS ? count_below(t->from, t->spans, value)
@@ -313,7 +313,7 @@ SIMD md see_whole(medium_batch *m, unsigned i, int degree, const piece_lanes *p)
 
 /* ---- Cuts ---- */
 
-/* A few pieces by their numbers; behind the last one of a list that one again. */
+/* A few pieces by their numbers; the last one of a list fills the rest. */
 typedef struct few {
     uint16_t at[VD_N];
     unsigned count;
@@ -415,7 +415,7 @@ SIMD void part_lanes(const vd of[4], int degree, vd a, vd b, vd out[4]) {
     }
 }
 
-/* What stretches have of their pieces. */
+/* Members that stretches take from their pieces. */
 typedef struct of_pieces {
     vd b[4], length;
 } of_pieces;
@@ -444,7 +444,7 @@ SIMD void see_between(const medium_batch *m, const of_pieces *of, int degree, vd
     see_lanes(m->share, degree, p, out);
 }
 
-/* The stretches from number i on, at once; those that need steps are noted. */
+/* See the stretches from number i on, at once. Notes those that need steps. */
 SIMD void see_few_stretches(medium_batch *m, const segment_columns *c, unsigned i, int degree) {
     medium_stretch_list *s = &m->cuts.stretches;
     few here = {.count = s->count - i < VD_N ? s->count - i : VD_N};
@@ -479,7 +479,7 @@ SIMD void see_stretches(medium_batch *m, const segment_columns *c, int degree) {
 
 /* ---- Steps ---- */
 
-/* What has been seen, where, and how it goes on. */
+/* What has been seen, the rest of the stretch, and the next step. */
 typedef struct walk_lanes {
     vd rgb[3], through, rgb_error, through_error;
     vd a, b, step;
@@ -500,7 +500,7 @@ SIMD void join_lanes(walk_lanes *w, md in, const seen_lanes *s, vd most_rgb) {
     w->through = d_select(in, w->through * s->through, w->through);
 }
 
-/* The lanes in which what is behind is left out. */
+/* Leave out what is behind where hardly anything comes through. Returns these lanes. */
 SIMD md leave_out_lanes(walk_lanes *w, md in, vd most_rgb, double drop) {
     const vd left = (w->through + w->through_error) * most_rgb;
     const md dark = md_and(md_and(in, d_lt(w->a, w->b)), d_le(left, d_set(drop)));
@@ -529,7 +529,7 @@ SIMD void walk_on(const medium_batch *m, const of_pieces *of, int degree, stretc
     }
 }
 
-/* Those from number i on that need steps. */
+/* See the stretches that need steps, from number i on. */
 SIMD void see_by_steps(medium_batch *m, const segment_columns *c, unsigned i, int degree) {
     medium_stretch_list *s = &m->cuts.stretches;
     const few here = few_of(s->by_steps, i, s->stepped);
@@ -574,7 +574,7 @@ SIMD void work_off_lists(medium_batch *m, const segment_columns *c, int degree) 
     medium_cuts_clear(&m->cuts);
 }
 
-/* In one place: it is long. */
+/* Not inlined: it is long. */
 static __attribute__((noinline)) void work_off(medium_batch *m, const segment_columns *c) {
     if (m->cuts.count == 0)
         return;
@@ -584,7 +584,7 @@ static __attribute__((noinline)) void work_off(medium_batch *m, const segment_co
         work_off_lists(m, c, 3);
 }
 
-/* To the lists, or to the scalar code. */
+/* Put a piece into the lists, or leave it to the scalar code. */
 SIMD void put_off(medium_batch *m, const segment_columns *c, unsigned i, const piece_lanes *p,
                   unsigned k, bool single) {
     const int low = p->low[k];

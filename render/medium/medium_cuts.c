@@ -2,7 +2,7 @@
 
 #include "render/ray/cubic.h"
 
-/* fmin() and fmax() of numbers, which are functions of a library. */
+/* fmin() and fmax() without a library call; not for NaN. */
 static double lesser(double a, double b) {
     return a < b ? a : b;
 }
@@ -18,10 +18,10 @@ void medium_cuts_clear(medium_cuts *c) {
 
 typedef struct part {
     double a, b, fa, fb;
-    int low, high; /* spans of the smaller and of the greater one of fa and fb */
+    int low, high; /* spans of the lesser and of the greater of fa and fb */
 } part;
 
-/* Up to `to`, or to the next cut. */
+/* Add a stretch that ends at `to`, or at the next cut. */
 static void add_stretch(medium_cuts *c, unsigned piece, int span, bool is_cut, double to) {
     medium_stretch_list *s = &c->stretches;
     const unsigned n = s->count++;
@@ -42,8 +42,8 @@ static void add_cut(medium_cut_list *cuts, unsigned piece, const part *p, double
     cuts->fb[n] = p->fb;
 }
 
-/* Whether rates tell what happens at the ends of spans that the part does not pass, but that the
- * error e may. */
+/* Returns whether rates bound the change at ends of spans that the part does not pass, but that the
+ * error e may carry the value over. */
 static bool is_smooth_beside(const transfer *t, const part *p, double e) {
     const double least = lesser(p->fa, p->fb) - e, most = greater(p->fa, p->fb) + e;
     for (int k = p->low - 1; k >= 0 && t->span[k].to > least; k--)
@@ -79,7 +79,7 @@ static void add_piece(medium_cuts *c, unsigned i) {
     c->lost[n] = false;
 }
 
-/* From turn to turn, as see_parts() does. */
+/* Add the parts between turns of the value, as see_parts() does. */
 static bool add_parts(medium_cuts *c, const transfer *t, const segment *s, unsigned i, double e) {
     double at[2];
     const int turns = cubic_extrema(s->b, at);
@@ -135,8 +135,8 @@ typedef struct place {
     double at, off;
 } place;
 
-/* Stretch `from` becomes number `to`, which is not behind it, if anything is seen of it. Returns
- * the next number. */
+/* Move stretch `from` to number `to`, which is not behind it, if anything is seen of it. Returns
+ * the next free number. */
 static unsigned keep(medium_stretch_list *s, const transfer *t, unsigned to, unsigned from,
                      const place ends[2]) {
     if (!(ends[0].at < ends[1].at) || transfer_is_empty(&t->span[s->span[from]]))

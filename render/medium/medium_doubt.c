@@ -7,7 +7,7 @@
 
 /* ---- Bounds ---- */
 
-/* How far x may be off that should be in [lo, hi], where it is moved to. */
+/* Move x into [lo, hi]. Returns how far it may be off if the true value is in [lo, hi]. */
 static double bring_within(double *x, double lo, double hi) {
     *x = fmin(fmax(*x, lo), hi);
     return fmax(hi - *x, *x - lo);
@@ -33,7 +33,8 @@ void medium_doubt_within(const medium_rule *rule, const medium_doubtful *what, d
     medium_add_ends(rule->transfer, 1.5 * rule->error.t, seen);
 }
 
-/* No component of light is more than most_rgb times the opacity: how far it may be off then. */
+/* Limit each component of light to most_rgb times the opacity. Returns how far it may be off
+ * then. */
 static double bring_to_light(medium_stretch *seen, double most_rgb) {
     const double least_through = fmax(seen->through - seen->through_error, 0.0);
     const double most = most_rgb * (1.0 - least_through) * (1.0 + 0x1p-40);
@@ -95,7 +96,7 @@ void medium_doubt_begin(medium_doubt *d, const segment *is, const medium_doubtfu
 
 bool medium_doubt_take(medium_doubt *d, const medium_rule *rule, double t, medium_stretch *seen) {
     const double until = fmin(t, d->to);
-    if (d->bounded) { /* where no piece was, nothing is */
+    if (d->bounded) { /* no medium where no piece was */
         d->from = fmax(d->from, until);
         return false;
     }
@@ -111,7 +112,7 @@ bool medium_doubt_bounds(const medium_doubt *d, double t0) {
     return d->bounded && t0 < d->to;
 }
 
-/* By (2): what v's stretch, and what is near it, may differ by. */
+/* Widen the errors by (2), the difference between v and the true values. */
 static void add_change(const transfer_change *by, double length, medium_stretch *seen) {
     const double rounding = 64.0 * 0x1p-53, depth = by->k * length;
     const double grown = portable_exp(depth) - 1.0 + rounding;

@@ -12,45 +12,45 @@
 #include "render/surface/shade.h"
 #include "render/surface/surface_ray.h"
 
-/* What of the error is for the medium by its opacity, by its length, for the end, for what is left
- * out inside a piece: that happens behind no more than 64 spans or halvings, and counts twice. */
+/* Shares of the pixel's error: for the medium by its opacity, by its length, for the end, for light
+ * left out inside a piece, which happens behind at most 64 spans or halvings and counts twice. */
 static const double by_opacity = 0.5, by_length = 0.3, at_end = 0.1, in_piece = 0.04 / 128.0;
 
-/* And beside a cut, where several media are at one place. */
+/* And beside a cut of overlaid media. */
 static const double at_cut = 0x1p-18;
 
-/* What a ray does: look for the next surface, walk through the medium in front of it, meet it, be
- * lit there. */
+/* What a ray does: find the next surface, walk through the medium in front of it, meet it, be lit
+ * there. */
 typedef enum stage { FINDING, WALKING, MEETING, LIGHTING } stage;
 
 typedef struct medium_ray {
     surface_ray way;
     stage stage;
-    bool begun;     /* to walk; */
+    bool begun;     /* the walk has begun */
     bool doubted;   /* preview: it has come to a doubt */
-    bool unbounded; /* preview: something was not there that may be anything */
+    bool unbounded; /* preview: absent data may be anything */
     bool coarse;    /* it meets a volume that is drawn coarser than its data */
-    double reached; /* so far, through several media */
+    double reached; /* t so far, through several media */
     medium_rule rule;
     uint32_t treelet; /* of the last piece */
-    double from;      /* t: everything before it is in `front` */
+    double from;      /* everything before this t is in `front` */
     medium_stretch front;
-    medium_stretch run; /* behind that: of pieces in one treelet */
+    medium_stretch run; /* behind front: pieces in one treelet */
     segments_state walk;
     segment kept[SEGMENTS_KEPT];
-    overlay_lane lanes[]; /* of all that are filled, where they are overlaid; or a doubt */
+    overlay_lane lanes[]; /* of the filled volumes, if overlaid; or a doubt */
 } medium_ray;
 
-/* In a preview of one filled volume, once `doubted`: what is to come behind the run. */
+/* The doubt behind the run, in a preview of one filled volume, once `doubted`. */
 static medium_doubt *doubt_of(medium_ray *p) {
     return (medium_doubt *)(void *)p->lanes;
 }
 
-/* What medium_take() works in. */
+/* Scratch of medium_take(). */
 enum { DOUBTFUL = 64 };
 typedef struct take_scratch {
     medium_batch batch;
-    /* Of treelets whose number ends so, the last one that was asked for. */
+    /* A cache: the last treelet with each number modulo DOUBTFUL. */
     uint32_t treelet[DOUBTFUL];
     medium_doubtful doubtful[DOUBTFUL];
 } take_scratch;
@@ -65,7 +65,7 @@ static const medium_look *look_of(const frame *f) {
 
 /* ---- The medium ---- */
 
-/* The first volume that is filled, from v on. */
+/* The first filled volume from v on. */
 static int filled_from(const frame *f, int v) {
     while (v < f->volumes && look_of(f)->media[v].spans == 0)
         v++;
@@ -76,7 +76,7 @@ static bool overlaid(const frame *f) {
     return look_of(f)->overlaid;
 }
 
-/* Of pieces in a volume on the whole ray; its way through that is taken into way[]. */
+/* The rule for pieces in a volume on the whole ray. Widens way[] by the ray's way through it. */
 static medium_rule rule_of(const frame *f, uint32_t pixel, int v, double way[2]) {
     const medium_look *look = look_of(f);
     const tracer *tr = &f->tracer[v];
@@ -95,7 +95,7 @@ static medium_rule rule_of(const frame *f, uint32_t pixel, int v, double way[2])
     return rule;
 }
 
-/* Whether the ray meets a volume of which coarse levels are drawn. */
+/* Whether the ray meets a volume that is drawn at a coarse level. */
 static bool meets_coarse(const frame *f, uint32_t pixel) {
     for (int v = 0; v < f->volumes; v++) {
         const tracer *tr = &f->tracer[v];
@@ -111,7 +111,7 @@ static bool meets_coarse(const frame *f, uint32_t pixel) {
     return false;
 }
 
-/* What a length may err by. */
+/* The allowed error per length. */
 static double per_length_of(const frame *f, const double way[2]) {
     return by_length * look_of(f)->error / fmax(way[1] - way[0], 1e-300);
 }
@@ -150,13 +150,13 @@ static void end_run(const frame *f, medium_ray *p) {
     p->run = medium_nothing();
 }
 
-/* Whether what is behind does not count any more; and what is left out counts as error then. */
+/* Whether nothing behind counts any more; leaving it out adds to the error. */
 static bool is_dark(const frame *f, medium_ray *p) {
     const double through = p->front.through * p->run.through;
     return through * look_of(f)->brightest <= at_end * look_of(f)->error;
 }
 
-/* Nothing is seen of what is behind. */
+/* Leave out what is behind. */
 static void leave_out_rest(const frame *f, medium_ray *p) {
     end_run(f, p);
     p->front.rgb_error += (p->front.through + p->front.through_error) * look_of(f)->brightest;
@@ -164,7 +164,7 @@ static void leave_out_rest(const frame *f, medium_ray *p) {
     p->front.through = 0.0;
 }
 
-/* What each piece is looked at by. Those of a ray mostly follow each other. */
+/* Set each piece's rule. Pieces of one ray mostly follow each other. */
 static void set_rules(const medium_look *look, ray_record *const r[], const segment_columns *c,
                       medium_batch *m) {
     m->share = by_opacity * look->error;
@@ -188,7 +188,7 @@ static medium_stretch stretch_of(const medium_batch *m, unsigned i) {
                             m->through_error[i]};
 }
 
-/* What is in doubt before t comes behind what has been seen. */
+/* Join what is in doubt before t behind what has been seen. */
 static void settle(const frame *f, medium_ray *p, double t) {
     medium_stretch seen;
     if (p->doubted && medium_doubt_take(doubt_of(p), &p->rule, t, &seen))
@@ -215,7 +215,7 @@ static segment piece_of(const segment_columns *c, unsigned i) {
     return piece;
 }
 
-/* Piece i in a preview. True: it is a doubt, or a guess, or comes too late. */
+/* Take piece i in a preview. Returns true if it is a doubt or a guess, or comes too late. */
 static bool take_doubt(const frame *f, medium_ray *p, take_scratch *s, const segment_columns *c,
                        unsigned i, bool *stop) {
     const medium_batch *m = &s->batch;
@@ -247,7 +247,7 @@ static bool take_doubt(const frame *f, medium_ray *p, take_scratch *s, const seg
     return medium_doubt_guess(doubt_of(p), c->t1[i], &seen);
 }
 
-/* The rest of the ray up to the surface. */
+/* The ray's way from p->from to the surface. */
 static world_ray way_of(const frame *f, const medium_ray *p) {
     world_ray w = surface_ray_primary(f, p->way.head.pixel);
     w.t0 = p->from;
@@ -257,7 +257,7 @@ static world_ray way_of(const frame *f, const medium_ray *p) {
 
 /* ---- Shaded ---- */
 
-/* A piece in its treelet as it is lit; without a treelet, in a preview, as it is. */
+/* A piece to be shaded; not shaded if its treelet is absent, in a preview. */
 static shaded_piece lit_piece(const frame *f, int v, const treelet *at, const ray *r,
                               const segment *s) {
     const tracer *tr = &f->tracer[v];
@@ -274,7 +274,7 @@ static void light_up(medium_stretch *seen, const double light[3]) {
         seen->rgb[c] *= light[c];
 }
 
-/* One volume's piece, of which all together has been seen. */
+/* One volume's piece, and what is seen of the whole. */
 typedef struct seen_piece {
     const medium_rule *rule;
     const segment *piece;
@@ -297,14 +297,14 @@ static medium_stretch see_part(const void *ctx, double t0, double t1, const doub
     return seen;
 }
 
-/* Those rays of a batch that pieces are of: pieces of one come together. */
+/* The ray of the current piece in a batch; pieces of one ray come together. */
 typedef struct lit_ray {
     const medium_ray *of; /* NULL: none yet */
     world_ray in_world;
     ray in_volume;
 } lit_ray;
 
-/* What is seen of piece i where it is shaded, and `seen` where not. */
+/* Shade what is seen of piece i; *seen is unshaded on entry. */
 static void shade_piece(const frame *f, const medium_ray *p, const segment_columns *c, unsigned i,
                         lit_ray *on, medium_stretch *seen) {
     const int v = filled_from(f, 0);
@@ -330,8 +330,8 @@ static void shade_piece(const frame *f, const medium_ray *p, const segment_colum
 
 /* ---- Pieces ---- */
 
-/* Pieces i to `end` - 1, all of one ray in one treelet; on: NULL where they are not shaded.
- * Returns whether what is behind does not count any more. */
+/* Join pieces i to `end` - 1, all of one ray in one treelet. on: NULL if not shaded. Returns
+ * whether nothing behind counts any more. */
 static bool join_pieces(const frame *f, medium_ray *p, const medium_batch *m,
                         const segment_columns *c, unsigned i, unsigned end, lit_ray *on) {
     const double most_rgb = look_of(f)->brightest, least = at_end * look_of(f)->error;
@@ -360,7 +360,7 @@ static bool join_pieces(const frame *f, medium_ray *p, const medium_batch *m,
     return dark;
 }
 
-/* In a preview, piece by piece. */
+/* Take pieces one by one, in a preview. */
 static void take_doubted(const frame *f, ray_record *const r[], const segment_columns *c,
                          bool stop[], take_scratch *s) {
     for (int i = 0; i < DOUBTFUL; i++)
@@ -405,7 +405,7 @@ static void medium_take(const frame *f, ray_record *const r[], const segment_col
     }
 }
 
-/* Up to the surface, through one volume. */
+/* Ask for the pieces up to the surface, in one volume. */
 static bool ask_for_pieces(const frame *f, medium_ray *p, ray_question *q) {
     const int v = filled_from(f, 0);
     const world_ray w = way_of(f, p);
@@ -427,7 +427,7 @@ static bool ask_for_pieces(const frame *f, medium_ray *p, ray_question *q) {
 
 /* ---- Several media ---- */
 
-/* How a lane's pieces are looked at. */
+/* The rule for a lane's pieces. */
 static medium_rule lane_rule(const frame *f, const medium_ray *p, const overlay_lane *l) {
     medium_rule rule = p->rule;
     rule.transfer = &look_of(f)->media[l->volume];
@@ -435,7 +435,7 @@ static medium_rule lane_rule(const frame *f, const medium_ray *p, const overlay_
     return rule;
 }
 
-/* What is seen of [t0, t1] of a stretch; light: NULL, or what colours are multiplied by. */
+/* What is seen of [t0, t1] of a stretch; light: NULL, or the factors of colours. */
 static medium_stretch seen_of(const frame *f, const medium_ray *p, const overlay_stretch *s,
                               double t0, double t1, const double (*light)[3]) {
     const medium_overlay_rule all = {p->rule.share, p->rule.per_length, p->rule.drop,
@@ -459,7 +459,7 @@ static medium_stretch seen_of(const frame *f, const medium_ray *p, const overlay
     return medium_of_layers(&all, layers, s->count, t1 - t0);
 }
 
-/* A stretch of several volumes that is shaded. */
+/* A stretch of several volumes, for shading. */
 typedef struct seen_stretch {
     const frame *f;
     const medium_ray *p;
@@ -471,7 +471,7 @@ static medium_stretch see_stretch(const void *ctx, double t0, double t1, const d
     return seen_of(s->f, s->p, s->s, t0, t1, light);
 }
 
-/* What is seen of it where it is shaded. False: the treelet of lane *missed is needed. */
+/* See a stretch, shaded. Returns false if the treelet of lane *missed is needed. */
 static bool shade_stretch(const frame *f, const medium_ray *p, const world_ray *w,
                           const overlay_stretch *s, medium_stretch *seen, int *missed) {
     const seen_stretch all = {f, p, s};
@@ -496,7 +496,7 @@ static bool shade_stretch(const frame *f, const medium_ray *p, const world_ray *
     return true;
 }
 
-/* For a treelet of a lane's volume. */
+/* Wait for a treelet of a lane's volume. */
 static bool await(medium_ray *p, int lane, uint32_t missed, ray_question *q) {
     p->way.head.volume = p->lanes[lane].volume;
     q->state = NULL;
@@ -506,7 +506,7 @@ static bool await(medium_ray *p, int lane, uint32_t missed, ray_question *q) {
     return true;
 }
 
-/* Up to the surface, through all that are filled; true: a treelet is missed. */
+/* Pass all filled volumes up to the surface. Returns true if a treelet is missed. */
 static bool pass_media(const frame *f, medium_ray *p, ray_question *q, ray_counters *counters) {
     const world_ray w = way_of(f, p);
     const int count = look_of(f)->filled;
@@ -544,7 +544,7 @@ static void end_media(medium_ray *p, int count) {
 
 /* ---- Surfaces ---- */
 
-/* The surface is off by that much of t, and more or less of the medium is in front of it. */
+/* Error of the depth at a surface: t is off, so more or less of the medium is in front of it. */
 static double depth_error_at(const frame *f, const medium_ray *p) {
     const surface_point *at = &p->way.search.point;
     const world_ray w = surface_ray_primary(f, p->way.head.pixel);
@@ -559,7 +559,7 @@ static double depth_error_at(const frame *f, const medium_ray *p) {
     return slope != 0.0 ? fmin(at->error / fabs(slope) * most_k, 1.0) : 1.0;
 }
 
-/* The surface as a stretch of the ray. False: nothing behind it counts. */
+/* Join the surface as a stretch. Returns false if nothing behind it counts. */
 static bool composite(const frame *f, medium_ray *p) {
     const double opacity = (double)surface_ray_opacity(f, &p->way);
     medium_stretch s = {.through = 1.0 - opacity};
@@ -574,7 +574,7 @@ static bool composite(const frame *f, medium_ray *p) {
 
 /* ---- The pixel ---- */
 
-/* Of the pixel with channels x. What is not known of its surfaces may be anywhere. */
+/* Bound of the error of the pixel with channels x. Unknown surfaces may be anywhere. */
 static double pixel_error(const frame *f, medium_ray *p, const double x[4],
                           ray_counters *counters) {
     const float *background = look_of(f)->surfaces.scene->background;
@@ -623,14 +623,14 @@ static void end(const frame *f, medium_ray *p, ray_counters *counters) {
 
 /* ---- The machine ---- */
 
-/* The surface, if there is one that can be seen. False: the pixel is done. */
+/* Meet the surface. Returns false if none can be seen: the pixel is done. */
 static bool meet(const frame *f, medium_ray *p, ray_counters *counters) {
     end_run(f, p);
     p->way.head.volume = 0;
     return surface_ray_meet(f, &p->way, counters) && !is_dark(f, p);
 }
 
-/* Through what is in front of the surface. */
+/* Walk through the media in front of the surface. Returns whether it asks. */
 static bool walk(const frame *f, medium_ray *p, ray_question *q, ray_counters *counters) {
     if (!overlaid(f))
         return ask_for_pieces(f, p, q);

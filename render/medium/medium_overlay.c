@@ -7,7 +7,7 @@
 
 static const double unit = 0x1p-53; /* half an ulp of 1 */
 
-/* Of sums over some hundred products of numbers of one size. */
+/* Bounds the rounding of sums over some hundred products of numbers of one size. */
 static const double rounding = 256.0 * 0x1p-53;
 
 /* ---- Layers ---- */
@@ -36,10 +36,10 @@ medium_layer medium_layer_of(const medium_rule *rule, const segment *piece, doub
     return l;
 }
 
-/* What is known of a layer over a stretch. */
+/* Knowledge of a layer's values over a stretch. */
 typedef struct layer_view {
-    const transfer_span *span; /* that its values keep to; NULL: there is none */
-    bool blurred;              /* then: no half knows more, for the error of values */
+    const transfer_span *span; /* that holds all values; NULL: none does */
+    bool blurred;              /* halving would not help, for the error of values */
     transfer_extent extent;    /* of extinction and colour */
 } layer_view;
 
@@ -69,7 +69,7 @@ static bool is_nothing(const layer_view views[], int count) {
 
 /* ---- Extents ---- */
 
-/* Of all layers that something may be of. */
+/* The extent of all layers together that may have something. */
 static transfer_extent joined(const layer_view views[], int count) {
     transfer_extent all = {.rgb = {{INFINITY, 0.0}, {INFINITY, 0.0}, {INFINITY, 0.0}}};
     for (int i = 0; i < count; i++) {
@@ -86,7 +86,7 @@ static transfer_extent joined(const layer_view views[], int count) {
     return all;
 }
 
-/* The second or the third way: between what little and what much of it gives. */
+/* The second or the third way: the middle between the least and the most that may be seen. */
 static medium_stretch seen_between(const transfer_extent *e, double less_through,
                                    double more_through) {
     medium_stretch out = {.through = 0.5 * (less_through + more_through)};
@@ -106,14 +106,14 @@ static medium_stretch seen_by_extent(const transfer_extent *e, double length) {
 
 /* ---- Polynomials ---- */
 
-/* What all layers make together in their spans. */
+/* The sum of all layers, each in its span. */
 typedef struct smooth_sum {
     double k[4];      /* extinction, Bernstein coefficients */
-    double k_error;   /* by the errors of values */
+    double k_error;   /* from the errors of values */
     double rgb_error; /* likewise: of any colour */
 } smooth_sum;
 
-/* Nothing but rounding leads out of it. */
+/* Clamp w to [0, 1]: only rounding leads out of it. */
 static double weight_in(const transfer_span *s, const medium_layer *l, double value) {
     const bool unknown = l->value_error * s->inverse >= 1.0;
     return unknown ? 0.5 : fmin(fmax((value - s->base) * s->inverse, 0.0), 1.0);
@@ -164,7 +164,7 @@ static void emission_at(const medium_layer layers[], const layer_view views[], i
     }
 }
 
-/* The first way, for a depth of 2 h < 2: rgb and the error of the tangent, which is returned. */
+/* The first way, for a depth of 2 h < 2: sets rgb. Returns the error of the tangent. */
 static double integrate(const medium_layer layers[], const layer_view views[], int count,
                         const smooth_sum *sum, double length, double half, double rgb[3]) {
     const double through_half = portable_exp(-half), bend = 0.25 * (half * half);
@@ -186,12 +186,12 @@ static double integrate(const medium_layer layers[], const layer_view views[], i
     return most * bend;
 }
 
-/* How far e^-depth may be off at most where the depth is off by so much. */
+/* Bound of the error of e^-depth for an error of the depth. */
 static double shift_of(double depth_error) {
     return fmin(1.5 * depth_error, 1.0);
 }
 
-/* By the first way or the second; *inexact: the part of the error that halving makes less. */
+/* The first way or the second. *inexact: the part of the error that halving reduces. */
 static medium_stretch seen_smooth(const medium_overlay_rule *rule, const medium_layer layers[],
                                   const layer_view views[], int count, double length,
                                   double *inexact) {
@@ -248,8 +248,8 @@ static void halve(medium_layer front[], medium_layer back[], int count) {
     }
 }
 
-/* VIEWS_MAX bounds the work where an error is wanted that no halving gives: of numbers near the
- * ends of their ranges. Stretches of honest ones take less than a tenth of it. */
+/* VIEWS_MAX bounds the work where no halving reaches the error asked for: numbers near the ends of
+ * their ranges. Ordinary stretches take less than a tenth of it. */
 enum { HALVINGS_MAX = 60, VIEWS_MAX = 1 << 18 };
 
 /* *views_left: how many parts may still be halved. */
@@ -271,7 +271,7 @@ static medium_stretch seen_of(const medium_overlay_rule *rule, const medium_laye
     memcpy(front, layers, sizeof *front * (size_t)count);
     halve(front, back, count);
     seen = seen_of(rule, front, count, 0.5 * length, halvings - 1, views_left);
-    /* Where hardly anything comes through the front, what is behind may be left out. */
+    /* Leave out what is behind where hardly anything comes through the front. */
     const double left = (seen.through + seen.through_error) * rule->most_rgb;
     if (left <= rule->drop) {
         seen.rgb_error += left;

@@ -6,7 +6,7 @@ double medium_pixel_error(const medium_stretch *seen, const float background[4])
     double brightest = 1.0;
     for (int c = 0; c < 3; c++)
         brightest = fmax(brightest, fabs((double)background[c]));
-    /* The last term is of sums along the ray: no way has 2^18 pieces. */
+    /* The last term bounds the rounding of sums along the ray, which has fewer than 2^18 pieces. */
     return seen->rgb_error + (seen->through_error + 0x1p-33) * brightest;
 }
 

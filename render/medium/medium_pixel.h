@@ -1,13 +1,12 @@
-/* medium_pixel.h - how far a pixel of a medium may be off before its background.
+/* medium_pixel.h - bounds of the error of a pixel of a medium before its background.
  */
 #ifndef RENDER_MEDIUM_MEDIUM_PIXEL_H
 #define RENDER_MEDIUM_MEDIUM_PIXEL_H
 
 #include "render/medium/medium_stretch.h"
 
-/* medium_pixel_limit() - of a stretch's errors no more is left than is possible at all: no more
- * comes through than everything and no less than nothing, and light is between none and the
- * brightest. */
+/* medium_pixel_limit() - limit a stretch's errors to what is possible at all: the share that comes
+ * through is between 0 and 1, and light is between 0 and the brightest. */
 static inline void medium_pixel_limit(medium_stretch *s, double brightest) {
     const double through = s->through < 0.5 ? 1.0 - s->through : s->through;
     double light = brightest;
@@ -17,11 +16,11 @@ static inline void medium_pixel_limit(medium_stretch *s, double brightest) {
     s->rgb_error = s->rgb_error < light ? s->rgb_error : light;
 }
 
-/* medium_pixel_error() - of any channel, where that is seen of the whole ray. */
+/* medium_pixel_error() - bound of the error of any channel, given what is seen of the whole ray. */
 double medium_pixel_error(const medium_stretch *seen, const float background[4]);
 
-/* medium_pixel_most() - the same where nothing is known: no channel x is further off than all that
- * there may be of it. brightest: the largest component of any colour. */
+/* medium_pixel_most() - the same where nothing is known: channel x may be off by all that there may
+ * be of it. brightest: the largest component of any colour. */
 double medium_pixel_most(double brightest, const float background[4], const double x[4]);
 
 #endif

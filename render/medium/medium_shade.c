@@ -5,8 +5,8 @@
 #include "formats/base/vec3.h"
 #include "render/surface/surface_light.h"
 
-/* L may change by so much in a stretch, or by what changes the pixel by less than that; and no
- * stretch is shorter than a piece halved so often. */
+/* L may change by `enough` in a stretch, or as long as that changes the pixel by at most
+ * `too_little`. A piece is halved at most HALVINGS times. */
 static const double enough = 1.0 / 128.0, too_little = 1.0 / 1024.0;
 enum { HALVINGS = 5 };
 
@@ -33,7 +33,7 @@ medium_shade medium_shade_of(const leafcast_scene *scene) {
     return m;
 }
 
-/* The light i at t. */
+/* Add the light i at t. */
 static void add_light(const medium_shade *m, const world_ray *w, int i, const double normal[3],
                       double t, double sum[3]) {
     const leafcast_light *light = &m->scene->lights[i];
@@ -90,7 +90,8 @@ static double difference(const lighting *a, const lighting *b, int count) {
     return most;
 }
 
-/* A part of a stretch, L at its ends and in its middle; what is seen where that is all of it. */
+/* A part of a stretch: L at its ends and in its middle, and what is seen with the middle's L
+ * throughout. */
 typedef struct lit_part {
     double t0, t1;
     const lighting *first, *last;
@@ -107,7 +108,7 @@ static void see_at_once(const shaded_stretch *s, lit_part *p) {
     p->seen = s->see(s->ctx, p->t0, p->t1, (const double(*)[3])p->middle.of);
 }
 
-/* Of a part that has been seen at once. */
+/* What is seen of a part that has been seen at once; halves it where needed. */
 static medium_stretch seen_of(const shaded_stretch *s, const lit_part *p, double reaching,
                               int halvings) {
     const double change =

@@ -17,10 +17,10 @@ typedef struct smooth {
     double length;   /* of t */
     double k[4];     /* extinction, likewise */
     double depth;    /* optical, of all of it */
-    double variance; /* sum of the differences of w */
+    double variance; /* sum of the absolute differences of w */
 } smooth;
 
-/* What is the same for all steps through a span. */
+/* What all steps through a span share. */
 typedef struct smooth_span {
     const medium_rule *rule;
     const transfer_span *span;
@@ -34,7 +34,7 @@ static double mean_of(const double b[], int degree) {
     return sum / (degree + 1);
 }
 
-/* What follows from w and the length. */
+/* Compute the members that follow from w and the length. */
 static void complete(const transfer_span *span, smooth *s) {
     s->variance = 0.0;
     for (int i = 0; i <= s->degree; i++) {
@@ -76,12 +76,12 @@ static double rgb_at(const transfer_span *span, int c, double w) {
     return (1.0 - w) * span->rgb[0][c] + w * span->rgb[1][c];
 }
 
-/* How far e^-depth may be off at most where the depth is off by so much. */
+/* Bound of the error of e^-depth for an error of the depth. */
 static double shift_of(double depth_error) {
     return fmin(1.5 * depth_error, 1.0);
 }
 
-/* The whole of it at once: (2), with (3) in *tangent. */
+/* The whole stretch at once: (2), with (3) in *tangent. */
 static medium_stretch seen_at_once(const smooth_span *p, const smooth *s, double *tangent) {
     const transfer_span *span = p->span;
     const double half = 0.5 * s->depth, through_half = portable_exp(-half);
@@ -99,7 +99,7 @@ static medium_stretch seen_at_once(const smooth_span *p, const smooth *s, double
     }
     const double spread = span->rgb_change * s->variance;
     *tangent = spread * bend;
-    /* Of the depth's own roundings, a share of it, nothing is left but x e^-x < 1. */
+    /* The depth's own rounding is a share of the depth; its effect is that share of x e^-x < 1. */
     const double rounding = 64.0 * unit;
     const double depth_error =
         (p->value_error * span->k_rate + 8.0 * unit * span->most_k) * s->length;
@@ -119,16 +119,17 @@ typedef struct piece_walk {
     const segment *piece;
     double value_error;
     medium_stretch seen;
-    double near_rgb, near_through; /* errors near cuts: of the whole piece */
+    double near_rgb, near_through; /* errors near cuts, of the whole piece */
 } piece_walk;
 
-/* No polynomial of this degree with 0 <= w <= 1 has others; but where w is nothing but rounding. */
+/* Clamp a coefficient of w. Polynomials of this degree with 0 <= w <= 1 stay within these limits,
+ * unless w is nothing but rounding. */
 static double coefficient(double w) {
     return w > -4.0 ? fmin(w, 5.0) : -4.0;
 }
 
-/* [a, b] of a piece at once; *fit: how its tangent's error compares with what is allowed, 1 or more
- * where that is enough. */
+/* [a, b] of a piece at once. *fit: the allowed error / the tangent's error; 1 or more: good
+ * enough. */
 static medium_stretch seen_between(const segment *piece, const smooth_span *p, double a, double b,
                                    double *fit) {
     const medium_rule *rule = p->rule;
@@ -147,12 +148,13 @@ static medium_stretch seen_between(const segment *piece, const smooth_span *p, d
     return out;
 }
 
-/* The next step: the error is about as its square, compared with what is allowed. */
+/* The next step's length. The error, relative to the allowed one, grows about as the step's
+ * square. */
 static double next_step(double step, double fit) {
     return step * fmin(fmax(MEDIUM_STEP_SHARE * sqrt(fit), MEDIUM_STEP_LEAST), MEDIUM_STEP_MOST);
 }
 
-/* [a, b] of a piece step by step, the first of which is no longer than `step`. */
+/* [a, b] of a piece step by step. The first step is at most `step` long. */
 static medium_stretch seen_by_steps(const segment *piece, const smooth_span *p, double a, double b,
                                     double step) {
     const double most_rgb = p->span->most_rgb;
@@ -167,7 +169,7 @@ static medium_stretch seen_by_steps(const segment *piece, const smooth_span *p, 
         medium_join(&seen, &next, most_rgb);
         step = fmax(step, MEDIUM_STEP_SHORTEST);
         a = to;
-        /* Where hardly anything comes through the front, what is behind may be left out. */
+        /* Leave out what is behind where hardly anything comes through the front. */
         const double left = (seen.through + seen.through_error) * most_rgb;
         if (a < b && left <= p->rule->drop) {
             seen.rgb_error += left;
@@ -179,7 +181,7 @@ static medium_stretch seen_by_steps(const segment *piece, const smooth_span *p, 
     return seen;
 }
 
-/* What is seen of [a, b], all of it in a span, but that the value there is off by up to `off`. */
+/* What is seen of [a, b], which lies in one span, except that the value is off by up to `off`. */
 static medium_stretch seen_in(const piece_walk *walk, const transfer_span *span, double a, double b,
                               double off) {
     const smooth_span p = {walk->rule, span, walk->value_error + 2.0 * off};
@@ -190,12 +192,12 @@ static medium_stretch seen_in(const piece_walk *walk, const transfer_span *span,
 
 /* ---- Cuts ---- */
 
-/* Of a piece; `off`: how far the value there is from the one meant. */
+/* A place in a piece; `off`: how far the value there is from the cut's. */
 typedef struct cut {
     double at, off;
 } cut;
 
-/* [from, to] comes behind what has been seen, all of it in a span. */
+/* Join [from, to], which lies in one span, behind what has been seen. */
 static void see(piece_walk *walk, const transfer_span *span, const cut *from, const cut *to) {
     if (!(from->at < to->at) || transfer_is_empty(span))
         return;
@@ -230,8 +232,8 @@ static value_there value_there_of(const segment *s, double at) {
     return v;
 }
 
-/* Where the value is v, which is between fa and fb, or so near that it does not matter: Halley's
- * steps as long as they stay between what is known to be on either side, now and then its middle.
+/* Find where the value is v, up to `enough`; v is between fa and fb, or so near that it does not
+ * matter. Halley's steps while they stay inside the bracket, every fourth time its middle.
  */
 static cut cut_at(const segment *piece, const part *p, double v, double enough) {
     const bool rising = p->fa < p->fb;
@@ -260,7 +262,7 @@ static double root_above(double x, int n) {
     return fmin(ldexp(1.0, -((-exponent) / n)), 1.0);
 }
 
-/* At most so long is what is within e of v. */
+/* Bound of the length on which the value is within e of v. */
 static double length_near(const piece_walk *walk, const part *p, double v, double e) {
     const int n = (int)walk->piece->degree;
     const double most = fmax(fabs(p->fa - v), fabs(p->fb - v));
@@ -275,7 +277,7 @@ static double length_near(const piece_walk *walk, const part *p, double v, doubl
     return (p->b - p->a) * fmin(fmin(by_degree, by_slope), 1.0);
 }
 
-/* How much extinction and colour differ where the value is within e of v. */
+/* The most that extinction and colour differ where the value is within e of v. */
 static void change_near(const transfer *t, double v, double e, double *k, double *rgb) {
     double lo[4] = {INFINITY, INFINITY, INFINITY, INFINITY}, hi[4] = {0.0};
     for (int i = transfer_find(t, v - e); i < t->spans && t->span[i].from <= v + e; i++) {
@@ -295,7 +297,8 @@ static void change_near(const transfer *t, double v, double e, double *k, double
     *rgb = fmax(hi[0] - lo[0], fmax(hi[1] - lo[1], hi[2] - lo[2]));
 }
 
-/* What rounding, and a cut that is off, may move over the end of a span, if rates do not tell. */
+/* Add the error near the end of a span where rates do not bound it. Rounding, or a cut that is off,
+ * may carry the value over that end. */
 static void add_error_near(piece_walk *walk, const part *p, int span, double off) {
     const segment *piece = walk->piece;
     const transfer *t = walk->rule->transfer;
@@ -310,7 +313,7 @@ static void add_error_near(piece_walk *walk, const part *p, int span, double off
     walk->near_rgb += shift * t->most_rgb + rgb * fmin(t->most_k * length, 1.0);
 }
 
-/* The ends of spans that the part does not pass, but that the error may. */
+/* Add errors at ends of spans that the part does not pass, but that the error may. */
 static void add_errors_beside(piece_walk *walk, const part *p, int lowest, int highest) {
     const transfer *t = walk->rule->transfer;
     const double e = walk->value_error;
@@ -329,7 +332,7 @@ static void see_part(piece_walk *walk, const part *p) {
     for (; i != end; i += up) {
         const transfer_span *below = &t->span[up > 0 ? i : i - 1];
         cut to = cut_at(walk->piece, p, below->to, fmax(walk->value_error, below->give));
-        /* Those of neighbours may have changed places, if they are off that much. */
+        /* Cuts that are off may be in the wrong order. */
         if (to.at < from.at)
             to = (cut){from.at, fmax(from.off, to.off)};
         add_error_near(walk, p, (int)(below - t->span), to.off);
@@ -339,7 +342,7 @@ static void see_part(piece_walk *walk, const part *p) {
     see(walk, &t->span[i], &from, &(cut){p->b, 0.0});
 }
 
-/* The span that the whole piece is in, and no error leads beyond its reach; NULL: there is none. */
+/* The span that holds the whole piece, with all errors within its reach; NULL: there is none. */
 static const transfer_span *only_span(const transfer *t, const segment *piece, double value_error) {
     double lo = piece->b[0], hi = piece->b[0];
     for (uint32_t i = 1; i <= piece->degree; i++) {

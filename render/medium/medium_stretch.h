@@ -1,50 +1,49 @@
 /* medium_stretch.h - what a ray sees of a stretch of a medium: emission and absorption, with a
  * bound on the error (M08 2.2.2 for the integral; the bound is ours).
  *
- * A stretch is looked at by itself: its light as if nothing were in front of it, and the share of
- * light that comes through it. Two that follow each other make one (medium_join()).
+ * A stretch is taken by itself: its light as if nothing were in front of it, and the share of light
+ * that comes through it. Two neighbours are joined into one by medium_join().
  *
  * The rule. A stretch with opacity A = 1 - T and length l may have an error of
  *
  *     share * A + per_length * l                                              (1)
  *
- * If two neighbours F and B keep it, so does the whole: its error is e(F) + T(F) e(B), and
- * A(F) + T(F) A(B) is its opacity, T(F) l(B) <= l(B). So a piece needs to know nothing of what is
- * in front of it. With l summing up to at most the ray's length L, a pixel is within share +
+ * If two neighbours F and B keep it, so does the whole: its error is e(F) + T(F) e(B), its opacity
+ * is A(F) + T(F) A(B), and T(F) l(B) <= l(B). So a piece is independent of what is in front of it.
+ * The lengths l sum up to at most the ray's length L. So a pixel's error is within share +
  * per_length L, and what the end (medium_rule.drop) and rounding add.
  *
  * A piece of a ray in a cell (segments.h) is cut where its value passes a point of the transfer
- * function. Between two cuts, with s in [0, 1], value and so w(s) = (f(s) - base) / width are
- * polynomials, colour c = c0 + w dc and extinction k = k0 + w dk too; the optical depth tau(s) is
+ * function. Between two cuts, with s in [0, 1], the value is a polynomial, and so is w(s) = (f(s) -
+ * base) / width; colour c = c0 + w dc and extinction k = k0 + w dk too. The optical depth tau(s) is
  * the integral of k. By parts,
  *
  *     integral of c k e^-tau = c(0) - c(1) e^-tau(1) + dc J,     J = integral of w' e^-tau ds (2)
  *
- * Of e^-tau the tangent at half the depth h = tau(1) / 2 is taken, which is too small by 0 to
- * 1 - (1 + h) e^-h <= R = min(1, h^2 / 2); so half of R is added. (Where h is 1 or more, 1/2 alone
+ * Replace e^-tau by its tangent at half the depth h = tau(1) / 2. The tangent is too small by 0 to
+ * 1 - (1 + h) e^-h <= R = min(1, h^2 / 2), so half of R is added. (Where h is 1 or more, 1/2 alone
  * does it.) Then J is the integral of a polynomial, which is exact, and
  *
  *     error <= |dc| (integral of |w'|) R / 2                                            (3)
  *
- * with the sum of the differences of w's Bernstein coefficients for the integral of |w'|. Where
- * that is more than (1) allows, and more than half of what rounding adds, the stretch is gone
- * through in steps. By (3) the error falls as the third power of a short step, what is allowed as
- * the first: so the next step follows from the last one's error, as in the solvers of differential
- * equations.
+ * where the sum of the differences of w's Bernstein coefficients bounds the integral of |w'|. If
+ * that is more than (1) allows, and more than half of what rounding adds, the stretch is done in
+ * steps. By (3) the error falls as the third power of a short step, the allowed error as the first.
+ * So the next step follows from the last one's error, as in the solvers of differential equations.
  *
- * Rounding. The value errs, by what segments.h says and by the slope times the error of t. Where
- * the transfer function is continuous, that moves w by that error / width, the depth by so much of
- * dk l, the colour by so much of dc.
+ * Rounding. The value has the error that segments.h says, and the slope times the error of t. Where
+ * the transfer function is continuous, that moves w by the error / width, the depth by that times
+ * dk l, the colour by that times dc.
  *
- * Cuts. A cut is where the value is v but for `off`, which is known. Where the transfer function is
- * continuous, a stretch between two such cuts leaves its span by off at most. There the span's own
- * line goes on; at the value y it is off by the rate times |y - y'| from y', the span's end. From
- * there to the true value is at most off and the value's own error e: so e + 2 off takes the place
- * of e. Where it is not continuous, a cut that moves counts itself: around it, where the value is
- * within 2 e + off of the point, colour and extinction may be those beyond the point. How long that
- * stretch is at most says the derivative, or Chebyshev's polynomials where that vanishes: a
- * polynomial p of degree n with |p| <= e on an interval of length m, and |p| = M somewhere on one
- * of length l around it, has M <= e/2 (4 l / m)^n.
+ * Cuts. At a cut the value is v, up to a known `off`. Where the transfer function is continuous, a
+ * stretch between two cuts leaves its span by off at most. There the span's own line goes on: at
+ * the value y it is off by the rate times |y - y'|, y' being the span's end. From there to the true
+ * value is at most off and the value's own error e: so e + 2 off takes the place of e. Where it is
+ * not continuous, a moved cut matters: around it, where the value is within 2 e + off of the point,
+ * colour and extinction may be those beyond the point. The length of that stretch is bounded by the
+ * derivative, or by Chebyshev's polynomials where the derivative vanishes: a polynomial p of degree
+ * n with |p| <= e on an interval of length m, and |p| = M somewhere on one of length l around it,
+ * has M <= e/2 (4 l / m)^n.
  */
 #ifndef RENDER_MEDIUM_MEDIUM_STRETCH_H
 #define RENDER_MEDIUM_MEDIUM_STRETCH_H
@@ -52,11 +51,11 @@
 #include "render/look/transfer.h"
 #include "render/ray/segments.h"
 
-/* What is seen of a stretch. */
+/* "What is seen" of a stretch, here and in the other files of media. */
 typedef struct medium_stretch {
     double rgb[3];        /* its light */
     double through;       /* the share of light that comes through it */
-    double rgb_error;     /* of each component, at most */
+    double rgb_error;     /* bound for each component */
     double through_error; /* likewise */
 } medium_stretch;
 
@@ -67,15 +66,15 @@ static inline medium_stretch medium_nothing(void) {
 typedef struct medium_rule {
     const transfer *transfer;
     double share, per_length; /* see (1) */
-    double drop;              /* so much light may be left out inside a piece, once a span */
-    segments_error error;     /* of pieces */
+    double drop;              /* light that may be left out inside a piece, once a span */
+    segments_error error;     /* of the pieces */
 } medium_rule;
 
-/* medium_join() - *front becomes it with `behind` behind it, whose light is most_rgb at most. */
+/* medium_join() - put `behind` behind *front. Its light is at most most_rgb. */
 static inline void medium_join(medium_stretch *front, const medium_stretch *behind,
                                double most_rgb) {
     const double reaching = front->through + front->through_error;
-    /* What is seen of it is no more than most_rgb, nor than what was found and its error. */
+    /* The light of `behind` is at most most_rgb, and at most what was found and its error. */
     double light = behind->rgb[0];
     light = light < behind->rgb[1] ? behind->rgb[1] : light;
     light = light < behind->rgb[2] ? behind->rgb[2] : light;
@@ -88,26 +87,25 @@ static inline void medium_join(medium_stretch *front, const medium_stretch *behi
     front->through *= behind->through;
 }
 
-/* medium_of_piece() - what is seen of a piece in a volume that is filled with something. t counts
- * world length. */
+/* medium_of_piece() - what is seen of a piece in a filled volume. t is world length. */
 medium_stretch medium_of_piece(const medium_rule *rule, const segment *piece);
 
 /* ---- For vectors ---- */
 
-/* medium_add_ends() - the ends of the piece are off, too, by so much of t. */
+/* medium_add_ends() - add the errors of the piece's ends, which are off by up to t_error. */
 void medium_add_ends(const transfer *t, double t_error, medium_stretch *seen);
 
-/* Cuts are looked for in so many steps: 54 of them are by the middle. */
+/* The most steps in search of a cut; 54 of them take the middle. */
 enum { MEDIUM_CUT_STEPS = 216 };
 
-/* Where rounding alone exceeds what (1) allows, the tangent may err by this share of it. A step has
- * the error a h^3 + q h + r in its length h: tangent, value, rounding. Along the ray that is
- * (a h^2 + q + r / h), least where a h^3 = r / 2. So no step is shorter than pays, and a smaller
- * error asked for never gives a larger one. */
+/* Where rounding alone exceeds what (1) allows, the tangent's error may be this share of it. A step
+ * of length h has the error a h^3 + q h + r: tangent, value, rounding. Along the ray that is (a h^2
+ * + q + r / h), least where a h^3 = r / 2. So no step is shorter than is useful, and asking for a
+ * smaller error never gives a larger one. */
 #define MEDIUM_STEP_OF_REST 0.5
 
-/* Steps through a span: the share of what would just do, to be sure; by these factors at least and
- * at most; no shorter than that, of a piece whose length is 1. */
+/* Steps through a span. SHARE: of the length that would just do, for safety. LEAST, MOST: factors
+ * from one step to the next. SHORTEST: for a piece of length 1. */
 #define MEDIUM_STEP_SHARE    0.9
 #define MEDIUM_STEP_LEAST    0.0625
 #define MEDIUM_STEP_MOST     4.0

@@ -36,7 +36,7 @@ static float float_below(double x) {
     return (double)f > x ? nextafterf(f, -INFINITY) : f;
 }
 
-/* Bins that begin at integers where values are integers. */
+/* Lay out the bins. For integer values they begin at integers. */
 static void lay_out(homogeneous *h, const double range[2], bool integers) {
     const double bins = HOMOGENEOUS_BINS - 1, width = (range[1] - range[0]) / bins;
     h->first = range[0];
@@ -82,7 +82,7 @@ medium_stretch medium_of_range(const medium_rule *rule, const double range[2], d
         s.rgb_error = fmax(s.rgb_error, half(x.rgb[c]) * (1.0 - s.through) +
                                             x.rgb[c][1] * (s.through_error + rounding));
     }
-    /* The ends are off, too. */
+    /* The ends of the length have errors, too. */
     const double shift = fmin(3.0 * rule->error.t * rule->transfer->most_k, 1.0);
     s.through_error = fmin(s.through_error + shift, 1.0);
     s.rgb_error += shift * rule->transfer->most_rgb;

@@ -10,7 +10,7 @@ void overlay_begin(overlay_lane lanes[], int count) {
     }
 }
 
-/* To the piece that ends behind `from`. */
+/* Advance a lane to the piece that ends behind `from`. */
 static segments_result step(const frame *f, const world_ray *w, overlay_lane *lane, double from,
                             ray_counters *counters) {
     const tracer *tr = &f->tracer[lane->volume];
@@ -27,8 +27,8 @@ static segments_result step(const frame *f, const world_ray *w, overlay_lane *la
     return result;
 }
 
-/* From the first piece's start, or from `from` in pieces that have begun, to the next start or end
- * of any. */
+/* Make the stretch from the first piece's start, or from `from` in pieces that have begun, to the
+ * next start or end of any piece. */
 static void stretch_of(const overlay_lane lanes[], int count, double from, overlay_stretch *out) {
     double begin = INFINITY;
     for (int i = 0; i < count; i++)
@@ -45,7 +45,7 @@ static void stretch_of(const overlay_lane lanes[], int count, double from, overl
     }
 }
 
-enum { ASKED_EVERY = 64 }; /* stretches */
+enum { ASKED_EVERY = 64 }; /* check every so many stretches */
 
 segments_result overlay_next(const frame *f, const world_ray *w, overlay_lane lanes[], int count,
                              double *from, overlay_stretch *out, int *blocked,

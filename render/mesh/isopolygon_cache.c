@@ -8,12 +8,12 @@
 enum { EMPTY, MAKING, THERE };
 
 typedef struct isopolygon_cache {
-    const interest *in; /* an interval's polygon is that of its lower end */
+    const interest *in; /* an interval's isovalue is its lower end */
     uint32_t room;
     bool precomputed;
-    uint32_t *before;     /* 64 tets: active ones before them */
-    atomic_uchar *state;  /* of each polygon */
-    isopolygon *polygons; /* active tets in order, of each all intervals; count 0: none */
+    uint32_t *before;     /* per 64 tets: number of active ones before them */
+    atomic_uchar *state;  /* per polygon */
+    isopolygon *polygons; /* of active tets in order, for each one per interval; count 0: none */
 } isopolygon_cache;
 
 static uint32_t room_of(const mesh_shape *shape) {
@@ -51,7 +51,7 @@ static void make_polygon(const resident_mesh *tr, uint32_t local, double isovalu
         g->count = 0;
 }
 
-/* All that there is room for. */
+/* Make all polygons that there is room for. */
 static void precompute(isopolygon_cache *k, const resident_mesh *tr) {
     uint32_t n = 0;
     for (uint32_t w = 0; w < words_of(&tr->mesh); w++)
@@ -86,7 +86,7 @@ mesh_derived isopolygon_cache_kind(bool precomputed) {
     return (mesh_derived){kept_bytes, precomputed ? keep_all : keep_seen};
 }
 
-/* Its number among the kept ones; room: none. */
+/* Returns the polygon's number among the kept ones; `room` if it is not kept. */
 static uint32_t number_of(const isopolygon_cache *k, const resident_mesh *tr, uint32_t local,
                           double isovalue) {
     int i = 0;
@@ -101,7 +101,7 @@ static uint32_t number_of(const isopolygon_cache *k, const resident_mesh *tr, ui
     return n < k->room ? (uint32_t)n : k->room;
 }
 
-/* Keep what has been made, unless somebody else does. */
+/* Keep a polygon that has been made, unless another thread does. */
 static void offer_polygon(isopolygon_cache *k, uint32_t n, const isopolygon *own) {
     unsigned char empty = EMPTY;
     if (!atomic_compare_exchange_strong_explicit(&k->state[n], &empty, MAKING, memory_order_relaxed,

@@ -1,14 +1,16 @@
-/* isopolygon_cache.h - isopolygons that stay with their treelet: W07 4.4.
+/* isopolygon_cache.h - isopolygons that stay in memory with their treelet: W07 4.4.
  *
  *   on the fly    nothing is kept: made whenever rays come to a tet
- *   precomputed   made with the treelet's masks, all of them
- *   cached        made when rays first come to a tet, by whoever comes, and kept
+ *   precomputed   all of them are made with the treelet's masks
+ *   cached        made by whichever ray first comes to a tet, and kept
  *
- * Derived data of a resident treelet, in its own block and within the budget: room for a
- * KEPT_SHARE-th of its tets; those beyond are made on the fly. The same bits in any case.
+ * Derived data of a resident treelet, in its own block and within the budget. There is room for 1 /
+ * KEPT_SHARE of its tets; all others are made on the fly. The pictures have the same bits in any
+ * case.
  *
- * A cache takes no locks: a polygon's state goes EMPTY -> MAKING -> THERE, whoever finds it EMPTY
- * puts what it has made for itself anyway, and the others do without until it is THERE.
+ * A cache takes no locks. A polygon's state goes EMPTY -> MAKING -> THERE. Whoever finds it EMPTY
+ * stores the polygon that it has made for itself anyway. The others make their own until the state
+ * is THERE.
  */
 #ifndef RENDER_MESH_ISOPOLYGON_CACHE_H
 #define RENDER_MESH_ISOPOLYGON_CACHE_H
@@ -18,11 +20,11 @@
 
 enum { KEPT_SHARE = 3 };
 
-/* What a loader is to derive; how: precomputed, or else cached. */
+/* Returns what a loader has to derive: isopolygons, precomputed or else cached. */
 mesh_derived isopolygon_cache_kind(bool precomputed);
 
-/* isopolygon_cache_find() - the isopolygon of an active tet of the treelet, or NULL where it has
- * none. Kept, or made in *own. */
+/* isopolygon_cache_find() - returns the isopolygon of an active tet of the treelet, or NULL if it
+ * has none. The result is the kept one, or made in *own. */
 const isopolygon *isopolygon_cache_find(const resident_mesh *tr, uint32_t local, double isovalue,
                                         isopolygon *own);
 

@@ -1,8 +1,8 @@
-/* isopolygon_template.h - isopolygons as vectors of rays see them; included by the units of an ISA
+/* isopolygon_template.h - isopolygons as seen by vectors of rays; included by the units of an ISA
  * (see formats/base/simd.h).
  *
  * Sums and products are those of exact_near() and isopolygon_hit(), in their order, so the bits are
- * the same. What a polygon's edges have in common for the rays of one origin is made once.
+ * the same. Terms of a polygon's edges that all rays of one origin share are computed once.
  */
 #ifndef RENDER_MESH_ISOPOLYGON_TEMPLATE_H
 #define RENDER_MESH_ISOPOLYGON_TEMPLATE_H
@@ -16,7 +16,7 @@
 #include "formats/base/exact.h"
 #include "render/mesh/tet_kernel.h"
 
-/* Edges by their points: of triangle 0 1 2 come first, of 0 2 3 last. */
+/* Edges by their points: first those of triangle 0 1 2, last those of 0 2 3. */
 enum { EDGE_12, EDGE_20, EDGE_01, EDGE_23, EDGE_30, EDGES };
 
 typedef struct seen_edge {
@@ -24,11 +24,12 @@ typedef struct seen_edge {
     vd terms[3];  /* the sum of the moduli of its two products */
 } seen_edge;
 
-/* A vertex: its position and its value; or any four doubles. */
+/* A vertex with its position and its value; or any four doubles. */
 typedef double point4 __attribute__((vector_size(32)));
 typedef int64_t mask4 __attribute__((vector_size(32)));
 
-/* The sign that exact_orientation() is about, from e[i]: vertex i + 1 less vertex 0. */
+/* Finds the sign of exact_orientation(), from e[i] = vertex i + 1 less vertex 0. Returns whether it
+ * is sure. */
 SIMD bool surely_oriented(const point4 e[3], bool *negative) {
     const point4 yzx2 = __builtin_shufflevector(e[2], e[2], 1, 2, 0, 3),
                  zxy2 = __builtin_shufflevector(e[2], e[2], 2, 0, 1, 3);
@@ -63,7 +64,8 @@ SIMD point4 point4_of_triple(const float at[3]) {
 
 typedef enum polygon_certainty { NO_POLYGON, SURE_POLYGON, DOUBTFUL_POLYGON } polygon_certainty;
 
-/* isopolygon_of() with all coordinates of a vertex at a time: the same bits, or in doubt. */
+/* isopolygon_of() with all coordinates of a vertex at a time: gives the same bits, or is in
+ * doubt. */
 SIMD polygon_certainty isopolygon_near(const near_tet *x, double iso, isopolygon *out) {
     const point4 *v = x->v;
     point4 e[3];
@@ -100,7 +102,7 @@ SIMD polygon_certainty isopolygon_near(const near_tet *x, double iso, isopolygon
     return SURE_POLYGON;
 }
 
-/* A polygon as origins see it. */
+/* A polygon as seen from the rays' origins. */
 typedef struct seen {
     vd a[4][3];
     seen_edge edge[EDGES];
@@ -108,10 +110,10 @@ typedef struct seen {
 
 typedef struct weights {
     vd modulus;
-    md above, below; /* surely */
+    md above, below; /* where this is sure */
 } weights;
 
-/* An edge e that begins at `from`. */
+/* Prepare an edge e that begins at `from`. */
 SIMD void see_line(const vd from[3], const vd e[3], seen_edge *out) {
     for (int k = 0; k < 3; k++) {
         const int l = (k + 1) % 3, m = (k + 2) % 3;
@@ -121,8 +123,8 @@ SIMD void see_line(const vd from[3], const vd e[3], seen_edge *out) {
     }
 }
 
-/* The edge function is taken from the lower tet edge's point; from where to where only changes its
- * sign, to the bit. */
+/* Prepare the edge function, from the point on the lower tet edge. Reversing the edge only changes
+ * its sign, to the bit. */
 SIMD void see_edge(const isopolygon *g, int i, int j, const vd a[4][3], seen_edge *out) {
     vd e[3];
     for (int k = 0; k < 3; k++)
@@ -147,12 +149,13 @@ SIMD vd dot(const vd a[3], const vd b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* What exact_near() of rays may err by; moduli: of their directions, or more. */
+/* Returns the error bound of exact_near() for rays; moduli: of their directions, or more. */
 SIMD vd error_of(const vd moduli[3], const seen_edge *e) {
     return d_set(EXACT_BOUND) * dot(moduli, e->terms) + d_set(EXACT_SMALLEST);
 }
 
-/* exact_near(); error: at least error_of(). A larger one leaves more in doubt, and no bit else. */
+/* exact_near(). error: at least error_of(). A larger one only leaves more in doubt, and changes no
+ * other bit. */
 SIMD weights weigh(const vd d[3], const vd normal[3], vd error) {
     const vd value = dot(d, normal);
     return (weights){d_abs(value), d_gt(value, error), d_lt(value, d_set(0.0) - error)};
@@ -178,7 +181,7 @@ SIMD verdict judge(weights w0, weights w1, weights w2) {
     return v;
 }
 
-/* cross_inside() of the scalar kernel. */
+/* As cross_inside() of the scalar kernel. */
 SIMD vd cross_at(const vd d[3], const vd a0[3], const vd a1[3], const vd a2[3], weights w0,
                  weights w1, weights w2) {
     const vd t0 = dot(d, a0), t1 = dot(d, a1), t2 = dot(d, a2);

@@ -11,7 +11,7 @@
 
 void SIMD_NAME(mesh_batch)(const tracer *tr, ray_batch *b, void *scratch, ray_counters *counters);
 
-/* What is still to be visited; in a treelet: the child. */
+/* A node or treelet to visit, or in a treelet a child, and the beams that may meet it. */
 typedef struct batch_pending {
     uint32_t level, i, beams;
 } batch_pending;
@@ -44,7 +44,7 @@ SIMD int push_boxes(const mesh_batch *w, const beam_boxes *b, unsigned left,
     return top;
 }
 
-/* What turns a treelet's codes into planes of the frame. */
+/* Turns a treelet's codes into planes of the frame. */
 typedef struct code_frame {
     float lo[3], hi[3], step[3];
     bool back[3];
@@ -69,8 +69,8 @@ typedef int32_t ints16 __attribute__((vector_size(64)));
 typedef float floats16 __attribute__((vector_size(64)));
 typedef float floats8 __attribute__((vector_size(32)));
 
-/* A node's codes, 48 bytes in a row, as floats: of the lower planes of all axes, of the upper ones.
- */
+/* A node's codes as floats, 48 bytes in a row: the lower planes of all axes, then the upper
+ * ones. */
 typedef struct node_codes {
     float of[2][3][MESH_CHILDREN];
 } node_codes;
@@ -100,7 +100,7 @@ SIMD void boxes_of_node(const code_frame *f, const mesh_node *node, beam_boxes *
     }
 }
 
-/* Lanes without a box: nothing out of the ordinary comes in. */
+/* Fill lanes without a box with harmless numbers. */
 SIMD void leave_idle(beam_boxes *b, unsigned from) {
     for (int a = 0; a < 3; a++)
         for (unsigned c = from; c < BEAM_BOXES; c++)
@@ -153,7 +153,7 @@ static void walk_treelet_in_batch(mesh_batch *w, const resident_mesh *at, uint32
 
 /* ---- Treelets ---- */
 
-/* Where a ray alone would come to a treelet that is absent; it need not look behind that. */
+/* Mark where single rays would come to an absent treelet: they need not look behind that. */
 static void wait_for_treelet(mesh_batch *w, uint32_t t, uint32_t beams) {
     const treelet_tree *tree = mesh_rays_of(w->tr)->tree;
     const float *bounds = tree->bounds[0][t];
@@ -184,7 +184,7 @@ static void walk_resident(mesh_batch *w, const batch_pending *p) {
         wait_for_treelet(w, p->i, p->beams);
         return;
     }
-    tracer_touch(w->tr, p->i); /* as far as boxes tell */
+    tracer_touch(w->tr, p->i); /* judged by boxes alone */
     walk_treelet_in_batch(w, at, p->beams);
 }
 
@@ -222,7 +222,7 @@ static int open_family(mesh_batch *w, const batch_pending *p, batch_pending *sta
     return top;
 }
 
-/* The tree over the treelets, from its root on. */
+/* Walk the tree over the treelets, from its root. */
 static void walk_beams(mesh_batch *w) {
     const treelet_tree *tree = mesh_rays_of(w->tr)->tree;
     batch_pending stack[BATCH_TREE_STACK];
@@ -243,12 +243,12 @@ static void walk_beams(mesh_batch *w) {
 
 /* ---- Groups ---- */
 
-/* Rays of beams pay as long as these are narrow beside tets of average size: by counts of what is
- * visited, on one and eight bucky balls. */
+/* Rays form beams as long as these are narrow compared with tets of average size. Chosen by counts
+ * of visits, on one and eight bucky balls. */
 static const double NARROW = 1.4;
 
-/* Beams of rays from `from` on, as many as there is room for. Returns the first ray that is left.
- */
+/* Make beams of the rays from `from` on, as many as there is room for. Returns the first ray
+ * left. */
 static unsigned make_beams(mesh_batch *w, unsigned from) {
     const double tets = (double)w->tr->treelets->file->header.tets;
     const float cell = (float)(NARROW * 2.0 / cbrt(tets));
@@ -289,7 +289,7 @@ static void put_ray(mesh_batch *w, unsigned k) {
     w->at[i] = NULL;
 }
 
-/* The sum of the directions of some of a group's rays, and the axis that they go along most. */
+/* Sum the directions of some of a group's rays, and find the axis that they go along most. */
 static void sum_directions(mesh_batch *w, const uint8_t rays[], unsigned count) {
     const unsigned step = 1 + count / 16;
     double sum[3] = {0.0, 0.0, 0.0};
@@ -305,13 +305,13 @@ static void sum_directions(mesh_batch *w, const uint8_t rays[], unsigned count) 
         w->along[a] = (float)sum[a];
 }
 
-/* A number a ray, of whole vectors. */
+/* A number per ray, padded to whole vectors. */
 typedef struct ray_numbers {
     _Alignas(64) float of[RAY_BATCH];
 } ray_numbers;
 
-/* Where rays pass by each other: seen along the sum of the directions, in two of the axes; turned a
- * little by their own directions, which tells rays of one origin apart. */
+/* Project rays along the sum of the directions, onto two of the axes. Their own directions shift
+ * them a little, which tells rays of one origin apart. */
 static void project_rays(const mesh_batch *w, const uint8_t rays[], unsigned count,
                          ray_numbers at[2]) {
     const beam_frame *f = &w->frame;
@@ -329,7 +329,7 @@ static void project_rays(const mesh_batch *w, const uint8_t rays[], unsigned cou
             at[k].of[i] = at[k].of[0];
 }
 
-/* Their range as numbers from 0 to 15. */
+/* Map the range of the numbers to 0 .. 15. */
 static void in_sixteenths(ray_numbers *x, unsigned count) {
     vf lo = f_load(x->of), hi = lo;
     for (unsigned i = VF_N; i < count; i += VF_N) {
@@ -345,13 +345,13 @@ static void in_sixteenths(ray_numbers *x, unsigned count) {
         f_store(x->of + i, (f_load(x->of + i) - lo) * per);
 }
 
-/* Every other bit of numbers below 16. */
+/* Spread the bits of numbers below 16 to every other bit. */
 SIMD vi spread_bits(vi n) {
     n = (n | n << 2) & 0x33;
     return (n | n << 1) & 0x55;
 }
 
-/* Places on a curve through the points (Morton's). */
+/* Positions of the points on a Morton curve. */
 static void curve_keys(ray_numbers at[2], unsigned count, int32_t key[RAY_BATCH]) {
     in_sixteenths(&at[0], count);
     in_sixteenths(&at[1], count);
@@ -401,7 +401,7 @@ static void gather_octant(mesh_batch *w, unsigned octant) {
         w->in_frame.far[i] = -1.0f;
 }
 
-/* What ray i of the group has found. */
+/* Write the result of ray i of the group. */
 static void answer(mesh_batch *w, unsigned i) {
     const unsigned k = w->of[i];
     trace_state *s = &w->b->states[k];
@@ -431,7 +431,7 @@ static void walk_group(mesh_batch *w) {
 
 /* ---- Batches ---- */
 
-/* Rays that the frame has no room for, and those that can have no hit. */
+/* Whether a ray goes alone: it does not fit into the frame, or it can have no hit. */
 static bool goes_alone(const beam_frame *f, const ray *r, const trace_state *s) {
     double largest = 0.0;
     bool near = s->blocked == LEAF_NO_TREELET && r->t0 <= r->t1 && r->t0 <= s->best.t &&

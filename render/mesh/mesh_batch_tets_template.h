@@ -1,9 +1,9 @@
-/* mesh_batch_tets_template.h - a batch of rays, and a treelet's active tets on their way; included
- * by the units of an ISA (see formats/base/simd.h).
+/* mesh_batch_tets_template.h - tests a batch of rays against a treelet's active tets on their way;
+ * included by the units of an ISA (see formats/base/simd.h).
  *
- * Tets are taken a vector at a time: boxes around their isopolygons against beams, then the
- * isopolygons' edges against the rays of those beams in single precision, then what is left in
- * doubles, as single rays do it.
+ * Tets are taken a vector at a time. Boxes around their isopolygons are tested against beams. Then
+ * the isopolygons' edges are tested against the rays of those beams in single precision. Rays that
+ * are left are tested in doubles, as single rays are.
  */
 #ifndef RENDER_MESH_MESH_BATCH_TETS_TEMPLATE_H
 #define RENDER_MESH_MESH_BATCH_TETS_TEMPLATE_H
@@ -17,7 +17,7 @@
 #include "render/mesh/mesh_walk.h"
 #include "stream/interest.h"
 
-/* A bit a ray of a group. */
+/* A bit per ray of a group. */
 enum { RAY_WORDS = TET_RAYS / 64 };
 
 /* Active tets of a treelet, a lane each. */
@@ -25,7 +25,7 @@ typedef struct batch_tets {
     uint32_t vertex[4][VF_N]; /* in the treelet */
     uint32_t local[VF_N];
     uint32_t beams[BEAM_BOXES];
-    uint32_t any; /* beams */
+    uint32_t any; /* beams of any of the tets */
     unsigned count;
 } batch_tets;
 
@@ -39,28 +39,28 @@ typedef struct mesh_batch {
     /* A group: rays of an octant. */
     unsigned count;
     float along[3]; /* the sum of their directions */
-    int axis;       /* where that is largest */
+    int axis;       /* the axis along which that is largest */
     tet_rays rays;
     frame_rays in_frame;
-    uint8_t of[TET_RAYS];              /* the batch's number of a ray; */
-    bool any[TET_RAYS];                /* whether any hit will do; */
-    uint64_t origin[TET_RAYS];         /* the tet on whose isopolygon it begins; */
-    int32_t origin_iso[TET_RAYS];      /* below 0: on none; */
-    double wait[TET_RAYS];             /* where it enters the first treelet that is absent; */
-    const resident_mesh *at[TET_RAYS]; /* where its best hit is */
-    uint64_t looks[RAY_WORDS];         /* rays that do */
-    /* Those that make beams: */
+    uint8_t of[TET_RAYS];              /* a ray's number in the batch */
+    bool any[TET_RAYS];                /* whether any hit will do */
+    uint64_t origin[TET_RAYS];         /* the tet on whose isopolygon the ray begins */
+    int32_t origin_iso[TET_RAYS];      /* below 0: on none */
+    double wait[TET_RAYS];             /* t at which the ray enters the first absent treelet */
+    const resident_mesh *at[TET_RAYS]; /* the treelet of its best hit */
+    uint64_t looks[RAY_WORDS];         /* rays that still look for hits */
+    /* The rays that make beams: */
     mesh_beams beams;
-    uint8_t first[MESH_BEAMS], share[MESH_BEAMS]; /* their rays: a part of a word of `looks` */
+    uint8_t first[MESH_BEAMS], share[MESH_BEAMS]; /* rays of a beam: part of a word of `looks` */
     uint8_t beam_of[TET_RAYS];
-    uint32_t alive; /* beams with rays that look */
+    uint32_t alive; /* beams with rays that still look */
     batch_tets tets;
 } mesh_batch;
 _Static_assert(sizeof(mesh_batch) <= MESH_BATCH_SCRATCH, "a batch has room in its scratch");
 
 /* ---- Rays that have found something ---- */
 
-/* Ray i looks no farther than rays.to; below its start: not at all. */
+/* Update the beam of ray i, which looks no farther than rays.to; below its start: not at all. */
 static void beam_sees(mesh_batch *w, unsigned i) {
     const unsigned beam = w->beam_of[i], first = w->first[beam];
     w->beams.far[beam] = farthest(&w->in_frame, first, first + w->share[beam]);
@@ -84,16 +84,16 @@ static void take_hit(mesh_batch *w, const resident_mesh *at, unsigned i) {
 
 /* ---- Isopolygons ---- */
 
-/* Tets a lane each: their vertices in the frame, and their values; for an isovalue then which
+/* Tets, a lane each: their vertices in the frame, and their values. For an isovalue also which
  * vertices are inside, and the points on their edges. */
 typedef struct framed_tets {
     vf p[4][3], f[4];
-    unsigned odd; /* lanes with values that sums and quotients of floats cannot be trusted with */
+    unsigned odd; /* lanes with values too large for sums and quotients of floats */
     _Alignas(64) float cut[TET_EDGES][3][VF_N];
-    int32_t inside[VF_N]; /* bits */
+    int32_t inside[VF_N]; /* a bit per vertex */
 } framed_tets;
 
-/* The edges around a polygon as lines of the frame: the edge function of a ray (o, d) is d . moment
+/* The edges around a polygon as lines of the frame. The edge function of a ray (o, d) is d . moment
  * + edge . (o x d). */
 typedef struct polygon_lines {
     float edge[4][3], moment[4][3];
@@ -101,22 +101,22 @@ typedef struct polygon_lines {
     int count;
 } polygon_lines;
 
-/* What edge functions of polygons err by, in units of S, the sum of the moduli of all their edges'
+/* Error bound of edge functions of polygons. S is the sum of the moduli of all their edges'
  * components. A ray that hits a polygon at X passes its edges on one side (a quadrilateral is flat
  * and convex), but for two errors.
  *
  * Points err by e = 2^-19 a component (mesh_beams_template.h). Seen from X, the edge function of
- * points P and Q that are off by a and b is off by d . (a x (Q - P)) + d . ((P - X) x (b - a)) + d
- * . (a x b). No component of d is over 1, and neither Q - P nor P - X is longer than S / 2: that is
- * less than 3 e S and, for the products of errors, 2^-32. What rounding bends the exact polygon by
- * is nothing beside that.
+ * points P and Q with errors a and b errs by d . (a x (Q - P)) + d . ((P - X) x (b - a)) + d . (a x
+ * b). No component of d is over 1, and neither Q - P nor P - X is longer than S / 2. So this is
+ * less than 3 e S and, for the products of errors, 2^-32. Beside that, it does not matter how much
+ * rounding bends the exact polygon.
  *
  * Sums are rounded. The components of a point are little more than 1, those of an origin less than
  * 2, those of o x d less than 4, so moduli add up to 2 |Q - P| for d . moment, to 4 |Q - P| for
  * edge . (o x d). On its way from the arguments a term collects 9 roundings at most: with u = 2^-24
  * that is 54 u |Q - P|, less than e S.
  *
- * Together less than 4 e S + 2^-32; twice the first is given away. */
+ * Together less than 4 e S + 2^-32. The bound used has twice the first. */
 static const float LINE_ERROR = 0x1p-16f, LINE_ERROR_LEAST = 0x1p-32f;
 
 SIMD void lines_of(const framed_tets *x, unsigned lane, polygon_lines *l) {
@@ -139,7 +139,7 @@ SIMD void lines_of(const framed_tets *x, unsigned lane, polygon_lines *l) {
     l->error = LINE_ERROR * sum + LINE_ERROR_LEAST;
 }
 
-/* Those of VF_N rays from `at` on that may hit the polygon. */
+/* Returns which of VF_N rays from `at` on may hit the polygon. */
 SIMD unsigned rays_near(const frame_rays *r, const polygon_lines *l, unsigned at) {
     mf above = mf_of_bits(0), below = mf_of_bits(0);
     for (int i = 0; i < l->count; i++) {
@@ -155,7 +155,7 @@ SIMD unsigned rays_near(const frame_rays *r, const polygon_lines *l, unsigned at
     return ~mf_bits(mf_and(above, below));
 }
 
-/* The rays of beams that still look; false: none. */
+/* Collect the rays of beams that still look. Returns whether there are any. */
 SIMD bool rays_of_beams(const mesh_batch *w, uint32_t beams, uint64_t rays[RAY_WORDS]) {
     uint64_t any = 0;
     memset(rays, 0, RAY_WORDS * sizeof *rays);
@@ -168,7 +168,7 @@ SIMD bool rays_of_beams(const mesh_batch *w, uint32_t beams, uint64_t rays[RAY_W
     return any;
 }
 
-/* Made, or kept with the treelet; false: none. */
+/* Make the isopolygon, or take the one kept with the treelet. Returns whether there is one. */
 SIMD bool batch_polygon(const mesh_batch *w, const resident_mesh *at, unsigned lane,
                         double isovalue, isopolygon *out) {
     const uint32_t local = w->tets.local[lane];
@@ -192,8 +192,9 @@ SIMD bool batch_polygon(const mesh_batch *w, const resident_mesh *at, unsigned l
     return isopolygon_of(&exact, isovalue, out);
 }
 
-/* Of VF_N rays from i on (bits), those that do not begin on this isopolygon: it is flat, so the
- * others do not meet it again. Most shadow rays pass no other one as near as floats can tell. */
+/* Returns which of VF_N rays from i on (bits) do not begin on this isopolygon: it is flat, so a ray
+ * that begins on it does not meet it again. For most shadow rays it is the only one so near that
+ * floats cannot tell. */
 SIMD unsigned from_elsewhere(const mesh_batch *w, hit_of of, unsigned i, unsigned bits) {
     unsigned left = bits;
     for (; bits; bits &= bits - 1) {
@@ -204,7 +205,7 @@ SIMD unsigned from_elsewhere(const mesh_batch *w, hit_of of, unsigned i, unsigne
     return left;
 }
 
-/* VD_N rays from i on. */
+/* Test VD_N rays from i on. */
 SIMD void meet_polygon(mesh_batch *w, const resident_mesh *at, const isopolygon *g, hit_of of,
                        unsigned i, unsigned wanted) {
     seen s;
@@ -270,9 +271,9 @@ SIMD void frame_tets(const mesh_batch *w, const resident_mesh *at, framed_tets *
     x->odd = mf_bits(odd);
 }
 
-/* Boxes around the isopolygons of tets: the points on their edges between vertices on either side.
- * An edge's share s errs by six units of 2^-24 of itself: numerator, denominator and quotient; so
- * its point by less than half of what boxes are larger by. */
+/* Make boxes around the isopolygons of tets, from the points on their edges between vertices on
+ * either side. An edge's share s errs by six units of 2^-24 of itself: numerator, denominator and
+ * quotient. So its point errs by less than half of what boxes are widened by. */
 SIMD void boxes_of_polygons(const mesh_batch *w, framed_tets *x, double iso, beam_boxes *b) {
     const vf most = f_set(INFINITY), least = f_set(-INFINITY), zero = f_set(0.0f);
     const vf threshold = f_set(interest_threshold(iso));

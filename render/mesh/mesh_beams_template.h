@@ -3,31 +3,30 @@
  *
  * The frame. A mesh is moved and scaled until its bounds lie within -1 .. 1, and mirrored until all
  * directions of a group of rays are positive. A ray's direction is scaled until its largest
- * component is 1, and the ray begins where it comes to the mesh or where it begins to look, a
- * little (AHEAD) before that: so all that it may meet lies at 0 <= t <= 4 or so, and a box's near
- * planes are its lower ones. Numbers are floats of ordinary size then, whatever the mesh's
- * coordinates are.
+ * component is 1. The ray begins a little (AHEAD) before it comes to the mesh or begins to look. So
+ * all that it may meet lies at 0 <= t <= 4 or so, and a box's near planes are its lower ones. All
+ * numbers are then floats of ordinary size, whatever the mesh's coordinates are.
  *
- * What errs, with u = 2^-24, and what is given away for it:
+ * Errors, with u = 2^-24, and the margins that cover them:
  *
  * - Positions. Origins and planes are made in double and rounded, or of a treelet's corner and a
- *   multiple, both rounded: 4 u each at most. An origin that goes back to where its beam begins
- *   errs by 8 u more, a point of a polygon by 24 u (its share of an edge, too, is a float). The
- *   planes of a treelet's nodes, which mesh_leaf_plane() rounds, err by u of their place in the
- *   world besides. Boxes are larger by `slack`: 2^-18, which is 64 u, and 4 u of that place.
+ * multiple, both rounded: 4 u each at most. An origin moved back to the start of its beam errs by 8
+ * u more, a point of a polygon by 24 u (its share of an edge, too, is a float). The planes of a
+ * treelet's nodes, which mesh_leaf_plane() rounds, also err by u of their place in the world. Boxes
+ * are widened by `slack`: 2^-18, which is 64 u, and 4 u of that place.
  *
- * - t. A difference and a product err by 2 u of themselves, a direction's inverse by u: inverses
- *   are smaller for near planes and larger for far ones by 16 u. Near planes behind the origin do
- *   not count (t begins at 0), and the sign of far ones there is right because of the slack.
+ * - t. A difference and a product err by 2 u of themselves, a direction's inverse by u. So inverses
+ * are made smaller for near planes and larger for far ones, by 16 u. Near planes behind the origin
+ * do not count (t begins at 0), and slack makes the sign right for far ones there.
  *
- * - Steepness. An inverse is at most 2^40: a ray that is steeper moves by less than 2^-37 there,
- *   which is nothing beside the slack.
+ * - Steepness. An inverse is at most 2^40. A steeper ray moves by less than 2^-37 along that axis,
+ * which is nothing beside the slack.
  *
  * - Ends. A hit's t errs by less than 2^-40 of itself (mesh_walk_behind()), and rays come from
- *   FARTHEST at most: 2^-28. AHEAD is 2^-16, before the start and behind the end.
+ * FARTHEST at most: 2^-28. AHEAD is 2^-16, before the start and behind the end.
  *
- * - Absences. A ray waits for absent treelets which mesh_interval_in() says it enters, and that is
- *   generous in its own way: generosity().
+ * - Absent treelets. A ray waits for those that mesh_interval_in() says it enters. That test has a
+ * margin of its own: generosity().
  */
 #ifndef RENDER_MESH_MESH_BEAMS_TEMPLATE_H
 #define RENDER_MESH_MESH_BEAMS_TEMPLATE_H
@@ -48,10 +47,10 @@ typedef struct beam_frame {
     double centre[3], scale;
     double sign[3];
     float slack[3]; /* of boxes */
-    double half;    /* all of the mesh lies within -half .. half, with all that is given away */
+    double half;    /* all of the mesh lies within -half .. half, margins included */
 } beam_frame;
 
-/* False: numbers so large or small that floats will not do. */
+/* False: its numbers are too large or small for floats. */
 static bool frame_of_bounds(const float bounds[6], beam_frame *f) {
     double size = 0.0;
     for (int a = 0; a < 3; a++) {
@@ -72,17 +71,17 @@ static bool frame_of_bounds(const float bounds[6], beam_frame *f) {
 
 /* ---- Rays ---- */
 
-/* Those of a group, numbered like those of tet_rays. */
+/* The rays of a group, numbered like those of tet_rays. */
 typedef struct frame_rays {
     _Alignas(64) float o[3][TET_RAYS], d[3][TET_RAYS], inverse[3][TET_RAYS];
     float moment[3][TET_RAYS]; /* o x d */
-    float far[TET_RAYS];       /* how far they look; below 0: they do not */
-    float back[TET_RAYS];      /* how far before them their beam begins */
-    double begin[TET_RAYS];    /* t of the frame: per_t of it less what it begins at */
+    float far[TET_RAYS];       /* how far they look; below 0: not at all */
+    float back[TET_RAYS];      /* how far before each its beam begins */
+    double begin[TET_RAYS];    /* t in the frame is per_t times the ray's own t, less `begin` */
     double per_t[TET_RAYS];
 } frame_rays;
 
-/* VD_N rays from `at` on. */
+/* Convert VD_N rays from `at` on. */
 SIMD void put_in_frame(const beam_frame *f, const tet_rays *from, int at, frame_rays *to) {
     vd d[3], o[3], largest = d_set(0.0), enter = d_set(-INFINITY), leave = d_set(INFINITY);
     for (int a = 0; a < 3; a++) {
@@ -117,7 +116,7 @@ SIMD void put_in_frame(const beam_frame *f, const tet_rays *from, int at, frame_
     d_store(to->per_t + at, per_t);
 }
 
-/* It looks no farther than t. */
+/* Ray i looks no farther than t. */
 static void look_up_to(frame_rays *r, int i, double t) {
     const float far = (float)(t * r->per_t[i] - r->begin[i] + 2.0 * AHEAD);
     r->far[i] = far < r->far[i] ? far : r->far[i];
@@ -125,7 +124,7 @@ static void look_up_to(frame_rays *r, int i, double t) {
 
 /* ---- Beams ---- */
 
-/* The lanes in `of`, side by side. */
+/* Store the lanes in `of` side by side. */
 SIMD void f_pack(float *to, unsigned of, vf x) {
     float from[VF_N];
     f_store(from, x);
@@ -133,11 +132,11 @@ SIMD void f_pack(float *to, unsigned of, vf x) {
         *to++ = from[__builtin_ctz(of)];
 }
 
-/* A lane each. For near planes the origin that is farthest ahead and the fastest ray, for far
- * planes the other end. */
+/* Beams, a lane each. For near planes: the origin farthest ahead and the fastest ray. For far
+ * planes: the origin farthest behind and the slowest ray. */
 typedef struct mesh_beams {
     _Alignas(64) float ahead[3][MESH_BEAMS], behind[3][MESH_BEAMS];
-    float least[3][MESH_BEAMS], most[3][MESH_BEAMS]; /* of the inverses */
+    float least[3][MESH_BEAMS], most[3][MESH_BEAMS]; /* of the inverses of directions */
     float far[MESH_BEAMS];
 } mesh_beams;
 
@@ -149,7 +148,7 @@ static void empty_beam(mesh_beams *m, unsigned beam) {
     m->far[beam] = -1.0f;
 }
 
-/* How far a beam of these rays looks; below 0: it does not. */
+/* Returns how far a beam of these rays looks; below 0: not at all. */
 SIMD float farthest(const frame_rays *r, unsigned first, unsigned end) {
     float most = -1.0f;
     for (unsigned i = first; i < end; i++) {
@@ -161,21 +160,22 @@ SIMD float farthest(const frame_rays *r, unsigned first, unsigned end) {
 
 /* ---- Blocks of rays ---- */
 
-/* A beam has so many rays at most. */
+/* The most rays of a beam. */
 enum { BEAM_RAYS = (int)VF_N < 8 ? (int)VF_N : 8 };
 
-/* VF_N rays; where one does not look, what changes no least or greatest value. */
+/* VF_N rays. Lanes that do not look are left out of least and greatest values. */
 typedef struct ray_lanes {
     vf o[3], d[3], inverse[3], far;
     mf looks;
 } ray_lanes;
 
-/* The beams of blocks of rays side by side; all lanes of a block are alike, but for `back`. */
+/* The beams of blocks of neighbouring rays. All lanes of a block have the same numbers, except
+ * `back`. */
 typedef struct block_lanes {
     vf ahead[3], behind[3], least[3], most[3], far;
-    vf back;  /* of the rays */
+    vf back;  /* per ray */
     vf cost;  /* see cost_of_blocks() */
-    vf share; /* the rays of a block */
+    vf share; /* number of rays in the block */
 } block_lanes;
 
 SIMD ray_lanes ray_lanes_load(const frame_rays *r, unsigned at) {
@@ -189,7 +189,7 @@ SIMD ray_lanes ray_lanes_load(const frame_rays *r, unsigned at) {
     return l;
 }
 
-/* The least and the greatest of each block of `share` lanes, in all of them. */
+/* Give every lane the least, or the greatest, of its block of `share` lanes. */
 SIMD vf block_min(vf x, unsigned share) {
     x = share > 1 ? f_min(x, f_swap(x, 1)) : x;
     x = share > 2 ? f_min(x, f_swap(x, 2)) : x;
@@ -202,8 +202,9 @@ SIMD vf block_max(vf x, unsigned share) {
     return share > 4 ? f_max(x, f_swap(x, 4)) : x;
 }
 
-/* How far rays go back, in their t, so that those of a block begin where the first of them does
- * along an axis, where that is not far: then origins are spread over a plane, and not in a box. */
+/* Returns how far rays move back, in their t, so that all rays of a block begin at the same place
+ * along an axis, where the first does. Only if that is not far. Then origins are spread over a
+ * plane, and not in a box. */
 SIMD vf ways_back(const ray_lanes *r, unsigned share, int axis) {
     const vf more = f_set(INFINITY), less = f_set(-INFINITY), o = r->o[axis];
     const vf first = block_min(f_select(r->looks, o, more), share);
@@ -213,9 +214,9 @@ SIMD vf ways_back(const ray_lanes *r, unsigned share, int axis) {
     return f_select(mf_and(near, r->looks), (o - first) * r->inverse[axis], f_set(0.0f));
 }
 
-/* A beam meets what lies within it and half a cell (of size `cell`) around it, a ray what lies in
- * its own cell: so much does a block cost, which pays as long as that is less than what its parts
- * do. How far apart rays of a beam are counts as it is at most on their way. */
+/* Cost of one block. Joining is worth it while this is below the cost of its parts. A beam meets
+ * the tets within it and half a cell (of size `cell`) around it, a ray those in its own cell. The
+ * distance between a beam's rays counts at its largest on their way. */
 SIMD vf cost_of_blocks(const block_lanes *b, float cell) {
     const vf one = f_set(1.0f);
     vf wide = f_set(0.0f);
@@ -243,7 +244,7 @@ SIMD block_lanes blocks_of(const ray_lanes *r, unsigned share, int axis, float c
     return b;
 }
 
-/* Blocks of twice as many rays, where they cost no more than those there are. */
+/* Join blocks in pairs where that costs no more than the two. */
 SIMD void join_blocks(const ray_lanes *r, unsigned share, int axis, float cell, block_lanes *b) {
     const block_lanes joined = blocks_of(r, share, axis, cell);
     const vf apart = b->cost + f_swap(b->cost, share / 2);
@@ -260,7 +261,7 @@ SIMD void join_blocks(const ray_lanes *r, unsigned share, int axis, float cell, 
     b->cost = f_min(joined.cost, apart);
 }
 
-/* Blocks of VF_N rays, as they pay. */
+/* Find the cheapest blocks of VF_N rays. */
 SIMD block_lanes best_blocks(const frame_rays *r, unsigned at, int axis, float cell) {
     const ray_lanes rays = ray_lanes_load(r, at);
     block_lanes b = blocks_of(&rays, 1, axis, cell);
@@ -271,7 +272,7 @@ SIMD block_lanes best_blocks(const frame_rays *r, unsigned at, int axis, float c
     return b;
 }
 
-/* The first lanes of blocks with rays that look; share[]: how many rays a block has. */
+/* Returns the first lanes of blocks with rays that look; share[]: a block's number of rays. */
 SIMD unsigned heads_of_blocks(const block_lanes *b, uint8_t share[VF_N]) {
     const unsigned looking = mf_bits(f_ge(b->far, f_set(0.0f)));
     float shares[VF_N];
@@ -284,7 +285,7 @@ SIMD unsigned heads_of_blocks(const block_lanes *b, uint8_t share[VF_N]) {
     return heads;
 }
 
-/* Make beams of blocks, from number `beam` on. slack: what is given away, see generosity(). */
+/* Make beams of blocks, from number `beam` on. slack: the margin, see generosity(). */
 SIMD void put_blocks(mesh_beams *m, unsigned beam, const block_lanes *b, unsigned heads,
                      float slack) {
     for (int a = 0; a < 3; a++) {
@@ -296,9 +297,9 @@ SIMD void put_blocks(mesh_beams *m, unsigned beam, const block_lanes *b, unsigne
     f_pack(m->far + beam, heads, b->far);
 }
 
-/* What mesh_interval_in() gives away for these rays, which wait for the treelets that it says they
- * enter: 4 MESH_GENEROSITY of a box's t at most, which is less than where they begin in the frame
- * and 8. */
+/* Returns the margin of mesh_interval_in() for these rays, as they wait for treelets that it says
+ * they enter: 4 MESH_GENEROSITY of a box's t at most, and that t is less than where they begin in
+ * the frame plus 8. */
 SIMD float generosity(const frame_rays *r, unsigned count) {
     double most = 0.0;
     for (unsigned i = 0; i < count; i++)
@@ -309,14 +310,15 @@ SIMD float generosity(const frame_rays *r, unsigned count) {
 
 /* ---- Boxes ---- */
 
-/* AVX-512 has lanes that are idle at nodes, SSE two vectors. */
+/* At nodes, AVX-512 has idle lanes, and SSE needs two vectors. */
 enum { BEAM_BOXES = (int)VF_N > (int)MESH_CHILDREN ? (int)VF_N : (int)MESH_CHILDREN };
 
 typedef struct beam_boxes {
     _Alignas(64) float lo[3][BEAM_BOXES], hi[3][BEAM_BOXES];
 } beam_boxes;
 
-/* Which of VF_N beams from `at` on may meet a box; or one beam which of VF_N boxes. */
+/* Returns which of VF_N beams from `at` on may meet a box, or which of VF_N boxes a beam may
+ * meet. */
 SIMD unsigned beams_through(const mesh_beams *m, const beam_boxes *b, unsigned box, unsigned at) {
     vf in = f_set(0.0f), out = f_load(m->far + at);
     for (int a = 0; a < 3; a++) {
@@ -347,8 +349,8 @@ SIMD unsigned vectors_in(uint32_t beams) {
     return count;
 }
 
-/* Of the boxes in `boxes` (bits) those that some of the beams wanted of them may meet: met[] of
- * them, which means nothing for others. any: all beams that are wanted. */
+/* Returns which of the boxes in `boxes` (bits) their wanted beams may meet; met[]: by which of
+ * these, undefined for boxes not returned. any: all beams wanted for some box. */
 SIMD unsigned meet_boxes(const mesh_beams *m, const beam_boxes *b, unsigned boxes, uint32_t any,
                          const uint32_t wanted[BEAM_BOXES], uint32_t met[BEAM_BOXES]) {
     enum { ALL = (1u << VF_N) - 1 };

@@ -1,5 +1,5 @@
-/* mesh_box_template.h - many rays against a box of tets; included by the units of an ISA (see
- * formats/base/simd.h). What it is widened by, and why: render/ray/ray_box.h. */
+/* mesh_box_template.h - tests many rays against a box of tets; included by the units of an ISA (see
+ * formats/base/simd.h). By how much boxes are widened, and why: render/ray/ray_box.h. */
 #ifndef RENDER_MESH_MESH_BOX_TEMPLATE_H
 #define RENDER_MESH_MESH_BOX_TEMPLATE_H
 
@@ -10,14 +10,14 @@
 #include "render/mesh/mesh_walk.h"
 #include "render/ray/ray_box_template.h"
 
-/* Which of VD_N rays of directions d meet a box, whose corners are seen from where they start,
- * within [from, to]: what mesh_interval_in() says, for directions without a 0. */
+/* Returns which of VD_N rays with directions d meet a box within [from, to], as mesh_interval_in()
+ * does. Its corners are relative to the rays' origin; directions have no 0. */
 SIMD unsigned mesh_box_meets(const vd d[3], const double lo[3], const double hi[3], vd from,
                              vd to) {
     vd t_in = d_set(-INFINITY), t_out = d_set(INFINITY);
     for (int a = 0; a < 3; a++)
         ray_slabs(d_set(lo[a]), d_set(hi[a]), d[a], &t_in, &t_out);
-    /* With numbers that are not finite, everything may be: the other operand is taken. */
+    /* If a number is not finite, min and max take the other operand: every box may then be met. */
     const vd generosity = d_set(2.0 * MESH_GENEROSITY), length = t_out - t_in;
     const vd first = t_in - generosity * (d_abs(t_in) + length);
     const vd last = t_out + generosity * (d_abs(t_out) + length);

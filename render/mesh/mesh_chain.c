@@ -7,19 +7,19 @@
 
 typedef struct chain {
     const ray *r;
-    double enough; /* nothing that begins behind it is wanted */
+    double enough; /* tets that begin behind this t are not wanted */
     mesh_chain_visit *visit;
     void *ctx;
     ray_counters *counters;
 } chain;
 
-/* From a tet that the ray enters by this face. */
+/* Follow the chain from a tet that the ray enters by this face. */
 static void follow(const chain *c, const resident_mesh *at, uint32_t local, int entered,
                    tet_sight *s) {
     tet_piece p;
     tet_sight_meet(s, entered, &p.t[0], &p.f[0]);
     s->tests = 0;
-    /* No chain has more tets than there are, whatever the bytes of a file. */
+    /* Bound the loop by the number of tets, so that it ends whatever bytes a file holds. */
     for (uint32_t n = 0; n < at->mesh.tets && p.t[0] <= c->enough; n++) {
         const int left = tet_sight_leaves_by(s, entered);
         const uint32_t beyond = at->faces->beyond[local][left];
@@ -41,7 +41,7 @@ static void follow(const chain *c, const resident_mesh *at, uint32_t local, int 
     c->counters->edge_tests += s->tests;
 }
 
-/* A tet with outer faces. */
+/* Begin a chain at a tet with outer faces, if the ray enters by one. */
 static void begin(void *ctx, const resident_mesh *at, uint32_t local, const tet *x) {
     const chain *c = ctx;
     tet_sight s;
@@ -59,7 +59,8 @@ static void begin(void *ctx, const resident_mesh *at, uint32_t local, const tet 
         follow(c, at, local, entered, &s);
 }
 
-/* Ways in may lie before the ray begins. t errs by less than what is added. */
+/* The ray may enter a chain before its own t0, so start at -INFINITY. The slack is more than the
+ * error of t. */
 void mesh_chain_each(const resident_mesh *at, const ray *r, double nearest, mesh_chain_visit *visit,
                      void *ctx, ray_counters *counters) {
     const hit first = hit_before_all();

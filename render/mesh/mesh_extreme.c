@@ -35,7 +35,7 @@ static double score_of(const climb *c, double value) {
     return c->s->least ? -value : value;
 }
 
-/* Children that may have as much as has been found. */
+/* Choose the children that may have a value as good as the best found. */
 static unsigned choose(void *ctx, const resident_mesh *at, uint32_t node) {
     const climb *c = ctx;
     const mesh_codes *of = &mesh_leaf_codes(at->values)[node];
@@ -64,7 +64,7 @@ static void try_tet(void *ctx, const resident_mesh *at, uint32_t local, const te
     extreme_offer(c->s, fmin(score_of(c, piece.b[1]), most), piece.t1, at->head.id);
 }
 
-/* The tets of a treelet whose boxes the ray meets in part of its way. */
+/* Search the tets of a treelet whose boxes the ray meets within `part`. */
 static void climb_part(const tracer *tr, const treelet *at, const ray *r, const ray *part,
                        extreme_state *s, ray_counters *counters) {
     const float *own = range_of(tr, at->id);

@@ -1,5 +1,6 @@
-/* mesh_extreme.h - the greatest or the least value on a ray through a mesh of tets (extremes.h):
- * treelets by the directory's ranges, nodes by the codes of theirs, tets by their vertices.
+/* mesh_extreme.h - finds the greatest or the least value on a ray through a mesh of tets
+ * (extremes.h): bounds of treelets come from the directory's ranges, of nodes from their codes, of
+ * tets from their vertices.
  */
 #ifndef RENDER_MESH_MESH_EXTREME_H
 #define RENDER_MESH_MESH_EXTREME_H

@@ -27,8 +27,8 @@ static mesh_faces *lay_out(void *block, const mesh_shape *shape) {
 
 /* ---- Neighbours ---- */
 
-/* While they are looked for, a face without one is in the list of its first vertex: `beyond` has
- * the next in it. Its side is that on which its tet lies. */
+/* During the search, a face without a neighbour is in the list of its first vertex: `beyond` holds
+ * the next face of the list. A face's side is the one on which its tet lies. */
 typedef struct face_search {
     const uint16_t (*tets)[4];
     mesh_faces *faces;
@@ -57,7 +57,8 @@ static int side_of(const resident_mesh *tr, uint32_t at) {
     return tet_faces[at & 3].inwards * orientation_of(tr, at >> 2);
 }
 
-/* A face of a tet that is not flat, whose side is `side`: its neighbour, or into the list. */
+/* Pair a face of a tet that is not flat with its neighbour, or put it into the list. side: the
+ * face's side. */
 static void match(const resident_mesh *tr, const face_search *s, uint32_t at, int side) {
     uint32_t *link = &s->faces->first[s->tets[at >> 2][tet_faces[at & 3].vertex[0]]];
     uint32_t *const first = link;
@@ -106,7 +107,7 @@ static void find_outer(const resident_mesh *tr, mesh_faces *f) {
     for (uint32_t i = 0; i < tr->mesh.tets; i++)
         for (int k = 0; k < TET_FACES; k++)
             f->outer.tets[i / 64] |= (uint64_t)(f->beyond[i][k] == MESH_OUTER) << i % 64;
-    /* Children have larger numbers. */
+    /* Children have larger numbers, so go backwards. */
     for (uint32_t n = tr->mesh.nodes; n-- > 0;) {
         f->outer.children[n] = 0;
         for (unsigned c = 0; c < MESH_CHILDREN; c++) {
@@ -124,7 +125,7 @@ static void find_outer(const resident_mesh *tr, mesh_faces *f) {
 static void make_faces(resident_mesh *tr, const interest *in) {
     (void)in;
     mesh_faces *f = lay_out(tr->derived, &tr->mesh);
-    /* Another interest changes nothing. */
+    /* Faces do not depend on the interest: make them only for another set. */
     if (f->set != tr->head.set + 1) {
         find_neighbours(tr, f);
         find_outer(tr, f);

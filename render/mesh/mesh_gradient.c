@@ -7,8 +7,8 @@
 #include "render/mesh/mesh_tracer.h"
 #include "render/mesh/mesh_walk.h"
 
-/* Barycentric coordinates at t; what rounding leads out of the tet is cut off. False: a tet without
- * volume has none. */
+/* Compute barycentric coordinates at t. They are clamped to the tet, as rounding may lead out of
+ * it. False: a tet without volume has none. */
 static bool weights_at(const tet *x, const ray *r, double t, double weights[4]) {
     double edge[3][3], away[3], sum = 0.0;
     for (int a = 0; a < 3; a++) {
@@ -30,7 +30,7 @@ static bool weights_at(const tet *x, const ray *r, double t, double weights[4]) 
     return volume != 0.0 && isfinite(sum);
 }
 
-/* Between the gradients at the vertices, at t. */
+/* Interpolate the gradients at the vertices, at t. */
 static bool smooth_at(const tet *x, const float gradients[4][3], const ray *r, double t,
                       double out[3]) {
     double weights[4];
@@ -44,7 +44,7 @@ static bool smooth_at(const tet *x, const float gradients[4][3], const ray *r, d
     return isfinite(out[0] + out[1] + out[2]);
 }
 
-/* What changes evenly. */
+/* Store a gradient that changes linearly. */
 static void put(const double from[3], const double to[3], segment_gradient *out) {
     for (int a = 0; a < 3; a++) {
         out->power[a][0] = from[a];

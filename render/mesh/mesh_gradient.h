@@ -1,5 +1,5 @@
-/* mesh_gradient.h - the gradient along a ray's piece in a tet (segments.h): the tet's own, or where
- * the scene asks for smooth normals, between those at its vertices by barycentric coordinates.
+/* mesh_gradient.h - the gradient along a ray's piece in a tet (segments.h): the tet's own, or if
+ * the scene asks for smooth normals, the vertices' gradients in barycentric interpolation.
  */
 #ifndef RENDER_MESH_MESH_GRADIENT_H
 #define RENDER_MESH_MESH_GRADIENT_H

@@ -28,7 +28,7 @@ CPU_KERNELS(batch_fn, mesh_batch_kernels, NULL, mesh_batch);
 
 /* ---- An open volume ---- */
 
-/* Packets instead of tiles, if asked for. */
+/* Use packets instead of tiles, if asked for. */
 static status mesh_open(leafcast *v) {
     const int side = v->experiments.packets;
     v->own = mem_zalloc(v->m, sizeof(mesh_rays));
@@ -47,8 +47,8 @@ static mesh_derived derived_of(const leafcast *v) {
     return isopolygon_cache_kind(e->isopolygons == LEAFCAST_ISOPOLYGONS_PRECOMPUTE);
 }
 
-/* Trees of all steps beside each other cost no refitting; where not all of them fit, one tree. Of a
- * single step and field there is nothing to refit. */
+/* Keep the trees of all steps if they fit: that saves refitting. Otherwise keep one tree. A single
+ * step and field never needs refitting. */
 static mesh_schema schema_of(const leafcast *v) {
     const uint64_t room =
         v->m->limit ? v->m->limit
@@ -60,7 +60,7 @@ static mesh_schema schema_of(const leafcast *v) {
     return v->file->header.payload_bytes <= room / 2 ? MESH_TREES : MESH_REFIT;
 }
 
-/* Readers refit trees, too: then as many as there are threads. */
+/* Readers refit trees, too: then have as many readers as threads. */
 static void mesh_loading(const leafcast *v, loader_options *o) {
     o->schema = schema_of(v);
     o->derived = derived_of(v);
@@ -72,7 +72,7 @@ static void mesh_close(leafcast *v) {
     mem_free(v->m, v->own);
 }
 
-/* A mesh's; an edge as if six tets in its box made a cube. */
+/* Facts of a mesh. The edge of a cell is computed as if six tets in its box made a cube. */
 static void mesh_describe(const leafcast *v, leafcast_info *info) {
     const leaf_header *h = &v->file->header;
     info->tets = h->tets;
@@ -146,7 +146,7 @@ static size_t mesh_projection_bytes(const leaf_layout *layout) {
 
 /* ---- The order of treelets ---- */
 
-/* Numbers in the order of floats. */
+/* Map floats to integers in the same order. */
 static uint32_t ordered(double x) {
     const float f = (float)x;
     uint32_t bits;
@@ -154,7 +154,7 @@ static uint32_t ordered(double x) {
     return bits >> 31 ? ~bits : bits | 1u << 31;
 }
 
-/* The square of the distance from a point to a box. */
+/* Returns the square of the distance from a point to a box. */
 static double distance_to(const float bounds[6], const double from[3]) {
     double sum = 0.0;
     for (int a = 0; a < 3; a++) {
@@ -165,7 +165,7 @@ static double distance_to(const float bounds[6], const double from[3]) {
     return sum;
 }
 
-/* Where a box begins in a direction. */
+/* Returns where a box begins in a direction. */
 static double along(const float bounds[6], const double direction[3]) {
     double sum = 0.0;
     for (int a = 0; a < 3; a++)
@@ -257,13 +257,13 @@ typedef struct tree_node {
     uint32_t level, i;
 } tree_node;
 
-/* The last treelet below a node. */
+/* Returns the last treelet below a node. */
 static uint64_t last_below(tree_node n) {
     return ((uint64_t)n.i + 1) * (UINT64_C(1) << (TREELET_TREE_ARITY_LOG2 * n.level)) - 1;
 }
 
-/* Treelets are asked in their own order, so that of the tets that share a point the first one is
- * found: of a node's children the first is pushed last. */
+/* Return treelets in the order of their numbers, so that the first of the tets that share a point
+ * is found. Of a node's children the first is pushed last. */
 static uint32_t mesh_treelet_at(const leafcast *v, uint32_t level, const double point[3],
                                 uint32_t after) {
     const treelet_tree *tree = v->treelets->tree;
@@ -285,7 +285,7 @@ static uint32_t mesh_treelet_at(const leafcast *v, uint32_t level, const double 
     return LEAF_NO_TREELET;
 }
 
-/* Of its tet's vertices. */
+/* Returns the value at the nearest vertex of the sample's tet. */
 static double mesh_nearest(const leafcast_sample *s, const double point[3]) {
     double least = INFINITY;
     int nearest = 0;

@@ -21,12 +21,12 @@ void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile
 void SIMD_NAME(tet_batch)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
                           tet_rays *rays, int first, int end);
 
-/* A box with its planes as seen from the eye is `packet_box`; what is still to be visited: */
+/* A node or treelet still to be visited, its box relative to the eye. */
 typedef struct packet_pending {
     packet_box box;
     float near2; /* its distance from the eye, squared */
-    int first;   /* the rays before it pass the box by */
-    bool only;   /* an only child: entered unseen */
+    int first;   /* the rays before it miss the box */
+    bool only;   /* an only child: entered without a test of its box */
     uint32_t level, i;
 } packet_pending;
 
@@ -36,18 +36,18 @@ enum {
 };
 
 typedef struct packet {
-    tile_state s; /* of the tile that it is part of */
+    tile_state s; /* the state of the packet's tile */
     ray_counters *counters;
-    unsigned side, x, y; /* its first pixel in the tile */
-    int count;           /* its rays, row by row */
+    unsigned side, x, y; /* position of its first pixel in the tile */
+    int count;           /* number of its rays, stored row by row */
     double eye[3];
     packet_frustum frustum;
-    bool lowered; /* rays have found something since `frustum.far` was taken */
+    bool lowered; /* rays have found something since `frustum.far` was set */
     tet_rays rays;
     packet_pending in_treelet[PACKET_TREELET_STACK], in_tree[PACKET_TREE_STACK]; /* stacks */
 } packet;
 
-/* What lies in the outcome's scratch. */
+/* What is kept in the outcome's scratch. */
 typedef struct packet_work {
     packet packet;
     mesh_shading shading;
@@ -57,19 +57,19 @@ _Static_assert(sizeof(packet_work) <= MESH_TILE_SCRATCH, "a tile has room in its
 /* Rays on a side of W07's smallest packets: all are tested at once. */
 enum { PACKET_SMALLEST = 2 };
 
-/* Surfaces of a ray that a walk finds. */
+/* Surfaces that a walk finds per ray. */
 enum { PACKET_LAYERS = 1 };
 
 /* ---- Rays and boxes ---- */
 
-/* VD_N rays from `at` on: those that meet the box before what they have found. */
+/* Returns which of VD_N rays from `at` on meet the box before the hit that they have. */
 SIMD unsigned rays_meet(const packet *w, const packet_box *b, int at) {
     const tet_rays *r = &w->rays;
     const vd d[3] = {d_load(r->d[0] + at), d_load(r->d[1] + at), d_load(r->d[2] + at)};
     return mesh_box_meets(d, b->lo, b->hi, d_load(r->from + at), d_load(r->to + at));
 }
 
-/* How far any ray still looks. */
+/* Set frustum.far to how far any ray still looks. */
 SIMD void look_again(packet *w) {
     vd far = d_set(-INFINITY);
     double lanes[VD_N];
@@ -82,7 +82,8 @@ SIMD void look_again(packet *w) {
     w->lowered = false;
 }
 
-/* By intervals: whether rays may meet the box before what they have found, and which. */
+/* Returns, by intervals, whether rays may meet the box before the hits that they have, and
+ * which. */
 SIMD bool packet_may_meet(packet *w, const packet_box *b, packet_reach *reach) {
     if (w->lowered)
         look_again(w);
@@ -90,8 +91,8 @@ SIMD bool packet_may_meet(packet *w, const packet_box *b, packet_reach *reach) {
     return packet_frustum_box(&w->frustum, b, reach);
 }
 
-/* Rays of [from, end), VD_N at most, side by side: the first that meets the box; end: none. Only
- * those are tested that still look that far. */
+/* Test rays of [from, end), VD_N at most, side by side. Returns the first that meets the box; end:
+ * none. Tests only rays that still look as far as `near`. */
 SIMD int first_of_few(packet *w, const packet_box *b, double near, int from, int end) {
     const int at = from & -VD_N;
     const unsigned there = (1u << (end - at)) - (1u << (from - at));
@@ -102,7 +103,7 @@ SIMD int first_of_few(packet *w, const packet_box *b, double near, int from, int
     return met ? at + __builtin_ctz(met) : end;
 }
 
-/* The first ray from `first` on that meets the box; count: none. */
+/* Returns the first ray from `first` on that meets the box; count: none. */
 SIMD int first_to_meet(packet *w, const packet_box *b, const packet_reach *reach, int first) {
     const packet_rect *r = &reach->pixels;
     const int side = (int)w->side;
@@ -120,7 +121,7 @@ SIMD int first_to_meet(packet *w, const packet_box *b, const packet_reach *reach
     return w->count;
 }
 
-/* A packet of 2 x 2, all rays at once: the first that meets the box; count: none. */
+/* Test all rays of a packet of 2 x 2. Returns the first that meets the box; count: none. */
 SIMD int first_of_four(packet *w, const packet_box *b) {
     w->counters->box_tests += (unsigned)w->count;
     for (int at = 0; at < w->count; at += VD_N) {
@@ -131,7 +132,7 @@ SIMD int first_of_four(packet *w, const packet_box *b) {
     return w->count;
 }
 
-/* Whether the packet enters the box, and its first ray there. */
+/* Returns whether the packet enters the box; p->first: its first ray there. */
 SIMD bool packet_enters(packet *w, packet_pending *p) {
     packet_reach reach;
     if (p->only)
@@ -149,8 +150,8 @@ SIMD bool packet_enters(packet *w, packet_pending *p) {
     return p->first < w->count;
 }
 
-/* The rays of [*first, *end) and the rectangle that still look as far as `near`, from the first to
- * the last of them; false: none. */
+/* Narrow [*first, *end) to the rays of the rectangle that still look as far as `near`, from the
+ * first to the last of them. Returns false if there are none. */
 SIMD bool still_looking(const packet *w, const packet_reach *reach, int *first, int *end) {
     const packet_rect *r = &reach->pixels;
     const int side = (int)w->side;
@@ -175,7 +176,7 @@ SIMD bool still_looking(const packet *w, const packet_reach *reach, int *first, 
     return *first < *end;
 }
 
-/* Whether the packet has to look into a leaf; *first to *end: which rays. */
+/* Returns whether the packet has to look into a leaf; *first to *end: with which rays. */
 SIMD bool packet_visits(packet *w, const packet_pending *p, int *first, int *end) {
     packet_reach reach;
     *first = p->first;
@@ -234,7 +235,7 @@ static void packet_leaf(packet *w, const resident_mesh *at, const packet_pending
 
 /* ---- Nodes ---- */
 
-/* Put a child among its siblings from `bottom` on, the nearest last. */
+/* Insert a child among its siblings from `bottom` on, the nearest last. */
 SIMD int push_child(packet_pending *stack, int bottom, int top, const packet_pending *child) {
     int at = top;
     for (; at > bottom && stack[at - 1].near2 < child->near2; at--)
@@ -252,7 +253,7 @@ static float packet_near2(const packet_box *b) {
     return (float)sum;
 }
 
-/* A node's active children, and how many there are of any kind: isoranges that are looked at. */
+/* Push a node's active children. Count all children: each is one isorange test. */
 SIMD int open_node(packet *w, const resident_mesh *at, const packet_pending *p,
                    packet_pending *stack, int top) {
     const mesh_node *n = &at->nodes[p->i];
@@ -290,7 +291,7 @@ static void packet_treelet(packet *w, const resident_mesh *at, int first_ray) {
 
 /* ---- Treelets ---- */
 
-/* Rays that pass a treelet which is not there go no further. */
+/* Suspend rays that pass an absent treelet. */
 static void packet_waits(packet *w, const packet_pending *p) {
     tile_outcome *out = w->s.out;
     bool any = false;
@@ -369,7 +370,7 @@ static void packet_mesh(packet *w, int first_ray) {
 
 /* ---- Packets ---- */
 
-/* The packet's rays; its first one that looks for anything, count: none does. */
+/* Gather the packet's rays. Returns the first that looks for anything; count: none does. */
 static int packet_begin(packet *w) {
     const tile_rays *rays = &w->s.rays;
     const hit before = hit_before_all();
@@ -402,7 +403,7 @@ static int packet_begin(packet *w) {
     return first;
 }
 
-/* The treelet, which is resident, of a tet by its number in the whole mesh. */
+/* Returns the resident treelet that holds a tet, by the tet's number in the whole mesh. */
 static const resident_mesh *treelet_of_tet(const loader *l, uint64_t number) {
     const uint64_t *first = l->file->mesh->first_tet;
     uint32_t lo = 0, hi = l->file->layout.treelets;
@@ -413,7 +414,7 @@ static const resident_mesh *treelet_of_tet(const loader *l, uint64_t number) {
     return resident_mesh_of(loader_lookup(l, lo));
 }
 
-/* What the packet's rays have found, for the tile. */
+/* Hand the hits of the packet's rays to the tile. */
 static void packet_end(packet *w) {
     const loader *treelets = w->s.f->tracer->treelets;
     const resident_mesh *at = NULL;
@@ -432,7 +433,7 @@ static void packet_end(packet *w) {
     }
 }
 
-/* Those of a tile. */
+/* Trace all packets of a tile. */
 static void trace_packets(packet *w) {
     for (w->y = 0; w->y < TILE; w->y += w->side)
         for (w->x = 0; w->x < TILE; w->x += w->side) {

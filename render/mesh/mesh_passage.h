@@ -1,8 +1,9 @@
-/* mesh_passage.h - the treelets of a mesh on a ray's way, by where the ray enters their boxes.
+/* mesh_passage.h - finds the treelets of a mesh on a ray's way, by where the ray enters their
+ * boxes.
  *
- * Treelets overlap, so that no order of them is front to back. A ray takes them in the order of
- * (the t at which it enters their box, index): what it may still find begins no earlier than that
- * t. Where a ray goes on after it was suspended is then that pair, and nothing else.
+ * Treelets overlap, so no order of them is front to back. A ray takes them in the order of (the t
+ * at which it enters their box, index): any hit still to come is at that t or behind it. So a
+ * suspended ray needs only this pair to go on.
  */
 #ifndef RENDER_MESH_MESH_PASSAGE_H
 #define RENDER_MESH_MESH_PASSAGE_H
@@ -21,26 +22,26 @@ typedef struct mesh_passage_node {
     uint32_t level, i;
 } mesh_passage_node;
 
-/* Some hundreds of boxes that overlap, and the ray in all of them: more are looked up one by one.
- */
+/* Enough for some hundreds of overlapping boxes with the ray in all of them. Beyond that, each next
+ * treelet is searched from the root. */
 enum { MESH_PASSAGES_AHEAD = 256 };
 
 typedef struct mesh_passages {
     const treelet_tree *tree;
     mesh_slabs slabs;
-    double behind; /* what the ray leaves before that is of no interest */
+    double behind; /* boxes that the ray leaves before this t are of no interest */
     ray_counters *counters;
-    size_t count;   /* what lies ahead: a heap, the first at its top; */
-    bool overflown; /* or some of it: then all is looked up from the root on */
+    size_t count;   /* nodes ahead, in a heap with the first at its top; */
+    bool overflown; /* or only some of them: then each search starts at the root */
     mesh_passage_node heap[MESH_PASSAGES_AHEAD];
 } mesh_passages;
 
-/* mesh_passages_begin() - of a ray that looks for what lies behind `after`. */
+/* mesh_passages_begin() - starts the way of a ray that looks for hits behind `after`. */
 void mesh_passages_begin(mesh_passages *s, const treelet_tree *tree, const ray *r, const hit *after,
                          ray_counters *counters);
 
-/* mesh_passages_next() - the first active treelet behind `last` that the ray enters at `limit` or
- * before. From one call to the next, `last` rises and `limit` does not. */
+/* mesh_passages_next() - returns the first active treelet after `last` that the ray enters at
+ * `limit` or before. From one call to the next, `last` rises and `limit` does not. */
 mesh_passage mesh_passages_next(mesh_passages *s, mesh_passage last, double limit);
 
 #endif

@@ -1,4 +1,5 @@
-/* mesh_projection.h - the projection of planes anywhere, which are projected when they are met. */
+/* mesh_projection.h - the projection of a mesh's boxes. Planes may lie anywhere, so each is
+ * projected when it is met. */
 #ifndef RENDER_MESH_MESH_PROJECTION_H
 #define RENDER_MESH_MESH_PROJECTION_H
 

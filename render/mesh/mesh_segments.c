@@ -11,7 +11,7 @@ static segment_key key_of(const segment *s) {
 
 /* ---- Pieces ahead ---- */
 
-/* The greatest goes. */
+/* Drop the piece with the greatest key. */
 static void drop(segments_state *s) {
     s->limit = key_of(&s->ahead[--s->count]);
 }
@@ -32,7 +32,8 @@ static void hold(segments_state *s, const segment *piece) {
     s->ahead[at] = *piece;
 }
 
-/* Of those held, what begins before t comes before everything that begins there or behind. */
+/* Returns how many of the pieces held begin before t: they come before all that begin at t or
+ * later. */
 static uint32_t held_before(const segments_state *s, double t) {
     uint32_t n = 0;
     while (n < s->count && s->ahead[n].t0 < t)
@@ -45,10 +46,10 @@ static uint32_t held_before(const segments_state *s, double t) {
 typedef struct collector {
     const ray *r;
     segments_state *state;
-    double above; /* as of the tracer */
+    double above; /* see tracer.above */
 } collector;
 
-/* Within the ray's [t0, t1]: an end that is cut off has the value between. */
+/* Cut a piece to the ray's [t0, t1]. A new end gets the linear value there. */
 static void cut(const tet_piece *p, const ray *r, segment *s) {
     const double slope = (p->f[1] - p->f[0]) / (p->t[1] - p->t[0]);
     s->t0 = p->t[0];
@@ -65,7 +66,7 @@ static void cut(const tet_piece *p, const ray *r, segment *s) {
     }
 }
 
-/* False: it has no length. */
+/* False: the piece has no length. */
 static bool piece_of(const tet_piece *p, const ray *r, segment *s) {
     if (!(p->t[0] < p->t[1]))
         return false;
@@ -105,7 +106,7 @@ static void visit_tet(void *ctx, const resident_mesh *at, uint32_t local, const 
 
 /* ---- Treelets ---- */
 
-/* Treelet t is absent: all along its box it may have pieces. */
+/* Treelet t is absent. Hold a piece of doubt all along its box. */
 static void hold_doubt(const tracer *tr, const ray *r, segments_state *s, uint32_t t) {
     const mesh_slabs slabs = mesh_slabs_of(r);
     double box[2][3];
@@ -117,8 +118,8 @@ static void hold_doubt(const tracer *tr, const ray *r, segments_state *s, uint32
     hold(s, &doubt);
 }
 
-/* From the last treelet entered on, until something is sure. SEGMENTS_END: that was all, but for
- * what was dropped. */
+/* Go on from the last treelet entered, until a piece is sure. SEGMENTS_END: there are no more,
+ * except those that were dropped. */
 static segments_result go_on(const tracer *tr, const ray *r, segments_state *state,
                              ray_counters *counters) {
     const hit after = hit_behind(state->last.t0);
@@ -157,7 +158,7 @@ segments_result mesh_segments(const tracer *tr, const ray *r, segments_state *st
                               ray_counters *counters) {
     segments_result result = go_on(tr, r, state, counters);
     while (result == SEGMENTS_END && state->limit.t0 < INFINITY) {
-        /* Once more, behind what was given out. */
+        /* Begin once more, behind the pieces that were given out. */
         state->limit = (segment_key){INFINITY, 0};
         state->t_from = -INFINITY;
         state->entered = LEAF_NO_TREELET;
@@ -166,7 +167,7 @@ segments_result mesh_segments(const tracer *tr, const ray *r, segments_state *st
     return result;
 }
 
-/* A value: the ends', and what cut() rounds. */
+/* Rounding of a value: of the ends', and of cut(). */
 #define VALUE_ROUNDING (TET_VALUE_ROUNDING + 14.0 * 0x1p-53)
 
 segments_error mesh_segments_error(const tracer *tr, const ray *r, const double range[2]) {

@@ -1,14 +1,14 @@
-/* mesh_segments.h - one ray's pieces through the tets of a mesh, in order of t (segments.h).
+/* mesh_segments.h - finds one ray's pieces through the tets of a mesh, in order of t (segments.h).
  *
- * Treelets overlap, so that pieces of several are merged: a piece comes next when no treelet that
- * the ray has yet to enter begins before it (mesh_passage.h). Until then it is held among those
- * ahead, in order. Where there is no room for one more, the last of them is dropped, and with it
- * everything behind it: what comes before is given out, and the ray begins once more behind that.
- * So any room does, of one piece even, and gives the same pieces; each time it runs out, treelets
+ * Treelets overlap, so pieces of several are merged. A piece is given out once every treelet that
+ * the ray has yet to enter begins behind its start (mesh_passage.h). Until then it is kept, in
+ * order, among the pieces ahead. If there is no room for one more, the last of them is dropped, and
+ * everything behind it. The pieces before it are given out, and the ray begins once more behind
+ * these. So any room, even of one piece, gives the same pieces; but each time it runs out, treelets
  * are entered again. A ray meets some 20 to 100 tets in a treelet of the usual size, and is in two
  * or three at a time.
  *
- * Errors: those of tet_segment.h at the ends; between them the value is their mean.
+ * Errors: at the ends, as in tet_segment.h; between the ends the value is linear.
  */
 #ifndef RENDER_MESH_MESH_SEGMENTS_H
 #define RENDER_MESH_MESH_SEGMENTS_H
@@ -20,13 +20,13 @@
 segments_result mesh_segments(const tracer *tr, const ray *r, segments_state *state,
                               ray_counters *counters);
 
-/* mesh_piece() - a tet's piece within the ray's [t0, t1]: all but where it is from. False: it has
- * no length. */
+/* mesh_piece() - a tet's piece within the ray's [t0, t1]; cell and treelet are not set. False: it
+ * has no length. */
 bool mesh_piece(const tet *x, const ray *r, segment *s);
 
-/* mesh_segments_error() - the row's `segments_error`: the above. A face lies in its treelet's box,
- * so that it spans no more of t than the widest of these do along the ray, however large the mesh
- * is; nor more values than there are. */
+/* mesh_segments_error() - the row's `segments_error`: the errors above. A face lies in its
+ * treelet's box. So along the ray it spans no more of t than the widest such box does, however
+ * large the mesh is, and no more values than there are. */
 segments_error mesh_segments_error(const tracer *tr, const ray *r, const double range[2]);
 
 #endif

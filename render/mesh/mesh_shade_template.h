@@ -1,4 +1,4 @@
-/* mesh_shade_template.h - what rays of a tile have found in a mesh, as pixels; included by the
+/* mesh_shade_template.h - shades the hits of a tile's rays in a mesh as pixels; included by the
  * units of an ISA (see formats/base/simd.h). */
 #ifndef RENDER_MESH_MESH_SHADE_TEMPLATE_H
 #define RENDER_MESH_MESH_SHADE_TEMPLATE_H
@@ -15,30 +15,30 @@
 #include "render/mesh/tet_points_template.h"
 #include "render/mesh/tet_smooth.h"
 
-enum { TILE = MESH_TILE, TILE_WINDOWS = 0 }; /* of the templates that follow */
+enum { TILE = MESH_TILE, TILE_WINDOWS = 0 }; /* for the templates that follow */
 
 #include "render/tile/tile_shade_template.h"
 
-/* Neighbouring rays hit the same tets: slots of the last ones. */
+/* Slots for the last tets: neighbouring rays hit the same ones. */
 enum { KNOWN_TETS = 64 };
 
-/* The tets that were hit, each by the first ray that is known to have done so. */
+/* The tets that were hit, each with the first ray known to hit it. */
 typedef struct hit_tets {
     unsigned count;
     uint16_t ray[TILE_RAYS];
-    uint16_t of[TILE_RAYS]; /* a ray's place there */
+    uint16_t of[TILE_RAYS]; /* index of a ray's tet in the list */
 } hit_tets;
 
-/* Room for all that follows. */
+/* Scratch for the functions below. */
 typedef struct mesh_shading {
     const tile_state *s;
     tile_pixels pixels;
     hit_tets tets;
-    float normal[TILE_RAYS / VD_N][3][VD_N]; /* of the tets */
-    /* What the rays have in common that hit a tet's isopolygon: */
+    float normal[TILE_RAYS / VD_N][3][VD_N]; /* of the listed tets */
+    /* Terms shared by all rays that hit a tet's isopolygon: */
     tet_smooth known[KNOWN_TETS];
     tet_facts facts[KNOWN_TETS];
-    uint16_t facts_of[KNOWN_TETS]; /* those of a layer, by their place in its list */
+    uint16_t facts_of[KNOWN_TETS]; /* the layer's list index of each slot's facts */
 } mesh_shading;
 
 static uint64_t mesh_cell_of(const frame *f, const tile_surface *s) {
@@ -77,7 +77,7 @@ static tet tet_of(const tile_layer *s, unsigned i) {
     return mesh_walk_tet(resident_mesh_of(surface_of(s, i)->at), surface_of(s, i)->local);
 }
 
-/* Of VD_N tets of the list, from the one at `from` on. */
+/* Make the normals of VD_N listed tets, from number `from` on. */
 SIMD void faceted_normals(const tracer *tr, const tile_layer *s, const hit_tets *l, unsigned from,
                           float normal[3][VD_N]) {
     tet_columns columns;
@@ -96,7 +96,7 @@ SIMD void faceted_normals(const tracer *tr, const tile_layer *s, const hit_tets 
     }
 }
 
-/* Where gradients at the vertices give normals, they take the place of faceted ones. */
+/* Replace faceted normals by smooth ones where gradients at the vertices give any. */
 static void smooth_normals(mesh_shading *m, const tile_layer *l, tile_normals normal) {
     const tile_state *s = m->s;
     uint16_t made[KNOWN_TETS];
@@ -147,7 +147,7 @@ static void mesh_normals(void *work, const tile_layer *s, tile_normals normal) {
         smooth_normals(m, s, normal);
 }
 
-/* What is known of the tet of a surface. */
+/* Returns the facts of a surface's tet, made when first needed. */
 static const tet_facts *facts_of(mesh_shading *m, const tile_layer *l, unsigned i) {
     const unsigned of = m->tets.of[i], k = of % KNOWN_TETS;
     if (m->facts_of[k] != of) {
@@ -158,7 +158,7 @@ static const tet_facts *facts_of(mesh_shading *m, const tile_layer *l, unsigned 
     return &m->facts[k];
 }
 
-/* Which of these rays (bits, from i on) have hit the same isopolygon as one of them. */
+/* Returns which of these rays (bits, from i on) hit the same isopolygon as ray i + as. */
 SIMD unsigned same_tet(const hit_tets *l, unsigned i, unsigned which, unsigned as) {
     unsigned same = 0;
     for (unsigned k = 0; k < VD_N; k++)
@@ -166,7 +166,7 @@ SIMD unsigned same_tet(const hit_tets *l, unsigned i, unsigned which, unsigned a
     return same & which;
 }
 
-/* The facts of VD_N rays' tets; in the points, errors are not known yet. */
+/* Gather the facts of VD_N rays' tets. The points get their errors later. */
 SIMD void start_columns(mesh_shading *m, const tile_layer *l, unsigned i, unsigned which,
                         point_columns *c, surface_point to[]) {
     double t[VD_N] = {0.0};
@@ -188,7 +188,7 @@ SIMD void start_columns(mesh_shading *m, const tile_layer *l, unsigned i, unsign
         c->d[a] = d_load(m->s->rays.d[a] + i);
 }
 
-/* mesh_normals() has listed the layer's tets. */
+/* Requires that mesh_normals() has listed the layer's tets. */
 static void mesh_starts(void *work, const tile_layer *l, unsigned i, unsigned which,
                         surface_point to[]) {
     mesh_shading *m = work;
@@ -202,17 +202,17 @@ static void mesh_starts(void *work, const tile_layer *l, unsigned i, unsigned wh
 
 static const tile_kind mesh_kind_of_tile = {mesh_normals, mesh_starts};
 
-/* Before the first walk. */
+/* Call before the first walk. */
 static void mesh_shade_begin(mesh_shading *m, const tile_state *s) {
     m->s = s;
 }
 
-/* What a walk has found. */
+/* Shade what a walk has found. */
 static void mesh_shade(mesh_shading *m) {
     shade_walk(m->s, &mesh_kind_of_tile, m, &m->pixels);
 }
 
-/* The tile's pixels, and its outcome. */
+/* Finish the tile's pixels and its outcome. */
 static void mesh_shade_end(mesh_shading *m) {
     shade_behind_all(m->s->f, &m->pixels);
     write_tile(m->s, &m->pixels);

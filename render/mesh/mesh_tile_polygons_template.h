@@ -1,8 +1,8 @@
-/* mesh_tile_polygons_template.h - tets that a tile's rays may hit, on their way through doubles;
- * included by the units of an ISA (see formats/base/simd.h).
+/* mesh_tile_polygons_template.h - tests tets that a tile's rays may hit, in doubles; included by
+ * the units of an ISA (see formats/base/simd.h).
  *
- * Isopolygons are made a vector of tets at a time. Small ones then meet their rays together, each
- * lane a polygon and one of its rays; large ones alone, each lane a ray.
+ * Isopolygons are made a vector of tets at a time. Small ones then meet their rays together, with a
+ * polygon and one of its rays per lane. Large ones meet theirs alone, a ray per lane.
  */
 #ifndef RENDER_MESH_MESH_TILE_POLYGONS_TEMPLATE_H
 #define RENDER_MESH_MESH_TILE_POLYGONS_TEMPLATE_H
@@ -16,14 +16,14 @@
 
 /* ---- Hits ---- */
 
-/* Polygons of the queue, and rays, that are looked at together. */
+/* Polygons of the queue and rays, tested together lane by lane. */
 typedef struct met_rays {
     vd d[3];
     uint16_t ray[VD_N];
     uint8_t of[VD_N]; /* the polygon's lane in the queue */
 } met_rays;
 
-/* A hit of ray i: before what it has? */
+/* Take a hit of ray i if it is before the one that the ray has. */
 static void take_surface(mesh_tile *w, unsigned of, unsigned i, double t, bool entering) {
     const tet_queue *q = &w->queue;
     const tile_surface found = {t, &q->at[of]->head, q->local[of], q->iso[of], entering};
@@ -34,7 +34,7 @@ static void take_surface(mesh_tile *w, unsigned of, unsigned i, double t, bool e
     w->s.counters->roots++;
 }
 
-/* What the vectors leave in doubt: a bent quadrilateral has two hits. */
+/* Decide by the scalar truth what the vectors leave in doubt. A bent quadrilateral has two hits. */
 static void take_scalar(mesh_tile *w, unsigned of, unsigned i) {
     const tet_queue *q = &w->queue;
     const isopolygon g = polygon_lanes_get(&q->polygons, of);
@@ -49,7 +49,7 @@ static void take_scalar(mesh_tile *w, unsigned of, unsigned i) {
         take_surface(w, of, i, found.t, found.entering);
 }
 
-/* Hits that are sure: those before what the rays have; enters: along the normal. */
+/* Take the sure hits that are before those that the rays have. enters: along the normal. */
 SIMD void take_sure(mesh_tile *w, const met_rays *r, unsigned hits, unsigned enters, vd t) {
     const tile_rays *rays = &w->s.rays;
     double ts[VD_N];
@@ -63,8 +63,8 @@ SIMD void take_sure(mesh_tile *w, const met_rays *r, unsigned hits, unsigned ent
 
 /* ---- Rays and polygons ---- */
 
-/* Lane by lane a ray and a polygon; lanes: which of them, quads: which polygons have four points.
- * Those that are hit. */
+/* Test a ray and a polygon per lane. lanes: which to test; quads: which polygons have four points.
+ * Returns the lanes with a hit. */
 SIMD unsigned meet_lanes(mesh_tile *w, const seen_lanes *s, const met_rays *r, unsigned lanes,
                          unsigned quads) {
     const weights w12 = weigh(r->d, s->normal[EDGE_12], s->error[EDGE_12]);
@@ -81,7 +81,7 @@ SIMD unsigned meet_lanes(mesh_tile *w, const seen_lanes *s, const met_rays *r, u
         const verdict v2 = judge(w23, w30, w02);
         hits2 = md_bits(md_or(v2.enters, v2.leaves)) & quads & lanes;
         LANE_COUNT(centres, hits2);
-        /* A quadrilateral that is hit twice is bent: not here. */
+        /* A quadrilateral that is hit twice is bent: leave it to the scalar truth. */
         doubtful |= (md_bits(v2.doubtful) & quads) | (hits & hits2);
         if (hits2 & ~doubtful)
             take_sure(w, r, hits2 & ~doubtful, md_bits(v2.enters),
@@ -97,7 +97,7 @@ SIMD unsigned meet_lanes(mesh_tile *w, const seen_lanes *s, const met_rays *r, u
     return hits | hits2;
 }
 
-/* Polygons each with few rays: one ray of each at a time. */
+/* Polygons with few rays each: test one ray of each at a time. */
 SIMD void meet_few(mesh_tile *w, const seen_lanes *s, unsigned lanes, unsigned quads) {
     const tet_queue *q = &w->queue;
     uint32_t left[VD_N];
@@ -125,7 +125,7 @@ SIMD void meet_few(mesh_tile *w, const seen_lanes *s, unsigned lanes, unsigned q
     LANE_COUNT(polygons_hit, met);
 }
 
-/* A lane's polygon in all lanes. */
+/* Copy a lane's polygon to all lanes. */
 SIMD void spread_lane(const seen_lanes *s, unsigned lane, seen_lanes *out) {
     for (int i = 0; i < 4; i++)
         for (int a = 0; a < 3; a++)
@@ -137,10 +137,10 @@ SIMD void spread_lane(const seen_lanes *s, unsigned lane, seen_lanes *out) {
     }
 }
 
-/* Windows of pixels: as wide as rows of doubles are loaded. */
+/* Windows of pixels, as wide as rows of doubles are loaded. */
 enum { SPAN = D_ROW, SPANS = VD_N / D_ROW };
 
-/* The rays of row y that look at a lane's polygon. */
+/* Returns the rays of row y that look at a lane's polygon. */
 SIMD unsigned looking(const mesh_tile *w, unsigned lane, unsigned y) {
     const tet_queue *q = &w->queue;
     const tile_rect r = q->rect[lane];
@@ -151,7 +151,7 @@ SIMD unsigned looking(const mesh_tile *w, unsigned lane, unsigned y) {
     return w->s.open[y] & row_mask(r);
 }
 
-/* A polygon and the rays that look at it, by windows. */
+/* Test one polygon against the rays that look at it, window by window. */
 static void meet_many(mesh_tile *w, const seen_lanes *all, unsigned lane, bool quad) {
     const tile_rays *rays = &w->s.rays;
     const tile_rect rect = w->queue.rect[lane];
@@ -187,7 +187,7 @@ static void meet_many(mesh_tile *w, const seen_lanes *all, unsigned lane, bool q
 
 /* ---- Tets ---- */
 
-/* Of a lane: kept with the treelet, or in doubt. */
+/* Fill a lane whose polygon is kept with the treelet, or was in doubt. */
 static void polygon_alone(mesh_tile *w, unsigned lane) {
     tet_queue *q = &w->queue;
     const resident_mesh *at = q->at[lane];
@@ -204,10 +204,10 @@ static void polygon_alone(mesh_tile *w, unsigned lane) {
         polygon_lanes_put(&q->polygons, lane, g);
 }
 
-/* Rays of a polygon that are taken one by one, beside those of others. */
+/* A polygon with at most this many rays is tested together with other polygons. */
 enum { FEW = 2 };
 
-/* Make the polygons of the queue, and let rays meet them. */
+/* Make the polygons of the queue, and test them against their rays. */
 static void walk_queue(mesh_tile *w) {
     tet_queue *q = &w->queue;
     const unsigned lanes = (1u << q->count) - 1u;
@@ -236,7 +236,7 @@ static void walk_queue(mesh_tile *w) {
     q->count = q->pixels = 0;
 }
 
-/* The tet of a lane. */
+/* Queue a lane's tet. Flush when the queue is full. */
 SIMD void put_tet(mesh_tile *w, const resident_mesh *at, const tet_lanes *l, unsigned lane,
                   int32_t iso, tile_rect rect, uint32_t centres) {
     const float *values = mesh_leaf_values(&at->mesh, at->values);

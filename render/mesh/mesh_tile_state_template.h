@@ -1,4 +1,4 @@
-/* mesh_tile_state_template.h - what a tile through a mesh holds, and how far its rays look;
+/* mesh_tile_state_template.h - the state of a tile through a mesh, and how far its rays look;
  * included by the units of an ISA (see formats/base/simd.h). */
 #ifndef RENDER_MESH_MESH_TILE_STATE_TEMPLATE_H
 #define RENDER_MESH_MESH_TILE_STATE_TEMPLATE_H
@@ -16,67 +16,67 @@
 #include "render/ray/lane_counts.h"
 #include "render/tile/tile_rects_template.h"
 
-/* Active tets of a treelet, a lane each, on their way to covers_of(). */
+/* Active tets of a treelet, a lane each, waiting for covers_of(). */
 typedef struct tet_lanes {
-    uint32_t vertex[4][VF_N]; /* in the treelet */
-    tile_rect within[VF_N];   /* those of their leaves */
+    uint32_t vertex[4][VF_N]; /* numbers in the treelet */
+    tile_rect within[VF_N];   /* rectangles of their leaves */
     uint32_t local[VF_N];
     unsigned count;
 } tet_lanes;
 
-/* What waits hides nothing: so many pixels at most. */
+/* The most pixels of waiting polygons, which hide nothing yet. */
 enum { QUEUE_PIXELS = 64 };
 
-/* Tets of a treelet that rays may hit, a lane each, on their way to polygons. */
+/* Tets of a treelet that rays may hit, a lane each, waiting to be made into polygons. */
 typedef struct tet_queue {
     tet_columns tets;
     double isovalue[VD_N];
     const resident_mesh *at[VD_N];
     uint32_t local[VD_N];
     int32_t iso[VD_N];
-    tile_rect rect[VD_N];   /* where the polygon can be */
-    uint32_t centres[VD_N]; /* which pixels of it are looked at, as tet_covers has them */
-    unsigned count, pixels; /* those of their rectangles */
-    polygon_lanes polygons; /* while they are met */
+    tile_rect rect[VD_N];   /* pixels where the polygon can be */
+    uint32_t centres[VD_N]; /* which of these pixels look at it, as in tet_covers */
+    unsigned count, pixels; /* sum of the rectangles' pixels */
+    polygon_lanes polygons; /* while rays meet them */
 } tet_queue;
 
 typedef struct mesh_tile {
     tile_state s;
     tile_view view;
     double eye[3];
-    tet_lanes lanes[2]; /* that which fills, and a full one that waits for its vertices, or none */
+    tet_lanes lanes[2]; /* one that fills, and maybe a full one that waits for its vertices */
     unsigned filling;
     tet_queue queue;
-    float far2[TILE_RAYS + VF_N]; /* squares of how far rays look; below 0: they do not */
+    float far2[TILE_RAYS + VF_N]; /* squares of how far rays look; below 0: not at all */
 } mesh_tile;
 
-/* ---- Who is behind what ---- */
+/* ---- Which rays see what ---- */
 
-/* What is given away on distances (squared) of single precision: more than their rounding. */
+/* Margin for squared distances in single precision: more than their rounding. */
 static const float SURELY = 1.0f - 0x1p-20f;
 
-/* How far ray i looks. */
+/* Update how far ray i looks. */
 SIMD void look_as_far(mesh_tile *w, unsigned i) {
     const double t = w->s.reach[i];
     w->far2[i] = (float)(t * t) + FLT_MIN;
 }
 
-/* Look no more with rays that are not open. */
+/* Stop looking with rays that are not open. */
 static void look_with_open(mesh_tile *w) {
     for (unsigned y = 0; y < TILE; y++)
         for (unsigned left = row_full & ~w->s.open[y]; left; left &= left - 1)
             w->far2[TILE * y + (unsigned)__builtin_ctz(left)] = -1.0f;
 }
 
-/* Nothing has been found. */
+/* Begin with nothing found. */
 static void look_at_all(mesh_tile *w) {
     for (unsigned i = 0; i < TILE_RAYS + VF_N; i += VF_N)
         f_store(w->far2 + i, f_set(INFINITY));
     look_with_open(w);
 }
 
-/* Whether an open ray of the rectangle has nothing in front of a distance (squared); a distance
- * that is no number is in sight. */
+/* Returns whether an open ray of the rectangle has nothing in front of a squared distance. A
+ * distance of NaN is in sight. */
 SIMD bool in_sight(const mesh_tile *w, tile_rect r, float near2) {
     enum { LANES = (1u << VF_N) - 1 };
     const vf at = f_set(near2 * SURELY);
@@ -88,8 +88,8 @@ SIMD bool in_sight(const mesh_tile *w, tile_rect r, float near2) {
     return false;
 }
 
-/* Those of a window of 4 x 4 pixels from a rectangle's corner on, a bit each and row by row, whose
- * rays have nothing in front of a distance (squared). */
+/* Returns which pixels of a window of 4 x 4 from a rectangle's corner on have rays with nothing in
+ * front of a squared distance: a bit each, row by row. */
 enum { CENTRES = 4 };
 
 SIMD unsigned centre_ray(tile_rect r, unsigned bit) {

@@ -13,7 +13,7 @@
 void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                           tile_outcome *out, ray_counters *counters);
 
-/* What lies in the outcome's scratch. */
+/* What is kept in the outcome's scratch. */
 typedef struct mesh_work {
     mesh_tile tile;
     mesh_shading shading;
@@ -22,7 +22,7 @@ _Static_assert(sizeof(mesh_work) <= MESH_TILE_SCRATCH, "a tile has room in its s
 
 /* ---- Boxes ---- */
 
-/* Eight boxes, their planes as seen from the eye. AVX-512 has lanes that are idle. */
+/* Eight boxes, their planes relative to the eye. AVX-512 has idle lanes. */
 enum { BOX_LANES = VF_N > 8 ? VF_N : 8 };
 
 typedef struct near_boxes {
@@ -31,17 +31,17 @@ typedef struct near_boxes {
 
 typedef struct box_rects {
     tile_rects rects;
-    _Alignas(64) float near2[BOX_LANES]; /* squares of their distances */
+    _Alignas(64) float near2[BOX_LANES]; /* their squared distances from the eye */
 } box_rects;
 
-/* Lanes without a box: nothing out of the ordinary comes in. */
+/* Fill lanes without a box with harmless numbers. */
 SIMD void leave_idle(near_boxes *b, unsigned from) {
     for (int a = 0; a < 3; a++)
         for (unsigned c = from; c < BOX_LANES; c++)
             b->lo[a][c] = b->hi[a][c] = 0.0f;
 }
 
-/* VF_N boxes, from `lane` on. */
+/* Project VF_N boxes, from `lane` on. */
 SIMD void rects_of_planes(const mesh_tile *w, const vf lo[3], const vf hi[3], unsigned lane,
                           const tile_rect *parent, box_rects *out) {
     const projection *p = w->view.p;
@@ -77,7 +77,7 @@ SIMD void rects_of_boxes(const mesh_tile *w, const near_boxes *b, const tile_rec
     out->rects.alive &= 255u;
 }
 
-/* The children in `left`, the farthest first. */
+/* Sort the children in `left`, the farthest first. */
 SIMD unsigned by_distance(const float near2[BOX_LANES], unsigned left, uint8_t order[8]) {
     unsigned count = 0;
     for (; left; left &= left - 1) {
@@ -93,7 +93,7 @@ SIMD unsigned by_distance(const float near2[BOX_LANES], unsigned left, uint8_t o
 /* ---- Nodes ---- */
 
 typedef struct mesh_pending {
-    uint32_t level, i; /* of the tree over the treelets; in a treelet: the child */
+    uint32_t level, i; /* in the tree over the treelets; in a treelet i is the child */
     tile_rect rect;
     float near2;
 } mesh_pending;
@@ -114,13 +114,13 @@ SIMD int push_boxes(const box_rects *boxes, unsigned left, mesh_pending *stack, 
     return top;
 }
 
-/* What turns a treelet's codes into planes as seen from the eye. */
+/* Turns a treelet's codes into planes relative to the eye. */
 typedef struct eye_frame {
     float lo[3], hi[3], step[3];
 } eye_frame;
 
-/* A plane of mesh_leaf_plane() errs by a unit u = 2^-24 of itself, the treelet's corner as seen
- * from the eye by one of that, and the sum by one of itself. Boxes are larger by twice as much. */
+/* A plane of mesh_leaf_plane() errs by a unit u = 2^-24 of itself; the treelet's corner relative to
+ * the eye by u of that, and the sum by u of itself. Boxes are widened by twice as much. */
 SIMD eye_frame eye_frame_of(const mesh_tile *w, const resident_mesh *at) {
     eye_frame f;
     for (int a = 0; a < 3; a++) {
@@ -134,7 +134,7 @@ SIMD eye_frame eye_frame_of(const mesh_tile *w, const resident_mesh *at) {
     return f;
 }
 
-/* The children's. Lanes beyond them come to nothing. */
+/* Project a node's children. Lanes without a child come out empty. */
 SIMD void rects_of_node(const mesh_tile *w, const eye_frame *f, const mesh_node *node,
                         const tile_rect *parent, box_rects *out) {
     out->rects.alive = 0;
@@ -149,7 +149,7 @@ SIMD void rects_of_node(const mesh_tile *w, const eye_frame *f, const mesh_node 
     out->rects.alive &= 255u;
 }
 
-/* Leaves wait a while, so that their tets are on their way when it is their turn. */
+/* Leaves wait a while, so that their tets are fetched by the time that they are walked. */
 enum { LEAVES_WAITING = 4 };
 
 typedef struct near_leaves {
@@ -178,8 +178,8 @@ static void put_leaf(mesh_tile *w, const resident_mesh *at, const tile_rect *r, 
     l->of[k].rect = *r;
 }
 
-/* A frame touches more memory than there is cache, so all that is put off is asked for in advance:
- * nodes, tets, vertices, treelets (about a tenth of the time at 11 million tets). */
+/* A frame touches more memory than there is cache. So everything put off is prefetched: nodes,
+ * tets, vertices, treelets (saves about a tenth of the time at 11 million tets). */
 static void walk_treelet_of_mesh(mesh_tile *w, const resident_mesh *at, tile_rect rect,
                                  float near2) {
     const eye_frame planes = eye_frame_of(w, at);
@@ -216,14 +216,14 @@ static void walk_treelet_of_mesh(mesh_tile *w, const resident_mesh *at, tile_rec
         walk_next_leaf(w, at, &leaves);
     for (int of = 0; of < 2; of++)
         walk_waiting(w, at);
-    /* What it hides, no other treelet is brought in for. */
+    /* Walk the queue now: its hits may hide other treelets, which need not be loaded then. */
     if (w->queue.count > 0)
         walk_queue(w);
 }
 
 /* ---- Treelets ---- */
 
-/* Which of VD_N rays pass a box before what they have found. */
+/* Returns which of VD_N rays pass through a box before the hit that they have. */
 SIMD unsigned rays_through(const mesh_tile *w, const double lo[3], const double hi[3], unsigned i) {
     const tile_rays *rays = &w->s.rays;
     const vd d[3] = {d_load(rays->d[0] + i), d_load(rays->d[1] + i), d_load(rays->d[2] + i)};
@@ -236,7 +236,7 @@ SIMD unsigned rays_through(const mesh_tile *w, const double lo[3], const double 
                           d_min(d_load(rays->t1 + i), d_load(w->s.reach + i)));
 }
 
-/* Rays that pass a treelet which is not there go no further. */
+/* Suspend rays that pass an absent treelet. */
 static void wait_for_treelet(mesh_tile *w, uint32_t t, tile_rect r) {
     const float *bounds = mesh_rays_of(w->s.f->tracer)->tree->bounds[0][t];
     const double lo[3] = {bounds[0], bounds[1], bounds[2]};
@@ -268,11 +268,11 @@ static void walk_resident_treelet(mesh_tile *w, const mesh_pending *p) {
         wait_for_treelet(w, p->i, p->rect);
         return;
     }
-    tracer_touch(w->s.f->tracer, p->i); /* as far as rectangles tell */
+    tracer_touch(w->s.f->tracer, p->i); /* judged by rectangles alone */
     walk_treelet_of_mesh(w, at, p->rect, p->near2);
 }
 
-/* The next treelet, perhaps: what its walk begins with. */
+/* Prefetch what the walk of the probable next treelet begins with. */
 static void expect_treelet(const mesh_tile *w, uint32_t t) {
     const resident_mesh *at = resident_mesh_of(loader_peek(w->s.f->tracer->treelets, t));
     if (!at)
@@ -288,7 +288,7 @@ static void expect_treelet(const mesh_tile *w, uint32_t t) {
         __builtin_prefetch(at->active->tets + word);
 }
 
-/* The tree over the treelets, from its root on. */
+/* Walk the tree over the treelets, from its root. */
 static void walk_mesh(mesh_tile *w, tile_rect rect) {
     const treelet_tree *tree = mesh_rays_of(w->s.f->tracer)->tree;
     mesh_pending stack[TREE_STACK_MAX];

@@ -1,6 +1,6 @@
-/* mesh_tile_tets_template.h - active tets of a treelet as a tile sees them, a vector at a time, in
- * single precision: which pixels their isopolygons can cover; included by the units of an ISA (see
- * formats/base/simd.h). */
+/* mesh_tile_tets_template.h - active tets of a treelet as seen by a tile, a vector at a time, in
+ * single precision: finds which pixels their isopolygons can cover; included by the units of an ISA
+ * (see formats/base/simd.h). */
 #ifndef RENDER_MESH_MESH_TILE_TETS_TEMPLATE_H
 #define RENDER_MESH_MESH_TILE_TETS_TEMPLATE_H
 
@@ -11,16 +11,16 @@
 #include "render/mesh/mesh_tile_polygons_template.h"
 #include "stream/interest.h"
 
-/* Tets as the eye sees them, a lane each: homogeneous pixel coordinates of their vertices, and
+/* Tets as seen from the eye, a lane each: homogeneous pixel coordinates of their vertices, and
  * their values. */
 typedef struct tets_in_view {
     vf x[4], y[4], w[4], f[4];
-    vf far; /* bounds any of the vertices' distances */
-    mf odd; /* values that sums and quotients of floats cannot be trusted with */
+    vf far; /* bound of all vertices' distances */
+    mf odd; /* lanes with values too large for sums and quotients of floats */
 } tets_in_view;
 
-/* Positions are taken from the treelet's lower corner, and so is the eye's, in double: what errs is
- * a few units of 2^-24 of the distance and of the treelet's size. */
+/* Positions, and the eye's in double, are relative to the treelet's lower corner. So the error is a
+ * few units of 2^-24 of the distance and of the treelet's size. */
 SIMD void view_tets(const mesh_tile *w, const resident_mesh *at, const tet_lanes *l,
                     tets_in_view *v) {
     const projection *p = w->view.p;
@@ -52,15 +52,16 @@ SIMD void view_tets(const mesh_tile *w, const resident_mesh *at, const tet_lanes
     }
 }
 
-/* Where the isovalue lies on tets' edges, in the picture; where it cuts none, anything. */
+/* The isovalue's points on tets' edges, in the picture. Edges that it does not cut hold
+ * anything. */
 typedef struct cut_points {
     vf x[TET_EDGES], y[TET_EDGES];
     mf cut[TET_EDGES];
 } cut_points;
 
-/* Where the isopolygons of tets can be: the points on their edges between vertices on either side,
- * in the picture. An edge's share s errs by six units of 2^-24 of itself: numerator, denominator
- * and quotient; so its point by less than what boxes' corners may err by. */
+/* Bound the isopolygons of tets in the picture, by the points on their edges between vertices on
+ * either side. An edge's share s errs by six units of 2^-24 of itself: numerator, denominator and
+ * quotient. So its point errs by less than the error allowed for boxes' corners. */
 SIMD children_extent extent_of_polygons(const tets_in_view *v, double iso, cut_points *c) {
     const vf most = f_set(INFINITY), least = f_set(-INFINITY), zero = f_set(0.0f);
     const vf threshold = f_set(interest_threshold(iso));
@@ -95,14 +96,14 @@ SIMD children_extent extent_of_polygons(const tets_in_view *v, double iso, cut_p
 
 /* ---- Pixels' centres ---- */
 
-/* Isopolygons in the picture: their corners in order around, from a tile's first pixel, the first
- * one again behind the last; a triangle's third corner twice. */
+/* Isopolygons in the picture, from a tile's first pixel: their corners in order around, and the
+ * first one again. A triangle's third corner stands twice. */
 typedef struct flat_polygons {
     vf x[5], y[5];
 } flat_polygons;
 
-/* A triangle has a corner on one edge of each pair that have no vertex in common (01 23, 02 13, 03
- * 12); a quadrilateral has opposite corners on both of two such pairs. */
+/* Take pairs of edges without a common vertex (01 23, 02 13, 03 12). A triangle has a corner on one
+ * edge of each pair. A quadrilateral has opposite corners on both edges of two of these pairs. */
 SIMD flat_polygons flatten(const tile_view *tile, const cut_points *c) {
     enum { E01, E02, E03, E12, E13, E23 };
     const mf both = mf_and(c->cut[E01], c->cut[E23]), any = mf_or(c->cut[E01], c->cut[E23]);
@@ -125,22 +126,22 @@ SIMD flat_polygons flatten(const tile_view *tile, const cut_points *c) {
     return p;
 }
 
-/* Lines around polygons: their edge functions fall by y from pixel to pixel. */
+/* Lines around polygons. Their edge functions fall by y from each pixel to the next. */
 typedef struct flat_lines {
     flat_polygons from;
     vf x[4], y[4], error;
 } flat_lines;
 
-/* How far a polygon may reach that is looked at so, in pixels. */
+/* The largest polygon tested so, in pixels. */
 static const float CENTRES_REACH = 8.0f;
 
-/* A pixel's centre c within a polygon that is where it should be passes its edges on one side. Its
- * corners are off by m a coordinate at most, twice the margin at far / w (deep), which moves the
- * edge function of P and Q at c by (b - a) x (c - P) - (Q - P) x a - (b - a) x a, |a|, |b| <= m:
- * with S the sum of the moduli of all edges' coordinates, so that c - P has S / 2 at most, by less
- * than m S + m S / 2 + 2 m^2. Seen from the wrong corners S is wrong itself, by 16 m. Together 1.5
- * m S + 26 m^2. What edge functions are rounded by is less than 2^-22 (S / 2)^2 < m S / 4, as m >
- * 2e-4 and S < 128. */
+/* If a pixel's centre c is within the exact polygon, it passes all its edges on one side. The
+ * computed corners are off by m a coordinate at most, twice the margin at far / w (deep). That
+ * moves the edge function of P and Q at c by (b - a) x (c - P) - (Q - P) x a - (b - a) x a, |a|,
+ * |b| <= m. Let S be the sum of the moduli of all edges' coordinates, so that c - P has S / 2 at
+ * most. Then this is less than m S + m S / 2 + 2 m^2. S of the computed corners is itself wrong, by
+ * 16 m. Together 1.5 m S + 26 m^2. Edge functions are rounded by less than 2^-22 (S / 2)^2 < m S /
+ * 4, as m > 2e-4 and S < 128. */
 SIMD flat_lines lines_around(const tile_view *tile, const cut_points *c, vf deep) {
     const float least = tile->p->margin_least;
     const float slope = (tile->p->margin - least) * projection_depth_share;
@@ -156,7 +157,7 @@ SIMD flat_lines lines_around(const tile_view *tile, const cut_points *c, vf deep
     return l;
 }
 
-/* Whether a pixel's centre lies beside a polygon, by the edge functions there. */
+/* Returns whether a pixel's centre is surely outside a polygon, by the edge functions there. */
 SIMD mf is_beside(const vf side[4], vf error) {
     const vf least = f_min(f_min(side[0], side[1]), f_min(side[2], side[3]));
     const vf most = f_max(f_max(side[0], side[1]), f_max(side[2], side[3]));
@@ -165,13 +166,13 @@ SIMD mf is_beside(const vf side[4], vf error) {
 
 typedef struct tet_covers {
     tile_rect rect[VF_N];
-    _Alignas(64) float depth[VF_N]; /* none of their points is nearer */
-    /* Of a small rectangle: the pixels whose centres may be covered, a bit each of a window of 4 x
-     * 4 from its corner on, row by row. 0: it is not small. */
+    _Alignas(64) float depth[VF_N]; /* no point of the polygon is nearer than this */
+    /* If the rectangle is small: the pixels whose centres may be covered, a bit each of a window of
+     * 4 x 4 from its corner on, row by row. 0: it is not small. */
     uint32_t centres[VF_N];
 } tet_covers;
 
-/* Small rectangles of small polygons: those lanes of which none of the pixels is covered. */
+/* Test pixel centres in small rectangles of small polygons. Returns the lanes that cover none. */
 SIMD mf cover_no_centre(const tile_view *tile, const cut_points *c, const children_extent *e,
                         vf far, mf alive, tet_covers *out) {
     const rect_lanes r = rect_lanes_load(out->rect);
@@ -207,8 +208,8 @@ SIMD mf cover_no_centre(const tile_view *tile, const cut_points *c, const childr
     return mf_and(small, f_le(centres, zero));
 }
 
-/* What the isopolygons can cover of their leaves' rectangles: lanes of those that cover anything.
- * Those nearer than a sixteenth of what positions are relative to cover all of it. */
+/* Find what the isopolygons can cover of their leaves' rectangles. Returns the lanes that cover
+ * anything. Isopolygons nearer than a sixteenth of the bound on distances cover all of it. */
 SIMD unsigned covers_of(const mesh_tile *w, const tet_lanes *l, const tets_in_view *v, double iso,
                         tet_covers *out) {
     const unsigned lanes = (1u << l->count) - 1u;
@@ -252,15 +253,15 @@ static void walk_lanes(mesh_tile *w, const resident_mesh *at, tet_lanes *l) {
     l->count = 0;
 }
 
-/* The vector that waits, if there is one; then that waits which was filling. */
+/* Walk the waiting vector, if there is one. Then the vector that was filling waits. */
 static void walk_waiting(mesh_tile *w, const resident_mesh *at) {
     w->filling ^= 1u;
     if (w->lanes[w->filling].count > 0)
         walk_lanes(w, at, &w->lanes[w->filling]);
 }
 
-/* A vector is walked when the next one is full: its vertices are asked for when its tets are
- * added, and by then they are there. */
+/* A vector is walked when the next one is full. Its vertices are prefetched when its tets are
+ * added, so they are there by then. */
 static void add_lane(mesh_tile *w, const resident_mesh *at, uint32_t local, const tile_rect *r) {
     const uint16_t *v = mesh_leaf_tets(&at->mesh, at->head.payload)[local];
     const float *values = mesh_leaf_values(&at->mesh, at->values);

@@ -3,7 +3,7 @@
 #include "render/mesh/mesh_passage.h"
 #include "render/mesh/tet_smooth.h"
 
-/* Look for hits in a treelet. True: nothing else needs to be looked at. */
+/* Look for hits in a treelet. Returns whether the search is over. */
 static bool walk_passage(const tracer *tr, const treelet *here, const ray *r, trace_state *state,
                          ray_counters *counters) {
     if (!mesh_walk(&tr->isos, resident_mesh_of(here), r, state, counters))

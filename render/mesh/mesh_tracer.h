@@ -1,11 +1,11 @@
-/* mesh_tracer.h - one ray through a whole mesh of tets, treelet by treelet, resumable.
+/* mesh_tracer.h - traces one ray through a whole mesh of tets, treelet by treelet, resumable.
  *
  * Treelets overlap; a ray takes them in the order of mesh_passage.h. A hit is final when the next
- * active one begins behind it.
+ * active treelet begins behind it.
  *
- * Hits are ordered by (t, iso, entering, tet). One crossing that several tets share (through a
- * face's edge, a vertex) has the same t bits, isovalue and direction in all of them: it is the hit
- * of the first of these tets, and the next hit differs in one of the three (tet_kernel.h).
+ * Hits are ordered by (t, iso, entering, tet). A crossing that several tets share (at a face's
+ * edge, a vertex) has the same t bits, isovalue and direction in all of them. It counts as a hit of
+ * the first of these tets; the next hit differs in t, iso or entering (tet_kernel.h).
  */
 #ifndef RENDER_MESH_MESH_TRACER_H
 #define RENDER_MESH_MESH_TRACER_H
@@ -15,19 +15,20 @@
 /* A mesh as rays see it during a frame: tracer.own. */
 typedef struct mesh_rays {
     const treelet_tree *tree; /* over its treelets */
-    bool smooth;              /* normals by the gradients at vertices, which its treelets have */
-    unsigned packet;          /* rays on a side of those of mesh_packet.h; 0: tiles instead */
+    bool smooth;              /* interpolate normals from gradients at vertices, which its treelets
+                                 have */
+    unsigned packet;          /* rays on a side of a packet (mesh_packet.h); 0: tiles instead */
 } mesh_rays;
 
 static inline const mesh_rays *mesh_rays_of(const tracer *tr) {
     return tr->own;
 }
 
-/* mesh_tracer_next() - tracer_next(). */
+/* mesh_tracer_next() - tracer_next() for meshes. */
 trace_result mesh_tracer_next(const tracer *tr, const ray *r, trace_state *state,
                               ray_counters *counters);
 
-/* mesh_tracer_surface() - tracer_surface(), of a hit that lies in tet h->cell of this treelet. */
+/* mesh_tracer_surface() - tracer_surface() for a hit in tet h->cell of this treelet. */
 surface_point mesh_tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h);
 
 #endif

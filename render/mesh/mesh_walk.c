@@ -30,17 +30,17 @@ bool mesh_interval_in(const mesh_slabs *s, const double lo[3], const double hi[3
         t_in = near > t_in ? near : t_in;
         t_out = far < t_out ? far : t_out;
     }
-    /* What is given away grows with the box, also where t is below 0: so this is monotone. */
+    /* The margin grows with the box, also where t is below 0. So the interval is monotone. */
     const double length = t_out - t_in;
     const double first = t_in - 2.0 * MESH_GENEROSITY * (fabs(t_in) + length);
     const double last = t_out + 2.0 * MESH_GENEROSITY * (fabs(t_out) + length);
     out->t_in = first > s->t0 ? first : s->t0;
     out->t_out = last < s->t1 ? last : s->t1;
-    /* With numbers that are not finite, everything may be. */
+    /* If a number is not finite, the box may be met. */
     return !(first > last) && !(out->t_in > out->t_out);
 }
 
-/* How far t is along these bounds' diagonal, or farther. */
+/* Returns how far t gets along the diagonal of these bounds, or more. */
 static double t_across(const float bounds[6], const ray *r) {
     double size = 0.0, fastest = 0.0;
     for (int a = 0; a < 3; a++) {
@@ -50,7 +50,7 @@ static double t_across(const float bounds[6], const ray *r) {
     return size / fastest;
 }
 
-/* The t of a hit errs by less than 2^-40 of itself and of what it takes to cross the bounds. */
+/* The t of a hit errs by less than 2^-40 of itself and of the t that crosses the bounds. */
 double mesh_walk_slack(const float bounds[6], const ray *r, double t) {
     return 0x1p-30 * (fabs(t) + t_across(bounds, r));
 }
@@ -80,10 +80,10 @@ void mesh_walk_gradients(const resident_mesh *tr, uint32_t local, float gradient
 
 /* ---- Leaves ---- */
 
-/* The first hit with one isopolygon behind `after`: another crossing, whatever the tet. */
+/* Find the first hit with one isopolygon behind `after`: another crossing, whatever the tet. */
 static bool next_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t iso,
                      const hit *after, hit *found) {
-    /* The kernel orders by (t, tet, iso): it is asked for everything from the same t on. */
+    /* The kernel orders by (t, tet, iso), so ask it for everything from the same t on. */
     hit last = {after->t, 0, -1, false};
     const hit behind = {after->t, UINT64_MAX, after->iso, after->entering};
     while (isopolygon_hit(g, r, cell, iso, &last, found)) {
@@ -94,7 +94,7 @@ static bool next_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t i
     return false;
 }
 
-/* The box of a tet costs less than its isopolygon. */
+/* Returns whether the ray meets the tet's box, which costs less than its isopolygon. */
 static bool passes_box(const mesh_slabs *line, const tet *x) {
     double lo[3], hi[3];
     mesh_interval in;
@@ -144,22 +144,22 @@ typedef struct pending {
     uint32_t child; /* as in mesh_node */
 } pending;
 
-/* Depth times siblings: a file's trees are no deeper, which is checked when they are loaded. */
+/* Depth times siblings. That no file's tree is deeper is checked when it is loaded. */
 enum { STACK_MAX = MESH_DEPTH_MAX * (MESH_CHILDREN - 1) + 1 };
 
-/* A ray as the boxes of a treelet see it: it comes to the plane of code c of an axis at near + c *
- * slope (its near side) or far + c * slope, somewhat early and late. */
+/* A ray as the boxes of a treelet see it. It reaches the plane of code c of an axis at near + c *
+ * slope (near side) or far + c * slope (far side). near is somewhat early, far somewhat late. */
 typedef struct code_slabs {
     double near[3], far[3], slope[3];
-    bool back[3]; /* the near side is the upper one */
+    bool back[3]; /* whether the near side is the upper one */
     double slack;
     double t0, t1, behind;
 } code_slabs;
 
-/* Instead of 1 / 0: what is not in the slab is never there. Times any float it is still finite. */
+/* Used for 1 / 0: what is not in the slab is never reached. Times any float it is still finite. */
 static const double never = 0x1p600;
 
-/* A plane errs by 2^-24 of the treelet's size and place, the kernel by less than slack. */
+/* A plane errs by 2^-24 of the treelet's size and place, the kernel by less than `slack`. */
 static code_slabs code_slabs_of(const resident_mesh *tr, const ray *r, const hit *after) {
     code_slabs s = {.slack = 0x1p-30 * t_across(tr->bounds, r),
                     .t0 = r->t0,
@@ -178,7 +178,7 @@ static code_slabs code_slabs_of(const resident_mesh *tr, const ray *r, const hit
     return s;
 }
 
-/* The children of a node that the ray meets before `nearest`, and where it enters them. */
+/* Returns which children of a node the ray meets before `nearest`; t_in: where it enters them. */
 static unsigned meet_children(const code_slabs *s, const mesh_node *n, double nearest,
                               double t_in[MESH_CHILDREN]) {
     double t_out[MESH_CHILDREN];
@@ -207,7 +207,7 @@ static unsigned meet_children(const code_slabs *s, const mesh_node *n, double ne
     return met;
 }
 
-/* Push those of a node's children that the ray meets before `nearest`, the first of them last. */
+/* Push the chosen children that the ray meets before `nearest`, the nearest last. */
 static int push_children(const code_slabs *s, const resident_mesh *tr, uint32_t node,
                          unsigned chosen, double nearest, pending stack[], int top) {
     const mesh_node *n = &tr->nodes[node];
@@ -224,7 +224,7 @@ static int push_children(const code_slabs *s, const resident_mesh *tr, uint32_t 
     return top;
 }
 
-/* The active tets from `first` on. */
+/* Test the active tets from `first` on. */
 static bool walk_leaf(const isovalue_list *isos, const resident_mesh *tr, uint32_t first,
                       uint32_t end, const ray *r, const mesh_slabs *line, trace_state *s,
                       ray_counters *counters) {
@@ -297,7 +297,7 @@ void mesh_walk_each(const resident_mesh *tr, const ray *r, const hit *after, dou
 
 /* ---- Points ---- */
 
-/* Exact, and much cheaper than the tet itself. */
+/* Returns whether the box holds the point: exact, and much cheaper than the tet itself. */
 static bool box_holds_point(const tet *x, const double point[3]) {
     bool holds = true;
     for (int a = 0; a < 3; a++) {
@@ -326,13 +326,13 @@ static bool holds_point(const tet *x, const double point[3], double weights[4]) 
     return true;
 }
 
-/* The children of a node whose boxes hold a point. */
+/* Returns which children of a node have boxes that hold the point. */
 static unsigned children_at(const resident_mesh *tr, const mesh_node *n, const double point[3]) {
     unsigned at = 0;
     for (int c = 0; c < MESH_CHILDREN; c++) {
         bool holds = true;
         for (int a = 0; a < 3; a++)
-            holds &= n->lo[a][c] <= n->hi[a][c] && /* it is there */
+            holds &= n->lo[a][c] <= n->hi[a][c] && /* the child exists */
                      (double)mesh_leaf_plane(&tr->planes, a, n->lo[a][c]) <= point[a] &&
                      point[a] <= (double)mesh_leaf_plane(&tr->planes, a, n->hi[a][c]);
         at |= (unsigned)holds << c;
@@ -340,7 +340,7 @@ static unsigned children_at(const resident_mesh *tr, const mesh_node *n, const d
     return at;
 }
 
-/* The first tet from `from` to `end` that holds the point; `end`: none does. */
+/* Returns the first tet from `from` to `end` that holds the point; `end`: none does. */
 static uint32_t find_in_leaf(const resident_mesh *tr, uint32_t from, uint32_t end,
                              const double point[3], double weights[4]) {
     for (; from < end; from++) {
@@ -366,7 +366,8 @@ bool mesh_walk_find(const resident_mesh *tr, const double point[3], uint32_t *lo
                 stack[top++] = n->child[__builtin_ctz(left)];
             continue;
         }
-        /* Tets of other leaves may hold it, too: the first of all is asked for. */
+        /* Other leaves may hold an earlier tet with the point, so go on: the first of all is
+         * wanted. */
         const uint32_t leaf = child & ~MESH_LEAF;
         const uint32_t end = first[leaf + 1] < *local ? first[leaf + 1] : *local;
         double w[4];

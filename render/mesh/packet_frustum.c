@@ -23,8 +23,8 @@ void packet_frustum_add(packet_frustum *s, const double d[3]) {
 
 /* ---- Boxes ---- */
 
-/* The least and the most t at which rays meet the planes of an axis: quotients are monotone,
- * rounded or not. */
+/* Narrow [t_in, t_out] by the least and the greatest t at which rays meet the planes of an axis.
+ * Quotients are monotone, rounded or not. */
 static void packet_slab(double least, double most, double lo, double hi, double *t_in,
                         double *t_out) {
     double in = -INFINITY, out = INFINITY;
@@ -43,7 +43,8 @@ static void packet_slab(double least, double most, double lo, double hi, double 
     *t_out = out < *t_out ? out : *t_out;
 }
 
-/* Smallest and largest of the corners' pixels along one side; false: the packet's are elsewhere. */
+/* Find the smallest and largest of the corners' pixels along one side. False: they miss the
+ * packet's pixels. */
 static bool packet_span(const float at[8], float first, float margin, int side, int *from,
                         int *to) {
     float lo = at[0], hi = at[0];
@@ -60,7 +61,7 @@ static bool packet_span(const float at[8], float first, float margin, int side, 
     return true;
 }
 
-/* The pixels that a box can cover; all of them where it reaches behind the eye. */
+/* Find the pixels that a box can cover: all of them if it reaches behind the eye. */
 static bool packet_pixels(const packet_frustum *s, const packet_box *b, packet_rect *out) {
     const projection *p = s->projection;
     float x[8], y[8], least = INFINITY, far = 0.0f;
@@ -90,20 +91,20 @@ bool packet_frustum_box(const packet_frustum *s, const packet_box *b, packet_rea
     double t_in = -INFINITY, t_out = INFINITY;
     for (int a = 0; a < 3; a++)
         packet_slab(s->least[a], s->most[a], b->lo[a], b->hi[a], &t_in, &t_out);
-    /* Twice as generous: what one ray is given, in terms of its own, narrower interval. */
+    /* Twice the margin of one ray, whose own interval is narrower. */
     const double slack = 2.0 * MESH_GENEROSITY * (fabs(t_in) + fabs(t_out));
     out->near = t_in - slack;
-    /* With a slack that is not finite, everything may be. */
+    /* If the slack is not finite, every box may be met. */
     return !(out->near > t_out + slack) && !(out->near > s->far) && !(t_out + slack < 0.0) &&
            packet_pixels(s, b, &out->pixels);
 }
 
 /* ---- Isopolygons ---- */
 
-/* Rounding of directions, of corners, of edge functions: a multiple of all of it. */
+/* Bounds the rounding of directions, corners and edge functions, relative to the sum of moduli. */
 static const double certainty = 0x1p-38;
 
-/* The side of the edge from a to b on which all corners surely are; 0: not all on one. */
+/* Returns on which side of the edge from a to b all corners surely are; 0: not all on one. */
 static int side_of(const packet_frustum *s, const double a[3], const double b[3]) {
     double normal[3], terms = 0.0;
     int above = 0, below = 0;
@@ -122,10 +123,10 @@ static int side_of(const packet_frustum *s, const double a[3], const double b[3]
     return above == 4 ? 1 : below == 4 ? -1 : 0;
 }
 
-/* What all rays do with a triangle, by the sides of its edges on which they are: 1 hit it, -1 miss
- * it, 0 neither is sure. Rays in front of the eye hit it only where all edge functions have the
- * sign of `front`, on which side of it the eye is, or are 0. Where the eye is all but in its plane,
- * nothing is said. */
+/* Returns what all rays do with a triangle, by the sides of its edges on which they are: 1 hit it,
+ * -1 miss it, 0 unsure. Rays in front of the eye hit it only if all edge functions are 0 or have
+ * the sign of `front`, the side of the triangle on which the eye is. If the eye is almost in its
+ * plane, the result is 0. */
 static int view_triangle(const double a[4][3], int j, int k, const int side[3]) {
     const double volume = vec3_det(a[0], a[j], a[k]);
     const double size = vec3_size(a[0]) * vec3_size(a[j]) * vec3_size(a[k]);

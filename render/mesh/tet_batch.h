@@ -1,9 +1,9 @@
-/* tet_batch.h - many rays against one isopolygon.
+/* tet_batch.h - tests many rays against one isopolygon.
  *
- * Each ray keeps the first of its hits that comes behind a given one, in the order of tet_less(),
- * so crossings seen from two tets count once. The answer of a ray is, to the bit, that of
- * isopolygon_hit(); it depends neither on the other rays nor on the order of polygons. Versions for
- * newer instructions come from one template (tet_batch_template.h); the scalar one is the truth.
+ * Each ray keeps its first hit behind a given one, in the order of tet_less(), so a crossing seen
+ * from two tets counts once. The answer of a ray is, to the bit, that of isopolygon_hit(). It
+ * depends neither on the other rays nor on the order of polygons. Versions for newer instructions
+ * come from one template (tet_batch_template.h); the scalar one is the truth.
  */
 #ifndef RENDER_MESH_TET_BATCH_H
 #define RENDER_MESH_TET_BATCH_H
@@ -16,15 +16,16 @@ enum { TET_RAYS = 256 };
 typedef struct tet_rays {
     _Alignas(64) double o[3][TET_RAYS];
     double d[3][TET_RAYS];
-    double from[TET_RAYS]; /* hits lie in [from, to]: from the larger of t0 and after.t */
-    double to[TET_RAYS];   /* to the lesser of t1 and best.t */
-    hit best[TET_RAYS];    /* hit_none() to begin with */
+    double from[TET_RAYS]; /* hits lie in [from, to]: from is the larger of t0 and after.t, */
+    double to[TET_RAYS];   /* to is the lesser of t1 and best.t */
+    hit best[TET_RAYS];    /* hit_none() at first */
     hit after[TET_RAYS];
-    bool one_origin; /* all o are alike: set by the caller, true of primary rays; false costs */
+    bool one_origin; /* all o are equal: set by the caller, true for primary rays; false costs
+                        time */
 } tet_rays;
 
-/* tet_rays_put() - ray number `lane`; its hits come behind the crossing `after`, whatever that's
- * tet: hit_before_all(), or its last one. */
+/* tet_rays_put() - sets ray number `lane`. Only hits behind the crossing `after` count, whichever
+ * tet that was in: hit_before_all(), or the ray's last hit. */
 static inline void tet_rays_put(tet_rays *rays, int lane, const ray *r, const hit *after) {
     for (int a = 0; a < 3; a++) {
         rays->o[a][lane] = r->o[a];
@@ -36,23 +37,24 @@ static inline void tet_rays_put(tet_rays *rays, int lane, const ray *r, const hi
     rays->after[lane] = *after;
 }
 
-/* tet_rays_clear() - no hit is found for this ray number; what was found is forgotten. For numbers
- * that no ray has: a version may look at all rays up to the next multiple of 16. */
+/* tet_rays_clear() - forgets what was found for this ray number, and finds no hit for it. For
+ * numbers without a ray: a version may process rays up to the next multiple of 16. */
 void tet_rays_clear(tet_rays *rays, int lane);
 
-/* What is known of all these rays, by the signs of edge functions that are certain: they hit the
+/* What certain signs of edge functions tell of all these rays: nothing, or that they hit the
  * triangle of points 0 1 2, or the one of points 0 2 3. */
 typedef enum tet_known { TET_UNKNOWN, TET_FIRST_IS_HIT, TET_SECOND_IS_HIT } tet_known;
 
-/* A tet_batch_fn lowers best[i] (and to[i]) of the rays first <= i < end <= TET_RAYS, if g has a
- * lesser hit; g, cell and iso_index as for isopolygon_hit(). What is known only saves time. */
+/* A tet_batch_fn lowers best[i] (and to[i]) for the rays first <= i < end <= TET_RAYS, if g has a
+ * lesser hit; g, cell and iso_index as for isopolygon_hit(). `known` only saves time. */
 typedef void (*tet_batch_fn)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
                              tet_rays *rays, int first, int end);
 
 /* By ISA (cpu.h). */
 extern const tet_batch_fn tet_batch_kernels[CPU_ISAS];
 
-/* tet_batch_offer() - for the versions: a hit that this ray has. True: the first of its so far. */
+/* tet_batch_offer() - for the versions: offers a hit of this ray. Returns whether it is the ray's
+ * first so far. */
 static inline bool tet_batch_offer(tet_rays *rays, int lane, const hit *h) {
     const hit *after = &rays->after[lane];
     const hit behind = {after->t, UINT64_MAX, after->iso, after->entering};
@@ -63,8 +65,8 @@ static inline bool tet_batch_offer(tet_rays *rays, int lane, const hit *h) {
     return true;
 }
 
-/* tet_batch_one() - for the versions: one ray, by the scalar truth. True: it has a first hit anew.
- */
+/* tet_batch_one() - for the versions: tests one ray by the scalar truth. Returns whether its first
+ * hit changed. */
 bool tet_batch_one(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_rays *rays, int lane);
 
 #endif

@@ -1,9 +1,9 @@
 /* tet_batch_template.h - tet_batch.h for the ISA of the translation unit that includes it.
  *
- * A vector of rays at a time. What the rays of one origin have in common, the polygon's edges as
- * the origin sees them, is done once; then an edge function is a scalar product. Sums and products
- * are those of exact_near() and isopolygon_hit(), in their order, so the bits are the same. Rays
- * whose signs these leave in doubt go to the scalar truth.
+ * Takes a vector of rays at a time. The polygon's edges as seen from the origin are prepared once
+ * for all rays of one origin; then an edge function is a scalar product. Sums and products are
+ * those of exact_near() and isopolygon_hit(), in their order, so the bits are the same. Rays whose
+ * signs stay in doubt go to the scalar truth.
  */
 #ifndef RENDER_MESH_TET_BATCH_TEMPLATE_H
 #define RENDER_MESH_TET_BATCH_TEMPLATE_H
@@ -17,7 +17,7 @@
 void SIMD_NAME(tet_batch)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
                           tet_rays *rays, int first, int end);
 
-/* A vector of rays that all hit one triangle: only where is asked. */
+/* Find t for a vector of rays that are known to hit one triangle. */
 SIMD void pass_rays(const seen *s, tet_rays *rays, int at, hit_of of, tet_known known,
                     unsigned wanted) {
     const vd d[3] = {d_load(rays->d[0] + at), d_load(rays->d[1] + at), d_load(rays->d[2] + at)};

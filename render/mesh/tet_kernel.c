@@ -28,7 +28,7 @@ const tet_cut tet_cuts[16] = {
     {0, {0, 0, 0, 0}}, /* all */
 };
 
-/* The triangles of a polygon, by its points: their first two edges are its own, but for one. */
+/* The triangles of a polygon, by its points. All edges but the diagonal are the polygon's own. */
 static const uint8_t corners_of[2][3] = {{0, 1, 2}, {0, 2, 3}};
 
 static double least(double a, double b) {
@@ -45,7 +45,7 @@ static double kept_within(double x, double lo, double hi) {
 
 /* ---- the polygon ----------------------------------------------------------------------------- */
 
-/* 0: not active; else which vertices are inside. */
+/* Returns which vertices are inside, a bit each; 0: the tet is not active. */
 static unsigned inside_of(const float f[4], double iso) {
     /* Four floats add up in double without overflow. */
     if (!isfinite((double)f[0] + (double)f[1] + (double)f[2] + (double)f[3]))
@@ -56,9 +56,9 @@ static unsigned inside_of(const float f[4], double iso) {
     return inside == 15 ? 0 : inside;
 }
 
-/* Never beyond a or b. As long as s < 1, the product is at least an ulp short of the difference (b
- * - a) as rounded, which errs by half an ulp at most; so a plus the product, before it is rounded,
- * lies between a and b, and so it does after. */
+/* Never goes beyond a or b. If s < 1, the product is at least an ulp short of the difference (b -
+ * a) as rounded, which errs by half an ulp at most. So a plus the product lies between a and b
+ * before it is rounded, and hence after. */
 static void cut_edge(const double p[4][3], const float f[4], int edge, double iso,
                      double point[3]) {
     const int i = tet_edge_ends[edge][0], j = tet_edge_ends[edge][1];
@@ -118,8 +118,8 @@ static void see_polygon(const isopolygon *g, const ray *r, seen_polygon *s) {
             s->a[i][k] = g->p[i][k] - r->o[k];
 }
 
-/* The edge function of points i -> j of the polygon: always taken from the lower tet edge to the
- * higher, as the tet beyond the face does. */
+/* Returns the edge function of points i -> j of the polygon. It is always computed from the lower
+ * tet edge to the higher, as for the tet beyond the face. */
 static exact_estimate weight_of(const seen_polygon *s, int i, int j, bool exact) {
     const bool swap = s->g->edge[i] > s->g->edge[j];
     const int from = swap ? j : i, to = swap ? i : j;
@@ -135,13 +135,13 @@ static exact_estimate weight_of(const seen_polygon *s, int i, int j, bool exact)
     return w;
 }
 
-/* How far along the ray a point lies, in units of d . d: t is that over d . d, which keeps order.
- */
+/* Returns how far along the ray a point lies, as t times d . d, which keeps the order. */
 static double along_of(const seen_polygon *s, int i) {
     return vec3_dot(s->r->d, s->a[i]);
 }
 
-/* On the edge from i to j: by how far off the ray its ends lie. Symmetric in i and j to the bit. */
+/* Find t on the edge from i to j, by the distances of its ends from the ray. Symmetric in i and j
+ * to the bit. */
 static void cross_edge(const seen_polygon *s, int i, int j, crossing *out) {
     double off[2][3], far[2];
     const double ti = along_of(s, i), tj = along_of(s, j);
@@ -162,9 +162,10 @@ static void cross_inside(const seen_polygon *s, const uint8_t c[3], const exact_
     out->t = kept_within(t0 + (w1 * (t1 - t0) + w2 * (t2 - t0)) / sum, lo, hi);
 }
 
-/* Whether the ray's line crosses a triangle of the polygon: its weights are all of one sign. */
+/* Returns whether the ray's line crosses a triangle of the polygon: all its weights have one
+ * sign. */
 static bool cross_triangle(const seen_polygon *s, const uint8_t c[3], crossing *out) {
-    exact_estimate w[3]; /* of corner k: of the edge opposite */
+    exact_estimate w[3]; /* weight of corner k: of the opposite edge */
     unsigned above = 0, below = 0;
     for (int k = 0; k < 3; k++) {
         w[k] = weight_of(s, c[(k + 1) % 3], c[(k + 2) % 3], false);
@@ -184,7 +185,7 @@ static bool cross_triangle(const seen_polygon *s, const uint8_t c[3], crossing *
     if ((above != 0) == (below != 0))
         return false;
     out->entering = above != 0;
-    const unsigned held = above | below; /* corners with weight */
+    const unsigned held = above | below; /* corners whose weight is not 0 */
     if (held == 7) {
         cross_inside(s, c, w, out);
     } else if ((held & (held - 1)) == 0) {
@@ -217,13 +218,14 @@ bool isopolygon_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t is
 
 /* ---- what is known about a hit --------------------------------------------------------------- */
 
-/* A direction across a surface, of unit length or the gradient, and what it may err by. */
+/* A direction across a surface, a unit vector or the gradient, and its error bounds. */
 typedef struct across {
     double direction[3], error[3];
 } across;
 
-/* With u = half an epsilon: sides err by u of themselves, differences of products of two by 4 u of
- * the moduli, what the values make of them by 8 u; so does the determinant, of its own terms. */
+/* Errors, with u = half an epsilon: sides err by u of themselves, differences of two products by 4
+ * u of the moduli, their products with the values by 8 u; so does the determinant, of its own
+ * terms. */
 static bool find_gradient(const tet *x, across *out) {
     double e[3][3], df[3], normal[3][3], moduli[3] = {0.0, 0.0, 0.0};
     for (int i = 0; i < 3; i++) {
@@ -262,7 +264,7 @@ bool tet_gradient(const tet *x, double gradient[3]) {
     return true;
 }
 
-/* Across the diagonals, or two edges of a triangle; false: it has no direction. */
+/* Find the normal from the diagonals, or two edges of a triangle. False: it has no direction. */
 static bool find_normal(const isopolygon *g, across *out) {
     double e[2][3], normal[3], moduli = 0.0;
     vec3_sub(g->p[2], g->p[0], e[0]);
@@ -288,7 +290,7 @@ static double shortest_edge(const tet *x) {
     return sqrt(square);
 }
 
-/* The gradient; where there is none, the polygon's normal (false), or nothing. */
+/* Find the gradient (true); if there is none, the polygon's normal, or else 0 (false). */
 static bool find_across(const tet *x, const isopolygon *g, across *out) {
     if (find_gradient(x, out))
         return true;
@@ -310,8 +312,8 @@ void tet_normal(const tet *x, double iso, float normal[3]) {
     normal_against(n.direction, normal);
 }
 
-/* A point of the polygon has the isovalue but for an error along its edge (8 epsilons of what the
- * values are beside it) and one of its own rounding. */
+/* A point of the polygon has the isovalue, but for an error along its edge (8 epsilons of the
+ * values' greatest difference from it) and its own rounding. */
 tet_facts tet_facts_of(const tet *x, double iso) {
     tet_facts f = {.slack = INFINITY, .point = {.span = shortest_edge(x)}};
     across n;
@@ -330,9 +332,9 @@ tet_facts tet_facts_of(const tet *x, double iso) {
     return f;
 }
 
-/* What f is beside the isovalue at the ray's point, seen from a point that has it, and what that
- * errs by: 11 halves of an epsilon of the coordinates, which are rounded, subtracted and added up.
- */
+/* Compute the difference of f from the isovalue at the ray's point, from a point that has the
+ * isovalue. Its error: 11 halves of an epsilon of the coordinates, which are rounded, subtracted
+ * and added up. */
 surface_point tet_surface_at(const tet_facts *f, const ray *r, const hit *h) {
     surface_point point = f->point;
     double away[3], sum = f->slack;

@@ -1,4 +1,4 @@
-/* tet_normals_template.h - tet_normal() of many tets at a time, to the bit; included by the units
+/* tet_normals_template.h - tet_normal() for many tets at a time, to the bit; included by the units
  * of an ISA (see formats/base/simd.h). */
 #ifndef RENDER_MESH_TET_NORMALS_TEMPLATE_H
 #define RENDER_MESH_TET_NORMALS_TEMPLATE_H
@@ -26,7 +26,7 @@ SIMD void tet_columns_put(tet_columns *c, unsigned lane, const tet *x) {
 }
 
 /* Sums and products are those of tet_gradient() and tet_normal(), in their order. Returns the lanes
- * whose gradient is one: normals of the others are not made. */
+ * that have a gradient; the other lanes get no normal. */
 SIMD unsigned tet_normals_of(const tet_columns *c, float normal[3][VD_N]) {
     vd e[3][3], df[3], n[3][3], terms = d_set(0.0), g[3], unit[3];
     for (int i = 0; i < 3; i++) {

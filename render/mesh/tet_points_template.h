@@ -1,4 +1,4 @@
-/* tet_points_template.h - tet_surface_at() of many rays at a time, to the bit; included by the
+/* tet_points_template.h - tet_surface_at() for many rays at a time, to the bit; included by the
  * units of an ISA (see formats/base/simd.h). */
 #ifndef RENDER_MESH_TET_POINTS_TEMPLATE_H
 #define RENDER_MESH_TET_POINTS_TEMPLATE_H
@@ -16,7 +16,7 @@ typedef struct point_columns {
     vd at[3], gradient[3], error[3], slack, d[3], t;
 } point_columns;
 
-/* These lanes (bits) have hit a tet. */
+/* Set the facts of these lanes (bits), which have hit one tet. */
 SIMD void point_columns_put(point_columns *c, unsigned lanes, const tet_facts *f) {
     const md in = md_of_bits(lanes);
     for (int k = 0; k < 3; k++) {
@@ -27,7 +27,7 @@ SIMD void point_columns_put(point_columns *c, unsigned lanes, const tet_facts *f
     c->slack = d_select(in, d_set(f->slack), c->slack);
 }
 
-/* Their errors, of rays from o on. */
+/* Compute the points' errors, for rays from o. */
 SIMD void point_errors(const point_columns *c, const double o[3], double error[VD_N]) {
     vd away[3], sum = c->slack;
     for (int k = 0; k < 3; k++) {

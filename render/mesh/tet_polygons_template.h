@@ -1,5 +1,5 @@
-/* tet_polygons_template.h - the isopolygons of many tets, and how one point sees their edges, a
- * lane each; included by the units of an ISA (see formats/base/simd.h).
+/* tet_polygons_template.h - makes the isopolygons of many tets, a lane each, and their edges as
+ * seen from one point; included by the units of an ISA (see formats/base/simd.h).
  *
  * Sums and products are those of isopolygon_of() and exact_near(), in their order, so the bits are
  * the same.
@@ -17,7 +17,7 @@
 /* Isopolygons, a lane each. */
 typedef struct polygon_lanes {
     double p[4][3][VD_N];
-    uint8_t edge[VD_N][4], count[VD_N]; /* count 0: none */
+    uint8_t edge[VD_N][4], count[VD_N]; /* count 0: there is none */
 } polygon_lanes;
 
 SIMD void polygon_lanes_put(polygon_lanes *g, unsigned lane, const isopolygon *from) {
@@ -38,8 +38,8 @@ SIMD isopolygon polygon_lanes_get(const polygon_lanes *g, unsigned lane) {
     return to;
 }
 
-/* The signs that exact_orientation() is about: lanes where they are sure; *negative: where below 0.
- */
+/* Find the signs of exact_orientation(). Returns the lanes where they are sure; *negative: lanes
+ * where they are below 0. */
 SIMD unsigned surely_orient(const vd p[4][3], unsigned *negative) {
     vd e[3][3], sum = d_set(0.0), terms = sum;
     for (int i = 0; i < 3; i++)
@@ -56,7 +56,8 @@ SIMD unsigned surely_orient(const vd p[4][3], unsigned *negative) {
     return md_bits(d_gt(d_abs(sum), d_set(2.0) * bound));
 }
 
-/* Where the isovalue lies on a tet's edges: of those that it cuts. */
+/* Find the isovalue's point on each of a tet's edges. Means something only for edges that it
+ * cuts. */
 SIMD void cut_edges(const vd p[4][3], const vd f[4], vd iso, double cut[TET_EDGES][3][VD_N]) {
     for (int edge = 0; edge < TET_EDGES; edge++) {
         const int i = tet_edge_ends[edge][0], j = tet_edge_ends[edge][1];
@@ -67,8 +68,8 @@ SIMD void cut_edges(const vd p[4][3], const vd f[4], vd iso, double cut[TET_EDGE
     }
 }
 
-/* isopolygon_of() of VD_N tets, each with an isovalue of its own. Lanes that are sure; the others
- * are for isopolygon_of() itself. */
+/* isopolygon_of() for VD_N tets, each with its own isovalue. Returns the lanes that are sure; the
+ * others need isopolygon_of() itself. */
 SIMD unsigned isopolygons_near(const tet_columns *x, const double isovalues[VD_N],
                                polygon_lanes *out) {
     double cut[TET_EDGES][3][VD_N];
@@ -102,11 +103,11 @@ SIMD unsigned isopolygons_near(const tet_columns *x, const double isovalues[VD_N
     return sure;
 }
 
-/* Polygons as one point sees them; see() with a lane a polygon. */
+/* Polygons as seen from one point: as see(), with a polygon per lane. */
 typedef struct seen_lanes {
     vd a[4][3];
-    vd normal[EDGES][3]; /* of an edge, */
-    vd error[EDGES];     /* and error_of() rays of unit length, or a little more */
+    vd normal[EDGES][3]; /* per edge */
+    vd error[EDGES];     /* at least error_of() for rays of unit length */
 } seen_lanes;
 
 SIMD void see_edges(const polygon_lanes *g, int i, int j, const vd p[4][3], vd error_most,
@@ -129,7 +130,7 @@ SIMD void see_edges(const polygon_lanes *g, int i, int j, const vd p[4][3], vd e
 }
 
 SIMD void see_lanes(const polygon_lanes *g, const double o[3], seen_lanes *out) {
-    const vd most = d_set(1.0 + 0x1p-40); /* more than a component that is rounded */
+    const vd most = d_set(1.0 + 0x1p-40); /* more than a rounded component */
     vd p[4][3];
     for (int i = 0; i < 4; i++) {
         for (int a = 0; a < 3; a++) {

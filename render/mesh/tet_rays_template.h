@@ -1,8 +1,8 @@
-/* tet_rays_template.h - vectors of the rays of tet_batch.h and one isopolygon; included by the
- * units of an ISA (see formats/base/simd.h).
+/* tet_rays_template.h - tests vectors of the rays of tet_batch.h against one isopolygon; included
+ * by the units of an ISA (see formats/base/simd.h).
  *
- * Each ray may have its own origin: a polygon is seen from VD_N of them at a time, lane by lane as
- * exact_near() does, so that its bound holds for each.
+ * Each ray may have its own origin. The polygon is seen from VD_N origins at a time, lane by lane
+ * as exact_near() does, so that its bound holds for each.
  */
 #ifndef RENDER_MESH_TET_RAYS_TEMPLATE_H
 #define RENDER_MESH_TET_RAYS_TEMPLATE_H
@@ -19,7 +19,8 @@ typedef struct hit_of {
     int32_t iso;
 } hit_of;
 
-/* Rays at + bit: enter or leave at t. Those whose first hit it is so far. */
+/* Offer hits at t of the rays at + bit. Returns the rays for which this is the nearest hit so
+ * far. */
 SIMD unsigned offer(tet_rays *rays, int at, hit_of of, unsigned hits, unsigned enters, vd t) {
     double ts[VD_N];
     unsigned taken = 0;
@@ -32,7 +33,8 @@ SIMD unsigned offer(tet_rays *rays, int at, hit_of of, unsigned hits, unsigned e
     return taken;
 }
 
-/* The triangle with these corners, unless another of the ray's is hit, too. */
+/* Test the triangle with these corners, for rays that hit no other triangle of the polygon. Returns
+ * as offer() does. */
 SIMD unsigned meet(tet_rays *rays, int at, hit_of of, const vd d[3], const vd a0[3], const vd a1[3],
                    const vd a2[3], weights w0, weights w1, weights w2, verdict v, unsigned wanted) {
     const md hits = md_or(v.enters, v.leaves);
@@ -48,7 +50,8 @@ SIMD weights weigh_ray(const vd d[3], const vd moduli[3], const seen_edge *e) {
     return weigh(d, e->normal, error_of(moduli, e));
 }
 
-/* A vector of rays; wanted: those that are asked for. Those whose first hit it is so far. */
+/* Test a vector of rays. wanted: rays to test. Returns the rays for which this is the nearest hit
+ * so far. */
 SIMD unsigned test_rays(const isopolygon *g, const seen *s, tet_rays *rays, int at, hit_of of,
                         unsigned wanted) {
     const vd d[3] = {d_load(rays->d[0] + at), d_load(rays->d[1] + at), d_load(rays->d[2] + at)};
@@ -63,7 +66,7 @@ SIMD unsigned test_rays(const isopolygon *g, const seen *s, tet_rays *rays, int 
         const weights w30 = weigh_ray(d, moduli, &s->edge[EDGE_30]);
         const weights w02 = against(w20);
         const verdict v2 = judge(w23, w30, w02);
-        /* A quadrilateral that is hit twice is bent: not here. */
+        /* A quadrilateral that is hit twice is bent: leave it to the scalar truth. */
         doubtful |= md_bits(v2.doubtful) |
                     (md_bits(md_or(v.enters, v.leaves)) & md_bits(md_or(v2.enters, v2.leaves)));
         taken =

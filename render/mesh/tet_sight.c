@@ -2,7 +2,7 @@
 
 #include "formats/base/vec3.h"
 
-/* A weight of more than this many bounds is right to 2^-32 of itself. */
+/* A weight of more than this many times its bound is right to 2^-32 of itself. */
 #define SURE 0x1p32
 
 const tet_face tet_faces[TET_FACES] = {{{0, 1, 2}, {0, 1, 3}, 1},
@@ -17,8 +17,8 @@ static double larger_than(double x) {
     return x + (fabs(x) + 1.0);
 }
 
-/* E of the ray moved along an axis by any step: as E is linear in its origin and vanishes there,
- * the sign of its change. */
+/* Returns a number with the sign of E for the ray moved along an axis by any step. E is linear in
+ * the ray's origin and vanishes at the true one, so its change has this sign. */
 static double moved_edge(const ray *r, int axis, const double p[3], const double q[3]) {
     double o[3] = {r->o[0], r->o[1], r->o[2]};
     o[axis] = larger_than(o[axis]);
@@ -57,7 +57,7 @@ static double kept_between(double x, double a, double b) {
     return x < lo ? lo : x > hi ? hi : x;
 }
 
-/* Three points' mean by weights, never beyond them. */
+/* Mean of three numbers by weights, kept within their range. */
 static double mean_of(const double w[3], double x0, double x1, double x2) {
     const double mean = x0 + (w[1] * (x1 - x0) + w[2] * (x2 - x0)) / (w[0] + (w[1] + w[2]));
     const double lo = x0 < x1 ? x0 : x1, hi = x0 < x1 ? x1 : x0;
@@ -68,8 +68,9 @@ static double t_of(const tet_sight *s, int v) {
     return vec3_dot(s->r->d, s->a[v]) / vec3_dot(s->r->d, s->r->d);
 }
 
-/* Where the ray meets the edge i, j: by how far off the ray its ends lie, in that coordinate where
- * the edge is seen longest. It is E of the line from the ray's origin along that axis. */
+/* Find where the ray meets the edge i, j, from the distances of its ends from the ray, in the
+ * coordinate in which the edge looks longest. Such a distance is E of the line from the ray's
+ * origin along that axis. */
 static void meet_edge(const tet_sight *s, int i, int j, double *t, double *f) {
     const double *p = s->p[i], *q = s->p[j];
     const double along[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
@@ -85,7 +86,8 @@ static void meet_edge(const tet_sight *s, int i, int j, double *t, double *f) {
     *f = mean_of(w, s->f[i], s->f[j], s->f[j]);
 }
 
-/* Where the ray crosses a face. Two weights vanish where it meets a vertex, one on an edge. */
+/* Find where the ray crosses a face. Two weights are 0 if it meets a vertex, one if it meets an
+ * edge. */
 void tet_sight_meet(tet_sight *s, int face, double *t, double *f) {
     const uint8_t *v = tet_faces[face].vertex, *e = tet_faces[face].edge;
     const double w[3] = {weight_of(s, e[2]), weight_of(s, e[1]), weight_of(s, e[0])};
@@ -129,16 +131,16 @@ bool tet_sight_enters(const tet_sight *s, int face, int orientation) {
     return s->side[tet_faces[face].edge[0]] * tet_faces[face].inwards * orientation > 0;
 }
 
-/* Of the edge from a vertex to another, whichever has the lower id. */
+/* Side of the edge from one vertex to another, whichever has the lower id. */
 static int side_towards(tet_sight *s, int from, int to) {
     const int side = side_of(s, edge_between[from][to]);
     return from < to ? side : -side;
 }
 
-/* The ray is in the face 012, around which it turns one way. It is in the face of two of these and
- * the top where it turns around that the same way. An edge that it is parallel to (side 0)
- * is of two faces seen from the side: the top is then seen at a vertex of 012, and what the other
- * sides say still holds. */
+/* The ray crosses the face 012 (the face `entered`), and turns one way around its edges. It also
+ * crosses the face of two of its vertices and the top if it turns around that the same way. An edge
+ * parallel to the ray (side 0) belongs to two faces seen from the side. Then the top is seen at a
+ * vertex of 012, and what the other sides say still holds. */
 int tet_sight_leaves_by(tet_sight *s, int entered) {
     const uint8_t *v = tet_faces[entered].vertex;
     const int top = 3 - entered, turn = s->side[tet_faces[entered].edge[0]];

@@ -1,9 +1,8 @@
 /* tet_sight.h - a tetrahedron as a ray sees it: on which side the ray passes its edges (Pluecker
  * tests, M08 6.2.1), which faces it crosses, and where.
  *
- * Sides are found when they are asked for, once an edge, exactly, of the ray moved as
- * tet_segment.h says. From a tet into its neighbour what is known of their face goes along: M08
- * 6.3.2.
+ * Sides are found only when needed, once an edge, exactly, for the ray moved as tet_segment.h says.
+ * From a tet into its neighbour, all that is known of their common face goes along: M08 6.3.2.
  */
 #ifndef RENDER_MESH_TET_SIGHT_H
 #define RENDER_MESH_TET_SIGHT_H
@@ -13,9 +12,9 @@
 
 enum { TET_FACES = 4, TET_SIDE_UNKNOWN = 2 };
 
-/* Faces by their vertices, then their edges 01, 02 and 12, as numbered in tet_kernel.h; whether
- * the fourth vertex, 3 - face, lies along the face's normal where the tet is positively oriented.
- */
+/* A face's vertices, then its edges 01, 02 and 12, as numbered in tet_kernel.h. inwards: whether
+ * (1, else -1) the fourth vertex, 3 - face, lies along the face's normal if the tet is positively
+ * oriented. */
 typedef struct tet_face {
     uint8_t vertex[3], edge[3];
     int8_t inwards;
@@ -24,28 +23,28 @@ extern const tet_face tet_faces[TET_FACES];
 
 typedef struct tet_sight {
     const ray *r;
-    double p[4][3], a[4][3], f[4];  /* its vertices; relative to the ray's origin; their values */
+    double p[4][3], a[4][3], f[4];  /* vertices; the same relative to the ray's origin; values */
     exact_estimate edge[TET_EDGES]; /* the edge functions, from the lower id to the higher; */
     int side[TET_EDGES];            /* their signs, or TET_SIDE_UNKNOWN */
-    uint64_t tests;                 /* sides that were found */
+    uint64_t tests;                 /* how many sides were found */
 } tet_sight;
 
-/* tet_sight_begin() - nothing is known yet; s->tests stays. */
+/* tet_sight_begin() - starts with a tet of which nothing is known; s->tests stays. */
 void tet_sight_begin(tet_sight *s, const tet *x, const ray *r);
 
-/* tet_sight_crosses() - whether the ray crosses a face; of such, tet_sight_enters() - whether it
- * comes in there, by the orientation of the tet (exact_orientation(), not 0), and tet_sight_meet()
- * - where, and at what value. */
+/* tet_sight_crosses() - whether the ray crosses a face. For a face that it crosses:
+ * tet_sight_enters() - whether the ray comes in there, by the tet's orientation
+ * (exact_orientation(), not 0); tet_sight_meet() - where the ray meets it, and at what value. */
 bool tet_sight_crosses(tet_sight *s, int face);
 bool tet_sight_enters(const tet_sight *s, int face, int orientation);
 void tet_sight_meet(tet_sight *s, int face, double *t, double *f);
 
-/* tet_sight_leaves_by() - the face by which the ray leaves that crosses `entered`: two tests, and a
- * third one where these leave two faces. */
+/* tet_sight_leaves_by() - returns the face by which the ray leaves, if it crosses `entered`. Takes
+ * two tests, and a third if these leave two faces. */
 int tet_sight_leaves_by(tet_sight *s, int entered);
 
-/* tet_sight_go() - over a crossed face into the neighbour whose face `entered` it is; x: that tet.
- */
+/* tet_sight_go() - goes over the crossed face `left` into its neighbour x, whose face `entered` it
+ * is. */
 void tet_sight_go(tet_sight *s, int left, const tet *x, int entered);
 
 #endif

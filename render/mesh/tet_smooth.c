@@ -5,7 +5,7 @@
 
 static const uint8_t ends_of[TET_EDGES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
-/* As far along its edge as the point itself. */
+/* Interpolate the gradient at a polygon's point, with the point's own share of the edge. */
 static void gradient_at(const tet *x, double iso, int edge, const float gradients[4][3],
                         double out[3]) {
     const int i = ends_of[edge][0], j = ends_of[edge][1];
@@ -27,8 +27,8 @@ void tet_smooth_of(const tet *x, double iso, const isopolygon *g, const float gr
     vec3_cross(diagonal[0], diagonal[1], out->across);
 }
 
-/* Twice the area of a triangle with the polygon's points i and j, times the length of across;
- * to[k]: from the triangle's third corner to point k. None is negative but for rounding. */
+/* Returns twice the area of the triangle of a place and the polygon's points i and j, times the
+ * length of `across`; to[k]: from the place to point k. Rounding may make it negative: then 0. */
 static double area(const tet_smooth *s, const double to[4][3], int i, int j) {
     double n[3];
     vec3_cross(to[i], to[j], n);
@@ -42,7 +42,7 @@ bool tet_smooth_normal(const tet_smooth *s, const double o[3], const double d[3]
     for (int i = 0; i < 4; i++)
         for (int a = 0; a < 3; a++)
             to[i][a] = (s->g.p[i][a] - o[a]) - t * d[a];
-    /* On which side of the diagonal 0 2; a triangle's third point stands twice. */
+    /* Which side of the diagonal 0 2 it is on. A triangle's third point stands twice. */
     const double beyond = s->g.count == 4 ? area(s, (const double(*)[3])to, 0, 2) : 0.0;
     const int far = beyond > 0.0 ? 3 : 1, i = beyond > 0.0 ? 2 : 1, j = beyond > 0.0 ? 3 : 2;
     const double w0 = area(s, (const double(*)[3])to, i, j);

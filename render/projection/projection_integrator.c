@@ -7,11 +7,11 @@
 #include "render/ray/kind.h"
 
 typedef struct projected_ray {
-    ray_record head; /* volume: the one that is being asked */
-    bool begun;      /* to ask it */
+    ray_record head; /* volume: being asked now */
+    bool begun;      /* its search has begun */
     bool provisional;
-    double value, t;         /* the first that reaches the threshold; none: NaN, INFINITY */
-    double integral, length; /* of the mean */
+    double value, t; /* of the first place that reaches the threshold; none: NaN, INFINITY */
+    double integral, length; /* for the mean */
     extreme_state extreme;
     segments_state walk;
     segment kept[SEGMENTS_KEPT];
@@ -66,8 +66,8 @@ static void take_mean(ray_record *const r[], const segment_columns *c) {
     }
 }
 
-/* Where the value reaches the threshold, above which the piece's values are, between a place where
- * it does not and one where it does. */
+/* Bisect for the place where the value reaches the threshold, between `below`, where it does not,
+ * and `at`, where it does. The piece's values count from the threshold. */
 static double reach(const segment *piece, double below, double at) {
     for (double middle = 0.5 * (below + at); middle > below && middle < at;
          middle = 0.5 * (below + at)) {
@@ -79,7 +79,8 @@ static double reach(const segment *piece, double below, double at) {
     return at;
 }
 
-/* The first place of a piece that reaches it, which its start does not. False: none does. */
+/* Find the first place of a piece that reaches the threshold; its start does not. Returns false if
+ * none does. */
 static bool find_first(const segment *piece, double *t) {
     double turn[3];
     int turns = piece->degree == 3 ? cubic_extrema(piece->b, turn) : 0;
@@ -94,7 +95,7 @@ static bool find_first(const segment *piece, double *t) {
     return false;
 }
 
-/* Whether a later piece may be in front of what has been found. */
+/* Take a piece. Returns whether a later piece may come before the place found so far. */
 static bool pass_first(projected_ray *p, const segment *piece, double v) {
     double t = piece->t0;
     const bool at_once = piece->b[0] >= 0.0;
@@ -109,7 +110,7 @@ static bool pass_first(projected_ray *p, const segment *piece, double v) {
     return false;
 }
 
-/* Piece i. */
+/* Piece i of the columns. */
 static segment piece_of(const segment_columns *c, unsigned i) {
     segment piece = {.t0 = c->t0[i], .t1 = c->t1[i], .degree = (uint32_t)c->degree};
     for (int k = 0; k <= c->degree; k++)
@@ -166,7 +167,7 @@ static void write_colour(const frame *f, size_t at, double value) {
     }
 }
 
-/* What is known when all volumes have been asked. */
+/* Conclude the value and t when all volumes have been asked. */
 static void conclude(const frame *f, projected_ray *p) {
     if (p->length > 0.0)
         p->value = p->integral / p->length;
@@ -176,7 +177,7 @@ static void conclude(const frame *f, projected_ray *p) {
     }
 }
 
-/* Nobody knows how far coarse levels, or what is there, are from the data. */
+/* Not exact where coarse levels were drawn or treelets were absent: the error is then unknown. */
 static bool is_exact(const frame *f, const projected_ray *p) {
     bool coarse = p->provisional;
     for (int v = 0; v < f->volumes; v++)
@@ -207,7 +208,7 @@ static void write(const frame *f, const projected_ray *p, ray_counters *counters
 
 /* ---- The machine ---- */
 
-/* Into a volume, which has not been asked yet. */
+/* Begin to search a volume. */
 static void begin_volume(projected_ray *p, const tracer *tr) {
     p->walk = segments_begin(p->kept, SEGMENTS_KEPT);
     extreme_go_on(&p->extreme, tr);

@@ -1,19 +1,19 @@
-/* cubic.h - what the cell kernel and those who look at pieces of rays ask of a cubic. */
+/* cubic.h - monotony and extrema of a cubic, for the cell kernel and for pieces of rays. */
 #ifndef RENDER_RAY_CUBIC_H
 #define RENDER_RAY_CUBIC_H
 
 #include <math.h>
 #include <stdbool.h>
 
-/* cubic_is_monotone() - of a cubic in Bernstein form: it rises or falls all the way, as its
- * coefficients do; false does not mean that it turns. */
+/* cubic_is_monotone() - whether the Bernstein coefficients b rise or fall throughout; then so does
+ * the cubic. False does not mean that the cubic turns. */
 static inline bool cubic_is_monotone(const double b[4]) {
     return (b[0] <= b[1] && b[1] <= b[2] && b[2] <= b[3]) ||
            (b[0] >= b[1] && b[1] >= b[2] && b[2] >= b[3]);
 }
 
-/* cubic_extrema() - of a cubic in Bernstein form: those strictly inside (0, 1), ascending; returns
- * their number, 0 to 2. */
+/* cubic_extrema() - find the extrema of a cubic in Bernstein form strictly inside (0, 1),
+ * ascending. Returns their number, 0 to 2. */
 static inline int cubic_extrema(const double b[4], double at[2]) {
     /* f' / 3 = q0 (1-s)^2 + 2 q1 s (1-s) + q2 s^2 */
     double q0 = b[1] - b[0], q1 = b[2] - b[1], q2 = b[3] - b[2];

@@ -1,8 +1,8 @@
 /* extreme_batch.h - the greatest, or the least, values on many rays through one volume
  * (extremes.h).
  *
- * Each ray has the value and the place that it would have alone, to the bit, and wants no treelet
- * that it would not want alone.
+ * Each ray gets the same value and place as alone, to the bit, and asks for no treelet that it
+ * would not ask for alone.
  */
 #ifndef RENDER_RAY_EXTREME_BATCH_H
 #define RENDER_RAY_EXTREME_BATCH_H
@@ -13,12 +13,13 @@
 typedef struct extreme_batch {
     unsigned count; /* 1 to RAY_BATCH */
     ray rays[RAY_BATCH];
-    extreme_state *state[RAY_BATCH]; /* extreme_next()'s; all look for the greatest, or the least */
-    trace_result result[RAY_BATCH];  /* likewise */
+    extreme_state *state[RAY_BATCH]; /* as for extreme_next(); all look for the greatest, or all for
+                                        the least */
+    trace_result result[RAY_BATCH];  /* as of extreme_next() */
 } extreme_batch;
 
-/* extreme_batch_fn - a kind's kernel: all rays of *b. scratch: kind.batch_scratch bytes of the
- * caller's, 64-byte aligned, whatever is in them. */
+/* extreme_batch_fn - a kind's kernel: answers all rays of *b. scratch: kind.batch_scratch bytes of
+ * the caller's, 64-byte aligned, not initialised. */
 typedef void (*extreme_batch_fn)(const tracer *tr, extreme_batch *b, void *scratch,
                                  ray_counters *counters);
 
@@ -26,7 +27,7 @@ typedef void (*extreme_batch_fn)(const tracer *tr, extreme_batch *b, void *scrat
  * has none. */
 void extreme_batch_next(const tracer *tr, extreme_batch *b, void *scratch, ray_counters *counters);
 
-/* extreme_batch_single() - the same for ray i alone. */
+/* extreme_batch_single() - extreme_next() for ray i alone. */
 void extreme_batch_single(const tracer *tr, extreme_batch *b, unsigned i, ray_counters *counters);
 
 #endif

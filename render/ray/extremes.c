@@ -55,7 +55,7 @@ void extreme_ways_take(extreme_ways *w, const extreme_way *way) {
 
 /* ---- The search ---- */
 
-/* The treelet that comes next. False: it is absent, and needed. */
+/* Search the next treelet. Returns false if it is absent and needed. */
 static bool look_into(const tracer *tr, const ray *r, const extreme_way *way, extreme_state *s,
                       ray_counters *counters) {
     double t_from = 0.0;
@@ -70,7 +70,7 @@ static bool look_into(const tracer *tr, const ray *r, const extreme_way *way, ex
     return true;
 }
 
-/* What is found where the neighbour has. A treelet that is absent is not asked for. */
+/* Search first where the neighbour found its value. Do not request the treelet if it is absent. */
 static void look_near(const tracer *tr, const ray *r, const extreme_state *near, extreme_state *s,
                       ray_counters *counters) {
     const bool there = near && near->of == tr && near->in != LEAF_NO_TREELET;
@@ -93,7 +93,7 @@ trace_result extreme_next(const tracer *tr, const ray *r, const extreme_state *n
         w.full = false;
         tr->kind->extreme_ways(tr, r, &w, counters);
         for (uint32_t i = 0; i < w.count; i++) {
-            /* Behind it, bounds and places are no better. */
+            /* All that follow have no better bound or place. */
             if (!extreme_matters(s, (double)w.of[i].bound, w.of[i].t_in)) {
                 w.full = false;
                 break;

@@ -1,5 +1,6 @@
 /* isovalue_list.h - the isosurfaces that rays look for, in the caller's order: a hit's `iso` counts
- * from 0 here. What a volume is asked for because of them is an interest (stream/interest.h).
+ * from 0 here. The values that a volume is asked for because of them are an interest
+ * (stream/interest.h).
  */
 #ifndef RENDER_RAY_ISOVALUE_LIST_H
 #define RENDER_RAY_ISOVALUE_LIST_H

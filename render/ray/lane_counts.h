@@ -9,30 +9,30 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Stages of a kernel, in the order in which rays come to them; how wide a vector is there: VF, VD:
- * so many floats or doubles of the ISA. */
-#define GRID_LANES(X)                                                          \
-    X(windows, VF)         /* rays that are open, of a window before a cell */ \
-    X(visitors, VF)        /* ... that visit the cell */                       \
-    X(survivors, VF)       /* ... that the filter lets through */              \
-    X(groups, 8)           /* cells that a ray visits, of 2^3 */               \
-    X(queue, VF)           /* ray-cells of such rays before the filter */      \
-    X(queue_survivors, VF) /* ... that it lets through */                      \
-    X(batches, 16)         /* ray-cells that go to the cell kernel together */ \
-    X(roots, 16)           /* ... that have a hit */
+/* Stages of a kernel, in the order in which rays reach them. The second entry is the width of the
+ * stage's vectors: VF floats or VD doubles of the ISA, or a number. */
+#define GRID_LANES(X)                                                   \
+    X(windows, VF)         /* open rays of a window before a cell */    \
+    X(visitors, VF)        /* ... those that visit the cell */          \
+    X(survivors, VF)       /* ... those that the filter passes */       \
+    X(groups, 8)           /* visited cells among 2^3, of one ray */    \
+    X(queue, VF)           /* ray-cells of these before the filter */   \
+    X(queue_survivors, VF) /* ... those that the filter passes */       \
+    X(batches, 16)         /* ray-cells in a call of the cell kernel */ \
+    X(roots, 16)           /* ... those with a hit */
 
-#define MESH_LANES(X)                                                           \
-    X(tets, VF)         /* active ones, gathered */                             \
-    X(covers, VF)       /* ... whose isopolygon covers pixels */                \
-    X(covering, VF)     /* ... or their centres, where it is small */           \
-    X(looked_at, 1)     /* ... and are in sight */                              \
-    X(polygons, VD)     /* isopolygons made of them together */                 \
-    X(rays, VD)         /* that look at one together, or at one each */         \
-    X(centres, VD)      /* ... and hit it; a quadrilateral's triangles apart */ \
-    X(polygons_hit, VD) /* isopolygons that any ray hits, in sight or not */
+#define MESH_LANES(X)                                                                \
+    X(tets, VF)         /* active tets, gathered */                                  \
+    X(covers, VF)       /* ... those whose isopolygon covers pixels */               \
+    X(covering, VF)     /* ... or pixel centres, where it is small */                \
+    X(looked_at, 1)     /* ... and that are not hidden */                            \
+    X(polygons, VD)     /* isopolygons made together */                              \
+    X(rays, VD)         /* rays tested together, on one or on one each */            \
+    X(centres, VD)      /* ... those that hit; triangles of a quadrilateral apart */ \
+    X(polygons_hit, VD) /* isopolygons hit by any ray, hidden or not */
 
 typedef struct lane_stage {
-    uint64_t vectors, lanes; /* that were not empty; that were filled */
+    uint64_t vectors, lanes; /* vectors with a filled lane; filled lanes */
 } lane_stage;
 
 typedef struct lane_counts {
@@ -42,7 +42,7 @@ typedef struct lane_counts {
 #undef STAGE
 } lane_counts;
 
-extern lane_counts lane_counts_now; /* of bench_lanes.c, which links it; one thread's */
+extern lane_counts lane_counts_now; /* defined in bench_lanes.c; one thread's */
 
 #ifdef LANE_COUNTS
 

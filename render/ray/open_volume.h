@@ -1,4 +1,4 @@
-/* open_volume.h - what an open volume is made of: for kinds, and for the files that implement
+/* open_volume.h - the parts of an open volume; for kinds, and for the files that implement
  * leafcast.h. */
 #ifndef RENDER_RAY_OPEN_VOLUME_H
 #define RENDER_RAY_OPEN_VOLUME_H
@@ -12,7 +12,7 @@
 
 struct leafcast {
     leafcast_device *device;
-    leafcast *next;           /* on it */
+    leafcast *next;           /* next volume on the device */
     mem *m;                   /* its budget */
     leafcast_options options; /* its experiments: */
     leafcast_experiments experiments;
@@ -21,7 +21,7 @@ struct leafcast {
     const struct kind *kind;
     void *own; /* the kind's part */
     affine space;
-    world_axes axes; /* of the world that space leads to */
+    world_axes axes; /* of the world of `space` */
     ray_kernels kernels;
     const struct walk_choice *choice; /* of an experiment, or NULL */
     int threads;                      /* of the device */
@@ -35,17 +35,16 @@ struct leafcast {
     int surface_count;
     uint32_t field, step;
     uint32_t preview_levels;
-    int frames;          /* of a coarse grid: under way, in which it is drawn in a mesh's place */
+    int frames;          /* of a coarse grid: frames under way that draw it in a mesh's place */
     leafcast *coarse;    /* a mesh's coarse grid, once a preview wants it; else NULL */
-    uint32_t coarse_set; /* of which set */
+    uint32_t coarse_set; /* the set it was made from */
     atomic_uchar *touched;
     uint8_t *stop;     /* per treelet, for --lod pixel */
-    size_t base_bytes; /* of the budget, before any treelet */
+    size_t base_bytes; /* of the budget, taken before any treelet */
     double opened_at, open_s, first_image_s;
 };
 
-/* volume_treelet() - treelet t, brought in if need be: what rays have seen may have given way to
- * others since. */
+/* volume_treelet() - treelet t, loaded again if it has been evicted since rays saw it. */
 CHECKED status volume_treelet(leafcast *v, uint32_t t, const treelet **out);
 
 #endif

@@ -1,9 +1,9 @@
-/* ray.h - rays in grid space, and what they hit.
+/* ray.h - rays in grid space, and their hits.
  *
- * A ray is (o + t d) for t in [t0, t1], all double; a world-space ray becomes one once, and t keeps
- * its meaning (with a world direction of unit length: the distance from the origin in world units).
- * Hits along a ray are ordered by (t, cell, iso), and a ray resumes strictly behind such a triple,
- * never behind t + epsilon.
+ * A ray is (o + t d) for t in [t0, t1], all double. A world-space ray is converted once, and t
+ * keeps its meaning (with a world direction of unit length: the distance from the origin in world
+ * units). Hits along a ray are ordered by (t, cell, iso). A ray resumes strictly behind such a
+ * triple, never behind t + epsilon.
  */
 #ifndef RENDER_RAY_RAY_H
 #define RENDER_RAY_RAY_H
@@ -16,8 +16,8 @@ typedef struct ray {
     double o[3];
     double d[3]; /* finite, not all zero; a zero component is +0 */
     double t0, t1;
-    double held[3]; /* o, pulled just below the volume's upper end, which the last cell owns: where
-                       traversal keeps a ray that has d = 0; the cell kernel does not look at it */
+    double held[3]; /* o, moved just below the volume's upper end, because the last cell owns that
+                       end. Traversal uses it on axes with d = 0; the cell kernel does not. */
 } ray;
 
 typedef struct hit {
@@ -31,17 +31,17 @@ static inline hit hit_none(void) {
     return (hit){INFINITY, UINT64_MAX, INT32_MAX, false};
 }
 
-/* Before every hit of a ray: where a search begins that may return the first one. */
+/* Before every hit of a ray: begin a search for the first hit here. */
 static inline hit hit_before_all(void) {
     return (hit){-INFINITY, 0, -1, false};
 }
 
-/* Before every hit with a t greater than t, behind those with t. */
+/* After all hits at t, and before all hits at a greater t. */
 static inline hit hit_behind(double t) {
     return (hit){t, UINT64_MAX, INT32_MAX, false};
 }
 
-/* Before every hit with a t of t or more: as the best of a search, a bound. */
+/* Before all hits at t or more. As the best of a search this is a bound, not a hit. */
 static inline hit hit_from(double t) {
     return (hit){t, 0, -1, false};
 }

@@ -1,35 +1,35 @@
-/* ray_box.h - where a ray is inside a box, and which of the tests there are is to be taken.
+/* ray_box.h - where a ray is inside a box, and which of the box tests to use where.
  *
- * A ray passes the planes of an axis at (lo - o) / d and (hi - o) / d. Tests differ in what they
- * owe to whom, and so in what they are widened by:
+ * A ray passes the planes of an axis at (lo - o) / d and (hi - o) / d. The tests differ in how far
+ * they widen the box, according to who relies on them:
  *
- *   exact     the planes as the cell kernel divides, nothing added. The kernel's own crossings are
- *             these very numbers, so that nothing it accepts lies outside.
+ *   exact     the planes divided as in the cell kernel, nothing added. The kernel's own crossings
+ *             are these very numbers, so that nothing it accepts lies outside.
  *               the volume   tracer_box(): ray_box_slab(); box_rays(): ray_slabs(), for vectors
  *               a treelet    rays_into() and passes(), of a grid
- *               a cell       cell_visit_of(), and visit() for a batch: they decide what a ray
- *                            visits, ties and all. Nobody else may.
+ *               a cell       cell_visit_of(), and visit() for a batch: they decide which cells a
+ *                            ray visits, ties included. No other test may decide that.
  *
  *   floats    visits(), group_visits(): near_slab() of cells as seen from the eye; 16 units of
  *             2^-24 of t for reciprocals, products, t0 and t1, which err by 4 at most.
  *             children_met() of a batch through a grid: see widening() in grid_rays_template.h
  *
- *   tets      what a ray meets in a tet is computed otherwise than by planes, so t of a box and t
- *             of a hit in it differ by rounding: MESH_GENEROSITY, 2^-20 of t.
- *             mesh_interval_in() for one ray (monotone: what lies in a box is not entered before
- *             it); mesh_box_meets(), for vectors: rays_through(), rays_meet(); packet_slab() for
- *             all rays of a packet at once, by intervals, twice that
+ *   tets      hits in a tet are not computed by planes, so t of a box and t of a hit in it differ
+ *             by rounding: MESH_GENEROSITY, 2^-20 of t.
+ *             mesh_interval_in() for one ray (monotone: a box inside another is not entered
+ *             before it); mesh_box_meets(), for vectors: rays_through(), rays_meet();
+ *             packet_slab() for all rays of a packet at once, by intervals, twice that
  *
  *   codes     meet_children(): planes of 8 bits, as a ray's own multiples of the code; beside
  *             MESH_GENEROSITY the rounding of a plane (2^-22 of the treelet's place and size), and
  *             2^-30 of the way across the treelet
  *   beams     beams_through(), boxes_in(): intervals of origins and of directions, in floats of a
- *             mesh's own frame; what that takes stands in mesh_beams_template.h
+ *             mesh's own frame; mesh_beams_template.h says by how much they widen
  */
 #ifndef RENDER_RAY_RAY_BOX_H
 #define RENDER_RAY_RAY_BOX_H
 
-/* ray_box_slab() - cut [t0, t1] to where o + t d lies in [lo, hi] of one axis; d is not 0. */
+/* ray_box_slab() - cut [t0, t1] to where o + t d lies in [lo, hi] of one axis; d must not be 0. */
 static inline void ray_box_slab(double lo, double hi, double o, double d, double *t0, double *t1) {
     const double near = ((d < 0.0 ? hi : lo) - o) / d, far = ((d < 0.0 ? lo : hi) - o) / d;
     *t0 = near > *t0 ? near : *t0;

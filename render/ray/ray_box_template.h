@@ -7,7 +7,7 @@
 
 #ifdef SIMD_NAME
 
-/* ray_slabs() - ray_box_slab() of VD_N rays; planes as seen from where they start. */
+/* ray_slabs() - ray_box_slab() of VD_N rays; lo and hi are relative to the rays' origins. */
 SIMD void ray_slabs(vd lo, vd hi, vd d, vd *t0, vd *t1) {
     const vd to_lo = lo / d, to_hi = hi / d;
     const md down = d_lt(d, d_set(0.0));

@@ -1,8 +1,7 @@
-/* ray_kernels.h - what takes many rays through a volume together: its kind's kernels for one ISA.
+/* ray_kernels.h - a kind's kernels, for one ISA, that trace many rays through a volume together.
  *
- * A kind's row has them for all ISAs (kind.h). NULL: there is none, and rays go one by one. All
- * give the same bits. Those of an open volume may be changed between frames, by experiments and
- * tests.
+ * A kind's row has them for all ISAs (kind.h). NULL: no kernel, rays go one by one. All kernels
+ * give the same bits. Experiments and tests may change an open volume's kernels between frames.
  */
 #ifndef RENDER_RAY_RAY_KERNELS_H
 #define RENDER_RAY_RAY_KERNELS_H
@@ -15,7 +14,7 @@
 struct frame;
 struct tile_outcome;
 
-/* tile_fn - primary rays of a tile of pixels: render/frame/tile.h. */
+/* tile_fn - trace the primary rays of a tile of pixels: render/frame/tile.h. */
 typedef void (*tile_fn)(const struct frame *f, uint32_t x0, uint32_t y0, const uint32_t pixels[],
                         struct tile_outcome *out, ray_counters *counters);
 
@@ -29,7 +28,7 @@ typedef struct ray_kernels {
 
 struct kind;
 
-/* ray_kernels_of() - those of a kind for an ISA. */
+/* ray_kernels_of() - the kernels of a kind for an ISA. */
 ray_kernels ray_kernels_of(const struct kind *k, cpu_isa isa);
 
 #endif

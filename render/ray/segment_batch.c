@@ -2,7 +2,7 @@
 
 #include "render/ray/ray_kernels.h"
 
-enum { AHEAD = 64 }; /* pieces: more saves time */
+enum { AHEAD = 64 }; /* room for pieces; more saves time */
 
 void segment_batch_single(const tracer *tr, segment_batch *b, unsigned i, ray_counters *counters) {
     segment ahead[AHEAD], piece;

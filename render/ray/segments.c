@@ -56,7 +56,8 @@ double segment_value_error(const segment *s, const segments_error *error) {
         largest = fmax(largest, fabs(s->b[i + 1]));
         step = fmax(step, fabs(s->b[i + 1] - s->b[i]));
     }
-    /* The slope is a mean of its Bernstein coefficients; and nothing leaves the range of those. */
+    /* The slope is a weighted mean of its Bernstein coefficients; the value stays within the range
+     * of its own. */
     if (s->spread == SEGMENT_EVEN)
         return 0.0;
     const double by_t = s->degree * step * fmin(error->t / (s->t1 - s->t0), 1.0);
@@ -89,7 +90,7 @@ segment_gradient segment_gradient_of(const double b[3][4]) {
     return g;
 }
 
-/* Its blossom: first what is left of b, then of that what is right of a. */
+/* By its blossom: first the part left of b, then of that the part right of a. */
 void segment_part(const segment *s, double a, double b, double out[4]) {
     const int n = (int)s->degree;
     double p[4], at = b > 0.0 ? a / b : 0.0;

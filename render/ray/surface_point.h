@@ -1,14 +1,13 @@
-/* surface_point.h - what is known about a point where a ray met an isosurface: gradient, normal,
- * error.
+/* surface_point.h - a point where a ray met an isosurface: gradient, normal, error.
  *
- * Computed while the treelet of the hit is at hand; a suspended ray carries it along.
+ * Computed while the hit's treelet is resident. A suspended ray keeps it.
  */
 #ifndef RENDER_RAY_SURFACE_POINT_H
 #define RENDER_RAY_SURFACE_POINT_H
 
 typedef struct surface_point {
-    double gradient[3]; /* of the cell's own interpolant, world space: decides sides and bounds,
-                           not shading */
+    double gradient[3]; /* of the cell's own interpolant, world space: for sides and bounds, not for
+                           shading */
     double error; /* bound of |f - iso| at the computed point: arithmetic and position, in units of
                      the samples */
     double span;  /* shortest edge of the cell, world units */

@@ -5,7 +5,7 @@
 #include "render/ray/kind.h"
 #include "render/ray/ray_box.h"
 
-/* Cut [t0, t1] by n . (o + t d) + w >= 0. */
+/* Cut [t0, t1] to where n . (o + t d) + w >= 0. Returns false when nothing is left. */
 static bool cut(const double plane[4], const double o[3], const double d[3], double *t0,
                 double *t1) {
     const double at_origin = plane[0] * o[0] + plane[1] * o[1] + plane[2] * o[2] + plane[3];

@@ -1,10 +1,9 @@
 /* tracer.h - one ray through a whole volume, treelet by treelet, resumable.
  *
- * A ray that meets an active treelet which is not resident suspends: its state says where to resume
- * and what it has found so far. Treelets come in order, and a hit is final only when nothing
- * unresolved can come before it, so the answer does not depend on what was resident when. How a
- * volume's treelets are ordered, and what is in them, is its kind's affair: grid/grid_tracer.h,
- * mesh/mesh_tracer.h.
+ * A ray suspends when it meets an active treelet that is not resident. Its state says where to
+ * resume, and its result so far. Treelets come in order, and a hit is final only when nothing
+ * unresolved can come before it. So the answer does not depend on what was resident when. The order
+ * and the content of treelets belong to the volume's kind: grid/grid_tracer.h, mesh/mesh_tracer.h.
  */
 #ifndef RENDER_RAY_TRACER_H
 #define RENDER_RAY_TRACER_H
@@ -21,21 +20,21 @@
 /* A volume as the rays of a frame see it. */
 typedef struct tracer {
     const struct kind *kind;
-    const struct ray_kernels *kernels; /* of many rays together (ray_kernels.h) */
+    const struct ray_kernels *kernels; /* for many rays together (ray_kernels.h) */
     const void *own;                   /* the kind's part */
     loader *treelets;
     const leaf_layout *layout;
-    uint32_t set; /* of values, that is drawn */
+    uint32_t set; /* the set of values that is drawn */
     isovalue_list isos;
     affine space;
-    double box[2][3];      /* of the volume, grid space */
-    bool boxed;            /* rays are cut to the box: coarse levels reach past it */
-    bool preview;          /* draw what is resident instead of suspending */
-    bool doubts;           /* and have pieces of rays tell where that is (segments.h) */
-    bool coarse;           /* what is drawn may be coarser than the data where nothing is absent */
-    double above;          /* pieces of rays say how far values are above it (segments.h) */
+    double box[2][3]; /* of the volume, grid space */
+    bool boxed;       /* cut rays to the box; for coarse levels, which reach past it */
+    bool preview;     /* draw what is resident instead of suspending */
+    bool doubts;      /* and mark what is absent by doubts among the pieces (segments.h) */
+    bool coarse;      /* the picture may be coarser than the data even where no treelet is absent */
+    double above;     /* subtracted from the values of pieces (segments.h) */
     uint32_t target_level; /* the level that is drawn; */
-    const uint8_t *stop;   /* when not NULL, also at treelets with a 1 */
+    const uint8_t *stop;   /* also draw treelets whose entry is 1; may be NULL */
     atomic_uchar *touched; /* per treelet: set when a ray walked it */
     int clip_count;
     double clip[32][4]; /* world-space half-spaces n . p + d >= 0 */
@@ -46,34 +45,35 @@ typedef enum trace_result { TRACE_HIT, TRACE_MISS, TRACE_BLOCKED } trace_result;
 /* A ray's search for its next hit. */
 typedef struct trace_state {
     hit after;          /* only hits strictly behind this one count */
-    uint64_t origin;    /* the ray begins on this cell's surface of isovalue origin_iso, which is */
-    int32_t origin_iso; /* not looked at again where it is flat; below 0: it begins on none */
+    uint64_t origin;    /* the ray begins on this cell's surface of isovalue */
+    int32_t origin_iso; /* origin_iso, which it skips where that is flat; below 0: begins on none */
     hit best;           /* the nearest found so far; none: hit_none() */
     surface_point point; /* of best */
     double t_from;       /* where to resume; */
     uint32_t blocked;    /* at this treelet; LEAF_NO_TREELET: from the start */
     bool provisional;    /* preview: something was drawn coarser than wanted, or not yet at all */
-    bool any;            /* any hit will do as best, and its point does not matter */
+    bool any;            /* any hit will do as best; its point is not needed */
 } trace_state;
 
-/* tracer_ray() - a world-space ray for t in [t0, t1], cut by the clip planes. False when nothing of
- * it is left. */
+/* tracer_ray() - make a ray from a world-space one for t in [t0, t1], cut by the clip planes.
+ * Returns false when nothing of it is left. */
 bool tracer_ray(const tracer *tr, const double origin[3], const double direction[3], double t0,
                 double t1, ray *out);
 
-/* tracer_enters_by() - the clip plane by which a world-space ray from t = 0 on enters what all of
- * them leave, and where: *t. -1: it begins inside, or nothing of it is left. */
+/* tracer_enters_by() - the clip plane through which a world-space ray, from t = 0 on, enters the
+ * part that all planes leave; *t: where. -1: the ray begins inside that part, or misses it. */
 int tracer_enters_by(const tracer *tr, const double origin[3], const double direction[3],
                      double *t);
 
-/* tracer_direction(), tracer_ray_along() - the same in two steps, for many rays of one direction:
- * what it is in grid space, and then each ray; out->d has it already. */
+/* tracer_direction(), tracer_ray_along() - tracer_ray() in two steps, for many rays of one
+ * direction: first convert the direction to grid space, then make each ray. out->d must hold that
+ * direction. */
 void tracer_direction(const tracer *tr, const double direction[3], double in_grid[3]);
 bool tracer_ray_along(const tracer *tr, const double origin[3], const double direction[3],
                       double t0, double t1, ray *out);
 
-/* trace_begin() - look for the first hit strictly behind `after`. trace_begin_at() - the same,
- * where the state stays: no copy, which would cost a short ray some per cent. */
+/* trace_begin() - start a search for the first hit strictly behind `after`. trace_begin_at() - the
+ * same in place: a copy would cost a short ray some per cent. */
 static inline void trace_begin_at(trace_state *s, const hit *after) {
     s->after = *after;
     s->origin = UINT64_MAX;
@@ -89,29 +89,29 @@ static inline trace_state trace_begin(const hit *after) {
     return s;
 }
 
-/* tracer_next() - go on until the next hit is certain (state->best, state->point), nothing is left,
- * or the treelet state->blocked is needed. */
+/* tracer_next() - search until the next hit is certain (state->best, state->point), nothing is
+ * left, or the treelet state->blocked is needed. */
 trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
                          ray_counters *counters);
 
-/* tracer_surface() - the point of hit h on ray r, which lies in this treelet. */
+/* tracer_surface() - the surface point of hit h on ray r; the hit must lie in this treelet. */
 surface_point tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h);
 
 /* ---- For kinds ---- */
 
-/* tracer_box() - cut [t0, t1] to where the ray is in the volume's closed box; false: nothing is
- * left. */
+/* tracer_box() - cut [t0, t1] to the volume's closed box. Returns false when nothing is left. */
 bool tracer_box(const tracer *tr, const ray *r, double *t0, double *t1);
 
-/* tracer_touch() - remember that a ray walked treelet t. */
+/* tracer_touch() - mark treelet t as walked by a ray. */
 static inline void tracer_touch(const tracer *tr, uint32_t t) {
     if (!atomic_load_explicit(&tr->touched[t], memory_order_relaxed))
         atomic_store_explicit(&tr->touched[t], 1, memory_order_relaxed);
 }
 
-/* tracer_enter() - the active treelet t, which the ray enters at t_in. NULL where it is absent: a
- * preview goes on without it (*provisional), every other ray stops there, to resume at *blocked
- * from *t_from on: all three are of its state, that of trace_begin() or of segments_begin(). */
+/* tracer_enter() - the active treelet t, which the ray enters at t_in; NULL where it is absent.
+ * Then a preview sets *provisional and goes on without it. Every other ray stops, to resume at
+ * treelet *blocked from *t_from. The three pointers are members of the ray's state, trace_state or
+ * segments_state. */
 static inline const treelet *tracer_enter(const tracer *tr, uint32_t t, double t_in, double *t_from,
                                           uint32_t *blocked, bool *provisional) {
     const treelet *at = loader_lookup(tr->treelets, t);

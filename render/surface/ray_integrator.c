@@ -25,7 +25,7 @@ static void own_begin(const frame *f, uint32_t pixel, ray_record *r) {
     surface_search_begin(&p->search, !look_of(f)->hits);
 }
 
-/* How far t may be off. */
+/* Bound of the error of t. */
 static double error_of(const surface_point *point, const double direction[3]) {
     double slope = 0.0;
     for (int a = 0; a < 3; a++)
@@ -37,7 +37,7 @@ static leafcast_ray_hit no_hit(void) {
     return (leafcast_ray_hit){.t = INFINITY, .volume = -1, .surface = -1};
 }
 
-/* Hit h with volume v, and its point, on a ray. */
+/* Describe hit h with volume v, and its point, on a ray. */
 static leafcast_ray_hit hit_of(const frame *f, const leafcast_ray *from, int v, const hit *h,
                                const surface_point *point) {
     leafcast_ray_hit out = {.t = h->t,
@@ -83,7 +83,7 @@ static void own_answer(const frame *f, ray_record *r, trace_result result) {
     surface_search_answer(NULL, &p->head.volume, &p->search, result);
 }
 
-/* They have no order in common; that of the first is as good as any. */
+/* The rays share no order of treelets; that of the first ray is as good as any. */
 static ray_bundle own_bundle(const frame *f, uint32_t leg) {
     const double *d = look_of(f)->rays[0].direction;
     (void)leg;

@@ -8,7 +8,7 @@ static float dot(const float a[3], const float b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* x^n for n >= 1 by squaring: a fixed sequence of products, where powf() may differ between CPUs.
+/* x^n for n >= 1 by squaring: a fixed sequence of products. powf() may differ between CPUs.
  */
 static float power(float x, int n) {
     float result = 1.0f;

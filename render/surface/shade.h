@@ -39,11 +39,12 @@ typedef struct shade_point {
 shade_point shade_point_of(const leafcast_scene *scene, const float rgb[3], const float normal[3],
                            const float towards_eye[3]);
 
-/* shade_ambient() - *out = what does not depend on lights: k_a D, or D for flat shading. */
+/* shade_ambient() - set *out to the part that does not depend on lights: k_a D, or D for flat
+ * shading. */
 void shade_ambient(const shade_point *p, float out[3]);
 
 /* shade_reaches() - whether a light from there can contribute: it is on the eye's side of the
- * surface and shading looks at lights at all. */
+ * surface, and the shading uses lights at all. */
 bool shade_reaches(const shade_point *p, const float towards_light[3]);
 
 /* shade_light() - add one light to out: (1 - k_a) (N . L) D of M08 eq. 4.6 and, for Phong, specular
@@ -58,8 +59,8 @@ void shade_composite(float rgba[4], const float rgb[3], float opacity);
 /* shade_background() - the same for the background, whose alpha is its opacity. */
 void shade_background(float rgba[4], const float background[4]);
 
-/* shade_normal() - the unit vector against a gradient. False, and normal untouched, where the
- * gradient has no direction: it is 0, or its components' sum is not finite. */
+/* shade_normal() - the unit vector opposite to a gradient. Returns false, and leaves normal
+ * untouched, where the gradient has no direction: it is 0, or its components' sum is not finite. */
 bool shade_normal(const double gradient[3], float normal[3]);
 
 #endif

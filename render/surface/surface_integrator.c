@@ -30,7 +30,7 @@ static void surface_begin(const frame *f, uint32_t pixel, ray_record *r) {
     memset(p->rgba, 0, sizeof p->rgba);
 }
 
-/* The current surface is done with. False: nothing behind it counts. */
+/* Composite the current surface. Returns false if nothing behind it counts. */
 static bool composite(const frame *f, surface_pixel *p) {
     const float opacity = surface_ray_opacity(f, &p->way);
     shade_composite(p->rgba, p->way.rgb, opacity);

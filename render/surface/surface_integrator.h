@@ -1,5 +1,5 @@
-/* surface_integrator.h - isosurfaces, opaque or transparent, with lights and shadows: a ray's way
- * (surface_ray.h), each surface composited behind those before it.
+/* surface_integrator.h - isosurfaces, opaque or transparent, with lights and shadows. Follows a ray
+ * (surface_ray.h), and composites each surface behind those before it.
  */
 #ifndef RENDER_SURFACE_SURFACE_INTEGRATOR_H
 #define RENDER_SURFACE_SURFACE_INTEGRATOR_H
@@ -8,11 +8,11 @@
 
 extern const integrator surface_integrator;
 
-/* How surfaces look: frame.look. Arrays have an element a volume. */
+/* How surfaces look: frame.look. Arrays have an element for each volume. */
 typedef struct surface_look {
     const leafcast_scene *scene;                               /* its lights, shading, background */
-    const leafcast_surface (*surfaces)[LEAFCAST_SURFACES_MAX]; /* one an isovalue of the tracer */
-    const int32_t *first_id;     /* in the plane of ids: of the first of them */
+    const leafcast_surface (*surfaces)[LEAFCAST_SURFACES_MAX]; /* by isovalue of the tracer */
+    const int32_t *first_id;     /* in image.id: the first surface's number */
     const tracer *const *coarse; /* what a preview draws where treelets are absent, or NULL */
 } surface_look;
 
@@ -23,16 +23,16 @@ static inline const surface_look *surface_look_of(const frame *f) {
 /* surface_opaque() - whether no light comes through any surface. */
 bool surface_opaque(const frame *f);
 
-/* surface_layers() - how many surfaces of a ray count, at most; 0: any number. */
+/* surface_layers() - the most surfaces of a ray that count; 0: any number. */
 static inline int surface_layers(const frame *f) {
     return surface_opaque(f) ? 1 : surface_look_of(f)->scene->layers_max;
 }
 
-/* What is left of the light behind surfaces that hide this much no longer counts: a twelfth bit. */
+/* Where surfaces hide this much, the rest of the light no longer counts: less than 2^-12. */
 static const float surface_opaque_enough = 1.0f - 1.0f / 4096.0f;
 
-/* surface_shows_through() - whether what is behind a surface may still count; alpha: of all that
- * has been composited, the surface included. */
+/* surface_shows_through() - whether anything behind a surface may still count. alpha: of all
+ * composited so far, the surface included. */
 static inline bool surface_shows_through(float alpha, float opacity) {
     return alpha < surface_opaque_enough && opacity < 1.0f;
 }

@@ -48,7 +48,7 @@ shade_point lit_shading(const frame *f, const lit_surface *s) {
 typedef struct departure {
     bool faces;
     bool ill_conditioned;
-    double behind; /* along so much of it roots are the surface itself, for all that is known */
+    double behind; /* t up to which roots count as the surface itself, by the error bound */
 } departure;
 
 static departure depart(const surface_point *p, bool entering, const double to[3]) {
@@ -103,7 +103,7 @@ bool lit_dim(const frame *f, uint16_t v, const hit *met, float *visibility) {
 
 /* ---- Many surfaces ---- */
 
-/* A light as surfaces see it: the last one, of a point; or all of them. */
+/* A light as seen from surfaces: from the last one for a point light, else from all. */
 typedef struct light_way {
     double to[3], in_grid[3], distance;
 } light_way;
@@ -115,7 +115,7 @@ static light_way way_to(const frame *f, const leafcast_light *light, const doubl
     return w;
 }
 
-/* Put the shadow ray of surface i with the others, if it needs one. */
+/* Add the shadow ray of surface i to the batch, if it needs one. */
 static void add_ray(const frame *f, lit_batch *b, unsigned i, const light_way *w, bool any,
                     ray_batch *rays) {
     const departure d = depart(&b->point[i], b->found[i].entering, w->to);
@@ -149,7 +149,7 @@ static void add_rays(const frame *f, lit_batch *b, const leafcast_light *light, 
     }
 }
 
-/* Whether ray k has to go on behind what it has met. */
+/* Take the result of ray k. Returns whether it must go on behind the surface it has met. */
 static bool look_at_result(const frame *f, lit_batch *b, ray_batch *rays, unsigned k) {
     const unsigned i = b->of[k];
     trace_state *state = &rays->states[k];
@@ -165,7 +165,7 @@ static bool look_at_result(const frame *f, lit_batch *b, ray_batch *rays, unsign
     return true;
 }
 
-/* The rays that go on, side by side. */
+/* Keep in the batch only the rays that go on, without gaps. */
 static void keep_going(const frame *f, lit_batch *b, ray_batch *rays) {
     unsigned kept = 0;
     for (unsigned k = 0; k < rays->count; k++) {

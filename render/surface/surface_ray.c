@@ -32,7 +32,7 @@ bool surface_ray_find(const frame *f, surface_ray *p, ray_question *q) {
 
 /* ---- Lights ---- */
 
-/* What is to be known before the visibility is. */
+/* Ask the next volume for what hides the light. Returns false once the visibility is known. */
 static bool ask_for_shadow(const frame *f, surface_ray *p, const double at[3], const double to[3],
                            double distance, ray_question *q) {
     for (; p->head.volume < f->volumes && p->visibility > 0.0f; p->head.volume++) {
@@ -65,7 +65,7 @@ static void answer_shadow(const frame *f, surface_ray *p, trace_result result) {
     p->head.volume++;
 }
 
-/* Whether a light needs a shadow ray, which counts then. */
+/* Returns whether a light needs a shadow ray, and counts it. */
 static bool begin_shadow(const frame *f, const lit_surface *s, const double to[3],
                          float *visibility, ray_counters *counters) {
     if (!lit_needs_ray(f, s, to, visibility))

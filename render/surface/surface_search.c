@@ -1,6 +1,6 @@
 #include "render/surface/surface_search.h"
 
-/* Where the search begins in volume v: of two surfaces at the same t, that of the lower volume
+/* Where the search begins in volume v. Of two surfaces at the same t, the one of the lower volume
  * comes first. */
 static hit begins_at(const surface_search *s, uint16_t v) {
     const hit *last = &s->behind;
@@ -27,7 +27,7 @@ bool surface_search_ask(const frame *f, const world_ray *w, const tracer *const 
             begin(s, *volume);
         q->tracer = s->stand_in ? coarse[*volume] : &f->tracer[*volume];
         q->state = &s->state;
-        /* Clip planes may leave nothing of it. */
+        /* Skip the volume where clip planes leave nothing of the ray. */
         if (tracer_ray(q->tracer, w->origin, w->direction, w->t0, w->t1, &q->ray))
             return true;
         s->searching = s->stand_in = false;

@@ -1,6 +1,6 @@
 /* surface_search.h - the next surface on a ray through all volumes of a frame, resumable.
  *
- * Volumes are searched one after the other; what has been found in those before bounds the search.
+ * Volumes are searched one after the other; the nearest surface found so far bounds the search.
  * Surfaces are ordered by (t, volume), then as their kind orders hits.
  */
 #ifndef RENDER_SURFACE_SURFACE_SEARCH_H
@@ -14,19 +14,20 @@ typedef struct world_ray {
 } world_ray;
 
 typedef struct surface_search {
-    hit behind;          /* the surface behind which the next one is looked for */
+    hit behind;          /* look for the next surface behind this one */
     hit found;           /* the nearest of the volumes searched so far */
-    surface_point point; /* there */
+    surface_point point; /* of found */
     uint16_t behind_volume, found_volume;
-    bool searching;    /* in the volume whose turn it is already, */
-    bool stand_in;     /* or in what stands in for it */
+    bool searching;    /* the search of the current volume has begun, */
+    bool stand_in;     /* or that of its coarse substitute */
     bool any;          /* any surface will do, and its point does not matter */
-    bool provisional;  /* something on the way was drawn coarser than asked for */
-    trace_state state; /* in that volume */
+    bool provisional;  /* something on the way was coarser than asked, or absent */
+    trace_state state; /* of the search in the current volume */
 } surface_search;
 
-/* surface_search_begin() - before all surfaces; any: see above. What need not be set is not: rays
- * that meet nothing are many. surface_search_behind() - then: behind the one that was found. */
+/* surface_search_begin() - start before all surfaces; any: see above. Sets only the members that
+ * need it, since many rays meet nothing. surface_search_behind() - then: start behind the surface
+ * that was found. */
 static inline void surface_search_begin(surface_search *s, bool any) {
     s->behind = hit_before_all();
     s->found = hit_none();
@@ -41,13 +42,13 @@ static inline void surface_search_behind(surface_search *s) {
     s->found = hit_none();
 }
 
-/* surface_search_ask() - the next question. False: s->found is certain, hit_none() if there is
- * none. *volume: 0 to begin with, and again at the end. coarse: a volume, what stands in for it
- * where a preview's treelets are absent, or NULL. */
+/* surface_search_ask() - set *q to the next question. Returns false when s->found is certain;
+ * hit_none(): there is none. *volume: 0 at first, and again at the end. coarse: for each volume, a
+ * substitute where a preview's treelets are absent, or NULL. */
 bool surface_search_ask(const frame *f, const world_ray *ray, const tracer *const coarse[],
                         uint16_t *volume, surface_search *s, ray_question *q);
 
-/* surface_search_answer() - to that question; coarse and *volume as there. */
+/* surface_search_answer() - take the answer to that question; coarse and *volume as there. */
 void surface_search_answer(const tracer *const coarse[], uint16_t *volume, surface_search *s,
                            trace_result result);
 

@@ -1,6 +1,6 @@
 /* tile_rays_template.h - the rays of a tile; included by the units of an ISA (see
- * formats/base/simd.h), which say how many pixels TILE has on a side, and whether windows look at
- * its rays: TILE_WINDOWS. */
+ * formats/base/simd.h). They define TILE, the pixels on a side, and TILE_WINDOWS: whether windows
+ * use its rays. */
 #ifndef RENDER_TILE_TILE_RAYS_TEMPLATE_H
 #define RENDER_TILE_TILE_RAYS_TEMPLATE_H
 
@@ -13,7 +13,7 @@
 #include "render/frame/tile.h"
 #include "render/ray/ray_box_template.h"
 
-/* Vectors of rays are windows: rows of four pixels under each other, anywhere in the tile. */
+/* A vector of rays is a window: rows of four pixels below each other, anywhere in the tile. */
 enum {
     WINDOW_X = 4,
     WINDOW_Y = VF_N / WINDOW_X,
@@ -25,28 +25,28 @@ enum {
 
 static const tile_row row_full = (tile_row)((UINT64_C(1) << TILE) - 1);
 
-/* One float a ray, with a margin on the right and below for windows that reach over. */
+/* One float for each ray, with a margin on the right and below for windows that reach over the
+ * edge. */
 typedef float tile_plane[PADDED];
 
 typedef struct tile_rays {
     double d[3][TILE_RAYS]; /* grid space, as ray.h; all start at the eye */
     double t0[TILE_RAYS], t1[TILE_RAYS];
-    /* For conservative tests of windows: t is in units of the projection's scale, so that d is of
-     * ordinary size. */
+    /* For conservative tests of windows: d is scaled to ordinary size by projection.scale, and t to
+     * match. */
     tile_plane near_d[3], reciprocal[3], near_t0, near_t1;
     float towards_eye[3][TILE_RAYS]; /* world space */
-    tile_row single[TILE];           /* left to single rays */
+    tile_row single[TILE];           /* pixels left to single rays */
 } tile_rays;
 
-/* Components smaller than this (of a direction of size about 1) leave their reciprocal useless. */
+/* A direction of size about 1 with a component smaller than this has no usable reciprocal. */
 static const double component_min = 1e-10;
 
 SIMD vf window_load(const float *at) {
     return f_load_rows(at, STRIDE);
 }
 
-/* The part of t0 .. t1 that a half-space n . p + w >= 0 leaves: tracer_ray()'s rule, VD_N rays at a
- * time. */
+/* Cut t0 .. t1 to a half-space n . p + w >= 0: tracer_ray()'s rule, VD_N rays at a time. */
 SIMD void clip_rays(const double plane[4], const double eye[3], const vd d[3], vd *t0, vd *t1) {
     const double at_eye = plane[0] * eye[0] + plane[1] * eye[1] + plane[2] * eye[2] + plane[3];
     const vd slope = d_set(plane[0]) * d[0] + d_set(plane[1]) * d[1] + d_set(plane[2]) * d[2];
@@ -57,7 +57,7 @@ SIMD void clip_rays(const double plane[4], const double eye[3], const vd d[3], v
         *t1 = d_select(d_eq(slope, zero), d_set(-INFINITY), *t1);
 }
 
-/* The part inside the volume's box, as tracer_box(). */
+/* Cut t0 .. t1 to the volume's box, as tracer_box(). */
 SIMD void box_rays(const tracer *tr, const double eye[3], const vd d[3], vd *t0, vd *t1) {
     for (int a = 0; a < 3; a++)
         ray_slabs(d_set(tr->box[0][a] - eye[a]), d_set(tr->box[1][a] - eye[a]), d[a], t0, t1);
@@ -74,8 +74,8 @@ SIMD void ray_directions(const camera *c, vd u, vd v, vd unit[3]) {
         unit[a] = d[a] * shrink + d_set(0.0);
 }
 
-/* VD_N rays of a row, through the picture at (u, v); camera_ray() and tracer_ray() in the same
- * order of operations. Returns which of them are for single rays to do. */
+/* Make VD_N rays of a row, through the picture at (u, v), by camera_ray() and tracer_ray() in the
+ * same order of operations. Returns which of them are left to single rays. */
 SIMD unsigned make_rays(const frame *f, bool boxed, vd u, vd v, unsigned at, tile_rays *rays) {
     const camera *c = &f->camera;
     const tracer *tr = f->tracer;
@@ -112,7 +112,7 @@ SIMD unsigned make_rays(const frame *f, bool boxed, vd u, vd v, unsigned at, til
     return ~md_bits(ordinary) & ((1u << VD_N) - 1u);
 }
 
-/* All rays of a tile; those that single rays must do are marked. */
+/* Make all rays of a tile. Marks those that are left to single rays. */
 static void tile_rays_make(const frame *f, uint32_t x0, uint32_t y0, tile_rays *rays) {
     const tracer *tr = f->tracer;
     const double *middle = f->camera.middle, height = f->camera.height;

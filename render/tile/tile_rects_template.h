@@ -12,22 +12,22 @@
 #include "render/frame/tile.h"
 #include "render/look/projection.h"
 
-/* Pixels of a tile, ends included; the bytes of a number, x0 the lowest. */
+/* A rectangle of pixels of a tile, ends included; as the bytes of a number, x0 is the lowest. */
 typedef struct tile_rect {
     uint8_t x0, x1, y0, y1;
 } tile_rect;
 
-/* Its pixels in a row, a bit each. */
+/* The rectangle's pixels in a row, a bit each. */
 static inline unsigned row_mask(tile_rect r) {
     return (2u << r.x1) - (1u << r.x0);
 }
 
 typedef struct tile_rects {
     tile_rect of[16]; /* the octants' */
-    unsigned alive;   /* those that are not empty */
+    unsigned alive;   /* bits of the octants whose rectangle is not empty */
 } tile_rects;
 
-/* A tile in the picture: its first pixel's centre, from where the camera looks. */
+/* A tile in the picture: the centre of its first pixel, relative to where the camera looks. */
 typedef struct tile_view {
     const projection *p;
     float x, y;
@@ -38,7 +38,8 @@ SIMD tile_view tile_view_of(const frame *f, uint32_t x0, uint32_t y0) {
                        (float)(y0 + 0.5 - 0.5 * f->camera.middle[1])};
 }
 
-/* One coordinate of the eight children: at their lower and at their upper planes. */
+/* One homogeneous coordinate of the eight children: entries of their lower and their upper
+ * planes. */
 typedef struct children_planes {
     vf lo[3], hi[3];
 } children_planes;
@@ -55,14 +56,14 @@ SIMD void children_axis(children_planes *c, int a, unsigned lane, float first, f
     c->hi[a] = f_select(upper, f_set(last), f_set(middle));
 }
 
-/* All that the corners of the children are sums of; far: the sum of the largest on each axis. */
+/* The entries that the children's corners are sums of. far: the sum of each axis's largest. */
 typedef struct children_entries {
     children_planes x, y, w;
     vf far;
 } children_entries;
 
-/* Whether the children's boxes lie wholly outside x - c w >= 0 (sign 1) or <= 0 (sign -1), by the
- * corner that comes nearest to the inside. */
+/* Whether the children's boxes lie wholly outside x - c w >= 0 (sign 1) or <= 0 (sign -1). Tests
+ * the corner nearest to the inside. */
 SIMD mf outside(const children_planes *x, const children_planes *w, float c, float sign, vf error) {
     vf most = error;
     for (int a = 0; a < 3; a++)
@@ -71,8 +72,8 @@ SIMD mf outside(const children_planes *x, const children_planes *w, float c, flo
     return f_lt(most, f_set(0.0f));
 }
 
-/* Children that reach behind the eye or past its sides cover no rectangle of their own: all of the
- * parent's, unless they are outside the tile's pyramid. */
+/* Children that reach behind the eye or past its sides have no rectangle of their own. They get the
+ * whole parent's, unless they lie outside the tile's pyramid, as this tells. */
 SIMD mf outside_tile(const tile_view *tile, const children_entries *e) {
     const float m = 0.5f;
     const vf error = f_set(tile->p->plane_error) * e->far;
@@ -97,7 +98,8 @@ SIMD void extend(children_extent *e, vf x, vf y, vf w) {
     e->w1 = f_max(e->w1, w);
 }
 
-/* The two corners that differ in z alone; the others' coordinates are summed already. */
+/* Extend by the two corners that differ in z alone; x, y, w are summed over the other axes
+ * already. */
 SIMD void extend_twice(children_extent *e, vf x, vf y, vf w, const children_planes *xs,
                        const children_planes *ys, const children_planes *ws) {
     extend(e, x + xs->lo[2], y + ys->lo[2], w + ws->lo[2]);
@@ -115,7 +117,7 @@ SIMD children_extent extent_of(const children_planes *x, const children_planes *
     return e;
 }
 
-/* A rectangle a lane. */
+/* One rectangle in each lane. */
 typedef struct rect_lanes {
     vf x0, x1, y0, y1;
 } rect_lanes;
@@ -124,7 +126,7 @@ SIMD rect_lanes rect_lanes_of(const tile_rect *r) {
     return (rect_lanes){f_set(r->x0), f_set(r->x1), f_set(r->y0), f_set(r->y1)};
 }
 
-/* VF_N of them. */
+/* Load VF_N rectangles. */
 SIMD rect_lanes rect_lanes_load(const tile_rect *from) {
     vi all;
     memcpy(&all, from, sizeof all);
@@ -133,8 +135,8 @@ SIMD rect_lanes rect_lanes_load(const tile_rect *from) {
         __builtin_convertvector(all >> 16 & 255, vf), __builtin_convertvector(all >> 24 & 255, vf)};
 }
 
-/* The rectangles of what reaches that far in the picture, give or take the margin, within others;
- * *alive: those that are not empty. Where `whole`, they are the others. */
+/* The rectangles of the extents e, widened by the margin, within given ones. `whole` lanes get the
+ * given rectangle. *alive: lanes whose rectangle is not empty. */
 SIMD vi rects_of_extent(const tile_view *tile, const children_extent *e, float margin, mf whole,
                         rect_lanes within, mf *alive) {
     vf x0 = f_max(f_ceil(e->x0 - f_set(tile->x + margin)), within.x0);
@@ -152,7 +154,7 @@ SIMD vi rects_of_extent(const tile_view *tile, const children_extent *e, float m
     return f_to_int(x0) | f_to_int(x1) << 8 | f_to_int(y0) << 16 | f_to_int(y1) << 24;
 }
 
-/* The rectangles of VF_N children, from `lane` on. */
+/* Find the rectangles of VF_N children, from `lane` on. */
 SIMD void tile_rects_of_entries(const tile_view *tile, const children_entries *c, unsigned lane,
                                 const tile_rect *parent, tile_rects *rects) {
     const children_extent e = extent_of(&c->x, &c->y, &c->w);
@@ -168,7 +170,8 @@ SIMD void tile_rects_of_entries(const tile_view *tile, const children_entries *c
     rects->alive |= mf_bits(alive) << lane;
 }
 
-/* The children of the node whose planes of a level begin at `first` and are half a node apart. */
+/* Find the rectangles of a node's children. Its planes, in their level, begin at `first` and are
+ * `half` apart. */
 SIMD void tile_rects_of(const tile_view *tile, const plane_projection *const planes[3],
                         const uint32_t first[3], uint32_t half, const tile_rect *parent,
                         tile_rects *rects) {

@@ -1,5 +1,5 @@
-/* tile_shade_template.h - what a tile's rays have found, as pixels; included by the units of an ISA
- * (see formats/base/simd.h).
+/* tile_shade_template.h - turns what a tile's rays have found into pixels; included by the units of
+ * an ISA (see formats/base/simd.h).
  *
  * surface_at(), shade.h and surface_light.h in the same order of operations, many pixels at a time:
  * layer by layer, each composited behind those in front of it.
@@ -18,29 +18,29 @@
 typedef float tile_normals[3][TILE_RAYS];
 
 typedef struct tile_pixels {
-    unsigned count; /* TILE_RAYS, or TILE: nothing has been found, and all rows are as the first */
-    /* Of the first layer; */
+    unsigned count; /* TILE_RAYS; or TILE if nothing was found: all rows are like the first */
+    /* Of the first layer: */
     double t[TILE_RAYS];
     int32_t id[TILE_RAYS]; /* -1: there is none */
     tile_normals normal;
-    /* of the one that is being shaded: */
-    tile_normals behind; /* not used for the first */
+    /* Of the layer that is being shaded: */
+    tile_normals behind; /* its normals, unless it is the first layer */
     /* The unit directions to lights that are not points. */
     float towards[LEAFCAST_LIGHTS_MAX][3];
-    /* Where a scene has shadows: what arrives of lights, and whether they reach a surface. */
+    /* With shadows: the share of each light that arrives, and the surfaces that it reaches. */
     float visibility[LEAFCAST_LIGHTS_MAX][TILE_RAYS];
     tile_row reaches[LEAFCAST_LIGHTS_MAX][TILE];
     lit_batch lit;
-    uint16_t ray[RAY_BATCH]; /* of its surfaces */
-    /* Shadow rays so far: they count when the pixel is done. */
+    uint16_t ray[RAY_BATCH]; /* ray of each surface in lit */
+    /* Shadow rays so far; counted when the pixel is done. */
     uint16_t shadow_rays[TILE_RAYS], ill_conditioned[TILE_RAYS];
     /* Composited so far. */
     float rgba[4][TILE_RAYS];
 } tile_pixels;
 
-/* A kind's part. normals: of a layer's surfaces, of unit length; of other pixels anything. starts:
- * what else shadows need of surfaces, their points but for the normals, one behind the other;
- * which: of VD_N rays from i on, a bit each. */
+/* A kind's part. normals: set the unit normals of a layer's surfaces; other pixels get anything.
+ * starts: write the points of surfaces, without normals, one after the other, for shadows; which:
+ * VD_N rays from i on, a bit each. */
 typedef struct tile_kind {
     void (*normals)(void *work, const tile_layer *l, tile_normals normal);
     void (*starts)(void *work, const tile_layer *l, unsigned i, unsigned which, surface_point to[]);
@@ -63,7 +63,7 @@ typedef struct lit_pixels {
     vf normal[3], eye[3], rgb[3], out[3];
 } lit_pixels;
 
-/* Surfaces' normals, of unit length and on the eye's side: as of shade_point_of(). */
+/* The surfaces' unit normals, turned to the eye's side as in shade_point_of(). */
 SIMD void lit_normals(const tile_state *s, unsigned i, tile_normals normal, lit_pixels *p) {
     for (int a = 0; a < 3; a++) {
         p->normal[a] = f_load(normal[a] + i);
@@ -75,7 +75,7 @@ SIMD void lit_normals(const tile_state *s, unsigned i, tile_normals normal, lit_
         p->normal[a] = f_select(f_gt(length, zero), p->normal[a] / turn, p->eye[a]);
 }
 
-/* The colours of surfaces, and their opacities. */
+/* The colours of surfaces. Returns their opacities. */
 SIMD vf looks_of(const tile_state *s, const tile_layer *l, unsigned i, unsigned hits, vf rgb[3]) {
     float of[4][VF_N];
     if (s->f->tracer->isos.count == 1) {
@@ -152,7 +152,7 @@ SIMD void towards_light(const tile_state *s, const tile_layer *l, const tile_pix
         to[a] = f_load(towards[a]);
 }
 
-/* Lights that are not points are seen in the same direction from everywhere. */
+/* Set the directions to lights that are not points; each is the same from everywhere. */
 static void aim_lights(const frame *f, tile_pixels *p) {
     const leafcast_scene *scene = surface_look_of(f)->scene;
     for (int k = 0; k < scene->light_count; k++) {
@@ -163,7 +163,7 @@ static void aim_lights(const frame *f, tile_pixels *p) {
     }
 }
 
-/* Colours of a layer's surfaces, behind what there is: shade_composite(). */
+/* Shade a layer's surfaces, and composite them behind the layers in front: shade_composite(). */
 SIMD void shade_surfaces(const tile_state *s, const tile_layer *l, unsigned i, unsigned hits,
                          tile_normals normal, tile_pixels *p) {
     static const float white[3] = {1.0f, 1.0f, 1.0f};
@@ -193,11 +193,11 @@ SIMD void shade_surfaces(const tile_state *s, const tile_layer *l, unsigned i, u
 
 /* ---- Shadows ---- */
 
-/* Surfaces of a square of the tile, as many as go into a batch. */
+/* Side of a square of the tile whose surfaces fill a batch. */
 enum { SQUARE = 16 };
 _Static_assert(SQUARE *SQUARE <= RAY_BATCH && TILE % SQUARE == 0, "tiles are made of squares");
 
-/* The surfaces of a layer that a light reaches: shade_reaches(). */
+/* Find the surfaces of a layer that a light reaches: shade_reaches(). */
 static void find_reached(const tile_state *s, const tile_layer *l, int light, tile_normals normal,
                          tile_pixels *p) {
     const bool flat = surface_look_of(s->f)->scene->shading == LEAFCAST_SHADING_FLAT;
@@ -215,7 +215,7 @@ static void find_reached(const tile_state *s, const tile_layer *l, int light, ti
     }
 }
 
-/* The places of surfaces of VD_N rays: lit_at() in the same order of operations. */
+/* The points of surfaces of VD_N rays: lit_at() in the same order of operations. */
 SIMD void surfaces_at(const tile_state *s, const tile_layer *l, unsigned i, unsigned which,
                       double at[3][VD_N]) {
     const camera *c = &s->f->camera;
@@ -231,7 +231,7 @@ SIMD void surfaces_at(const tile_state *s, const tile_layer *l, unsigned i, unsi
         d_store(at[a], d_set(c->eye[a]) + d_load(t) * unit[a]);
 }
 
-/* Put surfaces of VD_N rays into the list. */
+/* Add the surfaces of VD_N rays to the batch. */
 static void list_surfaces(const tile_state *s, const tile_kind *kind, void *work,
                           const tile_layer *l, unsigned i, unsigned which, tile_pixels *p) {
     lit_batch *b = &p->lit;
@@ -247,7 +247,8 @@ static void list_surfaces(const tile_state *s, const tile_kind *kind, void *work
     }
 }
 
-/* Surfaces of a square whose pixels still wait for nothing, and which some light reaches. */
+/* Collect the surfaces of a square that some light reaches, of pixels that do not wait for a
+ * treelet. */
 static void list_square(const tile_state *s, const tile_kind *kind, void *work, const tile_layer *l,
                         unsigned first, tile_pixels *p) {
     const int lights = surface_look_of(s->f)->scene->light_count;
@@ -273,7 +274,7 @@ static void trace_square(const tile_state *s, int light, tile_pixels *p) {
                     s->out->batch_scratch, s->counters);
 }
 
-/* Pixels whose shadow rays need what is absent wait for that. */
+/* Take the visibility of a light. Pixels whose shadow rays need an absent treelet wait for it. */
 static void take_visibility(const tile_state *s, int light, tile_pixels *p) {
     const lit_batch *b = &p->lit;
     for (unsigned k = 0; k < b->count; k++) {
@@ -289,7 +290,7 @@ static void take_visibility(const tile_state *s, int light, tile_pixels *p) {
     }
 }
 
-/* What arrives of all lights at a layer's surfaces. */
+/* Find how much of each light arrives at a layer's surfaces. */
 static void shadow_layer(const tile_state *s, const tile_kind *kind, void *work,
                          const tile_layer *l, tile_normals normal, tile_pixels *p) {
     const int lights = surface_look_of(s->f)->scene->light_count;
@@ -323,7 +324,7 @@ static void shade_layer(const tile_state *s, const tile_kind *kind, void *work, 
     }
 }
 
-/* Before the first layer. */
+/* Clear the pixels before the first layer. */
 static void pixels_begin(const tile_state *s, tile_pixels *p) {
     p->count = s->deepest > 0 ? TILE_RAYS : TILE;
     for (int c = 0; c < 4; c++)
@@ -343,7 +344,7 @@ static void keep_first(const tile_state *s, tile_pixels *p) {
     }
 }
 
-/* All that a walk has found. */
+/* Shade all that a walk has found. */
 static void shade_walk(const tile_state *s, const tile_kind *kind, void *work, tile_pixels *p) {
     if (s->before == 0) {
         pixels_begin(s, p);
@@ -368,7 +369,8 @@ static void shade_behind_all(const frame *f, tile_pixels *p) {
 
 /* ---- Writing ---- */
 
-/* Copy the pixels of a row of the tile. Whole lines of the cache need not be read first. */
+/* Copy the pixels of a row of the tile. Streams whole cache lines, which then need not be read
+ * first. */
 static void write_floats(float *to, const float *from, unsigned pixels) {
     enum { LINE = 64 };
     _Static_assert(TILE * sizeof(float) % LINE == 0, "a tile's row is whole lines");
@@ -385,7 +387,7 @@ static void write_floats(float *to, const float *from, unsigned pixels) {
         to[__builtin_ctz(pixels)] = from[__builtin_ctz(pixels)];
 }
 
-/* What a row's pixels have met first. */
+/* Write t, id and provisional of a row's first surfaces. */
 static void write_first(const leafcast_image *image, size_t to, unsigned pixels,
                         const tile_pixels *p, unsigned from) {
     if (pixels == row_full) {
@@ -408,8 +410,8 @@ static void write_first(const leafcast_image *image, size_t to, unsigned pixels,
     }
 }
 
-/* The planes of the first surface, and the colours, of the pixels of row y; theirs are those from
- * `from` on. */
+/* Write the planes of the first surface, and the colours, of the pixels of row y. They lie in *p
+ * from `from` on. */
 static void write_row(const tile_state *s, unsigned y, unsigned pixels, const tile_pixels *p,
                       unsigned from) {
     const leafcast_image *image = &s->f->image;
@@ -439,7 +441,7 @@ static void count_done(const tile_state *s, const tile_pixels *p, unsigned from,
     }
 }
 
-/* Write what is done; the rest is said in the outcome. */
+/* Write the pixels that are done. The outcome tells of the rest. */
 static void write_tile(const tile_state *s, const tile_pixels *p) {
     tile_outcome *out = s->out;
     for (unsigned y = 0; y < TILE; y++) {

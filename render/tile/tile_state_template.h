@@ -1,10 +1,10 @@
-/* tile_state_template.h - what tiles through grids and through meshes have in common: their rays,
- * and the surfaces that these have met; included by the units of an ISA (see formats/base/simd.h).
+/* tile_state_template.h - state that tiles through grids and through meshes share: their rays, and
+ * the surfaces that these have met; included by the units of an ISA (see formats/base/simd.h).
  *
  * A walk keeps the first surfaces of each ray, in order: one where surfaces are opaque, else as
  * many as are composited or as there is room for (layers). A ray is full when nothing behind its
- * last surface counts; what is found then looks no farther than that. Rays that are full for want
- * of room alone take another walk behind what they have (tile_state_again()).
+ * last surface counts. From then on it looks no farther than that. Rays that are full only for want
+ * of room take another walk behind their surfaces (tile_state_again()).
  */
 #ifndef RENDER_TILE_TILE_STATE_TEMPLATE_H
 #define RENDER_TILE_TILE_STATE_TEMPLATE_H
@@ -16,19 +16,19 @@
 #include "render/surface/surface_integrator.h"
 #include "render/tile/tile_rays_template.h"
 
-/* Surfaces of a ray that a walk has room for. */
+/* The most surfaces of a ray in one walk. */
 enum { TILE_LAYERS = 8 };
 
 /* A surface on a ray's way. */
 typedef struct tile_surface {
     double t;
     const treelet *at;
-    uint32_t local; /* its cell in the treelet, as the kind counts them */
+    uint32_t local; /* cell number in the treelet, as the kind counts */
     int32_t iso;
     bool entering;
 } tile_surface;
 
-/* How a kind orders what has the same t. */
+/* How a kind orders surfaces at the same t. */
 typedef struct tile_order {
     uint64_t (*cell_of)(const frame *f, const tile_surface *s);
     bool (*less)(const hit *a, const hit *b);
@@ -40,24 +40,24 @@ typedef struct tile_state {
     ray_counters *counters;
     tile_outcome *out;
     const tile_order *order;
-    uint32_t x0, y0; /* its first pixel */
+    uint32_t x0, y0; /* the tile's first pixel */
     bool has_rays;
-    tile_rays rays;       /* made when the first are needed */
+    tile_rays rays;       /* made when first needed */
     tile_row asked[TILE]; /* a bit a pixel, as in tile.h */
-    tile_row open[ROWS];  /* rays that still look for a surface */
-    /* What this walk has found. */
-    int layers;               /* it keeps so many of a ray; */
-    int deepest;              /* any ray has so many */
+    tile_row open[ROWS];  /* pixels whose rays still look for a surface */
+    /* Found by this walk: */
+    int layers;               /* the most surfaces it keeps of a ray */
+    int deepest;              /* the most that any ray has */
     double reach[TILE_RAYS];  /* how far a ray looks */
-    uint8_t count[TILE_RAYS]; /* surfaces of a ray: `layers` a ray, those that it has first */
+    uint8_t count[TILE_RAYS]; /* surfaces of each ray; `layers` places a ray, in order */
     tile_surface surfaces[TILE_RAYS * TILE_LAYERS];
-    /* What walks before it have. */
-    int before;                    /* layers */
+    /* Found by earlier walks: */
+    int before;                    /* layers of each ray */
     float alpha[TILE_RAYS];        /* composited so far */
-    tile_surface after[TILE_RAYS]; /* the last: only what lies behind counts; before > 0 */
+    tile_surface after[TILE_RAYS]; /* last surface: only those behind it count; if before > 0 */
 } tile_state;
 
-/* The surfaces of one number. */
+/* The surfaces with one number, counted from the front. */
 typedef struct tile_layer {
     const tile_state *s;
     unsigned number;
@@ -69,7 +69,7 @@ static const leafcast_surface *tile_look(const tile_state *s, int32_t iso) {
 
 /* ---- Walks ---- */
 
-/* At most `most` layers a walk. */
+/* Begin a walk with at most `most` layers. */
 static void begin_walk(tile_state *s, int most) {
     const int wanted = surface_layers(s->f);
     s->layers = wanted == 0 || wanted - s->before > most ? most : wanted - s->before;
@@ -101,7 +101,7 @@ static void tile_state_begin(tile_state *s, const frame *f, const tile_order *or
     begin_walk(s, most);
 }
 
-/* Make the rays, once. Tiles that meet no active cell do without. */
+/* Make the rays, once. Tiles that meet no active cell do not need them. */
 static void tile_state_rays(tile_state *s) {
     if (s->has_rays)
         return;
@@ -119,7 +119,7 @@ static tile_surface *surfaces_of(tile_state *s, unsigned i) {
     return &s->surfaces[i * (unsigned)s->layers];
 }
 
-/* Whether ray i has a surface in a layer; that one. */
+/* Whether ray i has a surface in a layer. surface_of(): that surface. */
 static bool in_layer(const tile_layer *l, unsigned i) {
     return l->number < l->s->count[i];
 }
@@ -132,7 +132,7 @@ static hit tile_hit(const tile_state *s, const tile_surface *x) {
     return (hit){x->t, s->order->cell_of(s->f, x), x->iso, x->entering};
 }
 
-/* -1, 0, 1: a comes before b, is the same crossing, comes behind it. */
+/* -1: a comes before b; 0: it is the same crossing; 1: it comes after b. */
 static int compare(const tile_state *s, const tile_surface *a, const tile_surface *b) {
     if (a->t != b->t)
         return a->t < b->t ? -1 : 1;
@@ -142,7 +142,7 @@ static int compare(const tile_state *s, const tile_surface *a, const tile_surfac
     return s->order->less(&x, &y) ? -1 : 1;
 }
 
-/* Surfaces of ray i behind which nothing counts are cut off. Whether it is full. */
+/* Cut off surfaces of ray i that no longer count. Returns whether the ray is full. */
 static bool is_full(tile_state *s, unsigned i) {
     const tile_surface *x = surfaces_of(s, i);
     float alpha = s->alpha[i];
@@ -157,14 +157,14 @@ static bool is_full(tile_state *s, unsigned i) {
     return s->count[i] == s->layers;
 }
 
-/* The same crossing, seen from another cell: the lesser cell's counts. */
+/* Merge two sightings of one crossing: keep the one of the lesser cell. */
 static void take_double(const tile_state *s, tile_surface *known, const tile_surface *found) {
     const hit x = tile_hit(s, found), y = tile_hit(s, known);
     if (s->order->less(&x, &y))
         *known = *found;
 }
 
-/* tile_state_take() where a ray keeps several surfaces, or has one. */
+/* tile_state_take() for a ray that keeps several surfaces, or has one. */
 static bool take_among_others(tile_state *s, unsigned i, const tile_surface *found) {
     tile_surface *x = surfaces_of(s, i);
     unsigned k = s->count[i];
@@ -192,9 +192,9 @@ static bool take_among_others(tile_state *s, unsigned i, const tile_surface *fou
     return k < s->count[i];
 }
 
-/* Put a surface into its place among those of ray i. False: it does not count, or is there already.
- * A ray that is full has a reach. Most are the first and only one: by its members, as a copy of
- * what has just been stored piece by piece waits for that. */
+/* Insert a surface in order among those of ray i. Returns false if it does not count, or is there
+ * already. Sets the reach of a ray that is full. Most surfaces are the first and only one. That one
+ * is stored member by member: a copy would wait for members that have just been stored. */
 SIMD bool tile_state_take(tile_state *s, unsigned i, tile_surface found) {
     if (s->layers > 1 || s->before > 0 || s->count[i] > 0)
         return take_among_others(
@@ -216,20 +216,20 @@ SIMD unsigned hits_from(const tile_layer *l, unsigned i, unsigned count) {
 
 /* ---- Again ---- */
 
-/* Of a ray that has `layers` of them. */
+/* The last surface of a ray that has `layers` of them. */
 static const tile_surface *last_of(const tile_state *s, unsigned i) {
     return &s->surfaces[(i + 1) * (unsigned)s->layers - 1];
 }
 
-/* Whether a ray that has `layers` surfaces looks for those behind; alpha: composited by then. */
+/* Whether a ray with `layers` surfaces looks for more behind them. alpha: composited by then. */
 static bool wants_more(const tile_state *s, unsigned i, const float alpha[]) {
     const bool done = (s->rays.single[i / TILE] | s->out->waits[i / TILE]) >> i % TILE & 1u;
     return !done && s->count[i] == s->layers &&
            surface_shows_through(alpha[i], tile_look(s, last_of(s, i)->iso)->opacity);
 }
 
-/* When what has been found is composited: take the rays that were full for want of room behind it,
- * by another walk. False: there are none. */
+/* Call when the surfaces found are composited. Begins another walk, behind their surfaces, for the
+ * rays that were full for want of room. Returns false if there are none. */
 static bool tile_state_again(tile_state *s, int most, const float alpha[]) {
     const int wanted = surface_layers(s->f);
     tile_row any = 0;

@@ -22,7 +22,7 @@ bool view_access_same(const char token[VIEW_TOKEN_TEXT], const char *text) {
     return differ == 0;
 }
 
-/* The part of a Host before its port; 0: it is none. */
+/* Returns the length of the name in a Host header, without the port; 0: not a valid Host. */
 static size_t name_length(const char *host) {
     const char *end = *host == '[' ? strchr(host, ']') : NULL;
     const size_t n = end ? (size_t)(end - host) + 1 : strcspn(host, ":");

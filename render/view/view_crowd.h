@@ -1,8 +1,9 @@
-/* view_crowd.h - connections that may be anybody's, oldest first: where there are too many, the
- * oldest has to go.
+/* view_crowd.h - connections that have not shown the token, oldest first. If there are too many,
+ * the oldest is dropped.
  *
- * So whoever opens connections and says nothing keeps nobody out: a page asks for what it needs as
- * soon as it is connected. Whoever has shown the token leaves the crowd, and stays. For one thread.
+ * So a client that opens connections and sends nothing cannot lock others out: a page sends its
+ * request as soon as it is connected. A connection that has shown the token leaves the crowd and
+ * stays open. For one thread.
  */
 #ifndef RENDER_VIEW_VIEW_CROWD_H
 #define RENDER_VIEW_VIEW_CROWD_H
@@ -14,10 +15,10 @@ typedef struct view_crowd {
     int count;
 } view_crowd;
 
-/* view_crowd_enter() - the newest. Returns who has left for it; NULL: nobody. */
+/* view_crowd_enter() - add the newest connection. Returns the one dropped for it; NULL: none. */
 void *view_crowd_enter(view_crowd *c, void *who);
 
-/* view_crowd_leave() - who is not in it is fine. */
+/* view_crowd_leave() - remove a connection; one that is not in the crowd is allowed. */
 void view_crowd_leave(view_crowd *c, const void *who);
 
 #endif

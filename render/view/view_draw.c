@@ -8,9 +8,9 @@
 #include "formats/base/thread.h"
 #include "render/view/view_map.h"
 
-/* Of a turn. Then another client has its own. */
+/* Seconds of one turn; then the next client has its own. */
 #define SLICE_S 0.030
-/* Between two maps of treelets, but for the one of the last part. */
+/* Least seconds between two maps of treelets; the last part always gets one. */
 #define MAP_S 0.2
 
 typedef struct pick {
@@ -24,19 +24,20 @@ typedef struct sent {
 } sent;
 
 struct view_seat {
-    /* From opening to closing; what is in the two is the drawing thread's own: */
+    /* Set from opening to closing. The contents of picture and slices belong to the drawing
+     * thread: */
     view_draw *draw;
     view_picture *picture;
     view_slices *slices;
-    double mapped; /* when treelets were told last */
-    /* A client's; zeros: nobody's. */
-    bool taken, gone; /* gone: its client is, and the drawing thread has to clear it up */
-    view_wish wish;   /* the newest */
-    bool wanted;      /* it is not begun */
-    bool any;         /* there ever was one */
+    double mapped; /* when the last map of treelets was sent */
+    /* The client's; zeros: the seat is free. */
+    bool taken, gone; /* gone: the client has left, and the drawing thread has to clear the seat */
+    view_wish wish;   /* the newest wish */
+    bool wanted;      /* drawing it has not begun */
+    bool any;         /* there was a wish */
     pick picks[VIEW_PICKS_MAX];
     int pick_count;
-    bool residency; /* is wanted */
+    bool residency; /* maps of treelets are wanted */
     view_queue queue;
     sent unseen[VIEW_UNSEEN_MAX];
     int unseen_count;
@@ -48,10 +49,10 @@ struct view_draw {
     void (*notify)(void *ctx);
     void *ctx;
     pthread_t thread;
-    pthread_mutex_t lock; /* of all that follows, and of seats */
+    pthread_mutex_t lock; /* guards all that follows, and the seats */
     pthread_cond_t work;
     bool ending;
-    int next; /* whose turn it is */
+    int next; /* the seat whose turn is next */
     view_seat seats[VIEW_SEATS_MAX];
 };
 
@@ -61,12 +62,12 @@ typedef struct turn {
     pick picked;
 } turn;
 
-/* ---- What is said ---- */
+/* ---- Messages ---- */
 
 static void say(view_draw *d, view_seat *seat, view_message *message) {
     if (!message)
         return;
-    view_doing_end(d->tools.doing); /* before anybody can know that it is done */
+    view_doing_end(d->tools.doing); /* before the client can know that it is done */
     pthread_mutex_lock(&d->lock);
     const bool full = !message->binary && seat->queue.count >= VIEW_TEXTS_MAX;
     if (seat->gone || full) {
@@ -211,7 +212,7 @@ static view_seat *next_seat(view_draw *d, turn *t) {
 }
 
 static void clear(view_seat *seat) {
-    const size_t kept = offsetof(view_seat, taken); /* which others read without the lock */
+    const size_t kept = offsetof(view_seat, taken); /* fields before are read without the lock */
     view_queue_clear(&seat->queue);
     memset((char *)seat + kept, 0, sizeof *seat - kept);
 }

@@ -17,7 +17,7 @@ struct view_file {
     void *ctx;
     pthread_t thread;
     atomic_bool stopped, is_done;
-    /* The thread's, until it is done: */
+    /* Belongs to the thread until it is done: */
     view_message *made;
     status result;
     status_note note;

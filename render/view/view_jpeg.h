@@ -1,4 +1,5 @@
-/* view_jpeg.h - pictures as JPEG, by libjpeg-turbo: quick and small, for what is soon replaced. */
+/* view_jpeg.h - write pictures as JPEG, by libjpeg-turbo: quick and small, for pictures that are
+ * soon replaced. */
 #ifndef RENDER_VIEW_VIEW_JPEG_H
 #define RENDER_VIEW_VIEW_JPEG_H
 
@@ -8,12 +9,13 @@
 
 typedef struct view_jpeg view_jpeg;
 
-/* view_jpeg_open() - a compressor, for one thread. ST_NOMEM. view_jpeg_close() - NULL is fine. */
+/* view_jpeg_open() - make a compressor, for one thread. ST_NOMEM. view_jpeg_close() - NULL is
+ * allowed. */
 CHECKED status view_jpeg_open(mem *m, view_jpeg **out);
 void view_jpeg_close(view_jpeg *j);
 
-/* view_jpeg_write() - planes r, g and b behind the bytes of a message, which may move. Colours are
- * as seen before black. ST_NOMEM, ST_FAILED. */
+/* view_jpeg_write() - append the planes r, g and b as JPEG to a message, which may move.
+ * Transparent parts show black. ST_NOMEM, ST_FAILED. */
 CHECKED status view_jpeg_write(view_jpeg *j, const picture *p, view_message **to);
 
 #endif

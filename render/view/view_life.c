@@ -25,7 +25,7 @@ void view_doing_end(view_doing *now) {
 
 const char *view_doing_name(view_doing_what what) {
     static const char *const names[] = {"nothing", "view", "slice", "pick", "file"};
-    const size_t at = (size_t)what; /* from memory that a crash may have spoilt */
+    const size_t at = (size_t)what; /* a crash may have damaged the value */
     return names[at < sizeof names / sizeof *names ? at : 0];
 }
 
@@ -44,7 +44,7 @@ json_t *view_life_json(const view_life *life) {
 
 void view_life_tell(const view_life *life, view_stage stage) {
     const char word = (char)stage;
-    /* Where it cannot be told, the supervisor is gone, and so is this process soon. */
+    /* If this fails, the supervisor is gone, and this process will end soon, too. */
     (void)!write(life->channel, &word, sizeof word);
 }
 

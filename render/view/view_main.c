@@ -1,4 +1,4 @@
-/* view_main.c - leafcast view: a page to look at volumes, and what draws for it. */
+/* view_main.c - leafcast view: serve a page that shows volumes, and draw for it. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,7 +51,7 @@ static status check_options(void *own) {
     return o->common.input ? ST_OK : status_describe(ST_USAGE, "which treelet file?");
 }
 
-/* All on one device, which ends with them. */
+/* Open all files on one device, which closes with them. */
 static status open_files(view_verb *o) {
     leafcast_options options = {.size = sizeof options,
                                 .memory = o->common.memory,
@@ -69,7 +69,8 @@ static status open_files(view_verb *o) {
     return st;
 }
 
-/* Of so many tets, media and projections are drawn in few pixels, or late, while a hand moves. */
+/* From this many tets on, media and projections are drawn in few pixels, or late, while a hand
+ * moves. */
 enum { MANY_TETS = 1000000 };
 
 static void tell_slow(const view_verb *o, const view_file *f) {
@@ -81,7 +82,7 @@ static void tell_slow(const view_verb *o, const view_file *f) {
                  f->path);
 }
 
-/* A browser may take its time, and may stay: nobody waits for it. */
+/* Open the page in a browser. Do not wait for the browser: it may start slowly and stay open. */
 static void open_page(const view_verb *o, const char *url) {
     child browser;
     int code = 0;
@@ -95,7 +96,7 @@ static void open_page(const view_verb *o, const char *url) {
         cli_note(&o->common, 0, "no xdg-open here: open the address in a browser");
 }
 
-/* Who looks already need not be told again after a crash. */
+/* Print the address, once: pages that are open need not be told again after a crash. */
 static status announce(const view_verb *o, const char *url) {
     cli_results(&o->common, false);
     printf("%s\n", url);
@@ -125,7 +126,7 @@ static status serve(view_verb *o, view_life *life) {
     status st = view_server_open(&o->m, &options, &server);
     if (st != ST_OK)
         return st;
-    view_life_tell(life, VIEW_SERVES); /* first: who reads the address may be quick */
+    view_life_tell(life, VIEW_SERVES); /* before the address is printed: its reader may be quick */
     if (life->before < VIEW_ANNOUNCED)
         st = announce(o, view_server_url(server));
     if (st == ST_OK) {
@@ -156,7 +157,8 @@ static void tell_crash(const view_verb *o, const view_end *end, bool goes_on) {
              any ? end->last.told.text : "", goes_on ? "; another one begins" : "");
 }
 
-/* Returns in each process that draws, as well: the exit status of either. */
+/* Start processes that draw until one ends without a crash. Returns in each of them, too, with the
+ * exit status of either. */
 static int supervise(view_verb *o, view_supervisor *s) {
     view_life life = {0};
     view_end end = {0};
@@ -170,7 +172,7 @@ static int supervise(view_verb *o, view_supervisor *s) {
             break;
         view_supervisor_wait(s, cli_signal, &life, &end);
         if (end.signal == 0)
-            return end.code; /* it has said why */
+            return end.code; /* the child has said why */
         st = cli_signal() ? status_describe(ST_STOPPED, "stopped")
                           : view_supervisor_goes_on(s, &end);
         tell_crash(o, &end, st == ST_OK);

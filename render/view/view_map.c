@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* Blocks along each axis: cubes of the box, about. */
+/* Choose the number of blocks along each axis, so that blocks are about cubes. */
 static void choose_blocks(const leafcast_info *info, uint32_t blocks[3]) {
     double edges[3], longest = 0.0;
     for (int a = 0; a < 3; a++) {
@@ -14,7 +14,7 @@ static void choose_blocks(const leafcast_info *info, uint32_t blocks[3]) {
         blocks[a] = (uint32_t)fmax(1.0, rint(VIEW_MAP_SIDE * (edges[a] / longest)));
 }
 
-/* The counts of all blocks; at: which of them. */
+/* List one count of all blocks. at: the offset of the count in leafcast_block. */
 static json_t *list(const leafcast_block *map, size_t count, size_t at) {
     json_t *out = json_array();
     for (size_t i = 0; i < count && out; i++) {
@@ -36,7 +36,7 @@ static json_t *describe_blocks(const leafcast_block *map, const uint32_t blocks[
 
 json_t *view_map_describe(mem *m, leafcast *volume, uint32_t level, const leafcast_stats *stats) {
     const leafcast_info info = leafcast_describe(volume);
-    /* A mesh's coarse levels have none that are its own. */
+    /* A mesh's coarse levels have no treelets of their own. */
     const uint32_t of = level < info.levels ? level : info.levels - 1;
     uint32_t blocks[3];
     json_t *out = NULL;

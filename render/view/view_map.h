@@ -1,4 +1,4 @@
-/* view_map.h - the map of treelets, for a page that shows it. */
+/* view_map.h - describe where treelets are wanted, resident and seen, for a page that shows it. */
 #ifndef RENDER_VIEW_VIEW_MAP_H
 #define RENDER_VIEW_VIEW_MAP_H
 
@@ -9,9 +9,9 @@
 
 enum { VIEW_MAP_SIDE = 16 }; /* blocks along the longest axis */
 
-/* view_map_describe() - leafcast_map_treelets() of a level as the message `treelets`; as many
- * blocks along an axis as make them about cubes, at most VIEW_MAP_SIDE. stats: of the last picture.
- * NULL: no memory, or no such level. */
+/* view_map_describe() - returns leafcast_map_treelets() of a level as the message `treelets`.
+ * Blocks are about cubes, at most VIEW_MAP_SIDE along an axis. stats: of the last picture. NULL: no
+ * memory, or no such level. */
 json_t *view_map_describe(mem *m, leafcast *volume, uint32_t level, const leafcast_stats *stats);
 
 #endif

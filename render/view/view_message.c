@@ -51,7 +51,7 @@ view_message *view_message_json(mem *m, json_t *object) {
 
 const char *view_message_why(void) {
     const char *name = status_text();
-    /* In quotes is what the page has said itself. */
+    /* Skip quoted text: that comes from the page itself. */
     for (const char *c = name; *c && *c != ':' && *c != '"'; c++)
         if (*c == '/')
             name = c + 1;

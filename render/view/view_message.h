@@ -1,4 +1,4 @@
-/* view_message.h - what goes to a page, and queues of it. */
+/* view_message.h - messages to a page, and queues of them. */
 #ifndef RENDER_VIEW_VIEW_MESSAGE_H
 #define RENDER_VIEW_VIEW_MESSAGE_H
 
@@ -10,37 +10,38 @@
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 
-enum { VIEW_MESSAGE_BEFORE = 64 }; /* bytes before the first that whoever sends it may write to */
+enum { VIEW_MESSAGE_BEFORE = 64 }; /* bytes in front of a message that its sender may overwrite */
 
 typedef struct view_message {
     struct view_message *next;
     mem *m;
-    bool binary;     /* a picture, else text */
-    bool slice;      /* a picture, and not the view's */
-    bool failed;     /* text that says why something could not be done */
-    uint64_t number; /* of a picture: of its view */
+    bool binary;     /* a picture; else text */
+    bool slice;      /* a picture of a slice, not of the view */
+    bool failed;     /* text that says why a picture could not be drawn */
+    uint64_t number; /* of a picture: the number of its view */
     int part;
-    size_t size, room; /* bytes there, and how many may be */
+    size_t size, room; /* bytes used and allocated */
     unsigned char *bytes;
 } view_message;
 
-/* view_message_new() - without bytes yet, with room for so many. NULL: no memory. */
+/* view_message_new() - returns an empty message with room for `room` bytes; NULL: no memory. */
 view_message *view_message_new(mem *m, size_t room);
-void view_message_free(view_message *of); /* NULL is fine */
+void view_message_free(view_message *of); /* NULL is allowed */
 
-/* view_message_put() - bytes behind those that are there, as a byte_sink's: ctx is the address of
+/* view_message_put() - append bytes to a message, as the put() of a byte_sink. ctx: the address of
  * the pointer to the message, which may move. ST_NOMEM. */
 CHECKED status view_message_put(void *ctx, const void *data, size_t size);
 
-/* view_message_json() - a JSON object as text, whose reference it takes. NULL: no memory. */
+/* view_message_json() - returns a JSON object as text; takes over the object's reference. NULL: no
+ * memory. */
 view_message *view_message_json(mem *m, json_t *object);
 
-/* view_message_why() - status_text() for a page, which need not know folders: of a file that the
- * text begins with, its name alone. */
+/* view_message_why() - returns status_text() for a page. A file name at its start loses its
+ * folder. */
 const char *view_message_why(void);
 
-/* view_message_head() - the JSON before a picture, whose reference it takes, and its length before
- * that. The message may move. ST_NOMEM. */
+/* view_message_head() - append the JSON header of a picture, with its length in front; takes over
+ * the header's reference. The message may move. ST_NOMEM. */
 CHECKED status view_message_head(view_message **to, json_t *header);
 
 /* A queue: first in, first out. */

@@ -2,24 +2,27 @@
 
 #include <math.h>
 
-/* Better than the last one only if it takes at most this share of the time. */
+/* A grade better than the last is chosen only if it takes at most this share of the time. */
 #define CLEARLY 0.65
-/* A level that was never drawn, beside the next finer and the next coarser one. */
+/* Cost of a level that was never drawn, relative to the next finer (COARSER) or coarser (FINER)
+ * one. */
 #define COARSER 0.65
 #define FINER   2.0
-/* One that was drawn costs at most so many times the next coarser one, and comes nearer to FINER
- * with each picture: what was given up, or drawn while other programs ran, is tried again. */
+/* A drawn level costs at most FINER_MOST times the next coarser one. With each picture its cost
+ * moves towards FINER times, by the share NEARER. So levels that were given up, or slowed by other
+ * programs, are tried again. */
 #define FINER_MOST  4.0
 #define NEARER      0.02
 #define SHARE_LEAST 0.02
-/* Of the quickest picture's time, what every picture takes; and how much of it is forgotten with
- * each. If all went with pixels, a better grade would still take no more than it may. */
+/* ALWAYS: share of the quickest picture's time that every picture takes. FORGET: the growth of that
+ * time with each picture. Even if all time went with pixels, a better grade would stay in time. */
 #define ALWAYS (1.0 / 3.0)
 #define FORGET 1.05
-#define RISE   1.25 /* of a cost, by one picture */
+#define RISE   1.25 /* the most by which one picture raises a cost */
 
-/* Scales, and how many levels coarser than its pixels. Pixels that are twice as wide are four times
- * as few, cells twice as large are half as many: so both go together, and pixels first. */
+/* Scales, and how many levels coarser than at a pixel's size. Doubling a pixel's width leaves a
+ * quarter of the pixels; doubling a cell's leaves half of the cells. So both go together, pixels
+ * first. */
 static const view_grade LADDER[] = {{1, 0},  {2, 0},  {3, 0},  {4, 0}, {4, 1}, {6, 0},
                                     {6, 1},  {8, 0},  {8, 1},  {8, 2}, {8, 3}, {12, 2},
                                     {12, 3}, {16, 3}, {24, 3}, {32, 3}};
@@ -54,19 +57,20 @@ static bool is_same(view_grade a, view_grade b) {
     return a.scale == b.scale && a.level == b.level;
 }
 
-/* ---- What it costs ---- */
+/* ---- Costs ---- */
 
-/* What a level's cells cost beside those of a coarse one. */
+/* Returns what a level's cells cost relative to those of a coarse level. */
 static double apart(const view_task *t, uint32_t level) {
     return level == 0 ? t->apart : 1.0;
 }
 
-/* Of the same cells: how long one takes says how long the other does. */
+/* Returns whether two levels have cells of one kind, so that the time of one predicts the
+ * other's. */
 static bool alike(const view_task *t, uint32_t a, uint32_t b) {
     return apart(t, a) == apart(t, b);
 }
 
-/* By the level nearest to it that is known; a finer one where two are. */
+/* Estimate a level's cost from the nearest level with a known cost; of two, from the finer one. */
 static double cost_of(const view_pace *p, const view_task *t, uint32_t level) {
     const double cells = apart(t, level);
     for (uint32_t away = 0; away < VIEW_PACE_LEVELS; away++) {
@@ -82,9 +86,9 @@ double view_pace_seconds(const view_pace *p, const view_task *t, view_grade g) {
     return ALWAYS * p->least + cost_of(p, t, g.level) * view_pace_pixels(t, g);
 }
 
-/* What is new is believed by half, and only bit by bit where it is worse, as other programs take
- * their time, too; but what was given up is known to be too slow. The view is another for all
- * levels: so are their costs. */
+/* Average a new cost with the old one; a higher one counts bit by bit, as other programs take time,
+ * too. A picture that was given up is known to be too slow: take its cost in full. The view has
+ * changed for all levels, so scale all their costs. */
 void view_pace_learn(view_pace *p, const view_task *t, view_grade g, double seconds, double share) {
     const double before = p->cost[g.level];
     if (!(seconds > 0.0))
@@ -127,7 +131,7 @@ view_grade view_pace_choose(view_pace *p, const view_task *t, double seconds) {
     return choose_from(p, t, seconds, 0);
 }
 
-/* Of the next place with another grade; GRADES: there is none. */
+/* Returns the next place on the ladder with another grade; GRADES: there is none. */
 static int next_place(const view_pace *p, const view_task *t) {
     const view_grade now = grade_at(t, p->grade);
     int next = p->grade + 1;

@@ -1,11 +1,11 @@
-/* view_pace.h - how coarse a picture must be to be there in time, by the time that others took.
+/* view_pace.h - choose how coarse a picture must be to be drawn in time, by the times of earlier
+ * ones.
  *
- * A grade is a fraction of the canvas and a level of detail. Grades are tried from the best one
- * down: first fewer pixels, each with cells that are about its size; where these are few already,
- * larger cells. The time of a picture is taken to be a third of that of the quickest one lately,
- * whatever is drawn, and the rest to go with its pixels, at a cost for each level that is learned:
- * from pictures that were drawn, and for the other levels by what they had cost beside this one. No
- * clock is read here.
+ * A grade is a fraction of the canvas and a level of detail. Grades are tried from the best down:
+ * first fewer pixels, with cells of about a pixel's size; when pixels are few already, larger
+ * cells. The estimated time of a picture is a third of the quickest one lately, plus its pixels
+ * times a cost per level. Costs are learned from pictures that were drawn; those of other levels
+ * keep their ratio to them. No clock is read here.
  */
 #ifndef RENDER_VIEW_VIEW_PACE_H
 #define RENDER_VIEW_VIEW_PACE_H
@@ -15,47 +15,48 @@
 
 enum { VIEW_PACE_LEVELS = 16, VIEW_SCALE_MAX = 32 };
 
-/* What is to be drawn. */
+/* What has to be drawn. */
 typedef struct view_task {
-    uint32_t width, height; /* of the canvas */
-    uint32_t levels;        /* of detail that there are, 1 at least */
-    double cells;           /* of level 0 in the width of a pixel of the canvas, about */
-    double guess;           /* seconds a pixel, before anything is known; above 0 */
-    double apart; /* 1; or more: level 0 is of other cells, tets, and takes so many times what the
-                     other levels' times make of it */
+    uint32_t width, height; /* of the canvas, in pixels */
+    uint32_t levels;        /* number of levels of detail, at least 1 */
+    double cells;           /* cells of level 0 in the width of a canvas pixel, about */
+    double guess;           /* seconds per pixel before anything is known; above 0 */
+    double apart; /* 1, or more if level 0 has other cells (tets): its time relative to an estimate
+                     by other levels */
 } view_task;
 
 typedef struct view_grade {
-    uint32_t scale; /* 1 / scale of the canvas: 1 to VIEW_SCALE_MAX */
+    uint32_t scale; /* width and height are 1 / scale of the canvas; 1 to VIEW_SCALE_MAX */
     uint32_t level;
 } view_grade;
 
-/* What has been learned; zeroed: nothing. */
+/* What has been learned; zeroed: nothing yet. */
 typedef struct view_pace {
-    double cost[VIEW_PACE_LEVELS]; /* seconds a pixel; 0: not known */
-    double least;                  /* seconds of the quickest picture lately; 0: not known */
-    int grade;                     /* that was chosen last, by its place; 0: the best, or none */
+    double cost[VIEW_PACE_LEVELS]; /* seconds per pixel; 0: unknown */
+    double least;                  /* seconds of the quickest picture lately; 0: unknown */
+    int grade; /* the last choice, as its place on the ladder; 0: the best, or none yet */
 } view_pace;
 
-/* view_pace_pixels() - of a picture of this grade. view_pace_seconds() - that it will take. */
+/* view_pace_pixels() - returns the pixels of a picture of this grade. view_pace_seconds() - returns
+ * the seconds that it is expected to take. */
 double view_pace_pixels(const view_task *t, view_grade g);
 double view_pace_seconds(const view_pace *p, const view_task *t, view_grade g);
 
-/* view_pace_level() - the one whose cells are about as large as pixels, at this scale.
- * view_pace_quick_level() - that, or the next one where it is of tets that take their time. */
+/* view_pace_level() - returns the level whose cells are about as large as pixels at this scale.
+ * view_pace_quick_level() - the same, or the next one if that has slow tets. */
 uint32_t view_pace_level(const view_task *t, uint32_t scale);
 uint32_t view_pace_quick_level(const view_task *t, uint32_t scale);
 
-/* view_pace_choose() - the best grade that takes so many seconds at most, or the coarsest. One that
- * is better than the last chosen must take clearly less, or pictures would change from grade to
- * grade. view_pace_coarsest() - whether there is none that is coarser than the last chosen.
- * view_pace_coarser() - the best of those that fits. */
+/* view_pace_choose() - returns the best grade expected to take at most so many seconds, or the
+ * coarsest. A grade better than the last choice must take clearly less, or pictures would flicker
+ * between grades. view_pace_coarsest() - returns whether no grade is coarser than the last choice.
+ * view_pace_coarser() - returns the best coarser grade that fits. */
 view_grade view_pace_choose(view_pace *p, const view_task *t, double seconds);
 bool view_pace_coarsest(const view_pace *p, const view_task *t);
 view_grade view_pace_coarser(view_pace *p, const view_task *t, double seconds);
 
-/* view_pace_learn() - a picture of this grade took so many seconds, and this share of its pixels
- * is there: 1, or less where it was given up; less than a fiftieth counts as that. */
+/* view_pace_learn() - learn that a picture of this grade took so many seconds. share: of its pixels
+ * that were drawn, below 1 if it was given up; less than a fiftieth counts as that. */
 void view_pace_learn(view_pace *p, const view_task *t, view_grade g, double seconds, double share);
 
 #endif

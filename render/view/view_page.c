@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* VIEW_PAGE_FILES is a file that the build makes of the folder: PAGE(number, name) each. */
+/* The build makes VIEW_PAGE_FILES from the folder: a PAGE(number, name) for each file. */
 #define PAGE(number, name)                                                         \
     __asm__(".pushsection .rodata\n"                                               \
             "view_page_begin_" #number ": .incbin \"render/view/page/" name "\"\n" \

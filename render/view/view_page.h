@@ -1,4 +1,4 @@
-/* view_page.h - the files of render/view/page, which are packed into the program. */
+/* view_page.h - the files of render/view/page, which are embedded in the program. */
 #ifndef RENDER_VIEW_VIEW_PAGE_H
 #define RENDER_VIEW_VIEW_PAGE_H
 
@@ -7,13 +7,13 @@
 
 typedef struct view_page {
     const char *name; /* "index.html" */
-    const char *type; /* as HTTP tells it */
+    const char *type; /* MIME type */
     const unsigned char *bytes;
     size_t size;
 } view_page;
 
-/* view_page_find() - by the path of a request: "/" is the index. False: there is no such file, and
- * nothing else is looked for. */
+/* view_page_find() - find a file by the path of a request; "/" is the index. Returns false for any
+ * other path; no file on disk is looked for. */
 bool view_page_find(const char *path, view_page *found);
 
 #endif

@@ -10,7 +10,7 @@ static json_t *vector(const double x[3]) {
     return list;
 }
 
-/* Where it is, in what the volume is made of. */
+/* Set the number of the tet or cell of a hit or point. */
 static void set_cell(json_t *out, const leafcast *volume, const uint32_t cell[3], uint64_t tet) {
     if (leafcast_describe(volume).tets > 0)
         json_object_set_new(out, "tet", json_integer((json_int_t)tet));
@@ -36,7 +36,7 @@ static void describe_hit(json_t *out, const view_wish *wish, const leafcast_hit 
         json_object_set_new(out, "field", json_integer(field));
 }
 
-/* The scene without media: a ray that is probed meets surfaces alone. */
+/* Find the first hit in the scene without media: a probed ray meets surfaces only. */
 static status first_hit(mem *m, view_wish *wish, const double at[2], leafcast_hit *hit,
                         int *count) {
     view_options *v = &wish->view;

@@ -1,4 +1,4 @@
-/* view_pick.h - what is at a pixel of a view, or at a point of its volume. */
+/* view_pick.h - find what is at a pixel of a view, or at a point of its volume. */
 #ifndef RENDER_VIEW_VIEW_PICK_H
 #define RENDER_VIEW_VIEW_PICK_H
 
@@ -7,14 +7,14 @@
 #include "formats/base/mem.h"
 #include "render/view/view_picture.h"
 
-/* A pixel of the wish's size, centres at +0.5; or a point of the world. */
+/* A pixel of the wish's picture, with centres at +0.5, or a point in world space. */
 typedef struct view_place {
     bool in_world;
     double pixel[2], point[3];
 } view_place;
 
-/* view_pick() - the first hit of the ray through the pixel, or the value at the point, as leafcast
- * probe has it. *answer without its id, the caller's. ST_USAGE: the wish cannot be drawn. */
+/* view_pick() - find the first hit of the pixel's ray, or the value at the point, as `leafcast
+ * probe` does. *answer has no id yet and is the caller's. ST_USAGE: the wish cannot be drawn. */
 CHECKED status view_pick(mem *m, const view_wish *wish, const view_place *place, json_t **answer);
 
 #endif

@@ -10,24 +10,25 @@
 #include "render/app/view_camera.h"
 #include "render/view/view_where.h"
 
-/* A preview takes less of what takes time: one ray a pixel, and media so exact. */
+/* A preview saves time: one ray per pixel, and media with at least this error bound. */
 #define PREVIEW_ERROR (1.0 / 64.0)
 #define DEFAULT_ERROR (1.0 / 510.0) /* leafcast_scene.error */
-/* One that is far from complete after so long gives way to a coarser one, or to a newer view. */
+/* A preview that is far from complete after this time gives way to a coarser one, or to a newer
+ * view. */
 #define OVERDUE_S (1.5 * VIEW_MOVING_S)
-#define ENOUGH    0.5 /* share of its pixels with which it is completed even so */
-/* At rest, a preview is worth its time where the whole takes longer; and a better one behind it
- * where that takes so long that it is a small share of it. */
+#define ENOUGH    0.5 /* but it is completed if this share of its pixels is drawn */
+/* At rest, draw a preview only if the whole takes longer than SOON_S. Draw a better one after it if
+ * the whole takes at least LONG_S, and the better one at most BETTER_SHARE of that. */
 #define SOON_S       0.080
 #define LONG_S       1.0
 #define BETTER_SHARE 0.2
 
 typedef enum phase { IDLE, PREVIEW, BETTER, EXACT, FINAL, WRITING } phase;
 
-/* What takes times of its own. */
+/* Kinds of scenes; the times of each are learned separately. */
 typedef enum way { SURFACES, BEHIND, MEDIA, SHADED, EXTREMES, MEANS, WAYS } way;
 
-/* Planes of one size. */
+/* A picture's planes, and their size. */
 typedef struct planes {
     uint32_t width, height;
     leafcast_image image;
@@ -40,24 +41,24 @@ struct view_picture {
     picture_volume volume;
     picture_scene parts;
     leafcast_scene scene;
-    leafcast_camera camera; /* of the whole picture */
+    leafcast_camera camera; /* for the whole picture */
     uint64_t beside;
-    planes now, base;     /* base: the preview of this view */
-    pthread_mutex_t lock; /* of this: */
+    planes now, base;     /* base: the preview of this view, if any */
+    pthread_mutex_t lock; /* guards the next two */
     leafcast_frame *frame;
     bool frame_is_preview;
-    /* Of the drawing thread again: */
+    /* For the drawing thread, from here on: */
     leafcast_stats stats;
-    view_task task;   /* of this picture, */
-    view_pace *pace;  /* one of paces */
-    view_grade grade; /* of what is drawn */
-    bool overdue;     /* a preview was: the next one is coarser */
+    view_task task;   /* this picture, as the pace sees it */
+    view_pace *pace;  /* its pace, one of `paces` */
+    view_grade grade; /* grade of the frame being drawn */
+    bool overdue;     /* the last preview was given up as late: the next one is coarser */
     int part;
-    view_file *writing;     /* where it becomes a file, */
-    uint64_t writing_bytes; /* with planes of so many */
-    bool ready;             /* a moving preview is complete, and waits until it may be sent */
-    double drawn_s, next_s; /* of this frame so far; when the next part is due */
-    const leafcast *paced;  /* the volume that they are about: */
+    view_file *writing;     /* the file being written, if any */
+    uint64_t writing_bytes; /* bytes of that file's planes */
+    bool ready;             /* a moving preview is complete and waits until it may be sent */
+    double drawn_s, next_s; /* time of this frame so far; when the next part is due */
+    const leafcast *paced;  /* the volume that `paces` are about */
     view_pace paces[WAYS];
 };
 
@@ -93,12 +94,13 @@ static bool is_preview(const view_picture *p) {
     return p->phase == PREVIEW || p->phase == BETTER;
 }
 
-/* Several rays a pixel have no plane of errors; a preview takes one. */
+/* Returns whether there is a plane of errors: not for several rays per pixel, but a preview takes
+ * one. */
 static bool has_errors(const view_picture *p) {
     return view_options_any_medium(&p->wish.view) && (is_preview(p) || p->scene.samples <= 1);
 }
 
-/* Which there are to be: as render takes them for a PNG or an EXR. Pointers that only are not NULL.
+/* Returns which planes to make, as non-NULL pointers: those that render makes for a PNG or an EXR.
  */
 static leafcast_image planes_wanted(const view_picture *p) {
     static float any_float;
@@ -122,15 +124,15 @@ static leafcast_image planes_wanted(const view_picture *p) {
                             .provisional = p->wish.file ? NULL : &any_byte};
 }
 
-/* A plane, if it is wanted. Zeroed where parts of it will be seen: else a picture writes all of it,
- * and touching it here would take long. */
+/* Make a plane, if it is wanted. Zero it if parts of it will be shown. Otherwise a picture writes
+ * all of it, and touching it here would take long. */
 static void *make_plane(mem *m, const void *wanted, size_t count, size_t size, bool zeroed) {
     if (!wanted)
         return NULL;
     return zeroed ? mem_array(m, count, size) : mem_alloc(m, count * size);
 }
 
-/* All of it provisional. */
+/* Make the planes, with all pixels provisional. */
 static status planes_make(mem *m, const leafcast_image *w, uint32_t width, uint32_t height,
                           planes *out) {
     const size_t count = (size_t)width * height;
@@ -162,7 +164,7 @@ static status planes_make(mem *m, const leafcast_image *w, uint32_t width, uint3
     return ST_OK;
 }
 
-/* What is not drawn yet looks as it did in the preview. */
+/* Fill the planes with the enlarged preview, for pixels that are not drawn yet. */
 static void planes_enlarge(const planes *from, planes *to) {
     float *const a[4] = {from->image.r, from->image.g, from->image.b, from->image.a};
     float *const b[4] = {to->image.r, to->image.g, to->image.b, to->image.a};
@@ -177,7 +179,7 @@ static void planes_enlarge(const planes *from, planes *to) {
     }
 }
 
-/* Pixels that are not drawn yet can be told from others. */
+/* Mark all pixels as not drawn, by NaN in the red plane. */
 static void planes_blank(const planes *of) {
     const size_t count = (size_t)of->width * of->height;
     for (size_t i = 0; i < count; i++)
@@ -243,7 +245,7 @@ void view_picture_destroy(view_picture *p) {
     mem_free(p->tools.m, p);
 }
 
-/* As render checks a picture. */
+/* Check the wish, as render checks a picture. */
 static status check(view_picture *p) {
     view_options *v = &p->wish.view;
     const leafcast_camera *size = &v->camera;
@@ -277,7 +279,7 @@ static way way_of(const leafcast_scene *scene, const view_options *v) {
     return behind ? BEHIND : SURFACES;
 }
 
-/* Cells in the width of a pixel, where the volume is nearest to the eye. */
+/* Returns the number of cells in the width of a pixel, where the volume is nearest to the eye. */
 static double cells_of(const leafcast_camera *c, const leafcast_info *info) {
     double square = 0.0;
     for (int a = 0; a < 3; a++) {
@@ -290,14 +292,16 @@ static double cells_of(const leafcast_camera *c, const leafcast_info *info) {
     return across / (c->height * info->cell_size);
 }
 
-/* Seconds a pixel by two CPUs, of volumes that are not too small: the first picture's guess. */
+/* Returns a guess for the first picture: seconds per pixel on two CPUs, of volumes that are not
+ * small. */
 static double guess_of(way of) {
     static const double guesses[WAYS] = {0.10e-6, 0.3e-6, 0.8e-6, 3e-6, 0.8e-6, 3e-6};
     return guesses[of];
 }
 
-/* What tets take beside cells of a grid of their size, where all pieces of rays are asked for: 6 to
- * 22 times, of 0.2 and 11 million tets, half of which view_pace.h allows for a finer level. */
+/* Returns the cost of tets relative to grid cells of their size, if all segments of a ray are
+ * needed. Measured: 6 to 22 times, with 0.2 and 11 million tets. Half of that remains, as
+ * view_pace.h already counts 2 for a finer level. */
 static double apart_of(const leafcast_info *info, way of) {
     const bool pieces = of != SURFACES && of != BEHIND;
     return info->preview_levels > info->levels && pieces ? 8.0 : 1.0;
@@ -318,7 +322,7 @@ static void set_pace(view_picture *p) {
                           .apart = apart_of(&info, of)};
 }
 
-/* The whole picture's time, as far as previews tell. */
+/* Returns the expected time of the whole picture in seconds, by earlier pictures. */
 static double whole_s(const view_picture *p) {
     return view_pace_seconds(p->pace, &p->task, (view_grade){1, 0});
 }
@@ -329,7 +333,7 @@ static void choose_grade(view_picture *p) {
     p->overdue = false;
 }
 
-/* What follows a preview at rest. */
+/* Returns the phase that follows a preview at rest. */
 static phase after_preview(view_picture *p) {
     const view_grade half = {2, view_pace_quick_level(&p->task, 2)};
     const double whole = whole_s(p), better = view_pace_seconds(p->pace, &p->task, half);
@@ -361,7 +365,7 @@ status view_picture_begin(view_picture *p, const view_wish *wish, uint64_t besid
     return ST_OK;
 }
 
-/* Level of detail that the state asks for: the last one where it asks for more. */
+/* Returns the level of detail that the state asks for, at most the last one. */
 static uint32_t asked_level(const view_picture *p) {
     const uint32_t asked = p->scene.lod == LEAFCAST_LOD_LEVEL ? p->scene.lod_level : 0,
                    last = leafcast_describe(p->wish.volume).preview_levels - 1;
@@ -421,7 +425,8 @@ static uint64_t count_provisional(const planes *of) {
     return n;
 }
 
-/* Without a plane: of several rays a pixel each is as exact as was asked for, and so is their mean.
+/* Returns the largest error bound of a pixel. With several rays per pixel there is no plane: each
+ * ray is as exact as asked for, and so is their mean.
  */
 static double largest_error(const view_picture *p) {
     const planes *const of = &p->now;
@@ -434,8 +439,8 @@ static double largest_error(const view_picture *p) {
     return most;
 }
 
-/* Of media that are drawn coarser than the data, nobody knows one, nor of pixels that are still the
- * preview's. */
+/* Returns the error bound of a part. It is unknown (infinite) for media drawn coarser than the
+ * data, and while pixels of the preview are left. */
 static double bound_of(const view_picture *p, bool coarse, uint64_t provisional) {
     const bool waits = !is_preview(p) && provisional > 0;
     return (coarse || waits) && p->now.image.error ? INFINITY : largest_error(p);
@@ -452,7 +457,7 @@ static json_t *describe_stats(const leafcast_stats *s) {
 }
 
 static json_t *describe_part(const view_picture *p, bool png, bool final) {
-    const bool coarse = p->grade.level > asked_level(p); /* than is asked for, everywhere */
+    const bool coarse = p->grade.level > asked_level(p); /* all of it is coarser than asked for */
     const uint64_t pixels = (uint64_t)p->now.width * p->now.height;
     const uint64_t provisional = coarse ? pixels : count_provisional(&p->now);
     const bool certified = p->wish.view.experiments.summing == LEAFCAST_CERTIFIED && !coarse;
@@ -479,7 +484,7 @@ static json_t *describe_part(const view_picture *p, bool png, bool final) {
     return out;
 }
 
-/* Legend and annotations, over what is complete. */
+/* Draw legend and annotations over the complete picture. */
 static status mark(const view_picture *p) {
     text_face *face = NULL;
     status st = ST_OK;
@@ -491,7 +496,7 @@ static status mark(const view_picture *p) {
     return st;
 }
 
-/* What there is. A picture that can be seen through, and the last one, go without loss. */
+/* Make a message of what is drawn. Pictures with alpha and the last part are PNG, others JPEG. */
 static status make_part(view_picture *p, bool final, view_message **out) {
     const bool png = final || p->now.image.a;
     const picture shown = {p->now.width, p->now.height, &p->now.image, NULL, 0};
@@ -517,7 +522,7 @@ static status make_part(view_picture *p, bool final, view_message **out) {
     return st;
 }
 
-/* The finished picture of a file. */
+/* Start to write the finished picture as a file. */
 static status begin_file(view_picture *p) {
     const picture shown = {p->now.width, p->now.height, &p->now.image, NULL, 0};
     const view_tools *t = &p->tools;
@@ -567,7 +572,7 @@ static status end_preview(view_picture *p, bool may_send, view_message **out) {
     return st;
 }
 
-/* One that is late, unless it is half done already. The next one is coarser. */
+/* Give up a late preview, unless enough of it is drawn. The next one is coarser. */
 static void give_up_if_slow(view_picture *p) {
     const double share = p->drawn_s >= OVERDUE_S ? planes_share(&p->now) : 1.0;
     if (share >= ENOUGH)
@@ -578,7 +583,8 @@ static void give_up_if_slow(view_picture *p) {
     planes_release(p->tools.m, &p->now);
 }
 
-/* The samples of a pixel are summed up over the whole picture: until then it is too dark. */
+/* Returns whether parts may be shown. With several samples per pixel they may not: a pixel is too
+ * dark until all samples of the picture are summed up. */
 static bool has_parts(const view_picture *p) {
     return !p->wish.file && p->scene.samples <= 1;
 }

@@ -20,28 +20,28 @@
 
 enum {
     CONNECTIONS_MAX = 2 * VIEW_CROWD_MAX,
-    CHUNK = 16 << 10, /* bytes of a body at a time */
-    HEAD_MAX = 2048,  /* of an answer */
+    CHUNK = 16 << 10, /* bytes of a body that are sent at a time */
+    HEAD_MAX = 2048,  /* bytes of an answer's head */
     HOST_MAX = 300,
-    REQUEST_S = 10, /* to send one */
+    REQUEST_S = 10, /* time to send a request */
     PING_S = 20,
-    HANGUP_S = 45, /* of a socket that says nothing */
+    HANGUP_S = 45, /* until a silent socket is closed */
     TICK_US = 500000,
-    GONE_US = 50000 /* to notice that nobody waits for a picture any more */
+    GONE_US = 50000 /* how often to check whether clients that wait for a picture have left */
 };
 _Static_assert(LWS_PRE <= VIEW_MESSAGE_BEFORE, "frames' heads fit before a message");
 
-/* A request or a socket. */
+/* An HTTP request or a WebSocket. */
 typedef struct session {
-    struct session *next; /* of those with a seat */
+    struct session *next; /* next of those with a talk or a seat */
     struct lws *wsi;
-    view_talk *talk;           /* of a socket */
-    view_seat *seat;           /* of a picture that is drawn as a file */
-    view_message *drawn;       /* this, when it is there, */
-    bool exr;                  /* in this format */
-    const unsigned char *body; /* what is sent, */
-    size_t left;               /* and how much of it still is */
-    char host[HOST_MAX];       /* that was checked */
+    view_talk *talk;           /* of a WebSocket */
+    view_seat *seat;           /* of a request for a picture as a file */
+    view_message *drawn;       /* that picture, once it is drawn */
+    bool exr;                  /* it is an EXR, else a PNG */
+    const unsigned char *body; /* rest of the body to send */
+    size_t left;               /* and its bytes */
+    char host[HOST_MAX];       /* the Host header, once checked */
 } session;
 
 struct view_server {
@@ -54,7 +54,7 @@ struct view_server {
     view_crowd crowd;
     char url[HOST_MAX + VIEW_TOKEN_TEXT + 32];
     char argument[VIEW_HEADERS_MAX];
-    char own[HOST_MAX]; /* how it is called but localhost; "": no other way */
+    char own[HOST_MAX]; /* its name in Host headers beside localhost; "": none */
     bool (*stop)(void *ctx);
     void *stop_ctx;
     lws_sorted_usec_list_t tick;
@@ -64,16 +64,16 @@ static view_server *server_of(struct lws *wsi) {
     return lws_context_user(lws_get_context(wsi));
 }
 
-/* ---- Who may ask ---- */
+/* ---- Access ---- */
 
-/* A header; false where it is too long. "" where there is none. */
+/* Copy a header, "" if there is none. Returns false if it is too long. */
 static bool header(struct lws *wsi, enum lws_token_indexes which, char *out, int room) {
     out[0] = 0;
     return lws_hdr_total_length(wsi, which) == 0 || lws_hdr_copy(wsi, out, room, which) > 0;
 }
 
-/* The address of this machine at which a connection came in, as a Host has it; "": none. Whoever
- * names it knows where he is: no other site's name leads to it. */
+/* Get this machine's address at which a connection came in, in the form of a Host header; "": none.
+ * A Host that names it is safe: with DNS rebinding it would be another site's name. */
 static void local_address(struct lws *wsi, char out[HOST_MAX]) {
     static const char mapped[] = "::ffff:"; /* IPv4 by a socket of IPv6 */
     struct sockaddr_storage at;
@@ -98,9 +98,7 @@ static bool is_own_page(struct lws *wsi, char host[HOST_MAX]) {
            (!origin[0] || view_access_origin(origin, host));
 }
 
-/* What is behind "name=" in the address, decoded; "" where it is not there. Valid until the next
- * call.
- */
+/* Returns the decoded value of "name=" in the address, or "". Valid until the next call. */
 static const char *argument(struct lws *wsi, const char *name) {
     view_server *s = server_of(wsi);
     const char *text = lws_get_urlarg_by_name(wsi, name, s->argument, (int)sizeof s->argument);
@@ -134,13 +132,13 @@ static bool add_header(struct lws *wsi, const char *name, const char *value, uns
                                        end) == 0;
 }
 
-/* The head now, the body when there is room for it. */
+/* Send the head now; send the body when the socket is writable. */
 static int answer_body(struct lws *wsi, session *now, const char *type, const unsigned char *body,
                        size_t size) {
     unsigned char buffer[LWS_PRE + HEAD_MAX], *const start = buffer + LWS_PRE, *at = start,
                                                      *const end = buffer + sizeof buffer;
     char policy[HOST_MAX + 256];
-    /* A policy cannot name an address of IPv6; "self" does for browsers of today. */
+    /* A policy cannot name an IPv6 address; in today's browsers 'self' includes it. */
     const bool named = now->host[0] != '[';
     snprintf(policy, sizeof policy,
              "default-src 'self'; img-src 'self' blob: data:; connect-src 'self'%s%s; "
@@ -205,8 +203,8 @@ static void wake_sessions(view_server *s) {
             lws_callback_on_writable(at->wsi);
 }
 
-/* libwebsockets does not read from who waits for an answer, and so does not see him leave. Whether
- * anybody waits. */
+/* Drop clients that have left while waiting for a picture: libwebsockets does not read from them,
+ * and so does not notice. Returns whether any client waits. */
 static bool drop_gone(view_server *s) {
     bool any = false;
     for (session *at = s->sessions; at; at = at->next) {
@@ -220,7 +218,7 @@ static bool drop_gone(view_server *s) {
     return any;
 }
 
-/* A signal may come just before the wait for events. */
+/* Wake up regularly, as a signal may come just before the wait for events. Also drop clients. */
 static void tick(lws_sorted_usec_list_t *sul) {
     view_server *s = lws_container_of(sul, view_server, tick);
     const bool waits = drop_gone(s);
@@ -260,7 +258,7 @@ static int answer_picture(struct lws *wsi, session *now) {
     return 0;
 }
 
-/* Why, as the drawing thread says it. */
+/* Answer with the reason that the drawing thread gives. */
 static int answer_failure(struct lws *wsi, const view_message *said) {
     json_t *object = json_loadb((const char *)said->bytes, said->size, 0, NULL);
     const char *why = json_string_value(json_object_get(object, "why"));
@@ -285,7 +283,7 @@ static int send_picture(struct lws *wsi, session *now) {
 static int answer_request(struct lws *wsi, session *now, const char *path) {
     view_page page;
     if (now->wsi || now->body)
-        return -1; /* one at a time */
+        return -1; /* one request at a time */
     *now = (session){0};
     if (!is_own_page(wsi, now->host))
         return answer_status(wsi, HTTP_STATUS_FORBIDDEN, "not from here\n");
@@ -306,7 +304,7 @@ static int go_on(struct lws *wsi, session *now) {
 
 /* ---- The socket ---- */
 
-/* 0: it may be one. */
+/* Returns 0 if the request may become a WebSocket. */
 static int confirm_upgrade(struct lws *wsi) {
     char host[HOST_MAX], path[16];
     if (!header(wsi, WSI_TOKEN_GET_URI, path, sizeof path) || strcmp(path, "/socket") != 0)
@@ -371,13 +369,13 @@ static void admit(view_server *s, struct lws *wsi) {
         lws_set_timeout(oldest, PENDING_TIMEOUT_AWAITING_PING, LWS_TO_KILL_ASYNC);
 }
 
-/* libwebsockets cannot be given a socket that listens already, but those that come of it. */
+/* Accept a connection. libwebsockets cannot take over a listening socket, only its connections. */
 static void accept_next(view_server *s) {
     const int on = 1, fd = accept4(s->options.listener, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (fd < 0)
-        return; /* whoever it was is gone */
+        return; /* the client has left already */
     (void)setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-    (void)lws_adopt_socket_vhost(s->vhost, fd); /* closes it where that is no use */
+    (void)lws_adopt_socket_vhost(s->vhost, fd); /* closes it on failure */
 }
 
 static int on_event(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in,
@@ -442,7 +440,7 @@ static status make_context(view_server *s) {
         .server_string = "leafcast",
         .headers = &no_sniff,
         .max_http_header_data2 = VIEW_HEADERS_MAX,
-        .max_http_header_pool = CONNECTIONS_MAX, /* made when needed: who has none waits for one */
+        .max_http_header_pool = CONNECTIONS_MAX, /* made on demand; beyond it requests wait */
         .fd_limit_per_thread = CONNECTIONS_MAX,
         .timeout_secs = REQUEST_S,
         .keepalive_timeout = REQUEST_S,
@@ -472,7 +470,8 @@ static bool is_any(const char *address) {
            memcmp(&bytes, &any, six ? sizeof any : sizeof(struct in_addr)) == 0;
 }
 
-/* As addresses have it: its own, where that is one and not all there are. */
+/* Set the name in addresses: the own address, or the host's name when listening at all
+ * addresses. */
 static void name_self(view_server *s) {
     const char *address = s->options.address;
     if (!is_any(address) || gethostname(s->own, sizeof s->own - 1) != 0)
@@ -502,7 +501,7 @@ status view_server_open(mem *m, const view_server_options *options, view_server 
 void view_server_close(view_server *s) {
     if (!s)
         return;
-    /* First what speaks to the drawing thread, which speaks to nobody any more when it ends. */
+    /* First end the clients of the drawing thread; it no longer notifies any when it ends. */
     for (session *at = s->sessions; at; at = at->next) {
         view_talk_close(at->talk);
         view_draw_leave(at->seat);

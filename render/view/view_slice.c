@@ -10,34 +10,34 @@
 #include "render/app/render_job.h"
 #include "render/view/view_slice_state.h"
 
-/* Rows that are sampled at a time. */
+/* BAND: rows that are sampled at a time. SCALE_MAX: the coarsest preview. */
 enum { BAND = 32, SCALE_MAX = 4 };
-/* At rest, a preview is worth its time where the whole takes longer. */
+/* At rest, draw a preview only if the whole takes longer. */
 #define SOON_S 0.080
 
 typedef struct pane {
-    view_slice_wish wish; /* the newest */
-    bool wanted;          /* it is not begun */
-    bool sent;            /* there is a picture that is not seen: */
+    view_slice_wish wish; /* the newest wish */
+    bool wanted;          /* drawing it has not begun */
+    bool sent;            /* a picture was sent and is not seen yet */
     uint64_t unseen;
 } pane;
 
 struct view_slices {
     view_tools tools;
-    pthread_mutex_t lock; /* of this: */
+    pthread_mutex_t lock; /* guards these: */
     pane panes[VIEW_PANES_MAX];
-    int drawn_pane; /* of what is drawn; -1: nothing is */
-    bool preview;   /* it is one */
-    /* Any thread's: */
+    int drawn_pane; /* pane being drawn; -1: none */
+    bool preview;   /* that is a preview */
+    /* For any thread: */
     atomic_bool cancel;
-    /* Of the drawing thread: */
-    int next;             /* pane whose turn it is */
-    view_slice_wish wish; /* of what is drawn */
+    /* For the drawing thread: */
+    int next;             /* pane whose turn is next */
+    view_slice_wish wish; /* the wish being drawn */
     leafcast_slice_pixels whole, now;
-    uint32_t scale, row; /* rows that are done */
+    uint32_t scale, row; /* scale: of a preview, 0 for the whole; row: rows that are done */
     double *value;
     leafcast_image image;
-    double drawn_s, cost; /* so far; seconds a pixel, 0: not known */
+    double drawn_s, cost; /* time so far; seconds per pixel, 0: unknown */
     uint64_t bytes_read, treelets_read;
 };
 
@@ -96,7 +96,7 @@ static void set_drawn(view_slices *s, int which, bool preview) {
     pthread_mutex_unlock(&s->lock);
 }
 
-/* What is drawn is forgotten. */
+/* Forget what is being drawn. */
 static void stop(view_slices *s) {
     set_drawn(s, -1, false);
     release_planes(s);
@@ -126,7 +126,7 @@ void view_slices_want(view_slices *s, const view_slice_wish *wish) {
     pthread_mutex_lock(&s->lock);
     p->wish = *wish;
     p->wanted = true;
-    /* A preview will soon be there. */
+    /* Leave a preview: it will soon be done. */
     if (s->drawn_pane == wish->pane && !s->preview)
         atomic_store(&s->cancel, true);
     pthread_mutex_unlock(&s->lock);
@@ -143,7 +143,7 @@ void view_slices_cancel(view_slices *s) {
     atomic_store(&s->cancel, true);
 }
 
-/* The pane that is next, and may be sent to; -1: none. The lock is held. */
+/* Returns the next pane with a wish that may be sent to; -1: none. The lock is held. */
 static int find_pane(const view_slices *s) {
     for (int i = 0; i < VIEW_PANES_MAX; i++) {
         const int k = (s->next + i) % VIEW_PANES_MAX;
@@ -163,7 +163,7 @@ bool view_slices_need(view_slices *s) {
 
 /* ---- One slice ---- */
 
-/* As coarse as its pixels are. */
+/* Returns the level of detail whose cells are about as large as the slice's pixels. */
 static uint32_t level_of(const view_slices *s, const leafcast_slice_pixels *p) {
     const leafcast_info info = leafcast_describe(s->wish.volume);
     leafcast_slice_pixels native = *p;
@@ -192,7 +192,7 @@ static status begin_pass(view_slices *s, uint32_t scale) {
     return make_planes(s);
 }
 
-/* The least that fits its time. */
+/* Returns the smallest scale that fits a preview's time. */
 static uint32_t choose_scale(const view_slices *s) {
     const double pixels = (double)s->whole.width * s->whole.height;
     uint32_t scale = 1;
@@ -221,7 +221,7 @@ static bool goes_on(void *ctx, double done) {
     return !atomic_load(&s->cancel);
 }
 
-/* For so many seconds, or to the end. */
+/* Sample bands for so many seconds, or to the end. */
 static status sample(view_slices *s, double seconds, uint64_t beside) {
     const double begun = clock_seconds();
     status st = slice_request_select(&s->wish.request, s->wish.volume);
@@ -291,7 +291,7 @@ static void learn(view_slices *s) {
     s->cost = cost > s->cost ? cost : 0.5 * (cost + s->cost);
 }
 
-/* The picture is there. */
+/* Send a picture that is complete. After a preview at rest, begin the whole. */
 static status end_pass(view_slices *s, view_message **out) {
     const bool preview = s->scale > 0;
     learn(s);
@@ -312,7 +312,7 @@ static void tell_doing(const view_slices *s) {
     view_doing_begin(s->tools.doing, VIEW_DOING_SLICE, &s->wish.told, s->wish.number);
 }
 
-/* ST_STOPPED: nothing may be drawn now. */
+/* Begin the next wish. ST_STOPPED: none may be drawn now. */
 static status begin_next(view_slices *s) {
     pthread_mutex_lock(&s->lock);
     const int k = find_pane(s);
@@ -328,7 +328,8 @@ static status begin_next(view_slices *s) {
     return begin_wish(s);
 }
 
-/* What is drawn gives way to a newer wish, but for a preview that will soon be there. */
+/* Returns whether a newer wish of the pane replaces what is drawn; not a preview that will soon be
+ * done. */
 static bool gives_way(view_slices *s) {
     pthread_mutex_lock(&s->lock);
     const bool newer = s->drawn_pane >= 0 && s->panes[s->drawn_pane].wanted;

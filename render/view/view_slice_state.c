@@ -44,7 +44,7 @@ status view_slice_state_apply(mem *m, const json_t *object, slice_request *r) {
 
 void view_slice_state_fit(leafcast_slice_pixels *s, const uint32_t box[2]) {
     const double width = vec3_length(s->u), height = vec3_length(s->v);
-    const double pixels = fmin(box[0] / width, box[1] / height); /* a world unit */
+    const double pixels = fmin(box[0] / width, box[1] / height); /* per world unit */
     s->width = (uint32_t)fmax(1.0, fmin(box[0], rint(width * pixels)));
     s->height = (uint32_t)fmax(1.0, fmin(box[1], rint(height * pixels)));
 }

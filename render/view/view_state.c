@@ -23,7 +23,7 @@ status view_state_parse(const char *text, size_t size, json_t **object) {
     return status_describe(ST_USAGE, "not a JSON object");
 }
 
-/* Whether names, divided by '|', have this one. */
+/* Returns whether this name is one of `names`, which are separated by '|'. */
 static bool is_one_of(const char *names, const char *name) {
     const size_t length = strcspn(name, "|");
     if (name[length])

@@ -1,7 +1,6 @@
-/* view_state.h - a page's state as flags of render.
+/* view_state.h - read a page's state as flags of render.
  *
- * A state is hostile until it is checked: it may name no file, neither one to write nor one to
- * read.
+ * A state is not trusted until it is checked: it may name no file, neither to read nor to write.
  */
 #ifndef RENDER_VIEW_VIEW_STATE_H
 #define RENDER_VIEW_VIEW_STATE_H
@@ -13,20 +12,21 @@
 #include "formats/base/status.h"
 #include "render/app/view_options.h"
 
-/* view_state_parse() - JSON from a page: an object without duplicate keys. The caller's to
- * json_decref(). ST_USAGE. */
+/* view_state_parse() - parse JSON from a page: an object without duplicate keys. *object is the
+ * caller's to json_decref(). ST_USAGE. */
 CHECKED status view_state_parse(const char *text, size_t size, json_t **object);
 
-/* view_state_apply() - *v becomes what a state says, and the defaults of render otherwise; flags
- * are not held against each other yet (view_options_check()). ST_USAGE: unknown keys, wrong values,
+/* view_state_apply() - set *v from a state, with render's defaults for the rest. Flags are not
+ * checked against each other yet, see view_options_check(). ST_USAGE: unknown keys, wrong values,
  * names of files. */
 CHECKED status view_state_apply(mem *m, json_t *state, view_options *v);
 
-/* view_state_check_names() - that a page names no file by its colours: ST_USAGE. */
+/* view_state_check_names() - returns ST_USAGE if a page's colours or transfer function name a
+ * file. */
 CHECKED status view_state_check_names(const medium_options *medium);
 
-/* view_state_first() - a state to begin with: the suggested isovalue of the first field, and the
- * camera that fits it. NULL: no memory. */
+/* view_state_first() - returns a state to begin with: the suggested isovalue of the first field,
+ * and the camera that fits it. NULL: no memory. */
 json_t *view_state_first(const leafcast *volume);
 
 #endif

@@ -14,8 +14,7 @@
 static const int STOPPING[] = {SIGINT, SIGTERM, SIGHUP};
 enum { STOPPINGS = (int)(sizeof STOPPING / sizeof *STOPPING) };
 
-/* Signals that ask to stop come while it waits for the child, and at no other time: none is missed.
- */
+/* Block signals that ask to stop, except during the wait for the child, so that none is missed. */
 static void hold_signals(sigset_t *before) {
     sigset_t stopping;
     sigemptyset(&stopping);
@@ -31,7 +30,7 @@ status view_supervisor_open(view_supervisor *s) {
     if (shared == MAP_FAILED)
         return status_describe(ST_NOMEM, "no memory to be shared by two processes");
     s->now = shared;
-    signal(SIGCHLD, SIG_DFL); /* whoever began this may have ignored it: then no end is told */
+    signal(SIGCHLD, SIG_DFL); /* if the parent has ignored it, no end is reported */
     hold_signals(&s->before);
     return ST_OK;
 }
@@ -48,8 +47,8 @@ void view_supervisor_close(view_supervisor *s) {
 
 /* ---- A child ---- */
 
-/* A terminal and `kill -- -GROUP` send a signal to both, and the supervisor passes it on: that must
- * not count as a second one, which ends a process at once. */
+/* A terminal and `kill -- -GROUP` send a signal to both processes, and the supervisor passes it on
+ * to the child. The copy must not count as a second signal, which ends a process at once. */
 static void take_each_signal_once(void) {
     for (int i = 0; i < STOPPINGS; i++) {
         struct sigaction action;
@@ -61,7 +60,7 @@ static void take_each_signal_once(void) {
 }
 
 static status settle_child(const view_supervisor *s) {
-    /* A second Ctrl-C ends the supervisor at once, and so this. */
+    /* End with the supervisor, which a second Ctrl-C ends at once. */
     if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != s->self)
         return status_describe(ST_STOPPED, "whoever watches over the drawing has ended");
     take_each_signal_once();
@@ -95,7 +94,7 @@ status view_supervisor_begin(view_supervisor *s, view_life *life, bool *inside) 
 
 /* ---- Its end ---- */
 
-/* Until the child's end of the channel is closed, which its own end does. How far it has come. */
+/* Wait until the child ends, which closes its end of the channel. Returns its stage. */
 static view_stage listen_to(const view_supervisor *s, int (*asked)(void)) {
     view_stage came = VIEW_BEGINS;
     bool passed = false;

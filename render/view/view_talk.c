@@ -8,21 +8,21 @@
 #include "render/view/view_slice_state.h"
 #include "render/view/view_state.h"
 
-/* Messages a second, and how many may come at once: a hand moves at most that fast. */
+/* Messages per second, and how many may come at once: a hand moves at most that fast. */
 enum { RATE = 500, BURST = 1000 };
-#define NUMBER_MAX 9007199254740991.0 /* of the page's language */
+#define NUMBER_MAX 9007199254740991.0 /* the largest integer that is exact in JavaScript */
 
 struct view_talk {
     mem *m;
     view_seat *seat;
     const view_file *files;
-    int file_count, file; /* and which is shown */
+    int file_count, file; /* file_count files; `file` is shown */
     const view_machine *machine;
     const view_life *life;
     uint64_t client;
-    view_queue queue; /* before what waits at the seat */
+    view_queue queue; /* sent before the messages at the seat */
     double allowance, last_heard;
-    size_t heard, told; /* of the message that comes; of the last one that came */
+    size_t heard, told; /* bytes of the message that arrives, and of the last one that arrived */
     view_wish wish;
     view_slice_wish slice;
     char text[VIEW_HEARD_MAX];
@@ -94,7 +94,7 @@ static status take_whole(const json_t *object, const char *key, double lo, doubl
     return st == ST_OK && *out != floor(*out) ? wrong(key) : st;
 }
 
-/* number: 0 where there is none. */
+/* Take a wish for a view. *number: 0 if the message has none. */
 static status hear_view(view_talk *t, const json_t *message, double *number) {
     double width, height;
     json_t *state = json_object_get(message, "state");
@@ -237,7 +237,7 @@ static bool is_too_fast(view_talk *t) {
     return t->allowance < 0.0;
 }
 
-/* A pick's refusal has its id, as its answer would. */
+/* Tell the page why its message is refused. The refusal of a pick has its id, like an answer. */
 static void refuse(view_talk *t, const json_t *message, double number) {
     json_t *id = json_object_get(message, "id");
     json_t *said = json_pack("{s:s,s:I,s:s}", "type", "refused", "number", (json_int_t)number,

@@ -13,7 +13,7 @@
 #include "render/view/view_state.h"
 
 enum { MAP_COLOURS = 64, PRESET_COLOURS = 32, NAME_MAX_BYTES = 64 };
-/* Of how many fields and steps more is told than their ranges. */
+/* Most steps, of all fields together, that are described by more than their range. */
 enum { TOLD_MAX = 64 };
 
 static json_t *reals(const double *x, int count) {
@@ -23,7 +23,7 @@ static json_t *reals(const double *x, int count) {
     return list;
 }
 
-/* Without its folder, which is nobody's business. */
+/* Copy the file's name without its folder, which pages need not know. */
 static void file_name(char *name, size_t room, const char *path) {
     const char *slash = strrchr(path, '/');
     text_name(name, room, slash ? slash + 1 : path);
@@ -39,7 +39,7 @@ static json_t *histogram_json(const leafcast_histogram *h) {
     return out;
 }
 
-/* Colours of a list, evenly from the first value to the last. */
+/* List `count` colours, evenly spaced from the first value to the last. */
 static json_t *colours_json(const transfer_list *list, const double ends[2], int count,
                             const byte_table *table) {
     json_t *out = json_array();
@@ -65,7 +65,8 @@ static double diagonal(const leafcast_info *info) {
     return sqrt(square);
 }
 
-/* Its points, value and extinction, and its colours from the first to the last. */
+/* Describe a preset: its points (value and extinction), and its colours from the first to the
+ * last. */
 static json_t *preset_json(mem *m, const char *name, const leafcast_histogram *h, double length,
                            const byte_table *table) {
     transfer_list colours = {.m = m}, extinctions = {.m = m};
@@ -101,7 +102,8 @@ static json_t *presets_json(mem *m, const leafcast_histogram *h, double length,
 
 /* ---- Fields ---- */
 
-/* Of a field, over all steps: of what is there, and of what may be data. 0, 0: nothing is finite.
+/* Get a field's ranges over all steps: of all values, and of those that may be data. Both are 0, 0
+ * if no value is finite.
  */
 static void find_ranges(const leafcast *volume, uint32_t field, double range[2], double data[2]) {
     const uint32_t steps = leafcast_describe(volume).steps;
@@ -123,7 +125,7 @@ static void find_ranges(const leafcast *volume, uint32_t field, double range[2],
         range[0] = range[1] = data[0] = data[1] = 0.0;
 }
 
-/* What a field has at a step: its histogram, suggested isovalues, presets. */
+/* Describe a field at a step: its histogram, suggested isovalues, presets. */
 static json_t *field_step_json(mem *m, const leafcast *volume, uint32_t field, uint32_t step,
                                leafcast_histogram *h, const byte_table *table) {
     const leafcast_info info = leafcast_describe(volume);
@@ -140,7 +142,7 @@ static json_t *field_step_json(mem *m, const leafcast *volume, uint32_t field, u
                      known ? presets_json(m, h, diagonal(&info), table) : json_object());
 }
 
-/* Of the first steps. */
+/* Describe a field at its first steps. */
 static json_t *field_steps_json(const leafcast *volume, uint32_t field, const byte_table *table) {
     const leafcast_info info = leafcast_describe(volume);
     const uint32_t room = info.fields < TOLD_MAX ? TOLD_MAX / info.fields : 1;
@@ -159,7 +161,7 @@ static json_t *field_json(const leafcast *volume, uint32_t field, const byte_tab
     const char *name = leafcast_field_name(volume, field);
     json_t *out = json_object(), *text = json_string(name);
     find_ranges(volume, field, range, data);
-    /* Names of files need not be UTF-8. */
+    /* A name from the file need not be valid UTF-8. */
     json_object_set_new(out, "name", text ? text : json_string(""));
     json_object_set_new(out, "range", reals(range, 2));
     json_object_set_new(out, "data", reals(data, 2));
@@ -207,7 +209,7 @@ static json_t *steps_json(const leafcast *volume, uint32_t steps) {
     return out;
 }
 
-/* The letter of what lies at each end, +x, -x, +y ..; none where nobody knows. */
+/* List the letters of the ends +x, -x, +y, ...; empty if the directions are unknown. */
 static json_t *ends_json(leafcast_axes axes) {
     json_t *out = json_array();
     for (int i = 0; i < 6 && axes != LEAFCAST_AXES_FILE; i++) {

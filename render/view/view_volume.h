@@ -1,4 +1,4 @@
-/* view_volume.h - what a page is told of a volume at first. */
+/* view_volume.h - describe a volume to a page that opens it. */
 #ifndef RENDER_VIEW_VIEW_VOLUME_H
 #define RENDER_VIEW_VIEW_VOLUME_H
 
@@ -12,14 +12,15 @@ typedef struct view_file {
     leafcast *volume;
 } view_file;
 
-/* What a device was made with. */
+/* The options that the device was made with. */
 typedef struct view_machine {
     uint64_t memory; /* 0: no limit */
     int threads;
     const char *isa;
 } view_machine;
 
-/* view_volume_json() - the message "volume" of files[which]; of count files. NULL: no memory. */
+/* view_volume_json() - returns the message "volume" about files[which], one of `count` files. NULL:
+ * no memory. */
 json_t *view_volume_json(const view_file *files, int count, int which, const view_machine *machine);
 
 #endif

@@ -19,7 +19,7 @@ static bool any_in(const uint8_t *provisional, uint32_t width, const square *s) 
     return false;
 }
 
-/* Appends run after run. */
+/* Append the lengths of all runs. */
 static void list_runs(const uint8_t *provisional, uint32_t width, uint32_t height, uint32_t side,
                       json_t *runs) {
     bool now = false;

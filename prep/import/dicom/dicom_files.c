@@ -26,7 +26,7 @@ static char *join(mem *m, const char *folder, const char *name) {
     return path;
 }
 
-/* Whether it is a folder; one that a link leads to is none. */
+/* Returns whether a path is a folder; a link to a folder is not. */
 static bool is_folder(const char *path) {
     struct stat s;
     return lstat(path, &s) == 0 && S_ISDIR(s.st_mode);
@@ -37,7 +37,7 @@ static bool is_regular(const char *path) {
     return stat(path, &s) == 0 && S_ISREG(s.st_mode);
 }
 
-/* Folders in it are added to `folders`, to be walked through later. */
+/* Add the files of a folder. Its folders are added to `folders`, to be visited later. */
 static status take_entries(dicom_files *f, dicom_files *folders, const char *folder, DIR *dir) {
     status st = ST_OK;
     for (struct dirent *e; st == ST_OK && (e = readdir(dir));) {

@@ -26,15 +26,15 @@ extern "C" {
 struct dicom_reader {
     std::string path;
     DcmFileFormat file;
-    Uint32 fragment; /* where the next frame begins */
-    uint32_t next;   /* which that is */
+    Uint32 fragment; /* where the frame `next` begins */
+    uint32_t next;   /* the frame that follows the last one read */
     uint32_t samples;
     bool planar;
-    bool halves; /* of 32 bits, big endian */
+    bool halves; /* of 32 bits, big endian: DCMTK swaps halves */
     bool j2k;
     dicom_j2k_form form;
     dicom_image image;
-    std::vector<dicom_label> labels; /* of binary segments, grouped */
+    std::vector<dicom_label> labels; /* of frames of binary segments, grouped */
 };
 
 namespace {
@@ -44,12 +44,12 @@ status failed(const char *path, const char *what, const OFCondition &why) {
     return status_describe(st, "%s: %s: DCMTK: %s", path, what, why.text());
 }
 
-/* Numbers that are there, but cannot be read, are no reason to go on without. */
+/* Thrown for numbers that are present but cannot be read: going on would be wrong. */
 struct unreadable {
     std::string name;
 };
 
-/* The library throws nothing of its own. */
+/* DCMTK itself throws nothing. */
 template <typename Work> status guarded(const char *path, Work work) {
     try {
         return work();
@@ -109,7 +109,7 @@ uint32_t get_frames(DcmItem *item) {
 
 /* ---- segments (PS3.3, A.51) ---- */
 
-/* Numbers from 1 on; 0: there are none. */
+/* The highest segment number, counted from 1; 0: there are no segments. */
 uint32_t most_segment(DcmItem *set, uint32_t &count) {
     DcmSequenceOfItems *segments = nullptr;
     uint32_t most = 0;
@@ -124,7 +124,7 @@ uint32_t most_segment(DcmItem *set, uint32_t &count) {
     return most;
 }
 
-/* Single bits become labels of 8 bits, or of 16. */
+/* Set up segments: single bits become labels of 8 or 16 bits. */
 void find_segments(DcmItem *set, dicom_image *image) {
     uint32_t count = 0;
     const uint32_t most = most_segment(set, count);
@@ -182,7 +182,8 @@ void check_pixels(DcmItem *set, uint64_t bytes, dicom_image *image) {
 
 /* ---- frames that are no slices ---- */
 
-/* A flat picture in tiles: by its class, or as its frames are organised (PS3.3, C.7.6.17.3). */
+/* Returns whether the image is flat and cut into tiles: by its class, or by how its frames are
+ * organised (PS3.3, C.7.6.17.3). */
 bool is_tiled(DcmItem *set, const OFString &kind, const dicom_image *image) {
     OFString organised;
     set->findAndGetOFString(DCM_DimensionOrganizationType, organised);
@@ -199,7 +200,7 @@ bool has_frame_positions(DcmItem *set) {
             frame->tagExists(DCM_PlanePositionSequence));
 }
 
-/* From frame to frame it is time that goes on (PS3.3, C.7.6.5 and C.7.6.6). */
+/* Returns whether frames follow one another in time (PS3.3, C.7.6.5 and C.7.6.6). */
 bool is_cine(DcmItem *set, const dicom_image *image) {
     DcmElement *pointer = nullptr;
     if (image->frames < 2 || has_frame_positions(set))
@@ -214,7 +215,7 @@ bool is_cine(DcmItem *set, const dicom_image *image) {
     return false;
 }
 
-/* Of segments only binary ones, which do not tell how much of a pixel is of which. */
+/* Refuse several fractional segments, which are no labels, and binary ones that cannot be read. */
 void check_segments(DcmFileFormat &file, dicom_image *image) {
     DcmDataset *set = file.getDataset();
     OFString kind;
@@ -261,7 +262,8 @@ void read_numbers(DcmItem *set, dicom_image *image) {
     find_segments(set, image);
 }
 
-/* JPEG 2000 turns its own colours into RGB; what a program made of them before stays. */
+/* JPEG 2000 decodes its own colour transforms to RGB. Other colour models stay as they are, and are
+ * refused. */
 status check_colours(DcmItem *set, const char *path, uint32_t samples) {
     char kind[32];
     get_text(set, DCM_PhotometricInterpretation, kind, sizeof kind);
@@ -291,7 +293,7 @@ void read_image(DcmFileFormat &file, uint64_t bytes, dicom_image *image) {
 
 /* ---- places of frames ---- */
 
-/* The item of a functional group: of the frame, else of all. NULL: neither has it. */
+/* The item of a functional group: the frame's, else that of all frames. NULL: neither exists. */
 DcmItem *group_item(DcmItem *set, uint32_t frame, const DcmTagKey &group) {
     DcmItem *item = nullptr, *found = nullptr;
     if (set->findAndGetSequenceItem(DCM_PerFrameFunctionalGroupsSequence, item, (long)frame)
@@ -309,7 +311,7 @@ DcmItem *item_or_set(DcmItem *set, uint32_t frame, const DcmTagKey &group) {
     return item ? item : set;
 }
 
-/* Frames of a dose lie so far along the normal. */
+/* Move the place of a dose's frame along the normal by its offset. */
 void offset_frame(DcmItem *set, uint32_t frame, dicom_place *p) {
     Float64 offset = 0;
     const double *a = p->across, *d = p->down;
@@ -359,7 +361,7 @@ void read_place(DcmItem *set, uint32_t frame, uint32_t frames, dicom_place *p) {
     Sint32 number = 0;
     set->findAndGetSint32(DCM_InstanceNumber, number);
     p->number = frames > 1 ? (int)frame : (int)number;
-    /* Frames of one position for all have none of their own. */
+    /* Several frames with one common position have no known places. */
     if (frames > 1 && position == set && !set->tagExists(DCM_GridFrameOffsetVector))
         p->known = false;
 }
@@ -377,7 +379,7 @@ status tell_places(DcmItem *set, uint32_t frames, const dicom_places *places) {
 
 /* ---- labels ---- */
 
-/* Which segment a frame is of; 0: none is named. */
+/* Number of the segment that a frame belongs to; 0: none is named. */
 uint32_t segment_of(DcmItem *set, uint32_t frame) {
     DcmItem *named = group_item(set, frame, DCM_SegmentIdentificationSequence);
     return named ? get_short(named, DCM_ReferencedSegmentNumber, 0) : 0;
@@ -414,7 +416,7 @@ status tell_labels(DcmItem *set, const char *path, const dicom_image &image,
     return dicom_labels_tell(labels.data(), (uint32_t)labels.size(), image.frames, places);
 }
 
-/* All bits of all frames. */
+/* Get the bits of all frames. */
 status find_bits(dicom_reader *r, const uint8_t **bits) {
     const char *path = r->path.c_str();
     DcmElement *element = nullptr;
@@ -433,7 +435,7 @@ status find_bits(dicom_reader *r, const uint8_t **bits) {
                            (unsigned long long)has, (unsigned long long)(pixels * r->image.frames));
 }
 
-/* The labels of a group, from its first on, into zeros. */
+/* Put the labels of a group, from its first on, into an array of zeros. */
 uint64_t put_group(const dicom_reader *r, const uint8_t *bits, const dicom_label *first,
                    void *numbers) {
     const dicom_label *end = r->labels.data() + r->labels.size();
@@ -458,7 +460,7 @@ status read_labels(dicom_reader *r, uint32_t frame, void *buffer, size_t size) {
 
 /* ---- pixels ---- */
 
-/* From a plane a colour to colours side by side, through the second half of the buffer. */
+/* Convert colour planes to colours side by side, using the second half of the buffer. */
 void interleave(void *buffer, size_t size) {
     uint8_t *to = static_cast<uint8_t *>(buffer), *from = to + size;
     memcpy(from, to, size);
@@ -467,14 +469,14 @@ void interleave(void *buffer, size_t size) {
             to[3 * i + c] = from[c * (size / 3) + i];
 }
 
-/* The library takes numbers of 32 bits for two of 16, each of which it turned. */
+/* Swap halves back: DCMTK treats a 32-bit number as two of 16, and swaps each one's bytes. */
 void exchange_halves(void *buffer, size_t size) {
     uint16_t *half = static_cast<uint16_t *>(buffer);
     for (size_t i = 0; i + 1 < size / sizeof *half; i += 2)
         std::swap(half[i], half[i + 1]);
 }
 
-/* What was decoded is not kept. */
+/* Free the decoded fragments. */
 void forget_fragments(DcmPixelData *pixels, Uint32 from, Uint32 to) {
     DcmPixelSequence *sequence = nullptr;
     E_TransferSyntax syntax = EXS_Unknown;
@@ -490,8 +492,8 @@ void forget_fragments(DcmPixelData *pixels, Uint32 from, Uint32 to) {
     }
 }
 
-/* The fragments of a frame, from r->fragment on; to: behind the last. One a frame, or all of the
- * only one, or as the table of offsets in front of them says. */
+/* Find the fragments of a frame: from r->fragment on, `to` behind the last. Either there is one per
+ * frame, or one frame has all, or the offset table in front of them tells. */
 OFCondition find_fragments(dicom_reader *r, DcmPixelSequence *sequence, uint32_t frame,
                            uint32_t frames, Uint32 &to) {
     const Uint32 all = (Uint32)sequence->card();
@@ -577,7 +579,8 @@ status read_frame(dicom_reader *r, uint32_t frame, void *buffer, size_t size) {
 
 void dicom_image_begin(void) {
     OFLog::configure(OFLogger::OFF_LOG_LEVEL);
-    dcmEnableUnknownVRConversion.set(OFTrue); /* what copying programs did not know */
+    dcmEnableUnknownVRConversion.set(OFTrue); /* keep elements of a type that copying programs did
+                                                 not know */
     DcmRLEDecoderRegistration::registerCodecs();
     DJDecoderRegistration::registerCodecs();
     DJLSDecoderRegistration::registerCodecs();

@@ -29,7 +29,7 @@ bool dicom_j2k_is_there(void) {
 
 /* ---- its header ---- */
 
-/* Of the markers SOC and SIZ at the start (ISO 15444-1, A.5.1): where fields are. */
+/* Offsets of fields in the markers SOC and SIZ at the start (ISO 15444-1, A.5.1). */
 enum {
     SIZE_X = 8,
     SIZE_Y = 12,
@@ -38,7 +38,7 @@ enum {
     TILE_X = 24,
     TILE_Y = 28,
     COMPONENTS = 40,
-    COMPONENT = 42, /* precision - 1 and sign, distances along x and y; 3 bytes each */
+    COMPONENT = 42, /* precision - 1 and sign, distances along x and y: 3 bytes per component */
     TILES_MAX = 4096,
     DECODER_BYTES = 1 << 20
 };
@@ -60,7 +60,7 @@ static status check_component(const char *path, const uint8_t *c, const dicom_j2
     if (c[1] != 1 || c[2] != 1)
         return status_describe(ST_UNSUPPORTED,
                                "%s: its JPEG 2000 leaves out samples of a component", path);
-    /* Writers forget the sign in the codestream: then it is that of the highest bit. */
+    /* Writers may omit the sign in the codestream. Then the highest bit is the sign. */
     if (is_signed != form->is_signed && (is_signed || bits != form->stored))
         return status_describe(ST_UNSUPPORTED,
                                "%s: its JPEG 2000 has %u bits %s a sign, its header %u bits %s",
@@ -104,7 +104,7 @@ static status check_header(const char *path, const uint8_t *b, size_t size,
     return st;
 }
 
-/* ---- bytes that OpenJPEG asks for ---- */
+/* ---- input for OpenJPEG ---- */
 
 typedef struct source {
     const uint8_t *bytes;
@@ -154,7 +154,7 @@ typedef struct job {
     opj_stream_t *stream;
     opj_codec_t *codec;
     opj_image_t *image;
-    char said[160]; /* by OpenJPEG, the first */
+    char said[160]; /* first error message of OpenJPEG */
 } job;
 
 static void hear(const char *words, void *ctx) {
@@ -196,7 +196,7 @@ static bool is_as_told(const opj_image_t *image, const dicom_j2k_form *form) {
     return true;
 }
 
-/* The low bits are the number: with its sign, or with that of the highest stored one. */
+/* Store the low bits of each number. Its sign bit, or the highest stored bit, is the sign. */
 static void put_numbers(const opj_image_t *image, const dicom_j2k_form *form, void *out) {
     const size_t pixels = (size_t)form->columns * form->rows, samples = form->samples;
     for (size_t c = 0; c < samples; c++) {

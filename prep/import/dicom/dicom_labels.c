@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Of a pixel, and of the distance of slices. */
+/* Tolerances: as a part of a pixel, and of the distance of slices. */
 static const double SAME_PLACE = 1e-3, SAME_DISTANCE = 1e-2;
 enum { FILLED_MAX = 1 << 14 };
 
@@ -59,7 +59,7 @@ uint32_t dicom_labels_group(dicom_label *labels, uint32_t count) {
 
 /* ---- places ---- */
 
-/* The distance of slices: as the header has it, else the least. */
+/* Distance of slices: from the header, else the least one found. */
 static double distance(const dicom_label *labels, uint32_t count) {
     double least = labels[0].place.apart;
     if (least > 0)
@@ -73,7 +73,8 @@ static double distance(const dicom_label *labels, uint32_t count) {
     return least;
 }
 
-/* How many are absent between two groups; 0 where these are no whole steps apart. */
+/* Number of slices that are missing between two groups; 0 if the gap is not a whole number of
+ * steps. */
 static uint32_t absent_between(double gap, double apart) {
     const double steps = apart > 0 ? rint(gap / apart) : 0;
     if (!(steps > 1 && steps <= FILLED_MAX) || fabs(gap - steps * apart) > SAME_DISTANCE * apart)

@@ -7,7 +7,7 @@
 
 #include "formats/base/text.h"
 
-static const double loose = 0.01; /* of a distance */
+static const double loose = 0.01; /* tolerance, as a part of a distance */
 
 typedef struct order {
     const dicom_study *study;
@@ -82,8 +82,8 @@ static void sort_along(order *o) {
 
 /* ---- several slices at a position ---- */
 
-/* How many slices from i on lie where i does; positions differ by at least a hundredth of the mean
- * distance. */
+/* Number of slices from i on that lie where i does. Different positions are at least a hundredth of
+ * the mean distance apart. */
 static size_t here(const order *o, size_t i) {
     const double range = o->slices[o->count - 1].along - o->slices[0].along;
     const double same = range / (double)o->count * loose;
@@ -116,7 +116,7 @@ static status check_instances(const order *o, size_t i, size_t n) {
     return ST_OK;
 }
 
-/* Of each position the slice of this step is kept. */
+/* Keep one slice per position: that of this step. */
 static status keep_step(order *o, uint32_t step) {
     const size_t steps = here(o, 0);
     for (size_t i = 0; i < o->count; i += steps) {
@@ -142,7 +142,7 @@ static double gap(const order *o, size_t i) {
     return distance(o->slices[i + 1].place.position, o->slices[i].place.position);
 }
 
-/* The distance that slices have where none is missing. */
+/* The smallest distance: that of slices where none is missing. */
 static double least_gap(const order *o) {
     double least = gap(o, 0);
     for (size_t i = 1; i + 1 < o->count; i++)
@@ -150,7 +150,7 @@ static double least_gap(const order *o) {
     return least;
 }
 
-/* Where slice i would lie if all had the same distance, or at `at` from the first to the last. */
+/* The point at share `at` of the line from the first slice's position to the last one's. */
 static void on_line(const order *o, double at, double out[3]) {
     const double *a = o->slices[0].place.position, *b = o->slices[o->count - 1].place.position;
     for (int i = 0; i < 3; i++)
@@ -170,8 +170,8 @@ static bool is_even(const order *o) {
     return true;
 }
 
-/* Slices that would lie between i and the next, at the usual distance; 0: none, or it is no
- * multiple of that. */
+/* Number of slices missing between i and the next, by the usual distance. 0: none, or the gap is no
+ * multiple of that distance. */
 static long missing_behind(const order *o, size_t i, double usual) {
     const double times = gap(o, i) / usual, whole = rint(times);
     return whole > 1 && whole < 1e6 && fabs(times - whole) <= 0.05 ? (long)whole - 1 : 0;
@@ -198,7 +198,7 @@ static status missing(const order *o, double usual) {
                            count > 4 ? "; .." : "");
 }
 
-/* Whether all that is uneven is multiples of the usual distance. */
+/* Returns whether all gaps are multiples of the usual distance, and some are larger than it. */
 static bool has_gaps(const order *o, double usual) {
     bool any = false;
     for (size_t i = 0; i + 1 < o->count; i++) {
@@ -220,7 +220,8 @@ static void place_plane(const dicom_place *p, grid *g) {
     }
 }
 
-/* A z axis of distances along the line of the positions; each must lie on it. */
+/* Set a z axis of distances along the line of the positions. Each position must lie on that
+ * line. */
 static status place_uneven(mem *m, const order *o, double usual, grid *g) {
     double *z = mem_array(m, o->count, sizeof *z), u[3];
     if (!z)
@@ -257,7 +258,7 @@ static status place_known(mem *m, const order *o, bool gaps, grid *g) {
     return !gaps && has_gaps(o, usual) ? missing(o, usual) : place_uneven(m, o, usual, g);
 }
 
-/* Numbers alone. */
+/* Place slices of unknown positions, ordered by their numbers. */
 static status place_unknown(const order *o, uint32_t step, grid *g) {
     if (step > 0)
         return status_describe(ST_USAGE, "%s: --step %u: its slices have no positions, so no steps",

@@ -25,7 +25,7 @@ static status take_place(void *ctx, uint32_t frame, const dicom_place *place) {
     return st;
 }
 
-/* What all images of a series must have in common. */
+/* Returns whether two images agree in all that a series must have in common. */
 static bool alike(const dicom_image *a, const dicom_image *b) {
     return a->columns == b->columns && a->rows == b->rows && a->samples == b->samples &&
            a->allocated == b->allocated && a->stored == b->stored && a->high == b->high &&
@@ -78,7 +78,8 @@ static status take_image(dicom_study *s, uint32_t at, const dicom_image *image, 
     return ST_OK;
 }
 
-/* Whether it begins as DICOM does. What does not is no input: a folder may hold the output, too. */
+/* Check whether a file begins as DICOM does. Others are no input: a folder may hold the output,
+ * too. */
 static status look(mem *m, const char *path, uint64_t *bytes, bool *known) {
     char start[132] = "";
     file *f = NULL;
@@ -104,7 +105,7 @@ static status no_image(const char *path, const dicom_image *image, bool named) {
     return named ? status_describe(ST_UNSUPPORTED, "%s: DICOM without an image", path) : ST_OK;
 }
 
-/* Some are written without what a file begins with: those are known by their names. */
+/* Some DICOM files lack the usual beginning. They are recognized by their names. */
 static status read_file(dicom_study *s, uint32_t at) {
     const char *path = s->files.path[at];
     const bool named = at < s->files.named;
@@ -156,7 +157,7 @@ void dicom_study_release(dicom_study *s) {
 
 /* ---- choosing ---- */
 
-/* How many have this name; *out: the last of them. */
+/* Number of series with this name; *out: the last of them. */
 static int named(const dicom_study *s, const char *field, uint32_t *out) {
     int count = 0;
     for (uint32_t i = 0; i < s->series_count; i++) {
@@ -187,7 +188,7 @@ status dicom_study_choose(const dicom_study *s, const import_request *q, uint32_
         }
     *out = 0;
     if (s->series[0].image.refuse[0])
-        return ST_OK; /* and it will be said why not */
+        return ST_OK; /* the caller will report why not */
     return status_describe(ST_UNSUPPORTED,
                            "%s: no series of several slices; `%s' tells what "
                            "there is",

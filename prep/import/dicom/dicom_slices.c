@@ -11,14 +11,14 @@
 typedef struct dicom_slices {
     mem *m;
     dicom_study study;
-    uint32_t series;     /* the one that is read */
-    dicom_image image;   /* of it */
-    dicom_slice *slices; /* those of the grid, in order */
+    uint32_t series;     /* the chosen one */
+    dicom_image image;   /* of that series */
+    dicom_slice *slices; /* slices of the grid, in order */
     size_t count;
-    packed_samples packed; /* but for scale and offset, which are each slice's */
-    uint8_t *buffer;       /* twice a frame as it is stored */
+    packed_samples packed; /* scale and offset are set for each slice */
+    uint8_t *buffer;       /* twice the bytes of a stored frame */
     size_t frame_bytes;
-    dicom_reader *reader; /* of reader_file */
+    dicom_reader *reader; /* open on reader_file */
     uint32_t reader_file;
 } dicom_slices;
 
@@ -41,7 +41,7 @@ static sample_type stored_type(const dicom_image *i) {
     }
 }
 
-/* The least and the largest value that a slice may have. */
+/* Widen [least, most] by the values that a slice may have. */
 static void value_range(const dicom_image *i, const dicom_place *p, double *least, double *most) {
     const double low = i->is_signed ? -ldexp(1, (int)i->stored - 1) : 0;
     const double high = ldexp(1, (int)i->stored - i->is_signed) - 1;
@@ -54,8 +54,8 @@ static bool is_whole(double v) {
     return v == rint(v);
 }
 
-/* Stored numbers as they are where nothing scales them; else i16 or u16 where all values are whole
- * and fit by what their bits can hold; else floats. */
+/* Choose the samples' type. If nothing is scaled: the stored type. Else i16 or u16 if all values
+ * are whole and fit, judged by their bits. Else floats. */
 static sample_type value_type(const dicom_slices *s) {
     bool plain = true, whole = true;
     double least = 0, most = 0;
@@ -89,7 +89,7 @@ static status choose_type(dicom_slices *s, const import_request *q) {
 
 /* ---- reading ---- */
 
-/* Numbers of fewer bits than they have room for: what else is in there goes, the sign is spread. */
+/* Numbers with fewer bits than their storage: clear the other bits, or extend the sign. */
 #define TRIM_ALL(type)                                               \
     for (size_t i = 0; i < count; i++) {                             \
         type v;                                                      \
@@ -162,7 +162,7 @@ static status create(mem *m, const import_request *q, dicom_slices **out) {
     return ST_OK;
 }
 
-/* The slices of the series that is asked for. */
+/* Get the slices of the series that was asked for. */
 static status choose(dicom_slices *s, const import_request *q) {
     uint32_t series = 0;
     status st = dicom_study_choose(&s->study, q, &series);
@@ -194,7 +194,7 @@ static status make_grid(dicom_slices *s, const import_request *q, bool gaps, gri
     return st == ST_OK ? grid_check(g, q->paths[0]) : st;
 }
 
-/* A pixel of several segments keeps the least number, which is told. */
+/* A pixel of several segments keeps the least number. Note how often that happens. */
 static status note_overlaps(dicom_slices *s, grid *g) {
     const char *path = s->study.files.path[s->slices[0].file];
     dicom_reader *r = NULL;
@@ -247,7 +247,7 @@ status dicom_slices_open(mem *m, const import_request *q, bool gaps, slice_sourc
     return ST_OK;
 }
 
-/* How many steps has the series that would be read; 0: none would. */
+/* Number of steps in the series that would be read; 0: none would. */
 static uint32_t steps_of_choice(dicom_slices *s, const import_request *q) {
     grid g = {0};
     status st = choose(s, q);

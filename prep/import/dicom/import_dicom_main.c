@@ -1,4 +1,4 @@
-/* leafcast import-dicom - a series of DICOM files as NRRD. */
+/* leafcast import-dicom - writes a series of DICOM files as NRRD. */
 #include <limits.h>
 
 #include "prep/import/dicom/dicom_slices.h"

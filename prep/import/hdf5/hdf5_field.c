@@ -18,7 +18,7 @@ typedef struct number {
     packed_wide wide;
 } number;
 
-/* Bits of a float's parts, so that bfloat16 and half become f32, exactly. */
+/* Choose f32 or f64 by the bits of the float's parts. bfloat16 and half become f32, exactly. */
 static bool float_number(hid_t type, number *n) {
     size_t sign, exponent, exponent_bits, mantissa, mantissa_bits;
     if (H5Tget_fields(type, &sign, &exponent, &exponent_bits, &mantissa, &mantissa_bits) < 0)
@@ -72,7 +72,7 @@ static hid_t native(number n) {
     }
 }
 
-/* Numbers of a compound, all alike: {r, i} of complex ones. */
+/* Accept compounds whose numbers are all alike, such as {r, i} of complex numbers. */
 static bool compound_type(hid_t type, number *n, hdf5_field *f) {
     const int count = H5Tget_nmembers(type);
     if (count < 1 || count > PACKED_COMPONENTS)
@@ -163,7 +163,7 @@ static void find_type(hid_t type, hdf5_field *f) {
 
 static const char letters[] = "xyztc";
 
-/* What vigra and ilastik write: {"axes": [{"key": "z", ..}, ..]}. */
+/* Parse the attribute of vigra and ilastik: {"axes": [{"key": "z", ..}, ..]}. */
 static bool tagged_axes(hid_t set, char *to, size_t room) {
     char text[4096];
     if (!hdf5_string(set, "axistags", 0, text, TEXT_NAME_MAX))
@@ -202,7 +202,7 @@ static const char *usual_axes(const hdf5_field *f, bool vtk) {
     }
 }
 
-/* Each letter once, x, y and z among them, x fastest. */
+/* Set the axes. Each letter may come once; x, y and z must be there, x fastest. */
 static bool set_axes(hdf5_field *f, const char *order) {
     for (int a = 0; a < HDF5_AXES; a++)
         f->at[a] = -1;
@@ -222,7 +222,7 @@ static bool has_steps(hid_t file) {
     return H5Lexists(file, "/VTKHDF/Steps", H5P_DEFAULT) > 0;
 }
 
-/* By the scales of its dimensions. NULL: they tell nothing, or refuse says why it is not read. */
+/* Axes by the scales of the dimensions. NULL: the scales tell nothing, or refuse is set. */
 static const char *timed_axes(hdf5_field *f) {
     const int time = hdf5_time_dimension(f->set);
     if (time < 0 || f->rank < 3)
@@ -264,7 +264,7 @@ static void find_axes(hid_t file, const char *axes, bool vtk, hdf5_field *f) {
                                : "");
 }
 
-/* ---- how it is stored ---- */
+/* ---- storage ---- */
 
 static const char *filter_name(H5Z_filter_t id) {
     static const struct {
@@ -291,7 +291,7 @@ static const char *filter_name(H5Z_filter_t id) {
     return "a filter";
 }
 
-/* Why libhdf5 cannot undo it here, into room; it can: false. */
+/* Write to `to` why libhdf5 cannot undo a filter here. Returns false if it can. */
 static bool filter_refuses(hid_t plist, unsigned at, H5Z_filter_t id, const hdf5_field *f, char *to,
                            size_t room) {
     if (H5Zfilter_avail(id) <= 0) {
@@ -335,7 +335,7 @@ static void find_storage(hid_t type, hdf5_field *f) {
     H5Pclose(plist);
 }
 
-/* As netCDF and others pack numbers. */
+/* Read how numbers are packed, by the attributes of netCDF and others. */
 static void find_packing(hdf5_field *f) {
     double v[PACKED_FILLS];
     if (hdf5_numbers(f->set, "scale_factor", v, 1))
@@ -363,7 +363,7 @@ static void find_shape(hid_t file, const char *path, const char *axes, hdf5_fiel
         memcpy(f->refuse, why, sizeof f->refuse);
 }
 
-/* What may not be read is not even asked how large it is: that would look into its sources. */
+/* Do not even ask for the size of a data set that may not be read: that would open its sources. */
 static void find_missing(const char *name, const char *path, hdf5_field *f) {
     status st = hdf5_storage_check(f->set, name, path, &f->absent);
     if (st == ST_OK)
@@ -377,7 +377,7 @@ bool hdf5_field_open(hid_t file, const char *name, const char *path, const char 
     memset(f, 0, sizeof *f);
     f->memory = H5I_INVALID_HID;
     hid_t uncached = hdf5_storage_access();
-    /* Slabs are read by whole chunks: each is decompressed once, and none is kept. */
+    /* Slabs are read in whole chunks, so each chunk is decompressed once, and none is cached. */
     H5Pset_chunk_cache(uncached, 1, 0, H5D_CHUNK_CACHE_W0_DEFAULT);
     f->set = H5Dopen2(file, path, uncached);
     H5Pclose(uncached);

@@ -2,7 +2,7 @@
 
 #include "formats/input/lzf.h"
 
-/* What the filter is told: its version, that of liblzf, the bytes of a chunk. */
+/* Parameters of the filter: its version, liblzf's version, bytes of a chunk. */
 enum { VALUES = 3, CHUNK_BYTES = 2 };
 
 static size_t refuse(const char *why) {
@@ -11,7 +11,7 @@ static size_t refuse(const char *why) {
     return 0;
 }
 
-/* As H5Z_func_t: the bytes that are now in *buffer; 0: it failed, and all is as before. */
+/* An H5Z_func_t. Returns the bytes now in *buffer; 0: it failed and changed nothing. */
 static size_t unpack(unsigned flags, size_t value_count, const unsigned values[], size_t size,
                      size_t *room, void **buffer) {
     size_t unpacked;

@@ -9,9 +9,10 @@
 
 static const char group[] = "/minc-2.0/image/";
 
-/* ---- what it is ---- */
+/* ---- recognizing MINC ---- */
 
-/* "zspace,yspace,xspace": which dimension of space each is; -1: of another kind. Returns how many.
+/* Parse a list such as "zspace,yspace,xspace" into dimensions of space; -1: another kind. Returns
+ * how many.
  */
 static int order_of(hid_t set, int spaces[H5S_MAX_RANK]) {
     char text[256], *rest = text;
@@ -41,7 +42,8 @@ static void find_range(hdf5_field *f) {
     p->most = range[0] < range[1] ? range[1] : range[0];
 }
 
-/* The last three are of space, each once; one in front is of times. */
+/* Returns whether the last three dimensions are of space, each once, with at most one of times in
+ * front. */
 static bool is_volume(const int *spaces, int count) {
     int seen = 0;
     for (int i = count - 3; i >= 0 && i < count; i++)
@@ -110,7 +112,7 @@ status hdf5_minc_place(hid_t file, const char *name, const hdf5_field *f, grid *
 
 enum { IMAGE_PATH = HDF5_PATH + 8 };
 
-/* All numbers of image-min or image-max: one, one a slice, or one a slice and step. */
+/* Read all numbers of image-min or image-max: one, one per slice, or one per slice and step. */
 static status read_ends(hid_t file, const char *name, const char *path, uint64_t slices,
                         uint64_t steps, double *out, uint64_t *count) {
     hid_t access = hdf5_storage_access();
@@ -140,7 +142,7 @@ static status read_ends(hid_t file, const char *name, const char *path, uint64_t
     return st;
 }
 
-/* Of slice z, among as many numbers as there are. */
+/* The number for slice `at`, from an array of `count`. */
 static double end_of(const double *all, uint64_t count, uint64_t slices, uint64_t at,
                      double usual) {
     return count == 0 ? usual : count == 1 ? all[0] : all[count == slices ? at % slices : at];

@@ -1,4 +1,4 @@
-/* hdf5_place.c - where a data set's samples lie in the world. */
+/* hdf5_place.c - places a data set's samples in the world. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -41,7 +41,7 @@ static void vtk_to_world(const double direction[9], const double spacing[3], con
     }
 }
 
-/* Of cells the samples lie in their middles. */
+/* Samples of cells lie in the middle of cells. */
 static status place_vtk(const char *name, const char *path, hid_t group, grid *g) {
     double extent[6], origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1}, first[3];
     double direction[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -72,7 +72,7 @@ static bool all_positive(const double v[3]) {
     return all;
 }
 
-/* Three numbers, of z, y, x; or one of all. */
+/* Read three numbers, for z, y, x, or one for all. */
 static bool spacing_of(hid_t object, double v[3]) {
     static const char *const names[] = {"element_size_um", "spacing",    "voxel_size",
                                         "resolution",      "pixel_size", "voxelsize"};
@@ -92,7 +92,7 @@ static bool origin_of(hid_t object, double v[3]) {
            isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
 }
 
-/* The group that a data set is in. */
+/* The group that holds a data set. */
 static hid_t group_of(hid_t file, const char *path) {
     char group[HDF5_PATH];
     snprintf(group, sizeof group, "%s", path);

@@ -8,7 +8,7 @@
 #include "prep/import/hdf5/hdf5_text.h"
 #include "prep/import/hdf5/hdf5_walk.h"
 
-/* ---- what attributes name ---- */
+/* ---- names in attributes ---- */
 
 static status keep(hdf5_roles *r, const char *path) {
     status st = mem_grow(r->m, &r->paths, sizeof *r->paths, r->count, 16, &r->room);
@@ -19,7 +19,7 @@ static status keep(hdf5_roles *r, const char *path) {
     return ST_OK;
 }
 
-/* A name is looked for in the group of the set that has it, then in those around. */
+/* Look for a name in the group of the data set that has it, then in the groups around. */
 static status add_name(hdf5_roles *r, const char *path, const char *name) {
     char group[HDF5_PATH], there[2 * HDF5_PATH];
     if (name[0] == '/')
@@ -61,7 +61,7 @@ static status visit(void *ctx, const char *path) {
     hid_t set = open_set(r->file, path);
     if (set < 0) {
         H5Eclear2(H5E_DEFAULT);
-        return ST_OK; /* who reads it tells */
+        return ST_OK; /* reported when it is read */
     }
     status st = add_names(r, set, path);
     H5Dclose(set);
@@ -107,7 +107,7 @@ static bool is_time_scale(hid_t scale) {
     return cf_is_time(&c, name ? name + 1 : path);
 }
 
-/* The first scale of a dimension, whose list holds references. */
+/* Returns whether the first scale of a dimension counts times. list: references to the scales. */
 static bool counts_times(hid_t set, const hvl_t *list) {
     hid_t scale = list->len && list->p ? H5Rdereference2(set, H5P_DEFAULT, H5R_OBJECT, list->p)
                                        : H5I_INVALID_HID;

@@ -16,7 +16,7 @@
 
 typedef struct hdf5_slices {
     mem *m;
-    file *guard; /* the same file: it counts as an input, and is known to be one */
+    file *guard; /* the same file, opened so that the guard knows it as an input */
     hid_t file;
     hdf5_field field;
     char path[HDF5_PATH]; /* of the data set */
@@ -75,12 +75,12 @@ static status create(mem *m, const import_request *q, hdf5_slices **out) {
 
 /* ---- walking through the data sets ---- */
 
-/* How well a data set suits, the most important first. */
+/* How well a data set suits; the most important field first. */
 typedef struct merit {
-    bool suits, has_asked; /* the step and the component that are asked for */
+    bool suits, has_asked; /* has_asked: it has the step and component asked for */
     bool of_points;
     uint64_t samples;
-    int plain; /* of equal ones, that without steps or components, but where these are asked for */
+    int plain; /* breaks ties: sets without steps or components win, unless these are asked for */
 } merit;
 
 typedef struct walk {
@@ -88,15 +88,16 @@ typedef struct walk {
     const char *axes;
     const import_request *q;
     const hdf5_roles *roles;
-    const import_list *to;  /* NULL: search */
-    merit best;             /* of the one found so far */
+    const import_list *to;  /* NULL: search, do not list */
+    merit best;             /* of the best set so far */
     char map[HDF5_PATH];    /* the first map that changes in time; "": there is none */
-    char path[HDF5_PATH];   /* of that; to list: of the one that is taken, or "" */
-    char denied[HDF5_TEXT]; /* why the first that is denied is */
+    char path[HDF5_PATH];   /* of the best set; when listing: of the set that would be taken, or
+                               "" */
+    char denied[HDF5_TEXT]; /* why the first denied set is denied */
     status st;
 } walk;
 
-/* The shape as --list tells it: of what cannot be read the dimensions, the fastest first. */
+/* The shape for --list. For a set that cannot be read: its dimensions, the fastest first. */
 static void list_shape(const hdf5_field *f, uint64_t shape[4]) {
     static const int order[4] = {HDF5_X, HDF5_Y, HDF5_Z, HDF5_T};
     for (int i = 0; i < 4; i++)
@@ -218,7 +219,7 @@ static status search(hdf5_slices *s, const import_request *q, const char *axes) 
     return st;
 }
 
-/* Its name as it is, or that of an array of VTKHDF. */
+/* Open the data set of this name, or the VTKHDF array of this name. */
 static status find(hdf5_slices *s, const import_request *q, const char *axes) {
     static const char *const inside[] = {"/", "", "/VTKHDF/PointData/", "/VTKHDF/CellData/"};
     for (int i = q->field[0] == '/'; i < 4; i++) {
@@ -252,7 +253,7 @@ static status choose(hdf5_slices *s, const import_request *q, const char *axes) 
 
 /* ---- the list ---- */
 
-/* One may be taken, or none. */
+/* Search first: at most one of the sets listed would be taken. */
 static status list_all(hdf5_slices *s, const import_request *q, const char *axes,
                        const import_list *to) {
     walk w = {.file = s->file, .axes = axes, .q = q, .to = to};
@@ -282,8 +283,8 @@ static status choose_step(hdf5_slices *s, const import_request *q) {
                            s->path, q->step, (unsigned long long)steps);
 }
 
-/* Components are an axis, or inside of the elements. Of an axis behind x all are read for their
- * magnitude; one in front of the others is of channels, of which the first is taken. */
+/* Components are an axis, or inside of the elements. Of an axis behind x, all are read for their
+ * magnitude. An axis in front of the others holds channels, and the first is taken. */
 static status choose_component(hdf5_slices *s, const import_request *q) {
     hdf5_field *f = &s->field;
     const bool axis = f->at[HDF5_C] >= 0, last = f->at[HDF5_C] == f->rank - 1;
@@ -310,7 +311,7 @@ static status choose_component(hdf5_slices *s, const import_request *q) {
 
 /* ---- slabs ---- */
 
-/* The part of the data set that a slab is: where it starts, and how much it has of each dimension.
+/* The slab's part of the data set: start and size in each dimension.
  */
 static void cut_slab(const hdf5_slices *s, uint32_t first, uint32_t count, hsize_t *start,
                      hsize_t *size) {
@@ -331,7 +332,8 @@ static void cut_slab(const hdf5_slices *s, uint32_t first, uint32_t count, hsize
     }
 }
 
-/* Memory has the same shape: with another the library goes through all elements one by one. */
+/* Memory has the same shape as the file's part. With another, the library would go through the
+ * elements one by one. */
 static bool read_slab(const hdf5_slices *s, const hsize_t *start, const hsize_t *size,
                       void *stored) {
     hid_t file_space = H5Dget_space(s->field.set);
@@ -339,7 +341,7 @@ static bool read_slab(const hdf5_slices *s, const hsize_t *start, const hsize_t 
     const bool read =
         H5Sselect_hyperslab(file_space, H5S_SELECT_SET, start, NULL, size, NULL) >= 0 &&
         H5Dread(s->field.set, s->field.memory, memory, file_space, H5P_DEFAULT, stored) >= 0;
-    /* Each call forgets what the one before said. */
+    /* Keep the error stack: each call clears what the one before put there. */
     hid_t said = H5Eget_current_stack();
     H5Sclose(memory);
     H5Sclose(file_space);

@@ -10,7 +10,7 @@
 
 enum { NAME_MAX_BYTES = 4096, NESTED_MAX = 8 };
 
-/* The process reads one input, with one budget. */
+/* Global state: the process reads one input, with one budget. */
 static mem *budget;
 static input_trust allowed;
 static status_note denied;
@@ -19,7 +19,7 @@ typedef unsigned long long whole;
 
 /* ---- external links ---- */
 
-/* What the library does, with the rule in front. */
+/* Follow an external link as the library does, but check the rule first. */
 static hid_t open_target(hid_t group, const char *name, const char *object, hid_t access) {
     char by[NAME_MAX_BYTES] = "";
     char *path = NULL;
@@ -64,7 +64,7 @@ status hdf5_storage_begin(mem *m, const input_trust *trust) {
                                       .trav_func = traverse};
     budget = m;
     allowed = *trust;
-    /* For libnetcdf, too, which opens data sets without our access. */
+    /* libnetcdf opens data sets without our access list, so set these for it, too. */
     setenv("HDF5_EXTFILE_PREFIX", "${ORIGIN}", !trust->follow_links);
     setenv("HDF5_VDS_PREFIX", "${ORIGIN}", !trust->follow_links);
     return H5Lregister(&links) < 0 ? status_describe(ST_FAILED, "libhdf5: no class of links")
@@ -98,7 +98,7 @@ static uint64_t bytes_of(hid_t set) {
     return bytes;
 }
 
-/* One file, `need` bytes of which are read from `from` on. */
+/* Check one external file, from which `need` bytes are read from byte `from` on. */
 static status check_external(const char *file, const char *set, const char *name, uint64_t from,
                              uint64_t need, absent_parts *out) {
     char *path = NULL;
@@ -146,13 +146,14 @@ static status check_externals(hid_t set, hid_t plist, const char *file, const ch
 static status check_set(hid_t set, const char *file, const char *path, int depth,
                         absent_parts *out);
 
-/* A source that is not beside the file is looked for by the library in the working folder, too. */
+/* Returns whether the library would find a source in the working folder: it looks there if the
+ * source is not beside the file. */
 static bool is_elsewhere(const char *name) {
     struct stat info;
     return !allowed.follow_links && stat(name, &info) == 0;
 }
 
-/* The data set of a source, in its own file. */
+/* Check the data set of a source, in the source's own file. */
 static status check_inside(const char *path, const char *set, int depth, bool *there) {
     absent_parts inner;
     hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), access = hdf5_storage_access();
@@ -222,7 +223,7 @@ static status check_sources(hid_t plist, const char *file, const char *path, int
     return st;
 }
 
-/* ---- what was never written ---- */
+/* ---- chunks never written ---- */
 
 static void count_chunks(hid_t set, hid_t plist, absent_parts *out) {
     hsize_t dims[H5S_MAX_RANK], chunk[H5S_MAX_RANK], there = 0;
@@ -231,7 +232,7 @@ static void count_chunks(hid_t set, hid_t plist, absent_parts *out) {
     const bool counted = H5Dget_num_chunks(set, space, &there) >= 0;
     H5Sclose(space);
     if (!counted || rank < 1 || H5Pget_chunk(plist, rank, chunk) != rank)
-        return; /* reading it will tell what is wrong */
+        return; /* reading it reports the error */
     *out = (absent_parts){.of = 1, .parts = "chunks"};
     for (int i = 0; i < rank; i++) {
         const uint64_t along = dims[i] / chunk[i] + (dims[i] % chunk[i] != 0);

@@ -13,7 +13,7 @@ typedef struct said {
     bool memory;
 } said;
 
-/* The innermost is the first. */
+/* Take the first error: it is the innermost one. */
 static herr_t hear(unsigned n, const H5E_error2_t *error, void *ctx) {
     said *s = ctx;
     if (n == 0 && error->desc)
@@ -69,7 +69,7 @@ int hdf5_numbers(hid_t object, const char *name, double *out, int most) {
     return (int)n;
 }
 
-/* Texts of one length each, padded by anything. */
+/* Read the i-th of several texts of one length, whatever pads them. */
 static bool fixed_string(hid_t a, hid_t type, size_t i, char *to, size_t room) {
     const size_t size = H5Tget_size(type), count = (size_t)points(a);
     char *all = size > 0 && size < 65536 && count < 64 ? malloc(size * count + 1) : NULL;

@@ -1,4 +1,4 @@
-/* hdf5_text.h - small things asked of libhdf5: attributes, and why it failed. */
+/* hdf5_text.h - helpers for libhdf5: attributes, and error messages. */
 #ifndef PREP_IMPORT_HDF5_HDF5_TEXT_H
 #define PREP_IMPORT_HDF5_HDF5_TEXT_H
 
@@ -8,18 +8,19 @@
 
 #include "formats/base/status.h"
 
-/* hdf5_failed() - describe what the library said last: "file: what: its words". ST_NOMEM where it
- * had no memory, else ST_CORRUPT. */
+/* hdf5_failed() - describe the library's last error as "file: what: its words". Returns ST_NOMEM if
+ * it had no memory, else ST_CORRUPT. */
 status hdf5_failed(const char *file, const char *what);
 
-/* hdf5_words() - the same words alone. */
+/* hdf5_words() - only the library's words. */
 void hdf5_words(char *to, size_t room);
 
-/* hdf5_numbers() - an attribute of at most `most` numbers, as doubles; returns how many, 0 where
+/* hdf5_numbers() - read an attribute of at most `most` numbers, as doubles. Returns how many; 0:
  * there is no such attribute. */
 int hdf5_numbers(hid_t object, const char *name, double *out, int most);
 
-/* hdf5_string() - an attribute that is a text, or the i-th of several; false where it is none. */
+/* hdf5_string() - read a text attribute, or the i-th of several texts. Returns false if there is
+ * none. */
 bool hdf5_string(hid_t object, const char *name, size_t i, char *to, size_t room);
 
 #endif

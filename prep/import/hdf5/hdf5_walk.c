@@ -11,14 +11,14 @@ typedef struct walk {
     const char *name;
     hdf5_walk_take *take;
     void *ctx;
-    char path[HDF5_PATH]; /* of the group; "": the root */
+    char path[HDF5_PATH]; /* of the current group; "": the root */
     int depth;
-    haddr_t shared[SHARED_MAX]; /* groups with several names that were entered */
+    haddr_t shared[SHARED_MAX]; /* entered groups that have several names */
     int shared_count;
     status st;
 } walk;
 
-/* Whether a group is entered the first time. */
+/* Returns whether a group has not been entered before. */
 static bool is_new(walk *w, const H5O_info_t *info) {
     if (info->rc < 2)
         return true;
@@ -54,7 +54,7 @@ static void enter(walk *w, hid_t parent, const char *name) {
         H5Gclose(group);
 }
 
-/* The path of the group grows by the name, and is cut again. */
+/* Append the name to the group's path for the visit, and cut it off again. */
 static herr_t visit(hid_t group, const char *name, const H5L_info_t *link, void *ctx) {
     walk *w = ctx;
     H5O_info_t info;

@@ -1,8 +1,8 @@
-/* hdf5_walk.h - all data sets of an HDF5 file, in time that grows with what is there.
+/* hdf5_walk.h - visits all data sets of an HDF5 file, in linear time.
  *
- * Hard links are followed, into each group once, so that cycles end; soft and external ones are
- * not. (H5Ovisit() opens every object by its path from the root: 3000 groups, each in the one
- * before, took it half a minute.)
+ * Hard links are followed, into each group once, so cycles end. Soft and external links are not
+ * followed. (H5Ovisit() opens every object by its path from the root. For 3000 nested groups it
+ * took half a minute.)
  */
 #ifndef PREP_IMPORT_HDF5_HDF5_WALK_H
 #define PREP_IMPORT_HDF5_HDF5_WALK_H
@@ -13,11 +13,11 @@
 
 enum { HDF5_PATH = 1024, HDF5_DEPTH_MAX = 100 };
 
-/* Told each data set: its full path. What is not ST_OK ends the walk. */
+/* Called with the full path of each data set. Any status but ST_OK ends the walk. */
 typedef status hdf5_walk_take(void *ctx, const char *path);
 
-/* hdf5_walk() - name: of the file, for messages. ST_UNSUPPORTED for groups nested deeper than
- * HDF5_DEPTH_MAX; what has a path longer than HDF5_PATH is passed over. */
+/* hdf5_walk() - name: of the file, for messages. ST_UNSUPPORTED: groups are nested deeper than
+ * HDF5_DEPTH_MAX. Objects with a path longer than HDF5_PATH are skipped. */
 CHECKED status hdf5_walk(hid_t file, const char *name, hdf5_walk_take *take, void *ctx);
 
 #endif

@@ -1,4 +1,4 @@
-/* leafcast import-hdf5 - a data set of an HDF5 file as NRRD. */
+/* leafcast import-hdf5 - writes a data set of an HDF5 file as NRRD. */
 #include "prep/import/hdf5/hdf5_slices.h"
 #include "prep/import/importer_options.h"
 

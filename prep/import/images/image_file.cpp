@@ -30,7 +30,7 @@ namespace {
 
 enum { BAND_ROWS = 64 };
 
-/* Formats of still images; the library reads films, volumes and cameras' files, too. */
+/* Formats of still images. The library also reads films, volumes and raw files of cameras. */
 const char *const formats[] = {"tiff", "png",  "openexr", "jpeg",     "bmp", "pnm",
                                "hdr",  "webp", "targa",   "jpeg2000", "sgi", "dpx"};
 
@@ -70,7 +70,7 @@ status thrown(const std::string &path) {
 
 /* ---- facts ---- */
 
-/* Of formats for measured pictures: what JPEG says is about paper. */
+/* Only for formats of measured pictures: the resolution in a JPEG is meant for paper. */
 void find_resolution(image_file *f) {
     const std::string format = f->in->format_name();
     const std::string unit = f->spec.get_string_attribute("ResolutionUnit");
@@ -159,11 +159,11 @@ void luminance(sample_type type, const void *rgb, void *out, size_t count) {
     case SAMPLE_I32: mix<int32_t>(rgb, out, count); break;
     case SAMPLE_F32: mix<float>(rgb, out, count); break;
     case SAMPLE_F64: mix<double>(rgb, out, count); break;
-    default: break; /* images have no others */
+    default: break; /* images have no other type */
     }
 }
 
-/* Rows first to end - 1 of channels c0 to c1 - 1; of tiles, whole rows of them. */
+/* Read rows [first, end) of channels [c0, c1). Tiled files: whole rows of tiles. */
 bool read_rows(image_file *f, int first, int end, int c0, int c1, TypeDesc type, void *to) {
     const ImageSpec &s = f->spec;
     if (s.tile_width)

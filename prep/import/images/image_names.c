@@ -12,7 +12,7 @@ static bool digit(char c) {
     return c >= '0' && c <= '9';
 }
 
-/* Runs of digits: by value, that is by length and then by digits, without zeros in front. */
+/* Compare runs of digits by value: skip leading zeros, then compare lengths, then digits. */
 static int compare_runs(const char **a, const char **b) {
     while (**a == '0')
         ++*a;

@@ -18,7 +18,7 @@ typedef struct page {
 typedef struct stack {
     mem *m;
     image_names names;
-    page *pages; /* of all files, in order; then only those of the wanted channel and step */
+    page *pages; /* of all files, in order; later only pages of the wanted channel and step */
     size_t page_count, room;
     image_file *open; /* the file of open_index, or NULL */
     uint32_t open_index;
@@ -108,7 +108,8 @@ static status open_file(stack *s, uint32_t index) {
     return image_file_open(s->names.paths[index], &s->open);
 }
 
-/* What the library does not say: it takes a broken directory of a TIFF for the end. */
+/* Find broken files that the library does not report: it takes a TIFF's broken directory for the
+ * end. */
 static status check_whole(const stack *s, uint32_t found) {
     const char *path = s->names.paths[s->open_index], *format = image_file_format(s->open);
     uint64_t said;
@@ -135,7 +136,7 @@ static status add_file(stack *s, uint32_t index) {
     return st == ST_OK ? check_whole(s, found) : st;
 }
 
-/* What its description says of one file: which of its pages are the slices. */
+/* Choose the pages that are slices, by the description of a single file. */
 static status choose_pages(stack *s, const import_request *q) {
     const image_tags *t = &s->tags;
     const uint32_t steps = t->by ? t->steps : 1;
@@ -182,7 +183,7 @@ static double spacing_of(const stack *s, const image_wish *wish, int a) {
     return !imagej && s->first.unit > 0 ? s->first.unit / pixels : 1 / pixels;
 }
 
-/* As its description has the map; what was asked for replaces the length of an axis. */
+/* Take the map of the description. A spacing asked for replaces the length of an axis. */
 static void place_by_map(const stack *s, const image_wish *wish, grid *g) {
     memcpy(g->to_world, s->tags.to_world, sizeof g->to_world);
     for (int a = 0; a < 3; a++) {
@@ -214,7 +215,7 @@ static status look(stack *s, const import_request *q, const image_wish *wish) {
     s->first = *image_file_facts(s->open);
     st = image_tags_read(s->names.paths[0], image_file_description(s->open), s->first.channels,
                          &s->tags);
-    if (st == ST_OK && s->names.count > 1) /* each is one of several: pages go on as they come */
+    if (st == ST_OK && s->names.count > 1) /* the file is one of several: take its pages in order */
         s->tags.channels = s->tags.slices = s->tags.steps = 0;
     return st;
 }
@@ -289,7 +290,7 @@ status image_slices_open(mem *m, const import_request *q, const image_wish *wish
     return ST_OK;
 }
 
-/* Of the steps, where the description says how far apart they are; else NULL. */
+/* Times of the steps if the description gives their distance; else NULL. */
 static status make_times(const stack *s, double **out) {
     const image_tags *t = &s->tags;
     *out = NULL;
@@ -301,8 +302,8 @@ static status make_times(const stack *s, double **out) {
     return *out ? ST_OK : ST_NOMEM;
 }
 
-/* wanted: the channel that is taken; IMAGE_LUMINANCE: all. Channels that are pages of their own are
- * components. */
+/* wanted: the channel that is taken; IMAGE_LUMINANCE: all. If each channel has its own pages,
+ * channels are listed as components. */
 static status list_channels(const stack *s, const import_request *q, int wanted,
                             const import_list *to) {
     const bool of_pages = s->tags.channels > 1 && s->first.channels == 1;

@@ -1,8 +1,8 @@
-/* image_slices.h - pages of images as the slices of a grid.
+/* image_slices.h - reads pages of images as the slices of a grid.
  *
- * A slice is a page of a file; the top row of a page has y = 0. All pages must be of one size and
- * type: they are looked at before the first one is read. One page at a time is in memory, beside
- * what OpenImageIO needs of it.
+ * A slice is a page of a file. The top row of a page has y = 0. All pages must be of one size and
+ * type; this is checked before the first one is read. One page at a time is in memory, besides what
+ * OpenImageIO needs for it.
  */
 #ifndef PREP_IMPORT_IMAGES_IMAGE_SLICES_H
 #define PREP_IMPORT_IMAGES_IMAGE_SLICES_H
@@ -15,8 +15,8 @@
 #include "prep/import/importer.h"
 
 typedef struct image_wish {
-    bool as_given;     /* files in the order in which they were named */
-    double spacing[3]; /* 0: as the tags say */
+    bool as_given;     /* take files in the order given */
+    double spacing[3]; /* 0: from the tags */
 } image_wish;
 
 /* image_slices_open(), image_slices_list() - see importer.h. q->field is a channel's name. */

@@ -20,7 +20,7 @@ static status take_count(const char *path, const char *name, const char *text, u
     return ST_OK;
 }
 
-/* A distance of 0 or none is not said. */
+/* Distances of 0 are ignored, like missing ones. */
 static void take_distance(const char *text, double *out) {
     double value;
     if (num_double(text, "", &value) == ST_OK && isfinite(value) && value != 0)
@@ -62,7 +62,7 @@ static status read_imagej(const char *path, const char *text, image_tags *t) {
         }
         text += length + (text[length] == '\n');
     }
-    /* Old versions say only how many images there are. */
+    /* Old versions give only the number of images. */
     if (!t->slices && !t->channels && !t->steps)
         t->slices = images;
     return st;
@@ -76,8 +76,8 @@ typedef struct ome {
     const char *path;
     image_tags *t;
     uint32_t samples;
-    bool seen;   /* the first of the Pixels */
-    bool in_map; /* within the element whose text is the map */
+    bool seen;   /* the first Pixels element was met */
+    bool in_map; /* inside the element whose text is the map */
     char map[MAP_TEXT];
     size_t map_size;
     status st;
@@ -89,7 +89,7 @@ static bool named(const char *name, const char *what) {
     return strcmp(colon ? colon + 1 : name, what) == 0;
 }
 
-/* "XYCZT": the pages' order is what follows X and Y. */
+/* "XYCZT": the letters behind X and Y are the order of the pages. */
 static status take_order(const char *path, const char *text, image_tags *t) {
     if (strlen(text) != 5 || strncmp(text, "XY", 2) != 0 || !strchr(text + 2, 'C') ||
         !strchr(text + 2, 'Z') || !strchr(text + 2, 'T'))
@@ -147,7 +147,7 @@ static void XMLCALL on_text(void *ctx, const char *text, int size) {
     }
 }
 
-/* Where it is not twelve finite numbers it says nothing. */
+/* Use the map only if it is twelve finite numbers. */
 static void XMLCALL on_end(void *ctx, const char *name) {
     ome *o = ctx;
     double *map = o->t->to_world;

@@ -1,10 +1,10 @@
-/* image_tags.h - what programs write into the description of a TIFF: distances, and which page is
- * which of a stack of channels, slices and time steps.
+/* image_tags.h - reads what programs write into the description of a TIFF: distances, and the roles
+ * of pages in a stack of channels, slices and time steps.
  *
- * ImageJ: lines such as "spacing=2.5", "channels=2", "finterval=0.5" (seconds); pages are channels,
+ * ImageJ: lines such as "spacing=2.5", "channels=2", "finterval=0.5" (seconds). Pages are channels,
  * then slices, then steps. OME: an XML document whose first Pixels element has PhysicalSizeX,
- * SizeC, DimensionOrder, TimeIncrement and so on; `leafcast export' annotates it with the whole map
- * to the world (M with K="to_world"). Other descriptions say nothing.
+ * SizeC, DimensionOrder, TimeIncrement and so on. `leafcast export' annotates it with the whole map
+ * to the world (M with K="to_world"). Other descriptions are ignored.
  */
 #ifndef PREP_IMPORT_IMAGES_IMAGE_TAGS_H
 #define PREP_IMPORT_IMAGES_IMAGE_TAGS_H
@@ -14,25 +14,25 @@
 
 #include "formats/base/status.h"
 
-/* Zeros: not said. */
+/* Zeros: unknown. */
 typedef struct image_tags {
     const char *by;         /* "ImageJ", "OME"; NULL: neither */
-    double spacing[3];      /* ImageJ says but z */
-    uint32_t channels;      /* pages of one slice and step */
-    uint32_t slices, steps; /* channels, slices and steps are at least 1 where `by` is set */
-    char order[4];          /* which of C, Z, T goes on first, then, last: "CZT" */
-    double time_step;       /* from one step to the next */
-    char time_unit[16];     /* of that: "s", "ms"; OME's own words */
-    bool mapped;            /* to_world is said: from pixel, row, slice; finite numbers */
+    double spacing[3];      /* ImageJ has only z */
+    uint32_t channels;      /* pages per slice and step */
+    uint32_t slices, steps; /* if `by` is set, these and channels are at least 1 */
+    char order[4];          /* order of C, Z, T in the pages, fastest first: "CZT" */
+    double time_step;       /* time between two steps */
+    char time_unit[16];     /* unit of time_step: "s", "ms"; in OME's spelling */
+    bool mapped;            /* to_world is known: from pixel, row, slice; finite numbers */
     double to_world[12];    /* row-major */
 } image_tags;
 
-/* image_tags_read() - samples: numbers a pixel, which OME counts as channels. path: for messages.
- * ST_CORRUPT for sizes that are none. */
+/* image_tags_read() - samples: numbers per pixel, which OME counts as channels. path: for messages.
+ * ST_CORRUPT: malformed sizes. */
 CHECKED status image_tags_read(const char *path, const char *description, uint32_t samples,
                                image_tags *out);
 
-/* image_tags_page() - the page of a channel, slice and step. */
+/* image_tags_page() - number of the page of a channel, slice and step. */
 uint64_t image_tags_page(const image_tags *t, uint32_t channel, uint32_t slice, uint32_t step);
 
 #endif

@@ -1,4 +1,4 @@
-/* leafcast import-images - a stack of images to NRRD. */
+/* leafcast import-images - writes a stack of images as NRRD. */
 #include <limits.h>
 #include <math.h>
 

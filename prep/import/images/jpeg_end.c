@@ -12,10 +12,10 @@ enum { TEMPORARY = 0x01, RESTART_0 = 0xd0, START = 0xd8, END = 0xd9, SCAN = 0xda
 typedef struct reader {
     file *file;
     uint64_t at;    /* the next byte */
-    uint64_t from;  /* where the window lies in the file */
+    uint64_t from;  /* offset of the window in the file */
     uint32_t bytes; /* in the window */
     uint8_t window[WINDOW];
-    status st; /* the first failure; bytes are 0 from then on */
+    status st; /* the first failure; from then on next() gives 0 */
 } reader;
 
 static uint8_t next(reader *r) {
@@ -32,14 +32,15 @@ static uint8_t next(reader *r) {
     return r->st == ST_OK ? r->window[r->at++ - r->from] : 0;
 }
 
-/* Over a segment, by the length that it begins with. */
+/* Skip a segment by the length at its start. */
 static void skip_segment(reader *r) {
     const uint32_t high = next(r), length = high << 8 | next(r);
     const uint64_t left = file_size(r->file) - r->at, skip = length > 2 ? length - 2 : 0;
     r->at += skip < left ? skip : left;
 }
 
-/* To the marker behind coded samples, in which a prefix is followed by 0 or is a restart. */
+/* Skip coded samples up to the next marker. In samples a prefix byte is followed by 0 or a
+ * restart. */
 static uint8_t skip_samples(reader *r) {
     uint8_t marker = 0;
     while (r->st == ST_OK && (marker == 0 || (marker >= RESTART_0 && marker < START))) {

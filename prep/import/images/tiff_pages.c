@@ -17,7 +17,7 @@ static status read_header(tiff *t, uint64_t *first) {
     return st == ST_OK ? tiff_number(t, t->big ? 8 : 4, t->big ? 8 : 4, first) : st;
 }
 
-/* A directory: how many entries, the entries, where the next one is. */
+/* Follow a directory: the number of entries, the entries, the offset of the next directory. */
 static status follow(const tiff *t, uint64_t at, uint64_t page, uint64_t *next) {
     const uint64_t size = file_size(t->file), entry = t->big ? 20 : 12;
     const int head = t->big ? 8 : 2, link = t->big ? 8 : 4;
@@ -38,7 +38,7 @@ static status follow(const tiff *t, uint64_t at, uint64_t page, uint64_t *next) 
 }
 
 static status count_pages(tiff *t, uint64_t *pages) {
-    const uint64_t most = file_size(t->file) / 6; /* bytes of a directory without entries */
+    const uint64_t most = file_size(t->file) / 6; /* 6 bytes: a directory without entries */
     uint64_t at;
     status st = read_header(t, &at);
     for (*pages = 0; at && st == ST_OK; ++*pages) {

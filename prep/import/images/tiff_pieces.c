@@ -34,14 +34,15 @@ enum {
 
 /* An entry's numbers; count 0: there is no such entry. */
 typedef struct numbers {
-    uint64_t count, at; /* of the first, in the file */
-    int width;          /* bytes of each */
+    uint64_t count, at; /* offset of the first number in the file */
+    int width;          /* bytes per number */
 } numbers;
 
 typedef struct page {
     numbers offsets, bytes;
     uint64_t width, height, bits, samples, rows, tile_width, tile_height;
-    bool packed, planar; /* sizes do not tell bytes; each channel has pieces of its own */
+    bool packed, planar; /* packed: sizes do not determine bytes; planar: each channel has its own
+                            pieces */
 } page;
 
 static int width_of(uint64_t type) {
@@ -54,7 +55,7 @@ static int width_of(uint64_t type) {
     }
 }
 
-/* Where the numbers of the entry at an offset are. */
+/* Find where an entry's numbers are stored. */
 static status find_numbers(const tiff *t, uint64_t entry, uint64_t *tag, numbers *out) {
     const int count_bytes = t->big ? 8 : 4;
     const uint64_t value = entry + 4 + (uint64_t)count_bytes;
@@ -86,7 +87,7 @@ static status take_entry(const tiff *t, uint64_t entry, page *p) {
     case HEIGHT: p->height = value; break;
     case BITS: p->bits = value; break;
     case COMPRESSION: p->packed |= value != 1; break;
-    case PHOTOMETRIC: p->packed |= value == 6; break; /* YCbCr: fewer colours than pixels */
+    case PHOTOMETRIC: p->packed |= value == 6; break; /* YCbCr may have fewer colours than pixels */
     case SAMPLES: p->samples = value; break;
     case ROWS: p->rows = value; break;
     case PLANES: p->planar = value == 2; break;
@@ -103,7 +104,7 @@ static status take_entry(const tiff *t, uint64_t entry, page *p) {
 
 /* ---- its pieces ---- */
 
-/* Bytes of a piece as it is unpacked; UINT64_MAX for sizes that no file has. */
+/* Bytes of an unpacked piece; UINT64_MAX for sizes that no file has. */
 static uint64_t plain_bytes(const page *p, uint64_t piece) {
     const uint64_t channels = p->planar ? 1 : p->samples;
     const uint64_t across = p->tile_width ? p->tile_width : p->width;

@@ -1,4 +1,4 @@
-/* leafcast import-netcdf - a variable of a netCDF file as NRRD. */
+/* leafcast import-netcdf - writes a variable of a netCDF file as NRRD. */
 #include "prep/import/importer_options.h"
 #include "prep/import/netcdf/netcdf_slices.h"
 

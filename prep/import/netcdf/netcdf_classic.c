@@ -4,7 +4,7 @@
 
 /* ---- sizes ---- */
 
-/* Bytes of a variable, or where it grows of one record. */
+/* Bytes of a variable; if it grows, of one record. */
 static uint64_t bytes_of(const netcdf_variable *v) {
     nc_type type = NC_NAT;
     nc_inq_vartype(v->group, v->id, &type);
@@ -15,8 +15,8 @@ static uint64_t bytes_of(const netcdf_variable *v) {
     return bytes;
 }
 
-/* Of all variables that grow, one after the other, each to a bound of four bytes; of one alone
- * without. */
+/* Bytes of a record: all growing variables, each padded to four bytes. A single one is not
+ * padded. */
 static uint64_t record_bytes(int group) {
     int count = 0, growing = 0;
     uint64_t all = 0, last = 0;

@@ -6,10 +6,10 @@ typedef struct cursor {
     file *f;
     uint64_t at;
     int version; /* 1, 2, 5 */
-    status st;   /* the first failure ends it */
+    status st;   /* the first failure; no more is read then */
 } cursor;
 
-/* A big-endian number of so many bytes. */
+/* Read a big-endian number of so many bytes. */
 static uint64_t take(cursor *c, size_t bytes) {
     uint8_t b[8];
     uint64_t number = 0;
@@ -21,7 +21,7 @@ static uint64_t take(cursor *c, size_t bytes) {
     return number;
 }
 
-/* Lists, names and values; what lies behind the end fails in the next take(). */
+/* Skip padded bytes. Beyond the end of the file, the next take() fails. */
 static void skip(cursor *c, uint64_t bytes) {
     const uint64_t padded = bytes + (4 - bytes % 4) % 4;
     const uint64_t size = file_size(c->f);
@@ -42,7 +42,7 @@ uint64_t netcdf_header_type_bytes(uint64_t type) {
 }
 
 static uint64_t begin_list(cursor *c) {
-    take(c, 4); /* what it is of */
+    take(c, 4); /* tag of the list */
     return take_count(c);
 }
 

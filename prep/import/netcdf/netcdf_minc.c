@@ -5,7 +5,7 @@
 
 #include "prep/import/minc.h"
 
-/* ---- what it is ---- */
+/* ---- recognizing MINC ---- */
 
 static int space_of(const netcdf_variable *v, int i) {
     char name[NC_MAX_NAME + 1] = "";
@@ -13,7 +13,7 @@ static int space_of(const netcdf_variable *v, int i) {
     return minc_space(name);
 }
 
-/* Classic netCDF has no unsigned types: bytes are, if nothing else is said, others are not. */
+/* Classic netCDF has no unsigned types. By default bytes are unsigned, others signed. */
 static void find_sign(netcdf_variable *v) {
     static const sample_type with[] = {[1] = SAMPLE_I8, [2] = SAMPLE_I16, [4] = SAMPLE_I32};
     static const sample_type without[] = {[1] = SAMPLE_U8, [2] = SAMPLE_U16, [4] = SAMPLE_U32};
@@ -101,7 +101,7 @@ status netcdf_minc_place(const char *file, const netcdf_variable *v, grid *g) {
 
 /* ---- values ---- */
 
-/* The number of a slice: image-min and image-max lie along some of the image's first dimensions. */
+/* Read a slice's number. image-min and image-max lie along some of the image's first dimensions. */
 static status read_end(const char *file, const netcdf_variable *v, const char *name,
                        const size_t *start, size_t slice, double *out) {
     int id, rank = 0, dims[NC_MAX_VAR_DIMS];

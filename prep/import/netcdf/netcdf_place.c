@@ -1,4 +1,4 @@
-/* netcdf_place.c - where a variable's samples lie: the coordinates of its dimensions. */
+/* netcdf_place.c - places a variable's samples by the coordinates of its dimensions. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -9,7 +9,7 @@
 #include "prep/import/netcdf/netcdf_roles.h"
 #include "prep/import/netcdf/netcdf_variable.h"
 
-static const double uneven = 1e-3; /* of the step: more is no equal distance */
+static const double uneven = 1e-3; /* as a part of the step; beyond that, distances are uneven */
 
 /* ---- reading ---- */
 
@@ -24,7 +24,7 @@ static bool is_longitude(int group, int id) {
     return false;
 }
 
-/* From 359 on to 0: all that follows is a turn further. */
+/* If longitudes turn over from 359 to 0, add a turn to all that follow. */
 static void unwind(double *x, uint32_t count) {
     const double sign = count > 1 && x[1] < x[0] ? -1 : 1;
     double turn = 0;
@@ -70,15 +70,15 @@ static status place_axis(mem *m, const char *file, const double *x, int a, grid 
     return grid_set_axis(g, m, file, a, x);
 }
 
-/* ---- what is told of it ---- */
+/* ---- notes ---- */
 
-/* What goes on in a note: "a; b". */
+/* Begin the next part of a note: "a; b". */
 static void begin_note(grid *g) {
     if (g->note[0] && strlen(g->note) + 3 < sizeof g->note)
         strcat(g->note, "; ");
 }
 
-/* Cut where there is no more room. */
+/* Add a text, cut if there is no more room. */
 static void add_note(grid *g, const char *text) {
     const size_t used = strlen(g->note);
     text_name(g->note + used, sizeof g->note - used, text);
@@ -94,7 +94,7 @@ static void turn_up(grid *g, int a, int group, int id, double *x) {
     add_note(g, text);
 }
 
-/* Of coordinates that need others to be heights. */
+/* Note coordinates that would be heights only by a formula of other variables. */
 static void note_formula(grid *g, int a, int group, int id) {
     char name[NC_MAX_NAME + 1] = "", terms[NETCDF_TEXT], text[NC_MAX_NAME + 128];
     netcdf_text(group, id, "formula_terms", terms, sizeof terms);
@@ -107,7 +107,8 @@ static void note_formula(grid *g, int a, int group, int id) {
     add_note(g, text);
 }
 
-/* Named as coordinates, but of several dimensions, or of one that has its own. */
+/* Returns whether a variable named as coordinates is not used: it has several dimensions, or a
+ * dimension with coordinates of its own. */
 static bool is_unused(const netcdf_variable *v, int group, int id) {
     int rank = 0, dim = -1, in, own;
     nc_type type = NC_CHAR;
@@ -124,7 +125,7 @@ static bool is_unused(const netcdf_variable *v, int group, int id) {
     return false;
 }
 
-/* Axes that count nodes, as "x and y". */
+/* List the axes without coordinates, as "x and y". */
 static void list_indices(const netcdf_variable *v, char *to, size_t room) {
     int group, id;
     to[0] = 0;

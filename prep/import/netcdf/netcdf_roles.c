@@ -7,7 +7,7 @@
 
 /* ---- names ---- */
 
-/* "/a/b/v" from the root. */
+/* Find a variable by its path from the root: "/a/b/v". */
 static bool find_path(int group, const char *path, int *in, int *id) {
     char group_path[CF_TEXT];
     const char *last = strrchr(path, '/');

@@ -16,7 +16,7 @@
 
 typedef struct netcdf_slices {
     mem *m;
-    file *guard; /* the same file: it counts as an input, and is known to be one */
+    file *guard; /* the same file, opened so that the guard knows it as an input */
     int id;      /* -1: not open */
     netcdf_storage storage;
     netcdf_variable v;
@@ -66,7 +66,7 @@ static status create(mem *m, const import_request *q, netcdf_slices **out) {
 
 /* ---- walking through groups ---- */
 
-/* How well a variable suits, the most important first. */
+/* How well a variable suits; the most important field first. */
 typedef struct merit {
     bool suits, has_step, fixed;
     uint64_t samples, with_steps;
@@ -77,8 +77,8 @@ typedef struct walk {
     const netcdf_wish *wish;
     netcdf_roles *roles;
     void (*visit)(struct walk *w, netcdf_variable *v);
-    const import_list *to; /* whom list_variable() tells */
-    merit best;            /* of the one found so far */
+    const import_list *to; /* receiver of list_variable() */
+    merit best;            /* of the best variable so far */
     netcdf_variable found;
     char map[NETCDF_PATH]; /* the first map that changes in time; "": there is none */
     status st;
@@ -127,7 +127,7 @@ static void walk_group(walk *w, int group, const char *prefix, int depth) {
     }
 }
 
-/* Of all groups: NULL gathers what variables are for. */
+/* Visit the variables of all groups. visit NULL: gather their roles. */
 static status walk_all(walk *w, int root, void (*visit)(walk *w, netcdf_variable *v)) {
     w->visit = visit;
     if (w->st == ST_OK)
@@ -148,7 +148,7 @@ static merit merit_of(const walk *w, const netcdf_variable *v) {
     }
     x.suits = true;
     x.has_step = v->steps > w->q->step;
-    /* One that grows in its third dimension is likelier of pictures over time. */
+    /* A variable that grows in its third dimension probably holds pictures over time. */
     x.fixed = !(v->grows && v->rank == 3);
     x.with_steps = x.samples * v->steps;
     return x;
@@ -253,7 +253,7 @@ status netcdf_slices_list(mem *m, const import_request *q, const netcdf_wish *wi
 
 /* ---- steps ---- */
 
-/* The steps of several dimensions are counted through, the last one fastest. */
+/* Count through the steps of several dimensions, the last one fastest. */
 static status choose_step(netcdf_slices *s, const import_request *q) {
     const netcdf_variable *v = &s->v;
     uint64_t step = q->step;
@@ -304,7 +304,7 @@ static status begin_slices(netcdf_slices *s, const grid *g) {
                                 .load = load_slab,
                                 .ctx = s};
     memcpy(s->slices.dims, g->dims, sizeof g->dims);
-    /* Slabs are read by whole chunks: none has to be kept. Without success they are. */
+    /* Slabs are read in whole chunks, so none needs a cache. If this fails, chunks are cached. */
     if (v->chunk_bytes)
         nc_set_var_chunk_cache(v->group, v->id, 0, 1, 0);
     status st = v->minc && v->packed.has_range

@@ -20,7 +20,8 @@ static status keep(netcdf_storage *s, const char *path, const absent_parts *part
     return ST_OK;
 }
 
-/* Scales of dimensions without coordinates are never written, and are no variables. */
+/* Check a data set. Scales of dimensions without coordinates are never written, and are no
+ * variables. */
 static status take(void *ctx, const char *path) {
     const look *l = ctx;
     absent_parts parts;
@@ -28,7 +29,7 @@ static status take(void *ctx, const char *path) {
     hid_t set = H5Dopen2(l->file, path, access);
     H5Pclose(access);
     if (set < 0)
-        return ST_OK; /* libnetcdf tells */
+        return ST_OK; /* libnetcdf reports it */
     status st = hdf5_storage_check(set, l->s->file, path, &parts);
     H5Dclose(set);
     return st == ST_OK && parts.count ? keep(l->s, path, &parts) : st;
@@ -46,7 +47,7 @@ status netcdf_storage_look(mem *m, const char *file, const input_trust *trust,
     look l = {H5Fopen(file, H5F_ACC_RDONLY, access), out};
     H5Pclose(access);
     if (l.file < 0)
-        return ST_OK; /* libnetcdf tells */
+        return ST_OK; /* libnetcdf reports it */
     st = hdf5_walk(l.file, file, take, &l);
     H5Fclose(l.file);
     return st;

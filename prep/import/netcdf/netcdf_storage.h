@@ -1,7 +1,7 @@
-/* netcdf_storage.h - what the HDF5 file below a netCDF-4 file names and lacks.
+/* netcdf_storage.h - finds what a netCDF-4 file, which is HDF5, names and lacks.
  *
- * libnetcdf says nothing of either. So all data sets are looked at before it opens the file
- * (prep/import/hdf5/hdf5_storage.h), and what is absent is kept for the one that is read.
+ * libnetcdf reports neither. So all data sets are checked before it opens the file
+ * (prep/import/hdf5/hdf5_storage.h). What is missing is remembered for the variable that is read.
  */
 #ifndef PREP_IMPORT_NETCDF_NETCDF_STORAGE_H
 #define PREP_IMPORT_NETCDF_NETCDF_STORAGE_H
@@ -18,7 +18,7 @@ typedef struct netcdf_lack {
     absent_parts parts;
 } netcdf_lack;
 
-/* Zeros: nothing is known to be missing. */
+/* Zeros: nothing is missing. */
 typedef struct netcdf_storage {
     mem *m;
     const char *file;
@@ -26,12 +26,13 @@ typedef struct netcdf_storage {
     size_t count, room;
 } netcdf_storage;
 
-/* netcdf_storage_look() - before nc_open(). ST_CORRUPT, ST_UNSUPPORTED as hdf5_storage_check();
- * files that are no HDF5 name and lack nothing here. Release it in any case. */
+/* netcdf_storage_look() - call it before nc_open(). ST_CORRUPT, ST_UNSUPPORTED as
+ * hdf5_storage_check(). Files that are not HDF5 name and lack nothing here. Release it in any
+ * case. */
 CHECKED status netcdf_storage_look(mem *m, const char *file, const input_trust *trust,
                                    netcdf_storage *out);
 
-/* netcdf_storage_absent() - of a variable, "group/variable". */
+/* netcdf_storage_absent() - missing parts of a variable, "group/variable". */
 absent_parts netcdf_storage_absent(const netcdf_storage *s, const char *variable);
 void netcdf_storage_release(netcdf_storage *s);
 

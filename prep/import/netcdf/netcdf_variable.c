@@ -31,7 +31,7 @@ void netcdf_text(int group, int id, const char *name, char *to, size_t room) {
     }
 }
 
-/* Of 64 bits as they are: fill values are often the largest integers. */
+/* Read 64-bit integers exactly: fill values are often the largest ones. */
 static bool wide_number(int group, int id, const char *name, nc_type type, size_t i,
                         long double *out) {
     union {
@@ -63,11 +63,11 @@ bool netcdf_number(int group, int id, const char *name, size_t i, long double *o
 
 typedef struct kind {
     const char *name;
-    sample_type type, unsigned_type; /* 0: not read */
+    sample_type type, unsigned_type; /* 0: cannot be read */
     packed_wide wide;
 } kind;
 
-/* By the library's numbers. */
+/* Indexed by the library's type numbers. */
 static kind kind_of(nc_type type) {
     static const kind kinds[] = {
         [NC_BYTE] = {"i8", SAMPLE_I8, SAMPLE_U8, PACKED_NARROW},
@@ -88,7 +88,7 @@ static kind kind_of(nc_type type) {
     return (kind){"elements of a type of its own", 0, 0, PACKED_NARROW};
 }
 
-/* Classic files have no unsigned types: an attribute says so. */
+/* Classic files have no unsigned types. An attribute marks them. */
 static bool says_unsigned(const netcdf_variable *v) {
     char text[8];
     netcdf_text(v->group, v->id, "_Unsigned", text, sizeof text);
@@ -106,7 +106,7 @@ static void find_type(netcdf_variable *v, nc_type type) {
 
 /* ---- how its values are packed ---- */
 
-/* An attribute's number as the variable has it: -1 of an unsigned byte is 255. */
+/* Convert an attribute's number to the variable's type: -1 for an unsigned byte is 255. */
 static long double as_stored(const netcdf_variable *v, long double number) {
     const sample_type type = v->packed.type;
     const bool plus = type == SAMPLE_U8 || type == SAMPLE_U16 || type == SAMPLE_U32;
@@ -117,7 +117,7 @@ static bool has(const netcdf_variable *v, const char *name, size_t i, long doubl
     return netcdf_number(v->group, v->id, name, i, out);
 }
 
-/* Floats without a fill value of their own have the library's. */
+/* Floats without their own fill value have the library's. */
 static void find_fills(netcdf_variable *v, nc_type type) {
     long double number;
     const bool own = has(v, "_FillValue", 0, &number);
@@ -131,7 +131,7 @@ static void find_fills(netcdf_variable *v, nc_type type) {
         packed_fill(&v->packed, (long double)NC_FILL_DOUBLE);
 }
 
-/* The range is of packed numbers, but where it is told in floats of integers. */
+/* The range is of packed numbers, unless a variable of integers has it in floats. */
 static void find_range(netcdf_variable *v) {
     long double least = 0, most = 0;
     nc_type type = NC_NAT;
@@ -200,7 +200,7 @@ static bool find_shape(netcdf_variable *v) {
     return true;
 }
 
-/* Of classic files, and contiguous: none. */
+/* Find the chunks; classic and contiguous variables have none. */
 static void find_chunks(netcdf_variable *v) {
     int storage = NC_CONTIGUOUS;
     if (nc_inq_var_chunking(v->group, v->id, &storage, v->chunk) != NC_NOERR ||

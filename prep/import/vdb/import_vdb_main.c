@@ -1,4 +1,4 @@
-/* leafcast import-vdb - a grid of an OpenVDB file to NRRD. */
+/* leafcast import-vdb - writes a grid of an OpenVDB file as NRRD. */
 #include <string.h>
 
 #include "formats/base/cli_value.h"
@@ -22,7 +22,7 @@ static const struct argp_option options[] = {
     {"pad", KEY_PAD, "N", CLI_BASIC, "N voxels more on each side of the box (0)", 0},
     IMPORT_END};
 
-static vdb_request asked; /* what --box and --pad say; the rest comes with the request */
+static vdb_request asked; /* from --box and --pad; the rest comes from the request */
 
 static status set_box(const char *text) {
     double corner[6];
@@ -103,7 +103,7 @@ static status open_vdb(mem *m, const import_request *q, slice_source *out) {
 
 typedef struct listing {
     const import_list *to;
-    const char *field; /* asked for; NULL: the first that can be read */
+    const char *field; /* --field; NULL: the first that can be read */
     uint32_t component;
     bool found;
 } listing;

@@ -74,7 +74,8 @@ vdb_archive::vdb_archive(const std::string &file) : path(file), size(0) {
         read_all();
 }
 
-/* In order, inside the file, behind its entry. An instance has no blocks: its tree is another's. */
+/* Check that a grid's parts are in order, inside the file and behind its entry. An instance has no
+ * blocks: it shares another grid's tree. */
 static void check_extent(const GridDescriptor &d, std::streamoff from, std::streamoff size,
                          const std::string &path, const std::string &name) {
     const int64_t grid = d.getGridPos(), block = d.getBlockPos(), end = d.getEndPos();
@@ -114,7 +115,7 @@ void vdb_archive::read_all() {
 
 /* ---- loading ---- */
 
-/* Everything but the values: a box that nothing lies in keeps them from being read. */
+/* Read everything but the values: with a box that contains nothing, they are not read. */
 void vdb_archive::walk(const GridDescriptor &d) {
     const openvdb::CoordBBox nothing(openvdb::Coord::max(), openvdb::Coord::max());
     in.clear();

@@ -1,4 +1,4 @@
-/* vdb_archive.hpp - the grids of an OpenVDB file, each checked before it is loaded; throws. */
+/* vdb_archive.hpp - the grids of an OpenVDB file, each checked before it is loaded. It throws. */
 #ifndef PREP_IMPORT_VDB_VDB_ARCHIVE_HPP
 #define PREP_IMPORT_VDB_VDB_ARCHIVE_HPP
 
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-/* What the library instantiates, too, must be one with the library's: it keeps state in there. */
+/* Templates that the library instantiates, too, must be visible: they hold state to be shared. */
 #pragma GCC visibility push(default)
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/File.h>
@@ -18,7 +18,7 @@ extern "C" {
 #include "formats/base/status.h"
 }
 
-/* What is described already. */
+/* A failure with its description already set. */
 struct vdb_failure {
     status st;
 };
@@ -26,16 +26,16 @@ struct vdb_failure {
 /* Describe and throw. */
 [[noreturn]] void vdb_fail(status st, const char *fmt, ...) __attribute__((format(printf, 2, 3)));
 
-/* To be called before anything is read. OpenVDB allocates where it may not throw: a budget that
- * ends there ends the program, with the exit status of that. */
+/* Call this before anything is read. OpenVDB allocates in places that may not throw. If the budget
+ * ends there, the program ends with the exit status for that. */
 void vdb_begin();
 
-/* The status of the exception that is being handled, described with the file's path. */
+/* The status of the exception being handled, described with the file's path. */
 status vdb_told(const std::string &path);
 
 struct vdb_grid {
     openvdb::io::GridDescriptor entry;
-    openvdb::GridBase::Ptr empty; /* its type alone */
+    openvdb::GridBase::Ptr empty; /* of its type, without values */
     std::string name;             /* unique in the file: "density", "density[1]" */
 };
 
@@ -44,11 +44,11 @@ class vdb_archive : private openvdb::io::Archive {
     /* Reads the header and, where the file has offsets, the list of its grids. */
     explicit vdb_archive(const std::string &path);
 
-    /* Of a file without offsets (one that was written to a pipe) this loads all grids. */
+    /* For a file without offsets (written to a pipe) this loads all grids. */
     const std::vector<vdb_grid> &grids() const { return list; }
 
-    /* Checks the grid's extent in the file and loads it; values come when they are first used where
-     * the file allows that. */
+    /* Checks the grid's extent in the file and loads it. Values are read on first use if the file
+     * allows that. */
     openvdb::GridBase::Ptr load(const vdb_grid &g);
 
   private:

@@ -2,9 +2,9 @@
 
 #include "prep/import/import_limits.h"
 
-static mem own; /* before the budget is known, and after it is gone */
+static mem own; /* counts while no budget is joined */
 static mem *budget = &own;
-static atomic_size_t library; /* bytes of operator new, wherever they are counted */
+static atomic_size_t library; /* bytes from operator new, in either budget */
 
 bool vdb_memory_take(size_t bytes) {
     mem *m = budget;

@@ -1,7 +1,7 @@
-/* vdb_memory.h - what C++ allocates in this program is counted in a budget.
+/* vdb_memory.h - counts all C++ allocations of this program in a budget.
  *
- * vdb_new.cpp replaces operator new, which OpenVDB and the standard library use, by one that asks
- * here first and throws std::bad_alloc when there is no room. Any thread.
+ * vdb_new.cpp replaces operator new, which OpenVDB and the standard library use. It asks here
+ * first, and throws std::bad_alloc if there is no room. Any thread.
  */
 #ifndef PREP_IMPORT_VDB_VDB_MEMORY_H
 #define PREP_IMPORT_VDB_VDB_MEMORY_H
@@ -14,13 +14,13 @@ extern "C" {
 #else
 #include "formats/base/mem.h"
 
-/* vdb_memory_join() - from now on count in this budget, which what is allocated so far is added to.
- * NULL: in none, as at first; what is still allocated is taken from the budget. No other thread
- * allocates meanwhile. */
+/* vdb_memory_join() - from now on count in this budget; what is allocated already is added to it.
+ * NULL: leave the budget, as at first; what is still allocated is subtracted from it. No other
+ * thread may allocate meanwhile. */
 void vdb_memory_join(mem *m);
 #endif
 
-/* vdb_memory_take() - false: no room, which is noted (import_limits.h). */
+/* vdb_memory_take() - returns false if there is no room; this is noted (import_limits.h). */
 bool vdb_memory_take(size_t bytes);
 void vdb_memory_give(size_t bytes);
 

@@ -25,7 +25,7 @@ void release(void *block) {
     free(block);
 }
 
-/* What no budget has room for is not even tried: a size from a broken file may be any. */
+/* Do not even try sizes beyond the budget: a broken file may ask for any. */
 void *take(std::size_t size) {
     if (!vdb_memory_take(size))
         throw std::bad_alloc();

@@ -19,10 +19,10 @@ using openvdb::GridBase;
 
 namespace {
 
-/* Where `leafcast export' says of integers what they were. */
+/* Metadata in which `leafcast export' notes the original integer type. */
 const char *const narrow_key = "leafcast_type";
 
-/* What a value of a grid becomes: as it is, one of its components, or their length. */
+/* Conversions of a grid's value: unchanged, one of its components, or their length. */
 template <typename V> struct as_it_is {
     using sample = V;
     explicit as_it_is(uint32_t) {}
@@ -33,7 +33,7 @@ template <> struct as_it_is<bool> {
     explicit as_it_is(uint32_t) {}
     uint8_t operator()(bool v) const { return v; }
 };
-/* NRRD has no type for it that is stored; a double has all that are likely. */
+/* NRRD has no stored type for int64_t. A double holds all likely values. */
 template <> struct as_it_is<int64_t> {
     using sample = double;
     explicit as_it_is(uint32_t) {}
@@ -45,7 +45,7 @@ template <> struct as_it_is<int64_t> {
         return double(v);
     }
 };
-/* Integers of fewer bits, which the grid's metadata say that its 32 bits hold. */
+/* Integers of fewer bits, kept in 32 bits; the grid's metadata give their type. */
 template <typename S> struct narrowed {
     using sample = S;
     explicit narrowed(uint32_t) {}
@@ -112,18 +112,18 @@ struct vdb_tree {
 
 namespace {
 
-/* The slices of a slab, which begin as the background. */
+/* The slices of a slab. They start as background. */
 template <typename S> struct target {
     CoordBBox slab;
     S *samples;
     S background;
-    uint8_t *busy; /* maps of the slices; null: not asked for */
+    uint8_t *busy; /* maps of the slices; null: not wanted */
 
     S *row(int32_t x, int32_t y, int32_t z) const {
         const Coord d = slab.dim(), at = Coord(x, y, z) - slab.min();
         return samples + (std::size_t(at.z()) * d.y() + at.y()) * d.x() + at.x();
     }
-    /* Make all of it the background, or of maps what is something else. */
+    /* Set all to the background; with maps, only the tiles that differ. */
     void clear() const {
         const Coord d = slab.dim();
         const uint32_t dims[3] = {uint32_t(d.x()), uint32_t(d.y()), uint32_t(d.z())};
@@ -138,7 +138,7 @@ template <typename S> struct target {
                 busy[z * tiles + i] = 0;
             }
     }
-    /* A part of the slab may now be anything. */
+    /* Mark a part of the slab as busy. */
     void touch(const CoordBBox &part) const {
         if (!busy || part.empty())
             return;
@@ -185,7 +185,8 @@ template <typename GridT, typename Take> struct tree_of final : vdb_tree {
             }
     }
 
-    /* The slots of a node that meet the slab; what ends in it is not needed again. */
+    /* Fill the slots of a node that meet the slab. Free what ends in the slab: it is not needed
+     * again. */
     template <typename Node> void fill(Node &node, const target<sample> &to) {
         using Child = typename Node::ChildNodeType;
         const int32_t size = Child::DIM;
@@ -233,7 +234,7 @@ template <typename GridT, typename Take> struct tree_of final : vdb_tree {
 
 template <typename S> using narrow_tree = tree_of<openvdb::Int32Grid, narrowed<S>>;
 
-/* Of integers whose metadata say what they were; null: of others. */
+/* Make a tree for integers whose metadata give the original type; null for others. */
 std::unique_ptr<vdb_tree> make_narrow(const GridBase &grid) {
     const auto said = grid.getMetadata<openvdb::StringMetadata>(narrow_key);
     if (!said || grid.type() != openvdb::Int32Grid::gridType())
@@ -257,7 +258,7 @@ std::unique_ptr<vdb_tree> make(uint32_t component) {
     return std::make_unique<tree_of<GridT, Take<typename GridT::ValueType>>>(component);
 }
 
-/* Components 0: a scalar. */
+/* components 0: a scalar. */
 struct kind {
     openvdb::Name type;
     uint32_t components;
@@ -349,7 +350,7 @@ CoordBBox box_of(const vdb_tree &t, const vdb_request &q) {
     return padded(box, q);
 }
 
-/* OpenVDB's maps take rows of three: the axes are the matrix's first rows. */
+/* OpenVDB multiplies row vectors by its maps: the axes are the matrix's first rows. */
 void place(const vdb_tree &t, double to_world[3][4]) {
     if (!t.grid->transform().isLinear())
         vdb_fail(ST_UNSUPPORTED,
