@@ -6,9 +6,9 @@
  * call uses them or not, so a struct of zeros or defaults must pass. Elements beyond the count of
  * their array are not looked at. A function of the table checks how several fields fit together.
  *
- * Whoever adds a field adds its row: tests/test_public_fields.c reads the headers, and fails until
- * the row exists. A fault is described as "leafcast_scene.lights[1].rgb[0] is nan: ...",
- * ST_USAGE.
+ * Whoever adds a field adds its row: tests/formats/test_public_fields.c reads the headers, and
+ * fails until the row exists. A fault is described as "leafcast_scene.lights[1].rgb[0] is nan:
+ * ...", ST_USAGE.
  */
 #ifndef FORMATS_PUBLIC_FIELDS_H
 #define FORMATS_PUBLIC_FIELDS_H

@@ -3,9 +3,9 @@
  *
  * The results of libm differ between versions and CPUs. These functions use only + - * /, in a
  * fixed order, in IEEE doubles; the build forbids contraction to FMA. Errors, measured against long
- * double libm by tests/test_portable_math.c: sine and cosine below 2^-52, and below 2 ulp of
- * results above 0.1; the angle below 2^-54 turns; the exponential below 1 ulp; the logarithm below
- * 3 ulp.
+ * double libm by tests/formats/base/test_portable_math.c: sine and cosine below 2^-52, and below 2
+ * ulp of results above 0.1; the angle below 2^-54 turns; the exponential below 1 ulp; the logarithm
+ * below 3 ulp.
  */
 #ifndef FORMATS_BASE_PORTABLE_MATH_H
 #define FORMATS_BASE_PORTABLE_MATH_H

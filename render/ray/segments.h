@@ -31,11 +31,11 @@
  *   - grid_segments.h and mesh_segments.h bound the errors of t and of values.
  *   - The same bits whatever was resident when, and however little.
  *
- * Checks (tests/test_segments.c): every ray against all cells, or tets, by the reference renderers
- * in long double, which share no code. For each cell there: a piece iff it is passed for more than
- * the bound, t and the value at both ends and between them within the bound. Ends that adjoin, bit
- * for bit. The sum of lengths. The same bits with one resident treelet, with room for one piece,
- * and with everything.
+ * Checks (tests/render/ray/test_segments.c): every ray against all cells, or tets, by the reference
+ * renderers in long double, which share no code. For each cell there: a piece iff it is passed for
+ * more than the bound, t and the value at both ends and between them within the bound. Ends that
+ * adjoin, bit for bit. The sum of lengths. The same bits with one resident treelet, with room for
+ * one piece, and with everything.
  */
 #ifndef RENDER_RAY_SEGMENTS_H
 #define RENDER_RAY_SEGMENTS_H
