@@ -189,7 +189,7 @@ static status begin(volume *v, const volume_hints *hints) {
     /* The file's own place was sound, so the options are at fault. */
     if (st == ST_CORRUPT && (hints->has_origin || hints->spacing[0] != 0 || hints->exaggerate != 0))
         st = ST_USAGE;
-    /* Never use the file's name: the same samples are the same data set. */
+    /* Never use the file's name: renaming the input does not change what is made of it. */
     text_name(v->g.name, sizeof v->g.name, hints->name ? hints->name : v->from.g.name);
     return st;
 }

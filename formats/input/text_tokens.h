@@ -31,8 +31,9 @@ typedef struct text_tokens {
  * NUL in it. */
 CHECKED status text_tokens_next(text_tokens *t);
 
-/* text_tokens_skip() - skip count words of any length. *got is smaller at the end, or before a word
- * that starts with a letter no number starts with; that word stays. Not for text with comments. */
+/* text_tokens_skip() - skip up to `count` words of any length; *got: how many were skipped. Stops
+ * early at the end of the stream, at `stop`, and before a word whose first letter cannot begin a
+ * number ("nan" and "inf" are numbers), which can still be read. t->comment must be 0. */
 CHECKED status text_tokens_skip(text_tokens *t, uint64_t count, uint64_t *got);
 
 /* text_tokens_more() - finds out whether another word stands on this line. */

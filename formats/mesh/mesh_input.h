@@ -48,7 +48,7 @@ CHECKED status mesh_input_open_arrays(mem *m, const mesh_arrays *arrays, const c
 void mesh_input_close(mesh_input *x); /* NULL is fine */
 
 /* mesh_input_name() - returns the name of the data set: from the hints, else the mesh's own, else
- * "". It is never the file's name: the same mesh is the same data set. */
+ * "". It is never the file's name: renaming the input does not change what is made of it. */
 const char *mesh_input_name(const mesh_input *x);
 
 /* mesh_input_format() - returns the format that it is read as: "TetGen". */

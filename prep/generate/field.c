@@ -138,7 +138,7 @@ static status fill_row(void *ctx, size_t row, int worker) {
     return ST_OK;
 }
 
-/* Convert the counted densities of one slice. */
+/* Make the samples of one slice from the attractor's counts of orbit points. */
 static status convert_slice(void *ctx, size_t slice, int worker) {
     (void)worker;
     const filling *fill = ctx;

@@ -26,7 +26,7 @@ uint32_t convert_plan_slices(const convert_plan *plan, uint32_t level) {
     return slices < all ? slices : all;
 }
 
-/* Bytes needed however slabs are held. */
+/* Returns the bytes needed in any case, whether slabs are in memory or in scratch files. */
 static uint64_t fixed_memory(const grid *g, const convert_options *o, const leaf_layout *l,
                              uint64_t packer) {
     uint64_t thread = leaf_layout_payload_max(l) + leaf_writer_pack_bytes(l, o->file.codec) +

@@ -314,8 +314,9 @@ static status build_batch(conversion *c) {
     return st == ST_OK ? progress_step(c->p, "build", from + (1 - from) * done) : st;
 }
 
-/* Build several steps at once if all is in memory, where a vertex' values at all steps are close
- * by. In files each step has its own place, and the windows would be reloaded again and again. */
+/* Build all steps in one pass if points and values are in memory: there the values of a vertex at
+ * all steps lie side by side. In scratch files each step lies elsewhere, and the page caches
+ * (mesh_pages.h) would be loaded again and again: then build one step a pass. */
 static status build_steps(conversion *c) {
     const bool held = mesh_spool_held(&c->g->points) && mesh_spool_held(&c->g->values);
     status st = ST_OK;

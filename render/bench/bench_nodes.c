@@ -42,7 +42,8 @@ static bool between(float lo, float hi, double iso) {
     return (double)lo < iso && iso <= (double)hi;
 }
 
-/* Whether a node's range holds the isovalue. slot: where the large node is. */
+/* Returns whether the range of node at[] of level k holds the isovalue. slot: its index among the
+ * large nodes, for KEEP_LARGE alone. */
 static bool holds(const walker *w, uint32_t k, const uint32_t at[3], uint32_t slot) {
     const bench_tree *t = w->s->tree;
     const size_t i = bench_tree_index(t, k, at);

@@ -11,8 +11,8 @@
 
 enum { PEER_LANES = 16 };
 
-/* peer_rays_intersect() - the nearest hits of the rays that are valid. behind: they are not camera
- * rays. */
+/* peer_rays_intersect() - find the nearest hit of each ray whose valid[] is set. behind: the rays
+ * begin behind a surface, so Embree is told that they are incoherent if way->incoherent says so. */
 void peer_rays_intersect(RTCScene scene, const peer_way *way, bool behind, const int *valid,
                          struct RTCRayHit16 *rays);
 

@@ -384,7 +384,8 @@ static status begin_part(leafcast_frame *fr) {
     return st == ST_OK ? frame_begin(f, &fr->drawing) : st;
 }
 
-/* Add a part's counters. A pixel counts once, so counts of pixels are the largest of any sample. */
+/* Add the counters of the part just drawn. They add up, but for counts of pixels: each part draws
+ * the same pixels, so the largest count of any part is kept. */
 static void add_counters(leafcast_frame *fr) {
     ray_counters *all = &fr->counters;
     const uint64_t provisional = all->provisional_pixels, covered = all->covered_pixels;

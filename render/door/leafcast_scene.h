@@ -14,7 +14,7 @@ _Static_assert((int)LEAFCAST_VOLUMES_MAX == (int)FRAME_VOLUMES_MAX,
 CHECKED status scene_volumes(leafcast *v, const leafcast_scene *scene,
                              leafcast_shown shown[LEAFCAST_VOLUMES_MAX], int *count);
 
-/* The most intervals of an interest beside the isovalues. */
+/* How many intervals an interest holds at most, in addition to the isovalues. */
 enum { SCENE_BESIDE_MAX = (int)INTEREST_MAX - (int)LEAFCAST_SURFACES_MAX };
 
 /* scene_level() - returns the level of detail of v that the scene shows, at most v's coarsest.

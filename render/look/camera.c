@@ -143,8 +143,8 @@ static void fit_axes(const double size[3], int *up, int *across) {
     *across = *up == 2 ? (size[0] >= size[1] ? 0 : 1) : 2;
 }
 
-/* How far from the middle, along `back`, the eye must be to see a corner at `offset` from the
- * middle. */
+/* Returns how far the eye must be from the box's centre, against c->forward, so that a corner at
+ * `offset` from the centre lies inside the picture. */
 static double fit_distance(const double offset[3], const camera *c, double aspect) {
     const double towards = -vec3_dot(offset, c->forward);
     const double half = vec3_dot(c->up, c->up); /* tan^2 of half the field of view */

@@ -7,7 +7,8 @@
 
 static const double unit = 0x1p-53; /* half an ulp of 1 */
 
-/* Bounds the rounding of sums over some hundred products of numbers of one size. */
+/* Bound of the rounding error of a sum of up to 256 terms of similar magnitude, over the largest.
+ */
 static const double rounding = 256.0 * 0x1p-53;
 
 /* ---- Layers ---- */

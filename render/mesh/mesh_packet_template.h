@@ -54,7 +54,8 @@ typedef struct packet_work {
 } packet_work;
 _Static_assert(sizeof(packet_work) <= MESH_TILE_SCRATCH, "a tile has room in its scratch");
 
-/* Rays on a side of W07's smallest packets: all are tested at once. */
+/* Side of W07's smallest packets, in rays. Their 2 x 2 rays are all tested against each box, and no
+ * intervals. */
 enum { PACKET_SMALLEST = 2 };
 
 /* Surfaces that a walk finds per ray. */

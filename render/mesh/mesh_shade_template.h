@@ -212,7 +212,8 @@ static void mesh_shade(mesh_shading *m) {
     shade_walk(m->s, &mesh_kind_of_tile, m, &m->pixels);
 }
 
-/* Finish the tile's pixels and its outcome. */
+/* Put the background behind the tile's pixels, and write them. m->s->out then says which pixels are
+ * left to be traced one by one. */
 static void mesh_shade_end(mesh_shading *m) {
     shade_behind_all(m->s->f, &m->pixels);
     write_tile(m->s, &m->pixels);

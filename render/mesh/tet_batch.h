@@ -41,12 +41,13 @@ static inline void tet_rays_put(tet_rays *rays, int lane, const ray *r, const hi
  * numbers without a ray: a version may process rays up to the next multiple of 16. */
 void tet_rays_clear(tet_rays *rays, int lane);
 
-/* What certain signs of edge functions tell of all these rays: nothing, or that they hit the
- * triangle of points 0 1 2, or the one of points 0 2 3. */
+/* What is known of all rays of a call before it, by signs of edge functions that rounding cannot
+ * turn: nothing, or that all hit the triangle of points 0 1 2, or all that of points 0 2 3. */
 typedef enum tet_known { TET_UNKNOWN, TET_FIRST_IS_HIT, TET_SECOND_IS_HIT } tet_known;
 
-/* A tet_batch_fn lowers best[i] (and to[i]) for the rays first <= i < end <= TET_RAYS, if g has a
- * lesser hit; g, cell and iso_index as for isopolygon_hit(). `known` only saves time. */
+/* A tet_batch_fn tests the rays first <= i < end <= TET_RAYS against g. A hit that comes before
+ * best[i] in the order of tet_less() replaces it, and its t becomes to[i]. g, cell and iso_index
+ * are as for isopolygon_hit(). `known` changes no result: it only saves time. */
 typedef void (*tet_batch_fn)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
                              tet_rays *rays, int first, int end);
 

@@ -154,7 +154,8 @@ SIMD vi rects_of_extent(const tile_view *tile, const children_extent *e, float m
     return f_to_int(x0) | f_to_int(x1) << 8 | f_to_int(y0) << 16 | f_to_int(y1) << 24;
 }
 
-/* Find the rectangles of VF_N children, from `lane` on. */
+/* Find the pixel rectangles that VF_N children can cover, those of the octants from `lane` on. c:
+ * the entries of these children. Sets rects->of[lane ..] and their bits of rects->alive. */
 SIMD void tile_rects_of_entries(const tile_view *tile, const children_entries *c, unsigned lane,
                                 const tile_rect *parent, tile_rects *rects) {
     const children_extent e = extent_of(&c->x, &c->y, &c->w);
