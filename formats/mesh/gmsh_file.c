@@ -1,6 +1,7 @@
 #include "formats/mesh/gmsh_file.h"
 
 #include <byteswap.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -176,12 +177,17 @@ static status read_name(text_tokens *t, char name[MESH_NAME_MAX + 1]) {
     return st;
 }
 
-static status skip_reals(text_tokens *t) {
+/* Read the real tags; the first is the time. */
+static status read_time(text_tokens *t, double *time) {
     int64_t tags;
     double value;
+    *time = NAN;
     status st = text_tokens_int(t, "the number of real tags", 0, TAGS_MAX, &tags);
-    for (int64_t i = 0; st == ST_OK && i < tags; i++)
+    for (int64_t i = 0; st == ST_OK && i < tags; i++) {
         st = text_tokens_double(t, "a real tag", &value);
+        if (i == 0)
+            *time = value;
+    }
     return st;
 }
 
@@ -212,7 +218,7 @@ static status read_array(gmsh_file *f, text_tokens *t, gmsh_owner owner) {
     a->owner = owner;
     st = read_name(t, a->name);
     if (st == ST_OK)
-        st = skip_reals(t);
+        st = read_time(t, &a->time);
     if (st == ST_OK)
         st = read_shape(t, a);
     a->rows = here(t);

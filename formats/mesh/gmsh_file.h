@@ -31,6 +31,7 @@ typedef struct gmsh_array {
     char name[MESH_NAME_MAX + 1]; /* cut to MESH_NAME_MAX bytes */
     int components;
     uint64_t count; /* number of rows */
+    double time;    /* its first real tag; NaN: it has none */
 } gmsh_array;
 
 typedef struct gmsh_file {

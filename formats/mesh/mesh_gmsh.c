@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "formats/base/id_map.h"
@@ -33,6 +34,8 @@ typedef struct gmsh_state {
     const mesh_hints *hints;
     const gmsh_array **taken; /* the fields */
     uint32_t count;           /* 0: there is none */
+    uint32_t steps;           /* the most arrays of one name, 1 or more */
+    double *times;            /* of each step; NULL: they do not ascend */
 } gmsh_state;
 
 /* An array of floats that grows. */
@@ -86,16 +89,35 @@ static status no_array(const gmsh_state *s, const mesh_hints *asked) {
     return mesh_choice_missing(s->file.path, asked, &points, &cells);
 }
 
-/* Take the array of this name; NULL: the first. */
+/* Returns whether an array is a later, or earlier, step of another. */
+static bool is_step_of(const gmsh_array *a, const gmsh_array *other) {
+    return (a->owner == GMSH_ELEMENTS) == (other->owner == GMSH_ELEMENTS) &&
+           strcmp(a->name, other->name) == 0;
+}
+
+/* Returns step number `step` of the field that begins at array `first`. A field of one array has it
+ * at all steps; NULL: the field has no such step. */
+static const gmsh_array *find_step(const gmsh_file *f, size_t first, uint32_t step) {
+    uint32_t found = 0;
+    for (size_t i = first; i < f->count; i++)
+        if (is_step_of(&f->arrays[i], &f->arrays[first]) && found++ == step)
+            return &f->arrays[i];
+    return found == 1 ? &f->arrays[first] : NULL;
+}
+
+/* Take the array of this name at the hints' step; NULL: of the first name. */
 static status take_array(gmsh_state *s, const char *name) {
-    const gmsh_array *found = NULL;
     mesh_hints asked = *s->hints;
     asked.field = name;
-    for (size_t i = 0; i < s->file.count && !found; i++)
-        if (is_wanted(&s->file.arrays[i], &asked))
-            found = &s->file.arrays[i];
-    if (!found)
+    size_t i = 0;
+    while (i < s->file.count && !is_wanted(&s->file.arrays[i], &asked))
+        i++;
+    if (i == s->file.count)
         return no_array(s, &asked);
+    const gmsh_array *found = find_step(&s->file, i, s->hints->step);
+    if (!found)
+        return status_describe(ST_USAGE, "%s: \"%s\" has no step %u", s->file.path,
+                               s->file.arrays[i].name, s->hints->step);
     s->taken[s->count++] = found;
     return mesh_choice_component(s->file.path, &asked, found->name, found->components);
 }
@@ -111,6 +133,73 @@ static status gmsh_take(void *state, const char *const *names, uint32_t count) {
     return st;
 }
 
+/* By field; the steps of a field in the file's order. */
+static int compare_arrays(const void *x, const void *y) {
+    const gmsh_array *a = *(const gmsh_array *const *)x, *b = *(const gmsh_array *const *)y;
+    const bool of_cells = a->owner == GMSH_ELEMENTS, other = b->owner == GMSH_ELEMENTS;
+    const int names = strcmp(a->name, b->name);
+    if (of_cells != other || names != 0)
+        return of_cells != other ? of_cells - other : names;
+    return (a > b) - (a < b);
+}
+
+/* Returns the longest run of arrays of one field. */
+static const gmsh_array *const *longest_field(const gmsh_array *const *sorted, size_t count,
+                                              uint32_t *steps) {
+    const gmsh_array *const *longest = sorted;
+    *steps = 1;
+    for (size_t i = 0, first = 0; i < count; i++) {
+        first = is_step_of(sorted[i], sorted[first]) ? first : i;
+        if (i - first + 1 > *steps) {
+            *steps = (uint32_t)(i - first + 1);
+            longest = sorted + first;
+        }
+    }
+    return longest;
+}
+
+/* Keep the times of these steps if they ascend. */
+static status keep_times(gmsh_state *s, const gmsh_array *const *field) {
+    mem *m = s->file.m;
+    bool ascend = true;
+    s->times = mem_array(m, s->steps, sizeof *s->times);
+    if (!s->times)
+        return ST_NOMEM;
+    for (uint32_t k = 0; k < s->steps; k++) {
+        s->times[k] = field[k]->time;
+        ascend &= isfinite(s->times[k]) && (k == 0 || s->times[k] > s->times[k - 1]);
+    }
+    if (!ascend) {
+        mem_free(m, s->times);
+        s->times = NULL;
+    }
+    return ST_OK;
+}
+
+/* Find the field of the most steps, and its times. */
+static status find_steps(gmsh_state *s) {
+    const gmsh_file *f = &s->file;
+    const gmsh_array **sorted = mem_array(f->m, f->count + 1, sizeof *sorted);
+    if (!sorted)
+        return ST_NOMEM;
+    for (size_t i = 0; i < f->count; i++)
+        sorted[i] = &f->arrays[i];
+    qsort(sorted, f->count, sizeof *sorted, compare_arrays);
+    const gmsh_array *const *field = longest_field(sorted, f->count, &s->steps);
+    status st = s->steps > 1 ? keep_times(s, field) : ST_OK;
+    mem_free(f->m, sorted);
+    if (st == ST_OK && s->hints->step >= s->steps)
+        st = status_describe(ST_USAGE, "%s: no step %u: there %s %u, counted from 0", f->path,
+                             s->hints->step, s->steps == 1 ? "is" : "are", s->steps);
+    return st;
+}
+
+static uint32_t gmsh_steps(const void *state, const double **times) {
+    const gmsh_state *s = state;
+    *times = s->times;
+    return s->steps;
+}
+
 static status gmsh_open(mesh_source *source, void **state) {
     if (strcmp(source->path, "-") == 0 || byte_stream_left(source->data) == UINT64_MAX)
         return status_describe(ST_UNSUPPORTED, "%s: Gmsh's format needs a file, not a pipe",
@@ -121,7 +210,8 @@ static status gmsh_open(mesh_source *source, void **state) {
     *state = s;
     s->file.m = source->m;
     s->hints = &source->hints;
-    return gmsh_file_scan(&s->file, source->m, source->data);
+    const status st = gmsh_file_scan(&s->file, source->m, source->data);
+    return st == ST_OK ? find_steps(s) : st;
 }
 
 static void gmsh_close(void *state) {
@@ -131,6 +221,7 @@ static void gmsh_close(void *state) {
     mem *m = s->file.m;
     gmsh_file_release(&s->file);
     mem_free(m, s->taken);
+    mem_free(m, s->times);
     mem_free(m, s);
 }
 
@@ -547,5 +638,5 @@ static void gmsh_fields(const void *state, mesh_field_taker *take, void *ctx) {
             take(ctx, s->file.arrays[i].name, s->file.arrays[i].components);
 }
 
-const mesh_reader mesh_gmsh_reader = {"Gmsh",    gmsh_known,  gmsh_open, gmsh_read, gmsh_close,
-                                      gmsh_take, gmsh_fields, NULL,      NULL};
+const mesh_reader mesh_gmsh_reader = {"Gmsh",    gmsh_known,  gmsh_open,  gmsh_read, gmsh_close,
+                                      gmsh_take, gmsh_fields, gmsh_steps, NULL};

@@ -4,8 +4,9 @@
  * hexes, prisms and pyramids of the first order are taken, cells of fewer dimensions skipped, all
  * others refused. Fields by name: $NodeData (NaN where a node has no row; 4 bytes a point in
  * memory), $ElementNodeData (the mean over the cells at a point; 4 bytes a value), and $ElementData
- * for cells_to_points (4 bytes a cell). Of several sections with one name (time steps, say) the
- * first is taken. Pipes are refused: the file is read twice.
+ * for cells_to_points (4 bytes a cell). Sections of one name are time steps in the file's order;
+ * their first real tag is the time. A name that comes once has the same values at all steps. Pipes
+ * are refused: the file is read twice.
  */
 #ifndef FORMATS_MESH_MESH_GMSH_H
 #define FORMATS_MESH_MESH_GMSH_H

@@ -60,7 +60,7 @@ double mesh_input_share(mesh_input *x);
 
 /* mesh_input_fields() - give `take` the name and number of components of each array that can be
  * asked for, in the order of the file: arrays of the points, or of the cells if the hints say so. A
- * name may come again: of several steps the first is taken. The first array is the default. Call
+ * name may come again: each time step has one array. The first array is the default. Call
  * before mesh_input_read(). */
 void mesh_input_fields(const mesh_input *x, mesh_field_taker *take, void *ctx);
 

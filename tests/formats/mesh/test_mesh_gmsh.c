@@ -325,6 +325,76 @@ static void test_variants(void **state) {
     free(first);
 }
 
+/* Another step of a node field: `value` everywhere. */
+static void put_step(msh *o, const char *name, double time, double value) {
+    char text[200];
+    snprintf(text, sizeof text, "$NodeData\n1\n\"%s\"\n1\n%g\n3\n1\n1\n%d\n", name, time, NODES);
+    put_text(o, text);
+    for (int n = 0; n < NODES; n++) {
+        put_int(o, node_id[n]);
+        put_double(o, value);
+        end_row(o);
+    }
+    put_text(o, "\n$EndNodeData\n");
+}
+
+/* "the temperature" at three steps, 0.5, 1.5 and `last`; "wind" at two. */
+static const char *write_steps(int variant, double last) {
+    static msh o;
+    o = (msh){.version = variants[variant].version,
+              .width = variants[variant].width,
+              .binary = variants[variant].binary,
+              .foreign = variants[variant].foreign};
+    (void)write_msh(&o);
+    put_step(&o, "wind", 0.5, 30);
+    put_step(&o, "the temperature", 1.5, 7);
+    put_step(&o, "wind", 1.5, 31);
+    put_step(&o, "the temperature", last, 8);
+    return scratch_write("a.msh", o.bytes, o.size);
+}
+
+static void check_step(const char *path, const char *field, uint32_t step, double value) {
+    double want[NODES];
+    for (int n = 0; n < NODES; n++)
+        want[n] = value;
+    check_values(mesh_files_good(path, &(mesh_hints){.field = field, .step = step}), field, want);
+}
+
+static void check_times(const char *path, bool ascend) {
+    mem m;
+    mesh_input *x = NULL;
+    mem_init(&m, 0);
+    assert_int_equal(mesh_input_open(&m, path, NULL, &x), ST_OK);
+    assert_int_equal(mesh_input_steps(x), 3);
+    const double *times = mesh_input_times(x);
+    assert_int_equal(times != NULL, ascend);
+    for (int k = 0; times && k < 3; k++)
+        assert_true(times[k] == 0.5 + k);
+    mesh_input_close(x);
+    assert_int_equal(mem_used(&m), 0);
+}
+
+static void test_steps(void **state) {
+    (void)state;
+    for (int i = 0; i < VARIANTS; i++) {
+        const char *path = write_steps(i, 2.5);
+        check_times(path, true);
+        check_step(path, "the temperature", 1, 7);
+        check_step(path, "the temperature", 2, 8);
+        check_step(path, "wind", 0, 30);
+        check_step(path, "wind", 1, 31);
+        mesh_files_refused(path, &(mesh_hints){.field = "wind", .step = 2}, ST_USAGE,
+                           "a.msh: \"wind\" has no step 2");
+        mesh_files_refused(path, &(mesh_hints){.step = 3}, ST_USAGE,
+                           "a.msh: no step 3: there are 3, counted from 0");
+        /* One array is a field's at all steps. */
+        mesh_copy *speed = mesh_files_keep(mesh_files_good(path, &(mesh_hints){.field = "speed"}));
+        mesh_files_same(speed, mesh_files_good(path, &(mesh_hints){.field = "speed", .step = 2}));
+        free(speed);
+        check_times(write_steps(i, 1.5), false);
+    }
+}
+
 static void test_refused_hints(void **state) {
     (void)state;
     const char *path = write_variant(3);
@@ -476,8 +546,9 @@ static void test_id_map(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_variants), cmocka_unit_test(test_refused_hints),
-        cmocka_unit_test(test_sweeps),   cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_left_out), cmocka_unit_test(test_id_map),
+        cmocka_unit_test(test_steps),    cmocka_unit_test(test_sweeps),
+        cmocka_unit_test(test_refused),  cmocka_unit_test(test_left_out),
+        cmocka_unit_test(test_id_map),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
