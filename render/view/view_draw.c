@@ -67,7 +67,6 @@ typedef struct turn {
 static void say(view_draw *d, view_seat *seat, view_message *message) {
     if (!message)
         return;
-    view_doing_end(d->tools.doing); /* before the client can know that it is done */
     pthread_mutex_lock(&d->lock);
     const bool full = !message->binary && seat->queue.count >= VIEW_TEXTS_MAX;
     if (seat->gone || full) {
@@ -134,6 +133,8 @@ static void draw_slice(view_draw *d, view_seat *seat, const turn *t) {
     if (st != ST_OK && st != ST_STOPPED)
         refuse(d, seat, number);
     const bool any = message != NULL;
+    if (!view_picture_busy(seat->picture))
+        view_doing_end(d->tools.doing); /* before a client can know that the picture is done */
     say(d, seat, message);
     if (any && t->residency)
         tell_residency(d, seat);
