@@ -173,7 +173,7 @@ static bool store(sample_type type, double v, void *numbers, size_t i) {
         ((double *)numbers)[i] = v;
     else if (type == SAMPLE_F32)
         ((float *)numbers)[i] = (float)v;
-    else if (v > -0x1p63 && v < 0x1p63)
+    else if (fabs(v) < 0x1p63)
         put_bits(type, numbers, i, (uint64_t)(int64_t)v);
     else
         return false;
