@@ -317,14 +317,21 @@ static status count_mesh(mem *m, mesh_input *x, const progress *p, input_facts *
     return st;
 }
 
+/* A name that comes again is another piece or step of that field. */
 static void take_array(void *ctx, const char *name, int components) {
-    take_field(ctx, name, (uint32_t)components);
+    input_facts *x = ctx;
+    const uint32_t before = x->field_count;
+    take_field(x, name, (uint32_t)components);
+    if (*name && x->field_count == before)
+        list_field(x, name)->steps++;
 }
 
-static void take_mesh_steps(input_facts *x, uint32_t steps, const double *times) {
+/* listed: the format lists the array of each step. A field of one array has it at all steps. */
+static void take_mesh_steps(input_facts *x, bool listed, uint32_t steps, const double *times) {
     x->steps = steps;
     for (uint32_t i = 0; i < x->field_count && i < INPUT_FACTS_FIELDS; i++)
-        x->fields[i].steps = steps;
+        if (!listed || x->fields[i].steps == 1 || steps == 1)
+            x->fields[i].steps = steps;
     if (times)
         take_times(x, &(slice_field){.steps = steps, .times = times});
 }
@@ -336,7 +343,8 @@ static status ask_mesh(mem *m, mesh_input *found, const input_question *q, const
     x->format = mesh_input_format(found);
     set_name(x, mesh_input_name(found));
     mesh_input_fields(found, take_array, x);
-    take_mesh_steps(x, mesh_input_steps(found), mesh_input_times(found));
+    take_mesh_steps(x, !mesh_input_names_files(found), mesh_input_steps(found),
+                    mesh_input_times(found));
     if (q->opened)
         st = q->opened(q->ctx, x);
     if (st == ST_OK && !q->header_only)

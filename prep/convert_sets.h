@@ -67,4 +67,9 @@ CHECKED status convert_sets_keep_alike(convert_sets *s, grid_series *series, con
  * ST_USAGE: there is another number of them. */
 CHECKED status convert_sets_times(convert_sets *s, uint32_t steps);
 
+/* convert_sets_count_steps() - returns how many steps come of so many inputs. */
+static inline uint32_t convert_sets_count_steps(const convert_sets *s, int inputs) {
+    return s->steps ? s->steps : (uint32_t)inputs;
+}
+
 #endif

@@ -158,6 +158,10 @@ status mesh_input_take(mesh_input *x, const char *const *names, uint32_t count) 
 }
 
 bool mesh_input_names_files(const mesh_input *x) {
+    return x->reader->file != NULL;
+}
+
+bool mesh_input_may_have_steps(const mesh_input *x) {
     return x->reader->steps != NULL;
 }
 

@@ -64,9 +64,10 @@ double mesh_input_share(mesh_input *x);
  * before mesh_input_read(). */
 void mesh_input_fields(const mesh_input *x, mesh_field_taker *take, void *ctx);
 
-/* mesh_input_names_files() - returns whether files of its format name other files, and may have
- * steps. */
+/* mesh_input_names_files() - returns whether files of its format name other files.
+ * mesh_input_may_have_steps() - returns whether files of its format may have several time steps. */
 bool mesh_input_names_files(const mesh_input *x);
+bool mesh_input_may_have_steps(const mesh_input *x);
 
 /* mesh_input_file() - returns the path for messages: its file, or the first file of a collection's
  * step. */

@@ -154,6 +154,16 @@ def dicom():
     return folder + "/dcm"
 
 
+def gmsh():
+    """A tet with "a" at three times, "b" at two, "c" at none in particular."""
+    def data(name, time, value):
+        return '$NodeData\n1\n"%s"\n1\n%g\n3\n0\n1\n4\n' % (name, time) + \
+            "".join("%d %g\n" % (i + 1, value + i) for i in range(4)) + "$EndNodeData\n"
+    return write("a.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
+                 "$EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n" + data("a", 0, 0) + data("b", 0, 10) +
+                 data("c", 0, 20) + data("a", 6, 1) + data("b", 6, 11) + data("a", 18, 2))
+
+
 STEP = ("of 3 steps the first is taken", ["--steps", "all"])
 MAGNITUDE = ("of 3 components their magnitude is taken", ["--component", "1"])
 NAMED = {"field_count": 0, "field": ""}
@@ -182,6 +192,9 @@ FORMS = {
     "TetGen": (lambda: (write("a.ele", "2 4 0\n1 1 2 3 4\n2 2 3 4 5\n"),
                         write("a.node", "5 3 2 0\n1 0 0 0 5 1\n2 1 0 0 6 2\n3 0 1 0 7 3\n4 0 0 1 8 4\n5 1 1 1 9 5\n"))[1],
                {"field_count": 2, "field": "attr1"}, [('of 2 fields "attr1" is taken', ["--field", "attr2"])]),
+    "Gmsh": (gmsh, {"field": "a", "field_count": 3, "steps": 3, "times": TIMES,
+                    "fields": [{"name": n, "steps": k, "components": 1} for n, k in (("a", 3), ("b", 2), ("c", 3))]},
+             [STEP, ('of 3 fields "a" is taken', ["--field", "c"])]),
     "Zarr, channels": (lambda: zarr([2, 2, 3, 4, 6], np.stack([steps(2), steps(2)])),
                        {"steps": 2, "components": 2, "component": 1},
                        [("of 2 components number 1 is taken", ["--component", "2"]),
