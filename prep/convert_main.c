@@ -106,13 +106,15 @@ static const struct argp_option options[] = {
      "mesh, "
      "of its points)",
      3},
-    {"step", KEY_STEP, "N", 0, "of several time steps in one file, from 0 on (default 0)", 3},
+    {"step", KEY_STEP, "N", 0,
+     "of several time steps in one file, from 0 on (default 0; of VTK's collections all)", 3},
     {"fields", KEY_FIELDS, "all", CLI_BASIC,
      "take all fields: of a mesh all arrays of the points (or cells), of a grid all that are like "
      "the first",
      3},
     {"steps", KEY_STEPS, STEP_LIST_FORM, CLI_BASIC, "take these time steps of one file", 3},
-    {"times", KEY_TIMES, "T0,T1,..", 0, "times of the steps (default: 0, 1, ..)", 3},
+    {"times", KEY_TIMES, "T0,T1,..", 0,
+     "times of the steps (default: those of the file, else 0, 1, ..)", 3},
     {"component", KEY_COMPONENT, "N", 0,
      "of vectors and colours: 1, 2, ..; default: their magnitude, or luminance", 3},
     {"cells-to-points", KEY_CELLS_TO_POINTS, NULL, 0,
@@ -334,26 +336,27 @@ static const cli_verb verb = {
     .output = output,
     .inputs_max = LEAF_SETS_MAX,
     .args_doc = "INPUT... -o F.leaf",
-    .doc = "Convert a volume or a mesh to a treelet file. INPUT: NRRD, MHD/MHA, VTK grids "
-           "(.vti, .vtr, straight .vts, legacy .vtk; in pieces: .pvti, .pvtr, .pvts), NIfTI, NumPy "
-           "arrays, MRC, FreeSurfer (.mgh, .mgz), PVM, XDMF, Zarr 2 and OME-Zarr (a folder), raw "
-           "samples "
-           "(dimensions in the file's name, in a JSON beside it, or given); a mesh of tetrahedra: "
-           "TetGen (.node, .ele), VTK (.vtk, .vtu; in files: .pvtu, .vtm), Gmsh (.msh), a mesh "
-           "stream; "
-           "VTK's collections of either (.pvd), with all their steps; packed by gzip, "
-           "bzip2, xz or zstd; or - for any of these on standard input that takes one file and one "
-           "pass. OpenVDB, images (a file of several, a folder), DICOM series (a folder), HDF5 and "
-           "NetCDF are read by the verbs import-vdb, import-images and so on, if they are there. "
-           "Several inputs are the steps "
-           "of a time series: grids of the same sizes and place; meshes of the same tets, whose "
-           "points may move."
-           "\vExample:\n  leafcast convert bonsai_256x256x256_uint8.raw -o bonsai.leaf\v"
-           "The input is read once. Memory stays below --memory "
-           "(default 2G) whatever its size; "
-           "what does not fit (of a volume: two slabs in half of it) goes through temporary files "
-           "beside the output. The output's bytes depend on neither --memory nor --threads, "
-           "nor on what the input's file is called.",
+    .doc =
+        "Convert a volume or a mesh to a treelet file. INPUT: NRRD, MHD/MHA, VTK grids "
+        "(.vti, .vtr, straight .vts, legacy .vtk; in pieces: .pvti, .pvtr, .pvts), NIfTI, NumPy "
+        "arrays, MRC, FreeSurfer (.mgh, .mgz), PVM, SLC, XDMF, Zarr 2 and OME-Zarr (a folder), raw "
+        "samples "
+        "(dimensions in the file's name, in a JSON beside it, or given); a mesh of tetrahedra: "
+        "TetGen (.node, .ele), VTK (.vtk, .vtu; in files: .pvtu, .vtm), Gmsh (.msh), a mesh "
+        "stream; "
+        "VTK's collections of either (.pvd), with all their steps; packed by gzip, "
+        "bzip2, xz or zstd; or - for any of these on standard input that takes one file and one "
+        "pass. OpenVDB, images (a file of several, a folder), DICOM series (a folder), HDF5 and "
+        "NetCDF are read by the verbs import-vdb, import-images and so on, if they are there. "
+        "Several inputs are the steps "
+        "of a time series: grids of the same sizes and place; meshes of the same tets, whose "
+        "points may move."
+        "\vExample:\n  leafcast convert bonsai_256x256x256_uint8.raw -o bonsai.leaf\v"
+        "The input is read once. Memory stays below --memory "
+        "(default 2G) whatever its size; "
+        "what does not fit (of a volume: two slabs in half of it) goes through temporary files "
+        "beside the output. The output's bytes depend on neither --memory nor --threads, "
+        "nor on what the input's file is called.",
 };
 
 /* ---- one input ---- */

@@ -6,7 +6,6 @@
 
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/quantize.h"
-#include "stream/active_template.h"
 
 enum { BLOCK = 1 << LEAF_BLOCK_LOG2, NODES = BLOCK + 1 };
 
@@ -339,13 +338,9 @@ void active_compute(active_masks *masks, const leaf_file *f, uint32_t p, const v
     active_bound(masks, levels);
 }
 
+typedef active_fn *active_version;
+CPU_KERNELS(active_version, active_kernels, active_compute, active_compute);
+
 active_fn *active_for(cpu_isa isa) {
-#if defined __x86_64__ || defined __i386__
-    static active_fn *const by_isa[CPU_ISAS] = {active_compute, active_compute_sse42,
-                                                active_compute_avx2, active_compute_avx512};
-    return by_isa[isa];
-#else
-    (void)isa;
-    return active_compute;
-#endif
+    return active_kernels[isa];
 }

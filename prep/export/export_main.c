@@ -221,7 +221,7 @@ static const cli_verb verb = {
     .check = check,
     .output = output,
     .input = "treelet file",
-    .args_doc = "F.leaf -o FILE.nrrd|.raw|.nii|.vti|.vtr|.tif|.vdb|.zarr\n"
+    .args_doc = "F.leaf -o FILE.nrrd|.raw|.nii|.mha|.npy|.vti|.vtr|.tif|.vdb|.zarr\n"
                 "F.leaf --iso V -o FILE.ply|.stl|.vtp\nF.leaf -o FILE.vtu",
     .doc =
         "Write what is in a treelet file to another format: the samples of a grid, isosurfaces of "

@@ -1,5 +1,6 @@
 #include "prep/import/minc.h"
 
+#include <math.h>
 #include <string.h>
 
 int minc_space(const char *name) {
@@ -23,6 +24,15 @@ void minc_place(const minc_dimension d[3], grid *g) {
             g->to_world[row][3] += d[a].cosines[row] * d[a].start;
         }
     }
+}
+
+void minc_range(sample_type stored, const double told[2], double range[2]) {
+    const bool plus = stored == SAMPLE_U8 || stored == SAMPLE_U16 || stored == SAMPLE_U32;
+    const double numbers = (double)(1ull << (8 * sample_size(stored)));
+    const double least = plus ? 0.0 : -numbers / 2, most = least + numbers - 1;
+    const double a = isnan(told[0]) ? least : told[0], b = isnan(told[1]) ? most : told[1];
+    range[0] = fmin(a, b);
+    range[1] = fmax(a, b);
 }
 
 void minc_scale(const double valid[2], double least, double most, double *scale, double *offset) {

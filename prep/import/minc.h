@@ -23,6 +23,10 @@ minc_dimension minc_usual(int space);
 /* minc_place() - set the world of a grid whose axes are these dimensions. */
 void minc_place(const minc_dimension d[3], grid *g);
 
+/* minc_range() - which stored integers stand for values. told: the file's two limits, in either
+ * order; NaN: the file is silent, and the type's own holds. */
+void minc_range(sample_type stored, const double told[2], double range[2]);
+
 /* minc_scale() - compute scale and offset: value = stored * scale + offset. */
 void minc_scale(const double valid[2], double least, double most, double *scale, double *offset);
 

@@ -479,7 +479,6 @@ const kind grid_kind = {.name = "grid",
                         .tile = grid_tile_kernels,
                         .rank = grid_rank,
                         .next = grid_tracer_next,
-                        .surface = grid_tracer_surface,
                         .batch_scratch = GRID_PEAKS_SCRATCH, /* more than the others need */
                         .batch = grid_batch_kernels,
                         .segments = grid_segments,

@@ -9,8 +9,8 @@
 #include "render/grid/walk.h"
 #include "render/ray/tracer.h"
 
-/* grid_tracer_next(), grid_tracer_surface() - tracer_next() and tracer_surface() of a grid.
- * tr->own: a walk_scene. */
+/* grid_tracer_next() - tracer_next() of a grid. grid_tracer_surface() - the surface point of hit h
+ * on ray r, in this treelet. tr->own: a walk_scene. */
 trace_result grid_tracer_next(const tracer *tr, const ray *r, trace_state *state,
                               ray_counters *counters);
 surface_point grid_tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h);

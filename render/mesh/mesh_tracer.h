@@ -28,7 +28,7 @@ static inline const mesh_rays *mesh_rays_of(const tracer *tr) {
 trace_result mesh_tracer_next(const tracer *tr, const ray *r, trace_state *state,
                               ray_counters *counters);
 
-/* mesh_tracer_surface() - tracer_surface() for a hit in tet h->cell of this treelet. */
+/* mesh_tracer_surface() - the surface point of hit h on ray r, in tet h->cell of this treelet. */
 surface_point mesh_tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h);
 
 #endif

@@ -62,10 +62,9 @@ typedef struct kind {
 
     /* ---- A ray ---- */
 
-    /* Implement tracer_next() and tracer_surface(). */
+    /* Implement tracer_next(). */
     trace_result (*next)(const tracer *tr, const ray *r, trace_state *state,
                          ray_counters *counters);
-    surface_point (*surface)(const tracer *tr, const treelet *at, const ray *r, const hit *h);
     /* Batches of rays. batch_scratch: bytes that a batch needs, here and for pieces. batch:
      * kernels, one for each of CPU_ISAS. A row without kernels may leave both out. */
     size_t batch_scratch;

@@ -80,7 +80,3 @@ trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
                          ray_counters *counters) {
     return tr->kind->next(tr, r, state, counters);
 }
-
-surface_point tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h) {
-    return tr->kind->surface(tr, at, r, h);
-}

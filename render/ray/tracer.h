@@ -94,9 +94,6 @@ static inline trace_state trace_begin(const hit *after) {
 trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
                          ray_counters *counters);
 
-/* tracer_surface() - the surface point of hit h on ray r; the hit must lie in this treelet. */
-surface_point tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h);
-
 /* ---- For kinds ---- */
 
 /* tracer_box() - cut [t0, t1] to the volume's closed box. Returns false when nothing is left. */

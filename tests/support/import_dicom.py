@@ -4,6 +4,7 @@ import itertools
 import json
 import os
 import shutil
+import struct
 import subprocess
 import sys
 
@@ -318,10 +319,12 @@ def j2k():
             ("components", "3 components, expected 1", codestream(rgb[3])),
             ("cut off", "OpenJPEG", stream[:len(stream) // 2]), ("its header alone", "OpenJPEG", stream[:60]), ("few bytes", "expected a codestream", stream[:20]),
             ("no extent", "columns, expected 13", stream[:8] + b"\xff" * 8 + stream[16:]),
+            ("before it begins", "ends before it begins", stream[:16] + b"\xff" * 8 + stream[24:]),
             ("tiles without extent", "tiles without extent", stream[:24] + b"\0" * 8 + stream[32:]),
             ("signs", "8 bits with a sign", codestream((a[3] >> 8).astype("i1"), signed=True)),
             ("bits", "24 bits a number, expected 16", stream[:42] + b"\x17" + stream[43:]),
-            ("tiles by the million", "columns, expected 13", stream[:8] + b"\x7f\xff\xff\xff" * 2 + stream[16:])):
+            ("tiles by the million", "more than 4096 tiles", stream[:8] +
+             struct.pack(">6I", 2**31 - 1, 2**31 - 1, 2**31 - 14, 2**31 - 11, 1, 1) + stream[32:])):
         pack("j2k_bad", streams[:3] + [bad] + streams[4:], LOSSLESS)
         words = words.replace("13 columns, expected 12", "12 columns, expected 13")
         ends("JPEG 2000, another header: " + name, 3, words, *take("j2k_bad"))

@@ -61,7 +61,7 @@ def ended(page):
 
 
 def at_work(s, what):
-    """A client for whom something is being drawn; what: "view" or "slice" or "file"."""
+    """A client for whom something is being drawn; what: "view" or "slice"."""
     page = Page(s)
     if what == "view":
         page.view(7, LONG, 1600, 1200)

@@ -20,7 +20,8 @@ static const char doc[] =
     "Example:\n"
     "  leafcast import-dicom FOLDER | leafcast convert - -o F.leaf\n\v"
     "Slices are sorted by position; values are rescaled (HU); the world is the patient's, in mm. "
-    "RLE, JPEG and JPEG-LS are decoded.";
+    "RLE, JPEG, JPEG-LS and, with OpenJPEG, JPEG 2000 are decoded; binary segments "
+    "become labels.";
 
 static bool gaps;
 

@@ -1,5 +1,6 @@
 #include "prep/import/hdf5/hdf5_minc.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -25,21 +26,15 @@ static int order_of(hid_t set, int spaces[H5S_MAX_RANK]) {
     return count;
 }
 
-static bool is_plus(sample_type type) {
-    return type == SAMPLE_U8 || type == SAMPLE_U16 || type == SAMPLE_U32;
-}
-
 static void find_range(hdf5_field *f) {
     packed_samples *p = &f->packed;
-    const double numbers = (double)(1ull << (8 * sample_size(p->type)));
-    double range[2];
+    double told[2], range[2];
+    if (hdf5_numbers(f->set, "valid_range", told, 2) != 2)
+        told[0] = told[1] = NAN;
+    minc_range(p->type, told, range);
     p->has_range = true;
-    p->least = is_plus(p->type) ? 0 : -numbers / 2;
-    p->most = p->least + numbers - 1;
-    if (hdf5_numbers(f->set, "valid_range", range, 2) != 2)
-        return;
-    p->least = range[0] < range[1] ? range[0] : range[1];
-    p->most = range[0] < range[1] ? range[1] : range[0];
+    p->least = range[0];
+    p->most = range[1];
 }
 
 /* Returns whether the last three dimensions are of space, each once, with at most one of times in

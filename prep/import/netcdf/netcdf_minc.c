@@ -1,5 +1,6 @@
 #include "prep/import/netcdf/netcdf_minc.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -24,20 +25,23 @@ static void find_sign(netcdf_variable *v) {
     packed_init(&v->packed, (plus ? without : with)[size], PACKED_NARROW);
 }
 
+/* The attribute as a double; NaN: there is none. */
+static double limit_of(const netcdf_variable *v, const char *name, int at) {
+    long double value;
+    return netcdf_number(v->group, v->id, name, at, &value) ? (double)value : NAN;
+}
+
 static void find_range(netcdf_variable *v) {
     packed_samples *p = &v->packed;
-    long double least, most;
-    const double numbers = (double)(1ull << (8 * sample_size(p->type)));
-    const bool plus = p->type == SAMPLE_U8 || p->type == SAMPLE_U16 || p->type == SAMPLE_U32;
+    double told[2] = {limit_of(v, "valid_range", 0), limit_of(v, "valid_range", 1)}, range[2];
+    if (isnan(told[0]) || isnan(told[1])) {
+        told[0] = limit_of(v, "valid_min", 0);
+        told[1] = limit_of(v, "valid_max", 0);
+    }
+    minc_range(p->type, told, range);
     p->has_range = true;
-    p->least = plus ? 0 : -numbers / 2;
-    p->most = p->least + numbers - 1;
-    const bool both = netcdf_number(v->group, v->id, "valid_range", 0, &least) &&
-                      netcdf_number(v->group, v->id, "valid_range", 1, &most);
-    if (both || netcdf_number(v->group, v->id, "valid_min", 0, &least))
-        p->least = (double)least;
-    if (both || netcdf_number(v->group, v->id, "valid_max", 0, &most))
-        p->most = (double)most;
+    p->least = range[0];
+    p->most = range[1];
 }
 
 void netcdf_minc_find(netcdf_variable *v) {
