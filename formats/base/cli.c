@@ -18,6 +18,8 @@
 #include "formats/base/bus_error.h"
 #include "formats/base/cli_value.h"
 #include "formats/base/clock.h"
+#include "formats/base/file.h"
+#include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "formats/base/partial.h"
 #include "formats/base/pool.h"
@@ -443,6 +445,17 @@ static bool stop_asked(void *ctx) {
 static bool bar_wanted(void) {
     const char *term = getenv("TERM");
     return isatty(STDERR_FILENO) && term && strcmp(term, "dumb") != 0;
+}
+
+status cli_check_files(const cli_common *common, mem *m, const char *const *outputs, int count) {
+    file_guard_watch();
+    status st = file_guard_input(common->input);
+    for (int i = 0; i < count && st == ST_OK; i++) {
+        st = file_guard_output(outputs[i]);
+        if (st == ST_OK && outputs[i])
+            st = out_file_check(m, outputs[i], common->force);
+    }
+    return st;
 }
 
 const progress *cli_progress(cli_common *common) {

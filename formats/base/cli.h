@@ -13,6 +13,7 @@
 
 #include "formats/base/cli_json.h"
 #include "formats/base/cli_options.h"
+#include "formats/base/mem.h"
 #include "formats/base/output_name.h"
 #include "formats/base/progress.h"
 #include "formats/base/status.h"
@@ -75,6 +76,11 @@ typedef struct cli_use {
  * names[cli_use.inputs]: what those inputs are called. */
 CHECKED status cli_check_uses(const cli_common *common, const cli_use *uses, size_t count,
                               unsigned input, const char *const *names, const char *format);
+
+/* cli_check_files() - before any work: register the input, announce the outputs to file_guard.h,
+ * and check that they can be created. NULL: not written. m: for the checks. */
+CHECKED status cli_check_files(const cli_common *common, mem *m, const char *const *outputs,
+                               int count);
 
 /* cli_progress() - the progress of the job: a bar on a terminal, otherwise a line every few
  * seconds; nothing with -q. Valid for the life of the process. */

@@ -59,6 +59,17 @@ json_t *cli_json_real(double value) {
     return isfinite(value) ? json_real(value) : json_null();
 }
 
+json_t *cli_json_reals(const double *x, int count) {
+    json_t *list = json_array();
+    for (int i = 0; i < count; i++)
+        json_array_append_new(list, cli_json_real(x[i]));
+    return list;
+}
+
+json_t *cli_json_count(uint64_t n) {
+    return json_integer((json_int_t)n);
+}
+
 void cli_json_frame(json_t *object, const world_frame *frame) {
     json_t *units = json_array();
     for (int a = 0; a < 3; a++)

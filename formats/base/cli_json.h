@@ -27,6 +27,10 @@ json_t *cli_json_error(status st, int code, const char *message);
 /* cli_json_real() - a number, or null where it is not finite, which JSON cannot write. */
 json_t *cli_json_real(double value);
 
+/* cli_json_reals() - a list of such numbers. cli_json_count() - a number of things. */
+json_t *cli_json_reals(const double *x, int count);
+json_t *cli_json_count(uint64_t n);
+
 /* cli_json_frame() - add what the world's axes mean to an object: "axes", "units", "time_unit". */
 void cli_json_frame(json_t *object, const world_frame *frame);
 

@@ -155,3 +155,18 @@ const char *num_print(double value, char buffer[NUM_TEXT_MAX]) {
 const char *num_print_float(float value, char buffer[NUM_TEXT_MAX]) {
     return print((double)value, true, buffer);
 }
+
+void num_print_list(char *text, size_t room, const double *x, int count) {
+    size_t n = 0;
+    text[0] = 0;
+    for (int i = 0; i < count; i++) {
+        char number[NUM_TEXT_MAX];
+        const size_t length = strlen(num_print(x[i], number));
+        if (n + length + 2 > room)
+            break;
+        if (n)
+            text[n++] = ',';
+        memcpy(text + n, number, length + 1);
+        n += length;
+    }
+}

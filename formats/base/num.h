@@ -26,4 +26,7 @@ enum { NUM_TEXT_MAX = 32 };
 const char *num_print(double value, char buffer[NUM_TEXT_MAX]);
 const char *num_print_float(float value, char buffer[NUM_TEXT_MAX]);
 
+/* num_print_list() - print numbers with commas between, the first ones that fit. */
+void num_print_list(char *text, size_t room, const double *x, int count);
+
 #endif

@@ -46,9 +46,13 @@ static bool has_number(const char *path) {
     return false;
 }
 
+bool output_name_is_stdout(const char *path) {
+    return path && strcmp(path, "-") == 0;
+}
+
 status output_name_check(const char *path, const output_kind *kind) {
     char ends[64];
-    if (!path || strcmp(path, "-") == 0)
+    if (!path || output_name_is_stdout(path))
         return ST_OK;
     if (has_number(path) && !kind->sequence)
         return status_describe(ST_USAGE,

@@ -27,6 +27,9 @@ typedef struct output_kind {
  * only one file is written. The message says what would do. path: "-" and NULL are fine. */
 CHECKED status output_name_check(const char *path, const output_kind *kind);
 
+/* output_name_is_stdout() - whether a path is "-"; NULL is not. */
+bool output_name_is_stdout(const char *path);
+
 /* output_name_is_known() - whether a path has the suffix of a known format. */
 bool output_name_is_known(const char *path);
 

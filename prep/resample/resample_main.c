@@ -9,8 +9,6 @@
 #include "formats/base/cli.h"
 #include "formats/base/cli_value.h"
 #include "formats/base/clock.h"
-#include "formats/base/file.h"
-#include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "formats/grid/nrrd_writer.h"
 #include "prep/resample/resample.h"
@@ -123,10 +121,6 @@ static const cli_verb verb = {
 
 /* ---- all of it ---- */
 
-static bool to_stdout(const arguments *a) {
-    return strcmp(a->common.output, "-") == 0;
-}
-
 static json_t *report_json(const resample_grid *g, const resample_result *r, double seconds) {
     return json_pack("{s:[i,i,i], s:[f,f,f], s:I, s:I, s:I, s:I, s:f}", "dims", (int)g->dims[0],
                      (int)g->dims[1], (int)g->dims[2], "spacing", g->spacing[0], g->spacing[1],
@@ -140,7 +134,7 @@ static status report(const arguments *a, const resample_grid *g, const resample_
     char number[3][NUM_TEXT_MAX];
     if (a->common.json)
         return cli_print_json(&a->common, report_json(g, r, seconds));
-    if (to_stdout(a) || !cli_results(&a->common, true))
+    if (output_name_is_stdout(a->common.output) || !cli_results(&a->common, true))
         return ST_OK;
     printf("grid        %u x %u x %u, %s x %s x %s apart\n", g->dims[0], g->dims[1], g->dims[2],
            num_print(g->spacing[0], number[0]), num_print(g->spacing[1], number[1]),
@@ -199,13 +193,14 @@ static status resample(arguments *a, mem *m, leaf_file *f, double start) {
 }
 
 static status run(arguments *a) {
-    if (to_stdout(a) && isatty(STDOUT_FILENO))
+    const bool pipe = output_name_is_stdout(a->common.output);
+    if (pipe && isatty(STDOUT_FILENO))
         return status_describe(ST_USAGE, "-o -: samples do not go to a terminal");
     mem m;
     mem_init(&m, a->common.memory ? a->common.memory : (uint64_t)MEMORY_DEFAULT_MIB << 20);
     const double start = clock_seconds();
     leaf_file *f = NULL;
-    a->source.beside = to_stdout(a) ? NULL : a->common.output;
+    a->source.beside = pipe ? NULL : a->common.output;
     a->source.threads = a->common.threads;
     const bool is_leaf = resample_input_is_leaf(a->source.path);
     if (is_leaf && (a->source.hints.component || a->source.hints.cells_to_points))
@@ -213,12 +208,7 @@ static status run(arguments *a) {
                                a->source.path);
     if (!is_leaf && a->step >= 0)
         return status_describe(ST_USAGE, "--step is for treelet files of several steps");
-    file_guard_watch();
-    status st = file_guard_input(a->source.path);
-    if (st == ST_OK)
-        st = file_guard_output(a->common.output);
-    if (st == ST_OK && !to_stdout(a))
-        st = out_file_check(&m, a->common.output, a->common.force);
+    status st = cli_check_files(&a->common, &m, &a->common.output, pipe ? 0 : 1);
     if (st == ST_OK)
         st = resample_input_open(&m, &a->source, cli_progress(&a->common), &f);
     if (st == ST_OK)

@@ -5,8 +5,6 @@
 #include <unistd.h>
 
 #include "formats/base/cli.h"
-#include "formats/base/file.h"
-#include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "prep/tetrahedralize/tetrahedralize.h"
 
@@ -150,7 +148,7 @@ static json_t *report_json(const tetrahedralize_report *r) {
 }
 
 static status run(arguments *a) {
-    const bool pipe = strcmp(a->common.output, "-") == 0;
+    const bool pipe = output_name_is_stdout(a->common.output);
     if (pipe && isatty(STDOUT_FILENO))
         return status_describe(ST_USAGE, "-o -: a mesh does not go to a terminal");
     mem m;
@@ -160,12 +158,7 @@ static status run(arguments *a) {
     a->how.memory = a->common.memory;
     a->how.threads = a->common.threads;
     tetrahedralize_report report;
-    file_guard_watch();
-    status st = file_guard_input(a->how.input);
-    if (st == ST_OK)
-        st = file_guard_output(a->common.output);
-    if (st == ST_OK && !pipe)
-        st = out_file_check(&m, a->common.output, a->common.force);
+    status st = cli_check_files(&a->common, &m, &a->common.output, pipe ? 0 : 1);
     if (st == ST_OK)
         st = tetrahedralize(&m, &a->how, cli_progress(&a->common), &report);
     if (st != ST_OK)

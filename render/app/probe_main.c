@@ -8,8 +8,6 @@
 #include "formats/base/cli.h"
 #include "formats/base/cli_json.h"
 #include "formats/base/cli_value.h"
-#include "formats/base/file.h"
-#include "formats/base/file_guard.h"
 #include "formats/base/mem.h"
 #include "formats/base/num.h"
 #include "formats/base/printed_file.h"
@@ -74,10 +72,6 @@ static status set_option(void *own, int key, const char *text) {
     }
 }
 
-static bool to_stdout(const probe_options *o) {
-    return o->csv && strcmp(o->csv, "-") == 0;
-}
-
 /* Check the view's flags. A ray's profile and a point need no isosurface. */
 static status check_view(probe_options *o) {
     if (o->view.isos > 0 || !(o->point || o->segments))
@@ -103,19 +97,12 @@ static status check_options(void *own) {
         return status_describe(ST_USAGE, "--samples: a probe follows one ray");
     if (o->segments && o->point)
         return status_describe(ST_USAGE, "--segments: a point has none; --at or --ray");
-    if (to_stdout(o) && o->common.json)
+    if (output_name_is_stdout(o->csv) && o->common.json)
         return status_describe(ST_USAGE, "--csv - and --json: standard output holds one of them");
     return check_view(o);
 }
 
 /* ---- the answer: JSON first; the text is printed from it ---- */
-
-static json_t *reals(const double *x, int count) {
-    json_t *list = json_array();
-    for (int i = 0; i < count; i++)
-        json_array_append_new(list, cli_json_real(x[i]));
-    return list;
-}
 
 static json_t *floats(const float *x, int count) {
     json_t *list = json_array();
@@ -132,7 +119,7 @@ static json_t *cell_of(const uint32_t cell[3]) {
 static void set_cell(json_t *out, const uint32_t cell[3], const double at[3],
                      const float samples[8]) {
     json_object_set_new(out, "cell", cell_of(cell));
-    json_object_set_new(out, "position_in_cell", reals(at, 3));
+    json_object_set_new(out, "position_in_cell", cli_json_reals(at, 3));
     json_object_set_new(out, "samples", floats(samples, 8));
 }
 
@@ -146,7 +133,7 @@ static json_t *hit_json(const probe_options *o, leafcast_hit *h) {
     json_t *out = json_object();
     json_object_set_new(out, "t", cli_json_real(h->t));
     json_object_set_new(out, "error_bound", cli_json_real(h->error_bound));
-    json_object_set_new(out, "point", reals(h->point, 3));
+    json_object_set_new(out, "point", cli_json_reals(h->point, 3));
     json_object_set_new(out, "id", json_integer(h->surface));
     json_object_set_new(out, "isovalue", cli_json_real(o->view.surfaces[h->surface].isovalue));
     json_object_set_new(out, "side",
@@ -157,8 +144,8 @@ static json_t *hit_json(const probe_options *o, leafcast_hit *h) {
         set_tet(out, h->tet, h->vertices, h->values);
     else
         set_cell(out, h->cell, h->at, h->samples);
-    json_object_set_new(out, "gradient", reals(h->gradient, 3));
-    json_object_set_new(out, "normal", reals(h->normal, 3));
+    json_object_set_new(out, "gradient", cli_json_reals(h->gradient, 3));
+    json_object_set_new(out, "normal", cli_json_reals(h->normal, 3));
     return out;
 }
 
@@ -170,7 +157,7 @@ static json_t *segment_json(const probe_options *o, const leafcast_segment *s) {
         json_object_set_new(out, "tet", json_integer((json_int_t)s->tet));
     else
         json_object_set_new(out, "cell", cell_of(s->cell));
-    json_object_set_new(out, "control", reals(s->control, s->degree + 1));
+    json_object_set_new(out, "control", cli_json_reals(s->control, s->degree + 1));
     json_object_set_new(out, "least", cli_json_real(s->least));
     json_object_set_new(out, "least_t", cli_json_real(s->least_t));
     json_object_set_new(out, "most", cli_json_real(s->most));
@@ -180,7 +167,7 @@ static json_t *segment_json(const probe_options *o, const leafcast_segment *s) {
 
 static json_t *point_json(const probe_options *o, const double where[3], leafcast_sample *s) {
     json_t *out = json_object();
-    json_object_set_new(out, "point", reals(where, 3));
+    json_object_set_new(out, "point", cli_json_reals(where, 3));
     json_object_set_new(out, "inside", json_boolean(s->inside));
     if (!s->inside)
         return out;
@@ -189,7 +176,7 @@ static json_t *point_json(const probe_options *o, const double where[3], leafcas
         set_tet(out, s->tet, s->vertices, s->values);
     else
         set_cell(out, s->cell, s->at, s->samples);
-    json_object_set_new(out, "gradient", reals(s->gradient, 3));
+    json_object_set_new(out, "gradient", cli_json_reals(s->gradient, 3));
     json_object_set_new(out, "treelet", json_integer(s->treelet));
     return out;
 }
@@ -244,13 +231,13 @@ static void ray_of(const probe_options *o, const leafcast *volume, json_t *answe
     const leafcast_camera camera = view_camera_of(&o->view, volume);
     if (o->at) {
         leafcast_pixel_ray(&camera, o->pixel[0] + 0.5, o->pixel[1] + 0.5, origin, direction);
-        json_object_set_new(answer, "pixel", reals(o->pixel, 2));
+        json_object_set_new(answer, "pixel", cli_json_reals(o->pixel, 2));
     } else {
         memcpy(origin, o->line, 3 * sizeof *origin);
         memcpy(direction, o->line + 3, 3 * sizeof *direction);
     }
-    json_object_set_new(answer, "origin", reals(origin, 3));
-    json_object_set_new(answer, "direction", reals(direction, 3));
+    json_object_set_new(answer, "origin", cli_json_reals(origin, 3));
+    json_object_set_new(answer, "direction", cli_json_reals(direction, 3));
 }
 
 static status probe_hits(const probe_options *o, leafcast *volume, const double origin[3],
@@ -333,7 +320,7 @@ static status write_profile(probe_options *o) {
     profile.is_mesh = o->is_mesh;
     set_title(o);
     status st = ST_OK;
-    if (o->csv && !to_stdout(o))
+    if (o->csv && !output_name_is_stdout(o->csv))
         st = printed_file_write(&o->m, o->csv, o->common.force, ray_profile_csv, &profile);
     if (st == ST_OK && o->svg)
         st = printed_file_write(&o->m, o->svg, o->common.force, ray_profile_svg, &profile);
@@ -396,29 +383,12 @@ static status set_rerun(json_t *answer, int argc, char **argv) {
 
 /* Select the field and step. Name them in the answer if the file has more than one. */
 static status select_set(const probe_options *o, leafcast *volume, json_t *answer) {
-    const leafcast_info info = leafcast_describe(volume);
     uint32_t field;
     status st = view_options_field(&o->view, volume, &field);
     if (st == ST_OK)
         st = render_status(leafcast_select_set(volume, field, o->view.step));
-    if (st != ST_OK || (info.fields == 1 && info.steps == 1))
-        return st;
-    json_object_set_new(answer, "field", json_string(leafcast_field_name(volume, field)));
-    json_object_set_new(answer, "step", json_integer(o->view.step));
-    json_object_set_new(answer, "time", cli_json_real(leafcast_step_time(volume, o->view.step)));
-    return ST_OK;
-}
-
-/* Check before any work that the outputs can be written. */
-static status check_outputs(probe_options *o) {
-    const char *const outputs[] = {to_stdout(o) ? NULL : o->csv, o->svg};
-    file_guard_watch();
-    status st = file_guard_input(o->common.input);
-    for (int i = 0; i < 2 && st == ST_OK; i++) {
-        st = file_guard_output(outputs[i]);
-        if (st == ST_OK && outputs[i])
-            st = out_file_check(&o->m, outputs[i], o->common.force);
-    }
+    if (st == ST_OK)
+        render_stats_set(answer, volume, field, o->view.step);
     return st;
 }
 
@@ -427,8 +397,9 @@ static status run(probe_options *o, json_t *answer) {
                                    .memory = o->common.memory,
                                    .threads = 1,
                                    .axes = o->axes};
+    const char *const outputs[] = {output_name_is_stdout(o->csv) ? NULL : o->csv, o->svg};
     leafcast *volume = NULL;
-    status st = check_outputs(o);
+    status st = cli_check_files(&o->common, &o->m, outputs, 2);
     if (st == ST_OK)
         st = render_status(leafcast_open(o->common.input, &open, &volume));
     if (st == ST_OK)
@@ -445,7 +416,7 @@ static status run(probe_options *o, json_t *answer) {
 
 static void print_answer(const probe_options *o, json_t *answer) {
     cli_results(&o->common, false);
-    if (to_stdout(o)) {
+    if (output_name_is_stdout(o->csv)) {
         ray_profile_csv(&profile, stdout);
         return;
     }

@@ -327,21 +327,6 @@ static status trace(render_job *job, const leafcast_scene *scene, const leafcast
 
 /* ---- files ---- */
 
-static size_t numbers_text(char *text, size_t n, const double *x, int count) {
-    for (int i = 0; i < count; i++) {
-        char number[NUM_TEXT_MAX];
-        num_print(x[i], number);
-        const size_t length = strlen(number);
-        if (n + length + 2 > META_TEXT_MAX)
-            break;
-        if (n)
-            text[n++] = ',';
-        memcpy(text + n, number, length + 1);
-        n += length;
-    }
-    return n;
-}
-
 static bool several(const render_job *job) {
     return job->info.fields > 1 || job->info.steps > 1;
 }
@@ -359,8 +344,7 @@ static void note_text(notes *n, const char *key, const char *text) {
 
 static void note_numbers(notes *n, const char *key, const double *x, int count) {
     char *text = n->text[n->count];
-    text[0] = 0;
-    numbers_text(text, 0, x, count);
+    num_print_list(text, META_TEXT_MAX, x, count);
     note_text(n, key, text);
 }
 
@@ -510,15 +494,12 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
 status render_job_draw(render_job *job, const script_frame *frame, render_stats *stats) {
     const double begun = clock_seconds();
     targets to = {{NULL}};
-    *stats = (render_stats){.repeats = job->repeat};
+    *stats = (render_stats){.volume = job->volume, .repeats = job->repeat};
     status st = draw_picture(job, frame, &to, stats);
     for (int i = 0; i < FRAME_TF; i++)
         image_out_discard(to.file[i]);
-    if (several(job)) {
-        stats->field = leafcast_field_name(job->volume, job->field);
-        stats->step = job->step;
-        stats->time = leafcast_step_time(job->volume, job->step);
-    }
+    stats->field = job->field;
+    stats->step = job->step;
     stats->total_s = clock_seconds() - begun;
     stats->peak_rss_bytes = render_stats_peak_rss();
     return st;

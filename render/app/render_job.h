@@ -43,6 +43,7 @@ typedef struct render_job {
     leafcast_surface selected[LEAFCAST_SURFACES_MAX];
     int selected_count;
     uint32_t field, step;
+    int drawn, empty; /* pictures so far; of these, without any surface (render_picture.h) */
 } render_job;
 
 /* render_status() - convert a public status to an internal one; its description stays. */

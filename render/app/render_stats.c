@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 
+#include "formats/base/cli_json.h"
 #include "render/ray/counters.h"
 
 uint64_t render_stats_peak_rss(void) {
@@ -21,10 +22,6 @@ int render_stats_median(const leafcast_stats *all, int count) {
     return 0;
 }
 
-static json_t *count_of(uint64_t n) {
-    return json_integer((json_int_t)n);
-}
-
 static json_t *isovalues(const view_options *view) {
     json_t *list = json_array();
     for (int i = 0; i < view->isos; i++)
@@ -34,10 +31,35 @@ static json_t *isovalues(const view_options *view) {
 
 static json_t *packets(const leafcast_stats *t) {
     json_t *counts = json_object();
-#define COUNTER(name) json_object_set_new(counts, #name, count_of(t->name));
+#define COUNTER(name) json_object_set_new(counts, #name, cli_json_count(t->name));
     PACKET_COUNTERS(COUNTER)
 #undef COUNTER
     return counts;
+}
+
+void render_stats_set(json_t *root, const leafcast *volume, uint32_t field, uint32_t step) {
+    const leafcast_info info = leafcast_describe(volume);
+    if (info.fields == 1 && info.steps == 1)
+        return;
+    json_object_set_new(root, "field", json_string(leafcast_field_name(volume, field)));
+    json_object_set_new(root, "step", json_integer(step));
+    json_object_set_new(root, "time", cli_json_real(leafcast_step_time(volume, step)));
+}
+
+void render_stats_data(json_t *root, const leafcast_stats *t, uint64_t peak_rss, bool visible) {
+    json_object_set_new(root, "treelets",
+                        json_pack("{s:o, s:o, s:o}", "total", cli_json_count(t->treelets_total),
+                                  "active", cli_json_count(t->treelets_active), "loaded",
+                                  cli_json_count(t->treelets_loaded)));
+    json_t *bytes = json_pack("{s:o, s:o}", "file", cli_json_count(t->bytes_file), "active",
+                              cli_json_count(t->bytes_active));
+    if (visible)
+        json_object_set_new(bytes, "visible", cli_json_count(t->bytes_visible));
+    json_object_set_new(bytes, "read", cli_json_count(t->bytes_read));
+    json_object_set_new(bytes, "resident", cli_json_count(t->bytes_resident));
+    json_object_set_new(root, "bytes", bytes);
+    json_object_set_new(root, "peak_rss_bytes", cli_json_count(peak_rss));
+    json_object_set_new(root, "peak_budget_bytes", cli_json_count(t->bytes_peak));
 }
 
 json_t *render_stats_json(const render_stats *s, const view_options *view, const char *output) {
@@ -46,32 +68,18 @@ json_t *render_stats_json(const render_stats *s, const view_options *view, const
     if (*output)
         json_object_set_new(root, "output", json_string(output));
     json_object_set_new(root, "isovalues", isovalues(view));
-    if (s->field) {
-        json_object_set_new(root, "field", json_string(s->field));
-        json_object_set_new(root, "step", json_integer(s->step));
-        json_object_set_new(root, "time", json_real(s->time));
-    }
+    render_stats_set(root, s->volume, s->field, s->step);
     json_object_set_new(root, "size",
                         json_pack("[i,i]", (int)view->camera.width, (int)view->camera.height));
     json_object_set_new(root, "time_s",
                         json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "open", t->open_s,
                                   "first_image", t->first_image_s, "load", t->load_s, "render",
                                   t->render_s, "write", s->write_s, "total", s->total_s));
-    json_object_set_new(root, "rays", count_of(t->rays));
+    json_object_set_new(root, "rays", cli_json_count(t->rays));
     json_object_set_new(root, "mrays_per_s",
                         json_real(t->render_s > 0.0 ? (double)t->rays / t->render_s * 1e-6 : 0.0));
-    json_object_set_new(root, "treelets",
-                        json_pack("{s:o, s:o, s:o}", "total", count_of(t->treelets_total), "active",
-                                  count_of(t->treelets_active), "loaded",
-                                  count_of(t->treelets_loaded)));
-    json_object_set_new(root, "bytes",
-                        json_pack("{s:o, s:o, s:o, s:o, s:o}", "file", count_of(t->bytes_file),
-                                  "active", count_of(t->bytes_active), "visible",
-                                  count_of(t->bytes_visible), "read", count_of(t->bytes_read),
-                                  "resident", count_of(t->bytes_resident)));
-    json_object_set_new(root, "peak_rss_bytes", count_of(s->peak_rss_bytes));
-    json_object_set_new(root, "peak_budget_bytes", count_of(t->bytes_peak));
-#define COUNTER(name) json_object_set_new(root, #name, count_of(t->name));
+    render_stats_data(root, t, s->peak_rss_bytes, true);
+#define COUNTER(name) json_object_set_new(root, #name, cli_json_count(t->name));
     RAY_COUNTERS(COUNTER)
 #undef COUNTER
     json_object_set_new(root, "provisional_error",

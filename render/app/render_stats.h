@@ -13,15 +13,22 @@ typedef struct render_stats {
     double write_s; /* writing pictures and raw planes */
     double total_s; /* from opening the picture's files to their final names, repeats included */
     uint64_t peak_rss_bytes; /* of the process so far */
-    const char *field;       /* field drawn, if the file has several fields or steps; else NULL */
-    uint32_t step;
-    double time;           /* of the step */
+    const leafcast *volume;  /* the first one, with the set drawn: */
+    uint32_t field, step;
     certificate certified; /* of --certify */
     int repeats; /* how often the picture was drawn; trace is the run of median render time */
 } render_stats;
 
 /* render_stats_peak_rss() - returns the largest resident size of this process so far, in bytes. */
 uint64_t render_stats_peak_rss(void);
+
+/* render_stats_set() - add "field", "step" and "time" to an object, if the volume has several
+ * fields or steps. */
+void render_stats_set(json_t *root, const leafcast *volume, uint32_t field, uint32_t step);
+
+/* render_stats_data() - add the treelets and bytes of a trace, and the peaks of memory. visible:
+ * with the bytes that the picture shows. */
+void render_stats_data(json_t *root, const leafcast_stats *t, uint64_t peak_rss, bool visible);
 
 /* render_stats_median() - returns the index of the median by render time; of an even count, the
  * faster of the two in the middle. */

@@ -58,10 +58,6 @@ static status set_option(void *own, int key, const char *text) {
     }
 }
 
-static bool to_stdout(const char *path) {
-    return path && strcmp(path, "-") == 0;
-}
-
 /* Refuse flags that only affect the picture if there is none. */
 static status check_picture(const slice_run *o) {
     static const struct {
@@ -84,7 +80,8 @@ static status check_picture(const slice_run *o) {
 
 static status check_options(void *own) {
     slice_run *o = own;
-    const int streams = to_stdout(o->common.output) + to_stdout(o->values) + o->common.json;
+    const int streams =
+        output_name_is_stdout(o->common.output) + output_name_is_stdout(o->values) + o->common.json;
     if (!o->common.input)
         return status_describe(ST_USAGE, "which treelet file?");
     if (!o->common.output && !o->values && !o->stats_path && !o->common.json)
@@ -97,30 +94,27 @@ static status check_options(void *own) {
 
 /* ---- The result as JSON ---- */
 
-static json_t *reals(const double *x, int count) {
-    json_t *list = json_array();
-    for (int i = 0; i < count; i++)
-        json_array_append_new(list, cli_json_real(x[i]));
-    return list;
-}
-
 static void set_place(const slice_run *o, json_t *root) {
     const leafcast_slice_pixels *s = &o->slice.place.slice;
     json_object_set_new(root, "size", json_pack("[i,i]", (int)s->width, (int)s->height));
     if (s->line_count > 0) {
         json_t *line = json_array();
         for (uint32_t i = 0; i < s->line_count; i++)
-            json_array_append_new(line, reals(s->line[i], 3));
+            json_array_append_new(line, cli_json_reals(s->line[i], 3));
         json_object_set_new(root, "line", line);
     } else {
-        json_object_set_new(root, "origin", reals(s->origin, 3));
-        json_object_set_new(root, "u", reals(s->u, 3));
+        json_object_set_new(root, "origin", cli_json_reals(s->origin, 3));
+        json_object_set_new(root, "u", cli_json_reals(s->u, 3));
     }
-    json_object_set_new(root, "v", reals(s->v, 3));
+    json_object_set_new(root, "v", cli_json_reals(s->v, 3));
+}
+
+static size_t pixels_of(const slice_run *o) {
+    return (size_t)o->slice.place.slice.width * o->slice.place.slice.height;
 }
 
 static void set_values(const slice_run *o, json_t *root) {
-    const size_t pixels = (size_t)o->slice.place.slice.width * o->slice.place.slice.height;
+    const size_t pixels = pixels_of(o);
     double least = INFINITY, most = -INFINITY;
     json_int_t seen = 0;
     for (size_t i = 0; i < pixels; i++) {
@@ -135,21 +129,7 @@ static void set_values(const slice_run *o, json_t *root) {
     if (!o->common.output)
         return;
     medium_options_window(&o->slice.medium, &o->slice.look.colours, window);
-    json_object_set_new(root, "window", reals(window, 2));
-}
-
-static void set_set(const slice_run *o, json_t *root) {
-    const leafcast_info info = leafcast_describe(o->volume);
-    if (info.fields == 1 && info.steps == 1)
-        return;
-    json_object_set_new(root, "field",
-                        json_string(leafcast_field_name(o->volume, o->slice.field_number)));
-    json_object_set_new(root, "step", json_integer(o->slice.step));
-    json_object_set_new(root, "time", cli_json_real(leafcast_step_time(o->volume, o->slice.step)));
-}
-
-static json_t *count_of(uint64_t n) {
-    return json_integer((json_int_t)n);
+    json_object_set_new(root, "window", cli_json_reals(window, 2));
 }
 
 static void set_stats(const slice_run *o, json_t *root) {
@@ -157,16 +137,7 @@ static void set_stats(const slice_run *o, json_t *root) {
     json_object_set_new(root, "time_s",
                         json_pack("{s:f, s:f, s:f, s:f, s:f}", "open", t->open_s, "load", t->load_s,
                                   "sample", t->render_s, "write", o->write_s, "total", o->total_s));
-    json_object_set_new(root, "treelets",
-                        json_pack("{s:o, s:o, s:o}", "total", count_of(t->treelets_total), "active",
-                                  count_of(t->treelets_active), "loaded",
-                                  count_of(t->treelets_loaded)));
-    json_object_set_new(root, "bytes",
-                        json_pack("{s:o, s:o, s:o, s:o}", "file", count_of(t->bytes_file), "active",
-                                  count_of(t->bytes_active), "read", count_of(t->bytes_read),
-                                  "resident", count_of(t->bytes_resident)));
-    json_object_set_new(root, "peak_rss_bytes", count_of(render_stats_peak_rss()));
-    json_object_set_new(root, "peak_budget_bytes", count_of(t->bytes_peak));
+    render_stats_data(root, t, render_stats_peak_rss(), false);
     json_object_set_new(root, "threads", json_integer(t->threads));
     json_object_set_new(root, "isa", json_string(t->isa));
 }
@@ -177,7 +148,7 @@ static json_t *result_of(const slice_run *o) {
         json_object_set_new(root, "output", json_string(o->common.output));
     set_place(o, root);
     set_values(o, root);
-    set_set(o, root);
+    render_stats_set(root, o->volume, o->slice.field_number, o->slice.step);
     set_stats(o, root);
     return root;
 }
@@ -233,10 +204,6 @@ static status open_volume(slice_run *o) {
 
 /* ---- The slice ---- */
 
-static size_t pixels_of(const slice_run *o) {
-    return (size_t)o->slice.place.slice.width * o->slice.place.slice.height;
-}
-
 static status make_planes(slice_run *o) {
     float **const planes[] = {&o->image.r, &o->image.g, &o->image.b, &o->image.a};
     const size_t pixels = pixels_of(o);
@@ -266,15 +233,6 @@ static status write_values(slice_run *o, image_target *to) {
     return image_out_finish(to, &p);
 }
 
-static void numbers(char text[256], const double *x, int count) {
-    text[0] = 0;
-    for (int i = 0; i < count; i++) {
-        char number[NUM_TEXT_MAX];
-        const size_t at = strlen(text);
-        snprintf(text + at, 256 - at, "%s%s", i ? "," : "", num_print(x[i], number));
-    }
-}
-
 /* Write the picture, with the metadata that one needs to make a plane slice again. */
 static status write_picture(slice_run *o, image_target *to) {
     const leafcast_slice_pixels *s = &o->slice.place.slice;
@@ -282,10 +240,10 @@ static status write_picture(slice_run *o, image_target *to) {
     char origin[256], u[256], v[256], range[256];
     double window[2];
     medium_options_window(&o->slice.medium, &o->slice.look.colours, window);
-    numbers(origin, s->origin, 3);
-    numbers(u, s->u, 3);
-    numbers(v, s->v, 3);
-    numbers(range, window, 2);
+    num_print_list(origin, sizeof origin, s->origin, 3);
+    num_print_list(u, sizeof u, s->u, 3);
+    num_print_list(v, sizeof v, s->v, 3);
+    num_print_list(range, sizeof range, window, 2);
     const image_meta meta[] = {{"volume", slash ? slash + 1 : o->common.input},
                                {"window", range},
                                {"v", v},

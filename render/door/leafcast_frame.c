@@ -4,29 +4,19 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
-#include "formats/leaf/leaf_histogram.h"
 #include "render/door/arguments.h"
 #include "render/door/leafcast_caps.h"
 #include "render/door/leafcast_turn.h"
 #include "render/door/leafcast_volume.h"
-#include "render/experiments/preintegrated_integrator.h"
-#include "render/experiments/stepping_integrator.h"
+#include "render/door/scene_look.h"
+#include "render/frame/integrator.h"
 #include "render/look/picture_bytes.h"
 #include "render/look/samples.h"
-#include "render/medium/medium_integrator.h"
-#include "render/projection/projection_integrator.h"
 #include "render/ray/kind.h"
-#include "render/surface/surface_integrator.h"
 
 struct leafcast_frame {
-    turn t;           /* t.f.image: all planes, of the caller and of `own` */
-    medium_look look; /* media and surfaces */
-    projection_look projected;
-    preintegrated_look stepped; /* media in equal steps, too */
-    transfer media[LEAFCAST_VOLUMES_MAX];
-    medium_shade shade;   /* for scene.shade_media */
-    transfer cap_colours; /* without spans: caps have surfaces' colours */
-    double ranges[LEAFCAST_VOLUMES_MAX][2];
+    turn t; /* t.f.image: all planes, of the caller and of `own` */
+    scene_look look;
     leafcast_image own; /* planes allocated here */
     byte_table bytes;   /* for rgba8 */
     /* A picture is drawn in parts: first the planes that are not colours, then each sample. */
@@ -61,176 +51,10 @@ static bool any_plane(const leafcast_image *image) {
 
 /* ---- Describing ---- */
 
-/* Returns an upper bound of a lit surface's colour channels. */
-static double brightest_surface(const leafcast_frame *fr) {
-    const leafcast_scene *scene = &fr->t.scene;
-    double rgb = 0.0, lights = scene->light_count > 0 ? 0.0 : 1.0;
-    for (int i = 0; i < scene->light_count; i++)
-        lights += (double)fmaxf(scene->lights[i].rgb[0],
-                                fmaxf(scene->lights[i].rgb[1], scene->lights[i].rgb[2]));
-    for (int v = 0; v < fr->t.volumes; v++)
-        for (int i = 0; i < fr->t.shown[v].count; i++)
-            for (int c = 0; c < 3; c++)
-                rgb = fmax(rgb, (double)fr->t.surfaces[v][i].rgb[c]);
-    return rgb * (1.0 + lights) + fabs((double)scene->specular) * lights;
-}
-
-/* The value range that lighting and colours go by, also where a coarse grid is drawn. */
-static void shown_range(const leafcast_frame *fr, int i, double range[2]) {
-    const leafcast_shown *s = &fr->t.shown[i];
-    const leaf_file *of = s->volume->file;
-    leaf_histogram_range(of, leaf_layout_set(&of->layout, s->field, s->step), range);
-}
-
-/* The value range of the data that is drawn: the volume's, or its coarse grid's. */
-static void drawn_range(const leafcast_frame *fr, int i, double range[2]) {
-    if (turn_is_instead(&fr->t, i))
-        leaf_histogram_range(fr->t.drawn[i]->file, 0, range);
-    else
-        shown_range(fr, i, range);
-}
-
-static status fill_volume(leafcast_frame *fr, int i) {
-    interest_interval of[SCENE_BESIDE_MAX];
-    transfer *medium = &fr->media[i];
-    const status st = transfer_init(medium, fr->t.f.m, &fr->t.scene.media[i]);
-    if (st != ST_OK || medium->spans == 0)
-        return st;
-    fr->t.beside[i] = interest_of_intervals(of, transfer_interest(medium, of, SCENE_BESIDE_MAX));
-    drawn_range(fr, i, fr->ranges[i]);
-    fr->look.brightest = fmax(fr->look.brightest, medium->most_rgb);
-    return ST_OK;
-}
-
 /* Free all that describe() allocated. */
 static void empty(leafcast_frame *fr) {
-    for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
-        transfer_release(&fr->media[i], &fr->t.device->budget);
-    transfer_release(&fr->cap_colours, &fr->t.device->budget);
-    preintegrated_table_release(&fr->stepped.table, &fr->t.device->budget);
+    scene_look_release(&fr->look, &fr->t.device->budget);
     turn_end(&fr->t);
-}
-
-/* Set media up for an experiment that sums in steps, without an error bound. */
-static status fill_for_steps(leafcast_frame *fr) {
-    enum { TABLE = 256 };
-    const leafcast_scene *scene = &fr->t.scene;
-    const leafcast_scene_experiments *e = scene->experiments;
-    frame *f = &fr->t.f;
-    if (fr->t.volumes > 1 || fr->t.shown[0].count > 0)
-        return status_describe(ST_USAGE, "media in steps: one volume without isosurfaces");
-    const leafcast_info info = leafcast_describe(fr->t.shown[0].volume);
-    stepping_look *steps = &fr->stepped.steps;
-    *steps = (stepping_look){.medium = &fr->media[0],
-                             .step = e->step * info.cell_size,
-                             .opaque = e->opaque > 0.0 ? e->opaque : 0.9999};
-    memcpy(steps->background, scene->background, sizeof scene->background);
-    f->integrator = &stepping_integrator;
-    f->look = &fr->stepped;
-    if (e->summing != LEAFCAST_PREINTEGRATED)
-        return ST_OK;
-    f->integrator = &preintegrated_integrator;
-    return preintegrated_table_make(&fr->stepped.table, f->m, f->threads, steps->medium,
-                                    fr->ranges[0], steps->step, e->table > 0 ? e->table : TABLE);
-}
-
-/* For the only filled volume: which ranges of values are taken whole. */
-static homogeneous homogeneous_of(const leafcast_frame *fr, int i) {
-    const leafcast *v = fr->t.drawn[i];
-    const leafcast_scene_experiments *e = fr->t.scene.experiments;
-    leafcast_info info = {0};
-    double square = 0.0;
-    v->kind->describe(v, &info);
-    for (int a = 0; a < 3; a++)
-        square += (info.bounds[1][a] - info.bounds[0][a]) * (info.bounds[1][a] - info.bounds[0][a]);
-    return medium_homogeneous(&fr->look, i, sqrt(square), v->file->layout.type != SAMPLE_F32,
-                              e ? e->homogeneous : 0.0);
-}
-
-/* Set up shading of media. Shading needs the gradient in each node, so no node is taken whole. */
-static status shade_media(leafcast_frame *fr) {
-    const leafcast_scene *scene = &fr->t.scene;
-    fr->shade = medium_shade_of(scene);
-    for (int i = 0; i < fr->t.volumes; i++) {
-        const leafcast *v = fr->t.shown[i].volume;
-        leafcast_info info = {.cell_size = 1.0};
-        double range[2];
-        if (fr->media[i].spans == 0)
-            continue;
-        const kind *k = fr->t.tracers[i].kind;
-        v->kind->describe(v, &info);
-        shown_range(fr, i, range);
-        fr->shade.steepness[i] = medium_shade_steepness(scene->shade_fade, info.cell_size, range);
-        fr->look.overlaid |= k->walks->overlaps;
-    }
-    fr->look.brightest *= fr->shade.most;
-    fr->look.shade = &fr->shade;
-    return ST_OK;
-}
-
-/* Set up the media that fill volumes. */
-static status fill(leafcast_frame *fr) {
-    const leafcast_scene *scene = &fr->t.scene;
-    status st = ST_OK;
-    fr->t.f.integrator = &medium_integrator;
-    fr->look.media = fr->media;
-    fr->look.range = (const double(*)[2])fr->ranges;
-    fr->look.error = scene->error > 0.0 ? scene->error : 1.0 / 510.0;
-    fr->look.brightest = fmax(1.0, brightest_surface(fr));
-    for (int c = 0; c < 3; c++)
-        fr->look.brightest = fmax(fr->look.brightest, fabs((double)scene->background[c]));
-    fr->look.filled = 0;
-    for (int i = 0; i < fr->t.volumes && st == ST_OK; i++) {
-        st = fill_volume(fr, i);
-        fr->look.filled += fr->media[i].spans > 0;
-    }
-    const bool certified = !scene->experiments || scene->experiments->summing == LEAFCAST_CERTIFIED;
-    if (st == ST_OK && !certified)
-        return fill_for_steps(fr);
-    fr->look.overlaid = fr->look.filled > 1;
-    if (st == ST_OK && scene->shade_media)
-        st = shade_media(fr);
-    fr->look.unbounded = turn_any_instead(&fr->t);
-    fr->t.f.record_more = medium_record_more(&fr->look, scene->preview);
-    for (int i = 0; i < fr->t.volumes && st == ST_OK && fr->look.filled == 1 && !fr->look.shade;
-         i++)
-        if (fr->media[i].spans > 0)
-            fr->t.beside[i].whole = homogeneous_of(fr, i);
-    return st;
-}
-
-/* Set a volume up for projection: its interest, and its part of the value range. */
-static void project_volume(leafcast_frame *fr, int i) {
-    leafcast_shown *s = &fr->t.shown[i];
-    const leafcast_scene *scene = &fr->t.scene;
-    const interest_interval above = {.lo = scene->project_value, .hi = (double)INFINITY};
-    double range[2];
-    s->count = 0;
-    fr->t.beside[i] = scene->project == LEAFCAST_PROJECT_FIRST ? interest_of_intervals(&above, 1)
-                                                               : interest_of_all();
-    shown_range(fr, i, range);
-    fr->projected.range[0] = fmin(fr->projected.range[0], range[0]);
-    fr->projected.range[1] = fmax(fr->projected.range[1], range[1]);
-}
-
-static status project_scene(leafcast_frame *fr) {
-    const leafcast_scene *scene = &fr->t.scene;
-    const bool coloured = scene->media_count > 0 && scene->media[0].count > 0;
-    status st = coloured ? transfer_init(&fr->media[0], fr->t.f.m, &scene->media[0]) : ST_OK;
-    fr->projected = (projection_look){.project = scene->project,
-                                      .value = scene->project_value,
-                                      .colour = coloured ? &fr->media[0] : NULL,
-                                      .range = {(double)INFINITY, -(double)INFINITY}};
-    memcpy(fr->projected.background, scene->background, sizeof scene->background);
-    fr->t.f.integrator = &projection_integrator;
-    fr->t.f.look = &fr->projected;
-    for (int i = 0; i < fr->t.volumes && st == ST_OK; i++)
-        project_volume(fr, i);
-    /* Raise a threshold below all data to their least value: rays reach it where data begin, too.
-     * So differences from the data lose no digits. */
-    if (scene->project == LEAFCAST_PROJECT_FIRST && isfinite(fr->projected.range[0]))
-        fr->projected.value = fr->t.above = fmax(scene->project_value, fr->projected.range[0]);
-    return st;
 }
 
 /* Set up all that needs no treelets. */
@@ -242,17 +66,7 @@ static status describe(leafcast_frame *fr, leafcast *v, const leafcast_scene *sc
         st = camera_init(&f->camera, from);
     if (st != ST_OK)
         return st;
-    fr->look.surfaces = (surface_look){
-        &fr->t.scene, (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])fr->t.surfaces,
-        fr->t.first_id, fr->t.coarse};
-    f->integrator = &surface_integrator;
-    f->look = &fr->look;
-    if (scene->project != LEAFCAST_PROJECT_NONE)
-        st = project_scene(fr);
-    else if (fr->t.scene.media_count > 0)
-        st = fill(fr);
-    if (st == ST_OK && scene->caps && scene->cap_colours)
-        st = transfer_init(&fr->cap_colours, f->m, scene->cap_colours);
+    st = scene_look_choose(&fr->look, &fr->t);
     f->cancel = &fr->cancelled;
     camera_window(&f->camera, image->x, image->y);
     f->image = *image;
@@ -391,7 +205,7 @@ static void add_counters(leafcast_frame *fr) {
 static status cap(leafcast_frame *fr) {
     if (!fr->t.scene.caps || fr->t.scene.preview)
         return ST_OK;
-    const transfer *colours = fr->cap_colours.spans > 0 ? &fr->cap_colours : NULL;
+    const transfer *colours = fr->look.cap_colours.spans > 0 ? &fr->look.cap_colours : NULL;
     const status st = caps_draw(&fr->t, &fr->drawn, colours, &fr->counters);
     return st == ST_OK ? turn_prepare(&fr->t) : st;
 }

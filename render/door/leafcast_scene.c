@@ -1,6 +1,5 @@
 #include "render/door/leafcast_scene.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "render/door/arguments.h"
@@ -23,7 +22,8 @@ static status check_world(const leafcast_scene *scene, int i) {
     return ST_OK;
 }
 
-/* Check the i-th volume of a scene's list. */
+/* Check the i-th volume of a scene's list. Its fields have been checked, so that nothing else can
+ * be wrong with its surfaces than that there are none. */
 static status check_shown(const leafcast *v, const leafcast_scene *scene, int i) {
     const leafcast_shown *s = &scene->volumes[i];
     if (s->volume->device != v->device)
@@ -35,14 +35,14 @@ static status check_shown(const leafcast *v, const leafcast_scene *scene, int i)
     status st = check_world(scene, i);
     if (st == ST_OK)
         st = volume_check_set(s->volume, s->field, s->step);
-    const bool surfaces = s->count != 0 || !scene_is_filled(scene);
-    return st == ST_OK && surfaces ? arguments_check_surfaces(s->surfaces, s->count) : st;
+    const bool empty = s->count == 0 && !scene_is_filled(scene);
+    return st == ST_OK && empty ? arguments_check_surfaces(s->surfaces, s->count) : st;
 }
 
 status scene_volumes(leafcast *v, const leafcast_scene *scene,
                      leafcast_shown shown[LEAFCAST_VOLUMES_MAX], int *count) {
-    status st = arguments_check_scene(scene);
-    *count = st == ST_OK ? scene->volume_count : 0;
+    status st = ST_OK;
+    *count = scene->volume_count;
     for (int i = 0; i < *count && st == ST_OK; i++) {
         st = check_shown(v, scene, i);
         shown[i] = scene->volumes[i];
@@ -98,28 +98,21 @@ void volume_show_beside(const leafcast_shown *s, const interest *beside) {
     loader_reset_statistics(v->treelets);
 }
 
-static status add_clip(tracer *tr, const double plane[4]) {
-    for (int i = 0; i < 4; i++)
-        if (!isfinite(plane[i]))
-            return status_describe(ST_USAGE, "a clip plane has a number that is not finite");
+static void add_clip(tracer *tr, const double plane[4]) {
     memcpy(tr->clip[tr->clip_count++], plane, sizeof tr->clip[0]);
-    return ST_OK;
 }
 
-static status clip_of(const leafcast_scene *scene, tracer *tr) {
-    status st = ST_OK;
-    for (int a = 0; scene->clip_box && a < 3 && st == ST_OK; a++) {
+static void add_clips(tracer *tr, const leafcast_scene *scene) {
+    for (int a = 0; scene->clip_box && a < 3; a++) {
         double below[4] = {0.0, 0.0, 0.0, -scene->clip_min[a]},
                above[4] = {0.0, 0.0, 0.0, scene->clip_max[a]};
         below[a] = 1.0;
         above[a] = -1.0;
-        st = add_clip(tr, below);
-        if (st == ST_OK)
-            st = add_clip(tr, above);
+        add_clip(tr, below);
+        add_clip(tr, above);
     }
-    for (int i = 0; i < scene->clip_plane_count && st == ST_OK; i++)
-        st = add_clip(tr, scene->clip_planes[i]);
-    return st;
+    for (int i = 0; i < scene->clip_plane_count; i++)
+        add_clip(tr, scene->clip_planes[i]);
 }
 
 status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
@@ -140,7 +133,8 @@ status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const came
                  .doubts = scene->preview && scene_is_certified(scene) && scene_filled(scene) == 1,
                  .touched = v->touched};
     v->kind->aim(v, scene, c, tr);
-    return clip_of(scene, tr);
+    add_clips(tr, scene);
+    return ST_OK;
 }
 
 status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {

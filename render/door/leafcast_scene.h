@@ -9,8 +9,9 @@
 _Static_assert((int)LEAFCAST_VOLUMES_MAX == (int)FRAME_VOLUMES_MAX,
                "as many in a frame as in a scene");
 
-/* scene_volumes() - check a scene passed with volume v, and list the *count volumes that it shows.
- * `surfaces` still points into the caller's memory, or into v. Needs the device's lock. */
+/* scene_volumes() - list the *count volumes that a scene passed with volume v shows, and check that
+ * they can be shown together. The scene has passed arguments_check_scene(). `surfaces` still points
+ * into the caller's memory, or into v. Needs the device's lock. */
 CHECKED status scene_volumes(leafcast *v, const leafcast_scene *scene,
                              leafcast_shown shown[LEAFCAST_VOLUMES_MAX], int *count);
 

@@ -16,13 +16,6 @@ enum { MAP_COLOURS = 64, PRESET_COLOURS = 32, NAME_MAX_BYTES = 64 };
 /* Most steps, of all fields together, that are described by more than their range. */
 enum { TOLD_MAX = 64 };
 
-static json_t *reals(const double *x, int count) {
-    json_t *list = json_array();
-    for (int i = 0; i < count; i++)
-        json_array_append_new(list, cli_json_real(x[i]));
-    return list;
-}
-
 /* Copy the file's name without its folder, which pages need not know. */
 static void file_name(char *name, size_t room, const char *path) {
     const char *slash = strrchr(path, '/');
@@ -34,7 +27,7 @@ static json_t *histogram_json(const leafcast_histogram *h) {
     for (uint32_t i = 0; i < h->bins; i++)
         json_array_append_new(samples, json_integer(h->samples[i]));
     json_object_set_new(out, "edges",
-                        h->bins > 0 ? reals(h->edges, (int)h->bins + 1) : json_array());
+                        h->bins > 0 ? cli_json_reals(h->edges, (int)h->bins + 1) : json_array());
     json_object_set_new(out, "samples", samples);
     return out;
 }
@@ -76,9 +69,10 @@ static json_t *preset_json(mem *m, const char *name, const leafcast_histogram *h
                                 extinctions.points[extinctions.count - 1].value};
         json_t *points = json_array();
         for (size_t i = 0; i < extinctions.count; i++)
-            json_array_append_new(points, reals((const double[2]){extinctions.points[i].value,
-                                                                  extinctions.points[i].extinction},
-                                                2));
+            json_array_append_new(
+                points, cli_json_reals((const double[2]){extinctions.points[i].value,
+                                                         extinctions.points[i].extinction},
+                                       2));
         out = json_pack("{s:o,s:o}", "points", points, "colours",
                         colours_json(&colours, ends, PRESET_COLOURS, table));
     }
@@ -137,7 +131,7 @@ static json_t *field_step_json(mem *m, const leafcast *volume, uint32_t field, u
     const bool known = leafcast_get_histogram(volume, field, step, h) == LEAFCAST_OK;
     if (!known)
         h->bins = 0;
-    return json_pack("{s:o,s:o,s:o}", "suggested", reals(suggested, count), "histogram",
+    return json_pack("{s:o,s:o,s:o}", "suggested", cli_json_reals(suggested, count), "histogram",
                      histogram_json(h), "presets",
                      known ? presets_json(m, h, diagonal(&info), table) : json_object());
 }
@@ -163,8 +157,8 @@ static json_t *field_json(const leafcast *volume, uint32_t field, const byte_tab
     find_ranges(volume, field, range, data);
     /* A name from the file need not be valid UTF-8. */
     json_object_set_new(out, "name", text ? text : json_string(""));
-    json_object_set_new(out, "range", reals(range, 2));
-    json_object_set_new(out, "data", reals(data, 2));
+    json_object_set_new(out, "range", cli_json_reals(range, 2));
+    json_object_set_new(out, "data", cli_json_reals(data, 2));
     json_object_set_new(out, "steps", field_steps_json(volume, field, table));
     return out;
 }
@@ -241,8 +235,9 @@ static json_t *describe(const view_file *files, int count, int which, const view
                                   (json_int_t)info.dims[2]));
     json_object_set_new(out, "tets", json_integer((json_int_t)info.tets));
     json_object_set_new(out, "vertices", json_integer((json_int_t)info.vertices));
-    json_object_set_new(out, "bounds",
-                        json_pack("[o,o]", reals(info.bounds[0], 3), reals(info.bounds[1], 3)));
+    json_object_set_new(
+        out, "bounds",
+        json_pack("[o,o]", cli_json_reals(info.bounds[0], 3), cli_json_reals(info.bounds[1], 3)));
     json_object_set_new(out, "cell_size", cli_json_real(info.cell_size));
     json_object_set_new(out, "gradients", json_boolean(info.gradients));
     json_object_set_new(out, "ends", ends_json(info.axes));

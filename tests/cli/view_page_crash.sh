@@ -8,5 +8,5 @@ need_browser
 "$leafcast" convert "$tmp/g.nrrd" -o "$tmp/g.leaf" -q
 "$leafcast" generate buckyball --tets --dims 11 -o "$tmp/m.mesh" -q
 "$leafcast" convert "$tmp/m.mesh" -o "$tmp/m.leaf" -q
-client "the page at a crash" "$python" tests/support/view_page.py "$leafcast" "$tmp" crashes
+client "the page at a crash" "$python" tests/support/view_page_crash.py "$leafcast" "$tmp"
 finish

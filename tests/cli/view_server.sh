@@ -30,7 +30,7 @@ case ${LEAFCAST_BUILD-} in
     ;;
 esac
 
-for client in view_told view_server; do
+for client in view_told view_drawn view_server; do
     client "$client" python3 "tests/support/$client.py" "$leafcast" "$tmp"
 done
 finish

@@ -92,15 +92,6 @@ static void check_content(const char *path, const void *samples) {
     assert_int_equal(mem_used(&m), 0);
 }
 
-static void check_same(const char *a, const char *b) {
-    size_t sizes[2];
-    char *bytes[2] = {scratch_read(a, &sizes[0]), scratch_read(b, &sizes[1])};
-    assert_int_equal(sizes[0], sizes[1]);
-    assert_memory_equal(bytes[0], bytes[1], sizes[0]);
-    free(bytes[0]);
-    free(bytes[1]);
-}
-
 /* 2, B, B + 1, 2B, 2B + 1 and between, thin and long, with B = 16. */
 static const uint32_t SIZES[][3] = {{2, 2, 2},    {16, 16, 16}, {17, 17, 17}, {32, 32, 32},
                                     {33, 33, 33}, {34, 18, 16}, {2, 70, 3},   {100, 2, 2},
@@ -139,13 +130,13 @@ static void test_same_bytes(void **state) {
             snprintf(first, sizeof first, "%s", leaf_files_make(&c, "first.leaf"));
             for (int threads = 1; threads <= 5; threads += WATCHED ? 2 : 1) {
                 c.options.threads = threads;
-                check_same(first, leaf_files_make(&c, "threads.leaf"));
+                scratch_same("threads", first, leaf_files_make(&c, "threads.leaf"));
             }
             c.options.threads = 2;
             const uint64_t least = leaf_files_least(&c);
             for (uint64_t more = 0; more <= 4; more += WATCHED ? 2 : 1) {
                 c.options.memory = least + more * (64 << 10);
-                check_same(first, leaf_files_make(&c, "memory.leaf"));
+                scratch_same("memory", first, leaf_files_make(&c, "memory.leaf"));
             }
             free(samples);
             m.limit = 0;

@@ -19,7 +19,6 @@
 #include "prep/mesh/mesh_cut.h"
 #include "prep/mesh/mesh_morton.h"
 #include "prep/mesh/mesh_series.h"
-#include "prep/mesh/mesh_tree.h"
 #include "tests/support/fields.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/mesh_cases.h"
@@ -423,13 +422,7 @@ static void test_nothing(void **state) {
 /* ---- nothing else has a say ---- */
 
 static void check_same(const char *a, const char *b) {
-    size_t sizes[2];
-    char *bytes[2] = {scratch_read(scratch_path(a), &sizes[0]),
-                      scratch_read(scratch_path(b), &sizes[1])};
-    assert_int_equal(sizes[0], sizes[1]);
-    assert_memory_equal(bytes[0], bytes[1], sizes[0]);
-    free(bytes[0]);
-    free(bytes[1]);
+    scratch_same(b, scratch_path(a), scratch_path(b));
 }
 
 static uint64_t said_least(void) {
@@ -665,57 +658,6 @@ static void test_progress(void **state) {
     mesh_cases_free(&c);
 }
 
-/* ---- the tree alone ---- */
-
-/* Trees over keys made to be deep: no deeper, and of no more nodes, than is said. */
-static uint32_t depth_of(const mesh_tree *t, uint32_t node) {
-    uint32_t most = 0;
-    for (uint32_t c = 0; c < t->node[node].children; c++)
-        if (!(t->node[node].child[c] & MESH_LEAF)) {
-            const uint32_t below = depth_of(t, t->node[node].child[c]);
-            most = below > most ? below : most;
-        }
-    return 1 + most;
-}
-
-static int compare_keys(const void *a, const void *b) {
-    const mesh_record *x = a, *y = b;
-    return x->key < y->key ? -1 : x->key > y->key;
-}
-
-static void test_trees(void **state) {
-    (void)state;
-    skip_under_thread();
-    static mesh_record records[16384];
-    field_random r = {FIELD_SEED};
-    uint32_t deepest = 0;
-    for (int n = 0; n < 600; n++) {
-        const uint32_t count = 1 + (uint32_t)(field_random_bits(&r) % (n % 6 ? 600 : 16384));
-        const uint32_t leaf_tets = 1 + (uint32_t)(field_random_bits(&r) % 16);
-        for (uint32_t i = 0; i < count; i++) {
-            const uint64_t bits = field_random_bits(&r) >> 1;
-            /* Spread; a chain, a bit a level; chains with crowds at their ends; all the same. */
-            const uint64_t one = UINT64_C(1) << (62 - i % 63);
-            const uint64_t keys[5] = {bits, one, bits % 3 ? one | bits % one : one, 5,
-                                      one | bits % (one < 8 ? one : 8)};
-            records[i] = (mesh_record){.key = keys[n % 5]};
-        }
-        qsort(records, count, sizeof *records, compare_keys);
-        mesh_tree t;
-        const size_t before = mem_used(&m);
-        assert_int_equal(mesh_tree_init(&t, &m, count, leaf_tets), ST_OK);
-        assert_true(mem_used(&m) - before <= mesh_tree_memory(count, leaf_tets));
-        mesh_tree_build(&t, records, count);
-        assert_true(t.nodes <= mesh_tree_nodes_max(count, leaf_tets));
-        deepest = depth_of(&t, 0) > deepest ? depth_of(&t, 0) : deepest;
-        assert_true(depth_of(&t, 0) <= MESH_DEPTH_MAX);
-        const uint32_t counts[4] = {count, 4, t.nodes, t.leaves};
-        assert_null(mesh_leaf_counts_fault(counts, count, leaf_tets));
-        mesh_tree_release(&t);
-    }
-    assert_true(deepest > MESH_DEPTH_MAX / 2);
-}
-
 static int set_up(void **state) {
     (void)state;
     mem_init(&m, 0);
@@ -734,7 +676,6 @@ int main(void) {
         cmocka_unit_test_setup(test_faults, set_up),
         cmocka_unit_test_setup(test_stream, set_up),
         cmocka_unit_test_setup(test_progress, set_up),
-        cmocka_unit_test_setup(test_trees, set_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

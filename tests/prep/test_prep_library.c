@@ -43,15 +43,6 @@ static void run_verb(const char *options, const char *in, const char *out) {
         fail_msg("%s", command);
 }
 
-static void check_same_bytes(const char *what, const char *a, const char *b) {
-    size_t sizes[2];
-    char *bytes[2] = {scratch_read(a, &sizes[0]), scratch_read(b, &sizes[1])};
-    if (sizes[0] != sizes[1] || memcmp(bytes[0], bytes[1], sizes[0]) != 0)
-        fail_msg("%s: %zu bytes and %zu, and they differ", what, sizes[0], sizes[1]);
-    free(bytes[0]);
-    free(bytes[1]);
-}
-
 static void check(leafcast_status st) {
     if (st != LEAFCAST_OK)
         fail_msg("status %d: %s", (int)st, leafcast_error_text());
@@ -116,7 +107,7 @@ static void test_array(void **state) {
         leafcast_convert_options o = DEFAULTS;
         o.replace = type > SAMPLE_U8;
         check(leafcast_convert_array(&g, samples, NULL, at("array.leaf"), &o));
-        check_same_bytes(sample_name(type), at("array.leaf"), at("verb.leaf"));
+        scratch_same(sample_name(type), at("array.leaf"), at("verb.leaf"));
         free(samples);
     }
     remove(at("array.leaf"));
@@ -128,7 +119,7 @@ static void check_options(const char *what, const leafcast_grid *g, leafcast_con
     void *samples = samples_of((sample_type)g->type);
     run_verb(options, nrrd_of((sample_type)g->type, samples, where), at("verb.leaf"));
     check(leafcast_convert_array(g, samples, NULL, at("array.leaf"), &o));
-    check_same_bytes(what, at("array.leaf"), at("verb.leaf"));
+    scratch_same(what, at("array.leaf"), at("verb.leaf"));
     remove(at("array.leaf"));
     free(samples);
 }
@@ -207,7 +198,7 @@ static void test_strides(void **state) {
                samples + i, 2);
     check(leafcast_convert_array(&g, samples, NULL, at("tight.leaf"), NULL));
     check(leafcast_convert_array(&g, first, strides, at("strides.leaf"), NULL));
-    check_same_bytes("strides", at("tight.leaf"), at("strides.leaf"));
+    scratch_same("strides", at("tight.leaf"), at("strides.leaf"));
     remove(at("tight.leaf"));
     remove(at("strides.leaf"));
     free(other);
@@ -240,7 +231,7 @@ static void test_slices(void **state) {
     check(leafcast_convert_array(&g, samples, NULL, at("array.leaf"), NULL));
     check(leafcast_convert_slices(&g, deliver, &d, at("slices.leaf"), NULL));
     assert_int_equal(d.next, NZ);
-    check_same_bytes("slices", at("array.leaf"), at("slices.leaf"));
+    scratch_same("slices", at("array.leaf"), at("slices.leaf"));
     remove(at("array.leaf"));
     remove(at("slices.leaf"));
     free(samples);
@@ -305,10 +296,10 @@ static void check_tets(const char *what, const mesh_case *c, leafcast_convert_op
     const char *in = mesh_file(c, "in.mesh");
     run_verb(options, in, at("verb.leaf"));
     check(leafcast_convert_tets(&tets, at("tets.leaf"), &o));
-    check_same_bytes(what, at("tets.leaf"), at("verb.leaf"));
+    scratch_same(what, at("tets.leaf"), at("verb.leaf"));
     o.replace = true;
     check(leafcast_convert_path(in, at("tets.leaf"), &o));
-    check_same_bytes(what, at("tets.leaf"), at("verb.leaf"));
+    scratch_same(what, at("tets.leaf"), at("verb.leaf"));
     remove(at("tets.leaf"));
 }
 
@@ -356,7 +347,7 @@ static void test_steps(void **state) {
     snprintf(both, sizeof both, "%s %s", in[0], in[1]);
     run_verb("--times 0.5,3", both, at("verb.leaf"));
     check(leafcast_convert_steps(in, 2, times, at("steps.leaf"), NULL));
-    check_same_bytes("steps", at("steps.leaf"), at("verb.leaf"));
+    scratch_same("steps", at("steps.leaf"), at("verb.leaf"));
     remove(at("steps.leaf"));
     const size_t files = scratch_count();
     const double back[2] = {3, 0.5};
@@ -378,7 +369,7 @@ static void test_path(void **state) {
     const char *in = nrrd_of(SAMPLE_I16, samples, "spacings: 1 2 3\n");
     run_verb("", in, at("verb.leaf"));
     check(leafcast_convert_path(in, at("path.leaf"), NULL));
-    check_same_bytes("a path", at("path.leaf"), at("verb.leaf"));
+    scratch_same("a path", at("path.leaf"), at("verb.leaf"));
     remove(at("path.leaf"));
     free(samples);
     const size_t files = scratch_count();
@@ -682,7 +673,7 @@ static void test_threads(void **state) {
         assert_int_equal(pthread_join(threads[i], &result), 0);
         assert_ptr_equal(result, names[i]);
         if (i > 0)
-            check_same_bytes("threads", names[0], names[i]);
+            scratch_same("threads", names[0], names[i]);
     }
 }
 

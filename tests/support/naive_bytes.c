@@ -1,5 +1,6 @@
 #include "tests/support/naive_bytes.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <xxhash.h>
@@ -43,6 +44,32 @@ bool naive_zeros(const unsigned char *bytes, uint64_t from, uint64_t to) {
 bool naive_text(const unsigned char *at, uint64_t size) {
     const unsigned char *end = memchr(at, 0, size);
     return end && naive_zeros(at, (uint64_t)(end - at), size);
+}
+
+bool naive_minus_zero(float value) {
+    return value == 0 && signbit(value);
+}
+
+const char *naive_labels(const unsigned char *file, const unsigned char *names, long fields,
+                         const unsigned char *times, long steps, char (**names_out)[64],
+                         double **times_out) {
+    double *t = *times_out = times ? calloc((size_t)steps, sizeof *t) : NULL;
+    *names_out = names ? calloc((size_t)fields, 64) : NULL;
+    if ((names && !*names_out) || (times && !t))
+        return "no memory";
+    for (long i = 0; names && i < fields; i++) {
+        if (!naive_text(names + 64 * i, 64))
+            return "a field's name";
+        memcpy((*names_out)[i], names + 64 * i, 64);
+    }
+    if (names && memcmp(names, file + 1424, 64) != 0)
+        return "two names of the first field";
+    for (long i = 0; times && i < steps; i++) {
+        t[i] = naive_real64(times + 8 * i);
+        if (!isfinite(t[i]) || (i > 0 && !(t[i] > t[i - 1])))
+            return "a step's time";
+    }
+    return NULL;
 }
 
 bool naive_hashes(const unsigned char *file, uint64_t sections) {

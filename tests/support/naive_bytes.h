@@ -20,6 +20,14 @@ bool naive_zeros(const unsigned char *bytes, uint64_t from, uint64_t to);
 /* A text of up to size - 1 bytes: a 0 behind it, and nothing else. */
 bool naive_text(const unsigned char *at, uint64_t size);
 
+bool naive_minus_zero(float value);
+
+/* Names of fields and times of steps (section 6), either NULL where there are none, as arrays to
+ * free. Returns NULL, or what is wrong with them. */
+const char *naive_labels(const unsigned char *file, const unsigned char *names, long fields,
+                         const unsigned char *times, long steps, char (**names_out)[64],
+                         double **times_out);
+
 /* Section 2: whether checksum and id are those of header and table, which must be all there. */
 bool naive_hashes(const unsigned char *file, uint64_t sections);
 

@@ -217,25 +217,10 @@ static bool read_axes(naive_leaf *leaf, const unsigned char *at) {
     return true;
 }
 
-/* Section 6 tells of both. */
 static bool read_labels(naive_leaf *leaf, const unsigned char *names, const unsigned char *times) {
-    leaf->field_names = names ? calloc((size_t)leaf->fields, 64) : NULL;
-    leaf->times = times ? calloc((size_t)leaf->steps, sizeof leaf->times[0]) : NULL;
-    if ((names && !leaf->field_names) || (times && !leaf->times))
-        return wrong(leaf, "no memory");
-    for (long i = 0; names && i < leaf->fields; i++) {
-        if (!naive_text(names + 64 * i, 64))
-            return wrong(leaf, "the name of field %ld", i);
-        memcpy(leaf->field_names[i], names + 64 * i, 64);
-    }
-    if (names && memcmp(names, leaf->bytes + 1424, 64) != 0)
-        return wrong(leaf, "two names of the first field");
-    for (long i = 0; times && i < leaf->steps; i++) {
-        leaf->times[i] = naive_real64(times + 8 * i);
-        if (!isfinite(leaf->times[i]) || (i > 0 && !(leaf->times[i] > leaf->times[i - 1])))
-            return wrong(leaf, "the time of step %ld", i);
-    }
-    return true;
+    const char *why = naive_labels(leaf->bytes, names, leaf->fields, times, leaf->steps,
+                                   &leaf->field_names, &leaf->times);
+    return !why || wrong(leaf, "%s", why);
 }
 
 static uint64_t section_bytes(const naive_leaf *leaf, uint64_t kind) {
@@ -290,10 +275,6 @@ static bool find_sections(naive_leaf *leaf, const unsigned char *where[KINDS], u
 }
 
 /* ---- 4. payloads ---- */
-
-static bool is_positive_zero_or_other(float value) {
-    return value != 0 || !signbit(value);
-}
 
 /* Smallest and largest finite sample of a box of nodes, [from, to] on each axis; lo > hi if there
  * is none. */
@@ -531,7 +512,7 @@ static bool read_directory(naive_leaf *leaf, const unsigned char *const where[KI
         for (int n = 0; n < 2; n++) {
             t->merged[n] = naive_real32(where[RANGES] + 8 * i + 4 * n);
             t->own[n] = naive_real32(where[OWN] + 8 * i + 4 * n);
-            if (!is_positive_zero_or_other(t->merged[n]) || !is_positive_zero_or_other(t->own[n]))
+            if (naive_minus_zero(t->merged[n]) || naive_minus_zero(t->own[n]))
                 return wrong(leaf, "treelet %ld: -0 in a range", i);
         }
         if (where[FLAGS][i] > 1)

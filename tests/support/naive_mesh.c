@@ -21,10 +21,6 @@ static bool wrong(naive_mesh *mesh, const char *format, ...) {
     return false;
 }
 
-static bool minus_zero(float value) {
-    return value == 0 && signbit(value);
-}
-
 /* ---- the header: 2 and 6 ---- */
 
 static bool read_header(naive_mesh *mesh) {
@@ -187,26 +183,10 @@ static uint64_t payload_bytes(const naive_mesh *mesh, long p) {
     return naive_up_to((p < positions_payload(mesh, 1) ? 0 : moved_at(t)) + 12 * vertices, 64);
 }
 
-/* Names of fields, times of steps. */
 static bool read_labels(naive_mesh *mesh, const unsigned char *names, const unsigned char *times) {
-    if (names)
-        mesh->names = malloc((size_t)mesh->fields * sizeof *mesh->names);
-    if (times)
-        mesh->times = malloc((size_t)mesh->steps * sizeof *mesh->times);
-    if ((names && !mesh->names) || (times && !mesh->times))
-        return wrong(mesh, "no memory");
-    for (long i = 0; names && i < mesh->fields; i++) {
-        if (!naive_text(names + 64 * i, 64))
-            return wrong(mesh, "name of field %ld", i);
-        memcpy(mesh->names[i], names + 64 * i, 64);
-    }
-    for (long i = 0; times && i < mesh->steps; i++) {
-        mesh->times[i] = naive_real64(times + 8 * i);
-        if (!isfinite(mesh->times[i]) || (i > 0 && !(mesh->times[i] > mesh->times[i - 1])))
-            return wrong(mesh, "time of step %ld", i);
-    }
-    return !names || memcmp(names, mesh->bytes + 1424, 64) == 0 ||
-           wrong(mesh, "name of the first field");
+    const char *why = naive_labels(mesh->bytes, names, mesh->fields, times, mesh->steps,
+                                   &mesh->names, &mesh->times);
+    return !why || wrong(mesh, "%s", why);
 }
 
 static bool read_counts(naive_mesh *mesh, const unsigned char *counts,
@@ -235,7 +215,7 @@ static bool read_counts(naive_mesh *mesh, const unsigned char *counts,
             const int a = (int)(n % 6);
             const float at = naive_real32(bounds + 24 * (n / 6 * mesh->treelets + i) + 4 * a);
             t->bounds[n / 6][a] = at;
-            if (!isfinite(at) || minus_zero(at))
+            if (!isfinite(at) || naive_minus_zero(at))
                 return wrong(mesh, "treelet %ld: bounds", i);
             if (a < 3 ? at < all[a] : at > all[a])
                 all[a] = at;
@@ -550,8 +530,8 @@ static bool check_values(reading *r, long set, const unsigned char *b,
     float own[2], range[2];
     for (int i = 0; i < 2; i++) {
         own[i] = naive_real32(where[OWN] + 8 * element + 4 * i);
-        if (minus_zero(own[i]) || naive_number(where[OWN] + 8 * element + 4 * i, 4) !=
-                                      naive_number(where[RANGES] + 8 * element + 4 * i, 4))
+        if (naive_minus_zero(own[i]) || naive_number(where[OWN] + 8 * element + 4 * i, 4) !=
+                                            naive_number(where[RANGES] + 8 * element + 4 * i, 4))
             return wrong(r->mesh, "element %ld of OWN or RANGES", element);
     }
     if (!naive_zeros(b, 16 * (uint64_t)r->t->nodes, at) ||

@@ -97,6 +97,15 @@ char *scratch_read(const char *path, size_t *size) {
     return data;
 }
 
+void scratch_same(const char *what, const char *a, const char *b) {
+    size_t sizes[2];
+    char *bytes[2] = {scratch_read(a, &sizes[0]), scratch_read(b, &sizes[1])};
+    if (sizes[0] != sizes[1] || memcmp(bytes[0], bytes[1], sizes[0]) != 0)
+        fail_msg("%s: %zu bytes and %zu, and they differ", what, sizes[0], sizes[1]);
+    free(bytes[0]);
+    free(bytes[1]);
+}
+
 size_t scratch_count(void) {
     make_folder();
     return each_file(NULL);

@@ -21,6 +21,9 @@ const char *scratch_text(const char *name, const char *text);
  * NULL. */
 char *scratch_read(const char *path, size_t *size);
 
+/* scratch_same() - fail the test unless two files have the same bytes. what: for the message. */
+void scratch_same(const char *what, const char *a, const char *b);
+
 /* scratch_count() - the number of files in the folder. */
 size_t scratch_count(void);
 

@@ -1,116 +1,18 @@
 #!/usr/bin/env python3
-"""view_page.py LEAFCAST FOLDER [crashes] - the page of leafcast view in headless Chromium; or what it does at crashes.
+"""view_page.py LEAFCAST FOLDER - the page of leafcast view in headless Chromium.
 
 A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at last. INPUTS=N in the environment: of the many
 inputs.
 """
-import base64, json, os, random, signal, subprocess, sys, time
+import base64, json, os, random, signal, subprocess, time
 
-from selenium import webdriver
-from selenium.webdriver.chrome.service import Service
-from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 
+from view_browser import DESK, PHONE, WAIT, Browser, folder, leafcast, rgb, same, run_copied, saved, value
 from view_client import Server, png_pixels, ok
 
-leafcast, folder = sys.argv[1:3]
 SEED = int(os.environ.get("SEED", "7"))
-INPUTS, WAIT = int(os.environ.get("INPUTS", "500")), 60
-DESK, PHONE = (1280, 720), (390, 844)
-FINAL = """const l = window.leafcast, h = l.screen.head;
-return Boolean(h && h.final && h.number === l.link.number && !l.link.pending)"""
-
-
-class Browser:
-    def __init__(self):
-        options = webdriver.ChromeOptions()
-        for a in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars",
-                  "--force-color-profile=srgb", "--force-device-scale-factor=1", f"--user-data-dir={folder}/profile"):
-            options.add_argument(a)
-        options.add_experimental_option("prefs", {"download.default_directory": folder + "/saved",
-                                                  "profile.default_content_setting_values.automatic_downloads": 1})
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        self.driver = webdriver.Chrome(service=Service("chromedriver"), options=options)
-        self.canvas = None
-
-    def size(self, width, height):
-        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
-                                    {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
-
-    def js(self, text, *arguments):
-        return self.driver.execute_script(text, *arguments)
-
-    def until(self, text, *arguments):
-        end = time.monotonic() + WAIT
-        while time.monotonic() < end:
-            if self.js(text, *arguments):
-                return True
-            time.sleep(0.02)
-        return False
-
-    def open(self, url):
-        self.driver.get("about:blank")
-        self.driver.get(url)
-        self.until("return window.leafcast && leafcast.model")
-        self.canvas = self.driver.find_element("id", "picture")
-        return self.rest()
-
-    def rest(self):
-        """The final picture of what was asked for last: the hand has rested as long as the page waits for."""
-        time.sleep(0.3)
-        return self.until(FINAL)
-
-    def pixels(self):
-        data = self.js("return document.getElementById('picture').toDataURL('image/png')")
-        return png_pixels(base64.b64decode(data.split(",")[1]))
-
-    def click(self, name):
-        self.js("document.getElementById(arguments[0]).click()", name)
-
-    def flags(self):
-        return json.loads(self.js("return decodeURIComponent(leafcast.fragment.slice(1))"))
-
-    def reveal(self, name):
-        self.js("document.getElementById(arguments[0]).open = true", name)
-        self.js("document.getElementById(arguments[0]).scrollIntoView()", name)
-
-    def choose(self, label, value):
-        self.js("""const s = document.querySelector(`select[aria-label="${arguments[0]}"]`); s.value = arguments[1];
-                s.dispatchEvent(new Event("change"))""", label, value)
-
-    def hands(self):
-        return ActionChains(self.driver, duration=20)
-
-
-def rgb(pixels):
-    """(width, height, R G B of all), whatever channels the file has."""
-    width, height, data = pixels[0], pixels[1], pixels[-1]
-    step = len(data) // (width * height)
-    return width, height, b"".join(bytes(data[c::step]) for c in range(3))
-
-
-def same(b, name):
-    """The canvas is what the copied command draws."""
-    b.click("copy-command")
-    ok(f"{name}: the picture is that of the copied command", rgb(png_pixels(run_copied(b, "picture.png"))) == rgb(b.pixels()))
-
-
-def run_copied(b, name):
-    """The file that the copied command writes."""
-    line = b.js("return leafcast.copied")
-    written = f"{folder}/{name}"
-    if os.path.exists(written):
-        os.remove(written)
-    subprocess.run(["sh", "-c", f'leafcast() {{ "$LEAFCAST" "$@"; }}; {line} -q'], check=True, cwd=folder,
-                   env=dict(os.environ, LEAFCAST=os.path.abspath(leafcast)))
-    with open(written, "rb") as f:
-        return f.read()
-
-
-def value(b, label, number):
-    b.js("""const e = document.querySelector(`[aria-label="${arguments[0]}"]`); e.value = arguments[1];
-            e.dispatchEvent(new Event("change"))""", label, number)
-    b.rest()
+INPUTS = int(os.environ.get("INPUTS", "500"))
 
 
 def orbit(b):
@@ -430,13 +332,6 @@ def saves(b):
     ok("save: as EXR", os.path.exists(path) and open(path, "rb").read(4) == b"\x76\x2f\x31\x01")
 
 
-def saved(path):
-    """Wait for what the browser saves: it puts an empty file in place first."""
-    end = time.monotonic() + WAIT
-    while not (os.path.exists(path) and os.path.getsize(path)) and time.monotonic() < end:
-        time.sleep(0.05)
-
-
 def movies(b):
     """Keys, and the pictures of the command: the page's own views between are those of render."""
     b.reveal("sec-movie")
@@ -615,75 +510,6 @@ def links(b):
     b.driver.get_log("browser")
 
 
-def crash(b, s):
-    """The process that draws, killed while the page waits for a picture; until the page knows."""
-    life = b.js("return leafcast.crash.life")
-    os.kill(s.drawer(), signal.SIGSEGV)
-    return b.until("return leafcast.crash.life > arguments[0] && leafcast.link.socket.readyState === 1", life) and b.rest()
-
-
-# A medium, whose pictures are asked for with a bound that takes long.
-LONG = """const view = leafcast.link.view.bind(leafcast.link);
-    leafcast.link.view = (flags, ...more) => view(flags.tf ? {...flags, error: 1e-9} : flags, ...more);
-    leafcast.model.volume.mode = "media";
-    leafcast.model.volume.preset = "auto";
-    leafcast.changed(false)"""
-
-
-def crashes(b):
-    """What a page does when the process that draws has crashed; another page beside it."""
-    env = dict(os.environ, ASAN_OPTIONS="handle_segv=0", TSAN_OPTIONS="handle_segv=0", UBSAN_OPTIONS="handle_segv=0")
-    s = Server([leafcast, "view", folder + "/g.leaf", folder + "/m.leaf"], env=env)
-    said = "return document.getElementById('message').hidden ? '' : document.getElementById('message-text').textContent"
-    b.open(s.url)
-    mine = b.driver.current_window_handle
-    b.js("leafcast.surfaces.set(0, 99, true)")
-    b.rest()
-    good, picture = b.flags(), b.pixels()
-    b.driver.switch_to.new_window("tab")
-    b.size(*DESK)
-    b.open(s.url)
-    b.js("leafcast.surfaces.set(0, 77, true)")
-    b.rest()
-    theirs, other = b.flags(), b.driver.current_window_handle
-    b.driver.switch_to.window(mine)
-    b.js(LONG)
-    ok("crash: a picture is under way", b.until("return leafcast.screen.head.number === leafcast.link.number"))
-    asked = b.flags()
-    ok("crash: and is not done", not b.js(FINAL) and asked != good)
-    ok("crash: the page comes back by itself", crash(b, s))
-    ok(f"crash: it says so: {b.js(said)}", "crashed (signal 11, Segmentation fault); the last good view is back" in b.js(said))
-    ok("crash: with the last good state", b.flags() == good and b.pixels() == picture)
-    same(b, "crash")
-    b.driver.switch_to.window(other)
-    ok("crash: the other page is back, too", b.until("return leafcast.crash.life === 1") and b.rest())
-    ok("crash: with its own state", b.flags() == theirs)
-    ok(f"crash: and is told that it was another: {b.js(said)}", "started again" in b.js(said))
-    same(b, "crash, the other page")
-    b.driver.close()
-    b.driver.switch_to.window(mine)
-    b.canvas = b.driver.find_element("id", "picture")
-    ok("crash: nothing being drawn", crash(b, s) and b.flags() == good and "started again" in b.js(said))
-    for what, words in (("slice", "without slices"), ("pick", "the view is back")):
-        b.js("if (!leafcast.slices.s.on[0]) leafcast.slices.toggle()")
-        b.js("leafcast.crash.after = {signal: 11, name: 'x', what: arguments[0], mine: true}; leafcast.crash.goOn()", what)
-        ok(f"crash at a {what}: {b.js(said)}", b.rest() and words in b.js(said) and
-           b.js("return leafcast.slices.s.on[0]") == (what != "slice"))
-    # Two crashes at what seems to be another page's picture, while the same one is waited for.
-    b.js("leafcast.slices.hide()")
-    heard = """const c = leafcast.crash; c.asked = {...c.asked, text: "{}"};
-        return [1, 2].map(k => { c.connected({talk: 90 + k, crash: {life: 50 + k, what: "view", talk: 7}}); return c.after.mine; })"""
-    ok("crash: another page's, and once more: then it may be this one's", b.js(heard) == [False, True])
-    b.driver.get("about:blank")
-    b.driver.get(s.url + "#" + json.dumps({"tf": "auto", "samples": 16, "error": 1e-9}))
-    b.until("return window.leafcast && leafcast.screen.head")
-    ok("crash: before there ever was a picture", b.js("return leafcast.crash.good.length") == 0 and crash(b, s))
-    ok(f"crash: the server's own state instead: {b.js(said)}", "the first view is back" in b.js(said) and
-       "tf" not in b.flags())
-    s.stop(signal.SIGINT)
-    b.driver.get_log("browser")
-
-
 def main():
     os.makedirs(folder + "/saved", exist_ok=True)
     grid = Server([leafcast, "view", folder + "/g.leaf"])
@@ -710,14 +536,4 @@ def main():
     print("end")
 
 
-def at_crashes():
-    b = Browser()
-    try:
-        b.size(*DESK)
-        crashes(b)
-    finally:
-        b.driver.quit()
-    print("end")
-
-
-at_crashes() if sys.argv[3:] == ["crashes"] else main()
+main()

@@ -1,0 +1,279 @@
+/* leaf_writer_finish.c - finishing a treelet file: payloads to their places, ranges merged, then
+ * the directory and the header. */
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "formats/base/hash.h"
+#include "formats/leaf/leaf_check.h"
+#include "formats/leaf/leaf_file.h"
+#include "formats/leaf/leaf_head.h"
+#include "formats/leaf/leaf_writer_private.h"
+
+static uint64_t sections_end(const leaf_writer *w) {
+    const leaf_section *last = &w->table[w->header.sections - 1];
+    return last->offset + last->bytes;
+}
+
+void leaf_writer_place(leaf_writer *w) {
+    leaf_placing next = {.end = sections_end(w)};
+    w->header.payload_bytes = 0;
+    for (uint32_t p = 0; p < w->layout.payloads; p++) {
+        w->offsets[p] = leaf_placing_next(&next, &w->layout, p, w->sizes[p], w->p.run_align_log2);
+        w->header.payload_bytes += w->sizes[p];
+    }
+    w->header.file_bytes = leaf_layout_aligned(next.end, w->p.run_align_log2);
+}
+
+status leaf_writer_copy_room(leaf_writer *w) {
+    w->copy_buffer = mem_alloc(w->m, leaf_layout_payload_max(&w->layout));
+    return w->copy_buffer ? ST_OK : ST_NOMEM;
+}
+
+/* Copy payloads from the scratch file to their places. */
+static status copy_payloads(leaf_writer *w) {
+    leaf_writer_place(w);
+    for (uint32_t p = 0; p < w->layout.payloads; p++) {
+        size_t size = (size_t)w->sizes[p];
+        if (w->scratch_at[p] == NOT_THERE)
+            continue;
+        status st = out_file_read_at(w->scratch, w->scratch_at[p], w->copy_buffer, size);
+        if (st == ST_OK)
+            st = out_file_write_at(w->out, w->offsets[p], w->copy_buffer, size);
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
+static status write_zeros(leaf_writer *w, uint64_t from, uint64_t to) {
+    static const char zeros[512];
+    status st = ST_OK;
+    for (uint64_t size; st == ST_OK && from < to; from += size) {
+        size = to - from < sizeof zeros ? to - from : sizeof zeros;
+        st = out_file_write_at(w->out, from, zeros, (size_t)size);
+    }
+    return st;
+}
+
+/* Move payload p from `from` to its place; zero the gap before it, which begins at `end`. */
+static status move_payload(leaf_writer *w, uint32_t p, uint64_t from, uint64_t end) {
+    status st = out_file_read_at(w->out, from, w->copy_buffer, (size_t)w->sizes[p]);
+    if (st == ST_OK)
+        st = write_zeros(w, end, w->offsets[p]);
+    return st == ST_OK
+               ? out_file_write_at(w->out, w->offsets[p], w->copy_buffer, (size_t)w->sizes[p])
+               : st;
+}
+
+/* Remove the room of implied payloads: raw payloads lie where they would if none were implied. Move
+ * them down in order, so that none is overwritten before it has moved. */
+static status close_ranks(leaf_writer *w) {
+    leaf_placing next = {.end = sections_end(w)};
+    status st = leaf_writer_copy_room(w);
+    w->header.payload_bytes = 0;
+    for (uint32_t p = 0; st == ST_OK && p < w->layout.payloads; p++) {
+        const uint64_t from = w->offsets[p], end = next.end;
+        w->offsets[p] = leaf_placing_next(&next, &w->layout, p, w->sizes[p], w->p.run_align_log2);
+        w->header.payload_bytes += w->sizes[p];
+        if (w->sizes[p] && w->offsets[p] != from)
+            st = move_payload(w, p, from, end);
+    }
+    w->header.file_bytes = leaf_layout_aligned(next.end, w->p.run_align_log2);
+    return st == ST_OK ? out_file_cut(w->out, w->header.file_bytes) : st;
+}
+
+/* Merge the ranges of a grid's set, last treelet first: children come behind their parents. */
+static void merge_ranges(leaf_writer *w, uint32_t set) {
+    const leaf_layout *l = &w->layout;
+    const size_t first = leaf_layout_samples(l, set, 0);
+    float(*ranges)[2] = w->ranges + first;
+    for (uint32_t t = l->treelets; t-- > 0;) {
+        float *merged = ranges[t];
+        memcpy(merged, w->own[first + t], sizeof w->own[first + t]);
+        uint32_t child = l->first_child[t];
+        for (int n = __builtin_popcount(leaf_layout_children(l, t)); n > 0; n--, child++) {
+            merged[0] = ranges[child][0] < merged[0] ? ranges[child][0] : merged[0];
+            merged[1] = ranges[child][1] > merged[1] ? ranges[child][1] : merged[1];
+        }
+    }
+}
+
+/* Compute the header's values of a grid from its treelets. */
+static void sum_up_grid(leaf_writer *w) {
+    leaf_header *h = &w->header;
+    h->value_min = (double)INFINITY;
+    h->value_max = -(double)INFINITY;
+    for (uint32_t set = 0; set < w->layout.sets; set++) {
+        double range[2];
+        merge_ranges(w, set);
+        leaf_writer_range(w, set, range);
+        h->value_min = fmin(h->value_min, range[0]);
+        h->value_max = fmax(h->value_max, range[1]);
+    }
+}
+
+/* Compute the header's values of a mesh from its treelets. */
+static void sum_up_mesh(leaf_writer *w) {
+    leaf_header *h = &w->header;
+    double lo = (double)INFINITY, hi = -(double)INFINITY;
+    memcpy(h->bounds, w->bounds[0], sizeof h->bounds);
+    for (uint32_t t = 0; t < w->layout.treelets; t++)
+        h->tets += w->counts[t][0];
+    for (size_t i = 0; i < (size_t)w->layout.treelets * (1 + w->layout.moved_steps); i++)
+        for (int a = 0; a < 3; a++) {
+            h->bounds[a] = fminf(h->bounds[a], w->bounds[i][a]);
+            h->bounds[a + 3] = fmaxf(h->bounds[a + 3], w->bounds[i][a + 3]);
+        }
+    for (size_t i = 0; i < (size_t)w->layout.treelets * w->layout.sets; i++) {
+        memcpy(w->ranges[i], w->own[i], sizeof w->own[i]);
+        lo = fmin(lo, (double)w->own[i][0]);
+        hi = fmax(hi, (double)w->own[i][1]);
+    }
+    h->value_min = lo;
+    h->value_max = hi;
+}
+
+static status write_sections(leaf_writer *w) {
+    const void *arrays[LEAF_SECTION_LAST] = {w->ranges, w->own,       w->flags, w->offsets,
+                                             w->sizes,  w->checksums, w->axes,  w->bounds,
+                                             w->counts, w->names,     w->times, w->parts};
+    const void *ancillary[LEAF_ANCILLARY_LAST] = {w->histograms, w->deviations, &w->frame};
+    for (uint32_t i = 0; i < w->header.sections; i++) {
+        leaf_section *s = &w->table[i];
+        const void *bytes = leaf_section_ancillary(s->kind)
+                                ? ancillary[s->kind - LEAF_SECTION_ANCILLARY - 1]
+                                : arrays[s->kind - 1];
+        s->checksum = hash_bytes(bytes, (size_t)s->bytes);
+        status st = out_file_write_at(w->out, s->offset, bytes, (size_t)s->bytes);
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
+/* Write zeros between the last payload and the end. The gaps before are holes, which read as
+ * zeros. */
+static status write_end(leaf_writer *w) {
+    const uint32_t last = w->layout.payloads - 1;
+    return write_zeros(w, w->offsets[last] + w->sizes[last], w->header.file_bytes);
+}
+
+static void note_facts(leaf_writer *w, const leaf_facts *facts) {
+    leaf_header *h = &w->header;
+    h->non_finite = facts->non_finite;
+    h->rounding_error = facts->rounding_error;
+    h->vertices = facts->vertices;
+    h->flat = facts->flat;
+    h->inverted = facts->inverted;
+    h->repeated = facts->repeated;
+    h->bad = facts->bad;
+    h->version = w->implied ? 2 : h->version;
+    leaf_head_text(h->provenance, sizeof h->provenance, facts->provenance);
+}
+
+static status write_header(leaf_writer *w) {
+    leaf_header *h = &w->header;
+    hash_id id = leaf_header_id(h, w->table);
+    h->id[0] = id.lo;
+    h->id[1] = id.hi;
+    h->checksum = leaf_header_checksum(h);
+    status st =
+        out_file_write_at(w->out, LEAF_HEADER_BYTES, w->table, h->sections * sizeof *w->table);
+    return st == ST_OK ? out_file_write_at(w->out, 0, h, sizeof *h) : st;
+}
+
+static status write_all(leaf_writer *w, const leaf_facts *facts) {
+    status st = ST_OK;
+    if (w->counts) {
+        leaf_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
+        st = leaf_writer_copy_room(w);
+    }
+    if (st == ST_OK && w->scratch)
+        st = copy_payloads(w);
+    else if (st == ST_OK && w->implied)
+        st = close_ranks(w);
+    if (st != ST_OK)
+        return st;
+    if (w->counts)
+        sum_up_mesh(w);
+    else
+        sum_up_grid(w);
+    note_facts(w, facts);
+    st = write_sections(w);
+    if (st == ST_OK)
+        st = write_end(w);
+    return st == ST_OK ? write_header(w) : st;
+}
+
+status leaf_writer_settle(leaf_writer *w, const leaf_facts *facts) {
+    assert(w->counts && !w->settled);
+    w->settled = true;
+    return write_all(w, facts);
+}
+
+const char *leaf_writer_path(const leaf_writer *w) {
+    return out_file_temporary(w->out);
+}
+
+enum { EMBED_BYTES = 64 << 10 };
+
+static status copy_file(leaf_writer *w, file *from, uint64_t to) {
+    const uint64_t size = file_size(from);
+    char *buffer = mem_alloc(w->m, EMBED_BYTES);
+    if (!buffer)
+        return ST_NOMEM;
+    status st = ST_OK;
+    for (uint64_t at = 0; at < size && st == ST_OK; at += EMBED_BYTES) {
+        const size_t step = size - at < EMBED_BYTES ? (size_t)(size - at) : EMBED_BYTES;
+        st = file_read_at(from, at, buffer, step);
+        if (st == ST_OK)
+            st = out_file_write_at(w->out, to + at, buffer, step);
+    }
+    mem_free(w->m, buffer);
+    return st;
+}
+
+status leaf_writer_embed(leaf_writer *w, uint32_t set, const char *path) {
+    assert(w->settled && w->parts && set < w->layout.sets && !w->parts[set].bytes);
+    leaf_header *h = &w->header;
+    leaf_header own;
+    file *from = NULL;
+    status st = file_open(w->m, path, &from);
+    if (st == ST_OK)
+        st = file_read_at(from, 0, &own, sizeof own);
+    if (st == ST_OK)
+        st = leaf_check_header(path, &own, file_size(from));
+    if (st == ST_OK)
+        st = copy_file(w, from, h->file_bytes);
+    if (st == ST_OK) {
+        assert(own.kind == LEAF_KIND_GRID && own.run_align_log2 == h->run_align_log2);
+        w->parts[set] = (leaf_part){
+            .offset = h->file_bytes, .bytes = own.file_bytes, .id = {own.id[0], own.id[1]}};
+        h->file_bytes += own.file_bytes;
+    }
+    file_close(from);
+    return st;
+}
+
+/* Write the directory again, with the embedded coarse grids. */
+static status write_parts(leaf_writer *w) {
+    if (!w->parts)
+        return ST_OK;
+    status st = write_sections(w);
+    return st == ST_OK ? write_header(w) : st;
+}
+
+status leaf_writer_finish(leaf_writer *w, const leaf_facts *facts, leaf_header *header) {
+    status st = w->settled ? write_parts(w) : write_all(w, facts);
+    if (st == ST_OK)
+        st = leaf_file_prove(w->m, out_file_temporary(w->out));
+    if (st == ST_OK) {
+        if (header)
+            *header = w->header;
+        st = out_file_commit(w->out);
+        w->out = NULL;
+    }
+    leaf_writer_discard(w);
+    return st;
+}

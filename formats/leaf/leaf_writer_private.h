@@ -1,0 +1,58 @@
+/* leaf_writer_private.h - the inside of a writer, for the files leaf_writer*.c alone.
+ *
+ * leaf_writer.c         beginning a file, and what it takes of memory
+ * leaf_writer_put.c     putting payloads, from many threads
+ * leaf_writer_finish.c  payloads to their places, the directory, the header
+ */
+#ifndef FORMATS_LEAF_LEAF_WRITER_PRIVATE_H
+#define FORMATS_LEAF_LEAF_WRITER_PRIVATE_H
+
+#include <pthread.h>
+
+#include "formats/base/file.h"
+#include "formats/leaf/leaf_writer.h"
+
+struct leaf_writer {
+    mem *m;
+    leaf_parameters p;
+    leaf_layout layout;
+    leaf_header header;
+    leaf_section table[LEAF_SECTION_LAST + LEAF_ANCILLARY_LAST];
+    /* The sections of the directory, see leaf_section_kind. */
+    float (*ranges)[2];
+    float (*own)[2];
+    uint8_t *flags;
+    uint64_t *offsets, *sizes, *checksums;
+    double *axes; /* rectilinear: all three, one behind the other */
+    float (*bounds)[6];
+    uint32_t (*counts)[4];
+    char (*names)[64]; /* or NULL; so are times */
+    double *times;
+    leaf_part *parts;      /* coarse grids; or NULL */
+    histogram *histograms; /* per set; or NULL */
+    uint16_t *deviations;  /* codes of coarse treelets' bricks; or NULL */
+    world_frame frame;
+    bool settled;
+    out_file *out;
+    /* Compressed payloads, and a mesh's, wait here until all sizes are known. NULL: sizes are known
+     * from the start. */
+    out_file *scratch;
+    uint64_t *scratch_at; /* per payload; or NOT_THERE */
+    void *copy_buffer;
+    /* Guarded by the lock: */
+    pthread_mutex_t lock;
+    uint64_t scratch_end;
+    uint32_t placed;   /* how many payloads have a place: all before them have been put */
+    leaf_placing next; /* where the next payload goes */
+    bool implied;      /* some payloads have no bytes */
+};
+
+#define NOT_THERE    UINT64_MAX
+#define UNKNOWN_SIZE UINT64_MAX /* of a size */
+
+/* leaf_writer_place() - place the payloads, once all sizes are known. leaf_writer_copy_room() -
+ * allocate copy_buffer; for a mesh not before its counts are known. */
+void leaf_writer_place(leaf_writer *w);
+CHECKED status leaf_writer_copy_room(leaf_writer *w);
+
+#endif

@@ -1,0 +1,118 @@
+/* leaf_writer_put.c - putting payloads into a treelet file, from many threads. */
+#include <assert.h>
+#include <string.h>
+
+#include "formats/base/hash.h"
+#include "formats/leaf/implied_payload.h"
+#include "formats/leaf/leaf_geometry.h"
+#include "formats/leaf/leaf_writer_private.h"
+#include "formats/mesh/mesh_leaf.h"
+
+size_t leaf_writer_pack_bytes(const leaf_layout *l, leaf_codec codec) {
+    return codec == LEAF_CODEC_RAW ? 0 : leaf_layout_payload_max(l);
+}
+
+/* Decide where a payload of this size goes. Returns true for offsets[p], as all before it have been
+ * put; false for scratch_at[p]. Places become known in order. The place of a payload in the scratch
+ * file is needed now only to place those behind it. */
+static bool place_put(leaf_writer *w, uint32_t p, size_t size) {
+    pthread_mutex_lock(&w->lock);
+    const bool direct = p == w->placed;
+    w->sizes[p] = size;
+    w->scratch_at[p] = direct || !size ? NOT_THERE : w->scratch_end;
+    if (!direct)
+        w->scratch_end += size;
+    for (uint32_t n = w->placed; n < w->layout.payloads && w->sizes[n] != UNKNOWN_SIZE; n++) {
+        w->offsets[n] =
+            leaf_placing_next(&w->next, &w->layout, n, w->sizes[n], w->p.run_align_log2);
+        w->placed = n + 1;
+    }
+    pthread_mutex_unlock(&w->lock);
+    return direct;
+}
+
+static status put_payload(leaf_writer *w, leaf_packer *k, uint32_t p, const void *payload,
+                          size_t size, void *pack) {
+    const void *stored = payload;
+    if (k)
+        size = leaf_packer_pack(k, payload, size, pack, &stored);
+    w->checksums[p] = hash_bytes(stored, size);
+    if (!w->scratch)
+        return out_file_write_at(w->out, w->offsets[p], stored, size);
+    if (place_put(w, p, size))
+        return out_file_write_at(w->out, w->offsets[p], stored, size);
+    return out_file_write_at(w->scratch, w->scratch_at[p], stored, size);
+}
+
+/* Put a payload without bytes; the directory implies it. */
+static void put_implied(leaf_writer *w, uint32_t p) {
+    if (w->scratch)
+        place_put(w, p, 0);
+    pthread_mutex_lock(&w->lock);
+    w->sizes[p] = w->checksums[p] = 0;
+    w->implied = true;
+    pthread_mutex_unlock(&w->lock);
+}
+
+status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
+                       const leaf_entry *entry, const void *payload, void *pack) {
+    const uint32_t p = leaf_layout_samples(&w->layout, set, t);
+    assert(t < w->layout.treelets && set < w->layout.sets && !w->counts);
+    memcpy(w->own[p], entry->own, sizeof entry->own);
+    w->flags[p] = entry->flags;
+    const leaf_geometry *g = w->layout.geometry;
+    if (g->implies && g->implies(&w->layout, t, entry->own, entry->flags, payload)) {
+        put_implied(w, p);
+        return ST_OK;
+    }
+    return put_payload(w, k, p, payload, leaf_layout_payload_bytes(&w->layout, p), pack);
+}
+
+void leaf_writer_put_implied(leaf_writer *w, uint32_t set, uint32_t t, const leaf_entry *entry) {
+    const uint32_t p = leaf_layout_samples(&w->layout, set, t);
+    assert(w->layout.geometry->implies && implied_payload_may(entry->own, entry->flags));
+    memcpy(w->own[p], entry->own, sizeof entry->own);
+    w->flags[p] = entry->flags;
+    put_implied(w, p);
+}
+
+/* Copy floats; -0 becomes +0, as readers may compare bytes. */
+static void copy_floats(float *to, const float *from, int count) {
+    for (int i = 0; i < count; i++)
+        to[i] = from[i] + 0.0F;
+}
+
+status leaf_writer_put_topology(leaf_writer *w, leaf_packer *k, uint32_t t, const float bounds[6],
+                                const uint32_t counts[4], const void *payload, void *pack) {
+    assert(t < w->layout.treelets && w->counts);
+    assert(!mesh_leaf_counts_fault(counts, w->header.treelet_tets, w->header.leaf_tets));
+    copy_floats(w->bounds[t], bounds, 6);
+    memcpy(w->counts[t], counts, sizeof w->counts[t]);
+    return put_payload(w, k, t, payload, mesh_leaf_shape(counts).topology_bytes, pack);
+}
+
+status leaf_writer_put_values(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
+                              const leaf_entry *entry, const void *payload, void *pack) {
+    assert(t < w->layout.treelets && set < w->layout.sets && w->counts[t][0]);
+    const size_t element = (size_t)set * w->layout.treelets + t;
+    copy_floats(w->own[element], entry->own, 2);
+    w->flags[element] = entry->flags;
+    return put_payload(w, k, leaf_layout_values(&w->layout, set, t), payload,
+                       mesh_leaf_shape(w->counts[t]).values_bytes, pack);
+}
+
+status leaf_writer_put_gradients(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
+                                 const void *payload, void *pack) {
+    assert(t < w->layout.treelets && set < w->layout.gradient_sets && w->counts[t][0]);
+    return put_payload(w, k, leaf_layout_gradients(&w->layout, set, t), payload,
+                       mesh_leaf_shape(w->counts[t]).gradients_bytes, pack);
+}
+
+status leaf_writer_put_positions(leaf_writer *w, leaf_packer *k, uint32_t step, uint32_t t,
+                                 const float bounds[6], const void *payload, void *pack) {
+    assert(t < w->layout.treelets && step > 0 && step <= w->layout.moved_steps);
+    assert(w->counts[t][0]);
+    copy_floats(w->bounds[leaf_layout_bounds(&w->layout, step, t)], bounds, 6);
+    return put_payload(w, k, leaf_layout_positions(&w->layout, step, t), payload,
+                       mesh_leaf_shape(w->counts[t]).positions_bytes, pack);
+}

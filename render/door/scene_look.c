@@ -1,0 +1,205 @@
+#include "render/door/scene_look.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "formats/leaf/leaf_histogram.h"
+#include "render/door/leafcast_volume.h"
+#include "render/experiments/stepping_integrator.h"
+#include "render/ray/kind.h"
+#include "render/surface/surface_integrator.h"
+
+/* Returns an upper bound of a lit surface's colour channels. */
+static double brightest_surface(const scene_look *l) {
+    const turn *t = l->turn;
+    const leafcast_scene *scene = &t->scene;
+    double rgb = 0.0, lights = scene->light_count > 0 ? 0.0 : 1.0;
+    for (int i = 0; i < scene->light_count; i++)
+        lights += (double)fmaxf(scene->lights[i].rgb[0],
+                                fmaxf(scene->lights[i].rgb[1], scene->lights[i].rgb[2]));
+    for (int v = 0; v < t->volumes; v++)
+        for (int i = 0; i < t->shown[v].count; i++)
+            for (int c = 0; c < 3; c++)
+                rgb = fmax(rgb, (double)t->surfaces[v][i].rgb[c]);
+    return rgb * (1.0 + lights) + fabs((double)scene->specular) * lights;
+}
+
+/* The value range that lighting and colours go by, also where a coarse grid is drawn. */
+static void shown_range(const scene_look *l, int i, double range[2]) {
+    const leafcast_shown *s = &l->turn->shown[i];
+    const leaf_file *of = s->volume->file;
+    leaf_histogram_range(of, leaf_layout_set(&of->layout, s->field, s->step), range);
+}
+
+/* The value range of the data that is drawn: the volume's, or its coarse grid's. */
+static void drawn_range(const scene_look *l, int i, double range[2]) {
+    if (turn_is_instead(l->turn, i))
+        leaf_histogram_range(l->turn->drawn[i]->file, 0, range);
+    else
+        shown_range(l, i, range);
+}
+
+static status fill_volume(scene_look *l, int i) {
+    turn *t = l->turn;
+    interest_interval of[SCENE_BESIDE_MAX];
+    transfer *medium = &l->media[i];
+    const status st = transfer_init(medium, t->f.m, &t->scene.media[i]);
+    if (st != ST_OK || medium->spans == 0)
+        return st;
+    t->beside[i] = interest_of_intervals(of, transfer_interest(medium, of, SCENE_BESIDE_MAX));
+    drawn_range(l, i, l->ranges[i]);
+    l->look.brightest = fmax(l->look.brightest, medium->most_rgb);
+    return ST_OK;
+}
+
+/* Set media up for an experiment that sums in steps, without an error bound. */
+static status fill_for_steps(scene_look *l) {
+    turn *t = l->turn;
+    enum { TABLE = 256 };
+    const leafcast_scene *scene = &t->scene;
+    const leafcast_scene_experiments *e = scene->experiments;
+    frame *f = &t->f;
+    if (t->volumes > 1 || t->shown[0].count > 0)
+        return status_describe(ST_USAGE, "media in steps: one volume without isosurfaces");
+    const leafcast_info info = leafcast_describe(t->shown[0].volume);
+    stepping_look *steps = &l->stepped.steps;
+    *steps = (stepping_look){.medium = &l->media[0],
+                             .step = e->step * info.cell_size,
+                             .opaque = e->opaque > 0.0 ? e->opaque : 0.9999};
+    memcpy(steps->background, scene->background, sizeof scene->background);
+    f->integrator = &stepping_integrator;
+    f->look = &l->stepped;
+    if (e->summing != LEAFCAST_PREINTEGRATED)
+        return ST_OK;
+    f->integrator = &preintegrated_integrator;
+    return preintegrated_table_make(&l->stepped.table, f->m, f->threads, steps->medium,
+                                    l->ranges[0], steps->step, e->table > 0 ? e->table : TABLE);
+}
+
+/* For the only filled volume: which ranges of values are taken whole. */
+static homogeneous homogeneous_of(const scene_look *l, int i) {
+    const leafcast *v = l->turn->drawn[i];
+    const leafcast_scene_experiments *e = l->turn->scene.experiments;
+    leafcast_info info = {0};
+    double square = 0.0;
+    v->kind->describe(v, &info);
+    for (int a = 0; a < 3; a++)
+        square += (info.bounds[1][a] - info.bounds[0][a]) * (info.bounds[1][a] - info.bounds[0][a]);
+    return medium_homogeneous(&l->look, i, sqrt(square), v->file->layout.type != SAMPLE_F32,
+                              e ? e->homogeneous : 0.0);
+}
+
+/* Set up shading of media. Shading needs the gradient in each node, so no node is taken whole. */
+static status shade_media(scene_look *l) {
+    const turn *t = l->turn;
+    const leafcast_scene *scene = &t->scene;
+    l->shade = medium_shade_of(scene);
+    for (int i = 0; i < t->volumes; i++) {
+        const leafcast *v = t->shown[i].volume;
+        leafcast_info info = {.cell_size = 1.0};
+        double range[2];
+        if (l->media[i].spans == 0)
+            continue;
+        const kind *k = t->tracers[i].kind;
+
+        v->kind->describe(v, &info);
+        shown_range(l, i, range);
+        l->shade.steepness[i] = medium_shade_steepness(scene->shade_fade, info.cell_size, range);
+        l->look.overlaid |= k->walks->overlaps;
+    }
+    l->look.brightest *= l->shade.most;
+    l->look.shade = &l->shade;
+    return ST_OK;
+}
+
+/* Set up the media that fill volumes. */
+static status fill(scene_look *l) {
+    turn *t = l->turn;
+    const leafcast_scene *scene = &t->scene;
+    status st = ST_OK;
+    t->f.integrator = &medium_integrator;
+    l->look.media = l->media;
+    l->look.range = (const double(*)[2])l->ranges;
+    l->look.error = scene->error > 0.0 ? scene->error : 1.0 / 510.0;
+    l->look.brightest = fmax(1.0, brightest_surface(l));
+    for (int c = 0; c < 3; c++)
+        l->look.brightest = fmax(l->look.brightest, fabs((double)scene->background[c]));
+    l->look.filled = 0;
+    for (int i = 0; i < t->volumes && st == ST_OK; i++) {
+        st = fill_volume(l, i);
+        l->look.filled += l->media[i].spans > 0;
+    }
+    const bool certified = !scene->experiments || scene->experiments->summing == LEAFCAST_CERTIFIED;
+    if (st == ST_OK && !certified)
+        return fill_for_steps(l);
+    l->look.overlaid = l->look.filled > 1;
+    if (st == ST_OK && scene->shade_media)
+        st = shade_media(l);
+    l->look.unbounded = turn_any_instead(t);
+    t->f.record_more = medium_record_more(&l->look, scene->preview);
+    for (int i = 0; i < t->volumes && st == ST_OK && l->look.filled == 1 && !l->look.shade; i++)
+        if (l->media[i].spans > 0)
+            t->beside[i].whole = homogeneous_of(l, i);
+    return st;
+}
+
+/* Set a volume up for projection: its interest, and its part of the value range. */
+static void project_volume(scene_look *l, int i) {
+    turn *t = l->turn;
+    leafcast_shown *s = &t->shown[i];
+    const leafcast_scene *scene = &t->scene;
+    const interest_interval above = {.lo = scene->project_value, .hi = (double)INFINITY};
+    double range[2];
+    s->count = 0;
+    t->beside[i] = scene->project == LEAFCAST_PROJECT_FIRST ? interest_of_intervals(&above, 1)
+                                                            : interest_of_all();
+    shown_range(l, i, range);
+    l->projected.range[0] = fmin(l->projected.range[0], range[0]);
+    l->projected.range[1] = fmax(l->projected.range[1], range[1]);
+}
+
+static status project_scene(scene_look *l) {
+    turn *t = l->turn;
+    const leafcast_scene *scene = &t->scene;
+    const bool coloured = scene->media_count > 0 && scene->media[0].count > 0;
+    status st = coloured ? transfer_init(&l->media[0], t->f.m, &scene->media[0]) : ST_OK;
+    l->projected = (projection_look){.project = scene->project,
+                                     .value = scene->project_value,
+                                     .colour = coloured ? &l->media[0] : NULL,
+                                     .range = {(double)INFINITY, -(double)INFINITY}};
+    memcpy(l->projected.background, scene->background, sizeof scene->background);
+    t->f.integrator = &projection_integrator;
+    t->f.look = &l->projected;
+    for (int i = 0; i < t->volumes && st == ST_OK; i++)
+        project_volume(l, i);
+    /* Raise a threshold below all data to their least value: rays reach it where data begin, too.
+     * So differences from the data lose no digits. */
+    if (scene->project == LEAFCAST_PROJECT_FIRST && isfinite(l->projected.range[0]))
+        l->projected.value = t->above = fmax(scene->project_value, l->projected.range[0]);
+    return st;
+}
+
+status scene_look_choose(scene_look *l, turn *t) {
+    const leafcast_scene *scene = &t->scene;
+    status st = ST_OK;
+    l->turn = t;
+    l->look.surfaces =
+        (surface_look){scene, (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])t->surfaces,
+                       t->first_id, t->coarse};
+    t->f.integrator = &surface_integrator;
+    t->f.look = &l->look;
+    if (scene->project != LEAFCAST_PROJECT_NONE)
+        st = project_scene(l);
+    else if (scene->media_count > 0)
+        st = fill(l);
+    if (st == ST_OK && scene->caps && scene->cap_colours)
+        st = transfer_init(&l->cap_colours, t->f.m, scene->cap_colours);
+    return st;
+}
+
+void scene_look_release(scene_look *l, mem *m) {
+    for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
+        transfer_release(&l->media[i], m);
+    transfer_release(&l->cap_colours, m);
+    preintegrated_table_release(&l->stepped.table, m);
+}

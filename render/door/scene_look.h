@@ -1,0 +1,37 @@
+/* scene_look.h - how a scene is drawn: by which integrator, and the description that it gets.
+ *
+ * The one place that decides by what a scene asks for:
+ *
+ *   a projection       projection_integrator
+ *   media              medium_integrator, with or without surfaces and shading
+ *   media in steps     stepping_integrator or preintegrated_integrator: experiments
+ *   else, surfaces     surface_integrator
+ */
+#ifndef RENDER_DOOR_SCENE_LOOK_H
+#define RENDER_DOOR_SCENE_LOOK_H
+
+#include "render/door/leafcast_turn.h"
+#include "render/experiments/preintegrated_integrator.h"
+#include "render/medium/medium_integrator.h"
+#include "render/projection/projection_integrator.h"
+
+typedef struct scene_look {
+    turn *turn;
+    medium_look look; /* media and surfaces */
+    projection_look projected;
+    preintegrated_look stepped; /* media in equal steps, too */
+    transfer media[LEAFCAST_VOLUMES_MAX];
+    medium_shade shade;   /* for scene.shade_media */
+    transfer cap_colours; /* without spans: caps have surfaces' colours */
+    double ranges[LEAFCAST_VOLUMES_MAX][2];
+} scene_look;
+
+/* scene_look_choose() - set the integrator and the look of a described turn, whose volumes also get
+ * what they are to load beside isosurfaces. *l is zeroed before, and stays where it is. ST_USAGE
+ * for what a kind of volume cannot show. */
+CHECKED status scene_look_choose(scene_look *l, turn *t);
+
+/* scene_look_release() - free what scene_look_choose() took, also after an error. */
+void scene_look_release(scene_look *l, mem *m);
+
+#endif

@@ -1,0 +1,69 @@
+/* loader_private.h - the inside of a loader, for the files loader*.c alone.
+ *
+ * loader_slots.h      what is resident, and its memory
+ * loader_reads.h      the queue, and one read at a time from it
+ * loader_requests.c   what rays ask for, and waiting for it
+ * loader_select.c     another interest, set or capacity
+ * loader.c            making and ending, masks, statistics
+ */
+#ifndef STREAM_LOADER_PRIVATE_H
+#define STREAM_LOADER_PRIVATE_H
+
+#include <pthread.h>
+
+#include "stream/loader.h"
+#include "stream/treelet_cache.h"
+
+typedef enum residence { ABSENT, QUEUED, LOADING, READY, FAILED } residence;
+
+/* Scratch for one read; there is one per read that may run at a time. */
+typedef struct loader_seat {
+    resident_scratch scratch;
+    struct loader_seat *next; /* in the list of free seats */
+} loader_seat;
+
+/* A payload that treelets of several sets share. */
+typedef struct loader_shared {
+    const void *payload;
+    uint32_t users;
+} loader_shared;
+
+struct loader_private {
+    source *source;
+    const resident_kind *kind;
+    resident_store store;
+    pthread_mutex_t lock;
+    pthread_cond_t done;
+    /* Guarded by lock: */
+    atomic_uchar *state;   /* residence, per treelet; ABSENT or not: readable without the lock */
+    loader_request *queue; /* binary heap, smallest priority first */
+    size_t queued;
+    treelet **slots;       /* READY treelets, oldest first */
+    treelet_cache cache;   /* ABSENT treelets, while nothing else needs their memory */
+    loader_shared *shared; /* per treelet; NULL: nothing is shared */
+    uint32_t filled, loading, capacity;
+    _Atomic uint32_t claimed; /* filled, loading and queued; readable without the lock */
+    size_t bytes, room;       /* memory of all treelets; the most that it may be */
+    uint64_t published;       /* how often a treelet became READY */
+    uint32_t sweep_end;       /* the sweep wants treelets before this one; 0: none */
+    bool stepped;             /* another set was selected since the last loader_follow() */
+    status_note failure;
+    loader_stats stats;
+    loader_seat *free_seats;
+    atomic_bool reading; /* loader_is_reading() */
+    sleepers *listeners; /* loader_listen() */
+    interest selected;   /* read-only while anything is traced or loaded */
+    atomic_size_t masks; /* how many were made */
+    uint8_t *existing;   /* per treelet: octants that exist */
+    uint8_t *held;       /* per treelet: its subtree meets the interest; scratch of sweep() */
+    treelet_tree tree;   /* for a mesh, whose treelets overlap */
+    uint32_t set;        /* the selected one */
+    size_t slot_bytes;
+    readers *readers, *own_readers; /* own_readers NULL: the caller's readers */
+    reader_customer customer;
+    bool joined;
+    loader_seat *seats;
+    int seats_made;
+};
+
+#endif

@@ -1,0 +1,186 @@
+#include "stream/loader_reads.h"
+
+#include "formats/base/clock.h"
+#include "formats/base/heap.h"
+#include "stream/loader_slots.h"
+
+/* The queue: a binary heap by (priority, treelet). */
+
+bool loader_reads_before(const loader_request *a, const loader_request *b) {
+    return a->priority != b->priority ? a->priority < b->priority : a->t < b->t;
+}
+
+HEAP_RISE(request, loader_request, loader_reads_before)
+HEAP_SINK(request, loader_request, loader_reads_before)
+
+void loader_reads_push(struct loader_private *h, loader_request r) {
+    request_rise(h->queue, h->queued++, r);
+}
+
+static loader_request queue_pop(struct loader_private *h) {
+    const loader_request first = h->queue[0], last = h->queue[--h->queued];
+    request_sink(h->queue, 0, h->queued, last);
+    return first;
+}
+
+/* Returns whether a thread could begin a read now. Needs the lock. */
+static bool can_begin(const struct loader_private *h) {
+    return h->queued > 0 && h->filled + h->loading < h->capacity && h->free_seats;
+}
+
+bool loader_reads_pending(const struct loader_private *h) {
+    return h->loading > 0 || (h->queued > 0 && h->filled < h->capacity);
+}
+
+void loader_reads_tell(struct loader_private *h) {
+    atomic_store(&h->reading, loader_reads_pending(h));
+    const bool waiting = can_begin(h);
+    if (waiting || h->customer.waiting)
+        readers_tell(h->readers, &h->customer, waiting, waiting ? h->queue[0].priority : 0);
+}
+
+void loader_reads_quiesce(struct loader_private *h) {
+    while (h->queued > 0)
+        loader_slots_set_state(h, h->queue[--h->queued].t, ABSENT);
+    loader_reads_tell(h);
+    while (h->loading > 0)
+        pthread_cond_wait(&h->done, &h->lock);
+}
+
+void loader_reads_rest(struct loader_private *h) {
+    h->sweep_end = 0;
+    loader_reads_quiesce(h);
+}
+
+/* Note that treelet t failed, and free what was made of it. */
+static void take_failure(loader *l, uint32_t t, treelet *tr, status st) {
+    struct loader_private *h = l->hidden;
+    loader_slots_set_state(h, t, FAILED);
+    if (h->failure.st == ST_OK)
+        status_note_take(&h->failure, st);
+    if (tr)
+        loader_slots_discard(l, tr);
+    else
+        loader_slots_release(h, t);
+    arrivals_add(&l->arrivals, t);
+}
+
+/* Read treelet t and publish it. Needs the lock, and releases it during the read. */
+static void bring_in(loader *l, uint32_t t, resident_scratch *scratch) {
+    struct loader_private *h = l->hidden;
+    uint64_t read = 0;
+    treelet *tr = treelet_cache_find(&h->cache, t, TREELET_NO_SET);
+    const void *payload = tr ? tr->payload : loader_slots_share(h, t);
+    if (tr) {
+        treelet_cache_remove(&h->cache, tr);
+        h->bytes -= tr->bytes;
+    }
+    loader_slots_make_room(l, 1);
+    loader_slots_set_state(h, t, LOADING);
+    h->loading++;
+    loader_reads_tell(h);
+    pthread_mutex_unlock(&h->lock);
+
+    double start = clock_seconds();
+    status st = h->kind->load(&h->store, t, h->set, payload, scratch, &tr, &read);
+    if (st == ST_OK)
+        loader_mask(l, tr);
+    double seconds = clock_seconds() - start;
+
+    pthread_mutex_lock(&h->lock);
+    h->loading--;
+    h->stats.load_s += seconds;
+    h->stats.bytes_read += read;
+    h->stats.bytes_read_ever += read;
+    if (tr) {
+        h->bytes += tr->bytes;
+        loader_slots_offer(h, tr);
+    }
+    if (st != ST_OK) {
+        take_failure(l, t, tr, st);
+        return;
+    }
+    h->stats.loads++;
+    loader_slots_publish(l, tr);
+}
+
+/* Do one read for the readers. Wake a listener at the end, when the lock is released. */
+static void read_most_urgent(void *ctx) {
+    loader *l = ctx;
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    const bool can = can_begin(h);
+    if (can) {
+        const uint32_t t = queue_pop(h).t;
+        loader_seat *mine = h->free_seats;
+        h->free_seats = mine->next;
+        if (!loader_slots_take_back(l, t))
+            bring_in(l, t, &mine->scratch);
+        mine->next = h->free_seats;
+        h->free_seats = mine;
+        pthread_cond_broadcast(&h->done);
+    }
+    loader_reads_tell(h);
+    sleepers *listeners = h->listeners;
+    const bool claimed = can && listeners && sleepers_claim(listeners);
+    pthread_mutex_unlock(&h->lock);
+    if (claimed)
+        sleepers_wake(listeners);
+}
+
+static status scratch_init(struct loader_private *h, resident_scratch *scratch) {
+    const size_t bytes = h->kind->scratch(&h->store);
+    *scratch = (resident_scratch){.room = bytes ? mem_alloc(h->store.m, bytes) : NULL};
+    if (bytes && !scratch->room)
+        return ST_NOMEM;
+    status st = source_scratch_init(h->source, &scratch->source);
+    if (st != ST_OK)
+        mem_free(h->store.m, scratch->room);
+    return st;
+}
+
+static void scratch_release(struct loader_private *h, resident_scratch *scratch) {
+    source_scratch_release(h->source, &scratch->source);
+    mem_free(h->store.m, scratch->room);
+}
+
+/* Make scratch for `count` reads at a time. */
+static status make_seats(loader *l, int count) {
+    struct loader_private *h = l->hidden;
+    h->seats = mem_array(l->m, (size_t)count, sizeof *h->seats);
+    status st = h->seats ? ST_OK : ST_NOMEM;
+    while (st == ST_OK && h->seats_made < count) {
+        loader_seat *s = &h->seats[h->seats_made];
+        st = scratch_init(h, &s->scratch);
+        if (st != ST_OK)
+            break;
+        h->seats_made++;
+        s->next = h->free_seats;
+        h->free_seats = s;
+    }
+    return st;
+}
+
+status loader_reads_begin(loader *l, readers *given, int workers) {
+    struct loader_private *h = l->hidden;
+    h->customer = (reader_customer){.read = read_most_urgent, .ctx = l};
+    status st = make_seats(l, workers);
+    if (st == ST_OK && !given)
+        st = readers_create(l->m, &h->own_readers);
+    if (st != ST_OK)
+        return st;
+    h->readers = given ? given : h->own_readers;
+    st = readers_join(h->readers, &h->customer, workers);
+    h->joined = st == ST_OK;
+    return st;
+}
+
+void loader_reads_end(loader *l) {
+    struct loader_private *h = l->hidden;
+    if (h->joined)
+        readers_leave(h->readers, &h->customer);
+    readers_destroy(h->own_readers);
+    for (int i = 0; i < h->seats_made; i++)
+        scratch_release(h, &h->seats[i].scratch);
+    mem_free(l->m, h->seats);
+}

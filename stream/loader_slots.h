@@ -1,0 +1,40 @@
+/* loader_slots.h - what a loader holds: READY treelets in slots, others in the cache, and the
+ * payloads that treelets of several sets share.
+ *
+ * All of it needs the lock, and evicts only while no ray is being traced.
+ */
+#ifndef STREAM_LOADER_SLOTS_H
+#define STREAM_LOADER_SLOTS_H
+
+#include "stream/loader_private.h"
+
+residence loader_slots_state(const struct loader_private *h, uint32_t t); /* needs no lock */
+void loader_slots_set_state(struct loader_private *h, uint32_t t, residence to);
+
+/* loader_slots_publish() - make a treelet READY, in a free slot. loader_slots_take_back() - make
+ * treelet t READY from the cache; returns false if the cache lacks it in the selected set. */
+void loader_slots_publish(loader *l, treelet *tr);
+bool loader_slots_take_back(loader *l, uint32_t t);
+
+/* loader_slots_withdraw() - hide a treelet from rays. The caller must close the gap in `slots`.
+ * loader_slots_discard() - free a treelet that is neither READY nor in the cache. */
+void loader_slots_withdraw(loader *l, treelet *tr);
+void loader_slots_discard(loader *l, treelet *tr);
+
+/* loader_slots_evict() - free the `count` oldest READY treelets. loader_slots_make_room() - free
+ * from the cache, oldest first, until there is room for `more` treelets. */
+void loader_slots_evict(loader *l, uint32_t count);
+void loader_slots_make_room(loader *l, uint32_t more);
+
+/* loader_slots_share() - add a user of treelet t's shared payload. Returns the payload, or NULL if
+ * absent. loader_slots_release() - drop a user; the last one frees the payload.
+ * loader_slots_offer() - let other treelets share a treelet's payload. Without sharing, these do
+ * nothing. */
+const void *loader_slots_share(struct loader_private *h, uint32_t t);
+void loader_slots_release(struct loader_private *h, uint32_t t);
+void loader_slots_offer(struct loader_private *h, const treelet *tr);
+
+/* loader_slots_most_bytes() - returns the most memory of a resident treelet. */
+size_t loader_slots_most_bytes(const loader *l);
+
+#endif
