@@ -1,0 +1,11 @@
+#include "formats/leaf/grid_facts.h"
+#include "formats/leaf/leaf_tell.h"
+#include "formats/leaf/mesh_facts.h"
+
+const leaf_teller *leaf_teller_of(const leaf_file *f) {
+    static const leaf_teller *const tellers[] = {
+        [LEAF_KIND_GRID] = &grid_facts,
+        [LEAF_KIND_MESH] = &mesh_facts,
+    };
+    return tellers[f->header.kind]; /* leaf_file_open() has checked the kind */
+}
