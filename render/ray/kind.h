@@ -26,8 +26,8 @@ typedef struct kind {
     void (*close)(leafcast *v);
     /* Set how treelets are read, where the kind has a choice. NULL: no choice. */
     void (*loading)(const leafcast *v, loader_options *o);
-    /* Fill in the extent: dims, tets, vertices, bounds; and cell_size, which the caller has set to
-     * 1. */
+    /* Fill in what cells are and can do: cell, cells, nodes, abilities; dims, if nodes form a
+     * lattice; bounds; and cell_size, which the caller has set to 1. */
     void (*describe)(const leafcast *v, leafcast_info *info);
     /* Corners, in world space, of a box around all that may be active for these isovalues; of the
      * whole volume if nothing may be. */
@@ -72,7 +72,7 @@ typedef struct kind {
 
     /* Find more pieces of a ray, for segments_next(). On entry state->first = state->sure = 0, and
      * ahead[0 .. count) were found before. On SEGMENTS_SOME the next state->sure of them are final.
-     * NULL, like cell_of_segment(): cells of this kind overlap, or values are no polynomials. */
+     * NULL: cells of this kind overlap, or values are no polynomials. */
     segments_result (*segments)(const tracer *tr, const ray *r, segments_state *state,
                                 ray_counters *counters);
 
@@ -105,23 +105,25 @@ typedef struct kind {
 
     /* ---- A cell ---- */
 
-    /* Describe the cell of a hit as a leafcast_hit. */
+    /* Add what depends on the hit's cell: at, flat. NULL: nothing does. */
     status (*cell_of_hit)(leafcast *v, const tracer *tr, const ray *r, const hit *h,
                           leafcast_hit *out);
-    /* Describe the cell of a piece as a leafcast_segment. */
-    void (*cell_of_segment)(const tracer *tr, const segment *s, leafcast_segment *out);
+    /* Implement leafcast_cell_indices(). NULL: cells have numbers alone. */
+    int (*cell_indices)(const leafcast *v, uint32_t level, uint64_t cell, uint32_t index[3]);
+    /* Set the corners of a cell, with their values. ST_USAGE: the level, above 0, has no such cell.
+     * NULL: cells have no corners. */
+    status (*cell_corners)(leafcast *v, uint32_t level, uint64_t cell, leafcast_cell *out);
+
     /* ---- A point ---- */
 
     /* The next treelet of a level of detail that may hold a point of world space: the first one
      * after `after`, or of all if that is LEAF_NO_TREELET. Returns LEAF_NO_TREELET at the end. */
     uint32_t (*treelet_at)(const leafcast *v, uint32_t level, const double point[3],
                            uint32_t after);
-    /* Set *out to the cell of this treelet that holds the point, its value there and the gradient.
-     * *out stays unchanged where no cell does. */
+    /* Set *out to the cell of this treelet that holds the point, the values there and at the
+     * nearest node, finite or not, and the gradient. *out stays unchanged where no cell does. */
     void (*cell_in)(const leafcast *v, const treelet *at, const double point[3],
                     leafcast_sample *out);
-    /* The value at the sample's node nearest to the point, finite or not. */
-    double (*nearest)(const leafcast_sample *s, const double point[3]);
     /* About how many cells of level 0 a vector of world space passes. */
     double (*cells_along)(const leafcast *v, const double vector[3]);
     /* The plane of nodes number `node` across an axis, level 0, as a rectangle in world space.

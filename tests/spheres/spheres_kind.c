@@ -25,6 +25,8 @@ static void spheres_close(leafcast *v) {
 
 static void spheres_describe(const leafcast *v, leafcast_info *info) {
     const spheres_directory *d = spheres_directory_of(v->file);
+    info->cell = "sphere";
+    info->cells = d->first[v->file->layout.treelets];
     for (int a = 0; a < 3; a++) {
         info->bounds[0][a] = (double)v->file->header.bounds[a];
         info->bounds[1][a] = (double)v->file->header.bounds[a + 3];
@@ -266,13 +268,6 @@ static trace_result spheres_next(const tracer *tr, const ray *r, trace_state *st
 
 /* ---- Cells ---- */
 
-static status spheres_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, const hit *h,
-                                  leafcast_hit *out) {
-    (void)v, (void)tr, (void)r;
-    out->tet = h->cell; /* its number in the file's order, as tets are told */
-    return ST_OK;
-}
-
 static bool holds(const sphere *x, const double point[3], leafcast_sample *sample) {
     double away[3];
     vec3_sub(point, x->centre, away);
@@ -280,7 +275,7 @@ static bool holds(const sphere *x, const double point[3], leafcast_sample *sampl
     if (share > 1.0)
         return false;
     sample->inside = true;
-    sample->value = x->peak * (1.0 - share);
+    sample->value = sample->nearest = x->peak * (1.0 - share); /* there are no nodes */
     for (int a = 0; a < 3; a++)
         sample->gradient[a] = -2.0 * x->peak / (x->radius * x->radius) * away[a];
     return true;
@@ -303,14 +298,8 @@ static void spheres_cell_in(const leafcast *v, const treelet *at, const double p
     for (uint32_t i = 0; i < own->count && !sample->inside; i++)
         if (holds(&own->spheres[i], point, sample)) {
             sample->treelet = at->id;
-            sample->tet = own->first + i;
+            sample->cell = own->first + i;
         }
-}
-
-/* There are no nodes. */
-static double spheres_nearest(const leafcast_sample *s, const double point[3]) {
-    (void)point;
-    return s->value;
 }
 
 static double spheres_cells_along(const leafcast *v, const double vector[3]) {
@@ -336,9 +325,7 @@ const kind spheres_kind = {.name = "spheres",
                            .tile_side = TILE_MAX,
                            .rank = spheres_rank,
                            .next = spheres_next,
-                           .cell_of_hit = spheres_cell_of_hit,
                            .treelet_at = spheres_treelet_at,
                            .cell_in = spheres_cell_in,
-                           .nearest = spheres_nearest,
                            .cells_along = spheres_cells_along,
                            .layer = spheres_layer};

@@ -471,7 +471,7 @@ static void test_probe_ray(void **state) {
         all += hits;
         for (int i = 0; i < hits; i++) {
             const double off = fabs((double)((long double)got[i].t - want[i].t));
-            assert_int_equal(got[i].tet, want[i].number);
+            assert_int_equal(got[i].cell, want[i].number);
             assert_int_equal(got[i].surface, want[i].iso);
             assert_int_equal(got[i].entering, want[i].entering);
             assert_true(off <= got[i].error_bound);
@@ -503,7 +503,10 @@ static void test_probe_point(void **state) {
         inside += any;
         if (!any)
             continue;
-        assert_int_equal(got.tet, number);
+        assert_int_equal(got.cell, number);
+        leafcast_cell cell = {.size = sizeof cell};
+        assert_int_equal(leafcast_get_cell(v, 0, number, &cell), LEAFCAST_OK);
+        assert_true(cell.corners == 0 && cell.indices == 0);
         assert_true(fabs((double)((long double)got.value - value)) <= 1e-12);
         assert_true(number < l->count);
     }
