@@ -132,3 +132,17 @@ void leaf_tell_bytes(const leaf_file *f, const fact_sheet *to, double raw) {
     fact_sheet_whole(to, "payload_bytes", h->payload_bytes);
     fact_sheet_real(to, "ratio", (double)h->file_bytes / raw);
 }
+
+/* ---- a kind without a row ---- */
+
+static void tell_other(const leaf_file *f, const fact_sheet *to) {
+    leaf_tell_begin(f, to);
+    leaf_tell_print_fields(f, to);
+    leaf_tell_values(f, to, "values");
+    leaf_tell_print_steps(f, to);
+    leaf_tell_bytes(f, to, (double)f->header.payload_bytes);
+    leaf_tell_set_fields(f, to);
+}
+
+const leaf_teller leaf_tell_other = {
+    .name = "other", .cells = "cells", .drawn = "cells", .tell = tell_other};

@@ -23,8 +23,10 @@ typedef struct leaf_teller {
     void (*tell_parts)(const leaf_file *f, const fact_sheet *to);
 } leaf_teller;
 
-/* leaf_teller_of() - the row of a file's kind. */
+/* leaf_teller_of() - the row of a file's kind; leaf_tell_other if it has none: that row tells what
+ * all kinds have. */
 const leaf_teller *leaf_teller_of(const leaf_file *f);
+extern const leaf_teller leaf_tell_other;
 
 /* leaf_tell_begin() - tell the name, the program that made the file, and its id. */
 void leaf_tell_begin(const leaf_file *f, const fact_sheet *to);

@@ -7,5 +7,6 @@ const leaf_teller *leaf_teller_of(const leaf_file *f) {
         [LEAF_KIND_GRID] = &grid_facts,
         [LEAF_KIND_MESH] = &mesh_facts,
     };
-    return tellers[f->header.kind]; /* leaf_file_open() has checked the kind */
+    const uint32_t kind = f->header.kind;
+    return kind < sizeof tellers / sizeof *tellers ? tellers[kind] : &leaf_tell_other;
 }

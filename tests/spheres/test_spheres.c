@@ -21,6 +21,7 @@
 #include "render/mesh/mesh_kind.h"
 #include "stream/grid_resident.h"
 #include "stream/mesh_resident.h"
+#include "tests/spheres/spheres_facts.h"
 #include "tests/spheres/spheres_file.h"
 #include "tests/spheres/spheres_geometry.h"
 #include "tests/spheres/spheres_kind.h"
@@ -565,6 +566,27 @@ static void test_hostile_files(void **state) {
     free(l->file.bytes);
 }
 
+/* A row of facts is all that `info` needs; a kind without a row tells what all kinds have. */
+static void test_facts(void **state) {
+    (void)state;
+    lab *l = lab_make();
+    leaf_file *f = NULL;
+    mem m;
+    mem_init(&m, 0);
+    assert_int_equal(leaf_file_open_memory(&m, "balls", l->file.bytes, l->file.size, &f), ST_OK);
+    assert_ptr_equal(leaf_teller_of(f), &leaf_tell_other);
+    const fact_sheet other = {.values = json_object()}, own = {.values = json_object()};
+    leaf_tell_other.tell(f, &other);
+    spheres_facts.tell(f, &own);
+    assert_int_equal(json_integer_value(json_object_get(other.values, "treelets")), TREELETS);
+    assert_null(json_object_get(other.values, "spheres"));
+    assert_int_equal(json_integer_value(json_object_get(own.values, "spheres")), l->count);
+    json_decref(other.values);
+    json_decref(own.values);
+    leaf_file_close(f);
+    free(l->file.bytes);
+}
+
 /* A ball beyond its treelet is found when that comes in. */
 static void test_hostile_payload(void **state) {
     (void)state;
@@ -615,6 +637,7 @@ int main(void) {
         cmocka_unit_test(test_probe_ray),
         cmocka_unit_test(test_probe_point),
         cmocka_unit_test(test_no_segments),
+        cmocka_unit_test(test_facts),
         cmocka_unit_test(test_hostile_files),
         cmocka_unit_test(test_hostile_payload),
         cmocka_unit_test(test_grid_beside),
