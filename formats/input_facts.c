@@ -1,5 +1,6 @@
 #include "formats/input_facts.h"
 
+#include <assert.h>
 #include <float.h>
 #include <limits.h>
 #include <math.h>
@@ -19,10 +20,11 @@
 static const input_facts_kind *const kinds[] = {&volume_facts_kind, &mesh_input_facts_kind};
 
 static const input_facts_kind *kind_of(const input_facts *x) {
-    int i = 0;
-    while (kinds[i]->of != x->kind)
-        i++;
-    return kinds[i];
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if (kinds[i]->of == x->kind)
+            return kinds[i];
+    assert(!"a kind of input without a row");
+    return NULL;
 }
 
 status input_facts_read(mem *m, const input_question *q, const progress *p, input_facts *out) {

@@ -1,4 +1,5 @@
 /* leafcast convert - turns a volume or a mesh into a treelet file. */
+#include <assert.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -322,10 +323,11 @@ static const cli_verb verb = {
 static const convert_kind *const kinds[] = {&convert_grids, &convert_meshes};
 
 static const convert_kind *kind_of(const input *in) {
-    int i = 0;
-    while (kinds[i]->of != in->kind)
-        i++;
-    return kinds[i];
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if (kinds[i]->of == in->kind)
+            return kinds[i];
+    assert(!"a kind of input without a row");
+    return NULL;
 }
 
 static status convert_opened(convert_request *a, mem *m, input *in, double start) {

@@ -235,11 +235,12 @@ static status report_pieces(const export_request *a, const piece_info *info, dou
 
 static const export_kind *const kinds[] = {&export_grid, &export_tets_kind};
 
+/* Returns NULL for a kind that is not exported. */
 static const export_kind *kind_of(const leaf_file *f) {
-    int i = 0;
-    while (kinds[i]->of != f->geometry)
-        i++;
-    return kinds[i];
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if (kinds[i]->of == f->geometry)
+            return kinds[i];
+    return NULL;
 }
 
 static unsigned use_of(const export_request *a, const export_kind *kind) {
@@ -251,6 +252,8 @@ static unsigned use_of(const export_request *a, const export_kind *kind) {
 static status check_kind(const export_request *a, const leaf_file *f) {
     const export_kind *kind = kind_of(f);
     const char *path = a->common.input, *name = leaf_teller_of(f)->name;
+    if (!kind)
+        return status_describe(ST_UNSUPPORTED, "%s: its kind of geometry is not exported", path);
     if (a->samples && !kind->samples)
         return status_describe(ST_UNSUPPORTED, "%s: a %s, which has no samples of a grid: %s", path,
                                name, kind->instead);
