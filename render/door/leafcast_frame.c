@@ -91,15 +91,11 @@ static void drawn_range(const leafcast_frame *fr, int i, double range[2]) {
 }
 
 static status fill_volume(leafcast_frame *fr, int i) {
-    const leafcast_shown *s = &fr->t.shown[i];
     interest_interval of[SCENE_BESIDE_MAX];
     transfer *medium = &fr->media[i];
     const status st = transfer_init(medium, fr->t.f.m, &fr->t.scene.media[i]);
     if (st != ST_OK || medium->spans == 0)
         return st;
-    if (!fr->t.tracers[i].kind->segments)
-        return status_describe(ST_USAGE, "%s cannot be filled with a medium",
-                               s->volume->kind->name);
     fr->t.beside[i] = interest_of_intervals(of, transfer_interest(medium, of, SCENE_BESIDE_MAX));
     drawn_range(fr, i, fr->ranges[i]);
     fr->look.brightest = fmax(fr->look.brightest, medium->most_rgb);
@@ -162,12 +158,10 @@ static status shade_media(leafcast_frame *fr) {
         if (fr->media[i].spans == 0)
             continue;
         const kind *k = fr->t.tracers[i].kind;
-        if (!k->gradient)
-            return status_describe(ST_USAGE, "media in %s cannot be shaded", k->name);
         v->kind->describe(v, &info);
         shown_range(fr, i, range);
         fr->shade.steepness[i] = medium_shade_steepness(scene->shade_fade, info.cell_size, range);
-        fr->look.overlaid |= k->overlaps;
+        fr->look.overlaid |= k->walks->overlaps;
     }
     fr->look.brightest *= fr->shade.most;
     fr->look.shade = &fr->shade;
@@ -206,21 +200,17 @@ static status fill(leafcast_frame *fr) {
 }
 
 /* Set a volume up for projection: its interest, and its part of the value range. */
-static status project_volume(leafcast_frame *fr, int i) {
+static void project_volume(leafcast_frame *fr, int i) {
     leafcast_shown *s = &fr->t.shown[i];
     const leafcast_scene *scene = &fr->t.scene;
     const interest_interval above = {.lo = scene->project_value, .hi = (double)INFINITY};
-    const kind *k = fr->t.tracers[i].kind;
     double range[2];
-    if (!k->segments || !k->extreme)
-        return status_describe(ST_USAGE, "%s cannot be projected", k->name);
     s->count = 0;
     fr->t.beside[i] = scene->project == LEAFCAST_PROJECT_FIRST ? interest_of_intervals(&above, 1)
                                                                : interest_of_all();
     shown_range(fr, i, range);
     fr->projected.range[0] = fmin(fr->projected.range[0], range[0]);
     fr->projected.range[1] = fmax(fr->projected.range[1], range[1]);
-    return ST_OK;
 }
 
 static status project_scene(leafcast_frame *fr) {
@@ -235,7 +225,7 @@ static status project_scene(leafcast_frame *fr) {
     fr->t.f.integrator = &projection_integrator;
     fr->t.f.look = &fr->projected;
     for (int i = 0; i < fr->t.volumes && st == ST_OK; i++)
-        st = project_volume(fr, i);
+        project_volume(fr, i);
     /* Raise a threshold below all data to their least value: rays reach it where data begin, too.
      * So differences from the data lose no digits. */
     if (scene->project == LEAFCAST_PROJECT_FIRST && isfinite(fr->projected.range[0]))
@@ -362,7 +352,7 @@ static status project(leafcast_frame *fr, frame *f) {
     const bool tiles = f->integrator->tile && v->kernels.tile;
     if (!tiles || f->volumes > 1 || f->camera.ortho)
         return ST_OK;
-    const status st = v->kind->project(v, &f->camera, &fr->projection);
+    const status st = v->kind->tiles->project(v, &f->camera, &fr->projection);
     if (st == ST_OK && fr->projection.usable)
         f->projection = &fr->projection;
     return st;
