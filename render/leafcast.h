@@ -596,7 +596,7 @@ typedef struct leafcast_cell {
     uint32_t index[3]; /* i, j, k */
     int corners;       /* 8 in a grid, 4 of a tet; 0: the cell has none */
     /* The corners in world space, and the values there. Corner (x, y, z) of a grid's cell is at
-     * index x + 2y + 4z; a tet's are in the file's order. */
+     * index x + 2y + 4z; those of a tet are in the order of the treelet file. */
     double position[LEAFCAST_CORNERS_MAX][3];
     float value[LEAFCAST_CORNERS_MAX];
 } leafcast_cell;
