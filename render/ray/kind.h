@@ -111,7 +111,7 @@ typedef struct kind {
     const kind_walks *walks;
     const struct treelet_walks *inside; /* for tree_walks: what is in a treelet */
     const struct cell_kind *cells;      /* for cell_walks: what is in a cell (walk/cell_walks.h) */
-    uint32_t degree;                    /* of all pieces: 1 to 3 */
+    uint32_t degree;                    /* of all pieces: 1 or 3 */
     /* Implements segments_error_of(). */
     segments_error (*segments_error)(const tracer *tr, const ray *r, const double range[2]);
     /* The gradient along a piece in this treelet. s->cell may be unset where treelets do not

@@ -95,6 +95,54 @@ static void judge_pieces(const bench *b) {
     assert_true(all > 400 && grazes < 50);
 }
 
+static double value_in(const leafcast_segment *s, double at) {
+    double b[4];
+    memcpy(b, s->control, sizeof b);
+    for (int left = s->degree; left > 0; left--)
+        for (int i = 0; i < left; i++)
+            b[i] += at * (b[i + 1] - b[i]);
+    return b[0];
+}
+
+/* Values along pieces that a clip has cut, against those at points. */
+static void judge_clipped(const bench *b) {
+    static leafcast_segment got[CELL_CHORDS_MAX];
+    leafcast_scene scene = leafcast_scene_default();
+    field_random r = {FIELD_SEED + 7 + b->step};
+    int all = 0, cut = 0, wrong = 0;
+    scene.clip_box = true;
+    for (int a = 0; a < 3; a++) {
+        const double lo = b->info.bounds[0][a], hi = b->info.bounds[1][a];
+        scene.clip_min[a] = lo + 0.31 * (hi - lo);
+        scene.clip_max[a] = lo + 0.77 * (hi - lo);
+    }
+    for (int n = 0; n < 1000; n++) {
+        double origin[3], direction[3];
+        int count = 0;
+        random_ray(b, &r, n, origin, direction);
+        assert_int_equal(
+            leafcast_probe_segments(b->v, &scene, origin, direction, got, CELL_CHORDS_MAX, &count),
+            LEAFCAST_OK);
+        for (int k = 0; k < 3 * count; k++) {
+            const leafcast_segment *s = &got[k / 3];
+            const double at = (1 + k % 3) / 4.0, t = s->t0 + at * (s->t1 - s->t0);
+            const double point[3] = {origin[0] + t * direction[0], origin[1] + t * direction[1],
+                                     origin[2] + t * direction[2]};
+            long double want = 0.0L;
+            bool grazing = false;
+            const bool any = b->truth->value(b->truth->ctx, b->step, point, &want, &grazing);
+            wrong +=
+                !grazing &&
+                (!any || !(fabs((double)(value_in(s, at) - want)) <= near_enough * b->truth->most));
+            all += !grazing;
+            cut += fabs(value_in(s, 0.0)) > 0.01 || fabs(value_in(s, 1.0)) > 0.01;
+        }
+    }
+    print_message("# step %u: %d values in clipped pieces, %d wrong\n", b->step, all, wrong);
+    assert_true(all > 200 && cut > 50);
+    assert_int_equal(wrong, 0);
+}
+
 /* ---- Pictures ---- */
 
 /* What a pixel is to show. */
@@ -285,6 +333,7 @@ void cell_judge(const leaf_image *image, const cell_truth *truth) {
     for (b.step = 0; b.step < truth->steps; b.step++) {
         assert_int_equal(leafcast_select_set(b.v, 0, b.step), LEAFCAST_OK);
         judge_pieces(&b);
+        judge_clipped(&b);
         for (int question = 0; question < QUESTIONS; question++)
             judge_picture(&b, question);
         judge_budget(&b, path);
