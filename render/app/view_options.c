@@ -632,7 +632,7 @@ status view_options_only(const view_options *v, const char *names, const char *w
     return ST_OK;
 }
 
-static bool lod_of_meshes(const view_options *v) {
+static bool lod_of_previews(const view_options *v) {
     return v->scene.lod == LEAFCAST_LOD_EXACT || v->scene.preview;
 }
 
@@ -640,28 +640,42 @@ static bool intersector_is_exact(const view_options *v) {
     return v->experiments.intersector == LEAFCAST_MARMITT;
 }
 
-static bool normals_of_grids(const view_options *v) {
+static bool normals_of_lattices(const view_options *v) {
     return v->normals < 2;
 }
 
-static bool normals_of_meshes(const view_options *v) {
+static bool normals_of_cells(const view_options *v) {
     return v->normals >= 2;
 }
 
-static const flag_need GRID_NEEDS[] = {
-    {NORMALS, normals_of_grids, "--normals: a grid's are central or analytic"}};
-static const flag_need MESH_NEEDS[] = {
-    {LOD, lod_of_meshes, "--lod: a mesh has no coarse levels but in a preview"},
-    {INTERSECTOR, intersector_is_exact, "--intersector: intersectors are for grids"},
-    {NORMALS, normals_of_meshes, "--normals: a mesh's are faceted or smooth"}};
+/* What flags need of volumes that have an ability, or that lack it. %s: the kind of geometry. */
+static const struct {
+    unsigned ability;
+    bool has;
+    flag_need need;
+} KIND_NEEDS[] = {
+    {LEAFCAST_ABILITY_LEVELS,
+     false,
+     {LOD, lod_of_previews, "--lod: a %s has no coarse levels but in a preview"}},
+    {LEAFCAST_ABILITY_INTERSECTORS,
+     false,
+     {INTERSECTOR, intersector_is_exact, "--intersector: intersectors are for grids"}},
+    {LEAFCAST_ABILITY_ANALYTIC_NORMALS,
+     true,
+     {NORMALS, normals_of_lattices, "--normals: a %s's are central or analytic"}},
+    {LEAFCAST_ABILITY_SMOOTH_NORMALS,
+     true,
+     {NORMALS, normals_of_cells, "--normals: a %s's are faceted or smooth"}}};
 
-/* For other kinds the library itself reports what they cannot do. */
+/* What else a kind cannot do, the library itself reports. */
 status view_options_check_volume(const view_options *v, const leafcast *volume) {
     const leafcast_info info = leafcast_describe(volume);
-    if (strcmp(info.kind, "grid") == 0)
-        return check_flags(v, GRID_NEEDS, sizeof GRID_NEEDS / sizeof *GRID_NEEDS);
-    if (strcmp(info.kind, "mesh") == 0)
-        return check_flags(v, MESH_NEEDS, sizeof MESH_NEEDS / sizeof *MESH_NEEDS);
+    for (size_t i = 0; i < sizeof KIND_NEEDS / sizeof *KIND_NEEDS; i++) {
+        const flag_need *need = &KIND_NEEDS[i].need;
+        const bool has = info.abilities & KIND_NEEDS[i].ability;
+        if (has == KIND_NEEDS[i].has && (v->given & bit_of(need->key)) && !need->met(v))
+            return status_describe(ST_USAGE, need->why, info.kind);
+    }
     return ST_OK;
 }
 
