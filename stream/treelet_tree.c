@@ -58,6 +58,15 @@ void treelet_tree_move(treelet_tree *tree, const treelet_bounds bounds[]) {
         merge_level(tree, level);
 }
 
+size_t treelet_tree_bytes(uint32_t count) {
+    size_t nodes = count;
+    while (count > 1) {
+        count = (count + TREELET_TREE_ARITY - 1) / TREELET_TREE_ARITY;
+        nodes += count;
+    }
+    return nodes * (sizeof(treelet_bounds) + 1);
+}
+
 void treelet_tree_release(treelet_tree *tree) {
     if (tree->m)
         mem_free(tree->m, tree->block);
@@ -65,7 +74,7 @@ void treelet_tree_release(treelet_tree *tree) {
 }
 
 void treelet_tree_select(treelet_tree *tree, const uint8_t own[]) {
-    memcpy(tree->active[0], own, tree->count[0]);
+    memmove(tree->active[0], own, tree->count[0]);
     for (uint32_t level = 1; level < tree->levels; level++) {
         for (uint32_t i = 0; i < tree->count[level]; i++) {
             uint32_t count, first = treelet_tree_children(tree, level, i, &count);

@@ -1,8 +1,9 @@
-/* treelet_tree.h - the implicit tree over the treelets of a mesh.
+/* treelet_tree.h - the implicit tree over boxes that may overlap: the treelets of a mesh, or the
+ * cells of a treelet (cell_resident.h).
  *
- * A mesh's treelets are in the order of a space-filling curve. So eight in a row are neighbours,
- * and so are eight such groups. They form a complete 8-ary tree whose shape follows from the number
- * of treelets alone. Level 0 is the treelets; the children of node i of level k + 1 are 8i .. 8i +
+ * They are in the order of a space-filling curve. So eight in a row are neighbours, and so are
+ * eight such groups. They form a complete 8-ary tree whose shape follows from their number alone.
+ * Level 0 is the treelets; the children of node i of level k + 1 are 8i .. 8i +
  * 7 of level k, as far as they exist. Grids need no such tree: their directory is an octree
  * (leaf_layout.h).
  */
@@ -39,10 +40,14 @@ CHECKED status treelet_tree_init(treelet_tree *tree, mem *m, const treelet_bound
                                  uint32_t count);
 void treelet_tree_release(treelet_tree *tree);
 
+/* treelet_tree_bytes() - the memory that such a tree takes. */
+size_t treelet_tree_bytes(uint32_t count);
+
 /* treelet_tree_move() - set new bounds of the same treelets. */
 void treelet_tree_move(treelet_tree *tree, const treelet_bounds bounds[]);
 
-/* treelet_tree_select() - set which nodes are active. own: per treelet, whether it is active. */
+/* treelet_tree_select() - set which nodes are active. own: per treelet, whether it is active; may
+ * be active[0] itself. */
 void treelet_tree_select(treelet_tree *tree, const uint8_t own[]);
 
 /* treelet_tree_children() - returns the first child of node i of a level > 0; *count children. */

@@ -12,8 +12,9 @@
 #include "formats/leaf/leaf_file.h"
 
 typedef struct leaf_geometry {
-    bool holds_indices; /* result of leaf_file_holds_indices() */
-    bool has_map;       /* to_world is meaningful, so section WORLD may name its axes */
+    bool holds_indices;             /* result of leaf_file_holds_indices() */
+    const struct leaf_cells *cells; /* what a cell's record is (leaf_cells.h); NULL: no records */
+    bool has_map;                   /* to_world is meaningful, so section WORLD may name its axes */
 
     /* ---- The header: parts of leaf_check_header() and leaf_check_layout() ---- */
 

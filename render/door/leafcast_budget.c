@@ -46,7 +46,7 @@ static size_t frame_fixed_bytes(const turn *t) {
     for (int i = 0; i < t->volumes; i++) {
         const leafcast *v = t->drawn[i];
         bytes += coarse_preview_bytes(t->shown[i].volume) +
-                 (v->kind->projection_bytes ? v->kind->projection_bytes(&v->file->layout) : 0);
+                 (v->kind->tiles ? v->kind->tiles->projection_bytes(&v->file->layout) : 0);
     }
     return bytes;
 }

@@ -105,8 +105,8 @@ leafcast_status leafcast_fit_view(const leafcast *v, uint32_t field, uint32_t st
         st = public_in_range(__func__, "fov", fov, 0.0, nextafter(180.0, 0.0));
     if (st != ST_OK)
         return public_status(st);
-    v->kind->active_box(v, leaf_layout_set(&v->file->layout, field, step), isovalues, count,
-                        corners);
+    v->kind->walks->active_box(v, leaf_layout_set(&v->file->layout, field, step), isovalues, count,
+                               corners);
     *view =
         camera_fit((const double(*)[3])corners, fov > 0.0 ? fov : LEAFCAST_FIT_FOV, width, height);
     return LEAFCAST_OK;

@@ -166,7 +166,7 @@ static status project(leafcast_frame *fr, frame *f) {
     const bool tiles = f->integrator->tile && v->kernels.tile;
     if (!tiles || f->volumes > 1 || f->camera.ortho)
         return ST_OK;
-    const status st = v->kind->project(v, &f->camera, &fr->projection);
+    const status st = v->kind->tiles->project(v, &f->camera, &fr->projection);
     if (st == ST_OK && fr->projection.usable)
         f->projection = &fr->projection;
     return st;

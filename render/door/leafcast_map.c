@@ -26,7 +26,7 @@ static void count(const leafcast *v, uint32_t t, const uint32_t blocks[3], leafc
                                         atomic_load_explicit(&v->touched[t], memory_order_relaxed)};
     double span[2][3];
     uint32_t lo[3], hi[3];
-    v->kind->span(v, t, span);
+    v->kind->walks->span(v, t, span);
     for (int a = 0; a < 3; a++)
         reach(span[0][a], span[1][a], blocks[a], &lo[a], &hi[a]);
     for (uint32_t z = lo[2]; z <= hi[2]; z++)

@@ -163,8 +163,6 @@ static status probe_segments(leafcast *v, const leafcast_scene *scene, const dou
                              int *count) {
     tracer tr;
     ray r;
-    if (!v->kind->segments)
-        return status_describe(ST_USAGE, "a ray through %s has no pieces", v->kind->name);
     status st = show(v, scene);
     if (st == ST_OK)
         st = volume_tracer_of_all(v, scene, NULL, &tr);
@@ -199,7 +197,7 @@ static status probe_point(leafcast *v, const double point[3], leafcast_sample *s
     status st = ST_OK;
     for (uint32_t t = LEAF_NO_TREELET; !sample->inside && st == ST_OK;) {
         const treelet *at;
-        t = v->kind->treelet_at(v, 0, point, t);
+        t = v->kind->walks->treelet_at(v, 0, point, t);
         if (t == LEAF_NO_TREELET)
             break;
         st = volume_treelet(v, t, &at);

@@ -28,7 +28,7 @@ static status trace_rays(turn *t, ray_look *look) {
     ray_counters counters = {0};
     /* Make a picture one tile wide: neighbours in the caller's order share a tile, and walk
      * together. */
-    const size_t row = f->tracer->kind->tile_side < 16 ? f->tracer->kind->tile_side : 16;
+    const size_t row = kind_tile_side(f->tracer->kind) < 16 ? kind_tile_side(f->tracer->kind) : 16;
     f->integrator = &ray_integrator;
     f->look = look;
     f->stride = f->width = (uint32_t)(look->count < row ? look->count : row);

@@ -199,7 +199,7 @@ typedef struct edge {
 
 static void lengthen(edge *e, const leafcast *v, const double vector[3]) {
     e->length += vec3_length(vector);
-    e->cells += v->kind->cells_along(v, vector);
+    e->cells += v->kind->walks->cells_along(v, vector);
 }
 
 static edge upper_edge(const leafcast *v, const leafcast_slice_pixels *s) {
@@ -293,7 +293,8 @@ static void cut_edge(rectangle *r, const double a[3], const double b[3], const d
 
 static void cut_box(rectangle *r, const leafcast *v, const double plane[4]) {
     double corners[8][3];
-    v->kind->active_box(v, leaf_layout_set(&v->file->layout, v->field, v->step), NULL, 0, corners);
+    v->kind->walks->active_box(v, leaf_layout_set(&v->file->layout, v->field, v->step), NULL, 0,
+                               corners);
     for (int i = 0; i < 8; i++)
         for (int a = 0; a < 3; a++)
             if (!(i >> a & 1))
@@ -342,6 +343,8 @@ leafcast_status leafcast_layer_slice(const leafcast *v, int axis, uint32_t node,
     status st = begin_slice(__func__, v, s);
     if (st == ST_OK && (axis < 0 || axis > 2))
         st = status_describe(ST_USAGE, "axis %d: 0 to 2 are possible", axis);
+    if (st == ST_OK && !v->kind->layer)
+        st = status_describe(ST_USAGE, "a %s has no planes of nodes", v->kind->name);
     if (st == ST_OK)
         st = v->kind->layer(v, axis, node, s->origin, edges);
     if (st != ST_OK)

@@ -177,7 +177,7 @@ static void locate(const waiting *w, uint32_t point, uint32_t after) {
     const point_samples *p = w->job;
     double at[3];
     point_of(w, point, at);
-    w->treelet[point] = p->volume->kind->treelet_at(p->volume, p->level, at, after);
+    w->treelet[point] = p->volume->kind->walks->treelet_at(p->volume, p->level, at, after);
     if (w->treelet[point] == LEAF_NO_TREELET)
         tell(w, point, at, &NOTHING);
 }

@@ -41,15 +41,11 @@ static void drawn_range(const scene_look *l, int i, double range[2]) {
 
 static status fill_volume(scene_look *l, int i) {
     turn *t = l->turn;
-    const leafcast_shown *s = &t->shown[i];
     interest_interval of[SCENE_BESIDE_MAX];
     transfer *medium = &l->media[i];
     const status st = transfer_init(medium, t->f.m, &t->scene.media[i]);
     if (st != ST_OK || medium->spans == 0)
         return st;
-    if (!t->tracers[i].kind->segments)
-        return status_describe(ST_USAGE, "%s cannot be filled with a medium",
-                               s->volume->kind->name);
     t->beside[i] = interest_of_intervals(of, transfer_interest(medium, of, SCENE_BESIDE_MAX));
     drawn_range(l, i, l->ranges[i]);
     l->look.brightest = fmax(l->look.brightest, medium->most_rgb);
@@ -94,7 +90,7 @@ static homogeneous homogeneous_of(const scene_look *l, int i) {
 }
 
 /* Set up shading of media. Shading needs the gradient in each node, so no node is taken whole. */
-static status shade_media(scene_look *l) {
+static void shade_media(scene_look *l) {
     const turn *t = l->turn;
     const leafcast_scene *scene = &t->scene;
     l->shade = medium_shade_of(scene);
@@ -105,16 +101,13 @@ static status shade_media(scene_look *l) {
         if (l->media[i].spans == 0)
             continue;
         const kind *k = t->tracers[i].kind;
-        if (!k->gradient)
-            return status_describe(ST_USAGE, "media in %s cannot be shaded", k->name);
         v->kind->describe(v, &info);
         shown_range(l, i, range);
         l->shade.steepness[i] = medium_shade_steepness(scene->shade_fade, info.cell_size, range);
-        l->look.overlaid |= k->overlaps;
+        l->look.overlaid |= k->walks->overlaps;
     }
     l->look.brightest *= l->shade.most;
     l->look.shade = &l->shade;
-    return ST_OK;
 }
 
 /* Set up the media that fill volumes. */
@@ -139,7 +132,7 @@ static status fill(scene_look *l) {
         return fill_for_steps(l);
     l->look.overlaid = l->look.filled > 1;
     if (st == ST_OK && scene->shade_media)
-        st = shade_media(l);
+        shade_media(l);
     l->look.unbounded = turn_any_instead(t);
     t->f.record_more = medium_record_more(&l->look, scene->preview);
     for (int i = 0; i < t->volumes && st == ST_OK && l->look.filled == 1 && !l->look.shade; i++)
@@ -149,22 +142,18 @@ static status fill(scene_look *l) {
 }
 
 /* Set a volume up for projection: its interest, and its part of the value range. */
-static status project_volume(scene_look *l, int i) {
+static void project_volume(scene_look *l, int i) {
     turn *t = l->turn;
     leafcast_shown *s = &t->shown[i];
     const leafcast_scene *scene = &t->scene;
     const interest_interval above = {.lo = scene->project_value, .hi = (double)INFINITY};
-    const kind *k = t->tracers[i].kind;
     double range[2];
-    if (!k->segments || !k->extreme)
-        return status_describe(ST_USAGE, "%s cannot be projected", k->name);
     s->count = 0;
     t->beside[i] = scene->project == LEAFCAST_PROJECT_FIRST ? interest_of_intervals(&above, 1)
                                                             : interest_of_all();
     shown_range(l, i, range);
     l->projected.range[0] = fmin(l->projected.range[0], range[0]);
     l->projected.range[1] = fmax(l->projected.range[1], range[1]);
-    return ST_OK;
 }
 
 static status project_scene(scene_look *l) {
@@ -180,7 +169,7 @@ static status project_scene(scene_look *l) {
     t->f.integrator = &projection_integrator;
     t->f.look = &l->projected;
     for (int i = 0; i < t->volumes && st == ST_OK; i++)
-        st = project_volume(l, i);
+        project_volume(l, i);
     /* Raise a threshold below all data to their least value: rays reach it where data begin, too.
      * So differences from the data lose no digits. */
     if (scene->project == LEAFCAST_PROJECT_FIRST && isfinite(l->projected.range[0]))

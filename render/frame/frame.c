@@ -37,16 +37,13 @@ struct drawing {
     uint64_t rounds;
 };
 
-static uint32_t tile_side(const frame *f) {
-    return f->tracer->kind->tile_side;
-}
-
 static size_t up_to_64(size_t bytes) {
     return (bytes + 63) / 64 * 64;
 }
 
 uint32_t frame_records_min(const frame *f) {
-    return (uint32_t)pool_threads(f->threads) * tile_side(f) * tile_side(f);
+    return (uint32_t)pool_threads(f->threads) * kind_tile_side(f->tracer->kind) *
+           kind_tile_side(f->tracer->kind);
 }
 
 size_t frame_record_bytes(const frame *f) {
@@ -59,14 +56,16 @@ static size_t company_bytes(const frame *f) {
 
 /* Bytes that a tile's kernel and rays that go on together use in turn. */
 static size_t shared_scratch(const frame *f) {
-    const size_t tile = up_to_64(f->tracer->kind->tile_scratch), company = company_bytes(f);
+    const size_t tile = up_to_64(f->tracer->kind->tiles ? f->tracer->kind->tiles->scratch : 0),
+                 company = company_bytes(f);
     return tile > company ? tile : company;
 }
 
 static size_t batch_scratch(const frame *f) {
     size_t most = 0;
     for (int v = 0; v < f->volumes; v++)
-        most = most > f->tracer[v].kind->batch_scratch ? most : f->tracer[v].kind->batch_scratch;
+        most = most > kind_batch_scratch(f->tracer[v].kind) ? most
+                                                            : kind_batch_scratch(f->tracer[v].kind);
     return up_to_64(most);
 }
 
@@ -105,7 +104,7 @@ static uint32_t treelets_of(const frame *f) {
 }
 
 size_t frame_bytes(const frame *f, uint32_t records_max) {
-    const uint32_t side = tile_side(f);
+    const uint32_t side = kind_tile_side(f->tracer->kind);
     const size_t tiles = (size_t)tiles_of(f->width, side) * tiles_of(f->height, side);
     return frame_work_bytes(treelets_of(f), tiles) +
            ray_records_bytes(frame_record_bytes(f), records_max) + tiles * side * sizeof(tile_row) +
@@ -353,7 +352,7 @@ static void put_in_order(drawing *d) {
 }
 
 static status drawing_init(drawing *d, const frame *f) {
-    const uint32_t side = tile_side(f);
+    const uint32_t side = kind_tile_side(f->tracer->kind);
     *d = (drawing){.f = f, .side = side, .tiles_x = tiles_of(f->width, side)};
     d->tiles = d->tiles_x * tiles_of(f->height, side);
     const status records =

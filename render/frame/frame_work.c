@@ -23,7 +23,7 @@ static wish wish_of(const ray_record *r) {
 static uint64_t priority_of(const frame *f, wish w) {
     const tracer *tr = &f->tracer[w.volume];
     const ray_bundle rays = f->integrator->bundle(f, w.leg);
-    return (uint64_t)w.leg << 32 | tr->kind->rank(tr, w.t, &rays);
+    return (uint64_t)w.leg << 32 | tr->kind->walks->rank(tr, w.t, &rays);
 }
 
 /* Request up to WORK_BATCH treelets. */
@@ -497,7 +497,7 @@ size_t frame_work_bytes(uint32_t treelets, size_t tiles) {
 }
 
 status frame_work_init(frame_work *w, const frame *f, ray_records *records, uint32_t tiles) {
-    const uint32_t side = f->tracer->kind->tile_side;
+    const uint32_t side = kind_tile_side(f->tracer->kind);
     *w = (frame_work){.f = f,
                       .records = records,
                       .tile_rays = side * side,

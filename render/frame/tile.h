@@ -15,9 +15,6 @@
 #include "render/frame/frame.h"
 #include "render/ray/ray_kernels.h"
 
-/* The most pixels on a side of a kind's tiles. */
-enum { TILE_MAX = 32 };
-
 /* One bit for each pixel of a tile's row. */
 typedef uint32_t tile_row;
 
@@ -33,10 +30,10 @@ typedef struct tile_treelet {
 /* What the kernel leaves to do, row by row of the tile. All other pixels that were asked for are
  * written. */
 typedef struct tile_outcome {
-    /* The caller's room, since stacks may be small: kind.tile_scratch bytes, 64-byte aligned; */
+    /* The caller's room, since stacks may be small: kind_tiles.scratch bytes, 64-byte aligned; */
     void *scratch;
     ray_batch *batch;        /* for rays behind the first surfaces, */
-    void *batch_scratch;     /* and the largest kind.batch_scratch of all volumes */
+    void *batch_scratch;     /* and the largest kind_batches.scratch of all volumes */
     tile_row open[TILE_MAX]; /* pixels to be traced one by one, from their start */
     tile_row
         waits[TILE_MAX]; /* pixels that met an absent treelet: try again with it, or one by one */

@@ -464,35 +464,42 @@ _Static_assert((int)GRID_PEAKS_SCRATCH >= (int)GRID_PIECES_SCRATCH &&
                    (int)GRID_PEAKS_SCRATCH >= (int)GRID_BATCH_SCRATCH,
                "one scratch for all");
 
+static const kind_walks walks = {.active_box = grid_active_box,
+                                 .span = grid_span,
+                                 .cells_along = grid_cells_along,
+                                 .rank = grid_rank,
+                                 .next = grid_tracer_next,
+                                 .segments = grid_segments,
+                                 .extreme_ways = grid_extreme_ways,
+                                 .extreme = grid_extreme,
+                                 .extreme_near = grid_extreme_near,
+                                 .treelet_at = grid_treelet_at};
+
+static const kind_tiles tiles = {.side = GRID_TILE,
+                                 .scratch = GRID_TILE_SCRATCH,
+                                 .kernels = grid_tile_kernels,
+                                 .project = grid_project,
+                                 .projection_bytes = grid_projection_bytes};
+
+static const kind_batches batches = {.scratch = GRID_PEAKS_SCRATCH, /* more than the others need */
+                                     .hits = grid_batch_kernels,
+                                     .pieces = grid_pieces_kernels,
+                                     .extremes = grid_peaks_kernels};
+
 const kind grid_kind = {.name = "grid",
                         .open = grid_open,
                         .close = grid_close,
                         .describe = grid_describe,
-                        .active_box = grid_active_box,
-                        .span = grid_span,
                         .check = grid_check,
                         .aim = grid_aim,
-                        .project = grid_project,
-                        .projection_bytes = grid_projection_bytes,
-                        .tile_side = GRID_TILE,
-                        .tile_scratch = GRID_TILE_SCRATCH,
-                        .tile = grid_tile_kernels,
-                        .rank = grid_rank,
-                        .next = grid_tracer_next,
-                        .batch_scratch = GRID_PEAKS_SCRATCH, /* more than the others need */
-                        .batch = grid_batch_kernels,
-                        .segments = grid_segments,
-                        .segment_batch = grid_pieces_kernels,
+                        .walks = &walks,
+                        .degree = 3,
                         .segments_error = grid_segments_error,
                         .gradient = grid_gradient,
-                        .extreme_ways = grid_extreme_ways,
-                        .extreme = grid_extreme,
-                        .extreme_near = grid_extreme_near,
-                        .extreme_batch = grid_peaks_kernels,
+                        .cell_in = grid_cell_in,
                         .cell_of_hit = grid_cell_of_hit,
                         .cell_of_segment = grid_cell_of_segment,
-                        .treelet_at = grid_treelet_at,
-                        .cell_in = grid_cell_in,
+                        .tiles = &tiles,
+                        .batches = &batches,
                         .nearest = grid_nearest,
-                        .cells_along = grid_cells_along,
                         .layer = grid_layer};

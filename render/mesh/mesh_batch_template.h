@@ -155,7 +155,7 @@ static void walk_treelet_in_batch(mesh_batch *w, const resident_mesh *at, uint32
 
 /* Mark where single rays would come to an absent treelet: they need not look behind that. */
 static void wait_for_treelet(mesh_batch *w, uint32_t t, uint32_t beams) {
-    const treelet_tree *tree = mesh_rays_of(w->tr)->tree;
+    const treelet_tree *tree = w->tr->treelets->tree;
     const float *bounds = tree->bounds[0][t];
     const double lo[3] = {bounds[0], bounds[1], bounds[2]};
     const double hi[3] = {bounds[3], bounds[4], bounds[5]};
@@ -165,11 +165,11 @@ static void wait_for_treelet(mesh_batch *w, uint32_t t, uint32_t beams) {
         if (!(rays[i / 64] >> i % 64 & 1u))
             continue;
         const ray *r = &w->b->rays[w->of[i]];
-        const mesh_slabs slabs = mesh_slabs_of(r);
+        const box_line slabs = box_line_of(r);
         const double behind =
-            mesh_walk_behind(tree->bounds[tree->levels - 1][0], r, &w->rays.after[i]);
-        mesh_interval in;
-        if (!mesh_interval_in(&slabs, lo, hi, &in) || in.t_out < behind || !(in.t_in < w->wait[i]))
+            box_interval_behind(tree->bounds[tree->levels - 1][0], r, &w->rays.after[i]);
+        box_interval in;
+        if (!box_interval_in(&slabs, lo, hi, &in) || in.t_out < behind || !(in.t_in < w->wait[i]))
             continue;
         w->wait[i] = in.t_in;
         w->rays.to[i] = in.t_in < w->rays.to[i] ? in.t_in : w->rays.to[i];
@@ -189,7 +189,7 @@ static void walk_resident(mesh_batch *w, const batch_pending *p) {
 }
 
 static int open_family(mesh_batch *w, const batch_pending *p, batch_pending *stack, int top) {
-    const treelet_tree *tree = mesh_rays_of(w->tr)->tree;
+    const treelet_tree *tree = w->tr->treelets->tree;
     const beam_frame *f = &w->frame;
     uint32_t count, first = treelet_tree_children(tree, p->level, p->i, &count);
     uint32_t wanted[BEAM_BOXES], met[BEAM_BOXES];
@@ -224,7 +224,7 @@ static int open_family(mesh_batch *w, const batch_pending *p, batch_pending *sta
 
 /* Walk the tree over the treelets, from its root. */
 static void walk_beams(mesh_batch *w) {
-    const treelet_tree *tree = mesh_rays_of(w->tr)->tree;
+    const treelet_tree *tree = w->tr->treelets->tree;
     batch_pending stack[BATCH_TREE_STACK];
     int top = 0;
     if (tree->active[tree->levels - 1][0])
@@ -445,7 +445,7 @@ static bool goes_alone(const beam_frame *f, const ray *r, const trace_state *s) 
 }
 
 void SIMD_NAME(mesh_batch)(const tracer *tr, ray_batch *b, void *scratch, ray_counters *counters) {
-    const treelet_tree *tree = mesh_rays_of(tr)->tree;
+    const treelet_tree *tree = tr->treelets->tree;
     mesh_batch *w = scratch;
     unsigned octants = 0;
     w->tr = tr;

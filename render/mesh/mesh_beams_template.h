@@ -22,10 +22,10 @@
  * - Steepness. An inverse is at most 2^40. A steeper ray moves by less than 2^-37 along that axis,
  * which is nothing beside the slack.
  *
- * - Ends. A hit's t errs by less than 2^-40 of itself (mesh_walk_behind()), and rays come from
+ * - Ends. A hit's t errs by less than 2^-40 of itself (box_interval_behind()), and rays come from
  * FARTHEST at most: 2^-28. AHEAD is 2^-16, before the start and behind the end.
  *
- * - Absent treelets. A ray waits for those that mesh_interval_in() says it enters. That test has a
+ * - Absent treelets. A ray waits for those that box_interval_in() says it enters. That test has a
  * margin of its own: generosity().
  */
 #ifndef RENDER_MESH_MESH_BEAMS_TEMPLATE_H
@@ -297,15 +297,15 @@ SIMD void put_blocks(mesh_beams *m, unsigned beam, const block_lanes *b, unsigne
     f_pack(m->far + beam, heads, b->far);
 }
 
-/* Returns the margin of mesh_interval_in() for these rays, as they wait for treelets that it says
- * they enter: 4 MESH_GENEROSITY of a box's t at most, and that t is less than where they begin in
- * the frame plus 8. */
+/* Returns the margin of box_interval_in() for these rays, as they wait for treelets that it says
+ * they enter: 4 BOX_INTERVAL_MARGIN of a box's t at most, and that t is less than where they begin
+ * in the frame plus 8. */
 SIMD float generosity(const frame_rays *r, unsigned count) {
     double most = 0.0;
     for (unsigned i = 0; i < count; i++)
         if (r->far[i] >= 0.0f)
             most = fabs(r->begin[i]) > most ? fabs(r->begin[i]) : most;
-    return (float)(4.0 * MESH_GENEROSITY * (most + 8.0));
+    return (float)(4.0 * BOX_INTERVAL_MARGIN * (most + 8.0));
 }
 
 /* ---- Boxes ---- */

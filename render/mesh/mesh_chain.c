@@ -67,7 +67,7 @@ void mesh_chain_each(const resident_mesh *at, const ray *r, double nearest, mesh
     ray line = *r;
     line.t0 = -INFINITY;
     const double end = nearest < r->t1 ? nearest : r->t1;
-    const double slack = isinf(end) ? 0.0 : mesh_walk_slack(at->bounds, r, end);
+    const double slack = isinf(end) ? 0.0 : box_interval_slack(at->bounds, r, end);
     chain c = {r, end + slack, visit, ctx, counters};
     const mesh_walk_visitor visitor = {.visit = begin, .ctx = &c, .among = &at->faces->outer};
     mesh_walk_each(at, &line, &first, nearest, &visitor, counters);

@@ -1,29 +1,7 @@
 #include "render/mesh/mesh_extreme.h"
 
-#include "render/mesh/mesh_passage.h"
 #include "render/mesh/mesh_segments.h"
-#include "render/mesh/mesh_tracer.h"
-
-static const float *range_of(const tracer *tr, uint32_t t) {
-    return tr->treelets->file->own[leaf_layout_samples(tr->layout, tr->set, t)];
-}
-
-void mesh_extreme_ways(const tracer *tr, const ray *r, extreme_ways *ways, ray_counters *counters) {
-    const hit before = hit_before_all();
-    mesh_passages s;
-    mesh_passage at = {-INFINITY, 0};
-    mesh_passages_begin(&s, mesh_rays_of(tr)->tree, r, &before, counters);
-    for (;;) {
-        at = mesh_passages_next(&s, at, INFINITY);
-        if (at.t == LEAF_NO_TREELET)
-            return;
-        const float bound = extreme_bound(ways->state, range_of(tr, at.t));
-        if (!extreme_ways_skip(ways, bound, at.t_in))
-            extreme_ways_take(ways, &(extreme_way){.t_in = at.t_in, .bound = bound, .t = at.t});
-    }
-}
-
-/* ---- In a treelet ---- */
+#include "render/mesh/mesh_walk.h"
 
 typedef struct climb {
     const ray *r;
@@ -64,25 +42,11 @@ static void try_tet(void *ctx, const resident_mesh *at, uint32_t local, const te
     extreme_offer(c->s, fmin(score_of(c, piece.b[1]), most), piece.t1, at->head.id);
 }
 
-/* Search the tets of a treelet whose boxes the ray meets within `part`. */
-static void climb_part(const tracer *tr, const treelet *at, const ray *r, const ray *part,
-                       extreme_state *s, ray_counters *counters) {
-    const float *own = range_of(tr, at->id);
+void mesh_extremes(const tracer *tr, const treelet *at, const ray *r, const ray *part,
+                   extreme_state *s, ray_counters *counters) {
+    const float *own = tracer_range(tr, at->id);
     climb c = {r, s, quantizer_of(own[0], own[1], SAMPLE_F32)};
     const hit before = hit_before_all();
     const mesh_walk_visitor visitor = {try_tet, choose, &c, NULL};
     mesh_walk_each(resident_mesh_of(at), part, &before, INFINITY, &visitor, counters);
-}
-
-void mesh_extreme(const tracer *tr, const treelet *at, const ray *r, const extreme_way *way,
-                  extreme_state *s, ray_counters *counters) {
-    (void)way;
-    climb_part(tr, at, r, r, s, counters);
-}
-
-void mesh_extreme_near(const tracer *tr, const treelet *at, const ray *r, double t,
-                       extreme_state *s, ray_counters *counters) {
-    ray part = *r;
-    part.t0 = part.t1 = fmin(fmax(t, r->t0), r->t1);
-    climb_part(tr, at, r, &part, s, counters);
 }

@@ -21,6 +21,8 @@
 #include "render/mesh/mesh_tracer.h"
 #include "render/mesh/mesh_walk.h"
 #include "render/ray/open_volume.h"
+#include "render/walk/tree_points.h"
+#include "render/walk/tree_walks.h"
 
 CPU_KERNELS(tile_fn, mesh_tile_kernels, NULL, mesh_tile);
 CPU_KERNELS(tile_fn, mesh_packet_kernels, NULL, mesh_packet);
@@ -77,35 +79,7 @@ static void mesh_describe(const leafcast *v, leafcast_info *info) {
     const leaf_header *h = &v->file->header;
     info->tets = h->tets;
     info->vertices = h->vertices;
-    for (int a = 0; a < 3; a++) {
-        info->bounds[0][a] = (double)h->bounds[a];
-        info->bounds[1][a] = (double)h->bounds[a + 3];
-        info->cell_size *= cbrt(info->bounds[1][a] - info->bounds[0][a]);
-    }
-    info->cell_size *= cbrt(6.0 / (double)h->tets);
-}
-
-static void mesh_active_box(const leafcast *v, uint32_t set, const double *isovalues, int count,
-                            double corners[8][3]) {
-    const leaf_layout *l = &v->file->layout;
-    const float(*own)[2] = (const float(*)[2])v->file->own + (size_t)set * l->treelets;
-    const interest in = interest_of_isovalues(isovalues, count);
-    double box[2][3], some[2][3];
-    box3_begin(box);
-    for (uint32_t t = 0; t < l->treelets; t++) {
-        box3_of_floats(v->file->mesh->bounds[leaf_layout_bounds(l, set % l->steps, t)], some);
-        if (interest_meets(&in, own[t][0], own[t][1]))
-            box3_widen(box, some[0], some[1]);
-    }
-    if (!box3_any(box))
-        box3_of_floats(v->file->header.bounds, box);
-    for (int i = 0; i < 8; i++)
-        box3_corner(box, i, corners[i]);
-}
-
-static void mesh_span(const leafcast *v, uint32_t t, double span[2][3]) {
-    const size_t at = leaf_layout_bounds(&v->file->layout, v->step, t);
-    box3_share_of(v->file->mesh->bounds[at], v->file->header.bounds, span);
+    tree_describe(v, 6.0 / (double)h->tets, info);
 }
 
 /* ---- A frame ---- */
@@ -128,7 +102,7 @@ static status mesh_check(const leafcast *v, const leafcast_scene *scene) {
 static void mesh_aim(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
     mesh_rays *own = v->own;
     (void)c;
-    *own = (mesh_rays){v->treelets->tree, scene->smooth_normals, (unsigned)v->experiments.packets};
+    *own = (mesh_rays){scene->smooth_normals, (unsigned)v->experiments.packets};
     tr->own = own;
     tr->boxed = tr->preview;
     box3_of_floats(v->file->header.bounds, tr->box);
@@ -142,44 +116,6 @@ static status mesh_project(leafcast *v, const camera *c, projection *out) {
 static size_t mesh_projection_bytes(const leaf_layout *layout) {
     (void)layout;
     return 0;
-}
-
-/* ---- The order of treelets ---- */
-
-/* Map floats to integers in the same order. */
-static uint32_t ordered(double x) {
-    const float f = (float)x;
-    uint32_t bits;
-    memcpy(&bits, &f, sizeof bits);
-    return bits >> 31 ? ~bits : bits | 1u << 31;
-}
-
-/* Returns the square of the distance from a point to a box. */
-static double distance_to(const float bounds[6], const double from[3]) {
-    double sum = 0.0;
-    for (int a = 0; a < 3; a++) {
-        const double below = (double)bounds[a] - from[a], above = from[a] - (double)bounds[a + 3];
-        const double outside = below > 0.0 ? below : above > 0.0 ? above : 0.0;
-        sum += outside * outside;
-    }
-    return sum;
-}
-
-/* Returns where a box begins in a direction. */
-static double along(const float bounds[6], const double direction[3]) {
-    double sum = 0.0;
-    for (int a = 0; a < 3; a++)
-        sum += direction[a] * (double)bounds[direction[a] > 0.0 ? a : a + 3];
-    return sum;
-}
-
-static uint32_t mesh_rank(const tracer *tr, uint32_t t, const ray_bundle *rays) {
-    const float *bounds = mesh_rays_of(tr)->tree->bounds[0][t];
-    switch (rays->way) {
-    case RAYS_FROM: return ordered(distance_to(bounds, rays->vector));
-    case RAYS_TOWARDS: return ~ordered(distance_to(bounds, rays->vector));
-    default: return ordered(along(bounds, rays->vector));
-    }
 }
 
 /* ---- Cells ---- */
@@ -246,45 +182,6 @@ static void mesh_cell_in(const leafcast *v, const treelet *found, const double p
     (void)tet_gradient(&x, sample->gradient);
 }
 
-static bool holds(const float bounds[6], const double point[3]) {
-    bool within = true;
-    for (int a = 0; a < 3; a++)
-        within &= (double)bounds[a] <= point[a] && point[a] <= (double)bounds[a + 3];
-    return within;
-}
-
-typedef struct tree_node {
-    uint32_t level, i;
-} tree_node;
-
-/* Returns the last treelet below a node. */
-static uint64_t last_below(tree_node n) {
-    return ((uint64_t)n.i + 1) * (UINT64_C(1) << (TREELET_TREE_ARITY_LOG2 * n.level)) - 1;
-}
-
-/* Return treelets in the order of their numbers, so that the first of the tets that share a point
- * is found. Of a node's children the first is pushed last. */
-static uint32_t mesh_treelet_at(const leafcast *v, uint32_t level, const double point[3],
-                                uint32_t after) {
-    const treelet_tree *tree = v->treelets->tree;
-    tree_node stack[TREELET_TREE_LEVELS_MAX * TREELET_TREE_ARITY];
-    int top = 0;
-    (void)level;
-    stack[top++] = (tree_node){tree->levels - 1, 0};
-    while (top > 0) {
-        const tree_node n = stack[--top];
-        if ((after != LEAF_NO_TREELET && last_below(n) <= after) ||
-            !holds(tree->bounds[n.level][n.i], point))
-            continue;
-        if (n.level == 0)
-            return n.i;
-        uint32_t count, first = treelet_tree_children(tree, n.level, n.i, &count);
-        while (count-- > 0)
-            stack[top++] = (tree_node){n.level - 1, first + count};
-    }
-    return LEAF_NO_TREELET;
-}
-
 /* Returns the value at the nearest vertex of the sample's tet. */
 static double mesh_nearest(const leafcast_sample *s, const double point[3]) {
     double least = INFINITY;
@@ -303,47 +200,31 @@ static double mesh_nearest(const leafcast_sample *s, const double point[3]) {
     return (double)s->values[nearest];
 }
 
-static double mesh_cells_along(const leafcast *v, const double vector[3]) {
-    leafcast_info info = {.cell_size = 1.0};
-    mesh_describe(v, &info);
-    return sqrt(vec3_dot(vector, vector)) / info.cell_size;
-}
+static const treelet_walks inside = {mesh_hits, mesh_pieces, mesh_extremes};
 
-static status mesh_layer(const leafcast *v, int axis, uint32_t node, double origin[3],
-                         double edges[2][3]) {
-    (void)v, (void)axis, (void)node, (void)origin, (void)edges;
-    return status_describe(ST_USAGE, "a mesh has no planes of nodes");
-}
+static const kind_tiles tiles = {.side = MESH_TILE,
+                                 .scratch = MESH_TILE_SCRATCH,
+                                 .kernels = mesh_tile_kernels,
+                                 .project = mesh_project,
+                                 .projection_bytes = mesh_projection_bytes};
+
+static const kind_batches batches = {.scratch = MESH_BATCH_SCRATCH, .hits = mesh_batch_kernels};
 
 const kind mesh_kind = {.name = "mesh",
                         .open = mesh_open,
                         .close = mesh_close,
-                        .loading = mesh_loading,
                         .describe = mesh_describe,
-                        .active_box = mesh_active_box,
-                        .span = mesh_span,
                         .check = mesh_check,
                         .aim = mesh_aim,
-                        .project = mesh_project,
-                        .projection_bytes = mesh_projection_bytes,
-                        .tile_side = MESH_TILE,
-                        .tile_scratch = MESH_TILE_SCRATCH,
-                        .tile = mesh_tile_kernels,
-                        .rank = mesh_rank,
-                        .next = mesh_tracer_next,
-                        .batch_scratch = MESH_BATCH_SCRATCH,
-                        .batch = mesh_batch_kernels,
-                        .segments = mesh_segments,
+                        .walks = &tree_walks,
+                        .inside = &inside,
+                        .degree = 1,
                         .segments_error = mesh_segments_error,
                         .gradient = mesh_gradient,
-                        .overlaps = true,
-                        .extreme_ways = mesh_extreme_ways,
-                        .extreme = mesh_extreme,
-                        .extreme_near = mesh_extreme_near,
+                        .cell_in = mesh_cell_in,
                         .cell_of_hit = mesh_cell_of_hit,
                         .cell_of_segment = mesh_cell_of_segment,
-                        .treelet_at = mesh_treelet_at,
-                        .cell_in = mesh_cell_in,
-                        .nearest = mesh_nearest,
-                        .cells_along = mesh_cells_along,
-                        .layer = mesh_layer};
+                        .tiles = &tiles,
+                        .batches = &batches,
+                        .loading = mesh_loading,
+                        .nearest = mesh_nearest};

@@ -327,7 +327,7 @@ SIMD void box_of_bounds(const packet *w, const float bounds[6], packet_box *box)
 }
 
 SIMD int open_family(packet *w, const packet_pending *p, packet_pending *stack, int top) {
-    const treelet_tree *tree = mesh_rays_of(w->s.f->tracer)->tree;
+    const treelet_tree *tree = w->s.f->tracer->treelets->tree;
     uint32_t count, first = treelet_tree_children(tree, p->level, p->i, &count);
     unsigned active = 0;
     const int bottom = top;
@@ -349,7 +349,7 @@ SIMD int open_family(packet *w, const packet_pending *p, packet_pending *stack, 
 }
 
 static void packet_mesh(packet *w, int first_ray) {
-    const treelet_tree *tree = mesh_rays_of(w->s.f->tracer)->tree;
+    const treelet_tree *tree = w->s.f->tracer->treelets->tree;
     const uint32_t last = tree->levels - 1;
     packet_pending *stack = w->in_tree;
     int top = 0;

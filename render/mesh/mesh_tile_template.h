@@ -238,7 +238,7 @@ SIMD unsigned rays_through(const mesh_tile *w, const double lo[3], const double 
 
 /* Suspend rays that pass an absent treelet. */
 static void wait_for_treelet(mesh_tile *w, uint32_t t, tile_rect r) {
-    const float *bounds = mesh_rays_of(w->s.f->tracer)->tree->bounds[0][t];
+    const float *bounds = w->s.f->tracer->treelets->tree->bounds[0][t];
     const double lo[3] = {bounds[0], bounds[1], bounds[2]};
     const double hi[3] = {bounds[3], bounds[4], bounds[5]};
     tile_outcome *out = w->s.out;
@@ -290,7 +290,7 @@ static void expect_treelet(const mesh_tile *w, uint32_t t) {
 
 /* Walk the tree over the treelets, from its root. */
 static void walk_mesh(mesh_tile *w, tile_rect rect) {
-    const treelet_tree *tree = mesh_rays_of(w->s.f->tracer)->tree;
+    const treelet_tree *tree = w->s.f->tracer->treelets->tree;
     mesh_pending stack[TREE_STACK_MAX];
     int top = 0;
     if (tree->active[tree->levels - 1][0])

@@ -1,7 +1,4 @@
-/* mesh_tracer.h - traces one ray through a whole mesh of tets, treelet by treelet, resumable.
- *
- * Treelets overlap; a ray takes them in the order of mesh_passage.h. A hit is final when the next
- * active treelet begins behind it.
+/* mesh_tracer.h - one ray's hits in a treelet of a mesh.
  *
  * Hits are ordered by (t, iso, entering, tet). A crossing that several tets share (at a face's
  * edge, a vertex) has the same t bits, isovalue and direction in all of them. It counts as a hit of
@@ -14,19 +11,17 @@
 
 /* A mesh as rays see it during a frame: tracer.own. */
 typedef struct mesh_rays {
-    const treelet_tree *tree; /* over its treelets */
-    bool smooth;              /* interpolate normals from gradients at vertices, which its treelets
-                                 have */
-    unsigned packet;          /* rays on a side of a packet (mesh_packet.h); 0: tiles instead */
+    bool smooth;     /* interpolate normals from gradients at vertices, which its treelets have */
+    unsigned packet; /* rays on a side of a packet (mesh_packet.h); 0: tiles instead */
 } mesh_rays;
 
 static inline const mesh_rays *mesh_rays_of(const tracer *tr) {
     return tr->own;
 }
 
-/* mesh_tracer_next() - tracer_next() for meshes. */
-trace_result mesh_tracer_next(const tracer *tr, const ray *r, trace_state *state,
-                              ray_counters *counters);
+/* mesh_hits() - treelet_walks.hits (walk/tree_walks.h). */
+bool mesh_hits(const tracer *tr, const treelet *at, const ray *r, trace_state *state,
+               ray_counters *counters);
 
 /* mesh_tracer_surface() - the surface point of hit h on ray r, in tet h->cell of this treelet. */
 surface_point mesh_tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h);

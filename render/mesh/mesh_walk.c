@@ -6,59 +6,6 @@
 #include "formats/base/exact.h"
 #include "formats/mesh/mesh_leaf.h"
 
-mesh_slabs mesh_slabs_of(const ray *r) {
-    mesh_slabs s = {.t0 = r->t0, .t1 = r->t1};
-    for (int a = 0; a < 3; a++) {
-        s.o[a] = r->o[a];
-        s.inverse[a] = r->d[a] == 0.0 ? 0.0 : 1.0 / r->d[a];
-    }
-    return s;
-}
-
-bool mesh_interval_in(const mesh_slabs *s, const double lo[3], const double hi[3],
-                      mesh_interval *out) {
-    double t_in = -INFINITY, t_out = INFINITY;
-    for (int a = 0; a < 3; a++) {
-        if (s->inverse[a] == 0.0) {
-            if (s->o[a] < lo[a] || s->o[a] > hi[a])
-                return false;
-            continue;
-        }
-        const bool back = s->inverse[a] < 0.0;
-        const double near = ((back ? hi : lo)[a] - s->o[a]) * s->inverse[a];
-        const double far = ((back ? lo : hi)[a] - s->o[a]) * s->inverse[a];
-        t_in = near > t_in ? near : t_in;
-        t_out = far < t_out ? far : t_out;
-    }
-    /* The margin grows with the box, also where t is below 0. So the interval is monotone. */
-    const double length = t_out - t_in;
-    const double first = t_in - 2.0 * MESH_GENEROSITY * (fabs(t_in) + length);
-    const double last = t_out + 2.0 * MESH_GENEROSITY * (fabs(t_out) + length);
-    out->t_in = first > s->t0 ? first : s->t0;
-    out->t_out = last < s->t1 ? last : s->t1;
-    /* If a number is not finite, the box may be met. */
-    return !(first > last) && !(out->t_in > out->t_out);
-}
-
-/* Returns how far t gets along the diagonal of these bounds, or more. */
-static double t_across(const float bounds[6], const ray *r) {
-    double size = 0.0, fastest = 0.0;
-    for (int a = 0; a < 3; a++) {
-        size += (double)bounds[a + 3] - (double)bounds[a];
-        fastest = fabs(r->d[a]) > fastest ? fabs(r->d[a]) : fastest;
-    }
-    return size / fastest;
-}
-
-/* The t of a hit errs by less than 2^-40 of itself and of the t that crosses the bounds. */
-double mesh_walk_slack(const float bounds[6], const ray *r, double t) {
-    return 0x1p-30 * (fabs(t) + t_across(bounds, r));
-}
-
-double mesh_walk_behind(const float bounds[6], const ray *r, const hit *after) {
-    return after->t - mesh_walk_slack(bounds, r, after->t);
-}
-
 tet mesh_walk_tet(const resident_mesh *tr, uint32_t local) {
     const uint16_t *v = mesh_leaf_tets(&tr->mesh, tr->head.payload)[local];
     const float(*at)[3] = tr->positions;
@@ -95,9 +42,9 @@ static bool next_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t i
 }
 
 /* Returns whether the ray meets the tet's box, which costs less than its isopolygon. */
-static bool passes_box(const mesh_slabs *line, const tet *x) {
+static bool passes_box(const box_line *line, const tet *x) {
     double lo[3], hi[3];
-    mesh_interval in;
+    box_interval in;
     for (int a = 0; a < 3; a++) {
         float least = x->p[0][a], most = least;
         for (int k = 1; k < 4; k++) {
@@ -107,11 +54,11 @@ static bool passes_box(const mesh_slabs *line, const tet *x) {
         lo[a] = (double)least;
         hi[a] = (double)most;
     }
-    return mesh_interval_in(line, lo, hi, &in);
+    return box_interval_in(line, lo, hi, &in);
 }
 
 static bool test_tet(const isovalue_list *isos, const resident_mesh *tr, uint32_t local,
-                     const ray *r, const mesh_slabs *line, trace_state *s, ray_counters *counters) {
+                     const ray *r, const box_line *line, trace_state *s, ray_counters *counters) {
     const uint64_t cell = tr->first_tet + local;
     const tet x = mesh_walk_tet(tr, local);
     bool changed = false, active = false;
@@ -161,10 +108,10 @@ static const double never = 0x1p600;
 
 /* A plane errs by 2^-24 of the treelet's size and place, the kernel by less than `slack`. */
 static code_slabs code_slabs_of(const resident_mesh *tr, const ray *r, const hit *after) {
-    code_slabs s = {.slack = 0x1p-30 * t_across(tr->bounds, r),
+    code_slabs s = {.slack = box_interval_slack(tr->bounds, r, 0.0),
                     .t0 = r->t0,
                     .t1 = r->t1,
-                    .behind = mesh_walk_behind(tr->bounds, r, after)};
+                    .behind = box_interval_behind(tr->bounds, r, after)};
     for (int a = 0; a < 3; a++) {
         const double lo = (double)tr->planes.lo[a], step = (double)tr->planes.step[a];
         const double inverse = r->d[a] == 0.0 ? never : 1.0 / r->d[a];
@@ -198,7 +145,7 @@ static unsigned meet_children(const code_slabs *s, const mesh_node *n, double ne
         }
     }
     for (int c = 0; c < MESH_CHILDREN; c++) {
-        const double slack = MESH_GENEROSITY * (fabs(t_in[c]) + fabs(t_out[c])) + s->slack;
+        const double slack = BOX_INTERVAL_MARGIN * (fabs(t_in[c]) + fabs(t_out[c])) + s->slack;
         t_in[c] = t_in[c] - slack > s->t0 ? t_in[c] - slack : s->t0;
         t_out[c] = t_out[c] + slack < s->t1 ? t_out[c] + slack : s->t1;
         const bool meets = t_in[c] <= t_out[c] && t_in[c] <= nearest && t_out[c] >= s->behind;
@@ -226,7 +173,7 @@ static int push_children(const code_slabs *s, const resident_mesh *tr, uint32_t 
 
 /* Test the active tets from `first` on. */
 static bool walk_leaf(const isovalue_list *isos, const resident_mesh *tr, uint32_t first,
-                      uint32_t end, const ray *r, const mesh_slabs *line, trace_state *s,
+                      uint32_t end, const ray *r, const box_line *line, trace_state *s,
                       ray_counters *counters) {
     bool changed = false;
     for (uint32_t i = first; i < end; i++)
@@ -238,7 +185,7 @@ static bool walk_leaf(const isovalue_list *isos, const resident_mesh *tr, uint32
 bool mesh_walk(const isovalue_list *isos, const resident_mesh *tr, const ray *r, trace_state *state,
                ray_counters *counters) {
     const code_slabs slabs = code_slabs_of(tr, r, &state->after);
-    mesh_slabs line = mesh_slabs_of(r);
+    box_line line = box_line_of(r);
     line.t0 = -INFINITY;
     line.t1 = INFINITY;
     const uint16_t *first = mesh_leaf_first(&tr->mesh, tr->head.payload);
@@ -267,7 +214,7 @@ bool mesh_walk(const isovalue_list *isos, const resident_mesh *tr, const ray *r,
 void mesh_walk_each(const resident_mesh *tr, const ray *r, const hit *after, double nearest,
                     const mesh_walk_visitor *v, ray_counters *counters) {
     const code_slabs slabs = code_slabs_of(tr, r, after);
-    const mesh_slabs line = mesh_slabs_of(r);
+    const box_line line = box_line_of(r);
     const uint16_t *first = mesh_leaf_first(&tr->mesh, tr->head.payload);
     const mesh_active *among = v->among ? v->among : tr->active;
     pending stack[STACK_MAX];

@@ -9,6 +9,7 @@
 
 #include "render/mesh/tet_kernel.h"
 #include "render/ray/tracer.h"
+#include "render/walk/box_interval.h"
 #include "stream/mesh_resident.h"
 
 /* mesh_walk() - lowers state->best to the first hit in this treelet that counts, in the order of
@@ -42,36 +43,5 @@ void mesh_walk_gradients(const resident_mesh *tr, uint32_t local, float gradient
  * vertices that have no part. Flat tets hold no point. */
 bool mesh_walk_find(const resident_mesh *tr, const double point[3], uint32_t *local,
                     double weights[4]);
-
-/* Kernel and boxes round differently. So intervals are widened by a millionth of the distance
- * (render/ray/ray_box.h). */
-#define MESH_GENEROSITY 0x1p-20
-
-/* The part of a ray's [t0, t1] in a box, widened: it contains every t that the kernel finds in the
- * box. */
-typedef struct mesh_interval {
-    double t_in, t_out;
-} mesh_interval;
-
-/* A ray as boxes see it. */
-typedef struct mesh_slabs {
-    double o[3], inverse[3]; /* 1 / d; 0 where d = 0 */
-    double t0, t1;
-} mesh_slabs;
-
-mesh_slabs mesh_slabs_of(const ray *r);
-
-/* mesh_interval_in() - false if the ray misses the box. Monotone: the interval of a box within
- * another begins no earlier. */
-bool mesh_interval_in(const mesh_slabs *s, const double lo[3], const double hi[3],
-                      mesh_interval *out);
-
-/* mesh_walk_slack() - returns more than the error of any t near this one, among the tets in these
- * bounds. */
-double mesh_walk_slack(const float bounds[6], const ray *r, double t);
-
-/* mesh_walk_behind() - returns a t: boxes within these bounds that the ray leaves before it hold no
- * hit behind `after`. */
-double mesh_walk_behind(const float bounds[6], const ray *r, const hit *after);
 
 #endif

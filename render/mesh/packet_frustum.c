@@ -92,7 +92,7 @@ bool packet_frustum_box(const packet_frustum *s, const packet_box *b, packet_rea
     for (int a = 0; a < 3; a++)
         packet_slab(s->least[a], s->most[a], b->lo[a], b->hi[a], &t_in, &t_out);
     /* Twice the margin of one ray, whose own interval is narrower. */
-    const double slack = 2.0 * MESH_GENEROSITY * (fabs(t_in) + fabs(t_out));
+    const double slack = 2.0 * BOX_INTERVAL_MARGIN * (fabs(t_in) + fabs(t_out));
     out->near = t_in - slack;
     /* If the slack is not finite, every box may be met. */
     return !(out->near > t_out + slack) && !(out->near > s->far) && !(t_out + slack < 0.0) &&

@@ -37,7 +37,7 @@ void packet_frustum_add(packet_frustum *s, const double d[3]);
 /* Bounds for the rays that may meet a box. */
 typedef struct packet_reach {
     packet_rect pixels; /* rays of these pixels alone, */
-    double near;        /* at this t or behind, as mesh_interval_in() rounds */
+    double near;        /* at this t or behind, as box_interval_in() rounds */
 } packet_reach;
 
 /* packet_frustum_box() - false if no ray meets the box at a t from 0 to far. */

@@ -18,8 +18,8 @@ typedef struct extreme_batch {
     trace_result result[RAY_BATCH];  /* as of extreme_next() */
 } extreme_batch;
 
-/* extreme_batch_fn - a kind's kernel: answers all rays of *b. scratch: kind.batch_scratch bytes of
- * the caller's, 64-byte aligned, not initialised. */
+/* extreme_batch_fn - a kind's kernel: answers all rays of *b. scratch: kind_batches.scratch bytes
+ * of the caller's, 64-byte aligned, not initialised. */
 typedef void (*extreme_batch_fn)(const tracer *tr, extreme_batch *b, void *scratch,
                                  ray_counters *counters);
 

@@ -66,7 +66,7 @@ static bool look_into(const tracer *tr, const ray *r, const extreme_way *way, ex
     }
     s->provisional |= way->octants != 0;
     if (at)
-        tr->kind->extreme(tr, at, r, way, s, counters);
+        tr->kind->walks->extreme(tr, at, r, way, s, counters);
     return true;
 }
 
@@ -74,11 +74,11 @@ static bool look_into(const tracer *tr, const ray *r, const extreme_way *way, ex
 static void look_near(const tracer *tr, const ray *r, const extreme_state *near, extreme_state *s,
                       ray_counters *counters) {
     const bool there = near && near->of == tr && near->in != LEAF_NO_TREELET;
-    if (!there || !tr->kind->extreme_near || tr->preview || extreme_found(s))
+    if (!there || tr->preview || extreme_found(s))
         return;
     const treelet *at = loader_lookup(tr->treelets, near->in);
     if (at)
-        tr->kind->extreme_near(tr, at, r, near->t, s, counters);
+        tr->kind->walks->extreme_near(tr, at, r, near->t, s, counters);
 }
 
 trace_result extreme_next(const tracer *tr, const ray *r, const extreme_state *near,
@@ -91,7 +91,7 @@ trace_result extreme_next(const tracer *tr, const ray *r, const extreme_state *n
     do {
         w.count = 0;
         w.full = false;
-        tr->kind->extreme_ways(tr, r, &w, counters);
+        tr->kind->walks->extreme_ways(tr, r, &w, counters);
         for (uint32_t i = 0; i < w.count; i++) {
             /* All that follow have no better bound or place. */
             if (!extreme_matters(s, (double)w.of[i].bound, w.of[i].t_in)) {

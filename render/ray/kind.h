@@ -1,8 +1,10 @@
-/* kind.h - the kinds of geometry: one row of functions each.
+/* kind.h - the kinds of geometry: one row each.
  *
  * A kind knows where its cells are and how the value runs along a ray inside one. Only its own
- * files (render/grid, render/mesh; likewise in stream/ and formats/) know more. A new kind adds its
- * own files, a number in formats/leaf/leaf.h and a row to three tables: CONTRIBUTING.md.
+ * files (render/grid, render/mesh; likewise in stream/ and formats/) know more. A row is a required
+ * core, and capabilities that may be NULL. A kind whose treelets have boxes needs to say little
+ * more than what is true of one cell: walk/ has all the walks. A new kind adds its own files, a
+ * number in formats/leaf/leaf.h and a row to three tables: CONTRIBUTING.md.
  */
 #ifndef RENDER_RAY_KIND_H
 #define RENDER_RAY_KIND_H
@@ -11,9 +13,76 @@
 #include "render/ray/extremes.h"
 #include "render/ray/ray_bundle.h"
 #include "render/ray/ray_kernels.h"
+#include "render/ray/segments.h"
 
 struct camera;
 struct projection;
+
+/* ---- How rays and points find cells: walk/tree_walks.h, or a kind's own ---- */
+
+typedef struct kind_walks {
+    /* Treelets overlap. Then a piece may be given out after its treelet was evicted. */
+    bool overlaps;
+
+    /* Corners, in world space, of a box around all that may be active for these isovalues; of the
+     * whole volume if nothing may be. */
+    void (*active_box)(const leafcast *v, uint32_t set, const double *isovalues, int count,
+                       double corners[8][3]);
+    /* Where a treelet's cells begin (span[0]) and end (span[1]) along the volume's own axes; the
+     * whole volume is 0 to 1. */
+    void (*span)(const leafcast *v, uint32_t t, double span[2][3]);
+    /* About how many cells of level 0 a vector of world space passes. */
+    double (*cells_along)(const leafcast *v, const double vector[3]);
+    /* A treelet's rank in the order of a bundle. Ranks rise along each of its rays. */
+    uint32_t (*rank)(const tracer *tr, uint32_t t, const ray_bundle *rays);
+
+    /* Implement tracer_next(). */
+    trace_result (*next)(const tracer *tr, const ray *r, trace_state *state,
+                         ray_counters *counters);
+    /* Find more pieces of a ray, for segments_next(). On entry state->first = state->sure = 0, and
+     * ahead[0 .. count) were found before. On SEGMENTS_SOME the next state->sure of them are final.
+     */
+    segments_result (*segments)(const tracer *tr, const ray *r, segments_state *state,
+                                ray_counters *counters);
+    /* Greatest and least values, for extreme_next(). extreme_ways(): offer all treelets on the
+     * ray's way to extreme_ways_take(), by the directory alone, in any order. extreme(): offer the
+     * scores inside one treelet to extreme_offer(). extreme_near(): the same, but only in some
+     * cells about t. */
+    void (*extreme_ways)(const tracer *tr, const ray *r, extreme_ways *ways,
+                         ray_counters *counters);
+    void (*extreme)(const tracer *tr, const treelet *at, const ray *r, const extreme_way *way,
+                    extreme_state *s, ray_counters *counters);
+    void (*extreme_near)(const tracer *tr, const treelet *at, const ray *r, double t,
+                         extreme_state *s, ray_counters *counters);
+
+    /* The next treelet of a level of detail that may hold a point of world space: the first one
+     * after `after`, or of all if that is LEAF_NO_TREELET. Returns LEAF_NO_TREELET at the end. */
+    uint32_t (*treelet_at)(const leafcast *v, uint32_t level, const double point[3],
+                           uint32_t after);
+} kind_walks;
+
+/* ---- Capabilities: kernels for many rays together, one for each of CPU_ISAS ---- */
+
+/* Tiles of primary rays (frame/tile.h). */
+typedef struct kind_tiles {
+    uint32_t side;  /* pixels on a side, 1 to TILE_MAX, used also where rays go one by one */
+    size_t scratch; /* bytes that a tile needs */
+    const tile_fn *kernels;
+    /* project(): the camera's projection; not `usable` where tiles are impossible.
+     * projection_bytes(): the memory it takes. */
+    status (*project)(leafcast *v, const struct camera *c, struct projection *out);
+    size_t (*projection_bytes)(const leaf_layout *layout);
+} kind_tiles;
+
+/* Batches of rays: their hits, pieces and extremes. Each may be NULL. */
+typedef struct kind_batches {
+    size_t scratch; /* bytes that any of them needs */
+    const batch_fn *hits;
+    const segment_batch_fn *pieces;
+    const extreme_batch_fn *extremes;
+} kind_batches;
+
+/* ---- The row ---- */
 
 typedef struct kind {
     const char *name; /* leafcast_info.kind */
@@ -24,18 +93,9 @@ typedef struct kind {
      * release as much of it as there is. */
     status (*open)(leafcast *v);
     void (*close)(leafcast *v);
-    /* Set how treelets are read, where the kind has a choice. NULL: no choice. */
-    void (*loading)(const leafcast *v, loader_options *o);
     /* Fill in the extent: dims, tets, vertices, bounds; and cell_size, which the caller has set to
      * 1. */
     void (*describe)(const leafcast *v, leafcast_info *info);
-    /* Corners, in world space, of a box around all that may be active for these isovalues; of the
-     * whole volume if nothing may be. */
-    void (*active_box)(const leafcast *v, uint32_t set, const double *isovalues, int count,
-                       double corners[8][3]);
-    /* Where a treelet's cells begin (span[0]) and end (span[1]) along the volume's own axes; the
-     * whole volume is 0 to 1. */
-    void (*span)(const leafcast *v, uint32_t t, double span[2][3]);
 
     /* ---- A frame ---- */
 
@@ -44,94 +104,55 @@ typedef struct kind {
     /* Set the tracer's box, the kind's own part and the levels of detail. c: see
      * volume_tracer(). */
     void (*aim)(leafcast *v, const leafcast_scene *scene, const struct camera *c, tracer *tr);
-    /* Tiles of primary rays. tile_side: pixels on a side, 1 to TILE_MAX, used also where rays go
-     * one by one. tile_scratch: bytes that a tile needs. tile: kernels, one for each of CPU_ISAS.
-     * Without kernels all may be NULL, like project(). */
-    uint32_t tile_side;
-    size_t tile_scratch;
-    const tile_fn *tile;
-    /* project(): the camera's projection; not `usable` where tiles are impossible.
-     * projection_bytes(): the memory it takes. */
-    status (*project)(leafcast *v, const struct camera *c, struct projection *out);
-    size_t (*projection_bytes)(const leaf_layout *layout);
 
-    /* ---- The order of treelets ---- */
+    /* ---- Rays and points ---- */
 
-    /* A treelet's rank in the order of a bundle. Ranks rise along each of its rays. */
-    uint32_t (*rank)(const tracer *tr, uint32_t t, const ray_bundle *rays);
-
-    /* ---- A ray ---- */
-
-    /* Implement tracer_next(). */
-    trace_result (*next)(const tracer *tr, const ray *r, trace_state *state,
-                         ray_counters *counters);
-    /* Batches of rays. batch_scratch: bytes that a batch needs, here and for pieces. batch:
-     * kernels, one for each of CPU_ISAS. A row without kernels may leave both out. */
-    size_t batch_scratch;
-    const batch_fn *batch;
-
-    /* Find more pieces of a ray, for segments_next(). On entry state->first = state->sure = 0, and
-     * ahead[0 .. count) were found before. On SEGMENTS_SOME the next state->sure of them are final.
-     * NULL, like cell_of_segment(): cells of this kind overlap, or values are no polynomials. */
-    segments_result (*segments)(const tracer *tr, const ray *r, segments_state *state,
-                                ray_counters *counters);
-
-    /* Kernels for the pieces of many rays, one for each of CPU_ISAS. They use batch_scratch. The
-     * row may leave them out. */
-    const segment_batch_fn *segment_batch;
+    const kind_walks *walks;
+    const struct treelet_walks *inside; /* for tree_walks: what is in a treelet */
+    const struct cell_kind *cells;      /* for cell_walks: what is in a cell (walk/cell_walks.h) */
+    uint32_t degree;                    /* of all pieces: 1 or 3 */
     /* Implements segments_error_of(). */
     segments_error (*segments_error)(const tracer *tr, const ray *r, const double range[2]);
-
     /* The gradient along a piece in this treelet. s->cell may be unset where treelets do not
-     * overlap. NULL: media of this kind are not shaded. */
+     * overlap. */
     void (*gradient)(const tracer *tr, const treelet *at, const ray *r, const segment *s,
                      segment_gradient *out);
-    /* Treelets overlap. Then a piece may be given out after its treelet was evicted. */
-    bool overlaps;
-
-    /* Greatest and least values, for extreme_next(); both or neither. extreme_ways(): offer all
-     * treelets on the ray's way to extreme_ways_take(), by the directory alone, in any order.
-     * extreme(): offer the scores inside one treelet to extreme_offer(). */
-    void (*extreme_ways)(const tracer *tr, const ray *r, extreme_ways *ways,
-                         ray_counters *counters);
-    void (*extreme)(const tracer *tr, const treelet *at, const ray *r, const extreme_way *way,
-                    extreme_state *s, ray_counters *counters);
-    /* Like extreme(), but only in some cells about t. NULL: not available. */
-    void (*extreme_near)(const tracer *tr, const treelet *at, const ray *r, double t,
-                         extreme_state *s, ray_counters *counters);
-    /* Kernels for the extremes of many rays, one for each of CPU_ISAS. They use batch_scratch. The
-     * row may leave them out. */
-    const extreme_batch_fn *extreme_batch;
-
-    /* ---- A cell ---- */
-
-    /* Describe the cell of a hit as a leafcast_hit. */
-    status (*cell_of_hit)(leafcast *v, const tracer *tr, const ray *r, const hit *h,
-                          leafcast_hit *out);
-    /* Describe the cell of a piece as a leafcast_segment. */
-    void (*cell_of_segment)(const tracer *tr, const segment *s, leafcast_segment *out);
-    /* ---- A point ---- */
-
-    /* The next treelet of a level of detail that may hold a point of world space: the first one
-     * after `after`, or of all if that is LEAF_NO_TREELET. Returns LEAF_NO_TREELET at the end. */
-    uint32_t (*treelet_at)(const leafcast *v, uint32_t level, const double point[3],
-                           uint32_t after);
     /* Set *out to the cell of this treelet that holds the point, its value there and the gradient.
      * *out stays unchanged where no cell does. */
     void (*cell_in)(const leafcast *v, const treelet *at, const double point[3],
                     leafcast_sample *out);
-    /* The value at the sample's node nearest to the point, finite or not. */
+    /* Describe the cell of a hit as a leafcast_hit, of a piece as a leafcast_segment. */
+    status (*cell_of_hit)(leafcast *v, const tracer *tr, const ray *r, const hit *h,
+                          leafcast_hit *out);
+    void (*cell_of_segment)(const tracer *tr, const segment *s, leafcast_segment *out);
+
+    /* ---- Capabilities; NULL: none ---- */
+
+    const kind_tiles *tiles;     /* NULL: primary rays go one by one */
+    const kind_batches *batches; /* NULL: all rays go one by one */
+    /* Set how treelets are read, where the kind has a choice. */
+    void (*loading)(const leafcast *v, loader_options *o);
+    /* The value at the sample's node nearest to the point, finite or not. NULL: cells have no
+     * nodes. */
     double (*nearest)(const leafcast_sample *s, const double point[3]);
-    /* About how many cells of level 0 a vector of world space passes. */
-    double (*cells_along)(const leafcast *v, const double vector[3]);
     /* The plane of nodes number `node` across an axis, level 0, as a rectangle in world space.
      * origin: its corner at the first nodes of the two other axes. edges: along these. ST_USAGE
-     * where there are no nodes of that number. */
+     * where there are no nodes of that number. NULL: nodes do not lie in planes. */
     status (*layer)(const leafcast *v, int axis, uint32_t node, double origin[3],
                     double edges[2][3]);
 } kind;
 
 /* kind_of() - the row of a file's geometry. */
 const kind *kind_of(const leaf_file *f);
+
+/* kind_tile_side() - pixels on a side of the tiles that a kind's primary rays are traced in. */
+static inline uint32_t kind_tile_side(const kind *k) {
+    return k->tiles ? k->tiles->side : TILE_MAX;
+}
+
+/* kind_batch_scratch() - bytes for any batch of a kind's rays. */
+static inline size_t kind_batch_scratch(const kind *k) {
+    return k->batches ? k->batches->scratch : 0;
+}
 
 #endif

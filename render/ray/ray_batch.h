@@ -22,7 +22,7 @@ typedef struct ray_batch {
     trace_result results[RAY_BATCH];
 } ray_batch;
 
-/* batch_fn - a kind's kernel: traces all rays of *b. scratch: kind.batch_scratch bytes of the
+/* batch_fn - a kind's kernel: traces all rays of *b. scratch: kind_batches.scratch bytes of the
  * caller's, 64-byte aligned, not initialised. */
 typedef void (*batch_fn)(const tracer *tr, ray_batch *b, void *scratch, ray_counters *counters);
 

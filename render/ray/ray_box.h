@@ -15,16 +15,16 @@
  *             children_met() of a batch through a grid: see widening() in grid_rays_template.h
  *
  *   tets      hits in a tet are not computed by planes, so t of a box and t of a hit in it differ
- *             by rounding: MESH_GENEROSITY, 2^-20 of t.
- *             mesh_interval_in() for one ray (monotone: a box inside another is not entered
+ *             by rounding: BOX_INTERVAL_MARGIN, 2^-20 of t.
+ *             box_interval_in() for one ray (monotone: a box inside another is not entered
  *             before it); mesh_box_meets(), for vectors: rays_through(), rays_meet();
  *             packet_slab() for all rays of a packet at once, by intervals, twice that
  *
  *   codes     meet_children(): planes of 8 bits, as a ray's own multiples of the code; beside
- *             MESH_GENEROSITY the rounding of a plane (2^-22 of the treelet's place and size), and
- *             2^-30 of the way across the treelet
- *   beams     beams_through(), boxes_in(): intervals of origins and of directions, in floats of a
- *             mesh's own frame; mesh_beams_template.h says by how much they widen
+ *             BOX_INTERVAL_MARGIN the rounding of a plane (2^-22 of the treelet's place and size),
+ * and 2^-30 of the way across the treelet beams     beams_through(), boxes_in(): intervals of
+ * origins and of directions, in floats of a mesh's own frame; mesh_beams_template.h says by how
+ * much they widen
  */
 #ifndef RENDER_RAY_RAY_BOX_H
 #define RENDER_RAY_RAY_BOX_H

@@ -14,6 +14,9 @@
 struct frame;
 struct tile_outcome;
 
+/* The most pixels on a side of a kind's tiles. */
+enum { TILE_MAX = 32 };
+
 /* tile_fn - trace the primary rays of a tile of pixels: render/frame/tile.h. */
 typedef void (*tile_fn)(const struct frame *f, uint32_t x0, uint32_t y0, const uint32_t pixels[],
                         struct tile_outcome *out, ray_counters *counters);

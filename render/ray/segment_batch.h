@@ -38,7 +38,7 @@ typedef struct segment_batch {
 
 enum { SEGMENTS_KEPT = 4 };
 
-/* segment_batch_fn - a kind's kernel: walks all rays of *b. scratch: kind.batch_scratch bytes of
+/* segment_batch_fn - a kind's kernel: walks all rays of *b. scratch: kind_batches.scratch bytes of
  * the caller's, 64-byte aligned, not initialised. */
 typedef void (*segment_batch_fn)(const tracer *tr, segment_batch *b, void *scratch,
                                  ray_counters *counters);

@@ -21,7 +21,7 @@ segments_result segments_next(const tracer *tr, const ray *r, segments_state *st
     if (state->sure == 0) {
         memmove(state->ahead, state->ahead + state->first, state->count * sizeof *state->ahead);
         state->first = 0;
-        const segments_result result = tr->kind->segments(tr, r, state, counters);
+        const segments_result result = tr->kind->walks->segments(tr, r, state, counters);
         if (result != SEGMENTS_SOME)
             return result;
     }
@@ -140,7 +140,7 @@ segment segment_doubt(const tracer *tr, uint32_t t, double spread, double t0, do
                      .spread = spread,
                      .cell = UINT64_C(1) << 63 | t,
                      .treelet = t,
-                     .degree = spread == SEGMENT_BESIDE ? 1 : 3};
+                     .degree = tr->kind->degree};
 }
 
 double segment_t(const segment *s, double at) {

@@ -78,5 +78,5 @@ bool tracer_ray(const tracer *tr, const double origin[3], const double direction
 
 trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
                          ray_counters *counters) {
-    return tr->kind->next(tr, r, state, counters);
+    return tr->kind->walks->next(tr, r, state, counters);
 }

@@ -99,6 +99,11 @@ trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
 /* tracer_box() - cut [t0, t1] to the volume's closed box. Returns false when nothing is left. */
 bool tracer_box(const tracer *tr, const ray *r, double *t0, double *t1);
 
+/* tracer_range() - the least and the greatest value in treelet t, by the directory. */
+static inline const float *tracer_range(const tracer *tr, uint32_t t) {
+    return tr->treelets->file->own[leaf_layout_samples(tr->layout, tr->set, t)];
+}
+
 /* tracer_touch() - mark treelet t as walked by a ray. */
 static inline void tracer_touch(const tracer *tr, uint32_t t) {
     if (!atomic_load_explicit(&tr->touched[t], memory_order_relaxed))

@@ -56,6 +56,24 @@ int spheres_truth_hits(const spheres_truth *s, const double origin[3], const dou
     return count;
 }
 
+int spheres_truth_chords(const spheres_truth *s, const double origin[3], const double direction[3],
+                         cell_chord out[CELL_CHORDS_MAX], bool *grazing) {
+    int count = 0;
+    for (uint32_t n = 0; n < s->count; n++) {
+        long double t[2] = {0.0L, 0.0L}, share;
+        meet(&s->spheres[n], 0.0L, origin, direction, t, &share);
+        *grazing |= fabsl(share) < 1e-5L;
+        if (share <= 0.0L)
+            continue;
+        /* share: of the square of the radius, what the line's distance from the centre leaves. */
+        const long double most = (long double)s->spheres[n].peak * share;
+        if (count == CELL_CHORDS_MAX)
+            abort();
+        out[count++] = (cell_chord){t[0], t[1], 0.0L, most, most * 2.0L / 3.0L, n};
+    }
+    return count;
+}
+
 bool spheres_truth_at(const spheres_truth *s, const double point[3], uint64_t *number,
                       long double *value) {
     for (uint32_t n = 0; n < s->count; n++) {

@@ -1,8 +1,5 @@
 /* test_spheres.c - a third kind of geometry is one folder (tests/spheres) and a row of each table:
  * it draws, streams, suspends and gives the same bits as the two that are built in do.
- *
- * The tables are here: a program has its own instead of the library's where it defines these three
- * functions. All rows of the library's are in them, too.
  */
 /* marks: threads */
 #include <setjmp.h>
@@ -15,44 +12,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "formats/leaf/grid_geometry.h"
-#include "formats/leaf/mesh_geometry.h"
-#include "render/grid/grid_kind.h"
-#include "render/mesh/mesh_kind.h"
-#include "stream/grid_resident.h"
-#include "stream/mesh_resident.h"
-#include "tests/spheres/spheres_file.h"
-#include "tests/spheres/spheres_geometry.h"
-#include "tests/spheres/spheres_kind.h"
-#include "tests/spheres/spheres_resident.h"
+#include "tests/spheres/spheres.h"
 #include "tests/spheres/spheres_truth.h"
+#include "tests/support/cell_judge.h"
+#include "tests/support/cells_file.h"
 #include "tests/support/fixture.h"
 #include "tests/support/pictures.h"
 #include "tests/support/scratch.h"
+#include "tests/support/third_kind.h"
 #include "tests/support/watched.h"
 
-/* ---- The tables ---- */
-
-const leaf_geometry *leaf_geometry_of(uint32_t number) {
-    static const leaf_geometry *const rows[] = {[LEAF_KIND_GRID] = &grid_geometry,
-                                                [LEAF_KIND_MESH] = &mesh_geometry,
-                                                [SPHERES_KIND] = &spheres_geometry};
-    return number < sizeof rows / sizeof *rows ? rows[number] : NULL;
-}
-
-const resident_kind *resident_kind_of(const leaf_file *f) {
-    static const resident_kind *const rows[] = {[LEAF_KIND_GRID] = &grid_resident,
-                                                [LEAF_KIND_MESH] = &mesh_resident,
-                                                [SPHERES_KIND] = &spheres_resident};
-    return rows[f->header.kind];
-}
-
-const kind *kind_of(const leaf_file *f) {
-    static const kind *const rows[] = {[LEAF_KIND_GRID] = &grid_kind,
-                                       [LEAF_KIND_MESH] = &mesh_kind,
-                                       [SPHERES_KIND] = &spheres_kind};
-    return rows[f->header.kind];
-}
+THIRD_KIND(SPHERES_KIND, spheres_geometry, spheres_kind)
 
 /* ---- A file ---- */
 
@@ -90,7 +60,12 @@ static lab *lab_make(void) {
     l = (lab){.count = 0};
     for (uint32_t t = 0; t < TREELETS; t++)
         make_treelet(&l, t, &r);
-    l.file = spheres_file(l.spheres, l.counts, TREELETS);
+    l.file = cells_file(&(cells_input){.kind = SPHERES_KIND,
+                                       .name = "spheres",
+                                       .records = l.spheres,
+                                       .counts = l.counts,
+                                       .treelets = TREELETS,
+                                       .steps = 1});
     l.path = scratch_write("spheres.leaf", l.file.bytes, l.file.size);
     l.truth = (spheres_truth){l.spheres, l.count, isovalues, 2};
     return &l;
@@ -512,21 +487,66 @@ static void test_probe_point(void **state) {
     free(l->file.bytes);
 }
 
-/* Balls overlap, so that a ray has no pieces in order: that is said. */
-static void test_no_segments(void **state) {
+/* ---- Values: media, projections, slices, steps ---- */
+
+enum { STEPS = 3, APART = 27 };
+
+/* Balls that do not overlap, a place of its own for each; at each step they are elsewhere in it,
+ * larger or smaller. */
+typedef struct apart {
+    sphere spheres[STEPS][8 * APART];
+    uint32_t counts[8], count;
+} apart;
+
+static void make_apart(apart *all) {
+    field_random r = {FIELD_SEED + 3};
+    *all = (apart){.count = 8 * APART};
+    for (uint32_t i = 0; i < STEPS * all->count; i++) {
+        const uint32_t n = i % all->count, t = n / APART, of = n % APART;
+        const uint32_t block[3] = {t % 2, t / 2 % 2, t / 4},
+                       place[3] = {of % 3, of / 3 % 3, of / 9};
+        sphere *x = &all->spheres[i / all->count][n];
+        *x = (sphere){.radius = 1.5 + 2.5 * field_random_unit(&r),
+                      .peak = 0.2 + 1.5 * field_random_unit(&r)};
+        for (int a = 0; a < 3; a++)
+            x->centre[a] = 30.0 * block[a] + 10.0 * place[a] + 0.9 * field_random_unit(&r);
+        all->counts[t] = APART;
+    }
+}
+
+static spheres_truth truth_of(const void *ctx, uint32_t step) {
+    static const double rim = 0.0;
+    const apart *all = ctx;
+    return (spheres_truth){all->spheres[step], all->count, &rim, 1};
+}
+
+static int chords_of(const void *ctx, uint32_t step, const double origin[3],
+                     const double direction[3], cell_chord out[CELL_CHORDS_MAX], bool *grazing) {
+    const spheres_truth truth = truth_of(ctx, step);
+    return spheres_truth_chords(&truth, origin, direction, out, grazing);
+}
+
+static bool value_at(const void *ctx, uint32_t step, const double point[3], long double *value,
+                     bool *grazing) {
+    const spheres_truth truth = truth_of(ctx, step);
+    uint64_t number;
+    const bool any = spheres_truth_at(&truth, point, &number, value);
+    *grazing = any && *value < 1e-9L;
+    return any;
+}
+
+static void test_values(void **state) {
     (void)state;
-    const lab *l = lab_make();
-    leafcast *v = open_with(l, NULL, 1.0f);
-    const leafcast_scene scene = leafcast_scene_default();
-    const double origin[3] = {-50.0, 30.0, 30.0}, direction[3] = {1.0, 0.0, 0.0};
-    leafcast_segment some[4];
-    int count = 1;
-    assert_int_equal(leafcast_probe_segments(v, &scene, origin, direction, some, 4, &count),
-                     LEAFCAST_USAGE);
-    assert_non_null(strstr(leafcast_error_text(), "spheres has no pieces"));
-    assert_int_equal(count, 0);
-    leafcast_close(v);
-    free(l->file.bytes);
+    static apart all;
+    make_apart(&all);
+    const leaf_image image = cells_file(&(cells_input){.kind = SPHERES_KIND,
+                                                       .name = "apart",
+                                                       .records = all.spheres,
+                                                       .counts = all.counts,
+                                                       .treelets = 8,
+                                                       .steps = STEPS});
+    cell_judge(&image, &(cell_truth){&all, STEPS, 1.7, chords_of, value_at});
+    free(image.bytes);
 }
 
 /* ---- Files ---- */
@@ -611,7 +631,7 @@ int main(void) {
         cmocka_unit_test(test_reads_what_is_active),
         cmocka_unit_test(test_probe_ray),
         cmocka_unit_test(test_probe_point),
-        cmocka_unit_test(test_no_segments),
+        cmocka_unit_test(test_values),
         cmocka_unit_test(test_hostile_files),
         cmocka_unit_test(test_hostile_payload),
         cmocka_unit_test(test_grid_beside),

@@ -25,7 +25,7 @@ void ray_stage_open(ray_stage *s, const char *path, uint64_t seed) {
         s->with[s->kernel_count].extreme_batch = grid_peaks_wide;
     }
     s->kernel_count++;
-    s->scratch = aligned_alloc(64, (s->v->kind->batch_scratch + 127) / 64 * 64);
+    s->scratch = aligned_alloc(64, (kind_batch_scratch(s->v->kind) + 127) / 64 * 64);
     assert_non_null(s->scratch);
 }
 

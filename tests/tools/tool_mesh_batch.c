@@ -71,7 +71,7 @@ static bool open_lab(lab *l, const char *path, double iso) {
     const leafcast_info info = leafcast_describe(l->v);
     memcpy(l->lo, info.bounds[0], sizeof l->lo);
     memcpy(l->hi, info.bounds[1], sizeof l->hi);
-    l->scratch = aligned_alloc(64, (l->v->kind->batch_scratch + 64) / 64 * 64);
+    l->scratch = aligned_alloc(64, (kind_batch_scratch(l->v->kind) + 64) / 64 * 64);
     return l->scratch;
 }
 

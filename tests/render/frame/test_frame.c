@@ -226,7 +226,7 @@ static void stage_open(stage *s, const subject *of, int threads, uint32_t slots,
     assert_non_null(s->f.scratch);
     loader_set_capacity(s->v->treelets, slots, 0);
     if (s->v->kernels.tile) {
-        assert_int_equal(s->v->kind->project(s->v, &s->f.camera, &s->projection), ST_OK);
+        assert_int_equal(s->v->kind->tiles->project(s->v, &s->f.camera, &s->projection), ST_OK);
         s->f.projection = s->projection.usable ? &s->projection : NULL;
     }
 }

@@ -15,6 +15,7 @@
 #include "formats/base/cpu.h"
 #include "render/door/leafcast_volume.h"
 #include "render/medium/medium_doubt.h"
+#include "render/mesh/mesh_kind.h"
 #include "tests/support/fixture.h"
 #include "tests/support/hostile_transfer.h"
 #include "tests/support/lab_leaf.h"
@@ -296,7 +297,7 @@ static void test_beside(void **state) {
     leaf_file f = {.own = own, .flags = flags};
     f.layout.treelets = 3;
     loader l = {.file = &f};
-    const tracer tr = {.treelets = &l, .layout = &f.layout};
+    const tracer tr = {.kind = &mesh_kind, .treelets = &l, .layout = &f.layout};
     double range[2];
     medium_doubt d = {0};
     medium_stretch seen = medium_nothing();

@@ -12,8 +12,8 @@
 #include <string.h>
 
 #include "render/door/leafcast_volume.h"
-#include "render/mesh/mesh_passage.h"
 #include "render/ray/kind.h"
+#include "render/walk/tree_passage.h"
 #include "tests/support/fixture.h"
 #include "tests/support/lab_leaf.h"
 #include "tests/support/mesh_batch_wide.h"
@@ -70,7 +70,7 @@ static void stage_open(stage *s, const char *name, uint32_t treelet_tets, int is
     assert_int_equal(volume_tracer(s->v, &scene, NULL, &s->tr), ST_OK);
     s->treelets = s->v->file->layout.treelets;
     s->walked = calloc(s->treelets, 1);
-    s->scratch = aligned_alloc(64, (s->v->kind->batch_scratch + 63) / 64 * 64);
+    s->scratch = aligned_alloc(64, (kind_batch_scratch(s->v->kind) + 63) / 64 * 64);
     assert_non_null(s->walked);
     assert_non_null(s->scratch);
     find_kernels(s);
@@ -299,7 +299,7 @@ static void check_batch(stage *s, const ray_batch *begun, bool all) {
         ray_counters counters = {0};
         got = *begun;
         clear_touched(s);
-        memset(s->scratch, 0xff, s->v->kind->batch_scratch);
+        memset(s->scratch, 0xff, kind_batch_scratch(s->v->kind));
         s->tr.kernels = &s->kernels[k];
         ray_batch_next(&s->tr, &got, s->scratch, &counters);
         check_touched(s, begun);
@@ -388,23 +388,23 @@ static void test_passages(void **state) {
     const treelet_tree *tree = s.v->treelets->tree;
     const hit before = hit_before_all();
     for (int n = 0; n < 500 * BATCHES; n++) {
-        mesh_passages passages;
-        mesh_passage at = {-INFINITY, 0};
+        tree_passages passages;
+        tree_passage at = {-INFINITY, 0};
         ray_counters counters = {0};
         uint32_t passed = 0, meets = 0;
         ray r;
         if (!random_ray(&s, &r))
             continue;
         r.t0 = -INFINITY;
-        const mesh_slabs slabs = mesh_slabs_of(&r);
+        const box_line slabs = box_line_of(&r);
         for (uint32_t t = 0; t < s.treelets; t++) {
             const float *b = tree->bounds[0][t];
-            mesh_interval in;
-            meets += tree->active[0][t] && mesh_interval_in(&slabs, (double[3]){b[0], b[1], b[2]},
-                                                            (double[3]){b[3], b[4], b[5]}, &in);
+            box_interval in;
+            meets += tree->active[0][t] && box_interval_in(&slabs, (double[3]){b[0], b[1], b[2]},
+                                                           (double[3]){b[3], b[4], b[5]}, &in);
         }
-        mesh_passages_begin(&passages, tree, &r, &before, &counters);
-        while ((at = mesh_passages_next(&passages, at, INFINITY)).t != LEAF_NO_TREELET)
+        tree_passages_begin(&passages, tree, &r, &before, &counters);
+        while ((at = tree_passages_next(&passages, at, INFINITY)).t != LEAF_NO_TREELET)
             passed++;
         assert_int_equal(passed, meets);
     }

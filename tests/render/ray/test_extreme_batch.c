@@ -117,7 +117,7 @@ static void climb(ray_stage *s, const extreme_batch *b, int k) {
         left.state[i] = &got[i];
     for (unsigned turn = 0; left.count > 0; turn++) {
         assert_true(turn < s->v->file->layout.treelets);
-        memset(s->scratch, 0xa5, s->v->kind->batch_scratch);
+        memset(s->scratch, 0xa5, kind_batch_scratch(s->v->kind));
         s->tr.kernels = &s->with[k];
         extreme_batch_next(&s->tr, &left, s->scratch, &counters);
         keep_blocked(s, &left);

@@ -115,7 +115,7 @@ static void stage_open(stage *s, const source_row *row, int index) {
         s->with[s->kernel_count] = s->with[0];
         s->with[s->kernel_count++].batch = row->wide;
     }
-    s->scratch = aligned_alloc(64, (s->v->kind->batch_scratch + 127) / 64 * 64);
+    s->scratch = aligned_alloc(64, (kind_batch_scratch(s->v->kind) + 127) / 64 * 64);
     assert_non_null(s->scratch);
 }
 
@@ -307,7 +307,7 @@ static void judge(stage *s, ray_batch *b, int number) {
         ray_counters counters = {0};
         got = *b;
         clear_touched(s);
-        memset(s->scratch, 0xa5, s->v->kind->batch_scratch);
+        memset(s->scratch, 0xa5, kind_batch_scratch(s->v->kind));
         s->tr.kernels = &s->with[k];
         ray_batch_next(&s->tr, &got, s->scratch, &counters);
         for (unsigned i = 0; i < b->count; i++) {

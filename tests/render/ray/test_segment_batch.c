@@ -152,7 +152,7 @@ static void walk(ray_stage *s, segment_batch *b, int k, const segments_state fro
         before += got[i].count + from[i].count;
     }
     b->take = take;
-    memset(s->scratch, 0xa5, s->v->kind->batch_scratch);
+    memset(s->scratch, 0xa5, kind_batch_scratch(s->v->kind));
     ray_stage_clear_touched(s);
     s->tr.kernels = &s->with[k];
     segment_batch_walk(&s->tr, b, s->scratch, &counters);

@@ -1,0 +1,68 @@
+/* cell_walks.h - what is in a treelet whose cells are records (stream/cell_resident.h): all that
+ * rays and points ask, by what a kind says of one cell.
+ *
+ * Cells are visited by the tree over their boxes, in the order of tree_passage.h. Those without
+ * interest are skipped. Where cells overlap they do not know of each other: each has its hits and
+ * pieces, and at a point the first one in the file's order counts.
+ */
+#ifndef RENDER_WALK_CELL_WALKS_H
+#define RENDER_WALK_CELL_WALKS_H
+
+#include "render/walk/tree_walks.h"
+#include "stream/cell_resident.h"
+
+/* A cell of a treelet. */
+typedef struct cell {
+    const void *record;
+    uint64_t number; /* in the whole file */
+} cell;
+
+/* What a kind says of a cell. The line of a ray: all t, whatever its [t0, t1]. */
+typedef struct cell_kind {
+    /* Offer where the line meets the cell's isosurfaces to cell_hit(); if they are flat, not the
+     * one that the ray begins on (state->origin). */
+    void (*hits)(const tracer *tr, const cell *c, const ray *r, trace_state *state);
+    /* The surface point of a hit. */
+    surface_point (*surface)(const tracer *tr, const cell *c, const ray *r, const hit *h);
+    /* Set the piece of the line in the cell: t0, t1, b[] of the kind's degree, and spread. False:
+     * there is none. */
+    bool (*piece)(const cell *c, const ray *r, segment *out);
+    /* Whether the cell holds a point. */
+    bool (*holds)(const cell *c, const double point[3]);
+    /* The value and the gradient at a point of the cell, or beside it by rounding. */
+    double (*value)(const cell *c, const double point[3], double gradient[3]);
+} cell_kind;
+
+/* cell_hit() - take a hit of a cell if it is the best so far. Returns whether it is. */
+static inline bool cell_hit(trace_state *state, const ray *r, const hit *h) {
+    if (h->t < r->t0 || h->t > r->t1 || !hit_less(&state->after, h) || !hit_less(h, &state->best))
+        return false;
+    state->best = *h;
+    return true;
+}
+
+/* CELL_WALKS_ROW - the part of a kind's row that follows from its cells. The row has, besides:
+ * name, cells, degree, describe, segments_error. */
+#define CELL_WALKS_ROW                                                             \
+    .open = cell_walks_open, .close = cell_walks_close, .check = cell_walks_check, \
+    .aim = cell_walks_aim, .walks = &tree_walks, .inside = &cell_walks,            \
+    .gradient = cell_walks_gradient, .cell_in = cell_walks_cell_in,                \
+    .cell_of_hit = cell_walks_cell_of_hit, .cell_of_segment = cell_walks_cell_of_segment
+
+extern const treelet_walks cell_walks;
+status cell_walks_open(leafcast *v);
+void cell_walks_close(leafcast *v);
+status cell_walks_check(const leafcast *v, const leafcast_scene *scene);
+void cell_walks_aim(leafcast *v, const leafcast_scene *scene, const struct camera *c, tracer *tr);
+void cell_walks_gradient(const tracer *tr, const treelet *at, const ray *r, const segment *s,
+                         segment_gradient *out);
+void cell_walks_cell_in(const leafcast *v, const treelet *at, const double point[3],
+                        leafcast_sample *out);
+status cell_walks_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, const hit *h,
+                              leafcast_hit *out);
+void cell_walks_cell_of_segment(const tracer *tr, const segment *s, leafcast_segment *out);
+
+/* cell_walks_describe() - bounds and cell_size of a volume of such cells. */
+void cell_walks_describe(const leafcast *v, leafcast_info *info);
+
+#endif

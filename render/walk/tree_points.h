@@ -1,0 +1,25 @@
+/* tree_points.h - boxes, distances and points in a volume with a tree over its treelets. */
+#ifndef RENDER_WALK_TREE_POINTS_H
+#define RENDER_WALK_TREE_POINTS_H
+
+#include "render/leafcast.h"
+#include "render/ray/ray_bundle.h"
+#include "render/ray/tracer.h"
+
+/* What kind_walks (ray/kind.h) names so: */
+void tree_active_box(const leafcast *v, uint32_t set, const double *isovalues, int count,
+                     double corners[8][3]);
+void tree_span(const leafcast *v, uint32_t t, double span[2][3]);
+double tree_cells_along(const leafcast *v, const double vector[3]);
+uint32_t tree_rank(const tracer *tr, uint32_t t, const ray_bundle *rays);
+uint32_t tree_treelet_at(const leafcast *v, uint32_t level, const double point[3], uint32_t after);
+
+/* tree_box_at() - the first box behind number `after` (LEAF_NO_TREELET: the first of all) that
+ * holds a point, boundary included; LEAF_NO_TREELET: none. So the first of the cells that share a
+ * point is found. */
+uint32_t tree_box_at(const treelet_tree *tree, const double point[3], uint32_t after);
+
+/* tree_describe() - set bounds, and cell_size for cells that are cubes of this share of them. */
+void tree_describe(const leafcast *v, double share, leafcast_info *info);
+
+#endif
