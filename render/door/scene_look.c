@@ -90,7 +90,7 @@ static homogeneous homogeneous_of(const scene_look *l, int i) {
 }
 
 /* Set up shading of media. Shading needs the gradient in each node, so no node is taken whole. */
-static status shade_media(scene_look *l) {
+static void shade_media(scene_look *l) {
     const turn *t = l->turn;
     const leafcast_scene *scene = &t->scene;
     l->shade = medium_shade_of(scene);
@@ -101,7 +101,6 @@ static status shade_media(scene_look *l) {
         if (l->media[i].spans == 0)
             continue;
         const kind *k = t->tracers[i].kind;
-
         v->kind->describe(v, &info);
         shown_range(l, i, range);
         l->shade.steepness[i] = medium_shade_steepness(scene->shade_fade, info.cell_size, range);
@@ -109,7 +108,6 @@ static status shade_media(scene_look *l) {
     }
     l->look.brightest *= l->shade.most;
     l->look.shade = &l->shade;
-    return ST_OK;
 }
 
 /* Set up the media that fill volumes. */
@@ -134,7 +132,7 @@ static status fill(scene_look *l) {
         return fill_for_steps(l);
     l->look.overlaid = l->look.filled > 1;
     if (st == ST_OK && scene->shade_media)
-        st = shade_media(l);
+        shade_media(l);
     l->look.unbounded = turn_any_instead(t);
     t->f.record_more = medium_record_more(&l->look, scene->preview);
     for (int i = 0; i < t->volumes && st == ST_OK && l->look.filled == 1 && !l->look.shade; i++)

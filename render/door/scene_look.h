@@ -28,7 +28,7 @@ typedef struct scene_look {
 
 /* scene_look_choose() - set the integrator and the look of a described turn, whose volumes also get
  * what they are to load beside isosurfaces. *l is zeroed before, and stays where it is. ST_USAGE
- * for what a kind of volume cannot show. */
+ * for media in steps, unless one volume is shown, without isosurfaces. */
 CHECKED status scene_look_choose(scene_look *l, turn *t);
 
 /* scene_look_release() - free what scene_look_choose() took, also after an error. */

@@ -1,0 +1,222 @@
+/* leafcast_look.h - what to look at, and from where: surfaces, lights, media, scenes, cameras.
+ *
+ * Part of leafcast.h, which includes it, and which says how arguments are checked.
+ */
+#ifndef RENDER_LEAFCAST_LOOK_H
+#define RENDER_LEAFCAST_LOOK_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <leafcast_status.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct leafcast leafcast; /* a volume */
+
+/* ---- Ranges ---- */
+
+/* The largest magnitude of numbers in world space: coordinates, lengths, planes, directions. A
+ * direction may have any length, as long as its largest component is in LEAFCAST_DIRECTION_LEAST ..
+ * LEAFCAST_PLACE_MOST. So no square of such a number, and no quotient of two, is 0 or infinite. */
+#define LEAFCAST_PLACE_MOST      1e100
+#define LEAFCAST_DIRECTION_LEAST 1e-100
+
+/* The largest component of a drawn colour, or of light. */
+#define LEAFCAST_COLOUR_MOST 1e9
+
+enum {
+    LEAFCAST_LEVEL_MAX = 31, /* the last level; a volume's coarsest stands for those it lacks */
+    LEAFCAST_SHININESS_MAX = 1024,
+    LEAFCAST_LINE_POINTS_MAX = 1 << 24 /* points of a slice's line */
+};
+
+/* ---- Scenes ---- */
+
+enum { LEAFCAST_SURFACES_MAX = 32, LEAFCAST_LIGHTS_MAX = 16, LEAFCAST_CLIP_PLANES_MAX = 16 };
+
+typedef struct leafcast_surface {
+    double isovalue; /* finite */
+    float rgb[3];    /* 0 to LEAFCAST_COLOUR_MOST */
+    float opacity;   /* (0, 1]; 1 is opaque */
+} leafcast_surface;
+
+LEAFCAST_API leafcast_surface leafcast_surface_default(double isovalue);
+
+typedef struct leafcast_light {
+    bool point;       /* whether `vector` is a position; else it is a direction */
+    double vector[3]; /* direction towards the light, or its position */
+    float rgb[3];     /* 0 to LEAFCAST_COLOUR_MOST; no fall-off */
+} leafcast_light;
+
+typedef enum leafcast_shading {
+    LEAFCAST_SHADING_DIFFUSE = 0, /* M08 eq. 4.6, two-sided, summed over the lights */
+    LEAFCAST_SHADING_PHONG,       /* the same, plus a highlight */
+    LEAFCAST_SHADING_FLAT         /* the surface's colour, unlit */
+} leafcast_shading;
+
+typedef enum leafcast_lod {
+    LEAFCAST_LOD_EXACT = 0, /* full resolution */
+    LEAFCAST_LOD_LEVEL,     /* `lod_level` everywhere */
+    LEAFCAST_LOD_PIXEL      /* per treelet, the coarsest with cells no larger than a pixel */
+} leafcast_lod;
+
+/* A transfer function: for each value the colour of the light that a place sends out, and the
+ * extinction, by which it swallows light from behind (DESIGN: media). Between points, colour and
+ * extinction are linear, each by itself. Below the first and above the last point they stay
+ * constant. Two points at one value are a step, at which the second holds.
+ *
+ * Along a ray, a stretch dt with colour c and extinction k adds c k dt, times the share of light
+ * that comes through all that is in front. Where several volumes are filled at one place, their k
+ * add, and so do their c k. */
+typedef struct leafcast_transfer_point {
+    double value;      /* -1e300 to 1e300; equal to the point before, or above it by
+                          LEAFCAST_TRANSFER_NARROWEST or more */
+    double rgb[3];     /* 0 to the largest float */
+    double extinction; /* per world length: 0 to 1e100 */
+} leafcast_transfer_point;
+
+enum { LEAFCAST_TRANSFER_POINTS_MAX = 4096 };
+#define LEAFCAST_TRANSFER_NARROWEST 1e-290
+
+typedef struct leafcast_medium {
+    const leafcast_transfer_point *points;
+    int count; /* 0: not filled; else at most LEAFCAST_TRANSFER_POINTS_MAX */
+} leafcast_medium;
+
+/* One value per ray, drawn instead of surfaces and media. Taken from the cells' own interpolant,
+ * inside the clips, as exactly as rounding allows. Cells with NaN or inf among their samples are
+ * left out. With several volumes, all their values count together. */
+typedef enum leafcast_project {
+    LEAFCAST_PROJECT_NONE = 0,
+    LEAFCAST_PROJECT_MAX, /* image.z: where it is, the first place if there are several */
+    LEAFCAST_PROJECT_MIN,
+    LEAFCAST_PROJECT_MEAN, /* over the length of the ray inside cells with data; image.z: +inf */
+    LEAFCAST_PROJECT_FIRST /* the first value of project_value or more: project_value itself, or
+                              more if data begin above it; image.z: where it is */
+} leafcast_project;
+
+/* A volume of a scene, and what is shown of it. */
+typedef struct leafcast_shown {
+    leafcast *volume;
+    uint32_t field, step;
+    const leafcast_surface *surfaces; /* `count` of them, as for leafcast_select(); with media or a
+                                         projection count may be 0 */
+    int count;
+} leafcast_shown;
+
+enum { LEAFCAST_VOLUMES_MAX = 16 };
+
+typedef struct leafcast_scene {
+    size_t size;
+    /* Volumes of one device, each listed once. All their surfaces are seen in order of distance; at
+     * equal distance the volume listed first comes first. 0 volumes: the volume passed with the
+     * scene, as selected. */
+    const leafcast_shown *volumes;
+    int volume_count;
+    leafcast_light lights[LEAFCAST_LIGHTS_MAX];
+    int light_count; /* 0: a headlight at the eye, without shadows */
+    float ambient;   /* k_a of M08 eq. 4.6, in [0, 1] */
+    float specular;  /* Phong: weight of the highlight, 0 to LEAFCAST_COLOUR_MOST */
+    int shininess;   /* Phong: its exponent, 1 to LEAFCAST_SHININESS_MAX; other shadings: 0 too */
+    leafcast_shading shading;
+    bool shadows;
+    bool analytic_normals; /* grids: gradient of the trilinear form, not interpolated central
+                              differences; meshes: the tet's, unless smooth_normals */
+    bool smooth_normals;   /* meshes: interpolate gradients at the vertices, which the file must
+                              have; affects only shading and image.normal */
+    float background[4];   /* RGBA, each 0 to LEAFCAST_COLOUR_MOST */
+    bool clip_box;         /* draw only what is inside clip_min .. clip_max */
+    double clip_min[3], clip_max[3];
+    double clip_planes[LEAFCAST_CLIP_PLANES_MAX][4]; /* (n, d): draw only where n . p + d >= 0 */
+    int clip_plane_count;
+    leafcast_lod lod;
+    uint32_t lod_level; /* 0 is full resolution; beyond the last level: the last one; at most
+                           LEAFCAST_LEVEL_MAX */
+    bool preview; /* do not wait for data. Draws the finest resident level, or a mesh's coarse grid
+                     where tets are absent, and marks provisional pixels; with media, image.error
+                     says how far they may be off. For a mesh with a coarse grid, lod level n > 0 is
+                     that grid's level n - 1, drawn instead of the tets, and the whole picture is
+                     provisional */
+    bool sweep;   /* load everything that the isovalues need, coarse levels first, not only what
+                     rays ask for */
+    int samples;  /* rays a pixel for r, g, b, a: 0 or 1 (through its centre), or the mean of 4 or
+                     16 on a fixed pattern; each takes the time of a picture. z, normal and id are
+                     always those of the pixel's centre */
+    int layers_max; /* stop after so many transparent surfaces on a ray, 0 or more; 0: no limit */
+    const struct leafcast_scene_experiments *experiments; /* leafcast_experimental.h; NULL: none */
+    const leafcast_medium *media;                         /* one per volume, in order */
+    int media_count; /* the number of volumes (1 if volume_count is 0); or 0: no media */
+    /* The largest allowed error of a channel (r, g, b, a) of a picture with media: in [1e-9, 1]; 0:
+     * half a step of 8 bits, 1/510. image.error gives the bound that was reached. Measured against
+     * the integral along the ray through the pixel's centre, as rounded to the volume's own space.
+     * The integral is over the data at full resolution, with surfaces and caps as lit, in floats.
+     * Where lod draws coarse levels, their distance from the data is unknown: then image.error
+     * covers all that might be seen, and the pixel is uncertified. */
+    double error;
+    /* Instead of surfaces and media, in the first medium's colours, whatever its extinction;
+     * without media, grey from the least to the greatest value of the volumes' fields. */
+    leafcast_project project;
+    double project_value; /* for LEAFCAST_PROJECT_FIRST: finite */
+    /* Close surfaces that clips cut open. Where a ray enters through a clip, and the value there is
+     * at least an isovalue, the ray meets a cap: of the surface with the greatest such isovalue,
+     * with the clip's normal. Caps receive no shadows. Ignored in previews. Caps are drawn all at
+     * once, however little time leafcast_frame_advance() has. */
+    bool caps;
+    const leafcast_medium *cap_colours; /* colours caps by the value there, unlit; NULL: the
+                                           surface's colour, lit */
+    /* Light the colours of media as surfaces are lit (M08 eq. 4.6, two-sided, without shadows and
+     * highlights), with the gradient of the value as the normal. Grids: central differences, or as
+     * analytic_normals says. Meshes: the tet's gradient, or as smooth_normals says. Not certified:
+     * image.error is +inf, and all pixels are uncertified. */
+    bool shade_media;
+    /* Lighting of media fades out where the value changes by less than this share of its range in a
+     * cell, so flat regions and noise stay unlit. 0 to 1; 0: 1/32. */
+    double shade_fade;
+} leafcast_scene;
+
+/* leafcast_init_scene(), leafcast_scene_default() - set the defaults: a headlight, diffuse shading,
+ * no clips, full resolution, a transparent black background. */
+LEAFCAST_API leafcast_status leafcast_init_scene(leafcast_scene *scene);
+
+static inline leafcast_scene leafcast_scene_default(void) {
+    leafcast_scene scene;
+    scene.size = sizeof scene;
+    (void)leafcast_init_scene(&scene);
+    return scene;
+}
+
+typedef struct leafcast_camera {
+    size_t size;
+    double eye[3], look_at[3], up[3];
+    double fov;             /* vertical, in degrees, below 180; above 0 for a perspective camera */
+    uint32_t width, height; /* pixels: each 1 or more, product below 2^31; centres +0.5, y down */
+    /* Above 0: orthographic, with this many world units from the lower to the upper edge of the
+     * picture, to LEAFCAST_PLACE_MOST. Rays are parallel and begin in the plane through the eye. */
+    double ortho_height;
+} leafcast_camera;
+
+/* leafcast_get_standard_view(), leafcast_standard_view() - a camera with fov 45 and up +z that
+ * looks at the centre of the bounding box. Its distance is `distance` times the box's longest edge
+ * (2.2: the standard view, 1.1: the close view), in the direction (1, 0.6, 0.8). width and height
+ * as for a camera; distance above 0. Wrong arguments give a camera that is all 0. */
+LEAFCAST_API leafcast_status leafcast_get_standard_view(const leafcast *volume, double distance,
+                                                        uint32_t width, uint32_t height,
+                                                        leafcast_camera *camera);
+
+static inline leafcast_camera leafcast_standard_view(const leafcast *of, double distance,
+                                                     uint32_t width, uint32_t height) {
+    leafcast_camera camera;
+    camera.size = sizeof camera;
+    (void)leafcast_get_standard_view(of, distance, width, height, &camera);
+    return camera;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
