@@ -1,9 +1,5 @@
 /* input_facts.h - what can be said of an input before it is converted: what it is, where it lies,
- * and the distribution of its values.
- *
- * The samples of a grid are read once, as a stream, in blocks of up to 32 MiB, or a quarter of the
- * budget if that is less. A mesh is read once; its points and values are kept (16 bytes per point),
- * its tets are not.
+ * and the distribution of its values. The input is read once.
  */
 #ifndef FORMATS_INPUT_FACTS_H
 #define FORMATS_INPUT_FACTS_H
@@ -16,11 +12,11 @@
 #include "formats/base/mem.h"
 #include "formats/base/progress.h"
 #include "formats/base/status.h"
-#include "formats/grid/volume.h"
+#include "formats/base/world_frame.h"
+#include "formats/input_kind.h"
 #include "formats/leaf/histogram.h"
-#include "formats/mesh/mesh_input.h"
 
-enum { INPUT_FACTS_FIELDS = 256, INPUT_FACTS_TIMES = 4096 };
+enum { INPUT_FACTS_FIELDS = 256, INPUT_FACTS_TIMES = 4096, INPUT_FACTS_OWN = 1024 };
 
 /* A field that can be asked for. */
 typedef struct input_field {
@@ -31,19 +27,10 @@ typedef struct input_field {
 typedef struct input_facts {
     const char *path;   /* as in the question */
     const char *format; /* "NRRD"; constant */
-    bool is_mesh;
-    bool is_raw;          /* samples whose sizes come from the hints, a JSON or the name */
-    bool has_fields;      /* grid: see volume_has_fields() */
-    const char *importer; /* grid: see volume_importer(); constant */
+    const input_kind *kind;
+    unsigned traits; /* see input_kind.traits() */
     char name[MESH_NAME_MAX + 1];
-    /* Grids: */
-    uint32_t dims[3];
-    sample_type type, source; /* as read; as in the file */
-    double to_world[12];
-    world_frame frame;
-    bool rectilinear;
-    absent_parts absent;
-    char note[GRID_NOTE_MAX]; /* see struct grid */
+    world_frame frame; /* what the world's axes mean; zeros: the input does not say */
     /* Named fields, and what is taken of them: */
     input_field fields[INPUT_FACTS_FIELDS];
     uint32_t field_count; /* may exceed the number listed */
@@ -53,22 +40,24 @@ typedef struct input_facts {
     bool colours;               /* all together: as a luminance, not a magnitude */
     bool timed;                 /* the steps have times; times: the first ones */
     double times[INPUT_FACTS_TIMES], last_time;
-    /* Meshes; counts and bounds (lo, hi) only if the values were read: */
-    mesh_report report;
-    float bounds[6];
+    bool lacks_values; /* there is no field to take */
     /* Values: */
     bool read;           /* whether the values were read: not with header_only */
     double range[2];     /* of all finite values; lo > hi: none */
     uint64_t non_finite; /* NaN and inf */
     uint64_t trailing;   /* bytes behind the samples */
     histogram values;
+    /* What its kind knows besides, such as volume_facts. */
+    union {
+        double align;
+        unsigned char bytes[INPUT_FACTS_OWN];
+    } own;
 } input_facts;
 
 typedef struct input_question {
     const char *path; /* "-": standard input */
-    volume_hints grid;
-    mesh_hints mesh;
-    bool header_only; /* do not look at the values, nor count what a mesh has */
+    input_hints hints;
+    bool header_only; /* look at neither values nor cells */
     /* Called once the header has been read, before the values are. Any status but ST_OK ends the
      * reading. NULL: not called. */
     status (*opened)(void *ctx, const struct input_facts *x);

@@ -1,24 +1,55 @@
 #include "formats/input_open.h"
 
-status input_open(mem *m, const char *path, const volume_hints *of_grids,
-                  const mesh_hints *of_meshes, input *out) {
+#include "formats/grid/volume_kind.h"
+#include "formats/mesh/mesh_input_kind.h"
+
+/* The last row takes what no other does. */
+static const input_kind *const kinds[] = {&mesh_input_kind, &volume_kind};
+enum { KINDS = sizeof kinds / sizeof *kinds };
+
+static const input_kind *kind_of_folder(const char *path) {
+    for (int i = 0; i < KINDS; i++)
+        if (kinds[i]->is_folder && kinds[i]->is_folder(path))
+            return kinds[i];
+    return NULL;
+}
+
+static status recognise(byte_stream *s, const input_kind **kind) {
+    bool known = false;
+    for (int i = 0; i < KINDS && !known; i++) {
+        *kind = kinds[i];
+        known = !kinds[i]->recognises;
+        const status st = known ? ST_OK : kinds[i]->recognises(s, &known);
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
+/* The kind is set only once the input is open. */
+static status opened(status st, const input_kind *kind, input *out) {
+    out->kind = st == ST_OK ? kind : NULL;
+    return st;
+}
+
+status input_open(mem *m, const char *path, const input_hints *hints, input *out) {
     byte_stream *s = NULL;
-    bool is_mesh = false;
     *out = (input){0};
-    if (volume_is_folder(path))
-        return volume_open(m, path, of_grids, &out->v);
+    const input_kind *kind = kind_of_folder(path);
+    if (kind)
+        return opened(kind->open_folder(m, path, hints, &out->own), kind, out);
     status st = byte_stream_open(m, path, &s);
     if (st == ST_OK)
-        st = mesh_input_recognise(s, &is_mesh);
+        st = recognise(s, &kind);
     if (st != ST_OK) {
         byte_stream_close(s);
         return st;
     }
-    return is_mesh ? mesh_input_open_stream(m, s, of_meshes, &out->x)
-                   : volume_open_stream(m, s, of_grids, &out->v);
+    return opened(kind->open(m, s, hints, &out->own), kind, out);
 }
 
 void input_close(input *in) {
-    mesh_input_close(in->x);
-    volume_close(in->v);
+    if (in->kind)
+        in->kind->close(in->own);
+    *in = (input){0};
 }

@@ -1,4 +1,4 @@
-/* input_open.h - what a conversion starts from: a grid or a mesh, recognized and opened.
+/* input_open.h - what a conversion starts from, recognized and opened by the row of its kind.
  *
  * The one entry for all formats: grids by volume.h's table, meshes by mesh_input.h's. A format that
  * is only recognized (formats/input/foreign.h) is named in the error.
@@ -6,22 +6,17 @@
 #ifndef FORMATS_INPUT_OPEN_H
 #define FORMATS_INPUT_OPEN_H
 
-#include "formats/base/mem.h"
-#include "formats/base/status.h"
-#include "formats/grid/volume.h"
-#include "formats/mesh/mesh_input.h"
+#include "formats/input_kind.h"
 
-/* One of the two is set; the other is NULL. */
 typedef struct input {
-    volume *v;
-    mesh_input *x;
+    const input_kind *kind; /* NULL: it is not open */
+    void *own;              /* what the kind's open() made */
 } input;
 
-/* input_open() - open a path, a folder, or "-"; first bytes and name decide the format. Each of the
- * hints may be NULL. of_meshes must live as long as the input. Errors as of volume_open(),
- * mesh_input_open(). */
-CHECKED status input_open(mem *m, const char *path, const volume_hints *of_grids,
-                          const mesh_hints *of_meshes, input *out);
+/* input_open() - open a path, a folder, or "-"; first bytes and name decide the format. The hints
+ * may be NULL, and must live as long as the input. Errors as of volume_open(), mesh_input_open().
+ */
+CHECKED status input_open(mem *m, const char *path, const input_hints *hints, input *out);
 void input_close(input *in); /* all zeros are fine */
 
 #endif

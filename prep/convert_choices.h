@@ -5,15 +5,23 @@
 #define PREP_CONVERT_CHOICES_H
 
 #include "formats/base/cli.h"
-#include "formats/grid/volume.h"
-#include "formats/mesh/mesh_input.h"
+#include "formats/base/name_list.h"
+#include "formats/grid/slice_source.h"
 #include "prep/convert_sets.h"
 
-/* convert_note_volume(), convert_note_mesh() - print the notes for an open input that has not been
- * read. step: the user chose a step. If the fields cannot be listed, a note says so instead. */
-void convert_note_volume(const cli_common *common, const volume *v, const volume_hints *hints,
-                         bool step, const convert_sets *sets);
-void convert_note_mesh(const cli_common *common, const mesh_input *x, const mesh_hints *hints,
-                       bool step, const convert_sets *sets);
+/* What an input offers. Set the first four members; the others begin as zeros. */
+typedef struct convert_choices {
+    const cli_common *common;
+    const convert_sets *sets;
+    uint32_t component; /* --component; 0: not given */
+    bool step;          /* --step or --steps is given */
+    name_list taken, others;
+    uint32_t count; /* fields in both lists */
+} convert_choices;
+
+/* convert_choices_take() - take note of a field that the input has. Prints the notes about its
+ * steps and components. convert_choices_note() - the note about all fields. */
+void convert_choices_take(convert_choices *c, const slice_field *f);
+void convert_choices_note(const convert_choices *c);
 
 #endif

@@ -1,4 +1,5 @@
 /* leafcast convert - turns a volume or a mesh into a treelet file. */
+#include <assert.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -10,26 +11,15 @@
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "formats/base/text.h"
+#include "formats/grid/grid.h"
 #include "formats/input_open.h"
 #include "formats/trust_options.h"
-#include "prep/convert_choices.h"
 #include "prep/convert_defaults.h"
-#include "prep/convert_notes.h"
-#include "prep/convert_report.h"
-#include "prep/convert_sets.h"
+#include "prep/grid/convert_grids.h"
+#include "prep/mesh/convert_meshes.h"
+#include "prep/mesh/mesh_convert.h"
 
 enum { ZSTD_LEVEL_DEFAULT = 3, ZSTD_LEVEL_MAX = 22 };
-
-typedef struct arguments {
-    cli_common common;
-    volume_hints hints;
-    mesh_hints mesh;
-    convert_sets sets;
-    uint32_t treelet_tets, leaf_tets, coarse_dims;
-    bool coarse, sah;
-    leaf_parameters file;
-    bool gradients, dry_run, allow_empty;
-} arguments;
 
 enum {
     KEY_COMPRESS = 0x2000,
@@ -133,59 +123,28 @@ static const struct argp_option options[] = {
      "store the gradient at each vertex, too, for smooth normals", 3},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-/* Classes of inputs, and which of them can use an option. Options not listed here work for all. */
-enum {
-    RAW = 1,
-    HEADED = 2,
-    FIELDS = 4,
-    GRID = RAW | HEADED | FIELDS,
-    LONE_MESH = 8,
-    STEP_MESH = 16,   /* its format may hold several steps */
-    NAMING_MESH = 32, /* its file names other files that hold the mesh or its steps */
-    STEPS = STEP_MESH | NAMING_MESH,
-    MESH = LONE_MESH | STEPS
-};
-static const char *const input_names[] = {[RAW] = "raw samples",
-                                          [GRID] = "grids",
-                                          [FIELDS] = "grids of formats that have several",
-                                          [FIELDS | STEPS] = "formats of several steps",
-                                          [GRID | STEPS] = "grids and meshes of several steps",
-                                          [GRID | NAMING_MESH] = "grids and collections of VTK",
-                                          [MESH] = "meshes",
-                                          [FIELDS | MESH] = "formats that have several"};
-static const cli_use uses[] = {{TRUST_KEY_LINKS, GRID | NAMING_MESH},
-                               {TRUST_KEY_MISSING, GRID},
-                               {KEY_TREELET, GRID},
-                               {KEY_HALO, GRID},
-                               {KEY_DIMS, RAW},
-                               {KEY_TYPE, RAW},
-                               {KEY_BIG_ENDIAN, RAW},
-                               {KEY_SKIP, RAW},
-                               {KEY_SPACING, GRID},
-                               {KEY_MISSING, GRID},
-                               {KEY_ORIGIN, GRID},
-                               {KEY_EXAGGERATE, GRID},
-                               {KEY_AXES, GRID},
-                               {KEY_UNIT, GRID},
-                               {KEY_AXIS_X, GRID},
-                               {KEY_AXIS_Y, GRID},
-                               {KEY_AXIS_Z, GRID},
-                               {KEY_FIELD, FIELDS | MESH},
-                               {KEY_FIELDS, GRID | MESH},
-                               {KEY_COMPONENT, FIELDS | MESH},
-                               {KEY_STEP, FIELDS | STEPS},
-                               {KEY_STEPS, GRID | STEPS},
-                               {KEY_CELLS_TO_POINTS, MESH},
-                               {KEY_COARSE, MESH},
-                               {KEY_TREELET_TETS, MESH},
-                               {KEY_LEAF_TETS, MESH},
-                               {KEY_BUILD, MESH},
-                               {KEY_GRADIENTS, MESH}};
+static const char *const input_names[] = {INPUT_TRAIT_NAMES};
 
-static status set_spacing(arguments *a, const char *text) {
-    status st = num_doubles(text, "--spacing", ", ", 3, a->hints.spacing);
+/* What an input must be like for an option to have an effect. Options not listed work for all. */
+static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES}, {TRUST_KEY_MISSING, INPUT_LATTICE},
+                               {KEY_TREELET, INPUT_LATTICE},   {KEY_HALO, INPUT_LATTICE},
+                               {KEY_DIMS, INPUT_RAW},          {KEY_TYPE, INPUT_RAW},
+                               {KEY_BIG_ENDIAN, INPUT_RAW},    {KEY_SKIP, INPUT_RAW},
+                               {KEY_SPACING, INPUT_LATTICE},   {KEY_MISSING, INPUT_LATTICE},
+                               {KEY_ORIGIN, INPUT_LATTICE},    {KEY_EXAGGERATE, INPUT_LATTICE},
+                               {KEY_AXES, INPUT_LATTICE},      {KEY_UNIT, INPUT_LATTICE},
+                               {KEY_AXIS_X, INPUT_LATTICE},    {KEY_AXIS_Y, INPUT_LATTICE},
+                               {KEY_AXIS_Z, INPUT_LATTICE},    {KEY_FIELD, INPUT_CHOICES},
+                               {KEY_COMPONENT, INPUT_CHOICES}, {KEY_STEP, INPUT_STEPS},
+                               {KEY_STEPS, INPUT_SERIES},      {KEY_CELLS_TO_POINTS, INPUT_CELLS},
+                               {KEY_COARSE, INPUT_CELLS},      {KEY_TREELET_TETS, INPUT_CELLS},
+                               {KEY_LEAF_TETS, INPUT_CELLS},   {KEY_BUILD, INPUT_CELLS},
+                               {KEY_GRADIENTS, INPUT_CELLS}};
+
+static status set_spacing(convert_request *a, const char *text) {
+    status st = num_doubles(text, "--spacing", ", ", 3, a->hints.grid.spacing);
     for (int i = 0; i < 3 && st == ST_OK; i++)
-        if (!isfinite(a->hints.spacing[i]) || a->hints.spacing[i] == 0)
+        if (!isfinite(a->hints.grid.spacing[i]) || a->hints.grid.spacing[i] == 0)
             st = status_describe(ST_USAGE, "--spacing: \"%s\": expected three numbers other than 0",
                                  text);
     return st;
@@ -198,7 +157,7 @@ static status set_exaggerate(volume_hints *h, const char *text) {
     return st;
 }
 
-static status set_compress(arguments *a, const char *text) {
+static status set_compress(convert_request *a, const char *text) {
     if (strcmp(text, "none") == 0) {
         a->file.codec = LEAF_CODEC_RAW;
         return ST_OK;
@@ -211,7 +170,7 @@ static status set_compress(arguments *a, const char *text) {
                    : ST_OK;
 }
 
-static status set_treelet(arguments *a, const char *text) {
+static status set_treelet(convert_request *a, const char *text) {
     uint32_t cells = 0;
     status st =
         cli_uint(text, "--treelet", 1 << LEAF_CELLS_LOG2_MIN, 1 << LEAF_CELLS_LOG2_MAX, &cells);
@@ -222,18 +181,18 @@ static status set_treelet(arguments *a, const char *text) {
     return st;
 }
 
-static status set_build(arguments *a, const char *name) {
+static status set_build(convert_request *a, const char *name) {
     a->sah = strcmp(name, "sah") == 0;
     if (a->sah || strcmp(name, "bih") == 0)
         return ST_OK;
     return status_describe(ST_USAGE, "--build: \"%s\" is neither bih nor sah", name);
 }
 
-static status add_field(arguments *a, const char *name) {
+static status add_field(convert_request *a, const char *name) {
     status st = convert_sets_add(&a->sets, name);
     if (st == ST_OK && a->sets.count == 1) {
-        a->mesh.field = a->sets.names[0];
-        a->hints.field = name;
+        a->hints.mesh.field = a->sets.names[0];
+        a->hints.grid.field = name;
     }
     return st;
 }
@@ -268,21 +227,21 @@ static status set_grid(volume_hints *h, int key, const char *text) {
     }
 }
 
-static status set_component(arguments *a, const char *text) {
-    status st = cli_int(text, "--component", 1, INT_MAX, &a->mesh.component);
-    a->hints.component = (uint32_t)a->mesh.component;
+static status set_component(convert_request *a, const char *text) {
+    status st = cli_int(text, "--component", 1, INT_MAX, &a->hints.mesh.component);
+    a->hints.grid.component = (uint32_t)a->hints.mesh.component;
     return st;
 }
 
-static status set_mesh(arguments *a, int key, const char *text) {
+static status set_mesh(convert_request *a, int key, const char *text) {
     switch (key) {
     case KEY_FIELD: return add_field(a, text);
     case KEY_FIELDS: return set_fields(text, &a->sets.all_fields);
     case KEY_STEPS: return step_list_parse(text, "--steps", &a->sets.taken);
     case KEY_TIMES: a->sets.times = text; return ST_OK;
     case KEY_COMPONENT: return set_component(a, text);
-    case KEY_STEP: return cli_uint(text, "--step", 0, INT_MAX, &a->hints.step);
-    case KEY_CELLS_TO_POINTS: a->mesh.cells_to_points = true; return ST_OK;
+    case KEY_STEP: return cli_uint(text, "--step", 0, INT_MAX, &a->hints.grid.step);
+    case KEY_CELLS_TO_POINTS: a->hints.mesh.cells_to_points = true; return ST_OK;
     case KEY_TREELET_TETS:
         return cli_uint(text, "--treelet-tets", 1, LEAF_TREELET_TETS_MAX, &a->treelet_tets);
     case KEY_LEAF_TETS: return cli_uint(text, "--leaf-tets", 1, LEAF_LEAF_TETS_MAX, &a->leaf_tets);
@@ -297,7 +256,7 @@ static status set_mesh(arguments *a, int key, const char *text) {
 }
 
 static status set_option(void *own, int key, const char *text) {
-    arguments *a = own;
+    convert_request *a = own;
     switch (key) {
     case KEY_COMPRESS: return set_compress(a, text);
     case KEY_TREELET: return set_treelet(a, text);
@@ -305,17 +264,17 @@ static status set_option(void *own, int key, const char *text) {
     case KEY_DRY_RUN: a->dry_run = true; return ST_OK;
     case KEY_SPACING: return set_spacing(a, text);
     case KEY_ALLOW_EMPTY: a->allow_empty = true; return ST_OK;
-    case KEY_NAME: a->hints.name = a->mesh.name = text; return ST_OK;
+    case KEY_NAME: a->hints.grid.name = a->hints.mesh.name = text; return ST_OK;
     default: break;
     }
-    status st = trust_option(&a->hints.trust, key);
+    status st = trust_option(&a->hints.grid.trust, key);
     if (st == ST_AGAIN)
-        st = set_grid(&a->hints, key, text);
+        st = set_grid(&a->hints.grid, key, text);
     return st == ST_AGAIN ? set_mesh(a, key, text) : st;
 }
 
 static status check(void *own) {
-    const arguments *a = own;
+    const convert_request *a = own;
     if (!a->common.input || (!a->common.output && !a->dry_run))
         return status_describe(ST_USAGE, "an INPUT and -o are needed");
     return convert_sets_check(&a->sets, a->common.input_count, cli_given(&a->common, KEY_STEP));
@@ -359,172 +318,32 @@ static const cli_verb verb = {
         "nor on what the input's file is called.",
 };
 
-/* ---- one input ---- */
+/* ---- the input ---- */
 
-static status convert_grid(arguments *a, mem *m, volume *v, const grid_series *series,
-                           double start) {
-    convert_options o = {.file = a->file,
-                         .series = series,
-                         .memory = m->limit,
-                         .threads = a->common.threads,
-                         .force = a->common.force,
-                         .refuse_empty = !a->allow_empty};
-    const convert_report how = {&a->common, &a->sets, a->dry_run};
-    convert_plan plan;
-    status st = convert_plan_make(m, volume_grid(v), &o, &plan);
+static const convert_kind *const kinds[] = {&convert_grids, &convert_meshes};
+
+static const convert_kind *kind_of(const input *in) {
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if (kinds[i]->of == in->kind)
+            return kinds[i];
+    assert(!"a kind of input without a row");
+    return NULL;
+}
+
+static status convert_opened(convert_request *a, mem *m, input *in, double start) {
+    const convert_kind *kind = kind_of(in);
+    status st = cli_check_uses(&a->common, uses, sizeof uses / sizeof *uses,
+                               in->kind->traits(in->own), input_names, in->kind->format(in->own));
     if (st != ST_OK)
         return st;
-    if (a->dry_run)
-        return convert_report_grid(&how, &plan, volume_grid(v), NULL);
-    if (plan.spilled_levels)
-        cli_note(&a->common, 1,
-                 "%u levels go through a temporary file of %.1f MiB; %.1f MiB of memory would "
-                 "avoid that",
-                 plan.spilled_levels, (double)plan.spill_bytes / 0x1p20,
-                 (double)plan.memory_in_core / 0x1p20);
-    char text[ABSENT_TEXT];
-    convert_outcome out;
-    st = convert_run(m, v, a->common.output, &o, &plan, cli_progress(&a->common), &out.result);
-    if (st != ST_OK)
-        return st;
-    out.seconds = clock_seconds() - start;
-    if (out.result.trailing_bytes)
-        cli_note(&a->common, 1, "%s: %llu bytes behind the samples are ignored", a->common.input,
-                 (unsigned long long)out.result.trailing_bytes);
-    convert_note_marker(&a->common, &out.result.marker);
-    if (out.result.absent.count)
-        cli_note(&a->common, 1, "%s: %s", a->common.input, absent_print(&out.result.absent, text));
-    return convert_report_grid(&how, &plan, volume_grid(v), &out);
-}
-
-static status convert_mesh(arguments *a, mem *m, mesh_input *x, const mesh_series *series,
-                           double start) {
-    const mesh_options o = {.file = a->file,
-                            .series = series,
-                            .treelet_tets = a->treelet_tets,
-                            .leaf_tets = a->leaf_tets,
-                            .sah = a->sah,
-                            .coarse = a->coarse,
-                            .coarse_dims = a->coarse_dims,
-                            .memory = m->limit,
-                            .threads = a->common.threads,
-                            .force = a->common.force,
-                            .gradients = a->gradients,
-                            .refuse_empty = !a->allow_empty};
-    mesh_result r;
-    const progress *p = cli_progress(&a->common);
-    status st = a->dry_run ? mesh_convert_dry(m, x, &o, p, &r)
-                           : mesh_convert_run(m, x, a->common.output, &o, p, &r);
-    if (st == ST_OK)
-        st = convert_report_mesh(&(convert_report){&a->common, &a->sets, a->dry_run}, &r,
-                                 clock_seconds() - start);
-    return st;
-}
-
-/* ---- a series ---- */
-
-static leaf_sets leaf_sets_of(const arguments *a) {
-    return (leaf_sets){.fields = a->sets.count ? (uint32_t)a->sets.count : 1,
-                       .steps = convert_sets_count_steps(&a->sets, a->common.input_count),
-                       .names = a->sets.count ? a->sets.names : NULL,
-                       .times = a->sets.parsed,
-                       .time_unit = a->sets.time_unit[0] ? a->sets.time_unit : NULL};
-}
-
-static status convert_meshes(arguments *a, mem *m, mesh_input *x, double start) {
-    status st = convert_sets_of_mesh(&a->sets, x, a->common.input);
-    if (st == ST_OK)
-        st =
-            convert_sets_times(&a->sets, convert_sets_count_steps(&a->sets, a->common.input_count));
-    const leaf_sets sets = leaf_sets_of(a);
-    const mesh_series series = {.paths = (const char *const *)a->common.inputs,
-                                .in_file = a->sets.steps > 0 ? &a->sets.taken : NULL,
-                                .steps = sets.steps,
-                                .names = sets.names,
-                                .fields = sets.fields,
-                                .times = sets.times,
-                                .hints = a->mesh};
-    if (st == ST_OK)
-        st = mesh_series_check(&series);
-    return st == ST_OK ? convert_mesh(a, m, x, &series, start) : st;
-}
-
-static void note_left_out(void *ctx, const char *name, const char *why) {
-    const arguments *a = ctx;
-    cli_note(&a->common, 1, "field %s is left out: %s", name, why);
-}
-
-/* Open each of several sets by itself. The first volume rests meanwhile, so that an importer gets
- * the whole share of memory for importers. */
-static status begin_series(arguments *a, mem *m, grid_series *series, volume **v) {
-    volume *first = *v;
-    if (series->sets.fields * series->sets.steps > 1)
-        volume_rest(first);
-    status st = convert_sets_keep_alike(&a->sets, series, first, note_left_out, a);
-    series->fields_alike = a->sets.all_fields;
-    if (st == ST_OK)
-        st = grid_series_check(m, series, first);
-    if (st != ST_OK || !volume_rests(first))
-        return st;
-    *v = NULL;
-    volume_close(first);
-    return grid_series_open(m, series, 0, v);
-}
-
-static status convert_volumes(arguments *a, mem *m, volume **v, double start) {
-    status st = convert_sets_of_grid(&a->sets, *v, a->common.input);
-    if (a->sets.times_fall)
-        cli_note(&a->common, 1, "%s: its times do not ascend: 0, 1, .. instead", a->common.input);
-    if (st == ST_OK)
-        st =
-            convert_sets_times(&a->sets, convert_sets_count_steps(&a->sets, a->common.input_count));
-    grid_series series = {.paths = (const char *const *)a->common.inputs,
-                          .in_file = a->sets.steps > 0 ? &a->sets.taken : NULL,
-                          .sets = leaf_sets_of(a),
-                          .fields = a->sets.count ? a->sets.asked : NULL,
-                          .hints = a->hints};
-    if (st == ST_OK)
-        st = begin_series(a, m, &series, v);
-    return st == ST_OK ? convert_grid(a, m, *v, &series, start) : st;
-}
-
-/* ---- the kind of input ---- */
-
-/* A VTK collection is a list of steps. All are taken, as if they were given one by one. */
-static bool is_collection(const input *in) {
-    return in->x ? mesh_input_names_files(in->x) && mesh_input_times(in->x)
-                 : strcmp(volume_format(in->v), VOLUME_COLLECTION) == 0;
-}
-
-static status convert_opened(arguments *a, mem *m, input *in, double start) {
-    const char *format = in->x ? mesh_input_format(in->x) : volume_format(in->v);
-    const int kind = in->x && mesh_input_names_files(in->x)      ? NAMING_MESH
-                     : in->x && mesh_input_may_have_steps(in->x) ? STEP_MESH
-                     : in->x                                     ? LONE_MESH
-                     : strcmp(format, VOLUME_RAW_SAMPLES) == 0   ? RAW
-                     : volume_has_fields(in->v)                  ? FIELDS
-                                                                 : HEADED;
-    status st =
-        cli_check_uses(&a->common, uses, sizeof uses / sizeof *uses, kind, input_names, format);
-    if (st != ST_OK)
-        return st;
-    if (is_collection(in) && a->common.input_count == 1 && !cli_given(&a->common, KEY_STEP))
+    if (kind->is_collection(in->own) && a->common.input_count == 1 && !a->step)
         convert_sets_take_all(&a->sets);
-    if (in->v && volume_importer(in->v))
-        cli_note(&a->common, 1, "%s: %s, read by leafcast import-%s", a->common.input, format,
-                 volume_importer(in->v));
-    if (in->v)
-        convert_note_grid(&a->common, volume_grid(in->v), a->hints.exaggerate != 0);
-    if (in->v)
-        convert_note_volume(&a->common, in->v, &a->hints, cli_given(&a->common, KEY_STEP),
-                            &a->sets);
-    else
-        convert_note_mesh(&a->common, in->x, &a->mesh, cli_given(&a->common, KEY_STEP), &a->sets);
-    return in->x ? convert_meshes(a, m, in->x, start) : convert_volumes(a, m, &in->v, start);
+    kind->note(a, in->own);
+    return kind->run(a, m, in, start);
 }
 
 /* Check all paths before an input is opened, which may take hours. */
-static status guard_files(const arguments *a) {
+static status guard_files(const convert_request *a) {
     const char *output = a->dry_run ? NULL : a->common.output;
     if (output && strcmp(output, "-") == 0)
         return status_describe(ST_USAGE, "-o -: a treelet file cannot go to standard output: its "
@@ -534,22 +353,23 @@ static status guard_files(const arguments *a) {
     for (int i = 0; i < a->common.input_count && st == ST_OK; i++)
         st = file_guard_input(a->common.inputs[i]);
     for (int i = 0; i < 3 && st == ST_OK; i++)
-        st = file_guard_input(a->hints.axis_file[i]);
+        st = file_guard_input(a->hints.grid.axis_file[i]);
     return st == ST_OK ? file_guard_output(output) : st;
 }
 
-static status run(arguments *a) {
+static status run(convert_request *a) {
     mem m;
     mem_init(&m, a->common.memory ? a->common.memory : CONVERT_MEMORY_DEFAULT);
     const double start = clock_seconds();
     input in = {0};
     a->sets.m = &m;
-    convert_sets_first_step(&a->sets, &a->hints.step);
-    a->mesh.step = a->hints.step;
-    a->mesh.trust = a->hints.trust;
+    a->step = cli_given(&a->common, KEY_STEP);
+    convert_sets_first_step(&a->sets, &a->hints.grid.step);
+    a->hints.mesh.step = a->hints.grid.step;
+    a->hints.mesh.trust = a->hints.grid.trust;
     status st = guard_files(a);
     if (st == ST_OK)
-        st = input_open(&m, a->common.input, &a->hints, &a->mesh, &in);
+        st = input_open(&m, a->common.input, &a->hints, &in);
     if (st == ST_OK)
         st = convert_opened(a, &m, &in, start);
     input_close(&in);
@@ -558,10 +378,10 @@ static status run(arguments *a) {
 }
 
 int main(int argc, char **argv) {
-    arguments a = {.common = {.verb = "convert"},
-                   .treelet_tets = MESH_TREELET_TETS,
-                   .leaf_tets = MESH_LEAF_TETS,
-                   .file = convert_parameters_default()};
+    convert_request a = {.common = {.verb = "convert"},
+                         .treelet_tets = MESH_TREELET_TETS,
+                         .leaf_tets = MESH_LEAF_TETS,
+                         .file = convert_parameters_default()};
     cli_parse(&verb, &a.common, argc, argv);
     return cli_finish(&a.common, run(&a));
 }

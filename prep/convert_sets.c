@@ -52,8 +52,7 @@ void convert_sets_first_step(const convert_sets *s, uint32_t *step) {
         *step = step_list_at(&s->taken, 0);
 }
 
-/* Add a field of the input, once per name. */
-static status take_copy(convert_sets *s, const char *name) {
+status convert_sets_take_copy(convert_sets *s, const char *name) {
     char clean[sizeof s->kept[0]];
     text_name(clean, sizeof clean, name);
     for (int i = 0; i < s->count; i++)
@@ -70,10 +69,9 @@ static status take_copy(convert_sets *s, const char *name) {
     return st;
 }
 
-/* ---- grids and meshes ---- */
+/* ---- what the input has ---- */
 
-/* Copy the file's times for the chosen steps. If they do not ascend, keep none. */
-static status take_times(convert_sets *s, const double *all) {
+status convert_sets_take_times(convert_sets *s, const double *all) {
     s->parsed = mem_array(s->m, s->steps, sizeof *s->parsed);
     if (!s->parsed)
         return ST_NOMEM;
@@ -90,89 +88,7 @@ static status take_times(convert_sets *s, const double *all) {
     return ST_OK;
 }
 
-/* ---- meshes ---- */
-
-typedef struct taking {
-    convert_sets *s;
-    status st;
-} taking;
-
-static void take_array(void *ctx, const char *name, int components) {
-    (void)components;
-    taking *t = ctx;
-    if (t->st == ST_OK)
-        t->st = take_copy(t->s, name);
-}
-
-static status take_mesh_steps(convert_sets *s, const mesh_input *x, const char *name) {
-    const double *times = mesh_input_times(x);
-    status st = step_list_settle(&s->taken, "--steps", name, mesh_input_steps(x));
-    if (st != ST_OK)
-        return st;
-    s->steps = (uint32_t)step_list_count(&s->taken);
-    return times && !s->times ? take_times(s, times) : ST_OK;
-}
-
-status convert_sets_of_mesh(convert_sets *s, const mesh_input *x, const char *name) {
-    taking t = {s, ST_OK};
-    if (s->all_fields)
-        mesh_input_fields(x, take_array, &t);
-    return t.st == ST_OK && step_list_given(&s->taken) ? take_mesh_steps(s, x, name) : t.st;
-}
-
-/* ---- grids ---- */
-
-typedef struct choice {
-    convert_sets *s;
-    double *times;  /* copy of the times of all its steps, or NULL */
-    bool found;     /* the reader's default field was met */
-    uint32_t steps; /* steps of that field */
-} choice;
-
-/* Note the reader's default field. A format without names has only one field. */
-static status take_first(void *ctx, const slice_field *f) {
-    choice *c = ctx;
-    const bool first = f->taken && !c->found;
-    if (first || c->steps == 0)
-        c->steps = f->steps;
-    if (!first)
-        return ST_OK;
-    c->found = true;
-    if (f->times && !c->s->times && step_list_given(&c->s->taken)) {
-        c->times = mem_array(c->s->m, f->steps, sizeof *c->times);
-        if (!c->times)
-            return ST_NOMEM;
-        memcpy(c->times, f->times, f->steps * sizeof *c->times);
-        text_name(c->s->time_unit, sizeof c->s->time_unit, f->time_unit ? f->time_unit : "");
-    }
-    return c->s->all_fields && *f->name ? take_copy(c->s, f->name) : ST_OK;
-}
-
-static status take_others(void *ctx, const slice_field *f) {
-    const choice *c = ctx;
-    const bool fits = !step_list_given(&c->s->taken) || f->steps == c->steps;
-    return !f->taken && fits ? take_copy(c->s, f->name) : ST_OK;
-}
-
-status convert_sets_of_grid(convert_sets *s, const volume *v, const char *name) {
-    choice c = {.s = s};
-    const bool chosen = step_list_given(&s->taken);
-    if (!s->all_fields && !chosen)
-        return ST_OK;
-    status st = volume_fields(v, &(slice_fields){take_first, &c});
-    if (st == ST_OK && s->count > 0 && s->all_fields)
-        st = volume_fields(v, &(slice_fields){take_others, &c});
-    if (st == ST_OK && chosen)
-        st = step_list_settle(&s->taken, "--steps", name, c.steps ? c.steps : 1);
-    s->steps = chosen ? (uint32_t)step_list_count(&s->taken) : 0;
-    if (st == ST_OK && c.times)
-        st = take_times(s, c.times);
-    if (c.times)
-        mem_free(s->m, c.times);
-    return st;
-}
-
-static void drop(convert_sets *s, int i) {
+void convert_sets_drop(convert_sets *s, int i) {
     mem_free(s->m, s->copied[i]);
     s->count--;
     for (; i < s->count; i++) {
@@ -181,25 +97,6 @@ static void drop(convert_sets *s, int i) {
         s->copied[i] = s->copied[i + 1];
     }
     s->copied[s->count] = NULL;
-}
-
-status convert_sets_keep_alike(convert_sets *s, grid_series *series, const volume *v,
-                               void (*left_out)(void *ctx, const char *name, const char *why),
-                               void *ctx) {
-    for (int i = 1; s->all_fields && i < s->count;) {
-        const uint32_t set = (uint32_t)i * series->sets.steps;
-        status st = grid_series_alike(s->m, series, set, v);
-        if (st == ST_UNSUPPORTED) {
-            left_out(ctx, s->kept[i], status_text());
-            drop(s, i);
-            continue;
-        }
-        if (st != ST_OK)
-            return st;
-        i++;
-    }
-    series->sets.fields = s->count ? (uint32_t)s->count : 1;
-    return ST_OK;
 }
 
 /* ---- times ---- */

@@ -9,15 +9,14 @@
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/base/step_list.h"
-#include "formats/grid/volume.h"
-#include "formats/mesh/mesh_input.h"
-#include "prep/grid/grid_series.h"
+#include "formats/base/world_frame.h"
+#include "formats/mesh/mesh_sink.h"
 
 enum { CONVERT_FIELDS_MAX = 256 };
 
 /* Zero-initialize it. */
 typedef struct convert_sets {
-    mem *m; /* set before convert_sets_of_..() and convert_sets_times() */
+    mem *m; /* set before the input is asked */
     bool all_fields;
     step_list taken;                       /* chosen steps of the single input file */
     int count;                             /* of fields; 0: the reader's default field */
@@ -47,21 +46,13 @@ void convert_sets_take_all(convert_sets *s);
 /* convert_sets_first_step() - set *step to the first of a list of steps, if one is given. */
 void convert_sets_first_step(const convert_sets *s, uint32_t *step);
 
-/* convert_sets_of_mesh() - resolve "all fields" and the list of steps for a mesh, if asked for.
- * ST_USAGE: there is no such step. */
-CHECKED status convert_sets_of_mesh(convert_sets *s, const mesh_input *x, const char *name);
-
-/* convert_sets_of_grid() - resolve "all fields" and the list of steps for a volume, if asked for.
- * The default field comes first, then the others in the file's order. If steps are taken, fields
- * with another number of steps are left out. ST_USAGE: there is no such step. */
-CHECKED status convert_sets_of_grid(convert_sets *s, const volume *v, const char *name);
-
-/* convert_sets_keep_alike() - keep only the fields that can share a file with the first, which is
- * v's. `left_out' is called with the reason for each other. Sets the number of fields of series. */
-CHECKED status convert_sets_keep_alike(convert_sets *s, grid_series *series, const volume *v,
-                                       void (*left_out)(void *ctx, const char *name,
-                                                        const char *why),
-                                       void *ctx);
+/* convert_sets_take_copy() - add a field of the input, once per name.
+ * convert_sets_take_times() - copy the input's times of the chosen steps. If they do not ascend,
+ * keep none.
+ * convert_sets_drop() - drop field i, which is such a copy. */
+CHECKED status convert_sets_take_copy(convert_sets *s, const char *name);
+CHECKED status convert_sets_take_times(convert_sets *s, const double *all);
+void convert_sets_drop(convert_sets *s, int i);
 
 /* convert_sets_times() - parse --times for this many steps into s->parsed, or set that to NULL.
  * ST_USAGE: there is another number of them. */

@@ -11,6 +11,7 @@
 #include "formats/base/pool.h"
 #include "formats/base/text.h"
 #include "formats/input_open.h"
+#include "formats/mesh/mesh_input_kind.h"
 #include "formats/public_status.h"
 #include "prep/convert_defaults.h"
 #include "prep/grid/convert.h"
@@ -360,13 +361,13 @@ static status clean_fields(job *j, field_names *f) {
 }
 
 static status convert_input_of(job *j, const input *in, const mesh_series *series) {
-    if (in->x) {
+    if (in->kind == &mesh_input_kind) {
         status st = mesh_series_check(series);
-        return st == ST_OK ? convert_mesh(j, in->x, series) : st;
+        return st == ST_OK ? convert_mesh(j, in->own, series) : st;
     }
     if (series->steps > 1)
         return status_describe(ST_USAGE, "%s: only meshes have several steps", series->paths[0]);
-    return convert_volume(j, in->v);
+    return convert_volume(j, in->own);
 }
 
 static status convert_files(job *j, const char *const *paths, uint32_t steps, const double *times) {
@@ -384,8 +385,9 @@ static status convert_files(job *j, const char *const *paths, uint32_t steps, co
                                           .cells_to_points = j->o.cells_to_points,
                                           .name = j->o.name,
                                           .trust = of_grids.trust}};
+    const input_hints hints = {of_grids, series.hints};
     if (st == ST_OK)
-        st = input_open(&j->m, paths[0], &of_grids, &series.hints, &in);
+        st = input_open(&j->m, paths[0], &hints, &in);
     if (st == ST_OK)
         st = convert_input_of(j, &in, &series);
     input_close(&in);

@@ -136,25 +136,39 @@ LEAFCAST_API leafcast_status leafcast_open_memory(const void *bytes, size_t size
                                                   leafcast **volume);
 LEAFCAST_API void leafcast_close(leafcast *volume); /* NULL is fine */
 
+/* What only some kinds of geometry can do: bits of leafcast_info.abilities. */
+typedef enum leafcast_ability {
+    LEAFCAST_ABILITY_LEVELS = 1,           /* coarse levels of detail, beyond those of previews */
+    LEAFCAST_ABILITY_LAYERS = 2,           /* planes of nodes: leafcast_layer_slice() */
+    LEAFCAST_ABILITY_ANALYTIC_NORMALS = 4, /* leafcast_scene.analytic_normals */
+    LEAFCAST_ABILITY_SMOOTH_NORMALS = 8,   /* leafcast_scene.smooth_normals, if the file has
+                                              gradients */
+    LEAFCAST_ABILITY_INTERSECTORS = 16,    /* experiments: a choice of intersectors */
+    LEAFCAST_ABILITY_PACKETS = 32          /* experiments: packets, isopolygons, schemas */
+} leafcast_ability;
+
 typedef struct leafcast_info {
     size_t size;
-    const char *kind;        /* of geometry: "grid" or "mesh"; later versions may add others */
-    uint32_t dims[3];        /* nodes per axis at level 0; meshes: 0 */
-    uint64_t tets, vertices; /* meshes; grids: 0 */
+    const char *kind;   /* of geometry: "grid" or "mesh"; later versions may add others */
+    const char *cell;   /* what a cell is called: "cell", "tet" */
+    uint64_t cells;     /* at full resolution; their numbers begin at 0 */
+    uint64_t nodes;     /* with a value each; a mesh's vertices */
+    uint32_t dims[3];   /* nodes per axis at level 0; 0: the nodes form no lattice */
+    unsigned abilities; /* of leafcast_ability */
     uint32_t fields, steps;
-    bool moving; /* whether the vertices of a mesh move from step to step */
+    bool moving; /* whether nodes move from step to step */
     uint32_t levels;
     uint32_t treelets;       /* on all levels */
     const char *sample_type; /* "u8" ... */
     const char *name;
     double value_min, value_max; /* over all fields and steps */
-    double bounds[2][3]; /* axis-aligned box of the volume in world space: minimum, maximum; of a
-                            moving mesh, over all steps */
-    double cell_size;    /* geometric mean edge of a cell, world units; meshes: an estimate */
+    double bounds[2][3]; /* axis-aligned box of the volume in world space: minimum, maximum; if
+                            nodes move, over all steps */
+    double cell_size;    /* geometric mean edge of a cell, world units; without dims an estimate */
     uint64_t file_bytes, payload_bytes;
     uint32_t preview_levels; /* levels of detail that a preview may draw. As `levels`, but a mesh
                                 with a coarse grid has its tets, then the grid's levels */
-    bool gradients;          /* at the vertices of a mesh, for leafcast_scene.smooth_normals */
+    bool gradients;          /* stored at the nodes, for leafcast_scene.smooth_normals */
     leafcast_axes axes;      /* of the world that the volume lies in */
     const char *units[3];    /* of lengths along x, y, z, such as "mm"; "": the file does not say */
     const char *time_unit;   /* of leafcast_step_time(), such as "s"; "": the file does not say */
@@ -371,20 +385,45 @@ LEAFCAST_API void leafcast_frame_end(leafcast_frame *frame); /* NULL is fine */
 
 /* ---- Single rays and points ---- */
 
+/* Cells. A cell has a number, from 0 on: the same in hits, pieces, samples and leafcast_ray_hit.
+ * Each level of detail numbers its own. What a number stands for depends on the kind of geometry:
+ * in a grid cell i, j, k is number i + cells_x (j + cells_y k); tets are numbered in the file's
+ * order. */
+enum { LEAFCAST_CORNERS_MAX = 8 };
+
+typedef struct leafcast_cell {
+    size_t size;
+    uint64_t cell;
+    uint32_t level;
+    int indices;       /* 3: index[] says where the cell is in rows, columns and slices. 0: cells
+                          have numbers alone */
+    uint32_t index[3]; /* i, j, k */
+    int corners;       /* 8 in a grid, 4 of a tet; 0: the cell has none */
+    /* The corners in world space, and the values there. Corner (x, y, z) of a grid's cell is at
+     * index x + 2y + 4z; those of a tet are in the order of the treelet file. */
+    double position[LEAFCAST_CORNERS_MAX][3];
+    float value[LEAFCAST_CORNERS_MAX];
+} leafcast_cell;
+
+/* leafcast_get_cell() - tells a cell's facts, with the values of the selected field and step. Reads
+ * its treelet if that is not in memory. LEAFCAST_USAGE: there is no such level or cell.
+ * leafcast_cell_indices() - sets index alone and returns leafcast_cell.indices, at no cost. 0 also
+ * where there is no such level or cell. */
+LEAFCAST_API leafcast_status leafcast_get_cell(leafcast *volume, uint32_t level, uint64_t number,
+                                               leafcast_cell *cell);
+LEAFCAST_API int leafcast_cell_indices(const leafcast *volume, uint32_t level, uint64_t number,
+                                       uint32_t index[3]);
+
 typedef struct leafcast_hit {
     double t, point[3];
     int surface;
-    /* entering: the value goes from below the isovalue to above. flat: the tet has no volume, hence
-     * no two sides; then ignore `entering` and the gradient below. */
+    /* entering: the value goes from below the isovalue to above. flat: the cell has no volume,
+     * hence no two sides; then ignore `entering` and the gradient below. */
     bool entering, flat;
-    /* In a grid: */
-    uint32_t cell[3];
-    double at[3];     /* position inside the cell, [0, 1] */
-    float samples[8]; /* corner (x, y, z) at index x + 2y + 4z */
-    /* In a mesh: the tet, numbered in the file's order, and its vertices. */
-    uint64_t tet;
-    float vertices[4][3], values[4];
-    double gradient[3]; /* of the cell's trilinear form, or of the tet; per world unit */
+    uint32_t level; /* of detail, which numbers the cell */
+    uint64_t cell;
+    double at[3];       /* position inside a cell that has indices, [0, 1] on each axis; else 0 */
+    double gradient[3]; /* of the cell's own interpolation; per world unit */
     double normal[3];   /* the shading normal */
     double error_bound; /* of t; INFINITY when the ray only grazes */
 } leafcast_hit;
@@ -404,13 +443,13 @@ typedef struct leafcast_segment {
     int degree;    /* 3 in a grid, 1 in a mesh */
     double control[4];
     double least, most, least_t, most_t; /* the extreme values and their t */
-    uint32_t cell[3];                    /* in a grid */
-    uint64_t tet;                        /* in a mesh */
+    uint32_t level;                      /* of detail, which numbers the cell */
+    uint64_t cell;
 } leafcast_segment;
 
 /* leafcast_probe_segments() - finds the pieces of a ray, in order of t, whatever surfaces are
  * selected. Writes at most max; *count: how many were written. Cells without data (NaN, inf) and
- * tets without volume give none. Of the scene, only clipping and level of detail matter. */
+ * cells without volume give none. Of the scene, only clipping and level of detail matter. */
 LEAFCAST_API leafcast_status leafcast_probe_segments(leafcast *volume, const leafcast_scene *scene,
                                                      const double origin[3],
                                                      const double direction[3],
@@ -428,7 +467,7 @@ typedef struct leafcast_ray_hit {
     double t;           /* +inf: no hit */
     double error_bound; /* of t; INFINITY where the ray only grazes */
     double isovalue;
-    uint64_t cell;   /* grids: i + cells_x (j + cells_y k); meshes: the tet */
+    uint64_t cell;   /* as in leafcast_cell */
     int32_t volume;  /* index in the scene; -1: none */
     int32_t surface; /* numbered through over the scene's volumes; -1: none */
     float normal[3]; /* unit, towards lower values */
@@ -453,15 +492,11 @@ LEAFCAST_API void leafcast_pixel_ray(const leafcast_camera *camera, double x, do
                                      double origin[3], double direction[3]);
 
 typedef struct leafcast_sample {
-    bool inside; /* whether the point is in the volume */
-    /* In a grid: */
-    uint32_t cell[3];
-    double at[3];
-    float samples[8];
-    /* In a mesh: the first tet that holds the point, boundary included. */
-    uint64_t tet;
-    float vertices[4][3], values[4];
-    double value;       /* trilinear, or linear in a tet; NaN where a sample is not finite */
+    bool inside;        /* whether the point is in the volume */
+    uint64_t cell;      /* of level 0: the first one that holds the point, boundary included */
+    double at[3];       /* as in leafcast_hit */
+    double value;       /* by the cell's own interpolation; NaN where a corner is not finite */
+    double nearest;     /* at the nearest corner of the cell, finite or not */
     double gradient[3]; /* per world unit */
     uint32_t treelet;
 } leafcast_sample;
@@ -482,7 +517,7 @@ LEAFCAST_API leafcast_status leafcast_sample_points(leafcast *volume, const doub
 
 typedef enum leafcast_interpolation {
     LEAFCAST_INTERPOLATION_LINEAR = 0, /* the cells' own interpolation: leafcast_sample.value */
-    LEAFCAST_INTERPOLATION_NEAREST     /* the value at the nearest corner of the cell or tet */
+    LEAFCAST_INTERPOLATION_NEAREST     /* leafcast_sample.nearest */
 } leafcast_interpolation;
 
 /* A rectangle of pixels in world space, flat or bent. The centre of the pixel in column x of row y

@@ -13,6 +13,7 @@
 #include "formats/base/printed_file.h"
 #include "formats/base/shell_line.h"
 #include "formats/base/text.h"
+#include "render/app/cell_text.h"
 #include "render/app/ray_profile.h"
 #include "render/app/render_job.h"
 #include "render/app/view_camera.h"
@@ -23,7 +24,7 @@ enum { HITS_MAX = 1000 };
 typedef struct probe_options {
     cli_common common;
     view_options view;
-    bool is_mesh; /* the file holds a mesh; known once it is open */
+    const char *cell; /* what a cell of the file is called; known once it is open */
     bool at, point, ray;
     double pixel[2], where[3], line[6];
     int hits;
@@ -104,6 +105,10 @@ static status check_options(void *own) {
 
 /* ---- the answer: JSON first; the text is printed from it ---- */
 
+/* The answer about a ray. It is printed after the volume is closed. */
+static leafcast_hit hits[HITS_MAX];
+static ray_profile profile = {.hits = hits};
+
 static json_t *floats(const float *x, int count) {
     json_t *list = json_array();
     for (int i = 0; i < count; i++)
@@ -111,52 +116,56 @@ static json_t *floats(const float *x, int count) {
     return list;
 }
 
-static json_t *cell_of(const uint32_t cell[3]) {
-    return json_pack("[i,i,i]", (int)cell[0], (int)cell[1], (int)cell[2]);
+static void set_cell(json_t *out, const probe_options *o, const leafcast *volume, uint32_t level,
+                     uint64_t cell) {
+    const cell_text c = cell_text_of(volume, level, cell);
+    json_object_set_new(out, o->cell, cell_text_json(&c));
 }
 
-/* Set the keys that say where a hit or point is: in a cell of a grid, or in a tet. */
-static void set_cell(json_t *out, const uint32_t cell[3], const double at[3],
-                     const float samples[8]) {
-    json_object_set_new(out, "cell", cell_of(cell));
-    json_object_set_new(out, "position_in_cell", cli_json_reals(at, 3));
-    json_object_set_new(out, "samples", floats(samples, 8));
+/* Set the keys that say where a hit or point is. Corners of a cell with indices lie where these
+ * say, others tell where they are. at: the position in the cell. */
+static status set_place(json_t *out, const probe_options *o, leafcast *volume, uint32_t level,
+                        uint64_t cell, const double at[3]) {
+    leafcast_cell c = {.size = sizeof c};
+    status st = render_status(leafcast_get_cell(volume, level, cell, &c));
+    if (st != ST_OK)
+        return st;
+    set_cell(out, o, volume, level, cell);
+    if (c.indices)
+        json_object_set_new(out, "position_in_cell", cli_json_reals(at, 3));
+    else if (c.corners)
+        json_object_set_new(out, "vertices", cli_json_reals(c.position[0], 3 * c.corners));
+    if (c.corners)
+        json_object_set_new(out, c.indices ? "samples" : "values", floats(c.value, c.corners));
+    return ST_OK;
 }
 
-static void set_tet(json_t *out, uint64_t tet, float vertices[4][3], const float values[4]) {
-    json_object_set_new(out, "tet", json_integer((json_int_t)tet));
-    json_object_set_new(out, "vertices", floats(&vertices[0][0], 12));
-    json_object_set_new(out, "values", floats(values, 4));
+static json_t *side_json(const probe_options *o, const leafcast_hit *h) {
+    char flat[64];
+    snprintf(flat, sizeof flat, "flat %s", o->cell);
+    return json_string(h->flat ? flat : h->entering ? "entering" : "leaving");
 }
 
-static json_t *hit_json(const probe_options *o, leafcast_hit *h) {
-    json_t *out = json_object();
+static status set_hit(json_t *out, const probe_options *o, leafcast *volume,
+                      const leafcast_hit *h) {
     json_object_set_new(out, "t", cli_json_real(h->t));
     json_object_set_new(out, "error_bound", cli_json_real(h->error_bound));
     json_object_set_new(out, "point", cli_json_reals(h->point, 3));
     json_object_set_new(out, "id", json_integer(h->surface));
     json_object_set_new(out, "isovalue", cli_json_real(o->view.surfaces[h->surface].isovalue));
-    json_object_set_new(out, "side",
-                        json_string(h->flat       ? "flat tet"
-                                    : h->entering ? "entering"
-                                                  : "leaving"));
-    if (o->is_mesh)
-        set_tet(out, h->tet, h->vertices, h->values);
-    else
-        set_cell(out, h->cell, h->at, h->samples);
+    json_object_set_new(out, "side", side_json(o, h));
+    const status st = set_place(out, o, volume, h->level, h->cell, h->at);
     json_object_set_new(out, "gradient", cli_json_reals(h->gradient, 3));
     json_object_set_new(out, "normal", cli_json_reals(h->normal, 3));
-    return out;
+    return st;
 }
 
-static json_t *segment_json(const probe_options *o, const leafcast_segment *s) {
+static json_t *segment_json(const probe_options *o, int i) {
+    const leafcast_segment *s = &profile.segments[i];
     json_t *out = json_object();
     json_object_set_new(out, "t0", cli_json_real(s->t0));
     json_object_set_new(out, "t1", cli_json_real(s->t1));
-    if (o->is_mesh)
-        json_object_set_new(out, "tet", json_integer((json_int_t)s->tet));
-    else
-        json_object_set_new(out, "cell", cell_of(s->cell));
+    json_object_set_new(out, o->cell, cell_text_json(&profile.cells[i]));
     json_object_set_new(out, "control", cli_json_reals(s->control, s->degree + 1));
     json_object_set_new(out, "least", cli_json_real(s->least));
     json_object_set_new(out, "least_t", cli_json_real(s->least_t));
@@ -165,20 +174,17 @@ static json_t *segment_json(const probe_options *o, const leafcast_segment *s) {
     return out;
 }
 
-static json_t *point_json(const probe_options *o, const double where[3], leafcast_sample *s) {
-    json_t *out = json_object();
-    json_object_set_new(out, "point", cli_json_reals(where, 3));
+static status set_point(json_t *out, const probe_options *o, leafcast *volume,
+                        const leafcast_sample *s) {
+    json_object_set_new(out, "point", cli_json_reals(o->where, 3));
     json_object_set_new(out, "inside", json_boolean(s->inside));
     if (!s->inside)
-        return out;
+        return ST_OK;
     json_object_set_new(out, "value", cli_json_real(s->value));
-    if (o->is_mesh)
-        set_tet(out, s->tet, s->vertices, s->values);
-    else
-        set_cell(out, s->cell, s->at, s->samples);
+    const status st = set_place(out, o, volume, 0, s->cell, s->at);
     json_object_set_new(out, "gradient", cli_json_reals(s->gradient, 3));
     json_object_set_new(out, "treelet", json_integer(s->treelet));
-    return out;
+    return st;
 }
 
 static void print_value(const json_t *value) {
@@ -222,10 +228,6 @@ static void print_text(json_t *object, int indent) {
 
 /* ---- the question ---- */
 
-/* The answer about a ray. It is printed after the volume is closed. */
-static leafcast_hit hits[HITS_MAX];
-static ray_profile profile = {.hits = hits};
-
 static void ray_of(const probe_options *o, const leafcast *volume, json_t *answer, double origin[3],
                    double direction[3]) {
     const leafcast_camera camera = view_camera_of(&o->view, volume);
@@ -253,14 +255,28 @@ static status probe_hits(const probe_options *o, leafcast *volume, const double 
         return st;
     json_object_set_new(answer, "count", json_integer(count));
     json_t *list = json_array();
-    for (int i = 0; i < count; i++)
-        json_array_append_new(list, hit_json(o, &hits[i]));
+    for (int i = 0; i < count && st == ST_OK; i++) {
+        json_t *one = json_object();
+        st = set_hit(one, o, volume, &hits[i]);
+        json_array_append_new(list, one);
+    }
     json_object_set_new(answer, "hits", list);
     profile.hit_count = count;
-    return ST_OK;
+    return st;
 }
 
 enum { SEGMENTS_AT_FIRST = 4096 };
+
+/* Find the cells of all segments. */
+static status find_cells(probe_options *o, const leafcast *volume) {
+    cell_text *cells = mem_array(&o->m, (size_t)profile.count, sizeof *cells);
+    profile.cells = cells;
+    if (!cells)
+        return ST_NOMEM;
+    for (int i = 0; i < profile.count; i++)
+        cells[i] = cell_text_of(volume, profile.segments[i].level, profile.segments[i].cell);
+    return ST_OK;
+}
 
 /* Find all segments: double the room until they fit. */
 static status find_segments(probe_options *o, leafcast *volume, const double origin[3],
@@ -279,7 +295,7 @@ static status find_segments(probe_options *o, leafcast *volume, const double ori
         st = render_status(
             leafcast_probe_segments(volume, &scene, origin, direction, more, room, &profile.count));
     } while (st == ST_OK && profile.count == room);
-    return st;
+    return st == ST_OK ? find_cells(o, volume) : st;
 }
 
 static void set_segments(const probe_options *o, json_t *answer) {
@@ -293,7 +309,7 @@ static void set_segments(const probe_options *o, json_t *answer) {
     json_object_set_new(answer, "mean", cli_json_real(total.mean));
     json_t *list = json_array();
     for (int i = 0; i < profile.count && o->common.json; i++)
-        json_array_append_new(list, segment_json(o, &profile.segments[i]));
+        json_array_append_new(list, segment_json(o, i));
     json_object_set_new(answer, "segments", list);
 }
 
@@ -317,7 +333,6 @@ static status write_profile(probe_options *o) {
         isovalues[i] = o->view.surfaces[i].isovalue;
     profile.isovalues = isovalues;
     profile.isos = o->view.isos;
-    profile.is_mesh = o->is_mesh;
     set_title(o);
     status st = ST_OK;
     if (o->csv && !output_name_is_stdout(o->csv))
@@ -345,16 +360,14 @@ static status probe_point(const probe_options *o, leafcast *volume, json_t *answ
     status st = render_status(leafcast_probe_point(volume, o->where, &sample));
     if (st)
         return st;
-    json_t *found = point_json(o, o->where, &sample);
-    json_object_update(answer, found);
-    json_decref(found);
+    st = set_point(answer, o, volume, &sample);
     for (int i = 0; i < o->view.isos && sample.inside; i++) {
         const double iso = o->view.surfaces[i].isovalue;
         char key[64], number[NUM_TEXT_MAX];
         snprintf(key, sizeof key, "inside_%s", num_print(iso, number));
         json_object_set_new(answer, key, json_boolean(sample.value >= iso));
     }
-    return ST_OK;
+    return st;
 }
 
 enum { QUOTED_MOST = 4 }; /* growth of one byte by quoting or text_printable() */
@@ -392,6 +405,13 @@ static status select_set(const probe_options *o, leafcast *volume, json_t *answe
     return st;
 }
 
+/* What is printed once the volume is closed. */
+static void take_words(probe_options *o, const leafcast *volume) {
+    const leafcast_info info = leafcast_describe(volume);
+    o->cell = profile.cell = info.cell;
+    profile.indexed = info.dims[0] > 0;
+}
+
 static status run(probe_options *o, json_t *answer) {
     const leafcast_options open = {.size = sizeof(leafcast_options),
                                    .memory = o->common.memory,
@@ -403,7 +423,7 @@ static status run(probe_options *o, json_t *answer) {
     if (st == ST_OK)
         st = render_status(leafcast_open(o->common.input, &open, &volume));
     if (st == ST_OK)
-        o->is_mesh = strcmp(leafcast_describe(volume).kind, "mesh") == 0;
+        take_words(o, volume);
     if (st == ST_OK)
         st = view_options_check_volume(&o->view, volume);
     if (st == ST_OK)
@@ -457,5 +477,6 @@ int main(int argc, char **argv) {
     }
     json_decref(answer);
     mem_free(&o.m, (void *)profile.segments);
+    mem_free(&o.m, (void *)profile.cells);
     return cli_finish(&o.common, st);
 }

@@ -38,17 +38,10 @@ ray_profile_total ray_profile_sum(const ray_profile *p) {
 
 /* ---- Tables ---- */
 
-static void print_cell(const ray_profile *p, const leafcast_segment *s, char divider, FILE *out) {
-    if (p->is_mesh)
-        fprintf(out, "%llu", (unsigned long long)s->tet);
-    else
-        fprintf(out, "%u%c%u%c%u", s->cell[0], divider, s->cell[1], divider, s->cell[2]);
-}
-
 void ray_profile_csv(const void *profile, FILE *out) {
     const ray_profile *p = profile;
     fprintf(out, "t0,t1,%s,value_t0,value_t1,least,least_t,most,most_t\n",
-            p->is_mesh ? "tet" : "i,j,k");
+            p->indexed ? "i,j,k" : p->cell);
     for (int i = 0; i < p->count; i++) {
         const leafcast_segment *s = &p->segments[i];
         const double rest[] = {s->control[0], s->control[s->degree], s->least, s->least_t, s->most,
@@ -56,7 +49,7 @@ void ray_profile_csv(const void *profile, FILE *out) {
         char number[NUM_TEXT_MAX];
         fprintf(out, "%s,", num_print(s->t0, number));
         fprintf(out, "%s,", num_print(s->t1, number));
-        print_cell(p, s, ',', out);
+        cell_text_print(&p->cells[i], ',', out);
         for (size_t k = 0; k < sizeof rest / sizeof *rest; k++)
             fprintf(out, ",%s", num_print(rest[k], number));
         fputc('\n', out);
@@ -66,12 +59,12 @@ void ray_profile_csv(const void *profile, FILE *out) {
 void ray_profile_text(const void *profile, FILE *out) {
     const ray_profile *p = profile;
     fprintf(out, "%14s %14s %14s %14s %14s %14s  %s\n", "t0", "t1", "value at t0", "value at t1",
-            "least", "most", p->is_mesh ? "tet" : "cell");
+            "least", "most", p->cell);
     for (int i = 0; i < p->count; i++) {
         const leafcast_segment *s = &p->segments[i];
         fprintf(out, "%14.9g %14.9g %14.9g %14.9g %14.9g %14.9g  ", s->t0, s->t1, s->control[0],
                 s->control[s->degree], s->least, s->most);
-        print_cell(p, s, ' ', out);
+        cell_text_print(&p->cells[i], ' ', out);
         fputc('\n', out);
     }
 }

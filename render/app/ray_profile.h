@@ -4,12 +4,14 @@
 
 #include <stdio.h>
 
-#include "render/leafcast.h"
+#include "render/app/cell_text.h"
 
 typedef struct ray_profile {
     const leafcast_segment *segments; /* in order along the ray */
     int count;
-    bool is_mesh;
+    const cell_text *cells;  /* of the segments */
+    bool indexed;            /* cells have indices */
+    const char *cell;        /* what one is called */
     const char *title;       /* of the plot */
     const double *isovalues; /* drawn as lines, with the ray's hits */
     int isos;

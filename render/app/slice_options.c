@@ -207,7 +207,8 @@ static status place(slice_options *o, const leafcast *volume) {
     }
 }
 
-/* Enlarge slices of meshes: tets are large, and more pixels show the values inside of them. */
+/* Enlarge slices of volumes without layers of nodes: more pixels show the values inside of their
+ * cells. */
 static void enlarge(leafcast_slice_pixels *s) {
     enum { SIDE = 512 };
     const uint32_t longest = s->width > s->height ? s->width : s->height;
@@ -220,7 +221,7 @@ status slice_options_place(slice_options *o, const leafcast *volume) {
     const uint32_t width = o->slice.width, height = o->slice.height;
     o->slice.size = sizeof o->slice;
     const status st = place(o, volume);
-    if (st == ST_OK && o->fit && leafcast_describe(volume).tets > 0)
+    if (st == ST_OK && o->fit && !(leafcast_describe(volume).abilities & LEAFCAST_ABILITY_LAYERS))
         enlarge(&o->slice);
     if (!o->fit) {
         o->slice.width = width;

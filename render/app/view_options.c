@@ -1,6 +1,5 @@
 #include "render/app/view_options.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -113,38 +112,6 @@ const struct argp_option view_options_table[] = {
     {"intersector", INTERSECTOR, "NAME", CLI_EXPERIMENT,
      "midpoint, linear, neubauer, schwarze, marmitt-3 or marmitt (the exact one)", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
-
-/* Returns whether a verb has its own option of this name, which hides the view's. */
-static bool has_own(const struct argp_option *own, const char *name) {
-    for (; name && (own->name || own->doc); own++)
-        if (own->name && strcmp(own->name, name) == 0)
-            return true;
-    return false;
-}
-
-static int append_table(struct argp_option out[VIEW_OPTIONS_ROOM], int n,
-                        const struct argp_option *table, const struct argp_option *own,
-                        const char *basic) {
-    for (const struct argp_option *o = table; o->name || o->doc; o++) {
-        assert(n < VIEW_OPTIONS_ROOM - 1);
-        if (has_own(own, o->name))
-            continue;
-        out[n] = *o;
-        out[n++].flags |= cli_options_listed(basic, o->name) ? CLI_BASIC : 0;
-    }
-    return n;
-}
-
-void view_options_join(struct argp_option out[VIEW_OPTIONS_ROOM], const struct argp_option *own,
-                       bool media, const char *basic) {
-    int n = 0;
-    for (const struct argp_option *o = own; o->name || o->doc; o++)
-        out[n++] = *o;
-    n = append_table(out, n, view_options_table, own, basic);
-    if (media)
-        n = append_table(out, n, medium_options_table, own, basic);
-    out[n] = (struct argp_option){0};
-}
 
 void view_options_init(view_options *v) {
     static const float slate[4] = {0.014f, 0.02f, 0.032f, 1.0f};
@@ -632,7 +599,7 @@ status view_options_only(const view_options *v, const char *names, const char *w
     return ST_OK;
 }
 
-static bool lod_of_meshes(const view_options *v) {
+static bool lod_of_previews(const view_options *v) {
     return v->scene.lod == LEAFCAST_LOD_EXACT || v->scene.preview;
 }
 
@@ -640,28 +607,42 @@ static bool intersector_is_exact(const view_options *v) {
     return v->experiments.intersector == LEAFCAST_MARMITT;
 }
 
-static bool normals_of_grids(const view_options *v) {
+static bool normals_of_lattices(const view_options *v) {
     return v->normals < 2;
 }
 
-static bool normals_of_meshes(const view_options *v) {
+static bool normals_of_cells(const view_options *v) {
     return v->normals >= 2;
 }
 
-static const flag_need GRID_NEEDS[] = {
-    {NORMALS, normals_of_grids, "--normals: a grid's are central or analytic"}};
-static const flag_need MESH_NEEDS[] = {
-    {LOD, lod_of_meshes, "--lod: a mesh has no coarse levels but in a preview"},
-    {INTERSECTOR, intersector_is_exact, "--intersector: intersectors are for grids"},
-    {NORMALS, normals_of_meshes, "--normals: a mesh's are faceted or smooth"}};
+/* What flags need of volumes that have an ability, or that lack it. %s: the kind of geometry. */
+static const struct {
+    unsigned ability;
+    bool has;
+    flag_need need;
+} KIND_NEEDS[] = {
+    {LEAFCAST_ABILITY_LEVELS,
+     false,
+     {LOD, lod_of_previews, "--lod: a %s has no coarse levels but in a preview"}},
+    {LEAFCAST_ABILITY_INTERSECTORS,
+     false,
+     {INTERSECTOR, intersector_is_exact, "--intersector: intersectors are for grids"}},
+    {LEAFCAST_ABILITY_ANALYTIC_NORMALS,
+     true,
+     {NORMALS, normals_of_lattices, "--normals: a %s's are central or analytic"}},
+    {LEAFCAST_ABILITY_SMOOTH_NORMALS,
+     true,
+     {NORMALS, normals_of_cells, "--normals: a %s's are faceted or smooth"}}};
 
-/* For other kinds the library itself reports what they cannot do. */
+/* What else a kind cannot do, the library itself reports. */
 status view_options_check_volume(const view_options *v, const leafcast *volume) {
     const leafcast_info info = leafcast_describe(volume);
-    if (strcmp(info.kind, "grid") == 0)
-        return check_flags(v, GRID_NEEDS, sizeof GRID_NEEDS / sizeof *GRID_NEEDS);
-    if (strcmp(info.kind, "mesh") == 0)
-        return check_flags(v, MESH_NEEDS, sizeof MESH_NEEDS / sizeof *MESH_NEEDS);
+    for (size_t i = 0; i < sizeof KIND_NEEDS / sizeof *KIND_NEEDS; i++) {
+        const flag_need *need = &KIND_NEEDS[i].need;
+        const bool has = info.abilities & KIND_NEEDS[i].ability;
+        if (has == KIND_NEEDS[i].has && (v->given & bit_of(need->key)) && !need->met(v))
+            return status_describe(ST_USAGE, need->why, info.kind);
+    }
     return ST_OK;
 }
 

@@ -13,7 +13,7 @@ CPU_KERNELS(tile_fn, mesh_lanes_kernels, NULL, mesh_lanes);
 
 /* False: none of this ISA. */
 static bool let_count(leafcast *v) {
-    const bool mesh = leafcast_describe(v).tets > 0;
+    const bool mesh = leafcast_describe(v).dims[0] == 0;
     v->kernels.tile = (mesh ? mesh_lanes_kernels : grid_lanes_kernels)[v->kernels.isa];
     return v->kernels.tile;
 }
@@ -87,7 +87,7 @@ static status count(bench_job *job, const bench_subject *s, cpu_isa isa) {
     if (st == ST_OK)
         st = draw(job, s, volume, &pixels);
     if (st == ST_OK)
-        add_rows(&job->table, s, isa, leafcast_describe(volume).tets > 0, pixels);
+        add_rows(&job->table, s, isa, leafcast_describe(volume).dims[0] == 0, pixels);
     leafcast_close(volume);
     return st;
 }

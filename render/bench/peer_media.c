@@ -225,7 +225,7 @@ static status enter_types(media_race *r) {
 
 static status set_up_vtk(media_race *r, peer_race_missing *missing) {
     status st = ST_UNSUPPORTED;
-    if (leafcast_describe(r->volume).tets > 0)
+    if (leafcast_describe(r->volume).dims[0] == 0)
         st = status_describe(st, "VTK's fixed-point ray caster is for grids");
     else
         st = peer_field_load(r->m, r->o->path, r->threads, &r->field);

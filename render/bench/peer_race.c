@@ -297,7 +297,7 @@ static status set_up(race *r, peer_race_missing *missing) {
     if (st == ST_OK)
         st = progress_step(r->o->progress, "loading", 0.0);
     if (st == ST_OK)
-        st = leafcast_describe(r->steady).tets > 0
+        st = leafcast_describe(r->steady).dims[0] == 0
                  ? peer_tets_load(r->m, r->o->path, r->threads, &r->tets)
                  : peer_field_load(r->m, r->o->path, r->threads, &r->field);
     if (st == ST_OK)

@@ -386,17 +386,32 @@ static const public_fields info_table = PUBLIC_WRITTEN(leafcast_info),
                            hit_table = PUBLIC_WRITTEN(leafcast_hit),
                            segment_table = PUBLIC_WRITTEN(leafcast_segment),
                            ray_hit_table = PUBLIC_WRITTEN(leafcast_ray_hit),
+                           cell_table = PUBLIC_WRITTEN(leafcast_cell),
                            sample_table = PUBLIC_WRITTEN(leafcast_sample);
 
 const public_fields *const *arguments_tables(int *count) {
-    static const public_fields *const tables[] = {
-        &options_table,     &info_table,           &surface_table,
-        &block_table,       &light_table,          &medium_table,
-        &shown_table,       &scene_table,          &camera_table,
-        &histogram_table,   &image_table,          &stats_table,
-        &hit_table,         &segment_table,        &ray_table,
-        &ray_hit_table,     &sample_table,         &slice_table,
-        &experiments_table, &transfer_point_table, &scene_experiments_table};
+    static const public_fields *const tables[] = {&options_table,
+                                                  &info_table,
+                                                  &surface_table,
+                                                  &block_table,
+                                                  &light_table,
+                                                  &medium_table,
+                                                  &shown_table,
+                                                  &scene_table,
+                                                  &camera_table,
+                                                  &histogram_table,
+                                                  &image_table,
+                                                  &stats_table,
+                                                  &hit_table,
+                                                  &segment_table,
+                                                  &ray_table,
+                                                  &ray_hit_table,
+                                                  &cell_table,
+                                                  &sample_table,
+                                                  &slice_table,
+                                                  &experiments_table,
+                                                  &transfer_point_table,
+                                                  &scene_experiments_table};
     *count = (int)(sizeof tables / sizeof *tables);
     return tables;
 }
@@ -465,6 +480,10 @@ status arguments_check_stats(const leafcast_stats *stats) {
 
 status arguments_check_info(const leafcast_info *info) {
     return public_fields_check(&info_table, info);
+}
+
+status arguments_check_cell(const leafcast_cell *cell) {
+    return public_fields_check(&cell_table, cell);
 }
 
 /* Fast form of ray_rows and ray_together(). A NaN fails: no comparison with it is true. */

@@ -45,5 +45,6 @@ CHECKED status arguments_begin_view(const char *call, leafcast_camera *view, uin
 /* Structs that the library fills: check their sizes. */
 CHECKED status arguments_check_stats(const leafcast_stats *stats); /* may be NULL */
 CHECKED status arguments_check_info(const leafcast_info *info);
+CHECKED status arguments_check_cell(const leafcast_cell *cell);
 
 #endif

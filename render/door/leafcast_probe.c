@@ -44,7 +44,11 @@ static status describe_hit(leafcast *v, const tracer *tr, const ray *r, const do
                            const double direction[3], const trace_state *state, leafcast_hit *out) {
     const hit *h = &state->best;
     double slope = 0.0;
-    *out = (leafcast_hit){.t = h->t, .surface = h->iso, .entering = h->entering};
+    *out = (leafcast_hit){.t = h->t,
+                          .surface = h->iso,
+                          .entering = h->entering,
+                          .level = tr->target_level,
+                          .cell = h->cell};
     for (int a = 0; a < 3; a++) {
         out->point[a] = origin[a] + h->t * direction[a];
         out->gradient[a] = state->point.gradient[a];
@@ -52,7 +56,7 @@ static status describe_hit(leafcast *v, const tracer *tr, const ray *r, const do
         slope += state->point.gradient[a] * direction[a];
     }
     out->error_bound = slope != 0.0 ? state->point.error / fabs(slope) : INFINITY;
-    return v->kind->cell_of_hit(v, tr, r, h, out);
+    return v->kind->cell_of_hit ? v->kind->cell_of_hit(v, tr, r, h, out) : ST_OK;
 }
 
 /* found: the caller's array of `max` answers. */
@@ -131,10 +135,11 @@ static leafcast_segment segment_told(const tracer *tr, const segment *s) {
                             .least = e.least,
                             .most = e.most,
                             .least_t = e.least_t,
-                            .most_t = e.most_t};
+                            .most_t = e.most_t,
+                            .level = tr->layout->level_of[s->treelet],
+                            .cell = s->cell};
     for (uint32_t i = 0; i <= s->degree; i++)
         out.control[i] = s->b[i];
-    tr->kind->cell_of_segment(tr, s, &out);
     return out;
 }
 
@@ -191,6 +196,52 @@ leafcast_status leafcast_probe_segments(leafcast *v, const leafcast_scene *scene
     return public_status(st);
 }
 
+/* ---- Cells ---- */
+
+/* Let treelets of the selected field and step be looked up. */
+static void show_set(leafcast *v) {
+    device_make_room(v);
+    loader_forget_failures(v->treelets);
+    loader_select_set(v->treelets, v->set = leaf_layout_set(&v->file->layout, v->field, v->step));
+}
+
+static status describe_cell(leafcast *v, uint32_t level, uint64_t number, leafcast_cell *out) {
+    *out = (leafcast_cell){.size = sizeof *out, .cell = number, .level = level};
+    if (number >= leafcast_describe(v).cells && level == 0)
+        return status_describe(ST_USAGE, "%s %llu: there are %llu", leafcast_describe(v).cell,
+                               (unsigned long long)number,
+                               (unsigned long long)leafcast_describe(v).cells);
+    if (!v->kind->cell_corners)
+        return ST_OK;
+    out->indices = leafcast_cell_indices(v, level, number, out->index);
+    return v->kind->cell_corners(v, level, number, out);
+}
+
+leafcast_status leafcast_get_cell(leafcast *v, uint32_t level, uint64_t number,
+                                  leafcast_cell *cell) {
+    status st = arguments_check_volume(__func__, v);
+    if (st == ST_OK)
+        st = public_needs(__func__, "cell", (const void *[]){cell});
+    if (st == ST_OK)
+        st = arguments_check_cell(cell);
+    if (st == ST_OK && level >= v->file->layout.levels)
+        st = status_describe(ST_USAGE, "level of detail %u: there are 0 to %u", level,
+                             v->file->layout.levels - 1);
+    if (st != ST_OK)
+        return public_status(st);
+    device_lock(v->device);
+    show_set(v);
+    st = volume_check_file(v, describe_cell(v, level, number, cell));
+    device_unlock(v->device);
+    return public_status(st);
+}
+
+int leafcast_cell_indices(const leafcast *v, uint32_t level, uint64_t number, uint32_t index[3]) {
+    if (!v || !index || !v->kind->cell_indices || level >= v->file->layout.levels)
+        return 0;
+    return v->kind->cell_indices(v, level, number, index);
+}
+
 /* ---- Points ---- */
 
 static status probe_point(leafcast *v, const double point[3], leafcast_sample *sample) {
@@ -213,11 +264,9 @@ leafcast_status leafcast_probe_point(leafcast *v, const double point[3], leafcas
         st = public_needs(__func__, "point sample", (const void *[]){point, sample});
     if (st != ST_OK)
         return public_status(st);
-    *sample = (leafcast_sample){.value = NAN};
+    *sample = (leafcast_sample){.value = NAN, .nearest = NAN};
     device_lock(v->device);
-    device_make_room(v);
-    loader_forget_failures(v->treelets);
-    loader_select_set(v->treelets, v->set = leaf_layout_set(&v->file->layout, v->field, v->step));
+    show_set(v);
     st = volume_check_file(v, probe_point(v, point, sample));
     device_unlock(v->device);
     return public_status(st);

@@ -60,7 +60,7 @@ enum { BAND = 32 };
 
 typedef struct slice_job {
     const leafcast_slice_pixels *slice;
-    double (*nearest)(const leafcast_sample *s, const double point[3]); /* NULL: linear */
+    bool nearest; /* else linear */
     double *value;
     double *along; /* the line's length up to each of its points */
 } slice_job;
@@ -111,9 +111,8 @@ static void slice_found(void *ctx, size_t i, const double point[3], const leafca
     const slice_job *p = ctx;
     uint32_t x, y;
     pixel_of(p->slice, i, &x, &y);
-    double value = found->value;
-    if (p->nearest && found->inside)
-        value = p->nearest(found, point);
+    const double value = p->nearest && found->inside ? found->nearest : found->value;
+    (void)point;
     p->value[(size_t)y * p->slice->width + x] = isfinite(value) ? value : (double)NAN;
 }
 
@@ -170,7 +169,7 @@ leafcast_status leafcast_sample_slice(leafcast *v, const leafcast_slice_pixels *
     if (st != ST_OK)
         return public_status(st);
     const bool nearest = s->interpolation == LEAFCAST_INTERPOLATION_NEAREST;
-    slice_job pixels = {.slice = s, .nearest = nearest ? v->kind->nearest : NULL, .value = value};
+    slice_job pixels = {.slice = s, .nearest = nearest, .value = value};
     point_samples p = {.volume = v,
                        .level = s->level,
                        .point = slice_point,

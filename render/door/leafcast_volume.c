@@ -209,6 +209,7 @@ leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
     const world_frame *world = &v->file->frame;
     *info = (leafcast_info){.size = sizeof *info,
                             .kind = v->kind->name,
+                            .cell = v->kind->cell,
                             .levels = h->levels,
                             .fields = h->fields,
                             .steps = h->steps,

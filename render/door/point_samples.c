@@ -171,7 +171,7 @@ static void tell(const waiting *w, uint32_t point, const double at[3],
     w->treelet[point] = LEAF_NO_TREELET;
 }
 
-static const leafcast_sample NOTHING = {.value = (double)NAN};
+static const leafcast_sample NOTHING = {.value = (double)NAN, .nearest = (double)NAN};
 
 static void locate(const waiting *w, uint32_t point, uint32_t after) {
     const point_samples *p = w->job;

@@ -70,11 +70,16 @@ static void grid_close(leafcast *v) {
     mem_free(v->m, v->own);
 }
 
-/* Describe where a grid is, and how large its cells are. */
+/* Describe what a grid has, where it is, and how large its cells are. */
 static void grid_describe(const leafcast *v, leafcast_info *info) {
     const leaf_header *h = &v->file->header;
+    info->cells = info->nodes = 1;
+    info->abilities = LEAFCAST_ABILITY_LEVELS | LEAFCAST_ABILITY_LAYERS |
+                      LEAFCAST_ABILITY_ANALYTIC_NORMALS | LEAFCAST_ABILITY_INTERSECTORS;
     for (int a = 0; a < 3; a++) {
         info->dims[a] = h->dims[a];
+        info->nodes *= h->dims[a];
+        info->cells *= h->dims[a] - 1;
         info->bounds[0][a] = INFINITY;
         info->bounds[1][a] = -INFINITY;
     }
@@ -296,24 +301,59 @@ static status grid_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, cons
                                leafcast_hit *out) {
     const walk_scene *scene = tr->own;
     const level_planes *planes = &scene->levels[tr->target_level];
-    uint32_t place[3];
-    const treelet *at;
-    surface_cell_of(planes, h->cell, out->cell);
+    uint32_t cell[3];
+    (void)v;
+    surface_cell_of(planes, h->cell, cell);
     for (int a = 0; a < 3; a++) {
-        const uint32_t c = out->cell[a];
+        const uint32_t c = cell[a];
         const double x = r->o[a] + h->t * r->d[a];
         out->at[a] = fmin(fmax((x - planes->at[a][c]) * planes->inverse[a][c], 0.0), 1.0);
-        place[a] = c >> v->file->layout.cells_log2;
     }
-    status st = volume_treelet(v, leaf_layout_find(&v->file->layout, tr->target_level, place), &at);
-    if (st == ST_OK)
-        walk_cell_samples(scene, resident_grid_of(at), out->cell, out->samples);
-    return st;
+    return ST_OK;
 }
 
-static void grid_cell_of_segment(const tracer *tr, const segment *s, leafcast_segment *out) {
-    const walk_scene *scene = tr->own;
-    surface_cell_of(&scene->levels[tr->layout->level_of[s->treelet]], s->cell, out->cell);
+static uint64_t cells_of(const level_planes *planes) {
+    return (uint64_t)planes->cells[0] * planes->cells[1] * planes->cells[2];
+}
+
+static int grid_cell_indices(const leafcast *v, uint32_t level, uint64_t cell, uint32_t index[3]) {
+    const level_planes *planes = &grid_of(v)->planes.levels[level];
+    if (cell >= cells_of(planes))
+        return 0;
+    surface_cell_of(planes, cell, index);
+    return 3;
+}
+
+/* What walk_cell_samples() needs of a scene. */
+static walk_scene scene_of_samples(const leafcast *v) {
+    return (walk_scene){.levels = grid_of(v)->planes.levels,
+                        .type = v->file->layout.type,
+                        .halo = v->file->layout.halo};
+}
+
+static status grid_cell_corners(leafcast *v, uint32_t level, uint64_t cell, leafcast_cell *out) {
+    const walk_scene scene = scene_of_samples(v);
+    const level_planes *planes = &scene.levels[level];
+    const uint64_t cells = cells_of(planes);
+    uint32_t index[3], place[3];
+    const treelet *at;
+    if (cell >= cells)
+        return status_describe(ST_USAGE, "cell %llu: there are %llu", (unsigned long long)cell,
+                               (unsigned long long)cells);
+    surface_cell_of(planes, cell, index);
+    out->corners = 8;
+    for (int a = 0; a < 3; a++)
+        place[a] = index[a] >> v->file->layout.cells_log2;
+    for (int c = 0; c < 8; c++) {
+        double node[3];
+        for (int a = 0; a < 3; a++)
+            node[a] = planes->at[a][index[a] + (c >> a & 1)];
+        affine_point_to_world(&v->space, node, out->position[c]);
+    }
+    status st = volume_treelet(v, leaf_layout_find(&v->file->layout, level, place), &at);
+    if (st == ST_OK)
+        walk_cell_samples(&scene, resident_grid_of(at), index, out->value);
+    return st;
 }
 
 /* ---- Points ---- */
@@ -399,31 +439,32 @@ static bool all_finite(const float samples[8]) {
     return finite;
 }
 
-static void grid_cell_in(const leafcast *v, const treelet *at, const double point[3],
-                         leafcast_sample *out) {
-    const leaf_layout *layout = &v->file->layout;
-    const walk_scene scene = {
-        .levels = grid_of(v)->planes.levels, .type = layout->type, .halo = layout->halo};
-    cell_point found;
-    double gradient[3];
-    if (!find_cell(v, layout->level_of[at->id], point, &found))
-        return;
-    *out = (leafcast_sample){.inside = true, .treelet = at->id};
-    memcpy(out->cell, found.cell, sizeof out->cell);
-    memcpy(out->at, found.at, sizeof out->at);
-    walk_cell_samples(&scene, resident_grid_of(at), found.cell, out->samples);
-    out->value = surface_trilinear(out->samples, found.at, found.inverse, gradient);
-    if (!all_finite(out->samples))
-        out->value = (double)NAN;
-    affine_gradient_to_world(&v->space, gradient, out->gradient);
+static double nearest_of(const float samples[8], const double at[3]) {
+    int corner = 0;
+    for (int a = 0; a < 3; a++)
+        corner |= (at[a] >= 0.5) << a;
+    return (double)samples[corner];
 }
 
-static double grid_nearest(const leafcast_sample *s, const double point[3]) {
-    int corner = 0;
-    (void)point;
-    for (int a = 0; a < 3; a++)
-        corner |= (s->at[a] >= 0.5) << a;
-    return (double)s->samples[corner];
+static void grid_cell_in(const leafcast *v, const treelet *at, const double point[3],
+                         leafcast_sample *out) {
+    const walk_scene scene = scene_of_samples(v);
+    const uint32_t level = v->file->layout.level_of[at->id], *cells = scene.levels[level].cells;
+    cell_point found;
+    double gradient[3];
+    float samples[8];
+    if (!find_cell(v, level, point, &found))
+        return;
+    *out = (leafcast_sample){.inside = true, .treelet = at->id};
+    out->cell =
+        found.cell[0] + (uint64_t)cells[0] * (found.cell[1] + (uint64_t)cells[1] * found.cell[2]);
+    memcpy(out->at, found.at, sizeof out->at);
+    walk_cell_samples(&scene, resident_grid_of(at), found.cell, samples);
+    out->value = surface_trilinear(samples, found.at, found.inverse, gradient);
+    out->nearest = nearest_of(samples, found.at);
+    if (!all_finite(samples))
+        out->value = (double)NAN;
+    affine_gradient_to_world(&v->space, gradient, out->gradient);
 }
 
 static double grid_cells_along(const leafcast *v, const double vector[3]) {
@@ -487,6 +528,7 @@ static const kind_batches batches = {.scratch = GRID_PEAKS_SCRATCH, /* more than
                                      .extremes = grid_peaks_kernels};
 
 const kind grid_kind = {.name = "grid",
+                        .cell = "cell",
                         .open = grid_open,
                         .close = grid_close,
                         .describe = grid_describe,
@@ -497,9 +539,9 @@ const kind grid_kind = {.name = "grid",
                         .segments_error = grid_segments_error,
                         .gradient = grid_gradient,
                         .cell_in = grid_cell_in,
-                        .cell_of_hit = grid_cell_of_hit,
-                        .cell_of_segment = grid_cell_of_segment,
                         .tiles = &tiles,
                         .batches = &batches,
-                        .nearest = grid_nearest,
+                        .cell_of_hit = grid_cell_of_hit,
+                        .cell_indices = grid_cell_indices,
+                        .cell_corners = grid_cell_corners,
                         .layer = grid_layer};

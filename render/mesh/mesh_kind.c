@@ -77,8 +77,9 @@ static void mesh_close(leafcast *v) {
 /* Facts of a mesh. The edge of a cell is computed as if six tets in its box made a cube. */
 static void mesh_describe(const leafcast *v, leafcast_info *info) {
     const leaf_header *h = &v->file->header;
-    info->tets = h->tets;
-    info->vertices = h->vertices;
+    info->cells = h->tets;
+    info->nodes = h->vertices;
+    info->abilities = LEAFCAST_ABILITY_SMOOTH_NORMALS | LEAFCAST_ABILITY_PACKETS;
     tree_describe(v, 6.0 / (double)h->tets, info);
 }
 
@@ -132,38 +133,66 @@ static uint32_t treelet_of_tet(const leaf_file *f, uint64_t number) {
     return lo;
 }
 
-static void copy_tet(const resident_mesh *at, uint32_t local, float vertices[4][3],
-                     float values[4]) {
-    const tet x = mesh_walk_tet(at, local);
-    memcpy(vertices, x.p, sizeof x.p);
-    memcpy(values, x.f, sizeof x.f);
+static status find_tet(leafcast *v, uint64_t number, tet *out) {
+    const treelet *at;
+    const status st = volume_treelet(v, treelet_of_tet(v->file, number), &at);
+    if (st != ST_OK)
+        return st;
+    const resident_mesh *own = resident_mesh_of(at);
+    *out = mesh_walk_tet(own, (uint32_t)(number - own->first_tet));
+    return ST_OK;
 }
 
 static status mesh_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, const hit *h,
                                leafcast_hit *out) {
     (void)tr;
     (void)r;
-    const treelet *at;
-    out->tet = h->cell;
-    status st = volume_treelet(v, treelet_of_tet(v->file, h->cell), &at);
+    tet x;
+    double p[4][3];
+    const status st = find_tet(v, h->cell, &x);
     if (st != ST_OK)
         return st;
-    const resident_mesh *own = resident_mesh_of(at);
-    copy_tet(own, (uint32_t)(h->cell - own->first_tet), out->vertices, out->values);
-    double p[4][3];
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 3; k++)
-            p[i][k] = (double)out->vertices[i][k];
+            p[i][k] = (double)x.p[i][k];
     out->flat = exact_orientation((const double(*)[3])p) == 0;
     return ST_OK;
 }
 
-static void mesh_cell_of_segment(const tracer *tr, const segment *s, leafcast_segment *out) {
-    (void)tr;
-    out->tet = s->cell;
+static status mesh_cell_corners(leafcast *v, uint32_t level, uint64_t cell, leafcast_cell *out) {
+    tet x;
+    (void)level;
+    const status st = find_tet(v, cell, &x);
+    if (st != ST_OK)
+        return st;
+    out->corners = 4;
+    for (int i = 0; i < 4; i++) {
+        out->value[i] = x.f[i];
+        for (int a = 0; a < 3; a++)
+            out->position[i][a] = (double)x.p[i][a];
+    }
+    return ST_OK;
 }
 
 /* ---- Points ---- */
+
+/* Returns the value at the vertex nearest to a point. */
+static double nearest_of(const tet *x, const double point[3]) {
+    double least = INFINITY;
+    int nearest = 0;
+    for (int k = 0; k < 4; k++) {
+        double distance = 0.0;
+        for (int a = 0; a < 3; a++) {
+            const double away = (double)x->p[k][a] - point[a];
+            distance += away * away;
+        }
+        if (distance < least) {
+            least = distance;
+            nearest = k;
+        }
+    }
+    return (double)x->f[nearest];
+}
 
 static void mesh_cell_in(const leafcast *v, const treelet *found, const double point[3],
                          leafcast_sample *sample) {
@@ -174,30 +203,13 @@ static void mesh_cell_in(const leafcast *v, const treelet *found, const double p
     if (!mesh_walk_find(at, point, &local, weights))
         return;
     const tet x = mesh_walk_tet(at, local);
-    *sample = (leafcast_sample){.inside = true, .treelet = found->id, .tet = at->first_tet + local};
-    copy_tet(at, local, sample->vertices, sample->values);
+    *sample =
+        (leafcast_sample){.inside = true, .treelet = found->id, .cell = at->first_tet + local};
+    sample->nearest = nearest_of(&x, point);
     for (int k = 0; k < 4; k++)
         if (weights[k] > 0.0)
             sample->value += weights[k] * (isfinite(x.f[k]) ? (double)x.f[k] : (double)NAN);
     (void)tet_gradient(&x, sample->gradient);
-}
-
-/* Returns the value at the nearest vertex of the sample's tet. */
-static double mesh_nearest(const leafcast_sample *s, const double point[3]) {
-    double least = INFINITY;
-    int nearest = 0;
-    for (int k = 0; k < 4; k++) {
-        double distance = 0.0;
-        for (int a = 0; a < 3; a++) {
-            const double away = (double)s->vertices[k][a] - point[a];
-            distance += away * away;
-        }
-        if (distance < least) {
-            least = distance;
-            nearest = k;
-        }
-    }
-    return (double)s->values[nearest];
 }
 
 static const treelet_walks inside = {mesh_hits, mesh_pieces, mesh_extremes};
@@ -211,6 +223,7 @@ static const kind_tiles tiles = {.side = MESH_TILE,
 static const kind_batches batches = {.scratch = MESH_BATCH_SCRATCH, .hits = mesh_batch_kernels};
 
 const kind mesh_kind = {.name = "mesh",
+                        .cell = "tet",
                         .open = mesh_open,
                         .close = mesh_close,
                         .describe = mesh_describe,
@@ -222,9 +235,8 @@ const kind mesh_kind = {.name = "mesh",
                         .segments_error = mesh_segments_error,
                         .gradient = mesh_gradient,
                         .cell_in = mesh_cell_in,
-                        .cell_of_hit = mesh_cell_of_hit,
-                        .cell_of_segment = mesh_cell_of_segment,
                         .tiles = &tiles,
                         .batches = &batches,
                         .loading = mesh_loading,
-                        .nearest = mesh_nearest};
+                        .cell_of_hit = mesh_cell_of_hit,
+                        .cell_corners = mesh_cell_corners};

@@ -86,6 +86,7 @@ typedef struct kind_batches {
 
 typedef struct kind {
     const char *name; /* leafcast_info.kind */
+    const char *cell; /* leafcast_info.cell: what one is called */
 
     /* ---- An open volume ---- */
 
@@ -93,8 +94,8 @@ typedef struct kind {
      * release as much of it as there is. */
     status (*open)(leafcast *v);
     void (*close)(leafcast *v);
-    /* Fill in the extent: dims, tets, vertices, bounds; and cell_size, which the caller has set to
-     * 1. */
+    /* Fill in what cells there are and what they can do: cells, nodes, abilities; dims, if nodes
+     * form a lattice; bounds; and cell_size, which the caller has set to 1. */
     void (*describe)(const leafcast *v, leafcast_info *info);
 
     /* ---- A frame ---- */
@@ -117,14 +118,11 @@ typedef struct kind {
      * overlap. */
     void (*gradient)(const tracer *tr, const treelet *at, const ray *r, const segment *s,
                      segment_gradient *out);
-    /* Set *out to the cell of this treelet that holds the point, its value there and the gradient.
-     * *out stays unchanged where no cell does. */
+    /* Set *out to the cell of this treelet that holds the point, the values there and at the
+     * nearest corner (without corners: the same), finite or not, and the gradient. *out stays
+     * unchanged where no cell does. */
     void (*cell_in)(const leafcast *v, const treelet *at, const double point[3],
                     leafcast_sample *out);
-    /* Describe the cell of a hit as a leafcast_hit, of a piece as a leafcast_segment. */
-    status (*cell_of_hit)(leafcast *v, const tracer *tr, const ray *r, const hit *h,
-                          leafcast_hit *out);
-    void (*cell_of_segment)(const tracer *tr, const segment *s, leafcast_segment *out);
 
     /* ---- Capabilities; NULL: none ---- */
 
@@ -132,9 +130,14 @@ typedef struct kind {
     const kind_batches *batches; /* NULL: all rays go one by one */
     /* Set how treelets are read, where the kind has a choice. */
     void (*loading)(const leafcast *v, loader_options *o);
-    /* The value at the sample's node nearest to the point, finite or not. NULL: cells have no
-     * nodes. */
-    double (*nearest)(const leafcast_sample *s, const double point[3]);
+    /* Add what else depends on the hit's cell: at, flat. */
+    status (*cell_of_hit)(leafcast *v, const tracer *tr, const ray *r, const hit *h,
+                          leafcast_hit *out);
+    /* Implement leafcast_cell_indices(). NULL: cells have numbers alone. */
+    int (*cell_indices)(const leafcast *v, uint32_t level, uint64_t cell, uint32_t index[3]);
+    /* Set the corners of a cell, with their values. ST_USAGE: the level, above 0, has no such cell.
+     * NULL: cells have no corners. */
+    status (*cell_corners)(leafcast *v, uint32_t level, uint64_t cell, leafcast_cell *out);
     /* The plane of nodes number `node` across an axis, level 0, as a rectangle in world space.
      * origin: its corner at the first nodes of the two other axes. edges: along these. ST_USAGE
      * where there are no nodes of that number. NULL: nodes do not lie in planes. */

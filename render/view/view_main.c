@@ -69,17 +69,17 @@ static status open_files(view_verb *o) {
     return st;
 }
 
-/* From this many tets on, media and projections are drawn in few pixels, or late, while a hand
+/* From this many cells on, media and projections are drawn in few pixels, or late, while a hand
  * moves. */
-enum { MANY_TETS = 1000000 };
+enum { MANY_CELLS = 1000000 };
 
 static void tell_slow(const view_verb *o, const view_file *f) {
     const leafcast_info info = leafcast_describe(f->volume);
-    if (info.tets >= MANY_TETS && info.preview_levels <= info.levels)
+    if (info.cells >= MANY_CELLS && info.preview_levels == 1)
         cli_note(&o->common, 0,
-                 "%s has no coarse grid: media and projections of its tets will be drawn in few "
+                 "%s has no coarse grid: media and projections of its %ss will be drawn in few "
                  "pixels while the hand moves; leafcast convert --coarse makes one",
-                 f->path);
+                 f->path, info.cell);
 }
 
 /* Open the page in a browser. Do not wait for the browser: it may start slowly and stay open. */

@@ -1,6 +1,7 @@
 #include "render/view/view_pick.h"
 
 #include "formats/base/cli_json.h"
+#include "render/app/cell_text.h"
 #include "render/app/view_camera.h"
 
 static json_t *vector(const double x[3]) {
@@ -10,14 +11,10 @@ static json_t *vector(const double x[3]) {
     return list;
 }
 
-/* Set the number of the tet or cell of a hit or point. */
-static void set_cell(json_t *out, const leafcast *volume, const uint32_t cell[3], uint64_t tet) {
-    if (leafcast_describe(volume).tets > 0)
-        json_object_set_new(out, "tet", json_integer((json_int_t)tet));
-    else
-        json_object_set_new(
-            out, "cell",
-            json_pack("[I,I,I]", (json_int_t)cell[0], (json_int_t)cell[1], (json_int_t)cell[2]));
+/* Set the cell of a hit or point, under what cells are called. */
+static void set_cell(json_t *out, const leafcast *volume, uint32_t level, uint64_t cell) {
+    const cell_text c = cell_text_of(volume, level, cell);
+    json_object_set_new(out, leafcast_describe(volume).cell, cell_text_json(&c));
 }
 
 static void describe_hit(json_t *out, const view_wish *wish, const leafcast_hit *h) {
@@ -31,7 +28,7 @@ static void describe_hit(json_t *out, const view_wish *wish, const leafcast_hit 
     json_object_set_new(out, "normal", vector(h->normal));
     json_object_set_new(out, "error_bound", cli_json_real(h->error_bound));
     json_object_set_new(out, "surface", json_integer(h->surface));
-    set_cell(out, wish->volume, h->cell, h->tet);
+    set_cell(out, wish->volume, h->level, h->cell);
     if (view_options_field(&wish->view, wish->volume, &field) == ST_OK)
         json_object_set_new(out, "field", json_integer(field));
 }
@@ -94,7 +91,7 @@ static status pick_point(const view_wish *wish, const double point[3], json_t **
         return ST_OK;
     json_object_set_new(*answer, "value", cli_json_real(sample.value));
     json_object_set_new(*answer, "gradient", vector(sample.gradient));
-    set_cell(*answer, wish->volume, sample.cell, sample.tet);
+    set_cell(*answer, wish->volume, 0, sample.cell);
     json_object_set_new(*answer, "field", json_integer(field));
     return ST_OK;
 }

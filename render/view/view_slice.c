@@ -168,7 +168,7 @@ static uint32_t level_of(const view_slices *s, const leafcast_slice_pixels *p) {
     const leafcast_info info = leafcast_describe(s->wish.volume);
     leafcast_slice_pixels native = *p;
     uint32_t level = p->level;
-    if (info.tets > 0 || leafcast_fit_slice(s->wish.volume, &native) != LEAFCAST_OK)
+    if (leafcast_fit_slice(s->wish.volume, &native) != LEAFCAST_OK)
         return level;
     const double cells = (double)native.width / p->width;
     while (level + 1 < info.levels && (double)(2u << (level - p->level)) <= cells)

@@ -233,8 +233,11 @@ static json_t *describe(const view_file *files, int count, int which, const view
     json_object_set_new(out, "dims",
                         json_pack("[I,I,I]", (json_int_t)info.dims[0], (json_int_t)info.dims[1],
                                   (json_int_t)info.dims[2]));
-    json_object_set_new(out, "tets", json_integer((json_int_t)info.tets));
-    json_object_set_new(out, "vertices", json_integer((json_int_t)info.vertices));
+    json_object_set_new(out, "cell", json_string(info.cell));
+    json_object_set_new(out, "cells", json_integer((json_int_t)info.cells));
+    json_object_set_new(out, "nodes", json_integer((json_int_t)info.nodes));
+    json_object_set_new(out, "analytic_normals",
+                        json_boolean(info.abilities & LEAFCAST_ABILITY_ANALYTIC_NORMALS));
     json_object_set_new(
         out, "bounds",
         json_pack("[o,o]", cli_json_reals(info.bounds[0], 3), cli_json_reals(info.bounds[1], 3)));

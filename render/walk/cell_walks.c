@@ -149,22 +149,10 @@ void cell_walks_cell_in(const leafcast *v, const treelet *at, const double point
         const cell c = cell_of(at, i);
         if (!v->kind->cells->holds(&c, point))
             continue;
-        *out = (leafcast_sample){.inside = true, .treelet = at->id, .tet = c.number};
-        out->value = v->kind->cells->value(&c, point, out->gradient);
+        *out = (leafcast_sample){.inside = true, .treelet = at->id, .cell = c.number};
+        out->value = out->nearest = v->kind->cells->value(&c, point, out->gradient);
         return;
     }
-}
-
-status cell_walks_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, const hit *h,
-                              leafcast_hit *out) {
-    (void)v, (void)tr, (void)r;
-    out->tet = h->cell;
-    return ST_OK;
-}
-
-void cell_walks_cell_of_segment(const tracer *tr, const segment *s, leafcast_segment *out) {
-    (void)tr;
-    out->tet = s->cell;
 }
 
 /* ---- A volume and a frame ---- */
@@ -181,7 +169,8 @@ void cell_walks_close(leafcast *v) {
 
 void cell_walks_describe(const leafcast *v, leafcast_info *info) {
     const leaf_cells_directory *d = leaf_cells_directory_of(v->file);
-    tree_describe(v, 1.0 / (double)d->first[v->file->layout.treelets], info);
+    info->cells = d->first[v->file->layout.treelets];
+    tree_describe(v, 1.0 / (double)info->cells, info);
 }
 
 status cell_walks_check(const leafcast *v, const leafcast_scene *scene) {

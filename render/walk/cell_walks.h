@@ -42,12 +42,11 @@ static inline bool cell_hit(trace_state *state, const ray *r, const hit *h) {
 }
 
 /* CELL_WALKS_ROW - the part of a kind's row that follows from its cells. The row has, besides:
- * name, cells, degree, describe, segments_error. */
+ * name, cell, cells, degree, describe, segments_error. */
 #define CELL_WALKS_ROW                                                             \
     .open = cell_walks_open, .close = cell_walks_close, .check = cell_walks_check, \
     .aim = cell_walks_aim, .walks = &tree_walks, .inside = &cell_walks,            \
-    .gradient = cell_walks_gradient, .cell_in = cell_walks_cell_in,                \
-    .cell_of_hit = cell_walks_cell_of_hit, .cell_of_segment = cell_walks_cell_of_segment
+    .gradient = cell_walks_gradient, .cell_in = cell_walks_cell_in
 
 extern const treelet_walks cell_walks;
 status cell_walks_open(leafcast *v);
@@ -58,11 +57,8 @@ void cell_walks_gradient(const tracer *tr, const treelet *at, const ray *r, cons
                          segment_gradient *out);
 void cell_walks_cell_in(const leafcast *v, const treelet *at, const double point[3],
                         leafcast_sample *out);
-status cell_walks_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, const hit *h,
-                              leafcast_hit *out);
-void cell_walks_cell_of_segment(const tracer *tr, const segment *s, leafcast_segment *out);
 
-/* cell_walks_describe() - bounds and cell_size of a volume of such cells. */
+/* cell_walks_describe() - cells, bounds and cell_size of a volume of such cells. */
 void cell_walks_describe(const leafcast *v, leafcast_info *info);
 
 #endif

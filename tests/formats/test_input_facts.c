@@ -13,8 +13,10 @@
 #include <string.h>
 
 #include "formats/base/fault.h"
+#include "formats/grid/volume_facts.h"
 #include "formats/input_facts.h"
 #include "formats/leaf/histogram_draw.h"
+#include "formats/mesh/mesh_input_facts.h"
 #include "formats/mesh/mesh_stream.h"
 #include "tests/support/scratch.h"
 
@@ -67,9 +69,10 @@ static void test_grid(void **state) {
     (void)state;
     static input_facts x;
     assert_int_equal(ask(make_grid(), 0, NULL, &x), ST_OK);
-    assert_false(x.is_mesh || x.is_raw);
+    assert_string_equal(x.kind->name, "grid");
+    assert_true(x.traits & INPUT_LATTICE && !(x.traits & INPUT_RAW));
     assert_string_equal(x.format, "NRRD");
-    assert_int_equal(x.dims[2], Z);
+    assert_int_equal(volume_facts_of(&x)->dims[2], Z);
     assert_true(x.range[0] == 0 && x.range[1] == 250);
     assert_int_equal(x.values.drawn, X * Y * Z);
     assert_int_equal(x.values.cells, (X - 1) * (Y - 1) * (Z - 1));
@@ -79,10 +82,11 @@ static void test_mesh(void **state) {
     (void)state;
     static input_facts x;
     assert_int_equal(ask(make_mesh(100), 0, NULL, &x), ST_OK);
-    assert_true(x.is_mesh);
-    assert_int_equal(x.report.tets, 97);
+    assert_string_equal(x.kind->name, "mesh");
+    assert_int_equal(mesh_input_facts_of(&x)->report.tets, 97);
     assert_true(x.range[0] == 0 && x.range[1] == 99);
-    assert_true(x.bounds[3] == 99 && x.bounds[4] == 99 * 99 && x.bounds[5] == 1);
+    const float *bounds = mesh_input_facts_of(&x)->bounds;
+    assert_true(bounds[3] == 99 && bounds[4] == 99 * 99 && bounds[5] == 1);
     assert_int_equal(x.values.drawn, 97);
     /* more tets than are kept: a share of them, spread over all */
     assert_int_equal(ask(make_mesh(300003), 0, NULL, &x), ST_OK);
@@ -157,7 +161,7 @@ static void next_is(const char *path, const char *field, const char *expected) {
     static input_facts x;
     char text[200];
     x.path = path;
-    const input_question q = {.path = path, .mesh = {.field = field}};
+    const input_question q = {.path = path, .hints.mesh = {.field = field}};
     assert_true(input_facts_next(&x, &q, text, sizeof text));
     assert_string_equal(text, expected);
 }

@@ -291,6 +291,7 @@ static void test_wrong_fields(void **state) {
                  {CALLS_IMAGE, "leafcast_image", 1},
                  {CALLS_STATS, "leafcast_stats", 1},
                  {CALLS_INFO, "leafcast_info", 1},
+                 {CALLS_CELL, "leafcast_cell", 1},
                  {CALLS_RAYS, "leafcast_ray", CALLS_SOME},
                  {CALLS_SLICE, "leafcast_slice_pixels", 1},
                  {CALLS_CONVERT_OPTIONS, "leafcast_convert_options", 1},

@@ -152,6 +152,7 @@ static segments_error segments_error_in(const tracer *tr, const ray *r, const do
 static const cell_kind cells = {hits, surface, piece, holds, value};
 
 const kind prisms_kind = {.name = "prisms",
+                          .cell = "prism",
                           CELL_WALKS_ROW,
                           .cells = &cells,
                           .degree = 1,

@@ -112,6 +112,7 @@ static segments_error segments_error_in(const tracer *tr, const ray *r, const do
 static const cell_kind cells = {hits, surface, piece, holds, value};
 
 const kind spheres_kind = {.name = "spheres",
+                           .cell = "sphere",
                            CELL_WALKS_ROW,
                            .cells = &cells,
                            .degree = 3,

@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "tests/spheres/spheres.h"
+#include "tests/spheres/spheres_facts.h"
 #include "tests/spheres/spheres_truth.h"
 #include "tests/support/cell_judge.h"
 #include "tests/support/cells_file.h"
@@ -446,7 +447,7 @@ static void test_probe_ray(void **state) {
         all += hits;
         for (int i = 0; i < hits; i++) {
             const double off = fabs((double)((long double)got[i].t - want[i].t));
-            assert_int_equal(got[i].tet, want[i].number);
+            assert_int_equal(got[i].cell, want[i].number);
             assert_int_equal(got[i].surface, want[i].iso);
             assert_int_equal(got[i].entering, want[i].entering);
             assert_true(off <= got[i].error_bound);
@@ -478,7 +479,10 @@ static void test_probe_point(void **state) {
         inside += any;
         if (!any)
             continue;
-        assert_int_equal(got.tet, number);
+        assert_int_equal(got.cell, number);
+        leafcast_cell cell = {.size = sizeof cell};
+        assert_int_equal(leafcast_get_cell(v, 0, number, &cell), LEAFCAST_OK);
+        assert_true(cell.corners == 0 && cell.indices == 0);
         assert_true(fabs((double)((long double)got.value - value)) <= 1e-12);
         assert_true(number < l->count);
     }
@@ -582,6 +586,27 @@ static void test_hostile_files(void **state) {
     free(l->file.bytes);
 }
 
+/* A row of facts is all that `info` needs; a kind without a row tells what all kinds have. */
+static void test_facts(void **state) {
+    (void)state;
+    lab *l = lab_make();
+    leaf_file *f = NULL;
+    mem m;
+    mem_init(&m, 0);
+    assert_int_equal(leaf_file_open_memory(&m, "balls", l->file.bytes, l->file.size, &f), ST_OK);
+    assert_ptr_equal(leaf_teller_of(f), &leaf_tell_other);
+    const fact_sheet other = {.values = json_object()}, own = {.values = json_object()};
+    leaf_tell_other.tell(f, &other);
+    spheres_facts.tell(f, &own);
+    assert_int_equal(json_integer_value(json_object_get(other.values, "treelets")), TREELETS);
+    assert_null(json_object_get(other.values, "spheres"));
+    assert_int_equal(json_integer_value(json_object_get(own.values, "spheres")), l->count);
+    json_decref(other.values);
+    json_decref(own.values);
+    leaf_file_close(f);
+    free(l->file.bytes);
+}
+
 /* A ball beyond its treelet is found when that comes in. */
 static void test_hostile_payload(void **state) {
     (void)state;
@@ -632,6 +657,7 @@ int main(void) {
         cmocka_unit_test(test_probe_ray),
         cmocka_unit_test(test_probe_point),
         cmocka_unit_test(test_values),
+        cmocka_unit_test(test_facts),
         cmocka_unit_test(test_hostile_files),
         cmocka_unit_test(test_hostile_payload),
         cmocka_unit_test(test_grid_beside),

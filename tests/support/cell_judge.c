@@ -69,7 +69,7 @@ static int judge_ray(const bench *b, const double origin[3], const double direct
         return 0;
     assert_int_equal(count, wanted);
     for (int i = 0; i < count; i++) {
-        assert_int_equal(got[i].tet, want[i].number);
+        assert_int_equal(got[i].cell, want[i].number);
         assert_true(fabs((double)(got[i].t0 - want[i].t0)) <= near_enough * 100.0);
         assert_true(fabs((double)(got[i].t1 - want[i].t1)) <= near_enough * 100.0);
         assert_true(fabs((double)(got[i].most - want[i].most)) <= near_enough * b->truth->most);

@@ -400,9 +400,8 @@ static status show_ray(const scene *s, uint64_t index, outcome *what) {
             printf("truth %.17g %s, cell %lld\n", truth[i].t,
                    truth[i].from_inside ? "leaving" : "entering", (long long)truth[i].cell);
         for (int i = 0; i < count; i++)
-            printf("hit   %.17g %s, cell %u,%u,%u\n", hits[i].t,
-                   hits[i].entering ? "entering" : "leaving", hits[i].cell[0], hits[i].cell[1],
-                   hits[i].cell[2]);
+            printf("hit   %.17g %s, cell %llu\n", hits[i].t,
+                   hits[i].entering ? "entering" : "leaving", (unsigned long long)hits[i].cell);
         puts(outcome_names[*what]);
     }
     leafcast_close(volume);

@@ -142,6 +142,10 @@ static leafcast_status pixel_ray(calls_lab *l) {
                                                                              : LEAFCAST_OK;
 }
 
+static leafcast_status get_cell(calls_lab *l) {
+    return leafcast_get_cell(P(VOLUME), l->level, 0, P(CELL));
+}
+
 static leafcast_status probe_point(calls_lab *l) {
     return leafcast_probe_point(P(VOLUME), P(VECTOR), P(FOUND));
 }
@@ -215,6 +219,7 @@ const public_call *public_calls(int *count) {
         {.name = "leafcast_field_name"},
         {.name = "leafcast_step_time"},
         {.name = "leafcast_stop_reading"},
+        {.name = "leafcast_cell_indices"},
         {.name = "leafcast_frame_cancel"},
         {.name = "leafcast_frame_end"},
         {"leafcast_device_create", device_create, BIT(OUT), BIT(OPTIONS), 0, NULL},
@@ -246,6 +251,7 @@ const public_call *public_calls(int *count) {
         {"leafcast_occluded_rays", occluded_rays, BIT(VOLUME) | BIT(SCENE) | BIT(RAYS) | BIT(FOUND),
          BIT(SCENE) | BIT(RAYS), 0, NULL},
         {"leafcast_pixel_ray", pixel_ray, BIT(CAMERA), BIT(CAMERA), 0, NULL},
+        {"leafcast_get_cell", get_cell, BIT(VOLUME) | BIT(CELL), 0, BIT(CELL), NULL},
         {"leafcast_probe_point", probe_point, BIT(VOLUME) | BIT(VECTOR) | BIT(FOUND), 0, 0, NULL},
         {"leafcast_sample_points", sample_points, BIT(VOLUME) | BIT(VECTOR) | BIT(FOUND), 0, 0,
          NULL},
@@ -349,6 +355,7 @@ static void set_up_pictures(calls_lab *l) {
     static leafcast_image image;
     static leafcast_stats stats;
     static leafcast_info info;
+    static leafcast_cell cell;
     static double z[CALLS_SIDE * CALLS_SIDE];
     leafcast *volume = l->p[CALLS_VOLUME];
     scene = scene_of(volume);
@@ -356,11 +363,13 @@ static void set_up_pictures(calls_lab *l) {
     image = (leafcast_image){.size = sizeof image, .z = z};
     stats = (leafcast_stats){.size = sizeof stats};
     info = (leafcast_info){.size = sizeof info};
+    cell = (leafcast_cell){.size = sizeof cell};
     l->p[CALLS_SCENE] = &scene;
     l->p[CALLS_CAMERA] = &camera;
     l->p[CALLS_IMAGE] = &image;
     l->p[CALLS_STATS] = &stats;
     l->p[CALLS_INFO] = &info;
+    l->p[CALLS_CELL] = &cell;
 }
 
 static void set_up_places(calls_lab *l) {

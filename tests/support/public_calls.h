@@ -20,6 +20,7 @@ typedef enum calls_slot {
     CALLS_IMAGE,
     CALLS_STATS,
     CALLS_INFO,
+    CALLS_CELL,
     CALLS_RAYS,
     CALLS_SLICE,
     CALLS_CONVERT_OPTIONS,

@@ -20,7 +20,7 @@ void ray_stage_open(ray_stage *s, const char *path, uint64_t seed) {
     for (int isa = 0; isa <= (int)cpu_best(); isa++)
         s->with[s->kernel_count++] = ray_kernels_of(s->v->kind, (cpu_isa)isa);
     s->with[s->kernel_count] = s->with[0];
-    if (s->info.tets == 0) {
+    if (s->info.dims[0] > 0) {
         s->with[s->kernel_count].segment_batch = grid_pieces_wide;
         s->with[s->kernel_count].extreme_batch = grid_peaks_wide;
     }

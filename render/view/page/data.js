@@ -82,8 +82,8 @@ export class Data {
   facts(v) {
     const f = v.fields[this.app.model.data.field];
     const lines = [["file", v.file], ["size", bytes(v.file_bytes)],
-      v.kind === "grid" ? ["samples", v.dims.join(" × ")] : ["tetrahedra", v.tets.toLocaleString("en")],
-      v.kind === "grid" ? null : ["vertices", v.vertices.toLocaleString("en")],
+      ...v.dims[0] ? [["samples", v.dims.join(" × ")]]
+        : [[`${v.cell}s`, v.cells.toLocaleString("en")], ["vertices", v.nodes.toLocaleString("en")]],
       f.name ? ["field", f.name] : null, v.steps.length > 1 ? ["time steps", v.steps.length] : null,
       ["type", v.sample_type], ["values", `${short(f.range[0])} … ${short(f.range[1])}`],
       ["from", v.bounds[0].map(x => short(x)).join(", ")], ["to", v.bounds[1].map(x => short(x)).join(", ")],

@@ -14,7 +14,7 @@ export class Light {
     const ground = colour("Background colour", {value: l.background ?? "#20262f",
       change: (v, resting) => { l.background = v; l.clear = false; app.changed(!resting); }});
     const smooth = app.volume.gradients || l.normals === "smooth" ? [["smooth", "smooth"]] : [];
-    const normals = app.volume.kind === "grid"
+    const normals = app.volume.analytic_normals
       ? [["", "central differences"], ["analytic", "of the cell"]] : [["", "faceted"], ...smooth];
     const parts = [...l.lights.map((light, i) => this.light(light, i)),
       l.lights.length ? null : element("p", {class: "hint"}, "A light shines from the eye."),

@@ -99,7 +99,7 @@ class App {
 
   entitle() {
     const v = this.volume, file = v.file.replace(/\.leaf$/, "");
-    const size = v.kind === "grid" ? v.dims.join("×") : `${v.tets.toLocaleString("en")} tets`;
+    const size = v.dims[0] ? v.dims.join("×") : `${v.cells.toLocaleString("en")} ${v.cell}s`;
     byId("name").replaceChildren(file, element("small", {}, v.name && v.name !== file ? `${v.name}, ${size}` : size));
     document.title = `${file} – leafcast`;
   }

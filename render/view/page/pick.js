@@ -52,11 +52,11 @@ export class Pick {
   }
 
   lines(p) {
-    const vector = v => v.map(x => short(x, 6)).join(", ");
+    const vector = v => v.map(x => short(x, 6)).join(", "), {cell} = this.app.volume;
     return [["position", vector(p.point)], ["value", p.value == null ? "no data" : short(p.value, 8)],
       ["gradient", `${vector(p.gradient)}  (${short(length(p.gradient), 4)})`],
       p.error_bound == null ? null : ["error bound", short(p.error_bound, 2)],
-      p.cell ? ["cell", p.cell.join(", ")] : ["tetrahedron", String(p.tet)],
+      [cell, [p[cell]].flat().join(", ")],
       this.points.length === 2 ? ["distance", short(length(sub(this.points[1].point, this.points[0].point)), 7)] : null]
       .filter(Boolean);
   }

@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "formats/grid/volume_kind.h"
 #include "formats/input_open.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/scratch.h"
@@ -334,8 +335,8 @@ static void test_grid_steps(void **state) {
     input in;
     mem m;
     mem_init(&m, 0);
-    assert_int_equal(input_open(&m, scratch_path("l.pvd"), NULL, NULL, &in), ST_OK);
-    assert_true(in.v && !in.x && strcmp(volume_format(in.v), VOLUME_COLLECTION) == 0);
+    assert_int_equal(input_open(&m, scratch_path("l.pvd"), NULL, &in), ST_OK);
+    assert_true(in.kind == &volume_kind && strcmp(in.kind->format(in.own), VOLUME_COLLECTION) == 0);
     input_close(&in);
 }
 

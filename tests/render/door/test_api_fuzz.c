@@ -311,6 +311,18 @@ static void call_probe(world *w) {
     free(segments);
 }
 
+static void call_cell(world *w) {
+    leafcast *v = any(w);
+    const leafcast_info info = leafcast_describe(v);
+    const uint32_t level = (uint32_t)below(w, (int)info.levels + 1);
+    const uint64_t number = (uint64_t)below(w, (int)(info.cells < 1000 ? info.cells + 1 : 1000));
+    leafcast_cell cell = {.size = sizeof cell};
+    uint32_t index[3];
+    begin("leafcast_get_cell");
+    if (ended(leafcast_get_cell(v, level, number, &cell)))
+        must(leafcast_cell_indices(v, level, number, index) == cell.indices, "other indices");
+}
+
 static void call_rays(world *w) {
     static api_scene s;
     const size_t count = (size_t)below(w, FOUND);
@@ -452,8 +464,8 @@ static void call_convert(world *w) {
 static void any_call(world *w) {
     static void (*const calls[])(world *) = {
         call_select, call_select, call_trace, call_trace, call_frame_begin, call_frame,
-        call_frame,  call_probe,  call_probe, call_rays,  call_points,      call_points,
-        call_slice,  call_slice,  call_facts, call_facts, call_convert};
+        call_frame,  call_probe,  call_probe, call_cell,  call_rays,        call_points,
+        call_points, call_slice,  call_slice, call_facts, call_facts,       call_convert};
     if (w->count == 0 || api_chance(&w->r, 30))
         open_volume(w);
     else if (w->count > 1 && api_chance(&w->r, 60))

@@ -107,6 +107,9 @@ static leafcast_status probe(leafcast *volume, job *j) {
         j->out->t[i] = hits[i].t;
     if (st == LEAFCAST_OK)
         st = leafcast_probe_point(volume, point, &sample);
+    leafcast_cell cell = {.size = sizeof cell};
+    if (st == LEAFCAST_OK)
+        st = leafcast_get_cell(volume, 0, sample.cell, &cell);
     if (st != LEAFCAST_OK)
         return st;
     j->out->value = sample.value;

@@ -152,7 +152,7 @@ static void test_as_probed(void **state) {
             assert_int_equal(leafcast_probe_point(v, points[i], &one), LEAFCAST_OK);
             assert_int_equal(one.inside, samples[i].inside);
             assert_memory_equal(&one.gradient, &samples[i].gradient, sizeof one.gradient);
-            assert_int_equal(one.tet, samples[i].tet);
+            assert_int_equal(one.cell, samples[i].cell);
             assert_true(same_bits(&one.value, &samples[i].value, 1));
             assert_true(same_bits(&one.value, &value[i], 1));
         }

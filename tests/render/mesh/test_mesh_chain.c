@@ -35,7 +35,7 @@ static int pieces_of(leafcast *v, const leafcast_scene *scene, const ref_ray *r,
 
 static bool same_piece(const leafcast_segment *a, const leafcast_segment *b) {
     return memcmp(&a->t0, &b->t0, sizeof a->t0) == 0 && memcmp(&a->t1, &b->t1, sizeof a->t1) == 0 &&
-           memcmp(a->control, b->control, 2 * sizeof *a->control) == 0 && a->tet == b->tet;
+           memcmp(a->control, b->control, 2 * sizeof *a->control) == 0 && a->cell == b->cell;
 }
 
 /* Returns how many pieces there were. */

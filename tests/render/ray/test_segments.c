@@ -339,7 +339,7 @@ static void check_public(const char *path, double iso, const ref_ray *r) {
     ray in_volume;
     int count = 0, some = 0;
     stage_open(&s, path);
-    const bool is_mesh = leafcast_describe(s.v).tets > 0;
+    const bool is_mesh = leafcast_describe(s.v).dims[0] == 0;
     assert_true(tracer_ray(&s.tr, r->o, r->d, 0.0, INFINITY, &in_volume));
     const size_t expected = follow(&s, &in_volume, AHEAD, want);
     stage_close(&s);

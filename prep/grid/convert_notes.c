@@ -1,4 +1,4 @@
-#include "prep/convert_notes.h"
+#include "prep/grid/convert_notes.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* convert_notes.h - notes of convert on standard error about an input: what was read in a way that
  * users may not expect, and the option that changes it. Each is one line. */
-#ifndef PREP_CONVERT_NOTES_H
-#define PREP_CONVERT_NOTES_H
+#ifndef PREP_GRID_CONVERT_NOTES_H
+#define PREP_GRID_CONVERT_NOTES_H
 
 #include <stdbool.h>
 

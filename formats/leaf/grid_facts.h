@@ -1,0 +1,9 @@
+/* grid_facts.h - what a treelet file of a grid tells of itself: a row of leaf_tellers.c. */
+#ifndef FORMATS_LEAF_GRID_FACTS_H
+#define FORMATS_LEAF_GRID_FACTS_H
+
+#include "formats/leaf/leaf_tell.h"
+
+extern const leaf_teller grid_facts;
+
+#endif

@@ -1,0 +1,20 @@
+/* export_kind.h - how the verb export writes files of one kind of geometry: a row each, for
+ * export_main.c. */
+#ifndef PREP_EXPORT_EXPORT_KIND_H
+#define PREP_EXPORT_EXPORT_KIND_H
+
+#include "formats/leaf/leaf_geometry.h"
+#include "prep/export/export_request.h"
+#include "prep/export/piece.h"
+
+typedef struct export_kind {
+    const leaf_geometry *of;
+    /* Write the samples of a lattice, and report. NULL: it has none. */
+    status (*samples)(export_request *a, mem *m, leaf_file *f, double start);
+    /* Write isosurfaces, or its cells where a->pieces has as many corners as these. */
+    status (*pieces)(export_request *a, mem *m, leaf_file *f, piece_info *info);
+    int corners;         /* of its cells, if they can be written; 0: they cannot */
+    const char *instead; /* advice where a format cannot hold it */
+} export_kind;
+
+#endif

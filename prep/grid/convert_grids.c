@@ -1,0 +1,124 @@
+#include "prep/grid/convert_grids.h"
+
+#include <string.h>
+
+#include "formats/base/clock.h"
+#include "formats/grid/volume_kind.h"
+#include "prep/convert_choices.h"
+#include "prep/grid/convert_grid_report.h"
+#include "prep/grid/convert_grid_sets.h"
+#include "prep/grid/convert_notes.h"
+
+/* ---- notes ---- */
+
+static bool is_collection(const void *own) {
+    return strcmp(volume_format(own), VOLUME_COLLECTION) == 0;
+}
+
+static status take_choice(void *ctx, const slice_field *f) {
+    convert_choices_take(ctx, f);
+    return ST_OK;
+}
+
+static void note_choices(const convert_request *a, const volume *v) {
+    convert_choices c = {.common = &a->common,
+                         .sets = &a->sets,
+                         .component = a->hints.grid.component,
+                         .step = a->step || step_list_given(&a->sets.taken)};
+    if (a->common.verbosity <= 0 || !volume_has_fields(v))
+        return;
+    if (volume_fields(v, &(slice_fields){take_choice, &c}) == ST_OK)
+        convert_choices_note(&c);
+    else
+        cli_note(&a->common, 1, "%s: what else it has cannot be listed: %s", a->common.input,
+                 status_text());
+}
+
+static void note(const convert_request *a, const void *own) {
+    if (volume_importer(own))
+        cli_note(&a->common, 1, "%s: %s, read by leafcast import-%s", a->common.input,
+                 volume_format(own), volume_importer(own));
+    convert_note_grid(&a->common, volume_grid(own), a->hints.grid.exaggerate != 0);
+    note_choices(a, own);
+}
+
+/* ---- one series ---- */
+
+static status convert_grid(convert_request *a, mem *m, volume *v, const grid_series *series,
+                           double start) {
+    convert_options o = {.file = a->file,
+                         .series = series,
+                         .memory = m->limit,
+                         .threads = a->common.threads,
+                         .force = a->common.force,
+                         .refuse_empty = !a->allow_empty};
+    convert_plan plan;
+    status st = convert_plan_make(m, volume_grid(v), &o, &plan);
+    if (st != ST_OK)
+        return st;
+    if (a->dry_run)
+        return convert_grid_report(a, &plan, volume_grid(v), NULL);
+    if (plan.spilled_levels)
+        cli_note(&a->common, 1,
+                 "%u levels go through a temporary file of %.1f MiB; %.1f MiB of memory would "
+                 "avoid that",
+                 plan.spilled_levels, (double)plan.spill_bytes / 0x1p20,
+                 (double)plan.memory_in_core / 0x1p20);
+    char text[ABSENT_TEXT];
+    convert_outcome out;
+    st = convert_run(m, v, a->common.output, &o, &plan, cli_progress(&a->common), &out.result);
+    if (st != ST_OK)
+        return st;
+    out.seconds = clock_seconds() - start;
+    if (out.result.trailing_bytes)
+        cli_note(&a->common, 1, "%s: %llu bytes behind the samples are ignored", a->common.input,
+                 (unsigned long long)out.result.trailing_bytes);
+    convert_note_marker(&a->common, &out.result.marker);
+    if (out.result.absent.count)
+        cli_note(&a->common, 1, "%s: %s", a->common.input, absent_print(&out.result.absent, text));
+    return convert_grid_report(a, &plan, volume_grid(v), &out);
+}
+
+static void note_left_out(void *ctx, const char *name, const char *why) {
+    const convert_request *a = ctx;
+    cli_note(&a->common, 1, "field %s is left out: %s", name, why);
+}
+
+/* Open each of several sets by itself. The first volume rests meanwhile, so that an importer gets
+ * the whole share of memory for importers. */
+static status begin_series(convert_request *a, mem *m, grid_series *series, input *in) {
+    volume *first = in->own;
+    if (series->sets.fields * series->sets.steps > 1)
+        volume_rest(first);
+    status st = convert_grid_sets_alike(&a->sets, series, first, note_left_out, a);
+    series->fields_alike = a->sets.all_fields;
+    if (st == ST_OK)
+        st = grid_series_check(m, series, first);
+    if (st != ST_OK || !volume_rests(first))
+        return st;
+    volume *again = NULL;
+    input_close(in);
+    st = grid_series_open(m, series, 0, &again);
+    if (st == ST_OK)
+        *in = (input){&volume_kind, again};
+    return st;
+}
+
+static status run(convert_request *a, mem *m, input *in, double start) {
+    status st = convert_grid_sets(&a->sets, in->own, a->common.input);
+    if (a->sets.times_fall)
+        cli_note(&a->common, 1, "%s: its times do not ascend: 0, 1, .. instead", a->common.input);
+    if (st == ST_OK)
+        st = convert_sets_times(&a->sets, convert_request_steps(a));
+    grid_series series = {.paths = (const char *const *)a->common.inputs,
+                          .in_file = a->sets.steps > 0 ? &a->sets.taken : NULL,
+                          .sets = convert_request_sets(a),
+                          .fields = a->sets.count ? a->sets.asked : NULL,
+                          .hints = a->hints.grid};
+    if (st == ST_OK)
+        st = begin_series(a, m, &series, in);
+    return st == ST_OK ? convert_grid(a, m, in->own, &series, start) : st;
+}
+
+const convert_kind convert_grids = {
+    .of = &volume_kind, .is_collection = is_collection, .note = note, .run = run};

@@ -1,0 +1,108 @@
+#include "prep/mesh/convert_mesh_report.h"
+
+#include <jansson.h>
+#include <stdio.h>
+
+#include "formats/base/num.h"
+#include "prep/convert_report.h"
+
+static unsigned long long whole(uint64_t n) {
+    return (unsigned long long)n;
+}
+
+static void print_input(const convert_request *a, const mesh_report *r) {
+    static const char *const kinds[] = {"hexahedra", "wedges", "pyramids", "voxels"};
+    printf("input       %llu points, %llu tets\n", whole(r->points), whole(r->tets));
+    convert_report_print_sets(a, r->field);
+    for (int i = 0; i < MESH_SPLIT_KINDS; i++)
+        if (r->split[i])
+            printf("split       %llu %s\n", whole(r->split[i]), kinds[i]);
+    if (r->skipped)
+        printf("passed over %llu cells without a volume\n", whole(r->skipped));
+    if (r->ghosts)
+        printf("ghosts      %llu cells of other pieces, or hidden, are left out\n",
+               whole(r->ghosts));
+}
+
+static void print_mesh_plan(const mesh_plan *plan) {
+    printf("memory      %.1f MiB, at least %.1f MiB\n", (double)plan->memory / 0x1p20,
+           (double)plan->memory_least / 0x1p20);
+    printf("spilled     %.1f MiB\n", (double)plan->spill_bytes / 0x1p20);
+}
+
+static void print_mesh(const mesh_result *r, double seconds) {
+    const leaf_header *h = &r->header;
+    char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX], id[LEAF_ID_TEXT];
+    printf("file        %.1f MiB, %.2f bytes a tet\n", (double)h->file_bytes / 0x1p20,
+           (double)h->file_bytes / (double)h->tets);
+    printf("mesh        %llu tets, %llu vertices, %llu treelets\n", whole(h->tets),
+           whole(h->vertices), whole(h->treelets));
+    printf("values      %s .. %s\n", num_print(h->value_min, lo), num_print(h->value_max, hi));
+    if (h->steps > 1)
+        printf("points      %s\n", h->moving ? "move from step to step" : "stay where they are");
+    if (h->non_finite)
+        printf("no data     %llu values are NaN or infinite\n", whole(h->non_finite));
+    if (h->flat || h->inverted)
+        printf("kept        %llu flat tets, %llu inverted ones\n", whole(h->flat),
+               whole(h->inverted));
+    if (h->repeated || h->bad)
+        printf(
+            "left out    %llu tets with a vertex twice, %llu cells with an id that is no point\n",
+            whole(h->repeated), whole(h->bad));
+    printf("id          %s\n", leaf_id_text(h, id));
+    printf("time        %.2f s (read %.2f, sort %.2f, build %.2f), %.2f million tets a second\n",
+           seconds, r->read_s, r->sort_s, r->build_s, (double)h->tets / 1e6 / seconds);
+    printf("memory      %.1f MiB at most, %.1f MiB spilled\n",
+           (double)convert_report_peak() / 0x1p20, (double)r->plan.spill_bytes / 0x1p20);
+}
+
+static json_t *mesh_plan_json(const mesh_result *r) {
+    const mesh_report *in = &r->report;
+    return json_pack("{s:I, s:I, s:s, s:[I,I,I,I], s:I, s:I, s:I, s:I, s:I}", "input_points",
+                     (json_int_t)in->points, "input_tets", (json_int_t)in->tets, "field", in->field,
+                     "split", (json_int_t)in->split[0], (json_int_t)in->split[1],
+                     (json_int_t)in->split[2], (json_int_t)in->split[3], "skipped",
+                     (json_int_t)in->skipped, "ghosts", (json_int_t)in->ghosts, "memory_planned",
+                     (json_int_t)r->plan.memory, "memory_least", (json_int_t)r->plan.memory_least,
+                     "spill_bytes", (json_int_t)r->plan.spill_bytes);
+}
+
+static void add_mesh(json_t *json, const mesh_result *r, double seconds) {
+    const leaf_header *h = &r->header;
+    char id[LEAF_ID_TEXT];
+    json_t *more = json_pack(
+        "{s:I, s:I, s:I, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:s}", "file_bytes",
+        (json_int_t)h->file_bytes, "tets", (json_int_t)h->tets, "vertices", (json_int_t)h->vertices,
+        "treelets", (json_int_t)h->treelets, "bytes_per_tet",
+        (double)h->file_bytes / (double)h->tets, "flat", (json_int_t)h->flat, "inverted",
+        (json_int_t)h->inverted, "repeated", (json_int_t)h->repeated, "bad", (json_int_t)h->bad,
+        "non_finite", (json_int_t)h->non_finite, "value_min", cli_json_real(h->value_min),
+        "value_max", cli_json_real(h->value_max), "id", leaf_id_text(h, id));
+    json_t *times =
+        json_pack("{s:f, s:f, s:f, s:f, s:f, s:I}", "seconds", seconds, "read_s", r->read_s,
+                  "sort_s", r->sort_s, "build_s", r->build_s, "tets_per_s",
+                  (double)h->tets / seconds, "peak_rss_bytes", (json_int_t)convert_report_peak());
+    json_object_set_new(more, "moving", json_boolean(h->moving));
+    json_object_update(json, more);
+    json_object_update(json, times);
+    json_decref(more);
+    json_decref(times);
+}
+
+status convert_mesh_report(const convert_request *a, const mesh_result *r, double seconds) {
+    if (a->common.json) {
+        json_t *json = mesh_plan_json(r);
+        convert_report_set_sets(json, a, r->report.field);
+        if (!a->dry_run)
+            add_mesh(json, r, seconds);
+        return cli_print_json(&a->common, json);
+    }
+    if (!cli_results(&a->common, !a->dry_run))
+        return ST_OK;
+    print_input(a, &r->report);
+    if (a->dry_run)
+        print_mesh_plan(&r->plan);
+    else
+        print_mesh(r, seconds);
+    return ST_OK;
+}

@@ -1,0 +1,124 @@
+#include "prep/mesh/convert_meshes.h"
+
+#include <string.h>
+
+#include "formats/base/clock.h"
+#include "formats/mesh/mesh_input.h"
+#include "formats/mesh/mesh_input_kind.h"
+#include "prep/convert_choices.h"
+#include "prep/mesh/convert_mesh_report.h"
+
+/* ---- notes ---- */
+
+static bool is_collection(const void *own) {
+    return mesh_input_names_files(own) && mesh_input_times(own);
+}
+
+typedef struct mesh_choices {
+    convert_choices choices;
+    uint32_t steps;
+} mesh_choices;
+
+/* The first array is the default. A name that comes again belongs to another piece or step: skip
+ * it. */
+static void take_array(void *ctx, const char *name, int components) {
+    mesh_choices *c = ctx;
+    convert_choices *of = &c->choices;
+    const slice_field f = {.name = name,
+                           .steps = c->steps,
+                           .taken = of->count == 0,
+                           .components = (uint32_t)components};
+    name_list before = {0};
+    name_list_add(&before, name);
+    if (!strstr(of->taken.text, before.text) && !strstr(of->others.text, before.text))
+        convert_choices_take(of, &f);
+}
+
+static void note(const convert_request *a, const void *own) {
+    mesh_choices c = {.choices = {.common = &a->common,
+                                  .sets = &a->sets,
+                                  .component = (uint32_t)a->hints.mesh.component,
+                                  .step = a->step || step_list_given(&a->sets.taken)},
+                      .steps = mesh_input_steps(own)};
+    if (a->common.verbosity <= 0)
+        return;
+    mesh_input_fields(own, take_array, &c);
+    convert_choices_note(&c.choices);
+}
+
+/* ---- fields and steps ---- */
+
+typedef struct taking {
+    convert_sets *s;
+    status st;
+} taking;
+
+static void take_field(void *ctx, const char *name, int components) {
+    (void)components;
+    taking *t = ctx;
+    if (t->st == ST_OK)
+        t->st = convert_sets_take_copy(t->s, name);
+}
+
+static status take_steps(convert_sets *s, const mesh_input *x, const char *name) {
+    const double *times = mesh_input_times(x);
+    status st = step_list_settle(&s->taken, "--steps", name, mesh_input_steps(x));
+    if (st != ST_OK)
+        return st;
+    s->steps = (uint32_t)step_list_count(&s->taken);
+    return times && !s->times ? convert_sets_take_times(s, times) : ST_OK;
+}
+
+/* Resolve "all fields" and the list of steps, if asked for. ST_USAGE: there is no such step. */
+static status take_sets(convert_sets *s, const mesh_input *x, const char *name) {
+    taking t = {s, ST_OK};
+    if (s->all_fields)
+        mesh_input_fields(x, take_field, &t);
+    return t.st == ST_OK && step_list_given(&s->taken) ? take_steps(s, x, name) : t.st;
+}
+
+/* ---- one series ---- */
+
+static status convert_mesh(convert_request *a, mem *m, mesh_input *x, const mesh_series *series,
+                           double start) {
+    const mesh_options o = {.file = a->file,
+                            .series = series,
+                            .treelet_tets = a->treelet_tets,
+                            .leaf_tets = a->leaf_tets,
+                            .sah = a->sah,
+                            .coarse = a->coarse,
+                            .coarse_dims = a->coarse_dims,
+                            .memory = m->limit,
+                            .threads = a->common.threads,
+                            .force = a->common.force,
+                            .gradients = a->gradients,
+                            .refuse_empty = !a->allow_empty};
+    mesh_result r;
+    const progress *p = cli_progress(&a->common);
+    status st = a->dry_run ? mesh_convert_dry(m, x, &o, p, &r)
+                           : mesh_convert_run(m, x, a->common.output, &o, p, &r);
+    if (st == ST_OK)
+        st = convert_mesh_report(a, &r, clock_seconds() - start);
+    return st;
+}
+
+static status run(convert_request *a, mem *m, input *in, double start) {
+    mesh_input *x = in->own;
+    status st = take_sets(&a->sets, x, a->common.input);
+    if (st == ST_OK)
+        st = convert_sets_times(&a->sets, convert_request_steps(a));
+    const leaf_sets sets = convert_request_sets(a);
+    const mesh_series series = {.paths = (const char *const *)a->common.inputs,
+                                .in_file = a->sets.steps > 0 ? &a->sets.taken : NULL,
+                                .steps = sets.steps,
+                                .names = sets.names,
+                                .fields = sets.fields,
+                                .times = sets.times,
+                                .hints = a->hints.mesh};
+    if (st == ST_OK)
+        st = mesh_series_check(&series);
+    return st == ST_OK ? convert_mesh(a, m, x, &series, start) : st;
+}
+
+const convert_kind convert_meshes = {
+    .of = &mesh_input_kind, .is_collection = is_collection, .note = note, .run = run};
