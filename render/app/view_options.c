@@ -1,6 +1,5 @@
 #include "render/app/view_options.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -113,38 +112,6 @@ const struct argp_option view_options_table[] = {
     {"intersector", INTERSECTOR, "NAME", CLI_EXPERIMENT,
      "midpoint, linear, neubauer, schwarze, marmitt-3 or marmitt (the exact one)", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
-
-/* Returns whether a verb has its own option of this name, which hides the view's. */
-static bool has_own(const struct argp_option *own, const char *name) {
-    for (; name && (own->name || own->doc); own++)
-        if (own->name && strcmp(own->name, name) == 0)
-            return true;
-    return false;
-}
-
-static int append_table(struct argp_option out[VIEW_OPTIONS_ROOM], int n,
-                        const struct argp_option *table, const struct argp_option *own,
-                        const char *basic) {
-    for (const struct argp_option *o = table; o->name || o->doc; o++) {
-        assert(n < VIEW_OPTIONS_ROOM - 1);
-        if (has_own(own, o->name))
-            continue;
-        out[n] = *o;
-        out[n++].flags |= cli_options_listed(basic, o->name) ? CLI_BASIC : 0;
-    }
-    return n;
-}
-
-void view_options_join(struct argp_option out[VIEW_OPTIONS_ROOM], const struct argp_option *own,
-                       bool media, const char *basic) {
-    int n = 0;
-    for (const struct argp_option *o = own; o->name || o->doc; o++)
-        out[n++] = *o;
-    n = append_table(out, n, view_options_table, own, basic);
-    if (media)
-        n = append_table(out, n, medium_options_table, own, basic);
-    out[n] = (struct argp_option){0};
-}
 
 void view_options_init(view_options *v) {
     static const float slate[4] = {0.014f, 0.02f, 0.032f, 1.0f};
