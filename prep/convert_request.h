@@ -6,6 +6,7 @@
 #include "formats/input_kind.h"
 #include "formats/leaf/leaf_writer.h"
 #include "prep/convert_sets.h"
+#include "prep/step_series.h"
 
 typedef struct convert_request {
     cli_common common;
@@ -25,13 +26,17 @@ static inline uint32_t convert_request_steps(const convert_request *a) {
     return convert_sets_count_steps(&a->sets, a->common.input_count);
 }
 
-/* convert_request_sets() - returns the fields and steps that are asked for. */
-static inline leaf_sets convert_request_sets(const convert_request *a) {
-    return (leaf_sets){.fields = a->sets.count ? (uint32_t)a->sets.count : 1,
-                       .steps = convert_request_steps(a),
-                       .names = a->sets.count ? a->sets.names : NULL,
-                       .times = a->sets.parsed,
-                       .time_unit = a->sets.time_unit[0] ? a->sets.time_unit : NULL};
+/* convert_request_series() - returns the fields and steps that are asked for, and their files. */
+static inline step_series convert_request_series(const convert_request *a) {
+    const bool named = a->sets.count > 0;
+    return (step_series){.paths = (const char *const *)a->common.inputs,
+                         .in_file = a->sets.steps > 0 ? &a->sets.taken : NULL,
+                         .sets = {.fields = named ? (uint32_t)a->sets.count : 1,
+                                  .steps = convert_request_steps(a),
+                                  .names = named ? a->sets.names : NULL,
+                                  .times = a->sets.parsed,
+                                  .time_unit = a->sets.time_unit[0] ? a->sets.time_unit : NULL},
+                         .fields = named ? a->sets.asked : NULL};
 }
 
 #endif

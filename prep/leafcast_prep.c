@@ -362,11 +362,11 @@ static status clean_fields(job *j, field_names *f) {
 
 static status convert_input_of(job *j, const input *in, const mesh_series *series) {
     if (in->kind == &mesh_input_kind) {
-        status st = mesh_series_check(series);
+        status st = step_series_check(&series->of);
         return st == ST_OK ? convert_mesh(j, in->own, series) : st;
     }
-    if (series->steps > 1)
-        return status_describe(ST_USAGE, "%s: only meshes have several steps", series->paths[0]);
+    if (series->of.sets.steps > 1)
+        return status_describe(ST_USAGE, "%s: only meshes have several steps", series->of.paths[0]);
     return convert_volume(j, in->own);
 }
 
@@ -375,11 +375,11 @@ static status convert_files(job *j, const char *const *paths, uint32_t steps, co
     field_names fields = {0};
     input in = {0};
     status st = clean_fields(j, &fields);
-    const mesh_series series = {.paths = paths,
-                                .steps = steps,
-                                .names = fields.names,
-                                .fields = fields.names ? j->o.field_count : 1,
-                                .times = times,
+    const leaf_sets sets = {.fields = fields.names ? j->o.field_count : 1,
+                            .steps = steps,
+                            .names = fields.names,
+                            .times = times};
+    const mesh_series series = {.of = {.paths = paths, .sets = sets},
                                 .hints = {.field = fields.names ? fields.names[0] : NULL,
                                           .component = j->o.component,
                                           .cells_to_points = j->o.cells_to_points,

@@ -367,7 +367,7 @@ static status convert_set(conversion *c, volume *v, const char *output, read_ahe
 /* Get the volume of c->set: by reading on in the previous one, or by opening another. */
 static status next_volume(const conversion *c, volume *first, volume **v) {
     const grid_series *series = c->o->series;
-    if (grid_series_follows(series, c->set) && volume_next_step(*v))
+    if (step_series_follows(&series->of, c->set % series->of.sets.steps) && volume_next_step(*v))
         return ST_OK;
     volume_rest(first);
     if (*v != first)
@@ -397,7 +397,7 @@ status convert_run(mem *m, volume *v, const char *output, const convert_options 
     conversion c = {.m = m, .o = o, .plan = plan, .p = p};
     read_ahead_facts seen = {0};
     const grid *g = volume_grid(v);
-    const leaf_sets *sets = o->series ? &o->series->sets : NULL;
+    const leaf_sets *sets = o->series ? &o->series->of.sets : NULL;
     status st = leaf_writer_create(m, output, o->force, g, sets, &o->file, &c.writer);
     if (st != ST_OK)
         return st;

@@ -58,7 +58,7 @@ status convert_grid_sets_alike(convert_sets *s, grid_series *series, const volum
                                void (*left_out)(void *ctx, const char *name, const char *why),
                                void *ctx) {
     for (int i = 1; s->all_fields && i < s->count;) {
-        const uint32_t set = (uint32_t)i * series->sets.steps;
+        const uint32_t set = (uint32_t)i * series->of.sets.steps;
         status st = grid_series_alike(s->m, series, set, v);
         if (st == ST_UNSUPPORTED) {
             left_out(ctx, s->kept[i], status_text());
@@ -69,6 +69,6 @@ status convert_grid_sets_alike(convert_sets *s, grid_series *series, const volum
             return st;
         i++;
     }
-    series->sets.fields = s->count ? (uint32_t)s->count : 1;
+    series->of.sets.fields = s->count ? (uint32_t)s->count : 1;
     return ST_OK;
 }

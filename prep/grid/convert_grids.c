@@ -88,7 +88,7 @@ static void note_left_out(void *ctx, const char *name, const char *why) {
  * the whole share of memory for importers. */
 static status begin_series(convert_request *a, mem *m, grid_series *series, input *in) {
     volume *first = in->own;
-    if (series->sets.fields * series->sets.steps > 1)
+    if (series->of.sets.fields * series->of.sets.steps > 1)
         volume_rest(first);
     status st = convert_grid_sets_alike(&a->sets, series, first, note_left_out, a);
     series->fields_alike = a->sets.all_fields;
@@ -110,11 +110,7 @@ static status run(convert_request *a, mem *m, input *in, double start) {
         cli_note(&a->common, 1, "%s: its times do not ascend: 0, 1, .. instead", a->common.input);
     if (st == ST_OK)
         st = convert_sets_times(&a->sets, convert_request_steps(a));
-    grid_series series = {.paths = (const char *const *)a->common.inputs,
-                          .in_file = a->sets.steps > 0 ? &a->sets.taken : NULL,
-                          .sets = convert_request_sets(a),
-                          .fields = a->sets.count ? a->sets.asked : NULL,
-                          .hints = a->hints.grid};
+    grid_series series = {.of = convert_request_series(a), .hints = a->hints.grid};
     if (st == ST_OK)
         st = begin_series(a, m, &series, in);
     return st == ST_OK ? convert_grid(a, m, in->own, &series, start) : st;

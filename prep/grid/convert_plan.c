@@ -104,7 +104,7 @@ static uint64_t family_size(const leaf_layout *l, const sort *x, const sort *y, 
 
 /* Bytes in front of the payloads. */
 static uint64_t directory_size(const leaf_layout *l, const grid *g, const convert_options *o) {
-    const leaf_sets *sets = o->series ? &o->series->sets : NULL;
+    const leaf_sets *sets = o->series ? &o->series->of.sets : NULL;
     const leaf_header h = {.kind = LEAF_KIND_GRID,
                            .version = l->sets > 1 ? 2 : 1,
                            .treelets = l->treelets,
@@ -218,7 +218,7 @@ status convert_plan_make(mem *m, const grid *g, const convert_options *o, conver
                                    sample_stored(g->type));
     uint64_t packer = 0;
     if (st == ST_OK && o->series &&
-        !leaf_layout_repeat(&plan->layout, o->series->sets.fields, o->series->sets.steps))
+        !leaf_layout_repeat(&plan->layout, o->series->of.sets.fields, o->series->of.sets.steps))
         st = status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 payloads; use larger treelets");
     if (st == ST_OK)
         st = leaf_packer_memory(m, leaf_layout_payload_max(&plan->layout), &o->file, &packer);

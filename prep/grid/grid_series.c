@@ -2,21 +2,18 @@
 
 #include <string.h>
 
-#include "prep/series_check.h"
-
-static const char *path_of(const grid_series *s, uint32_t set) {
-    return s->paths[s->in_file ? 0 : set % s->sets.steps];
+static uint32_t step_of(const grid_series *s, uint32_t set) {
+    return set % s->of.sets.steps;
 }
 
 status grid_series_open(mem *m, const grid_series *s, uint32_t set, volume **out) {
     volume_hints hints = s->hints;
-    if (s->fields)
-        hints.field = s->fields[set / s->sets.steps];
-    if (s->in_file) {
-        hints.step = step_list_at(s->in_file, set % s->sets.steps);
-        hints.all_steps = true;
-    }
-    return volume_open(m, path_of(s, set), &hints, out);
+    const char *field = step_series_field(&s->of, set / s->of.sets.steps);
+    if (field)
+        hints.field = field;
+    step_series_seek(&s->of, step_of(s, set), &hints.step);
+    hints.all_steps |= s->of.in_file != NULL;
+    return volume_open(m, step_series_path(&s->of, step_of(s, set)), &hints, out);
 }
 
 /* ---- checks ---- */
@@ -61,25 +58,19 @@ status grid_series_alike(mem *m, const grid_series *s, uint32_t set, const volum
     volume *v = NULL;
     status st = grid_series_open(m, s, set, &v);
     if (st == ST_OK)
-        st = check_like(volume_grid(v), volume_grid(first), path_of(s, set));
+        st = check_like(volume_grid(v), volume_grid(first),
+                        step_series_path(&s->of, step_of(s, set)));
     volume_close(v);
     return st;
 }
 
 static bool is_known(const grid_series *s, uint32_t set) {
-    const bool first_step = set % s->sets.steps == 0;
-    return set == 0 || (first_step ? s->fields_alike : s->in_file != NULL);
-}
-
-bool grid_series_follows(const grid_series *s, uint32_t set) {
-    const uint32_t step = set % s->sets.steps;
-    return s->in_file && step > 0 &&
-           step_list_at(s->in_file, step) == step_list_at(s->in_file, step - 1) + 1;
+    return set == 0 || (step_of(s, set) == 0 ? s->fields_alike : s->of.in_file != NULL);
 }
 
 status grid_series_check(mem *m, const grid_series *s, const volume *first) {
-    status st = series_check(s->paths, s->in_file != NULL, &s->sets);
-    for (uint32_t set = 1; set < s->sets.fields * s->sets.steps && st == ST_OK; set++)
+    status st = step_series_check(&s->of);
+    for (uint32_t set = 1; set < s->of.sets.fields * s->of.sets.steps && st == ST_OK; set++)
         if (!is_known(s, set))
             st = grid_series_alike(m, s, set, first);
     return st;

@@ -12,31 +12,23 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
-#include "formats/base/step_list.h"
 #include "formats/grid/volume.h"
-#include "formats/leaf/leaf_writer.h"
+#include "prep/step_series.h"
 
 typedef struct grid_series {
-    const char *const *paths;  /* of the steps, in order; one path if the steps are in a file */
-    const step_list *in_file;  /* chosen steps of the first path's file; NULL: one step per path */
-    leaf_sets sets;            /* names may be NULL for one field: the hints choose it */
-    const char *const *fields; /* likewise, as the input spells them */
-    volume_hints hints;        /* `field` is unused if there are names, `step` if in_file is set */
-    bool fields_alike;         /* the first step's fields are known to be like the first */
+    step_series of;
+    volume_hints
+        hints;         /* `field` is unused if there are names, `step` if the steps are in a file */
+    bool fields_alike; /* the first step's fields are known to be like the first */
 } grid_series;
 
 /* grid_series_check() - check a series. first: volume of the first set, just opened. All others are
- * opened for their headers, except further steps of a file. ST_USAGE: standard input would be read
- * more than once, times do not ascend, or a name is given twice. ST_UNSUPPORTED: more than
- * LEAF_SETS_MAX sets, or a set unlike the first, which is named. */
+ * opened for their headers, except further steps of a file. As step_series_check(); ST_UNSUPPORTED
+ * also for a set unlike the first, which is named. */
 CHECKED status grid_series_check(mem *m, const grid_series *s, const volume *first);
 
 /* grid_series_alike() - open a set and compare it with the first. ST_UNSUPPORTED: it differs. */
 CHECKED status grid_series_alike(mem *m, const grid_series *s, uint32_t set, const volume *first);
-
-/* grid_series_follows() - returns whether a set is the next step in the same file as the set
- * before. */
-bool grid_series_follows(const grid_series *s, uint32_t set);
 
 /* grid_series_open() - open one set; set = field * steps + step. */
 CHECKED status grid_series_open(mem *m, const grid_series *s, uint32_t set, volume **out);

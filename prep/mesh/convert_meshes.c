@@ -107,16 +107,9 @@ static status run(convert_request *a, mem *m, input *in, double start) {
     status st = take_sets(&a->sets, x, a->common.input);
     if (st == ST_OK)
         st = convert_sets_times(&a->sets, convert_request_steps(a));
-    const leaf_sets sets = convert_request_sets(a);
-    const mesh_series series = {.paths = (const char *const *)a->common.inputs,
-                                .in_file = a->sets.steps > 0 ? &a->sets.taken : NULL,
-                                .steps = sets.steps,
-                                .names = sets.names,
-                                .fields = sets.fields,
-                                .times = sets.times,
-                                .hints = a->hints.mesh};
+    const mesh_series series = {convert_request_series(a), a->hints.mesh};
     if (st == ST_OK)
-        st = mesh_series_check(&series);
+        st = step_series_check(&series.of);
     return st == ST_OK ? convert_mesh(a, m, x, &series, start) : st;
 }
 

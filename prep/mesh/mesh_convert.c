@@ -393,18 +393,19 @@ static status build_treelets(conversion *c, const char *field, const char *outpu
         return st;
     c->plan.treelets = treelets;
     const mesh_series *series = c->o->series;
-    const leaf_mesh parts = {.name = c->name,
-                             .field = series && series->names ? series->names[0] : field,
-                             .names = series && series->names ? series->names : &field,
-                             .times = series ? series->times : NULL,
-                             .treelets = treelets,
-                             .treelet_tets = c->o->treelet_tets,
-                             .leaf_tets = c->o->leaf_tets,
-                             .fields = c->g->fields,
-                             .steps = c->g->steps,
-                             .gradients = c->o->gradients,
-                             .moving = c->g->moving,
-                             .coarse = c->o->coarse};
+    const leaf_mesh parts = {
+        .name = c->name,
+        .field = series && series->of.sets.names ? series->of.sets.names[0] : field,
+        .names = series && series->of.sets.names ? series->of.sets.names : &field,
+        .times = series ? series->of.sets.times : NULL,
+        .treelets = treelets,
+        .treelet_tets = c->o->treelet_tets,
+        .leaf_tets = c->o->leaf_tets,
+        .fields = c->g->fields,
+        .steps = c->g->steps,
+        .gradients = c->o->gradients,
+        .moving = c->g->moving,
+        .coarse = c->o->coarse};
     if (c->o->gradients)
         st = make_gradients(c, output);
     if (st == ST_OK)
@@ -442,8 +443,8 @@ static status check_empty(const conversion *c, const mesh_report *r) {
 
 static void describe_origin(const mesh_options *o, const mesh_report *r, char *text, size_t size) {
     char steps[32] = "a mesh";
-    if (o->series && o->series->steps > 1)
-        snprintf(steps, sizeof steps, "a mesh at %u steps", o->series->steps);
+    if (o->series && o->series->of.sets.steps > 1)
+        snprintf(steps, sizeof steps, "a mesh at %u steps", o->series->of.sets.steps);
     char codec[32] = "raw";
     if (o->file.codec == LEAF_CODEC_ZSTD)
         snprintf(codec, sizeof codec, "zstd:%d", o->file.zstd_level);
@@ -522,7 +523,7 @@ status mesh_convert_gathered(mem *m, mesh_gather *g, const char *name, const cha
 static status read_all(mem *m, mesh_input *x, const mesh_options *o, mesh_gather *g, bool count,
                        mesh_report *report) {
     if (o->series)
-        g->steps = o->series->steps;
+        g->steps = o->series->of.sets.steps;
     const mesh_sink sink = count ? mesh_gather_counter(g) : mesh_gather_sink(g);
     return o->series ? mesh_series_read(m, o->series, x, g, &sink, report)
                      : mesh_gather_read(g, x, &sink, report);

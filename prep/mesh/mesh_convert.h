@@ -32,7 +32,7 @@ typedef struct mesh_result {
 mesh_options mesh_options_default(void);
 
 /* mesh_convert_run() - x: just opened; for a series, its first step with the first field. A series
- * must have passed mesh_series_check(). p may be NULL. ST_CORRUPT: no tet could be kept. Unless
+ * must have passed step_series_check(). p may be NULL. ST_CORRUPT: no tet could be kept. Unless
  * ST_OK, nothing is left under output's name or beside it. */
 CHECKED status mesh_convert_run(mem *m, mesh_input *x, const char *output, const mesh_options *o,
                                 const progress *p, mesh_result *result);

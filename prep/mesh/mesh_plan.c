@@ -186,8 +186,8 @@ status mesh_plan_least(mem *m, const mesh_options *o, uint64_t *least) {
     needs n;
     status st = needs_of(m, &g, o, &n);
     if (st == ST_OK)
-        *least =
-            larger(least_of(&n), n.others + mesh_gather_least(o->series ? o->series->fields : 1));
+        *least = larger(least_of(&n),
+                        n.others + mesh_gather_least(o->series ? o->series->of.sets.fields : 1));
     return st;
 }
 

@@ -1,16 +1,9 @@
 #include "prep/mesh/mesh_series.h"
 
-#include "prep/series_check.h"
-
-status mesh_series_check(const mesh_series *s) {
-    return series_check(s->paths, s->in_file != NULL,
-                        &(leaf_sets){s->fields, s->steps, s->names, s->times, NULL});
-}
-
 /* Read all fields of a step. */
 static status read_step(const mesh_series *s, mesh_gather *g, mesh_input *x, const mesh_sink *sink,
                         mesh_report *report) {
-    status st = s->names ? mesh_input_take(x, s->names, s->fields) : ST_OK;
+    status st = s->of.sets.names ? mesh_input_take(x, s->of.sets.names, s->of.sets.fields) : ST_OK;
     if (st == ST_OK)
         st = mesh_gather_read(g, x, sink, report);
     return st == ST_OK ? mesh_gather_done(g) : st;
@@ -22,10 +15,9 @@ static status read_later_step(mem *m, const mesh_series *s, mesh_gather *g, uint
     mesh_hints hints = s->hints;
     mesh_report report;
     mesh_input *x = NULL;
-    hints.field = s->names ? s->names[0] : *field ? field : NULL;
-    if (s->in_file)
-        hints.step = step_list_at(s->in_file, step);
-    status st = mesh_input_open(m, s->paths[s->in_file ? 0 : step], &hints, &x);
+    hints.field = s->of.sets.names ? s->of.sets.names[0] : *field ? field : NULL;
+    step_series_seek(&s->of, step, &hints.step);
+    status st = mesh_input_open(m, step_series_path(&s->of, step), &hints, &x);
     if (st == ST_OK) {
         mesh_gather_next(g, step, mesh_input_file(x));
         st = read_step(s, g, x, sink, &report);
@@ -36,11 +28,11 @@ static status read_later_step(mem *m, const mesh_series *s, mesh_gather *g, uint
 
 status mesh_series_read(mem *m, const mesh_series *s, mesh_input *first, mesh_gather *g,
                         const mesh_sink *sink, mesh_report *report) {
-    g->fields = s->fields;
-    g->steps = s->steps;
+    g->fields = s->of.sets.fields;
+    g->steps = s->of.sets.steps;
     mesh_gather_next(g, 0, mesh_input_file(first));
     status st = read_step(s, g, first, sink, report);
-    for (uint32_t step = 1; step < s->steps && st == ST_OK; step++)
+    for (uint32_t step = 1; step < s->of.sets.steps && st == ST_OK; step++)
         st = read_later_step(m, s, g, step, report->field, sink);
     return st;
 }

@@ -10,24 +10,14 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
-#include "formats/base/step_list.h"
 #include "formats/mesh/mesh_input.h"
 #include "prep/mesh/mesh_gather.h"
+#include "prep/step_series.h"
 
 typedef struct mesh_series {
-    const char *const *paths; /* of the steps, in order; one path if the steps are in a file */
-    const step_list *in_file; /* chosen steps of the first path's file; NULL: one step per path */
-    uint32_t steps;           /* 1 or more */
-    const char *const *names; /* of the fields; NULL: one field, chosen by the hints */
-    uint32_t fields;          /* 1 or more */
-    const double *times;      /* of the steps, ascending; NULL: unknown */
-    mesh_hints hints;         /* `field` is unused if there are names, `step` if in_file is set */
+    step_series of;
+    mesh_hints hints; /* `field` is unused if there are names, `step` if the steps are in a file */
 } mesh_series;
-
-/* mesh_series_check() - check a series. ST_USAGE: standard input would be read more than once,
- * times do not ascend, or a name is given twice. ST_UNSUPPORTED: more than LEAF_SETS_MAX fields
- * times steps. */
-CHECKED status mesh_series_check(const mesh_series *s);
 
 /* mesh_series_read() - read all steps into sink, a sink of g. first: the first step's mesh, just
  * opened, with any of the fields. report: of the first reading. ST_CORRUPT names the file that

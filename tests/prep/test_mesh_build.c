@@ -638,7 +638,7 @@ static void test_progress(void **state) {
     mesh_case c = mesh_cases_kuhn(24, 24, 24);
     const char *path = write_stream(&c, "case.mesh"), *out = scratch_path("told.leaf");
     const char *const paths[] = {path, path, path};
-    const mesh_series series = {.paths = paths, .steps = 3, .fields = 1};
+    const mesh_series series = {.of = {.paths = paths, .sets = {.fields = 1, .steps = 3}}};
     for (int steps = 1; steps <= 3; steps += 2) {
         telling told = {0};
         const progress p = {.report = take_progress, .ctx = &told};

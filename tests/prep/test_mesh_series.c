@@ -120,20 +120,19 @@ static void write_all(movie *v) {
         v->paths[s] =
             v->fields > 1 ? write_vtk(v, s, name) : write_stream(v, s, name, v->c.tet_count);
     }
-    v->series = (mesh_series){.paths = v->paths,
-                              .steps = v->steps,
-                              .names = v->names,
-                              .fields = v->fields,
-                              .times = v->times};
+    v->series = (mesh_series){
+        .of = {.paths = v->paths,
+               .sets = {
+                   .fields = v->fields, .steps = v->steps, .names = v->names, .times = v->times}}};
     v->c.options.series = &v->series;
 }
 
 static status convert(movie *v, const char *name, mesh_result *r, bool dry) {
     mesh_input *x = NULL;
     mesh_hints hints = v->series.hints;
-    hints.field = v->series.names ? v->series.names[0] : NULL;
+    hints.field = v->series.of.sets.names ? v->series.of.sets.names[0] : NULL;
     m.limit = (size_t)v->c.options.memory;
-    status st = mesh_series_check(&v->series);
+    status st = step_series_check(&v->series.of);
     if (st == ST_OK)
         st = mesh_input_open(&m, v->paths[0], &hints, &x);
     if (st == ST_OK)
@@ -324,7 +323,7 @@ static void test_refused(void **state) {
     write_all(&v);
     v.names[0] = "none";
     check_refused(&v, ST_USAGE, "\"none\"", "step0.mesh");
-    v.series.names = NULL;
+    v.series.of.sets.names = NULL;
     v.paths[2] = scratch_text("x.mesh", "LEAFCAST MESH 1\npoints: 0\ntets: 0\n\n");
     check_refused(&v, ST_USAGE, "\"one\"", "x.mesh");
     v.paths[2] = scratch_path("not-there.mesh");
@@ -344,8 +343,8 @@ static void test_twice(void **state) {
     write_all(&v);
     v.names[2] = v.names[1];
     check_refused(&v, ST_USAGE, "\"another\" is given twice", "");
-    v.series.fields = 300;
-    v.series.steps = 300;
+    v.series.of.sets.fields = 300;
+    v.series.of.sets.steps = 300;
     check_refused(&v, ST_UNSUPPORTED, "300 fields at 300 steps", "");
     release(&v);
 }

@@ -227,7 +227,7 @@ static const char *write_mesh(const char *name, int n, double phase) {
 static void convert_mesh(const char *const *paths, uint32_t steps, uint64_t memory, int threads,
                          const char *name) {
     mesh_options o = mesh_options_default();
-    const mesh_series series = {.paths = paths, .steps = steps, .fields = 1};
+    const mesh_series series = {.of = {.paths = paths, .sets = {.fields = 1, .steps = steps}}};
     mesh_result result;
     mesh_input *x = NULL;
     o.file.histograms = true;

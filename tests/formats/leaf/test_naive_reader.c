@@ -230,8 +230,7 @@ static void make_series(series *s, const uint32_t dims[3], sample_type type) {
         snprintf(name, sizeof name, "step%d.bin", step);
         s->paths[step] = strdup(scratch_write(name, s->samples[step], count * sample_size(type)));
     }
-    s->of = (grid_series){.paths = s->paths,
-                          .sets = {FIELDS, STEPS, names, times, NULL},
+    s->of = (grid_series){.of = {.paths = s->paths, .sets = {FIELDS, STEPS, names, times, NULL}},
                           .hints = {.dims = {dims[0], dims[1], dims[2]}, .type = type}};
 }
 

@@ -381,7 +381,7 @@ static void make_series(const char *name) {
         (void)snprintf(step, sizeof step, "%u.mesh", s);
         paths[s] = write_step(&c, s, step);
     }
-    const mesh_series series = {.paths = paths, .steps = STEPS, .fields = 1};
+    const mesh_series series = {.of = {.paths = paths, .sets = {.fields = 1, .steps = STEPS}}};
     const mesh_hints hints = {0};
     mesh_input *first = NULL;
     mesh_result r;
