@@ -19,7 +19,9 @@ typedef struct leaf_cells {
     uint32_t bytes;   /* of a record, a multiple of LEAF_ALIGN */
     uint32_t most;    /* cells in a treelet */
     /* Set the box (lo x y z, hi x y z) and the least and greatest value of a cell, rounded
-     * outwards. Returns NULL, or what is wrong with the record. The record is hostile. */
+     * outwards. A cell is asked for the surface of v only if range[0] < v <= range[1]; so the value
+     * outside of all cells belongs to the range where the step at the cell's face is a surface.
+     * Returns NULL, or what is wrong with the record. The record is hostile. */
     const char *(*measure)(const void *record, float box[6], float range[2]);
 } leaf_cells;
 

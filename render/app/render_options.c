@@ -232,7 +232,7 @@ status render_options_check(void *own) {
 }
 
 status render_options_check_file(const render_options *o, const leafcast_info *info) {
-    const bool mesh = strcmp(info->kind, "mesh") == 0;
+    const bool can = info->abilities & LEAFCAST_ABILITY_PACKETS;
     const struct {
         bool given;
         const char *name;
@@ -241,7 +241,7 @@ status render_options_check_file(const render_options *o, const leafcast_info *i
                      {o->traversal != 0, "--traversal"},
                      {o->experiments.schema != 0, "--schema"}};
     for (size_t i = 0; i < sizeof of_meshes / sizeof *of_meshes; i++)
-        if (of_meshes[i].given && !mesh)
+        if (of_meshes[i].given && !can)
             return status_describe(ST_USAGE, "%s is for meshes, and %s is a %s", of_meshes[i].name,
                                    o->common.input, info->kind);
     if (o->experiments.schema != 0 && info->steps == 1)

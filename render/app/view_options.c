@@ -599,50 +599,22 @@ status view_options_only(const view_options *v, const char *names, const char *w
     return ST_OK;
 }
 
-static bool lod_of_previews(const view_options *v) {
-    return v->scene.lod == LEAFCAST_LOD_EXACT || v->scene.preview;
-}
-
-static bool intersector_is_exact(const view_options *v) {
-    return v->experiments.intersector == LEAFCAST_MARMITT;
-}
-
-static bool normals_of_lattices(const view_options *v) {
-    return v->normals < 2;
-}
-
-static bool normals_of_cells(const view_options *v) {
-    return v->normals >= 2;
-}
-
-/* What flags need of volumes that have an ability, or that lack it. %s: the kind of geometry. */
-static const struct {
-    unsigned ability;
-    bool has;
-    flag_need need;
-} KIND_NEEDS[] = {
-    {LEAFCAST_ABILITY_LEVELS,
-     false,
-     {LOD, lod_of_previews, "--lod: a %s has no coarse levels but in a preview"}},
-    {LEAFCAST_ABILITY_INTERSECTORS,
-     false,
-     {INTERSECTOR, intersector_is_exact, "--intersector: intersectors are for grids"}},
-    {LEAFCAST_ABILITY_ANALYTIC_NORMALS,
-     true,
-     {NORMALS, normals_of_lattices, "--normals: a %s's are central or analytic"}},
-    {LEAFCAST_ABILITY_SMOOTH_NORMALS,
-     true,
-     {NORMALS, normals_of_cells, "--normals: a %s's are faceted or smooth"}}};
-
 /* What else a kind cannot do, the library itself reports. */
 status view_options_check_volume(const view_options *v, const leafcast *volume) {
     const leafcast_info info = leafcast_describe(volume);
-    for (size_t i = 0; i < sizeof KIND_NEEDS / sizeof *KIND_NEEDS; i++) {
-        const flag_need *need = &KIND_NEEDS[i].need;
-        const bool has = info.abilities & KIND_NEEDS[i].ability;
-        if (has == KIND_NEEDS[i].has && (v->given & bit_of(need->key)) && !need->met(v))
-            return status_describe(ST_USAGE, need->why, info.kind);
-    }
+    const bool lod = (v->given & bit_of(LOD)) && v->scene.lod != LEAFCAST_LOD_EXACT;
+    const bool normals = v->given & bit_of(NORMALS), of_cells = v->normals >= 2;
+    const bool inexact =
+        (v->given & bit_of(INTERSECTOR)) && v->experiments.intersector != LEAFCAST_MARMITT;
+    if (lod && !v->scene.preview && !(info.abilities & LEAFCAST_ABILITY_LEVELS))
+        return status_describe(ST_USAGE, "--lod: a %s has no coarse levels but in a preview",
+                               info.kind);
+    if (inexact && !(info.abilities & LEAFCAST_ABILITY_INTERSECTORS))
+        return status_describe(ST_USAGE, "--intersector: intersectors are for grids");
+    if (normals && of_cells && (info.abilities & LEAFCAST_ABILITY_ANALYTIC_NORMALS))
+        return status_describe(ST_USAGE, "--normals: a %s's are central or analytic", info.kind);
+    if (normals && !of_cells && (info.abilities & LEAFCAST_ABILITY_SMOOTH_NORMALS))
+        return status_describe(ST_USAGE, "--normals: a %s's are faceted or smooth", info.kind);
     return ST_OK;
 }
 

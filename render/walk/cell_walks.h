@@ -17,15 +17,20 @@ typedef struct cell {
     uint64_t number; /* in the whole file */
 } cell;
 
-/* What a kind says of a cell. The line of a ray: all t, whatever its [t0, t1]. */
+/* What a kind says of a cell. The line of a ray: all t, whatever its [t0, t1]. Of cells that share
+ * a face, one has the points of the face and the rays in it, and both find the same bits of t where
+ * a ray passes it. */
 typedef struct cell_kind {
-    /* Offer where the line meets the cell's isosurfaces to cell_hit(); if they are flat, not the
-     * one that the ray begins on (state->origin). */
+    /* Offer where the line meets the cell's isosurfaces to cell_hit(): of each of tr->isos, v, that
+     * the cell's range meets, min < v <= max (stream/interest.h). So a surface at a joint of two
+     * cells is there once. Where a line meets the surface once at most, leave out the one that the
+     * ray begins on (state->origin, origin_iso). */
     void (*hits)(const tracer *tr, const cell *c, const ray *r, trace_state *state);
-    /* The surface point of a hit. */
+    /* The surface point of a hit. A shadow ray goes error / |gradient . direction| before a hit
+     * counts, span at most. */
     surface_point (*surface)(const tracer *tr, const cell *c, const ray *r, const hit *h);
-    /* Set the piece of the line in the cell: t0, t1, b[] of the kind's degree, and spread. False:
-     * there is none. */
+    /* Set the piece of the line in the cell: t0, t1, b[] of the kind's degree; and spread =
+     * SEGMENT_EVEN if all of the cell has the one value b[1], exactly. False: there is none. */
     bool (*piece)(const cell *c, const ray *r, segment *out);
     /* Whether the cell holds a point. */
     bool (*holds)(const cell *c, const double point[3]);
@@ -33,7 +38,8 @@ typedef struct cell_kind {
     double (*value)(const cell *c, const double point[3], double gradient[3]);
 } cell_kind;
 
-/* cell_hit() - take a hit of a cell if it is the best so far. Returns whether it is. */
+/* cell_hit() - take a hit of a cell if it is the best so far. Returns whether it is. entering: the
+ * value rises along the ray. */
 static inline bool cell_hit(trace_state *state, const ray *r, const hit *h) {
     if (h->t < r->t0 || h->t > r->t1 || !hit_less(&state->after, h) || !hit_less(h, &state->best))
         return false;
@@ -42,7 +48,8 @@ static inline bool cell_hit(trace_state *state, const ray *r, const hit *h) {
 }
 
 /* CELL_WALKS_ROW - the part of a kind's row that follows from its cells. The row has, besides:
- * name, cell, cells, degree, describe, segments_error. */
+ * name, cell, cells, degree, describe; segments_error: a bound for any ray and any cell with values
+ * in range[] (ray/segments.h), so a record needs a least size if its values are steep. */
 #define CELL_WALKS_ROW                                                             \
     .open = cell_walks_open, .close = cell_walks_close, .check = cell_walks_check, \
     .aim = cell_walks_aim, .walks = &tree_walks, .inside = &cell_walks,            \

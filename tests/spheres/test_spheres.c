@@ -15,7 +15,6 @@
 #include "tests/spheres/spheres.h"
 #include "tests/spheres/spheres_facts.h"
 #include "tests/spheres/spheres_truth.h"
-#include "tests/support/cell_judge.h"
 #include "tests/support/cells_file.h"
 #include "tests/support/fixture.h"
 #include "tests/support/pictures.h"
@@ -491,68 +490,6 @@ static void test_probe_point(void **state) {
     free(l->file.bytes);
 }
 
-/* ---- Values: media, projections, slices, steps ---- */
-
-enum { STEPS = 3, APART = 27 };
-
-/* Balls that do not overlap, a place of its own for each; at each step they are elsewhere in it,
- * larger or smaller. */
-typedef struct apart {
-    sphere spheres[STEPS][8 * APART];
-    uint32_t counts[8], count;
-} apart;
-
-static void make_apart(apart *all) {
-    field_random r = {FIELD_SEED + 3};
-    *all = (apart){.count = 8 * APART};
-    for (uint32_t i = 0; i < STEPS * all->count; i++) {
-        const uint32_t n = i % all->count, t = n / APART, of = n % APART;
-        const uint32_t block[3] = {t % 2, t / 2 % 2, t / 4},
-                       place[3] = {of % 3, of / 3 % 3, of / 9};
-        sphere *x = &all->spheres[i / all->count][n];
-        *x = (sphere){.radius = 1.5 + 2.5 * field_random_unit(&r),
-                      .peak = 0.2 + 1.5 * field_random_unit(&r)};
-        for (int a = 0; a < 3; a++)
-            x->centre[a] = 30.0 * block[a] + 10.0 * place[a] + 0.9 * field_random_unit(&r);
-        all->counts[t] = APART;
-    }
-}
-
-static spheres_truth truth_of(const void *ctx, uint32_t step) {
-    static const double rim = 0.0;
-    const apart *all = ctx;
-    return (spheres_truth){all->spheres[step], all->count, &rim, 1};
-}
-
-static int chords_of(const void *ctx, uint32_t step, const double origin[3],
-                     const double direction[3], cell_chord out[CELL_CHORDS_MAX], bool *grazing) {
-    const spheres_truth truth = truth_of(ctx, step);
-    return spheres_truth_chords(&truth, origin, direction, out, grazing);
-}
-
-static bool value_at(const void *ctx, uint32_t step, const double point[3], long double *value,
-                     bool *grazing) {
-    const spheres_truth truth = truth_of(ctx, step);
-    uint64_t number;
-    const bool any = spheres_truth_at(&truth, point, &number, value);
-    *grazing = any && *value < 1e-9L;
-    return any;
-}
-
-static void test_values(void **state) {
-    (void)state;
-    static apart all;
-    make_apart(&all);
-    const leaf_image image = cells_file(&(cells_input){.kind = SPHERES_KIND,
-                                                       .name = "apart",
-                                                       .records = all.spheres,
-                                                       .counts = all.counts,
-                                                       .treelets = 8,
-                                                       .steps = STEPS});
-    cell_judge(&image, &(cell_truth){&all, STEPS, 1.7, chords_of, value_at});
-    free(image.bytes);
-}
-
 /* ---- Files ---- */
 
 static leafcast_status open_memory(const leaf_image *i) {
@@ -656,7 +593,6 @@ int main(void) {
         cmocka_unit_test(test_reads_what_is_active),
         cmocka_unit_test(test_probe_ray),
         cmocka_unit_test(test_probe_point),
-        cmocka_unit_test(test_values),
         cmocka_unit_test(test_facts),
         cmocka_unit_test(test_hostile_files),
         cmocka_unit_test(test_hostile_payload),

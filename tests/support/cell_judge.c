@@ -291,6 +291,41 @@ static void judge_preview(const bench *b, const char *path) {
     assert_int_equal(wrong, 0);
 }
 
+/* ---- Points ---- */
+
+/* The gradient at points is that of the value: by differences, in the cell's inside. */
+static void judge_gradients(const bench *b) {
+    field_random r = {FIELD_SEED + 11 + b->step};
+    const double h = 1e-4 * b->info.cell_size;
+    int seen = 0, wrong = 0;
+    for (int n = 0; n < 2000; n++) {
+        leafcast_sample s;
+        double point[3], off = 0.0, size = 0.0;
+        bool grazing = false;
+        for (int a = 0; a < 3; a++)
+            point[a] = b->info.bounds[0][a] +
+                       (b->info.bounds[1][a] - b->info.bounds[0][a]) * field_random_unit(&r);
+        assert_int_equal(leafcast_probe_point(b->v, point, &s), LEAFCAST_OK);
+        for (int a = 0; a < 3 && s.inside; a++) {
+            long double value[2];
+            for (int side = 0; side < 2; side++) {
+                double at[3] = {point[0], point[1], point[2]};
+                at[a] += side ? h : -h;
+                grazing |= !b->truth->value(b->truth->ctx, b->step, at, &value[side], &grazing);
+            }
+            off = fmax(off, fabs((double)((value[1] - value[0]) / (2.0L * h)) - s.gradient[a]));
+            size = fmax(size, fabs(s.gradient[a]));
+        }
+        if (!s.inside || grazing)
+            continue;
+        seen++;
+        wrong += off > 1e-5 * fmax(size, b->truth->most);
+    }
+    print_message("# step %u: %d gradients, %d wrong\n", b->step, seen, wrong);
+    assert_true(seen > 50);
+    assert_true(wrong <= seen / 50); /* differences that reach into the next cell */
+}
+
 /* ---- Slices ---- */
 
 static void judge_slice(const bench *b) {
@@ -338,6 +373,7 @@ void cell_judge(const leaf_image *image, const cell_truth *truth) {
             judge_picture(&b, question);
         judge_budget(&b, path);
         judge_preview(&b, path);
+        judge_gradients(&b);
         judge_slice(&b);
     }
     leafcast_close(b.v);

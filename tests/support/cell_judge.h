@@ -1,6 +1,10 @@
-/* cell_judge.h - whether all that can be asked of a volume of cells is right at every step: pieces,
- * media, projections, slices, steps, under any budget. For kinds of records, whose test says by
- * brute force what a ray and a point meet. Trouble fails the running test.
+/* cell_judge.h - whether what can be asked of a volume of cells, surfaces apart, is right at every
+ * step: pieces, media, projections, slices, points and their gradients, under any budget, and in
+ * previews. For kinds of records, whose test says by brute force what a ray and a point meet.
+ * Surfaces and shadows are that test's own. Trouble fails the running test.
+ *
+ * The volume: some hundred cells in four treelets or more, so dense that a random ray passes one,
+ * and so rough that a preview without a treelet is off.
  */
 #ifndef TESTS_SUPPORT_CELL_JUDGE_H
 #define TESTS_SUPPORT_CELL_JUDGE_H

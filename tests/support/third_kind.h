@@ -13,7 +13,8 @@
 #include "stream/grid_resident.h"
 #include "stream/mesh_resident.h"
 
-/* Define the tables with a row for a kind of records. */
+/* Define the tables with a row for a kind of records. number_: any above LEAF_KIND_MESH; programs
+ * do not see each other's. */
 #define THIRD_KIND(number_, geometry_, kind_)                                                  \
     const leaf_geometry *leaf_geometry_of(uint32_t number) {                                   \
         static const leaf_geometry *const rows[] = {[LEAF_KIND_GRID] = &grid_geometry,         \
