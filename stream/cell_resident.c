@@ -8,7 +8,7 @@ static uint32_t count_of(const resident_store *s, uint32_t t) {
 
 static const treelet_bounds *boxes(const leaf_file *f, uint32_t set) {
     return (const treelet_bounds *)leaf_cells_directory_of(f)->bounds +
-           leaf_layout_bounds(&f->layout, set % f->layout.steps, 0);
+           leaf_layout_bounds(&f->layout, leaf_layout_step(&f->layout, set), 0);
 }
 
 static size_t scratch_bytes(const resident_store *s) {

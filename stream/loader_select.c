@@ -91,7 +91,7 @@ void loader_select_set(loader *l, uint32_t set) {
     if (set != h->set) {
         h->stepped = true;
         h->set = set;
-        if (l->file->layout.moved_steps)
+        if (leaf_layout_moves(&l->file->layout))
             treelet_tree_move(&h->tree, h->kind->boxes(l->file, set));
         select_anew(l);
         if (h->store.schema == MESH_REFIT)

@@ -8,11 +8,11 @@
 /* ---- sizes ---- */
 
 static uint32_t step_of(const resident_store *s, uint32_t set) {
-    return set % s->file->layout.steps;
+    return leaf_layout_step(&s->file->layout, set);
 }
 
 static bool moves(const resident_store *s) {
-    return s->file->layout.moved_steps > 0;
+    return leaf_layout_moves(&s->file->layout);
 }
 
 /* One block holds a treelet, its masks, its nodes if vertices move, and derived data. */
@@ -291,7 +291,7 @@ static status load(const resident_store *s, uint32_t t, uint32_t set, const void
 
 static const treelet_bounds *boxes(const leaf_file *f, uint32_t set) {
     return (const treelet_bounds *)f->mesh->bounds +
-           leaf_layout_bounds(&f->layout, set % f->layout.steps, 0);
+           leaf_layout_bounds(&f->layout, leaf_layout_step(&f->layout, set), 0);
 }
 
 static void mask(const resident_store *s, treelet *head, const interest *in) {

@@ -50,7 +50,7 @@ status leaf_cells_check_layout(const char *path, const leaf_header *h, leaf_layo
                      (uint32_t)leaf_cells_payloads(h));
     l->sets = h->fields * h->steps;
     l->steps = h->steps;
-    l->moved_steps = h->steps - 1;
+    l->places = h->steps;
     return ST_OK;
 }
 

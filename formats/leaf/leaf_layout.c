@@ -75,7 +75,7 @@ status leaf_layout_levels(leaf_layout *l, const uint32_t dims[3], uint32_t cells
     }
     const uint32_t b = 1u << cells_log2;
     l->treelets = l->payloads = (uint32_t)total;
-    l->sets = l->steps = 1;
+    l->sets = l->steps = l->places = 1;
     l->payload_max = payload_of(l, (uint32_t[3]){b, b, b}).bytes;
     return ST_OK;
 }
@@ -152,7 +152,7 @@ void leaf_layout_flat(leaf_layout *l, const leaf_geometry *geometry, uint32_t tr
     l->type = SAMPLE_F32;
     l->treelets = l->level[0].count = treelets;
     l->payloads = payloads;
-    l->sets = l->steps = 1;
+    l->sets = l->steps = l->places = 1;
 }
 
 status leaf_layout_init_flat(leaf_layout *l, mem *m) {
@@ -169,7 +169,7 @@ void leaf_layout_mesh(leaf_layout *l, const leaf_blocks *b) {
     l->sets = b->fields * b->steps;
     l->steps = b->steps;
     l->gradient_sets = b->gradients ? l->sets : 0;
-    l->moved_steps = b->moving ? b->steps - 1 : 0;
+    l->places = b->moving ? b->steps : 1;
 }
 
 status leaf_layout_init_mesh(leaf_layout *l, mem *m, const leaf_blocks *b) {

@@ -34,8 +34,8 @@ typedef struct leaf_layout {
     uint32_t payloads; /* grid: treelets * sets; mesh: treelets * blocks */
     uint32_t sets;     /* fields * steps */
     uint32_t steps;
+    uint32_t places;             /* of cells: 1 where they stay at all steps, else one a step */
     uint32_t gradient_sets;      /* mesh: sets, or 0 where there are no gradients */
-    uint32_t moved_steps;        /* mesh: steps - 1, or 0 where vertices stay in place */
     const uint32_t (*counts)[4]; /* section COUNTS, or NULL; owned by the file or the writer */
     uint32_t payload_max;        /* leaf_layout_payload_max() */
     leaf_level level[LEAF_LEVELS_MAX];
@@ -121,14 +121,32 @@ uint32_t leaf_layout_payload_bytes(const leaf_layout *l, uint32_t p);
  * of the largest). */
 uint32_t leaf_layout_payload_max(const leaf_layout *l);
 
-/* leaf_layout_set() - the set of a field at a step. */
+/* ---- Sets, steps and places ----
+ *
+ * A set is the values of a field at a step: set = field * steps + step. Where cells are (vertices,
+ * boxes of treelets) is the same in all sets; or, in a volume that moves, in all sets of a step.
+ * What changes with a step, besides values, is asked here. */
+
+/* leaf_layout_set() - the set of a field at a step. leaf_layout_step() - the step of a set. */
 static inline uint32_t leaf_layout_set(const leaf_layout *l, uint32_t of_field, uint32_t step) {
     return of_field * l->steps + step;
+}
+static inline uint32_t leaf_layout_step(const leaf_layout *l, uint32_t set) {
+    return set % l->steps;
+}
+
+/* leaf_layout_moves() - whether cells are elsewhere from step to step.
+ * leaf_layout_place() - which of the `places` a step has; 0: that of the first step. */
+static inline bool leaf_layout_moves(const leaf_layout *l) {
+    return l->places > 1;
+}
+static inline uint32_t leaf_layout_place(const leaf_layout *l, uint32_t step) {
+    return leaf_layout_moves(l) ? step : 0;
 }
 
 /* leaf_layout_values() - the payload that holds the values of a mesh's treelet in a set.
  * leaf_layout_gradients() - the payload of its gradients in a set, below gradient_sets.
- * leaf_layout_positions() - the payload of its positions at a step from 1 up to moved_steps.
+ * leaf_layout_positions() - the payload of its positions at a step from 1 up to places - 1.
  * Positions of step 0, and of every step where nothing moves, are in the topology. */
 static inline uint32_t leaf_layout_values(const leaf_layout *l, uint32_t set, uint32_t treelet) {
     return l->treelets * (1 + set) + treelet;
@@ -143,7 +161,7 @@ static inline uint32_t leaf_layout_positions(const leaf_layout *l, uint32_t step
 
 /* leaf_layout_bounds() - the element of BOUNDS for a treelet at a step. */
 static inline size_t leaf_layout_bounds(const leaf_layout *l, uint32_t step, uint32_t treelet) {
-    return (l->moved_steps ? (size_t)step * l->treelets : 0) + treelet;
+    return (size_t)leaf_layout_place(l, step) * l->treelets + treelet;
 }
 
 /* What a mesh's payload holds. leaf_layout_block_of() - the block of payload p; *index: its set

@@ -180,7 +180,7 @@ leaf_mesh_parts leaf_stats_mesh(const leaf_file *f) {
         parts.tets += s.tets * sizeof(uint16_t[4]);
         bytes += s.topology_bytes + sets * s.values_bytes +
                  f->layout.gradient_sets * (uint64_t)s.gradients_bytes +
-                 f->layout.moved_steps * (uint64_t)s.positions_bytes;
+                 (f->layout.places - 1) * (uint64_t)s.positions_bytes;
     }
     parts.nodes = parts.node_count * sizeof(mesh_node) +
                   (parts.leaves + f->layout.treelets) * sizeof(uint16_t);
@@ -188,8 +188,8 @@ leaf_mesh_parts leaf_stats_mesh(const leaf_file *f) {
     parts.codes = sets * parts.node_count * sizeof(mesh_codes);
     parts.values = sets * parts.vertices * sizeof(float);
     parts.gradients = f->layout.gradient_sets * parts.vertices * sizeof(float[3]);
-    parts.moved_boxes = f->layout.moved_steps * parts.node_count * sizeof(mesh_boxes);
-    parts.moved = f->layout.moved_steps * parts.vertices * sizeof(float[3]);
+    parts.moved_boxes = (f->layout.places - 1) * parts.node_count * sizeof(mesh_boxes);
+    parts.moved = (f->layout.places - 1) * parts.vertices * sizeof(float[3]);
     parts.padding = bytes - parts.nodes - parts.tets - parts.positions - parts.codes -
                     parts.values - parts.gradients - parts.moved_boxes - parts.moved;
     uint64_t *const stored[] = {[LEAF_BLOCK_TOPOLOGY] = &parts.stored_topology,

@@ -65,7 +65,7 @@ void leaf_tell_print_steps(const leaf_file *f, const fact_sheet *to) {
         fact_sheet_line(to, "steps", "%u, times %s .. %s%s%s%s", f->header.steps,
                         num_print(f->times[0], a), num_print(f->times[f->header.steps - 1], b),
                         f->frame.time_unit[0] ? " " : "", f->frame.time_unit,
-                        f->layout.moved_steps ? ", vertices move" : "");
+                        leaf_layout_moves(&f->layout) ? ", vertices move" : "");
 }
 
 /* For each field its name, and the range of its values at each step. */

@@ -311,10 +311,10 @@ static status look_at_tets(const verification *v, uint32_t set, uint32_t t, cons
     leaf_file *f = v->f;
     const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
     const float(*points)[3] = mesh_leaf_positions(&s, topology);
-    const uint32_t step = set % f->header.steps;
+    const uint32_t step = leaf_layout_step(&f->layout, set);
     if (!v->cells)
         return ST_OK;
-    if (step > 0 && f->layout.moved_steps > 0) {
+    if (leaf_layout_place(&f->layout, step) > 0) {
         status st =
             leaf_file_load(f, leaf_layout_positions(&f->layout, step, t), stored, positions);
         if (st != ST_OK)

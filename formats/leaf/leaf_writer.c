@@ -130,7 +130,7 @@ static status allocate_axes(leaf_writer *w, const grid *g) {
 }
 
 static status allocate_mesh(leaf_writer *w) {
-    const size_t steps = 1 + w->layout.moved_steps;
+    const size_t steps = w->layout.places;
     w->bounds = mem_array(w->m, w->layout.treelets * steps, sizeof *w->bounds);
     w->counts = mem_array(w->m, w->layout.treelets, sizeof *w->counts);
     return w->bounds && w->counts ? ST_OK : ST_NOMEM;

@@ -120,7 +120,7 @@ static void sum_up_mesh(leaf_writer *w) {
     memcpy(h->bounds, w->bounds[0], sizeof h->bounds);
     for (uint32_t t = 0; t < w->layout.treelets; t++)
         h->tets += w->counts[t][0];
-    for (size_t i = 0; i < (size_t)w->layout.treelets * (1 + w->layout.moved_steps); i++)
+    for (size_t i = 0; i < (size_t)w->layout.treelets * w->layout.places; i++)
         for (int a = 0; a < 3; a++) {
             h->bounds[a] = fminf(h->bounds[a], w->bounds[i][a]);
             h->bounds[a + 3] = fmaxf(h->bounds[a + 3], w->bounds[i][a + 3]);

@@ -110,7 +110,7 @@ status leaf_writer_put_gradients(leaf_writer *w, leaf_packer *k, uint32_t set, u
 
 status leaf_writer_put_positions(leaf_writer *w, leaf_packer *k, uint32_t step, uint32_t t,
                                  const float bounds[6], const void *payload, void *pack) {
-    assert(t < w->layout.treelets && step > 0 && step <= w->layout.moved_steps);
+    assert(t < w->layout.treelets && step > 0 && step < w->layout.places);
     assert(w->counts[t][0]);
     copy_floats(w->bounds[leaf_layout_bounds(&w->layout, step, t)], bounds, 6);
     return put_payload(w, k, leaf_layout_positions(&w->layout, step, t), payload,

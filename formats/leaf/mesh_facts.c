@@ -12,8 +12,7 @@ static unsigned long long whole(uint64_t n) {
 /* Bytes before compression: positions, values, indices as in mesh streams; indices once. */
 static double raw_bytes(const leaf_file *f) {
     const leaf_header *h = &f->header;
-    return (double)h->vertices *
-               (12 * (1 + (double)f->layout.moved_steps) + 4 * (double)f->layout.sets) +
+    return (double)h->vertices * (12 * (double)f->layout.places + 4 * (double)f->layout.sets) +
            16 * (double)h->tets;
 }
 

@@ -128,7 +128,7 @@ static status allocate(leaf_file *f) {
     mesh_directory *mesh = f->mesh = mem_zalloc(f->m, sizeof *f->mesh);
     if (!mesh)
         return ST_NOMEM;
-    mesh->bounds = mem_array(f->m, count * (1 + f->layout.moved_steps), sizeof *mesh->bounds);
+    mesh->bounds = mem_array(f->m, count * f->layout.places, sizeof *mesh->bounds);
     mesh->counts = mem_array(f->m, count, sizeof *mesh->counts);
     mesh->first_tet = mem_array(f->m, count + 1, sizeof *mesh->first_tet);
     mesh->coarse = mem_array(f->m, f->layout.sets, sizeof *mesh->coarse);
@@ -189,7 +189,7 @@ static status init_layout(leaf_file *f) {
                                 .fields = f->header.fields,
                                 .steps = f->header.steps,
                                 .gradients = f->layout.gradient_sets > 0,
-                                .moving = f->layout.moved_steps > 0};
+                                .moving = leaf_layout_moves(&f->layout)};
     status st = leaf_layout_init_mesh(&f->layout, f->m, &blocks);
     if (st != ST_OK)
         return st;
@@ -209,7 +209,7 @@ static status lay_out(leaf_file *f, leaf_directory *d) {
 
 static status check_bounds(const char *path, const leaf_header *h, const leaf_layout *l,
                            const leaf_directory *d) {
-    const size_t count = l->treelets * (size_t)(1 + l->moved_steps);
+    const size_t count = l->treelets * (size_t)l->places;
     for (int a = 0; a < 3; a++) {
         float lo = INFINITY, hi = -INFINITY;
         for (size_t i = 0; i < count; i++) {

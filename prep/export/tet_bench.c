@@ -10,7 +10,7 @@ static uint64_t payload_of(const tet_choice *c) {
 }
 
 static bool has_moved(const tet_choice *c) {
-    return c->f->layout.moved_steps && c->step > 0;
+    return leaf_layout_place(&c->f->layout, c->step) > 0;
 }
 
 static bool has_gradients(const tet_choice *c) {

@@ -143,7 +143,7 @@ static status plan(job *j) {
     const uint64_t row = g->dims[0] * sizeof(float), all = (uint64_t)g->dims[1] * g->dims[2];
     const uint64_t threads = (uint64_t)j->o->threads;
     j->payload = leaf_layout_aligned(leaf_layout_payload_max(&j->f->layout), LEAF_ALIGN_LOG2);
-    const bool moves = j->f->layout.moved_steps && j->step;
+    const bool moves = leaf_layout_place(&j->f->layout, j->step) > 0;
     const uint64_t each = (moves ? 3 : 2) * j->payload + sizeof *j->treelets;
     const uint64_t fixed =
         mem_used(j->m) + SPARE_BYTES + (is_packed(j->f) ? threads * j->payload : 0);
@@ -176,7 +176,8 @@ static status allocate(job *j) {
     j->treelets = mem_array(j->m, j->most, sizeof *j->treelets);
     j->topologies = mem_alloc(j->m, j->most * j->payload);
     j->values = mem_alloc(j->m, j->most * j->payload);
-    if (j->f->layout.moved_steps && j->step && !(j->moved = mem_alloc(j->m, j->most * j->payload)))
+    if (leaf_layout_place(&j->f->layout, j->step) > 0 &&
+        !(j->moved = mem_alloc(j->m, j->most * j->payload)))
         return ST_NOMEM;
     if (is_packed(j->f))
         j->stored = mem_alloc(j->m, (size_t)j->o->threads * j->payload);
@@ -322,7 +323,7 @@ status resample_run(mem *m, leaf_file *f, const resample_grid *g, const resample
              .ctx = ctx,
              .m = m,
              .block = {.grid = g},
-             .step = o->set % f->layout.steps,
+             .step = leaf_layout_step(&f->layout, o->set),
              .result = result};
     status st = allocate(&j);
     if (st == ST_OK)

@@ -213,7 +213,7 @@ leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
                             .levels = h->levels,
                             .fields = h->fields,
                             .steps = h->steps,
-                            .moving = v->file->layout.moved_steps > 0,
+                            .moving = leaf_layout_moves(&v->file->layout),
                             .treelets = v->file->layout.treelets,
                             .sample_type = sample_name((sample_type)h->sample_type),
                             .name = v->file->name,

@@ -345,7 +345,8 @@ static void test_blocks(void **state) {
     assert_string_equal(f->names[0], "waves");
     assert_string_equal(f->names[1], "");
     assert_true(f->times[0] == 0 && f->times[1] == 1 && !f->has_times);
-    assert_int_equal(f->layout.gradient_sets + f->layout.moved_steps, 0);
+    assert_int_equal(f->layout.gradient_sets, 0);
+    assert_false(leaf_layout_moves(&f->layout));
     leaf_file_close(f);
     mesh_leaves_extend(&c, 1);
     f = open_sound(mesh_leaves_make(&c, "blocks.leaf"));

@@ -302,7 +302,7 @@ static uint32_t assert_sound(mem *m, const loader *l, uint32_t set) {
         assert_int_equal(mesh_leaf_check_topology(l->file, t, tr->head.payload, scratch), ST_OK);
         assert_int_equal(
             mesh_leaf_check_values(l->file, set, t, tr->head.payload, tr->values, scratch), ST_OK);
-        assert_int_equal(tr->moved != NULL, layout->moved_steps && step > 0);
+        assert_int_equal(tr->moved != NULL, leaf_layout_place(layout, step) > 0);
         if (tr->moved)
             assert_int_equal(
                 mesh_leaf_check_positions(l->file, step, t, tr->head.payload, tr->moved, scratch),
