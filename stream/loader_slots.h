@@ -21,9 +21,11 @@ bool loader_slots_take_back(loader *l, uint32_t t);
 void loader_slots_withdraw(loader *l, treelet *tr);
 void loader_slots_discard(loader *l, treelet *tr);
 
-/* loader_slots_evict() - free the `count` oldest READY treelets. loader_slots_make_room() - free
- * from the cache, oldest first, until there is room for `more` treelets. */
+/* loader_slots_evict() - free the `count` oldest READY treelets; the cache does not get them. */
 void loader_slots_evict(loader *l, uint32_t count);
+
+/* loader_slots_make_room() - free treelets of the cache, the oldest first, until there is room for
+ * the treelets that are loading and `more` others, or the cache is empty. */
 void loader_slots_make_room(loader *l, uint32_t more);
 
 /* loader_slots_share() - add a user of treelet t's shared payload. Returns the payload, or NULL if

@@ -23,8 +23,9 @@ typedef struct output_kind {
 #define OUTPUT_BY_EXPORT \
     "`leafcast convert' makes a treelet file of that, `leafcast export' others of this"
 
-/* output_name_check() - ST_USAGE for a name with the suffix of another format, or with a %d where
- * only one file is written. The message says what would do. path: "-" and NULL are fine. */
+/* output_name_check() - returns ST_USAGE for a name with the suffix of another format, or with a %d
+ * where only one file is written. The message says which names are allowed. Accepts the paths "-"
+ * and NULL. */
 CHECKED status output_name_check(const char *path, const output_kind *kind);
 
 /* output_name_is_stdout() - whether a path is "-"; NULL is not. */

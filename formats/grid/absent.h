@@ -32,9 +32,11 @@ void absent_add(absent_parts *sum, const absent_parts *more);
  */
 const char *absent_print(const absent_parts *a, char text[ABSENT_TEXT]);
 
-/* absent_pair() - print the value of the header's pair: "3 of 8 chunks".
- * absent_parse() - read that value. A value of another form leaves *out as it is. */
+/* absent_pair() - print the counts as the value of "leafcast absent" in an NRRD header:
+ * "3 of 8 chunks". */
 void absent_pair(const absent_parts *a, char text[ABSENT_TEXT]);
+
+/* absent_parse() - read such a value. Leaves *out unchanged if it has another form. */
 void absent_parse(const char *text, absent_parts *out);
 
 #endif

@@ -173,7 +173,8 @@ static const vtk_xml_element elements[] = {
 
 /* ---- files ---- */
 
-/* Scan one file. Its pieces go to the grid, its frame and sources to s. */
+/* Scan the XML of one file. Append its pieces to s->g. Set s->frame to its place in space, and
+ * s->sources to the files of pieces that it names. */
 static status scan_file(scan *s, byte_stream *data, const char *type) {
     const vtk_xml_reader reader = {type, elements, on_array};
     const size_t before = s->g->count;

@@ -79,7 +79,8 @@ static int is_shown(const struct dirent *entry) {
     return entry->d_name[0] != '.';
 }
 
-/* Enter the one array or group in a group. If there are more, name them. */
+/* Append the name of the only array or group in the group z->path to that path. With none or
+ * several, fail; the message lists them. */
 static status descend(zarr_array *z) {
     struct dirent **entries = NULL;
     char list[LIST_MAX] = "", only[256] = "";

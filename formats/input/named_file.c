@@ -32,7 +32,8 @@ static void cut_name(char *path) {
         slash[slash == path] = 0;
 }
 
-/* Resolve the folder of a path as given; if the path is itself a folder, resolve that. */
+/* Set real[] to the folder in which `by` lies as it is written, or to `by` itself if that is a
+ * folder. */
 static bool folder_given(const char *by, char real[PATH_MAX]) {
     char folder[PATH_MAX];
     const char *slash = strrchr(by, '/');
@@ -45,7 +46,8 @@ static bool folder_given(const char *by, char real[PATH_MAX]) {
            realpath(folder, real) != NULL;
 }
 
-/* Resolve the folder of the file that the path leads to. */
+/* Follow the links of the path `by`. Set real[] to the folder of the file at their end. Returns
+ * false for folders and absent files. */
 static bool folder_led_to(const char *by, char real[PATH_MAX]) {
     if (is_folder(by) || !realpath(by, real))
         return false;

@@ -21,9 +21,9 @@ static bool changes(const histogram_cell *c, const double within[2]) {
     return c->lo < c->hi && (double)c->lo >= within[0] && (double)c->hi <= within[1];
 }
 
-/* Find the range that holds nearly all of the changing cells within a range: from the lowest 0.2 %
- * of their lower ends to the highest 0.2 % of their upper ends. It looks at a regular selection of
- * the cells. */
+/* Set bulk[] to the values that nearly all cells have, without the outermost 0.2 % at either end.
+ * Count only cells inside `within` whose value changes. Sort a regular selection of them, for
+ * speed. Returns false if there are none, or bulk[] is empty. */
 static bool bulk_of(const histogram_cell *cells, uint32_t count, const double within[2],
                     double bulk[2]) {
     float ends[2][QUANTILE_DRAWS];

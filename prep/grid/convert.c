@@ -261,7 +261,8 @@ static status begin_maps(conversion *c) {
     return ST_OK;
 }
 
-/* Call it when all samples have been put. */
+/* Refuse a volume without any finite sample, unless --allow-empty. Valid once all samples of all
+ * sets are written: before that, ranges are not known. */
 static status check_empty(const conversion *c, const grid *g) {
     bool empty = c->o->refuse_empty;
     for (uint32_t set = 0; set < c->layout->sets && empty; set++) {

@@ -96,7 +96,9 @@ static uint32_t split_pairs(mesh_tree *t, const mesh_record *records, uint32_t a
 
 /* ---- nodes to keep ---- */
 
-/* Compute open(n, j) and the share that gives it. Ties go to the share nearest to a half. */
+/* Returns open(n, j), as the head of this file defines it, for the node n with these children. Set
+ * *share to the best k: the children that the left one gets. Of equal ones, take the k nearest to
+ * j / 2. */
 static uint32_t open_pair(const mesh_tree_pair *left, const mesh_tree_pair *right, uint32_t j,
                           uint8_t *share) {
     uint32_t least = UINT32_MAX;

@@ -11,7 +11,7 @@ enum { HALVINGS_MAX = 12, CHECKS = 16 };
 /* The error allowed at the places that are checked; between them it may be a little larger. */
 static const double MOST = 0.9 * TRANSFER_CURVE_ERROR;
 
-/* An end of a piece of the curve, at the share s. */
+/* An end of a piece of the curve: the point at s, from 0 at the curve's start to 1 at its end. */
 typedef struct end {
     double s;
     leafcast_transfer_point p;

@@ -21,11 +21,14 @@ static inline unsigned octants_last(unsigned order) {
     return 31u - (unsigned)__builtin_clz(order);
 }
 
-/* block_in_order() - sorts the mask of a block's 64 cells, numbered in Morton order: cell n becomes
- * bit n ^ block_flip(first). */
+/* block_flip() - returns the bits of a Morton number, of two octal digits, that differ between a
+ * cell of a block and its place in the order. */
 static inline unsigned block_flip(unsigned first) {
     return first | first << 3;
 }
+
+/* block_in_order() - sorts the mask of a block's 64 cells, numbered in Morton order: cell n becomes
+ * bit n ^ block_flip(first). */
 static inline uint64_t block_in_order(uint64_t cells, unsigned first) {
     static const uint64_t low[6] = {0x5555555555555555, 0x3333333333333333, 0x0f0f0f0f0f0f0f0f,
                                     0x00ff00ff00ff00ff, 0x0000ffff0000ffff, 0x00000000ffffffff};

@@ -109,7 +109,7 @@ typedef struct smooth_lanes {
     vd w[4], k[4], depth, variance;
 } smooth_lanes;
 
-/* complete() */
+/* Vector form of complete(). */
 SIMD void complete_lanes(const stretch_lanes *p, int degree, smooth_lanes *s) {
     const vd k0 = p->span.k[0], k1 = p->span.k[1];
     const vd base = p->span.base, inverse = p->span.inverse;
@@ -128,7 +128,7 @@ SIMD void complete_lanes(const stretch_lanes *p, int degree, smooth_lanes *s) {
     s->depth = d_max(sum / d_set(degree + 1) * p->length, d_set(0.0));
 }
 
-/* weighted_change() */
+/* Vector form of depth_moment(). */
 SIMD vd moment_lanes(const smooth_lanes *s, int degree, const vd depth[5]) {
     static const double weight[3][5] = MEDIUM_MOMENT;
     vd sum = d_set(0.0);
@@ -146,6 +146,7 @@ SIMD vd moment_lanes(const smooth_lanes *s, int degree, const vd depth[5]) {
     return sum;
 }
 
+/* Vector form of weighted_change(). */
 SIMD vd change_lanes(const stretch_lanes *p, const smooth_lanes *s, int degree, vd half,
                      vd through_half) {
     vd depth[5];
@@ -156,7 +157,7 @@ SIMD vd change_lanes(const stretch_lanes *p, const smooth_lanes *s, int degree, 
            ((d_set(1.0) + half) * (s->w[degree] - s->w[0]) - moment_lanes(s, degree, depth));
 }
 
-/* seen_at_once() */
+/* Vector form of seen_at_once(). */
 SIMD void see_lanes(double share, int degree, const stretch_lanes *p, seen_lanes *out) {
     const double u = 0x1p-53;
     const vd one = d_set(1.0), zero = d_set(0.0), rounding = d_set(64.0 * u);

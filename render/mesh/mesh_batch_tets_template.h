@@ -101,22 +101,22 @@ typedef struct polygon_lines {
     int count;
 } polygon_lines;
 
-/* Error bound of edge functions of polygons. S is the sum of the moduli of all their edges'
- * components. A ray that hits a polygon at X passes its edges on one side (a quadrilateral is flat
- * and convex), but for two errors.
+/* Error bound of a polygon's edge functions: LINE_ERROR S + LINE_ERROR_LEAST, where S is the sum of
+ * |x| over all components x of all edges. A ray that hits the exact polygon passes all edges on the
+ * same side: a quadrilateral is flat and convex. Two errors may hide this.
  *
- * Points err by e = 2^-19 a component (mesh_beams_template.h). Seen from X, the edge function of
- * points P and Q with errors a and b errs by d . (a x (Q - P)) + d . ((P - X) x (b - a)) + d . (a x
- * b). No component of d is over 1, and neither Q - P nor P - X is longer than S / 2. So this is
- * less than 3 e S and, for the products of errors, 2^-32. Beside that, it does not matter how much
- * rounding bends the exact polygon.
+ * 1. Points are off by e = 2^-19 per component at most (mesh_beams_template.h). Let X be the hit,
+ * and a and b the errors of points P and Q. The edge function is then off by d . (a x (Q - P)) + d
+ * . ((P - X) x (b - a)) + d . (a x b). No component of d exceeds 1, and neither Q - P nor P - X is
+ * longer than S / 2. So this is less than 3 e S + 2^-32; the 2^-32 is for products of errors. The
+ * rounded points need not be in a plane: the proof uses only the exact polygon.
  *
- * Sums are rounded. The components of a point are little more than 1, those of an origin less than
- * 2, those of o x d less than 4, so moduli add up to 2 |Q - P| for d . moment, to 4 |Q - P| for
- * edge . (o x d). On its way from the arguments a term collects 9 roundings at most: with u = 2^-24
- * that is 54 u |Q - P|, less than e S.
+ * 2. Sums are rounded. A point has components of little more than 1, an origin less than 2, o x d
+ * less than 4. So the terms' moduli add up to 2 |Q - P| for d . moment, and to 4 |Q - P| for edge .
+ * (o x d). Each term is rounded 9 times at most. With u = 2^-24 this gives 54 u |Q - P|, less than
+ * e S.
  *
- * Together less than 4 e S + 2^-32. The bound used has twice the first. */
+ * Both together are less than 4 e S + 2^-32. The constants allow 8 e S + 2^-32. */
 static const float LINE_ERROR = 0x1p-16f, LINE_ERROR_LEAST = 0x1p-32f;
 
 SIMD void lines_of(const framed_tets *x, unsigned lane, polygon_lines *l) {

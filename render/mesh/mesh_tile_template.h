@@ -272,7 +272,7 @@ static void walk_resident_treelet(mesh_tile *w, const mesh_pending *p) {
     walk_treelet_of_mesh(w, at, p->rect, p->near2);
 }
 
-/* Prefetch what the walk of the probable next treelet begins with. */
+/* Treelet t is probably walked next. Prefetch its first nodes, leaves and masks. */
 static void expect_treelet(const mesh_tile *w, uint32_t t) {
     const resident_mesh *at = resident_mesh_of(loader_peek(w->s.f->tracer->treelets, t));
     if (!at)

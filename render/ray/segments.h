@@ -132,8 +132,8 @@ void segment_values(double middle, double spread, double range[2]);
  * values. */
 segment segment_doubt(const tracer *tr, uint32_t t, double spread, double t0, double t1);
 
-/* segment_doubted() - set range[] to the values of a doubted treelet. Returns whether places in it
- * may have no value. */
+/* segment_doubted() - set range[] to the least and the greatest value of a doubted treelet.
+ * Returns whether some of its samples are not finite: places near them have no value. */
 bool segment_doubted(const tracer *tr, uint32_t t, double range[2]);
 
 /* segment_t() - t at parameter `at`. */

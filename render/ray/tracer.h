@@ -60,8 +60,9 @@ typedef struct trace_state {
 bool tracer_ray(const tracer *tr, const double origin[3], const double direction[3], double t0,
                 double t1, ray *out);
 
-/* tracer_enters_by() - the clip plane through which a world-space ray, from t = 0 on, enters the
- * part that all planes leave; *t: where. -1: the ray begins inside that part, or misses it. */
+/* tracer_enters_by() - returns the number of the clip plane through which a world-space ray, from
+ * t = 0 on, enters the part that no plane cuts off. Sets *t to the t of that point. Returns -1 if
+ * the ray begins inside that part, or misses it. */
 int tracer_enters_by(const tracer *tr, const double origin[3], const double direction[3],
                      double *t);
 

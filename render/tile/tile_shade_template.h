@@ -197,7 +197,8 @@ SIMD void shade_surfaces(const tile_state *s, const tile_layer *l, unsigned i, u
 enum { SQUARE = 16 };
 _Static_assert(SQUARE *SQUARE <= RAY_BATCH && TILE % SQUARE == 0, "tiles are made of squares");
 
-/* Find the surfaces of a layer that a light reaches: shade_reaches(). */
+/* Find the surfaces of a layer that a light may reach: it is on the eye's side of them. The same
+ * test as shade_reaches(), for whole vectors. */
 static void find_reached(const tile_state *s, const tile_layer *l, int light, tile_normals normal,
                          tile_pixels *p) {
     const bool flat = surface_look_of(s->f)->scene->shading == LEAFCAST_SHADING_FLAT;
