@@ -1,8 +1,8 @@
 /* medium_batch.h - what is seen of many pieces at a time (medium_stretch.h).
  *
- * The answer for a piece is, to the bit, that of medium_of_piece(). Versions for newer instructions
- * come from one template (medium_batch_template.h). The scalar version calls that function, and is
- * the reference.
+ * Results equal medium_of_piece() to the bit. The scalar version calls that function for each
+ * piece, and is the reference. The versions for newer instructions come from one template
+ * (medium_batch_template.h).
  */
 #ifndef RENDER_MEDIUM_MEDIUM_BATCH_H
 #define RENDER_MEDIUM_MEDIUM_BATCH_H
@@ -41,7 +41,7 @@ void medium_batch_put(medium_batch *m, unsigned i, const medium_stretch *seen);
 
 /* ---- For versions ---- */
 
-/* medium_batch_single() - do piece i by the scalar code. */
+/* medium_batch_single() - compute piece i by the scalar code. */
 void medium_batch_single(medium_batch *m, const segment_columns *pieces, unsigned i);
 
 /* medium_batch_join() - join the stretches of cut pieces, and store what is seen of each piece. */

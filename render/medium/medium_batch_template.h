@@ -1,10 +1,10 @@
 /* medium_batch_template.h - medium_batch.h for the ISA of the translation unit that includes it.
  *
- * The scalar functions (medium_stretch.c) written again for vectors, operation by operation. First
- * each piece is tried in its place. Pieces that lie in one span of the transfer function, and need
- * no steps, are then done. The others are cut into stretches in dense lists. Cuts are found,
- * stretches seen, and steps made, many at a time. Pieces at a step of the transfer function, or in
- * too many spans, are left to the scalar code.
+ * These are the scalar functions of medium_stretch.c, written again for vectors, operation by
+ * operation. A first pass goes over the columns. It finishes each piece that lies in one span of
+ * the transfer function and needs no steps. The other pieces are cut into stretches, which go to
+ * dense lists. Cuts are found, stretches computed and steps made a vector at a time. Pieces at a
+ * step of the transfer function, or in too many spans, are left to the scalar code.
  */
 #ifndef RENDER_MEDIUM_MEDIUM_BATCH_TEMPLATE_H
 #define RENDER_MEDIUM_MEDIUM_BATCH_TEMPLATE_H
@@ -18,14 +18,14 @@
 
 void SIMD_NAME(medium_batch)(medium_batch *m, const segment_columns *pieces);
 
-/* The lanes' spans, only the members that are needed. */
+/* One span per lane: those members of transfer_span that are needed. */
 typedef struct span_lanes {
     vd base, inverse, k[2];
     vd rgb[2][3], most_rgb, rgb_change;
     vd most_k, k_rate, rgb_rate;
 } span_lanes;
 
-/* Load members of spans from this one on: four at a time, or each from its column. */
+/* Load four members of each lane's span: `member` and the three that follow it in memory. */
 #define LOAD_SPANS(t, at, member, out)                                \
     d_load_four((const double *)(const void *)(t)->span +             \
                     offsetof(transfer_span, member) / sizeof(double), \
@@ -37,6 +37,7 @@ SIMD void find_members(const transfer *t, vl at, size_t offset, int count, vd ou
         out[i] = d_look_up_half(column + i * TRANSFER_FEW, at);
 }
 
+/* Look up `count` members of each lane's span: `member` and those that follow it in memory. */
 #define FIND_SPANS(t, at, member, count, out) \
     find_members(t, at, offsetof(transfer_span, member), count, out)
 
@@ -82,7 +83,7 @@ SIMD void load_spans(const transfer *t, const uint16_t at[], span_lanes *s) {
     s->rgb_rate = four[2];
 }
 
-/* The ends of the lanes' spans, and their reach. */
+/* Load from, to and reach[] of each lane's span. */
 SIMD void load_ends(const transfer *t, const uint16_t at[], vd ends[4]) {
     if (D_LOOKS_UP && t->column)
         FIND_SPANS(t, l_of_shorts(at), from, 4, ends);
@@ -92,7 +93,7 @@ SIMD void load_ends(const transfer *t, const uint16_t at[], vd ends[4]) {
 
 /* ---- Stretches ---- */
 
-/* A stretch in one span: the value's Bernstein coefficients, and so on. */
+/* One stretch per lane, each in one span. f: Bernstein coefficients of the value. */
 typedef struct stretch_lanes {
     vd f[4];
     vd length, value_error;
@@ -192,12 +193,12 @@ SIMD void see_lanes(double share, int degree, const stretch_lanes *p, seen_lanes
                          d_set(MEDIUM_STEP_OF_REST) * (out->rgb_error - out->tangent));
 }
 
-/* The lanes that need no steps: seen_between() */
+/* Returns the lanes that need no steps: whose fit is 1 or more in seen_between(). */
 SIMD md is_enough(const seen_lanes *s) {
     return d_le(s->tangent, s->allowed);
 }
 
-/* next_step() */
+/* Vector form of next_step(). */
 SIMD vd next_step_lanes(vd step, const seen_lanes *s) {
     const vd ratio = s->allowed / s->tangent;
     const vd fit = d_select(is_enough(s), d_max(ratio, d_set(1.0)), ratio);
@@ -214,7 +215,7 @@ typedef struct piece_lanes {
     uint16_t low[VD_N], high[VD_N];
 } piece_lanes;
 
-/* segment_value_error() */
+/* Vector form of segment_value_error(). */
 SIMD vd lanes_value_error(const medium_batch *m, unsigned i, int degree, const vd b[4], vd length,
                           md even) {
     vd largest = d_abs(b[0]), step = d_set(0.0);
@@ -227,10 +228,10 @@ SIMD vd lanes_value_error(const medium_batch *m, unsigned i, int degree, const v
     return d_select(even, d_set(0.0), error);
 }
 
-/* Up to so many spans, counting is faster than halving. */
+/* With up to so many spans, comparing with all of them is faster than a binary search. */
 enum { COUNTED_SPANS = 5 * VD_N };
 
-/* The number of spans that begin at the value or below. Does not count the first, which begins
+/* Returns how many spans begin at the value or below. Does not count the first one, which begins
  * below every value. */
 SIMD vl count_below(const double *from, int spans, vd value) {
     const vd one = (vd)l_set(1), none = (vd)l_set(0);
@@ -240,6 +241,7 @@ SIMD vl count_below(const double *from, int spans, vd value) {
     return count;
 }
 
+/* Returns the same by binary search. */
 SIMD vl search_below(const double *from, int spans, vd value) {
     vl lo = l_set(0);
     for (int left = spans; left > 1;) {
@@ -251,7 +253,7 @@ SIMD vl search_below(const double *from, int spans, vd value) {
     return lo;
 }
 
-/* transfer_find() of the lanes; 0 in other lanes. */
+/* Vector form of transfer_find(), for the first `lanes` lanes. The others get 0. */
 SIMD void find_lanes(const transfer *t, vd value, unsigned lanes, uint16_t at[VD_N]) {
     uint64_t found[VD_N];
     l_store(found, t->spans <= COUNTED_SPANS ? count_below(t->from, t->spans, value)
@@ -260,7 +262,8 @@ SIMD void find_lanes(const transfer *t, vd value, unsigned lanes, uint16_t at[VD
         at[k] = k < lanes ? (uint16_t)found[k] : 0;
 }
 
-/* only_span() */
+/* Load a vector of pieces. Decide as only_span() does: pieces in one span go to p->seen, the others
+ * to p->single with their range of spans. */
 SIMD void load_pieces(medium_batch *m, const segment_columns *c, unsigned i, int degree,
                       piece_lanes *p) {
     stretch_lanes *s = &p->whole;
@@ -296,7 +299,8 @@ SIMD void load_pieces(medium_batch *m, const segment_columns *c, unsigned i, int
         find_lanes(m->transfer, hi, lanes, p->high);
 }
 
-/* Returns the lanes that need no steps. */
+/* Compute whole pieces at once, and store what is seen of them. Returns the lanes that need no
+ * steps. */
 SIMD md see_whole(medium_batch *m, unsigned i, int degree, const piece_lanes *p) {
     const vd one = d_set(1.0);
     seen_lanes out;
@@ -314,7 +318,7 @@ SIMD md see_whole(medium_batch *m, unsigned i, int degree, const piece_lanes *p)
 
 /* ---- Cuts ---- */
 
-/* A few pieces by their numbers; the last one of a list fills the rest. */
+/* A vector of numbers of pieces. Unused lanes repeat the last number of the list. */
 typedef struct few {
     uint16_t at[VD_N];
     unsigned count;
@@ -332,11 +336,12 @@ SIMD void coefficients_of(const segment_columns *c, const few *pieces, int degre
         b[k] = d_load_at(c->b[k], pieces->at);
 }
 
-/* value_there_of() */
+/* Vector form of value_there. */
 typedef struct value_lanes {
     vd value, slope, bend;
 } value_lanes;
 
+/* Vector form of value_there_of(). */
 SIMD value_lanes values_at(const vd of[4], int degree, vd at) {
     vd b[4];
     value_lanes v = {d_set(0.0), d_set(0.0), d_set(0.0)};
@@ -355,7 +360,7 @@ SIMD value_lanes values_at(const vd of[4], int degree, vd at) {
     return v;
 }
 
-/* cut_at(), of the cuts from number i on */
+/* Vector form of cut_at(), for the cuts from number i on. */
 SIMD void find_few_cuts(medium_cut_list *l, unsigned i, unsigned count, const vd of[4],
                         int degree) {
     const unsigned all = (1u << count) - 1;
@@ -395,7 +400,7 @@ SIMD void find_cuts(medium_batch *m, const segment_columns *c, int degree) {
 
 /* ---- Stretches of pieces ---- */
 
-/* segment_part() */
+/* Vector form of segment_part(). */
 SIMD void part_lanes(const vd of[4], int degree, vd a, vd b, vd out[4]) {
     const vd one = d_set(1.0), zero = d_set(0.0);
     const vd at = d_select(d_gt(b, zero), a / b, zero);
@@ -416,7 +421,7 @@ SIMD void part_lanes(const vd of[4], int degree, vd a, vd b, vd out[4]) {
     }
 }
 
-/* Members that stretches take from their pieces. */
+/* The piece of each lane's stretch: coefficients of the value, and length. */
 typedef struct of_pieces {
     vd b[4], length;
 } of_pieces;
@@ -437,7 +442,7 @@ SIMD void load_stretches(const medium_batch *m, const segment_columns *c, const 
     p->per_length = d_load_at(m->per_length, pieces.at);
 }
 
-/* seen_between() */
+/* Vector form of seen_between(). */
 SIMD void see_between(const medium_batch *m, const of_pieces *of, int degree, vd a, vd b,
                       stretch_lanes *p, seen_lanes *out) {
     part_lanes(of->b, degree, a, b, p->f);
@@ -445,7 +450,7 @@ SIMD void see_between(const medium_batch *m, const of_pieces *of, int degree, vd
     see_lanes(m->share, degree, p, out);
 }
 
-/* See the stretches from number i on, at once. Notes those that need steps. */
+/* Compute the stretches from number i on, each at once. List the ones that need steps. */
 SIMD void see_few_stretches(medium_batch *m, const segment_columns *c, unsigned i, int degree) {
     medium_stretch_list *s = &m->cuts.stretches;
     few here = {.count = s->count - i < VD_N ? s->count - i : VD_N};
@@ -480,14 +485,14 @@ SIMD void see_stretches(medium_batch *m, const segment_columns *c, int degree) {
 
 /* ---- Steps ---- */
 
-/* What has been seen, the rest of the stretch, and the next step. */
+/* A walk in steps, per lane: what has been seen, the rest [a, b] of the stretch, the next step. */
 typedef struct walk_lanes {
     vd rgb[3], through, rgb_error, through_error;
     vd a, b, step;
     md going;
 } walk_lanes;
 
-/* medium_join(), in these lanes */
+/* Vector form of medium_join(), in the lanes `in`. */
 SIMD void join_lanes(walk_lanes *w, md in, const seen_lanes *s, vd most_rgb) {
     const vd reaching = w->through + w->through_error;
     const vd light = d_min(d_max(d_max(s->rgb[0], s->rgb[1]), s->rgb[2]), most_rgb);
@@ -501,7 +506,8 @@ SIMD void join_lanes(walk_lanes *w, md in, const seen_lanes *s, vd most_rgb) {
     w->through = d_select(in, w->through * s->through, w->through);
 }
 
-/* Leave out what is behind where hardly anything comes through. Returns these lanes. */
+/* Leave out the rest of a stretch if hardly any light comes through what is in front of it. Returns
+ * the lanes where this was done. */
 SIMD md leave_out_lanes(walk_lanes *w, md in, vd most_rgb, double drop) {
     const vd left = (w->through + w->through_error) * most_rgb;
     const md dark = md_and(md_and(in, d_lt(w->a, w->b)), d_le(left, d_set(drop)));
@@ -511,7 +517,7 @@ SIMD md leave_out_lanes(walk_lanes *w, md in, vd most_rgb, double drop) {
     return dark;
 }
 
-/* seen_by_steps() */
+/* Vector form of seen_by_steps(). */
 SIMD void walk_on(const medium_batch *m, const of_pieces *of, int degree, stretch_lanes *p,
                   walk_lanes *w) {
     const vd most_rgb = p->span.most_rgb, shortest = d_set(MEDIUM_STEP_SHORTEST);
@@ -530,7 +536,7 @@ SIMD void walk_on(const medium_batch *m, const of_pieces *of, int degree, stretc
     }
 }
 
-/* See the stretches that need steps, from number i on. */
+/* Compute the stretches of the list by_steps, from number i on. */
 SIMD void see_by_steps(medium_batch *m, const segment_columns *c, unsigned i, int degree) {
     medium_stretch_list *s = &m->cuts.stretches;
     const few here = few_of(s->by_steps, i, s->stepped);
@@ -575,7 +581,7 @@ SIMD void work_off_lists(medium_batch *m, const segment_columns *c, int degree) 
     medium_cuts_clear(&m->cuts);
 }
 
-/* Not inlined: it is long. */
+/* Compute all stretches in the lists, and join them to pieces. Not inlined: it is long. */
 static __attribute__((noinline)) void work_off(medium_batch *m, const segment_columns *c) {
     if (m->cuts.count == 0)
         return;

@@ -42,8 +42,8 @@ static void add_cut(medium_cut_list *cuts, unsigned piece, const part *p, double
     cuts->fb[n] = p->fb;
 }
 
-/* Returns whether rates bound the change at ends of spans that the part does not pass, but that the
- * error e may carry the value over. */
+/* Look at ends of spans that the part's values do not reach, but its values plus or minus e do.
+ * Returns whether rates bound the change at all of them. */
 static bool is_smooth_beside(const transfer *t, const part *p, double e) {
     const double least = lesser(p->fa, p->fb) - e, most = greater(p->fa, p->fb) + e;
     for (int k = p->low - 1; k >= 0 && t->span[k].to > least; k--)

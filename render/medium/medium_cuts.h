@@ -1,8 +1,9 @@
 /* medium_cuts.h - pieces of rays cut into stretches, each in one span of the transfer function,
  * many at a time: dense lists for vectors.
  *
- * Pieces are added. Vectors find their cuts (at[], off[]). medium_cuts_place() makes stretches from
- * these. Vectors find what is seen of each stretch. All by the operations of medium_stretch.c.
+ * The order of work: add pieces; find their cuts (at[], off[]), vector by vector; make stretches of
+ * them with medium_cuts_place(); compute what is seen of each stretch, vector by vector. All
+ * operations are the same as in medium_stretch.c.
  */
 #ifndef RENDER_MEDIUM_MEDIUM_CUTS_H
 #define RENDER_MEDIUM_MEDIUM_CUTS_H
@@ -28,7 +29,7 @@ typedef struct medium_cut_list {
 typedef struct medium_stretch_list {
     unsigned count;
     uint16_t piece[MEDIUM_STRETCHES], span[MEDIUM_STRETCHES];
-    bool is_cut[MEDIUM_STRETCHES]; /* ends at a cut; until it is placed */
+    bool is_cut[MEDIUM_STRETCHES]; /* ends at a cut, whose place is not known yet */
     _Alignas(64) double from[MEDIUM_STRETCHES], to[MEDIUM_STRETCHES], off[MEDIUM_STRETCHES];
     /* What is seen of each: a medium_stretch. */
     double rgb[3][MEDIUM_STRETCHES], through[MEDIUM_STRETCHES];
@@ -57,8 +58,8 @@ static inline bool medium_cuts_full(const medium_cuts *c) {
 }
 
 /* medium_cuts_add() - add piece i of the columns. value_error: bound of its value's error. low,
- * high: spans of its least and its greatest coefficient. Returns false if the piece is left to the
- * scalar code, because of a step of the transfer function there or for want of room. */
+ * high: spans of its least and its greatest coefficient. Returns false if the scalar code has to
+ * compute the piece: the transfer function has a step there, or there is no room. */
 bool medium_cuts_add(medium_cuts *c, const transfer *t, const segment_columns *pieces, unsigned i,
                      double value_error, int low, int high);
 

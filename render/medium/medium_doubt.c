@@ -7,7 +7,7 @@
 
 /* ---- Bounds ---- */
 
-/* Move x into [lo, hi]. Returns how far it may be off if the true value is in [lo, hi]. */
+/* Clamp *x to [lo, hi]. Returns how far it may be off then, if the true value is in [lo, hi]. */
 static double bring_within(double *x, double lo, double hi) {
     *x = fmin(fmax(*x, lo), hi);
     return fmax(hi - *x, *x - lo);
@@ -33,8 +33,8 @@ void medium_doubt_within(const medium_rule *rule, const medium_doubtful *what, d
     medium_add_ends(rule->transfer, 1.5 * rule->error.t, seen);
 }
 
-/* Limit each component of light to most_rgb times the opacity. Returns how far it may be off
- * then. */
+/* Clamp each component of light to at most most_rgb times the opacity. Returns how far the light
+ * may be off then. */
 static double bring_to_light(medium_stretch *seen, double most_rgb) {
     const double least_through = fmax(seen->through - seen->through_error, 0.0);
     const double most = most_rgb * (1.0 - least_through) * (1.0 + 0x1p-40);

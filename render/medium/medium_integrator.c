@@ -15,7 +15,8 @@ static bool overlaid(const frame *f) {
     return medium_ray_look(f)->overlaid;
 }
 
-/* The rule for pieces in a volume on the whole ray. Widens way[] by the ray's way through it. */
+/* Returns the rule for all pieces of a ray in volume v. Widens way[] by the interval of t in which
+ * the ray passes the volume. */
 static medium_rule rule_of(const frame *f, uint32_t pixel, int v, double way[2]) {
     const medium_look *look = medium_ray_look(f);
     const tracer *tr = &f->tracer[v];
@@ -75,7 +76,8 @@ static void medium_begin(const frame *f, uint32_t pixel, ray_record *r) {
     p->front = p->run = medium_nothing();
 }
 
-/* Ask for the pieces up to the surface, in one volume. */
+/* Ask for the pieces of the one filled volume up to the surface. Returns false if there are none to
+ * ask for. */
 static bool ask_for_pieces(const frame *f, medium_ray *p, ray_question *q) {
     const int v = medium_ray_filled(f, 0);
     const world_ray w = medium_ray_way(f, p);
@@ -96,7 +98,7 @@ static bool ask_for_pieces(const frame *f, medium_ray *p, ray_question *q) {
     return true;
 }
 
-/* Leave out what is behind. */
+/* Leave out the rest of the ray: its light becomes error. */
 static void leave_out_rest(const frame *f, medium_ray *p) {
     medium_ray_end_run(f, p);
     p->front.rgb_error +=
@@ -107,7 +109,8 @@ static void leave_out_rest(const frame *f, medium_ray *p) {
 
 /* ---- Surfaces ---- */
 
-/* Error of the depth at a surface: t is off, so more or less of the medium is in front of it. */
+/* Returns a bound of the error of the optical depth in front of a surface. t of the surface has an
+ * error, so more or less of the medium may be in front of it. */
 static double depth_error_at(const frame *f, const medium_ray *p) {
     const surface_point *at = &p->way.search.point;
     const world_ray w = surface_ray_primary(f, p->way.head.pixel);
@@ -193,7 +196,7 @@ static bool meet(const frame *f, medium_ray *p, ray_counters *counters) {
     return surface_ray_meet(f, &p->way, counters) && !medium_ray_is_dark(f, p);
 }
 
-/* Walk through the media in front of the surface. Returns whether it asks. */
+/* Walk through the media in front of the surface. Returns true if *q asks for something first. */
 static bool walk(const frame *f, medium_ray *p, ray_question *q, ray_counters *counters) {
     if (!overlaid(f))
         return ask_for_pieces(f, p, q);

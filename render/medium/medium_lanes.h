@@ -6,9 +6,11 @@
 #include "render/frame/integrator.h"
 #include "render/medium/medium_ray.h"
 
-/* medium_lanes_pass() - pass all filled volumes up to the surface. Returns true if a treelet is
- * missed: then it asks for that, and can be called again. medium_lanes_end() - end the walk. */
+/* medium_lanes_pass() - walk through all filled volumes up to the surface. Returns true if a
+ * treelet is absent: *q then asks for it. Call again when it is resident. */
 bool medium_lanes_pass(const frame *f, medium_ray *p, ray_question *q, ray_counters *counters);
+
+/* medium_lanes_end() - end the walk. */
 void medium_lanes_end(medium_ray *p, int count);
 
 #endif

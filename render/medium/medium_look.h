@@ -1,8 +1,8 @@
-/* medium_look.h - what is to be seen of media, and how the error of a pixel is shared out.
+/* medium_look.h - how media look, and how the error allowed for a pixel is divided.
  *
- * Parts are for the medium, by its opacity and by its length, and a part is for the end. A ray ends
- * when nothing of more weight can follow. The light of surfaces counts as exact. Shadows through
- * media are not drawn.
+ * Two shares are for the medium, in proportion to its opacity and to its length. One share is for
+ * the end of the ray: a ray ends when what follows cannot weigh more. The light of surfaces counts
+ * as exact. Media throw no shadows.
  */
 #ifndef RENDER_MEDIUM_MEDIUM_LOOK_H
 #define RENDER_MEDIUM_MEDIUM_LOOK_H
@@ -11,14 +11,15 @@
 #include "render/medium/medium_shade.h"
 #include "render/surface/surface_integrator.h"
 
-/* Shares of the pixel's error: for the medium by its opacity, by its length, for the end, for light
- * left out inside a piece, which happens behind at most 64 spans or halvings and counts twice. */
+/* Shares of the pixel's error. OPACITY, LENGTH: for the medium, by either. END: for the end of the
+ * ray. PIECE: for light left out inside a piece, at most 64 times (spans or halvings), each counted
+ * twice. */
 #define MEDIUM_SHARE_OPACITY 0.5
 #define MEDIUM_SHARE_LENGTH  0.3
 #define MEDIUM_SHARE_END     0.1
 #define MEDIUM_SHARE_PIECE   (0.04 / 128.0)
 
-/* And beside a cut of overlaid media. */
+/* Share that is always allowed for a stretch beside a cut of overlaid media. */
 #define MEDIUM_SHARE_CUT 0x1p-18
 
 /* frame.look */
@@ -31,8 +32,8 @@ typedef struct medium_look {
     double brightest; /* the largest component of any medium's colour, surface's, light's, ... */
     /* Shades colours; then no pixel is certified. NULL: colours are not shaded. */
     const medium_shade *shade;
-    /* Lay pieces of all volumes over each other ray by ray: several are filled; or one is shaded
-     * whose pieces may come after their treelet was evicted. */
+    /* Walk ray by ray, and lay pieces of all volumes over each other. Set if several volumes are
+     * filled, or one is shaded and its pieces may come after their treelet was evicted. */
     bool overlaid;
     bool unbounded; /* preview: what is drawn may be off by anything */
 } medium_look;

@@ -7,8 +7,7 @@
 
 static const double unit = 0x1p-53; /* half an ulp of 1 */
 
-/* Bound of the rounding error of a sum of up to 256 terms of similar magnitude, over the largest.
- */
+/* Bound of the relative rounding error of a sum of up to 256 terms of similar magnitude. */
 static const double rounding = 256.0 * 0x1p-53;
 
 /* ---- Layers ---- */
@@ -40,7 +39,7 @@ medium_layer medium_layer_of(const medium_rule *rule, const segment *piece, doub
 /* Knowledge of a layer's values over a stretch. */
 typedef struct layer_view {
     const transfer_span *span; /* that holds all values; NULL: none does */
-    bool blurred;              /* halving would not help, for the error of values */
+    bool blurred;              /* halving would not help: the range is not wider than the error */
     transfer_extent extent;    /* of extinction and colour */
 } layer_view;
 
@@ -70,7 +69,7 @@ static bool is_nothing(const layer_view views[], int count) {
 
 /* ---- Extents ---- */
 
-/* The extent of all layers together that may have something. */
+/* Returns the extent of the sum of all layers in which something may be seen. */
 static transfer_extent joined(const layer_view views[], int count) {
     transfer_extent all = {.rgb = {{INFINITY, 0.0}, {INFINITY, 0.0}, {INFINITY, 0.0}}};
     for (int i = 0; i < count; i++) {
@@ -87,7 +86,8 @@ static transfer_extent joined(const layer_view views[], int count) {
     return all;
 }
 
-/* The second or the third way: the middle between the least and the most that may be seen. */
+/* Take the second or the third way: return the middle between the least and the most that may be
+ * seen. */
 static medium_stretch seen_between(const transfer_extent *e, double less_through,
                                    double more_through) {
     medium_stretch out = {.through = 0.5 * (less_through + more_through)};
@@ -153,7 +153,7 @@ static double bernstein(const double b[], int degree, double s) {
     return p[0];
 }
 
-/* q, at one place. */
+/* Compute q of the head of medium_overlay.h at s. */
 static void emission_at(const medium_layer layers[], const layer_view views[], int count, double s,
                         double q[3]) {
     for (int i = 0; i < count; i++) {
@@ -165,7 +165,7 @@ static void emission_at(const medium_layer layers[], const layer_view views[], i
     }
 }
 
-/* The first way, for a depth of 2 h < 2: sets rgb. Returns the error of the tangent. */
+/* Take the first way, for a depth of 2 h < 2: set rgb. Returns the error of the tangent. */
 static double integrate(const medium_layer layers[], const layer_view views[], int count,
                         const smooth_sum *sum, double length, double half, double rgb[3]) {
     const double through_half = portable_exp(-half), bend = 0.25 * (half * half);
@@ -192,7 +192,8 @@ static double shift_of(double depth_error) {
     return fmin(1.5 * depth_error, 1.0);
 }
 
-/* The first way or the second. *inexact: the part of the error that halving reduces. */
+/* Take the better of the first way and the second. *inexact: the part of the error that halving
+ * reduces. */
 static medium_stretch seen_smooth(const medium_overlay_rule *rule, const medium_layer layers[],
                                   const layer_view views[], int count, double length,
                                   double *inexact) {
@@ -249,8 +250,8 @@ static void halve(medium_layer front[], medium_layer back[], int count) {
     }
 }
 
-/* VIEWS_MAX bounds the work where no halving reaches the error asked for: numbers near the ends of
- * their ranges. Ordinary stretches take less than a tenth of it. */
+/* VIEWS_MAX bounds the work where halving never reaches the allowed error, as with numbers near the
+ * ends of their ranges. Ordinary stretches take less than a tenth of it. */
 enum { HALVINGS_MAX = 60, VIEWS_MAX = 1 << 18 };
 
 /* *views_left: how many parts may still be halved. */
@@ -272,7 +273,7 @@ static medium_stretch seen_of(const medium_overlay_rule *rule, const medium_laye
     memcpy(front, layers, sizeof *front * (size_t)count);
     halve(front, back, count);
     seen = seen_of(rule, front, count, 0.5 * length, halvings - 1, views_left);
-    /* Leave out what is behind where hardly anything comes through the front. */
+    /* Leave out the back half if hardly any light comes through the front half. */
     const double left = (seen.through + seen.through_error) * rule->most_rgb;
     if (left <= rule->drop) {
         seen.rgb_error += left;

@@ -7,17 +7,18 @@
  *
  *   - Every value keeps to one span of its transfer function, and to that span's reach with its
  *     error. Then k = sum of k_i, the optical depth tau and q = sum of c_i k_i are polynomials (of
- *     degrees 3, 4 and 6) in s. As there, e^-tau is replaced by its tangent at half the depth,
- *     h = tau(1) / 2, plus half of R = min(1, h^2 / 2). The integral of q times that has degree
- *     10, which six points of Gauss's rule integrate exactly. Its error is (integral of q) R / 2.
- *   - What is seen is a mean of colours, all between c_min and c_max, times the opacity. The error
- *     is half the difference of these times the opacity.
- *   - Wherever the values are, extinction is between the sums of the least and of the largest ones
- *     in the range of each value, and colours are between those there.
+ *     degrees 3, 4 and 6) in s. As in medium_stretch.h, e^-tau is replaced by its tangent at half
+ *     the depth, h = tau(1) / 2, plus half of R = min(1, h^2 / 2). q times this is a polynomial of
+ *     degree 10, which six points of Gauss's rule integrate exactly. The error is (integral of q)
+ *     R / 2.
+ *   - The light is a mean of colours, all between c_min and c_max, times the opacity. Take the
+ *     middle; its error is half of c_max - c_min times the opacity.
+ *   - For any values: each medium's extinction and colour have a least and a largest value in the
+ *     range of its values. The sum of extinctions, and the colour, are bounded by these.
  *
  * Near a cut only the last way works. There (1) of medium_stretch.h cannot be kept, but the error
- * is proportional to the length. It is accepted, and counted, where it is `enough` or less, or
- * where values are not known better.
+ * is proportional to the length. An error of at most `enough` is accepted, and so is any error if
+ * the values are not known better. It is part of the bound that is returned.
  */
 #ifndef RENDER_MEDIUM_MEDIUM_OVERLAY_H
 #define RENDER_MEDIUM_MEDIUM_OVERLAY_H

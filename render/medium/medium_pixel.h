@@ -5,8 +5,8 @@
 
 #include "render/medium/medium_stretch.h"
 
-/* medium_pixel_limit() - limit a stretch's errors to what is possible at all: the share that comes
- * through is between 0 and 1, and light is between 0 and the brightest. */
+/* medium_pixel_limit() - limit a stretch's errors to what is possible at all: `through` is between
+ * 0 and 1, and each component of light between 0 and `brightest`. */
 static inline void medium_pixel_limit(medium_stretch *s, double brightest) {
     const double through = s->through < 0.5 ? 1.0 - s->through : s->through;
     double light = brightest;
@@ -19,8 +19,8 @@ static inline void medium_pixel_limit(medium_stretch *s, double brightest) {
 /* medium_pixel_error() - bound of the error of any channel, given what is seen of the whole ray. */
 double medium_pixel_error(const medium_stretch *seen, const float background[4]);
 
-/* medium_pixel_most() - the same where nothing is known: channel x may be off by all that there may
- * be of it. brightest: the largest component of any colour. */
+/* medium_pixel_most() - bound of the error of any of the channels x[] if nothing is known of the
+ * ray. brightest: the largest component of any colour. */
 double medium_pixel_most(double brightest, const float background[4], const double x[4]);
 
 #endif

@@ -1,5 +1,5 @@
-/* medium_ray.h - a ray of the medium_integrator: its record, and what all ways of taking pieces do
- * to it. */
+/* medium_ray.h - a ray of the medium_integrator: its record, and the operations on it that
+ * medium_take.h and medium_lanes.h share. */
 #ifndef RENDER_MEDIUM_MEDIUM_RAY_H
 #define RENDER_MEDIUM_MEDIUM_RAY_H
 
@@ -16,10 +16,10 @@ typedef struct medium_ray {
     surface_ray way;
     medium_stage stage;
     bool begun;     /* the walk has begun */
-    bool doubted;   /* preview: it has come to a doubt */
+    bool doubted;   /* preview: the ray has met a doubt */
     bool unbounded; /* preview: absent data may be anything */
-    bool coarse;    /* it meets a volume that is drawn coarser than its data */
-    double reached; /* t so far, through several media */
+    bool coarse;    /* the ray meets a volume that is drawn coarser than its data */
+    double reached; /* with several media: t up to which they have been walked */
     medium_rule rule;
     uint32_t treelet; /* of the last piece */
     double from;      /* everything before this t is in `front` */
@@ -50,7 +50,8 @@ static inline int medium_ray_filled(const frame *f, int v) {
     return v;
 }
 
-/* Whether nothing behind counts any more; leaving it out adds to the error. */
+/* Whether so little light comes through that the rest may be left out. Leaving it out adds to the
+ * error. */
 static inline bool medium_ray_is_dark(const frame *f, const medium_ray *p) {
     const double through = p->front.through * p->run.through;
     return through * medium_ray_look(f)->brightest <= MEDIUM_SHARE_END * medium_ray_look(f)->error;
@@ -59,14 +60,15 @@ static inline bool medium_ray_is_dark(const frame *f, const medium_ray *p) {
 /* medium_ray_way() - returns the ray's way from p->from to the surface. */
 world_ray medium_ray_way(const frame *f, const medium_ray *p);
 
-/* medium_ray_join() - join a stretch behind another. medium_ray_end_run() - join the run behind
- * what is in front. */
+/* medium_ray_join() - put stretch `behind` behind *front. */
 void medium_ray_join(const frame *f, const medium_ray *p, medium_stretch *front,
                      const medium_stretch *behind);
+
+/* medium_ray_end_run() - put p->run behind p->front, and begin an empty run. */
 void medium_ray_end_run(const frame *f, medium_ray *p);
 
-/* medium_ray_lit() - returns a piece of volume v to be shaded; not shaded if its treelet is absent
- * (NULL), in a preview. */
+/* medium_ray_lit() - prepare piece s of volume v for shading. at: its treelet; NULL: absent, in a
+ * preview. Then the piece is not shaded. */
 shaded_piece medium_ray_lit(const frame *f, int v, const treelet *at, const ray *r,
                             const segment *s);
 

@@ -5,8 +5,8 @@
 #include "formats/base/vec3.h"
 #include "render/surface/surface_light.h"
 
-/* L may change by `enough` in a stretch, or as long as that changes the pixel by at most
- * `too_little`. A piece is halved at most HALVINGS times. */
+/* A stretch is not halved if L changes by at most `enough` in it, or the change alters the pixel by
+ * at most `too_little`. A piece is halved at most HALVINGS times. */
 static const double enough = 1.0 / 128.0, too_little = 1.0 / 1024.0;
 enum { HALVINGS = 5 };
 
@@ -33,7 +33,7 @@ medium_shade medium_shade_of(const leafcast_scene *scene) {
     return m;
 }
 
-/* Add the light i at t. */
+/* Add what light i gives to a white surface with this normal, at t on the ray. */
 static void add_light(const medium_shade *m, const world_ray *w, int i, const double normal[3],
                       double t, double sum[3]) {
     const leafcast_light *light = &m->scene->lights[i];
@@ -108,7 +108,8 @@ static void see_at_once(const shaded_stretch *s, lit_part *p) {
     p->seen = s->see(s->ctx, p->t0, p->t1, (const double(*)[3])p->middle.of);
 }
 
-/* What is seen of a part that has been seen at once; halves it where needed. */
+/* Returns what is seen of a part, on which see_at_once() has been called. Halves it where needed.
+ */
 static medium_stretch seen_of(const shaded_stretch *s, const lit_part *p, double reaching,
                               int halvings) {
     const double change =

@@ -5,12 +5,13 @@
  *     L = 1 + s (l - 1),    l = k_a + (1 - k_a) sum over the lights of max(n . to the light, 0) I
  *
  * where l is the light of a white surface (M08 eq. 4.6, as shade.h has it): n is the gradient's
- * direction, turned to the eye, k_a the ambient share, I a light's colour. Without lights one
- * shines from the eye. Neither shadows nor highlights. And
+ * direction, turned to the eye, k_a the ambient share, I a light's colour. Without lights, one
+ * white light shines from the eye. There are no shadows and no highlights. The factor s is
  *
  *     s = x^2 (3 - 2 x),    x = min(1, |gradient| cell / (fade range))
  *
- * with the usual length of a cell, and the range of the volume's values. Where the value hardly
+ * where `cell` is the usual length of a cell, and `range` the range of the volume's values. Where
+ * the value hardly
  * changes, its gradient is noise, so the medium is not shaded there. Extinction is never shaded.
  *
  * Sampling: the light of a stretch is linear in its colour. So where L is constant, what is seen is
@@ -32,10 +33,10 @@ typedef struct medium_shade {
     const leafcast_scene *scene;
     double towards[LEAFCAST_LIGHTS_MAX][3]; /* direction to each light that is not a point */
     double most;                            /* upper bound of L */
-    double steepness[FRAME_VOLUMES_MAX]; /* of each volume: x is that times the gradient's length */
+    double steepness[FRAME_VOLUMES_MAX];    /* per volume: cell / (fade range), as in x above */
 } medium_shade;
 
-/* medium_shade_of() - make it for a scene; the caller sets steepness. */
+/* medium_shade_of() - make a medium_shade for a scene; the caller sets steepness. */
 medium_shade medium_shade_of(const leafcast_scene *scene);
 
 /* medium_shade_steepness() - the steepness of a volume with that range of values. */
@@ -65,8 +66,8 @@ typedef struct shaded_stretch {
     double most_rgb; /* the largest component of any colour */
 } shaded_stretch;
 
-/* medium_shade_stretch() - what is seen of [t0, t1], shaded. reaching: the share of its light that
- * reaches the eye. */
+/* medium_shade_stretch() - returns what is seen of [t0, t1], shaded. reaching: the share of the
+ * stretch's light that reaches the eye. */
 medium_stretch medium_shade_stretch(const shaded_stretch *s, double t0, double t1, double reaching);
 
 #endif

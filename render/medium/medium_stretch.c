@@ -128,8 +128,8 @@ static double coefficient(double w) {
     return w > -4.0 ? fmin(w, 5.0) : -4.0;
 }
 
-/* [a, b] of a piece at once. *fit: the allowed error / the tangent's error; 1 or more: good
- * enough. */
+/* Compute [a, b] of a piece at once. Set *fit to the allowed error divided by the tangent's error;
+ * 1 or more is good enough. */
 static medium_stretch seen_between(const segment *piece, const smooth_span *p, double a, double b,
                                    double *fit) {
     const medium_rule *rule = p->rule;
@@ -148,13 +148,13 @@ static medium_stretch seen_between(const segment *piece, const smooth_span *p, d
     return out;
 }
 
-/* The next step's length. The error, relative to the allowed one, grows about as the step's
- * square. */
+/* Returns the length of the next step. The tangent's error divided by the allowed error is about
+ * proportional to the square of the step. */
 static double next_step(double step, double fit) {
     return step * fmin(fmax(MEDIUM_STEP_SHARE * sqrt(fit), MEDIUM_STEP_LEAST), MEDIUM_STEP_MOST);
 }
 
-/* [a, b] of a piece step by step. The first step is at most `step` long. */
+/* Compute [a, b] of a piece step by step. The first step is at most `step` long. */
 static medium_stretch seen_by_steps(const segment *piece, const smooth_span *p, double a, double b,
                                     double step) {
     const double most_rgb = p->span->most_rgb;
@@ -169,7 +169,7 @@ static medium_stretch seen_by_steps(const segment *piece, const smooth_span *p, 
         medium_join(&seen, &next, most_rgb);
         step = fmax(step, MEDIUM_STEP_SHORTEST);
         a = to;
-        /* Leave out what is behind where hardly anything comes through the front. */
+        /* Leave out the rest if hardly any light comes through what is in front of it. */
         const double left = (seen.through + seen.through_error) * most_rgb;
         if (a < b && left <= p->rule->drop) {
             seen.rgb_error += left;
@@ -181,7 +181,7 @@ static medium_stretch seen_by_steps(const segment *piece, const smooth_span *p, 
     return seen;
 }
 
-/* What is seen of [a, b], which lies in one span, except that the value is off by up to `off`. */
+/* Returns what is seen of [a, b]. Its values lie in one span, or leave it by at most `off`. */
 static medium_stretch seen_in(const piece_walk *walk, const transfer_span *span, double a, double b,
                               double off) {
     const smooth_span p = {walk->rule, span, walk->value_error + 2.0 * off};
@@ -232,8 +232,9 @@ static value_there value_there_of(const segment *s, double at) {
     return v;
 }
 
-/* Find where the value is v, up to `enough`; v is between fa and fb, or so near that it does not
- * matter. Halley's steps while they stay inside the bracket, every fourth time its middle.
+/* Find where the value is within `enough` of v. v is between fa and fb, or outside by so little
+ * that it does not matter. Take Halley's steps. Where one leaves the bracket, and every fourth
+ * time, take the middle of the bracket instead.
  */
 static cut cut_at(const segment *piece, const part *p, double v, double enough) {
     const bool rising = p->fa < p->fb;
@@ -262,7 +263,7 @@ static double root_above(double x, int n) {
     return fmin(ldexp(1.0, -((-exponent) / n)), 1.0);
 }
 
-/* Bound of the length on which the value is within e of v. */
+/* Returns a bound of the length on which the value is within e of v, as a share of the piece. */
 static double length_near(const piece_walk *walk, const part *p, double v, double e) {
     const int n = (int)walk->piece->degree;
     const double most = fmax(fabs(p->fa - v), fabs(p->fb - v));
@@ -277,7 +278,8 @@ static double length_near(const piece_walk *walk, const part *p, double v, doubl
     return (p->b - p->a) * fmin(fmin(by_degree, by_slope), 1.0);
 }
 
-/* The most that extinction and colour differ where the value is within e of v. */
+/* Set *k and *rgb to the most that extinction and colour differ between any two values within e of
+ * v. */
 static void change_near(const transfer *t, double v, double e, double *k, double *rgb) {
     double lo[4] = {INFINITY, INFINITY, INFINITY, INFINITY}, hi[4] = {0.0};
     for (int i = transfer_find(t, v - e); i < t->spans && t->span[i].from <= v + e; i++) {
@@ -297,8 +299,8 @@ static void change_near(const transfer *t, double v, double e, double *k, double
     *rgb = fmax(hi[0] - lo[0], fmax(hi[1] - lo[1], hi[2] - lo[2]));
 }
 
-/* Add the error near the end of a span where rates do not bound it. Rounding, or a cut that is off,
- * may carry the value over that end. */
+/* Add the error near the upper end of a span, if rates do not bound it there. Rounding, or a cut
+ * that is off, may move the value across that end. */
 static void add_error_near(piece_walk *walk, const part *p, int span, double off) {
     const segment *piece = walk->piece;
     const transfer *t = walk->rule->transfer;
@@ -313,7 +315,8 @@ static void add_error_near(piece_walk *walk, const part *p, int span, double off
     walk->near_rgb += shift * t->most_rgb + rgb * fmin(t->most_k * length, 1.0);
 }
 
-/* Add errors at ends of spans that the part does not pass, but that the error may. */
+/* Add the errors near ends of spans that the part's values do not reach, but that its values plus
+ * or minus their error do. */
 static void add_errors_beside(piece_walk *walk, const part *p, int lowest, int highest) {
     const transfer *t = walk->rule->transfer;
     const double e = walk->value_error;
@@ -342,7 +345,8 @@ static void see_part(piece_walk *walk, const part *p) {
     see(walk, &t->span[i], &from, &(cut){p->b, 0.0});
 }
 
-/* The span that holds the whole piece, with all errors within its reach; NULL: there is none. */
+/* Returns the span that holds all values of the piece, and whose reach holds them with their error.
+ * NULL: there is none. */
 static const transfer_span *only_span(const transfer *t, const segment *piece, double value_error) {
     double lo = piece->b[0], hi = piece->b[0];
     for (uint32_t i = 1; i <= piece->degree; i++) {

@@ -1,8 +1,8 @@
 /* medium_stretch.h - what a ray sees of a stretch of a medium: emission and absorption, with a
  * bound on the error (M08 2.2.2 for the integral; the bound is ours).
  *
- * A stretch is taken by itself: its light as if nothing were in front of it, and the share of light
- * that comes through it. Two neighbours are joined into one by medium_join().
+ * A stretch is computed by itself. The result is its light, as if nothing were in front of it, and
+ * the share of light that comes through it. medium_join() joins two neighbours into one stretch.
  *
  * The rule. A stretch with opacity A = 1 - T and length l may have an error of
  *
@@ -10,8 +10,8 @@
  *
  * If two neighbours F and B keep it, so does the whole: its error is e(F) + T(F) e(B), its opacity
  * is A(F) + T(F) A(B), and T(F) l(B) <= l(B). So a piece is independent of what is in front of it.
- * The lengths l sum up to at most the ray's length L. So a pixel's error is within share +
- * per_length L, and what the end (medium_rule.drop) and rounding add.
+ * The lengths l sum up to at most the ray's length L. So a pixel's error is at most share +
+ * per_length L, plus what is left out at the end (medium_rule.drop), plus rounding.
  *
  * A piece of a ray in a cell (segments.h) is cut where its value passes a point of the transfer
  * function. Between two cuts, with s in [0, 1], the value is a polynomial, and so is w(s) = (f(s) -
@@ -22,24 +22,26 @@
  *
  * Replace e^-tau by its tangent at half the depth h = tau(1) / 2. The tangent is too small by 0 to
  * 1 - (1 + h) e^-h <= R = min(1, h^2 / 2), so half of R is added. (Where h is 1 or more, 1/2 alone
- * does it.) Then J is the integral of a polynomial, which is exact, and
+ * is enough.) Then J is the integral of a polynomial, which can be computed exactly, and
  *
  *     error <= |dc| (integral of |w'|) R / 2                                            (3)
  *
  * where the sum of the differences of w's Bernstein coefficients bounds the integral of |w'|. If
- * that is more than (1) allows, and more than half of what rounding adds, the stretch is done in
- * steps. By (3) the error falls as the third power of a short step, the allowed error as the first.
- * So the next step follows from the last one's error, as in the solvers of differential equations.
+ * this error is more than (1) allows, and more than half of what rounding adds, the stretch is
+ * walked in steps. By (3) the error of a short step falls with the third power of its length, the
+ * allowed error with the first. So the error of one step gives the length of the next, as in
+ * solvers of differential equations.
  *
  * Rounding. The value has the error that segments.h says, and the slope times the error of t. Where
  * the transfer function is continuous, that moves w by the error / width, the depth by that times
  * dk l, the colour by that times dc.
  *
- * Cuts. At a cut the value is v, up to a known `off`. Where the transfer function is continuous, a
- * stretch between two cuts leaves its span by off at most. There the span's own line goes on: at
- * the value y it is off by the rate times |y - y'|, y' being the span's end. From there to the true
- * value is at most off and the value's own error e: so e + 2 off takes the place of e. Where it is
- * not continuous, a moved cut matters: around it, where the value is within 2 e + off of the point,
+ * Cuts. At a cut the value differs from v by a known `off`. Where the transfer function is
+ * continuous, a stretch between two cuts leaves its span by off at most. Beyond the span's end y',
+ * its line is used all the same. At the value y this adds an error of the rate times |y - y'|. The
+ * true value differs from y' by at most off plus the value's own error e. So e + 2 off takes the
+ * place of e. Where the transfer function is not continuous, a moved cut matters more: around it,
+ * where the value is within 2 e + off of the point,
  * colour and extinction may be those beyond the point. The length of that stretch is bounded by the
  * derivative, or by Chebyshev's polynomials where the derivative vanishes: a polynomial p of degree
  * n with |p| <= e on an interval of length m, and |p| = M somewhere on one of length l around it,
@@ -66,11 +68,11 @@ static inline medium_stretch medium_nothing(void) {
 typedef struct medium_rule {
     const transfer *transfer;
     double share, per_length; /* see (1) */
-    double drop;              /* light that may be left out inside a piece, once a span */
+    double drop;              /* light that may be left out inside a piece, once per span */
     segments_error error;     /* of the pieces */
 } medium_rule;
 
-/* medium_join() - put `behind` behind *front. Its light is at most most_rgb. */
+/* medium_join() - put `behind` behind *front. No light of `behind` is over most_rgb. */
 static inline void medium_join(medium_stretch *front, const medium_stretch *behind,
                                double most_rgb) {
     const double reaching = front->through + front->through_error;
@@ -104,8 +106,9 @@ enum { MEDIUM_CUT_STEPS = 216 };
  * smaller error never gives a larger one. */
 #define MEDIUM_STEP_OF_REST 0.5
 
-/* Steps through a span. SHARE: of the length that would just do, for safety. LEAST, MOST: factors
- * from one step to the next. SHORTEST: for a piece of length 1. */
+/* Steps through a span. SHARE: a step is this share of the greatest length that would do, for
+ * safety. LEAST, MOST: limits of the factor from one step to the next. SHORTEST: the least step,
+ * for a piece of length 1. */
 #define MEDIUM_STEP_SHARE    0.9
 #define MEDIUM_STEP_LEAST    0.0625
 #define MEDIUM_STEP_MOST     4.0

@@ -53,7 +53,8 @@ static segment piece_of(const segment_columns *c, unsigned i) {
     return piece;
 }
 
-/* Take piece i in a preview. Returns true if it is a doubt or a guess, or comes too late. */
+/* Take piece i of a ray in a preview, if it is a doubt or a guess. Returns true if nothing is left
+ * to do for the piece; also when the ray has become dark. */
 static bool take_doubt(const frame *f, medium_ray *p, medium_take_scratch *s,
                        const segment_columns *c, unsigned i, bool *stop) {
     const medium_batch *m = &s->batch;
@@ -85,7 +86,7 @@ static bool take_doubt(const frame *f, medium_ray *p, medium_take_scratch *s,
     return medium_doubt_guess(medium_ray_doubt(p), c->t1[i], &seen);
 }
 
-/* One volume's piece, and what is seen of the whole. */
+/* A piece of the one filled volume. whole: what is seen of all of it, unshaded. */
 typedef struct seen_piece {
     const medium_rule *rule;
     const segment *piece;
@@ -140,7 +141,7 @@ static void shade_piece(const frame *f, const medium_ray *p, const segment_colum
 }
 
 /* Join pieces i to `end` - 1, all of one ray in one treelet. on: NULL if not shaded. Returns
- * whether nothing behind counts any more. */
+ * whether the ray has become dark. */
 static bool join_pieces(const frame *f, medium_ray *p, const medium_batch *m,
                         const segment_columns *c, unsigned i, unsigned end, lit_ray *on) {
     const double most_rgb = medium_ray_look(f)->brightest,

@@ -19,7 +19,8 @@ typedef struct medium_take_scratch {
 void medium_take(const frame *f, ray_record *const r[], const segment_columns *c, bool stop[],
                  void *scratch);
 
-/* medium_take_settle() - join what is in doubt before t behind what has been seen. */
+/* medium_take_settle() - take the part of the ray's doubt before t, if any, and put it behind
+ * p->run. */
 void medium_take_settle(const frame *f, medium_ray *p, double t);
 
 #endif

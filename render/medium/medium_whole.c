@@ -51,7 +51,7 @@ static void lay_out(homogeneous *h, const double range[2], bool integers) {
 
 homogeneous medium_whole(const medium_whole_rule *rule, const double range[2], bool integers) {
     homogeneous h = {0};
-    /* A value may be in such a step to the bit, and extents do not know what is there. */
+    /* Without values, no range is homogeneous. */
     if (!(range[0] <= range[1]))
         return h;
     lay_out(&h, range, integers);

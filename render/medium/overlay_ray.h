@@ -1,5 +1,5 @@
-/* overlay_ray.h - one ray's pieces through several volumes, laid over each other: stretches that
- * lie within one piece of each (medium_overlay.h).
+/* overlay_ray.h - one ray's pieces through several volumes, laid over each other. They are cut into
+ * stretches that lie within one piece of each volume (medium_overlay.h).
  *
  * The pieces come one by one, by each kind's scalar code (segments.h). Resumable where a treelet is
  * absent in any volume. Gives the same stretches, whatever was resident when.
@@ -16,7 +16,7 @@ enum { OVERLAY_AHEAD = 8 }; /* pieces; more take more memory, but less time */
 /* One volume on the ray's way. May be copied. */
 typedef struct overlay_lane {
     uint16_t volume;
-    bool in_piece, ended; /* a piece has been reached; no more pieces */
+    bool in_piece, ended; /* `piece` is the current one; there are no more pieces */
     uint32_t stretches;   /* number of stretches given so far; of the first lane */
     segment piece;
     segments_error error; /* of its pieces; set by the caller */
