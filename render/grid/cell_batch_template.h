@@ -1,9 +1,10 @@
 /* cell_batch_template.h - cell_batch.h for the ISA of the translation unit that includes it.
  *
- * The scalar functions (cell_kernel.c, intersect.c) written again for vectors, operation by
- * operation. Every lane goes through the very roundings of the scalar code; branches have become
- * masks. The scalar code still does all of `schwarze`, whose cosines are libm's. Of `marmitt` it
- * does the lanes whose control polygon changes sides more than once, or has an end at the isovalue.
+ * These are the scalar functions of cell_kernel.c and intersect.c, written again for vectors,
+ * operation by operation. Each lane is rounded exactly as in the scalar code; branches have become
+ * masks. The scalar code still computes all of `schwarze`, which takes cosines from libm. For
+ * `marmitt` it computes the lanes whose control polygon changes sides more than once, or has an end
+ * at the isovalue.
  *
  * `marmitt` packs the lanes with a root before it refines them: about one in three of the active
  * cells that rays meet has one.
@@ -124,8 +125,8 @@ static void search_packed(const double b[4][CELL_BATCH], unsigned lanes, double 
         roots[__builtin_ctz(rest)] = found[n];
 }
 
-/* Sort the active lanes: those with one clear change of side go to *plain, those that need the
- * scalar code to *hard. */
+/* Sort the active lanes. *plain: the control polygon clearly changes sides once. *hard: the lane
+ * needs the scalar code. Lanes without a change of side are in neither. */
 SIMD void classify(const vd b[4], md active, md *plain, md *hard) {
     const vd zero = d_set(0.0);
     const md s0 = d_ge(b[0], zero), s1 = d_ge(b[1], zero), s2 = d_ge(b[2], zero),
@@ -159,8 +160,8 @@ static unsigned scalar_roots(const double b[4][CELL_BATCH], unsigned hard, doubl
     return has;
 }
 
-/* The cubics of the lanes that visit active cells: which have one clear change of side, which need
- * the scalar code, and which begin outside. */
+/* The cubics of the lanes that visit active cells. plain, hard: as classify() sorts them. outside:
+ * they begin below the isovalue. */
 typedef struct cubics {
     _Alignas(64) double control[4][CELL_BATCH];
     unsigned plain, hard, outside;
@@ -352,7 +353,8 @@ static unsigned schwarze_roots(const cell_batch *b, const visits v[VECTORS], uns
 
 /* ---- a batch ---- */
 
-/* Make the roots at parameters s of the lanes `has` hits with isovalue i, where they come first. */
+/* Turn the roots of isovalue i into hits. The lanes `has` have a root, at the parameter s. A root
+ * becomes its lane's hit if it is nearer than the lane's best hit. */
 SIMD void report(const visits *v, int at, const double *s, unsigned has, unsigned entering, int i,
                  vd *best, cell_batch_hits *out) {
     const vd at_s = d_load(s + at), line = v->t_in + at_s * (v->t_out - v->t_in);

@@ -22,12 +22,13 @@
 void SIMD_NAME(grid_batch_trace)(const tracer *tr, ray_batch *b, void *scratch,
                                  ray_counters *counters);
 
-/* With the rays that meet it: a subtree of the directory, or a node of a treelet's tree, a cube of
- * 2^size cells. */
+/* A subtree of the directory, from treelet t down, and the rays that meet it. */
 typedef struct directory_node {
     ray_set rays;
     uint32_t t;
 } directory_node;
+
+/* A node of a treelet's tree, a cube of 2^size cells, and the rays that meet it. */
 typedef struct tree_node {
     ray_set rays;
     uint32_t cell[3];
@@ -75,9 +76,9 @@ SIMD trace_state *state_at(const batch_walk *w, unsigned i) {
     return &w->b->states[w->rays.ray[i]];
 }
 
-/* Take a hit of ray i. The ray is done, since all cells to come lie behind. But at the cell's exit,
- * the next cell may claim the same t. Cells of one ray may be answered together, in any order: the
- * least hit stays. */
+/* Take a hit of ray i, and close the ray: later cells lie behind it. But if the hit lies at the
+ * cell's exit, only cut the ray there: the next cell may have a hit at the same t. One flush may
+ * compute several cells of a ray, in any order: keep the least hit. */
 static void take_hit(batch_walk *w, unsigned i, const resident_grid *at, const hit *h,
                      bool at_exit) {
     if (hit_less(h, &w->best[i])) {
@@ -109,8 +110,8 @@ static void take_scalar_hit(batch_walk *w, unsigned i, const resident_grid *at,
     }
 }
 
-/* Take the hits of lanes whose first hit is not behind state->after, by the scalar kernel. The
- * batch gives only one hit a cell for such an intersector. */
+/* The first hit of these lanes is not behind state->after. Take their next hits by the scalar
+ * kernel. Only for intersectors other than `marmitt`: the batch gives one hit per cell for them. */
 static void take_scalar_hits(batch_walk *w, unsigned lanes) {
     for (; lanes; lanes &= lanes - 1) {
         const unsigned k = (unsigned)__builtin_ctz(lanes);
@@ -159,8 +160,8 @@ static void take_later_root(batch_walk *w, unsigned k, int32_t iso, const cell_b
     }
 }
 
-/* Take the hits of lanes whose first hit is not behind state->after, from all roots of their cells.
- */
+/* The first hit of these lanes is not behind state->after. Compute all roots of their cells, and
+ * take the first one behind it. */
 static void take_later_hits(batch_walk *w, unsigned lanes) {
     const walk_scene *scene = w->scene;
     cell_batch_roots roots;
@@ -172,7 +173,7 @@ static void take_later_hits(batch_walk *w, unsigned lanes) {
     }
 }
 
-/* Let the cell kernel answer the ray-cells that wait. */
+/* Compute the waiting ray-cells with the cell kernel, and take their hits. */
 static void flush(batch_walk *w) {
     const walk_scene *scene = w->scene;
     cell_batch_hits hits;
@@ -256,8 +257,7 @@ static __attribute__((noinline)) void block_flush(batch_walk *w) {
     b->met = 0;
 }
 
-/* Collect the active cells that the VF_N rays from `at` on meet. in: those of the rays that count.
- */
+/* Collect the active cells that the VF_N rays from `at` on meet. in: a bit per ray that counts. */
 SIMD void walk_cells(batch_walk *w, uint64_t active, unsigned at, unsigned in) {
     block_cells *b = &w->block;
     const block_met m = block_met_of(&w->rays.slabs, at, &b->planes);
@@ -287,8 +287,8 @@ static void walk_block(batch_walk *w, const resident_grid *at, const uint32_t fi
 
 /* ---- Nodes ---- */
 
-/* Keep those rays of the set that still look for a surface. Returns whether there are any. If all
- * of them have cells in the batch, they are answered first. */
+/* Drop the rays of the set that no longer look for a surface. Returns whether any is left. If each
+ * of these has a cell in the batch, flush the batch first: it may close them all. */
 static bool wanted(batch_walk *w, ray_set *rays) {
     uint64_t open = 0, idle = 0;
     for (unsigned k = 0; k < w->rays.words; k++) {
@@ -343,11 +343,12 @@ static void walk_tree(batch_walk *w, const resident_grid *at, const ray_set *ray
 
 /* ---- Treelets ---- */
 
-/* At most so many rays go through a treelet one by one. */
+/* Up to so many rays walk through a treelet one by one. */
 enum { ALONE_MAX = 4 };
 
-/* Returns whether ray i passes treelet t, and where. Its own interval decides, since nodes are
- * generous. Each cell that the kernel lets the ray visit lies within. */
+/* Returns whether ray i passes treelet t, and where. The sets of nodes also hold rays that miss, so
+ * the ray's interval in the treelet decides. Each cell that the kernel lets the ray visit lies
+ * within that interval. */
 static bool passes(const batch_walk *w, uint32_t t, unsigned i, double *from, double *to) {
     const leaf_layout *layout = w->tr->layout;
     const level_planes *planes = &w->scene->levels[layout->level_of[t]];
@@ -356,7 +357,7 @@ static bool passes(const batch_walk *w, uint32_t t, unsigned i, double *from, do
     double t_in = w->rays.t_in[i];
     double t_out = w->best[i].t < w->rays.t_out[i] ? w->best[i].t : w->rays.t_out[i];
     for (int a = 0; a < 3; a++) {
-        /* The last treelet's cells end before its planes do. */
+        /* End where the grid ends: the last treelet of a row may have fewer cells. */
         const uint32_t first = layout->place[t][a] << layout->cells_log2;
         const uint32_t end = first + (1u << layout->cells_log2);
         const uint32_t last = end < planes->cells[a] ? end : planes->cells[a];
@@ -391,7 +392,7 @@ static void touch(batch_walk *w, uint32_t t, const ray_set *rays) {
         tracer_touch(w->tr, t);
 }
 
-/* Leave rays that pass an absent treelet to single rays. */
+/* Take the rays that pass an absent treelet out of the batch. They begin anew as single rays. */
 static void miss_treelet(batch_walk *w, uint32_t t, const ray_set *rays) {
     const ray_set some = passing(w, t, rays);
     for (unsigned k = 0; k < w->rays.words; k++) {
@@ -400,7 +401,7 @@ static void miss_treelet(batch_walk *w, uint32_t t, const ray_set *rays) {
     }
 }
 
-/* Answer the batch first if a cell of these rays waits in it. */
+/* Flush the batch if a cell of these rays waits in it. */
 static void answer(batch_walk *w, const ray_set *rays) {
     uint64_t waiting = 0;
     for (unsigned k = 0; k < w->rays.words; k++)
@@ -409,7 +410,7 @@ static void answer(batch_walk *w, const ray_set *rays) {
         flush(w);
 }
 
-/* Walk rays one by one. Few rays fill no vectors, and alone they stop at their first hit. */
+/* Walk rays one by one. A few rays do not fill vectors, and a single ray stops at its first hit. */
 static void walk_alone(batch_walk *w, uint32_t t, const resident_grid *at, const ray_set *rays) {
     answer(w, rays);
     for (unsigned k = 0; k < w->rays.words; k++) {
@@ -514,8 +515,8 @@ static void walk_octant(batch_walk *w) {
 
 enum { DONE = 8, ALONE };
 
-/* Returns how ray i goes: the octant that it goes with, ALONE, or DONE. DONE: the volume has
- * nothing between the hit to be behind and the ray's best hit. */
+/* Returns the octant with whose rays ray i is walked; ALONE: as a single ray; DONE: the ray misses
+ * the volume's box between state->after and its best hit so far. */
 static uint8_t begin_ray(const batch_walk *w, unsigned i, grid_approach *way) {
     const ray *r = &w->b->rays[i];
     const trace_state *state = &w->b->states[i];

@@ -19,8 +19,8 @@
 
 /* ---- Visits ---- */
 
-/* Cut t_in .. t_out to where rays with these reciprocals are between two planes, both seen from the
- * eye. */
+/* Cut t_in .. t_out to where rays with these reciprocals are between two planes. The planes'
+ * coordinates are relative to the eye. */
 SIMD void near_slab(vf lo, vf hi, vf reciprocal, vf *t_in, vf *t_out) {
     const vf to_lo = lo * reciprocal, to_hi = hi * reciprocal;
     *t_in = f_max(*t_in, f_min(to_lo, to_hi));
@@ -67,8 +67,8 @@ SIMD unsigned group_visits(const tile_rays *rays, unsigned at, const group_plane
 
 /* ---- The filter ---- */
 
-/* Returns what the bound needs from where VF_N cells lie: may_cross()'s e_x + e_y + e_z in units of
- * 16 u. */
+/* Returns the part of may_cross()'s bound that depends on where VF_N cells lie: e_x + e_y + e_z, in
+ * units of 16 u. */
 SIMD vf near_reach(const vf lo[3], const vf hi[3], const vf inv[3]) {
     vf e = f_set(3.0f);
     for (int a = 0; a < 3; a++)

@@ -14,16 +14,17 @@
 #include "render/ray/extreme_batch.h"
 #include "stream/grid_resident.h"
 
-/* What rays have found, by their places, as nodes and cells compare it. Scores are rounded down.
- * Where a score is exact, an equal one matters up to `t`, counted as in grid_rays and rounded up.
- * Where it is not exact, an equal one does not matter: t is -INFINITY. */
+/* What rays have found, by their places, in single precision for the tests of nodes and cells.
+ * Scores are rounded down. If a score did not change by that, an equal score matters up to `t`,
+ * which is counted as in grid_rays and rounded up. If it did, an equal score does not matter: t is
+ * -INFINITY. */
 typedef struct peaks {
     float score[RAY_BATCH + 1], t[RAY_BATCH + 1]; /* the last one is no ray's */
 } peaks;
 
-/* Ray-cells, one a lane, on their way to the filter. Lanes of one cell lie beside each other. A
- * cell's own numbers are stored a vector at a time from its first lane on, so they reach beyond its
- * lanes. */
+/* Ray-cells, one a lane, on their way to the filter. Lanes of one cell lie beside each other. The
+ * numbers of a cell are stored by whole vectors from its first lane on. They reach beyond its
+ * lanes, until the next cell overwrites them. */
 typedef struct cell_queue {
     float lo[3][2 * VF_N], hi[3][2 * VF_N], inv[3][2 * VF_N]; /* planes, from the middle on */
     float samples[8][2 * VF_N];
@@ -80,7 +81,7 @@ static void peaks_know(peak_cells *p, unsigned i) {
     p->found.t[i] = p->in_block.t[p->slot[i]] = t;
 }
 
-/* peak_cells_enter(), peak_cells_leave() - give ray i a slot; take its slot away. */
+/* peak_cells_enter() - give ray i a slot. peak_cells_leave() - take its slot away. */
 SIMD void peak_cells_enter(peak_cells *p, unsigned i, unsigned slot) {
     p->slot[i] = (uint16_t)slot;
     p->in_block.score[slot] = p->found.score[i];
@@ -137,7 +138,7 @@ SIMD cubic_peak cubic_peak_of(const vd b[4], vd sign) {
     return best;
 }
 
-/* Returns a bound of the score: no value is beyond all control values, except by rounding. */
+/* Returns a bound of the score: a cubic stays within its control values, except for rounding. */
 SIMD vd most_control(const vd b[4], vd sign) {
     vd most = b[0] * sign, size = d_abs(b[0]);
     for (int i = 1; i < 4; i++) {
@@ -257,7 +258,7 @@ static void peak_cells_flush(peak_cells *p) {
     peak_batch_flush(p);
 }
 
-/* Put a cell for the lanes that follow. */
+/* Put a cell into the queue; the lanes that are added next belong to it. */
 SIMD void queue_cell(cell_queue *q, const resident_grid *at, const uint32_t cell[3],
                      const float planes[3][3], const float scores[8]) {
     const unsigned c = q->cell_count++;

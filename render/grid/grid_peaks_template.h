@@ -46,13 +46,13 @@ typedef struct peak_node {
 
 enum { PEAK_TREES_MAX = 768, PEAK_NODES_MAX = 8 * (LEAF_CELLS_LOG2_MAX + 1) };
 
-/* The greatest score of a code: base + code step + slack, but at most `most`. */
+/* How a code gives a bound of scores: base + code * step + slack, but at most `most`. */
 typedef struct peak_codes {
     float base, step, slack, most;
 } peak_codes;
 
-/* The rays that meet a block, side by side: grid_rays' data by slots. What they have found is in
- * peak_cells. */
+/* The rays that meet a block, packed into slots: a copy of their data in grid_rays. What they have
+ * found is in peak_cells. */
 typedef struct block_rays {
     ray_slabs slabs;
     uint8_t place[RAY_BATCH];
@@ -77,7 +77,8 @@ _Static_assert(sizeof(peak_walk) <= GRID_PEAKS_SCRATCH, "a climb has room in its
 
 /* ---- Sets of rays ---- */
 
-/* Keep the rays to which scores up to `bound` matter, at any t. Returns false if none is left. */
+/* Keep the rays of the set to which scores up to `bound` may matter, at any t. Returns false if
+ * none is left. */
 static bool keep_climbing(const peak_walk *w, float bound, ray_set *rays) {
     const uint64_t all = (UINT64_C(1) << VF_N) - 1;
     uint64_t any = 0;
@@ -96,8 +97,8 @@ static bool keep_climbing(const peak_walk *w, float bound, ray_set *rays) {
     return any != 0;
 }
 
-/* Find the rays that meet each of a node's children and to which its bound matters from there on.
- * Children, bounds and sets are in order. */
+/* For each child k of a node, set met[k] to the rays that meet it and to which scores up to
+ * bound[k] matter there. Children, bounds and sets are in the rays' order of octants. */
 SIMD void children_matter(const peak_walk *w, const node_planes *n, const ray_set *in,
                           unsigned children, const float bound[8], ray_set met[8]) {
     const grid_rays *g = &w->cells.rays;
@@ -259,8 +260,8 @@ static void climb_block(peak_walk *w, const resident_grid *at, const peak_node *
 
 /* ---- Nodes ---- */
 
-/* Returns how a treelet's codes become scores. Where these are not exact, they err by 4 roundings
- * of its range. */
+/* Returns how a treelet's codes give bounds of scores. Unless they are exact, the slack covers 4
+ * roundings of the ends of its range. */
 static peak_codes peak_codes_of(const peak_walk *w, const resident_grid *at) {
     const uint32_t p = leaf_layout_samples(w->tr->layout, w->tr->set, at->head.id);
     const float *own = w->tr->treelets->file->own[p];
@@ -290,7 +291,7 @@ SIMD void bounds_of(const peak_walk *w, const peak_codes *c, const resident_grid
         bound[i] = of[i ^ w->cells.rays.back];
 }
 
-/* Push the children that matter: the best last, of equal ones the nearest last. */
+/* Push the children that matter. The best one comes last, and of equal ones the nearest. */
 static unsigned push_children(peak_walk *w, const peak_codes *codes, const resident_grid *at,
                               const peak_node *node, unsigned count) {
     const walk_scene *scene = w->tr->own;
@@ -339,8 +340,8 @@ static void climb_treelet(peak_walk *w, const resident_grid *at, const peak_tree
 
 /* ---- Treelets ---- */
 
-/* Returns whether ray i passes a treelet and its scores matter there. *way: where, as
- * grid_extreme_ways() finds it. */
+/* Returns whether ray i passes a treelet whose scores may matter to it. Sets *way to where it
+ * passes, as grid_extreme_ways() finds it. */
 static bool way_matters(const peak_walk *w, const peak_tree *tree, unsigned i, extreme_way *way) {
     const tracer *tr = w->tr;
     const leaf_layout *layout = tr->layout;
@@ -429,8 +430,8 @@ static void climb_drawn(peak_walk *w, peak_tree *tree) {
 
 /* ---- The directory ---- */
 
-/* Returns a rank that rises along rays of the octant, by the treelet's corner that they come to
- * first. */
+/* Returns the rank of a treelet: ranks rise along all rays of the octant. It is the sum of the
+ * coordinates of the corner that the rays reach first, in their direction. */
 static int32_t rank_of(const peak_walk *w, uint32_t t) {
     const leaf_layout *layout = w->tr->layout;
     const uint32_t level = layout->level_of[t];
@@ -452,7 +453,7 @@ static peak_tree tree_of(const peak_walk *w, uint32_t t) {
     return tree;
 }
 
-/* Push a subtree. If there is no room, its rays go on as single rays. */
+/* Push a subtree. If there is no room, its rays begin anew as single rays. */
 static void push_tree(peak_walk *w, peak_tree tree) {
     if (w->tree_count < PEAK_TREES_MAX) {
         peak_trees_rise(w->trees, w->tree_count++, tree);
@@ -543,7 +544,8 @@ static void climb_octant(peak_walk *w) {
 
 enum { PEAK_MISSES = 8, PEAK_ALONE };
 
-/* Returns how a ray goes: the octant that it goes with, PEAK_ALONE, or PEAK_MISSES. */
+/* Returns the octant with whose rays a ray is walked; PEAK_ALONE: as a single ray; PEAK_MISSES: it
+ * misses the volume's box. */
 static uint8_t begin_climb(const peak_walk *w, const ray *r, grid_approach *way) {
     if (!grid_way_ordinary(&w->extent, r, way))
         return PEAK_ALONE;

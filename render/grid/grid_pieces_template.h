@@ -131,7 +131,7 @@ static void slab_cross(slab *s, const double *first, uint32_t side, double o, do
         s->t[k] = INFINITY;
 }
 
-/* Find the cell that owns a ray which crosses no planes of an axis. */
+/* Find the layer of cells that owns a ray parallel to the planes of an axis. */
 static void slab_stay(slab *s, const double *first, uint32_t side, double held) {
     s->first = 0;
     while (s->first + 1 < side && held >= first[s->first + 1])
@@ -168,8 +168,8 @@ static void slab_narrow(const slab *s, const active_masks *masks, const int a, u
         *t_out = s->t[out];
 }
 
-/* Find the cells at both ends of a passage. The ray has crossed planes at t_in, and has not yet
- * crossed planes at t_out. */
+/* Find the cells at both ends of a passage. A plane at t_in counts as crossed, a plane at t_out
+ * does not. */
 static void slab_clip(slab *s, uint32_t side, double t_in, double t_out) {
     unsigned behind = 0, met = 0;
     for (uint32_t k = 0; k <= side; k += VD_N) {
@@ -204,8 +204,8 @@ static __attribute__((noinline)) vl slab_search(const slab *s, vd t, bool named_
     return at;
 }
 
-/* Find the cells of a slab at these t, which lie in the passage. A guess, as if all cells had one
- * width, is mostly right. lanes: the lanes that count. */
+/* Find the cells of a slab at these t, which lie in the passage. Guess them as if all cells had one
+ * width, which is mostly right. Search if the guess is wrong in any of `lanes`. */
 SIMD vl slab_cells(const slab *s, uint32_t side, vd t, bool named_first, unsigned lanes) {
     const vd whole = d_set(0x1p52);
     if (s->first == s->last)
@@ -220,7 +220,8 @@ SIMD vl slab_cells(const slab *s, uint32_t side, vd t, bool named_first, unsigne
     return right ? guess : slab_search(s, t, named_first);
 }
 
-/* Put the crossings of axis a into their places, each with the cell behind it. */
+/* Put the crossings of axis a into their places, each with the cell behind it. A crossing's place
+ * is the number of crossings of all axes up to it. */
 SIMD void put_crossings(rider *q, const int a, uint32_t side) {
     const int b = (a + 1) % 3, c = (a + 2) % 3;
     const slab *s = &q->slabs[a], *sb = &q->slabs[b], *sc = &q->slabs[c];
@@ -245,8 +246,9 @@ SIMD void put_crossings(rider *q, const int a, uint32_t side) {
     }
 }
 
-/* Put the first cell, and the end of the last one. Of crossings at one t, the last axis' is the
- * entry, the first axis' the exit. t is the crossing's own, to keep the sign of zero. */
+/* Put the first cell, and the end of the last one. If planes of several axes are crossed at t_in,
+ * the last axis counts as the entry. At t_out, the first axis counts as the exit. Take t from the
+ * crossing, to keep the sign of zero. */
 static void put_ends(rider *q, double t_in, double t_out) {
     uint64_t first = 0, in = NO_AXIS, out = NO_AXIS;
     q->slots = 1;
@@ -273,8 +275,8 @@ static void put_ends(rider *q, double t_in, double t_out) {
 
 /* ---- Pieces ---- */
 
-/* Pack the cells that have a length and are active to the front. What is written does not reach the
- * cells still to be read. */
+/* Pack the cells that are active and have a length to the front, in place: writing never overtakes
+ * reading. */
 static void find_pieces(rider *q, const active_masks *masks) {
     q->pieces = q->given = 0;
     for (unsigned p = 0; p < q->slots; p += VD_N) {
@@ -363,7 +365,7 @@ SIMD void piece_visits(const pieces_walk *w, const rider *q, vl cell, visits *v)
     }
 }
 
-/* Set the spread of pieces that stand in: how far they may be off. */
+/* These pieces are guesses from a coarser treelet. Set their spread to a bound of their error. */
 static void put_deviations(const pieces_walk *w, const rider *q, const uint64_t *cell,
                            unsigned count, double *spread) {
     for (unsigned i = 0; i < count; i++) {
@@ -481,7 +483,8 @@ static void enter_blocks(pieces_walk *w, rider *q, const grid_passage *passage) 
         q->blocks.axis[a] = axis_way(&q->slabs[a], ray_of(w, q)->d[a], side, passage->t_in);
 }
 
-/* Go on through such a treelet until there are pieces of cells to give, or to its end. */
+/* Go on through a treelet from enter_blocks(), until it ends or there are pieces of cells to give.
+ */
 static void pass_blocks(pieces_walk *w, rider *q) {
     block_stretch s;
     while (q->given == q->pieces && !w->b->stop[q->number]) {
@@ -544,7 +547,7 @@ static bool ride(pieces_walk *w, rider *q) {
     return next == SEGMENTS_SOME;
 }
 
-/* Begin with ray i, from where its state has come to. Returns false if nothing is on its way. */
+/* Begin with ray i, where its state stopped. Returns false if there is no treelet on its way. */
 static bool mount(pieces_walk *w, rider *q, unsigned i) {
     const uint64_t last = (1u << w->tr->layout->cells_log2) - 1u;
     const ray *r = &w->b->rays[i];
@@ -559,8 +562,8 @@ static bool mount(pieces_walk *w, rider *q, unsigned i) {
     return grid_way_begin(&q->way, w->tr, r, w->b->state[i]);
 }
 
-/* Begin with the next ray that has something on its way. Returns false if there is none. Rays with
- * pieces ahead go alone. */
+/* Begin with the next ray that has a treelet on its way. Returns false if there is none. Rays whose
+ * state still holds pieces are walked one by one instead. */
 static bool mount_next(pieces_walk *w, rider *q, unsigned *next) {
     while (*next < w->b->count) {
         const unsigned i = (*next)++;

@@ -1,5 +1,6 @@
-/* grid_rays_template.h - the rays of a batch with directions in one octant, sorted, in the form
- * that nodes of a grid test; included by the units of an ISA (see formats/base/simd.h).
+/* grid_rays_template.h - the rays of a batch whose directions lie in one octant: sorted, and in a
+ * form for tests against nodes of a grid. Included by the units of an ISA (see
+ * formats/base/simd.h).
  */
 #ifndef RENDER_GRID_GRID_RAYS_TEMPLATE_H
 #define RENDER_GRID_GRID_RAYS_TEMPLATE_H
@@ -32,16 +33,16 @@ typedef struct grid_legs {
     double per_d[RAY_BATCH][3];
 } grid_legs;
 
-/* Rays by their places, until t1, as planes test them. A ray meets a near plane at (plane - near_o)
- * reciprocal and a far plane at (plane - far_o) reciprocal: early and late enough, see widening().
- */
+/* Rays by their places, for tests against planes. Let r be the reciprocal. A ray meets a near plane
+ * at t = (plane - near_o) r or later, and a far plane at (plane - far_o) r or earlier; see
+ * widening(). It ends at t1. */
 typedef struct ray_slabs {
     float near_o[3][RAY_BATCH], far_o[3][RAY_BATCH], reciprocal[3][RAY_BATCH], t1[RAY_BATCH];
 } ray_slabs;
 
-/* Rays of one octant of directions, as nodes test them: in single precision, conservatively.
- * Neighbours have places beside each other. A ray's origin here is its entry, counted from
- * `middle`; t counts from the entry. */
+/* Rays of one octant of directions, for conservative tests against nodes in single precision.
+ * Neighbours have places beside each other. A ray's origin here is its entry, relative to `middle`,
+ * and t is relative to the entry. */
 typedef struct grid_rays {
     unsigned count, words;  /* words of sets in use */
     unsigned back;          /* bit a: d[a] < 0 */
@@ -66,9 +67,9 @@ typedef struct node_planes {
  * of the largest would leave reciprocals useless. */
 static const double EXTENT_MIN = 1e-15, EXTENT_MAX = 1e15, COMPONENT_MIN = 1e-9;
 
-/* The reciprocal of 0. Times any extent it stays in float's range, and is so far that no ray gets
- * there. So a ray lies between planes that it does not cross from before its start to beyond its
- * end. */
+/* Stands for the reciprocal of 0. Times any extent it stays in float's range, but is a t that no
+ * ray reaches. So a ray parallel to two planes, and between them, comes in before its start and
+ * leaves beyond its end. */
 static const double PER_NOTHING = 1e20;
 
 /* ---- Sets ---- */
@@ -122,8 +123,8 @@ static int main_axis(const grid_legs *legs) {
     return way[2] > way[first] ? 2 : first;
 }
 
-/* Find where rays pass a plane across their main axis, half way. Neighbours there are neighbours on
- * their way. */
+/* Find where rays cross a plane perpendicular to their main axis, half way along them. Rays that
+ * are neighbours there are neighbours in the grid. */
 static void crossings(const grid_legs *legs, float u[2][RAY_BATCH]) {
     const int main = main_axis(legs), side[2] = {(main + 1) % 3, (main + 2) % 3};
     double middle = 0.0;
@@ -245,7 +246,8 @@ SIMD void children_met(const grid_rays *g, const node_planes *n, const ray_set *
 
 /* ---- Making them ---- */
 
-/* Returns by how much a ray's entry is moved away from near and far planes. In units u of 2^-24:
+/* Returns by how much a ray's origin is moved away from near and from far planes, so that tests are
+ * conservative. In units u of 2^-24:
  * planes and entries err by u of their size when they become floats. Their difference, its product
  * and the reciprocal err by u each. That is 2 u size + 3 u (2 size), where size is the larger of
  * both, and terms of second order. The entry itself, the kernel's own crossings, and the ends of t

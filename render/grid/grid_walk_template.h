@@ -1,5 +1,5 @@
-/* grid_walk_template.h - a tile's rays down to their surfaces; included by the units of an ISA (see
- * formats/base/simd.h). */
+/* grid_walk_template.h - walks the rays of a tile through a grid, to their surfaces; included by
+ * the units of an ISA (see formats/base/simd.h). */
 #ifndef RENDER_GRID_GRID_WALK_TEMPLATE_H
 #define RENDER_GRID_GRID_WALK_TEMPLATE_H
 
@@ -60,15 +60,17 @@ static uint64_t grid_cell_of(const frame *f, const tile_surface *s) {
     return walk_cell_index(&scene->levels[at->level], cell);
 }
 
-/* Returns whether hits at one t are the same: an extremum that touches the surface counts once. */
+/* Returns whether two hits at one t are the same hit. A ray that only touches the surface has two
+ * roots there, which count once. */
 static bool grid_same(const hit *a, const hit *b) {
     return a->cell == b->cell && a->iso == b->iso;
 }
 
 static const tile_order grid_order = {grid_cell_of, hit_less, grid_same};
 
-/* Take a hit of ray-cell k. A full ray is done, since all cells to come lie behind. But where its
- * last surface is at the cell's exit, the next cell may claim the same t. */
+/* Take a hit of ray-cell k. Once the ray has all surfaces that it needs, close it: later cells lie
+ * behind them. But if the last surface lies at the cell's exit, only cut the ray there: the next
+ * cell may have a hit at the same t. */
 static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool entering, bool at_exit) {
     const unsigned i = w->ray_of[k];
     const resident_grid *at = w->treelet_of[k];
@@ -112,7 +114,7 @@ static void flush_all(tile_walk *w) {
     }
 }
 
-/* Let the cell kernel answer the ray-cells that wait. */
+/* Compute the waiting ray-cells with the cell kernel, and take their hits. */
 static void flush(tile_walk *w) {
     if (w->waiting == 0)
         return;
@@ -341,8 +343,9 @@ SIMD void queue_add(tile_walk *w, const resident_grid *at, const plane_projectio
 /* With more rays at a group, it is faster to walk it cell by cell. */
 enum { GROUP_RAYS_MAX = 8 };
 
-/* Queue the active cells of a group (octants) ray by ray, for the open rays of its rectangle. Few
- * rays visit the same cell there, so the group's cells fill the lanes better. */
+/* Queue the active cells of a group of 2^3, ray by ray, for the open rays of its rectangle. active:
+ * a bit per octant. Few rays visit the same cell there, so a lane per cell fills vectors better
+ * than a lane per ray. */
 static void walk_group(tile_walk *w, const resident_grid *at, const uint32_t first_cell[3],
                        unsigned active, unsigned first, tile_rect r) {
     enum { VECTORS_OF_8 = VF_N < 8 ? 8 / VF_N : 1 };
@@ -384,8 +387,8 @@ static unsigned first_octant(const tile_walk *w, const level_planes *planes,
     return octant;
 }
 
-/* Rays of a rectangle. open: they still look for a surface; idle: open, and they wait for no
- * answer. VF_N rows make a vector; the vectors are ORed together. */
+/* Rays of a rectangle. open: they still look for a surface. idle: open, and they have no cell in
+ * the batch. VF_N rows make a vector; the vectors are ORed together. */
 typedef struct rect_rays {
     vi open, idle;
 } rect_rays;
@@ -408,8 +411,8 @@ SIMD rect_rays rect_rays_of(const tile_walk *w, tile_rect r) {
     return rays;
 }
 
-/* Returns whether rays of the rectangle still look for a surface. If all these have cells in the
- * batch, they are answered first. */
+/* Returns whether rays of the rectangle still look for a surface. If each such ray has a cell in
+ * the batch, flush the batch first: it may close them all. */
 static bool wanted(tile_walk *w, tile_rect r) {
     const rect_rays rays = rect_rays_of(w, r);
     if (!i_any(rays.open))
@@ -487,22 +490,22 @@ static void walk_tree(tile_walk *w, const resident_grid *at, tile_rect rect) {
     }
 }
 
-/* Returns the open rays of row y in the rectangle that pass treelet t. Their own intervals decide,
- * since rectangles are generous. Each cell that the kernel lets a ray visit lies within. */
+/* Returns the open rays of row y in the rectangle that pass treelet t. Rectangles also hold rays
+ * that miss it, so each ray's interval in the treelet decides. Each cell that the kernel lets a ray
+ * visit lies within that interval. */
 static unsigned rays_into(const tile_walk *w, uint32_t t, unsigned y, tile_rect r) {
     const leaf_layout *layout = w->s.f->tracer->layout;
     const level_planes *planes = &scene_of(w)->levels[layout->level_of[t]];
     unsigned passing = 0;
     for (unsigned left = w->s.open[y] & row_mask(r); left; left &= left - 1) {
         const unsigned x = (unsigned)__builtin_ctz(left), i = TILE * y + x;
-        /* A ray needs nothing up to its last surface of earlier walks, and nothing beyond its
-         * reach. */
+        /* Leave out what is in front of the last surface of earlier walks, or beyond the reach. */
         double t_in = w->s.before > 0 && w->s.after[i].t > w->s.rays.t0[i] ? w->s.after[i].t
                                                                            : w->s.rays.t0[i],
                t_out = w->s.reach[i] < w->s.rays.t1[i] ? w->s.reach[i] : w->s.rays.t1[i];
         for (int a = 0; a < 3; a++) {
             const double d = w->s.rays.d[a][i], eye = w->view.p->eye[a];
-            /* The last treelet's cells end before its planes do. */
+            /* End where the grid ends: the last treelet of a row may have fewer cells. */
             const uint32_t first = layout->place[t][a] << layout->cells_log2;
             const uint32_t end = first + (1u << layout->cells_log2);
             const uint32_t last = end < planes->cells[a] ? end : planes->cells[a];
@@ -528,7 +531,7 @@ static void touch(tile_walk *w, uint32_t t, tile_rect r) {
         }
 }
 
-/* Stop rays that pass an absent treelet: they wait for it. */
+/* Suspend the rays that pass an absent treelet. */
 static void miss_treelet(tile_walk *w, uint32_t t, tile_rect r) {
     unsigned any = 0;
     tile_state_rays(&w->s);
@@ -612,7 +615,7 @@ static void tile_walk_begin(tile_walk *w, const frame *f, uint32_t x0, uint32_t 
         w->pending[y] = 0;
 }
 
-/* Walk until rays are full, or nothing is left. */
+/* Walk all packets of the tile, until each ray has all surfaces that it needs, or leaves. */
 static void tile_walk_run(tile_walk *w) {
     const uint8_t packet = scene_of(w)->packet;
     for (uint8_t y = 0; y < TILE; y += packet)
