@@ -11,7 +11,8 @@
 
 void SIMD_NAME(mesh_batch)(const tracer *tr, ray_batch *b, void *scratch, ray_counters *counters);
 
-/* A node or treelet to visit, or in a treelet a child, and the beams that may meet it. */
+/* What is still to be visited, and the beams that may meet it: a node of the tree over the
+ * treelets, or, inside a treelet, a child of a node. */
 typedef struct batch_pending {
     uint32_t level, i, beams;
 } batch_pending;
@@ -153,7 +154,8 @@ static void walk_treelet_in_batch(mesh_batch *w, const resident_mesh *at, uint32
 
 /* ---- Treelets ---- */
 
-/* Mark where single rays would come to an absent treelet: they need not look behind that. */
+/* Note the t at which each ray, walked as a single ray, would enter an absent treelet. It need not
+ * look behind that. */
 static void wait_for_treelet(mesh_batch *w, uint32_t t, uint32_t beams) {
     const treelet_tree *tree = w->tr->treelets->tree;
     const float *bounds = tree->bounds[0][t];
@@ -243,12 +245,12 @@ static void walk_beams(mesh_batch *w) {
 
 /* ---- Groups ---- */
 
-/* Rays form beams as long as these are narrow compared with tets of average size. Chosen by counts
- * of visits, on one and eight bucky balls. */
+/* Rays form beams as long as beams are narrow compared with tets of average size. The value was
+ * chosen by counts of visits, on one and eight bucky balls. */
 static const double NARROW = 1.4;
 
-/* Make beams of the rays from `from` on, as many as there is room for. Returns the first ray
- * left. */
+/* Make beams of the rays from `from` on, as many as there is room for. Returns the first ray that
+ * is in none. */
 static unsigned make_beams(mesh_batch *w, unsigned from) {
     const double tets = (double)w->tr->treelets->file->header.tets;
     const float cell = (float)(NARROW * 2.0 / cbrt(tets));
@@ -310,8 +312,8 @@ typedef struct ray_numbers {
     _Alignas(64) float of[RAY_BATCH];
 } ray_numbers;
 
-/* Project rays along the sum of the directions, onto two of the axes. Their own directions shift
- * them a little, which tells rays of one origin apart. */
+/* Project the origins of rays along the sum of their directions, onto two of the axes. Add each
+ * ray's own direction, so that rays of one origin get different points. */
 static void project_rays(const mesh_batch *w, const uint8_t rays[], unsigned count,
                          ray_numbers at[2]) {
     const beam_frame *f = &w->frame;
@@ -329,7 +331,7 @@ static void project_rays(const mesh_batch *w, const uint8_t rays[], unsigned cou
             at[k].of[i] = at[k].of[0];
 }
 
-/* Map the range of the numbers to 0 .. 15. */
+/* Scale the numbers so that they go from 0 to 15.99. */
 static void in_sixteenths(ray_numbers *x, unsigned count) {
     vf lo = f_load(x->of), hi = lo;
     for (unsigned i = VF_N; i < count; i += VF_N) {
@@ -351,7 +353,7 @@ SIMD vi spread_bits(vi n) {
     return (n | n << 1) & 0x55;
 }
 
-/* Positions of the points on a Morton curve. */
+/* Compute the places of points on a Morton curve. */
 static void curve_keys(ray_numbers at[2], unsigned count, int32_t key[RAY_BATCH]) {
     in_sixteenths(&at[0], count);
     in_sixteenths(&at[1], count);
@@ -362,7 +364,7 @@ static void curve_keys(ray_numbers at[2], unsigned count, int32_t key[RAY_BATCH]
     }
 }
 
-/* Sort a group's rays along that curve, so that beams are made of neighbours. */
+/* Sort a group's rays by curve_keys(), so that beams are made of neighbours. */
 static void sort_rays(const mesh_batch *w, uint8_t rays[], unsigned count) {
     ray_numbers at[2];
     int32_t key[RAY_BATCH];
@@ -401,7 +403,8 @@ static void gather_octant(mesh_batch *w, unsigned octant) {
         w->in_frame.far[i] = -1.0f;
 }
 
-/* Write the result of ray i of the group. */
+/* Write the result of ray i of the group. If an absent treelet may hold a nearer hit, trace the ray
+ * anew as a single ray. */
 static void answer(mesh_batch *w, unsigned i) {
     const unsigned k = w->of[i];
     trace_state *s = &w->b->states[k];
@@ -431,7 +434,8 @@ static void walk_group(mesh_batch *w) {
 
 /* ---- Batches ---- */
 
-/* Whether a ray goes alone: it does not fit into the frame, or it can have no hit. */
+/* Returns whether to trace a ray as a single ray: it does not fit into the frame, was blocked
+ * before, or can have no hit. */
 static bool goes_alone(const beam_frame *f, const ray *r, const trace_state *s) {
     double largest = 0.0;
     bool near = s->blocked == LEAF_NO_TREELET && r->t0 <= r->t1 && r->t0 <= s->best.t &&

@@ -2,8 +2,8 @@
  * included by the units of an ISA (see formats/base/simd.h).
  *
  * Tets are taken a vector at a time. Boxes around their isopolygons are tested against beams. Then
- * the isopolygons' edges are tested against the rays of those beams in single precision. Rays that
- * are left are tested in doubles, as single rays are.
+ * the isopolygons' edges are tested against the rays of the beams that meet the box, in single
+ * precision. The remaining rays are tested in doubles, as single rays are.
  */
 #ifndef RENDER_MESH_MESH_BATCH_TETS_TEMPLATE_H
 #define RENDER_MESH_MESH_BATCH_TETS_TEMPLATE_H
@@ -60,7 +60,8 @@ _Static_assert(sizeof(mesh_batch) <= MESH_BATCH_SCRATCH, "a batch has room in it
 
 /* ---- Rays that have found something ---- */
 
-/* Update the beam of ray i, which looks no farther than rays.to; below its start: not at all. */
+/* Ray i now looks less far than before: update its beam. Drop the ray, or the beam, if it does not
+ * look any more. */
 static void beam_sees(mesh_batch *w, unsigned i) {
     const unsigned beam = w->beam_of[i], first = w->first[beam];
     w->beams.far[beam] = farthest(&w->in_frame, first, first + w->share[beam]);
@@ -192,9 +193,9 @@ SIMD bool batch_polygon(const mesh_batch *w, const resident_mesh *at, unsigned l
     return isopolygon_of(&exact, isovalue, out);
 }
 
-/* Returns which of VF_N rays from i on (bits) do not begin on this isopolygon: it is flat, so a ray
- * that begins on it does not meet it again. For most shadow rays it is the only one so near that
- * floats cannot tell. */
+/* Drop the rays that begin on this isopolygon: it is flat, so they do not meet it again. For most
+ * shadow rays it is the only polygon that the test in single precision leaves. bits: of the VF_N
+ * rays from i on. Returns the bits that are left. */
 SIMD unsigned from_elsewhere(const mesh_batch *w, hit_of of, unsigned i, unsigned bits) {
     unsigned left = bits;
     for (; bits; bits &= bits - 1) {
@@ -271,9 +272,9 @@ SIMD void frame_tets(const mesh_batch *w, const resident_mesh *at, framed_tets *
     x->odd = mf_bits(odd);
 }
 
-/* Make boxes around the isopolygons of tets, from the points on their edges between vertices on
- * either side. An edge's share s errs by six units of 2^-24 of itself: numerator, denominator and
- * quotient. So its point errs by less than half of what boxes are widened by. */
+/* Make boxes around the isopolygons of tets: around the points where they cut the tets' edges. Such
+ * a point is at the share s of its edge. s errs by six units of 2^-24 of itself, for numerator,
+ * denominator and quotient. So the point errs by less than half of what boxes are widened by. */
 SIMD void boxes_of_polygons(const mesh_batch *w, framed_tets *x, double iso, beam_boxes *b) {
     const vf most = f_set(INFINITY), least = f_set(-INFINITY), zero = f_set(0.0f);
     const vf threshold = f_set(interest_threshold(iso));

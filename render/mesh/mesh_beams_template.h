@@ -3,30 +3,32 @@
  *
  * The frame. A mesh is moved and scaled until its bounds lie within -1 .. 1, and mirrored until all
  * directions of a group of rays are positive. A ray's direction is scaled until its largest
- * component is 1. The ray begins a little (AHEAD) before it comes to the mesh or begins to look. So
- * all that it may meet lies at 0 <= t <= 4 or so, and a box's near planes are its lower ones. All
- * numbers are then floats of ordinary size, whatever the mesh's coordinates are.
+ * component is 1. t is counted from a little (AHEAD) before the ray enters the mesh, or before its
+ * own start if that comes later. So all that it may meet lies at 0 <= t <= 4 or so, and a box's
+ * near planes are its lower ones. All numbers are then floats of ordinary size, whatever the mesh's
+ * coordinates are.
  *
  * Errors, with u = 2^-24, and the margins that cover them:
  *
- * - Positions. Origins and planes are made in double and rounded, or of a treelet's corner and a
- * multiple, both rounded: 4 u each at most. An origin moved back to the start of its beam errs by 8
- * u more, a point of a polygon by 24 u (its share of an edge, too, is a float). The planes of a
- * treelet's nodes, which mesh_leaf_plane() rounds, also err by u of their place in the world. Boxes
- * are widened by `slack`: 2^-18, which is 64 u, and 4 u of that place.
+ * - Positions. Origins and planes are computed in double and rounded, or are the sum of a treelet's
+ * corner and a multiple, both rounded: 4 u each at most. An origin moved back to the start of its
+ * beam errs by 8 u more. A point of a polygon errs by 24 u more, since its share of the edge is a
+ * float, too. The planes of a treelet's nodes, which mesh_leaf_plane() rounds, also err by u of
+ * their world coordinate. Boxes are widened by `slack`: 2^-18, which is 64 u, plus 4 u of the world
+ * coordinate.
  *
  * - t. A difference and a product err by 2 u of themselves, a direction's inverse by u. So inverses
  * are made smaller for near planes and larger for far ones, by 16 u. Near planes behind the origin
  * do not count (t begins at 0), and slack makes the sign right for far ones there.
  *
- * - Steepness. An inverse is at most 2^40. A steeper ray moves by less than 2^-37 along that axis,
- * which is nothing beside the slack.
+ * - Steepness. An inverse is at most 2^40. A steeper ray moves by less than 2^-37 along the axis,
+ * far less than the slack.
  *
  * - Ends. A hit's t errs by less than 2^-40 of itself (box_interval_behind()), and rays come from
  * FARTHEST at most: 2^-28. AHEAD is 2^-16, before the start and behind the end.
  *
- * - Absent treelets. A ray waits for those that box_interval_in() says it enters. That test has a
- * margin of its own: generosity().
+ * - Absent treelets. A ray waits for each absent treelet that it enters according to
+ * box_interval_in(). That test has a margin of its own: see generosity().
  */
 #ifndef RENDER_MESH_MESH_BEAMS_TEMPLATE_H
 #define RENDER_MESH_MESH_BEAMS_TEMPLATE_H
@@ -50,7 +52,7 @@ typedef struct beam_frame {
     double half;    /* all of the mesh lies within -half .. half, margins included */
 } beam_frame;
 
-/* False: its numbers are too large or small for floats. */
+/* Returns false if the frame's numbers are too large or too small for floats. */
 static bool frame_of_bounds(const float bounds[6], beam_frame *f) {
     double size = 0.0;
     for (int a = 0; a < 3; a++) {
@@ -116,7 +118,7 @@ SIMD void put_in_frame(const beam_frame *f, const tet_rays *from, int at, frame_
     d_store(to->per_t + at, per_t);
 }
 
-/* Ray i looks no farther than t. */
+/* Let ray i look no farther than t. */
 static void look_up_to(frame_rays *r, int i, double t) {
     const float far = (float)(t * r->per_t[i] - r->begin[i] + 2.0 * AHEAD);
     r->far[i] = far < r->far[i] ? far : r->far[i];
@@ -189,22 +191,23 @@ SIMD ray_lanes ray_lanes_load(const frame_rays *r, unsigned at) {
     return l;
 }
 
-/* Give every lane the least, or the greatest, of its block of `share` lanes. */
+/* Give every lane the least number of its block of `share` lanes. */
 SIMD vf block_min(vf x, unsigned share) {
     x = share > 1 ? f_min(x, f_swap(x, 1)) : x;
     x = share > 2 ? f_min(x, f_swap(x, 2)) : x;
     return share > 4 ? f_min(x, f_swap(x, 4)) : x;
 }
 
+/* Give every lane the greatest number of its block. */
 SIMD vf block_max(vf x, unsigned share) {
     x = share > 1 ? f_max(x, f_swap(x, 1)) : x;
     x = share > 2 ? f_max(x, f_swap(x, 2)) : x;
     return share > 4 ? f_max(x, f_swap(x, 4)) : x;
 }
 
-/* Returns how far rays move back, in their t, so that all rays of a block begin at the same place
- * along an axis, where the first does. Only if that is not far. Then origins are spread over a
- * plane, and not in a box. */
+/* Returns by how much of their t rays are to be moved back, so that all rays of a block begin in a
+ * plane across the axis, where the first of them begins. Their origins then spread over a plane
+ * instead of a box. 0: they would have to move far. */
 SIMD vf ways_back(const ray_lanes *r, unsigned share, int axis) {
     const vf more = f_set(INFINITY), less = f_set(-INFINITY), o = r->o[axis];
     const vf first = block_min(f_select(r->looks, o, more), share);
@@ -214,9 +217,9 @@ SIMD vf ways_back(const ray_lanes *r, unsigned share, int axis) {
     return f_select(mf_and(near, r->looks), (o - first) * r->inverse[axis], f_set(0.0f));
 }
 
-/* Cost of one block. Joining is worth it while this is below the cost of its parts. A beam meets
- * the tets within it and half a cell (of size `cell`) around it, a ray those in its own cell. The
- * distance between a beam's rays counts at its largest on their way. */
+/* Returns the cost of one block. Joining is worth it while this is below the cost of its parts. A
+ * beam meets the tets within it and half a cell (of size `cell`) around it; a ray meets the tets of
+ * its own cell. The width of a beam is the largest distance of its rays on their way. */
 SIMD vf cost_of_blocks(const block_lanes *b, float cell) {
     const vf one = f_set(1.0f);
     vf wide = f_set(0.0f);
@@ -272,7 +275,8 @@ SIMD block_lanes best_blocks(const frame_rays *r, unsigned at, int axis, float c
     return b;
 }
 
-/* Returns the first lanes of blocks with rays that look; share[]: a block's number of rays. */
+/* Returns a bit for the first lane of each block that has rays that look. Sets share[] of a first
+ * lane to the block's number of rays. */
 SIMD unsigned heads_of_blocks(const block_lanes *b, uint8_t share[VF_N]) {
     const unsigned looking = mf_bits(f_ge(b->far, f_set(0.0f)));
     float shares[VF_N];
@@ -297,9 +301,9 @@ SIMD void put_blocks(mesh_beams *m, unsigned beam, const block_lanes *b, unsigne
     f_pack(m->far + beam, heads, b->far);
 }
 
-/* Returns the margin of box_interval_in() for these rays, as they wait for treelets that it says
- * they enter: 4 BOX_INTERVAL_MARGIN of a box's t at most, and that t is less than where they begin
- * in the frame plus 8. */
+/* Returns the margin of box_interval_in() for these rays. Beams need it too: a ray waits for each
+ * treelet that it enters according to that function. The margin is at most 4 BOX_INTERVAL_MARGIN of
+ * a box's t, which is less than the t where the rays begin in the frame, plus 8. */
 SIMD float generosity(const frame_rays *r, unsigned count) {
     double most = 0.0;
     for (unsigned i = 0; i < count; i++)
@@ -317,8 +321,7 @@ typedef struct beam_boxes {
     _Alignas(64) float lo[3][BEAM_BOXES], hi[3][BEAM_BOXES];
 } beam_boxes;
 
-/* Returns which of VF_N beams from `at` on may meet a box, or which of VF_N boxes a beam may
- * meet. */
+/* Returns which of VF_N beams from `at` on may meet a box. */
 SIMD unsigned beams_through(const mesh_beams *m, const beam_boxes *b, unsigned box, unsigned at) {
     vf in = f_set(0.0f), out = f_load(m->far + at);
     for (int a = 0; a < 3; a++) {
@@ -330,6 +333,7 @@ SIMD unsigned beams_through(const mesh_beams *m, const beam_boxes *b, unsigned b
     return mf_bits(f_le(in, out));
 }
 
+/* Returns which of VF_N boxes from `at` on a beam may meet. */
 SIMD unsigned boxes_in(const mesh_beams *m, const beam_boxes *b, unsigned at, unsigned beam) {
     vf in = f_set(0.0f), out = f_set(m->far[beam]);
     for (int a = 0; a < 3; a++) {
@@ -341,6 +345,7 @@ SIMD unsigned boxes_in(const mesh_beams *m, const beam_boxes *b, unsigned at, un
     return mf_bits(f_le(in, out));
 }
 
+/* Returns how many vectors of VF_N beams have any of these beams. */
 SIMD unsigned vectors_in(uint32_t beams) {
     enum { ALL = (1u << VF_N) - 1 };
     unsigned count = 0;
@@ -349,8 +354,10 @@ SIMD unsigned vectors_in(uint32_t beams) {
     return count;
 }
 
-/* Returns which of the boxes in `boxes` (bits) their wanted beams may meet; met[]: by which of
- * these, undefined for boxes not returned. any: all beams wanted for some box. */
+/* Test boxes against beams. boxes: a bit per box to be tested; wanted[]: the beams to test a box
+ * with; any: all beams in wanted[]. Returns the boxes that some wanted beam may meet, and sets
+ * met[] to these beams. met[] of other boxes is undefined. Takes the cheaper way: vectors of boxes,
+ * beam by beam, or vectors of beams, box by box. */
 SIMD unsigned meet_boxes(const mesh_beams *m, const beam_boxes *b, unsigned boxes, uint32_t any,
                          const uint32_t wanted[BEAM_BOXES], uint32_t met[BEAM_BOXES]) {
     enum { ALL = (1u << VF_N) - 1 };

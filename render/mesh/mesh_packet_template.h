@@ -54,8 +54,8 @@ typedef struct packet_work {
 } packet_work;
 _Static_assert(sizeof(packet_work) <= MESH_TILE_SCRATCH, "a tile has room in its scratch");
 
-/* Side of W07's smallest packets, in rays. Their 2 x 2 rays are all tested against each box, and no
- * intervals. */
+/* Side of W07's smallest packets, in rays. All their 2 x 2 rays are tested against each box; they
+ * use no interval arithmetic. */
 enum { PACKET_SMALLEST = 2 };
 
 /* Surfaces that a walk finds per ray. */
@@ -63,14 +63,14 @@ enum { PACKET_LAYERS = 1 };
 
 /* ---- Rays and boxes ---- */
 
-/* Returns which of VD_N rays from `at` on meet the box before the hit that they have. */
+/* Returns which of VD_N rays from `at` on meet the box before their nearest hit so far. */
 SIMD unsigned rays_meet(const packet *w, const packet_box *b, int at) {
     const tet_rays *r = &w->rays;
     const vd d[3] = {d_load(r->d[0] + at), d_load(r->d[1] + at), d_load(r->d[2] + at)};
     return mesh_box_meets(d, b->lo, b->hi, d_load(r->from + at), d_load(r->to + at));
 }
 
-/* Set frustum.far to how far any ray still looks. */
+/* Set frustum.far to the greatest t up to which any ray still looks. */
 SIMD void look_again(packet *w) {
     vd far = d_set(-INFINITY);
     double lanes[VD_N];
@@ -83,8 +83,8 @@ SIMD void look_again(packet *w) {
     w->lowered = false;
 }
 
-/* Returns, by intervals, whether rays may meet the box before the hits that they have, and
- * which. */
+/* Test all rays against the box at once, by interval arithmetic. Returns whether any may meet it
+ * before its nearest hit so far; *reach: which ones. */
 SIMD bool packet_may_meet(packet *w, const packet_box *b, packet_reach *reach) {
     if (w->lowered)
         look_again(w);
@@ -371,7 +371,7 @@ static void packet_mesh(packet *w, int first_ray) {
 
 /* ---- Packets ---- */
 
-/* Gather the packet's rays. Returns the first that looks for anything; count: none does. */
+/* Gather the packet's rays. Returns the first one that looks for hits; w->count: none does. */
 static int packet_begin(packet *w) {
     const tile_rays *rays = &w->s.rays;
     const hit before = hit_before_all();

@@ -34,7 +34,8 @@ static void take_surface(mesh_tile *w, unsigned of, unsigned i, double t, bool e
     w->s.counters->roots++;
 }
 
-/* Decide by the scalar truth what the vectors leave in doubt. A bent quadrilateral has two hits. */
+/* Decide by the scalar kernel what the vectors leave in doubt. A bent quadrilateral may have two
+ * hits. */
 static void take_scalar(mesh_tile *w, unsigned of, unsigned i) {
     const tet_queue *q = &w->queue;
     const isopolygon g = polygon_lanes_get(&q->polygons, of);
@@ -49,7 +50,8 @@ static void take_scalar(mesh_tile *w, unsigned of, unsigned i) {
         take_surface(w, of, i, found.t, found.entering);
 }
 
-/* Take the sure hits that are before those that the rays have. enters: along the normal. */
+/* Take the certain hits that are nearer than the rays' hits so far. enters: a bit per lane whose
+ * ray goes along the normal. */
 SIMD void take_sure(mesh_tile *w, const met_rays *r, unsigned hits, unsigned enters, vd t) {
     const tile_rays *rays = &w->s.rays;
     double ts[VD_N];
@@ -187,7 +189,8 @@ static void meet_many(mesh_tile *w, const seen_lanes *all, unsigned lane, bool q
 
 /* ---- Tets ---- */
 
-/* Fill a lane whose polygon is kept with the treelet, or was in doubt. */
+/* Fill a lane by itself: its polygon is kept with the treelet, or isopolygons_near() was not sure
+ * of it. */
 static void polygon_alone(mesh_tile *w, unsigned lane) {
     tet_queue *q = &w->queue;
     const resident_mesh *at = q->at[lane];

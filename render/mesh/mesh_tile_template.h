@@ -119,8 +119,9 @@ typedef struct eye_frame {
     float lo[3], hi[3], step[3];
 } eye_frame;
 
-/* A plane of mesh_leaf_plane() errs by a unit u = 2^-24 of itself; the treelet's corner relative to
- * the eye by u of that, and the sum by u of itself. Boxes are widened by twice as much. */
+/* Errors, with u = 2^-24: a plane of mesh_leaf_plane() errs by u of its value. The treelet's corner
+ * relative to the eye errs by u of its own, and so does the sum. Boxes are widened by twice as
+ * much. */
 SIMD eye_frame eye_frame_of(const mesh_tile *w, const resident_mesh *at) {
     eye_frame f;
     for (int a = 0; a < 3; a++) {
@@ -149,7 +150,7 @@ SIMD void rects_of_node(const mesh_tile *w, const eye_frame *f, const mesh_node 
     out->rects.alive &= 255u;
 }
 
-/* Leaves wait a while, so that their tets are fetched by the time that they are walked. */
+/* Leaves are queued, and walked a while later: by then their tets have been prefetched. */
 enum { LEAVES_WAITING = 4 };
 
 typedef struct near_leaves {
@@ -178,8 +179,9 @@ static void put_leaf(mesh_tile *w, const resident_mesh *at, const tile_rect *r, 
     l->of[k].rect = *r;
 }
 
-/* A frame touches more memory than there is cache. So everything put off is prefetched: nodes,
- * tets, vertices, treelets (saves about a tenth of the time at 11 million tets). */
+/* Walk the tree of a treelet. A frame touches more memory than fits into the cache. So all that is
+ * put on a stack or queue is prefetched: nodes, tets, vertices, treelets. This saves about a tenth
+ * of the time at 11 million tets. */
 static void walk_treelet_of_mesh(mesh_tile *w, const resident_mesh *at, tile_rect rect,
                                  float near2) {
     const eye_frame planes = eye_frame_of(w, at);
@@ -223,7 +225,7 @@ static void walk_treelet_of_mesh(mesh_tile *w, const resident_mesh *at, tile_rec
 
 /* ---- Treelets ---- */
 
-/* Returns which of VD_N rays pass through a box before the hit that they have. */
+/* Returns which of VD_N rays pass through a box before their nearest hit so far. */
 SIMD unsigned rays_through(const mesh_tile *w, const double lo[3], const double hi[3], unsigned i) {
     const tile_rays *rays = &w->s.rays;
     const vd d[3] = {d_load(rays->d[0] + i), d_load(rays->d[1] + i), d_load(rays->d[2] + i)};

@@ -52,16 +52,16 @@ SIMD void view_tets(const mesh_tile *w, const resident_mesh *at, const tet_lanes
     }
 }
 
-/* The isovalue's points on tets' edges, in the picture. Edges that it does not cut hold
- * anything. */
+/* Where the isosurface cuts tets' edges, in the picture. x and y are undefined for edges that it
+ * does not cut. */
 typedef struct cut_points {
     vf x[TET_EDGES], y[TET_EDGES];
     mf cut[TET_EDGES];
 } cut_points;
 
-/* Bound the isopolygons of tets in the picture, by the points on their edges between vertices on
- * either side. An edge's share s errs by six units of 2^-24 of itself: numerator, denominator and
- * quotient. So its point errs by less than the error allowed for boxes' corners. */
+/* Bound the isopolygons of tets in the picture, by the points where they cut the tets' edges. Such
+ * a point is at the share s of its edge. s errs by six units of 2^-24 of itself, for numerator,
+ * denominator and quotient. So the point errs by less than the error allowed for boxes' corners. */
 SIMD children_extent extent_of_polygons(const tets_in_view *v, double iso, cut_points *c) {
     const vf most = f_set(INFINITY), least = f_set(-INFINITY), zero = f_set(0.0f);
     const vf threshold = f_set(interest_threshold(iso));
@@ -96,8 +96,8 @@ SIMD children_extent extent_of_polygons(const tets_in_view *v, double iso, cut_p
 
 /* ---- Pixels' centres ---- */
 
-/* Isopolygons in the picture, from a tile's first pixel: their corners in order around, and the
- * first one again. A triangle's third corner stands twice. */
+/* Isopolygons in the picture, relative to a tile's first pixel: their corners in order around, then
+ * the first one again. A triangle has its third corner twice. */
 typedef struct flat_polygons {
     vf x[5], y[5];
 } flat_polygons;
@@ -126,22 +126,25 @@ SIMD flat_polygons flatten(const tile_view *tile, const cut_points *c) {
     return p;
 }
 
-/* Lines around polygons. Their edge functions fall by y from each pixel to the next. */
+/* Lines around polygons. The edge function of line i falls by y[i] from each pixel of a row to the
+ * next. */
 typedef struct flat_lines {
     flat_polygons from;
     vf x[4], y[4], error;
 } flat_lines;
 
-/* The largest polygon tested so, in pixels. */
+/* Polygons up to this size, in pixels, are tested against pixel centres. */
 static const float CENTRES_REACH = 8.0f;
 
-/* If a pixel's centre c is within the exact polygon, it passes all its edges on one side. The
- * computed corners are off by m a coordinate at most, twice the margin at far / w (deep). That
- * moves the edge function of P and Q at c by (b - a) x (c - P) - (Q - P) x a - (b - a) x a, |a|,
- * |b| <= m. Let S be the sum of the moduli of all edges' coordinates, so that c - P has S / 2 at
- * most. Then this is less than m S + m S / 2 + 2 m^2. S of the computed corners is itself wrong, by
- * 16 m. Together 1.5 m S + 26 m^2. Edge functions are rounded by less than 2^-22 (S / 2)^2 < m S /
- * 4, as m > 2e-4 and S < 128. */
+/* Make the lines around the polygons, and the error bound of their edge functions. deep: far / w.
+ *
+ * Proof. If a pixel's centre c is within the exact polygon, it is on the same side of all edges.
+ * The computed corners are off by at most m per coordinate, twice the margin at `deep`. Errors a
+ * and b of the corners P and Q move the edge function at c by (b - a) x (c - P) - (Q - P) x a - (b
+ * - a) x a, with |a|, |b| <= m. Let S be the sum of the moduli of all edges' coordinates, so that c
+ * - P has S / 2 at most. Then this is less than m S + m S / 2 + 2 m^2. The S of the computed
+ * corners is itself off by 16 m. Together this makes 1.5 m S + 26 m^2. Edge functions are rounded
+ * by less than 2^-22 (S / 2)^2 < m S / 4, as m > 2e-4 and S < 128. */
 SIMD flat_lines lines_around(const tile_view *tile, const cut_points *c, vf deep) {
     const float least = tile->p->margin_least;
     const float slope = (tile->p->margin - least) * projection_depth_share;
@@ -157,7 +160,8 @@ SIMD flat_lines lines_around(const tile_view *tile, const cut_points *c, vf deep
     return l;
 }
 
-/* Returns whether a pixel's centre is surely outside a polygon, by the edge functions there. */
+/* Returns the lanes in which a pixel's centre is certainly outside the polygon. side: the edge
+ * functions at the centre. */
 SIMD mf is_beside(const vf side[4], vf error) {
     const vf least = f_min(f_min(side[0], side[1]), f_min(side[2], side[3]));
     const vf most = f_max(f_max(side[0], side[1]), f_max(side[2], side[3]));
@@ -208,8 +212,9 @@ SIMD mf cover_no_centre(const tile_view *tile, const cut_points *c, const childr
     return mf_and(small, f_le(centres, zero));
 }
 
-/* Find what the isopolygons can cover of their leaves' rectangles. Returns the lanes that cover
- * anything. Isopolygons nearer than a sixteenth of the bound on distances cover all of it. */
+/* Find which part of their leaves' rectangles the isopolygons can cover. Returns the lanes that
+ * cover anything. An isopolygon nearer than a sixteenth of the bound on distances counts as
+ * covering the whole rectangle. */
 SIMD unsigned covers_of(const mesh_tile *w, const tet_lanes *l, const tets_in_view *v, double iso,
                         tet_covers *out) {
     const unsigned lanes = (1u << l->count) - 1u;

@@ -27,7 +27,8 @@ void mesh_walk_gradients(const resident_mesh *tr, uint32_t local, float gradient
 
 /* ---- Leaves ---- */
 
-/* Find the first hit with one isopolygon behind `after`: another crossing, whatever the tet. */
+/* Find the first hit with one isopolygon behind `after`. Skip the same crossing seen from another
+ * tet. */
 static bool next_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t iso,
                      const hit *after, hit *found) {
     /* The kernel orders by (t, tet, iso), so ask it for everything from the same t on. */
@@ -91,11 +92,12 @@ typedef struct pending {
     uint32_t child; /* as in mesh_node */
 } pending;
 
-/* Depth times siblings. That no file's tree is deeper is checked when it is loaded. */
+/* Depth times siblings. Loading a file checks that its trees are not deeper. */
 enum { STACK_MAX = MESH_DEPTH_MAX * (MESH_CHILDREN - 1) + 1 };
 
-/* A ray as the boxes of a treelet see it. It reaches the plane of code c of an axis at near + c *
- * slope (near side) or far + c * slope (far side). near is somewhat early, far somewhat late. */
+/* A ray, prepared for tests against a treelet's boxes. It reaches the plane of code c of an axis at
+ * near + c * slope (near side) or far + c * slope (far side). To be conservative, near is a little
+ * too early, and far a little too late. */
 typedef struct code_slabs {
     double near[3], far[3], slope[3];
     bool back[3]; /* whether the near side is the upper one */
@@ -103,10 +105,11 @@ typedef struct code_slabs {
     double t0, t1, behind;
 } code_slabs;
 
-/* Used for 1 / 0: what is not in the slab is never reached. Times any float it is still finite. */
+/* Stands for 1 / 0. Times any float it is finite, but larger than any t of a ray. */
 static const double never = 0x1p600;
 
-/* A plane errs by 2^-24 of the treelet's size and place, the kernel by less than `slack`. */
+/* Errors: a plane errs by 2^-24 of the treelet's size and coordinates, the kernel by less than
+ * `slack`. */
 static code_slabs code_slabs_of(const resident_mesh *tr, const ray *r, const hit *after) {
     code_slabs s = {.slack = box_interval_slack(tr->bounds, r, 0.0),
                     .t0 = r->t0,
@@ -244,7 +247,8 @@ void mesh_walk_each(const resident_mesh *tr, const ray *r, const hit *after, dou
 
 /* ---- Points ---- */
 
-/* Returns whether the box holds the point: exact, and much cheaper than the tet itself. */
+/* Returns whether the tet's box holds the point. This is exact, and much cheaper than testing the
+ * tet. */
 static bool box_holds_point(const tet *x, const double point[3]) {
     bool holds = true;
     for (int a = 0; a < 3; a++) {
