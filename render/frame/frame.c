@@ -15,8 +15,9 @@ typedef struct tally {
     work_hand hand;
 } tally;
 
-/* A thread's scratch, at its start; room for a batch of rays follows. The rest belongs to the
- * tile's kernel first, and then to rays that go on together, with their records.
+/* The head of a thread's scratch. Room for a batch of rays follows, and room for integrator.take().
+ * The room between them serves a tile's kernel first. Then it holds the rays that go on together,
+ * with their records.
  */
 typedef struct easel {
     _Alignas(64) tile_outcome todo;
@@ -54,7 +55,8 @@ static size_t company_bytes(const frame *f) {
     return up_to_64(sizeof(ray_company) + WORK_BATCH * frame_record_bytes(f));
 }
 
-/* Bytes that a tile's kernel and rays that go on together use in turn. */
+/* Returns the bytes of the room that serves a tile's kernel first, then rays that go on together.
+ */
 static size_t shared_scratch(const frame *f) {
     const size_t tile = up_to_64(f->tracer->kind->tiles ? f->tracer->kind->tiles->scratch : 0),
                  company = company_bytes(f);
@@ -118,9 +120,9 @@ static tile_row *rows_to_do(const drawing *d, uint32_t tile) {
     return d->to_do + (size_t)tile * d->side;
 }
 
-/* Let a tile whose rays met absent treelets wait for them; then another thread may take it up at
- * once. Returns false where its rays must wait one by one: where treelets have to take turns, and
- * where a preview goes on without them. */
+/* If rays of a tile met absent treelets, let the tile wait for these; another thread may take it up
+ * as soon as they come. Returns false if the tile is not to wait: no treelet was absent, there may
+ * be no slots for them, or a preview goes on without them. */
 static bool wait_for_treelets(drawing *d, uint32_t tile, const tile_outcome *todo, tally *mine) {
     if (todo->absent_count == 0 || d->f->tracer->preview)
         return false;
@@ -156,7 +158,7 @@ static void advance(const drawing *d, easel *e, tally *mine) {
     ray_advance(d->f, e->rays, e->todo.batch, e->pieces, e->todo.batch_scratch, &mine->counters);
 }
 
-/* Keep the blocked rays in records, which were promised, until their treelets come. */
+/* Copy blocked rays to records, which were promised, and suspend them. */
 static status keep_blocked(drawing *d, const ray_company *rays, uint32_t *count, work_hand *own) {
     uint32_t kept[WORK_BATCH];
     status st = ST_OK;
@@ -180,7 +182,7 @@ static void count_finished(tally *t, size_t pixels) {
     atomic_store_explicit(&t->finished, before + pixels, memory_order_relaxed);
 }
 
-/* Neighbours go on together: a square of pixels fills an item. */
+/* The rays of a square of pixels go on together: it has as many as a work item. */
 enum { SQUARE = 16 };
 _Static_assert(SQUARE *SQUARE == WORK_BATCH && TILE_MAX % SQUARE == 0, "a square is an item");
 
@@ -219,7 +221,7 @@ static status draw_rest(drawing *d, easel *e, uint32_t x0, uint32_t y0, uint32_t
     return st;
 }
 
-/* Trace a tile's rays, by its kernel as far as possible. */
+/* Trace a tile's rays: first by the kernel of tiles, then the ones that it left. */
 static status draw_tile(drawing *d, uint32_t tile, easel *e, tally *mine) {
     uint32_t kept = 0;
     const uint32_t x0 = tile % d->tiles_x * d->side, y0 = tile / d->tiles_x * d->side;
@@ -285,7 +287,7 @@ static status draw_items(void *ctx, size_t index, int worker) {
     return st;
 }
 
-/* The first failure of any volume's loader. */
+/* Returns the failure of the first loader that has one, else ST_OK. */
 static status failure(const frame *f) {
     status st = ST_OK;
     for (int v = 0; v < f->volumes && st == ST_OK; v++)
@@ -293,7 +295,8 @@ static status failure(const frame *f) {
     return st;
 }
 
-/* Work until nothing can be done unless treelets are evicted, or the time is over. */
+/* Run a round on all threads: until the frame is done, treelets must be evicted to go on, or the
+ * time is over. */
 static status draw_round(drawing *d) {
     const frame *f = d->f;
     d->rounds++;

@@ -1,10 +1,10 @@
 /* frame.h - one picture: tiles of rays over all threads, suspended rays, passes.
  *
- * Each pixel has a ray, and an integrator (integrator.h) that turns it into a pixel. Where that
- * needs an absent treelet, the ray's record suspends into the treelet's bucket. The bucket is run
- * when the treelet is resident. Records of suspended rays are limited: a tile waits until there is
- * room for all its rays. So a frame finishes with any budget that holds the directories, one
- * treelet of each volume and one tile's rays a thread. The picture is the same bits for all
+ * Each pixel has a ray. An integrator (integrator.h) turns the ray into the pixel. If this needs an
+ * absent treelet, the ray is suspended: its record waits in the treelet's bucket, and goes on when
+ * the treelet is resident. The number of records is limited, so a tile begins only when there are
+ * enough for all its rays. So a frame finishes with any budget that holds the directories, one
+ * treelet per volume and one tile's rays per thread. The picture is the same, to the bit, for all
  * budgets.
  */
 #ifndef RENDER_FRAME_FRAME_H
@@ -45,8 +45,8 @@ typedef struct frame {
     const atomic_bool *cancel; /* once true, the frame soon ends with ST_STOPPED; or NULL */
 } frame;
 
-/* frame_goes_on() - false when *cancel or watch() ask to stop; for rays that take long. Calls
- * watch() with a number below 0: no news. */
+/* frame_goes_on() - for rays that take long: returns false when *cancel or watch() ask to stop.
+ * Calls watch() with a negative number, which tells no progress. */
 static inline bool frame_goes_on(const frame *f) {
     return !(f->cancel && atomic_load_explicit(f->cancel, memory_order_relaxed)) &&
            (!f->watch || f->watch(f->watch_ctx, -1.0));
@@ -63,11 +63,11 @@ typedef struct drawing drawing;
  * its memory comes from f->m. */
 CHECKED status frame_begin(const frame *f, drawing **out);
 
-/* frame_advance() - go on until clock_seconds() is `until`; INFINITY: to the end. Some progress is
- * made even if that is over, so that any number of calls ends. *done: every pixel is written.
- * Between calls the loaders may serve others; but then they must have the same selection again, and
- * have forgotten their failures. ST_STOPPED when watch() or *cancel ask to stop; the planes are
- * then partly written. After an error only frame_end() may be called. */
+/* frame_advance() - draw until clock_seconds() is `until`; INFINITY: to the end. Each call makes
+ * some progress, even if that time is over, so repeated calls finish. *done: every pixel is
+ * written. Between calls the loaders may serve other frames. Before the next call they must have
+ * the same selection again, and no failures. ST_STOPPED when watch() or *cancel ask to stop; the
+ * planes are then partly written. After an error only frame_end() may be called. */
 CHECKED status frame_advance(drawing *d, double until, bool *done);
 
 /* frame_end() - free the drawing, and add its costs to the counters. Both may be NULL. */
@@ -79,12 +79,14 @@ CHECKED status frame_render(const frame *f, ray_counters *counters);
 /* The following functions use only these members of f: tracer (kind, layout), volumes, integrator,
  * threads, width and height.
  *
- * frame_records_min() - the fewest records with which a frame can finish. frame_record_bytes() -
- * memory of one record. */
+ * frame_records_min() - the fewest records with which a frame can finish. */
 uint32_t frame_records_min(const frame *f);
+
+/* frame_record_bytes() - memory of one record. */
 size_t frame_record_bytes(const frame *f);
 
-/* frame_scratch_bytes() - scratch memory of a thread, whatever the picture; a multiple of 64. */
+/* frame_scratch_bytes() - scratch memory per thread, for any size of the picture; a multiple of 64.
+ */
 size_t frame_scratch_bytes(const frame *f);
 
 /* frame_bytes() - memory of a frame beside records, treelets and image. */

@@ -39,7 +39,8 @@ static void ask_for(const frame *f, const wish wishes[], uint32_t count) {
 
 /* ---- Buckets; with the lock held ---- */
 
-/* List bucket t, whose treelet is READY, among those that have come, unless it is empty. */
+/* Bucket t's treelet is READY: append the bucket to the list of buckets that have come, unless it
+ * is in the list or empty. */
 static void come(frame_work *w, uint32_t t) {
     work_bucket *b = &w->buckets[t];
     if (b->next != not_come || (b->rays == none && b->tiles == none))
@@ -85,8 +86,8 @@ static uint32_t pop_tile(frame_work *w, uint32_t *list) {
     return tile;
 }
 
-/* Put a ray into its treelet's bucket. Returns whether the treelet must now be requested: nothing
- * waited for it yet, and it has not come since the ray looked. */
+/* Put a ray into its treelet's bucket. Returns whether the caller must request the treelet: nothing
+ * else waits for it, and it has not come since the ray looked. */
 static bool hang_up_ray(frame_work *w, uint32_t record) {
     const ray_record *r = ray_records_at(w->records, record);
     const uint32_t t = w->first[r->volume] + r->blocked;
@@ -98,7 +99,8 @@ static bool hang_up_ray(frame_work *w, uint32_t record) {
     return first;
 }
 
-/* Put a tile into the bucket of one of its absent treelets, or among the tiles that can go on. */
+/* Put a tile into the bucket of one of its absent treelets. If all of them have come, put it among
+ * the tiles that can go on. */
 static void hang_up_tile(frame_work *w, uint32_t tile) {
     const work_tile *x = &w->tiles[tile];
     for (uint32_t i = 0; i < x->absent_count; i++) {
@@ -137,7 +139,8 @@ static bool has_arrivals(const frame *f) {
     return any;
 }
 
-/* With the lock held: list a loader's treelet as come, in all volumes that have that loader. */
+/* With the lock held: a loader's treelet has come. Call come() for its bucket in each volume with
+ * that loader. */
 static void come_to_all(frame_work *w, const loader *from, uint32_t t) {
     for (int v = 0; v < w->f->volumes; v++)
         if (w->f->tracer[v].treelets == from)
@@ -188,8 +191,8 @@ static bool has_work(frame_work *w) {
     return rays || ((tiles || tile_left(w)) && ray_records_unpromised(w->records) >= w->tile_rays);
 }
 
-/* Call after any change of what can be done. Wakes a thread if there is work for it; that one wakes
- * the next. Wakes it after unlocking, since it would soon wait for the lock. */
+/* Unlock; call it after any change of what can be done. Wakes a thread if there is work for it;
+ * that thread wakes the next. The lock is released first, since the woken thread takes it soon. */
 static void unlock_and_wake(frame_work *w) {
     const bool claimed = has_work(w) && sleepers_claim(&w->sleepers);
     pthread_mutex_unlock(&w->lock);
@@ -261,8 +264,8 @@ static bool is_cancelled(const frame *f) {
     return f->cancel && atomic_load_explicit(f->cancel, memory_order_relaxed);
 }
 
-/* Whether the round is over. With the lock held: ends it first if a read failed, on cancel, or when
- * the time is over. */
+/* With the lock held: end the round if a read failed, the frame is cancelled, or the time is over.
+ * Returns whether the round is over. */
 static bool look_over(frame_work *w) {
     const bool failed = !hear(w);
     if (!is_over(w) && (failed || is_cancelled(w->f) || frame_work_late(w)))
@@ -270,12 +273,12 @@ static bool look_over(frame_work *w) {
     return is_over(w);
 }
 
-/* Returns whether to sleep until something has changed. The last thread awake finds out whether
- * anything will, and ends the round if not.
+/* Returns whether this thread is to sleep until something changes. If it is the last thread awake
+ * and nothing will change, end the round instead.
  */
 static bool lie_down_or_end(frame_work *w, work_hand *own) {
-    /* Give records back: others may wait for them, and they must count before the last thread finds
-     * that there are none. */
+    /* Give records back: other threads may wait for them. The last thread awake must see them when
+     * it looks whether there are any. */
     (void)ray_records_keep(w->records, &own->reserve, 0);
     const bool last = sleepers_lie_down(&w->sleepers) == atomic_load(&w->inside);
     const bool ends = last && !(w->hung_up > 0 && more_comes(w->f));
@@ -347,7 +350,8 @@ void frame_work_suspend(frame_work *w, work_hand *own, const uint32_t rays[], ui
     ask_for(w->f, wishes, wished);
 }
 
-/* The tile's treelets have been requested, so only this thread needs to know of it yet. */
+/* Keep a waiting tile in the thread's hand. Its treelets have been requested, so other threads need
+ * not see it yet. */
 static void take_in_hand(frame_work *w, work_hand *own, uint32_t tile) {
     own->tiles[own->tile_count++] = tile;
     if (own->tile_count == WORK_HAND)
@@ -378,8 +382,8 @@ void frame_work_stop(frame_work *w) {
 
 /* ---- Between rounds ---- */
 
-/* Keep in the list those treelets that rays still wait for, and make tiles resumable. Returns
- * whether there were any tiles. */
+/* Make all waiting tiles resumable. Keep in `waiting` only treelets that rays still wait for.
+ * Returns whether there were any tiles. */
 static bool look_over_waiting(frame_work *w) {
     bool tiles = false;
     uint32_t kept = 0;
@@ -402,7 +406,8 @@ static wish wish_for(const frame_work *w, uint32_t t) {
     return wish_of(ray_records_at(w->records, w->buckets[t].rays));
 }
 
-/* Collect requests for the treelets that rays await from a loader. */
+/* Write requests for all treelets of a loader that rays wait for to w->requests. Returns their
+ * number. */
 static size_t collect_requests(frame_work *w, const loader *from) {
     size_t count = 0;
     pthread_mutex_lock(&w->lock);
@@ -445,8 +450,8 @@ status frame_work_admit(frame_work *w) {
     return st;
 }
 
-/* Sort all that waits anew. Other frames may have been drawn since: treelets that had come may be
- * gone, and nothing is requested any more. */
+/* Sort all buckets anew into those that have come and those that wait. Other frames may have been
+ * drawn since the last time: treelets that had come may be evicted, and no request is left. */
 static void sort_buckets(frame_work *w) {
     w->come_first = none;
     w->waiting_count = 0;

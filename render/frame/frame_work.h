@@ -1,33 +1,34 @@
 /* frame_work.h - what the threads of a frame do next, and what waits for which treelet.
  *
- * There are tiles to begin, tiles to go on with, and batches of suspended rays. A treelet's bucket
- * holds the rays that wait for it, and tiles that wait for it among others. When the treelet comes,
- * they go on. A thread takes whatever can be done, sleeps only when there is nothing, and begins a
- * tile only with records for all its rays. A round ends, for all threads, when nothing can be done
- * and nothing more comes, or when the time is over. In the first case the picture is done, or stuck
- * until treelets are evicted for others; they cannot be while rays are traced. No thread waits for
- * another, so threads may also enter a round one after the other.
+ * There is work of three kinds: tiles to begin, tiles to go on with, and batches of suspended rays.
+ * A treelet's bucket holds the rays that wait for it, and the tiles that wait for it and perhaps
+ * for others. When the treelet comes, they go on. A thread takes whatever can be done, and sleeps
+ * only when there is nothing. It begins a tile only with records for all the tile's rays.
+ *
+ * A round ends for all threads when nothing can be done and no treelet is coming, or when the time
+ * is over. In the first case the picture is done, or treelets have to be evicted to make room for
+ * others, which is impossible while rays are traced. No thread waits for another, so threads may
+ * also enter a round one after the other.
  *
  * Why a frame ends, with any number of slots and records from frame_records_min() on:
  *
  *   - A round ends. Before a thread sleeps or leaves, it gives its reserve of records back, and
- *     puts the tiles in its hand into buckets. The last one awake of those inside sees every record
- *     that is no ray's and finds nothing to do. If something waits for a treelet, it lies down and
- *     then asks the loaders whether they are reading. If so, the end of that read finds it lying,
- *     and wakes it (sleepers.h says why). If not, all that has come is among the arrivals, which it
+ *     puts the tiles in its hand into buckets. So the last thread awake sees all records that no
+ * ray has, and knows that there is nothing to do. If something waits for a treelet, this thread
+ * lies down, and then asks the loaders whether they are reading. If so, the end of the read wakes
+ * it (sleepers.h says why). If not, all treelets that have come are among the arrivals, which it
  *     checks last: a loader adds a treelet there before it says that it reads no more.
  *   - No arrival is overlooked. A thread that puts something into a bucket checks, holding the
  *     lock, whether the treelet is there. A thread that takes arrivals holds the lock, too, and
  *     empties the bucket then. A treelet is READY before it is an arrival. So if the first did not
  *     see it, the second comes later and finds what is in the bucket.
- *   - A tile waits only where its treelets had slots at that time. If others were quicker and
- *     slots ran out, the tile is taken up again at the end of the round. As the queue of the loader
- *     is not empty then, and slots are not free, it does not wait again but suspends its rays one
- *     by one.
- *   - If tiles are left at the end of a round for want of records, then waiting rays have these:
- *     one tile needs no more than there are in all. loader_admit() makes at least one of the
- *     treelets come that rays wait for, and no treelet is evicted before the next round's end.
- *     So at least one ray passes one treelet in each round, and its way is finite.
+ *   - A tile waits only if there were free slots for its treelets. If other treelets took the slots
+ *     first, the tile is taken up again after the round. Then the loader's queue is not empty and
+ *     no slot is free, so the tile does not wait again, but suspends its rays one by one.
+ *   - If tiles are left at the end of a round for lack of records, rays that wait have the records,
+ *     since one tile needs no more than there are in all. loader_admit() loads at least one of the
+ *     treelets that rays wait for, and no treelet is evicted before the end of the next round. So
+ *     in each round at least one ray passes one treelet, and each ray passes finitely many.
  *
  * A loader's threads never take the lock. They leave treelets in a lock-free list (arrivals.h),
  * from which the frame's threads take them, and wake a sleeping thread, if there is one. While
@@ -81,8 +82,8 @@ typedef struct frame_work {
     work_tile *tiles;
     uint32_t *order; /* of tiles to begin; the caller fills it */
     uint32_t tile_count;
-    _Atomic uint32_t tiles_begun; /* index into order; may pass tile_count, since threads that find
-                                     no tile still count on */
+    _Atomic uint32_t tiles_begun; /* index into order; may exceed tile_count: threads that find no
+                                     tile left have incremented it, too */
     _Atomic uint32_t inside;      /* threads in the round */
     atomic_bool over;             /* the round is over; set with the lock held */
     atomic_bool look;             /* there is more to do than tiles to begin */
@@ -108,8 +109,9 @@ typedef struct work_item {
 CHECKED status frame_work_init(frame_work *w, const frame *f, ray_records *records, uint32_t tiles);
 void frame_work_release(frame_work *w);
 
-/* frame_work_begin() - register with the loaders until frame_work_end(), and request again what was
- * awaited before. Until then only frame_work_admit() may use the loaders. until: clock_seconds().
+/* frame_work_begin() - register with the loaders, and request again the treelets that rays wait
+ * for. Until frame_work_end() only frame_work_admit() may use the loaders. until: a
+ * clock_seconds().
  */
 void frame_work_begin(frame_work *w, double until);
 void frame_work_end(frame_work *w);
@@ -121,13 +123,13 @@ size_t frame_work_bytes(uint32_t treelets, size_t tiles);
 void frame_work_enter(frame_work *w);
 void frame_work_leave(frame_work *w, work_hand *own);
 
-/* frame_work_take() - set *item to what this thread does next; false when the round is over. For a
- * tile, records for its rays are promised to the thread's reserve. Takes no lock for a tile that is
- * begun while nothing else can be done. */
+/* frame_work_take() - set *item to what this thread is to do next. Returns false when the round is
+ * over. May sleep. For a tile, records for all its rays are promised to the thread's reserve. As
+ * long as there are only tiles to begin, it takes no lock. */
 bool frame_work_take(frame_work *w, work_hand *own, work_item *item);
 
 /* frame_work_suspend() - let at most WORK_BATCH rays wait for the treelets that their records name.
- * Gives back what the reserve has more than a tile needs. */
+ * Gives back the promises of the reserve beyond what a tile needs. */
 void frame_work_suspend(frame_work *w, work_hand *own, const uint32_t rays[], uint32_t count);
 
 /* frame_work_wait() - request these treelets of the first volume, at most TILE_ABSENT_MAX, and let
@@ -147,10 +149,11 @@ bool frame_work_late(const frame_work *w);
 /* frame_work_stop() - end the round early. */
 void frame_work_stop(frame_work *w);
 
-/* frame_work_done() - between rounds: whether nothing is left to do. frame_work_admit() - evict
- * treelets and load others, so that something can be done again. Returns the error of a treelet
- * that failed. */
+/* Both are for the time between rounds. frame_work_done() - returns whether the picture is done. */
 bool frame_work_done(frame_work *w);
+
+/* frame_work_admit() - evict treelets and load others that rays wait for. Returns the error of a
+ * treelet that failed. */
 CHECKED status frame_work_admit(frame_work *w);
 
 #endif

@@ -1,10 +1,10 @@
 /* integrator.h - turns a ray into a pixel: a row of functions for each way of looking.
  *
- * A frame (frame.h) begins a record for each ray that tiles leave over. An integrator asks what is
- * on the ray's way, and turns the answers into a pixel. The frame has the questions of many rays
- * answered together (ray_advance.h), and keeps records that wait for a treelet. It knows only their
- * heads. The caller that makes a frame chooses the integrator and its description:
- * frame.integrator, frame.look.
+ * A frame (frame.h) begins a record for each ray that the kernel of tiles did not finish. The
+ * integrator asks what is on the ray's way, and turns the answers into a pixel. The frame answers
+ * the questions of many rays together (ray_advance.h), and keeps records that wait for a treelet.
+ * Of a record, the frame knows only the head. The caller of a frame chooses the integrator and its
+ * description: frame.integrator, frame.look.
  */
 #ifndef RENDER_FRAME_INTEGRATOR_H
 #define RENDER_FRAME_INTEGRATOR_H
@@ -43,8 +43,8 @@ typedef struct integrator {
 
     /* Fill the record of a pixel's ray before anything is traced. */
     void (*begin)(const frame *f, uint32_t pixel, ray_record *r);
-    /* Go on to the next question (true), or until the pixel is written (false). The question stays
-     * the same until it is answered. */
+    /* Go on until there is a question (true), or the pixel is written (false). Asking again before
+     * the answer gives the same question. */
     bool (*ask)(const frame *f, ray_record *r, ray_question *q, ray_counters *counters);
     /* The question's state has been answered: TRACE_HIT or TRACE_MISS. TRACE_MISS also means that
      * there are no more pieces, or none are wanted, or that the greatest value is certain. */
@@ -55,10 +55,10 @@ typedef struct integrator {
     size_t take_scratch;
     void (*take)(const frame *f, ray_record *const r[], const segment_columns *pieces, bool stop[],
                  void *scratch);
-    /* The bundle of all rays on a leg of their way. */
+    /* Returns the bundle that all rays form on a leg of their way. */
     ray_bundle (*bundle)(const frame *f, uint32_t leg);
 
-    /* The kernel that begins whole tiles of pixels, or NULL. The row may leave it out.
+    /* Returns the kernel that begins whole tiles of pixels, or NULL. The row may leave it out.
      */
     tile_fn (*tile)(const frame *f);
 } integrator;

@@ -1,12 +1,12 @@
 #include "render/frame/ray_advance.h"
 
-/* Order of a ray's turn, least first: shadow legs come before the next surface, so that all rays
- * get there together. */
+/* Returns the turn of a ray; the least is answered first. Legs to lights come before the leg from
+ * the eye, so that all rays look for their next surface together. */
 static uint32_t turn_of(const ray_record *r) {
     return (uint32_t)(uint16_t)(r->leg - 1) << 16 | r->volume;
 }
 
-/* The number of a ray whose turn it is; count: no ray asks. */
+/* Returns the number of a ray with the least turn; c->count: no ray asks. */
 static unsigned next_of(const ray_company *c) {
     unsigned next = c->count;
     for (unsigned i = 0; i < c->count; i++)

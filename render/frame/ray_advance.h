@@ -1,7 +1,6 @@
-/* ray_advance.h - rays of pixels go on side by side; questions of several rays are answered in
- * batches.
+/* ray_advance.h - rays of many pixels advance together: their questions are answered in batches.
  *
- * Each ray's answers are those that it would have alone, to the bit, whatever the others ask.
+ * A ray gets the same answers as alone, to the bit, whatever the other rays ask.
  */
 #ifndef RENDER_FRAME_RAY_ADVANCE_H
 #define RENDER_FRAME_RAY_ADVANCE_H
@@ -30,12 +29,12 @@ typedef struct ray_pieces {
     _Alignas(64) char scratch[]; /* integrator.take_scratch bytes */
 } ray_pieces;
 
-/* ray_pieces_bytes() - size of one for this integrator, a multiple of 64. */
+/* ray_pieces_bytes() - size of a ray_pieces for this integrator, a multiple of 64. */
 size_t ray_pieces_bytes(const integrator *by);
 
-/* ray_advance() - let all rays go on, also those that were blocked, until their pixels are written
- * or they are blocked. *b, *pieces and scratch: room, see ray_batch.h. pieces may be NULL for an
- * integrator that asks for none. */
+/* ray_advance() - let all rays go on, blocked ones too, until each is blocked or its pixel is
+ * written. *b, *pieces and scratch: room, see ray_batch.h. pieces may be NULL for an integrator
+ * that asks for none. */
 void ray_advance(const frame *f, ray_company *c, ray_batch *b, ray_pieces *pieces, void *scratch,
                  ray_counters *counters);
 

@@ -74,7 +74,8 @@ static status make_chunk(ray_records *r) {
     return ST_OK;
 }
 
-/* Under the lock: a record of the promised ones that no thread has. */
+/* Under the lock: find a record that no ray and no reserve has. Promises ensure that there is one.
+ */
 static status find(ray_records *r, uint32_t *i) {
     if (r->free_head != ray_records_none) {
         *i = pop(r, &r->free_head);
@@ -86,7 +87,7 @@ static status find(ray_records *r, uint32_t *i) {
     return st;
 }
 
-/* Bring records to hand: as many as are promised, up to REFILL. */
+/* Fill the reserve with free records: as many as are promised to it, up to REFILL. */
 static status refill(ray_records *r, ray_reserve *own) {
     const uint32_t count = own->promised < REFILL ? own->promised : REFILL;
     status st = ST_OK;

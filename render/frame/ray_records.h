@@ -5,8 +5,8 @@
  * next one. So a lock is taken only after rays have suspended. Memory comes in chunks, and only
  * when records are taken.
  *
- * A promise is kept without waiting: a reserve never has more free records at hand than are
- * promised to it. So the records that no ray has and that are in no other reserve suffice for it.
+ * Why a promise is kept without waiting: no reserve has more free records at hand than are promised
+ * to it. So enough records remain that no ray and no other reserve has.
  */
 #ifndef RENDER_FRAME_RAY_RECORDS_H
 #define RENDER_FRAME_RAY_RECORDS_H
@@ -28,7 +28,7 @@ typedef struct ray_records {
     char **chunks;
     pthread_mutex_t lock;
     /* Guarded by lock: */
-    uint32_t made, begun; /* records that have memory; that were ever in use */
+    uint32_t made, begun; /* made: records that have memory; begun: records that were ever used */
     uint32_t free_head;   /* records no longer in use, and in no reserve */
     _Atomic uint32_t unpromised;
 } ray_records;
@@ -45,7 +45,7 @@ typedef struct ray_reserve {
 CHECKED status ray_records_init(ray_records *r, mem *m, size_t record_bytes, uint32_t most);
 void ray_records_release(ray_records *r);
 
-/* ray_records_bytes() - memory beside the records themselves, for at most so many. */
+/* ray_records_bytes() - memory that `most` records need beside the records themselves. */
 size_t ray_records_bytes(size_t record_bytes, uint32_t most);
 
 static inline ray_record *ray_records_at(const ray_records *r, uint32_t i) {
@@ -53,23 +53,23 @@ static inline ray_record *ray_records_at(const ray_records *r, uint32_t i) {
                           i % RAY_RECORDS_CHUNK * r->record_bytes);
 }
 
-/* ray_records_unpromised() - about how many may be promised now. */
+/* ray_records_unpromised() - returns about how many records may be promised now. */
 static inline uint32_t ray_records_unpromised(const ray_records *r) {
     return atomic_load_explicit(&r->unpromised, memory_order_relaxed);
 }
 
-/* ray_records_promise() - promise the reserve `count` records in all. Returns whether there are
- * enough. Takes no lock if they were promised before. */
+/* ray_records_promise() - raise the promises of the reserve to `count` records. Returns false if
+ * there are not enough. Takes no lock if so many are promised already. */
 bool ray_records_promise(ray_records *r, ray_reserve *own, uint32_t count);
 
 /* ray_records_keep() - give back all promises of the reserve beyond `count`. Returns whether there
  * were any. */
 bool ray_records_keep(ray_records *r, ray_reserve *own, uint32_t count);
 
-/* ray_records_take() - take a record that was promised; ST_NOMEM. ray_records_give() - return it to
- * the reserve.
- */
+/* ray_records_take() - take a record that was promised; ST_NOMEM. */
 CHECKED status ray_records_take(ray_records *r, ray_reserve *own, uint32_t *i);
+
+/* ray_records_give() - return a record to the reserve. */
 void ray_records_give(ray_records *r, ray_reserve *own, uint32_t i);
 
 #endif

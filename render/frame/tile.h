@@ -1,10 +1,10 @@
-/* tile.h - the primary rays of a square of pixels through a volume together, up to the last surface
- * that counts: input and outcome of a kernel (grid/grid_tile.h, mesh/mesh_tile.h).
+/* tile.h - kernels that trace the primary rays of a square of pixels together: their input and
+ * outcome. They find all surfaces that count (grid/grid_tile.h, mesh/mesh_tile.h).
  *
- * All of them start at the eye, so one order of nodes is front to back for them all. The tree is
- * walked once a tile. Every node carries the rectangle of pixels that it can cover (projection.h),
- * and is dropped when that is empty or all its pixels have their surfaces. So empty space and
- * hidden nodes cost nothing more. The picture is the same bits as that of single rays.
+ * All these rays start at the eye, so one order of nodes is front to back for all of them. The tree
+ * is walked once per tile. Each node has the rectangle of pixels that it can cover (projection.h).
+ * A node is dropped when the rectangle is empty, or all its pixels have their surfaces. So empty
+ * space and hidden nodes cost nothing more. The picture equals the one by single rays, to the bit.
  *
  * Two cases are left to single rays: rays that meet an absent treelet, and directions with a
  * component that is nearly, but not exactly, zero.
@@ -27,7 +27,7 @@ typedef struct tile_treelet {
     uint16_t leg;
 } tile_treelet;
 
-/* What the kernel leaves to do, row by row of the tile. All other pixels that were asked for are
+/* What a kernel leaves to do, row by row of the tile. All other pixels that were asked for are
  * written. */
 typedef struct tile_outcome {
     /* The caller's room, since stacks may be small: kind_tiles.scratch bytes, 64-byte aligned; */

@@ -38,8 +38,8 @@ SIMD tile_view tile_view_of(const frame *f, uint32_t x0, uint32_t y0) {
                        (float)(y0 + 0.5 - 0.5 * f->camera.middle[1])};
 }
 
-/* One homogeneous coordinate of the eight children: entries of their lower and their upper
- * planes. */
+/* One homogeneous coordinate (x, y or w) of the eight children. A corner's coordinate is a sum over
+ * the axes. lo, hi: what the child's lower or upper plane across an axis adds. */
 typedef struct children_planes {
     vf lo[3], hi[3];
 } children_planes;
@@ -56,14 +56,14 @@ SIMD void children_axis(children_planes *c, int a, unsigned lane, float first, f
     c->hi[a] = f_select(upper, f_set(last), f_set(middle));
 }
 
-/* The entries that the children's corners are sums of. far: the sum of each axis's largest. */
+/* The homogeneous coordinates of the children. far: a bound of their corners' distances. */
 typedef struct children_entries {
     children_planes x, y, w;
     vf far;
 } children_entries;
 
-/* Whether the children's boxes lie wholly outside x - c w >= 0 (sign 1) or <= 0 (sign -1). Tests
- * the corner nearest to the inside. */
+/* Returns which children's boxes lie wholly outside of x - c w >= 0 (sign 1) or <= 0 (sign -1).
+ * Tests the corner nearest to the inside. */
 SIMD mf outside(const children_planes *x, const children_planes *w, float c, float sign, vf error) {
     vf most = error;
     for (int a = 0; a < 3; a++)
@@ -72,8 +72,8 @@ SIMD mf outside(const children_planes *x, const children_planes *w, float c, flo
     return f_lt(most, f_set(0.0f));
 }
 
-/* Children that reach behind the eye or past its sides have no rectangle of their own. They get the
- * whole parent's, unless they lie outside the tile's pyramid, as this tells. */
+/* Returns which children lie outside the tile's pyramid. Needed for children that reach behind the
+ * eye, or too near to it: they have no rectangle of their own, and get their parent's. */
 SIMD mf outside_tile(const tile_view *tile, const children_entries *e) {
     const float m = 0.5f;
     const vf error = f_set(tile->p->plane_error) * e->far;
@@ -98,8 +98,7 @@ SIMD void extend(children_extent *e, vf x, vf y, vf w) {
     e->w1 = f_max(e->w1, w);
 }
 
-/* Extend by the two corners that differ in z alone; x, y, w are summed over the other axes
- * already. */
+/* Extend by two corners that differ only in z. x, y and w: the sums over the other two axes. */
 SIMD void extend_twice(children_extent *e, vf x, vf y, vf w, const children_planes *xs,
                        const children_planes *ys, const children_planes *ws) {
     extend(e, x + xs->lo[2], y + ys->lo[2], w + ws->lo[2]);
@@ -135,8 +134,8 @@ SIMD rect_lanes rect_lanes_load(const tile_rect *from) {
         __builtin_convertvector(all >> 16 & 255, vf), __builtin_convertvector(all >> 24 & 255, vf)};
 }
 
-/* The rectangles of the extents e, widened by the margin, within given ones. `whole` lanes get the
- * given rectangle. *alive: lanes whose rectangle is not empty. */
+/* Returns the rectangles of the extents e, widened by the margin and cut to the rectangles
+ * `within`. Lanes `whole` get `within` itself. *alive: lanes whose rectangle is not empty. */
 SIMD vi rects_of_extent(const tile_view *tile, const children_extent *e, float margin, mf whole,
                         rect_lanes within, mf *alive) {
     vf x0 = f_max(f_ceil(e->x0 - f_set(tile->x + margin)), within.x0);

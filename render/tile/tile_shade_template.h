@@ -1,8 +1,9 @@
 /* tile_shade_template.h - turns what a tile's rays have found into pixels; included by the units of
  * an ISA (see formats/base/simd.h).
  *
- * surface_at(), shade.h and surface_light.h in the same order of operations, many pixels at a time:
- * layer by layer, each composited behind those in front of it.
+ * Shades many pixels at a time, layer by layer. Each layer is composited behind the layers in front
+ * of it. The operations are the same as in surface_at(), shade.h and surface_light.h, in the same
+ * order.
  */
 #ifndef RENDER_TILE_TILE_SHADE_TEMPLATE_H
 #define RENDER_TILE_TILE_SHADE_TEMPLATE_H
@@ -38,9 +39,10 @@ typedef struct tile_pixels {
     float rgba[4][TILE_RAYS];
 } tile_pixels;
 
-/* A kind's part. normals: set the unit normals of a layer's surfaces; other pixels get anything.
- * starts: write the points of surfaces, without normals, one after the other, for shadows; which:
- * VD_N rays from i on, a bit each. */
+/* The part of shading that depends on the kind. normals: set the unit normals of a layer's
+ * surfaces; normals of other pixels are undefined. starts: for shadows, write the points of
+ * surfaces, without normals, one after the other; which: the rays, a bit each, of VD_N rays from i
+ * on. */
 typedef struct tile_kind {
     void (*normals)(void *work, const tile_layer *l, tile_normals normal);
     void (*starts)(void *work, const tile_layer *l, unsigned i, unsigned which, surface_point to[]);
@@ -58,12 +60,12 @@ SIMD vf power_f(vf x, int n) {
     return result;
 }
 
-/* Pixels as the lights see them. */
+/* VF_N pixels while they are lit. rgb: the surface's colour; out: the light so far. */
 typedef struct lit_pixels {
     vf normal[3], eye[3], rgb[3], out[3];
 } lit_pixels;
 
-/* The surfaces' unit normals, turned to the eye's side as in shade_point_of(). */
+/* Set the surfaces' unit normals, turned to the eye's side as in shade_point_of(). */
 SIMD void lit_normals(const tile_state *s, unsigned i, tile_normals normal, lit_pixels *p) {
     for (int a = 0; a < 3; a++) {
         p->normal[a] = f_load(normal[a] + i);
@@ -75,7 +77,7 @@ SIMD void lit_normals(const tile_state *s, unsigned i, tile_normals normal, lit_
         p->normal[a] = f_select(f_gt(length, zero), p->normal[a] / turn, p->eye[a]);
 }
 
-/* The colours of surfaces. Returns their opacities. */
+/* Set rgb[] to the colours of surfaces. Returns their opacities. */
 SIMD vf looks_of(const tile_state *s, const tile_layer *l, unsigned i, unsigned hits, vf rgb[3]) {
     float of[4][VF_N];
     if (s->f->tracer->isos.count == 1) {
@@ -95,7 +97,7 @@ SIMD vf looks_of(const tile_state *s, const tile_layer *l, unsigned i, unsigned 
     return f_load(of[3]);
 }
 
-/* shade_point_of() and shade_ambient(), VF_N pixels at a time. */
+/* Vector form of shade_point_of() and shade_ambient(). */
 SIMD lit_pixels lit_begin(const tile_state *s, unsigned i, tile_normals normal, const vf rgb[3]) {
     const leafcast_scene *scene = surface_look_of(s->f)->scene;
     const bool flat = scene->shading == LEAFCAST_SHADING_FLAT;
@@ -108,7 +110,7 @@ SIMD lit_pixels lit_begin(const tile_state *s, unsigned i, tile_normals normal, 
     return p;
 }
 
-/* shade_light(). */
+/* Vector form of shade_light(). */
 SIMD void lit_add(const leafcast_scene *scene, const vf to[3], const float light[3], vf visibility,
                   lit_pixels *l) {
     const vf zero = f_set(0.0f), n_l = dot_f(l->normal, to);
@@ -132,7 +134,7 @@ static uint32_t pixel_of(const tile_state *s, unsigned i) {
     return (s->y0 + i / TILE) * s->f->width + s->x0 + i % TILE;
 }
 
-/* The unit directions from surfaces to a light. */
+/* Set to[] to the unit directions from surfaces to a light. */
 SIMD void towards_light(const tile_state *s, const tile_layer *l, const tile_pixels *p, unsigned i,
                         unsigned hits, int light, vf to[3]) {
     const leafcast_light *of = &surface_look_of(s->f)->scene->lights[light];
@@ -163,7 +165,8 @@ static void aim_lights(const frame *f, tile_pixels *p) {
     }
 }
 
-/* Shade a layer's surfaces, and composite them behind the layers in front: shade_composite(). */
+/* Shade a layer's surfaces, and composite them behind the layers in front, as shade_composite()
+ * does. */
 SIMD void shade_surfaces(const tile_state *s, const tile_layer *l, unsigned i, unsigned hits,
                          tile_normals normal, tile_pixels *p) {
     static const float white[3] = {1.0f, 1.0f, 1.0f};
@@ -216,7 +219,7 @@ static void find_reached(const tile_state *s, const tile_layer *l, int light, ti
     }
 }
 
-/* The points of surfaces of VD_N rays: lit_at() in the same order of operations. */
+/* Vector form of lit_at(): compute the points of surfaces of VD_N rays. */
 SIMD void surfaces_at(const tile_state *s, const tile_layer *l, unsigned i, unsigned which,
                       double at[3][VD_N]) {
     const camera *c = &s->f->camera;
@@ -356,7 +359,7 @@ static void shade_walk(const tile_state *s, const tile_kind *kind, void *work, t
         shade_layer(s, kind, work, k, p);
 }
 
-/* shade_background(). */
+/* Vector form of shade_background(). */
 static void shade_behind_all(const frame *f, tile_pixels *p) {
     const float *background = surface_look_of(f)->scene->background;
     for (unsigned i = 0; i < p->count; i += VF_N) {

@@ -1,10 +1,11 @@
-/* tile_state_template.h - state that tiles through grids and through meshes share: their rays, and
- * the surfaces that these have met; included by the units of an ISA (see formats/base/simd.h).
+/* tile_state_template.h - the state that kernels of tiles for grids and for meshes share: a tile's
+ * rays, and the surfaces that they have met; included by the units of an ISA (see
+ * formats/base/simd.h).
  *
- * A walk keeps the first surfaces of each ray, in order: one where surfaces are opaque, else as
- * many as are composited or as there is room for (layers). A ray is full when nothing behind its
- * last surface counts. From then on it looks no farther than that. Rays that are full only for want
- * of room take another walk behind their surfaces (tile_state_again()).
+ * A walk keeps the nearest surfaces of each ray, in order. If surfaces are opaque, it keeps one;
+ * else as many as are composited, or as there is room for (layers). A ray is full when nothing
+ * behind its last surface counts, or there is no room. From then on it looks only up to that
+ * surface. Rays that lacked room are walked again, behind their surfaces (tile_state_again()).
  */
 #ifndef RENDER_TILE_TILE_STATE_TEMPLATE_H
 #define RENDER_TILE_TILE_STATE_TEMPLATE_H
@@ -54,10 +55,10 @@ typedef struct tile_state {
     /* Found by earlier walks: */
     int before;                    /* layers of each ray */
     float alpha[TILE_RAYS];        /* composited so far */
-    tile_surface after[TILE_RAYS]; /* last surface: only those behind it count; if before > 0 */
+    tile_surface after[TILE_RAYS]; /* the last one, if before > 0: only what is behind it counts */
 } tile_state;
 
-/* The surfaces with one number, counted from the front. */
+/* The k-th surfaces of all rays, counted from the front; number: k. */
 typedef struct tile_layer {
     const tile_state *s;
     unsigned number;
@@ -119,7 +120,7 @@ static tile_surface *surfaces_of(tile_state *s, unsigned i) {
     return &s->surfaces[i * (unsigned)s->layers];
 }
 
-/* Whether ray i has a surface in a layer. surface_of(): that surface. */
+/* Returns whether ray i has a surface in a layer. surface_of() then returns it. */
 static bool in_layer(const tile_layer *l, unsigned i) {
     return l->number < l->s->count[i];
 }
@@ -132,7 +133,7 @@ static hit tile_hit(const tile_state *s, const tile_surface *x) {
     return (hit){x->t, s->order->cell_of(s->f, x), x->iso, x->entering};
 }
 
-/* -1: a comes before b; 0: it is the same crossing; 1: it comes after b. */
+/* Returns -1 if a comes before b, 0 if both are the same crossing, 1 if a comes after b. */
 static int compare(const tile_state *s, const tile_surface *a, const tile_surface *b) {
     if (a->t != b->t)
         return a->t < b->t ? -1 : 1;
@@ -157,7 +158,7 @@ static bool is_full(tile_state *s, unsigned i) {
     return s->count[i] == s->layers;
 }
 
-/* Merge two sightings of one crossing: keep the one of the lesser cell. */
+/* Two cells found the same crossing. Keep the surface of the lesser cell. */
 static void take_double(const tile_state *s, tile_surface *known, const tile_surface *found) {
     const hit x = tile_hit(s, found), y = tile_hit(s, known);
     if (s->order->less(&x, &y))
@@ -192,9 +193,10 @@ static bool take_among_others(tile_state *s, unsigned i, const tile_surface *fou
     return k < s->count[i];
 }
 
-/* Insert a surface in order among those of ray i. Returns false if it does not count, or is there
- * already. Sets the reach of a ray that is full. Most surfaces are the first and only one. That one
- * is stored member by member: a copy would wait for members that have just been stored. */
+/* Insert a surface, in order, among the surfaces of ray i. Returns false if it does not count, or
+ * is there already. Sets the reach of a ray that is full. The common case is a ray's first and only
+ * surface. It is stored member by member: a copy of the struct would wait for members that have
+ * just been stored. */
 SIMD bool tile_state_take(tile_state *s, unsigned i, tile_surface found) {
     if (s->layers > 1 || s->before > 0 || s->count[i] > 0)
         return take_among_others(
@@ -206,7 +208,7 @@ SIMD bool tile_state_take(tile_state *s, unsigned i, tile_surface found) {
     return true;
 }
 
-/* Which of `count` rays from i on have a surface in a layer. */
+/* Returns which of `count` rays from i on have a surface in a layer. */
 SIMD unsigned hits_from(const tile_layer *l, unsigned i, unsigned count) {
     unsigned hits = 0;
     for (unsigned k = 0; k < count; k++)
@@ -216,20 +218,21 @@ SIMD unsigned hits_from(const tile_layer *l, unsigned i, unsigned count) {
 
 /* ---- Again ---- */
 
-/* The last surface of a ray that has `layers` of them. */
+/* Returns the last surface of a ray that has s->layers surfaces. */
 static const tile_surface *last_of(const tile_state *s, unsigned i) {
     return &s->surfaces[(i + 1) * (unsigned)s->layers - 1];
 }
 
-/* Whether a ray with `layers` surfaces looks for more behind them. alpha: composited by then. */
+/* Returns whether ray i has s->layers surfaces, and looks for more behind them. alpha: the alpha
+ * composited so far, per ray. */
 static bool wants_more(const tile_state *s, unsigned i, const float alpha[]) {
     const bool done = (s->rays.single[i / TILE] | s->out->waits[i / TILE]) >> i % TILE & 1u;
     return !done && s->count[i] == s->layers &&
            surface_shows_through(alpha[i], tile_look(s, last_of(s, i)->iso)->opacity);
 }
 
-/* Call when the surfaces found are composited. Begins another walk, behind their surfaces, for the
- * rays that were full for want of room. Returns false if there are none. */
+/* Call when the surfaces found are composited. Begins another walk, for the rays that had no room
+ * for more surfaces: it looks behind their last ones. Returns false if there is no such ray. */
 static bool tile_state_again(tile_state *s, int most, const float alpha[]) {
     const int wanted = surface_layers(s->f);
     tile_row any = 0;
