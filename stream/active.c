@@ -219,7 +219,8 @@ void active_whole(active_masks *masks, const leaf_file *f, uint32_t p, const voi
     if (in->bins == 0 || (f->flags[p] & LEAF_FLAG_NON_FINITE))
         return;
     memset(masks->whole, 0, (size_t)1 << (3 * levels));
-    /* Take no single block whole: a ray's few cells there cost less by vectors than a piece. */
+    /* Do not take a single block whole: a ray's few cells in it, by vectors, cost less than a piece
+     * of its own. */
     for (uint32_t k = 1; k < levels; k++) {
         const uint32_t below = 3 * (levels - k);
         for (uint32_t i = 0; i < 1u << (3 * k); i++) {

@@ -40,8 +40,8 @@ active_masks *active_init(void *block, uint32_t node_levels);
 /* active_bound() - set first[] and end[] from the nodes. */
 void active_bound(active_masks *masks, uint32_t node_levels);
 
-/* active_whole() - call it after active_compute(). Find which nodes of two levels or more are taken
- * whole. If there are any, first[] and end[] become those of the whole treelet. */
+/* active_whole() - find which nodes of two levels or more are taken whole. Call it after
+ * active_compute(). If there are any, sets first[] and end[] to span the whole treelet. */
 void active_whole(active_masks *masks, const leaf_file *f, uint32_t p, const void *payload,
                   const homogeneous *in);
 

@@ -1,11 +1,12 @@
 /* active_template.h - active_compute() with vectors; active_sse42.c, active_avx2.c and
  * active_avx512.c include it.
  *
- * The same bits as active.c, 32 cells at a time. A row of 33 samples becomes two words of 32 cells:
- * `any` sample, and `all` samples, at or above a limit. An interval needs `any` for its reach and
- * `all` for its beyond; for an isovalue one pass gives both. Words of four rows are combined to
- * active cells and turned into Morton order together. Only rows of blocks (along x) with at least
- * one block whose codes meet the interest are looked at.
+ * Makes the same masks as active.c, to the bit, 32 cells at a time. A row of 33 samples becomes two
+ * words with a bit per cell. `any`: one of the cell's two samples is at or above a limit; `all`:
+ * both are. An interval needs `any` for its reach and `all` for its beyond (interest.h); for an
+ * isovalue one pass gives both. Words of four rows are combined to active cells, and turned into
+ * Morton order together. A row of blocks, along x, is skipped unless the codes of one of its blocks
+ * meet the interest.
  */
 #ifndef STREAM_ACTIVE_TEMPLATE_H
 #define STREAM_ACTIVE_TEMPLATE_H
@@ -163,13 +164,13 @@ SIMD uint32_t finite_f32(const float *s, vf limit) {
 
 /* ---- Rows of cells ---- */
 
-/* One word of up to 32 cells for every row of nodes of a layer of blocks. Index: y + nodes * z,
- * with z from the layer's first plane on. */
+/* A word of up to 32 cells for each row of samples of a layer of blocks. Index: y + n * z, with n
+ * rows per plane, and z counted from the layer's first plane. */
 enum { PLANES = BLOCK + 1 };
 typedef uint32_t layer_words[NODES_MAX * PLANES];
 
-/* Per cell, of its two samples on the row: any reaches the interval; all lie beyond it; any is NaN
- * or inf (bad). spare: words of a pass that are not used. */
+/* Bits per cell, about its two samples on the row. any: one reaches the interval; all: both lie
+ * beyond it; bad: one is NaN or inf. spare: for words of a pass that nobody needs. */
 typedef struct row_bits {
     layer_words any, all, bad, spare;
 } row_bits;
@@ -277,11 +278,11 @@ static void rows_of_plane(const sample_rows *s, uint32_t x, uint32_t y, uint32_t
     }
 }
 
-/* Which rows of blocks are looked at: bit by of element bz. */
+/* Which rows of blocks are looked at: bit `by` of element `bz`, by the block's y and z. */
 typedef uint16_t wanted_rows[BLOCKS_A_SIDE_MAX];
 
-/* Make the words of the rows of plane z that the rows of blocks in `held` touch. at: index of the
- * plane's first word. */
+/* Make the words of plane z, for the rows of samples that the rows of blocks in `held` touch. at:
+ * index of the plane's first word. */
 static void rows_wanted(const sample_rows *s, const uint32_t cells[3], unsigned held, uint32_t x,
                         uint32_t z, const row_pass *pass, size_t at) {
     while (held) {
@@ -295,8 +296,8 @@ static void rows_wanted(const sample_rows *s, const uint32_t cells[3], unsigned 
     }
 }
 
-/* Make the words of layer bz of blocks. Copy its first plane from the layer below, whose last plane
- * it is, if that layer was looked at. */
+/* Make the words of layer bz of blocks. Its first plane is also the last plane of the layer below:
+ * copy it from there if that layer has been made. */
 static void layer_wanted(const sample_rows *s, const uint32_t cells[3], uint32_t side, uint32_t x,
                          const wanted_rows wanted, uint32_t bz, const row_pass *pass) {
     const uint32_t nodes = side + 1, z0 = bz * BLOCK;

@@ -15,8 +15,8 @@
  * are replaced by the next step's, and the tree is refit (mesh_resident.h).
  *
  * Render threads look treelets up with one acquire load of the treelet and one of its masks' state,
- * and may call loader_want(). Functions marked "any thread" apart, all else belongs to the thread
- * that owns the loader.
+ * and may call loader_want(). Functions not marked "any thread" are for the thread that owns the
+ * loader.
  */
 #ifndef STREAM_LOADER_H
 #define STREAM_LOADER_H
@@ -87,9 +87,9 @@ void loader_select(loader *l, const interest *in);
  * the directory, or none if the set is the same as before. */
 void loader_select_set(loader *l, uint32_t set);
 
-/* loader_follow() - after another set was selected: load the active treelets among those that rays
- * touched last, and wait for them. Rays mostly see the same treelets in the next step, and so need
- * not wait for each. Loads as many as there are slots. Errors are reported by loader_failure().
+/* loader_follow() - call it after another set was selected. Loads the active treelets that rays
+ * touched last, as many as there are slots, and waits for them. Rays mostly see the same treelets
+ * in the next step; so they need not wait for each one. Errors are reported by loader_failure().
  * Only while nothing is traced. */
 void loader_follow(loader *l, const atomic_uchar touched[]);
 
@@ -98,13 +98,15 @@ void loader_follow(loader *l, const atomic_uchar touched[]);
 void loader_select_gradients(loader *l, bool needed);
 
 /* loader_slot_bytes() - returns the most memory of a resident treelet; the caller turns a budget
- * into slots with it. loader_stored_bytes() - returns the bytes of treelet t in the file, in the
- * selected set. */
+ * into slots with it. */
 size_t loader_slot_bytes(const loader *l);
+
+/* loader_stored_bytes() - returns the bytes of treelet t in the file, in the selected set. */
 uint64_t loader_stored_bytes(const loader *l, uint32_t t);
 
-/* loader_set_capacity() - allow `slots` READY treelets (0 counts as 1). The cache may use what they
- * leave of the slots' memory and `beside` bytes more. Evicts what is too many. */
+/* loader_set_capacity() - allow `slots` READY treelets (0 counts as 1). The cache may use the
+ * slots' memory that READY treelets leave free, and `beside` bytes more. Evicts treelets beyond
+ * that. */
 void loader_set_capacity(loader *l, uint32_t slots, size_t beside);
 
 /* loader_clear() - evict all treelets, and empty the cache. Only while nothing is traced. */
@@ -161,10 +163,10 @@ typedef struct loader_request {
  * is ABSENT, this takes one atomic load per request and no lock. Any thread. */
 void loader_want(loader *l, const loader_request *requests, size_t count);
 
-/* loader_admit() - call it when rays wait for these treelets alone, none of them resident. Forgets
- * what else was queued, evicts resident treelets if need be, and waits until at least one of the
- * requested is READY. Only while nothing is traced. Sorts the requests. Returns the error of a
- * treelet that failed. */
+/* loader_admit() - call it when no ray can go on without one of these treelets, none of which is
+ * resident. Forgets all other requests, evicts resident treelets if need be, and waits until at
+ * least one requested treelet is READY. Only while nothing is traced. Sorts the requests. Returns
+ * the error of a treelet that failed. */
 CHECKED status loader_admit(loader *l, loader_request *requests, size_t count);
 
 /* loader_has_room() - returns whether a slot stays free once all wanted treelets are READY. Any
@@ -172,25 +174,25 @@ CHECKED status loader_admit(loader *l, loader_request *requests, size_t count);
 bool loader_has_room(const loader *l);
 
 /* loader_listen() - from now on, wake one of these sleepers after each read, failed or not. By then
- * the treelet is among the arrivals, and loader_is_reading() does not count this read. The loader's
- * lock is not held meanwhile. NULL: stop that; only while nobody sleeps. */
+ * the treelet is among the arrivals, and loader_is_reading() does not count this read. The sleeper
+ * is woken without the loader's lock. NULL: wake nobody from now on; only while nobody sleeps. */
 void loader_listen(loader *l, sleepers *listeners);
 
 /* loader_is_reading() - returns whether a read is under way, or is queued and needs no eviction. If
  * so, loader_listen()'s sleepers will be woken. Any thread, no lock. */
 bool loader_is_reading(const loader *l);
 
-/* loader_settle() - wait for all reads that find a free slot. Returns the error of a failed
- * treelet. */
+/* loader_settle() - wait until all queued treelets that find a free slot have been read. Returns
+ * the error of a failed treelet. */
 CHECKED status loader_settle(loader *l);
 
 /* loader_failure() - returns ST_OK, or the error of the first treelet that failed since
  * loader_forget_failures(). */
 CHECKED status loader_failure(loader *l);
 
-/* loader_forget_failures() - let failed treelets be tried again. Call it before each picture, so
- * that one picture's error (no memory, a treelet that the next picture does not need) does not fail
- * the next. Forgets what was queued, too. Only while nothing is traced. */
+/* loader_forget_failures() - let failed treelets be tried again. Call it before each picture: an
+ * error of one picture (no memory, a treelet that the next picture does not need) must not fail the
+ * next. Also empties the queue. Only while nothing is traced. */
 void loader_forget_failures(loader *l);
 
 loader_stats loader_statistics(loader *l);

@@ -1,4 +1,4 @@
-/* loader_private.h - the inside of a loader, for the files loader*.c alone.
+/* loader_private.h - the members of a loader, for the files loader*.c alone.
  *
  * loader_slots.h      what is resident, and its memory
  * loader_reads.h      the queue, and one read at a time from it

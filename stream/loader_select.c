@@ -74,7 +74,7 @@ void loader_select(loader *l, const interest *in) {
     pthread_mutex_unlock(&h->lock);
 }
 
-/* Take their set's data from treelets in the cache (resident_kind.strip). */
+/* Free the data of treelets in the cache that belongs to their set (resident_kind.strip). */
 static void strip_cache(loader *l) {
     struct loader_private *h = l->hidden;
     for (treelet *tr = h->cache.oldest; tr; tr = tr->newer) {

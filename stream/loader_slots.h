@@ -11,14 +11,17 @@
 residence loader_slots_state(const struct loader_private *h, uint32_t t); /* needs no lock */
 void loader_slots_set_state(struct loader_private *h, uint32_t t, residence to);
 
-/* loader_slots_publish() - make a treelet READY, in a free slot. loader_slots_take_back() - make
- * treelet t READY from the cache; returns false if the cache lacks it in the selected set. */
+/* loader_slots_publish() - make a treelet READY, in a free slot. */
 void loader_slots_publish(loader *l, treelet *tr);
+
+/* loader_slots_take_back() - take treelet t from the cache and make it READY. Returns false if the
+ * cache does not have it in the selected set. */
 bool loader_slots_take_back(loader *l, uint32_t t);
 
-/* loader_slots_withdraw() - hide a treelet from rays. The caller must close the gap in `slots`.
- * loader_slots_discard() - free a treelet that is neither READY nor in the cache. */
+/* loader_slots_withdraw() - make a treelet ABSENT for rays. The caller removes it from `slots`. */
 void loader_slots_withdraw(loader *l, treelet *tr);
+
+/* loader_slots_discard() - free a treelet that is neither READY nor in the cache. */
 void loader_slots_discard(loader *l, treelet *tr);
 
 /* loader_slots_evict() - free the `count` oldest READY treelets; the cache does not get them. */
@@ -28,10 +31,11 @@ void loader_slots_evict(loader *l, uint32_t count);
  * the treelets that are loading and `more` others, or the cache is empty. */
 void loader_slots_make_room(loader *l, uint32_t more);
 
-/* loader_slots_share() - add a user of treelet t's shared payload. Returns the payload, or NULL if
- * absent. loader_slots_release() - drop a user; the last one frees the payload.
- * loader_slots_offer() - let other treelets share a treelet's payload. Without sharing, these do
- * nothing. */
+/* For kinds whose sets share payloads; for others, these functions do nothing.
+ *
+ * loader_slots_share() - add a user of treelet t's shared payload. Returns the payload, or NULL if
+ * it is not in memory. loader_slots_release() - remove a user; the payload is freed with the last
+ * one. loader_slots_offer() - let other treelets of the same id share this one's payload. */
 const void *loader_slots_share(struct loader_private *h, uint32_t t);
 void loader_slots_release(struct loader_private *h, uint32_t t);
 void loader_slots_offer(struct loader_private *h, const treelet *tr);

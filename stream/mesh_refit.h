@@ -1,8 +1,8 @@
 /* mesh_refit.h - a mesh's tree fitted to other vertices: W07 6.2.
  *
- * One tree serves all steps: its nodes' boxes and ranges of values follow from the vertices, bottom
- * up. They have the same bits as the file's for that step. So a payload of which only the vertices
- * were read can be completed, and then checked by its checksum.
+ * One tree serves all steps: its nodes' boxes and ranges of values are computed from the vertices,
+ * bottom up. The results equal the file's for that step, to the bit. So it is enough to read the
+ * vertices of a payload: the rest is computed, and the whole is checked by its checksum.
  */
 #ifndef STREAM_MESH_REFIT_H
 #define STREAM_MESH_REFIT_H

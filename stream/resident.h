@@ -46,9 +46,9 @@ typedef struct resident_kind {
     size_t (*bytes)(const resident_store *s, uint32_t t);
     size_t (*shared_bytes)(const resident_store *s, uint32_t t);
     uint64_t (*stored)(const resident_store *s, uint32_t set, uint32_t t);
-    /* Read treelet t of a set. *tr: NULL, or a treelet t without a set, to fill. shared: its shared
-     * payload; NULL: read that, too. On failure *tr keeps what was made, or NULL. Adds the bytes
-     * read to *read. */
+    /* Read treelet t of a set. *tr: NULL, or a treelet t without a set, which is filled. shared:
+     * its shared payload; NULL: read the payload, too. On failure *tr is the treelet as far as it
+     * was made, or NULL. Adds the bytes read to *read. */
     status (*load)(const resident_store *s, uint32_t t, uint32_t set, const void *shared,
                    resident_scratch *scratch, treelet **tr, uint64_t *read);
     /* Free what belongs to the treelet's set. If sets share a payload, it has no set then. */

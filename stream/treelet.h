@@ -1,9 +1,9 @@
 /* treelet.h - a resident treelet: the head that all kinds share. Each kind has a struct of its own
  * that begins with this one (grid_resident.h, mesh_resident.h).
  *
- * Several treelets may have the same id, one per set (a field at a time step). A mesh's share their
- * topology. While other threads use a treelet only masks and nodes change, and only from one
- * selection to the next.
+ * Several treelets may have the same id, one per set (a field at a time step). Those of a mesh
+ * share their topology. While other threads may use a treelet, only its masks and nodes change, and
+ * only when the selection has changed.
  */
 #ifndef STREAM_TREELET_H
 #define STREAM_TREELET_H

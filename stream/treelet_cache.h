@@ -21,9 +21,10 @@ void treelet_cache_release(treelet_cache *s, mem *m);
 /* treelet_cache_put() - add a treelet as the newest. */
 void treelet_cache_put(treelet_cache *s, treelet *tr);
 
-/* treelet_cache_find() - returns the treelet of this id and set, or NULL. treelet_cache_remove() -
- * unlink a treelet. */
+/* treelet_cache_find() - returns the treelet of this id and set, or NULL. */
 treelet *treelet_cache_find(const treelet_cache *s, uint32_t id, uint32_t set);
+
+/* treelet_cache_remove() - unlink a treelet. */
 void treelet_cache_remove(treelet_cache *s, treelet *tr);
 
 #endif

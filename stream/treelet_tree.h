@@ -1,10 +1,10 @@
 /* treelet_tree.h - the implicit tree over boxes that may overlap: the treelets of a mesh, or the
  * cells of a treelet (cell_resident.h).
  *
- * They are in the order of a space-filling curve. So eight in a row are neighbours, and so are
- * eight such groups. They form a complete 8-ary tree whose shape follows from their number alone.
- * Level 0 is the treelets; the children of node i of level k + 1 are 8i .. 8i +
- * 7 of level k, as far as they exist. Grids need no such tree: their directory is an octree
+ * The boxes are in the order of a space-filling curve. So eight boxes in a row are neighbours, and
+ * eight groups of eight are, too. They form a complete 8-ary tree whose shape follows from the
+ * number of boxes alone. Level 0 is the treelets; the children of node i of level k + 1 are 8i ..
+ * 8i + 7 of level k, as far as they exist. Grids need no such tree: their directory is an octree
  * (leaf_layout.h).
  */
 #ifndef STREAM_TREELET_TREE_H
@@ -40,7 +40,7 @@ CHECKED status treelet_tree_init(treelet_tree *tree, mem *m, const treelet_bound
                                  uint32_t count);
 void treelet_tree_release(treelet_tree *tree);
 
-/* treelet_tree_bytes() - the memory that such a tree takes. */
+/* treelet_tree_bytes() - returns the memory of a tree over `count` treelets. */
 size_t treelet_tree_bytes(uint32_t count);
 
 /* treelet_tree_move() - set new bounds of the same treelets. */

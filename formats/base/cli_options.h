@@ -24,8 +24,8 @@ typedef enum cli_view { CLI_VIEW_BASIC, CLI_VIEW_ALL, CLI_VIEW_USAGE } cli_view;
 bool cli_options_listed(const char *list, const char *name);
 
 /* cli_options_name() - spell an option's name as tables do: '-' for '_', "colour" for "color". Help
- * and manuals use one spelling; the command line takes both. Cut to room.
- * cli_options_same() - whether a name, spelt so, is that of an option. */
+ * and manuals use one spelling; the command line takes both. Cuts it to `room` bytes.
+ * cli_options_same() - returns whether a name, spelt as tables do, names this option. */
 void cli_options_name(const char *given, char *out, size_t room);
 bool cli_options_same(const char *name, const char *option);
 

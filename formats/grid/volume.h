@@ -77,9 +77,9 @@ CHECKED status volume_read_tiles(volume *v, uint32_t count, void *buffer, uint8_
  * number and slope; 0: samples are exact. */
 double volume_rounding(const volume *v);
 
-/* volume_finish() - check what is behind the last slice (a gzip checksum), and count the bytes that
- * follow. Where they must be read to be counted, up to VOLUME_TRAILING_MAX are allowed. trailing
- * may be NULL. */
+/* volume_finish() - check what is behind the last slice (a gzip checksum), and set *trailing to the
+ * number of bytes that follow. If they must be read to be counted, more than VOLUME_TRAILING_MAX
+ * are an error. trailing may be NULL. */
 enum { VOLUME_TRAILING_MAX = 1 << 26 };
 CHECKED status volume_finish(volume *v, uint64_t *trailing);
 

@@ -64,12 +64,12 @@ CHECKED status volume_layout_skip(volume_layout *l, uint64_t lines, int64_t byte
  * ST_USAGE if it is not there. */
 CHECKED status volume_layout_settle(volume_layout *l, const volume_hints *hints);
 
-/* volume_layout_step_bytes() - returns the bytes of all samples of one step as stored; UINT64_MAX
- * if they are more than that. */
+/* volume_layout_step_bytes() - returns the stored bytes of all samples of one step, at most
+ * UINT64_MAX. */
 uint64_t volume_layout_step_bytes(const volume_layout *l);
 
-/* volume_layout_check() - check that the grid is sound (grid_check()) and that what is left of
- * l->data can hold its samples. Call before anything is allocated for them. */
+/* volume_layout_check() - check that the grid is sound (grid_check()), and that the rest of l->data
+ * is long enough for its samples. Call it before anything is allocated for them. */
 CHECKED status volume_layout_check(const volume_layout *l);
 
 /* volume_layout_place() - set to_world from spacings, direction vectors of any length

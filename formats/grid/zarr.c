@@ -88,8 +88,8 @@ static void copy_row(const zarr *z, size_t from, uint8_t *to, uint32_t count) {
         memcpy(to + i * apart, number + i * step, z->width);
 }
 
-/* Copy the part of a chunk that is held. box: first and end of each role, within the chunk and what
- * is held. */
+/* Copy the part of a chunk that lies in the slices held in memory. box: this part, as first and end
+ * per role. */
 static void copy_chunk(const zarr *z, const uint32_t index[ORDER_AXES],
                        const uint32_t box[2][ORDER_AXES]) {
     size_t from = 0;
@@ -243,7 +243,8 @@ static status tell_fields(void *ctx, const slice_fields *to) {
     return st;
 }
 
-/* Choose the numbers and the step. z->a.stored then says what is held. */
+/* Choose a step, and which numbers of a sample to read. z->a.stored then describes the chosen
+ * numbers. */
 static status choose(zarr *z, const volume_hints *hints, grid *g) {
     const uint32_t steps = steps_of(z);
     stored_samples *s = &z->a.stored;

@@ -28,8 +28,8 @@
 CHECKED status named_file_find(mem *m, const char *by, const char *name, bool follow_links,
                                char **path);
 
-/* named_file_check() - check the same rule for a path that is already put together. If `by` is a
- * folder, such as that of a Zarr array, the file must lie below it. */
+/* named_file_check() - check the same rule for a complete path. If `by` is a folder, such as a Zarr
+ * array's, the file must lie below it. */
 CHECKED status named_file_check(const char *by, const char *path, bool follow_links);
 
 /* named_file_implied() - check a file whose name follows from a path that the user gave: it must be

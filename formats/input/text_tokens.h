@@ -47,8 +47,9 @@ CHECKED status text_tokens_rest(text_tokens *t, char *text, size_t size);
  * in front of the next line's first byte. */
 CHECKED status text_tokens_end_line(text_tokens *t);
 
-/* Read the next word as a double, or as a whole number in lo .. hi. `what` says what is expected; a
- * text such as "x of point 3" is for the reader to make. Words as numbers: text_number.h. */
+/* Read the next word as a double, or as a whole number in lo .. hi; text_number.h says which words
+ * are numbers. what: what is expected, for the message. The caller makes texts such as "x of point
+ * 3". */
 CHECKED status text_tokens_double(text_tokens *t, const char *what, double *out);
 CHECKED status text_tokens_int(text_tokens *t, const char *what, int64_t lo, int64_t hi,
                                int64_t *out);

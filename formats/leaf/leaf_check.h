@@ -20,8 +20,8 @@
  * file_bytes. ST_UNSUPPORTED for a later version, kind or feature, else ST_CORRUPT. */
 CHECKED status leaf_check_header(const char *path, const leaf_header *h, uint64_t file_bytes);
 
-/* leaf_check_layout() - check that levels and treelets are those that dims and B imply, and that a
- * file of this size can hold their directory (mesh: that of its payloads). Fills *l like
+/* leaf_check_layout() - check that dims and B imply this number of levels and treelets, and that a
+ * file of this size can hold their directory (meshes: the directory of payloads). Fills *l like
  * leaf_layout_levels() and leaf_layout_mesh(). */
 CHECKED status leaf_check_layout(const char *path, const leaf_header *h, leaf_layout *l);
 

@@ -135,8 +135,9 @@ static inline uint32_t leaf_layout_step(const leaf_layout *l, uint32_t set) {
     return set % l->steps;
 }
 
-/* leaf_layout_moves() - whether cells are elsewhere from step to step.
- * leaf_layout_place() - which of the `places` a step has; 0: that of the first step. */
+/* leaf_layout_moves() - returns whether cells change their places from step to step.
+ * leaf_layout_place() - returns which of the `places` the cells have at a step; 0: the one of step
+ * 0. */
 static inline bool leaf_layout_moves(const leaf_layout *l) {
     return l->places > 1;
 }

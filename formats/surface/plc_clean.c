@@ -77,8 +77,8 @@ static status weld(plc *x, bool floats, plc_report *report) {
 
 /* ---- facets ---- */
 
-/* Move a polygon's corners to `to`, if tidy without those that repeat the one before. Returns how
- * many. */
+/* Move a polygon's corners to index `to`. If `tidy`, leave out corners that repeat the corner
+ * before them. Returns the number of corners moved. */
 static size_t move_corners(uint32_t *corner, size_t from, size_t end, size_t to, bool tidy) {
     size_t n = 0;
     for (size_t c = from; c < end; c++)

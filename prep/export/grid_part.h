@@ -19,8 +19,9 @@ typedef struct grid_part {
 CHECKED status grid_part_of(const leaf_file *f, uint32_t level, const uint32_t box[6],
                             grid_part *part);
 
-/* grid_part_at() - position of node i of a level along an axis of grid space. Nodes of a coarse
- * level may lie beyond the last node of level 0: there, spacing is that of its last two nodes. */
+/* grid_part_at() - returns the position of a level's node along an axis of grid space. Nodes of a
+ * coarse level may lie beyond the last node of level 0. The spacing of its last two nodes goes on
+ * there. */
 double grid_part_at(const leaf_file *f, uint32_t level, int axis, uint32_t node);
 
 /* grid_part_describe() - describe the part as a grid of its own: sizes (1 is possible), stored

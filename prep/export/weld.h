@@ -1,9 +1,9 @@
 /* weld.h - gives each vertex of all pieces one number, however many pieces have it.
  *
- * The first piece that has a vertex owns it. Numbers follow the output: pieces in order, and in
- * each first its own vertices that others could have, then those that none can. Equal shares are
- * found by sorting their keys, within the budget: in scratch files beside the output if memory does
- * not suffice.
+ * The first piece that has a vertex owns it. Numbers follow the output: piece by piece, and in each
+ * piece first the vertices it owns that other pieces could have (shares), then the others. Equal
+ * shares are found by sorting their keys. If memory does not suffice, they are sorted in scratch
+ * files beside the output.
  *
  * Permanent memory: 24 bytes per piece, a bit per share.
  */
@@ -32,7 +32,7 @@ uint64_t weld_vertices(const weld *w);
 uint64_t weld_first(const weld *w, uint32_t index);
 
 /* weld_knows() - returns whether a piece that was made again has as many vertices and shares as
- * before. The functions below need that. */
+ * when it was added. Check it before calling the functions below. */
 bool weld_knows(const weld *w, uint32_t index, const piece *p);
 
 /* weld_owned() - write the vertices that piece `index` owns, in the order of their numbers. Returns

@@ -5,7 +5,7 @@
 
 #include "formats/base/num.h"
 
-/* Extent of a grid along a world axis. Its own axis must lie along that one. */
+/* Returns the extent of a grid along world axis a. The grid's axis a must be parallel to it. */
 static double extent(const grid *g, int a) {
     const uint32_t last = g->dims[a] - 1;
     const double steps = g->axis[a] ? g->axis[a][last] - g->axis[a][0] : last;

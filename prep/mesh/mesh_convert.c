@@ -538,8 +538,8 @@ static status plan_counted(mem *m, mesh_input *x, const mesh_options *o, const p
     return st == ST_OK ? mesh_plan_make(m, &g, o, &result->plan) : st;
 }
 
-/* If the budget is too small for any mesh, this one cannot even be gathered. So count what it
- * needs, and report that. */
+/* Refuse a budget that is too small for any mesh: the mesh could not even be read into memory.
+ * First count what this mesh needs, for the message. */
 static status check_budget(mem *m, mesh_input *x, const mesh_options *o, const progress *p,
                            mesh_result *result) {
     uint64_t least = 0;

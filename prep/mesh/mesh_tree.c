@@ -144,8 +144,8 @@ static void add_child(mesh_tree *t, mesh_tree_node *n, uint32_t pair) {
         t->pair_of[t->nodes++] = (uint16_t)pair;
 }
 
-/* Make what is below a pair up to `room` children of n. If opening it takes no more nodes, open it:
- * the boxes are smaller. */
+/* Add a pair to node n: as one child, or opened into its parts, as up to `room` children. Open it
+ * if this takes no more nodes, since the boxes are smaller then. */
 static void add_children(mesh_tree *t, mesh_tree_node *n, uint32_t pair, uint32_t room) {
     const mesh_tree_pair *p = &t->pairs[pair];
     if (!(p->opens >> (room - 1) & 1)) {

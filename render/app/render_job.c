@@ -167,7 +167,8 @@ status render_job_check(const render_job *job, script_frame *frame) {
 
 /* ---- drawing ---- */
 
-/* Returns the planes that a picture needs: those that are written or drawn from. */
+/* Returns the planes that a picture needs, as non-NULL pointers: planes that are written, and
+ * planes that the picture is made of. */
 static leafcast_image planes_wanted(const render_job *job, const script_frame *frame) {
     static float any_float;
     static double any_double;

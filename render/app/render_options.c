@@ -196,7 +196,8 @@ status render_options_set(void *own, int key, const char *text) {
     }
 }
 
-/* Returns the number of files beside the picture; streams: of those that are standard output. */
+/* Returns the number of files to write besides the picture. streams: count only files that are
+ * standard output. */
 static int count_files(const render_options *o, bool streams) {
     int n = 0;
     for (int i = 0; i < FRAME_FILES; i++)

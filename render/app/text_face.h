@@ -19,7 +19,7 @@ void text_face_size(text_face *f, double pixels);
 /* text_face_width() - returns the width of a UTF-8 text in pixels. */
 double text_face_width(text_face *f, const char *text);
 
-/* The colour of a text, and that of the halo around it, which keeps it legible. */
+/* The colours of a text, and of the halo around it. The halo keeps the text legible. */
 typedef struct text_style {
     float rgb[3], halo[3];
 } text_style;

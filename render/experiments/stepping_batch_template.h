@@ -22,7 +22,7 @@ SIMD vl span_at(vd number) {
     return l_mul((vl)(number + d_set(0x1p52)), l_set(sizeof(transfer_span) / sizeof(double)));
 }
 
-/* transfer_find() */
+/* Vector form of transfer_find(). */
 SIMD vl find_spans(const stepping_batch *m, double widest, vd value) {
     const vd last = d_set(m->transfer->spans - 1);
     vd at = d_set(0.0);

@@ -99,10 +99,10 @@ static void grid_describe(const leafcast *v, leafcast_info *info) {
     }
 }
 
-/* ---- The box of what is active ---- */
+/* ---- The box of active cells ---- */
 
-/* Widen the box, in nodes, by the cells that the histogram has in the isovalue's bin and the next
- * one. */
+/* Widen the box, in node coordinates, by the boxes that the histogram gives for the isovalue's bin
+ * and the next one. */
 static void widen_by_histogram(const leafcast *v, uint32_t set, double isovalue, double box[2][3]) {
     const histogram *h = &v->file->histograms[set];
     const uint32_t *dims = v->file->header.dims;
@@ -120,7 +120,7 @@ static void widen_by_histogram(const leafcast *v, uint32_t set, double isovalue,
     }
 }
 
-/* Widen the box, in nodes, by the active treelets of level 0. */
+/* Widen the box, in node coordinates, by the active treelets of level 0. */
 static void widen_by_treelets(const leafcast *v, uint32_t set, const double *isovalues, int count,
                               double box[2][3]) {
     const interest in = interest_of_isovalues(isovalues, count);

@@ -1,10 +1,10 @@
 /* projection.h - where the planes between cells lie in a camera's picture.
  *
- * Homogeneous pixel coordinates are linear in each grid coordinate. So a point's are the sum of
- * three entries, one for the plane through it across each axis, and the corners of any box of cells
- * cost a few additions each. All is relative to the eye, computed in double and then rounded to
- * float. So errors stay a tiny part of a pixel however far the eye or the volume is from the
- * origin.
+ * Homogeneous pixel coordinates are linear in each grid coordinate. So the coordinates of a point
+ * are a sum of three entries: one per axis, for the plane across that axis through the point. The
+ * corners of a box of cells cost a few additions each. All entries are relative to the eye,
+ * computed in double and then rounded to float. So errors stay a tiny part of a pixel, however far
+ * the eye or the volume is from the origin.
  *
  * Grids have entries for all planes between cells. Every box of a mesh has planes of its own; their
  * entries are products of `axis` and the distance from the eye.
@@ -17,9 +17,9 @@
 #include "render/look/camera.h"
 #include "render/ray/affine.h"
 
-/* What a plane adds to a point's coordinates: pixels right of the picture's centre (x / w), below
- * it (y / w), and depth w; all w are scaled alike. far: this axis's share of a point's distance, in
- * any direction, is at most that.
+/* What a plane adds to the coordinates of the points on it: pixels right of the picture's centre (x
+ * / w), below it (y / w), and depth w; all w are scaled alike. far: a bound of what the axis adds
+ * to a point's distance from the eye.
  */
 typedef struct plane_projection {
     float x, y, w, far;
@@ -33,13 +33,14 @@ typedef struct projection {
     bool usable;      /* false: numbers exceed float; then nothing else is set */
     double eye[3];    /* grid space */
     float centre[2];  /* where the camera looks: pixels from the picture's left and top edge */
-    /* Bounds the error of a corner's x / w, in pixels, within the picture, where w is at least
-     * depth_share of the sum of its far. No corner beyond the picture gets into it. */
+    /* Bound of the error of a corner's x / w, in pixels, for corners within the picture whose w is
+     * at least projection_depth_share of the sum of their `far`. Corners beyond the picture stay
+     * beyond it. */
     float margin;
     float margin_least; /* the part of margin that does not depend on depth; the rest scales with
                            far / w */
-    /* Times the sum of far: bounds |error| of x - c w, for a constant c up to half the picture's
-     * size.
+    /* plane_error times the sum of `far` bounds the error of x - c w, for a constant c up to half
+     * the picture's size.
      */
     float plane_error;
     double scale,

@@ -24,8 +24,8 @@ typedef struct tet_rays {
                         time */
 } tet_rays;
 
-/* tet_rays_put() - sets ray number `lane`. Only hits behind the crossing `after` count, whichever
- * tet that was in: hit_before_all(), or the ray's last hit. */
+/* tet_rays_put() - sets ray number `lane`. after: hit_before_all(), or the ray's last hit. Only
+ * hits behind it count; the same crossing seen from another tet does not. */
 static inline void tet_rays_put(tet_rays *rays, int lane, const ray *r, const hit *after) {
     for (int a = 0; a < 3; a++) {
         rays->o[a][lane] = r->o[a];
@@ -41,8 +41,9 @@ static inline void tet_rays_put(tet_rays *rays, int lane, const ray *r, const hi
  * numbers without a ray: a version may process rays up to the next multiple of 16. */
 void tet_rays_clear(tet_rays *rays, int lane);
 
-/* What is known of all rays of a call before it, by signs of edge functions that rounding cannot
- * turn: nothing, or that all hit the triangle of points 0 1 2, or all that of points 0 2 3. */
+/* What the caller knows of all rays of a call: nothing, or that all hit the triangle of points 0 1
+ * 2, or that all hit the triangle of points 0 2 3. It must know this for certain: from edge
+ * functions whose signs rounding cannot change. */
 typedef enum tet_known { TET_UNKNOWN, TET_FIRST_IS_HIT, TET_SECOND_IS_HIT } tet_known;
 
 /* A tet_batch_fn tests the rays first <= i < end <= TET_RAYS against g. A hit that comes before

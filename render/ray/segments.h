@@ -114,15 +114,18 @@ static inline void segment_flatten(segment *s) {
         s->b[k] = s->b[1];
 }
 
-/* segment_spread() - the spread of a piece for values from range[0] to range[1], with their middle.
- * segment_values() - the range back from both, or slightly more where it has no exact middle. */
+/* segment_spread() - returns the spread of a piece that stands for the values range[0] to range[1];
+ * middle: their middle, which the piece has as its value. */
 double segment_spread(const double range[2], double middle);
+
+/* segment_values() - set range[] to the values of a piece with this middle and spread: the original
+ * range, or slightly more if that has no exact middle. */
 void segment_values(double middle, double spread, double range[2]);
 
-/* The spread of a doubt, which covers t0 to t1. GUESSED: the pieces that follow are guesses in
- * place of those of `treelet`, which fills all of it. BESIDE: `treelet` may have pieces there,
- * where others leave room. BOUNDED: as GUESSED, and the spread of each piece, 0 or more, is how far
- * its value may be off.
+/* The spread of a doubt, which covers t0 to t1. GUESSED: the pieces that follow are guesses, in
+ * place of the pieces of the absent `treelet`, which fills t0 to t1. BESIDE: `treelet` may have
+ * pieces from t0 to t1, where other pieces leave gaps. BOUNDED: as GUESSED, and the spread of each
+ * guess, 0 or more, bounds the error of its value.
  */
 #define SEGMENT_GUESSED (-1.0)
 #define SEGMENT_BESIDE  (-2.0)
@@ -136,7 +139,7 @@ segment segment_doubt(const tracer *tr, uint32_t t, double spread, double t0, do
  * Returns whether some of its samples are not finite: places near them have no value. */
 bool segment_doubted(const tracer *tr, uint32_t t, double range[2]);
 
-/* segment_t() - t at parameter `at`. */
+/* segment_t() - returns the t of parameter `at` of the piece. */
 double segment_t(const segment *s, double at);
 
 /* segment_range() - the least and the greatest value of the piece, and t of both. */

@@ -83,7 +83,7 @@ static void own_answer(const frame *f, ray_record *r, trace_result result) {
     surface_search_answer(NULL, &p->head.volume, &p->search, result);
 }
 
-/* The rays share no order of treelets; that of the first ray is as good as any. */
+/* No order of treelets fits all rays. Use the order along the first ray: it is as good as any. */
 static ray_bundle own_bundle(const frame *f, uint32_t leg) {
     const double *d = look_of(f)->rays[0].direction;
     (void)leg;

@@ -55,8 +55,9 @@ view_grade view_pace_choose(view_pace *p, const view_task *t, double seconds);
 bool view_pace_coarsest(const view_pace *p, const view_task *t);
 view_grade view_pace_coarser(view_pace *p, const view_task *t, double seconds);
 
-/* view_pace_learn() - learn that a picture of this grade took so many seconds. share: of its pixels
- * that were drawn, below 1 if it was given up; less than a fiftieth counts as that. */
+/* view_pace_learn() - learn that a picture of this grade took so many seconds. share: which part of
+ * its pixels was drawn in this time; below 1 if drawing was given up. Less than a fiftieth counts
+ * as a fiftieth. */
 void view_pace_learn(view_pace *p, const view_task *t, view_grade g, double seconds, double share);
 
 #endif

@@ -17,8 +17,9 @@
  * view. */
 #define OVERDUE_S (1.5 * VIEW_MOVING_S)
 #define ENOUGH    0.5 /* but it is completed if this share of its pixels is drawn */
-/* At rest, draw a preview only if the whole takes longer than SOON_S. Draw a better one after it if
- * the whole takes at least LONG_S, and the better one at most BETTER_SHARE of that. */
+/* At rest, draw a preview only if the full picture takes longer than SOON_S. After it, draw a
+ * better preview if the full picture takes at least LONG_S, and the better preview takes at most
+ * BETTER_SHARE of that time. */
 #define SOON_S       0.080
 #define LONG_S       1.0
 #define BETTER_SHARE 0.2
@@ -100,8 +101,8 @@ static bool has_errors(const view_picture *p) {
     return view_options_any_medium(&p->wish.view) && (is_preview(p) || p->scene.samples <= 1);
 }
 
-/* Returns which planes to make, as non-NULL pointers: those that render makes for a PNG or an EXR.
- */
+/* Returns which planes to make, as non-NULL pointers: the same ones as `render` makes for a PNG or
+ * an EXR. */
 static leafcast_image planes_wanted(const view_picture *p) {
     static float any_float;
     static double any_double;
@@ -496,7 +497,8 @@ static status mark(const view_picture *p) {
     return st;
 }
 
-/* Make a message of what is drawn. Pictures with alpha and the last part are PNG, others JPEG. */
+/* Make a message with the picture as drawn so far. The last part, and pictures with alpha, are PNG;
+ * others are JPEG. */
 static status make_part(view_picture *p, bool final, view_message **out) {
     const bool png = final || p->now.image.a;
     const picture shown = {p->now.width, p->now.height, &p->now.image, NULL, 0};

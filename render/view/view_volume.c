@@ -96,8 +96,8 @@ static json_t *presets_json(mem *m, const leafcast_histogram *h, double length,
 
 /* ---- Fields ---- */
 
-/* Get a field's ranges over all steps: of all values, and of those that may be data. Both are 0, 0
- * if no value is finite.
+/* Set range[] to the range of a field's values over all steps, and data[] to the same without
+ * values that stand for no data. Both are 0, 0 if no value is finite.
  */
 static void find_ranges(const leafcast *volume, uint32_t field, double range[2], double data[2]) {
     const uint32_t steps = leafcast_describe(volume).steps;

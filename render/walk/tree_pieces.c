@@ -55,8 +55,8 @@ static void hold_doubt(const tracer *tr, const ray *r, segments_state *s, uint32
     tree_pieces_hold(s, &doubt);
 }
 
-/* Go on from the last treelet entered, until a piece is sure. SEGMENTS_END: there are no more,
- * except those that were dropped. */
+/* Go on from the last treelet entered, until a piece can be given out. SEGMENTS_END: no piece is
+ * left, except pieces that were dropped. */
 static segments_result go_on(const tracer *tr, const ray *r, segments_state *state,
                              ray_counters *counters) {
     const hit after = hit_behind(state->last.t0);

@@ -116,7 +116,7 @@ static status check_instances(const order *o, size_t i, size_t n) {
     return ST_OK;
 }
 
-/* Keep one slice per position: that of this step. */
+/* Of the slices at each position, keep only the slice of this step. */
 static status keep_step(order *o, uint32_t step) {
     const size_t steps = here(o, 0);
     for (size_t i = 0; i < o->count; i += steps) {
@@ -142,7 +142,7 @@ static double gap(const order *o, size_t i) {
     return distance(o->slices[i + 1].place.position, o->slices[i].place.position);
 }
 
-/* The smallest distance: that of slices where none is missing. */
+/* Returns the smallest distance of neighbouring slices: the distance where no slice is missing. */
 static double least_gap(const order *o) {
     double least = gap(o, 0);
     for (size_t i = 1; i + 1 < o->count; i++)

@@ -14,9 +14,9 @@ extern "C" {
 #else
 #include "formats/base/mem.h"
 
-/* vdb_memory_join() - from now on count in this budget; what is allocated already is added to it.
- * NULL: leave the budget, as at first; what is still allocated is subtracted from it. No other
- * thread may allocate meanwhile. */
+/* vdb_memory_join() - count all allocations in this budget, also existing ones. NULL: count in no
+ * budget, as at first; existing allocations are subtracted from the old one. No other thread may
+ * allocate meanwhile. */
 void vdb_memory_join(mem *m);
 #endif
 
