@@ -1,9 +1,9 @@
 /* block_passage.h - the cells of a block on a ray's way, front to back.
  *
- * Blocks have no ranges below them, so the ray visits every active cell that it passes. A move from
- * cell to cell costs a comparison or two; a descent would cost a step of octree_step.h for each.
- * Crossings are the cell kernel's own, (plane - o) / d, taken in (t, axis) order, so that both
- * agree.
+ * Inside a block there are no ranges of values, so the ray visits every active cell that it passes.
+ * To move from cell to cell costs a comparison or two; to descend to each cell would cost a step of
+ * octree_step.h. Crossings are computed and ordered as in the cell kernel: (plane - o) / d, in (t,
+ * axis) order. So both agree.
  */
 #ifndef RENDER_GRID_BLOCK_PASSAGE_H
 #define RENDER_GRID_BLOCK_PASSAGE_H

@@ -25,7 +25,8 @@ typedef struct block_way {
     bool done;
 } block_way;
 
-/* A stretch of the way: through a whole node, or through blocks that lie in none. */
+/* A stretch of the way: through one node that is taken whole, or through blocks outside of such
+ * nodes. */
 typedef struct block_stretch {
     double t_in, t_out;
     uint32_t node;  /* the node's first block in Morton order */

@@ -19,7 +19,7 @@ static bool visit_of(const cell_batch *b, int lane, ray *r, float samples[8], ce
     return cell_visit_of(r, &box, visit);
 }
 
-/* Returns one lane's first hit, given as one of cell 0, or hit_none(). *t_out: where the visit
+/* Returns one lane's first hit, with cell number 0, or hit_none(). Sets *t_out to where the visit
  * ends. */
 static hit first_hit(const cell_batch *b, int lane, const double *isovalues, int count,
                      intersect_fn next_hit, double *t_out) {

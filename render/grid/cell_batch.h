@@ -24,9 +24,9 @@ typedef struct cell_batch {
     float samples[8][CELL_BATCH];                /* corner x + 2y + 4z, finite */
 } cell_batch;
 
-/* CELL_ALONG replaces a direction component of 0, of a ray along an axis' planes. The ray meets
- * these planes so far away that they cut nothing, and t * CELL_ALONG is lost in rounding beside
- * plane - o. So the answer is the same as for 0, to the bit, provided that
+/* CELL_ALONG replaces a direction component of 0, as of a ray parallel to the planes of an axis.
+ * The ray then meets these planes so far away that they do not cut it, and rounding removes t *
+ * CELL_ALONG beside plane - o. So the answer is the same as for 0, to the bit, if
  * |plane - o| >= CELL_ALONG_NEAR and |t| <= CELL_ALONG_T. */
 #define CELL_ALONG      0x1p-960
 #define CELL_ALONG_NEAR 0x1p-500
@@ -46,8 +46,8 @@ typedef struct cell_batch_hits {
 typedef void (*cell_batch_fn)(const cell_batch *b, int lanes, const double *isovalues, int count,
                               leafcast_intersector how, cell_batch_hits *out);
 
-/* All changes of side. A lane's roots come in the order of t, t[0] first. Bit k of a mask is lane
- * k. */
+/* All roots, which are changes of side. A lane's roots come in the order of t, t[0] first. Bit k of
+ * a mask is lane k. */
 enum { CELL_ROOTS_MAX = 3 };
 
 typedef struct cell_batch_roots {

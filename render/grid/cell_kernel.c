@@ -118,7 +118,7 @@ void cell_values(const cell_visit *visit, const float samples[8], double above, 
     blossom(visit, f, b);
 }
 
-/* The cubic in power form about the entry, for fast evaluation between brackets. */
+/* The cubic in power form about the entry, for fast evaluation. */
 typedef struct cubic {
     double c[4];
 } cubic;
@@ -132,19 +132,19 @@ static double cubic_at(const cubic *p, double s) {
     return p->c[0] + s * (p->c[1] + s * (p->c[2] + s * p->c[3]));
 }
 
-/* Returns the root in [lo, hi], where f(lo) and f(hi) lie on different sides. From the secant on,
- * it takes steps of fourth order within a bracket: the series of the inverse function about s, to
- * its third term, with one division each. With q and p the relative sizes of the second and third
- * term, and z = q^2 + |p|, the series is
- *   - only used where z <= 1/8: beyond, its terms may cancel, and it would stop where no root is;
- *     there it is cut to its first term, Newton's step;
- *   - done where z <= 2^-10 and what is left out cannot move the last bit of [0, 1]: less than
- *     z (5 q + 48 z) of the first term.
- * A step that leaves the bracket, or is not half as long as the one before, gives way to a
- * bisection. There are two evaluations on average.
+/* Returns the root in [lo, hi], where f(lo) and f(hi) lie on different sides. Starts at the
+ * secant's zero, and takes steps of fourth order within a bracket: the series of the inverse
+ * function about s, to its third term, with one division each. Let q and p be the relative sizes of
+ * the second and third term, and z = q^2 + |p|.
+ *   - The series is used only if z <= 1/8. Otherwise its terms may cancel, and it would stop where
+ *     no root is; then only the first term is taken, Newton's step.
+ *   - The search ends when z <= 2^-10 and the terms left out cannot change the last bit of [0, 1]:
+ *     they are less than z (5 q + 48 z) of the first term.
+ * If a step leaves the bracket, or is more than half as long as the one before, bisect instead.
+ * There are two evaluations on average.
  *
- * Every quantity that decides has no unit, so that powers of two in the samples' scale change
- * nothing. cell_batch_template.h counts on that, and repeats this sequence operation by operation.
+ * All quantities that decide have no unit. So scaling the samples by a power of two changes
+ * nothing. cell_batch_template.h relies on this, and repeats the sequence operation by operation.
  */
 static double refine(const cubic *p, double lo, double hi, double f_lo, double f_hi) {
     const double c0 = p->c[0], c1 = p->c[1], c2 = p->c[2], c3 = p->c[3];
@@ -209,10 +209,10 @@ static void normalise(const double b[4], double scaled[4]) {
     }
 }
 
-/* Returns whether an extremum is a touch as far as rounding can tell: a pair of roots in one place.
- * A false touch does no harm: the trilinear form has no extremum in space, so a ray moved a little
- * sideways does meet the surface there. Only a true bend counts. A stretch that is nearly level, as
- * beside a triple root, has its sign from elsewhere. */
+/* Returns whether, as far as rounding can tell, the cubic touches zero at an extremum: two roots in
+ * one place. A false touch does no harm: the trilinear form has no extremum in space, so a ray
+ * moved a little sideways does meet the surface there. The cubic must clearly bend there. Where it
+ * is nearly level, as beside a triple root, its sign follows from other places. */
 static bool touches(const cubic *p, double s, double f) {
     static const double NEAR = 64.0 * DBL_EPSILON, BEND = 0.25; /* of a cubic scaled to [1, 2) */
     return fabs(f) <= NEAR && fabs(2.0 * p->c[2] + 6.0 * p->c[3] * s) >= BEND;
@@ -253,8 +253,8 @@ int cell_roots(const double control[4], double roots[3]) {
     double b[4];
     normalise(control, b);
     const cubic p = cubic_of(b);
-    /* There is one root, and f has the sign of its end right up to there. Not if that end is nearly
-     * zero: then rounding hides the sign beside it, and the iteration would take the end for the
+    /* One change of side: one root, and up to it f has the sign of its end. This fails if an end is
+     * nearly zero: rounding hides the sign beside it, and the iteration would take the end for the
      * root. */
     if (changes == 1 && fabs(b[0]) > CELL_NEAR_END && fabs(b[3]) > CELL_NEAR_END) {
         roots[0] = refine(&p, 0.0, 1.0, b[0], b[3]);

@@ -47,7 +47,8 @@ SIMD block_met block_met_of(const ray_slabs *rays, unsigned at, const block_plan
     return m;
 }
 
-/* Return t where the rays enter a cell, and where they leave a cell. */
+/* block_comes() - returns t where the rays enter a cell. block_leaves() - returns t where they
+ * leave a cell. */
 SIMD vf block_comes(const block_met *m, const unsigned cell[3]) {
     return f_max(f_max(m->near[2][cell[2]], m->near[1][cell[1]]), m->near[0][cell[0]]);
 }

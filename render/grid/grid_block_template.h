@@ -62,8 +62,7 @@ BLOCK_OF(block_of_u16, uint16_t)
 BLOCK_OF(block_of_i16, int16_t)
 BLOCK_OF(block_of_f32, float)
 
-/* Rows beyond the treelet repeat its last one, so that cells that do not exist have some numbers.
- */
+/* Rows beyond the treelet repeat its last row: cells that do not exist then have numbers, too. */
 static block_rows block_rows_of(const walk_scene *scene, const resident_grid *at,
                                 const uint32_t cell[3]) {
     const size_t row = at->shape.samples[0], slice = row * at->shape.samples[1];

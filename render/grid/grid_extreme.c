@@ -12,7 +12,7 @@ static float bound_of(const tracer *tr, const extreme_state *s, const grid_passa
     return extreme_bound(s, grid_passage_drawn(tr, node) ? f->own[at] : f->ranges[at]);
 }
 
-/* Raise the doubt to treelet t's bound, where a preview passes t over or draws it coarser. */
+/* A preview skips treelet t or draws it coarser: raise the doubt of the result to t's bound. */
 static void doubt(const tracer *tr, extreme_state *s, uint32_t t) {
     const float bound =
         extreme_bound(s, tr->treelets->file->ranges[leaf_layout_samples(tr->layout, tr->set, t)]);
@@ -60,8 +60,8 @@ typedef struct climb {
                          been found; less than `level`: none as great */
 } climb;
 
-/* Return the least code of values that reach `value`, and the greatest code of values down to it.
- */
+/* code_up() - returns the least code that a value of at least `value` can have. code_down() -
+ * returns the greatest code that a value of at most `value` can have. */
 static int code_up(const quantizer *q, double value) {
     if (!(value <= q->hi))
         return 256;
@@ -195,7 +195,8 @@ static int push_children(const climb *c, const pending *node, unsigned octants,
 
 /* ---- Blocks ---- */
 
-/* Try the cells that the ray passes, as long as the block matters: cells have no codes. */
+/* Search the active cells of a block that the ray passes, as long as the block's bound matters:
+ * cells have no codes. */
 static void walk_block(climb *c, const pending *block) {
     block_passage p =
         block_passage_begin(&c->scene->levels[c->at->level], c->r, block->cell,

@@ -21,7 +21,7 @@
 #include "render/look/scene_facts.h"
 #include "render/ray/open_volume.h"
 
-/* What an open grid has beside its treelets: leafcast.own. */
+/* leafcast.own of an open grid. */
 typedef struct grid_volume {
     level_planes_table planes;
     double narrowest[3];    /* width of the narrowest cell of level 0 on each axis */
@@ -376,8 +376,8 @@ static uint32_t cell_owning(const double *at, uint32_t cells, double x) {
     return lo;
 }
 
-/* Returns how far a world-space point near the volume may be off on a grid axis by rounding alone:
- * of the point itself, of the transform and of the way back. */
+/* Returns a bound of the rounding error of a world-space point near the volume, on a grid axis: of
+ * the point itself, of the transform to grid space and of the transform back. */
 static double rounding_of(const leafcast *v, const double point[3], int a) {
     const affine *space = &v->space;
     double sum = 0.0;

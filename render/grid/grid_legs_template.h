@@ -33,14 +33,14 @@ static bool grid_extent_of(grid_extent *e, const tracer *tr) {
     return usable;
 }
 
-/* A ray before the kernel takes it: 1 / d, where it begins and ends, and where it enters the box.
- */
+/* A ray that may go to the kernel: 1 / d, where it begins and ends, where it enters the box. */
 typedef struct grid_approach {
     double per_d[3], t_in, t_out, t_box;
     unsigned octant;
 } grid_approach;
 
-/* grid_way_ordinary() - returns whether the kernels can do with a ray's direction. */
+/* grid_way_ordinary() - returns whether the kernels can handle a ray's direction; sets way->per_d.
+ */
 static bool grid_way_ordinary(const grid_extent *e, const ray *r, grid_approach *way) {
     double least = INFINITY, most = 0.0;
     bool usable = true;

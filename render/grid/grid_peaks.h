@@ -3,12 +3,12 @@
  *
  * Rays of one octant of directions search together, best first. Subtrees of the directory come by
  * falling bound, equal ones in the rays' order. In a treelet's tree the best child comes first.
- * Each node has a set of rays: their own intervals, in single precision and widened, meet it, and
- * its bound may still improve what they have found. Rays that meet a block of 4^3 cells are packed
- * side by side. They compare what they have found with the greatest sample of each group of 2^3
- * cells, the best group first, then of each cell. The ray-cells left are bounded by their control
- * values, in single precision and proven. The rest is computed as many at a time as a vector has
- * doubles, operation by operation as in grid_extreme_cell().
+ * Each node has a set of rays: rays that meet it, by widened intervals in single precision, and to
+ * which its bound matters. In a block of 4^3 cells, its rays are packed side by side. Their scores
+ * are compared with the greatest sample of each group of 2^3 cells, the best group first, and then
+ * of each cell. For the remaining ray-cells, control values give a proven bound, in single
+ * precision. What still matters is computed with vectors of doubles, operation by operation as in
+ * grid_extreme_cell().
  *
  * Single rays take over for directions with a component that is nearly zero, in previews, and where
  * the list of subtrees has no room.

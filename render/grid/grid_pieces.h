@@ -1,12 +1,12 @@
 /* grid_pieces.h - the pieces of many rays through a grid: the kind's kernel of segment_batch.h.
  *
  * A few rays are under way at a time, each through one treelet after the other. In a treelet, the
- * planes of each axis are crossed in order of t. A crossing's place among the crossings of all axes
- * follows from how many of each other axis come before it: looked up for a vector of crossings at a
- * time. That sorts the crossings, and tells which cell lies behind each. Only layers of blocks with
- * an active cell are looked at. Nodes that are taken whole (block_way.h) part a way into stretches.
- * The pieces that grid_segments() finds are the cells with a bit in the treelet's masks, between
- * crossings of different t. Their values are computed as many at a time as a vector has doubles.
+ * crossings with the planes of one axis are sorted by t already. To merge the three axes, count for
+ * each crossing how many crossings of the other axes come before it, a vector at a time. The sum is
+ * its place, and the counts give the cell behind it. Only layers of blocks with an active cell are
+ * looked at. Nodes that are taken whole (block_way.h) divide a way into stretches. A piece is a
+ * cell with a bit in the treelet's masks, between crossings of different t, as in grid_segments().
+ * Values are computed with vectors of doubles.
  */
 #ifndef RENDER_GRID_GRID_PIECES_H
 #define RENDER_GRID_GRID_PIECES_H

@@ -247,11 +247,11 @@ SIMD void children_met(const grid_rays *g, const node_planes *n, const ray_set *
 /* ---- Making them ---- */
 
 /* Returns by how much a ray's origin is moved away from near and from far planes, so that tests are
- * conservative. In units u of 2^-24:
- * planes and entries err by u of their size when they become floats. Their difference, its product
- * and the reciprocal err by u each. That is 2 u size + 3 u (2 size), where size is the larger of
- * both, and terms of second order. The entry itself, the kernel's own crossings, and the ends of t
- * err by a few 2^-53 of `come`: how far the ray has come. */
+ * conservative. Errors, in units u of 2^-24: planes and entries err by u of their size when they
+ * become floats. Their difference, its product and the reciprocal err by u each. Together this
+ * makes 2 u size + 3 u (2 size), where size is the larger of both, and terms of second order. The
+ * entry itself, the kernel's own crossings, and the ends of t err by a few 2^-53 of `come`: the
+ * distance from the ray's origin. */
 static double widening(double size, double come) {
     return 9.0 * 0x1p-24 * size + 0x1p-48 * come;
 }

@@ -99,7 +99,7 @@ static int push_children(const collector *c, const pending *node, unsigned octan
     return top;
 }
 
-/* Append the pieces in a block. Returns false if there was no room for all of them. */
+/* Append the pieces of the active cells in a block. Returns false if there was no room for all. */
 static bool walk_block(const collector *c, const pending *block) {
     block_passage p =
         block_passage_begin(&c->scene->levels[c->at->level], c->r, block->cell,

@@ -1,9 +1,9 @@
 /* grid_start_template.h - ray-cells in which a ray starts on the surface itself; included by the
  * units of an ISA (see formats/base/simd.h).
  *
- * A shadow ray has a root at its start, give or take rounding: the surface that it comes from,
- * which does not count. Mostly the control polygon alone tells that the cell has no other root.
- * That spares the scalar kernel, which would look for the root at the start.
+ * A shadow ray has a root near its start: the surface that it comes from, which does not count.
+ * Mostly the control polygon alone shows that the cell has no other root. Then the scalar kernel
+ * need not search the cell.
  */
 #ifndef RENDER_GRID_GRID_START_TEMPLATE_H
 #define RENDER_GRID_GRID_START_TEMPLATE_H
@@ -14,8 +14,8 @@
 
 #include "render/grid/cell_batch.h"
 
-/* A ray in its cell: the kernel's visit but for a few roundings. off: bound of the coordinates'
- * error, in units of 2^-50. */
+/* A ray in its cell: nearly the kernel's visit, with other rounding. off: bound of how far the
+ * coordinates differ, in units of 2^-50. */
 typedef struct start_visit {
     vd t_in, t_out, in[3], out[3], off;
 } start_visit;

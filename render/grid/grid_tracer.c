@@ -22,7 +22,7 @@ trace_result grid_tracer_next(const tracer *tr, const ray *r, trace_state *state
     double t_in = fmax(fmax(r->t0, state->after.t), state->t_from), t_out = r->t1;
     if (!tracer_box(tr, r, &t_in, &t_out))
         return hit_exists(&state->best) ? TRACE_HIT : TRACE_MISS;
-    /* Everything on the way to the treelet that blocked has been walked. */
+    /* When resuming, everything in front of the treelet that blocked has been walked. */
     bool resuming = state->blocked != LEAF_NO_TREELET;
     grid_passage stack[GRID_PASSAGES_MAX];
     int top = 0;

@@ -15,7 +15,7 @@ stand_in stand_in_for(const tracer *tr, uint32_t t) {
         const uint32_t up = leaf_layout_find(layout, level + k, place);
         if (l->whole[up])
             return (stand_in){NULL, up};
-        /* Nothing in it is active, so it shows nothing. */
+        /* The ancestor has no active cells: draw nothing. */
         if (!l->own[up])
             return (stand_in){NULL, LEAF_NO_TREELET};
         const treelet *at = loader_lookup(l, up);

@@ -13,9 +13,9 @@ typedef struct stand_in {
                    nothing */
 } stand_in;
 
-/* stand_in_for() - finds what stands in for absent treelet t, for rays that want pieces. Its cells
- * are not cut by t's box. If no ancestor can, t itself is taken whole where tracer.doubts is set;
- * else nothing is drawn. */
+/* stand_in_for() - finds an ancestor that stands in for absent treelet t, for rays that want
+ * pieces. The ancestor's cells are not cut by t's box. If there is none, t itself is taken whole if
+ * tracer.doubts is set, else nothing is drawn. */
 stand_in stand_in_for(const tracer *tr, uint32_t t);
 
 /* stand_in_is_bounded() - returns whether a deviation bounds the error of *of everywhere in t.

@@ -128,8 +128,9 @@ static void central_gradient(const walk_scene *scene, const resident_grid *tr,
                 mix(mix(g[4][a], g[5][a], at[0]), mix(g[6][a], g[7][a], at[0]), at[1]), at[2]);
 }
 
-/* Bound how far the computed point (and a ray that starts there) lies from the hit, in grid space.
- * The point goes through world space, whose origin may be far away, and is rounded there, too. */
+/* Set error[] to a bound of the distance of the computed point from the hit, per axis of grid
+ * space. Also bounds the start of a ray there. The point is also rounded in world space, whose
+ * origin may be far away. */
 static void position_errors(const affine *space, const ray *r, double t, double error[3]) {
     double grid[3], world[3];
     for (int a = 0; a < 3; a++)

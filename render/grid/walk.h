@@ -29,7 +29,7 @@ typedef bool (*walk_fn)(const walk_scene *scene, const resident_grid *tr, const 
                         double t_out, unsigned octants, const hit *after, hit *best,
                         ray_counters *counters);
 
-/* A grid as rays see it during a frame. */
+/* A grid, prepared for the rays of a frame. */
 struct walk_scene {
     const level_planes *levels;
     const double *isovalues;
@@ -50,9 +50,9 @@ bool walk_treelet(const walk_scene *scene, const resident_grid *tr, const ray *r
                   double t_out, unsigned octants, const hit *after, hit *best,
                   ray_counters *counters);
 
-/* Return the same result without the masks of cells, for experiment E1. Groups: use masks down to
- * groups of 2^3 cells, as if the tree went on to 2^3. Corners: use masks down to blocks. Below that
- * each cell is tested by its samples. */
+/* Both return the same result as walk_treelet(), without the masks of cells, for experiment E1.
+ * walk_treelet_groups() uses masks down to groups of 2^3 cells, walk_treelet_corners() down to
+ * blocks. Below that, each cell is tested by its samples. */
 bool walk_treelet_groups(const walk_scene *scene, const resident_grid *tr, const ray *r,
                          double t_in, double t_out, unsigned octants, const hit *after, hit *best,
                          ray_counters *counters);

@@ -11,8 +11,8 @@
 #include "render/leafcast.h"
 #include "render/ray/ray_bundle.h"
 
-/* A leafcast_camera made ready: d(x, y) = forward + ((2x - middle x) / height) right + ((middle y -
- * 2y) / height) up. */
+/* A leafcast_camera, prepared for making rays. The direction of pixel (x, y) is forward + ((2x -
+ * middle x) / height) right + ((middle y - 2y) / height) up. */
 typedef struct camera {
     double eye[3];
     double forward[3];      /* unit length */
@@ -32,8 +32,8 @@ enum { CAMERA_PIXELS_MAX = INT32_MAX };
  * pixels, fov outside (0, 180), eye and look_at at one point, or `up` along the view. */
 CHECKED status camera_init(camera *c, const leafcast_camera *from);
 
-/* camera_window() - count pixels from (x, y) on; the rays stay the same, to the bit. camera_shift()
- * - move all later rays by (dx, dy) pixels, at most half a pixel. */
+/* camera_window() - from now on, count pixels from (x, y) on; rays stay the same, to the bit.
+ * camera_shift() - move all later rays by (dx, dy) pixels, at most half a pixel each. */
 void camera_window(camera *c, uint32_t x, uint32_t y);
 void camera_shift(camera *c, double dx, double dy);
 
@@ -48,11 +48,11 @@ ray_bundle camera_bundle(const camera *c);
  * picture; for --lod pixel. */
 double camera_pixel(const camera *c, double distance);
 
-/* camera_fit() - the nearest place from which all corners of a box are in the picture, looking at
- * its middle. corners: in world space, bit a of the index says which end of axis a. Up is +z,
- * unless the box is more than twice as long along z as along x and y; then it is laid down, and up
- * is the longer of x and y. The longer of the two other axes lies across, left to right. The eye is
- * above, and a little to the side of the third: see camera.c. */
+/* camera_fit() - returns a camera that looks at the middle of a box, from the nearest place from
+ * which all corners are in the picture. corners: in world space, bit a of the index says which end
+ * of axis a. Up is +z, unless the box is more than twice as long along z as along x and y: then up
+ * is the longer of x and y. The longer of the two other axes goes from left to right. The eye is
+ * above the third axis and a little to its side: see camera.c. */
 leafcast_camera camera_fit(const double corners[8][3], double fov, uint32_t width, uint32_t height);
 
 /* camera_standard() - fov 45, up +z, looking at the box's centre from the direction (1, 0.6, 0.8),

@@ -44,8 +44,9 @@ static void take_in_rates(transfer_span *s, const transfer_span *of) {
     s->rgb_rate = fmax(s->rgb_rate, fmin(of->rgb_change * of->inverse, most));
 }
 
-/* An error of the value there adds twice that error times the rate. So small an error is harmless
- * even where a piece is a million times as deep as light goes. */
+/* Returns transfer_span.give. An error of the value at a cut adds twice that error times the rate.
+ * This one is so small that it does no harm, even if the piece is a million times as deep as light
+ * goes. */
 static double give_of(const transfer_span *below, const transfer_span *above) {
     return 0x1p-32 * fmin(below->to - below->from, above->to - above->from);
 }

@@ -1,5 +1,5 @@
-/* transfer.h - a transfer function as rays use it: cut into spans of the value, in each of which
- * colour and extinction are linear.
+/* transfer.h - a transfer function, cut into spans of the value. In each span colour and extinction
+ * are linear.
  */
 #ifndef RENDER_LOOK_TRANSFER_H
 #define RENDER_LOOK_TRANSFER_H
@@ -47,8 +47,8 @@ typedef struct transfer {
     double most_rgb; /* and the largest component of a colour */
 } transfer;
 
-/* transfer_init() - make it from a medium that has been checked (arguments.h). transfer_release() -
- * also after a failed init, and for a zeroed one. */
+/* transfer_init() - make a transfer from a medium that has been checked (arguments.h).
+ * transfer_release() - free it; also after a failed init, or if it is zeroed. */
 CHECKED status transfer_init(transfer *t, mem *m, const leafcast_medium *medium);
 void transfer_release(transfer *t, mem *m);
 

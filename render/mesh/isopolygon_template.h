@@ -1,8 +1,8 @@
-/* isopolygon_template.h - isopolygons as seen by vectors of rays; included by the units of an ISA
- * (see formats/base/simd.h).
+/* isopolygon_template.h - tests of isopolygons against vectors of rays; included by the units of an
+ * ISA (see formats/base/simd.h).
  *
- * Sums and products are those of exact_near() and isopolygon_hit(), in their order, so the bits are
- * the same. Terms of a polygon's edges that all rays of one origin share are computed once.
+ * Sums and products are the same as in exact_near() and isopolygon_hit(), in the same order, so
+ * results agree to the bit. Terms that all rays of one origin share are computed once per edge.
  */
 #ifndef RENDER_MESH_ISOPOLYGON_TEMPLATE_H
 #define RENDER_MESH_ISOPOLYGON_TEMPLATE_H
@@ -64,8 +64,8 @@ SIMD point4 point4_of_triple(const float at[3]) {
 
 typedef enum polygon_certainty { NO_POLYGON, SURE_POLYGON, DOUBTFUL_POLYGON } polygon_certainty;
 
-/* isopolygon_of() with all coordinates of a vertex at a time: gives the same bits, or is in
- * doubt. */
+/* isopolygon_of(), with all coordinates of a vertex in a vector. The result is the same, to the
+ * bit, or DOUBTFUL_POLYGON. */
 SIMD polygon_certainty isopolygon_near(const near_tet *x, double iso, isopolygon *out) {
     const point4 *v = x->v;
     point4 e[3];
@@ -102,7 +102,7 @@ SIMD polygon_certainty isopolygon_near(const near_tet *x, double iso, isopolygon
     return SURE_POLYGON;
 }
 
-/* A polygon as seen from the rays' origins. */
+/* A polygon, prepared for rays from these origins. */
 typedef struct seen {
     vd a[4][3];
     seen_edge edge[EDGES];
@@ -154,8 +154,8 @@ SIMD vd error_of(const vd moduli[3], const seen_edge *e) {
     return d_set(EXACT_BOUND) * dot(moduli, e->terms) + d_set(EXACT_SMALLEST);
 }
 
-/* exact_near(). error: at least error_of(). A larger one only leaves more in doubt, and changes no
- * other bit. */
+/* Vector form of exact_near(). error: at least error_of(). A larger error only leaves more lanes in
+ * doubt; other lanes do not change. */
 SIMD weights weigh(const vd d[3], const vd normal[3], vd error) {
     const vd value = dot(d, normal);
     return (weights){d_abs(value), d_gt(value, error), d_lt(value, d_set(0.0) - error)};
@@ -165,7 +165,8 @@ SIMD weights against(weights w) {
     return (weights){w.modulus, w.below, w.above};
 }
 
-/* What is sure about rays and a triangle. */
+/* Which rays certainly hit a triangle, by direction. doubtful: neither a hit nor a miss is certain.
+ */
 typedef struct verdict {
     md enters, leaves, doubtful;
 } verdict;
@@ -181,7 +182,7 @@ SIMD verdict judge(weights w0, weights w1, weights w2) {
     return v;
 }
 
-/* As cross_inside() of the scalar kernel. */
+/* Vector form of cross_inside() of the scalar kernel. */
 SIMD vd cross_at(const vd d[3], const vd a0[3], const vd a1[3], const vd a2[3], weights w0,
                  weights w1, weights w2) {
     const vd t0 = dot(d, a0), t1 = dot(d, a1), t2 = dot(d, a2);

@@ -2,21 +2,21 @@
  * ray_batch.h.
  *
  * Rays of one octant of directions go together, sorted so that neighbours are side by side. They
- * make MESH_BEAMS beams at a time. A beam has as many consecutive rays as stay narrow, or one ray
- * if rays have nothing in common. It is an interval of origins and one of directions per axis. The
- * tree over the treelets, and the trees in them, are walked once for all beams, near children
- * first, with a bit for each beam that may meet a node. For each vector of active tets, beams are
- * tested first against the boxes around their isopolygons, then against edge functions in single
- * precision. All these tests are conservative, with bounds that are stated where they are used.
- * Rays that are left go to tet_rays_template.h, so a ray's answer is that of single rays to the
- * bit.
+ * form MESH_BEAMS beams at a time. A beam is an interval of origins and an interval of directions
+ * per axis. It has as many consecutive rays as keep it narrow, or a single ray if rays have nothing
+ * in common. The tree over the treelets, and the trees in them, are walked once for all beams, near
+ * children first. Each node has a bit for each beam that may meet it. Active tets are taken a
+ * vector at a time. Beams are tested against the boxes around their isopolygons, then rays against
+ * the edge functions, in single precision. All these tests are conservative; the bounds are stated
+ * where they are used. The remaining rays go to tet_rays_template.h. So a ray's answer equals the
+ * answer of single rays, to the bit.
  *
- * A ray that looks for any hit takes any. So it may find one where a ray alone, which takes
- * treelets in order, would wait for an absent one.
+ * A ray that looks for any hit takes any. So it may find one where a single ray, which takes
+ * treelets in order, would wait for an absent treelet.
  *
- * Deviation from W07 5: packets there are of one eye, and are split no further. Here no ray waits
- * for a box that only other rays meet, and rays without coherence share what is fetched and made
- * for them: nodes, boxes, isopolygons.
+ * Deviation from W07 5: the packets there have one eye, and are not split. Here no ray visits a box
+ * that only other rays meet. Rays without coherence share nodes, boxes and isopolygons once these
+ * are fetched or made.
  */
 #ifndef RENDER_MESH_MESH_BATCH_H
 #define RENDER_MESH_MESH_BATCH_H

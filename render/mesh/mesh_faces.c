@@ -27,8 +27,8 @@ static mesh_faces *lay_out(void *block, const mesh_shape *shape) {
 
 /* ---- Neighbours ---- */
 
-/* During the search, a face without a neighbour is in the list of its first vertex: `beyond` holds
- * the next face of the list. A face's side is the one on which its tet lies. */
+/* During the search, a face that has no neighbour yet is in the list of its first vertex; `beyond`
+ * holds the next face of the list. The side of a face is the side on which its tet lies. */
 typedef struct face_search {
     const uint16_t (*tets)[4];
     mesh_faces *faces;

@@ -7,8 +7,8 @@
 #include "render/mesh/mesh_tracer.h"
 #include "render/mesh/mesh_walk.h"
 
-/* Compute barycentric coordinates at t. They are clamped to the tet, as rounding may lead out of
- * it. False: a tet without volume has none. */
+/* Compute barycentric coordinates at t. Clamp them to the tet, since rounding may lead out of it.
+ * Returns false if the tet has no volume. */
 static bool weights_at(const tet *x, const ray *r, double t, double weights[4]) {
     double edge[3][3], away[3], sum = 0.0;
     for (int a = 0; a < 3; a++) {

@@ -74,7 +74,8 @@ static void mesh_close(leafcast *v) {
     mem_free(v->m, v->own);
 }
 
-/* Facts of a mesh. The edge of a cell is computed as if six tets in its box made a cube. */
+/* Describe a mesh. cell_size is computed as if the tets filled the mesh's bounds, and six of them
+ * made a cube. */
 static void mesh_describe(const leafcast *v, leafcast_info *info) {
     const leaf_header *h = &v->file->header;
     info->cells = h->tets;

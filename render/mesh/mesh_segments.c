@@ -27,7 +27,7 @@ static void cut(const tet_piece *p, const ray *r, segment *s) {
     }
 }
 
-/* False: the piece has no length. */
+/* Make the segment of a tet's piece, cut to the ray. Returns false if the piece has no length. */
 static bool piece_of(const tet_piece *p, const ray *r, segment *s) {
     if (!(p->t[0] < p->t[1]))
         return false;
@@ -76,7 +76,8 @@ void mesh_pieces(const tracer *tr, const treelet *found, const ray *r, const hit
         mesh_walk_each(at, r, after, state->limit.t0, &visitor, counters);
 }
 
-/* Rounding of a value: of the ends', and of cut(). */
+/* Bound of the rounding of a value, relative to the largest one: at the ends of a piece, and by
+ * cut(). */
 #define VALUE_ROUNDING (TET_VALUE_ROUNDING + 14.0 * 0x1p-53)
 
 segments_error mesh_segments_error(const tracer *tr, const ray *r, const double range[2]) {

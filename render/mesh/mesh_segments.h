@@ -16,9 +16,9 @@ void mesh_pieces(const tracer *tr, const treelet *at, const ray *r, const hit *a
  * has no length. */
 bool mesh_piece(const tet *x, const ray *r, segment *s);
 
-/* mesh_segments_error() - the row's `segments_error`: the errors above. A face lies in its
- * treelet's box. So along the ray it spans no more of t than the widest such box does, however
- * large the mesh is, and no more values than there are. */
+/* mesh_segments_error() - the row's `segments_error`: bounds of the errors above. A face lies in
+ * its treelet's box. So its t differ by no more than the ray takes to cross the widest box of a
+ * treelet, however large the mesh is. Its values differ by no more than the range. */
 segments_error mesh_segments_error(const tracer *tr, const ray *r, const double range[2]);
 
 #endif

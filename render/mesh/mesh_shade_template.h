@@ -158,7 +158,8 @@ static const tet_facts *facts_of(mesh_shading *m, const tile_layer *l, unsigned 
     return &m->facts[k];
 }
 
-/* Returns which of these rays (bits, from i on) hit the same isopolygon as ray i + as. */
+/* Of the rays `which`, a bit each from i on, returns the rays that hit the same isopolygon as ray
+ * i + as. */
 SIMD unsigned same_tet(const hit_tets *l, unsigned i, unsigned which, unsigned as) {
     unsigned same = 0;
     for (unsigned k = 0; k < VD_N; k++)

@@ -24,7 +24,7 @@ typedef struct tet_lanes {
     unsigned count;
 } tet_lanes;
 
-/* The most pixels of waiting polygons, which hide nothing yet. */
+/* The most pixels that waiting polygons may cover together. While they wait, they hide nothing. */
 enum { QUEUE_PIXELS = 64 };
 
 /* Tets of a treelet that rays may hit, a lane each, waiting to be made into polygons. */
@@ -61,7 +61,7 @@ SIMD void look_as_far(mesh_tile *w, unsigned i) {
     w->far2[i] = (float)(t * t) + FLT_MIN;
 }
 
-/* Stop looking with rays that are not open. */
+/* Let rays that are not open look no farther. */
 static void look_with_open(mesh_tile *w) {
     for (unsigned y = 0; y < TILE; y++)
         for (unsigned left = row_full & ~w->s.open[y]; left; left &= left - 1)
@@ -75,8 +75,8 @@ static void look_at_all(mesh_tile *w) {
     look_with_open(w);
 }
 
-/* Returns whether an open ray of the rectangle has nothing in front of a squared distance. A
- * distance of NaN is in sight. */
+/* Returns whether an open ray of the rectangle has no surface nearer than the squared distance
+ * near2. True if near2 is NaN. */
 SIMD bool in_sight(const mesh_tile *w, tile_rect r, float near2) {
     enum { LANES = (1u << VF_N) - 1 };
     const vf at = f_set(near2 * SURELY);
@@ -88,14 +88,15 @@ SIMD bool in_sight(const mesh_tile *w, tile_rect r, float near2) {
     return false;
 }
 
-/* Returns which pixels of a window of 4 x 4 from a rectangle's corner on have rays with nothing in
- * front of a squared distance: a bit each, row by row. */
+/* Side of a window of pixels that starts at a rectangle's corner. */
 enum { CENTRES = 4 };
 
 SIMD unsigned centre_ray(tile_rect r, unsigned bit) {
     return TILE * (r.y0 + bit / CENTRES) + r.x0 + bit % CENTRES;
 }
 
+/* Of the pixels `centres`, a bit each in a window of 4 x 4, row by row, returns the ones whose rays
+ * have no surface nearer than the squared distance near2. */
 SIMD uint32_t centres_in_sight(const mesh_tile *w, tile_rect r, uint32_t centres, float near2) {
     const float at = near2 * SURELY;
     uint32_t visible = 0;

@@ -9,7 +9,7 @@
 
 #include "render/ray/tracer.h"
 
-/* A mesh as rays see it during a frame: tracer.own. */
+/* tracer.own of a mesh: what its rays need during a frame. */
 typedef struct mesh_rays {
     bool smooth;     /* interpolate normals from gradients at vertices, which its treelets have */
     unsigned packet; /* rays on a side of a packet (mesh_packet.h); 0: tiles instead */

@@ -43,8 +43,8 @@ static void packet_slab(double least, double most, double lo, double hi, double 
     *t_out = out < *t_out ? out : *t_out;
 }
 
-/* Find the smallest and largest of the corners' pixels along one side. False: they miss the
- * packet's pixels. */
+/* Find the smallest and the largest pixel that the corners cover along one side. Returns false if
+ * they miss the packet's pixels. */
 static bool packet_span(const float at[8], float first, float margin, int side, int *from,
                         int *to) {
     float lo = at[0], hi = at[0];
@@ -104,7 +104,8 @@ bool packet_frustum_box(const packet_frustum *s, const packet_box *b, packet_rea
 /* Bounds the rounding of directions, corners and edge functions, relative to the sum of moduli. */
 static const double certainty = 0x1p-38;
 
-/* Returns on which side of the edge from a to b all corners surely are; 0: not all on one. */
+/* Returns the side of the edge from a to b on which all corner rays certainly are; 0: there is no
+ * such side. */
 static int side_of(const packet_frustum *s, const double a[3], const double b[3]) {
     double normal[3], terms = 0.0;
     int above = 0, below = 0;
@@ -123,10 +124,10 @@ static int side_of(const packet_frustum *s, const double a[3], const double b[3]
     return above == 4 ? 1 : below == 4 ? -1 : 0;
 }
 
-/* Returns what all rays do with a triangle, by the sides of its edges on which they are: 1 hit it,
- * -1 miss it, 0 unsure. Rays in front of the eye hit it only if all edge functions are 0 or have
- * the sign of `front`, the side of the triangle on which the eye is. If the eye is almost in its
- * plane, the result is 0. */
+/* Returns 1 if all rays hit a triangle, -1 if all miss it, 0 if that is not certain. side[]: on
+ * which side of each edge the rays are. A ray hits the triangle only if its edge functions are 0 or
+ * have the sign of `front`, the side of the triangle on which the eye is. If the eye is almost in
+ * the triangle's plane, the result is 0. */
 static int view_triangle(const double a[4][3], int j, int k, const int side[3]) {
     const double volume = vec3_det(a[0], a[j], a[k]);
     const double size = vec3_size(a[0]) * vec3_size(a[j]) * vec3_size(a[k]);

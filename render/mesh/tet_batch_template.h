@@ -17,7 +17,7 @@
 void SIMD_NAME(tet_batch)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
                           tet_rays *rays, int first, int end);
 
-/* Find t for a vector of rays that are known to hit one triangle. */
+/* Compute t for a vector of rays that are known to hit the triangle `known`, and offer the hits. */
 SIMD void pass_rays(const seen *s, tet_rays *rays, int at, hit_of of, tet_known known,
                     unsigned wanted) {
     const vd d[3] = {d_load(rays->d[0] + at), d_load(rays->d[1] + at), d_load(rays->d[2] + at)};

@@ -56,9 +56,9 @@ static unsigned inside_of(const float f[4], double iso) {
     return inside == 15 ? 0 : inside;
 }
 
-/* Never goes beyond a or b. If s < 1, the product is at least an ulp short of the difference (b -
- * a) as rounded, which errs by half an ulp at most. So a plus the product lies between a and b
- * before it is rounded, and hence after. */
+/* The point never lies beyond a or b. Proof: if s < 1, the product is at least an ulp less than the
+ * rounded difference b - a, which errs by half an ulp at most. So a plus the product lies between a
+ * and b before it is rounded, and hence after. */
 static void cut_edge(const double p[4][3], const float f[4], int edge, double iso,
                      double point[3]) {
     const int i = tet_edge_ends[edge][0], j = tet_edge_ends[edge][1];
@@ -97,7 +97,7 @@ bool isopolygon_of(const tet *x, double iso, isopolygon *out) {
 
 /* ---- the ray --------------------------------------------------------------------------------- */
 
-/* A polygon as a ray sees it: its points relative to the ray's origin. */
+/* A polygon, with its points relative to a ray's origin. */
 typedef struct seen_polygon {
     const isopolygon *g;
     const ray *r;
@@ -264,7 +264,7 @@ bool tet_gradient(const tet *x, double gradient[3]) {
     return true;
 }
 
-/* Find the normal from the diagonals, or two edges of a triangle. False: it has no direction. */
+/* Find the normal from the diagonals, or two edges of a triangle. Returns false if it is 0. */
 static bool find_normal(const isopolygon *g, across *out) {
     double e[2][3], normal[3], moduli = 0.0;
     vec3_sub(g->p[2], g->p[0], e[0]);
@@ -290,7 +290,8 @@ static double shortest_edge(const tet *x) {
     return sqrt(square);
 }
 
-/* Find the gradient (true); if there is none, the polygon's normal, or else 0 (false). */
+/* Find the gradient, and return true. If there is none, set the polygon's normal or 0, and return
+ * false. */
 static bool find_across(const tet *x, const isopolygon *g, across *out) {
     if (find_gradient(x, out))
         return true;

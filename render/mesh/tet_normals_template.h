@@ -25,8 +25,9 @@ SIMD void tet_columns_put(tet_columns *c, unsigned lane, const tet *x) {
     }
 }
 
-/* Sums and products are those of tet_gradient() and tet_normal(), in their order. Returns the lanes
- * that have a gradient; the other lanes get no normal. */
+/* Compute the normals of VD_N tets. Sums and products are the same as in tet_gradient() and
+ * tet_normal(), in the same order. Returns the lanes that have a gradient; the other lanes get no
+ * normal. */
 SIMD unsigned tet_normals_of(const tet_columns *c, float normal[3][VD_N]) {
     vd e[3][3], df[3], n[3][3], terms = d_set(0.0), g[3], unit[3];
     for (int i = 0; i < 3; i++) {

@@ -68,8 +68,8 @@ SIMD void cut_edges(const vd p[4][3], const vd f[4], vd iso, double cut[TET_EDGE
     }
 }
 
-/* isopolygon_of() for VD_N tets, each with its own isovalue. Returns the lanes that are sure; the
- * others need isopolygon_of() itself. */
+/* Vector form of isopolygon_of(): VD_N tets, each with its own isovalue. Returns the lanes that are
+ * certain; the others need isopolygon_of() itself. */
 SIMD unsigned isopolygons_near(const tet_columns *x, const double isovalues[VD_N],
                                polygon_lanes *out) {
     double cut[TET_EDGES][3][VD_N];
@@ -103,7 +103,7 @@ SIMD unsigned isopolygons_near(const tet_columns *x, const double isovalues[VD_N
     return sure;
 }
 
-/* Polygons as seen from one point: as see(), with a polygon per lane. */
+/* Polygons, prepared for rays from one point: as struct seen, with a polygon per lane. */
 typedef struct seen_lanes {
     vd a[4][3];
     vd normal[EDGES][3]; /* per edge */

@@ -17,8 +17,8 @@ static double larger_than(double x) {
     return x + (fabs(x) + 1.0);
 }
 
-/* Returns a number with the sign of E for the ray moved along an axis by any step. E is linear in
- * the ray's origin and vanishes at the true one, so its change has this sign. */
+/* Returns a number with the sign that the edge function E has when the ray is moved along an axis.
+ * E is linear in the ray's origin and 0 at the true origin, so any step gives the same sign. */
 static double moved_edge(const ray *r, int axis, const double p[3], const double q[3]) {
     double o[3] = {r->o[0], r->o[1], r->o[2]};
     o[axis] = larger_than(o[axis]);
@@ -68,9 +68,9 @@ static double t_of(const tet_sight *s, int v) {
     return vec3_dot(s->r->d, s->a[v]) / vec3_dot(s->r->d, s->r->d);
 }
 
-/* Find where the ray meets the edge i, j, from the distances of its ends from the ray, in the
- * coordinate in which the edge looks longest. Such a distance is E of the line from the ray's
- * origin along that axis. */
+/* Find where the ray meets the edge i, j. Use the distances of its ends from the ray, in the
+ * coordinate in which the edge looks longest. The distance of an end is E for the line along that
+ * axis through the ray's origin. */
 static void meet_edge(const tet_sight *s, int i, int j, double *t, double *f) {
     const double *p = s->p[i], *q = s->p[j];
     const double along[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
@@ -131,16 +131,17 @@ bool tet_sight_enters(const tet_sight *s, int face, int orientation) {
     return s->side[tet_faces[face].edge[0]] * tet_faces[face].inwards * orientation > 0;
 }
 
-/* Side of the edge from one vertex to another, whichever has the lower id. */
+/* Returns the side of the edge directed from one vertex to another, whichever has the lower id. */
 static int side_towards(tet_sight *s, int from, int to) {
     const int side = side_of(s, edge_between[from][to]);
     return from < to ? side : -side;
 }
 
-/* The ray crosses the face 012 (the face `entered`), and turns one way around its edges. It also
- * crosses the face of two of its vertices and the top if it turns around that the same way. An edge
- * parallel to the ray (side 0) belongs to two faces seen from the side. Then the top is seen at a
- * vertex of 012, and what the other sides say still holds. */
+/* Call the face `entered` 012, and the fourth vertex the top. The ray crosses 012, so it passes all
+ * three edges of 012 on the same side. It also crosses the face of two of these vertices and the
+ * top if it passes that face's edges on one side, too. An edge parallel to the ray has side 0: both
+ * its faces are seen from the side. Then the top is seen at a vertex of 012, and the other sides
+ * still decide. */
 int tet_sight_leaves_by(tet_sight *s, int entered) {
     const uint8_t *v = tet_faces[entered].vertex;
     const int top = 3 - entered, turn = s->side[tet_faces[entered].edge[0]];

@@ -1,8 +1,9 @@
-/* tet_sight.h - a tetrahedron as a ray sees it: on which side the ray passes its edges (Pluecker
- * tests, M08 6.2.1), which faces it crosses, and where.
+/* tet_sight.h - a ray and a tetrahedron: on which side the ray passes each edge (Pluecker tests,
+ * M08 6.2.1), which faces it crosses, and where.
  *
- * Sides are found only when needed, once an edge, exactly, for the ray moved as tet_segment.h says.
- * From a tet into its neighbour, all that is known of their common face goes along: M08 6.3.2.
+ * The side of an edge is computed only when needed, once, and exactly; the ray is moved as
+ * tet_segment.h says. When the ray goes from a tet into its neighbour, all that is known of their
+ * common face is kept (M08 6.3.2).
  */
 #ifndef RENDER_MESH_TET_SIGHT_H
 #define RENDER_MESH_TET_SIGHT_H
@@ -32,9 +33,10 @@ typedef struct tet_sight {
 /* tet_sight_begin() - starts with a tet of which nothing is known; s->tests stays. */
 void tet_sight_begin(tet_sight *s, const tet *x, const ray *r);
 
-/* tet_sight_crosses() - whether the ray crosses a face. For a face that it crosses:
- * tet_sight_enters() - whether the ray comes in there, by the tet's orientation
- * (exact_orientation(), not 0); tet_sight_meet() - where the ray meets it, and at what value. */
+/* tet_sight_crosses() - returns whether the ray crosses a face. The other two are for faces that it
+ * crosses. tet_sight_enters() - returns whether the ray comes in there; orientation: of the tet, by
+ * exact_orientation(), not 0. tet_sight_meet() - set *t and *f to the ray's t and the value there.
+ */
 bool tet_sight_crosses(tet_sight *s, int face);
 bool tet_sight_enters(const tet_sight *s, int face, int orientation);
 void tet_sight_meet(tet_sight *s, int face, double *t, double *f);
@@ -43,8 +45,8 @@ void tet_sight_meet(tet_sight *s, int face, double *t, double *f);
  * two tests, and a third if these leave two faces. */
 int tet_sight_leaves_by(tet_sight *s, int entered);
 
-/* tet_sight_go() - goes over the crossed face `left` into its neighbour x, whose face `entered` it
- * is. */
+/* tet_sight_go() - goes on to the neighbour x beyond the crossed face `left`. entered: the number
+ * of this face in x. */
 void tet_sight_go(tet_sight *s, int left, const tet *x, int entered);
 
 #endif

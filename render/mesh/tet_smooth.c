@@ -42,7 +42,9 @@ bool tet_smooth_normal(const tet_smooth *s, const double o[3], const double d[3]
     for (int i = 0; i < 4; i++)
         for (int a = 0; a < 3; a++)
             to[i][a] = (s->g.p[i][a] - o[a]) - t * d[a];
-    /* Which side of the diagonal 0 2 it is on. A triangle's third point stands twice. */
+    /* Find the side of the diagonal 0 2 on which the place is. A triangle has its third point
+     * twice.
+     */
     const double beyond = s->g.count == 4 ? area(s, (const double(*)[3])to, 0, 2) : 0.0;
     const int far = beyond > 0.0 ? 3 : 1, i = beyond > 0.0 ? 2 : 1, j = beyond > 0.0 ? 3 : 2;
     const double w0 = area(s, (const double(*)[3])to, i, j);

@@ -95,7 +95,8 @@ static bool find_first(const segment *piece, double *t) {
     return false;
 }
 
-/* Take a piece. Returns whether a later piece may come before the place found so far. */
+/* Take a piece, and keep its first place at the threshold if that comes before the place found so
+ * far. Returns whether later pieces are still needed. */
 static bool pass_first(projected_ray *p, const segment *piece, double v) {
     double t = piece->t0;
     const bool at_once = piece->b[0] >= 0.0;

@@ -1,8 +1,8 @@
 /* extreme_batch.h - the greatest, or the least, values on many rays through one volume
  * (extremes.h).
  *
- * Each ray gets the same value and place as alone, to the bit, and asks for no treelet that it
- * would not ask for alone.
+ * Each ray gets the same value and place as when searched alone, to the bit. It asks for no treelet
+ * that it would not ask for alone.
  */
 #ifndef RENDER_RAY_EXTREME_BATCH_H
 #define RENDER_RAY_EXTREME_BATCH_H

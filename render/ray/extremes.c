@@ -93,7 +93,7 @@ trace_result extreme_next(const tracer *tr, const ray *r, const extreme_state *n
         w.full = false;
         tr->kind->walks->extreme_ways(tr, r, &w, counters);
         for (uint32_t i = 0; i < w.count; i++) {
-            /* All that follow have no better bound or place. */
+            /* Treelets that follow have no better bound or place. */
             if (!extreme_matters(s, (double)w.of[i].bound, w.of[i].t_in)) {
                 w.full = false;
                 break;

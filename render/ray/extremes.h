@@ -1,10 +1,10 @@
 /* extremes.h - the greatest, or the least, value on a ray's way through a volume, best first.
  *
- * The third question to a kind, beside tracer.h's hits and segments.h's pieces. A maximum does not
- * depend on the order of places, so treelets are visited by falling bound, which the directory
- * gives. Treelets, nodes and cells that cannot improve the result are skipped, and skipped treelets
- * are not read. So the treelets read are those whose bound exceeds the final score, or equals it in
- * front of its place.
+ * This is the third question to a kind, beside the hits of tracer.h and the pieces of segments.h. A
+ * maximum does not depend on the order of the search. So treelets are visited by falling bound,
+ * which the directory gives. Treelets, nodes and cells that cannot improve the result are skipped,
+ * and skipped treelets are not read. So a treelet is read only if its bound exceeds the final
+ * score, or equals it and the ray enters the treelet in front of the final place.
  *
  * A least value is the greatest one of the opposite sign. So the code compares scores: the value,
  * or minus it.
@@ -41,8 +41,8 @@ typedef struct extreme_state {
     uint32_t blocked; /* the absent treelet that is needed: next.t */
 } extreme_state;
 
-/* extreme_begin() - a state with nothing found. extreme_go_on() - start on the first or another
- * volume, and keep the result so far. */
+/* extreme_begin() - returns a state with nothing found. extreme_go_on() - begin to search a volume,
+ * the first or a further one; keeps the result so far. */
 extreme_state extreme_begin(bool least);
 void extreme_go_on(extreme_state *s, const tracer *tr);
 
@@ -98,8 +98,8 @@ typedef struct extreme_ways {
     extreme_way of[EXTREME_WAYS_MAX];
 } extreme_ways;
 
-/* extreme_ways_skip() - whether a treelet of this bound, or less, entered at t_in or later, is of
- * no use. */
+/* extreme_ways_skip() - returns whether a treelet with this bound or a lower one, entered at t_in
+ * or later, may be skipped. */
 static inline bool extreme_ways_skip(const extreme_ways *w, float bound, double t_in) {
     return !extreme_matters(w->state, (double)bound, t_in) ||
            (w->full && bound < w->of[w->count - 1].bound);

@@ -1,10 +1,10 @@
-/* kind.h - the kinds of geometry: one row each.
+/* kind.h - the kinds of geometry: one row of functions each.
  *
- * A kind knows where its cells are and how the value runs along a ray inside one. Only its own
- * files (render/grid, render/mesh; likewise in stream/ and formats/) know more. A row is a required
- * core, and capabilities that may be NULL. A kind whose treelets have boxes needs to say little
- * more than what is true of one cell: walk/ has all the walks. A new kind adds its own files, a
- * number in formats/leaf/leaf.h and a row to three tables: CONTRIBUTING.md.
+ * A kind knows where its cells are, and the value along a ray inside a cell. Only its own files
+ * (render/grid, render/mesh; likewise in stream/ and formats/) know more. A row is a required core,
+ * and capabilities that may be NULL. A kind whose treelets have boxes needs little more than
+ * functions of a single cell: walk/ has all the walks. A new kind adds its own files, a number in
+ * formats/leaf/leaf.h and a row to three tables: CONTRIBUTING.md.
  */
 #ifndef RENDER_RAY_KIND_H
 #define RENDER_RAY_KIND_H
@@ -24,16 +24,17 @@ typedef struct kind_walks {
     /* Treelets overlap. Then a piece may be given out after its treelet was evicted. */
     bool overlaps;
 
-    /* Corners, in world space, of a box around all that may be active for these isovalues; of the
-     * whole volume if nothing may be. */
+    /* Set the corners, in world space, of a box around all cells that may be active for these
+     * isovalues. If there are none, the box of the whole volume. */
     void (*active_box)(const leafcast *v, uint32_t set, const double *isovalues, int count,
                        double corners[8][3]);
     /* Where a treelet's cells begin (span[0]) and end (span[1]) along the volume's own axes; the
      * whole volume is 0 to 1. */
     void (*span)(const leafcast *v, uint32_t t, double span[2][3]);
-    /* About how many cells of level 0 a vector of world space passes. */
+    /* Returns about how many cells of level 0 a world-space vector crosses. */
     double (*cells_along)(const leafcast *v, const double vector[3]);
-    /* A treelet's rank in the order of a bundle. Ranks rise along each of its rays. */
+    /* Returns a treelet's rank in the order of a bundle: ranks rise along each ray of the bundle.
+     */
     uint32_t (*rank)(const tracer *tr, uint32_t t, const ray_bundle *rays);
 
     /* Implement tracer_next(). */
@@ -55,8 +56,9 @@ typedef struct kind_walks {
     void (*extreme_near)(const tracer *tr, const treelet *at, const ray *r, double t,
                          extreme_state *s, ray_counters *counters);
 
-    /* The next treelet of a level of detail that may hold a point of world space: the first one
-     * after `after`, or of all if that is LEAF_NO_TREELET. Returns LEAF_NO_TREELET at the end. */
+    /* Returns the next treelet of a level of detail that may hold a world-space point: the first
+     * one after `after`, or the first of all if `after` is LEAF_NO_TREELET. LEAF_NO_TREELET: none.
+     */
     uint32_t (*treelet_at)(const leafcast *v, uint32_t level, const double point[3],
                            uint32_t after);
 } kind_walks;
@@ -114,13 +116,13 @@ typedef struct kind {
     uint32_t degree;                    /* of all pieces: 1 or 3 */
     /* Implements segments_error_of(). */
     segments_error (*segments_error)(const tracer *tr, const ray *r, const double range[2]);
-    /* The gradient along a piece in this treelet. s->cell may be unset where treelets do not
-     * overlap. */
+    /* Set *out to the gradient along a piece in this treelet. s->cell may be unset for kinds whose
+     * treelets do not overlap. */
     void (*gradient)(const tracer *tr, const treelet *at, const ray *r, const segment *s,
                      segment_gradient *out);
-    /* Set *out to the cell of this treelet that holds the point, the values there and at the
-     * nearest corner (without corners: the same), finite or not, and the gradient. *out stays
-     * unchanged where no cell does. */
+    /* Find the cell of this treelet that holds the point. Set *out to the cell, the value at the
+     * point, the value at the nearest corner (without corners: the same), and the gradient. Values
+     * may be not finite. If no cell holds the point, *out stays unchanged. */
     void (*cell_in)(const leafcast *v, const treelet *at, const double point[3],
                     leafcast_sample *out);
 
@@ -128,9 +130,9 @@ typedef struct kind {
 
     const kind_tiles *tiles;     /* NULL: primary rays go one by one */
     const kind_batches *batches; /* NULL: all rays go one by one */
-    /* Set how treelets are read, where the kind has a choice. */
+    /* Choose how treelets are read, if the kind has a choice. */
     void (*loading)(const leafcast *v, loader_options *o);
-    /* Add what else depends on the hit's cell: at, flat. */
+    /* Set the members of a hit that depend on its cell: at, flat. */
     status (*cell_of_hit)(leafcast *v, const tracer *tr, const ray *r, const hit *h,
                           leafcast_hit *out);
     /* Implement leafcast_cell_indices(). NULL: cells have numbers alone. */
@@ -138,14 +140,14 @@ typedef struct kind {
     /* Set the corners of a cell, with their values. ST_USAGE: the level, above 0, has no such cell.
      * NULL: cells have no corners. */
     status (*cell_corners)(leafcast *v, uint32_t level, uint64_t cell, leafcast_cell *out);
-    /* The plane of nodes number `node` across an axis, level 0, as a rectangle in world space.
-     * origin: its corner at the first nodes of the two other axes. edges: along these. ST_USAGE
-     * where there are no nodes of that number. NULL: nodes do not lie in planes. */
+    /* Describe the plane of level-0 nodes with number `node` on an axis, as a rectangle in world
+     * space. origin: its corner at the first nodes of the two other axes. edges: its edges along
+     * these. ST_USAGE: there is no such node. NULL: nodes do not lie in planes. */
     status (*layer)(const leafcast *v, int axis, uint32_t node, double origin[3],
                     double edges[2][3]);
 } kind;
 
-/* kind_of() - the row of a file's geometry. */
+/* kind_of() - returns the row of a file's kind. */
 const kind *kind_of(const leaf_file *f);
 
 /* kind_tile_side() - pixels on a side of the tiles that a kind's primary rays are traced in. */

@@ -1,9 +1,9 @@
 /* ray_batch.h - rays of any origins and directions through one volume together.
  *
  * Shadow rays of neighbouring surfaces and rays of a caller mostly go the same way. So nodes are
- * tested against all of them at once, and their cells fill vectors. Each ray's answer is that of
- * tracer_next() alone, to the bit, whatever the other rays are; a batch only saves time. One
- * exception: a ray that looks for any hit may find one where alone it would wait for a treelet.
+ * tested against all of them at once, and their cells fill vectors. Each ray's answer equals
+ * tracer_next(), to the bit, whatever the other rays are; a batch only saves time. One exception: a
+ * ray that looks for any hit may find one where a single ray would wait for a treelet.
  */
 #ifndef RENDER_RAY_RAY_BATCH_H
 #define RENDER_RAY_RAY_BATCH_H

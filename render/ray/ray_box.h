@@ -20,11 +20,12 @@
  *             before it); mesh_box_meets(), for vectors: rays_through(), rays_meet();
  *             packet_slab() for all rays of a packet at once, by intervals, twice that
  *
- *   codes     meet_children(): planes of 8 bits, as a ray's own multiples of the code; beside
- *             BOX_INTERVAL_MARGIN the rounding of a plane (2^-22 of the treelet's place and size),
- * and 2^-30 of the way across the treelet beams     beams_through(), boxes_in(): intervals of
- * origins and of directions, in floats of a mesh's own frame; mesh_beams_template.h says by how
- * much they widen
+ *   codes     meet_children(): planes of 8 bits, whose t are multiples of the code. They widen by
+ *             BOX_INTERVAL_MARGIN, by the rounding of a plane (2^-22 of the treelet's coordinates
+ *             and size), and by 2^-30 of the way across the treelet.
+ *
+ *   beams     beams_through(), boxes_in(): intervals of origins and of directions, in floats of a
+ *             mesh's own frame. mesh_beams_template.h says by how much they widen.
  */
 #ifndef RENDER_RAY_RAY_BOX_H
 #define RENDER_RAY_RAY_BOX_H

@@ -90,7 +90,7 @@ segment_gradient segment_gradient_of(const double b[3][4]) {
     return g;
 }
 
-/* By its blossom: first the part left of b, then of that the part right of a. */
+/* Use the blossom: take the part left of b first, then the part of the result right of a. */
 void segment_part(const segment *s, double a, double b, double out[4]) {
     const int n = (int)s->degree;
     double p[4], at = b > 0.0 ? a / b : 0.0;

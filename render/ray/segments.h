@@ -1,8 +1,8 @@
 /* segments.h - one ray's pieces through the cells of a volume, in order of t.
  *
- * The second question to a kind, beside tracer.h's: not where an isovalue is crossed, but how the
- * value runs everywhere on the way. Resumable at an absent treelet, as tracer_next() is. Likewise
- * only what the loader's selection needs is visited: treelets, nodes and cells without interest
+ * This is the second question to a kind. tracer.h asks where an isovalue is crossed; this asks what
+ * the value is everywhere on the way. It is resumable at an absent treelet, as tracer_next() is.
+ * Only what the loader's selection needs is visited: treelets, nodes and cells without interest
  * give no pieces, and are not read.
  *
  * Guarantees:
@@ -67,8 +67,8 @@ typedef struct segment_key {
 typedef struct segments_state {
     segment *ahead; /* room for `room` pieces that are found but not yet given out, in order */
     uint32_t room;  /* at least 1; more saves time */
-    uint32_t first; /* index in ahead of the next to be given out */
-    uint32_t sure, count; /* from there on: pieces certain to be next; all pieces */
+    uint32_t first; /* index in `ahead` of the next piece to be given out */
+    uint32_t sure, count; /* from there on: pieces that are certain to be next; all pieces */
     double t_from;        /* where to resume; */
     uint32_t blocked;     /* at this treelet; LEAF_NO_TREELET: waits for none */
     bool provisional;     /* preview: something on the way was coarser than wanted, or not there */
@@ -79,7 +79,7 @@ typedef struct segments_state {
     segment_key limit; /* pieces from here on were found, but dropped for want of room */
 } segments_state;
 
-/* segments_begin() - a state at the ray's start, with room for so many pieces. */
+/* segments_begin() - returns a state at the ray's start. ahead: room for `room` pieces. */
 segments_state segments_begin(segment *ahead, uint32_t room);
 
 /* segments_next() - go on to the next piece (SEGMENTS_SOME: *out is set), the end of the ray, or an
@@ -175,8 +175,8 @@ typedef struct segments_error {
     double value; /* at a given t, without the effect of the error of t */
 } segments_error;
 
-/* segment_value_error() - bound of the error of a piece's value at a given t, and of values worked
- * out from it by halving the piece. */
+/* segment_value_error() - returns a bound of the error of a piece's value at a given t. Also bounds
+ * values that are computed by halving the piece. */
 double segment_value_error(const segment *s, const segments_error *error);
 
 /* segments_error_of() - the bounds for a ray through a volume whose values lie in range[0] ..

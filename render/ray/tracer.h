@@ -17,7 +17,7 @@
 #include "render/ray/surface_point.h"
 #include "stream/loader.h"
 
-/* A volume as the rays of a frame see it. */
+/* A volume, prepared for the rays of a frame. */
 typedef struct tracer {
     const struct kind *kind;
     const struct ray_kernels *kernels; /* for many rays together (ray_kernels.h) */
@@ -73,8 +73,8 @@ void tracer_direction(const tracer *tr, const double direction[3], double in_gri
 bool tracer_ray_along(const tracer *tr, const double origin[3], const double direction[3],
                       double t0, double t1, ray *out);
 
-/* trace_begin() - start a search for the first hit strictly behind `after`. trace_begin_at() - the
- * same in place: a copy would cost a short ray some per cent. */
+/* trace_begin() - returns a search for the first hit strictly behind `after`. trace_begin_at() -
+ * set *s to the same, without the copy: for short rays a copy costs some per cent of the time. */
 static inline void trace_begin_at(trace_state *s, const hit *after) {
     s->after = *after;
     s->origin = UINT64_MAX;
@@ -111,10 +111,10 @@ static inline void tracer_touch(const tracer *tr, uint32_t t) {
         atomic_store_explicit(&tr->touched[t], 1, memory_order_relaxed);
 }
 
-/* tracer_enter() - the active treelet t, which the ray enters at t_in; NULL where it is absent.
- * Then a preview sets *provisional and goes on without it. Every other ray stops, to resume at
- * treelet *blocked from *t_from. The three pointers are members of the ray's state, trace_state or
- * segments_state. */
+/* tracer_enter() - returns the active treelet t, which the ray enters at t_in; NULL: it is absent.
+ * In that case a preview sets *provisional, and the ray goes on without it. Any other ray must
+ * stop; *blocked and *t_from then say where to resume. The three pointers are members of the ray's
+ * state, a trace_state or segments_state. */
 static inline const treelet *tracer_enter(const tracer *tr, uint32_t t, double t_in, double *t_from,
                                           uint32_t *blocked, bool *provisional) {
     const treelet *at = loader_lookup(tr->treelets, t);

@@ -30,7 +30,7 @@ typedef struct shade_point {
     leafcast_shading shading;
 } shade_point;
 
-/* shade_point_of() - a hit as the lights see it.
+/* shade_point_of() - returns a hit, prepared for shading by lights.
  *
  * normal       of either side (it is turned to the eye: both sides of a surface look alike);
  *              any length, 0 counts as facing the eye
@@ -43,8 +43,8 @@ shade_point shade_point_of(const leafcast_scene *scene, const float rgb[3], cons
  * shading. */
 void shade_ambient(const shade_point *p, float out[3]);
 
-/* shade_reaches() - whether a light from there can contribute: it is on the eye's side of the
- * surface, and the shading uses lights at all. */
+/* shade_reaches() - returns whether a light in this direction can contribute: it is on the eye's
+ * side of the surface, and the scene's shading uses lights. */
 bool shade_reaches(const shade_point *p, const float towards_light[3]);
 
 /* shade_light() - add one light to out: (1 - k_a) (N . L) D of M08 eq. 4.6 and, for Phong, specular
@@ -53,7 +53,7 @@ bool shade_reaches(const shade_point *p, const float towards_light[3]);
 void shade_light(const shade_point *p, const float towards_light[3], const float light_rgb[3],
                  float visibility, float out[3]);
 
-/* shade_composite() - put a colour behind what rgba holds (premultiplied, front to back). */
+/* shade_composite() - composite a colour behind the colour that rgba holds (premultiplied). */
 void shade_composite(float rgba[4], const float rgb[3], float opacity);
 
 /* shade_background() - the same for the background, whose alpha is its opacity. */

@@ -44,7 +44,7 @@ shade_point lit_shading(const frame *f, const lit_surface *s) {
                           s->point->normal, eye);
 }
 
-/* How a shadow ray leaves its surface. */
+/* The start of a shadow ray at its surface. */
 typedef struct departure {
     bool faces;
     bool ill_conditioned;
@@ -103,7 +103,8 @@ bool lit_dim(const frame *f, uint16_t v, const hit *met, float *visibility) {
 
 /* ---- Many surfaces ---- */
 
-/* A light as seen from surfaces: from the last one for a point light, else from all. */
+/* Direction and distance to a light: for a point light from the surface handled last, else the same
+ * from all surfaces. */
 typedef struct light_way {
     double to[3], in_grid[3], distance;
 } light_way;

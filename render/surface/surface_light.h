@@ -1,8 +1,8 @@
 /* surface_light.h - lights and shadows on surfaces that pixels' rays have met.
  *
  * A shadow ray starts at the surface, on the side that the pixel's ray came from, and ends at the
- * light. Roots within the error of the surface's own are the surface itself (DESIGN 5.7). The light
- * that arrives is dimmed by the surfaces on the way, one after the other.
+ * light. Roots that are within the error of the surface's position count as the surface itself
+ * (DESIGN 5.7). Each surface on the way dims the light.
  */
 #ifndef RENDER_SURFACE_SURFACE_LIGHT_H
 #define RENDER_SURFACE_SURFACE_LIGHT_H
@@ -46,7 +46,7 @@ bool lit_needs_ray(const frame *f, const lit_surface *s, const double to[3], flo
  * its start is more than a cell. */
 bool lit_ill_conditioned(const lit_surface *s, const double to[3]);
 
-/* lit_search() - the initial state of a shadow ray in volume v. */
+/* lit_search() - returns the initial search of a shadow ray in volume v. */
 trace_state lit_search(const frame *f, const lit_surface *s, uint16_t v, const double to[3]);
 
 /* lit_dim() - dim *visibility by a surface of volume v that a shadow ray has met. Returns false

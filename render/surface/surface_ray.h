@@ -27,19 +27,23 @@ void surface_ray_begin(uint32_t pixel, surface_ray *p);
 /* surface_ray_primary() - the ray from the eye, not cut. */
 world_ray surface_ray_primary(const frame *f, uint32_t pixel);
 
-/* surface_ray_find() - set *q to the next question of the search for the next surface. Returns
- * false when p->search.found is certain, hit_none() if there is none. surface_ray_meet() - then:
- * write the planes of the first surface, and begin its lighting. Returns false if there is none. */
+/* surface_ray_find() - search for the next surface: set *q to the next question. Returns false once
+ * the result, p->search.found, is certain; it is hit_none() if there is no surface. */
 bool surface_ray_find(const frame *f, surface_ray *p, ray_question *q);
+
+/* surface_ray_meet() - call it then: writes the planes of the ray's first surface, and begins the
+ * lighting. Returns false if there is no surface. */
 bool surface_ray_meet(const frame *f, surface_ray *p, ray_counters *counters);
 
 /* surface_ray_light() - set *q to the next question of the lighting. Returns false when p->rgb is
  * the lit colour of the surface. */
 bool surface_ray_light(const frame *f, surface_ray *p, ray_question *q, ray_counters *counters);
 
-/* surface_ray_opacity() - opacity of the current surface. surface_ray_pass() - go on behind it.
- * Returns false when as many surfaces as count have been met. */
+/* surface_ray_opacity() - returns the opacity of the current surface. */
 float surface_ray_opacity(const frame *f, const surface_ray *p);
+
+/* surface_ray_pass() - go on behind the current surface. Returns false if the scene's limit of
+ * surfaces is reached. */
 bool surface_ray_pass(const frame *f, surface_ray *p);
 
 /* surface_ray_answer() - take the answer to a question of the above functions. */

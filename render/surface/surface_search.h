@@ -25,9 +25,9 @@ typedef struct surface_search {
     trace_state state; /* of the search in the current volume */
 } surface_search;
 
-/* surface_search_begin() - start before all surfaces; any: see above. Sets only the members that
- * need it, since many rays meet nothing. surface_search_behind() - then: start behind the surface
- * that was found. */
+/* surface_search_begin() - start before all surfaces. any: see surface_search. Leaves members unset
+ * that are not needed yet, since many rays meet nothing. surface_search_behind() - start again,
+ * behind the surface that was found. */
 static inline void surface_search_begin(surface_search *s, bool any) {
     s->behind = hit_before_all();
     s->found = hit_none();

@@ -15,7 +15,7 @@ typedef struct box_interval {
     double t_in, t_out;
 } box_interval;
 
-/* A ray as boxes see it. box_line_of() - the line of a ray, with its [t0, t1]. */
+/* A ray, prepared for tests against boxes. box_line_of() - prepare a ray. */
 typedef struct box_line {
     double o[3], inverse[3]; /* 1 / d; 0 where d = 0 */
     double t0, t1;
@@ -57,9 +57,9 @@ static inline bool box_interval_in(const box_line *s, const double lo[3], const 
     return !(first > last) && !(out->t_in > out->t_out);
 }
 
-/* box_interval_slack() - returns more than the error of any t near this one, among the cells in
- * these bounds, whose hits err by less than 2^-40 of themselves and of the t that crosses the
- * bounds. */
+/* box_interval_slack() - returns a bound of the error of hits near t in cells within these bounds.
+ * The kernel of the cells must err by less than 2^-40 of the hit's t and of the t that it takes to
+ * cross the bounds. */
 static inline double box_interval_slack(const float bounds[6], const ray *r, double t) {
     double size = 0.0, fastest = 0.0;
     for (int a = 0; a < 3; a++) {
@@ -69,8 +69,8 @@ static inline double box_interval_slack(const float bounds[6], const ray *r, dou
     return 0x1p-30 * (fabs(t) + size / fastest);
 }
 
-/* box_interval_behind() - returns a t: boxes within these bounds that the ray leaves before it hold
- * no hit behind `after`. */
+/* box_interval_behind() - returns a t with this property: a box within these bounds that the ray
+ * leaves before t has no hit behind `after`. */
 static inline double box_interval_behind(const float bounds[6], const ray *r, const hit *after) {
     return after->t - box_interval_slack(bounds, r, after->t);
 }

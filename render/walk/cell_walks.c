@@ -29,7 +29,8 @@ static void begin_way(cell_way *w, const treelet *at, const ray *r, const hit *a
     tree_passages_begin(&w->passages, &resident_cells_of(at)->tree, r, after, counters);
 }
 
-/* Go on to the next cell that the ray enters at `limit` or before. False: there is none. */
+/* Go on to the next cell that the ray enters at `limit` or before. Returns false if there is none.
+ */
 static bool next_cell(cell_way *w, const treelet *at, double limit, cell *out) {
     w->at = tree_passages_next(&w->passages, w->at, limit);
     if (w->at.t == LEAF_NO_TREELET)
@@ -61,7 +62,7 @@ static bool walk_hits(const tracer *tr, const treelet *at, const ray *r, trace_s
     return true;
 }
 
-/* Cut a piece to the ray's [t0, t1]. False: nothing is left. */
+/* Cut a piece to the ray's [t0, t1]. Returns false if nothing is left. */
 static bool cut_piece(segment *s, const ray *r) {
     const double t0 = fmax(s->t0, r->t0), t1 = fmin(s->t1, r->t1), length = s->t1 - s->t0;
     if (!(t0 < t1))

@@ -1,9 +1,9 @@
-/* cell_walks.h - what is in a treelet whose cells are records (stream/cell_resident.h): all that
- * rays and points ask, by what a kind says of one cell.
+/* cell_walks.h - walks through a treelet whose cells are records (stream/cell_resident.h). They
+ * answer all questions of rays and points by a kind's functions of a single cell.
  *
- * Cells are visited by the tree over their boxes, in the order of tree_passage.h. Those without
- * interest are skipped. Where cells overlap they do not know of each other: each has its hits and
- * pieces, and at a point the first one in the file's order counts.
+ * Cells are visited by the tree over their boxes, in the order of tree_passage.h. Cells without
+ * interest are skipped. Cells may overlap: then each has its own hits and pieces, and at a point
+ * the cell that comes first in the file counts.
  */
 #ifndef RENDER_WALK_CELL_WALKS_H
 #define RENDER_WALK_CELL_WALKS_H
@@ -17,17 +17,17 @@ typedef struct cell {
     uint64_t number; /* in the whole file */
 } cell;
 
-/* What a kind says of a cell. The line of a ray: all t, whatever its [t0, t1]. Of cells that share
- * a face, one has the points of the face and the rays in it, and both find the same bits of t where
- * a ray passes it. */
+/* A kind's functions of one cell. The line of a ray has all t, whatever the ray's [t0, t1]. If two
+ * cells share a face, only one of them owns the points of the face and the rays in it. Where a ray
+ * crosses the face, both find the same t, to the bit. */
 typedef struct cell_kind {
     /* Offer where the line meets the cell's isosurfaces to cell_hit(): of each of tr->isos, v, that
      * the cell's range meets, min < v <= max (stream/interest.h). So a surface at a joint of two
      * cells is there once. Where a line meets the surface once at most, leave out the one that the
      * ray begins on (state->origin, origin_iso). */
     void (*hits)(const tracer *tr, const cell *c, const ray *r, trace_state *state);
-    /* The surface point of a hit. A shadow ray goes error / |gradient . direction| before a hit
-     * counts, span at most. */
+    /* Returns the surface point of a hit. From there, a shadow ray ignores hits up to t = error /
+     * |gradient . direction|, at most up to t = span. */
     surface_point (*surface)(const tracer *tr, const cell *c, const ray *r, const hit *h);
     /* Set the piece of the line in the cell: t0, t1, b[] of the kind's degree; and spread =
      * SEGMENT_EVEN if all of the cell has the one value b[1], exactly. False: there is none. */
@@ -47,9 +47,10 @@ static inline bool cell_hit(trace_state *state, const ray *r, const hit *h) {
     return true;
 }
 
-/* CELL_WALKS_ROW - the part of a kind's row that follows from its cells. The row has, besides:
- * name, cell, cells, degree, describe; segments_error: a bound for any ray and any cell with values
- * in range[] (ray/segments.h), so a record needs a least size if its values are steep. */
+/* CELL_WALKS_ROW - the members of a kind's row that follow from its functions of one cell. The kind
+ * adds: name, cell, cells, degree, describe and segments_error. segments_error must bound the error
+ * for any ray and any cell with values in range[] (ray/segments.h). So records whose values are
+ * steep need a least size. */
 #define CELL_WALKS_ROW                                                             \
     .open = cell_walks_open, .close = cell_walks_close, .check = cell_walks_check, \
     .aim = cell_walks_aim, .walks = &tree_walks, .inside = &cell_walks,            \

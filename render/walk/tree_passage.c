@@ -24,7 +24,7 @@ static bool enter(const tree_passages *s, tree_passage_node *node) {
 
 /* ---- Nodes by where the ray enters them ---- */
 
-/* A node comes before treelets that are entered where it is: these may be below it. */
+/* Order by t_in. At one t_in, inner nodes come before treelets, which may be below them. */
 static bool node_less(const tree_passage_node *a, const tree_passage_node *b) {
     if (a->t_in != b->t_in)
         return a->t_in < b->t_in;

@@ -32,8 +32,8 @@ void tree_pieces_hold(segments_state *s, const segment *piece) {
     s->ahead[at] = *piece;
 }
 
-/* Returns how many of the pieces held begin before t: they come before all that begin at t or
- * later. */
+/* Returns how many of the held pieces begin before t. No piece found later, which begins at t or
+ * behind it, can come before them. */
 static uint32_t held_before(const segments_state *s, double t) {
     uint32_t n = 0;
     while (n < s->count && s->ahead[n].t0 < t)

@@ -14,12 +14,13 @@ double tree_cells_along(const leafcast *v, const double vector[3]);
 uint32_t tree_rank(const tracer *tr, uint32_t t, const ray_bundle *rays);
 uint32_t tree_treelet_at(const leafcast *v, uint32_t level, const double point[3], uint32_t after);
 
-/* tree_box_at() - the first box behind number `after` (LEAF_NO_TREELET: the first of all) that
- * holds a point, boundary included; LEAF_NO_TREELET: none. So the first of the cells that share a
- * point is found. */
+/* tree_box_at() - returns the number of the first box that holds a point, boundary included, among
+ * boxes with numbers above `after`; LEAF_NO_TREELET as `after`: among all. LEAF_NO_TREELET: none.
+ * So of the cells that share a point the first one is found. */
 uint32_t tree_box_at(const treelet_tree *tree, const double point[3], uint32_t after);
 
-/* tree_describe() - set bounds, and cell_size for cells that are cubes of this share of them. */
+/* tree_describe() - set bounds, and cell_size to the edge of a cube with this share of the bounds'
+ * volume: the share of one cell. */
 void tree_describe(const leafcast *v, double share, leafcast_info *info);
 
 #endif

@@ -1,16 +1,16 @@
-/* tree_walks.h - rays and points through a volume whose treelets have boxes that may overlap: what
- * every kind with a tree over its treelets (treelet_tree.h) shares.
+/* tree_walks.h - walks of rays and points through a volume whose treelets have boxes that may
+ * overlap. All kinds with a tree over their treelets (treelet_tree.h) share them.
  *
  * The walks take treelets in the order of tree_passage.h, suspend at absent ones, and merge what is
- * found in several. Inside of a treelet a kind's treelet_walks go on: its own, or those that need
- * no more than its cells (cell_walks.h).
+ * found in several treelets. Inside a treelet they call the kind's treelet_walks: the kind's own,
+ * or the ones of cell_walks.h, which only need functions of a cell.
  */
 #ifndef RENDER_WALK_TREE_WALKS_H
 #define RENDER_WALK_TREE_WALKS_H
 
 #include "render/ray/kind.h"
 
-/* What is asked of a treelet. */
+/* A kind's walks inside one treelet. */
 typedef struct treelet_walks {
     /* Lower state->best to the first hit in the treelet that counts, and set state->point to it. If
      * any hit will do: to some hit, without the point. Returns whether state->best changed. */
