@@ -50,8 +50,8 @@ bool image_out_wants_all(const image_out_options *options, const char *path);
  * planes. */
 size_t image_out_bytes(const image_out_options *options, const char *path, uint32_t width);
 
-/* image_out_suffixes() - returns the suffixes of pictures' names, in the form of output_kind: those
- * of one format, or of all (NULL). */
+/* image_out_suffixes() - returns the suffixes of pictures' names, in the form of output_kind.
+ * format: only the suffixes of this format; NULL: of all. */
 const char *image_out_suffixes(const char *format);
 
 typedef struct image_target image_target;

@@ -122,8 +122,8 @@ static void set_cell(json_t *out, const probe_options *o, const leafcast *volume
     json_object_set_new(out, o->cell, cell_text_json(&c));
 }
 
-/* Set the keys that say where a hit or point is. Corners of a cell with indices lie where these
- * say, others tell where they are. at: the position in the cell. */
+/* Set the keys that say where a hit or point is. The corners of a cell with indices follow from the
+ * indices; for other cells the positions of corners are given. at: the position in the cell. */
 static status set_place(json_t *out, const probe_options *o, leafcast *volume, uint32_t level,
                         uint64_t cell, const double at[3]) {
     leafcast_cell c = {.size = sizeof c};
@@ -405,7 +405,8 @@ static status select_set(const probe_options *o, leafcast *volume, json_t *answe
     return st;
 }
 
-/* What is printed once the volume is closed. */
+/* Note the name of cells, and whether they have indices: both are printed after the volume is
+ * closed. */
 static void take_words(probe_options *o, const leafcast *volume) {
     const leafcast_info info = leafcast_describe(volume);
     o->cell = profile.cell = info.cell;

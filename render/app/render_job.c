@@ -369,7 +369,7 @@ static void note_medium(notes *n, const view_options *v) {
         note_numbers(n, "error", &v->scene.error, 1);
 }
 
-/* Finish the picture, with the metadata that one needs to draw it again. */
+/* Write the picture, with the metadata that are needed to draw it again. */
 static status finish_picture(render_job *job, const script_frame *frame,
                              const leafcast_camera *camera, image_target *to) {
     notes n = {.count = 0};

@@ -1,5 +1,5 @@
-/* leafcast_budget.c - a device's memory budget, shared out before each turn of a frame: volumes
- * without treelets, the most that frames may need, treelets of each volume.
+/* leafcast_budget.c - divides a device's memory budget before each turn of a frame. Its parts:
+ * volumes without their treelets, the most that begun frames may need, treelets of each volume.
  */
 #include "render/door/coarse_preview.h"
 #include "render/door/leafcast_turn.h"
@@ -51,7 +51,7 @@ static size_t frame_fixed_bytes(const turn *t) {
     return bytes;
 }
 
-/* All bytes of the budget but this frame's records and treelets. */
+/* Returns the bytes in use or promised, without this frame's records and without treelets. */
 static size_t fixed_bytes(const turn *t) {
     const leafcast_device *d = t->device;
     return d->base_bytes + d->beside + d->frames_bytes - t->reserved + frame_fixed_bytes(t);

@@ -17,7 +17,8 @@ typedef struct cap_job {
     atomic_size_t capped;
 } cap_job;
 
-/* Where a pixel's ray enters the part that clips leave, and through which clip; -1: none. */
+/* A pixel's ray, and where it enters the part that clips do not cut off. clip: the clip through
+ * which it enters; -1: none. */
 typedef struct entry {
     double origin[3], direction[3], t;
     int clip;

@@ -59,7 +59,7 @@ static status describe_hit(leafcast *v, const tracer *tr, const ray *r, const do
     return v->kind->cell_of_hit ? v->kind->cell_of_hit(v, tr, r, h, out) : ST_OK;
 }
 
-/* found: the caller's array of `max` answers. */
+/* Check the arguments of a call. found: the caller's array of `max` answers. */
 static status check_call(const char *call, const leafcast *v, const leafcast_scene *scene,
                          const double origin[3], const double direction[3], const void *found,
                          int max, int *count) {

@@ -8,7 +8,7 @@
 
 enum { RAYS_MAX = INT32_MAX / 2 };
 
-/* told: the caller's array for the answers. */
+/* Check the arguments of a call. told: the caller's array for the answers. */
 static status check_call(const char *call, const leafcast *v, const leafcast_scene *scene,
                          const leafcast_ray *rays, size_t count, const void *told) {
     status st = arguments_check_volume(call, v);

@@ -14,7 +14,7 @@ CHECKED status volume_check_set(const leafcast *v, uint32_t field, uint32_t step
  * wrong bytes. */
 CHECKED status volume_check_file(const leafcast *v, status st);
 
-/* All that follow need the device's lock.
+/* The following functions need the device's lock.
  *
  * volume_on() - make a volume without a file; NULL: no memory. volume_open_file() - set up the rest
  * of a volume once v->file is open. volume_release() - free a volume, also a half-built one; it
@@ -33,7 +33,7 @@ void volume_show_beside(const leafcast_shown *shown, const interest *beside);
  * levels of detail by pixels; may be NULL. Fails without any selected surface or medium. */
 CHECKED status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr);
 
-/* volume_tracer_of_all() - likewise, but no surface need be selected. */
+/* volume_tracer_of_all() - the same, but needs no selected surface or medium. */
 CHECKED status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const camera *c,
                                     tracer *tr);
 

@@ -22,7 +22,7 @@ enum {
 #define NO_POINT UINT32_MAX
 #define NOT_SEEN (UINT32_MAX - 1)
 
-/* A chunk of points, and the lists of those that wait. Points are numbered from `first` on. */
+/* A chunk of points, and the lists of points that wait. Points are numbered from `first` on. */
 typedef struct waiting {
     const point_samples *job;
     size_t first;
@@ -44,7 +44,8 @@ enum { POINT_BYTES = 3 * sizeof(uint32_t) };
 
 /* ---- The budget ---- */
 
-/* All bytes but points and treelets. The bytes that begun frames reserved include the scratch. */
+/* Returns the bytes in use or promised, without points and treelets. The bytes that begun frames
+ * have reserved include the scratch. */
 static size_t fixed_bytes(const point_samples *p) {
     const leafcast *v = p->volume;
     const leafcast_device *d = v->device;

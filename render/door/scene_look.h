@@ -1,6 +1,6 @@
-/* scene_look.h - how a scene is drawn: by which integrator, and the description that it gets.
+/* scene_look.h - chooses the integrator for a scene, and makes the description that it gets.
  *
- * The one place that decides by what a scene asks for:
+ * This is the only place that decides how a scene is drawn:
  *
  *   a projection       projection_integrator
  *   media              medium_integrator, with or without surfaces and shading
@@ -26,9 +26,9 @@ typedef struct scene_look {
     double ranges[LEAFCAST_VOLUMES_MAX][2];
 } scene_look;
 
-/* scene_look_choose() - set the integrator and the look of a described turn, whose volumes also get
- * what they are to load beside isosurfaces. *l is zeroed before, and stays where it is. ST_USAGE
- * for media in steps, unless one volume is shown, without isosurfaces. */
+/* scene_look_choose() - set the integrator and the look of a described turn. Also sets which values
+ * its volumes load in addition to isosurfaces. The caller has zeroed *l, and does not move it.
+ * ST_USAGE: media in steps need one volume without isosurfaces. */
 CHECKED status scene_look_choose(scene_look *l, turn *t);
 
 /* scene_look_release() - free what scene_look_choose() took, also after an error. */
