@@ -20,9 +20,9 @@ typedef struct homogeneous {
     float until[HOMOGENEOUS_BINS];
 } homogeneous;
 
-/* homogeneous_begin() - returns where bin i begins, at the latest. By rounding, a value less than
- * 1e-9 of a bin below a bin may count as a value of that bin. Nothing is rounded where bin widths
- * are powers of two or values are integers. */
+/* homogeneous_begin() - returns where bin i begins. By rounding, a value that is lower by less than
+ * 1e-9 of a bin's width may be counted in bin i, too. Nothing is rounded if bin widths are powers
+ * of two or values are integers. */
 static inline double homogeneous_begin(const homogeneous *h, int i) {
     return h->first + i * h->width;
 }

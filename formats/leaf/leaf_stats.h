@@ -21,10 +21,10 @@ typedef struct leaf_activity {
 CHECKED status leaf_stats_activity(mem *m, leaf_file *f, double iso, int threads, const progress *p,
                                    leaf_activity levels[LEAF_LEVELS_MAX]);
 
-/* leaf_stats_cells() - the active cells of one treelet's payload. */
+/* leaf_stats_cells() - returns the number of active cells in a treelet of a grid. */
 uint64_t leaf_stats_cells(const leaf_layout *l, uint32_t t, const void *payload, double iso);
 
-/* leaf_stats_tets() - the active tets of a mesh's treelet. */
+/* leaf_stats_tets() - returns the number of active tets in a treelet of a mesh. */
 uint64_t leaf_stats_tets(const leaf_file *f, uint32_t t, const void *topology, const void *values,
                          double iso);
 

@@ -77,8 +77,9 @@ static size_t sample_index(const subject *s, uint32_t x, uint32_t y, uint32_t z)
     return x + (size_t)s->p.samples[0] * (y + (size_t)s->p.samples[1] * z);
 }
 
-/* The smallest and largest finite sample in the box of own nodes [first, last]; lo > hi without
- * any. */
+/* Set range[] to the least and the greatest finite sample at the treelet's own nodes, without the
+ * halo, from first to last, both included. range[0] > range[1]: there is none. Sets *non_finite if
+ * any sample is not finite. */
 static void range_of(const subject *s, const uint32_t first[3], const uint32_t last[3],
                      float range[2], bool *non_finite) {
     range[0] = INFINITY;

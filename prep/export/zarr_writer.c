@@ -12,7 +12,8 @@
 #include "prep/export/grid_box.h"
 #include "prep/export/head_text.h"
 
-/* While zstd packs a chunk it needs more than the chunk; see bench_bytes(). */
+/* SPARE_BYTES: what zstd needs for packing, beside its context and the buffers; see bench_bytes().
+ */
 enum { SIDE = 64, LEVEL = 3, NAME_ROOM = 64, SPARE_BYTES = 64 << 10 };
 
 /* Buffers of a thread. */

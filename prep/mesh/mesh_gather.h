@@ -47,8 +47,8 @@ size_t mesh_gather_least(uint32_t fields);
 /* mesh_gather_sink() - the sink for mesh_input_read(). */
 mesh_sink mesh_gather_sink(mesh_gather *g);
 
-/* mesh_gather_counter() - a sink that only counts, for a plan. `count` and the number of chunks of
- * the spools are as if all were held. */
+/* mesh_gather_counter() - returns a sink that counts and stores nothing, for a plan. It sets
+ * `count` and the number of chunks of the spools as if everything were stored. */
 mesh_sink mesh_gather_counter(mesh_gather *g);
 
 /* mesh_gather_next() - begin a step, read from the file `name` (kept by reference).

@@ -267,8 +267,8 @@ static double diagonal(const leafcast *volume) {
     return sqrt(sum);
 }
 
-/* Returns the factor that turns extinctions for opacities over a length of 1 into those for
- * --opacity-length. */
+/* Extinctions are made for opacities over a length of 1. Returns the factor that converts them to
+ * opacities over --opacity-length, by default a tenth of the volume's diagonal. */
 static double of_length(const making *k) {
     enum { TENTH = 10 };
     const double across = diagonal(k->volume);

@@ -20,8 +20,9 @@ static status keep(netcdf_storage *s, const char *path, const absent_parts *part
     return ST_OK;
 }
 
-/* Check a data set. Scales of dimensions without coordinates are never written, and are no
- * variables. */
+/* Check a data set, and keep its path if parts of it are absent. This also keeps the scales of
+ * dimensions without coordinates, which are never written. They do no harm: they are no variables.
+ */
 static status take(void *ctx, const char *path) {
     const look *l = ctx;
     absent_parts parts;
