@@ -50,14 +50,12 @@ static inline bool cell_hit(trace_state *state, const ray *r, const hit *h) {
 /* CELL_WALKS_ROW - the part of a kind's row that follows from its cells. The row has, besides:
  * name, cell, cells, degree, describe; segments_error: a bound for any ray and any cell with values
  * in range[] (ray/segments.h), so a record needs a least size if its values are steep. */
-#define CELL_WALKS_ROW                                                             \
-    .open = cell_walks_open, .close = cell_walks_close, .check = cell_walks_check, \
-    .aim = cell_walks_aim, .walks = &tree_walks, .inside = &cell_walks,            \
+#define CELL_WALKS_ROW                                                                             \
+    .check = cell_walks_check, .aim = cell_walks_aim, .walks = &tree_walks, .inside = &cell_walks, \
     .gradient = cell_walks_gradient, .cell_in = cell_walks_cell_in
 
 extern const treelet_walks cell_walks;
-status cell_walks_open(leafcast *v);
-void cell_walks_close(leafcast *v);
+
 status cell_walks_check(const leafcast *v, const leafcast_scene *scene);
 void cell_walks_aim(leafcast *v, const leafcast_scene *scene, const struct camera *c, tracer *tr);
 void cell_walks_gradient(const tracer *tr, const treelet *at, const ray *r, const segment *s,
