@@ -4,7 +4,9 @@
  *     leafcast_experiments by_packets = {.size = sizeof by_packets, .packets = 8};
  *     leafcast_options options = {.size = sizeof options, .experiments = &by_packets};
  *
- * A field that is 0 changes nothing. Sizes and values are checked as those of leafcast.h.
+ * A field that is 0 changes nothing. Sizes and values are checked as those of leafcast.h. The
+ * library that is installed has neither packets nor media in steps: asking for them is
+ * LEAFCAST_USAGE.
  */
 #ifndef RENDER_LEAFCAST_EXPERIMENTAL_H
 #define RENDER_LEAFCAST_EXPERIMENTAL_H

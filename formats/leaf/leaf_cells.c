@@ -122,27 +122,6 @@ status leaf_cells_lay_out(leaf_file *f, leaf_directory *d) {
     return leaf_layout_init_flat(&f->layout, f->m);
 }
 
-static status check_bounds(const char *path, const leaf_header *h, const leaf_layout *l,
-                           const leaf_directory *d) {
-    const size_t count = (size_t)l->treelets * l->steps;
-    for (int a = 0; a < 3; a++) {
-        float lo = INFINITY, hi = -INFINITY;
-        for (size_t i = 0; i < count; i++) {
-            const float *b = d->bounds[i];
-            if (!isfinite(b[a]) || !isfinite(b[a + 3]) || b[a] > b[a + 3])
-                return leaf_check_corrupt(
-                    path, d->at[LEAF_SECTION_BOUNDS - 1] + i * sizeof *d->bounds,
-                    "treelet %zu's bounds at step %zu are none", i % l->treelets, i / l->treelets);
-            lo = fminf(lo, b[a]);
-            hi = fmaxf(hi, b[a + 3]);
-        }
-        if (h->bounds[a] != lo || h->bounds[a + 3] != hi)
-            return leaf_check_corrupt(path, offsetof(leaf_header, bounds),
-                                      "expected the treelets' bounds along %c", "xyz"[a]);
-    }
-    return ST_OK;
-}
-
 status leaf_cells_check_directory(const char *path, const leaf_header *h, const leaf_layout *l,
                                   const leaf_directory *d) {
     double range[2] = {(double)INFINITY, -(double)INFINITY};
@@ -159,7 +138,7 @@ status leaf_cells_check_directory(const char *path, const leaf_header *h, const 
         leaf_check_widen(range, own);
     }
     const status st = leaf_check_union(path, h, range, 0);
-    return st == ST_OK ? check_bounds(path, h, l, d) : st;
+    return st == ST_OK ? leaf_check_bounds(path, h, l, d) : st;
 }
 
 /* ---- Payloads ---- */

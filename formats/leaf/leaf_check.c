@@ -417,3 +417,27 @@ status leaf_check_world(const char *path, const leaf_header *h, const world_fram
                                          at + offsetof(world_frame, reserved))
                        : st;
 }
+
+status leaf_check_bounds(const char *path, const leaf_header *h, const leaf_layout *l,
+                         const leaf_directory *d) {
+    const size_t count = (size_t)l->treelets * l->places;
+    for (int a = 0; a < 3; a++) {
+        float lo = INFINITY, hi = -INFINITY;
+        for (size_t i = 0; i < count; i++) {
+            const float *b = d->bounds[i];
+            if (!isfinite(b[a]) || !isfinite(b[a + 3]) || b[a] > b[a + 3])
+                return leaf_check_corrupt(
+                    path, d->at[LEAF_SECTION_BOUNDS - 1] + i * sizeof *d->bounds,
+                    "treelet %zu's bounds along %c at step %zu, %g .. %g, are none",
+                    i % l->treelets, "xyz"[a], i / l->treelets, (double)b[a], (double)b[a + 3]);
+            lo = fminf(lo, b[a]);
+            hi = fmaxf(hi, b[a + 3]);
+        }
+        if (h->bounds[a] != lo || h->bounds[a + 3] != hi)
+            return leaf_check_corrupt(
+                path, offsetof(leaf_header, bounds),
+                "expected the treelets' bounds along %c, %g .. %g, found %g .. %g", "xyz"[a],
+                (double)lo, (double)hi, (double)h -> bounds[a], (double)h -> bounds[a + 3]);
+    }
+    return ST_OK;
+}

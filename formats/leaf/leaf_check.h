@@ -114,4 +114,9 @@ CHECKED status leaf_check_flags(const char *path, const leaf_header *h, const le
 CHECKED status leaf_check_union(const char *path, const leaf_header *h, const double range[2],
                                 unsigned flags);
 
+/* leaf_check_bounds() - check that the treelets' boxes at all places (leaf_layout.places) are
+ * boxes, and that the header's bounds are their union. */
+CHECKED status leaf_check_bounds(const char *path, const leaf_header *h, const leaf_layout *l,
+                                 const leaf_directory *d);
+
 #endif

@@ -12,8 +12,8 @@
 #include "prep/export/grid_box.h"
 #include "prep/export/head_text.h"
 
-/* SPARE_BYTES: what zstd needs for packing, beside its context and the buffers; see bench_bytes().
- */
+/* SIDE: of a chunk, in samples. LEVEL: of zstd. SPARE_BYTES: memory that is kept free when threads
+ * are planned. */
 enum { SIDE = 64, LEVEL = 3, NAME_ROOM = 64, SPARE_BYTES = 64 << 10 };
 
 /* Buffers of a thread. */

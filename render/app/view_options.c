@@ -8,7 +8,10 @@
 #include "formats/base/cli_value.h"
 #include "formats/base/num.h"
 #include "render/app/colour.h"
+#include "render/experiments/experiments.h"
 #include "render/grid/intersect.h"
+
+LINK_EXPERIMENTS;
 
 enum {
     ISO = 0x2000,

@@ -16,6 +16,9 @@
 #include "formats/base/sibling.h"
 #include "formats/base/text.h"
 #include "render/bench/bench_suites.h"
+#include "render/experiments/experiments.h"
+
+LINK_EXPERIMENTS;
 
 typedef struct bench_options {
     cli_common common;

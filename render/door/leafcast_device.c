@@ -3,7 +3,8 @@
 #include "formats/public_status.h"
 #include "render/door/arguments.h"
 #include "render/door/leafcast_volume.h"
-#include "render/experiments/walk_choices.h"
+#include "render/frame/laboratory.h"
+#include "render/grid/walk_choice.h"
 
 void device_lock(leafcast_device *d) {
     pthread_mutex_lock(&d->lock);
@@ -22,7 +23,8 @@ static status make_threads(leafcast_device *d) {
 
 /* Find the kernels that options.isa names: an ISA, or an experiment's choice. */
 static bool choose_kernels(leafcast_device *d) {
-    d->choice = walk_choice_named(d->options.isa);
+    const laboratory *l = laboratory_find();
+    d->choice = l ? l->walk_named(d->options.isa) : NULL;
     if (d->choice)
         d->isa = d->choice->walk ? CPU_SCALAR : cpu_best();
     else if (!cpu_isa_find(d->options.isa, &d->isa))

@@ -12,6 +12,7 @@
 #include "render/door/coarse_preview.h"
 #include "render/door/leafcast_device.h"
 #include "render/door/leafcast_volume.h"
+#include "render/frame/laboratory.h"
 #include "render/ray/kind.h"
 
 _Static_assert((int)LEAFCAST_SURFACES_MAX <= (int)ISOVALUES_MAX, "as many isovalues as surfaces");
@@ -53,11 +54,21 @@ static void place(leafcast *v) {
     affine_init(&v->space, (const double *)map);
 }
 
+static status open_experiments(leafcast *v) {
+    const laboratory *l;
+    if (v->experiments.packets == 0)
+        return ST_OK;
+    const status st = laboratory_needed(&l);
+    return st == ST_OK ? l->use_packets(v) : st;
+}
+
 status volume_open_file(leafcast *v) {
     mem *m = v->m;
     v->kind = kind_of(v->file);
     v->kernels = ray_kernels_of(v->kind, v->device->isa);
-    status st = v->kind->open(v);
+    status st = v->kind->open ? v->kind->open(v) : ST_OK;
+    if (st == ST_OK)
+        st = open_experiments(v);
     if (st == ST_OK)
         st = open_loader(v);
     if (st != ST_OK)
@@ -108,7 +119,7 @@ void volume_release(leafcast *v) {
     if (v->coarse)
         volume_release(v->coarse);
     loader_destroy(v->treelets);
-    if (v->kind)
+    if (v->kind && v->kind->close)
         v->kind->close(v);
     mem_free(v->m, v->stop);
     mem_free(v->m, v->touched);

@@ -5,7 +5,6 @@
 
 #include "formats/leaf/leaf_histogram.h"
 #include "render/door/leafcast_volume.h"
-#include "render/experiments/stepping_integrator.h"
 #include "render/ray/kind.h"
 #include "render/surface/surface_integrator.h"
 
@@ -55,25 +54,12 @@ static status fill_volume(scene_look *l, int i) {
 /* Set media up for an experiment that sums in steps, without an error bound. */
 static status fill_for_steps(scene_look *l) {
     turn *t = l->turn;
-    enum { TABLE = 256 };
-    const leafcast_scene *scene = &t->scene;
-    const leafcast_scene_experiments *e = scene->experiments;
-    frame *f = &t->f;
     if (t->volumes > 1 || t->shown[0].count > 0)
         return status_describe(ST_USAGE, "media in steps: one volume without isosurfaces");
-    const leafcast_info info = leafcast_describe(t->shown[0].volume);
-    stepping_look *steps = &l->stepped.steps;
-    *steps = (stepping_look){.medium = &l->media[0],
-                             .step = e->step * info.cell_size,
-                             .opaque = e->opaque > 0.0 ? e->opaque : 0.9999};
-    memcpy(steps->background, scene->background, sizeof scene->background);
-    f->integrator = &stepping_integrator;
-    f->look = &l->stepped;
-    if (e->summing != LEAFCAST_PREINTEGRATED)
-        return ST_OK;
-    f->integrator = &preintegrated_integrator;
-    return preintegrated_table_make(&l->stepped.table, f->m, f->threads, steps->medium,
-                                    l->ranges[0], steps->step, e->table > 0 ? e->table : TABLE);
+    const status st = laboratory_needed(&l->laboratory);
+    const laboratory_medium medium = {&l->media[0], l->ranges[0],
+                                      leafcast_describe(t->shown[0].volume).cell_size};
+    return st == ST_OK ? l->laboratory->begin_steps(&t->f, &t->scene, &medium, &l->stepped) : st;
 }
 
 /* For the only filled volume: which ranges of values are taken whole. */
@@ -199,5 +185,6 @@ void scene_look_release(scene_look *l, mem *m) {
     for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
         transfer_release(&l->media[i], m);
     transfer_release(&l->cap_colours, m);
-    preintegrated_table_release(&l->stepped.table, m);
+    if (l->laboratory)
+        l->laboratory->end_steps(m, l->stepped);
 }

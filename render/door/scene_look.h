@@ -4,14 +4,14 @@
  *
  *   a projection       projection_integrator
  *   media              medium_integrator, with or without surfaces and shading
- *   media in steps     stepping_integrator or preintegrated_integrator: experiments
+ *   media in steps     an experiment of the laboratory
  *   else, surfaces     surface_integrator
  */
 #ifndef RENDER_DOOR_SCENE_LOOK_H
 #define RENDER_DOOR_SCENE_LOOK_H
 
 #include "render/door/leafcast_turn.h"
-#include "render/experiments/preintegrated_integrator.h"
+#include "render/frame/laboratory.h"
 #include "render/medium/medium_integrator.h"
 #include "render/projection/projection_integrator.h"
 
@@ -19,7 +19,8 @@ typedef struct scene_look {
     turn *turn;
     medium_look look; /* media and surfaces */
     projection_look projected;
-    preintegrated_look stepped; /* media in equal steps, too */
+    const laboratory *laboratory; /* media in steps: who draws them, and */
+    void *stepped;                /* their look; else NULL */
     transfer media[LEAFCAST_VOLUMES_MAX];
     medium_shade shade;   /* for scene.shade_media */
     transfer cap_colours; /* without spans: caps have surfaces' colours */

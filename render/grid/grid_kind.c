@@ -48,8 +48,6 @@ static double narrowest_cell(const double *axis, uint32_t nodes) {
 }
 
 static status grid_open(leafcast *v) {
-    if (v->experiments.packets != 0)
-        return status_describe(ST_USAGE, "packets are for meshes: in a grid, tiles of rays walk");
     v->own = mem_zalloc(v->m, sizeof(grid_volume));
     if (!v->own)
         return ST_NOMEM;

@@ -14,7 +14,6 @@
 #include "render/mesh/mesh_extreme.h"
 #include "render/mesh/mesh_faces.h"
 #include "render/mesh/mesh_gradient.h"
-#include "render/mesh/mesh_packet.h"
 #include "render/mesh/mesh_projection.h"
 #include "render/mesh/mesh_segments.h"
 #include "render/mesh/mesh_tile.h"
@@ -25,19 +24,13 @@
 #include "render/walk/tree_walks.h"
 
 CPU_KERNELS(tile_fn, mesh_tile_kernels, NULL, mesh_tile);
-CPU_KERNELS(tile_fn, mesh_packet_kernels, NULL, mesh_packet);
 CPU_KERNELS(batch_fn, mesh_batch_kernels, NULL, mesh_batch);
 
 /* ---- An open volume ---- */
 
-/* Use packets instead of tiles, if asked for. */
 static status mesh_open(leafcast *v) {
-    const int side = v->experiments.packets;
     v->own = mem_zalloc(v->m, sizeof(mesh_rays));
-    if (!v->own || side == 0)
-        return v->own ? ST_OK : ST_NOMEM;
-    v->kernels.tile = mesh_packet_kernels[v->kernels.isa];
-    return ST_OK;
+    return v->own ? ST_OK : ST_NOMEM;
 }
 
 static mesh_derived derived_of(const leafcast *v) {

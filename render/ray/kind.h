@@ -92,8 +92,8 @@ typedef struct kind {
 
     /* ---- An open volume ---- */
 
-    /* open(): check the options, and make v->own: all that rays need beside treelets. close():
-     * release as much of it as there is. */
+    /* open(): make v->own: all that rays need beside treelets. close(): release as much of it as
+     * there is. NULL: they need nothing. */
     status (*open)(leafcast *v);
     void (*close)(leafcast *v);
     /* Fill in what cells there are and what they can do: cells, nodes, abilities; dims, if nodes

@@ -158,16 +158,6 @@ void cell_walks_cell_in(const leafcast *v, const treelet *at, const double point
 
 /* ---- A volume and a frame ---- */
 
-status cell_walks_open(leafcast *v) {
-    if (v->experiments.packets != 0)
-        return status_describe(ST_USAGE, "packets are for meshes, not for %s", v->kind->name);
-    return ST_OK;
-}
-
-void cell_walks_close(leafcast *v) {
-    (void)v;
-}
-
 void cell_walks_describe(const leafcast *v, leafcast_info *info) {
     const leaf_cells_directory *d = leaf_cells_directory_of(v->file);
     info->cells = d->first[v->file->layout.treelets];

@@ -51,14 +51,12 @@ static inline bool cell_hit(trace_state *state, const ray *r, const hit *h) {
  * adds: name, cell, cells, degree, describe and segments_error. segments_error must bound the error
  * for any ray and any cell with values in range[] (ray/segments.h). So records whose values are
  * steep need a least size. */
-#define CELL_WALKS_ROW                                                             \
-    .open = cell_walks_open, .close = cell_walks_close, .check = cell_walks_check, \
-    .aim = cell_walks_aim, .walks = &tree_walks, .inside = &cell_walks,            \
+#define CELL_WALKS_ROW                                                                             \
+    .check = cell_walks_check, .aim = cell_walks_aim, .walks = &tree_walks, .inside = &cell_walks, \
     .gradient = cell_walks_gradient, .cell_in = cell_walks_cell_in
 
 extern const treelet_walks cell_walks;
-status cell_walks_open(leafcast *v);
-void cell_walks_close(leafcast *v);
+
 status cell_walks_check(const leafcast *v, const leafcast_scene *scene);
 void cell_walks_aim(leafcast *v, const leafcast_scene *scene, const struct camera *c, tracer *tr);
 void cell_walks_gradient(const tracer *tr, const treelet *at, const ray *r, const segment *s,

@@ -41,6 +41,22 @@ ok "under which it is there" [ -e "$at/lib/libleafcast.so.0" ]
 heavy='tet|embree|OpenImageIO|openvdb|stdc\+\+|png'
 ok "and needs no heavy library" sh -c '! grep NEEDED "$1" | grep -qE "$2"' - "$tmp/dynamic" "$heavy"
 
+# Experiments are for our own programs: the library has none, and says so.
+ok "and no experiments" sh -c '! nm "$1" | grep -qE "stepping|preintegrated|packet"' - "$at/lib/libleafcast.a"
+cat >"$tmp/experiment.c" <<'EOF'
+#include <leafcast_experimental.h>
+#include <stdio.h>
+
+int main(int argc, char **argv) {
+    const leafcast_experiments by_packets = {.size = sizeof by_packets, .packets = 8};
+    const leafcast_options options = {.size = sizeof options, .experiments = &by_packets};
+    leafcast *volume = NULL;
+    const leafcast_status st = argc > 1 ? leafcast_open(argv[1], &options, &volume) : LEAFCAST_OK;
+    puts(leafcast_error_text());
+    return st == LEAFCAST_USAGE ? 0 : 1;
+}
+EOF
+
 # ---- examples ----
 exits "generate" 0 "$leafcast" generate marschner-lobb --dims 24 -o "$tmp/m.nrrd" -q
 exits "convert" 0 "$leafcast" convert "$tmp/m.nrrd" -o "$tmp/m.leaf" -q
@@ -83,6 +99,10 @@ where=$at/lib
 try "C, shared" ${CC:-cc} -std=c17 $strict
 run env LD_LIBRARY_PATH="$where" ldd "$tmp/rays"
 ok "needs the shared library by its soname" grep -q "libleafcast.so.0 => $at" "$tmp/out"
+# shellcheck disable=SC2086 # options
+exits "a program that asks for packets" 0 ${CC:-cc} -std=c17 $strict -o "$tmp/experiment" "$tmp/experiment.c" $flags
+exits "is refused" 0 env LD_LIBRARY_PATH="$where" "$tmp/experiment" "$tmp/m.leaf"
+ok "as there are none" grep -q 'this library has no experiments' "$tmp/out"
 cxx=${CXX:-g++}
 if command -v "${cxx%% *}" >/dev/null; then
     # shellcheck disable=SC2086 # options

@@ -7,8 +7,11 @@
 #include <string.h>
 
 #include "prep/grid/convert.h"
+#include "render/experiments/experiments.h"
 #include "tests/support/fixture.h"
 #include "tests/support/scratch.h"
+
+LINK_EXPERIMENTS;
 
 static volume *open_field(mem *m, const field *f) {
     const char *path = scratch_path("fixture.nrrd");

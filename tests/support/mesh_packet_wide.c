@@ -4,4 +4,4 @@
 
 #include "tests/support/simd_wide.h"
 
-#include "render/mesh/mesh_packet_template.h"
+#include "render/experiments/mesh_packet_template.h"

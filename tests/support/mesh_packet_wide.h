@@ -2,7 +2,7 @@
 #ifndef TESTS_SUPPORT_MESH_PACKET_WIDE_H
 #define TESTS_SUPPORT_MESH_PACKET_WIDE_H
 
-#include "render/mesh/mesh_packet.h"
+#include "render/experiments/mesh_packet.h"
 
 /* mesh_packet_wide() - as every tile_fn. */
 void mesh_packet_wide(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],

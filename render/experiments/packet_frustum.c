@@ -1,4 +1,4 @@
-#include "render/mesh/packet_frustum.h"
+#include "render/experiments/packet_frustum.h"
 
 #include "formats/base/vec3.h"
 

@@ -7,12 +7,12 @@
 
 #ifdef SIMD_NAME
 
+#include "render/experiments/mesh_packet.h"
+#include "render/experiments/packet_frustum.h"
 #include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_box_template.h"
-#include "render/mesh/mesh_packet.h"
 #include "render/mesh/mesh_shade_template.h"
 #include "render/mesh/mesh_tracer.h"
-#include "render/mesh/packet_frustum.h"
 #include "render/mesh/tet_batch.h"
 #include "render/tile/tile_rects_template.h"
 

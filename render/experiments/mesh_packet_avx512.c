@@ -1,0 +1,1 @@
+#include "render/experiments/mesh_packet_template.h"

@@ -1,1 +1,0 @@
-#include "render/mesh/mesh_packet_template.h"
