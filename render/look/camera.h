@@ -51,8 +51,8 @@ double camera_pixel(const camera *c, double distance);
 /* camera_fit() - returns a camera that looks at the middle of a box, from the nearest place from
  * which all corners are in the picture. corners: in world space, bit a of the index says which end
  * of axis a. Up is +z, unless the box is more than twice as long along z as along x and y: then up
- * is the longer of x and y. The longer of the two other axes goes from left to right. The eye is
- * above the third axis and a little to its side: see camera.c. */
+ * is the longer of x and y. The longer of the two other axes goes from left to right. The eye
+ * looks along the third axis, a little from above and from the side: see camera.c. */
 leafcast_camera camera_fit(const double corners[8][3], double fov, uint32_t width, uint32_t height);
 
 /* camera_standard() - fov 45, up +z, looking at the box's centre from the direction (1, 0.6, 0.8),
