@@ -21,7 +21,7 @@ typedef struct tally {
  */
 typedef struct easel {
     _Alignas(64) tile_outcome todo;
-    ray_company *rays;
+    ray_group *rays;
     char *records; /* WORK_BATCH */
     ray_pieces *pieces;
 } easel;
@@ -51,16 +51,16 @@ size_t frame_record_bytes(const frame *f) {
     return f->integrator->record_bytes + f->record_more;
 }
 
-static size_t company_bytes(const frame *f) {
-    return up_to_64(sizeof(ray_company) + WORK_BATCH * frame_record_bytes(f));
+static size_t group_bytes(const frame *f) {
+    return up_to_64(sizeof(ray_group) + WORK_BATCH * frame_record_bytes(f));
 }
 
 /* Returns the bytes of the room that serves a tile's kernel first, then rays that go on together.
  */
 static size_t shared_scratch(const frame *f) {
     const size_t tile = up_to_64(f->tracer->kind->tiles ? f->tracer->kind->tiles->scratch : 0),
-                 company = company_bytes(f);
-    return tile > company ? tile : company;
+                 group = group_bytes(f);
+    return tile > group ? tile : group;
 }
 
 static size_t batch_scratch(const frame *f) {
@@ -88,7 +88,7 @@ static easel *easel_of(const frame *f, int worker) {
     e->todo.batch = (ray_batch *)batch;
     e->todo.batch_scratch = batch_scratch_at;
     e->todo.scratch = shared;
-    e->rays = (ray_company *)shared;
+    e->rays = (ray_group *)shared;
     e->records = shared + sizeof *e->rays;
     e->pieces = (ray_pieces *)(shared + shared_scratch(f));
     return e;
@@ -159,7 +159,7 @@ static void advance(const drawing *d, easel *e, tally *mine) {
 }
 
 /* Copy blocked rays to records, which were promised, and suspend them. */
-static status keep_blocked(drawing *d, const ray_company *rays, uint32_t *count, work_hand *own) {
+static status keep_blocked(drawing *d, const ray_group *rays, uint32_t *count, work_hand *own) {
     uint32_t kept[WORK_BATCH];
     status st = ST_OK;
     *count = 0;
@@ -190,7 +190,7 @@ _Static_assert(SQUARE *SQUARE == WORK_BATCH && TILE_MAX % SQUARE == 0, "a square
 static void begin_square(const drawing *d, easel *e, uint32_t x0, uint32_t y0, uint32_t x,
                          uint32_t y) {
     const frame *f = d->f;
-    ray_company *rays = e->rays;
+    ray_group *rays = e->rays;
     const uint32_t end = y + SQUARE < d->side ? y + SQUARE : d->side;
     rays->count = 0;
     for (uint32_t row = y; row < end; row++) {

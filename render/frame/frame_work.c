@@ -148,7 +148,7 @@ static void come_to_all(frame_work *w, const loader *from, uint32_t t) {
 }
 
 /* With the lock held: take all arrivals of the loaders. Returns whether all of them are READY. */
-static bool hear(frame_work *w) {
+static bool take_arrivals(frame_work *w) {
     bool all = true;
     for (int v = 0; v < w->f->volumes; v++) {
         loader *from = w->f->tracer[v].treelets;
@@ -267,7 +267,7 @@ static bool is_cancelled(const frame *f) {
 /* With the lock held: end the round if a read failed, the frame is cancelled, or the time is over.
  * Returns whether the round is over. */
 static bool look_over(frame_work *w) {
-    const bool failed = !hear(w);
+    const bool failed = !take_arrivals(w);
     if (!is_over(w) && (failed || is_cancelled(w->f) || frame_work_late(w)))
         end_round(w);
     return is_over(w);
@@ -444,7 +444,7 @@ status frame_work_admit(frame_work *w) {
     }
     /* Treelets that came meanwhile may have been evicted again: that is no failure. */
     pthread_mutex_lock(&w->lock);
-    (void)hear(w);
+    (void)take_arrivals(w);
     (void)has_work(w);
     pthread_mutex_unlock(&w->lock);
     return st;
@@ -478,7 +478,7 @@ void frame_work_begin(frame_work *w, double until) {
     w->until = until;
     atomic_store_explicit(&w->progress, false, memory_order_relaxed);
     atomic_store_explicit(&w->over, false, memory_order_relaxed);
-    (void)hear(w); /* before the buckets are sorted */
+    (void)take_arrivals(w); /* before the buckets are sorted */
     sort_buckets(w);
     (void)has_work(w);
     pthread_mutex_unlock(&w->lock);

@@ -7,7 +7,7 @@ static uint32_t turn_of(const ray_record *r) {
 }
 
 /* Returns the number of a ray with the least turn; c->count: no ray asks. */
-static unsigned next_of(const ray_company *c) {
+static unsigned next_of(const ray_group *c) {
     unsigned next = c->count;
     for (unsigned i = 0; i < c->count; i++)
         if (c->asks[i] && (next == c->count || turn_of(c->record[i]) < turn_of(c->record[next])))
@@ -16,7 +16,7 @@ static unsigned next_of(const ray_company *c) {
 }
 
 /* Put the questions of all rays with the same turn as `first` into the batch. */
-static void gather(ray_company *c, unsigned first, ray_batch *b) {
+static void gather(ray_group *c, unsigned first, ray_batch *b) {
     const tracer *tr = c->question[first].tracer;
     const uint32_t turn = turn_of(c->record[first]);
     b->count = 0;
@@ -39,7 +39,7 @@ static uint32_t absent_of(const ray_question *q) {
 }
 
 /* Tell ray i the answer, and let it go on to its next question. */
-static void go_on(const frame *f, ray_company *c, unsigned i, trace_result result,
+static void go_on(const frame *f, ray_group *c, unsigned i, trace_result result,
                   ray_counters *counters) {
     ray_record *r = c->record[i];
     c->blocked[i] = result == TRACE_BLOCKED;
@@ -62,7 +62,7 @@ static void take(void *ctx, segment_batch *b) {
 }
 
 /* Gather all rays with the same turn as `first` that ask for pieces. */
-static void gather_walkers(ray_company *c, unsigned first, ray_pieces *p) {
+static void gather_walkers(ray_group *c, unsigned first, ray_pieces *p) {
     segment_batch *b = &p->batch;
     const tracer *tr = c->question[first].tracer;
     const uint32_t turn = turn_of(c->record[first]);
@@ -80,7 +80,7 @@ static void gather_walkers(ray_company *c, unsigned first, ray_pieces *p) {
 }
 
 /* Answer rays of one turn that ask for pieces. */
-static void walk_together(const frame *f, ray_company *c, unsigned first, ray_pieces *p,
+static void walk_together(const frame *f, ray_group *c, unsigned first, ray_pieces *p,
                           void *scratch, ray_counters *counters) {
     segment_batch *b = &p->batch;
     p->f = f;
@@ -95,7 +95,7 @@ static void walk_together(const frame *f, ray_company *c, unsigned first, ray_pi
 }
 
 /* Answer rays of one turn that ask for hits. */
-static void answer_together(const frame *f, ray_company *c, unsigned first, ray_batch *b,
+static void answer_together(const frame *f, ray_group *c, unsigned first, ray_batch *b,
                             void *scratch, ray_counters *counters) {
     gather(c, first, b);
     ray_batch_next(c->question[first].tracer, b, scratch, counters);
@@ -106,8 +106,8 @@ static void answer_together(const frame *f, ray_company *c, unsigned first, ray_
 }
 
 /* Answer rays of one turn that ask for the greatest value on their ways. */
-static void climb_together(const frame *f, ray_company *c, unsigned first, ray_pieces *p,
-                           void *scratch, ray_counters *counters) {
+static void search_together(const frame *f, ray_group *c, unsigned first, ray_pieces *p,
+                            void *scratch, ray_counters *counters) {
     extreme_batch *b = &p->extremes;
     const tracer *tr = c->question[first].tracer;
     const uint32_t turn = turn_of(c->record[first]);
@@ -126,7 +126,7 @@ static void climb_together(const frame *f, ray_company *c, unsigned first, ray_p
         go_on(f, c, c->asked[k], b->result[k], counters);
 }
 
-void ray_advance(const frame *f, ray_company *c, ray_batch *b, ray_pieces *pieces, void *scratch,
+void ray_advance(const frame *f, ray_group *c, ray_batch *b, ray_pieces *pieces, void *scratch,
                  ray_counters *counters) {
     for (unsigned i = 0; i < c->count; i++) {
         c->blocked[i] = false;
@@ -139,7 +139,7 @@ void ray_advance(const frame *f, ray_company *c, ray_batch *b, ray_pieces *piece
         else if (c->question[first].walk)
             walk_together(f, c, first, pieces, scratch, counters);
         else if (c->question[first].extreme)
-            climb_together(f, c, first, pieces, scratch, counters);
+            search_together(f, c, first, pieces, scratch, counters);
         else
             go_on(f, c, first, TRACE_BLOCKED, counters);
     }

@@ -9,14 +9,14 @@
 #include "render/ray/extreme_batch.h"
 #include "render/ray/ray_batch.h"
 
-typedef struct ray_company {
+typedef struct ray_group {
     unsigned count;                /* at most RAY_BATCH */
     ray_record *record[RAY_BATCH]; /* the caller's */
     bool blocked[RAY_BATCH];       /* needs the treelet that its head names; false: it is done */
     bool asks[RAY_BATCH];          /* this and the rest are only used within ray_advance() */
     ray_question question[RAY_BATCH];
     uint8_t asked[RAY_BATCH]; /* numbers of the rays in the current batch */
-} ray_company;
+} ray_group;
 
 /* Room for the pieces for integrator.take(), or for rays that look for the greatest value. */
 typedef struct ray_pieces {
@@ -35,7 +35,7 @@ size_t ray_pieces_bytes(const integrator *by);
 /* ray_advance() - let all rays go on, blocked ones too, until each is blocked or its pixel is
  * written. *b, *pieces and scratch: room, see ray_batch.h. pieces may be NULL for an integrator
  * that asks for none. */
-void ray_advance(const frame *f, ray_company *c, ray_batch *b, ray_pieces *pieces, void *scratch,
+void ray_advance(const frame *f, ray_group *c, ray_batch *b, ray_pieces *pieces, void *scratch,
                  ray_counters *counters);
 
 #endif

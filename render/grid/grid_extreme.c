@@ -49,7 +49,7 @@ void grid_extreme_ways(const tracer *tr, const ray *r, extreme_ways *ways, ray_c
 /* ---- Codes ---- */
 
 /* A search through one treelet: what does not change on the way, and what has been found. */
-typedef struct climb {
+typedef struct extreme_search {
     const walk_scene *scene;
     const resident_grid *at;
     const ray *r;
@@ -58,7 +58,7 @@ typedef struct climb {
     quantizer codes;
     int above, level; /* a node whose score's code is less than `above` has no score above what has
                          been found; less than `level`: none as great */
-} climb;
+} extreme_search;
 
 /* code_up() - returns the least code that a value of at least `value` can have. code_down() -
  * returns the greatest code that a value of at most `value` can have. */
@@ -77,7 +77,7 @@ static int code_down(const quantizer *q, double value) {
 }
 
 /* Set c->level and c->above. A code's score is the code, or 255 minus it for the least. */
-static void set_limits(climb *c) {
+static void set_limits(extreme_search *c) {
     const quantizer *q = &c->codes;
     const double value = extreme_value(c->s);
     if (c->s->least) {
@@ -90,7 +90,7 @@ static void set_limits(climb *c) {
 }
 
 /* Returns the score, as a code, of a node of 2^size cells on a side: a block or larger. */
-static int node_score(const climb *c, uint32_t size, uint32_t morton) {
+static int node_score(const extreme_search *c, uint32_t size, uint32_t morton) {
     const uint32_t k = c->at->shape.node_levels + LEAF_BLOCK_LOG2 - size;
     const uint8_t *lo = (const uint8_t *)c->at->head.payload + leaf_codes_at(k);
     return c->s->least ? 255 - lo[morton] : lo[(UINT32_C(1) << (3 * k)) + morton];
@@ -134,7 +134,7 @@ bool grid_extreme_cell(const walk_scene *scene, const resident_grid *at, const r
                          at->head.id);
 }
 
-static void try_cell(climb *c, const uint32_t cell[3], double t_in) {
+static void try_cell(extreme_search *c, const uint32_t cell[3], double t_in) {
     float samples[8];
     const double before = c->s->score;
     walk_cell_samples(c->scene, c->at, cell, samples);
@@ -158,12 +158,12 @@ typedef struct pending {
 
 enum { STACK_MAX = 4 * (LEAF_CELLS_LOG2_MAX + 1) };
 
-static bool node_matters(const climb *c, int score, double t_in) {
+static bool node_matters(const extreme_search *c, int score, double t_in) {
     return score >= c->above || (score >= c->level && t_in < c->s->t);
 }
 
 /* Push the children that matter: the best last, of equal ones the nearest last. */
-static int push_children(const climb *c, const pending *node, unsigned octants,
+static int push_children(const extreme_search *c, const pending *node, unsigned octants,
                          pending stack[STACK_MAX], int top) {
     const level_planes *planes = &c->scene->levels[c->at->level];
     const unsigned mask = walk_children(c->at, node->size, node->morton) & octants;
@@ -197,7 +197,7 @@ static int push_children(const climb *c, const pending *node, unsigned octants,
 
 /* Search the active cells of a block that the ray passes, as long as the block's bound matters:
  * cells have no codes. */
-static void walk_block(climb *c, const pending *block) {
+static void walk_block(extreme_search *c, const pending *block) {
     block_passage p =
         block_passage_begin(&c->scene->levels[c->at->level], c->r, block->cell,
                             c->at->masks->cells[block->morton], block->t_in, block->t_out);
@@ -213,16 +213,16 @@ static void walk_block(climb *c, const pending *block) {
 
 /* ---- The tree ---- */
 
-static climb climb_of(const tracer *tr, const resident_grid *at, const ray *r, extreme_state *s,
-                      ray_counters *counters) {
+static extreme_search extreme_search_of(const tracer *tr, const resident_grid *at, const ray *r,
+                                        extreme_state *s, ray_counters *counters) {
     const uint32_t p = leaf_layout_samples(tr->layout, tr->set, at->head.id);
     const float *own = tr->treelets->file->own[p];
-    climb c = {.scene = tr->own,
-               .at = at,
-               .r = r,
-               .s = s,
-               .counters = counters,
-               .codes = quantizer_of(own[0], own[1], tr->layout->type)};
+    extreme_search c = {.scene = tr->own,
+                        .at = at,
+                        .r = r,
+                        .s = s,
+                        .counters = counters,
+                        .codes = quantizer_of(own[0], own[1], tr->layout->type)};
     set_limits(&c);
     return c;
 }
@@ -230,7 +230,7 @@ static climb climb_of(const tracer *tr, const resident_grid *at, const ray *r, e
 void grid_extreme(const tracer *tr, const treelet *found, const ray *r, const extreme_way *way,
                   extreme_state *s, ray_counters *counters) {
     const resident_grid *at = resident_grid_of(found);
-    climb c = climb_of(tr, at, r, s, counters);
+    extreme_search c = extreme_search_of(tr, at, r, s, counters);
     unsigned octants = way->octants ? way->octants : 255u;
     pending stack[STACK_MAX];
     int top = 0;
@@ -271,7 +271,7 @@ static uint32_t cell_near(const level_planes *planes, const resident_grid *at, i
 void grid_extreme_near(const tracer *tr, const treelet *found, const ray *r, double t,
                        extreme_state *s, ray_counters *counters) {
     const resident_grid *at = resident_grid_of(found);
-    climb c = climb_of(tr, at, r, s, counters);
+    extreme_search c = extreme_search_of(tr, at, r, s, counters);
     const uint32_t levels = at->shape.node_levels + LEAF_BLOCK_LOG2;
     uint32_t cell[3], morton = 0;
     for (int a = 0; a < 3; a++) {

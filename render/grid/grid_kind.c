@@ -7,8 +7,8 @@
 #include "formats/base/box3.h"
 #include "render/grid/grid_batch.h"
 #include "render/grid/grid_extreme.h"
+#include "render/grid/grid_extreme_batch.h"
 #include "render/grid/grid_gradient.h"
-#include "render/grid/grid_peaks.h"
 #include "render/grid/grid_pieces.h"
 #include "render/grid/grid_projection.h"
 #include "render/grid/grid_segments.h"
@@ -36,7 +36,7 @@ static grid_volume *grid_of(const leafcast *v) {
 CPU_KERNELS(tile_fn, grid_tile_kernels, NULL, grid_tile_trace);
 CPU_KERNELS(batch_fn, grid_batch_kernels, NULL, grid_batch_trace);
 CPU_KERNELS(segment_batch_fn, grid_pieces_kernels, NULL, grid_pieces);
-CPU_KERNELS(extreme_batch_fn, grid_peaks_kernels, NULL, grid_peaks);
+CPU_KERNELS(extreme_batch_fn, grid_extreme_batch_kernels, NULL, grid_extreme_batch);
 
 /* ---- An open volume ---- */
 
@@ -499,8 +499,8 @@ static status grid_layer(const leafcast *v, int axis, uint32_t node, double orig
     return ST_OK;
 }
 
-_Static_assert((int)GRID_PEAKS_SCRATCH >= (int)GRID_PIECES_SCRATCH &&
-                   (int)GRID_PEAKS_SCRATCH >= (int)GRID_BATCH_SCRATCH,
+_Static_assert((int)GRID_EXTREME_BATCH_SCRATCH >= (int)GRID_PIECES_SCRATCH &&
+                   (int)GRID_EXTREME_BATCH_SCRATCH >= (int)GRID_BATCH_SCRATCH,
                "one scratch for all");
 
 static const kind_walks walks = {.active_box = grid_active_box,
@@ -520,10 +520,11 @@ static const kind_tiles tiles = {.side = GRID_TILE,
                                  .project = grid_project,
                                  .projection_bytes = grid_projection_bytes};
 
-static const kind_batches batches = {.scratch = GRID_PEAKS_SCRATCH, /* more than the others need */
+static const kind_batches batches = {.scratch =
+                                         GRID_EXTREME_BATCH_SCRATCH, /* more than the others need */
                                      .hits = grid_batch_kernels,
                                      .pieces = grid_pieces_kernels,
-                                     .extremes = grid_peaks_kernels};
+                                     .extremes = grid_extreme_batch_kernels};
 
 const kind grid_kind = {.name = "grid",
                         .cell = "cell",

@@ -39,7 +39,7 @@ SIMD ray_visits ray_visits_of(const grid_rays *g, const uint32_t places[], const
         const mf across = f_gt(f_abs(d[a]), f_set(0.0f));
         t_in = f_select(across, f_max(t_in, f_min(to_lo, to_hi)), t_in);
         t_out = f_select(across, f_min(t_out, f_max(to_lo, to_hi)), t_out);
-        v.e = v.e + (f_max(f_abs(lo[a]), f_abs(hi)) + f_set(g->astray[a])) * inverse[a];
+        v.e = v.e + (f_max(f_abs(lo[a]), f_abs(hi)) + f_set(g->rounding[a])) * inverse[a];
     }
     for (int a = 0; a < 3; a++) {
         v.way.in[a] = near_coordinate(t_in, d[a], lo[a], inverse[a]);

@@ -54,7 +54,7 @@ typedef struct grid_rays {
     /* The same ray by ray, for f_load_triples(). [0] of the span: where the cell kernel lets the
      * ray begin, not above 0; [1]: t1. */
     float o_of[RAY_BATCH][3], d_of[RAY_BATCH][3], per_d_of[RAY_BATCH][3], span_of[RAY_BATCH][3];
-    float astray[3]; /* 2^23 times the largest rounding error of entries and planes, by axis */
+    float rounding[3]; /* 2^23 times the largest rounding error of entries and planes, by axis */
 } grid_rays;
 
 /* Planes of a node's halves, as rays of an octant of directions meet them. [0]: the half that they
@@ -311,7 +311,7 @@ static void grid_rays_make(grid_rays *g, const grid_legs *legs, const double mid
     for (int a = 0; a < 3; a++) {
         const double wide = widening(furthest[a], come[a] + fabs(middle[a]) + size[a]);
         const double w = g->back >> a & 1u ? -wide : wide;
-        g->astray[a] = (float)(furthest[a] + 0x1p-24 * (come[a] + fabs(middle[a])));
+        g->rounding[a] = (float)(furthest[a] + 0x1p-24 * (come[a] + fabs(middle[a])));
         for (unsigned i = 0; i < g->count; i++) {
             g->slabs.near_o[a][i] = (float)(g->entry[a][i] - middle[a] + w);
             g->slabs.far_o[a][i] = (float)(g->entry[a][i] - middle[a] - w);

@@ -79,7 +79,7 @@ static void add_piece(medium_cuts *c, unsigned i) {
     c->lost[n] = false;
 }
 
-/* Add the parts between turns of the value, as see_parts() does. */
+/* Add the parts between turns of the value, as integrate_parts() does. */
 static bool add_parts(medium_cuts *c, const transfer *t, const segment *s, unsigned i, double e) {
     double at[2];
     const int turns = cubic_extrema(s->b, at);

@@ -27,7 +27,7 @@ static medium_stretch seen_of(const frame *f, const medium_ray *p, const overlay
         if (s->count == 1 && t0 == piece->t0 && t1 == piece->t1) {
             medium_stretch seen = medium_of_piece(&rule, piece);
             if (light)
-                medium_ray_light_up(&seen, light[0]);
+                medium_ray_shade(&seen, light[0]);
             return seen;
         }
         layers[i] =

@@ -72,7 +72,7 @@ void medium_ray_end_run(const frame *f, medium_ray *p);
 shaded_piece medium_ray_lit(const frame *f, int v, const treelet *at, const ray *r,
                             const segment *s);
 
-static inline void medium_ray_light_up(medium_stretch *seen, const double light[3]) {
+static inline void medium_ray_shade(medium_stretch *seen, const double light[3]) {
     for (int c = 0; c < 3; c++)
         seen->rgb[c] *= light[c];
 }

@@ -326,7 +326,7 @@ static void add_errors_beside(piece_walk *walk, const part *p, int lowest, int h
         add_error_near(walk, p, k, 0.0);
 }
 
-static void see_part(piece_walk *walk, const part *p) {
+static void integrate_part(piece_walk *walk, const part *p) {
     const transfer *t = walk->rule->transfer;
     const int up = p->fa < p->fb ? 1 : -1, end = transfer_find(t, p->fb);
     int i = transfer_find(t, p->fa);
@@ -365,7 +365,7 @@ void medium_add_ends(const transfer *t, double t_error, medium_stretch *seen) {
     seen->rgb_error += shift * t->most_rgb;
 }
 
-static void see_parts(piece_walk *walk) {
+static void integrate_parts(piece_walk *walk) {
     const segment *s = walk->piece;
     double at[2];
     part p = {0.0, 0.0, 0.0, s->b[0]};
@@ -375,7 +375,7 @@ static void see_parts(piece_walk *walk) {
         p.fa = p.fb;
         p.b = i < turns ? at[i] : 1.0;
         p.fb = i < turns ? segment_at(s, at[i]) : s->b[s->degree];
-        see_part(walk, &p);
+        integrate_part(walk, &p);
     }
 }
 
@@ -392,7 +392,7 @@ medium_stretch medium_of_piece(const medium_rule *rule, const segment *of) {
     if (span)
         see(&walk, span, &(cut){0.0, 0.0}, &(cut){1.0, 0.0});
     else
-        see_parts(&walk);
+        integrate_parts(&walk);
     walk.seen.rgb_error += walk.near_rgb;
     walk.seen.through_error += walk.near_through;
     medium_add_ends(rule->transfer, rule->error.t, &walk.seen);

@@ -93,7 +93,8 @@ typedef struct seen_piece {
     medium_stretch whole;
 } seen_piece;
 
-static medium_stretch see_part(const void *ctx, double t0, double t1, const double light[][3]) {
+static medium_stretch integrate_part(const void *ctx, double t0, double t1,
+                                     const double light[][3]) {
     const seen_piece *s = ctx;
     const segment *piece = s->piece;
     medium_stretch seen = s->whole;
@@ -105,7 +106,7 @@ static medium_stretch see_part(const void *ctx, double t0, double t1, const doub
         part.t1 = t1;
         seen = medium_of_piece(s->rule, &part);
     }
-    medium_ray_light_up(&seen, light[0]);
+    medium_ray_shade(&seen, light[0]);
     return seen;
 }
 
@@ -134,7 +135,7 @@ static void shade_piece(const frame *f, const medium_ray *p, const segment_colum
                               .ray = &on->in_world,
                               .count = 1,
                               .of = {medium_ray_lit(f, v, at, &on->in_volume, &piece)},
-                              .see = see_part,
+                              .see = integrate_part,
                               .ctx = &all,
                               .most_rgb = medium_ray_look(f)->brightest};
     *seen = medium_shade_stretch(&s, piece.t0, piece.t1, p->front.through * p->run.through);

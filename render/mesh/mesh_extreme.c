@@ -3,19 +3,19 @@
 #include "render/mesh/mesh_segments.h"
 #include "render/mesh/mesh_walk.h"
 
-typedef struct climb {
+typedef struct extreme_search {
     const ray *r;
     extreme_state *s;
     quantizer codes;
-} climb;
+} extreme_search;
 
-static double score_of(const climb *c, double value) {
+static double score_of(const extreme_search *c, double value) {
     return c->s->least ? -value : value;
 }
 
 /* Choose the children that may have a value as good as the best found. */
 static unsigned choose(void *ctx, const resident_mesh *at, uint32_t node) {
-    const climb *c = ctx;
+    const extreme_search *c = ctx;
     const mesh_codes *of = &mesh_leaf_codes(at->values)[node];
     const double value = extreme_value(c->s);
     unsigned chosen = 0;
@@ -30,7 +30,7 @@ static unsigned choose(void *ctx, const resident_mesh *at, uint32_t node) {
 }
 
 static void try_tet(void *ctx, const resident_mesh *at, uint32_t local, const tet *x) {
-    const climb *c = ctx;
+    const extreme_search *c = ctx;
     double most = -INFINITY;
     segment piece;
     (void)local;
@@ -45,7 +45,7 @@ static void try_tet(void *ctx, const resident_mesh *at, uint32_t local, const te
 void mesh_extremes(const tracer *tr, const treelet *at, const ray *r, const ray *part,
                    extreme_state *s, ray_counters *counters) {
     const float *own = tracer_range(tr, at->id);
-    climb c = {r, s, quantizer_of(own[0], own[1], SAMPLE_F32)};
+    extreme_search c = {r, s, quantizer_of(own[0], own[1], SAMPLE_F32)};
     const hit before = hit_before_all();
     const mesh_walk_visitor visitor = {try_tet, choose, &c, NULL};
     mesh_walk_each(resident_mesh_of(at), part, &before, INFINITY, &visitor, counters);

@@ -337,7 +337,7 @@ static int receive(struct lws *wsi, session *now, const void *bytes, size_t size
     if (lws_frame_is_binary(wsi))
         return close_because(wsi, LWS_CLOSE_STATUS_UNACCEPTABLE_OPCODE);
     const bool last = lws_is_final_fragment(wsi) && lws_remaining_packet_payload(wsi) == 0;
-    switch (view_talk_hear(now->talk, bytes, size, last)) {
+    switch (view_talk_receive(now->talk, bytes, size, last)) {
     case VIEW_TALK_TOO_LONG: return close_because(wsi, LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE);
     case VIEW_TALK_TOO_FAST: return close_because(wsi, LWS_CLOSE_STATUS_POLICY_VIOLATION);
     case VIEW_TALK_FINE: break;

@@ -21,8 +21,8 @@ struct view_talk {
     const view_life *life;
     uint64_t client;
     view_queue queue; /* sent before the messages at the seat */
-    double allowance, last_heard;
-    size_t heard, told; /* bytes of the message that arrives, and of the last one that arrived */
+    double allowance, last_received;
+    size_t received, told; /* bytes of the message that arrives, and of the last one that arrived */
     view_wish wish;
     view_slice_wish slice;
     char text[VIEW_HEARD_MAX];
@@ -58,7 +58,7 @@ view_talk *view_talk_open(mem *m, view_draw *draw, const view_file *files, int c
     t->life = life;
     t->client = view_life_client(life);
     t->allowance = BURST;
-    t->last_heard = clock_seconds();
+    t->last_received = clock_seconds();
     t->seat = view_draw_sit(draw);
     if (t->seat)
         tell_volume(t);
@@ -95,7 +95,7 @@ static status take_whole(const json_t *object, const char *key, double lo, doubl
 }
 
 /* Take a wish for a view. *number: 0 if the message has none. */
-static status hear_view(view_talk *t, const json_t *message, double *number) {
+static status receive_view(view_talk *t, const json_t *message, double *number) {
     double width, height;
     json_t *state = json_object_get(message, "state");
     view_wish *w = &t->wish;
@@ -122,7 +122,7 @@ static status hear_view(view_talk *t, const json_t *message, double *number) {
     return ST_OK;
 }
 
-static status hear_seen(view_talk *t, const json_t *message) {
+static status receive_seen(view_talk *t, const json_t *message) {
     double number, part;
     status st = take_whole(message, "number", 0.0, NUMBER_MAX, &number);
     if (st == ST_OK)
@@ -158,7 +158,7 @@ static status hear_pick(view_talk *t, const json_t *message) {
     return st;
 }
 
-static status hear_slice(view_talk *t, const json_t *message) {
+static status receive_slice(view_talk *t, const json_t *message) {
     view_slice_wish *w = &t->slice;
     double number, pane, side[2];
     status st = take_whole(message, "slice", 0.0, NUMBER_MAX, &number);
@@ -186,7 +186,7 @@ static status hear_slice(view_talk *t, const json_t *message) {
     return ST_OK;
 }
 
-static status hear_slice_seen(view_talk *t, const json_t *message) {
+static status receive_slice_seen(view_talk *t, const json_t *message) {
     double number, pane;
     status st = take_whole(message, "slice", 0.0, NUMBER_MAX, &number);
     if (st == ST_OK)
@@ -212,15 +212,15 @@ static status hear_message(view_talk *t, const json_t *message, double *number) 
     if (!type)
         return wrong("type");
     if (strcmp(type, "view") == 0)
-        return hear_view(t, message, number);
+        return receive_view(t, message, number);
     if (strcmp(type, "seen") == 0)
-        return hear_seen(t, message);
+        return receive_seen(t, message);
     if (strcmp(type, "pick") == 0)
         return hear_pick(t, message);
     if (strcmp(type, "slice") == 0)
-        return hear_slice(t, message);
+        return receive_slice(t, message);
     if (strcmp(type, "slice-seen") == 0)
-        return hear_slice_seen(t, message);
+        return receive_slice_seen(t, message);
     if (strcmp(type, "open") == 0)
         return hear_open(t, message);
     if (strcmp(type, "residency") == 0) {
@@ -232,8 +232,8 @@ static status hear_message(view_talk *t, const json_t *message, double *number) 
 
 static bool is_too_fast(view_talk *t) {
     const double now = clock_seconds();
-    t->allowance = fmin(BURST, t->allowance + RATE * (now - t->last_heard)) - 1.0;
-    t->last_heard = now;
+    t->allowance = fmin(BURST, t->allowance + RATE * (now - t->last_received)) - 1.0;
+    t->last_received = now;
     return t->allowance < 0.0;
 }
 
@@ -247,21 +247,21 @@ static void refuse(view_talk *t, const json_t *message, double number) {
     tell(t, said);
 }
 
-view_talk_result view_talk_hear(view_talk *t, const void *bytes, size_t size, bool last) {
+view_talk_result view_talk_receive(view_talk *t, const void *bytes, size_t size, bool last) {
     json_t *message = NULL;
     double number = 0.0;
-    if (size > sizeof t->text - t->heard)
+    if (size > sizeof t->text - t->received)
         return VIEW_TALK_TOO_LONG;
     if (size > 0)
-        memcpy(t->text + t->heard, bytes, size);
-    t->heard += size;
+        memcpy(t->text + t->received, bytes, size);
+    t->received += size;
     if (!last)
         return VIEW_TALK_FINE;
     if (is_too_fast(t))
         return VIEW_TALK_TOO_FAST;
-    status st = view_state_parse(t->text, t->heard, &message);
-    t->told = t->heard;
-    t->heard = 0;
+    status st = view_state_parse(t->text, t->received, &message);
+    t->told = t->received;
+    t->received = 0;
     if (st == ST_OK)
         st = hear_message(t, message, &number);
     if (st != ST_OK)

@@ -25,9 +25,9 @@ typedef enum view_talk_result {
     VIEW_TALK_TOO_FAST /* too many messages at once, or no memory */
 } view_talk_result;
 
-/* view_talk_hear() - take a piece of a message; last: it ends there. Results but VIEW_TALK_FINE end
- * the talk. */
-view_talk_result view_talk_hear(view_talk *t, const void *bytes, size_t size, bool last);
+/* view_talk_receive() - take a piece of a message; last: it ends there. Results but VIEW_TALK_FINE
+ * end the talk. */
+view_talk_result view_talk_receive(view_talk *t, const void *bytes, size_t size, bool last);
 
 /* view_talk_next() - returns the next message for the page, which the caller owns; NULL: none yet.
  * view_talk_any() - returns whether there is one. */

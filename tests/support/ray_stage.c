@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 #include "formats/base/cpu.h"
-#include "tests/support/grid_peaks_wide.h"
+#include "tests/support/grid_extreme_batch_wide.h"
 #include "tests/support/grid_pieces_wide.h"
 #include "tests/support/interests.h"
 
@@ -22,7 +22,7 @@ void ray_stage_open(ray_stage *s, const char *path, uint64_t seed) {
     s->with[s->kernel_count] = s->with[0];
     if (s->info.dims[0] > 0) {
         s->with[s->kernel_count].segment_batch = grid_pieces_wide;
-        s->with[s->kernel_count].extreme_batch = grid_peaks_wide;
+        s->with[s->kernel_count].extreme_batch = grid_extreme_batch_wide;
     }
     s->kernel_count++;
     s->scratch = aligned_alloc(64, (kind_batch_scratch(s->v->kind) + 127) / 64 * 64);

@@ -83,7 +83,7 @@ static void judge_ray(const extreme_batch *b, unsigned i, const char *kernel) {
 }
 
 /* A ray by itself, until it has all the treelets that it needs. */
-static void climb_alone(ray_stage *s, const ray *r, extreme_state *state) {
+static void search_alone(ray_stage *s, const ray *r, extreme_state *state) {
     ray_counters counters = {0};
     const treelet *at;
     while (extreme_next(&s->tr, r, NULL, state, &counters) == TRACE_BLOCKED)
@@ -138,7 +138,7 @@ static void judge(ray_stage *s, const extreme_batch *b, bool least, long absent)
     ray_stage_clear_touched(s);
     for (unsigned i = 0; i < b->count; i++) {
         want[i] = begin;
-        climb_alone(s, &b->rays[i], &want[i]);
+        search_alone(s, &b->rays[i], &want[i]);
         s->found += extreme_found(&want[i]);
     }
     for (uint32_t t = 0; t < treelets; t++)

@@ -1,8 +1,9 @@
-/* grid_peak_cells_template.h - ray-cells in a search for extremes in a grid (grid_peaks.h): which
- * may matter, and what is in them; included by the units of an ISA (see formats/base/simd.h).
+/* grid_extreme_cells_template.h - ray-cells in a search for extremes in a grid
+ * (grid_extreme_batch.h): which may matter, and what is in them; included by the units of an ISA
+ * (see formats/base/simd.h).
  */
-#ifndef RENDER_GRID_GRID_PEAK_CELLS_TEMPLATE_H
-#define RENDER_GRID_GRID_PEAK_CELLS_TEMPLATE_H
+#ifndef RENDER_GRID_GRID_EXTREME_CELLS_TEMPLATE_H
+#define RENDER_GRID_GRID_EXTREME_CELLS_TEMPLATE_H
 
 #include "formats/base/simd.h"
 
@@ -18,9 +19,9 @@
  * Scores are rounded down. If a score did not change by that, an equal score matters up to `t`,
  * which is counted as in grid_rays and rounded up. If it did, an equal score does not matter: t is
  * -INFINITY. */
-typedef struct peaks {
+typedef struct best_scores {
     float score[RAY_BATCH + 1], t[RAY_BATCH + 1]; /* the last one is no ray's */
-} peaks;
+} best_scores;
 
 /* Ray-cells, one a lane, on their way to the filter. Lanes of one cell lie beside each other. The
  * numbers of a cell are stored by whole vectors from its first lane on. They reach beyond its
@@ -44,31 +45,31 @@ typedef struct peak_batch {
     _Alignas(64) double score[CELL_BATCH]; /* the ray's score when the lane was filled */
 } peak_batch;
 
-typedef struct peak_cells {
+typedef struct extreme_cells {
     const walk_scene *scene;
     extreme_batch *b;
     grid_rays rays;
     bool least; /* looks for the least values; sign: of scores, -1 for the least */
     float sign;
-    ray_set level;            /* have a direction component of 0 */
-    peaks found, in_block;    /* in_block: the same by slots */
-    uint16_t slot[RAY_BATCH]; /* a ray's slot while a block is searched; RAY_BATCH: none */
+    ray_set level;               /* have a direction component of 0 */
+    best_scores found, in_block; /* in_block: the same by slots */
+    uint16_t slot[RAY_BATCH];    /* a ray's slot while a block is searched; RAY_BATCH: none */
     cell_queue queue;
     peak_batch batch;
-} peak_cells;
+} extreme_cells;
 
-SIMD const ray *peak_ray(const peak_cells *p, unsigned i) {
+SIMD const ray *peak_ray(const extreme_cells *p, unsigned i) {
     return &p->b->rays[p->rays.ray[i]];
 }
 
-SIMD extreme_state *peak_state(const peak_cells *p, unsigned i) {
+SIMD extreme_state *peak_state(const extreme_cells *p, unsigned i) {
     return p->b->state[p->rays.ray[i]];
 }
 
 /* ---- What has been found ---- */
 
-/* peaks_know() - updates what ray i has found. */
-static void peaks_know(peak_cells *p, unsigned i) {
+/* update_best() - updates what ray i has found. */
+static void update_best(extreme_cells *p, unsigned i) {
     const extreme_state *s = peak_state(p, i);
     float score = (float)s->score, t = -INFINITY;
     if ((double)score > s->score)
@@ -82,18 +83,18 @@ static void peaks_know(peak_cells *p, unsigned i) {
 }
 
 /* peak_cells_enter() - give ray i a slot. peak_cells_leave() - take its slot away. */
-SIMD void peak_cells_enter(peak_cells *p, unsigned i, unsigned slot) {
+SIMD void peak_cells_enter(extreme_cells *p, unsigned i, unsigned slot) {
     p->slot[i] = (uint16_t)slot;
     p->in_block.score[slot] = p->found.score[i];
     p->in_block.t[slot] = p->found.t[i];
 }
-SIMD void peak_cells_leave(peak_cells *p, unsigned i) {
+SIMD void peak_cells_leave(extreme_cells *p, unsigned i) {
     p->slot[i] = RAY_BATCH;
 }
 
-/* peaks_matter() - returns which of the VF_N rays from `at` on are interested in scores up to
+/* may_improve() - returns which of the VF_N rays from `at` on are interested in scores up to
  * `bound` from t_in on. */
-SIMD mf peaks_matter(const peaks *found, unsigned at, vf bound, vf t_in) {
+SIMD mf may_improve(const best_scores *found, unsigned at, vf bound, vf t_in) {
     const vf score = f_load(found->score + at);
     const mf before = f_le(t_in, f_load(found->t + at));
     return mf_or(f_gt(bound, score), mf_and(f_eq(bound, score), before));
@@ -148,7 +149,7 @@ SIMD vd most_control(const vd b[4], vd sign) {
     return most + d_set(0x1p-47) * size;
 }
 
-SIMD void take_peaks(peak_cells *p, int at, unsigned lanes, vd score, vd t) {
+SIMD void take_scores(extreme_cells *p, int at, unsigned lanes, vd score, vd t) {
     double scores[VD_N], ts[VD_N];
     d_store(scores, score);
     d_store(ts, t);
@@ -158,12 +159,12 @@ SIMD void take_peaks(peak_cells *p, int at, unsigned lanes, vd score, vd t) {
         if (!extreme_matters(s, scores[k], ts[k]))
             continue;
         extreme_offer(s, scores[k], ts[k], p->batch.treelet[(unsigned)at + k]);
-        peaks_know(p, i);
+        update_best(p, i);
     }
 }
 
 /* Compute the extremes of a vector of ray-cells. */
-SIMD void compute_peaks(peak_cells *p, int at, unsigned lanes) {
+SIMD void compute_scores(extreme_cells *p, int at, unsigned lanes) {
     const cell_batch *cells = &p->batch.cells;
     const vd sign = d_set((double)p->sign), before = d_load(p->batch.score + at);
     visits v;
@@ -184,17 +185,17 @@ SIMD void compute_peaks(peak_cells *p, int at, unsigned lanes) {
     const vd line = d_min(v.t_in + peak.at * (v.t_out - v.t_in), v.t_out);
     const vd inside = d_select(d_gt(peak.at, d_set(0.0)), line, v.t_in); /* keeps t_in = -0 */
     const vd t = d_select(d_lt(peak.at, d_set(1.0)), inside, v.t_out);
-    take_peaks(p, at, lanes & md_bits(d_ge(score, before)), score, t);
+    take_scores(p, at, lanes & md_bits(d_ge(score, before)), score, t);
 }
 
-static void peak_batch_flush(peak_cells *p) {
+static void peak_batch_flush(extreme_cells *p) {
     const unsigned count = p->batch.count;
     p->batch.count = 0;
     for (unsigned at = 0; at < count; at += VD_N)
-        compute_peaks(p, (int)at, count - at < VD_N ? (1u << (count - at)) - 1u : ~0u);
+        compute_scores(p, (int)at, count - at < VD_N ? (1u << (count - at)) - 1u : ~0u);
 }
 
-static void peak_batch_add(peak_cells *p, const resident_grid *at, const uint32_t cell[3],
+static void peak_batch_add(extreme_cells *p, const resident_grid *at, const uint32_t cell[3],
                            const float samples[8], unsigned i) {
     peak_batch *b = &p->batch;
     const level_planes *planes = &p->scene->levels[at->level];
@@ -202,7 +203,7 @@ static void peak_batch_add(peak_cells *p, const resident_grid *at, const uint32_
     if (ray_set_has(&p->level, i) &&
         !cell_batch_along(planes, r, cell, p->rays.t_in[i], p->rays.t_out[i])) {
         if (grid_extreme_cell(p->scene, at, r, cell, samples, peak_state(p, i)))
-            peaks_know(p, i);
+            update_best(p, i);
         return;
     }
     const unsigned k = b->count++;
@@ -218,7 +219,7 @@ static void peak_batch_add(peak_cells *p, const resident_grid *at, const uint32_
 
 /* Returns the lanes whose greatest control value may reach what their rays have found. Scores less
  * the found score are as exact as samples less an isovalue, so may_cross()'s proof holds. */
-SIMD unsigned queue_may_matter(const peak_cells *p) {
+SIMD unsigned queue_may_matter(const extreme_cells *p) {
     const cell_queue *q = &p->queue;
     float found[VF_N] = {0};
     vf f[8], b[4], lo[3], hi[3], inv[3];
@@ -239,7 +240,7 @@ SIMD unsigned queue_may_matter(const peak_cells *p) {
     return ~mf_bits(f_lt(most, f_set(-0.0f) - forms.bound)) & ((1u << q->count) - 1u);
 }
 
-static void peak_queue_flush(peak_cells *p) {
+static void peak_queue_flush(extreme_cells *p) {
     cell_queue *q = &p->queue;
     unsigned left = q->count > 0 ? queue_may_matter(p) : 0;
     q->count = q->cell_count = 0;
@@ -253,7 +254,7 @@ static void peak_queue_flush(peak_cells *p) {
 }
 
 /* peak_cells_flush() - computes all ray-cells that have been collected. */
-static void peak_cells_flush(peak_cells *p) {
+static void peak_cells_flush(extreme_cells *p) {
     peak_queue_flush(p);
     peak_batch_flush(p);
 }
@@ -274,7 +275,7 @@ SIMD void queue_cell(cell_queue *q, const resident_grid *at, const uint32_t cell
 }
 
 /* peak_cells_add() - adds a cell for some rays: bit k of `rays` is the ray at places[k]. */
-static void peak_cells_add(peak_cells *p, const resident_grid *at, const uint32_t cell[3],
+static void peak_cells_add(extreme_cells *p, const resident_grid *at, const uint32_t cell[3],
                            const float planes[3][3], const float scores[8], const uint8_t places[],
                            unsigned rays) {
     cell_queue *q = &p->queue;

@@ -1,5 +1,5 @@
-/* grid_peaks.h - the greatest, or the least, values on many rays through a grid: the kind's kernel
- * of extreme_batch.h.
+/* grid_extreme_batch.h - the greatest, or the least, values on many rays through a grid: the kind's
+ * kernel of extreme_batch.h.
  *
  * Rays of one octant of directions search together, best first. Subtrees of the directory come by
  * falling bound, equal ones in the rays' order. In a treelet's tree the best child comes first.
@@ -13,16 +13,16 @@
  * Single rays take over for directions with a component that is nearly zero, in previews, and where
  * the list of subtrees has no room.
  */
-#ifndef RENDER_GRID_GRID_PEAKS_H
-#define RENDER_GRID_GRID_PEAKS_H
+#ifndef RENDER_GRID_GRID_EXTREME_BATCH_H
+#define RENDER_GRID_GRID_EXTREME_BATCH_H
 
 #include "formats/base/cpu.h"
 #include "render/ray/extreme_batch.h"
 
 /* Bytes of scratch that the kernel needs. */
-enum { GRID_PEAKS_SCRATCH = 128 << 10 };
+enum { GRID_EXTREME_BATCH_SCRATCH = 128 << 10 };
 
 /* By ISA. The scalar entry is NULL: every ray searches alone. */
-extern const extreme_batch_fn grid_peaks_kernels[CPU_ISAS];
+extern const extreme_batch_fn grid_extreme_batch_kernels[CPU_ISAS];
 
 #endif

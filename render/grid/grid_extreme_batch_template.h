@@ -1,6 +1,7 @@
-/* grid_peaks_template.h - grid_peaks.h for the ISA of the translation unit that includes it. */
-#ifndef RENDER_GRID_GRID_PEAKS_TEMPLATE_H
-#define RENDER_GRID_GRID_PEAKS_TEMPLATE_H
+/* grid_extreme_batch_template.h - grid_extreme_batch.h for the ISA of the translation unit that
+ * includes it. */
+#ifndef RENDER_GRID_GRID_EXTREME_BATCH_TEMPLATE_H
+#define RENDER_GRID_GRID_EXTREME_BATCH_TEMPLATE_H
 
 #include "formats/base/simd.h"
 
@@ -9,40 +10,40 @@
 #include "formats/base/heap.h"
 #include "render/grid/grid_block_planes_template.h"
 #include "render/grid/grid_block_template.h"
+#include "render/grid/grid_extreme_batch.h"
+#include "render/grid/grid_extreme_cells_template.h"
 #include "render/grid/grid_legs_template.h"
-#include "render/grid/grid_peak_cells_template.h"
-#include "render/grid/grid_peaks.h"
 #include "render/grid/octant_order.h"
 #include "render/ray/ray_box.h"
 
-void SIMD_NAME(grid_peaks)(const tracer *tr, extreme_batch *b, void *scratch,
-                           ray_counters *counters);
+void SIMD_NAME(grid_extreme_batch)(const tracer *tr, extreme_batch *b, void *scratch,
+                                   ray_counters *counters);
 
 /* A subtree of the directory, and the rays to which it matters. */
-typedef struct peak_tree {
+typedef struct extreme_tree {
     ray_set rays;
     float bound;  /* no score in it is greater */
     int32_t rank; /* orders trees of one bound: rises along all rays */
     uint32_t t;
     bool drawn; /* search the treelet itself, not its children */
-} peak_tree;
+} extreme_tree;
 
-static inline bool peak_tree_before(const peak_tree *a, const peak_tree *b) {
+static inline bool peak_tree_before(const extreme_tree *a, const extreme_tree *b) {
     if (a->bound != b->bound)
         return a->bound > b->bound;
     return a->rank != b->rank ? a->rank < b->rank : a->drawn < b->drawn;
 }
 
-HEAP_RISE(peak_trees, peak_tree, peak_tree_before)
-HEAP_SINK(peak_trees, peak_tree, peak_tree_before)
+HEAP_RISE(peak_trees, extreme_tree, peak_tree_before)
+HEAP_SINK(peak_trees, extreme_tree, peak_tree_before)
 
 /* A node of a treelet's tree, a cube of 2^size cells. */
-typedef struct peak_node {
+typedef struct extreme_node {
     ray_set rays;
     uint32_t cell[3];
     uint32_t morton, size;
     float bound;
-} peak_node;
+} extreme_node;
 
 enum { PEAK_TREES_MAX = 768, PEAK_NODES_MAX = 8 * (LEAF_CELLS_LOG2_MAX + 1) };
 
@@ -52,34 +53,35 @@ typedef struct peak_codes {
 } peak_codes;
 
 /* The rays that meet a block, packed into slots: a copy of their data in grid_rays. What they have
- * found is in peak_cells. */
+ * found is in extreme_cells. */
 typedef struct block_rays {
     ray_slabs slabs;
     uint8_t place[RAY_BATCH];
     unsigned count;
 } block_rays;
 
-typedef struct peak_walk {
+typedef struct extreme_walk {
     block_rays block;
     const tracer *tr;
     ray_counters *counters;
     grid_extent extent;
     grid_legs legs;
-    peak_cells cells;
+    extreme_cells cells;
     ray_set open;    /* still search */
     ray_set resumed; /* have seen treelets before */
     ray_set single;  /* the list of trees had no room for them */
     unsigned tree_count;
-    peak_tree trees[PEAK_TREES_MAX];
-    peak_node nodes[PEAK_NODES_MAX];
-} peak_walk;
-_Static_assert(sizeof(peak_walk) <= GRID_PEAKS_SCRATCH, "a climb has room in its scratch");
+    extreme_tree trees[PEAK_TREES_MAX];
+    extreme_node nodes[PEAK_NODES_MAX];
+} extreme_walk;
+_Static_assert(sizeof(extreme_walk) <= GRID_EXTREME_BATCH_SCRATCH,
+               "a climb has room in its scratch");
 
 /* ---- Sets of rays ---- */
 
 /* Keep the rays of the set to which scores up to `bound` may matter, at any t. Returns false if
  * none is left. */
-static bool keep_climbing(const peak_walk *w, float bound, ray_set *rays) {
+static bool keep_searching(const extreme_walk *w, float bound, ray_set *rays) {
     const uint64_t all = (UINT64_C(1) << VF_N) - 1;
     uint64_t any = 0;
     for (unsigned k = 0; k < w->cells.rays.words; k++) {
@@ -88,7 +90,7 @@ static bool keep_climbing(const peak_walk *w, float bound, ray_set *rays) {
         for (uint64_t left = rays->of[k]; left;) {
             const unsigned shift = (unsigned)__builtin_ctzll(left) & ~(VF_N - 1u);
             matter |= (uint64_t)mf_bits(
-                          peaks_matter(&w->cells.found, 64 * k + shift, f_set(bound), f_set(0.0f)))
+                          may_improve(&w->cells.found, 64 * k + shift, f_set(bound), f_set(0.0f)))
                       << shift;
             left &= ~(all << shift);
         }
@@ -99,7 +101,7 @@ static bool keep_climbing(const peak_walk *w, float bound, ray_set *rays) {
 
 /* For each child k of a node, set met[k] to the rays that meet it and to which scores up to
  * bound[k] matter there. Children, bounds and sets are in the rays' order of octants. */
-SIMD void children_matter(const peak_walk *w, const node_planes *n, const ray_set *in,
+SIMD void children_matter(const extreme_walk *w, const node_planes *n, const ray_set *in,
                           unsigned children, const float bound[8], ray_set met[8]) {
     const grid_rays *g = &w->cells.rays;
     const uint64_t all = (UINT64_C(1) << VF_N) - 1;
@@ -115,7 +117,7 @@ SIMD void children_matter(const peak_walk *w, const node_planes *n, const ray_se
                 const unsigned k = (unsigned)__builtin_ctz(some);
                 const vf near = child_near(&m, k);
                 const mf meet = f_le(near, child_far(&m, k));
-                const mf matter = peaks_matter(&w->cells.found, at, f_set(bound[k]), near);
+                const mf matter = may_improve(&w->cells.found, at, f_set(bound[k]), near);
                 met[k].of[word] |= (uint64_t)mf_bits(mf_and(meet, matter)) << shift & here;
             }
             left ^= here;
@@ -126,7 +128,7 @@ SIMD void children_matter(const peak_walk *w, const node_planes *n, const ray_se
 /* ---- Blocks ---- */
 
 /* Put the rays of a set into slots; block_rays_leave() takes them out again. */
-static void block_rays_gather(peak_walk *w, const ray_set *rays) {
+static void block_rays_gather(extreme_walk *w, const ray_set *rays) {
     const grid_rays *g = &w->cells.rays;
     block_rays *b = &w->block;
     const ray_slabs *from = &g->slabs;
@@ -147,7 +149,7 @@ static void block_rays_gather(peak_walk *w, const ray_set *rays) {
     }
 }
 
-static void block_rays_leave(peak_walk *w) {
+static void block_rays_leave(extreme_walk *w) {
     for (unsigned k = 0; k < w->block.count; k++)
         peak_cells_leave(&w->cells, w->block.place[k]);
 }
@@ -165,7 +167,7 @@ static uint64_t cells_in_rows(uint64_t along_z) {
 }
 
 /* A block to be searched. */
-typedef struct peak_block {
+typedef struct extreme_block {
     const resident_grid *at;
     uint32_t first[3];
     uint64_t cells; /* the active ones: bit x + 4 y + 16 z */
@@ -173,11 +175,11 @@ typedef struct peak_block {
     block_scores scores;
     float group[8];   /* the greatest score of each group of 2^3 cells, */
     uint8_t order[8]; /* and the groups, the best first */
-} peak_block;
+} extreme_block;
 
 /* Add a cell of the block for some rays: bit k of `rays` is slot `from` + k. */
-static void add_cell(peak_walk *w, const peak_block *b, const unsigned in_block[3], unsigned from,
-                     unsigned rays) {
+static void add_cell(extreme_walk *w, const extreme_block *b, const unsigned in_block[3],
+                     unsigned from, unsigned rays) {
     float planes[3][3], scores[8];
     uint32_t cell[3];
     for (int a = 0; a < 3; a++) {
@@ -193,16 +195,16 @@ static void add_cell(peak_walk *w, const peak_block *b, const unsigned in_block[
 
 /* Returns the rays from slot `at` on that meet the cells from `first` to `last`, in the rays'
  * order, and to which scores up to `most` matter there. */
-SIMD unsigned rays_matter(const peak_walk *w, const block_met *m, unsigned at,
+SIMD unsigned rays_matter(const extreme_walk *w, const block_met *m, unsigned at,
                           const unsigned first[3], const unsigned last[3], float most) {
     const vf near = block_comes(m, first);
     return mf_bits(mf_and(f_le(near, block_leaves(m, last)),
-                          peaks_matter(&w->cells.in_block, at, f_set(most), near)));
+                          may_improve(&w->cells.in_block, at, f_set(most), near)));
 }
 
 /* Search the cells of a group for VF_N rays. */
-SIMD void climb_group(peak_walk *w, const peak_block *b, const block_met *m, unsigned g,
-                      unsigned at, unsigned rays) {
+SIMD void search_group(extreme_walk *w, const extreme_block *b, const block_met *m, unsigned g,
+                       unsigned at, unsigned rays) {
     const unsigned group[3] = {2 * (g & 1u), g & 2u, g >> 1 & 2u}, back = w->cells.rays.back;
     unsigned first[3], last[3];
     for (int a = 0; a < 3; a++) {
@@ -220,7 +222,7 @@ SIMD void climb_group(peak_walk *w, const peak_block *b, const block_met *m, uns
     }
 }
 
-static void sort_groups(peak_block *b) {
+static void sort_groups(extreme_block *b) {
     for (unsigned g = 0; g < 8; g++) {
         const float *of = b->scores.most + block_place(2 * (g & 1u), g & 2u, g >> 1 & 2u);
         float most = -INFINITY;
@@ -236,13 +238,13 @@ static void sort_groups(peak_block *b) {
     }
 }
 
-static void climb_block(peak_walk *w, const resident_grid *at, const peak_node *node) {
+static void search_block(extreme_walk *w, const resident_grid *at, const extreme_node *node) {
     const walk_scene *scene = w->tr->own;
-    peak_block b = {.at = at,
-                    .planes =
-                        block_planes_of(&w->cells.rays, &scene->levels[at->level], node->cell),
-                    .first = {node->cell[0], node->cell[1], node->cell[2]},
-                    .cells = cells_in_rows(at->masks->cells[node->morton])};
+    extreme_block b = {.at = at,
+                       .planes =
+                           block_planes_of(&w->cells.rays, &scene->levels[at->level], node->cell),
+                       .first = {node->cell[0], node->cell[1], node->cell[2]},
+                       .cells = cells_in_rows(at->masks->cells[node->morton])};
     block_load(scene, at, node->cell, w->cells.sign, &b.scores);
     block_maxima(&b.scores);
     sort_groups(&b);
@@ -252,8 +254,8 @@ static void climb_block(peak_walk *w, const resident_grid *at, const peak_node *
         const unsigned left = w->block.count - from;
         const block_met m = block_met_of(&w->block.slabs, from, &b.planes);
         for (unsigned k = 0; k < 8; k++)
-            climb_group(w, &b, &m, b.order[k], from,
-                        left < VF_N ? (1u << left) - 1u : (unsigned)((UINT64_C(1) << VF_N) - 1));
+            search_group(w, &b, &m, b.order[k], from,
+                         left < VF_N ? (1u << left) - 1u : (unsigned)((UINT64_C(1) << VF_N) - 1));
     }
     block_rays_leave(w);
 }
@@ -262,7 +264,7 @@ static void climb_block(peak_walk *w, const resident_grid *at, const peak_node *
 
 /* Returns how a treelet's codes give bounds of scores. Unless they are exact, the slack covers 4
  * roundings of the ends of its range. */
-static peak_codes peak_codes_of(const peak_walk *w, const resident_grid *at) {
+static peak_codes peak_codes_of(const extreme_walk *w, const resident_grid *at) {
     const uint32_t p = leaf_layout_samples(w->tr->layout, w->tr->set, at->head.id);
     const float *own = w->tr->treelets->file->own[p];
     const quantizer q = quantizer_of(own[0], own[1], w->tr->layout->type);
@@ -276,8 +278,8 @@ static peak_codes peak_codes_of(const peak_walk *w, const resident_grid *at) {
 }
 
 /* Compute the bounds of a node's children, in order. */
-SIMD void bounds_of(const peak_walk *w, const peak_codes *c, const resident_grid *at,
-                    const peak_node *node, float bound[8]) {
+SIMD void bounds_of(const extreme_walk *w, const peak_codes *c, const resident_grid *at,
+                    const extreme_node *node, float bound[8]) {
     const uint32_t k = at->shape.node_levels + LEAF_BLOCK_LOG2 - (node->size - 1);
     const uint8_t *codes =
         (const uint8_t *)at->head.payload + leaf_codes_at(k) + 8 * (size_t)node->morton;
@@ -292,8 +294,8 @@ SIMD void bounds_of(const peak_walk *w, const peak_codes *c, const resident_grid
 }
 
 /* Push the children that matter. The best one comes last, and of equal ones the nearest. */
-static unsigned push_children(peak_walk *w, const peak_codes *codes, const resident_grid *at,
-                              const peak_node *node, unsigned count) {
+static unsigned push_children(extreme_walk *w, const peak_codes *codes, const resident_grid *at,
+                              const extreme_node *node, unsigned count) {
     const walk_scene *scene = w->tr->own;
     const uint32_t half = 1u << (node->size - 1);
     const unsigned back = w->cells.rays.back, bottom = count;
@@ -312,29 +314,29 @@ static unsigned push_children(peak_walk *w, const peak_codes *codes, const resid
         unsigned to = count++;
         for (; to > bottom && w->nodes[to - 1].bound > bound[k]; to--)
             w->nodes[to] = w->nodes[to - 1];
-        w->nodes[to] = (peak_node){met[k], {0}, node->morton << 3 | o, node->size - 1, bound[k]};
+        w->nodes[to] = (extreme_node){met[k], {0}, node->morton << 3 | o, node->size - 1, bound[k]};
         for (int a = 0; a < 3; a++)
             w->nodes[to].cell[a] = node->cell[a] + (o >> a & 1u) * half;
     }
     return count;
 }
 
-static void climb_treelet(peak_walk *w, const resident_grid *at, const peak_tree *tree) {
+static void search_treelet(extreme_walk *w, const resident_grid *at, const extreme_tree *tree) {
     const peak_codes codes = peak_codes_of(w, at);
     unsigned count = 0;
-    w->nodes[count++] = (peak_node){tree->rays,
-                                    {at->first_cell[0], at->first_cell[1], at->first_cell[2]},
-                                    0,
-                                    at->shape.node_levels + LEAF_BLOCK_LOG2,
-                                    tree->bound};
+    w->nodes[count++] = (extreme_node){tree->rays,
+                                       {at->first_cell[0], at->first_cell[1], at->first_cell[2]},
+                                       0,
+                                       at->shape.node_levels + LEAF_BLOCK_LOG2,
+                                       tree->bound};
     while (count > 0) {
-        peak_node node = w->nodes[--count];
-        if (!keep_climbing(w, node.bound, &node.rays))
+        extreme_node node = w->nodes[--count];
+        if (!keep_searching(w, node.bound, &node.rays))
             continue;
         if (node.size > LEAF_BLOCK_LOG2)
             count = push_children(w, &codes, at, &node, count);
         else
-            climb_block(w, at, &node);
+            search_block(w, at, &node);
     }
 }
 
@@ -342,7 +344,8 @@ static void climb_treelet(peak_walk *w, const resident_grid *at, const peak_tree
 
 /* Returns whether ray i passes a treelet whose scores may matter to it. Sets *way to where it
  * passes, as grid_extreme_ways() finds it. */
-static bool way_matters(const peak_walk *w, const peak_tree *tree, unsigned i, extreme_way *way) {
+static bool way_matters(const extreme_walk *w, const extreme_tree *tree, unsigned i,
+                        extreme_way *way) {
     const tracer *tr = w->tr;
     const leaf_layout *layout = tr->layout;
     const walk_scene *scene = tr->own;
@@ -366,7 +369,7 @@ static bool way_matters(const peak_walk *w, const peak_tree *tree, unsigned i, e
 }
 
 /* Drop the rays that have seen this treelet before. */
-static void drop_seen(const peak_walk *w, peak_tree *tree) {
+static void drop_seen(const extreme_walk *w, extreme_tree *tree) {
     for (unsigned k = 0; k < w->cells.rays.words; k++) {
         for (uint64_t left = tree->rays.of[k] & w->resumed.of[k]; left; left &= left - 1) {
             const unsigned i = 64 * k + (unsigned)__builtin_ctzll(left);
@@ -382,7 +385,7 @@ static void drop_seen(const peak_walk *w, peak_tree *tree) {
 }
 
 /* Mark a treelet as touched if it matters to a ray. */
-static void touch(peak_walk *w, const peak_tree *tree) {
+static void touch(extreme_walk *w, const extreme_tree *tree) {
     if (atomic_load_explicit(&w->tr->touched[tree->t], memory_order_relaxed))
         return;
     extreme_way way;
@@ -395,7 +398,7 @@ static void touch(peak_walk *w, const peak_tree *tree) {
 }
 
 /* Block the rays to which an absent treelet matters. */
-static void miss_treelet(peak_walk *w, const peak_tree *tree) {
+static void miss_treelet(extreme_walk *w, const extreme_tree *tree) {
     for (unsigned k = 0; k < w->cells.rays.words; k++) {
         for (uint64_t left = tree->rays.of[k]; left; left &= left - 1) {
             const unsigned i = 64 * k + (unsigned)__builtin_ctzll(left);
@@ -411,13 +414,13 @@ static void miss_treelet(peak_walk *w, const peak_tree *tree) {
     }
 }
 
-static void climb_drawn(peak_walk *w, peak_tree *tree) {
+static void search_drawn(extreme_walk *w, extreme_tree *tree) {
     const loader *treelets = w->tr->treelets;
     if (!treelets->own[tree->t])
         return;
     peak_cells_flush(&w->cells);
     drop_seen(w, tree);
-    if (!keep_climbing(w, tree->bound, &tree->rays))
+    if (!keep_searching(w, tree->bound, &tree->rays))
         return;
     const resident_grid *at = resident_grid_of(loader_lookup(treelets, tree->t));
     if (!at) {
@@ -425,14 +428,14 @@ static void climb_drawn(peak_walk *w, peak_tree *tree) {
         return;
     }
     touch(w, tree);
-    climb_treelet(w, at, tree);
+    search_treelet(w, at, tree);
 }
 
 /* ---- The directory ---- */
 
 /* Returns the rank of a treelet: ranks rise along all rays of the octant. It is the sum of the
  * coordinates of the corner that the rays reach first, in their direction. */
-static int32_t rank_of(const peak_walk *w, uint32_t t) {
+static int32_t rank_of(const extreme_walk *w, uint32_t t) {
     const leaf_layout *layout = w->tr->layout;
     const uint32_t level = layout->level_of[t];
     int32_t rank = 0;
@@ -443,18 +446,18 @@ static int32_t rank_of(const peak_walk *w, uint32_t t) {
     return rank;
 }
 
-static peak_tree tree_of(const peak_walk *w, uint32_t t) {
+static extreme_tree tree_of(const extreme_walk *w, uint32_t t) {
     const tracer *tr = w->tr;
     const leaf_file *f = tr->treelets->file;
     const uint32_t at = leaf_layout_samples(tr->layout, tr->set, t);
-    peak_tree tree = {.t = t, .rank = rank_of(w, t)};
+    extreme_tree tree = {.t = t, .rank = rank_of(w, t)};
     tree.drawn = tr->layout->level_of[t] == tr->target_level;
     tree.bound = extreme_bound(w->cells.b->state[0], tree.drawn ? f->own[at] : f->ranges[at]);
     return tree;
 }
 
 /* Push a subtree. If there is no room, its rays begin anew as single rays. */
-static void push_tree(peak_walk *w, peak_tree tree) {
+static void push_tree(extreme_walk *w, extreme_tree tree) {
     if (w->tree_count < PEAK_TREES_MAX) {
         peak_trees_rise(w->trees, w->tree_count++, tree);
         return;
@@ -465,13 +468,13 @@ static void push_tree(peak_walk *w, peak_tree tree) {
     }
 }
 
-static void open_tree(peak_walk *w, const peak_tree *tree) {
+static void open_tree(extreme_walk *w, const extreme_tree *tree) {
     const tracer *tr = w->tr;
     const walk_scene *scene = tr->own;
     const leaf_layout *layout = tr->layout;
     const unsigned back = w->cells.rays.back, existing = leaf_layout_children(layout, tree->t);
     const unsigned children = octants_in_order(tr->treelets->children[tree->t], back);
-    peak_tree of[8];
+    extreme_tree of[8];
     float bound[8];
     ray_set met[8];
     uint32_t first[3];
@@ -496,19 +499,19 @@ static void open_tree(peak_walk *w, const peak_tree *tree) {
     }
 }
 
-static void climb_directory(peak_walk *w) {
-    peak_tree root = tree_of(w, 0);
+static void search_directory(extreme_walk *w) {
+    extreme_tree root = tree_of(w, 0);
     root.rays = w->open;
     w->tree_count = 0;
     push_tree(w, root);
     while (w->tree_count > 0) {
-        peak_tree tree = w->trees[0];
+        extreme_tree tree = w->trees[0];
         w->tree_count--;
         peak_trees_sink(w->trees, 0, w->tree_count, w->trees[w->tree_count]);
-        if (!keep_climbing(w, tree.bound, &tree.rays))
+        if (!keep_searching(w, tree.bound, &tree.rays))
             continue;
         if (tree.drawn)
-            climb_drawn(w, &tree);
+            search_drawn(w, &tree);
         else
             open_tree(w, &tree);
     }
@@ -518,8 +521,8 @@ static void climb_directory(peak_walk *w) {
 /* ---- Rays ---- */
 
 /* Search along all rays of w->legs, whose directions lie in one octant. */
-static void climb_octant(peak_walk *w) {
-    peak_cells *c = &w->cells;
+static void search_octant(extreme_walk *w) {
+    extreme_cells *c = &w->cells;
     grid_rays_make(&c->rays, &w->legs, w->extent.middle, w->extent.size);
     w->open = w->single = w->resumed = c->level = (ray_set){{0}};
     c->queue = (cell_queue){.count = 0};
@@ -534,9 +537,9 @@ static void climb_octant(peak_walk *w) {
         if (peak_state(c, i)->next.t != LEAF_NO_TREELET)
             ray_set_add(&w->resumed, i);
         c->b->result[c->rays.ray[i]] = TRACE_MISS;
-        peaks_know(c, i);
+        update_best(c, i);
     }
-    climb_directory(w);
+    search_directory(w);
     for (unsigned i = 0; i < c->rays.count; i++)
         if (ray_set_has(&w->single, i))
             extreme_batch_single(w->tr, c->b, c->rays.ray[i], w->counters);
@@ -546,7 +549,7 @@ enum { PEAK_MISSES = 8, PEAK_ALONE };
 
 /* Returns the octant with whose rays a ray is walked; PEAK_ALONE: as a single ray; PEAK_MISSES: it
  * misses the volume's box. */
-static uint8_t begin_climb(const peak_walk *w, const ray *r, grid_approach *way) {
+static uint8_t begin_search(const extreme_walk *w, const ray *r, grid_approach *way) {
     if (!grid_way_ordinary(&w->extent, r, way))
         return PEAK_ALONE;
     way->t_in = r->t0;
@@ -554,7 +557,7 @@ static uint8_t begin_climb(const peak_walk *w, const ray *r, grid_approach *way)
     return grid_way_meets_box(w->tr, r, way) ? (uint8_t)way->octant : (uint8_t)PEAK_MISSES;
 }
 
-static void peak_walk_begin(peak_walk *w, const tracer *tr, extreme_batch *b,
+static void peak_walk_begin(extreme_walk *w, const tracer *tr, extreme_batch *b,
                             ray_counters *counters) {
     w->tr = tr;
     w->counters = counters;
@@ -564,9 +567,9 @@ static void peak_walk_begin(peak_walk *w, const tracer *tr, extreme_batch *b,
     w->cells.sign = b->state[0]->least ? -1.0f : 1.0f;
 }
 
-void SIMD_NAME(grid_peaks)(const tracer *tr, extreme_batch *b, void *scratch,
-                           ray_counters *counters) {
-    peak_walk *w = scratch;
+void SIMD_NAME(grid_extreme_batch)(const tracer *tr, extreme_batch *b, void *scratch,
+                                   ray_counters *counters) {
+    extreme_walk *w = scratch;
     grid_approach ways[RAY_BATCH];
     uint8_t goes[RAY_BATCH];
     unsigned octants = 0;
@@ -574,7 +577,7 @@ void SIMD_NAME(grid_peaks)(const tracer *tr, extreme_batch *b, void *scratch,
     /* Where treelets of several levels are drawn, ranks do not rise along rays. */
     const bool usable = grid_extent_of(&w->extent, tr) && !tr->preview && !tr->stop;
     for (unsigned i = 0; i < b->count; i++) {
-        goes[i] = usable ? begin_climb(w, &b->rays[i], &ways[i]) : (uint8_t)PEAK_ALONE;
+        goes[i] = usable ? begin_search(w, &b->rays[i], &ways[i]) : (uint8_t)PEAK_ALONE;
         octants |= 1u << goes[i];
         b->result[i] = TRACE_MISS;
         if (goes[i] == PEAK_ALONE)
@@ -585,7 +588,7 @@ void SIMD_NAME(grid_peaks)(const tracer *tr, extreme_batch *b, void *scratch,
         for (unsigned i = 0; i < b->count; i++)
             if (goes[i] == (unsigned)__builtin_ctz(octants))
                 grid_legs_add(&w->legs, b->rays, i, &ways[i]);
-        climb_octant(w);
+        search_octant(w);
     }
 }
 

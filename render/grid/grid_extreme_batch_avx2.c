@@ -1,0 +1,1 @@
+#include "render/grid/grid_extreme_batch_template.h"

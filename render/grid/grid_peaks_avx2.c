@@ -1,1 +1,0 @@
-#include "render/grid/grid_peaks_template.h"
