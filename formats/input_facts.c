@@ -23,7 +23,7 @@ static const input_facts_kind *kind_of(const input_facts *x) {
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (kinds[i]->of == x->kind)
             return kinds[i];
-    assert(!"a kind of input without a row");
+    assert(false); /* a kind of input without a row */
     return NULL;
 }
 

@@ -326,7 +326,7 @@ static const convert_kind *kind_of(const input *in) {
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (kinds[i]->of == in->kind)
             return kinds[i];
-    assert(!"a kind of input without a row");
+    assert(false); /* a kind of input without a row */
     return NULL;
 }
 

@@ -431,9 +431,8 @@ void public_calls_set_up(calls_lab *l) {
     options = (leafcast_options){.size = sizeof options, .threads = 1, .experiments = &experiments};
     l->p[CALLS_PATH] = (void *)fixture_leaf(&sphere, 4, 1, false);
     l->p[CALLS_VOLUME] = fixture_open(l->p[CALLS_PATH], &options);
-    assert_int_equal(
-        leafcast_select(l->p[CALLS_VOLUME], &(leafcast_surface){sphere.iso, {1, 1, 1}, 1.0f}, 1),
-        LEAFCAST_OK);
+    const leafcast_surface surface = leafcast_surface_default(sphere.iso);
+    assert_int_equal(leafcast_select(l->p[CALLS_VOLUME], &surface, 1), LEAFCAST_OK);
     l->p[CALLS_BYTES] = scratch_read(l->p[CALLS_PATH], &l->many);
     l->p[CALLS_OPTIONS] = &options;
     l->p[CALLS_FOUND] = &found;
