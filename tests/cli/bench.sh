@@ -1,6 +1,6 @@
 #!/bin/sh
 # bench.sh - leafcast bench: that its tables hold what is true whatever the machine's speed.
-# marks: plain
+# marks: plain, long
 . tests/support/tap.sh
 
 leaf=$tmp/v.leaf

@@ -1,6 +1,7 @@
 #!/bin/sh
 # convert_fields.sh - leafcast convert of meshes with many fields, in every format that has several: each is that of
 # a conversion of it alone, the same bytes whatever the memory, and a file is parsed once for all of them.
+# marks: long
 . tests/support/tap.sh
 
 out=$tmp/all.leaf

@@ -1,6 +1,7 @@
 #!/bin/sh
 # convert_sets.sh - leafcast convert --fields all and --steps all of grids: each set is that of a
 # conversion of it alone, whichever format it comes from; what is left out is named; files are read once.
+# marks: long
 . tests/support/tap.sh
 
 out=$tmp/a.leaf

@@ -1,6 +1,7 @@
 #!/bin/sh
 # convert_vtk_grid.sh - leafcast convert of VTK's grids: fields, exit codes; packed files; and the same
 # bytes as from what VTK itself reads, for every form in which it writes a grid.
+# marks: long
 . tests/support/tap.sh
 
 out=$tmp/a.leaf

@@ -1,6 +1,7 @@
 #!/bin/sh
 # convert_vtk_parts.sh - VTK's files that name files: parallel meshes, blocks, collections as time series; and structured
 # grids. First by hand, then as VTK itself writes them, against what VTK itself reads.
+# marks: long
 . tests/support/tap.sh
 
 out=$tmp/a.leaf

@@ -1,6 +1,6 @@
 #!/bin/sh
 # help.sh - every verb's help: a page for most people with an example, all of it on another.
-# marks: plain
+# marks: plain, long
 . tests/support/tap.sh
 
 says() { grep -q -- "$1" "$tmp/${2:-out}"; }

@@ -1,6 +1,7 @@
 #!/bin/sh
 # import_fence.sh - an importer's library behind its fence: what it cannot do, whatever it tries; how it ends
 # when it crashes, hangs, is killed or runs out of memory, by itself and under convert and info.
+# marks: long
 . tests/support/tap.sh
 
 build=${LEAFCAST_BUILD:-build/release}

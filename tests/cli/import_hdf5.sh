@@ -1,6 +1,6 @@
 #!/bin/sh
 # import_hdf5.sh - leafcast import-hdf5: what h5py writes comes in with samples, spacing and transform.
-# marks: leaks
+# marks: leaks, long
 . tests/support/tap.sh
 . tests/support/import_options.sh
 

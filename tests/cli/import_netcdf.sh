@@ -1,5 +1,6 @@
 #!/bin/sh
 # import_netcdf.sh - leafcast import-netcdf: what netCDF4 writes comes in with samples, spacing and transform.
+# marks: long
 . tests/support/tap.sh
 . tests/support/import_options.sh
 

@@ -1,6 +1,7 @@
 #!/bin/sh
 # inputs.sh - what convert, resample, tetrahedralize and info make of inputs: headers without end, options that an input
 # cannot use.
+# marks: long
 . tests/support/tap.sh
 
 says() { grep -q -- "$1" "$tmp/err"; }

@@ -1,5 +1,6 @@
 #!/bin/sh
 # levels.sh - levels of detail beyond the last one, of each pair of flags: the last one's picture, or exit 2.
+# marks: long
 . tests/support/tap.sh
 
 "$leafcast" generate gyroid --dims 80,40,44 -o "$tmp/g.nrrd" -q

@@ -1,7 +1,7 @@
 #!/bin/sh
 # media.sh - what a volume is filled with, from flags to pixels: transfer functions and colour maps against VTK's and
 # matplotlib's own, presets on any volume, planes and their error, what is refused.
-# marks: leaks
+# marks: leaks, long
 . tests/support/tap.sh
 
 says() { grep -q -- "$1" "$tmp/${2:-err}"; }

@@ -1,6 +1,7 @@
 #!/bin/sh
 # optional.sh - leafcast is built and tested without what is optional: Embree, TetGen, OpenImageIO, a C++
 # compiler, clang. Each is hidden from the probes, not only switched off.
+# marks: long
 . tests/support/tap.sh
 
 case ${LEAFCAST_BUILD:-$PWD/build/release} in

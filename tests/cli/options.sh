@@ -9,6 +9,7 @@
 # not run), taken (it ends well: time alone changes; for probe nothing, as what draws a picture may be asked for one of
 # its pixels), says (standard output changes), fewer or more (lines, on both), makes FILE (it is written), exit N (so it ends, and
 # without it well), shown TEST (tests/cli/TEST.sh shows it, where it runs this verb, or its part in tests/support).
+# marks: long
 . tests/support/tap.sh
 
 files() {

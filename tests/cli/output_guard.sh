@@ -2,6 +2,7 @@
 # output_guard.sh - no verb writes over what it reads, or twice to one file, whatever the names and with --force:
 # each verb with each form of input (tests/support/guard_forms.py), and with each of the files that belong to it. So
 # does a host program of the library (tool_convert).
+# marks: long
 . tests/support/tap.sh
 build=${LEAFCAST_BUILD:-$PWD/build/release}
 

@@ -1,6 +1,6 @@
 #!/bin/sh
 # output_names.sh - the format of an output is the one that its name says, or the name is refused: every verb, every ending.
-# marks: plain
+# marks: plain, long
 . tests/support/tap.sh
 
 cd "$tmp" || exit 1

@@ -3,6 +3,7 @@
 # files, a folder that takes nothing, symbolic links under the temporary names, a name that is "-".
 #
 # The small disks are tmpfs in a mount namespace of this script's own, which ends with it.
+# marks: long
 if [ -z "${OUTPUTS_ALONE-}" ]; then
     for how in "unshare -m" "unshare -rm"; do
         # shellcheck disable=SC2086 # split on purpose

@@ -1,6 +1,6 @@
 #!/bin/sh
 # peers.sh - leafcast bench peers: that the peers draw the same surface, whatever the machine's speed.
-# marks: plain
+# marks: plain, long
 . tests/support/tap.sh
 
 leaf=$tmp/v.leaf

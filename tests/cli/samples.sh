@@ -1,5 +1,6 @@
 #!/bin/sh
 # samples.sh - render --samples: the same bits whatever draws them, and edges that come nearer to the truth.
+# marks: long
 . tests/support/tap.sh
 
 says() { grep -q -- "$1" "$tmp/err"; }

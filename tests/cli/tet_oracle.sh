@@ -1,7 +1,7 @@
 #!/bin/sh
 # tet_oracle.sh - meshes: convert, render --depth-f64, and the reference: no surface missed, none false, distances within
 # 1e-5 of the local edge. $LEAFCAST_ORACLE_EVERY: one pixel in so many (default 8 for test meshes, 97 for the others).
-# marks: plain
+# marks: plain, long
 . tests/support/tap.sh
 
 tools=${LEAFCAST_BUILD:-build/release}/tests

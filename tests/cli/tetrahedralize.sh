@@ -1,6 +1,7 @@
 #!/bin/sh
 # tetrahedralize.sh - points and surfaces to mesh streams, through pipes to pictures; every failure
 # with its message and exit code; Ctrl-C leaves nothing behind.
+# marks: long
 . tests/support/tap.sh
 
 worker=$(dirname "$leafcast")/../libexec/leafcast-tetgen

@@ -1,6 +1,6 @@
 #!/bin/sh
 # view_page.sh - the page of leafcast view in a browser: every control, and pictures that are render's.
-# marks: plain
+# marks: plain, long
 . tests/support/tap.sh
 
 need_view

@@ -1,5 +1,6 @@
 #!/bin/sh
 # view_page_crash.sh - the page of leafcast view in a browser, when the process that draws crashes.
+# marks: long
 . tests/support/tap.sh
 
 need_view

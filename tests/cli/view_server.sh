@@ -1,6 +1,6 @@
 #!/bin/sh
 # view_server.sh - leafcast view as a browser meets it: the page, refusals, pictures, picks, floods, the end.
-# marks: threads
+# marks: threads, long
 . tests/support/tap.sh
 
 need_view

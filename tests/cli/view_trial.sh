@@ -3,7 +3,7 @@
 # everything at random. A few of each; at length, with files of one's own:
 #   python3 tests/support/view_hostile.py build/leafcast FOLDER 100000    (FOLDER with g.leaf, m.leaf as below)
 #   python3 tests/support/view_wander.py build/leafcast FOLDER 3600s F.leaf ...
-# marks: threads
+# marks: threads, long
 . tests/support/tap.sh
 
 need_view

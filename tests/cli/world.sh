@@ -1,6 +1,7 @@
 #!/bin/sh
 # world.sh - left and right: one body in the worlds of all formats that say which way their axes point is one picture,
 # one value at a point, and one export.
+# marks: long
 . tests/support/tap.sh
 
 export PYTHONDONTWRITEBYTECODE=1

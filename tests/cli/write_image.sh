@@ -1,5 +1,6 @@
 #!/bin/sh
 # write_image.sh - the picture helper: what it writes, and that no stream makes it write rubbish.
+# marks: long
 . tests/support/tap.sh
 
 helper=$(dirname "$leafcast")/../libexec/leafcast-write-image

@@ -1,6 +1,7 @@
 #!/bin/sh
 # zarr.sh - arrays that Python's zarr wrote, and images as OME-Zarr has them: samples, chunks, packers,
 # fill values, spacings; within any memory.
+# marks: long
 . tests/support/tap.sh
 
 export PYTHONDONTWRITEBYTECODE=1

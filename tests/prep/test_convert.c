@@ -1,7 +1,7 @@
 /* test_convert.c - whole conversions: what is in the file, that nothing but input and parameters
  * has a say in its bytes, and that a failure leaves nothing behind.
  */
-/* marks: threads */
+/* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

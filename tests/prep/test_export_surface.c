@@ -2,7 +2,7 @@
  * grid's edges is a vertex, once; each side belongs to two triangles; all vertices are
  * on the interpolant's surface; the same bytes whatever the threads, the memory and the treelets.
  */
-/* marks: threads */
+/* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* test_field.c - analytic volumes: their values, their bytes for any threads and blocks, and their
  * way to an NRRD.
  */
-/* marks: threads */
+/* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,6 @@
 /* test_import_limits.c - an importer's memory and CPU time: what ends it, what it is given anew.
  * marks: long */
+/* marks: long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

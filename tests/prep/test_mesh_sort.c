@@ -1,6 +1,6 @@
 /* test_mesh_sort.c - keys, sorting in memory and in runs, cutting: against plain versions of each.
  */
-/* marks: threads */
+/* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

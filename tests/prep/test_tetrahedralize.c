@@ -2,7 +2,7 @@
  * meshes of their inside; distances against brute force; fields; each failure of TetGen as an
  * error; faults.
  */
-/* marks: threads */
+/* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* test_prisms.c - a kind that shares nothing with grids, tets and balls but the walks: its cells
  * have two kinds of faces, adjoin, and have one value each.
  */
-/* marks: threads */
+/* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,7 @@
 /* test_ref_media.c - the reference of media and projections against what can be written down:
  * constant media, ramps, exponentials, steps, needles, two volumes at one place; against a second
  * rule, and against small steps that know of no cuts. */
+/* marks: long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

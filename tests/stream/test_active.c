@@ -2,6 +2,7 @@
  * vector versions against the scalar one, bit for bit; payloads and masks end at a page that may
  * not be touched.
  */
+/* marks: long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

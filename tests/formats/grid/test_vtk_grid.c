@@ -2,7 +2,7 @@
  * in one file and in several; points and cells; cut and damaged files; faults; memory that does not
  * grow.
  */
-/* marks: bits */
+/* marks: bits, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,7 @@
 /* test_changed_file.c - a treelet file that somebody writes to, cuts short or replaces while it is
  * drawn: the right picture, or exit status 3 with a word about it; never another end.
  */
+/* marks: long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

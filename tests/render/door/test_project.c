@@ -5,7 +5,7 @@
  *   test_project                      LEAFCAST_STRESS (1) pictures of each volume and projection
  *   test_project VOLUME KIND SEED     one picture, every pixel
  */
-/* marks: threads, bits */
+/* marks: threads, bits, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

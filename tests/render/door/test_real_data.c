@@ -1,6 +1,7 @@
 /* test_real_data.c - every regular set of the data folder converts; active cells are counted as the
  * list there has them (half-open: min < iso && iso <= max).
  */
+/* marks: long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

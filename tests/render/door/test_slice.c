@@ -1,7 +1,7 @@
 /* test_slice.c - slices through grids and meshes: the values against plain interpolation of what
  * the second readers find, the same bits as probes and for any budget, backend and number of
  * threads; which treelets are read. */
-/* marks: bits threads */
+/* marks: bits threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

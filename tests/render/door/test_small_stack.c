@@ -2,6 +2,7 @@
  * of which less than 64 KiB may ever be touched: tiles, packets, single rays, shadows,
  * transparency, previews, probes, by every ISA.
  */
+/* marks: long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,7 @@
 /* test_trace.c - rays through whole volumes against the reference: every surface along the ray, in
  * order, in its cell, on its side; from outside, from inside, through vertices, edges and planes.
  */
+/* marks: long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -6,6 +6,7 @@
  *   test_watertight leak FORM PLACING SEED picture SIDE      the pictures of one solid
  *   test_watertight shadow FORM PLACING SEED VIEWS SIDE ISA  its shadows
  */
+/* marks: long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -2,7 +2,7 @@
  * through each cell in fine steps, of a mesh beside a closed form; the same bits however they are
  * drawn; and what they say of their error.
  */
-/* marks: threads */
+/* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

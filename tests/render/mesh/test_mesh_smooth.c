@@ -1,5 +1,6 @@
 /* test_mesh_smooth.c - smooth normals of meshes: barycentric, exact for linear fields, closer to a
  * round field's the finer the mesh; the same bits from all kernels; a matter of shading alone. */
+/* marks: long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

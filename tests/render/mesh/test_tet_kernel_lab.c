@@ -1,5 +1,6 @@
 /* test_tet_kernel_lab.c - the tetrahedron kernel on hostile meshes, against the reference; at
  * length: tool_tet_stress. */
+/* marks: long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* test_segments.c - the pieces of rays through cells against the references: each cell once, ends
  * that adjoin, values; the same bits however little is resident. */
-/* marks: threads */
+/* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
