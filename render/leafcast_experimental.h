@@ -5,7 +5,7 @@
  *     leafcast_options options = {.size = sizeof options, .experiments = &by_packets};
  *
  * A field that is 0 changes nothing. Sizes and values are checked as those of leafcast.h. The
- * library that is installed has neither packets nor media in steps: asking for them is
+ * library that is installed has no packets, kept isopolygons or media in steps: asking for them is
  * LEAFCAST_USAGE.
  */
 #ifndef RENDER_LEAFCAST_EXPERIMENTAL_H

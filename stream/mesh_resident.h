@@ -19,7 +19,7 @@
 typedef struct resident_mesh {
     treelet head;  /* head.payload: the topology */
     void *derived; /* memory for derived data (mesh_derived.h), one of these: */
-    struct isopolygon_cache *polygons;
+    const struct kept_polygons *polygons;
     struct mesh_faces *faces;
     const void *values;
     const float (*gradients)[3]; /* at its vertices; NULL: not selected */

@@ -38,6 +38,13 @@ static status open_loader(leafcast *v) {
         .source = kinds[v->options.backend], .workers = LOADER_WORKERS, .isa = v->kernels.isa};
     if (v->kind->loading)
         v->kind->loading(v, &o);
+    if (v->experiments.isopolygons) {
+        const laboratory *l;
+        const status st = laboratory_needed(&l);
+        if (st != ST_OK)
+            return st;
+        l->load(v, &o);
+    }
     return loader_create(v->m, v->file, &o, v->device->readers, &v->treelets);
 }
 

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "render/experiments/isopolygon_cache.h"
 #include "render/experiments/mesh_packet.h"
 #include "render/experiments/preintegrated_integrator.h"
 #include "render/experiments/stepping_integrator.h"
@@ -19,6 +20,13 @@ static status use_packets(leafcast *v) {
                                v->kind->name);
     v->kernels.tile = mesh_packet_kernels[v->kernels.isa];
     return ST_OK;
+}
+
+/* Keep isopolygons with their treelets. */
+static void load(const leafcast *v, loader_options *o) {
+    if (v->kind == &mesh_kind)
+        o->derived =
+            isopolygon_cache_kind(v->experiments.isopolygons == LEAFCAST_ISOPOLYGONS_PRECOMPUTE);
 }
 
 static status begin_steps(frame *f, const leafcast_scene *scene, const laboratory_medium *medium,
@@ -50,6 +58,6 @@ static void end_steps(mem *m, void *of) {
     mem_free(m, look);
 }
 
-const laboratory laboratory_table = {walk_choice_named, use_packets, begin_steps, end_steps};
+const laboratory laboratory_table = {walk_choice_named, load, use_packets, begin_steps, end_steps};
 
 const laboratory *const experiments_linked = &laboratory_table;

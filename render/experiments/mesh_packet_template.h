@@ -7,9 +7,9 @@
 
 #ifdef SIMD_NAME
 
+#include "render/experiments/isopolygon_cache.h"
 #include "render/experiments/mesh_packet.h"
 #include "render/experiments/packet_frustum.h"
-#include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_box_template.h"
 #include "render/mesh/mesh_shade_template.h"
 #include "render/mesh/mesh_tracer.h"

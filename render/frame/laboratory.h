@@ -23,6 +23,8 @@ typedef struct laboratory_medium {
 typedef struct laboratory {
     /* The walk that leafcast_options.isa names; NULL: none. */
     const struct walk_choice *(*walk_named)(const char *name);
+    /* Set what is made of treelets that are read (leafcast_experiments.isopolygons). */
+    void (*load)(const leafcast *v, loader_options *o);
     /* Trace the tiles of a volume that was just opened in packets (leafcast_experiments.packets).
      */
     status (*use_packets)(leafcast *v);

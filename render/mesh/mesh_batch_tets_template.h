@@ -12,7 +12,7 @@
 
 #ifdef SIMD_NAME
 
-#include "render/mesh/isopolygon_cache.h"
+#include "render/mesh/kept_polygons.h"
 #include "render/mesh/mesh_beams_template.h"
 #include "render/mesh/mesh_walk.h"
 #include "stream/interest.h"
@@ -174,7 +174,7 @@ SIMD bool batch_polygon(const mesh_batch *w, const resident_mesh *at, unsigned l
                         double isovalue, isopolygon *out) {
     const uint32_t local = w->tets.local[lane];
     if (at->polygons) {
-        const isopolygon *g = isopolygon_cache_find(at, local, isovalue, out);
+        const isopolygon *g = at->polygons->find(at, local, isovalue, out);
         if (g && g != out)
             *out = *g;
         return g;

@@ -9,7 +9,6 @@
 #include "formats/base/vec3.h"
 #include "render/look/camera.h"
 #include "render/look/scene_facts.h"
-#include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_batch.h"
 #include "render/mesh/mesh_extreme.h"
 #include "render/mesh/mesh_faces.h"
@@ -33,15 +32,6 @@ static status mesh_open(leafcast *v) {
     return v->own ? ST_OK : ST_NOMEM;
 }
 
-static mesh_derived derived_of(const leafcast *v) {
-    const leafcast_experiments *e = &v->experiments;
-    if (v->options.neighbours)
-        return mesh_faces_kind();
-    if (e->isopolygons == LEAFCAST_ISOPOLYGONS_ONTHEFLY)
-        return (mesh_derived){NULL, NULL};
-    return isopolygon_cache_kind(e->isopolygons == LEAFCAST_ISOPOLYGONS_PRECOMPUTE);
-}
-
 /* Keep the trees of all steps if they fit: that saves refitting. Otherwise keep one tree. A single
  * step and field never needs refitting. */
 static mesh_schema schema_of(const leafcast *v) {
@@ -58,7 +48,8 @@ static mesh_schema schema_of(const leafcast *v) {
 /* Readers refit trees, too: then have as many readers as threads. */
 static void mesh_loading(const leafcast *v, loader_options *o) {
     o->schema = schema_of(v);
-    o->derived = derived_of(v);
+    if (v->options.neighbours)
+        o->derived = mesh_faces_kind();
     if (v->file->header.steps > 1 && o->schema == MESH_REFIT && v->threads > o->workers)
         o->workers = v->threads;
 }

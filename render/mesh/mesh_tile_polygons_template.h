@@ -11,7 +11,7 @@
 
 #ifdef SIMD_NAME
 
-#include "render/mesh/isopolygon_cache.h"
+#include "render/mesh/kept_polygons.h"
 #include "render/mesh/mesh_tile_state_template.h"
 
 /* ---- Hits ---- */
@@ -197,7 +197,7 @@ static void polygon_alone(mesh_tile *w, unsigned lane) {
     isopolygon made;
     const isopolygon *g = NULL;
     if (at->polygons) {
-        g = isopolygon_cache_find(at, q->local[lane], q->isovalue[lane], &made);
+        g = at->polygons->find(at, q->local[lane], q->isovalue[lane], &made);
     } else {
         const tet exact = mesh_walk_tet(at, q->local[lane]);
         g = isopolygon_of(&exact, q->isovalue[lane], &made) ? &made : NULL;

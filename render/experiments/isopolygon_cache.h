@@ -15,7 +15,7 @@
 #ifndef RENDER_MESH_ISOPOLYGON_CACHE_H
 #define RENDER_MESH_ISOPOLYGON_CACHE_H
 
-#include "render/mesh/tet_kernel.h"
+#include "render/mesh/kept_polygons.h"
 #include "stream/mesh_resident.h"
 
 enum { KEPT_SHARE = 3 };
@@ -23,8 +23,7 @@ enum { KEPT_SHARE = 3 };
 /* Returns what a loader has to derive: isopolygons, precomputed or else cached. */
 mesh_derived isopolygon_cache_kind(bool precomputed);
 
-/* isopolygon_cache_find() - returns the isopolygon of an active tet of the treelet, or NULL if it
- * has none. The result is the kept one, or made in *own. */
+/* isopolygon_cache_find() - kept_polygons.find; without kept polygons it is made in *own. */
 const isopolygon *isopolygon_cache_find(const resident_mesh *tr, uint32_t local, double isovalue,
                                         isopolygon *own);
 

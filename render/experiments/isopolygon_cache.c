@@ -1,4 +1,4 @@
-#include "render/mesh/isopolygon_cache.h"
+#include "render/experiments/isopolygon_cache.h"
 
 #include <stdatomic.h>
 #include <string.h>
@@ -8,6 +8,7 @@
 enum { EMPTY, MAKING, THERE };
 
 typedef struct isopolygon_cache {
+    kept_polygons head; /* must be first */
     const interest *in; /* an interval's isovalue is its lower end */
     uint32_t room;
     bool precomputed;
@@ -61,31 +62,6 @@ static void precompute(isopolygon_cache *k, const resident_mesh *tr) {
                              &k->polygons[n++]);
 }
 
-static void keep(resident_mesh *tr, const interest *in, bool precomputed) {
-    isopolygon_cache *k = tr->polygons = tr->derived;
-    lay_out(k, &tr->mesh);
-    k->in = in;
-    k->precomputed = precomputed;
-    count_active(k, tr);
-    if (precomputed)
-        precompute(k, tr);
-    else
-        for (uint32_t n = 0; n < k->room; n++)
-            atomic_store_explicit(&k->state[n], EMPTY, memory_order_relaxed);
-}
-
-static void keep_all(resident_mesh *tr, const interest *in) {
-    keep(tr, in, true);
-}
-
-static void keep_seen(resident_mesh *tr, const interest *in) {
-    keep(tr, in, false);
-}
-
-mesh_derived isopolygon_cache_kind(bool precomputed) {
-    return (mesh_derived){kept_bytes, precomputed ? keep_all : keep_seen};
-}
-
 /* Returns the polygon's number among the kept ones; `room` if it is not kept. */
 static uint32_t number_of(const isopolygon_cache *k, const resident_mesh *tr, uint32_t local,
                           double isovalue) {
@@ -113,7 +89,7 @@ static void offer_polygon(isopolygon_cache *k, uint32_t n, const isopolygon *own
 
 const isopolygon *isopolygon_cache_find(const resident_mesh *tr, uint32_t local, double isovalue,
                                         isopolygon *own) {
-    isopolygon_cache *k = tr->polygons;
+    isopolygon_cache *k = tr->polygons ? tr->derived : NULL;
     const uint32_t n = k ? number_of(k, tr, local, isovalue) : 0;
     const isopolygon *g = own;
     if (k && n < k->room &&
@@ -125,4 +101,31 @@ const isopolygon *isopolygon_cache_find(const resident_mesh *tr, uint32_t local,
             offer_polygon(k, n, own);
     }
     return g->count > 0 ? g : NULL;
+}
+
+static void keep(resident_mesh *tr, const interest *in, bool precomputed) {
+    isopolygon_cache *k = tr->derived;
+    tr->polygons = &k->head;
+    k->head.find = isopolygon_cache_find;
+    lay_out(k, &tr->mesh);
+    k->in = in;
+    k->precomputed = precomputed;
+    count_active(k, tr);
+    if (precomputed)
+        precompute(k, tr);
+    else
+        for (uint32_t n = 0; n < k->room; n++)
+            atomic_store_explicit(&k->state[n], EMPTY, memory_order_relaxed);
+}
+
+static void keep_all(resident_mesh *tr, const interest *in) {
+    keep(tr, in, true);
+}
+
+static void keep_seen(resident_mesh *tr, const interest *in) {
+    keep(tr, in, false);
+}
+
+mesh_derived isopolygon_cache_kind(bool precomputed) {
+    return (mesh_derived){kept_bytes, precomputed ? keep_all : keep_seen};
 }
