@@ -1,5 +1,6 @@
 #!/bin/sh
 # absent_parts.sh - samples that an input should have and does not: refused, or where its format says what they are, counted.
+# marks: long
 . tests/support/tap.sh
 
 # OpenImageIO leaks where libpng gives up.

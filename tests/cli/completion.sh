@@ -1,6 +1,6 @@
 #!/bin/sh
 # completion.sh - bash completes verbs, options, their words and files; all that a verb lists.
-# marks: plain
+# marks: plain, long
 . tests/support/tap.sh
 
 command -v bash >/dev/null || { skip "completion" "no bash here"; finish; }

@@ -1,6 +1,7 @@
 #!/bin/sh
 # embed.sh - the installed library: what it shows to the outside, and the examples built on it, as C and as C++,
 # shared and static.
+# marks: long
 . tests/support/tap.sh
 
 case ${LEAFCAST_BUILD:-$PWD/build/release} in

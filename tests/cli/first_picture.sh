@@ -1,6 +1,7 @@
 #!/bin/sh
 # first_picture.sh - `render F.leaf -o x.png` with nothing else shows something worth seeing: an isovalue that is said, a
 # view that fits what is active, an opaque background. The standard view stays; pictures of one run keep one view.
+# marks: long
 . tests/support/tap.sh
 
 says() { grep -q -- "$1" "$tmp/err"; }

@@ -1,5 +1,6 @@
 #!/bin/sh
 # generate_tets.sh - leafcast generate --tets: its flags, the stream it writes, its exit codes.
+# marks: long
 . tests/support/tap.sh
 
 out=$tmp/a.mesh

@@ -1,7 +1,7 @@
 #!/bin/sh
 # json.sh - --json of every verb: one document, laid out alike, whose keys are those of the verb's
 # page; errors as JSON, too.
-# marks: leaks
+# marks: leaks, long
 . tests/support/tap.sh
 
 command -v python3 >/dev/null || { skip "--json" "no python3 here"; finish; }

@@ -1,6 +1,7 @@
 # limits.sh - verbs under small limits of the system: memory, stack, file sizes, descriptors,
 # processes. Each ends well, or with exit status 4 and a reason; never by a signal, never hanging.
 # shellcheck shell=sh
+# marks: long
 . tests/support/tap.sh
 verbs=${LEAFCAST_BUILD:-$PWD/build/release}/libexec
 chmod 755 "$tmp"

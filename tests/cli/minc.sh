@@ -1,5 +1,6 @@
 #!/bin/sh
 # minc.sh - MINC 1 and MINC 2: values, not stored integers, where the file puts them; beside nibabel, where it is.
+# marks: long
 . tests/support/tap.sh
 
 for verb in import-netcdf import-hdf5; do

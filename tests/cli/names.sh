@@ -1,5 +1,6 @@
 #!/bin/sh
 # names.sh - names of any bytes: files, fields, data sets. JSON stays JSON, and a terminal is told nothing by a name.
+# marks: long
 . tests/support/tap.sh
 
 hostile=$(printf 'a\377b\033[31mc\nd')

@@ -1,6 +1,7 @@
 #!/bin/sh
 # nifti.sh - NIfTI files written by nibabel: the samples and the transform that it reads back, of every
 # type, byte order, version and form.
+# marks: long
 . tests/support/tap.sh
 
 export PYTHONDONTWRITEBYTECODE=1

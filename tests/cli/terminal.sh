@@ -1,5 +1,6 @@
 #!/bin/sh
 # terminal.sh - on a terminal: a progress bar is drawn and is gone where results stand; -q, -v, -vv.
+# marks: long
 . tests/support/tap.sh
 
 command -v python3 >/dev/null || { skip "a terminal" "no python3 here"; finish; }

@@ -1,6 +1,6 @@
 #!/bin/sh
 # view_crash.sh - leafcast view whose process that draws crashes: a picture and a message are lost, no page, no state.
-# marks: threads
+# marks: threads, long
 . tests/support/tap.sh
 
 need_view

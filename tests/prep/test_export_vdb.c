@@ -1,7 +1,7 @@
 /* test_export_vdb.c - OpenVDB files as a naive reader of the format understands them: every voxel,
  * what is active and what is not, tiles, several grids; within any budget; what cannot be held.
  */
-/* marks: threads, bits */
+/* marks: threads, bits, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* test_mesh_gradients.c - gradients at the vertices of meshes: against plain sums in long double;
  * the same bits whatever is held, and by however many threads.
  */
-/* marks: threads */
+/* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* test_spheres.c - a third kind of geometry is one folder (tests/spheres) and a row of each table:
  * it draws, streams, suspends and gives the same bits as the two that are built in do.
  */
-/* marks: threads */
+/* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

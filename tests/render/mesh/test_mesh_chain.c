@@ -1,7 +1,7 @@
 /* test_mesh_chain.c - from tet to tet through their faces a ray meets the same pieces, to the bit,
  * as down the tree: hostile meshes, hostile rays, treelets of any size, any budget.
  */
-/* marks: bits */
+/* marks: bits, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
