@@ -18,13 +18,21 @@ static void merge_level(treelet_tree *tree, uint32_t level) {
     }
 }
 
+static size_t node_count(uint32_t count) {
+    size_t nodes = count;
+    while (count > 1) {
+        count = (count + TREELET_TREE_ARITY - 1) / TREELET_TREE_ARITY;
+        nodes += count;
+    }
+    return nodes;
+}
+
 status treelet_tree_init(treelet_tree *tree, mem *m, const treelet_bounds bounds[],
                          uint32_t count) {
-    size_t nodes = 0;
+    const size_t nodes = node_count(count);
     *tree = (treelet_tree){.m = m};
     do {
         tree->count[tree->levels++] = count;
-        nodes += count;
         count = (count + TREELET_TREE_ARITY - 1) / TREELET_TREE_ARITY;
     } while (tree->count[tree->levels - 1] > 1);
     tree->block = mem_array(m, nodes, sizeof(treelet_bounds) + 1);
@@ -59,12 +67,7 @@ void treelet_tree_move(treelet_tree *tree, const treelet_bounds bounds[]) {
 }
 
 size_t treelet_tree_bytes(uint32_t count) {
-    size_t nodes = count;
-    while (count > 1) {
-        count = (count + TREELET_TREE_ARITY - 1) / TREELET_TREE_ARITY;
-        nodes += count;
-    }
-    return nodes * (sizeof(treelet_bounds) + 1);
+    return node_count(count) * (sizeof(treelet_bounds) + 1);
 }
 
 void treelet_tree_release(treelet_tree *tree) {

@@ -48,13 +48,18 @@ cat >"$tmp/experiment.c" <<'EOF'
 #include <leafcast_experimental.h>
 #include <stdio.h>
 
-int main(int argc, char **argv) {
-    const leafcast_experiments by_packets = {.size = sizeof by_packets, .packets = 8};
-    const leafcast_options options = {.size = sizeof options, .experiments = &by_packets};
+static int is_refused(const char *path, leafcast_experiments asked) {
+    asked.size = sizeof asked;
+    const leafcast_options options = {.size = sizeof options, .experiments = &asked};
     leafcast *volume = NULL;
-    const leafcast_status st = argc > 1 ? leafcast_open(argv[1], &options, &volume) : LEAFCAST_OK;
+    const leafcast_status st = leafcast_open(path, &options, &volume);
     puts(leafcast_error_text());
-    return st == LEAFCAST_USAGE ? 0 : 1;
+    return st == LEAFCAST_USAGE;
+}
+
+int main(int argc, char **argv) {
+    const leafcast_experiments by_packets = {.packets = 8}, kept = {.isopolygons = LEAFCAST_ISOPOLYGONS_CACHE};
+    return argc > 1 && is_refused(argv[1], by_packets) && is_refused(argv[1], kept) ? 0 : 1;
 }
 EOF
 
@@ -101,9 +106,9 @@ try "C, shared" ${CC:-cc} -std=c17 $strict
 run env LD_LIBRARY_PATH="$where" ldd "$tmp/rays"
 ok "needs the shared library by its soname" grep -q "libleafcast.so.0 => $at" "$tmp/out"
 # shellcheck disable=SC2086 # options
-exits "a program that asks for packets" 0 ${CC:-cc} -std=c17 $strict -o "$tmp/experiment" "$tmp/experiment.c" $flags
+exits "a program that asks for packets and kept isopolygons" 0 ${CC:-cc} -std=c17 $strict -o "$tmp/experiment" "$tmp/experiment.c" $flags
 exits "is refused" 0 env LD_LIBRARY_PATH="$where" "$tmp/experiment" "$tmp/m.leaf"
-ok "as there are none" grep -q 'this library has no experiments' "$tmp/out"
+ok "as there are none" [ "$(grep -c 'this library has no experiments' "$tmp/out")" = 2 ]
 cxx=${CXX:-g++}
 if command -v "${cxx%% *}" >/dev/null; then
     # shellcheck disable=SC2086 # options
