@@ -72,7 +72,7 @@ static status fill(const resident_store *s, resident_cells *tr, resident_scratch
                    uint64_t *read) {
     const uint32_t p = payload_of(s, tr->head.set, tr->head.id);
     treelet_bounds *measured = scratch->room;
-    status st = source_load(s->source, p, &scratch->source, &tr->head.payload);
+    status st = source_load(s->source, p, scratch->unpacker, &tr->head.payload);
     if (st != ST_OK)
         return st;
     *read += s->file->sizes[p];

@@ -35,8 +35,16 @@ static size_t shared_bytes(const resident_store *s, uint32_t t) {
     return 0;
 }
 
+/* Of a shell, each treelet of the family has an equal share. */
 static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t) {
-    return s->file->sizes[leaf_layout_samples(&s->file->layout, set, t)];
+    const leaf_layout *l = &s->file->layout;
+    uint64_t shared = 0;
+    if (l->shells && t > 0) {
+        const uint32_t parent = leaf_layout_parent(l, t);
+        shared = s->file->sizes[leaf_layout_shell(l, set, parent)] /
+                 (uint64_t)__builtin_popcount(leaf_layout_children(l, parent));
+    }
+    return s->file->sizes[leaf_layout_samples(l, set, t)] + shared;
 }
 
 static status load(const resident_store *s, uint32_t t, uint32_t set, const void *shared,
@@ -62,12 +70,12 @@ static status load(const resident_store *s, uint32_t t, uint32_t set, const void
         tr->deviations = s->file->deviations + deviation_at(layout, set, t);
     }
     tr->head.bytes = block + shape.bytes + source_overhead_bytes(s->source) + 128;
-    status st = source_load(s->source, p, &scratch->source, &tr->head.payload);
+    status st = source_load(s->source, p, scratch->unpacker, &tr->head.payload);
     if (st != ST_OK) {
         mem_free(s->m, tr);
         return st;
     }
-    *read += s->file->sizes[p];
+    *read += s->file->sizes[p] + leaf_unpacker_take(scratch->unpacker);
     tr->samples = (const char *)tr->head.payload + shape.samples_at;
     *out = &tr->head;
     return ST_OK;

@@ -133,14 +133,14 @@ static status scratch_init(struct loader_private *h, resident_scratch *scratch) 
     *scratch = (resident_scratch){.room = bytes ? mem_alloc(h->store.m, bytes) : NULL};
     if (bytes && !scratch->room)
         return ST_NOMEM;
-    status st = source_scratch_init(h->source, &scratch->source);
+    status st = leaf_unpacker_create(h->store.m, h->store.file, &scratch->unpacker);
     if (st != ST_OK)
         mem_free(h->store.m, scratch->room);
     return st;
 }
 
 static void scratch_release(struct loader_private *h, resident_scratch *scratch) {
-    source_scratch_release(h->source, &scratch->source);
+    leaf_unpacker_destroy(scratch->unpacker);
     mem_free(h->store.m, scratch->room);
 }
 

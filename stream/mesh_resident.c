@@ -139,7 +139,7 @@ static status load_topology(const resident_store *s, resident_mesh *tr, resident
     if (tr->head.payload)
         return ST_OK;
     const void *topology;
-    status st = source_load(s->source, tr->head.id, &scratch->source, &topology);
+    status st = source_load(s->source, tr->head.id, scratch->unpacker, &topology);
     if (st != ST_OK)
         return st;
     *read += s->file->sizes[tr->head.id];
@@ -160,7 +160,7 @@ static status read_own(const resident_store *s, uint32_t p, uint32_t from,
     *payload = mem_alloc(s->m, bytes);
     if (!*payload)
         return ST_NOMEM;
-    status st = *whole ? leaf_file_load(f, p, scratch->source.stored, *payload)
+    status st = *whole ? leaf_file_load(f, p, scratch->unpacker, *payload)
                        : source_read(s->source, p, from, bytes - from, *payload + from);
     if (st == ST_OK)
         *read += *whole ? f->sizes[p] : bytes - from;
@@ -169,8 +169,7 @@ static status read_own(const resident_store *s, uint32_t p, uint32_t from,
 
 /* Check a completed payload by the file's checksum. */
 static status check_own(const resident_store *s, uint32_t p, const void *payload) {
-    const void *view;
-    return leaf_file_decode(s->file, p, payload, NULL, &view);
+    return leaf_file_check(s->file, p, payload);
 }
 
 static status refit_values(const resident_store *s, resident_mesh *tr, uint32_t set,
@@ -208,7 +207,7 @@ static status refit_moved(const resident_store *s, resident_mesh *tr, uint32_t s
 static status load_values(const resident_store *s, resident_mesh *tr, uint32_t set,
                           resident_scratch *scratch, uint64_t *read) {
     const uint32_t p = leaf_layout_values(&s->file->layout, set, tr->head.id);
-    status st = source_load(s->source, p, &scratch->source, &tr->values);
+    status st = source_load(s->source, p, scratch->unpacker, &tr->values);
     *read += st == ST_OK ? s->file->sizes[p] : 0;
     return st;
 }
@@ -217,7 +216,7 @@ static status load_gradients(const resident_store *s, resident_mesh *tr, uint32_
                              resident_scratch *scratch, uint64_t *read) {
     const uint32_t p = leaf_layout_gradients(&s->file->layout, set, tr->head.id);
     const void *payload;
-    status st = source_load(s->source, p, &scratch->source, &payload);
+    status st = source_load(s->source, p, scratch->unpacker, &payload);
     if (st != ST_OK)
         return st;
     tr->gradients = mesh_leaf_gradients(payload);
@@ -228,7 +227,7 @@ static status load_gradients(const resident_store *s, resident_mesh *tr, uint32_
 static status load_moved(const resident_store *s, resident_mesh *tr, uint32_t step,
                          resident_scratch *scratch, uint64_t *read) {
     const uint32_t p = leaf_layout_positions(&s->file->layout, step, tr->head.id);
-    status st = source_load(s->source, p, &scratch->source, &tr->moved);
+    status st = source_load(s->source, p, scratch->unpacker, &tr->moved);
     if (st != ST_OK)
         return st;
     *read += s->file->sizes[p];

@@ -29,7 +29,7 @@ typedef struct resident_store {
 
 /* Memory that one thread uses while it loads. */
 typedef struct resident_scratch {
-    source_scratch source;
+    leaf_unpacker *unpacker; /* NULL: the file is raw */
     void *room; /* resident_kind.scratch bytes; or NULL */
 } resident_scratch;
 
@@ -39,7 +39,7 @@ typedef struct resident_kind {
     /* Returns the boxes of a set's treelets, for a tree over treelets that overlap. NULL: the
      * directory is the tree. */
     const treelet_bounds *(*boxes)(const leaf_file *f, uint32_t set);
-    /* Returns the scratch bytes to load any treelet, beside the source's scratch. */
+    /* Returns the scratch bytes to load any treelet, beside the unpacker. */
     size_t (*scratch)(const resident_store *s);
     /* bytes: the most memory of treelet t in any set. shared_bytes: the memory of its shared
      * payload. stored: its bytes in the file for one set. */

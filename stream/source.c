@@ -13,7 +13,7 @@
 #endif
 
 typedef struct backend {
-    status (*load)(source *s, uint32_t p, source_scratch *scratch, const void **payload);
+    status (*load)(source *s, uint32_t p, leaf_unpacker *u, const void **payload);
     void (*evict)(source *s, uint32_t p, const void *payload);
 } backend;
 
@@ -29,8 +29,8 @@ struct source {
 
 /* ---- mapped ---- */
 
-static status mapped_load(source *s, uint32_t p, source_scratch *scratch, const void **payload) {
-    (void)scratch;
+static status mapped_load(source *s, uint32_t p, leaf_unpacker *u, const void **payload) {
+    (void)u;
     const uint64_t from = s->file->offsets[p], to = from + s->file->sizes[p];
     const uint64_t first = from / s->page * s->page;
     if (fault_hit(FAULT_READ))
@@ -47,7 +47,8 @@ static status mapped_load(source *s, uint32_t p, source_scratch *scratch, const 
                                file_path(s->file->source), p, (unsigned long long)from,
                                (unsigned long long)to, strerror(errno));
     }
-    return leaf_file_decode(s->file, p, s->map + from, NULL, payload);
+    *payload = s->map + from;
+    return leaf_file_check(s->file, p, *payload);
 }
 
 static void mapped_evict(source *s, uint32_t p, const void *payload) {
@@ -64,9 +65,10 @@ static const backend mapped_backend = {mapped_load, mapped_evict};
 
 /* ---- in place: bytes that are in memory already ---- */
 
-static status memory_load(source *s, uint32_t p, source_scratch *scratch, const void **payload) {
-    (void)scratch;
-    return leaf_file_decode(s->file, p, s->bytes + s->file->offsets[p], NULL, payload);
+static status memory_load(source *s, uint32_t p, leaf_unpacker *u, const void **payload) {
+    (void)u;
+    *payload = s->bytes + s->file->offsets[p];
+    return leaf_file_check(s->file, p, *payload);
 }
 
 static void memory_evict(source *s, uint32_t p, const void *payload) {
@@ -77,11 +79,11 @@ static const backend memory_backend = {memory_load, memory_evict};
 
 /* ---- arena ---- */
 
-static status arena_load(source *s, uint32_t p, source_scratch *scratch, const void **payload) {
+static status arena_load(source *s, uint32_t p, leaf_unpacker *u, const void **payload) {
     void *block = mem_alloc(s->m, leaf_layout_payload_bytes(&s->file->layout, p));
     if (!block)
         return ST_NOMEM;
-    status st = leaf_file_load(s->file, p, scratch->stored, block);
+    status st = leaf_file_load(s->file, p, u, block);
     if (st != ST_OK) {
         mem_free(s->m, block);
         return st;
@@ -178,24 +180,8 @@ void source_close(source *s) {
     mem_free(s->m, s);
 }
 
-status source_scratch_init(source *s, source_scratch *scratch) {
-    scratch->stored = NULL;
-    if (s->file->header.codec == LEAF_CODEC_RAW)
-        return ST_OK;
-    uint64_t largest = 0;
-    for (uint32_t p = 0; p < s->file->layout.payloads; p++)
-        largest = s->file->sizes[p] > largest ? s->file->sizes[p] : largest;
-    scratch->stored = mem_alloc(s->m, largest ? (size_t)largest : 1);
-    return scratch->stored ? ST_OK : ST_NOMEM;
-}
-
-void source_scratch_release(source *s, source_scratch *scratch) {
-    mem_free(s->m, scratch->stored);
-    scratch->stored = NULL;
-}
-
-status source_load(source *s, uint32_t p, source_scratch *scratch, const void **payload) {
-    return backend_of(s, p)->load(s, p, scratch, payload);
+status source_load(source *s, uint32_t p, leaf_unpacker *u, const void **payload) {
+    return backend_of(s, p)->load(s, p, u, payload);
 }
 
 void source_evict(source *s, uint32_t p, const void *payload) {

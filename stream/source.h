@@ -13,12 +13,12 @@
  * indices, so the arena always reads them. volume_check_file() tells whether the whole file has
  * changed.
  *
- * Thread-safe: any number of loads at once, each with a scratch of its own.
+ * Thread-safe: any number of loads at once, each with an unpacker of its own.
  */
 #ifndef STREAM_SOURCE_H
 #define STREAM_SOURCE_H
 
-#include "formats/leaf/leaf_file.h"
+#include "formats/leaf/leaf_unpacker.h"
 
 typedef enum source_kind { SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA } source_kind;
 
@@ -30,16 +30,10 @@ typedef struct source source;
 CHECKED status source_open(mem *m, leaf_file *f, source_kind kind, source **out);
 void source_close(source *s); /* NULL is fine */
 
-/* A worker's buffer for compressed bytes while it loads. */
-typedef struct source_scratch {
-    void *stored;
-} source_scratch;
-CHECKED status source_scratch_init(source *s, source_scratch *scratch);
-void source_scratch_release(source *s, source_scratch *scratch);
-
-/* source_load() - load and check payload p of the directory. *payload points at its bytes until
- * source_evict(). The message of ST_CORRUPT names the payload. */
-CHECKED status source_load(source *s, uint32_t p, source_scratch *scratch, const void **payload);
+/* source_load() - load and check payload p of the directory. u: this thread's, of the source's file.
+ * *payload points at its bytes until source_evict(). The message of ST_CORRUPT names the payload.
+ */
+CHECKED status source_load(source *s, uint32_t p, leaf_unpacker *u, const void **payload);
 void source_evict(source *s, uint32_t p, const void *payload);
 
 /* source_read() - read `bytes` bytes of payload p from byte `from` on, without a check. For either

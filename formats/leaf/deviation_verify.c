@@ -132,13 +132,14 @@ static size_t family_room(void) {
 }
 
 size_t deviation_verify_bytes(const leaf_layout *l) {
-    return 2 * payload_room(l) + band_room() + family_room() +
+    return payload_room(l) + band_room() + family_room() +
            deviation_scratch_bytes(CELLS_MAX + 1);
 }
 
-status deviation_verify(leaf_file *f, uint32_t set, uint32_t t, const void *payload, void *room) {
+status deviation_verify(leaf_file *f, uint32_t set, uint32_t t, const void *payload,
+                        leaf_unpacker *u, void *room) {
     const leaf_layout *l = &f->layout;
-    char *child = room, *stored = child + payload_room(l), *band = stored + payload_room(l);
+    char *child = room, *band = child + payload_room(l);
     family *x = (family *)(void *)(band + band_room());
     *x = (family){.f = f,
                   .set = set,
@@ -147,7 +148,7 @@ status deviation_verify(leaf_file *f, uint32_t set, uint32_t t, const void *payl
                   .scratch = (char *)x + family_room()};
     uint32_t children = (uint32_t)__builtin_popcount(leaf_layout_children(l, t));
     for (x->child = l->first_child[t]; children > 0; children--, x->child++) {
-        const status st = leaf_file_load(f, leaf_layout_samples(l, set, x->child), stored, child);
+        const status st = leaf_file_load(f, leaf_layout_samples(l, set, x->child), u, child);
         if (st != ST_OK)
             return st;
         compare_child(x, payload, t, child);

@@ -6,6 +6,7 @@
 
 #include "formats/base/sample.h"
 #include "formats/leaf/deviation.h"
+#include "formats/leaf/grid_family.h"
 #include "formats/leaf/implied_payload.h"
 #include "formats/leaf/leaf_place.h"
 
@@ -17,8 +18,8 @@ static status check_parameters(const char *path, const leaf_header *h) {
         LEAF_FIELD(h, halo, 0, 1),
         LEAF_FIELD(h, block_log2, LEAF_BLOCK_LOG2, LEAF_BLOCK_LOG2),
         LEAF_FIELD(h, rectilinear, 0, 1),
-        LEAF_FIELD(h, fields, 1, h->version > 1 ? LEAF_SETS_MAX : 1),
-        LEAF_FIELD(h, steps, 1, h->version > 1 ? LEAF_SETS_MAX / (h->fields ? h->fields : 1) : 1),
+        LEAF_FIELD(h, fields, 1, LEAF_SETS_MAX),
+        LEAF_FIELD(h, steps, 1, LEAF_SETS_MAX / (h->fields ? h->fields : 1)),
     };
     status st = leaf_check_fields(path, fields, sizeof fields / sizeof fields[0]);
     /* An input of integers with a value for missing data is also stored as f32, where NaN stands
@@ -51,7 +52,7 @@ static status check_layout(const char *path, const leaf_header *h, leaf_layout *
         return leaf_check_corrupt(path, offsetof(leaf_header, treelets),
                                   "expected %u treelets, found %llu", l->treelets,
                                   (unsigned long long)h->treelets);
-    if (!leaf_layout_repeat(l, h->fields, h->steps))
+    if (!leaf_layout_repeat(l, h->fields, h->steps, h->codec != LEAF_CODEC_RAW))
         return leaf_check_corrupt(
             path, offsetof(leaf_header, fields),
             "expected less than 2^32 - 1 payloads, found %u treelets, %u fields and %u steps",
@@ -71,8 +72,7 @@ static status check_rest(const char *path, const leaf_header *h) {
     const size_t rest = offsetof(leaf_header, gradients);
     status st = leaf_check_zero(path, (const char *)h + tets, field - tets, tets);
     if (st == ST_OK)
-        st = h->version > 1 ? leaf_check_text(path, h->field, sizeof h->field, field)
-                            : leaf_check_zero(path, h->field, sizeof h->field, field);
+        st = leaf_check_text(path, h->field, sizeof h->field, field);
     return st == ST_OK ? leaf_check_zero(path, (const char *)h + rest, sizeof *h - rest, rest) : st;
 }
 
@@ -82,13 +82,22 @@ static uint64_t sets(const leaf_header *h) {
     return (uint64_t)h->fields * h->steps;
 }
 
-static uint64_t payloads(const leaf_header *h) {
-    return h->treelets * sets(h);
+/* The treelets above level 0, each with a shell below it. */
+static uint64_t shells(const leaf_header *h) {
+    leaf_layout l;
+    if (h->codec == LEAF_CODEC_RAW || leaf_layout_levels(&l, h->dims, h->cells_log2, h->halo,
+                                                         (sample_type)h->sample_type) != ST_OK)
+        return 0;
+    return l.level[0].first;
 }
 
-/* Version 1 has one set without a name. */
+static uint64_t payloads(const leaf_header *h) {
+    return (h->treelets + shells(h)) * sets(h);
+}
+
 static bool labels(const leaf_header *h) {
-    return h->version > 1;
+    (void)h;
+    return true;
 }
 
 static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
@@ -120,8 +129,8 @@ static status lay_out(leaf_file *f, leaf_directory *d) {
     (void)d;
     status st = leaf_layout_init(&f->layout, f->m, h->dims, h->cells_log2, h->halo,
                                  (sample_type)h->sample_type);
-    (void)leaf_layout_repeat(&f->layout, h->fields, h->steps); /* cannot fail: check_layout() has
-                                                                  checked it */
+    /* Cannot fail: check_layout() has checked it. */
+    (void)leaf_layout_repeat(&f->layout, h->fields, h->steps, h->codec != LEAF_CODEC_RAW);
     return st;
 }
 
@@ -168,7 +177,7 @@ static status check_directory(const char *path, const leaf_header *h, const leaf
                               const leaf_directory *d) {
     double range[2] = {(double)INFINITY, -(double)INFINITY};
     unsigned level0_flags = 0;
-    for (uint32_t p = l->payloads; p-- > 0;) {
+    for (uint32_t p = l->sets * l->treelets; p-- > 0;) {
         const uint32_t t = p % l->treelets;
         status st = check_ranges(path, l, d, p / l->treelets, t);
         if (st == ST_OK)
@@ -186,17 +195,43 @@ static status check_directory(const char *path, const leaf_header *h, const leaf
 /* ---- Payloads ---- */
 
 static uint32_t payload_bytes(const leaf_layout *l, uint32_t p) {
+    uint32_t set, parent;
+    if (leaf_layout_is_shell(l, p, &set, &parent))
+        return (uint32_t)(grid_family_shell(l, parent) * sample_size(l->type));
     return leaf_layout_payload(l, p % l->treelets).bytes;
 }
 
-/* A run begins with the child in octant 0, which every parent has. */
+/* A run begins with a shell; or with the child in octant 0, which every parent has. */
 static bool begins_run(const leaf_layout *l, uint32_t p) {
-    const uint32_t *place = l->place[p % l->treelets];
+    const uint32_t t = p % l->treelets, *place = l->place[t];
+    if (l->shells)
+        return p >= l->sets * l->treelets || t == 0;
     return !((place[0] | place[1] | place[2]) & 1);
 }
 
+/* A shell has no bytes if nobody needs it: there is one child, or all are implied. */
+static bool is_needless(const leaf_layout *l, uint32_t set, uint32_t parent, const uint64_t *sizes) {
+    const uint32_t first = leaf_layout_samples(l, set, l->first_child[parent]);
+    const uint32_t children = (uint32_t)__builtin_popcount(leaf_layout_children(l, parent));
+    uint64_t bytes = 0;
+    for (uint32_t i = 0; i < children; i++)
+        bytes |= sizes[first + i];
+    return children == 1 || !bytes;
+}
+
+static bool may_be_empty(const leaf_layout *l, uint32_t p, const leaf_directory *d, bool *must) {
+    uint32_t set, parent;
+    *must = leaf_layout_is_shell(l, p, &set, &parent) && is_needless(l, set, parent, d->sizes);
+    if (p >= l->sets * l->treelets)
+        return *must;
+    return implied_payload_may(d->own[p], d->flags[p]);
+}
+
 static const char *payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]) {
-    if (l->sets == 1)
+    uint32_t set, parent;
+    if (leaf_layout_is_shell(l, p, &set, &parent))
+        snprintf(text, LEAF_NAME_MAX, "the shell below treelet %u, of set %u", parent, set);
+    else if (l->sets == 1)
         snprintf(text, LEAF_NAME_MAX, "treelet %u's payload", p);
     else
         snprintf(text, LEAF_NAME_MAX, "treelet %u's payload of set %u", p % l->treelets,
@@ -222,6 +257,6 @@ const leaf_geometry grid_geometry = {.holds_indices = false,
                                      .payload_bytes = payload_bytes,
                                      .begins_run = begins_run,
                                      .payload_name = payload_name,
-                                     .may_imply = implied_payload_may,
+                                     .may_be_empty = may_be_empty,
                                      .implies = implied_payload_is,
                                      .imply = implied_payload_fill};

@@ -28,7 +28,7 @@
 #include "formats/base/world_frame.h"
 
 enum {
-    LEAF_VERSION = 2, /* the latest; files that need nothing new in 2 have 1 */
+    LEAF_VERSION = 3,
     LEAF_HEADER_BYTES = 4096,
     LEAF_ALIGN_LOG2 = 6,
     LEAF_ALIGN = 1 << LEAF_ALIGN_LOG2, /* of sections, and of payloads inside a run */
@@ -60,8 +60,7 @@ enum {
 /* Fields that concern grids alone are 0 for a mesh, and the other way round. */
 typedef struct leaf_header {   /* offset size */
     char magic[8];             /*    0    8  LEAF_MAGIC, without its NUL */
-    uint32_t version;          /*    8    4  1, or 2 for implied payloads, or several sets of a
-                                  grid */
+    uint32_t version;          /*    8    4  LEAF_VERSION */
     uint32_t kind;             /*   12    4  leaf_kind */
     uint32_t sample_type;      /*   16    4  sample_type, one that sample_stored() yields; mesh: f32 */
     uint32_t source_type;      /*   20    4  sample_type of the input */

@@ -46,10 +46,10 @@ static status check_frame(const char *path, const leaf_header *h, uint64_t file_
         return leaf_check_corrupt(
             path, 0,
             "expected the mark of a treelet file; leafcast convert makes one of other formats");
-    if (h->version < 1 || h->version > LEAF_VERSION)
+    if (h->version != LEAF_VERSION)
         return status_describe(
             ST_UNSUPPORTED,
-            "%s: a treelet file of version %u, where this program reads versions 1 to %d", path,
+            "%s: a treelet file of version %u, where this program reads version %d", path,
             h->version, LEAF_VERSION);
     if (h->checksum != leaf_header_checksum(h))
         return leaf_check_corrupt(path, offsetof(leaf_header, checksum),
@@ -264,11 +264,10 @@ status leaf_check_sections(const char *path, const leaf_header *h, const leaf_se
 
 /* ---- directory ---- */
 
-/* Whether payload p may have no bytes because the directory implies it. */
-static bool may_be_empty(const leaf_header *h, const leaf_layout *l, const leaf_directory *d,
-                         uint32_t p) {
-    return h->version > 1 && l->geometry->may_imply &&
-           l->geometry->may_imply(d->own[p], d->flags[p]);
+/* Whether payload p may have no bytes, and whether it must have none. */
+static bool may_be_empty(const leaf_layout *l, const leaf_directory *d, uint32_t p, bool *must) {
+    *must = false;
+    return l->geometry->may_be_empty && l->geometry->may_be_empty(l, p, d, must);
 }
 
 /* Check payload p, and advance *place. */
@@ -276,15 +275,20 @@ static status check_payload(const char *path, const leaf_header *h, const leaf_l
                             const leaf_directory *d, uint32_t p, leaf_placing *place) {
     const uint64_t at = leaf_placing_next(place, l, p, d->sizes[p], h->run_align_log2);
     const uint64_t entry = (uint64_t)p * sizeof(uint64_t);
-    const uint64_t bytes = leaf_layout_payload_bytes(l, p), size = d->sizes[p];
+    const uint64_t bytes = leaf_layout_stored(l, p), size = d->sizes[p];
     char name[LEAF_NAME_MAX];
+    bool empty;
     if (d->offsets[p] != at)
         return leaf_check_corrupt(path, d->at[LEAF_SECTION_OFFSETS - 1] + entry,
                                   "expected %s at byte %llu, found %llu",
                                   leaf_layout_payload_name(l, p, name), (unsigned long long)at,
                                   (unsigned long long)d->offsets[p]);
-    if (!size && may_be_empty(h, l, d, p))
+    if (may_be_empty(l, d, p, &empty) && !size)
         return ST_OK;
+    if (empty)
+        return leaf_check_corrupt(path, d->at[LEAF_SECTION_SIZES - 1] + entry,
+                                  "expected %s to have no bytes, found %llu",
+                                  leaf_layout_payload_name(l, p, name), (unsigned long long)size);
     if (!size || size > bytes || (h->codec == LEAF_CODEC_RAW && size != bytes))
         return leaf_check_corrupt(path, d->at[LEAF_SECTION_SIZES - 1] + entry,
                                   "expected %s to have %s%llu bytes, found %llu",
@@ -325,18 +329,12 @@ static status check_payloads(const char *path, const leaf_header *h, const leaf_
                              const leaf_directory *d) {
     leaf_placing place = {.end = d->end};
     uint64_t sum = 0;
-    bool implied = false;
-    for (uint32_t p = 0; p < l->payloads; p++) {
-        status st = check_payload(path, h, l, d, p, &place);
+    for (leaf_order o = {0}; o.p < l->payloads; leaf_order_next(&o, l)) {
+        status st = check_payload(path, h, l, d, o.p, &place);
         if (st != ST_OK)
             return st;
-        sum += d->sizes[p];
-        implied |= !d->sizes[p];
+        sum += d->sizes[o.p];
     }
-    if (h->version > 1 && !implied && l->sets == 1)
-        return leaf_check_corrupt(path, offsetof(leaf_header, version),
-                                  "expected version 1: there is one set, and no payload is "
-                                  "implied");
     uint64_t end = leaf_layout_aligned(place.end, h->run_align_log2);
     status st = d->parts ? check_parts(path, h, d, &end) : ST_OK;
     if (st != ST_OK)

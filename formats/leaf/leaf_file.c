@@ -3,13 +3,13 @@
 #include <assert.h>
 #include <stddef.h>
 #include <string.h>
-#include <zstd.h>
 
 #include "formats/base/hash.h"
 #include "formats/base/text.h"
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/leaf_place.h"
+#include "formats/leaf/leaf_unpacker.h"
 
 _Static_assert(
     __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
@@ -312,7 +312,7 @@ static status open_source(mem *m, file *source, const char *path, leaf_file **ou
     }
     clean_names(f, path);
     f->directory_bytes = o.end;
-    const uint32_t last = f->layout.payloads - 1;
+    const uint32_t last = leaf_layout_last(&f->layout);
     f->payloads_end =
         leaf_layout_aligned(f->offsets[last] + f->sizes[last], f->header.run_align_log2);
     *out = f;
@@ -387,10 +387,10 @@ void leaf_file_close(leaf_file *f) {
 }
 
 bool leaf_file_is_raw(const leaf_file *f, uint32_t p) {
-    return f->sizes[p] == leaf_layout_payload_bytes(&f->layout, p);
+    return !f->layout.coded && f->sizes[p] == leaf_layout_payload_bytes(&f->layout, p);
 }
 
-static status check_stored(const leaf_file *f, uint32_t p, const void *stored) {
+status leaf_file_check(const leaf_file *f, uint32_t p, const void *stored) {
     uint64_t sum = hash_bytes(stored, (size_t)f->sizes[p]);
     char name[LEAF_NAME_MAX];
     if (sum == f->checksums[p])
@@ -404,51 +404,25 @@ static status check_stored(const leaf_file *f, uint32_t p, const void *stored) {
                            (unsigned long long)f->checksums[p]);
 }
 
-static status decompress(const leaf_file *f, uint32_t p, const void *stored, void *payload) {
-    size_t bytes = leaf_layout_payload_bytes(&f->layout, p);
-    size_t got = ZSTD_decompress(payload, bytes, stored, (size_t)f->sizes[p]);
-    char name[LEAF_NAME_MAX];
-    if (got == bytes)
-        return ST_OK;
-    return status_describe(ST_CORRUPT, "%s: byte %llu: %s does not decompress to %zu bytes: %s",
-                           file_path(f->source), (unsigned long long)f->offsets[p],
-                           leaf_layout_payload_name(&f->layout, p, name), bytes,
-                           ZSTD_isError(got) ? ZSTD_getErrorName(got) : "it is shorter");
-}
-
 bool leaf_file_is_implied(const leaf_file *f, uint32_t p) {
     return !f->sizes[p];
 }
 
-status leaf_file_load(leaf_file *f, uint32_t p, void *stored, void *payload) {
+status leaf_file_fetch(leaf_file *f, uint32_t p, void *stored) {
+    status st = file_read_at(f->source, f->offsets[p], stored, (size_t)f->sizes[p]);
+    return st == ST_OK ? leaf_file_check(f, p, stored) : st;
+}
+
+status leaf_file_load(leaf_file *f, uint32_t p, leaf_unpacker *u, void *payload) {
     if (leaf_file_is_implied(f, p)) {
         f->geometry->imply(&f->layout, p % f->layout.treelets, f->own[p], payload);
         return ST_OK;
     }
-    bool raw = leaf_file_is_raw(f, p);
-    assert(raw || stored);
-    void *into = raw ? payload : stored;
-    status st = file_read_at(f->source, f->offsets[p], into, (size_t)f->sizes[p]);
-    if (st == ST_OK)
-        st = check_stored(f, p, into);
-    if (st == ST_OK && !raw)
-        st = decompress(f, p, stored, payload);
-    return st;
-}
-
-status leaf_file_decode(const leaf_file *f, uint32_t p, const void *stored, void *payload,
-                        const void **view) {
-    status st = check_stored(f, p, stored);
-    if (st != ST_OK)
-        return st;
-    if (leaf_file_is_raw(f, p)) {
-        *view = stored;
-        return ST_OK;
-    }
-    st = decompress(f, p, stored, payload);
-    if (st == ST_OK)
-        *view = payload;
-    return st;
+    if (leaf_file_is_raw(f, p))
+        return leaf_file_fetch(f, p, payload);
+    assert(u);
+    status st = leaf_file_fetch(f, p, leaf_unpacker_room(u));
+    return st == ST_OK ? leaf_unpacker_decode(u, p, leaf_unpacker_room(u), payload) : st;
 }
 
 bool leaf_file_holds_indices(const leaf_file *f) {

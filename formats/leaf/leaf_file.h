@@ -25,6 +25,8 @@ typedef struct mesh_directory {
     leaf_part *coarse;     /* per set; zeros without section COARSE */
 } mesh_directory;
 
+struct leaf_unpacker; /* leaf_unpacker.h */
+
 typedef struct leaf_file {
     leaf_header header;
     const struct leaf_geometry *geometry; /* the functions of its kind */
@@ -77,8 +79,8 @@ CHECKED status leaf_file_prove(mem *m, const char *path);
 bool leaf_file_has_coarse(const leaf_file *f, uint32_t set);
 CHECKED status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, leaf_file **out);
 
-/* leaf_file_is_raw() - whether payload p is stored uncompressed: always with the raw codec; with a
- * compressed one, for payloads that would not have become smaller. */
+/* leaf_file_is_raw() - whether payload p is stored as it is: always with the raw codec; with a
+ * compressed one, payloads of meshes that would not have become smaller. */
 bool leaf_file_is_raw(const leaf_file *f, uint32_t p);
 
 /* leaf_file_is_implied() - whether payload p has no bytes in the file, but follows from the
@@ -88,18 +90,18 @@ bool leaf_file_is_implied(const leaf_file *f, uint32_t p);
 /* leaf_file_load() - read payload p's stored bytes, check them, and decode them into payload.
  *
  * payload   leaf_layout_payload_bytes(p) bytes, 64-byte aligned
- * stored    room for sizes[p] bytes; may be NULL when leaf_file_is_implied(), or when
- *           leaf_file_is_raw(), as bytes are then read straight into payload
+ * u         of this thread; NULL for a raw file
  *
  * ST_CORRUPT names file, byte and treelet. Before use, a mesh's topology must pass
  * mesh_leaf_check_loaded(), positions mesh_leaf_check_moved(). Thread-safe. */
-CHECKED status leaf_file_load(leaf_file *f, uint32_t p, void *stored, void *payload);
+CHECKED status leaf_file_load(leaf_file *f, uint32_t p, struct leaf_unpacker *u, void *payload);
 
-/* leaf_file_decode() - the same for bytes that are in memory already (a mapping), of a payload that
- * is not implied: check them, and decode into payload unless leaf_file_is_raw(). *view: out, the
- * payload (stored itself when raw). Thread-safe. */
-CHECKED status leaf_file_decode(const leaf_file *f, uint32_t p, const void *stored, void *payload,
-                                const void **view);
+/* leaf_file_fetch() - read payload p's stored bytes, and check them. */
+CHECKED status leaf_file_fetch(leaf_file *f, uint32_t p, void *stored);
+
+/* leaf_file_check() - check the bytes of payload p, which are in memory already (a mapping).
+ * Thread-safe. */
+CHECKED status leaf_file_check(const leaf_file *f, uint32_t p, const void *stored);
 
 /* leaf_file_holds_indices() - whether payloads hold indices or offsets. Such bytes must be copied
  * before they are checked and used, as another process may write to the file meanwhile. */

@@ -53,10 +53,10 @@ typedef struct leaf_geometry {
     bool (*begins_run)(const leaf_layout *l, uint32_t p);
     const char *(*payload_name)(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]);
 
-    /* Payloads without bytes, which follow from the directory. may_imply(): whether this own range
-     * and these flags allow one. implies(): whether this payload is one. imply(): write its bytes.
-     * All three NULL: there are none. */
-    bool (*may_imply)(const float own[2], uint8_t flags);
+    /* Payloads without bytes, which follow from the directory. may_be_empty(): whether the
+     * directory allows payload p to be one; *must: and nothing else. implies(): whether this
+     * payload of a treelet is one. imply(): write its bytes. All three NULL: there are none. */
+    bool (*may_be_empty)(const leaf_layout *l, uint32_t p, const leaf_directory *d, bool *must);
     bool (*implies)(const leaf_layout *l, uint32_t p, const float own[2], uint8_t flags,
                     const void *payload);
     void (*imply)(const leaf_layout *l, uint32_t p, const float own[2], void *payload);

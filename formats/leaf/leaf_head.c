@@ -12,7 +12,7 @@ void leaf_head_text(char *to, size_t size, const char *text) {
 
 static void fill_common(leaf_header *h, const leaf_layout *l, const leaf_parameters *p) {
     memcpy(h->magic, LEAF_MAGIC, sizeof h->magic);
-    h->version = 1;
+    h->version = LEAF_VERSION;
     h->sample_type = l->type;
     h->levels = l->levels;
     h->run_align_log2 = p->run_align_log2;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "formats/grid/grid.h"
+#include "formats/leaf/grid_coding.h"
 #include "formats/leaf/grid_geometry.h"
 #include "formats/leaf/mesh_geometry.h"
 #include "formats/mesh/mesh_leaf.h"
@@ -131,8 +132,10 @@ status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], uint32_t
     return ST_OK;
 }
 
-bool leaf_layout_repeat(leaf_layout *l, uint32_t fields, uint32_t steps) {
-    const uint64_t payloads = (uint64_t)l->treelets * fields * steps;
+bool leaf_layout_repeat(leaf_layout *l, uint32_t fields, uint32_t steps, bool compressed) {
+    l->coded = compressed;
+    l->shells = compressed && l->levels > 1 ? l->level[0].first : 0;
+    const uint64_t payloads = ((uint64_t)l->treelets + l->shells) * fields * steps;
     l->sets = fields * steps;
     l->steps = steps;
     l->payloads = (uint32_t)payloads;
@@ -214,6 +217,12 @@ uint32_t leaf_layout_find(const leaf_layout *l, uint32_t level, const uint32_t p
     return t;
 }
 
+uint32_t leaf_layout_parent(const leaf_layout *l, uint32_t treelet) {
+    const uint32_t *at = l->place[treelet];
+    const uint32_t place[3] = {at[0] / 2, at[1] / 2, at[2] / 2};
+    return leaf_layout_find(l, l->level_of[treelet] + 1U, place);
+}
+
 uint8_t leaf_layout_children(const leaf_layout *l, uint32_t treelet) {
     uint32_t level = l->level_of[treelet];
     return level ? octants(&l->level[level - 1], l->place[treelet]) : 0;
@@ -235,6 +244,35 @@ uint32_t leaf_layout_payload_bytes(const leaf_layout *l, uint32_t p) {
 
 uint32_t leaf_layout_payload_max(const leaf_layout *l) {
     return l->payload_max;
+}
+
+uint32_t leaf_layout_stored(const leaf_layout *l, uint32_t p) {
+    return l->coded ? grid_coding_room(l, p) : leaf_layout_payload_bytes(l, p);
+}
+
+uint32_t leaf_layout_stored_max(const leaf_layout *l) {
+    return l->coded ? (uint32_t)box_coder_room(l->type, grid_coding_samples(l)) : l->payload_max;
+}
+
+static void begin_set(leaf_order *o, const leaf_layout *l) {
+    *o = (leaf_order){.set = o->set + 1};
+    o->p = o->set < l->sets ? leaf_layout_samples(l, o->set, 0) : l->payloads;
+}
+
+void leaf_order_next(leaf_order *o, const leaf_layout *l) {
+    if (!l->shells) {
+        o->p++;
+    } else if (o->left > 0) {
+        o->left--;
+        o->p = leaf_layout_samples(l, o->set, o->child++);
+    } else if (o->family < l->shells) {
+        o->p = leaf_layout_shell(l, o->set, o->family);
+        o->child = l->first_child[o->family];
+        o->left = (uint32_t)__builtin_popcount(leaf_layout_children(l, o->family));
+        o->family++;
+    } else {
+        begin_set(o, l);
+    }
 }
 
 bool leaf_layout_begins_run(const leaf_layout *l, uint32_t p) {

@@ -31,13 +31,15 @@ typedef struct leaf_layout {
     uint32_t cells_log2, halo, levels;
     sample_type type;
     uint32_t treelets; /* in all levels */
-    uint32_t payloads; /* grid: treelets * sets; mesh: treelets * blocks */
+    uint32_t payloads; /* grid: (treelets + shells) * sets; mesh: treelets * blocks */
+    uint32_t shells;   /* grid, compressed: treelets above level 0, a shell below each; else 0 */
     uint32_t sets;     /* fields * steps */
     uint32_t steps;
     uint32_t places;             /* of cells: 1 where they stay at all steps, else one a step */
     uint32_t gradient_sets;      /* mesh: sets, or 0 where there are no gradients */
     const uint32_t (*counts)[4]; /* section COUNTS, or NULL; owned by the file or the writer */
     uint32_t payload_max;        /* leaf_layout_payload_max() */
+    bool coded;                  /* grid: payloads are compressed (grid_coding.h) */
     leaf_level level[LEAF_LEVELS_MAX];
     /* Per treelet: */
     uint32_t *first_child; /* LEAF_NO_TREELET at level 0 */
@@ -59,8 +61,9 @@ CHECKED status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], 
 void leaf_layout_release(leaf_layout *l);
 
 /* leaf_layout_repeat() - give a grid's layout so many fields and steps, with payloads set after
- * set. False: that makes 2^32 - 1 payloads or more. */
-bool leaf_layout_repeat(leaf_layout *l, uint32_t fields, uint32_t steps);
+ * set, and the shells of all sets behind them if it is compressed. False: that makes 2^32 - 1
+ * payloads or more. */
+bool leaf_layout_repeat(leaf_layout *l, uint32_t fields, uint32_t steps, bool compressed);
 
 /* The payloads of a mesh, in blocks of one payload per treelet (leaf.h). */
 typedef struct leaf_blocks {
@@ -91,6 +94,9 @@ void leaf_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]);
 /* leaf_layout_find() - the treelet at a place of a level. Descends from the root: O(levels). */
 uint32_t leaf_layout_find(const leaf_layout *l, uint32_t level, const uint32_t place[3]);
 
+/* leaf_layout_parent() - the treelet above one that is not the root. O(levels). */
+uint32_t leaf_layout_parent(const leaf_layout *l, uint32_t treelet);
+
 /* leaf_layout_children() - which octants of a treelet exist, as a bit mask (bit x + 2y + 4z); 0 at
  * level 0. The child in octant o is first_child[t] + number of existing octants below o. */
 uint8_t leaf_layout_children(const leaf_layout *l, uint32_t treelet);
@@ -112,14 +118,34 @@ static inline uint32_t leaf_layout_samples(const leaf_layout *l, uint32_t set, u
     return l->treelets * set + treelet;
 }
 
+/* leaf_layout_shell() - the payload that holds what the children of a treelet share (grid_family.h);
+ * treelet < shells.
+ * leaf_layout_is_shell() - whether payload p is one; *set, *parent: of which treelet's children. */
+static inline uint32_t leaf_layout_shell(const leaf_layout *l, uint32_t set, uint32_t treelet) {
+    return l->sets * l->treelets + set * l->shells + treelet;
+}
+static inline bool leaf_layout_is_shell(const leaf_layout *l, uint32_t p, uint32_t *set,
+                                        uint32_t *parent) {
+    if (!l->shells || p < l->sets * l->treelets)
+        return false;
+    *set = (p - l->sets * l->treelets) / l->shells;
+    *parent = (p - l->sets * l->treelets) % l->shells;
+    return true;
+}
+
 /* leaf_layout_payload_bytes() - bytes of payload p before compression. p counts as in the
- * directory: a grid's treelets set after set, a mesh's blocks of topologies, values, gradients,
- * positions. */
+ * directory: a grid's treelets set after set, then its shells; a mesh's blocks of topologies,
+ * values, gradients, positions. */
 uint32_t leaf_layout_payload_bytes(const leaf_layout *l, uint32_t p);
 
 /* leaf_layout_payload_max() - an upper bound of the payloads' bytes: those of a full treelet (mesh:
  * of the largest). */
 uint32_t leaf_layout_payload_max(const leaf_layout *l);
+
+/* leaf_layout_stored() - the most bytes that payload p takes in a file.
+ * leaf_layout_stored_max() - an upper bound of that for all payloads. */
+uint32_t leaf_layout_stored(const leaf_layout *l, uint32_t p);
+uint32_t leaf_layout_stored_max(const leaf_layout *l);
 
 /* ---- Sets, steps and places ----
  *
@@ -189,7 +215,21 @@ static inline uint64_t leaf_layout_aligned(uint64_t at, uint32_t log2) {
 /* leaf_layout_begins_run() - whether payload p is the first of a run. */
 bool leaf_layout_begins_run(const leaf_layout *l, uint32_t p);
 
-/* Payloads get their places one after the other. */
+/* Payloads in the order of the file: as they are numbered; or, where families have shells, each
+ * shell before its treelets. Begins as {0}; at the end, p is the layout's payloads. */
+typedef struct leaf_order {
+    uint32_t p;
+    uint32_t set, family, child, left; /* of the family that p belongs to: treelets behind p */
+} leaf_order;
+
+void leaf_order_next(leaf_order *o, const leaf_layout *l);
+
+/* leaf_layout_last() - the last payload of the file. */
+static inline uint32_t leaf_layout_last(const leaf_layout *l) {
+    return l->payloads - 1 - l->sets * l->shells;
+}
+
+/* Payloads get their places one after the other, in the order of the file. */
 typedef struct leaf_placing {
     uint64_t end; /* where the payload before, or the last section, ends */
     bool run;     /* a run has begun that has no bytes yet */
@@ -197,7 +237,8 @@ typedef struct leaf_placing {
 
 /* leaf_placing_next() - the offset of payload p of so many stored bytes. It lies behind the one
  * before it, at the next multiple of LEAF_ALIGN; or of 2^run_align_log2 if it is the first of its
- * run that has bytes. In a grid, a run begins with the child in octant 0, which every parent has.
+ * run that has bytes. In a grid, a run begins with the child in octant 0, which every parent has, or
+ * with the shell before it.
  * In a mesh, it begins with the first treelet's payload in each block. A payload of no bytes lies
  * where the one before it ends. */
 static inline uint64_t leaf_placing_next(leaf_placing *x, const leaf_layout *l, uint32_t p,

@@ -2,8 +2,12 @@
 
 #include <zstd.h>
 
+#include "formats/leaf/grid_coding.h"
+
 struct leaf_packer {
+    const leaf_layout *layout;
     ZSTD_CCtx *context;
+    box_coder *boxes; /* of a grid */
     int level;
 };
 
@@ -12,25 +16,28 @@ leaf_parameters leaf_parameters_default(void) {
         .cells_log2 = 5, .halo = 1, .run_align_log2 = 12, .codec = LEAF_CODEC_RAW};
 }
 
-static ZSTD_CCtx *new_context(void) {
-    ZSTD_CCtx *context = ZSTD_createCCtx();
-    if (!context)
-        (void)status_describe(ST_NOMEM, "no room for a compressor");
-    return context;
+static status begin(mem *m, leaf_packer *k) {
+    const leaf_layout *l = k->layout;
+    if (l && l->coded)
+        return box_coder_create(m, l->type, grid_coding_samples(l), k->level, &k->boxes);
+    k->context = ZSTD_createCCtx();
+    return k->context ? ST_OK : status_describe(ST_NOMEM, "no room for a compressor");
 }
 
-status leaf_packer_create(mem *m, const leaf_parameters *p, leaf_packer **out) {
+status leaf_packer_create(mem *m, const leaf_layout *l, const leaf_parameters *p,
+                          leaf_packer **out) {
     *out = NULL;
     if (p->codec == LEAF_CODEC_RAW)
         return ST_OK;
     leaf_packer *k = mem_zalloc(m, sizeof *k);
     if (!k)
         return ST_NOMEM;
+    k->layout = l;
     k->level = p->zstd_level;
-    k->context = new_context();
-    if (!k->context) {
+    const status st = begin(m, k);
+    if (st != ST_OK) {
         mem_free(m, k);
-        return ST_NOMEM;
+        return st;
     }
     *out = k;
     return ST_OK;
@@ -40,32 +47,48 @@ void leaf_packer_destroy(mem *m, leaf_packer *k) {
     if (!k)
         return;
     ZSTD_freeCCtx(k->context);
+    box_coder_destroy(k->boxes);
     mem_free(m, k);
 }
 
 /* zstd tells a context's size only after it has compressed something. So compress a payload of
  * zeros. */
-status leaf_packer_memory(mem *m, size_t payload_max, const leaf_parameters *p, uint64_t *out) {
+static uint64_t memory_of(leaf_packer *k, char *sample, size_t bytes) {
+    const leaf_layout *l = k->layout;
+    if (!l || !l->coded) {
+        (void)ZSTD_compressCCtx(k->context, sample + bytes, bytes - 1, sample, bytes, k->level);
+        return ZSTD_sizeof_CCtx(k->context);
+    }
+    const uint32_t samples = (uint32_t)grid_coding_samples(l);
+    const coded_box box = {{samples, 1, 1}, {1, samples, samples}, sample};
+    (void)box_coder_encode(k->boxes, &box, 1, sample + bytes);
+    return box_coder_outside(k->boxes) + box_coder_memory(l->type, samples);
+}
+
+status leaf_packer_memory(mem *m, const leaf_layout *l, size_t payload_max,
+                          const leaf_parameters *p, uint64_t *out) {
+    leaf_packer *k = NULL;
     *out = 0;
     if (p->codec == LEAF_CODEC_RAW)
         return ST_OK;
-    const size_t bytes = payload_max;
-    char *sample = mem_zalloc(m, 2 * bytes);
-    if (!sample)
-        return ST_NOMEM;
-    ZSTD_CCtx *context = new_context();
-    if (context) {
-        (void)ZSTD_compressCCtx(context, sample + bytes, bytes - 1, sample, bytes, p->zstd_level);
-        *out = ZSTD_sizeof_CCtx(context);
-    }
-    ZSTD_freeCCtx(context);
+    status st = leaf_packer_create(m, l, p, &k);
+    char *sample = st == ST_OK ? mem_zalloc(m, 2 * payload_max) : NULL;
+    if (sample)
+        *out = memory_of(k, sample, payload_max);
+    else if (st == ST_OK)
+        st = ST_NOMEM;
+    leaf_packer_destroy(m, k);
     mem_free(m, sample);
-    return context ? ST_OK : ST_NOMEM;
+    return st;
 }
 
-size_t leaf_packer_pack(leaf_packer *k, const void *payload, size_t bytes, void *pack,
+size_t leaf_packer_pack(leaf_packer *k, uint32_t p, const void *payload, size_t bytes, void *pack,
                         const void **stored) {
-    size_t size = ZSTD_compressCCtx(k->context, pack, bytes - 1, payload, bytes, k->level);
+    if (k->boxes) {
+        *stored = pack;
+        return grid_coding_pack(k->layout, p, k->boxes, payload, pack);
+    }
+    const size_t size = ZSTD_compressCCtx(k->context, pack, bytes - 1, payload, bytes, k->level);
     *stored = ZSTD_isError(size) ? payload : pack;
     return ZSTD_isError(size) ? bytes : size;
 }

@@ -9,7 +9,7 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
-#include "formats/leaf/leaf.h"
+#include "formats/leaf/leaf_layout.h"
 
 /* Parameters of a file. */
 typedef struct leaf_parameters {
@@ -28,17 +28,20 @@ leaf_parameters leaf_parameters_default(void);
 /* What one thread keeps between payloads: a compressor, whose state lives outside `mem`. NULL for
  * the raw codec. */
 typedef struct leaf_packer leaf_packer;
-CHECKED status leaf_packer_create(mem *m, const leaf_parameters *p, leaf_packer **out);
+CHECKED status leaf_packer_create(mem *m, const leaf_layout *l, const leaf_parameters *p,
+                                  leaf_packer **out);
 void leaf_packer_destroy(mem *m, leaf_packer *k); /* NULL is fine */
 
-/* leaf_packer_memory() - the bytes that a packer will hold outside `mem` for payloads of up to
- * payload_max bytes. To find out, it takes room for two payloads from m for a while. */
-CHECKED status leaf_packer_memory(mem *m, size_t payload_max, const leaf_parameters *p,
-                                  uint64_t *out);
+/* leaf_packer_memory() - the bytes that a packer of a grid, or of a mesh's payloads of up to
+ * payload_max bytes, will hold, also outside `mem`. To find out, it makes one, and room for two
+ * payloads, for a while. l: may be NULL for a mesh. */
+CHECKED status leaf_packer_memory(mem *m, const leaf_layout *l, size_t payload_max,
+                                  const leaf_parameters *p, uint64_t *out);
 
-/* leaf_packer_pack() - compress a payload where that makes it smaller, into pack, a buffer of as
- * many bytes. *stored: out, the result or the payload itself. Returns its bytes. */
-size_t leaf_packer_pack(leaf_packer *k, const void *payload, size_t bytes, void *pack,
+/* leaf_packer_pack() - compress payload p: of a grid, as grid_coding.h says; else where that makes
+ * it smaller. pack: leaf_writer_pack_bytes(). *stored: out, the result or the payload itself.
+ * Returns its bytes. */
+size_t leaf_packer_pack(leaf_packer *k, uint32_t p, const void *payload, size_t bytes, void *pack,
                         const void **stored);
 
 #endif

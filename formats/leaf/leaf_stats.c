@@ -6,6 +6,7 @@
 
 #include "formats/base/pool.h"
 #include "formats/leaf/deviation.h"
+#include "formats/leaf/leaf_unpacker.h"
 #include "formats/mesh/mesh_leaf_check.h"
 
 /* On which sides of the isovalue the samples of an edge, a face or a cell lie. */
@@ -18,7 +19,8 @@ typedef struct activity {
     double iso;
     const progress *p;
     uint64_t *cells; /* per treelet */
-    char **payloads, **stored;
+    char **payloads;
+    leaf_unpacker **unpackers;
 } activity;
 
 static bool holds(const leaf_file *f, uint32_t t, double iso) {
@@ -82,11 +84,11 @@ static status count_tets(const activity *a, uint32_t t, int worker) {
     leaf_file *f = a->f;
     char *topology = a->payloads[worker];
     char *values = topology + leaf_layout_payload_max(&f->layout);
-    status st = leaf_file_load(f, t, a->stored[worker], topology);
+    status st = leaf_file_load(f, t, a->unpackers[worker], topology);
     if (st == ST_OK)
         st = mesh_leaf_check_loaded(f, t, topology);
     if (st == ST_OK)
-        st = leaf_file_load(f, leaf_layout_values(&f->layout, 0, t), a->stored[worker], values);
+        st = leaf_file_load(f, leaf_layout_values(&f->layout, 0, t), a->unpackers[worker], values);
     if (st == ST_OK)
         a->cells[t] = leaf_stats_tets(f, t, topology, values, a->iso);
     return st;
@@ -101,7 +103,7 @@ static status count_treelet(void *ctx, size_t index, int worker) {
     if (st == ST_OK && a->f->mesh)
         return count_tets(a, t, worker);
     if (st == ST_OK)
-        st = leaf_file_load(a->f, t, a->stored[worker], a->payloads[worker]);
+        st = leaf_file_load(a->f, t, a->unpackers[worker], a->payloads[worker]);
     if (st == ST_OK)
         a->cells[t] = leaf_stats_cells(&a->f->layout, t, a->payloads[worker], a->iso);
     return st;
@@ -112,27 +114,21 @@ static status allocate(activity *a, mem *m, int threads) {
     const size_t room = leaf_layout_payload_max(l);
     a->cells = mem_array(m, l->treelets, sizeof *a->cells);
     a->payloads = mem_array(m, (size_t)threads, sizeof *a->payloads);
-    a->stored = mem_array(m, (size_t)threads, sizeof *a->stored);
-    if (!a->cells || !a->payloads || !a->stored)
+    if (!a->cells || !a->payloads)
         return ST_NOMEM;
     for (int i = 0; i < threads; i++) {
         a->payloads[i] = mem_alloc(m, a->f->mesh ? 2 * room : room);
-        a->stored[i] = mem_alloc(m, room);
-        if (!a->payloads[i] || !a->stored[i])
+        if (!a->payloads[i])
             return ST_NOMEM;
     }
-    return ST_OK;
+    return leaf_unpackers_create(m, a->f, threads, &a->unpackers);
 }
 
 static void release(activity *a, mem *m, int threads) {
-    for (int i = 0; i < threads; i++) {
-        if (a->payloads)
-            mem_free(m, a->payloads[i]);
-        if (a->stored)
-            mem_free(m, a->stored[i]);
-    }
+    for (int i = 0; a->payloads && i < threads; i++)
+        mem_free(m, a->payloads[i]);
     mem_free(m, a->payloads);
-    mem_free(m, a->stored);
+    leaf_unpackers_destroy(m, a->unpackers, threads);
     mem_free(m, a->cells);
 }
 

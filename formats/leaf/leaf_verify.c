@@ -10,6 +10,7 @@
 #include "formats/base/pool.h"
 #include "formats/leaf/deviation_verify.h"
 #include "formats/leaf/leaf_histogram.h"
+#include "formats/leaf/leaf_unpacker.h"
 #include "formats/leaf/quantize.h"
 #include "formats/mesh/mesh_leaf_check.h"
 
@@ -30,7 +31,8 @@ typedef struct verification {
                              has, in all sets; mesh: of all its vertices' values */
     /* Per thread. payloads: room for a payload; then, for a mesh, for values, positions, and
      * scratch; for a grid, the room of deviation_verify(). */
-    char **payloads, **stored;
+    char **payloads;
+    leaf_unpacker **unpackers;
     /* For histograms; cells is NULL where the file has none. */
     histogram_draw draw;
     histogram_space space;
@@ -247,7 +249,7 @@ static uint32_t count_non_finite(const subject *s) {
 static status report(const verification *v, uint32_t t) {
     const leaf_layout *l = &v->f->layout;
     const double done = v->f->mesh ? t : (double)v->set * l->treelets + t;
-    const double all = v->f->mesh ? l->treelets : l->payloads;
+    const double all = v->f->mesh ? l->treelets : (double)l->treelets * l->sets;
     return t % PROGRESS_STEP ? ST_OK : progress_step(v->p, "verify", done / all);
 }
 
@@ -255,7 +257,7 @@ static status verify_treelet(void *ctx, size_t index, int worker) {
     const verification *v = ctx;
     leaf_file *f = v->f;
     const uint32_t t = (uint32_t)index, p = leaf_layout_samples(&f->layout, v->set, t);
-    status st = leaf_file_load(f, p, v->stored[worker], v->payloads[worker]);
+    status st = leaf_file_load(f, p, v->unpackers[worker], v->payloads[worker]);
     if (st == ST_OK)
         st = report(v, t);
     if (st != ST_OK)
@@ -284,7 +286,7 @@ static status verify_treelet(void *ctx, size_t index, int worker) {
     note_shared(&s, &v->edges[t]);
     if (f->deviations && f->layout.level_of[t] > 0)
         st = deviation_verify(
-            f, v->set, t, s.bytes,
+            f, v->set, t, s.bytes, v->unpackers[worker],
             v->payloads[worker] +
                 leaf_layout_aligned(leaf_layout_payload_max(&f->layout), LEAF_ALIGN_LOG2));
     if (v->cells && f->layout.level_of[t] == 0)
@@ -308,7 +310,7 @@ static uint32_t count_values(const leaf_file *f, uint32_t t, const void *values)
 /* Measure the tets that are drawn for a set's histogram. positions: room for a step's positions, if
  * they differ from the first step's. */
 static status look_at_tets(const verification *v, uint32_t set, uint32_t t, const char *topology,
-                           const char *values, char *positions, char *stored) {
+                           const char *values, char *positions, leaf_unpacker *unpacker) {
     leaf_file *f = v->f;
     const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
     const float(*points)[3] = mesh_leaf_positions(&s, topology);
@@ -317,7 +319,7 @@ static status look_at_tets(const verification *v, uint32_t set, uint32_t t, cons
         return ST_OK;
     if (leaf_layout_place(&f->layout, step) > 0) {
         status st =
-            leaf_file_load(f, leaf_layout_positions(&f->layout, step, t), stored, positions);
+            leaf_file_load(f, leaf_layout_positions(&f->layout, step, t), unpacker, positions);
         if (st != ST_OK)
             return st;
         points = mesh_leaf_moved(&s, positions);
@@ -330,7 +332,7 @@ static status look_at_tets(const verification *v, uint32_t set, uint32_t t, cons
 
 /* Check payload p of a treelet, any but its topology. room: for another payload, then scratch. */
 static status verify_block(const verification *v, uint32_t p, const char *topology,
-                           const char *payload, char *room, char *stored) {
+                           const char *payload, char *room, leaf_unpacker *unpacker) {
     leaf_file *f = v->f;
     const uint32_t t = p % f->layout.treelets;
     char *scratch = room + leaf_layout_payload_max(&f->layout);
@@ -341,7 +343,7 @@ static status verify_block(const verification *v, uint32_t p, const char *topolo
         st = mesh_leaf_check_values(f, index, t, topology, payload, scratch);
         if (st == ST_OK && (f->flags[p - f->layout.treelets] & LEAF_FLAG_NON_FINITE))
             v->non_finite[t] += count_values(f, t, payload);
-        return st == ST_OK ? look_at_tets(v, index, t, topology, payload, room, stored) : st;
+        return st == ST_OK ? look_at_tets(v, index, t, topology, payload, room, unpacker) : st;
     case LEAF_BLOCK_GRADIENTS: return mesh_leaf_check_gradients(f, index, t, payload);
     default:
         st = mesh_leaf_check_moved(f, index, t, payload);
@@ -357,7 +359,7 @@ static status verify_mesh_treelet(void *ctx, size_t index, int worker) {
     const uint32_t t = (uint32_t)index;
     char *topology = v->payloads[worker], *values = topology + room, *other = values + room,
          *scratch = other + room;
-    status st = leaf_file_load(f, t, v->stored[worker], topology);
+    status st = leaf_file_load(f, t, v->unpackers[worker], topology);
     if (st == ST_OK)
         st = report(v, t);
     if (st == ST_OK)
@@ -366,9 +368,9 @@ static status verify_mesh_treelet(void *ctx, size_t index, int worker) {
         st = mesh_leaf_check_topology(f, t, topology, scratch);
     for (uint32_t p = t + f->layout.treelets; p < f->layout.payloads && st == ST_OK;
          p += f->layout.treelets) {
-        st = leaf_file_load(f, p, v->stored[worker], values);
+        st = leaf_file_load(f, p, v->unpackers[worker], values);
         if (st == ST_OK)
-            st = verify_block(v, p, topology, values, other, v->stored[worker]);
+            st = verify_block(v, p, topology, values, other, v->unpackers[worker]);
     }
     return st;
 }
@@ -419,9 +421,11 @@ static status check_count(const verification *v) {
 static status check_gaps(const verification *v) {
     char bytes[512], name[LEAF_NAME_MAX];
     const leaf_file *f = v->f;
-    for (uint32_t p = 0; p < f->layout.payloads; p++) {
+    for (leaf_order o = {0}; o.p < f->layout.payloads;) {
+        const uint32_t p = o.p;
+        leaf_order_next(&o, &f->layout);
         uint64_t at = f->offsets[p] + f->sizes[p];
-        uint64_t end = p + 1 < f->layout.payloads ? f->offsets[p + 1] : f->payloads_end;
+        uint64_t end = o.p < f->layout.payloads ? f->offsets[o.p] : f->payloads_end;
         while (at < end) {
             size_t size = end - at < sizeof bytes ? (size_t)(end - at) : sizeof bytes;
             status st = file_read_at(f->source, at, bytes, size);
@@ -531,27 +535,22 @@ static status allocate(verification *v, mem *m, int threads) {
     v->edges = mem_array(m, v->f->mesh ? 1 : l->treelets, sizeof *v->edges);
     v->non_finite = mem_array(m, l->treelets, sizeof *v->non_finite);
     v->payloads = mem_array(m, (size_t)threads, sizeof *v->payloads);
-    v->stored = mem_array(m, (size_t)threads, sizeof *v->stored);
-    if (!v->edges || !v->non_finite || !v->payloads || !v->stored)
+    if (!v->edges || !v->non_finite || !v->payloads)
         return ST_NOMEM;
     for (int i = 0; i < threads; i++) {
         v->payloads[i] = mem_alloc(m, thread_bytes(v->f));
-        v->stored[i] = mem_alloc(m, leaf_layout_payload_max(l));
-        if (!v->payloads[i] || !v->stored[i])
+        if (!v->payloads[i])
             return ST_NOMEM;
     }
-    return allocate_histograms(v, m);
+    const status st = leaf_unpackers_create(m, v->f, threads, &v->unpackers);
+    return st == ST_OK ? allocate_histograms(v, m) : st;
 }
 
 static void release(verification *v, mem *m, int threads) {
-    for (int i = 0; i < threads; i++) {
-        if (v->payloads)
-            mem_free(m, v->payloads[i]);
-        if (v->stored)
-            mem_free(m, v->stored[i]);
-    }
+    for (int i = 0; v->payloads && i < threads; i++)
+        mem_free(m, v->payloads[i]);
     mem_free(m, v->payloads);
-    mem_free(m, v->stored);
+    leaf_unpackers_destroy(m, v->unpackers, threads);
     mem_free(m, v->edges);
     mem_free(m, v->non_finite);
     mem_free(m, v->cells);

@@ -22,7 +22,7 @@ uint64_t leaf_writer_memory(const leaf_layout *l, leaf_codec codec) {
     uint64_t bytes = sizeof(leaf_writer) + sizeof(histogram) + 4096;
     if (codec != LEAF_CODEC_RAW) {
         each += sizeof(uint64_t);
-        bytes += leaf_layout_payload_max(l);
+        bytes += leaf_layout_stored_max(l);
     }
     for (int a = 0; a < 3; a++)
         bytes += l->level[0].dims[a] * sizeof(double);
@@ -183,7 +183,8 @@ static leaf_writer *new_writer(mem *m, const leaf_parameters *p) {
 static status lay_out_grid(leaf_writer *w, const grid *g, const leaf_sets *sets) {
     status st = leaf_layout_init(&w->layout, w->m, g->dims, w->p.cells_log2, w->p.halo,
                                  sample_stored(g->type));
-    if (st == ST_OK && !leaf_layout_repeat(&w->layout, sets->fields, sets->steps))
+    if (st == ST_OK &&
+        !leaf_layout_repeat(&w->layout, sets->fields, sets->steps, w->p.codec != LEAF_CODEC_RAW))
         st = status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 payloads; use larger treelets");
     return st;
 }
@@ -199,7 +200,7 @@ status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
     assert((uint64_t)sets->fields * sets->steps <= LEAF_SETS_MAX);
     status st = lay_out_grid(w, g, sets);
     if (st == ST_OK)
-        st = allocate(w, w->layout.payloads);
+        st = allocate(w, (size_t)w->layout.sets * w->layout.treelets);
     if (st == ST_OK && w->layout.sets > 1)
         st = copy_labels(w, sets);
     if (st == ST_OK)

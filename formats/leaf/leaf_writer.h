@@ -110,6 +110,15 @@ CHECKED status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t set, uin
  * (implied_payload.h). */
 void leaf_writer_put_implied(leaf_writer *w, uint32_t set, uint32_t t, const leaf_entry *entry);
 
+/* leaf_writer_implied() - whether a treelet of a grid that was put takes no bytes.
+ *
+ * leaf_writer_put_shell() - put what the children of a treelet share (grid_family.h), if the layout
+ * has shells: once for each treelet above level 0, of each set. samples: NULL, and only then, if
+ * there is one child, or all are implied. */
+bool leaf_writer_implied(const leaf_writer *w, uint32_t set, uint32_t t);
+CHECKED status leaf_writer_put_shell(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t parent,
+                                     const void *samples, void *pack);
+
 /* leaf_writer_put_topology() - put treelet t of a mesh: its bounds (exact), its counts (without a
  * mesh_leaf_counts_fault()), and its topology, mesh_leaf_shape(counts).topology_bytes.
  * leaf_writer_put_values() - its values in a set, .values_bytes, after its topology; entry->own:

@@ -18,15 +18,16 @@ static uint64_t sections_end(const leaf_writer *w) {
 void leaf_writer_place(leaf_writer *w) {
     leaf_placing next = {.end = sections_end(w)};
     w->header.payload_bytes = 0;
-    for (uint32_t p = 0; p < w->layout.payloads; p++) {
-        w->offsets[p] = leaf_placing_next(&next, &w->layout, p, w->sizes[p], w->p.run_align_log2);
-        w->header.payload_bytes += w->sizes[p];
+    for (leaf_order o = {0}; o.p < w->layout.payloads; leaf_order_next(&o, &w->layout)) {
+        w->offsets[o.p] =
+            leaf_placing_next(&next, &w->layout, o.p, w->sizes[o.p], w->p.run_align_log2);
+        w->header.payload_bytes += w->sizes[o.p];
     }
     w->header.file_bytes = leaf_layout_aligned(next.end, w->p.run_align_log2);
 }
 
 status leaf_writer_copy_room(leaf_writer *w) {
-    w->copy_buffer = mem_alloc(w->m, leaf_layout_payload_max(&w->layout));
+    w->copy_buffer = mem_alloc(w->m, leaf_layout_stored_max(&w->layout));
     return w->copy_buffer ? ST_OK : ST_NOMEM;
 }
 
@@ -155,7 +156,7 @@ static status write_sections(leaf_writer *w) {
 /* Write zeros between the last payload and the end. The gaps before are holes, which read as
  * zeros. */
 static status write_end(leaf_writer *w) {
-    const uint32_t last = w->layout.payloads - 1;
+    const uint32_t last = leaf_layout_last(&w->layout);
     return write_zeros(w, w->offsets[last] + w->sizes[last], w->header.file_bytes);
 }
 
@@ -168,7 +169,6 @@ static void note_facts(leaf_writer *w, const leaf_facts *facts) {
     h->inverted = facts->inverted;
     h->repeated = facts->repeated;
     h->bad = facts->bad;
-    h->version = w->implied ? 2 : h->version;
     leaf_head_text(h->provenance, sizeof h->provenance, facts->provenance);
 }
 

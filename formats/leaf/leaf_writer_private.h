@@ -42,7 +42,7 @@ struct leaf_writer {
     /* Guarded by the lock: */
     pthread_mutex_t lock;
     uint64_t scratch_end;
-    uint32_t placed;   /* how many payloads have a place: all before them have been put */
+    leaf_order order;  /* the first payload without a place: all before it have been put */
     leaf_placing next; /* where the next payload goes */
     bool implied;      /* some payloads have no bytes */
 };

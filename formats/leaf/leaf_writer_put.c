@@ -9,7 +9,7 @@
 #include "formats/mesh/mesh_leaf.h"
 
 size_t leaf_writer_pack_bytes(const leaf_layout *l, leaf_codec codec) {
-    return codec == LEAF_CODEC_RAW ? 0 : leaf_layout_payload_max(l);
+    return codec == LEAF_CODEC_RAW ? 0 : leaf_layout_stored_max(l);
 }
 
 /* Decide where a payload of this size goes. Returns true for offsets[p], as all before it have been
@@ -17,15 +17,16 @@ size_t leaf_writer_pack_bytes(const leaf_layout *l, leaf_codec codec) {
  * file is needed now only to place those behind it. */
 static bool place_put(leaf_writer *w, uint32_t p, size_t size) {
     pthread_mutex_lock(&w->lock);
-    const bool direct = p == w->placed;
+    const bool direct = p == w->order.p;
     w->sizes[p] = size;
     w->scratch_at[p] = direct || !size ? NOT_THERE : w->scratch_end;
     if (!direct)
         w->scratch_end += size;
-    for (uint32_t n = w->placed; n < w->layout.payloads && w->sizes[n] != UNKNOWN_SIZE; n++) {
+    while (w->order.p < w->layout.payloads && w->sizes[w->order.p] != UNKNOWN_SIZE) {
+        const uint32_t n = w->order.p;
         w->offsets[n] =
             leaf_placing_next(&w->next, &w->layout, n, w->sizes[n], w->p.run_align_log2);
-        w->placed = n + 1;
+        leaf_order_next(&w->order, &w->layout);
     }
     pthread_mutex_unlock(&w->lock);
     return direct;
@@ -35,7 +36,7 @@ static status put_payload(leaf_writer *w, leaf_packer *k, uint32_t p, const void
                           size_t size, void *pack) {
     const void *stored = payload;
     if (k)
-        size = leaf_packer_pack(k, payload, size, pack, &stored);
+        size = leaf_packer_pack(k, p, payload, size, pack, &stored);
     w->checksums[p] = hash_bytes(stored, size);
     if (!w->scratch)
         return out_file_write_at(w->out, w->offsets[p], stored, size);
@@ -44,14 +45,28 @@ static status put_payload(leaf_writer *w, leaf_packer *k, uint32_t p, const void
     return out_file_write_at(w->scratch, w->scratch_at[p], stored, size);
 }
 
-/* Put a payload without bytes; the directory implies it. */
-static void put_implied(leaf_writer *w, uint32_t p) {
+/* Put a payload without bytes. */
+static void put_nothing(leaf_writer *w, uint32_t p) {
     if (w->scratch)
         place_put(w, p, 0);
     pthread_mutex_lock(&w->lock);
     w->sizes[p] = w->checksums[p] = 0;
     w->implied = true;
     pthread_mutex_unlock(&w->lock);
+}
+
+bool leaf_writer_implied(const leaf_writer *w, uint32_t set, uint32_t t) {
+    return !w->sizes[leaf_layout_samples(&w->layout, set, t)];
+}
+
+status leaf_writer_put_shell(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t parent,
+                             const void *samples, void *pack) {
+    const uint32_t p = leaf_layout_shell(&w->layout, set, parent);
+    assert(parent < w->layout.shells && set < w->layout.sets);
+    if (samples)
+        return put_payload(w, k, p, samples, leaf_layout_payload_bytes(&w->layout, p), pack);
+    put_nothing(w, p);
+    return ST_OK;
 }
 
 status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
@@ -62,7 +77,7 @@ status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
     w->flags[p] = entry->flags;
     const leaf_geometry *g = w->layout.geometry;
     if (g->implies && g->implies(&w->layout, t, entry->own, entry->flags, payload)) {
-        put_implied(w, p);
+        put_nothing(w, p);
         return ST_OK;
     }
     return put_payload(w, k, p, payload, leaf_layout_payload_bytes(&w->layout, p), pack);
@@ -73,7 +88,7 @@ void leaf_writer_put_implied(leaf_writer *w, uint32_t set, uint32_t t, const lea
     assert(w->layout.geometry->implies && implied_payload_may(entry->own, entry->flags));
     memcpy(w->own[p], entry->own, sizeof entry->own);
     w->flags[p] = entry->flags;
-    put_implied(w, p);
+    put_nothing(w, p);
 }
 
 /* Copy floats; -0 becomes +0, as readers may compare bytes. */

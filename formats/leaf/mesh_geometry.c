@@ -13,7 +13,6 @@
 
 static status check_parameters(const char *path, const leaf_header *h) {
     const leaf_field fields[] = {
-        LEAF_FIELD(h, version, 1, 1),
         LEAF_FIELD(h, sample_type, SAMPLE_F32, SAMPLE_F32),
         LEAF_FIELD(h, source_type, SAMPLE_F32, SAMPLE_F64),
         LEAF_FIELD(h, dims[0], 0, 0),

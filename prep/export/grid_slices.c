@@ -1,6 +1,7 @@
 #include "prep/export/grid_slices.h"
 
 #include "formats/base/pool.h"
+#include "formats/leaf/leaf_unpacker.h"
 #include "prep/export/grid_box.h"
 
 /* Bytes for bookkeeping that the plan does not count: heads of blocks, the pool. */
@@ -15,15 +16,12 @@ typedef struct job {
     size_t width;               /* bytes of a sample */
     size_t payload;             /* bytes for one payload */
     size_t slice;               /* bytes of a slice of the part */
-    char *payloads, *stored;    /* one per thread; stored: NULL if nothing is packed */
+    char *payloads; /* one per thread */
+    leaf_unpacker **unpackers;
     grid_box box;               /* the slab, with the slices that it holds now */
     uint32_t slices;            /* most slices in the slab */
     uint32_t from[3], count[3]; /* treelets of the layer that holds those slices */
 } job;
-
-static bool is_packed(const leaf_file *f) {
-    return f->header.codec != LEAF_CODEC_RAW;
-}
 
 /* ---- memory ---- */
 
@@ -32,7 +30,7 @@ static status plan(job *j) {
     const uint32_t *lo = j->part->lo, *end = j->part->end;
     const uint64_t all = end[2] - lo[2], layer = 1u << j->f->layout.cells_log2;
     const uint64_t most = all < layer + 1 ? all : layer + 1;
-    const uint64_t each = (is_packed(j->f) ? 2 : 1) * j->payload;
+    const uint64_t each = j->payload + leaf_unpacker_memory(j->f);
     j->slices = (uint32_t)most;
     if (!j->m->limit)
         return ST_OK;
@@ -61,15 +59,15 @@ static status allocate(job *j) {
     if (st != ST_OK)
         return st;
     j->payloads = mem_alloc(j->m, (size_t)j->threads * j->payload);
-    if (is_packed(j->f))
-        j->stored = mem_alloc(j->m, (size_t)j->threads * j->payload);
     j->box.samples = mem_alloc(j->m, j->slices * j->slice);
-    return j->payloads && j->box.samples && (j->stored || !is_packed(j->f)) ? ST_OK : ST_NOMEM;
+    return j->payloads && j->box.samples
+               ? leaf_unpackers_create(j->m, j->f, j->threads, &j->unpackers)
+               : ST_NOMEM;
 }
 
 static void release(job *j) {
     mem_free(j->m, j->payloads);
-    mem_free(j->m, j->stored);
+    leaf_unpackers_destroy(j->m, j->unpackers, j->threads);
     mem_free(j->m, j->box.samples);
     pool_destroy(j->workers);
 }
@@ -82,9 +80,8 @@ static status load_one(void *ctx, size_t index, int worker) {
                                j->from[1] + (uint32_t)(index / j->count[0]), j->from[2]};
     const uint32_t t = leaf_layout_find(&j->f->layout, j->part->level, place);
     char *payload = j->payloads + (size_t)worker * j->payload;
-    char *stored = j->stored ? j->stored + (size_t)worker * j->payload : NULL;
     const uint32_t element = leaf_layout_samples(&j->f->layout, j->part->set, t);
-    status st = leaf_file_load(j->f, element, stored, payload);
+    status st = leaf_file_load(j->f, element, j->unpackers[worker], payload);
     if (st != ST_OK)
         return st;
     grid_box_copy(&j->box, &j->f->layout, place, payload);

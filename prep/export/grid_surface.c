@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "formats/base/vec3.h"
+#include "formats/leaf/leaf_unpacker.h"
 #include "prep/export/marching_table.h"
 
 enum { OUTSIDE = 0, INSIDE = 1, NO_DATA = 2, BISECTIONS = 60 };
@@ -19,7 +20,8 @@ typedef struct unit {
 typedef struct bench {
     const struct grid_surface *s;
     piece *p;
-    char *payload, *stored;
+    char *payload;
+    leaf_unpacker *unpacker;
     float *value;     /* samples, with the halo */
     uint8_t *side;    /* of the treelet's own nodes: inside, no data */
     uint32_t *vertex; /* [3][nodes]: vertex on the edge from a node along an axis */
@@ -68,7 +70,7 @@ static uint32_t planes_of(const leaf_file *f) {
 }
 
 uint64_t grid_surface_worker(const leaf_file *f) {
-    return 2 * payload_of(f) + samples_of(f) * sizeof(float) +
+    return payload_of(f) + leaf_unpacker_memory(f) + samples_of(f) * sizeof(float) +
            nodes_of(f) * (sizeof(uint8_t) + 3 * sizeof(uint32_t)) + 4096;
 }
 
@@ -124,16 +126,15 @@ static status make_bench(grid_surface *s, bench *b) {
     const leaf_file *f = s->f;
     b->s = s;
     b->payload = mem_alloc(s->m, payload_of(f));
-    b->stored = mem_alloc(s->m, payload_of(f));
     b->value = mem_alloc(s->m, samples_of(f) * sizeof *b->value);
     b->side = mem_alloc(s->m, nodes_of(f));
     b->vertex = mem_alloc(s->m, 3 * (size_t)nodes_of(f) * sizeof *b->vertex);
     b->at[0] = mem_alloc(s->m, 3 * (size_t)planes_of(f) * sizeof *b->at[0]);
-    if (!b->payload || !b->stored || !b->value || !b->side || !b->vertex || !b->at[0])
+    if (!b->payload || !b->value || !b->side || !b->vertex || !b->at[0])
         return ST_NOMEM;
     for (int a = 1; a < 3; a++)
         b->at[a] = b->at[0] + a * (size_t)planes_of(f);
-    return ST_OK;
+    return leaf_unpacker_create(s->m, s->f, &b->unpacker);
 }
 
 status grid_surface_create(mem *m, leaf_file *f, const grid_part *part, const double *isovalues,
@@ -167,7 +168,7 @@ void grid_surface_destroy(grid_surface *s) {
     for (int i = 0; s->benches && i < s->threads; i++) {
         bench *b = &s->benches[i];
         mem_free(s->m, b->payload);
-        mem_free(s->m, b->stored);
+        leaf_unpacker_destroy(b->unpacker);
         mem_free(s->m, b->value);
         mem_free(s->m, b->side);
         mem_free(s->m, b->vertex);
@@ -493,7 +494,7 @@ static status make(void *ctx, uint32_t index, int worker, piece *p) {
     b->isovalue = s->isovalues[u->isovalue];
     piece_begin(p, 3, b->isovalue);
     const uint32_t element = leaf_layout_samples(&s->f->layout, s->part->set, u->treelet);
-    status st = leaf_file_load(s->f, element, b->stored, b->payload);
+    status st = leaf_file_load(s->f, element, b->unpacker, b->payload);
     if (st != ST_OK)
         return st;
     b->shape = leaf_layout_payload(&s->f->layout, u->treelet);

@@ -18,27 +18,26 @@ static bool has_gradients(const tet_choice *c) {
 }
 
 uint64_t tet_bench_bytes(const tet_choice *c) {
-    const uint64_t payloads = 2 + c->count + has_moved(c) + has_gradients(c);
-    return payloads * payload_of(c) + c->count * sizeof(float *) + 1024;
+    const uint64_t payloads = 1 + c->count + has_moved(c) + has_gradients(c);
+    return payloads * payload_of(c) + c->count * sizeof(float *) + leaf_unpacker_memory(c->f) + 1024;
 }
 
 status tet_bench_create(mem *m, const tet_choice *c, tet_bench *b) {
     const size_t payload = payload_of(c);
     *b = (tet_bench){.m = m, .choice = c};
-    b->stored = mem_alloc(m, payload);
     b->topology = mem_alloc(m, payload);
     b->values = mem_alloc(m, c->count * payload);
     b->value = mem_array(m, c->count, sizeof *b->value);
-    bool all = b->stored && b->topology && b->values && b->value;
+    bool all = b->topology && b->values && b->value;
     if (has_moved(c))
         all &= (b->moved = mem_alloc(m, payload)) != NULL;
     if (has_gradients(c))
         all &= (b->gradients = mem_alloc(m, payload)) != NULL;
-    return all ? ST_OK : ST_NOMEM;
+    return all ? leaf_unpacker_create(m, c->f, &b->unpacker) : ST_NOMEM;
 }
 
 void tet_bench_release(tet_bench *b) {
-    mem_free(b->m, b->stored);
+    leaf_unpacker_destroy(b->unpacker);
     mem_free(b->m, b->topology);
     mem_free(b->m, b->values);
     mem_free(b->m, b->value);
@@ -52,7 +51,7 @@ static status load_values(tet_bench *b, uint32_t t) {
     for (uint32_t i = 0; i < c->count; i++) {
         char *values = b->values + i * payload_of(c);
         const uint32_t set = leaf_layout_set(l, c->fields[i], c->step);
-        status st = leaf_file_load(c->f, leaf_layout_values(l, set, t), b->stored, values);
+        status st = leaf_file_load(c->f, leaf_layout_values(l, set, t), b->unpacker, values);
         if (st != ST_OK)
             return st;
         b->value[i] = mesh_leaf_values(&b->shape, values);
@@ -63,7 +62,7 @@ static status load_values(tet_bench *b, uint32_t t) {
 static status load_moved(tet_bench *b, uint32_t t) {
     const tet_choice *c = b->choice;
     status st =
-        leaf_file_load(c->f, leaf_layout_positions(&c->f->layout, c->step, t), b->stored, b->moved);
+        leaf_file_load(c->f, leaf_layout_positions(&c->f->layout, c->step, t), b->unpacker, b->moved);
     b->at = mesh_leaf_moved(&b->shape, b->moved);
     return st == ST_OK ? mesh_leaf_check_moved(c->f, c->step, t, b->moved) : st;
 }
@@ -73,13 +72,13 @@ static status load_gradients(tet_bench *b, uint32_t t) {
     const leaf_layout *l = &c->f->layout;
     const uint32_t set = leaf_layout_set(l, c->fields[0], c->step);
     b->gradient = mesh_leaf_gradients(b->gradients);
-    return leaf_file_load(c->f, leaf_layout_gradients(l, set, t), b->stored, b->gradients);
+    return leaf_file_load(c->f, leaf_layout_gradients(l, set, t), b->unpacker, b->gradients);
 }
 
 status tet_bench_load(tet_bench *b, uint32_t t) {
     leaf_file *f = b->choice->f;
     b->shape = mesh_leaf_shape(f->mesh->counts[t]);
-    status st = leaf_file_load(f, t, b->stored, b->topology);
+    status st = leaf_file_load(f, t, b->unpacker, b->topology);
     if (st == ST_OK)
         st = mesh_leaf_check_loaded(f, t, b->topology);
     b->tets = mesh_leaf_tets(&b->shape, b->topology);

@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-#include "formats/leaf/leaf_file.h"
+#include "formats/leaf/leaf_unpacker.h"
 #include "formats/mesh/mesh_leaf.h"
 
 /* What to read of a mesh: `count` sets of values, all of one step. */
@@ -20,7 +20,8 @@ typedef struct tet_choice {
 typedef struct tet_bench {
     const tet_choice *choice;
     mem *m;
-    char *stored, *topology, *moved, *gradients, *values; /* values: of one field after the other */
+    leaf_unpacker *unpacker;
+    char *topology, *moved, *gradients, *values; /* values: of one field after the other */
     mesh_shape shape;
     const uint16_t (*tets)[4];
     const float (*at)[3];       /* vertices at the step */

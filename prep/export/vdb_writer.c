@@ -9,6 +9,7 @@
 #include "formats/base/pool.h"
 #include "formats/base/vec3.h"
 #include "formats/leaf/implied_payload.h"
+#include "formats/leaf/leaf_unpacker.h"
 #include "prep/export/head_text.h"
 #include "prep/export/vdb_node.h"
 
@@ -29,7 +30,8 @@ static const double det_least = 3e-15; /* OpenVDB refuses a map with a smaller d
 typedef enum node_state { NODE_NOTHING, NODE_TILE, NODE_CHILD } node_state;
 
 typedef struct bench {
-    char *samples, *payload, *stored; /* stored: NULL if nothing is packed */
+    char *samples, *payload;
+    leaf_unpacker *unpacker;
     bool *empty;                      /* of the node's slots */
     unsigned char *out;
     size_t size; /* bytes in `out` */
@@ -245,7 +247,7 @@ static status load_treelet(const writer *w, const bench *b, const vdb_node *n,
         mark_empty(&own, b->empty);
         return ST_OK;
     }
-    const status st = leaf_file_load(w->e->f, p, b->stored, b->payload);
+    const status st = leaf_file_load(w->e->f, p, b->unpacker, b->payload);
     if (st == ST_OK)
         grid_box_copy(&n->box, w->layout, place, b->payload);
     return st;
@@ -497,11 +499,11 @@ static status put_head(writer *w) {
 }
 
 static status plan(writer *w, size_t *samples, size_t *payload) {
-    const bool packed = w->e->f->header.codec != LEAF_CODEC_RAW;
     *samples = ((size_t)1 << 3 * VDB_NODE_LOG2) * sample_size(w->layout->type);
     *payload = leaf_layout_aligned(leaf_layout_payload_max(w->layout), LEAF_ALIGN_LOG2);
     const uint64_t each =
-        *samples + (packed ? 2 : 1) * *payload + vdb_node_values_max() + VDB_SLOTS + 4 * LEAF_ALIGN;
+        *samples + *payload + leaf_unpacker_memory(w->e->f) + vdb_node_values_max() + VDB_SLOTS +
+        4 * LEAF_ALIGN;
     const uint64_t fixed = mem_used(w->m) + SPARE_BYTES + UPPER_SLOTS * VDB_WIDTH * 2;
     w->threads = w->e->threads;
     while (w->m->limit && w->threads > 1 && fixed + (uint64_t)w->threads * each > w->m->limit)
@@ -529,8 +531,9 @@ static status allocate(writer *w) {
         b->empty = mem_array(w->m, VDB_SLOTS, sizeof *b->empty);
         if (!b->samples || !b->payload || !b->out || !b->empty)
             return ST_NOMEM;
-        if (w->e->f->header.codec != LEAF_CODEC_RAW && !(b->stored = mem_alloc(w->m, payload)))
-            return ST_NOMEM;
+        st = leaf_unpacker_create(w->m, w->e->f, &b->unpacker);
+        if (st != ST_OK)
+            return st;
     }
     return pool_create(w->m, w->threads, &w->workers);
 }
@@ -540,7 +543,7 @@ static void release(writer *w) {
     for (int i = 0; w->benches && i < w->threads; i++) {
         mem_free(w->m, w->benches[i].samples);
         mem_free(w->m, w->benches[i].payload);
-        mem_free(w->m, w->benches[i].stored);
+        leaf_unpacker_destroy(w->benches[i].unpacker);
         mem_free(w->m, w->benches[i].out);
         mem_free(w->m, w->benches[i].empty);
     }

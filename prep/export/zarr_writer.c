@@ -9,6 +9,7 @@
 #include "formats/base/out_folder.h"
 #include "formats/base/pool.h"
 #include "formats/grid/ngff_units.h"
+#include "formats/leaf/leaf_unpacker.h"
 #include "prep/export/grid_box.h"
 #include "prep/export/head_text.h"
 
@@ -18,7 +19,8 @@ enum { SIDE = 64, LEVEL = 3, NAME_ROOM = 64, SPARE_BYTES = 64 << 10 };
 
 /* Buffers of a thread. */
 typedef struct bench {
-    char *samples, *payload, *stored, *packed; /* stored: NULL if nothing is packed */
+    char *samples, *payload, *packed;
+    leaf_unpacker *unpacker;
     ZSTD_CCtx *zstd;
 } bench;
 
@@ -187,7 +189,7 @@ static status load_box(const writer *w, const bench *b, const grid_box *box, uin
         place[1] = first[1] + i / count[0] % count[1];
         place[2] = first[2] + i / count[0] / count[1];
         const uint32_t t = leaf_layout_find(l, box->level, place);
-        st = leaf_file_load(w->e->f, leaf_layout_samples(l, set, t), b->stored, b->payload);
+        st = leaf_file_load(w->e->f, leaf_layout_samples(l, set, t), b->unpacker, b->payload);
         if (st == ST_OK)
             grid_box_copy(box, l, place, b->payload);
     }
@@ -261,13 +263,10 @@ static status write_chunks(writer *w) {
 
 /* ---- memory ---- */
 
-static bool is_packed(const writer *w) {
-    return w->e->f->header.codec != LEAF_CODEC_RAW;
-}
-
 /* zstd allocates its tables and another copy of the chunk outside of mem. */
 static uint64_t bench_bytes(const writer *w) {
-    return w->chunk + w->bound + (is_packed(w) ? 2 : 1) * w->payload + w->chunk + (1 << 20);
+    return w->chunk + w->bound + w->payload + leaf_unpacker_memory(w->e->f) + w->chunk +
+           (1 << 20);
 }
 
 static status plan(writer *w) {
@@ -293,10 +292,12 @@ static status make_benches(writer *w) {
         b->samples = mem_alloc(w->m, w->chunk);
         b->payload = mem_alloc(w->m, w->payload);
         b->packed = mem_alloc(w->m, w->bound);
-        b->stored = is_packed(w) ? mem_alloc(w->m, w->payload) : NULL;
         b->zstd = ZSTD_createCCtx();
-        if (!b->samples || !b->payload || !b->packed || !b->zstd || (is_packed(w) && !b->stored))
+        if (!b->samples || !b->payload || !b->packed || !b->zstd)
             return ST_NOMEM;
+        const status st = leaf_unpacker_create(w->m, w->e->f, &b->unpacker);
+        if (st != ST_OK)
+            return st;
     }
     return w->benches ? ST_OK : ST_NOMEM;
 }
@@ -307,7 +308,7 @@ static void release(writer *w) {
         mem_free(w->m, w->benches[i].samples);
         mem_free(w->m, w->benches[i].payload);
         mem_free(w->m, w->benches[i].packed);
-        mem_free(w->m, w->benches[i].stored);
+        leaf_unpacker_destroy(w->benches[i].unpacker);
         ZSTD_freeCCtx(w->benches[i].zstd);
     }
     mem_free(w->m, w->benches);

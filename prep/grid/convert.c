@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "formats/base/pool.h"
+#include "formats/leaf/grid_family.h"
 #include "formats/leaf/leaf_histogram.h"
 #include "formats/leaf/leaf_writer.h"
 #include "prep/grid/deviation_build.h"
@@ -19,8 +20,9 @@
 
 /* Buffers of one thread. */
 typedef struct bench {
-    treelet_scratch *scratch;
+    grid_codes_scratch *scratch;
     void *payload;
+    void *shell; /* what a family shares; NULL: the file has no shells */
     void *pack;
     leaf_packer *packer;
 } bench;
@@ -72,8 +74,10 @@ static void imply_treelet(const conversion *c, uint32_t t) {
     leaf_writer_put_implied(c->writer, c->set, t, &entry);
 }
 
-static status make_treelet(const conversion *c, const bench *b, const sample_box *box, uint32_t t) {
-    treelet_summary summary;
+/* *stored: set if the treelet's payload has bytes. */
+static status make_treelet(const conversion *c, const bench *b, const sample_box *box, uint32_t t,
+                           bool *stored) {
+    grid_summary summary;
     if (treelet_build_quiet(c->layout, t, box)) {
         imply_treelet(c, t);
         return ST_OK;
@@ -82,7 +86,17 @@ static status make_treelet(const conversion *c, const bench *b, const sample_box
     leaf_entry entry = {.own = {summary.own[0], summary.own[1]}, .flags = summary.flags};
     if (c->cells && c->layout->level_of[t] == 0)
         leaf_histogram_take(c->layout, &c->draw, &c->space, t, b->payload, c->cells);
-    return leaf_writer_put(c->writer, b->packer, c->set, t, &entry, b->payload, b->pack);
+    status st = leaf_writer_put(c->writer, b->packer, c->set, t, &entry, b->payload, b->pack);
+    *stored |= st == ST_OK && !leaf_writer_implied(c->writer, c->set, t);
+    return st;
+}
+
+/* Put what the children of treelet p share, if any of them has bytes. */
+static status make_shell(const conversion *c, const bench *b, const sample_box *box, uint32_t p,
+                         bool needed) {
+    if (needed)
+        treelet_build_shell(c->layout, p, box, b->shell);
+    return leaf_writer_put_shell(c->writer, b->packer, c->set, p, needed ? b->shell : NULL, b->pack);
 }
 
 static status make_family(void *ctx, size_t index, int worker) {
@@ -90,19 +104,21 @@ static status make_family(void *ctx, size_t index, int worker) {
     const conversion *c = job->c;
     const leaf_layout *l = c->layout;
     const bench *b = &c->benches[worker];
+    bool stored = false;
     if (job->level + 1 == l->levels)
-        return make_treelet(c, b, &job->box->samples, 0);
+        return make_treelet(c, b, &job->box->samples, 0, &stored);
     uint32_t parent[3] = {job->box->first[0] + (uint32_t)index % job->box->count[0],
                           job->box->first[1] + (uint32_t)index / job->box->count[0],
                           job->box->first[2]};
     uint32_t p = leaf_layout_find(l, job->level + 1, parent);
     int siblings = __builtin_popcount(leaf_layout_children(l, p));
     for (int i = 0; i < siblings; i++) {
-        status st = make_treelet(c, b, &job->box->samples, l->first_child[p] + (uint32_t)i);
+        status st =
+            make_treelet(c, b, &job->box->samples, l->first_child[p] + (uint32_t)i, &stored);
         if (st != ST_OK)
             return st;
     }
-    return ST_OK;
+    return l->shells ? make_shell(c, b, &job->box->samples, p, stored && siblings > 1) : ST_OK;
 }
 
 /* Share of the work on all sets that is done. */
@@ -189,15 +205,19 @@ static status create_benches(conversion *c) {
     if (!c->benches)
         return ST_NOMEM;
     size_t pack_bytes = leaf_writer_pack_bytes(c->layout, c->o->file.codec);
+    size_t shell_bytes =
+        c->layout->shells ? grid_family_shell_max(c->layout) * sample_size(c->layout->type) : 0;
     for (int i = 0; i < c->o->threads; i++) {
         bench *b = &c->benches[i];
-        b->scratch = mem_alloc(c->m, treelet_scratch_bytes());
+        b->scratch = mem_alloc(c->m, grid_codes_scratch_bytes());
         b->payload = mem_alloc(c->m, leaf_layout_payload_max(c->layout));
         if (!b->scratch || !b->payload)
             return ST_NOMEM;
         if (pack_bytes && !(b->pack = mem_alloc(c->m, pack_bytes)))
             return ST_NOMEM;
-        status st = leaf_packer_create(c->m, &c->o->file, &b->packer);
+        if (shell_bytes && !(b->shell = mem_alloc(c->m, shell_bytes)))
+            return ST_NOMEM;
+        status st = leaf_packer_create(c->m, c->layout, &c->o->file, &b->packer);
         if (st != ST_OK)
             return st;
     }
@@ -323,6 +343,7 @@ static void release(conversion *c) {
         mem_free(c->m, c->benches[i].scratch);
         mem_free(c->m, c->benches[i].payload);
         mem_free(c->m, c->benches[i].pack);
+        mem_free(c->m, c->benches[i].shell);
         leaf_packer_destroy(c->m, c->benches[i].packer);
     }
     mem_free(c->m, c->benches);

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "formats/leaf/histogram_draw.h"
+#include "formats/leaf/grid_family.h"
 #include "formats/leaf/leaf_check.h"
 #include "prep/grid/deviation_build.h"
 #include "prep/grid/pyramid.h"
@@ -30,7 +31,8 @@ uint32_t convert_plan_slices(const convert_plan *plan, uint32_t level) {
 static uint64_t fixed_memory(const grid *g, const convert_options *o, const leaf_layout *l,
                              uint64_t packer) {
     uint64_t thread = leaf_layout_payload_max(l) + leaf_writer_pack_bytes(l, o->file.codec) +
-                      treelet_scratch_bytes() + packer + THREAD_BYTES;
+                      (l->shells ? grid_family_shell_max(l) * sample_size(l->type) : 0) +
+                      grid_codes_scratch_bytes() + packer + THREAD_BYTES;
     uint64_t bytes =
         leaf_writer_memory(l, o->file.codec) + (uint64_t)o->threads * thread + FIXED_BYTES;
     if (o->file.histograms)
@@ -106,7 +108,10 @@ static uint64_t family_size(const leaf_layout *l, const sort *x, const sort *y, 
 static uint64_t directory_size(const leaf_layout *l, const grid *g, const convert_options *o) {
     const leaf_sets *sets = o->series ? &o->series->of.sets : NULL;
     const leaf_header h = {.kind = LEAF_KIND_GRID,
-                           .version = l->sets > 1 ? 2 : 1,
+                           .version = LEAF_VERSION,
+                           .codec = o->file.codec,
+                           .halo = l->halo,
+                           .sample_type = l->type,
                            .treelets = l->treelets,
                            .cells_log2 = l->cells_log2,
                            .dims = {g->dims[0], g->dims[1], g->dims[2]},
@@ -217,11 +222,13 @@ status convert_plan_make(mem *m, const grid *g, const convert_options *o, conver
     status st = leaf_layout_levels(&plan->layout, g->dims, o->file.cells_log2, o->file.halo,
                                    sample_stored(g->type));
     uint64_t packer = 0;
-    if (st == ST_OK && o->series &&
-        !leaf_layout_repeat(&plan->layout, o->series->of.sets.fields, o->series->of.sets.steps))
+    const leaf_sets *sets = o->series ? &o->series->of.sets : NULL;
+    if (st == ST_OK && !leaf_layout_repeat(&plan->layout, sets ? sets->fields : 1,
+                                           sets ? sets->steps : 1, o->file.codec != LEAF_CODEC_RAW))
         st = status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 payloads; use larger treelets");
     if (st == ST_OK)
-        st = leaf_packer_memory(m, leaf_layout_payload_max(&plan->layout), &o->file, &packer);
+        st = leaf_packer_memory(m, &plan->layout, leaf_layout_stored_max(&plan->layout), &o->file,
+                                &packer);
     if (st != ST_OK)
         return st;
     plan_sizes(plan, g, o);

@@ -1,31 +1,10 @@
 #include "prep/grid/treelet_build.h"
 
 #include <assert.h>
-#include <math.h>
-#include <stdbool.h>
 #include <string.h>
 
 #include "formats/grid/slice_tiles.h"
-#include "formats/leaf/quantize.h"
-
-enum {
-    CELLS_MAX = 1 << LEAF_CELLS_LOG2_MAX,
-    BLOCK = 1 << LEAF_BLOCK_LOG2,
-    BLOCKS_MAX = 1 << (3 * (LEAF_CELLS_LOG2_MAX - LEAF_BLOCK_LOG2)),
-    ROW_MAX = CELLS_MAX + 1
-};
-
-struct treelet_scratch {
-    float lo[BLOCKS_MAX], hi[BLOCKS_MAX]; /* ranges of the 4^3 blocks, Morton order; lo > hi:
-                                             empty */
-    /* Minimum and maximum over the up to 25 rows of a line of blocks; of the sample type. */
-    _Alignas(64) char row_lo[ROW_MAX * sizeof(float)];
-    _Alignas(64) char row_hi[ROW_MAX * sizeof(float)];
-};
-
-size_t treelet_scratch_bytes(void) {
-    return sizeof(treelet_scratch);
-}
+#include "formats/leaf/grid_family.h"
 
 /* ---- samples ---- */
 
@@ -50,160 +29,22 @@ static uint32_t clamped(int64_t i, uint32_t nodes) {
     return i < 0 ? 0 : i >= nodes ? nodes - 1 : (uint32_t)i;
 }
 
-static void copy_samples(const leaf_layout *l, uint32_t t, const leaf_payload *p,
-                         const sample_box *box, char *out) {
-    const uint32_t *nodes = l->level[l->level_of[t]].dims;
-    size_t size = sample_size(l->type);
-    int64_t first[3];
-    for (int a = 0; a < 3; a++)
-        first[a] = ((int64_t)l->place[t][a] << l->cells_log2) - l->halo;
-    for (uint32_t k = 0; k < p->samples[2]; k++) {
-        uint32_t z = clamped(first[2] + k, nodes[2]) - box->origin[2];
+/* Copy a box of samples of a level, from node `first` on. Returns the end of the copy. */
+static char *copy_samples(const leaf_layout *l, uint32_t level, const int64_t first[3],
+                          const uint32_t count[3], const sample_box *box, char *out) {
+    const uint32_t *nodes = l->level[level].dims;
+    const size_t size = sample_size(l->type);
+    for (uint32_t k = 0; k < count[2]; k++) {
+        const uint32_t z = clamped(first[2] + k, nodes[2]) - box->origin[2];
         assert(z < box->size[2]);
-        for (uint32_t j = 0; j < p->samples[1]; j++) {
-            uint32_t y = clamped(first[1] + j, nodes[1]) - box->origin[1];
+        for (uint32_t j = 0; j < count[1]; j++) {
+            const uint32_t y = clamped(first[1] + j, nodes[1]) - box->origin[1];
             assert(y < box->size[1]);
-            out = copy_row(out, box->slices[z] + y * box->row_bytes, first[0], p->samples[0],
-                           nodes[0], box->origin[0], size);
+            out = copy_row(out, box->slices[z] + y * box->row_bytes, first[0], count[0], nodes[0],
+                           box->origin[0], size);
         }
     }
-}
-
-/* ---- ranges of the 4^3 blocks ---- */
-
-/* Spread the bits of a block coordinate (below 16), with two zero bits between each. */
-static uint32_t spread(uint32_t v) {
-    return (v & 1) | (v & 2) << 2 | (v & 4) << 4 | (v & 8) << 6;
-}
-
-static uint32_t morton(uint32_t x, uint32_t y, uint32_t z) {
-    return spread(x) | spread(y) << 1 | spread(z) << 2;
-}
-
-/* A sample as an operand of a minimum and of a maximum. */
-#define ANY_LO(v)    (v)
-#define ANY_HI(v)    (v)
-#define FINITE_LO(v) (isfinite(v) ? (v) : INFINITY)
-#define FINITE_HI(v) (isfinite(v) ? (v) : -INFINITY)
-
-/* Reduce the rows' samples of the blocks at height (by, bz) to one row, and that to blocks. Rows of
- * own samples start at `own`. Consecutive rows are row_stride samples apart, slices
- * slice_stride. */
-#define DEFINE_BLOCK_LINE(name, T, OF_LO, OF_HI)                                                  \
-    static void name(treelet_scratch *s, const leaf_payload *p, const char *own,                  \
-                     size_t row_stride, size_t slice_stride, uint32_t by, uint32_t bz) {          \
-        T *restrict lo = (T *)s->row_lo, *restrict hi = (T *)s->row_hi;                           \
-        const uint32_t nodes = p->cells[0] + 1;                                                   \
-        const uint32_t y0 = by * BLOCK, y1 = y0 + BLOCK < p->cells[1] ? y0 + BLOCK : p->cells[1]; \
-        const uint32_t z0 = bz * BLOCK, z1 = z0 + BLOCK < p->cells[2] ? z0 + BLOCK : p->cells[2]; \
-        const T *first = (const T *)own + z0 * slice_stride + y0 * row_stride;                    \
-        for (uint32_t x = 0; x < nodes; x++) {                                                    \
-            lo[x] = OF_LO(first[x]);                                                              \
-            hi[x] = OF_HI(first[x]);                                                              \
-        }                                                                                         \
-        for (uint32_t z = z0; z <= z1; z++)                                                       \
-            for (uint32_t y = y0; y <= y1; y++) {                                                 \
-                const T *restrict row = (const T *)own + z * slice_stride + y * row_stride;       \
-                for (uint32_t x = 0; x < nodes; x++) {                                            \
-                    T a = OF_LO(row[x]), b = OF_HI(row[x]);                                       \
-                    lo[x] = a < lo[x] ? a : lo[x];                                                \
-                    hi[x] = b > hi[x] ? b : hi[x];                                                \
-                }                                                                                 \
-            }                                                                                     \
-        for (uint32_t x0 = 0, bx = 0; x0 < p->cells[0]; x0 += BLOCK, bx++) {                      \
-            const uint32_t x1 = x0 + BLOCK < p->cells[0] ? x0 + BLOCK : p->cells[0];              \
-            T a = lo[x0], b = hi[x0];                                                             \
-            for (uint32_t x = x0 + 1; x <= x1; x++) {                                             \
-                a = lo[x] < a ? lo[x] : a;                                                        \
-                b = hi[x] > b ? hi[x] : b;                                                        \
-            }                                                                                     \
-            const uint32_t m = morton(bx, by, bz);                                                \
-            s->lo[m] = (float)a;                                                                  \
-            s->hi[m] = (float)b;                                                                  \
-        }                                                                                         \
-    }
-
-DEFINE_BLOCK_LINE(line_u8, uint8_t, ANY_LO, ANY_HI)
-DEFINE_BLOCK_LINE(line_i8, int8_t, ANY_LO, ANY_HI)
-DEFINE_BLOCK_LINE(line_u16, uint16_t, ANY_LO, ANY_HI)
-DEFINE_BLOCK_LINE(line_i16, int16_t, ANY_LO, ANY_HI)
-DEFINE_BLOCK_LINE(line_f32, float, ANY_LO, ANY_HI)
-DEFINE_BLOCK_LINE(line_f32_finite, float, FINITE_LO, FINITE_HI)
-
-typedef void (*block_line)(treelet_scratch *, const leaf_payload *, const char *, size_t, size_t,
-                           uint32_t, uint32_t);
-
-/* Returns whether any of the treelet's own samples is NaN or inf, by an exponent of all ones. */
-static bool any_non_finite(const leaf_payload *p, const char *own, size_t row_stride,
-                           size_t slice_stride) {
-    uint32_t found = 0;
-    for (uint32_t z = 0; z <= p->cells[2]; z++)
-        for (uint32_t y = 0; y <= p->cells[1]; y++) {
-            const uint32_t *row = (const uint32_t *)own + z * slice_stride + y * row_stride;
-            for (uint32_t x = 0; x <= p->cells[0]; x++)
-                found |= (row[x] & 0x7F800000u) == 0x7F800000u;
-        }
-    return found;
-}
-
-static void block_ranges(treelet_scratch *s, const leaf_layout *l, const leaf_payload *p,
-                         const char *samples, uint8_t *flags) {
-    static const block_line lines[] = {[SAMPLE_U8] = line_u8,
-                                       [SAMPLE_I8] = line_i8,
-                                       [SAMPLE_U16] = line_u16,
-                                       [SAMPLE_I16] = line_i16,
-                                       [SAMPLE_F32] = line_f32};
-    size_t row = p->samples[0], slice = row * p->samples[1];
-    const char *own = samples + l->halo * (1 + row + slice) * sample_size(l->type);
-    block_line line = lines[l->type];
-    *flags = 0;
-    if (l->type == SAMPLE_F32 && any_non_finite(p, own, row, slice)) {
-        line = line_f32_finite;
-        *flags = LEAF_FLAG_NON_FINITE;
-    }
-    uint32_t blocks = 1u << (3 * p->node_levels);
-    for (uint32_t m = 0; m < blocks; m++) {
-        s->lo[m] = INFINITY;
-        s->hi[m] = -INFINITY;
-    }
-    for (uint32_t bz = 0; bz * BLOCK < p->cells[2]; bz++)
-        for (uint32_t by = 0; by * BLOCK < p->cells[1]; by++)
-            line(s, p, own, row, slice, by, bz);
-}
-
-/* ---- codes ---- */
-
-static void own_range(const treelet_scratch *s, uint32_t blocks, float own[2]) {
-    float lo = INFINITY, hi = -INFINITY;
-    for (uint32_t m = 0; m < blocks; m++) {
-        lo = s->lo[m] < lo ? s->lo[m] : lo;
-        hi = s->hi[m] > hi ? s->hi[m] : hi;
-    }
-    /* -0 + 0 is +0: so the bytes do not depend on which zero came first. */
-    own[0] = lo + 0.0F;
-    own[1] = hi + 0.0F;
-}
-
-static void encode_blocks(const treelet_scratch *s, const quantizer *q, uint32_t blocks,
-                          uint8_t *lo, uint8_t *hi) {
-    for (uint32_t m = 0; m < blocks; m++) {
-        bool empty = s->lo[m] > s->hi[m];
-        lo[m] = empty ? 255 : quantizer_floor(q, (double)s->lo[m]);
-        hi[m] = empty ? 0 : quantizer_ceil(q, (double)s->hi[m]);
-    }
-}
-
-static void merge_children(const uint8_t *child_lo, const uint8_t *child_hi, uint32_t nodes,
-                           uint8_t *lo, uint8_t *hi) {
-    for (uint32_t m = 0; m < nodes; m++) {
-        uint8_t a = 255, b = 0;
-        for (uint32_t c = 8 * m; c < 8 * m + 8; c++) {
-            a = child_lo[c] < a ? child_lo[c] : a;
-            b = child_hi[c] > b ? child_hi[c] : b;
-        }
-        lo[m] = a;
-        hi[m] = b;
-    }
+    return out;
 }
 
 /* The nodes along an axis of which the treelet has samples, [*first, *last]. */
@@ -231,26 +72,24 @@ bool treelet_build_quiet(const leaf_layout *l, uint32_t t, const sample_box *box
 }
 
 void treelet_build(const leaf_layout *l, uint32_t t, const sample_box *box,
-                   treelet_scratch *scratch, void *payload, treelet_summary *summary) {
-    leaf_payload p = leaf_layout_payload(l, t);
-    uint8_t *codes = payload;
-    char *samples = (char *)payload + p.samples_at;
-    size_t sample_bytes = (size_t)p.samples[0] * p.samples[1] * p.samples[2] * sample_size(l->type);
-    copy_samples(l, t, &p, box, samples);
-    memset(samples + sample_bytes, 0, p.bytes - p.samples_at - sample_bytes);
+                   grid_codes_scratch *scratch, void *payload, grid_summary *summary) {
+    const leaf_payload p = leaf_layout_payload(l, t);
+    int64_t first[3];
+    for (int a = 0; a < 3; a++)
+        first[a] = ((int64_t)l->place[t][a] << l->cells_log2) - l->halo;
+    copy_samples(l, l->level_of[t], first, p.samples, box, (char *)payload + p.samples_at);
+    *summary = grid_codes_make(l, t, scratch, payload);
+}
 
-    uint32_t blocks = 1u << (3 * p.node_levels);
-    block_ranges(scratch, l, &p, samples, &summary->flags);
-    own_range(scratch, blocks, summary->own);
-    quantizer q = quantizer_of(summary->own[0], summary->own[1], l->type);
-    uint8_t *lo = codes + leaf_codes_at(p.node_levels);
-    encode_blocks(scratch, &q, blocks, lo, lo + blocks);
-    for (uint32_t k = p.node_levels - 1; k >= 1; k--) {
-        uint32_t nodes = 1u << (3 * k);
-        const uint8_t *below = codes + leaf_codes_at(k + 1);
-        uint8_t *here = codes + leaf_codes_at(k);
-        merge_children(below, below + 8 * nodes, nodes, here, here + nodes);
+void treelet_build_shell(const leaf_layout *l, uint32_t parent, const sample_box *box,
+                         void *samples) {
+    family_part parts[FAMILY_PARTS_MAX];
+    const uint32_t count = grid_family_parts(l, parent, parts), b = 2U << l->cells_log2;
+    char *out = samples;
+    for (uint32_t i = 0; i < count; i++) {
+        int64_t first[3];
+        for (int a = 0; a < 3; a++)
+            first[a] = (int64_t)l->place[parent][a] * b - l->halo + parts[i].at[a];
+        out = copy_samples(l, l->level_of[parent] - 1U, first, parts[i].size, box, out);
     }
-    uint32_t codes_end = leaf_codes_at(p.node_levels + 1);
-    memset(codes + codes_end, 0, p.samples_at - codes_end);
 }

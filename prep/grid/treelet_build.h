@@ -1,8 +1,7 @@
 /* treelet_build.h - makes one treelet's payload from its level's samples: samples with halo, codes
  * of the min/max tree, own range (FORMAT.md 4).
  *
- * This is the converter's hot loop: it reads each sample once, vectorises along x, and does not
- * allocate.
+ * This and grid_codes.h are the converter's hot loop.
  */
 #ifndef PREP_GRID_TREELET_BUILD_H
 #define PREP_GRID_TREELET_BUILD_H
@@ -12,6 +11,7 @@
 #include <stdint.h>
 
 #include "formats/base/sample.h"
+#include "formats/leaf/grid_codes.h"
 #include "formats/leaf/leaf_layout.h"
 
 /* A box of a level's samples in memory; positions are nodes of the level. */
@@ -24,16 +24,6 @@ typedef struct sample_box {
     const uint8_t *const *busy; /* maps of the whole slices (slice_tiles.h); NULL: not known */
 } sample_box;
 
-/* Per-thread memory, treelet_scratch_bytes() of it. */
-typedef struct treelet_scratch treelet_scratch;
-size_t treelet_scratch_bytes(void);
-
-/* A treelet's data for the directory. */
-typedef struct treelet_summary {
-    float own[2]; /* +inf, -inf if no sample is finite; never -0 */
-    uint8_t flags;
-} treelet_summary;
-
 /* treelet_build_quiet() - returns whether the box's maps show that all samples of a treelet, halo
  * included, are the quiet value. Then there is nothing to build: its payload is implied
  * (formats/leaf/implied_payload.h). */
@@ -42,8 +32,11 @@ bool treelet_build_quiet(const leaf_layout *l, uint32_t t, const sample_box *box
 /* treelet_build() - fill payload (leaf_layout_payload(t).bytes, 64-byte aligned) and *summary. box
  * must hold the treelet's samples and halo as far as the level has them. Beyond, indices are
  * clamped.
- */
+ * treelet_build_shell() - fill the samples that the children of a treelet share
+ * (grid_family_shell() of them). box: likewise, of the family. */
 void treelet_build(const leaf_layout *l, uint32_t t, const sample_box *box,
-                   treelet_scratch *scratch, void *payload, treelet_summary *summary);
+                   grid_codes_scratch *scratch, void *payload, grid_summary *summary);
+void treelet_build_shell(const leaf_layout *l, uint32_t parent, const sample_box *box,
+                         void *samples);
 
 #endif

@@ -347,7 +347,7 @@ static status create_benches(conversion *c) {
         if (st == ST_OK && o->gradients)
             st = mesh_pages_init(&k->gradients, &c->gradients, c->plan.gradients_window);
         if (st == ST_OK)
-            st = leaf_packer_create(c->m, &c->o->file, &k->packer);
+            st = leaf_packer_create(c->m, leaf_writer_layout(c->writer), &c->o->file, &k->packer);
         if (st == ST_OK && k->packer) {
             k->pack = mem_alloc(c->m, mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets));
             st = k->pack ? ST_OK : ST_NOMEM;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "formats/base/pool.h"
+#include "formats/leaf/leaf_unpacker.h"
 #include "formats/mesh/mesh_leaf_check.h"
 
 /* Treelets in memory per thread, and shares of rows per thread. */
@@ -25,7 +26,8 @@ typedef struct job {
     /* The batch: treelets in ascending order, their payloads. */
     size_t most, count;
     uint32_t *treelets;
-    char *topologies, *values, *stored;
+    char *topologies, *values;
+    leaf_unpacker **unpackers;
     char *moved;   /* their positions; NULL: those in the topologies */
     uint32_t step; /* of the set */
     /* Rows that the batch reaches, and the number of shares they are cut into. */
@@ -133,10 +135,6 @@ status resample_grid_choose(const resample_wish *w, const float bounds[6], const
 
 /* ---- memory ---- */
 
-static bool is_packed(const leaf_file *f) {
-    return f->header.codec != LEAF_CODEC_RAW;
-}
-
 /* Choose the rows and treelets held at a time, within the budget. */
 static status plan(job *j) {
     const resample_grid *g = j->block.grid;
@@ -146,7 +144,7 @@ static status plan(job *j) {
     const bool moves = leaf_layout_place(&j->f->layout, j->step) > 0;
     const uint64_t each = (moves ? 3 : 2) * j->payload + sizeof *j->treelets;
     const uint64_t fixed =
-        mem_used(j->m) + SPARE_BYTES + (is_packed(j->f) ? threads * j->payload : 0);
+        mem_used(j->m) + SPARE_BYTES + threads * leaf_unpacker_memory(j->f);
     const uint64_t least = fixed + each + row;
     if (least > j->o->memory)
         return status_describe(
@@ -179,11 +177,9 @@ static status allocate(job *j) {
     if (leaf_layout_place(&j->f->layout, j->step) > 0 &&
         !(j->moved = mem_alloc(j->m, j->most * j->payload)))
         return ST_NOMEM;
-    if (is_packed(j->f))
-        j->stored = mem_alloc(j->m, (size_t)j->o->threads * j->payload);
-    const bool packed = !is_packed(j->f) || j->stored;
-    return j->block.samples && j->treelets && j->topologies && j->values && packed ? ST_OK
-                                                                                   : ST_NOMEM;
+    if (!j->block.samples || !j->treelets || !j->topologies || !j->values)
+        return ST_NOMEM;
+    return leaf_unpackers_create(j->m, j->f, j->o->threads, &j->unpackers);
 }
 
 static void release(job *j) {
@@ -191,7 +187,7 @@ static void release(job *j) {
     mem_free(j->m, j->treelets);
     mem_free(j->m, j->topologies);
     mem_free(j->m, j->values);
-    mem_free(j->m, j->stored);
+    leaf_unpackers_destroy(j->m, j->unpackers, j->o->threads);
     mem_free(j->m, j->moved);
     pool_destroy(j->workers);
 }
@@ -201,18 +197,18 @@ static void release(job *j) {
 static status load_one(void *ctx, size_t index, int worker) {
     job *j = ctx;
     const uint32_t t = j->treelets[index];
-    void *stored = j->stored ? j->stored + (size_t)worker * j->payload : NULL;
+    leaf_unpacker *u = j->unpackers[worker];
     void *topology = j->topologies + index * j->payload;
-    status st = leaf_file_load(j->f, t, stored, topology);
+    status st = leaf_file_load(j->f, t, u, topology);
     if (st == ST_OK)
         st = mesh_leaf_check_loaded(j->f, t, topology);
     if (st == ST_OK)
-        st = leaf_file_load(j->f, leaf_layout_values(&j->f->layout, j->o->set, t), stored,
+        st = leaf_file_load(j->f, leaf_layout_values(&j->f->layout, j->o->set, t), u,
                             j->values + index * j->payload);
     if (st != ST_OK || !j->moved)
         return st;
     void *moved = j->moved + index * j->payload;
-    st = leaf_file_load(j->f, leaf_layout_positions(&j->f->layout, j->step, t), stored, moved);
+    st = leaf_file_load(j->f, leaf_layout_positions(&j->f->layout, j->step, t), u, moved);
     return st == ST_OK ? mesh_leaf_check_moved(j->f, j->step, t, moved) : st;
 }
 

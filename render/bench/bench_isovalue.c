@@ -4,6 +4,7 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/cpu.h"
+#include "formats/leaf/leaf_unpacker.h"
 #include "render/bench/bench_race.h"
 #include "stream/active.h"
 
@@ -37,8 +38,8 @@ static void hoard_release(mem *m, hoard *h) {
 static status hoard_fill(mem *m, hoard *h, double iso) {
     const leaf_layout *layout = &h->f->layout;
     const uint32_t most = leaf_layout_payload_max(layout);
-    void *stored = mem_alloc(m, most);
-    status st = stored ? ST_OK : ST_NOMEM;
+    leaf_unpacker *u = NULL;
+    status st = leaf_unpacker_create(m, h->f, &u);
     for (uint32_t t = 0; t < layout->treelets && st == ST_OK; t++) {
         if (!((double)h->f->own[t][0] < iso && iso <= (double)h->f->own[t][1]))
             continue;
@@ -49,9 +50,9 @@ static status hoard_fill(mem *m, hoard *h, double iso) {
         }
         h->payload[h->count] = payload;
         h->treelet[h->count++] = t;
-        st = leaf_file_load(h->f, t, stored, payload);
+        st = leaf_file_load(h->f, t, u, payload);
     }
-    mem_free(m, stored);
+    leaf_unpacker_destroy(u);
     return st;
 }
 

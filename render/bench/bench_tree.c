@@ -3,7 +3,7 @@
 #include <assert.h>
 #include <math.h>
 
-#include "formats/leaf/leaf_file.h"
+#include "formats/leaf/leaf_unpacker.h"
 
 /* ---- samples ---- */
 
@@ -26,7 +26,7 @@ static void copy_treelet(const leaf_file *f, uint32_t id, const void *payload, b
 
 static status load_samples(leaf_file *f, bench_tree *t) {
     const leaf_level *level = &f->layout.level[0];
-    uint64_t stored_max = 1;
+    leaf_unpacker *u = NULL;
     for (int a = 0; a < 3; a++) {
         t->nodes[a] = level->dims[a];
         t->n[0][a] = level->cells[a];
@@ -36,19 +36,16 @@ static status load_samples(leaf_file *f, bench_tree *t) {
     t->hi = f->header.value_max;
     if (f->header.non_finite)
         return status_describe(ST_UNSUPPORTED, "samples that are not finite: no such tree");
-    for (uint32_t i = 0; i < f->layout.treelets; i++)
-        stored_max = f->sizes[i] > stored_max ? f->sizes[i] : stored_max;
-    void *stored = mem_alloc(t->m, (size_t)stored_max);
     void *payload = mem_alloc(t->m, leaf_layout_payload_max(&f->layout));
     t->samples = mem_array(t->m, (size_t)t->nodes[0] * t->nodes[1] * t->nodes[2], sizeof(float));
-    status st = stored && payload && t->samples ? ST_OK : ST_NOMEM;
+    status st = payload && t->samples ? leaf_unpacker_create(t->m, f, &u) : ST_NOMEM;
     for (uint32_t i = level->first; i < level->first + level->count && st == ST_OK; i++) {
-        st = leaf_file_load(f, i, stored, payload);
+        st = leaf_file_load(f, i, u, payload);
         if (st == ST_OK)
             copy_treelet(f, i, payload, t);
     }
     mem_free(t->m, payload);
-    mem_free(t->m, stored);
+    leaf_unpacker_destroy(u);
     return st;
 }
 

@@ -2,13 +2,14 @@
 
 #include <string.h>
 
-#include "formats/leaf/leaf_file.h"
+#include "formats/leaf/leaf_unpacker.h"
 
 typedef struct loading {
     peer_field *field;
     leaf_file *leaf;
     struct buffers {
-        void *stored, *payload;
+        leaf_unpacker *unpacker;
+        void *payload;
     } * buffers; /* a worker's each */
 } loading;
 
@@ -38,7 +39,7 @@ static status load_treelet(void *ctx, size_t index, int worker) {
     const loading *l = ctx;
     const uint32_t t = l->leaf->layout.level[0].first + (uint32_t)index;
     struct buffers *b = &l->buffers[worker];
-    status st = leaf_file_load(l->leaf, t, b->stored, b->payload);
+    status st = leaf_file_load(l->leaf, t, b->unpacker, b->payload);
     if (st == ST_OK)
         copy_samples(l, t, b->payload);
     return st;
@@ -50,17 +51,19 @@ static status make_buffers(mem *m, loading *l, int workers) {
     if (!l->buffers)
         return ST_NOMEM;
     for (int i = 0; i < workers; i++) {
-        l->buffers[i].stored = mem_alloc(m, bytes);
         l->buffers[i].payload = mem_alloc(m, bytes);
-        if (!l->buffers[i].stored || !l->buffers[i].payload)
-            return ST_NOMEM;
+        const status st = l->buffers[i].payload
+                              ? leaf_unpacker_create(m, l->leaf, &l->buffers[i].unpacker)
+                              : ST_NOMEM;
+        if (st != ST_OK)
+            return st;
     }
     return ST_OK;
 }
 
 static void release_buffers(mem *m, loading *l, int workers) {
     for (int i = 0; l->buffers && i < workers; i++) {
-        mem_free(m, l->buffers[i].stored);
+        leaf_unpacker_destroy(l->buffers[i].unpacker);
         mem_free(m, l->buffers[i].payload);
     }
     mem_free(m, l->buffers);

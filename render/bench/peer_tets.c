@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "formats/leaf/leaf_unpacker.h"
 #include "formats/mesh/mesh_leaf_check.h"
 #include "render/mesh/tet_kernel.h"
 #include "stream/mesh_active.h"
@@ -9,14 +10,12 @@
 /* ---- Loading ---- */
 
 static status load_payload(const peer_tets *x, uint32_t p, void **payload) {
-    void *stored = NULL;
+    leaf_unpacker *u = NULL;
     *payload = mem_alloc(x->m, leaf_layout_payload_bytes(&x->file->layout, p));
-    if (*payload && !leaf_file_is_raw(x->file, p))
-        stored = mem_alloc(x->m, (size_t)x->file->sizes[p]);
-    status st = *payload && (stored || leaf_file_is_raw(x->file, p)) ? ST_OK : ST_NOMEM;
+    status st = *payload ? leaf_unpacker_create(x->m, x->file, &u) : ST_NOMEM;
     if (st == ST_OK)
-        st = leaf_file_load(x->file, p, stored, *payload);
-    mem_free(x->m, stored);
+        st = leaf_file_load(x->file, p, u, *payload);
+    leaf_unpacker_destroy(u);
     return st;
 }
 

@@ -1,0 +1,562 @@
+#include "formats/leaf/box_coder.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include <zstd.h>
+
+enum {
+    CODE_BYTES = 16,  /* box_code, then a u32 a stream: its bytes */
+    STREAMS_MAX = 5,  /* the map, and up to four bytes of residuals */
+    ESTIMATED = 4096, /* samples that a prediction is judged by */
+    LOG_BITS = 10,
+    METHOD_PLAIN = 0,
+    METHOD_CODED = 1
+};
+
+struct box_coder {
+    mem *m;
+    sample_type type;
+    size_t samples;
+    int level;
+    ZSTD_CCtx *compressor;
+    ZSTD_DCtx *decompressor;
+    void *values, *residuals; /* of T: of all samples */
+    void *predicted, *row;    /* and of a row */
+    uint8_t *bytes;           /* residuals by bytes */
+    uint8_t *map;             /* of samples that are not the background */
+    uint32_t *logs;           /* of the encoder: x log2(x), for x up to 2 ESTIMATED */
+};
+
+/* ---- the map: a bit for each sample, in whole bytes for each row ---- */
+
+static uint32_t map_row_bytes(uint32_t samples) {
+    return (samples + 7) / 8;
+}
+
+static size_t map_bytes(const uint32_t size[3]) {
+    return (size_t)map_row_bytes(size[0]) * size[1] * size[2];
+}
+
+/* How many samples of a row are coded. */
+static uint32_t map_row_count(const uint8_t *bits, uint32_t samples) {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < map_row_bytes(samples); i++) {
+        unsigned b = bits[i] - (bits[i] >> 1 & 0x55U);
+        b = (b & 0x33) + (b >> 2 & 0x33);
+        count += (b + (b >> 4)) & 0xF;
+    }
+    return count;
+}
+
+static size_t maps_bytes(const coded_box *boxes, uint32_t count) {
+    size_t bytes = 0;
+    for (uint32_t i = 0; i < count; i++)
+        bytes += map_bytes(boxes[i].size);
+    return bytes;
+}
+
+/* ---- rows, for samples of each width ---- */
+
+#define T          uint8_t
+#define ROWS(name) name##_u8
+#include "formats/leaf/box_coder_rows.h"
+#undef T
+#undef ROWS
+#define T          uint16_t
+#define ROWS(name) name##_u16
+#include "formats/leaf/box_coder_rows.h"
+#undef T
+#undef ROWS
+#define T          uint32_t
+#define ROWS(name) name##_u32
+#include "formats/leaf/box_coder_rows.h"
+#undef T
+#undef ROWS
+
+/* Call the function for the width of the coder's samples. */
+#define BY_WIDTH(c, name, ...)                               \
+    (sample_size((c)->type) == 1   ? name##_u8(__VA_ARGS__)  \
+     : sample_size((c)->type) == 2 ? name##_u16(__VA_ARGS__) \
+                                   : name##_u32(__VA_ARGS__))
+
+/* ---- from samples to unsigned integers, and back ---- */
+
+/* What turns a signed integer into an unsigned one of the same order. */
+static unsigned flip_of(sample_type type) {
+    return type == SAMPLE_I8 ? 0x80 : type == SAMPLE_I16 ? 0x8000 : 0;
+}
+
+static void gather(const box_coder *c, const coded_box *boxes, uint32_t count) {
+    const unsigned flip = flip_of(c->type);
+    char *out = c->values;
+    for (uint32_t i = 0; i < count; i++) {
+        const coded_box *b = &boxes[i];
+        switch (sample_size(c->type)) {
+        case 1: gather_u8(b, (uint8_t)flip, (uint8_t *)out); break;
+        case 2: gather_u16(b, (uint16_t)flip, (uint16_t *)(void *)out); break;
+        default: gather_u32(b, 0, (uint32_t *)(void *)out);
+        }
+        out += (size_t)b->size[0] * b->size[1] * b->size[2] * sample_size(c->type);
+    }
+}
+
+static void scatter(const box_coder *c, const coded_box *boxes, uint32_t count) {
+    const unsigned flip = flip_of(c->type);
+    const char *in = c->values;
+    for (uint32_t i = 0; i < count; i++) {
+        const coded_box *b = &boxes[i];
+        switch (sample_size(c->type)) {
+        case 1: scatter_u8(b, (uint8_t)flip, (const uint8_t *)in); break;
+        case 2: scatter_u16(b, (uint16_t)flip, (const uint16_t *)(const void *)in); break;
+        default: scatter_u32(b, 0, (const uint32_t *)(const void *)in);
+        }
+        in += (size_t)b->size[0] * b->size[1] * b->size[2] * sample_size(c->type);
+    }
+}
+
+/* Map 0 of floats: their bits, in the order of their values. */
+static uint32_t ordered(uint32_t bits) {
+    return bits >> 31 ? ~bits : bits | 0x80000000U;
+}
+
+static uint32_t unordered(uint32_t u) {
+    return u >> 31 ? u & 0x7FFFFFFFU : ~u;
+}
+
+/* Maps 1 and up: multiples of a step, which is 10^-k or 2^-k. */
+enum { DECIMALS = 7, BINARIES = 24, MAPS = 1 + DECIMALS + BINARIES };
+#define QUIET_NAN      0x7FC00000U
+#define MULTIPLE_LIMIT 0x40000000
+
+static double step_of(unsigned map) {
+    static const double tens[DECIMALS] = {1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
+    return map <= DECIMALS ? tens[map - 1] : ldexp(1, -(int)(map - DECIMALS));
+}
+
+static double steps_in_one(unsigned map) {
+    static const double tens[DECIMALS] = {1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6};
+    return map <= DECIMALS ? tens[map - 1] : ldexp(1, (int)(map - DECIMALS));
+}
+
+static uint32_t multiple_bits(int32_t multiple, double step) {
+    const float value = (float)((double)multiple * step);
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
+
+/* The multiple of the step that a float is, bit for bit. False: it is none, or too large. */
+static bool multiple_of(uint32_t bits, double step, double in_one, int32_t *multiple) {
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    const double m = (double)value * in_one;
+    if (!(fabs(m) < MULTIPLE_LIMIT))
+        return false;
+    *multiple = (int32_t)(m < 0 ? m - 0.5 : m + 0.5);
+    return multiple_bits(*multiple, step) == bits;
+}
+
+/* The first map from `map` to `last` by which all samples are multiples, NaN apart; 0: none. */
+static unsigned find_map(const uint32_t *values, size_t n, unsigned map, unsigned last) {
+    int32_t multiple;
+    for (size_t i = 0; i < n; i++)
+        while (values[i] != QUIET_NAN &&
+               !multiple_of(values[i], step_of(map), steps_in_one(map), &multiple))
+            if (++map > last)
+                return 0;
+    return map;
+}
+
+/* Turn floats into multiples. False: some sample is none, and the values are as they were. */
+static bool take_multiples(uint32_t *values, uint32_t *room, size_t n, box_code *code) {
+    const double step = step_of(code->map), in_one = steps_in_one(code->map);
+    int32_t least = MULTIPLE_LIMIT;
+    for (size_t i = 0; i < n; i++) {
+        int32_t multiple = 0;
+        if (values[i] == QUIET_NAN)
+            continue;
+        if (!multiple_of(values[i], step, in_one, &multiple))
+            return false;
+        room[i] = (uint32_t)multiple;
+        least = multiple < least ? multiple : least;
+    }
+    code->base = (uint32_t)least - 1;
+    for (size_t i = 0; i < n; i++)
+        values[i] = values[i] == QUIET_NAN ? 0 : room[i] - code->base;
+    return true;
+}
+
+static void map_floats(const box_coder *c, size_t n, box_code *code) {
+    uint32_t *values = c->values;
+    code->map = (uint8_t)find_map(values, n, 1, DECIMALS);
+    if (!code->map)
+        code->map = (uint8_t)find_map(values, n, DECIMALS + 1, MAPS - 1);
+    if (code->map && take_multiples(values, c->residuals, n, code))
+        return;
+    code->map = 0;
+    for (size_t i = 0; i < n; i++)
+        values[i] = ordered(values[i]);
+}
+
+static void unmap_floats(const box_coder *c, size_t n, const box_code *code) {
+    uint32_t *values = c->values;
+    if (!code->map) {
+        for (size_t i = 0; i < n; i++)
+            values[i] = unordered(values[i]);
+        return;
+    }
+    const double step = step_of(code->map);
+    for (size_t i = 0; i < n; i++)
+        values[i] = values[i] ? multiple_bits((int32_t)(values[i] + code->base), step) : QUIET_NAN;
+}
+
+/* ---- what a prediction would cost ---- */
+
+/* log2(x) with LOG_BITS binary digits, x > 0; by squaring, so that it is the same everywhere. */
+static uint32_t log2_of(uint32_t x) {
+    unsigned whole = 31U - (unsigned)__builtin_clz(x);
+    uint64_t part = (uint64_t)x << (31 - whole); /* in [2^31, 2^32) */
+    uint32_t log = whole;
+    for (int i = 0; i < LOG_BITS; i++) {
+        part = part * part >> 31;
+        log = log << 1 | (part >> 32 & 1);
+        part >>= part >> 32 & 1;
+    }
+    return log;
+}
+
+static uint64_t times_log(const box_coder *c, uint32_t x) {
+    return x < 2 * ESTIMATED ? c->logs[x] : (uint64_t)x * log2_of(x);
+}
+
+/* The entropy of n bytes, all together, in bits / 2^LOG_BITS. */
+static uint64_t entropy(const box_coder *c, const uint8_t *bytes, size_t n) {
+    uint32_t times[4][256] = {{0}};
+    for (size_t i = 0; i < n; i++)
+        times[i % 4][bytes[i]]++;
+    uint64_t sum = n ? times_log(c, (uint32_t)n) : 0;
+    for (int i = 0; i < 256; i++)
+        sum -= times_log(c, times[0][i] + times[1][i] + times[2][i] + times[3][i]);
+    return sum;
+}
+
+static unsigned width_of(const box_coder *c, size_t n) {
+    uint32_t any = 0;
+    switch (sample_size(c->type)) {
+    case 1:
+        for (size_t i = 0; i < n; i++)
+            any |= ((const uint8_t *)c->residuals)[i];
+        break;
+    case 2:
+        for (size_t i = 0; i < n; i++)
+            any |= ((const uint16_t *)c->residuals)[i];
+        break;
+    default:
+        for (size_t i = 0; i < n; i++)
+            any |= ((const uint32_t *)c->residuals)[i];
+    }
+    return any ? (39U - (unsigned)__builtin_clz(any)) / 8 : 0;
+}
+
+static void split(const box_coder *c, size_t n, unsigned width) {
+    switch (sample_size(c->type)) {
+    case 1: split_u8(c->residuals, n, width, c->bytes); break;
+    case 2: split_u16(c->residuals, n, width, c->bytes); break;
+    default: split_u32(c->residuals, n, width, c->bytes);
+    }
+}
+
+/* What all samples would cost, judged by every `step`-th row. */
+static uint64_t cost_of(box_coder *c, const coded_box *boxes, uint32_t count, int how,
+                        uint32_t step) {
+    const size_t n = BY_WIDTH(c, residuals_of, c, boxes, count, how & ~BOX_BACKGROUND,
+                              how & BOX_BACKGROUND, step);
+    const unsigned width = width_of(c, n);
+    uint64_t sum = 0;
+    split(c, n, width);
+    for (unsigned b = 0; b < width; b++)
+        sum += entropy(c, c->bytes + b * n, n);
+    return sum * step;
+}
+
+/* Choose a prediction, and whether there is a background (marked already if may_mark). */
+static int choose(box_coder *c, const coded_box *boxes, uint32_t count, size_t n, bool may_mark) {
+    static const int hows[] = {
+        BOX_NONE,  BOX_ROW | BOX_ALONG,   BOX_PLANE, BOX_PLANE | BOX_ALONG,
+        BOX_MEDIAN, BOX_MEDIAN | BOX_ALONG};
+    const uint32_t step = (uint32_t)(n / ESTIMATED) | 1; /* odd: no row of a sheet is left out */
+    const uint64_t map = may_mark ? entropy(c, c->map, maps_bytes(boxes, count)) : 0;
+    uint64_t least = UINT64_MAX;
+    int best = 0;
+    for (unsigned i = 0; i < sizeof hows / sizeof *hows; i++)
+        for (int mark = 0; mark <= may_mark; mark++) {
+            const int how = hows[i] | (mark ? BOX_BACKGROUND : 0);
+            const uint64_t cost = cost_of(c, boxes, count, how, step) + (mark ? map : 0);
+            if (cost < least) {
+                least = cost;
+                best = how;
+            }
+        }
+    return best;
+}
+
+/* ---- encoding ---- */
+
+static void put_u32(uint8_t *to, uint32_t v) {
+    for (int i = 0; i < 4; i++)
+        to[i] = (uint8_t)(v >> (8 * i));
+}
+
+static uint32_t get_u32(const uint8_t *from) {
+    return from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16 | (uint32_t)from[3] << 24;
+}
+
+static void put_code(const box_code *code, uint8_t *to) {
+    to[0] = code->method;
+    to[1] = code->map;
+    to[2] = code->prediction;
+    to[3] = code->width;
+    put_u32(to + 4, code->base);
+    put_u32(to + 8, code->background);
+    put_u32(to + 12, code->coded);
+}
+
+static box_code get_code(const uint8_t *from) {
+    return (box_code){.method = from[0],
+                      .map = from[1],
+                      .prediction = from[2],
+                      .width = from[3],
+                      .base = get_u32(from + 4),
+                      .background = get_u32(from + 8),
+                      .coded = get_u32(from + 12)};
+}
+
+static size_t samples_of(const coded_box *boxes, uint32_t count) {
+    size_t n = 0;
+    for (uint32_t i = 0; i < count; i++)
+        n += (size_t)boxes[i].size[0] * boxes[i].size[1] * boxes[i].size[2];
+    return n;
+}
+
+static unsigned streams_of(const box_code *code) {
+    return (code->prediction & BOX_BACKGROUND ? 1U : 0U) + code->width;
+}
+
+/* The bytes of stream i of a code. */
+static uint8_t *stream_at(const box_coder *c, const box_code *code, unsigned i, size_t map,
+                          size_t *bytes) {
+    if (code->prediction & BOX_BACKGROUND && i-- == 0) {
+        *bytes = map;
+        return c->map;
+    }
+    *bytes = code->coded;
+    return c->bytes + (size_t)i * code->coded;
+}
+
+/* Compress the streams behind the code in out. Returns the bytes of all; 0: more than room. */
+static size_t compress(const box_coder *c, const box_code *code, size_t map, uint8_t *out,
+                       size_t room) {
+    const unsigned streams = streams_of(code);
+    size_t used = CODE_BYTES + 4 * streams;
+    if (used >= room)
+        return 0;
+    put_code(code, out);
+    for (unsigned i = 0; i < streams; i++) {
+        size_t bytes;
+        const uint8_t *stream = stream_at(c, code, i, map, &bytes);
+        const size_t size = ZSTD_compressCCtx(c->compressor, out + used, room - used, stream, bytes,
+                                              c->level);
+        if (ZSTD_isError(size))
+            return 0;
+        put_u32(out + CODE_BYTES + 4 * i, (uint32_t)size);
+        used += size;
+    }
+    return used;
+}
+
+static size_t encode_plain(const box_coder *c, const coded_box *boxes, uint32_t count, uint8_t *out) {
+    const box_code plain = {.method = METHOD_PLAIN};
+    const size_t bytes = samples_of(boxes, count) * sample_size(c->type);
+    gather(c, boxes, count);
+    put_code(&plain, out);
+    memcpy(out + CODE_BYTES, c->values, bytes);
+    return CODE_BYTES + bytes;
+}
+
+size_t box_coder_encode(box_coder *c, const coded_box *boxes, uint32_t count, void *out) {
+    enum { LEAST_SHARE = 32 }; /* of the commonest value, in 256ths */
+    const size_t n = samples_of(boxes, count), map = maps_bytes(boxes, count);
+    box_code code = {.method = METHOD_CODED};
+    unsigned share;
+    assert(n <= c->samples && c->level);
+    gather(c, boxes, count);
+    if (c->type == SAMPLE_F32)
+        map_floats(c, n, &code);
+    const uint32_t common = BY_WIDTH(c, commonest, c, n, &share);
+    const bool may_mark = share >= LEAST_SHARE;
+    if (may_mark) {
+        switch (sample_size(c->type)) {
+        case 1: mark_u8(c, boxes, count, (uint8_t)common); break;
+        case 2: mark_u16(c, boxes, count, (uint16_t)common); break;
+        default: mark_u32(c, boxes, count, common);
+        }
+    }
+    code.prediction = (uint8_t)choose(c, boxes, count, n, may_mark);
+    code.background = code.prediction & BOX_BACKGROUND ? common : 0;
+    code.coded = (uint32_t)BY_WIDTH(c, residuals_of, c, boxes, count,
+                                    code.prediction & ~BOX_BACKGROUND,
+                                    code.prediction & BOX_BACKGROUND, 1);
+    code.width = (uint8_t)width_of(c, code.coded);
+    split(c, code.coded, code.width);
+    const size_t size = compress(c, &code, map, out, CODE_BYTES + n * sample_size(c->type));
+    return size ? size : encode_plain(c, boxes, count, out);
+}
+
+/* ---- decoding ---- */
+
+static bool is_sound(const box_coder *c, const box_code *code, size_t n) {
+    const bool background = code->prediction & BOX_BACKGROUND;
+    return code->method == METHOD_CODED && code->map < (c->type == SAMPLE_F32 ? MAPS : 1) &&
+           code->prediction < 2 * BOX_BACKGROUND && code->width <= sample_size(c->type) &&
+           (background ? code->coded <= n : code->coded == n) && (background || !code->background) &&
+           (code->map || !code->base);
+}
+
+static bool decompress(const box_coder *c, const box_code *code, size_t map, const uint8_t *in,
+                       size_t bytes) {
+    const unsigned streams = streams_of(code);
+    size_t used = CODE_BYTES + 4 * streams;
+    if (used > bytes)
+        return false;
+    for (unsigned i = 0; i < streams; i++) {
+        const size_t size = get_u32(in + CODE_BYTES + 4 * i);
+        size_t room;
+        uint8_t *stream = stream_at(c, code, i, map, &room);
+        if (size > bytes - used ||
+            ZSTD_decompressDCtx(c->decompressor, stream, room, in + used, size) != room)
+            return false;
+        used += size;
+    }
+    return used == bytes;
+}
+
+static void join(const box_coder *c, size_t n, unsigned width) {
+    switch (sample_size(c->type)) {
+    case 1: join_u8(c->bytes, n, width, c->residuals); break;
+    case 2: join_u16(c->bytes, n, width, c->residuals); break;
+    default: join_u32(c->bytes, n, width, c->residuals);
+    }
+}
+
+static bool decode_plain(const box_coder *c, const uint8_t *in, size_t bytes,
+                         const coded_box *boxes, uint32_t count) {
+    static const uint8_t zeros[CODE_BYTES];
+    const size_t samples = samples_of(boxes, count) * sample_size(c->type);
+    if (bytes != CODE_BYTES + samples || memcmp(in, zeros, CODE_BYTES) != 0)
+        return false;
+    memcpy(c->values, in + CODE_BYTES, samples);
+    scatter(c, boxes, count);
+    return true;
+}
+
+bool box_coder_decode(box_coder *c, const void *in, size_t bytes, const coded_box *boxes,
+                      uint32_t count) {
+    const size_t n = samples_of(boxes, count), map = maps_bytes(boxes, count);
+    assert(n <= c->samples);
+    if (bytes < CODE_BYTES)
+        return false;
+    const box_code code = get_code(in);
+    if (code.method == METHOD_PLAIN)
+        return decode_plain(c, in, bytes, boxes, count);
+    if (!is_sound(c, &code, n) || !decompress(c, &code, map, in, bytes))
+        return false;
+    join(c, code.coded, code.width);
+    if (!BY_WIDTH(c, values_of, c, boxes, count, &code))
+        return false;
+    if (c->type == SAMPLE_F32)
+        unmap_floats(c, n, &code);
+    scatter(c, boxes, count);
+    return true;
+}
+
+/* ---- coders ---- */
+
+/* A row may be read one residual too far. */
+static size_t values_bytes(sample_type type, size_t samples) {
+    return (samples + 1) * sample_size(type);
+}
+
+size_t box_coder_memory(sample_type type, size_t samples) {
+    return sizeof(box_coder) + 5 * values_bytes(type, samples) + samples +
+           2 * ESTIMATED * sizeof(uint32_t) + 512;
+}
+
+size_t box_coder_outside(const box_coder *c) {
+    return (c->compressor ? ZSTD_sizeof_CCtx(c->compressor) : 0) +
+           ZSTD_sizeof_DCtx(c->decompressor);
+}
+
+size_t box_coder_room(sample_type type, size_t samples) {
+    return CODE_BYTES + samples * sample_size(type);
+}
+
+static status begin_encoder(box_coder *c) {
+    c->logs = mem_array(c->m, 2 * (size_t)ESTIMATED, sizeof *c->logs);
+    if (!c->logs)
+        return ST_NOMEM;
+    for (uint32_t x = 1; x < 2 * ESTIMATED; x++)
+        c->logs[x] = x * log2_of(x);
+    c->compressor = ZSTD_createCCtx();
+    return c->compressor ? ST_OK : status_describe(ST_NOMEM, "no room for a compressor");
+}
+
+static status allocate(box_coder *c) {
+    const size_t values = values_bytes(c->type, c->samples);
+    c->values = mem_alloc(c->m, values);
+    c->residuals = mem_alloc(c->m, values);
+    c->predicted = mem_alloc(c->m, values);
+    c->bytes = mem_alloc(c->m, values);
+    c->row = mem_alloc(c->m, values);
+    c->map = mem_alloc(c->m, c->samples);
+    if (!c->values || !c->residuals || !c->predicted || !c->row || !c->bytes || !c->map)
+        return ST_NOMEM;
+    c->decompressor = ZSTD_createDCtx();
+    return c->decompressor ? ST_OK : status_describe(ST_NOMEM, "no room for a decompressor");
+}
+
+status box_coder_create(mem *m, sample_type type, size_t samples, int level, box_coder **out) {
+    *out = NULL;
+    box_coder *c = mem_zalloc(m, sizeof *c);
+    if (!c)
+        return ST_NOMEM;
+    c->m = m;
+    c->type = type;
+    c->samples = samples;
+    c->level = level;
+    status st = allocate(c);
+    if (st == ST_OK && level)
+        st = begin_encoder(c);
+    if (st != ST_OK) {
+        box_coder_destroy(c);
+        return st;
+    }
+    *out = c;
+    return ST_OK;
+}
+
+void box_coder_destroy(box_coder *c) {
+    if (!c)
+        return;
+    ZSTD_freeCCtx(c->compressor);
+    ZSTD_freeDCtx(c->decompressor);
+    mem_free(c->m, c->values);
+    mem_free(c->m, c->residuals);
+    mem_free(c->m, c->predicted);
+    mem_free(c->m, c->bytes);
+    mem_free(c->m, c->map);
+    mem_free(c->m, c->row);
+    mem_free(c->m, c->logs);
+    mem_free(c->m, c);
+}

@@ -1,0 +1,24 @@
+/* grid_coding.h - compressed payloads of grids (FORMAT.md 5): a treelet's own samples, and what
+ * treelets of a family share. Codes of trees are not stored, but made anew. */
+#ifndef FORMATS_LEAF_GRID_CODING_H
+#define FORMATS_LEAF_GRID_CODING_H
+
+#include "formats/leaf/grid_family.h"
+#include "formats/leaf/leaf_layout.h"
+
+/* grid_coding_samples() - the most samples that one payload codes.
+ * grid_coding_room() - the most bytes of payload p. */
+size_t grid_coding_samples(const leaf_layout *l);
+uint32_t grid_coding_room(const leaf_layout *l, uint32_t p);
+
+/* grid_coding_pack() - code payload p into out, of grid_coding_room() bytes. from: a treelet's
+ * payload, or a shell's samples. Returns the bytes it takes. */
+size_t grid_coding_pack(const leaf_layout *l, uint32_t p, box_coder *c, const void *from,
+                        void *out);
+
+/* grid_coding_unpack() - decode a shell's samples; or a treelet's own samples into its payload, of
+ * which the rest is left alone. False: the bytes are no code of it. */
+CHECKED bool grid_coding_unpack(const leaf_layout *l, uint32_t p, box_coder *c, const void *in,
+                                size_t bytes, void *to);
+
+#endif

@@ -1,0 +1,49 @@
+/* grid_family.h - what the treelets of a family share, and what each has alone (FORMAT.md 5).
+ *
+ * A family is the children of one treelet. Neighbours overlap by 1 + 2 halo samples on each axis.
+ * Compressed, these samples are stored once for all, as the family's shell; and each treelet's
+ * others, a box, as its payload. Samples of a family are counted on each axis from the first one of
+ * its first treelet, halo included.
+ */
+#ifndef FORMATS_LEAF_GRID_FAMILY_H
+#define FORMATS_LEAF_GRID_FAMILY_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "formats/leaf/box_coder.h"
+#include "formats/leaf/leaf_layout.h"
+
+/* A box of a family's samples. */
+typedef struct family_part {
+    uint32_t at[3], size[3];
+} family_part;
+
+/* A shell is up to so many boxes. */
+enum { FAMILY_PARTS_MAX = 7 };
+
+/* grid_family_parts() - the boxes of the shell below a treelet of level 1 or above: where the family
+ * has two treelets along z, the samples that both have; then, for the samples before those and for
+ * those behind, the same along y; and then along x. Returns how many there are; 0: the family is
+ * one treelet. */
+uint32_t grid_family_parts(const leaf_layout *l, uint32_t parent, family_part parts[FAMILY_PARTS_MAX]);
+
+/* grid_family_shell() - the number of samples in a shell.
+ * grid_family_shell_max() - at most so many are in any shell of a layout. */
+size_t grid_family_shell(const leaf_layout *l, uint32_t parent);
+size_t grid_family_shell_max(const leaf_layout *l);
+
+/* grid_family_shell_boxes() - a shell's boxes for the coder. samples: its boxes one behind the
+ * other, each x fastest; NULL: only sizes are wanted. Returns how many there are. */
+uint32_t grid_family_shell_boxes(const leaf_layout *l, uint32_t parent, void *samples,
+                                 coded_box boxes[FAMILY_PARTS_MAX]);
+
+/* grid_family_own() - the box of a treelet's payload that no sibling has, for the coder. The root
+ * has all of its samples alone. payload: NULL: only sizes are wanted. */
+coded_box grid_family_own(const leaf_layout *l, uint32_t treelet, void *payload);
+
+/* grid_family_take() - copy a treelet's part of the shell of its family into its payload. */
+void grid_family_take(const leaf_layout *l, uint32_t parent, uint32_t treelet, const void *shell,
+                      void *payload);
+
+#endif

@@ -1,0 +1,201 @@
+#include "formats/leaf/leaf_unpacker.h"
+
+#include <zstd.h>
+
+#include "formats/leaf/grid_codes.h"
+#include "formats/leaf/grid_coding.h"
+
+enum { SHELLS = 4 };
+
+/* A shell that was decoded. */
+typedef struct kept_shell {
+    void *samples;
+    uint32_t p;    /* its payload; LEAF_NO_TREELET: none */
+    uint64_t used; /* when it was needed last */
+} kept_shell;
+
+struct leaf_unpacker {
+    mem *m;
+    leaf_file *f;
+    void *stored;
+    ZSTD_DCtx *zstd; /* of kinds whose payloads are frames */
+    /* Of grids: */
+    box_coder *boxes;
+    grid_codes_scratch *codes;
+    kept_shell shells[SHELLS];
+    void *shell_stored;
+    uint64_t clock, shell_bytes;
+};
+
+static status begin_grid(leaf_unpacker *u) {
+    const leaf_layout *l = &u->f->layout;
+    u->codes = mem_alloc(u->m, grid_codes_scratch_bytes());
+    status st = u->codes ? box_coder_create(u->m, l->type, grid_coding_samples(l), 0, &u->boxes)
+                         : ST_NOMEM;
+    if (st != ST_OK || !l->shells)
+        return st;
+    const size_t bytes = grid_family_shell_max(l) * sample_size(l->type);
+    u->shell_stored = mem_alloc(u->m, leaf_layout_stored_max(l));
+    for (int i = 0; i < SHELLS; i++) {
+        u->shells[i].p = LEAF_NO_TREELET;
+        u->shells[i].samples = mem_alloc(u->m, bytes);
+        if (!u->shells[i].samples)
+            return ST_NOMEM;
+    }
+    return u->shell_stored ? ST_OK : ST_NOMEM;
+}
+
+status leaf_unpacker_create(mem *m, leaf_file *f, leaf_unpacker **out) {
+    *out = NULL;
+    if (f->header.codec == LEAF_CODEC_RAW)
+        return ST_OK;
+    leaf_unpacker *u = mem_zalloc(m, sizeof *u);
+    if (!u)
+        return ST_NOMEM;
+    u->m = m;
+    u->f = f;
+    u->stored = mem_alloc(m, leaf_layout_stored_max(&f->layout));
+    u->zstd = ZSTD_createDCtx();
+    status st = u->stored && u->zstd ? ST_OK : ST_NOMEM;
+    if (st == ST_OK && f->layout.coded)
+        st = begin_grid(u);
+    if (st != ST_OK) {
+        leaf_unpacker_destroy(u);
+        return st;
+    }
+    *out = u;
+    return ST_OK;
+}
+
+void leaf_unpacker_destroy(leaf_unpacker *u) {
+    if (!u)
+        return;
+    mem_free(u->m, u->stored);
+    ZSTD_freeDCtx(u->zstd);
+    box_coder_destroy(u->boxes);
+    mem_free(u->m, u->codes);
+    mem_free(u->m, u->shell_stored);
+    for (int i = 0; i < SHELLS; i++)
+        mem_free(u->m, u->shells[i].samples);
+    mem_free(u->m, u);
+}
+
+size_t leaf_unpacker_memory(const leaf_file *f) {
+    const leaf_layout *l = &f->layout;
+    if (f->header.codec == LEAF_CODEC_RAW)
+        return 0;
+    size_t bytes = sizeof(leaf_unpacker) + leaf_layout_stored_max(l) + 1024;
+    if (l->coded)
+        bytes += grid_codes_scratch_bytes() + box_coder_memory(l->type, grid_coding_samples(l));
+    if (l->shells)
+        bytes += SHELLS * grid_family_shell_max(l) * sample_size(l->type) +
+                 leaf_layout_stored_max(l);
+    return bytes;
+}
+
+status leaf_unpackers_create(mem *m, leaf_file *f, int count, leaf_unpacker ***out) {
+    leaf_unpacker **list = mem_array(m, (size_t)count, sizeof(leaf_unpacker *));
+    status st = list ? ST_OK : ST_NOMEM;
+    for (int i = 0; i < count && st == ST_OK; i++)
+        st = leaf_unpacker_create(m, f, &list[i]);
+    if (st != ST_OK) {
+        leaf_unpackers_destroy(m, list, count);
+        return st;
+    }
+    *out = list;
+    return ST_OK;
+}
+
+void leaf_unpackers_destroy(mem *m, leaf_unpacker **list, int count) {
+    for (int i = 0; list && i < count; i++)
+        leaf_unpacker_destroy(list[i]);
+    mem_free(m, list);
+}
+
+uint64_t leaf_unpacker_take(leaf_unpacker *u) {
+    const uint64_t bytes = u ? u->shell_bytes : 0;
+    if (u)
+        u->shell_bytes = 0;
+    return bytes;
+}
+
+void *leaf_unpacker_room(leaf_unpacker *u) {
+    return u->stored;
+}
+
+static status malformed(const leaf_unpacker *u, uint32_t p, const char *why) {
+    char name[LEAF_NAME_MAX];
+    return status_describe(ST_CORRUPT, "%s: byte %llu: %s does not decompress to %u bytes: %s",
+                           file_path(u->f->source), (unsigned long long)u->f->offsets[p],
+                           leaf_layout_payload_name(&u->f->layout, p, name),
+                           leaf_layout_payload_bytes(&u->f->layout, p), why);
+}
+
+static status unframe(leaf_unpacker *u, uint32_t p, const void *stored, void *payload) {
+    const size_t bytes = leaf_layout_payload_bytes(&u->f->layout, p);
+    const size_t got =
+        ZSTD_decompressDCtx(u->zstd, payload, bytes, stored, (size_t)u->f->sizes[p]);
+    if (got == bytes)
+        return ST_OK;
+    return malformed(u, p, ZSTD_isError(got) ? ZSTD_getErrorName(got) : "it is shorter");
+}
+
+static status unpack(leaf_unpacker *u, uint32_t p, const void *stored, void *to) {
+    return grid_coding_unpack(&u->f->layout, p, u->boxes, stored, (size_t)u->f->sizes[p], to)
+               ? ST_OK
+               : malformed(u, p, "it is no code of its samples");
+}
+
+static status read_shell(leaf_unpacker *u, kept_shell *s) {
+    const uint32_t p = s->p;
+    status st = leaf_file_fetch(u->f, p, u->shell_stored);
+    if (st == ST_OK)
+        st = unpack(u, p, u->shell_stored, s->samples);
+    u->shell_bytes += u->f->sizes[p];
+    if (st != ST_OK)
+        s->p = LEAF_NO_TREELET;
+    return st;
+}
+
+/* Find shell p among those that are kept, or read it in place of the one not needed for longest. */
+static status find_shell(leaf_unpacker *u, uint32_t p, const void **samples) {
+    kept_shell *s = &u->shells[0];
+    for (int i = 0; i < SHELLS; i++)
+        if (u->shells[i].p == p || (s->p != p && u->shells[i].used < s->used))
+            s = &u->shells[i];
+    status st = ST_OK;
+    if (s->p != p) {
+        s->p = p;
+        st = read_shell(u, s);
+    }
+    s->used = ++u->clock;
+    *samples = s->samples;
+    return st;
+}
+
+static status decode_treelet(leaf_unpacker *u, uint32_t p, const void *stored, void *payload) {
+    const leaf_layout *l = &u->f->layout;
+    const uint32_t t = p % l->treelets;
+    status st = unpack(u, p, stored, payload);
+    if (st == ST_OK && t > 0) {
+        const uint32_t parent = leaf_layout_parent(l, t);
+        const uint32_t shell = leaf_layout_shell(l, p / l->treelets, parent);
+        const void *samples;
+        if (u->f->sizes[shell] > 0) {
+            st = find_shell(u, shell, &samples);
+            if (st == ST_OK)
+                grid_family_take(l, parent, t, samples, payload);
+        }
+    }
+    if (st == ST_OK)
+        (void)grid_codes_make(l, t, u->codes, payload);
+    return st;
+}
+
+status leaf_unpacker_decode(leaf_unpacker *u, uint32_t p, const void *stored, void *payload) {
+    const leaf_layout *l = &u->f->layout;
+    if (!l->coded)
+        return unframe(u, p, stored, payload);
+    return p < l->sets * l->treelets ? decode_treelet(u, p, stored, payload)
+                                     : unpack(u, p, stored, payload);
+}
