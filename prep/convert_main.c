@@ -19,7 +19,7 @@
 #include "prep/mesh/convert_meshes.h"
 #include "prep/mesh/mesh_convert.h"
 
-enum { ZSTD_LEVEL_DEFAULT = 3, ZSTD_LEVEL_MAX = 22 };
+enum { ZSTD_LEVEL_DEFAULT = 1, ZSTD_LEVEL_MAX = 22 };
 
 enum {
     KEY_COMPRESS = 0x2000,
@@ -159,15 +159,18 @@ static status set_exaggerate(volume_hints *h, const char *text) {
 
 static status set_compress(convert_request *a, const char *text) {
     if (strcmp(text, "none") == 0) {
-        a->file.codec = LEAF_CODEC_RAW;
+        const leaf_parameters raw = leaf_parameters_default();
+        a->file.codec = raw.codec;
+        a->file.run_align_log2 = raw.run_align_log2;
         return ST_OK;
     }
     if (strncmp(text, "zstd", 4) != 0 || (text[4] != '\0' && text[4] != ':'))
         return status_describe(ST_USAGE, "--compress: \"%s\" is neither zstd:N nor none", text);
-    a->file.codec = LEAF_CODEC_ZSTD;
-    a->file.zstd_level = ZSTD_LEVEL_DEFAULT;
-    return text[4] ? cli_int(text + 5, "--compress zstd", 1, ZSTD_LEVEL_MAX, &a->file.zstd_level)
-                   : ST_OK;
+    int level = ZSTD_LEVEL_DEFAULT;
+    const status st = text[4] ? cli_int(text + 5, "--compress zstd", 1, ZSTD_LEVEL_MAX, &level)
+                              : ST_OK;
+    leaf_parameters_compress(&a->file, level);
+    return st;
 }
 
 static status set_treelet(convert_request *a, const char *text) {

@@ -120,10 +120,8 @@ static leafcast_status job_end(job *j, status st) {
 
 static leaf_parameters parameters_of(const job *j) {
     leaf_parameters p = convert_parameters_default();
-    if (j->o.zstd_level) {
-        p.codec = LEAF_CODEC_ZSTD;
-        p.zstd_level = j->o.zstd_level;
-    }
+    if (j->o.zstd_level)
+        leaf_parameters_compress(&p, j->o.zstd_level);
     if (j->o.treelet_cells)
         p.cells_log2 = (uint32_t)__builtin_ctz(j->o.treelet_cells);
     if (j->o.without_halo)

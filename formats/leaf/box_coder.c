@@ -6,11 +6,15 @@
 
 #include <zstd.h>
 
+#include "formats/leaf/box_rows.h"
+
 enum {
     CODE_BYTES = 16,  /* box_code, then a u32 a stream: its bytes */
     STREAMS_MAX = 5,  /* the map, and up to four bytes of residuals */
-    ESTIMATED = 4096, /* samples that a prediction is judged by */
+    ESTIMATED = 2048, /* samples that a prediction is judged by */
     LOG_BITS = 10,
+    LEAST_SHARE = 32, /* of the commonest value, in 256ths: below it is no background, */
+    MOST_SHARE = 128, /* from there on always */
     METHOD_PLAIN = 0,
     METHOD_CODED = 1
 };
@@ -22,56 +26,34 @@ struct box_coder {
     int level;
     ZSTD_CCtx *compressor;
     ZSTD_DCtx *decompressor;
-    void *values, *residuals; /* of T: of all samples */
-    void *predicted, *row;    /* and of a row */
-    uint8_t *bytes;           /* residuals by bytes */
-    uint8_t *map;             /* of samples that are not the background */
-    uint32_t *logs;           /* of the encoder: x log2(x), for x up to 2 ESTIMATED */
+    const box_rows *rows;
+    box_work w;
+    uint8_t *bytes; /* residuals by bytes */
+    uint32_t *logs; /* of the encoder: x log2(x), for x up to 2 ESTIMATED */
 };
-
-/* ---- the map: a bit for each sample, in whole bytes for each row ---- */
-
-static uint32_t map_row_bytes(uint32_t samples) {
-    return (samples + 7) / 8;
-}
-
-static size_t map_bytes(const uint32_t size[3]) {
-    return (size_t)map_row_bytes(size[0]) * size[1] * size[2];
-}
-
-/* How many samples of a row are coded. */
-static uint32_t map_row_count(const uint8_t *bits, uint32_t samples) {
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < map_row_bytes(samples); i++) {
-        unsigned b = bits[i] - (bits[i] >> 1 & 0x55U);
-        b = (b & 0x33) + (b >> 2 & 0x33);
-        count += (b + (b >> 4)) & 0xF;
-    }
-    return count;
-}
 
 static size_t maps_bytes(const coded_box *boxes, uint32_t count) {
     size_t bytes = 0;
     for (uint32_t i = 0; i < count; i++)
-        bytes += map_bytes(boxes[i].size);
+        bytes += box_map_bytes(boxes[i].size);
     return bytes;
 }
 
-/* ---- rows, for samples of each width ---- */
+/* ---- samples of each width ---- */
 
 #define T          uint8_t
 #define ROWS(name) name##_u8
-#include "formats/leaf/box_coder_rows.h"
+#include "formats/leaf/box_samples_typed.h"
 #undef T
 #undef ROWS
 #define T          uint16_t
 #define ROWS(name) name##_u16
-#include "formats/leaf/box_coder_rows.h"
+#include "formats/leaf/box_samples_typed.h"
 #undef T
 #undef ROWS
 #define T          uint32_t
 #define ROWS(name) name##_u32
-#include "formats/leaf/box_coder_rows.h"
+#include "formats/leaf/box_samples_typed.h"
 #undef T
 #undef ROWS
 
@@ -90,7 +72,7 @@ static unsigned flip_of(sample_type type) {
 
 static void gather(const box_coder *c, const coded_box *boxes, uint32_t count) {
     const unsigned flip = flip_of(c->type);
-    char *out = c->values;
+    char *out = c->w.values;
     for (uint32_t i = 0; i < count; i++) {
         const coded_box *b = &boxes[i];
         switch (sample_size(c->type)) {
@@ -104,7 +86,7 @@ static void gather(const box_coder *c, const coded_box *boxes, uint32_t count) {
 
 static void scatter(const box_coder *c, const coded_box *boxes, uint32_t count) {
     const unsigned flip = flip_of(c->type);
-    const char *in = c->values;
+    const char *in = c->w.values;
     for (uint32_t i = 0; i < count; i++) {
         const coded_box *b = &boxes[i];
         switch (sample_size(c->type)) {
@@ -189,11 +171,11 @@ static bool take_multiples(uint32_t *values, uint32_t *room, size_t n, box_code 
 }
 
 static void map_floats(const box_coder *c, size_t n, box_code *code) {
-    uint32_t *values = c->values;
+    uint32_t *values = c->w.values;
     code->map = (uint8_t)find_map(values, n, 1, DECIMALS);
     if (!code->map)
         code->map = (uint8_t)find_map(values, n, DECIMALS + 1, MAPS - 1);
-    if (code->map && take_multiples(values, c->residuals, n, code))
+    if (code->map && take_multiples(values, c->w.residuals, n, code))
         return;
     code->map = 0;
     for (size_t i = 0; i < n; i++)
@@ -201,7 +183,7 @@ static void map_floats(const box_coder *c, size_t n, box_code *code) {
 }
 
 static void unmap_floats(const box_coder *c, size_t n, const box_code *code) {
-    uint32_t *values = c->values;
+    uint32_t *values = c->w.values;
     if (!code->map) {
         for (size_t i = 0; i < n; i++)
             values[i] = unordered(values[i]);
@@ -247,32 +229,32 @@ static unsigned width_of(const box_coder *c, size_t n) {
     switch (sample_size(c->type)) {
     case 1:
         for (size_t i = 0; i < n; i++)
-            any |= ((const uint8_t *)c->residuals)[i];
+            any |= ((const uint8_t *)c->w.residuals)[i];
         break;
     case 2:
         for (size_t i = 0; i < n; i++)
-            any |= ((const uint16_t *)c->residuals)[i];
+            any |= ((const uint16_t *)c->w.residuals)[i];
         break;
     default:
         for (size_t i = 0; i < n; i++)
-            any |= ((const uint32_t *)c->residuals)[i];
+            any |= ((const uint32_t *)c->w.residuals)[i];
     }
     return any ? (39U - (unsigned)__builtin_clz(any)) / 8 : 0;
 }
 
 static void split(const box_coder *c, size_t n, unsigned width) {
     switch (sample_size(c->type)) {
-    case 1: split_u8(c->residuals, n, width, c->bytes); break;
-    case 2: split_u16(c->residuals, n, width, c->bytes); break;
-    default: split_u32(c->residuals, n, width, c->bytes);
+    case 1: split_u8(c->w.residuals, n, width, c->bytes); break;
+    case 2: split_u16(c->w.residuals, n, width, c->bytes); break;
+    default: split_u32(c->w.residuals, n, width, c->bytes);
     }
 }
 
 /* What all samples would cost, judged by every `step`-th row. */
 static uint64_t cost_of(box_coder *c, const coded_box *boxes, uint32_t count, int how,
                         uint32_t step) {
-    const size_t n = BY_WIDTH(c, residuals_of, c, boxes, count, how & ~BOX_BACKGROUND,
-                              how & BOX_BACKGROUND, step);
+    const size_t n = c->rows->residuals(&c->w, boxes, count, how & ~BOX_BACKGROUND,
+                                        how & BOX_BACKGROUND, step);
     const unsigned width = width_of(c, n);
     uint64_t sum = 0;
     split(c, n, width);
@@ -281,17 +263,19 @@ static uint64_t cost_of(box_coder *c, const coded_box *boxes, uint32_t count, in
     return sum * step;
 }
 
-/* Choose a prediction, and whether there is a background (marked already if may_mark). */
-static int choose(box_coder *c, const coded_box *boxes, uint32_t count, size_t n, bool may_mark) {
+/* Choose a prediction, and whether there is a background. share: of the samples, in 256ths; if it is
+ * LEAST_SHARE or more, it is marked. */
+static int choose(box_coder *c, const coded_box *boxes, uint32_t count, size_t n, unsigned share) {
     static const int hows[] = {
         BOX_NONE,  BOX_ROW | BOX_ALONG,   BOX_PLANE, BOX_PLANE | BOX_ALONG,
         BOX_MEDIAN, BOX_MEDIAN | BOX_ALONG};
     const uint32_t step = (uint32_t)(n / ESTIMATED) | 1; /* odd: no row of a sheet is left out */
-    const uint64_t map = may_mark ? entropy(c, c->map, maps_bytes(boxes, count)) : 0;
+    const bool may_mark = share >= LEAST_SHARE, must_mark = share >= MOST_SHARE;
+    const uint64_t map = may_mark ? entropy(c, c->w.map, maps_bytes(boxes, count)) : 0;
     uint64_t least = UINT64_MAX;
     int best = 0;
     for (unsigned i = 0; i < sizeof hows / sizeof *hows; i++)
-        for (int mark = 0; mark <= may_mark; mark++) {
+        for (int mark = must_mark; mark <= may_mark; mark++) {
             const int how = hows[i] | (mark ? BOX_BACKGROUND : 0);
             const uint64_t cost = cost_of(c, boxes, count, how, step) + (mark ? map : 0);
             if (cost < least) {
@@ -349,7 +333,7 @@ static uint8_t *stream_at(const box_coder *c, const box_code *code, unsigned i, 
                           size_t *bytes) {
     if (code->prediction & BOX_BACKGROUND && i-- == 0) {
         *bytes = map;
-        return c->map;
+        return c->w.map;
     }
     *bytes = code->coded;
     return c->bytes + (size_t)i * code->coded;
@@ -381,12 +365,11 @@ static size_t encode_plain(const box_coder *c, const coded_box *boxes, uint32_t 
     const size_t bytes = samples_of(boxes, count) * sample_size(c->type);
     gather(c, boxes, count);
     put_code(&plain, out);
-    memcpy(out + CODE_BYTES, c->values, bytes);
+    memcpy(out + CODE_BYTES, c->w.values, bytes);
     return CODE_BYTES + bytes;
 }
 
 size_t box_coder_encode(box_coder *c, const coded_box *boxes, uint32_t count, void *out) {
-    enum { LEAST_SHARE = 32 }; /* of the commonest value, in 256ths */
     const size_t n = samples_of(boxes, count), map = maps_bytes(boxes, count);
     box_code code = {.method = METHOD_CODED};
     unsigned share;
@@ -395,19 +378,12 @@ size_t box_coder_encode(box_coder *c, const coded_box *boxes, uint32_t count, vo
     if (c->type == SAMPLE_F32)
         map_floats(c, n, &code);
     const uint32_t common = BY_WIDTH(c, commonest, c, n, &share);
-    const bool may_mark = share >= LEAST_SHARE;
-    if (may_mark) {
-        switch (sample_size(c->type)) {
-        case 1: mark_u8(c, boxes, count, (uint8_t)common); break;
-        case 2: mark_u16(c, boxes, count, (uint16_t)common); break;
-        default: mark_u32(c, boxes, count, common);
-        }
-    }
-    code.prediction = (uint8_t)choose(c, boxes, count, n, may_mark);
+    if (share >= LEAST_SHARE)
+        c->rows->mark(&c->w, boxes, count, common);
+    code.prediction = (uint8_t)choose(c, boxes, count, n, share);
     code.background = code.prediction & BOX_BACKGROUND ? common : 0;
-    code.coded = (uint32_t)BY_WIDTH(c, residuals_of, c, boxes, count,
-                                    code.prediction & ~BOX_BACKGROUND,
-                                    code.prediction & BOX_BACKGROUND, 1);
+    code.coded = (uint32_t)c->rows->residuals(&c->w, boxes, count, code.prediction & ~BOX_BACKGROUND,
+                                              code.prediction & BOX_BACKGROUND, 1);
     code.width = (uint8_t)width_of(c, code.coded);
     split(c, code.coded, code.width);
     const size_t size = compress(c, &code, map, out, CODE_BYTES + n * sample_size(c->type));
@@ -444,9 +420,9 @@ static bool decompress(const box_coder *c, const box_code *code, size_t map, con
 
 static void join(const box_coder *c, size_t n, unsigned width) {
     switch (sample_size(c->type)) {
-    case 1: join_u8(c->bytes, n, width, c->residuals); break;
-    case 2: join_u16(c->bytes, n, width, c->residuals); break;
-    default: join_u32(c->bytes, n, width, c->residuals);
+    case 1: join_u8(c->bytes, n, width, c->w.residuals); break;
+    case 2: join_u16(c->bytes, n, width, c->w.residuals); break;
+    default: join_u32(c->bytes, n, width, c->w.residuals);
     }
 }
 
@@ -456,7 +432,7 @@ static bool decode_plain(const box_coder *c, const uint8_t *in, size_t bytes,
     const size_t samples = samples_of(boxes, count) * sample_size(c->type);
     if (bytes != CODE_BYTES + samples || memcmp(in, zeros, CODE_BYTES) != 0)
         return false;
-    memcpy(c->values, in + CODE_BYTES, samples);
+    memcpy(c->w.values, in + CODE_BYTES, samples);
     scatter(c, boxes, count);
     return true;
 }
@@ -473,7 +449,7 @@ bool box_coder_decode(box_coder *c, const void *in, size_t bytes, const coded_bo
     if (!is_sound(c, &code, n) || !decompress(c, &code, map, in, bytes))
         return false;
     join(c, code.coded, code.width);
-    if (!BY_WIDTH(c, values_of, c, boxes, count, &code))
+    if (!c->rows->values(&c->w, boxes, count, &code))
         return false;
     if (c->type == SAMPLE_F32)
         unmap_floats(c, n, &code);
@@ -483,13 +459,12 @@ bool box_coder_decode(box_coder *c, const void *in, size_t bytes, const coded_bo
 
 /* ---- coders ---- */
 
-/* A row may be read one residual too far. */
 static size_t values_bytes(sample_type type, size_t samples) {
-    return (samples + 1) * sample_size(type);
+    return samples * sample_size(type) + BOX_SPARE;
 }
 
 size_t box_coder_memory(sample_type type, size_t samples) {
-    return sizeof(box_coder) + 5 * values_bytes(type, samples) + samples +
+    return sizeof(box_coder) + 7 * values_bytes(type, samples) + samples +
            2 * ESTIMATED * sizeof(uint32_t) + 512;
 }
 
@@ -514,13 +489,14 @@ static status begin_encoder(box_coder *c) {
 
 static status allocate(box_coder *c) {
     const size_t values = values_bytes(c->type, c->samples);
-    c->values = mem_alloc(c->m, values);
-    c->residuals = mem_alloc(c->m, values);
-    c->predicted = mem_alloc(c->m, values);
+    c->w.values = mem_alloc(c->m, values);
+    c->w.residuals = mem_alloc(c->m, values);
+    c->w.predicted = mem_alloc(c->m, values);
     c->bytes = mem_alloc(c->m, values);
-    c->row = mem_alloc(c->m, values);
-    c->map = mem_alloc(c->m, c->samples);
-    if (!c->values || !c->residuals || !c->predicted || !c->row || !c->bytes || !c->map)
+    c->w.row = mem_alloc(c->m, 2 * values);
+    c->w.zeros = mem_zalloc(c->m, values);
+    c->w.map = mem_alloc(c->m, c->samples);
+    if (!c->w.values || !c->w.residuals || !c->w.predicted || !c->w.row || !c->w.zeros || !c->bytes || !c->w.map)
         return ST_NOMEM;
     c->decompressor = ZSTD_createDCtx();
     return c->decompressor ? ST_OK : status_describe(ST_NOMEM, "no room for a decompressor");
@@ -535,6 +511,7 @@ status box_coder_create(mem *m, sample_type type, size_t samples, int level, box
     c->type = type;
     c->samples = samples;
     c->level = level;
+    c->rows = box_rows_best(sample_size(type));
     status st = allocate(c);
     if (st == ST_OK && level)
         st = begin_encoder(c);
@@ -551,12 +528,13 @@ void box_coder_destroy(box_coder *c) {
         return;
     ZSTD_freeCCtx(c->compressor);
     ZSTD_freeDCtx(c->decompressor);
-    mem_free(c->m, c->values);
-    mem_free(c->m, c->residuals);
-    mem_free(c->m, c->predicted);
+    mem_free(c->m, c->w.values);
+    mem_free(c->m, c->w.residuals);
+    mem_free(c->m, c->w.predicted);
     mem_free(c->m, c->bytes);
-    mem_free(c->m, c->map);
-    mem_free(c->m, c->row);
+    mem_free(c->m, c->w.map);
+    mem_free(c->m, c->w.row);
+    mem_free(c->m, c->w.zeros);
     mem_free(c->m, c->logs);
     mem_free(c->m, c);
 }

@@ -16,6 +16,12 @@ leaf_parameters leaf_parameters_default(void) {
         .cells_log2 = 5, .halo = 1, .run_align_log2 = 12, .codec = LEAF_CODEC_RAW};
 }
 
+void leaf_parameters_compress(leaf_parameters *p, int level) {
+    p->codec = LEAF_CODEC_ZSTD;
+    p->zstd_level = level;
+    p->run_align_log2 = LEAF_ALIGN_LOG2;
+}
+
 static status begin(mem *m, leaf_packer *k) {
     const leaf_layout *l = k->layout;
     if (l && l->coded)

@@ -25,6 +25,10 @@ typedef struct leaf_parameters {
 /* leaf_parameters_default() - B = 32, h = 1, runs at 4096, raw, no histograms, no deviations. */
 leaf_parameters leaf_parameters_default(void);
 
+/* leaf_parameters_compress() - compress by zstd at a level. Runs are small then, and need no pages
+ * of their own: they begin at multiples of 64. */
+void leaf_parameters_compress(leaf_parameters *p, int level);
+
 /* What one thread keeps between payloads: a compressor, whose state lives outside `mem`. NULL for
  * the raw codec. */
 typedef struct leaf_packer leaf_packer;

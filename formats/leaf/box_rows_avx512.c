@@ -1,0 +1,1 @@
+#include "formats/leaf/box_rows_template.h"
