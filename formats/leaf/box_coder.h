@@ -1,4 +1,4 @@
-/* box_coder.h - boxes of samples as few bytes, without loss (FORMAT.md 5).
+/* box_coder.h - boxes of samples as few bytes, without loss (FORMAT.md 10).
  *
  * Samples become unsigned integers in the order of their values, each is predicted from those
  * before it, and what is left over goes to zstd, a stream for each of its bytes. Where one value

@@ -24,6 +24,11 @@ static uint32_t map_row_count(const uint8_t *bits, uint32_t samples) {
     return count;
 }
 
+/* The bits behind the last sample of a row. */
+static unsigned map_row_rest(const uint8_t *bits, uint32_t samples) {
+    return samples % 8 ? (unsigned)bits[samples / 8] >> samples % 8 : 0;
+}
+
 #ifdef __SSE2__
 #define plus_u8  _mm_add_epi8
 #define plus_u16 _mm_add_epi16

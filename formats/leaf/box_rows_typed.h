@@ -252,7 +252,8 @@ static bool ROWS(values)(const box_work *c, const coded_box *boxes, uint32_t cou
         for (uint32_t z = 0; z < size[2]; z++)
             for (uint32_t y = 0; y < size[1]; y++, row += size[0]) {
                 const uint32_t n = background ? map_row_count(map, size[0]) : size[0];
-                if (n > (size_t)(end - residuals))
+                if (n > size[0] || n > (size_t)(end - residuals) ||
+                    (background && map_row_rest(map, size[0])))
                     return false;
                 if (n > 0)
                     guess = ROWS(predict)(how, ROWS(neighbours_of)(row, size, y, z), size[0], zeros,

@@ -1,4 +1,4 @@
-/* grid_coding.h - compressed payloads of grids (FORMAT.md 5): a treelet's own samples, and what
+/* grid_coding.h - compressed payloads of grids (FORMAT.md 10): a treelet's own samples, and what
  * treelets of a family share. Codes of trees are not stored, but made anew. */
 #ifndef FORMATS_LEAF_GRID_CODING_H
 #define FORMATS_LEAF_GRID_CODING_H

@@ -1,4 +1,4 @@
-/* grid_family.h - what the treelets of a family share, and what each has alone (FORMAT.md 5).
+/* grid_family.h - what the treelets of a family share, and what each has alone (FORMAT.md 10).
  *
  * A family is the children of one treelet. Neighbours overlap by 1 + 2 halo samples on each axis.
  * Compressed, these samples are stored once for all, as the family's shell; and each treelet's
