@@ -39,7 +39,7 @@ status leaf_packer_create(mem *m, const leaf_layout *l, const leaf_parameters *p
     if (!k)
         return ST_NOMEM;
     k->layout = l;
-    k->level = p->zstd_level;
+    k->level = p->zstd_level ? p->zstd_level : ZSTD_CLEVEL_DEFAULT;
     const status st = begin(m, k);
     if (st != ST_OK) {
         mem_free(m, k);

@@ -21,6 +21,7 @@
 #include "prep/mesh/mesh_series.h"
 #include "tests/support/fields.h"
 #include "tests/support/leaf_files.h"
+#include "tests/support/loaded.h"
 #include "tests/support/mesh_cases.h"
 #include "tests/support/mesh_truth.h"
 #include "tests/support/scratch.h"
@@ -120,12 +121,10 @@ typedef struct treelet_view {
 static treelet_view load_treelet(leaf_file *f, uint32_t t) {
     treelet_view v = {.s = mesh_leaf_shape(f->mesh->counts[t])};
     const uint32_t p = leaf_layout_values(&f->layout, 0, t);
-    char *stored = aligned_alloc(64, leaf_layout_aligned(leaf_layout_payload_max(&f->layout), 6));
     v.topology = aligned_alloc(64, v.s.topology_bytes);
     v.values = aligned_alloc(64, v.s.values_bytes);
-    assert_int_equal(leaf_file_load(f, t, stored, v.topology), ST_OK);
-    assert_int_equal(leaf_file_load(f, p, stored, v.values), ST_OK);
-    free(stored);
+    assert_int_equal(loaded(f, t, v.topology), ST_OK);
+    assert_int_equal(loaded(f, p, v.values), ST_OK);
     v.position = mesh_leaf_positions(&v.s, v.topology);
     v.value = mesh_leaf_values(&v.s, v.values);
     v.tets = mesh_leaf_tets(&v.s, v.topology);
@@ -307,15 +306,12 @@ static void check_gradients(const mesh_case *c, const char *name) {
     assert_int_equal(f->layout.gradient_sets, 1);
     for (uint32_t t = 0; t < f->layout.treelets; t++) {
         treelet_view v = load_treelet(f, t);
-        char *stored = aligned_alloc(64, v.s.gradients_bytes + 4096);
         float(*gradients)[3] = aligned_alloc(64, v.s.gradients_bytes);
-        assert_int_equal(
-            leaf_file_load(f, leaf_layout_gradients(&f->layout, 0, t), stored, gradients), ST_OK);
+        assert_int_equal(loaded(f, leaf_layout_gradients(&f->layout, 0, t), gradients), ST_OK);
         for (uint32_t i = 0; i < v.s.vertices; i++) {
             const size_t vertex = vertex_at(c, v.position[i]);
             mesh_truth_check(&all[vertex], gradients[i], vertex);
         }
-        free(stored);
         free(gradients);
         release_treelet(&v);
     }

@@ -21,6 +21,7 @@
 #include "tests/support/fields.h"
 #include "tests/support/interests.h"
 #include "tests/support/leaf_files.h"
+#include "tests/support/loaded.h"
 
 static mem m;
 
@@ -125,7 +126,6 @@ static void assert_same_masks(const active_masks *got, const active_masks *want,
 
 typedef struct bench {
     leaf_file *f;
-    void *stored;
     guarded want, got;
     uint32_t levels;
     uint64_t cells; /* active ones, of all that was compared */
@@ -190,7 +190,7 @@ static void compare_treelet(bench *b, uint32_t t, const double *values, int coun
                             field_random *r) {
     const leaf_payload shape = leaf_layout_payload(&b->f->layout, t);
     guarded payload = guarded_make(shape.bytes);
-    assert_int_equal(leaf_file_load(b->f, t, b->stored, payload.block), ST_OK);
+    assert_int_equal(loaded(b->f, t, payload.block), ST_OK);
     compare_interests(b, t, payload.block, values, count, r, true);
     lie(payload.block, leaf_codes_at(shape.node_levels + 1), r);
     compare_interests(b, t, payload.block, values, count, r, false);
@@ -222,10 +222,8 @@ static uint64_t compare_case(leaf_case c, const char *name, const double *more, 
     b.levels = c.options.file.cells_log2 - LEAF_BLOCK_LOG2;
     b.want = guarded_make(active_bytes(b.levels));
     b.got = guarded_make(active_bytes(b.levels));
-    b.stored = mem_alloc(&m, leaf_layout_payload_max(&b.f->layout));
     for (uint32_t t = 0; t < b.f->layout.treelets; t++)
         compare_treelet(&b, t, isos, count, &r);
-    mem_free(&m, b.stored);
     guarded_release(&b.want);
     guarded_release(&b.got);
     leaf_file_close(b.f);

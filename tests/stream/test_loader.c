@@ -19,6 +19,7 @@
 #include "tests/support/fixture.h"
 #include "tests/support/interests.h"
 #include "tests/support/leaf_files.h"
+#include "tests/support/loaded.h"
 #include "tests/support/watched.h"
 
 enum { WORKERS = 2, THREADS = 4 };
@@ -28,7 +29,7 @@ typedef struct stage {
     mem m;
     leaf_file *f;
     loader *l;
-    void *stored, *payload;
+    void *payload;
     active_masks *truth;
     uint32_t levels;
 } stage;
@@ -41,7 +42,6 @@ static void stage_open(stage *s, sample_type type, cpu_isa isa) {
     assert_int_equal(leaf_file_open(&s->m, leaf_files_make(&c, "loader.leaf"), &s->f), ST_OK);
     free(samples);
     s->levels = s->f->layout.cells_log2 - LEAF_BLOCK_LOG2;
-    s->stored = mem_alloc(&s->m, leaf_layout_payload_max(&s->f->layout));
     s->payload = mem_alloc(&s->m, leaf_layout_payload_max(&s->f->layout));
     s->truth = active_init(mem_alloc(&s->m, active_bytes(s->levels)), s->levels);
     const loader_options options = {.source = SOURCE_ARENA, .workers = WORKERS, .isa = isa};
@@ -53,7 +53,6 @@ static void stage_close(stage *s) {
     loader_destroy(s->l);
     mem_free(&s->m, s->truth);
     mem_free(&s->m, s->payload);
-    mem_free(&s->m, s->stored);
     leaf_file_close(s->f);
     assert_int_equal(mem_used(&s->m), 0);
 }
@@ -70,7 +69,7 @@ static bool same_masks(const active_masks *a, const active_masks *b, uint32_t le
 }
 
 static void assert_true_masks(stage *s, const treelet *tr, const interest *in) {
-    assert_int_equal(leaf_file_load(s->f, tr->id, s->stored, s->payload), ST_OK);
+    assert_int_equal(loaded(s->f, tr->id, s->payload), ST_OK);
     active_compute(s->truth, s->f, tr->id, s->payload, in);
     assert_true(same_masks(resident_grid_of(tr)->masks, s->truth, s->levels));
 }
@@ -260,7 +259,7 @@ static void test_crowd(void **state) {
             if (!s.l->own[t])
                 continue;
             active++;
-            assert_int_equal(leaf_file_load(s.f, t, s.stored, s.payload), ST_OK);
+            assert_int_equal(loaded(s.f, t, s.payload), ST_OK);
             active_compute(s.truth, s.f, t, s.payload, &in);
             c.want[t] = hash_masks(s.truth, s.levels);
         }

@@ -12,7 +12,7 @@ static const uint32_t kinds[] = {LEAF_SECTION_RANGES,  LEAF_SECTION_OWN,   LEAF_
 enum { SECTIONS = sizeof kinds / sizeof *kinds };
 
 static leaf_header header_of(const cells_input *in) {
-    leaf_header h = {.version = 1,
+    leaf_header h = {.version = LEAF_VERSION,
                      .kind = in->kind,
                      .sample_type = SAMPLE_F32,
                      .source_type = SAMPLE_F32,
