@@ -464,8 +464,8 @@ static size_t values_bytes(sample_type type, size_t samples) {
 }
 
 size_t box_coder_memory(sample_type type, size_t samples) {
-    return sizeof(box_coder) + 7 * values_bytes(type, samples) + samples +
-           2 * ESTIMATED * sizeof(uint32_t) + 512;
+    return sizeof(box_coder) + 3 * values_bytes(type, samples) + samples +
+           4 * values_bytes(type, BOX_ROW_MAX) + 2 * ESTIMATED * sizeof(uint32_t) + 512;
 }
 
 size_t box_coder_outside(const box_coder *c) {
@@ -489,12 +489,13 @@ static status begin_encoder(box_coder *c) {
 
 static status allocate(box_coder *c) {
     const size_t values = values_bytes(c->type, c->samples);
+    const size_t row = values_bytes(c->type, BOX_ROW_MAX);
     c->w.values = mem_alloc(c->m, values);
     c->w.residuals = mem_alloc(c->m, values);
-    c->w.predicted = mem_alloc(c->m, values);
+    c->w.predicted = mem_alloc(c->m, row);
     c->bytes = mem_alloc(c->m, values);
-    c->w.row = mem_alloc(c->m, 2 * values);
-    c->w.zeros = mem_zalloc(c->m, values);
+    c->w.row = mem_alloc(c->m, 2 * row);
+    c->w.zeros = mem_zalloc(c->m, row);
     c->w.map = mem_alloc(c->m, c->samples);
     if (!c->w.values || !c->w.residuals || !c->w.predicted || !c->w.row || !c->w.zeros || !c->bytes || !c->w.map)
         return ST_NOMEM;

@@ -20,8 +20,9 @@
 #include "formats/base/status.h"
 
 /* A box of samples somewhere in memory. */
+enum { BOX_ROW_MAX = 256 };
 typedef struct coded_box {
-    uint32_t size[3];   /* 1 or more */
+    uint32_t size[3];   /* 1 or more; x up to BOX_ROW_MAX */
     uint32_t stride[3]; /* samples from one to the next on each axis */
     void *at;           /* its first sample; encoding only reads */
 } coded_box;

@@ -65,8 +65,8 @@ static uint64_t memory_of(leaf_packer *k, char *sample, size_t bytes) {
         (void)ZSTD_compressCCtx(k->context, sample + bytes, bytes - 1, sample, bytes, k->level);
         return ZSTD_sizeof_CCtx(k->context);
     }
-    const uint32_t samples = (uint32_t)grid_coding_samples(l);
-    const coded_box box = {{samples, 1, 1}, {1, samples, samples}, sample};
+    const uint32_t samples = (uint32_t)grid_coding_samples(l), rows = samples / BOX_ROW_MAX;
+    const coded_box box = {{BOX_ROW_MAX, rows, 1}, {1, BOX_ROW_MAX, BOX_ROW_MAX * rows}, sample};
     (void)box_coder_encode(k->boxes, &box, 1, sample + bytes);
     return box_coder_outside(k->boxes) + box_coder_memory(l->type, samples);
 }

@@ -101,7 +101,7 @@ static void test_types(void **state) {
             const char *path = leaf_files_make(&c, "types.leaf");
             for (size_t b = 0; b < sizeof boxes / sizeof *boxes; b++)
                 for (int threads = 1; threads < 4; threads += 2)
-                    check_box(path, &c, boxes[b], threads, threads == 1 ? 0 : 1 << 20);
+                    check_box(path, &c, boxes[b], threads, threads == 1 ? 0 : 1 << 21);
             free((void *)(uintptr_t)c.samples);
         }
 }
