@@ -70,8 +70,8 @@ static unsigned flip_of(sample_type type) {
     return type == SAMPLE_I8 ? 0x80 : type == SAMPLE_I16 ? 0x8000 : 0;
 }
 
-static void gather(const box_coder *c, const coded_box *boxes, uint32_t count) {
-    const unsigned flip = flip_of(c->type);
+/* flip: exclusive or with each sample. */
+static void gather(const box_coder *c, const coded_box *boxes, uint32_t count, unsigned flip) {
     char *out = c->w.values;
     for (uint32_t i = 0; i < count; i++) {
         const coded_box *b = &boxes[i];
@@ -84,8 +84,7 @@ static void gather(const box_coder *c, const coded_box *boxes, uint32_t count) {
     }
 }
 
-static void scatter(const box_coder *c, const coded_box *boxes, uint32_t count) {
-    const unsigned flip = flip_of(c->type);
+static void scatter(const box_coder *c, const coded_box *boxes, uint32_t count, unsigned flip) {
     const char *in = c->w.values;
     for (uint32_t i = 0; i < count; i++) {
         const coded_box *b = &boxes[i];
@@ -363,7 +362,7 @@ static size_t compress(const box_coder *c, const box_code *code, size_t map, uin
 static size_t encode_plain(const box_coder *c, const coded_box *boxes, uint32_t count, uint8_t *out) {
     const box_code plain = {.method = METHOD_PLAIN};
     const size_t bytes = samples_of(boxes, count) * sample_size(c->type);
-    gather(c, boxes, count);
+    gather(c, boxes, count, 0);
     put_code(&plain, out);
     memcpy(out + CODE_BYTES, c->w.values, bytes);
     return CODE_BYTES + bytes;
@@ -374,7 +373,7 @@ size_t box_coder_encode(box_coder *c, const coded_box *boxes, uint32_t count, vo
     box_code code = {.method = METHOD_CODED};
     unsigned share;
     assert(n <= c->samples && c->level);
-    gather(c, boxes, count);
+    gather(c, boxes, count, flip_of(c->type));
     if (c->type == SAMPLE_F32)
         map_floats(c, n, &code);
     const uint32_t common = BY_WIDTH(c, commonest, c, n, &share);
@@ -433,7 +432,7 @@ static bool decode_plain(const box_coder *c, const uint8_t *in, size_t bytes,
     if (bytes != CODE_BYTES + samples || memcmp(in, zeros, CODE_BYTES) != 0)
         return false;
     memcpy(c->w.values, in + CODE_BYTES, samples);
-    scatter(c, boxes, count);
+    scatter(c, boxes, count, 0);
     return true;
 }
 
@@ -453,7 +452,7 @@ bool box_coder_decode(box_coder *c, const void *in, size_t bytes, const coded_bo
         return false;
     if (c->type == SAMPLE_F32)
         unmap_floats(c, n, &code);
-    scatter(c, boxes, count);
+    scatter(c, boxes, count, flip_of(c->type));
     return true;
 }
 

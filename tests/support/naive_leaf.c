@@ -7,9 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <xxhash.h>
-#include <zstd.h>
 
+#include "tests/support/naive_box.h"
 #include "tests/support/naive_bytes.h"
+#include "tests/support/naive_codes.h"
+#include "tests/support/naive_family.h"
 
 static bool wrong(naive_leaf *leaf, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static bool wrong(naive_leaf *leaf, const char *format, ...) {
@@ -22,12 +24,8 @@ static bool wrong(naive_leaf *leaf, const char *format, ...) {
 
 /* ---- numbers in bytes ---- */
 
-static int sample_bytes(int type) {
-    return type <= 2 ? 1 : type <= 4 ? 2 : 4;
-}
-
 static float sample_at(const unsigned char *samples, int type, size_t index) {
-    const unsigned char *at = samples + index * (size_t)sample_bytes(type);
+    const unsigned char *at = samples + index * (size_t)naive_sample_bytes(type);
     switch (type) {
     case 1: return (float)at[0];
     case 2: return (float)(at[0] < 128 ? at[0] : at[0] - 256);
@@ -53,9 +51,9 @@ static bool read_header(naive_leaf *leaf) {
     static const unsigned char magic[8] = {0x89, 0x4c, 0x45, 0x41, 0x46, 0x0d, 0x0a, 0x1a};
     /* offset, lowest and highest value of what the file of a grid may say */
     static const uint64_t ranges[][3] = {
-        {8, 1, 2},        {12, 1, 1},       {16, 1, 5},  {20, 1, 8}, {24, 2, 1 << 20},
-        {28, 2, 1 << 20}, {32, 2, 1 << 20}, {36, 1, 24}, {40, 4, 6}, {44, 0, 1},
-        {48, 2, 2},       {52, 6, 21},      {56, 0, 1},  {60, 0, 1}, {64, 1, 65536},
+        {8, 3, 3},        {12, 1, 1},       {16, 1, 5},  {20, 1, 11}, {24, 2, 1 << 20},
+        {28, 2, 1 << 20}, {32, 2, 1 << 20}, {36, 1, 24}, {40, 4, 6},  {44, 0, 1},
+        {48, 2, 2},       {52, 6, 21},      {56, 0, 1},  {60, 0, 1},  {64, 1, 65536},
         {68, 1, 65536},   {72, 1, 64},      {76, 0, 0},
     };
     const unsigned char *b = leaf->bytes;
@@ -81,7 +79,7 @@ static bool read_header(naive_leaf *leaf) {
     leaf->fields = (long)naive_number(b + 64, 4);
     leaf->steps = (long)naive_number(b + 68, 4);
     leaf->sets = leaf->fields * leaf->steps;
-    if (leaf->sets > (leaf->version == 1 ? 1 : 65536))
+    if (leaf->sets > 65536)
         return wrong(leaf, "%ld fields at %ld steps", leaf->fields, leaf->steps);
     leaf->non_finite = naive_number(b + 104, 8);
     leaf->value_min = naive_real64(b + 112);
@@ -93,13 +91,14 @@ static bool read_header(naive_leaf *leaf) {
     if (stored != leaf->sample_type && leaf->sample_type != 5)
         return wrong(leaf, "stored type %d of source type %d", leaf->sample_type,
                      leaf->source_type);
-    if (!(leaf->rounding_error >= 0) || (leaf->source_type <= 5 && leaf->rounding_error != 0))
+    if (!(leaf->rounding_error >= 0) ||
+        (leaf->source_type == leaf->sample_type && leaf->rounding_error != 0))
         return wrong(leaf, "rounding error %g", leaf->rounding_error);
     if (naive_number(b + 96, 8) != leaf->size)
         return wrong(leaf, "file_bytes");
     uint64_t sections = naive_number(b + 72, 4);
     if (leaf->size < 4096 + 32 * sections || !naive_zeros(leaf->bytes, 1344, 1424) ||
-        !naive_zeros(leaf->bytes, leaf->version == 1 ? 1424 : 1488, 4096))
+        !naive_zeros(leaf->bytes, 1488, 4096))
         return wrong(leaf, "section table cut off, or reserved bytes");
     if (!naive_text(b + 1424, 64))
         return wrong(leaf, "the name of the first field");
@@ -184,6 +183,7 @@ static bool order_treelets(naive_leaf *leaf) {
             }
         first = end;
     }
+    leaf->shell_count = leaf->codec == 1 ? first : 0;
     return count == leaf->treelet_count || wrong(leaf, "the treelets do not add up");
 }
 
@@ -224,11 +224,14 @@ static bool read_labels(naive_leaf *leaf, const unsigned char *names, const unsi
 }
 
 static uint64_t section_bytes(const naive_leaf *leaf, uint64_t kind) {
-    static const int element[] = {0, 8, 8, 1, 8, 8, 8};
+    static const int element[] = {0, 8, 8, 1};
     switch (kind) {
     case AXES: return 8 * (uint64_t)(leaf->dims[0] + leaf->dims[1] + leaf->dims[2]);
     case FIELDS: return 64 * (uint64_t)leaf->fields;
     case TIMES: return 8 * (uint64_t)leaf->steps;
+    case OFFSETS:
+    case SIZES:
+    case CHECKSUMS: return 8 * (uint64_t)((leaf->treelet_count + leaf->shell_count) * leaf->sets);
     default: return (uint64_t)element[kind] * (uint64_t)(leaf->treelet_count * leaf->sets);
     }
 }
@@ -239,7 +242,7 @@ static bool belongs(const naive_leaf *leaf, int kind, bool there) {
     case AXES: return there == leaf->rectilinear;
     case 8:
     case 9: return !there;
-    case FIELDS: return !there || leaf->version == 2;
+    case FIELDS: return true;
     case TIMES: return !there || leaf->steps > 1;
     default: return there;
     }
@@ -276,98 +279,6 @@ static bool find_sections(naive_leaf *leaf, const unsigned char *where[KINDS], u
 
 /* ---- 4. payloads ---- */
 
-/* Smallest and largest finite sample of a box of nodes, [from, to] on each axis; lo > hi if there
- * is none. */
-typedef struct window {
-    const float *samples; /* of the treelet, halo included */
-    long size[3];
-} window;
-
-static bool finite_range(const window *w, const long from[3], const long to[3], float *lo,
-                         float *hi) {
-    bool all = true;
-    *lo = INFINITY;
-    *hi = -INFINITY;
-    for (long k = from[2]; k <= to[2]; k++)
-        for (long j = from[1]; j <= to[1]; j++)
-            for (long i = from[0]; i <= to[0]; i++) {
-                float value = w->samples[i + w->size[0] * (j + w->size[1] * k)];
-                if (!isfinite(value)) {
-                    all = false;
-                    continue;
-                }
-                *lo = value < *lo ? value : *lo;
-                *hi = value > *hi ? value : *hi;
-            }
-    return all;
-}
-
-static double code_of(const naive_leaf *leaf, const naive_treelet *t, double value) {
-    double lo = t->own[0], hi = t->own[1];
-    bool exact = leaf->sample_type != 5 && hi - lo <= 255;
-    double scale = hi <= lo ? 0 : exact ? 1 : 255 / (hi - lo);
-    double g = (value - lo) * scale;
-    return g < 0 ? 0 : g > 255 ? 255 : g;
-}
-
-/* The codes of one block of level K. */
-static void block_codes(const naive_leaf *leaf, const naive_treelet *t, const window *w,
-                        const long block[3], unsigned char *lo, unsigned char *hi) {
-    long from[3], to[3];
-    float least, most;
-    *lo = 255;
-    *hi = 0;
-    for (int a = 0; a < 3; a++) {
-        from[a] = 4 * block[a] + leaf->halo;
-        to[a] = (4 * block[a] + 4 < t->cells[a] ? 4 * block[a] + 4 : t->cells[a]) + leaf->halo;
-        if (4 * block[a] >= t->cells[a])
-            return;
-    }
-    finite_range(w, from, to, &least, &most);
-    if (least > most)
-        return;
-    *lo = (unsigned char)floor(code_of(leaf, t, (double)least));
-    *hi = (unsigned char)ceil(code_of(leaf, t, (double)most));
-}
-
-/* The codes of node m at level k, recomputed from the samples. */
-static void node_codes(const naive_leaf *leaf, const naive_treelet *t, const window *w, int k,
-                       long m, unsigned char *lo, unsigned char *hi) {
-    int last = leaf->cells_log2 - 2;
-    if (k == last) {
-        long block[3] = {0, 0, 0};
-        for (int bit = 0; bit < 3 * k; bit++)
-            block[bit % 3] |= (m >> bit & 1) << (bit / 3);
-        block_codes(leaf, t, w, block, lo, hi);
-        return;
-    }
-    *lo = 255;
-    *hi = 0;
-    for (int child = 0; child < 8; child++) {
-        unsigned char l, h;
-        node_codes(leaf, t, w, k + 1, 8 * m + child, &l, &h);
-        *lo = l < *lo ? l : *lo;
-        *hi = h > *hi ? h : *hi;
-    }
-}
-
-static bool check_codes(naive_leaf *leaf, const naive_treelet *t, const window *w,
-                        const unsigned char *at, uint64_t *used) {
-    *used = 0;
-    for (int k = 1; k <= leaf->cells_log2 - 2; k++) {
-        long nodes = 1L << (3 * k);
-        for (long m = 0; m < nodes; m++) {
-            unsigned char lo, hi;
-            node_codes(leaf, t, w, k, m, &lo, &hi);
-            if (at[*used + (uint64_t)m] != lo || at[*used + (uint64_t)(nodes + m)] != hi)
-                return wrong(leaf, "codes of node %ld of level %d: %d %d, not %d %d", m, k,
-                             at[*used + (uint64_t)m], at[*used + (uint64_t)(nodes + m)], lo, hi);
-        }
-        *used += 2 * (uint64_t)nodes;
-    }
-    return true;
-}
-
 /* The node of the level at (i, j, k) of the treelet's samples; whether it is one without clamping.
  */
 static bool node_of(const naive_leaf *leaf, const naive_treelet *t, const long i[3], long node[3]) {
@@ -391,7 +302,8 @@ static bool same_bits(float a, float b) {
 
 /* Put the treelet's samples where they belong. own: those of its cells, which may be there already
  * and then agree; not own: the halo, which must agree with what the others have put there. */
-static bool place_samples(naive_leaf *leaf, const naive_treelet *t, const window *w, bool own) {
+static bool place_samples(naive_leaf *leaf, const naive_treelet *t, const naive_window *w,
+                          bool own) {
     naive_level *l = &leaf->level[t->level];
     long i[3], node[3];
     size_t n = 0;
@@ -413,48 +325,22 @@ static bool place_samples(naive_leaf *leaf, const naive_treelet *t, const window
     return true;
 }
 
-static bool check_own_range(naive_leaf *leaf, const naive_treelet *t, const window *w) {
+static bool check_own_range(naive_leaf *leaf, const naive_treelet *t, const naive_window *w) {
     const long from[3] = {leaf->halo, leaf->halo, leaf->halo};
     const long to[3] = {leaf->halo + t->cells[0], leaf->halo + t->cells[1],
                         leaf->halo + t->cells[2]};
     float lo, hi;
-    bool all_finite = finite_range(w, from, to, &lo, &hi);
+    bool all_finite = naive_finite_range(w, from, to, &lo, &hi);
     if (lo != t->own[0] || hi != t->own[1])
         return wrong(leaf, "own range %g %g, not %g %g", (double)t->own[0], (double)t->own[1],
                      (double)lo, (double)hi);
     return all_finite == !t->has_non_finite || wrong(leaf, "the flag of non-finite samples");
 }
 
-/* The payload as it is before compression; NULL when it cannot be had. Freed by the caller. */
-static unsigned char *payload_of(naive_leaf *leaf, const naive_treelet *t) {
-    unsigned char *payload = malloc(t->payload_size);
-    const unsigned char *stored = leaf->bytes + t->offset;
-    if (payload && t->size == t->payload_size) {
-        memcpy(payload, stored, t->size);
-        return payload;
-    }
-    if (payload && leaf->codec == 1 && t->size < t->payload_size &&
-        ZSTD_findFrameCompressedSize(stored, t->size) == t->size &&
-        ZSTD_decompress(payload, t->payload_size, stored, t->size) == t->payload_size)
-        return payload;
-    free(payload);
-    return NULL;
-}
-
-static uint64_t codes_size(const naive_leaf *leaf) {
-    return 2 * ((UINT64_C(1) << (3 * (leaf->cells_log2 - 1))) - 8) / 7;
-}
-
-/* The samples of a payload of no bytes. */
-static void imply_samples(const naive_treelet *t, uint64_t count, float *samples) {
-    for (uint64_t i = 0; i < count; i++)
-        samples[i] = t->own[0] > t->own[1] ? NAN : t->own[0];
-}
-
 /* Whether the directory would tell a payload that has bytes: it should have none then. */
 static bool is_needless(const naive_leaf *leaf, const naive_treelet *t, const unsigned char *bytes,
                         uint64_t count) {
-    const size_t width = (size_t)sample_bytes(leaf->sample_type);
+    const size_t width = (size_t)naive_sample_bytes(leaf->sample_type);
     for (uint64_t i = 1; i < count; i++)
         if (memcmp(bytes, bytes + i * width, width) != 0)
             return false;
@@ -464,49 +350,93 @@ static bool is_needless(const naive_leaf *leaf, const naive_treelet *t, const un
     return t->has_non_finite ? bits == 0x7fc00000 : bits != 0x80000000;
 }
 
-/* One payload: in the first pass (own) all that it says of itself, in the second its halo. */
-static bool read_payload(naive_leaf *leaf, const naive_treelet *t, bool own) {
-    window w;
-    uint64_t count = 1, start = naive_up_to(codes_size(leaf), 64), used;
-    for (int a = 0; a < 3; a++) {
-        w.size[a] = t->cells[a] + 1 + 2 * leaf->halo;
-        count *= (uint64_t)w.size[a];
-    }
-    unsigned char *payload = t->size ? payload_of(leaf, t) : NULL;
+static uint64_t sample_count(const naive_leaf *leaf, const naive_treelet *t) {
+    uint64_t count = 1;
+    for (int a = 0; a < 3; a++)
+        count *= (uint64_t)(t->cells[a] + 1 + 2 * leaf->halo);
+    return count;
+}
+
+static uint64_t samples_at(const naive_leaf *leaf) {
+    return naive_up_to(naive_codes_size(leaf), 64);
+}
+
+/* Of a raw payload, but for its samples: codes and zeros. */
+static bool check_around(naive_leaf *leaf, const naive_treelet *t, const naive_window *w) {
+    const unsigned char *payload = leaf->bytes + t->stored.offset;
+    const uint64_t codes = naive_codes_size(leaf), start = samples_at(leaf),
+                   width = (uint64_t)naive_sample_bytes(leaf->sample_type);
+    unsigned char *want = malloc(codes);
+    if (!want)
+        return wrong(leaf, "no memory");
+    naive_codes_make(leaf, t, w, want);
+    uint64_t same = 0;
+    while (same < codes && payload[same] == want[same])
+        same++;
+    free(want);
+    if (same < codes)
+        return wrong(leaf, "code %llu of a treelet", (unsigned long long)same);
+    return (naive_zeros(payload, codes, start) || wrong(leaf, "bytes behind the codes")) &&
+           (naive_zeros(payload, start + sample_count(leaf, t) * width, t->payload_size) ||
+            wrong(leaf, "bytes behind the samples"));
+}
+
+/* One treelet, whose samples are `held`: in the first pass (own) all that it says of itself, in the
+ * second its halo. */
+static bool read_treelet(naive_leaf *leaf, const naive_treelet *t, const unsigned char *held,
+                         bool own) {
+    naive_window w;
+    const uint64_t count = sample_count(leaf, t);
     float *samples = malloc(count * sizeof samples[0]);
-    bool good =
-        ((payload || !t->size) && samples) || wrong(leaf, "a payload that cannot be decoded");
-    for (uint64_t i = 0; good && payload && i < count; i++)
-        samples[i] = sample_at(payload + start, leaf->sample_type, i);
-    if (good && !payload)
-        imply_samples(t, count, samples);
+    if (!samples)
+        return wrong(leaf, "no memory");
+    for (uint64_t i = 0; i < count; i++)
+        samples[i] = sample_at(held, leaf->sample_type, i);
+    for (int a = 0; a < 3; a++)
+        w.size[a] = t->cells[a] + 1 + 2 * leaf->halo;
     w.samples = samples;
-    if (good && own && !payload)
-        good = check_own_range(leaf, t, &w);
-    if (good && own && payload) {
-        good = leaf->version == 1 || !is_needless(leaf, t, payload + start, count) ||
-               wrong(leaf, "a payload that the directory tells");
-    }
-    if (good && own && payload) {
-        good = check_own_range(leaf, t, &w) && check_codes(leaf, t, &w, payload, &used);
-        for (uint64_t i = codes_size(leaf); good && i < start; i++)
-            good = payload[i] == 0 || wrong(leaf, "bytes behind the codes");
-        for (uint64_t i = start + count * (uint64_t)sample_bytes(leaf->sample_type);
-             good && i < t->payload_size; i++)
-            good = payload[i] == 0 || wrong(leaf, "bytes behind the samples");
-    }
+    bool good = !own || check_own_range(leaf, t, &w);
+    if (good && own && t->stored.size)
+        good =
+            !is_needless(leaf, t, held, count) || wrong(leaf, "a payload that the directory tells");
+    if (good && own && t->stored.size && leaf->codec == 0)
+        good = check_around(leaf, t, &w);
     good = good && place_samples(leaf, t, &w, own);
     free(samples);
-    free(payload);
     return good;
 }
 
-/* ---- 3 and 4. the directory ---- */
+static unsigned char *hold_raw(const naive_leaf *leaf, const naive_treelet *t) {
+    const size_t count = sample_count(leaf, t),
+                 width = (size_t)naive_sample_bytes(leaf->sample_type);
+    unsigned char value[4], *held = malloc(count * width);
+    naive_family_value(leaf, t, value);
+    if (held && t->stored.size)
+        memcpy(held, leaf->bytes + t->stored.offset + samples_at(leaf), count * width);
+    else
+        for (uint64_t i = 0; held && i < count; i++)
+            memcpy(held + i * width, value, width);
+    return held;
+}
 
-static bool read_directory(naive_leaf *leaf, const unsigned char *const where[KINDS],
-                           uint64_t end) {
-    uint64_t stored = 0, implied = 0;
-    bool run = false;
+/* The samples of all treelets of a set, from `first` on, as they are in raw payloads. */
+static bool hold_samples(naive_leaf *leaf, long first, unsigned char **held) {
+    const naive_treelet *t = leaf->treelets + first;
+    const char *why = NULL;
+    for (long i = 0, count; !why && i < leaf->treelet_count; i += count) {
+        for (count = 1; i + count < leaf->treelet_count && t[i + count].parent == t[i].parent;)
+            count++;
+        if (leaf->codec == 1)
+            why = naive_family_read(leaf, t[i].parent, first + i, count, held + i);
+        for (long n = i; n < i + count && leaf->codec == 0; n++)
+            why = (held[n] = hold_raw(leaf, t + n)) ? why : "no memory";
+    }
+    return !why || wrong(leaf, "%s", why);
+}
+
+/* ---- 3, 4 and 10. the directory ---- */
+
+static bool read_ranges(naive_leaf *leaf, const unsigned char *const where[KINDS]) {
     for (long i = 0; i < leaf->treelet_count * leaf->sets; i++) {
         naive_treelet *t = &leaf->treelets[i];
         for (int n = 0; n < 2; n++) {
@@ -518,48 +448,90 @@ static bool read_directory(naive_leaf *leaf, const unsigned char *const where[KI
         if (where[FLAGS][i] > 1)
             return wrong(leaf, "treelet %ld: flags", i);
         t->has_non_finite = where[FLAGS][i] == 1;
-        t->offset = naive_number(where[OFFSETS] + 8 * i, 8);
-        t->size = naive_number(where[SIZES] + 8 * i, 8);
-        t->payload_size = (uint64_t)sample_bytes(leaf->sample_type);
-        for (int a = 0; a < 3; a++)
-            t->payload_size *= (uint64_t)(t->cells[a] + 1 + 2 * leaf->halo);
-        t->payload_size = naive_up_to(naive_up_to(codes_size(leaf), 64) + t->payload_size, 64);
-
-        bool first = i % leaf->treelet_count == 0 || t->parent != leaf->treelets[i - 1].parent;
-        bool even = t->at[0] % 2 == 0 && t->at[1] % 2 == 0 && t->at[2] % 2 == 0;
-        if (first != even)
-            return wrong(leaf, "treelet %ld: first of its family or not", i);
-        run = run || first;
-        if (t->size == 0) {
-            const bool one = t->own[0] == t->own[1] && !t->has_non_finite;
-            const bool none = t->own[0] > t->own[1] && t->has_non_finite;
-            if (t->offset != end || !(one || none) ||
-                naive_number(where[CHECKSUMS] + 8 * i, 8) != 0)
-                return wrong(leaf, "treelet %ld: a payload of no bytes", i);
-            implied++;
-            continue;
-        }
-        if (t->offset != naive_up_to(end, run ? UINT64_C(1) << leaf->run_align_log2 : 64))
-            return wrong(leaf, "treelet %ld: offset", i);
-        run = false;
-        if (t->size > t->payload_size || (leaf->codec == 0 && t->size != t->payload_size))
-            return wrong(leaf, "treelet %ld: size", i);
-        if (t->offset > leaf->size || t->size > leaf->size - t->offset ||
-            !naive_zeros(leaf->bytes, end, t->offset))
-            return wrong(leaf, "treelet %ld: place or padding", i);
-        if (XXH3_64bits(leaf->bytes + t->offset, t->size) !=
-            naive_number(where[CHECKSUMS] + 8 * i, 8))
-            return wrong(leaf, "treelet %ld: checksum", i);
-        end = t->offset + t->size;
-        stored += t->size;
+        t->payload_size =
+            naive_up_to(samples_at(leaf) +
+                            sample_count(leaf, t) * (uint64_t)naive_sample_bytes(leaf->sample_type),
+                        64);
     }
-    if (leaf->version != (implied || leaf->sets > 1 ? 2 : 1))
-        return wrong(leaf, "version %d, %llu implied payloads", leaf->version,
-                     (unsigned long long)implied);
-    if (stored != naive_number(leaf->bytes + 88, 8))
+    return true;
+}
+
+/* Payloads in the order of the file. */
+typedef struct placing {
+    const unsigned char *const *where;
+    uint64_t end, stored; /* of the payload before; bytes of all */
+    bool run;             /* a run has begun that has no bytes yet */
+} placing;
+
+/* Payload p of the directory. begins: a run. */
+static bool place_payload(naive_leaf *leaf, placing *x, long p, bool begins, naive_stored *out) {
+    out->offset = naive_number(x->where[OFFSETS] + 8 * p, 8);
+    out->size = naive_number(x->where[SIZES] + 8 * p, 8);
+    const uint64_t checksum = naive_number(x->where[CHECKSUMS] + 8 * p, 8);
+    x->run = x->run || begins;
+    if (out->size == 0)
+        return (out->offset == x->end && checksum == 0) ||
+               wrong(leaf, "payload %ld: place of no bytes", p);
+    if (out->offset != naive_up_to(x->end, x->run ? UINT64_C(1) << leaf->run_align_log2 : 64))
+        return wrong(leaf, "payload %ld: offset", p);
+    if (out->offset > leaf->size || out->size > leaf->size - out->offset ||
+        !naive_zeros(leaf->bytes, x->end, out->offset))
+        return wrong(leaf, "payload %ld: place or padding", p);
+    if (XXH3_64bits(leaf->bytes + out->offset, out->size) != checksum)
+        return wrong(leaf, "payload %ld: checksum", p);
+    x->run = false;
+    x->end = out->offset + out->size;
+    x->stored += out->size;
+    return true;
+}
+
+static bool place_treelet(naive_leaf *leaf, placing *x, long i, bool begins) {
+    naive_treelet *t = &leaf->treelets[i];
+    const bool one = t->own[0] == t->own[1] && !t->has_non_finite;
+    const bool none = t->own[0] > t->own[1] && t->has_non_finite;
+    if (!place_payload(leaf, x, i, begins, &t->stored))
+        return false;
+    if (t->stored.size == 0)
+        return one || none || wrong(leaf, "treelet %ld: a payload of no bytes", i);
+    return leaf->codec == 1 || t->stored.size == t->payload_size ||
+           wrong(leaf, "treelet %ld: size", i);
+}
+
+/* The family below treelet p: its shell, then the treelets from *next on. */
+static bool place_family(naive_leaf *leaf, placing *x, long p, long *next) {
+    const long n = leaf->treelet_count, first = *next;
+    const long shell = n * leaf->sets + p / n * leaf->shell_count + p % n;
+    naive_treelet *parent = &leaf->treelets[p];
+    bool bytes = false;
+    if (leaf->codec == 1 && !place_payload(leaf, x, shell, true, &parent->shell))
+        return false;
+    for (; *next < n * leaf->sets && leaf->treelets[*next].parent == p; ++*next) {
+        if (!place_treelet(leaf, x, *next, leaf->codec == 0 && *next == first))
+            return false;
+        bytes = bytes || leaf->treelets[*next].stored.size > 0;
+    }
+    return leaf->codec == 0 || (parent->shell.size > 0) == (bytes && *next - first > 1) ||
+           wrong(leaf, "the shell below treelet %ld: bytes or none", p);
+}
+
+static bool read_directory(naive_leaf *leaf, const unsigned char *const where[KINDS],
+                           uint64_t end) {
+    placing x = {.where = where, .end = end};
+    const long n = leaf->treelet_count;
+    for (long root = 0; root < n * leaf->sets; root += n) {
+        long next = root + 1;
+        if (!place_treelet(leaf, &x, root, true))
+            return false;
+        for (long p = root; p < root + n && leaf->treelets[p].level > 0; p++)
+            if (!place_family(leaf, &x, p, &next))
+                return false;
+        if (next != root + n)
+            return wrong(leaf, "treelets that are in no family");
+    }
+    if (x.stored != naive_number(leaf->bytes + 88, 8))
         return wrong(leaf, "payload_bytes");
-    if (leaf->size != naive_up_to(end, UINT64_C(1) << leaf->run_align_log2) ||
-        !naive_zeros(leaf->bytes, end, leaf->size))
+    if (leaf->size != naive_up_to(x.end, UINT64_C(1) << leaf->run_align_log2) ||
+        !naive_zeros(leaf->bytes, x.end, leaf->size))
         return wrong(leaf, "the end of the file");
     return true;
 }
@@ -615,16 +587,21 @@ static bool check_values(naive_leaf *leaf, const tally *t) {
 
 /* Samples of another set take the place of those that are there. */
 static bool read_set(naive_leaf *leaf, long set, tally *t) {
-    bool good = true;
+    const long n = leaf->treelet_count;
+    unsigned char **held = calloc((size_t)n, sizeof held[0]);
+    bool good = held ? hold_samples(leaf, set * n, held) : wrong(leaf, "no memory");
     for (int i = 0; i < leaf->levels; i++) {
         naive_level *l = &leaf->level[i];
         memset(l->known, 0, (size_t)(l->nodes[0] * l->nodes[1] * l->nodes[2]));
     }
     for (int own = 1; own >= 0; own--)
-        for (long i = 0; good && i < leaf->treelet_count; i++)
-            good = read_payload(leaf, &leaf->treelets[set * leaf->treelet_count + i], own);
+        for (long i = 0; good && i < n; i++)
+            good = read_treelet(leaf, &leaf->treelets[set * n + i], held[i], own);
     if (good)
         count_values(leaf, t);
+    for (long i = 0; held && i < n; i++)
+        free(held[i]);
+    free(held);
     return good;
 }
 
@@ -651,7 +628,7 @@ bool naive_leaf_load_set(naive_leaf *leaf, const char *path, long set) {
     memset(leaf, 0, sizeof *leaf);
     bool good = read_file(leaf, path) && read_header(leaf) && check_to_world(leaf) &&
                 lay_out(leaf) && order_treelets(leaf) && repeat_treelets(leaf) &&
-                find_sections(leaf, where, &end) &&
+                find_sections(leaf, where, &end) && read_ranges(leaf, where) &&
                 (!leaf->rectilinear || read_axes(leaf, where[AXES])) &&
                 read_labels(leaf, where[FIELDS], where[TIMES]) && read_directory(leaf, where, end);
     /* The one that is asked for comes last, and stays. */

@@ -2,8 +2,8 @@
  * whole, and strict.
  *
  * Holds the file and all levels in memory and recomputes whatever the format says about every byte:
- * padding, offsets, checksums, ranges, codes, halos, overlaps; of all sets. The samples that are
- * left are those of one.
+ * padding, offsets, checksums, ranges, codes, halos, overlaps, compressed boxes; of all sets. The
+ * samples that are left are those of one.
  */
 #ifndef TESTS_SUPPORT_NAIVE_LEAF_H
 #define TESTS_SUPPORT_NAIVE_LEAF_H
@@ -21,6 +21,11 @@ typedef struct naive_level {
     bool *known;      /* nodes that some treelet holds: all, when loaded */
 } naive_level;
 
+/* A payload in the file. */
+typedef struct naive_stored {
+    uint64_t offset, size; /* 0 bytes: implied */
+} naive_stored;
+
 typedef struct naive_treelet {
     int level;
     long at[3]; /* its position among its level's treelets */
@@ -28,12 +33,15 @@ typedef struct naive_treelet {
     long parent; /* of the same set; -1: the root */
     float own[2], merged[2];
     bool has_non_finite;
-    uint64_t offset, size, payload_size; /* size as stored; 0: implied */
+    naive_stored stored;
+    naive_stored shell;    /* compressed, above level 0: what its children share */
+    uint64_t payload_size; /* raw */
 } naive_treelet;
 
 typedef struct naive_leaf {
     int version;
-    int sample_type, source_type; /* 1 u8 2 i8 3 u16 4 i16 5 f32 6 u32 7 i32 8 f64 */
+    int sample_type,
+        source_type; /* 1 u8 2 i8 3 u16 4 i16 5 f32 6 u32 7 i32 8 f64 9 f16 10 u64 11 i64 */
     long dims[3];
     int levels, cells_log2, halo, run_align_log2, codec;
     bool rectilinear;
@@ -47,6 +55,7 @@ typedef struct naive_leaf {
     naive_level level[NAIVE_LEVELS_MAX];
     naive_treelet *treelets; /* of all sets, one after the other */
     long treelet_count;      /* of one */
+    long shell_count;        /* of one, compressed: of treelets above level 0 */
     unsigned char *bytes;    /* the file */
     size_t size;
     char why[NAIVE_WHY_MAX]; /* what is wrong with it */

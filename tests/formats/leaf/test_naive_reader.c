@@ -11,7 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/support/fields.h"
 #include "tests/support/leaf_files.h"
+#include "tests/support/loaded.h"
+#include "tests/support/naive_bytes.h"
 #include "tests/support/naive_leaf.h"
 #include "tests/support/scratch.h"
 
@@ -204,6 +207,217 @@ static void rectilinear_axes(void **state) {
     free(samples);
 }
 
+/* ---- raw and compressed files ---- */
+
+/* What the codes of compressed files have said, over all tests. */
+static struct {
+    long plain, background, along, how[4], width[5], map, decimal, binary, shells;
+} seen;
+
+static void see_code(const naive_leaf *leaf, const naive_stored *stored) {
+    const unsigned char *code = leaf->bytes + stored->offset;
+    if (!stored->size)
+        return;
+    if (code[0] == 0) {
+        seen.plain++;
+        return;
+    }
+    seen.background += code[2] >> 3 & 1;
+    seen.along += code[2] >> 2 & 1;
+    seen.how[code[2] & 3]++;
+    seen.width[code[3]]++;
+    seen.map += leaf->sample_type == 5 && code[1] == 0;
+    seen.decimal += code[1] >= 1 && code[1] <= 7;
+    seen.binary += code[1] > 7;
+}
+
+static void see_codes(const naive_leaf *leaf) {
+    for (long i = 0; i < leaf->treelet_count * leaf->sets; i++) {
+        see_code(leaf, &leaf->treelets[i].stored);
+        see_code(leaf, &leaf->treelets[i].shell);
+        seen.shells += leaf->treelets[i].shell.size > 0;
+    }
+}
+
+static void compare_samples(const naive_leaf *raw, const naive_leaf *coded) {
+    assert_int_equal(raw->levels, coded->levels);
+    for (int level = 0; level < raw->levels; level++) {
+        const long *nodes = raw->level[level].nodes;
+        assert_memory_equal(raw->level[level].samples, coded->level[level].samples,
+                            (size_t)(nodes[0] * nodes[1] * nodes[2]) * sizeof(float));
+    }
+    assert_int_equal(raw->treelet_count, coded->treelet_count);
+    for (long i = 0; i < raw->treelet_count * raw->sets; i++) {
+        const naive_treelet *a = &raw->treelets[i], *b = &coded->treelets[i];
+        assert_int_equal(a->stored.size == 0, b->stored.size == 0);
+        assert_memory_equal(a->own, b->own, sizeof a->own);
+        assert_memory_equal(a->merged, b->merged, sizeof a->merged);
+    }
+}
+
+/* What is loaded from the compressed file is what the raw one holds, codes of trees, too, which
+ * naive_leaf_load() has made anew. */
+static void compare_payloads(const naive_leaf *raw, const char *coded) {
+    mem m;
+    leaf_file *f = NULL;
+    mem_init(&m, 0);
+    assert_int_equal(leaf_file_open(&m, coded, &f), ST_OK);
+    char *payload = mem_alloc(&m, leaf_layout_payload_max(&f->layout));
+    assert_non_null(payload);
+    for (long i = 0; i < raw->treelet_count * raw->sets; i++) {
+        const naive_treelet *t = &raw->treelets[i];
+        memset(payload, 0x55, t->payload_size);
+        assert_int_equal(loaded(f, (uint32_t)i, payload), ST_OK);
+        if (t->stored.size)
+            assert_memory_equal(payload, raw->bytes + t->stored.offset, t->payload_size);
+    }
+    mem_free(&m, payload);
+    leaf_file_close(f);
+    assert_int_equal(mem_used(&m), 0);
+}
+
+static void compare_files(const char *raw, const char *coded, long sets) {
+    for (long set = 0; set < sets; set++) {
+        naive_leaf a, b;
+        if (!naive_leaf_load_set(&a, raw, set) || !naive_leaf_load_set(&b, coded, set))
+            fail_msg("set %ld: %s", set, a.why[0] ? a.why : b.why);
+        assert_int_equal(a.codec, 0);
+        assert_int_equal(b.codec, 1);
+        compare_samples(&a, &b);
+        if (set == 0) {
+            compare_payloads(&a, coded);
+            see_codes(&b);
+        }
+        naive_leaf_release(&a);
+        naive_leaf_release(&b);
+    }
+}
+
+/* Samples of all kinds: what a coder could meet. */
+typedef enum content {
+    WAVES,
+    NOISE,
+    CONSTANT,
+    SPARSE,
+    DECIMALS,
+    BINARIES,
+    HOLES,
+    STEEP,
+    CONTENTS
+} content;
+
+static float real_of(content what, const long p[3], field_random *r) {
+    static const uint32_t strange[] = {0x7fc00000, 0x7fc00000, 0x7fc00001, 0xffc12345,
+                                       0x7f800001, 0x7f800000, 0xff800000, 0x80000000};
+    const double wave = 400 * sin(0.21 * (double)p[0]) + (double)(p[1] * p[2] % 70);
+    switch (what) {
+    case NOISE: return naive_float_of(field_random_bits(r));
+    case CONSTANT: return -2.5F;
+    case SPARSE: return p[0] + p[1] + p[2] > 60 && p[0] < 30 ? (float)wave : 0;
+    case DECIMALS:
+        if (p[0] % 13 == 5 && p[2] > 9)
+            return NAN;
+        return (float)((double)lround(wave) * (p[2] % 2 ? 0.1 : 0.01));
+    case BINARIES: return (float)(lround(wave) + (long)field_random_below(r, 16)) / 16;
+    case HOLES:
+        return field_random_below(r, 9) ? (float)wave
+                                        : naive_float_of(strange[field_random_below(r, 8)]);
+    case STEEP: return (float)ldexp(wave, (int)(p[1] % 60) - 30);
+    default: return (float)wave + (float)field_random_unit(r);
+    }
+}
+
+static long whole_of(content what, const long p[3], field_random *r) {
+    switch (what) {
+    case NOISE: return (long)(field_random_bits(r) & 0xffff);
+    case CONSTANT: return 77;
+    case SPARSE: return p[0] + p[1] + p[2] > 60 && p[0] < 30 ? p[0] * p[1] : 3;
+    case HOLES: return field_random_below(r, 50) ? 0 : 200;
+    case DECIMALS: return 100 * p[0] + 30 * p[1] - 7 * p[2];
+    case STEEP: return p[0] * p[1] * p[2] * p[2];
+    default:
+        return (long)(30000 + 9000 * sin(0.21 * (double)p[0]) * cos(0.1 * (double)p[1])) + p[2];
+    }
+}
+
+static void *make_content(const leaf_case *c, content what, uint64_t seed) {
+    const size_t count = (size_t)c->dims[0] * c->dims[1] * c->dims[2], width = sample_size(c->type);
+    unsigned char *samples = malloc(count * width);
+    assert_non_null(samples);
+    field_random r = {seed};
+    for (size_t i = 0; i < count; i++) {
+        const long p[3] = {(long)(i % c->dims[0]), (long)(i / c->dims[0] % c->dims[1]),
+                           (long)(i / c->dims[0] / c->dims[1])};
+        const float real = c->type == SAMPLE_F32 ? real_of(what, p, &r) : 0;
+        const uint16_t whole = (uint16_t)(c->type == SAMPLE_F32 ? 0 : whole_of(what, p, &r));
+        if (c->type == SAMPLE_F32)
+            memcpy(samples + i * width, &real, width);
+        else
+            memcpy(samples + i * width, &whole, width); /* the lower byte */
+    }
+    return samples;
+}
+
+static void check_content(leaf_case c, content what, uint64_t seed) {
+    void *samples = make_content(&c, what, seed);
+    c.samples = samples;
+    for (int codec = 0; codec <= 1; codec++) {
+        naive_leaf leaf;
+        c.options.file.codec = codec ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW;
+        const char *path = leaf_files_make(&c, codec ? "coded.leaf" : "raw.leaf");
+        if (!naive_leaf_load(&leaf, path))
+            fail_msg("%ux%ux%u type %d B 2^%u halo %u codec %d content %d: %s", c.dims[0],
+                     c.dims[1], c.dims[2], (int)c.type, c.options.file.cells_log2,
+                     c.options.file.halo, codec, (int)what, leaf.why);
+        check_level0(&leaf, &c);
+        naive_leaf_release(&leaf);
+    }
+    compare_files(scratch_path("raw.leaf"), scratch_path("coded.leaf"), 1);
+    free(samples);
+}
+
+/* Families of one treelet or two on each axis, of full treelets and of one cell; one level alone.
+ */
+static void compressed_sizes(void **state) {
+    (void)state;
+    static const uint32_t dims[][3] = {
+        {33, 33, 33}, {34, 33, 18}, {17, 40, 16}, {16, 17, 50}, {2, 2, 2},   {3, 60, 2},
+        {49, 2, 19},  {18, 18, 18}, {50, 52, 20}, {65, 30, 66}, {66, 67, 2}, {129, 5, 20},
+    };
+    for (size_t i = 0; i < sizeof dims / sizeof dims[0]; i++)
+        for (uint32_t log2 = 4; log2 <= 6; log2++)
+            for (uint32_t halo = 0; halo <= 1; halo++) {
+                static const sample_type types[] = {SAMPLE_U16, SAMPLE_F32, SAMPLE_I8};
+                leaf_case c = leaf_files_case(dims[i][0], dims[i][1], dims[i][2], types[log2 - 4]);
+                c.options.file.cells_log2 = log2;
+                c.options.file.halo = halo;
+                check_content(c, i % 2 ? SPARSE : WAVES, i);
+            }
+}
+
+static void compressed_contents(void **state) {
+    (void)state;
+    static const sample_type types[] = {SAMPLE_U8, SAMPLE_I8, SAMPLE_U16, SAMPLE_I16, SAMPLE_F32};
+    for (int type = 0; type < 5; type++)
+        for (int what = 0; what < CONTENTS; what++) {
+            leaf_case c = leaf_files_case(37, 50, 35, types[type]);
+            c.options.file.halo = (uint32_t)(type + what) % 2;
+            c.options.file.cells_log2 = what % 3 ? 4 : 5;
+            check_content(c, (content)what, (uint64_t)what);
+        }
+}
+
+/* The files above had codes of every kind that the format knows. */
+static void all_kinds_of_codes(void **state) {
+    (void)state;
+    for (int how = 0; how < 4; how++)
+        assert_true(seen.how[how] > 0);
+    for (int width = 0; width < 5; width++)
+        assert_true(seen.width[width] > 0);
+    assert_true(seen.plain > 0 && seen.background > 0 && seen.along > 0 && seen.shells > 0);
+    assert_true(seen.map > 0 && seen.decimal > 0 && seen.binary > 0);
+}
+
 /* ---- several sets ---- */
 
 enum { FIELDS = 2, STEPS = 3, SETS = FIELDS * STEPS };
@@ -251,8 +465,9 @@ static const char *convert_series(series *s, const char *name) {
     s->c.options.force = true;
     assert_int_equal(grid_series_open(&m, &s->of, 0, &v), ST_OK);
     assert_int_equal(convert_plan_make(&m, volume_grid(v), &s->c.options, &plan), ST_OK);
-    assert_int_equal(convert_run(&m, v, scratch_path(name), &s->c.options, &plan, NULL, &result),
-                     ST_OK);
+    const status st = convert_run(&m, v, scratch_path(name), &s->c.options, &plan, NULL, &result);
+    if (st != ST_OK)
+        fail_msg("%s", status_text());
     volume_close(v);
     assert_int_equal(mem_used(&m), 0);
     return scratch_path(name);
@@ -265,7 +480,7 @@ static void check_sets(series *s, const char *path) {
             fail_msg("set %ld: %s", set, leaf.why);
         assert_int_equal(leaf.fields, FIELDS);
         assert_int_equal(leaf.steps, STEPS);
-        assert_int_equal(leaf.version, 2);
+        assert_int_equal(leaf.version, 3);
         assert_string_equal(leaf.field_names[1], "heat");
         assert_true(leaf.times[0] == -1 && leaf.times[2] == 7);
         s->c.samples = s->samples[set % STEPS];
@@ -282,8 +497,11 @@ static void several_sets(void **state) {
         for (int type = 0; type < 2; type++) {
             series s;
             make_series(&s, dims[i], type ? SAMPLE_F32 : SAMPLE_U8);
-            s.c.options.file.codec = i % 2 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW;
+            s.c.options.file.codec = LEAF_CODEC_RAW;
             check_sets(&s, convert_series(&s, "sets.leaf"));
+            s.c.options.file.codec = LEAF_CODEC_ZSTD;
+            check_sets(&s, convert_series(&s, "coded.leaf"));
+            compare_files(scratch_path("sets.leaf"), scratch_path("coded.leaf"), SETS);
             release_series(&s);
         }
 }
@@ -317,6 +535,11 @@ static void every_byte_counts(void **state) {
     c.samples = samples;
     check_every_byte(leaf_files_make(&c, "naive.leaf"), 4096 + 400, 61);
     free(samples);
+    c.type = SAMPLE_F32;
+    c.options.file.codec = LEAF_CODEC_ZSTD;
+    c.samples = samples = make_content(&c, SPARSE, 1);
+    check_every_byte(leaf_files_make(&c, "naive.leaf"), 4096 + 400, 61);
+    free(samples);
     series s;
     make_series(&s, (const uint32_t[3]){9, 8, 7}, SAMPLE_U8);
     check_every_byte(convert_series(&s, "sets.leaf"), 4096 + 2000, 499);
@@ -324,10 +547,11 @@ static void every_byte_counts(void **state) {
 }
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_size),       cmocka_unit_test(every_type),
-        cmocka_unit_test(missing_data),     cmocka_unit_test(constant_and_extreme_values),
-        cmocka_unit_test(rectilinear_axes), cmocka_unit_test(every_byte_counts),
-        cmocka_unit_test(several_sets),
+        cmocka_unit_test(every_size),          cmocka_unit_test(every_type),
+        cmocka_unit_test(missing_data),        cmocka_unit_test(constant_and_extreme_values),
+        cmocka_unit_test(rectilinear_axes),    cmocka_unit_test(every_byte_counts),
+        cmocka_unit_test(several_sets),        cmocka_unit_test(compressed_sizes),
+        cmocka_unit_test(compressed_contents), cmocka_unit_test(all_kinds_of_codes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
