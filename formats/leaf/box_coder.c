@@ -391,12 +391,14 @@ size_t box_coder_encode(box_coder *c, const coded_box *boxes, uint32_t count, vo
 
 /* ---- decoding ---- */
 
+/* Whether a code says what the encoder could have. */
 static bool is_sound(const box_coder *c, const box_code *code, size_t n) {
     const bool background = code->prediction & BOX_BACKGROUND;
     return code->method == METHOD_CODED && code->map < (c->type == SAMPLE_F32 ? MAPS : 1) &&
            code->prediction < 2 * BOX_BACKGROUND && code->width <= sample_size(c->type) &&
            (background ? code->coded <= n : code->coded == n) && (background || !code->background) &&
-           (code->map || !code->base);
+           (code->map || !code->base) &&
+           (sample_size(c->type) == 4 || !(code->background >> 8 * sample_size(c->type)));
 }
 
 static bool decompress(const box_coder *c, const box_code *code, size_t map, const uint8_t *in,
@@ -409,7 +411,7 @@ static bool decompress(const box_coder *c, const box_code *code, size_t map, con
         const size_t size = get_u32(in + CODE_BYTES + 4 * i);
         size_t room;
         uint8_t *stream = stream_at(c, code, i, map, &room);
-        if (size > bytes - used ||
+        if (size > bytes - used || ZSTD_findFrameCompressedSize(in + used, size) != size ||
             ZSTD_decompressDCtx(c->decompressor, stream, room, in + used, size) != room)
             return false;
         used += size;
@@ -462,9 +464,11 @@ static size_t values_bytes(sample_type type, size_t samples) {
     return samples * sample_size(type) + BOX_SPARE;
 }
 
+enum { BLOCKS = 9 }; /* of memory; each takes up to 127 bytes more than it has */
+
 size_t box_coder_memory(sample_type type, size_t samples) {
     return sizeof(box_coder) + 3 * values_bytes(type, samples) + samples +
-           4 * values_bytes(type, BOX_ROW_MAX) + 2 * ESTIMATED * sizeof(uint32_t) + 512;
+           4 * values_bytes(type, BOX_ROW_MAX) + 2 * ESTIMATED * sizeof(uint32_t) + BLOCKS * 128;
 }
 
 size_t box_coder_outside(const box_coder *c) {
@@ -511,7 +515,7 @@ status box_coder_create(mem *m, sample_type type, size_t samples, int level, box
     c->type = type;
     c->samples = samples;
     c->level = level;
-    c->rows = box_rows_best(sample_size(type));
+    box_coder_use(c, cpu_best());
     status st = allocate(c);
     if (st == ST_OK && level)
         st = begin_encoder(c);
@@ -521,6 +525,10 @@ status box_coder_create(mem *m, sample_type type, size_t samples, int level, box
     }
     *out = c;
     return ST_OK;
+}
+
+void box_coder_use(box_coder *c, cpu_isa isa) {
+    c->rows = box_rows_for(isa, sample_size(c->type));
 }
 
 void box_coder_destroy(box_coder *c) {

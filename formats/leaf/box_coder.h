@@ -15,6 +15,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "formats/base/cpu.h"
 #include "formats/base/mem.h"
 #include "formats/base/sample.h"
 #include "formats/base/status.h"
@@ -34,6 +35,9 @@ typedef struct box_coder box_coder;
 CHECKED status box_coder_create(mem *m, sample_type type, size_t samples, int level,
                                 box_coder **out);
 void box_coder_destroy(box_coder *c); /* NULL is fine */
+
+/* box_coder_use() - run the loops of another ISA than cpu_best(), one that the CPU has. */
+void box_coder_use(box_coder *c, cpu_isa isa);
 
 /* box_coder_memory() - bytes that box_coder_create() takes from m. box_coder_outside() - and those
  * that zstd takes elsewhere once it has been used. */

@@ -3,6 +3,7 @@
 #ifndef FORMATS_LEAF_BOX_ROWS_H
 #define FORMATS_LEAF_BOX_ROWS_H
 
+#include "formats/base/cpu.h"
 #include "formats/leaf/box_coder.h"
 
 /* What a coder works with. T: an unsigned integer as wide as a sample. BOX_SPARE more bytes than
@@ -30,8 +31,8 @@ typedef struct box_rows {
     void (*mark)(const box_work *w, const coded_box *boxes, uint32_t count, uint32_t background);
 } box_rows;
 
-/* box_rows_best() - the loops of this CPU for samples of 1, 2 or 4 bytes. */
-const box_rows *box_rows_best(size_t sample_bytes);
+/* box_rows_for() - the loops of an ISA for samples of 1, 2 or 4 bytes. */
+const box_rows *box_rows_for(cpu_isa isa, size_t sample_bytes);
 
 /* box_map_row_bytes() - bytes of a row in the map. box_map_bytes() - of a box. */
 static inline uint32_t box_map_row_bytes(uint32_t samples) {
