@@ -32,10 +32,8 @@ void leaf_head_grid(leaf_header *h, const leaf_layout *l, const leaf_parameters 
     h->rectilinear = grid_is_rectilinear(g);
     h->fields = sets->fields;
     h->steps = sets->steps;
-    if (l->sets > 1) {
-        h->version = 2;
+    if (l->sets > 1)
         leaf_head_text(h->field, sizeof h->field, sets->names ? sets->names[0] : "");
-    }
     memcpy(h->to_world, g->to_world, sizeof h->to_world);
     leaf_head_text(h->name, sizeof h->name, g->name);
 }
