@@ -7,9 +7,10 @@
 #include <zstd.h>
 
 #include "formats/leaf/box_rows.h"
+#include "formats/leaf/leaf.h"
 
 enum {
-    CODE_BYTES = 16,  /* box_code, then a u32 a stream: its bytes */
+    CODE_BYTES = LEAF_CODE_BYTES, /* box_code, then a u32 a stream: its bytes */
     STREAMS_MAX = 5,  /* the map, and up to four bytes of residuals */
     ESTIMATED = 2048, /* samples that a prediction is judged by */
     LOG_BITS = 10,
@@ -43,17 +44,17 @@ static size_t maps_bytes(const coded_box *boxes, uint32_t count) {
 
 #define T          uint8_t
 #define ROWS(name) name##_u8
-#include "formats/leaf/box_samples_typed.h"
+#include "formats/leaf/box_samples_template.h"
 #undef T
 #undef ROWS
 #define T          uint16_t
 #define ROWS(name) name##_u16
-#include "formats/leaf/box_samples_typed.h"
+#include "formats/leaf/box_samples_template.h"
 #undef T
 #undef ROWS
 #define T          uint32_t
 #define ROWS(name) name##_u32
-#include "formats/leaf/box_samples_typed.h"
+#include "formats/leaf/box_samples_template.h"
 #undef T
 #undef ROWS
 

@@ -1,4 +1,7 @@
 /* box_rows_template.h - box_rows.h for one ISA, of which the compiler's flags decide. */
+#ifndef FORMATS_LEAF_BOX_ROWS_TEMPLATE_H
+#define FORMATS_LEAF_BOX_ROWS_TEMPLATE_H
+
 #include <string.h>
 
 #include "formats/base/simd_isa.h"
@@ -40,17 +43,17 @@ static unsigned map_row_rest(const uint8_t *bits, uint32_t samples) {
 
 #define T          uint8_t
 #define ROWS(name) name##_u8
-#include "formats/leaf/box_rows_typed.h"
+#include "formats/leaf/box_row_template.h"
 #undef T
 #undef ROWS
 #define T          uint16_t
 #define ROWS(name) name##_u16
-#include "formats/leaf/box_rows_typed.h"
+#include "formats/leaf/box_row_template.h"
 #undef T
 #undef ROWS
 #define T          uint32_t
 #define ROWS(name) name##_u32
-#include "formats/leaf/box_rows_typed.h"
+#include "formats/leaf/box_row_template.h"
 #undef T
 #undef ROWS
 
@@ -58,3 +61,5 @@ const box_rows *BOX_ROWS(size_t sample_bytes);
 const box_rows *BOX_ROWS(size_t sample_bytes) {
     return sample_bytes == 1 ? &table_u8 : sample_bytes == 2 ? &table_u16 : &table_u32;
 }
+
+#endif

@@ -6,12 +6,7 @@
 #include "formats/leaf/grid_family.h"
 #include "formats/leaf/leaf_layout.h"
 
-/* grid_coding_samples() - the most samples that one payload codes.
- * grid_coding_room() - the most bytes of payload p. */
-size_t grid_coding_samples(const leaf_layout *l);
-uint32_t grid_coding_room(const leaf_layout *l, uint32_t p);
-
-/* grid_coding_pack() - code payload p into out, of grid_coding_room() bytes. from: a treelet's
+/* grid_coding_pack() - code payload p into out, of leaf_layout_stored() bytes. from: a treelet's
  * payload, or a shell's samples. Returns the bytes it takes. */
 size_t grid_coding_pack(const leaf_layout *l, uint32_t p, box_coder *c, const void *from,
                         void *out);

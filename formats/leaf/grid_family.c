@@ -47,20 +47,6 @@ static size_t part_samples(const family_part *p) {
     return (size_t)p->size[0] * p->size[1] * p->size[2];
 }
 
-size_t grid_family_shell(const leaf_layout *l, uint32_t parent) {
-    family_part parts[FAMILY_PARTS_MAX];
-    const uint32_t count = grid_family_parts(l, parent, parts);
-    size_t n = 0;
-    for (uint32_t i = 0; i < count; i++)
-        n += part_samples(&parts[i]);
-    return n;
-}
-
-size_t grid_family_shell_max(const leaf_layout *l) {
-    const size_t b = (size_t)1 << l->cells_log2, all = 2 * b + 1 + 2 * l->halo;
-    return all * all * all - 8 * b * b * b;
-}
-
 /* A box that is thin along x is coded with its rows along y: a row of three samples is none. */
 static coded_box box_of(const family_part *p, void *at) {
     const uint32_t *s = p->size, row = s[0], sheet = s[0] * s[1];
@@ -76,7 +62,7 @@ uint32_t grid_family_shell_boxes(const leaf_layout *l, uint32_t parent, void *sa
     char *at = samples;
     for (uint32_t i = 0; i < count; i++) {
         boxes[i] = box_of(&parts[i], at);
-        at = at ? at + part_samples(&parts[i]) * sample_size(l->type) : NULL;
+        at += part_samples(&parts[i]) * sample_size(l->type);
     }
     return count;
 }
@@ -94,8 +80,7 @@ coded_box grid_family_own(const leaf_layout *l, uint32_t treelet, void *payload)
         box.size[a] = second || first_of_two ? p.samples[a] - shared : p.samples[a];
         at += second ? (size_t)shared * stride[a] : 0;
     }
-    if (payload)
-        box.at = (char *)payload + p.samples_at + at * sample_size(l->type);
+    box.at = (char *)payload + p.samples_at + at * sample_size(l->type);
     return box;
 }
 

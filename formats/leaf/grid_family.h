@@ -28,18 +28,13 @@ enum { FAMILY_PARTS_MAX = 7 };
  * one treelet. */
 uint32_t grid_family_parts(const leaf_layout *l, uint32_t parent, family_part parts[FAMILY_PARTS_MAX]);
 
-/* grid_family_shell() - the number of samples in a shell.
- * grid_family_shell_max() - at most so many are in any shell of a layout. */
-size_t grid_family_shell(const leaf_layout *l, uint32_t parent);
-size_t grid_family_shell_max(const leaf_layout *l);
-
 /* grid_family_shell_boxes() - a shell's boxes for the coder. samples: its boxes one behind the
- * other, each x fastest; NULL: only sizes are wanted. Returns how many there are. */
+ * other, each x fastest. Returns how many there are. */
 uint32_t grid_family_shell_boxes(const leaf_layout *l, uint32_t parent, void *samples,
                                  coded_box boxes[FAMILY_PARTS_MAX]);
 
 /* grid_family_own() - the box of a treelet's payload that no sibling has, for the coder. The root
- * has all of its samples alone. payload: NULL: only sizes are wanted. */
+ * has all of its samples alone. */
 coded_box grid_family_own(const leaf_layout *l, uint32_t treelet, void *payload);
 
 /* grid_family_take() - copy a treelet's part of the shell of its family into its payload. */

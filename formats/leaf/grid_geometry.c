@@ -6,7 +6,6 @@
 
 #include "formats/base/sample.h"
 #include "formats/leaf/deviation.h"
-#include "formats/leaf/grid_family.h"
 #include "formats/leaf/implied_payload.h"
 #include "formats/leaf/leaf_place.h"
 
@@ -197,7 +196,7 @@ static status check_directory(const char *path, const leaf_header *h, const leaf
 static uint32_t payload_bytes(const leaf_layout *l, uint32_t p) {
     uint32_t set, parent;
     if (leaf_layout_is_shell(l, p, &set, &parent))
-        return (uint32_t)(grid_family_shell(l, parent) * sample_size(l->type));
+        return (uint32_t)(leaf_layout_shell_samples(l, parent) * sample_size(l->type));
     return leaf_layout_payload(l, p % l->treelets).bytes;
 }
 

@@ -41,6 +41,7 @@ enum {
     LEAF_TREELET_TETS_MAX = 16384, /* so that 16 bits number the vertices of any treelet */
     LEAF_LEAF_TETS_MAX = 64,
     LEAF_SETS_MAX = 65536,     /* fields, steps, and their product */
+    LEAF_CODE_BYTES = 16,      /* of a code of boxes, before its streams (FORMAT.md 10) */
     LEAF_HISTOGRAMS_MAX = 1024 /* files of more sets have no histograms */
 };
 

@@ -9,7 +9,6 @@
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/leaf_place.h"
-#include "formats/leaf/leaf_unpacker.h"
 
 _Static_assert(
     __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
@@ -411,18 +410,6 @@ bool leaf_file_is_implied(const leaf_file *f, uint32_t p) {
 status leaf_file_fetch(leaf_file *f, uint32_t p, void *stored) {
     status st = file_read_at(f->source, f->offsets[p], stored, (size_t)f->sizes[p]);
     return st == ST_OK ? leaf_file_check(f, p, stored) : st;
-}
-
-status leaf_file_load(leaf_file *f, uint32_t p, leaf_unpacker *u, void *payload) {
-    if (leaf_file_is_implied(f, p)) {
-        f->geometry->imply(&f->layout, p % f->layout.treelets, f->own[p], payload);
-        return ST_OK;
-    }
-    if (leaf_file_is_raw(f, p))
-        return leaf_file_fetch(f, p, payload);
-    assert(u);
-    status st = leaf_file_fetch(f, p, leaf_unpacker_room(u));
-    return st == ST_OK ? leaf_unpacker_decode(u, p, leaf_unpacker_room(u), payload) : st;
 }
 
 bool leaf_file_holds_indices(const leaf_file *f) {

@@ -2,7 +2,7 @@
  *
  * leaf_file_open() validates the header, the directory and every offset and size against the file's
  * length, so users need no checks of their own. Immutable afterwards: any thread may read it.
- * leaf_file_load() checks payload bytes.
+ * leaf_file_load() (leaf_unpacker.h) checks payload bytes.
  */
 #ifndef FORMATS_LEAF_LEAF_FILE_H
 #define FORMATS_LEAF_LEAF_FILE_H
@@ -24,8 +24,6 @@ typedef struct mesh_directory {
     uint64_t *first_tet;   /* treelets + 1: number of a treelet's first tet in the whole mesh */
     leaf_part *coarse;     /* per set; zeros without section COARSE */
 } mesh_directory;
-
-struct leaf_unpacker; /* leaf_unpacker.h */
 
 typedef struct leaf_file {
     leaf_header header;
@@ -86,15 +84,6 @@ bool leaf_file_is_raw(const leaf_file *f, uint32_t p);
 /* leaf_file_is_implied() - whether payload p has no bytes in the file, but follows from the
  * directory (implied_payload.h). */
 bool leaf_file_is_implied(const leaf_file *f, uint32_t p);
-
-/* leaf_file_load() - read payload p's stored bytes, check them, and decode them into payload.
- *
- * payload   leaf_layout_payload_bytes(p) bytes, 64-byte aligned
- * u         of this thread; NULL for a raw file
- *
- * ST_CORRUPT names file, byte and treelet. Before use, a mesh's topology must pass
- * mesh_leaf_check_loaded(), positions mesh_leaf_check_moved(). Thread-safe. */
-CHECKED status leaf_file_load(leaf_file *f, uint32_t p, struct leaf_unpacker *u, void *payload);
 
 /* leaf_file_fetch() - read payload p's stored bytes, and check them. */
 CHECKED status leaf_file_fetch(leaf_file *f, uint32_t p, void *stored);

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "formats/grid/grid.h"
-#include "formats/leaf/grid_coding.h"
 #include "formats/leaf/grid_geometry.h"
 #include "formats/leaf/mesh_geometry.h"
 #include "formats/mesh/mesh_leaf.h"
@@ -246,12 +245,57 @@ uint32_t leaf_layout_payload_max(const leaf_layout *l) {
     return l->payload_max;
 }
 
+size_t leaf_layout_own_samples(const leaf_layout *l, uint32_t treelet) {
+    const leaf_payload p = leaf_layout_payload(l, treelet);
+    const leaf_level *v = &l->level[l->level_of[treelet]];
+    size_t samples = 1;
+    for (int a = 0; a < 3; a++) {
+        const uint32_t place = l->place[treelet][a];
+        const bool shares = place % 2 || place + 1 < v->treelets[a];
+        samples *= p.samples[a] - (shares ? 1 + 2 * l->halo : 0);
+    }
+    return samples;
+}
+
+size_t leaf_layout_shell_samples(const leaf_layout *l, uint32_t parent) {
+    const leaf_level *v = &l->level[l->level_of[parent] - 1];
+    const uint32_t b = 1U << l->cells_log2, shared = 1 + 2 * l->halo;
+    size_t all = 1, own = 1;
+    for (int a = 0; a < 3; a++) {
+        const uint32_t left = v->cells[a] - l->place[parent][a] * 2 * b;
+        const uint32_t cells = left < 2 * b ? left : 2 * b;
+        all *= cells + shared;
+        own *= cells + (cells > b ? 0 : shared);
+    }
+    return all - own;
+}
+
+size_t leaf_layout_shell_max(const leaf_layout *l) {
+    const size_t b = (size_t)1 << l->cells_log2, all = 2 * b + 1 + 2 * l->halo;
+    return all * all * all - 8 * b * b * b;
+}
+
+size_t leaf_layout_code_max(const leaf_layout *l) {
+    const size_t side = ((size_t)1 << l->cells_log2) + 1 + 2 * l->halo;
+    const size_t root = side * side * side, shell = leaf_layout_shell_max(l);
+    return root > shell ? root : shell;
+}
+
+static uint32_t code_bytes(const leaf_layout *l, size_t samples) {
+    return (uint32_t)(LEAF_CODE_BYTES + samples * sample_size(l->type));
+}
+
 uint32_t leaf_layout_stored(const leaf_layout *l, uint32_t p) {
-    return l->coded ? grid_coding_room(l, p) : leaf_layout_payload_bytes(l, p);
+    uint32_t set, parent;
+    if (!l->coded)
+        return leaf_layout_payload_bytes(l, p);
+    return code_bytes(l, leaf_layout_is_shell(l, p, &set, &parent)
+                             ? leaf_layout_shell_samples(l, parent)
+                             : leaf_layout_own_samples(l, p % l->treelets));
 }
 
 uint32_t leaf_layout_stored_max(const leaf_layout *l) {
-    return l->coded ? (uint32_t)box_coder_room(l->type, grid_coding_samples(l)) : l->payload_max;
+    return l->coded ? code_bytes(l, leaf_layout_code_max(l)) : l->payload_max;
 }
 
 static void begin_set(leaf_order *o, const leaf_layout *l) {

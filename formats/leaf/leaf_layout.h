@@ -133,6 +133,15 @@ static inline bool leaf_layout_is_shell(const leaf_layout *l, uint32_t p, uint32
     return true;
 }
 
+/* leaf_layout_own_samples() - how many samples of a treelet no sibling has.
+ * leaf_layout_shell_samples() - how many the children of a treelet share (grid_family.h).
+ * leaf_layout_shell_max() - at most so many are in any shell.
+ * leaf_layout_code_max() - at most so many are coded by one compressed payload. */
+size_t leaf_layout_own_samples(const leaf_layout *l, uint32_t treelet);
+size_t leaf_layout_shell_samples(const leaf_layout *l, uint32_t parent);
+size_t leaf_layout_shell_max(const leaf_layout *l);
+size_t leaf_layout_code_max(const leaf_layout *l);
+
 /* leaf_layout_payload_bytes() - bytes of payload p before compression. p counts as in the
  * directory: a grid's treelets set after set, then its shells; a mesh's blocks of topologies,
  * values, gradients, positions. */

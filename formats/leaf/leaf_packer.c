@@ -25,7 +25,7 @@ void leaf_parameters_compress(leaf_parameters *p, int level) {
 static status begin(mem *m, leaf_packer *k) {
     const leaf_layout *l = k->layout;
     if (l && l->coded)
-        return box_coder_create(m, l->type, grid_coding_samples(l), k->level, &k->boxes);
+        return box_coder_create(m, l->type, leaf_layout_code_max(l), k->level, &k->boxes);
     k->context = ZSTD_createCCtx();
     return k->context ? ST_OK : status_describe(ST_NOMEM, "no room for a compressor");
 }
@@ -65,7 +65,7 @@ static uint64_t memory_of(leaf_packer *k, char *sample, size_t bytes) {
         (void)ZSTD_compressCCtx(k->context, sample + bytes, bytes - 1, sample, bytes, k->level);
         return ZSTD_sizeof_CCtx(k->context);
     }
-    const uint32_t samples = (uint32_t)grid_coding_samples(l), rows = samples / BOX_ROW_MAX;
+    const uint32_t samples = (uint32_t)leaf_layout_code_max(l), rows = samples / BOX_ROW_MAX;
     const coded_box box = {{BOX_ROW_MAX, rows, 1}, {1, BOX_ROW_MAX, BOX_ROW_MAX * rows}, sample};
     (void)box_coder_encode(k->boxes, &box, 1, sample + bytes);
     return box_coder_outside(k->boxes) + box_coder_memory(l->type, samples);

@@ -1,9 +1,12 @@
 #include "formats/leaf/leaf_unpacker.h"
 
+#include <assert.h>
+
 #include <zstd.h>
 
 #include "formats/leaf/grid_codes.h"
 #include "formats/leaf/grid_coding.h"
+#include "formats/leaf/leaf_geometry.h"
 
 enum { SHELLS = 4 };
 
@@ -30,11 +33,11 @@ struct leaf_unpacker {
 static status begin_grid(leaf_unpacker *u) {
     const leaf_layout *l = &u->f->layout;
     u->codes = mem_alloc(u->m, grid_codes_scratch_bytes());
-    status st = u->codes ? box_coder_create(u->m, l->type, grid_coding_samples(l), 0, &u->boxes)
+    status st = u->codes ? box_coder_create(u->m, l->type, leaf_layout_code_max(l), 0, &u->boxes)
                          : ST_NOMEM;
     if (st != ST_OK || !l->shells)
         return st;
-    const size_t bytes = grid_family_shell_max(l) * sample_size(l->type);
+    const size_t bytes = leaf_layout_shell_max(l) * sample_size(l->type);
     u->shell_stored = mem_alloc(u->m, leaf_layout_stored_max(l));
     for (int i = 0; i < SHELLS; i++) {
         u->shells[i].p = LEAF_NO_TREELET;
@@ -86,9 +89,9 @@ size_t leaf_unpacker_memory(const leaf_file *f) {
         return 0;
     size_t bytes = sizeof(leaf_unpacker) + leaf_layout_stored_max(l) + 1024;
     if (l->coded)
-        bytes += grid_codes_scratch_bytes() + box_coder_memory(l->type, grid_coding_samples(l));
+        bytes += grid_codes_scratch_bytes() + box_coder_memory(l->type, leaf_layout_code_max(l));
     if (l->shells)
-        bytes += SHELLS * grid_family_shell_max(l) * sample_size(l->type) +
+        bytes += SHELLS * leaf_layout_shell_max(l) * sample_size(l->type) +
                  leaf_layout_stored_max(l);
     return bytes;
 }
@@ -117,10 +120,6 @@ uint64_t leaf_unpacker_take(leaf_unpacker *u) {
     if (u)
         u->shell_bytes = 0;
     return bytes;
-}
-
-void *leaf_unpacker_room(leaf_unpacker *u) {
-    return u->stored;
 }
 
 static status malformed(const leaf_unpacker *u, uint32_t p, const char *why) {
@@ -192,10 +191,23 @@ static status decode_treelet(leaf_unpacker *u, uint32_t p, const void *stored, v
     return st;
 }
 
-status leaf_unpacker_decode(leaf_unpacker *u, uint32_t p, const void *stored, void *payload) {
+static status decode(leaf_unpacker *u, uint32_t p, void *payload) {
     const leaf_layout *l = &u->f->layout;
     if (!l->coded)
-        return unframe(u, p, stored, payload);
-    return p < l->sets * l->treelets ? decode_treelet(u, p, stored, payload)
-                                     : unpack(u, p, stored, payload);
+        return unframe(u, p, u->stored, payload);
+    return p < l->sets * l->treelets ? decode_treelet(u, p, u->stored, payload)
+                                     : unpack(u, p, u->stored, payload);
+}
+
+status leaf_file_load(leaf_file *f, uint32_t p, leaf_unpacker *u, void *payload) {
+    const leaf_layout *l = &f->layout;
+    if (leaf_file_is_implied(f, p)) {
+        l->geometry->imply(l, p % l->treelets, f->own[p], payload);
+        return ST_OK;
+    }
+    if (leaf_file_is_raw(f, p))
+        return leaf_file_fetch(f, p, payload);
+    assert(u && u->f == f);
+    const status st = leaf_file_fetch(f, p, u->stored);
+    return st == ST_OK ? decode(u, p, payload) : st;
 }

@@ -21,11 +21,13 @@ void leaf_unpackers_destroy(mem *m, leaf_unpacker **list, int count); /* NULL is
 /* leaf_unpacker_take() - take the count of bytes of shells that were read since the last call. */
 uint64_t leaf_unpacker_take(leaf_unpacker *u);
 
-/* leaf_unpacker_room() - room for the stored bytes of any payload.
- * leaf_unpacker_decode() - decode payload p from its stored bytes, which were checked. shells: read
- * from the file, if need be. ST_CORRUPT names file, byte and payload. */
-void *leaf_unpacker_room(leaf_unpacker *u);
-CHECKED status leaf_unpacker_decode(leaf_unpacker *u, uint32_t p, const void *stored,
-                                    void *payload);
+/* leaf_file_load() - read payload p's stored bytes, check them, and decode them into payload.
+ *
+ * payload   leaf_layout_payload_bytes(p) bytes, 64-byte aligned
+ * u         of this thread; NULL for a raw file
+ *
+ * ST_CORRUPT names file, byte and treelet. Before use, a mesh's topology must pass
+ * mesh_leaf_check_loaded(), positions mesh_leaf_check_moved(). Thread-safe. */
+CHECKED status leaf_file_load(leaf_file *f, uint32_t p, leaf_unpacker *u, void *payload);
 
 #endif

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "formats/base/pool.h"
-#include "formats/leaf/grid_family.h"
 #include "formats/leaf/leaf_histogram.h"
 #include "formats/leaf/leaf_writer.h"
 #include "prep/grid/deviation_build.h"
@@ -206,7 +205,7 @@ static status create_benches(conversion *c) {
         return ST_NOMEM;
     size_t pack_bytes = leaf_writer_pack_bytes(c->layout, c->o->file.codec);
     size_t shell_bytes =
-        c->layout->shells ? grid_family_shell_max(c->layout) * sample_size(c->layout->type) : 0;
+        c->layout->shells ? leaf_layout_shell_max(c->layout) * sample_size(c->layout->type) : 0;
     for (int i = 0; i < c->o->threads; i++) {
         bench *b = &c->benches[i];
         b->scratch = mem_alloc(c->m, grid_codes_scratch_bytes());

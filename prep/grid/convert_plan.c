@@ -3,7 +3,6 @@
 #include <math.h>
 
 #include "formats/leaf/histogram_draw.h"
-#include "formats/leaf/grid_family.h"
 #include "formats/leaf/leaf_check.h"
 #include "prep/grid/deviation_build.h"
 #include "prep/grid/pyramid.h"
@@ -31,7 +30,7 @@ uint32_t convert_plan_slices(const convert_plan *plan, uint32_t level) {
 static uint64_t fixed_memory(const grid *g, const convert_options *o, const leaf_layout *l,
                              uint64_t packer) {
     uint64_t thread = leaf_layout_payload_max(l) + leaf_writer_pack_bytes(l, o->file.codec) +
-                      (l->shells ? grid_family_shell_max(l) * sample_size(l->type) : 0) +
+                      (l->shells ? leaf_layout_shell_max(l) * sample_size(l->type) : 0) +
                       grid_codes_scratch_bytes() + packer + THREAD_BYTES;
     uint64_t bytes =
         leaf_writer_memory(l, o->file.codec) + (uint64_t)o->threads * thread + FIXED_BYTES;

@@ -105,11 +105,26 @@ DEFINE_Z_INTEGER(int8_t, int16_t, int32_t, i8)
 DEFINE_Z_INTEGER(uint16_t, uint32_t, uint32_t, u16)
 DEFINE_Z_INTEGER(int16_t, int32_t, int32_t, i16)
 
+/* Round a finite float to PYRAMID_BITS, half to even; down where the result would be infinite. */
+static inline float shortened(float value) {
+    enum { GONE = 23 - PYRAMID_BITS };
+    const uint32_t exponent = 0x7F800000U, low = (1U << GONE) - 1;
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    const uint32_t nearest = (bits + (low >> 1) + (bits >> GONE & 1)) & ~low;
+    bits = (nearest & exponent) == exponent ? bits & ~low : nearest;
+    memcpy(&value, &bits, sizeof bits);
+    return value;
+}
+
 static void z_f32(const void *const taps[TAPS], void *to, uint32_t first, uint32_t end) {
     const double *a = taps[0], *b = taps[1], *c = taps[2], *d = taps[3], *e = taps[4];
     float *restrict samples = to;
-    for (uint32_t i = first; i < end; i++)
-        samples[i] = (float)(WEIGH(double, a[i], b[i], c[i], d[i], e[i]) / WHOLE);
+    for (uint32_t i = first; i < end; i++) {
+        const float mean = (float)(WEIGH(double, a[i], b[i], c[i], d[i], e[i]) / WHOLE);
+        const bool same = (a[i] == b[i]) & (b[i] == c[i]) & (c[i] == d[i]) & (d[i] == e[i]);
+        samples[i] = same ? mean : shortened(mean);
+    }
 }
 
 static const kernels all_kernels[] = {
@@ -161,7 +176,10 @@ static void z_missing(const double *const taps[TAPS], const uint16_t *const weig
                       (weights[d] ? weights[d][i] & (unsigned)WEIGHT_MASK : (unsigned)WHOLE_PLANE);
         bool missing = weights[2] && (weights[2][i] & CENTRE_MISSING);
         double sum = WEIGH(double, taps[0][i], taps[1][i], taps[2][i], taps[3][i], taps[4][i]);
-        samples[i] = missing ? NAN : (float)(sum / weight);
+        const bool same = taps[0][i] == taps[1][i] && taps[1][i] == taps[2][i] &&
+                          taps[2][i] == taps[3][i] && taps[3][i] == taps[4][i];
+        const float mean = (float)(sum / weight);
+        samples[i] = missing ? NAN : same ? mean : shortened(mean);
     }
 }
 

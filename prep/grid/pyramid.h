@@ -6,8 +6,10 @@
  *
  *   integers  exact integer sums over 4096, rounded half to even
  *   f32       sums in double, x then y then z, each from the lowest index up, divided by the sum of
- *             weights, rounded to float; NaN and inf have weight 0; a coarse node whose (clamped)
- *             centre is one of them is the quiet NaN 0x7FC00000
+ *             weights, rounded to float, and then to PYRAMID_BITS of its mantissa, unless the sums of
+ *             all five planes are the same: more digits only cost bytes, but a constant stays as it
+ *             is; NaN and inf have weight 0; a coarse node whose (clamped) centre is one of them is
+ *             the quiet NaN 0x7FC00000
  *
  * Bit-exact whatever the threads: one thread does a band of rows, and no sum crosses bands.
  */
@@ -22,6 +24,9 @@
 #include "formats/base/status.h"
 
 typedef struct pyramid pyramid;
+
+/* Bits behind the leading one: errors of rounding are at most 2^-13 of a value. */
+enum { PYRAMID_BITS = 12 };
 
 /* pyramid_create() - type: a result of sample_stored(). fine: nodes per axis of the finer level,
  * each >= 2. threads: of the pools that it will be fed with. */

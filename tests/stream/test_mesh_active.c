@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "formats/leaf/leaf_file.h"
+#include "formats/leaf/leaf_unpacker.h"
 #include "formats/mesh/mesh_leaf_check.h"
 #include "stream/mesh_active.h"
 #include "stream/treelet_tree.h"

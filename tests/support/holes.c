@@ -1,3 +1,4 @@
+#include "formats/leaf/leaf_unpacker.h"
 #include "tests/support/holes.h"
 
 #include <math.h>

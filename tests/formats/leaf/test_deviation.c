@@ -13,6 +13,7 @@
 #include <stdlib.h>
 
 #include "formats/leaf/deviation.h"
+#include "formats/leaf/leaf_unpacker.h"
 #include "formats/leaf/leaf_verify.h"
 #include "stream/active.h"
 #include "tests/support/leaf_files.h"

@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "formats/leaf/leaf_check.h"
+#include "formats/leaf/leaf_unpacker.h"
 #include "formats/leaf/leaf_verify.h"
 #include "stream/source.h"
 #include "tests/support/leaf_files.h"

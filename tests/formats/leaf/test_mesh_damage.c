@@ -16,6 +16,7 @@
 #include "formats/base/hash.h"
 #include "formats/leaf/leaf_check.h"
 #include "formats/leaf/leaf_stats.h"
+#include "formats/leaf/leaf_unpacker.h"
 #include "formats/leaf/leaf_verify.h"
 #include "formats/mesh/mesh_leaf_check.h"
 #include "tests/support/fields.h"

@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "formats/base/fault.h"
+#include "formats/leaf/leaf_unpacker.h"
 #include "formats/mesh/mesh_leaf_check.h"
 #include "stream/loader.h"
 #include "stream/mesh_refit.h"

@@ -1,5 +1,7 @@
-/* box_rows_typed.h - box_rows.h for unsigned integers of type T. Define T and ROWS(name) before each
+/* box_row_template.h - box_rows.h for unsigned integers of type T. Define T and ROWS(name) before each
  * inclusion; box_rows_template.h includes it for three widths. */
+#ifdef ROWS
+
 
 /* The samples next to a row, in rows that are known: above (y - 1), behind (z - 1), and both.
  * Missing ones are NULL. */
@@ -271,3 +273,5 @@ static bool ROWS(values)(const box_work *c, const coded_box *boxes, uint32_t cou
 
 static const box_rows ROWS(table) = {
     .residuals = ROWS(residuals), .values = ROWS(values), .mark = ROWS(mark)};
+
+#endif

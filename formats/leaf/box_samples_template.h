@@ -1,5 +1,7 @@
-/* box_samples_typed.h - samples of box_coder.c as unsigned integers of type T: to and from boxes and
+/* box_samples_template.h - samples of box_coder.c as unsigned integers of type T: to and from boxes and
  * bytes. Define T and ROWS(name) before each inclusion. */
+#ifdef ROWS
+
 
 /* Split residuals into bytes, the lowest ones of all first. */
 static void ROWS(split)(const T *residuals, size_t n, unsigned width, uint8_t *out) {
@@ -66,3 +68,5 @@ static void ROWS(scatter)(const coded_box *b, T flip, const T *restrict in) {
                     row[(size_t)x * box.stride[0]] = in[x] ^ flip;
         }
 }
+
+#endif
