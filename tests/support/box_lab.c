@@ -108,9 +108,9 @@ static double wave_of(const uint32_t p[3]) {
     return sin(0.13 * p[0]) + cos(0.11 * p[1]) + sin(0.07 * p[2] + 1);
 }
 
-/* A multiple in -20000 .. 20000, or NaN. */
-static bool multiple_of(const uint32_t p[3], field_random *r, double *multiple) {
-    *multiple = nearbyint(9000 * wave_of(p)) + (double)field_random_below(r, 9);
+/* A multiple in -3 most .. 3 most; false: NaN. */
+static bool multiple_of(const uint32_t p[3], double most, field_random *r, double *multiple) {
+    *multiple = nearbyint(most * wave_of(p)) + (double)field_random_below(r, 9);
     return field_random_below(r, 20) != 0;
 }
 
@@ -140,10 +140,12 @@ static uint32_t float_of(box_values what, int detail, const uint32_t p[3], bool 
             return bits_of(0.1F + 0x1p-20F);
         /* fallthrough */
     case BOX_DECIMALS:
-        return multiple_of(p, r, &multiple) ? bits_of((float)(multiple * tens[detail]))
-                                            : 0x7fc00000;
+        /* Binaries are few: of large floats, all are multiples of 10^-6. */
+        return multiple_of(p, 9000, r, &multiple) ? bits_of((float)(multiple * tens[detail]))
+                                                  : 0x7fc00000;
     case BOX_BINARIES:
-        return multiple_of(p, r, &multiple) ? bits_of((float)ldexp(multiple, -detail)) : 0x7fc00000;
+        return multiple_of(p, 150, r, &multiple) ? bits_of((float)ldexp(multiple, -detail))
+                                                 : 0x7fc00000;
     case BOX_STRANGE: return field_random_below(r, 3) ? bits_of((float)wave_of(p)) : strange(r);
     case BOX_LIMITS: return bits_of(ldexpf(near_limit[field_random_below(r, 6)], -detail));
     case BOX_QUIET: return 0x7fc00000;

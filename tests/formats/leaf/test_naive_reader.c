@@ -86,7 +86,8 @@ static void check_pyramid(const naive_leaf *leaf) {
                     double want = filtered(leaf, level, at);
                     double got = (double)naive_leaf_sample(leaf, level, at[0], at[1], at[2]);
                     bool good = integers ? got == nearbyint(want) /* sums are exact: half to even */
-                                         : fabs(got - want) <= 1e-6 * (fabs(want) + 1);
+                                         : fabs(got - want) <=
+                                               0x1p-13 * fabs(want) + 1e-6 * (fabs(want) + 1);
                     if (!good && !(isnan(got) && isnan(want)))
                         fail_msg("level %d node %ld %ld %ld: %.9g, not %.9g", level, at[0], at[1],
                                  at[2], got, want);
