@@ -443,7 +443,7 @@ bool box_coder_decode(box_coder *c, const void *in, size_t bytes, const coded_bo
                       uint32_t count) {
     const size_t n = samples_of(boxes, count), map = maps_bytes(boxes, count);
     assert(n <= c->samples);
-    if (bytes < CODE_BYTES)
+    if (bytes < CODE_BYTES || bytes > box_coder_room(c->type, n))
         return false;
     const box_code code = get_code(in);
     if (code.method == METHOD_PLAIN)
