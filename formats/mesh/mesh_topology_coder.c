@@ -70,8 +70,6 @@ static bool number_leaves(const mesh_shape *s, mesh_node *nodes) {
         if (c == MESH_CHILDREN || child[c] == MESH_NO_CHILD) {
             depth--;
         } else if (child[c] & MESH_LEAF) {
-            if (leaf == s->leaves)
-                return false;
             child[c] = (uint16_t)(MESH_LEAF | leaf++);
         } else {
             if (++depth == MESH_DEPTH_MAX)
