@@ -50,7 +50,7 @@ void mesh_coder_encode(mesh_block block, const uint32_t counts[4], const float b
 
 /* mesh_coder_decode() - decode streams, one behind the other.
  *
- * in       `bytes` bytes; any: nothing is read outside them
+ * in       `bytes` bytes, of any alignment; any: nothing is read outside them
  * payload  out: mesh_coder_bytes() bytes, 64-byte aligned; of these alone any may be written, also
  *          if the result is false
  *

@@ -143,13 +143,13 @@ static corners sort_corners(encoder *e, const uint16_t tet[4]) {
             wanted++;
         }
     find_known(e, wanted, &c);
-    uint32_t far = c.known, new = wanted;
+    uint32_t far = c.known, fresh = wanted;
     for (int k = 0; k < 4; k++)
         if (e->state[tet[k]] == WANTED) {
             e->state[tet[k]] = USED;
             c.vertex[far++] = tet[k];
         } else if (e->state[tet[k]] == NEW) {
-            c.vertex[new ++] = tet[k];
+            c.vertex[fresh++] = tet[k];
         }
     c.far = far - c.known;
     return c;
@@ -157,12 +157,11 @@ static corners sort_corners(encoder *e, const uint16_t tet[4]) {
 
 static void encode_tet(encoder *e, uint32_t t, const uint16_t tet[4]) {
     const corners c = sort_corners(e, tet);
-    for (uint32_t k = 0, place = 0; k < 4; k++) {
-        if (k < c.known) {
-            e->code[k][t] = (uint8_t)(c.place[k] - place);
-            place = c.place[k];
-            continue;
-        }
+    /* Say where in the list the first corners are, each by its distance from the one before. */
+    for (uint32_t k = 0, place = 0; k < c.known; place = c.place[k++])
+        e->code[k][t] = (uint8_t)(c.place[k] - place);
+    /* Say which vertices the others are. Tell those that are new with their positions. */
+    for (uint32_t k = c.known; k < 4; k++) {
         const uint16_t base = k ? c.vertex[0] : e->last;
         const bool is_far = k < c.known + c.far;
         e->code[k][t] = is_far ? MESH_CORNER_FAR : MESH_CORNER_NEW;
@@ -276,6 +275,7 @@ static inline bool decode_tet(decoder *d, uint32_t t, uint16_t tet[4]) {
     const uint32_t length = recent_length(&d->list);
     uint32_t known = 0, at = 0, place[4];
     uint16_t vertex[4];
+    /* Find the corners that are in the list. Places ascend, so none is there twice. */
     for (; known < 4; known++) {
         const uint8_t code = d->code[known][t];
         if (code == MESH_CORNER_NEW || code == MESH_CORNER_FAR)
@@ -286,6 +286,7 @@ static inline bool decode_tet(decoder *d, uint32_t t, uint16_t tet[4]) {
         place[known] = at;
         vertex[known] = d->list.at[d->list.count - at];
     }
+    /* Take the others from words. */
     for (uint32_t k = known; k < 4; k++)
         if (!get_other(d, d->code[k][t], k ? vertex[0] : d->last, &vertex[k]))
             return false;

@@ -495,11 +495,23 @@ static void check_corner_rules(subject *x) {
             check_refused(x, at, bytes[at] ^ 255);
 }
 
+/* Nine children of the first node, but as many as before of two nodes together. */
+static void check_nine_children(subject *x) {
+    uint8_t *children = x->streams.bytes + 1;
+    if (x->counts[2] < 2 || children[0] + children[1] < 9)
+        return;
+    const uint8_t kept = children[0];
+    children[1] = (uint8_t)(children[1] - (9 - kept));
+    check_refused(x, 1, 9);
+    children[1] = (uint8_t)(children[1] + (9 - kept));
+}
+
 static void check_rules(subject *x, field_random *r) {
     (void)r;
     if (x->block == MESH_BLOCK_GRADIENTS)
         return;
     encode(x);
+    check_nine_children(x);
     check_refused(x, 0, x->block == MESH_BLOCK_TOPOLOGY ? 3 : 2);
     for (uint32_t n = 0; n < x->counts[2]; n++)
         check_refused(x, 1 + n, 9);
