@@ -1,5 +1,5 @@
 /* mesh_coder.h - the payloads of a mesh's treelet (mesh_leaf.h) as streams that compress well, and
- * back, to the bit. FORMAT.md 6b says the same byte for byte.
+ * back, to the bit. FORMAT.md 6 says the same byte for byte.
  *
  * Topology: a tet is told by how long ago each of its vertices was used, a vertex with its position
  * where it is first used, as the difference from another of that tet. Boxes of nodes are left out,

@@ -1,4 +1,4 @@
-/* naive_coded.c - words in the comments are those of formats/FORMAT.md 6b. */
+/* naive_coded.c - words in the comments are those of formats/FORMAT.md 6. */
 #include "tests/support/naive_coded.h"
 
 #include <stdlib.h>

@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "formats/leaf/float_planes.h"
-#include "formats/leaf/leaf_file.h"
+#include "formats/leaf/leaf_unpacker.h"
 #include "formats/mesh/mesh_coder.h"
 #include "formats/mesh/mesh_leaf.h"
 #include "tests/support/fields.h"
