@@ -1,12 +1,12 @@
 #include "formats/leaf/box_coder.h"
 
 #include <assert.h>
-#include <math.h>
 #include <string.h>
 
 #include <zstd.h>
 
 #include "formats/leaf/box_rows.h"
+#include "formats/leaf/float_steps.h"
 #include "formats/leaf/leaf.h"
 
 enum {
@@ -107,74 +107,30 @@ static uint32_t unordered(uint32_t u) {
     return u >> 31 ? u & 0x7FFFFFFFU : ~u;
 }
 
-/* Maps 1 and up: multiples of a step, which is 10^-k or 2^-k. */
-enum { DECIMALS = 7, BINARIES = 24, MAPS = 1 + DECIMALS + BINARIES };
-#define QUIET_NAN      0x7FC00000U
-#define MULTIPLE_LIMIT 0x40000000
-
-static double step_of(unsigned map) {
-    static const double tens[DECIMALS] = {1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
-    return map <= DECIMALS ? tens[map - 1] : ldexp(1, -(int)(map - DECIMALS));
-}
-
-static double steps_in_one(unsigned map) {
-    static const double tens[DECIMALS] = {1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6};
-    return map <= DECIMALS ? tens[map - 1] : ldexp(1, (int)(map - DECIMALS));
-}
-
-static uint32_t multiple_bits(int32_t multiple, double step) {
-    const float value = (float)((double)multiple * step);
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return bits;
-}
-
-/* The multiple of the step that a float is, bit for bit. False: it is none, or too large. */
-static bool multiple_of(uint32_t bits, double step, double in_one, int32_t *multiple) {
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    const double m = (double)value * in_one;
-    if (!(fabs(m) < MULTIPLE_LIMIT))
-        return false;
-    *multiple = (int32_t)(m < 0 ? m - 0.5 : m + 0.5);
-    return multiple_bits(*multiple, step) == bits;
-}
-
-/* The first map from `map` to `last` by which all samples are multiples, NaN apart; 0: none. */
-static unsigned find_map(const uint32_t *values, size_t n, unsigned map, unsigned last) {
-    int32_t multiple;
-    for (size_t i = 0; i < n; i++)
-        while (values[i] != QUIET_NAN &&
-               !multiple_of(values[i], step_of(map), steps_in_one(map), &multiple))
-            if (++map > last)
-                return 0;
-    return map;
-}
+/* Maps 1 and up: multiples of a step (float_steps.h). */
 
 /* Turn floats into multiples. False: some sample is none, and the values are as they were. */
 static bool take_multiples(uint32_t *values, uint32_t *room, size_t n, box_code *code) {
-    const double step = step_of(code->map), in_one = steps_in_one(code->map);
-    int32_t least = MULTIPLE_LIMIT;
+    const double size = float_step_size(code->map), in_one = float_steps_in_one(code->map);
+    int32_t least = FLOAT_MULTIPLES;
     for (size_t i = 0; i < n; i++) {
         int32_t multiple = 0;
-        if (values[i] == QUIET_NAN)
+        if (values[i] == FLOAT_MISSING)
             continue;
-        if (!multiple_of(values[i], step, in_one, &multiple))
+        if (!float_step_multiple(values[i], size, in_one, &multiple))
             return false;
         room[i] = (uint32_t)multiple;
         least = multiple < least ? multiple : least;
     }
     code->base = (uint32_t)least - 1;
     for (size_t i = 0; i < n; i++)
-        values[i] = values[i] == QUIET_NAN ? 0 : room[i] - code->base;
+        values[i] = values[i] == FLOAT_MISSING ? 0 : room[i] - code->base;
     return true;
 }
 
 static void map_floats(const box_coder *c, size_t n, box_code *code) {
     uint32_t *values = c->w.values;
-    code->map = (uint8_t)find_map(values, n, 1, DECIMALS);
-    if (!code->map)
-        code->map = (uint8_t)find_map(values, n, DECIMALS + 1, MAPS - 1);
+    code->map = (uint8_t)float_step_find(values, n);
     if (code->map && take_multiples(values, c->w.residuals, n, code))
         return;
     code->map = 0;
@@ -189,9 +145,9 @@ static void unmap_floats(const box_coder *c, size_t n, const box_code *code) {
             values[i] = unordered(values[i]);
         return;
     }
-    const double step = step_of(code->map);
+    const double size = float_step_size(code->map);
     for (size_t i = 0; i < n; i++)
-        values[i] = values[i] ? multiple_bits((int32_t)(values[i] + code->base), step) : QUIET_NAN;
+        values[i] = values[i] ? float_step_bits((int32_t)(values[i] + code->base), size) : FLOAT_MISSING;
 }
 
 /* ---- what a prediction would cost ---- */
@@ -395,7 +351,7 @@ size_t box_coder_encode(box_coder *c, const coded_box *boxes, uint32_t count, vo
 /* Whether a code says what the encoder could have. */
 static bool is_sound(const box_coder *c, const box_code *code, size_t n) {
     const bool background = code->prediction & BOX_BACKGROUND;
-    return code->method == METHOD_CODED && code->map < (c->type == SAMPLE_F32 ? MAPS : 1) &&
+    return code->method == METHOD_CODED && code->map < (c->type == SAMPLE_F32 ? FLOAT_STEPS : 1) &&
            code->prediction < 2 * BOX_BACKGROUND && code->width <= sample_size(c->type) &&
            (background ? code->coded <= n : code->coded == n) && (background || !code->background) &&
            (code->map || !code->base) &&

@@ -6,9 +6,8 @@
 
 struct leaf_packer {
     const leaf_layout *layout;
-    ZSTD_CCtx *context;
-    box_coder *boxes; /* of a grid */
-    int level;
+    box_coder *boxes;  /* of a grid */
+    mesh_coding *mesh; /* of a mesh */
 };
 
 leaf_parameters leaf_parameters_default(void) {
@@ -22,16 +21,9 @@ void leaf_parameters_compress(leaf_parameters *p, int level) {
     p->run_align_log2 = LEAF_ALIGN_LOG2;
 }
 
-static status begin(mem *m, leaf_packer *k) {
-    const leaf_layout *l = k->layout;
-    if (l && l->coded)
-        return box_coder_create(m, l->type, leaf_layout_code_max(l), k->level, &k->boxes);
-    k->context = ZSTD_createCCtx();
-    return k->context ? ST_OK : status_describe(ST_NOMEM, "no room for a compressor");
-}
-
-status leaf_packer_create(mem *m, const leaf_layout *l, const leaf_parameters *p,
-                          leaf_packer **out) {
+status leaf_packer_create(mem *m, const leaf_layout *l, const uint32_t counts[4],
+                          const leaf_parameters *p, leaf_packer **out) {
+    const int level = p->zstd_level ? p->zstd_level : ZSTD_CLEVEL_DEFAULT;
     *out = NULL;
     if (p->codec == LEAF_CODEC_RAW)
         return ST_OK;
@@ -39,8 +31,9 @@ status leaf_packer_create(mem *m, const leaf_layout *l, const leaf_parameters *p
     if (!k)
         return ST_NOMEM;
     k->layout = l;
-    k->level = p->zstd_level ? p->zstd_level : ZSTD_CLEVEL_DEFAULT;
-    const status st = begin(m, k);
+    const status st =
+        counts ? mesh_coding_create(m, counts, level, &k->mesh)
+               : box_coder_create(m, l->type, leaf_layout_code_max(l), level, &k->boxes);
     if (st != ST_OK) {
         mem_free(m, k);
         return st;
@@ -52,49 +45,54 @@ status leaf_packer_create(mem *m, const leaf_layout *l, const leaf_parameters *p
 void leaf_packer_destroy(mem *m, leaf_packer *k) {
     if (!k)
         return;
-    ZSTD_freeCCtx(k->context);
+    mesh_coding_destroy(k->mesh);
     box_coder_destroy(k->boxes);
     mem_free(m, k);
 }
 
-/* zstd tells a context's size only after it has compressed something. So compress a payload of
- * zeros. */
-static uint64_t memory_of(leaf_packer *k, char *sample, size_t bytes) {
+/* zstd tells a context's size only after it has compressed something: zeros. */
+static uint64_t grid_memory(leaf_packer *k, char *zeros) {
     const leaf_layout *l = k->layout;
-    if (!l || !l->coded) {
-        (void)ZSTD_compressCCtx(k->context, sample + bytes, bytes - 1, sample, bytes, k->level);
-        return ZSTD_sizeof_CCtx(k->context);
-    }
     const uint32_t samples = (uint32_t)leaf_layout_code_max(l), rows = samples / BOX_ROW_MAX;
-    const coded_box box = {{BOX_ROW_MAX, rows, 1}, {1, BOX_ROW_MAX, BOX_ROW_MAX * rows}, sample};
-    (void)box_coder_encode(k->boxes, &box, 1, sample + bytes);
+    const coded_box box = {{BOX_ROW_MAX, rows, 1}, {1, BOX_ROW_MAX, BOX_ROW_MAX * rows}, zeros};
+    (void)box_coder_encode(k->boxes, &box, 1, zeros + leaf_layout_stored_max(l));
     return box_coder_outside(k->boxes) + box_coder_memory(l->type, samples);
 }
 
-status leaf_packer_memory(mem *m, const leaf_layout *l, size_t payload_max,
+static uint64_t mesh_memory(leaf_packer *k, const uint32_t counts[4], char *zeros) {
+    const float bounds[6] = {0};
+    (void)mesh_coding_pack(k->mesh, MESH_BLOCK_TOPOLOGY, counts, bounds, zeros,
+                           zeros + mesh_coder_bytes(MESH_BLOCK_TOPOLOGY, counts));
+    return mesh_coding_outside(k->mesh) + mesh_coding_memory(counts);
+}
+
+status leaf_packer_memory(mem *m, const leaf_layout *l, const uint32_t counts[4],
                           const leaf_parameters *p, uint64_t *out) {
     leaf_packer *k = NULL;
     *out = 0;
     if (p->codec == LEAF_CODEC_RAW)
         return ST_OK;
-    status st = leaf_packer_create(m, l, p, &k);
-    char *sample = st == ST_OK ? mem_zalloc(m, 2 * payload_max) : NULL;
-    if (sample)
-        *out = memory_of(k, sample, payload_max);
+    status st = leaf_packer_create(m, l, counts, p, &k);
+    const size_t bytes =
+        counts ? mesh_coder_bytes(MESH_BLOCK_TOPOLOGY, counts) : leaf_layout_stored_max(l);
+    char *zeros = st == ST_OK ? mem_zalloc(m, 2 * bytes) : NULL;
+    if (zeros)
+        *out = counts ? mesh_memory(k, counts, zeros) : grid_memory(k, zeros);
     else if (st == ST_OK)
         st = ST_NOMEM;
     leaf_packer_destroy(m, k);
-    mem_free(m, sample);
+    mem_free(m, zeros);
     return st;
 }
 
-size_t leaf_packer_pack(leaf_packer *k, uint32_t p, const void *payload, size_t bytes, void *pack,
-                        const void **stored) {
-    if (k->boxes) {
-        *stored = pack;
-        return grid_coding_pack(k->layout, p, k->boxes, payload, pack);
-    }
-    const size_t size = ZSTD_compressCCtx(k->context, pack, bytes - 1, payload, bytes, k->level);
-    *stored = ZSTD_isError(size) ? payload : pack;
-    return ZSTD_isError(size) ? bytes : size;
+size_t leaf_packer_pack(leaf_packer *k, uint32_t p, const void *payload, void *pack) {
+    return grid_coding_pack(k->layout, p, k->boxes, payload, pack);
+}
+
+size_t leaf_packer_pack_mesh(leaf_packer *k, mesh_block block, const uint32_t counts[4],
+                             const float bounds[6], const void *payload, void *pack,
+                             const void **stored) {
+    const size_t size = mesh_coding_pack(k->mesh, block, counts, bounds, payload, pack);
+    *stored = size ? pack : payload;
+    return size ? size : mesh_coder_bytes(block, counts);
 }

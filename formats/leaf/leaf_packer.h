@@ -10,6 +10,7 @@
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/leaf/leaf_layout.h"
+#include "formats/leaf/mesh_coding.h"
 
 /* Parameters of a file. */
 typedef struct leaf_parameters {
@@ -32,20 +33,25 @@ void leaf_parameters_compress(leaf_parameters *p, int level);
 /* What one thread keeps between payloads: a compressor, whose state lives outside `mem`. NULL for
  * the raw codec. */
 typedef struct leaf_packer leaf_packer;
-CHECKED status leaf_packer_create(mem *m, const leaf_layout *l, const leaf_parameters *p,
-                                  leaf_packer **out);
+
+/* leaf_packer_create() - for payloads of this layout. counts: the most tets, vertices, nodes and
+ * leaves of a treelet of a mesh; NULL for a grid. */
+CHECKED status leaf_packer_create(mem *m, const leaf_layout *l, const uint32_t counts[4],
+                                  const leaf_parameters *p, leaf_packer **out);
 void leaf_packer_destroy(mem *m, leaf_packer *k); /* NULL is fine */
 
-/* leaf_packer_memory() - the bytes that a packer of a grid, or of a mesh's payloads of up to
- * payload_max bytes, will hold, also outside `mem`. To find out, it makes one, and room for two
- * payloads, for a while. l: may be NULL for a mesh. */
-CHECKED status leaf_packer_memory(mem *m, const leaf_layout *l, size_t payload_max,
+/* leaf_packer_memory() - the bytes that a packer will hold, also outside `mem`. To find out, it makes
+ * one, and room for two payloads, for a while. l: may be NULL for a mesh. */
+CHECKED status leaf_packer_memory(mem *m, const leaf_layout *l, const uint32_t counts[4],
                                   const leaf_parameters *p, uint64_t *out);
 
-/* leaf_packer_pack() - compress payload p: of a grid, as grid_coding.h says; else where that makes
- * it smaller. pack: leaf_writer_pack_bytes(). *stored: out, the result or the payload itself.
- * Returns its bytes. */
-size_t leaf_packer_pack(leaf_packer *k, uint32_t p, const void *payload, size_t bytes, void *pack,
-                        const void **stored);
+/* leaf_packer_pack() - compress payload p of a grid (grid_coding.h) into pack, of
+ * leaf_layout_stored_max() bytes. Returns its bytes.
+ * leaf_packer_pack_mesh() - the same of a mesh (mesh_coding.h), where that makes it smaller, into
+ * pack, of as many bytes as it has. *stored: out, the result or the payload itself. */
+size_t leaf_packer_pack(leaf_packer *k, uint32_t p, const void *payload, void *pack);
+size_t leaf_packer_pack_mesh(leaf_packer *k, mesh_block block, const uint32_t counts[4],
+                             const float bounds[6], const void *payload, void *pack,
+                             const void **stored);
 
 #endif

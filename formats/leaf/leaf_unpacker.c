@@ -7,6 +7,7 @@
 #include "formats/leaf/grid_codes.h"
 #include "formats/leaf/grid_coding.h"
 #include "formats/leaf/leaf_geometry.h"
+#include "formats/leaf/mesh_coding.h"
 
 enum { SHELLS = 4 };
 
@@ -22,6 +23,8 @@ struct leaf_unpacker {
     leaf_file *f;
     void *stored;
     ZSTD_DCtx *zstd; /* of kinds whose payloads are frames */
+    uint8_t *streams; /* of a mesh */
+    size_t streams_room;
     /* Of grids: */
     box_coder *boxes;
     grid_codes_scratch *codes;
@@ -29,6 +32,22 @@ struct leaf_unpacker {
     void *shell_stored;
     uint64_t clock, shell_bytes;
 };
+
+/* The most bytes of streams of any payload of a mesh. */
+static size_t streams_max(const leaf_file *f) {
+    size_t most = 0;
+    for (uint32_t t = 0; t < f->layout.treelets; t++) {
+        const size_t room = mesh_coding_room(f->mesh->counts[t]);
+        most = room > most ? room : most;
+    }
+    return most;
+}
+
+static status begin_mesh(leaf_unpacker *u) {
+    u->streams_room = streams_max(u->f);
+    u->streams = mem_alloc(u->m, u->streams_room);
+    return u->streams ? ST_OK : ST_NOMEM;
+}
 
 static status begin_grid(leaf_unpacker *u) {
     const leaf_layout *l = &u->f->layout;
@@ -62,6 +81,8 @@ status leaf_unpacker_create(mem *m, leaf_file *f, leaf_unpacker **out) {
     status st = u->stored && u->zstd ? ST_OK : ST_NOMEM;
     if (st == ST_OK && f->layout.coded)
         st = begin_grid(u);
+    if (st == ST_OK && f->mesh)
+        st = begin_mesh(u);
     if (st != ST_OK) {
         leaf_unpacker_destroy(u);
         return st;
@@ -75,6 +96,7 @@ void leaf_unpacker_destroy(leaf_unpacker *u) {
         return;
     mem_free(u->m, u->stored);
     ZSTD_freeDCtx(u->zstd);
+    mem_free(u->m, u->streams);
     box_coder_destroy(u->boxes);
     mem_free(u->m, u->codes);
     mem_free(u->m, u->shell_stored);
@@ -88,6 +110,8 @@ size_t leaf_unpacker_memory(const leaf_file *f) {
     if (f->header.codec == LEAF_CODEC_RAW)
         return 0;
     size_t bytes = sizeof(leaf_unpacker) + leaf_layout_stored_max(l) + 1024;
+    if (f->mesh)
+        bytes += streams_max(f);
     if (l->coded)
         bytes += grid_codes_scratch_bytes() + box_coder_memory(l->type, leaf_layout_code_max(l));
     if (l->shells)
@@ -137,6 +161,25 @@ static status unframe(leaf_unpacker *u, uint32_t p, const void *stored, void *pa
     if (got == bytes)
         return ST_OK;
     return malformed(u, p, ZSTD_isError(got) ? ZSTD_getErrorName(got) : "it is shorter");
+}
+
+/* The blocks of meshes, in the order of leaf_block. */
+static const mesh_block blocks[] = {MESH_BLOCK_TOPOLOGY, MESH_BLOCK_VALUES, MESH_BLOCK_GRADIENTS,
+                                    MESH_BLOCK_POSITIONS};
+
+static status decode_mesh(leaf_unpacker *u, uint32_t p, const void *stored, void *payload) {
+    const leaf_layout *l = &u->f->layout;
+    const uint32_t t = p % l->treelets;
+    uint32_t index;
+    const mesh_block block = blocks[leaf_layout_block_of(l, p, &index)];
+    const size_t got = ZSTD_decompressDCtx(u->zstd, u->streams, u->streams_room, stored,
+                                           (size_t)u->f->sizes[p]);
+    if (ZSTD_isError(got))
+        return malformed(u, p, ZSTD_getErrorName(got));
+    if (!mesh_coder_decode(block, u->f->mesh->counts[t], u->f->mesh->bounds[t], u->streams, got,
+                           payload))
+        return malformed(u, p, "it is no code of it");
+    return ST_OK;
 }
 
 static status unpack(leaf_unpacker *u, uint32_t p, const void *stored, void *to) {
@@ -193,6 +236,8 @@ static status decode_treelet(leaf_unpacker *u, uint32_t p, const void *stored, v
 
 static status decode(leaf_unpacker *u, uint32_t p, void *payload) {
     const leaf_layout *l = &u->f->layout;
+    if (u->f->mesh)
+        return decode_mesh(u, p, u->stored, payload);
     if (!l->coded)
         return unframe(u, p, u->stored, payload);
     return p < l->sets * l->treelets ? decode_treelet(u, p, u->stored, payload)

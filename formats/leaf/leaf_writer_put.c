@@ -32,11 +32,27 @@ static bool place_put(leaf_writer *w, uint32_t p, size_t size) {
     return direct;
 }
 
+/* The blocks of meshes, in the order of leaf_block. */
+static const mesh_block blocks[] = {MESH_BLOCK_TOPOLOGY, MESH_BLOCK_VALUES, MESH_BLOCK_GRADIENTS,
+                                    MESH_BLOCK_POSITIONS};
+
+static size_t pack_payload(const leaf_writer *w, leaf_packer *k, uint32_t p, const void *payload,
+                           void *pack, const void **stored) {
+    uint32_t index;
+    if (!w->counts) {
+        *stored = pack;
+        return leaf_packer_pack(k, p, payload, pack);
+    }
+    const uint32_t t = p % w->layout.treelets;
+    return leaf_packer_pack_mesh(k, blocks[leaf_layout_block_of(&w->layout, p, &index)],
+                                 w->counts[t], w->bounds[t], payload, pack, stored);
+}
+
 static status put_payload(leaf_writer *w, leaf_packer *k, uint32_t p, const void *payload,
                           size_t size, void *pack) {
     const void *stored = payload;
     if (k)
-        size = leaf_packer_pack(k, p, payload, size, pack, &stored);
+        size = pack_payload(w, k, p, payload, pack, &stored);
     w->checksums[p] = hash_bytes(stored, size);
     if (!w->scratch)
         return out_file_write_at(w->out, w->offsets[p], stored, size);

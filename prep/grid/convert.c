@@ -216,7 +216,7 @@ static status create_benches(conversion *c) {
             return ST_NOMEM;
         if (shell_bytes && !(b->shell = mem_alloc(c->m, shell_bytes)))
             return ST_NOMEM;
-        status st = leaf_packer_create(c->m, c->layout, &c->o->file, &b->packer);
+        status st = leaf_packer_create(c->m, c->layout, NULL, &c->o->file, &b->packer);
         if (st != ST_OK)
             return st;
     }

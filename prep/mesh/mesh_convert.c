@@ -335,6 +335,8 @@ static status create_benches(conversion *c) {
     if (!c->benches)
         return ST_NOMEM;
     const mesh_options *o = c->o;
+    uint32_t counts[4];
+    mesh_treelet_counts_max(o->treelet_tets, o->leaf_tets, counts);
     for (int i = 0; i < o->threads; i++) {
         bench *k = &c->benches[i];
         status st = mesh_treelet_create(c->m, o->treelet_tets, o->leaf_tets, &k->builder);
@@ -347,7 +349,8 @@ static status create_benches(conversion *c) {
         if (st == ST_OK && o->gradients)
             st = mesh_pages_init(&k->gradients, &c->gradients, c->plan.gradients_window);
         if (st == ST_OK)
-            st = leaf_packer_create(c->m, leaf_writer_layout(c->writer), &c->o->file, &k->packer);
+            st = leaf_packer_create(c->m, leaf_writer_layout(c->writer), counts, &c->o->file,
+                                    &k->packer);
         if (st == ST_OK && k->packer) {
             k->pack = mem_alloc(c->m, mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets));
             st = k->pack ? ST_OK : ST_NOMEM;

@@ -157,8 +157,9 @@ static status needs_of(mem *m, const mesh_gather *g, const mesh_options *o, need
     n->treelets = 3 * (g->tets.count / o->treelet_tets) + 64;
     if (n->treelets > g->tets.count)
         n->treelets = g->tets.count;
-    return leaf_packer_memory(m, NULL, mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets),
-                              &o->file, &n->packer);
+    uint32_t counts[4];
+    mesh_treelet_counts_max(o->treelet_tets, o->leaf_tets, counts);
+    return leaf_packer_memory(m, NULL, counts, &o->file, &n->packer);
 }
 
 status mesh_plan_refuse(const mesh_options *o, uint64_t least) {

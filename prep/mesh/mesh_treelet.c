@@ -30,9 +30,15 @@ struct mesh_treelet_builder {
 
 /* ---- sizes ---- */
 
+void mesh_treelet_counts_max(uint32_t treelet_tets, uint32_t leaf_tets, uint32_t counts[4]) {
+    counts[0] = counts[3] = treelet_tets;
+    counts[1] = 4 * treelet_tets;
+    counts[2] = mesh_tree_nodes_max(treelet_tets, leaf_tets);
+}
+
 static mesh_shape largest_shape(uint32_t treelet_tets, uint32_t leaf_tets) {
-    const uint32_t counts[4] = {treelet_tets, 4 * treelet_tets,
-                                mesh_tree_nodes_max(treelet_tets, leaf_tets), treelet_tets};
+    uint32_t counts[4];
+    mesh_treelet_counts_max(treelet_tets, leaf_tets, counts);
     return mesh_leaf_shape(counts);
 }
 

@@ -38,6 +38,9 @@ CHECKED status mesh_treelet_create(mem *m, uint32_t treelet_tets, uint32_t leaf_
 void mesh_treelet_destroy(mesh_treelet_builder *b); /* NULL is fine */
 uint64_t mesh_treelet_memory(uint32_t treelet_tets, uint32_t leaf_tets);
 
+/* mesh_treelet_counts_max() - the most tets, vertices, nodes and leaves of a treelet. */
+void mesh_treelet_counts_max(uint32_t treelet_tets, uint32_t leaf_tets, uint32_t counts[4]);
+
 /* mesh_treelet_payload_max() - bytes of the largest possible payload. */
 size_t mesh_treelet_payload_max(uint32_t treelet_tets, uint32_t leaf_tets);
 

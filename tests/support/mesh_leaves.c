@@ -386,7 +386,8 @@ status mesh_leaves_try(mem *m, const mesh_case *c, const char *path, int backwar
     status st = leaf_writer_create_mesh(m, path, true, &mesh, &c->file, &w);
     if (st != ST_OK)
         return st;
-    st = leaf_packer_create(m, leaf_writer_layout(w), &c->file, &k);
+    const uint32_t tets = mesh.treelet_tets, most[4] = {tets, 4 * tets, tets, tets};
+    st = leaf_packer_create(m, leaf_writer_layout(w), most, &c->file, &k);
     for (uint32_t t = 0; t < mesh.treelets && st == ST_OK; t++)
         st = put_treelet(w, k, c, backwards ? mesh.treelets - 1 - t : t);
     leaf_packer_destroy(m, k);
