@@ -15,7 +15,7 @@ static void ROWS(join)(const uint8_t *restrict in, size_t n, unsigned width, T *
         memset(out, 0, n * sizeof *out);
     for (unsigned b = 0; b < width; b++)
         for (size_t i = 0; i < n; i++)
-            out[i] = b ? (T)(out[i] | (T)((T)in[b * n + i] << (8 * b))) : in[i];
+            out[i] = (T)(b ? out[i] | (T)((T)in[b * n + i] << (8 * b)) : in[i]);
 }
 
 /* The value that most samples have among some spread over the boxes. *share: how many of those, in

@@ -11,9 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "formats/leaf/leaf_unpacker.h"
 #include "tests/support/fields.h"
 #include "tests/support/leaf_files.h"
-#include "tests/support/loaded.h"
 #include "tests/support/naive_bytes.h"
 #include "tests/support/naive_leaf.h"
 #include "tests/support/scratch.h"
@@ -256,23 +256,32 @@ static void compare_samples(const naive_leaf *raw, const naive_leaf *coded) {
     }
 }
 
+static void compare_payload(const naive_leaf *raw, leaf_file *f, leaf_unpacker *u, long p,
+                            char *payload) {
+    const naive_treelet *t = &raw->treelets[p];
+    memset(payload, 0x55, t->payload_size);
+    assert_int_equal(leaf_file_load(f, (uint32_t)p, u, payload), ST_OK);
+    if (t->stored.size)
+        assert_memory_equal(payload, raw->bytes + t->stored.offset, t->payload_size);
+}
+
 /* What is loaded from the compressed file is what the raw one holds, codes of trees, too, which
- * naive_leaf_load() has made anew. */
+ * naive_leaf_load() has made anew: in their order, and in any. */
 static void compare_payloads(const naive_leaf *raw, const char *coded) {
+    const long count = raw->treelet_count * raw->sets;
     mem m;
     leaf_file *f = NULL;
+    leaf_unpacker *u = NULL;
+    field_random r = {(uint64_t)count};
     mem_init(&m, 0);
     assert_int_equal(leaf_file_open(&m, coded, &f), ST_OK);
+    assert_int_equal(leaf_unpacker_create(&m, f, &u), ST_OK);
     char *payload = mem_alloc(&m, leaf_layout_payload_max(&f->layout));
     assert_non_null(payload);
-    for (long i = 0; i < raw->treelet_count * raw->sets; i++) {
-        const naive_treelet *t = &raw->treelets[i];
-        memset(payload, 0x55, t->payload_size);
-        assert_int_equal(loaded(f, (uint32_t)i, payload), ST_OK);
-        if (t->stored.size)
-            assert_memory_equal(payload, raw->bytes + t->stored.offset, t->payload_size);
-    }
+    for (long i = 0; i < 2 * count; i++)
+        compare_payload(raw, f, u, i < count ? i : field_random_below(&r, count), payload);
     mem_free(&m, payload);
+    leaf_unpacker_destroy(u);
     leaf_file_close(f);
     assert_int_equal(mem_used(&m), 0);
 }
