@@ -176,7 +176,7 @@ static void all_that_is_possible(void **state) {
 static const box_shape one_box = {1, {{13, 20, 20}}};
 enum { ONE_BOX = 13 * 20 * 20 };
 
-static const unsigned char ones[1] = {255}, zeros[1] = {0};
+static const unsigned char ones[1] = {255}, zeros[1] = {0}, behind[1] = {0xF0};
 
 /* Whether a code is taken. stretch: bytes more than there are that the last stream's size says. */
 static bool takes(sample_type type, box_code code, bool fits, const unsigned char *data,
@@ -215,6 +215,11 @@ static void hostile_fields(void **state) {
     x = marked;
     x.coded = ONE_BOX; /* bits behind rows, and all before */
     assert_false(takes(SAMPLE_U16, x, false, ones, 0));
+    x.coded = 8 * 20 * 20; /* a bit is behind each row, and counted, or not */
+    assert_false(takes(SAMPLE_U16, x, false, behind, 0));
+    x.coded = 5 * 20 * 20;
+    assert_false(takes(SAMPLE_U16, x, false, behind, 0));
+    assert_true(takes(SAMPLE_U16, x, true, behind, 0));
     for (uint32_t coded = 0x7fffffff; coded; coded = coded == 0x7fffffff ? UINT32_MAX : 0) {
         x = good;
         x.coded = coded;
