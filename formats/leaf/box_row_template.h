@@ -103,8 +103,10 @@ static uint32_t ROWS(subtract)(const T *restrict row, const T *restrict predicte
 static void ROWS(accumulate)(T *row, uint32_t n) {
     uint32_t x = 0;
     T sum = 0;
-#ifdef __SSE2__
+#ifdef __SSSE3__
     enum { LANES = 16 / sizeof(T) };
+    const __m128i last = ROWS(last_lane)();
+    __m128i before = _mm_setzero_si128();
     for (; x + LANES <= n; x += LANES) {
         __m128i v = _mm_loadu_si128((const __m128i *)(const void *)(row + x));
         if (sizeof(T) == 1)
@@ -113,10 +115,11 @@ static void ROWS(accumulate)(T *row, uint32_t n) {
             v = ROWS(plus)(v, _mm_slli_si128(v, 2));
         v = ROWS(plus)(v, _mm_slli_si128(v, 4));
         v = ROWS(plus)(v, _mm_slli_si128(v, 8));
-        v = ROWS(plus)(v, ROWS(all)(sum));
+        v = ROWS(plus)(v, before);
+        before = _mm_shuffle_epi8(v, last);
         _mm_storeu_si128((__m128i *)(void *)(row + x), v);
-        sum = row[x + LANES - 1];
     }
+    sum = x ? row[x - 1] : 0;
 #endif
     for (; x < n; x++)
         row[x] = sum = (T)(sum + row[x]);

@@ -32,13 +32,13 @@ static unsigned map_row_rest(const uint8_t *bits, uint32_t samples) {
     return samples % 8 ? (unsigned)bits[samples / 8] >> samples % 8 : 0;
 }
 
-#ifdef __SSE2__
-#define plus_u8  _mm_add_epi8
-#define plus_u16 _mm_add_epi16
-#define plus_u32 _mm_add_epi32
-#define all_u8(x)  _mm_set1_epi8((char)(x))
-#define all_u16(x) _mm_set1_epi16((short)(x))
-#define all_u32(x) _mm_set1_epi32((int)(x))
+#ifdef __SSSE3__
+#define plus_u8        _mm_add_epi8
+#define plus_u16       _mm_add_epi16
+#define plus_u32       _mm_add_epi32
+#define last_lane_u8() _mm_set1_epi8(15)
+#define last_lane_u16() _mm_set1_epi16(0x0F0E)
+#define last_lane_u32() _mm_set1_epi32(0x0F0E0D0C)
 #endif
 
 #define T          uint8_t

@@ -43,5 +43,5 @@ ok "names the file" says 'short.leaf' err
 cp "$out" "$tmp/bad.leaf"
 printf '\377\377\377' | dd of="$tmp/bad.leaf" bs=1 seek=16384 conv=notrunc 2>/dev/null
 exits "a payload changed" 3 "$leafcast" verify "$tmp/bad.leaf"
-ok "names payload and byte" says "bad.leaf: byte [0-9]*: treelet 0's topology" err
+ok "names payload and byte" says "bad.leaf: byte [0-9]*: treelet [0-9]*'s topology" err
 finish

@@ -37,7 +37,7 @@ draw limited "$tmp/z.leaf" --treelet-limit 1
 ok "and with one treelet at a time" alike one limited
 draw swept "$tmp/z.leaf" --sweep
 ok "and with all of them" alike one swept
-exits "too little memory" 4 "$leafcast" render "$tmp/z.leaf" --iso 0.3 --memory 100K -o "$tmp/p.pfm" --force
+exits "too little memory" 4 "$leafcast" render "$tmp/z.leaf" --iso 0.3 --memory 140K -o "$tmp/p.pfm" --force
 ok "is told with what would do" says "bytes would do" err
 
 exits "no intersector to choose" 2 "$leafcast" render "$tmp/b.leaf" --iso 0.3 --intersector linear -o "$tmp/p.pfm" --force
