@@ -57,7 +57,7 @@ enum {
 
 static const struct argp_option options[] = {
     {"compress", KEY_COMPRESS, "zstd:N|none", CLI_BASIC,
-     "payloads: zstd of level 1 to 22, or none (default)", 0},
+     "small files: zstd, of level 1 (if none is said) to 22; or none (default)", 0},
     {"treelet", KEY_TREELET, "CELLS", CLI_EXPERIMENT,
      "cells per axis of a treelet: 16, 32 (default) or 64", 0},
     {"halo", KEY_HALO, "0|1", CLI_EXPERIMENT, "samples around a treelet, for normals (default 1)",

@@ -165,10 +165,12 @@ static status await(const char *name, pid_t pid) {
 static const char GENERATE[] = "leafcast-generate", CONVERT[] = "leafcast-convert";
 
 /* Its own output ("converted in ...") belongs to no table. */
-static status convert(const bench_store *s, const char *input, int in, const char *leaf) {
+static status convert(const bench_store *s, const char *input, int in, const char *codec,
+                      const char *leaf) {
     char *arguments[] = {(char *)CONVERT,     (char *)input,      (char *)"-o",
                          (char *)leaf,        (char *)"-q",       (char *)"--force",
-                         (char *)"--threads", (char *)s->threads, NULL};
+                         (char *)"--threads", (char *)s->threads, (char *)"--compress",
+                         (char *)codec,       NULL};
     const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
     pid_t pid;
     status st = nowhere < 0 ? file_failed(errno, "/dev/null", "cannot open")
@@ -178,7 +180,8 @@ static status convert(const bench_store *s, const char *input, int in, const cha
     return st == ST_OK ? await(CONVERT, pid) : st;
 }
 
-static status generate(const bench_store *s, const bench_volume *v, const char *leaf) {
+static status generate(const bench_store *s, const bench_volume *v, const char *codec,
+                       const char *leaf) {
     char side[NUMBER], copies[NUMBER];
     int ends[2];
     pid_t pid;
@@ -204,7 +207,7 @@ static status generate(const bench_store *s, const bench_volume *v, const char *
     status st = start(GENERATE, arguments, -1, ends[1], &pid);
     close(ends[1]);
     if (st == ST_OK) {
-        st = convert(s, "-", ends[0], leaf);
+        st = convert(s, "-", ends[0], codec, leaf);
         close(ends[0]); /* so that it does not wait for a reader that is gone */
         const status other = await(GENERATE, pid);
         return st == ST_OK ? other : st;
@@ -276,15 +279,15 @@ static status unpack(mem *m, const char *from, const char *to) {
 
 /* Raw samples say their dimensions and type by their name, which the unpacked file keeps. */
 static status convert_data(bench_store *s, const bench_volume *v, const char *from, bool packed,
-                           const char *leaf) {
+                           const char *codec, const char *leaf) {
     char raw[PATH_MAX + NAME_MAX];
     const char *slash = strrchr(v->data, '/');
     if (!packed)
-        return convert(s, from, -1, leaf);
+        return convert(s, from, -1, codec, leaf);
     snprintf(raw, sizeof raw, "%s/%s", s->folder, slash ? slash + 1 : v->data);
     status st = unpack(s->m, from, raw);
     if (st == ST_OK)
-        st = convert(s, raw, -1, leaf);
+        st = convert(s, raw, -1, codec, leaf);
     (void)unlink(raw);
     return st;
 }
@@ -330,15 +333,16 @@ static const bench_volume *find(const char *name) {
 }
 
 /* The path of a volume's file, remembered. */
-static const char *keep(bench_store *s, const bench_volume *v, bool data) {
+static const char *keep(bench_store *s, const bench_volume *v, bool data, const char *suffix) {
     char *path = s->kept[s->kept_count];
     if (data)
-        snprintf(path, PATH_MAX, "%.3000s/%s.leaf", s->folder, v->name);
+        snprintf(path, PATH_MAX, "%.3000s/%s%s", s->folder, v->name, suffix);
     else if (v->copies > 1)
-        snprintf(path, PATH_MAX, "%.3000s/%s-tets-%ux%u.leaf", s->folder, v->field, v->copies,
-                 v->side);
+        snprintf(path, PATH_MAX, "%.3000s/%s-tets-%ux%u%s", s->folder, v->field, v->copies, v->side,
+                 suffix);
     else
-        snprintf(path, PATH_MAX, "%.3000s/%s-%s-%u.leaf", s->folder, v->field, v->type, v->side);
+        snprintf(path, PATH_MAX, "%.3000s/%s-%s-%u%s", s->folder, v->field, v->type, v->side,
+                 suffix);
     for (int i = 0; i < s->kept_count; i++)
         if (strcmp(s->kept[i], path) == 0)
             return s->kept[i];
@@ -347,7 +351,9 @@ static const char *keep(bench_store *s, const bench_volume *v, bool data) {
     return path;
 }
 
-status bench_store_get(bench_store *s, const char *name, bench_stored *out) {
+/* A volume as a file by this codec, whose name ends in suffix. */
+static status get(bench_store *s, const char *name, const char *codec, const char *suffix,
+                  bench_stored *out) {
     const bench_volume *v = find(name);
     char from[PATH_MAX];
     bool packed = false;
@@ -355,8 +361,17 @@ status bench_store_get(bench_store *s, const char *name, bench_stored *out) {
     const bool data = find_data(s, v->data, from, &packed);
     snprintf(out->label, sizeof out->label, data || !v->data ? "%s" : "%s (%s)", v->name, v->field);
     out->isovalue = data ? v->data_isovalue : v->field_isovalue;
-    out->path = keep(s, v, data);
+    out->path = keep(s, v, data, suffix);
     if (access(out->path, R_OK) == 0)
         return ST_OK;
-    return data ? convert_data(s, v, from, packed, out->path) : generate(s, v, out->path);
+    return data ? convert_data(s, v, from, packed, codec, out->path)
+                : generate(s, v, codec, out->path);
+}
+
+status bench_store_get(bench_store *s, const char *name, bench_stored *out) {
+    return get(s, name, "none", ".leaf", out);
+}
+
+status bench_store_compressed(bench_store *s, const char *name, bench_stored *out) {
+    return get(s, name, "zstd:1", "-zstd.leaf", out);
 }

@@ -26,7 +26,9 @@ typedef struct bench_stored {
     double isovalue;
 } bench_stored;
 
-/* bench_store_get() - a volume of the table in bench_store.c, by name. */
+/* bench_store_get() - a volume of the table in bench_store.c, by name.
+ * bench_store_compressed() - the same as a compressed file. */
 CHECKED status bench_store_get(bench_store *s, const char *name, bench_stored *out);
+CHECKED status bench_store_compressed(bench_store *s, const char *name, bench_stored *out);
 
 #endif

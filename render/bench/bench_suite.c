@@ -5,6 +5,7 @@
 status bench_suite_subject(bench_job *job, const char *const *names, const char *const *brief_names,
                            int i, bench_subject *out) {
     out->view = job->view;
+    out->name = NULL;
     if (job->target) {
         if (i > 0)
             return ST_AGAIN;
@@ -19,6 +20,7 @@ status bench_suite_subject(bench_job *job, const char *const *names, const char 
     bench_stored stored;
     status st = bench_store_get(job->store, name, &stored);
     snprintf(out->label, sizeof out->label, "%s", stored.label);
+    out->name = name;
     out->path = stored.path;
     out->view.surfaces[0] = leafcast_surface_default(stored.isovalue);
     out->view.isos = 1;

@@ -58,6 +58,7 @@ typedef struct bench_suite {
 /* What is measured: a treelet file, and what to draw of it. */
 typedef struct bench_subject {
     char label[BENCH_TEXT];
+    const char *name; /* in the store; NULL: a target */
     const char *path;
     view_options view; /* checked: with at least one isovalue */
 } bench_subject;

@@ -4,6 +4,7 @@
 
 #include "render/app/view_camera.h"
 #include "render/bench/bench_behind.h"
+#include "render/bench/bench_compression.h"
 #include "render/bench/bench_figure.h"
 #include "render/bench/bench_frames.h"
 #include "render/bench/bench_intersect.h"
@@ -317,6 +318,13 @@ static const bench_suite SUITES[] = {
                .labels = 2,
                .series = {"volume", NULL},
                .joined = true}},
+    {.name = "compression",
+     .takes = "",
+     .about = "small files: bytes, entropy, loading, first pictures warm and cold",
+     .run = bench_compression,
+     .view = "size",
+     .labels = 1,
+     .charts = {{"of zstd", NULL, false}, {"load MB/s", NULL, false}, {"x raw", NULL, false}}},
     {.name = "isovalues",
      .takes = "[F.leaf --iso V]",
      .about = "what a new isovalue costs: masks of active cells, frames",
