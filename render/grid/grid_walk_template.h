@@ -23,7 +23,6 @@ typedef struct tile_walk {
     cpu_isa isa;            /* of the cell kernel */
     tile_row pending[ROWS]; /* rays of s.open that look for one surface and have a cell that waits
                                in the batch */
-    bool filter;            /* the intersector is `marmitt`, for which the filter is right */
     bool several;           /* more than the first surface counts */
     near_queue queue;
     cell_stage stage;
@@ -87,8 +86,7 @@ static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool enter
 static void flush_first(tile_walk *w) {
     const walk_scene *scene = scene_of(w);
     cell_batch_hits hits;
-    cell_batch_kernels[w->isa](&w->batch, (int)w->waiting, scene->isovalues, scene->count,
-                               scene->intersector, &hits);
+    cell_batch_kernels[w->isa](&w->batch, (int)w->waiting, scene->isovalues, scene->count, &hits);
     for (uint32_t left = hits.found; left; left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left);
         take_hit(w, k, hits.t[k], hits.iso[k], hits.entering >> k & 1u, hits.at_exit >> k & 1u);
@@ -191,8 +189,7 @@ static void queue_flush(tile_walk *w) {
             q->samples[s][k] = samples[k][s];
     }
     LANE_COUNT(queue, left);
-    if (w->filter)
-        left &= queue_may_cross(q, scene->isovalues, scene->count);
+    left &= queue_may_cross(q, scene->isovalues, scene->count);
     LANE_COUNT(queue_survivors, left);
     q->count = 0;
     for (; left; left &= left - 1) {
@@ -252,8 +249,7 @@ static void stage_flush(tile_walk *w) {
     cell_stage *s = &w->stage;
     if (s->windows > 0) {
         stage_samples(w);
-        if (w->filter)
-            stage_filter(w);
+        stage_filter(w);
         for (unsigned n = 0; n < s->windows; n++)
             if (s->visitors[n])
                 window_to_batch(w, n);
@@ -606,7 +602,6 @@ static void tile_walk_begin(tile_walk *w, const frame *f, uint32_t x0, uint32_t 
                             const tile_row asked[], tile_outcome *out, ray_counters *counters) {
     tile_state_begin(&w->s, f, &grid_order, TILE_LAYERS, x0, y0, asked, out, counters);
     w->view = tile_view_of(f, x0, y0);
-    w->filter = scene_of(w)->intersector == LEAFCAST_MARMITT;
     w->isa = w->s.f->tracer->kernels->isa;
     w->several = w->s.layers != 1;
     w->waiting = 0;
