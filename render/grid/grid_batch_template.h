@@ -209,33 +209,45 @@ static bool goes_along(const batch_walk *w, const resident_grid *at, const uint3
 
 /* ---- Blocks ---- */
 
-/* Filter the ray-cells of a block, and add those that pass to the batch. Not inlined: seldom called
- * from the loop over cells. */
-static __attribute__((noinline)) void block_flush(batch_walk *w) {
-    block_cells *b = &w->block;
-    if (b->count == 0)
+/* block_may_cross(), not inlined: the loop around it would be short of registers. */
+static __attribute__((noinline)) unsigned block_crossing(const batch_walk *w, unsigned from) {
+    return block_may_cross(&w->block, &w->rays, from, w->scene);
+}
+
+/* Add ray-cell k of the block to the batch, or take its hit where no batch can. */
+static void block_to_batch(batch_walk *w, unsigned k) {
+    const block_cells *b = &w->block;
+    const unsigned i = b->ray[k];
+    const float *samples = b->samples[b->cell[k]];
+    uint32_t cell[3];
+    if (!ray_set_has(&w->open, i))
         return;
+    block_cell_at(b, b->cell[k], cell);
+    if (ray_set_has(&w->level, i) && !goes_along(w, b->at, cell, i))
+        take_scalar_hit(w, i, b->at, cell, samples);
+    else
+        add_to_batch(w, b->at, cell, samples, i);
+}
+
+/* Filter the ray-cells of a block, and add those that pass to the batch. There are some. Not
+ * inlined: seldom called from the loop over cells. */
+static __attribute__((noinline)) void block_filter(batch_walk *w) {
+    block_cells *b = &w->block;
     block_cells_complete(b, w->scene);
     for (unsigned from = 0; from < b->count; from += VF_N) {
         const unsigned n = b->count - from < VF_N ? b->count - from : VF_N;
-        const unsigned all = (1u << n) - 1u;
-        for (unsigned left = all & block_may_cross(b, &w->rays, from, w->scene); left;
-             left &= left - 1) {
-            const unsigned k = from + (unsigned)__builtin_ctz(left), i = b->ray[k];
-            const float *samples = b->samples[b->cell[k]];
-            uint32_t cell[3];
-            if (!ray_set_has(&w->open, i))
-                continue;
-            block_cell_at(b, b->cell[k], cell);
-            if (ray_set_has(&w->level, i) && !goes_along(w, b->at, cell, i))
-                take_scalar_hit(w, i, b->at, cell, samples);
-            else
-                add_to_batch(w, b->at, cell, samples, i);
-        }
+        unsigned left = block_crossing(w, from) & ((1u << n) - 1u);
+        for (; left; left &= left - 1)
+            block_to_batch(w, from + (unsigned)__builtin_ctz(left));
     }
     w->counters->cells += b->count;
     b->count = 0;
     b->met = 0;
+}
+
+SIMD void block_flush(batch_walk *w) {
+    if (w->block.count > 0)
+        block_filter(w);
 }
 
 /* Collect the active cells that the VF_N rays from `at` on meet. in: a bit per ray that counts. */

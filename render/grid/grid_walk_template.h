@@ -175,14 +175,12 @@ SIMD unsigned window_pending(const tile_walk *w, unsigned x, unsigned y) {
 
 /* ---- Ray-cells, one a lane ---- */
 
-/* Filter the queued ray-cells, and add those that pass to the batch. */
-static void queue_flush(tile_walk *w) {
+/* Filter the queued ray-cells, and add those that pass to the batch. There are some. */
+static __attribute__((noinline)) void queue_filter(tile_walk *w) {
     const walk_scene *scene = scene_of(w);
     near_queue *q = &w->queue;
     unsigned left = (1u << q->count) - 1u;
     float samples[VF_N][8];
-    if (q->count == 0)
-        return;
     for (unsigned k = 0; k < q->count; k++) {
         walk_cell_samples(scene, q->at[k], q->cell[k], samples[k]);
         for (int s = 0; s < 8; s++)
@@ -201,6 +199,12 @@ static void queue_flush(tile_walk *w) {
         if (scene_of(w)->by_cell)
             flush(w);
     }
+}
+
+/* Flush the queue. Mostly it is empty. */
+SIMD void queue_flush(tile_walk *w) {
+    if (w->queue.count > 0)
+        queue_filter(w);
 }
 
 /* ---- Cells and windows ---- */
