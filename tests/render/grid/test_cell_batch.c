@@ -364,6 +364,50 @@ static void rays_along_planes_are_the_same_bits(void **state) {
     assert_true(found > lanes / 10);
 }
 
+/* A ray that leaves the cell where it enters it or, with entry = leaves, where it begins. There it
+ * meets the isosurface of 1, by rounding alone: at the entry, f may be a bit less. */
+static void touch(field_random *random, int entry, int leaves, int k, ray_cells *c) {
+    ray *r = &c->r[k];
+    cell_box *box = &c->box[k];
+    memset(r, 0, sizeof *r);
+    for (int a = 0; a < 3; a++) {
+        r->d[a] = field_random_in(random, 1e-4, 1e-3);
+        box->lo[a] = -8;
+        box->hi[a] = 8;
+    }
+    r->d[leaves] = field_random_in(random, 0.1, 1);
+    box->hi[leaves] = field_random_in(random, 1, 9);
+    box->lo[leaves] = box->hi[leaves] - field_random_in(random, 0.5, 2);
+    const double t = box->hi[leaves] / r->d[leaves];
+    if (entry == leaves) {
+        r->t0 = t;
+    } else {
+        r->d[entry] = 1;
+        box->lo[entry] = t;
+        box->hi[entry] = t + 1;
+    }
+    r->t1 = INFINITY;
+    for (int a = 0; a < 3; a++)
+        box->inv[a] = 1 / (box->hi[a] - box->lo[a]);
+    for (int i = 0; i < 8; i++)
+        c->samples[k][i] = (float)(i >> leaves & 1);
+}
+
+static void visits_without_length_are_the_same_bits(void **state) {
+    (void)state;
+    field_random random = {SEED + 11};
+    const double iso = 1;
+    int found = 0;
+    for (int n = 0; n < 25 * batches(); n++) {
+        ray_cells c;
+        for (int k = 0; k < CELL_BATCH; k++)
+            touch(&random, (int)field_random_below(&random, 3), (int)field_random_below(&random, 3),
+                  k, &c);
+        found += check(&c, CELL_BATCH, &iso, 1, "without length", n);
+    }
+    assert_true(found > batches());
+}
+
 /* A lane says the same whatever stands beside it and wherever it stands. */
 static void lanes_do_not_see_each_other(void **state) {
     (void)state;
@@ -455,6 +499,7 @@ int main(void) {
         cmocka_unit_test(corners_are_the_same_bits),
         cmocka_unit_test(vanishing_visits_are_the_same_bits),
         cmocka_unit_test(rays_along_planes_are_the_same_bits),
+        cmocka_unit_test(visits_without_length_are_the_same_bits),
         cmocka_unit_test(lanes_do_not_see_each_other),
         cmocka_unit_test(roots_are_right_to_the_last_bits),
         cmocka_unit_test(many_cells_have_several_roots),
