@@ -5,8 +5,8 @@
  *     leafcast_options options = {.size = sizeof options, .experiments = &by_packets};
  *
  * A field that is 0 changes nothing. Sizes and values are checked as those of leafcast.h. The
- * library that is installed has no packets, kept isopolygons or media in steps: asking for them is
- * LEAFCAST_USAGE.
+ * library that is installed has no packets, kept isopolygons, approximate intersectors or media in
+ * steps: asking for them is LEAFCAST_USAGE.
  */
 #ifndef RENDER_LEAFCAST_EXPERIMENTAL_H
 #define RENDER_LEAFCAST_EXPERIMENTAL_H
@@ -50,7 +50,8 @@ typedef struct leafcast_experiments {
 
 /* ---- For a scene ---- */
 
-/* How to find where a ray meets the surface in a cell of a grid. */
+/* How to find where a ray meets the surface in a cell of a grid. With all but the first, rays go
+ * one by one. */
 typedef enum leafcast_intersector {
     LEAFCAST_MARMITT = 0, /* iterative root finding, converged: exact */
     LEAFCAST_MARMITT_3,   /* M08's fixed three steps */

@@ -9,7 +9,6 @@
 #include "formats/base/num.h"
 #include "render/app/colour.h"
 #include "render/experiments/experiments.h"
-#include "render/grid/intersect.h"
 
 LINK_EXPERIMENTS;
 
@@ -180,13 +179,14 @@ static status parse_lod(const char *text, leafcast_scene *scene) {
 }
 
 static status parse_intersector(const char *text, leafcast_intersector *how) {
-    char names[256] = "";
+    static const leafcast_intersector named[] = {LEAFCAST_MIDPOINT,  LEAFCAST_LINEAR,
+                                                 LEAFCAST_NEUBAUER,  LEAFCAST_SCHWARZE,
+                                                 LEAFCAST_MARMITT_3, LEAFCAST_MARMITT};
     int which = 0;
-    for (int i = 0; i < INTERSECTOR_COUNT; i++)
-        strcat(strcat(names, i ? "|" : ""), intersector_at(i)->name);
-    status st = cli_word(text, "--intersector", names, &which);
+    const status st = cli_word(text, "--intersector",
+                               "midpoint|linear|neubauer|schwarze|marmitt-3|marmitt", &which);
     if (st == ST_OK)
-        *how = intersector_at(which)->id;
+        *how = named[which];
     return st;
 }
 

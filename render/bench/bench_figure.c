@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "render/app/image_out.h"
-#include "render/grid/intersect.h"
+#include "render/experiments/intersect.h"
 #include "render/grid/surface.h"
 #include "render/look/camera.h"
 #include "render/ray/affine.h"

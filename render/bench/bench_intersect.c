@@ -4,9 +4,9 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
+#include "render/experiments/intersect_walk.h"
+#include "render/experiments/walk_choices.h"
 #include "render/grid/cell_batch.h"
-#include "render/grid/grid_kind.h"
-#include "render/grid/intersect.h"
 
 const char bench_intersect_headings[] =
     "field|intersector|ray-cells|surfaces|missed|missed %|false|"
@@ -47,8 +47,15 @@ static bool record(const ray *r, const cell_visit *visit, const float samples[8]
     return cell_next_hit(r, visit, samples, iso, iso_index, cell, after, found);
 }
 
+static bool walk_and_record(const walk_scene *scene, const resident_grid *tr, const ray *r,
+                            double t_in, double t_out, unsigned octants, const hit *after,
+                            hit *best, ray_counters *counters) {
+    return intersect_walk(record, scene, tr, r, t_in, t_out, octants, after, best, counters);
+}
+
 status bench_ray_cells_record(mem *m, leafcast *volume, const leafcast_scene *scene,
                               const leafcast_camera *camera, uint32_t max, bench_ray_cells *out) {
+    static const walk_choice recording = {"recording", walk_and_record, 0, false};
     const leafcast_image nothing = {.size = sizeof(leafcast_image)};
     *out = (bench_ray_cells){mem_array(m, max, sizeof *out->cells), 0, max};
     if (!out->cells)
@@ -56,9 +63,9 @@ status bench_ray_cells_record(mem *m, leafcast *volume, const leafcast_scene *sc
     tape = out;
     for (int a = 0; a < 3; a++)
         tape_cells[a] = leafcast_describe(volume).dims[a] - 1;
-    grid_intersect_by(volume, record);
+    const walk_choice *before = walk_choice_use(volume, &recording);
     status st = (status)leafcast_trace(volume, scene, camera, &nothing, NULL, NULL, NULL);
-    grid_intersect_by(volume, NULL);
+    walk_choice_use(volume, before);
     tape = NULL;
     return st;
 }
@@ -313,9 +320,10 @@ static uint64_t differences(const cell_batch_hits *x, const cell_batch_hits *y) 
     return (uint64_t)__builtin_popcount(differ);
 }
 
-/* ns[isa]: a ray-cell; 0 where there is no such ISA or too few ray-cells. Adds to *differ. */
-static void time_batches(leafcast_intersector how, const bench_ray_cells *c, batches *b,
-                         double ns[CPU_ISAS], uint64_t *differ) {
+/* Only the exact intersector has batches. ns[isa]: a ray-cell; 0 where there is no such ISA or too
+ * few ray-cells. Adds to *differ. */
+static void time_batches(const bench_ray_cells *c, batches *b, double ns[CPU_ISAS],
+                         uint64_t *differ) {
     static cell_batch_hits hits[CHUNK], truth[CHUNK]; /* large */
     int chunks = 0;
     b->next = 0;
@@ -329,7 +337,7 @@ static void time_batches(leafcast_intersector how, const bench_ray_cells *c, bat
                 if (pass == 1)
                     start = clock_cpu_seconds();
                 for (int k = 0; k < CHUNK; k++)
-                    run(&b->chunk[k], CELL_BATCH, &c->cells[0].iso, 1, how, &hits[k]);
+                    run(&b->chunk[k], CELL_BATCH, &c->cells[0].iso, 1, &hits[k]);
             }
             ns[isa] += clock_cpu_seconds() - start;
             if (isa == 0)
@@ -355,9 +363,10 @@ static void run_races(const bench_ray_cells *c, int runs, batches *b, double *ti
         out[k].differ = 0;
     for (int run = 0; run < runs; run++)
         for (int k = 0; k < INTERSECTOR_COUNT; k++) {
-            double ns[CPU_ISAS], *row = times + (size_t)k * COLUMNS * runs + run;
+            double ns[CPU_ISAS] = {0.0}, *row = times + (size_t)k * COLUMNS * runs + run;
             row[0] = time_one(intersector_at(k), c);
-            time_batches(intersector_at(k)->id, c, b, ns, &out[k].differ);
+            if (intersector_at(k)->id == LEAFCAST_MARMITT)
+                time_batches(c, b, ns, &out[k].differ);
             for (int isa = 0; isa < CPU_ISAS; isa++)
                 row[(isa + 1) * runs] = ns[isa];
         }
@@ -395,11 +404,13 @@ static void add_race(const race *r, double marmitt, bench_table *t) {
         else
             bench_table_add(t, "-");
     const double best = r->batched[cpu_best()];
-    if (best > 0.0)
+    if (best > 0.0) {
         bench_table_add(t, "%.2f", r->batched[CPU_SCALAR] / best);
-    else
+        bench_table_add(t, "%llu", (unsigned long long)r->differ);
+    } else {
         bench_table_add(t, "-");
-    bench_table_add(t, "%llu", (unsigned long long)r->differ);
+        bench_table_add(t, "-");
+    }
 }
 
 static void add_row(const char *name, const intersector *x, const tally *sum, bench_table *t) {

@@ -40,8 +40,9 @@ CHECKED status bench_ray_cells_record(mem *m, leafcast *volume, const leafcast_s
 CHECKED status bench_ray_cells_make(mem *m, const char *field, uint32_t max, bench_ray_cells *out);
 
 /* bench_intersect() - add one row an intersector: what it missed, what it made up, how far off it
- * was, how long it took; alone after the visit, and sixteen at a time with the visit (cell_batch.h)
- * for every ISA there is, with the number of lanes whose bits differ from the scalar ones. */
+ * was, how long it took alone, after the visit. For the exact one also sixteen at a time with the
+ * visit (cell_batch.h) for every ISA there is, with the number of lanes whose bits differ from the
+ * scalar ones. */
 CHECKED status bench_intersect(mem *m, const char *name, const bench_ray_cells *c, int runs,
                                bench_table *t);
 

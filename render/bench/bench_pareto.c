@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "render/bench/bench_race.h"
-#include "render/grid/intersect.h"
+#include "render/experiments/intersect.h"
 
 enum { LEVELS = 3, SHRINKS = 3, CONTESTANTS = INTERSECTOR_COUNT * LEVELS * SHRINKS };
 
@@ -27,8 +27,8 @@ static int list(contestant all[CONTESTANTS], uint32_t levels) {
 }
 
 static status enter(const bench_subject *s, const contestant *c, bench_racer *r) {
-    const bench_entry e = {s->path, NULL, s->view.surfaces[0].isovalue,
-                           1,       2.2,  s->view.camera.width / c->shrink};
+    const bench_entry e = {s->path, "scalar", s->view.surfaces[0].isovalue,
+                           1,       2.2,      s->view.camera.width / c->shrink};
     status st = bench_race_enter(&e, r);
     r->experiments =
         (leafcast_scene_experiments){.size = sizeof r->experiments, .intersector = c->how->id};
@@ -127,7 +127,7 @@ status bench_pareto(bench_job *job) {
     static const char *const names[] = {"bonsai", NULL}, *const brief[] = {"ml-64", NULL};
     bench_table_init(&job->table,
                      "Time against error: intersector x level of detail x pixels, against marmitt "
-                     "at level 0; one thread, medians of CPU time, runs interleaved",
+                     "at level 0; ray by ray, one thread, medians of CPU time, runs interleaved",
                      "volume|intersector|level|size|kernels|ms|+-|x exact|rms cells|worst cells|"
                      "wrong px|wrong %|nodes/ray|cells/ray|active MB|read MB|peak MB|front");
     bench_subject s;

@@ -6,7 +6,8 @@
 #include "formats/base/mem.h"
 #include "render/bench/bench_table.h"
 #include "render/bench/experiment_filter.h"
-#include "render/grid/grid_kind.h"
+#include "render/experiments/intersect_walk.h"
+#include "render/experiments/walk_choices.h"
 
 typedef struct ray_cell {
     ray r;
@@ -31,6 +32,12 @@ static bool record(const ray *r, const cell_visit *visit, const float samples[8]
         c->iso = iso;
     }
     return cell_next_hit(r, visit, samples, iso, iso_index, cell, after, found);
+}
+
+static bool walk_and_record(const walk_scene *scene, const resident_grid *tr, const ray *r,
+                            double t_in, double t_out, unsigned octants, const hit *after,
+                            hit *best, ray_counters *counters) {
+    return intersect_walk(record, scene, tr, r, t_in, t_out, octants, after, best, counters);
 }
 
 /* (1 - s) a + s b in float: 2 roundings a product, 1 for the sum, 1 for s and 1 - s each; at most 4
@@ -131,9 +138,10 @@ leafcast_status experiment_filter(leafcast *volume, const leafcast_scene *scene,
     if (!tape.cells)
         return LEAFCAST_NOMEM;
     const leafcast_image nothing = {.size = sizeof(leafcast_image)};
-    grid_intersect_by(volume, record);
+    static const walk_choice recording = {"recording", walk_and_record, 0, false};
+    const walk_choice *before = walk_choice_use(volume, &recording);
     leafcast_status st = leafcast_trace(volume, scene, camera, &nothing, NULL, NULL, NULL);
-    grid_intersect_by(volume, NULL);
+    walk_choice_use(volume, before);
     if (st == LEAFCAST_OK)
         measure(result);
     mem_free(&m, tape.cells);

@@ -163,7 +163,7 @@ static bool watch_part(void *ctx, double done) {
 /* Project the volume for tiles of rays, where there are kernels for tiles. */
 static status project(leafcast_frame *fr, frame *f) {
     leafcast *v = fr->t.drawn[0];
-    const bool tiles = f->integrator->tile && v->kernels.tile;
+    const bool tiles = f->integrator->tile && f->tracer->kernels->tile;
     if (!tiles || f->volumes > 1 || f->camera.ortho)
         return ST_OK;
     const status st = v->kind->tiles->project(v, &f->camera, &fr->projection);

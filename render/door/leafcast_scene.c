@@ -4,6 +4,8 @@
 
 #include "render/door/arguments.h"
 #include "render/door/leafcast_volume.h"
+#include "render/frame/laboratory.h"
+#include "render/look/scene_facts.h"
 #include "render/ray/kind.h"
 
 /* ---- Which volumes ---- */
@@ -115,14 +117,31 @@ static void add_clips(tracer *tr, const leafcast_scene *scene) {
         add_clip(tr, scene->clip_planes[i]);
 }
 
+/* Set how rays walk: as the scene's experiments choose, or else the device's. */
+static status choose_walk(const leafcast *v, const leafcast_scene *scene,
+                          const struct walk_choice **out) {
+    const laboratory *l;
+    *out = v->choice;
+    if (scene_intersector(scene) == LEAFCAST_MARMITT)
+        return ST_OK;
+    const status st = laboratory_needed(&l);
+    if (st == ST_OK)
+        *out = l->walk_by(scene_intersector(scene));
+    return st;
+}
+
 status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
-    const status st = v->kind->check(v, scene);
+    const struct walk_choice *choice;
+    status st = v->kind->check(v, scene);
+    if (st == ST_OK)
+        st = choose_walk(v, scene, &choice);
     if (st != ST_OK)
         return st;
     loader_select_gradients(v->treelets, scene->smooth_normals);
     *tr =
         (tracer){.kind = v->kind,
                  .kernels = &v->kernels,
+                 .choice = choice,
                  .treelets = v->treelets,
                  .layout = &v->file->layout,
                  .set = v->set,

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "render/experiments/intersect_walk.h"
 #include "render/experiments/isopolygon_cache.h"
 #include "render/experiments/mesh_packet.h"
 #include "render/experiments/preintegrated_integrator.h"
@@ -58,6 +59,11 @@ static void end_steps(mem *m, void *of) {
     mem_free(m, look);
 }
 
-const laboratory laboratory_table = {walk_choice_named, load, use_packets, begin_steps, end_steps};
+const laboratory laboratory_table = {.walk_named = walk_choice_named,
+                                     .walk_by = intersect_walk_by,
+                                     .load = load,
+                                     .use_packets = use_packets,
+                                     .begin_steps = begin_steps,
+                                     .end_steps = end_steps};
 
 const laboratory *const experiments_linked = &laboratory_table;

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "render/grid/grid_tile.h"
+#include "render/ray/open_volume.h"
 
 static const walk_choice choices[] = {{"scalar-groups", walk_treelet_groups, 0, false},
                                       {"scalar-corners", walk_treelet_corners, 0, false},
@@ -17,4 +18,10 @@ const walk_choice *walk_choice_named(const char *name) {
         if (strcmp(name, choices[i].name) == 0)
             return choices[i].walk || grid_tile_kernels[cpu_best()] ? &choices[i] : NULL;
     return NULL;
+}
+
+const walk_choice *walk_choice_use(leafcast *v, const walk_choice *choice) {
+    const walk_choice *before = v->choice;
+    v->choice = choice;
+    return before;
 }

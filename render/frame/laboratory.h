@@ -9,6 +9,7 @@
 
 #include "render/frame/frame.h"
 #include "render/leafcast.h"
+#include "render/leafcast_experimental.h"
 
 struct transfer;
 struct walk_choice;
@@ -23,6 +24,8 @@ typedef struct laboratory_medium {
 typedef struct laboratory {
     /* The walk that leafcast_options.isa names; NULL: none. */
     const struct walk_choice *(*walk_named)(const char *name);
+    /* The walk through grids with an approximate intersector (leafcast_scene_experiments). */
+    const struct walk_choice *(*walk_by)(leafcast_intersector how);
     /* Set what is made of treelets that are read (leafcast_experiments.isopolygons). */
     void (*load)(const leafcast *v, loader_options *o);
     /* Trace the tiles of a volume that was just opened in packets (leafcast_experiments.packets).

@@ -1,7 +1,6 @@
 #include "render/grid/cell_batch.h"
 
 #include "render/grid/cell_kernel.h"
-#include "render/grid/intersect.h"
 
 /* Find where one lane's ray visits its cell. Returns false if it does not. */
 static bool visit_of(const cell_batch *b, int lane, ray *r, float samples[8], cell_visit *visit) {
@@ -22,7 +21,7 @@ static bool visit_of(const cell_batch *b, int lane, ray *r, float samples[8], ce
 /* Returns one lane's first hit, with cell number 0, or hit_none(). Sets *t_out to where the visit
  * ends. */
 static hit first_hit(const cell_batch *b, int lane, const double *isovalues, int count,
-                     intersect_fn next_hit, double *t_out) {
+                     double *t_out) {
     const hit start = hit_before_all();
     hit best = hit_none();
     ray r;
@@ -33,19 +32,19 @@ static hit first_hit(const cell_batch *b, int lane, const double *isovalues, int
     *t_out = visit.t_out;
     for (int i = 0; i < count; i++) {
         hit h;
-        if (next_hit(&r, &visit, samples, isovalues[i], i, 0, &start, &h) && hit_less(&h, &best))
+        if (cell_next_hit(&r, &visit, samples, isovalues[i], i, 0, &start, &h) &&
+            hit_less(&h, &best))
             best = h;
     }
     return best;
 }
 
 static void cell_batch_scalar(const cell_batch *b, int lanes, const double *isovalues, int count,
-                              leafcast_intersector how, cell_batch_hits *out) {
-    const intersect_fn next_hit = intersector_find(how)->next_hit;
+                              cell_batch_hits *out) {
     out->found = out->entering = out->at_exit = 0;
     for (int k = 0; k < lanes; k++) {
         double t_out = 0.0;
-        const hit h = first_hit(b, k, isovalues, count, next_hit, &t_out);
+        const hit h = first_hit(b, k, isovalues, count, &t_out);
         if (h.cell != 0)
             continue;
         out->t[k] = h.t;

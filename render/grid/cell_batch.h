@@ -1,6 +1,6 @@
 /* cell_batch.h - sixteen ray-cells at a time: the first surface of each.
  *
- * A lane's answer equals, to the bit, cell_visit_of() followed by the intersector for every
+ * A lane's answer equals, to the bit, cell_visit_of() followed by cell_next_hit() for every
  * isovalue, searching from before all hits. It does not depend on the other lanes. The scalar
  * version calls these functions and is the truth. One template makes the versions for newer
  * instructions (cell_batch_template.h).
@@ -11,7 +11,6 @@
 #include <stdint.h>
 
 #include "formats/base/cpu.h"
-#include "render/leafcast_experimental.h"
 
 enum { CELL_BATCH = 16 };
 
@@ -44,7 +43,7 @@ typedef struct cell_batch_hits {
 /* Finds the first hits of lanes 0 .. lanes - 1 of *b, each the least in (t, iso). 1 <= lanes <=
  * CELL_BATCH; the other lanes may hold anything. */
 typedef void (*cell_batch_fn)(const cell_batch *b, int lanes, const double *isovalues, int count,
-                              leafcast_intersector how, cell_batch_hits *out);
+                              cell_batch_hits *out);
 
 /* All roots, which are changes of side. A lane's roots come in the order of t, t[0] first. Bit k of
  * a mask is lane k. */
@@ -55,8 +54,8 @@ typedef struct cell_batch_roots {
     uint32_t found[CELL_ROOTS_MAX], entering[CELL_ROOTS_MAX], at_exit[CELL_ROOTS_MAX];
 } cell_batch_roots;
 
-/* Finds all roots of these lanes for one isovalue, by `marmitt`: the hits that cell_next_hit()
- * finds one after the other. */
+/* Finds all roots of these lanes for one isovalue: the hits that cell_next_hit() finds one after
+ * the other. */
 typedef void (*cell_roots_fn)(const cell_batch *b, int lanes, double isovalue,
                               cell_batch_roots *out);
 

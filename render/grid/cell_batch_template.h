@@ -1,13 +1,12 @@
 /* cell_batch_template.h - cell_batch.h for the ISA of the translation unit that includes it.
  *
- * These are the scalar functions of cell_kernel.c and intersect.c, written again for vectors,
- * operation by operation. Each lane is rounded exactly as in the scalar code; branches have become
- * masks. The scalar code still computes all of `schwarze`, which takes cosines from libm. For
- * `marmitt` it computes the lanes whose control polygon changes sides more than once, or has an end
- * at the isovalue.
+ * These are the scalar functions of cell_kernel.c, written again for vectors, operation by
+ * operation. Each lane is rounded exactly as in the scalar code; branches have become masks. The
+ * scalar code still computes the lanes whose control polygon changes sides more than once, or has
+ * an end at the isovalue.
  *
- * `marmitt` packs the lanes with a root before it refines them: about one in three of the active
- * cells that rays meet has one.
+ * The lanes with a root are packed before they are refined: about one in three of the active cells
+ * that rays meet has one.
  */
 #ifndef RENDER_GRID_CELL_BATCH_TEMPLATE_H
 #define RENDER_GRID_CELL_BATCH_TEMPLATE_H
@@ -22,10 +21,9 @@
 #include "render/grid/cell_batch.h"
 #include "render/grid/cell_kernel.h"
 #include "render/grid/cell_visit_template.h"
-#include "render/grid/intersect.h"
 
 void SIMD_NAME(cell_batch)(const cell_batch *b, int lanes, const double *isovalues, int count,
-                           leafcast_intersector how, cell_batch_hits *out);
+                           cell_batch_hits *out);
 void SIMD_NAME(cell_roots)(const cell_batch *b, int lanes, double isovalue, cell_batch_roots *out);
 
 enum { VECTORS = CELL_BATCH / VD_N, VECTOR_LANES = (1 << VD_N) - 1, PACK_MAX = CELL_BATCH - 4 };
@@ -44,7 +42,7 @@ SIMD md differences(const cell_batch *b, int at, vd iso, vd f[8]) {
     return md_and_not(any, all);
 }
 
-/* ---- marmitt: cell_roots(), the first of them ---- */
+/* ---- cell_roots(), the first of them ---- */
 
 typedef struct search {
     vd c[4], lo, hi, reach, s;
@@ -197,158 +195,13 @@ SIMD void plain_roots(const cubics *q, double s[CELL_BATCH]) {
 
 /* Find the first roots of the lanes `visited`. Parameters go to s; returns the lanes that have one.
  */
-SIMD unsigned marmitt_roots(const cell_batch *b, const visits v[VECTORS], unsigned visited,
-                            double iso, double s[CELL_BATCH], unsigned *entering) {
+SIMD unsigned first_roots(const cell_batch *b, const visits v[VECTORS], unsigned visited,
+                          double iso, double s[CELL_BATCH], unsigned *entering) {
     cubics q;
     cubics_of(b, v, visited, iso, &q);
     *entering = q.outside;
     plain_roots(&q, s);
     return q.plain | scalar_roots(q.control, q.hard, s);
-}
-
-/* ---- the approximate ones: intersect.c ---- */
-
-/* Returns f - iso at parameter s of the visit. f: the corners less the isovalue. */
-SIMD vd trilinear(const visits *v, const vd f[8], vd s) {
-    vd at[3], x[4], y[2];
-    for (int a = 0; a < 3; a++)
-        at[a] = v->in[a] + s * (v->out[a] - v->in[a]);
-    for (int i = 0; i < 4; i++)
-        x[i] = f[2 * i] + at[0] * (f[2 * i + 1] - f[2 * i]);
-    for (int i = 0; i < 2; i++)
-        y[i] = x[2 * i] + at[1] * (x[2 * i + 1] - x[2 * i]);
-    return y[0] + at[2] * (y[1] - y[0]);
-}
-
-/* A stretch of the visit with f at its ends. */
-typedef struct stretch {
-    vd s_in, s_out, f_in, f_out;
-} stretch;
-
-/* Returns where the straight line between the ends is zero. */
-SIMD vd crossing(const stretch *p) {
-    return p->s_in - (p->s_out - p->s_in) * (p->f_in / (p->f_out - p->f_in));
-}
-
-/* Cut at s, where f is `value`, and keep the part with the change of side. */
-SIMD void cut(stretch *p, vd s, vd value, md inside) {
-    const md beyond = md_xor(d_ge(value, d_set(0.0)), inside);
-    p->s_in = d_select(beyond, p->s_in, s);
-    p->f_in = d_select(beyond, p->f_in, value);
-    p->s_out = d_select(beyond, s, p->s_out);
-    p->f_out = d_select(beyond, value, p->f_out);
-}
-
-SIMD md interpolated(int steps, const visits *v, const vd f[8], vd *s, md *inside) {
-    const vd zero = d_set(0.0), one = d_set(1.0);
-    stretch p = {zero, one, trilinear(v, f, zero), trilinear(v, f, one)};
-    *inside = d_ge(p.f_in, zero);
-    const md found = md_xor(*inside, d_ge(p.f_out, zero));
-    for (int i = 0; i < steps; i++) {
-        const vd at = crossing(&p);
-        cut(&p, at, trilinear(v, f, at), *inside);
-    }
-    *s = crossing(&p);
-    return found;
-}
-
-SIMD vd polynomial_at(const vd c[4], vd s) {
-    return c[0] + s * (c[1] + s * (c[2] + s * c[3]));
-}
-
-/* Find the extrema of the polynomial, ascending; -1 or more than 1 where there is none. */
-SIMD void monotone_parts(const vd c[4], vd *first, vd *second) {
-    const vd none = d_set(-1.0), zero = d_set(0.0);
-    const vd a = d_set(3.0) * c[3], half = c[2];
-    const vd discriminant = half * half - a * c[1];
-    const md two = d_gt(discriminant, zero);
-    const vd root = d_sqrt(d_select(two, discriminant, zero));
-    const vd w = zero - (half + d_select(d_ge(half, zero), root, zero - root));
-    const vd s0 = d_select(d_eq(a, zero), none, w / a), s1 = c[1] / w;
-    const md swap = d_lt(s1, s0);
-    *first = d_select(two, d_select(swap, s1, s0), none);
-    *second = d_select(two, d_select(swap, s0, s1), none);
-}
-
-SIMD md three_steps(const vd b[4], vd *s, md *inside) {
-    const vd zero = d_set(0.0), one = d_set(1.0), two = d_set(2.0), three = d_set(3.0);
-    const vd c[4] = {b[0], three * (b[1] - b[0]), three * (b[0] - two * b[1] + b[2]),
-                     b[3] - b[0] + three * (b[1] - b[2])};
-    vd ends[3] = {zero, zero, one};
-    monotone_parts(c, &ends[0], &ends[1]);
-    stretch p = {zero, zero, b[0], b[0]}; /* the last part looked at */
-    md found = md_of_bits(0);
-    for (int part = 0; part < 3; part++) {
-        const vd end = ends[part], value = part < 2 ? polynomial_at(c, end) : b[3];
-        const md there = part < 2 ? md_and(d_gt(end, zero), d_lt(end, one)) : d_eq(end, one);
-        const md next = md_and_not(there, found);
-        p.s_in = d_select(next, p.s_out, p.s_in);
-        p.f_in = d_select(next, p.f_out, p.f_in);
-        p.s_out = d_select(next, end, p.s_out);
-        p.f_out = d_select(next, value, p.f_out);
-        found = md_or(found, md_and(next, md_xor(d_ge(p.f_in, zero), d_ge(p.f_out, zero))));
-    }
-    *inside = d_ge(p.f_in, zero);
-    for (int i = 0; i < 3; i++) {
-        const vd at = crossing(&p);
-        cut(&p, at, polynomial_at(c, at), *inside);
-    }
-    *s = crossing(&p);
-    return found;
-}
-
-/* The same as marmitt_roots(), by an approximate intersector. */
-SIMD unsigned approximate_roots(leafcast_intersector how, const cell_batch *b,
-                                const visits v[VECTORS], unsigned visited, double iso,
-                                double s[CELL_BATCH], unsigned *entering) {
-    unsigned has = 0, outside = 0;
-    for (int k = 0, at = 0; k < VECTORS; k++, at += VD_N) {
-        vd f[8], c[4], root = d_set(0.5);
-        md found = md_of_bits(VECTOR_LANES), inside = md_of_bits(0);
-        const md active =
-            md_and(differences(b, at, d_set(iso), f), md_of_bits(visited >> at & VECTOR_LANES));
-        if (!md_bits(active))
-            continue;
-        if (how == LEAFCAST_MARMITT_3) {
-            cubic(&v[k], f, c);
-            found = three_steps(c, &root, &inside);
-        } else if (how != LEAFCAST_MIDPOINT) {
-            found = interpolated(how == LEAFCAST_NEUBAUER ? 3 : 0, &v[k], f, &root, &inside);
-        }
-        d_store(s + at, root);
-        has |= md_bits(md_and(found, active)) << at;
-        outside |= (~md_bits(inside) & VECTOR_LANES) << at;
-    }
-    *entering = outside;
-    return has;
-}
-
-/* The same as marmitt_roots(), by `schwarze`, lane by lane. */
-static unsigned schwarze_roots(const cell_batch *b, const visits v[VECTORS], unsigned visited,
-                               double iso, double s[CELL_BATCH], unsigned *entering) {
-    unsigned has = 0;
-    *entering = 0;
-    for (int k = 0, at = 0; k < VECTORS; k++, at += VD_N) {
-        _Alignas(64) double control[4][VD_N];
-        vd f[8], c[4];
-        const md active =
-            md_and(differences(b, at, d_set(iso), f), md_of_bits(visited >> at & VECTOR_LANES));
-        if (!md_bits(active))
-            continue;
-        cubic(&v[k], f, c);
-        for (int i = 0; i < 4; i++)
-            d_store(control[i], c[i]);
-        for (unsigned rest = md_bits(active); rest; rest &= rest - 1) {
-            const int lane = __builtin_ctz(rest);
-            const double one[4] = {control[0][lane], control[1][lane], control[2][lane],
-                                   control[3][lane]};
-            bool enters = false;
-            if (intersect_schwarze(one, &s[at + lane], &enters))
-                has |= 1u << (at + lane);
-            *entering |= (unsigned)enters << (at + lane);
-        }
-    }
-    return has;
 }
 
 /* ---- a batch ---- */
@@ -372,8 +225,8 @@ SIMD void report(const visits *v, int at, const double *s, unsigned has, unsigne
         out->iso[at + k] = i == 0 || take >> k & 1u ? i : out->iso[at + k];
 }
 
-SIMD void batch_with(const cell_batch *b, int lanes, const double *isovalues, int count,
-                     leafcast_intersector how, cell_batch_hits *out) {
+void SIMD_NAME(cell_batch)(const cell_batch *b, int lanes, const double *isovalues, int count,
+                           cell_batch_hits *out) {
     visits v[VECTORS];
     vd best[VECTORS];
     unsigned visited = 0;
@@ -386,11 +239,7 @@ SIMD void batch_with(const cell_batch *b, int lanes, const double *isovalues, in
     for (int i = 0; i < count; i++) {
         _Alignas(64) double s[CELL_BATCH];
         unsigned entering;
-        const unsigned has =
-            how == LEAFCAST_MARMITT ? marmitt_roots(b, v, visited, isovalues[i], s, &entering)
-            : how == LEAFCAST_SCHWARZE
-                ? schwarze_roots(b, v, visited, isovalues[i], s, &entering)
-                : approximate_roots(how, b, v, visited, isovalues[i], s, &entering);
+        const unsigned has = first_roots(b, v, visited, isovalues[i], s, &entering);
         for (int k = 0, at = 0; has >> at; k++, at += VD_N)
             if (has >> at & VECTOR_LANES)
                 report(&v[k], at, s, has, entering, i, &best[k], out);
@@ -442,22 +291,6 @@ void SIMD_NAME(cell_roots)(const cell_batch *b, int lanes, double isovalue, cell
         for (int k = 0, at = 0; out->found[n] >> at; k++, at += VD_N)
             if (out->found[n] >> at & VECTOR_LANES)
                 place_roots(&v[k], at, n, s[n], out);
-    }
-}
-
-/* ---- by name ---- */
-
-void SIMD_NAME(cell_batch)(const cell_batch *b, int lanes, const double *isovalues, int count,
-                           leafcast_intersector how, cell_batch_hits *out) {
-    switch (how) {
-    case LEAFCAST_MIDPOINT: batch_with(b, lanes, isovalues, count, LEAFCAST_MIDPOINT, out); return;
-    case LEAFCAST_LINEAR: batch_with(b, lanes, isovalues, count, LEAFCAST_LINEAR, out); return;
-    case LEAFCAST_NEUBAUER: batch_with(b, lanes, isovalues, count, LEAFCAST_NEUBAUER, out); return;
-    case LEAFCAST_SCHWARZE: batch_with(b, lanes, isovalues, count, LEAFCAST_SCHWARZE, out); return;
-    case LEAFCAST_MARMITT_3:
-        batch_with(b, lanes, isovalues, count, LEAFCAST_MARMITT_3, out);
-        return;
-    default: batch_with(b, lanes, isovalues, count, LEAFCAST_MARMITT, out);
     }
 }
 

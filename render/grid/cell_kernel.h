@@ -80,9 +80,4 @@ static inline double cell_root_t(const cell_visit *visit, double s) {
 bool cell_next_hit(const ray *r, const cell_visit *visit, const float samples[8], double iso,
                    int32_t iso_index, uint64_t cell, const hit *after, hit *found);
 
-/* The signature of an intersector, exact or approximate; see intersect.h. */
-typedef bool (*intersect_fn)(const ray *r, const cell_visit *visit, const float samples[8],
-                             double iso, int32_t iso_index, uint64_t cell, const hit *after,
-                             hit *found);
-
 #endif

@@ -13,7 +13,6 @@
 #include "render/grid/grid_legs_template.h"
 #include "render/grid/grid_start_template.h"
 #include "render/grid/grid_tracer.h"
-#include "render/grid/intersect.h"
 #include "render/grid/octant_order.h"
 #include "render/grid/walk.h"
 #include "render/ray/ray_box.h"
@@ -42,7 +41,6 @@ typedef struct batch_walk {
     const walk_scene *scene;
     ray_batch *b;
     ray_counters *counters;
-    bool filter; /* the intersector is `marmitt`, for which the filter is right */
     grid_extent extent;
     grid_legs legs;
     grid_rays rays;
@@ -104,21 +102,9 @@ static void take_scalar_hit(batch_walk *w, unsigned i, const resident_grid *at,
         return;
     for (int iso = 0; iso < scene->count; iso++) {
         hit h;
-        if (scene->intersect(ray_at(w, i), &visit, samples, scene->isovalues[iso], iso, index,
-                             &state_at(w, i)->after, &h))
+        if (cell_next_hit(ray_at(w, i), &visit, samples, scene->isovalues[iso], iso, index,
+                          &state_at(w, i)->after, &h))
             take_hit(w, i, at, &h, h.t == visit.t_out);
-    }
-}
-
-/* The first hit of these lanes is not behind state->after. Take their next hits by the scalar
- * kernel. Only for intersectors other than `marmitt`: the batch gives one hit per cell for them. */
-static void take_scalar_hits(batch_walk *w, unsigned lanes) {
-    for (; lanes; lanes &= lanes - 1) {
-        const unsigned k = (unsigned)__builtin_ctz(lanes);
-        float samples[8];
-        for (int s = 0; s < 8; s++)
-            samples[s] = w->batch.samples[s][k];
-        take_scalar_hit(w, w->ray_of[k], w->treelet_of[k], w->cell_of[k], samples);
     }
 }
 
@@ -180,10 +166,9 @@ static void flush(batch_walk *w) {
     unsigned later = 0;
     if (w->waiting == 0)
         return;
-    if (w->filter)
-        drop_starts(w);
+    drop_starts(w);
     cell_batch_kernels[w->tr->kernels->isa](&w->batch, (int)w->waiting, scene->isovalues,
-                                            scene->count, scene->intersector, &hits);
+                                            scene->count, &hits);
     for (uint32_t left = hits.found; left; left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left), i = w->ray_of[k];
         const resident_grid *at = w->treelet_of[k];
@@ -194,10 +179,7 @@ static void flush(batch_walk *w) {
         else
             later |= 1u << k;
     }
-    if (w->filter)
-        take_later_hits(w, later);
-    else
-        take_scalar_hits(w, later);
+    take_later_hits(w, later);
     w->counters->roots += (unsigned)__builtin_popcount(hits.found);
     w->waiting = 0;
     w->pending = (ray_set){{0}};
@@ -227,34 +209,45 @@ static bool goes_along(const batch_walk *w, const resident_grid *at, const uint3
 
 /* ---- Blocks ---- */
 
-/* Filter the ray-cells of a block, and add those that pass to the batch. Not inlined: seldom called
- * from the loop over cells. */
-static __attribute__((noinline)) void block_flush(batch_walk *w) {
-    block_cells *b = &w->block;
-    if (b->count == 0)
+/* block_may_cross(), not inlined: the loop around it would be short of registers. */
+static __attribute__((noinline)) unsigned block_crossing(const batch_walk *w, unsigned from) {
+    return block_may_cross(&w->block, &w->rays, from, w->scene);
+}
+
+/* Add ray-cell k of the block to the batch, or take its hit where no batch can. */
+static void block_to_batch(batch_walk *w, unsigned k) {
+    const block_cells *b = &w->block;
+    const unsigned i = b->ray[k];
+    const float *samples = b->samples[b->cell[k]];
+    uint32_t cell[3];
+    if (!ray_set_has(&w->open, i))
         return;
+    block_cell_at(b, b->cell[k], cell);
+    if (ray_set_has(&w->level, i) && !goes_along(w, b->at, cell, i))
+        take_scalar_hit(w, i, b->at, cell, samples);
+    else
+        add_to_batch(w, b->at, cell, samples, i);
+}
+
+/* Filter the ray-cells of a block, and add those that pass to the batch. There are some. Not
+ * inlined: seldom called from the loop over cells. */
+static __attribute__((noinline)) void block_filter(batch_walk *w) {
+    block_cells *b = &w->block;
     block_cells_complete(b, w->scene);
     for (unsigned from = 0; from < b->count; from += VF_N) {
         const unsigned n = b->count - from < VF_N ? b->count - from : VF_N;
-        unsigned left = (1u << n) - 1u;
-        if (w->filter)
-            left &= block_may_cross(b, &w->rays, from, w->scene);
-        for (; left; left &= left - 1) {
-            const unsigned k = from + (unsigned)__builtin_ctz(left), i = b->ray[k];
-            const float *samples = b->samples[b->cell[k]];
-            uint32_t cell[3];
-            if (!ray_set_has(&w->open, i))
-                continue;
-            block_cell_at(b, b->cell[k], cell);
-            if (ray_set_has(&w->level, i) && !goes_along(w, b->at, cell, i))
-                take_scalar_hit(w, i, b->at, cell, samples);
-            else
-                add_to_batch(w, b->at, cell, samples, i);
-        }
+        unsigned left = block_crossing(w, from) & ((1u << n) - 1u);
+        for (; left; left &= left - 1)
+            block_to_batch(w, from + (unsigned)__builtin_ctz(left));
     }
     w->counters->cells += b->count;
     b->count = 0;
     b->met = 0;
+}
+
+SIMD void block_flush(batch_walk *w) {
+    if (w->block.count > 0)
+        block_filter(w);
 }
 
 /* Collect the active cells that the VF_N rays from `at` on meet. in: a bit per ray that counts. */
@@ -540,9 +533,7 @@ void SIMD_NAME(grid_batch_trace)(const tracer *tr, ray_batch *b, void *scratch,
     w->scene = tr->own;
     w->b = b;
     w->counters = counters;
-    w->filter = w->scene->intersector == LEAFCAST_MARMITT;
-    const bool usable = grid_extent_of(&w->extent, tr) && !tr->preview &&
-                        w->scene->intersect == intersector_find(w->scene->intersector)->next_hit;
+    const bool usable = grid_extent_of(&w->extent, tr) && !tr->preview;
     for (unsigned i = 0; i < b->count; i++) {
         goes[i] = usable ? begin_ray(w, i, &ways[i]) : (uint8_t)ALONE;
         octants |= 1u << goes[i];

@@ -14,19 +14,16 @@
 #include "render/grid/grid_segments.h"
 #include "render/grid/grid_tile.h"
 #include "render/grid/grid_tracer.h"
-#include "render/grid/intersect.h"
 #include "render/grid/surface.h"
 #include "render/grid/walk_choice.h"
 #include "render/look/camera.h"
-#include "render/look/scene_facts.h"
 #include "render/ray/open_volume.h"
 
 /* leafcast.own of an open grid. */
 typedef struct grid_volume {
     level_planes_table planes;
-    double narrowest[3];    /* width of the narrowest cell of level 0 on each axis */
-    walk_scene scene;       /* of the frame, or of the question, under way */
-    intersect_fn intersect; /* used instead of the scene's; NULL: the scene's */
+    double narrowest[3]; /* width of the narrowest cell of level 0 on each axis */
+    walk_scene scene;    /* of the frame, or of the question, under way */
 } grid_volume;
 
 static grid_volume *grid_of(const leafcast *v) {
@@ -54,12 +51,6 @@ static status grid_open(leafcast *v) {
     for (int a = 0; a < 3; a++)
         grid_of(v)->narrowest[a] = narrowest_cell(v->file->axis[a], v->file->header.dims[a]);
     return level_planes_init(&grid_of(v)->planes, v->m, v->file);
-}
-
-/* Only single rays use another intersector, so there are no tiles then. */
-void grid_intersect_by(leafcast *v, intersect_fn intersect) {
-    grid_of(v)->intersect = intersect;
-    v->kernels.tile = intersect ? NULL : grid_tile_kernels[v->kernels.isa];
 }
 
 static void grid_close(leafcast *v) {
@@ -211,22 +202,20 @@ static bool stop_levels(leafcast *v, const camera *c) {
 
 static void grid_aim(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
     const leaf_layout *layout = &v->file->layout;
-    const leafcast_intersector how = scene_intersector(scene);
-    const walk_choice *choice = v->choice;
+    const walk_choice *choice = tr->choice;
     grid_volume *g = grid_of(v);
-    g->scene =
-        (walk_scene){.levels = g->planes.levels,
-                     .isovalues = tr->isos.isovalues,
-                     .count = tr->isos.count,
-                     .type = layout->type,
-                     .halo = layout->halo,
-                     .intersector = how,
-                     .intersect = g->intersect ? g->intersect : intersector_find(how)->next_hit,
-                     .walk = choice && choice->walk ? choice->walk : walk_treelet,
-                     .packet = choice && choice->packet > 0 ? choice->packet : GRID_TILE,
-                     .by_cell = choice && choice->by_cell,
-                     .analytic_normals = scene->analytic_normals};
+    g->scene = (walk_scene){.levels = g->planes.levels,
+                            .isovalues = tr->isos.isovalues,
+                            .count = tr->isos.count,
+                            .type = layout->type,
+                            .halo = layout->halo,
+                            .walk = choice && choice->walk ? choice->walk : walk_treelet,
+                            .packet = choice && choice->packet > 0 ? choice->packet : GRID_TILE,
+                            .by_cell = choice && choice->by_cell,
+                            .analytic_normals = scene->analytic_normals};
     tr->own = &g->scene;
+    if (choice && choice->walk)
+        tr->kernels = &ray_kernels_none;
     for (int a = 0; a < 3; a++) {
         g->scene.narrowest[a] = g->narrowest[a];
         tr->box[0][a] = v->file->axis[a][0];

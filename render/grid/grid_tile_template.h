@@ -29,10 +29,6 @@ void SIMD_NAME(grid_tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const 
     tile_walk *w = &work->walk;
     tile_pixels *p = &work->pixels;
     tile_walk_begin(w, f, x0, y0, asked, out, counters);
-    if (w->several && !w->filter) { /* only `marmitt` gives all roots of a cell */
-        memcpy(out->open, w->s.asked, sizeof w->s.asked);
-        return;
-    }
     do {
         tile_walk_run(w);
         shade_walk(&w->s, &grid_kind_of_tile, w, p);

@@ -23,7 +23,6 @@ typedef struct tile_walk {
     cpu_isa isa;            /* of the cell kernel */
     tile_row pending[ROWS]; /* rays of s.open that look for one surface and have a cell that waits
                                in the batch */
-    bool filter;            /* the intersector is `marmitt`, for which the filter is right */
     bool several;           /* more than the first surface counts */
     near_queue queue;
     cell_stage stage;
@@ -87,8 +86,7 @@ static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool enter
 static void flush_first(tile_walk *w) {
     const walk_scene *scene = scene_of(w);
     cell_batch_hits hits;
-    cell_batch_kernels[w->isa](&w->batch, (int)w->waiting, scene->isovalues, scene->count,
-                               scene->intersector, &hits);
+    cell_batch_kernels[w->isa](&w->batch, (int)w->waiting, scene->isovalues, scene->count, &hits);
     for (uint32_t left = hits.found; left; left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left);
         take_hit(w, k, hits.t[k], hits.iso[k], hits.entering >> k & 1u, hits.at_exit >> k & 1u);
@@ -177,22 +175,19 @@ SIMD unsigned window_pending(const tile_walk *w, unsigned x, unsigned y) {
 
 /* ---- Ray-cells, one a lane ---- */
 
-/* Filter the queued ray-cells, and add those that pass to the batch. */
-static void queue_flush(tile_walk *w) {
+/* Filter the queued ray-cells, and add those that pass to the batch. There are some. */
+static __attribute__((noinline)) void queue_filter(tile_walk *w) {
     const walk_scene *scene = scene_of(w);
     near_queue *q = &w->queue;
     unsigned left = (1u << q->count) - 1u;
     float samples[VF_N][8];
-    if (q->count == 0)
-        return;
     for (unsigned k = 0; k < q->count; k++) {
         walk_cell_samples(scene, q->at[k], q->cell[k], samples[k]);
         for (int s = 0; s < 8; s++)
             q->samples[s][k] = samples[k][s];
     }
     LANE_COUNT(queue, left);
-    if (w->filter)
-        left &= queue_may_cross(q, scene->isovalues, scene->count);
+    left &= queue_may_cross(q, scene->isovalues, scene->count);
     LANE_COUNT(queue_survivors, left);
     q->count = 0;
     for (; left; left &= left - 1) {
@@ -204,6 +199,12 @@ static void queue_flush(tile_walk *w) {
         if (scene_of(w)->by_cell)
             flush(w);
     }
+}
+
+/* Flush the queue. Mostly it is empty. */
+SIMD void queue_flush(tile_walk *w) {
+    if (w->queue.count > 0)
+        queue_filter(w);
 }
 
 /* ---- Cells and windows ---- */
@@ -252,8 +253,7 @@ static void stage_flush(tile_walk *w) {
     cell_stage *s = &w->stage;
     if (s->windows > 0) {
         stage_samples(w);
-        if (w->filter)
-            stage_filter(w);
+        stage_filter(w);
         for (unsigned n = 0; n < s->windows; n++)
             if (s->visitors[n])
                 window_to_batch(w, n);
@@ -606,7 +606,6 @@ static void tile_walk_begin(tile_walk *w, const frame *f, uint32_t x0, uint32_t 
                             const tile_row asked[], tile_outcome *out, ray_counters *counters) {
     tile_state_begin(&w->s, f, &grid_order, TILE_LAYERS, x0, y0, asked, out, counters);
     w->view = tile_view_of(f, x0, y0);
-    w->filter = scene_of(w)->intersector == LEAFCAST_MARMITT;
     w->isa = w->s.f->tracer->kernels->isa;
     w->several = w->s.layers != 1;
     w->waiting = 0;

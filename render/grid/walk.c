@@ -69,7 +69,7 @@ static bool intersect_cell(const walk_scene *scene, const resident_grid *tr, con
     bool changed = false;
     for (int i = 0; i < scene->count; i++) {
         hit found;
-        if (!scene->intersect(r, &visit, samples, scene->isovalues[i], i, index, after, &found))
+        if (!cell_next_hit(r, &visit, samples, scene->isovalues[i], i, index, after, &found))
             continue;
         counters->roots++;
         if (hit_less(&found, best)) {

@@ -1,7 +1,7 @@
 /* walk.h - one ray through one treelet: the nearest hit with the selected isosurfaces.
  *
- * Descends the masks of active cells front to back; every active cell on the way goes to the
- * intersector.
+ * Descends the masks of active cells front to back; every active cell on the way goes to
+ * cell_next_hit().
  */
 #ifndef RENDER_GRID_WALK_H
 #define RENDER_GRID_WALK_H
@@ -11,7 +11,6 @@
 #include "formats/base/sample.h"
 #include "render/grid/cell_kernel.h"
 #include "render/grid/level_planes.h"
-#include "render/leafcast_experimental.h"
 #include "render/ray/counters.h"
 #include "render/ray/ray.h"
 #include "stream/grid_resident.h"
@@ -36,9 +35,7 @@ struct walk_scene {
     int count;
     sample_type type;
     uint32_t halo;
-    leafcast_intersector intersector;
-    intersect_fn intersect; /* for rays that walk alone */
-    walk_fn walk;
+    walk_fn walk;   /* for rays that walk alone */
     uint8_t packet; /* side, in pixels, of the squares of a tile that walk together: GRID_TILE or
                        less */
     bool by_cell;   /* a batch never holds ray-cells of more than one cell */

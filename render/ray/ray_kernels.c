@@ -11,3 +11,5 @@ ray_kernels ray_kernels_of(const kind *k, cpu_isa isa) {
                          .segment_batch = b->pieces ? b->pieces[isa] : NULL,
                          .extreme_batch = b->extremes ? b->extremes[isa] : NULL};
 }
+
+const ray_kernels ray_kernels_none = {.isa = CPU_SCALAR};

@@ -34,4 +34,7 @@ struct kind;
 /* ray_kernels_of() - the kernels of a kind for an ISA. */
 ray_kernels ray_kernels_of(const struct kind *k, cpu_isa isa);
 
+/* No kernels: all rays go one by one. */
+extern const ray_kernels ray_kernels_none;
+
 #endif

@@ -21,6 +21,7 @@
 typedef struct tracer {
     const struct kind *kind;
     const struct ray_kernels *kernels; /* for many rays together (ray_kernels.h) */
+    const struct walk_choice *choice;  /* how rays walk, if an experiment chooses; else NULL */
     const void *own;                   /* the kind's part */
     loader *treelets;
     const leaf_layout *layout;

@@ -240,7 +240,7 @@ bench|--clip-plane|counts|walk @grid --size 16x16 --runs 1|--clip-plane 1,0,0,-1
 bench|--lod|counts|walk @grid --size 16x16 --runs 1|--lod 1
 bench|--preview|refused --preview: bench walk|walk @grid --size 16x16 --runs 1|--preview
 bench|--sweep|refused --sweep: bench walk|walk @grid --size 16x16 --runs 1|--sweep
-bench|--intersector|counts|walk @grid --size 16x16 --runs 1|--intersector midpoint
+bench|--intersector|refused --intersector: bench walk|walk @grid --size 16x16 --runs 1|--intersector midpoint
 bench|--output|makes w.csv|walk @grid --size 16x16 --runs 1|--output @w.csv
 bench|--threads|shown bench_baselines|
 bench|--json|says|walk @grid --size 16x16 --runs 1|--json

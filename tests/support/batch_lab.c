@@ -27,12 +27,11 @@ bool batch_lab_put(batch_lab *b, const ray *r, const cell_box *box, const float 
     return true;
 }
 
-unsigned batch_lab_unlike(const batch_lab *b, double iso, leafcast_intersector how,
-                          const hit *first) {
+unsigned batch_lab_unlike(const batch_lab *b, double iso, const hit *first) {
     unsigned unlike = 0;
     for (int isa = CPU_SCALAR; isa <= (int)cpu_best(); isa++) {
         cell_batch_hits hits = {.found = 0};
-        cell_batch_kernels[(cpu_isa)isa](&b->lanes, CELL_BATCH, &iso, 1, how, &hits);
+        cell_batch_kernels[(cpu_isa)isa](&b->lanes, CELL_BATCH, &iso, 1, &hits);
         const bool found = hits.found >> b->next & 1u, entering = hits.entering >> b->next & 1u;
         bool alike = found == (first != NULL);
         if (found && first)

@@ -1,5 +1,5 @@
 /* batch_lab.h - what the kernels that take sixteen ray-cells at a time say about one, among fifteen
- * others: with every ISA of this CPU, to the bit what the scalar intersector says. */
+ * others: with every ISA of this CPU, to the bit what cell_next_hit() says. */
 #ifndef TESTS_SUPPORT_BATCH_LAB_H
 #define TESTS_SUPPORT_BATCH_LAB_H
 
@@ -19,7 +19,6 @@ bool batch_lab_put(batch_lab *b, const ray *r, const cell_box *box, const float 
 
 /* batch_lab_unlike() - bit i: with cpu_isa i the last ray-cell put has another first hit than
  * *first; NULL: none. */
-unsigned batch_lab_unlike(const batch_lab *b, double iso, leafcast_intersector how,
-                          const hit *first);
+unsigned batch_lab_unlike(const batch_lab *b, double iso, const hit *first);
 
 #endif

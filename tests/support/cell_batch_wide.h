@@ -6,7 +6,7 @@
 
 /* cell_batch_wide() - as every cell_batch_fn. */
 void cell_batch_wide(const cell_batch *b, int lanes, const double *isovalues, int count,
-                     leafcast_intersector how, cell_batch_hits *out);
+                     cell_batch_hits *out);
 void cell_roots_wide(const cell_batch *b, int lanes, double isovalue, cell_batch_roots *out);
 
 #endif

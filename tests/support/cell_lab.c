@@ -12,7 +12,6 @@
 enum {
     CHUNK = 4096,
     SHOWN = 3,     /* faults printed of a case and intersector */
-    BATCHED = 16,  /* one ray-cell in so many is tried by all kernels for many at a time */
     ANSWER_MAX = 4 /* one more than a cell can hold */
 };
 
@@ -292,18 +291,16 @@ static bool in_question(const trial *t) {
     return t->truth_count > 0;
 }
 
-/* The same by the kernels for sixteen at a time. */
-static void try_batches(batch_lab *batch, const ray *r, const cell_box *box, uint64_t index,
-                        trial *t) {
+/* The exact one again, by the kernels for sixteen at a time. */
+static void try_batches(batch_lab *batch, const ray *r, const cell_box *box, trial *t) {
     memset(t->unlike, 0, sizeof t->unlike);
     if (!batch_lab_put(batch, r, box, t->c.samples))
         return;
     for (int x = 0; x < INTERSECTOR_COUNT; x++) {
         const answer *a = &t->of[x];
         const hit first = {.t = a->t[0], .entering = a->first_entering};
-        if (is_exact(x) || index % BATCHED == 0)
-            t->unlike[x] = batch_lab_unlike(batch, t->c.iso, intersector_at(x)->id,
-                                            a->count > 0 ? &first : NULL);
+        if (is_exact(x))
+            t->unlike[x] = batch_lab_unlike(batch, t->c.iso, a->count > 0 ? &first : NULL);
     }
 }
 
@@ -330,7 +327,7 @@ static void try_cell(const cell_lab_job *job, uint64_t index, batch_lab *batch, 
             t->of[x] = is_exact(x) ? ask_exact(&r, &v, c) : ask(intersector_at(x), &r, &v, c);
     }
     if (offered)
-        try_batches(batch, &r, &box, index, t);
+        try_batches(batch, &r, &box, t);
     else
         memset(t->unlike, 0, sizeof t->unlike);
     t->grazing = in_question(t) && ref_cell_grazing(c->o, c->d, c->lo, c->hi, c->samples, c->iso,

@@ -11,9 +11,8 @@
  *   disorder  (marmitt alone) resumed from hit to hit it tells another story than at once, or
  *             names the wrong sides; (any) more than three surfaces in a cell
  *
- *   unlike    ray-cells of which the kernels for sixteen at a time (cell_batch.h), with any ISA of
- *             this CPU, give another first hit, by a single bit; asked of marmitt each time, of the
- *             others now and then
+ *   unlike    (marmitt alone) ray-cells of which the kernels for sixteen at a time
+ *             (cell_batch.h), with any ISA of this CPU, give another first hit, by a single bit
  *   thin      pairs that one alone lists, no more than 1e-5 of a cell apart, between which f stays
  *             within 16 units of a double's last place (of the largest |sample - iso|): films of
  *             which doubles can tell nothing; counted apart, and allowed only as cell_lab_faults()
@@ -29,7 +28,7 @@
 #include <stdio.h>
 
 #include "formats/base/pool.h"
-#include "render/grid/intersect.h"
+#include "render/experiments/intersect.h"
 #include "tests/support/holes.h"
 
 typedef struct cell_lab_tally {

@@ -45,7 +45,6 @@ int mesh_pictures_of_scenes(mesh_opener open, const char *mesh, int cubes, int s
         }
         pictures_select(&v, s, 1 + kind % 3);
         leafcast_scene scene = pictures_scene(kind, &info);
-        scene.experiments = NULL;
         scene.lod = LEAFCAST_LOD_EXACT;
         const leafcast_camera c = pictures_view(v.of[0], kind % PICTURE_VIEWS, r);
         hits += pictures_alike(&v, &scene, &c, mesh);

@@ -136,14 +136,7 @@ leafcast_camera pictures_view(const leafcast *volume, int kind, field_random *r)
 }
 
 leafcast_scene pictures_scene(int kind, const leafcast_info *info) {
-    static const leafcast_scene_experiments all[] = {
-#define WITH(how) {.size = sizeof(leafcast_scene_experiments), .intersector = LEAFCAST_##how}
-        WITH(MARMITT),  WITH(MARMITT_3), WITH(MIDPOINT), WITH(LINEAR),
-        WITH(NEUBAUER), WITH(SCHWARZE)
-#undef WITH
-    };
     leafcast_scene s = leafcast_scene_default();
-    s.experiments = &all[kind % 6];
     s.shading = (leafcast_shading)(kind % 3);
     s.background[0] = 0.3f;
     s.background[3] = kind % 2 ? 0.7f : 0.0f;
@@ -190,7 +183,6 @@ int pictures_of_layers(picture_volumes *v, double iso, double step, const char *
     for (size_t i = 0; i < sizeof layers / sizeof *layers; i++) {
         leafcast_scene scene = pictures_scene(i % 2 ? 13 : 4, &info); /* lights; with shadows */
         const leafcast_camera c = pictures_view(v->of[0], (int)i % 3, &r);
-        scene.experiments = NULL;
         scene.shading = LEAFCAST_SHADING_PHONG;
         scene.layers_max = layers[i];
         scene.lod = LEAFCAST_LOD_EXACT;

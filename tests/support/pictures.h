@@ -47,7 +47,7 @@ int pictures_alike(const picture_volumes *v, const leafcast_scene *scene,
 enum { PICTURE_VIEWS = 8 };
 leafcast_camera pictures_view(const leafcast *volume, int kind, field_random *r);
 
-/* pictures_scene() - lights, shadows, transparency, clipping, levels, intersectors by turns. */
+/* pictures_scene() - lights, shadows, transparency, clipping, levels by turns. */
 leafcast_scene pictures_scene(int kind, const leafcast_info *info);
 
 /* pictures_of_layers() - twelve transparent surfaces about an isovalue, `step` apart, of which a

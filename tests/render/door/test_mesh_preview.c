@@ -206,7 +206,6 @@ static void test_scenes(void **state) {
         leafcast *v = open_with("mesh.leaf", ISAS[kind % 2], kind % 3 ? 8 : 0), *w;
         const leafcast_info info = leafcast_describe(v);
         leafcast_scene scene = pictures_scene(kind, &info);
-        scene.experiments = NULL;
         scene.lod = LEAFCAST_LOD_EXACT;
         const leafcast_camera view = pictures_view(v, kind % PICTURE_VIEWS, &r);
         leafcast_surface s[2] = {leafcast_surface_default(ISO), leafcast_surface_default(ISO + 1)};

@@ -368,7 +368,7 @@ static void test_every_mesh(void **state) {
     check_all(&rows[1]);
 }
 
-/* Clips, levels, intersectors, previews. */
+/* Clips, levels, previews. */
 static void test_every_scene(void **state) {
     (void)state;
     for (int i = 0; i < SCENES; i++) {

@@ -11,13 +11,20 @@
  * exit lie on the same side, or at most one; schwarze loses digits near double roots, and its
  * cosines are libm's, so its bits may depend on the CPU. All six compute in double, about the
  * cell's entry: with M08's floats about the eye, the last three would miss most hits.
+ *
+ * Pictures are drawn with the approximate ones ray by ray: intersect_walk.h.
  */
-#ifndef RENDER_GRID_INTERSECT_H
-#define RENDER_GRID_INTERSECT_H
+#ifndef RENDER_EXPERIMENTS_INTERSECT_H
+#define RENDER_EXPERIMENTS_INTERSECT_H
 
 #include "render/grid/cell_kernel.h"
 #include "render/leafcast_experimental.h"
 #include "render/ray/ray.h"
+
+/* As cell_next_hit(). */
+typedef bool (*intersect_fn)(const ray *r, const cell_visit *visit, const float samples[8],
+                             double iso, int32_t iso_index, uint64_t cell, const hit *after,
+                             hit *found);
 
 typedef struct intersector {
     leafcast_intersector id;
@@ -33,10 +40,6 @@ const intersector *intersector_at(int index);
 
 /* intersector_find() - returns an intersector by its public constant; NULL: there is none. */
 const intersector *intersector_find(leafcast_intersector id);
-
-/* intersect_schwarze() - finds the first root in [0, 1] of the cubic with control values b, as
- * `schwarze` does, for the SIMD versions. Returns false, with nothing set, when there is none. */
-bool intersect_schwarze(const double b[4], double *s, bool *entering);
 
 /* intersector_named() - returns an intersector by its name; NULL: there is none. */
 const intersector *intersector_named(const char *name);

@@ -1,4 +1,4 @@
-#include "render/grid/intersect.h"
+#include "render/experiments/intersect.h"
 
 #include <math.h>
 #include <string.h>
@@ -160,15 +160,6 @@ static int schwarze_crossings(const double b[4], crossing out[3]) {
             out[count++] = (crossing){s, f.c[1] + s * (2.0 * f.c[2] + s * 3.0 * f.c[3]) > 0.0};
     }
     return count;
-}
-
-bool intersect_schwarze(const double b[4], double *s, bool *entering) {
-    crossing found[3];
-    if (schwarze_crossings(b, found) == 0)
-        return false;
-    *s = found[0].s;
-    *entering = found[0].entering;
-    return true;
 }
 
 static bool schwarze(const ray *r, const cell_visit *v, const float samples[8], double iso,

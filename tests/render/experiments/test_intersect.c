@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "render/grid/intersect.h"
+#include "render/experiments/intersect.h"
 #include "tests/support/fields.h"
 
 static const cell_box UNIT = {{0, 0, 0}, {1, 1, 1}, {1, 1, 1}, {false, false, false}};
