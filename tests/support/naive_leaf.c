@@ -47,6 +47,30 @@ static bool read_text(naive_leaf *leaf, uint64_t offset, uint64_t size, char *ou
            wrong(leaf, "bytes behind a text's end");
 }
 
+static void take_fields(naive_leaf *leaf) {
+    const unsigned char *b = leaf->bytes;
+    leaf->version = (int)naive_number(b + 8, 4);
+    leaf->sample_type = (int)naive_number(b + 16, 4);
+    leaf->source_type = (int)naive_number(b + 20, 4);
+    for (int a = 0; a < 3; a++)
+        leaf->dims[a] = (long)naive_number(b + 24 + 4 * a, 4);
+    leaf->levels = (int)naive_number(b + 36, 4);
+    leaf->cells_log2 = (int)naive_number(b + 40, 4);
+    leaf->halo = (int)naive_number(b + 44, 4);
+    leaf->run_align_log2 = (int)naive_number(b + 52, 4);
+    leaf->codec = (int)naive_number(b + 56, 4);
+    leaf->rectilinear = naive_number(b + 60, 4) == 1;
+    leaf->fields = (long)naive_number(b + 64, 4);
+    leaf->steps = (long)naive_number(b + 68, 4);
+    leaf->sets = leaf->fields * leaf->steps;
+    leaf->non_finite = naive_number(b + 104, 8);
+    leaf->value_min = naive_real64(b + 112);
+    leaf->value_max = naive_real64(b + 120);
+    leaf->rounding_error = naive_real64(b + 128);
+    for (int i = 0; i < 12; i++)
+        leaf->to_world[i / 4][i % 4] = naive_real64(b + 136 + 8 * i);
+}
+
 static bool read_header(naive_leaf *leaf) {
     static const unsigned char magic[8] = {0x89, 0x4c, 0x45, 0x41, 0x46, 0x0d, 0x0a, 0x1a};
     /* offset, lowest and highest value of what the file of a grid may say */
@@ -65,28 +89,9 @@ static bool read_header(naive_leaf *leaf) {
             return wrong(leaf, "header field at %d is %llu", (int)ranges[i][0],
                          (unsigned long long)value);
     }
-    leaf->version = (int)naive_number(b + 8, 4);
-    leaf->sample_type = (int)naive_number(b + 16, 4);
-    leaf->source_type = (int)naive_number(b + 20, 4);
-    for (int a = 0; a < 3; a++)
-        leaf->dims[a] = (long)naive_number(b + 24 + 4 * a, 4);
-    leaf->levels = (int)naive_number(b + 36, 4);
-    leaf->cells_log2 = (int)naive_number(b + 40, 4);
-    leaf->halo = (int)naive_number(b + 44, 4);
-    leaf->run_align_log2 = (int)naive_number(b + 52, 4);
-    leaf->codec = (int)naive_number(b + 56, 4);
-    leaf->rectilinear = naive_number(b + 60, 4) == 1;
-    leaf->fields = (long)naive_number(b + 64, 4);
-    leaf->steps = (long)naive_number(b + 68, 4);
-    leaf->sets = leaf->fields * leaf->steps;
+    take_fields(leaf);
     if (leaf->sets > 65536)
         return wrong(leaf, "%ld fields at %ld steps", leaf->fields, leaf->steps);
-    leaf->non_finite = naive_number(b + 104, 8);
-    leaf->value_min = naive_real64(b + 112);
-    leaf->value_max = naive_real64(b + 120);
-    leaf->rounding_error = naive_real64(b + 128);
-    for (int i = 0; i < 12; i++)
-        leaf->to_world[i / 4][i % 4] = naive_real64(b + 136 + 8 * i);
     int stored = leaf->source_type <= 5 ? leaf->source_type : 5;
     if (stored != leaf->sample_type && leaf->sample_type != 5)
         return wrong(leaf, "stored type %d of source type %d", leaf->sample_type,
