@@ -167,8 +167,8 @@ static status set_compress(convert_request *a, const char *text) {
     if (strncmp(text, "zstd", 4) != 0 || (text[4] != '\0' && text[4] != ':'))
         return status_describe(ST_USAGE, "--compress: \"%s\" is neither zstd:N nor none", text);
     int level = ZSTD_LEVEL_DEFAULT;
-    const status st = text[4] ? cli_int(text + 5, "--compress zstd", 1, ZSTD_LEVEL_MAX, &level)
-                              : ST_OK;
+    const status st =
+        text[4] ? cli_int(text + 5, "--compress zstd", 1, ZSTD_LEVEL_MAX, &level) : ST_OK;
     leaf_parameters_compress(&a->file, level);
     return st;
 }

@@ -30,7 +30,7 @@ typedef struct resident_store {
 /* Memory that one thread uses while it loads. */
 typedef struct resident_scratch {
     leaf_unpacker *unpacker; /* NULL: the file is raw */
-    void *room; /* resident_kind.scratch bytes; or NULL */
+    void *room;              /* resident_kind.scratch bytes; or NULL */
 } resident_scratch;
 
 typedef struct resident_kind {

@@ -30,8 +30,9 @@ typedef struct source source;
 CHECKED status source_open(mem *m, leaf_file *f, source_kind kind, source **out);
 void source_close(source *s); /* NULL is fine */
 
-/* source_load() - load and check payload p of the directory. u: this thread's, of the source's file.
- * *payload points at its bytes until source_evict(). The message of ST_CORRUPT names the payload.
+/* source_load() - load and check payload p of the directory. u: this thread's, of the source's
+ * file. *payload points at its bytes until source_evict(). The message of ST_CORRUPT names the
+ * payload.
  */
 CHECKED status source_load(source *s, uint32_t p, leaf_unpacker *u, const void **payload);
 void source_evict(source *s, uint32_t p, const void *payload);

@@ -11,8 +11,8 @@
 
 enum {
     CODE_BYTES = LEAF_CODE_BYTES, /* box_code, then a u32 a stream: its bytes */
-    STREAMS_MAX = 5,  /* the map, and up to four bytes of residuals */
-    ESTIMATED = 2048, /* samples that a prediction is judged by */
+    STREAMS_MAX = 5,              /* the map, and up to four bytes of residuals */
+    ESTIMATED = 2048,             /* samples that a prediction is judged by */
     LOG_BITS = 10,
     LEAST_SHARE = 32, /* of the commonest value, in 256ths: below it is no background, */
     MOST_SHARE = 128, /* from there on always */
@@ -147,7 +147,8 @@ static void unmap_floats(const box_coder *c, size_t n, const box_code *code) {
     }
     const double size = float_step_size(code->map);
     for (size_t i = 0; i < n; i++)
-        values[i] = values[i] ? float_step_bits((int32_t)(values[i] + code->base), size) : FLOAT_MISSING;
+        values[i] =
+            values[i] ? float_step_bits((int32_t)(values[i] + code->base), size) : FLOAT_MISSING;
 }
 
 /* ---- what a prediction would cost ---- */
@@ -209,8 +210,8 @@ static void split(const box_coder *c, size_t n, unsigned width) {
 /* What all samples would cost, judged by every `step`-th row. */
 static uint64_t cost_of(box_coder *c, const coded_box *boxes, uint32_t count, int how,
                         uint32_t step) {
-    const size_t n = c->rows->residuals(&c->w, boxes, count, how & ~BOX_BACKGROUND,
-                                        how & BOX_BACKGROUND, step);
+    const size_t n =
+        c->rows->residuals(&c->w, boxes, count, how & ~BOX_BACKGROUND, how & BOX_BACKGROUND, step);
     const unsigned width = width_of(c, n);
     uint64_t sum = 0;
     split(c, n, width);
@@ -219,12 +220,11 @@ static uint64_t cost_of(box_coder *c, const coded_box *boxes, uint32_t count, in
     return sum * step;
 }
 
-/* Choose a prediction, and whether there is a background. share: of the samples, in 256ths; if it is
- * LEAST_SHARE or more, it is marked. */
+/* Choose a prediction, and whether there is a background. share: of the samples, in 256ths; if it
+ * is LEAST_SHARE or more, it is marked. */
 static int choose(box_coder *c, const coded_box *boxes, uint32_t count, size_t n, unsigned share) {
-    static const int hows[] = {
-        BOX_NONE,  BOX_ROW | BOX_ALONG,   BOX_PLANE, BOX_PLANE | BOX_ALONG,
-        BOX_MEDIAN, BOX_MEDIAN | BOX_ALONG};
+    static const int hows[] = {BOX_NONE,   BOX_ROW | BOX_ALONG,   BOX_PLANE, BOX_PLANE | BOX_ALONG,
+                               BOX_MEDIAN, BOX_MEDIAN | BOX_ALONG};
     const uint32_t step = (uint32_t)(n / ESTIMATED) | 1; /* odd: no row of a sheet is left out */
     const bool may_mark = share >= LEAST_SHARE, must_mark = share >= MOST_SHARE;
     const uint64_t map = may_mark ? entropy(c, c->w.map, maps_bytes(boxes, count)) : 0;
@@ -306,8 +306,7 @@ static size_t compress(const box_coder *c, const box_code *code, size_t map, uin
     for (unsigned i = 0; i < streams; i++) {
         size_t bytes;
         const uint8_t *stream = stream_at(c, code, i, map, &bytes);
-        const size_t size =
-            ZSTD_compress2(c->compressor, out + used, room - used, stream, bytes);
+        const size_t size = ZSTD_compress2(c->compressor, out + used, room - used, stream, bytes);
         if (ZSTD_isError(size))
             return 0;
         put_u32(out + CODE_BYTES + 4 * i, (uint32_t)size);
@@ -316,7 +315,8 @@ static size_t compress(const box_coder *c, const box_code *code, size_t map, uin
     return used;
 }
 
-static size_t encode_plain(const box_coder *c, const coded_box *boxes, uint32_t count, uint8_t *out) {
+static size_t encode_plain(const box_coder *c, const coded_box *boxes, uint32_t count,
+                           uint8_t *out) {
     const box_code plain = {.method = METHOD_PLAIN};
     const size_t bytes = samples_of(boxes, count) * sample_size(c->type);
     gather(c, boxes, count, 0);
@@ -338,8 +338,9 @@ size_t box_coder_encode(box_coder *c, const coded_box *boxes, uint32_t count, vo
         c->rows->mark(&c->w, boxes, count, common);
     code.prediction = (uint8_t)choose(c, boxes, count, n, share);
     code.background = code.prediction & BOX_BACKGROUND ? common : 0;
-    code.coded = (uint32_t)c->rows->residuals(&c->w, boxes, count, code.prediction & ~BOX_BACKGROUND,
-                                              code.prediction & BOX_BACKGROUND, 1);
+    code.coded =
+        (uint32_t)c->rows->residuals(&c->w, boxes, count, code.prediction & ~BOX_BACKGROUND,
+                                     code.prediction & BOX_BACKGROUND, 1);
     code.width = (uint8_t)width_of(c, code.coded);
     split(c, code.coded, code.width);
     const size_t size = compress(c, &code, map, out, CODE_BYTES + n * sample_size(c->type));
@@ -353,8 +354,8 @@ static bool is_sound(const box_coder *c, const box_code *code, size_t n) {
     const bool background = code->prediction & BOX_BACKGROUND;
     return code->method == METHOD_CODED && code->map < (c->type == SAMPLE_F32 ? FLOAT_STEPS : 1) &&
            code->prediction < 2 * BOX_BACKGROUND && code->width <= sample_size(c->type) &&
-           (background ? code->coded <= n : code->coded == n) && (background || !code->background) &&
-           (code->map || !code->base) &&
+           (background ? code->coded <= n : code->coded == n) &&
+           (background || !code->background) && (code->map || !code->base) &&
            (sample_size(c->type) == 4 || !(code->background >> 8 * sample_size(c->type)));
 }
 
@@ -437,8 +438,9 @@ size_t box_coder_room(sample_type type, size_t samples) {
     return CODE_BYTES + samples * sample_size(type);
 }
 
-/* Bytes of residuals seldom repeat, and short matches cost more than their entropy, also in time. So
- * level 1 finds no more than long runs: 3 % smaller, and decoded 5 % faster, than by zstd's own. */
+/* Bytes of residuals seldom repeat, and short matches cost more than their entropy, also in time.
+ * So level 1 finds no more than long runs: 3 % smaller, and decoded 5 % faster, than by zstd's own.
+ */
 static void set_parameters(ZSTD_CCtx *zstd, int level) {
     enum { HASH_LOG = 6, MATCH = 7 };
     (void)ZSTD_CCtx_setParameter(zstd, ZSTD_c_compressionLevel, level);
@@ -471,7 +473,8 @@ static status allocate(box_coder *c) {
     c->w.row = mem_alloc(c->m, 2 * row);
     c->w.zeros = mem_zalloc(c->m, row);
     c->w.map = mem_alloc(c->m, c->samples);
-    if (!c->w.values || !c->w.residuals || !c->w.predicted || !c->w.row || !c->w.zeros || !c->bytes || !c->w.map)
+    if (!c->w.values || !c->w.residuals || !c->w.predicted || !c->w.row || !c->w.zeros ||
+        !c->bytes || !c->w.map)
         return ST_NOMEM;
     c->decompressor = ZSTD_createDCtx();
     return c->decompressor ? ST_OK : status_describe(ST_NOMEM, "no room for a decompressor");

@@ -52,7 +52,8 @@ size_t box_coder_room(sample_type type, size_t samples);
 size_t box_coder_encode(box_coder *c, const coded_box *boxes, uint32_t count, void *out);
 
 /* box_coder_decode() - write the samples. False where the bytes are none that the encoder would
- * have made for boxes of these sizes: then some samples may have been written. Any bytes are safe. */
+ * have made for boxes of these sizes: then some samples may have been written. Any bytes are safe.
+ */
 CHECKED bool box_coder_decode(box_coder *c, const void *in, size_t bytes, const coded_box *boxes,
                               uint32_t count);
 

@@ -1,7 +1,6 @@
-/* box_row_template.h - box_rows.h for unsigned integers of type T. Define T and ROWS(name) before each
- * inclusion; box_rows_template.h includes it for three widths. */
+/* box_row_template.h - box_rows.h for unsigned integers of type T. Define T and ROWS(name) before
+ * each inclusion; box_rows_template.h includes it for three widths. */
 #ifdef ROWS
-
 
 /* The samples next to a row, in rows that are known: above (y - 1), behind (z - 1), and both.
  * Missing ones are NULL. */
@@ -9,8 +8,8 @@ typedef struct ROWS(neighbours) {
     const T *above, *behind, *corner;
 } ROWS(neighbours);
 
-static ROWS(neighbours) ROWS(neighbours_of)(const T *row, const uint32_t size[3], uint32_t y,
-                                            uint32_t z) {
+static ROWS(neighbours)
+    ROWS(neighbours_of)(const T *row, const uint32_t size[3], uint32_t y, uint32_t z) {
     const size_t line = size[0], sheet = line * size[1];
     return (ROWS(neighbours)){.above = y ? row - line : NULL,
                               .behind = z ? row - sheet : NULL,
@@ -165,8 +164,8 @@ static void ROWS(expand)(const T *restrict residuals, const uint8_t *restrict co
 
 /* The samples of a row of which some are coded. room: for a row. */
 static void ROWS(spread)(const T *restrict residuals, const T *restrict predicted, uint32_t n,
-                         bool along, const uint8_t *restrict coded, T background,
-                         T *restrict room, T *restrict row) {
+                         bool along, const uint8_t *restrict coded, T background, T *restrict room,
+                         T *restrict row) {
     ROWS(expand)(residuals, coded, n, row, room);
     for (uint32_t x = 0; x < n; x++)
         row[x] = ROWS(unfold)(row[x]);
@@ -181,7 +180,7 @@ static void ROWS(spread)(const T *restrict residuals, const T *restrict predicte
 /* Residuals of every `step`-th row of all boxes, one box behind the other. background: whether the
  * map says which samples are coded. Returns how many residuals there are. */
 static size_t ROWS(residuals)(const box_work *c, const coded_box *boxes, uint32_t count, int how,
-                                 bool background, uint32_t step) {
+                              bool background, uint32_t step) {
     const T *row = c->values;
     const uint8_t *map = c->map;
     T *out = c->residuals, *predicted = c->predicted, *room = c->row;
@@ -209,8 +208,8 @@ static size_t ROWS(residuals)(const box_work *c, const coded_box *boxes, uint32_
 }
 
 /* Make the bits of a row: which samples are not the background. room: for a row. */
-static void ROWS(mark_row)(const T *restrict row, uint32_t n, T background,
-                           uint8_t *restrict room, uint8_t *restrict bits) {
+static void ROWS(mark_row)(const T *restrict row, uint32_t n, T background, uint8_t *restrict room,
+                           uint8_t *restrict bits) {
     uint32_t x = 0;
     for (uint32_t i = 0; i < n; i++)
         room[i] = (uint8_t)(0 - (row[i] != background));
@@ -244,7 +243,7 @@ static void ROWS(mark)(const box_work *c, const coded_box *boxes, uint32_t count
 /* The samples of all boxes from their residuals. False: there are fewer or more residuals than the
  * map says. */
 static bool ROWS(values)(const box_work *c, const coded_box *boxes, uint32_t count,
-                            const box_code *code) {
+                         const box_code *code) {
     const bool background = code->prediction & BOX_BACKGROUND, along = code->prediction & BOX_ALONG;
     const int how = code->prediction & BOX_MEDIAN;
     const T quiet = (T)code->background;

@@ -25,8 +25,7 @@ typedef struct box_rows {
                         bool background, uint32_t step);
     /* Make the values of all boxes from code->coded residuals. False: these are more or fewer than
      * the map says. */
-    bool (*values)(const box_work *w, const coded_box *boxes, uint32_t count,
-                   const box_code *code);
+    bool (*values)(const box_work *w, const coded_box *boxes, uint32_t count, const box_code *code);
     /* Make the map. */
     void (*mark)(const box_work *w, const coded_box *boxes, uint32_t count, uint32_t background);
 } box_rows;

@@ -33,10 +33,10 @@ static unsigned map_row_rest(const uint8_t *bits, uint32_t samples) {
 }
 
 #ifdef __SSSE3__
-#define plus_u8        _mm_add_epi8
-#define plus_u16       _mm_add_epi16
-#define plus_u32       _mm_add_epi32
-#define last_lane_u8() _mm_set1_epi8(15)
+#define plus_u8         _mm_add_epi8
+#define plus_u16        _mm_add_epi16
+#define plus_u32        _mm_add_epi32
+#define last_lane_u8()  _mm_set1_epi8(15)
 #define last_lane_u16() _mm_set1_epi16(0x0F0E)
 #define last_lane_u32() _mm_set1_epi32(0x0F0E0D0C)
 #endif

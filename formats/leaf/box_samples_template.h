@@ -1,7 +1,6 @@
-/* box_samples_template.h - samples of box_coder.c as unsigned integers of type T: to and from boxes and
- * bytes. Define T and ROWS(name) before each inclusion. */
+/* box_samples_template.h - samples of box_coder.c as unsigned integers of type T: to and from boxes
+ * and bytes. Define T and ROWS(name) before each inclusion. */
 #ifdef ROWS
-
 
 /* Split residuals into bytes, the lowest ones of all first. */
 static void ROWS(split)(const T *residuals, size_t n, unsigned width, uint8_t *out) {

@@ -132,8 +132,7 @@ static size_t family_room(void) {
 }
 
 size_t deviation_verify_bytes(const leaf_layout *l) {
-    return payload_room(l) + band_room() + family_room() +
-           deviation_scratch_bytes(CELLS_MAX + 1);
+    return payload_room(l) + band_room() + family_room() + deviation_scratch_bytes(CELLS_MAX + 1);
 }
 
 status deviation_verify(leaf_file *f, uint32_t set, uint32_t t, const void *payload,

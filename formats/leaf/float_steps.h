@@ -1,7 +1,7 @@
 /* float_steps.h - floats that are multiples of a step: whole numbers, decimals of a text, halves.
  *
- * Step 0 is none. Steps 1 .. FLOAT_DECIMALS are 1, 10^-1, 10^-2, ..; those behind them 2^-1, 2^-2, ..
- * A float is the multiple k of a step if (float)((double)k step) has its bits.
+ * Step 0 is none. Steps 1 .. FLOAT_DECIMALS are 1, 10^-1, 10^-2, ..; those behind them 2^-1, 2^-2,
+ * .. A float is the multiple k of a step if (float)((double)k step) has its bits.
  */
 #ifndef FORMATS_LEAF_FLOAT_STEPS_H
 #define FORMATS_LEAF_FLOAT_STEPS_H
@@ -32,8 +32,8 @@ bool float_step_multiple(uint32_t bits, double size, double in_one, int32_t *mul
 unsigned float_step_join(unsigned step, unsigned last, uint32_t bits);
 
 /* float_step_find() - the step of n floats: the first of the decimals, else of the binaries, that
- * suits each of them, if the former ones suit for those before. So a float may be a multiple of none
- * the less: take each with float_step_multiple(). 0: there is none. */
+ * suits each of them, if the former ones suit for those before. So a float may be a multiple of
+ * none the less: take each with float_step_multiple(). 0: there is none. */
 unsigned float_step_find(const uint32_t *bits, size_t n);
 
 #endif

@@ -45,7 +45,7 @@ static uint32_t morton(uint32_t x, uint32_t y, uint32_t z) {
  * own samples start at `own`. Consecutive rows are row_stride samples apart, slices
  * slice_stride. */
 #define DEFINE_BLOCK_LINE(name, T, OF_LO, OF_HI)                                                  \
-    static void name(grid_codes_scratch *s, const leaf_payload *p, const char *own,                  \
+    static void name(grid_codes_scratch *s, const leaf_payload *p, const char *own,               \
                      size_t row_stride, size_t slice_stride, uint32_t by, uint32_t bz) {          \
         T *restrict lo = (T *)s->row_lo, *restrict hi = (T *)s->row_hi;                           \
         const uint32_t nodes = p->cells[0] + 1;                                                   \
@@ -161,7 +161,8 @@ static void merge_children(const uint8_t *child_lo, const uint8_t *child_hi, uin
     }
 }
 
-grid_summary grid_codes_make(const leaf_layout *l, uint32_t t, grid_codes_scratch *s, void *payload) {
+grid_summary grid_codes_make(const leaf_layout *l, uint32_t t, grid_codes_scratch *s,
+                             void *payload) {
     const leaf_payload p = leaf_layout_payload(l, t);
     const uint32_t blocks = 1u << (3 * p.node_levels);
     uint8_t *codes = payload, *lo = codes + leaf_codes_at(p.node_levels);

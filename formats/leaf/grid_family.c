@@ -16,17 +16,15 @@ static extent extent_of(const leaf_layout *l, uint32_t parent, int axis) {
     const uint32_t cells = left < 2 * b ? left : 2 * b;
     if (cells <= b)
         return (extent){.all = cells + shared, .segments = {cells + shared, 0}};
-    return (extent){.all = cells + shared,
-                    .from = b,
-                    .to = b + shared,
-                    .segments = {b, cells - b}};
+    return (extent){.all = cells + shared, .from = b, .to = b + shared, .segments = {b, cells - b}};
 }
 
 static uint32_t begin_of(const extent *e, int segment) {
     return segment ? e->to : 0;
 }
 
-uint32_t grid_family_parts(const leaf_layout *l, uint32_t parent, family_part parts[FAMILY_PARTS_MAX]) {
+uint32_t grid_family_parts(const leaf_layout *l, uint32_t parent,
+                           family_part parts[FAMILY_PARTS_MAX]) {
     const extent x = extent_of(l, parent, 0), y = extent_of(l, parent, 1),
                  z = extent_of(l, parent, 2);
     uint32_t n = 0;
@@ -37,8 +35,8 @@ uint32_t grid_family_parts(const leaf_layout *l, uint32_t parent, family_part pa
         if (y.to)
             parts[n++] = (family_part){{0, y.from, at}, {x.all, y.to - y.from, deep}};
         for (int k = 0; x.to && k < 2 && y.segments[k]; k++)
-            parts[n++] = (family_part){{x.from, begin_of(&y, k), at},
-                                     {x.to - x.from, y.segments[k], deep}};
+            parts[n++] =
+                (family_part){{x.from, begin_of(&y, k), at}, {x.to - x.from, y.segments[k], deep}};
     }
     return n;
 }
@@ -84,7 +82,8 @@ coded_box grid_family_own(const leaf_layout *l, uint32_t treelet, void *payload)
     return box;
 }
 
-/* Copy the samples of a part that lie in a treelet, `first` .. `first` + p.samples of the family. */
+/* Copy the samples of a part that lie in a treelet, `first` .. `first` + p.samples of the family.
+ */
 static void take_part(const family_part *part, const uint32_t first[3], const uint32_t count[3],
                       size_t size, const char *from, char *to) {
     uint32_t lo[3], hi[3];
@@ -101,8 +100,9 @@ static void take_part(const family_part *part, const uint32_t first[3], const ui
             const size_t i = lo[0] - part->at[0] +
                              part->size[0] * ((size_t)(y - part->at[1]) +
                                               (size_t)part->size[1] * (z - part->at[2]));
-            const size_t o = lo[0] - first[0] + count[0] * ((size_t)(y - first[1]) +
-                                                            (size_t)count[1] * (z - first[2]));
+            const size_t o =
+                lo[0] - first[0] +
+                count[0] * ((size_t)(y - first[1]) + (size_t)count[1] * (z - first[2]));
             memcpy(to + o * size, from + i * size, row);
         }
 }

@@ -22,11 +22,12 @@ typedef struct family_part {
 /* A shell is up to so many boxes. */
 enum { FAMILY_PARTS_MAX = 7 };
 
-/* grid_family_parts() - the boxes of the shell below a treelet of level 1 or above: where the family
- * has two treelets along z, the samples that both have; then, for the samples before those and for
- * those behind, the same along y; and then along x. Returns how many there are; 0: the family is
- * one treelet. */
-uint32_t grid_family_parts(const leaf_layout *l, uint32_t parent, family_part parts[FAMILY_PARTS_MAX]);
+/* grid_family_parts() - the boxes of the shell below a treelet of level 1 or above: where the
+ * family has two treelets along z, the samples that both have; then, for the samples before those
+ * and for those behind, the same along y; and then along x. Returns how many there are; 0: the
+ * family is one treelet. */
+uint32_t grid_family_parts(const leaf_layout *l, uint32_t parent,
+                           family_part parts[FAMILY_PARTS_MAX]);
 
 /* grid_family_shell_boxes() - a shell's boxes for the coder. samples: its boxes one behind the
  * other, each x fastest. Returns how many there are. */

@@ -209,7 +209,8 @@ static bool begins_run(const leaf_layout *l, uint32_t p) {
 }
 
 /* A shell has no bytes if nobody needs it: there is one child, or all are implied. */
-static bool is_needless(const leaf_layout *l, uint32_t set, uint32_t parent, const uint64_t *sizes) {
+static bool is_needless(const leaf_layout *l, uint32_t set, uint32_t parent,
+                        const uint64_t *sizes) {
     const uint32_t first = leaf_layout_samples(l, set, l->first_child[parent]);
     const uint32_t children = (uint32_t)__builtin_popcount(leaf_layout_children(l, parent));
     uint64_t bytes = 0;

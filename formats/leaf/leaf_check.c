@@ -48,9 +48,8 @@ static status check_frame(const char *path, const leaf_header *h, uint64_t file_
             "expected the mark of a treelet file; leafcast convert makes one of other formats");
     if (h->version != LEAF_VERSION)
         return status_describe(
-            ST_UNSUPPORTED,
-            "%s: a treelet file of version %u, where this program reads version %d", path,
-            h->version, LEAF_VERSION);
+            ST_UNSUPPORTED, "%s: a treelet file of version %u, where this program reads version %d",
+            path, h->version, LEAF_VERSION);
     if (h->checksum != leaf_header_checksum(h))
         return leaf_check_corrupt(path, offsetof(leaf_header, checksum),
                                   "expected the header's checksum %016llx, found %016llx",

@@ -118,9 +118,9 @@ static inline uint32_t leaf_layout_samples(const leaf_layout *l, uint32_t set, u
     return l->treelets * set + treelet;
 }
 
-/* leaf_layout_shell() - the payload that holds what the children of a treelet share (grid_family.h);
- * treelet < shells.
- * leaf_layout_is_shell() - whether payload p is one; *set, *parent: of which treelet's children. */
+/* leaf_layout_shell() - the payload that holds what the children of a treelet share
+ * (grid_family.h); treelet < shells. leaf_layout_is_shell() - whether payload p is one; *set,
+ * *parent: of which treelet's children. */
 static inline uint32_t leaf_layout_shell(const leaf_layout *l, uint32_t set, uint32_t treelet) {
     return l->sets * l->treelets + set * l->shells + treelet;
 }
@@ -246,10 +246,9 @@ typedef struct leaf_placing {
 
 /* leaf_placing_next() - the offset of payload p of so many stored bytes. It lies behind the one
  * before it, at the next multiple of LEAF_ALIGN; or of 2^run_align_log2 if it is the first of its
- * run that has bytes. In a grid, a run begins with the child in octant 0, which every parent has, or
- * with the shell before it.
- * In a mesh, it begins with the first treelet's payload in each block. A payload of no bytes lies
- * where the one before it ends. */
+ * run that has bytes. In a grid, a run begins with the child in octant 0, which every parent has,
+ * or with the shell before it. In a mesh, it begins with the first treelet's payload in each block.
+ * A payload of no bytes lies where the one before it ends. */
 static inline uint64_t leaf_placing_next(leaf_placing *x, const leaf_layout *l, uint32_t p,
                                          uint64_t bytes, uint32_t run_align_log2) {
     x->run |= leaf_layout_begins_run(l, p);

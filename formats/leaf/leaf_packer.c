@@ -31,9 +31,9 @@ status leaf_packer_create(mem *m, const leaf_layout *l, const uint32_t counts[4]
     if (!k)
         return ST_NOMEM;
     k->layout = l;
-    const status st =
-        counts ? mesh_coding_create(m, counts, level, &k->mesh)
-               : box_coder_create(m, l->type, leaf_layout_code_max(l), level, &k->boxes);
+    const status st = counts
+                          ? mesh_coding_create(m, counts, level, &k->mesh)
+                          : box_coder_create(m, l->type, leaf_layout_code_max(l), level, &k->boxes);
     if (st != ST_OK) {
         mem_free(m, k);
         return st;

@@ -40,8 +40,8 @@ CHECKED status leaf_packer_create(mem *m, const leaf_layout *l, const uint32_t c
                                   const leaf_parameters *p, leaf_packer **out);
 void leaf_packer_destroy(mem *m, leaf_packer *k); /* NULL is fine */
 
-/* leaf_packer_memory() - the bytes that a packer will hold, also outside `mem`. To find out, it makes
- * one, and room for two payloads, for a while. l: may be NULL for a mesh. */
+/* leaf_packer_memory() - the bytes that a packer will hold, also outside `mem`. To find out, it
+ * makes one, and room for two payloads, for a while. l: may be NULL for a mesh. */
 CHECKED status leaf_packer_memory(mem *m, const leaf_layout *l, const uint32_t counts[4],
                                   const leaf_parameters *p, uint64_t *out);
 

@@ -22,7 +22,7 @@ struct leaf_unpacker {
     mem *m;
     leaf_file *f;
     void *stored;
-    ZSTD_DCtx *zstd; /* of kinds whose payloads are frames */
+    ZSTD_DCtx *zstd;  /* of kinds whose payloads are frames */
     uint8_t *streams; /* of a mesh */
     size_t streams_room;
     /* Of grids: */
@@ -115,8 +115,8 @@ size_t leaf_unpacker_memory(const leaf_file *f) {
     if (l->coded)
         bytes += grid_codes_scratch_bytes() + box_coder_memory(l->type, leaf_layout_code_max(l));
     if (l->shells)
-        bytes += SHELLS * leaf_layout_shell_max(l) * sample_size(l->type) +
-                 leaf_layout_stored_max(l);
+        bytes +=
+            SHELLS * leaf_layout_shell_max(l) * sample_size(l->type) + leaf_layout_stored_max(l);
     return bytes;
 }
 
@@ -156,8 +156,7 @@ static status malformed(const leaf_unpacker *u, uint32_t p, const char *why) {
 
 static status unframe(leaf_unpacker *u, uint32_t p, const void *stored, void *payload) {
     const size_t bytes = leaf_layout_payload_bytes(&u->f->layout, p);
-    const size_t got =
-        ZSTD_decompressDCtx(u->zstd, payload, bytes, stored, (size_t)u->f->sizes[p]);
+    const size_t got = ZSTD_decompressDCtx(u->zstd, payload, bytes, stored, (size_t)u->f->sizes[p]);
     if (got == bytes)
         return ST_OK;
     return malformed(u, p, ZSTD_isError(got) ? ZSTD_getErrorName(got) : "it is shorter");
@@ -172,8 +171,8 @@ static status decode_mesh(leaf_unpacker *u, uint32_t p, const void *stored, void
     const uint32_t t = p % l->treelets;
     uint32_t index;
     const mesh_block block = blocks[leaf_layout_block_of(l, p, &index)];
-    const size_t got = ZSTD_decompressDCtx(u->zstd, u->streams, u->streams_room, stored,
-                                           (size_t)u->f->sizes[p]);
+    const size_t got =
+        ZSTD_decompressDCtx(u->zstd, u->streams, u->streams_room, stored, (size_t)u->f->sizes[p]);
     if (ZSTD_isError(got))
         return malformed(u, p, ZSTD_getErrorName(got));
     if (!mesh_coder_decode(block, u->f->mesh->counts[t], u->f->mesh->bounds[t], u->streams, got,

@@ -59,7 +59,8 @@ void mesh_coding_destroy(mesh_coding *c) {
     mem_free(c->m, c);
 }
 
-/* Compress streams into one frame, each in blocks of its own. Returns its bytes; 0: more than room. */
+/* Compress streams into one frame, each in blocks of its own. Returns its bytes; 0: more than room.
+ */
 static size_t compress(const mesh_coding *c, const coded_streams *s, void *to, size_t room) {
     ZSTD_outBuffer out = {.dst = to, .size = room};
     (void)ZSTD_CCtx_reset(c->zstd, ZSTD_reset_session_only);

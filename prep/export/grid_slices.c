@@ -13,9 +13,9 @@ typedef struct job {
     const grid_part *part;
     pool *workers;
     int threads;
-    size_t width;               /* bytes of a sample */
-    size_t payload;             /* bytes for one payload */
-    size_t slice;               /* bytes of a slice of the part */
+    size_t width;   /* bytes of a sample */
+    size_t payload; /* bytes for one payload */
+    size_t slice;   /* bytes of a slice of the part */
     char *payloads; /* one per thread */
     leaf_unpacker **unpackers;
     grid_box box;               /* the slab, with the slices that it holds now */

@@ -19,7 +19,8 @@ static bool has_gradients(const tet_choice *c) {
 
 uint64_t tet_bench_bytes(const tet_choice *c) {
     const uint64_t payloads = 1 + c->count + has_moved(c) + has_gradients(c);
-    return payloads * payload_of(c) + c->count * sizeof(float *) + leaf_unpacker_memory(c->f) + 1024;
+    return payloads * payload_of(c) + c->count * sizeof(float *) + leaf_unpacker_memory(c->f) +
+           1024;
 }
 
 status tet_bench_create(mem *m, const tet_choice *c, tet_bench *b) {
@@ -61,8 +62,8 @@ static status load_values(tet_bench *b, uint32_t t) {
 
 static status load_moved(tet_bench *b, uint32_t t) {
     const tet_choice *c = b->choice;
-    status st =
-        leaf_file_load(c->f, leaf_layout_positions(&c->f->layout, c->step, t), b->unpacker, b->moved);
+    status st = leaf_file_load(c->f, leaf_layout_positions(&c->f->layout, c->step, t), b->unpacker,
+                               b->moved);
     b->at = mesh_leaf_moved(&b->shape, b->moved);
     return st == ST_OK ? mesh_leaf_check_moved(c->f, c->step, t, b->moved) : st;
 }

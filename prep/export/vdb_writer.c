@@ -32,7 +32,7 @@ typedef enum node_state { NODE_NOTHING, NODE_TILE, NODE_CHILD } node_state;
 typedef struct bench {
     char *samples, *payload;
     leaf_unpacker *unpacker;
-    bool *empty;                      /* of the node's slots */
+    bool *empty; /* of the node's slots */
     unsigned char *out;
     size_t size; /* bytes in `out` */
 } bench;
@@ -501,9 +501,8 @@ static status put_head(writer *w) {
 static status plan(writer *w, size_t *samples, size_t *payload) {
     *samples = ((size_t)1 << 3 * VDB_NODE_LOG2) * sample_size(w->layout->type);
     *payload = leaf_layout_aligned(leaf_layout_payload_max(w->layout), LEAF_ALIGN_LOG2);
-    const uint64_t each =
-        *samples + *payload + leaf_unpacker_memory(w->e->f) + vdb_node_values_max() + VDB_SLOTS +
-        4 * LEAF_ALIGN;
+    const uint64_t each = *samples + *payload + leaf_unpacker_memory(w->e->f) +
+                          vdb_node_values_max() + VDB_SLOTS + 4 * LEAF_ALIGN;
     const uint64_t fixed = mem_used(w->m) + SPARE_BYTES + UPPER_SLOTS * VDB_WIDTH * 2;
     w->threads = w->e->threads;
     while (w->m->limit && w->threads > 1 && fixed + (uint64_t)w->threads * each > w->m->limit)

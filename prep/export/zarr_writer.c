@@ -265,8 +265,7 @@ static status write_chunks(writer *w) {
 
 /* zstd allocates its tables and another copy of the chunk outside of mem. */
 static uint64_t bench_bytes(const writer *w) {
-    return w->chunk + w->bound + w->payload + leaf_unpacker_memory(w->e->f) + w->chunk +
-           (1 << 20);
+    return w->chunk + w->bound + w->payload + leaf_unpacker_memory(w->e->f) + w->chunk + (1 << 20);
 }
 
 static status plan(writer *w) {

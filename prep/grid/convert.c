@@ -95,7 +95,8 @@ static status make_shell(const conversion *c, const bench *b, const sample_box *
                          bool needed) {
     if (needed)
         treelet_build_shell(c->layout, p, box, b->shell);
-    return leaf_writer_put_shell(c->writer, b->packer, c->set, p, needed ? b->shell : NULL, b->pack);
+    return leaf_writer_put_shell(c->writer, b->packer, c->set, p, needed ? b->shell : NULL,
+                                 b->pack);
 }
 
 static status make_family(void *ctx, size_t index, int worker) {

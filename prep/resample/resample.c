@@ -143,8 +143,7 @@ static status plan(job *j) {
     j->payload = leaf_layout_aligned(leaf_layout_payload_max(&j->f->layout), LEAF_ALIGN_LOG2);
     const bool moves = leaf_layout_place(&j->f->layout, j->step) > 0;
     const uint64_t each = (moves ? 3 : 2) * j->payload + sizeof *j->treelets;
-    const uint64_t fixed =
-        mem_used(j->m) + SPARE_BYTES + threads * leaf_unpacker_memory(j->f);
+    const uint64_t fixed = mem_used(j->m) + SPARE_BYTES + threads * leaf_unpacker_memory(j->f);
     const uint64_t least = fixed + each + row;
     if (least > j->o->memory)
         return status_describe(

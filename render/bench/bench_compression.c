@@ -140,8 +140,8 @@ static status measure_entropy(mem *m, leaf_file *f, holding *h) {
         st = leaf_file_fetch(f, p, stored);
         if (st == ST_OK)
             h->bits += bits_of_code(stored, (size_t)f->sizes[p], room, most);
-        h->samples += (leaf_layout_stored(&f->layout, p) - LEAF_CODE_BYTES) /
-                      sample_size(f->layout.type);
+        h->samples +=
+            (leaf_layout_stored(&f->layout, p) - LEAF_CODE_BYTES) / sample_size(f->layout.type);
     }
     mem_free(m, stored);
     mem_free(m, room);
@@ -178,10 +178,8 @@ static status first_picture(const bench_job *job, const bench_subject *s, const 
     const uint32_t side = job->view.camera.width;
     const size_t n = (size_t)side * side;
     const bench_entry e = {path, NULL, s->view.surfaces[0].isovalue, job->threads, 1.5, side};
-    const leafcast_image image = {.size = sizeof(leafcast_image),
-                                  .r = pixels,
-                                  .g = pixels + n,
-                                  .b = pixels + 2 * n};
+    const leafcast_image image = {
+        .size = sizeof(leafcast_image), .r = pixels, .g = pixels + n, .b = pixels + 2 * n};
     bench_racer r = {0};
     const double start = clock_seconds();
     status st = bench_race_enter(&e, &r);
@@ -292,14 +290,15 @@ static status measure(bench_job *job, const bench_subject *s) {
 }
 
 status bench_compression(bench_job *job) {
-    static const char *const names[] = {"bonsai",      "engine",      "angiogram", "ch2better",
-                                        "teapot",      "ct-head-u16", "cranium-i16",
-                                        "stent-f32",   "fingers-f32", "bucky-32",  NULL};
+    static const char *const names[] = {"bonsai",      "engine",      "angiogram",   "ch2better",
+                                        "teapot",      "ct-head-u16", "cranium-i16", "stent-f32",
+                                        "fingers-f32", "bucky-32",    NULL};
     static const char *const brief[] = {"ml-32", "orbital-64", "bucky-12", NULL};
-    bench_table_init(&job->table,
-                     "Compressed files (zstd:1): bytes over those of the raw samples (of a mesh, of "
-                     "raw payloads); bits of entropy a stored sample; payloads loaded by one thread, "
-                     "CPU time; first pictures, medians by the wall clock, interleaved",
-                     bench_compression_headings);
+    bench_table_init(
+        &job->table,
+        "Compressed files (zstd:1): bytes over those of the raw samples (of a mesh, of "
+        "raw payloads); bits of entropy a stored sample; payloads loaded by one thread, "
+        "CPU time; first pictures, medians by the wall clock, interleaved",
+        bench_compression_headings);
     return bench_suite_each(job, names, brief, measure);
 }

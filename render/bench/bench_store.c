@@ -167,10 +167,17 @@ static const char GENERATE[] = "leafcast-generate", CONVERT[] = "leafcast-conver
 /* Its own output ("converted in ...") belongs to no table. */
 static status convert(const bench_store *s, const char *input, int in, const char *codec,
                       const char *leaf) {
-    char *arguments[] = {(char *)CONVERT,     (char *)input,      (char *)"-o",
-                         (char *)leaf,        (char *)"-q",       (char *)"--force",
-                         (char *)"--threads", (char *)s->threads, (char *)"--compress",
-                         (char *)codec,       NULL};
+    char *arguments[] = {(char *)CONVERT,
+                         (char *)input,
+                         (char *)"-o",
+                         (char *)leaf,
+                         (char *)"-q",
+                         (char *)"--force",
+                         (char *)"--threads",
+                         (char *)s->threads,
+                         (char *)"--compress",
+                         (char *)codec,
+                         NULL};
     const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
     pid_t pid;
     status st = nowhere < 0 ? file_failed(errno, "/dev/null", "cannot open")

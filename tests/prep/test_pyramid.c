@@ -40,8 +40,7 @@ static double weigh(const double v[5]) {
 }
 
 /* Sum over 5^3 nodes around (x, y, z), x innermost; weights instead of samples if so asked. */
-static double sum_around(const fine *f, int64_t x, int64_t y, int64_t z, bool weights,
-                         bool *same) {
+static double sum_around(const fine *f, int64_t x, int64_t y, int64_t z, bool weights, bool *same) {
     double planes[5], rows[5], v[5];
     for (int c = 0; c < 5; c++) {
         for (int b = 0; b < 5; b++) {

@@ -1,5 +1,5 @@
-#include "formats/leaf/leaf_unpacker.h"
 #include "tests/support/holes.h"
+#include "formats/leaf/leaf_unpacker.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -268,10 +268,9 @@ bool naive_coded_unpack(int block, const uint32_t counts[4], const unsigned char
     const size_t room = 4 * payload_bytes + 4096;
     unsigned char *streams = malloc(room);
     const size_t bytes = streams ? ZSTD_decompress(streams, room, stored, stored_bytes) : 0;
-    const bool good =
-        ZSTD_findFrameCompressedSize(stored, stored_bytes) == stored_bytes &&
-        !ZSTD_isError(bytes) && bytes > 0 &&
-        naive_coded_decode(block, counts, streams, bytes, payload, payload_bytes);
+    const bool good = ZSTD_findFrameCompressedSize(stored, stored_bytes) == stored_bytes &&
+                      !ZSTD_isError(bytes) && bytes > 0 &&
+                      naive_coded_decode(block, counts, streams, bytes, payload, payload_bytes);
     *implied = good && block == 0 && streams[0] == 1;
     free(streams);
     return good;

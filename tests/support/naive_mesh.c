@@ -570,7 +570,7 @@ static unsigned char *payload_of(const naive_mesh *mesh, const unsigned char *co
     const naive_part *t = &mesh->part[p % mesh->treelets];
     const uint32_t counts[4] = {(uint32_t)t->tets, (uint32_t)t->vertices, (uint32_t)t->nodes,
                                 (uint32_t)t->leaves};
-    const int block = p < mesh->treelets                ? 0
+    const int block = p < mesh->treelets               ? 0
                       : p < gradients_payload(mesh, 0) ? 1
                       : p < positions_payload(mesh, 1) ? 2
                                                        : 3;
