@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <zstd.h>
+
 typedef struct input {
     const unsigned char *at;
     size_t left;
@@ -258,4 +260,19 @@ bool naive_coded_decode(int block, const uint32_t counts[4], const unsigned char
     if (block == 0)
         return (way == 1 || way == 2) && get_topology(&rest, way, counts, payload);
     return way == 1 && get_parts(&rest, block, counts, payload);
+}
+
+bool naive_coded_unpack(int block, const uint32_t counts[4], const unsigned char *stored,
+                        size_t stored_bytes, unsigned char *payload, size_t payload_bytes,
+                        bool *implied) {
+    const size_t room = 4 * payload_bytes + 4096;
+    unsigned char *streams = malloc(room);
+    const size_t bytes = streams ? ZSTD_decompress(streams, room, stored, stored_bytes) : 0;
+    const bool good =
+        ZSTD_findFrameCompressedSize(stored, stored_bytes) == stored_bytes &&
+        !ZSTD_isError(bytes) && bytes > 0 &&
+        naive_coded_decode(block, counts, streams, bytes, payload, payload_bytes);
+    *implied = good && block == 0 && streams[0] == 1;
+    free(streams);
+    return good;
 }

@@ -14,4 +14,10 @@
 bool naive_coded_decode(int block, const uint32_t counts[4], const unsigned char *in, size_t bytes,
                         unsigned char *payload, size_t payload_bytes);
 
+/* naive_coded_unpack() - the same of a payload as it is stored: one zstd frame. *implied: the boxes of
+ * a topology are not there. */
+bool naive_coded_unpack(int block, const uint32_t counts[4], const unsigned char *stored,
+                        size_t stored_bytes, unsigned char *payload, size_t payload_bytes,
+                        bool *implied);
+
 #endif
