@@ -1,6 +1,6 @@
 /* test_naive_reader.c - what the converter writes, read by the second reader, which knows
  * formats/FORMAT.md alone. */
-/* marks: bits */
+/* marks: bits, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
