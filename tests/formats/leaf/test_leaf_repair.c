@@ -287,7 +287,7 @@ static void test_random(void **state) {
             write_copies(&s);
             for (int i = 0; i < 2 * round; i++)
                 flip(i % 2 ? "bad.leaf" : "from.leaf",
-                     first + field_random_below(&r, (int)(s.size - first)));
+                     first + (uint64_t)field_random_below(&r, (int)(s.size - first)));
             const size_t lost = count_lost(&s);
             /* In a coarse grid without its directory, nobody knows of payloads. */
             const bool counted = kind < 3;
