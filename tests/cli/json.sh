@@ -71,6 +71,8 @@ json document convert g.nrrd --dry-run
 json document convert b_0000.mesh b_0001.mesh -o b.leaf
 json document convert b_0000.mesh --dry-run
 json document verify g.leaf
+cp g.leaf g2.leaf
+json document verify g.leaf --repair g2.leaf -o g3.leaf
 json document info g.leaf --iso 120
 json document info b.leaf --iso 0.3
 json document info g.nrrd

@@ -15,6 +15,7 @@
 files() {
     "$leafcast" generate gyroid --dims 40,36,44 -o "$tmp/g.nrrd" -q
     "$leafcast" convert "$tmp/g.nrrd" -o "$tmp/g.leaf" -q
+    cp "$tmp/g.leaf" "$tmp/g2.leaf"
     "$leafcast" generate buckyball --tets --dims 11 --steps 4 --deform 0.4 -o "$tmp/m.mesh" -q
     tail -c 63360 "$tmp/g.nrrd" >"$tmp/g_40x36x44_uint8.raw"
     printf '%s\n' x,y,z,heat,count 0,0,0,1,5 3,0,0,2,6 0,3,0,3,7 0,0,3,4,8 1,1,1,5,11 >"$tmp/p.csv"
@@ -414,6 +415,9 @@ verify|--memory|exit 4|@g.leaf|--memory 1K
 verify|--json|says|@g.leaf|--json
 verify|--quiet|fewer|@g.leaf --verbose|--quiet
 verify|--verbose|more|@g.leaf|--verbose
+verify|--repair|says|@g.leaf|--repair @g2.leaf
+verify|--output|makes vo.leaf|@g.leaf --repair @g2.leaf|--output @vo.leaf
+verify|--force|shown verify_repair|
 verify|--help|shown help|
 verify|--help-all|shown help|
 verify|--usage|says|@g.leaf|--usage

@@ -73,9 +73,9 @@ done
 for verb in $("$leafcast" --list-verbs); do
     case $verb in
     import-*) ok "guard_forms.py has a row for $verb" row "$verb" ;;
-    bench | convert | export | probe | render | resample | slice | tetrahedralize) ;; # below
+    bench | convert | export | probe | render | resample | slice | tetrahedralize | verify) ;; # below
     generate) ;; # reads nothing
-    info | verify | view)
+    info | view)
         ok "$verb has no output" sh -c '! "$1" "$2" --list-options | grep -qE "^--(output|stats|svg|plot|[a-z]*-f64)	"' \
             - "$leafcast" "$verb"
         ;;
@@ -181,6 +181,12 @@ cd "$tmp/in" || exit 1
 refused "resample a mesh" m.mesh "$leafcast" resample m.mesh -o m.mesh --force
 refused "export a treelet file" m.leaf "$leafcast" export m.leaf -o "$tmp/alias/folder/m.leaf" --format vtu --force
 refused "resample a treelet file" m.leaf "$leafcast" resample m.leaf -o "$tmp/alias/folder/m.leaf" --force
+cp s.leaf copy.leaf
+refused "repair over the damaged file" s.leaf "$leafcast" verify s.leaf --repair copy.leaf -o "$tmp/alias/folder/s.leaf" --force
+refused "repair over the copy" copy.leaf "$leafcast" verify s.leaf --repair copy.leaf -o copy.leaf --force
+ln s.leaf "$tmp/alias/volume.leaf"
+refused "repair from the file itself" s.leaf "$leafcast" verify s.leaf --repair "$tmp/alias/volume.leaf"
+rm copy.leaf
 cp m.mesh left.nrrd.partial-1
 exits "an input that is called as a temporary file is" 0 "$leafcast" resample left.nrrd.partial-1 -o left.nrrd
 ok "stays" cmp m.mesh left.nrrd.partial-1

@@ -7,6 +7,7 @@ cd "$tmp" || exit 1
 home=$OLDPWD
 "$leafcast" generate sphere --dims 9 --type u8 -o g.nrrd
 "$leafcast" convert g.nrrd -o g.leaf -q
+cp g.leaf h.leaf
 "$leafcast" generate sphere --tets --dims 4 -o m.mesh
 "$leafcast" convert m.mesh -o m.leaf -q
 printf '4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n' >p.node
@@ -14,6 +15,7 @@ printf '4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n' >p.node
 # Each verb with -o: its words, and the endings that are what it writes; of export, what --format would write is one kind.
 cat >verbs <<'TABLE'
 convert g.nrrd|.leaf
+verify g.leaf --repair h.leaf|.leaf
 resample m.mesh --dims 5|.nrrd
 tetrahedralize p.node|.mesh
 generate sphere --dims 5|.nrrd

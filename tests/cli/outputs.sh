@@ -23,6 +23,7 @@ mkdir "$in" "$disk"
 run "$leafcast" generate noise --dims 100 --type u16 -o "$in/g.nrrd"
 run "$leafcast" generate noise --dims 24 --tets -o "$in/m.mesh"
 run "$leafcast" convert "$in/g.nrrd" -o "$in/g.leaf"
+cp "$in/g.leaf" "$in/h.leaf"
 ok "inputs are there" [ -s "$in/g.leaf" ]
 awk 'BEGIN { srand(1); print 6000, 3, 0, 0
     for (i = 1; i <= 6000; i++) print i, rand(), rand(), rand() }' >"$in/p.node"
@@ -37,6 +38,7 @@ convert a volume, compressed:z.leaf:convert $in/g.nrrd --compress zstd:1 -o
 convert a volume, spilling:s.leaf:convert $in/g.nrrd --memory 3M --threads 1 -o
 convert a mesh:m.leaf:convert $in/m.mesh -o
 convert a mesh, spilling:n.leaf:convert $in/m.mesh --memory 5M --threads 1 -o
+repair:v.leaf:verify $in/g.leaf --repair $in/h.leaf -o
 resample a mesh:r.nrrd:resample $in/m.mesh --dims 100 -o
 export samples:x.vti:export $in/g.leaf -o
 export a surface:x.ply:export $in/g.leaf --iso 30000 -o

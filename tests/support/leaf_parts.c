@@ -1,0 +1,65 @@
+#include "tests/support/leaf_parts.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+
+#include <cmocka.h>
+#include <stdlib.h>
+
+#include "formats/leaf/leaf_file.h"
+
+static void add(leaf_parts *p, leaf_range_kind kind, bool coarse, uint64_t at, uint64_t bytes) {
+    p->all = realloc(p->all, (p->count + 1) * sizeof *p->all);
+    assert_non_null(p->all);
+    p->all[p->count++] = (leaf_range){kind, coarse, at, bytes};
+}
+
+static void add_file(leaf_parts *p, leaf_file *f, uint64_t base) {
+    const bool coarse = base > 0;
+    leaf_section table[LEAF_SECTIONS_MAX];
+    const size_t size = f->header.sections * sizeof *table;
+    assert_int_equal(file_read_at(f->source, LEAF_HEADER_BYTES, table, size), ST_OK);
+    add(p, PART_HEADER, coarse, base, LEAF_HEADER_BYTES);
+    add(p, PART_TABLE, coarse, base + LEAF_HEADER_BYTES, size);
+    for (uint32_t i = 0; i < f->header.sections; i++)
+        add(p, PART_SECTION, coarse, base + table[i].offset, table[i].bytes);
+    for (leaf_order o = {0}; o.p < f->layout.payloads; leaf_order_next(&o, &f->layout))
+        if (f->sizes[o.p])
+            add(p, PART_PAYLOAD, coarse, base + f->offsets[o.p], f->sizes[o.p]);
+}
+
+leaf_parts leaf_parts_of(const char *path) {
+    leaf_parts p = {0};
+    mem m;
+    leaf_file *f = NULL, *coarse = NULL;
+    mem_init(&m, 0);
+    assert_int_equal(leaf_file_open(&m, path, &f), ST_OK);
+    add_file(&p, f, 0);
+    for (uint32_t set = 0; f->mesh && set < f->layout.sets; set++) {
+        if (!leaf_file_has_coarse(f, set))
+            continue;
+        assert_int_equal(leaf_file_open_coarse(&m, f, set, &coarse), ST_OK);
+        add_file(&p, coarse, f->mesh->coarse[set].offset);
+        leaf_file_close(coarse);
+    }
+    leaf_file_close(f);
+    return p;
+}
+
+leaf_range leaf_parts_find(const leaf_parts *p, leaf_range_kind kind, bool coarse, size_t skip) {
+    for (size_t i = 0; i < p->count; i++)
+        if (p->all[i].kind == kind && p->all[i].coarse == coarse && skip-- == 0)
+            return p->all[i];
+    fail_msg("no such part");
+    return p->all[0];
+}
+
+uint64_t leaf_parts_gap(const leaf_parts *p) {
+    for (size_t i = p->count - 1; i > 0; i--) {
+        const uint64_t end = p->all[i - 1].at + p->all[i - 1].bytes;
+        if (!p->all[i].coarse && end < p->all[i].at)
+            return end;
+    }
+    fail_msg("no gap");
+    return 0;
+}
