@@ -142,7 +142,8 @@ static status put(void *ctx, const void *data, size_t size) {
                    : file_write_all(STDOUT_FILENO, "standard output", NULL, data, size);
 }
 
-static status begin(image_out *o, const char *path, const image_format *f, image_target **out) {
+static status begin(image_out *o, const char *path, const image_format *f, bool force,
+                    image_target **out) {
     const size_t bytes = strlen(path) + 1;
     image_target *t = mem_zalloc(o->m, sizeof *t + bytes);
     if (!t)
@@ -151,7 +152,7 @@ static status begin(image_out *o, const char *path, const image_format *f, image
     memcpy(t->path, path, bytes);
     status st = ST_OK;
     if (!is_stdout(path))
-        st = out_file_create(o->m, path, o->options.force, &t->file);
+        st = out_file_create(o->m, path, force, &t->file);
     if (st == ST_OK && !f->write && !o->helper)
         st = image_helper_start(o->m, o->options.stop, o->options.ctx, &o->helper);
     if (st != ST_OK) {
@@ -164,12 +165,16 @@ static status begin(image_out *o, const char *path, const image_format *f, image
 
 status image_out_begin(image_out *o, const char *path, image_target **out) {
     status st = image_out_check(&o->options, path);
-    return st == ST_OK ? begin(o, path, format_of(&o->options, path), out) : st;
+    return st == ST_OK ? begin(o, path, format_of(&o->options, path), o->options.force, out) : st;
+}
+
+status image_out_again(image_out *o, const char *path, image_target **out) {
+    return begin(o, path, format_of(&o->options, path), true, out);
 }
 
 status image_out_begin_raw(image_out *o, const char *path, image_raw which, image_target **out) {
     status st = image_out_check_raw(&o->options, path);
-    return st == ST_OK ? begin(o, path, &RAWS[which], out) : st;
+    return st == ST_OK ? begin(o, path, &RAWS[which], o->options.force, out) : st;
 }
 
 void image_out_discard(image_target *t) {

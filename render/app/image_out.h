@@ -59,9 +59,12 @@ typedef struct image_target image_target;
 /* Planes that may be written raw: image.z, rgba (four values a pixel), error, value. */
 typedef enum image_raw { IMAGE_DEPTH, IMAGE_RGBA, IMAGE_ERROR, IMAGE_VALUE, IMAGE_RAWS } image_raw;
 
-/* image_out_begin() - open the file, and start the helper if it is needed. image_out_begin_raw() -
- * the same for a raw plane: little-endian doubles, row by row, nothing else. */
+/* image_out_begin() - open the file, and start the helper if it is needed. image_out_again() - the
+ * same of a file that was written before, which it replaces when it is complete.
+ * image_out_begin_raw() - the same for a raw plane: little-endian doubles, row by row, nothing else.
+ */
 CHECKED status image_out_begin(image_out *o, const char *path, image_target **out);
+CHECKED status image_out_again(image_out *o, const char *path, image_target **out);
 CHECKED status image_out_begin_raw(image_out *o, const char *path, image_raw which,
                                    image_target **out);
 

@@ -6,6 +6,7 @@
 #include "formats/base/clock.h"
 #include "formats/base/file.h"
 #include "formats/base/num.h"
+#include "formats/base/output_name.h"
 #include "formats/base/printed_file.h"
 #include "render/app/transfer_file.h"
 #include "render/app/view_camera.h"
@@ -404,13 +405,18 @@ typedef struct targets {
     image_target *file[FRAME_TF];
 } targets;
 
-static status open_targets(render_job *job, const script_frame *frame, targets *to) {
+/* again: the picture replaces a first one. */
+static status open_targets(render_job *job, const script_frame *frame, bool again, targets *to) {
     status st = ST_OK;
-    for (int i = 0; i < FRAME_TF && st == ST_OK; i++)
-        if (frame->file[i][0])
-            st = i == FRAME_PICTURE ? image_out_begin(job->files, frame->file[i], &to->file[i])
-                                    : image_out_begin_raw(job->files, frame->file[i],
-                                                          (image_raw)(i - FRAME_RAW), &to->file[i]);
+    for (int i = 0; i < FRAME_TF && st == ST_OK; i++) {
+        const char *path = frame->file[i];
+        if (!path[0])
+            continue;
+        if (i != FRAME_PICTURE)
+            st = image_out_begin_raw(job->files, path, (image_raw)(i - FRAME_RAW), &to->file[i]);
+        else
+            st = (again ? image_out_again : image_out_begin)(job->files, path, &to->file[i]);
+    }
     return st;
 }
 
@@ -461,8 +467,38 @@ void render_job_turn(render_job *job, view_options *view, double share) {
     view_camera_turn(view, job->volume, share);
 }
 
+/* Whether a first picture is written before the exact one. */
+static bool is_progressive(const render_job *job, const script_frame *frame) {
+    const char *path = frame->file[FRAME_PICTURE];
+    return job->progressive && path[0] && !output_name_is_stdout(path);
+}
+
+/* Write what can be drawn at once. */
+static status draw_first(render_job *job, const script_frame *frame, const leafcast_camera *camera,
+                         const leafcast_scene *scene, const picture_volume *volumes,
+                         render_stats *stats) {
+    const double begun = clock_seconds();
+    leafcast_stats t = {.size = sizeof t};
+    leafcast_scene now = *scene;
+    image_target *to = NULL;
+    now.preview = true;
+    status st = image_out_begin(job->files, frame->file[FRAME_PICTURE], &to);
+    if (st == ST_OK)
+        st = render_status(leafcast_trace(job->volume, &now, camera, &job->image, &t, NULL, NULL));
+    if (st != ST_OK) {
+        image_out_discard(to);
+        return st;
+    }
+    picture_scene_mark(&job->scene, volumes, &now, camera, &job->image, job->face);
+    st = finish_picture(job, frame, camera, to);
+    stats->first_s = clock_seconds() - begun;
+    stats->first_provisional = t.provisional_pixels;
+    return st;
+}
+
 static status draw_picture(render_job *job, const script_frame *frame, targets *to,
                            render_stats *stats) {
+    const bool progressive = is_progressive(job, frame);
     const leafcast_camera camera = camera_of(job, &frame->view);
     picture_volume volumes[LEAFCAST_VOLUMES_MAX];
     const int count = volumes_of(job, &frame->view, volumes);
@@ -470,14 +506,18 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
     status st = picture_scene_describe(&job->scene, volumes, count, false, &scene);
     if (st == ST_OK)
         st = open_face(job, &frame->view.annotation);
-    if (st == ST_OK)
-        st = open_targets(job, frame, to);
+    if (st == ST_OK && !progressive)
+        st = open_targets(job, frame, false, to);
     if (st == ST_OK)
         st = make_planes(job, frame, &scene, &camera);
     if (st == ST_OK)
         st = select_surfaces(job, &frame->view);
     if (st == ST_OK)
         st = select_set(job, &frame->view);
+    if (st == ST_OK && progressive)
+        st = draw_first(job, frame, &camera, &scene, volumes, stats);
+    if (st == ST_OK && progressive)
+        st = open_targets(job, frame, true, to);
     if (st == ST_OK)
         st = trace(job, &scene, &camera, &stats->trace);
     if (st == ST_OK && job->certify)

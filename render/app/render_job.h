@@ -34,6 +34,7 @@ typedef struct render_job {
     image_out_options out;
     int repeat;
     bool certify;     /* see certificate.h */
+    bool progressive; /* write a preview first */
     const char *font; /* font file of annotations; NULL: a common one */
     text_face *face;
     /* Kept between pictures, from here on. */

@@ -130,6 +130,7 @@ int main(int argc, char **argv) {
     o.open.neighbours = render_options_neighbours(&o);
     render_job job = {.repeat = o.repeat,
                       .certify = o.certify,
+                      .progressive = o.progressive,
                       .font = o.font,
                       .also = o.also,
                       .also_count = o.also_count,

@@ -14,6 +14,7 @@ enum {
     TURNTABLE,
     FAIL_EMPTY,
     CERTIFY,
+    PROGRESSIVE,
     FONT,
     ISO_LIST,
     CAMERA_PATH,
@@ -54,6 +55,10 @@ const struct argp_option render_options_table[] = {
     {"certify", CERTIFY, NULL, 0,
      "of media: draw again with half of the bound, and see that no channel differs by more than "
      "both bounds; else exit 1, without a picture",
+     0},
+    {"progressive", PROGRESSIVE, NULL, 0,
+     "write a first picture of what is there at once, as --preview does; the exact one takes its "
+     "place",
      0},
     {"repeat", REPEAT, "N", CLI_EXPERIMENT, "draw N times; the statistics are the median picture's",
      0},
@@ -184,6 +189,7 @@ status render_options_set(void *own, int key, const char *text) {
     case TURNTABLE: return cli_int(text, "--turntable", 1, PICTURES_MAX, &o->turns);
     case FAIL_EMPTY: o->fail_empty = true; return ST_OK;
     case CERTIFY: o->certify = true; return ST_OK;
+    case PROGRESSIVE: o->progressive = true; return ST_OK;
     case FONT: o->font = text; return ST_OK;
     case REPEAT: return cli_int(text, "--repeat", 1, 10000, &o->repeat);
     default:
@@ -222,6 +228,11 @@ status render_options_check(void *own) {
                                          "another plane) and --json");
     if (!o->script && !output)
         return status_describe(ST_USAGE, "nothing to write: -o FILE.png");
+    if (o->progressive && o->view.scene.preview)
+        return status_describe(ST_USAGE, "either --preview or --progressive");
+    if (o->progressive && !o->script &&
+        (!o->common.output || output_name_is_stdout(o->common.output)))
+        return status_describe(ST_USAGE, "--progressive writes a file twice: -o FILE.png");
     if (o->frames && !o->camera_path)
         return status_describe(ST_USAGE, "--frames: of which --camera-path?");
     if (o->iso_list && o->view.isos > 0)

@@ -24,7 +24,7 @@ typedef struct render_options {
     int turns;     /* --turntable; 0: none */
     int frames;    /* --frames; 0: a picture for each entry of the path */
     int traversal; /* --traversal: 1 tree, 2 faces; 0: faces where volumes are filled */
-    bool fail_empty, certify;
+    bool fail_empty, certify, progressive;
 } render_options;
 
 /* The table of these flags, for argp. */

@@ -80,6 +80,9 @@ static void say_done(const render_options *o, const script_frame *frame, const r
              t->load_s, s->write_s, (double)t->rays / t->render_s * 1e-6,
              (unsigned long long)t->treelets_loaded, (unsigned long long)t->treelets_active,
              (double)t->bytes_read * 1e-6);
+    if (s->first_s > 0.0)
+        cli_note(&o->common, 1, "first picture in %.3g s: %llu pixels were provisional", s->first_s,
+                 (unsigned long long)s->first_provisional);
     if (t->provisional_pixels && t->provisional_error_most > 0.0)
         cli_note(&o->common, 1,
                  "%llu pixels are provisional: no channel is further off than %.3g, in the mean "

@@ -91,6 +91,10 @@ json_t *render_stats_json(const render_stats *s, const view_options *view, const
         json_object_set_new(root, "certified",
                             json_pack("{s:f, s:f}", "difference", s->certified.difference,
                                       "of_bounds", s->certified.of_bounds));
+    if (s->first_s > 0.0)
+        json_object_set_new(root, "first_picture",
+                            json_pack("{s:f, s:o}", "time_s", s->first_s, "provisional_pixels",
+                                      cli_json_count(s->first_provisional)));
     json_object_set_new(root, "repeats", json_integer(s->repeats));
     json_object_set_new(root, "threads", json_integer(t->threads));
     json_object_set_new(root, "isa", json_string(t->isa ? t->isa : "scalar"));

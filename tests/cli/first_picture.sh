@@ -203,4 +203,42 @@ printf '%s\n' '{"view": "close", "eye": [150, 80, 90]}' '{"eye": [150, 80, 90]}'
 run "$leafcast" render "$two" --iso 50 --size 8x8 --view close --script "$tmp/lines"
 ok "nor a script's line" says 'either --view or --eye'
 ok "whose next one may" [ "$(grep -c covered_pixels "$tmp/out")" = 1 ]
+
+# ---- a first picture, then the exact one in its place ----
+
+draw_one() { # NAME OPTION...
+    to=$1
+    shift
+    exits "draws $to" 0 "$leafcast" render "$two" --iso 50 --size 120x90 -o "$tmp/$to" "$@"
+}
+draw_one exact.png
+draw_one twice.png --progressive --stats "$tmp/twice.json"
+ok "ends with the same file" cmp -s "$tmp/exact.png" "$tmp/twice.png"
+ok "says when the first one was there" says 'first picture in .* s: [0-9]* pixels were provisional'
+ok "also as JSON" python3 -c 'import json, sys
+x = json.load(open(sys.argv[1]))
+assert 0 < x["first_picture"]["time_s"] < x["time_s"]["total"]
+assert 0 <= x["first_picture"]["provisional_pixels"] <= 120 * 90 and x["provisional_pixels"] == 0' "$tmp/twice.json"
+exits "a file that was there before" 1 "$leafcast" render "$two" --iso 50 --size 8x8 -o "$tmp/exact.png" --progressive
+ok "stays" cmp -s "$tmp/exact.png" "$tmp/twice.png"
+draw_one twice_0000.png --progressive --force
+exits "many pictures" 0 "$leafcast" render "$two" --size 20x15 -o "$tmp/many.png" --progressive --iso-list 50,150
+ok "are all there" [ -s "$tmp/many_0000.png" -a -s "$tmp/many_0001.png" ]
+exits "standard output" 2 "$leafcast" render "$two" --iso 50 --size 8x8 --progressive -o -
+ok "cannot be written twice" says 'writes a file twice'
+exits "two ways" 2 "$leafcast" render "$two" --iso 50 --size 8x8 --progressive --preview -o "$tmp/x.png"
+# The first one is seen: the exact one comes behind a plane that nobody reads from its pipe.
+mkfifo "$tmp/plane"
+exec 8<>"$tmp/plane"
+"$leafcast" render "$two" --iso 50 --size 120x90 -o "$tmp/seen.png" --progressive --depth-f64 - >&8 2>"$tmp/log" &
+child=$!
+n=0
+until [ -s "$tmp/seen.png" ] || [ $n -ge 200 ]; do
+    n=$((n + 1))
+    sleep 0.1
+done
+ok "a first picture has its name already" [ -s "$tmp/seen.png" ]
+kill $child
+wait $child || :
+exec 8>&-
 finish
