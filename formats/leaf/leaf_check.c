@@ -269,6 +269,18 @@ static bool may_be_empty(const leaf_layout *l, const leaf_directory *d, uint32_t
     return l->geometry->may_be_empty && l->geometry->may_be_empty(l, p, d, must);
 }
 
+/* Check that a payload without bytes has no checksum. */
+static status check_no_checksum(const char *path, const leaf_layout *l, const leaf_directory *d,
+                                uint32_t p) {
+    char name[LEAF_NAME_MAX];
+    if (!d->checksums[p])
+        return ST_OK;
+    return leaf_check_corrupt(path, d->at[LEAF_SECTION_CHECKSUMS - 1] + p * sizeof(uint64_t),
+                              "expected 0 as the checksum of %s, which has no bytes, found %016llx",
+                              leaf_layout_payload_name(l, p, name),
+                              (unsigned long long)d->checksums[p]);
+}
+
 /* Check payload p, and advance *place. */
 static status check_payload(const char *path, const leaf_header *h, const leaf_layout *l,
                             const leaf_directory *d, uint32_t p, leaf_placing *place) {
@@ -283,7 +295,7 @@ static status check_payload(const char *path, const leaf_header *h, const leaf_l
                                   leaf_layout_payload_name(l, p, name), (unsigned long long)at,
                                   (unsigned long long)d->offsets[p]);
     if (may_be_empty(l, d, p, &empty) && !size)
-        return ST_OK;
+        return check_no_checksum(path, l, d, p);
     if (empty)
         return leaf_check_corrupt(path, d->at[LEAF_SECTION_SIZES - 1] + entry,
                                   "expected %s to have no bytes, found %llu",

@@ -38,6 +38,7 @@ typedef struct leaf_directory {
     const uint8_t *flags;
     const uint64_t *offsets;
     const uint64_t *sizes;
+    const uint64_t *checksums;
     const float (*bounds)[6];       /* mesh */
     const uint32_t (*counts)[4];    /* mesh */
     const leaf_part *parts;         /* mesh: section COARSE; NULL without */

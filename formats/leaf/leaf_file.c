@@ -258,6 +258,7 @@ static status check_directory(const opening *o) {
         .flags = f->flags,
         .offsets = f->offsets,
         .sizes = f->sizes,
+        .checksums = f->checksums,
         .end = o->end,
     };
     memcpy(d.at, o->at, sizeof d.at);

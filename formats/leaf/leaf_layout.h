@@ -245,16 +245,18 @@ typedef struct leaf_placing {
 } leaf_placing;
 
 /* leaf_placing_next() - the offset of payload p of so many stored bytes. It lies behind the one
- * before it, at the next multiple of LEAF_ALIGN; or of 2^run_align_log2 if it is the first of its
- * run that has bytes. In a grid, a run begins with the child in octant 0, which every parent has,
- * or with the shell before it. In a mesh, it begins with the first treelet's payload in each block.
- * A payload of no bytes lies where the one before it ends. */
+ * before it, at the next multiple of LEAF_ALIGN, or right behind it where the grid is compressed;
+ * or at one of 2^run_align_log2 if it is the first of its run that has bytes. In a grid, a run
+ * begins with the child in octant 0, which every parent has, or with the shell before it. In a
+ * mesh, it begins with the first treelet's payload in each block. A payload of no bytes lies where
+ * the one before it ends. */
 static inline uint64_t leaf_placing_next(leaf_placing *x, const leaf_layout *l, uint32_t p,
                                          uint64_t bytes, uint32_t run_align_log2) {
     x->run |= leaf_layout_begins_run(l, p);
     if (!bytes)
         return x->end;
-    const uint64_t at = leaf_layout_aligned(x->end, x->run ? run_align_log2 : LEAF_ALIGN_LOG2);
+    const uint32_t inner = l->coded ? 0 : LEAF_ALIGN_LOG2;
+    const uint64_t at = leaf_layout_aligned(x->end, x->run ? run_align_log2 : inner);
     *x = (leaf_placing){.end = at + bytes};
     return at;
 }

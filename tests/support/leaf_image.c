@@ -65,7 +65,7 @@ void leaf_image_seal_payloads(const leaf_image *i) {
         memcpy(&size, i->bytes + sizes.offset + 8 * p, 8);
         if (!is_inside(i, offset, size))
             continue;
-        const uint64_t sum = hash_bytes(i->bytes + offset, (size_t)size);
+        const uint64_t sum = size ? hash_bytes(i->bytes + offset, (size_t)size) : 0;
         memcpy(i->bytes + sums.offset + 8 * p, &sum, 8);
     }
 }

@@ -477,7 +477,9 @@ static bool place_payload(naive_leaf *leaf, placing *x, long p, bool begins, nai
     if (out->size == 0)
         return (out->offset == x->end && checksum == 0) ||
                wrong(leaf, "payload %ld: place of no bytes", p);
-    if (out->offset != naive_up_to(x->end, x->run ? UINT64_C(1) << leaf->run_align_log2 : 64))
+    if (out->offset != naive_up_to(x->end, x->run             ? UINT64_C(1) << leaf->run_align_log2
+                                           : leaf->codec == 1 ? 1
+                                                              : 64))
         return wrong(leaf, "payload %ld: offset", p);
     if (out->offset > leaf->size || out->size > leaf->size - out->offset ||
         !naive_zeros(leaf->bytes, x->end, out->offset))

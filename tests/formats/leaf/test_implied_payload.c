@@ -236,6 +236,10 @@ static void test_lies(void **state) {
     sizes[implied] = 64;
     check_refused(&i);
     sizes[implied] = 0;
+    uint64_t *sums = leaf_image_section(&i, LEAF_SECTION_CHECKSUMS);
+    sums[implied] = 1;
+    check_refused(&i);
+    sums[implied] = 0;
     uint64_t *offsets = leaf_image_section(&i, LEAF_SECTION_OFFSETS);
     offsets[implied] = 0;
     check_refused(&i);
