@@ -35,16 +35,15 @@ static size_t shared_bytes(const resident_store *s, uint32_t t) {
     return 0;
 }
 
-/* Of a shell, each treelet of the family has an equal share. */
-static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t) {
+static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t, uint32_t *family) {
     const leaf_layout *l = &s->file->layout;
-    uint64_t shared = 0;
-    if (l->shells && t > 0) {
-        const uint32_t parent = leaf_layout_parent(l, t);
-        shared = s->file->sizes[leaf_layout_shell(l, set, parent)] /
-                 (uint64_t)__builtin_popcount(leaf_layout_children(l, parent));
-    }
-    return s->file->sizes[leaf_layout_samples(l, set, t)] + shared;
+    const uint64_t own = s->file->sizes[leaf_layout_samples(l, set, t)];
+    if (!l->shells || t == 0 || !own)
+        return own;
+    const uint32_t parent = leaf_layout_parent(l, t);
+    const bool counted = *family == parent;
+    *family = parent;
+    return own + (counted ? 0 : s->file->sizes[leaf_layout_shell(l, set, parent)]);
 }
 
 static status load(const resident_store *s, uint32_t t, uint32_t set, const void *shared,

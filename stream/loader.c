@@ -146,8 +146,8 @@ size_t loader_slot_bytes(const loader *l) {
     return l->hidden->slot_bytes;
 }
 
-uint64_t loader_stored_bytes(const loader *l, uint32_t t) {
-    return l->hidden->kind->stored(&l->hidden->store, l->hidden->set, t);
+uint64_t loader_stored_bytes(const loader *l, uint32_t t, uint32_t *family) {
+    return l->hidden->kind->stored(&l->hidden->store, l->hidden->set, t, family);
 }
 
 loader_stats loader_statistics(loader *l) {

@@ -101,8 +101,11 @@ void loader_select_gradients(loader *l, bool needed);
  * into slots with it. */
 size_t loader_slot_bytes(const loader *l);
 
-/* loader_stored_bytes() - returns the bytes of treelet t in the file, in the selected set. */
-uint64_t loader_stored_bytes(const loader *l, uint32_t t);
+/* loader_stored_bytes() - returns the bytes of treelet t in the file, in the selected set. *family:
+ * at first LEAF_NO_TREELET; what siblings share counts once if they are asked for one after the
+ * other.
+ */
+uint64_t loader_stored_bytes(const loader *l, uint32_t t, uint32_t *family);
 
 /* loader_set_capacity() - allow `slots` READY treelets (0 counts as 1). The cache may use the
  * slots' memory that READY treelets leave free, and `beside` bytes more. Evicts treelets beyond

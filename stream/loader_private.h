@@ -64,6 +64,7 @@ struct loader_private {
     bool joined;
     loader_seat *seats;
     int seats_made;
+    leaf_shells *shells; /* of all seats; NULL: the file has none */
 };
 
 #endif

@@ -133,7 +133,7 @@ static status scratch_init(struct loader_private *h, resident_scratch *scratch) 
     *scratch = (resident_scratch){.room = bytes ? mem_alloc(h->store.m, bytes) : NULL};
     if (bytes && !scratch->room)
         return ST_NOMEM;
-    status st = leaf_unpacker_create(h->store.m, h->store.file, &scratch->unpacker);
+    status st = leaf_unpacker_share(h->store.m, h->store.file, h->shells, &scratch->unpacker);
     if (st != ST_OK)
         mem_free(h->store.m, scratch->room);
     return st;
@@ -144,11 +144,20 @@ static void scratch_release(struct loader_private *h, resident_scratch *scratch)
     mem_free(h->store.m, scratch->room);
 }
 
+/* The room for shells: they are few, and each serves up to eight treelets. */
+static size_t shells_room(const mem *m) {
+    enum { MOST = 4 << 20, SHARE = 32 };
+    const size_t share = m->limit / SHARE;
+    return m->limit && share < MOST ? share : MOST;
+}
+
 /* Make scratch for `count` reads at a time. */
 static status make_seats(loader *l, int count) {
     struct loader_private *h = l->hidden;
     h->seats = mem_array(l->m, (size_t)count, sizeof *h->seats);
-    status st = h->seats ? ST_OK : ST_NOMEM;
+    status st =
+        h->seats ? leaf_shells_create(l->m, &l->file->layout, count, shells_room(l->m), &h->shells)
+                 : ST_NOMEM;
     while (st == ST_OK && h->seats_made < count) {
         loader_seat *s = &h->seats[h->seats_made];
         st = scratch_init(h, &s->scratch);
@@ -183,4 +192,5 @@ void loader_reads_end(loader *l) {
     for (int i = 0; i < h->seats_made; i++)
         scratch_release(h, &h->seats[i].scratch);
     mem_free(l->m, h->seats);
+    leaf_shells_destroy(h->shells);
 }

@@ -17,9 +17,9 @@ static void sweep(loader *l) {
     if (!l->tree) /* grids: treelets lie side by side */
         sweep_whole(f, h->set, &h->selected.whole, l->own, l->whole);
     uint64_t bytes = 0;
-    uint32_t active = 0;
+    uint32_t active = 0, family = LEAF_NO_TREELET;
     for (uint32_t t = 0; t < treelets; t++) {
-        bytes += l->own[t] ? loader_stored_bytes(l, t) : 0;
+        bytes += l->own[t] ? loader_stored_bytes(l, t, &family) : 0;
         active += l->own[t];
     }
     l->bytes_active = bytes;

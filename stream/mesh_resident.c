@@ -53,7 +53,8 @@ static size_t most_bytes(const resident_store *s, uint32_t t) {
            (moves(s) ? moved_bytes(s, &shape) : 0) + gradients_bytes(s, &shape) + 256;
 }
 
-static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t) {
+static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t, uint32_t *family) {
+    (void)family;
     const leaf_file *f = s->file;
     const uint32_t step = step_of(s, set);
     uint64_t bytes = f->sizes[t] + f->sizes[leaf_layout_values(&f->layout, set, t)];

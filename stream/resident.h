@@ -42,10 +42,13 @@ typedef struct resident_kind {
     /* Returns the scratch bytes to load any treelet, beside the unpacker. */
     size_t (*scratch)(const resident_store *s);
     /* bytes: the most memory of treelet t in any set. shared_bytes: the memory of its shared
-     * payload. stored: its bytes in the file for one set. */
+     * payload. stored: its bytes in the file for one set; with those of what its family shares,
+     * unless *family, in and out, says that these are counted (its parent; at first
+     * LEAF_NO_TREELET).
+     */
     size_t (*bytes)(const resident_store *s, uint32_t t);
     size_t (*shared_bytes)(const resident_store *s, uint32_t t);
-    uint64_t (*stored)(const resident_store *s, uint32_t set, uint32_t t);
+    uint64_t (*stored)(const resident_store *s, uint32_t set, uint32_t t, uint32_t *family);
     /* Read treelet t of a set. *tr: NULL, or a treelet t without a set, which is filled. shared:
      * its shared payload; NULL: read the payload, too. On failure *tr is the treelet as far as it
      * was made, or NULL. Adds the bytes read to *read. */

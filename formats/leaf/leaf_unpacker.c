@@ -9,14 +9,7 @@
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/mesh_coding.h"
 
-enum { SHELLS = 4 };
-
-/* A shell that was decoded. */
-typedef struct kept_shell {
-    void *samples;
-    uint32_t p;    /* its payload; LEAF_NO_TREELET: none */
-    uint64_t used; /* when it was needed last */
-} kept_shell;
+enum { SHELLS = 4 }; /* that one keeps for itself */
 
 struct leaf_unpacker {
     mem *m;
@@ -28,9 +21,9 @@ struct leaf_unpacker {
     /* Of grids: */
     box_coder *boxes;
     grid_codes_scratch *codes;
-    kept_shell shells[SHELLS];
+    leaf_shells *shells, *own; /* own: to be freed; NULL: they are somebody's */
     void *shell_stored;
-    uint64_t clock, shell_bytes;
+    uint64_t shell_bytes;
 };
 
 /* The most bytes of streams of any payload of a mesh. */
@@ -49,25 +42,30 @@ static status begin_mesh(leaf_unpacker *u) {
     return u->streams ? ST_OK : ST_NOMEM;
 }
 
-static status begin_grid(leaf_unpacker *u) {
+static size_t shells_room(const leaf_layout *l) {
+    return SHELLS * leaf_layout_shell_max(l) * sample_size(l->type);
+}
+
+/* shells: NULL: to be made. */
+static status begin_grid(leaf_unpacker *u, leaf_shells *shells) {
     const leaf_layout *l = &u->f->layout;
     u->codes = mem_alloc(u->m, grid_codes_scratch_bytes());
     status st = u->codes ? box_coder_create(u->m, l->type, leaf_layout_code_max(l), 0, &u->boxes)
                          : ST_NOMEM;
+    if (st == ST_OK && !shells)
+        st = leaf_shells_create(u->m, l, 1, shells_room(l), &u->own);
+    u->shells = shells ? shells : u->own;
     if (st != ST_OK || !l->shells)
         return st;
-    const size_t bytes = leaf_layout_shell_max(l) * sample_size(l->type);
     u->shell_stored = mem_alloc(u->m, leaf_layout_stored_max(l));
-    for (int i = 0; i < SHELLS; i++) {
-        u->shells[i].p = LEAF_NO_TREELET;
-        u->shells[i].samples = mem_alloc(u->m, bytes);
-        if (!u->shells[i].samples)
-            return ST_NOMEM;
-    }
     return u->shell_stored ? ST_OK : ST_NOMEM;
 }
 
 status leaf_unpacker_create(mem *m, leaf_file *f, leaf_unpacker **out) {
+    return leaf_unpacker_share(m, f, NULL, out);
+}
+
+status leaf_unpacker_share(mem *m, leaf_file *f, leaf_shells *shells, leaf_unpacker **out) {
     *out = NULL;
     if (f->header.codec == LEAF_CODEC_RAW)
         return ST_OK;
@@ -80,7 +78,7 @@ status leaf_unpacker_create(mem *m, leaf_file *f, leaf_unpacker **out) {
     u->zstd = ZSTD_createDCtx();
     status st = u->stored && u->zstd ? ST_OK : ST_NOMEM;
     if (st == ST_OK && f->layout.coded)
-        st = begin_grid(u);
+        st = begin_grid(u, shells);
     if (st == ST_OK && f->mesh)
         st = begin_mesh(u);
     if (st != ST_OK) {
@@ -100,8 +98,7 @@ void leaf_unpacker_destroy(leaf_unpacker *u) {
     box_coder_destroy(u->boxes);
     mem_free(u->m, u->codes);
     mem_free(u->m, u->shell_stored);
-    for (int i = 0; i < SHELLS; i++)
-        mem_free(u->m, u->shells[i].samples);
+    leaf_shells_destroy(u->own);
     mem_free(u->m, u);
 }
 
@@ -115,8 +112,7 @@ size_t leaf_unpacker_memory(const leaf_file *f) {
     if (l->coded)
         bytes += grid_codes_scratch_bytes() + box_coder_memory(l->type, leaf_layout_code_max(l));
     if (l->shells)
-        bytes +=
-            SHELLS * leaf_layout_shell_max(l) * sample_size(l->type) + leaf_layout_stored_max(l);
+        bytes += leaf_shells_memory(l, 1, shells_room(l)) + leaf_layout_stored_max(l);
     return bytes;
 }
 
@@ -187,30 +183,20 @@ static status unpack(leaf_unpacker *u, uint32_t p, const void *stored, void *to)
                : malformed(u, p, "it is no code of its samples");
 }
 
-static status read_shell(leaf_unpacker *u, kept_shell *s) {
-    const uint32_t p = s->p;
-    status st = leaf_file_fetch(u->f, p, u->shell_stored);
-    if (st == ST_OK)
-        st = unpack(u, p, u->shell_stored, s->samples);
+static status read_shell(leaf_unpacker *u, uint32_t p, void *samples) {
+    const status st = leaf_file_fetch(u->f, p, u->shell_stored);
     u->shell_bytes += u->f->sizes[p];
-    if (st != ST_OK)
-        s->p = LEAF_NO_TREELET;
-    return st;
+    return st == ST_OK ? unpack(u, p, u->shell_stored, samples) : st;
 }
 
-/* Find shell p among those that are kept, or read it in place of the one not needed for longest. */
-static status find_shell(leaf_unpacker *u, uint32_t p, const void **samples) {
-    kept_shell *s = &u->shells[0];
-    for (int i = 0; i < SHELLS; i++)
-        if (u->shells[i].p == p || (s->p != p && u->shells[i].used < s->used))
-            s = &u->shells[i];
-    status st = ST_OK;
-    if (s->p != p) {
-        s->p = p;
-        st = read_shell(u, s);
-    }
-    s->used = ++u->clock;
-    *samples = s->samples;
+/* Copy what treelet t has of its family's shell, which is payload p. */
+static status take_shell(leaf_unpacker *u, uint32_t p, uint32_t parent, uint32_t t, void *payload) {
+    void *samples;
+    const bool made = leaf_shells_hold(u->shells, p, &samples);
+    const status st = made ? ST_OK : read_shell(u, p, samples);
+    if (st == ST_OK)
+        grid_family_take(&u->f->layout, parent, t, samples, payload);
+    leaf_shells_release(u->shells, p, st == ST_OK);
     return st;
 }
 
@@ -221,12 +207,8 @@ static status decode_treelet(leaf_unpacker *u, uint32_t p, const void *stored, v
     if (st == ST_OK && t > 0) {
         const uint32_t parent = leaf_layout_parent(l, t);
         const uint32_t shell = leaf_layout_shell(l, p / l->treelets, parent);
-        const void *samples;
-        if (u->f->sizes[shell] > 0) {
-            st = find_shell(u, shell, &samples);
-            if (st == ST_OK)
-                grid_family_take(l, parent, t, samples, payload);
-        }
+        if (u->f->sizes[shell] > 0)
+            st = take_shell(u, shell, parent, t, payload);
     }
     if (st == ST_OK)
         (void)grid_codes_make(l, t, u->codes, payload);

@@ -1,15 +1,18 @@
 /* leaf_unpacker.h - what one thread keeps while it loads payloads of a file: room for stored bytes,
- * decompressors, and the shells of the families that it met last. */
+ * decompressors, and shells of families. */
 #ifndef FORMATS_LEAF_LEAF_UNPACKER_H
 #define FORMATS_LEAF_LEAF_UNPACKER_H
 
 #include "formats/leaf/leaf_file.h"
+#include "formats/leaf/leaf_shells.h"
 
 typedef struct leaf_unpacker leaf_unpacker;
 
 /* leaf_unpacker_create() - for the payloads of f, which must outlive it. Raw files need none: NULL.
- */
+ * leaf_unpacker_share() - one that keeps shells with others, which shells must outlive; NULL: f has
+ * none. */
 CHECKED status leaf_unpacker_create(mem *m, leaf_file *f, leaf_unpacker **out);
+CHECKED status leaf_unpacker_share(mem *m, leaf_file *f, leaf_shells *shells, leaf_unpacker **out);
 void leaf_unpacker_destroy(leaf_unpacker *u); /* NULL is fine */
 
 /* leaf_unpacker_memory() - bytes that one takes from m.

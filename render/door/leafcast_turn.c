@@ -139,9 +139,10 @@ status turn_check(const turn *t, bool done, status st) {
 
 static uint64_t visible_bytes(const leafcast *v) {
     uint64_t visible = 0;
+    uint32_t family = LEAF_NO_TREELET;
     for (uint32_t t = 0; t < v->file->layout.treelets; t++)
         visible += atomic_load_explicit(&v->touched[t], memory_order_relaxed)
-                       ? loader_stored_bytes(v->treelets, t)
+                       ? loader_stored_bytes(v->treelets, t, &family)
                        : 0;
     return visible;
 }

@@ -37,6 +37,7 @@ typedef struct waiting {
     uint32_t chunk; /* most points of a chunk */
     size_t done;    /* points, in all chunks so far */
     uint64_t treelets, bytes;
+    uint32_t family; /* whose shared bytes were counted last */
 } waiting;
 
 /* Memory that one point takes while it waits. */
@@ -119,6 +120,7 @@ static status prepare(waiting *w) {
     w->batch = mem_alloc(m, w->batch_room * sizeof *w->batch);
     if (!w->treelet || !w->next || !w->picked || !w->list || !w->batch)
         return ST_NOMEM;
+    w->family = LEAF_NO_TREELET;
     for (uint32_t t = 0; t < treelets; t++)
         w->list[t] = NOT_SEEN;
     return ST_OK;
@@ -134,7 +136,7 @@ static void push(waiting *w, uint32_t point) {
     const uint32_t t = w->treelet[point];
     if (w->list[t] == NOT_SEEN) {
         w->treelets++;
-        w->bytes += loader_stored_bytes(w->job->volume->treelets, t);
+        w->bytes += loader_stored_bytes(w->job->volume->treelets, t, &w->family);
     }
     w->next[point] = is_empty(w, t) ? NO_POINT : w->list[t];
     w->list[t] = point;
