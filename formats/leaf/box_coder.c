@@ -425,7 +425,7 @@ static size_t values_bytes(sample_type type, size_t samples) {
 enum { BLOCKS = 9 }; /* of memory; each takes up to 127 bytes more than it has */
 
 size_t box_coder_memory(sample_type type, size_t samples) {
-    return sizeof(box_coder) + 3 * values_bytes(type, samples) + samples +
+    return sizeof(box_coder) + 3 * values_bytes(type, samples) + samples + BOX_SPARE +
            4 * values_bytes(type, BOX_ROW_MAX) + 2 * ESTIMATED * sizeof(uint32_t) + BLOCKS * 128;
 }
 
@@ -472,7 +472,7 @@ static status allocate(box_coder *c) {
     c->bytes = mem_alloc(c->m, values);
     c->w.row = mem_alloc(c->m, 2 * row);
     c->w.zeros = mem_zalloc(c->m, row);
-    c->w.map = mem_alloc(c->m, c->samples);
+    c->w.map = mem_alloc(c->m, c->samples + BOX_SPARE);
     if (!c->w.values || !c->w.residuals || !c->w.predicted || !c->w.row || !c->w.zeros ||
         !c->bytes || !c->w.map)
         return ST_NOMEM;

@@ -33,8 +33,8 @@ static const T *ROWS(predict)(int how, ROWS(neighbours) k, uint32_t n, const T *
     for (uint32_t x = 0; x < n; x++) {
         const T a = above[x], b = behind[x], c = corner[x];
         const T least = a < b ? a : b, most = a < b ? b : a;
-        const T plane = (T)(a + b - c), low = c <= least ? most : plane;
-        room[x] = c >= most ? least : low;
+        const T low = c < least ? least : c, clamped = low < most ? low : most;
+        room[x] = (T)(least + most - clamped);
     }
     return room;
 }
@@ -98,29 +98,117 @@ static uint32_t ROWS(subtract)(const T *restrict row, const T *restrict predicte
     return n;
 }
 
-/* Replace each of n values by the sum of all up to it. */
-static void ROWS(accumulate)(T *row, uint32_t n) {
-    uint32_t x = 0;
-    T sum = 0;
-#ifdef __SSSE3__
-    enum { LANES = 16 / sizeof(T) };
-    const __m128i last = ROWS(last_lane)();
-    __m128i before = _mm_setzero_si128();
-    for (; x + LANES <= n; x += LANES) {
-        __m128i v = _mm_loadu_si128((const __m128i *)(const void *)(row + x));
-        if (sizeof(T) == 1)
-            v = ROWS(plus)(v, _mm_slli_si128(v, 1));
-        if (sizeof(T) <= 2)
-            v = ROWS(plus)(v, _mm_slli_si128(v, 2));
-        v = ROWS(plus)(v, _mm_slli_si128(v, 4));
-        v = ROWS(plus)(v, _mm_slli_si128(v, 8));
-        v = ROWS(plus)(v, before);
-        before = _mm_shuffle_epi8(v, last);
-        _mm_storeu_si128((__m128i *)(void *)(row + x), v);
+static inline void ROWS(fill)(T *row, uint32_t n, T value) {
+    for (uint32_t x = 0; x < n; x++)
+        row[x] = value;
+}
+
+/* What makes a row of samples. */
+typedef struct ROWS(recipe) {
+    int how;
+    bool along;
+    T background;
+    const uint8_t *coded; /* NULL: all samples are */
+    ROWS(neighbours) k;
+    const T *residuals;
+} ROWS(recipe);
+
+#ifdef __SSE4_1__
+
+enum { ROWS(LANES) = 16 / sizeof(T) };
+
+static inline __m128i ROWS(load)(const T *from) {
+    return _mm_loadu_si128((const __m128i *)(const void *)from);
+}
+
+static inline __m128i ROWS(prediction)(int how, const ROWS(neighbours) * k, uint32_t x) {
+    if (how == BOX_NONE)
+        return _mm_setzero_si128();
+    const __m128i a = ROWS(load)(k->above + x);
+    if (how == BOX_ROW)
+        return a;
+    const __m128i b = ROWS(load)(k->behind + x), c = ROWS(load)(k->corner + x);
+    if (how == BOX_PLANE)
+        return ROWS(minus)(ROWS(plus)(a, b), c);
+    const __m128i least = ROWS(min)(a, b), most = ROWS(max)(a, b);
+    return ROWS(minus)(ROWS(plus)(least, most), ROWS(min)(ROWS(max)(c, least), most));
+}
+
+/* The sums of each lane and those before it. */
+static inline __m128i ROWS(sums)(__m128i v) {
+    if (sizeof(T) == 1)
+        v = ROWS(plus)(v, _mm_slli_si128(v, 1));
+    if (sizeof(T) <= 2)
+        v = ROWS(plus)(v, _mm_slli_si128(v, 2));
+    v = ROWS(plus)(v, _mm_slli_si128(v, 4));
+    return ROWS(plus)(v, _mm_slli_si128(v, 8));
+}
+
+/* The next residuals where samples are coded, else zeros; *is: all bits where they are. */
+static inline __m128i ROWS(scattered)(const T **residuals, const uint8_t *coded, uint32_t x,
+                                      __m128i *is) {
+    uint64_t parts[2], masks[2];
+#ifdef __BMI2__
+    enum { HALF = ROWS(LANES) / 2 }; /* in 64 bits */
+    const uint64_t ones = UINT64_MAX / ((T)-1);
+    const unsigned all = ROWS(bits_from)(coded, x);
+    for (int i = 0; i < 2; i++) {
+        const unsigned bits = all >> (i * HALF) & ((1U << HALF) - 1);
+        memcpy(&parts[i], *residuals, sizeof parts[i]);
+        masks[i] = _pdep_u64(bits, ones) * (T)-1;
+        parts[i] = _pdep_u64(parts[i], masks[i]);
+        *residuals += __builtin_popcount(bits);
     }
-    sum = x ? row[x - 1] : 0;
+#else
+    T value[ROWS(LANES)], mask[ROWS(LANES)];
+    for (uint32_t i = 0; i < ROWS(LANES); i++) {
+        const unsigned bit = coded[(x + i) / 8] >> (x + i) % 8 & 1;
+        mask[i] = (T)(0 - (T)bit);
+        value[i] = (T)(**residuals & mask[i]);
+        *residuals += bit;
+    }
+    memcpy(parts, value, sizeof parts);
+    memcpy(masks, mask, sizeof masks);
 #endif
-    for (; x < n; x++)
+    *is = _mm_loadu_si128((const __m128i *)(const void *)masks);
+    return _mm_loadu_si128((const __m128i *)(const void *)parts);
+}
+
+/* Make a row, in whole vectors: what lies behind it, up to BOX_SPARE bytes, is written, too. */
+static inline __attribute__((always_inline)) void ROWS(make)(const ROWS(recipe) * r, int how,
+                                                             uint32_t n, T *row) {
+    const __m128i quiet = ROWS(all)(r->background), last = ROWS(last_lane)();
+    const T *residuals = r->residuals;
+    __m128i is = _mm_set1_epi8(-1), before = _mm_setzero_si128();
+    for (uint32_t x = 0; x < n; x += ROWS(LANES)) {
+        const __m128i folded =
+            r->coded ? ROWS(scattered)(&residuals, r->coded, x, &is) : ROWS(load)(residuals + x);
+        __m128i error = ROWS(unfolded)(folded);
+        if (r->along) {
+            error = ROWS(plus)(ROWS(sums)(error), before);
+            before = _mm_shuffle_epi8(error, last);
+        }
+        const __m128i value = ROWS(plus)(ROWS(prediction)(how, &r->k, x), error);
+        _mm_storeu_si128((__m128i *)(void *)(row + x), _mm_blendv_epi8(quiet, value, is));
+    }
+}
+
+static void ROWS(make_row)(const box_work *c, const ROWS(recipe) * r, uint32_t n, T *row) {
+    (void)c;
+    switch (r->how) {
+    case BOX_NONE: ROWS(make)(r, BOX_NONE, n, row); break;
+    case BOX_ROW: ROWS(make)(r, BOX_ROW, n, row); break;
+    case BOX_PLANE: ROWS(make)(r, BOX_PLANE, n, row); break;
+    default: ROWS(make)(r, BOX_MEDIAN, n, row);
+    }
+}
+
+#else
+
+/* Replace each of n values by the sum of all up to it. */
+static inline void ROWS(accumulate)(T *row, uint32_t n) {
+    T sum = 0;
+    for (uint32_t x = 0; x < n; x++)
         row[x] = sum = (T)(sum + row[x]);
 }
 
@@ -137,35 +225,19 @@ static void ROWS(add)(const T *restrict residuals, const T *restrict predicted, 
 
 /* Spread residuals over the coded samples of a row, and zeros over the others. is: all bits of the
  * coded ones. As many residuals may be read as the row has samples. */
-static void ROWS(expand)(const T *restrict residuals, const uint8_t *restrict coded, uint32_t n,
-                         T *restrict row, T *restrict is) {
-    for (uint32_t x = 0; x < n; x += 8) {
-        unsigned bits = coded[x / 8];
-        const uint32_t end = x + 8 < n ? x + 8 : n;
-#ifdef __BMI2__
-        if (sizeof(T) == 1 && end == x + 8) {
-            uint64_t some;
-            const uint64_t mask = _pdep_u64(bits, 0x0101010101010101U) * 255;
-            memcpy(&some, residuals, sizeof some);
-            some = _pdep_u64(some, mask);
-            memcpy(row + x, &some, sizeof some);
-            memcpy(is + x, &mask, sizeof mask);
-            residuals += __builtin_popcount(bits);
-            continue;
-        }
-#endif
-        for (uint32_t i = x; i < end; i++, bits >>= 1) {
-            is[i] = (T)(0 - (T)(bits & 1));
-            row[i] = (T)(*residuals & is[i]);
-            residuals += bits & 1;
-        }
+static inline void ROWS(expand)(const T *restrict residuals, const uint8_t *restrict coded,
+                                uint32_t n, T *restrict row, T *restrict is) {
+    for (uint32_t x = 0; x < n; x++) {
+        is[x] = (T)(0 - (T)(coded[x / 8] >> x % 8 & 1));
+        row[x] = (T)(*residuals & is[x]);
+        residuals += coded[x / 8] >> x % 8 & 1;
     }
 }
 
 /* The samples of a row of which some are coded. room: for a row. */
-static void ROWS(spread)(const T *restrict residuals, const T *restrict predicted, uint32_t n,
-                         bool along, const uint8_t *restrict coded, T background, T *restrict room,
-                         T *restrict row) {
+static inline void ROWS(spread)(const T *restrict residuals, const T *restrict predicted,
+                                uint32_t n, bool along, const uint8_t *restrict coded, T background,
+                                T *restrict room, T *restrict row) {
     ROWS(expand)(residuals, coded, n, row, room);
     for (uint32_t x = 0; x < n; x++)
         row[x] = ROWS(unfold)(row[x]);
@@ -174,6 +246,16 @@ static void ROWS(spread)(const T *restrict residuals, const T *restrict predicte
     for (uint32_t x = 0; x < n; x++)
         row[x] = (T)(((T)(row[x] + predicted[x]) & room[x]) | (background & (T)~room[x]));
 }
+
+static void ROWS(make_row)(const box_work *c, const ROWS(recipe) * r, uint32_t n, T *row) {
+    const T *guess = ROWS(predict)(r->how, r->k, n, c->zeros, c->predicted);
+    if (!r->coded)
+        ROWS(add)(r->residuals, guess, n, r->along, row);
+    else
+        ROWS(spread)(r->residuals, guess, n, r->along, r->coded, r->background, c->row, row);
+}
+
+#endif
 
 /* ---- boxes ---- */
 
@@ -240,37 +322,49 @@ static void ROWS(mark)(const box_work *c, const coded_box *boxes, uint32_t count
     }
 }
 
+/* How a row is predicted where neighbours are missing: without one of them the other stands for
+ * both.
+ */
+static int ROWS(settle)(int how, ROWS(neighbours) * k) {
+    if (!k->above)
+        k->above = k->behind;
+    if (!k->above)
+        return BOX_NONE;
+    return how != BOX_NONE && !k->corner ? BOX_ROW : how;
+}
+
 /* The samples of all boxes from their residuals. False: there are fewer or more residuals than the
  * map says. */
 static bool ROWS(values)(const box_work *c, const coded_box *boxes, uint32_t count,
                          const box_code *code) {
-    const bool background = code->prediction & BOX_BACKGROUND, along = code->prediction & BOX_ALONG;
-    const int how = code->prediction & BOX_MEDIAN;
-    const T quiet = (T)code->background;
-    const T *residuals = c->residuals, *end = residuals + code->coded;
+    const bool background = code->prediction & BOX_BACKGROUND;
+    const T *const end = (const T *)c->residuals + code->coded;
     const uint8_t *map = c->map;
-    T *row = c->values, *predicted = c->predicted, *room = c->row;
-    const T *zeros = c->zeros, *guess = zeros;
+    ROWS(recipe)
+    r = {.along = code->prediction & BOX_ALONG,
+         .background = (T)code->background,
+         .residuals = c->residuals};
+    T *row = c->values;
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t size[3] = {boxes[i].size[0], boxes[i].size[1], boxes[i].size[2]};
         for (uint32_t z = 0; z < size[2]; z++)
             for (uint32_t y = 0; y < size[1]; y++, row += size[0]) {
                 const uint32_t n = background ? map_row_count(map, size[0]) : size[0];
-                if (n > size[0] || n > (size_t)(end - residuals) ||
+                if (n > size[0] || n > (size_t)(end - r.residuals) ||
                     (background && map_row_rest(map, size[0])))
                     return false;
+                r.k = ROWS(neighbours_of)(row, size, y, z);
+                r.how = ROWS(settle)(code->prediction & BOX_MEDIAN, &r.k);
+                r.coded = n < size[0] ? map : NULL;
                 if (n > 0)
-                    guess = ROWS(predict)(how, ROWS(neighbours_of)(row, size, y, z), size[0], zeros,
-                                          predicted);
-                if (n == size[0])
-                    ROWS(add)(residuals, guess, n, along, row);
+                    ROWS(make_row)(c, &r, size[0], row);
                 else
-                    ROWS(spread)(residuals, guess, size[0], along, map, quiet, room, row);
-                residuals += n;
+                    ROWS(fill)(row, size[0], r.background);
+                r.residuals += n;
                 map += box_map_row_bytes(size[0]);
             }
     }
-    return residuals == end;
+    return r.residuals == end;
 }
 
 static const box_rows ROWS(table) = {
