@@ -22,7 +22,7 @@ whole() {
     shift 2
     exits "$name" 0 "$leafcast" verify bad.leaf --repair from.leaf "$@"
     ok "$name: as it was" cmp "$sound" "${made:-bad.leaf}"
-    ok "$name: nothing else is there" [ -z "$(ls | grep partial)" ]
+    ok "$name: nothing else is there" [ -z "$(find . -name "*partial*")" ]
 }
 
 cd "$tmp" || exit 1
@@ -114,5 +114,5 @@ cp bad.leaf kept.leaf
 (ulimit -f 100 && exec "$leafcast" verify bad.leaf --repair from.leaf) 2>&1 | cat >"$tmp/err"
 ok "a limit on the size of files is told" says 'File too large'
 ok "the file is as before" cmp bad.leaf kept.leaf
-ok "and nothing is left" [ -z "$(ls | grep partial)" ]
+ok "and nothing is left" [ -z "$(find . -name "*partial*")" ]
 finish

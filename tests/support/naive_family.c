@@ -48,10 +48,10 @@ static int shell_of(const family *f, box boxes[SHELL_BOXES_MAX]) {
     int count = 0;
     if (f->two[2])
         boxes[count++] = box_of(f, ALL, ALL, SHARED);
-    for (long z = 0; z <= f->two[2]; z++) {
+    for (long z = 0; z < (f->two[2] ? 2 : 1); z++) {
         if (f->two[1])
             boxes[count++] = box_of(f, ALL, SHARED, z);
-        for (long y = 0; y <= f->two[1] && f->two[0]; y++)
+        for (long y = 0; y < (f->two[1] ? 2 : 1) && f->two[0]; y++)
             boxes[count++] = box_of(f, SHARED, y, z);
     }
     return count;
