@@ -146,9 +146,11 @@ static void unmap_floats(const box_coder *c, size_t n, const box_code *code) {
         return;
     }
     const double size = float_step_size(code->map);
-    for (size_t i = 0; i < n; i++)
-        values[i] =
-            values[i] ? float_step_bits((int32_t)(values[i] + code->base), size) : FLOAT_MISSING;
+    const uint32_t base = code->base;
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t u = values[i], bits = float_step_bits((int32_t)(u + base), size);
+        values[i] = u ? bits : FLOAT_MISSING;
+    }
 }
 
 /* ---- what a prediction would cost ---- */

@@ -1,7 +1,6 @@
 #include "formats/leaf/float_steps.h"
 
 #include <math.h>
-#include <string.h>
 
 static const double tenths[FLOAT_DECIMALS] = {1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
 static const double tens[FLOAT_DECIMALS] = {1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6};
@@ -16,13 +15,6 @@ double float_steps_in_one(unsigned step) {
     if (step == 0)
         return 0;
     return step <= FLOAT_DECIMALS ? tens[step - 1] : ldexp(1, (int)(step - FLOAT_DECIMALS));
-}
-
-uint32_t float_step_bits(int32_t multiple, double size) {
-    const float value = (float)((double)multiple * size);
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return bits;
 }
 
 bool float_step_multiple(uint32_t bits, double size, double in_one, int32_t *multiple) {

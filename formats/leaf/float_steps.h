@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 enum { FLOAT_DECIMALS = 7, FLOAT_BINARIES = 24, FLOAT_STEPS = 1 + FLOAT_DECIMALS + FLOAT_BINARIES };
 
@@ -24,7 +25,12 @@ double float_steps_in_one(unsigned step);
 
 /* float_step_bits() - the bits of the multiple of a step of this size.
  * float_step_multiple() - which multiple a float is, which is not FLOAT_MISSING. False: none. */
-uint32_t float_step_bits(int32_t multiple, double size);
+static inline uint32_t float_step_bits(int32_t multiple, double size) {
+    const float value = (float)((double)multiple * size);
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
 bool float_step_multiple(uint32_t bits, double size, double in_one, int32_t *multiple);
 
 /* float_step_join() - the first step from `step` to `last` of which this float is a multiple; 0: of
