@@ -3,7 +3,7 @@
 # marks: leaks
 . tests/support/tap.sh
 
-# answer NAME VERB OPTION... - the same output of both files, but for who it is of.
+# answer NAME VERB OPTION... - what the verb writes of the raw file and of the small one is the same.
 answer() {
     what=$1 verb=$2
     shift 2
