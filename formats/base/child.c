@@ -101,7 +101,7 @@ static void keep_words(child *c, const char *words, size_t n) {
 }
 
 /* Read what the child says. Returns whether there may be more. */
-static bool hear(child *c) {
+static bool read_complaint(child *c) {
     char words[STATUS_TEXT_MAX];
     const ssize_t n = read(c->complain, words, sizeof words);
     if (n > 0)
@@ -114,7 +114,7 @@ bool child_feed(child *c, const void *data, size_t size) {
     while (size > 0) {
         struct pollfd ends[2] = {{c->feed, POLLOUT, 0}, {c->complain, POLLIN, 0}};
         const int ready = poll(ends, 2, WAIT_MS);
-        if (ready > 0 && ends[1].revents && !hear(c))
+        if (ready > 0 && ends[1].revents && !read_complaint(c))
             close_end(&c->complain); /* poll() ignores a negative descriptor */
         if (ready > 0 && ends[0].revents) {
             const ssize_t n = send(c->feed, at, size, MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -137,7 +137,7 @@ status child_read(child *c, void *data, size_t size, size_t *got, status (*wait)
     while (st == ST_OK && open && *got < size) {
         struct pollfd ends[2] = {{c->result, POLLIN, 0}, {c->complain, POLLIN, 0}};
         const int ready = poll(ends, 2, WAIT_MS);
-        if (ready > 0 && ends[1].revents && !hear(c))
+        if (ready > 0 && ends[1].revents && !read_complaint(c))
             close_end(&c->complain);
         if (ready > 0 && ends[0].revents) {
             const ssize_t n = read(c->result, (char *)data + *got, size - *got);
@@ -158,7 +158,7 @@ void child_kill(child *c) {
 status child_end(child *c, int *code) {
     close_end(&c->feed);
     close_end(&c->result);
-    while (c->complain >= 0 && hear(c))
+    while (c->complain >= 0 && read_complaint(c))
         continue;
     close_end(&c->complain);
     while (c->said > 0 && c->words[c->said - 1] == '\n')

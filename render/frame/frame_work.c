@@ -5,8 +5,8 @@
 #include "formats/base/clock.h"
 #include "render/ray/kind.h"
 
-enum { NONE = -1, NOT_COME = -2 }; /* end of a list; not in the list of come buckets */
-static const uint32_t none = (uint32_t)NONE, not_come = (uint32_t)NOT_COME;
+enum { NONE = -1, NOT_READY = -2 }; /* end of a list; not in the list of ready buckets */
+static const uint32_t none = (uint32_t)NONE, not_ready = (uint32_t)NOT_READY;
 
 /* ---- The order of treelets ---- */
 
@@ -39,18 +39,18 @@ static void ask_for(const frame *f, const wish wishes[], uint32_t count) {
 
 /* ---- Buckets; with the lock held ---- */
 
-/* Bucket t's treelet is READY: append the bucket to the list of buckets that have come, unless it
+/* Bucket t's treelet is READY: append the bucket to the list of buckets that are ready, unless it
  * is in the list or empty. */
-static void come(frame_work *w, uint32_t t) {
+static void bucket_ready(frame_work *w, uint32_t t) {
     work_bucket *b = &w->buckets[t];
-    if (b->next != not_come || (b->rays == none && b->tiles == none))
+    if (b->next != not_ready || (b->rays == none && b->tiles == none))
         return;
     b->next = none;
-    if (w->come_first == none)
-        w->come_first = t;
+    if (w->ready_first == none)
+        w->ready_first = t;
     else
-        w->buckets[w->come_last].next = t;
-    w->come_last = t;
+        w->buckets[w->ready_last].next = t;
+    w->ready_last = t;
 }
 
 /* Call before something is put into a treelet's bucket. Returns whether the bucket was empty. */
@@ -87,7 +87,7 @@ static uint32_t pop_tile(frame_work *w, uint32_t *list) {
 }
 
 /* Put a ray into its treelet's bucket. Returns whether the caller must request the treelet: nothing
- * else waits for it, and it has not come since the ray looked. */
+ * else waits for it, and it is still absent. */
 static bool hang_up_ray(frame_work *w, uint32_t record) {
     const ray_record *r = ray_records_at(w->records, record);
     const uint32_t t = w->first[r->volume] + r->blocked;
@@ -95,11 +95,11 @@ static bool hang_up_ray(frame_work *w, uint32_t record) {
     const bool first = !ready && begin_waiting(w, t);
     push_ray(w, &w->buckets[t], record);
     if (ready)
-        come(w, t);
+        bucket_ready(w, t);
     return first;
 }
 
-/* Put a tile into the bucket of one of its absent treelets. If all of them have come, put it among
+/* Put a tile into the bucket of one of its absent treelets. If all of them are READY, put it among
  * the tiles that can go on. */
 static void hang_up_tile(frame_work *w, uint32_t tile) {
     const work_tile *x = &w->tiles[tile];
@@ -139,12 +139,12 @@ static bool has_arrivals(const frame *f) {
     return any;
 }
 
-/* With the lock held: a loader's treelet has come. Call come() for its bucket in each volume with
- * that loader. */
-static void come_to_all(frame_work *w, const loader *from, uint32_t t) {
+/* With the lock held: a treelet of a loader is READY. Call bucket_ready() for its bucket in each
+ * volume with that loader. */
+static void buckets_ready(frame_work *w, const loader *from, uint32_t t) {
     for (int v = 0; v < w->f->volumes; v++)
         if (w->f->tracer[v].treelets == from)
-            come(w, w->first[v] + t);
+            bucket_ready(w, w->first[v] + t);
 }
 
 /* With the lock held: take all arrivals of the loaders. Returns whether all of them are READY. */
@@ -155,7 +155,7 @@ static bool take_arrivals(frame_work *w) {
         for (uint32_t t = arrivals_take(&from->arrivals), after; t != arrivals_end; t = after) {
             after = arrivals_after(&from->arrivals, t);
             if (loader_is_ready(from, t))
-                come_to_all(w, from, t);
+                buckets_ready(w, from, t);
             else
                 all = false;
         }
@@ -186,7 +186,7 @@ static bool is_over(const frame_work *w) {
 
 /* Whether there is work for one more thread. */
 static bool has_work(frame_work *w) {
-    const bool rays = w->come_first != none, tiles = w->resumable != none;
+    const bool rays = w->ready_first != none, tiles = w->resumable != none;
     atomic_store_explicit(&w->look, rays || tiles || is_over(w), memory_order_relaxed);
     return rays || ((tiles || tile_left(w)) && ray_records_unpromised(w->records) >= w->tile_rays);
 }
@@ -203,8 +203,8 @@ static void unlock_and_wake(frame_work *w) {
 static bool take_rays(frame_work *w, work_item *item) {
     item->is_tile = false;
     item->count = 0;
-    while (item->count == 0 && w->come_first != none) {
-        work_bucket *b = &w->buckets[w->come_first];
+    while (item->count == 0 && w->ready_first != none) {
+        work_bucket *b = &w->buckets[w->ready_first];
         while (b->tiles != none) {
             w->hung_up--;
             hang_up_tile(w, pop_tile(w, &b->tiles));
@@ -212,8 +212,8 @@ static bool take_rays(frame_work *w, work_item *item) {
         while (b->rays != none && item->count < WORK_BATCH)
             item->rays[item->count++] = pop_ray(w, b);
         if (b->rays == none) {
-            w->come_first = b->next;
-            b->next = not_come;
+            w->ready_first = b->next;
+            b->next = not_ready;
         }
     }
     return item->count > 0;
@@ -249,7 +249,7 @@ bool frame_work_late(const frame_work *w) {
            atomic_load_explicit(&w->progress, memory_order_relaxed) && clock_seconds() >= w->until;
 }
 
-/* Whether a treelet has come, or a read is under way whose end will wake a thread. */
+/* Whether a treelet has arrived, or a read is under way whose end will wake a thread. */
 static bool more_comes(const frame *f) {
     return loaders_read(f) || has_arrivals(f);
 }
@@ -450,21 +450,21 @@ status frame_work_admit(frame_work *w) {
     return st;
 }
 
-/* Sort all buckets anew into those that have come and those that wait. Other frames may have been
- * drawn since the last time: treelets that had come may be evicted, and no request is left. */
+/* Sort all buckets anew into ready ones and waiting ones. Other frames may have been
+ * drawn since the last time: treelets that were READY may be evicted, and no request is left. */
 static void sort_buckets(frame_work *w) {
-    w->come_first = none;
+    w->ready_first = none;
     w->waiting_count = 0;
     for (uint32_t t = 0; t < w->first[w->f->volumes]; t++) {
         work_bucket *b = &w->buckets[t];
-        b->next = not_come;
+        b->next = not_ready;
         for (; b->tiles != none; w->hung_up--)
             push_tile(w, &w->resumable, pop_tile(w, &b->tiles));
         if (b->rays == none)
             continue;
         const wish x = wish_for(w, t);
         if (loader_is_ready(w->f->tracer[x.volume].treelets, x.t))
-            come(w, t);
+            bucket_ready(w, t);
         else
             w->waiting[w->waiting_count++] = t;
     }
@@ -508,7 +508,7 @@ status frame_work_init(frame_work *w, const frame *f, ray_records *records, uint
                       .tile_rays = side * side,
                       .until = (double)INFINITY,
                       .tile_count = tiles,
-                      .come_first = none,
+                      .ready_first = none,
                       .resumable = none};
     pthread_mutex_init(&w->lock, NULL);
     sleepers_init(&w->sleepers);
@@ -523,7 +523,7 @@ status frame_work_init(frame_work *w, const frame *f, ray_records *records, uint
     if (!w->buckets || !w->waiting || !w->requests || !w->tiles || !w->order)
         return ST_NOMEM;
     for (uint32_t t = 0; t < treelets; t++)
-        w->buckets[t] = (work_bucket){none, none, not_come};
+        w->buckets[t] = (work_bucket){none, none, not_ready};
     return ST_OK;
 }
 

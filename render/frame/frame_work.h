@@ -90,9 +90,9 @@ typedef struct frame_work {
     sleepers sleepers;            /* threads of the round that find nothing to do */
     pthread_mutex_t lock;
     /* Guarded by lock: */
-    uint32_t come_first, come_last; /* buckets whose treelets have come */
-    uint32_t resumable;             /* tiles to go on with */
-    size_t hung_up;                 /* rays and tiles in buckets */
+    uint32_t ready_first, ready_last; /* buckets whose treelets are READY */
+    uint32_t resumable;               /* tiles to go on with */
+    size_t hung_up;                   /* rays and tiles in buckets */
     uint32_t *waiting; /* treelets whose buckets were not empty at some time in this round */
     uint32_t waiting_count;
     loader_request *requests;

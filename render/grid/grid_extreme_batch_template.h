@@ -75,7 +75,7 @@ typedef struct extreme_walk {
     extreme_node nodes[PEAK_NODES_MAX];
 } extreme_walk;
 _Static_assert(sizeof(extreme_walk) <= GRID_EXTREME_BATCH_SCRATCH,
-               "a climb has room in its scratch");
+               "a search has room in its scratch");
 
 /* ---- Sets of rays ---- */
 

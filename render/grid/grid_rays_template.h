@@ -250,15 +250,15 @@ SIMD void children_met(const grid_rays *g, const node_planes *n, const ray_set *
  * conservative. Errors, in units u of 2^-24: planes and entries err by u of their size when they
  * become floats. Their difference, its product and the reciprocal err by u each. Together this
  * makes 2 u size + 3 u (2 size), where size is the larger of both, and terms of second order. The
- * entry itself, the kernel's own crossings, and the ends of t err by a few 2^-53 of `come`: the
+ * entry itself, the kernel's own crossings, and the ends of t err by a few 2^-53 of the
  * distance from the ray's origin. */
-static double widening(double size, double come) {
-    return 9.0 * 0x1p-24 * size + 0x1p-48 * come;
+static double widening(double size, double distance) {
+    return 9.0 * 0x1p-24 * size + 0x1p-48 * distance;
 }
 
-/* Set the rays' entries. Raise size[] and come[] to the largest ones, for widening(). */
+/* Set the rays' entries. Raise size[] and distance[] to the largest ones, for widening(). */
 static void rays_enter(grid_rays *g, const grid_legs *legs, const uint8_t order[], double size[3],
-                       double come[3]) {
+                       double distance[3]) {
     for (unsigned i = 0; i < legs->count; i++) {
         const unsigned from = order[i];
         const ray *r = legs->r[from];
@@ -278,7 +278,7 @@ static void rays_enter(grid_rays *g, const grid_legs *legs, const uint8_t order[
             g->d_of[i][a] = (float)r->d[a];
             g->slabs.reciprocal[a][i] = g->per_d_of[i][a] = (float)legs->per_d[from][a];
             size[a] = seen > size[a] ? seen : size[a];
-            come[a] = far > come[a] ? far : come[a];
+            distance[a] = far > distance[a] ? far : distance[a];
         }
     }
 }
@@ -302,16 +302,16 @@ static void grid_rays_make(grid_rays *g, const grid_legs *legs, const double mid
     g->count = legs->count;
     g->words = (legs->count + 63) / 64;
     g->back = 0;
-    double furthest[3] = {size[0], size[1], size[2]}, come[3] = {0.0, 0.0, 0.0};
+    double furthest[3] = {size[0], size[1], size[2]}, distance[3] = {0.0, 0.0, 0.0};
     for (int a = 0; a < 3; a++) {
         g->middle[a] = middle[a];
         g->back |= (unsigned)(legs->r[0]->d[a] < 0.0) << a;
     }
-    rays_enter(g, legs, order, furthest, come);
+    rays_enter(g, legs, order, furthest, distance);
     for (int a = 0; a < 3; a++) {
-        const double wide = widening(furthest[a], come[a] + fabs(middle[a]) + size[a]);
+        const double wide = widening(furthest[a], distance[a] + fabs(middle[a]) + size[a]);
         const double w = g->back >> a & 1u ? -wide : wide;
-        g->rounding[a] = (float)(furthest[a] + 0x1p-24 * (come[a] + fabs(middle[a])));
+        g->rounding[a] = (float)(furthest[a] + 0x1p-24 * (distance[a] + fabs(middle[a])));
         for (unsigned i = 0; i < g->count; i++) {
             g->slabs.near_o[a][i] = (float)(g->entry[a][i] - middle[a] + w);
             g->slabs.far_o[a][i] = (float)(g->entry[a][i] - middle[a] - w);

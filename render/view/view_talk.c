@@ -142,7 +142,7 @@ static status take_point(const json_t *point, double out[3]) {
     return ST_OK;
 }
 
-static status hear_pick(view_talk *t, const json_t *message) {
+static status receive_pick(view_talk *t, const json_t *message) {
     const json_t *point = json_object_get(message, "point");
     view_place place = {.in_world = point};
     double id;
@@ -196,7 +196,7 @@ static status receive_slice_seen(view_talk *t, const json_t *message) {
     return st;
 }
 
-static status hear_open(view_talk *t, const json_t *message) {
+static status receive_open(view_talk *t, const json_t *message) {
     double file;
     const status st = take_whole(message, "file", 0.0, t->file_count - 1, &file);
     if (st != ST_OK)
@@ -206,7 +206,7 @@ static status hear_open(view_talk *t, const json_t *message) {
     return ST_OK;
 }
 
-static status hear_message(view_talk *t, const json_t *message, double *number) {
+static status receive_message(view_talk *t, const json_t *message, double *number) {
     const char *type = json_string_value(json_object_get(message, "type"));
     *number = 0.0;
     if (!type)
@@ -216,13 +216,13 @@ static status hear_message(view_talk *t, const json_t *message, double *number) 
     if (strcmp(type, "seen") == 0)
         return receive_seen(t, message);
     if (strcmp(type, "pick") == 0)
-        return hear_pick(t, message);
+        return receive_pick(t, message);
     if (strcmp(type, "slice") == 0)
         return receive_slice(t, message);
     if (strcmp(type, "slice-seen") == 0)
         return receive_slice_seen(t, message);
     if (strcmp(type, "open") == 0)
-        return hear_open(t, message);
+        return receive_open(t, message);
     if (strcmp(type, "residency") == 0) {
         view_seat_residency(t->seat, json_is_true(json_object_get(message, "on")));
         return ST_OK;
@@ -263,7 +263,7 @@ view_talk_result view_talk_receive(view_talk *t, const void *bytes, size_t size,
     t->told = t->received;
     t->received = 0;
     if (st == ST_OK)
-        st = hear_message(t, message, &number);
+        st = receive_message(t, message, &number);
     if (st != ST_OK)
         refuse(t, message, number);
     json_decref(message);

@@ -157,7 +157,7 @@ typedef struct job {
     char said[160]; /* first error message of OpenJPEG */
 } job;
 
-static void hear(const char *words, void *ctx) {
+static void keep_first_error(const char *words, void *ctx) {
     job *j = ctx;
     if (j->said[0])
         return;
@@ -171,7 +171,7 @@ static bool decode(job *j) {
     opj_set_default_decoder_parameters(&parameters);
     j->stream = make_stream(&j->from);
     j->codec = opj_create_decompress(OPJ_CODEC_J2K);
-    return j->stream && j->codec && opj_set_error_handler(j->codec, hear, j) &&
+    return j->stream && j->codec && opj_set_error_handler(j->codec, keep_first_error, j) &&
            opj_setup_decoder(j->codec, &parameters) &&
            opj_read_header(j->stream, j->codec, &j->image) &&
            opj_decode(j->codec, j->stream, j->image) && opj_end_decompress(j->codec, j->stream);

@@ -14,7 +14,7 @@ typedef struct said {
 } said;
 
 /* Take the first error: it is the innermost one. */
-static herr_t hear(unsigned n, const H5E_error2_t *error, void *ctx) {
+static herr_t keep_first_error(unsigned n, const H5E_error2_t *error, void *ctx) {
     said *s = ctx;
     if (n == 0 && error->desc)
         text_name(s->to, s->room, error->desc);
@@ -26,7 +26,7 @@ static herr_t hear(unsigned n, const H5E_error2_t *error, void *ctx) {
 static bool words(char *to, size_t room) {
     said s = {to, room, false};
     text_name(to, room, "no reason given");
-    H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, hear, &s);
+    H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_first_error, &s);
     H5Eclear2(H5E_DEFAULT);
     return s.memory;
 }

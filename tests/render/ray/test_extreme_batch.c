@@ -108,7 +108,7 @@ static void keep_blocked(ray_stage *s, extreme_batch *b) {
 }
 
 /* All of them by kernel k, likewise. It walks no treelet that single rays leave out. */
-static void climb(ray_stage *s, const extreme_batch *b, int k) {
+static void judge_kernel(ray_stage *s, const extreme_batch *b, int k) {
     static extreme_batch left;
     ray_counters counters = {0};
     ray_stage_clear_touched(s);
@@ -148,7 +148,7 @@ static void judge(ray_stage *s, const extreme_batch *b, bool least, long absent)
             got[i] = begin;
         if (absent > 0 && !s->tr.preview)
             ray_stage_bring_in(s, absent);
-        climb(s, b, k);
+        judge_kernel(s, b, k);
     }
     s->rays += b->count;
 }
