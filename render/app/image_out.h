@@ -61,7 +61,8 @@ typedef enum image_raw { IMAGE_DEPTH, IMAGE_RGBA, IMAGE_ERROR, IMAGE_VALUE, IMAG
 
 /* image_out_begin() - open the file, and start the helper if it is needed. image_out_again() - the
  * same of a file that was written before, which it replaces when it is complete.
- * image_out_begin_raw() - the same for a raw plane: little-endian doubles, row by row, nothing else.
+ * image_out_begin_raw() - the same for a raw plane: little-endian doubles, row by row, nothing
+ * else.
  */
 CHECKED status image_out_begin(image_out *o, const char *path, image_target **out);
 CHECKED status image_out_again(image_out *o, const char *path, image_target **out);

@@ -15,8 +15,8 @@ typedef struct render_stats {
     uint64_t peak_rss_bytes; /* of the process so far */
     const leafcast *volume;  /* the first one, with the set drawn: */
     uint32_t field, step;
-    certificate certified; /* of --certify */
-    double first_s;        /* of --progressive: until the first picture had its name; else 0 */
+    certificate certified;      /* of --certify */
+    double first_s;             /* of --progressive: until the first picture had its name; else 0 */
     uint64_t first_provisional; /* its provisional pixels */
     int repeats; /* how often the picture was drawn; trace is the run of median render time */
 } render_stats;

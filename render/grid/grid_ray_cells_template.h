@@ -49,8 +49,8 @@ SIMD ray_visits ray_visits_of(const grid_rays *g, const uint32_t places[], const
 }
 
 /* Returns the forms of corners f, less the isovalue. Two errors add to the bound of may_cross().
- * Planes as seen from a ray's entry are off by up to 2^-23 `rounding`, which is in e. Corners are off
- * by less than `off`. */
+ * Planes as seen from a ray's entry are off by up to 2^-23 `rounding`, which is in e. Corners are
+ * off by less than `off`. */
 SIMD near_forms ray_cell_forms(const vf f[8], vf e, vf off) {
     near_forms forms;
     vf largest = f_set(0.0f);
