@@ -101,6 +101,10 @@ void loader_select_gradients(loader *l, bool needed);
  * into slots with it. */
 size_t loader_slot_bytes(const loader *l);
 
+/* loader_more_bytes() - returns by how much more than now the loader would take, besides treelets,
+ * from a budget of `limit` bytes: its room for shells grows with the budget. */
+size_t loader_more_bytes(const loader *l, size_t limit);
+
 /* loader_stored_bytes() - returns the bytes of treelet t in the file, in the selected set. *family:
  * at first LEAF_NO_TREELET; what siblings share counts once if they are asked for one after the
  * other.

@@ -145,19 +145,26 @@ static void scratch_release(struct loader_private *h, resident_scratch *scratch)
 }
 
 /* The room for shells: they are few, and each serves up to eight treelets. */
-static size_t shells_room(const mem *m) {
+static size_t shells_room(size_t limit) {
     enum { MOST = 4 << 20, SHARE = 32 };
-    const size_t share = m->limit / SHARE;
-    return m->limit && share < MOST ? share : MOST;
+    return limit && limit / SHARE < MOST ? limit / SHARE : MOST;
+}
+
+size_t loader_more_bytes(const loader *l, size_t limit) {
+    const leaf_layout *layout = &l->file->layout;
+    const int seats = l->hidden->seats_made;
+    const size_t now = leaf_shells_memory(layout, seats, shells_room(l->m->limit));
+    const size_t then = leaf_shells_memory(layout, seats, shells_room(limit));
+    return then > now ? then - now : 0;
 }
 
 /* Make scratch for `count` reads at a time. */
 static status make_seats(loader *l, int count) {
     struct loader_private *h = l->hidden;
     h->seats = mem_array(l->m, (size_t)count, sizeof *h->seats);
-    status st =
-        h->seats ? leaf_shells_create(l->m, &l->file->layout, count, shells_room(l->m), &h->shells)
-                 : ST_NOMEM;
+    status st = h->seats ? leaf_shells_create(l->m, &l->file->layout, count,
+                                              shells_room(l->m->limit), &h->shells)
+                         : ST_NOMEM;
     while (st == ST_OK && h->seats_made < count) {
         loader_seat *s = &h->seats[h->seats_made];
         st = scratch_init(h, &s->scratch);

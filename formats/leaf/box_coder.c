@@ -14,8 +14,8 @@ enum {
     STREAMS_MAX = 5,              /* the map, and up to four bytes of residuals */
     ESTIMATED = 2048,             /* samples that a prediction is judged by */
     LOG_BITS = 10,
-    LEAST_SHARE = 32, /* of the commonest value, in 256ths: below it is no background, */
-    MOST_SHARE = 128, /* from there on always */
+    LEAST_SHARE = 32, /* of the commonest value, in 256ths: from here on it may be background */
+    MOST_SHARE = 128, /* from here on it is */
     METHOD_PLAIN = 0,
     METHOD_CODED = 1
 };
@@ -30,7 +30,7 @@ struct box_coder {
     const box_rows *rows;
     box_work w;
     uint8_t *bytes; /* residuals by bytes */
-    uint32_t *logs; /* of the encoder: x log2(x), for x up to 2 ESTIMATED */
+    uint32_t *logs; /* of the encoder: x log2(x), for x below 2 ESTIMATED */
 };
 
 static size_t maps_bytes(const coded_box *boxes, uint32_t count) {
@@ -222,12 +222,13 @@ static uint64_t cost_of(box_coder *c, const coded_box *boxes, uint32_t count, in
     return sum * step;
 }
 
-/* Choose a prediction, and whether there is a background. share: of the samples, in 256ths; if it
- * is LEAST_SHARE or more, it is marked. */
+/* Choose the cheapest prediction, with or without a background. share: of the commonest value, in
+ * 256ths. From LEAST_SHARE on, its map has been made. */
 static int choose(box_coder *c, const coded_box *boxes, uint32_t count, size_t n, unsigned share) {
     static const int hows[] = {BOX_NONE,   BOX_ROW | BOX_ALONG,   BOX_PLANE, BOX_PLANE | BOX_ALONG,
                                BOX_MEDIAN, BOX_MEDIAN | BOX_ALONG};
-    const uint32_t step = (uint32_t)(n / ESTIMATED) | 1; /* odd: no row of a sheet is left out */
+    /* Odd, so that a sheet of 2^k rows is sampled at each y in turn. */
+    const uint32_t step = (uint32_t)(n / ESTIMATED) | 1;
     const bool may_mark = share >= LEAST_SHARE, must_mark = share >= MOST_SHARE;
     const uint64_t map = may_mark ? entropy(c, c->w.map, maps_bytes(boxes, count)) : 0;
     uint64_t least = UINT64_MAX;
@@ -351,12 +352,12 @@ size_t box_coder_encode(box_coder *c, const coded_box *boxes, uint32_t count, vo
 
 /* ---- decoding ---- */
 
-/* Whether a code says what the encoder could have. */
+/* Whether the fields of a code are in their ranges and agree with each other. */
 static bool is_sound(const box_coder *c, const box_code *code, size_t n) {
     const bool background = code->prediction & BOX_BACKGROUND;
     return code->method == METHOD_CODED && code->map < (c->type == SAMPLE_F32 ? FLOAT_STEPS : 1) &&
            code->prediction < 2 * BOX_BACKGROUND && code->width <= sample_size(c->type) &&
-           (background ? code->coded <= n : code->coded == n) &&
+           (background ? code->coded <= n : code->coded == n) && (code->coded || !code->width) &&
            (background || !code->background) && (code->map || !code->base) &&
            (sample_size(c->type) == 4 || !(code->background >> 8 * sample_size(c->type)));
 }

@@ -48,12 +48,12 @@ size_t box_coder_outside(const box_coder *c);
 size_t box_coder_room(sample_type type, size_t samples);
 
 /* box_coder_encode() - code the samples of the boxes into out, of box_coder_room() bytes. Returns
- * how many bytes they take. The same samples give the same bytes, also on other machines. */
+ * how many bytes they take. The same samples give the same bytes on any machine, by the same
+ * version of zstd. */
 size_t box_coder_encode(box_coder *c, const coded_box *boxes, uint32_t count, void *out);
 
-/* box_coder_decode() - write the samples. False where the bytes are none that the encoder would
- * have made for boxes of these sizes: then some samples may have been written. Any bytes are safe.
- */
+/* box_coder_decode() - write the samples. Returns false if the bytes are no code of boxes of these
+ * sizes (FORMAT.md 10): some samples may have been written then. Safe for any bytes. */
 CHECKED bool box_coder_decode(box_coder *c, const void *in, size_t bytes, const coded_box *boxes,
                               uint32_t count);
 

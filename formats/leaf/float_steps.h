@@ -37,9 +37,10 @@ bool float_step_multiple(uint32_t bits, double size, double in_one, int32_t *mul
  * none. */
 unsigned float_step_join(unsigned step, unsigned last, uint32_t bits);
 
-/* float_step_find() - the step of n floats: the first of the decimals, else of the binaries, that
- * suits each of them, if the former ones suit for those before. So a float may be a multiple of
- * none the less: take each with float_step_multiple(). 0: there is none. */
+/* float_step_find() - guess the step of n floats in one pass: of the decimals, else of the
+ * binaries. It takes each float in turn and moves on to the first step that suits it; it does not
+ * go back to those before. So the step may not suit all: check each by float_step_multiple(). 0:
+ * none found. */
 unsigned float_step_find(const uint32_t *bits, size_t n);
 
 #endif

@@ -111,11 +111,19 @@ static json_t *level_json(const leaf_file *f, uint32_t i, uint64_t bytes) {
     return level;
 }
 
+/* The level of a treelet's payload, or of those that share a shell. */
+static uint32_t level_of(const leaf_layout *l, uint32_t p) {
+    uint32_t set, parent;
+    if (leaf_layout_is_shell(l, p, &set, &parent))
+        return l->level_of[parent] - 1U;
+    return l->level_of[p % l->treelets];
+}
+
 static void tell_parts(const leaf_file *f, const fact_sheet *to) {
     uint64_t bytes[LEAF_LEVELS_MAX] = {0};
     json_t *levels = json_array();
     for (uint32_t p = 0; p < f->layout.payloads; p++)
-        bytes[f->layout.level_of[p % f->layout.treelets]] += f->sizes[p];
+        bytes[level_of(&f->layout, p)] += f->sizes[p];
     fact_sheet_row(to, "\nlevel            samples   treelets          bytes%s",
                    f->deviations ? "   off by, mean        at most" : "");
     for (uint32_t i = 0; i < f->layout.levels; i++) {

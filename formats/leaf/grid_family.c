@@ -45,7 +45,8 @@ static size_t part_samples(const family_part *p) {
     return (size_t)p->size[0] * p->size[1] * p->size[2];
 }
 
-/* A box that is thin along x is coded with its rows along y: a row of three samples is none. */
+/* Turn a box that is thin along x, so that its rows run along y. Rows of 1 or 3 samples would be
+ * slow to decode, and hard to predict along. */
 static coded_box box_of(const family_part *p, void *at) {
     const uint32_t *s = p->size, row = s[0], sheet = s[0] * s[1];
     if (s[0] < s[1])
@@ -82,8 +83,8 @@ coded_box grid_family_own(const leaf_layout *l, uint32_t treelet, void *payload)
     return box;
 }
 
-/* Copy the samples of a part that lie in a treelet, `first` .. `first` + p.samples of the family.
- */
+/* Copy what lies both in a box of the shell and in a treelet, which has `count` samples from sample
+ * `first` of the family on. */
 static void take_part(const family_part *part, const uint32_t first[3], const uint32_t count[3],
                       size_t size, const char *from, char *to) {
     uint32_t lo[3], hi[3];

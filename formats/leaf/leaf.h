@@ -5,7 +5,8 @@
  *   ...                directory sections, each at a multiple of 64
  *   ...                payload runs, each at a multiple of 2^run_align_log2: the payloads of one
  *                      family of siblings (grid), or of one block (mesh: all topologies, all
- *                      values of one set, ..), each at a multiple of 64 inside the run
+ *                      values of one set, ..), each at a multiple of 64 inside the run; of a
+ *                      compressed grid without gaps
  *   ...                parts (mesh: leaf_part)
  *
  * All little endian. Everything not named is zero, and checked to be.
@@ -48,8 +49,8 @@ enum {
 #define LEAF_MAGIC "\x89LEAF\r\n\x1a"
 
 typedef enum leaf_kind { LEAF_KIND_GRID = 1, LEAF_KIND_MESH = 2 } leaf_kind;
-/* With a compressed codec, a payload that would not get smaller is stored raw; its stored size
- * shows this. */
+/* With a compressed codec, a mesh's payload that would not get smaller is stored raw; its stored
+ * size shows this. A grid's is always a code (FORMAT.md 10). */
 typedef enum leaf_codec { LEAF_CODEC_RAW = 0, LEAF_CODEC_ZSTD = 1 } leaf_codec;
 
 /* What a treelet's directory flags say. */

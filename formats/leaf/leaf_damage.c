@@ -2,19 +2,26 @@
 
 #include <stdio.h>
 
+enum { MORE_TEXT = 36 }; /* ", and N more" */
+
 void leaf_damage_add(leaf_damage *d, const char *where, const char *name) {
     const size_t room = sizeof d->text - d->used;
-    if (d->count++ >= LEAF_DAMAGE_NAMED)
+    if (d->count++ > d->named || d->named == LEAF_DAMAGE_NAMED)
         return;
     const int length =
-        snprintf(d->text + d->used, room, "%s%s%s", d->count > 1 ? ", " : "", where, name);
-    d->used += (size_t)length < room ? (size_t)length : room - 1;
+        snprintf(d->text + d->used, room, "%s%s%s", d->named > 0 ? ", " : "", where, name);
+    if ((size_t)length + MORE_TEXT > room) {
+        d->text[d->used] = '\0';
+        return;
+    }
+    d->used += (size_t)length;
+    d->named++;
 }
 
 const char *leaf_damage_names(leaf_damage *d) {
-    if (d->count > LEAF_DAMAGE_NAMED)
+    if (d->count > d->named)
         snprintf(d->text + d->used, sizeof d->text - d->used, ", and %llu more",
-                 (unsigned long long)(d->count - LEAF_DAMAGE_NAMED));
+                 (unsigned long long)(d->count - d->named));
     return d->text;
 }
 

@@ -8,11 +8,12 @@
 #include "formats/base/progress.h"
 #include "formats/leaf/leaf_file.h"
 
-/* The first LEAF_DAMAGE_NAMED names are kept. The others are counted. */
+/* The first names are kept, as many as the text has room for, LEAF_DAMAGE_NAMED at most. The others
+ * are counted. */
 enum { LEAF_DAMAGE_NAMED = 20, LEAF_DAMAGE_TEXT = 800 };
 typedef struct leaf_damage {
-    uint64_t count;
-    size_t used; /* of text */
+    uint64_t count, named; /* all parts; those in the text */
+    size_t used;           /* of text */
     char text[LEAF_DAMAGE_TEXT];
 } leaf_damage;
 

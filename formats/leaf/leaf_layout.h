@@ -147,8 +147,8 @@ size_t leaf_layout_code_max(const leaf_layout *l);
  * values, gradients, positions. */
 uint32_t leaf_layout_payload_bytes(const leaf_layout *l, uint32_t p);
 
-/* leaf_layout_payload_max() - an upper bound of the payloads' bytes: those of a full treelet (mesh:
- * of the largest). */
+/* leaf_layout_payload_max() - the most bytes of a treelet's payload (mesh: of a block's). Shells
+ * may have more: leaf_layout_shell_max() samples. */
 uint32_t leaf_layout_payload_max(const leaf_layout *l);
 
 /* leaf_layout_stored() - the most bytes that payload p takes in a file.

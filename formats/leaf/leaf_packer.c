@@ -50,12 +50,18 @@ void leaf_packer_destroy(mem *m, leaf_packer *k) {
     mem_free(m, k);
 }
 
-/* zstd tells a context's size only after it has compressed something: zeros. */
-static uint64_t grid_memory(leaf_packer *k, char *zeros) {
+/* zstd tells a context's size only after it has compressed something. Here that is noise: streams
+ * as long as they can be. */
+static uint64_t grid_memory(leaf_packer *k, char *noise) {
     const leaf_layout *l = k->layout;
     const uint32_t samples = (uint32_t)leaf_layout_code_max(l), rows = samples / BOX_ROW_MAX;
-    const coded_box box = {{BOX_ROW_MAX, rows, 1}, {1, BOX_ROW_MAX, BOX_ROW_MAX * rows}, zeros};
-    (void)box_coder_encode(k->boxes, &box, 1, zeros + leaf_layout_stored_max(l));
+    const coded_box box = {{BOX_ROW_MAX, rows, 1}, {1, BOX_ROW_MAX, BOX_ROW_MAX * rows}, noise};
+    uint32_t next = 1;
+    for (size_t i = 0; i < samples * sample_size(l->type); i++) {
+        next = next * 1664525U + 1013904223U;
+        noise[i] = (char)(next >> 24);
+    }
+    (void)box_coder_encode(k->boxes, &box, 1, noise + leaf_layout_stored_max(l));
     return box_coder_outside(k->boxes) + box_coder_memory(l->type, samples);
 }
 
@@ -75,13 +81,13 @@ status leaf_packer_memory(mem *m, const leaf_layout *l, const uint32_t counts[4]
     status st = leaf_packer_create(m, l, counts, p, &k);
     const size_t bytes =
         counts ? mesh_coder_bytes(MESH_BLOCK_TOPOLOGY, counts) : leaf_layout_stored_max(l);
-    char *zeros = st == ST_OK ? mem_zalloc(m, 2 * bytes) : NULL;
-    if (zeros)
-        *out = counts ? mesh_memory(k, counts, zeros) : grid_memory(k, zeros);
+    char *room = st == ST_OK ? mem_zalloc(m, 2 * bytes) : NULL;
+    if (room)
+        *out = counts ? mesh_memory(k, counts, room) : grid_memory(k, room);
     else if (st == ST_OK)
         st = ST_NOMEM;
     leaf_packer_destroy(m, k);
-    mem_free(m, zeros);
+    mem_free(m, room);
     return st;
 }
 

@@ -277,7 +277,7 @@ static status refuse_lost(repair *r) {
 /* Check that bad, whose header may be damaged, was the same file. Otherwise the output would be
  * a mere copy of the other. */
 static status check_same(const repair *r, const leaf_header *h) {
-    if (r->same || (h->payload_bytes && r->same_bytes >= h->payload_bytes / 2))
+    if (r->same || (h->payload_bytes && r->same_bytes > h->payload_bytes / 2))
         return ST_OK;
     return status_describe(ST_CORRUPT,
                            "%s: its header is damaged, and nothing else tells that %s is a copy of "

@@ -406,17 +406,19 @@ typedef struct targets {
 } targets;
 
 /* again: the picture replaces a first one. */
-static status open_targets(render_job *job, const script_frame *frame, bool again, targets *to) {
+static status open_picture(render_job *job, const script_frame *frame, bool again, targets *to) {
+    const char *path = frame->file[FRAME_PICTURE];
+    if (!path[0])
+        return ST_OK;
+    return (again ? image_out_again : image_out_begin)(job->files, path, &to->file[FRAME_PICTURE]);
+}
+
+static status open_raw(render_job *job, const script_frame *frame, targets *to) {
     status st = ST_OK;
-    for (int i = 0; i < FRAME_TF && st == ST_OK; i++) {
-        const char *path = frame->file[i];
-        if (!path[0])
-            continue;
-        if (i != FRAME_PICTURE)
-            st = image_out_begin_raw(job->files, path, (image_raw)(i - FRAME_RAW), &to->file[i]);
-        else
-            st = (again ? image_out_again : image_out_begin)(job->files, path, &to->file[i]);
-    }
+    for (int i = FRAME_RAW; i < FRAME_TF && st == ST_OK; i++)
+        if (frame->file[i][0])
+            st = image_out_begin_raw(job->files, frame->file[i], (image_raw)(i - FRAME_RAW),
+                                     &to->file[i]);
     return st;
 }
 
@@ -480,11 +482,13 @@ static status draw_first(render_job *job, const script_frame *frame, const leafc
     const double begun = clock_seconds();
     leafcast_stats t = {.size = sizeof t};
     leafcast_scene now = *scene;
+    part whole = {job->watch, job->done, 0.0};
     image_target *to = NULL;
     now.preview = true;
     status st = image_out_begin(job->files, frame->file[FRAME_PICTURE], &to);
     if (st == ST_OK)
-        st = render_status(leafcast_trace(job->volume, &now, camera, &job->image, &t, NULL, NULL));
+        st = render_status(leafcast_trace(job->volume, &now, camera, &job->image, &t,
+                                          job->watch ? report : NULL, &whole));
     if (st != ST_OK) {
         image_out_discard(to);
         return st;
@@ -507,7 +511,9 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
     if (st == ST_OK)
         st = open_face(job, &frame->view.annotation);
     if (st == ST_OK && !progressive)
-        st = open_targets(job, frame, false, to);
+        st = open_picture(job, frame, false, to);
+    if (st == ST_OK)
+        st = open_raw(job, frame, to);
     if (st == ST_OK)
         st = make_planes(job, frame, &scene, &camera);
     if (st == ST_OK)
@@ -517,7 +523,7 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
     if (st == ST_OK && progressive)
         st = draw_first(job, frame, &camera, &scene, volumes, stats);
     if (st == ST_OK && progressive)
-        st = open_targets(job, frame, true, to);
+        st = open_picture(job, frame, true, to);
     if (st == ST_OK)
         st = trace(job, &scene, &camera, &stats->trace);
     if (st == ST_OK && job->certify)

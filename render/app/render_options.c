@@ -58,7 +58,7 @@ const struct argp_option render_options_table[] = {
      0},
     {"progressive", PROGRESSIVE, NULL, 0,
      "write a first picture of what is there at once, as --preview does; the exact one takes its "
-     "place",
+     "place. If that fails, the first one stays",
      0},
     {"repeat", REPEAT, "N", CLI_EXPERIMENT, "draw N times; the statistics are the median picture's",
      0},
@@ -230,6 +230,8 @@ status render_options_check(void *own) {
         return status_describe(ST_USAGE, "nothing to write: -o FILE.png");
     if (o->progressive && o->view.scene.preview)
         return status_describe(ST_USAGE, "either --preview or --progressive");
+    if (o->progressive && o->certify)
+        return status_describe(ST_USAGE, "either --certify or --progressive");
     if (o->progressive && !o->script &&
         (!o->common.output || output_name_is_stdout(o->common.output)))
         return status_describe(ST_USAGE, "--progressive writes a file twice: -o FILE.png");

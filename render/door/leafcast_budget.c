@@ -65,6 +65,17 @@ static size_t least_slots(const turn *t) {
     return bytes;
 }
 
+size_t budget_enough(const leafcast_device *d, size_t needed) {
+    size_t enough = needed, before;
+    do {
+        before = enough;
+        enough = needed;
+        for (const leafcast *v = d->volumes; v; v = v->next)
+            enough += loader_more_bytes(v->treelets, before);
+    } while (enough > before);
+    return enough;
+}
+
 /* Check that the fewest records and one treelet of each volume fit. After the first turn, records
  * have a fixed number. */
 static status check_budget(const turn *t, size_t fixed) {
@@ -76,7 +87,7 @@ static status check_budget(const turn *t, size_t fixed) {
     return status_describe(
         ST_NOMEM,
         "the memory budget of %zu bytes is too small for this picture: %zu bytes would do", limit,
-        needed);
+        budget_enough(t->device, needed));
 }
 
 /* Bytes of all active treelets of a volume. */

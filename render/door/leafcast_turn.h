@@ -71,6 +71,10 @@ CHECKED status budget_share(turn *t);
 size_t budget_scratch(const frame *f);
 size_t budget_image(const leafcast_image *image, size_t pixels);
 
+/* budget_enough() - returns a budget that does where `needed` bytes are, under the present one:
+ * what loaders take besides treelets may grow with it. */
+size_t budget_enough(const leafcast_device *d, size_t needed);
+
 /* budget_slots() - allow `bytes` for a volume's treelets; SIZE_MAX: enough for all of them. */
 void budget_slots(leafcast *v, size_t bytes);
 

@@ -85,7 +85,7 @@ static status share_budget(waiting *w) {
         return status_describe(ST_NOMEM,
                                "the memory budget of %zu bytes is too small for these points: %zu "
                                "bytes would do",
-                               limit, needed);
+                               limit, budget_enough(p->volume->device, needed));
     size_t rest = limit - fixed_bytes(p);
     rest -= others_bytes(p->volume, rest - slot - least * POINT_BYTES);
     size_t chunk = rest / 4 / POINT_BYTES;

@@ -54,4 +54,13 @@ done <<ROWS
 0.3   vtu  @tets.mesh --treelet-tets 300
 0.3   vtu  @tets.mesh --gradients --coarse=9
 ROWS
+
+# What siblings share counts for their level: the root has no more than its own samples.
+head -c $((65 * 65 * 65)) /dev/urandom >"$tmp/any.raw"
+exits "noise" 0 "$leafcast" convert "$tmp/any.raw" --type u8 --dims 65,65,65 --compress zstd -o "$tmp/any.leaf" -q
+exits "its levels" 0 "$leafcast" info "$tmp/any.leaf" --json
+ok "have their bytes" python3 -c 'import json, sys
+levels = json.load(open(sys.argv[1]))["levels"]
+print(levels)
+sys.exit(not (len(levels) == 2 and levels[0]["bytes"] > 65**3 and 0 < levels[1]["bytes"] <= 35**3 + 16))' "$tmp/out"
 finish

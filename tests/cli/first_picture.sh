@@ -227,6 +227,9 @@ ok "are all there" [ -s "$tmp/many_0000.png" -a -s "$tmp/many_0001.png" ]
 exits "standard output" 2 "$leafcast" render "$two" --iso 50 --size 8x8 --progressive -o -
 ok "cannot be written twice" says 'writes a file twice'
 exits "two ways" 2 "$leafcast" render "$two" --iso 50 --size 8x8 --progressive --preview -o "$tmp/x.png"
+exits "a picture that may be refused" 2 "$leafcast" render "$two" --tf auto --certify --progressive -o "$tmp/x.png"
+exits "a plane in no folder" 1 "$leafcast" render "$two" --iso 50 --progressive -o "$tmp/x.png" --depth-f64 "$tmp/no/z"
+ok "leaves no first picture" [ ! -e "$tmp/x.png" ]
 # The first one is seen: the exact one comes behind a plane that nobody reads from its pipe.
 mkfifo "$tmp/plane"
 exec 8<>"$tmp/plane"

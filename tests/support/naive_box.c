@@ -46,7 +46,7 @@ static const char *read_fields(code *c, const unsigned char *in) {
         return "a code's method or prediction";
     if (c->map > (c->type == 5 ? 31 : 0) || (c->map == 0 && c->base != 0))
         return "a code's map or base";
-    if (c->width > c->sample_bytes)
+    if (c->width > (c->coded ? c->sample_bytes : 0))
         return "a code's width";
     if (c->background > (c->has_background ? c->mask : 0))
         return "a code's background";

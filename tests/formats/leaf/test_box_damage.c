@@ -257,12 +257,16 @@ static void hostile_streams(void **state) {
     assert_false(takes(SAMPLE_F32, x, false, zeros, 0));
     x.prediction |= BOX_BACKGROUND;
     x.background = 256;
-    assert_true(takes(SAMPLE_U16, x, true, zeros, 0));
+    assert_true(takes(SAMPLE_U16, x, true, ones, 0));
+    assert_false(takes(SAMPLE_U16, x, true, zeros, 0)); /* nothing is coded, but has a width */
     x.background = 65536;
-    assert_false(takes(SAMPLE_U16, x, true, zeros, 0));
+    assert_false(takes(SAMPLE_U16, x, true, ones, 0));
     x.width = 1;
     x.background = 256;
-    assert_false(takes(SAMPLE_I8, x, true, zeros, 0));
+    assert_false(takes(SAMPLE_I8, x, true, ones, 0));
+    x.width = 0;
+    x.background = 255;
+    assert_true(takes(SAMPLE_I8, x, true, zeros, 0));
 }
 
 /* A stream is one frame: not two that make the bytes together, nor none. */
@@ -271,10 +275,10 @@ static void frames_of_streams(void **state) {
     box_lab b;
     size_t bytes;
     box_made made = {
-        .code = {1, 0, BOX_BACKGROUND, 1, 0, 9, 0}, .data = zeros, .data_bytes = 1, .fits = true};
+        .code = {1, 0, BOX_BACKGROUND, 1, 0, 9, 0}, .data = ones, .data_bytes = 1, .fits = true};
     box_lab_make(&b, SAMPLE_U8, &one_box, BOX_PACKED);
     unsigned char *code = box_judge_make(&b, &made, &bytes);
-    assert_true(judge(&b, code, bytes)); /* nothing is coded: the last frame is an empty one */
+    assert_true(judge(&b, code, bytes));
     const unsigned last = code[HEADER + 4];
     code[HEADER + 4] = 0;
     assert_false(judge(&b, code, bytes - last));

@@ -549,6 +549,32 @@ static void test_tell(void **state) {
     release(&s);
 }
 
+/* Names are whole, and the others are counted, however long they are. */
+static void test_names(void **state) {
+    (void)state;
+    char where[LEAF_WHERE_MAX], name[LEAF_NAME_MAX], end[40];
+    for (int length = 1; length < LEAF_NAME_MAX; length++)
+        for (unsigned count = 1; count <= 40; count++) {
+            leaf_damage d = {0};
+            memset(name, 'x', sizeof name);
+            name[length] = '\0';
+            for (unsigned i = 0; i < count; i++)
+                leaf_damage_add(&d, leaf_damage_where(UINT32_MAX, where), name);
+            const char *text = leaf_damage_names(&d);
+            unsigned named = 0;
+            for (const char *at = text; (at = strstr(at, where)) != NULL; at += strlen(where)) {
+                assert_int_equal(strspn(at + strlen(where), "x"), length);
+                named++;
+            }
+            snprintf(end, sizeof end, ", and %u more", count - named);
+            assert_true(named > 0 && named <= LEAF_DAMAGE_NAMED && named <= count);
+            if (named < count)
+                assert_string_equal(text + strlen(text) - strlen(end), end);
+            else
+                assert_null(strstr(text, "more"));
+        }
+}
+
 int main(void) {
     mem_init(&m, 0);
     const struct CMUnitTest tests[] = {
@@ -559,6 +585,7 @@ int main(void) {
         cmocka_unit_test(test_in_place),   cmocka_unit_test(test_output),
         cmocka_unit_test(test_faults),     cmocka_unit_test(test_stop),
         cmocka_unit_test(test_budget),     cmocka_unit_test(test_tell),
+        cmocka_unit_test(test_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
