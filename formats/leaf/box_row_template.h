@@ -134,7 +134,7 @@ static inline __m128i ROWS(prediction)(int how, const ROWS(neighbours) * k, uint
     return ROWS(minus)(ROWS(plus)(least, most), ROWS(min)(ROWS(max)(c, least), most));
 }
 
-/* The sums of each lane and those before it. */
+/* Returns each lane plus all lanes before it. */
 static inline __m128i ROWS(sums)(__m128i v) {
     if (sizeof(T) == 1)
         v = ROWS(plus)(v, _mm_slli_si128(v, 1));
@@ -144,7 +144,8 @@ static inline __m128i ROWS(sums)(__m128i v) {
     return ROWS(plus)(v, _mm_slli_si128(v, 8));
 }
 
-/* The next residuals where samples are coded, else zeros; *is: all bits where they are. */
+/* Take the next residuals into the lanes of coded samples, zeros into the others. *is: all bits set
+ * in coded lanes. */
 static inline __m128i ROWS(scattered)(const T **residuals, const uint8_t *coded, uint32_t x,
                                       __m128i *is) {
     uint64_t parts[2], masks[2];
@@ -174,7 +175,8 @@ static inline __m128i ROWS(scattered)(const T **residuals, const uint8_t *coded,
     return _mm_loadu_si128((const __m128i *)(const void *)parts);
 }
 
-/* Make a row, in whole vectors: what lies behind it, up to BOX_SPARE bytes, is written, too. */
+/* Decode a row in whole vectors. They overwrite up to BOX_SPARE bytes behind it: decode rows in
+ * order. */
 static inline __attribute__((always_inline)) void ROWS(make)(const ROWS(recipe) * r, int how,
                                                              uint32_t n, T *row) {
     const __m128i quiet = ROWS(all)(r->background), last = ROWS(last_lane)();
@@ -322,9 +324,7 @@ static void ROWS(mark)(const box_work *c, const coded_box *boxes, uint32_t count
     }
 }
 
-/* How a row is predicted where neighbours are missing: without one of them the other stands for
- * both.
- */
+/* Replace a missing neighbour: predict by the one that is there alone; without both, by 0. */
 static int ROWS(settle)(int how, ROWS(neighbours) * k) {
     if (!k->above)
         k->above = k->behind;

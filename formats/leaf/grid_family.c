@@ -5,7 +5,7 @@
 /* A family's samples along one axis. */
 typedef struct extent {
     uint32_t all;         /* how many */
-    uint32_t from, to;    /* those that both treelets have; from == to: there is one treelet */
+    uint32_t from, to;    /* those that both treelets have; both 0: there is one treelet */
     uint32_t segments[2]; /* how many lie before them, and behind */
 } extent;
 

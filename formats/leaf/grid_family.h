@@ -1,9 +1,9 @@
 /* grid_family.h - what the treelets of a family share, and what each has alone (FORMAT.md 10).
  *
- * A family is the children of one treelet. Neighbours overlap by 1 + 2 halo samples on each axis.
- * Compressed, these samples are stored once for all, as the family's shell; and each treelet's
- * others, a box, as its payload. Samples of a family are counted on each axis from the first one of
- * its first treelet, halo included.
+ * A family is the children of one treelet. Siblings overlap by 1 + 2 halo samples on each axis. A
+ * compressed file stores the overlaps once, as the family's shell. A treelet's payload is only its
+ * own samples: those that no sibling has. They form a box. Samples of a family are counted on each
+ * axis from the first one of its first treelet, halo included.
  */
 #ifndef FORMATS_LEAF_GRID_FAMILY_H
 #define FORMATS_LEAF_GRID_FAMILY_H
@@ -38,7 +38,8 @@ uint32_t grid_family_shell_boxes(const leaf_layout *l, uint32_t parent, void *sa
  * has all of its samples alone. */
 coded_box grid_family_own(const leaf_layout *l, uint32_t treelet, void *payload);
 
-/* grid_family_take() - copy a treelet's part of the shell of its family into its payload. */
+/* grid_family_take() - copy into a treelet's payload the samples of its family's shell that lie in
+ * it. */
 void grid_family_take(const leaf_layout *l, uint32_t parent, uint32_t treelet, const void *shell,
                       void *payload);
 

@@ -92,8 +92,8 @@ static void look_at_gap(repair *r, uint64_t from, uint64_t to) {
 
 /* ---- header and section table ---- */
 
-/* Whether a copy's header is sound, and of a coarse grid that of the part. note: why the whole
- * file's is not. */
+/* Read a copy's header. Returns whether it is sound and, of a coarse grid, has the id that the mesh
+ * gives. note: why not. */
 static bool read_header(const repair *r, const region *g, int i, leaf_header *h,
                         status_note *note) {
     leaf_layout layout;
@@ -151,7 +151,7 @@ static status take_header(repair *r, region *g, bool *found) {
     return write_header(r, g);
 }
 
-/* Take the section table: the one that the header's id stands for. */
+/* Take the section table. The header's id is a hash of both, so it proves the table. */
 static status take_table(repair *r, region *g, bool *found, uint64_t *end) {
     const size_t size = g->header.sections * sizeof *g->table;
     for (int i = 0; i < LEAF_REPAIR_COPIES; i++)

@@ -20,7 +20,7 @@ typedef struct leaf_repair_job {
     const char *bad;          /* the damaged file */
     const char *from;         /* the other copy */
     const char *output;       /* NULL: in the place of bad */
-    bool force;               /* whether output may exist; without an output not asked */
+    bool force;               /* overwrite an output that exists */
     int threads;              /* of the check at the end */
     const progress *progress; /* may be NULL */
 } leaf_repair_job;
@@ -34,8 +34,8 @@ typedef enum leaf_repair_copy {
 
 typedef struct leaf_repair_result {
     leaf_header header;
-    /* How many parts each copy gave; payloads without bytes are none. directory: headers, section
-     * tables, sections. */
+    /* How many parts were taken from each copy; implied payloads are not counted. directory:
+     * headers, section tables and sections. */
     uint64_t payloads[LEAF_REPAIR_COPIES];
     uint64_t directory[LEAF_REPAIR_COPIES];
     uint64_t gaps; /* between parts, where bad has other bytes than zeros, or ends, or goes on

@@ -15,7 +15,7 @@ typedef struct shell {
 struct leaf_shells {
     mem *m;
     pthread_mutex_t lock;
-    pthread_cond_t change; /* one was made, or given up */
+    pthread_cond_t change; /* a decode has succeeded or failed */
     shell *list;
     int count;
     uint64_t clock;

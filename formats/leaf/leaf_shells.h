@@ -21,9 +21,10 @@ void leaf_shells_destroy(leaf_shells *s); /* NULL is fine */
 /* leaf_shells_memory() - the bytes that leaf_shells_create() takes. */
 size_t leaf_shells_memory(const leaf_layout *l, int threads, size_t bytes);
 
-/* leaf_shells_hold() - hold the shell that is payload p. *samples: its samples; or, if the result
- * is false, where the caller must decode them. leaf_shells_release() - let go. made: whether there
- * are samples now; if not, the next one to hold it decodes them. */
+/* leaf_shells_hold() - hold the shell that is payload p; wait while another thread decodes it.
+ * Returns true if *samples are decoded. If false, the caller must decode into *samples.
+ * leaf_shells_release() - let go. made: whether *samples are valid; if not, the next holder decodes
+ * them. */
 bool leaf_shells_hold(leaf_shells *s, uint32_t p, void **samples);
 void leaf_shells_release(leaf_shells *s, uint32_t p, bool made);
 

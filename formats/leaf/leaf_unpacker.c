@@ -21,7 +21,7 @@ struct leaf_unpacker {
     /* Of grids: */
     box_coder *boxes;
     grid_codes_scratch *codes;
-    leaf_shells *shells, *own; /* own: to be freed; NULL: they are somebody's */
+    leaf_shells *shells, *own; /* own: freed with it; NULL: shared, or none */
     void *shell_stored;
     uint64_t shell_bytes;
 };
@@ -46,7 +46,7 @@ static size_t shells_room(const leaf_layout *l) {
     return SHELLS * leaf_layout_shell_max(l) * sample_size(l->type);
 }
 
-/* shells: NULL: to be made. */
+/* shells: those of several unpackers; NULL: make its own. */
 static status begin_grid(leaf_unpacker *u, leaf_shells *shells) {
     const leaf_layout *l = &u->f->layout;
     u->codes = mem_alloc(u->m, grid_codes_scratch_bytes());
@@ -155,7 +155,8 @@ static status unframe(leaf_unpacker *u, uint32_t p, const void *stored, void *pa
     const size_t got = ZSTD_decompressDCtx(u->zstd, payload, bytes, stored, (size_t)u->f->sizes[p]);
     if (got == bytes)
         return ST_OK;
-    return malformed(u, p, ZSTD_isError(got) ? ZSTD_getErrorName(got) : "it is shorter");
+    return malformed(u, p,
+                     ZSTD_isError(got) ? ZSTD_getErrorName(got) : "it decompresses to fewer bytes");
 }
 
 /* The blocks of meshes, in the order of leaf_block. */
@@ -173,14 +174,14 @@ static status decode_mesh(leaf_unpacker *u, uint32_t p, const void *stored, void
         return malformed(u, p, ZSTD_getErrorName(got));
     if (!mesh_coder_decode(block, u->f->mesh->counts[t], u->f->mesh->bounds[t], u->streams, got,
                            payload))
-        return malformed(u, p, "it is no code of it");
+        return malformed(u, p, "its streams are malformed");
     return ST_OK;
 }
 
 static status unpack(leaf_unpacker *u, uint32_t p, const void *stored, void *to) {
     return grid_coding_unpack(&u->f->layout, p, u->boxes, stored, (size_t)u->f->sizes[p], to)
                ? ST_OK
-               : malformed(u, p, "it is no code of its samples");
+               : malformed(u, p, "its code of samples is malformed");
 }
 
 static status read_shell(leaf_unpacker *u, uint32_t p, void *samples) {

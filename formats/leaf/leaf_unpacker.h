@@ -8,9 +8,9 @@
 
 typedef struct leaf_unpacker leaf_unpacker;
 
-/* leaf_unpacker_create() - for the payloads of f, which must outlive it. Raw files need none: NULL.
- * leaf_unpacker_share() - one that keeps shells with others, which shells must outlive; NULL: f has
- * none. */
+/* leaf_unpacker_create() - make one for the payloads of f, which must outlive it. *out is NULL for
+ * a raw file, which needs none. leaf_unpacker_share() - the same, with shells (leaf_shells.h) that
+ * several unpackers share and that must outlive them. NULL: it keeps its own, if f has any. */
 CHECKED status leaf_unpacker_create(mem *m, leaf_file *f, leaf_unpacker **out);
 CHECKED status leaf_unpacker_share(mem *m, leaf_file *f, leaf_shells *shells, leaf_unpacker **out);
 void leaf_unpacker_destroy(leaf_unpacker *u); /* NULL is fine */
@@ -21,7 +21,8 @@ size_t leaf_unpacker_memory(const leaf_file *f);
 CHECKED status leaf_unpackers_create(mem *m, leaf_file *f, int count, leaf_unpacker ***out);
 void leaf_unpackers_destroy(mem *m, leaf_unpacker **list, int count); /* NULL is fine */
 
-/* leaf_unpacker_take() - take the count of bytes of shells that were read since the last call. */
+/* leaf_unpacker_take() - returns the stored bytes of the shells that were read since the last call.
+ */
 uint64_t leaf_unpacker_take(leaf_unpacker *u);
 
 /* leaf_file_load() - read payload p's stored bytes, check them, and decode them into payload.

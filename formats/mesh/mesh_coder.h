@@ -1,10 +1,10 @@
 /* mesh_coder.h - the payloads of a mesh's treelet (mesh_leaf.h) as streams that compress well, and
  * back, to the bit. FORMAT.md 6 says the same byte for byte.
  *
- * Topology: a tet is told by how long ago each of its vertices was used, a vertex with its position
- * where it is first used, as the difference from another of that tet. Boxes of nodes are left out,
- * as they follow from the rest. Values, gradients, positions at a step: each float as the
- * difference from the vertex before; codes as differences from the child before.
+ * Topology: a corner is coded by its place in a list of vertices used last, and a vertex's position
+ * at its first use, as the difference from another vertex (mesh_corner_coder.h). Boxes of nodes are
+ * left out where tets and positions imply them. Values, gradients, positions at a step: each float
+ * is coded as the difference from the vertex before; codes as differences from the child before.
  *
  * Any payload can be encoded. One that cannot be made again from its streams (a tree out of order,
  * padding that is not zero, a vertex without a tet) is stored as it is.
@@ -50,9 +50,9 @@ void mesh_coder_encode(mesh_block block, const uint32_t counts[4], const float b
 
 /* mesh_coder_decode() - decode streams, one behind the other.
  *
- * in       `bytes` bytes, of any alignment; any: nothing is read outside them
- * payload  out: mesh_coder_bytes() bytes, 64-byte aligned; of these alone any may be written, also
- *          if the result is false
+ * in       `bytes` bytes, of any alignment and content; nothing is read outside them
+ * payload  out: mesh_coder_bytes() bytes, 64-byte aligned, undefined if the result is false;
+ *          nothing is written outside them
  *
  * Returns false if the bytes are no payload's streams. If true, the payload is what was encoded,
  * with the same counts and bounds. From bytes that mesh_coder_encode() has not made, it may be any:

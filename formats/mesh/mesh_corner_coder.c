@@ -15,9 +15,9 @@ size_t mesh_corners_scratch(const mesh_shape *s) {
 
 /* ---- the list of recent vertices ----
  *
- * It is kept in an array with the latest vertex last, so that all places behind the last one taken
- * out stay. A vertex never comes nearer without being used. So what is behind MESH_RECENT is never
- * seen again, and is dropped only when the array is full. */
+ * The latest vertex is the array's last, so that taking vertices out moves only those in front of
+ * the farthest one. A vertex behind MESH_RECENT is never reached again, and is dropped only when
+ * the array is full. */
 
 enum { ROOM = 2048, EIGHT = 8 };
 
@@ -39,9 +39,9 @@ static inline void copy_eights(uint16_t *to, const uint16_t *from, uint32_t coun
     } while (i < count);
 }
 
-/* Take out the vertices at `known` places, ascending and counted from 1, and put a tet's four in
- * front. What lies between two places moves up together; it goes by a copy, as too much is copied
- * each time. */
+/* Take out the vertices at `known` places, ascending and counted from 1, and append the tet's four.
+ * Copy the runs between these places from `old`: copy_eights() writes up to 8 vertices too many,
+ * and would overwrite some that have not moved yet. */
 static inline void recent_use(recent *r, const uint32_t place[4], uint32_t known,
                               const uint16_t vertex[4]) {
     uint16_t old[MESH_RECENT + EIGHT];

@@ -3,17 +3,17 @@
  * Coder and decoder keep a list of the last MESH_RECENT vertices that tets have used, latest first.
  * Each corner of a tet has a code:
  *
- *   1 .. MESH_RECENT  a vertex of the list: how many places behind the tet's one before (of the
- *                     first: its place, counted from 1). Such corners come first, by their places
- *   255               any other vertex; a word says which
- *   0                 the same, and it is used for the first time: its position follows, too
+ *   1 .. MESH_RECENT  a vertex of the list. The first corner's code is its place, counted from 1; a
+ *                     later one's is the distance from the place of the corner before. Corners in
+ *                     the list come first, by ascending places
+ *   255               a vertex that has been used, but is not in the list; a word names it
+ *   0                 a vertex used for the first time; a word names it, and its position follows
  *
- * Then the tet's vertices are put in front of the list, the first corner's foremost, and those of
- * the list are taken out of their old places.
+ * After each tet its four vertices move to the front of the list, the first corner foremost.
  *
- * A word is the vertex less the tet's first one, folded (0, -1, 1, .. become 0, 1, 2, ..). A
- * position is the difference from that vertex's (float_planes.h). Where the corner is a tet's
- * first, it is the vertex told with a 0 last that counts; before there is any, vertex 0 at 0 0 0.
+ * A word is the vertex less a base vertex, folded (0, -1, 1, .. become 0, 1, 2, ..). A position is
+ * the difference from the base's (float_planes.h). The base is the tet's first corner; of the first
+ * corner itself, the vertex that has last been coded by 0. Before there is one, vertex 0 at 0 0 0.
  *
  * The streams:
  *

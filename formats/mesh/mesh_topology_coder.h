@@ -21,10 +21,10 @@ typedef enum mesh_topology_way {
 size_t mesh_topology_room(const mesh_shape *s);
 size_t mesh_topology_scratch(const mesh_shape *s);
 
-/* mesh_topology_encode() - encode a payload, without a look at its boxes if they are implied.
- * Returns false if that cannot be done. Of a payload out of order, other bytes may come back: try.
- * mesh_topology_decode() - decode all that is left of `in`. Returns false if it is malformed; boxes
- * are implied of positions within the bounds alone. */
+/* mesh_topology_encode() - encode a payload; with MESH_BOXES_IMPLIED its boxes are ignored. Returns
+ * false if its tets cannot be coded. A payload out of order may decode to other bytes: decode and
+ * compare. mesh_topology_decode() - decode all that is left of `in`. Returns false if it is
+ * malformed, or if boxes are implied and a position lies outside the bounds. */
 bool mesh_topology_encode(mesh_topology_way way, const mesh_shape *s, const void *payload,
                           uint8_t *scratch, coded_streams *out);
 bool mesh_topology_decode(mesh_topology_way way, const mesh_shape *s, const float bounds[6],

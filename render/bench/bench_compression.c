@@ -114,7 +114,8 @@ static uint32_t number_at(const uint8_t *b) {
     return b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
-/* The entropy of the streams of a code of boxes (FORMAT.md 10); that of plain samples is theirs. */
+/* Returns the bits of entropy of a code of boxes (FORMAT.md 10): the sum of its streams'. Plain
+ * samples count as one stream. */
 static double bits_of_code(const uint8_t *code, size_t bytes, uint8_t *room, size_t room_bytes) {
     const unsigned streams = (code[2] & BOX_BACKGROUND ? 1U : 0U) + code[3];
     double bits = 8.0 * LEAF_CODE_BYTES;
