@@ -6,10 +6,10 @@
  *
  *   integers  exact integer sums over 4096, rounded half to even
  *   f32       sums in double, x then y then z, each from the lowest index up, divided by the sum of
- *             weights, rounded to float, and then to PYRAMID_BITS of its mantissa, unless the sums
- * of all five planes are the same: more digits only cost bytes, but a constant stays as it is; NaN
- * and inf have weight 0; a coarse node whose (clamped) centre is one of them is the quiet NaN
- * 0x7FC00000
+ *             weights, rounded to float, then to PYRAMID_BITS bits of mantissa (not if the sums of
+ *             all five planes are the same: a constant stays as it is). NaN and infinity have
+ *             weight 0; a coarse node whose (clamped) centre is one of them is the quiet NaN
+ *             0x7FC00000
  *
  * Bit-exact whatever the threads: one thread does a band of rows, and no sum crosses bands.
  */

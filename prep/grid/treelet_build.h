@@ -33,7 +33,7 @@ bool treelet_build_quiet(const leaf_layout *l, uint32_t t, const sample_box *box
  * must hold the treelet's samples and halo as far as the level has them. Beyond, indices are
  * clamped.
  * treelet_build_shell() - fill the samples that the children of a treelet share
- * (grid_family_shell() of them). box: likewise, of the family. */
+ * (grid_family_parts()), leaf_layout_shell_max() at most. box: likewise, of the family. */
 void treelet_build(const leaf_layout *l, uint32_t t, const sample_box *box,
                    grid_codes_scratch *scratch, void *payload, grid_summary *summary);
 void treelet_build_shell(const leaf_layout *l, uint32_t parent, const sample_box *box,
