@@ -200,12 +200,10 @@ static uint32_t payload_bytes(const leaf_layout *l, uint32_t p) {
     return leaf_layout_payload(l, p % l->treelets).bytes;
 }
 
-/* A run begins with a shell; or with the child in octant 0, which every parent has. */
+/* A run begins with the child in octant 0, which every parent has. */
 static bool begins_run(const leaf_layout *l, uint32_t p) {
-    const uint32_t t = p % l->treelets, *place = l->place[t];
-    if (l->shells)
-        return p >= l->sets * l->treelets || t == 0;
-    return !((place[0] | place[1] | place[2]) & 1);
+    const uint32_t *place = l->place[p % l->treelets];
+    return p < l->sets * l->treelets && !((place[0] | place[1] | place[2]) & 1);
 }
 
 /* A shell has no bytes if nobody needs it: there is one child, or all are implied. */

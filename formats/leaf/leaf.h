@@ -29,7 +29,7 @@
 #include "formats/base/world_frame.h"
 
 enum {
-    LEAF_VERSION = 3,
+    LEAF_VERSION = 4,
     LEAF_HEADER_BYTES = 4096,
     LEAF_ALIGN_LOG2 = 6,
     LEAF_ALIGN = 1 << LEAF_ALIGN_LOG2, /* of sections, and of payloads inside a run */

@@ -10,6 +10,7 @@
 #include "formats/base/sample.h"
 #include "formats/leaf/histogram.h"
 #include "formats/leaf/leaf_geometry.h"
+#include "formats/leaf/leaf_order.h"
 
 status leaf_check_corrupt(const char *path, uint64_t at, const char *fmt, ...) {
     char text[STATUS_TEXT_MAX / 2];
@@ -340,7 +341,7 @@ static status check_payloads(const char *path, const leaf_header *h, const leaf_
                              const leaf_directory *d) {
     leaf_placing place = {.end = d->end};
     uint64_t sum = 0;
-    for (leaf_order o = {0}; o.p < l->payloads; leaf_order_next(&o, l)) {
+    for (leaf_order o = leaf_order_begin(l); o.p < l->payloads; leaf_order_next(&o, l)) {
         status st = check_payload(path, h, l, d, o.p, &place);
         if (st != ST_OK)
             return st;

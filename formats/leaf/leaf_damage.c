@@ -2,6 +2,8 @@
 
 #include <stdio.h>
 
+#include "formats/leaf/leaf_order.h"
+
 enum { MORE_TEXT = 36 }; /* ", and N more" */
 
 void leaf_damage_add(leaf_damage *d, const char *where, const char *name) {
@@ -34,7 +36,7 @@ static status find_in(mem *m, leaf_file *f, const progress *p, const char *where
     char name[LEAF_NAME_MAX];
     char *stored = mem_alloc(m, leaf_layout_stored_max(&f->layout));
     status st = stored ? ST_OK : ST_NOMEM;
-    for (leaf_order o = {0}; st == ST_OK && o.p < f->layout.payloads;
+    for (leaf_order o = leaf_order_begin(&f->layout); st == ST_OK && o.p < f->layout.payloads;
          leaf_order_next(&o, &f->layout)) {
         st = progress_step(p, "checksums", (double)f->offsets[o.p] / (double)f->header.file_bytes);
         if (st == ST_OK && !leaf_file_is_implied(f, o.p) &&

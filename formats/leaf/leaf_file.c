@@ -8,6 +8,7 @@
 #include "formats/base/text.h"
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/leaf_geometry.h"
+#include "formats/leaf/leaf_order.h"
 #include "formats/leaf/leaf_place.h"
 
 _Static_assert(
@@ -292,7 +293,7 @@ static status read_directory(opening *o) {
         st = read_sections(o);
     if (st == ST_OK)
         st = check_directory(o);
-    return st == ST_OK ? check_gap(f, o->end, f->offsets[0]) : st;
+    return st == ST_OK ? check_gap(f, o->end, f->offsets[leaf_order_begin(&f->layout).p]) : st;
 }
 
 /* Open a file; consumes source. path: gives the name to show, if the header has none. */
@@ -312,7 +313,7 @@ static status open_source(mem *m, file *source, const char *path, leaf_file **ou
     }
     clean_names(f, path);
     f->directory_bytes = o.end;
-    const uint32_t last = leaf_layout_last(&f->layout);
+    const uint32_t last = leaf_order_last(&f->layout);
     f->payloads_end =
         leaf_layout_aligned(f->offsets[last] + f->sizes[last], f->header.run_align_log2);
     *out = f;

@@ -298,27 +298,6 @@ uint32_t leaf_layout_stored_max(const leaf_layout *l) {
     return l->coded ? code_bytes(l, leaf_layout_code_max(l)) : l->payload_max;
 }
 
-static void begin_set(leaf_order *o, const leaf_layout *l) {
-    *o = (leaf_order){.set = o->set + 1};
-    o->p = o->set < l->sets ? leaf_layout_samples(l, o->set, 0) : l->payloads;
-}
-
-void leaf_order_next(leaf_order *o, const leaf_layout *l) {
-    if (!l->shells) {
-        o->p++;
-    } else if (o->left > 0) {
-        o->left--;
-        o->p = leaf_layout_samples(l, o->set, o->child++);
-    } else if (o->family < l->shells) {
-        o->p = leaf_layout_shell(l, o->set, o->family);
-        o->child = l->first_child[o->family];
-        o->left = (uint32_t)__builtin_popcount(leaf_layout_children(l, o->family));
-        o->family++;
-    } else {
-        begin_set(o, l);
-    }
-}
-
 bool leaf_layout_begins_run(const leaf_layout *l, uint32_t p) {
     return l->geometry->begins_run(l, p);
 }

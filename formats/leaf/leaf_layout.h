@@ -28,7 +28,7 @@ typedef struct leaf_level {
 
 typedef struct leaf_layout {
     const struct leaf_geometry *geometry;
-    uint32_t cells_log2, halo, levels;
+    uint32_t cells_log2, halo, levels; /* cells_log2 is 0 of all kinds but grids */
     sample_type type;
     uint32_t treelets; /* in all levels */
     uint32_t payloads; /* grid: (treelets + shells) * sets; mesh: treelets * blocks */
@@ -223,43 +223,6 @@ static inline uint64_t leaf_layout_aligned(uint64_t at, uint32_t log2) {
 
 /* leaf_layout_begins_run() - whether payload p is the first of a run. */
 bool leaf_layout_begins_run(const leaf_layout *l, uint32_t p);
-
-/* Payloads in the order of the file: as they are numbered; or, where families have shells, each
- * shell before its treelets. Begins as {0}; at the end, p is the layout's payloads. */
-typedef struct leaf_order {
-    uint32_t p;
-    uint32_t set, family, child, left; /* of the family that p belongs to: treelets behind p */
-} leaf_order;
-
-void leaf_order_next(leaf_order *o, const leaf_layout *l);
-
-/* leaf_layout_last() - the last payload of the file. */
-static inline uint32_t leaf_layout_last(const leaf_layout *l) {
-    return l->payloads - 1 - l->sets * l->shells;
-}
-
-/* Payloads get their places one after the other, in the order of the file. */
-typedef struct leaf_placing {
-    uint64_t end; /* where the payload before, or the last section, ends */
-    bool run;     /* a run has begun that has no bytes yet */
-} leaf_placing;
-
-/* leaf_placing_next() - the offset of payload p of so many stored bytes. It lies behind the one
- * before it, at the next multiple of LEAF_ALIGN, or right behind it where the grid is compressed;
- * or at one of 2^run_align_log2 if it is the first of its run that has bytes. In a grid, a run
- * begins with the child in octant 0, which every parent has, or with the shell before it. In a
- * mesh, it begins with the first treelet's payload in each block. A payload of no bytes lies where
- * the one before it ends. */
-static inline uint64_t leaf_placing_next(leaf_placing *x, const leaf_layout *l, uint32_t p,
-                                         uint64_t bytes, uint32_t run_align_log2) {
-    x->run |= leaf_layout_begins_run(l, p);
-    if (!bytes)
-        return x->end;
-    const uint32_t inner = l->coded ? 0 : LEAF_ALIGN_LOG2;
-    const uint64_t at = leaf_layout_aligned(x->end, x->run ? run_align_log2 : inner);
-    *x = (leaf_placing){.end = at + bytes};
-    return at;
-}
 
 /* Offset of the codes of tree level k (1 .. K) in the payload: lo[8^k], then hi[8^k]. */
 static inline uint32_t leaf_codes_at(uint32_t k) {

@@ -10,6 +10,7 @@
 #include "formats/base/hash.h"
 #include "formats/leaf/leaf_check.h"
 #include "formats/leaf/leaf_damage.h"
+#include "formats/leaf/leaf_order.h"
 #include "formats/leaf/leaf_verify.h"
 
 typedef struct repair {
@@ -224,7 +225,7 @@ static status take_payload(repair *r, const region *g, const leaf_file *f, uint3
 static status take_payloads(repair *r, const region *g, const leaf_file *f, uint64_t all_bytes) {
     status st = ST_OK;
     uint64_t end = f->directory_bytes;
-    for (leaf_order o = {0}; o.p < f->layout.payloads && st == ST_OK;
+    for (leaf_order o = leaf_order_begin(&f->layout); o.p < f->layout.payloads && st == ST_OK;
          leaf_order_next(&o, &f->layout)) {
         if (leaf_file_is_implied(f, o.p))
             continue;

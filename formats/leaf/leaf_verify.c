@@ -10,6 +10,7 @@
 #include "formats/base/pool.h"
 #include "formats/leaf/deviation_verify.h"
 #include "formats/leaf/leaf_histogram.h"
+#include "formats/leaf/leaf_order.h"
 #include "formats/leaf/leaf_unpacker.h"
 #include "formats/leaf/quantize.h"
 #include "formats/mesh/mesh_leaf_check.h"
@@ -421,7 +422,7 @@ static status check_count(const verification *v) {
 static status check_gaps(const verification *v) {
     char bytes[512], name[LEAF_NAME_MAX];
     const leaf_file *f = v->f;
-    for (leaf_order o = {0}; o.p < f->layout.payloads;) {
+    for (leaf_order o = leaf_order_begin(&f->layout); o.p < f->layout.payloads;) {
         const uint32_t p = o.p;
         leaf_order_next(&o, &f->layout);
         uint64_t at = f->offsets[p] + f->sizes[p];

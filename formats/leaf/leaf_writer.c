@@ -17,18 +17,15 @@ enum {
     MESH_BYTES = sizeof(float[6]) + sizeof(uint32_t[4])
 };
 
-uint64_t leaf_writer_memory(const leaf_layout *l, leaf_codec codec) {
-    uint64_t each = RANGE_BYTES + PAYLOAD_BYTES;
+uint64_t leaf_writer_memory(const leaf_layout *l, int threads) {
     uint64_t bytes = sizeof(leaf_writer) + sizeof(histogram) + 4096;
-    if (codec != LEAF_CODEC_RAW) {
-        each += sizeof(uint64_t);
-        bytes += leaf_layout_stored_max(l);
-    }
     for (int a = 0; a < 3; a++)
         bytes += l->level[0].dims[a] * sizeof(double);
     if (l->sets > 1)
         bytes += l->sets * (sizeof(histogram) + sizeof(char[64]) + sizeof(double));
-    return bytes + l->treelets * (uint64_t)LAYOUT_BYTES + l->payloads * each;
+    return bytes + l->treelets * (uint64_t)LAYOUT_BYTES +
+           l->payloads * (uint64_t)(RANGE_BYTES + PAYLOAD_BYTES) +
+           leaf_writer_families_memory(l, threads);
 }
 
 static leaf_blocks blocks_of(const leaf_mesh *mesh) {
@@ -176,7 +173,8 @@ static leaf_writer *new_writer(mem *m, const leaf_parameters *p) {
         return NULL;
     w->m = m;
     w->p = *p;
-    (void)pthread_mutex_init(&w->lock, NULL); /* cannot fail on Linux */
+    (void)pthread_mutex_init(&w->lock, NULL); /* neither can fail on Linux */
+    (void)pthread_cond_init(&w->changed, NULL);
     return w;
 }
 
@@ -209,10 +207,6 @@ status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
         st = allocate_axes(w, g);
     if (st == ST_OK)
         st = out_file_create(m, path, force, &w->out);
-    if (st == ST_OK && p->codec != LEAF_CODEC_RAW)
-        st = create_scratch(w, path);
-    if (st == ST_OK && w->scratch)
-        st = leaf_writer_copy_room(w);
     if (st != ST_OK) {
         leaf_writer_discard(w);
         return st;
@@ -222,11 +216,7 @@ status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
     if (sets->time_unit)
         world_frame_set_time_unit(&w->frame, sets->time_unit);
     place_sections(w);
-    if (!w->scratch) {
-        for (uint32_t i = 0; i < w->layout.payloads; i++)
-            w->sizes[i] = leaf_layout_payload_bytes(&w->layout, i);
-        leaf_writer_place(w);
-    }
+    w->order = leaf_order_begin(&w->layout);
     *out = w;
     return ST_OK;
 }
@@ -264,6 +254,7 @@ status leaf_writer_create_mesh(mem *m, const char *path, bool force, const leaf_
     }
     leaf_head_mesh(&w->header, &w->layout, p, mesh);
     place_sections(w);
+    w->order = leaf_order_begin(&w->layout);
     *out = w;
     return ST_OK;
 }
@@ -290,6 +281,8 @@ void leaf_writer_discard(leaf_writer *w) {
     mem_free(w->m, w->parts);
     mem_free(w->m, w->histograms);
     mem_free(w->m, w->deviations);
+    leaf_writer_free_families(w);
+    (void)pthread_cond_destroy(&w->changed);
     (void)pthread_mutex_destroy(&w->lock);
     mem_free(w->m, w);
 }

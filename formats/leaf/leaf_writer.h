@@ -1,11 +1,17 @@
 /* leaf_writer.h - write a treelet file: payloads from many threads in any order, then the directory
  * and the header.
  *
- * The same payloads give the same bytes whatever the order and the threads. A grid's raw payloads
- * go straight to their place. The place of compressed ones, and of a mesh's, depends on the sizes
- * of those before. They go there only if all before them have been put, else first to a scratch
- * file beside the output. The file appears under its name only in leaf_writer_finish(), header
- * last.
+ * The same payloads give the same bytes whatever the order and the threads. The place of a payload
+ * depends on the sizes of those before it in the file (leaf_order.h). Of a grid, families are put
+ * together in memory, and written when all before them are. A mesh's payloads go to their place if
+ * all before them have been put, else first to a scratch file beside the output. The file appears
+ * under its name only in leaf_writer_finish(), header last.
+ *
+ * Grids: call leaf_writer_create(), then leaf_writer_make_families(),
+ * and leaf_writer_take_family() once for each thread. For each family
+ * of a set call leaf_family_begin(), leaf_writer_put() or leaf_writer_put_implied() for each
+ * treelet by octant, leaf_writer_put_shell() if the layout has shells and it is not the root, and
+ * leaf_writer_end_family().
  *
  * Meshes: call leaf_writer_create_mesh(). For each treelet call leaf_writer_put_topology(), then
  * leaf_writer_put_values() for each set. If the file is to have them, put gradients of each set and
@@ -24,6 +30,7 @@
 #include "formats/leaf/histogram.h"
 #include "formats/leaf/leaf.h"
 #include "formats/leaf/leaf_layout.h"
+#include "formats/leaf/leaf_order.h"
 #include "formats/leaf/leaf_packer.h"
 
 typedef struct leaf_writer leaf_writer;
@@ -78,14 +85,11 @@ void leaf_writer_discard(leaf_writer *w);
 CHECKED status leaf_writer_create_mesh(mem *m, const char *path, bool force, const leaf_mesh *mesh,
                                        const leaf_parameters *p, leaf_writer **out);
 
-/* leaf_writer_memory() - the bytes that a writer of this layout takes from its mem; for planning.
- * leaf_writer_mesh_memory() - the same for a mesh; payload_max: bytes of its largest payload. */
-uint64_t leaf_writer_memory(const leaf_layout *l, leaf_codec codec);
+/* leaf_writer_memory() - the bytes that a writer of this layout takes from its mem, with the
+ * families of so many threads; for planning. leaf_writer_mesh_memory() - the same for a mesh;
+ * payload_max: bytes of its largest payload. */
+uint64_t leaf_writer_memory(const leaf_layout *l, int threads);
 uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max);
-
-/* leaf_writer_pack_bytes() - size of the pack buffer that a thread needs to put a payload: 0 for
- * the raw codec. Meshes: 0, or the bytes of the payload. */
-size_t leaf_writer_pack_bytes(const leaf_layout *l, leaf_codec codec);
 
 const leaf_layout *leaf_writer_layout(const leaf_writer *w);
 
@@ -100,24 +104,42 @@ void leaf_writer_range(const leaf_writer *w, uint32_t set, double range[2]);
  * zero. NULL where it is to have none, or has one level. */
 uint16_t *leaf_writer_deviations(leaf_writer *w);
 
-/* leaf_writer_put() - put treelet t of a grid in a set: its directory entry and its payload of
- * leaf_layout_payload(t).bytes. An implied payload takes no bytes of the file. Put each exactly
- * once; from any thread, which has a packer and a pack buffer of its own. */
-CHECKED status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
-                               const leaf_entry *entry, const void *payload, void *pack);
+/* leaf_family - the payloads of a family, which one thread puts together. */
+typedef struct leaf_family leaf_family;
 
-/* leaf_writer_put_implied() - the same for a treelet whose payload is known to be implied
+/* leaf_writer_make_families() - make room for those of so many threads, which belongs to the
+ * writer. leaf_writer_take_family() - an empty one for a thread; once each, before any begins one.
+ * leaf_family_begin() - begin family `index` of a slab of a set: each once. Other threads
+ * must have begun, or be about to begin, all families of the set before it; then none waits
+ * forever.
+ * leaf_writer_end_family() - write it, or leave it to the thread that writes those before it. It
+ * may wait for that. *f: in, out: an empty one to go on with.
+ * leaf_writer_give_up() - a family that was begun will not be ended, as something failed: nobody
+ * waits from now on, and nothing is written. */
+CHECKED status leaf_writer_make_families(leaf_writer *w, int threads);
+leaf_family *leaf_writer_take_family(leaf_writer *w);
+void leaf_family_begin(leaf_family *f, uint32_t set, const leaf_slab *slab, uint32_t index);
+CHECKED status leaf_writer_end_family(leaf_writer *w, leaf_family **f);
+void leaf_writer_give_up(leaf_writer *w);
+
+/* leaf_family_room() - where the next payload may be made, if the codec is raw: leaf_writer_put()
+ * then copies nothing. leaf_family_bytes() - the bytes that were put so far. */
+void *leaf_family_room(const leaf_family *f);
+size_t leaf_family_bytes(const leaf_family *f);
+
+/* leaf_writer_put() - put treelet t: its directory entry and its payload of
+ * leaf_layout_payload(t).bytes. An implied payload takes no bytes of the file. k: a packer of the
+ * thread's own; NULL for the raw codec.
+ * leaf_writer_put_implied() - the same for a treelet whose payload is known to be implied
  * (implied_payload.h). */
-void leaf_writer_put_implied(leaf_writer *w, uint32_t set, uint32_t t, const leaf_entry *entry);
+void leaf_writer_put(leaf_writer *w, leaf_family *f, leaf_packer *k, uint32_t t,
+                     const leaf_entry *entry, const void *payload);
+void leaf_writer_put_implied(leaf_writer *w, leaf_family *f, uint32_t t, const leaf_entry *entry);
 
-/* leaf_writer_implied() - whether a treelet of a grid that was put takes no bytes.
- *
- * leaf_writer_put_shell() - put what the children of a treelet share (grid_family.h), if the layout
- * has shells: once for each treelet above level 0, of each set. samples: NULL, and only then, if
- * there is one child, or all are implied. */
-bool leaf_writer_implied(const leaf_writer *w, uint32_t set, uint32_t t);
-CHECKED status leaf_writer_put_shell(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t parent,
-                                     const void *samples, void *pack);
+/* leaf_writer_put_shell() - put what the children of a treelet share (grid_family.h), behind them.
+ * samples: NULL, and only then, if there is one child, or all are implied. */
+void leaf_writer_put_shell(leaf_writer *w, leaf_family *f, leaf_packer *k, uint32_t parent,
+                           const void *samples);
 
 /* leaf_writer_put_topology() - put treelet t of a mesh: its bounds (exact), its counts (without a
  * mesh_leaf_counts_fault()), and its topology, mesh_leaf_shape(counts).topology_bytes.

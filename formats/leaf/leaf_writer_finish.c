@@ -18,7 +18,8 @@ static uint64_t sections_end(const leaf_writer *w) {
 void leaf_writer_place(leaf_writer *w) {
     leaf_placing next = {.end = sections_end(w)};
     w->header.payload_bytes = 0;
-    for (leaf_order o = {0}; o.p < w->layout.payloads; leaf_order_next(&o, &w->layout)) {
+    for (leaf_order o = leaf_order_begin(&w->layout); o.p < w->layout.payloads;
+         leaf_order_next(&o, &w->layout)) {
         w->offsets[o.p] =
             leaf_placing_next(&next, &w->layout, o.p, w->sizes[o.p], w->p.run_align_log2);
         w->header.payload_bytes += w->sizes[o.p];
@@ -57,31 +58,13 @@ static status write_zeros(leaf_writer *w, uint64_t from, uint64_t to) {
     return st;
 }
 
-/* Move payload p from `from` to its place; zero the gap before it, which begins at `end`. */
-static status move_payload(leaf_writer *w, uint32_t p, uint64_t from, uint64_t end) {
-    status st = out_file_read_at(w->out, from, w->copy_buffer, (size_t)w->sizes[p]);
-    if (st == ST_OK)
-        st = write_zeros(w, end, w->offsets[p]);
-    return st == ST_OK
-               ? out_file_write_at(w->out, w->offsets[p], w->copy_buffer, (size_t)w->sizes[p])
-               : st;
-}
-
-/* Remove the room of implied payloads: raw payloads lie where they would if none were implied. Move
- * them down in order, so that none is overwritten before it has moved. */
-static status close_ranks(leaf_writer *w) {
-    leaf_placing next = {.end = sections_end(w)};
-    status st = leaf_writer_copy_room(w);
+/* All payloads of a grid are at their places. */
+static void end_payloads(leaf_writer *w) {
+    assert(w->order.p == w->layout.payloads && !w->waiting);
     w->header.payload_bytes = 0;
-    for (uint32_t p = 0; st == ST_OK && p < w->layout.payloads; p++) {
-        const uint64_t from = w->offsets[p], end = next.end;
-        w->offsets[p] = leaf_placing_next(&next, &w->layout, p, w->sizes[p], w->p.run_align_log2);
+    for (uint32_t p = 0; p < w->layout.payloads; p++)
         w->header.payload_bytes += w->sizes[p];
-        if (w->sizes[p] && w->offsets[p] != from)
-            st = move_payload(w, p, from, end);
-    }
-    w->header.file_bytes = leaf_layout_aligned(next.end, w->p.run_align_log2);
-    return st == ST_OK ? out_file_cut(w->out, w->header.file_bytes) : st;
+    w->header.file_bytes = leaf_layout_aligned(w->next.end, w->p.run_align_log2);
 }
 
 /* Merge the ranges of a grid's set, last treelet first: children come behind their parents. */
@@ -156,7 +139,7 @@ static status write_sections(leaf_writer *w) {
 /* Write zeros between the last payload and the end. The gaps before are holes, which read as
  * zeros. */
 static status write_end(leaf_writer *w) {
-    const uint32_t last = leaf_layout_last(&w->layout);
+    const uint32_t last = leaf_order_last(&w->layout);
     return write_zeros(w, w->offsets[last] + w->sizes[last], w->header.file_bytes);
 }
 
@@ -183,24 +166,26 @@ static status write_header(leaf_writer *w) {
     return st == ST_OK ? out_file_write_at(w->out, 0, h, sizeof *h) : st;
 }
 
-static status write_all(leaf_writer *w, const leaf_facts *facts) {
-    status st = ST_OK;
-    if (w->counts) {
-        leaf_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
-        st = leaf_writer_copy_room(w);
-    }
-    if (st == ST_OK && w->scratch)
-        st = copy_payloads(w);
-    else if (st == ST_OK && w->implied)
-        st = close_ranks(w);
-    if (st != ST_OK)
-        return st;
-    if (w->counts)
-        sum_up_mesh(w);
-    else
+/* Compute what follows from all payloads, and put those of a mesh at their places. */
+static status close_payloads(leaf_writer *w) {
+    if (!w->counts) {
+        end_payloads(w);
         sum_up_grid(w);
+        return ST_OK;
+    }
+    leaf_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
+    status st = leaf_writer_copy_room(w);
+    if (st == ST_OK)
+        st = copy_payloads(w);
+    sum_up_mesh(w);
+    return st;
+}
+
+static status write_all(leaf_writer *w, const leaf_facts *facts) {
+    status st = close_payloads(w);
     note_facts(w, facts);
-    st = write_sections(w);
+    if (st == ST_OK)
+        st = write_sections(w);
     if (st == ST_OK)
         st = write_end(w);
     return st == ST_OK ? write_header(w) : st;

@@ -1,7 +1,8 @@
 /* leaf_writer_private.h - the inside of a writer, for the files leaf_writer*.c alone.
  *
  * leaf_writer.c         beginning a file, and what it takes of memory
- * leaf_writer_put.c     putting payloads, from many threads
+ * leaf_writer_family.c  putting the payloads of a grid, from many threads
+ * leaf_writer_put.c     the same of a mesh
  * leaf_writer_finish.c  payloads to their places, the directory, the header
  */
 #ifndef FORMATS_LEAF_LEAF_WRITER_PRIVATE_H
@@ -34,17 +35,30 @@ struct leaf_writer {
     world_frame frame;
     bool settled;
     out_file *out;
-    /* Compressed payloads, and a mesh's, wait here until all sizes are known. NULL: sizes are known
-     * from the start. */
+    /* A mesh's payloads wait here until the sizes of all before them are known. */
     out_file *scratch;
     uint64_t *scratch_at; /* per payload; or NOT_THERE */
     void *copy_buffer;
+    leaf_family *families; /* all of them, of a grid */
     /* Guarded by the lock: */
     pthread_mutex_t lock;
+    pthread_cond_t changed;
     uint64_t scratch_end;
-    leaf_order order;  /* the first payload without a place: all before it have been put */
-    leaf_placing next; /* where the next payload goes */
-    bool implied;      /* some payloads have no bytes */
+    leaf_order order;     /* the first payload without a place: all before it have been put */
+    leaf_placing next;    /* where the next payload goes */
+    leaf_family *waiting; /* those that are whole; those before them are not */
+    leaf_family *spare;
+    bool given_up;
+};
+
+/* A family while it is put together. Its payloads are in `bytes` as they will be in the file. */
+struct leaf_family {
+    leaf_family *all;  /* the next of all */
+    leaf_family *next; /* of those that wait, or are spare */
+    uint32_t set, index;
+    leaf_slab slab;
+    char *bytes;
+    size_t used;
 };
 
 #define NOT_THERE    UINT64_MAX
@@ -54,5 +68,10 @@ struct leaf_writer {
  * allocate copy_buffer; for a mesh not before its counts are known. */
 void leaf_writer_place(leaf_writer *w);
 CHECKED status leaf_writer_copy_room(leaf_writer *w);
+
+/* leaf_writer_families_memory() - the bytes of the families of so many threads.
+ * leaf_writer_free_families() - free them. */
+uint64_t leaf_writer_families_memory(const leaf_layout *l, int threads);
+void leaf_writer_free_families(leaf_writer *w);
 
 #endif

@@ -1,4 +1,4 @@
-/* leaf_writer_put.c - putting payloads into a treelet file, from many threads. */
+/* leaf_writer_put.c - putting the payloads of a mesh into a treelet file, from many threads. */
 #include <assert.h>
 #include <string.h>
 
@@ -7,10 +7,6 @@
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/leaf_writer_private.h"
 #include "formats/mesh/mesh_leaf.h"
-
-size_t leaf_writer_pack_bytes(const leaf_layout *l, leaf_codec codec) {
-    return codec == LEAF_CODEC_RAW ? 0 : leaf_layout_stored_max(l);
-}
 
 /* Decide where a payload of this size goes. Returns true for offsets[p], as all before it have been
  * put; false for scratch_at[p]. Places become known in order. The place of a payload in the scratch
@@ -39,10 +35,6 @@ static const mesh_block blocks[] = {MESH_BLOCK_TOPOLOGY, MESH_BLOCK_VALUES, MESH
 static size_t pack_payload(const leaf_writer *w, leaf_packer *k, uint32_t p, const void *payload,
                            void *pack, const void **stored) {
     uint32_t index;
-    if (!w->counts) {
-        *stored = pack;
-        return leaf_packer_pack(k, p, payload, pack);
-    }
     const uint32_t t = p % w->layout.treelets;
     return leaf_packer_pack_mesh(k, blocks[leaf_layout_block_of(&w->layout, p, &index)],
                                  w->counts[t], w->bounds[t], payload, pack, stored);
@@ -54,57 +46,9 @@ static status put_payload(leaf_writer *w, leaf_packer *k, uint32_t p, const void
     if (k)
         size = pack_payload(w, k, p, payload, pack, &stored);
     w->checksums[p] = hash_bytes(stored, size);
-    if (!w->scratch)
-        return out_file_write_at(w->out, w->offsets[p], stored, size);
     if (place_put(w, p, size))
         return out_file_write_at(w->out, w->offsets[p], stored, size);
     return out_file_write_at(w->scratch, w->scratch_at[p], stored, size);
-}
-
-/* Put a payload without bytes. */
-static void put_nothing(leaf_writer *w, uint32_t p) {
-    if (w->scratch)
-        place_put(w, p, 0);
-    pthread_mutex_lock(&w->lock);
-    w->sizes[p] = w->checksums[p] = 0;
-    w->implied = true;
-    pthread_mutex_unlock(&w->lock);
-}
-
-bool leaf_writer_implied(const leaf_writer *w, uint32_t set, uint32_t t) {
-    return !w->sizes[leaf_layout_samples(&w->layout, set, t)];
-}
-
-status leaf_writer_put_shell(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t parent,
-                             const void *samples, void *pack) {
-    const uint32_t p = leaf_layout_shell(&w->layout, set, parent);
-    assert(parent < w->layout.shells && set < w->layout.sets);
-    if (samples)
-        return put_payload(w, k, p, samples, leaf_layout_payload_bytes(&w->layout, p), pack);
-    put_nothing(w, p);
-    return ST_OK;
-}
-
-status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
-                       const leaf_entry *entry, const void *payload, void *pack) {
-    const uint32_t p = leaf_layout_samples(&w->layout, set, t);
-    assert(t < w->layout.treelets && set < w->layout.sets && !w->counts);
-    memcpy(w->own[p], entry->own, sizeof entry->own);
-    w->flags[p] = entry->flags;
-    const leaf_geometry *g = w->layout.geometry;
-    if (g->implies && g->implies(&w->layout, t, entry->own, entry->flags, payload)) {
-        put_nothing(w, p);
-        return ST_OK;
-    }
-    return put_payload(w, k, p, payload, leaf_layout_payload_bytes(&w->layout, p), pack);
-}
-
-void leaf_writer_put_implied(leaf_writer *w, uint32_t set, uint32_t t, const leaf_entry *entry) {
-    const uint32_t p = leaf_layout_samples(&w->layout, set, t);
-    assert(w->layout.geometry->implies && implied_payload_may(entry->own, entry->flags));
-    memcpy(w->own[p], entry->own, sizeof entry->own);
-    w->flags[p] = entry->flags;
-    put_nothing(w, p);
 }
 
 /* Copy floats; -0 becomes +0, as readers may compare bytes. */

@@ -20,10 +20,10 @@
 /* Buffers of one thread. */
 typedef struct bench {
     grid_codes_scratch *scratch;
-    void *payload;
-    void *shell; /* what a family shares; NULL: the file has no shells */
-    void *pack;
+    void *payload; /* of a treelet, before it is compressed; NULL: it is not */
+    void *shell;   /* what a family shares; NULL: the file has no shells */
     leaf_packer *packer;
+    leaf_family *family;
 } bench;
 
 /* State of one level. */
@@ -49,6 +49,7 @@ typedef struct conversion {
     read_ahead *input;
     const void *quiet; /* value of tiles that maps call not busy; NULL: there are no maps */
     uint32_t slices_done;
+    leaf_slabs slabs; /* at the one that is complete next */
     /* For the histogram; cells is NULL if the file has none. */
     histogram_draw draw;
     histogram_space space;
@@ -65,60 +66,61 @@ typedef struct cutting {
 } cutting;
 
 /* Record a treelet of which all samples are the quiet value. */
-static void imply_treelet(const conversion *c, uint32_t t) {
+static void imply_treelet(const conversion *c, leaf_family *f, uint32_t t) {
     const float value = sample_get(c->layout->type, c->quiet, 0);
     const leaf_entry entry = {.own = {value, value}};
     if (c->cells && c->layout->level_of[t] == 0)
         leaf_histogram_take_one(c->layout, &c->draw, &c->space, t, c->quiet, c->cells);
-    leaf_writer_put_implied(c->writer, c->set, t, &entry);
+    leaf_writer_put_implied(c->writer, f, t, &entry);
 }
 
-/* *stored: set if the treelet's payload has bytes. */
-static status make_treelet(const conversion *c, const bench *b, const sample_box *box, uint32_t t,
-                           bool *stored) {
+static void make_treelet(const conversion *c, const bench *b, const sample_box *box, uint32_t t) {
     grid_summary summary;
     if (treelet_build_quiet(c->layout, t, box)) {
-        imply_treelet(c, t);
-        return ST_OK;
+        imply_treelet(c, b->family, t);
+        return;
     }
-    treelet_build(c->layout, t, box, b->scratch, b->payload, &summary);
+    void *payload = b->payload ? b->payload : leaf_family_room(b->family);
+    treelet_build(c->layout, t, box, b->scratch, payload, &summary);
     leaf_entry entry = {.own = {summary.own[0], summary.own[1]}, .flags = summary.flags};
     if (c->cells && c->layout->level_of[t] == 0)
-        leaf_histogram_take(c->layout, &c->draw, &c->space, t, b->payload, c->cells);
-    status st = leaf_writer_put(c->writer, b->packer, c->set, t, &entry, b->payload, b->pack);
-    *stored |= st == ST_OK && !leaf_writer_implied(c->writer, c->set, t);
-    return st;
+        leaf_histogram_take(c->layout, &c->draw, &c->space, t, payload, c->cells);
+    leaf_writer_put(c->writer, b->family, b->packer, t, &entry, payload);
 }
 
-/* Put what the children of treelet p share, if any of them has bytes. */
-static status make_shell(const conversion *c, const bench *b, const sample_box *box, uint32_t p,
-                         bool needed) {
+/* Make the treelets below treelet p, and put what they share, if any of them has bytes. */
+static void make_siblings(const conversion *c, const bench *b, const sample_box *box, uint32_t p) {
+    const leaf_layout *l = c->layout;
+    const int siblings = __builtin_popcount(leaf_layout_children(l, p));
+    for (int i = 0; i < siblings; i++)
+        make_treelet(c, b, box, l->first_child[p] + (uint32_t)i);
+    if (!l->shells)
+        return;
+    const bool needed = siblings > 1 && leaf_family_bytes(b->family) > 0;
     if (needed)
-        treelet_build_shell(c->layout, p, box, b->shell);
-    return leaf_writer_put_shell(c->writer, b->packer, c->set, p, needed ? b->shell : NULL,
-                                 b->pack);
+        treelet_build_shell(l, p, box, b->shell);
+    leaf_writer_put_shell(c->writer, b->family, b->packer, p, needed ? b->shell : NULL);
 }
 
 static status make_family(void *ctx, size_t index, int worker) {
     const cutting *job = ctx;
     const conversion *c = job->c;
-    const leaf_layout *l = c->layout;
-    const bench *b = &c->benches[worker];
-    bool stored = false;
-    if (job->level + 1 == l->levels)
-        return make_treelet(c, b, &job->box->samples, 0, &stored);
-    uint32_t parent[3] = {job->box->first[0] + (uint32_t)index % job->box->count[0],
-                          job->box->first[1] + (uint32_t)index / job->box->count[0],
-                          job->box->first[2]};
-    uint32_t p = leaf_layout_find(l, job->level + 1, parent);
-    int siblings = __builtin_popcount(leaf_layout_children(l, p));
-    for (int i = 0; i < siblings; i++) {
-        status st =
-            make_treelet(c, b, &job->box->samples, l->first_child[p] + (uint32_t)i, &stored);
-        if (st != ST_OK)
-            return st;
-    }
-    return l->shells ? make_shell(c, b, &job->box->samples, p, stored && siblings > 1) : ST_OK;
+    bench *b = &c->benches[worker];
+    const slab_box *box = job->box;
+    const uint32_t x = box->first[0] + (uint32_t)index % box->count[0];
+    const uint32_t y = box->first[1] + (uint32_t)index / box->count[0];
+    const leaf_slab of = {.level = job->level, .z = box->first[2]};
+    const uint32_t in_slab = y * slab_families(c->layout, job->level, 0) + x;
+    leaf_family_begin(b->family, c->set, &of, in_slab);
+    const uint32_t parent = leaf_slab_parent(c->layout, &of, in_slab);
+    if (parent == LEAF_NO_TREELET)
+        make_treelet(c, b, &box->samples, 0);
+    else
+        make_siblings(c, b, &box->samples, parent);
+    status st = leaf_writer_end_family(c->writer, &b->family);
+    if (st != ST_OK)
+        leaf_writer_give_up(c->writer);
+    return st;
 }
 
 /* Share of the work on all sets that is done. */
@@ -165,6 +167,8 @@ static status store_slices(conversion *c, uint32_t level, read_slices in) {
     return ST_OK;
 }
 
+/* Take slices that complete no slab, but by the last of them: then slabs are complete in the order
+ * of the file. */
 static status push(conversion *c, read_slices in) {
     for (uint32_t level = 0; in.count > 0; level++) {
         status st = store_slices(c, level, in);
@@ -183,14 +187,33 @@ static status push(conversion *c, read_slices in) {
     return ST_OK;
 }
 
+static status push_batch(conversion *c, read_slices in) {
+    const uint32_t *dims = c->layout->level[0].dims;
+    const size_t slice_bytes = (size_t)dims[0] * dims[1] * sample_size(c->layout->type);
+    while (in.count > 0) {
+        const uint32_t until = c->slabs.at.slices - c->slices_done;
+        const uint32_t some = in.count < until ? in.count : until;
+        status st = push(c, (read_slices){in.samples, in.busy, some});
+        if (st != ST_OK)
+            return st;
+        c->slices_done += some;
+        while (c->slices_done == c->slabs.at.slices && leaf_slabs_next(&c->slabs, c->layout))
+            ;
+        in.samples += some * slice_bytes;
+        if (in.busy)
+            in.busy += some * slice_tiles_count(dims);
+        in.count -= some;
+    }
+    return ST_OK;
+}
+
 static status convert_slices(conversion *c) {
     for (;;) {
         read_slices in;
         status st = read_ahead_next(c->input, &in);
         if (st != ST_OK || in.count == 0)
             return st;
-        st = push(c, in);
-        c->slices_done += in.count;
+        st = push_batch(c, in);
         if (st == ST_OK)
             st = progress_step(c->p, "convert", done(c));
         if (st != ST_OK)
@@ -204,20 +227,23 @@ static status create_benches(conversion *c) {
     c->benches = mem_array(c->m, (size_t)c->o->threads, sizeof *c->benches);
     if (!c->benches)
         return ST_NOMEM;
-    size_t pack_bytes = leaf_writer_pack_bytes(c->layout, c->o->file.codec);
-    size_t shell_bytes =
+    status st = leaf_writer_make_families(c->writer, c->o->threads);
+    if (st != ST_OK)
+        return st;
+    const size_t payload_bytes = c->layout->coded ? leaf_layout_payload_max(c->layout) : 0;
+    const size_t shell_bytes =
         c->layout->shells ? leaf_layout_shell_max(c->layout) * sample_size(c->layout->type) : 0;
     for (int i = 0; i < c->o->threads; i++) {
         bench *b = &c->benches[i];
+        b->family = leaf_writer_take_family(c->writer);
         b->scratch = mem_alloc(c->m, grid_codes_scratch_bytes());
-        b->payload = mem_alloc(c->m, leaf_layout_payload_max(c->layout));
-        if (!b->scratch || !b->payload)
+        if (!b->scratch)
             return ST_NOMEM;
-        if (pack_bytes && !(b->pack = mem_alloc(c->m, pack_bytes)))
+        if (payload_bytes && !(b->payload = mem_alloc(c->m, payload_bytes)))
             return ST_NOMEM;
         if (shell_bytes && !(b->shell = mem_alloc(c->m, shell_bytes)))
             return ST_NOMEM;
-        status st = leaf_packer_create(c->m, c->layout, NULL, &c->o->file, &b->packer);
+        st = leaf_packer_create(c->m, c->layout, NULL, &c->o->file, &b->packer);
         if (st != ST_OK)
             return st;
     }
@@ -342,7 +368,6 @@ static void release(conversion *c) {
     for (int i = 0; c->benches && i < c->o->threads; i++) {
         mem_free(c->m, c->benches[i].scratch);
         mem_free(c->m, c->benches[i].payload);
-        mem_free(c->m, c->benches[i].pack);
         mem_free(c->m, c->benches[i].shell);
         leaf_packer_destroy(c->m, c->benches[i].packer);
     }
@@ -362,6 +387,7 @@ static void describe_origin(const convert_options *o, sample_type source, char *
 static status convert_set(conversion *c, volume *v, const char *output, read_ahead_facts *facts) {
     const grid *g = volume_grid(v);
     c->slices_done = 0;
+    c->slabs = leaf_slabs_begin(c->layout);
     status st = create_stages(c, output);
     if (st == ST_OK)
         st = begin_histogram(c, g);

@@ -29,11 +29,11 @@ uint32_t convert_plan_slices(const convert_plan *plan, uint32_t level) {
 /* Returns the bytes needed in any case, whether slabs are in memory or in scratch files. */
 static uint64_t fixed_memory(const grid *g, const convert_options *o, const leaf_layout *l,
                              uint64_t packer) {
-    uint64_t thread = leaf_layout_payload_max(l) + leaf_writer_pack_bytes(l, o->file.codec) +
+    uint64_t thread = (l->coded ? leaf_layout_payload_max(l) : 0) +
                       (l->shells ? leaf_layout_shell_max(l) * sample_size(l->type) : 0) +
                       grid_codes_scratch_bytes() + packer + THREAD_BYTES;
     uint64_t bytes =
-        leaf_writer_memory(l, o->file.codec) + (uint64_t)o->threads * thread + FIXED_BYTES;
+        leaf_writer_memory(l, o->threads) + (uint64_t)o->threads * thread + FIXED_BYTES;
     if (o->file.histograms)
         bytes += histogram_draw_grid(g->dims).count * sizeof(histogram_cell);
     for (uint32_t level = 0; level + 1 < l->levels; level++)

@@ -25,7 +25,7 @@ exits "--force -q" 0 "$leafcast" convert "$in" -o "$out" --force -q
 ok "is quiet" [ ! -s "$tmp/out" -a ! -s "$tmp/err" ]
 exits "--force" 0 "$leafcast" convert "$in" -o "$out" --force --json
 ok "with --json" says '"treelets": 15' out
-for how in "--threads 1" "--threads 3 --memory 4M" "--memory 40M"; do
+for how in "--threads 1" "--threads 3 --memory 6M" "--memory 40M"; do
     # shellcheck disable=SC2086 # split on purpose
     exits "convert $how" 0 "$leafcast" convert "$in" -o "$tmp/b.leaf" --force $how
     ok "gives the same bytes" cmp -s "$out" "$tmp/b.leaf"

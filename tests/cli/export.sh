@@ -127,7 +127,7 @@ for form in nrrd "ply --iso 120" "stl --iso 120"; do
     [ ! -c /dev/full ] || exits "a full disk: $form" 4 sh -c '"$1" export "$2" -o - --format $3 >/dev/full' sh "$leafcast" "$grid" "$form"
 done
 size=$(wc -c <"$grid")
-for at in $((size / 2)) $((size - 5000)); do
+for at in $((size / 2)) $((size / 4)); do
     cp "$grid" "$tmp/damaged.leaf"
     printf 'damage' | dd of="$tmp/damaged.leaf" bs=1 seek=$at conv=notrunc 2>"$tmp/dd"
     exits "damage at $at: samples" 3 "$leafcast" export "$tmp/damaged.leaf" -o "$tmp/x.nrrd"

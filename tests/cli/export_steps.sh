@@ -85,7 +85,7 @@ head -c 60000 "$tmp/even.leaf" >"$tmp/cut.leaf"
 exits "a file that is cut off" 3 "$leafcast" export "$tmp/cut.leaf" --step all -o "$tmp/x.zarr"
 cp "$tmp/even.leaf" "$tmp/bad.leaf"
 size=$(wc -c <"$tmp/bad.leaf")
-printf 'damage damage damage' | dd of="$tmp/bad.leaf" bs=1 seek=$((size - 3000)) conv=notrunc 2>/dev/null
+printf 'damage damage damage' | dd of="$tmp/bad.leaf" bs=1 seek=$((size * 5 / 8)) conv=notrunc 2>/dev/null
 exits "a damaged one" 3 "$leafcast" export "$tmp/bad.leaf" --step all -o "$tmp/x.zarr"
 ok "nothing is left" left
 exits "a damaged one as .nii" 3 "$leafcast" export "$tmp/bad.leaf" --step all -o "$tmp/x.nii"

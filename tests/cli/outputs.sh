@@ -35,7 +35,7 @@ generate a volume:a.nrrd:generate sphere --dims 160 -o
 generate a mesh:a.mesh:generate sphere --dims 40 --tets -o
 convert a volume:a.leaf:convert $in/g.nrrd -o
 convert a volume, compressed:z.leaf:convert $in/g.nrrd --compress zstd:1 -o
-convert a volume, spilling:s.leaf:convert $in/g.nrrd --memory 3M --threads 1 -o
+convert a volume, spilling:s.leaf:convert $in/g.nrrd --memory 4M --threads 1 -o
 convert a mesh:m.leaf:convert $in/m.mesh -o
 convert a mesh, spilling:n.leaf:convert $in/m.mesh --memory 5M --threads 1 -o
 repair:v.leaf:verify $in/g.leaf --repair $in/h.leaf -o

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "formats/leaf/leaf_file.h"
+#include "formats/leaf/leaf_order.h"
 
 static void add(leaf_parts *p, leaf_range_kind kind, bool coarse, uint64_t at, uint64_t bytes) {
     p->all = realloc(p->all, (p->count + 1) * sizeof *p->all);
@@ -23,7 +24,8 @@ static void add_file(leaf_parts *p, leaf_file *f, uint64_t base) {
     add(p, PART_TABLE, coarse, base + LEAF_HEADER_BYTES, size);
     for (uint32_t i = 0; i < f->header.sections; i++)
         add(p, PART_SECTION, coarse, base + table[i].offset, table[i].bytes);
-    for (leaf_order o = {0}; o.p < f->layout.payloads; leaf_order_next(&o, &f->layout))
+    for (leaf_order o = leaf_order_begin(&f->layout); o.p < f->layout.payloads;
+         leaf_order_next(&o, &f->layout))
         if (f->sizes[o.p])
             add(p, PART_PAYLOAD, coarse, base + f->offsets[o.p], f->sizes[o.p]);
 }

@@ -75,7 +75,7 @@ static bool read_header(naive_leaf *leaf) {
     static const unsigned char magic[8] = {0x89, 0x4c, 0x45, 0x41, 0x46, 0x0d, 0x0a, 0x1a};
     /* offset, lowest and highest value of what the file of a grid may say */
     static const uint64_t ranges[][3] = {
-        {8, 3, 3},        {12, 1, 1},       {16, 1, 5},  {20, 1, 11}, {24, 2, 1 << 20},
+        {8, 4, 4},        {12, 1, 1},       {16, 1, 5},  {20, 1, 11}, {24, 2, 1 << 20},
         {28, 2, 1 << 20}, {32, 2, 1 << 20}, {36, 1, 24}, {40, 4, 6},  {44, 0, 1},
         {48, 2, 2},       {52, 6, 21},      {56, 0, 1},  {60, 0, 1},  {64, 1, 65536},
         {68, 1, 65536},   {72, 1, 64},      {76, 0, 0},
@@ -504,37 +504,93 @@ static bool place_treelet(naive_leaf *leaf, placing *x, long i, bool begins) {
            wrong(leaf, "treelet %ld: size", i);
 }
 
-/* The family below treelet p: its shell, then the treelets from *next on. */
-static bool place_family(naive_leaf *leaf, placing *x, long p, long *next) {
-    const long n = leaf->treelet_count, first = *next;
+/* A family, with all that its place in the file depends on. */
+typedef struct family {
+    long slices; /* of level 0, when its slab is complete */
+    long level;  /* of its treelets */
+    long z, y, x;
+    long parent, first; /* parent -1: the root alone */
+} family;
+
+static int by_place(const void *a, const void *b) {
+    const family *f = a, *g = b;
+    const long of_f[] = {f->slices, f->level, f->z, f->y, f->x};
+    const long of_g[] = {g->slices, g->level, g->z, g->y, g->x};
+    for (int i = 0; i < 5; i++)
+        if (of_f[i] != of_g[i])
+            return of_f[i] < of_g[i] ? -1 : 1;
+    return 0;
+}
+
+/* The number of slices of level 0 up to the last that a slab's samples depend on. */
+static long slices_for(const naive_leaf *leaf, int level, long z) {
+    long last = (z + 1) * (2L << leaf->cells_log2) + leaf->halo;
+    for (; level >= 0; level--) {
+        if (last > leaf->level[level].nodes[2] - 1)
+            last = leaf->level[level].nodes[2] - 1;
+        if (level > 0)
+            last = 2 * last + 2;
+    }
+    return last + 1;
+}
+
+/* The family of the treelets from `first` on. */
+static family family_of(const naive_leaf *leaf, long first) {
+    const naive_treelet *t = &leaf->treelets[first];
+    return (family){.slices = slices_for(leaf, t->level, t->at[2] / 2),
+                    .level = t->level,
+                    .z = t->at[2] / 2,
+                    .y = t->at[1] / 2,
+                    .x = t->at[0] / 2,
+                    .parent = t->parent,
+                    .first = first};
+}
+
+/* A family's treelets, then its shell. */
+static bool place_family(naive_leaf *leaf, placing *x, const family *f) {
+    const long n = leaf->treelet_count, p = f->parent;
+    bool bytes = false;
+    long next = f->first;
+    for (; next < n * leaf->sets && leaf->treelets[next].parent == p; next++) {
+        if (!place_treelet(leaf, x, next, next == f->first))
+            return false;
+        bytes = bytes || leaf->treelets[next].stored.size > 0;
+        if (p < 0)
+            return true;
+    }
+    if (leaf->codec == 0)
+        return true;
     const long shell = n * leaf->sets + p / n * leaf->shell_count + p % n;
     naive_treelet *parent = &leaf->treelets[p];
-    bool bytes = false;
-    if (leaf->codec == 1 && !place_payload(leaf, x, shell, true, &parent->shell))
-        return false;
-    for (; *next < n * leaf->sets && leaf->treelets[*next].parent == p; ++*next) {
-        if (!place_treelet(leaf, x, *next, leaf->codec == 0 && *next == first))
-            return false;
-        bytes = bytes || leaf->treelets[*next].stored.size > 0;
-    }
-    return leaf->codec == 0 || (parent->shell.size > 0) == (bytes && *next - first > 1) ||
-           wrong(leaf, "the shell below treelet %ld: bytes or none", p);
+    return place_payload(leaf, x, shell, false, &parent->shell) &&
+           ((parent->shell.size > 0) == (bytes && next - f->first > 1) ||
+            wrong(leaf, "the shell below treelet %ld: bytes or none", p));
+}
+
+/* The families of the set that begins with treelet `root`, in the order of the file. */
+static long list_families(const naive_leaf *leaf, long root, family *out) {
+    long count = 0;
+    for (long i = root; i < root + leaf->treelet_count; i++)
+        if (i == root || leaf->treelets[i].parent != leaf->treelets[i - 1].parent)
+            out[count++] = family_of(leaf, i);
+    qsort(out, (size_t)count, sizeof *out, by_place);
+    return count;
 }
 
 static bool read_directory(naive_leaf *leaf, const unsigned char *const where[KINDS],
                            uint64_t end) {
     placing x = {.where = where, .end = end};
     const long n = leaf->treelet_count;
-    for (long root = 0; root < n * leaf->sets; root += n) {
-        long next = root + 1;
-        if (!place_treelet(leaf, &x, root, true))
-            return false;
-        for (long p = root; p < root + n && leaf->treelets[p].level > 0; p++)
-            if (!place_family(leaf, &x, p, &next))
-                return false;
-        if (next != root + n)
-            return wrong(leaf, "treelets that are in no family");
+    family *families = malloc((size_t)n * sizeof *families);
+    bool good = families || wrong(leaf, "no memory");
+    for (long root = 0; good && root < n * leaf->sets; root += n) {
+        const long count = list_families(leaf, root, families);
+        for (long i = 0; good && i < count; i++)
+            good = place_family(leaf, &x, &families[i]);
     }
+    free(families);
+    if (!good)
+        return false;
     if (x.stored != naive_number(leaf->bytes + 88, 8))
         return wrong(leaf, "payload_bytes");
     if (leaf->size != naive_up_to(x.end, UINT64_C(1) << leaf->run_align_log2) ||

@@ -121,36 +121,6 @@ static void test_geometry(void **state) {
         }
 }
 
-static void test_places(void **state) {
-    (void)state;
-    mem m;
-    mem_init(&m, 0);
-    leaf_layout l;
-    assert_int_equal(leaf_layout_init(&l, &m, (uint32_t[3]){60, 40, 33}, 4, 0, SAMPLE_U8), ST_OK);
-    /* Firsts of families start runs, others follow at multiples of 64; the lone root, too, starts
-     * one. */
-    for (uint32_t t = 0; t < l.treelets; t++) {
-        bool first = t == 0;
-        for (uint32_t p = 0; p < l.treelets; p++)
-            first |= l.first_child[p] == t;
-        leaf_placing x = {.end = 5000};
-        assert_int_equal(leaf_placing_next(&x, &l, t, 100, 12), first ? 8192 : 5056);
-        assert_int_equal(x.end, first ? 8292 : 5156);
-        x = (leaf_placing){.end = 8192};
-        assert_int_equal(leaf_placing_next(&x, &l, t, 1, 12), 8192);
-        /* One of no bytes is at the end of what is there, and hands on that a run begins. */
-        x = (leaf_placing){.end = 5000};
-        assert_int_equal(leaf_placing_next(&x, &l, t, 0, 12), 5000);
-        assert_int_equal(x.end, 5000);
-        assert_int_equal(x.run, first);
-    }
-    leaf_placing x = {.end = 5000};
-    assert_int_equal(leaf_placing_next(&x, &l, 1, 0, 12), 5000);
-    assert_int_equal(leaf_placing_next(&x, &l, 2, 64, 12), 8192);
-    assert_int_equal(leaf_placing_next(&x, &l, 3, 64, 12), 8256);
-    leaf_layout_release(&l);
-}
-
 static void test_limits(void **state) {
     (void)state;
     leaf_layout l;
@@ -180,7 +150,6 @@ static void test_limits(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_geometry),
-        cmocka_unit_test(test_places),
         cmocka_unit_test(test_limits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -312,7 +312,7 @@ static void test_lost(void **state) {
         flip_part("from.leaf", leaf_parts_find(&s.parts, PART_PAYLOAD, false, i), 9);
     }
     refused(ST_CORRUPT, "2 parts are damaged in both", false);
-    refused(ST_CORRUPT, ": treelet 3's payload, treelet 4's payload", true);
+    refused(ST_CORRUPT, ": treelet 9's payload, treelet 10's payload", true);
     for (size_t i = 0; i < s.parts.count; i++)
         if (s.parts.all[i].kind == PART_PAYLOAD) {
             flip_part("bad.leaf", s.parts.all[i], 11);
@@ -544,7 +544,7 @@ static void test_tell(void **state) {
         if (s.parts.all[i].kind == PART_PAYLOAD && ++payloads <= 23)
             flip_part("bad.leaf", s.parts.all[i], 3);
     assert_true(payloads >= 23);
-    tells("23 parts are damaged: treelet 0's payload, ");
+    tells("23 parts are damaged: treelet 5's payload, ");
     tells(", and 3 more");
     release(&s);
 }

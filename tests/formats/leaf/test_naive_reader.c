@@ -490,7 +490,7 @@ static void check_sets(series *s, const char *path) {
             fail_msg("set %ld: %s", set, leaf.why);
         assert_int_equal(leaf.fields, FIELDS);
         assert_int_equal(leaf.steps, STEPS);
-        assert_int_equal(leaf.version, 3);
+        assert_int_equal(leaf.version, 4);
         assert_string_equal(leaf.field_names[1], "heat");
         assert_true(leaf.times[0] == -1 && leaf.times[2] == 7);
         s->c.samples = s->samples[set % STEPS];
