@@ -22,7 +22,7 @@ CHECKED status leaf_check_header(const char *path, const leaf_header *h, uint64_
 
 /* leaf_check_layout() - check that dims and B imply this number of levels and treelets, and that a
  * file of this size can hold their directory (meshes: the directory of payloads). Fills *l like
- * leaf_layout_levels() and leaf_layout_mesh(). */
+ * leaf_layout_levels() and mesh_layout_of(). */
 CHECKED status leaf_check_layout(const char *path, const leaf_header *h, leaf_layout *l);
 
 /* leaf_check_sections() - check the id; that kinds are known and occur once, that sizes are as the

@@ -5,8 +5,6 @@
 
 #include "formats/grid/grid.h"
 #include "formats/leaf/grid_geometry.h"
-#include "formats/leaf/mesh_geometry.h"
-#include "formats/mesh/mesh_leaf.h"
 
 static uint32_t halved_up(uint32_t n) {
     return n / 2 + (n & 1);
@@ -141,11 +139,6 @@ bool leaf_layout_repeat(leaf_layout *l, uint32_t fields, uint32_t steps, bool co
     return payloads < LEAF_NO_TREELET;
 }
 
-uint64_t leaf_blocks_payloads(const leaf_blocks *b) {
-    const uint64_t sets = (uint64_t)b->fields * b->steps;
-    return b->treelets * (1 + sets + (b->gradients ? sets : 0) + (b->moving ? b->steps - 1 : 0));
-}
-
 void leaf_layout_flat(leaf_layout *l, const leaf_geometry *geometry, uint32_t treelets,
                       uint32_t payloads) {
     memset(l, 0, sizeof *l);
@@ -162,32 +155,6 @@ status leaf_layout_init_flat(leaf_layout *l, mem *m) {
     for (uint32_t t = 0; st == ST_OK && t < l->treelets; t++)
         l->first_child[t] = LEAF_NO_TREELET;
     return st;
-}
-
-void leaf_layout_mesh(leaf_layout *l, const leaf_blocks *b) {
-    assert(b->treelets > 0 && b->fields > 0 && b->steps > (b->moving ? 1U : 0U));
-    assert(leaf_blocks_payloads(b) < LEAF_NO_TREELET);
-    leaf_layout_flat(l, &mesh_geometry, b->treelets, (uint32_t)leaf_blocks_payloads(b));
-    l->sets = b->fields * b->steps;
-    l->steps = b->steps;
-    l->gradient_sets = b->gradients ? l->sets : 0;
-    l->places = b->moving ? b->steps : 1;
-}
-
-status leaf_layout_init_mesh(leaf_layout *l, mem *m, const leaf_blocks *b) {
-    leaf_layout_mesh(l, b);
-    return leaf_layout_init_flat(l, m);
-}
-
-void leaf_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]) {
-    l->counts = counts;
-    l->payload_max = 0;
-    for (uint32_t t = 0; t < l->treelets; t++) {
-        const mesh_shape s = mesh_leaf_shape(counts[t]);
-        l->payload_max = s.topology_bytes > l->payload_max ? s.topology_bytes : l->payload_max;
-        assert(s.values_bytes <= s.topology_bytes && s.gradients_bytes <= s.topology_bytes &&
-               s.positions_bytes <= s.topology_bytes);
-    }
 }
 
 void leaf_layout_release(leaf_layout *l) {

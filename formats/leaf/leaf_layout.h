@@ -65,15 +65,6 @@ void leaf_layout_release(leaf_layout *l);
  * payloads or more. */
 bool leaf_layout_repeat(leaf_layout *l, uint32_t fields, uint32_t steps, bool compressed);
 
-/* The payloads of a mesh, in blocks of one payload per treelet (leaf.h). */
-typedef struct leaf_blocks {
-    uint32_t treelets, fields, steps; /* 1 or more; fields * steps up to LEAF_SETS_MAX */
-    bool gradients, moving;
-} leaf_blocks;
-
-/* leaf_blocks_payloads() - the number of payloads; 2^32 - 1 or more are too many for a file. */
-uint64_t leaf_blocks_payloads(const leaf_blocks *b);
-
 /* leaf_layout_flat() - the layout of a kind without levels, without allocating: treelets have no
  * parents or children, all at place 0, 0, 0. The caller sets counts and payload_max if the kind's
  * functions use them.
@@ -81,15 +72,6 @@ uint64_t leaf_blocks_payloads(const leaf_blocks *b);
 void leaf_layout_flat(leaf_layout *l, const struct leaf_geometry *geometry, uint32_t treelets,
                       uint32_t payloads);
 CHECKED status leaf_layout_init_flat(leaf_layout *l, mem *m);
-
-/* leaf_layout_mesh() - the layout of a mesh file, without allocating. leaf_blocks_payloads() must
- * be below 2^32 - 1.
- * leaf_layout_init_mesh() - the same, and make the per-treelet arrays.
- * leaf_layout_set_counts() - set the counts that sizes follow from. They must outlive l, each
- * without a mesh_leaf_counts_fault(). */
-void leaf_layout_mesh(leaf_layout *l, const leaf_blocks *b);
-CHECKED status leaf_layout_init_mesh(leaf_layout *l, mem *m, const leaf_blocks *b);
-void leaf_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]);
 
 /* leaf_layout_find() - the treelet at a place of a level. Descends from the root: O(levels). */
 uint32_t leaf_layout_find(const leaf_layout *l, uint32_t level, const uint32_t place[3]);

@@ -8,6 +8,7 @@
 #include "formats/leaf/leaf_check.h"
 #include "formats/leaf/leaf_head.h"
 #include "formats/leaf/leaf_writer_private.h"
+#include "formats/leaf/mesh_layout.h"
 
 /* Memory per treelet of the layout, per range, and per payload of the directory. */
 enum {
@@ -28,16 +29,16 @@ uint64_t leaf_writer_memory(const leaf_layout *l, int threads) {
            leaf_writer_families_memory(l, threads);
 }
 
-static leaf_blocks blocks_of(const leaf_mesh *mesh) {
-    return (leaf_blocks){.treelets = mesh->treelets,
-                         .fields = mesh->fields,
-                         .steps = mesh->steps,
-                         .gradients = mesh->gradients,
-                         .moving = mesh->moving};
+static mesh_layout_blocks blocks_of(const leaf_mesh *mesh) {
+    return (mesh_layout_blocks){.treelets = mesh->treelets,
+                                .fields = mesh->fields,
+                                .steps = mesh->steps,
+                                .gradients = mesh->gradients,
+                                .moving = mesh->moving};
 }
 
 uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max) {
-    const leaf_blocks blocks = blocks_of(mesh);
+    const mesh_layout_blocks blocks = blocks_of(mesh);
     const uint64_t sets = (uint64_t)mesh->fields * mesh->steps;
     const uint64_t each = LAYOUT_BYTES + MESH_BYTES + sets * RANGE_BYTES +
                           (mesh->moving ? mesh->steps - 1 : 0) * sizeof(float[6]);
@@ -45,7 +46,7 @@ uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max) {
            mesh->fields * sizeof(char[64]) + mesh->steps * sizeof(double) +
            (mesh->coarse ? sets * sizeof(leaf_part) : 0) +
            (sets <= LEAF_HISTOGRAMS_MAX ? sets * sizeof(histogram) : 0) +
-           leaf_blocks_payloads(&blocks) * (PAYLOAD_BYTES + sizeof(uint64_t));
+           mesh_layout_payloads(&blocks) * (PAYLOAD_BYTES + sizeof(uint64_t));
 }
 
 /* Whether the file has a section of this kind. */
@@ -224,17 +225,17 @@ status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
 status leaf_writer_create_mesh(mem *m, const char *path, bool force, const leaf_mesh *mesh,
                                const leaf_parameters *p, leaf_writer **out) {
     const uint64_t sets = (uint64_t)mesh->fields * mesh->steps;
-    const leaf_blocks blocks = blocks_of(mesh);
+    const mesh_layout_blocks blocks = blocks_of(mesh);
     assert(mesh->treelets > 0 && sets > 0 && sets <= LEAF_SETS_MAX);
     assert(!mesh->names || strncmp(mesh->names[0], mesh->field, sizeof(char[63])) == 0);
     assert(mesh->treelet_tets > 0 && mesh->treelet_tets <= LEAF_TREELET_TETS_MAX);
     assert(mesh->leaf_tets > 0 && mesh->leaf_tets <= LEAF_LEAF_TETS_MAX);
-    if (leaf_blocks_payloads(&blocks) >= LEAF_NO_TREELET)
+    if (mesh_layout_payloads(&blocks) >= LEAF_NO_TREELET)
         return status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 payloads; use larger treelets");
     leaf_writer *w = new_writer(m, p);
     if (!w)
         return ST_NOMEM;
-    status st = leaf_layout_init_mesh(&w->layout, m, &blocks);
+    status st = mesh_layout_init(&w->layout, m, &blocks);
     if (st == ST_OK)
         st = allocate(w, mesh->treelets * sets);
     if (st == ST_OK)

@@ -9,6 +9,7 @@
 #include "formats/leaf/leaf_file.h"
 #include "formats/leaf/leaf_head.h"
 #include "formats/leaf/leaf_writer_private.h"
+#include "formats/leaf/mesh_layout.h"
 
 static uint64_t sections_end(const leaf_writer *w) {
     const leaf_section *last = &w->table[w->header.sections - 1];
@@ -173,7 +174,7 @@ static status close_payloads(leaf_writer *w) {
         sum_up_grid(w);
         return ST_OK;
     }
-    leaf_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
+    mesh_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
     status st = leaf_writer_copy_room(w);
     if (st == ST_OK)
         st = copy_payloads(w);

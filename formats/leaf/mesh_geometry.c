@@ -7,6 +7,7 @@
 
 #include "formats/base/text.h"
 #include "formats/leaf/leaf_place.h"
+#include "formats/leaf/mesh_layout.h"
 #include "formats/mesh/mesh_leaf.h"
 
 /* ---- The header ---- */
@@ -64,17 +65,17 @@ static status check_values(const char *path, const leaf_header *h) {
 }
 
 /* Requires fields, steps and treelets in their ranges, so that no product overflows. */
-static leaf_blocks blocks_of(const leaf_header *h) {
-    return (leaf_blocks){.treelets = (uint32_t)h->treelets,
-                         .fields = h->fields,
-                         .steps = h->steps,
-                         .gradients = h->gradients,
-                         .moving = h->moving};
+static mesh_layout_blocks blocks_of(const leaf_header *h) {
+    return (mesh_layout_blocks){.treelets = (uint32_t)h->treelets,
+                                .fields = h->fields,
+                                .steps = h->steps,
+                                .gradients = h->gradients,
+                                .moving = h->moving};
 }
 
 static status check_layout(const char *path, const leaf_header *h, leaf_layout *l) {
-    const leaf_blocks blocks = blocks_of(h);
-    if (leaf_blocks_payloads(&blocks) >= LEAF_NO_TREELET)
+    const mesh_layout_blocks blocks = blocks_of(h);
+    if (mesh_layout_payloads(&blocks) >= LEAF_NO_TREELET)
         return leaf_check_corrupt(
             path, offsetof(leaf_header, treelets),
             "expected less than 2^32 - 1 payloads, found %llu treelets and %u sets",
@@ -86,7 +87,7 @@ static status check_layout(const char *path, const leaf_header *h, leaf_layout *
             "%llu cannot hold",
             (unsigned long long)h->treelets, (unsigned long long)leaf_check_directory_bytes(h),
             (unsigned long long)h->file_bytes);
-    leaf_layout_mesh(l, &blocks);
+    mesh_layout_of(l, &blocks);
     return ST_OK;
 }
 
@@ -104,8 +105,8 @@ static uint64_t sets(const leaf_header *h) {
 }
 
 static uint64_t payloads(const leaf_header *h) {
-    const leaf_blocks blocks = blocks_of(h);
-    return leaf_blocks_payloads(&blocks);
+    const mesh_layout_blocks blocks = blocks_of(h);
+    return mesh_layout_payloads(&blocks);
 }
 
 static bool labels(const leaf_header *h) {
@@ -184,15 +185,15 @@ static status check_counts(const char *path, const leaf_header *h, const leaf_di
 /* Make the layout of a mesh. Its counts must have been checked. */
 static status init_layout(leaf_file *f) {
     mesh_directory *mesh = f->mesh;
-    const leaf_blocks blocks = {.treelets = f->layout.treelets,
-                                .fields = f->header.fields,
-                                .steps = f->header.steps,
-                                .gradients = f->layout.gradient_sets > 0,
-                                .moving = leaf_layout_moves(&f->layout)};
-    status st = leaf_layout_init_mesh(&f->layout, f->m, &blocks);
+    const mesh_layout_blocks blocks = {.treelets = f->layout.treelets,
+                                       .fields = f->header.fields,
+                                       .steps = f->header.steps,
+                                       .gradients = f->layout.gradient_sets > 0,
+                                       .moving = leaf_layout_moves(&f->layout)};
+    status st = mesh_layout_init(&f->layout, f->m, &blocks);
     if (st != ST_OK)
         return st;
-    leaf_layout_set_counts(&f->layout, (const uint32_t(*)[4])mesh->counts);
+    mesh_layout_set_counts(&f->layout, (const uint32_t(*)[4])mesh->counts);
     for (uint32_t t = 0; t < f->layout.treelets; t++)
         mesh->first_tet[t + 1] = mesh->first_tet[t] + mesh->counts[t][0];
     return ST_OK;

@@ -12,6 +12,7 @@
 #include "tests/support/naive_bytes.h"
 #include "tests/support/naive_codes.h"
 #include "tests/support/naive_family.h"
+#include "tests/support/naive_order.h"
 
 static bool wrong(naive_leaf *leaf, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static bool wrong(naive_leaf *leaf, const char *format, ...) {
@@ -504,50 +505,8 @@ static bool place_treelet(naive_leaf *leaf, placing *x, long i, bool begins) {
            wrong(leaf, "treelet %ld: size", i);
 }
 
-/* A family, with all that its place in the file depends on. */
-typedef struct family {
-    long slices; /* of level 0, when its slab is complete */
-    long level;  /* of its treelets */
-    long z, y, x;
-    long parent, first; /* parent -1: the root alone */
-} family;
-
-static int by_place(const void *a, const void *b) {
-    const family *f = a, *g = b;
-    const long of_f[] = {f->slices, f->level, f->z, f->y, f->x};
-    const long of_g[] = {g->slices, g->level, g->z, g->y, g->x};
-    for (int i = 0; i < 5; i++)
-        if (of_f[i] != of_g[i])
-            return of_f[i] < of_g[i] ? -1 : 1;
-    return 0;
-}
-
-/* The number of slices of level 0 up to the last that a slab's samples depend on. */
-static long slices_for(const naive_leaf *leaf, int level, long z) {
-    long last = (z + 1) * (2L << leaf->cells_log2) + leaf->halo;
-    for (; level >= 0; level--) {
-        if (last > leaf->level[level].nodes[2] - 1)
-            last = leaf->level[level].nodes[2] - 1;
-        if (level > 0)
-            last = 2 * last + 2;
-    }
-    return last + 1;
-}
-
-/* The family of the treelets from `first` on. */
-static family family_of(const naive_leaf *leaf, long first) {
-    const naive_treelet *t = &leaf->treelets[first];
-    return (family){.slices = slices_for(leaf, t->level, t->at[2] / 2),
-                    .level = t->level,
-                    .z = t->at[2] / 2,
-                    .y = t->at[1] / 2,
-                    .x = t->at[0] / 2,
-                    .parent = t->parent,
-                    .first = first};
-}
-
 /* A family's treelets, then its shell. */
-static bool place_family(naive_leaf *leaf, placing *x, const family *f) {
+static bool place_family(naive_leaf *leaf, placing *x, const naive_family_place *f) {
     const long n = leaf->treelet_count, p = f->parent;
     bool bytes = false;
     long next = f->first;
@@ -567,24 +526,14 @@ static bool place_family(naive_leaf *leaf, placing *x, const family *f) {
             wrong(leaf, "the shell below treelet %ld: bytes or none", p));
 }
 
-/* The families of the set that begins with treelet `root`, in the order of the file. */
-static long list_families(const naive_leaf *leaf, long root, family *out) {
-    long count = 0;
-    for (long i = root; i < root + leaf->treelet_count; i++)
-        if (i == root || leaf->treelets[i].parent != leaf->treelets[i - 1].parent)
-            out[count++] = family_of(leaf, i);
-    qsort(out, (size_t)count, sizeof *out, by_place);
-    return count;
-}
-
 static bool read_directory(naive_leaf *leaf, const unsigned char *const where[KINDS],
                            uint64_t end) {
     placing x = {.where = where, .end = end};
     const long n = leaf->treelet_count;
-    family *families = malloc((size_t)n * sizeof *families);
+    naive_family_place *families = malloc((size_t)n * sizeof *families);
     bool good = families || wrong(leaf, "no memory");
     for (long root = 0; good && root < n * leaf->sets; root += n) {
-        const long count = list_families(leaf, root, families);
+        const long count = naive_order_families(leaf, root, families);
         for (long i = 0; good && i < count; i++)
             good = place_family(leaf, &x, &families[i]);
     }

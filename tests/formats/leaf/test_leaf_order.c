@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "formats/leaf/leaf_order.h"
+#include "formats/leaf/mesh_layout.h"
 
 enum { FIELDS = 2, STEPS = 3, SLABS_MAX = 64 };
 
@@ -116,9 +117,9 @@ static void test_order(void **state) {
 
 static void test_others(void **state) {
     (void)state;
-    const leaf_blocks blocks = {.treelets = 5, .fields = 2, .steps = 1};
+    const mesh_layout_blocks blocks = {.treelets = 5, .fields = 2, .steps = 1};
     leaf_layout l;
-    leaf_layout_mesh(&l, &blocks);
+    mesh_layout_of(&l, &blocks);
     leaf_order o = leaf_order_begin(&l);
     for (uint32_t p = 0; p < l.payloads; p++) {
         assert_int_equal(o.p, p);
