@@ -52,7 +52,9 @@ enum {
     KEY_COARSE,
     KEY_GRADIENTS,
     KEY_NAME,
-    KEY_ALLOW_EMPTY
+    KEY_ALLOW_EMPTY,
+    KEY_RESUME,
+    KEY_CHECKPOINT
 };
 
 static const struct argp_option options[] = {
@@ -67,6 +69,13 @@ static const struct argp_option options[] = {
     {"allow-empty", KEY_ALLOW_EMPTY, NULL, 0, "convert an input without any finite number, too", 0},
     {"dry-run", KEY_DRY_RUN, NULL, CLI_BASIC,
      "print sizes, memory, levels and treelets; write nothing", 0},
+    {"resume", KEY_RESUME, NULL, CLI_BASIC,
+     "go on where a run of the same command ended early; else begin", 0},
+    {"checkpoint", KEY_CHECKPOINT, "SECONDS", 0,
+     "save what --resume needs every so often (default 1), or less often where that costs more "
+     "than "
+     "a twentieth of the time",
+     0},
     TRUST_OPTIONS(0),
     {NULL, 0, NULL, 0, "What a raw input does not say itself:", 1},
     {"dims", KEY_DIMS, "X,Y,Z", CLI_BASIC, "samples per axis", 1},
@@ -258,9 +267,28 @@ static status set_mesh(convert_request *a, int key, const char *text) {
     }
 }
 
-static status set_option(void *own, int key, const char *text) {
-    convert_request *a = own;
+static status set_checkpoint(convert_request *a, const char *text) {
+    status st = num_double(text, "--checkpoint", &a->checkpoint);
+    if (st == ST_OK && !(a->checkpoint >= 0 && isfinite(a->checkpoint)))
+        st = status_describe(ST_USAGE, "--checkpoint: \"%s\": expected seconds, 0 or more", text);
+    return st;
+}
+
+/* Note an option that the output depends on. */
+static status note_told(convert_request *a, int key, const char *text) {
+    if (key == KEY_DRY_RUN || key == KEY_RESUME || key == KEY_CHECKPOINT)
+        return ST_OK;
+    if (a->told_count == CONVERT_TOLD_MAX)
+        return status_describe(ST_USAGE, "more than %d options", CONVERT_TOLD_MAX);
+    a->told[a->told_count].key = key;
+    a->told[a->told_count++].text = text;
+    return ST_OK;
+}
+
+static status take_option(convert_request *a, int key, const char *text) {
     switch (key) {
+    case KEY_RESUME: a->resume = true; return ST_OK;
+    case KEY_CHECKPOINT: return set_checkpoint(a, text);
     case KEY_COMPRESS: return set_compress(a, text);
     case KEY_TREELET: return set_treelet(a, text);
     case KEY_HALO: return cli_uint(text, "--halo", 0, 1, &a->file.halo);
@@ -274,6 +302,11 @@ static status set_option(void *own, int key, const char *text) {
     if (st == ST_AGAIN)
         st = set_grid(&a->hints.grid, key, text);
     return st == ST_AGAIN ? set_mesh(a, key, text) : st;
+}
+
+static status set_option(void *own, int key, const char *text) {
+    status st = take_option(own, key, text);
+    return st == ST_OK ? note_told(own, key, text) : st;
 }
 
 static status check(void *own) {
@@ -370,21 +403,26 @@ static status run(convert_request *a) {
     convert_sets_first_step(&a->sets, &a->hints.grid.step);
     a->hints.mesh.step = a->hints.grid.step;
     a->hints.mesh.trust = a->hints.grid.trust;
+    bool done = false;
     status st = guard_files(a);
-    if (st == ST_OK)
+    if (st == ST_OK && !a->dry_run)
+        st = convert_work_open(a, &m, &done);
+    if (st == ST_OK && !done)
         st = input_open(&m, a->common.input, &a->hints, &in);
-    if (st == ST_OK)
+    if (st == ST_OK && !done)
         st = convert_opened(a, &m, &in, start);
     input_close(&in);
     convert_sets_release(&a->sets);
-    return st;
+    return convert_work_close(a, st);
 }
 
 int main(int argc, char **argv) {
     convert_request a = {.common = {.verb = "convert"},
                          .treelet_tets = MESH_TREELET_TETS,
                          .leaf_tets = MESH_LEAF_TETS,
-                         .file = convert_parameters_default()};
+                         .file = convert_parameters_default(),
+                         .checkpoint = 1,
+                         .options = options};
     cli_parse(&verb, &a.common, argc, argv);
     return cli_finish(&a.common, run(&a));
 }

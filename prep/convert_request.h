@@ -6,7 +6,10 @@
 #include "formats/input_kind.h"
 #include "formats/leaf/leaf_writer.h"
 #include "prep/convert_sets.h"
+#include "prep/convert_work.h"
 #include "prep/step_series.h"
+
+enum { CONVERT_TOLD_MAX = 256 };
 
 typedef struct convert_request {
     cli_common common;
@@ -19,6 +22,18 @@ typedef struct convert_request {
 
     bool dry_run, allow_empty;
     bool step; /* --step is given */
+
+    /* Unfinished work: */
+    bool resume;
+    double checkpoint; /* seconds between two saved states */
+    convert_work work;
+    /* The options that the output depends on, as they were given, of this table. */
+    const struct argp_option *options;
+    struct {
+        int key;
+        const char *text; /* NULL: it takes none */
+    } told[CONVERT_TOLD_MAX];
+    size_t told_count;
 } convert_request;
 
 /* convert_request_steps() - returns how many steps the treelet file gets. */

@@ -30,7 +30,7 @@
 #define LEAFCAST_VERSION "unknown"
 #endif
 
-enum { EXIT_SIGNAL = 128, MAX_THREADS = 4096 };
+enum { EXIT_RESUMABLE = 5, EXIT_SIGNAL = 128, MAX_THREADS = 4096 };
 
 /* ---- signals ---- */
 
@@ -532,8 +532,11 @@ int cli_finish(const cli_common *common, status st) {
     if (st == ST_OK)
         return 0;
     if (caught)
-        st = status_describe(ST_STOPPED, "stopped by signal %d (%s)", caught, strsignal(caught));
-    const int code = caught ? EXIT_SIGNAL + caught : status_exit_code(st);
+        st = status_describe(ST_STOPPED, "stopped by signal %d (%s)%s", caught, strsignal(caught),
+                             common->resumable ? ": the same command with --resume goes on" : "");
+    const int code = !caught             ? status_exit_code(st)
+                     : common->resumable ? EXIT_RESUMABLE
+                                         : EXIT_SIGNAL + caught;
     cli_note(common, 0, "%s", status_text());
     print_error(common, st, code);
     return code;

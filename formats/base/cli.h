@@ -32,6 +32,7 @@ typedef struct cli_common {
     bool json_lines;    /* --json prints one line per document; the verb sets it before it prints
                            any */
     bool force;         /* --force: overwrite outputs */
+    bool resumable;     /* the job failed, but another run can go on; the verb sets it */
     uint64_t given[2];  /* bits for the verb's own options, see cli_given() */
 } cli_common;
 
@@ -110,8 +111,8 @@ CHECKED status cli_flush(void);
 
 /* cli_finish() - end the progress bar. Print the error, if any, on stderr, and with --json also as
  * JSON on stdout; with -v also the time and memory used. Returns the exit code: 0 ok, 1 failure, 2
- * usage, 3 malformed or unsupported input, 4 out of memory or disk, 128+n when signal n stopped the
- * job. */
+ * usage, 3 malformed or unsupported input, 4 out of memory or disk; when signal n stopped the job,
+ * 5 if it is resumable, else 128+n. */
 int cli_finish(const cli_common *common, status st);
 
 #endif

@@ -32,6 +32,7 @@ struct out_file {
     uint64_t end;
     char *path;
     char *temporary; /* NULL: a scratch file, without a name */
+    bool stays;      /* the temporary file, when it is discarded */
 };
 
 /* One read or write call moves at most this much, so that sizes fit every system's ssize_t. */
@@ -231,7 +232,7 @@ static void close_out(out_file *f) {
 void out_file_discard(out_file *f) {
     if (!f)
         return;
-    if (f->fd >= 0 && f->temporary)
+    if (f->fd >= 0 && f->temporary && !f->stays)
         unlink(f->temporary);
     close_out(f);
 }
@@ -282,6 +283,32 @@ status out_file_create(mem *m, const char *path, bool force, out_file **out) {
     if (st != ST_OK)
         return st;
     st = open_temporary(f);
+    if (st != ST_OK) {
+        out_file_discard(f);
+        return st;
+    }
+    *out = f;
+    return ST_OK;
+}
+
+static status open_kept(out_file *f, const char *temporary) {
+    f->stays = true;
+    f->temporary = mem_copy_text(f->m, temporary);
+    if (!f->temporary)
+        return ST_NOMEM;
+    f->fd = open(temporary, O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+    return f->fd >= 0 ? ST_OK : file_failed(errno, temporary, "cannot create");
+}
+
+status out_file_continue(mem *m, const char *path, const char *temporary, bool force,
+                         out_file **out) {
+    status st = check_target(path, force);
+    out_file *f = NULL;
+    if (st == ST_OK)
+        st = make_out(m, path, force, &f);
+    if (st != ST_OK)
+        return st;
+    st = open_kept(f, temporary);
     if (st != ST_OK) {
         out_file_discard(f);
         return st;
@@ -394,6 +421,11 @@ status out_file_cut(out_file *f, uint64_t size) {
     return ST_OK;
 }
 
+uint64_t out_file_size(const out_file *f) {
+    struct stat info;
+    return fstat(f->fd, &info) == 0 ? (uint64_t)info.st_size : 0;
+}
+
 status out_file_append(out_file *f, const void *data, size_t size) {
     status st = out_file_write_at(f, f->end, data, size);
     if (st == ST_OK)
@@ -440,12 +472,16 @@ static status rename_new(const out_file *f) {
     return errno == EEXIST ? exists(f->path) : file_failed(errno, f->path, "cannot rename to");
 }
 
-static status publish(out_file *f) {
+status out_file_sync(out_file *f) {
     if (fault_hit(FAULT_WRITE))
         return file_failed(ENOSPC, f->path, "cannot write");
-    if (fsync(f->fd) != 0)
-        return file_failed(errno, f->path, "cannot write");
-    status st = check_target(f->path, true);
+    return fsync(f->fd) == 0 ? ST_OK : file_failed(errno, f->path, "cannot write");
+}
+
+static status publish(out_file *f) {
+    status st = out_file_sync(f);
+    if (st == ST_OK)
+        st = check_target(f->path, true);
     if (st == ST_OK && !f->force)
         return rename_new(f);
     if (st == ST_OK && rename(f->temporary, f->path) != 0)

@@ -59,6 +59,11 @@ const char *file_kind_name(mode_t mode);
  * use out_file_read_at(). */
 CHECKED status out_file_create(mem *m, const char *path, bool force, out_file **out);
 
+/* out_file_continue() - the same as out_file_create(), in a temporary file of the caller's, which
+ * is made if it is not there: it keeps what it holds, and stays when it is discarded. */
+CHECKED status out_file_continue(mem *m, const char *path, const char *temporary, bool force,
+                                 out_file **out);
+
 /* out_file_check() - what out_file_create() would return, to be asked before work begins. Leaves no
  * file behind. */
 CHECKED status out_file_check(mem *m, const char *path, bool force);
@@ -78,11 +83,18 @@ CHECKED status out_file_append(out_file *f, const void *data,
                                size_t size); /* behind what was appended before */
 /* out_file_cut() - shorten the file to `size`. */
 CHECKED status out_file_cut(out_file *f, uint64_t size);
+
+/* out_file_size() - the bytes that it has; 0 if the system does not tell. */
+uint64_t out_file_size(const out_file *f);
 CHECKED status out_file_read_at(out_file *f, uint64_t offset, void *buffer, size_t size);
+
+/* out_file_sync() - wait until what was written is on the disk. */
+CHECKED status out_file_sync(out_file *f);
 const char *out_file_temporary(const out_file *f); /* its present path; NULL: it has none */
 
 /* out_file_commit() - fsync, rename to the final name (refusing to overwrite without force), fsync
- * the folder, close. On an error the temporary file is removed. Consumes f in any case. */
+ * the folder, close. On an error the temporary file is removed, if out_file_create() made it.
+ * Consumes f in any case. */
 CHECKED status out_file_commit(out_file *f);
 
 /* out_file_discard() - remove the temporary file and close. NULL is fine. */

@@ -216,6 +216,19 @@ static status read_slices(void *ctx, uint32_t first, uint32_t count, void *slice
     return s->chunk ? read_chunks(s, first, count, slices) : read_plain(s, first, count, slices);
 }
 
+/* A file that is not packed can be gone through anywhere. */
+static bool seeks(const layout_slices *s) {
+    return s->layout.encoding == VOLUME_RAW && byte_stream_left(s->layout.data) != UINT64_MAX;
+}
+
+static status skip_slices(void *ctx, uint32_t count) {
+    layout_slices *s = ctx;
+    const uint64_t slice = (uint64_t)s->layout.g.dims[0] * s->layout.g.dims[1];
+    return s->held.slices
+               ? ST_OK
+               : skip_encoded(s, count * slice * stored_samples_bytes(&s->layout.stored));
+}
+
 /* ---- what follows ---- */
 
 /* Take and count the bytes that are left. */
@@ -300,7 +313,7 @@ static void close_slices(void *ctx) {
 static uint32_t held_room(const layout_slices *s) {
     const volume_layout *l = &s->layout;
     const uint32_t all = l->g.dims[2];
-    if (l->encoding != VOLUME_RAW || byte_stream_left(l->data) == UINT64_MAX)
+    if (!seeks(s))
         return all;
     const uint64_t left = l->m->limit ? l->m->limit - mem_used(l->m) : UINT64_MAX;
     const uint64_t bytes = left / 4 < HELD_MAX ? left / 4 : HELD_MAX;
@@ -374,6 +387,7 @@ status layout_slices_open(volume_layout *l, slice_source *out) {
                           .m = l->m,
                           .g = l->g,
                           .read = read_slices,
+                          .skip = seeks(s) ? skip_slices : NULL,
                           .finish = finish,
                           .next_step = l->all_steps ? next_step : NULL,
                           .close = close_slices,

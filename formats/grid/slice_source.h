@@ -52,6 +52,8 @@ typedef struct slice_source {
      * maps. */
     status (*read_tiles)(void *ctx, uint32_t first, uint32_t count, void *slices, uint8_t *busy);
     uint8_t quiet[SLICE_SAMPLE_MAX]; /* that value, as a sample of g.type */
+    /* Move on by so many slices, without reading them. NULL: they have to be read. */
+    status (*skip)(void *ctx, uint32_t count);
     /* Called behind the last slice: check and count what follows, see volume_finish(). NULL:
      * nothing can follow. */
     status (*finish)(void *ctx, uint64_t *trailing);

@@ -316,6 +316,15 @@ status volume_read(volume *v, uint32_t count, void *buffer) {
     return st;
 }
 
+bool volume_skips(const volume *v) {
+    return v->from.skip != NULL;
+}
+
+status volume_skip(volume *v, uint32_t count) {
+    v->slice += count;
+    return v->from.skip(v->from.ctx, count);
+}
+
 bool volume_quiet(const volume *v, uint8_t sample[SLICE_SAMPLE_MAX]) {
     memcpy(sample, v->from.quiet, SLICE_SAMPLE_MAX);
     return v->from.read_tiles && !v->has_missing;

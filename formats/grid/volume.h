@@ -66,6 +66,11 @@ const char *volume_importer(const volume *v);
  * early, naming slice and byte. The caller must not ask for more slices than are left. */
 CHECKED status volume_read(volume *v, uint32_t count, void *buffer);
 
+/* volume_skips() - whether volume_skip() can move on by so many slices without reading them. It
+ * must not be called else. */
+bool volume_skips(const volume *v);
+CHECKED status volume_skip(volume *v, uint32_t count);
+
 /* volume_quiet() - returns whether large parts of v may be one value that its source marks. sample:
  * out, that value, of type volume_grid()->type. Then volume_read_tiles() reads as volume_read(),
  * with a map for each slice (slice_tiles.h): on entry it says what buffer holds, on return what has

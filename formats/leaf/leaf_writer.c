@@ -160,12 +160,20 @@ static status allocate_parts(leaf_writer *w, const leaf_mesh *mesh) {
     return ST_OK;
 }
 
+static status create_out(leaf_writer *w, const leaf_target *to) {
+    return to->work ? work_folder_file(to->work, WORK_OUTPUT, to->force, &w->out)
+                    : out_file_create(w->m, to->path, to->force, &w->out);
+}
+
 /* Create the scratch file for payloads whose places are known only in the end. */
-static status create_scratch(leaf_writer *w, const char *path) {
+static status create_scratch(leaf_writer *w, const leaf_target *to) {
     w->scratch_at = mem_array(w->m, w->layout.payloads, sizeof *w->scratch_at);
     for (uint32_t p = 0; p < w->layout.payloads; p++)
         w->sizes[p] = UNKNOWN_SIZE;
-    return w->scratch_at ? out_file_scratch(w->m, path, &w->scratch) : ST_NOMEM;
+    if (!w->scratch_at)
+        return ST_NOMEM;
+    return to->work ? work_folder_file(to->work, WORK_WAITING, true, &w->scratch)
+                    : out_file_scratch(w->m, to->path, &w->scratch);
 }
 
 static leaf_writer *new_writer(mem *m, const leaf_parameters *p) {
@@ -188,8 +196,8 @@ static status lay_out_grid(leaf_writer *w, const grid *g, const leaf_sets *sets)
     return st;
 }
 
-status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
-                          const leaf_sets *sets, const leaf_parameters *p, leaf_writer **out) {
+status leaf_writer_create(mem *m, const leaf_target *to, const grid *g, const leaf_sets *sets,
+                          const leaf_parameters *p, leaf_writer **out) {
     static const leaf_sets one = {.fields = 1, .steps = 1};
     leaf_writer *w = new_writer(m, p);
     if (!w)
@@ -207,7 +215,7 @@ status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
     if (st == ST_OK)
         st = allocate_axes(w, g);
     if (st == ST_OK)
-        st = out_file_create(m, path, force, &w->out);
+        st = create_out(w, to);
     if (st != ST_OK) {
         leaf_writer_discard(w);
         return st;
@@ -222,7 +230,7 @@ status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
     return ST_OK;
 }
 
-status leaf_writer_create_mesh(mem *m, const char *path, bool force, const leaf_mesh *mesh,
+status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf_mesh *mesh,
                                const leaf_parameters *p, leaf_writer **out) {
     const uint64_t sets = (uint64_t)mesh->fields * mesh->steps;
     const mesh_layout_blocks blocks = blocks_of(mesh);
@@ -246,9 +254,9 @@ status leaf_writer_create_mesh(mem *m, const char *path, bool force, const leaf_
     if (st == ST_OK)
         st = allocate_parts(w, mesh);
     if (st == ST_OK)
-        st = out_file_create(m, path, force, &w->out);
+        st = create_out(w, to);
     if (st == ST_OK)
-        st = create_scratch(w, path);
+        st = create_scratch(w, to);
     if (st != ST_OK) {
         leaf_writer_discard(w);
         return st;
@@ -258,6 +266,63 @@ status leaf_writer_create_mesh(mem *m, const char *path, bool force, const leaf_
     w->order = leaf_order_begin(&w->layout);
     *out = w;
     return ST_OK;
+}
+
+/* ---- keeping ---- */
+
+void leaf_writer_files(const leaf_writer *w, out_file *files[WORK_FILES]) {
+    files[WORK_OUTPUT] = w->out;
+    files[WORK_WAITING] = w->scratch;
+}
+
+static status keep_payloads(leaf_writer *w, state_io *io) {
+    const leaf_layout *l = &w->layout;
+    const size_t ranges = (size_t)l->treelets * l->sets, payloads = l->payloads;
+    const struct {
+        void *bytes;
+        size_t size;
+    } arrays[] = {
+        {w->own, ranges * sizeof *w->own},
+        {w->flags, ranges * sizeof *w->flags},
+        {w->offsets, payloads * sizeof *w->offsets},
+        {w->sizes, payloads * sizeof *w->sizes},
+        {w->checksums, payloads * sizeof *w->checksums},
+        {w->scratch_at, payloads * sizeof *w->scratch_at},
+        {w->bounds, (size_t)l->treelets * l->places * sizeof *w->bounds},
+        {w->counts, l->treelets * sizeof *w->counts},
+        {w->histograms, l->sets * sizeof *w->histograms},
+        {w->deviations, w->deviations ? deviation_count(l) * sizeof *w->deviations : 0},
+    };
+    status st = ST_OK;
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays && st == ST_OK; i++)
+        st = arrays[i].bytes ? state_io_bytes(io, arrays[i].bytes, arrays[i].size) : ST_OK;
+    return st;
+}
+
+/* Whether any payload has been written at its place. */
+static bool has_payloads(const leaf_writer *w) {
+    const leaf_section *last = &w->table[w->header.sections - 1];
+    return w->next.end > last->offset + last->bytes;
+}
+
+status leaf_writer_keep(leaf_writer *w, state_io *io) {
+    assert(!w->waiting && !w->settled);
+    status st = keep_payloads(w, io);
+    if (st == ST_OK)
+        st = STATE_IO(io, w->order);
+    if (st == ST_OK)
+        st = STATE_IO(io, w->next);
+    if (st == ST_OK)
+        st = STATE_IO(io, w->scratch_end);
+    if (st != ST_OK || !state_io_loads(io))
+        return st;
+    const uint64_t written = has_payloads(w) ? w->next.end : 0;
+    if (w->order.p > w->layout.payloads || w->order.set > w->layout.sets ||
+        out_file_size(w->out) < written ||
+        (w->scratch && out_file_size(w->scratch) < w->scratch_end))
+        return state_io_fault(io);
+    st = out_file_cut(w->out, w->next.end);
+    return st == ST_OK && w->scratch ? out_file_cut(w->scratch, w->scratch_end) : st;
 }
 
 void leaf_writer_discard(leaf_writer *w) {

@@ -26,6 +26,7 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
+#include "formats/base/work_folder.h"
 #include "formats/grid/grid.h"
 #include "formats/leaf/histogram.h"
 #include "formats/leaf/leaf.h"
@@ -72,17 +73,24 @@ typedef struct leaf_mesh {
     bool coarse;            /* sets may have coarse grids: leaf_writer_embed() */
 } leaf_mesh;
 
-/* leaf_writer_create() - begin a file at path; ST_EXISTS unless force. g: the input's grid
- * (checked; copied as far as needed). sets: NULL means one set without a name.
- * leaf_writer_discard() - remove what was begun; NULL is fine. */
-CHECKED status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
+/* Where a file comes to be. */
+typedef struct leaf_target {
+    const char *path;
+    bool force;        /* replace another */
+    work_folder *work; /* the path's own; NULL: nothing is to be gone on with */
+} leaf_target;
+
+/* leaf_writer_create() - begin a file; ST_EXISTS unless force. g: the input's grid (checked; copied
+ * as far as needed). sets: NULL means one set without a name.
+ * leaf_writer_discard() - remove what was begun, unless it is in a work folder; NULL is fine. */
+CHECKED status leaf_writer_create(mem *m, const leaf_target *to, const grid *g,
                                   const leaf_sets *sets, const leaf_parameters *p,
                                   leaf_writer **out);
 void leaf_writer_discard(leaf_writer *w);
 
 /* leaf_writer_create_mesh() - begin the file of a mesh; else the same. ST_UNSUPPORTED if it would
  * have 2^32 - 1 payloads or more. */
-CHECKED status leaf_writer_create_mesh(mem *m, const char *path, bool force, const leaf_mesh *mesh,
+CHECKED status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf_mesh *mesh,
                                        const leaf_parameters *p, leaf_writer **out);
 
 /* leaf_writer_memory() - the bytes that a writer of this layout takes from its mem, with the
@@ -157,6 +165,13 @@ CHECKED status leaf_writer_put_gradients(leaf_writer *w, leaf_packer *k, uint32_
                                          const void *payload, void *pack);
 CHECKED status leaf_writer_put_positions(leaf_writer *w, leaf_packer *k, uint32_t step, uint32_t t,
                                          const float bounds[6], const void *payload, void *pack);
+
+/* leaf_writer_keep() - save or load what was put, which is on the disk by then. No family may have
+ * begun, and no payload of a mesh may be on its way. What loads is new, for the same input and
+ * parameters. What the files hold beyond that is cut off.
+ * leaf_writer_files() - the files of its work, for work_folder_save(). */
+CHECKED status leaf_writer_keep(leaf_writer *w, state_io *io);
+void leaf_writer_files(const leaf_writer *w, out_file *files[WORK_FILES]);
 
 /* leaf_writer_settle() - call it when all treelets of a mesh are put. Does what
  * leaf_writer_finish() does, except publishing. Then leaf_writer_path() is a treelet file without

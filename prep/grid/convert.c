@@ -43,6 +43,10 @@ typedef struct conversion {
     leaf_writer *writer;
     const leaf_layout *layout;
     uint32_t set; /* the current one */
+    bool resumes; /* the current set has been begun by an earlier run */
+    /* Facts of the sets before the current one; of this one, as far as an earlier run knew them. */
+    read_ahead_facts seen, past;
+    absent_parts absent;
     pool *workers;
     bench *benches; /* one per worker */
     stage stages[LEAF_LEVELS_MAX];
@@ -167,6 +171,65 @@ static status store_slices(conversion *c, uint32_t level, read_slices in) {
     return ST_OK;
 }
 
+/* Go on to the first slab that is not complete. Returns whether there was any that is. */
+static bool pass_slabs(conversion *c) {
+    bool any = false;
+    while (c->slices_done >= c->slabs.at.slices) {
+        any = true;
+        if (!leaf_slabs_next(&c->slabs, c->layout))
+            break;
+    }
+    return any;
+}
+
+/* ---- what a later run needs to go on ---- */
+
+/* What must be known before anything is set up. */
+static status keep_head(void *ctx, state_io *io) {
+    conversion *c = ctx;
+    if (c->input)
+        c->past = read_ahead_seen(c->input);
+    status st = convert_job_keep(c->o->job, io);
+    if (st == ST_OK)
+        st = STATE_IO(io, c->set);
+    if (st == ST_OK)
+        st = STATE_IO(io, c->slices_done);
+    if (st == ST_OK)
+        st = STATE_IO(io, c->seen);
+    if (st == ST_OK)
+        st = STATE_IO(io, c->past);
+    if (st == ST_OK)
+        st = STATE_IO(io, c->absent);
+    return st == ST_OK ? STATE_IO(io, c->marker) : st;
+}
+
+static status keep_stage(stage *s, state_io *io) {
+    status st = slab_keep(s->slab, io);
+    if (st == ST_OK && s->up)
+        st = pyramid_keep(s->up, io);
+    return st == ST_OK && s->deviation ? deviation_build_keep(s->deviation, io) : st;
+}
+
+static status keep(void *ctx, state_io *io) {
+    conversion *c = ctx;
+    status st = keep_head(c, io);
+    if (st == ST_OK)
+        st = leaf_writer_keep(c->writer, io);
+    if (st == ST_OK && c->cells)
+        st = state_io_bytes(io, c->cells, c->draw.count * sizeof *c->cells);
+    for (uint32_t level = 0; level < c->layout->levels && st == ST_OK; level++)
+        st = keep_stage(&c->stages[level], io);
+    return st == ST_OK ? state_io_end(io) : st;
+}
+
+static status save(conversion *c) {
+    out_file *files[WORK_FILES];
+    leaf_writer_files(c->writer, files);
+    return work_folder_save(c->o->work, files, done(c), keep, c);
+}
+
+/* ---- slices ---- */
+
 /* Take slices that complete no slab, but by the last of them: then slabs are complete in the order
  * of the file. */
 static status push(conversion *c, read_slices in) {
@@ -187,7 +250,8 @@ static status push(conversion *c, read_slices in) {
     return ST_OK;
 }
 
-static status push_batch(conversion *c, read_slices in) {
+/* *complete: set when a slab is. */
+static status push_batch(conversion *c, read_slices in, bool *complete) {
     const uint32_t *dims = c->layout->level[0].dims;
     const size_t slice_bytes = (size_t)dims[0] * dims[1] * sample_size(c->layout->type);
     while (in.count > 0) {
@@ -197,8 +261,7 @@ static status push_batch(conversion *c, read_slices in) {
         if (st != ST_OK)
             return st;
         c->slices_done += some;
-        while (c->slices_done == c->slabs.at.slices && leaf_slabs_next(&c->slabs, c->layout))
-            ;
+        *complete |= pass_slabs(c);
         in.samples += some * slice_bytes;
         if (in.busy)
             in.busy += some * slice_tiles_count(dims);
@@ -208,14 +271,18 @@ static status push_batch(conversion *c, read_slices in) {
 }
 
 static status convert_slices(conversion *c) {
-    for (;;) {
+    for (bool complete = false;;) {
         read_slices in;
         status st = read_ahead_next(c->input, &in);
         if (st != ST_OK || in.count == 0)
             return st;
-        st = push_batch(c, in);
+        st = push_batch(c, in, &complete);
         if (st == ST_OK)
             st = progress_step(c->p, "convert", done(c));
+        if (st == ST_OK && complete && c->o->work && work_folder_due(c->o->work)) {
+            st = save(c);
+            complete = false;
+        }
         if (st != ST_OK)
             return st;
     }
@@ -383,56 +450,71 @@ static void describe_origin(const convert_options *o, sample_type source, char *
              LEAFCAST_VERSION, sample_name(source), 1 << o->file.cells_log2, o->file.halo, codec);
 }
 
-/* Convert all of v into set c->set. Adds to facts what was seen. */
-static status convert_set(conversion *c, volume *v, const char *output, read_ahead_facts *facts) {
+static void take_facts(conversion *c, const grid *g) {
+    const read_ahead_facts now = read_ahead_seen(c->input);
+    c->seen.non_finite += now.non_finite;
+    c->seen.rounding_error = fmax(c->seen.rounding_error, now.rounding_error);
+    c->seen.trailing_bytes += now.trailing_bytes;
+    absent_add(&c->absent, &g->absent);
+}
+
+/* Convert all of v into set c->set, or what an earlier run left of it. */
+static status convert_set(conversion *c, volume *v, const char *output) {
     const grid *g = volume_grid(v);
-    c->slices_done = 0;
+    c->slices_done = c->resumes ? c->slices_done : 0;
     c->slabs = leaf_slabs_begin(c->layout);
+    (void)pass_slabs(c);
     status st = create_stages(c, output);
     if (st == ST_OK)
         st = begin_histogram(c, g);
     if (st == ST_OK)
         st = begin_deviations(c, g);
     if (st == ST_OK)
-        st = read_ahead_create(c->m, v, c->plan->batch, &c->input);
+        st = read_ahead_create(c->m, v, c->plan->batch, c->resumes ? &c->past : NULL,
+                               c->slices_done, &c->input);
     if (st == ST_OK)
         st = begin_maps(c);
+    if (st == ST_OK && c->resumes)
+        st = work_folder_load(c->o->work, keep, c);
+    c->resumes = false;
     if (st == ST_OK)
         st = convert_slices(c);
     if (st == ST_OK) {
-        const read_ahead_facts seen = read_ahead_end(c->input);
         end_histogram(c, g);
         end_deviations(c, g);
-        facts->non_finite += seen.non_finite;
-        facts->rounding_error = fmax(facts->rounding_error, seen.rounding_error);
-        facts->trailing_bytes += seen.trailing_bytes;
-        absent_add(&facts->absent, &g->absent);
+        take_facts(c, g);
     }
     release_set(c);
     return st;
 }
 
-/* Get the volume of c->set: by reading on in the previous one, or by opening another. */
-static status next_volume(const conversion *c, volume *first, volume **v) {
-    const grid_series *series = c->o->series;
-    if (step_series_follows(&series->of, c->set % series->of.sets.steps) && volume_next_step(*v))
-        return ST_OK;
+/* Open the volume of c->set in the place of another. */
+static status open_volume(const conversion *c, volume *first, volume **v) {
     volume_rest(first);
     if (*v != first)
         volume_close(*v);
     *v = NULL;
-    return grid_series_open(c->m, series, c->set, v);
+    return grid_series_open(c->m, c->o->series, c->set, v);
+}
+
+/* Get the volume of c->set: by reading on in the previous one, or by opening another. */
+static status next_volume(const conversion *c, volume *first, volume **v) {
+    const step_series *series = &c->o->series->of;
+    if (step_series_follows(series, c->set % series->sets.steps) && volume_next_step(*v))
+        return ST_OK;
+    return open_volume(c, first, v);
 }
 
 /* first: volume of the first set. The others are opened here, one at a time. */
-static status convert_sets(conversion *c, volume *first, const char *output,
-                           read_ahead_facts *facts) {
+static status convert_sets(conversion *c, volume *first, const char *output) {
     volume *v = first;
-    status st = convert_set(c, v, output, facts);
-    for (c->set = 1; c->set < c->layout->sets && st == ST_OK; c->set++) {
+    status st = c->set > 0 ? open_volume(c, first, &v) : ST_OK;
+    if (st == ST_OK)
+        st = convert_set(c, v, output);
+    for (c->set++; c->set < c->layout->sets && st == ST_OK; c->set++) {
         st = next_volume(c, first, &v);
         if (st == ST_OK)
-            st = convert_set(c, v, output, facts);
+            st = convert_set(c, v, output);
     }
     volume_rest(first);
     if (v != first)
@@ -440,21 +522,34 @@ static status convert_sets(conversion *c, volume *first, const char *output,
     return st;
 }
 
+/* Find out where an earlier run ended. */
+static status resume(conversion *c) {
+    if (!c->o->work || !work_folder_resumes(c->o->work))
+        return ST_OK;
+    c->resumes = true;
+    status st = work_folder_load(c->o->work, keep_head, c);
+    if (st == ST_OK && (c->set >= c->layout->sets || c->slices_done > c->layout->level[0].dims[2]))
+        st = status_describe(ST_CORRUPT, "the unfinished work is not of this input");
+    return st;
+}
+
 status convert_run(mem *m, volume *v, const char *output, const convert_options *o,
                    const convert_plan *plan, const progress *p, convert_result *result) {
     conversion c = {.m = m, .o = o, .plan = plan, .p = p};
-    read_ahead_facts seen = {0};
     const grid *g = volume_grid(v);
     const leaf_sets *sets = o->series ? &o->series->of.sets : NULL;
-    status st = leaf_writer_create(m, output, o->force, g, sets, &o->file, &c.writer);
+    const leaf_target to = {output, o->force, o->work};
+    status st = leaf_writer_create(m, &to, g, sets, &o->file, &c.writer);
     if (st != ST_OK)
         return st;
     c.layout = leaf_writer_layout(c.writer);
-    st = pool_create(m, o->threads, &c.workers);
+    st = resume(&c);
+    if (st == ST_OK)
+        st = pool_create(m, o->threads, &c.workers);
     if (st == ST_OK)
         st = create_benches(&c);
     if (st == ST_OK)
-        st = convert_sets(&c, v, output, &seen);
+        st = convert_sets(&c, v, output);
     if (st == ST_OK)
         st = check_empty(&c, g);
     release(&c);
@@ -464,11 +559,11 @@ status convert_run(mem *m, volume *v, const char *output, const convert_options 
     }
     char provenance[256];
     describe_origin(o, grid_source(g), provenance, sizeof provenance);
-    leaf_facts facts = {.non_finite = seen.non_finite,
-                        .rounding_error = seen.rounding_error,
+    leaf_facts facts = {.non_finite = c.seen.non_finite,
+                        .rounding_error = c.seen.rounding_error,
                         .provenance = provenance};
-    result->trailing_bytes = seen.trailing_bytes;
-    result->absent = seen.absent;
+    result->trailing_bytes = c.seen.trailing_bytes;
+    result->absent = c.absent;
     result->marker = c.marker;
     return leaf_writer_finish(c.writer, &facts, &result->header);
 }

@@ -51,7 +51,9 @@ static status convert_grid(convert_request *a, mem *m, volume *v, const grid_ser
                          .memory = m->limit,
                          .threads = a->common.threads,
                          .force = a->common.force,
-                         .refuse_empty = !a->allow_empty};
+                         .refuse_empty = !a->allow_empty,
+                         .work = a->work.folder,
+                         .job = &a->work.job};
     convert_plan plan;
     status st = convert_plan_make(m, volume_grid(v), &o, &plan);
     if (st != ST_OK)

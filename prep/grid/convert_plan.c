@@ -34,6 +34,8 @@ static uint64_t fixed_memory(const grid *g, const convert_options *o, const leaf
                       grid_codes_scratch_bytes() + packer + THREAD_BYTES;
     uint64_t bytes =
         leaf_writer_memory(l, o->threads) + (uint64_t)o->threads * thread + FIXED_BYTES;
+    if (o->work)
+        bytes += state_io_memory();
     if (o->file.histograms)
         bytes += histogram_draw_grid(g->dims).count * sizeof(histogram_cell);
     for (uint32_t level = 0; level + 1 < l->levels; level++)

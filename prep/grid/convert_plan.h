@@ -14,6 +14,7 @@
 #include "formats/grid/grid.h"
 #include "formats/leaf/leaf_layout.h"
 #include "formats/leaf/leaf_writer.h"
+#include "prep/convert_job.h"
 #include "prep/grid/grid_series.h"
 #include "prep/grid/slab.h"
 
@@ -25,6 +26,8 @@ typedef struct convert_options {
     bool force;                /* replace an existing output */
     bool refuse_empty;         /* ST_UNSUPPORTED if no sample is a number */
     const grid_series *series; /* checked; NULL: a single volume */
+    work_folder *work;         /* the output's, to save what is done; NULL: it is not */
+    convert_job *job;          /* what is to be done, if there is a work folder */
 } convert_options;
 
 typedef struct convert_plan {

@@ -218,6 +218,21 @@ void deviation_build_destroy(deviation_build *b) {
     mem_free(b->m, b);
 }
 
+status deviation_build_keep(deviation_build *b, state_io *io) {
+    const leaf_level *v = &b->l->level[b->fine];
+    status st = STATE_IO(io, b->seen);
+    if (st == ST_OK)
+        st = STATE_IO(io, b->next);
+    if (st == ST_OK && (b->seen[0] > v->dims[2] || b->seen[1] > v[1].dims[2] ||
+                        b->next > b->seen[0] || b->seen[0] - b->next > KEPT))
+        return state_io_fault(io);
+    if (st == ST_OK)
+        st = state_io_bytes(io, b->band, b->bands * deviation_band_bytes(v->dims[0]));
+    for (int i = 0; i < KEPT && st == ST_OK; i++)
+        st = state_io_bytes(io, b->kept[i], b->slice_bytes[0]);
+    return st == ST_OK ? state_io_bytes(io, b->last, b->slice_bytes[1]) : st;
+}
+
 void deviation_build_end(const leaf_layout *l, uint32_t set, bool rectilinear,
                          const double range[2], uint16_t *codes) {
     for (uint32_t level = 1; level < l->levels; level++) {

@@ -10,6 +10,7 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/pool.h"
+#include "formats/base/state_io.h"
 #include "formats/base/status.h"
 #include "formats/grid/grid.h"
 #include "formats/leaf/deviation.h"
@@ -31,6 +32,10 @@ uint64_t deviation_build_memory(const leaf_layout *l, uint32_t fine, bool rectil
  * that pyramid_feed() takes and gives. */
 CHECKED status deviation_build_feed(deviation_build *b, pool *workers, const void *fine,
                                     uint32_t fine_count, const void *coarse, uint32_t coarse_count);
+
+/* deviation_build_keep() - save or load how far it is, and the slices that are kept; but not the
+ * codes. One that loads is new. */
+CHECKED status deviation_build_keep(deviation_build *b, state_io *io);
 
 /* deviation_build_end() - call it when all levels of a set are complete. Adds the rounding errors
  * to the codes. range: of the set's finite values. */

@@ -529,3 +529,29 @@ status pyramid_feed(pyramid *p, pool *workers, const void *fine, const uint8_t *
     p->done = ready(p, p->fed);
     return ST_OK;
 }
+
+/* Save or load plane i of the window. */
+static status keep_plane(pyramid *p, state_io *io, int i) {
+    const size_t plane = (size_t)p->coarse[0] * p->coarse[1];
+    status st = state_io_bytes(io, p->planes[i], plane * all_kernels[p->type].sum_size);
+    if (st == ST_OK)
+        st = state_io_bytes(io, p->dirty[i], bands(p->fine) * sizeof *p->dirty[i]);
+    if (st == ST_OK && p->weights[i])
+        st = state_io_bytes(io, p->weights[i], plane * sizeof *p->weights[i]);
+    if (st == ST_OK && p->busy[i])
+        st = state_io_bytes(io, p->busy[i], slice_tiles_count(p->coarse));
+    return st;
+}
+
+status pyramid_keep(pyramid *p, state_io *io) {
+    bool maps = p->busy[0] != NULL;
+    status st = STATE_IO(io, maps);
+    if (st == ST_OK)
+        st = STATE_IO(io, p->fed);
+    if (st == ST_OK && (maps != (p->busy[0] != NULL) || p->fed > p->fine[2]))
+        return state_io_fault(io);
+    p->done = ready(p, p->fed);
+    for (int i = 0; i < TAPS && st == ST_OK; i++)
+        st = keep_plane(p, io, i);
+    return st;
+}

@@ -21,6 +21,7 @@
 #include "formats/base/mem.h"
 #include "formats/base/pool.h"
 #include "formats/base/sample.h"
+#include "formats/base/state_io.h"
 #include "formats/base/status.h"
 
 typedef struct pyramid pyramid;
@@ -54,5 +55,9 @@ CHECKED status pyramid_feed(pyramid *p, pool *workers, const void *fine, const u
 /* pyramid_quiet() - if slices have maps: set the value of tiles that are not busy, a finite sample.
  * Call it before the first slice. */
 CHECKED status pyramid_quiet(pyramid *p, const void *sample);
+
+/* pyramid_keep() - save or load how far it is, and the window. One that loads is new, but for
+ * pyramid_quiet(). */
+CHECKED status pyramid_keep(pyramid *p, state_io *io);
 
 #endif

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "formats/base/hash.h"
 #include "formats/base/sample.h"
 #include "formats/base/thread.h"
 
@@ -30,7 +31,10 @@ struct read_ahead {
     uint32_t counts[BATCHES];
     bool ended, quit;
     status_note note;
-    read_ahead_facts facts; /* written by the reader until `ended` */
+    read_ahead_facts facts;         /* the reader's own */
+    read_ahead_facts seen[BATCHES]; /* up to the end of each batch */
+    read_ahead_facts handed;        /* the caller's: up to the end of what it has */
+    uint32_t done;                  /* slices of an earlier run */
 };
 
 static uint64_t count_non_finite(const float *samples, size_t count) {
@@ -55,6 +59,12 @@ static uint64_t count_in_tiles(const read_ahead *r, const float *slice, const ui
     return found;
 }
 
+/* Checksums of slices follow from one another. */
+static void sum_slice(read_ahead_facts *f, const char *slice, size_t bytes) {
+    const uint64_t both[2] = {f->checksum, hash_bytes(slice, bytes)};
+    f->checksum = hash_bytes(both, sizeof both);
+}
+
 static status read_tiles(read_ahead *r, char *into, uint8_t *busy) {
     const status st = volume_read_tiles(r->v, 1, into, busy);
     if (st == ST_OK && volume_grid(r->v)->type == SAMPLE_F32)
@@ -62,7 +72,7 @@ static status read_tiles(read_ahead *r, char *into, uint8_t *busy) {
     return st;
 }
 
-static status read_slice(read_ahead *r, char *into, uint8_t *busy) {
+static status read_samples(read_ahead *r, char *into, uint8_t *busy) {
     sample_type type = volume_grid(r->v)->type;
     if (busy)
         return read_tiles(r, into, busy);
@@ -78,6 +88,13 @@ static status read_slice(read_ahead *r, char *into, uint8_t *busy) {
     if (sample_stored(type) == SAMPLE_F32)
         r->facts.non_finite += count_non_finite((const float *)into, r->slice_samples);
     return ST_OK;
+}
+
+static status read_slice(read_ahead *r, char *into, uint8_t *busy) {
+    status st = read_samples(r, into, busy);
+    if (st == ST_OK)
+        sum_slice(&r->facts, into, r->slice_bytes);
+    return st;
 }
 
 /* Wait for a batch that may be filled. Returns false if the reader is to end. */
@@ -97,9 +114,30 @@ static bool must_quit(read_ahead *r) {
     return quit;
 }
 
+/* Move on behind the slices of an earlier run. */
+static status pass_done(read_ahead *r) {
+    const read_ahead_facts past = r->facts;
+    status st = r->done && volume_skips(r->v) ? volume_skip(r->v, r->done) : ST_OK;
+    if (!r->done || volume_skips(r->v))
+        return st;
+    r->facts.checksum = 0;
+    for (uint32_t z = 0; z < r->done && st == ST_OK && !must_quit(r); z++)
+        st = read_slice(r, r->slices[0], r->busy[0]);
+    if (st == ST_OK && !must_quit(r) && r->facts.checksum != past.checksum)
+        st = status_describe(ST_CORRUPT,
+                             "the input has changed: its first %u slices are not those that the "
+                             "work so far was made from; --force begins again",
+                             r->done);
+    r->facts = past;
+    return st;
+}
+
 static status read_batches(read_ahead *r) {
     uint32_t slices = volume_grid(r->v)->dims[2];
-    for (uint32_t z = 0; z < slices && wait_for_room(r);) {
+    status passed = pass_done(r);
+    if (passed != ST_OK)
+        return passed;
+    for (uint32_t z = r->done; z < slices && wait_for_room(r);) {
         uint32_t count = slices - z < r->batch ? slices - z : r->batch;
         uint32_t slot = r->filled % BATCHES;
         for (uint32_t i = 0; i < count; i++) {
@@ -113,6 +151,7 @@ static status read_batches(read_ahead *r) {
         z += count;
         pthread_mutex_lock(&r->lock);
         r->counts[slot] = count;
+        r->seen[slot] = r->facts;
         r->filled++;
         pthread_cond_broadcast(&r->changed);
         pthread_mutex_unlock(&r->lock);
@@ -170,7 +209,8 @@ static status create_maps(read_ahead *r) {
     return ST_OK;
 }
 
-status read_ahead_create(mem *m, volume *v, uint32_t batch, read_ahead **out) {
+status read_ahead_create(mem *m, volume *v, uint32_t batch, const read_ahead_facts *past,
+                         uint32_t done, read_ahead **out) {
     const grid *g = volume_grid(v);
     read_ahead *r = mem_zalloc(m, sizeof *r);
     if (!r)
@@ -178,6 +218,8 @@ status read_ahead_create(mem *m, volume *v, uint32_t batch, read_ahead **out) {
     r->m = m;
     r->v = v;
     r->batch = batch;
+    r->done = done;
+    r->facts = r->handed = past ? *past : (read_ahead_facts){0};
     r->slice_samples = (size_t)g->dims[0] * g->dims[1];
     r->slice_bytes = stored_slice_bytes(g);
     pthread_mutex_init(&r->lock, NULL);
@@ -241,15 +283,16 @@ status read_ahead_next(read_ahead *r, read_slices *out) {
     if (more) {
         uint32_t slot = r->taken++ % BATCHES;
         *out = (read_slices){r->slices[slot], r->busy[slot], r->counts[slot]};
+        r->handed = r->seen[slot];
     }
     pthread_mutex_unlock(&r->lock);
     if (more)
         return ST_OK;
     *out = (read_slices){0};
+    r->handed.trailing_bytes = r->facts.trailing_bytes;
     return r->note.st == ST_OK ? ST_OK : status_note_raise(&r->note);
 }
 
-read_ahead_facts read_ahead_end(const read_ahead *r) {
-    assert(r->ended);
-    return r->facts;
+read_ahead_facts read_ahead_seen(const read_ahead *r) {
+    return r->handed;
 }

@@ -14,17 +14,20 @@
 
 typedef struct read_ahead read_ahead;
 
-/* Facts about the samples, complete when all slices have been handed out. */
+/* Facts about samples. */
 typedef struct read_ahead_facts {
     uint64_t non_finite;     /* samples that are NaN or inf as stored */
     double rounding_error;   /* largest |stored - input| */
     uint64_t trailing_bytes; /* in the input, behind the last slice */
-    absent_parts absent;
+    uint64_t checksum;       /* of all slices as stored, each following from those before */
 } read_ahead_facts;
 
 /* read_ahead_create() - start reading v, which must not be used until read_ahead_destroy(). batch:
- * slices read at once, >= 1. */
-CHECKED status read_ahead_create(mem *m, volume *v, uint32_t batch, read_ahead **out);
+ * slices read at once, >= 1. past: NULL, or what an earlier run knew after `done` slices: they are
+ * not handed out again. They are skipped where v can do that, else read, and their checksum
+ * compared; ST_CORRUPT where it is another. */
+CHECKED status read_ahead_create(mem *m, volume *v, uint32_t batch, const read_ahead_facts *past,
+                                 uint32_t done, read_ahead **out);
 
 /* read_ahead_destroy() - stop, and wait for the slice that is being read. NULL is fine. */
 void read_ahead_destroy(read_ahead *r);
@@ -49,7 +52,8 @@ CHECKED status read_ahead_next(read_ahead *r, read_slices *out);
  */
 const void *read_ahead_quiet(const read_ahead *r);
 
-/* read_ahead_end() - the facts; call it after read_ahead_next() has given 0 slices. */
-read_ahead_facts read_ahead_end(const read_ahead *r);
+/* read_ahead_seen() - the facts of all slices up to the last that read_ahead_next() gave. After it
+ * has given 0 slices, they are those of the whole input. */
+read_ahead_facts read_ahead_seen(const read_ahead *r);
 
 #endif

@@ -306,3 +306,87 @@ status slab_take(slab *s, uint32_t index, slab_box *out) {
 void slab_next(slab *s) {
     s->current++;
 }
+
+/* ---- keeping ---- */
+
+/* Save a row of a spilled slice, column by column. */
+static status save_row(slab *s, state_io *io, uint32_t z, uint32_t y) {
+    const shape *sh = &s->shape;
+    const uint32_t of = y / sh->step, last = sh->columns[1] - 1, fy = of < last ? of : last;
+    status st = ST_OK;
+    uint32_t first, end;
+    span(sh, 2, s->current, 1, &first, &end);
+    for (uint32_t i = 0; i < sh->columns[0] && st == ST_OK; i++) {
+        const uint32_t index = fy * sh->columns[0] + i;
+        const column c = column_of(sh, index);
+        const uint32_t from = c.fx * sh->step;
+        const uint32_t to =
+            i + 1 < sh->columns[0] ? (c.fx + c.across) * sh->step : sh->level->dims[0];
+        const size_t row = (size_t)(y - c.y0) * (c.x1 - c.x0 + 1) + (from - c.x0);
+        const uint64_t at = s->current % 2 * sh->area_bytes + index * sh->column_bytes +
+                            (z - first) * sh->column_slice_bytes + row * sh->size;
+        st = out_file_read_at(s->file, at, s->staging, (to - from) * sh->size);
+        if (st == ST_OK)
+            st = state_io_bytes(io, s->staging, (to - from) * sh->size);
+    }
+    return st;
+}
+
+static status save_slice(slab *s, state_io *io, uint32_t z) {
+    const shape *sh = &s->shape;
+    status st = ST_OK;
+    if (!s->spilled)
+        return state_io_bytes(io, s->samples + z % sh->depth * slice_bytes(sh),
+                              (size_t)slice_bytes(sh));
+    for (uint32_t y = 0; y < sh->level->dims[1] && st == ST_OK; y++)
+        st = save_row(s, io, z, y);
+    return st;
+}
+
+/* Load the next slice through a buffer, and store it as ever. */
+static status load_slice(slab *s, state_io *io, char *slice) {
+    storing job = {.s = s, .slices = slice};
+    status st = state_io_bytes(io, slice, (size_t)slice_bytes(&s->shape));
+    if (st == ST_OK)
+        st = store_slice(&job, 0, 0);
+    s->next_z++;
+    return st;
+}
+
+static status load_slices(slab *s, state_io *io, uint32_t end) {
+    char *slice = mem_alloc(s->m, (size_t)slice_bytes(&s->shape));
+    status st = slice ? ST_OK : ST_NOMEM;
+    while (st == ST_OK && s->next_z < end)
+        st = load_slice(s, io, slice);
+    mem_free(s->m, slice);
+    return st;
+}
+
+/* The first slice that the current slab needs, or the one behind the last. */
+static uint32_t first_needed(const slab *s) {
+    uint32_t first, last;
+    if (s->current == s->shape.families[2])
+        return s->shape.level->dims[2];
+    span(&s->shape, 2, s->current, 1, &first, &last);
+    return first;
+}
+
+status slab_keep(slab *s, state_io *io) {
+    uint32_t end = s->next_z;
+    assert(!slab_complete(s));
+    status st = STATE_IO(io, s->current);
+    if (st == ST_OK)
+        st = STATE_IO(io, end);
+    if (st != ST_OK)
+        return st;
+    if (s->current > s->shape.families[2] || end > s->shape.level->dims[2])
+        return state_io_fault(io);
+    const uint32_t first = first_needed(s);
+    if (state_io_loads(io)) {
+        s->next_z = first < end ? first : end;
+        return end > s->next_z + slab_room(s) ? state_io_fault(io) : load_slices(s, io, end);
+    }
+    for (uint32_t z = first; z < end && st == ST_OK; z++)
+        st = save_slice(s, io, z);
+    return st;
+}

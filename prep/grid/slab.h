@@ -14,6 +14,7 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/pool.h"
+#include "formats/base/state_io.h"
 #include "formats/base/status.h"
 #include "formats/leaf/leaf_layout.h"
 #include "prep/grid/treelet_build.h"
@@ -62,5 +63,10 @@ typedef struct slab_box {
 uint32_t slab_boxes(const slab *s);
 CHECKED status slab_take(slab *s, uint32_t index, slab_box *out);
 void slab_next(slab *s);
+
+/* slab_keep() - save or load which slices there are, and those that the slabs to come need. No slab
+ * is complete; one that loads is new. The slab that loads may be held otherwise. Loading takes a
+ * slice's memory for a while. */
+CHECKED status slab_keep(slab *s, state_io *io);
 
 #endif

@@ -396,6 +396,7 @@ static status build_treelets(conversion *c, const char *field, const char *outpu
         return st;
     c->plan.treelets = treelets;
     const mesh_series *series = c->o->series;
+    const leaf_target to = {output, c->o->force, NULL};
     const leaf_mesh parts = {
         .name = c->name,
         .field = series && series->of.sets.names ? series->of.sets.names[0] : field,
@@ -412,7 +413,7 @@ static status build_treelets(conversion *c, const char *field, const char *outpu
     if (c->o->gradients)
         st = make_gradients(c, output);
     if (st == ST_OK)
-        st = leaf_writer_create_mesh(c->m, output, c->o->force, &parts, &c->o->file, &c->writer);
+        st = leaf_writer_create_mesh(c->m, &to, &parts, &c->o->file, &c->writer);
     if (st == ST_OK)
         st = create_benches(c);
     if (st == ST_OK && leaf_writer_histograms(c->writer))

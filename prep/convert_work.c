@@ -1,0 +1,68 @@
+#include "prep/convert_work.h"
+
+#include "prep/convert_request.h"
+
+/* Name the options and inputs that the output depends on. Options in the table's order. */
+static status describe_job(const convert_request *a, mem *m, convert_job *j) {
+    status st = convert_job_init(j, m, a->common.output);
+    for (const struct argp_option *o = a->options; (o->name || o->doc) && st == ST_OK; o++)
+        for (size_t i = 0; i < a->told_count && st == ST_OK; i++)
+            if (o->name && a->told[i].key == o->key)
+                st = convert_job_option(j, o->name, a->told[i].text ? a->told[i].text : "");
+    for (int i = 0; i < a->common.input_count && st == ST_OK; i++)
+        st = convert_job_input(j, a->common.inputs[i]);
+    for (int i = 0; i < 3 && st == ST_OK; i++)
+        if (a->hints.grid.axis_file[i])
+            st = convert_job_input(j, a->hints.grid.axis_file[i]);
+    return st;
+}
+
+static status compare_job(void *ctx, state_io *io) {
+    return convert_job_keep(ctx, io);
+}
+
+static status look_at_work(convert_request *a, bool *done) {
+    work_folder *w = a->work.folder;
+    if (!work_folder_resumes(w))
+        return ST_OK;
+    status st = work_folder_load(w, compare_job, &a->work.job);
+    *done = st == ST_OK && work_folder_published(w);
+    if (st == ST_OK && *done)
+        cli_note(&a->common, 1, "%s: was complete already", a->common.output);
+    else if (st == ST_OK)
+        cli_note(&a->common, 1, "%s: goes on at %.0f %%", a->common.output,
+                 100 * work_folder_share(w));
+    return st;
+}
+
+status convert_work_open(convert_request *a, mem *m, bool *done) {
+    const work_found found = a->resume ? WORK_RESUME : a->common.force ? WORK_REMOVE : WORK_REFUSE;
+    *done = false;
+    status st = a->resume ? ST_OK : out_file_check(m, a->common.output, a->common.force);
+    if (st == ST_OK)
+        st = describe_job(a, m, &a->work.job);
+    if (st == ST_OK)
+        st = work_folder_open(m, a->common.output, found, a->checkpoint, &a->work.folder);
+    if (st == ST_OK)
+        st = look_at_work(a, done);
+    return st == ST_OK && !*done && a->resume ? out_file_check(m, a->common.output, a->common.force)
+                                              : st;
+}
+
+/* Whether another run may come further than this one. */
+static bool may_go_on(status st) {
+    return st == ST_STOPPED || st == ST_NOSPACE || st == ST_NOMEM || st == ST_IO || st == ST_USAGE;
+}
+
+status convert_work_close(convert_request *a, status st) {
+    convert_job_release(&a->work.job);
+    if (!a->work.folder)
+        return st;
+    const double share = work_folder_share(a->work.folder);
+    a->common.resumable = work_folder_close(a->work.folder, may_go_on(st));
+    a->work.folder = NULL;
+    if (!a->common.resumable)
+        return st;
+    return status_describe(st, "%s (%.0f %% is done: the same command with --resume goes on)",
+                           status_text(), 100 * share);
+}
