@@ -23,7 +23,8 @@ static status compare_job(void *ctx, state_io *io) {
 
 static status look_at_work(convert_request *a, bool *done) {
     work_folder *w = a->work.folder;
-    if (!work_folder_resumes(w))
+    a->work.resumes = work_folder_resumes(w);
+    if (!a->work.resumes)
         return ST_OK;
     status st = work_folder_load(w, compare_job, &a->work.job);
     *done = st == ST_OK && work_folder_published(w);
@@ -49,9 +50,9 @@ status convert_work_open(convert_request *a, mem *m, bool *done) {
                                               : st;
 }
 
-/* Whether another run may come further than this one. */
-static bool may_go_on(status st) {
-    return st == ST_STOPPED || st == ST_NOSPACE || st == ST_NOMEM || st == ST_IO || st == ST_USAGE;
+/* Whether another run may come further than this one. What an earlier run has left stays. */
+static bool may_go_on(const convert_request *a, status st) {
+    return (a->work.resumes && st != ST_OK) || st == ST_STOPPED || st == ST_NOSPACE || st == ST_NOMEM || st == ST_IO || st == ST_USAGE;
 }
 
 status convert_work_close(convert_request *a, status st) {
@@ -59,7 +60,7 @@ status convert_work_close(convert_request *a, status st) {
     if (!a->work.folder)
         return st;
     const double share = work_folder_share(a->work.folder);
-    a->common.resumable = work_folder_close(a->work.folder, may_go_on(st));
+    a->common.resumable = work_folder_close(a->work.folder, may_go_on(a, st));
     a->work.folder = NULL;
     if (!a->common.resumable)
         return st;

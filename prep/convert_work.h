@@ -10,6 +10,7 @@ struct convert_request;
 typedef struct convert_work {
     work_folder *folder; /* NULL: there is none */
     convert_job job;
+    bool resumes; /* it is an earlier run's */
 } convert_work;
 
 /* convert_work_open() - open the output's folder, before any input. ST_EXISTS: another process is

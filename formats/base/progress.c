@@ -7,7 +7,11 @@ status progress_step(const progress *p, const char *stage, double fraction) {
         return ST_OK;
     if (p->report)
         p->report(p->ctx, stage, fraction);
-    if (p->stop && p->stop(p->ctx))
-        return status_describe(ST_STOPPED, "stopped while %s", stage);
-    return ST_OK;
+    return progress_ask(p, stage);
+}
+
+status progress_ask(const progress *p, const char *stage) {
+    return p && p->stop && p->stop(p->ctx)
+               ? status_describe(ST_STOPPED, "stopped while %s", stage)
+               : ST_OK;
 }

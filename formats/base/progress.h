@@ -21,4 +21,7 @@ typedef struct progress {
 /* progress_step() - report, and ask whether to go on: ST_OK or ST_STOPPED. p may be NULL. */
 CHECKED status progress_step(const progress *p, const char *stage, double fraction);
 
+/* progress_ask() - only ask. */
+CHECKED status progress_ask(const progress *p, const char *stage);
+
 #endif

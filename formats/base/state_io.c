@@ -18,7 +18,8 @@ typedef struct head {
     uint32_t version, zero;
     uint64_t sequence, size, checksum;
     double share;
-    uint64_t reserved[2];
+    uint64_t zero_too;
+    uint64_t own; /* checksum of the head, while this is 0 */
 } head;
 
 _Static_assert(sizeof(head) == 64, "the head's size");
@@ -126,10 +127,17 @@ static void end(state_io *s) {
     mem_free(s->m, s->buffer);
 }
 
-/* Read the head. Returns whether it may be one. */
+static uint64_t sum_head(const head *h) {
+    head copy = *h;
+    copy.own = 0;
+    return hash_bytes(&copy, sizeof copy);
+}
+
+/* Read the head. Returns whether it is whole. */
 static bool read_head(state_io *s, head *h) {
     return read_all(s->fd, s->path, 0, h, sizeof *h) == ST_OK &&
-           memcmp(h->magic, MAGIC, sizeof MAGIC) == 0 && h->version == VERSION;
+           memcmp(h->magic, MAGIC, sizeof MAGIC) == 0 && h->version == VERSION &&
+           h->own == sum_head(h);
 }
 
 static status sum_up(state_io *s, const head *h, bool *same) {
@@ -177,6 +185,7 @@ status state_io_save(mem *m, const char *path, const state_io_head *info, state_
         st = flush(&s);
     h.size = s.at;
     h.checksum = s.checksum;
+    h.own = sum_head(&h);
     if (st == ST_OK)
         st = file_write_all(s.fd, path, &start, &h, sizeof h);
     if (st == ST_OK && fsync(s.fd) != 0)

@@ -4,7 +4,7 @@
  * it goes: so what is saved is what is loaded. The file holds numbers as this machine has them, and
  * is of no use to other programs.
  *
- *      0  64  head: magic, version, sequence, size, checksum of the rest, share
+ *      0  64  head: magic, version, sequence, size, checksum of the rest, share, its own checksum
  *     64   .  the state
  */
 #ifndef FORMATS_BASE_STATE_IO_H

@@ -17,6 +17,9 @@
 #define LEAFCAST_VERSION "0"
 #endif
 
+/* So many bytes of slices at once, as nothing can be stopped meanwhile. */
+enum { PUSH_BYTES = 64 << 20 };
+
 /* Buffers of one thread. */
 typedef struct bench {
     grid_codes_scratch *scratch;
@@ -121,7 +124,9 @@ static status make_family(void *ctx, size_t index, int worker) {
         make_treelet(c, b, &box->samples, 0);
     else
         make_siblings(c, b, &box->samples, parent);
-    status st = leaf_writer_end_family(c->writer, &b->family);
+    status st = progress_ask(c->p, "convert");
+    if (st == ST_OK)
+        st = leaf_writer_end_family(c->writer, &b->family);
     if (st != ST_OK)
         leaf_writer_give_up(c->writer);
     return st;
@@ -256,8 +261,12 @@ static status push_batch(conversion *c, read_slices in, bool *complete) {
     const size_t slice_bytes = (size_t)dims[0] * dims[1] * sample_size(c->layout->type);
     while (in.count > 0) {
         const uint32_t until = c->slabs.at.slices - c->slices_done;
-        const uint32_t some = in.count < until ? in.count : until;
+        uint32_t some = in.count < until ? in.count : until;
+        if (some * slice_bytes > PUSH_BYTES)
+            some = slice_bytes < PUSH_BYTES ? (uint32_t)(PUSH_BYTES / slice_bytes) : 1;
         status st = push(c, (read_slices){in.samples, in.busy, some});
+        if (st == ST_OK)
+            st = progress_ask(c->p, "convert");
         if (st != ST_OK)
             return st;
         c->slices_done += some;
