@@ -203,11 +203,12 @@ status work_folder_save(work_folder *w, out_file *const files[WORK_FILES], doubl
     status st = ST_OK;
     for (int i = 0; i < WORK_FILES && st == ST_OK; i++)
         st = files[i] ? out_file_sync(files[i]) : ST_OK;
-    if (st == ST_OK)
-        st = state_io_save(w->m, name_in(w, state_names[slot]), &head, part, ctx);
+    if (st != ST_OK)
+        return st;
+    st = state_io_save(w->m, name_in(w, state_names[slot]), &head, part, ctx);
     if (st == ST_NOSPACE) {
         /* The room is for the output: the state before this one must do. */
-        (void)truncate(w->file, 0);
+        (void)truncate(name_in(w, state_names[slot]), 0);
         w->saved_at = clock_seconds();
         return ST_OK;
     }
