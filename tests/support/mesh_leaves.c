@@ -383,7 +383,8 @@ status mesh_leaves_try(mem *m, const mesh_case *c, const char *path, int backwar
     leaf_writer *w = NULL;
     leaf_packer *k = NULL;
     mesh.treelets = (uint32_t)((c->tets + mesh.treelet_tets - 1) / mesh.treelet_tets);
-    status st = leaf_writer_create_mesh(m, &(leaf_target){.path = path, .force = true}, &mesh, &c->file, &w);
+    status st = leaf_writer_create_mesh(m, &(leaf_target){.path = path, .force = true}, &mesh,
+                                        &c->file, &w);
     if (st != ST_OK)
         return st;
     const uint32_t tets = mesh.treelet_tets, most[4] = {tets, 4 * tets, tets, tets};
