@@ -52,7 +52,8 @@ status convert_work_open(convert_request *a, mem *m, bool *done) {
 
 /* Whether another run may come further than this one. What an earlier run has left stays. */
 static bool may_go_on(const convert_request *a, status st) {
-    return (a->work.resumes && st != ST_OK) || st == ST_STOPPED || st == ST_NOSPACE || st == ST_NOMEM || st == ST_IO || st == ST_USAGE;
+    return (a->work.resumes && st != ST_OK) || st == ST_STOPPED || st == ST_NOSPACE ||
+           st == ST_NOMEM || st == ST_IO || st == ST_USAGE;
 }
 
 status convert_work_close(convert_request *a, status st) {

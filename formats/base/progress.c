@@ -11,7 +11,6 @@ status progress_step(const progress *p, const char *stage, double fraction) {
 }
 
 status progress_ask(const progress *p, const char *stage) {
-    return p && p->stop && p->stop(p->ctx)
-               ? status_describe(ST_STOPPED, "stopped while %s", stage)
-               : ST_OK;
+    return p && p->stop && p->stop(p->ctx) ? status_describe(ST_STOPPED, "stopped while %s", stage)
+                                           : ST_OK;
 }

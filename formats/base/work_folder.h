@@ -47,9 +47,9 @@ double work_folder_share(const work_folder *w);
 CHECKED status work_folder_file(work_folder *w, work_file which, bool force, out_file **out);
 
 /* work_folder_due() - whether enough time has passed to save a state.
- * work_folder_save() - wait until the bytes of these files are on the disk, then save a state. Where
- * the disk has no room for it, the one before it stays, and all goes on.
- * files: NULL for those that are not open. work_folder_load() - load the last one. */
+ * work_folder_save() - wait until the bytes of these files are on the disk, then save a state.
+ * Where the disk has no room for it, the one before it stays, and all goes on. files: NULL for
+ * those that are not open. work_folder_load() - load the last one. */
 bool work_folder_due(const work_folder *w);
 CHECKED status work_folder_save(work_folder *w, out_file *const files[WORK_FILES], double share,
                                 state_io_part part, void *ctx);

@@ -4,302 +4,16 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "formats/base/pool.h"
 #include "formats/leaf/leaf_histogram.h"
-#include "formats/leaf/leaf_writer.h"
-#include "prep/grid/deviation_build.h"
-#include "prep/grid/pyramid.h"
-#include "prep/grid/read_ahead.h"
-#include "prep/grid/slab.h"
-#include "prep/grid/treelet_build.h"
+#include "prep/grid/grid_levels.h"
 
 #ifndef LEAFCAST_VERSION
 #define LEAFCAST_VERSION "0"
 #endif
 
-/* So many bytes of slices at once, as nothing can be stopped meanwhile. */
-enum { PUSH_BYTES = 64 << 20 };
-
-/* Buffers of one thread. */
-typedef struct bench {
-    grid_codes_scratch *scratch;
-    void *payload; /* of a treelet, before it is compressed; NULL: it is not */
-    void *shell;   /* what a family shares; NULL: the file has no shells */
-    leaf_packer *packer;
-    leaf_family *family;
-} bench;
-
-/* State of one level. */
-typedef struct stage {
-    slab *slab;
-    pyramid *up;                /* makes the next level's slices; NULL at the last */
-    char *coarse;               /* buffer for those slices */
-    uint8_t *busy;              /* maps of those slices; NULL: there are none */
-    deviation_build *deviation; /* of the next level; NULL: the file has none */
-} stage;
-
-typedef struct conversion {
-    mem *m;
-    const convert_options *o;
-    const convert_plan *plan;
-    const progress *p;
-    leaf_writer *writer;
-    const leaf_layout *layout;
-    uint32_t set; /* the current one */
-    bool resumes; /* the current set has been begun by an earlier run */
-    /* Facts of the sets before the current one; of this one, as far as an earlier run knew them. */
-    read_ahead_facts seen, past;
-    absent_parts absent;
-    pool *workers;
-    bench *benches; /* one per worker */
-    stage stages[LEAF_LEVELS_MAX];
-    read_ahead *input;
-    const void *quiet; /* value of tiles that maps call not busy; NULL: there are no maps */
-    uint32_t slices_done;
-    leaf_slabs slabs; /* at the one that is complete next */
-    /* For the histogram; cells is NULL if the file has none. */
-    histogram_draw draw;
-    histogram_space space;
-    histogram_cell *cells;
-    histogram_marker marker;
-} conversion;
-
-/* ---- from slabs to payloads ---- */
-
-typedef struct cutting {
-    const conversion *c;
-    const slab_box *box;
-    uint32_t level;
-} cutting;
-
-/* Record a treelet of which all samples are the quiet value. */
-static void imply_treelet(const conversion *c, leaf_family *f, uint32_t t) {
-    const float value = sample_get(c->layout->type, c->quiet, 0);
-    const leaf_entry entry = {.own = {value, value}};
-    if (c->cells && c->layout->level_of[t] == 0)
-        leaf_histogram_take_one(c->layout, &c->draw, &c->space, t, c->quiet, c->cells);
-    leaf_writer_put_implied(c->writer, f, t, &entry);
-}
-
-static void make_treelet(const conversion *c, const bench *b, const sample_box *box, uint32_t t) {
-    grid_summary summary;
-    if (treelet_build_quiet(c->layout, t, box)) {
-        imply_treelet(c, b->family, t);
-        return;
-    }
-    void *payload = b->payload ? b->payload : leaf_family_room(b->family);
-    treelet_build(c->layout, t, box, b->scratch, payload, &summary);
-    leaf_entry entry = {.own = {summary.own[0], summary.own[1]}, .flags = summary.flags};
-    if (c->cells && c->layout->level_of[t] == 0)
-        leaf_histogram_take(c->layout, &c->draw, &c->space, t, payload, c->cells);
-    leaf_writer_put(c->writer, b->family, b->packer, t, &entry, payload);
-}
-
-/* Make the treelets below treelet p, and put what they share, if any of them has bytes. */
-static void make_siblings(const conversion *c, const bench *b, const sample_box *box, uint32_t p) {
-    const leaf_layout *l = c->layout;
-    const int siblings = __builtin_popcount(leaf_layout_children(l, p));
-    for (int i = 0; i < siblings; i++)
-        make_treelet(c, b, box, l->first_child[p] + (uint32_t)i);
-    if (!l->shells)
-        return;
-    const bool needed = siblings > 1 && leaf_family_bytes(b->family) > 0;
-    if (needed)
-        treelet_build_shell(l, p, box, b->shell);
-    leaf_writer_put_shell(c->writer, b->family, b->packer, p, needed ? b->shell : NULL);
-}
-
-static status make_family(void *ctx, size_t index, int worker) {
-    const cutting *job = ctx;
-    const conversion *c = job->c;
-    bench *b = &c->benches[worker];
-    const slab_box *box = job->box;
-    const uint32_t x = box->first[0] + (uint32_t)index % box->count[0];
-    const uint32_t y = box->first[1] + (uint32_t)index / box->count[0];
-    const leaf_slab of = {.level = job->level, .z = box->first[2]};
-    const uint32_t in_slab = y * slab_families(c->layout, job->level, 0) + x;
-    leaf_family_begin(b->family, c->set, &of, in_slab);
-    const uint32_t parent = leaf_slab_parent(c->layout, &of, in_slab);
-    if (parent == LEAF_NO_TREELET)
-        make_treelet(c, b, &box->samples, 0);
-    else
-        make_siblings(c, b, &box->samples, parent);
-    status st = progress_ask(c->p, "convert");
-    if (st == ST_OK)
-        st = leaf_writer_end_family(c->writer, &b->family);
-    if (st != ST_OK)
-        leaf_writer_give_up(c->writer);
-    return st;
-}
-
-/* Share of the work on all sets that is done. */
-static double done(const conversion *c) {
-    return (c->set + (double)c->slices_done / c->layout->level[0].dims[2]) / c->layout->sets;
-}
-
-static status take_slab(conversion *c, uint32_t level) {
-    slab *s = c->stages[level].slab;
-    for (uint32_t i = 0; i < slab_boxes(s); i++) {
-        status st = progress_step(c->p, "convert", done(c));
-        slab_box box;
-        if (st == ST_OK)
-            st = slab_take(s, i, &box);
-        if (st != ST_OK)
-            return st;
-        cutting job = {.c = c, .box = &box, .level = level};
-        st = pool_run(c->workers, (size_t)box.count[0] * box.count[1], make_family, &job);
-        if (st != ST_OK)
-            return st;
-    }
-    slab_next(s);
-    return ST_OK;
-}
-
-/* ---- slices go up the pyramid ---- */
-
-static status store_slices(conversion *c, uint32_t level, read_slices in) {
-    slab *s = c->stages[level].slab;
-    const uint32_t *dims = c->layout->level[level].dims;
-    const size_t slice_bytes = (size_t)dims[0] * dims[1] * sample_size(c->layout->type);
-    while (in.count > 0) {
-        uint32_t room = slab_room(s), some = in.count < room ? in.count : room;
-        status st = slab_store(s, c->workers, in.samples, in.busy, some);
-        while (st == ST_OK && slab_complete(s))
-            st = take_slab(c, level);
-        if (st != ST_OK)
-            return st;
-        in.samples += some * slice_bytes;
-        if (in.busy)
-            in.busy += some * slice_tiles_count(dims);
-        in.count -= some;
-    }
-    return ST_OK;
-}
-
-/* Go on to the first slab that is not complete. Returns whether there was any that is. */
-static bool pass_slabs(conversion *c) {
-    bool any = false;
-    while (c->slices_done >= c->slabs.at.slices) {
-        any = true;
-        if (!leaf_slabs_next(&c->slabs, c->layout))
-            break;
-    }
-    return any;
-}
-
-/* ---- what a later run needs to go on ---- */
-
-/* What must be known before anything is set up. */
-static status keep_head(void *ctx, state_io *io) {
-    conversion *c = ctx;
-    if (c->input)
-        c->past = read_ahead_seen(c->input);
-    status st = convert_job_keep(c->o->job, io);
-    if (st == ST_OK)
-        st = STATE_IO(io, c->set);
-    if (st == ST_OK)
-        st = STATE_IO(io, c->slices_done);
-    if (st == ST_OK)
-        st = STATE_IO(io, c->seen);
-    if (st == ST_OK)
-        st = STATE_IO(io, c->past);
-    if (st == ST_OK)
-        st = STATE_IO(io, c->absent);
-    return st == ST_OK ? STATE_IO(io, c->marker) : st;
-}
-
-static status keep_stage(stage *s, state_io *io) {
-    status st = slab_keep(s->slab, io);
-    if (st == ST_OK && s->up)
-        st = pyramid_keep(s->up, io);
-    return st == ST_OK && s->deviation ? deviation_build_keep(s->deviation, io) : st;
-}
-
-static status keep(void *ctx, state_io *io) {
-    conversion *c = ctx;
-    status st = keep_head(c, io);
-    if (st == ST_OK)
-        st = leaf_writer_keep(c->writer, io);
-    if (st == ST_OK && c->cells)
-        st = state_io_bytes(io, c->cells, c->draw.count * sizeof *c->cells);
-    for (uint32_t level = 0; level < c->layout->levels && st == ST_OK; level++)
-        st = keep_stage(&c->stages[level], io);
-    return st == ST_OK ? state_io_end(io) : st;
-}
-
-static status save(conversion *c) {
-    out_file *files[WORK_FILES];
-    leaf_writer_files(c->writer, files);
-    return work_folder_save(c->o->work, files, done(c), keep, c);
-}
-
-/* ---- slices ---- */
-
-/* Take slices that complete no slab, but by the last of them: then slabs are complete in the order
- * of the file. */
-static status push(conversion *c, read_slices in) {
-    for (uint32_t level = 0; in.count > 0; level++) {
-        status st = store_slices(c, level, in);
-        const stage *s = &c->stages[level];
-        if (st != ST_OK || !s->up)
-            return st;
-        uint32_t coarse = pyramid_ready(s->up, in.count);
-        st = pyramid_feed(s->up, c->workers, in.samples, in.busy, in.count, s->coarse, s->busy);
-        if (st == ST_OK && s->deviation)
-            st = deviation_build_feed(s->deviation, c->workers, in.samples, in.count, s->coarse,
-                                      coarse);
-        if (st != ST_OK)
-            return st;
-        in = (read_slices){s->coarse, s->busy, coarse};
-    }
-    return ST_OK;
-}
-
-/* *complete: set when a slab is. */
-static status push_batch(conversion *c, read_slices in, bool *complete) {
-    const uint32_t *dims = c->layout->level[0].dims;
-    const size_t slice_bytes = (size_t)dims[0] * dims[1] * sample_size(c->layout->type);
-    while (in.count > 0) {
-        const uint32_t until = c->slabs.at.slices - c->slices_done;
-        uint32_t some = in.count < until ? in.count : until;
-        if (some * slice_bytes > PUSH_BYTES)
-            some = slice_bytes < PUSH_BYTES ? (uint32_t)(PUSH_BYTES / slice_bytes) : 1;
-        status st = push(c, (read_slices){in.samples, in.busy, some});
-        if (st == ST_OK)
-            st = progress_ask(c->p, "convert");
-        if (st != ST_OK)
-            return st;
-        c->slices_done += some;
-        *complete |= pass_slabs(c);
-        in.samples += some * slice_bytes;
-        if (in.busy)
-            in.busy += some * slice_tiles_count(dims);
-        in.count -= some;
-    }
-    return ST_OK;
-}
-
-static status convert_slices(conversion *c) {
-    for (bool complete = false;;) {
-        read_slices in;
-        status st = read_ahead_next(c->input, &in);
-        if (st != ST_OK || in.count == 0)
-            return st;
-        st = push_batch(c, in, &complete);
-        if (st == ST_OK)
-            st = progress_step(c->p, "convert", done(c));
-        if (st == ST_OK && complete && c->o->work && work_folder_due(c->o->work)) {
-            st = save(c);
-            complete = false;
-        }
-        if (st != ST_OK)
-            return st;
-    }
-}
-
 /* ---- setting up ---- */
 
-static status create_benches(conversion *c) {
+static status create_benches(grid_conversion *c) {
     c->benches = mem_array(c->m, (size_t)c->o->threads, sizeof *c->benches);
     if (!c->benches)
         return ST_NOMEM;
@@ -310,7 +24,7 @@ static status create_benches(conversion *c) {
     const size_t shell_bytes =
         c->layout->shells ? leaf_layout_shell_max(c->layout) * sample_size(c->layout->type) : 0;
     for (int i = 0; i < c->o->threads; i++) {
-        bench *b = &c->benches[i];
+        grid_bench *b = &c->benches[i];
         b->family = leaf_writer_take_family(c->writer);
         b->scratch = mem_alloc(c->m, grid_codes_scratch_bytes());
         if (!b->scratch)
@@ -326,9 +40,9 @@ static status create_benches(conversion *c) {
     return ST_OK;
 }
 
-static status create_stages(conversion *c, const char *output) {
+static status create_stages(grid_conversion *c, const char *output) {
     for (uint32_t level = 0; level < c->layout->levels; level++) {
-        stage *s = &c->stages[level];
+        grid_stage *s = &c->stages[level];
         slab_plan how = convert_plan_slab(c->plan, level, c->o->threads);
         status st = slab_create(c->m, c->layout, level, &how, output, &s->slab);
         if (st != ST_OK)
@@ -348,7 +62,7 @@ static status create_stages(conversion *c, const char *output) {
     return ST_OK;
 }
 
-static status begin_deviations(conversion *c, const grid *g) {
+static status begin_deviations(grid_conversion *c, const grid *g) {
     uint16_t *codes = leaf_writer_deviations(c->writer);
     status st = ST_OK;
     for (uint32_t level = 0; codes && level + 1 < c->layout->levels && st == ST_OK; level++)
@@ -357,7 +71,7 @@ static status begin_deviations(conversion *c, const grid *g) {
     return st;
 }
 
-static void end_deviations(const conversion *c, const grid *g) {
+static void end_deviations(const grid_conversion *c, const grid *g) {
     uint16_t *codes = leaf_writer_deviations(c->writer);
     double range[2];
     leaf_writer_range(c->writer, c->set, range);
@@ -366,10 +80,10 @@ static void end_deviations(const conversion *c, const grid *g) {
 }
 
 /* If the input tells which tiles have one value, keep such maps for all levels. */
-static status begin_maps(conversion *c) {
+static status begin_maps(grid_conversion *c) {
     c->quiet = read_ahead_quiet(c->input);
     for (uint32_t level = 0; c->quiet && level + 1 < c->layout->levels; level++) {
-        stage *s = &c->stages[level];
+        grid_stage *s = &c->stages[level];
         const size_t bytes = slice_tiles_count(c->layout->level[level + 1].dims) *
                              convert_plan_slices(c->plan, level + 1);
         s->busy = mem_alloc(c->m, bytes);
@@ -385,7 +99,7 @@ static status begin_maps(conversion *c) {
 
 /* Refuse a volume without any finite sample, unless --allow-empty. Valid once all samples of all
  * sets are written: before that, ranges are not known. */
-static status check_empty(const conversion *c, const grid *g) {
+static status check_empty(const grid_conversion *c, const grid *g) {
     bool empty = c->o->refuse_empty;
     for (uint32_t set = 0; set < c->layout->sets && empty; set++) {
         double range[2];
@@ -400,7 +114,7 @@ static status check_empty(const conversion *c, const grid *g) {
                            (unsigned long long)grid_samples(g) * c->layout->sets);
 }
 
-static status begin_histogram(conversion *c, const grid *g) {
+static status begin_histogram(grid_conversion *c, const grid *g) {
     if (!leaf_writer_histograms(c->writer))
         return ST_OK;
     c->draw = histogram_draw_grid(g->dims);
@@ -411,7 +125,7 @@ static status begin_histogram(conversion *c, const grid *g) {
     return c->cells ? ST_OK : ST_NOMEM;
 }
 
-static void end_histogram(conversion *c, const grid *g) {
+static void end_histogram(grid_conversion *c, const grid *g) {
     double range[2];
     if (!c->cells)
         return;
@@ -423,7 +137,7 @@ static void end_histogram(conversion *c, const grid *g) {
 }
 
 /* Free what belongs to one set. */
-static void release_set(conversion *c) {
+static void release_set(grid_conversion *c) {
     mem_free(c->m, c->cells);
     read_ahead_destroy(c->input);
     for (uint32_t level = 0; level < LEAF_LEVELS_MAX; level++) {
@@ -439,7 +153,7 @@ static void release_set(conversion *c) {
 }
 
 /* Free all but the writer, which leaf_writer_finish() consumes. */
-static void release(conversion *c) {
+static void release(grid_conversion *c) {
     release_set(c);
     for (int i = 0; c->benches && i < c->o->threads; i++) {
         mem_free(c->m, c->benches[i].scratch);
@@ -459,7 +173,7 @@ static void describe_origin(const convert_options *o, sample_type source, char *
              LEAFCAST_VERSION, sample_name(source), 1 << o->file.cells_log2, o->file.halo, codec);
 }
 
-static void take_facts(conversion *c, const grid *g) {
+static void take_facts(grid_conversion *c, const grid *g) {
     const read_ahead_facts now = read_ahead_seen(c->input);
     c->seen.non_finite += now.non_finite;
     c->seen.rounding_error = fmax(c->seen.rounding_error, now.rounding_error);
@@ -468,11 +182,11 @@ static void take_facts(conversion *c, const grid *g) {
 }
 
 /* Convert all of v into set c->set, or what an earlier run left of it. */
-static status convert_set(conversion *c, volume *v, const char *output) {
+static status convert_set(grid_conversion *c, volume *v, const char *output) {
     const grid *g = volume_grid(v);
     c->slices_done = c->resumes ? c->slices_done : 0;
     c->slabs = leaf_slabs_begin(c->layout);
-    (void)pass_slabs(c);
+    (void)grid_levels_pass(c);
     status st = create_stages(c, output);
     if (st == ST_OK)
         st = begin_histogram(c, g);
@@ -484,10 +198,10 @@ static status convert_set(conversion *c, volume *v, const char *output) {
     if (st == ST_OK)
         st = begin_maps(c);
     if (st == ST_OK && c->resumes)
-        st = work_folder_load(c->o->work, keep, c);
+        st = work_folder_load(c->o->work, grid_conversion_keep, c);
     c->resumes = false;
     if (st == ST_OK)
-        st = convert_slices(c);
+        st = grid_levels_run(c);
     if (st == ST_OK) {
         end_histogram(c, g);
         end_deviations(c, g);
@@ -498,7 +212,7 @@ static status convert_set(conversion *c, volume *v, const char *output) {
 }
 
 /* Open the volume of c->set in the place of another. */
-static status open_volume(const conversion *c, volume *first, volume **v) {
+static status open_volume(const grid_conversion *c, volume *first, volume **v) {
     volume_rest(first);
     if (*v != first)
         volume_close(*v);
@@ -507,7 +221,7 @@ static status open_volume(const conversion *c, volume *first, volume **v) {
 }
 
 /* Get the volume of c->set: by reading on in the previous one, or by opening another. */
-static status next_volume(const conversion *c, volume *first, volume **v) {
+static status next_volume(const grid_conversion *c, volume *first, volume **v) {
     const step_series *series = &c->o->series->of;
     if (step_series_follows(series, c->set % series->sets.steps) && volume_next_step(*v))
         return ST_OK;
@@ -515,7 +229,7 @@ static status next_volume(const conversion *c, volume *first, volume **v) {
 }
 
 /* first: volume of the first set. The others are opened here, one at a time. */
-static status convert_sets(conversion *c, volume *first, const char *output) {
+static status convert_sets(grid_conversion *c, volume *first, const char *output) {
     volume *v = first;
     status st = c->set > 0 ? open_volume(c, first, &v) : ST_OK;
     if (st == ST_OK)
@@ -532,11 +246,11 @@ static status convert_sets(conversion *c, volume *first, const char *output) {
 }
 
 /* Find out where an earlier run ended. */
-static status resume(conversion *c) {
+static status resume(grid_conversion *c) {
     if (!c->o->work || !work_folder_resumes(c->o->work))
         return ST_OK;
     c->resumes = true;
-    status st = work_folder_load(c->o->work, keep_head, c);
+    status st = work_folder_load(c->o->work, grid_conversion_keep_head, c);
     if (st == ST_OK && (c->set >= c->layout->sets || c->slices_done > c->layout->level[0].dims[2]))
         st = status_describe(ST_CORRUPT, "the unfinished work is not of this input");
     return st;
@@ -544,7 +258,7 @@ static status resume(conversion *c) {
 
 status convert_run(mem *m, volume *v, const char *output, const convert_options *o,
                    const convert_plan *plan, const progress *p, convert_result *result) {
-    conversion c = {.m = m, .o = o, .plan = plan, .p = p};
+    grid_conversion c = {.m = m, .o = o, .plan = plan, .p = p};
     const grid *g = volume_grid(v);
     const leaf_sets *sets = o->series ? &o->series->of.sets : NULL;
     const leaf_target to = {output, o->force, o->work};
