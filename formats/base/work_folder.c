@@ -16,7 +16,9 @@ enum { STATES = 2, NAME_ROOM = 16, TRIES = 8, COST = 20 };
 
 static const char SUFFIX[] = ".unfinished";
 static const char *const file_names[WORK_FILES] = {
-    [WORK_OUTPUT] = "output", [WORK_WAITING] = "waiting"};
+    [WORK_OUTPUT] = "output",      [WORK_WAITING] = "waiting", [WORK_POINTS] = "points",
+    [WORK_VALUES] = "values",      [WORK_TETS] = "tets",       [WORK_RUNS] = "runs",
+    [WORK_GRADIENTS] = "gradients"};
 static const char *const state_names[STATES] = {"state-0", "state-1"};
 
 struct work_folder {
@@ -175,6 +177,10 @@ double work_folder_share(const work_folder *w) {
 status work_folder_file(work_folder *w, work_file which, bool force, out_file **out) {
     return out_file_continue(w->m, w->output, name_in(w, file_names[which]),
                              force || which != WORK_OUTPUT, out);
+}
+
+void work_folder_drop(work_folder *w, work_file which) {
+    remove_file(w, file_names[which]);
 }
 
 bool work_folder_due(const work_folder *w) {

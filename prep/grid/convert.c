@@ -228,7 +228,7 @@ static status keep(void *ctx, state_io *io) {
 }
 
 static status save(conversion *c) {
-    out_file *files[WORK_FILES];
+    out_file *files[WORK_FILES] = {0};
     leaf_writer_files(c->writer, files);
     return work_folder_save(c->o->work, files, done(c), keep, c);
 }
