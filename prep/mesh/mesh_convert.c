@@ -617,7 +617,7 @@ status mesh_convert_run(mem *m, mesh_input *x, const char *output, const mesh_op
     *result = (mesh_result){0};
     const double start = clock_seconds();
     status st = out_file_check(m, output, o->force);
-    if (st == ST_OK)
+    if (st == ST_OK && !(o->work && work_folder_resumes(o->work)))
         st = check_budget(m, x, o, p, result);
     if (st != ST_OK)
         return st;
