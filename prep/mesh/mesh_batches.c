@@ -16,6 +16,36 @@ void mesh_batches_release(mesh_batches *b) {
     b->first = NULL;
 }
 
+void mesh_batches_doubt(mesh_batches *b, uint64_t vertices) {
+    b->vertices = vertices;
+}
+
+status mesh_batches_fault(void) {
+    return status_describe(ST_CORRUPT, "the sorted tets of unfinished work have changed meanwhile; "
+                                       "--force begins again");
+}
+
+/* Whether a record can come behind one with the key `before`. */
+static bool is_sound(const mesh_record *r, uint64_t before, uint64_t vertices) {
+    const uint32_t *id = r->id;
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < i; k++)
+            if (id[i] == id[k])
+                return false;
+    return r->key >= before && id[0] < vertices && id[1] < vertices && id[2] < vertices &&
+           id[3] < vertices;
+}
+
+/* Check the batch's records. before: the key in front of them. */
+static status check_records(const mesh_batches *b, uint64_t before) {
+    if (!b->vertices)
+        return ST_OK;
+    for (size_t i = 0; i < b->used; i++)
+        if (!is_sound(&b->records[i], i > 0 ? b->records[i - 1].key : before, b->vertices))
+            return mesh_batches_fault();
+    return ST_OK;
+}
+
 status mesh_batches_rewind(mesh_batches *b) {
     b->tet = b->before = b->treelet = 0;
     b->count = b->used = b->first[0] = 0;
@@ -36,6 +66,7 @@ bool mesh_batches_more(const mesh_batches *b) {
 }
 
 status mesh_batches_next(mesh_batches *b) {
+    const uint64_t before = b->before;
     size_t count, used = 0;
     bool last = false;
     b->tet = end_tet(b);
@@ -52,7 +83,7 @@ status mesh_batches_next(mesh_batches *b) {
         b->first[++b->count] = used;
     }
     b->used = used;
-    return st;
+    return st == ST_OK ? check_records(b, before) : st;
 }
 
 status mesh_batches_keep(mesh_batches *b, state_io *io) {

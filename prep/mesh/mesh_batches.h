@@ -29,6 +29,7 @@ typedef struct mesh_batches {
     size_t most;           /* treelets per batch */
     uint64_t before;       /* key of the last tet */
     size_t used;           /* records of the window up to the batch's end */
+    uint64_t vertices;     /* check each record, with ids below this; 0: do not */
 } mesh_batches;
 
 /* mesh_batches_init() - runs: all have been put, and it is at its first record; tets: the number of
@@ -36,6 +37,12 @@ typedef struct mesh_batches {
 CHECKED status mesh_batches_init(mesh_batches *b, mem *m, mesh_runs *runs, uint64_t tets,
                                  uint32_t treelet_tets, size_t most);
 void mesh_batches_release(mesh_batches *b); /* a zeroed struct is fine */
+
+/* mesh_batches_doubt() - the records are in a file that another run has left: from now on, check
+ * that they are of tets with different vertices, in order. vertices: ids are below this.
+ * mesh_batches_fault() - ST_CORRUPT: they are not. */
+void mesh_batches_doubt(mesh_batches *b, uint64_t vertices);
+status mesh_batches_fault(void);
 
 /* mesh_batches_rewind() - begin a pass.
  * mesh_batches_more() - whether there is another batch. mesh_batches_next() - go on to it.

@@ -6,48 +6,15 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/file.h"
-#include "formats/base/pool.h"
-#include "prep/mesh/mesh_batches.h"
-#include "prep/mesh/mesh_build.h"
 #include "prep/mesh/mesh_coarse.h"
-#include "prep/mesh/mesh_keys.h"
+#include "prep/mesh/mesh_conversion.h"
 
 #ifndef LEAFCAST_VERSION
 #define LEAFCAST_VERSION "0"
 #endif
 
-enum { BATCH_PER_THREAD = 32 }; /* treelets per thread between two progress reports */
-
 /* Ends of the stages, as shares of the whole job. */
 static const double READ_END = 0.25, KEYS_END = 0.4, SORT_END = 0.5, GRADIENTS_END = 0.6;
-
-/* What is being done. Work can be saved within each. */
-typedef enum stage { READING, SORTING, SORTED, BUILDING } stage;
-
-typedef struct conversion {
-    mem *m;
-    const char *name;   /* of the data set */
-    const char *output; /* beside which scratch files may lie */
-    mesh_options o;     /* threads: those of the plan, if that is another run's */
-    const progress *p;
-    mesh_report *report; /* from the reader */
-    mesh_gather *g;
-    uint32_t stage; /* see above */
-    double share;   /* of the job that is done */
-    mesh_plan plan;
-    pool *workers;
-    mesh_runs *runs;
-    mesh_keys *keys; /* only while sorting */
-    mesh_keys_report sorted;
-    uint32_t counted; /* the plan's treelets are exact */
-    mesh_spool gradients;
-    uint64_t bands; /* of gradients that are done, of all sets */
-    leaf_writer *writer;
-    mesh_batches batches;
-    mesh_build *build;
-    uint32_t first_step, end_step; /* range of steps being built */
-    bool goes_on;                  /* this pass over the tets was begun by another run */
-} conversion;
 
 mesh_options mesh_options_default(void) {
     return (mesh_options){.file = leaf_parameters_default(),
@@ -57,203 +24,9 @@ mesh_options mesh_options_default(void) {
                           .threads = 1};
 }
 
-static status tell(conversion *c, const char *stage_name, double from, double to, double part) {
-    c->share = from + (to - from) * part;
-    return progress_step(c->p, stage_name, c->share);
-}
-
-/* ---- setting up ---- */
-
-static status begin_runs(conversion *c) {
-    status st = pool_create(c->m, c->o.threads, &c->workers);
-    if (st == ST_OK)
-        st = mesh_runs_create(c->m, c->workers, c->output, &c->plan.runs, &c->runs);
-    if (st != ST_OK)
-        return st;
-    mesh_runs_stop_by(c->runs, c->p);
-    if (c->o.work)
-        mesh_runs_keep_in(c->runs, c->o.work);
-    return ST_OK;
-}
-
-static status begin_keys(conversion *c) {
-    return mesh_keys_create(c->m, c->workers, c->g, c->plan.keys_window, &c->keys);
-}
-
-static status begin_batches(conversion *c) {
-    const size_t most = (size_t)c->o.threads * BATCH_PER_THREAD;
-    return mesh_batches_init(&c->batches, c->m, c->runs, c->sorted.tets, c->o.treelet_tets, most);
-}
-
-static status begin_writer(conversion *c) {
-    const leaf_sets *sets = c->o.series ? &c->o.series->of.sets : NULL;
-    const char *field = c->report->field;
-    const char *const *names = sets && sets->names ? sets->names : &field;
-    const leaf_target to = {c->output, c->o.force, c->o.work};
-    const leaf_mesh parts = {.name = c->name,
-                             .field = names[0],
-                             .names = names,
-                             .times = sets ? sets->times : NULL,
-                             .treelets = (uint32_t)c->plan.treelets,
-                             .treelet_tets = c->o.treelet_tets,
-                             .leaf_tets = c->o.leaf_tets,
-                             .fields = c->g->fields,
-                             .steps = c->g->steps,
-                             .gradients = c->o.gradients,
-                             .moving = c->g->moving,
-                             .coarse = c->o.coarse};
-    const mesh_build_input in = {&c->o, &c->plan, c->g, &c->gradients, c->sorted.tets};
-    status st = leaf_writer_create_mesh(c->m, &to, &parts, &c->o.file, &c->writer);
-    return st == ST_OK ? mesh_build_create(c->m, c->workers, &in, c->writer, &c->build) : st;
-}
-
-/* ---- what another run needs to go on ---- */
-
-static status keep_input(conversion *c, state_io *io) {
-    status st = STATE_IO(io, c->stage);
-    if (st == ST_OK)
-        st = STATE_IO(io, c->share);
-    if (st == ST_OK)
-        st = STATE_IO(io, *c->report);
-    if (st == ST_OK && c->stage > BUILDING)
-        st = state_io_fault(io);
-    c->report->field[MESH_NAME_MAX] = '\0';
-    /* All has been read: the plan says what is in memory. */
-    if (st == ST_OK && state_io_loads(io) && c->stage != READING)
-        c->g->points.ceiling = c->g->values.ceiling = c->g->tets.ceiling = 0;
-    return st == ST_OK ? mesh_gather_keep(c->g, io) : st;
-}
-
-static status keep_plan(conversion *c, state_io *io) {
-    status st = mesh_plan_keep(&c->plan, &c->o, io);
-    if (st != ST_OK || !state_io_loads(io))
-        return st;
-    if (c->g->done != c->g->steps || c->g->vertices == 0)
-        return state_io_fault(io);
-    c->o.threads = c->o.threads < c->plan.threads ? c->o.threads : c->plan.threads;
-    st = begin_runs(c);
-    return st == ST_OK && c->stage == SORTING ? begin_keys(c) : st;
-}
-
-static status keep_sorting(conversion *c, state_io *io) {
-    const bool sorts = c->stage == SORTING;
-    status st = keep_plan(c, io);
-    if (st == ST_OK)
-        st = mesh_runs_keep(c->runs, io);
-    if (st == ST_OK)
-        st = sorts ? mesh_keys_keep(c->keys, io) : STATE_IO(io, c->sorted);
-    if (st == ST_OK)
-        st = STATE_IO(io, c->counted);
-    if (st != ST_OK || !state_io_loads(io))
-        return st;
-    const uint64_t records = sorts ? mesh_keys_put(c->keys) : c->sorted.tets;
-    return records == 0 || records != mesh_runs_left(c->runs) ? state_io_fault(io) : ST_OK;
-}
-
-/* The gradients that are there after c->bands bands. */
-static uint64_t gradients_count(const conversion *c) {
-    const uint64_t all = c->g->vertices, band = c->plan.gradients.band;
-    const uint64_t per_set = (all + band - 1) / band, rest = c->bands % per_set;
-    return c->bands / per_set * all + rest * band;
-}
-
-static status keep_gradients(conversion *c, state_io *io) {
-    if (!c->o.gradients)
-        return ST_OK;
-    status st = STATE_IO(io, c->bands);
-    if (st == ST_OK)
-        st = mesh_spool_keep(&c->gradients, io);
-    return st == ST_OK && (c->gradients.count != gradients_count(c) ||
-                           c->gradients.count > c->g->values.count)
-               ? state_io_fault(io)
-               : st;
-}
-
-static status keep_building(conversion *c, state_io *io) {
-    status st = ST_OK;
-    if (state_io_loads(io)) {
-        c->goes_on = true;
-        st = c->counted ? begin_batches(c) : state_io_fault(io);
-        if (st == ST_OK)
-            st = begin_writer(c);
-    }
-    if (st == ST_OK)
-        st = leaf_writer_keep(c->writer, io);
-    if (st == ST_OK)
-        st = STATE_IO(io, c->first_step);
-    if (st == ST_OK)
-        st = STATE_IO(io, c->end_step);
-    if (st == ST_OK && (c->first_step >= c->end_step || c->end_step > c->g->steps))
-        st = state_io_fault(io);
-    if (st == ST_OK)
-        st = mesh_batches_keep(&c->batches, io);
-    return st == ST_OK ? mesh_build_keep(c->build, io) : st;
-}
-
-/* Save all, or load it. What is loaded is made on the way. */
-static status keep(void *ctx, state_io *io) {
-    conversion *c = ctx;
-    status st = convert_job_keep(c->o.job, io);
-    if (st == ST_OK)
-        st = keep_input(c, io);
-    if (st == ST_OK && c->stage >= SORTING)
-        st = keep_sorting(c, io);
-    if (st == ST_OK && c->stage >= SORTED)
-        st = keep_gradients(c, io);
-    if (st == ST_OK && c->stage >= BUILDING)
-        st = keep_building(c, io);
-    return st == ST_OK ? state_io_end(io) : st;
-}
-
-/* Whether saving is worth it: several steps were read, or the mesh goes through scratch files. */
-static bool is_kept(const conversion *c) {
-    const mesh_gather *g = c->g;
-    return c->o.work && (g->steps > 1 || c->plan.spill_bytes > 0 || !mesh_spool_held(&g->points) ||
-                         !mesh_spool_held(&g->values) || !mesh_spool_held(&g->tets));
-}
-
-/* Sorted tets are in the runs. Remove their file, unless an earlier state is the last one. */
-static void drop_tets(const conversion *c) {
-    if (c->o.work && c->stage >= SORTED)
-        work_folder_drop(c->o.work, WORK_TETS);
-}
-
-/* Save all if it is time to. */
-static status save(conversion *c) {
-    out_file *files[WORK_FILES] = {0};
-    if (!is_kept(c) || !work_folder_due(c->o.work))
-        return ST_OK;
-    status st = mesh_gather_store(c->g);
-    if (st == ST_OK)
-        st = mesh_spool_store(&c->gradients);
-    if (st == ST_OK && c->runs)
-        st = mesh_runs_store(c->runs);
-    if (st != ST_OK)
-        return st;
-    mesh_gather_files(c->g, files);
-    files[WORK_GRADIENTS] = mesh_spool_file(&c->gradients);
-    files[WORK_RUNS] = c->runs ? mesh_runs_file(c->runs) : NULL;
-    if (c->writer)
-        leaf_writer_files(c->writer, files);
-    st = work_folder_save(c->o.work, files, c->share, keep, c);
-    if (st == ST_OK)
-        drop_tets(c);
-    return st;
-}
-
-/* Go on where an earlier run ended. */
-static status resume(conversion *c) {
-    if (!c->o.work || !work_folder_resumes(c->o.work))
-        return ST_OK;
-    status st = work_folder_load(c->o.work, keep, c);
-    if (st == ST_OK)
-        drop_tets(c);
-    return st;
-}
-
 /* ---- sorting ---- */
 
-static status spill(conversion *c) {
+static status spill(mesh_conversion *c) {
     status st = c->plan.spill_tets ? mesh_spool_spill(&c->g->tets) : ST_OK;
     if (st == ST_OK && c->plan.spill_points)
         st = mesh_spool_spill(&c->g->points);
@@ -262,19 +35,19 @@ static status spill(conversion *c) {
     return st;
 }
 
-static status begin_sorting(conversion *c) {
+static status begin_sorting(mesh_conversion *c) {
     status st = mesh_plan_make(c->m, c->g, &c->o, &c->plan);
     if (st == ST_OK)
         st = spill(c);
     if (st == ST_OK)
-        st = begin_runs(c);
+        st = mesh_conversion_begin_runs(c);
     if (st == ST_OK)
-        st = begin_keys(c);
-    c->stage = SORTING;
+        st = mesh_conversion_begin_keys(c);
+    c->stage = MESH_SORTING;
     return st;
 }
 
-static status check_sorted(const conversion *c) {
+static status check_sorted(const mesh_conversion *c) {
     const char *name = *c->name ? c->name : "the mesh";
     const uint64_t bad = c->report->bad_indices + c->sorted.bad,
                    repeated = c->report->repeated + c->sorted.repeated;
@@ -293,14 +66,14 @@ static status check_sorted(const conversion *c) {
 }
 
 /* Sort what is left of the tets. */
-static status sort_rest(conversion *c) {
+static status sort_rest(mesh_conversion *c) {
     status st = ST_OK;
     while (st == ST_OK && mesh_keys_done(c->keys) < 1) {
         st = mesh_keys_next(c->keys, c->runs);
         if (st == ST_OK)
-            st = tell(c, "sort", READ_END, KEYS_END, mesh_keys_done(c->keys));
+            st = mesh_conversion_tell(c, "sort", READ_END, KEYS_END, mesh_keys_done(c->keys));
         if (st == ST_OK && mesh_runs_written(c->runs))
-            st = save(c);
+            st = mesh_conversion_save(c);
     }
     if (st == ST_OK)
         st = mesh_keys_end(c->keys, &c->sorted);
@@ -309,8 +82,8 @@ static status sort_rest(conversion *c) {
     return st;
 }
 
-static status sort_tets(conversion *c) {
-    status st = c->stage == READING ? begin_sorting(c) : ST_OK;
+static status sort_tets(mesh_conversion *c) {
+    status st = c->stage == MESH_READING ? begin_sorting(c) : ST_OK;
     if (st == ST_OK)
         st = sort_rest(c);
     if (st == ST_OK)
@@ -320,15 +93,13 @@ static status sort_tets(conversion *c) {
         st = check_sorted(c);
     if (st != ST_OK)
         return st;
-    c->stage = SORTED;
-    if (c->o.work && !work_folder_resumes(c->o.work))
-        drop_tets(c);
-    st = tell(c, "sort", KEYS_END, SORT_END, 1);
-    return st == ST_OK ? save(c) : st;
+    c->stage = MESH_SORTED;
+    st = mesh_conversion_tell(c, "sort", KEYS_END, SORT_END, 1);
+    return st == ST_OK ? mesh_conversion_save(c) : st;
 }
 
 /* Go through all tets to count the treelets. */
-static status count_treelets(conversion *c) {
+static status count_treelets(mesh_conversion *c) {
     mesh_batches *b = &c->batches;
     status st = ST_OK;
     while (st == ST_OK && mesh_batches_more(b)) {
@@ -341,18 +112,18 @@ static status count_treelets(conversion *c) {
     if (st == ST_OK)
         st = mesh_plan_settle(&c->o, c->g, &c->plan, mesh_batches_end(b));
     c->counted = 1;
-    return st == ST_OK ? save(c) : st;
+    return st == ST_OK ? mesh_conversion_save(c) : st;
 }
 
 /* ---- gradients ---- */
 
 /* Share of the treelets that are done in this pass over the tets. */
-static double pass_done(const conversion *c) {
+static double pass_done(const mesh_conversion *c) {
     return (double)mesh_batches_end(&c->batches) / (double)c->plan.treelets;
 }
 
 /* Compute the gradients of the next band. all: the bands of all sets. */
-static status sum_band(conversion *c, mesh_gradients *summing, uint64_t all) {
+static status sum_band(mesh_conversion *c, mesh_gradients *summing, uint64_t all) {
     mesh_batches *b = &c->batches;
     const uint64_t bands = mesh_gradients_bands(summing);
     const uint32_t set = (uint32_t)(c->bands / bands), step = set / c->g->fields;
@@ -364,15 +135,15 @@ static status sum_band(conversion *c, mesh_gradients *summing, uint64_t all) {
         if (st == ST_OK)
             st = mesh_gradients_add(summing, b->records, b->first[b->count]);
         if (st == ST_OK)
-            st = tell(c, "gradients", SORT_END, GRADIENTS_END,
-                      ((double)c->bands + pass_done(c)) / (double)all);
+            st = mesh_conversion_tell(c, "gradients", SORT_END, GRADIENTS_END,
+                                      ((double)c->bands + pass_done(c)) / (double)all);
     }
     return st == ST_OK ? mesh_gradients_end(summing, &c->gradients) : st;
 }
 
 /* Compute the gradients of all vertices in all sets, in the order of the values, into
  * c->gradients. */
-static status make_gradients(conversion *c) {
+static status make_gradients(mesh_conversion *c) {
     mesh_gather *g = c->g;
     mesh_gradients *summing = NULL;
     status st = c->plan.spill_gradients ? mesh_spool_spill(&c->gradients) : ST_OK;
@@ -385,7 +156,7 @@ static status make_gradients(conversion *c) {
         st = sum_band(c, summing, all);
         c->bands++;
         if (st == ST_OK)
-            st = save(c);
+            st = mesh_conversion_save(c);
     }
     mesh_gradients_destroy(summing);
     return st;
@@ -394,7 +165,7 @@ static status make_gradients(conversion *c) {
 /* ---- building ---- */
 
 /* Build the steps from c->first_step to before c->end_step of the treelets from here on. */
-static status build_pass(conversion *c) {
+static status build_pass(mesh_conversion *c) {
     mesh_batches *b = &c->batches;
     const double from = c->o.gradients ? GRADIENTS_END : SORT_END;
     const uint32_t steps = c->end_step - c->first_step;
@@ -402,14 +173,14 @@ static status build_pass(conversion *c) {
     while (st == ST_OK && mesh_batches_more(b)) {
         st = mesh_batches_next(b);
         if (st == ST_OK && mesh_batches_end(b) > c->plan.treelets)
-            st = status_describe(ST_CORRUPT, "%s: the sorted tets have changed meanwhile",
-                                 c->output);
+            st = mesh_batches_fault();
         if (st == ST_OK)
             st = mesh_build_take(c->build, b, c->first_step, c->end_step);
         if (st == ST_OK)
-            st = tell(c, "build", from, 1, (c->first_step + pass_done(c) * steps) / c->g->steps);
+            st = mesh_conversion_tell(c, "build", from, 1,
+                                      (c->first_step + pass_done(c) * steps) / c->g->steps);
         if (st == ST_OK)
-            st = save(c);
+            st = mesh_conversion_save(c);
     }
     return st;
 }
@@ -417,7 +188,7 @@ static status build_pass(conversion *c) {
 /* Build all steps in one pass if points and values are in memory: there the values of a vertex at
  * all steps lie side by side. In scratch files each step lies elsewhere, and the page caches
  * (mesh_pages.h) would be loaded again and again: then build one step a pass. */
-static status build_steps(conversion *c) {
+static status build_steps(mesh_conversion *c) {
     const bool held = mesh_spool_held(&c->g->points) && mesh_spool_held(&c->g->values);
     status st = ST_OK;
     for (; st == ST_OK && c->first_step < c->g->steps; c->first_step = c->end_step) {
@@ -432,20 +203,20 @@ static status build_steps(conversion *c) {
     return st;
 }
 
-static status build_treelets(conversion *c) {
-    status st = c->stage == BUILDING ? ST_OK : begin_batches(c);
+static status build_treelets(mesh_conversion *c) {
+    status st = c->stage == MESH_BUILDING ? ST_OK : mesh_conversion_begin_batches(c);
     if (st == ST_OK && !c->counted)
         st = count_treelets(c);
-    if (st == ST_OK && c->o.gradients && c->stage != BUILDING)
+    if (st == ST_OK && c->o.gradients && c->stage != MESH_BUILDING)
         st = make_gradients(c);
-    if (st == ST_OK && c->stage != BUILDING)
-        st = begin_writer(c);
-    c->stage = BUILDING;
+    if (st == ST_OK && c->stage != MESH_BUILDING)
+        st = mesh_conversion_begin_writer(c);
+    c->stage = MESH_BUILDING;
     return st == ST_OK ? build_steps(c) : st;
 }
 
 /* Call it when all values have been put. A mesh without an array was given zeros. */
-static status check_empty(const conversion *c) {
+static status check_empty(const mesh_conversion *c) {
     const uint32_t sets = c->g->fields * c->g->steps;
     bool numbers = false, zeros = true;
     for (uint32_t set = 0; set < sets; set++) {
@@ -483,29 +254,6 @@ static void describe_origin(const mesh_options *o, const mesh_report *r, char *t
              cells, o->gradients ? ", gradients" : "", codec);
 }
 
-/* o is copied. */
-static conversion conversion_of(mem *m, mesh_gather *g, const char *name, const char *output,
-                                const mesh_options *o, const progress *p, mesh_report *report) {
-    conversion c = {
-        .m = m, .name = name, .output = output, .o = *o, .p = p, .g = g, .report = report};
-    mesh_spool_init(&c.gradients, m, output, sizeof(float[3]), 0);
-    c.gradients.p = p;
-    if (o->work)
-        mesh_spool_keep_in(&c.gradients, o->work, WORK_GRADIENTS);
-    return c;
-}
-
-/* Free all but the writer, which leaf_writer_finish() consumes. */
-static void release(conversion *c) {
-    mesh_build_destroy(c->build);
-    mesh_batches_release(&c->batches);
-    mesh_keys_destroy(c->keys);
-    mesh_runs_destroy(c->runs);
-    mesh_spool_release(&c->gradients);
-    pool_destroy(c->workers);
-    mesh_gather_release(c->g);
-}
-
 static status embed_coarse(mem *m, leaf_writer *w, const char *output, const leaf_facts *facts,
                            const mesh_options *o, const progress *p) {
     if (!o->coarse)
@@ -517,11 +265,11 @@ static status embed_coarse(mem *m, leaf_writer *w, const char *output, const lea
 }
 
 /* Make the treelet file of what has been read, or what is left of that. */
-static status convert(conversion *c, mesh_result *result) {
+static status convert(mesh_conversion *c, mesh_result *result) {
     const mesh_report *r = c->report;
     leaf_facts facts = {0};
     double start = clock_seconds();
-    status st = c->stage <= SORTING ? sort_tets(c) : ST_OK;
+    status st = c->stage <= MESH_SORTING ? sort_tets(c) : ST_OK;
     result->sort_s = clock_seconds() - start;
     start = clock_seconds();
     if (st == ST_OK)
@@ -530,7 +278,7 @@ static status convert(conversion *c, mesh_result *result) {
         mesh_build_end(c->build, &facts);
     if (st == ST_OK)
         st = check_empty(c);
-    release(c);
+    mesh_conversion_release(c);
     result->plan = c->plan;
     char provenance[256];
     describe_origin(&c->o, r, provenance, sizeof provenance);
@@ -553,7 +301,7 @@ static status convert(conversion *c, mesh_result *result) {
 status mesh_convert_gathered(mem *m, mesh_gather *g, const char *name, const char *output,
                              const mesh_options *o, const progress *p, mesh_result *result) {
     assert(!o->work && (o->series || g->fields * g->steps == 1));
-    conversion c = conversion_of(m, g, name, output, o, p, &result->report);
+    mesh_conversion c = mesh_conversion_of(m, g, name, output, o, p, &result->report);
     return convert(&c, result);
 }
 
@@ -574,14 +322,14 @@ static status read_step(mem *m, mesh_input *x, const mesh_options *o, mesh_gathe
     return st;
 }
 
-static status read_rest(conversion *c, mesh_input *x) {
+static status read_rest(mesh_conversion *c, mesh_input *x) {
     const mesh_sink sink = mesh_gather_sink(c->g);
     status st = ST_OK;
     while (st == ST_OK && c->g->done < c->g->steps) {
         st = read_step(c->m, x, &c->o, c->g, &sink, c->report);
         c->share = READ_END * c->g->done / c->g->steps;
         if (st == ST_OK)
-            st = save(c);
+            st = mesh_conversion_save(c);
     }
     return st;
 }
@@ -626,12 +374,13 @@ status mesh_convert_run(mem *m, mesh_input *x, const char *output, const mesh_op
     begin_reading(&g, x, o);
     if (o->work)
         mesh_gather_keep_in(&g, o->work);
-    conversion c = conversion_of(m, &g, mesh_input_name(x), output, o, p, &result->report);
-    st = resume(&c);
+    mesh_conversion c =
+        mesh_conversion_of(m, &g, mesh_input_name(x), output, o, p, &result->report);
+    st = mesh_conversion_resume(&c);
     if (st == ST_OK)
         st = read_rest(&c, x);
     if (st != ST_OK) {
-        release(&c);
+        mesh_conversion_release(&c);
         leaf_writer_discard(c.writer);
         return st;
     }
