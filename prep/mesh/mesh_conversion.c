@@ -69,7 +69,10 @@ status mesh_conversion_begin_writer(mesh_conversion *c) {
                              .coarse = c->o.coarse};
     const mesh_build_input in = {&c->o, &c->plan, c->g, &c->gradients, c->sorted.tets};
     status st = leaf_writer_create_mesh(c->m, &to, &parts, &c->o.file, &c->writer);
-    return st == ST_OK ? mesh_build_create(c->m, c->workers, &in, c->writer, &c->build) : st;
+    if (st != ST_OK)
+        return st;
+    leaf_writer_stop_by(c->writer, c->p);
+    return mesh_build_create(c->m, c->workers, &in, c->writer, &c->build);
 }
 
 status mesh_conversion_tell(mesh_conversion *c, const char *stage, double from, double to,
