@@ -231,7 +231,11 @@ status work_folder_save(work_folder *w, out_file *const files[WORK_FILES], doubl
 
 status work_folder_load(work_folder *w, state_io_part part, void *ctx) {
     assert(w->slot >= 0);
-    return state_io_load(w->m, name_in(w, state_names[w->slot]), part, ctx);
+    /* The part may open files of the work, whose names go where this one is. */
+    char *name = mem_copy_text(w->m, name_in(w, state_names[w->slot]));
+    status st = name ? state_io_load(w->m, name, part, ctx) : ST_NOMEM;
+    mem_free(w->m, name);
+    return st;
 }
 
 bool work_folder_close(work_folder *w, bool keep) {
