@@ -83,6 +83,8 @@ status mesh_batches_next(mesh_batches *b) {
         b->first[++b->count] = used;
     }
     b->used = used;
+    if (st == ST_OK && b->count == 0)
+        st = mesh_batches_fault();
     return st == ST_OK ? check_records(b, before) : st;
 }
 
