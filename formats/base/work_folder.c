@@ -172,9 +172,14 @@ double work_folder_share(const work_folder *w) {
     return w->head.share;
 }
 
+uint64_t work_folder_states(const work_folder *w) {
+    return w->head.sequence;
+}
+
 /* ---- working ---- */
 
 status work_folder_file(work_folder *w, work_file which, bool force, out_file **out) {
+    w->synced = false;
     return out_file_continue(w->m, w->output, name_in(w, file_names[which]),
                              force || which != WORK_OUTPUT, out);
 }
@@ -188,8 +193,8 @@ bool work_folder_due(const work_folder *w) {
     return clock_seconds() - w->saved_at >= (w->every > 0 ? pause : 0);
 }
 
-/* Put the names of the folder and of its files on the disk, once. Some file systems cannot sync a
- * folder, which is no fault of the files. */
+/* Put the names of the folder and of its files on the disk, unless they are. Some file systems
+ * cannot sync a folder, which is no fault of the files. */
 static void sync_names(work_folder *w) {
     if (w->synced)
         return;
@@ -211,6 +216,7 @@ status work_folder_save(work_folder *w, out_file *const files[WORK_FILES], doubl
         st = files[i] ? out_file_sync(files[i]) : ST_OK;
     if (st != ST_OK)
         return st;
+    sync_names(w); /* a state's files must be there when it is */
     st = state_io_save(w->m, name_in(w, state_names[slot]), &head, part, ctx);
     if (st == ST_NOSPACE) {
         /* The room is for the output: the state before this one must do. */

@@ -45,10 +45,12 @@ size_t work_folder_memory(const char *output);
 
 /* work_folder_resumes() - whether there is a state to go on from. work_folder_published() - whether
  * the output had got its name when that run ended: nothing is left to be done.
- * work_folder_share() - of the job that the last state says is done. */
+ * work_folder_share() - of the job that the last state says is done.
+ * work_folder_states() - the number of states saved so far, by this run and those before. */
 bool work_folder_resumes(const work_folder *w);
 bool work_folder_published(const work_folder *w);
 double work_folder_share(const work_folder *w);
+uint64_t work_folder_states(const work_folder *w);
 
 /* work_folder_file() - a file of the work; of a run that resumes, with what it holds. The output
  * gets its name by out_file_commit(). The caller closes it by that, or by out_file_discard(),
@@ -57,9 +59,9 @@ CHECKED status work_folder_file(work_folder *w, work_file which, bool force, out
 void work_folder_drop(work_folder *w, work_file which);
 
 /* work_folder_due() - whether enough time has passed to save a state.
- * work_folder_save() - wait until the bytes of these files are on the disk, then save a state. Where
- * the disk has no room for it, the one before it stays, and all goes on.
- * files: NULL for those that are not open. work_folder_load() - load the last one. */
+ * work_folder_save() - wait until the bytes of these files are on the disk, then save a state.
+ * Where the disk has no room for it, the one before it stays, and all goes on. files: NULL for
+ * those that are not open. work_folder_load() - load the last one. */
 bool work_folder_due(const work_folder *w);
 CHECKED status work_folder_save(work_folder *w, out_file *const files[WORK_FILES], double share,
                                 state_io_part part, void *ctx);

@@ -194,28 +194,50 @@ static void drop_tets(mesh_conversion *c) {
     c->dropped = true;
 }
 
-status mesh_conversion_save(mesh_conversion *c) {
-    out_file *files[WORK_FILES] = {0};
-    if (c->o.work && !work_folder_resumes(c->o.work))
-        drop_tets(c);
-    if (!is_kept(c) || !work_folder_due(c->o.work))
-        return ST_OK;
+/* Write what is in memory alone to the files of the work. */
+static status store(mesh_conversion *c) {
     status st = mesh_gather_store(c->g);
     if (st == ST_OK)
         st = mesh_spool_store(&c->gradients);
-    if (st == ST_OK && c->runs)
-        st = mesh_runs_store(c->runs);
-    if (st != ST_OK)
-        return st;
+    return st == ST_OK && c->runs ? mesh_runs_store(c->runs) : st;
+}
+
+/* The disk has no room for that, but may have for the output: go on without saving. */
+static void give_up_saving(mesh_conversion *c) {
+    c->unsaved = true;
+    if (work_folder_states(c->o.work) > 0)
+        return;
+    mesh_gather_unstore(c->g);
+    mesh_spool_unstore(&c->gradients);
+    if (c->runs)
+        mesh_runs_unstore(c->runs);
+}
+
+static status save_stored(mesh_conversion *c) {
+    const uint64_t states = work_folder_states(c->o.work);
+    out_file *files[WORK_FILES] = {0};
     mesh_gather_files(c->g, files);
     files[WORK_GRADIENTS] = mesh_spool_file(&c->gradients);
     files[WORK_RUNS] = c->runs ? mesh_runs_file(c->runs) : NULL;
     if (c->writer)
         leaf_writer_files(c->writer, files);
-    st = work_folder_save(c->o.work, files, c->share, keep, c);
-    if (st == ST_OK)
+    status st = work_folder_save(c->o.work, files, c->share, keep, c);
+    if (st == ST_OK && work_folder_states(c->o.work) > states)
         drop_tets(c);
     return st;
+}
+
+status mesh_conversion_save(mesh_conversion *c) {
+    if (c->o.work && !work_folder_resumes(c->o.work))
+        drop_tets(c);
+    if (!is_kept(c) || c->unsaved || !work_folder_due(c->o.work))
+        return ST_OK;
+    status st = store(c);
+    if (st == ST_NOSPACE) {
+        give_up_saving(c);
+        return ST_OK;
+    }
+    return st == ST_OK ? save_stored(c) : st;
 }
 
 status mesh_conversion_resume(mesh_conversion *c) {

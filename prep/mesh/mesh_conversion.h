@@ -48,6 +48,7 @@ typedef struct mesh_conversion {
     bool resumed;                  /* an earlier run began it, */
     bool goes_on;                  /* and was in the middle of this pass over the tets */
     bool dropped;                  /* the file of tets is removed, as runs hold them */
+    bool unsaved;                  /* nothing is saved any more: the disk had no room */
 } mesh_conversion;
 
 /* mesh_conversion_of() - a new one. o is copied, all else kept by reference.

@@ -231,6 +231,12 @@ status mesh_gather_store(mesh_gather *g) {
     return st == ST_OK ? mesh_spool_store(&g->tets) : st;
 }
 
+void mesh_gather_unstore(mesh_gather *g) {
+    mesh_spool_unstore(&g->points);
+    mesh_spool_unstore(&g->values);
+    mesh_spool_unstore(&g->tets);
+}
+
 void mesh_gather_files(const mesh_gather *g, out_file *files[WORK_FILES]) {
     files[WORK_POINTS] = mesh_spool_file(&g->points);
     files[WORK_VALUES] = mesh_spool_file(&g->values);

@@ -44,10 +44,12 @@ void mesh_gather_release(mesh_gather *g); /* a zeroed struct is fine */
 
 /* For another run, between two steps. mesh_gather_keep_in() - keep scratch files in this folder;
  * call it before anything is gathered. mesh_gather_store() - write what is in memory alone to them.
+ * mesh_gather_unstore() - empty those again that were made for this, which no state needs.
  * mesh_gather_files() - these files. mesh_gather_keep() - save or load. Fields and steps must be
  * set. ST_CORRUPT: what loads cannot be of such a mesh. */
 void mesh_gather_keep_in(mesh_gather *g, work_folder *work);
 CHECKED status mesh_gather_store(mesh_gather *g);
+void mesh_gather_unstore(mesh_gather *g);
 void mesh_gather_files(const mesh_gather *g, out_file *files[WORK_FILES]);
 CHECKED status mesh_gather_keep(mesh_gather *g, state_io *io);
 

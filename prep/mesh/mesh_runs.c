@@ -339,6 +339,14 @@ status mesh_runs_store(mesh_runs *r) {
     return r->runs || r->file ? ST_OK : write_records(r, 0);
 }
 
+void mesh_runs_unstore(mesh_runs *r) {
+    if (r->runs || !r->file)
+        return;
+    (void)!out_file_cut(r->file, 0);
+    out_file_discard(r->file);
+    r->file = NULL;
+}
+
 out_file *mesh_runs_file(const mesh_runs *r) {
     return r->file;
 }

@@ -70,6 +70,7 @@ uint64_t mesh_runs_left(const mesh_runs *r);
  * mesh_runs_written() - whether all records that were put are in the file, or mesh_runs_end() was
  * called: only then, a state can be saved.
  * mesh_runs_store() - write records that are in memory alone to the file, before a state is saved.
+ * mesh_runs_unstore() - empty the file again, which no state needs, if all is in memory.
  * mesh_runs_file() - that file, for work_folder_save().
  * mesh_runs_keep() - save what was put, or load it instead of putting it, with the window at the
  * first record. mesh_runs_keep_place() - save or load the place of the window, without its first
@@ -77,6 +78,7 @@ uint64_t mesh_runs_left(const mesh_runs *r);
 void mesh_runs_keep_in(mesh_runs *r, work_folder *work);
 bool mesh_runs_written(const mesh_runs *r);
 CHECKED status mesh_runs_store(mesh_runs *r);
+void mesh_runs_unstore(mesh_runs *r);
 out_file *mesh_runs_file(const mesh_runs *r);
 CHECKED status mesh_runs_keep(mesh_runs *r, state_io *io);
 CHECKED status mesh_runs_keep_place(mesh_runs *r, size_t used, state_io *io);

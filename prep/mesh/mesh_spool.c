@@ -71,7 +71,7 @@ static status copy_rest(mesh_spool *s) {
             st = out_file_write_at(s->copy, s->copied * s->element,
                                    chunk + (s->copied & (CHUNK - 1)) * s->element,
                                    some * s->element);
-        s->copied += some;
+        s->copied += st == ST_OK ? some : 0;
     }
     return st;
 }
@@ -177,6 +177,15 @@ void mesh_spool_keep_in(mesh_spool *s, work_folder *work, work_file which) {
 
 status mesh_spool_store(mesh_spool *s) {
     return s->file || s->count == 0 ? ST_OK : copy_rest(s);
+}
+
+void mesh_spool_unstore(mesh_spool *s) {
+    if (!s->copy)
+        return;
+    (void)!out_file_cut(s->copy, 0);
+    out_file_discard(s->copy);
+    s->copy = NULL;
+    s->copied = 0;
 }
 
 out_file *mesh_spool_file(const mesh_spool *s) {

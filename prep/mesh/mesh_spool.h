@@ -57,11 +57,13 @@ CHECKED status mesh_spool_spill(mesh_spool *s);
 /* Another run can go on with a spool whose file is in a work folder: call mesh_spool_keep_in() when
  * it is empty. Elements never change once they are saved.
  * mesh_spool_store() - write what is in memory alone to the file, before a state is saved.
+ * mesh_spool_unstore() - empty the file again, which no state needs, if all is in memory.
  * mesh_spool_file() - that file, for work_folder_save().
  * mesh_spool_keep() - save how much it holds; or load that into an empty one: into memory where it
  * was, unless that is above the ceiling. ST_CORRUPT: its file is too short. */
 void mesh_spool_keep_in(mesh_spool *s, work_folder *work, work_file which);
 CHECKED status mesh_spool_store(mesh_spool *s);
+void mesh_spool_unstore(mesh_spool *s);
 out_file *mesh_spool_file(const mesh_spool *s);
 CHECKED status mesh_spool_keep(mesh_spool *s, state_io *io);
 
