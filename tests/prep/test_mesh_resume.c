@@ -1,5 +1,5 @@
-/* test_mesh_resume.c - conversions of meshes that end early, anywhere, and are gone on with: what
- * is kept of spools and runs, and the same bytes in the end. */
+/* test_mesh_resume.c - conversions of meshes that end early, anywhere, and are gone on with: the
+ * same bytes in the end. */
 /* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -9,11 +9,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "formats/base/fault.h"
-#include "prep/mesh/mesh_keys.h"
-#include "tests/support/fields.h"
+#include "formats/base/partial.h"
+#include "tests/support/disk_calls.h"
 #include "tests/support/mesh_cases.h"
 #include "tests/support/scratch.h"
 #include "tests/support/watched.h"
@@ -31,222 +32,6 @@ static const char *work_path(const char *output, const char *part) {
     char name[64];
     snprintf(name, sizeof name, "%s.unfinished/%s", output, part);
     return scratch_path(name);
-}
-
-/* ---- spools ---- */
-
-enum { ELEMENT = 12, SAVED = 50000, COUNT = 70000 };
-
-static status keep_spool(void *ctx, state_io *io) {
-    return mesh_spool_keep(ctx, io);
-}
-
-static mesh_spool new_spool(work_folder *w, size_t ceiling) {
-    mesh_spool s;
-    mesh_spool_init(&s, &m, scratch_path("s"), ELEMENT, ceiling);
-    mesh_spool_keep_in(&s, w, WORK_VALUES);
-    return s;
-}
-
-/* Save SAVED elements, append the others, and end. */
-static void leave_spool(const char *bytes, bool in_file) {
-    work_folder *w = open_work("s", WORK_REMOVE);
-    mesh_spool s = new_spool(w, 0);
-    if (in_file)
-        assert_int_equal(mesh_spool_spill(&s), ST_OK);
-    assert_int_equal(mesh_spool_append(&s, bytes, SAVED / 2), ST_OK);
-    assert_int_equal(mesh_spool_store(&s), ST_OK);
-    assert_int_equal(mesh_spool_append(&s, bytes + SAVED / 2 * ELEMENT, SAVED - SAVED / 2), ST_OK);
-    assert_int_equal(mesh_spool_store(&s), ST_OK);
-    assert_int_equal(mesh_spool_held(&s), !in_file);
-    out_file *files[WORK_FILES] = {[WORK_VALUES] = mesh_spool_file(&s)};
-    assert_int_equal(work_folder_save(w, files, 0.5, keep_spool, &s), ST_OK);
-    assert_int_equal(mesh_spool_append(&s, bytes + SAVED * ELEMENT, COUNT - SAVED), ST_OK);
-    assert_int_equal(mesh_spool_store(&s), ST_OK);
-    mesh_spool_release(&s);
-    assert_true(work_folder_close(w, true));
-}
-
-static void go_on_with_spool(const char *bytes, char *back, size_t ceiling, bool held) {
-    work_folder *w = open_work("s", WORK_RESUME);
-    mesh_spool s = new_spool(w, ceiling);
-    assert_int_equal(work_folder_load(w, keep_spool, &s), ST_OK);
-    assert_int_equal(s.count, SAVED);
-    assert_int_equal(mesh_spool_held(&s), held);
-    /* Gaps are zeros, whatever was there. */
-    assert_int_equal(mesh_spool_put(&s, SAVED + 9, bytes, 1), ST_OK);
-    assert_int_equal(mesh_spool_read(&s, SAVED, 9, back), ST_OK);
-    for (int i = 0; i < 9 * ELEMENT; i++)
-        assert_int_equal(back[i], 0);
-    assert_int_equal(mesh_spool_put(&s, SAVED, bytes + SAVED * ELEMENT, COUNT - SAVED), ST_OK);
-    assert_int_equal(mesh_spool_store(&s), ST_OK);
-    assert_int_equal(mesh_spool_read(&s, 0, COUNT, back), ST_OK);
-    assert_memory_equal(back, bytes, (size_t)COUNT * ELEMENT);
-    assert_int_equal(out_file_read_at(mesh_spool_file(&s), 0, back, (size_t)COUNT * ELEMENT),
-                     ST_OK);
-    assert_memory_equal(back, bytes, (size_t)COUNT * ELEMENT);
-    mesh_spool_release(&s);
-    assert_true(work_folder_close(w, true));
-}
-
-static void test_spool(void **state) {
-    (void)state;
-    skip_under_thread();
-    char *bytes = malloc((size_t)COUNT * ELEMENT), *back = malloc((size_t)COUNT * ELEMENT);
-    field_random r = {FIELD_SEED};
-    for (size_t i = 0; i < (size_t)COUNT * ELEMENT; i++)
-        bytes[i] = (char)(1 + field_random_bits(&r) % 255);
-    for (int in_file = 0; in_file < 2; in_file++) {
-        leave_spool(bytes, in_file);
-        go_on_with_spool(bytes, back, 0, !in_file);
-        leave_spool(bytes, in_file);
-        go_on_with_spool(bytes, back, 1 << 19, false);
-        leave_spool(bytes, in_file);
-        assert_int_equal(truncate(work_path("s", "values"), SAVED * ELEMENT - 1), 0);
-        work_folder *w = open_work("s", WORK_RESUME);
-        mesh_spool s = new_spool(w, 0);
-        assert_int_equal(work_folder_load(w, keep_spool, &s), ST_CORRUPT);
-        mesh_spool_release(&s);
-        assert_false(work_folder_close(w, false));
-        assert_int_equal(mem_used(&m), 0);
-        assert_int_equal(scratch_count(), 0);
-    }
-    free(bytes);
-    free(back);
-}
-
-/* ---- runs ---- */
-
-enum { RECORDS = 30000 };
-
-typedef struct kept_runs {
-    mesh_runs *r;
-    uint64_t done; /* records that were put, later used */
-    size_t used;   /* of the window */
-    bool ended;
-} kept_runs;
-
-static status keep_runs(void *ctx, state_io *io) {
-    kept_runs *k = ctx;
-    status st = STATE_IO(io, k->done);
-    if (st == ST_OK)
-        st = mesh_runs_keep(k->r, io);
-    return st == ST_OK && k->ended ? mesh_runs_keep_place(k->r, k->used, io) : st;
-}
-
-static void save_runs(work_folder *w, kept_runs *k) {
-    out_file *files[WORK_FILES] = {0};
-    assert_true(mesh_runs_written(k->r));
-    assert_int_equal(mesh_runs_store(k->r), ST_OK);
-    files[WORK_RUNS] = mesh_runs_file(k->r);
-    assert_int_equal(work_folder_save(w, files, 0.5, keep_runs, k), ST_OK);
-}
-
-static void put_some(mesh_runs *r, const mesh_record *from, size_t count) {
-    while (count > 0) {
-        size_t room;
-        mesh_record *to = mesh_runs_room(r, &room);
-        const size_t some = room < count ? room : count;
-        memcpy(to, from, some * sizeof *to);
-        assert_int_equal(mesh_runs_put(r, some), ST_OK);
-        from += some;
-        count -= some;
-    }
-}
-
-static kept_runs new_runs(pool *p, work_folder *w, const mesh_runs_plan *plan) {
-    kept_runs k = {0};
-    assert_int_equal(mesh_runs_create(&m, p, scratch_path("r"), plan, &k.r), ST_OK);
-    mesh_runs_keep_in(k.r, w);
-    return k;
-}
-
-static work_folder *end_and_open(work_folder *w, kept_runs *k) {
-    mesh_runs_destroy(k->r);
-    assert_true(work_folder_close(w, true));
-    return open_work("r", WORK_RESUME);
-}
-
-/* Records that have the same key are told apart by their first id. */
-static mesh_record *some_records(void) {
-    mesh_record *records = malloc(RECORDS * sizeof *records);
-    field_random r = {FIELD_SEED};
-    for (uint32_t i = 0; i < RECORDS; i++)
-        records[i] = (mesh_record){.key = field_random_bits(&r) % 9999, .id = {i, 1, 2, 3}};
-    return records;
-}
-
-static int compare_records(const void *a, const void *b) {
-    const mesh_record *x = a, *y = b;
-    return x->key != y->key ? (x->key < y->key ? -1 : 1) : (x->id[0] < y->id[0] ? -1 : 1);
-}
-
-/* Interrupted after so many runs, and after every window. */
-static void interrupt_runs(pool *p, const mesh_runs_plan *plan, const mesh_record *records,
-                           const mesh_record *sorted, uint64_t runs) {
-    work_folder *w = open_work("r", WORK_REMOVE);
-    kept_runs k = new_runs(p, w, plan);
-    if (runs > 0) {
-        k.done = runs * plan->run;
-        put_some(k.r, records, (size_t)k.done);
-        save_runs(w, &k);
-        assert_int_equal(mesh_runs_left(k.r), k.done);
-        put_some(k.r, records + k.done, RECORDS / 5);
-        w = end_and_open(w, &k);
-        k = new_runs(p, w, plan);
-        assert_int_equal(work_folder_load(w, keep_runs, &k), ST_OK);
-        assert_int_equal(k.done, runs * plan->run);
-    }
-    put_some(k.r, records + k.done, RECORDS - (size_t)k.done);
-    assert_int_equal(mesh_runs_end(k.r), ST_OK);
-    k.ended = true;
-    field_random random = {FIELD_SEED + runs};
-    for (k.done = 0; k.done < RECORDS;) {
-        const mesh_record *seen;
-        size_t count;
-        bool last;
-        assert_int_equal(mesh_runs_window(k.r, k.used, &seen, &count, &last), ST_OK);
-        assert_int_equal(mesh_runs_left(k.r), RECORDS - k.done);
-        assert_memory_equal(seen, sorted + k.done, count * sizeof *seen);
-        k.used = 1 + field_random_bits(&random) % count;
-        k.done += k.used;
-        save_runs(w, &k);
-        w = end_and_open(w, &k);
-        k = new_runs(p, w, plan);
-        k.ended = true;
-        assert_int_equal(work_folder_load(w, keep_runs, &k), ST_OK);
-    }
-    mesh_runs_destroy(k.r);
-    assert_true(work_folder_close(w, true));
-    if (plan->block) {
-        assert_int_equal(truncate(work_path("r", "runs"), RECORDS * 24 - 1), 0);
-        w = open_work("r", WORK_RESUME);
-        k = new_runs(p, w, plan);
-        assert_int_equal(work_folder_load(w, keep_runs, &k), ST_CORRUPT);
-        mesh_runs_destroy(k.r);
-        assert_true(work_folder_close(w, true));
-    }
-    assert_false(work_folder_close(open_work("r", WORK_REMOVE), false));
-}
-
-static void test_runs(void **state) {
-    (void)state;
-    skip_under_thread();
-    mesh_record *records = some_records(), *sorted = some_records();
-    qsort(sorted, RECORDS, sizeof *sorted, compare_records);
-    pool *p;
-    assert_int_equal(pool_create(&m, 2, &p), ST_OK);
-    const mesh_runs_plan one = mesh_runs_plan_make(RECORDS, 1000, UINT64_MAX, UINT64_MAX),
-                         least = mesh_runs_plan_make(RECORDS, 1000, 0, 0);
-    assert_true(!one.block && least.block && least.run < RECORDS / 4);
-    interrupt_runs(p, &one, records, sorted, 0);
-    for (uint64_t runs = 0; runs < 4; runs++)
-        interrupt_runs(p, &least, records, sorted, runs);
-    pool_destroy(p);
-    free(records);
-    free(sorted);
-    assert_int_equal(mem_used(&m), 0);
-    assert_int_equal(scratch_count(), 0);
 }
 
 /* ---- conversions ---- */
@@ -452,6 +237,54 @@ static void test_faults(void **state) {
     finish(&j);
 }
 
+/* ---- crashes ---- */
+
+/* What a crash leaves is nothing, work that goes on to the same bytes, or the whole file. Returns
+ * whether it was work. seed: 0: killed, else power was lost. */
+static bool check_crash(job *j, size_t count, uint64_t seed) {
+    mesh_result r;
+    uint64_t bytes;
+    bool goes_on = false;
+    assert_int_equal(mkdir(scratch_path("crash"), 0777), 0);
+    disk_log_replay(count, seed, scratch_path("crash"));
+    if (access(scratch_path("crash/x.leaf"), F_OK) != 0) {
+        work_folder *w = open_work("crash/x.leaf", WORK_RESUME);
+        goes_on = work_folder_resumes(w);
+        (void)work_folder_close(w, true);
+        if (convert(j, "crash/x.leaf", true, &r) != ST_OK)
+            fail_msg("after %zu calls, seed %llu: %s", count, (unsigned long long)seed,
+                     status_text());
+    }
+    scratch_same("after a crash", scratch_path("whole.leaf"), scratch_path("crash/x.leaf"));
+    assert_true(partial_remove_folder(scratch_path("crash"), &bytes));
+    return goes_on;
+}
+
+static void test_crashes(void **state) {
+    (void)state;
+    skip_under_thread();
+    enum { MOMENTS = SLOW ? 20 : 90, CHANCES = 3 };
+    for (uint32_t steps = 1; steps <= STEPS; steps += 2) {
+        job j;
+        uint64_t bytes, work = 0;
+        prepare(&j, 16, steps, steps > 1);
+        if (steps > 1)
+            j.c.options.memory = (uint64_t)1 << 30;
+        assert_int_equal(mkdir(scratch_path("disk"), 0777), 0);
+        disk_log_begin(scratch_path("disk"));
+        convert_whole(&j, "disk/x.leaf", true);
+        const size_t calls = disk_log_end();
+        assert_true(calls > MOMENTS);
+        for (size_t n = 0; n <= MOMENTS; n++)
+            for (uint64_t chance = 0; chance <= CHANCES; chance++)
+                work += check_crash(&j, calls * n / MOMENTS, chance ? n * CHANCES + chance : 0);
+        assert_true(work > MOMENTS);
+        disk_log_release();
+        assert_true(partial_remove_folder(scratch_path("disk"), &bytes));
+        finish(&j);
+    }
+}
+
 /* ---- files that have changed, other budgets ---- */
 
 /* Damage a file of the unfinished work: half of it gone, or a quarter overwritten. */
@@ -529,11 +362,10 @@ static int set_up(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(test_spool, set_up),
-        cmocka_unit_test_setup(test_runs, set_up),
         cmocka_unit_test_setup(test_stopped, set_up),
         cmocka_unit_test_setup(test_by_and_by, set_up),
         cmocka_unit_test_setup(test_faults, set_up),
+        cmocka_unit_test_setup(test_crashes, set_up),
         cmocka_unit_test_setup(test_damaged, set_up),
         cmocka_unit_test_setup(test_budgets, set_up),
     };
