@@ -16,7 +16,9 @@ enum { STATES = 2, NAME_ROOM = 16, TRIES = 8, COST = 20 };
 
 static const char SUFFIX[] = ".unfinished";
 static const char *const file_names[WORK_FILES] = {
-    [WORK_OUTPUT] = "output", [WORK_WAITING] = "waiting"};
+    [WORK_OUTPUT] = "output",      [WORK_WAITING] = "waiting", [WORK_POINTS] = "points",
+    [WORK_VALUES] = "values",      [WORK_TETS] = "tets",       [WORK_RUNS] = "runs",
+    [WORK_GRADIENTS] = "gradients"};
 static const char *const state_names[STATES] = {"state-0", "state-1"};
 
 struct work_folder {
@@ -170,11 +172,20 @@ double work_folder_share(const work_folder *w) {
     return w->head.share;
 }
 
+uint64_t work_folder_states(const work_folder *w) {
+    return w->head.sequence;
+}
+
 /* ---- working ---- */
 
 status work_folder_file(work_folder *w, work_file which, bool force, out_file **out) {
+    w->synced = false;
     return out_file_continue(w->m, w->output, name_in(w, file_names[which]),
                              force || which != WORK_OUTPUT, out);
+}
+
+void work_folder_drop(work_folder *w, work_file which) {
+    remove_file(w, file_names[which]);
 }
 
 bool work_folder_due(const work_folder *w) {
@@ -182,8 +193,8 @@ bool work_folder_due(const work_folder *w) {
     return clock_seconds() - w->saved_at >= (w->every > 0 ? pause : 0);
 }
 
-/* Put the names of the folder and of its files on the disk, once. Some file systems cannot sync a
- * folder, which is no fault of the files. */
+/* Put the names of the folder and of its files on the disk, unless they are. Some file systems
+ * cannot sync a folder, which is no fault of the files. */
 static void sync_names(work_folder *w) {
     if (w->synced)
         return;
@@ -205,6 +216,7 @@ status work_folder_save(work_folder *w, out_file *const files[WORK_FILES], doubl
         st = files[i] ? out_file_sync(files[i]) : ST_OK;
     if (st != ST_OK)
         return st;
+    sync_names(w); /* a state's files must be there when it is */
     st = state_io_save(w->m, name_in(w, state_names[slot]), &head, part, ctx);
     if (st == ST_NOSPACE) {
         /* The room is for the output: the state before this one must do. */
@@ -225,7 +237,11 @@ status work_folder_save(work_folder *w, out_file *const files[WORK_FILES], doubl
 
 status work_folder_load(work_folder *w, state_io_part part, void *ctx) {
     assert(w->slot >= 0);
-    return state_io_load(w->m, name_in(w, state_names[w->slot]), part, ctx);
+    /* The part may open files of the work, whose names go where this one is. */
+    char *name = mem_copy_text(w->m, name_in(w, state_names[w->slot]));
+    status st = name ? state_io_load(w->m, name, part, ctx) : ST_NOMEM;
+    mem_free(w->m, name);
+    return st;
 }
 
 bool work_folder_close(work_folder *w, bool keep) {

@@ -22,8 +22,17 @@ typedef enum work_found {
     WORK_RESUME
 } work_found;
 
-/* The files of the work. */
-typedef enum work_file { WORK_OUTPUT, WORK_WAITING, WORK_FILES } work_file;
+/* The files of the work. Those from WORK_POINTS on belong to meshes. */
+typedef enum work_file {
+    WORK_OUTPUT,
+    WORK_WAITING,
+    WORK_POINTS,
+    WORK_VALUES,
+    WORK_TETS,
+    WORK_RUNS,
+    WORK_GRADIENTS,
+    WORK_FILES
+} work_file;
 
 /* work_folder_open() - make or open an output's folder, and lock it. ST_EXISTS: another process
  * works in it, something else has its name, or as `found` says. every: seconds that pass at least
@@ -36,15 +45,18 @@ size_t work_folder_memory(const char *output);
 
 /* work_folder_resumes() - whether there is a state to go on from. work_folder_published() - whether
  * the output had got its name when that run ended: nothing is left to be done.
- * work_folder_share() - of the job that the last state says is done. */
+ * work_folder_share() - of the job that the last state says is done.
+ * work_folder_states() - the number of states saved so far, by this run and those before. */
 bool work_folder_resumes(const work_folder *w);
 bool work_folder_published(const work_folder *w);
 double work_folder_share(const work_folder *w);
+uint64_t work_folder_states(const work_folder *w);
 
 /* work_folder_file() - a file of the work; of a run that resumes, with what it holds. The output
  * gets its name by out_file_commit(). The caller closes it by that, or by out_file_discard(),
- * before the folder. */
+ * before the folder. work_folder_drop() - remove one that is closed, and that no state needs. */
 CHECKED status work_folder_file(work_folder *w, work_file which, bool force, out_file **out);
+void work_folder_drop(work_folder *w, work_file which);
 
 /* work_folder_due() - whether enough time has passed to save a state.
  * work_folder_save() - wait until the bytes of these files are on the disk, then save a state.

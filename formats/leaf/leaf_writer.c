@@ -299,10 +299,18 @@ static status keep_payloads(leaf_writer *w, state_io *io) {
     return st;
 }
 
-/* Whether any payload has been written at its place. */
-static bool has_payloads(const leaf_writer *w) {
+/* The end of what has been written in the file. A mesh's payloads may have a place there while they
+ * wait in the scratch file. */
+static uint64_t written_end(const leaf_writer *w) {
     const leaf_section *last = &w->table[w->header.sections - 1];
-    return w->next.end > last->offset + last->bytes;
+    uint64_t end = 0;
+    if (!w->scratch)
+        return w->next.end > last->offset + last->bytes ? w->next.end : 0;
+    for (uint32_t p = 0; p < w->layout.payloads; p++)
+        if (w->scratch_at[p] == NOT_THERE && w->sizes[p] != UNKNOWN_SIZE && w->sizes[p] > 0 &&
+            w->offsets[p] + w->sizes[p] > end)
+            end = w->offsets[p] + w->sizes[p];
+    return end;
 }
 
 status leaf_writer_keep(leaf_writer *w, state_io *io) {
@@ -316,9 +324,8 @@ status leaf_writer_keep(leaf_writer *w, state_io *io) {
         st = STATE_IO(io, w->scratch_end);
     if (st != ST_OK || !state_io_loads(io))
         return st;
-    const uint64_t written = has_payloads(w) ? w->next.end : 0;
     if (w->order.p > w->layout.payloads || w->order.set > w->layout.sets ||
-        out_file_size(w->out) < written ||
+        out_file_size(w->out) < written_end(w) ||
         (w->scratch && out_file_size(w->scratch) < w->scratch_end))
         return state_io_fault(io);
     st = out_file_cut(w->out, w->next.end);

@@ -25,6 +25,7 @@
 #include <stdint.h>
 
 #include "formats/base/mem.h"
+#include "formats/base/progress.h"
 #include "formats/base/status.h"
 #include "formats/base/work_folder.h"
 #include "formats/grid/grid.h"
@@ -172,6 +173,10 @@ CHECKED status leaf_writer_put_positions(leaf_writer *w, leaf_packer *k, uint32_
  * leaf_writer_files() - the files of its work, for work_folder_save(). */
 CHECKED status leaf_writer_keep(leaf_writer *w, state_io *io);
 void leaf_writer_files(const leaf_writer *w, out_file *files[WORK_FILES]);
+
+/* leaf_writer_stop_by() - ask p now and then whether to go on while a mesh is finished; kept by
+ * reference. */
+void leaf_writer_stop_by(leaf_writer *w, const progress *p);
 
 /* leaf_writer_settle() - call it when all treelets of a mesh are put. Does what
  * leaf_writer_finish() does, except publishing. Then leaf_writer_path() is a treelet file without

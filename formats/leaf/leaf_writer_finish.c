@@ -28,6 +28,10 @@ void leaf_writer_place(leaf_writer *w) {
     w->header.file_bytes = leaf_layout_aligned(next.end, w->p.run_align_log2);
 }
 
+void leaf_writer_stop_by(leaf_writer *w, const progress *p) {
+    w->stop = p;
+}
+
 status leaf_writer_copy_room(leaf_writer *w) {
     w->copy_buffer = mem_alloc(w->m, leaf_layout_stored_max(&w->layout));
     return w->copy_buffer ? ST_OK : ST_NOMEM;
@@ -40,7 +44,9 @@ static status copy_payloads(leaf_writer *w) {
         size_t size = (size_t)w->sizes[p];
         if (w->scratch_at[p] == NOT_THERE)
             continue;
-        status st = out_file_read_at(w->scratch, w->scratch_at[p], w->copy_buffer, size);
+        status st = progress_ask(w->stop, "build");
+        if (st == ST_OK)
+            st = out_file_read_at(w->scratch, w->scratch_at[p], w->copy_buffer, size);
         if (st == ST_OK)
             st = out_file_write_at(w->out, w->offsets[p], w->copy_buffer, size);
         if (st != ST_OK)

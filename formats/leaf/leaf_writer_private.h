@@ -34,6 +34,7 @@ struct leaf_writer {
     uint16_t *deviations;  /* codes of coarse treelets' bricks; or NULL */
     world_frame frame;
     bool settled;
+    const progress *stop; /* asked while payloads are copied; may be NULL */
     out_file *out;
     /* A mesh's payloads wait here until the sizes of all before them are known. */
     out_file *scratch;

@@ -42,7 +42,7 @@ status grid_conversion_keep(void *ctx, state_io *io) {
 }
 
 status grid_conversion_save(grid_conversion *c) {
-    out_file *files[WORK_FILES];
+    out_file *files[WORK_FILES] = {0};
     leaf_writer_files(c->writer, files);
     return work_folder_save(c->o->work, files, grid_conversion_share(c), grid_conversion_keep, c);
 }

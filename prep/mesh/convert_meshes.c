@@ -92,7 +92,9 @@ static status convert_mesh(convert_request *a, mem *m, mesh_input *x, const mesh
                             .threads = a->common.threads,
                             .force = a->common.force,
                             .gradients = a->gradients,
-                            .refuse_empty = !a->allow_empty};
+                            .refuse_empty = !a->allow_empty,
+                            .work = a->work.folder,
+                            .job = &a->work.job};
     mesh_result r;
     const progress *p = cli_progress(&a->common);
     status st = a->dry_run ? mesh_convert_dry(m, x, &o, p, &r)

@@ -6,62 +6,15 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/file.h"
-#include "formats/base/pool.h"
 #include "prep/mesh/mesh_coarse.h"
-#include "prep/mesh/mesh_cut.h"
-#include "prep/mesh/mesh_histogram.h"
-#include "prep/mesh/mesh_keys.h"
-#include "prep/mesh/mesh_sah.h"
-#include "prep/mesh/mesh_treelet.h"
+#include "prep/mesh/mesh_conversion.h"
 
 #ifndef LEAFCAST_VERSION
 #define LEAFCAST_VERSION "0"
 #endif
 
-enum { BATCH_PER_THREAD = 32 }; /* treelets per thread between two progress reports */
-
 /* Ends of the stages, as shares of the whole job. */
 static const double READ_END = 0.25, KEYS_END = 0.4, SORT_END = 0.5, GRADIENTS_END = 0.6;
-
-/* Buffers and counts of one thread. */
-typedef struct bench {
-    mesh_treelet_builder *builder;
-    mesh_sah *sah; /* NULL: trees by keys */
-    mesh_pages points, values, gradients;
-    leaf_packer *packer;
-    void *pack;
-    uint64_t flat, positive, negative;
-} bench;
-
-/* Treelets that are built at once. Treelet i of the batch has the records [first[i], first[i +
- * 1]). */
-typedef struct batch {
-    const mesh_record *records;
-    size_t *first;
-    size_t count, most;
-    uint32_t treelet; /* index of the batch's first treelet */
-    uint64_t tet;     /* number of the batch's first tet */
-} batch;
-
-typedef struct conversion {
-    mem *m;
-    const char *name; /* of the data set */
-    const mesh_options *o;
-    const progress *p;
-    mesh_gather *g;
-    mesh_plan plan;
-    pool *workers;
-    mesh_runs *runs;
-    uint64_t tets; /* kept */
-    mesh_spool gradients;
-    mesh_gradients *summing;
-    double band, band_end; /* share of all gradients: begin and end of the current part */
-    leaf_writer *writer;
-    bench *benches;
-    batch batch;
-    uint32_t first_step, end_step; /* range of steps being built */
-    mesh_histogram histogram;
-} conversion;
 
 mesh_options mesh_options_default(void) {
     return (mesh_options){.file = leaf_parameters_default(),
@@ -73,7 +26,7 @@ mesh_options mesh_options_default(void) {
 
 /* ---- sorting ---- */
 
-static status spill(conversion *c) {
+static status spill(mesh_conversion *c) {
     status st = c->plan.spill_tets ? mesh_spool_spill(&c->g->tets) : ST_OK;
     if (st == ST_OK && c->plan.spill_points)
         st = mesh_spool_spill(&c->g->points);
@@ -82,351 +35,188 @@ static status spill(conversion *c) {
     return st;
 }
 
-static status sort_tets(conversion *c, const char *output, leaf_facts *facts) {
-    mesh_keys_report seen;
-    status st = mesh_runs_create(c->m, c->workers, output, &c->plan.runs, &c->runs);
+static status begin_sorting(mesh_conversion *c) {
+    status st = mesh_plan_make(c->m, c->g, &c->o, &c->plan);
     if (st == ST_OK)
-        st = mesh_keys_make(c->m, c->workers, c->g, c->plan.keys_window, c->runs, READ_END,
-                            KEYS_END, &seen);
-    mesh_spool_release(&c->g->tets);
+        st = spill(c);
     if (st == ST_OK)
-        st = mesh_runs_end(c->runs);
-    if (st != ST_OK)
-        return st;
-    c->tets = seen.tets;
-    facts->vertices = seen.vertices;
-    facts->non_finite = seen.non_finite;
-    facts->repeated += seen.repeated;
-    facts->bad += seen.bad;
-    if (seen.tets + facts->bad + facts->repeated == 0)
+        st = mesh_conversion_begin_runs(c);
+    if (st == ST_OK)
+        st = mesh_conversion_begin_keys(c);
+    c->stage = MESH_SORTING;
+    return st;
+}
+
+static status check_sorted(const mesh_conversion *c) {
+    const char *name = *c->name ? c->name : "the mesh";
+    const uint64_t bad = c->report->bad_indices + c->sorted.bad,
+                   repeated = c->report->repeated + c->sorted.repeated;
+    if (c->sorted.tets > 0)
+        return ST_OK;
+    if (bad + repeated == 0)
         return status_describe(ST_UNSUPPORTED,
                                "%s: no tets; a surface of triangles is filled with them: `meshio "
                                "convert IN surface.ply' (python3-meshio), then `leafcast "
                                "tetrahedralize surface.ply -o F.mesh', and convert F.mesh",
-                               *c->name ? c->name : "the mesh");
-    if (seen.tets == 0)
-        return status_describe(ST_CORRUPT,
-                               "%s: %llu tets with an id that is no point, %llu with a vertex "
-                               "twice, and no tet besides",
-                               *c->name ? c->name : "the mesh", (unsigned long long)facts->bad,
-                               (unsigned long long)facts->repeated);
-    return progress_step(c->p, "sort", SORT_END);
+                               name);
+    return status_describe(ST_CORRUPT,
+                           "%s: %llu tets with an id that is no point, %llu with a vertex twice, "
+                           "and no tet besides",
+                           name, (unsigned long long)bad, (unsigned long long)repeated);
 }
 
-/* ---- cutting ---- */
-
-/* Call take() for one batch of treelets after the other, in order. */
-static status for_each_batch(conversion *c, status (*take)(conversion *c)) {
-    batch *b = &c->batch;
-    uint64_t before = 0, done = 0;
-    size_t used = 0;
-    b->treelet = 0;
-    for (bool last = false; done < c->tets;) {
-        size_t count;
-        status st = mesh_runs_window(c->runs, used, &b->records, &count, &last);
-        b->count = 0;
-        b->tet = done;
-        for (used = 0; b->count < b->most && used < count;) {
-            if (!last && count - used <= c->o->treelet_tets)
-                break;
-            const uint64_t *key = done > 0 ? &before : NULL;
-            b->first[b->count++] = used;
-            used += mesh_cut_next(b->records + used, count - used, key, c->o->treelet_tets);
-            done += used - b->first[b->count - 1];
-            before = b->records[used - 1].key;
-        }
-        b->first[b->count] = used;
+/* Sort what is left of the tets. */
+static status sort_rest(mesh_conversion *c) {
+    status st = ST_OK;
+    while (st == ST_OK && mesh_keys_done(c->keys) < 1) {
+        st = mesh_keys_next(c->keys, c->runs);
         if (st == ST_OK)
-            st = take(c);
-        if (st != ST_OK)
-            return st;
-        b->treelet += (uint32_t)b->count;
+            st = mesh_conversion_tell(c, "sort", READ_END, KEYS_END, mesh_keys_done(c->keys));
+        if (st == ST_OK && mesh_runs_written(c->runs))
+            st = mesh_conversion_save(c);
     }
-    return ST_OK;
+    if (st == ST_OK)
+        st = mesh_keys_end(c->keys, &c->sorted);
+    mesh_keys_destroy(c->keys);
+    c->keys = NULL;
+    return st;
 }
 
-static status count_batch(conversion *c) {
-    return c->batch.treelet > UINT32_MAX / 4
-               ? status_describe(ST_UNSUPPORTED, "too many treelets; make them larger")
-               : ST_OK;
+static status sort_tets(mesh_conversion *c) {
+    status st = c->stage == MESH_READING ? begin_sorting(c) : ST_OK;
+    if (st == ST_OK)
+        st = sort_rest(c);
+    if (st == ST_OK)
+        st = mesh_runs_end(c->runs);
+    mesh_spool_release(&c->g->tets);
+    if (st == ST_OK)
+        st = check_sorted(c);
+    if (st != ST_OK)
+        return st;
+    c->stage = MESH_SORTED;
+    st = mesh_conversion_tell(c, "sort", KEYS_END, SORT_END, 1);
+    return st == ST_OK ? mesh_conversion_save(c) : st;
+}
+
+/* Go through all tets to count the treelets. */
+static status count_treelets(mesh_conversion *c) {
+    mesh_batches *b = &c->batches;
+    status st = ST_OK;
+    while (st == ST_OK && mesh_batches_more(b)) {
+        st = mesh_batches_next(b);
+        if (st == ST_OK)
+            st = progress_ask(c->p, "sort");
+        if (st == ST_OK && b->treelet > UINT32_MAX / 4)
+            st = status_describe(ST_UNSUPPORTED, "too many treelets; make them larger");
+    }
+    if (st == ST_OK)
+        st = mesh_plan_settle(&c->o, c->g, &c->plan, mesh_batches_end(b));
+    c->counted = 1;
+    return st == ST_OK ? mesh_conversion_save(c) : st;
 }
 
 /* ---- gradients ---- */
 
-static status sum_batch(conversion *c) {
-    const batch *b = &c->batch;
-    const mesh_record *first = b->records + b->first[0];
-    status st = mesh_gradients_add(c->summing, first, b->first[b->count] - b->first[0]);
-    const double part = (b->treelet + (double)b->count) / (double)c->plan.treelets;
-    const double done = c->band + (c->band_end - c->band) * part;
-    return st == ST_OK
-               ? progress_step(c->p, "gradients", SORT_END + (GRADIENTS_END - SORT_END) * done)
-               : st;
+/* Share of the treelets that are done in this pass over the tets. */
+static double pass_done(const mesh_conversion *c) {
+    return (double)mesh_batches_end(&c->batches) / (double)c->plan.treelets;
 }
 
-static status sum_gradients(conversion *c, uint32_t step, uint32_t field) {
-    const mesh_gather *g = c->g;
-    const uint64_t bands = mesh_gradients_bands(c->summing);
-    const uint64_t before = ((uint64_t)step * g->fields + field) * bands;
-    status st = ST_OK;
-    for (uint64_t band = 0; st == ST_OK && band < bands; band++) {
-        c->band = (double)(before + band) / (double)(bands * g->fields * g->steps);
-        c->band_end = (double)(before + band + 1) / (double)(bands * g->fields * g->steps);
-        mesh_gradients_begin(c->summing, band, mesh_gather_points(g, step),
-                             mesh_gather_values(g, step, field));
-        st = mesh_runs_rewind(c->runs);
+/* Compute the gradients of the next band. all: the bands of all sets. */
+static status sum_band(mesh_conversion *c, mesh_gradients *summing, uint64_t all) {
+    mesh_batches *b = &c->batches;
+    const uint64_t bands = mesh_gradients_bands(summing);
+    const uint32_t set = (uint32_t)(c->bands / bands), step = set / c->g->fields;
+    mesh_gradients_begin(summing, c->bands % bands, mesh_gather_points(c->g, step),
+                         mesh_gather_values(c->g, step, set % c->g->fields));
+    status st = mesh_batches_rewind(b);
+    while (st == ST_OK && mesh_batches_more(b)) {
+        st = mesh_batches_next(b);
         if (st == ST_OK)
-            st = for_each_batch(c, sum_batch);
+            st = mesh_gradients_add(summing, b->records, b->first[b->count]);
         if (st == ST_OK)
-            st = mesh_gradients_end(c->summing, &c->gradients);
+            st = mesh_conversion_tell(c, "gradients", SORT_END, GRADIENTS_END,
+                                      ((double)c->bands + pass_done(c)) / (double)all);
     }
-    return st;
+    return st == ST_OK ? mesh_gradients_end(summing, &c->gradients) : st;
 }
 
 /* Compute the gradients of all vertices in all sets, in the order of the values, into
  * c->gradients. */
-static status make_gradients(conversion *c, const char *output) {
+static status make_gradients(mesh_conversion *c) {
     mesh_gather *g = c->g;
-    mesh_spool_init(&c->gradients, c->m, output, sizeof(float[3]), 0);
+    mesh_gradients *summing = NULL;
     status st = c->plan.spill_gradients ? mesh_spool_spill(&c->gradients) : ST_OK;
     if (st == ST_OK)
         st = mesh_gradients_create(c->m, c->workers, &g->points, &g->values, g->vertices,
-                                   &c->plan.gradients, &c->summing);
-    for (uint32_t step = 0; step < g->steps; step++)
-        for (uint32_t field = 0; st == ST_OK && field < g->fields; field++)
-            st = sum_gradients(c, step, field);
-    mesh_gradients_destroy(c->summing);
-    c->summing = NULL;
+                                   &c->plan.gradients, &summing);
+    const uint64_t all =
+        st == ST_OK ? mesh_gradients_bands(summing) * g->fields * g->steps : c->bands;
+    while (st == ST_OK && c->bands < all) {
+        st = sum_band(c, summing, all);
+        c->bands++;
+        if (st == ST_OK)
+            st = mesh_conversion_save(c);
+    }
+    mesh_gradients_destroy(summing);
     return st;
 }
 
 /* ---- building ---- */
 
-/* The input of one treelet. */
-typedef struct piece {
-    uint32_t treelet;
-    uint64_t first_tet;
-    const mesh_record *records;
-    size_t count;
-} piece;
-
-/* k->values must be those of the set. */
-static status take_histogram(const conversion *c, bench *k, const piece *p, uint32_t step,
-                             uint32_t set) {
-    k->points.first = mesh_gather_points(c->g, step);
-    return mesh_histogram_take(&c->histogram, set, p->first_tet, p->records, p->count, &k->points,
-                               &k->values);
-}
-
-/* Build the topology, and the first field at the first step. */
-static status build_first(const conversion *c, bench *k, const piece *p, mesh_treelet *t) {
-    const uint32_t treelet = p->treelet;
-    k->points.first = k->values.first = 0;
-    status st = mesh_treelet_build(k->builder, p->records, p->count, &k->points, &k->values, t);
-    if (st != ST_OK)
-        return st;
-    k->flat += t->flat;
-    k->positive += t->positive;
-    k->negative += t->negative;
-    st = leaf_writer_put_topology(c->writer, k->packer, treelet, t->bounds, t->counts, t->topology,
-                                  k->pack);
-    if (st == ST_OK)
-        st =
-            leaf_writer_put_values(c->writer, k->packer, 0, treelet, &t->entry, t->values, k->pack);
-    return st == ST_OK ? take_histogram(c, k, p, 0, 0) : st;
-}
-
-static status build_values(const conversion *c, bench *k, const piece *p, uint32_t step,
-                           uint32_t field, mesh_treelet *t) {
-    k->values.first = mesh_gather_values(c->g, step, field);
-    status st = mesh_treelet_revalue(k->builder, &k->values, t);
-    if (st != ST_OK)
-        return st;
-    const uint32_t set = leaf_layout_set(leaf_writer_layout(c->writer), field, step);
-    st = leaf_writer_put_values(c->writer, k->packer, set, p->treelet, &t->entry, t->values,
-                                k->pack);
-    return st == ST_OK ? take_histogram(c, k, p, step, set) : st;
-}
-
-static status build_positions(const conversion *c, bench *k, uint32_t treelet, uint32_t step,
-                              mesh_treelet *t) {
-    k->points.first = mesh_gather_points(c->g, step);
-    status st = mesh_treelet_move(k->builder, &k->points, t);
-    return st == ST_OK ? leaf_writer_put_positions(c->writer, k->packer, step, treelet,
-                                                   t->moved_bounds, t->positions, k->pack)
-                       : st;
-}
-
-/* Store the gradients of all sets. Do this last: it overwrites the topology. */
-static status put_gradients(const conversion *c, bench *k, uint32_t treelet,
-                            const mesh_treelet *t) {
+/* Build the steps from c->first_step to before c->end_step of the treelets from here on. */
+static status build_pass(mesh_conversion *c) {
+    mesh_batches *b = &c->batches;
+    const double from = c->o.gradients ? GRADIENTS_END : SORT_END;
+    const uint32_t steps = c->end_step - c->first_step;
     status st = ST_OK;
-    for (uint32_t step = c->first_step; step < c->end_step; step++) {
-        for (uint32_t field = 0; st == ST_OK && field < c->g->fields; field++) {
-            const uint32_t set = leaf_layout_set(leaf_writer_layout(c->writer), field, step);
-            const void *payload = NULL;
-            k->gradients.first = mesh_gather_values(c->g, step, field);
-            st = mesh_treelet_gradients(k->builder, t, &k->gradients, &payload);
-            if (st == ST_OK)
-                st =
-                    leaf_writer_put_gradients(c->writer, k->packer, set, treelet, payload, k->pack);
-        }
+    while (st == ST_OK && mesh_batches_more(b)) {
+        st = mesh_batches_next(b);
+        if (st == ST_OK && mesh_batches_end(b) > c->plan.treelets)
+            st = mesh_batches_fault();
+        if (st == ST_OK)
+            st = mesh_build_take(c->build, b, c->first_step, c->end_step);
+        if (st == ST_OK)
+            st = mesh_conversion_tell(c, "build", from, 1,
+                                      (c->first_step + pass_done(c) * steps) / c->g->steps);
+        if (st == ST_OK)
+            st = mesh_conversion_save(c);
     }
     return st;
-}
-
-static status build_one(void *ctx, size_t index, int worker) {
-    const conversion *c = ctx;
-    bench *k = &c->benches[worker];
-    const batch *b = &c->batch;
-    const mesh_record *records = b->records + b->first[index];
-    const size_t count = b->first[index + 1] - b->first[index];
-    const uint32_t treelet = b->treelet + (uint32_t)index;
-    piece p = {
-        .treelet = treelet, .first_tet = b->tet + (b->first[index] - b->first[0]), .count = count};
-    mesh_treelet t;
-    status st = ST_OK;
-    k->points.first = 0;
-    if (k->sah)
-        st = mesh_sah_order(k->sah, records, count, &k->points, &records);
-    if (st != ST_OK)
-        return st;
-    p.records = records;
-    if (c->first_step == 0)
-        st = build_first(c, k, &p, &t);
-    else
-        mesh_treelet_begin(k->builder, records, count, &t);
-    for (uint32_t step = c->first_step; step < c->end_step; step++) {
-        for (uint32_t field = step ? 0 : 1; st == ST_OK && field < c->g->fields; field++)
-            st = build_values(c, k, &p, step, field, &t);
-        if (st == ST_OK && step > 0 && c->g->moving)
-            st = build_positions(c, k, treelet, step, &t);
-    }
-    return st == ST_OK && c->o->gradients ? put_gradients(c, k, treelet, &t) : st;
-}
-
-static status build_batch(conversion *c) {
-    status st = pool_run(c->workers, c->batch.count, build_one, c);
-    const double part = (double)(c->batch.treelet + c->batch.count) / (double)c->plan.treelets;
-    const double done =
-        (c->first_step + part * (c->end_step - c->first_step)) / (double)c->g->steps;
-    const double from = c->o->gradients ? GRADIENTS_END : SORT_END;
-    return st == ST_OK ? progress_step(c->p, "build", from + (1 - from) * done) : st;
 }
 
 /* Build all steps in one pass if points and values are in memory: there the values of a vertex at
  * all steps lie side by side. In scratch files each step lies elsewhere, and the page caches
  * (mesh_pages.h) would be loaded again and again: then build one step a pass. */
-static status build_steps(conversion *c) {
+static status build_steps(mesh_conversion *c) {
     const bool held = mesh_spool_held(&c->g->points) && mesh_spool_held(&c->g->values);
     status st = ST_OK;
-    for (c->first_step = 0; st == ST_OK && c->first_step < c->g->steps;
-         c->first_step = c->end_step) {
-        c->end_step = held ? c->g->steps : c->first_step + 1;
-        st = mesh_runs_rewind(c->runs);
-        if (st == ST_OK)
-            st = for_each_batch(c, build_batch);
-    }
-    return st;
-}
-
-static status create_benches(conversion *c) {
-    c->benches = mem_array(c->m, (size_t)c->o->threads, sizeof *c->benches);
-    if (!c->benches)
-        return ST_NOMEM;
-    const mesh_options *o = c->o;
-    uint32_t counts[4];
-    mesh_treelet_counts_max(o->treelet_tets, o->leaf_tets, counts);
-    for (int i = 0; i < o->threads; i++) {
-        bench *k = &c->benches[i];
-        status st = mesh_treelet_create(c->m, o->treelet_tets, o->leaf_tets, &k->builder);
-        if (st == ST_OK && o->sah)
-            st = mesh_sah_create(c->m, o->treelet_tets, o->leaf_tets, &k->sah);
-        if (st == ST_OK)
-            st = mesh_pages_init(&k->points, &c->g->points, c->plan.points_window);
-        if (st == ST_OK)
-            st = mesh_pages_init(&k->values, &c->g->values, c->plan.values_window);
-        if (st == ST_OK && o->gradients)
-            st = mesh_pages_init(&k->gradients, &c->gradients, c->plan.gradients_window);
-        if (st == ST_OK)
-            st = leaf_packer_create(c->m, leaf_writer_layout(c->writer), counts, &c->o->file,
-                                    &k->packer);
-        if (st == ST_OK && k->packer) {
-            k->pack = mem_alloc(c->m, mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets));
-            st = k->pack ? ST_OK : ST_NOMEM;
+    for (; st == ST_OK && c->first_step < c->g->steps; c->first_step = c->end_step) {
+        if (!c->goes_on) {
+            c->end_step = held ? c->g->steps : c->first_step + 1;
+            st = mesh_batches_rewind(&c->batches);
         }
-        if (st != ST_OK)
-            return st;
+        c->goes_on = false;
+        if (st == ST_OK)
+            st = build_pass(c);
     }
-    return ST_OK;
-}
-
-static void release_benches(conversion *c, leaf_facts *facts) {
-    uint64_t positive = 0, negative = 0;
-    for (int i = 0; c->benches && i < c->o->threads; i++) {
-        bench *k = &c->benches[i];
-        facts->flat += k->flat;
-        positive += k->positive;
-        negative += k->negative;
-        mesh_treelet_destroy(k->builder);
-        mesh_sah_destroy(k->sah);
-        mesh_pages_release(&k->points);
-        mesh_pages_release(&k->values);
-        mesh_pages_release(&k->gradients);
-        if (k->packer)
-            leaf_packer_destroy(c->m, k->packer);
-        mem_free(c->m, k->pack);
-    }
-    mem_free(c->m, c->benches);
-    c->benches = NULL;
-    /* Formats disagree about orientation. The majority of the tets decides. */
-    facts->inverted = positive < negative ? positive : negative;
-}
-
-static status build_treelets(conversion *c, const char *field, const char *output) {
-    c->batch.most = (size_t)c->o->threads * BATCH_PER_THREAD;
-    c->batch.first = mem_array(c->m, c->batch.most + 1, sizeof *c->batch.first);
-    if (!c->batch.first)
-        return ST_NOMEM;
-    status st = for_each_batch(c, count_batch);
-    const uint32_t treelets = c->batch.treelet;
-    if (st == ST_OK)
-        st = mesh_plan_check(c->o, c->g, &c->plan, treelets);
-    if (st != ST_OK)
-        return st;
-    c->plan.treelets = treelets;
-    const mesh_series *series = c->o->series;
-    const leaf_target to = {output, c->o->force, NULL};
-    const leaf_mesh parts = {
-        .name = c->name,
-        .field = series && series->of.sets.names ? series->of.sets.names[0] : field,
-        .names = series && series->of.sets.names ? series->of.sets.names : &field,
-        .times = series ? series->of.sets.times : NULL,
-        .treelets = treelets,
-        .treelet_tets = c->o->treelet_tets,
-        .leaf_tets = c->o->leaf_tets,
-        .fields = c->g->fields,
-        .steps = c->g->steps,
-        .gradients = c->o->gradients,
-        .moving = c->g->moving,
-        .coarse = c->o->coarse};
-    if (c->o->gradients)
-        st = make_gradients(c, output);
-    if (st == ST_OK)
-        st = leaf_writer_create_mesh(c->m, &to, &parts, &c->o->file, &c->writer);
-    if (st == ST_OK)
-        st = create_benches(c);
-    if (st == ST_OK && leaf_writer_histograms(c->writer))
-        st = mesh_histogram_begin(&c->histogram, c->m, c->tets, c->g->fields * c->g->steps);
-    if (st == ST_OK)
-        st = build_steps(c);
-    if (st == ST_OK)
-        mesh_histogram_end(&c->histogram, c->writer);
     return st;
+}
+
+static status build_treelets(mesh_conversion *c) {
+    status st = c->stage == MESH_BUILDING ? ST_OK : mesh_conversion_begin_batches(c);
+    if (st == ST_OK && !c->counted)
+        st = count_treelets(c);
+    if (st == ST_OK && c->o.gradients && c->stage != MESH_BUILDING)
+        st = make_gradients(c);
+    if (st == ST_OK && c->stage != MESH_BUILDING)
+        st = mesh_conversion_begin_writer(c);
+    c->stage = MESH_BUILDING;
+    return st == ST_OK ? build_steps(c) : st;
 }
 
 /* Call it when all values have been put. A mesh without an array was given zeros. */
-static status check_empty(const conversion *c, const mesh_report *r) {
+static status check_empty(const mesh_conversion *c) {
     const uint32_t sets = c->g->fields * c->g->steps;
     bool numbers = false, zeros = true;
     for (uint32_t set = 0; set < sets; set++) {
@@ -435,7 +225,7 @@ static status check_empty(const conversion *c, const mesh_report *r) {
         numbers = numbers || range[0] <= range[1];
         zeros = zeros && range[0] == 0 && range[1] == 0;
     }
-    if (!c->o->refuse_empty || (numbers && (*r->field || !zeros)))
+    if (!c->o.refuse_empty || (numbers && (*c->report->field || !zeros)))
         return ST_OK;
     return status_describe(ST_UNSUPPORTED,
                            "%s: there is nothing to draw (--allow-empty converts it all the same)",
@@ -464,17 +254,6 @@ static void describe_origin(const mesh_options *o, const mesh_report *r, char *t
              cells, o->gradients ? ", gradients" : "", codec);
 }
 
-/* Free all but the writer, which leaf_writer_finish() consumes. */
-static void release(conversion *c, leaf_facts *facts) {
-    release_benches(c, facts);
-    mesh_runs_destroy(c->runs);
-    mesh_histogram_release(&c->histogram);
-    mesh_spool_release(&c->gradients);
-    mem_free(c->m, c->batch.first);
-    pool_destroy(c->workers);
-    mesh_gather_release(c->g);
-}
-
 static status embed_coarse(mem *m, leaf_writer *w, const char *output, const leaf_facts *facts,
                            const mesh_options *o, const progress *p) {
     if (!o->coarse)
@@ -485,60 +264,86 @@ static status embed_coarse(mem *m, leaf_writer *w, const char *output, const lea
     return st == ST_OK ? mesh_coarse_embed(m, w, output, &coarse, p) : st;
 }
 
-status mesh_convert_gathered(mem *m, mesh_gather *g, const char *name, const char *output,
-                             const mesh_options *o, const progress *p, mesh_result *result) {
-    assert(o->series || g->fields * g->steps == 1);
-    conversion c = {.m = m, .name = name, .o = o, .p = p, .g = g};
-    const mesh_report *r = &result->report;
-    leaf_facts facts = {.repeated = r->repeated, .bad = r->bad_indices};
+/* Make the treelet file of what has been read, or what is left of that. */
+static status convert(mesh_conversion *c, mesh_result *result) {
+    const mesh_report *r = c->report;
+    leaf_facts facts = {0};
     double start = clock_seconds();
-    status st = mesh_plan_make(m, g, o, &c.plan);
-    if (st == ST_OK)
-        st = spill(&c);
-    if (st == ST_OK)
-        st = pool_create(m, o->threads, &c.workers);
-    if (st == ST_OK)
-        st = sort_tets(&c, output, &facts);
+    status st = c->stage <= MESH_SORTING ? sort_tets(c) : ST_OK;
     result->sort_s = clock_seconds() - start;
     start = clock_seconds();
     if (st == ST_OK)
-        st = build_treelets(&c, r->field, output);
+        st = build_treelets(c);
     if (st == ST_OK)
-        st = check_empty(&c, r);
-    release(&c, &facts);
-    result->plan = c.plan;
-    if (st != ST_OK) {
-        leaf_writer_discard(c.writer);
-        return st;
-    }
+        mesh_build_end(c->build, &facts);
+    if (st == ST_OK)
+        st = check_empty(c);
+    mesh_conversion_release(c);
+    result->plan = c->plan;
     char provenance[256];
-    describe_origin(o, r, provenance, sizeof provenance);
+    describe_origin(&c->o, r, provenance, sizeof provenance);
     facts.provenance = provenance;
-    st = embed_coarse(m, c.writer, output, &facts, o, p);
+    facts.vertices = c->sorted.vertices;
+    facts.non_finite = c->sorted.non_finite;
+    facts.repeated = r->repeated + c->sorted.repeated;
+    facts.bad = r->bad_indices + c->sorted.bad;
+    if (st == ST_OK)
+        st = embed_coarse(c->m, c->writer, c->output, &facts, &c->o, c->p);
     if (st != ST_OK) {
-        leaf_writer_discard(c.writer);
+        leaf_writer_discard(c->writer);
         return st;
     }
-    st = leaf_writer_finish(c.writer, &facts, &result->header);
+    st = leaf_writer_finish(c->writer, &facts, &result->header);
     result->build_s = clock_seconds() - start;
     return st;
 }
 
-static status read_all(mem *m, mesh_input *x, const mesh_options *o, mesh_gather *g, bool count,
-                       mesh_report *report) {
+status mesh_convert_gathered(mem *m, mesh_gather *g, const char *name, const char *output,
+                             const mesh_options *o, const progress *p, mesh_result *result) {
+    assert(!o->work && (o->series || g->fields * g->steps == 1));
+    mesh_conversion c = mesh_conversion_of(m, g, name, output, o, p, &result->report);
+    return convert(&c, result);
+}
+
+/* ---- reading ---- */
+
+/* Begin to read into g, which is new. */
+static void begin_reading(mesh_gather *g, mesh_input *x, const mesh_options *o) {
     if (o->series)
-        g->steps = o->series->of.sets.steps;
-    const mesh_sink sink = count ? mesh_gather_counter(g) : mesh_gather_sink(g);
-    return o->series ? mesh_series_read(m, o->series, x, g, &sink, report)
-                     : mesh_gather_read(g, x, &sink, report);
+        mesh_series_begin(o->series, x, g);
+}
+
+static status read_step(mem *m, mesh_input *x, const mesh_options *o, mesh_gather *g,
+                        const mesh_sink *sink, mesh_report *report) {
+    if (o->series)
+        return mesh_series_read(m, o->series, x, g, sink, report);
+    status st = mesh_gather_read(g, x, sink, report);
+    g->done = 1;
+    return st;
+}
+
+static status read_rest(mesh_conversion *c, mesh_input *x) {
+    const mesh_sink sink = mesh_gather_sink(c->g);
+    status st = ST_OK;
+    while (st == ST_OK && c->g->done < c->g->steps) {
+        st = read_step(c->m, x, &c->o, c->g, &sink, c->report);
+        c->share = READ_END * c->g->done / c->g->steps;
+        if (st == ST_OK)
+            st = mesh_conversion_save(c);
+    }
+    return st;
 }
 
 /* Read everything, keep nothing, and plan. */
 static status plan_counted(mem *m, mesh_input *x, const mesh_options *o, const progress *p,
                            mesh_result *result) {
     mesh_gather g;
+    status st = ST_OK;
     mesh_gather_init(&g, m, "", 0, p);
-    status st = read_all(m, x, o, &g, true, &result->report);
+    begin_reading(&g, x, o);
+    const mesh_sink sink = mesh_gather_counter(&g);
+    while (st == ST_OK && g.done < g.steps)
+        st = read_step(m, x, o, &g, &sink, &result->report);
     return st == ST_OK ? mesh_plan_make(m, &g, o, &result->plan) : st;
 }
 
@@ -556,23 +361,31 @@ static status check_budget(mem *m, mesh_input *x, const mesh_options *o, const p
 
 status mesh_convert_run(mem *m, mesh_input *x, const char *output, const mesh_options *o,
                         const progress *p, mesh_result *result) {
-    mesh_gather g = {0};
+    mesh_gather g;
     *result = (mesh_result){0};
     const double start = clock_seconds();
     status st = out_file_check(m, output, o->force);
-    if (st == ST_OK)
+    if (st == ST_OK && !(o->work && work_folder_resumes(o->work)))
         st = check_budget(m, x, o, p, result);
     if (st != ST_OK)
         return st;
     mesh_gather_init(&g, m, output, (size_t)(o->memory / 2), p);
     g.share = READ_END;
-    st = read_all(m, x, o, &g, false, &result->report);
+    begin_reading(&g, x, o);
+    if (o->work)
+        mesh_gather_keep_in(&g, o->work);
+    mesh_conversion c =
+        mesh_conversion_of(m, &g, mesh_input_name(x), output, o, p, &result->report);
+    st = mesh_conversion_resume(&c);
+    if (st == ST_OK)
+        st = read_rest(&c, x);
     if (st != ST_OK) {
-        mesh_gather_release(&g);
+        mesh_conversion_release(&c);
+        leaf_writer_discard(c.writer);
         return st;
     }
     result->read_s = clock_seconds() - start;
-    return mesh_convert_gathered(m, &g, mesh_input_name(x), output, o, p, result);
+    return convert(&c, result);
 }
 
 status mesh_convert_dry(mem *m, mesh_input *x, const mesh_options *o, const progress *p,

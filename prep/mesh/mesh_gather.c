@@ -13,6 +13,7 @@ void mesh_gather_init(mesh_gather *g, mem *m, const char *beside, size_t ceiling
     mesh_spool_init(&g->values, m, beside, sizeof(float), ceiling);
     mesh_spool_init(&g->tets, m, beside, sizeof(uint32_t[4]), ceiling);
     g->points.first_out = g->values.first_out = &g->tets;
+    g->points.p = g->values.p = g->tets.p = p;
     for (int a = 0; a < 3; a++) {
         g->bounds[a] = INFINITY;
         g->bounds[a + 3] = -INFINITY;
@@ -192,7 +193,7 @@ void mesh_gather_next(mesh_gather *g, uint32_t step, const char *name) {
     g->points_seen = g->values_seen = g->tets_seen = 0;
 }
 
-status mesh_gather_done(const mesh_gather *g) {
+status mesh_gather_done(mesh_gather *g) {
     const struct {
         const char *what;
         uint64_t found, expected;
@@ -204,6 +205,7 @@ status mesh_gather_done(const mesh_gather *g) {
             return status_describe(ST_CORRUPT, "%s: expected %llu %s, as %s has, found %llu",
                                    g->name, (unsigned long long)counts[i].expected, counts[i].what,
                                    g->first_name, (unsigned long long)counts[i].found);
+    g->done = g->step + 1;
     return ST_OK;
 }
 
@@ -212,6 +214,62 @@ status mesh_gather_read(mesh_gather *g, mesh_input *x, const mesh_sink *sink, me
     status st = mesh_input_read(x, sink, report);
     g->reading = NULL;
     return st;
+}
+
+/* ---- for another run ---- */
+
+void mesh_gather_keep_in(mesh_gather *g, work_folder *work) {
+    mesh_spool_keep_in(&g->points, work, WORK_POINTS);
+    mesh_spool_keep_in(&g->values, work, WORK_VALUES);
+    mesh_spool_keep_in(&g->tets, work, WORK_TETS);
+}
+
+status mesh_gather_store(mesh_gather *g) {
+    status st = mesh_spool_store(&g->points);
+    if (st == ST_OK)
+        st = mesh_spool_store(&g->values);
+    return st == ST_OK ? mesh_spool_store(&g->tets) : st;
+}
+
+void mesh_gather_unstore(mesh_gather *g) {
+    mesh_spool_unstore(&g->points);
+    mesh_spool_unstore(&g->values);
+    mesh_spool_unstore(&g->tets);
+}
+
+void mesh_gather_files(const mesh_gather *g, out_file *files[WORK_FILES]) {
+    files[WORK_POINTS] = mesh_spool_file(&g->points);
+    files[WORK_VALUES] = mesh_spool_file(&g->values);
+    files[WORK_TETS] = mesh_spool_file(&g->tets);
+}
+
+/* Whether the spools hold what they must after so many steps. */
+static bool fits(const mesh_gather *g) {
+    const uint64_t places = g->done == 0 ? 0 : g->moving ? g->done : 1;
+    return g->done <= g->steps && g->vertices <= (uint64_t)UINT32_MAX + 1 &&
+           g->points.count == places * g->vertices &&
+           g->values.count == (uint64_t)g->done * g->fields * g->vertices;
+}
+
+status mesh_gather_keep(mesh_gather *g, state_io *io) {
+    uint32_t moving = g->moving;
+    status st = STATE_IO(io, g->done);
+    if (st == ST_OK)
+        st = STATE_IO(io, g->vertices);
+    if (st == ST_OK)
+        st = STATE_IO(io, g->non_finite);
+    if (st == ST_OK)
+        st = STATE_IO(io, g->bounds);
+    if (st == ST_OK)
+        st = STATE_IO(io, moving);
+    g->moving = moving != 0;
+    if (st == ST_OK)
+        st = mesh_spool_keep(&g->points, io);
+    if (st == ST_OK)
+        st = mesh_spool_keep(&g->values, io);
+    if (st == ST_OK)
+        st = mesh_spool_keep(&g->tets, io);
+    return st == ST_OK && !fits(g) ? state_io_fault(io) : st;
 }
 
 /* ---- counting ---- */

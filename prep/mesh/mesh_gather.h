@@ -27,7 +27,8 @@ typedef struct mesh_gather {
     uint64_t non_finite;             /* values that are NaN or inf */
     bool counted;                    /* nothing is kept: only sizes are counted */
     const progress *p;
-    double share; /* of the job, when reading ends; 1 unless set before */
+    double share;  /* of the job, when reading ends; 1 unless set before */
+    uint32_t done; /* steps that were read whole, of those that mesh_gather_done() was told of */
     /* The current reading: */
     mesh_input *reading;
     uint32_t step;
@@ -40,6 +41,17 @@ typedef struct mesh_gather {
 void mesh_gather_init(mesh_gather *g, mem *m, const char *beside, size_t ceiling,
                       const progress *p);
 void mesh_gather_release(mesh_gather *g); /* a zeroed struct is fine */
+
+/* For another run, between two steps. mesh_gather_keep_in() - keep scratch files in this folder;
+ * call it before anything is gathered. mesh_gather_store() - write what is in memory alone to them.
+ * mesh_gather_unstore() - empty those again that were made for this, which no state needs.
+ * mesh_gather_files() - these files. mesh_gather_keep() - save or load. Fields and steps must be
+ * set. ST_CORRUPT: what loads cannot be of such a mesh. */
+void mesh_gather_keep_in(mesh_gather *g, work_folder *work);
+CHECKED status mesh_gather_store(mesh_gather *g);
+void mesh_gather_unstore(mesh_gather *g);
+void mesh_gather_files(const mesh_gather *g, out_file *files[WORK_FILES]);
+CHECKED status mesh_gather_keep(mesh_gather *g, state_io *io);
 
 /* mesh_gather_least() - least bytes that it takes, including those of a mesh_feed. */
 size_t mesh_gather_least(uint32_t fields);
@@ -55,7 +67,7 @@ mesh_sink mesh_gather_counter(mesh_gather *g);
  * mesh_gather_done() - end it. ST_CORRUPT: there are not as many points, values and tets as in the
  * first step. */
 void mesh_gather_next(mesh_gather *g, uint32_t step, const char *name);
-CHECKED status mesh_gather_done(const mesh_gather *g);
+CHECKED status mesh_gather_done(mesh_gather *g);
 
 /* mesh_gather_read() - call mesh_input_read() with a sink of g, and report the progress of the
  * whole series. */

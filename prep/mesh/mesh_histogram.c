@@ -28,6 +28,11 @@ void mesh_histogram_release(mesh_histogram *h) {
     h->cells = NULL;
 }
 
+status mesh_histogram_keep(mesh_histogram *h, state_io *io) {
+    const size_t size = (size_t)h->run.count * h->sets * sizeof *h->cells;
+    return h->cells ? state_io_bytes(io, h->cells, size) : ST_OK;
+}
+
 /* Sort a tet's corners by their ids, as the file has them. */
 static void sort_ids(const uint32_t from[4], uint32_t to[4]) {
     for (int i = 0; i < 4; i++) {

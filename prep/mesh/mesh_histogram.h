@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include "formats/base/mem.h"
+#include "formats/base/state_io.h"
 #include "formats/base/status.h"
 #include "formats/leaf/histogram_draw.h"
 #include "formats/leaf/leaf_writer.h"
@@ -27,6 +28,9 @@ uint64_t mesh_histogram_memory(void);
 CHECKED status mesh_histogram_begin(mesh_histogram *h, mem *m, uint64_t tets, uint32_t sets);
 void mesh_histogram_end(const mesh_histogram *h, leaf_writer *w);
 void mesh_histogram_release(mesh_histogram *h);
+
+/* mesh_histogram_keep() - save what was taken, or load it after mesh_histogram_begin(). */
+CHECKED status mesh_histogram_keep(mesh_histogram *h, state_io *io);
 
 /* mesh_histogram_take() - for a set, take the samples drawn from tets first .. first + count - 1 of
  * the mesh. points, values: of the set's step, and of the set. Thread-safe for different tets. */

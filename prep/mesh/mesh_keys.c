@@ -16,31 +16,33 @@ typedef struct bench {
     uint64_t repeated, bad;
 } bench;
 
-typedef struct keying {
+struct mesh_keys {
     mem *m;
+    pool *workers;
     mesh_gather *g;
     mesh_lattice lattice;
     int threads;
     bench *benches;
     atomic_uint *used; /* a bit per point: some tet has it */
     size_t used_words;
+    uint64_t repeated, bad; /* those of an earlier run */
     /* The current blocks. */
     uint64_t first;
     size_t count;
     mesh_record *to;
     size_t kept[BLOCKS_MAX];
-} keying;
+};
 
 static size_t words_of(uint64_t points) {
     return (size_t)(points / 32 + 1);
 }
 
 uint64_t mesh_keys_memory(uint64_t points, int threads) {
-    return words_of(points) * sizeof(atomic_uint) +
+    return words_of(points) * sizeof(atomic_uint) + sizeof(mesh_keys) +
            (uint64_t)threads * (sizeof(bench) + sizeof(uint32_t[4]) * BLOCK + 128) + 1024;
 }
 
-static void mark(keying *k, const uint32_t id[4]) {
+static void mark(mesh_keys *k, const uint32_t id[4]) {
     for (int c = 0; c < 4; c++) {
         atomic_uint *word = &k->used[id[c] >> 5];
         const uint32_t bit = 1U << (id[c] & 31);
@@ -58,7 +60,7 @@ static bool is_bad(const uint32_t id[4], uint64_t points) {
     return id[0] >= points || id[1] >= points || id[2] >= points || id[3] >= points;
 }
 
-static status key_of(const keying *k, bench *b, const uint32_t id[4], uint64_t *key) {
+static status key_of(const mesh_keys *k, bench *b, const uint32_t id[4], uint64_t *key) {
     float corners[4][3];
     for (int c = 0; c < 4; c++) {
         const void *p = mesh_pages_at(&b->points, id[c]);
@@ -71,7 +73,7 @@ static status key_of(const keying *k, bench *b, const uint32_t id[4], uint64_t *
 }
 
 static status make_block(void *ctx, size_t index, int worker) {
-    keying *k = ctx;
+    mesh_keys *k = ctx;
     bench *b = &k->benches[worker];
     size_t at = index * BLOCK, count = k->count - at < BLOCK ? k->count - at : BLOCK;
     status st = mesh_spool_read(&k->g->tets, k->first + at, count, b->tets);
@@ -94,7 +96,7 @@ static status make_block(void *ctx, size_t index, int worker) {
 }
 
 /* Move the blocks' records together. Returns how many there are. */
-static size_t close_gaps(const keying *k, size_t blocks) {
+static size_t close_gaps(const mesh_keys *k, size_t blocks) {
     size_t end = 0;
     for (size_t i = 0; i < blocks; i++) {
         if (end != i * BLOCK)
@@ -104,7 +106,7 @@ static size_t close_gaps(const keying *k, size_t blocks) {
     return end;
 }
 
-static status create(keying *k, uint64_t window) {
+static status allocate(mesh_keys *k, uint64_t window) {
     k->used_words = words_of(k->g->vertices);
     k->used = mem_array(k->m, k->used_words, sizeof *k->used);
     k->benches = mem_array(k->m, (size_t)k->threads, sizeof *k->benches);
@@ -120,25 +122,69 @@ static status create(keying *k, uint64_t window) {
     return ST_OK;
 }
 
-static void release(keying *k) {
+status mesh_keys_create(mem *m, pool *workers, mesh_gather *g, uint64_t window, mesh_keys **out) {
+    mesh_keys *k = mem_zalloc(m, sizeof *k);
+    if (!k)
+        return ST_NOMEM;
+    k->m = m;
+    k->workers = workers;
+    k->g = g;
+    k->lattice = mesh_lattice_of(g->bounds);
+    k->threads = pool_threads(workers);
+    status st = allocate(k, window);
+    if (st != ST_OK) {
+        mesh_keys_destroy(k);
+        return st;
+    }
+    *out = k;
+    return ST_OK;
+}
+
+void mesh_keys_destroy(mesh_keys *k) {
+    if (!k)
+        return;
     for (int i = 0; k->benches && i < k->threads; i++) {
         mesh_pages_release(&k->benches[i].points);
         mem_free(k->m, k->benches[i].tets);
     }
     mem_free(k->m, k->benches);
     mem_free(k->m, k->used);
+    mem_free(k->m, k);
+}
+
+double mesh_keys_done(const mesh_keys *k) {
+    const uint64_t all = k->g->tets.count;
+    return k->first < all ? (double)k->first / (double)all : 1;
+}
+
+status mesh_keys_next(mesh_keys *k, mesh_runs *r) {
+    const uint64_t left = k->g->tets.count - k->first;
+    size_t room;
+    k->to = mesh_runs_room(r, &room);
+    k->count = room < (size_t)BLOCK * BLOCKS_MAX ? room : (size_t)BLOCK * BLOCKS_MAX;
+    if (k->count > left)
+        k->count = (size_t)left;
+    const size_t blocks = (k->count + BLOCK - 1) / BLOCK;
+    status st = pool_run(k->workers, blocks, make_block, k);
+    if (st != ST_OK)
+        return st;
+    k->first += k->count;
+    mesh_spool_forget(&k->g->tets, k->first);
+    return mesh_runs_put(r, close_gaps(k, blocks));
 }
 
 /* Count values that are not finite, at points of tets only: other points may have any value, and
  * are not written. */
-static status count_non_finite(const keying *k, mesh_spool *values, uint64_t *count) {
+static status count_non_finite(const mesh_keys *k, mesh_spool *values, uint64_t *count) {
     enum { SOME = 4 * BLOCK };
     float *value = (float *)k->benches[0].tets;
     _Static_assert(SOME * sizeof(float) == BLOCK * sizeof(uint32_t[4]), "the tets' room is lent");
     for (uint64_t first = 0; first < values->count; first += SOME) {
         const uint64_t left = values->count - first;
         const size_t some = left < SOME ? (size_t)left : SOME;
-        status st = mesh_spool_read(values, first, some, value);
+        status st = progress_ask(k->g->p, "sorting");
+        if (st == ST_OK)
+            st = mesh_spool_read(values, first, some, value);
         if (st != ST_OK)
             return st;
         for (size_t i = 0; i < some; i++) {
@@ -151,46 +197,46 @@ static status count_non_finite(const keying *k, mesh_spool *values, uint64_t *co
     return ST_OK;
 }
 
-static status make_all(keying *k, pool *workers, mesh_runs *r, double from, double to) {
-    const uint64_t all = k->g->tets.count;
-    while (k->first < all) {
-        size_t room;
-        k->to = mesh_runs_room(r, &room);
-        k->count = room < (size_t)BLOCK * BLOCKS_MAX ? room : (size_t)BLOCK * BLOCKS_MAX;
-        if (k->count > all - k->first)
-            k->count = (size_t)(all - k->first);
-        size_t blocks = (k->count + BLOCK - 1) / BLOCK;
-        status st = pool_run(workers, blocks, make_block, k);
-        if (st == ST_OK)
-            st = mesh_runs_put(r, close_gaps(k, blocks));
-        k->first += k->count;
-        mesh_spool_forget(&k->g->tets, k->first);
-        if (st == ST_OK)
-            st =
-                progress_step(k->g->p, "sort", from + (to - from) * (double)k->first / (double)all);
-        if (st != ST_OK)
-            return st;
+/* Sum up the tets that were left out. */
+static void sum_up(const mesh_keys *k, uint64_t *repeated, uint64_t *bad) {
+    *repeated = k->repeated;
+    *bad = k->bad;
+    for (int i = 0; i < k->threads; i++) {
+        *repeated += k->benches[i].repeated;
+        *bad += k->benches[i].bad;
     }
-    return ST_OK;
 }
 
-status mesh_keys_make(mem *m, pool *workers, mesh_gather *g, uint64_t window, mesh_runs *r,
-                      double from, double to, mesh_keys_report *report) {
-    keying k = {
-        .m = m, .g = g, .lattice = mesh_lattice_of(g->bounds), .threads = pool_threads(workers)};
-    *report = (mesh_keys_report){.tets = g->tets.count};
-    status st = create(&k, window);
-    if (st == ST_OK)
-        st = make_all(&k, workers, r, from, to);
-    for (int i = 0; st == ST_OK && i < k.threads; i++) {
-        report->repeated += k.benches[i].repeated;
-        report->bad += k.benches[i].bad;
-    }
+status mesh_keys_end(mesh_keys *k, mesh_keys_report *report) {
+    *report = (mesh_keys_report){.tets = k->g->tets.count};
+    sum_up(k, &report->repeated, &report->bad);
     report->tets -= report->repeated + report->bad;
-    for (size_t i = 0; st == ST_OK && i < k.used_words; i++)
-        report->vertices += (uint64_t)__builtin_popcount(k.used[i]);
-    if (st == ST_OK && g->non_finite > 0)
-        st = count_non_finite(&k, &g->values, &report->non_finite);
-    release(&k);
-    return st;
+    for (size_t i = 0; i < k->used_words; i++)
+        report->vertices += (uint64_t)__builtin_popcount(k->used[i]);
+    return k->g->non_finite > 0 ? count_non_finite(k, &k->g->values, &report->non_finite) : ST_OK;
+}
+
+status mesh_keys_keep(mesh_keys *k, state_io *io) {
+    uint64_t repeated, bad;
+    sum_up(k, &repeated, &bad);
+    status st = STATE_IO(io, k->first);
+    if (st == ST_OK)
+        st = STATE_IO(io, repeated);
+    if (st == ST_OK)
+        st = STATE_IO(io, bad);
+    if (st == ST_OK)
+        st = state_io_bytes(io, k->used, k->used_words * sizeof *k->used);
+    if (st != ST_OK || !state_io_loads(io))
+        return st;
+    k->repeated = repeated;
+    k->bad = bad;
+    return k->first > k->g->tets.count || repeated > k->first || bad > k->first - repeated
+               ? state_io_fault(io)
+               : ST_OK;
+}
+
+uint64_t mesh_keys_put(const mesh_keys *k) {
+    uint64_t repeated, bad;
+    sum_up(k, &repeated, &bad);
+    return k->first - repeated - bad;
 }

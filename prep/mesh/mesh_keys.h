@@ -9,7 +9,7 @@
 #include <stdint.h>
 
 #include "formats/base/pool.h"
-#include "formats/base/progress.h"
+#include "formats/base/state_io.h"
 #include "prep/mesh/mesh_gather.h"
 #include "prep/mesh/mesh_runs.h"
 
@@ -20,13 +20,27 @@ typedef struct mesh_keys_report {
     uint64_t non_finite;    /* values of these vertices that are NaN or inf, over all sets */
 } mesh_keys_report;
 
+typedef struct mesh_keys mesh_keys;
+
 /* mesh_keys_memory() - bytes it takes besides the windows on the points. */
 uint64_t mesh_keys_memory(uint64_t points, int threads);
 
-/* mesh_keys_make() - fill r with the tets of g, which must be complete; g's tets are freed on the
- * way. window: bytes of each thread's window on the points. Reports progress from `from` to
- * `to`. */
-CHECKED status mesh_keys_make(mem *m, pool *workers, mesh_gather *g, uint64_t window, mesh_runs *r,
-                              double from, double to, mesh_keys_report *report);
+/* mesh_keys_create() - for the tets of g, which must be complete. window: bytes of each thread's
+ * window on the points. */
+CHECKED status mesh_keys_create(mem *m, pool *workers, mesh_gather *g, uint64_t window,
+                                mesh_keys **out);
+void mesh_keys_destroy(mesh_keys *k); /* NULL is fine */
+
+/* mesh_keys_done() - the share of the tets that are done; 1: all are.
+ * mesh_keys_next() - put records of some more tets into r, at most one run of it. Frees these tets.
+ * mesh_keys_put() - the records that were put.
+ * mesh_keys_end() - call it when all are done. */
+double mesh_keys_done(const mesh_keys *k);
+CHECKED status mesh_keys_next(mesh_keys *k, mesh_runs *r);
+uint64_t mesh_keys_put(const mesh_keys *k);
+CHECKED status mesh_keys_end(mesh_keys *k, mesh_keys_report *report);
+
+/* mesh_keys_keep() - save or load what is done. ST_CORRUPT: what loads makes no sense. */
+CHECKED status mesh_keys_keep(mesh_keys *k, state_io *io);
 
 #endif

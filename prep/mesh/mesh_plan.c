@@ -103,8 +103,10 @@ static void choose_gradients(const needs *n, bool paged, uint64_t base, uint64_t
 static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *plan) {
     const mesh_gather *g = n->g;
     const uint64_t threads = (uint64_t)n->o->threads, count = g->tets.count;
-    *plan = (mesh_plan){
-        .spill_tets = how >= SPILL_TETS, .spill_points = how == SPILL_ALL, .treelets = n->treelets};
+    *plan = (mesh_plan){.spill_tets = how >= SPILL_TETS,
+                        .spill_points = how == SPILL_ALL,
+                        .treelets = n->treelets,
+                        .threads = n->o->threads};
     const bool paged =
         how == SPILL_ALL || !mesh_spool_held(&g->points) || !mesh_spool_held(&g->values);
     const uint64_t tets = how >= SPILL_TETS ? 0 : held_bytes(&g->tets);
@@ -152,7 +154,8 @@ static status needs_of(mem *m, const mesh_gather *g, const mesh_options *o, need
     const uint64_t held =
         g->counted ? 0 : held_bytes(&g->points) + held_bytes(&g->values) + held_bytes(&g->tets);
     *n = (needs){.o = o, .g = g};
-    n->others = FIXED_BYTES + (uint64_t)o->threads * THREAD_BYTES + room_above(mem_used(m), held);
+    n->others = FIXED_BYTES + (uint64_t)o->threads * THREAD_BYTES + room_above(mem_used(m), held) +
+                (o->work ? state_io_memory() : 0);
     /* On average treelets are 70 % full, and less if much of a mesh is sparse. */
     n->treelets = 3 * (g->tets.count / o->treelet_tets) + 64;
     if (n->treelets > g->tets.count)
@@ -209,12 +212,33 @@ status mesh_plan_make(mem *m, const mesh_gather *g, const mesh_options *o, mesh_
     return mesh_plan_refuse(o, least);
 }
 
-status mesh_plan_check(const mesh_options *o, const mesh_gather *g, const mesh_plan *plan,
-                       uint64_t treelets) {
-    if (treelets <= plan->treelets)
+status mesh_plan_settle(const mesh_options *o, const mesh_gather *g, mesh_plan *plan,
+                        uint64_t treelets) {
+    const uint64_t expected = plan->treelets;
+    plan->treelets = treelets;
+    if (treelets <= expected)
         return ST_OK;
-    const uint64_t more = writer_memory(o, g, treelets) - writer_memory(o, g, plan->treelets);
-    if (plan->build_memory + more <= o->memory)
-        return ST_OK;
-    return mesh_plan_refuse(o, larger(plan->memory_least, plan->build_memory) + more);
+    const uint64_t more = writer_memory(o, g, treelets) - writer_memory(o, g, expected);
+    if (plan->build_memory + more > o->memory)
+        return mesh_plan_refuse(o, larger(plan->memory_least, plan->build_memory) + more);
+    plan->build_memory += more;
+    plan->memory = larger(plan->memory, plan->build_memory);
+    return ST_OK;
+}
+
+/* Whether sizes that were loaded can be those of a plan. */
+static bool makes_sense(const mesh_plan *plan, const mesh_options *o) {
+    const mesh_runs_plan *r = &plan->runs;
+    return r->run > 0 && (!r->block || r->window > o->treelet_tets) &&
+           (!o->gradients || plan->gradients.band > 0) && plan->threads > 0 && plan->treelets > 0 &&
+           plan->treelets < UINT32_MAX;
+}
+
+status mesh_plan_keep(mesh_plan *plan, const mesh_options *o, state_io *io) {
+    status st = STATE_IO(io, *plan);
+    if (st != ST_OK || !state_io_loads(io))
+        return st;
+    if (!makes_sense(plan, o))
+        return state_io_fault(io);
+    return plan->memory <= o->memory ? ST_OK : mesh_plan_refuse(o, plan->memory);
 }

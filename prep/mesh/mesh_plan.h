@@ -12,6 +12,7 @@
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/leaf/leaf_writer.h"
+#include "prep/convert_job.h"
 #include "prep/mesh/mesh_gather.h"
 #include "prep/mesh/mesh_gradients.h"
 #include "prep/mesh/mesh_runs.h"
@@ -36,6 +37,8 @@ typedef struct mesh_options {
                                   mesh */
     bool gradients;            /* store the gradient at each vertex */
     bool refuse_empty;         /* ST_UNSUPPORTED if no value is a number */
+    work_folder *work;         /* the output's, to save what is done; NULL: it is not */
+    convert_job *job;          /* what is to be done, if there is a work folder */
 } mesh_options;
 
 typedef struct mesh_plan {
@@ -52,6 +55,7 @@ typedef struct mesh_plan {
     uint64_t build_memory;                 /* bytes while treelets are built */
     uint64_t memory_least;                 /* the smallest budget that would do */
     uint64_t spill_bytes;                  /* of all scratch files but the writer's */
+    int threads;                           /* that it is for */
 } mesh_plan;
 
 /* mesh_plan_least() - the smallest budget with which any mesh could be converted, including what m
@@ -63,10 +67,14 @@ CHECKED status mesh_plan_least(mem *m, const mesh_options *o, uint64_t *least);
  * the smallest budget. */
 CHECKED status mesh_plan_make(mem *m, const mesh_gather *g, const mesh_options *o, mesh_plan *plan);
 
-/* mesh_plan_check() - check that the plan has room for this many treelets, too. ST_NOMEM as
- * above. */
-CHECKED status mesh_plan_check(const mesh_options *o, const mesh_gather *g, const mesh_plan *plan,
-                               uint64_t treelets);
+/* mesh_plan_settle() - the treelets have been counted: set the number, and check that there is room
+ * for so many. ST_NOMEM as above. */
+CHECKED status mesh_plan_settle(const mesh_options *o, const mesh_gather *g, mesh_plan *plan,
+                                uint64_t treelets);
+
+/* mesh_plan_keep() - save it, or load another run's and check that it is within o->memory: ST_NOMEM
+ * as above. It does with fewer threads, too. */
+CHECKED status mesh_plan_keep(mesh_plan *plan, const mesh_options *o, state_io *io);
 
 /* mesh_plan_refuse() - describe the ST_NOMEM of all these. */
 status mesh_plan_refuse(const mesh_options *o, uint64_t least);

@@ -5,7 +5,13 @@
 
 #include "formats/base/file.h"
 
-enum { BLOCK_MIN = 1 << 11, BLOCK_MAX = 1 << 16, WINDOW_MAX = 1 << 20, RUN_MIN = 1 << 12 };
+enum {
+    BLOCK_MIN = 1 << 11,
+    BLOCK_MAX = 1 << 16,
+    WINDOW_MAX = 1 << 20,
+    RUN_MIN = 1 << 12,
+    PIECE = 1 << 16 /* records read or written between two questions whether to go on */
+};
 
 /* A run while it is merged. */
 typedef struct stream {
@@ -19,18 +25,20 @@ struct mesh_runs {
     mem *m;
     const char *beside;
     mesh_runs_plan plan;
-    mesh_sort *sort;
+    const progress *p;
+    work_folder *work;            /* where the file is kept; NULL: nowhere */
+    mesh_sort *sort;              /* NULL: all has been put */
     mesh_record *records, *spare; /* of the current run */
     size_t filled;
     /* With several runs: */
     out_file *file;
     uint64_t written;
-    uint64_t runs;
+    uint64_t runs; /* in the file; 0: there is one, in memory */
     stream *streams;
     mesh_record *blocks;
     uint32_t *losers; /* tournament tree over all streams; [0]: the winner */
     mesh_record *window;
-    /* The visible records */
+    /* The visible records: */
     size_t first, held;
 };
 
@@ -136,6 +144,30 @@ void mesh_runs_destroy(mesh_runs *r) {
     mem_free(r->m, r);
 }
 
+void mesh_runs_stop_by(mesh_runs *r, const progress *p) {
+    r->p = p;
+    mesh_sort_stop_by(r->sort, p);
+}
+
+static status open_file(mesh_runs *r) {
+    return r->file   ? ST_OK
+           : r->work ? work_folder_file(r->work, WORK_RUNS, true, &r->file)
+                     : out_file_scratch(r->m, r->beside, &r->file);
+}
+
+/* Write the current run to the file, at record `to`. */
+static status write_records(mesh_runs *r, uint64_t to) {
+    status st = open_file(r);
+    for (size_t at = 0; at < r->filled && st == ST_OK; at += PIECE) {
+        const size_t some = r->filled - at < PIECE ? r->filled - at : PIECE;
+        st = progress_ask(r->p, "sorting");
+        if (st == ST_OK)
+            st = out_file_write_at(r->file, (to + at) * sizeof *r->records, r->records + at,
+                                   some * sizeof *r->records);
+    }
+    return st;
+}
+
 static status sort_run(mesh_runs *r) {
     if (!r->spare && !(r->spare = mem_alloc(r->m, (size_t)r->plan.run * sizeof *r->spare)))
         return ST_NOMEM;
@@ -144,10 +176,8 @@ static status sort_run(mesh_runs *r) {
 
 static status write_run(mesh_runs *r) {
     status st = sort_run(r);
-    if (st == ST_OK && !r->file)
-        st = out_file_scratch(r->m, r->beside, &r->file);
     if (st == ST_OK)
-        st = out_file_append(r->file, r->records, r->filled * sizeof *r->records);
+        st = write_records(r, r->written);
     r->written += r->filled;
     r->runs++;
     r->filled = 0;
@@ -242,19 +272,22 @@ status mesh_runs_rewind(mesh_runs *r) {
     return ST_OK;
 }
 
+/* Free what sorting needs, then make what merging needs. */
+static status end_sorting(mesh_runs *r) {
+    mesh_sort_destroy(r->sort);
+    mem_free(r->m, r->spare);
+    r->sort = NULL;
+    r->spare = NULL;
+    return r->runs ? begin_merge(r) : ST_OK;
+}
+
 status mesh_runs_end(mesh_runs *r) {
     status st = ST_OK;
     if (!r->runs)
         st = sort_run(r);
     else if (r->filled)
         st = write_run(r);
-    mesh_sort_destroy(r->sort);
-    mem_free(r->m, r->spare);
-    r->sort = NULL;
-    r->spare = NULL;
-    if (st == ST_OK && r->runs)
-        st = begin_merge(r);
-    return st;
+    return st == ST_OK ? end_sorting(r) : st;
 }
 
 static status merge_some(mesh_runs *r) {
@@ -288,5 +321,135 @@ status mesh_runs_window(mesh_runs *r, size_t used, const mesh_record **records, 
     *records = r->window;
     *count = r->held;
     *last = r->held < r->plan.window;
+    return st;
+}
+
+/* ---- for another run ---- */
+
+void mesh_runs_keep_in(mesh_runs *r, work_folder *work) {
+    assert(r->filled == 0 && !r->file);
+    r->work = work;
+}
+
+bool mesh_runs_written(const mesh_runs *r) {
+    return !r->sort || (r->runs > 0 && r->filled == 0);
+}
+
+status mesh_runs_store(mesh_runs *r) {
+    return r->runs || r->file ? ST_OK : write_records(r, 0);
+}
+
+void mesh_runs_unstore(mesh_runs *r) {
+    if (r->runs || !r->file)
+        return;
+    (void)!out_file_cut(r->file, 0);
+    out_file_discard(r->file);
+    r->file = NULL;
+}
+
+out_file *mesh_runs_file(const mesh_runs *r) {
+    return r->file;
+}
+
+/* The first record of a stream that is not in the window. */
+static uint64_t place_of(const stream *s) {
+    return s->next - (s->count - s->at);
+}
+
+uint64_t mesh_runs_left(const mesh_runs *r) {
+    if (r->sort)
+        return r->written + r->filled;
+    uint64_t left = r->runs ? r->held : r->filled - r->first;
+    for (uint64_t i = 0; i < r->runs; i++)
+        left += r->streams[i].end - place_of(&r->streams[i]);
+    return left;
+}
+
+/* Whether the counts that were loaded are those of the plan. ended: all had been put. */
+static bool fits(const mesh_runs *r, bool ended) {
+    const mesh_runs_plan *plan = &r->plan;
+    if (r->runs == 0)
+        return ended && r->written == 0 && r->filled <= plan->run;
+    const uint64_t whole = r->written / plan->run, rest = r->written % plan->run;
+    return plan->block > 0 && r->filled == 0 && r->runs <= UINT32_MAX / 2 &&
+           r->runs == whole + (ended && rest > 0) && (ended || rest == 0);
+}
+
+/* Read the only run. */
+static status read_records(mesh_runs *r) {
+    status st = ST_OK;
+    for (size_t at = 0; at < r->filled && st == ST_OK; at += PIECE) {
+        const size_t some = r->filled - at < PIECE ? r->filled - at : PIECE;
+        st = progress_ask(r->p, "reading");
+        if (st == ST_OK)
+            st = out_file_read_at(r->file, at * sizeof *r->records, r->records + at,
+                                  some * sizeof *r->records);
+    }
+    return st;
+}
+
+static status load(mesh_runs *r, bool ended, state_io *io) {
+    const uint64_t all = r->written + r->filled;
+    if (!fits(r, ended))
+        return state_io_fault(io);
+    status st = open_file(r);
+    if (st == ST_OK && out_file_size(r->file) / sizeof *r->records < all)
+        st = state_io_fault(io);
+    if (st == ST_OK)
+        st = out_file_cut(r->file, all * sizeof *r->records);
+    if (st == ST_OK && !r->runs)
+        st = read_records(r);
+    return st == ST_OK && ended ? end_sorting(r) : st;
+}
+
+status mesh_runs_keep(mesh_runs *r, state_io *io) {
+    uint32_t ended = !r->sort;
+    assert(state_io_loads(io) || mesh_runs_written(r));
+    status st = STATE_IO(io, ended);
+    if (st == ST_OK)
+        st = STATE_IO(io, r->runs);
+    if (st == ST_OK)
+        st = STATE_IO(io, r->written);
+    if (st == ST_OK)
+        st = STATE_IO(io, r->filled);
+    return st == ST_OK && state_io_loads(io) ? load(r, ended, io) : st;
+}
+
+static status keep_only_place(mesh_runs *r, size_t used, state_io *io) {
+    size_t first = r->first + used;
+    status st = STATE_IO(io, first);
+    if (st != ST_OK || !state_io_loads(io))
+        return st;
+    r->first = first;
+    return first > r->filled ? state_io_fault(io) : ST_OK;
+}
+
+static status keep_stream(mesh_runs *r, uint64_t i, state_io *io) {
+    stream *s = &r->streams[i];
+    uint64_t place = place_of(s);
+    status st = STATE_IO(io, place);
+    if (st != ST_OK || !state_io_loads(io))
+        return st;
+    if (place < i * r->plan.run || place > s->end)
+        return state_io_fault(io);
+    s->next = place;
+    return fill_block(r, s);
+}
+
+status mesh_runs_keep_place(mesh_runs *r, size_t used, state_io *io) {
+    if (!r->runs)
+        return keep_only_place(r, used, io);
+    size_t left = r->held - used;
+    status st = STATE_IO(io, left);
+    if (st == ST_OK && left > r->plan.window)
+        st = state_io_fault(io);
+    if (st == ST_OK)
+        st = state_io_bytes(io, r->window + used, left * sizeof *r->window);
+    for (uint64_t i = 0; i < r->runs && st == ST_OK; i++)
+        st = keep_stream(r, i, io);
+    if (st == ST_OK && state_io_loads(io)) {
+        r->held = left;
+        r->losers[0] = r->runs > 1 ? play(r, 1) : 0;
+    }
     return st;
 }

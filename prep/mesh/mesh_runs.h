@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "formats/base/work_folder.h"
 #include "prep/mesh/mesh_sort.h"
 
 typedef struct mesh_runs mesh_runs;
@@ -42,6 +43,9 @@ CHECKED status mesh_runs_create(mem *m, pool *p, const char *beside, const mesh_
                                 mesh_runs **out);
 void mesh_runs_destroy(mesh_runs *r); /* NULL is fine */
 
+/* mesh_runs_stop_by() - ask p now and then whether to go on; kept by reference. */
+void mesh_runs_stop_by(mesh_runs *r, const progress *p);
+
 /* mesh_runs_room() - where to put the next records, and how many at most. mesh_runs_put() - `count`
  * of them have been put there. */
 mesh_record *mesh_runs_room(mesh_runs *r, size_t *count);
@@ -55,7 +59,28 @@ CHECKED status mesh_runs_end(mesh_runs *r);
 CHECKED status mesh_runs_window(mesh_runs *r, size_t used, const mesh_record **records,
                                 size_t *count, bool *last);
 
-/* mesh_runs_rewind() - move the window back to the first record. */
+/* mesh_runs_rewind() - move the window back to the first record.
+ * mesh_runs_left() - the records from the window's first on; before mesh_runs_end(), those that
+ * were put. */
 CHECKED status mesh_runs_rewind(mesh_runs *r);
+uint64_t mesh_runs_left(const mesh_runs *r);
+
+/* Another run can go on with records whose file is in a work folder: call mesh_runs_keep_in() when
+ * no record has been put.
+ * mesh_runs_written() - whether all records that were put are in the file, or mesh_runs_end() was
+ * called: only then, a state can be saved.
+ * mesh_runs_store() - write records that are in memory alone to the file, before a state is saved.
+ * mesh_runs_unstore() - empty the file again, which no state needs, if all is in memory.
+ * mesh_runs_file() - that file, for work_folder_save().
+ * mesh_runs_keep() - save what was put, or load it instead of putting it, with the window at the
+ * first record. mesh_runs_keep_place() - save or load the place of the window, without its first
+ * `used` records. ST_CORRUPT: what loads is not of such a plan, or the file is too short. */
+void mesh_runs_keep_in(mesh_runs *r, work_folder *work);
+bool mesh_runs_written(const mesh_runs *r);
+CHECKED status mesh_runs_store(mesh_runs *r);
+void mesh_runs_unstore(mesh_runs *r);
+out_file *mesh_runs_file(const mesh_runs *r);
+CHECKED status mesh_runs_keep(mesh_runs *r, state_io *io);
+CHECKED status mesh_runs_keep_place(mesh_runs *r, size_t used, state_io *io);
 
 #endif

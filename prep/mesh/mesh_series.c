@@ -26,13 +26,16 @@ static status read_later_step(mem *m, const mesh_series *s, mesh_gather *g, uint
     return st;
 }
 
-status mesh_series_read(mem *m, const mesh_series *s, mesh_input *first, mesh_gather *g,
-                        const mesh_sink *sink, mesh_report *report) {
+void mesh_series_begin(const mesh_series *s, mesh_input *first, mesh_gather *g) {
     g->fields = s->of.sets.fields;
     g->steps = s->of.sets.steps;
+    g->first_name = mesh_input_file(first);
+}
+
+status mesh_series_read(mem *m, const mesh_series *s, mesh_input *first, mesh_gather *g,
+                        const mesh_sink *sink, mesh_report *report) {
+    if (g->done > 0)
+        return read_later_step(m, s, g, g->done, report->field, sink);
     mesh_gather_next(g, 0, mesh_input_file(first));
-    status st = read_step(s, g, first, sink, report);
-    for (uint32_t step = 1; step < s->of.sets.steps && st == ST_OK; step++)
-        st = read_later_step(m, s, g, step, report->field, sink);
-    return st;
+    return read_step(s, g, first, sink, report);
 }

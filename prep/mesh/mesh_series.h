@@ -19,9 +19,11 @@ typedef struct mesh_series {
     mesh_hints hints; /* `field` is unused if there are names, `step` if the steps are in a file */
 } mesh_series;
 
-/* mesh_series_read() - read all steps into sink, a sink of g. first: the first step's mesh, just
- * opened, with any of the fields. report: of the first reading. ST_CORRUPT names the file that
- * differs from the first, and its first tet that does. */
+/* mesh_series_begin() - call it before the steps are read into g. first: the first step's mesh,
+ * just opened, with any of the fields. mesh_series_read() - read the next step, g->done, into sink,
+ * a sink of g. report: set by the first reading, and needed by the others. ST_CORRUPT names the
+ * file that differs from the first, and its first tet that does. */
+void mesh_series_begin(const mesh_series *s, mesh_input *first, mesh_gather *g);
 CHECKED status mesh_series_read(mem *m, const mesh_series *s, mesh_input *first, mesh_gather *g,
                                 const mesh_sink *sink, mesh_report *report);
 

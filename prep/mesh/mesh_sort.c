@@ -26,6 +26,7 @@ typedef struct part {
 struct mesh_sort {
     mem *m;
     pool *workers;
+    const progress *p;
     size_t parts;
     part *part;
     size_t *starts; /* BUCKETS + 1 for each level of recursion */
@@ -68,6 +69,10 @@ void mesh_sort_destroy(mesh_sort *s) {
     mem_free(s->m, s->part);
     mem_free(s->m, s->starts);
     mem_free(s->m, s);
+}
+
+void mesh_sort_stop_by(mesh_sort *s, const progress *p) {
+    s->p = p;
 }
 
 /* ---- one bucket, one thread ---- */
@@ -207,6 +212,9 @@ static status sort_one_bucket(void *ctx, size_t b, int worker) {
     mesh_sort *s = ctx;
     (void)worker;
     size_t first = s->start[b], count = s->start[b + 1] - first;
+    status st = progress_ask(s->p, "sorting");
+    if (st != ST_OK)
+        return st;
     if (count > 0 && !is_shared(s, count, s->count))
         sort_bucket(s->to + first, s->from + first, count, s->shift);
     return ST_OK;
@@ -238,6 +246,8 @@ static status sort_shared(mesh_sort *s, mesh_record *records, mesh_record *spare
     s->shift = shift;
     s->start = start;
     st = pool_run(s->workers, s->parts, count_part, s);
+    if (st == ST_OK)
+        st = progress_ask(s->p, "sorting");
     if (st != ST_OK)
         return st;
     place_buckets(s, start);

@@ -11,6 +11,7 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/pool.h"
+#include "formats/base/progress.h"
 #include "formats/base/status.h"
 
 /* A tet before it is in a treelet. */
@@ -26,6 +27,9 @@ typedef struct mesh_sort mesh_sort;
 uint64_t mesh_sort_memory(int threads);
 CHECKED status mesh_sort_create(mem *m, pool *p, mesh_sort **out);
 void mesh_sort_destroy(mesh_sort *s); /* NULL is fine */
+
+/* mesh_sort_stop_by() - ask p now and then whether to go on; kept by reference. */
+void mesh_sort_stop_by(mesh_sort *s, const progress *p);
 
 /* mesh_sort_records() - sort `records` by key. spare: room for as many. */
 CHECKED status mesh_sort_records(mesh_sort *s, mesh_record *records, mesh_record *spare,

@@ -21,8 +21,9 @@ void mesh_spool_release(mesh_spool *s) {
     s->chunks = NULL;
     s->chunk_room = 0;
     out_file_discard(s->file);
-    s->file = NULL;
-    s->count = 0;
+    out_file_discard(s->copy);
+    s->file = s->copy = NULL;
+    s->count = s->copied = 0;
 }
 
 size_t mesh_spool_buffers(size_t element) {
@@ -42,21 +43,52 @@ static status add_chunk(mesh_spool *s, uint64_t i) {
     return s->chunks[i] ? ST_OK : ST_NOMEM;
 }
 
-static status write_chunk(mesh_spool *s, uint64_t i) {
-    const uint64_t first = i << MESH_SPOOL_LOG2, left = s->count - first;
-    const size_t some = left < CHUNK ? (size_t)left : CHUNK;
-    return s->chunks[i]
-               ? out_file_write_at(s->file, first * s->element, s->chunks[i], some * s->element)
-               : ST_OK;
+/* Open the file. What it holds beyond the elements that are copied is cut off, as gaps must read as
+ * zeros. */
+static status open_copy(mesh_spool *s) {
+    if (s->copy)
+        return ST_OK;
+    if (!s->work)
+        return out_file_scratch(s->m, s->beside, &s->copy);
+    status st = work_folder_file(s->work, s->which, true, &s->copy);
+    return st == ST_OK ? out_file_cut(s->copy, s->copied * s->element) : st;
+}
+
+/* The number of elements from `first` on that lie in its chunk, below `count`. */
+static size_t some_of(uint64_t first, uint64_t count) {
+    const uint64_t room = CHUNK - (first & (CHUNK - 1));
+    return (size_t)(count - first < room ? count - first : room);
+}
+
+/* Write the elements that are not in the file. */
+static status copy_rest(mesh_spool *s) {
+    status st = open_copy(s);
+    while (st == ST_OK && s->copied < s->count) {
+        const size_t some = some_of(s->copied, s->count);
+        const char *chunk = s->chunks[s->copied >> MESH_SPOOL_LOG2];
+        st = progress_ask(s->p, "writing");
+        if (st == ST_OK && chunk)
+            st = out_file_write_at(s->copy, s->copied * s->element,
+                                   chunk + (s->copied & (CHUNK - 1)) * s->element,
+                                   some * s->element);
+        s->copied += st == ST_OK ? some : 0;
+    }
+    return st;
+}
+
+/* From now on all is in the file alone. */
+static void leave_memory(mesh_spool *s) {
+    s->file = s->copy;
+    s->copy = NULL;
+    free_chunks(s);
 }
 
 status mesh_spool_spill(mesh_spool *s) {
     if (s->file)
         return ST_OK;
-    status st = out_file_scratch(s->m, s->beside, &s->file);
-    for (uint64_t i = 0; st == ST_OK && i < s->chunk_count; i++)
-        st = write_chunk(s, i);
-    free_chunks(s);
+    status st = copy_rest(s);
+    if (st == ST_OK)
+        leave_memory(s);
     return st;
 }
 
@@ -133,4 +165,73 @@ void mesh_spool_forget(mesh_spool *s, uint64_t before) {
         mem_free(s->m, s->chunks[i]);
         s->chunks[i] = NULL;
     }
+}
+
+/* ---- for another run ---- */
+
+void mesh_spool_keep_in(mesh_spool *s, work_folder *work, work_file which) {
+    assert(s->count == 0 && !s->file);
+    s->work = work;
+    s->which = which;
+}
+
+status mesh_spool_store(mesh_spool *s) {
+    return s->file || s->count == 0 ? ST_OK : copy_rest(s);
+}
+
+void mesh_spool_unstore(mesh_spool *s) {
+    if (!s->copy)
+        return;
+    (void)!out_file_cut(s->copy, 0);
+    out_file_discard(s->copy);
+    s->copy = NULL;
+    s->copied = 0;
+}
+
+out_file *mesh_spool_file(const mesh_spool *s) {
+    return s->file ? s->file : s->copy;
+}
+
+/* Read elements up to `count` from the file into memory, as far as there is room. */
+static status fetch(mesh_spool *s, uint64_t count) {
+    status st = ST_OK;
+    while (st == ST_OK && s->count < count && !(s->chunk_count > 0 && is_full(s))) {
+        const uint64_t chunk = s->count >> MESH_SPOOL_LOG2;
+        const size_t some = some_of(s->count, count);
+        st = progress_ask(s->p, "reading");
+        if (st == ST_OK)
+            st = add_chunk(s, chunk);
+        if (st == ST_OK)
+            st = out_file_read_at(s->copy, s->count * s->element, s->chunks[chunk],
+                                  some * s->element);
+        s->count += some;
+    }
+    return st;
+}
+
+static status load(mesh_spool *s, uint64_t count, bool held, state_io *io) {
+    assert(s->count == 0 && s->work && !mesh_spool_file(s));
+    if (count == 0)
+        return ST_OK;
+    status st = work_folder_file(s->work, s->which, true, &s->copy);
+    if (st != ST_OK)
+        return st;
+    if (out_file_size(s->copy) / s->element < count)
+        return state_io_fault(io);
+    st = out_file_cut(s->copy, count * s->element);
+    if (st == ST_OK && held)
+        st = fetch(s, count);
+    if (st == ST_OK && s->count < count)
+        leave_memory(s);
+    s->count = s->copied = count;
+    return st;
+}
+
+status mesh_spool_keep(mesh_spool *s, state_io *io) {
+    uint64_t count = s->count;
+    uint32_t held = !s->file;
+    status st = STATE_IO(io, count);
+    if (st == ST_OK)
+        st = STATE_IO(io, held);
+    return st == ST_OK && state_io_loads(io) ? load(s, count, held, io) : st;
 }

@@ -13,7 +13,9 @@
 
 #include "formats/base/file.h"
 #include "formats/base/mem.h"
+#include "formats/base/progress.h"
 #include "formats/base/status.h"
+#include "formats/base/work_folder.h"
 
 enum { MESH_SPOOL_LOG2 = 14 };
 
@@ -28,7 +30,12 @@ struct mesh_spool {
     uint64_t count;
     char **chunks;
     size_t chunk_count, chunk_room;
-    out_file *file; /* NULL: all is in memory */
+    out_file *file;    /* NULL: all is in memory */
+    work_folder *work; /* where its file is kept for another run; NULL: nowhere */
+    work_file which;
+    out_file *copy; /* of a spool in memory: a file there that holds `copied` elements of it */
+    uint64_t copied;
+    const progress *p; /* asked while much is written or read; may be NULL */
 };
 
 /* mesh_spool_init() - an empty spool. beside: path beside which a scratch file may lie; kept by
@@ -46,6 +53,19 @@ CHECKED status mesh_spool_put(mesh_spool *s, uint64_t at, const void *elements, 
 
 /* mesh_spool_spill() - move everything to a file, if it is not in one. */
 CHECKED status mesh_spool_spill(mesh_spool *s);
+
+/* Another run can go on with a spool whose file is in a work folder: call mesh_spool_keep_in() when
+ * it is empty. Elements never change once they are saved.
+ * mesh_spool_store() - write what is in memory alone to the file, before a state is saved.
+ * mesh_spool_unstore() - empty the file again, which no state needs, if all is in memory.
+ * mesh_spool_file() - that file, for work_folder_save().
+ * mesh_spool_keep() - save how much it holds; or load that into an empty one: into memory where it
+ * was, unless that is above the ceiling. ST_CORRUPT: its file is too short. */
+void mesh_spool_keep_in(mesh_spool *s, work_folder *work, work_file which);
+CHECKED status mesh_spool_store(mesh_spool *s);
+void mesh_spool_unstore(mesh_spool *s);
+out_file *mesh_spool_file(const mesh_spool *s);
+CHECKED status mesh_spool_keep(mesh_spool *s, state_io *io);
 
 static inline bool mesh_spool_held(const mesh_spool *s) {
     return !s->file;
