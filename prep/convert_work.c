@@ -39,15 +39,12 @@ static status look_at_work(convert_request *a, bool *done) {
 status convert_work_open(convert_request *a, mem *m, bool *done) {
     const work_found found = a->resume ? WORK_RESUME : a->common.force ? WORK_REMOVE : WORK_REFUSE;
     *done = false;
-    status st = a->resume ? ST_OK : out_file_check(m, a->common.output, a->common.force);
-    if (st == ST_OK)
-        st = describe_job(a, m, &a->work.job);
+    status st = describe_job(a, m, &a->work.job);
     if (st == ST_OK)
         st = work_folder_open(m, a->common.output, found, a->checkpoint, &a->work.folder);
     if (st == ST_OK)
         st = look_at_work(a, done);
-    return st == ST_OK && !*done && a->resume ? out_file_check(m, a->common.output, a->common.force)
-                                              : st;
+    return st;
 }
 
 /* Whether another run may come further than this one. What an earlier run has left stays. */

@@ -166,12 +166,16 @@ static void share_out(pool *p) {
 }
 
 status pool_run(pool *p, size_t count, pool_body body, void *ctx) {
+    return pool_run_range(p, 0, count, body, ctx);
+}
+
+status pool_run_range(pool *p, size_t first, size_t end, pool_body body, void *ctx) {
     pthread_mutex_lock(&p->lock);
     p->body = body;
     p->ctx = ctx;
-    p->count = count;
+    p->count = end;
     p->failed_index = SIZE_MAX;
-    atomic_store(&p->next, 0);
+    atomic_store(&p->next, first);
     atomic_store(&p->failed, false);
     p->busy = p->started;
     p->generation++;

@@ -35,6 +35,10 @@ int pool_threads(const pool *p);
  * After the first error no further index is started. */
 CHECKED status pool_run(pool *p, size_t count, pool_body body, void *ctx);
 
+/* pool_run_range() - the same for the indices from first up to end - 1: a loop in pieces, between
+ * which the caller may look up. */
+CHECKED status pool_run_range(pool *p, size_t first, size_t end, pool_body body, void *ctx);
+
 /* pool_default_threads() - the number of CPUs this process may run on. */
 int pool_default_threads(void);
 

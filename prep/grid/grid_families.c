@@ -62,11 +62,26 @@ static status make_family(void *ctx, size_t index, int worker) {
         make_treelet(c, b, &box->samples, 0);
     else
         make_siblings(c, b, &box->samples, parent);
-    status st = progress_ask(c->p, "convert");
-    if (st == ST_OK)
-        st = leaf_writer_end_family(c->writer, &b->family);
+    status st = leaf_writer_end_family(c->writer, &b->family);
     if (st != ST_OK)
         leaf_writer_give_up(c->writer);
+    return st;
+}
+
+/* Put the families of a box, some at once, as nothing can be stopped meanwhile. */
+static status make_families(const grid_conversion *c, const slab_box *box, uint32_t level) {
+    enum { BYTES_AT_ONCE = 64 << 20, CHILDREN = 8 };
+    cutting job = {.c = c, .box = box, .level = level};
+    const size_t count = (size_t)box->count[0] * box->count[1];
+    const size_t most = BYTES_AT_ONCE / CHILDREN / leaf_layout_payload_max(c->layout);
+    const size_t some = most > 0 ? most : 1;
+    status st = ST_OK;
+    for (size_t at = 0; at < count && st == ST_OK; at += some) {
+        const size_t end = count - at < some ? count : at + some;
+        st = progress_ask(c->p, "convert");
+        if (st == ST_OK)
+            st = pool_run_range(c->workers, at, end, make_family, &job);
+    }
     return st;
 }
 
@@ -79,8 +94,7 @@ status grid_families_take(grid_conversion *c, uint32_t level) {
             st = slab_take(s, i, &box);
         if (st != ST_OK)
             return st;
-        cutting job = {.c = c, .box = &box, .level = level};
-        st = pool_run(c->workers, (size_t)box.count[0] * box.count[1], make_family, &job);
+        st = make_families(c, &box, level);
         if (st != ST_OK)
             return st;
     }

@@ -10,6 +10,7 @@
 enum {
     TOP_BITS = 11,
     BUCKETS = 1 << TOP_BITS,
+    BUCKETS_AT_ONCE = BUCKETS / 8,
     DIGIT_BITS = 8,
     DIGITS = 1 << DIGIT_BITS,
     PASSES_MAX = 3,
@@ -212,9 +213,6 @@ static status sort_one_bucket(void *ctx, size_t b, int worker) {
     mesh_sort *s = ctx;
     (void)worker;
     size_t first = s->start[b], count = s->start[b + 1] - first;
-    status st = progress_ask(s->p, "sorting");
-    if (st != ST_OK)
-        return st;
     if (count > 0 && !is_shared(s, count, s->count))
         sort_bucket(s->to + first, s->from + first, count, s->shift);
     return ST_OK;
@@ -252,8 +250,11 @@ static status sort_shared(mesh_sort *s, mesh_record *records, mesh_record *spare
         return st;
     place_buckets(s, start);
     st = pool_run(s->workers, s->parts, move_part, s);
-    if (st == ST_OK)
-        st = pool_run(s->workers, BUCKETS, sort_one_bucket, s);
+    for (size_t b = 0; st == ST_OK && b < BUCKETS; b += BUCKETS_AT_ONCE) {
+        st = progress_ask(s->p, "sorting");
+        if (st == ST_OK)
+            st = pool_run_range(s->workers, b, b + BUCKETS_AT_ONCE, sort_one_bucket, s);
+    }
     for (size_t b = 0; st == ST_OK && b < BUCKETS; b++) {
         size_t first = start[b], many = start[b + 1] - first;
         s->shift = shift;
