@@ -37,22 +37,26 @@ status leaf_writer_copy_room(leaf_writer *w) {
     return w->copy_buffer ? ST_OK : ST_NOMEM;
 }
 
-/* Copy payloads from the scratch file to their places. */
+static status copy_payload(leaf_writer *w, uint32_t p) {
+    const size_t size = (size_t)w->sizes[p];
+    if (w->scratch_at[p] == NOT_THERE)
+        return ST_OK;
+    status st = out_file_read_at(w->scratch, w->scratch_at[p], w->copy_buffer, size);
+    return st == ST_OK ? out_file_write_at(w->out, w->offsets[p], w->copy_buffer, size) : st;
+}
+
+/* Copy payloads from the scratch file to their places. Which ones wait there depends on chance, but
+ * not how often to ask whether to go on. */
 static status copy_payloads(leaf_writer *w) {
+    enum { SOME = 256 };
+    status st = ST_OK;
     leaf_writer_place(w);
-    for (uint32_t p = 0; p < w->layout.payloads; p++) {
-        size_t size = (size_t)w->sizes[p];
-        if (w->scratch_at[p] == NOT_THERE)
-            continue;
-        status st = progress_ask(w->stop, "build");
+    for (uint32_t p = 0; p < w->layout.payloads && st == ST_OK; p++) {
+        st = p % SOME == 0 ? progress_ask(w->stop, "build") : ST_OK;
         if (st == ST_OK)
-            st = out_file_read_at(w->scratch, w->scratch_at[p], w->copy_buffer, size);
-        if (st == ST_OK)
-            st = out_file_write_at(w->out, w->offsets[p], w->copy_buffer, size);
-        if (st != ST_OK)
-            return st;
+            st = copy_payload(w, p);
     }
-    return ST_OK;
+    return st;
 }
 
 static status write_zeros(leaf_writer *w, uint64_t from, uint64_t to) {

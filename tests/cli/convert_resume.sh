@@ -16,7 +16,7 @@ limited() {
     # shellcheck disable=SC2016 # for the inner shell
     run sh -c 'ulimit -f "$1"; shift; exec "$@"' sh "$blocks" "$leafcast" convert "$@" -o "$out" --checkpoint 0
 }
-alone() { [ "$(ls -A "$tmp" | grep -c '^x.leaf')" = 1 ]; }
+alone() { [ "$(find "$tmp" -maxdepth 1 -name 'x.leaf*' | wc -l)" = 1 ]; }
 
 # goes_on NAME ARGUMENTS... - ends early at several sizes of the output, and goes on, at once and by and by.
 goes_on() {

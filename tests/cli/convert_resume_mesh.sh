@@ -6,7 +6,7 @@
 says() { grep -q -- "$1" "$tmp/err"; }
 out=$tmp/x.leaf
 work=$tmp/x.leaf.unfinished
-alone() { [ "$(ls -A "$tmp" | grep -c '^x.leaf')" = 1 ]; }
+alone() { [ "$(find "$tmp" -maxdepth 1 -name 'x.leaf*' | wc -l)" = 1 ]; }
 run "$leafcast" generate buckyball --tets --dims 56 -o "$tmp/b.mesh"
 run "$leafcast" generate noise --tets --dims 56 --deform 0.5 --steps 3 -o "$tmp/s_%d.mesh"
 steps="$tmp/s_0.mesh $tmp/s_1.mesh $tmp/s_2.mesh"
