@@ -288,6 +288,12 @@ static void frames_of_streams(void **state) {
     memcpy(twice + bytes, code + bytes - last, last);
     twice[HEADER + 4] = (unsigned char)(2 * last);
     assert_false(judge(&b, twice, bytes + last));
+    /* An empty frame before it adds no bytes. */
+    static const unsigned char empty[] = {0x28, 0xB5, 0x2F, 0xFD, 0x20, 0, 1, 0, 0};
+    memcpy(twice + bytes - last, empty, sizeof empty);
+    memcpy(twice + bytes - last + sizeof empty, code + bytes - last, last);
+    twice[HEADER + 4] = (unsigned char)(last + sizeof empty);
+    assert_false(judge(&b, twice, bytes + sizeof empty));
     free(code);
     box_lab_release(&b);
 }
