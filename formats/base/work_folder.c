@@ -36,10 +36,6 @@ static const char *name_in(const work_folder *w, const char *name) {
     return w->file;
 }
 
-size_t work_folder_memory(const char *output) {
-    return sizeof(work_folder) + 3 * (strlen(output) + 64) + 512 + state_io_memory();
-}
-
 /* ---- opening ---- */
 
 static status in_the_way(const work_folder *w) {

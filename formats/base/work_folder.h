@@ -40,9 +40,6 @@ typedef enum work_file {
 CHECKED status work_folder_open(mem *m, const char *output, work_found found, double every,
                                 work_folder **out);
 
-/* work_folder_memory() - bytes that it takes. */
-size_t work_folder_memory(const char *output);
-
 /* work_folder_resumes() - whether there is a state to go on from. work_folder_published() - whether
  * the output had got its name when that run ended: nothing is left to be done.
  * work_folder_share() - of the job that the last state says is done.

@@ -16,7 +16,8 @@ static uint64_t sections_end(const leaf_writer *w) {
     return last->offset + last->bytes;
 }
 
-void leaf_writer_place(leaf_writer *w) {
+/* Place the payloads of a mesh, all of whose sizes are known. */
+static void place_payloads(leaf_writer *w) {
     leaf_placing next = {.end = sections_end(w)};
     w->header.payload_bytes = 0;
     for (leaf_order o = leaf_order_begin(&w->layout); o.p < w->layout.payloads;
@@ -32,7 +33,7 @@ void leaf_writer_stop_by(leaf_writer *w, const progress *p) {
     w->stop = p;
 }
 
-status leaf_writer_copy_room(leaf_writer *w) {
+static status make_copy_room(leaf_writer *w) {
     w->copy_buffer = mem_alloc(w->m, leaf_layout_stored_max(&w->layout));
     return w->copy_buffer ? ST_OK : ST_NOMEM;
 }
@@ -50,7 +51,7 @@ static status copy_payload(leaf_writer *w, uint32_t p) {
 static status copy_payloads(leaf_writer *w) {
     enum { SOME = 256 };
     status st = ST_OK;
-    leaf_writer_place(w);
+    place_payloads(w);
     for (uint32_t p = 0; p < w->layout.payloads && st == ST_OK; p++) {
         st = p % SOME == 0 ? progress_ask(w->stop, "build") : ST_OK;
         if (st == ST_OK)
@@ -185,7 +186,7 @@ static status close_payloads(leaf_writer *w) {
         return ST_OK;
     }
     mesh_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
-    status st = leaf_writer_copy_room(w);
+    status st = make_copy_room(w);
     if (st == ST_OK)
         st = copy_payloads(w);
     sum_up_mesh(w);

@@ -65,11 +65,6 @@ struct leaf_family {
 #define NOT_THERE    UINT64_MAX
 #define UNKNOWN_SIZE UINT64_MAX /* of a size */
 
-/* leaf_writer_place() - place the payloads, once all sizes are known. leaf_writer_copy_room() -
- * allocate copy_buffer; for a mesh not before its counts are known. */
-void leaf_writer_place(leaf_writer *w);
-CHECKED status leaf_writer_copy_room(leaf_writer *w);
-
 /* leaf_writer_families_memory() - the bytes of the families of so many threads.
  * leaf_writer_free_families() - free them. */
 uint64_t leaf_writer_families_memory(const leaf_layout *l, int threads);
