@@ -296,7 +296,7 @@ typedef struct leafcast_image {
     int32_t *id;      /* index of the nearest surface, numbered through over the volumes of the
                          scene; -1 on a miss */
     uint8_t *provisional; /* 1: a preview drew something coarser than asked for, or not everything
-                             yet */
+                             yet; or a treelet is lost */
     uint8_t *rgba8; /* 4 bytes a pixel for a screen: sRGB, not premultiplied. Uses extra memory
                        for each of r, g, b, a that is NULL */
     /* The part of the camera's picture that is drawn into the planes: its upper left pixel and its
@@ -319,6 +319,8 @@ typedef struct leafcast_stats {
      * is read twice counts twice. */
     uint64_t treelets_total, treelets_active, treelets_loaded;
     uint64_t bytes_file, bytes_active, bytes_visible, bytes_read;
+    uint64_t treelets_lost;  /* those that allow_missing goes without, of all that were asked for; */
+    const char *lost_why;    /* why the first one is lost, until the next picture; NULL: none is */
     uint64_t bytes_resident; /* of treelets, also for other isovalues and steps */
     uint64_t bytes_peak;     /* most of the memory budget in use so far */
     /* Traversal steps; cells given to the intersector; hits that it found. */

@@ -141,6 +141,9 @@ typedef struct leafcast_scene {
                      says how far they may be off. For a mesh with a coarse grid, lod level n > 0 is
                      that grid's level n - 1, drawn instead of the tets, and the whole picture is
                      provisional */
+    bool allow_missing; /* draw treelets that cannot be read, as they are damaged or the disk fails,
+                           by the coarser one above, or not at all; their pixels are provisional,
+                           and stats count them. false: they are an error. Previews: ignored */
     bool sweep;   /* load everything that the isovalues need, coarse levels first, not only what
                      rays ask for */
     int samples;  /* rays a pixel for r, g, b, a: 0 or 1 (through its centre), or the mean of 4 or

@@ -202,6 +202,24 @@ CHECKED status loader_failure(loader *l);
  * next. Also empties the queue. Only while nothing is traced. */
 void loader_forget_failures(loader *l);
 
+/* loader_tolerate() - whether treelets that cannot be read, as they are damaged or the disk fails,
+ * are *lost* instead of a failure: what asks for one goes on without it, or with the coarser one
+ * above. Only while nothing is traced; loader_forget_failures() finds all of them again.
+ * loader_is_lost() - whether treelet t is. Any thread, no lock.
+ * loader_stand_in() - the next treelet above t, and not lost, that meets the interest;
+ * LEAF_NO_TREELET: there is none.
+ * loader_has_come() - whether a ray that waits for treelet t can go on: it is READY, or lost. */
+void loader_tolerate(loader *l, bool tolerant);
+bool loader_is_lost(const loader *l, uint32_t t);
+uint32_t loader_stand_in(const loader *l, uint32_t t);
+static inline bool loader_has_come(const loader *l, uint32_t t) {
+    return loader_is_ready(l, t) || loader_is_lost(l, t);
+}
+
+/* loader_lost() - how many treelets are lost, and why the first one is, until
+ * loader_forget_failures(). Only while nothing is traced. */
+uint32_t loader_lost(loader *l, const char **why);
+
 loader_stats loader_statistics(loader *l);
 void loader_reset_statistics(loader *l);
 

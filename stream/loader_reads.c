@@ -52,12 +52,20 @@ void loader_reads_rest(struct loader_private *h) {
     loader_reads_quiesce(h);
 }
 
+static bool is_tolerable(const struct loader_private *h, status st) {
+    return h->tolerant && (st == ST_CORRUPT || st == ST_IO);
+}
+
 /* Note that treelet t failed, and free what was made of it. */
 static void take_failure(loader *l, uint32_t t, treelet *tr, status st) {
     struct loader_private *h = l->hidden;
     loader_slots_set_state(h, t, FAILED);
-    if (h->failure.st == ST_OK)
+    if (is_tolerable(h, st)) {
+        if (h->lost++ == 0)
+            status_note_take(&h->why, st);
+    } else if (h->failure.st == ST_OK) {
         status_note_take(&h->failure, st);
+    }
     if (tr)
         loader_slots_discard(l, tr);
     else

@@ -100,8 +100,8 @@ status loader_admit(loader *l, loader_request *requests, size_t count) {
     if (h->sweep_end > 0 && h->filled + h->queued < h->capacity)
         sweep_locked(l);
     loader_reads_tell(h);
-    const uint64_t before = h->published;
-    while (!ready && h->published == before && h->failure.st == ST_OK)
+    const uint64_t before = h->published + h->lost;
+    while (!ready && h->published + h->lost == before && h->failure.st == ST_OK)
         pthread_cond_wait(&h->done, &h->lock);
     status st = failure_of(h);
     pthread_mutex_unlock(&h->lock);
@@ -145,10 +145,42 @@ void loader_forget_failures(loader *l) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     loader_reads_rest(h);
-    if (h->failure.st != ST_OK)
+    if (h->failure.st != ST_OK || h->lost > 0)
         for (uint32_t t = 0; t < l->file->layout.treelets; t++)
             if (loader_slots_state(h, t) == FAILED)
                 loader_slots_set_state(h, t, ABSENT);
     h->failure.st = ST_OK;
+    h->lost = 0;
     pthread_mutex_unlock(&h->lock);
+}
+
+/* ---- what cannot be read ---- */
+
+void loader_tolerate(loader *l, bool tolerant) {
+    pthread_mutex_lock(&l->hidden->lock);
+    l->hidden->tolerant = tolerant;
+    pthread_mutex_unlock(&l->hidden->lock);
+}
+
+bool loader_is_lost(const loader *l, uint32_t t) {
+    return l->hidden->tolerant && loader_slots_state(l->hidden, t) == FAILED;
+}
+
+uint32_t loader_stand_in(const loader *l, uint32_t t) {
+    const leaf_layout *layout = &l->file->layout;
+    while (layout->level_of[t] + 1U < layout->levels) {
+        t = leaf_layout_parent(layout, t);
+        if (!loader_is_lost(l, t))
+            return l->own[t] ? t : LEAF_NO_TREELET;
+    }
+    return LEAF_NO_TREELET;
+}
+
+uint32_t loader_lost(loader *l, const char **why) {
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    const uint32_t count = h->lost;
+    *why = h->why.text;
+    pthread_mutex_unlock(&h->lock);
+    return count;
 }

@@ -131,7 +131,8 @@ static status set_up(bench_job *job, const bench_subject *s, heat *h) {
 }
 
 static status scale(bench_job *job, const bench_subject *s) {
-    heat h = {0};
+    static heat h; /* large */
+    h = (heat){0};
     double *scratch = mem_array(&job->m, (size_t)job->runs, sizeof *scratch);
     status st = scratch ? set_up(job, s, &h) : ST_NOMEM;
     if (st == ST_OK)

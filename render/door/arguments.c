@@ -202,6 +202,7 @@ static const public_field scene_rows[] = {
     PUBLIC_ENUM(leafcast_scene, lod, LEAFCAST_LOD_PIXEL),
     PUBLIC_NUMBER(leafcast_scene, lod_level, 0, LEAFCAST_LEVEL_MAX, 0),
     PUBLIC_FLAG(leafcast_scene, preview),
+    PUBLIC_FLAG(leafcast_scene, allow_missing),
     PUBLIC_FLAG(leafcast_scene, sweep),
     PUBLIC_NUMBER(leafcast_scene, samples, 0, 16, 0),
     PUBLIC_NUMBER(leafcast_scene, layers_max, 0, INT_MAX, 0),

@@ -149,6 +149,7 @@ status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const came
                  .isos = {v->isovalue_count, v->isovalues},
                  .space = v->space,
                  .preview = scene->preview,
+                 .lenient = scene->allow_missing && !scene->preview,
                  .doubts = scene->preview && scene_is_certified(scene) && scene_filled(scene) == 1,
                  .touched = v->touched};
     v->kind->aim(v, scene, c, tr);

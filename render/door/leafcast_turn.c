@@ -69,6 +69,7 @@ static status prepare_volume(turn *t, int i) {
         return st;
     }
     loader_forget_failures(v->treelets);
+    loader_tolerate(v->treelets, t->scene.allow_missing && !t->scene.preview);
     volume_show_beside(s, &t->beside[i]);
     status st = volume_tracer(v, &t->scene, &t->f.camera, &t->tracers[i]);
     t->tracers[i].above = t->above;
@@ -147,6 +148,14 @@ static uint64_t visible_bytes(const leafcast *v) {
     return visible;
 }
 
+static void add_lost(const leafcast *v, leafcast_stats *stats) {
+    const char *why;
+    const uint32_t lost = loader_lost(v->treelets, &why);
+    if (lost > 0 && stats->treelets_lost == 0)
+        stats->lost_why = why;
+    stats->treelets_lost += lost;
+}
+
 static void add_volume_stats(const leafcast *v, leafcast_stats *stats) {
     const loader_stats l = loader_statistics(v->treelets);
     stats->load_s += l.load_s;
@@ -159,6 +168,7 @@ static void add_volume_stats(const leafcast *v, leafcast_stats *stats) {
     stats->bytes_read += l.bytes_read;
     stats->bytes_read_ever += l.bytes_read_ever;
     stats->bytes_resident += l.bytes_resident;
+    add_lost(v, stats);
 }
 
 void turn_stats(const turn *t, leafcast_stats *stats) {

@@ -122,9 +122,9 @@ static tile_row *rows_to_do(const drawing *d, uint32_t tile) {
 
 /* If rays of a tile met absent treelets, let the tile wait for these; another thread may take it up
  * as soon as they come. Returns false if the tile is not to wait: no treelet was absent, there may
- * be no slots for them, or a preview goes on without them. */
+ * be no slots for them, or they may be done without. */
 static bool wait_for_treelets(drawing *d, uint32_t tile, const tile_outcome *todo, tally *mine) {
-    if (todo->absent_count == 0 || d->f->tracer->preview)
+    if (todo->absent_count == 0 || d->f->tracer->preview || d->f->tracer->lenient)
         return false;
     memcpy(rows_to_do(d, tile), todo->waits, d->side * sizeof *todo->waits);
     return frame_work_wait(&d->work, &mine->hand, tile, todo->absent, todo->absent_count);

@@ -91,7 +91,7 @@ static uint32_t pop_tile(frame_work *w, uint32_t *list) {
 static bool hang_up_ray(frame_work *w, uint32_t record) {
     const ray_record *r = ray_records_at(w->records, record);
     const uint32_t t = w->first[r->volume] + r->blocked;
-    const bool ready = loader_is_ready(w->f->tracer[r->volume].treelets, r->blocked);
+    const bool ready = loader_has_come(w->f->tracer[r->volume].treelets, r->blocked);
     const bool first = !ready && begin_waiting(w, t);
     push_ray(w, &w->buckets[t], record);
     if (ready)
@@ -105,7 +105,7 @@ static void hang_up_tile(frame_work *w, uint32_t tile) {
     const work_tile *x = &w->tiles[tile];
     for (uint32_t i = 0; i < x->absent_count; i++) {
         const uint32_t t = x->absent[i];
-        if (loader_is_ready(w->f->tracer->treelets, t))
+        if (loader_has_come(w->f->tracer->treelets, t))
             continue;
         (void)begin_waiting(w, t);
         push_tile(w, &w->buckets[t].tiles, tile);
@@ -154,7 +154,7 @@ static bool take_arrivals(frame_work *w) {
         loader *from = w->f->tracer[v].treelets;
         for (uint32_t t = arrivals_take(&from->arrivals), after; t != arrivals_end; t = after) {
             after = arrivals_after(&from->arrivals, t);
-            if (loader_is_ready(from, t))
+            if (loader_has_come(from, t))
                 buckets_ready(w, from, t);
             else
                 all = false;
@@ -463,7 +463,7 @@ static void sort_buckets(frame_work *w) {
         if (b->rays == none)
             continue;
         const wish x = wish_for(w, t);
-        if (loader_is_ready(w->f->tracer[x.volume].treelets, x.t))
+        if (loader_has_come(w->f->tracer[x.volume].treelets, x.t))
             bucket_ready(w, t);
         else
             w->waiting[w->waiting_count++] = t;

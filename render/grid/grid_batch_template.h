@@ -533,7 +533,7 @@ void SIMD_NAME(grid_batch_trace)(const tracer *tr, ray_batch *b, void *scratch,
     w->scene = tr->own;
     w->b = b;
     w->counters = counters;
-    const bool usable = grid_extent_of(&w->extent, tr) && !tr->preview;
+    const bool usable = grid_extent_of(&w->extent, tr) && !tr->preview && !tr->lenient;
     for (unsigned i = 0; i < b->count; i++) {
         goes[i] = usable ? begin_ray(w, i, &ways[i]) : (uint8_t)ALONE;
         octants |= 1u << goes[i];

@@ -575,7 +575,7 @@ void SIMD_NAME(grid_extreme_batch)(const tracer *tr, extreme_batch *b, void *scr
     unsigned octants = 0;
     peak_walk_begin(w, tr, b, counters);
     /* Where treelets of several levels are drawn, ranks do not rise along rays. */
-    const bool usable = grid_extent_of(&w->extent, tr) && !tr->preview && !tr->stop;
+    const bool usable = grid_extent_of(&w->extent, tr) && !tr->preview && !tr->lenient && !tr->stop;
     for (unsigned i = 0; i < b->count; i++) {
         goes[i] = usable ? begin_search(w, &b->rays[i], &ways[i]) : (uint8_t)PEAK_ALONE;
         octants |= 1u << goes[i];

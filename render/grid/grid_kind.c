@@ -226,7 +226,7 @@ static void grid_aim(leafcast *v, const leafcast_scene *scene, const camera *c, 
         tr->stop = v->stop;
     }
     tr->coarse = tr->coarse || tr->target_level > 0;
-    tr->boxed = tr->preview || tr->stop || tr->target_level > 0;
+    tr->boxed = tr->preview || tr->lenient || tr->stop || tr->target_level > 0;
 }
 
 static status grid_project(leafcast *v, const camera *c, projection *out) {

@@ -36,11 +36,11 @@ trace_result grid_tracer_next(const tracer *tr, const ray *r, trace_state *state
             top = grid_passage_push(tr, r, &node, stack, top, &state->provisional);
             continue;
         }
-        if (!tr->treelets->own[node.t] || (resuming && node.t != state->blocked))
+        if (!tr->treelets->own[node.t] || (resuming && !tracer_resumes(tr, node.t, state->blocked)))
             continue;
         const treelet *at = tracer_enter(tr, node.t, node.t_in, &state->t_from, &state->blocked,
                                          &state->provisional);
-        if (!at && !tr->preview)
+        if (!at && state->blocked != LEAF_NO_TREELET)
             return TRACE_BLOCKED;
         resuming = false;
         if (at)

@@ -49,7 +49,7 @@ static inline segments_result grid_way_next(grid_way *w, const tracer *tr, const
             continue;
         }
         const bool whole = tr->treelets->whole[node.t];
-        if (!(tr->treelets->own[node.t] || whole) || (w->resuming && node.t != state->blocked))
+        if (!(tr->treelets->own[node.t] || whole) || (w->resuming && !tracer_resumes(tr, node.t, state->blocked)))
             continue;
         *passage = node;
         *at = NULL;
@@ -58,7 +58,7 @@ static inline segments_result grid_way_next(grid_way *w, const tracer *tr, const
             return SEGMENTS_SOME;
         *at = resident_grid_of(tracer_enter(tr, node.t, node.t_in, &state->t_from, &state->blocked,
                                             &state->provisional));
-        if (!*at && !tr->preview)
+        if (!*at && state->blocked != LEAF_NO_TREELET)
             return SEGMENTS_BLOCKED;
         w->resuming = false;
         state->blocked = LEAF_NO_TREELET;

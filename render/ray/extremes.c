@@ -60,7 +60,7 @@ static bool look_into(const tracer *tr, const ray *r, const extreme_way *way, ex
                       ray_counters *counters) {
     double t_from = 0.0;
     const treelet *at = tracer_enter(tr, way->t, way->t_in, &t_from, &s->blocked, &s->provisional);
-    if (!at && !tr->preview) {
+    if (!at && s->blocked != LEAF_NO_TREELET) {
         s->next = *way;
         return false;
     }

@@ -80,3 +80,15 @@ trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
                          ray_counters *counters) {
     return tr->kind->walks->next(tr, r, state, counters);
 }
+
+uint32_t tracer_stand_in(const tracer *tr, uint32_t t) {
+    return t != LEAF_NO_TREELET && loader_is_lost(tr->treelets, t)
+               ? loader_stand_in(tr->treelets, t)
+               : t;
+}
+
+uint32_t tracer_awaits(const tracer *tr, uint32_t t) {
+    const uint32_t other = tracer_stand_in(tr, t);
+    const bool there = other != LEAF_NO_TREELET && loader_is_ready(tr->treelets, other);
+    return other != t && there ? LEAF_NO_TREELET : other;
+}

@@ -31,6 +31,7 @@ typedef struct tracer {
     double box[2][3]; /* of the volume, grid space */
     bool boxed;       /* cut rays to the box; for coarse levels, which reach past it */
     bool preview;     /* draw what is resident instead of suspending */
+    bool lenient;     /* go on without treelets that are lost (loader_tolerate()), in no preview */
     bool doubts;      /* and mark what is absent by doubts among the pieces (segments.h) */
     bool coarse;      /* the picture may be coarser than the data even where no treelet is absent */
     double above;     /* subtracted from the values of pieces (segments.h) */
@@ -101,6 +102,9 @@ trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
 /* tracer_box() - cut [t0, t1] to the volume's closed box. Returns false when nothing is left. */
 bool tracer_box(const tracer *tr, const ray *r, double *t0, double *t1);
 
+/* tracer_stand_in() - t, or what stands in for it if it is lost. */
+uint32_t tracer_stand_in(const tracer *tr, uint32_t t);
+
 /* tracer_range() - the least and the greatest value in treelet t, by the directory. */
 static inline const float *tracer_range(const tracer *tr, uint32_t t) {
     return tr->treelets->file->own[leaf_layout_samples(tr->layout, tr->set, t)];
@@ -112,20 +116,28 @@ static inline void tracer_touch(const tracer *tr, uint32_t t) {
         atomic_store_explicit(&tr->touched[t], 1, memory_order_relaxed);
 }
 
+/* tracer_awaits() - of a lenient tracer, the treelet to wait for where t is absent: t, or, if that
+ * is lost, what stands in for it; LEAF_NO_TREELET: that is there, or there is none.
+ * tracer_resumes() - whether a ray that was blocked resumes at treelet t. */
+uint32_t tracer_awaits(const tracer *tr, uint32_t t);
+static inline bool tracer_resumes(const tracer *tr, uint32_t t, uint32_t blocked) {
+    return t == blocked || (tr->lenient && tracer_stand_in(tr, t) == tracer_stand_in(tr, blocked));
+}
+
 /* tracer_enter() - returns the active treelet t, which the ray enters at t_in; NULL: it is absent.
- * In that case a preview sets *provisional, and the ray goes on without it. Any other ray must
- * stop; *blocked and *t_from then say where to resume. The three pointers are members of the ray's
+ * *blocked is LEAF_NO_TREELET if the ray goes on without it, as a preview does; that sets
+ * *provisional. Else the ray must stop; *blocked and *t_from then say where to resume. The three pointers are members of the ray's
  * state, a trace_state or segments_state. */
 static inline const treelet *tracer_enter(const tracer *tr, uint32_t t, double t_in, double *t_from,
                                           uint32_t *blocked, bool *provisional) {
     const treelet *at = loader_lookup(tr->treelets, t);
     if (at) {
         tracer_touch(tr, t);
-    } else if (tr->preview) {
-        *provisional = true;
     } else {
-        *t_from = t_in;
-        *blocked = t;
+        *blocked = tr->preview ? LEAF_NO_TREELET : tr->lenient ? tracer_awaits(tr, t) : t;
+        *provisional |= *blocked == LEAF_NO_TREELET;
+        if (*blocked != LEAF_NO_TREELET)
+            *t_from = t_in;
     }
     return at;
 }

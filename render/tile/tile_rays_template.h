@@ -116,7 +116,7 @@ SIMD unsigned make_rays(const frame *f, bool boxed, vd u, vd v, unsigned at, til
 static void tile_rays_make(const frame *f, uint32_t x0, uint32_t y0, tile_rays *rays) {
     const tracer *tr = f->tracer;
     const double *middle = f->camera.middle, height = f->camera.height;
-    const bool boxed = tr->preview || tr->stop || tr->target_level > 0;
+    const bool boxed = tr->preview || tr->lenient || tr->stop || tr->target_level > 0;
     double u[TILE];
     for (unsigned x = 0; x < TILE; x++)
         u[x] = (2.0 * (x0 + x + 0.5) - middle[0]) / height;

@@ -18,7 +18,7 @@ trace_result tree_hits_next(const tracer *tr, const ray *r, trace_state *state,
         }
         const treelet *here =
             tracer_enter(tr, at.t, at.t_in, &state->t_from, &state->blocked, &state->provisional);
-        if (!here && !tr->preview)
+        if (!here && state->blocked != LEAF_NO_TREELET)
             return TRACE_BLOCKED;
         if (here && inside->hits(tr, here, r, state, counters) && state->any)
             return TRACE_HIT;

@@ -75,7 +75,7 @@ static segments_result go_on(const tracer *tr, const ray *r, segments_state *sta
         }
         const treelet *here =
             tracer_enter(tr, at.t, at.t_in, &state->t_from, &state->blocked, &state->provisional);
-        if (!here && !tr->preview)
+        if (!here && state->blocked != LEAF_NO_TREELET)
             return SEGMENTS_BLOCKED;
         state->blocked = LEAF_NO_TREELET;
         state->t_from = at.t_in;
