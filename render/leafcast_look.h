@@ -144,11 +144,11 @@ typedef struct leafcast_scene {
     bool allow_missing; /* draw treelets that cannot be read, as they are damaged or the disk fails,
                            by the coarser one above, or not at all; their pixels are provisional,
                            and stats count them. false: they are an error. Previews: ignored */
-    bool sweep;   /* load everything that the isovalues need, coarse levels first, not only what
-                     rays ask for */
-    int samples;  /* rays a pixel for r, g, b, a: 0 or 1 (through its centre), or the mean of 4 or
-                     16 on a fixed pattern; each takes the time of a picture. z, normal and id are
-                     always those of the pixel's centre */
+    bool sweep;     /* load everything that the isovalues need, coarse levels first, not only what
+                       rays ask for */
+    int samples;    /* rays a pixel for r, g, b, a: 0 or 1 (through its centre), or the mean of 4 or
+                       16 on a fixed pattern; each takes the time of a picture. z, normal and id are
+                       always those of the pixel's centre */
     int layers_max; /* stop after so many transparent surfaces on a ray, 0 or more; 0: no limit */
     const struct leafcast_scene_experiments *experiments; /* leafcast_experimental.h; NULL: none */
     const leafcast_medium *media;                         /* one per volume, in order */

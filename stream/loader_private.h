@@ -48,9 +48,9 @@ struct loader_private {
     uint32_t sweep_end;       /* the sweep wants treelets before this one; 0: none */
     bool stepped;             /* another set was selected since the last loader_follow() */
     status_note failure;
-    bool tolerant;      /* loader_tolerate() */
-    uint32_t lost;      /* treelets that are FAILED, and tolerated */
-    status_note why;    /* of the first of them */
+    bool tolerant;   /* loader_tolerate() */
+    uint32_t lost;   /* treelets that are FAILED, and tolerated */
+    status_note why; /* of the first of them */
     loader_stats stats;
     loader_seat *free_seats;
     atomic_bool reading; /* loader_is_reading() */

@@ -8,6 +8,7 @@
 #include "formats/base/num.h"
 #include "formats/base/output_name.h"
 #include "formats/base/printed_file.h"
+#include "render/app/lost_marks.h"
 #include "render/app/transfer_file.h"
 #include "render/app/view_camera.h"
 
@@ -57,8 +58,9 @@ status render_job_open(render_job *job, const char *path, const leafcast_options
 
 static void release_planes(render_job *job) {
     leafcast_image *i = &job->image;
-    void *const planes[] = {i->r,         i->g,         i->b,  i->a,    i->z,     i->normal[0],
-                            i->normal[1], i->normal[2], i->id, i->rgba, i->error, i->value};
+    void *const planes[] = {i->r,         i->g,         i->b,          i->a,  i->z,
+                            i->normal[0], i->normal[1], i->normal[2],  i->id, i->rgba,
+                            i->error,     i->value,     i->provisional};
     for (size_t p = 0; p < sizeof planes / sizeof *planes; p++)
         mem_free(&job->m, planes[p]);
     *i = (leafcast_image){.size = sizeof(leafcast_image)};
@@ -174,6 +176,7 @@ static leafcast_image planes_wanted(const render_job *job, const script_frame *f
     static float any_float;
     static double any_double;
     static int32_t any_id;
+    static uint8_t any_mark;
     bool raws = false, raw[IMAGE_RAWS];
     for (int i = 0; i < IMAGE_RAWS; i++)
         raws |= raw[i] = frame->file[FRAME_RAW + i][0] != 0;
@@ -193,6 +196,7 @@ static leafcast_image planes_wanted(const render_job *job, const script_frame *f
         .z = all || raw[IMAGE_DEPTH] || v->annotation.parts & ANNOTATE_BOX ? &any_double : NULL,
         .normal = {n, n, n},
         .id = all ? &any_id : NULL,
+        .provisional = v->scene.allow_missing && colour ? &any_mark : NULL,
         .rgba = raw[IMAGE_RGBA] || certify ? &any_double : NULL,
         .error =
             raw[IMAGE_ERROR] || certify || (all && view_options_any_medium(v)) ? &any_double : NULL,
@@ -235,6 +239,7 @@ static status make_planes(render_job *job, const script_frame *frame, const leaf
     for (int a = 0; a < 3; a++)
         i->normal[a] = plane(job, i->normal[a], w.normal[a], sizeof *i->normal[a], &failed);
     i->id = plane(job, i->id, w.id, sizeof *i->id, &failed);
+    i->provisional = plane(job, i->provisional, w.provisional, sizeof *i->provisional, &failed);
     i->rgba = plane(job, i->rgba, w.rgba, 4 * sizeof *i->rgba, &failed);
     i->error = plane(job, i->error, w.error, sizeof *i->error, &failed);
     i->value = plane(job, i->value, w.value, sizeof *i->value, &failed);
@@ -530,6 +535,8 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
         st =
             certificate_make(job->volume, &scene, &camera, &job->image, &job->m, &stats->certified);
     const double traced = clock_seconds();
+    if (st == ST_OK && stats->trace.treelets_lost && job->image.provisional)
+        lost_marks_draw(&job->image, (size_t)camera.width * camera.height);
     if (st == ST_OK)
         picture_scene_mark(&job->scene, volumes, &scene, &camera, &job->image, job->face);
     if (st == ST_OK)

@@ -45,6 +45,7 @@ typedef struct render_job {
     int selected_count;
     uint32_t field, step;
     int drawn, empty; /* pictures so far; of these, without any surface (render_picture.h) */
+    int lacking;      /* and those that lack treelets that are lost */
 } render_job;
 
 /* render_status() - convert a public status to an internal one; its description stays. */

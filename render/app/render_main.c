@@ -85,6 +85,15 @@ static status check_empty(const render_options *o, const render_job *job) {
     return status_describe(ST_FAILED, "%d of %d pictures show no surface", job->empty, job->drawn);
 }
 
+static status check_lacking(const render_job *job) {
+    if (job->lacking == 0)
+        return ST_OK;
+    return status_describe(ST_FAILED,
+                           "%d of %d pictures lack treelets that are damaged; `leafcast verify "
+                           "--repair COPY' takes them from a copy",
+                           job->lacking, job->drawn);
+}
+
 static const output_kind *output(const void *own) {
     static output_kind pictures = {.what = "a picture"};
     const render_options *o = own;
@@ -148,6 +157,8 @@ int main(int argc, char **argv) {
         st = o.script ? run_script(&o, &job) : render_sequence_run(&o, &job);
     if (st == ST_OK)
         st = check_empty(&o, &job);
+    if (st == ST_OK)
+        st = check_lacking(&job);
     render_job_close(&job);
     return cli_finish(&o.common, st);
 }

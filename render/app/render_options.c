@@ -15,6 +15,7 @@ enum {
     FAIL_EMPTY,
     CERTIFY,
     PROGRESSIVE,
+    ALLOW_MISSING,
     FONT,
     ISO_LIST,
     CAMERA_PATH,
@@ -55,6 +56,10 @@ const struct argp_option render_options_table[] = {
     {"certify", CERTIFY, NULL, 0,
      "of media: draw again with half of the bound, and see that no channel differs by more than "
      "both bounds; else exit 1, without a picture",
+     0},
+    {"allow-missing", ALLOW_MISSING, NULL, 0,
+     "draw treelets that are damaged by coarser ones, or not at all, mark their pixels, and exit "
+     "with 1",
      0},
     {"progressive", PROGRESSIVE, NULL, 0,
      "write a first picture of what is there at once, as --preview does; the exact one takes its "
@@ -190,6 +195,7 @@ status render_options_set(void *own, int key, const char *text) {
     case FAIL_EMPTY: o->fail_empty = true; return ST_OK;
     case CERTIFY: o->certify = true; return ST_OK;
     case PROGRESSIVE: o->progressive = true; return ST_OK;
+    case ALLOW_MISSING: o->view.scene.allow_missing = true; return ST_OK;
     case FONT: o->font = text; return ST_OK;
     case REPEAT: return cli_int(text, "--repeat", 1, 10000, &o->repeat);
     default:
@@ -211,6 +217,10 @@ static int count_files(const render_options *o, bool streams) {
     return n;
 }
 
+static bool is_extreme(leafcast_project p) {
+    return p != LEAFCAST_PROJECT_NONE && p != LEAFCAST_PROJECT_MEAN;
+}
+
 /* Check all flags together. */
 status render_options_check(void *own) {
     const render_options *o = own;
@@ -230,6 +240,12 @@ status render_options_check(void *own) {
         return status_describe(ST_USAGE, "nothing to write: -o FILE.png");
     if (o->progressive && o->view.scene.preview)
         return status_describe(ST_USAGE, "either --preview or --progressive");
+    if (o->view.scene.allow_missing && (o->progressive || o->certify || o->view.scene.preview))
+        return status_describe(ST_USAGE, "--allow-missing is for exact pictures: without "
+                                         "--preview, --progressive and --certify");
+    if (o->view.scene.allow_missing && is_extreme(o->view.scene.project))
+        return status_describe(ST_USAGE,
+                               "--allow-missing: of projections, of --project mean alone");
     if (o->progressive && o->certify)
         return status_describe(ST_USAGE, "either --certify or --progressive");
     if (o->progressive && !o->script &&

@@ -68,6 +68,14 @@ static void say_aside(const render_options *o, const render_job *job, const scri
                      num_print_float((float)range[side], value), value);
 }
 
+static void say_lacking(const render_options *o, const leafcast_stats *t) {
+    cli_note(&o->common, 0,
+             "%llu treelets are lost, the first as %s; %llu pixels, marked, show coarser data or "
+             "nothing in their place",
+             (unsigned long long)t->treelets_lost, t->lost_why,
+             (unsigned long long)t->provisional_pixels);
+}
+
 static void say_done(const render_options *o, const script_frame *frame, const render_stats *s) {
     const leafcast_stats *t = &s->trace;
     const char *name = "drawn";
@@ -83,7 +91,9 @@ static void say_done(const render_options *o, const script_frame *frame, const r
     if (s->first_s > 0.0)
         cli_note(&o->common, 1, "first picture in %.3g s: %llu pixels were provisional", s->first_s,
                  (unsigned long long)s->first_provisional);
-    if (t->provisional_pixels && t->provisional_error_most > 0.0)
+    if (t->treelets_lost)
+        say_lacking(o, t);
+    else if (t->provisional_pixels && t->provisional_error_most > 0.0)
         cli_note(&o->common, 1,
                  "%llu pixels are provisional: no channel is further off than %.3g, in the mean "
                  "%.3g",
@@ -115,6 +125,7 @@ status render_picture_draw(const render_options *o, render_job *job, const scrip
     if (st)
         return st;
     job->drawn++;
+    job->lacking += s.trace.treelets_lost > 0;
     say_empty(o, job, &frame->view, &s.trace);
     say_done(o, frame, &s);
     *stats = render_stats_json(&s, &frame->view, frame->file[FRAME_PICTURE]);

@@ -47,10 +47,11 @@ void render_stats_set(json_t *root, const leafcast *volume, uint32_t field, uint
 }
 
 void render_stats_data(json_t *root, const leafcast_stats *t, uint64_t peak_rss, bool visible) {
-    json_object_set_new(root, "treelets",
-                        json_pack("{s:o, s:o, s:o}", "total", cli_json_count(t->treelets_total),
-                                  "active", cli_json_count(t->treelets_active), "loaded",
-                                  cli_json_count(t->treelets_loaded)));
+    json_object_set_new(
+        root, "treelets",
+        json_pack("{s:o, s:o, s:o, s:o}", "total", cli_json_count(t->treelets_total), "active",
+                  cli_json_count(t->treelets_active), "loaded", cli_json_count(t->treelets_loaded),
+                  "lost", cli_json_count(t->treelets_lost)));
     json_t *bytes = json_pack("{s:o, s:o}", "file", cli_json_count(t->bytes_file), "active",
                               cli_json_count(t->bytes_active));
     if (visible)

@@ -37,7 +37,6 @@ enum {
     CLIP_PLANE,
     LOD,
     PREVIEW,
-    ALLOW_MISSING,
     SWEEP,
     INTERSECTOR,
     FIELD,
@@ -107,10 +106,6 @@ const struct argp_option view_options_table[] = {
     {"lod", LOD, "LEVEL", 0,
      "level of detail: exact, pixel (the coarsest cells that fit a pixel) or a level's number "
      "(exact)",
-     0},
-    {"allow-missing", ALLOW_MISSING, NULL, 0,
-     "draw treelets that cannot be read, as they are damaged, by coarser ones, and mark their "
-     "pixels; then exit with 1",
      0},
     {"preview", PREVIEW, NULL, 0, "draw what has been read so far instead of waiting for the rest",
      0},
@@ -366,7 +361,6 @@ static status set_extent(view_options *v, int key, const char *text) {
     case CLIP_PLANE: return add_clip_plane(&v->scene, text);
     case LOD: return parse_lod(text, &v->scene);
     case PREVIEW: v->scene.preview = true; return ST_OK;
-    case ALLOW_MISSING: v->scene.allow_missing = true; return ST_OK;
     case SWEEP: v->scene.sweep = true; return ST_OK;
     case INTERSECTOR: return parse_intersector(text, &v->experiments.intersector);
     default: return ST_AGAIN;

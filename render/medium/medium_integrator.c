@@ -239,6 +239,7 @@ static void medium_answer(const frame *f, ray_record *record, trace_result resul
         return;
     }
     medium_take_settle(f, p, INFINITY);
+    p->unbounded |= f->tracer[p->way.head.volume].lenient && p->walk.provisional;
     p->begun = false;
     p->stage = MEETING;
 }

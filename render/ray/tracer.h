@@ -126,8 +126,8 @@ static inline bool tracer_resumes(const tracer *tr, uint32_t t, uint32_t blocked
 
 /* tracer_enter() - returns the active treelet t, which the ray enters at t_in; NULL: it is absent.
  * *blocked is LEAF_NO_TREELET if the ray goes on without it, as a preview does; that sets
- * *provisional. Else the ray must stop; *blocked and *t_from then say where to resume. The three pointers are members of the ray's
- * state, a trace_state or segments_state. */
+ * *provisional. Else the ray must stop; *blocked and *t_from then say where to resume. The three
+ * pointers are members of the ray's state, a trace_state or segments_state. */
 static inline const treelet *tracer_enter(const tracer *tr, uint32_t t, double t_in, double *t_from,
                                           uint32_t *blocked, bool *provisional) {
     const treelet *at = loader_lookup(tr->treelets, t);

@@ -111,6 +111,7 @@ render|--value-f64|makes value|@g.leaf --project max --size 8x8|--value-f64 @val
 render|--write-tf|makes tf|@g.leaf --tf auto --size 8x8|--write-tf @tf
 render|--stats|makes s|@grid --size 8x8|--stats @s
 render|--certify|stats|@g.leaf --tf auto --size 16x16|--certify
+render|--allow-missing|shown lost_treelets|
 render|--progressive|stats|@grid -o @pg.png --force|--progressive
 render|--fail-empty|exit 1|@g.leaf --iso 999 --size 8x8 --json|--fail-empty
 render|--repeat|stats|@grid|--repeat 3

@@ -53,7 +53,7 @@ FLAGS = {
     "what is written beside": {"annotate": True, "legend": True},
 }
 # What says nothing of what is drawn from which level: files, sequences, how it is run, words.
-BESIDE = """certify depth-f64 error-f64 fail-empty format rgba-f64 stats value-f64 write-tf and axes state camera-path frames
+BESIDE = """allow-missing certify depth-f64 error-f64 fail-empty format rgba-f64 stats value-f64 write-tf and axes state camera-path frames
     iso-list script steps turntable force help-all json memory output quiet threads usage verbose backend isa isopolygons
     packets progressive repeat schema traversal treelet-limit help version size font title unit field step lod""".split()
 
