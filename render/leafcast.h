@@ -319,8 +319,8 @@ typedef struct leafcast_stats {
      * is read twice counts twice. */
     uint64_t treelets_total, treelets_active, treelets_loaded;
     uint64_t bytes_file, bytes_active, bytes_visible, bytes_read;
-    uint64_t treelets_lost;  /* those that allow_missing goes without, of all that were asked for; */
-    const char *lost_why;    /* why the first one is lost, until the next picture; NULL: none is */
+    uint64_t treelets_lost; /* those that allow_missing goes without, of all that were asked for; */
+    const char *lost_why;   /* why the first one is lost, until the next picture; NULL: none is */
     uint64_t bytes_resident; /* of treelets, also for other isovalues and steps */
     uint64_t bytes_peak;     /* most of the memory budget in use so far */
     /* Traversal steps; cells given to the intersector; hits that it found. */
