@@ -49,7 +49,8 @@ static inline segments_result grid_way_next(grid_way *w, const tracer *tr, const
             continue;
         }
         const bool whole = tr->treelets->whole[node.t];
-        if (!(tr->treelets->own[node.t] || whole) || (w->resuming && !tracer_resumes(tr, node.t, state->blocked)))
+        if (!(tr->treelets->own[node.t] || whole) ||
+            (w->resuming && !tracer_resumes(tr, node.t, state->blocked)))
             continue;
         *passage = node;
         *at = NULL;
