@@ -172,8 +172,8 @@ void loader_want(loader *l, const loader_request *requests, size_t count);
 
 /* loader_admit() - call it when no ray can go on without one of these treelets, none of which is
  * resident. Forgets all other requests, evicts resident treelets if need be, and waits until at
- * least one requested treelet is READY. Only while nothing is traced. Sorts the requests. Returns
- * the error of a treelet that failed. */
+ * least one requested treelet is READY or lost. Only while nothing is traced. Sorts the requests.
+ * Returns the error of a treelet that failed. */
 CHECKED status loader_admit(loader *l, loader_request *requests, size_t count);
 
 /* loader_has_room() - returns whether a slot stays free once all wanted treelets are READY. Any
@@ -202,14 +202,14 @@ CHECKED status loader_failure(loader *l);
  * next. Also empties the queue. Only while nothing is traced. */
 void loader_forget_failures(loader *l);
 
-/* loader_tolerate() - whether treelets that cannot be read, as they are damaged or the disk fails,
- * are *lost* instead of a failure: what asks for one goes on without it, or with the coarser one
- * above. Only while nothing is traced; loader_forget_failures() finds all of them again.
+/* loader_tolerate() - from now until loader_forget_failures(), treelets that cannot be read, as
+ * they are damaged or the disk fails, are *lost* instead of a failure: what asks for one goes on
+ * without it, or with the coarser one above. Only while nothing is traced.
  * loader_is_lost() - whether treelet t is. Any thread, no lock.
  * loader_stand_in() - the next treelet above t, and not lost, that meets the interest;
  * LEAF_NO_TREELET: there is none.
  * loader_has_come() - whether a ray that waits for treelet t can go on: it is READY, or lost. */
-void loader_tolerate(loader *l, bool tolerant);
+void loader_tolerate(loader *l);
 bool loader_is_lost(const loader *l, uint32_t t);
 uint32_t loader_stand_in(const loader *l, uint32_t t);
 static inline bool loader_has_come(const loader *l, uint32_t t) {

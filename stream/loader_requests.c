@@ -86,7 +86,7 @@ status loader_admit(loader *l, loader_request *requests, size_t count) {
     for (size_t i = 0; i < count; i++) {
         if (loader_slots_state(h, requests[i].t) == ABSENT && h->filled < h->capacity)
             (void)loader_slots_take_back(l, requests[i].t);
-        ready = ready || loader_slots_state(h, requests[i].t) == READY;
+        ready = ready || loader_has_come(l, requests[i].t);
     }
     if (!ready) {
         /* Evict the oldest: rays go front to back, and have left those behind. */
@@ -150,15 +150,16 @@ void loader_forget_failures(loader *l) {
             if (loader_slots_state(h, t) == FAILED)
                 loader_slots_set_state(h, t, ABSENT);
     h->failure.st = ST_OK;
+    h->tolerant = false;
     h->lost = 0;
     pthread_mutex_unlock(&h->lock);
 }
 
 /* ---- what cannot be read ---- */
 
-void loader_tolerate(loader *l, bool tolerant) {
+void loader_tolerate(loader *l) {
     pthread_mutex_lock(&l->hidden->lock);
-    l->hidden->tolerant = tolerant;
+    l->hidden->tolerant = true;
     pthread_mutex_unlock(&l->hidden->lock);
 }
 

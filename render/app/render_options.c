@@ -217,10 +217,6 @@ static int count_files(const render_options *o, bool streams) {
     return n;
 }
 
-static bool is_extreme(leafcast_project p) {
-    return p != LEAFCAST_PROJECT_NONE && p != LEAFCAST_PROJECT_MEAN;
-}
-
 /* Check all flags together. */
 status render_options_check(void *own) {
     const render_options *o = own;
@@ -243,9 +239,6 @@ status render_options_check(void *own) {
     if (o->view.scene.allow_missing && (o->progressive || o->certify || o->view.scene.preview))
         return status_describe(ST_USAGE, "--allow-missing is for exact pictures: without "
                                          "--preview, --progressive and --certify");
-    if (o->view.scene.allow_missing && is_extreme(o->view.scene.project))
-        return status_describe(ST_USAGE,
-                               "--allow-missing: of projections, of --project mean alone");
     if (o->progressive && o->certify)
         return status_describe(ST_USAGE, "either --certify or --progressive");
     if (o->progressive && !o->script &&

@@ -231,6 +231,10 @@ static status scene_together(const void *of) {
         (s->experiments->summing != LEAFCAST_CERTIFIED || s->experiments->homogeneous > 0.0))
         return status_describe(ST_USAGE, "media are shaded cell by cell: not in steps, and no "
                                          "nodes taken whole");
+    if (s->allow_missing && !s->preview &&
+        (s->project == LEAFCAST_PROJECT_MAX || s->project == LEAFCAST_PROJECT_MIN))
+        return status_describe(ST_USAGE, "a maximum or minimum with allow_missing: what is missing "
+                                         "may hold it");
     if (!samples_valid(s->samples))
         return status_describe(ST_USAGE,
                                "leafcast_scene.samples is %d: 0, 1, 4 and 16 samples a pixel are "

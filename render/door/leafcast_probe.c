@@ -88,7 +88,7 @@ static status probe_ray(leafcast *v, const leafcast_scene *scene, const double o
         st = volume_tracer(v, scene, NULL, &tr);
     if (st != ST_OK)
         return st;
-    tr.preview = false;
+    tr.preview = tr.lenient = false;
     if (!tracer_ray(&tr, origin, direction, 0.0, INFINITY, &r))
         return ST_OK;
     const hit before = hit_before_all();
@@ -173,7 +173,7 @@ static status probe_segments(leafcast *v, const leafcast_scene *scene, const dou
         st = volume_tracer_of_all(v, scene, NULL, &tr);
     if (st != ST_OK)
         return st;
-    tr.preview = false;
+    tr.preview = tr.lenient = false;
     /* Make the whole volume active while the ray is followed. Then select the isovalues again. */
     const interest all = interest_of_all();
     const interest shown = interest_of_isovalues(v->isovalues, v->isovalue_count);

@@ -50,7 +50,7 @@ static leafcast_status trace(leafcast *v, const leafcast_scene *scene, ray_look 
     if (!t)
         return LEAFCAST_NOMEM;
     leafcast_scene waits = *scene;
-    waits.preview = false;
+    waits.preview = waits.allow_missing = false;
     device_lock(v->device);
     st = turn_describe(t, v, &waits);
     if (st == ST_OK)

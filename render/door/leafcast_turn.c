@@ -69,7 +69,8 @@ static status prepare_volume(turn *t, int i) {
         return st;
     }
     loader_forget_failures(v->treelets);
-    loader_tolerate(v->treelets, t->scene.allow_missing && !t->scene.preview);
+    if (t->scene.allow_missing && !t->scene.preview)
+        loader_tolerate(v->treelets);
     volume_show_beside(s, &t->beside[i]);
     status st = volume_tracer(v, &t->scene, &t->f.camera, &t->tracers[i]);
     t->tracers[i].above = t->above;

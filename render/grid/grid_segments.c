@@ -197,6 +197,8 @@ segments_result grid_segments(const tracer *tr, const ray *r, segments_state *st
     if (!grid_way_begin(&way, tr, r, state))
         return SEGMENTS_END;
     for (;;) {
+        if (tr->lenient && state->count > 0) /* do not look for what may be lost too soon */
+            return stop(state, SEGMENTS_SOME);
         const segments_result next = grid_way_next(&way, tr, r, state, counters, &at, &passage);
         if (next != SEGMENTS_SOME)
             return stop(state, next);

@@ -13,7 +13,8 @@ void segment_batch_single(const tracer *tr, segment_batch *b, unsigned i, ray_co
         result = segments_next(tr, &b->rays[i], s, &piece, counters);
         if (result == SEGMENTS_SOME)
             segment_batch_add(b, i, &piece);
-        if (b->columns.count == SEGMENT_COLUMNS)
+        /* Let a lenient ray stop before it meets what is lost behind: its pixel is exact. */
+        if (b->columns.count == SEGMENT_COLUMNS || tr->lenient)
             segment_batch_flush(b);
     }
     segments_move(s, b->kept[i], SEGMENTS_KEPT);
@@ -21,7 +22,7 @@ void segment_batch_single(const tracer *tr, segment_batch *b, unsigned i, ray_co
 }
 
 void segment_batch_walk(const tracer *tr, segment_batch *b, void *scratch, ray_counters *counters) {
-    const segment_batch_fn walk = tr->kernels->segment_batch;
+    const segment_batch_fn walk = tr->lenient ? NULL : tr->kernels->segment_batch;
     b->columns.count = 0;
     for (unsigned i = 0; i < b->count; i++)
         b->stop[i] = false;

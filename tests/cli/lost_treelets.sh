@@ -9,6 +9,8 @@ run "$leafcast" generate noise --dims 24 --tets -o "$tmp/m.mesh"
 run "$leafcast" convert "$tmp/g.nrrd" -o "$tmp/raw.leaf"
 run "$leafcast" convert "$tmp/g.nrrd" -o "$tmp/zstd.leaf" --compress zstd
 run "$leafcast" convert "$tmp/m.mesh" -o "$tmp/mesh.leaf" --treelet-tets 1000
+printf '0 0 0 0 0\n0.5 1 0 0 0\n0.6 1 1 0 90\n1 0 0 1 90\n' >"$tmp/thin.tf"
+printf '0 0 0 0 0\n100 1 0 0 0\n110 1 1 0 9\n255 0 0 1 9\n' >"$tmp/opaque.tf"
 # damage FILE SHARES... - a copy, with bytes that differ at these tenths.
 damage() {
     cp "$tmp/$1.leaf" "$tmp/bad_$1.leaf"
@@ -55,11 +57,15 @@ for file in raw zstd; do
     lacking "$file, transparent" $file --iso 100 --opacity 0.5 --iso 150 --opacity 0.5
     lacking "$file, a medium" $file --tf auto
     lacking "$file, a mean" $file --project mean
+    lacking "$file, the first" $file --project first=140
+    lacking "$file, an opaque medium" $file --tf "$tmp/opaque.tf"
     lacking "$file, clipped, four rays a pixel" $file --iso 128 --clip-plane 1,0,0,-40 --samples 4
 done
 lacking "a mesh" mesh --iso 0.5
 lacking "a mesh's medium" mesh --tf auto
-for how in "--project max" "--preview" "--progressive" "--tf auto --certify"; do
+lacking "an opaque medium" mesh --tf "$tmp/thin.tf"
+lacking "the first in a mesh" mesh --project first=0.5
+for how in "--project max" "--project min" "--preview" "--progressive" "--tf auto --certify"; do
     iso="--iso 128"
     case $how in --project* | --tf*) iso= ;; esac
     # shellcheck disable=SC2086

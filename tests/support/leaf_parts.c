@@ -4,6 +4,7 @@
 #include <stdarg.h>
 
 #include <cmocka.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "formats/leaf/leaf_file.h"
@@ -64,4 +65,14 @@ uint64_t leaf_parts_gap(const leaf_parts *p) {
     }
     fail_msg("no gap");
     return 0;
+}
+
+void leaf_parts_damage(const char *path, uint64_t at) {
+    FILE *raw = fopen(path, "r+b");
+    assert_non_null(raw);
+    assert_int_equal(fseek(raw, (long)at, SEEK_SET), 0);
+    const int byte = fgetc(raw);
+    assert_int_equal(fseek(raw, (long)at, SEEK_SET), 0);
+    assert_int_equal(fputc(byte ^ 1, raw), byte ^ 1);
+    assert_int_equal(fclose(raw), 0);
 }

@@ -35,4 +35,7 @@ leaf_range leaf_parts_find(const leaf_parts *p, leaf_range_kind kind, bool coars
 /* leaf_parts_gap() - a byte between parts, of the file itself; it is 0. */
 uint64_t leaf_parts_gap(const leaf_parts *p);
 
+/* leaf_parts_damage() - change a bit of this byte of a file. */
+void leaf_parts_damage(const char *path, uint64_t at);
+
 #endif

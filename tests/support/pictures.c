@@ -36,6 +36,15 @@ void pictures_open_one(picture_volumes *v, const char *path, const char *isa, in
     v->of[v->count++] = fixture_open(path, &o);
 }
 
+bool pictures_same_pixel(const picture *a, const picture *b, int i) {
+    bool same = memcmp(&a->z[i], &b->z[i], sizeof a->z[i]) == 0 && a->id[i] == b->id[i];
+    for (int c = 0; c < 4; c++)
+        same &= memcmp(&a->rgba[c][i], &b->rgba[c][i], sizeof a->rgba[c][i]) == 0;
+    for (int c = 0; c < 3; c++)
+        same &= memcmp(&a->normal[c][i], &b->normal[c][i], sizeof a->normal[c][i]) == 0;
+    return same;
+}
+
 picture_volumes pictures_open(const char *path, int threads) {
     picture_volumes v = {.count = 0};
     for (int isa = 0; isa <= (int)cpu_best(); isa++)

@@ -23,6 +23,9 @@ typedef struct picture {
 void pictures_draw(leafcast *volume, const leafcast_scene *scene, const leafcast_camera *view,
                    picture *p, leafcast_stats *stats);
 
+/* pictures_same_pixel() - whether pixel i of both is the same to the bit: depth, colour, normal. */
+bool pictures_same_pixel(const picture *a, const picture *b, int i);
+
 /* The same file opened with several kernels: of[0] traces single rays. */
 typedef struct picture_volumes {
     leafcast *of[16];

@@ -67,25 +67,16 @@ static void select_one(leafcast *v, double iso) {
     assert_int_equal(leafcast_select(v, &s, 1), LEAFCAST_OK);
 }
 
-static bool same_pixel(const picture *a, const picture *b, int i) {
-    bool same = memcmp(&a->z[i], &b->z[i], sizeof a->z[i]) == 0 && a->id[i] == b->id[i];
-    for (int c = 0; c < 4; c++)
-        same &= memcmp(&a->rgba[c][i], &b->rgba[c][i], sizeof a->rgba[c][i]) == 0;
-    for (int c = 0; c < 3; c++)
-        same &= memcmp(&a->normal[c][i], &b->normal[c][i], sizeof a->normal[c][i]) == 0;
-    return same;
-}
-
 /* Each pixel is the exact one, or marked and the grid's; gridded NULL: not looked at. Returns how
  * many are marked. */
 static uint64_t check_picture(const picture *got, const picture *exact, const picture *gridded) {
     uint64_t marked = 0;
     for (int i = 0; i < PICTURE_PIXELS; i++) {
         marked += got->provisional[i];
-        if (!got->provisional[i] && !same_pixel(got, exact, i))
+        if (!got->provisional[i] && !pictures_same_pixel(got, exact, i))
             fail_msg("pixel %d: not marked, and not exact: %g, expected %g", i, got->z[i],
                      exact->z[i]);
-        if (got->provisional[i] && gridded && !same_pixel(got, gridded, i))
+        if (got->provisional[i] && gridded && !pictures_same_pixel(got, gridded, i))
             fail_msg("pixel %d: marked, and not the grid's: %g, expected %g", i, got->z[i],
                      gridded->z[i]);
     }
@@ -104,7 +95,7 @@ static void draw_exact(const char *name, const leafcast_scene *scene, const leaf
 /* Whether what is marked is the grid's in full. */
 static bool grid_has_come(const picture *got, const picture *gridded) {
     for (int i = 0; i < PICTURE_PIXELS; i++)
-        if (got->provisional[i] && !same_pixel(got, gridded, i))
+        if (got->provisional[i] && !pictures_same_pixel(got, gridded, i))
             return false;
     return true;
 }
