@@ -53,6 +53,7 @@ enum {
     KEY_GRADIENTS,
     KEY_NAME,
     KEY_ALLOW_EMPTY,
+    KEY_IN_PLACE,
     KEY_RESUME,
     KEY_CHECKPOINT
 };
@@ -69,6 +70,10 @@ static const struct argp_option options[] = {
     {"allow-empty", KEY_ALLOW_EMPTY, NULL, 0, "convert an input without any finite number, too", 0},
     {"dry-run", KEY_DRY_RUN, NULL, CLI_BASIC,
      "print sizes, memory, levels and treelets; write nothing", 0},
+    {"in-place", KEY_IN_PLACE, NULL, CLI_BASIC,
+     "leave the samples in the input's file, which must stay as it is: the output is an index with "
+     "the coarse levels, compressed",
+     0},
     {"resume", KEY_RESUME, NULL, CLI_BASIC,
      "go on where a run of the same command ended early; else begin", 0},
     {"checkpoint", KEY_CHECKPOINT, "SECONDS", 0,
@@ -135,19 +140,33 @@ static const struct argp_option options[] = {
 static const char *const input_names[] = {INPUT_TRAIT_NAMES};
 
 /* What an input must be like for an option to have an effect. Options not listed work for all. */
-static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES}, {TRUST_KEY_MISSING, INPUT_LATTICE},
-                               {KEY_TREELET, INPUT_LATTICE},   {KEY_HALO, INPUT_LATTICE},
-                               {KEY_DIMS, INPUT_RAW},          {KEY_TYPE, INPUT_RAW},
-                               {KEY_BIG_ENDIAN, INPUT_RAW},    {KEY_SKIP, INPUT_RAW},
-                               {KEY_SPACING, INPUT_LATTICE},   {KEY_MISSING, INPUT_LATTICE},
-                               {KEY_ORIGIN, INPUT_LATTICE},    {KEY_EXAGGERATE, INPUT_LATTICE},
-                               {KEY_AXES, INPUT_LATTICE},      {KEY_UNIT, INPUT_LATTICE},
-                               {KEY_AXIS_X, INPUT_LATTICE},    {KEY_AXIS_Y, INPUT_LATTICE},
-                               {KEY_AXIS_Z, INPUT_LATTICE},    {KEY_FIELD, INPUT_CHOICES},
-                               {KEY_COMPONENT, INPUT_CHOICES}, {KEY_STEP, INPUT_STEPS},
-                               {KEY_STEPS, INPUT_SERIES},      {KEY_CELLS_TO_POINTS, INPUT_CELLS},
-                               {KEY_COARSE, INPUT_CELLS},      {KEY_TREELET_TETS, INPUT_CELLS},
-                               {KEY_LEAF_TETS, INPUT_CELLS},   {KEY_BUILD, INPUT_CELLS},
+static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES},
+                               {TRUST_KEY_MISSING, INPUT_LATTICE},
+                               {KEY_TREELET, INPUT_LATTICE},
+                               {KEY_HALO, INPUT_LATTICE},
+                               {KEY_IN_PLACE, INPUT_LATTICE},
+                               {KEY_DIMS, INPUT_RAW},
+                               {KEY_TYPE, INPUT_RAW},
+                               {KEY_BIG_ENDIAN, INPUT_RAW},
+                               {KEY_SKIP, INPUT_RAW},
+                               {KEY_SPACING, INPUT_LATTICE},
+                               {KEY_MISSING, INPUT_LATTICE},
+                               {KEY_ORIGIN, INPUT_LATTICE},
+                               {KEY_EXAGGERATE, INPUT_LATTICE},
+                               {KEY_AXES, INPUT_LATTICE},
+                               {KEY_UNIT, INPUT_LATTICE},
+                               {KEY_AXIS_X, INPUT_LATTICE},
+                               {KEY_AXIS_Y, INPUT_LATTICE},
+                               {KEY_AXIS_Z, INPUT_LATTICE},
+                               {KEY_FIELD, INPUT_CHOICES},
+                               {KEY_COMPONENT, INPUT_CHOICES},
+                               {KEY_STEP, INPUT_STEPS},
+                               {KEY_STEPS, INPUT_SERIES},
+                               {KEY_CELLS_TO_POINTS, INPUT_CELLS},
+                               {KEY_COARSE, INPUT_CELLS},
+                               {KEY_TREELET_TETS, INPUT_CELLS},
+                               {KEY_LEAF_TETS, INPUT_CELLS},
+                               {KEY_BUILD, INPUT_CELLS},
                                {KEY_GRADIENTS, INPUT_CELLS}};
 
 static status set_spacing(convert_request *a, const char *text) {
@@ -167,6 +186,7 @@ static status set_exaggerate(volume_hints *h, const char *text) {
 }
 
 static status set_compress(convert_request *a, const char *text) {
+    a->codec_is_given = true;
     if (strcmp(text, "none") == 0) {
         const leaf_parameters raw = leaf_parameters_default();
         a->file.codec = raw.codec;
@@ -287,6 +307,7 @@ static status note_told(convert_request *a, int key, const char *text) {
 
 static status take_option(convert_request *a, int key, const char *text) {
     switch (key) {
+    case KEY_IN_PLACE: a->in_place = true; return ST_OK;
     case KEY_RESUME: a->resume = true; return ST_OK;
     case KEY_CHECKPOINT: return set_checkpoint(a, text);
     case KEY_COMPRESS: return set_compress(a, text);

@@ -21,7 +21,9 @@ typedef struct convert_request {
     bool coarse, sah, gradients;
 
     bool dry_run, allow_empty;
-    bool step; /* --step is given */
+    bool in_place;       /* leave the samples of level 0 where they are */
+    bool codec_is_given; /* --compress is */
+    bool step;           /* --step is given */
 
     /* Unfinished work: */
     bool resume;

@@ -37,7 +37,10 @@ static size_t shared_bytes(const resident_store *s, uint32_t t) {
 
 static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t, uint32_t *family) {
     const leaf_layout *l = &s->file->layout;
-    const uint64_t own = s->file->sizes[leaf_layout_samples(l, set, t)];
+    const uint32_t p = leaf_layout_samples(l, set, t);
+    const uint64_t own = s->file->sizes[p];
+    if (leaf_file_is_outside(s->file, p))
+        return leaf_file_bytes_outside(s->file, p);
     if (!l->shells || t == 0 || !own)
         return own;
     const uint32_t parent = leaf_layout_parent(l, t);

@@ -101,9 +101,9 @@ static const backend arena_backend = {arena_load, arena_evict};
 
 /* ---- all ---- */
 
-/* An implied payload has no bytes in the file: the arena makes it. */
+/* What has no bytes in the file is made in the arena. */
 static const backend *backend_of(const source *s, uint32_t p) {
-    return leaf_file_is_implied(s->file, p) ? &arena_backend : s->backend;
+    return leaf_file_has_bytes(s->file, p) ? s->backend : &arena_backend;
 }
 
 static status map_file(source *s) {

@@ -259,3 +259,16 @@ size_t sample_to_floats(sample_type type, const void *in, float *out, size_t cou
     }
     return first;
 }
+
+size_t sample_mark_missing(sample_type type, const void *at, void *samples, size_t count,
+                           double missing) {
+    float *f = samples;
+    double *d = samples;
+    if (type != SAMPLE_F32 && type != SAMPLE_F64)
+        return sample_to_floats(type, at, f, count, missing);
+    for (size_t i = 0; type == SAMPLE_F32 && i < count; i++)
+        f[i] = f[i] == (float)missing ? NAN : f[i];
+    for (size_t i = 0; type == SAMPLE_F64 && i < count; i++)
+        d[i] = d[i] == missing ? (double)NAN : d[i];
+    return count;
+}

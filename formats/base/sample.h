@@ -70,6 +70,12 @@ bool sample_holds(sample_type type, double value);
  * count when there is none. */
 size_t sample_to_floats(sample_type type, const void *in, float *out, size_t count, double missing);
 
+/* sample_mark_missing() - turn samples equal to `missing`, in the samples' own precision, into NaN:
+ * of floats and doubles in place; integers become floats, and may lie at the end of `samples`.
+ * Returns as sample_to_floats(). */
+size_t sample_mark_missing(sample_type type, const void *at, void *samples, size_t count,
+                           double missing);
+
 /* sample_get() - one sample of a stored type as a float; exact. */
 static inline float sample_get(sample_type type, const void *samples, size_t index) {
     switch (type) {

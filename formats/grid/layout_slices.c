@@ -3,6 +3,7 @@
 #include <endian.h>
 #include <string.h>
 
+#include "formats/grid/sample_place.h"
 #include "formats/grid/volume.h"
 #include "formats/input/text_stream.h"
 #include "formats/input/unpack_stream.h"
@@ -27,6 +28,7 @@ typedef struct layout_slices {
     char time_unit[WORLD_TIME_UNIT]; /* unit of the grid's frame, which is handed on */
     stored_samples in_file;          /* as the file has them; layout.stored: as they are held */
     unpack_stream *packed;
+    uint64_t start;  /* of the stream: its first sample */
     uint64_t behind; /* bytes of later steps, if they lie behind this one */
     char *chunk;     /* stored samples; NULL: they need no conversion */
     held_slices held;
@@ -229,6 +231,19 @@ static status skip_slices(void *ctx, uint32_t count) {
                : skip_encoded(s, count * slice * stored_samples_bytes(&s->layout.stored));
 }
 
+static bool find_place(void *ctx, sample_place *out) {
+    const layout_slices *s = ctx;
+    const volume_layout *l = &s->layout;
+    if (!seeks(s) || s->held.slices)
+        return false;
+    *out = (sample_place){.path = byte_stream_path(l->data),
+                          .offset = s->start,
+                          .big_endian = l->big_endian,
+                          .stored = l->stored};
+    out->stored.rounding = NULL;
+    return true;
+}
+
 /* ---- what follows ---- */
 
 /* Take and count the bytes that are left. */
@@ -361,6 +376,7 @@ static status prepare(layout_slices *s) {
         s->behind = (l->steps - 1 - l->step) * volume_layout_step_bytes(l);
         st = skip_encoded(s, l->step * volume_layout_step_bytes(l));
     }
+    s->start = byte_stream_position(l->data);
     if (st != ST_OK || stored_samples_plain(&l->stored))
         return st;
     s->chunk = mem_alloc(l->m, CHUNK_BYTES);
@@ -388,6 +404,7 @@ status layout_slices_open(volume_layout *l, slice_source *out) {
                           .g = l->g,
                           .read = read_slices,
                           .skip = seeks(s) ? skip_slices : NULL,
+                          .place = find_place,
                           .finish = finish,
                           .next_step = l->all_steps ? next_step : NULL,
                           .close = close_slices,

@@ -16,6 +16,8 @@
 #include "formats/grid/grid.h"
 #include "formats/grid/slice_tiles.h"
 
+struct sample_place;
+
 /* One of a file's fields: an array, a grid, a data set, a variable. */
 typedef struct slice_field {
     const char *name;      /* as volume_hints.field names it; "": the only field, without a name */
@@ -54,6 +56,8 @@ typedef struct slice_source {
     uint8_t quiet[SLICE_SAMPLE_MAX]; /* that value, as a sample of g.type */
     /* Move on by so many slices, without reading them. NULL: they have to be read. */
     status (*skip)(void *ctx, uint32_t count);
+    /* Say where the samples lie as they are, missing data aside; false: nowhere. NULL likewise. */
+    bool (*place)(void *ctx, struct sample_place *out);
     /* Called behind the last slice: check and count what follows, see volume_finish(). NULL:
      * nothing can follow. */
     status (*finish)(void *ctx, uint64_t *trailing);

@@ -26,6 +26,10 @@ bool stored_samples_plain(const stored_samples *s) {
     return components_of(s) == 1 && !is_scaled(s) && sample_widened(s->type) == s->type;
 }
 
+sample_type stored_samples_type(const stored_samples *s) {
+    return is_joined(s) || is_scaled(s) ? sample_computed(s->type) : sample_widened(s->type);
+}
+
 status stored_samples_choose(stored_samples *s, const char *file, const volume_hints *hints,
                              grid *g) {
     const uint32_t count = components_of(s);
@@ -37,7 +41,7 @@ status stored_samples_choose(stored_samples *s, const char *file, const volume_h
                                hints->component, count);
     if (hints->component)
         s->component = hints->component;
-    g->type = is_joined(s) || is_scaled(s) ? sample_computed(s->type) : sample_widened(s->type);
+    g->type = stored_samples_type(s);
     g->source = g->type == s->type ? (sample_type)0 : s->type;
     return ST_OK;
 }

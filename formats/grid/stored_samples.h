@@ -42,6 +42,9 @@ void stored_samples_tell(const stored_samples *s, slice_field *to);
 /* stored_samples_bytes() - returns the bytes of one stored sample. */
 size_t stored_samples_bytes(const stored_samples *s);
 
+/* stored_samples_type() - returns the type that a grid uses for these samples. */
+sample_type stored_samples_type(const stored_samples *s);
+
 /* stored_samples_plain() - returns whether a grid takes the samples as they are stored. */
 bool stored_samples_plain(const stored_samples *s);
 

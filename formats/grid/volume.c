@@ -278,31 +278,19 @@ const char *volume_importer(const volume *v) {
 
 /* ---- reading ---- */
 
-/* Turn missing data into NaN. Compare in the samples' own precision, as they were written. at: the
- * samples, at the end of buffer. */
+/* Turn missing data into NaN. at: the samples, at the end of buffer. */
 static status mark_missing(const volume *v, const void *at, void *buffer, size_t count) {
-    if (v->from.g.type == SAMPLE_F32) {
-        float *f = buffer, missing = (float)v->missing;
-        for (size_t i = 0; i < count; i++)
-            f[i] = f[i] == missing ? NAN : f[i];
-    } else if (v->from.g.type == SAMPLE_F64) {
-        double *d = buffer;
-        for (size_t i = 0; i < count; i++)
-            d[i] = d[i] == v->missing ? (double)NAN : d[i];
-    } else {
-        const uint64_t slice = (uint64_t)v->g.dims[0] * v->g.dims[1];
-        const sample_type type = v->from.g.type;
-        const size_t bad = sample_to_floats(type, at, buffer, count, v->missing);
-        if (bad < count)
-            return status_describe(ST_UNSUPPORTED,
-                                   "%s: slice %u (counted from 0): with a value for missing data, "
-                                   "samples of type %s are kept as f32, which cannot hold the one "
-                                   "with index %llu, near %.0f",
-                                   v->from.name, v->slice + (uint32_t)(bad / slice),
-                                   sample_name(type), (unsigned long long)(bad % slice),
-                                   (double)((const float *)buffer)[bad]);
-    }
-    return ST_OK;
+    const uint64_t slice = (uint64_t)v->g.dims[0] * v->g.dims[1];
+    const sample_type type = v->from.g.type;
+    const size_t bad = sample_mark_missing(type, at, buffer, count, v->missing);
+    if (bad == count)
+        return ST_OK;
+    return status_describe(ST_UNSUPPORTED,
+                           "%s: slice %u (counted from 0): with a value for missing data, samples "
+                           "of type %s are kept as f32, which cannot hold the one with index %llu, "
+                           "near %.0f",
+                           v->from.name, v->slice + (uint32_t)(bad / slice), sample_name(type),
+                           (unsigned long long)(bad % slice), (double)((const float *)buffer)[bad]);
 }
 
 status volume_read(volume *v, uint32_t count, void *buffer) {
@@ -323,6 +311,14 @@ bool volume_skips(const volume *v) {
 status volume_skip(volume *v, uint32_t count) {
     v->slice += count;
     return v->from.skip(v->from.ctx, count);
+}
+
+bool volume_place(const volume *v, sample_place *out) {
+    if (!v->from.place || !v->from.place(v->from.ctx, out))
+        return false;
+    out->has_missing = v->has_missing;
+    out->missing = v->missing;
+    return true;
 }
 
 bool volume_quiet(const volume *v, uint8_t sample[SLICE_SAMPLE_MAX]) {

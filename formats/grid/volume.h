@@ -17,6 +17,7 @@
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/grid/grid.h"
+#include "formats/grid/sample_place.h"
 #include "formats/grid/slice_source.h"
 #include "formats/grid/volume_hints.h"
 #include "formats/input/byte_stream.h"
@@ -70,6 +71,10 @@ CHECKED status volume_read(volume *v, uint32_t count, void *buffer);
  * must not be called else. */
 bool volume_skips(const volume *v);
 CHECKED status volume_skip(volume *v, uint32_t count);
+
+/* volume_place() - where the samples lie in a file, as they are; call it before any is read.
+ * Returns false if they are packed, in several files, in no file, or in another order. */
+bool volume_place(const volume *v, sample_place *out);
 
 /* volume_quiet() - returns whether large parts of v may be one value that its source marks. sample:
  * out, that value, of type volume_grid()->type. Then volume_read_tiles() reads as volume_read(),

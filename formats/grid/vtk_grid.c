@@ -6,6 +6,7 @@
 
 #include "formats/base/name_list.h"
 #include "formats/base/text.h"
+#include "formats/grid/sample_place.h"
 #include "formats/grid/vtk_grid_points.h"
 
 enum { CHUNK_BYTES = 1 << 16 };
@@ -383,6 +384,20 @@ static status read_slices(void *ctx, uint32_t first, uint32_t count, void *slice
     return st;
 }
 
+/* Bytes as they are in a single piece: of an XML file behind a number that counts them. */
+static bool find_place(void *ctx, sample_place *out) {
+    const vtk_grid *g = ctx;
+    const vtk_array *a = g->pieces[0].field;
+    if (g->count != 1 || !a || a->packing != VTK_PLAIN ||
+        (a->coding != VTK_RAW && a->coding != VTK_BARE))
+        return false;
+    const uint64_t head = a->coding == VTK_BARE ? 0 : a->head64 ? 8 : 4;
+    *out = (sample_place){
+        .path = a->path, .offset = a->at + head, .big_endian = a->big_endian, .stored = g->stored};
+    out->stored.rounding = NULL;
+    return true;
+}
+
 static void close_slices(void *ctx) {
     vtk_grid_close(ctx);
 }
@@ -476,6 +491,7 @@ status vtk_grid_open(vtk_grid *g, const volume_hints *hints, slice_source *out) 
                           .m = g->m,
                           .g = to,
                           .read = read_slices,
+                          .place = find_place,
                           .close = close_slices,
                           .ctx = g,
                           .rounding = &g->rounding,

@@ -5,6 +5,7 @@
 #include "formats/base/num.h"
 #include "formats/base/sample.h"
 #include "formats/leaf/leaf_stats.h"
+#include "formats/leaf/outside_samples.h"
 
 /* Bytes of all samples of level 0 before compression. */
 static double raw_bytes(const leaf_file *f) {
@@ -58,6 +59,10 @@ static void tell_treelets(const leaf_file *f, const fact_sheet *to) {
     fact_sheet_line(to, "file", "%llu bytes, %.3f of the samples",
                     (unsigned long long)h->file_bytes, (double)h->file_bytes / raw);
     leaf_tell_bytes(f, to, raw);
+    if (f->samples) {
+        fact_sheet_line(to, "level 0", "in place, in %s", outside_samples_path(f->samples));
+        fact_sheet_text(to, "in_place", outside_samples_path(f->samples));
+    }
     fact_sheet_whole(to, "implied_payloads", leaf_tell_implied(f));
 }
 

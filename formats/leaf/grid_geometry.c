@@ -17,6 +17,7 @@ static status check_parameters(const char *path, const leaf_header *h) {
         LEAF_FIELD(h, halo, 0, 1),
         LEAF_FIELD(h, block_log2, LEAF_BLOCK_LOG2, LEAF_BLOCK_LOG2),
         LEAF_FIELD(h, rectilinear, 0, 1),
+        LEAF_FIELD(h, outside, 0, h->codec == LEAF_CODEC_ZSTD && h->fields == 1 && h->steps == 1),
         LEAF_FIELD(h, fields, 1, LEAF_SETS_MAX),
         LEAF_FIELD(h, steps, 1, LEAF_SETS_MAX / (h->fields ? h->fields : 1)),
     };
@@ -102,6 +103,8 @@ static bool labels(const leaf_header *h) {
 static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
     if (kind == LEAF_SECTION_DEVIATIONS)
         return deviation_bytes(h);
+    if (kind == LEAF_SECTION_OUTSIDE && h->outside)
+        return sizeof(leaf_outside);
     if (kind != LEAF_SECTION_AXES || !h->rectilinear)
         return 0;
     return ((uint64_t)h->dims[0] + h->dims[1] + h->dims[2]) * sizeof(double);
@@ -109,18 +112,16 @@ static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
 
 /* leaf_file reads the axes itself. */
 static status allocate(leaf_file *f) {
-    (void)f;
-    return ST_OK;
+    f->outside = f->header.outside ? mem_zalloc(f->m, sizeof *f->outside) : NULL;
+    return f->header.outside && !f->outside ? ST_NOMEM : ST_OK;
 }
 
 static void *section(const leaf_file *f, uint32_t kind) {
-    (void)f;
-    (void)kind;
-    return NULL;
+    return kind == LEAF_SECTION_OUTSIDE ? (void *)f->outside : NULL;
 }
 
 static void release(leaf_file *f) {
-    (void)f;
+    mem_free(f->m, f->outside);
 }
 
 static status lay_out(leaf_file *f, leaf_directory *d) {
@@ -130,6 +131,7 @@ static status lay_out(leaf_file *f, leaf_directory *d) {
                                  (sample_type)h->sample_type);
     /* Cannot fail: check_layout() has checked it. */
     (void)leaf_layout_repeat(&f->layout, h->fields, h->steps, h->codec != LEAF_CODEC_RAW);
+    f->layout.outside = h->outside;
     return st;
 }
 
@@ -172,6 +174,16 @@ static status check_ranges(const char *path, const leaf_layout *l, const leaf_di
     return ST_OK;
 }
 
+/* Check that payload p, whose samples lie outside, has their checksum, or is implied. */
+static status check_outside(const char *path, const leaf_layout *l, const leaf_directory *d,
+                            uint32_t p) {
+    if (!leaf_layout_is_outside(l, p) || d->checksums[p] ||
+        implied_payload_may(d->own[p], d->flags[p]))
+        return ST_OK;
+    return leaf_check_corrupt(path, d->at[LEAF_SECTION_CHECKSUMS - 1] + p * sizeof(uint64_t),
+                              "expected the checksum of treelet %u's samples, found 0", p);
+}
+
 static status check_directory(const char *path, const leaf_header *h, const leaf_layout *l,
                               const leaf_directory *d) {
     double range[2] = {(double)INFINITY, -(double)INFINITY};
@@ -181,6 +193,8 @@ static status check_directory(const char *path, const leaf_header *h, const leaf
         status st = check_ranges(path, l, d, p / l->treelets, t);
         if (st == ST_OK)
             st = leaf_check_flags(path, h, d, p);
+        if (st == ST_OK)
+            st = check_outside(path, l, d, p);
         if (st != ST_OK)
             return st;
         if (l->level_of[t] == 0) {
@@ -219,8 +233,9 @@ static bool is_needless(const leaf_layout *l, uint32_t set, uint32_t parent,
 
 static bool may_be_empty(const leaf_layout *l, uint32_t p, const leaf_directory *d, bool *must) {
     uint32_t set, parent;
-    *must = leaf_layout_is_shell(l, p, &set, &parent) && is_needless(l, set, parent, d->sizes);
-    if (p >= l->sets * l->treelets)
+    *must = leaf_layout_is_outside(l, p) ||
+            (leaf_layout_is_shell(l, p, &set, &parent) && is_needless(l, set, parent, d->sizes));
+    if (*must || p >= l->sets * l->treelets)
         return *must;
     return implied_payload_may(d->own[p], d->flags[p]);
 }

@@ -58,6 +58,12 @@ enum {
     LEAF_FLAG_NON_FINITE = 1u << 0
 }; /* a NaN or inf among its own cells' samples or its vertices' values: use the NaN-aware kernel */
 
+enum {
+    LEAF_OUTSIDE_BIG_ENDIAN = 1u << 0, /* most significant byte first */
+    LEAF_OUTSIDE_COLOURS = 1u << 1, /* all numbers together are their luminance, else magnitude */
+    LEAF_OUTSIDE_MISSING = 1u << 2  /* `missing` stands for NaN */
+};
+
 /* clang-format off */
 /* Fields that concern grids alone are 0 for a mesh, and the other way round. */
 typedef struct leaf_header {   /* offset size */
@@ -77,7 +83,7 @@ typedef struct leaf_header {   /* offset size */
     uint32_t fields;           /*   64    4  section FIELDS has their names */
     uint32_t steps;            /*   68    4  section TIMES has their times */
     uint32_t sections;         /*   72    4  entries of the section table */
-    uint32_t reserved0;        /*   76    4 */
+    uint32_t outside;          /*   76    4  grid: 1: section OUTSIDE is there, else 0 */
     uint64_t treelets;         /*   80    8  grid: of all levels; implied by dims and B */
     uint64_t payload_bytes;    /*   88    8  sum of the payloads' stored sizes */
     uint64_t file_bytes;       /*   96    8  length of the whole file */
@@ -122,8 +128,26 @@ typedef struct leaf_part {     /* offset size */
     uint64_t bytes;            /*    8    8 */
     uint64_t id[2];            /*   16   16  of its header */
 } leaf_part;
+/* Where the samples of level 0 lie in a file of another format: as they are, x fastest, in one piece.
+ * They become the samples of this one as FORMAT.md 11 says. */
+typedef struct leaf_outside {  /* offset size */
+    uint64_t file_bytes;       /*    0    8  length of that file, */
+    int64_t modified_s;        /*    8    8    and its time of last modification, since 1970, */
+    uint32_t modified_ns;      /*   16    4    with nanoseconds below a second */
+    uint32_t type;             /*   20    4  sample_type of a number */
+    uint64_t offset;           /*   24    8  of the first number in that file */
+    uint32_t components;       /*   32    4  numbers a sample, side by side: 1 or more */
+    uint32_t component;        /*   36    4  the one that is taken, from 1; 0: all together */
+    uint32_t flags;            /*   40    4  LEAF_OUTSIDE_* */
+    uint32_t reserved0;        /*   44    4 */
+    double slope, intercept;   /*   48   16  value = slope * number + intercept; slope 0: the number */
+    double missing;            /*   64    8  this value stands for NaN, if flags say so; else 0 */
+    uint8_t reserved[56];      /*   72   56 */
+    char path[3968];           /*  128 3968  of that file, from this one's folder; NUL-padded */
+} leaf_outside;
 /* clang-format on */
 
+_Static_assert(sizeof(leaf_outside) == 4096, "leaf_outside is 4096 bytes");
 _Static_assert(sizeof(leaf_part) == 32, "leaf_part is 32 bytes");
 _Static_assert(sizeof(leaf_header) == LEAF_HEADER_BYTES, "leaf_header is a page");
 _Static_assert(sizeof(leaf_section) == 32, "leaf_section is 32 bytes");
@@ -174,7 +198,8 @@ typedef enum leaf_section_kind {
     LEAF_SECTION_TIMES = 11,  /* of two steps or more, may be missing: double: time of a step,
                                  ascending */
     LEAF_SECTION_COARSE = 12, /* mesh, may be missing: leaf_part: a set's coarse grid */
-    LEAF_SECTION_LAST = 12,   /* the last that is known here */
+    LEAF_SECTION_OUTSIDE = 13, /* grid with header.outside: leaf_outside */
+    LEAF_SECTION_LAST = 13,    /* the last that is known here */
     LEAF_SECTION_ANCILLARY =
         1 << 30, /* set in kinds that a reader may skip; it must know all others */
     LEAF_SECTION_HISTOGRAMS = LEAF_SECTION_ANCILLARY | 1, /* histogram (histogram.h): an element per

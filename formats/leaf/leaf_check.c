@@ -11,6 +11,7 @@
 #include "formats/leaf/histogram.h"
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/leaf_order.h"
+#include "formats/leaf/outside_samples.h"
 
 status leaf_check_corrupt(const char *path, uint64_t at, const char *fmt, ...) {
     char text[STATUS_TEXT_MAX / 2];
@@ -152,9 +153,6 @@ status leaf_check_header(const char *path, const leaf_header *h, uint64_t file_b
     if (st == ST_OK)
         st = leaf_check_text(path, h->provenance, sizeof h->provenance,
                              offsetof(leaf_header, provenance));
-    if (st == ST_OK)
-        st = leaf_check_zero(path, &h->reserved0, sizeof h->reserved0,
-                             offsetof(leaf_header, reserved0));
     return st == ST_OK ? leaf_geometry_of(h->kind)->check_rest(path, h) : st;
 }
 
@@ -270,11 +268,11 @@ static bool may_be_empty(const leaf_layout *l, const leaf_directory *d, uint32_t
     return l->geometry->may_be_empty && l->geometry->may_be_empty(l, p, d, must);
 }
 
-/* Check that a payload without bytes has no checksum. */
+/* Check that a payload without bytes has no checksum, unless it has samples outside. */
 static status check_no_checksum(const char *path, const leaf_layout *l, const leaf_directory *d,
                                 uint32_t p) {
     char name[LEAF_NAME_MAX];
-    if (!d->checksums[p])
+    if (!d->checksums[p] || leaf_layout_is_outside(l, p))
         return ST_OK;
     return leaf_check_corrupt(path, d->at[LEAF_SECTION_CHECKSUMS - 1] + p * sizeof(uint64_t),
                               "expected 0 as the checksum of %s, which has no bytes, found %016llx",
@@ -426,6 +424,60 @@ status leaf_check_world(const char *path, const leaf_header *h, const world_fram
     return st == ST_OK ? leaf_check_zero(path, f->reserved, sizeof f->reserved,
                                          at + offsetof(world_frame, reserved))
                        : st;
+}
+
+/* Bytes of all samples outside; UINT64_MAX: more than any file has. */
+static uint64_t bytes_outside(const leaf_header *h, const sample_place *p) {
+    uint64_t bytes = stored_samples_bytes(&p->stored);
+    for (int a = 0; a < 3; a++)
+        if (__builtin_mul_overflow(bytes, (uint64_t)h->dims[a], &bytes))
+            return UINT64_MAX;
+    return bytes;
+}
+
+/* Check what the numbers of section OUTSIDE say together. */
+static status check_place(const char *path, const leaf_header *h, const leaf_outside *o,
+                          uint64_t at) {
+    const sample_place p = outside_samples_place(o);
+    const uint64_t bytes = bytes_outside(h, &p);
+    if (!isfinite(o->slope) || !isfinite(o->intercept))
+        return leaf_check_corrupt(path, at + offsetof(leaf_outside, slope),
+                                  "expected a finite slope and intercept, found %g and %g",
+                                  o->slope, o->intercept);
+    if (!*o->path)
+        return leaf_check_corrupt(path, at + offsetof(leaf_outside, path), "expected a path");
+    if (sample_place_type(&p) != (sample_type)h->sample_type)
+        return leaf_check_corrupt(
+            path, at + offsetof(leaf_outside, type), "samples of type %s there cannot be %s here",
+            sample_name(p.stored.type), sample_name((sample_type)h->sample_type));
+    if (o->offset > o->file_bytes || bytes > o->file_bytes - o->offset)
+        return leaf_check_corrupt(path, at + offsetof(leaf_outside, offset),
+                                  "the samples end behind the end of their file");
+    return ST_OK;
+}
+
+status leaf_check_outside(const char *path, const leaf_header *h, const leaf_outside *o,
+                          uint64_t at) {
+    const size_t base = (size_t)at;
+    const leaf_field fields[] = {
+        {base + offsetof(leaf_outside, modified_ns), "modified_ns", o->modified_ns, 0, 999999999},
+        {base + offsetof(leaf_outside, type), "type", o->type, SAMPLE_U8, SAMPLE_I64},
+        {base + offsetof(leaf_outside, components), "components", o->components, 1,
+         STORED_SAMPLES_COMPONENTS},
+        {base + offsetof(leaf_outside, component), "component", o->component, 0, o->components},
+        {base + offsetof(leaf_outside, flags), "flags", o->flags, 0,
+         LEAF_OUTSIDE_BIG_ENDIAN | LEAF_OUTSIDE_COLOURS | LEAF_OUTSIDE_MISSING},
+    };
+    status st = leaf_check_fields(path, fields, sizeof fields / sizeof *fields);
+    if (st == ST_OK)
+        st = leaf_check_zero(path, &o->reserved0, sizeof o->reserved0,
+                             at + offsetof(leaf_outside, reserved0));
+    if (st == ST_OK)
+        st = leaf_check_zero(path, o->reserved, sizeof o->reserved,
+                             at + offsetof(leaf_outside, reserved));
+    if (st == ST_OK)
+        st = leaf_check_text(path, o->path, sizeof o->path, at + offsetof(leaf_outside, path));
+    return st == ST_OK ? check_place(path, h, o, at) : st;
 }
 
 status leaf_check_bounds(const char *path, const leaf_header *h, const leaf_layout *l,

@@ -61,6 +61,10 @@ CHECKED status leaf_check_axis(const char *path, const double *axis, uint32_t co
 CHECKED status leaf_check_world(const char *path, const leaf_header *h, const world_frame *f,
                                 uint64_t at);
 
+/* leaf_check_outside() - check section OUTSIDE, which begins at byte `at`. */
+CHECKED status leaf_check_outside(const char *path, const leaf_header *h, const leaf_outside *o,
+                                  uint64_t at);
+
 /* leaf_section_bytes() - the size that a section of this kind must have. 0 for an unknown kind, a
  * kind that this file lacks, and an unknown geometry.
  * leaf_section_optional() - whether it may be missing all the same.

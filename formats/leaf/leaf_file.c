@@ -10,6 +10,7 @@
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/leaf_order.h"
 #include "formats/leaf/leaf_place.h"
+#include "formats/leaf/outside_samples.h"
 
 _Static_assert(
     __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
@@ -296,7 +297,21 @@ static status read_directory(opening *o) {
     return st == ST_OK ? check_gap(f, o->end, f->offsets[leaf_order_begin(&f->layout).p]) : st;
 }
 
-/* Open a file; consumes source. path: gives the name to show, if the header has none. */
+/* Open the file that has the samples of level 0. path: of the treelet file. */
+static status open_outside(const opening *o, const char *path) {
+    leaf_file *f = o->f;
+    const uint64_t at = o->at[LEAF_SECTION_OUTSIDE - 1];
+    status st = leaf_check_outside(file_path(f->source), &f->header, f->outside, at);
+    if (st == ST_OK && file_descriptor(f->source) < 0)
+        st = status_describe(ST_UNSUPPORTED,
+                             "%s: its samples lie in another file: it cannot be opened from memory",
+                             path);
+    return st == ST_OK ? outside_samples_open(f->m, path, f->outside, f->header.dims, &f->samples)
+                       : st;
+}
+
+/* Open a file; consumes source. path: gives the name to show, if the header has none, and the
+ * folder from which another file is named. */
 static status open_source(mem *m, file *source, const char *path, leaf_file **out) {
     leaf_file *f = mem_zalloc(m, sizeof *f);
     if (!f) {
@@ -307,6 +322,8 @@ static status open_source(mem *m, file *source, const char *path, leaf_file **ou
     f->source = source;
     opening o = {.f = f};
     status st = read_directory(&o);
+    if (st == ST_OK && f->outside)
+        st = open_outside(&o, path);
     if (st != ST_OK) {
         leaf_file_close(f);
         return st;
@@ -333,11 +350,19 @@ status leaf_file_open_memory(mem *m, const char *name, const void *bytes, size_t
     return st == ST_OK ? open_source(m, source, name, out) : st;
 }
 
-status leaf_file_prove(mem *m, const char *path) {
+status leaf_file_prove(mem *m, const char *path, const char *as) {
     leaf_file *f = NULL;
-    status st = leaf_file_open(m, path, &f);
+    file *source = NULL;
+    status st = file_open(m, path, &source);
+    if (st == ST_OK)
+        st = open_source(m, source, as, &f);
     leaf_file_close(f);
     return st;
+}
+
+status leaf_file_changed(const leaf_file *f) {
+    const status st = file_mark_check(f->source, &f->mark);
+    return st == ST_OK && f->samples ? outside_samples_changed(f->samples) : st;
 }
 
 bool leaf_file_has_coarse(const leaf_file *f, uint32_t set) {
@@ -381,6 +406,7 @@ void leaf_file_close(leaf_file *f) {
     mem_free(f->m, f->axis[0]);
     mem_free(f->m, f->names);
     mem_free(f->m, f->times);
+    outside_samples_close(f->samples);
     if (f->geometry)
         f->geometry->release(f);
     file_close(f->source);
@@ -405,8 +431,16 @@ status leaf_file_check(const leaf_file *f, uint32_t p, const void *stored) {
                            (unsigned long long)f->checksums[p]);
 }
 
+bool leaf_file_has_bytes(const leaf_file *f, uint32_t p) {
+    return f->sizes[p] > 0;
+}
+
+bool leaf_file_is_outside(const leaf_file *f, uint32_t p) {
+    return leaf_layout_is_outside(&f->layout, p) && f->checksums[p];
+}
+
 bool leaf_file_is_implied(const leaf_file *f, uint32_t p) {
-    return !f->sizes[p];
+    return !leaf_file_has_bytes(f, p) && !leaf_file_is_outside(f, p);
 }
 
 status leaf_file_fetch(leaf_file *f, uint32_t p, void *stored) {

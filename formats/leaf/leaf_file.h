@@ -44,11 +44,13 @@ typedef struct leaf_file {
     double *times;         /* per step; without TIMES 0, 1, 2 .. */
     bool has_times;        /* section TIMES was there */
     mesh_directory *mesh;  /* NULL: not a mesh */
-    void *besides;         /* what the directory of another kind has in addition */
-    histogram *histograms; /* per set; NULL: the file has none */
-    world_frame frame;     /* what the world's axes mean; zeros: the file does not say */
-    uint16_t *deviations;  /* codes (deviation.h) of the coarse treelets' bricks; NULL: the file has
-                              none */
+    leaf_outside *outside; /* section OUTSIDE of a grid, or NULL; */
+    struct outside_samples *samples; /* and the file that it names */
+    void *besides;                   /* what the directory of another kind has in addition */
+    histogram *histograms;           /* per set; NULL: the file has none */
+    world_frame frame;               /* what the world's axes mean; zeros: the file does not say */
+    uint16_t *deviations; /* codes (deviation.h) of the coarse treelets' bricks; NULL: the file has
+                             none */
     file *source;
     file_mark mark; /* of the file, or of the whole file if this is a part, when it was opened; all
                        0 for bytes in memory */
@@ -57,7 +59,8 @@ typedef struct leaf_file {
     uint64_t payloads_end;    /* where the last run of payloads ends */
 } leaf_file;
 
-/* leaf_file_open() - ST_CORRUPT names file, byte and what was expected. */
+/* leaf_file_open() - ST_CORRUPT names file, byte and what was expected. A file whose samples lie in
+ * another one opens that, too. */
 CHECKED status leaf_file_open(mem *m, const char *path, leaf_file **out);
 
 /* leaf_file_open_memory() - open the bytes of a file. They stay the caller's, and must not change
@@ -66,9 +69,13 @@ CHECKED status leaf_file_open_memory(mem *m, const char *name, const void *bytes
                                      leaf_file **out);
 void leaf_file_close(leaf_file *f); /* NULL is fine */
 
-/* leaf_file_prove() - open and close a file that is about to get its name. So the reader opens all
- * that the writer accepts. */
-CHECKED status leaf_file_prove(mem *m, const char *path);
+/* leaf_file_prove() - open and close a file that is about to get the name `as`. So the reader opens
+ * all that the writer accepts. */
+CHECKED status leaf_file_prove(mem *m, const char *path, const char *as);
+
+/* leaf_file_changed() - ST_CORRUPT if the file, or the one its samples lie in, has changed since it
+ * was opened. */
+CHECKED status leaf_file_changed(const leaf_file *f);
 
 /* leaf_file_has_coarse() - whether f, a mesh, has a coarse grid of a set.
  * leaf_file_open_coarse() - open it: a treelet file like any other, of kind grid, which may outlive
@@ -81,8 +88,11 @@ CHECKED status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, l
  * compressed one, payloads of meshes that would not have become smaller. */
 bool leaf_file_is_raw(const leaf_file *f, uint32_t p);
 
-/* leaf_file_is_implied() - whether payload p has no bytes in the file, but follows from the
- * directory (implied_payload.h). */
+/* leaf_file_has_bytes() - whether payload p has bytes in the file. Of others:
+ * leaf_file_is_outside() - whether its samples lie in another file (outside_samples.h);
+ * leaf_file_is_implied() - whether it follows from the directory (implied_payload.h). */
+bool leaf_file_has_bytes(const leaf_file *f, uint32_t p);
+bool leaf_file_is_outside(const leaf_file *f, uint32_t p);
 bool leaf_file_is_implied(const leaf_file *f, uint32_t p);
 
 /* leaf_file_fetch() - read payload p's stored bytes, and check them. */

@@ -40,6 +40,7 @@ typedef struct leaf_layout {
     const uint32_t (*counts)[4]; /* section COUNTS, or NULL; owned by the file or the writer */
     uint32_t payload_max;        /* leaf_layout_payload_max() */
     bool coded;                  /* grid: payloads are compressed (grid_coding.h) */
+    bool outside;                /* grid: level 0 has its samples in another file */
     leaf_level level[LEAF_LEVELS_MAX];
     /* Per treelet: */
     uint32_t *first_child; /* LEAF_NO_TREELET at level 0 */
@@ -94,6 +95,11 @@ typedef struct leaf_payload {
 
 leaf_payload leaf_layout_payload(const leaf_layout *l, uint32_t treelet);
 
+/* leaf_payload_sample_bytes() - the bytes of its samples, of this type. */
+static inline size_t leaf_payload_sample_bytes(const leaf_payload *p, sample_type type) {
+    return (size_t)p->samples[0] * p->samples[1] * p->samples[2] * sample_size(type);
+}
+
 /* leaf_layout_samples() - the payload of a grid's treelet in a set; also its element of RANGES, OWN
  * and FLAGS. */
 static inline uint32_t leaf_layout_samples(const leaf_layout *l, uint32_t set, uint32_t treelet) {
@@ -113,6 +119,12 @@ static inline bool leaf_layout_is_shell(const leaf_layout *l, uint32_t p, uint32
     *set = (p - l->sets * l->treelets) / l->shells;
     *parent = (p - l->sets * l->treelets) % l->shells;
     return true;
+}
+
+/* leaf_layout_is_outside() - whether payload p is a treelet's whose samples lie in another file, or
+ * implied. */
+static inline bool leaf_layout_is_outside(const leaf_layout *l, uint32_t p) {
+    return l->outside && p < l->sets * l->treelets && l->level_of[p % l->treelets] == 0;
 }
 
 /* leaf_layout_own_samples() - how many samples of a treelet no sibling has.

@@ -18,9 +18,11 @@ typedef struct leaf_parameters {
     uint32_t halo;           /* 0, 1; default 1 */
     uint32_t run_align_log2; /* default 12 */
     leaf_codec codec;
-    int zstd_level;  /* 1 .. ZSTD_maxCLevel() */
-    bool histograms; /* one for each set: leaf_writer_histograms() */
-    bool deviations; /* of a grid's coarse levels: leaf_writer_deviations() */
+    int zstd_level;              /* 1 .. ZSTD_maxCLevel() */
+    bool histograms;             /* one for each set: leaf_writer_histograms() */
+    const leaf_outside *outside; /* samples of level 0 stay in that file (outside_samples.h), which
+                                    must outlive the writer; compressed, one set; NULL: in none */
+    bool deviations;             /* of a grid's coarse levels: leaf_writer_deviations() */
 } leaf_parameters;
 
 /* leaf_parameters_default() - B = 32, h = 1, runs at 4096, raw, no histograms, no deviations. */

@@ -227,7 +227,7 @@ static status take_payloads(repair *r, const region *g, const leaf_file *f, uint
     uint64_t end = f->directory_bytes;
     for (leaf_order o = leaf_order_begin(&f->layout); o.p < f->layout.payloads && st == ST_OK;
          leaf_order_next(&o, &f->layout)) {
-        if (leaf_file_is_implied(f, o.p))
+        if (!leaf_file_has_bytes(f, o.p))
             continue;
         look_at_gap(r, g->base + end, g->base + f->offsets[o.p]);
         end = f->offsets[o.p] + f->sizes[o.p];

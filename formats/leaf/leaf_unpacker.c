@@ -8,6 +8,7 @@
 #include "formats/leaf/grid_coding.h"
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/mesh_coding.h"
+#include "formats/leaf/outside_samples.h"
 
 enum { SHELLS = 4 }; /* that one keeps for itself */
 
@@ -23,7 +24,8 @@ struct leaf_unpacker {
     grid_codes_scratch *codes;
     leaf_shells *shells, *own; /* own: freed with it; NULL: shared, or none */
     void *shell_stored;
-    uint64_t shell_bytes;
+    void *outside; /* room for samples that lie in another file */
+    uint64_t beside_bytes;
 };
 
 /* The most bytes of streams of any payload of a mesh. */
@@ -46,6 +48,11 @@ static size_t shells_room(const leaf_layout *l) {
     return SHELLS * leaf_layout_shell_max(l) * sample_size(l->type);
 }
 
+static size_t room_outside(const leaf_file *f) {
+    const uint32_t side = (1U << f->layout.cells_log2) + 1 + 2 * f->layout.halo;
+    return outside_samples_room(f->samples, side);
+}
+
 /* shells: those of several unpackers; NULL: make its own. */
 static status begin_grid(leaf_unpacker *u, leaf_shells *shells) {
     const leaf_layout *l = &u->f->layout;
@@ -55,6 +62,10 @@ static status begin_grid(leaf_unpacker *u, leaf_shells *shells) {
     if (st == ST_OK && !shells)
         st = leaf_shells_create(u->m, l, 1, shells_room(l), &u->own);
     u->shells = shells ? shells : u->own;
+    if (st == ST_OK && u->f->samples) {
+        u->outside = mem_alloc(u->m, room_outside(u->f));
+        st = u->outside ? ST_OK : ST_NOMEM;
+    }
     if (st != ST_OK || !l->shells)
         return st;
     u->shell_stored = mem_alloc(u->m, leaf_layout_stored_max(l));
@@ -98,6 +109,7 @@ void leaf_unpacker_destroy(leaf_unpacker *u) {
     box_coder_destroy(u->boxes);
     mem_free(u->m, u->codes);
     mem_free(u->m, u->shell_stored);
+    mem_free(u->m, u->outside);
     leaf_shells_destroy(u->own);
     mem_free(u->m, u);
 }
@@ -111,6 +123,8 @@ size_t leaf_unpacker_memory(const leaf_file *f) {
         bytes += streams_max(f);
     if (l->coded)
         bytes += grid_codes_scratch_bytes() + box_coder_memory(l->type, leaf_layout_code_max(l));
+    if (f->samples)
+        bytes += room_outside(f);
     if (l->shells)
         bytes += leaf_shells_memory(l, 1, shells_room(l)) + leaf_layout_stored_max(l);
     return bytes;
@@ -136,9 +150,9 @@ void leaf_unpackers_destroy(mem *m, leaf_unpacker **list, int count) {
 }
 
 uint64_t leaf_unpacker_take(leaf_unpacker *u) {
-    const uint64_t bytes = u ? u->shell_bytes : 0;
+    const uint64_t bytes = u ? u->beside_bytes : 0;
     if (u)
-        u->shell_bytes = 0;
+        u->beside_bytes = 0;
     return bytes;
 }
 
@@ -186,7 +200,7 @@ static status unpack(leaf_unpacker *u, uint32_t p, const void *stored, void *to)
 
 static status read_shell(leaf_unpacker *u, uint32_t p, void *samples) {
     const status st = leaf_file_fetch(u->f, p, u->shell_stored);
-    u->shell_bytes += u->f->sizes[p];
+    u->beside_bytes += u->f->sizes[p];
     return st == ST_OK ? unpack(u, p, u->shell_stored, samples) : st;
 }
 
@@ -226,6 +240,45 @@ static status decode(leaf_unpacker *u, uint32_t p, void *payload) {
                                      : unpack(u, p, u->stored, payload);
 }
 
+/* The samples of treelet p of level 0, in the other file. */
+static outside_box box_outside(const leaf_layout *l, uint32_t p) {
+    const leaf_payload shape = leaf_layout_payload(l, p);
+    outside_box b;
+    for (int a = 0; a < 3; a++) {
+        b.first[a] = ((int64_t)l->place[p][a] << l->cells_log2) - l->halo;
+        b.size[a] = shape.samples[a];
+    }
+    return b;
+}
+
+uint64_t leaf_file_bytes_outside(const leaf_file *f, uint32_t p) {
+    if (!leaf_file_is_outside(f, p))
+        return 0;
+    const outside_box b = box_outside(&f->layout, p);
+    return outside_samples_bytes(f->samples, &b);
+}
+
+static status load_outside(leaf_unpacker *u, uint32_t p, void *payload) {
+    const leaf_file *f = u->f;
+    const leaf_payload shape = leaf_layout_payload(&f->layout, p);
+    const outside_box b = box_outside(&f->layout, p);
+    char *samples = (char *)payload + shape.samples_at;
+    const status st = outside_samples_load(f->samples, &b, u->outside, samples);
+    u->beside_bytes += outside_samples_bytes(f->samples, &b);
+    if (st != ST_OK)
+        return st;
+    const uint64_t sum =
+        outside_samples_sum(samples, leaf_payload_sample_bytes(&shape, f->layout.type));
+    if (sum != f->checksums[p])
+        return status_describe(ST_CORRUPT,
+                               "%s: the samples of treelet %u have the checksum %016llx, expected "
+                               "%016llx",
+                               outside_samples_path(f->samples), p, (unsigned long long)sum,
+                               (unsigned long long)f->checksums[p]);
+    (void)grid_codes_make(&f->layout, p, u->codes, payload);
+    return ST_OK;
+}
+
 status leaf_file_load(leaf_file *f, uint32_t p, leaf_unpacker *u, void *payload) {
     const leaf_layout *l = &f->layout;
     if (leaf_file_is_implied(f, p)) {
@@ -235,6 +288,8 @@ status leaf_file_load(leaf_file *f, uint32_t p, leaf_unpacker *u, void *payload)
     if (leaf_file_is_raw(f, p))
         return leaf_file_fetch(f, p, payload);
     assert(u && u->f == f);
+    if (leaf_file_is_outside(f, p))
+        return load_outside(u, p, payload);
     const status st = leaf_file_fetch(f, p, u->stored);
     return st == ST_OK ? decode(u, p, payload) : st;
 }

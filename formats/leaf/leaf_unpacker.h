@@ -21,14 +21,19 @@ size_t leaf_unpacker_memory(const leaf_file *f);
 CHECKED status leaf_unpackers_create(mem *m, leaf_file *f, int count, leaf_unpacker ***out);
 void leaf_unpackers_destroy(mem *m, leaf_unpacker **list, int count); /* NULL is fine */
 
-/* leaf_unpacker_take() - returns the stored bytes of the shells that were read since the last call.
- */
+/* leaf_unpacker_take() - returns the bytes that were read besides payloads since the last call: of
+ * shells, and in another file. */
 uint64_t leaf_unpacker_take(leaf_unpacker *u);
+
+/* leaf_file_bytes_outside() - returns how many bytes of another file loading payload p takes. */
+uint64_t leaf_file_bytes_outside(const leaf_file *f, uint32_t p);
 
 /* leaf_file_load() - read payload p's stored bytes, check them, and decode them into payload.
  *
  * payload   leaf_layout_payload_bytes(p) bytes, 64-byte aligned
  * u         of this thread; NULL for a raw file
+ *
+ * Of a payload whose samples lie in another file (outside_samples.h), read and check those.
  *
  * ST_CORRUPT names file, byte and treelet. Before use, a mesh's topology must pass
  * mesh_leaf_check_loaded(), positions mesh_leaf_check_moved(). Thread-safe. */

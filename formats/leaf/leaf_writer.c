@@ -161,6 +161,7 @@ static status allocate_parts(leaf_writer *w, const leaf_mesh *mesh) {
 }
 
 static status create_out(leaf_writer *w, const leaf_target *to) {
+    w->path = to->path;
     return to->work ? work_folder_file(to->work, WORK_OUTPUT, to->force, &w->out)
                     : out_file_create(w->m, to->path, to->force, &w->out);
 }
@@ -193,6 +194,8 @@ static status lay_out_grid(leaf_writer *w, const grid *g, const leaf_sets *sets)
     if (st == ST_OK &&
         !leaf_layout_repeat(&w->layout, sets->fields, sets->steps, w->p.codec != LEAF_CODEC_RAW))
         st = status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 payloads; use larger treelets");
+    w->layout.outside = w->p.outside != NULL;
+    assert(!w->layout.outside || (w->layout.coded && w->layout.sets == 1));
     return st;
 }
 

@@ -76,7 +76,7 @@ typedef struct leaf_mesh {
 
 /* Where a file comes to be. */
 typedef struct leaf_target {
-    const char *path;
+    const char *path;  /* must outlive the writer */
     bool force;        /* replace another */
     work_folder *work; /* the path's own; NULL: nothing is to be gone on with */
 } leaf_target;

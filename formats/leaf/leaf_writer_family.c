@@ -12,6 +12,7 @@
 #include "formats/leaf/implied_payload.h"
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/leaf_writer_private.h"
+#include "formats/leaf/outside_samples.h"
 
 /* ---- rooms ---- */
 
@@ -116,10 +117,20 @@ static uint32_t put_entry(leaf_writer *w, const leaf_family *f, uint32_t t,
     return p;
 }
 
+static uint64_t sum_samples(const leaf_layout *l, uint32_t t, const void *payload) {
+    const leaf_payload shape = leaf_layout_payload(l, t);
+    return outside_samples_sum((const char *)payload + shape.samples_at,
+                               leaf_payload_sample_bytes(&shape, l->type));
+}
+
 void leaf_writer_put(leaf_writer *w, leaf_family *f, leaf_packer *k, uint32_t t,
                      const leaf_entry *entry, const void *payload) {
     const uint32_t p = put_entry(w, f, t, entry);
-    if (!w->layout.geometry->implies(&w->layout, t, entry->own, entry->flags, payload))
+    if (w->layout.geometry->implies(&w->layout, t, entry->own, entry->flags, payload))
+        return;
+    if (leaf_layout_is_outside(&w->layout, p))
+        w->checksums[p] = sum_samples(&w->layout, t, payload);
+    else
         put_payload(w, f, k, p, payload);
 }
 

@@ -131,9 +131,9 @@ static void sum_up_mesh(leaf_writer *w) {
 }
 
 static status write_sections(leaf_writer *w) {
-    const void *arrays[LEAF_SECTION_LAST] = {w->ranges, w->own,       w->flags, w->offsets,
-                                             w->sizes,  w->checksums, w->axes,  w->bounds,
-                                             w->counts, w->names,     w->times, w->parts};
+    const void *arrays[LEAF_SECTION_LAST] = {
+        w->ranges, w->own,    w->flags, w->offsets, w->sizes, w->checksums, w->axes,
+        w->bounds, w->counts, w->names, w->times,   w->parts, w->p.outside};
     const void *ancillary[LEAF_ANCILLARY_LAST] = {w->histograms, w->deviations, &w->frame};
     for (uint32_t i = 0; i < w->header.sections; i++) {
         leaf_section *s = &w->table[i];
@@ -264,7 +264,7 @@ static status write_parts(leaf_writer *w) {
 status leaf_writer_finish(leaf_writer *w, const leaf_facts *facts, leaf_header *header) {
     status st = w->settled ? write_parts(w) : write_all(w, facts);
     if (st == ST_OK)
-        st = leaf_file_prove(w->m, out_file_temporary(w->out));
+        st = leaf_file_prove(w->m, out_file_temporary(w->out), w->path);
     if (st == ST_OK) {
         if (header)
             *header = w->header;

@@ -35,6 +35,7 @@ struct leaf_writer {
     world_frame frame;
     bool settled;
     const progress *stop; /* asked while payloads are copied; may be NULL */
+    const char *path;     /* the file's name in the end */
     out_file *out;
     /* A mesh's payloads wait here until the sizes of all before them are known. */
     out_file *scratch;

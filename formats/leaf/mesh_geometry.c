@@ -24,6 +24,7 @@ static status check_parameters(const char *path, const leaf_header *h) {
         LEAF_FIELD(h, halo, 0, 0),
         LEAF_FIELD(h, block_log2, 0, 0),
         LEAF_FIELD(h, rectilinear, 0, 0),
+        LEAF_FIELD(h, outside, 0, 0),
         LEAF_FIELD(h, fields, 1, LEAF_SETS_MAX),
         LEAF_FIELD(h, steps, 1, LEAF_SETS_MAX / (h->fields ? h->fields : 1)),
         LEAF_FIELD(h, treelet_tets, 1, LEAF_TREELET_TETS_MAX),

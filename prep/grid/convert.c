@@ -169,8 +169,9 @@ static void describe_origin(const convert_options *o, sample_type source, char *
     char codec[32] = "raw";
     if (o->file.codec == LEAF_CODEC_ZSTD)
         snprintf(codec, sizeof codec, "zstd:%d", o->file.zstd_level);
-    snprintf(text, size, "leafcast %s convert, from %s: treelets of %d^3 cells, halo %u, %s",
-             LEAFCAST_VERSION, sample_name(source), 1 << o->file.cells_log2, o->file.halo, codec);
+    snprintf(text, size, "leafcast %s convert, from %s: treelets of %d^3 cells, halo %u, %s%s",
+             LEAFCAST_VERSION, sample_name(source), 1 << o->file.cells_log2, o->file.halo, codec,
+             o->file.outside ? ", in place" : "");
 }
 
 static void take_facts(grid_conversion *c, const grid *g) {

@@ -4,6 +4,7 @@
 
 #include "formats/base/clock.h"
 #include "formats/grid/volume_kind.h"
+#include "formats/leaf/outside_samples.h"
 #include "prep/convert_choices.h"
 #include "prep/grid/convert_grid_report.h"
 #include "prep/grid/convert_grid_sets.h"
@@ -42,6 +43,29 @@ static void note(const convert_request *a, const void *own) {
     note_choices(a, own);
 }
 
+/* ---- in place ---- */
+
+/* Say in *out where the samples stay, and set the parameters for that. */
+static status stay_in_place(const convert_request *a, mem *m, const volume *v,
+                            const grid_series *series, leaf_outside *out, leaf_parameters *p) {
+    sample_place at;
+    if (series->of.sets.fields * series->of.sets.steps > 1)
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: --in-place takes one field at one step: --field, --step",
+                               a->common.input);
+    if (!a->codec_is_given)
+        leaf_parameters_compress(p, 1);
+    if (p->codec == LEAF_CODEC_RAW)
+        return status_describe(ST_USAGE, "--in-place compresses: without --compress none");
+    if (!volume_place(v, &at))
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: --in-place takes samples that lie in one file as they are, x "
+                               "fastest: not packed, no text, no pipe",
+                               a->common.input);
+    p->outside = out;
+    return outside_samples_describe(m, &at, a->common.output ? a->common.output : "", out);
+}
+
 /* ---- one series ---- */
 
 static status convert_grid(convert_request *a, mem *m, volume *v, const grid_series *series,
@@ -55,7 +79,10 @@ static status convert_grid(convert_request *a, mem *m, volume *v, const grid_ser
                          .work = a->work.folder,
                          .job = &a->work.job};
     convert_plan plan;
-    status st = convert_plan_make(m, volume_grid(v), &o, &plan);
+    leaf_outside outside;
+    status st = a->in_place ? stay_in_place(a, m, v, series, &outside, &o.file) : ST_OK;
+    if (st == ST_OK)
+        st = convert_plan_make(m, volume_grid(v), &o, &plan);
     if (st != ST_OK)
         return st;
     if (a->dry_run)

@@ -117,6 +117,7 @@ static uint64_t directory_size(const leaf_layout *l, const grid *g, const conver
                            .cells_log2 = l->cells_log2,
                            .dims = {g->dims[0], g->dims[1], g->dims[2]},
                            .rectilinear = grid_is_rectilinear(g),
+                           .outside = o->file.outside != NULL,
                            .fields = l->sets / l->steps,
                            .steps = l->steps};
     const bool there[LEAF_SECTION_LAST + 1] = {
@@ -145,7 +146,7 @@ static uint64_t directory_size(const leaf_layout *l, const grid *g, const conver
 static void plan_sizes(convert_plan *plan, const grid *g, const convert_options *o) {
     const leaf_layout *l = &plan->layout;
     uint64_t bytes = 0;
-    for (uint32_t level = 0; level < l->levels; level++) {
+    for (uint32_t level = o->file.outside ? 1 : 0; level < l->levels; level++) {
         sort sorts[3][3];
         int n[3];
         for (int a = 0; a < 3; a++)

@@ -20,7 +20,7 @@ _Static_assert((int)LEAFCAST_SURFACES_MAX <= (int)ISOVALUES_MAX, "as many isoval
 status volume_check_file(const leafcast *v, status st) {
     if (st != ST_OK && st != ST_CORRUPT && st != ST_IO)
         return st;
-    const status changed = file_mark_check(v->file->source, &v->file->mark);
+    const status changed = leaf_file_changed(v->file);
     return changed != ST_OK ? changed : st;
 }
 

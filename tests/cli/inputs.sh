@@ -54,6 +54,7 @@ printf '%s\n' 0 1 2 3 4 5 6 9 >"$tmp/axis"
 cat >"$tmp/options" <<TABLE
 compress=zstd:1 rhm
 treelet=16 rh
+in-place rh
 halo=0 rh
 follow-links rh
 allow-missing rh

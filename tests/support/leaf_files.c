@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "formats/leaf/outside_samples.h"
 #include "tests/support/fields.h"
 #include "tests/support/scratch.h"
 
@@ -58,12 +59,23 @@ static const char *write_input(const leaf_case *c, volume_hints *hints) {
     char input[64];
     snprintf(input, sizeof input, "input-%ux%ux%u.bin", c->dims[0], c->dims[1], c->dims[2]);
     size_t count = (size_t)c->dims[0] * c->dims[1] * c->dims[2];
-    *hints = (volume_hints){.dims = {c->dims[0], c->dims[1], c->dims[2]}, .type = c->type};
+    *hints = c->reading;
+    memcpy(hints->dims, c->dims, sizeof hints->dims);
+    hints->type = c->type;
     memcpy(hints->axis_file, c->axis_file, sizeof hints->axis_file);
     hints->has_axes = c->axes != WORLD_UNTOLD;
     hints->axes = c->axes;
     hints->unit = c->unit;
     return scratch_write(input, c->samples, count * sample_size(c->type));
+}
+
+static status stay_in_place(mem *m, const volume *v, const char *output, leaf_outside *outside,
+                            leaf_parameters *p) {
+    sample_place at;
+    assert_true(volume_place(v, &at));
+    leaf_parameters_compress(p, 1);
+    p->outside = outside;
+    return outside_samples_describe(m, &at, output, outside);
 }
 
 status leaf_files_try(mem *m, const leaf_case *c, const char *name, convert_plan *plan,
@@ -74,15 +86,20 @@ status leaf_files_try(mem *m, const leaf_case *c, const char *name, convert_plan
     result = result ? result : &own_result;
     volume_hints hints;
     const char *path = write_input(c, &hints);
+    convert_options o = c->options;
+    leaf_outside outside;
     volume *v = NULL;
-    m->limit = (size_t)c->options.memory;
+    m->limit = (size_t)o.memory;
     status st = volume_open(m, path, &hints, &v);
+    if (st == ST_OK && c->in_place)
+        st = stay_in_place(m, v, scratch_path(name), &outside, &o.file);
     if (st == ST_OK)
-        st = convert_plan_make(m, volume_grid(v), &c->options, plan);
+        st = convert_plan_make(m, volume_grid(v), &o, plan);
     if (st == ST_OK)
-        st = convert_run(m, v, scratch_path(name), &c->options, plan, NULL, result);
+        st = convert_run(m, v, scratch_path(name), &o, plan, NULL, result);
     volume_close(v);
-    (void)remove(path);
+    if (!c->in_place)
+        (void)remove(path);
     return st;
 }
 

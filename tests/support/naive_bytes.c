@@ -30,6 +30,17 @@ double naive_real64(const unsigned char *at) {
     return value;
 }
 
+float naive_sample(const unsigned char *samples, int type, size_t index) {
+    const unsigned char *at = samples + index * (size_t)(type < 3 ? 1 : type < 5 ? 2 : 4);
+    switch (type) {
+    case 1: return (float)at[0];
+    case 2: return (float)(at[0] < 128 ? at[0] : at[0] - 256);
+    case 3: return (float)naive_number(at, 2);
+    case 4: return (float)((long)naive_number(at, 2) - (at[1] < 128 ? 0 : 65536));
+    default: return naive_real32(at);
+    }
+}
+
 uint64_t naive_up_to(uint64_t value, uint64_t multiple) {
     return (value + multiple - 1) / multiple * multiple;
 }

@@ -4,6 +4,7 @@
 #define TESTS_SUPPORT_NAIVE_BYTES_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 /* Little endian, of so many bytes. */
@@ -11,6 +12,9 @@ uint64_t naive_number(const unsigned char *at, int bytes);
 float naive_float_of(uint64_t bits);
 float naive_real32(const unsigned char *at);
 double naive_real64(const unsigned char *at);
+
+/* Sample `index` of a type, by its number in the header. */
+float naive_sample(const unsigned char *samples, int type, size_t index);
 
 uint64_t naive_up_to(uint64_t value, uint64_t multiple);
 

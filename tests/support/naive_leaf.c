@@ -13,6 +13,7 @@
 #include "tests/support/naive_codes.h"
 #include "tests/support/naive_family.h"
 #include "tests/support/naive_order.h"
+#include "tests/support/naive_outside.h"
 
 static bool wrong(naive_leaf *leaf, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static bool wrong(naive_leaf *leaf, const char *format, ...) {
@@ -21,19 +22,6 @@ static bool wrong(naive_leaf *leaf, const char *format, ...) {
     vsnprintf(leaf->why, sizeof leaf->why, format, args);
     va_end(args);
     return false;
-}
-
-/* ---- numbers in bytes ---- */
-
-static float sample_at(const unsigned char *samples, int type, size_t index) {
-    const unsigned char *at = samples + index * (size_t)naive_sample_bytes(type);
-    switch (type) {
-    case 1: return (float)at[0];
-    case 2: return (float)(at[0] < 128 ? at[0] : at[0] - 256);
-    case 3: return (float)naive_number(at, 2);
-    case 4: return (float)((long)naive_number(at, 2) - (at[1] < 128 ? 0 : 65536));
-    default: return naive_real32(at);
-    }
 }
 
 /* ---- 2. the header ---- */
@@ -61,6 +49,7 @@ static void take_fields(naive_leaf *leaf) {
     leaf->run_align_log2 = (int)naive_number(b + 52, 4);
     leaf->codec = (int)naive_number(b + 56, 4);
     leaf->rectilinear = naive_number(b + 60, 4) == 1;
+    leaf->outside = naive_number(b + 76, 4) == 1;
     leaf->fields = (long)naive_number(b + 64, 4);
     leaf->steps = (long)naive_number(b + 68, 4);
     leaf->sets = leaf->fields * leaf->steps;
@@ -79,7 +68,7 @@ static bool read_header(naive_leaf *leaf) {
         {8, 4, 4},        {12, 1, 1},       {16, 1, 5},  {20, 1, 11}, {24, 2, 1 << 20},
         {28, 2, 1 << 20}, {32, 2, 1 << 20}, {36, 1, 24}, {40, 4, 6},  {44, 0, 1},
         {48, 2, 2},       {52, 6, 21},      {56, 0, 1},  {60, 0, 1},  {64, 1, 65536},
-        {68, 1, 65536},   {72, 1, 64},      {76, 0, 0},
+        {68, 1, 65536},   {72, 1, 64},      {76, 0, 1},
     };
     const unsigned char *b = leaf->bytes;
     if (leaf->size < 4096 || memcmp(b, magic, 8) != 0)
@@ -93,6 +82,8 @@ static bool read_header(naive_leaf *leaf) {
     take_fields(leaf);
     if (leaf->sets > 65536)
         return wrong(leaf, "%ld fields at %ld steps", leaf->fields, leaf->steps);
+    if (leaf->outside && (leaf->codec != 1 || leaf->sets != 1))
+        return wrong(leaf, "samples outside");
     int stored = leaf->source_type <= 5 ? leaf->source_type : 5;
     if (stored != leaf->sample_type && leaf->sample_type != 5)
         return wrong(leaf, "stored type %d of source type %d", leaf->sample_type,
@@ -206,7 +197,19 @@ static bool repeat_treelets(naive_leaf *leaf) {
 
 /* ---- 3. sections ---- */
 
-enum { RANGES = 1, OWN, FLAGS, OFFSETS, SIZES, CHECKSUMS, AXES, FIELDS = 10, TIMES, KINDS };
+enum {
+    RANGES = 1,
+    OWN,
+    FLAGS,
+    OFFSETS,
+    SIZES,
+    CHECKSUMS,
+    AXES,
+    FIELDS = 10,
+    TIMES,
+    OUTSIDE = 13,
+    KINDS
+};
 
 static bool read_axes(naive_leaf *leaf, const unsigned char *at) {
     for (int a = 0; a < 3; a++) {
@@ -233,6 +236,7 @@ static uint64_t section_bytes(const naive_leaf *leaf, uint64_t kind) {
     static const int element[] = {0, 8, 8, 1};
     switch (kind) {
     case AXES: return 8 * (uint64_t)(leaf->dims[0] + leaf->dims[1] + leaf->dims[2]);
+    case OUTSIDE: return 4096;
     case FIELDS: return 64 * (uint64_t)leaf->fields;
     case TIMES: return 8 * (uint64_t)leaf->steps;
     case OFFSETS:
@@ -246,8 +250,10 @@ static uint64_t section_bytes(const naive_leaf *leaf, uint64_t kind) {
 static bool belongs(const naive_leaf *leaf, int kind, bool there) {
     switch (kind) {
     case AXES: return there == leaf->rectilinear;
+    case OUTSIDE: return there == leaf->outside;
     case 8:
-    case 9: return !there;
+    case 9:
+    case 12: return !there;
     case FIELDS: return true;
     case TIMES: return !there || leaf->steps > 1;
     default: return there;
@@ -271,7 +277,7 @@ static bool find_sections(naive_leaf *leaf, const unsigned char *where[KINDS], u
         *end = offset + bytes;
         if (kind >> 30 & 1)
             continue;
-        if (kind < 1 || kind >= KINDS || kind == 8 || kind == 9 || where[kind])
+        if (kind < 1 || kind >= KINDS || kind == 8 || kind == 9 || kind == 12 || where[kind])
             return wrong(leaf, "section kind %d", (int)kind);
         if (bytes != section_bytes(leaf, kind))
             return wrong(leaf, "size of section kind %d", (int)kind);
@@ -350,7 +356,7 @@ static bool is_needless(const naive_leaf *leaf, const naive_treelet *t, const un
     for (uint64_t i = 1; i < count; i++)
         if (memcmp(bytes, bytes + i * width, width) != 0)
             return false;
-    const float value = sample_at(bytes, leaf->sample_type, 0);
+    const float value = naive_sample(bytes, leaf->sample_type, 0);
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
     return t->has_non_finite ? bits == 0x7fc00000 : bits != 0x80000000;
@@ -397,12 +403,12 @@ static bool read_treelet(naive_leaf *leaf, const naive_treelet *t, const unsigne
     if (!samples)
         return wrong(leaf, "no memory");
     for (uint64_t i = 0; i < count; i++)
-        samples[i] = sample_at(held, leaf->sample_type, i);
+        samples[i] = naive_sample(held, leaf->sample_type, i);
     for (int a = 0; a < 3; a++)
         w.size[a] = t->cells[a] + 1 + 2 * leaf->halo;
     w.samples = samples;
     bool good = !own || check_own_range(leaf, t, &w);
-    if (good && own && t->stored.size)
+    if (good && own && (t->stored.size || t->outside))
         good =
             !is_needless(leaf, t, held, count) || wrong(leaf, "a payload that the directory tells");
     if (good && own && t->stored.size && leaf->codec == 0)
@@ -432,11 +438,14 @@ static bool hold_samples(naive_leaf *leaf, long first, unsigned char **held) {
     for (long i = 0, count; !why && i < leaf->treelet_count; i += count) {
         for (count = 1; i + count < leaf->treelet_count && t[i + count].parent == t[i].parent;)
             count++;
-        if (leaf->codec == 1)
+        const bool coded = leaf->codec == 1 && !(leaf->outside && t[i].level == 0);
+        if (coded)
             why = naive_family_read(leaf, t[i].parent, first + i, count, held + i);
-        for (long n = i; n < i + count && leaf->codec == 0; n++)
+        for (long n = i; n < i + count && !coded; n++)
             why = (held[n] = hold_raw(leaf, t + n)) ? why : "no memory";
     }
+    for (long i = 0; !why && leaf->other && i < leaf->treelet_count; i++)
+        why = naive_outside_hold(leaf, t + i, held[i]);
     return !why || wrong(leaf, "%s", why);
 }
 
@@ -475,8 +484,11 @@ static bool place_payload(naive_leaf *leaf, placing *x, long p, bool begins, nai
     out->size = naive_number(x->where[SIZES] + 8 * p, 8);
     const uint64_t checksum = naive_number(x->where[CHECKSUMS] + 8 * p, 8);
     x->run = x->run || begins;
+    const bool below = p < leaf->treelet_count && leaf->outside && leaf->treelets[p].level == 0;
+    if (below)
+        leaf->treelets[p].checksum = checksum;
     if (out->size == 0)
-        return (out->offset == x->end && checksum == 0) ||
+        return (out->offset == x->end && (checksum == 0 || below)) ||
                wrong(leaf, "payload %ld: place of no bytes", p);
     if (out->offset != naive_up_to(x->end, x->run             ? UINT64_C(1) << leaf->run_align_log2
                                            : leaf->codec == 1 ? 1
@@ -499,8 +511,11 @@ static bool place_treelet(naive_leaf *leaf, placing *x, long i, bool begins) {
     const bool none = t->own[0] > t->own[1] && t->has_non_finite;
     if (!place_payload(leaf, x, i, begins, &t->stored))
         return false;
+    t->outside = t->checksum != 0;
+    if (leaf->outside && t->level == 0 && t->stored.size > 0)
+        return wrong(leaf, "treelet %ld has bytes", i);
     if (t->stored.size == 0)
-        return one || none || wrong(leaf, "treelet %ld: a payload of no bytes", i);
+        return one || none || t->outside || wrong(leaf, "treelet %ld: a payload of no bytes", i);
     return leaf->codec == 1 || t->stored.size == t->payload_size ||
            wrong(leaf, "treelet %ld: size", i);
 }
@@ -619,6 +634,11 @@ static bool read_set(naive_leaf *leaf, long set, tally *t) {
 
 /* ---- loading ---- */
 
+static bool read_outside(naive_leaf *leaf, const char *path, const unsigned char *section) {
+    const char *why = naive_outside_read(leaf, path, section, &leaf->other);
+    return !why || wrong(leaf, "%s", why);
+}
+
 static bool read_file(naive_leaf *leaf, const char *path) {
     FILE *in = fopen(path, "rb");
     if (!in)
@@ -642,7 +662,9 @@ bool naive_leaf_load_set(naive_leaf *leaf, const char *path, long set) {
                 lay_out(leaf) && order_treelets(leaf) && repeat_treelets(leaf) &&
                 find_sections(leaf, where, &end) && read_ranges(leaf, where) &&
                 (!leaf->rectilinear || read_axes(leaf, where[AXES])) &&
-                read_labels(leaf, where[FIELDS], where[TIMES]) && read_directory(leaf, where, end);
+                read_labels(leaf, where[FIELDS], where[TIMES]) &&
+                (!leaf->outside || read_outside(leaf, path, where[OUTSIDE])) &&
+                read_directory(leaf, where, end);
     /* The one that is asked for comes last, and stays. */
     for (long i = 1; good && i <= leaf->sets; i++)
         good = read_set(leaf, (set + i) % leaf->sets, &t);
@@ -664,6 +686,7 @@ void naive_leaf_release(naive_leaf *leaf) {
     free(leaf->field_names);
     free(leaf->times);
     free(leaf->bytes);
+    free(leaf->other);
     memset(leaf, 0, sizeof *leaf);
 }
 

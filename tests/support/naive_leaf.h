@@ -23,7 +23,7 @@ typedef struct naive_level {
 
 /* A payload in the file. */
 typedef struct naive_stored {
-    uint64_t offset, size; /* 0 bytes: implied */
+    uint64_t offset, size; /* 0 bytes: implied, or outside */
 } naive_stored;
 
 typedef struct naive_treelet {
@@ -34,6 +34,8 @@ typedef struct naive_treelet {
     float own[2], merged[2];
     bool has_non_finite;
     naive_stored stored;
+    bool outside; /* its samples lie in another file, with this checksum */
+    uint64_t checksum;
     naive_stored shell;    /* compressed, above level 0: what its children share */
     uint64_t payload_size; /* raw */
 } naive_treelet;
@@ -44,7 +46,7 @@ typedef struct naive_leaf {
         source_type; /* 1 u8 2 i8 3 u16 4 i16 5 f32 6 u32 7 i32 8 f64 9 f16 10 u64 11 i64 */
     long dims[3];
     int levels, cells_log2, halo, run_align_log2, codec;
-    bool rectilinear;
+    bool rectilinear, outside;
     double value_min, value_max, rounding_error, to_world[3][4];
     uint64_t non_finite;
     char name[64], provenance[1024];
@@ -56,6 +58,7 @@ typedef struct naive_leaf {
     naive_treelet *treelets; /* of all sets, one after the other */
     long treelet_count;      /* of one */
     long shell_count;        /* of one, compressed: of treelets above level 0 */
+    unsigned char *other;    /* samples of level 0 in another file, or NULL */
     unsigned char *bytes;    /* the file */
     size_t size;
     char why[NAIVE_WHY_MAX]; /* what is wrong with it */

@@ -292,7 +292,8 @@ def groups():
 
 # Sources under formats/ and prep/ that open files for reading, and what leads them: "rule", names in files, by
 # named_file.h; "implied", names that follow from the user's, likewise; "given", the user's own; "kept", paths that a
-# reader of the first kind has found; "folder", what a folder that the user gave lists.
+# reader of the first kind has found; "folder", what a folder that the user gave lists; "known", a name in a treelet file,
+# of a file that must have the length, the time and the samples' checksums that are told beside it.
 OPENS = {
     "formats/grid/imported.c": "folder", "formats/grid/layout_slices.c": "kept", "formats/grid/nifti.c": "implied",
     "formats/grid/metaimage.c": "rule", "formats/grid/volume_files.c": "rule", "formats/grid/nrrd.c": "rule", "formats/grid/rawfile.c": "implied",
@@ -301,7 +302,7 @@ OPENS = {
     "formats/grid/zarr.c": "rule", "formats/grid/zarr_array.c": "folder", "formats/grid/zarr_chunk.c": "kept",
     "formats/input/foreign.c": "folder",
     "formats/info_main.c": "given", "formats/input/byte_stream.c": "given", "formats/input/packed_stream.c": "given", "formats/input_open.c": "given",
-    "formats/leaf/leaf_file.c": "given", "formats/leaf/leaf_repair.c": "given", "formats/leaf/leaf_writer_finish.c": "given", "formats/mesh/gmsh_file.c": "given",
+    "formats/leaf/leaf_file.c": "given", "formats/leaf/outside_samples.c": "known", "formats/leaf/leaf_repair.c": "given", "formats/leaf/leaf_writer_finish.c": "given", "formats/mesh/gmsh_file.c": "given",
     "formats/mesh/mesh_input.c": "given", "formats/mesh/mesh_tetgen.c": "implied", "formats/surface/plc.c": "given",
     "formats/surface/plc_tetgen.c": "implied", "formats/vtk/vtk_bytes.c": "kept", "formats/vtk/vtk_cursor.c": "kept",
     "formats/vtk/vtk_xml.c": "kept", "prep/import/import_calls.c": "kept", "prep/import/import_limits.c": "given",

@@ -1,0 +1,47 @@
+#include "formats/grid/sample_place.h"
+
+#include <endian.h>
+#include <string.h>
+
+enum { BLOCK = 512 }; /* samples */
+
+/* The type of the samples once missing data are marked. */
+static sample_type type_marked(const sample_place *p) {
+    const sample_type type = stored_samples_type(&p->stored);
+    return p->has_missing && sample_is_integer(type) ? SAMPLE_F32 : type;
+}
+
+sample_type sample_place_type(const sample_place *p) {
+    return sample_stored(type_marked(p));
+}
+
+/* Convert a block. Widening puts the samples at the end of their room. */
+static bool take_block(const sample_place *p, void *in, void *out, size_t count) {
+    const sample_type read = stored_samples_type(&p->stored), marked = type_marked(p);
+    double room[BLOCK];
+    char *at = (char *)room + count * (sample_size(marked) - sample_size(read));
+    if (stored_samples_take(&p->stored, in, read, at, count) < count)
+        return false;
+    if (p->has_missing && sample_mark_missing(read, at, room, count, p->missing) < count)
+        return false;
+    (void)sample_to_stored(marked, room, out, count);
+    return true;
+}
+
+bool sample_place_take(const sample_place *p, void *in, void *out, size_t count) {
+    const stored_samples *s = &p->stored;
+    const sample_type type = sample_place_type(p);
+    const size_t from = stored_samples_bytes(s), to = sample_size(type);
+    if (p->big_endian != (__BYTE_ORDER == __BIG_ENDIAN))
+        sample_swap(s->type, in, count * (from / sample_size(s->type)));
+    if (stored_samples_plain(s) && !p->has_missing && type == s->type) {
+        memcpy(out, in, count * to);
+        return true;
+    }
+    bool good = true;
+    for (size_t done = 0, n; done < count && good; done += n) {
+        n = count - done < BLOCK ? count - done : BLOCK;
+        good = take_block(p, (char *)in + done * from, (char *)out + done * to, n);
+    }
+    return good;
+}

@@ -1,0 +1,30 @@
+/* sample_place.h - where the samples of a grid lie in a file: as they are, x fastest, in one piece.
+ *
+ * What is read there becomes samples of a treelet file by the same steps as in a conversion: byte
+ * order, the chosen number, slope, missing data, the stored type.
+ */
+#ifndef FORMATS_GRID_SAMPLE_PLACE_H
+#define FORMATS_GRID_SAMPLE_PLACE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "formats/grid/stored_samples.h"
+
+typedef struct sample_place {
+    const char *path;      /* of the file; lives as long as what it is a place of */
+    uint64_t offset;       /* of the first number of the first sample */
+    bool big_endian;       /* for numbers wider than a byte */
+    stored_samples stored; /* without rounding */
+    bool has_missing;      /* samples equal to `missing` become NaN */
+    double missing;
+} sample_place;
+
+/* sample_place_type() - returns the type that a treelet file stores the samples in. */
+sample_type sample_place_type(const sample_place *p);
+
+/* sample_place_take() - convert count samples as they lie in the file to samples of that type.
+ * Destroys in. Returns false if one is none that a conversion takes. */
+bool sample_place_take(const sample_place *p, void *in, void *out, size_t count);
+
+#endif

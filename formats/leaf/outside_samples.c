@@ -1,0 +1,271 @@
+#include "formats/leaf/outside_samples.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "formats/base/file.h"
+#include "formats/base/file_mark.h"
+#include "formats/base/hash.h"
+
+/* Rows of a slice are read with what lies between them if all are at most so many bytes. */
+enum { AT_ONCE = 64 << 10 };
+
+struct outside_samples {
+    mem *m;
+    sample_place place;
+    file *f;
+    file_mark mark;
+    uint32_t dims[3];
+    size_t width;      /* bytes of a stored sample */
+    uint64_t stride_y; /* bytes from one row to the next */
+};
+
+/* ---- The section ---- */
+
+sample_place outside_samples_place(const leaf_outside *o) {
+    return (sample_place){.path = o->path,
+                          .offset = o->offset,
+                          .big_endian = (o->flags & LEAF_OUTSIDE_BIG_ENDIAN) != 0,
+                          .stored = {.type = (sample_type)o->type,
+                                     .components = o->components,
+                                     .component = o->component,
+                                     .colours = (o->flags & LEAF_OUTSIDE_COLOURS) != 0,
+                                     .slope = o->slope,
+                                     .intercept = o->intercept},
+                          .has_missing = (o->flags & LEAF_OUTSIDE_MISSING) != 0,
+                          .missing = o->missing};
+}
+
+/* ---- Paths ---- */
+
+/* The folder of a path, without links, which ends in "/". */
+static bool folder_of(const char *path, char folder[PATH_MAX]) {
+    char copy[PATH_MAX];
+    const char *slash = strrchr(path, '/');
+    const size_t length = slash ? (size_t)(slash - path) : 0;
+    if (length + 2 > sizeof copy)
+        return false;
+    memcpy(copy, path, length);
+    snprintf(copy + length, sizeof copy - length, "%s", !slash ? "." : length == 0 ? "/" : "");
+    if (!realpath(copy, folder))
+        return false;
+    const size_t end = strlen(folder);
+    if (end + 2 > PATH_MAX)
+        return false;
+    if (end > 1)
+        memcpy(folder + end, "/", 2);
+    return true;
+}
+
+/* The way from the folder of `leaf` to a file. Returns false if it does not fit. */
+static bool path_between(const char *leaf, const char *to, char out[], size_t size) {
+    char folder[PATH_MAX], target[PATH_MAX];
+    if (!folder_of(leaf, folder) || !realpath(to, target))
+        return false;
+    size_t same = 0, used = 0;
+    for (size_t i = 0; folder[i] && folder[i] == target[i]; i++)
+        same = folder[i] == '/' ? i + 1 : same;
+    for (const char *up = folder + same; (up = strchr(up, '/')); up++) {
+        if (used + 4 > size)
+            return false;
+        memcpy(out + used, "../", 3);
+        used += 3;
+    }
+    return snprintf(out + used, size - used, "%s", target + same) < (int)(size - used);
+}
+
+/* The path to open. */
+static char *found_path(mem *m, const char *leaf, const char *path) {
+    const char *slash = *path == '/' ? NULL : strrchr(leaf, '/');
+    const size_t folder = slash ? (size_t)(slash + 1 - leaf) : 0;
+    char *found = mem_alloc(m, folder + strlen(path) + 1);
+    if (!found)
+        return NULL;
+    memcpy(found, leaf, folder);
+    memcpy(found + folder, path, strlen(path) + 1);
+    return found;
+}
+
+/* ---- The file ---- */
+
+status outside_samples_describe(mem *m, const sample_place *at, const char *leaf,
+                                leaf_outside *out) {
+    file_mark mark;
+    file *f = NULL;
+    status st = file_open(m, at->path, &f);
+    if (st == ST_OK)
+        st = file_mark_take(f, &mark);
+    file_close(f);
+    if (st != ST_OK)
+        return st;
+    const stored_samples *s = &at->stored;
+    *out = (leaf_outside){.file_bytes = mark.size,
+                          .modified_s = mark.modified_s,
+                          .modified_ns = (uint32_t)mark.modified_ns,
+                          .type = s->type,
+                          .offset = at->offset,
+                          .components = s->components ? s->components : 1,
+                          .component = s->component,
+                          .flags = (at->big_endian ? LEAF_OUTSIDE_BIG_ENDIAN : 0) |
+                                   (s->colours ? LEAF_OUTSIDE_COLOURS : 0) |
+                                   (at->has_missing ? LEAF_OUTSIDE_MISSING : 0),
+                          .slope = s->slope,
+                          .intercept = s->intercept,
+                          .missing = at->has_missing ? at->missing : 0.0};
+    if (!path_between(leaf, at->path, out->path, sizeof out->path))
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: the path from %s to it is none of up to %zu bytes", at->path,
+                               leaf, sizeof out->path - 1);
+    return ST_OK;
+}
+
+static status compare(const outside_samples *s, const char *leaf, const leaf_outside *o) {
+    const char *path = file_path(s->f);
+    if (s->mark.size != o->file_bytes)
+        return status_describe(ST_CORRUPT,
+                               "%s: has %llu bytes; it had %llu when %s was made of it: convert it "
+                               "again",
+                               path, (unsigned long long)s->mark.size,
+                               (unsigned long long)o->file_bytes, leaf);
+    if (s->mark.modified_s != o->modified_s || s->mark.modified_ns != (int64_t)o->modified_ns)
+        return status_describe(
+            ST_CORRUPT, "%s: was written to after %s was made of it: convert it again", path, leaf);
+    return ST_OK;
+}
+
+static status open_file(outside_samples *s, const char *leaf, const leaf_outside *o) {
+    char *path = found_path(s->m, leaf, o->path);
+    if (!path)
+        return ST_NOMEM;
+    status st = file_open(s->m, path, &s->f);
+    mem_free(s->m, path);
+    if (st == ST_IO)
+        st = status_describe(ST_IO, "%s: its samples lie in another file: %s", leaf, status_text());
+    if (st == ST_OK)
+        st = file_mark_take(s->f, &s->mark);
+    return st == ST_OK ? compare(s, leaf, o) : st;
+}
+
+status outside_samples_open(mem *m, const char *leaf, const leaf_outside *o, const uint32_t dims[3],
+                            outside_samples **out) {
+    outside_samples *s = mem_zalloc(m, sizeof *s);
+    if (!s)
+        return ST_NOMEM;
+    *s = (outside_samples){.m = m, .place = outside_samples_place(o)};
+    memcpy(s->dims, dims, sizeof s->dims);
+    s->width = stored_samples_bytes(&s->place.stored);
+    s->stride_y = s->width * dims[0];
+    const status st = open_file(s, leaf, o);
+    if (st != ST_OK) {
+        outside_samples_close(s);
+        return st;
+    }
+    s->place.path = file_path(s->f);
+    *out = s;
+    return ST_OK;
+}
+
+void outside_samples_close(outside_samples *s) {
+    if (!s)
+        return;
+    file_close(s->f);
+    mem_free(s->m, s);
+}
+
+const char *outside_samples_path(const outside_samples *s) {
+    return file_path(s->f);
+}
+
+status outside_samples_changed(const outside_samples *s) {
+    return file_mark_check(s->f, &s->mark);
+}
+
+/* ---- Boxes ---- */
+
+/* The nodes of a box that exist, and how many of the box come before them. */
+typedef struct node_box {
+    uint32_t first[3], count[3], before[3];
+} node_box;
+
+static node_box nodes_of(const outside_samples *s, const outside_box *b) {
+    node_box n;
+    for (int a = 0; a < 3; a++) {
+        const int64_t at = b->first[a], end = at + b->size[a], dims = s->dims[a];
+        n.first[a] = at < 0 ? 0 : (uint32_t)at;
+        n.before[a] = at < 0 ? (uint32_t)-at : 0;
+        n.count[a] = (uint32_t)(end < dims ? end : dims) - n.first[a];
+    }
+    return n;
+}
+
+/* The bytes from the first sample of so many rows to the last. */
+static uint64_t span_of(const outside_samples *s, const node_box *n, uint32_t rows) {
+    return (rows - 1) * s->stride_y + n->count[0] * s->width;
+}
+
+static uint32_t rows_at_once(const outside_samples *s, const node_box *n) {
+    return span_of(s, n, n->count[1]) <= AT_ONCE ? n->count[1] : 1;
+}
+
+size_t outside_samples_room(const outside_samples *s, uint32_t side) {
+    const size_t row = side * s->width;
+    return row > AT_ONCE ? row : AT_ONCE;
+}
+
+uint64_t outside_samples_bytes(const outside_samples *s, const outside_box *b) {
+    const node_box n = nodes_of(s, b);
+    const uint32_t rows = rows_at_once(s, &n);
+    return span_of(s, &n, rows) * (n.count[1] / rows) * n.count[2];
+}
+
+/* Copy the first and the last item of a run that has gaps before and behind it into these. */
+static void repeat_ends(char *items, size_t bytes, uint32_t all, uint32_t before, uint32_t count) {
+    for (uint32_t i = 0; i < before; i++)
+        memcpy(items + i * bytes, items + before * bytes, bytes);
+    for (uint32_t i = before + count; i < all; i++)
+        memcpy(items + i * bytes, items + (before + count - 1) * bytes, bytes);
+}
+
+/* Read a slice of nodes, and convert it to a slice of a box of this size. */
+static status load_slice(outside_samples *s, const node_box *n, const uint32_t size[3], uint32_t z,
+                         char *room, char *slice) {
+    const size_t width = sample_size(sample_place_type(&s->place)), row = size[0] * width;
+    const uint64_t at = s->place.offset + (n->first[2] + z) * s->stride_y * s->dims[1] +
+                        n->first[1] * s->stride_y + n->first[0] * s->width;
+    const uint32_t rows = rows_at_once(s, n);
+    for (uint32_t y = 0; y < n->count[1]; y++) {
+        if (y % rows == 0) {
+            const status st =
+                file_read_at(s->f, at + y * s->stride_y, room, (size_t)span_of(s, n, rows));
+            if (st != ST_OK)
+                return st;
+        }
+        char *to = slice + (n->before[1] + y) * row;
+        if (!sample_place_take(&s->place, room + y % rows * s->stride_y, to + n->before[0] * width,
+                               n->count[0]))
+            return status_describe(ST_CORRUPT, "%s: byte %llu: a sample that was not there before",
+                                   file_path(s->f), (unsigned long long)(at + y * s->stride_y));
+        repeat_ends(to, width, size[0], n->before[0], n->count[0]);
+    }
+    repeat_ends(slice, row, size[1], n->before[1], n->count[1]);
+    return ST_OK;
+}
+
+status outside_samples_load(outside_samples *s, const outside_box *b, void *room, void *samples) {
+    const node_box n = nodes_of(s, b);
+    const size_t slice =
+        (size_t)b->size[0] * b->size[1] * sample_size(sample_place_type(&s->place));
+    status st = ST_OK;
+    for (uint32_t z = 0; z < n.count[2] && st == ST_OK; z++)
+        st = load_slice(s, &n, b->size, z, room, (char *)samples + (n.before[2] + z) * slice);
+    if (st == ST_OK)
+        repeat_ends(samples, slice, b->size[2], n.before[2], n.count[2]);
+    return st;
+}
+
+uint64_t outside_samples_sum(const void *samples, size_t bytes) {
+    const uint64_t sum = hash_bytes(samples, bytes);
+    return sum ? sum : 1;
+}

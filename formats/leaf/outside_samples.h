@@ -1,0 +1,56 @@
+/* outside_samples.h - the samples of level 0 that a grid's treelet file leaves in another one
+ * (section OUTSIDE, FORMAT.md 11).
+ *
+ * They are read row by row, or slice by slice where rows lie close together. The other file must
+ * have the size and time that it had then, as the directory tells what need not be read.
+ *
+ * Thread-safe: any number of loads at once, each with a room of its own.
+ */
+#ifndef FORMATS_LEAF_OUTSIDE_SAMPLES_H
+#define FORMATS_LEAF_OUTSIDE_SAMPLES_H
+
+#include "formats/base/mem.h"
+#include "formats/base/status.h"
+#include "formats/grid/sample_place.h"
+#include "formats/leaf/leaf.h"
+
+/* outside_samples_describe() - fill the section from a place that volume_place() told: its file's
+ * size and time as they are now, and its path from the folder of `leaf`, which need not exist yet.
+ * ST_UNSUPPORTED if the path is too long.
+ * outside_samples_place() - the place that a section tells. */
+CHECKED status outside_samples_describe(mem *m, const sample_place *at, const char *leaf,
+                                        leaf_outside *out);
+sample_place outside_samples_place(const leaf_outside *o);
+
+typedef struct outside_samples outside_samples;
+
+/* outside_samples_open() - open the file that a checked section names. leaf: the path of the
+ * treelet file, whose level 0 has these dims. ST_CORRUPT: it is another one than then. */
+CHECKED status outside_samples_open(mem *m, const char *leaf, const leaf_outside *o,
+                                    const uint32_t dims[3], outside_samples **out);
+void outside_samples_close(outside_samples *s); /* NULL is fine */
+
+const char *outside_samples_path(const outside_samples *s);
+
+/* outside_samples_changed() - ST_CORRUPT if the file has changed since it was opened. */
+CHECKED status outside_samples_changed(const outside_samples *s);
+
+/* A box of nodes: of those that do not exist, it has copies of the nearest ones. */
+typedef struct outside_box {
+    int64_t first[3]; /* -1 or more */
+    uint32_t size[3];
+} outside_box;
+
+/* outside_samples_room() - the bytes of a room for boxes of up to `side` nodes along x.
+ * outside_samples_bytes() - returns how many bytes are read for a box. */
+size_t outside_samples_room(const outside_samples *s, uint32_t side);
+uint64_t outside_samples_bytes(const outside_samples *s, const outside_box *b);
+
+/* outside_samples_load() - make the samples of a box, x fastest, of sample_place_type(). */
+CHECKED status outside_samples_load(outside_samples *s, const outside_box *b, void *room,
+                                    void *samples);
+
+/* outside_samples_sum() - the checksum of a treelet's samples; never 0. */
+uint64_t outside_samples_sum(const void *samples, size_t bytes);
+
+#endif

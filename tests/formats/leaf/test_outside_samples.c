@@ -1,0 +1,195 @@
+/* test_outside_samples.c - files that leave the samples of level 0 in their input: the same
+ * payloads as of a file with all, whatever the type; what the second reader makes of them; sections
+ * that cannot be. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "formats/leaf/leaf_check.h"
+#include "formats/leaf/leaf_unpacker.h"
+#include "tests/support/leaf_files.h"
+#include "tests/support/naive_leaf.h"
+#include "tests/support/scratch.h"
+
+static leaf_file *open_file(mem *m, const char *path) {
+    leaf_file *f = NULL;
+    if (leaf_file_open(m, path, &f) != ST_OK)
+        fail_msg("%s", status_text());
+    return f;
+}
+
+/* Compare all payloads of two files, and what reading them counts. */
+static void compare(const char *whole, const char *index) {
+    mem m;
+    leaf_unpacker *u = NULL;
+    uint32_t outside = 0;
+    mem_init(&m, 0);
+    leaf_file *a = open_file(&m, whole), *b = open_file(&m, index);
+    assert_int_equal(leaf_unpacker_create(&m, b, &u), ST_OK);
+    char *want = mem_alloc(&m, leaf_layout_payload_max(&a->layout));
+    char *got = mem_alloc(&m, leaf_layout_payload_max(&a->layout));
+    assert_true(want && got && b->samples && !a->samples);
+    for (uint32_t t = 0; t < a->layout.treelets; t++) {
+        const size_t bytes = leaf_layout_payload_bytes(&a->layout, t);
+        memset(got, 0x55, bytes);
+        assert_int_equal(leaf_file_load(a, t, NULL, want), ST_OK);
+        if (leaf_file_load(b, t, u, got) != ST_OK)
+            fail_msg("%s", status_text());
+        assert_memory_equal(want, got, bytes);
+        const uint64_t read = leaf_unpacker_take(u);
+        if (leaf_file_is_outside(b, t))
+            assert_true(read == leaf_file_bytes_outside(b, t) && read > 0);
+        outside += leaf_file_is_outside(b, t);
+        assert_int_equal(leaf_file_is_implied(a, t), leaf_file_is_implied(b, t));
+    }
+    assert_true(outside > 0);
+    mem_free(&m, want);
+    mem_free(&m, got);
+    leaf_unpacker_destroy(u);
+    leaf_file_close(a);
+    leaf_file_close(b);
+    assert_int_equal(mem_used(&m), 0);
+}
+
+/* Convert both ways, and compare; the second reader reads both. */
+static void check_case(const leaf_case *c) {
+    char whole[256], index[256];
+    naive_leaf leaf;
+    leaf_case in_place = *c;
+    in_place.in_place = true;
+    snprintf(whole, sizeof whole, "%s", leaf_files_make(c, "whole.leaf"));
+    snprintf(index, sizeof index, "%s", leaf_files_make(&in_place, "index.leaf"));
+    compare(whole, index);
+    if (!naive_leaf_load(&leaf, index))
+        fail_msg("%s: %s", sample_name(c->type), leaf.why);
+    naive_leaf_release(&leaf);
+}
+
+static void test_types(void **state) {
+    static const sample_type types[] = {SAMPLE_U8,  SAMPLE_I8,  SAMPLE_U16, SAMPLE_I16,
+                                        SAMPLE_F32, SAMPLE_U32, SAMPLE_I32, SAMPLE_F64};
+    (void)state;
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++)
+        for (int how = 0; how < 8; how++) {
+            leaf_case c = leaf_files_case(40, 37, 34, types[i]);
+            char *samples = leaf_files_random(&c, i + 1, how & 1 ? 40 : 0);
+            c.samples = samples;
+            c.options.file.halo = (uint32_t)how >> 1 & 1;
+            c.reading.big_endian = how >> 2 & 1;
+            c.reading.has_missing = (how & 1) && types[i] != SAMPLE_U32 && types[i] != SAMPLE_I32;
+            c.reading.missing = 25;
+            check_case(&c);
+            free(samples);
+        }
+}
+
+/* Rows far apart are read one by one; treelets of one cell, and of many. */
+static void test_sizes(void **state) {
+    static const uint32_t dims[][3] = {{3000, 40, 5}, {2, 2, 2},   {17, 18, 16},
+                                       {16, 17, 50},  {65, 66, 3}, {33, 1700, 4}};
+    (void)state;
+    for (size_t i = 0; i < sizeof dims / sizeof *dims; i++)
+        for (uint32_t log2 = 4; log2 <= 6; log2++) {
+            leaf_case c = leaf_files_case(dims[i][0], dims[i][1], dims[i][2], SAMPLE_U16);
+            c.options.file.cells_log2 = log2;
+            void *samples = leaf_files_random(&c, i, 0);
+            c.samples = samples;
+            check_case(&c);
+            free(samples);
+        }
+}
+
+/* Empty space is implied there, too, and nothing is read for it. */
+static void test_empty_space(void **state) {
+    leaf_case c = leaf_files_case(70, 50, 40, SAMPLE_F32);
+    float *samples = calloc((size_t)70 * 50 * 40, sizeof *samples);
+    (void)state;
+    assert_non_null(samples);
+    for (int i = 0; i < 3000; i++)
+        samples[i] = (float)i;
+    c.samples = samples;
+    check_case(&c);
+    free(samples);
+}
+
+/* ---- sections that cannot be ---- */
+
+static leaf_outside section = {
+    .file_bytes = 1000, .type = SAMPLE_U8, .offset = 20, .components = 1, .path = "in.raw"};
+
+static void refused(const leaf_outside *o, const char *said) {
+    const leaf_header h = {.dims = {4, 5, 6}, .sample_type = SAMPLE_U8};
+    const status st = leaf_check_outside("F.leaf", &h, o, 4096);
+    assert_true(st == ST_CORRUPT || st == ST_UNSUPPORTED);
+    if (!strstr(status_text(), said))
+        fail_msg("\"%s\" in: %s", said, status_text());
+}
+
+static void test_sections(void **state) {
+    const leaf_header h = {.dims = {4, 5, 6}, .sample_type = SAMPLE_U8};
+    (void)state;
+    assert_int_equal(leaf_check_outside("F.leaf", &h, &section, 4096), ST_OK);
+    const struct {
+        size_t at;
+        uint32_t value;
+        const char *said;
+    } wrong[] = {{offsetof(leaf_outside, modified_ns), 1000000000, "byte 4112: "},
+                 {offsetof(leaf_outside, type), 0, "byte 4116: "},
+                 {offsetof(leaf_outside, type), SAMPLE_F32, "f32 there cannot be u8 here"},
+                 {offsetof(leaf_outside, offset), 881, "end behind the end of their file"},
+                 {offsetof(leaf_outside, offset) + 4, 1 << 30, "end behind the end of their file"},
+                 {offsetof(leaf_outside, components), 0, "byte 4128: "},
+                 {offsetof(leaf_outside, components), 257, "byte 4128: "},
+                 {offsetof(leaf_outside, components), 9, "cannot be u8 here"},
+                 {offsetof(leaf_outside, component), 2, "byte 4132: "},
+                 {offsetof(leaf_outside, flags), 8, "byte 4136: "},
+                 {offsetof(leaf_outside, flags), LEAF_OUTSIDE_MISSING, "cannot be u8 here"},
+                 {offsetof(leaf_outside, reserved0), 1, "byte 4140: "},
+                 {offsetof(leaf_outside, slope) + 4, 0x7ff80000, "byte 4144: "},
+                 {offsetof(leaf_outside, reserved), 7, "byte 4168: "},
+                 {offsetof(leaf_outside, path), 0, "byte 42"}};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        leaf_outside o = section;
+        memcpy((char *)&o + wrong[i].at, &wrong[i].value, sizeof wrong[i].value);
+        refused(&o, wrong[i].said);
+    }
+    leaf_outside o = section;
+    memset(o.path, 'x', sizeof o.path);
+    refused(&o, "a text that ends within");
+    memset(o.path, 0, sizeof o.path);
+    refused(&o, "expected a path");
+}
+
+/* From memory nothing can be found beside the file. */
+static void test_memory(void **state) {
+    leaf_case c = leaf_files_case(40, 37, 34, SAMPLE_U8);
+    void *samples = leaf_files_random(&c, 5, 0);
+    leaf_file *f = NULL;
+    size_t size;
+    mem m;
+    (void)state;
+    c.samples = samples;
+    c.in_place = true;
+    char *bytes = scratch_read(leaf_files_make(&c, "index.leaf"), &size);
+    mem_init(&m, 0);
+    assert_int_equal(leaf_file_open_memory(&m, "here.leaf", bytes, size, &f), ST_UNSUPPORTED);
+    assert_non_null(strstr(status_text(), "here.leaf: its samples lie in another file"));
+    assert_int_equal(mem_used(&m), 0);
+    free(bytes);
+    free(samples);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_types),       cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_empty_space), cmocka_unit_test(test_sections),
+        cmocka_unit_test(test_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
