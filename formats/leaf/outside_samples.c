@@ -9,8 +9,9 @@
 #include "formats/base/file_mark.h"
 #include "formats/base/hash.h"
 
-/* Rows of a slice are read with what lies between them if all are at most so many bytes. */
-enum { AT_ONCE = 64 << 10 };
+/* Rows that lie within a page of each other are read with what lies between them, at most so many
+ * bytes at once: the disk would read it anyway. */
+enum { NEAR = 4096, AT_ONCE = 64 << 10 };
 
 struct outside_samples {
     mem *m;
@@ -205,19 +206,27 @@ static uint64_t span_of(const outside_samples *s, const node_box *n, uint32_t ro
     return (rows - 1) * s->stride_y + n->count[0] * s->width;
 }
 
-static uint32_t rows_at_once(const outside_samples *s, const node_box *n) {
-    return span_of(s, n, n->count[1]) <= AT_ONCE ? n->count[1] : 1;
+/* How many rows are read from row y on. */
+static uint32_t rows_at_once(const outside_samples *s, const node_box *n, uint32_t y) {
+    const uint32_t left = n->count[1] - y, most = AT_ONCE / NEAR;
+    if (s->stride_y > NEAR)
+        return 1;
+    return left < most ? left : most;
 }
 
 size_t outside_samples_room(const outside_samples *s, uint32_t side) {
     const size_t row = side * s->width;
-    return row > AT_ONCE ? row : AT_ONCE;
+    return row > NEAR ? row + AT_ONCE : NEAR + AT_ONCE;
 }
 
 uint64_t outside_samples_bytes(const outside_samples *s, const outside_box *b) {
     const node_box n = nodes_of(s, b);
-    const uint32_t rows = rows_at_once(s, &n);
-    return span_of(s, &n, rows) * (n.count[1] / rows) * n.count[2];
+    uint64_t slice = 0;
+    for (uint32_t y = 0, rows; y < n.count[1]; y += rows) {
+        rows = rows_at_once(s, &n, y);
+        slice += span_of(s, &n, rows);
+    }
+    return slice * n.count[2];
 }
 
 /* Copy the first and the last item of a run that has gaps before and behind it into these. */
@@ -228,26 +237,32 @@ static void repeat_ends(char *items, size_t bytes, uint32_t all, uint32_t before
         memcpy(items + i * bytes, items + (before + count - 1) * bytes, bytes);
 }
 
+/* Convert a row. at: its byte, for messages. */
+static status take_row(const outside_samples *s, void *in, void *out, size_t count, uint64_t at) {
+    if (sample_place_take(&s->place, in, out, count))
+        return ST_OK;
+    return status_describe(ST_CORRUPT, "%s: byte %llu: a number that no conversion takes",
+                           file_path(s->f), (unsigned long long)at);
+}
+
 /* Read a slice of nodes, and convert it to a slice of a box of this size. */
 static status load_slice(outside_samples *s, const node_box *n, const uint32_t size[3], uint32_t z,
                          char *room, char *slice) {
     const size_t width = sample_size(sample_place_type(&s->place)), row = size[0] * width;
     const uint64_t at = s->place.offset + (n->first[2] + z) * s->stride_y * s->dims[1] +
                         n->first[1] * s->stride_y + n->first[0] * s->width;
-    const uint32_t rows = rows_at_once(s, n);
-    for (uint32_t y = 0; y < n->count[1]; y++) {
-        if (y % rows == 0) {
-            const status st =
-                file_read_at(s->f, at + y * s->stride_y, room, (size_t)span_of(s, n, rows));
-            if (st != ST_OK)
-                return st;
+    for (uint32_t y = 0, rows; y < n->count[1]; y += rows) {
+        const uint64_t from = at + y * s->stride_y;
+        rows = rows_at_once(s, n, y);
+        status st = file_read_at(s->f, from, room, (size_t)span_of(s, n, rows));
+        for (uint32_t i = 0; i < rows && st == ST_OK; i++) {
+            char *to = slice + (n->before[1] + y + i) * row;
+            st = take_row(s, room + i * s->stride_y, to + n->before[0] * width, n->count[0],
+                          from + i * s->stride_y);
+            repeat_ends(to, width, size[0], n->before[0], n->count[0]);
         }
-        char *to = slice + (n->before[1] + y) * row;
-        if (!sample_place_take(&s->place, room + y % rows * s->stride_y, to + n->before[0] * width,
-                               n->count[0]))
-            return status_describe(ST_CORRUPT, "%s: byte %llu: a sample that was not there before",
-                                   file_path(s->f), (unsigned long long)(at + y * s->stride_y));
-        repeat_ends(to, width, size[0], n->before[0], n->count[0]);
+        if (st != ST_OK)
+            return st;
     }
     repeat_ends(slice, row, size[1], n->before[1], n->count[1]);
     return ST_OK;
