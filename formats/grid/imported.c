@@ -14,6 +14,7 @@
 #include "formats/base/wait.h"
 #include "formats/grid/layout_slices.h"
 #include "formats/grid/nrrd.h"
+#include "formats/grid/sample_place.h"
 #include "formats/grid/tile_stream.h"
 #include "formats/input/foreign.h"
 
@@ -24,6 +25,7 @@ typedef struct import {
     size_t lent; /* bytes of m's limit that are lent while the source is open */
     char *path;
     char *field; /* the hints' field; NULL: not given */
+    char place[GRID_PLACE_MAX];
     uint32_t component, step;
     input_trust trust;
     char program[SIBLING_PATH];
@@ -325,6 +327,14 @@ static status tell_fields(void *ctx, const slice_fields *to) {
     return st;
 }
 
+static bool find_place(void *ctx, sample_place *out) {
+    const import *x = ctx;
+    if (!sample_place_parse(x->place, out))
+        return false;
+    out->path = x->path;
+    return true;
+}
+
 /* Open what the importer writes: NRRD, or a tile stream where it knows of quiet parts. */
 static status open_slices(mem *m, const foreign_format *f, const char *path,
                           const volume_hints *hints, slice_source *out) {
@@ -342,6 +352,8 @@ static status open_slices(mem *m, const foreign_format *f, const char *path,
     if (st == ST_OK)
         st = volume_layout_check(&l);
     if (st == ST_OK)
+        memcpy(x->place, l.g.place, sizeof x->place);
+    if (st == ST_OK)
         st = tiles ? tile_stream_open(&l, quiet, out) : layout_slices_open(&l, out);
     volume_layout_release(&l);
     out->format = f->name;
@@ -349,6 +361,8 @@ static status open_slices(mem *m, const foreign_format *f, const char *path,
     out->has_fields = true;
     out->fields = tell_fields;
     out->fields_ctx = x;
+    out->place = find_place;
+    out->place_ctx = x;
     return st;
 }
 

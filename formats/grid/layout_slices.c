@@ -405,6 +405,7 @@ status layout_slices_open(volume_layout *l, slice_source *out) {
                           .read = read_slices,
                           .skip = seeks(s) ? skip_slices : NULL,
                           .place = find_place,
+                          .place_ctx = s,
                           .finish = finish,
                           .next_step = l->all_steps ? next_step : NULL,
                           .close = close_slices,

@@ -113,6 +113,11 @@ status nrrd_write_header(out_stream *out, const grid *g) {
         put(h, g->note);
         put(h, "\n");
     }
+    if (g->place[0]) {
+        put(h, "leafcast place:=");
+        put(h, g->place);
+        put(h, "\n");
+    }
     put(h, "\n");
     return h->st;
 }

@@ -1,9 +1,29 @@
 #include "formats/grid/sample_place.h"
 
 #include <endian.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { BLOCK = 512 }; /* samples */
+
+const char *sample_place_print(const sample_place *p, char text[GRID_PLACE_MAX]) {
+    snprintf(text, GRID_PLACE_MAX, "%llu %s %s", (unsigned long long)p->offset,
+             sample_name(p->stored.type), p->big_endian ? "big" : "little");
+    return text;
+}
+
+bool sample_place_parse(const char *text, sample_place *out) {
+    unsigned long long offset;
+    char type[8], order[8], more;
+    *out = (sample_place){0};
+    if (sscanf(text, "%llu %7s %7s %c", &offset, type, order, &more) != 3 ||
+        !sample_parse(type, &out->stored.type) ||
+        (strcmp(order, "big") != 0 && strcmp(order, "little") != 0))
+        return false;
+    out->offset = offset;
+    out->big_endian = order[0] == 'b';
+    return true;
+}
 
 /* The type of the samples once missing data are marked. */
 static sample_type type_marked(const sample_place *p) {

@@ -20,6 +20,11 @@ typedef struct sample_place {
     double missing;
 } sample_place;
 
+/* sample_place_print() - a place of plain numbers, without path and missing data, as text.
+ * sample_place_parse() - the place that a text tells; false if it is none. path stays NULL. */
+const char *sample_place_print(const sample_place *p, char text[GRID_PLACE_MAX]);
+bool sample_place_parse(const char *text, sample_place *out);
+
 /* sample_place_type() - returns the type that a treelet file stores the samples in. */
 sample_type sample_place_type(const sample_place *p);
 

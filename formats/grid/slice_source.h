@@ -57,7 +57,8 @@ typedef struct slice_source {
     /* Move on by so many slices, without reading them. NULL: they have to be read. */
     status (*skip)(void *ctx, uint32_t count);
     /* Say where the samples lie as they are, missing data aside; false: nowhere. NULL likewise. */
-    bool (*place)(void *ctx, struct sample_place *out);
+    bool (*place)(void *place_ctx, struct sample_place *out);
+    void *place_ctx;
     /* Called behind the last slice: check and count what follows, see volume_finish(). NULL:
      * nothing can follow. */
     status (*finish)(void *ctx, uint64_t *trailing);

@@ -314,7 +314,7 @@ status volume_skip(volume *v, uint32_t count) {
 }
 
 bool volume_place(const volume *v, sample_place *out) {
-    if (!v->from.place || !v->from.place(v->from.ctx, out))
+    if (!v->from.place || !v->from.place(v->from.place_ctx, out))
         return false;
     out->has_missing = v->has_missing;
     out->missing = v->missing;

@@ -492,6 +492,7 @@ status vtk_grid_open(vtk_grid *g, const volume_hints *hints, slice_source *out) 
                           .g = to,
                           .read = read_slices,
                           .place = find_place,
+                          .place_ctx = g,
                           .close = close_slices,
                           .ctx = g,
                           .rounding = &g->rounding,

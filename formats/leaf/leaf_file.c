@@ -337,10 +337,14 @@ static status open_source(mem *m, file *source, const char *path, leaf_file **ou
     return ST_OK;
 }
 
-status leaf_file_open(mem *m, const char *path, leaf_file **out) {
+status leaf_file_open_as(mem *m, const char *path, const char *as, leaf_file **out) {
     file *source = NULL;
     status st = file_open(m, path, &source);
-    return st == ST_OK ? open_source(m, source, path, out) : st;
+    return st == ST_OK ? open_source(m, source, as, out) : st;
+}
+
+status leaf_file_open(mem *m, const char *path, leaf_file **out) {
+    return leaf_file_open_as(m, path, path, out);
 }
 
 status leaf_file_open_memory(mem *m, const char *name, const void *bytes, size_t size,
@@ -348,16 +352,6 @@ status leaf_file_open_memory(mem *m, const char *name, const void *bytes, size_t
     file *source = NULL;
     status st = file_open_memory(m, name, bytes, size, &source);
     return st == ST_OK ? open_source(m, source, name, out) : st;
-}
-
-status leaf_file_prove(mem *m, const char *path, const char *as) {
-    leaf_file *f = NULL;
-    file *source = NULL;
-    status st = file_open(m, path, &source);
-    if (st == ST_OK)
-        st = open_source(m, source, as, &f);
-    leaf_file_close(f);
-    return st;
 }
 
 status leaf_file_changed(const leaf_file *f) {

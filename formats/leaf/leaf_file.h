@@ -69,9 +69,8 @@ CHECKED status leaf_file_open_memory(mem *m, const char *name, const void *bytes
                                      leaf_file **out);
 void leaf_file_close(leaf_file *f); /* NULL is fine */
 
-/* leaf_file_prove() - open and close a file that is about to get the name `as`. So the reader opens
- * all that the writer accepts. */
-CHECKED status leaf_file_prove(mem *m, const char *path, const char *as);
+/* leaf_file_open_as() - the same of a file that is about to get the name `as`. */
+CHECKED status leaf_file_open_as(mem *m, const char *path, const char *as, leaf_file **out);
 
 /* leaf_file_changed() - ST_CORRUPT if the file, or the one its samples lie in, has changed since it
  * was opened. */

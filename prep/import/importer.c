@@ -10,6 +10,7 @@
 #include "formats/base/file_guard.h"
 #include "formats/base/text.h"
 #include "formats/grid/nrrd_writer.h"
+#include "formats/grid/sample_place.h"
 #include "formats/grid/tile_stream.h"
 #include "prep/convert_defaults.h"
 #include "prep/import/crash.h"
@@ -216,6 +217,9 @@ static status import(mem *m, arguments *a) {
     status st = a->importer->open(m, &a->q, &from);
     if (st == ST_OK)
         st = grid_check(&from.g, from.name);
+    sample_place at;
+    if (st == ST_OK && a->tiles && from.place && from.place(from.place_ctx, &at))
+        (void)sample_place_print(&at, from.g.place); /* for convert, which has started this */
     if (st == ST_OK)
         st = a->tiles && from.read_tiles ? write_tiles(m, a, &from) : write_nrrd(m, a, &from);
     st = judge(a, st);

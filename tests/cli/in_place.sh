@@ -120,6 +120,40 @@ pair holes_too holes.nrrd --missing 1
 pair treelets u8.nrrd --treelet 16 --halo 0
 pair wide u16.nrrd --treelet 64 --compress zstd:9 --spacing 1,2,3 --name else
 
+# ---- data sets of HDF5 that are one piece of their file ----
+
+python=$(python_with h5py)
+if [ -z "$python" ]; then
+    skip "HDF5" "no python3-h5py here"
+else
+    "$python" - "$in" <<'PY'
+import sys, h5py, numpy
+folder = sys.argv[1] + "/"
+a = (numpy.random.default_rng(1).random((40, 37, 41)) * 200).astype("u1")
+def write(name, samples, attributes={}, **more):
+    block = {"userblock_size": more.pop("block")} if "block" in more else {}
+    with h5py.File(folder + name + ".h5", "w", **block) as f:
+        d = f.create_dataset("d", data=samples, **more)
+        d.attrs.update(attributes)
+for name in "<i2", ">i2", "<f4", ">f8", "<u4":
+    write("whole" + name[1:] + "lb"[name[0] == ">"], a.astype(name))
+write("series", numpy.stack([a, a[::-1], a[:, ::-1]]))
+write("behind", a, block=1024)
+write("chunks", a, chunks=(10, 10, 10))
+write("scaled", a, {"scale_factor": 0.5})
+write("filled", a, {"_FillValue": numpy.uint8(7)})
+write("half", a.astype("<f2"))
+PY
+    for name in wholei2l wholei2b wholef4l wholef8b wholeu4l behind; do
+        pair h5_$name $name.h5
+    done
+    pair h5_step series.h5 --step 2
+    for name in chunks scaled filled half; do
+        exits "HDF5, $name: refused" 3 "$leafcast" convert "$in/$name.h5" -o "$tmp/r.leaf" --in-place
+        ok "HDF5, $name: told" says "$name.h5: --in-place takes samples that lie in one file"
+    done
+fi
+
 # ---- what is read, and where it lies ----
 
 run "$leafcast" render "$tmp/u8_nrrd.leaf" --size 60x50 -o "$tmp/p.ppm" --stats "$tmp/stats"

@@ -5,6 +5,7 @@
 
 #include "formats/base/file.h"
 #include "formats/base/text.h"
+#include "formats/grid/sample_place.h"
 #include "prep/import/hdf5/hdf5_field.h"
 #include "prep/import/hdf5/hdf5_lzf.h"
 #include "prep/import/hdf5/hdf5_minc.h"
@@ -366,6 +367,59 @@ static status read_slices(void *ctx, uint32_t first, uint32_t count, void *slice
     return packed_slices_read(&s->slices, first, count, slices);
 }
 
+/* ---- in place ---- */
+
+/* The types of HDF5 whose bytes are numbers of a sample type, in either order. */
+static bool is_plain(hid_t type, sample_type of, bool *big) {
+    const struct {
+        sample_type type;
+        hid_t little, big;
+    } plain[] = {
+        {SAMPLE_U8, H5T_STD_U8LE, H5T_STD_U8BE},      {SAMPLE_I8, H5T_STD_I8LE, H5T_STD_I8BE},
+        {SAMPLE_U16, H5T_STD_U16LE, H5T_STD_U16BE},   {SAMPLE_I16, H5T_STD_I16LE, H5T_STD_I16BE},
+        {SAMPLE_U32, H5T_STD_U32LE, H5T_STD_U32BE},   {SAMPLE_I32, H5T_STD_I32LE, H5T_STD_I32BE},
+        {SAMPLE_F32, H5T_IEEE_F32LE, H5T_IEEE_F32BE}, {SAMPLE_F64, H5T_IEEE_F64LE, H5T_IEEE_F64BE}};
+    for (size_t i = 0; i < sizeof plain / sizeof *plain; i++) {
+        if (plain[i].type != of)
+            continue;
+        *big = H5Tequal(type, plain[i].big) > 0;
+        return *big || H5Tequal(type, plain[i].little) > 0;
+    }
+    return false;
+}
+
+/* Whether the data set is one piece of the file, x fastest, then y, z and steps. */
+static bool lies_in_order(const hdf5_field *f) {
+    const int steps = f->at[HDF5_T] >= 0;
+    hid_t plist = H5Dget_create_plist(f->set);
+    const bool whole = H5Pget_layout(plist) == H5D_CONTIGUOUS && H5Pget_external_count(plist) == 0;
+    H5Pclose(plist);
+    return whole && f->rank == 3 + steps && f->at[HDF5_X] == f->rank - 1 &&
+           f->at[HDF5_Y] == f->rank - 2 && f->at[HDF5_Z] == f->rank - 3;
+}
+
+/* Numbers that become samples as they are, in one piece of the file. */
+static bool find_place(void *ctx, sample_place *out) {
+    const hdf5_slices *s = ctx;
+    const hdf5_field *f = &s->field;
+    const packed_samples *p = &f->packed;
+    const haddr_t at = H5Dget_offset(f->set);
+    hid_t type = H5Dget_type(f->set);
+    bool big = false;
+    const bool plain = p->wide == PACKED_NARROW && p->components == 1 && !p->fills &&
+                       !p->has_range && p->scale == 1.0 && p->offset == 0.0 && !s->slices.scales &&
+                       packed_type(p) == p->type && is_plain(type, p->type, &big);
+    H5Tclose(type);
+    if (!plain || at == HADDR_UNDEF || !lies_in_order(f))
+        return false;
+    uint64_t step = sample_size(p->type);
+    for (int a = 0; a < 3; a++)
+        step *= hdf5_field_count(f, HDF5_X + a);
+    *out = (sample_place){
+        .offset = at + s->step * step, .big_endian = big, .stored = {.type = p->type}};
+    return true;
+}
+
 /* ---- opening ---- */
 
 static status make_grid(hdf5_slices *s, grid *g) {
@@ -426,6 +480,8 @@ status hdf5_slices_open(mem *m, const import_request *q, const char *axes, slice
                           .m = m,
                           .g = g,
                           .read = read_slices,
+                          .place = find_place,
+                          .place_ctx = s,
                           .close = close_slices,
                           .ctx = s};
     return ST_OK;
