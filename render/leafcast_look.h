@@ -144,7 +144,7 @@ typedef struct leafcast_scene {
     bool allow_missing; /* draw treelets that cannot be read, as they are damaged or the disk fails,
                            by the coarser one above, or not at all; their pixels are provisional,
                            and stats count them. false: they are an error. Ignored by previews,
-                           rays and probes; not with LEAFCAST_PROJECT_MAX and _MIN */
+                           rays and probes; not with LEAFCAST_PROJECT_MAX and _MIN, and caps */
     bool sweep;     /* load everything that the isovalues need, coarse levels first, not only what
                        rays ask for */
     int samples;    /* rays a pixel for r, g, b, a: 0 or 1 (through its centre), or the mean of 4 or

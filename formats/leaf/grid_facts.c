@@ -4,6 +4,7 @@
 
 #include "formats/base/num.h"
 #include "formats/base/sample.h"
+#include "formats/base/text.h"
 #include "formats/leaf/leaf_stats.h"
 #include "formats/leaf/outside_samples.h"
 
@@ -60,8 +61,10 @@ static void tell_treelets(const leaf_file *f, const fact_sheet *to) {
                     (unsigned long long)h->file_bytes, (double)h->file_bytes / raw);
     leaf_tell_bytes(f, to, raw);
     if (f->samples) {
-        fact_sheet_line(to, "level 0", "in place, in %s", outside_samples_path(f->samples));
-        fact_sheet_text(to, "in_place", outside_samples_path(f->samples));
+        char path[TEXT_NAME_MAX];
+        text_name(path, sizeof path, outside_samples_path(f->samples));
+        fact_sheet_line(to, "level 0", "in place, in %s", path);
+        fact_sheet_text(to, "in_place", path);
     }
     fact_sheet_whole(to, "implied_payloads", leaf_tell_implied(f));
 }

@@ -447,9 +447,10 @@ static status check_place(const char *path, const leaf_header *h, const leaf_out
     if (!*o->path)
         return leaf_check_corrupt(path, at + offsetof(leaf_outside, path), "expected a path");
     if (sample_place_type(&p) != (sample_type)h->sample_type)
-        return leaf_check_corrupt(
-            path, at + offsetof(leaf_outside, type), "samples of type %s there cannot be %s here",
-            sample_name(p.stored.type), sample_name((sample_type)h->sample_type));
+        return leaf_check_corrupt(path, at + offsetof(leaf_outside, type),
+                                  "samples there become %s, and cannot be %s here",
+                                  sample_name(sample_place_type(&p)),
+                                  sample_name((sample_type)h->sample_type));
     if (o->offset > o->file_bytes || bytes > o->file_bytes - o->offset)
         return leaf_check_corrupt(path, at + offsetof(leaf_outside, offset),
                                   "the samples end behind the end of their file");

@@ -102,7 +102,8 @@ const char *leaf_tell_codec(const leaf_file *f) {
 
 uint32_t leaf_tell_implied(const leaf_file *f) {
     uint32_t implied = 0;
-    for (uint32_t p = 0; p < f->layout.payloads; p++)
+    const uint32_t shells = f->layout.shells * f->layout.sets; /* may be needless, and are last */
+    for (uint32_t p = 0; p < f->layout.payloads - shells; p++)
         implied += leaf_file_is_implied(f, p);
     return implied;
 }
@@ -116,7 +117,8 @@ static void print_bytes(const leaf_file *f, const fact_sheet *to) {
                     (double)f->directory_bytes / (double)h->treelets);
     if (implied)
         fact_sheet_line(to, "payloads", "%llu bytes; %u of %u treelets have one value, and none",
-                        payload_bytes, implied, f->layout.payloads);
+                        payload_bytes, implied,
+                        f->layout.payloads - f->layout.shells * f->layout.sets);
     else
         fact_sheet_line(to, "payloads", "%llu bytes", payload_bytes);
 }

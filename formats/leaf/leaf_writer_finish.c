@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/base/file_guard.h"
 #include "formats/base/hash.h"
 #include "formats/leaf/leaf_check.h"
 #include "formats/leaf/leaf_file.h"
@@ -290,6 +291,7 @@ static status prove(leaf_writer *w) {
     if (st == ST_OK && f->samples)
         st = prove_outside(f);
     leaf_file_close(f);
+    file_guard_forget(out_file_temporary(w->out));
     return st;
 }
 

@@ -1,5 +1,6 @@
 #include "formats/leaf/outside_samples.h"
 
+#include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -77,15 +78,18 @@ static bool path_between(const char *leaf, const char *to, char out[], size_t si
     return snprintf(out + used, size - used, "%s", target + same) < (int)(size - used);
 }
 
-/* The path to open. */
+/* The path to open. leaf may be a link: the folder is that of the file itself. */
 static char *found_path(mem *m, const char *leaf, const char *path) {
-    const char *slash = *path == '/' ? NULL : strrchr(leaf, '/');
-    const size_t folder = slash ? (size_t)(slash + 1 - leaf) : 0;
-    char *found = mem_alloc(m, folder + strlen(path) + 1);
+    char real[PATH_MAX], folder[PATH_MAX] = "";
+    const char *own = realpath(leaf, real) ? real : leaf;
+    if (*path != '/' && !folder_of(own, folder))
+        folder[0] = '\0';
+    const size_t length = strlen(folder);
+    char *found = mem_alloc(m, length + strlen(path) + 1);
     if (!found)
         return NULL;
-    memcpy(found, leaf, folder);
-    memcpy(found + folder, path, strlen(path) + 1);
+    memcpy(found, folder, length);
+    memcpy(found + length, path, strlen(path) + 1);
     return found;
 }
 
@@ -115,11 +119,13 @@ status outside_samples_describe(mem *m, const sample_place *at, const char *leaf
                           .slope = s->slope,
                           .intercept = s->intercept,
                           .missing = at->has_missing ? at->missing : 0.0};
-    if (!path_between(leaf, at->path, out->path, sizeof out->path))
-        return status_describe(ST_UNSUPPORTED,
-                               "%s: the path from %s to it is none of up to %zu bytes", at->path,
-                               leaf, sizeof out->path - 1);
-    return ST_OK;
+    errno = 0;
+    if (path_between(leaf, at->path, out->path, sizeof out->path))
+        return ST_OK;
+    if (errno)
+        return file_failed(errno, leaf, "its folder");
+    return status_describe(ST_UNSUPPORTED, "%s: the path from %s to it has more than %zu bytes",
+                           at->path, leaf, sizeof out->path - 1);
 }
 
 static status compare(const outside_samples *s, const char *leaf, const leaf_outside *o) {
@@ -132,7 +138,10 @@ static status compare(const outside_samples *s, const char *leaf, const leaf_out
                                (unsigned long long)o->file_bytes, leaf);
     if (s->mark.modified_s != o->modified_s || s->mark.modified_ns != (int64_t)o->modified_ns)
         return status_describe(
-            ST_CORRUPT, "%s: was written to after %s was made of it: convert it again", path, leaf);
+            ST_CORRUPT,
+            "%s: has another time than when %s was made of it, as if it had been "
+            "written to: convert it again, or give it its time back",
+            path, leaf);
     return ST_OK;
 }
 

@@ -235,6 +235,8 @@ static status scene_together(const void *of) {
         (s->project == LEAFCAST_PROJECT_MAX || s->project == LEAFCAST_PROJECT_MIN))
         return status_describe(ST_USAGE, "a maximum or minimum with allow_missing: what is missing "
                                          "may hold it");
+    if (s->allow_missing && !s->preview && s->caps)
+        return status_describe(ST_USAGE, "caps with allow_missing: they show samples alone");
     if (!samples_valid(s->samples))
         return status_describe(ST_USAGE,
                                "leafcast_scene.samples is %d: 0, 1, 4 and 16 samples a pixel are "

@@ -37,7 +37,12 @@ size_t budget_scratch(const frame *f) {
 static size_t frame_fixed_bytes(const turn *t) {
     const frame *f = &t->f;
     const leafcast_image *planes = &f->image;
-    const leafcast_image colours = {.r = planes->r, .g = planes->g, .b = planes->b, .a = planes->a};
+    const leafcast_image colours = {.r = planes->r,
+                                    .g = planes->g,
+                                    .b = planes->b,
+                                    .a = planes->a,
+                                    .provisional =
+                                        t->scene.allow_missing ? planes->provisional : NULL};
     const size_t kept = t->device->scratch_bytes, scratch = budget_scratch(f);
     size_t bytes = (kept > scratch ? kept : scratch) + budget_image(&f->image, frame_pixels(f)) +
                    frame_bytes(f, records_wanted(f));

@@ -123,7 +123,10 @@ static status make_sample_planes(leafcast_frame *fr) {
         if (there[c] && !*made[c])
             return ST_NOMEM;
     }
-    return ST_OK;
+    if (!like->provisional || !fr->t.scene.allow_missing)
+        return ST_OK;
+    fr->sample.provisional = mem_array(fr->t.f.m, like->stride, like->height);
+    return fr->sample.provisional ? ST_OK : ST_NOMEM;
 }
 
 static status count_parts(leafcast_frame *fr) {
@@ -143,8 +146,11 @@ static leafcast_image part_image(const leafcast_frame *fr) {
         return image;
     if (fr->part > fr->first_sample)
         return fr->sample;
-    if (fr->part == fr->first_sample)
-        return colours_of(&image);
+    if (fr->part == fr->first_sample) {
+        image = colours_of(&image);
+        image.provisional = fr->sample.provisional;
+        return image;
+    }
     image.r = image.g = image.b = image.a = NULL;
     return image;
 }
@@ -210,9 +216,24 @@ static status cap(leafcast_frame *fr) {
     return st == ST_OK ? turn_prepare(&fr->t) : st;
 }
 
+/* Add the marks of a sample to those of the pixels. stride: of its plane. */
+static void add_marks(leafcast_frame *fr, size_t stride) {
+    const leafcast_image *to = &fr->t.f.image;
+    uint64_t marked = 0;
+    for (size_t y = 0; y < to->height; y++)
+        for (size_t x = 0; x < to->width; x++) {
+            uint8_t *mark = &to->provisional[y * to->stride + x];
+            *mark |= fr->sample.provisional[y * stride + x];
+            marked += *mark;
+        }
+    fr->counters.provisional_pixels = marked;
+}
+
 static status end_part(leafcast_frame *fr) {
     const int sample = fr->part++ - fr->first_sample;
     add_counters(fr);
+    if (fr->sample.provisional && sample >= 0)
+        add_marks(fr, sample == 0 ? fr->t.f.image.stride : fr->sample.stride);
     projection_release(&fr->projection);
     const status st = cap(fr);
     if (st != ST_OK || fr->parts == 1 || sample <= 0)
@@ -333,6 +354,7 @@ static void release(leafcast_frame *fr) {
     frame_end(fr->drawing, &lost);
     projection_release(&fr->projection);
     free_colours(m, &fr->sample);
+    mem_free(m, fr->sample.provisional);
     free_colours(m, &fr->own);
     empty(fr);
 }

@@ -28,15 +28,9 @@ static inline void grid_passage_middle(const tracer *tr, uint32_t t, double midd
         middle[a] = scene->levels[level].at[a][(layout->place[t][a] << layout->cells_log2) + half];
 }
 
-/* Whether a lenient ray goes without a treelet that it would look at. */
-static inline bool grid_passage_is_lost(const tracer *tr, uint32_t t) {
-    return tr->layout->level_of[t] == tr->target_level && loader_is_lost(tr->treelets, t);
-}
-
 /* Push the active children of treelet node->t that the ray passes, the nearest last. Returns the
  * new top. In a preview an absent child sets *provisional, and the node's own eighth stands in for
- * the child if the node is resident or taken whole. For a lenient ray it stands in for a lost one,
- * and the ray will wait for the node if it gets there. provisional NULL: nothing stands in. */
+ * the child if the node is resident or taken whole. provisional NULL: nothing stands in. */
 static inline int grid_passage_push(const tracer *tr, const ray *r, const grid_passage *node,
                                     grid_passage *stack, int top, bool *provisional) {
     const leaf_layout *layout = tr->layout;
@@ -52,11 +46,10 @@ static inline int grid_passage_push(const tracer *tr, const ray *r, const grid_p
         const uint32_t rank = (uint32_t)__builtin_popcount(existing & ((1u << o) - 1u));
         grid_passage p = {children[i].t_in, children[i].t_out, layout->first_child[node->t] + rank,
                           0};
-        if ((tr->preview || tr->lenient) && provisional && tr->treelets->own[p.t] &&
-            !loader_lookup(tr->treelets, p.t) && (tr->preview || grid_passage_is_lost(tr, p.t))) {
-            *provisional |= tr->preview;
-            if (tr->preview && !tr->treelets->whole[node->t] &&
-                !loader_lookup(tr->treelets, node->t))
+        if (tr->preview && provisional && tr->treelets->own[p.t] &&
+            !loader_lookup(tr->treelets, p.t)) {
+            *provisional = true;
+            if (!tr->treelets->whole[node->t] && !loader_lookup(tr->treelets, node->t))
                 continue;
             p.t = node->t;
             p.octants = 1u << o;

@@ -43,7 +43,6 @@ trace_result grid_tracer_next(const tracer *tr, const ray *r, trace_state *state
         if (!at && state->blocked != LEAF_NO_TREELET)
             return TRACE_BLOCKED;
         resuming = false;
-        state->provisional |= tr->lenient && node.octants != 0;
         if (at)
             walk_resident(tr, r, at, &node, state, counters);
     }

@@ -87,8 +87,13 @@ uint32_t tracer_stand_in(const tracer *tr, uint32_t t) {
                : t;
 }
 
-uint32_t tracer_awaits(const tracer *tr, uint32_t t) {
+const treelet *tracer_enter_lenient(const tracer *tr, uint32_t t, uint32_t *blocked,
+                                    bool *provisional) {
     const uint32_t other = tracer_stand_in(tr, t);
-    const bool there = other != LEAF_NO_TREELET && loader_is_ready(tr->treelets, other);
-    return other != t && there ? LEAF_NO_TREELET : other;
+    const treelet *at = other == LEAF_NO_TREELET ? NULL : loader_lookup(tr->treelets, other);
+    *blocked = at ? LEAF_NO_TREELET : other;
+    *provisional |= other != t;
+    if (at)
+        tracer_touch(tr, other);
+    return at;
 }

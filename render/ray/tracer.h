@@ -116,29 +116,35 @@ static inline void tracer_touch(const tracer *tr, uint32_t t) {
         atomic_store_explicit(&tr->touched[t], 1, memory_order_relaxed);
 }
 
-/* tracer_awaits() - of a lenient tracer, the treelet to wait for where t is absent: t, or, if that
- * is lost, what stands in for it; LEAF_NO_TREELET: that is there, or there is none.
- * tracer_resumes() - whether a ray that was blocked resumes at treelet t. */
-uint32_t tracer_awaits(const tracer *tr, uint32_t t);
+/* tracer_resumes() - whether a ray that was blocked resumes at treelet t. */
 static inline bool tracer_resumes(const tracer *tr, uint32_t t, uint32_t blocked) {
     return t == blocked || (tr->lenient && tracer_stand_in(tr, t) == tracer_stand_in(tr, blocked));
 }
 
-/* tracer_enter() - returns the active treelet t, which the ray enters at t_in; NULL: it is absent.
- * *blocked is LEAF_NO_TREELET if the ray goes on without it, as a preview does; that sets
- * *provisional. Else the ray must stop; *blocked and *t_from then say where to resume. The three
- * pointers are members of the ray's state, a trace_state or segments_state. */
+/* tracer_enter() - returns the active treelet t, which the ray enters at t_in; of a lenient tracer,
+ * the coarser one that stands in for it, if it is lost. NULL: it is absent. *blocked is
+ * LEAF_NO_TREELET if the ray goes on without it, as a preview does, and a lenient ray if nothing
+ * stands in. Else the ray must stop; *blocked and *t_from then say where to resume. *provisional:
+ * set if another treelet than t, or none, is drawn. The three pointers are members of the ray's
+ * state, a trace_state or segments_state. tracer_enter_lenient() - the part of lenient tracers. */
+const treelet *tracer_enter_lenient(const tracer *tr, uint32_t t, uint32_t *blocked,
+                                    bool *provisional);
 static inline const treelet *tracer_enter(const tracer *tr, uint32_t t, double t_in, double *t_from,
                                           uint32_t *blocked, bool *provisional) {
     const treelet *at = loader_lookup(tr->treelets, t);
     if (at) {
         tracer_touch(tr, t);
-    } else {
-        *blocked = tr->preview ? LEAF_NO_TREELET : tr->lenient ? tracer_awaits(tr, t) : t;
-        *provisional |= *blocked == LEAF_NO_TREELET;
-        if (*blocked != LEAF_NO_TREELET)
-            *t_from = t_in;
+        return at;
     }
+    *blocked = t;
+    if (tr->preview) {
+        *blocked = LEAF_NO_TREELET;
+        *provisional = true;
+    } else if (tr->lenient) {
+        at = tracer_enter_lenient(tr, t, blocked, provisional);
+    }
+    if (*blocked != LEAF_NO_TREELET)
+        *t_from = t_in;
     return at;
 }
 

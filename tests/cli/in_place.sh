@@ -175,6 +175,8 @@ exits "without its input" 1 "$leafcast" render "$tmp/u8_nrrd.leaf" -o "$tmp/q.pp
 ok "by name" says "u8_nrrd.leaf: its samples lie in another file: .*u8.nrrd"
 mkdir "$tmp/moved/a/b"
 mv "$tmp/moved/a/x.leaf" "$tmp/moved/a/b/x.leaf"
+ln -s a/b/x.leaf "$tmp/moved/link.leaf"
+exits "both moved, by a link from another folder" 0 "$leafcast" info "$tmp/moved/link.leaf"
 exits "both moved" 0 "$leafcast" verify "$tmp/moved/a/b/x.leaf"
 mv "$tmp/moved/in" "$in"
 for how in "--threads 1" "--threads 3 --memory 40M" "--checkpoint 0"; do
@@ -198,7 +200,7 @@ begin_changed() {
 }
 begin_changed
 touch -d '2001-01-01' "$tmp/c.nrrd"
-changed "another time" "c.nrrd: was written to after .*c.leaf was made"
+changed "another time" "c.nrrd: has another time than when .*c.leaf was made"
 touch -r "$tmp/time" "$tmp/c.nrrd"
 exits "the old time" 0 "$leafcast" verify "$tmp/c.leaf"
 printf x >>"$tmp/c.nrrd"

@@ -65,7 +65,7 @@ lacking "a mesh" mesh --iso 0.5
 lacking "a mesh's medium" mesh --tf auto
 lacking "an opaque medium" mesh --tf "$tmp/thin.tf"
 lacking "the first in a mesh" mesh --project first=0.5
-for how in "--project max" "--project min" "--preview" "--progressive" "--tf auto --certify"; do
+for how in "--clip-plane 1,0,0,-30 --caps" "--project max" "--project min" "--preview" "--progressive" "--tf auto --certify"; do
     iso="--iso 128"
     case $how in --project* | --tf*) iso= ;; esac
     # shellcheck disable=SC2086

@@ -43,6 +43,12 @@ static void damage_most(const char *path) {
     leaf_file_close(f);
 }
 
+static void select_iso(const stage *s, double value) {
+    const leafcast_surface surface = leafcast_surface_default(value);
+    assert_int_equal(leafcast_select(s->whole, &surface, 1), LEAFCAST_OK);
+    assert_int_equal(leafcast_select(s->broken, &surface, 1), LEAFCAST_OK);
+}
+
 static void stage_open(stage *s, const char *name) {
     field f;
     const leafcast_options o = {.size = sizeof o, .threads = 3};
@@ -65,9 +71,7 @@ static void stage_open(stage *s, const char *name) {
                                 .fov = 30,
                                 .width = PICTURE_WIDTH,
                                 .height = PICTURE_HEIGHT};
-    const leafcast_surface surface = leafcast_surface_default(iso);
-    assert_int_equal(leafcast_select(s->whole, &surface, 1), LEAFCAST_OK);
-    assert_int_equal(leafcast_select(s->broken, &surface, 1), LEAFCAST_OK);
+    select_iso(s, iso);
 }
 
 static void stage_close(stage *s) {
@@ -81,34 +85,73 @@ static leafcast_status draw(leafcast *v, const stage *s, leafcast_stats *stats) 
     return leafcast_trace(v, &s->scene, &s->view, &image, stats, NULL, NULL);
 }
 
-static void test_pixels(void **state) {
-    static const char *const names[] = {"sphere", "waves", "noise-u8"};
+/* An isovalue that smoothed levels do not have: nothing stands in. 0: the field's own. */
+typedef struct subject {
+    const char *name;
+    double iso;
+    bool smooth; /* coarser levels are near */
+} subject;
+
+static void check_pixels(stage *s, const subject *x) {
     static picture exact, got;
+    leafcast_stats stats = {.size = sizeof stats};
+    uint64_t marked = 0;
+    int off = 0, near = 0;
+    s->scene.allow_missing = false;
+    pictures_draw(s->whole, &s->scene, &s->view, &exact, NULL);
+    s->scene.allow_missing = true;
+    pictures_draw(s->broken, &s->scene, &s->view, &got, &stats);
+    for (int i = 0; i < PICTURE_PIXELS; i++) {
+        const bool same = pictures_same_pixel(&got, &exact, i);
+        marked += got.provisional[i];
+        off += !same;
+        near += !same && fabs(got.z[i] - exact.z[i]) < 4.0;
+        if (!same && !got.provisional[i])
+            fail_msg("%s, %d samples, pixel %d: not marked, and not exact: %g, expected %g",
+                     x->name, s->scene.samples, i, got.z[i], exact.z[i]);
+    }
+    assert_true(stats.treelets_lost > 0 && strstr(stats.lost_why, "checksum"));
+    assert_int_equal(marked, stats.provisional_pixels);
+    assert_true(off > PICTURE_PIXELS / 40);
+    if (x->smooth && s->scene.samples < 2)
+        assert_true(near > off * 3 / 4);
+}
+
+static void test_pixels(void **state) {
+    static const subject subjects[] = {
+        {"sphere", 0, true}, {"waves", 0, false}, {"noise-u8", 0, false}, {"noise-u8", 215, false}};
     (void)state;
-    for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
-        leafcast_stats stats = {.size = sizeof stats};
-        int marked = 0, off = 0, near = 0;
+    for (size_t n = 0; n < sizeof subjects / sizeof *subjects; n++) {
         stage s;
-        stage_open(&s, names[n]);
-        pictures_draw(s.whole, &s.scene, &s.view, &exact, NULL);
-        s.scene.allow_missing = true;
-        pictures_draw(s.broken, &s.scene, &s.view, &got, &stats);
-        for (int i = 0; i < PICTURE_PIXELS; i++) {
-            const bool same = pictures_same_pixel(&got, &exact, i);
-            marked += got.provisional[i];
-            off += !same;
-            near += !same && fabs(got.z[i] - exact.z[i]) < 4.0;
-            if (!same && !got.provisional[i])
-                fail_msg("%s, pixel %d: not marked, and not exact: %g, expected %g", names[n], i,
-                         got.z[i], exact.z[i]);
-        }
-        assert_true(stats.treelets_lost > 0 && strstr(stats.lost_why, "checksum"));
-        assert_int_equal(marked, stats.provisional_pixels);
-        assert_true(off > PICTURE_PIXELS / 40);
-        if (n == 0) /* smooth: coarser levels are near */
-            assert_true(near > off * 3 / 4);
+        stage_open(&s, subjects[n].name);
+        if (subjects[n].iso > 0)
+            select_iso(&s, subjects[n].iso);
+        check_pixels(&s, &subjects[n]);
+        s.scene.samples = 4;
+        check_pixels(&s, &subjects[n]);
         stage_close(&s);
     }
+}
+
+/* Which treelets are found to be lost first is chance; the picture is not. */
+static void test_the_same(void **state) {
+    static picture first, again;
+    const subject one = {"waves", 0, false};
+    stage s;
+    (void)state;
+    stage_open(&s, one.name);
+    s.scene.allow_missing = true;
+    pictures_draw(s.broken, &s.scene, &s.view, &first, NULL);
+    for (int i = 0; i < (WATCHED ? 5 : 40); i++) {
+        leafcast *other = fixture_open(
+            s.path[1], &(leafcast_options){.size = sizeof(leafcast_options), .threads = 1 + i % 8});
+        const leafcast_surface surface = leafcast_surface_default(iso);
+        assert_int_equal(leafcast_select(other, &surface, 1), LEAFCAST_OK);
+        pictures_draw(other, &s.scene, &s.view, &again, NULL);
+        assert_memory_equal(&first, &again, sizeof first);
+        leafcast_close(other);
+    }
+    stage_close(&s);
 }
 
 /* After a picture that goes without, whoever does not allow it finds the fault again, and waits for
@@ -153,7 +196,7 @@ static void test_others_want_all(void **state) {
     stage_close(&s);
 }
 
-static void test_extremes_refused(void **state) {
+static void test_refused(void **state) {
     static const leafcast_project not [] = {LEAFCAST_PROJECT_MAX, LEAFCAST_PROJECT_MIN};
     leafcast_stats stats = {.size = sizeof stats};
     stage s;
@@ -164,6 +207,10 @@ static void test_extremes_refused(void **state) {
         s.scene.project = not [i];
         assert_int_equal(draw(s.whole, &s, &stats), LEAFCAST_USAGE);
     }
+    s.scene.project = LEAFCAST_PROJECT_NONE;
+    s.scene.caps = true;
+    assert_int_equal(draw(s.whole, &s, &stats), LEAFCAST_USAGE);
+    s.scene.caps = false;
     s.scene.project = LEAFCAST_PROJECT_MEAN;
     assert_int_equal(draw(s.whole, &s, &stats), LEAFCAST_OK);
     stage_close(&s);
@@ -183,6 +230,8 @@ static void test_admit(void **state) {
         loader_forget_failures(l);
         loader_tolerate(l);
         loader_want(l, &request, 1);
+        if (i % 2)
+            assert_int_equal(loader_settle(l), ST_OK);
         assert_int_equal(loader_admit(l, &request, 1), ST_OK);
         assert_true(loader_is_lost(l, bad) && !loader_lookup(l, bad));
     }
@@ -194,9 +243,8 @@ static void test_admit(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pixels),
-        cmocka_unit_test(test_others_want_all),
-        cmocka_unit_test(test_extremes_refused),
+        cmocka_unit_test(test_pixels),          cmocka_unit_test(test_the_same),
+        cmocka_unit_test(test_others_want_all), cmocka_unit_test(test_refused),
         cmocka_unit_test(test_admit),
     };
     alarm(WATCHED ? 600 : 60); /* who waits for ever ends */
