@@ -91,7 +91,7 @@ static void say_done(const render_options *o, const script_frame *frame, const r
     if (s->first_s > 0.0)
         cli_note(&o->common, 1, "first picture in %.3g s: %llu pixels were provisional", s->first_s,
                  (unsigned long long)s->first_provisional);
-    if (t->treelets_lost)
+    if (t->treelets_lost && t->provisional_pixels)
         say_lacking(o, t);
     else if (t->provisional_pixels && t->provisional_error_most > 0.0)
         cli_note(&o->common, 1,
@@ -125,7 +125,7 @@ status render_picture_draw(const render_options *o, render_job *job, const scrip
     if (st)
         return st;
     job->drawn++;
-    job->lacking += s.trace.treelets_lost > 0;
+    job->lacking += s.trace.treelets_lost > 0 && s.trace.provisional_pixels > 0;
     say_empty(o, job, &frame->view, &s.trace);
     say_done(o, frame, &s);
     *stats = render_stats_json(&s, &frame->view, frame->file[FRAME_PICTURE]);
