@@ -155,13 +155,13 @@ static status load_topology(const resident_store *s, resident_mesh *tr, resident
 /* Read payload p into our own memory: a raw one from byte `from` on, else all of it (*whole). */
 static status read_own(const resident_store *s, uint32_t p, uint32_t from,
                        resident_scratch *scratch, char **payload, bool *whole, uint64_t *read) {
-    leaf_file *f = s->file;
+    const leaf_file *f = s->file;
     const uint32_t bytes = leaf_layout_payload_bytes(&f->layout, p);
     *whole = !leaf_file_is_raw(f, p);
     *payload = mem_alloc(s->m, bytes);
     if (!*payload)
         return ST_NOMEM;
-    status st = *whole ? leaf_file_load(f, p, scratch->unpacker, *payload)
+    status st = *whole ? source_load_into(s->source, p, scratch->unpacker, *payload)
                        : source_read(s->source, p, from, bytes - from, *payload + from);
     if (st == ST_OK)
         *read += *whole ? f->sizes[p] : bytes - from;

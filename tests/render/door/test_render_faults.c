@@ -202,8 +202,9 @@ typedef struct kind {
 
 static const kind kinds[] = {{"mapped", LEAFCAST_BACKEND_MAPPED, false},
                              {"arena", LEAFCAST_BACKEND_ARENA, false},
+                             {"mapped, compressed", LEAFCAST_BACKEND_MAPPED, true},
                              {"arena, compressed", LEAFCAST_BACKEND_ARENA, true}};
-enum { KINDS = 3 };
+enum { KINDS = 4 };
 
 static const char *leaf_of(const char *field_name_of, long n, bool compressed, double *iso) {
     field f;
