@@ -28,6 +28,7 @@ typedef struct bench_job {
     int runs;    /* of each, interleaved */
     int count;   /* ray-cells at most */
     int threads; /* of suites whose subject they are, as the common flag says */
+    uint64_t memory; /* likewise, of volumes; 0: no limit */
     const char *transfers[BENCH_TRANSFERS]; /* media: so many of them; none: its own */
     int transfer_count;
     const progress *progress;
@@ -49,6 +50,7 @@ typedef struct bench_suite {
     bool alone;                             /* not part of `all` */
     bool series;                            /* of a field's time steps */
     bool media;                             /* of transfer functions */
+    bool budget;                            /* with the common flag's memory for volumes */
     int labels;                             /* columns that name a row */
     const bench_count *counts;              /* columns that have a baseline; NULL: none */
     bench_chart charts[BENCH_SUITE_CHARTS]; /* bars; ends at a NULL column */
