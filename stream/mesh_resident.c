@@ -65,6 +65,11 @@ static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t, uint32
     return bytes;
 }
 
+static void ahead(const resident_store *s, uint32_t set, uint32_t t) {
+    source_ahead(s->source, t);
+    source_ahead(s->source, leaf_layout_values(&s->file->layout, set, t));
+}
+
 /* Returns the scratch bytes that refitting any treelet needs. */
 static size_t scratch_bytes(const resident_store *s) {
     size_t most = 0;
@@ -310,6 +315,7 @@ const resident_kind mesh_resident = {.shares = true,
                                      .bytes = most_bytes,
                                      .shared_bytes = topology_bytes,
                                      .stored = stored,
+                                     .ahead = ahead,
                                      .load = load,
                                      .strip = strip,
                                      .destroy = destroy,

@@ -1,6 +1,8 @@
 #include "stream/source.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <stdatomic.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -11,6 +13,8 @@
 /* Linux 5.14; older kernels answer EINVAL, and the checksum's reading faults the pages in. */
 #define MADV_POPULATE_READ 22
 #endif
+
+enum { GIVE_BACK = 8 << 20 };
 
 /* How payloads with bytes in the file come and go. */
 typedef struct backend {
@@ -24,8 +28,9 @@ struct source {
     const backend *backend;
     void *map; /* the whole file, or a part of one from a page's start; NULL: not mapped */
     size_t map_bytes;
-    const uint8_t *bytes;  /* byte 0 of the file, mapped or the caller's; NULL: neither */
-    leaf_fetcher fetcher;  /* copies stored bytes out of the mapping */
+    const uint8_t *bytes; /* byte 0 of the file, mapped or the caller's; NULL: neither */
+    leaf_fetcher fetcher; /* copies stored bytes out of the mapping */
+    _Atomic uint64_t copied;
     size_t page, overhead; /* source_overhead_bytes() */
 };
 
@@ -62,16 +67,23 @@ static status populate(source *s, uint32_t p, uint64_t from, uint64_t bytes) {
     return ST_OK;
 }
 
-/* Copy bytes [from, from + bytes) of payload p out of the mapping. Pages that it shares with a
- * neighbour may be given back while another thread copies: they are in the page cache. */
+/* Give all pages back after every GIVE_BACK bytes: giving back those of each payload took a fifth
+ * of the time that a thread has for one. What another thread copies meanwhile comes from the page
+ * cache again. */
+static void give_back(source *s, size_t bytes) {
+    const uint64_t before = atomic_fetch_add_explicit(&s->copied, bytes, memory_order_relaxed);
+    if (before / GIVE_BACK != (before + bytes) / GIVE_BACK)
+        (void)madvise(s->map, s->map_bytes, MADV_DONTNEED);
+}
+
+/* Copy bytes [from, from + bytes) of payload p out of the mapping. */
 static status copy_mapped(source *s, uint32_t p, uint32_t from, size_t bytes, void *to) {
     const uint64_t at = s->file->offsets[p] + from;
     const status st = populate(s, p, at, bytes);
     if (st != ST_OK)
         return st;
     memcpy(to, s->bytes + at, bytes);
-    const page_range r = pages_of(s, at, bytes);
-    (void)madvise(r.first, r.bytes, MADV_DONTNEED);
+    give_back(s, bytes);
     return ST_OK;
 }
 
@@ -202,6 +214,8 @@ status source_open(mem *m, leaf_file *f, source_kind kind, source **out) {
         begin_memory(s);
     else if (kind == SOURCE_MAPPED)
         st = begin_mapped(s);
+    else if (kind == SOURCE_AUTO && usable_in_place(f, NULL))
+        (void)begin_mapped(s); /* or the arena, as where address space is limited */
     if (st != ST_OK) {
         mem_free(m, s);
         return st;
@@ -233,6 +247,14 @@ status source_load_into(source *s, uint32_t p, leaf_unpacker *u, void *payload) 
 status source_read(source *s, uint32_t p, uint32_t from, uint32_t bytes, void *to) {
     return s->map ? copy_mapped(s, p, from, bytes, to)
                   : file_read_at(s->file->source, s->file->offsets[p] + from, to, bytes);
+}
+
+void source_ahead(source *s, uint32_t p) {
+    const file *from = s->file->source;
+    const int fd = file_descriptor(from);
+    if (fd >= 0 && !leaf_file_is_implied(s->file, p))
+        (void)posix_fadvise(fd, (off_t)(file_offset(from) + s->file->offsets[p]),
+                            (off_t)s->file->sizes[p], POSIX_FADV_WILLNEED);
 }
 
 size_t source_overhead_bytes(const source *s) {

@@ -27,8 +27,9 @@ typedef enum source_kind { SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA } source_kin
 
 typedef struct source source;
 
-/* source_open() - AUTO means the arena (stream/README.md says why), except for raw payloads in
- * memory. The caller keeps the file, which must outlive the source. */
+/* source_open() - AUTO means the mapping for raw payloads of grids, if the system maps the file,
+ * and the arena for all others (stream/README.md says why). The caller keeps the file, which must
+ * outlive the source. */
 CHECKED status source_open(mem *m, leaf_file *f, source_kind kind, source **out);
 void source_close(source *s); /* NULL is fine */
 
@@ -46,6 +47,10 @@ CHECKED status source_load_into(source *s, uint32_t p, leaf_unpacker *u, void *p
 /* source_read() - read `bytes` bytes of payload p from byte `from` on, without a check. For either
  * backend; leaf_file_is_raw() must be true of p. */
 CHECKED status source_read(source *s, uint32_t p, uint32_t from, uint32_t bytes, void *to);
+
+/* source_ahead() - ask the system to read payload p's bytes, which will be loaded soon. Does not
+ * wait for them. */
+void source_ahead(source *s, uint32_t p);
 
 /* source_overhead_bytes() - returns the most memory of a loaded payload beside its bytes. */
 size_t source_overhead_bytes(const source *s);
