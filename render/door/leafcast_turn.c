@@ -101,7 +101,7 @@ static void begin_loading(turn *t, int i) {
     else if (t->scene.sweep)
         loader_sweep(v->treelets);
     else if (t->scene.preview)
-        loader_sweep_level(v->treelets, t->tracers[i].target_level);
+        loader_sweep_level(v->treelets, t->tracers[i].target_level, LOADER_PREVIEW_BYTES);
 }
 
 /* Set all that another frame may have changed in between. */
