@@ -173,7 +173,7 @@ static void scratch_release(struct loader_private *h, resident_scratch *scratch)
 
 /* The room for shells: they are few, and each serves up to eight treelets. */
 static size_t shells_room(size_t limit) {
-    enum { MOST = 4 << 20, SHARE = 32 };
+    enum { MOST = 12 << 20, SHARE = 32 };
     return limit && limit / SHARE < MOST ? limit / SHARE : MOST;
 }
 
