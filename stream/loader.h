@@ -34,8 +34,8 @@
 #include "stream/treelet.h"
 #include "stream/treelet_tree.h"
 
-/* How much a preview reads at most, beside what is there: it shall come soon, and the exact picture
- * that follows it needs other treelets. The next preview goes on. */
+/* How much a preview of isosurfaces reads at most, beside what is there: it shall come soon, and
+ * the exact picture that follows it needs other treelets. The next preview goes on. */
 enum { LOADER_PREVIEW_BYTES = 8 << 20 };
 
 #define LOADER_MASKING SIZE_MAX /* treelet.masked: a thread is making the masks */
@@ -160,6 +160,10 @@ static inline bool loader_is_ready(const loader *l, uint32_t t) {
  * those that are absent have `bytes` in the file: the next call goes on from there. At least one.
  */
 void loader_sweep_level(loader *l, uint32_t level, uint64_t bytes);
+
+/* loader_level_within() - returns the finest level from this one on for which loader_sweep_level()
+ * wants all, with so many bytes; the coarsest if there is none. Only while nothing is traced. */
+uint32_t loader_level_within(loader *l, uint32_t level, uint64_t bytes);
 static inline void loader_sweep(loader *l) {
     loader_sweep_level(l, 0, UINT64_MAX);
 }

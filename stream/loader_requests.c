@@ -55,10 +55,24 @@ static uint32_t end_of_part(const loader *l, uint32_t end, uint64_t bytes) {
     return t;
 }
 
+/* The end of the treelets of this level and of coarser ones, which come first. */
+static uint32_t end_of_level(const leaf_layout *layout, uint32_t level) {
+    return level > 0 ? layout->level[level - 1].first : layout->treelets;
+}
+
+uint32_t loader_level_within(loader *l, uint32_t level, uint64_t bytes) {
+    const leaf_layout *layout = &l->file->layout;
+    pthread_mutex_lock(&l->hidden->lock);
+    const uint32_t end = end_of_part(l, end_of_level(layout, level), bytes);
+    pthread_mutex_unlock(&l->hidden->lock);
+    while (level + 1U < layout->levels && end_of_level(layout, level) > end)
+        level++;
+    return level;
+}
+
 void loader_sweep_level(loader *l, uint32_t level, uint64_t bytes) {
     struct loader_private *h = l->hidden;
-    const leaf_layout *layout = &l->file->layout;
-    const uint32_t end = level > 0 ? layout->level[level - 1].first : layout->treelets;
+    const uint32_t end = end_of_level(&l->file->layout, level);
     pthread_mutex_lock(&h->lock);
     h->sweep_end = bytes < UINT64_MAX ? end_of_part(l, end, bytes) : end;
     sweep_locked(l);

@@ -324,9 +324,16 @@ static void test_parts(void **state) {
     const double iso = 100.5;
     select_isovalues(s.l, &iso, 1);
     const uint64_t one = leaf_layout_payload_max(&s.f->layout), most = 3 * one;
-    uint32_t ready = 0, parts = 0;
+    uint32_t ready = 0, parts = 0, level = s.f->layout.levels - 1;
+    assert_int_equal(loader_level_within(s.l, 0, 0), level);
+    assert_int_equal(loader_level_within(s.l, 0, s.l->bytes_active), 0);
+    assert_int_equal(loader_level_within(s.l, 1, s.l->bytes_active), 1);
     for (; ready < s.l->treelets_active; parts++) {
         const uint64_t before = loader_statistics(s.l).bytes_read;
+        /* The level gets finer, and of what it needs all is read. */
+        const uint32_t within = loader_level_within(s.l, 0, parts % 4 ? most : 0);
+        assert_true(within <= level);
+        level = within;
         loader_sweep_level(s.l, 0, parts % 4 ? most : 0);
         assert_int_equal(loader_settle(s.l), ST_OK);
         const uint64_t read = loader_statistics(s.l).bytes_read - before;
@@ -340,8 +347,11 @@ static void test_parts(void **state) {
             ready += loader_is_ready(s.l, t);
         }
         assert_true(ready > had);
+        for (uint32_t i = level; i < s.f->layout.levels && parts % 4; i++)
+            assert_int_equal(ready_in(&s, i), active_in(&s, i));
     }
     assert_true(parts > 3);
+    assert_int_equal(loader_level_within(s.l, 0, 0), 0);
     loader_clear(s.l);
     stage_close(&s);
 }
