@@ -316,8 +316,7 @@ static status check_needs(const bench_options *o, const bench_suite *suite) {
     for (size_t i = 0; i < sizeof needs / sizeof *needs; i++)
         if (cli_given(&o->common, needs[i].key) && !needs[i].met(o, suite))
             return status_describe(ST_USAGE, "%s", needs[i].why);
-    return has_budget(o, suite) ? ST_OK
-                                : status_describe(ST_USAGE, "--memory: is for streaming");
+    return has_budget(o, suite) ? ST_OK : status_describe(ST_USAGE, "--memory: is for streaming");
 }
 
 /* The flags of a view that a suite goes by. Its own volumes have isovalues of their own; a field

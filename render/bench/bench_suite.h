@@ -23,11 +23,11 @@ typedef struct bench_job {
     const char *target; /* a treelet file or a field; NULL: the suite's own volumes */
     const char *output; /* figure49: its picture */
     bool force;
-    bool brief;  /* small volumes: to see that all works */
-    int largest; /* figure414: no larger volume than this along an axis */
-    int runs;    /* of each, interleaved */
-    int count;   /* ray-cells at most */
-    int threads; /* of suites whose subject they are, as the common flag says */
+    bool brief;      /* small volumes: to see that all works */
+    int largest;     /* figure414: no larger volume than this along an axis */
+    int runs;        /* of each, interleaved */
+    int count;       /* ray-cells at most */
+    int threads;     /* of suites whose subject they are, as the common flag says */
     uint64_t memory; /* likewise, of volumes; 0: no limit */
     const char *transfers[BENCH_TRANSFERS]; /* media: so many of them; none: its own */
     int transfer_count;

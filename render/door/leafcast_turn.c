@@ -61,7 +61,8 @@ bool turn_any_instead(const turn *t) {
 /* Whether volume i is drawn at one level, and only its isosurfaces. */
 static bool may_be_coarser(const turn *t, int i) {
     return t->scene.preview && !t->scene.sweep && t->scene.lod != LEAFCAST_LOD_PIXEL &&
-           !scene_is_filled(&t->scene) && t->shown[i].count > 0 && !t->shown[i].volume->file->mesh;
+           !scene_is_filled(&t->scene) && t->shown[i].count > 0 &&
+           t->shown[i].volume->file->layout.levels > 1;
 }
 
 /* Choose the level of volume i for the whole frame. Rays that stand in a coarse treelet for each
