@@ -214,7 +214,7 @@ status source_open(mem *m, leaf_file *f, source_kind kind, source **out) {
         begin_memory(s);
     else if (kind == SOURCE_MAPPED)
         st = begin_mapped(s);
-    else if (kind == SOURCE_AUTO && usable_in_place(f, NULL))
+    else if (kind == SOURCE_AUTO && !m->limit && usable_in_place(f, NULL))
         (void)begin_mapped(s); /* or the arena, as where address space is limited */
     if (st != ST_OK) {
         mem_free(m, s);
