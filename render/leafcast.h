@@ -70,9 +70,10 @@ LEAFCAST_API const char *leafcast_version(void);
 typedef struct leafcast_device leafcast_device;
 
 typedef enum leafcast_backend {
-    LEAFCAST_BACKEND_AUTO = 0, /* same as the arena */
-    /* Grids: treelets are checked and used in the mapped file; if somebody cuts that short, SIGBUS
-     * is raised. A mesh's treelets hold indices: they are read as by the arena. */
+    LEAFCAST_BACKEND_AUTO = 0, /* uncompressed grids without a memory budget: mapped, where that
+                                  can be; else the arena */
+    /* The file is mapped. Uncompressed grids: treelets are checked and used there. Others are
+     * copied from there, and decompressed. If somebody cuts the file short, SIGBUS is raised. */
     LEAFCAST_BACKEND_MAPPED,
     LEAFCAST_BACKEND_ARENA /* treelets are read (and decompressed) into the program's own memory */
 } leafcast_backend;

@@ -35,6 +35,10 @@ static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t, uint32
     return s->file->sizes[payload_of(s, set, t)];
 }
 
+static void ahead(const resident_store *s, uint32_t set, uint32_t t) {
+    source_ahead(s->source, payload_of(s, set, t));
+}
+
 /* What the directory says of the treelet holds for a cell, or rays would pass it by. */
 static bool is_inside(const resident_store *s, const treelet *tr, const float box[6],
                       const float range[2]) {
@@ -123,6 +127,7 @@ const resident_kind cell_resident = {.shares = false,
                                      .bytes = most_bytes,
                                      .shared_bytes = shared_bytes,
                                      .stored = stored,
+                                     .ahead = ahead,
                                      .load = load,
                                      .strip = strip,
                                      .destroy = destroy,

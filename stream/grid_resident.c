@@ -49,6 +49,10 @@ static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t, uint32
     return own + (counted ? 0 : s->file->sizes[leaf_layout_shell(l, set, parent)]);
 }
 
+static void ahead(const resident_store *s, uint32_t set, uint32_t t) {
+    source_ahead(s->source, leaf_layout_samples(&s->file->layout, set, t));
+}
+
 static status load(const resident_store *s, uint32_t t, uint32_t set, const void *shared,
                    resident_scratch *scratch, treelet **out, uint64_t *read) {
     const leaf_layout *layout = &s->file->layout;
@@ -112,6 +116,7 @@ const resident_kind grid_resident = {.shares = false,
                                      .bytes = most_bytes,
                                      .shared_bytes = shared_bytes,
                                      .stored = stored,
+                                     .ahead = ahead,
                                      .load = load,
                                      .strip = strip,
                                      .destroy = destroy,

@@ -75,13 +75,14 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, readers *giv
     l->resident = mem_array(m, n, sizeof *l->resident);
     h->state = mem_array(m, n, sizeof *h->state);
     h->queue = mem_array(m, n, sizeof *h->queue);
+    h->ahead = mem_array(m, n, sizeof *h->ahead);
     h->slots = mem_array(m, n, sizeof *h->slots);
     treelet_cache_init(&h->cache, m, (uint32_t)n);
     h->existing = existing_octants(m, &f->layout);
     h->held = mem_array(m, n, 1);
     st = arrivals_init(&l->arrivals, m, (uint32_t)n);
     if (!l->own || !l->whole || !l->children || !l->resident || !h->state || !h->queue ||
-        !h->slots || !h->cache.of || !h->existing || !h->held)
+        !h->ahead || !h->slots || !h->cache.of || !h->existing || !h->held)
         st = ST_NOMEM;
     if (st == ST_OK)
         st = grow_tree(l);
@@ -126,6 +127,7 @@ void loader_destroy(loader *l) {
         treelet_cache_release(&h->cache, l->m);
         mem_free(l->m, h->shared);
         mem_free(l->m, h->slots);
+        mem_free(l->m, h->ahead);
         mem_free(l->m, h->queue);
         mem_free(l->m, h->state);
         mem_free(l->m, h);

@@ -34,6 +34,10 @@
 #include "stream/treelet.h"
 #include "stream/treelet_tree.h"
 
+/* How much a preview of isosurfaces reads at most, beside what is there: it shall come soon, and
+ * the exact picture that follows it needs other treelets. The next preview goes on. */
+enum { LOADER_PREVIEW_BYTES = 8 << 20 };
+
 #define LOADER_MASKING SIZE_MAX /* treelet.masked: a thread is making the masks */
 
 typedef struct loader_stats {
@@ -152,10 +156,16 @@ static inline bool loader_is_ready(const loader *l, uint32_t t) {
 }
 
 /* loader_sweep() - want every active treelet, coarse levels first, after all that rays want.
- * loader_sweep_level() - likewise, but only treelets of this level and coarser ones. */
-void loader_sweep_level(loader *l, uint32_t level);
+ * loader_sweep_level() - likewise, but only treelets of this level and coarser ones, and only until
+ * those that are absent have `bytes` in the file: the next call goes on from there. At least one.
+ */
+void loader_sweep_level(loader *l, uint32_t level, uint64_t bytes);
+
+/* loader_level_within() - returns the finest level from this one on for which loader_sweep_level()
+ * wants all, with so many bytes; the coarsest if there is none. Only while nothing is traced. */
+uint32_t loader_level_within(loader *l, uint32_t level, uint64_t bytes);
 static inline void loader_sweep(loader *l) {
-    loader_sweep_level(l, 0);
+    loader_sweep_level(l, 0, UINT64_MAX);
 }
 
 /* loader_rest() - forget all that is wanted, and wait for the reads under way. */

@@ -16,9 +16,14 @@
 
 typedef enum residence { ABSENT, QUEUED, LOADING, READY, FAILED } residence;
 
+/* Of how many requests behind the most urgent one the system is asked to read ahead. */
+enum { LOADER_AHEAD = 16 };
+
 /* Scratch for one read; there is one per read that may run at a time. */
 typedef struct loader_seat {
     resident_scratch scratch;
+    uint32_t ahead[LOADER_AHEAD]; /* treelets to read ahead, once the lock is released */
+    uint32_t ahead_count;
     struct loader_seat *next; /* in the list of free seats */
 } loader_seat;
 
@@ -38,6 +43,7 @@ struct loader_private {
     atomic_uchar *state;   /* residence, per treelet; ABSENT or not: readable without the lock */
     loader_request *queue; /* binary heap, smallest priority first */
     size_t queued;
+    uint8_t *ahead;        /* per QUEUED treelet: 1: it is being read ahead */
     treelet **slots;       /* READY treelets, oldest first */
     treelet_cache cache;   /* ABSENT treelets, while nothing else needs their memory */
     loader_shared *shared; /* per treelet; NULL: nothing is shared */

@@ -20,7 +20,20 @@ void loader_reads_push(struct loader_private *h, loader_request r) {
 static loader_request queue_pop(struct loader_private *h) {
     const loader_request first = h->queue[0], last = h->queue[--h->queued];
     request_sink(h->queue, 0, h->queued, last);
+    h->ahead[first.t] = 0;
     return first;
+}
+
+/* List the requests near the front of the queue that are not being read ahead yet, each once. Needs
+ * the lock. */
+static void list_ahead(struct loader_private *h, loader_seat *seat) {
+    seat->ahead_count = 0;
+    for (size_t i = 0; i < LOADER_AHEAD && i < h->queued; i++) {
+        const uint32_t t = h->queue[i].t;
+        if (!h->ahead[t])
+            seat->ahead[seat->ahead_count++] = t;
+        h->ahead[t] = 1;
+    }
 }
 
 /* Returns whether a thread could begin a read now. Needs the lock. */
@@ -40,8 +53,11 @@ void loader_reads_tell(struct loader_private *h) {
 }
 
 void loader_reads_quiesce(struct loader_private *h) {
-    while (h->queued > 0)
-        loader_slots_set_state(h, h->queue[--h->queued].t, ABSENT);
+    while (h->queued > 0) {
+        const uint32_t t = h->queue[--h->queued].t;
+        loader_slots_set_state(h, t, ABSENT);
+        h->ahead[t] = 0;
+    }
     loader_reads_tell(h);
     while (h->loading > 0)
         pthread_cond_wait(&h->done, &h->lock);
@@ -74,7 +90,7 @@ static void take_failure(loader *l, uint32_t t, treelet *tr, status st) {
 }
 
 /* Read treelet t and publish it. Needs the lock, and releases it during the read. */
-static void bring_in(loader *l, uint32_t t, resident_scratch *scratch) {
+static void bring_in(loader *l, uint32_t t, loader_seat *seat) {
     struct loader_private *h = l->hidden;
     uint64_t read = 0;
     treelet *tr = treelet_cache_find(&h->cache, t, TREELET_NO_SET);
@@ -86,11 +102,14 @@ static void bring_in(loader *l, uint32_t t, resident_scratch *scratch) {
     loader_slots_make_room(l, 1);
     loader_slots_set_state(h, t, LOADING);
     h->loading++;
+    list_ahead(h, seat);
     loader_reads_tell(h);
     pthread_mutex_unlock(&h->lock);
 
     double start = clock_seconds();
-    status st = h->kind->load(&h->store, t, h->set, payload, scratch, &tr, &read);
+    for (uint32_t i = 0; i < seat->ahead_count; i++)
+        h->kind->ahead(&h->store, h->set, seat->ahead[i]);
+    status st = h->kind->load(&h->store, t, h->set, payload, &seat->scratch, &tr, &read);
     if (st == ST_OK)
         loader_mask(l, tr);
     double seconds = clock_seconds() - start;
@@ -123,7 +142,7 @@ static void read_most_urgent(void *ctx) {
         loader_seat *mine = h->free_seats;
         h->free_seats = mine->next;
         if (!loader_slots_take_back(l, t))
-            bring_in(l, t, &mine->scratch);
+            bring_in(l, t, mine);
         mine->next = h->free_seats;
         h->free_seats = mine;
         pthread_cond_broadcast(&h->done);
@@ -154,7 +173,7 @@ static void scratch_release(struct loader_private *h, resident_scratch *scratch)
 
 /* The room for shells: they are few, and each serves up to eight treelets. */
 static size_t shells_room(size_t limit) {
-    enum { MOST = 4 << 20, SHARE = 32 };
+    enum { MOST = 12 << 20, SHARE = 32 };
     return limit && limit / SHARE < MOST ? limit / SHARE : MOST;
 }
 

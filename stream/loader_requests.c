@@ -39,11 +39,42 @@ static void sweep_locked(loader *l) {
             want_locked(l, t, UINT64_MAX);
 }
 
-void loader_sweep_level(loader *l, uint32_t level) {
-    struct loader_private *h = l->hidden;
+/* The end of the treelets before `end`, from the first one on, whose absent ones have up to `bytes`
+ * in the file. Needs the lock. */
+static uint32_t end_of_part(const loader *l, uint32_t end, uint64_t bytes) {
+    uint64_t absent = 0;
+    uint32_t family = LEAF_NO_TREELET, t = 0;
+    for (bool any = false; t < end; t++) {
+        if (!l->own[t] || loader_slots_state(l->hidden, t) != ABSENT)
+            continue;
+        absent += loader_stored_bytes(l, t, &family);
+        if (any && absent > bytes)
+            break;
+        any = true;
+    }
+    return t;
+}
+
+/* The end of the treelets of this level and of coarser ones, which come first. */
+static uint32_t end_of_level(const leaf_layout *layout, uint32_t level) {
+    return level > 0 ? layout->level[level - 1].first : layout->treelets;
+}
+
+uint32_t loader_level_within(loader *l, uint32_t level, uint64_t bytes) {
     const leaf_layout *layout = &l->file->layout;
+    pthread_mutex_lock(&l->hidden->lock);
+    const uint32_t end = end_of_part(l, end_of_level(layout, level), bytes);
+    pthread_mutex_unlock(&l->hidden->lock);
+    while (level + 1U < layout->levels && end_of_level(layout, level) > end)
+        level++;
+    return level;
+}
+
+void loader_sweep_level(loader *l, uint32_t level, uint64_t bytes) {
+    struct loader_private *h = l->hidden;
+    const uint32_t end = end_of_level(&l->file->layout, level);
     pthread_mutex_lock(&h->lock);
-    h->sweep_end = level > 0 ? layout->level[level - 1].first : layout->treelets;
+    h->sweep_end = bytes < UINT64_MAX ? end_of_part(l, end, bytes) : end;
     sweep_locked(l);
     loader_reads_tell(h);
     pthread_mutex_unlock(&h->lock);

@@ -65,6 +65,11 @@ static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t, uint32
     return bytes;
 }
 
+static void ahead(const resident_store *s, uint32_t set, uint32_t t) {
+    source_ahead(s->source, t);
+    source_ahead(s->source, leaf_layout_values(&s->file->layout, set, t));
+}
+
 /* Returns the scratch bytes that refitting any treelet needs. */
 static size_t scratch_bytes(const resident_store *s) {
     size_t most = 0;
@@ -155,13 +160,13 @@ static status load_topology(const resident_store *s, resident_mesh *tr, resident
 /* Read payload p into our own memory: a raw one from byte `from` on, else all of it (*whole). */
 static status read_own(const resident_store *s, uint32_t p, uint32_t from,
                        resident_scratch *scratch, char **payload, bool *whole, uint64_t *read) {
-    leaf_file *f = s->file;
+    const leaf_file *f = s->file;
     const uint32_t bytes = leaf_layout_payload_bytes(&f->layout, p);
     *whole = !leaf_file_is_raw(f, p);
     *payload = mem_alloc(s->m, bytes);
     if (!*payload)
         return ST_NOMEM;
-    status st = *whole ? leaf_file_load(f, p, scratch->unpacker, *payload)
+    status st = *whole ? source_load_into(s->source, p, scratch->unpacker, *payload)
                        : source_read(s->source, p, from, bytes - from, *payload + from);
     if (st == ST_OK)
         *read += *whole ? f->sizes[p] : bytes - from;
@@ -310,6 +315,7 @@ const resident_kind mesh_resident = {.shares = true,
                                      .bytes = most_bytes,
                                      .shared_bytes = topology_bytes,
                                      .stored = stored,
+                                     .ahead = ahead,
                                      .load = load,
                                      .strip = strip,
                                      .destroy = destroy,

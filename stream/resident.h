@@ -49,6 +49,8 @@ typedef struct resident_kind {
     size_t (*bytes)(const resident_store *s, uint32_t t);
     size_t (*shared_bytes)(const resident_store *s, uint32_t t);
     uint64_t (*stored)(const resident_store *s, uint32_t set, uint32_t t, uint32_t *family);
+    /* Ask the system to read what load() will need of treelet t. */
+    void (*ahead)(const resident_store *s, uint32_t set, uint32_t t);
     /* Read treelet t of a set. *tr: NULL, or a treelet t without a set, which is filled. shared:
      * its shared payload; NULL: read the payload, too. On failure *tr is the treelet as far as it
      * was made, or NULL. Adds the bytes read to *read. */

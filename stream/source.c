@@ -1,6 +1,8 @@
 #include "stream/source.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <stdatomic.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -12,6 +14,9 @@
 #define MADV_POPULATE_READ 22
 #endif
 
+enum { GIVE_BACK = 8 << 20 };
+
+/* How payloads with bytes in the file come and go. */
 typedef struct backend {
     status (*load)(source *s, uint32_t p, leaf_unpacker *u, const void **payload);
     void (*evict)(source *s, uint32_t p, const void *payload);
@@ -20,45 +25,89 @@ typedef struct backend {
 struct source {
     mem *m;
     leaf_file *file;
-    source_kind kind;
-    const backend *backend; /* for payloads with bytes in the file */
-    uint8_t *map;           /* mapped: the whole file */
-    const uint8_t *bytes;   /* in place: the whole file, the caller's */
-    size_t page;
+    const backend *backend;
+    void *map; /* the whole file, or a part of one from a page's start; NULL: not mapped */
+    size_t map_bytes;
+    const uint8_t *bytes; /* byte 0 of the file, mapped or the caller's; NULL: neither */
+    leaf_fetcher fetcher; /* copies stored bytes out of the mapping */
+    _Atomic uint64_t copied;
+    size_t page, overhead; /* source_overhead_bytes() */
 };
 
 /* ---- mapped ---- */
 
-static status mapped_load(source *s, uint32_t p, leaf_unpacker *u, const void **payload) {
-    (void)u;
-    const uint64_t from = s->file->offsets[p], to = from + s->file->sizes[p];
-    const uint64_t first = from / s->page * s->page;
+typedef struct page_range {
+    uint8_t *first;
+    size_t bytes;
+} page_range;
+
+/* The pages that hold bytes [from, from + bytes) of the file. */
+static page_range pages_of(const source *s, uint64_t from, uint64_t bytes) {
+    const uintptr_t at = (uintptr_t)s->bytes + from;
+    const uintptr_t first = at / s->page * s->page;
+    return (page_range){(uint8_t *)first, (size_t)(at + bytes - first)};
+}
+
+static status populate(source *s, uint32_t p, uint64_t from, uint64_t bytes) {
+    const page_range r = pages_of(s, from, bytes);
     if (fault_hit(FAULT_READ))
         return status_describe(ST_IO, "%s: payload %u: reading its pages failed",
                                file_path(s->file->source), p);
     /* Request the whole range at once: populating page by page would wait for each. */
-    (void)madvise(s->map + first, (size_t)(to - first), MADV_WILLNEED);
-    while (madvise(s->map + first, (size_t)(to - first), MADV_POPULATE_READ) != 0) {
+    (void)madvise(r.first, r.bytes, MADV_WILLNEED);
+    while (madvise(r.first, r.bytes, MADV_POPULATE_READ) != 0) {
         if (errno == EINTR || errno == EAGAIN)
             continue;
         if (errno == EINVAL)
             break;
         return status_describe(ST_IO, "%s: payload %u: reading bytes %llu to %llu failed: %s",
                                file_path(s->file->source), p, (unsigned long long)from,
-                               (unsigned long long)to, strerror(errno));
+                               (unsigned long long)(from + bytes), strerror(errno));
     }
-    *payload = s->map + from;
-    return leaf_file_check(s->file, p, *payload);
+    return ST_OK;
+}
+
+/* Give all pages back after every GIVE_BACK bytes: giving back those of each payload took a fifth
+ * of the time that a thread has for one. What another thread copies meanwhile comes from the page
+ * cache again. */
+static void give_back(source *s, size_t bytes) {
+    const uint64_t before = atomic_fetch_add_explicit(&s->copied, bytes, memory_order_relaxed);
+    if (before / GIVE_BACK != (before + bytes) / GIVE_BACK)
+        (void)madvise(s->map, s->map_bytes, MADV_DONTNEED);
+}
+
+/* Copy bytes [from, from + bytes) of payload p out of the mapping. */
+static status copy_mapped(source *s, uint32_t p, uint32_t from, size_t bytes, void *to) {
+    const uint64_t at = s->file->offsets[p] + from;
+    const status st = populate(s, p, at, bytes);
+    if (st != ST_OK)
+        return st;
+    memcpy(to, s->bytes + at, bytes);
+    give_back(s, bytes);
+    return ST_OK;
+}
+
+/* Copy stored bytes, then check the copy: somebody may write to the file meanwhile. */
+static status mapped_fetch(void *ctx, uint32_t p, void *stored) {
+    source *s = ctx;
+    const status st = copy_mapped(s, p, 0, (size_t)s->file->sizes[p], stored);
+    return st == ST_OK ? leaf_file_check(s->file, p, stored) : st;
+}
+
+static status mapped_load(source *s, uint32_t p, leaf_unpacker *u, const void **payload) {
+    (void)u;
+    const status st = populate(s, p, s->file->offsets[p], s->file->sizes[p]);
+    *payload = s->bytes + s->file->offsets[p];
+    return st == ST_OK ? leaf_file_check(s->file, p, *payload) : st;
 }
 
 static void mapped_evict(source *s, uint32_t p, const void *payload) {
-    (void)payload;
     /* Give back only pages without a neighbour's bytes: a ray would have to fault a shared page in
      * again. */
-    const uint64_t from = (s->file->offsets[p] + s->page - 1) / s->page * s->page;
-    const uint64_t to = (s->file->offsets[p] + s->file->sizes[p]) / s->page * s->page;
+    const uintptr_t from = ((uintptr_t)payload + s->page - 1) / s->page * s->page;
+    const uintptr_t to = ((uintptr_t)payload + s->file->sizes[p]) / s->page * s->page;
     if (to > from)
-        (void)madvise(s->map + from, (size_t)(to - from), MADV_DONTNEED);
+        (void)madvise((void *)from, (size_t)(to - from), MADV_DONTNEED);
 }
 
 static const backend mapped_backend = {mapped_load, mapped_evict};
@@ -77,13 +126,13 @@ static void memory_evict(source *s, uint32_t p, const void *payload) {
 
 static const backend memory_backend = {memory_load, memory_evict};
 
-/* ---- arena ---- */
+/* ---- memory of our own ---- */
 
-static status arena_load(source *s, uint32_t p, leaf_unpacker *u, const void **payload) {
+static status own_load(source *s, uint32_t p, leaf_unpacker *u, const void **payload) {
     void *block = mem_alloc(s->m, leaf_layout_payload_bytes(&s->file->layout, p));
     if (!block)
         return ST_NOMEM;
-    status st = leaf_file_load(s->file, p, u, block);
+    const status st = source_load_into(s, p, u, block);
     if (st != ST_OK) {
         mem_free(s->m, block);
         return st;
@@ -92,66 +141,63 @@ static status arena_load(source *s, uint32_t p, leaf_unpacker *u, const void **p
     return ST_OK;
 }
 
-static void arena_evict(source *s, uint32_t p, const void *payload) {
+static void own_evict(source *s, uint32_t p, const void *payload) {
     (void)p;
     mem_free(s->m, (void *)(uintptr_t)payload);
 }
 
-static const backend arena_backend = {arena_load, arena_evict};
+static const backend own_backend = {own_load, own_evict};
 
 /* ---- all ---- */
 
-/* What has no bytes in the file is made in the arena. */
+/* What has no bytes in the file is made in memory of our own. */
 static const backend *backend_of(const source *s, uint32_t p) {
-    return leaf_file_has_bytes(s->file, p) ? s->backend : &arena_backend;
+    return leaf_file_has_bytes(s->file, p) ? s->backend : &own_backend;
 }
 
+/* Map the file, or the pages that hold this part of one. */
 static status map_file(source *s) {
     const leaf_file *f = s->file;
-    const char *path = file_path(f->source);
-    if (file_offset(f->source))
-        return status_describe(ST_UNSUPPORTED, "%s: a part of a file cannot be mapped", path);
+    const uint64_t before = file_offset(f->source) % s->page;
+    const size_t bytes = (size_t)(file_size(f->source) + before);
     file_mark_settle(&f->mark);
-    void *map = mmap(NULL, (size_t)file_size(f->source), PROT_READ, MAP_SHARED,
-                     file_descriptor(f->source), 0);
+    void *map = mmap(NULL, bytes, PROT_READ, MAP_SHARED, file_descriptor(f->source),
+                     (off_t)(file_offset(f->source) - before));
     if (map == MAP_FAILED)
-        return status_describe(errno == ENOMEM ? ST_NOMEM : ST_IO, "%s: cannot be mapped: %s", path,
-                               strerror(errno));
-    (void)madvise(map, (size_t)file_size(f->source), MADV_RANDOM);
+        return status_describe(errno == ENOMEM ? ST_NOMEM : ST_IO, "%s: cannot be mapped: %s",
+                               file_path(f->source), strerror(errno));
+    (void)madvise(map, bytes, MADV_RANDOM);
     s->map = map;
-    s->backend = &mapped_backend;
+    s->map_bytes = bytes;
+    s->bytes = (const uint8_t *)map + before;
     return ST_OK;
 }
 
-/* Payloads are aligned within the file, so they are aligned in memory if the file's bytes are. */
-static status use_bytes(source *s, const uint8_t *bytes) {
-    s->kind = SOURCE_ARENA; /* nothing is rounded to pages */
-    if ((uintptr_t)bytes % LEAF_ALIGN)
+/* Whether payloads may be used where the file's bytes are. They are aligned within the file, so
+ * they are aligned in memory if the file's bytes are. */
+static bool usable_in_place(const leaf_file *f, const void *bytes) {
+    return f->header.codec == LEAF_CODEC_RAW && !leaf_file_holds_indices(f) &&
+           (uintptr_t)bytes % LEAF_ALIGN == 0;
+}
+
+static status begin_mapped(source *s) {
+    const status st = map_file(s);
+    if (st != ST_OK)
+        return st;
+    s->fetcher = (leaf_fetcher){mapped_fetch, s};
+    if (!usable_in_place(s->file, s->bytes))
         return ST_OK;
+    s->backend = &mapped_backend;
+    s->overhead = 2 * s->page; /* rounded to pages on both sides */
+    return ST_OK;
+}
+
+static void begin_memory(source *s) {
+    const void *bytes = file_memory(s->file->source);
+    if (!usable_in_place(s->file, bytes))
+        return;
     s->bytes = bytes;
     s->backend = &memory_backend;
-    return ST_OK;
-}
-
-/* Use payloads in place, in memory or mapped, if their format allows it. */
-static status use_in_place(source *s) {
-    const leaf_file *f = s->file;
-    if (f->header.codec != LEAF_CODEC_RAW)
-        return status_describe(ST_UNSUPPORTED,
-                               "%s: compressed payloads cannot be mapped: use the arena backend",
-                               file_path(f->source));
-    if (leaf_file_holds_indices(f)) {
-        s->kind = SOURCE_ARENA;
-        return ST_OK;
-    }
-    const uint8_t *bytes = file_memory(f->source);
-    return bytes ? use_bytes(s, bytes) : map_file(s);
-}
-
-/* Returns the arena (stream/README.md says why), unless raw payloads are in memory already. */
-static source_kind best_kind(const leaf_file *f) {
-    const bool here = file_memory(f->source) && f->header.codec == LEAF_CODEC_RAW;
-    return here ? SOURCE_MAPPED : SOURCE_ARENA;
 }
 
 status source_open(mem *m, leaf_file *f, source_kind kind, source **out) {
@@ -160,10 +206,16 @@ status source_open(mem *m, leaf_file *f, source_kind kind, source **out) {
         return ST_NOMEM;
     s->m = m;
     s->file = f;
-    s->kind = kind == SOURCE_AUTO ? best_kind(f) : kind;
     s->page = (size_t)sysconf(_SC_PAGESIZE);
-    s->backend = &arena_backend;
-    const status st = s->kind == SOURCE_MAPPED ? use_in_place(s) : ST_OK;
+    s->overhead = 128;
+    s->backend = &own_backend;
+    status st = ST_OK;
+    if (file_memory(f->source) && kind != SOURCE_ARENA)
+        begin_memory(s);
+    else if (kind == SOURCE_MAPPED)
+        st = begin_mapped(s);
+    else if (kind == SOURCE_AUTO && !m->limit && usable_in_place(f, NULL))
+        (void)begin_mapped(s); /* or the arena, as where address space is limited */
     if (st != ST_OK) {
         mem_free(m, s);
         return st;
@@ -176,7 +228,7 @@ void source_close(source *s) {
     if (!s)
         return;
     if (s->map)
-        (void)munmap(s->map, (size_t)file_size(s->file->source));
+        (void)munmap(s->map, s->map_bytes);
     mem_free(s->m, s);
 }
 
@@ -188,11 +240,23 @@ void source_evict(source *s, uint32_t p, const void *payload) {
     backend_of(s, p)->evict(s, p, payload);
 }
 
+status source_load_into(source *s, uint32_t p, leaf_unpacker *u, void *payload) {
+    return leaf_file_load_by(s->file, p, u, s->fetcher.fetch ? &s->fetcher : NULL, payload);
+}
+
 status source_read(source *s, uint32_t p, uint32_t from, uint32_t bytes, void *to) {
-    return file_read_at(s->file->source, s->file->offsets[p] + from, to, bytes);
+    return s->map ? copy_mapped(s, p, from, bytes, to)
+                  : file_read_at(s->file->source, s->file->offsets[p] + from, to, bytes);
+}
+
+void source_ahead(source *s, uint32_t p) {
+    const file *from = s->file->source;
+    const int fd = file_descriptor(from);
+    if (fd >= 0 && leaf_file_has_bytes(s->file, p))
+        (void)posix_fadvise(fd, (off_t)(file_offset(from) + s->file->offsets[p]),
+                            (off_t)s->file->sizes[p], POSIX_FADV_WILLNEED);
 }
 
 size_t source_overhead_bytes(const source *s) {
-    /* The mapped backend rounds to pages on both sides. */
-    return s->kind == SOURCE_MAPPED ? 2 * s->page : 128;
+    return s->overhead;
 }

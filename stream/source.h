@@ -1,17 +1,20 @@
 /* source.h - where treelet payloads come from: backends that give the same bytes.
  *
  *   mapped  the file is mapped once; a load populates the treelet's pages with MADV_POPULATE_READ
- *           (which reports an error instead of raising SIGBUS) and checks them; an eviction gives
- *           them back with MADV_DONTNEED; raw payloads of grids only. The bytes of a file in memory
- *           (leaf_file_open_memory()) are checked and used in place, if they are aligned to
- *           LEAF_ALIGN
- *   arena   a load reads (and decompresses) into a buffer of our own
+ *           (which reports an error instead of raising SIGBUS). Raw payloads of grids are checked
+ *           and used in place; an eviction gives their pages back with MADV_DONTNEED. All others
+ *           are copied, checked and decoded in memory of our own; their pages are given back at
+ *           once
+ *   arena   a load reads (and decodes) into memory of our own
  *
- * Another process may write to the file at any time. Bytes that the arena has checked do not
- * change. Mapped bytes may change after the check, so no index, offset or count read there may be
- * used. Samples and codes of a grid are only compared and computed with. A mesh's payloads hold
- * indices, so the arena always reads them. volume_check_file() tells whether the whole file has
- * changed.
+ * The bytes of a file in memory (leaf_file_open_memory()) are checked and used in place like mapped
+ * ones, if they are aligned to LEAF_ALIGN; otherwise the arena reads them.
+ *
+ * Another process may write to the file at any time. What was checked in memory of our own does not
+ * change. Mapped bytes may change after their check, so no index, offset or count is read there:
+ * samples and codes of a grid are only compared and computed with. A mesh's payloads hold indices,
+ * and compressed ones hold sizes and offsets: these are copied first. volume_check_file() tells
+ * whether the whole file has changed.
  *
  * Thread-safe: any number of loads at once, each with an unpacker of its own.
  */
@@ -24,9 +27,9 @@ typedef enum source_kind { SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA } source_kin
 
 typedef struct source source;
 
-/* source_open() - AUTO means the arena (stream/README.md says why), except for raw payloads in
- * memory. MAPPED means the arena for a mesh; for compressed payloads it returns ST_UNSUPPORTED. The
- * caller keeps the file, which must outlive the source. */
+/* source_open() - AUTO means the mapping for raw payloads of grids, if m has no limit and the
+ * system maps the file; else the arena (stream/README.md says why). The caller keeps the file,
+ * which must outlive the source. */
 CHECKED status source_open(mem *m, leaf_file *f, source_kind kind, source **out);
 void source_close(source *s); /* NULL is fine */
 
@@ -37,9 +40,17 @@ void source_close(source *s); /* NULL is fine */
 CHECKED status source_load(source *s, uint32_t p, leaf_unpacker *u, const void **payload);
 void source_evict(source *s, uint32_t p, const void *payload);
 
+/* source_load_into() - the same, into memory of the caller's: leaf_layout_payload_bytes(p) bytes,
+ * 64-byte aligned. */
+CHECKED status source_load_into(source *s, uint32_t p, leaf_unpacker *u, void *payload);
+
 /* source_read() - read `bytes` bytes of payload p from byte `from` on, without a check. For either
  * backend; leaf_file_is_raw() must be true of p. */
 CHECKED status source_read(source *s, uint32_t p, uint32_t from, uint32_t bytes, void *to);
+
+/* source_ahead() - ask the system to read payload p's bytes, which will be loaded soon. Does not
+ * wait for them. */
+void source_ahead(source *s, uint32_t p);
 
 /* source_overhead_bytes() - returns the most memory of a loaded payload beside its bytes. */
 size_t source_overhead_bytes(const source *s);

@@ -2,7 +2,7 @@
 
 #include <pthread.h>
 
-enum { MOST = 64 };
+enum { MOST = 256 };
 
 typedef struct shell {
     void *samples;

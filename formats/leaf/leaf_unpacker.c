@@ -15,6 +15,7 @@ enum { SHELLS = 4 }; /* that one keeps for itself */
 struct leaf_unpacker {
     mem *m;
     leaf_file *f;
+    const leaf_fetcher *by; /* during a load; NULL: leaf_file_fetch() */
     void *stored;
     ZSTD_DCtx *zstd;  /* of kinds whose payloads are frames */
     uint8_t *streams; /* of a mesh */
@@ -198,8 +199,12 @@ static status unpack(leaf_unpacker *u, uint32_t p, const void *stored, void *to)
                : malformed(u, p, "its code of samples is malformed");
 }
 
+static status fetch(leaf_file *f, uint32_t p, const leaf_fetcher *by, void *stored) {
+    return by ? by->fetch(by->ctx, p, stored) : leaf_file_fetch(f, p, stored);
+}
+
 static status read_shell(leaf_unpacker *u, uint32_t p, void *samples) {
-    const status st = leaf_file_fetch(u->f, p, u->shell_stored);
+    const status st = fetch(u->f, p, u->by, u->shell_stored);
     u->beside_bytes += u->f->sizes[p];
     return st == ST_OK ? unpack(u, p, u->shell_stored, samples) : st;
 }
@@ -279,17 +284,23 @@ static status load_outside(leaf_unpacker *u, uint32_t p, void *payload) {
     return ST_OK;
 }
 
-status leaf_file_load(leaf_file *f, uint32_t p, leaf_unpacker *u, void *payload) {
+status leaf_file_load_by(leaf_file *f, uint32_t p, leaf_unpacker *u, const leaf_fetcher *by,
+                         void *payload) {
     const leaf_layout *l = &f->layout;
     if (leaf_file_is_implied(f, p)) {
         l->geometry->imply(l, p % l->treelets, f->own[p], payload);
         return ST_OK;
     }
     if (leaf_file_is_raw(f, p))
-        return leaf_file_fetch(f, p, payload);
+        return fetch(f, p, by, payload);
     assert(u && u->f == f);
     if (leaf_file_is_outside(f, p))
         return load_outside(u, p, payload);
-    const status st = leaf_file_fetch(f, p, u->stored);
+    u->by = by;
+    const status st = fetch(f, p, by, u->stored);
     return st == ST_OK ? decode(u, p, payload) : st;
+}
+
+status leaf_file_load(leaf_file *f, uint32_t p, leaf_unpacker *u, void *payload) {
+    return leaf_file_load_by(f, p, u, NULL, payload);
 }

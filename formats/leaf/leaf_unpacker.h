@@ -39,4 +39,15 @@ uint64_t leaf_file_bytes_outside(const leaf_file *f, uint32_t p);
  * mesh_leaf_check_loaded(), positions mesh_leaf_check_moved(). Thread-safe. */
 CHECKED status leaf_file_load(leaf_file *f, uint32_t p, leaf_unpacker *u, void *payload);
 
+/* Another way to the stored bytes than leaf_file_fetch(), with the same contract: checked, in
+ * memory that nobody else writes to. Thread-safe. */
+typedef struct leaf_fetcher {
+    status (*fetch)(void *ctx, uint32_t p, void *stored);
+    void *ctx;
+} leaf_fetcher;
+
+/* leaf_file_load_by() - leaf_file_load() with stored bytes from `by`; NULL: leaf_file_fetch(). */
+CHECKED status leaf_file_load_by(leaf_file *f, uint32_t p, leaf_unpacker *u, const leaf_fetcher *by,
+                                 void *payload);
+
 #endif

@@ -291,6 +291,10 @@ static bool has_media(const bench_options *o, const bench_suite *suite) {
     return !suite || suite->media;
 }
 
+static bool has_budget(const bench_options *o, const bench_suite *suite) {
+    return !o->common.memory || (suite && suite->budget);
+}
+
 static bool has_store(const bench_options *o, const bench_suite *suite) {
     (void)suite;
     return !o->job.target;
@@ -312,7 +316,7 @@ static status check_needs(const bench_options *o, const bench_suite *suite) {
     for (size_t i = 0; i < sizeof needs / sizeof *needs; i++)
         if (cli_given(&o->common, needs[i].key) && !needs[i].met(o, suite))
             return status_describe(ST_USAGE, "%s", needs[i].why);
-    return ST_OK;
+    return has_budget(o, suite) ? ST_OK : status_describe(ST_USAGE, "--memory: is for streaming");
 }
 
 /* The flags of a view that a suite goes by. Its own volumes have isovalues of their own; a field
@@ -356,6 +360,7 @@ static status run(bench_options *o) {
         return st;
     job->runs = job->runs ? job->runs : job->brief ? 3 : 9;
     job->threads = o->common.threads;
+    job->memory = o->common.memory;
     job->force = o->common.force;
     if (job->view.camera.width == 0)
         job->view.camera.width = job->view.camera.height = job->brief ? 128 : 1024;
@@ -416,7 +421,7 @@ static const output_kind *output(const void *own) {
 int main(int argc, char **argv) {
     if (argc > 1 && strcmp(argv[1], "peers") == 0)
         return hand_over(argv + 1);
-    static bench_options o = {.common = {.verb = "bench", .without = "memory"},
+    static bench_options o = {.common = {.verb = "bench"},
                               .job = {.count = 500000, .largest = 1024}};
     struct argp_option options[VIEW_OPTIONS_ROOM];
     view_options_join(options, OPTIONS, false, "iso size");

@@ -23,11 +23,12 @@ typedef struct bench_job {
     const char *target; /* a treelet file or a field; NULL: the suite's own volumes */
     const char *output; /* figure49: its picture */
     bool force;
-    bool brief;  /* small volumes: to see that all works */
-    int largest; /* figure414: no larger volume than this along an axis */
-    int runs;    /* of each, interleaved */
-    int count;   /* ray-cells at most */
-    int threads; /* of suites whose subject they are, as the common flag says */
+    bool brief;      /* small volumes: to see that all works */
+    int largest;     /* figure414: no larger volume than this along an axis */
+    int runs;        /* of each, interleaved */
+    int count;       /* ray-cells at most */
+    int threads;     /* of suites whose subject they are, as the common flag says */
+    uint64_t memory; /* likewise, of volumes; 0: no limit */
     const char *transfers[BENCH_TRANSFERS]; /* media: so many of them; none: its own */
     int transfer_count;
     const progress *progress;
@@ -49,6 +50,7 @@ typedef struct bench_suite {
     bool alone;                             /* not part of `all` */
     bool series;                            /* of a field's time steps */
     bool media;                             /* of transfer functions */
+    bool budget;                            /* with the common flag's memory for volumes */
     int labels;                             /* columns that name a row */
     const bench_count *counts;              /* columns that have a baseline; NULL: none */
     bench_chart charts[BENCH_SUITE_CHARTS]; /* bars; ends at a NULL column */

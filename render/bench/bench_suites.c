@@ -16,6 +16,7 @@
 #include "render/bench/bench_pareto.h"
 #include "render/bench/bench_plucker.h"
 #include "render/bench/bench_projections.h"
+#include "render/bench/bench_streaming.h"
 #include "render/bench/bench_threads.h"
 #include "render/bench/bench_time.h"
 #include "render/bench/bench_walk.h"
@@ -155,6 +156,10 @@ static const bench_count INTERSECTOR_COUNTS[] = {
 static const bench_count BEHIND_COUNTS[] = {{"rays/px", 0.0},        {"hit px", 0.0},
                                             {"surfaces/hit", 0.0},   {"differ", 0.0},
                                             {"colours differ", 0.0}, {NULL, 0.0}};
+
+static const bench_count STREAMING_COUNTS[] = {{"active MB", 0.0}, {"visible MB", 0.0},
+                                               {"read MB", 0.05},  {"loads", 0.05},
+                                               {"differ", 0.0},    {NULL, 0.0}};
 
 /* Of suites that draw depths by the flags of the command line. */
 #define LOOK_FLAGS "size view eye look-at up fov clip-box clip-plane lod light point-light shadows"
@@ -325,6 +330,19 @@ static const bench_suite SUITES[] = {
      .view = "size",
      .labels = 1,
      .charts = {{"of zstd", NULL, false}, {"load MB/s", NULL, false}, {"x raw", NULL, false}}},
+    {.name = "streaming",
+     .takes = "[F.leaf --iso V]",
+     .about = "what pictures read, raw and compressed, mapped and not; first\n"
+              "and exact ones, cold and warm; how long threads stand still",
+     .counts = STREAMING_COUNTS,
+     .run = bench_streaming,
+     .view = "size",
+     .surfaces = "iso",
+     .budget = true,
+     .labels = 4,
+     .charts = {{"cold exact", "+-", false},
+                {"warm exact", NULL, false},
+                {"read MB", NULL, false}}},
     {.name = "isovalues",
      .takes = "[F.leaf --iso V]",
      .about = "what a new isovalue costs: masks of active cells, frames",

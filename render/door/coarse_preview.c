@@ -137,7 +137,7 @@ status coarse_preview_show(leafcast *coarse, const leafcast_scene *scene,
     if (st == ST_OK)
         st = volume_tracer(coarse, &level, c, tr);
     if (st == ST_OK)
-        loader_sweep_level(coarse->treelets, tr->target_level);
+        loader_sweep_level(coarse->treelets, tr->target_level, UINT64_MAX);
     tr->doubts = false; /* how far the grid is from the mesh is not known */
     return st;
 }

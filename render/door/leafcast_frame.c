@@ -258,8 +258,8 @@ static status draw_parts(leafcast_frame *fr, double until) {
     return st;
 }
 
-/* Mark all pixels provisional: a coarse grid is drawn in a volume's place. */
-static void mark_instead(const leafcast_frame *fr) {
+/* Mark all pixels provisional. */
+static void mark_all(const leafcast_frame *fr) {
     const leafcast_image *i = &fr->t.f.image;
     for (size_t row = 0; row < fr->t.f.height && i->provisional; row++)
         memset(i->provisional + row * i->stride, 1, fr->t.f.width);
@@ -312,7 +312,7 @@ static void fill_stats(const leafcast_frame *fr, leafcast_stats *stats) {
     RAY_COUNTERS(COUNTER)
     PACKET_COUNTERS(COUNTER)
 #undef COUNTER
-    if (turn_any_instead(&fr->t))
+    if (turn_is_provisional(&fr->t))
         stats->provisional_pixels = frame_pixels(&fr->t.f);
     if (c->most_doubt > 0.0) {
         stats->provisional_error_most = c->most_doubt;
@@ -335,8 +335,8 @@ static status advance(leafcast_frame *fr, double seconds, bool *done) {
     if (st == ST_OK)
         st = draw_parts(fr, start + seconds);
     *done = st == ST_OK && fr->part == fr->parts;
-    if (turn_any_instead(&fr->t))
-        mark_instead(fr);
+    if (turn_is_provisional(&fr->t))
+        mark_all(fr);
     if (st == ST_OK)
         st = encode(fr);
     st = turn_check(&fr->t, *done, st);

@@ -27,6 +27,9 @@ typedef struct turn {
     const tracer *coarse[LEAFCAST_VOLUMES_MAX];  /* where a preview's treelets are absent: */
     tracer coarse_tracers[LEAFCAST_VOLUMES_MAX]; /* one of these; or NULL */
     frame f;
+    /* In a preview of isosurfaces: the level that is drawn, at least the one that is asked for. */
+    uint32_t level[LEAFCAST_VOLUMES_MAX];
+    bool coarser;    /* a volume is drawn coarser than asked for */
     size_t reserved; /* this frame's part of the device's frames_bytes */
     bool begun;      /* this is not the first turn */
 } turn;
@@ -41,6 +44,12 @@ static inline bool turn_is_instead(const turn *t, int i) {
     return t->drawn[i] != t->shown[i].volume;
 }
 bool turn_any_instead(const turn *t);
+
+/* turn_is_provisional() - returns whether every pixel is provisional: a coarse grid or a coarser
+ * level is drawn in a volume's place. */
+static inline bool turn_is_provisional(const turn *t) {
+    return t->coarser || turn_any_instead(t);
+}
 
 /* turn_prepare() - begin a turn: select this frame's interest in its volumes, share the budget, and
  * begin loading. */

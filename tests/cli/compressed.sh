@@ -12,6 +12,22 @@ answer() {
     done
     ok "the same bytes" cmp "$tmp/raw.$what" "$tmp/small.$what"
 }
+# The mapping and the arena: the same bytes, and as many of them read.
+same_from_backends() { # same_from_backends ISO
+    for file in raw small; do
+        for backend in mapped arena; do
+            "$leafcast" render "$tmp/$file.leaf" --iso "$1" --size 64x48 --backend $backend --threads 1 \
+                --depth-f64 "$tmp/$backend.depth" -o "$tmp/any.pfm" --stats "$tmp/$backend.json" --force -q || return 1
+        done
+        cmp "$tmp/mapped.depth" "$tmp/arena.depth" || return 1
+        python3 -c 'import json, sys
+a, b = (json.load(open(name)) for name in sys.argv[1:])
+print(a["bytes"], b["bytes"])
+sys.exit(any(a[key][of] != b[key][of]
+             for key, of in [("bytes", "read"), ("bytes", "visible"), ("treelets", "loaded")]))' \
+            "$tmp/mapped.json" "$tmp/arena.json" || return 1
+    done
+}
 reads_what_it_sees() {
     python3 -c 'import json, sys
 b = json.load(open(sys.argv[1]))["bytes"]
@@ -40,6 +56,7 @@ while read -r iso whole inputs; do
     answer "whole.$whole" export
     answer surface.pfm render --iso "$iso" --size 64x48 --stats "$tmp/small.stats"
     ok "reads what it sees" reads_what_it_sees
+    ok "from a mapping, too" same_from_backends "$iso"
     answer tight.pfm render --iso "$iso" --size 64x48 --memory 6M --threads 1
     answer medium.pfm render --tf auto --size 32x24
     answer most.pfm render --project max --size 32x24

@@ -244,4 +244,18 @@ ok "a first picture has its name already" [ -s "$tmp/seen.png" ]
 kill $child
 wait $child || :
 exec 8>&-
+
+# Of a large volume, a preview reads little and draws a coarser level; the exact picture is the same as ever.
+"$leafcast" generate noise --dims 256 -o "$tmp/large.nrrd" -q
+exits "a large volume" 0 "$leafcast" convert "$tmp/large.nrrd" --compress none -o "$tmp/large.leaf" -q
+exits "in a preview" 0 "$leafcast" render "$tmp/large.leaf" --iso 127.5 --size 64x48 --preview -o "$tmp/x.pfm" --force \
+    --stats "$tmp/large.json" -q
+ok "reads at most 8 MiB of it" python3 -c 'import json, sys
+s = json.load(open(sys.argv[1]))
+print(s["bytes"], s["provisional_pixels"])
+sys.exit(not (s["bytes"]["active"] > 16 << 20 and s["bytes"]["read"] <= 8 << 20 and
+              s["provisional_pixels"] == 64 * 48))' "$tmp/large.json"
+exits "exact" 0 "$leafcast" render "$tmp/large.leaf" --iso 127.5 --size 64x48 -o "$tmp/x.png" --force -q
+exits "exact behind a preview" 0 "$leafcast" render "$tmp/large.leaf" --iso 127.5 --size 64x48 --progressive -o "$tmp/y.png" -q
+ok "is the same picture" cmp "$tmp/x.png" "$tmp/y.png"
 finish

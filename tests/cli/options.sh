@@ -247,6 +247,7 @@ bench|--intersector|refused --intersector: bench walk|walk @grid --size 16x16 --
 bench|--output|makes w.csv|walk @grid --size 16x16 --runs 1|--output @w.csv
 bench|--threads|shown bench_baselines|
 bench|--json|says|walk @grid --size 16x16 --runs 1|--json
+bench|--memory|refused --memory: is for streaming|walk @grid --size 16x16 --runs 1|--memory 64M
 bench|--force|shown bench_baselines|
 bench|--quiet|refused no suite|nonsense|--quiet
 bench|--verbose|more|walk @grid --size 16x16 --runs 1|--verbose

@@ -306,12 +306,52 @@ static void test_levels(void **state) {
     const uint32_t levels = s.f->layout.levels;
     assert_true(levels > 1);
     for (uint32_t level = levels; level-- > 0;) {
-        loader_sweep_level(s.l, level);
+        loader_sweep_level(s.l, level, UINT64_MAX);
         assert_int_equal(loader_settle(s.l), ST_OK);
         for (uint32_t i = 0; i < levels; i++)
             assert_int_equal(ready_in(&s, i), i < level ? 0 : active_in(&s, i));
         assert_true(active_in(&s, level) > 0);
     }
+    loader_clear(s.l);
+    stage_close(&s);
+}
+
+/* Sweeps in parts: none reads more than it may, but for a single treelet; the next goes on. */
+static void test_parts(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s, SAMPLE_I16, CPU_SCALAR);
+    const double iso = 100.5;
+    select_isovalues(s.l, &iso, 1);
+    const uint64_t one = leaf_layout_payload_max(&s.f->layout), most = 3 * one;
+    uint32_t ready = 0, parts = 0, level = s.f->layout.levels - 1;
+    assert_int_equal(loader_level_within(s.l, 0, 0), level);
+    assert_int_equal(loader_level_within(s.l, 0, s.l->bytes_active), 0);
+    assert_int_equal(loader_level_within(s.l, 1, s.l->bytes_active), 1);
+    for (; ready < s.l->treelets_active; parts++) {
+        const uint64_t before = loader_statistics(s.l).bytes_read;
+        /* The level gets finer, and of what it needs all is read. */
+        const uint32_t within = loader_level_within(s.l, 0, parts % 4 ? most : 0);
+        assert_true(within <= level);
+        level = within;
+        loader_sweep_level(s.l, 0, parts % 4 ? most : 0);
+        assert_int_equal(loader_settle(s.l), ST_OK);
+        const uint64_t read = loader_statistics(s.l).bytes_read - before;
+        assert_true(read > 0 && (parts % 4 ? read <= most : read <= one));
+        const uint32_t had = ready;
+        bool gap = false; /* coarse levels come first */
+        ready = 0;
+        for (uint32_t t = 0; t < s.f->layout.treelets; t++) {
+            gap = gap || (s.l->own[t] && !loader_is_ready(s.l, t));
+            assert_false(gap && loader_is_ready(s.l, t));
+            ready += loader_is_ready(s.l, t);
+        }
+        assert_true(ready > had);
+        for (uint32_t i = level; i < s.f->layout.levels && parts % 4; i++)
+            assert_int_equal(ready_in(&s, i), active_in(&s, i));
+    }
+    assert_true(parts > 3);
+    assert_int_equal(loader_level_within(s.l, 0, 0), 0);
     loader_clear(s.l);
     stage_close(&s);
 }
@@ -458,10 +498,10 @@ static void test_pictures(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sweep),   cmocka_unit_test(test_intervals),
-        cmocka_unit_test(test_lazy),    cmocka_unit_test(test_crowd),
-        cmocka_unit_test(test_levels),  cmocka_unit_test(test_rest),
-        cmocka_unit_test(test_kept),    cmocka_unit_test(test_room),
-        cmocka_unit_test(test_pictures)};
+        cmocka_unit_test(test_sweep),  cmocka_unit_test(test_intervals),
+        cmocka_unit_test(test_lazy),   cmocka_unit_test(test_crowd),
+        cmocka_unit_test(test_levels), cmocka_unit_test(test_parts),
+        cmocka_unit_test(test_rest),   cmocka_unit_test(test_kept),
+        cmocka_unit_test(test_room),   cmocka_unit_test(test_pictures)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

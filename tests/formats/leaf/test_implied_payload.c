@@ -81,8 +81,6 @@ static void check_sources(leaf_file *f) {
     assert_int_equal(leaf_unpacker_create(&m, f, &u), ST_OK);
     for (int kind = SOURCE_AUTO; kind <= SOURCE_ARENA; kind++) {
         source *s = NULL;
-        if (kind == SOURCE_MAPPED && f->header.codec != LEAF_CODEC_RAW)
-            continue;
         assert_int_equal(source_open(&m, f, (source_kind)kind, &s), ST_OK);
         for (uint32_t p = 0; p < f->layout.treelets; p++) {
             const void *got = NULL;

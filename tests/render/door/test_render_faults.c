@@ -202,8 +202,9 @@ typedef struct kind {
 
 static const kind kinds[] = {{"mapped", LEAFCAST_BACKEND_MAPPED, false},
                              {"arena", LEAFCAST_BACKEND_ARENA, false},
+                             {"mapped, compressed", LEAFCAST_BACKEND_MAPPED, true},
                              {"arena, compressed", LEAFCAST_BACKEND_ARENA, true}};
-enum { KINDS = 3 };
+enum { KINDS = 4 };
 
 static const char *leaf_of(const char *field_name_of, long n, bool compressed, double *iso) {
     field f;
@@ -212,6 +213,33 @@ static const char *leaf_of(const char *field_name_of, long n, bool compressed, d
     *iso = f.iso;
     field_release(&f);
     return path;
+}
+
+/* ---- What is chosen ---- */
+
+static bool is_mapped_by(const char *path, leafcast_backend backend, uint64_t memory) {
+    const leafcast_options o = {
+        .size = sizeof o, .threads = 1, .memory = memory, .backend = backend};
+    leafcast *volume = fixture_open(path, &o);
+    const bool mapped = is_mapped(path);
+    leafcast_close(volume);
+    assert_false(is_mapped(path));
+    return mapped;
+}
+
+/* By itself a raw grid is mapped, but not within a budget: the system may take mapped pages back.
+ */
+static void test_choice(void **state) {
+    (void)state;
+    enum { BUDGET = 64 << 20 };
+    double iso;
+    for (int compressed = 0; compressed < 2; compressed++) {
+        const char *path = leaf_of("waves", 30, compressed, &iso);
+        assert_int_equal(is_mapped_by(path, LEAFCAST_BACKEND_AUTO, 0), !compressed);
+        assert_false(is_mapped_by(path, LEAFCAST_BACKEND_AUTO, BUDGET));
+        assert_false(is_mapped_by(path, LEAFCAST_BACKEND_ARENA, 0));
+        assert_true(is_mapped_by(path, LEAFCAST_BACKEND_MAPPED, BUDGET));
+    }
 }
 
 /* ---- The sweep: the k-th operation fails ---- */
@@ -639,6 +667,7 @@ static void test_two_volumes_at_once(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_choice),
         cmocka_unit_test(test_failing_allocations),
         cmocka_unit_test(test_failing_reads),
         cmocka_unit_test(test_failing_threads),
