@@ -70,8 +70,8 @@ LEAFCAST_API const char *leafcast_version(void);
 typedef struct leafcast_device leafcast_device;
 
 typedef enum leafcast_backend {
-    LEAFCAST_BACKEND_AUTO = 0, /* uncompressed grids without a memory budget: mapped, where that
-                                  can be; else the arena */
+    LEAFCAST_BACKEND_AUTO = 0, /* the arena; in leafcast's own programs, which handle SIGBUS, the
+                                  mapping for uncompressed grids without a memory budget */
     /* The file is mapped. Uncompressed grids: treelets are checked and used there. Others are
      * copied from there, and decompressed. If somebody cuts the file short, SIGBUS is raised. */
     LEAFCAST_BACKEND_MAPPED,

@@ -7,6 +7,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "formats/base/bus_error.h"
 #include "formats/base/fault.h"
 
 #ifndef MADV_POPULATE_READ
@@ -200,6 +201,12 @@ static void begin_memory(source *s) {
     s->backend = &memory_backend;
 }
 
+/* Whether to map without being asked: a program that embeds the library would be ended by SIGBUS if
+ * the file were cut short, and within a budget the kernel takes mapped pages back. */
+static bool may_map(const source *s) {
+    return bus_error_installed() && !s->m->limit;
+}
+
 status source_open(mem *m, leaf_file *f, source_kind kind, source **out) {
     source *s = mem_zalloc(m, sizeof *s);
     if (!s)
@@ -214,7 +221,7 @@ status source_open(mem *m, leaf_file *f, source_kind kind, source **out) {
         begin_memory(s);
     else if (kind == SOURCE_MAPPED)
         st = begin_mapped(s);
-    else if (kind == SOURCE_AUTO && !m->limit && usable_in_place(f, NULL))
+    else if (kind == SOURCE_AUTO && may_map(s) && usable_in_place(f, NULL))
         (void)begin_mapped(s); /* or the arena, as where address space is limited */
     if (st != ST_OK) {
         mem_free(m, s);

@@ -27,8 +27,9 @@ typedef enum source_kind { SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA } source_kin
 
 typedef struct source source;
 
-/* source_open() - AUTO means the mapping for raw payloads of grids, if m has no limit and the
- * system maps the file; else the arena (stream/README.md says why). The caller keeps the file,
+/* source_open() - AUTO means the mapping for raw payloads of grids, if m has no limit, the program
+ * handles SIGBUS (bus_error.h) and the system maps the file; else the arena (stream/README.md says
+ * why). The caller keeps the file,
  * which must outlive the source. */
 CHECKED status source_open(mem *m, leaf_file *f, source_kind kind, source **out);
 void source_close(source *s); /* NULL is fine */

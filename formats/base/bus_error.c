@@ -139,3 +139,7 @@ void bus_error_install(const char *command) {
     page_bytes = (uintptr_t)sysconf(_SC_PAGESIZE);
     sigaction(SIGBUS, &action, NULL);
 }
+
+bool bus_error_installed(void) {
+    return *command_name != 0;
+}

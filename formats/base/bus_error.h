@@ -9,8 +9,13 @@
 #ifndef FORMATS_BASE_BUS_ERROR_H
 #define FORMATS_BASE_BUS_ERROR_H
 
+#include <stdbool.h>
+
 /* bus_error_install() - install the handler. command: what messages begin with ("leafcast render");
  * the text must stay valid. */
 void bus_error_install(const char *command);
+
+/* bus_error_installed() - whether it is: whether a file may be mapped without being asked for. */
+bool bus_error_installed(void);
 
 #endif

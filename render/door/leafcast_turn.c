@@ -65,8 +65,8 @@ static bool may_be_coarser(const turn *t, int i) {
            t->shown[i].volume->file->layout.levels > 1;
 }
 
-/* Choose the level of volume i for the whole frame. Rays that stand in a coarse treelet for each
- * absent one took 13 times as long as those at the coarse level. */
+/* Choose the level of volume i for the whole frame. Rays that take a coarse treelet in the place of
+ * each absent one need 6 times as long as those at one coarse level (stream/README.md). */
 static void choose_level(turn *t, int i) {
     const leafcast *v = t->shown[i].volume;
     const uint32_t asked = scene_level(&t->scene, v);
