@@ -174,7 +174,7 @@ static status approach(streaming *s, const way *w, bool cold, leafcast **volume,
 
 static status draw_first(streaming *s, way *w, temperature t, int run) {
     leafcast *volume = NULL;
-    leafcast_stats stats;
+    leafcast_stats stats = {.size = sizeof stats};
     double start;
     status st = approach(s, w, t == COLD, &volume, &start);
     if (st == ST_OK)

@@ -197,14 +197,14 @@ static void test_others_want_all(void **state) {
 }
 
 static void test_refused(void **state) {
-    static const leafcast_project not [] = {LEAFCAST_PROJECT_MAX, LEAFCAST_PROJECT_MIN};
+    static const leafcast_project extremes[] = {LEAFCAST_PROJECT_MAX, LEAFCAST_PROJECT_MIN};
     leafcast_stats stats = {.size = sizeof stats};
     stage s;
     (void)state;
     stage_open(&s, "sphere");
     s.scene.allow_missing = true;
     for (int i = 0; i < 2; i++) {
-        s.scene.project = not [i];
+        s.scene.project = extremes[i];
         assert_int_equal(draw(s.whole, &s, &stats), LEAFCAST_USAGE);
     }
     s.scene.project = LEAFCAST_PROJECT_NONE;
