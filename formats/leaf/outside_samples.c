@@ -42,11 +42,12 @@ sample_place outside_samples_place(const leaf_outside *o) {
 
 /* ---- Paths ---- */
 
-/* The folder of a path, without links, which ends in "/". */
+/* The folder of a path, without links, which ends in "/". If false, errno says why. */
 static bool folder_of(const char *path, char folder[PATH_MAX]) {
     char copy[PATH_MAX];
     const char *slash = strrchr(path, '/');
     const size_t length = slash ? (size_t)(slash - path) : 0;
+    errno = ENAMETOOLONG;
     if (length + 2 > sizeof copy)
         return false;
     memcpy(copy, path, length);
@@ -54,6 +55,7 @@ static bool folder_of(const char *path, char folder[PATH_MAX]) {
     if (!realpath(copy, folder))
         return false;
     const size_t end = strlen(folder);
+    errno = ENAMETOOLONG;
     if (end + 2 > PATH_MAX)
         return false;
     if (end > 1)
@@ -61,11 +63,8 @@ static bool folder_of(const char *path, char folder[PATH_MAX]) {
     return true;
 }
 
-/* The way from the folder of `leaf` to a file. Returns false if it does not fit. */
-static bool path_between(const char *leaf, const char *to, char out[], size_t size) {
-    char folder[PATH_MAX], target[PATH_MAX];
-    if (!folder_of(leaf, folder) || !realpath(to, target))
-        return false;
+/* The way from a folder to a file, both without links. Returns false if it does not fit. */
+static bool path_between(const char *folder, const char *target, char out[], size_t size) {
     size_t same = 0, used = 0;
     for (size_t i = 0; folder[i] && folder[i] == target[i]; i++)
         same = folder[i] == '/' ? i + 1 : same;
@@ -119,13 +118,15 @@ status outside_samples_describe(mem *m, const sample_place *at, const char *leaf
                           .slope = s->slope,
                           .intercept = s->intercept,
                           .missing = at->has_missing ? at->missing : 0.0};
-    errno = 0;
-    if (path_between(leaf, at->path, out->path, sizeof out->path))
-        return ST_OK;
-    if (errno)
+    char folder[PATH_MAX], target[PATH_MAX];
+    if (!folder_of(leaf, folder))
         return file_failed(errno, leaf, "its folder");
-    return status_describe(ST_UNSUPPORTED, "%s: the path from %s to it has more than %zu bytes",
-                           at->path, leaf, sizeof out->path - 1);
+    if (!realpath(at->path, target))
+        return file_failed(errno, at->path, "its path");
+    if (path_between(folder, target, out->path, sizeof out->path))
+        return ST_OK;
+    return status_describe(ST_UNSUPPORTED, "%s: the path to its input has more than %zu bytes: %s",
+                           leaf, sizeof out->path - 1, at->path);
 }
 
 static status compare(const outside_samples *s, const char *leaf, const leaf_outside *o) {

@@ -1,9 +1,7 @@
 #include "render/bench/bench_compression.h"
 
-#include <fcntl.h>
 #include <math.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <zstd.h>
 
@@ -11,6 +9,7 @@
 #include "formats/leaf/box_coder.h"
 #include "formats/leaf/leaf_unpacker.h"
 #include "render/bench/bench_race.h"
+#include "render/bench/bench_store.h"
 
 /* A file and what was found. */
 typedef struct contestant {
@@ -191,15 +190,6 @@ static status first_picture(const bench_job *job, const bench_subject *s, const 
     return st;
 }
 
-/* Ask the system to forget a file's pages. It may decline. */
-static void forget(const char *path) {
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0)
-        return;
-    (void)posix_fadvise(fd, 0, 0, POSIX_FADV_DONTNEED);
-    close(fd);
-}
-
 static status draw_in_turn(bench_job *job, const bench_subject *s, contestant c[2]) {
     const size_t n = (size_t)job->view.camera.width * job->view.camera.width;
     float *pixels = mem_array(&job->m, 3 * n, sizeof *pixels);
@@ -211,7 +201,7 @@ static status draw_in_turn(bench_job *job, const bench_subject *s, contestant c[
         for (int i = 0; i < 2 && st == ST_OK; i++) {
             const bool cold = run % 2;
             if (cold)
-                forget(c[i].path);
+                bench_store_forget(c[i].path);
             st = first_picture(job, s, c[i].path, pixels, &(cold ? c[i].cold : c[i].warm)[run / 2]);
         }
     mem_free(&job->m, pixels);

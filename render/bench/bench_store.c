@@ -382,3 +382,11 @@ status bench_store_get(bench_store *s, const char *name, bench_stored *out) {
 status bench_store_compressed(bench_store *s, const char *name, bench_stored *out) {
     return get(s, name, "zstd:1", "-zstd.leaf", out);
 }
+
+void bench_store_forget(const char *path) {
+    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0)
+        return;
+    (void)posix_fadvise(fd, 0, 0, POSIX_FADV_DONTNEED);
+    close(fd);
+}

@@ -31,4 +31,7 @@ typedef struct bench_stored {
 CHECKED status bench_store_get(bench_store *s, const char *name, bench_stored *out);
 CHECKED status bench_store_compressed(bench_store *s, const char *name, bench_stored *out);
 
+/* bench_store_forget() - ask the system to forget a file's pages. It may decline. */
+void bench_store_forget(const char *path);
+
 #endif

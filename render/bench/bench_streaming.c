@@ -1,15 +1,14 @@
 #include "render/bench/bench_streaming.h"
 
-#include <fcntl.h>
 #include <math.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <time.h>
-#include <unistd.h>
 
 #include "formats/base/clock.h"
 #include "formats/base/pool.h"
 #include "formats/leaf/leaf_unpacker.h"
+#include "render/bench/bench_store.h"
 #include "render/door/leafcast_volume.h"
 #include "render/leafcast.h"
 
@@ -117,15 +116,6 @@ typedef struct streaming {
     int count;
 } streaming;
 
-/* Ask the system to forget a file's pages. It may decline. */
-static void forget(const char *path) {
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0)
-        return;
-    (void)posix_fadvise(fd, 0, 0, POSIX_FADV_DONTNEED);
-    close(fd);
-}
-
 static status draw(streaming *s, leafcast *volume, bool preview, double *depth,
                    leafcast_stats *stats) {
     const size_t pixels = (size_t)s->size * s->size;
@@ -156,7 +146,7 @@ static status approach(streaming *s, const way *w, bool cold, leafcast **volume,
                                       .threads = s->job->threads,
                                       .backend = w->backend};
     if (cold)
-        forget(w->path);
+        bench_store_forget(w->path);
     *start = clock_seconds();
     status st = (status)leafcast_open(w->path, &options, volume);
     if (st == ST_OK)
@@ -167,7 +157,7 @@ static status approach(streaming *s, const way *w, bool cold, leafcast **volume,
     st = draw(s, *volume, false, s->passing, &ignored);
     const double most = leafcast_describe(*volume).value_max;
     if (cold)
-        forget(w->path);
+        bench_store_forget(w->path);
     *start = clock_seconds();
     return st == ST_OK ? select_value(*volume, s->isovalue + 0.25 * (most - s->isovalue)) : st;
 }
@@ -232,7 +222,7 @@ static status load_seen(streaming *s, const way *w, const uint32_t payloads[], s
         st = x.rooms[i] ? ST_OK : ST_NOMEM;
     }
     if (cold)
-        forget(w->path);
+        bench_store_forget(w->path);
     const double start = clock_seconds();
     if (st == ST_OK)
         st = x.rooms ? pool_run(p, count, load_one, &x) : ST_NOMEM;

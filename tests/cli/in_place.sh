@@ -233,6 +233,19 @@ refused "text" 3 "text.nrrd: --in-place takes samples that lie in one file" "$in
 refused "another order" 3 "turned.nrrd: --in-place takes samples that lie in one file" "$in/turned.nrrd" --component 2
 refused "several steps" 3 "steps.nrrd: --in-place takes one field at one step" "$in/steps.nrrd" --steps all
 refused "several files" 3 "--in-place takes one field at one step" "$in/u8.nrrd" "$in/u8.npy"
+exits "an output in no folder" 1 "$leafcast" convert "$in/u8.nrrd" -o "$tmp/nowhere/r.leaf" --in-place --dry-run
+ok "says that its folder is not there" says "nowhere/r.leaf: its folder: No such file"
+long=$tmp/way
+for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15; do
+    long=$long/$(printf '%0248d' $i)
+done
+if mkdir -p "$long" 2>/dev/null && cp "$in/u8.nrrd" "$long/in.nrrd"; then
+    exits "a long way" 0 "$leafcast" convert "$long/in.nrrd" -o "$tmp/far.leaf" --in-place
+    exits "is found again" 0 "$leafcast" verify "$tmp/far.leaf"
+    deep=$long/$(printf '%0240d' 1)
+    mkdir "$deep" && cp "$in/u8.nrrd" "$deep/in.nrrd"
+    refused "a longer way" 3 "has more than 3967 bytes" "$deep/in.nrrd"
+fi
 refused "without compression" 2 "--in-place compresses: without --compress none" "$in/u8.nrrd" --compress none
 run sh -c '"$1" convert - -o "$2/r.leaf" --in-place <"$3"' sh "$leafcast" "$tmp" "$in/u8.nrrd"
 ok "standard input" says "convert: -: --in-place takes samples that lie in one file"
