@@ -37,6 +37,7 @@ struct out_file {
 
 /* One read or write call moves at most this much, so that sizes fit every system's ssize_t. */
 static const size_t CHUNK = (size_t)1 << 30;
+enum { LARGE = 64 << 10 };
 
 status file_failed(int error, const char *path, const char *doing) {
     bool full = error == ENOSPC || error == EFBIG || error == EDQUOT;
@@ -410,8 +411,14 @@ status file_write_all(int fd, const char *path, const uint64_t *offset, const vo
     return ST_OK;
 }
 
+/* Large pieces are on their way to the disk at once, so that a sync at the end has little to wait
+ * for. */
 status out_file_write_at(out_file *f, uint64_t offset, const void *data, size_t size) {
-    return file_write_all(f->fd, f->path, &offset, data, size);
+    const uint64_t from = offset;
+    const status st = file_write_all(f->fd, f->path, &offset, data, size);
+    if (st == ST_OK && f->temporary && size >= LARGE)
+        (void)sync_file_range(f->fd, (off_t)from, (off_t)size, SYNC_FILE_RANGE_WRITE);
+    return st;
 }
 
 status out_file_cut(out_file *f, uint64_t size) {

@@ -6,21 +6,18 @@
 #include <string.h>
 
 #include "formats/grid/slice_tiles.h"
+#include "prep/grid/pyramid_rows.h"
 
-enum { TAPS = 5, BAND_ROWS = SLICE_TILE };
+enum { TAPS = PYRAMID_TAPS, BAND_ROWS = SLICE_TILE };
 
 /* For f32, each sum has a mark for non-finite samples: the weights that went into the sum, and
  * whether its centre is missing. */
-enum {
-    CENTRE_MISSING = 1 << 15,
-    WEIGHT_MASK = CENTRE_MISSING - 1,
-    WHOLE_PLANE = 16 * 16,
-    WHOLE = 16 * 16 * 16
-};
+enum { CENTRE_MISSING = 1 << 15, WEIGHT_MASK = CENTRE_MISSING - 1, WHOLE_PLANE = 16 * 16 };
 
 struct pyramid {
     mem *m;
     sample_type type;
+    const pyramid_rows *rows_of;
     uint32_t fine[3], coarse[3];
     uint32_t fed, done; /* fine slices so far; coarse slices so far */
     /* Fine slices filtered and thinned in x and y: sums in units of 1 / WHOLE_PLANE. Fine slice z
@@ -37,103 +34,9 @@ struct pyramid {
     uint16_t *row_weights;
 };
 
-/* ---- kernels: one row filtered in x, five rows in y, five in z; coarse nodes [first, end) ---- */
-
-typedef struct kernels {
-    size_t sum_size;
-    void (*x)(const void *row, uint32_t nodes, void *sums, uint32_t first, uint32_t end);
-    void (*y)(const void *const taps[TAPS], void *sums, uint32_t first, uint32_t end);
-    void (*z)(const void *const taps[TAPS], void *samples, uint32_t first, uint32_t end);
-} kernels;
-
 static uint32_t clamped(int64_t i, uint32_t nodes) {
     return i < 0 ? 0 : i >= nodes ? nodes - 1 : (uint32_t)i;
 }
-
-/* The mean of v[0 .. 4] times 16, added from the lowest index up. */
-#define WEIGH(S, v0, v1, v2, v3, v4) \
-    (((((S)(v0) + (S)4 * (S)(v1)) + (S)6 * (S)(v2)) + (S)4 * (S)(v3)) + (S)(v4))
-
-/* T: the samples' type; P: a type for sums over a plane; S: the type to add in. */
-#define DEFINE_XY(T, P, S, suffix)                                                                 \
-    static void x_##suffix(const void *from, uint32_t nodes, void *to, uint32_t first,             \
-                           uint32_t end) {                                                         \
-        const T *restrict v = from;                                                                \
-        P *restrict sums = to;                                                                     \
-        const uint32_t over = (nodes - 1) / 2; /* the first that reaches over the end */           \
-        for (uint32_t i = first ? first : 1; i < over && i < end; i++)                             \
-            sums[i] =                                                                              \
-                (P)WEIGH(S, v[2 * i - 2], v[2 * i - 1], v[2 * i], v[2 * i + 1], v[2 * i + 2]);     \
-        for (uint32_t i = first; i < end; i++) {                                                   \
-            if (i > 0 && i < over)                                                                 \
-                i = over;                                                                          \
-            if (i >= end)                                                                          \
-                break;                                                                             \
-            T e[TAPS];                                                                             \
-            for (int d = 0; d < TAPS; d++)                                                         \
-                e[d] = v[clamped(2 * (int64_t)i + d - 2, nodes)];                                  \
-            sums[i] = (P)WEIGH(S, e[0], e[1], e[2], e[3], e[4]);                                   \
-        }                                                                                          \
-    }                                                                                              \
-    static void y_##suffix(const void *const taps[TAPS], void *to, uint32_t first, uint32_t end) { \
-        const P *a = taps[0], *b = taps[1], *c = taps[2], *d = taps[3], *e = taps[4];              \
-        P *restrict sums = to;                                                                     \
-        for (uint32_t i = first; i < end; i++)                                                     \
-            sums[i] = (P)WEIGH(S, a[i], b[i], c[i], d[i], e[i]);                                   \
-    }
-
-/* Round half to even: add just below a half, and one more if the quotient is odd. Shifts of
- * negative sums are arithmetic (in gcc and clang): quotients round down first, then go up in the
- * same way. */
-#define DEFINE_Z_INTEGER(T, P, S, suffix)                                                          \
-    static void z_##suffix(const void *const taps[TAPS], void *to, uint32_t first, uint32_t end) { \
-        const P *a = taps[0], *b = taps[1], *c = taps[2], *d = taps[3], *e = taps[4];              \
-        T *restrict samples = to;                                                                  \
-        for (uint32_t i = first; i < end; i++) {                                                   \
-            S sum = WEIGH(S, a[i], b[i], c[i], d[i], e[i]);                                        \
-            samples[i] = (T)((sum + (WHOLE / 2 - 1) + ((sum >> 12) & 1)) >> 12);                   \
-        }                                                                                          \
-    }
-
-DEFINE_XY(uint8_t, uint16_t, uint32_t, u8)
-DEFINE_XY(int8_t, int16_t, int32_t, i8)
-DEFINE_XY(uint16_t, uint32_t, uint32_t, u16)
-DEFINE_XY(int16_t, int32_t, int32_t, i16)
-DEFINE_XY(float, double, double, f32)
-DEFINE_Z_INTEGER(uint8_t, uint16_t, uint32_t, u8)
-DEFINE_Z_INTEGER(int8_t, int16_t, int32_t, i8)
-DEFINE_Z_INTEGER(uint16_t, uint32_t, uint32_t, u16)
-DEFINE_Z_INTEGER(int16_t, int32_t, int32_t, i16)
-
-/* Round a finite float to PYRAMID_BITS, half to even; down where the result would be infinite. */
-static inline float shortened(float value) {
-    enum { GONE = 23 - PYRAMID_BITS };
-    const uint32_t exponent = 0x7F800000U, low = (1U << GONE) - 1;
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    const uint32_t nearest = (bits + (low >> 1) + (bits >> GONE & 1)) & ~low;
-    bits = (nearest & exponent) == exponent ? bits & ~low : nearest;
-    memcpy(&value, &bits, sizeof bits);
-    return value;
-}
-
-static void z_f32(const void *const taps[TAPS], void *to, uint32_t first, uint32_t end) {
-    const double *a = taps[0], *b = taps[1], *c = taps[2], *d = taps[3], *e = taps[4];
-    float *restrict samples = to;
-    for (uint32_t i = first; i < end; i++) {
-        const float mean = (float)(WEIGH(double, a[i], b[i], c[i], d[i], e[i]) / WHOLE);
-        const bool same = (a[i] == b[i]) & (b[i] == c[i]) & (c[i] == d[i]) & (d[i] == e[i]);
-        samples[i] = same ? mean : shortened(mean);
-    }
-}
-
-static const kernels all_kernels[] = {
-    [SAMPLE_U8] = {sizeof(uint16_t), x_u8, y_u8, z_u8},
-    [SAMPLE_I8] = {sizeof(int16_t), x_i8, y_i8, z_i8},
-    [SAMPLE_U16] = {sizeof(uint32_t), x_u16, y_u16, z_u16},
-    [SAMPLE_I16] = {sizeof(int32_t), x_i16, y_i16, z_i16},
-    [SAMPLE_F32] = {sizeof(double), x_f32, y_f32, z_f32},
-};
 
 /* ---- the same with missing samples: sums and their weights ---- */
 
@@ -150,7 +53,7 @@ static void x_missing(const float *row, uint32_t nodes, double *sums, uint16_t *
             v[d] = there ? (double)sample : 0.0;
             weight += there ? tap_weights[d] : 0u;
         }
-        sums[i] = WEIGH(double, v[0], v[1], v[2], v[3], v[4]);
+        sums[i] = PYRAMID_WEIGH(double, v[0], v[1], v[2], v[3], v[4]);
         weights[i] =
             (uint16_t)(weight |
                        (isfinite(row[clamped(2 * (int64_t)i, nodes)]) ? 0u : CENTRE_MISSING));
@@ -175,11 +78,12 @@ static void z_missing(const double *const taps[TAPS], const uint16_t *const weig
             weight += tap_weights[d] *
                       (weights[d] ? weights[d][i] & (unsigned)WEIGHT_MASK : (unsigned)WHOLE_PLANE);
         bool missing = weights[2] && (weights[2][i] & CENTRE_MISSING);
-        double sum = WEIGH(double, taps[0][i], taps[1][i], taps[2][i], taps[3][i], taps[4][i]);
+        double sum =
+            PYRAMID_WEIGH(double, taps[0][i], taps[1][i], taps[2][i], taps[3][i], taps[4][i]);
         const bool same = taps[0][i] == taps[1][i] && taps[1][i] == taps[2][i] &&
                           taps[2][i] == taps[3][i] && taps[3][i] == taps[4][i];
         const float mean = (float)(sum / weight);
-        samples[i] = missing ? NAN : same ? mean : shortened(mean);
+        samples[i] = missing ? NAN : same ? mean : pyramid_rows_shorten(mean);
     }
 }
 
@@ -284,7 +188,7 @@ static uint32_t busy_run(const pyramid *p, const band *b, const uint8_t *busy, u
 /* Filter and thin fine slice z in x and y: coarse nodes [run[0], run[1]) of the band. */
 static void filter_run(pyramid *p, const band *b, const char *slice, uint32_t z, bool dirty,
                        const uint32_t run[2]) {
-    const kernels *k = &all_kernels[p->type];
+    const pyramid_rows *k = p->rows_of;
     const uint32_t width = p->coarse[0];
     const size_t row_bytes = p->fine[0] * sample_size(p->type), sum_bytes = width * k->sum_size;
     int64_t filtered = (int64_t)clamped(2 * (int64_t)b->first - 2, p->fine[1]) - 1;
@@ -327,8 +231,7 @@ static void filter_plane(pyramid *p, const band *b, const char *slice, const uin
         if (dirty || reaches_busy(b, busy, i))
             map[i] = 1;
         else
-            quieten(p, b, i, all_kernels[p->type].sum_size, p->quiet_sum, p->planes[z % TAPS],
-                    &map[i]);
+            quieten(p, b, i, p->rows_of->sum_size, p->quiet_sum, p->planes[z % TAPS], &map[i]);
     }
     for (uint32_t i = 0; !dirty && i < b->tiles; i++) {
         i = busy_run(p, b, map, i, run);
@@ -341,7 +244,7 @@ static void filter_plane(pyramid *p, const band *b, const char *slice, const uin
 static void sum_planes(const pyramid *p, const band *b, const uint32_t z[TAPS], bool dirty,
                        const uint32_t run[2], char *slice) {
     const uint32_t width = p->coarse[0];
-    const kernels *f = &all_kernels[p->type];
+    const pyramid_rows *f = p->rows_of;
     for (uint32_t j = b->first; j < b->last; j++) {
         const void *taps[TAPS];
         const uint16_t *weights[TAPS];
@@ -405,7 +308,7 @@ static status feed_band(void *ctx, size_t index, int worker) {
         .index = (uint32_t)index,
         .tiles = slice_tiles_along(p->coarse[0]),
         .fine_tiles = {slice_tiles_along(p->fine[0]), slice_tiles_along(p->fine[1])},
-        .rows = p->rows + (size_t)worker * row_sums * all_kernels[p->type].sum_size,
+        .rows = p->rows + (size_t)worker * row_sums * p->rows_of->sum_size,
         .row_weights = p->row_weights ? p->row_weights + (size_t)worker * row_sums : NULL,
     };
     uint32_t k = p->done;
@@ -433,7 +336,8 @@ static uint32_t bands(const uint32_t fine[3]) {
 
 uint64_t pyramid_memory(sample_type type, const uint32_t fine[3], int threads) {
     uint64_t width = pyramid_coarse(fine[0]), plane = width * pyramid_coarse(fine[1]);
-    uint64_t each = all_kernels[type].sum_size + (type == SAMPLE_F32 ? sizeof(uint16_t) : 0);
+    uint64_t each =
+        pyramid_rows_for(CPU_SCALAR, type)->sum_size + (type == SAMPLE_F32 ? sizeof(uint16_t) : 0);
     return TAPS * each * (plane + (uint64_t)threads * width) + TAPS * bands(fine) +
            TAPS * (uint64_t)slice_tiles_along((uint32_t)width) * bands(fine) + sizeof(pyramid) +
            4096;
@@ -451,7 +355,8 @@ status pyramid_create(mem *m, sample_type type, const uint32_t fine[3], int thre
         p->fine[a] = fine[a];
         p->coarse[a] = pyramid_coarse(fine[a]);
     }
-    const size_t sum_size = all_kernels[type].sum_size, plane = (size_t)p->coarse[0] * p->coarse[1];
+    p->rows_of = pyramid_rows_for(cpu_best(), type);
+    const size_t sum_size = p->rows_of->sum_size, plane = (size_t)p->coarse[0] * p->coarse[1];
     const size_t rows = (size_t)threads * TAPS * p->coarse[0];
     for (int i = 0; i < TAPS; i++) {
         p->planes[i] = mem_array(m, plane, sum_size);
@@ -493,7 +398,7 @@ uint32_t pyramid_ready(const pyramid *p, uint32_t count) {
 
 /* The kernels compute the quiet sum, so that it has the same bits. */
 status pyramid_quiet(pyramid *p, const void *sample) {
-    const kernels *k = &all_kernels[p->type];
+    const pyramid_rows *k = p->rows_of;
     const size_t size = sample_size(p->type), tiles = slice_tiles_count(p->coarse);
     double sums[TAPS], plane[TAPS];
     char row[TAPS * SLICE_SAMPLE_MAX];
@@ -533,7 +438,7 @@ status pyramid_feed(pyramid *p, pool *workers, const void *fine, const uint8_t *
 /* Save or load plane i of the window. */
 static status keep_plane(pyramid *p, state_io *io, int i) {
     const size_t plane = (size_t)p->coarse[0] * p->coarse[1];
-    status st = state_io_bytes(io, p->planes[i], plane * all_kernels[p->type].sum_size);
+    status st = state_io_bytes(io, p->planes[i], plane * p->rows_of->sum_size);
     if (st == ST_OK)
         st = state_io_bytes(io, p->dirty[i], bands(p->fine) * sizeof *p->dirty[i]);
     if (st == ST_OK && p->weights[i])

@@ -29,6 +29,22 @@ static uint32_t clamped(int64_t i, uint32_t nodes) {
     return i < 0 ? 0 : i >= nodes ? nodes - 1 : (uint32_t)i;
 }
 
+/* Rows of a slab lie a slice's width apart, where no processor looks ahead by itself. Inlined: gcc
+ * leaves out calls of functions that do nothing else. */
+enum { AHEAD = 6 };
+
+static inline __attribute__((always_inline)) void fetch_row(const sample_box *box, uint32_t z,
+                                                            uint32_t y, int64_t first,
+                                                            uint32_t count, size_t size) {
+    if (y >= box->size[1])
+        return;
+    const size_t from = first > box->origin[0] ? (size_t)first - box->origin[0] : 0;
+    const char *row = box->slices[z] + y * box->row_bytes + from * size;
+    for (size_t at = 0; at < count * size; at += 64)
+        __builtin_prefetch(row + at);
+    __builtin_prefetch(row + count * size - 1);
+}
+
 /* Copy a box of samples of a level, from node `first` on. Returns the end of the copy. */
 static char *copy_samples(const leaf_layout *l, uint32_t level, const int64_t first[3],
                           const uint32_t count[3], const sample_box *box, char *out) {
@@ -40,6 +56,7 @@ static char *copy_samples(const leaf_layout *l, uint32_t level, const int64_t fi
         for (uint32_t j = 0; j < count[1]; j++) {
             const uint32_t y = clamped(first[1] + j, nodes[1]) - box->origin[1];
             assert(y < box->size[1]);
+            fetch_row(box, z, y + AHEAD, first[0], count[0], size);
             out = copy_row(out, box->slices[z] + y * box->row_bytes, first[0], count[0], nodes[0],
                            box->origin[0], size);
         }

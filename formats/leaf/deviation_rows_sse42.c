@@ -1,0 +1,1 @@
+#include "formats/leaf/deviation_rows_template.h"

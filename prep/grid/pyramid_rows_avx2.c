@@ -1,0 +1,1 @@
+#include "prep/grid/pyramid_rows_template.h"
