@@ -10,6 +10,7 @@
 #ifndef FORMATS_GRID_SLICE_TILES_H
 #define FORMATS_GRID_SLICE_TILES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -44,6 +45,12 @@ static inline slice_tile slice_tiles_at(const uint32_t dims[3], size_t index) {
 /* slice_tiles_fill() - set all samples of a tile, `width` bytes each, to the value. */
 void slice_tiles_fill(const uint32_t dims[3], const slice_tile *t, size_t width, const void *value,
                       void *slice);
+
+/* slice_tiles_find() - make the map of a slice: tiles are quiet where all samples are the value.
+ * slice_tiles_row_busy() - whether any tile of row `row` of a map is busy. */
+void slice_tiles_find(const uint32_t dims[3], size_t width, const void *slice, const void *value,
+                      uint8_t *busy);
+bool slice_tiles_row_busy(const uint32_t dims[3], const uint8_t *busy, uint32_t row);
 
 /* slice_tiles_copy() - copy a slice with its map to another slice. On entry to_busy says what `to`
  * holds. */

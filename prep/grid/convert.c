@@ -79,10 +79,12 @@ static void end_deviations(const grid_conversion *c, const grid *g) {
         deviation_build_end(c->layout, c->set, grid_is_rectilinear(g), range, codes);
 }
 
-/* If the input tells which tiles have one value, keep such maps for all levels. */
+/* Keep maps of the tiles that have one value for all levels. */
 static status begin_maps(grid_conversion *c) {
     c->quiet = read_ahead_quiet(c->input);
-    for (uint32_t level = 0; c->quiet && level + 1 < c->layout->levels; level++) {
+    for (uint32_t level = 0; level < c->layout->levels; level++)
+        slab_quiet(c->stages[level].slab, c->quiet);
+    for (uint32_t level = 0; level + 1 < c->layout->levels; level++) {
         grid_stage *s = &c->stages[level];
         const size_t bytes = slice_tiles_count(c->layout->level[level + 1].dims) *
                              convert_plan_slices(c->plan, level + 1);

@@ -28,10 +28,19 @@ void deviation_build_destroy(deviation_build *b); /* NULL is fine */
 /* deviation_build_memory() - bytes that deviation_build_create() takes. */
 uint64_t deviation_build_memory(const leaf_layout *l, uint32_t fine, bool rectilinear, int threads);
 
-/* deviation_build_feed() - feed the next slices of both levels, consecutive in memory: the same
- * that pyramid_feed() takes and gives. */
-CHECKED status deviation_build_feed(deviation_build *b, pool *workers, const void *fine,
-                                    uint32_t fine_count, const void *coarse, uint32_t coarse_count);
+/* Slices of a level, consecutive in memory, with their maps (slice_tiles.h): all tiles that are not
+ * busy have one value, the same in both levels. Where a coarse tile is not, fine ones are not, as
+ * pyramid_feed() has it. busy: NULL: all tiles are. */
+typedef struct deviation_slices {
+    const char *samples;
+    const uint8_t *busy;
+    uint32_t count;
+} deviation_slices;
+
+/* deviation_build_feed() - feed the next slices of both levels: the same that pyramid_feed() takes
+ * and gives. */
+CHECKED status deviation_build_feed(deviation_build *b, pool *workers, const deviation_slices *fine,
+                                    const deviation_slices *coarse);
 
 /* deviation_build_keep() - save or load how far it is, and the slices that are kept; but not the
  * codes. One that loads is new. */

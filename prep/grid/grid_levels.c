@@ -45,8 +45,9 @@ static status push(grid_conversion *c, read_slices in) {
         uint32_t coarse = pyramid_ready(s->up, in.count);
         st = pyramid_feed(s->up, c->workers, in.samples, in.busy, in.count, s->coarse, s->busy);
         if (st == ST_OK && s->deviation)
-            st = deviation_build_feed(s->deviation, c->workers, in.samples, in.count, s->coarse,
-                                      coarse);
+            st = deviation_build_feed(s->deviation, c->workers,
+                                      &(deviation_slices){in.samples, in.busy, in.count},
+                                      &(deviation_slices){s->coarse, s->busy, coarse});
         if (st != ST_OK)
             return st;
         in = (read_slices){s->coarse, s->busy, coarse};

@@ -19,9 +19,10 @@ struct read_ahead {
     size_t slice_samples, slice_bytes; /* of the stored type */
     void *raw;                         /* one slice of the input's type, if that is larger */
     char *slices[BATCHES];
-    uint8_t *busy[BATCHES]; /* their maps, `tiles` bytes each; NULL: not known */
+    uint8_t *busy[BATCHES]; /* their maps, `tiles` bytes each */
     size_t tiles;
-    uint8_t quiet[SLICE_SAMPLE_MAX];
+    bool told; /* maps come from the input; otherwise from a look at the samples */
+    _Alignas(double) uint8_t quiet[SLICE_SAMPLE_MAX];
     pthread_t thread;
     bool started;
     pthread_mutex_t lock;
@@ -59,23 +60,26 @@ static uint64_t count_in_tiles(const read_ahead *r, const float *slice, const ui
     return found;
 }
 
-/* Checksums of slices follow from one another. */
-static void sum_slice(read_ahead_facts *f, const char *slice, size_t bytes) {
-    const uint64_t both[2] = {f->checksum, hash_bytes(slice, bytes)};
+static void add_sum(read_ahead_facts *f, const void *bytes, size_t size) {
+    const uint64_t both[2] = {f->checksum, hash_bytes(bytes, size)};
     f->checksum = hash_bytes(both, sizeof both);
 }
 
-static status read_tiles(read_ahead *r, char *into, uint8_t *busy) {
-    const status st = volume_read_tiles(r->v, 1, into, busy);
-    if (st == ST_OK && volume_grid(r->v)->type == SAMPLE_F32)
-        r->facts.non_finite += count_in_tiles(r, (const float *)into, busy);
-    return st;
+/* Checksums of slices follow from one another. Of rows of tiles that are all quiet the map tells.
+ */
+static void sum_slice(read_ahead *r, const char *slice, const uint8_t *busy) {
+    const uint32_t *dims = volume_grid(r->v)->dims;
+    const size_t row = SLICE_TILE * (r->slice_bytes / dims[1]);
+    add_sum(&r->facts, busy, r->tiles);
+    for (uint32_t i = 0; i < slice_tiles_along(dims[1]); i++) {
+        const size_t left = r->slice_bytes - i * row;
+        if (slice_tiles_row_busy(dims, busy, i))
+            add_sum(&r->facts, slice + i * row, left < row ? left : row);
+    }
 }
 
-static status read_samples(read_ahead *r, char *into, uint8_t *busy) {
+static status read_samples(read_ahead *r, char *into) {
     sample_type type = volume_grid(r->v)->type;
-    if (busy)
-        return read_tiles(r, into, busy);
     void *raw = r->raw ? r->raw : into;
     status st = volume_read(r->v, 1, raw);
     if (st != ST_OK)
@@ -85,16 +89,21 @@ static status read_samples(read_ahead *r, char *into, uint8_t *busy) {
         double error = sample_to_stored(type, raw, into, r->slice_samples);
         r->facts.rounding_error = fmax(r->facts.rounding_error, error);
     }
-    if (sample_stored(type) == SAMPLE_F32)
-        r->facts.non_finite += count_non_finite((const float *)into, r->slice_samples);
     return ST_OK;
 }
 
 static status read_slice(read_ahead *r, char *into, uint8_t *busy) {
-    status st = read_samples(r, into, busy);
-    if (st == ST_OK)
-        sum_slice(&r->facts, into, r->slice_bytes);
-    return st;
+    const grid *g = volume_grid(r->v);
+    const sample_type type = sample_stored(g->type);
+    const status st = r->told ? volume_read_tiles(r->v, 1, into, busy) : read_samples(r, into);
+    if (st != ST_OK)
+        return st;
+    if (!r->told)
+        slice_tiles_find(g->dims, sample_size(type), into, r->quiet, busy);
+    if (type == SAMPLE_F32)
+        r->facts.non_finite += count_in_tiles(r, (const float *)(const void *)into, busy);
+    sum_slice(r, into, busy);
+    return ST_OK;
 }
 
 /* Wait for a batch that may be filled. Returns false if the reader is to end. */
@@ -143,8 +152,8 @@ static status read_batches(read_ahead *r) {
         for (uint32_t i = 0; i < count; i++) {
             if (must_quit(r))
                 return ST_OK;
-            uint8_t *busy = r->busy[slot] ? r->busy[slot] + i * r->tiles : NULL;
-            status st = read_slice(r, r->slices[slot] + i * r->slice_bytes, busy);
+            status st =
+                read_slice(r, r->slices[slot] + i * r->slice_bytes, r->busy[slot] + i * r->tiles);
             if (st != ST_OK)
                 return st;
         }
@@ -185,8 +194,9 @@ uint64_t read_ahead_memory(const grid *g, uint32_t batch) {
     return bytes + sizeof(read_ahead) + 4096;
 }
 
-/* Returns whether the quiet value is known and unchanged when stored: finite, and not -0. */
-static bool find_quiet(read_ahead *r) {
+/* Returns whether the input tells a quiet value that is unchanged when stored: finite, and not -0.
+ */
+static bool ask_quiet(read_ahead *r) {
     const grid *g = volume_grid(r->v);
     float value = 0;
     if (!volume_quiet(r->v, r->quiet) || sample_stored(g->type) != g->type)
@@ -198,8 +208,9 @@ static bool find_quiet(read_ahead *r) {
 
 static status create_maps(read_ahead *r) {
     r->tiles = slice_tiles_count(volume_grid(r->v)->dims);
-    if (!find_quiet(r))
-        return ST_OK;
+    r->told = ask_quiet(r);
+    if (!r->told)
+        memset(r->quiet, 0, sizeof r->quiet);
     for (int i = 0; i < BATCHES; i++) {
         r->busy[i] = mem_alloc(r->m, r->batch * r->tiles);
         if (!r->busy[i])
@@ -270,7 +281,7 @@ void read_ahead_destroy(read_ahead *r) {
 }
 
 const void *read_ahead_quiet(const read_ahead *r) {
-    return r->busy[0] ? r->quiet : NULL;
+    return r->quiet;
 }
 
 status read_ahead_next(read_ahead *r, read_slices *out) {

@@ -35,9 +35,7 @@ void read_ahead_destroy(read_ahead *r);
 /* read_ahead_memory() - bytes that read_ahead_create() takes. */
 uint64_t read_ahead_memory(const grid *g, uint32_t batch);
 
-/* Slices, consecutive in memory. busy: their maps (slice_tiles.h), also consecutive; NULL: not
- * known.
- */
+/* Slices, consecutive in memory. busy: their maps (slice_tiles.h), also consecutive. */
 typedef struct read_slices {
     const char *samples;
     const uint8_t *busy;
@@ -48,8 +46,8 @@ typedef struct read_slices {
  * behind the last. */
 CHECKED status read_ahead_next(read_ahead *r, read_slices *out);
 
-/* read_ahead_quiet() - the value of tiles that are not busy, a finite sample; NULL: not known.
- */
+/* read_ahead_quiet() - the value of tiles that are not busy, a finite sample: the input's own, if
+ * it has maps; else 0. */
 const void *read_ahead_quiet(const read_ahead *r);
 
 /* read_ahead_seen() - the facts of all slices up to the last that read_ahead_next() gave. After it

@@ -30,8 +30,9 @@ struct slab {
     const char **slices;
     char *samples; /* ring of `depth` slices; if spilled: one column */
     size_t tiles;  /* bytes of a slice's map */
-    uint8_t *busy; /* maps of the ring's slices; NULL: no slice had one */
+    uint8_t *busy; /* maps of `depth` slices: slice z has map z % depth, whether spilled or not */
     const uint8_t **maps;
+    uint8_t quiet[SLICE_SAMPLE_MAX];
     /* If spilled: */
     out_file *file;
     char *staging; /* per thread: one column's part of a slice */
@@ -73,8 +74,9 @@ uint64_t slab_memory(const leaf_layout *l, uint32_t level, const slab_plan *plan
     shape s = shape_of(l, level, plan);
     uint64_t samples = plan->spilled
                            ? s.column_bytes + s.column_slice_bytes * (uint64_t)plan->threads
-                           : (slice_bytes(&s) + slice_tiles_count(s.level->dims)) * s.depth;
-    return samples + 2 * s.depth * sizeof(char *) + sizeof(slab) + 4096;
+                           : slice_bytes(&s) * s.depth;
+    return samples + slice_tiles_count(s.level->dims) * s.depth + 2 * s.depth * sizeof(char *) +
+           sizeof(slab) + 4096;
 }
 
 uint64_t slab_spill_bytes(const leaf_layout *l, uint32_t level, const slab_plan *plan) {
@@ -95,8 +97,10 @@ status slab_create(mem *m, const leaf_layout *l, uint32_t level, const slab_plan
     s->maps = mem_array(m, s->shape.depth, sizeof *s->maps);
     s->samples = mem_alloc(
         m, (size_t)(s->spilled ? s->shape.column_bytes : slice_bytes(&s->shape) * s->shape.depth));
-    if (!s->slices || !s->maps || !s->samples)
+    s->busy = mem_alloc(m, s->shape.depth * s->tiles);
+    if (!s->slices || !s->maps || !s->samples || !s->busy)
         goto fail;
+    memset(s->busy, 1, s->shape.depth * s->tiles);
     if (s->spilled) {
         s->staging = mem_alloc(m, (size_t)s->shape.column_slice_bytes * (size_t)plan->threads);
         if (!s->staging)
@@ -122,6 +126,14 @@ void slab_destroy(slab *s) {
     mem_free(s->m, s->maps);
     mem_free(s->m, s->staging);
     mem_free(s->m, s);
+}
+
+void slab_quiet(slab *s, const void *sample) {
+    memcpy(s->quiet, sample, s->shape.size);
+}
+
+static uint8_t *map_of(const slab *s, uint32_t z) {
+    return s->busy + z % s->shape.depth * s->tiles;
 }
 
 /* ---- nodes of families and columns ---- */
@@ -169,7 +181,17 @@ static column column_of(const shape *s, uint32_t index) {
     return c;
 }
 
-/* Write one slice's part of all columns of slab n. */
+/* Whether a column's part of a slice has a busy tile. */
+static bool column_busy(const shape *s, const column *c, const uint8_t *busy) {
+    const uint32_t across = slice_tiles_along(s->level->dims[0]);
+    const uint32_t first = c->x0 / SLICE_TILE, count = c->x1 / SLICE_TILE - first + 1;
+    bool any = false;
+    for (uint32_t y = c->y0 / SLICE_TILE; y <= c->y1 / SLICE_TILE; y++)
+        any |= memchr(busy + (size_t)y * across + first, 1, count) != NULL;
+    return any;
+}
+
+/* Write one slice's part of all columns of slab n. What is quiet the map tells. */
 static status spill_slice(slab *s, const char *slice, uint32_t z, uint32_t n, char *staging) {
     const shape *sh = &s->shape;
     const size_t row_bytes = sh->level->dims[0] * sh->size;
@@ -177,6 +199,8 @@ static status spill_slice(slab *s, const char *slice, uint32_t z, uint32_t n, ch
     span(sh, 2, n, 1, &z0, &z1);
     for (uint32_t i = 0; i < sh->columns[0] * sh->columns[1]; i++) {
         column c = column_of(sh, i);
+        if (!column_busy(sh, &c, map_of(s, z)))
+            continue;
         size_t width = (c.x1 - c.x0 + 1) * sh->size, rows = c.y1 - c.y0 + 1;
         const char *from = slice + c.y0 * row_bytes + c.x0 * sh->size;
         if (width < row_bytes) {
@@ -199,13 +223,17 @@ static status store_slice(void *ctx, size_t index, int worker) {
     const shape *sh = &s->shape;
     uint32_t z = s->next_z + (uint32_t)index;
     const char *slice = job->slices + index * slice_bytes(sh);
+    if (!s->spilled && job->busy) {
+        slice_tiles_copy(sh->level->dims, sh->size, slice, job->busy + index * s->tiles,
+                         s->samples + z % sh->depth * slice_bytes(sh), map_of(s, z));
+        return ST_OK;
+    }
+    if (job->busy)
+        memcpy(map_of(s, z), job->busy + index * s->tiles, s->tiles);
+    else
+        memset(map_of(s, z), 1, s->tiles);
     if (!s->spilled) {
-        char *to = s->samples + z % sh->depth * slice_bytes(sh);
-        if (s->busy)
-            slice_tiles_copy(sh->level->dims, sh->size, slice, job->busy + index * s->tiles, to,
-                             s->busy + z % sh->depth * s->tiles);
-        else
-            memcpy(to, slice, slice_bytes(sh));
+        memcpy(s->samples + z % sh->depth * slice_bytes(sh), slice, slice_bytes(sh));
         return ST_OK;
     }
     /* A slice near the border of two slabs belongs to both. */
@@ -223,22 +251,10 @@ static status store_slice(void *ctx, size_t index, int worker) {
     return ST_OK;
 }
 
-/* Make room for maps; slices without one count as busy. */
-static status begin_maps(slab *s) {
-    const size_t bytes = s->shape.depth * s->tiles;
-    s->busy = mem_alloc(s->m, bytes);
-    if (!s->busy)
-        return ST_NOMEM;
-    memset(s->busy, 1, bytes);
-    return ST_OK;
-}
-
 status slab_store(slab *s, pool *workers, const void *slices, const uint8_t *busy, uint32_t count) {
     assert(count <= slab_room(s));
     storing job = {.s = s, .slices = slices, .busy = busy};
-    status st = busy && !s->busy && !s->spilled ? begin_maps(s) : ST_OK;
-    if (st == ST_OK)
-        st = pool_run(workers, count, store_slice, &job);
+    status st = pool_run(workers, count, store_slice, &job);
     if (st == ST_OK)
         s->next_z += count;
     return st;
@@ -252,17 +268,57 @@ uint32_t slab_boxes(const slab *s) {
 
 static void take_whole(slab *s, slab_box *out) {
     const shape *sh = &s->shape;
-    for (uint32_t i = 0; i < out->samples.size[2]; i++) {
-        const size_t slot = (out->samples.origin[2] + i) % sh->depth;
-        s->slices[i] = s->samples + slot * slice_bytes(sh);
-        s->maps[i] = s->busy ? s->busy + slot * s->tiles : NULL;
-    }
-    out->samples.busy = s->busy ? s->maps : NULL;
+    for (uint32_t i = 0; i < out->samples.size[2]; i++)
+        s->slices[i] = s->samples + (out->samples.origin[2] + i) % sh->depth * slice_bytes(sh);
     out->samples.size[0] = sh->level->dims[0];
     out->samples.size[1] = sh->level->dims[1];
     out->samples.row_bytes = sh->level->dims[0] * sh->size;
     for (int a = 0; a < 2; a++)
         out->count[a] = sh->families[a];
+}
+
+/* Fill a column's part of a slice with the quiet value. */
+static void fill_quiet(const slab *s, char *part, size_t samples) {
+    const size_t bytes = samples * s->shape.size;
+    memcpy(part, s->quiet, s->shape.size);
+    for (size_t done = s->shape.size; done < bytes; done *= 2)
+        memcpy(part + done, part, done < bytes - done ? done : bytes - done);
+}
+
+/* Read a column's parts of the slices [from, to), counted from the slab's first. */
+static status read_parts(slab *s, uint32_t index, const slab_box *of, uint32_t from, uint32_t to) {
+    const shape *sh = &s->shape;
+    /* The last slice's part may be shorter than column_slice_bytes, and the file may end behind
+     * it. */
+    const uint64_t at =
+        s->current % 2 * sh->area_bytes + index * sh->column_bytes + from * sh->column_slice_bytes;
+    const size_t bytes = (size_t)sh->column_slice_bytes * (to - from - 1) +
+                         of->samples.row_bytes * of->samples.size[1];
+    return out_file_read_at(s->file, at, s->samples + from * sh->column_slice_bytes, bytes);
+}
+
+/* Load a column: the parts that were written, and what the maps tell of the others. Of a column
+ * that is all quiet nobody looks at the samples. */
+static status load_column(slab *s, uint32_t index, const column *c, const slab_box *of) {
+    const shape *sh = &s->shape;
+    const uint32_t count = of->samples.size[2];
+    status st = ST_OK;
+    bool any = false;
+    for (uint32_t i = 0; i < count && !any; i++)
+        any = column_busy(sh, c, s->maps[i]);
+    if (!any)
+        return ST_OK;
+    for (uint32_t i = 0, end; i < count && st == ST_OK; i = end) {
+        end = i;
+        while (end < count && column_busy(sh, c, s->maps[end]))
+            end++;
+        if (end > i)
+            st = read_parts(s, index, of, i, end);
+        for (; end < count && !column_busy(sh, c, s->maps[end]); end++)
+            fill_quiet(s, s->samples + end * sh->column_slice_bytes,
+                       (size_t)of->samples.size[0] * of->samples.size[1]);
+    }
+    return st;
 }
 
 static status take_column(slab *s, uint32_t index, slab_box *out) {
@@ -279,12 +335,7 @@ static status take_column(slab *s, uint32_t index, slab_box *out) {
     out->first[1] = c.fy;
     out->count[0] = c.across;
     out->count[1] = 1;
-    /* The last slice's part may be shorter than column_slice_bytes, and the file may end behind
-     * it. */
-    size_t bytes = (size_t)sh->column_slice_bytes * (out->samples.size[2] - 1) +
-                   out->samples.row_bytes * out->samples.size[1];
-    return out_file_read_at(s->file, s->current % 2 * sh->area_bytes + index * sh->column_bytes,
-                            s->samples, bytes);
+    return load_column(s, index, &c, out);
 }
 
 status slab_take(slab *s, uint32_t index, slab_box *out) {
@@ -297,6 +348,9 @@ status slab_take(slab *s, uint32_t index, slab_box *out) {
     out->samples.slices = s->slices;
     out->samples.origin[2] = z0;
     out->samples.size[2] = z1 - z0 + 1;
+    for (uint32_t i = 0; i < out->samples.size[2]; i++)
+        s->maps[i] = map_of(s, z0 + i);
+    out->samples.busy = s->maps;
     if (s->spilled)
         return take_column(s, index, out);
     take_whole(s, out);
@@ -325,7 +379,10 @@ static status save_row(slab *s, state_io *io, uint32_t z, uint32_t y) {
         const size_t row = (size_t)(y - c.y0) * (c.x1 - c.x0 + 1) + (from - c.x0);
         const uint64_t at = s->current % 2 * sh->area_bytes + index * sh->column_bytes +
                             (z - first) * sh->column_slice_bytes + row * sh->size;
-        st = out_file_read_at(s->file, at, s->staging, (to - from) * sh->size);
+        if (column_busy(sh, &c, map_of(s, z)))
+            st = out_file_read_at(s->file, at, s->staging, (to - from) * sh->size);
+        else
+            fill_quiet(s, s->staging, to - from);
         if (st == ST_OK)
             st = state_io_bytes(io, s->staging, (to - from) * sh->size);
     }

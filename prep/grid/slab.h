@@ -46,8 +46,13 @@ void slab_destroy(slab *s); /* NULL is fine */
 uint32_t slab_room(const slab *s);
 bool slab_complete(const slab *s);
 
+/* slab_quiet() - set the value of tiles that are not busy, a sample. Call it before the first
+ * slice.
+ */
+void slab_quiet(slab *s, const void *sample);
+
 /* slab_store() - store the next `count` slices, at most slab_room(), consecutive in memory. busy:
- * their maps (slice_tiles.h); or NULL, for all slices or none. */
+ * their maps (slice_tiles.h); NULL: all tiles are. */
 CHECKED status slab_store(slab *s, pool *workers, const void *slices, const uint8_t *busy,
                           uint32_t count);
 
