@@ -9,7 +9,8 @@ enum {
     CELLS_MAX = 1 << LEAF_CELLS_LOG2_MAX,
     BLOCK = 1 << LEAF_BLOCK_LOG2,
     BLOCKS_MAX = 1 << (3 * (LEAF_CELLS_LOG2_MAX - LEAF_BLOCK_LOG2)),
-    ROW_MAX = CELLS_MAX + 1
+    ROW_MAX = CELLS_MAX + 1,
+    SOME_BYTES = 32 /* of samples at once */
 };
 
 struct grid_codes_scratch {
@@ -41,32 +42,49 @@ static uint32_t morton(uint32_t x, uint32_t y, uint32_t z) {
 #define FINITE_LO(v) (isfinite(v) ? (v) : INFINITY)
 #define FINITE_HI(v) (isfinite(v) ? (v) : -INFINITY)
 
-/* Reduce the rows' samples of the blocks at height (by, bz) to one row, and that to blocks. Rows of
- * own samples start at `own`. Consecutive rows are row_stride samples apart, slices
- * slice_stride. */
-#define DEFINE_BLOCK_LINE(name, T, OF_LO, OF_HI)                                                  \
-    static void name(grid_codes_scratch *s, const leaf_payload *p, const char *own,               \
-                     size_t row_stride, size_t slice_stride, uint32_t by, uint32_t bz) {          \
-        T *restrict lo = (T *)s->row_lo, *restrict hi = (T *)s->row_hi;                           \
-        const uint32_t nodes = p->cells[0] + 1;                                                   \
-        const uint32_t y0 = by * BLOCK, y1 = y0 + BLOCK < p->cells[1] ? y0 + BLOCK : p->cells[1]; \
-        const uint32_t z0 = bz * BLOCK, z1 = z0 + BLOCK < p->cells[2] ? z0 + BLOCK : p->cells[2]; \
-        const T *first = (const T *)own + z0 * slice_stride + y0 * row_stride;                    \
-        for (uint32_t x = 0; x < nodes; x++) {                                                    \
-            lo[x] = OF_LO(first[x]);                                                              \
-            hi[x] = OF_HI(first[x]);                                                              \
+/* The rows of a line of blocks: `rows` of them in each of `slices`. */
+typedef struct block_rows {
+    const char *first;               /* the first own sample */
+    size_t row_stride, slice_stride; /* in samples */
+    uint32_t rows, slices, nodes;
+} block_rows;
+
+/* Reduce the rows of a line to one, some samples at once, which stay in registers: the last ones of
+ * a row are taken together with some before them. Then reduce that to blocks. */
+#define DEFINE_BLOCK_LINE(suffix, T, OF_LO, OF_HI)                                                \
+    static inline void some_##suffix(const block_rows *r, uint32_t x, uint32_t n, T *restrict lo, \
+                                     T *restrict hi) {                                            \
+        const T *slice = (const T *)r->first + x;                                                 \
+        T a[SOME_BYTES / sizeof(T)], b[SOME_BYTES / sizeof(T)];                                   \
+        for (uint32_t i = 0; i < n; i++) {                                                        \
+            a[i] = OF_LO(slice[i]);                                                               \
+            b[i] = OF_HI(slice[i]);                                                               \
         }                                                                                         \
-        for (uint32_t z = z0; z <= z1; z++)                                                       \
-            for (uint32_t y = y0; y <= y1; y++) {                                                 \
-                const T *restrict row = (const T *)own + z * slice_stride + y * row_stride;       \
-                for (uint32_t x = 0; x < nodes; x++) {                                            \
-                    T a = OF_LO(row[x]), b = OF_HI(row[x]);                                       \
-                    lo[x] = a < lo[x] ? a : lo[x];                                                \
-                    hi[x] = b > hi[x] ? b : hi[x];                                                \
+        for (uint32_t z = 0; z < r->slices; z++, slice += r->slice_stride) {                      \
+            const T *row = slice;                                                                 \
+            for (uint32_t y = 0; y < r->rows; y++, row += r->row_stride)                          \
+                for (uint32_t i = 0; i < n; i++) {                                                \
+                    const T v = OF_LO(row[i]), w = OF_HI(row[i]);                                 \
+                    a[i] = v < a[i] ? v : a[i];                                                   \
+                    b[i] = w > b[i] ? w : b[i];                                                   \
                 }                                                                                 \
-            }                                                                                     \
-        for (uint32_t x0 = 0, bx = 0; x0 < p->cells[0]; x0 += BLOCK, bx++) {                      \
-            const uint32_t x1 = x0 + BLOCK < p->cells[0] ? x0 + BLOCK : p->cells[0];              \
+        }                                                                                         \
+        memcpy(lo + x, a, n * sizeof(T));                                                         \
+        memcpy(hi + x, b, n * sizeof(T));                                                         \
+    }                                                                                             \
+    static void line_##suffix(grid_codes_scratch *s, const block_rows *r, uint32_t by,            \
+                              uint32_t bz) {                                                      \
+        enum { SOME = SOME_BYTES / sizeof(T) };                                                   \
+        T *restrict lo = (T *)s->row_lo, *restrict hi = (T *)s->row_hi;                           \
+        const uint32_t cells = r->nodes - 1;                                                      \
+        for (uint32_t x = 0; x + SOME <= r->nodes; x += SOME)                                     \
+            some_##suffix(r, x, SOME, lo, hi);                                                    \
+        if (r->nodes % SOME && r->nodes > SOME)                                                   \
+            some_##suffix(r, r->nodes - SOME, SOME, lo, hi);                                      \
+        else if (r->nodes < SOME)                                                                 \
+            some_##suffix(r, 0, r->nodes, lo, hi);                                                \
+        for (uint32_t x0 = 0, bx = 0; x0 < cells; x0 += BLOCK, bx++) {                            \
+            const uint32_t x1 = x0 + BLOCK < cells ? x0 + BLOCK : cells;                          \
             T a = lo[x0], b = hi[x0];                                                             \
             for (uint32_t x = x0 + 1; x <= x1; x++) {                                             \
                 a = lo[x] < a ? lo[x] : a;                                                        \
@@ -78,15 +96,14 @@ static uint32_t morton(uint32_t x, uint32_t y, uint32_t z) {
         }                                                                                         \
     }
 
-DEFINE_BLOCK_LINE(line_u8, uint8_t, ANY_LO, ANY_HI)
-DEFINE_BLOCK_LINE(line_i8, int8_t, ANY_LO, ANY_HI)
-DEFINE_BLOCK_LINE(line_u16, uint16_t, ANY_LO, ANY_HI)
-DEFINE_BLOCK_LINE(line_i16, int16_t, ANY_LO, ANY_HI)
-DEFINE_BLOCK_LINE(line_f32, float, ANY_LO, ANY_HI)
-DEFINE_BLOCK_LINE(line_f32_finite, float, FINITE_LO, FINITE_HI)
+DEFINE_BLOCK_LINE(u8, uint8_t, ANY_LO, ANY_HI)
+DEFINE_BLOCK_LINE(i8, int8_t, ANY_LO, ANY_HI)
+DEFINE_BLOCK_LINE(u16, uint16_t, ANY_LO, ANY_HI)
+DEFINE_BLOCK_LINE(i16, int16_t, ANY_LO, ANY_HI)
+DEFINE_BLOCK_LINE(f32, float, ANY_LO, ANY_HI)
+DEFINE_BLOCK_LINE(f32_finite, float, FINITE_LO, FINITE_HI)
 
-typedef void (*block_line)(grid_codes_scratch *, const leaf_payload *, const char *, size_t, size_t,
-                           uint32_t, uint32_t);
+typedef void (*block_line)(grid_codes_scratch *, const block_rows *, uint32_t, uint32_t);
 
 /* Returns whether any of the treelet's own samples is NaN or inf, by an exponent of all ones. */
 static bool any_non_finite(const leaf_payload *p, const char *own, size_t row_stride,
@@ -121,9 +138,14 @@ static void block_ranges(grid_codes_scratch *s, const leaf_layout *l, const leaf
         s->lo[m] = INFINITY;
         s->hi[m] = -INFINITY;
     }
-    for (uint32_t bz = 0; bz * BLOCK < p->cells[2]; bz++)
-        for (uint32_t by = 0; by * BLOCK < p->cells[1]; by++)
-            line(s, p, own, row, slice, by, bz);
+    block_rows r = {.row_stride = row, .slice_stride = slice, .nodes = p->cells[0] + 1};
+    for (uint32_t z = 0; z < p->cells[2]; z += BLOCK)
+        for (uint32_t y = 0; y < p->cells[1]; y += BLOCK) {
+            r.first = own + (z * slice + y * row) * sample_size(l->type);
+            r.rows = (y + BLOCK < p->cells[1] ? BLOCK : p->cells[1] - y) + 1;
+            r.slices = (z + BLOCK < p->cells[2] ? BLOCK : p->cells[2] - z) + 1;
+            line(s, &r, y / BLOCK, z / BLOCK);
+        }
 }
 
 /* ---- codes ---- */

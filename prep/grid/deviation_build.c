@@ -5,7 +5,7 @@
 
 #include "formats/grid/slice_tiles.h"
 
-enum { KEPT = 4, FINE_ROWS = 2 * DEVIATION_BRICK }; /* FINE_ROWS: cells of a band, along y */
+enum { KEPT = 3, FINE_ROWS = 2 * DEVIATION_BRICK }; /* FINE_ROWS: cells of a band, along y */
 
 struct deviation_build {
     mem *m;
