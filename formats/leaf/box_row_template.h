@@ -16,6 +16,12 @@ static ROWS(neighbours)
                               .corner = y && z ? row - sheet - line : NULL};
 }
 
+/* Rows are short, so loops run in whole vectors: as if rows were longer (BOX_SPARE). */
+static inline uint32_t ROWS(whole)(uint32_t n) {
+    enum { LANES_MOST = BOX_SPARE / 2 / sizeof(T) };
+    return (n + LANES_MOST - 1) / LANES_MOST * LANES_MOST;
+}
+
 /* Predict a row from its neighbours. Without one of them the other stands for both. Returns the
  * prediction: one of the rows, zeros, or room with what was computed. */
 static const T *ROWS(predict)(int how, ROWS(neighbours) k, uint32_t n, const T *zeros,
@@ -25,12 +31,13 @@ static const T *ROWS(predict)(int how, ROWS(neighbours) k, uint32_t n, const T *
         return zeros;
     if (how == BOX_ROW || !corner)
         return above;
+    const uint32_t whole = ROWS(whole)(n);
     if (how == BOX_PLANE) {
-        for (uint32_t x = 0; x < n; x++)
+        for (uint32_t x = 0; x < whole; x++)
             room[x] = (T)(above[x] + behind[x] - corner[x]);
         return room;
     }
-    for (uint32_t x = 0; x < n; x++) {
+    for (uint32_t x = 0; x < whole; x++) {
         const T a = above[x], b = behind[x], c = corner[x];
         const T least = a < b ? a : b, most = a < b ? b : a;
         const T low = c < least ? least : c, clamped = low < most ? low : most;
@@ -79,20 +86,21 @@ static uint32_t ROWS(subtract)(const T *restrict row, const T *restrict predicte
                                bool along, const uint8_t *coded, T *restrict room,
                                T *restrict out) {
     const T *errors = room;
-    for (uint32_t x = 0; x < n; x++)
+    uint32_t whole = ROWS(whole)(n);
+    for (uint32_t x = 0; x < whole; x++)
         room[x] = (T)(row[x] - predicted[x]);
     if (coded) {
         const uint32_t kept = ROWS(keep)(room, n, coded, room + n);
         errors = room + n;
         n = kept;
+        whole = ROWS(whole)(n);
     }
     if (along) {
-        if (n > 0)
-            out[0] = ROWS(fold)(errors[0]);
-        for (uint32_t x = 1; x < n; x++)
-            out[x] = ROWS(fold)((T)(errors[x] - errors[x - 1]));
+        out[0] = ROWS(fold)(errors[0]);
+        for (uint32_t x = 0; x < whole; x++)
+            out[x + 1] = ROWS(fold)((T)(errors[x + 1] - errors[x]));
     } else {
-        for (uint32_t x = 0; x < n; x++)
+        for (uint32_t x = 0; x < whole; x++)
             out[x] = ROWS(fold)(errors[x]);
     }
     return n;
