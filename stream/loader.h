@@ -162,7 +162,7 @@ static inline bool loader_is_ready(const loader *l, uint32_t t) {
 void loader_sweep_level(loader *l, uint32_t level, uint64_t bytes);
 
 /* loader_level_within() - returns the finest level from this one on for which loader_sweep_level()
- * wants all, with so many bytes; the coarsest with samples if there is none. Only while nothing is traced. */
+ * wants all, with so many bytes; the coarsest if there is none. Only while nothing is traced. */
 uint32_t loader_level_within(loader *l, uint32_t level, uint64_t bytes);
 static inline void loader_sweep(loader *l) {
     loader_sweep_level(l, 0, UINT64_MAX);

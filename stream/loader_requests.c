@@ -65,7 +65,7 @@ uint32_t loader_level_within(loader *l, uint32_t level, uint64_t bytes) {
     pthread_mutex_lock(&l->hidden->lock);
     const uint32_t end = end_of_part(l, end_of_level(layout, level), bytes);
     pthread_mutex_unlock(&l->hidden->lock);
-    while (level + 1U < layout->sampled && end_of_level(layout, level) > end)
+    while (level + 1U < layout->levels && end_of_level(layout, level) > end)
         level++;
     return level;
 }
@@ -200,7 +200,7 @@ bool loader_is_lost(const loader *l, uint32_t t) {
 
 uint32_t loader_stand_in(const loader *l, uint32_t t) {
     const leaf_layout *layout = &l->file->layout;
-    while (layout->level_of[t] + 1U < layout->sampled) {
+    while (layout->level_of[t] + 1U < layout->levels) {
         t = leaf_layout_parent(layout, t);
         if (!loader_is_lost(l, t))
             return l->own[t] ? t : LEAF_NO_TREELET;

@@ -12,6 +12,7 @@
 
 #include "formats/leaf/leaf_unpacker.h"
 #include "formats/leaf/leaf_verify.h"
+#include "prep/grid/pyramid.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/leaf_image.h"
 #include "tests/support/mesh_leaves.h"
@@ -195,12 +196,34 @@ static void test_plan(void **state) {
     mem m;
     c.samples = samples;
     c.options.file.bare = true;
+    c.options.file.run_align_log2 = 6;
     mem_init(&m, c.options.memory);
     assert_int_equal(leaf_files_try(&m, &c, "plan.leaf", &plan, &result), ST_OK);
     assert_int_equal(plan.file_bytes, result.header.file_bytes);
     assert_int_equal(plan.payload_bytes, result.header.payload_bytes);
     assert_int_equal(plan.layout.sampled, 1);
     free(samples);
+}
+
+/* Memory that coarse levels take is not planned: for pyramids, and for slabs of theirs. */
+static void test_memory(void **state) {
+    (void)state;
+    grid g = {.type = SAMPLE_U16, .source = SAMPLE_U16, .dims = {900, 700, 500}};
+    convert_options o = leaf_files_case(2, 2, 2, SAMPLE_U16).options;
+    convert_plan all, bare;
+    uint64_t pyramids = 0;
+    mem m;
+    for (int a = 0; a < 3; a++)
+        g.to_world[a][a] = 1;
+    mem_init(&m, 0);
+    assert_int_equal(convert_plan_make(&m, &g, &o, &all), ST_OK);
+    o.file.bare = true;
+    assert_int_equal(convert_plan_make(&m, &g, &o, &bare), ST_OK);
+    for (uint32_t level = 0; level + 1 < all.layout.levels; level++)
+        pyramids += pyramid_memory(SAMPLE_U16, all.layout.level[level].dims, o.threads);
+    assert_true(all.memory_least - bare.memory_least > pyramids + 100000);
+    assert_true(all.spilled_levels == 0 && bare.spilled_levels == 0);
+    assert_true(all.memory - bare.memory > pyramids + slab_memory(&all.layout, 1, &(slab_plan){0}));
 }
 
 /* A grid of one level has no others: it is the same file. */
@@ -353,6 +376,7 @@ static void test_mesh(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_types),     cmocka_unit_test(test_sizes), cmocka_unit_test(test_plan),
+        cmocka_unit_test(test_memory),
         cmocka_unit_test(test_one_level), cmocka_unit_test(test_flag),  cmocka_unit_test(test_payloads),
         cmocka_unit_test(test_values),    cmocka_unit_test(test_mesh),
     };
