@@ -195,4 +195,24 @@ s = json.load(open(sys.argv[1]))
 sys.exit(not (s["treelets"]["lost"] > 0 and s["provisional_pixels"] > 0))' "$tmp/stats"
 exits "repaired from a copy" 0 "$leafcast" verify "$tmp/bad.leaf" --repair "$tmp/one/g.leaf"
 ok "it is whole again" cmp "$tmp/bad.leaf" "$tmp/one/g.leaf"
+
+# ---- of real scans, an index in place is at most 0.02 of the samples ----
+
+for scan in bonsai_256x256x256_uint8 engine_256x256x128_uint8 tooth_103x94x161_uint8 walnut_128x96x114_uint16 \
+    ct_head_128_128x128x112_uint16 embryo_256x256x256_uint8 cranium_ct_256x256x108_int16 lobster_12bit_120x120x34_uint16; do
+    packed=$data/${scan%_*_*}/$scan.raw.zst
+    if [ -z "$data" ] || [ ! -e "$packed" ] || ! command -v zstd >/dev/null; then
+        skip "$scan" "the data folder or zstd is not here"
+        continue
+    fi
+    zstd -dqf "$packed" -o "$tmp/$scan.raw"
+    name=scan
+    run "$leafcast" convert "$tmp/$scan.raw" -o "$tmp/all/scan.leaf" --force
+    exits "$scan: in place" 0 "$leafcast" convert "$tmp/$scan.raw" -o "$tmp/place/scan.leaf" --levels 1 --in-place --force
+    index=$(size "$tmp/place/scan.leaf") raw=$(size "$tmp/$scan.raw")
+    ok "$scan: $index bytes are at most 0.02 of $raw" [ $((50 * index)) -le "$raw" ]
+    both surface render scan.leaf --size 120x100 -o out.ppm --depth-f64 out.depth
+    both samples export scan.leaf -o out.raw
+    rm "$tmp/$scan.raw"
+done
 finish
