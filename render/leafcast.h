@@ -158,10 +158,10 @@ typedef struct leafcast_info {
     uint32_t dims[3];   /* nodes per axis at level 0; 0: the nodes form no lattice */
     unsigned abilities; /* of leafcast_ability */
     uint32_t fields, steps;
-    bool moving; /* whether nodes move from step to step */
-    uint32_t levels;         /* of detail, whose samples the file has: of a grid 1 if it was converted
-                                with `--levels 1` */
-    uint32_t treelets;       /* on all levels */
+    bool moving;       /* whether nodes move from step to step */
+    uint32_t levels;   /* of detail, whose samples the file has: of a grid 1 if it was converted
+                          with `--levels 1` */
+    uint32_t treelets; /* on all levels */
     const char *sample_type; /* "u8" ... */
     const char *name;
     double value_min, value_max; /* over all fields and steps */

@@ -66,9 +66,9 @@ static bool read_header(naive_leaf *leaf) {
     static const unsigned char magic[8] = {0x89, 0x4c, 0x45, 0x41, 0x46, 0x0d, 0x0a, 0x1a};
     /* offset, lowest and highest value of what the file of a grid may say */
     static const uint64_t ranges[][3] = {
-        {8, 4, 4},        {12, 1, 1},       {16, 1, 5},  {20, 1, 11}, {24, 2, 1 << 20},
-        {28, 2, 1 << 20}, {32, 2, 1 << 20}, {36, 1, 24}, {40, 4, 6},  {44, 0, 1},
-        {48, 2, 2},       {52, 6, 21},      {56, 0, 1},  {60, 0, 1},  {64, 1, 65536},
+        {8, 4, 4},        {12, 1, 1},       {16, 1, 5},  {20, 1, 11},  {24, 2, 1 << 20},
+        {28, 2, 1 << 20}, {32, 2, 1 << 20}, {36, 1, 24}, {40, 4, 6},   {44, 0, 1},
+        {48, 2, 2},       {52, 6, 21},      {56, 0, 1},  {60, 0, 1},   {64, 1, 65536},
         {68, 1, 65536},   {72, 1, 64},      {76, 0, 1},  {1496, 0, 1},
     };
     const unsigned char *b = leaf->bytes;
@@ -401,8 +401,8 @@ static bool read_treelet(naive_leaf *leaf, const naive_treelet *t, const unsigne
     w.samples = samples;
     bool good = !own || check_own_range(leaf, t, &w);
     if (good && own && (t->stored.size || t->outside))
-        good =
-            !naive_family_is_value(leaf, t, held, count) || wrong(leaf, "a payload that the directory tells");
+        good = !naive_family_is_value(leaf, t, held, count) ||
+               wrong(leaf, "a payload that the directory tells");
     if (good && own && t->stored.size && leaf->codec == 0)
         good = check_around(leaf, t, &w);
     good = good && place_samples(leaf, t, &w, own);

@@ -1,5 +1,5 @@
-/* test_bare_levels.c - grids whose coarse levels have no samples: level 0 as in a file with all; what
- * the second reader makes of them; directories that cannot be. */
+/* test_bare_levels.c - grids whose coarse levels have no samples: level 0 as in a file with all;
+ * what the second reader makes of them; directories that cannot be. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -35,7 +35,8 @@ static void check_coarse(leaf_file *f, uint32_t t, leaf_unpacker *u, void *room)
     assert_int_equal(leaf_file_load(f, t, u, room), ST_UNSUPPORTED);
     assert_non_null(strstr(status_text(), "which has no samples"));
     if (f->layout.shells)
-        assert_true(f->layout.level_of[t] == 1 || f->sizes[leaf_layout_shell(&f->layout, 0, t)] == 0);
+        assert_true(f->layout.level_of[t] == 1 ||
+                    f->sizes[leaf_layout_shell(&f->layout, 0, t)] == 0);
 }
 
 /* Ranges of coarse treelets are those of level 0 below. */
@@ -52,7 +53,8 @@ static void check_range(const leaf_file *f, uint32_t t) {
     assert_true(f->ranges[t][0] == lo && f->ranges[t][1] == hi);
 }
 
-/* Compare level 0, and what the directory and the histogram say of it, with a file of all levels. */
+/* Compare level 0, and what the directory and the histogram say of it, with a file of all levels.
+ */
 static void compare(const char *whole, const char *bare) {
     mem m;
     leaf_unpacker *of_a = NULL, *of_b = NULL;
@@ -375,10 +377,11 @@ static void test_mesh(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_types),     cmocka_unit_test(test_sizes), cmocka_unit_test(test_plan),
-        cmocka_unit_test(test_memory),
-        cmocka_unit_test(test_one_level), cmocka_unit_test(test_flag),  cmocka_unit_test(test_payloads),
-        cmocka_unit_test(test_values),    cmocka_unit_test(test_mesh),
+        cmocka_unit_test(test_types),     cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_plan),      cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_one_level), cmocka_unit_test(test_flag),
+        cmocka_unit_test(test_payloads),  cmocka_unit_test(test_values),
+        cmocka_unit_test(test_mesh),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

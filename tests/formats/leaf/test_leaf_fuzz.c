@@ -107,9 +107,9 @@ static void test_changed(void **state) {
     (void)state;
     const char *wanted = getenv("LEAFCAST_FUZZ");
     const uint64_t count = wanted ? strtoull(wanted, NULL, 10) : COUNT;
-    static const char *const kinds[] = {"a mesh, raw",         "a mesh, zstd", "a moving mesh, raw",
-                                        "a moving mesh, zstd", "a grid, raw",  "a grid, zstd",
-                                        "level 0 alone, raw",  "level 0 alone, zstd"};
+    static const char *const kinds[] = {
+        "a mesh, raw", "a mesh, zstd", "a moving mesh, raw", "a moving mesh, zstd",
+        "a grid, raw", "a grid, zstd", "level 0 alone, raw", "level 0 alone, zstd"};
     for (int k = 0; k < 8; k++) {
         const leaf_codec codec = k % 2 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW;
         const leaf_image i = k < 4 ? make_mesh(codec, k / 2) : make_grid(codec, k >= 6);
