@@ -49,6 +49,11 @@ static void tell_sizes(const leaf_file *f, const fact_sheet *to) {
 
 /* ---- what an isovalue needs ---- */
 
+/* A file may have no payloads: in place, without coarse levels. */
+static double share_of(uint64_t bytes, uint64_t all) {
+    return all > 0 ? (double)bytes / (double)all : 0.0;
+}
+
 static leaf_activity total_of(const activity levels) {
     leaf_activity sum = {0};
     for (int i = 0; i < LEAF_LEVELS_MAX; i++) {
@@ -76,8 +81,8 @@ static void print_activity(const leaf_file *f, double iso, const activity levels
     if (kind->cell_count)
         printf(", %.3f of all", (double)all.cells / (double)kind->cell_count(h));
     printf(", %llu active treelets, %.3f of the payload bytes, %.3f of the file\n",
-           (unsigned long long)all.treelets, (double)all.bytes / (double)h->payload_bytes,
-           (double)all.bytes / (double)h->file_bytes);
+           (unsigned long long)all.treelets, share_of(all.bytes, h->payload_bytes),
+           share_of(all.bytes, h->file_bytes));
     if (kind->has_levels)
         print_levels(f, levels);
 }
@@ -99,8 +104,8 @@ static json_t *activity_json(const leaf_file *f, double iso, const activity leve
     json_t *json = json_pack("{s:o, s:I, s:I, s:I, s:f, s:f}", "iso", cli_json_real(iso), key,
                              (json_int_t)all.cells, "active_treelets", (json_int_t)all.treelets,
                              "active_bytes", (json_int_t)all.bytes, "active_share",
-                             (double)all.bytes / (double)h->payload_bytes, "active_share_of_file",
-                             (double)all.bytes / (double)h->file_bytes);
+                             share_of(all.bytes, h->payload_bytes), "active_share_of_file",
+                             share_of(all.bytes, h->file_bytes));
     if (leaf_teller_of(f)->has_levels)
         json_object_set_new(json, "levels", levels_json(f, levels));
     return json;

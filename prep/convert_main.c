@@ -54,6 +54,7 @@ enum {
     KEY_NAME,
     KEY_ALLOW_EMPTY,
     KEY_IN_PLACE,
+    KEY_LEVELS,
     KEY_RESUME,
     KEY_CHECKPOINT
 };
@@ -72,8 +73,10 @@ static const struct argp_option options[] = {
      "print sizes, memory, levels and treelets; write nothing", 0},
     {"in-place", KEY_IN_PLACE, NULL, CLI_BASIC,
      "leave the samples in the input's file, which must stay as it is: the output is an index with "
-     "the coarse levels, compressed",
+     "the coarse levels, compressed, or without them",
      0},
+    {"levels", KEY_LEVELS, "1|all", 0,
+     "1: no coarse levels of detail, which exact pictures do not need (default all)", 0},
     {"resume", KEY_RESUME, NULL, CLI_BASIC,
      "go on where a run of the same command ended early; else begin", 0},
     {"checkpoint", KEY_CHECKPOINT, "SECONDS", 0,
@@ -140,33 +143,20 @@ static const struct argp_option options[] = {
 static const char *const input_names[] = {INPUT_TRAIT_NAMES};
 
 /* What an input must be like for an option to have an effect. Options not listed work for all. */
-static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES},
-                               {TRUST_KEY_MISSING, INPUT_LATTICE},
-                               {KEY_TREELET, INPUT_LATTICE},
-                               {KEY_HALO, INPUT_LATTICE},
-                               {KEY_IN_PLACE, INPUT_LATTICE},
-                               {KEY_DIMS, INPUT_RAW},
-                               {KEY_TYPE, INPUT_RAW},
-                               {KEY_BIG_ENDIAN, INPUT_RAW},
-                               {KEY_SKIP, INPUT_RAW},
-                               {KEY_SPACING, INPUT_LATTICE},
-                               {KEY_MISSING, INPUT_LATTICE},
-                               {KEY_ORIGIN, INPUT_LATTICE},
-                               {KEY_EXAGGERATE, INPUT_LATTICE},
-                               {KEY_AXES, INPUT_LATTICE},
-                               {KEY_UNIT, INPUT_LATTICE},
-                               {KEY_AXIS_X, INPUT_LATTICE},
-                               {KEY_AXIS_Y, INPUT_LATTICE},
-                               {KEY_AXIS_Z, INPUT_LATTICE},
-                               {KEY_FIELD, INPUT_CHOICES},
-                               {KEY_COMPONENT, INPUT_CHOICES},
-                               {KEY_STEP, INPUT_STEPS},
-                               {KEY_STEPS, INPUT_SERIES},
-                               {KEY_CELLS_TO_POINTS, INPUT_CELLS},
-                               {KEY_COARSE, INPUT_CELLS},
-                               {KEY_TREELET_TETS, INPUT_CELLS},
-                               {KEY_LEAF_TETS, INPUT_CELLS},
-                               {KEY_BUILD, INPUT_CELLS},
+static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES}, {TRUST_KEY_MISSING, INPUT_LATTICE},
+                               {KEY_TREELET, INPUT_LATTICE},   {KEY_HALO, INPUT_LATTICE},
+                               {KEY_IN_PLACE, INPUT_LATTICE},  {KEY_LEVELS, INPUT_LATTICE},
+                               {KEY_DIMS, INPUT_RAW},          {KEY_TYPE, INPUT_RAW},
+                               {KEY_BIG_ENDIAN, INPUT_RAW},    {KEY_SKIP, INPUT_RAW},
+                               {KEY_SPACING, INPUT_LATTICE},   {KEY_MISSING, INPUT_LATTICE},
+                               {KEY_ORIGIN, INPUT_LATTICE},    {KEY_EXAGGERATE, INPUT_LATTICE},
+                               {KEY_AXES, INPUT_LATTICE},      {KEY_UNIT, INPUT_LATTICE},
+                               {KEY_AXIS_X, INPUT_LATTICE},    {KEY_AXIS_Y, INPUT_LATTICE},
+                               {KEY_AXIS_Z, INPUT_LATTICE},    {KEY_FIELD, INPUT_CHOICES},
+                               {KEY_COMPONENT, INPUT_CHOICES}, {KEY_STEP, INPUT_STEPS},
+                               {KEY_STEPS, INPUT_SERIES},      {KEY_CELLS_TO_POINTS, INPUT_CELLS},
+                               {KEY_COARSE, INPUT_CELLS},      {KEY_TREELET_TETS, INPUT_CELLS},
+                               {KEY_LEAF_TETS, INPUT_CELLS},   {KEY_BUILD, INPUT_CELLS},
                                {KEY_GRADIENTS, INPUT_CELLS}};
 
 static status set_spacing(convert_request *a, const char *text) {
@@ -211,6 +201,13 @@ static status set_treelet(convert_request *a, const char *text) {
     if (st == ST_OK)
         a->file.cells_log2 = (uint32_t)__builtin_ctz(cells);
     return st;
+}
+
+static status set_levels(convert_request *a, const char *text) {
+    a->file.bare = strcmp(text, "1") == 0;
+    if (a->file.bare || strcmp(text, "all") == 0)
+        return ST_OK;
+    return status_describe(ST_USAGE, "--levels: \"%s\" is neither 1 nor all", text);
 }
 
 static status set_build(convert_request *a, const char *name) {
@@ -312,6 +309,7 @@ static status take_option(convert_request *a, int key, const char *text) {
     case KEY_CHECKPOINT: return set_checkpoint(a, text);
     case KEY_COMPRESS: return set_compress(a, text);
     case KEY_TREELET: return set_treelet(a, text);
+    case KEY_LEVELS: return set_levels(a, text);
     case KEY_HALO: return cli_uint(text, "--halo", 0, 1, &a->file.halo);
     case KEY_DRY_RUN: a->dry_run = true; return ST_OK;
     case KEY_SPACING: return set_spacing(a, text);

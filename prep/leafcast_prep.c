@@ -140,13 +140,14 @@ static volume_hints hints_of(const job *j) {
 }
 
 static status convert_volume(job *j, volume *v) {
-    const convert_options o = {.file = parameters_of(j),
-                               .memory = j->m.limit,
-                               .threads = j->o.threads,
-                               .force = j->o.replace,
-                               .refuse_empty = !j->o.allow_empty};
+    convert_options o = {.file = parameters_of(j),
+                         .memory = j->m.limit,
+                         .threads = j->o.threads,
+                         .force = j->o.replace,
+                         .refuse_empty = !j->o.allow_empty};
     convert_plan plan;
     convert_result result;
+    o.file.bare = j->o.without_levels;
     status st = check_gives_way(j);
     if (st == ST_OK)
         st = convert_plan_make(&j->m, volume_grid(v), &o, &plan);

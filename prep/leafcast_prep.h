@@ -83,6 +83,9 @@ typedef struct leafcast_convert_options {
 
     /* Grids: factor for the world's z, where degrees stand beside metres: 1e-100 to 1e100; 0: 1. */
     double exaggerate;
+
+    /* Grids: store no samples of coarse levels of detail. Exact pictures need none. */
+    bool without_levels;
 } leafcast_convert_options;
 
 /* ---- From files ---- */

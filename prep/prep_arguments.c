@@ -45,6 +45,7 @@ static const public_field options_rows[] = {
     PUBLIC_FLAG(leafcast_convert_options, follow_links),
     PUBLIC_FLAG(leafcast_convert_options, allow_missing),
     PUBLIC_NUMBER(leafcast_convert_options, exaggerate, 1e-100, 1e100, PUBLIC_OR_ZERO),
+    PUBLIC_FLAG(leafcast_convert_options, without_levels),
 };
 
 static status options_together(const void *of) {

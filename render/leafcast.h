@@ -139,7 +139,8 @@ LEAFCAST_API void leafcast_close(leafcast *volume); /* NULL is fine */
 
 /* What only some kinds of geometry can do: bits of leafcast_info.abilities. */
 typedef enum leafcast_ability {
-    LEAFCAST_ABILITY_LEVELS = 1,           /* coarse levels of detail, beyond those of previews */
+    LEAFCAST_ABILITY_LEVELS = 1,           /* coarse levels of detail, beyond those of previews,
+                                              where the file has them: leafcast_info.levels */
     LEAFCAST_ABILITY_LAYERS = 2,           /* planes of nodes: leafcast_layer_slice() */
     LEAFCAST_ABILITY_ANALYTIC_NORMALS = 4, /* leafcast_scene.analytic_normals */
     LEAFCAST_ABILITY_SMOOTH_NORMALS = 8,   /* leafcast_scene.smooth_normals, if the file has
@@ -157,9 +158,10 @@ typedef struct leafcast_info {
     uint32_t dims[3];   /* nodes per axis at level 0; 0: the nodes form no lattice */
     unsigned abilities; /* of leafcast_ability */
     uint32_t fields, steps;
-    bool moving; /* whether nodes move from step to step */
-    uint32_t levels;
-    uint32_t treelets;       /* on all levels */
+    bool moving;       /* whether nodes move from step to step */
+    uint32_t levels;   /* of detail, whose samples the file has: of a grid 1 if it was converted
+                          with `--levels 1` */
+    uint32_t treelets; /* on all levels */
     const char *sample_type; /* "u8" ... */
     const char *name;
     double value_min, value_max; /* over all fields and steps */

@@ -134,7 +134,8 @@ typedef struct leafcast_scene {
     double clip_planes[LEAFCAST_CLIP_PLANES_MAX][4]; /* (n, d): draw only where n . p + d >= 0 */
     int clip_plane_count;
     leafcast_lod lod;
-    uint32_t lod_level; /* 0 is full resolution; beyond the last level: the last one; at most
+    uint32_t lod_level; /* 0 is full resolution; beyond the last level: the last one, but
+                           LEAFCAST_USAGE in a grid that has level 0 alone; at most
                            LEAFCAST_LEVEL_MAX */
     bool preview; /* do not wait for data. Draws the finest resident level, or a mesh's coarse grid
                      where tets are absent, and marks provisional pixels; with media, image.error

@@ -20,6 +20,8 @@ uint16_t deviation_code(double d) {
 
 uint64_t deviation_bytes(const leaf_header *h) {
     uint64_t finest = 1;
+    if (h->bare)
+        return 0;
     for (int a = 0; a < 3; a++)
         finest *= ((h->dims[a] - 2) >> h->cells_log2) + 1;
     const uint64_t sets = (uint64_t)h->fields * h->steps;

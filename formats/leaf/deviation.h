@@ -57,13 +57,13 @@ static inline uint32_t deviation_bricks(const leaf_layout *l) {
 
 /* deviation_at() - the index of the first brick of coarse treelet t in a set; its other bricks
  * follow, x fastest.
- * deviation_count() - the number of all bricks; 0: the grid has one level.
+ * deviation_count() - the number of all bricks; 0: no level above 0 has samples.
  * deviation_bytes() - the size of the section. */
 static inline size_t deviation_at(const leaf_layout *l, uint32_t set, uint32_t t) {
     return ((size_t)l->level[0].first * set + t) * deviation_bricks(l);
 }
 static inline size_t deviation_count(const leaf_layout *l) {
-    return deviation_at(l, l->sets, 0);
+    return l->sampled > 1 ? deviation_at(l, l->sets, 0) : 0;
 }
 uint64_t deviation_bytes(const leaf_header *h);
 

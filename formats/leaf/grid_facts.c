@@ -99,6 +99,8 @@ static void print_level(const leaf_file *f, const fact_sheet *to, uint32_t i, ui
                  d.unknown ? "unknown" : print_short(d.most, off[1]));
     }
     snprintf(dims, sizeof dims, "%ux%ux%u", l->dims[0], l->dims[1], l->dims[2]);
+    if (i >= f->layout.sampled)
+        snprintf(dims, sizeof dims, "none");
     fact_sheet_row(to, "%5u %18s %10u %14llu%s", i, dims, l->count, (unsigned long long)bytes,
                    off_by);
 }
@@ -111,9 +113,10 @@ static json_t *deviation_json(const leaf_file *f, uint32_t level) {
 
 static json_t *level_json(const leaf_file *f, uint32_t i, uint64_t bytes) {
     const leaf_level *l = &f->layout.level[i];
-    json_t *level = json_pack("{s:[I,I,I], s:I, s:I}", "dims", (json_int_t)l->dims[0],
-                              (json_int_t)l->dims[1], (json_int_t)l->dims[2], "treelets",
-                              (json_int_t)l->count, "bytes", (json_int_t)bytes);
+    json_t *level =
+        json_pack("{s:[I,I,I], s:I, s:I, s:b}", "dims", (json_int_t)l->dims[0],
+                  (json_int_t)l->dims[1], (json_int_t)l->dims[2], "treelets", (json_int_t)l->count,
+                  "bytes", (json_int_t)bytes, "sampled", i < f->layout.sampled);
     if (f->deviations && i > 0)
         json_object_set_new(level, "deviation", deviation_json(f, i));
     return level;

@@ -18,6 +18,7 @@ static status check_parameters(const char *path, const leaf_header *h) {
         LEAF_FIELD(h, block_log2, LEAF_BLOCK_LOG2, LEAF_BLOCK_LOG2),
         LEAF_FIELD(h, rectilinear, 0, 1),
         LEAF_FIELD(h, outside, 0, h->codec == LEAF_CODEC_ZSTD && h->fields == 1 && h->steps == 1),
+        LEAF_FIELD(h, bare, 0, h->levels > 1),
         LEAF_FIELD(h, fields, 1, LEAF_SETS_MAX),
         LEAF_FIELD(h, steps, 1, LEAF_SETS_MAX / (h->fields ? h->fields : 1)),
     };
@@ -69,11 +70,14 @@ static status check_layout(const char *path, const leaf_header *h, leaf_layout *
 
 static status check_rest(const char *path, const leaf_header *h) {
     const size_t tets = offsetof(leaf_header, tets), field = offsetof(leaf_header, field);
-    const size_t rest = offsetof(leaf_header, gradients);
+    const size_t rest = offsetof(leaf_header, gradients), bare = offsetof(leaf_header, bare);
+    const size_t reserved = offsetof(leaf_header, reserved);
     status st = leaf_check_zero(path, (const char *)h + tets, field - tets, tets);
     if (st == ST_OK)
         st = leaf_check_text(path, h->field, sizeof h->field, field);
-    return st == ST_OK ? leaf_check_zero(path, (const char *)h + rest, sizeof *h - rest, rest) : st;
+    if (st == ST_OK)
+        st = leaf_check_zero(path, (const char *)h + rest, bare - rest, rest);
+    return st == ST_OK ? leaf_check_zero(path, h->reserved, sizeof h->reserved, reserved) : st;
 }
 
 /* ---- The directory ---- */
@@ -132,6 +136,8 @@ static status lay_out(leaf_file *f, leaf_directory *d) {
     /* Cannot fail: check_layout() has checked it. */
     (void)leaf_layout_repeat(&f->layout, h->fields, h->steps, h->codec != LEAF_CODEC_RAW);
     f->layout.outside = h->outside;
+    if (h->bare)
+        leaf_layout_bare(&f->layout);
     return st;
 }
 
@@ -184,6 +190,26 @@ static status check_outside(const char *path, const leaf_layout *l, const leaf_d
                               "expected the checksum of treelet %u's samples, found 0", p);
 }
 
+/* Check that a treelet without samples has no range of its own and no flags: element p. */
+static status check_bare(const char *path, const leaf_layout *l, const leaf_directory *d,
+                         uint32_t p) {
+    const float *own = d->own[p];
+    const uint32_t t = p % l->treelets;
+    if (!leaf_layout_is_bare(l, t))
+        return ST_OK;
+    if (own[0] <= own[1])
+        return leaf_check_corrupt(
+            path, d->at[LEAF_SECTION_OWN - 1] + p * sizeof(float[2]),
+            "expected no own range of treelet %u, whose level has no samples, found %g .. %g", t,
+            (double)own[0], (double)own[1]);
+    if (d->flags[p])
+        return leaf_check_corrupt(
+            path, d->at[LEAF_SECTION_FLAGS - 1] + p,
+            "expected no flags of treelet %u, whose level has no samples, found 0x%02x", t,
+            d->flags[p]);
+    return ST_OK;
+}
+
 static status check_directory(const char *path, const leaf_header *h, const leaf_layout *l,
                               const leaf_directory *d) {
     double range[2] = {(double)INFINITY, -(double)INFINITY};
@@ -195,6 +221,8 @@ static status check_directory(const char *path, const leaf_header *h, const leaf
             st = leaf_check_flags(path, h, d, p);
         if (st == ST_OK)
             st = check_outside(path, l, d, p);
+        if (st == ST_OK)
+            st = check_bare(path, l, d, p);
         if (st != ST_OK)
             return st;
         if (l->level_of[t] == 0) {
@@ -233,9 +261,10 @@ static bool is_needless(const leaf_layout *l, uint32_t set, uint32_t parent,
 
 static bool may_be_empty(const leaf_layout *l, uint32_t p, const leaf_directory *d, bool *must) {
     uint32_t set, parent;
-    *must = leaf_layout_is_outside(l, p) ||
-            (leaf_layout_is_shell(l, p, &set, &parent) && is_needless(l, set, parent, d->sizes));
-    if (*must || p >= l->sets * l->treelets)
+    const bool shell = leaf_layout_is_shell(l, p, &set, &parent);
+    *must = shell ? is_needless(l, set, parent, d->sizes)
+                  : leaf_layout_is_outside(l, p) || leaf_layout_is_bare(l, p % l->treelets);
+    if (*must || shell)
         return *must;
     return implied_payload_may(d->own[p], d->flags[p]);
 }

@@ -109,7 +109,8 @@ typedef struct leaf_header {   /* offset size */
     char field[64];            /* 1424   64  name of the first field, as name */
     uint32_t gradients;        /* 1488    4  1: each set has gradients too, else 0 */
     uint32_t moving;           /* 1492    4  1: steps behind the first have positions, else 0 */
-    uint8_t reserved[2600];    /* 1496 2600 */
+    uint32_t bare;             /* 1496    4  grid: 1: levels above 0 have no samples, else 0 */
+    uint8_t reserved[2596];    /* 1500 2596 */
 } leaf_header;
 
 typedef struct leaf_section {  /* offset size */

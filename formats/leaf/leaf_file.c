@@ -433,8 +433,25 @@ bool leaf_file_is_outside(const leaf_file *f, uint32_t p) {
     return leaf_layout_is_outside(&f->layout, p) && f->checksums[p];
 }
 
+bool leaf_file_is_bare(const leaf_file *f, uint32_t p) {
+    const leaf_layout *l = &f->layout;
+    return f->header.bare && p < l->sets * l->treelets && leaf_layout_is_bare(l, p % l->treelets);
+}
+
 bool leaf_file_is_implied(const leaf_file *f, uint32_t p) {
-    return !leaf_file_has_bytes(f, p) && !leaf_file_is_outside(f, p);
+    return !leaf_file_has_bytes(f, p) && !leaf_file_is_outside(f, p) && !leaf_file_is_bare(f, p);
+}
+
+status leaf_file_check_level(const leaf_file *f, uint32_t level) {
+    if (level < f->layout.sampled)
+        return ST_OK;
+    if (!f->header.bare)
+        return status_describe(ST_USAGE, "level of detail %u: there are 0 to %u", level,
+                               f->layout.levels - 1);
+    return status_describe(ST_USAGE,
+                           "level of detail %u: %s has samples of level 0 alone, as `leafcast "
+                           "convert --levels 1' made it",
+                           level, file_path(f->source));
 }
 
 status leaf_file_fetch(leaf_file *f, uint32_t p, void *stored) {

@@ -89,10 +89,15 @@ bool leaf_file_is_raw(const leaf_file *f, uint32_t p);
 
 /* leaf_file_has_bytes() - whether payload p has bytes in the file. Of others:
  * leaf_file_is_outside() - whether its samples lie in another file (outside_samples.h);
+ * leaf_file_is_bare() - whether it is of a treelet that has no samples (leaf_layout_is_bare());
  * leaf_file_is_implied() - whether it follows from the directory (implied_payload.h). */
 bool leaf_file_has_bytes(const leaf_file *f, uint32_t p);
 bool leaf_file_is_outside(const leaf_file *f, uint32_t p);
+bool leaf_file_is_bare(const leaf_file *f, uint32_t p);
 bool leaf_file_is_implied(const leaf_file *f, uint32_t p);
+
+/* leaf_file_check_level() - ST_USAGE, with the reason, if f has no samples of a level of detail. */
+CHECKED status leaf_file_check_level(const leaf_file *f, uint32_t level);
 
 /* leaf_file_fetch() - read payload p's stored bytes, and check them. */
 CHECKED status leaf_file_fetch(leaf_file *f, uint32_t p, void *stored);

@@ -38,6 +38,7 @@ static status level_dims(leaf_layout *l, const uint32_t dims[3]) {
             v->dims[a] = cells[a] + 1;
             v->treelets[a] = (cells[a] + b - 1) / b;
         }
+        l->sampled = l->levels;
         if (cells[0] <= b && cells[1] <= b && cells[2] <= b)
             return ST_OK;
         for (int a = 0; a < 3; a++)
@@ -143,7 +144,7 @@ void leaf_layout_flat(leaf_layout *l, const leaf_geometry *geometry, uint32_t tr
                       uint32_t payloads) {
     memset(l, 0, sizeof *l);
     l->geometry = geometry;
-    l->levels = 1;
+    l->levels = l->sampled = 1;
     l->type = SAMPLE_F32;
     l->treelets = l->level[0].count = treelets;
     l->payloads = payloads;

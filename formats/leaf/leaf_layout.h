@@ -29,6 +29,7 @@ typedef struct leaf_level {
 typedef struct leaf_layout {
     const struct leaf_geometry *geometry;
     uint32_t cells_log2, halo, levels; /* cells_log2 is 0 of all kinds but grids */
+    uint32_t sampled;                  /* levels from 0 on that have samples: 1, or all */
     sample_type type;
     uint32_t treelets; /* in all levels */
     uint32_t payloads; /* grid: (treelets + shells) * sets; mesh: treelets * blocks */
@@ -56,9 +57,13 @@ typedef struct leaf_layout {
 CHECKED status leaf_layout_levels(leaf_layout *l, const uint32_t dims[3], uint32_t cells_log2,
                                   uint32_t halo, sample_type type);
 
-/* leaf_layout_init() - the same, and make the per-treelet arrays. */
+/* leaf_layout_init() - the same, and make the per-treelet arrays. Of both, all levels have samples;
+ * leaf_layout_bare() - only level 0 has. */
 CHECKED status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], uint32_t cells_log2,
                                 uint32_t halo, sample_type type);
+static inline void leaf_layout_bare(leaf_layout *l) {
+    l->sampled = 1;
+}
 void leaf_layout_release(leaf_layout *l);
 
 /* leaf_layout_repeat() - give a grid's layout so many fields and steps, with payloads set after
@@ -125,6 +130,12 @@ static inline bool leaf_layout_is_shell(const leaf_layout *l, uint32_t p, uint32
  * implied. */
 static inline bool leaf_layout_is_outside(const leaf_layout *l, uint32_t p) {
     return l->outside && p < l->sets * l->treelets && l->level_of[p % l->treelets] == 0;
+}
+
+/* leaf_layout_is_bare() - whether a treelet has no samples, as its level has none. Its own range is
+ * empty then, and it has neither flags nor a payload. */
+static inline bool leaf_layout_is_bare(const leaf_layout *l, uint32_t treelet) {
+    return l->level_of[treelet] >= l->sampled;
 }
 
 /* leaf_layout_own_samples() - how many samples of a treelet no sibling has.

@@ -111,14 +111,14 @@ uint32_t leaf_tell_implied(const leaf_file *f) {
 static void print_bytes(const leaf_file *f, const fact_sheet *to) {
     const leaf_header *h = &f->header;
     const unsigned long long payload_bytes = h->payload_bytes;
-    const uint32_t implied = leaf_tell_implied(f);
+    const leaf_layout *l = &f->layout;
+    const uint32_t implied = leaf_tell_implied(f), bare = h->bare ? l->level[0].first : 0;
     fact_sheet_line(to, "directory", "%llu bytes, %.1f a treelet",
                     (unsigned long long)f->directory_bytes,
                     (double)f->directory_bytes / (double)h->treelets);
     if (implied)
         fact_sheet_line(to, "payloads", "%llu bytes; %u of %u treelets have one value, and none",
-                        payload_bytes, implied,
-                        f->layout.payloads - f->layout.shells * f->layout.sets);
+                        payload_bytes, implied, l->payloads - (l->shells + bare) * l->sets);
     else
         fact_sheet_line(to, "payloads", "%llu bytes", payload_bytes);
 }

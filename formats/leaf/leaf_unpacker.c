@@ -284,6 +284,13 @@ static status load_outside(leaf_unpacker *u, uint32_t p, void *payload) {
     return ST_OK;
 }
 
+static status refuse_bare(const leaf_file *f, uint32_t p) {
+    const leaf_layout *l = &f->layout;
+    const uint32_t t = p % l->treelets;
+    return status_describe(ST_UNSUPPORTED, "%s: treelet %u is of level %u, which has no samples",
+                           file_path(f->source), t, l->level_of[t]);
+}
+
 status leaf_file_load_by(leaf_file *f, uint32_t p, leaf_unpacker *u, const leaf_fetcher *by,
                          void *payload) {
     const leaf_layout *l = &f->layout;
@@ -291,6 +298,8 @@ status leaf_file_load_by(leaf_file *f, uint32_t p, leaf_unpacker *u, const leaf_
         l->geometry->imply(l, p % l->treelets, f->own[p], payload);
         return ST_OK;
     }
+    if (leaf_file_is_bare(f, p))
+        return refuse_bare(f, p);
     if (leaf_file_is_raw(f, p))
         return fetch(f, p, by, payload);
     assert(u && u->f == f);

@@ -114,6 +114,16 @@ static status allocate_deviations(leaf_writer *w) {
     return w->deviations ? ST_OK : ST_NOMEM;
 }
 
+/* Treelets without samples are never put. */
+static void enter_bare(leaf_writer *w) {
+    const leaf_layout *l = &w->layout;
+    for (uint32_t p = 0; p < l->sets * l->treelets; p++)
+        if (leaf_layout_is_bare(l, p % l->treelets)) {
+            w->own[p][0] = INFINITY;
+            w->own[p][1] = -INFINITY;
+        }
+}
+
 static status allocate_axes(leaf_writer *w, const grid *g) {
     if (!grid_is_rectilinear(g))
         return ST_OK;
@@ -195,6 +205,8 @@ static status lay_out_grid(leaf_writer *w, const grid *g, const leaf_sets *sets)
         !leaf_layout_repeat(&w->layout, sets->fields, sets->steps, w->p.codec != LEAF_CODEC_RAW))
         st = status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 payloads; use larger treelets");
     w->layout.outside = w->p.outside != NULL;
+    if (w->p.bare)
+        leaf_layout_bare(&w->layout);
     assert(!w->layout.outside || (w->layout.coded && w->layout.sets == 1));
     return st;
 }
@@ -211,6 +223,8 @@ status leaf_writer_create(mem *m, const leaf_target *to, const grid *g, const le
     status st = lay_out_grid(w, g, sets);
     if (st == ST_OK)
         st = allocate(w, (size_t)w->layout.sets * w->layout.treelets);
+    if (st == ST_OK)
+        enter_bare(w);
     if (st == ST_OK && w->layout.sets > 1)
         st = copy_labels(w, sets);
     if (st == ST_OK)

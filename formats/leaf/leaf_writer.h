@@ -11,7 +11,7 @@
  * and leaf_writer_take_family() once for each thread. For each family
  * of a set call leaf_family_begin(), leaf_writer_put() or leaf_writer_put_implied() for each
  * treelet by octant, leaf_writer_put_shell() if the layout has shells and it is not the root, and
- * leaf_writer_end_family().
+ * leaf_writer_end_family(). Not for families of levels without samples (leaf_layout.sampled).
  *
  * Meshes: call leaf_writer_create_mesh(). For each treelet call leaf_writer_put_topology(), then
  * leaf_writer_put_values() for each set. If the file is to have them, put gradients of each set and

@@ -157,7 +157,15 @@ static bool is_next(const leaf_writer *w, const leaf_family *f) {
            f->slab.z == o->slabs.at.z && o->p < w->layout.payloads;
 }
 
-/* Give places to the payloads of the next family. Returns that of its first byte. */
+/* Whether the next payload is of a treelet without samples, or of the shell below one's parent:
+ * nobody puts these. Call it with the lock held. */
+static bool next_is_bare(const leaf_writer *w) {
+    const leaf_layout *l = &w->layout;
+    return w->order.slabs.at.level >= l->sampled;
+}
+
+/* Give places to the payloads of the next family, and of those without samples behind it. Returns
+ * that of its first byte. */
 static uint64_t place_next(leaf_writer *w) {
     const leaf_order first = w->order;
     uint64_t at = 0;
@@ -170,7 +178,8 @@ static uint64_t place_next(leaf_writer *w) {
             at = w->offsets[p];
         found |= w->sizes[p] > 0;
         leaf_order_next(&w->order, &w->layout);
-    } while (w->order.p < w->layout.payloads && leaf_order_same_family(&w->order, &first));
+    } while (w->order.p < w->layout.payloads &&
+             (leaf_order_same_family(&w->order, &first) || next_is_bare(w)));
     return at;
 }
 

@@ -16,9 +16,9 @@ static status check_box(const leaf_level *l, const uint32_t box[6]) {
 }
 
 status grid_part_of(const leaf_file *f, uint32_t level, const uint32_t box[6], grid_part *part) {
-    if (level >= f->layout.levels)
-        return status_describe(ST_USAGE, "--level %u: there are %u levels, from 0 on", level,
-                               f->layout.levels);
+    status st = leaf_file_check_level(f, level);
+    if (st != ST_OK)
+        return st;
     const leaf_level *l = &f->layout.level[level];
     *part = (grid_part){.level = level};
     memcpy(part->end, l->dims, sizeof part->end);

@@ -41,13 +41,13 @@ static status create_benches(grid_conversion *c) {
 }
 
 static status create_stages(grid_conversion *c, const char *output) {
-    for (uint32_t level = 0; level < c->layout->levels; level++) {
+    for (uint32_t level = 0; level < c->layout->sampled; level++) {
         grid_stage *s = &c->stages[level];
         slab_plan how = convert_plan_slab(c->plan, level, c->o->threads);
         status st = slab_create(c->m, c->layout, level, &how, output, &s->slab);
         if (st != ST_OK)
             return st;
-        if (level + 1 == c->layout->levels)
+        if (level + 1 == c->layout->sampled)
             break;
         st = pyramid_create(c->m, c->layout->type, c->layout->level[level].dims, c->o->threads,
                             &s->up);
@@ -82,9 +82,9 @@ static void end_deviations(const grid_conversion *c, const grid *g) {
 /* Keep maps of the tiles that have one value for all levels. */
 static status begin_maps(grid_conversion *c) {
     c->quiet = read_ahead_quiet(c->input);
-    for (uint32_t level = 0; level < c->layout->levels; level++)
+    for (uint32_t level = 0; level < c->layout->sampled; level++)
         slab_quiet(c->stages[level].slab, c->quiet);
-    for (uint32_t level = 0; level + 1 < c->layout->levels; level++) {
+    for (uint32_t level = 0; level + 1 < c->layout->sampled; level++) {
         grid_stage *s = &c->stages[level];
         const size_t bytes = slice_tiles_count(c->layout->level[level + 1].dims) *
                              convert_plan_slices(c->plan, level + 1);
@@ -167,13 +167,15 @@ static void release(grid_conversion *c) {
     pool_destroy(c->workers);
 }
 
-static void describe_origin(const convert_options *o, sample_type source, char *text, size_t size) {
+static void describe_origin(const grid_conversion *c, sample_type source, char *text, size_t size) {
+    const convert_options *o = c->o;
+    const bool bare = c->layout->sampled < c->layout->levels;
     char codec[32] = "raw";
     if (o->file.codec == LEAF_CODEC_ZSTD)
         snprintf(codec, sizeof codec, "zstd:%d", o->file.zstd_level);
-    snprintf(text, size, "leafcast %s convert, from %s: treelets of %d^3 cells, halo %u, %s%s",
+    snprintf(text, size, "leafcast %s convert, from %s: treelets of %d^3 cells, halo %u, %s%s%s",
              LEAFCAST_VERSION, sample_name(source), 1 << o->file.cells_log2, o->file.halo, codec,
-             o->file.outside ? ", in place" : "");
+             bare ? ", level 0 alone" : "", o->file.outside ? ", in place" : "");
 }
 
 static void take_facts(grid_conversion *c, const grid *g) {
@@ -284,7 +286,7 @@ status convert_run(mem *m, volume *v, const char *output, const convert_options 
         return st;
     }
     char provenance[256];
-    describe_origin(o, grid_source(g), provenance, sizeof provenance);
+    describe_origin(&c, grid_source(g), provenance, sizeof provenance);
     leaf_facts facts = {.non_finite = c.seen.non_finite,
                         .rounding_error = c.seen.rounding_error,
                         .provenance = provenance};

@@ -10,9 +10,10 @@ static json_t *plan_json(const convert_plan *plan, const grid *g) {
     json_t *levels = json_array();
     for (uint32_t i = 0; i < plan->layout.levels; i++) {
         const leaf_level *v = &plan->layout.level[i];
-        json_array_append_new(levels, json_pack("{s:[i,i,i], s:I}", "dims", (int)v->dims[0],
-                                                (int)v->dims[1], (int)v->dims[2], "treelets",
-                                                (json_int_t)v->count));
+        json_array_append_new(levels,
+                              json_pack("{s:[i,i,i], s:I, s:b}", "dims", (int)v->dims[0],
+                                        (int)v->dims[1], (int)v->dims[2], "treelets",
+                                        (json_int_t)v->count, "sampled", i < plan->layout.sampled));
     }
     return json_pack("{s:s, s:s, s:I, s:o, s:I, s:I, s:I, s:I, s:i}", "source_type",
                      sample_name(grid_source(g)), "sample_type", sample_name(plan->layout.type),
@@ -23,12 +24,17 @@ static json_t *plan_json(const convert_plan *plan, const grid *g) {
                      "spilled_levels", (int)plan->spilled_levels);
 }
 
+static const char *alone(const leaf_layout *l) {
+    return l->sampled < l->levels ? " (0 alone with samples)" : "";
+}
+
 static void print_plan(const convert_plan *plan, const grid *g) {
     uint64_t raw = grid_samples(g) * sample_size(plan->layout.type) * plan->layout.sets;
     printf("input       %u x %u x %u %s, %.1f MiB\n", g->dims[0], g->dims[1], g->dims[2],
            sample_name(grid_source(g)),
            (double)(grid_samples(g) * sample_size(grid_source(g))) / 0x1p20);
-    printf("levels      %u, %u treelets\n", plan->layout.levels, plan->layout.treelets);
+    printf("levels      %u%s, %u treelets\n", plan->layout.levels, alone(&plan->layout),
+           plan->layout.treelets);
     printf("file        at most %.1f MiB, %.3f of raw\n", (double)plan->file_bytes / 0x1p20,
            (double)plan->file_bytes / (double)raw);
     printf("memory      %.1f MiB, at least %.1f MiB\n", (double)plan->memory / 0x1p20,
@@ -46,8 +52,8 @@ static void print_outcome(const convert_outcome *o, const convert_plan *plan, co
     char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX], error[NUM_TEXT_MAX], id[LEAF_ID_TEXT];
     printf("file        %.1f MiB, %.3f of raw\n", (double)h->file_bytes / 0x1p20,
            (double)h->file_bytes / raw);
-    printf("grid        %u x %u x %u %s, %u levels, %llu treelets\n", h->dims[0], h->dims[1],
-           h->dims[2], sample_name((sample_type)h->sample_type), h->levels,
+    printf("grid        %u x %u x %u %s, %u levels%s, %llu treelets\n", h->dims[0], h->dims[1],
+           h->dims[2], sample_name((sample_type)h->sample_type), h->levels, alone(&plan->layout),
            (unsigned long long)h->treelets);
     printf("values      %s .. %s\n", num_print(h->value_min, lo), num_print(h->value_max, hi));
     if (h->non_finite)

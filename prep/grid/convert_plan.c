@@ -38,11 +38,11 @@ static uint64_t fixed_memory(const grid *g, const convert_options *o, const leaf
         bytes += state_io_memory();
     if (o->file.histograms)
         bytes += histogram_draw_grid(g->dims).count * sizeof(histogram_cell);
-    for (uint32_t level = 0; level + 1 < l->levels; level++)
+    for (uint32_t level = 0; level + 1 < l->sampled; level++)
         bytes += pyramid_memory(sample_stored(g->type), l->level[level].dims, o->threads);
     if (o->file.deviations)
         bytes += deviation_count(l) * sizeof(uint16_t) + 64;
-    for (uint32_t level = 0; level + 1 < l->levels && o->file.deviations; level++)
+    for (uint32_t level = 0; level + 1 < l->sampled && o->file.deviations; level++)
         bytes += deviation_build_memory(l, level, grid_is_rectilinear(g), o->threads);
     return bytes;
 }
@@ -51,7 +51,7 @@ static uint64_t slab_side_memory(const grid *g, const convert_options *o,
                                  const convert_plan *plan) {
     const leaf_layout *l = &plan->layout;
     uint64_t bytes = read_ahead_memory(g, plan->batch);
-    for (uint32_t level = 0; level < l->levels; level++) {
+    for (uint32_t level = 0; level < l->sampled; level++) {
         slab_plan held = convert_plan_slab(plan, level, o->threads);
         bytes += slab_memory(l, level, &held);
         if (level > 0) {
@@ -118,6 +118,7 @@ static uint64_t directory_size(const leaf_layout *l, const grid *g, const conver
                            .dims = {g->dims[0], g->dims[1], g->dims[2]},
                            .rectilinear = grid_is_rectilinear(g),
                            .outside = o->file.outside != NULL,
+                           .bare = l->sampled < l->levels,
                            .fields = l->sets / l->steps,
                            .steps = l->steps};
     const bool there[LEAF_SECTION_LAST + 1] = {
@@ -146,7 +147,7 @@ static uint64_t directory_size(const leaf_layout *l, const grid *g, const conver
 static void plan_sizes(convert_plan *plan, const grid *g, const convert_options *o) {
     const leaf_layout *l = &plan->layout;
     uint64_t bytes = 0;
-    for (uint32_t level = o->file.outside ? 1 : 0; level < l->levels; level++) {
+    for (uint32_t level = o->file.outside ? 1 : 0; level < l->sampled; level++) {
         sort sorts[3][3];
         int n[3];
         for (int a = 0; a < 3; a++)
@@ -223,6 +224,8 @@ status convert_plan_make(mem *m, const grid *g, const convert_options *o, conver
     *plan = (convert_plan){0};
     status st = leaf_layout_levels(&plan->layout, g->dims, o->file.cells_log2, o->file.halo,
                                    sample_stored(g->type));
+    if (st == ST_OK && o->file.bare)
+        leaf_layout_bare(&plan->layout);
     uint64_t packer = 0;
     const leaf_sets *sets = o->series ? &o->series->of.sets : NULL;
     if (st == ST_OK && !leaf_layout_repeat(&plan->layout, sets ? sets->fields : 1,
@@ -241,13 +244,13 @@ status convert_plan_make(mem *m, const grid *g, const convert_options *o, conver
     if (plan->memory_in_core < rule)
         plan->memory_in_core = rule;
     plan->memory_least = plan->memory_in_core;
-    for (uint32_t k = 1; k <= plan->layout.levels; k++) {
+    for (uint32_t k = 1; k <= plan->layout.sampled; k++) {
         uint64_t least = fixed + least_memory(g, o, plan, k);
         if (least < plan->memory_least)
             plan->memory_least = least;
     }
     count_lent(m, o, plan);
-    for (uint32_t k = 0; k <= plan->layout.levels; k++) {
+    for (uint32_t k = 0; k <= plan->layout.sampled; k++) {
         plan->spilled_levels = k;
         if (fixed > o->memory || !may_hold(plan, o) || !choose_sizes(g, o, plan, o->memory - fixed))
             continue;

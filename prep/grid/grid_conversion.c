@@ -36,7 +36,7 @@ status grid_conversion_keep(void *ctx, state_io *io) {
         st = leaf_writer_keep(c->writer, io);
     if (st == ST_OK && c->cells)
         st = state_io_bytes(io, c->cells, c->draw.count * sizeof *c->cells);
-    for (uint32_t level = 0; level < c->layout->levels && st == ST_OK; level++)
+    for (uint32_t level = 0; level < c->layout->sampled && st == ST_OK; level++)
         st = keep_stage(&c->stages[level], io);
     return st == ST_OK ? state_io_end(io) : st;
 }

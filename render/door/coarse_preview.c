@@ -25,7 +25,7 @@ uint32_t coarse_preview_levels(const leafcast *v) {
     if (!leaf_file_has_coarse(v->file, 0) ||
         leaf_file_open_coarse(v->m, v->file, 0, &grid) != ST_OK)
         return 0;
-    const uint32_t levels = grid->header.levels;
+    const uint32_t levels = grid->layout.sampled;
     leaf_file_close(grid);
     return levels;
 }

@@ -41,13 +41,11 @@ static void count(const leafcast *v, uint32_t t, const uint32_t blocks[3], leafc
 }
 
 static status check(const leafcast *v, uint32_t level, const uint32_t blocks[3]) {
-    const uint32_t levels = v->file->layout.levels;
     for (int a = 0; a < 3; a++)
         if (blocks[a] < 1 || blocks[a] > LEAFCAST_BLOCKS_MAX)
             return status_describe(ST_USAGE, "a map of %u blocks along an axis: 1 to %d", blocks[a],
                                    LEAFCAST_BLOCKS_MAX);
-    return level < levels ? ST_OK
-                          : status_describe(ST_USAGE, "level %u: there are %u", level, levels);
+    return leaf_file_check_level(v->file, level);
 }
 
 leafcast_status leafcast_map_treelets(leafcast *v, uint32_t level, const uint32_t blocks[3],

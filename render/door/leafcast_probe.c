@@ -224,9 +224,8 @@ leafcast_status leafcast_get_cell(leafcast *v, uint32_t level, uint64_t number,
         st = public_needs(__func__, "cell", (const void *[]){cell});
     if (st == ST_OK)
         st = arguments_check_cell(cell);
-    if (st == ST_OK && level >= v->file->layout.levels)
-        st = status_describe(ST_USAGE, "level of detail %u: there are 0 to %u", level,
-                             v->file->layout.levels - 1);
+    if (st == ST_OK)
+        st = leaf_file_check_level(v->file, level);
     if (st != ST_OK)
         return public_status(st);
     device_lock(v->device);
@@ -237,7 +236,7 @@ leafcast_status leafcast_get_cell(leafcast *v, uint32_t level, uint64_t number,
 }
 
 int leafcast_cell_indices(const leafcast *v, uint32_t level, uint64_t number, uint32_t index[3]) {
-    if (!v || !index || !v->kind->cell_indices || level >= v->file->layout.levels)
+    if (!v || !index || !v->kind->cell_indices || level >= v->file->layout.sampled)
         return 0;
     return v->kind->cell_indices(v, level, number, index);
 }

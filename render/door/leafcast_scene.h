@@ -18,11 +18,12 @@ CHECKED status scene_volumes(leafcast *v, const leafcast_scene *scene,
 /* How many intervals an interest holds at most, in addition to the isovalues. */
 enum { SCENE_BESIDE_MAX = (int)INTEREST_MAX - (int)LEAFCAST_SURFACES_MAX };
 
-/* scene_level() - returns the level of detail of v that the scene shows, at most v's coarsest.
+/* scene_level() - returns the level of detail of v that the scene shows, at most the coarsest
+ * of which v has samples.
  * Nothing else reads leafcast_scene.lod_level to find treelets or cells. */
 static inline uint32_t scene_level(const leafcast_scene *scene, const leafcast *v) {
     const uint32_t asked = scene->lod == LEAFCAST_LOD_LEVEL ? scene->lod_level : 0,
-                   last = v->file->layout.levels - 1;
+                   last = v->file->layout.sampled - 1;
     return asked < last ? asked : last;
 }
 

@@ -134,10 +134,7 @@ static status measure_line(const leafcast_slice_pixels *s, double *along) {
 
 static status check_slice(const leafcast *v, const leafcast_slice_pixels *s) {
     status st = arguments_check_slice(s);
-    if (st == ST_OK && s->level >= v->file->layout.levels)
-        st = status_describe(ST_USAGE, "level of detail %u: there are 0 to %u", s->level,
-                             v->file->layout.levels - 1);
-    return st;
+    return st == ST_OK ? leaf_file_check_level(v->file, s->level) : st;
 }
 
 static leafcast_status sample_pixels(slice_job *pixels, point_samples *p, leafcast_stats *stats) {

@@ -62,7 +62,7 @@ bool turn_any_instead(const turn *t) {
 static bool may_be_coarser(const turn *t, int i) {
     return t->scene.preview && !t->scene.sweep && t->scene.lod != LEAFCAST_LOD_PIXEL &&
            !scene_is_filled(&t->scene) && t->shown[i].count > 0 &&
-           t->shown[i].volume->file->layout.levels > 1;
+           t->shown[i].volume->file->layout.sampled > 1;
 }
 
 /* Choose the level of volume i for the whole frame. Rays that take a coarse treelet in the place of

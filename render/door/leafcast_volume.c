@@ -85,7 +85,7 @@ status volume_open_file(leafcast *v) {
     if (!v->touched || !v->stop)
         return ST_NOMEM;
     place(v);
-    v->preview_levels = v->file->header.levels + coarse_preview_levels(v);
+    v->preview_levels = v->file->layout.sampled + coarse_preview_levels(v);
     return ST_OK;
 }
 
@@ -228,7 +228,7 @@ leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
     *info = (leafcast_info){.size = sizeof *info,
                             .kind = v->kind->name,
                             .cell = v->kind->cell,
-                            .levels = h->levels,
+                            .levels = v->file->layout.sampled,
                             .fields = h->fields,
                             .steps = h->steps,
                             .moving = leaf_layout_moves(&v->file->layout),

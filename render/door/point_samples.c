@@ -319,7 +319,7 @@ static void describe(const waiting *w, const loader_stats *before, double second
 status point_samples_run(const point_samples *p, leafcast_stats *stats) {
     leafcast *v = p->volume;
     const double start = clock_seconds();
-    const uint32_t coarsest = v->file->layout.levels - 1;
+    const uint32_t coarsest = v->file->layout.sampled - 1;
     point_samples job = *p;
     job.level = job.level < coarsest ? job.level : coarsest;
     waiting w = {.job = &job};

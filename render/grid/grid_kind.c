@@ -167,7 +167,8 @@ static void grid_span(const leafcast *v, uint32_t t, double span[2][3]) {
 /* ---- A frame ---- */
 
 static status grid_check(const leafcast *v, const leafcast_scene *scene) {
-    (void)v;
+    if (v->file->header.bare && scene->lod == LEAFCAST_LOD_LEVEL && scene->lod_level > 0)
+        return leaf_file_check_level(v->file, scene->lod_level);
     if (scene->smooth_normals)
         return status_describe(ST_USAGE, "smooth normals are for meshes: a volume has central and "
                                          "analytic ones");
@@ -180,6 +181,9 @@ static bool stop_levels(leafcast *v, const camera *c) {
     const leaf_layout *layout = &v->file->layout;
     bool coarse = false;
     for (uint32_t t = 0; t < layout->treelets; t++) {
+        v->stop[t] = 0;
+        if (leaf_layout_is_bare(layout, t))
+            continue;
         const level_planes *planes = &grid_of(v)->planes.levels[layout->level_of[t]];
         double centre[3], radius = 0.0, edge = 0.0, distance = 0.0, world[3];
         for (int a = 0; a < 3; a++) {

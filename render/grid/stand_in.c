@@ -8,7 +8,7 @@ stand_in stand_in_for(const tracer *tr, uint32_t t) {
     const leaf_layout *layout = tr->layout;
     const loader *l = tr->treelets;
     const uint32_t level = layout->level_of[t];
-    for (uint32_t k = 1; level + k < layout->levels && k <= layout->cells_log2; k++) {
+    for (uint32_t k = 1; level + k < layout->sampled && k <= layout->cells_log2; k++) {
         uint32_t place[3];
         for (int a = 0; a < 3; a++)
             place[a] = layout->place[t][a] >> k;

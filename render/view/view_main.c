@@ -75,7 +75,14 @@ enum { MANY_CELLS = 1000000 };
 
 static void tell_slow(const view_verb *o, const view_file *f) {
     const leafcast_info info = leafcast_describe(f->volume);
-    if (info.cells >= MANY_CELLS && info.preview_levels == 1)
+    if (info.cells < MANY_CELLS || info.preview_levels > 1)
+        return;
+    if (info.abilities & LEAFCAST_ABILITY_LEVELS)
+        cli_note(&o->common, 0,
+                 "%s has no coarse levels: its pictures will have few pixels while the hand moves; "
+                 "leafcast convert makes them, without --levels 1",
+                 f->path);
+    else
         cli_note(&o->common, 0,
                  "%s has no coarse grid: media and projections of its %ss will be drawn in few "
                  "pixels while the hand moves; leafcast convert --coarse makes one",

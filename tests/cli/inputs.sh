@@ -55,6 +55,7 @@ cat >"$tmp/options" <<TABLE
 compress=zstd:1 rhm
 treelet=16 rh
 in-place rh
+levels=1 rh
 halo=0 rh
 follow-links rh
 allow-missing rh

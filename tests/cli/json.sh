@@ -69,6 +69,7 @@ json document generate buckyball --tets --dims 9 --steps 2 --deform 0.2 -o b.mes
 json document convert g.nrrd -o g.leaf
 json document convert g.nrrd --dry-run
 json document convert g.nrrd --in-place -o place.leaf
+json document convert g.nrrd --levels 1 -o bare.leaf
 json document convert b_0000.mesh b_0001.mesh -o b.leaf
 json document convert b_0000.mesh --dry-run
 json document verify g.leaf
@@ -78,6 +79,7 @@ json document info g.leaf --iso 120
 json document info b.leaf --iso 0.3
 json document info g.nrrd
 json document info place.leaf
+json document info bare.leaf
 json document info b_0000.mesh
 json document probe g.leaf --iso 120 --at 500,500
 json document probe g.leaf --ray -1,9,9,1,0,0 --segments

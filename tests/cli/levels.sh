@@ -7,6 +7,7 @@
 "$leafcast" convert "$tmp/g.nrrd" -o "$tmp/g.leaf" -q
 "$leafcast" generate gyroid --dims 20,24,28 -o "$tmp/small.nrrd" -q
 "$leafcast" convert "$tmp/small.nrrd" -o "$tmp/small.leaf" -q
+"$leafcast" convert "$tmp/g.nrrd" -o "$tmp/bare.leaf" --levels 1 -q
 "$leafcast" generate buckyball --tets --dims 9 -o "$tmp/m.mesh" -q
 "$leafcast" convert "$tmp/m.mesh" -o "$tmp/m.leaf" -q
 "$leafcast" convert "$tmp/m.mesh" --coarse=64 -o "$tmp/coarse.leaf" -q

@@ -6,6 +6,7 @@
 need_view
 "$leafcast" generate gyroid --dims 48,40,44 -o "$tmp/g.nrrd" -q
 "$leafcast" convert "$tmp/g.nrrd" -o "$tmp/g.leaf" -q
+"$leafcast" convert "$tmp/g.nrrd" -o "$tmp/bare.leaf" --levels 1 --treelet 16 -q
 "$leafcast" generate buckyball --tets --dims 11 --steps 2 --deform 0.4 -o "$tmp/m.mesh" -q
 "$leafcast" convert "$tmp/m_0000.mesh" "$tmp/m_0001.mesh" -o "$tmp/m.leaf" -q
 
@@ -27,10 +28,17 @@ case ${LEAFCAST_BUILD-} in
     "$leafcast" convert "$tmp/l.mesh" --coarse -o "$tmp/l.leaf" --force -q
     run timeout -s INT 2 "$leafcast" view "$tmp/l.leaf" "$tmp/m.leaf"
     ok "one with it is not" [ "$(grep -c "no coarse grid" "$tmp/err")" = 0 ]
+    "$leafcast" generate gyroid --dims 110 -o "$tmp/l.nrrd" -q
+    "$leafcast" convert "$tmp/l.nrrd" -o "$tmp/l.leaf" --force --levels 1 -q
+    run timeout -s INT 2 "$leafcast" view "$tmp/l.leaf" "$tmp/g.leaf"
+    ok "nor is a grid, but of its coarse levels" [ "$(grep -c "l.leaf has no coarse levels" "$tmp/err")" = 1 ]
+    "$leafcast" convert "$tmp/l.nrrd" -o "$tmp/l.leaf" --force -q
+    run timeout -s INT 2 "$leafcast" view "$tmp/l.leaf" "$tmp/g.leaf"
+    ok "a grid with them is not" [ "$(grep -c "has no coarse" "$tmp/err")" = 0 ]
     ;;
 esac
 
-for client in view_told view_drawn view_server; do
+for client in view_told view_drawn view_bare view_server; do
     client "$client" python3 "tests/support/$client.py" "$leafcast" "$tmp"
 done
 finish

@@ -45,16 +45,21 @@ static status convert(subject *s, work_found found, const char *name) {
     return st;
 }
 
-static void begin(subject *s, sample_type type, leaf_codec codec) {
+static void begin_of(subject *s, sample_type type, leaf_codec codec, bool bare) {
     *s = (subject){.c = leaf_files_case(24, 20, 110, type)};
     mem_init(&s->m, 0);
     s->c.options.file.codec = codec;
+    s->c.options.file.bare = bare;
     s->c.options.file.zstd_level = 1;
     s->c.options.file.histograms = s->c.options.file.deviations = true;
     s->samples = leaf_files_random(&s->c, 11, type == SAMPLE_F32 ? 50 : 0);
     s->c.samples = s->samples;
     assert_int_equal(convert_job_init(&s->job, &s->m, "output"), ST_OK);
     s->good = scratch_read(leaf_files_make(&s->c, "good.leaf"), &s->size);
+}
+
+static void begin(subject *s, sample_type type, leaf_codec codec) {
+    begin_of(s, type, codec, false);
 }
 
 static void end(subject *s) {
@@ -102,10 +107,13 @@ static void test_crashes(void **state) {
     static const struct {
         sample_type type;
         leaf_codec codec;
-    } cases[] = {{SAMPLE_U8, LEAF_CODEC_RAW}, {SAMPLE_F32, LEAF_CODEC_ZSTD}};
+        bool bare;
+    } cases[] = {{SAMPLE_U8, LEAF_CODEC_RAW, false},
+                 {SAMPLE_F32, LEAF_CODEC_ZSTD, false},
+                 {SAMPLE_U16, LEAF_CODEC_RAW, true}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         subject s;
-        begin(&s, cases[i].type, cases[i].codec);
+        begin_of(&s, cases[i].type, cases[i].codec, cases[i].bare);
         assert_int_equal(mkdir(scratch_path("disk"), 0777), 0);
         disk_log_begin(scratch_path("disk"));
         assert_int_equal(convert(&s, WORK_REFUSE, "disk/x.leaf"), ST_OK);

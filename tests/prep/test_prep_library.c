@@ -136,6 +136,8 @@ static void test_options(void **state) {
     o.without_halo = true;
     o.threads = 1;
     check_options("treelets", &g, o, "", "--treelet 16 --halo 0");
+    o.without_levels = true;
+    check_options("levels", &g, o, "", "--treelet 16 --halo 0 --levels 1");
     o = DEFAULTS;
     o.name = "a\nname";
     check_options("name", &g, o, "", "--name 'a\nname'");

@@ -381,6 +381,7 @@ void api_draw_convert_options(field_random *r, leafcast_convert_options *o) {
     o->zstd_level = api_chance(r, 3) ? 1 : 0;
     o->treelet_cells = 16;
     o->without_halo = api_chance(r, 4);
+    o->without_levels = api_chance(r, 4);
     o->has_missing = api_chance(r, 6);
     o->missing = api_number(r, 1.0);
     o->gradients = api_chance(r, 3);

@@ -2,7 +2,8 @@
 
 A level beyond the last one is the last one, or it is refused: for each pair of rows of FLAGS there are pictures of the
 last level, of the one behind it and of the most that --lod takes. Prints a line "ok NAME" or "not NAME" for each set of
-volumes, and "end". g.leaf (a grid of several levels), small.leaf (of one), m.leaf and coarse.leaf (meshes) lie in FOLDER.
+volumes, and "end". In FOLDER lie g.leaf (a grid of several levels), small.leaf (of one), bare.leaf (of several, with samples
+of level 0 alone), m.leaf and coarse.leaf (meshes).
 """
 import itertools
 import json
@@ -172,7 +173,7 @@ def probes():
 
 
 def slices():
-    for path, levels in ((f"{folder}/g.leaf", Place(f"{folder}/g.leaf").levels), (f"{folder}/m.leaf", 1)):
+    for path, levels in ((f"{folder}/g.leaf", Place(f"{folder}/g.leaf").levels), (f"{folder}/bare.leaf", 1), (f"{folder}/m.leaf", 1)):
         for how in (["--axis", "x"], ["--axis", "y", "--nearest"], ["--plane", "1,1,1,-30"], ["--tf", "auto"],
                     ["--iso", "120", "--legend"]):
             ends = [subprocess.run([leafcast, "slice", path, *how, "--level", str(level), "-o", f"{folder}/slice.ppm",
@@ -188,6 +189,7 @@ def main():
     last = Place(f"{folder}/g.leaf").levels - 1
     pairs("a grid", [f"{folder}/g.leaf"], (last, last + 1, MOST))
     pairs("a grid of one level", [f"{folder}/small.leaf"], (0, 1, MOST))
+    pairs("a grid with samples of one level", [f"{folder}/bare.leaf"], (1, 2, MOST))
     pairs("two grids", [f"{folder}/g.leaf", f"{folder}/small.leaf"], (last, last + 1, MOST))
     pairs("a mesh", [f"{folder}/m.leaf"], (1, 2, MOST))
     pairs("a mesh with a coarse grid", [f"{folder}/coarse.leaf"], (2, 9, MOST))

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "tests/support/naive_box.h"
+#include "tests/support/naive_bytes.h"
 
 enum { SHELL_BOXES_MAX = 7 };
 
@@ -125,6 +126,18 @@ void naive_family_value(const naive_leaf *leaf, const naive_treelet *t, unsigned
         memcpy(&bits, &value, sizeof bits);
     for (int b = 0; b < 4; b++)
         bytes[b] = (unsigned char)(bits >> (8 * b));
+}
+
+bool naive_family_is_value(const naive_leaf *leaf, const naive_treelet *t,
+                           const unsigned char *bytes, uint64_t count) {
+    const size_t width = (size_t)naive_sample_bytes(leaf->sample_type);
+    for (uint64_t i = 1; i < count; i++)
+        if (memcmp(bytes, bytes + i * width, width) != 0)
+            return false;
+    const float value = naive_sample(bytes, leaf->sample_type, 0);
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return t->has_non_finite ? bits == 0x7fc00000 : bits != 0x80000000;
 }
 
 /* Of a treelet: its own box, and no more. */

@@ -16,4 +16,9 @@ const char *naive_family_read(const naive_leaf *leaf, long parent, long first, l
  * without bytes. */
 void naive_family_value(const naive_leaf *leaf, const naive_treelet *t, unsigned char bytes[4]);
 
+/* naive_family_is_value() - whether the directory would tell a payload of `count` samples that has
+ * bytes: it should have none then. */
+bool naive_family_is_value(const naive_leaf *leaf, const naive_treelet *t,
+                           const unsigned char *bytes, uint64_t count);
+
 #endif

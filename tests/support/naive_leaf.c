@@ -50,6 +50,7 @@ static void take_fields(naive_leaf *leaf) {
     leaf->codec = (int)naive_number(b + 56, 4);
     leaf->rectilinear = naive_number(b + 60, 4) == 1;
     leaf->outside = naive_number(b + 76, 4) == 1;
+    leaf->bare = naive_number(b + 1496, 4) == 1;
     leaf->fields = (long)naive_number(b + 64, 4);
     leaf->steps = (long)naive_number(b + 68, 4);
     leaf->sets = leaf->fields * leaf->steps;
@@ -65,10 +66,10 @@ static bool read_header(naive_leaf *leaf) {
     static const unsigned char magic[8] = {0x89, 0x4c, 0x45, 0x41, 0x46, 0x0d, 0x0a, 0x1a};
     /* offset, lowest and highest value of what the file of a grid may say */
     static const uint64_t ranges[][3] = {
-        {8, 4, 4},        {12, 1, 1},       {16, 1, 5},  {20, 1, 11}, {24, 2, 1 << 20},
-        {28, 2, 1 << 20}, {32, 2, 1 << 20}, {36, 1, 24}, {40, 4, 6},  {44, 0, 1},
-        {48, 2, 2},       {52, 6, 21},      {56, 0, 1},  {60, 0, 1},  {64, 1, 65536},
-        {68, 1, 65536},   {72, 1, 64},      {76, 0, 1},
+        {8, 4, 4},        {12, 1, 1},       {16, 1, 5},  {20, 1, 11},  {24, 2, 1 << 20},
+        {28, 2, 1 << 20}, {32, 2, 1 << 20}, {36, 1, 24}, {40, 4, 6},   {44, 0, 1},
+        {48, 2, 2},       {52, 6, 21},      {56, 0, 1},  {60, 0, 1},   {64, 1, 65536},
+        {68, 1, 65536},   {72, 1, 64},      {76, 0, 1},  {1496, 0, 1},
     };
     const unsigned char *b = leaf->bytes;
     if (leaf->size < 4096 || memcmp(b, magic, 8) != 0)
@@ -95,7 +96,7 @@ static bool read_header(naive_leaf *leaf) {
         return wrong(leaf, "file_bytes");
     uint64_t sections = naive_number(b + 72, 4);
     if (leaf->size < 4096 + 32 * sections || !naive_zeros(leaf->bytes, 1344, 1424) ||
-        !naive_zeros(leaf->bytes, 1488, 4096))
+        !naive_zeros(leaf->bytes, 1488, 1496) || !naive_zeros(leaf->bytes, 1500, 4096))
         return wrong(leaf, "section table cut off, or reserved bytes");
     if (!naive_text(b + 1424, 64))
         return wrong(leaf, "the name of the first field");
@@ -134,6 +135,8 @@ static bool lay_out(naive_leaf *leaf) {
         }
         total += l->treelets[0] * l->treelets[1] * l->treelets[2];
     }
+    if (leaf->bare && levels == 1)
+        return wrong(leaf, "bare, of one level");
     if (levels != leaf->levels || (uint64_t)total != naive_number(leaf->bytes + 80, 8))
         return wrong(leaf, "%d levels, %ld treelets are implied", levels, total);
     if ((uint64_t)total > leaf->size / (uint64_t)leaf->sets)
@@ -275,6 +278,8 @@ static bool find_sections(naive_leaf *leaf, const unsigned char *where[KINDS], u
         if (XXH3_64bits(leaf->bytes + offset, bytes) != naive_number(entry + 24, 8))
             return wrong(leaf, "checksum of section %d", (int)i);
         *end = offset + bytes;
+        if (kind == 0x40000002 && leaf->bare)
+            return wrong(leaf, "deviations of levels without samples");
         if (kind >> 30 & 1)
             continue;
         if (kind < 1 || kind >= KINDS || kind == 8 || kind == 9 || kind == 12 || where[kind])
@@ -349,19 +354,6 @@ static bool check_own_range(naive_leaf *leaf, const naive_treelet *t, const naiv
     return all_finite == !t->has_non_finite || wrong(leaf, "the flag of non-finite samples");
 }
 
-/* Whether the directory would tell a payload that has bytes: it should have none then. */
-static bool is_needless(const naive_leaf *leaf, const naive_treelet *t, const unsigned char *bytes,
-                        uint64_t count) {
-    const size_t width = (size_t)naive_sample_bytes(leaf->sample_type);
-    for (uint64_t i = 1; i < count; i++)
-        if (memcmp(bytes, bytes + i * width, width) != 0)
-            return false;
-    const float value = naive_sample(bytes, leaf->sample_type, 0);
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return t->has_non_finite ? bits == 0x7fc00000 : bits != 0x80000000;
-}
-
 static uint64_t sample_count(const naive_leaf *leaf, const naive_treelet *t) {
     uint64_t count = 1;
     for (int a = 0; a < 3; a++)
@@ -409,8 +401,8 @@ static bool read_treelet(naive_leaf *leaf, const naive_treelet *t, const unsigne
     w.samples = samples;
     bool good = !own || check_own_range(leaf, t, &w);
     if (good && own && (t->stored.size || t->outside))
-        good =
-            !is_needless(leaf, t, held, count) || wrong(leaf, "a payload that the directory tells");
+        good = !naive_family_is_value(leaf, t, held, count) ||
+               wrong(leaf, "a payload that the directory tells");
     if (good && own && t->stored.size && leaf->codec == 0)
         good = check_around(leaf, t, &w);
     good = good && place_samples(leaf, t, &w, own);
@@ -438,10 +430,11 @@ static bool hold_samples(naive_leaf *leaf, long first, unsigned char **held) {
     for (long i = 0, count; !why && i < leaf->treelet_count; i += count) {
         for (count = 1; i + count < leaf->treelet_count && t[i + count].parent == t[i].parent;)
             count++;
-        const bool coded = leaf->codec == 1 && !(leaf->outside && t[i].level == 0);
+        const bool bare = naive_leaf_is_bare(leaf, &t[i]);
+        const bool coded = !bare && leaf->codec == 1 && !(leaf->outside && t[i].level == 0);
         if (coded)
             why = naive_family_read(leaf, t[i].parent, first + i, count, held + i);
-        for (long n = i; n < i + count && !coded; n++)
+        for (long n = i; n < i + count && !coded && !bare; n++)
             why = (held[n] = hold_raw(leaf, t + n)) ? why : "no memory";
     }
     for (long i = 0; !why && leaf->other && i < leaf->treelet_count; i++)
@@ -512,6 +505,10 @@ static bool place_treelet(naive_leaf *leaf, placing *x, long i, bool begins) {
     if (!place_payload(leaf, x, i, begins, &t->stored))
         return false;
     t->outside = t->checksum != 0;
+    if (naive_leaf_is_bare(leaf, t))
+        return (t->own[0] == INFINITY && t->own[1] == -INFINITY && !t->has_non_finite &&
+                t->stored.size == 0) ||
+               wrong(leaf, "treelet %ld, of a level without samples", i);
     if (leaf->outside && t->level == 0 && t->stored.size > 0)
         return wrong(leaf, "treelet %ld has bytes", i);
     if (t->stored.size == 0)
@@ -623,7 +620,8 @@ static bool read_set(naive_leaf *leaf, long set, tally *t) {
     }
     for (int own = 1; own >= 0; own--)
         for (long i = 0; good && i < n; i++)
-            good = read_treelet(leaf, &leaf->treelets[set * n + i], held[i], own);
+            good = naive_leaf_is_bare(leaf, &leaf->treelets[i]) ||
+                   read_treelet(leaf, &leaf->treelets[set * n + i], held[i], own);
     if (good)
         count_values(leaf, t);
     for (long i = 0; held && i < n; i++)
@@ -688,6 +686,10 @@ void naive_leaf_release(naive_leaf *leaf) {
     free(leaf->bytes);
     free(leaf->other);
     memset(leaf, 0, sizeof *leaf);
+}
+
+bool naive_leaf_is_bare(const naive_leaf *leaf, const naive_treelet *t) {
+    return leaf->bare && t->level > 0;
 }
 
 float naive_leaf_sample(const naive_leaf *leaf, int level, long i, long j, long k) {

@@ -46,7 +46,7 @@ typedef struct naive_leaf {
         source_type; /* 1 u8 2 i8 3 u16 4 i16 5 f32 6 u32 7 i32 8 f64 9 f16 10 u64 11 i64 */
     long dims[3];
     int levels, cells_log2, halo, run_align_log2, codec;
-    bool rectilinear, outside;
+    bool rectilinear, outside, bare;
     double value_min, value_max, rounding_error, to_world[3][4];
     uint64_t non_finite;
     char name[64], provenance[1024];
@@ -72,6 +72,9 @@ bool naive_leaf_load(naive_leaf *leaf, const char *path);
  * there. */
 bool naive_leaf_load_set(naive_leaf *leaf, const char *path, long set);
 void naive_leaf_release(naive_leaf *leaf);
+
+/* naive_leaf_is_bare() - whether a treelet has no samples, nor have the nodes of its level. */
+bool naive_leaf_is_bare(const naive_leaf *leaf, const naive_treelet *t);
 
 /* naive_leaf_sample() - of a node of a level. */
 float naive_leaf_sample(const naive_leaf *leaf, int level, long i, long j, long k);

@@ -33,11 +33,12 @@ static leaf_image make_mesh(leaf_codec codec, int extended) {
     return leaf_image_of(bytes, size);
 }
 
-static leaf_image make_grid(leaf_codec codec) {
+static leaf_image make_grid(leaf_codec codec, bool bare) {
     leaf_case c = leaf_files_case(20, 19, 4, SAMPLE_F32);
     void *samples = leaf_files_random(&c, FIELD_SEED, 25);
     c.samples = samples;
     c.options.file.codec = codec;
+    c.options.file.bare = bare;
     c.options.file.histograms = c.options.file.deviations = codec == LEAF_CODEC_ZSTD;
     size_t size;
     char *bytes = scratch_read(leaf_files_make(&c, "made.leaf"), &size);
@@ -106,11 +107,12 @@ static void test_changed(void **state) {
     (void)state;
     const char *wanted = getenv("LEAFCAST_FUZZ");
     const uint64_t count = wanted ? strtoull(wanted, NULL, 10) : COUNT;
-    static const char *const kinds[] = {"a mesh, raw",         "a mesh, zstd", "a moving mesh, raw",
-                                        "a moving mesh, zstd", "a grid, raw",  "a grid, zstd"};
-    for (int k = 0; k < 6; k++) {
+    static const char *const kinds[] = {
+        "a mesh, raw", "a mesh, zstd", "a moving mesh, raw", "a moving mesh, zstd",
+        "a grid, raw", "a grid, zstd", "level 0 alone, raw", "level 0 alone, zstd"};
+    for (int k = 0; k < 8; k++) {
         const leaf_codec codec = k % 2 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW;
-        const leaf_image i = k < 4 ? make_mesh(codec, k / 2) : make_grid(codec);
+        const leaf_image i = k < 4 ? make_mesh(codec, k / 2) : make_grid(codec, k >= 6);
         uint64_t refused;
         const uint64_t drawn = run(&i, kinds[k], (uint64_t)k + 1, count, &refused);
         /* It was put to the test from both sides. */
