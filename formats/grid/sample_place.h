@@ -1,4 +1,5 @@
-/* sample_place.h - where the samples of a grid lie in a file: as they are, x fastest, in one piece.
+/* sample_place.h - where the samples of a grid lie as they are: in one piece of a file, x fastest,
+ * or in the chunks of an array (chunk_array.h).
  *
  * What is read there becomes samples of a treelet file by the same steps as in a conversion: byte
  * order, the chosen number, slope, missing data, the stored type.
@@ -11,13 +12,20 @@
 
 #include "formats/grid/stored_samples.h"
 
+struct chunk_array;
+
 typedef struct sample_place {
     const char *path;      /* of the file; lives as long as what it is a place of */
-    uint64_t offset;       /* of the first number of the first sample */
+    uint64_t offset;       /* of the first number of the first sample; 0 for chunks */
     bool big_endian;       /* for numbers wider than a byte */
     stored_samples stored; /* without rounding */
     bool has_missing;      /* samples equal to `missing` become NaN */
     double missing;
+    /* NULL: one piece. Else path is the file beside the chunks that describes the array: */
+    const struct chunk_array *chunks;
+    uint32_t step;       /* index along its axis of steps */
+    const char *trusted; /* the folder in which the user lets chunks lie */
+    bool follow_links;   /* or anywhere */
 } sample_place;
 
 /* sample_place_print() - a place of plain numbers, without path and missing data, as text.

@@ -46,7 +46,8 @@ static status read_exactly(byte_stream *s, unpack_stream *packed, void *to, size
     return st == ST_OK && (got < size || rest) ? wrong_size(byte_stream_name(s), size) : st;
 }
 
-static status take_stream(mem *m, bool is_packed, const char *path, void *to, size_t size) {
+static status take_stream(mem *m, bool is_packed, const char *path, void *to, size_t size,
+                          uint64_t *read) {
     byte_stream *s = NULL;
     unpack_stream *packed = NULL;
     const uint8_t *start;
@@ -60,6 +61,7 @@ static status take_stream(mem *m, bool is_packed, const char *path, void *to, si
     }
     if (st == ST_OK)
         st = read_exactly(s, packed, to, size);
+    *read += s ? byte_stream_position(s) : 0;
     unpack_stream_close(packed);
     byte_stream_close(s);
     return st;
@@ -134,7 +136,8 @@ static status take_lz4(const char *path, const uint8_t *bytes, size_t count, voi
     return ST_OK;
 }
 
-static status take_whole(mem *m, zarr_codec codec, const char *path, void *to, size_t size) {
+static status take_whole(mem *m, zarr_codec codec, const char *path, void *to, size_t size,
+                         uint64_t *read) {
     file *f = NULL;
     status st = file_open(m, path, &f);
     if (st != ST_OK)
@@ -142,6 +145,7 @@ static status take_whole(mem *m, zarr_codec codec, const char *path, void *to, s
     const size_t count = (size_t)file_size(f);
     uint8_t *bytes = mem_alloc(m, count);
     st = bytes ? file_read_at(f, 0, bytes, count) : ST_NOMEM;
+    *read += count;
     if (st == ST_OK)
         st = codec == ZARR_BLOSC ? take_blosc(path, bytes, count, to, size)
                                  : take_lz4(path, bytes, count, to, size);
@@ -151,13 +155,13 @@ static status take_whole(mem *m, zarr_codec codec, const char *path, void *to, s
 }
 
 status zarr_chunk_read(mem *m, zarr_codec codec, const char *path, void *to, size_t size,
-                       bool *there) {
+                       bool *there, uint64_t *read) {
     struct stat info;
     /* A link that leads nowhere counts as there: opening it will fail. */
     *there = lstat(path, &info) == 0 || (errno != ENOENT && errno != ENOTDIR);
     if (!*there)
         return ST_OK;
     if (codec == ZARR_RAW || codec == ZARR_STREAM)
-        return take_stream(m, codec == ZARR_STREAM, path, to, size);
-    return take_whole(m, codec, path, to, size);
+        return take_stream(m, codec == ZARR_STREAM, path, to, size, read);
+    return take_whole(m, codec, path, to, size, read);
 }

@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
@@ -18,10 +19,11 @@ typedef enum zarr_codec {
 /* zarr_codec_find() - find a codec by its "id"; 0 if it is unknown. */
 zarr_codec zarr_codec_find(const char *id);
 
-/* zarr_chunk_read() - read exactly size bytes, unpacked, from a chunk's file. Where there is no
- * such file *there is false, and nothing is read. ST_CORRUPT where the file holds fewer or more;
- * ST_UNSUPPORTED where the library that unpacks it is missing. */
+/* zarr_chunk_read() - read exactly size bytes, unpacked, from a chunk's file, and add the bytes of
+ * the file to *read. Where there is no such file *there is false, and nothing is read. ST_CORRUPT
+ * where the file holds fewer or more; ST_UNSUPPORTED where the library that unpacks it is missing.
+ */
 CHECKED status zarr_chunk_read(mem *m, zarr_codec codec, const char *path, void *to, size_t size,
-                               bool *there);
+                               bool *there, uint64_t *read);
 
 #endif
