@@ -236,7 +236,7 @@ static uint64_t section_bytes(const naive_leaf *leaf, uint64_t kind) {
     static const int element[] = {0, 8, 8, 1};
     switch (kind) {
     case AXES: return 8 * (uint64_t)(leaf->dims[0] + leaf->dims[1] + leaf->dims[2]);
-    case OUTSIDE: return 4096;
+    case OUTSIDE: return 4608;
     case FIELDS: return 64 * (uint64_t)leaf->fields;
     case TIMES: return 8 * (uint64_t)leaf->steps;
     case OFFSETS:
