@@ -71,8 +71,8 @@ static const struct argp_option options[] = {
     {"dry-run", KEY_DRY_RUN, NULL, CLI_BASIC,
      "print sizes, memory, levels and treelets; write nothing", 0},
     {"in-place", KEY_IN_PLACE, NULL, CLI_BASIC,
-     "leave the samples in the input's file, which must stay as it is: the output is an index with "
-     "the coarse levels, compressed",
+     "leave the samples in the input's file or chunks, which must stay as they are: the output is "
+     "an index with the coarse levels, compressed",
      0},
     {"resume", KEY_RESUME, NULL, CLI_BASIC,
      "go on where a run of the same command ended early; else begin", 0},

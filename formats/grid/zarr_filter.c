@@ -12,7 +12,7 @@ enum { BLOCK = 512, ELEMENT_MAX = 256 };
 typedef enum filter_kind { SHUFFLE, DELTA, SCALE, CONVERT } filter_kind;
 
 /* The filters, with the keys of the types before and after; NULL: no such key. The order is that of
- * FORMAT.md 11. */
+ * CHUNKS.md. */
 static const struct {
     const char *id, *plain, *coded;
     filter_kind kind;

@@ -150,7 +150,7 @@ typedef struct leaf_part {     /* offset size */
 } leaf_part;
 /* A filter that was applied to the numbers of a chunk before packing. */
 typedef struct leaf_filter {   /* offset size */
-    uint32_t kind;             /*    0    4  its row in FORMAT.md 11, from 1 */
+    uint32_t kind;             /*    0    4  as in CHUNKS.md, from 1 */
     uint32_t element;          /*    4    4  shuffle: bytes of an element */
     uint32_t type;             /*    8    4  sample_type of a number before it was applied */
     uint32_t coded_type;       /*   12    4  and behind it */

@@ -142,8 +142,10 @@ static status open_cache(outside_chunks *c, const leaf_outside *o) {
         return ST_NOMEM;
     cut_names(trusted, o->levels_up);
     const chunk_folder in = {c->folder, trusted, (o->chunk_flags & LEAF_CHUNKS_LINKS) != 0};
-    const status st = chunk_cache_create(c->m, &c->array, &in, &c->cache);
+    status st = chunk_cache_create(c->m, &c->array, &in, &c->cache);
     mem_free(c->m, trusted);
+    if (st == ST_NOMEM)
+        st = status_describe(st, "%s: to read a chunk: %s", c->folder, status_text());
     return st;
 }
 

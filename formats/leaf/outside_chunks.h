@@ -1,5 +1,5 @@
 /* outside_chunks.h - samples of level 0 that lie in the chunks of an array: what section OUTSIDE
- * says of them (leaf_outside.form and what follows, FORMAT.md 11), and reading boxes.
+ * says of them (leaf_outside.form and what follows, CHUNKS.md), and reading boxes.
  *
  * Thread-safe.
  */

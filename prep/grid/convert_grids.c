@@ -60,7 +60,7 @@ static status stay_in_place(const convert_request *a, mem *m, const volume *v,
     if (!volume_place(v, &at))
         return status_describe(ST_UNSUPPORTED,
                                "%s: --in-place takes samples that lie in one file as they are, x "
-                               "fastest: not packed or in chunks, no text, no pipe",
+                               "fastest, or in chunks of Zarr: not packed, no text, no pipe",
                                a->common.input);
     p->outside = out;
     return outside_samples_describe(m, &at, a->common.output ? a->common.output : "", out);

@@ -1,5 +1,5 @@
-/* naive_chunks.c - all chunks of an array, one after the other; steps in the comments are those of
- * section 11 of formats/FORMAT.md. */
+/* naive_chunks.c - all chunks of an array, one after the other, by
+ * formats/CHUNKS.md. */
 #include "tests/support/naive_chunks.h"
 
 #include <bzlib.h>

@@ -1,5 +1,5 @@
-/* naive_chunks.h - samples of level 0 that lie in the chunks of an array, from section 11 of
- * formats/FORMAT.md alone. */
+/* naive_chunks.h - samples of level 0 that lie in the chunks of an array, from formats/CHUNKS.md
+ * alone. */
 #ifndef TESTS_SUPPORT_NAIVE_CHUNKS_H
 #define TESTS_SUPPORT_NAIVE_CHUNKS_H
 
