@@ -44,24 +44,94 @@ const char *chunk_array_path(const chunk_array *a, const char *folder,
     return path;
 }
 
-status chunk_array_read(mem *m, const chunk_array *a, const chunk_shape *s, const chunk_folder *in,
+/* Read a chunk that is a file of its own. name: out, the path, for messages. */
+static status read_file(mem *m, const chunk_array *a, const chunk_home *in,
+                        const uint32_t index[ORDER_AXES], void *to, size_t size, char *name,
+                        bool *there, uint64_t *read) {
+    (void)chunk_array_path(a, in->path, index, name);
+    const status st = named_file_check(in->trusted, name, in->follow_links);
+    return st == ST_OK ? zarr_chunk_read(m, a->codec, name, to, size, there, read) : st;
+}
+
+/* Find a chunk in the table. */
+static const chunk_entry *find_entry(const chunk_home *in, const uint32_t index[ORDER_AXES]) {
+    size_t at = 0;
+    for (int r = ORDER_AXES - 1; r >= 0; r--)
+        at = at * in->range.count[r] + index[r] - in->range.first[r];
+    return &in->table[at];
+}
+
+/* Take from the array what was not applied to this chunk. */
+static void skip(const chunk_entry *e, chunk_array *a) {
+    zarr_filters *f = &a->filters;
+    const int count = f->count;
+    unsigned bit = 0;
+    for (f->count = 0; bit < (unsigned)count; bit++)
+        if (!(e->skipped >> bit & 1))
+            f->of[f->count++] = f->of[bit];
+    if (a->codec != ZARR_RAW && e->skipped >> bit++ & 1)
+        a->codec = ZARR_RAW;
+    a->summed &= !(e->skipped >> bit & 1);
+}
+
+/* Read a chunk that is bytes of a file. */
+static status read_entry(mem *m, const chunk_array *a, const chunk_home *in, const chunk_entry *e,
+                         void *to, size_t size, char *name, bool *there, uint64_t *read) {
+    const uint32_t sum = a->summed ? 4 : 0;
+    snprintf(name, CHUNK_FOLDER + CHUNK_NAME, "%s: the chunk at byte %llu", in->path,
+             (unsigned long long)e->offset);
+    *there = e->bytes > 0;
+    *read += e->bytes;
+    if (!*there)
+        return ST_OK;
+    if (e->bytes < sum)
+        return status_describe(ST_CORRUPT, "%s: %u bytes", name, e->bytes);
+    const zarr_part part = {in->in, e->offset, e->bytes - sum, name};
+    return zarr_chunk_read_part(m, a->codec, &part, to, size);
+}
+
+/* Undo filters, from `coded` into `chunk`. Where all were skipped, `coded` is the chunk. */
+static status undo(const chunk_array *a, const char *name, size_t numbers, size_t bytes,
+                   void *coded, void *chunk) {
+    if (a->filters.count)
+        return zarr_filters_undo(&a->filters, name, numbers, coded, chunk);
+    memcpy(chunk, coded, bytes);
+    return ST_OK;
+}
+
+status chunk_array_read(mem *m, const chunk_array *a, const chunk_shape *s, const chunk_home *in,
                         const uint32_t index[ORDER_AXES], void *chunk, void *coded, bool *there,
                         uint64_t *read) {
-    char path[CHUNK_FOLDER + CHUNK_NAME];
+    char name[CHUNK_FOLDER + CHUNK_NAME];
     const size_t numbers = s->bytes / s->width;
-    (void)chunk_array_path(a, in->path, index, path);
+    void *to = coded ? coded : chunk;
+    chunk_array own = *a;
+    const chunk_entry *e = in->table ? find_entry(in, index) : NULL;
+    if (e)
+        skip(e, &own);
     *there = false;
-    status st = named_file_check(in->trusted, path, in->follow_links);
-    if (st == ST_OK)
-        st = zarr_chunk_read(m, a->codec, path, coded ? coded : chunk, s->coded, there, read);
+    status st = e ? read_entry(m, &own, in, e, to, s->coded, name, there, read)
+                  : read_file(m, a, in, index, to, s->coded, name, there, read);
     if (st == ST_OK && *there && coded)
-        st = zarr_filters_undo(&a->filters, path, numbers, coded, chunk);
+        st = undo(&own, name, numbers, s->bytes, coded, chunk);
     if (st == ST_OK && *there && a->big_endian != (__BYTE_ORDER == __BIG_ENDIAN))
         sample_swap(a->type, chunk, numbers);
     return st;
 }
 
 /* ---- boxes ---- */
+
+uint64_t chunk_array_range(const chunk_shape *s, const uint32_t first[ORDER_AXES],
+                           const uint32_t end[ORDER_AXES], chunk_range *out) {
+    uint64_t count = 1;
+    for (int r = 0; r < ORDER_AXES; r++) {
+        out->first[r] = first[r] / s->along[r];
+        out->count[r] = (end[r] - 1) / s->along[r] - out->first[r] + 1;
+        if (__builtin_mul_overflow(count, (uint64_t)out->count[r], &count))
+            count = UINT64_MAX;
+    }
+    return count;
+}
 
 /* Put a row of numbers where they belong, `apart` bytes from one to the next. numbers: the first of
  * them; NULL: they are the fill value. */

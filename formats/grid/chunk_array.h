@@ -1,9 +1,9 @@
 /* chunk_array.h - an array whose numbers lie in chunks of one shape: how they are stored, reading
  * one, and gathering a box from those that it meets.
  *
- * Each chunk is a file of its own, as in Zarr of version 2: named by its indices, packed by a codec
- * behind filters. A chunk without a file is the fill value. At the array's far ends chunks are
- * whole, too.
+ * Each chunk is packed by a codec, behind filters. It is a file of its own, named by its indices,
+ * as in Zarr of version 2; or bytes of one file, as in HDF5, which a table tells. One that is not
+ * there is the fill value. At the array's far ends chunks are whole, too.
  *
  * Thread-safe: the description is only read.
  */
@@ -13,6 +13,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "formats/base/file.h"
 #include "formats/base/mem.h"
 #include "formats/base/sample.h"
 #include "formats/base/status.h"
@@ -36,6 +37,7 @@ typedef struct chunk_array {
     bool big_endian;
     zarr_codec codec;
     zarr_filters filters;
+    bool summed;     /* 4 bytes of a checksum lie behind the packed ones; they are not looked at */
     uint8_t fill[8]; /* one number, native byte order */
 } chunk_array;
 
@@ -52,12 +54,34 @@ typedef struct chunk_shape {
 /* chunk_array_measure() - false: no memory holds a chunk. */
 bool chunk_array_measure(const chunk_array *a, chunk_shape *out);
 
-/* Where the files of chunks lie. */
-typedef struct chunk_folder {
-    const char *path;
+/* Where a chunk's bytes lie in a file. Treelet files store it. */
+typedef struct chunk_entry {
+    uint64_t offset;
+    uint32_t bytes;   /* 0: it is not there, and all is 0 */
+    uint32_t skipped; /* bits of what was not applied to it: filter i; then the codec, if the array
+                         has one; then the checksum */
+} chunk_entry;
+
+/* The chunks that a box meets: indices first .. first + count - 1 along each role. */
+typedef struct chunk_range {
+    uint32_t first[ORDER_AXES], count[ORDER_AXES];
+} chunk_range;
+
+/* chunk_array_range() - the chunks that hold the numbers first .. end - 1 along each role. Returns
+ * how many; UINT64_MAX: more than that. */
+uint64_t chunk_array_range(const chunk_shape *s, const uint32_t first[ORDER_AXES],
+                           const uint32_t end[ORDER_AXES], chunk_range *out);
+
+/* Where chunks lie: files in a folder, or entries of one file. */
+typedef struct chunk_home {
+    const char *path;    /* of the folder, or of the file */
     const char *trusted; /* the folder that the user gave: files must lie in it (named_file.h), */
     bool follow_links;   /* or anywhere */
-} chunk_folder;
+    const chunk_entry *table; /* of the chunks in range, ORDER_X fastest, ORDER_STEP slowest; NULL:
+                                 files */
+    chunk_range range;
+    file *in; /* with a table */
+} chunk_home;
 
 /* chunk_array_path() - the path of the chunk of these indices, one a role. */
 const char *chunk_array_path(const chunk_array *a, const char *folder,
@@ -68,13 +92,13 @@ const char *chunk_array_path(const chunk_array *a, const char *folder,
  *
  * chunk  s->room bytes; the chunk is the first s->bytes of them
  * coded  likewise, NULL without filters
- * there  out: false: it has no file; chunk is then not written to
- * read   the bytes that its file has are added
+ * there  out: false: it is not there; chunk is then not written to
+ * read   the bytes that were read are added
  *
- * ST_CORRUPT, ST_UNSUPPORTED, ST_IO, naming the chunk's file. */
+ * ST_CORRUPT, ST_UNSUPPORTED, ST_IO, naming the chunk's file, or its byte. */
 CHECKED status chunk_array_read(mem *m, const chunk_array *a, const chunk_shape *s,
-                                const chunk_folder *in, const uint32_t index[ORDER_AXES],
-                                void *chunk, void *coded, bool *there, uint64_t *read);
+                                const chunk_home *in, const uint32_t index[ORDER_AXES], void *chunk,
+                                void *coded, bool *there, uint64_t *read);
 
 /* Who has the chunks. A hold that succeeds is followed by a release, before the next hold. */
 typedef struct chunk_supply {

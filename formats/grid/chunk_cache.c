@@ -28,7 +28,7 @@ struct chunk_cache {
     size_t reserved; /* of m; 0: m has no limit */
     const chunk_array *array;
     chunk_shape shape;
-    chunk_folder in;
+    chunk_home in;
     size_t need; /* bytes to make one */
     pthread_mutex_t lock;
     pthread_cond_t change; /* a chunk has been made or released, or making it has failed */
@@ -68,7 +68,7 @@ static status take_room(chunk_cache *c) {
     return ST_OK;
 }
 
-status chunk_cache_create(mem *m, const chunk_array *a, const chunk_folder *in, chunk_cache **out) {
+status chunk_cache_create(mem *m, const chunk_array *a, const chunk_home *in, chunk_cache **out) {
     chunk_cache *c = mem_zalloc(m, sizeof *c);
     if (!c)
         return ST_NOMEM;
@@ -77,9 +77,9 @@ status chunk_cache_create(mem *m, const chunk_array *a, const chunk_folder *in, 
     pthread_cond_init(&c->change, NULL);
     (void)chunk_array_measure(a, &c->shape);
     c->need = need_of(a, &c->shape);
-    c->in = (chunk_folder){.path = mem_copy_text(m, in->path),
-                           .trusted = mem_copy_text(m, in->trusted),
-                           .follow_links = in->follow_links};
+    c->in = *in;
+    c->in.path = mem_copy_text(m, in->path);
+    c->in.trusted = mem_copy_text(m, in->trusted);
     c->slots = mem_array(m, SLOTS, sizeof *c->slots);
     status st = c->in.path && c->in.trusted && c->slots ? take_room(c) : ST_NOMEM;
     if (st != ST_OK) {

@@ -19,9 +19,10 @@
 
 typedef struct chunk_cache chunk_cache;
 
-/* chunk_cache_create() - *a must outlive it; *in is copied, with its paths. Takes a quarter of the
- * room that m has left, at most 256 MiB, at least what one chunk needs: ST_NOMEM. */
-CHECKED status chunk_cache_create(mem *m, const chunk_array *a, const chunk_folder *in,
+/* chunk_cache_create() - *a must outlive it, and so must the table and the file of *in, which is
+ * copied, with its paths. Takes a quarter of the room that m has left, at most 256 MiB, at least
+ * what one chunk needs: ST_NOMEM. */
+CHECKED status chunk_cache_create(mem *m, const chunk_array *a, const chunk_home *in,
                                   chunk_cache **out);
 void chunk_cache_destroy(chunk_cache *c); /* NULL is fine */
 

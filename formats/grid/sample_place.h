@@ -13,6 +13,7 @@
 #include "formats/grid/stored_samples.h"
 
 struct chunk_array;
+struct chunk_entry;
 
 typedef struct sample_place {
     const char *path;      /* of the file; lives as long as what it is a place of */
@@ -21,9 +22,12 @@ typedef struct sample_place {
     stored_samples stored; /* without rounding */
     bool has_missing;      /* samples equal to `missing` become NaN */
     double missing;
-    /* NULL: one piece. Else path is the file beside the chunks that describes the array: */
+    /* NULL: one piece. Else path is the file beside the chunks that describes the array, or the one
+     * that has them all: */
     const struct chunk_array *chunks;
-    uint32_t step;       /* index along its axis of steps */
+    uint32_t step;                   /* index along its axis of steps */
+    const struct chunk_entry *table; /* of all chunks of the grid, as in chunk_home; NULL: files */
+    uint32_t table_count;
     const char *trusted; /* the folder in which the user lets chunks lie */
     bool follow_links;   /* or anywhere */
 } sample_place;

@@ -48,7 +48,8 @@ bool zarr_known(const char *folder) {
 /* Read a chunk into the one buffer for them. */
 static status hold_chunk(void *ctx, const uint32_t index[ORDER_AXES], const uint8_t **numbers) {
     zarr *z = ctx;
-    const chunk_folder in = {z->a.path, z->folder, z->follow_links};
+    const chunk_home in = {
+        .path = z->a.path, .trusted = z->folder, .follow_links = z->follow_links};
     bool there;
     const status st = chunk_array_read(z->m, &z->a.chunks, &z->shape, &in, index, z->chunk,
                                        z->coded, &there, &z->read);

@@ -68,13 +68,15 @@ enum {
 typedef enum leaf_outside_form {
     LEAF_OUTSIDE_PIECE = 0, /* in one piece of one file */
     LEAF_OUTSIDE_FILES = 1, /* in chunks, each a file beside the one that describes them */
-    LEAF_OUTSIDE_FORM_LAST = 1
+    LEAF_OUTSIDE_TABLE = 2, /* in chunks, all in one file: section CHUNKS tells where */
+    LEAF_OUTSIDE_FORM_LAST = 2
 } leaf_outside_form;
 
 enum {
     LEAF_CHUNKS_FORTRAN = 1u << 0, /* within a chunk the first axis is fastest, else the last */
     LEAF_CHUNKS_SLASH = 1u << 1,   /* '/' is between the indices of its name, else '.' */
-    LEAF_CHUNKS_LINKS = 1u << 2    /* chunks may lie outside of their folder */
+    LEAF_CHUNKS_LINKS = 1u << 2,   /* chunks may lie outside of their folder */
+    LEAF_CHUNKS_SUMMED = 1u << 3   /* 4 bytes of a checksum lie behind a chunk's packed ones */
 };
 
 enum {
@@ -129,7 +131,8 @@ typedef struct leaf_header {   /* offset size */
     char field[64];            /* 1424   64  name of the first field, as name */
     uint32_t gradients;        /* 1488    4  1: each set has gradients too, else 0 */
     uint32_t moving;           /* 1492    4  1: steps behind the first have positions, else 0 */
-    uint8_t reserved[2600];    /* 1496 2600 */
+    uint32_t outside_chunks;   /* 1496    4  entries of section CHUNKS */
+    uint8_t reserved[2596];    /* 1500 2596 */
 } leaf_header;
 
 typedef struct leaf_section {  /* offset size */
@@ -244,7 +247,8 @@ typedef enum leaf_section_kind {
                                  ascending */
     LEAF_SECTION_COARSE = 12, /* mesh, may be missing: leaf_part: a set's coarse grid */
     LEAF_SECTION_OUTSIDE = 13, /* grid with header.outside: leaf_outside */
-    LEAF_SECTION_LAST = 13,    /* the last that is known here */
+    LEAF_SECTION_CHUNKS = 14,  /* grid with header.outside_chunks: chunk_entry (chunk_array.h) */
+    LEAF_SECTION_LAST = 14,    /* the last that is known here */
     LEAF_SECTION_ANCILLARY =
         1 << 30, /* set in kinds that a reader may skip; it must know all others */
     LEAF_SECTION_HISTOGRAMS = LEAF_SECTION_ANCILLARY | 1, /* histogram (histogram.h): an element per

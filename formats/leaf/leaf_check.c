@@ -438,13 +438,18 @@ static uint64_t bytes_outside(const leaf_header *h, const sample_place *p) {
 
 /* Check what section OUTSIDE says of chunks, whose numbers are in range. */
 static status check_chunks(const char *path, const leaf_outside *o, uint64_t at) {
+    const uint32_t unnamed = LEAF_CHUNKS_FORTRAN | LEAF_CHUNKS_SUMMED;
     const char *expected = outside_chunks_fault(o);
     if (expected)
         return leaf_check_corrupt(path, at + offsetof(leaf_outside, chunk), "expected %s",
                                   expected);
-    if (o->offset || o->file_bytes > OUTSIDE_JSON_MAX)
+    const bool in_files = o->form == LEAF_OUTSIDE_FILES;
+    if (o->offset || (in_files && o->file_bytes > OUTSIDE_JSON_MAX))
         return leaf_check_corrupt(path, at, "chunks are described in a file of at most %d bytes",
                                   OUTSIDE_JSON_MAX);
+    if (!in_files && (o->sum || o->levels_up || o->chunk_flags & ~unnamed))
+        return leaf_check_corrupt(path, at + offsetof(leaf_outside, chunk_flags),
+                                  "expected nothing about files of chunks");
     return leaf_check_zero(path, &o->filter[o->filters],
                            (LEAF_CHUNK_FILTERS - o->filters) * sizeof *o->filter,
                            at + offsetof(leaf_outside, filter) + o->filters * sizeof *o->filter);
@@ -478,8 +483,8 @@ static status check_chunk_fields(const char *path, const leaf_outside *o, uint64
         {base + form, "form", o->form, LEAF_OUTSIDE_PIECE, LEAF_OUTSIDE_FORM_LAST},
         {base + offsetof(leaf_outside, axes), "axes", o->axes, 3, LEAF_CHUNK_AXES},
         {base + offsetof(leaf_outside, chunk_flags), "chunk_flags", o->chunk_flags, 0,
-         LEAF_CHUNKS_FORTRAN | LEAF_CHUNKS_SLASH | LEAF_CHUNKS_LINKS},
-        {base + offsetof(leaf_outside, codec), "codec", o->codec, ZARR_RAW, ZARR_LZ4},
+         LEAF_CHUNKS_FORTRAN | LEAF_CHUNKS_SLASH | LEAF_CHUNKS_LINKS | LEAF_CHUNKS_SUMMED},
+        {base + offsetof(leaf_outside, codec), "codec", o->codec, ZARR_RAW, ZARR_LZF},
         {base + offsetof(leaf_outside, filters), "filters", o->filters, 0, LEAF_CHUNK_FILTERS},
         {base + offsetof(leaf_outside, step), "step", o->step, 0, INT32_MAX},
         {base + offsetof(leaf_outside, reserved1), "reserved", o->reserved1, 0, 0},
@@ -541,7 +546,28 @@ status leaf_check_outside(const char *path, const leaf_header *h, const leaf_out
         st = leaf_check_text(path, o->path, sizeof o->path, at + offsetof(leaf_outside, path));
     if (st == ST_OK)
         st = check_chunk_fields(path, o, at);
-    return st == ST_OK ? check_place(path, h, o, at) : st;
+    if (st == ST_OK)
+        st = check_place(path, h, o, at);
+    const uint64_t chunks =
+        st == ST_OK && o->form == LEAF_OUTSIDE_TABLE ? outside_chunks_count(o, h->dims) : 0;
+    if (st == ST_OK && chunks != h->outside_chunks)
+        return leaf_check_corrupt(path, offsetof(leaf_header, outside_chunks),
+                                  "expected %llu chunks in a table, found %u",
+                                  (unsigned long long)chunks, h->outside_chunks);
+    return st;
+}
+
+status leaf_check_chunks(const char *path, const leaf_header *h, const leaf_outside *o,
+                         const chunk_entry *chunks, uint64_t at) {
+    for (uint32_t i = 0; i < h->outside_chunks; i++) {
+        const chunk_entry *e = &chunks[i];
+        const char *expected = outside_chunks_entry_fault(o, e);
+        if (expected)
+            return leaf_check_corrupt(path, at + i * sizeof *e,
+                                      "expected %s, found %u at byte %llu", expected, e->bytes,
+                                      (unsigned long long)e->offset);
+    }
+    return ST_OK;
 }
 
 status leaf_check_bounds(const char *path, const leaf_header *h, const leaf_layout *l,

@@ -31,6 +31,7 @@ void leaf_head_grid(leaf_header *h, const leaf_layout *l, const leaf_parameters 
     h->block_log2 = LEAF_BLOCK_LOG2;
     h->rectilinear = grid_is_rectilinear(g);
     h->outside = l->outside;
+    h->outside_chunks = p->chunk_count;
     h->fields = sets->fields;
     h->steps = sets->steps;
     if (l->sets > 1)

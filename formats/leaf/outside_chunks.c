@@ -11,7 +11,7 @@ struct outside_chunks {
     mem *m;
     chunk_array array;
     chunk_cache *cache;
-    char *folder;
+    char *path;                           /* of their folder, or file */
     uint32_t step, first_number, numbers; /* those of a sample that are taken */
 };
 
@@ -64,15 +64,16 @@ status outside_chunks_put(const sample_place *at, const char *folder, leaf_outsi
         return status_describe(ST_UNSUPPORTED,
                                "%s: --in-place takes chunks of at most %llu bytes, unpacked",
                                at->path, (unsigned long long)OUTSIDE_CHUNK_MAX);
-    out->form = LEAF_OUTSIDE_FILES;
+    out->form = at->table ? LEAF_OUTSIDE_TABLE : LEAF_OUTSIDE_FILES;
     out->axes = (uint32_t)a->axes;
-    out->chunk_flags = (a->fortran ? LEAF_CHUNKS_FORTRAN : 0) |
-                       (a->separator == '/' ? LEAF_CHUNKS_SLASH : 0) |
-                       (at->follow_links ? LEAF_CHUNKS_LINKS : 0);
+    out->chunk_flags =
+        (a->fortran ? LEAF_CHUNKS_FORTRAN : 0) | (a->separator == '/' ? LEAF_CHUNKS_SLASH : 0) |
+        (at->follow_links ? LEAF_CHUNKS_LINKS : 0) | (a->summed ? LEAF_CHUNKS_SUMMED : 0);
     out->codec = a->codec;
     out->filters = (uint32_t)a->filters.count;
     out->step = at->step;
-    out->levels_up = realpath(at->trusted, trusted) ? levels_between(trusted, folder) : 0;
+    if (at->trusted && realpath(at->trusted, trusted))
+        out->levels_up = levels_between(trusted, folder);
     memcpy(out->fill, a->fill, sizeof out->fill);
     for (int i = 0; i < a->axes; i++) {
         out->chunk[i] = a->chunk[i];
@@ -90,6 +91,7 @@ chunk_array outside_chunks_array(const leaf_outside *o) {
                      .type = (sample_type)o->type,
                      .big_endian = (o->flags & LEAF_OUTSIDE_BIG_ENDIAN) != 0,
                      .codec = (zarr_codec)o->codec,
+                     .summed = (o->chunk_flags & LEAF_CHUNKS_SUMMED) != 0,
                      .filters = {.count = (int)o->filters}};
     memcpy(a.fill, o->fill, sizeof a.fill);
     for (int i = 0; i < a.axes; i++) {
@@ -128,6 +130,46 @@ const char *outside_chunks_fault(const leaf_outside *o) {
     return NULL;
 }
 
+const char *outside_chunks_entry_fault(const leaf_outside *o, const chunk_entry *e) {
+    if (!e->bytes)
+        return e->offset || e->skipped ? "nothing of a chunk that is not there" : NULL;
+    if (e->offset > o->file_bytes || e->bytes > o->file_bytes - e->offset)
+        return "a chunk in its file";
+    return e->skipped >> (o->filters + 2) ? "filters that there are" : NULL;
+}
+
+/* ---- boxes ---- */
+
+/* Numbers of nodes, by roles. */
+typedef struct number_box {
+    uint32_t first[ORDER_AXES], end[ORDER_AXES];
+} number_box;
+
+static uint32_t first_number(const leaf_outside *o) {
+    return o->component ? o->component - 1 : 0;
+}
+
+static uint32_t numbers_taken(const leaf_outside *o) {
+    return o->component ? 1 : o->components;
+}
+
+uint64_t outside_chunks_count(const leaf_outside *o, const uint32_t dims[3]) {
+    const chunk_array a = outside_chunks_array(o);
+    const uint32_t first[ORDER_AXES] = {0, 0, 0, first_number(o), o->step};
+    const uint32_t end[ORDER_AXES] = {dims[0], dims[1], dims[2],
+                                      first[ORDER_COMPONENT] + numbers_taken(o), o->step + 1};
+    chunk_shape s;
+    chunk_range range;
+    (void)chunk_array_measure(&a, &s);
+    return chunk_array_range(&s, first, end, &range);
+}
+
+static number_box box_of(const outside_chunks *c, const uint32_t at[3], const uint32_t count[3]) {
+    return (number_box){{at[0], at[1], at[2], c->first_number, c->step},
+                        {at[0] + count[0], at[1] + count[1], at[2] + count[2],
+                         c->first_number + c->numbers, c->step + 1}};
+}
+
 /* ---- reading ---- */
 
 /* Cut so many names from the end of a path. */
@@ -136,36 +178,46 @@ static void cut_names(char *path, uint32_t count) {
         slash[slash == path] = '\0';
 }
 
-static status open_cache(outside_chunks *c, const leaf_outside *o) {
-    char *trusted = mem_copy_text(c->m, c->folder);
+static status open_cache(outside_chunks *c, const leaf_outside *o, const outside_chunks_in *in) {
+    static const uint32_t origin[3];
+    const number_box all = box_of(c, origin, in->dims);
+    chunk_home home = {.path = c->path,
+                       .follow_links = (o->chunk_flags & LEAF_CHUNKS_LINKS) != 0,
+                       .table = in->table,
+                       .in = in->f};
+    chunk_shape s;
+    char *trusted = mem_copy_text(c->m, c->path);
     if (!trusted)
         return ST_NOMEM;
     cut_names(trusted, o->levels_up);
-    const chunk_folder in = {c->folder, trusted, (o->chunk_flags & LEAF_CHUNKS_LINKS) != 0};
-    status st = chunk_cache_create(c->m, &c->array, &in, &c->cache);
+    home.trusted = trusted;
+    (void)chunk_array_measure(&c->array, &s);
+    (void)chunk_array_range(&s, all.first, all.end, &home.range);
+    status st = chunk_cache_create(c->m, &c->array, &home, &c->cache);
     mem_free(c->m, trusted);
     if (st == ST_NOMEM)
-        st = status_describe(st, "%s: to read a chunk: %s", c->folder, status_text());
+        st = status_describe(st, "%s: to read a chunk: %s", c->path, status_text());
     return st;
 }
 
-status outside_chunks_open(mem *m, const leaf_outside *o, const char *path, outside_chunks **out) {
+status outside_chunks_open(mem *m, const leaf_outside *o, const outside_chunks_in *in,
+                           outside_chunks **out) {
     outside_chunks *c = mem_zalloc(m, sizeof *c);
     if (!c)
         return ST_NOMEM;
     *c = (outside_chunks){.m = m,
                           .array = outside_chunks_array(o),
-                          .folder = mem_copy_text(m, path),
+                          .path = mem_copy_text(m, file_path(in->f)),
                           .step = o->step,
-                          .first_number = o->component ? o->component - 1 : 0,
-                          .numbers = o->component ? 1 : o->components};
-    if (c->folder)
-        cut_names(c->folder, 1);
-    status st = c->folder ? ST_OK : ST_NOMEM;
-    if (st == ST_OK && strlen(c->folder) >= CHUNK_FOLDER)
-        st = status_describe(ST_UNSUPPORTED, "%s: too long a path", c->folder);
+                          .first_number = first_number(o),
+                          .numbers = numbers_taken(o)};
+    if (c->path && !in->table)
+        cut_names(c->path, 1);
+    status st = c->path ? ST_OK : ST_NOMEM;
+    if (st == ST_OK && strlen(c->path) >= CHUNK_FOLDER)
+        st = status_describe(ST_UNSUPPORTED, "%s: too long a path", c->path);
     if (st == ST_OK)
-        st = open_cache(c, o);
+        st = open_cache(c, o, in);
     if (st != ST_OK) {
         outside_chunks_close(c);
         return st;
@@ -178,47 +230,31 @@ void outside_chunks_close(outside_chunks *c) {
     if (!c)
         return;
     chunk_cache_destroy(c->cache);
-    mem_free(c->m, c->folder);
+    mem_free(c->m, c->path);
     mem_free(c->m, c);
 }
 
 const char *outside_chunks_path(const outside_chunks *c) {
-    return c->folder;
-}
-
-/* The numbers of a box of nodes, by roles. */
-static void find_box(const outside_chunks *c, const uint32_t at[3], const uint32_t count[3],
-                     uint32_t first[ORDER_AXES], uint32_t end[ORDER_AXES]) {
-    for (int a = 0; a < 3; a++) {
-        first[a] = at[a];
-        end[a] = at[a] + count[a];
-    }
-    first[ORDER_COMPONENT] = c->first_number;
-    end[ORDER_COMPONENT] = c->first_number + c->numbers;
-    first[ORDER_STEP] = c->step;
-    end[ORDER_STEP] = c->step + 1;
+    return c->path;
 }
 
 status outside_chunks_load(outside_chunks *c, const uint32_t first[3], const uint32_t count[3],
                            void *numbers, uint64_t *read) {
-    uint32_t from[ORDER_AXES], end[ORDER_AXES];
-    find_box(c, first, count, from, end);
-    return chunk_cache_gather(c->cache, from, end, numbers, read);
+    const number_box b = box_of(c, first, count);
+    return chunk_cache_gather(c->cache, b.first, b.end, numbers, read);
 }
 
 const char *outside_chunks_print(const outside_chunks *c, const uint32_t first[3],
                                  const uint32_t count[3], char text[OUTSIDE_CHUNKS_TEXT]) {
-    const chunk_shape *s = chunk_cache_shape(c->cache);
-    uint32_t from[ORDER_AXES], end[ORDER_AXES];
+    const number_box b = box_of(c, first, count);
     char path[2][CHUNK_FOLDER + CHUNK_NAME];
-    find_box(c, first, count, from, end);
-    for (int r = 0; r < ORDER_AXES; r++) {
-        from[r] /= s->along[r];
-        end[r] = (end[r] - 1) / s->along[r];
-    }
-    const bool one = memcmp(from, end, sizeof from) == 0;
-    snprintf(text, OUTSIDE_CHUNKS_TEXT, "%s %.*s%s%.*s", one ? "chunk" : "chunks", CHUNK_NAME,
-             chunk_array_path(&c->array, "", from, path[0]) + 1, one ? "" : " to ", CHUNK_NAME,
-             one ? "" : chunk_array_path(&c->array, "", end, path[1]) + 1);
+    chunk_range range;
+    const bool one = chunk_array_range(chunk_cache_shape(c->cache), b.first, b.end, &range) == 1;
+    const char *from = chunk_array_path(&c->array, "", range.first, path[0]) + 1;
+    for (int r = 0; r < ORDER_AXES; r++)
+        range.first[r] += range.count[r] - 1;
+    const char *to = chunk_array_path(&c->array, "", range.first, path[1]) + 1;
+    snprintf(text, OUTSIDE_CHUNKS_TEXT, "%s %.*s%s%.*s", one ? "chunk" : "chunks", CHUNK_NAME, from,
+             one ? "" : " to ", CHUNK_NAME, one ? "" : to);
     return text;
 }

@@ -98,6 +98,11 @@ static char *found_path(mem *m, const char *leaf, const char *path) {
 
 /* ---- The file ---- */
 
+/* Whether the place's file describes chunks that are files beside it. */
+static bool is_described(const sample_place *at) {
+    return at->chunks && !at->table;
+}
+
 /* Fill in what a section says of its file and the samples. */
 static void put_samples(const sample_place *at, const file_mark *mark, leaf_outside *out) {
     const stored_samples *s = &at->stored;
@@ -139,7 +144,7 @@ static status look_at(mem *m, const sample_place *at, leaf_outside *out) {
         st = file_mark_take(f, &mark);
     if (st == ST_OK)
         put_samples(at, &mark, out);
-    if (st == ST_OK && at->chunks)
+    if (st == ST_OK && is_described(at))
         st = sum_file(m, f, &out->sum);
     file_close(f);
     return st;
@@ -148,7 +153,7 @@ static status look_at(mem *m, const sample_place *at, leaf_outside *out) {
 /* The path without links. Chunks lie beside the file by its name, wherever a link leads from there.
  * If false, errno says why. */
 static bool find_target(const sample_place *at, char target[PATH_MAX]) {
-    if (!at->chunks)
+    if (!is_described(at))
         return realpath(at->path, target) != NULL;
     const char *name = strrchr(at->path, '/');
     if (!folder_of(at->path, target))
@@ -204,6 +209,8 @@ static status compare(const outside_samples *s, const char *leaf, const leaf_out
 /* Check that the file which describes the chunks is still the same. */
 static status compare_sum(outside_samples *s, const char *leaf, const leaf_outside *o) {
     uint64_t sum = 0;
+    if (o->form != LEAF_OUTSIDE_FILES)
+        return ST_OK;
     const status st = sum_file(s->m, s->f, &sum);
     if (st != ST_OK || sum == o->sum)
         return st;
@@ -213,14 +220,16 @@ static status compare_sum(outside_samples *s, const char *leaf, const leaf_outsi
 }
 
 /* The numbers from chunks are in native byte order, and only those that are taken. */
-static status open_chunks(outside_samples *s, const char *leaf, const leaf_outside *o) {
+static status open_chunks(outside_samples *s, const char *leaf, const leaf_outside *o,
+                          const chunk_entry *table) {
+    const outside_chunks_in in = {s->f, table, s->dims};
     stored_samples *stored = &s->place.stored;
     const status st = compare_sum(s, leaf, o);
     s->place.big_endian = __BYTE_ORDER == __BIG_ENDIAN;
     stored->components = o->component ? 1 : o->components;
     stored->component = 0;
     s->width = stored_samples_bytes(stored);
-    return st == ST_OK ? outside_chunks_open(s->m, o, file_path(s->f), &s->chunks) : st;
+    return st == ST_OK ? outside_chunks_open(s->m, o, &in, &s->chunks) : st;
 }
 
 static status open_file(outside_samples *s, const char *leaf, const leaf_outside *o) {
@@ -236,7 +245,8 @@ static status open_file(outside_samples *s, const char *leaf, const leaf_outside
     return st == ST_OK ? compare(s, leaf, o) : st;
 }
 
-status outside_samples_open(mem *m, const char *leaf, const leaf_outside *o, const uint32_t dims[3],
+status outside_samples_open(mem *m, const char *leaf, const leaf_outside *o,
+                            const chunk_entry *chunks, const uint32_t dims[3],
                             outside_samples **out) {
     outside_samples *s = mem_zalloc(m, sizeof *s);
     if (!s)
@@ -247,7 +257,7 @@ status outside_samples_open(mem *m, const char *leaf, const leaf_outside *o, con
     s->stride_y = s->width * dims[0];
     status st = open_file(s, leaf, o);
     if (st == ST_OK && o->form != LEAF_OUTSIDE_PIECE)
-        st = open_chunks(s, leaf, o);
+        st = open_chunks(s, leaf, o, chunks);
     if (st != ST_OK) {
         outside_samples_close(s);
         return st;

@@ -27,9 +27,11 @@ sample_place outside_samples_place(const leaf_outside *o);
 typedef struct outside_samples outside_samples;
 
 /* outside_samples_open() - open the file that a checked section names. leaf: the path of the
- * treelet file, whose level 0 has these dims. ST_CORRUPT: it is another one than then. */
+ * treelet file, whose level 0 has these dims. chunks: section CHUNKS, which must outlive it; NULL:
+ * none. ST_CORRUPT: it is another file than then. */
 CHECKED status outside_samples_open(mem *m, const char *leaf, const leaf_outside *o,
-                                    const uint32_t dims[3], outside_samples **out);
+                                    const struct chunk_entry *chunks, const uint32_t dims[3],
+                                    outside_samples **out);
 void outside_samples_close(outside_samples *s); /* NULL is fine */
 
 /* outside_samples_path() - of the file, or of the folder of chunks. */

@@ -63,6 +63,8 @@ static status stay_in_place(const convert_request *a, mem *m, const volume *v,
                                "fastest, or in chunks of Zarr: not packed, no text, no pipe",
                                a->common.input);
     p->outside = out;
+    p->chunks = at.table;
+    p->chunk_count = at.table_count;
     return outside_samples_describe(m, &at, a->common.output ? a->common.output : "", out);
 }
 

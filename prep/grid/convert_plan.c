@@ -118,6 +118,7 @@ static uint64_t directory_size(const leaf_layout *l, const grid *g, const conver
                            .dims = {g->dims[0], g->dims[1], g->dims[2]},
                            .rectilinear = grid_is_rectilinear(g),
                            .outside = o->file.outside != NULL,
+                           .outside_chunks = o->file.chunk_count,
                            .fields = l->sets / l->steps,
                            .steps = l->steps};
     const bool there[LEAF_SECTION_LAST + 1] = {

@@ -32,7 +32,7 @@ static mem m;
 
 static chunk_cache *open_cache(const char *folder, size_t limit) {
     chunk_cache *c = NULL;
-    const chunk_folder in = {folder, folder, false};
+    const chunk_home in = {.path = folder, .trusted = folder};
     mem_init(&m, limit);
     assert_int_equal(chunk_cache_create(&m, &array, &in, &c), ST_OK);
     return c;
@@ -191,7 +191,7 @@ static void test_threads(void **state) {
     assert_true(run_threads(250 << 10) > (uint64_t)CHUNKS * CHUNKS * CHUNKS * CHUNK_BYTES);
     mem_init(&m, 150 << 10);
     chunk_cache *c = NULL;
-    const chunk_folder in = {"x", "x", false};
+    const chunk_home in = {.path = "x", .trusted = "x"};
     assert_int_equal(chunk_cache_create(&m, &array, &in, &c), ST_NOMEM);
     assert_int_equal(mem_used(&m), 0);
 }
