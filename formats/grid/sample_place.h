@@ -30,12 +30,21 @@ typedef struct sample_place {
     uint32_t table_count;
     const char *trusted; /* the folder in which the user lets chunks lie */
     bool follow_links;   /* or anywhere */
+    const char *refused; /* why samples cannot stay in their chunks, and all else means nothing;
+                            lives as path does; NULL: they can */
 } sample_place;
 
-/* sample_place_print() - a place of plain numbers, without path and missing data, as text.
- * sample_place_parse() - the place that a text tells; false if it is none. path stays NULL. */
+/* Why samples cannot stay where they are, in a few words, such as "szip". */
+#define SAMPLE_PLACE_REFUSED "refused: "
+
+/* sample_place_print() - a place of plain numbers, without path and missing data, as text; of
+ * chunks it says only that there are some; of one that is refused, why.
+ * sample_place_parse() - the place in one piece that a text tells; false if it is none. path stays
+ * NULL.
+ * sample_place_is_chunks() - whether the text says that there are chunks. */
 const char *sample_place_print(const sample_place *p, char text[GRID_PLACE_MAX]);
 bool sample_place_parse(const char *text, sample_place *out);
+bool sample_place_is_chunks(const char *text);
 
 /* sample_place_type() - returns the type that a treelet file stores the samples in. */
 sample_type sample_place_type(const sample_place *p);

@@ -62,6 +62,9 @@ static status stay_in_place(const convert_request *a, mem *m, const volume *v,
                                "%s: --in-place takes samples that lie in one file as they are, x "
                                "fastest, or in chunks of Zarr: not packed, no text, no pipe",
                                a->common.input);
+    if (at.refused)
+        return status_describe(ST_UNSUPPORTED, "%s: --in-place: it cannot stay in its chunks: %s",
+                               a->common.input, at.refused);
     p->outside = out;
     p->chunks = at.table;
     p->chunk_count = at.table_count;

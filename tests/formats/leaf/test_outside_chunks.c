@@ -357,14 +357,15 @@ static void test_sections(void **state) {
         uint32_t value;
         const char *said;
     } wrong[] = {{AT(form), 0, "byte 122"},
-                 {AT(form), 2, "byte 12288: "},
+                 {AT(form), 3, "byte 12288: "},
+                 {AT(form), 2, "byte 1496: expected 1 chunks in a table, found 0"},
                  {AT(axes), 2, "byte 12292: "},
                  {AT(axes), 9, "byte 12292: "},
                  {AT(axes), 3, "a size of chunks for each axis, and no more"},
                  {AT(axes), 5, "a size of chunks for each axis, and no more"},
-                 {AT(chunk_flags), 8, "byte 12296: "},
+                 {AT(chunk_flags), 16, "byte 12296: "},
                  {AT(codec), 0, "byte 12300: "},
-                 {AT(codec), 5, "byte 12300: "},
+                 {AT(codec), 6, "byte 12300: "},
                  {AT(filters), 9, "byte 12304: "},
                  {AT(filters), 2, "byte 12440: "},
                  {AT(filters), 0, "byte 12400: "},
