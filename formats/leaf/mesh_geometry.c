@@ -96,7 +96,8 @@ static status check_rest(const char *path, const leaf_header *h) {
     status st = leaf_check_text(path, h->field, sizeof h->field, offsetof(leaf_header, field));
     if (st != ST_OK)
         return st;
-    return leaf_check_zero(path, h->reserved, sizeof h->reserved, offsetof(leaf_header, reserved));
+    const size_t rest = offsetof(leaf_header, outside_chunks);
+    return leaf_check_zero(path, (const char *)h + rest, sizeof *h - rest, rest);
 }
 
 /* ---- The directory ---- */

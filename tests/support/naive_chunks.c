@@ -27,7 +27,7 @@ typedef struct filter {
 
 typedef struct array {
     int axes, codec, filters, type;
-    bool fortran, slash, big;
+    bool fortran, slash, big, summed;
     long step, chunk[AXES], role[AXES];
     long first_number, numbers;
     filter filter[8];
@@ -57,6 +57,7 @@ static array read_array(const unsigned char *b) {
                .type = (int)naive_number(b + 20, 4),
                .fortran = flags & 1,
                .slash = flags >> 1 & 1,
+               .summed = flags >> 3 & 1,
                .big = naive_number(b + 40, 4) & 1,
                .step = (long)naive_number(b + 4116, 4),
                .first_number = one ? one - 1 : 0,
@@ -72,13 +73,16 @@ static array read_array(const unsigned char *b) {
 
 const char *naive_chunks_check(const unsigned char *section, int *chunks) {
     const uint64_t form = naive_number(section + BEHIND, 4);
-    *chunks = form == 1;
+    const uint64_t flags = naive_number(section + 4104, 4);
+    *chunks = form > 0;
     if (form == 0)
         return naive_zeros(section, BEHIND, SIZE) ? NULL : "section OUTSIDE behind its path";
     const array a = read_array(section);
     int of[6] = {0};
-    if (form > 1 || a.axes < 3 || a.axes > AXES || a.codec < 1 || a.codec > 4 || a.filters < 0 ||
-        a.filters > 8 || naive_number(section + 4104, 4) > 7 || !naive_zeros(section, 4124, 4128) ||
+    if (form > 2 || a.axes < 3 || a.axes > AXES || a.codec < 1 || a.codec > 5 || a.filters < 0 ||
+        a.filters > 8 || flags > 15 || (form == 2 && (flags & 6)) ||
+        (form == 2 && !naive_zeros(section, 4120, 4124)) ||
+        (form == 2 && !naive_zeros(section, 4136, 4144)) || !naive_zeros(section, 4124, 4128) ||
         !naive_zeros(section, 4528, SIZE))
         return "section OUTSIDE of chunks";
     for (int i = 0; i < AXES; i++) {
@@ -125,6 +129,32 @@ static bool unpack_stream(const unsigned char *in, size_t size, unsigned char *o
     return inflate_all(in, size, out, room);
 }
 
+static bool unpack_lzf(const unsigned char *in, size_t size, unsigned char *out, size_t room) {
+    size_t at = 0, to = 0;
+    while (at < size) {
+        const size_t c = in[at++];
+        if (c < 32) {
+            if (at + c + 1 > size || to + c + 1 > room)
+                return false;
+            memcpy(out + to, in + at, c + 1);
+            at += c + 1;
+            to += c + 1;
+            continue;
+        }
+        size_t length = c >> 5;
+        if (length == 7 && at < size)
+            length += in[at++];
+        if (at >= size)
+            return false;
+        const size_t back = ((c & 31) << 8) + in[at++] + 1;
+        if (back > to || to + length + 2 > room)
+            return false;
+        for (length += 2; length > 0; length--, to++)
+            out[to] = out[to - back];
+    }
+    return to == room;
+}
+
 typedef int blosc_unpack(const void *from, void *to, size_t room, int threads);
 
 static bool unpack(int codec, const unsigned char *in, size_t size, unsigned char *out,
@@ -135,6 +165,8 @@ static bool unpack(int codec, const unsigned char *in, size_t size, unsigned cha
     }
     if (codec == 2)
         return unpack_stream(in, size, out, room);
+    if (codec == 5)
+        return unpack_lzf(in, size, out, room);
     if (codec == 4)
         return size >= 4 && naive_number(in, 4) == room &&
                LZ4_decompress_safe((const char *)in + 4, (char *)out, (int)size - 4, (int)room) ==
@@ -261,24 +293,55 @@ static unsigned char *read_all(const char *path, size_t *size) {
     return bytes;
 }
 
+/* What an entry of section CHUNKS says was not applied. */
+static array without(const array *all, uint64_t skipped) {
+    array a = *all;
+    a.filters = 0;
+    for (int i = 0; i < all->filters; i++)
+        if (!(skipped >> i & 1))
+            a.filter[a.filters++] = all->filter[i];
+    int bit = all->filters;
+    if (all->codec != 1 && skipped >> bit++ & 1)
+        a.codec = 1;
+    a.summed = all->summed && !(skipped >> bit & 1);
+    return a;
+}
+
+/* The packed bytes of a chunk, to be freed; NULL: it is not there. entry: NULL for a file. */
+static unsigned char *packed_chunk(array *a, const naive_chunks_file *in,
+                                   const unsigned char *entry, const char *path, size_t *size) {
+    if (!entry)
+        return read_all(path, size);
+    const uint64_t offset = naive_number(entry, 8);
+    *size = (size_t)naive_number(entry + 8, 4);
+    *a = without(a, naive_number(entry + 12, 4));
+    if (!*size || offset > in->size || *size > in->size - offset)
+        return NULL;
+    unsigned char *bytes = malloc(*size);
+    if (bytes)
+        memcpy(bytes, in->bytes + offset, *size);
+    *size -= a->summed ? 4 : 0;
+    return bytes;
+}
+
 /* The numbers of a chunk, little endian, in one of two rooms; NULL: it cannot be read. */
-static unsigned char *chunk_of(const array *a, const char *path, long count,
-                               unsigned char *room[2]) {
-    const int width = widths[a->type];
+static unsigned char *chunk_of(array a, const naive_chunks_file *in, const unsigned char *entry,
+                               const char *path, long count, unsigned char *room[2]) {
+    const int width = widths[a.type];
     size_t size;
     int now = 0;
-    unsigned char *bytes = read_all(path, &size);
+    unsigned char *bytes = packed_chunk(&a, in, entry, path, &size);
     if (!bytes) {
         for (long i = 0; i < count; i++)
-            memcpy(room[0] + i * width, a->fill, (size_t)width);
+            memcpy(room[0] + i * width, a.fill, (size_t)width);
         return room[0];
     }
-    const int coded = a->filters ? a->filter[a->filters - 1].coded : a->type;
-    const bool good = unpack(a->codec, bytes, size, room[0], (size_t)(count * widths[coded]));
+    const int coded = a.filters ? a.filter[a.filters - 1].coded : a.type;
+    const bool good = unpack(a.codec, bytes, size, room[0], (size_t)(count * widths[coded]));
     free(bytes);
-    for (int i = a->filters - 1; good && i >= 0; i--, now = 1 - now)
-        undo(&a->filter[i], room[now], room[1 - now], count);
-    if (a->big)
+    for (int i = a.filters - 1; good && i >= 0; i--, now = 1 - now)
+        undo(&a.filter[i], room[now], room[1 - now], count);
+    if (a.big)
         turn(room[now], count, width);
     return good ? room[now] : NULL;
 }
@@ -311,9 +374,8 @@ static void name_chunk(const array *a, const char *json_path, const long index[A
         length += snprintf(path + length, 64, "%s%ld", i ? a->slash ? "/" : "." : "", index[i]);
 }
 
-static bool read_chunks(const array *a, const char *json_path, const long dims[3], long count,
-                        unsigned char *room[2], unsigned char *numbers) {
-    long index[AXES] = {0}, first[AXES] = {0}, last[AXES] = {0};
+/* The chunks that are met along each axis: first and last. */
+static void find_range(const array *a, const long dims[3], long first[AXES], long last[AXES]) {
     for (int i = 0; i < a->axes; i++) {
         const long r = a->role[i];
         first[i] = r == 5 ? a->step : r == 4 ? a->first_number : 0;
@@ -321,13 +383,38 @@ static bool read_chunks(const array *a, const char *json_path, const long dims[3
                   : r == 4 ? a->first_number + a->numbers - 1
                   : r      ? dims[r - 1] - 1
                            : 0;
-        index[i] = first[i] /= a->chunk[i];
+        first[i] /= a->chunk[i];
         last[i] /= a->chunk[i];
     }
+}
+
+/* The entry of a chunk in the table: along x fastest, then y, z, numbers. */
+static const unsigned char *entry_of(const array *a, const naive_chunks_file *in,
+                                     const long index[AXES], const long first[AXES],
+                                     const long last[AXES]) {
+    long n = 0;
+    if (!in->table)
+        return NULL;
+    for (long role = 4; role >= 1; role--)
+        for (int i = 0; i < a->axes; i++)
+            if (a->role[i] == role)
+                n = n * (last[i] - first[i] + 1) + index[i] - first[i];
+    return n < in->table_count ? in->table + 16 * n : NULL;
+}
+
+static bool read_chunks(const array *a, const naive_chunks_file *in, const long dims[3], long count,
+                        unsigned char *room[2], unsigned char *numbers) {
+    long index[AXES] = {0}, first[AXES] = {0}, last[AXES] = {0}, chunks = 1;
+    find_range(a, dims, first, last);
+    for (int i = 0; i < a->axes; i++)
+        chunks *= last[i] - (index[i] = first[i]) + 1;
+    if (in->table && chunks != in->table_count)
+        return false;
     for (int i = 0; i < a->axes;) {
         char path[8192];
-        name_chunk(a, json_path, index, path);
-        const unsigned char *chunk = chunk_of(a, path, count, room);
+        name_chunk(a, in->path, index, path);
+        const unsigned char *chunk =
+            chunk_of(*a, in, entry_of(a, in, index, first, last), path, count, room);
         if (!chunk)
             return false;
         scatter(a, dims, index, count, chunk, numbers);
@@ -337,20 +424,21 @@ static bool read_chunks(const array *a, const char *json_path, const long dims[3
     return true;
 }
 
-const char *naive_chunks_read(const unsigned char *section, const char *json_path,
-                              const unsigned char *json, uint64_t size, const long dims[3],
-                              unsigned char **numbers) {
+const char *naive_chunks_read(const unsigned char *section, const naive_chunks_file *in,
+                              const long dims[3], unsigned char **numbers) {
     const array a = read_array(section);
     long count = 1;
     *numbers = NULL;
-    if (XXH3_64bits(json, size) != naive_number(section + 4136, 8))
+    if ((naive_number(section + BEHIND, 4) == 2) != (in->table != NULL))
+        return "a table of chunks, there or not there";
+    if (!in->table && XXH3_64bits(in->bytes, in->size) != naive_number(section + 4136, 8))
         return "the file that describes the chunks";
     for (int i = 0; i < a.axes; i++)
         count *= a.chunk[i];
     unsigned char *room[2] = {malloc((size_t)count * 8), malloc((size_t)count * 8)};
     *numbers = malloc((size_t)(dims[0] * dims[1] * dims[2] * a.numbers * widths[a.type]));
     const bool good =
-        room[0] && room[1] && *numbers && read_chunks(&a, json_path, dims, count, room, *numbers);
+        room[0] && room[1] && *numbers && read_chunks(&a, in, dims, count, room, *numbers);
     free(room[0]);
     free(room[1]);
     return good ? NULL : "a chunk cannot be read";

@@ -9,11 +9,18 @@
  * chunks: *chunks. Returns NULL, or what is wrong. */
 const char *naive_chunks_check(const unsigned char *section, int *chunks);
 
+/* The file that a section names: it describes the array, or has all chunks. */
+typedef struct naive_chunks_file {
+    const char *path;
+    const unsigned char *bytes;
+    uint64_t size;
+    const unsigned char *table; /* section CHUNKS; NULL: there is none */
+    long table_count;
+} naive_chunks_file;
+
 /* naive_chunks_read() - the numbers of all nodes, those that are taken side by side, then x
- * fastest, little endian; the caller frees them.
- * json, size: the bytes of the file that describes the array, whose path is json_path. */
-const char *naive_chunks_read(const unsigned char *section, const char *json_path,
-                              const unsigned char *json, uint64_t size, const long dims[3],
-                              unsigned char **numbers);
+ * fastest, little endian; the caller frees them. Returns NULL, or what is wrong. */
+const char *naive_chunks_read(const unsigned char *section, const naive_chunks_file *in,
+                              const long dims[3], unsigned char **numbers);
 
 #endif

@@ -50,6 +50,7 @@ static void take_fields(naive_leaf *leaf) {
     leaf->codec = (int)naive_number(b + 56, 4);
     leaf->rectilinear = naive_number(b + 60, 4) == 1;
     leaf->outside = naive_number(b + 76, 4) == 1;
+    leaf->outside_chunks = (long)naive_number(b + 1496, 4);
     leaf->fields = (long)naive_number(b + 64, 4);
     leaf->steps = (long)naive_number(b + 68, 4);
     leaf->sets = leaf->fields * leaf->steps;
@@ -95,7 +96,8 @@ static bool read_header(naive_leaf *leaf) {
         return wrong(leaf, "file_bytes");
     uint64_t sections = naive_number(b + 72, 4);
     if (leaf->size < 4096 + 32 * sections || !naive_zeros(leaf->bytes, 1344, 1424) ||
-        !naive_zeros(leaf->bytes, 1488, 4096))
+        !naive_zeros(leaf->bytes, 1488, 1496) || !naive_zeros(leaf->bytes, 1500, 4096) ||
+        (leaf->outside_chunks && !leaf->outside))
         return wrong(leaf, "section table cut off, or reserved bytes");
     if (!naive_text(b + 1424, 64))
         return wrong(leaf, "the name of the first field");
@@ -208,6 +210,7 @@ enum {
     FIELDS = 10,
     TIMES,
     OUTSIDE = 13,
+    CHUNKS = 14,
     KINDS
 };
 
@@ -237,6 +240,7 @@ static uint64_t section_bytes(const naive_leaf *leaf, uint64_t kind) {
     switch (kind) {
     case AXES: return 8 * (uint64_t)(leaf->dims[0] + leaf->dims[1] + leaf->dims[2]);
     case OUTSIDE: return 4608;
+    case CHUNKS: return 16 * (uint64_t)leaf->outside_chunks;
     case FIELDS: return 64 * (uint64_t)leaf->fields;
     case TIMES: return 8 * (uint64_t)leaf->steps;
     case OFFSETS:
@@ -251,6 +255,7 @@ static bool belongs(const naive_leaf *leaf, int kind, bool there) {
     switch (kind) {
     case AXES: return there == leaf->rectilinear;
     case OUTSIDE: return there == leaf->outside;
+    case CHUNKS: return there == (leaf->outside_chunks > 0);
     case 8:
     case 9:
     case 12: return !there;
@@ -634,8 +639,9 @@ static bool read_set(naive_leaf *leaf, long set, tally *t) {
 
 /* ---- loading ---- */
 
-static bool read_outside(naive_leaf *leaf, const char *path, const unsigned char *section) {
-    const char *why = naive_outside_read(leaf, path, section, &leaf->other);
+static bool read_outside(naive_leaf *leaf, const char *path, const unsigned char *section,
+                         const unsigned char *table) {
+    const char *why = naive_outside_read(leaf, path, section, table, &leaf->other);
     return !why || wrong(leaf, "%s", why);
 }
 
@@ -663,7 +669,7 @@ bool naive_leaf_load_set(naive_leaf *leaf, const char *path, long set) {
                 find_sections(leaf, where, &end) && read_ranges(leaf, where) &&
                 (!leaf->rectilinear || read_axes(leaf, where[AXES])) &&
                 read_labels(leaf, where[FIELDS], where[TIMES]) &&
-                (!leaf->outside || read_outside(leaf, path, where[OUTSIDE])) &&
+                (!leaf->outside || read_outside(leaf, path, where[OUTSIDE], where[CHUNKS])) &&
                 read_directory(leaf, where, end);
     /* The one that is asked for comes last, and stays. */
     for (long i = 1; good && i <= leaf->sets; i++)

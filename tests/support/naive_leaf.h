@@ -47,6 +47,7 @@ typedef struct naive_leaf {
     long dims[3];
     int levels, cells_log2, halo, run_align_log2, codec;
     bool rectilinear, outside;
+    long outside_chunks;
     double value_min, value_max, rounding_error, to_world[3][4];
     uint64_t non_finite;
     char name[64], provenance[1024];

@@ -142,9 +142,11 @@ static void put_sample(const naive_leaf *leaf, const place *p, const unsigned ch
 
 /* Take the numbers of chunks, in the place of their file's bytes. */
 static const char *take_chunks(const naive_leaf *leaf, const unsigned char *section,
-                               const char *path, place *p, unsigned char **bytes) {
+                               const unsigned char *table, const char *path, place *p,
+                               unsigned char **bytes) {
+    const naive_chunks_file in = {path, *bytes, p->file_bytes, table, leaf->outside_chunks};
     unsigned char *numbers;
-    const char *why = naive_chunks_read(section, path, *bytes, p->file_bytes, leaf->dims, &numbers);
+    const char *why = naive_chunks_read(section, &in, leaf->dims, &numbers);
     free(*bytes);
     *bytes = numbers;
     p->components = p->component ? 1 : p->components;
@@ -154,7 +156,8 @@ static const char *take_chunks(const naive_leaf *leaf, const unsigned char *sect
 }
 
 const char *naive_outside_read(const naive_leaf *leaf, const char *path,
-                               const unsigned char *section, unsigned char **samples) {
+                               const unsigned char *section, const unsigned char *table,
+                               unsigned char **samples) {
     place p;
     unsigned char *bytes = NULL;
     const char *why = read_section(section, &p);
@@ -172,7 +175,7 @@ const char *naive_outside_read(const naive_leaf *leaf, const char *path,
     if (!why)
         why = read_file(path, (const char *)section + 128, &p, file, &bytes);
     if (!why && chunks)
-        why = take_chunks(leaf, section, file, &p, &bytes);
+        why = take_chunks(leaf, section, table, file, &p, &bytes);
     const size_t width = (size_t)widths[leaf->sample_type];
     const uint64_t step = why ? 0 : (uint64_t)widths[p.type] * (uint64_t)p.components;
     *samples = why ? NULL : malloc(count * width);

@@ -28,9 +28,9 @@
 static const zarr_files plain = {
     .axes = 3, .shape = {34, 37, 40}, .chunk = {10, 16, 13}, .type = SAMPLE_U8, .separator = '.'};
 
-/* Convert an array; in place or not. */
-static const char *convert(const char *input, const volume_hints *hints, const char *name,
-                           bool in_place) {
+/* Convert an array; in place or not. given: a place instead of its own; NULL: its own. */
+static const char *convert_at(const char *input, const volume_hints *hints, const char *name,
+                              bool in_place, const sample_place *given) {
     leaf_case c = leaf_files_case(2, 2, 2, SAMPLE_U8);
     convert_options o = c.options;
     convert_plan plan;
@@ -43,6 +43,9 @@ static const char *convert(const char *input, const volume_hints *hints, const c
     status st = volume_open(&m, input, hints, &v);
     if (st == ST_OK && in_place) {
         assert_true(volume_place(v, &at));
+        at = given ? *given : at;
+        o.file.chunks = at.table;
+        o.file.chunk_count = at.table_count;
         leaf_parameters_compress(&o.file, 1);
         o.file.outside = &outside;
         st = outside_samples_describe(&m, &at, scratch_path(name), &outside);
@@ -57,6 +60,11 @@ static const char *convert(const char *input, const volume_hints *hints, const c
         fail_msg("%s", status_text());
     assert_int_equal(mem_used(&m), 0);
     return scratch_path(name);
+}
+
+static const char *convert(const char *input, const volume_hints *hints, const char *name,
+                           bool in_place) {
+    return convert_at(input, hints, name, in_place, NULL);
 }
 
 static leaf_file *open_file(mem *m, const char *path) {
@@ -162,6 +170,89 @@ static void test_reading(void **state) {
     assert_int_equal(check_case(&z, NULL, 0), 2 * 64 * 64 * 64);
     /* One chunk of 512 KiB, with no room for more than that. */
     assert_int_equal(check_case(&z, NULL, 1 << 20), 2 * 64 * 64 * 64);
+}
+
+/* ---- all chunks in one file ---- */
+
+enum { TABLE = 4 * 3 * 4 };
+
+/* Put the chunks of an array, stored in four ways, behind each other: with or without the filter,
+ * packed or not, with or without a checksum; each seventh is not there. */
+static void make_table(const zarr_files *z, chunk_entry table[TABLE]) {
+    static const char *const names[] = {"t0.zarr", "t1.zarr", "t2.zarr", "t3.zarr"};
+    char *all = malloc(1 << 20);
+    size_t used = 100, size;
+    assert_non_null(all);
+    memset(all, 1, 1 << 20);
+    for (int how = 0; how < 4; how++) {
+        zarr_files stored = *z;
+        stored.shuffled = !(how & 1);
+        stored.packer = how & 2 ? NULL : "zlib";
+        stored.absent = 0;
+        zarr_files_make(&stored, names[how]);
+    }
+    for (unsigned n = 0; n < TABLE; n++) {
+        char path[512];
+        const bool summed = n % 5;
+        snprintf(path, sizeof path, "%s/%u.%u.%u", scratch_path(names[n % 4]), n / 12, n / 4 % 3,
+                 n % 4);
+        char *bytes = scratch_read(path, &size);
+        memcpy(all + used, bytes, size);
+        free(bytes);
+        size += summed ? 4 : 0;
+        table[n] = (chunk_entry){used, (uint32_t)size, n % 4 | (summed ? 0 : 4)};
+        if ((n / 12 + 4 * (n / 4 % 3 + 3 * (n % 4))) % (unsigned)z->absent == 0)
+            table[n] = (chunk_entry){0};
+        used += size + 3;
+    }
+    scratch_write("all.chunks", all, used);
+    free(all);
+}
+
+static void test_table(void **state) {
+    char whole[256], index[256];
+    chunk_entry table[TABLE];
+    zarr_files z = plain;
+    naive_leaf leaf;
+    leaf_file *f = NULL;
+    mem m;
+    (void)state;
+    z.type = SAMPLE_I16;
+    z.big_endian = true;
+    z.absent = 7;
+    make_table(&z, table);
+    const zarr_number number = {SAMPLE_I16, true};
+    const chunk_array array = {
+        .axes = 3,
+        .chunk = {10, 16, 13},
+        .role = {ORDER_Z, ORDER_Y, ORDER_X},
+        .type = SAMPLE_I16,
+        .big_endian = true,
+        .codec = ZARR_STREAM,
+        .summed = true,
+        .filters = {1, {{.kind = 0, .plain = number, .coded = number, .element = 2}}},
+        .fill = {9}};
+    const char *input = zarr_files_make(&z, "a.zarr");
+    const sample_place at = {.path = scratch_path("all.chunks"),
+                             .big_endian = true,
+                             .stored = {.type = SAMPLE_I16},
+                             .chunks = &array,
+                             .table = table,
+                             .table_count = TABLE};
+    snprintf(whole, sizeof whole, "%s", convert(input, NULL, "whole.leaf", false));
+    snprintf(index, sizeof index, "%s", convert_at(input, NULL, "index.leaf", true, &at));
+    compare(whole, index, 0);
+    compare(whole, index, 5 << 20);
+    if (!naive_leaf_load(&leaf, index))
+        fail_msg("%s", leaf.why);
+    naive_leaf_release(&leaf);
+    mem_init(&m, 0);
+    assert_int_equal(leaf_file_open(&m, index, &f), ST_OK);
+    assert_int_equal(f->header.outside_chunks, TABLE);
+    assert_memory_equal(f->chunks, table, sizeof table);
+    assert_non_null(strstr(outside_samples_path(f->samples), "all.chunks"));
+    leaf_file_close(f);
+    assert_int_equal(mem_used(&m), 0);
 }
 
 /* ---- several threads ---- */
@@ -408,6 +499,34 @@ static void test_sections(void **state) {
     assert_int_equal(check_section(&o), ST_OK);
 }
 
+static void test_entries(void **state) {
+    const leaf_header h = {.dims = {4, 5, 6}, .sample_type = SAMPLE_U16, .outside_chunks = 2};
+    leaf_outside o = section;
+    chunk_entry e[2] = {{0, 0, 0}, {900, 100, 7}};
+    (void)state;
+    o.form = LEAF_OUTSIDE_TABLE;
+    assert_int_equal(leaf_check_chunks("F.leaf", &h, &o, e, 4096), ST_OK);
+    const chunk_entry wrong[] = {{1, 0, 0},          {0, 0, 1},    {900, 101, 0},
+                                 {UINT64_MAX, 1, 0}, {1001, 1, 0}, {0, 9, 8}};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        e[1] = wrong[i];
+        assert_int_equal(leaf_check_chunks("F.leaf", &h, &o, e, 4096), ST_CORRUPT);
+        assert_non_null(strstr(status_text(), "byte 4112: "));
+    }
+    /* What only chunks in files have. */
+    const leaf_header one = {.dims = {4, 5, 6}, .sample_type = SAMPLE_U16, .outside_chunks = 1};
+    assert_int_equal(leaf_check_outside("F.leaf", &one, &o, 4096), ST_OK);
+    assert_int_equal(leaf_check_outside("F.leaf", &h, &o, 4096), ST_CORRUPT);
+    o.chunk_flags = LEAF_CHUNKS_LINKS;
+    assert_int_equal(leaf_check_outside("F.leaf", &one, &o, 4096), ST_CORRUPT);
+    o.chunk_flags = 0;
+    o.sum = 1;
+    assert_int_equal(leaf_check_outside("F.leaf", &one, &o, 4096), ST_CORRUPT);
+    o.sum = 0;
+    o.levels_up = 1;
+    assert_int_equal(leaf_check_outside("F.leaf", &one, &o, 4096), ST_CORRUPT);
+}
+
 /* A description of chunks that no memory holds, and that are not there, is no harm. */
 static void test_budget(void **state) {
     zarr_files z = plain;
@@ -428,6 +547,7 @@ static void test_budget(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_types),    cmocka_unit_test(test_axes),
+        cmocka_unit_test(test_table),    cmocka_unit_test(test_entries),
         cmocka_unit_test(test_reading),  cmocka_unit_test(test_threads),
         cmocka_unit_test(test_changes),  cmocka_unit_test(test_description),
         cmocka_unit_test(test_sections), cmocka_unit_test(test_budget),
