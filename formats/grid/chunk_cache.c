@@ -4,11 +4,13 @@
 #include <string.h>
 
 enum {
-    SLOTS = 512, /* more would be searched for longer than small chunks take to read */
+    SLOTS_MAX = 1 << 13, /* chunks at most */
+    SLOTS_MORE = 64,     /* than have room together: those without a file need none */
     ROOM_MAX = 256 << 20,
     ROOM_SHARE = 4,        /* of what the job has left */
     STREAM_ROOM = 4 << 20, /* what codecs need besides: bzip2 most */
-    READ_ROOM = 128 << 10  /* and reading a file */
+    READ_ROOM = 128 << 10, /* and reading a file */
+    NONE = -1
 };
 
 typedef enum slot_state { ABSENT, MAKING, READY } slot_state;
@@ -19,7 +21,8 @@ typedef struct slot {
     uint32_t index[ORDER_AXES];
     uint8_t *numbers; /* NULL: the fill value */
     size_t bytes;     /* that it takes, or will need while it is made */
-    uint64_t used;    /* when it was held last */
+    int next;         /* of the same hash, or of those that are absent; NONE: the last */
+    int older, newer; /* by when they were held last, of those that are not absent */
 } slot;
 
 struct chunk_cache {
@@ -30,15 +33,17 @@ struct chunk_cache {
     chunk_shape shape;
     chunk_home in;
     size_t need; /* bytes to make one */
+    int count;   /* of slots, a power of 2 */
     pthread_mutex_t lock;
     pthread_cond_t change; /* a chunk has been made or released, or making it has failed */
     /* Guarded by the lock: */
     slot *slots;
+    int *heads; /* of a hash, `count` of them */
+    int absent, oldest, newest;
     size_t kept;   /* bytes of all slots */
     int active;    /* slots that are held */
     int alone;     /* threads that want the budget for themselves; others then wait */
     bool is_alone; /* one of them has it */
-    uint64_t clock;
 };
 
 /* ---- its memory ---- */
@@ -68,6 +73,23 @@ static status take_room(chunk_cache *c) {
     return ST_OK;
 }
 
+/* As many slots as chunks have room. */
+static status make_slots(chunk_cache *c) {
+    const size_t most = c->own.limit / c->shape.room + SLOTS_MORE;
+    for (c->count = 1; c->count < SLOTS_MAX && (size_t)c->count < most;)
+        c->count *= 2;
+    c->slots = mem_array(c->m, (size_t)c->count, sizeof *c->slots);
+    c->heads = mem_array(c->m, (size_t)c->count, sizeof *c->heads);
+    if (!c->slots || !c->heads)
+        return ST_NOMEM;
+    c->oldest = c->newest = NONE;
+    for (int i = 0; i < c->count; i++) {
+        c->heads[i] = NONE;
+        c->slots[i].next = i + 1 < c->count ? i + 1 : NONE;
+    }
+    return ST_OK;
+}
+
 status chunk_cache_create(mem *m, const chunk_array *a, const chunk_home *in, chunk_cache **out) {
     chunk_cache *c = mem_zalloc(m, sizeof *c);
     if (!c)
@@ -80,8 +102,9 @@ status chunk_cache_create(mem *m, const chunk_array *a, const chunk_home *in, ch
     c->in = *in;
     c->in.path = mem_copy_text(m, in->path);
     c->in.trusted = mem_copy_text(m, in->trusted);
-    c->slots = mem_array(m, SLOTS, sizeof *c->slots);
-    status st = c->in.path && c->in.trusted && c->slots ? take_room(c) : ST_NOMEM;
+    status st = c->in.path && c->in.trusted ? take_room(c) : ST_NOMEM;
+    if (st == ST_OK)
+        st = make_slots(c);
     if (st != ST_OK) {
         chunk_cache_destroy(c);
         return st;
@@ -90,19 +113,13 @@ status chunk_cache_create(mem *m, const chunk_array *a, const chunk_home *in, ch
     return ST_OK;
 }
 
-/* Forget a chunk. */
-static void clear(chunk_cache *c, slot *s) {
-    mem_free(&c->own, s->numbers);
-    c->kept -= s->bytes;
-    *s = (slot){.state = ABSENT};
-}
-
 void chunk_cache_destroy(chunk_cache *c) {
     if (!c)
         return;
-    for (int i = 0; c->slots && i < SLOTS; i++)
-        clear(c, &c->slots[i]);
+    for (int i = 0; c->slots && i < c->count; i++)
+        mem_free(&c->own, c->slots[i].numbers);
     mem_free(c->m, c->slots);
+    mem_free(c->m, c->heads);
     mem_free(c->m, (char *)(uintptr_t)c->in.path);
     mem_free(c->m, (char *)(uintptr_t)c->in.trusted);
     mem_unreserve(c->m, c->reserved);
@@ -117,65 +134,102 @@ const chunk_shape *chunk_cache_shape(const chunk_cache *c) {
 
 /* ---- slots; all of it with the lock held ---- */
 
+static int *head_of(const chunk_cache *c, const uint32_t index[ORDER_AXES]) {
+    uint32_t sum = 0;
+    for (int r = 0; r < ORDER_AXES; r++)
+        sum = (sum ^ index[r]) * 2654435761U;
+    return &c->heads[(sum >> 16 ^ sum) & (uint32_t)(c->count - 1)];
+}
+
 static slot *find(chunk_cache *c, const uint32_t index[ORDER_AXES]) {
-    for (int i = 0; i < SLOTS; i++) {
-        slot *s = &c->slots[i];
-        if (s->state != ABSENT && memcmp(s->index, index, sizeof s->index) == 0)
-            return s;
-    }
-    return NULL;
+    int i = *head_of(c, index);
+    while (i != NONE && memcmp(c->slots[i].index, index, sizeof c->slots[i].index) != 0)
+        i = c->slots[i].next;
+    return i == NONE ? NULL : &c->slots[i];
+}
+
+/* Take a slot out of the order of use, or put it at its newest end. */
+static void take_out(chunk_cache *c, const slot *s) {
+    *(s->older == NONE ? &c->oldest : &c->slots[s->older].newer) = s->newer;
+    *(s->newer == NONE ? &c->newest : &c->slots[s->newer].older) = s->older;
+}
+
+static void put_newest(chunk_cache *c, slot *s) {
+    const int i = (int)(s - c->slots);
+    s->older = c->newest;
+    s->newer = NONE;
+    *(c->newest == NONE ? &c->oldest : &c->slots[c->newest].newer) = i;
+    c->newest = i;
+}
+
+/* Forget a chunk. */
+static void clear(chunk_cache *c, slot *s) {
+    const int i = (int)(s - c->slots);
+    int *at = head_of(c, s->index);
+    while (*at != i)
+        at = &c->slots[*at].next;
+    *at = s->next;
+    take_out(c, s);
+    mem_free(&c->own, s->numbers);
+    c->kept -= s->bytes;
+    *s = (slot){.state = ABSENT, .next = c->absent};
+    c->absent = i;
 }
 
 /* Forget the chunk that was not needed for longest; false: all that are there are held. */
 static bool evict(chunk_cache *c) {
-    slot *best = NULL;
-    for (int i = 0; i < SLOTS; i++) {
-        slot *s = &c->slots[i];
-        if (s->state == READY && s->holders == 0 && (!best || s->used < best->used))
-            best = s;
-    }
-    if (best)
-        clear(c, best);
-    return best != NULL;
+    int i = c->oldest;
+    while (i != NONE && (c->slots[i].state != READY || c->slots[i].holders > 0))
+        i = c->slots[i].newer;
+    if (i != NONE)
+        clear(c, &c->slots[i]);
+    return i != NONE;
 }
 
-static slot *find_free(chunk_cache *c) {
-    for (int i = 0; i < SLOTS; i++)
-        if (c->slots[i].state == ABSENT)
-            return &c->slots[i];
-    return evict(c) ? find_free(c) : NULL;
+/* Whether a slot is absent, or can be. */
+static bool has_absent(chunk_cache *c) {
+    return c->absent != NONE || evict(c);
 }
 
-/* Make room for one more; NULL: there is none before somebody lets go. */
-static slot *begin(chunk_cache *c) {
+/* Begin to make a chunk that will take so many bytes, in a slot that is absent. */
+static slot *add(chunk_cache *c, const uint32_t index[ORDER_AXES], size_t bytes) {
+    const int i = c->absent;
+    slot *s = &c->slots[i];
+    int *head = head_of(c, index);
+    c->absent = s->next;
+    *s = (slot){.state = MAKING, .holders = 1, .bytes = bytes, .next = *head};
+    memcpy(s->index, index, sizeof s->index);
+    *head = i;
+    put_newest(c, s);
+    c->kept += bytes;
+    c->active++;
+    return s;
+}
+
+/* Make room for one more; false: there is none before somebody lets go. */
+static bool make_room(chunk_cache *c) {
     while (c->kept + c->need > c->own.limit && evict(c)) {}
     if (c->kept + c->need > c->own.limit && c->active > 0)
-        return NULL;
-    return find_free(c);
+        return false;
+    return has_absent(c);
+}
+
+static void hold_slot(chunk_cache *c, slot *s) {
+    c->active += s->holders++ == 0;
+    take_out(c, s);
+    put_newest(c, s);
 }
 
 /* Find the chunk in a slot, held; or a slot to make it in, whose state is MAKING. Waits. */
 static slot *take(chunk_cache *c, const uint32_t index[ORDER_AXES]) {
     for (;; pthread_cond_wait(&c->change, &c->lock)) {
-        if (c->alone > 0)
-            continue;
-        slot *s = find(c, index);
-        if (s && s->state == MAKING)
-            continue;
-        const bool made = s != NULL;
-        if (!s)
-            s = begin(c);
-        if (!s)
-            continue;
-        c->active += s->holders++ == 0;
-        s->used = ++c->clock;
-        if (made)
+        slot *s = c->alone > 0 ? NULL : find(c, index);
+        if (s && s->state == READY) {
+            hold_slot(c, s);
             return s;
-        s->state = MAKING;
-        memcpy(s->index, index, sizeof s->index);
-        s->bytes = c->need;
-        c->kept += s->bytes;
-        return s;
+        }
+        if (!s && c->alone == 0 && make_room(c))
+            return add(c, index, c->need);
     }
 }
 
@@ -228,11 +282,12 @@ static void settle(chunk_cache *c, slot *s, uint8_t *numbers, status st) {
     s->bytes = numbers ? c->shape.room : 0;
     c->kept += s->bytes;
     s->numbers = numbers;
-    s->state = st == ST_OK ? READY : ABSENT;
-    if (st != ST_OK)
+    s->state = READY;
+    if (st != ST_OK) {
         let_go(c, s);
-    else
-        pthread_cond_broadcast(&c->change);
+        clear(c, s);
+    }
+    pthread_cond_broadcast(&c->change);
 }
 
 /* Make a chunk in a slot that take() gave. */
@@ -252,10 +307,7 @@ static status hold(chunk_cache *c, const uint32_t index[ORDER_AXES], slot **out,
     status st = s->state == READY ? ST_OK : fill(c, s, index, read);
     if (st == ST_NOMEM && (c->kept > 0 || c->active > 0 || c->alone > 0)) {
         begin_alone(c);
-        s = find_free(c);
-        *s = (slot){.state = MAKING, .holders = 1, .used = ++c->clock};
-        memcpy(s->index, index, sizeof s->index);
-        c->active++;
+        s = add(c, index, 0); /* all slots are absent */
         st = fill(c, s, index, read);
         end_alone(c);
     }
