@@ -323,9 +323,10 @@ static uint32_t slices_at_once(const outside_samples *s, const uint32_t size[3])
 
 size_t outside_samples_room(const outside_samples *s, uint32_t side) {
     const size_t row = side * s->width;
-    const uint32_t box[3] = {side, side, side};
+    const size_t slice = row * side;
+    /* Of smaller boxes more slices may go into as much. */
     if (s->chunks)
-        return row * side * slices_at_once(s, box);
+        return slice > GATHERED ? slice : slice * side < GATHERED ? slice * side : GATHERED;
     return row > NEAR ? row + AT_ONCE : NEAR + AT_ONCE;
 }
 

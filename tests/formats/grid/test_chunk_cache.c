@@ -182,6 +182,34 @@ static uint64_t run_threads(size_t limit) {
     return read;
 }
 
+static void *follow(void *arg) {
+    visitor *v = arg;
+    for (uint32_t i = 0; i < 16; i++)
+        v->read += visit(v->c, i % 4, i / 4, 0);
+    return NULL;
+}
+
+/* Threads that all want the same chunk while it is made, slowly, wait for the one that makes it. */
+static void test_company(void **state) {
+    pthread_t threads[THREADS];
+    visitor visitors[THREADS];
+    uint64_t read = 0;
+    (void)state;
+    chunk_cache *c = open_cache(scratch_path("a.zarr"), 0);
+    fault_delay(FAULT_ALLOC, 2000);
+    for (int i = 0; i < THREADS; i++) {
+        visitors[i] = (visitor){.c = c};
+        assert_int_equal(pthread_create(&threads[i], NULL, follow, &visitors[i]), 0);
+    }
+    for (int i = 0; i < THREADS; i++) {
+        pthread_join(threads[i], NULL);
+        read += visitors[i].read;
+    }
+    fault_delay(FAULT_ALLOC, 0);
+    assert_int_equal(read, 16 * CHUNK_BYTES);
+    close_cache(c);
+}
+
 static void test_threads(void **state) {
     (void)state;
     /* Room for all: each is read by one thread, however many want it. */
@@ -200,7 +228,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_box),     cmocka_unit_test(test_order),
         cmocka_unit_test(test_trouble), cmocka_unit_test(test_faults),
-        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_threads), cmocka_unit_test(test_company),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

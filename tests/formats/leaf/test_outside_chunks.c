@@ -28,6 +28,8 @@
 static const zarr_files plain = {
     .axes = 3, .shape = {34, 37, 40}, .chunk = {10, 16, 13}, .type = SAMPLE_U8, .separator = '.'};
 
+static uint32_t cells_log2 = 4;
+
 /* Convert an array; in place or not. given: a place instead of its own; NULL: its own. */
 static const char *convert_at(const char *input, const volume_hints *hints, const char *name,
                               bool in_place, const sample_place *given) {
@@ -51,6 +53,7 @@ static const char *convert_at(const char *input, const volume_hints *hints, cons
         st = outside_samples_describe(&m, &at, scratch_path(name), &outside);
     }
     o.force = true;
+    o.file.cells_log2 = cells_log2;
     if (st == ST_OK)
         st = convert_plan_make(&m, volume_grid(v), &o, &plan);
     if (st == ST_OK)
@@ -156,6 +159,16 @@ static void test_axes(void **state) {
             hints.component = i == 1 ? 0 : component;
             check_case(&cases[i], &hints, 0);
         }
+}
+
+/* Boxes that are gathered in several parts. */
+static void test_parts(void **state) {
+    const zarr_files z = {
+        4, {70, 67, 68, 3}, {33, 34, 35, 3}, SAMPLE_F64, false, false, '.', NULL, false, 0};
+    (void)state;
+    cells_log2 = 6;
+    check_case(&z, NULL, 0);
+    cells_log2 = 4;
 }
 
 /* A whole layer of chunks in memory: each is read once. Room for one: as often as boxes need it. */
@@ -546,11 +559,12 @@ static void test_budget(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_types),    cmocka_unit_test(test_axes),
-        cmocka_unit_test(test_table),    cmocka_unit_test(test_entries),
-        cmocka_unit_test(test_reading),  cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_changes),  cmocka_unit_test(test_description),
-        cmocka_unit_test(test_sections), cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_types),       cmocka_unit_test(test_axes),
+        cmocka_unit_test(test_table),       cmocka_unit_test(test_entries),
+        cmocka_unit_test(test_parts),       cmocka_unit_test(test_reading),
+        cmocka_unit_test(test_threads),     cmocka_unit_test(test_changes),
+        cmocka_unit_test(test_description), cmocka_unit_test(test_sections),
+        cmocka_unit_test(test_budget),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
