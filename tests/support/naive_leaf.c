@@ -210,7 +210,7 @@ enum {
     FIELDS = 10,
     TIMES,
     OUTSIDE = 13,
-    CHUNKS = 14,
+    CHUNKS,
     KINDS
 };
 
@@ -639,12 +639,6 @@ static bool read_set(naive_leaf *leaf, long set, tally *t) {
 
 /* ---- loading ---- */
 
-static bool read_outside(naive_leaf *leaf, const char *path, const unsigned char *section,
-                         const unsigned char *table) {
-    const char *why = naive_outside_read(leaf, path, section, table, &leaf->other);
-    return !why || wrong(leaf, "%s", why);
-}
-
 static bool read_file(naive_leaf *leaf, const char *path) {
     FILE *in = fopen(path, "rb");
     if (!in)
@@ -661,16 +655,19 @@ static bool read_file(naive_leaf *leaf, const char *path) {
 
 bool naive_leaf_load_set(naive_leaf *leaf, const char *path, long set) {
     const unsigned char *where[KINDS] = {NULL};
+    const char *why;
     uint64_t end;
     tally t = {.lo = INFINITY, .hi = -INFINITY};
     memset(leaf, 0, sizeof *leaf);
-    bool good = read_file(leaf, path) && read_header(leaf) && check_to_world(leaf) &&
-                lay_out(leaf) && order_treelets(leaf) && repeat_treelets(leaf) &&
-                find_sections(leaf, where, &end) && read_ranges(leaf, where) &&
-                (!leaf->rectilinear || read_axes(leaf, where[AXES])) &&
-                read_labels(leaf, where[FIELDS], where[TIMES]) &&
-                (!leaf->outside || read_outside(leaf, path, where[OUTSIDE], where[CHUNKS])) &&
-                read_directory(leaf, where, end);
+    bool good =
+        read_file(leaf, path) && read_header(leaf) && check_to_world(leaf) && lay_out(leaf) &&
+        order_treelets(leaf) && repeat_treelets(leaf) && find_sections(leaf, where, &end) &&
+        read_ranges(leaf, where) && (!leaf->rectilinear || read_axes(leaf, where[AXES])) &&
+        read_labels(leaf, where[FIELDS], where[TIMES]) &&
+        (!leaf->outside ||
+         !(why = naive_outside_read(leaf, path, where[OUTSIDE], where[CHUNKS], &leaf->other)) ||
+         wrong(leaf, "%s", why)) &&
+        read_directory(leaf, where, end);
     /* The one that is asked for comes last, and stays. */
     for (long i = 1; good && i <= leaf->sets; i++)
         good = read_set(leaf, (set + i) % leaf->sets, &t);
