@@ -72,8 +72,8 @@ static const struct argp_option options[] = {
     {"dry-run", KEY_DRY_RUN, NULL, CLI_BASIC,
      "print sizes, memory, levels and treelets; write nothing", 0},
     {"in-place", KEY_IN_PLACE, NULL, CLI_BASIC,
-     "leave the samples in the input's file, which must stay as it is: the output is an index with "
-     "the coarse levels, compressed, or without them",
+     "leave the samples in the input's file or chunks, which must stay as they are: the output is "
+     "an index with the coarse levels, compressed, or without them",
      0},
     {"levels", KEY_LEVELS, "1|all", 0,
      "1: no coarse levels of detail, which exact pictures do not need (default all)", 0},

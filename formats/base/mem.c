@@ -31,22 +31,32 @@ static void *refuse(const mem *m, size_t size) {
     return NULL;
 }
 
+/* Count bytes as in use; false: the budget has no room for them. *used: all that then are. */
+static bool count(mem *m, size_t bytes, size_t *used) {
+    *used = atomic_fetch_add(&m->used, bytes) + bytes;
+    if (!m->limit || *used <= m->limit)
+        return true;
+    atomic_fetch_sub(&m->used, bytes);
+    return false;
+}
+
+static void raise_peak(mem *m, size_t used) {
+    size_t peak = atomic_load(&m->peak);
+    while (used > peak && !atomic_compare_exchange_weak(&m->peak, &peak, used)) {}
+}
+
 void *mem_alloc(mem *m, size_t size) {
     if (size > SIZE_MAX - 2 * LINE || fault_hit(FAULT_ALLOC))
         return refuse(m, size);
-    size_t total = (size + 2 * LINE - 1) / LINE * LINE;
-    size_t used = atomic_fetch_add(&m->used, total) + total;
-    if (m->limit && used > m->limit) {
-        atomic_fetch_sub(&m->used, total);
+    size_t total = (size + 2 * LINE - 1) / LINE * LINE, used;
+    if (!count(m, total, &used))
         return refuse(m, size);
-    }
     char *line = aligned_alloc(LINE, total);
     if (!line) {
         atomic_fetch_sub(&m->used, total);
         return refuse(m, size);
     }
-    size_t peak = atomic_load(&m->peak);
-    while (used > peak && !atomic_compare_exchange_weak(&m->peak, &peak, used)) {}
+    raise_peak(m, used);
     memcpy(line, &total, sizeof total);
     return line + LINE;
 }
@@ -105,6 +115,20 @@ void *mem_zlib_alloc(void *m, unsigned count, unsigned size) {
 
 void mem_zlib_free(void *m, void *block) {
     mem_free(m, block);
+}
+
+bool mem_reserve(mem *m, size_t bytes) {
+    size_t used;
+    if (!count(m, bytes, &used)) {
+        (void)refuse(m, bytes);
+        return false;
+    }
+    raise_peak(m, used);
+    return true;
+}
+
+void mem_unreserve(mem *m, size_t bytes) {
+    atomic_fetch_sub(&m->used, bytes);
 }
 
 size_t mem_lend_half(mem *m) {

@@ -47,6 +47,12 @@ void mem_free(mem *m, void *block);
 void *mem_zlib_alloc(void *m, unsigned count, unsigned size);
 void mem_zlib_free(void *m, void *block);
 
+/* mem_reserve() - count bytes as in use that nobody has allocated: for a budget of its own that a
+ * part of the job gets, beyond which that part does not go. False: the budget has no room; the
+ * description says so. mem_unreserve() - end that. */
+CHECKED bool mem_reserve(mem *m, size_t bytes);
+void mem_unreserve(mem *m, size_t bytes);
+
 /* mem_lend_half() - lower the limit by half, and return that half, for a process that helps.
  * mem_take_back() - raise it again, when that process has ended. Both only while a single thread
  * uses m. */

@@ -12,6 +12,7 @@
 #include "formats/base/json_text.h"
 #include "formats/base/sibling.h"
 #include "formats/base/wait.h"
+#include "formats/grid/imported_chunks.h"
 #include "formats/grid/layout_slices.h"
 #include "formats/grid/nrrd.h"
 #include "formats/grid/sample_place.h"
@@ -31,6 +32,9 @@ typedef struct import {
     char program[SIBLING_PATH];
     child c;
     bool running;
+    uint32_t dims[3];
+    sample_type type; /* of the grid's samples in a treelet file */
+    imported_chunks chunks;
 } import;
 
 /* Returns the importer's last message, without its own name in front. */
@@ -112,6 +116,7 @@ static void close_output(void *ctx) {
         if (child_end(&x->c, &code) != ST_OK)
             code = 0; /* there is no caller left to tell */
     }
+    imported_chunks_release(&x->chunks);
     mem_free(x->m, x->path);
     mem_free(x->m, x->field);
     mem_free(x->m, x);
@@ -217,6 +222,17 @@ static status copy_hints(import *x, const char *path, const volume_hints *hints)
     x->step = hints->step;
     x->trust = hints->trust;
     return x->path && (x->field || !hints->field) ? ST_OK : ST_NOMEM;
+}
+
+/* Let go of a child that was asked for something. */
+static void end_asking(void *ctx) {
+    import *x = ctx;
+    int code;
+    if (!x->running)
+        return;
+    child_kill(&x->c);
+    if (child_end(&x->c, &code) != ST_OK)
+        code = 0; /* what was read has been judged */
 }
 
 static status open_import(mem *m, const foreign_format *f, const char *path,
@@ -327,9 +343,38 @@ static status tell_fields(void *ctx, const slice_fields *to) {
     return st;
 }
 
+/* Start the importer again, which tells where the chunks are. */
+static status ask_for_chunks(import *x, sample_place *out) {
+    static const char *const words[3] = {"--chunks", "-o", "-"};
+import again = {.m = x->m, .path = x->path, .field = x->field };
+    byte_stream *s = NULL;
+    again.component = x->component;
+    again.step = x->step;
+    again.trust = x->trust;
+    memcpy(again.program, x->program, sizeof again.program);
+    again.lent = mem_lend_half(x->m);
+    status st = start(&again, words, again.lent, &again.c);
+    again.running = st == ST_OK;
+    if (st == ST_OK)
+        st = byte_stream_open_source(x->m, x->path, &(byte_source){read_output, end_asking, &again},
+                                     &s);
+    x->chunks.m = x->m;
+    if (st == ST_OK)
+        st = imported_chunks_read(s, x->path, x->dims, x->type, &x->chunks, out);
+    byte_stream_close(s);
+    mem_take_back(x->m, again.lent);
+    return st;
+}
+
 static bool find_place(void *ctx, sample_place *out) {
-    const import *x = ctx;
-    if (!sample_place_parse(x->place, out))
+    import *x = ctx;
+    const size_t refused = sizeof SAMPLE_PLACE_REFUSED - 1;
+    *out = (sample_place){.path = x->path};
+    if (strncmp(x->place, SAMPLE_PLACE_REFUSED, refused) == 0)
+        out->refused = x->place + refused;
+    else if (sample_place_is_chunks(x->place) && ask_for_chunks(x, out) != ST_OK)
+        out->refused = status_text();
+    else if (!out->chunks && !sample_place_parse(x->place, out))
         return false;
     out->path = x->path;
     return true;
@@ -351,8 +396,11 @@ static status open_slices(mem *m, const foreign_format *f, const char *path,
         st = volume_layout_settle(&l, &(volume_hints){0});
     if (st == ST_OK)
         st = volume_layout_check(&l);
-    if (st == ST_OK)
+    if (st == ST_OK) {
         memcpy(x->place, l.g.place, sizeof x->place);
+        memcpy(x->dims, l.g.dims, sizeof x->dims);
+        x->type = sample_stored(l.g.type);
+    }
     if (st == ST_OK)
         st = tiles ? tile_stream_open(&l, quiet, out) : layout_slices_open(&l, out);
     volume_layout_release(&l);

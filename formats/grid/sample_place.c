@@ -6,10 +6,21 @@
 
 enum { BLOCK = 512 }; /* samples */
 
+static const char chunks[] = "chunks";
+
 const char *sample_place_print(const sample_place *p, char text[GRID_PLACE_MAX]) {
+    if (p->refused || p->chunks) {
+        snprintf(text, GRID_PLACE_MAX, "%s%s", p->refused ? SAMPLE_PLACE_REFUSED : chunks,
+                 p->refused ? p->refused : "");
+        return text;
+    }
     snprintf(text, GRID_PLACE_MAX, "%llu %s %s", (unsigned long long)p->offset,
              sample_name(p->stored.type), p->big_endian ? "big" : "little");
     return text;
+}
+
+bool sample_place_is_chunks(const char *text) {
+    return strcmp(text, chunks) == 0;
 }
 
 bool sample_place_parse(const char *text, sample_place *out) {

@@ -316,6 +316,8 @@ status volume_skip(volume *v, uint32_t count) {
 bool volume_place(const volume *v, sample_place *out) {
     if (!v->from.place || !v->from.place(v->from.place_ctx, out))
         return false;
+    if (out->refused)
+        return true;
     out->has_missing = v->has_missing;
     out->missing = v->missing;
     return true;

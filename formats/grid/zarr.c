@@ -1,16 +1,15 @@
 #include "formats/grid/zarr.h"
 
-#include <endian.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
+#include "formats/grid/sample_place.h"
 #include "formats/grid/zarr_array.h"
 #include "formats/grid/zarr_present.h"
-#include "formats/input/named_file.h"
 
-enum { HELD_MAX = 1 << 28, NAME_ROOM = ZARR_AXES * 12 };
+enum { HELD_MAX = 1 << 28 };
 
 /* An open array. It holds the samples of one layer of chunks, or of a part of it, as stored but in
  * a grid's order. */
@@ -22,16 +21,15 @@ typedef struct zarr {
     grid g;                    /* sizes and type */
     uint32_t step;             /* the step to take */
     uint32_t first_c, numbers; /* range of a sample's numbers that are held */
-    size_t width;              /* bytes of a number */
-    size_t chunk_bytes, slice_bytes;
-    size_t
-        stride[ORDER_AXES]; /* distance in a chunk, in numbers, from one to the next along a role */
+    chunk_shape shape;
+    size_t slice_bytes;
     uint8_t *chunk, *held;
-    uint8_t *coded; /* a chunk before its filters are undone; NULL: no filters */
-    size_t coded_bytes;
+    uint8_t *coded;              /* a chunk before its filters are undone; NULL: no filters */
+    uint64_t read;               /* bytes of chunks' files so far */
     uint32_t room, first, count; /* in slices */
     stored_samples in_file;      /* as the file has them; a.stored: as they are held */
     double rounding;             /* largest rounding error so far */
+    char json[ZARR_PATH + 8];    /* path of the file that describes the array */
 } zarr;
 
 bool zarr_known(const char *folder) {
@@ -45,119 +43,36 @@ bool zarr_known(const char *folder) {
     return false;
 }
 
-static uint32_t chunk_of(const zarr *z, int role) {
-    return z->a.axis[role] < 0 ? 1 : z->a.chunk[z->a.axis[role]];
-}
-
 /* ---- chunks ---- */
 
-/* Read the chunk of these indices, one a role: unpacked, in native byte order. An absent chunk is
- * the fill value. */
-static status read_chunk(zarr *z, const uint32_t index[ORDER_AXES]) {
-    const zarr_array *a = &z->a;
-    char path[ZARR_PATH + NAME_ROOM];
-    int length = snprintf(path, sizeof path, "%s", a->path);
-    bool there = false;
-    for (int i = 0; i < a->axes; i++)
-        length += snprintf(path + length, sizeof path - (size_t)length, "%c%u",
-                           i ? a->separator : '/', a->role[i] < 0 ? 0 : index[a->role[i]]);
-    status st = named_file_check(z->folder, path, z->follow_links);
-    if (st == ST_OK)
-        st = zarr_chunk_read(z->m, a->codec, path, z->coded ? z->coded : z->chunk, z->coded_bytes,
-                             &there);
-    if (st == ST_OK && there && z->coded)
-        st = zarr_filters_undo(&a->filters, path, z->chunk_bytes / z->width, z->coded, z->chunk);
-    if (st != ST_OK)
-        return st;
-    for (size_t at = 0; !there && at < z->chunk_bytes; at += z->width)
-        memcpy(z->chunk + at, a->fill, z->width);
-    if (there && a->big_endian != (__BYTE_ORDER == __BIG_ENDIAN))
-        sample_swap(a->stored.type, z->chunk, z->chunk_bytes / z->width);
-    return ST_OK;
-}
-
-/* Copy a row of a chunk, from one number on, to where it is held. */
-static void copy_row(const zarr *z, size_t from, uint8_t *to, uint32_t count) {
-    const size_t step = z->stride[ORDER_X] * z->width, apart = z->numbers * z->width;
-    const uint8_t *number = z->chunk + from * z->width;
-    if (step == z->width && apart == z->width) {
-        memcpy(to, number, count * z->width);
-        return;
-    }
-    for (uint32_t i = 0; i < count; i++)
-        memcpy(to + i * apart, number + i * step, z->width);
-}
-
-/* Copy the part of a chunk that lies in the slices held in memory. box: this part, as first and end
- * per role. */
-static void copy_chunk(const zarr *z, const uint32_t index[ORDER_AXES],
-                       const uint32_t box[2][ORDER_AXES]) {
-    size_t from = 0;
-    uint32_t origin[ORDER_AXES];
-    for (int r = 0; r < ORDER_AXES; r++) {
-        origin[r] = index[r] * chunk_of(z, r);
-        from += (box[0][r] - origin[r]) * z->stride[r];
-    }
-    for (uint32_t k = box[0][ORDER_Z]; k < box[1][ORDER_Z]; k++)
-        for (uint32_t j = box[0][ORDER_Y]; j < box[1][ORDER_Y]; j++)
-            for (uint32_t c = box[0][ORDER_COMPONENT]; c < box[1][ORDER_COMPONENT]; c++) {
-                const size_t at = from + (k - box[0][ORDER_Z]) * z->stride[ORDER_Z] +
-                                  (j - box[0][ORDER_Y]) * z->stride[ORDER_Y] +
-                                  (c - box[0][ORDER_COMPONENT]) * z->stride[ORDER_COMPONENT];
-                const size_t row = (size_t)(k - z->first) * z->g.dims[1] + j;
-                uint8_t *to = z->held + ((row * z->g.dims[0] + box[0][ORDER_X]) * z->numbers + c -
-                                         z->first_c) *
-                                            z->width;
-                copy_row(z, at, to, box[1][ORDER_X] - box[0][ORDER_X]);
-            }
-}
-
-/* Find the first chunk that meets first .. end - 1 along each role, and the next one (false behind
- * the last). */
-static void first_chunk(const zarr *z, const uint32_t first[ORDER_AXES],
-                        uint32_t index[ORDER_AXES]) {
-    for (int r = 0; r < ORDER_AXES; r++)
-        index[r] = first[r] / chunk_of(z, r);
-}
-
-static bool next_chunk(const zarr *z, const uint32_t first[ORDER_AXES],
-                       const uint32_t end[ORDER_AXES], uint32_t index[ORDER_AXES]) {
-    for (int r = 0; r < ORDER_AXES; r++) {
-        if (++index[r] <= (end[r] - 1) / chunk_of(z, r))
-            return true;
-        index[r] = first[r] / chunk_of(z, r);
-    }
-    return false;
+/* Read a chunk into the one buffer for them. */
+static status hold_chunk(void *ctx, const uint32_t index[ORDER_AXES], const uint8_t **numbers) {
+    zarr *z = ctx;
+    const chunk_home in = {
+        .path = z->a.path, .trusted = z->folder, .follow_links = z->follow_links};
+    bool there;
+    const status st = chunk_array_read(z->m, &z->a.chunks, &z->shape, &in, index, z->chunk,
+                                       z->coded, &there, &z->read);
+    *numbers = there ? z->chunk : NULL;
+    return st;
 }
 
 /* ---- slices ---- */
 
 /* Hold slices from one on, at most up to the end of their layer of chunks. */
 static status hold(zarr *z, uint32_t slice) {
-    const uint32_t depth = chunk_of(z, ORDER_Z), layer_end = (slice / depth + 1) * depth;
+    const uint32_t depth = z->shape.along[ORDER_Z], layer_end = (slice / depth + 1) * depth;
     const uint32_t last = layer_end < z->g.dims[2] ? layer_end : z->g.dims[2];
+    const chunk_supply chunks = {.hold = hold_chunk, .ctx = z};
     z->first = slice;
     z->count = last - slice < z->room ? last - slice : z->room;
     const uint32_t first[ORDER_AXES] = {0, 0, slice, z->first_c, z->step};
     const uint32_t end[ORDER_AXES] = {z->g.dims[0], z->g.dims[1], slice + z->count,
                                       z->first_c + z->numbers, z->step + 1};
-    uint32_t index[ORDER_AXES];
-    first_chunk(z, first, index);
-    do {
-        uint32_t box[2][ORDER_AXES];
-        for (int r = 0; r < ORDER_AXES; r++) {
-            const uint64_t from = (uint64_t)index[r] * chunk_of(z, r), to = from + chunk_of(z, r);
-            box[0][r] = from > first[r] ? (uint32_t)from : first[r];
-            box[1][r] = to < end[r] ? (uint32_t)to : end[r];
-        }
-        status st = read_chunk(z, index);
-        if (st != ST_OK) {
-            z->count = 0;
-            return st;
-        }
-        copy_chunk(z, index, (const uint32_t(*)[ORDER_AXES])box);
-    } while (next_chunk(z, first, end, index));
-    return ST_OK;
+    const status st = chunk_array_gather(&z->a.chunks, &z->shape, first, end, &chunks, z->held);
+    if (st != ST_OK)
+        z->count = 0;
+    return st;
 }
 
 static status read_slices(void *ctx, uint32_t first, uint32_t count, void *slices) {
@@ -177,6 +92,19 @@ static status read_slices(void *ctx, uint32_t first, uint32_t count, void *slice
                                    z->a.path, k, bad, sample_name(z->a.stored.type));
     }
     return ST_OK;
+}
+
+/* Say where the chunks lie. */
+static bool tell_place(void *ctx, sample_place *out) {
+    const zarr *z = ctx;
+    *out = (sample_place){.path = z->json,
+                          .big_endian = z->a.chunks.big_endian,
+                          .stored = z->in_file,
+                          .chunks = &z->a.chunks,
+                          .step = z->step,
+                          .trusted = z->folder,
+                          .follow_links = z->follow_links};
+    return true;
 }
 
 /* ---- opening ---- */
@@ -268,14 +196,14 @@ static status count_absent(zarr *z, bool allow_missing) {
     zarr_range range;
     uint64_t there = 0;
     *absent = (absent_parts){.of = 1, .parts = "chunks"};
-    for (int i = 0; i < a->axes; i++) {
-        const int r = a->role[i];
+    for (int i = 0; i < a->chunks.axes; i++) {
+        const int r = a->chunks.role[i];
         const uint32_t from = r == ORDER_STEP ? z->step : r == ORDER_COMPONENT ? z->first_c : 0;
         const uint32_t count = r == ORDER_STEP        ? 1
                                : r == ORDER_COMPONENT ? z->numbers
                                                       : a->shape[i];
-        range.first[i] = from / a->chunk[i];
-        range.last[i] = (from + count - 1) / a->chunk[i];
+        range.first[i] = from / a->chunks.chunk[i];
+        range.last[i] = (from + count - 1) / a->chunks.chunk[i];
         const uint64_t chunks = range.last[i] - range.first[i] + 1;
         if (__builtin_mul_overflow(absent->of, chunks, &absent->of))
             absent->of = UINT64_MAX;
@@ -285,46 +213,27 @@ static status count_absent(zarr *z, bool allow_missing) {
     return st == ST_OK ? absent_check(absent, a->path, allow_missing) : st;
 }
 
-static status set_strides(zarr *z) {
-    const zarr_array *a = &z->a;
-    uint64_t stride = 1;
-    for (int i = 0; i < a->axes; i++) {
-        const int axis = a->fortran ? i : a->axes - 1 - i;
-        if (a->role[axis] >= 0)
-            z->stride[a->role[axis]] = stride;
-        if (__builtin_mul_overflow(stride, (uint64_t)a->chunk[axis], &stride) || stride >> 48)
-            return status_describe(ST_CORRUPT, "%s/.zarray: \"chunks\": no memory holds one",
-                                   a->path);
-    }
-    z->chunk_bytes = stride * z->width;
-    return ST_OK;
-}
-
 /* Make room for a chunk, and for its bytes before filters are undone. */
 static status make_chunk(zarr *z) {
-    const zarr_array *a = &z->a;
-    const zarr_number array = {a->stored.type, a->big_endian};
-    const size_t numbers = z->chunk_bytes / z->width;
-    size_t most;
-    z->coded_bytes = numbers * zarr_filters_width(&a->filters, array, &most);
-    z->chunk = mem_alloc(z->m, numbers * most);
-    if (a->filters.count)
-        z->coded = mem_alloc(z->m, numbers * most);
-    return z->chunk && (z->coded || !a->filters.count) ? ST_OK : ST_NOMEM;
+    const chunk_array *chunks = &z->a.chunks;
+    if (!chunk_array_measure(chunks, &z->shape))
+        return status_describe(ST_CORRUPT, "%s/.zarray: \"chunks\": no memory holds one",
+                               z->a.path);
+    z->chunk = mem_alloc(z->m, z->shape.room);
+    if (chunks->filters.count)
+        z->coded = mem_alloc(z->m, z->shape.room);
+    return z->chunk && (z->coded || !chunks->filters.count) ? ST_OK : ST_NOMEM;
 }
 
 static status make_room(zarr *z) {
-    z->width = sample_size(z->a.stored.type);
-    z->slice_bytes = (size_t)z->g.dims[0] * z->g.dims[1] * z->numbers * z->width;
-    status st = set_strides(z);
-    if (st != ST_OK)
-        return st;
-    st = make_chunk(z);
+    const size_t width = sample_size(z->a.stored.type);
+    z->slice_bytes = (size_t)z->g.dims[0] * z->g.dims[1] * z->numbers * width;
+    status st = make_chunk(z);
     if (st != ST_OK)
         return st;
     const uint64_t left = z->m->limit ? z->m->limit - mem_used(z->m) : UINT64_MAX;
     const uint64_t bytes = left / 4 < HELD_MAX ? left / 4 : HELD_MAX;
-    const uint64_t room = bytes / z->slice_bytes, depth = chunk_of(z, ORDER_Z);
+    const uint64_t room = bytes / z->slice_bytes, depth = z->shape.along[ORDER_Z];
     const uint64_t most = depth < z->g.dims[2] ? depth : z->g.dims[2];
     z->room = (uint32_t)(room < 1 ? 1 : room < most ? room : most);
     z->held = mem_alloc(z->m, z->room * z->slice_bytes);
@@ -350,6 +259,7 @@ status zarr_open(mem *m, const char *folder, const volume_hints *hints, slice_so
     if (st == ST_OK)
         st = make_room(z);
     z->a.stored.rounding = &z->rounding;
+    snprintf(z->json, sizeof z->json, "%s/.zarray", z->a.path);
     if (st != ST_OK) {
         close_zarr(z);
         return st;
@@ -360,6 +270,8 @@ status zarr_open(mem *m, const char *folder, const volume_hints *hints, slice_so
                           .m = m,
                           .g = z->g,
                           .read = read_slices,
+                          .place = tell_place,
+                          .place_ctx = z,
                           .close = close_zarr,
                           .ctx = z,
                           .rounding = &z->rounding,

@@ -153,13 +153,13 @@ static int role_of(const json_t *axis) {
 
 /* Set the axes' roles, by name, and units. The array's shape is not known yet. */
 static void name_axes(zarr_array *z, const json_t *axes) {
-    z->axes = (int)json_array_size(axes);
-    for (int i = 0; i < z->axes && i < ZARR_AXES; i++) {
+    z->chunks.axes = (int)json_array_size(axes);
+    for (int i = 0; i < z->chunks.axes && i < ZARR_AXES; i++) {
         static const int roles[] = {ORDER_X, ORDER_Y, ORDER_Z, ORDER_COMPONENT, ORDER_STEP};
         const json_t *axis = json_array_get(axes, (size_t)i);
         const char *unit = json_string_value(json_object_get(axis, "unit"));
         const int role = role_of(axis);
-        z->role[i] = role < 0 ? -1 : roles[role];
+        z->chunks.role[i] = role < 0 ? -1 : roles[role];
         text_name(z->unit[i], sizeof z->unit[i], unit ? ngff_units_symbol(unit) : "");
     }
 }
@@ -240,14 +240,14 @@ static status read_numbers(zarr_array *z, const json_t *root, const char *key, u
 }
 
 static status read_shape(zarr_array *z, const json_t *root) {
-    const int named = z->axes;
+    const int named = z->chunks.axes;
     int chunks = 0;
-    status st = read_numbers(z, root, "shape", z->shape, &z->axes);
+    status st = read_numbers(z, root, "shape", z->shape, &z->chunks.axes);
     if (st == ST_OK)
-        st = read_numbers(z, root, "chunks", z->chunk, &chunks);
-    if (st == ST_OK && chunks != z->axes)
+        st = read_numbers(z, root, "chunks", z->chunks.chunk, &chunks);
+    if (st == ST_OK && chunks != z->chunks.axes)
         st = bad(z, ".zarray", ST_CORRUPT, "chunks", "as many sizes as \"shape\" has");
-    if (st == ST_OK && named && named != z->axes)
+    if (st == ST_OK && named && named != z->chunks.axes)
         st = bad(z, ".zarray", ST_CORRUPT, "shape", "a size for each of the image's axes");
     return st;
 }
@@ -257,15 +257,15 @@ static void guess_roles(zarr_array *z) {
     static const int roles[] = {ORDER_STEP, ORDER_COMPONENT, ORDER_Z, ORDER_Y, ORDER_X};
     static const int numbers[] = {ORDER_Z, ORDER_Y, ORDER_X, ORDER_COMPONENT};
     int first = 0;
-    while (z->axes - first > 3 && z->shape[first] == 1)
-        z->role[first++] = -1;
-    const int left = z->axes - first;
+    while (z->chunks.axes - first > 3 && z->shape[first] == 1)
+        z->chunks.role[first++] = -1;
+    const int left = z->chunks.axes - first;
     for (int i = 0; i < left; i++)
-        z->role[first + i] = left > 5 ? -1 : roles[5 - left + i];
-    if (left == 4 && z->shape[z->axes - 1] <= NPY_NUMBERS)
-        memcpy(z->role + first, numbers, sizeof numbers);
+        z->chunks.role[first + i] = left > 5 ? -1 : roles[5 - left + i];
+    if (left == 4 && z->shape[z->chunks.axes - 1] <= NPY_NUMBERS)
+        memcpy(z->chunks.role + first, numbers, sizeof numbers);
     else if (left == 4)
-        z->role[first] = ORDER_STEP;
+        z->chunks.role[first] = ORDER_STEP;
 }
 
 static status find_axes(zarr_array *z, bool named) {
@@ -273,8 +273,8 @@ static status find_axes(zarr_array *z, bool named) {
         guess_roles(z);
     for (int r = 0; r < ORDER_AXES; r++)
         z->axis[r] = -1;
-    for (int i = 0; i < z->axes; i++) {
-        const int r = z->role[i];
+    for (int i = 0; i < z->chunks.axes; i++) {
+        const int r = z->chunks.role[i];
         if (r >= 0 ? z->axis[r] >= 0 : z->shape[i] > 1)
             return bad(z, ".zarray", ST_UNSUPPORTED, "shape",
                        "(z, y, x), (z, y, x, numbers), (t, z, y, x), (t, c, z, y, x), or axes that "
@@ -285,16 +285,16 @@ static status find_axes(zarr_array *z, bool named) {
     const int c = z->axis[ORDER_COMPONENT];
     z->stored.components = c < 0 ? 1 : z->shape[c];
     /* Channels are no vector, whether OME names them or they stand before the axes of space. */
-    if (named || (c >= 0 && c + 1 < z->axes))
+    if (named || (c >= 0 && c + 1 < z->chunks.axes))
         z->stored.component = 1;
     return ST_OK;
 }
 
 static status read_filters(zarr_array *z, const json_t *list) {
     char json[ZARR_PATH + FILE_NAME];
-    const zarr_number array = {z->stored.type, z->big_endian};
+    const zarr_number array = {z->stored.type, z->chunks.big_endian};
     snprintf(json, sizeof json, "%s/.zarray", z->path);
-    return zarr_filters_read(list, array, json, &z->filters);
+    return zarr_filters_read(list, array, json, &z->chunks.filters);
 }
 
 static status read_storage(zarr_array *z, const json_t *root) {
@@ -303,18 +303,19 @@ static status read_storage(zarr_array *z, const json_t *root) {
     const char *separator = json_string_value(json_object_get(root, "dimension_separator"));
     const json_t *compressor = json_object_get(root, "compressor");
     const char *id = json_string_value(json_object_get(compressor, "id"));
-    if (!type || !npy_type(type, &z->stored, &z->big_endian) || z->stored.components > 1)
+    if (!type || !npy_type(type, &z->stored, &z->chunks.big_endian) || z->stored.components > 1)
         return bad(z, ".zarray", ST_UNSUPPORTED, "dtype",
                    "bool, an 8 to 64 bit integer, half, float or double");
+    z->chunks.type = z->stored.type;
     status st = read_filters(z, json_object_get(root, "filters"));
     if (st != ST_OK)
         return st;
-    z->fortran = order && strcmp(order, "F") == 0;
-    z->separator = separator ? *separator : '.';
+    z->chunks.fortran = order && strcmp(order, "F") == 0;
+    z->chunks.separator = separator ? *separator : '.';
     if (separator && strcmp(separator, ".") != 0 && strcmp(separator, "/") != 0)
         return bad(z, ".zarray", ST_UNSUPPORTED, "dimension_separator", "\".\" or \"/\"");
-    z->codec = json_is_object(compressor) ? zarr_codec_find(id ? id : "") : ZARR_RAW;
-    if (z->codec)
+    z->chunks.codec = json_is_object(compressor) ? zarr_codec_find(id ? id : "") : ZARR_RAW;
+    if (z->chunks.codec)
         return ST_OK;
     return status_describe(ST_UNSUPPORTED,
                            "%s/.zarray: \"compressor\": \"%s\"; supported are blosc, zlib, gzip, "
@@ -335,11 +336,11 @@ static bool find_half(double value, uint16_t *out) {
     return false;
 }
 
-#define STORE(type)                    \
-    {                                  \
-        const type v = (type)value;    \
-        memcpy(z->fill, &v, sizeof v); \
-        return true;                   \
+#define STORE(type)                           \
+    {                                         \
+        const type v = (type)value;           \
+        memcpy(z->chunks.fill, &v, sizeof v); \
+        return true;                          \
     }
 
 static bool store_fill(zarr_array *z, double value) {
@@ -362,7 +363,7 @@ static bool store_fill(zarr_array *z, double value) {
     }
     if (!find_half(value, &half))
         return false;
-    memcpy(z->fill, &half, sizeof half);
+    memcpy(z->chunks.fill, &half, sizeof half);
     return true;
 }
 
@@ -378,7 +379,7 @@ static status read_fill(zarr_array *z, const json_t *root) {
     const bool known = !word || strcmp(word, "NaN") == 0 || isinf(value);
     if (json_is_integer(fill) && (z->stored.type == SAMPLE_I64 || z->stored.type == SAMPLE_U64)) {
         const int64_t whole = json_integer_value(fill);
-        memcpy(z->fill, &whole, sizeof whole);
+        memcpy(z->chunks.fill, &whole, sizeof whole);
         return ST_OK;
     }
     if (known && !json_is_array(fill) && !json_is_object(fill) && store_fill(z, value))
@@ -388,14 +389,14 @@ static status read_fill(zarr_array *z, const json_t *root) {
 
 status zarr_array_read(mem *m, const char *folder, const volume_hints *hints, zarr_array *out) {
     json_t *root = NULL;
-    *out = (zarr_array){.axes = 0};
+    *out = (zarr_array){.shape = {0}};
     for (int a = 0; a < ZARR_AXES; a++)
         out->scale[a] = 1;
     snprintf(out->path, sizeof out->path, "%s", folder);
     status st = strlen(folder) < sizeof out->path
                     ? find_array(m, out, hints->field)
                     : status_describe(ST_UNSUPPORTED, "%s: too long a path", folder);
-    const bool named = out->axes > 0;
+    const bool named = out->chunks.axes > 0;
     if (st == ST_OK)
         st = load(m, out->path, ".zarray", &root);
     if (st == ST_OK && json_integer_value(json_object_get(root, "zarr_format")) != 2)

@@ -10,6 +10,7 @@
 
 #include "formats/base/file.h"
 #include "formats/input/binary_fields.h"
+#include "formats/input/lzf.h"
 #include "formats/input/unpack_stream.h"
 
 zarr_codec zarr_codec_find(const char *id) {
@@ -46,13 +47,14 @@ static status read_exactly(byte_stream *s, unpack_stream *packed, void *to, size
     return st == ST_OK && (got < size || rest) ? wrong_size(byte_stream_name(s), size) : st;
 }
 
-static status take_stream(mem *m, bool is_packed, const char *path, void *to, size_t size) {
-    byte_stream *s = NULL;
+/* Unpack a stream, which is closed in any case. */
+static status take_stream(mem *m, bool is_packed, byte_stream *s, void *to, size_t size,
+                          uint64_t *read) {
     unpack_stream *packed = NULL;
     const uint8_t *start;
     size_t held = 0;
-    status st = byte_stream_open_stored(m, path, &s);
-    if (st == ST_OK && is_packed) {
+    status st = ST_OK;
+    if (is_packed) {
         st = byte_stream_peek(s, PACKER_PEEK, &start, &held);
         const packer *how = st == ST_OK ? packer_find(start, held) : NULL;
         if (st == ST_OK)
@@ -60,6 +62,7 @@ static status take_stream(mem *m, bool is_packed, const char *path, void *to, si
     }
     if (st == ST_OK)
         st = read_exactly(s, packed, to, size);
+    *read += byte_stream_position(s);
     unpack_stream_close(packed);
     byte_stream_close(s);
     return st;
@@ -134,30 +137,82 @@ static status take_lz4(const char *path, const uint8_t *bytes, size_t count, voi
     return ST_OK;
 }
 
-static status take_whole(mem *m, zarr_codec codec, const char *path, void *to, size_t size) {
+/* Unpack LZF, whose stream tells its size. */
+static status take_lzf(const char *path, const uint8_t *bytes, size_t count, void *to,
+                       size_t size) {
+    size_t unpacked = 0;
+    const char *why = lzf_size(bytes, count, &unpacked);
+    if (why)
+        return status_describe(ST_CORRUPT, "%s: damaged lzf data: %s", path, why);
+    if (unpacked != size)
+        return wrong_size(path, size);
+    lzf_unpack(bytes, count, to);
+    return ST_OK;
+}
+
+static status take_whole(mem *m, zarr_codec codec, const zarr_part *part, void *to, size_t size) {
+    uint8_t *bytes = mem_alloc(m, part->bytes);
+    status st = bytes ? file_read_at(part->in, part->offset, bytes, part->bytes) : ST_NOMEM;
+    if (st == ST_OK)
+        st = (codec == ZARR_BLOSC ? take_blosc
+              : codec == ZARR_LZ4 ? take_lz4
+                                  : take_lzf)(part->name, bytes, part->bytes, to, size);
+    mem_free(m, bytes);
+    return st;
+}
+
+static status take_file(mem *m, zarr_codec codec, const char *path, void *to, size_t size,
+                        uint64_t *read) {
     file *f = NULL;
     status st = file_open(m, path, &f);
     if (st != ST_OK)
         return st;
-    const size_t count = (size_t)file_size(f);
-    uint8_t *bytes = mem_alloc(m, count);
-    st = bytes ? file_read_at(f, 0, bytes, count) : ST_NOMEM;
-    if (st == ST_OK)
-        st = codec == ZARR_BLOSC ? take_blosc(path, bytes, count, to, size)
-                                 : take_lz4(path, bytes, count, to, size);
-    mem_free(m, bytes);
+    const zarr_part all = {f, 0, (size_t)file_size(f), path};
+    st = take_whole(m, codec, &all, to, size);
+    *read += all.bytes;
     file_close(f);
     return st;
 }
 
+/* A part as a source of bytes. */
+static status read_part(void *ctx, void *to, size_t size, size_t *got) {
+    zarr_part *left = ctx;
+    *got = size < left->bytes ? size : left->bytes;
+    const status st = file_read_at(left->in, left->offset, to, *got);
+    left->offset += *got;
+    left->bytes -= *got;
+    return st;
+}
+
+static void close_part(void *ctx) {
+    (void)ctx;
+}
+
+status zarr_chunk_read_part(mem *m, zarr_codec codec, const zarr_part *part, void *to,
+                            size_t size) {
+    zarr_part left = *part;
+    byte_stream *s = NULL;
+    uint64_t read = 0;
+    if (codec == ZARR_RAW)
+        return part->bytes == size ? file_read_at(part->in, part->offset, to, size)
+                                   : wrong_size(part->name, size);
+    if (codec != ZARR_STREAM)
+        return take_whole(m, codec, part, to, size);
+    const status st =
+        byte_stream_open_source(m, part->name, &(byte_source){read_part, close_part, &left}, &s);
+    return st == ST_OK ? take_stream(m, true, s, to, size, &read) : st;
+}
+
 status zarr_chunk_read(mem *m, zarr_codec codec, const char *path, void *to, size_t size,
-                       bool *there) {
+                       bool *there, uint64_t *read) {
     struct stat info;
     /* A link that leads nowhere counts as there: opening it will fail. */
     *there = lstat(path, &info) == 0 || (errno != ENOENT && errno != ENOTDIR);
     if (!*there)
         return ST_OK;
-    if (codec == ZARR_RAW || codec == ZARR_STREAM)
-        return take_stream(m, codec == ZARR_STREAM, path, to, size);
-    return take_whole(m, codec, path, to, size);
+    if (codec != ZARR_RAW && codec != ZARR_STREAM)
+        return take_file(m, codec, path, to, size, read);
+    byte_stream *s = NULL;
+    const status st = byte_stream_open_stored(m, path, &s);
+    return st == ST_OK ? take_stream(m, codec == ZARR_STREAM, s, to, size, read) : st;
 }

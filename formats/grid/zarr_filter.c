@@ -11,7 +11,8 @@ enum { BLOCK = 512, ELEMENT_MAX = 256 };
 
 typedef enum filter_kind { SHUFFLE, DELTA, SCALE, CONVERT } filter_kind;
 
-/* The filters, with the keys of the types before and after; NULL: no such key. */
+/* The filters, with the keys of the types before and after; NULL: no such key. The order is that of
+ * OUTSIDE.md. */
 static const struct {
     const char *id, *plain, *coded;
     filter_kind kind;
@@ -56,6 +57,11 @@ static bool types_suit(const zarr_filter *f) {
     }
 }
 
+static bool scale_suits(const zarr_filter *f) {
+    return filters[f->kind].kind != SCALE ||
+           (f->scale != 0 && isfinite(f->scale) && isfinite(f->offset));
+}
+
 static status read_filter(const json_t *filter, zarr_number at, const char *json, zarr_filter *f) {
     const char *id = json_string_value(json_object_get(filter, "id"));
     const int rows = sizeof filters / sizeof *filters;
@@ -81,8 +87,7 @@ static status read_filter(const json_t *filter, zarr_number at, const char *json
                                "%s: \"filters\": \"%s\": expected numbers of the type that the "
                                "array has there",
                                json, id);
-    if (filters[f->kind].kind == SCALE &&
-        !(f->scale != 0 && isfinite(f->scale) && isfinite(f->offset)))
+    if (!scale_suits(f))
         return status_describe(ST_CORRUPT, "%s: \"filters\": \"%s\": expected a scale, not 0", json,
                                id);
     return ST_OK;
@@ -100,6 +105,19 @@ status zarr_filters_read(const json_t *list, zarr_number array, const char *json
         out->count++;
     }
     return st;
+}
+
+bool zarr_filters_sound(const zarr_filters *f, zarr_number array) {
+    const int rows = sizeof filters / sizeof *filters;
+    for (int i = 0; i < f->count; array = f->of[i++].coded) {
+        const zarr_filter *at = &f->of[i];
+        if (at->kind < 0 || at->kind >= rows || at->element > ELEMENT_MAX || !types_suit(at) ||
+            !same_number(at->plain, array) || !scale_suits(at))
+            return false;
+        if (!filters[at->kind].plain && !same_number(at->coded, at->plain))
+            return false;
+    }
+    return true;
 }
 
 size_t zarr_filters_width(const zarr_filters *f, zarr_number array, size_t *most) {

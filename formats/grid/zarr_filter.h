@@ -19,7 +19,7 @@
 #include "formats/base/sample.h"
 #include "formats/base/status.h"
 
-enum { ZARR_FILTERS = 8 };
+enum { ZARR_FILTERS = 8, ZARR_FILTER_KINDS = 5 };
 
 typedef struct zarr_number {
     sample_type type;
@@ -27,7 +27,7 @@ typedef struct zarr_number {
 } zarr_number;
 
 typedef struct zarr_filter {
-    int kind; /* a row of the table in zarr_filter.c */
+    int kind; /* a row of the table in zarr_filter.c, which treelet files store (leaf_filter) */
     zarr_number plain,
         coded; /* numbers before and after the filter was applied; of shuffle the same */
     double scale, offset;
@@ -43,6 +43,10 @@ typedef struct zarr_filters {
  * filters. ST_UNSUPPORTED, ST_CORRUPT. json: the name of the file, for messages. */
 CHECKED status zarr_filters_read(const json_t *list, zarr_number array, const char *json,
                                  zarr_filters *out);
+
+/* zarr_filters_sound() - returns whether filters, as read from elsewhere, are such as
+ * zarr_filters_read() makes for an array of such numbers. */
+bool zarr_filters_sound(const zarr_filters *f, zarr_number array);
 
 /* zarr_filters_width() - returns the bytes of a number behind the last filter. most: out, the
  * widest number on the way, the array's own included. */

@@ -24,9 +24,9 @@ static bool take_index(const char **text, uint32_t first, uint32_t last) {
 /* Returns whether a name has the indices of the axes from `axis` on; if each axis has a folder, the
  * index of `axis`. */
 static bool is_chunk(const zarr_array *a, const zarr_range *r, int axis, const char *name) {
-    const int end = a->separator == '/' ? axis + 1 : a->axes;
+    const int end = a->chunks.separator == '/' ? axis + 1 : a->chunks.axes;
     for (int i = axis; i < end; i++) {
-        if (i > axis && *name++ != a->separator)
+        if (i > axis && *name++ != a->chunks.separator)
             return false;
         if (!take_index(&name, r->first[i], r->last[i]))
             return false;
@@ -39,7 +39,7 @@ static bool is_chunk(const zarr_array *a, const zarr_range *r, int axis, const c
 static status count_folder(const zarr_array *a, const zarr_range *r, int axis, char *path,
                            size_t room, uint64_t *count) {
     const size_t length = strlen(path);
-    const bool inner = a->separator == '/' && axis + 1 < a->axes;
+    const bool inner = a->chunks.separator == '/' && axis + 1 < a->chunks.axes;
     DIR *folder = opendir(path);
     if (!folder) /* a file in the place of an inner folder holds no chunks */
         return axis > 0 && (errno == ENOTDIR || errno == ENOENT)

@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "formats/base/sample.h"
+#include "formats/grid/chunk_array.h"
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/implied_payload.h"
 #include "formats/leaf/leaf_place.h"
@@ -19,6 +20,7 @@ static status check_parameters(const char *path, const leaf_header *h) {
         LEAF_FIELD(h, rectilinear, 0, 1),
         LEAF_FIELD(h, outside, 0, h->codec == LEAF_CODEC_ZSTD && h->fields == 1 && h->steps == 1),
         LEAF_FIELD(h, bare, 0, h->levels > 1),
+        LEAF_FIELD(h, outside_chunks, 0, h->outside ? UINT32_MAX : 0),
         LEAF_FIELD(h, fields, 1, LEAF_SETS_MAX),
         LEAF_FIELD(h, steps, 1, LEAF_SETS_MAX / (h->fields ? h->fields : 1)),
     };
@@ -70,14 +72,14 @@ static status check_layout(const char *path, const leaf_header *h, leaf_layout *
 
 static status check_rest(const char *path, const leaf_header *h) {
     const size_t tets = offsetof(leaf_header, tets), field = offsetof(leaf_header, field);
-    const size_t rest = offsetof(leaf_header, gradients), bare = offsetof(leaf_header, bare);
-    const size_t reserved = offsetof(leaf_header, reserved);
+    const size_t gradients = offsetof(leaf_header, gradients), bare = offsetof(leaf_header, bare);
+    const size_t rest = offsetof(leaf_header, reserved);
     status st = leaf_check_zero(path, (const char *)h + tets, field - tets, tets);
     if (st == ST_OK)
         st = leaf_check_text(path, h->field, sizeof h->field, field);
     if (st == ST_OK)
-        st = leaf_check_zero(path, (const char *)h + rest, bare - rest, rest);
-    return st == ST_OK ? leaf_check_zero(path, h->reserved, sizeof h->reserved, reserved) : st;
+        st = leaf_check_zero(path, (const char *)h + gradients, bare - gradients, gradients);
+    return st == ST_OK ? leaf_check_zero(path, (const char *)h + rest, sizeof *h - rest, rest) : st;
 }
 
 /* ---- The directory ---- */
@@ -109,6 +111,8 @@ static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
         return deviation_bytes(h);
     if (kind == LEAF_SECTION_OUTSIDE && h->outside)
         return sizeof(leaf_outside);
+    if (kind == LEAF_SECTION_CHUNKS)
+        return h->outside_chunks * sizeof(chunk_entry);
     if (kind != LEAF_SECTION_AXES || !h->rectilinear)
         return 0;
     return ((uint64_t)h->dims[0] + h->dims[1] + h->dims[2]) * sizeof(double);
@@ -116,16 +120,23 @@ static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
 
 /* leaf_file reads the axes itself. */
 static status allocate(leaf_file *f) {
-    f->outside = f->header.outside ? mem_zalloc(f->m, sizeof *f->outside) : NULL;
-    return f->header.outside && !f->outside ? ST_NOMEM : ST_OK;
+    const uint32_t chunks = f->header.outside_chunks;
+    if (f->header.outside && !(f->outside = mem_zalloc(f->m, sizeof *f->outside)))
+        return ST_NOMEM;
+    if (chunks && !(f->chunks = mem_array(f->m, chunks, sizeof *f->chunks)))
+        return ST_NOMEM;
+    return ST_OK;
 }
 
 static void *section(const leaf_file *f, uint32_t kind) {
-    return kind == LEAF_SECTION_OUTSIDE ? (void *)f->outside : NULL;
+    return kind == LEAF_SECTION_OUTSIDE  ? (void *)f->outside
+           : kind == LEAF_SECTION_CHUNKS ? (void *)f->chunks
+                                         : NULL;
 }
 
 static void release(leaf_file *f) {
     mem_free(f->m, f->outside);
+    mem_free(f->m, f->chunks);
 }
 
 static status lay_out(leaf_file *f, leaf_directory *d) {

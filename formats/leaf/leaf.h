@@ -64,6 +64,28 @@ enum {
     LEAF_OUTSIDE_MISSING = 1u << 2  /* `missing` stands for NaN */
 };
 
+/* How the samples of level 0 lie in other files. */
+typedef enum leaf_outside_form {
+    LEAF_OUTSIDE_PIECE = 0, /* in one piece of one file */
+    LEAF_OUTSIDE_FILES = 1, /* in chunks, each a file beside the one that describes them */
+    LEAF_OUTSIDE_TABLE = 2, /* in chunks, all in one file: section CHUNKS tells where */
+    LEAF_OUTSIDE_FORM_LAST = 2
+} leaf_outside_form;
+
+enum {
+    LEAF_CHUNKS_FORTRAN = 1u << 0, /* within a chunk the first axis is fastest, else the last */
+    LEAF_CHUNKS_SLASH = 1u << 1,   /* '/' is between the indices of its name, else '.' */
+    LEAF_CHUNKS_LINKS = 1u << 2,   /* chunks may lie outside of their folder */
+    LEAF_CHUNKS_SUMMED = 1u << 3   /* 4 bytes of a checksum lie behind a chunk's packed ones */
+};
+
+enum {
+    LEAF_CHUNK_AXES = 8,
+    LEAF_CHUNK_FILTERS = 8,
+    LEAF_FILTER_BIG_ENDIAN = 1u << 0, /* numbers before it was applied */
+    LEAF_FILTER_BIG_CODED = 1u << 1   /* numbers behind it */
+};
+
 /* clang-format off */
 /* Fields that concern grids alone are 0 for a mesh, and the other way round. */
 typedef struct leaf_header {   /* offset size */
@@ -110,7 +132,8 @@ typedef struct leaf_header {   /* offset size */
     uint32_t gradients;        /* 1488    4  1: each set has gradients too, else 0 */
     uint32_t moving;           /* 1492    4  1: steps behind the first have positions, else 0 */
     uint32_t bare;             /* 1496    4  grid: 1: levels above 0 have no samples, else 0 */
-    uint8_t reserved[2596];    /* 1500 2596 */
+    uint32_t outside_chunks;   /* 1500    4  entries of section CHUNKS */
+    uint8_t reserved[2592];    /* 1504 2592 */
 } leaf_header;
 
 typedef struct leaf_section {  /* offset size */
@@ -129,8 +152,18 @@ typedef struct leaf_part {     /* offset size */
     uint64_t bytes;            /*    8    8 */
     uint64_t id[2];            /*   16   16  of its header */
 } leaf_part;
-/* Where the samples of level 0 lie in a file of another format: as they are, x fastest, in one piece.
- * They become the samples of this one as FORMAT.md 11 says. */
+/* A filter that was applied to the numbers of a chunk before packing. */
+typedef struct leaf_filter {   /* offset size */
+    uint32_t kind;             /*    0    4  as in OUTSIDE.md, from 1 */
+    uint32_t element;          /*    4    4  shuffle: bytes of an element */
+    uint32_t type;             /*    8    4  sample_type of a number before it was applied */
+    uint32_t coded_type;       /*   12    4  and behind it */
+    uint32_t flags;            /*   16    4  LEAF_FILTER_* */
+    uint32_t reserved;         /*   20    4 */
+    double scale, offset;      /*   24   16  fixedscaleoffset */
+} leaf_filter;
+/* Where the samples of level 0 lie in files of another format: as they are, x fastest, in one piece,
+ * or in chunks. They become the samples of this one as OUTSIDE.md says. */
 typedef struct leaf_outside {  /* offset size */
     uint64_t file_bytes;       /*    0    8  length of that file, */
     int64_t modified_s;        /*    8    8    and its time of last modification, since 1970, */
@@ -145,10 +178,25 @@ typedef struct leaf_outside {  /* offset size */
     double missing;            /*   64    8  this value stands for NaN, if flags say so; else 0 */
     uint8_t reserved[56];      /*   72   56 */
     char path[3968];           /*  128 3968  of that file, from this one's folder; NUL-padded */
+    uint32_t form;             /* 4096    4  leaf_outside_form; LEAF_OUTSIDE_PIECE: the rest is 0 */
+    uint32_t axes;             /* 4100    4  of the array of chunks */
+    uint32_t chunk_flags;      /* 4104    4  LEAF_CHUNKS_* */
+    uint32_t codec;            /* 4108    4  that packs a chunk: zarr_codec */
+    uint32_t filters;          /* 4112    4  how many were applied before */
+    uint32_t step;             /* 4116    4  index along the axis of steps */
+    uint32_t levels_up;        /* 4120    4  the folder in which all must lie is so far up */
+    uint32_t reserved1;        /* 4124    4 */
+    uint8_t fill[8];           /* 4128    8  the number that absent chunks have, little endian */
+    uint64_t sum;              /* 4136    8  XXH3-64 of the file at `path` */
+    uint32_t chunk[LEAF_CHUNK_AXES]; /* 4144 32  numbers of a chunk along each axis, else 0 */
+    uint32_t role[LEAF_CHUNK_AXES];  /* 4176 32  of each axis: 0 none, 1 x, 2 y, 3 z, 4 number, 5 step */
+    leaf_filter filter[LEAF_CHUNK_FILTERS]; /* 4208 320  in the order in which they were applied */
+    uint8_t reserved2[80];     /* 4528   80 */
 } leaf_outside;
 /* clang-format on */
 
-_Static_assert(sizeof(leaf_outside) == 4096, "leaf_outside is 4096 bytes");
+_Static_assert(sizeof(leaf_filter) == 40, "leaf_filter is 40 bytes");
+_Static_assert(sizeof(leaf_outside) == 4608, "leaf_outside is 4608 bytes");
 _Static_assert(sizeof(leaf_part) == 32, "leaf_part is 32 bytes");
 _Static_assert(sizeof(leaf_header) == LEAF_HEADER_BYTES, "leaf_header is a page");
 _Static_assert(sizeof(leaf_section) == 32, "leaf_section is 32 bytes");
@@ -200,7 +248,8 @@ typedef enum leaf_section_kind {
                                  ascending */
     LEAF_SECTION_COARSE = 12, /* mesh, may be missing: leaf_part: a set's coarse grid */
     LEAF_SECTION_OUTSIDE = 13, /* grid with header.outside: leaf_outside */
-    LEAF_SECTION_LAST = 13,    /* the last that is known here */
+    LEAF_SECTION_CHUNKS = 14,  /* grid with header.outside_chunks: chunk_entry (chunk_array.h) */
+    LEAF_SECTION_LAST = 14,    /* the last that is known here */
     LEAF_SECTION_ANCILLARY =
         1 << 30, /* set in kinds that a reader may skip; it must know all others */
     LEAF_SECTION_HISTOGRAMS = LEAF_SECTION_ANCILLARY | 1, /* histogram (histogram.h): an element per

@@ -16,6 +16,8 @@
 #include "formats/leaf/leaf.h"
 #include "formats/leaf/leaf_layout.h"
 
+struct chunk_entry;
+
 /* leaf_check_header() - check magic, version, checksum, and every field's range, for a file of
  * file_bytes. ST_UNSUPPORTED for a later version, kind or feature, else ST_CORRUPT. */
 CHECKED status leaf_check_header(const char *path, const leaf_header *h, uint64_t file_bytes);
@@ -64,6 +66,11 @@ CHECKED status leaf_check_world(const char *path, const leaf_header *h, const wo
 /* leaf_check_outside() - check section OUTSIDE, which begins at byte `at`. */
 CHECKED status leaf_check_outside(const char *path, const leaf_header *h, const leaf_outside *o,
                                   uint64_t at);
+
+/* leaf_check_chunks() - check section CHUNKS, which begins at byte `at`, beside a section OUTSIDE
+ * that was found sound. */
+CHECKED status leaf_check_chunks(const char *path, const leaf_header *h, const leaf_outside *o,
+                                 const struct chunk_entry *chunks, uint64_t at);
 
 /* leaf_section_bytes() - the size that a section of this kind must have. 0 for an unknown kind, a
  * kind that this file lacks, and an unknown geometry.

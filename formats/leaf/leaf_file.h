@@ -40,11 +40,12 @@ typedef struct leaf_file {
     uint64_t *checksums;
     /* Level-0 node coordinates in grid space, never NULL (0, 1, 2, ... for a regular grid). */
     double *axis[3];
-    char (*names)[64];     /* per field; without FIELDS the first is the header's, others "" */
-    double *times;         /* per step; without TIMES 0, 1, 2 .. */
-    bool has_times;        /* section TIMES was there */
-    mesh_directory *mesh;  /* NULL: not a mesh */
-    leaf_outside *outside; /* section OUTSIDE of a grid, or NULL; */
+    char (*names)[64];          /* per field; without FIELDS the first is the header's, others "" */
+    double *times;              /* per step; without TIMES 0, 1, 2 .. */
+    bool has_times;             /* section TIMES was there */
+    mesh_directory *mesh;       /* NULL: not a mesh */
+    leaf_outside *outside;      /* section OUTSIDE of a grid, or NULL; */
+    struct chunk_entry *chunks; /* section CHUNKS, or NULL */
     struct outside_samples *samples; /* and the file that it names */
     void *besides;                   /* what the directory of another kind has in addition */
     histogram *histograms;           /* per set; NULL: the file has none */

@@ -32,6 +32,7 @@ void leaf_head_grid(leaf_header *h, const leaf_layout *l, const leaf_parameters 
     h->rectilinear = grid_is_rectilinear(g);
     h->outside = l->outside;
     h->bare = l->sampled < l->levels;
+    h->outside_chunks = p->chunk_count;
     h->fields = sets->fields;
     h->steps = sets->steps;
     if (l->sets > 1)

@@ -268,18 +268,18 @@ static status load_outside(leaf_unpacker *u, uint32_t p, void *payload) {
     const leaf_payload shape = leaf_layout_payload(&f->layout, p);
     const outside_box b = box_outside(&f->layout, p);
     char *samples = (char *)payload + shape.samples_at;
-    const status st = outside_samples_load(f->samples, &b, u->outside, samples);
-    u->beside_bytes += outside_samples_bytes(f->samples, &b);
+    const status st = outside_samples_load(f->samples, &b, u->outside, samples, &u->beside_bytes);
     if (st != ST_OK)
         return st;
     const uint64_t sum =
         outside_samples_sum(samples, leaf_payload_sample_bytes(&shape, f->layout.type));
+    char where[OUTSIDE_SAMPLES_TEXT];
     if (sum != f->checksums[p])
         return status_describe(ST_CORRUPT,
                                "%s: the samples of treelet %u have the checksum %016llx, expected "
                                "%016llx",
-                               outside_samples_path(f->samples), p, (unsigned long long)sum,
-                               (unsigned long long)f->checksums[p]);
+                               outside_samples_print(f->samples, &b, where), p,
+                               (unsigned long long)sum, (unsigned long long)f->checksums[p]);
     (void)grid_codes_make(&f->layout, p, u->codes, payload);
     return ST_OK;
 }

@@ -135,7 +135,7 @@ static void sum_up_mesh(leaf_writer *w) {
 static status write_sections(leaf_writer *w) {
     const void *arrays[LEAF_SECTION_LAST] = {
         w->ranges, w->own,    w->flags, w->offsets, w->sizes, w->checksums, w->axes,
-        w->bounds, w->counts, w->names, w->times,   w->parts, w->p.outside};
+        w->bounds, w->counts, w->names, w->times,   w->parts, w->p.outside, w->p.chunks};
     const void *ancillary[LEAF_ANCILLARY_LAST] = {w->histograms, w->deviations, &w->frame};
     for (uint32_t i = 0; i < w->header.sections; i++) {
         leaf_section *s = &w->table[i];

@@ -1,8 +1,10 @@
-/* outside_samples.h - the samples of level 0 that a grid's treelet file leaves in another one
- * (section OUTSIDE, FORMAT.md 11).
+/* outside_samples.h - the samples of level 0 that a grid's treelet file leaves in others (section
+ * OUTSIDE, formats/OUTSIDE.md).
  *
- * They are read row by row, or slice by slice where rows lie close together. The other file must
- * have the size and time that it had then, as the directory tells what need not be read.
+ * In one piece of a file: they are read row by row, or slice by slice where rows lie close
+ * together. That file must have the size and time that it had then, as the directory tells what
+ * need not be read. In chunks (outside_chunks.h): the file that describes them must be the same;
+ * of chunks, whoever reads samples compares their checksum.
  *
  * Thread-safe: any number of loads at once, each with a room of its own.
  */
@@ -16,8 +18,8 @@
 
 /* outside_samples_describe() - fill the section from a place that volume_place() told: its file's
  * size and time as they are now, and its path from the folder of `leaf`, which need not exist yet.
- * ST_UNSUPPORTED if the path is too long.
- * outside_samples_place() - the place that a section tells. */
+ * ST_UNSUPPORTED if the path is too long, or chunks are too large.
+ * outside_samples_place() - the place that a section tells, without its chunks. */
 CHECKED status outside_samples_describe(mem *m, const sample_place *at, const char *leaf,
                                         leaf_outside *out);
 sample_place outside_samples_place(const leaf_outside *o);
@@ -25,11 +27,14 @@ sample_place outside_samples_place(const leaf_outside *o);
 typedef struct outside_samples outside_samples;
 
 /* outside_samples_open() - open the file that a checked section names. leaf: the path of the
- * treelet file, whose level 0 has these dims. ST_CORRUPT: it is another one than then. */
+ * treelet file, whose level 0 has these dims. chunks: section CHUNKS, which must outlive it; NULL:
+ * none. ST_CORRUPT: it is another file than then. */
 CHECKED status outside_samples_open(mem *m, const char *leaf, const leaf_outside *o,
-                                    const uint32_t dims[3], outside_samples **out);
+                                    const struct chunk_entry *chunks, const uint32_t dims[3],
+                                    outside_samples **out);
 void outside_samples_close(outside_samples *s); /* NULL is fine */
 
+/* outside_samples_path() - of the file, or of the folder of chunks. */
 const char *outside_samples_path(const outside_samples *s);
 
 /* outside_samples_changed() - ST_CORRUPT if the file has changed since it was opened. */
@@ -42,13 +47,21 @@ typedef struct outside_box {
 } outside_box;
 
 /* outside_samples_room() - the bytes of a room for boxes of up to `side` nodes along x.
- * outside_samples_bytes() - returns how many bytes are read for a box. */
+ * outside_samples_bytes() - returns how many bytes of numbers a box takes: in one piece as many are
+ * read of the file; of chunks it depends on what is packed, and kept from other boxes. */
 size_t outside_samples_room(const outside_samples *s, uint32_t side);
 uint64_t outside_samples_bytes(const outside_samples *s, const outside_box *b);
 
-/* outside_samples_load() - make the samples of a box, x fastest, of sample_place_type(). */
+/* outside_samples_load() - make the samples of a box, x fastest, of sample_place_type(). The bytes
+ * that were read are added to *read. */
 CHECKED status outside_samples_load(outside_samples *s, const outside_box *b, void *room,
-                                    void *samples);
+                                    void *samples, uint64_t *read);
+
+/* outside_samples_print() - say where a box lies, for messages: the file, or the folder and its
+ * chunks. */
+enum { OUTSIDE_SAMPLES_TEXT = 4096 + 512 };
+const char *outside_samples_print(const outside_samples *s, const outside_box *b,
+                                  char text[OUTSIDE_SAMPLES_TEXT]);
 
 /* outside_samples_sum() - the checksum of a treelet's samples; never 0. */
 uint64_t outside_samples_sum(const void *samples, size_t bytes);

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
+#include "formats/grid/chunk_array.h"
 #include "formats/grid/volume_kind.h"
 #include "formats/leaf/outside_samples.h"
 #include "prep/convert_choices.h"
@@ -45,9 +46,28 @@ static void note(const convert_request *a, const void *own) {
 
 /* ---- in place ---- */
 
+/* Where samples stay: the sections of the file. The volume rests before they are written. */
+typedef struct staying {
+    leaf_outside outside;
+    chunk_entry *chunks; /* NULL: none; to be freed */
+} staying;
+
+/* Keep a copy of the table of a place. */
+static status keep_table(mem *m, const sample_place *at, staying *out, leaf_parameters *p) {
+    if (!at->table)
+        return ST_OK;
+    out->chunks = mem_array(m, at->table_count, sizeof *out->chunks);
+    if (!out->chunks)
+        return ST_NOMEM;
+    memcpy(out->chunks, at->table, at->table_count * sizeof *out->chunks);
+    p->chunks = out->chunks;
+    p->chunk_count = at->table_count;
+    return ST_OK;
+}
+
 /* Say in *out where the samples stay, and set the parameters for that. */
 static status stay_in_place(const convert_request *a, mem *m, const volume *v,
-                            const grid_series *series, leaf_outside *out, leaf_parameters *p) {
+                            const grid_series *series, staying *out, leaf_parameters *p) {
     sample_place at;
     if (series->of.sets.fields * series->of.sets.steps > 1)
         return status_describe(ST_UNSUPPORTED,
@@ -58,18 +78,26 @@ static status stay_in_place(const convert_request *a, mem *m, const volume *v,
     if (p->codec == LEAF_CODEC_RAW)
         return status_describe(ST_USAGE, "--in-place compresses: without --compress none");
     if (!volume_place(v, &at))
-        return status_describe(ST_UNSUPPORTED,
-                               "%s: --in-place takes samples that lie in one file as they are, x "
-                               "fastest: not packed or in chunks, no text, no pipe",
-                               a->common.input);
-    p->outside = out;
-    return outside_samples_describe(m, &at, a->common.output ? a->common.output : "", out);
+        return status_describe(
+            ST_UNSUPPORTED,
+            "%s: --in-place takes samples that lie in one file as they are, x "
+            "fastest, or in chunks of Zarr or HDF5: not packed, no text, no pipe",
+            a->common.input);
+    if (at.refused)
+        return status_describe(ST_UNSUPPORTED, "%s: --in-place: it cannot stay in its chunks: %s",
+                               a->common.input, at.refused);
+    p->outside = &out->outside;
+    const status st = keep_table(m, &at, out, p);
+    return st == ST_OK ? outside_samples_describe(m, &at, a->common.output ? a->common.output : "",
+                                                  &out->outside)
+                       : st;
 }
 
 /* ---- one series ---- */
 
-static status convert_grid(convert_request *a, mem *m, volume *v, const grid_series *series,
-                           double start) {
+/* in_place: room for what stays. */
+static status convert_staying(convert_request *a, mem *m, volume *v, const grid_series *series,
+                              double start, staying *in_place) {
     convert_options o = {.file = a->file,
                          .series = series,
                          .memory = m->limit,
@@ -79,8 +107,7 @@ static status convert_grid(convert_request *a, mem *m, volume *v, const grid_ser
                          .work = a->work.folder,
                          .job = &a->work.job};
     convert_plan plan;
-    leaf_outside outside;
-    status st = a->in_place ? stay_in_place(a, m, v, series, &outside, &o.file) : ST_OK;
+    status st = a->in_place ? stay_in_place(a, m, v, series, in_place, &o.file) : ST_OK;
     if (st == ST_OK)
         st = convert_plan_make(m, volume_grid(v), &o, &plan);
     if (st != ST_OK)
@@ -106,6 +133,14 @@ static status convert_grid(convert_request *a, mem *m, volume *v, const grid_ser
     if (out.result.absent.count)
         cli_note(&a->common, 1, "%s: %s", a->common.input, absent_print(&out.result.absent, text));
     return convert_grid_report(a, &plan, volume_grid(v), &out);
+}
+
+static status convert_grid(convert_request *a, mem *m, volume *v, const grid_series *series,
+                           double start) {
+    staying in_place = {.chunks = NULL};
+    const status st = convert_staying(a, m, v, series, start, &in_place);
+    mem_free(m, in_place.chunks);
+    return st;
 }
 
 static void note_left_out(void *ctx, const char *name, const char *why) {

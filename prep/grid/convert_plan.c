@@ -119,6 +119,7 @@ static uint64_t directory_size(const leaf_layout *l, const grid *g, const conver
                            .rectilinear = grid_is_rectilinear(g),
                            .outside = o->file.outside != NULL,
                            .bare = l->sampled < l->levels,
+                           .outside_chunks = o->file.chunk_count,
                            .fields = l->sets / l->steps,
                            .steps = l->steps};
     const bool there[LEAF_SECTION_LAST + 1] = {

@@ -9,6 +9,7 @@
 #include "formats/base/clock.h"
 #include "formats/base/file_guard.h"
 #include "formats/base/text.h"
+#include "formats/grid/imported_chunks.h"
 #include "formats/grid/nrrd_writer.h"
 #include "formats/grid/sample_place.h"
 #include "formats/grid/tile_stream.h"
@@ -38,6 +39,7 @@ static status set_option(void *own, int key, const char *text) {
     case IMPORT_KEY_STEP: return cli_uint(text, "--step", 0, STEP_MAX, &a->q.step);
     case IMPORT_KEY_LIST: a->list = true; return ST_OK;
     case IMPORT_KEY_TILES: a->tiles = true; return ST_OK;
+    case IMPORT_KEY_CHUNKS: a->q.chunks = true; return ST_OK;
     case IMPORT_KEY_GUARD: return file_guard_output(text);
     default: break;
     }
@@ -188,6 +190,22 @@ static status write_tiles(mem *m, arguments *a, const slice_source *from) {
     return st;
 }
 
+static status write_chunks(mem *m, const arguments *a, const slice_source *from) {
+    sample_place at = {.path = a->common.input};
+    out_stream *out = NULL;
+    if (!from->place || !from->place(from->place_ctx, &at) || !at.table)
+        return status_describe(ST_UNSUPPORTED, "%s: --chunks: it has none that others can read",
+                               a->common.input);
+    at.path = a->common.input;
+    status st = out_stream_create(m, a->common.output, a->common.force, false, &out);
+    if (st == ST_OK)
+        st = imported_chunks_write(&at, out);
+    if (st == ST_OK)
+        return out_stream_commit(out);
+    out_stream_discard(out);
+    return st;
+}
+
 static void note_grid(const arguments *a, const grid *g) {
     char text[ABSENT_TEXT];
     if (g->note[0])
@@ -221,7 +239,9 @@ static status import(mem *m, arguments *a) {
     if (st == ST_OK && a->tiles && from.place && from.place(from.place_ctx, &at))
         (void)sample_place_print(&at, from.g.place); /* for convert, which has started this */
     if (st == ST_OK)
-        st = a->tiles && from.read_tiles ? write_tiles(m, a, &from) : write_nrrd(m, a, &from);
+        st = a->q.chunks                   ? write_chunks(m, a, &from)
+             : a->tiles && from.read_tiles ? write_tiles(m, a, &from)
+                                           : write_nrrd(m, a, &from);
     st = judge(a, st);
     if (st == ST_OK)
         st = report(a, &from.g, clock_seconds() - start);

@@ -23,6 +23,7 @@ typedef struct import_request {
     uint32_t component; /* if a sample has several numbers: 1, 2, ..; 0: see volume_hints.h */
     uint32_t step;      /* if there are several time steps: from 0 on */
     input_trust trust;
+    bool chunks; /* the source is to tell where its chunks are, and not to be read */
 } import_request;
 
 /* An entry of --list: one of the file's fields. */

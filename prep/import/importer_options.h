@@ -14,13 +14,15 @@ enum {
     IMPORT_KEY_STEP,
     IMPORT_KEY_LIST,
     IMPORT_KEY_TILES,
+    IMPORT_KEY_CHUNKS,
     IMPORT_KEY_GUARD,
     IMPORT_KEY_OWN
 };
 
 /* Common rows for the end of an importer's table. Formats without steps or components leave those
- * rows out. --tiles: the caller can read a tile_stream.h, if the importer has one. --guard: names
- * the caller's output, which must not be an input. */
+ * rows out. --tiles: the caller can read a tile_stream.h, if the importer has one. --chunks:
+ * write where the samples' chunks are (imported_chunks.h), not the samples. --guard: names the
+ * caller's output, which must not be an input. */
 #define IMPORT_FIELD_BY(what, which)                                            \
     {                                                                           \
         "field", IMPORT_KEY_FIELD, "NAME", CLI_BASIC,                           \
@@ -38,6 +40,7 @@ enum {
     { "list", IMPORT_KEY_LIST, NULL, CLI_BASIC, "print what " what " there are; write nothing", 0 }
 #define IMPORT_LAST                                                             \
     {"tiles", IMPORT_KEY_TILES, NULL, OPTION_HIDDEN, "for convert", 0},         \
+        {"chunks", IMPORT_KEY_CHUNKS, NULL, OPTION_HIDDEN, "for convert", 0},   \
         {"guard", IMPORT_KEY_GUARD, "FILE", OPTION_HIDDEN, "for convert", 0}, { \
         NULL, 0, NULL, 0, NULL, 0                                               \
     }

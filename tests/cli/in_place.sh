@@ -139,7 +139,6 @@ for name in "<i2", ">i2", "<f4", ">f8", "<u4":
     write("whole" + name[1:] + "lb"[name[0] == ">"], a.astype(name))
 write("series", numpy.stack([a, a[::-1], a[:, ::-1]]))
 write("behind", a, block=1024)
-write("chunks", a, chunks=(10, 10, 10))
 write("scaled", a, {"scale_factor": 0.5})
 write("filled", a, {"_FillValue": numpy.uint8(7)})
 write("half", a.astype("<f2"))
@@ -148,7 +147,7 @@ PY
         pair h5_$name $name.h5
     done
     pair h5_step series.h5 --step 2
-    for name in chunks scaled filled half; do
+    for name in scaled filled half; do
         exits "HDF5, $name: refused" 3 "$leafcast" convert "$in/$name.h5" -o "$tmp/r.leaf" --in-place
         ok "HDF5, $name: told" says "$name.h5: --in-place takes samples that lie in one file"
     done

@@ -51,6 +51,7 @@ static void take_fields(naive_leaf *leaf) {
     leaf->rectilinear = naive_number(b + 60, 4) == 1;
     leaf->outside = naive_number(b + 76, 4) == 1;
     leaf->bare = naive_number(b + 1496, 4) == 1;
+    leaf->outside_chunks = (long)naive_number(b + 1500, 4);
     leaf->fields = (long)naive_number(b + 64, 4);
     leaf->steps = (long)naive_number(b + 68, 4);
     leaf->sets = leaf->fields * leaf->steps;
@@ -96,7 +97,8 @@ static bool read_header(naive_leaf *leaf) {
         return wrong(leaf, "file_bytes");
     uint64_t sections = naive_number(b + 72, 4);
     if (leaf->size < 4096 + 32 * sections || !naive_zeros(leaf->bytes, 1344, 1424) ||
-        !naive_zeros(leaf->bytes, 1488, 1496) || !naive_zeros(leaf->bytes, 1500, 4096))
+        !naive_zeros(leaf->bytes, 1488, 1496) || !naive_zeros(leaf->bytes, 1504, 4096) ||
+        (leaf->outside_chunks && !leaf->outside))
         return wrong(leaf, "section table cut off, or reserved bytes");
     if (!naive_text(b + 1424, 64))
         return wrong(leaf, "the name of the first field");
@@ -211,6 +213,7 @@ enum {
     FIELDS = 10,
     TIMES,
     OUTSIDE = 13,
+    CHUNKS,
     KINDS
 };
 
@@ -239,7 +242,8 @@ static uint64_t section_bytes(const naive_leaf *leaf, uint64_t kind) {
     static const int element[] = {0, 8, 8, 1};
     switch (kind) {
     case AXES: return 8 * (uint64_t)(leaf->dims[0] + leaf->dims[1] + leaf->dims[2]);
-    case OUTSIDE: return 4096;
+    case OUTSIDE: return 4608;
+    case CHUNKS: return 16 * (uint64_t)leaf->outside_chunks;
     case FIELDS: return 64 * (uint64_t)leaf->fields;
     case TIMES: return 8 * (uint64_t)leaf->steps;
     case OFFSETS:
@@ -254,6 +258,7 @@ static bool belongs(const naive_leaf *leaf, int kind, bool there) {
     switch (kind) {
     case AXES: return there == leaf->rectilinear;
     case OUTSIDE: return there == leaf->outside;
+    case CHUNKS: return there == (leaf->outside_chunks > 0);
     case 8:
     case 9:
     case 12: return !there;
@@ -632,11 +637,6 @@ static bool read_set(naive_leaf *leaf, long set, tally *t) {
 
 /* ---- loading ---- */
 
-static bool read_outside(naive_leaf *leaf, const char *path, const unsigned char *section) {
-    const char *why = naive_outside_read(leaf, path, section, &leaf->other);
-    return !why || wrong(leaf, "%s", why);
-}
-
 static bool read_file(naive_leaf *leaf, const char *path) {
     FILE *in = fopen(path, "rb");
     if (!in)
@@ -653,16 +653,19 @@ static bool read_file(naive_leaf *leaf, const char *path) {
 
 bool naive_leaf_load_set(naive_leaf *leaf, const char *path, long set) {
     const unsigned char *where[KINDS] = {NULL};
+    const char *why;
     uint64_t end;
     tally t = {.lo = INFINITY, .hi = -INFINITY};
     memset(leaf, 0, sizeof *leaf);
-    bool good = read_file(leaf, path) && read_header(leaf) && check_to_world(leaf) &&
-                lay_out(leaf) && order_treelets(leaf) && repeat_treelets(leaf) &&
-                find_sections(leaf, where, &end) && read_ranges(leaf, where) &&
-                (!leaf->rectilinear || read_axes(leaf, where[AXES])) &&
-                read_labels(leaf, where[FIELDS], where[TIMES]) &&
-                (!leaf->outside || read_outside(leaf, path, where[OUTSIDE])) &&
-                read_directory(leaf, where, end);
+    bool good =
+        read_file(leaf, path) && read_header(leaf) && check_to_world(leaf) && lay_out(leaf) &&
+        order_treelets(leaf) && repeat_treelets(leaf) && find_sections(leaf, where, &end) &&
+        read_ranges(leaf, where) && (!leaf->rectilinear || read_axes(leaf, where[AXES])) &&
+        read_labels(leaf, where[FIELDS], where[TIMES]) &&
+        (!leaf->outside ||
+         !(why = naive_outside_read(leaf, path, where[OUTSIDE], where[CHUNKS], &leaf->other)) ||
+         wrong(leaf, "%s", why)) &&
+        read_directory(leaf, where, end);
     /* The one that is asked for comes last, and stays. */
     for (long i = 1; good && i <= leaf->sets; i++)
         good = read_set(leaf, (set + i) % leaf->sets, &t);
@@ -686,10 +689,6 @@ void naive_leaf_release(naive_leaf *leaf) {
     free(leaf->bytes);
     free(leaf->other);
     memset(leaf, 0, sizeof *leaf);
-}
-
-bool naive_leaf_is_bare(const naive_leaf *leaf, const naive_treelet *t) {
-    return leaf->bare && t->level > 0;
 }
 
 float naive_leaf_sample(const naive_leaf *leaf, int level, long i, long j, long k) {

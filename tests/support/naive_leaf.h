@@ -47,6 +47,7 @@ typedef struct naive_leaf {
     long dims[3];
     int levels, cells_log2, halo, run_align_log2, codec;
     bool rectilinear, outside, bare;
+    long outside_chunks;
     double value_min, value_max, rounding_error, to_world[3][4];
     uint64_t non_finite;
     char name[64], provenance[1024];
@@ -74,7 +75,9 @@ bool naive_leaf_load_set(naive_leaf *leaf, const char *path, long set);
 void naive_leaf_release(naive_leaf *leaf);
 
 /* naive_leaf_is_bare() - whether a treelet has no samples, nor have the nodes of its level. */
-bool naive_leaf_is_bare(const naive_leaf *leaf, const naive_treelet *t);
+static inline bool naive_leaf_is_bare(const naive_leaf *leaf, const naive_treelet *t) {
+    return leaf->bare && t->level > 0;
+}
 
 /* naive_leaf_sample() - of a node of a level. */
 float naive_leaf_sample(const naive_leaf *leaf, int level, long i, long j, long k);

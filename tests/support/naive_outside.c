@@ -9,6 +9,7 @@
 #include <xxhash.h>
 
 #include "tests/support/naive_bytes.h"
+#include "tests/support/naive_chunks.h"
 
 typedef struct place {
     uint64_t file_bytes, offset;
@@ -46,13 +47,12 @@ static const char *read_section(const unsigned char *b, place *p) {
     return NULL;
 }
 
-static const char *read_file(const char *leaf, const char *name, const place *p,
+static const char *read_file(const char *leaf, const char *name, const place *p, char path[8192],
                              unsigned char **bytes) {
-    char path[8192];
     struct stat info;
     const char *slash = strrchr(leaf, '/');
     const int folder = name[0] == '/' || !slash ? 0 : (int)(slash + 1 - leaf);
-    snprintf(path, sizeof path, "%.*s%s", folder, leaf, name);
+    snprintf(path, 8192, "%.*s%s", folder, leaf, name);
     FILE *in = fopen(path, "rb");
     if (!in)
         return "the other file cannot be opened";
@@ -140,24 +140,47 @@ static void put_sample(const naive_leaf *leaf, const place *p, const unsigned ch
         out[i] = (unsigned char)(whole >> (8 * i));
 }
 
+/* Take the numbers of chunks, in the place of their file's bytes. */
+static const char *take_chunks(const naive_leaf *leaf, const unsigned char *section,
+                               const unsigned char *table, const char *path, place *p,
+                               unsigned char **bytes) {
+    const naive_chunks_file in = {path, *bytes, p->file_bytes, table, leaf->outside_chunks};
+    unsigned char *numbers;
+    const char *why = naive_chunks_read(section, &in, leaf->dims, &numbers);
+    free(*bytes);
+    *bytes = numbers;
+    p->components = p->component ? 1 : p->components;
+    p->component = 0;
+    p->big = false;
+    return why;
+}
+
 const char *naive_outside_read(const naive_leaf *leaf, const char *path,
-                               const unsigned char *section, unsigned char **samples) {
+                               const unsigned char *section, const unsigned char *table,
+                               unsigned char **samples) {
     place p;
     unsigned char *bytes = NULL;
     const char *why = read_section(section, &p);
+    char file[8192];
+    int chunks = 0;
+    if (!why)
+        why = naive_chunks_check(section, &chunks);
     const uint64_t count =
                        (uint64_t)leaf->dims[0] * (uint64_t)leaf->dims[1] * (uint64_t)leaf->dims[2],
                    size = why ? 1 : (uint64_t)widths[p.type] * (uint64_t)p.components;
-    if (!why && (p.offset > p.file_bytes || count * size > p.file_bytes - p.offset))
+    if (!why && !chunks && (p.offset > p.file_bytes || count * size > p.file_bytes - p.offset))
         why = "the samples end behind their file";
     if (!why && p.has_missing && is_integer(p.type) && leaf->sample_type != 5)
         why = "integers with missing data that are no floats";
     if (!why)
-        why = read_file(path, (const char *)section + 128, &p, &bytes);
+        why = read_file(path, (const char *)section + 128, &p, file, &bytes);
+    if (!why && chunks)
+        why = take_chunks(leaf, section, table, file, &p, &bytes);
     const size_t width = (size_t)widths[leaf->sample_type];
+    const uint64_t step = why ? 0 : (uint64_t)widths[p.type] * (uint64_t)p.components;
     *samples = why ? NULL : malloc(count * width);
     for (uint64_t i = 0; *samples && i < count; i++)
-        put_sample(leaf, &p, bytes + p.offset + i * size, *samples + i * width);
+        put_sample(leaf, &p, bytes + p.offset + i * step, *samples + i * width);
     free(bytes);
     return why ? why : *samples ? NULL : "no memory";
 }

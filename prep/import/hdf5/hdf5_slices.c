@@ -1,11 +1,13 @@
 #include "prep/import/hdf5/hdf5_slices.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "formats/base/file.h"
 #include "formats/base/text.h"
 #include "formats/grid/sample_place.h"
+#include "prep/import/hdf5/hdf5_chunks.h"
 #include "prep/import/hdf5/hdf5_field.h"
 #include "prep/import/hdf5/hdf5_lzf.h"
 #include "prep/import/hdf5/hdf5_minc.h"
@@ -23,6 +25,9 @@ typedef struct hdf5_slices {
     char path[HDF5_PATH]; /* of the data set */
     uint32_t step, channel;
     packed_slices slices;
+    bool tell_chunks; /* where they are */
+    chunk_array chunks;
+    chunk_entry *table;
 } hdf5_slices;
 
 /* ---- the file ---- */
@@ -54,6 +59,7 @@ static void close_slices(void *ctx) {
         H5Fclose(s->file);
     file_close(s->guard);
     packed_slices_end(&s->slices);
+    mem_free(s->m, s->table);
     mem_free(s->m, s);
 }
 
@@ -62,6 +68,7 @@ static status create(mem *m, const import_request *q, hdf5_slices **out) {
     if (!s)
         return ST_NOMEM;
     s->m = m;
+    s->tell_chunks = q->chunks;
     s->file = s->field.set = s->field.memory = H5I_INVALID_HID;
     status st = hdf5_storage_begin(m, &q->trust);
     if (st == ST_OK)
@@ -398,19 +405,82 @@ static bool lies_in_order(const hdf5_field *f) {
            f->at[HDF5_Y] == f->rank - 2 && f->at[HDF5_Z] == f->rank - 3;
 }
 
-/* Numbers that become samples as they are, in one piece of the file. */
+/* Whether a stored number becomes a sample, or part of one, as it is. *big: its byte order. */
+static bool are_plain(const hdf5_slices *s, bool *big) {
+    const packed_samples *p = &s->field.packed;
+    hid_t type = H5Dget_type(s->field.set);
+    const bool plain = p->wide == PACKED_NARROW && !p->fills && !p->has_range && p->scale == 1.0 &&
+                       p->offset == 0.0 && !s->slices.scales && is_plain(type, p->type, big);
+    H5Tclose(type);
+    return plain;
+}
+
+/* Whether the data set is of the file that was opened: links lead to others. */
+static bool is_own(const hdf5_slices *s) {
+    char of_set[PATH_MAX] = "", of_file[PATH_MAX] = "";
+    return H5Fget_name(s->field.set, of_set, sizeof of_set) > 0 &&
+           H5Fget_name(s->file, of_file, sizeof of_file) > 0 && strcmp(of_set, of_file) == 0;
+}
+
+/* The chunks that the grid meets. */
+static void find_range(const hdf5_slices *s, const sample_place *at, chunk_range *out) {
+    const stored_samples *n = &at->stored;
+    const uint32_t number = n->component ? n->component - 1 : 0;
+    uint32_t first[ORDER_AXES] = {0}, end[ORDER_AXES];
+    chunk_shape shape;
+    for (int a = 0; a < 3; a++)
+        end[a] = (uint32_t)hdf5_field_count(&s->field, HDF5_X + a);
+    first[ORDER_COMPONENT] = number;
+    end[ORDER_COMPONENT] = n->component || !n->components ? number + 1 : n->components;
+    first[ORDER_STEP] = s->step;
+    end[ORDER_STEP] = s->step + 1;
+    (void)chunk_array_measure(&s->chunks, &shape);
+    (void)chunk_array_range(&shape, first, end, out);
+}
+
+/* Chunks of numbers. */
+static void find_chunks(hdf5_slices *s, bool big, sample_place *out) {
+    const hdf5_field *f = &s->field;
+    const bool axis = f->at[HDF5_C] >= 0, all = axis && f->packed.components > 1;
+    packed_samples joined = f->packed;
+    chunk_range range;
+    *out = (sample_place){.big_endian = big,
+                          .stored = {.type = f->packed.type, .components = 1},
+                          .chunks = &s->chunks,
+                          .step = s->step};
+    if (axis)
+        out->stored.components = (uint32_t)hdf5_field_count(f, HDF5_C);
+    out->stored.component = axis && !all ? s->channel + 1 : 0;
+    out->stored.colours = all && packed_is_colour(&joined);
+    out->refused = !is_own(s) ? "it is a data set of another file"
+                   : !axis && joined.components > 1
+                       ? "elements of several numbers"
+                       : hdf5_chunks_describe(f, f->packed.type, big, &s->chunks);
+    if (out->refused || !s->tell_chunks)
+        return;
+    find_range(s, out, &range);
+    if (hdf5_chunks_find(s->m, f, file_path(s->guard), &s->chunks, &range, &s->table) != ST_OK)
+        out->refused = "the library does not tell where they are";
+    out->table = s->table;
+    out->table_count = 1;
+    for (int r = 0; r < ORDER_AXES; r++)
+        out->table_count *= range.count[r];
+}
+
+/* Numbers that become samples as they are, in one piece of the file, or in chunks. */
 static bool find_place(void *ctx, sample_place *out) {
-    const hdf5_slices *s = ctx;
+    hdf5_slices *s = ctx;
     const hdf5_field *f = &s->field;
     const packed_samples *p = &f->packed;
-    const haddr_t at = H5Dget_offset(f->set);
-    hid_t type = H5Dget_type(f->set);
     bool big = false;
-    const bool plain = p->wide == PACKED_NARROW && p->components == 1 && !p->fills &&
-                       !p->has_range && p->scale == 1.0 && p->offset == 0.0 && !s->slices.scales &&
-                       packed_type(p) == p->type && is_plain(type, p->type, &big);
-    H5Tclose(type);
-    if (!plain || at == HADDR_UNDEF || !lies_in_order(f))
+    if (!are_plain(s, &big))
+        return false;
+    if (f->chunk[0]) {
+        find_chunks(s, big, out);
+        return true;
+    }
+    const haddr_t at = H5Dget_offset(f->set);
+    if (p->components > 1 || packed_type(p) != p->type || at == HADDR_UNDEF || !lies_in_order(f))
         return false;
     uint64_t step = sample_size(p->type);
     for (int a = 0; a < 3; a++)

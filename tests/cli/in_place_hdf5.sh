@@ -1,0 +1,147 @@
+#!/bin/sh
+# in_place_hdf5.sh - treelet files that leave the samples of level 0 in the chunks of an HDF5 data set, whose importer
+# tells where they are: the same samples, pictures and values as of a file with all; what stays refused, by name.
+# marks: long
+. tests/support/tap.sh
+
+says() { grep -q -- "$1" "$tmp/err"; }
+python=$(python_with h5py)
+if [ -z "$python" ] || ! "$leafcast" import-hdf5 --help >/dev/null 2>&1; then
+    skip "HDF5 in place" "no python3-h5py, or no leafcast import-hdf5 here"
+    finish
+fi
+in=$tmp/in
+mkdir "$in"
+"$python" - "$in" >"$tmp/list" <<'PY'
+import sys, zlib, h5py, numpy as np
+folder = sys.argv[1] + "/"
+rng = np.random.default_rng(5)
+a = np.cumsum(rng.integers(-3, 4, (40, 37, 41)), 2)
+a = (a - a.min()).astype("u1")
+def write(name, samples, options="", attributes={}, listed=True, fill=None, **more):
+    with h5py.File(f"{folder}{name}.h5", "w", **({"userblock_size": more.pop("block")} if "block" in more else {})) as f:
+        d = f.create_dataset("d", data=samples, fillvalue=fill, **more)
+        d.attrs.update(attributes)
+    if listed:
+        print(name, options)
+for t in "u1", "<i2", ">i2", "<u4", ">f4", "<f8":
+    write(f"plain{t[-2:]}{'b' if t[0] == '>' else ''}", a.astype(t), chunks=(10, 12, 13))
+write("gzip", a.astype("<u2"), chunks=(16, 16, 16), compression="gzip")
+write("shuffled", a.astype(">i4"), chunks=(16, 16, 16), compression="gzip", shuffle=True)
+write("summed", a.astype("<f4"), chunks=(7, 37, 41), compression="gzip", shuffle=True, fletcher32=True)
+write("only_summed", a, chunks=(9, 9, 9), fletcher32=True)
+write("lzf", a.astype("<f4"), chunks=(10, 12, 13), compression="lzf", shuffle=True)
+write("noise", rng.integers(0, 256, a.shape).astype("u1"), chunks=(10, 12, 13), compression="lzf")
+write("large", a, chunks=(40, 37, 41), compression="gzip")
+write("grows", a, chunks=(9, 9, 9), maxshape=(None, None, None), compression="gzip")
+write("steps", np.stack([a, a[::-1], a[:, ::-1]]), "--step 2", chunks=(2, 10, 10, 10), compression="gzip")
+write("three", np.stack([a, a[::-1], a[:, ::-1]], -1), "", chunks=(10, 10, 10, 2))
+write("one_of_three", np.stack([a, a[::-1], a[:, ::-1]], -1), "--component 2", chunks=(10, 10, 10, 3), compression="gzip")
+write("vector", rng.standard_normal((30, 29, 28, 2)).astype("<f4"), "", chunks=(10, 10, 10, 2))
+write("channel", np.stack([[a, a[::-1]], [a[:, ::-1], a // 2]]), "--step 1 --component 2", chunks=(1, 1, 10, 10, 10))
+for fill in 0, 7: # chunks that were never written
+    with h5py.File(f"{folder}sparse{fill}.h5", "w") as f:
+        d = f.create_dataset("d", (90, 80, 70), "<i2", chunks=(30, 30, 30), fillvalue=fill, compression="gzip")
+        d[30:60, 30:60, 30:60] = 100
+        d[31:50, 35:55, 31:51] = a[:19, :20, :20]
+    print(f"sparse{fill}")
+with h5py.File(folder + "skipped.h5", "w") as f: # chunks without some of the filters
+    d = f.create_dataset("d", (20, 20, 20), "<u2", chunks=(10, 10, 10), compression="gzip", shuffle=True)
+    for i in range(8):
+        at = tuple(10 * (i >> k & 1) for k in (2, 1, 0))
+        part = a[at[0]:at[0] + 10, at[1]:at[1] + 10, at[2]:at[2] + 10].astype("<u2")
+        data = part.tobytes()
+        if not i & 1:
+            data = np.frombuffer(data, "u1").reshape(-1, 2).T.tobytes()
+        if not i & 2:
+            data = zlib.compress(data)
+        d.id.write_direct_chunk(at, data, filter_mask=i & 3)
+print("skipped")
+with h5py.File(folder + "two.h5", "w") as f:
+    f.create_dataset("large", data=a, chunks=(10, 10, 10))
+    f.create_dataset("small", data=a[:20, :20, :20], chunks=(6, 6, 6), compression="gzip")
+print("two --field /small")
+# What stays refused.
+write("scaleoffset", a, listed=False, chunks=(10, 10, 10), scaleoffset=0)
+write("behind", a, listed=False, chunks=(10, 10, 10), block=1024)
+write("scaled", a, listed=False, attributes={"scale_factor": 0.5}, chunks=(10, 10, 10))
+write("filled", a, listed=False, attributes={"_FillValue": np.uint8(7)}, chunks=(10, 10, 10))
+write("half", a.astype("<f2"), listed=False, chunks=(10, 10, 10))
+with h5py.File(folder + "linked.h5", "w") as f:
+    f["d"] = h5py.ExternalLink("gzip.h5", "/d")
+PY
+
+# pair NAME OPTIONS... - NAME.h5 as $tmp/NAME.leaf, in place, and $tmp/all.leaf: what they draw and tell.
+pair() {
+    name=$1
+    shift
+    exits "$name: in place" 0 "$leafcast" convert "$in/$name.h5" -o "$tmp/$name.leaf" --in-place --force "$@" --threads 3
+    run "$leafcast" convert "$in/$name.h5" -o "$tmp/all.leaf" --compress zstd --force "$@"
+    [ "$rc" = 0 ] || ok "$name: with all samples" false
+    for file in "$name" all; do
+        run "$leafcast" export "$tmp/$file.leaf" -o "$tmp/$file.raw" --format raw --force
+        [ "$rc" = 0 ] || ok "$name: export of $file" false
+        run "$leafcast" render "$tmp/$file.leaf" -o "$tmp/$file.ppm" --size 80x70 --tf auto --force --memory 40M --threads 4
+        [ "$rc" = 0 ] || ok "$name: render of $file" false
+        run "$leafcast" probe "$tmp/$file.leaf" --point 3.25,4.5,5.75 --json
+        [ "$rc" = 0 ] || ok "$name: probe of $file" false
+        grep -v '"rerun"' "$tmp/out" >"$tmp/$file.told"
+    done
+    for what in raw ppm told; do
+        ok "$name, $what: the same" cmp "$tmp/$name.$what" "$tmp/all.$what"
+    done
+    exits "$name: sound" 0 "$leafcast" verify "$tmp/$name.leaf"
+}
+while read -r name options; do
+    # shellcheck disable=SC2086
+    pair "$name" $options
+done <"$tmp/list"
+ok "these were $(wc -l <"$tmp/list") data sets" [ "$(wc -l <"$tmp/list")" -gt 20 ]
+exits "info" 0 "$leafcast" info "$tmp/gzip.leaf"
+ok "says in which file level 0 is" grep -q "level 0  *in place, in .*in/gzip.h5$" "$tmp/out"
+
+# ---- what stays refused ----
+
+refused() {
+    # shellcheck disable=SC2086
+    exits "$1: refused" 3 "$leafcast" convert "$in/$1.h5" -o "$tmp/r.leaf" --in-place ${3-}
+    ok "$1: told" says "$1.h5: --in-place$2"
+    ok "$1: nothing is left" [ ! -e "$tmp/r.leaf" ]
+    # shellcheck disable=SC2086
+    exits "$1: converted otherwise" 0 "$leafcast" convert "$in/$1.h5" -o "$tmp/r.leaf" ${3-}
+    rm -f "$tmp/r.leaf"
+}
+refused scaleoffset ": it cannot stay in its chunks: scaleoffset"
+refused behind ": it cannot stay in its chunks: a user block in front"
+refused linked ": it cannot stay in its chunks: it is a data set of another file" "--field /d"
+for name in scaled filled half; do
+    refused $name " takes samples that lie in one file"
+done
+exits "--chunks is for convert" 3 "$leafcast" import-hdf5 --chunks "$in/half.h5" -o "$tmp/x"
+ok "and says so" says "half.h5: --chunks: it has none"
+
+# ---- a file that changes ----
+
+cp "$in/shuffled.h5" "$tmp/c.h5"
+run "$leafcast" convert "$tmp/c.h5" -o "$tmp/c.leaf" --in-place
+touch -r "$tmp/c.h5" "$tmp/time"
+touch -d '2001-01-01' "$tmp/c.h5"
+exits "another time: refused" 3 "$leafcast" verify "$tmp/c.leaf"
+ok "by name" says "c.h5: has another time than when"
+"$python" - "$tmp/c.h5" <<'PY'
+import sys, h5py
+with h5py.File(sys.argv[1], "r") as f:
+    d = f["d"]
+    at = d.id.get_chunk_info(5)
+with open(sys.argv[1], "r+b") as f:
+    f.seek(at.byte_offset + 20)
+    f.write(b"\0" * 40)
+PY
+touch -r "$tmp/time" "$tmp/c.h5"
+exits "a damaged chunk: refused" 3 "$leafcast" verify "$tmp/c.leaf"
+ok "by its byte" says "c.h5: the chunk at byte [0-9]*: \|c.h5: chunk.* the samples of treelet"
+truncate -s -100 "$tmp/c.h5"
+touch -r "$tmp/time" "$tmp/c.h5"
+exits "shorter: refused" 3 "$leafcast" verify "$tmp/c.leaf"
+ok "by its length" says "c.h5: has [0-9]* bytes; it had"
+finish
