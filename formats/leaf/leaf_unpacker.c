@@ -284,6 +284,21 @@ static status load_outside(leaf_unpacker *u, uint32_t p, void *payload) {
     return ST_OK;
 }
 
+status leaf_file_check_implied(leaf_file *f, uint32_t p, leaf_unpacker *u, void *payload) {
+    const leaf_layout *l = &f->layout;
+    if (!leaf_layout_is_outside(l, p) || !leaf_file_is_implied(f, p))
+        return ST_OK;
+    const outside_box b = box_outside(l, p);
+    char *samples = (char *)payload + leaf_layout_payload(l, p).samples_at;
+    char where[OUTSIDE_SAMPLES_TEXT];
+    const status st = outside_samples_load(f->samples, &b, u->outside, samples, &u->beside_bytes);
+    if (st != ST_OK || l->geometry->implies(l, p, f->own[p], f->flags[p], payload))
+        return st;
+    return status_describe(ST_CORRUPT,
+                           "%s: the samples of treelet %u are not all the same, as they were",
+                           outside_samples_print(f->samples, &b, where), p);
+}
+
 static status refuse_bare(const leaf_file *f, uint32_t p) {
     const leaf_layout *l = &f->layout;
     const uint32_t t = p % l->treelets;

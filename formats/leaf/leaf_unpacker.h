@@ -28,6 +28,11 @@ uint64_t leaf_unpacker_take(leaf_unpacker *u);
 /* leaf_file_bytes_outside() - returns how many bytes of another file loading payload p takes. */
 uint64_t leaf_file_bytes_outside(const leaf_file *f, uint32_t p);
 
+/* leaf_file_check_implied() - of an implied payload whose treelet lies in another file: read that,
+ * and check that all samples are the one value. Others are fine. payload, u: as of
+ * leaf_file_load(); payload has the implied bytes, and keeps them unless it fails. */
+CHECKED status leaf_file_check_implied(leaf_file *f, uint32_t p, leaf_unpacker *u, void *payload);
+
 /* leaf_file_load() - read payload p's stored bytes, check them, and decode them into payload.
  *
  * payload   leaf_layout_payload_bytes(p) bytes, 64-byte aligned

@@ -284,6 +284,8 @@ static status verify_treelet(void *ctx, size_t index, int worker) {
         st = check_codes(&s);
     if (st == ST_OK)
         st = check_border(&s);
+    if (st == ST_OK)
+        st = leaf_file_check_implied(f, p, v->unpackers[worker], v->payloads[worker]);
     if (st != ST_OK)
         return st;
     note_shared(&s, &v->edges[t]);

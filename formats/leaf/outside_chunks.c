@@ -186,7 +186,8 @@ static status open_cache(outside_chunks *c, const leaf_outside *o, const outside
                        .table = in->table,
                        .in = in->f};
     chunk_shape s;
-    char *trusted = mem_copy_text(c->m, c->path);
+    char real[PATH_MAX]; /* of which names can be cut: none of them is `..` */
+    char *trusted = mem_copy_text(c->m, realpath(c->path, real) ? real : c->path);
     if (!trusted)
         return ST_NOMEM;
     cut_names(trusted, o->levels_up);

@@ -51,6 +51,8 @@ static uint64_t slab_side_memory(const grid *g, const convert_options *o,
                                  const convert_plan *plan) {
     const leaf_layout *l = &plan->layout;
     uint64_t bytes = read_ahead_memory(g, plan->batch);
+    if (o->work && plan->spilled_levels > 0) /* a slice at a time, when unfinished work is loaded */
+        bytes += (uint64_t)g->dims[0] * g->dims[1] * sample_size(l->type) + 128;
     for (uint32_t level = 0; level < l->sampled; level++) {
         slab_plan held = convert_plan_slab(plan, level, o->threads);
         bytes += slab_memory(l, level, &held);

@@ -400,22 +400,25 @@ static status save_slice(slab *s, state_io *io, uint32_t z) {
     return st;
 }
 
-/* Load the next slice through a buffer, and store it as ever. */
-static status load_slice(slab *s, state_io *io, char *slice) {
+/* Load the next slice to its place, or through a buffer, to be spilled as ever. */
+static status load_slice(slab *s, state_io *io, char *buffer) {
+    const size_t bytes = (size_t)slice_bytes(&s->shape);
+    char *slice = buffer ? buffer : s->samples + s->next_z % s->shape.depth * bytes;
     storing job = {.s = s, .slices = slice};
-    status st = state_io_bytes(io, slice, (size_t)slice_bytes(&s->shape));
-    if (st == ST_OK)
+    status st = state_io_bytes(io, slice, bytes);
+    memset(map_of(s, s->next_z), 1, s->tiles);
+    if (st == ST_OK && buffer)
         st = store_slice(&job, 0, 0);
     s->next_z++;
     return st;
 }
 
 static status load_slices(slab *s, state_io *io, uint32_t end) {
-    char *slice = mem_alloc(s->m, (size_t)slice_bytes(&s->shape));
-    status st = slice ? ST_OK : ST_NOMEM;
+    char *buffer = s->spilled ? mem_alloc(s->m, (size_t)slice_bytes(&s->shape)) : NULL;
+    status st = buffer || !s->spilled ? ST_OK : ST_NOMEM;
     while (st == ST_OK && s->next_z < end)
-        st = load_slice(s, io, slice);
-    mem_free(s->m, slice);
+        st = load_slice(s, io, buffer);
+    mem_free(s->m, buffer);
     return st;
 }
 

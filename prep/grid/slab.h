@@ -70,8 +70,8 @@ CHECKED status slab_take(slab *s, uint32_t index, slab_box *out);
 void slab_next(slab *s);
 
 /* slab_keep() - save or load which slices there are, and those that the slabs to come need. No slab
- * is complete; one that loads is new. The slab that loads may be held otherwise. Loading takes a
- * slice's memory for a while. */
+ * is complete; one that loads is new. The slab that loads may be held otherwise. If it is
+ * spilled, loading takes a slice's memory for a while. */
 CHECKED status slab_keep(slab *s, state_io *io);
 
 #endif

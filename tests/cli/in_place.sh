@@ -251,4 +251,35 @@ ok "standard input" says "convert: -: --in-place takes samples that lie in one f
 cp "$in/u8.nrrd" "$tmp/named.leaf"
 exits "the input as output" 2 "$leafcast" convert "$tmp/named.leaf" -o "$tmp/named.leaf" --in-place --force
 ok "stays what it was" cmp "$in/u8.nrrd" "$tmp/named.leaf"
+
+# ---- where all samples are one value, nothing is stored of them: verify looks all the same ----
+
+python3 - "$tmp" <<'PY'
+import json, os, sys
+n = 70
+a = bytearray(n ** 3)
+for z in range(20):
+    for y in range(20):
+        a[(z * n + y) * n:(z * n + y) * n + 20] = bytes(range(1, 21))
+open(sys.argv[1] + "/empty_70x70x70_uint8.raw", "wb").write(a)
+folder = sys.argv[1] + "/empty.zarr"
+os.mkdir(folder)
+json.dump({"zarr_format": 2, "shape": [n] * 3, "chunks": [35] * 3, "dtype": "|u1", "compressor": None, "fill_value": 0,
+           "order": "C", "filters": None}, open(folder + "/.zarray", "w"))
+first = b"".join(a[(z * n + y) * n:(z * n + y) * n + 35] for z in range(35) for y in range(35))
+open(folder + "/0.0.0", "wb").write(first)
+PY
+run "$leafcast" convert "$tmp/empty_70x70x70_uint8.raw" -o "$tmp/e1.leaf" --in-place
+run "$leafcast" convert "$tmp/empty.zarr" -o "$tmp/e2.leaf" --in-place --allow-missing
+for n in 1 2; do
+    exits "zeros left where they are" 0 "$leafcast" verify "$tmp/e$n.leaf"
+done
+touch -r "$tmp/empty_70x70x70_uint8.raw" "$tmp/time"
+printf 'x' | dd of="$tmp/empty_70x70x70_uint8.raw" bs=1 seek=$((69 * 70 * 70)) conv=notrunc 2>/dev/null
+touch -r "$tmp/time" "$tmp/empty_70x70x70_uint8.raw"
+exits "one that is not zero any more" 3 "$leafcast" verify "$tmp/e1.leaf"
+ok "is found" says "empty_70x70x70_uint8.raw.*the samples of treelet [0-9]* are not all the same, as they were"
+head -c $((35 * 35 * 35)) "$tmp/empty_70x70x70_uint8.raw" >"$tmp/empty.zarr/1.1.1"
+exits "a chunk that has come" 3 "$leafcast" verify "$tmp/e2.leaf"
+ok "is found, too" says "empty.zarr.*the samples of treelet [0-9]* are not all the same, as they were"
 finish

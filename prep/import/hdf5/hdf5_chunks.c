@@ -49,9 +49,19 @@ static const char *take_filter(H5Z_filter_t filter, uint32_t element, chunk_arra
     return NULL;
 }
 
+/* Whether chunks that reach over the edge are stored without filters, which no chunk says of
+ * itself.
+ */
+static bool spares_edges(hid_t plist) {
+    unsigned options = 0;
+    return H5Pget_chunk_opts(plist, &options) < 0 || options & H5D_CHUNK_DONT_FILTER_PARTIAL_CHUNKS;
+}
+
 static const char *take_filters(hid_t plist, uint64_t chunk_bytes, chunk_array *a) {
     const int count = H5Pget_nfilters(plist);
-    const char *why = count < 0 ? "filters that are not told" : NULL;
+    const char *why = count < 0                          ? "filters that are not told"
+                      : count > 0 && spares_edges(plist) ? "chunks at the edge without filters"
+                                                         : NULL;
     for (int i = 0; i < count && !why; i++) {
         unsigned flags, setup, values[8] = {0};
         size_t given = sizeof values / sizeof *values;

@@ -473,8 +473,10 @@ static bool find_place(void *ctx, sample_place *out) {
     const hdf5_field *f = &s->field;
     const packed_samples *p = &f->packed;
     bool big = false;
-    if (!are_plain(s, &big))
-        return false;
+    if (!are_plain(s, &big)) {
+        out->refused = "numbers whose type, scale or fill value HDF5 undoes";
+        return f->chunk[0] > 0;
+    }
     if (f->chunk[0]) {
         find_chunks(s, big, out);
         return true;
