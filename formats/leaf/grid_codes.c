@@ -10,7 +10,7 @@ enum {
     BLOCK = 1 << LEAF_BLOCK_LOG2,
     BLOCKS_MAX = 1 << (3 * (LEAF_CELLS_LOG2_MAX - LEAF_BLOCK_LOG2)),
     ROW_MAX = CELLS_MAX + 1,
-    SOME_BYTES = 32 /* of samples at once */
+    SOME = 32 /* samples at once; of fewer gcc makes no vectors */
 };
 
 struct grid_codes_scratch {
@@ -55,7 +55,7 @@ typedef struct block_rows {
     static inline void some_##suffix(const block_rows *r, uint32_t x, uint32_t n, T *restrict lo, \
                                      T *restrict hi) {                                            \
         const T *slice = (const T *)r->first + x;                                                 \
-        T a[SOME_BYTES / sizeof(T)], b[SOME_BYTES / sizeof(T)];                                   \
+        T a[SOME], b[SOME];                                                                       \
         for (uint32_t i = 0; i < n; i++) {                                                        \
             a[i] = OF_LO(slice[i]);                                                               \
             b[i] = OF_HI(slice[i]);                                                               \
@@ -74,7 +74,6 @@ typedef struct block_rows {
     }                                                                                             \
     static void line_##suffix(grid_codes_scratch *s, const block_rows *r, uint32_t by,            \
                               uint32_t bz) {                                                      \
-        enum { SOME = SOME_BYTES / sizeof(T) };                                                   \
         T *restrict lo = (T *)s->row_lo, *restrict hi = (T *)s->row_hi;                           \
         const uint32_t cells = r->nodes - 1;                                                      \
         for (uint32_t x = 0; x + SOME <= r->nodes; x += SOME)                                     \
