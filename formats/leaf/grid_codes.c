@@ -49,7 +49,7 @@ typedef struct block_rows {
     uint32_t rows, slices, nodes;
 } block_rows;
 
-/* Reduce the rows of a line to one, some samples at once, which stay in registers: the last ones of
+/* Reduce the rows of a line to one, some samples at once: the last ones of
  * a row are taken together with some before them. Then reduce that to blocks. */
 #define DEFINE_BLOCK_LINE(suffix, T, OF_LO, OF_HI)                                                \
     static inline void some_##suffix(const block_rows *r, uint32_t x, uint32_t n, T *restrict lo, \

@@ -17,8 +17,7 @@ static status store_slices(grid_conversion *c, uint32_t level, read_slices in) {
         if (st != ST_OK)
             return st;
         in.samples += some * slice_bytes;
-        if (in.busy)
-            in.busy += some * slice_tiles_count(dims);
+        in.busy += some * slice_tiles_count(dims);
         in.count -= some;
     }
     return ST_OK;
@@ -72,8 +71,7 @@ static status push_batch(grid_conversion *c, read_slices in, bool *complete) {
         c->slices_done += some;
         *complete |= grid_levels_pass(c);
         in.samples += some * slice_bytes;
-        if (in.busy)
-            in.busy += some * slice_tiles_count(dims);
+        in.busy += some * slice_tiles_count(dims);
         in.count -= some;
     }
     return ST_OK;
