@@ -33,7 +33,7 @@ static void tell_sizes(const leaf_file *f, const fact_sheet *to) {
     uint64_t counts[SIZES_MAX] = {0};
     json_t *rows = json_array();
     for (uint32_t p = 0; p < f->layout.payloads; p++)
-        if (f->sizes[p])
+        if (leaf_file_is_home(f, p))
             counts[(63 - __builtin_clzll(f->sizes[p])) % SIZES_MAX]++;
     fact_sheet_row(to, "\nstored size        payloads");
     for (int i = 0; i < SIZES_MAX; i++) {

@@ -38,7 +38,7 @@ static size_t shared_bytes(const resident_store *s, uint32_t t) {
 static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t, uint32_t *family) {
     const leaf_layout *l = &s->file->layout;
     const uint32_t p = leaf_layout_samples(l, set, t);
-    const uint64_t own = s->file->sizes[p];
+    const uint64_t own = leaf_file_stored(s->file, p);
     if (leaf_file_is_outside(s->file, p))
         return leaf_file_bytes_outside(s->file, p);
     if (!l->shells || t == 0 || !own)
@@ -46,7 +46,7 @@ static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t, uint32
     const uint32_t parent = leaf_layout_parent(l, t);
     const bool counted = *family == parent;
     *family = parent;
-    return own + (counted ? 0 : s->file->sizes[leaf_layout_shell(l, set, parent)]);
+    return own + (counted ? 0 : leaf_file_stored(s->file, leaf_layout_shell(l, set, parent)));
 }
 
 static void ahead(const resident_store *s, uint32_t set, uint32_t t) {

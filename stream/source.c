@@ -259,9 +259,12 @@ status source_read(source *s, uint32_t p, uint32_t from, uint32_t bytes, void *t
 void source_ahead(source *s, uint32_t p) {
     const file *from = s->file->source;
     const int fd = file_descriptor(from);
-    if (fd >= 0 && leaf_file_has_bytes(s->file, p))
-        (void)posix_fadvise(fd, (off_t)(file_offset(from) + s->file->offsets[p]),
-                            (off_t)s->file->sizes[p], POSIX_FADV_WILLNEED);
+    uint32_t chain[LEAF_CHAIN_MAX];
+    if (fd < 0 || !leaf_file_has_bytes(s->file, p))
+        return;
+    for (int i = leaf_file_chain(s->file, p, chain); i-- > 0;)
+        (void)posix_fadvise(fd, (off_t)(file_offset(from) + s->file->offsets[chain[i]]),
+                            (off_t)s->file->sizes[chain[i]], POSIX_FADV_WILLNEED);
 }
 
 size_t source_overhead_bytes(const source *s) {

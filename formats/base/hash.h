@@ -7,6 +7,13 @@
 
 uint64_t hash_bytes(const void *data, size_t size);
 
+/* hash_stream_begin() - for bytes that come in pieces; NULL: no room. hash_stream_add() - take the
+ * next. hash_stream_end() - returns the checksum of all, and frees the stream. */
+typedef struct hash_stream hash_stream;
+hash_stream *hash_stream_begin(void);
+void hash_stream_add(hash_stream *s, const void *data, size_t size);
+uint64_t hash_stream_end(hash_stream *s);
+
 typedef struct hash_id {
     uint64_t lo, hi;
 } hash_id;

@@ -7,6 +7,7 @@
                                        set_parameters() */
 #include <zstd.h>
 
+#include "formats/base/hash.h"
 #include "formats/leaf/box_rows.h"
 #include "formats/leaf/float_steps.h"
 #include "formats/leaf/leaf.h"
@@ -32,6 +33,7 @@ struct box_coder {
     ZSTD_DCtx *decompressor;
     const box_rows *rows;
     box_work w;
+    void *earlier;  /* T of all samples: those of the boxes that differences are to */
     uint8_t *bytes; /* residuals by bytes */
     uint32_t *logs; /* of the encoder: x log2(x), for x below 2 ESTIMATED */
 };
@@ -74,9 +76,9 @@ static unsigned flip_of(sample_type type) {
     return type == SAMPLE_I8 ? 0x80 : type == SAMPLE_I16 ? 0x8000 : 0;
 }
 
-/* flip: exclusive or with each sample. */
-static void gather(const box_coder *c, const coded_box *boxes, uint32_t count, unsigned flip) {
-    char *out = c->w.values;
+/* flip: exclusive or with each sample. out: c->w.values or c->earlier. */
+static void gather(const box_coder *c, const coded_box *boxes, uint32_t count, unsigned flip,
+                   char *out) {
     for (uint32_t i = 0; i < count; i++) {
         const coded_box *b = &boxes[i];
         switch (sample_size(c->type)) {
@@ -129,6 +131,23 @@ static bool take_multiples(uint32_t *values, uint32_t *room, size_t n, box_code 
     for (size_t i = 0; i < n; i++)
         values[i] = values[i] == FLOAT_MISSING ? 0 : room[i] - code->base;
     return true;
+}
+
+/* Turn earlier floats into values of the map of a code. One that is no multiple counts as 0. */
+static void map_earlier(const box_coder *c, size_t n, const box_code *code) {
+    uint32_t *values = c->earlier;
+    if (!code->map) {
+        for (size_t i = 0; i < n; i++)
+            values[i] = ordered(values[i]);
+        return;
+    }
+    const double size = float_step_size(code->map), in_one = float_steps_in_one(code->map);
+    for (size_t i = 0; i < n; i++) {
+        int32_t multiple;
+        const bool is_one =
+            values[i] != FLOAT_MISSING && float_step_multiple(values[i], size, in_one, &multiple);
+        values[i] = is_one ? (uint32_t)multiple - code->base : 0;
+    }
 }
 
 static void map_floats(const box_coder *c, size_t n, box_code *code) {
@@ -225,27 +244,63 @@ static uint64_t cost_of(box_coder *c, const coded_box *boxes, uint32_t count, in
     return sum * step;
 }
 
-/* Choose the cheapest prediction, with or without a background. share: of the commonest value, in
- * 256ths. From LEAST_SHARE on, its map has been made. */
-static int choose(box_coder *c, const coded_box *boxes, uint32_t count, size_t n, unsigned share) {
+/* What is known of values before they are coded. */
+typedef struct box_choice {
+    int how;         /* box_prediction */
+    uint32_t common; /* the commonest value */
+    uint64_t cost;   /* in bits / 2^LOG_BITS */
+} box_choice;
+
+/* Choose the cheapest prediction of the values, with or without a background, and make the map of
+ * that. */
+static box_choice choose(box_coder *c, const coded_box *boxes, uint32_t count, size_t n) {
     static const int hows[] = {BOX_NONE,   BOX_ROW | BOX_ALONG,   BOX_PLANE, BOX_PLANE | BOX_ALONG,
                                BOX_MEDIAN, BOX_MEDIAN | BOX_ALONG};
     /* Odd, so that a sheet of 2^k rows is sampled at each y in turn. */
     const uint32_t step = (uint32_t)(n / ESTIMATED) | 1;
+    unsigned share;
+    box_choice best = {.common = BY_WIDTH(c, commonest, c, n, &share), .cost = UINT64_MAX};
     const bool may_mark = share >= LEAST_SHARE, must_mark = share >= MOST_SHARE;
+    if (may_mark)
+        c->rows->mark(&c->w, boxes, count, best.common);
     const uint64_t map = may_mark ? entropy(c, c->w.map, maps_bytes(boxes, count)) : 0;
-    uint64_t least = UINT64_MAX;
-    int best = 0;
     for (unsigned i = 0; i < sizeof hows / sizeof *hows; i++)
         for (int mark = must_mark; mark <= may_mark; mark++) {
             const int how = hows[i] | (mark ? BOX_BACKGROUND : 0);
             const uint64_t cost = cost_of(c, boxes, count, how, step) + (mark ? map : 0);
-            if (cost < least) {
-                least = cost;
-                best = how;
+            if (cost < best.cost) {
+                best.cost = cost;
+                best.how = how;
             }
         }
     return best;
+}
+
+static void swap_values(box_coder *c) {
+    void *values = c->w.values;
+    c->w.values = c->earlier;
+    c->earlier = values;
+}
+
+/* Choose between the values and their differences to the earlier ones, which must save a share, as
+ * a reader needs both then. What is chosen is in c->w.values. */
+static box_choice choose_from(box_coder *c, const coded_box *boxes, uint32_t count, size_t n,
+                              const box_code *code) {
+    enum { SHARE = 16 };
+    if (c->type == SAMPLE_F32)
+        map_earlier(c, n, code);
+    BY_WIDTH(c, differ, c->w.values, c->earlier, n);
+    const box_choice whole = choose(c, boxes, count, n);
+    swap_values(c);
+    box_choice differences = choose(c, boxes, count, n);
+    if (differences.cost < whole.cost - whole.cost / SHARE) {
+        differences.how |= BOX_DIFFERENCE;
+        return differences;
+    }
+    swap_values(c);
+    if (whole.how & BOX_BACKGROUND)
+        c->rows->mark(&c->w, boxes, count, whole.common);
+    return whole;
 }
 
 /* ---- encoding ---- */
@@ -338,41 +393,73 @@ static size_t encode_plain(const box_coder *c, const coded_box *boxes, uint32_t 
                            uint8_t *out) {
     const box_code plain = {.method = METHOD_PLAIN};
     const size_t bytes = samples_of(boxes, count) * sample_size(c->type);
-    gather(c, boxes, count, 0);
+    gather(c, boxes, count, 0, c->w.values);
     put_code(&plain, out);
     memcpy(out + CODE_BYTES, c->w.values, bytes);
     return CODE_BYTES + bytes;
 }
 
-size_t box_coder_encode(box_coder *c, const coded_box *boxes, uint32_t count, void *out) {
-    const size_t n = samples_of(boxes, count), map = maps_bytes(boxes, count);
-    box_code code = {.method = METHOD_CODED};
-    unsigned share;
-    assert(n <= c->samples && c->level);
-    gather(c, boxes, count, flip_of(c->type));
-    if (c->type == SAMPLE_F32)
-        map_floats(c, n, &code);
-    const uint32_t common = BY_WIDTH(c, commonest, c, n, &share);
-    if (share >= LEAST_SHARE)
-        c->rows->mark(&c->w, boxes, count, common);
-    code.prediction = (uint8_t)choose(c, boxes, count, n, share);
-    code.background = code.prediction & BOX_BACKGROUND ? common : 0;
+/* Code n values as chosen. */
+static size_t encode_values(box_coder *c, const coded_box *boxes, uint32_t count, size_t n,
+                            box_code code, const box_choice *by, void *out) {
+    const int how = by->how & ~(BOX_BACKGROUND | BOX_DIFFERENCE);
+    code.prediction = (uint8_t)by->how;
+    code.background = by->how & BOX_BACKGROUND ? by->common : 0;
     code.coded =
-        (uint32_t)c->rows->residuals(&c->w, boxes, count, code.prediction & ~BOX_BACKGROUND,
-                                     code.prediction & BOX_BACKGROUND, 1);
+        (uint32_t)c->rows->residuals(&c->w, boxes, count, how, by->how & BOX_BACKGROUND, 1);
     code.width = (uint8_t)width_of(c, code.coded);
     split(c, code.coded, code.width);
-    const size_t size = compress(c, &code, map, out, CODE_BYTES + n * sample_size(c->type));
+    const size_t size =
+        compress(c, &code, maps_bytes(boxes, count), out, CODE_BYTES + n * sample_size(c->type));
     return size ? size : encode_plain(c, boxes, count, out);
+}
+
+static box_code begin_code(box_coder *c, size_t n) {
+    box_code code = {.method = METHOD_CODED};
+    if (c->type == SAMPLE_F32)
+        map_floats(c, n, &code);
+    return code;
+}
+
+size_t box_coder_encode(box_coder *c, const coded_box *boxes, uint32_t count, void *out) {
+    const size_t n = samples_of(boxes, count);
+    assert(n <= c->samples && c->level);
+    gather(c, boxes, count, flip_of(c->type), c->w.values);
+    const box_code code = begin_code(c, n);
+    const box_choice by = choose(c, boxes, count, n);
+    return encode_values(c, boxes, count, n, code, &by, out);
+}
+
+size_t box_coder_encode_from(box_coder *c, const coded_box *boxes, const coded_box *earlier,
+                             uint32_t count, void *out) {
+    const size_t n = samples_of(boxes, count);
+    assert(n <= c->samples && c->level);
+    gather(c, boxes, count, flip_of(c->type), c->w.values);
+    gather(c, earlier, count, flip_of(c->type), c->earlier);
+    if (memcmp(c->w.values, c->earlier, n * sample_size(c->type)) == 0)
+        return 0;
+    const box_code code = begin_code(c, n);
+    const box_choice by = choose_from(c, boxes, count, n, &code);
+    return encode_values(c, boxes, count, n, code, &by, out);
+}
+
+bool box_coder_is_difference(const void *code) {
+    return get_code(code).prediction & BOX_DIFFERENCE;
+}
+
+uint64_t box_coder_hash(box_coder *c, const coded_box *boxes, uint32_t count) {
+    gather(c, boxes, count, 0, c->w.values);
+    return hash_bytes(c->w.values, samples_of(boxes, count) * sample_size(c->type));
 }
 
 /* ---- decoding ---- */
 
 /* Whether the fields of a code are in their ranges and agree with each other. */
-static bool is_sound(const box_coder *c, const box_code *code, size_t n) {
+static bool is_sound(const box_coder *c, const box_code *code, size_t n, bool difference) {
     const bool background = code->prediction & BOX_BACKGROUND;
-    return code->method == METHOD_CODED && code->map < (c->type == SAMPLE_F32 ? FLOAT_STEPS : 1) &&
-           code->prediction < 2 * BOX_BACKGROUND && code->width <= sample_size(c->type) &&
+    return !(code->prediction & BOX_DIFFERENCE) == !difference && code->method == METHOD_CODED &&
+           code->map < (c->type == SAMPLE_F32 ? FLOAT_STEPS : 1) &&
+           code->prediction < 2 * BOX_DIFFERENCE && code->width <= sample_size(c->type) &&
            (background ? code->coded <= n : code->coded == n) && (code->coded || !code->width) &&
            (background || !code->background) && (code->map || !code->base) &&
            (sample_size(c->type) == 4 || !(code->background >> 8 * sample_size(c->type)));
@@ -415,20 +502,32 @@ static bool decode_plain(const box_coder *c, const uint8_t *in, size_t bytes,
     return true;
 }
 
+/* Add the differences to the samples in the boxes. */
+static void add_earlier(box_coder *c, const coded_box *boxes, uint32_t count, size_t n,
+                        const box_code *code) {
+    gather(c, boxes, count, flip_of(c->type), c->earlier);
+    if (c->type == SAMPLE_F32)
+        map_earlier(c, n, code);
+    BY_WIDTH(c, undiffer, c->w.values, c->earlier, n);
+}
+
 bool box_coder_decode(box_coder *c, const void *in, size_t bytes, const coded_box *boxes,
-                      uint32_t count) {
+                      uint32_t count, bool difference) {
     const size_t n = samples_of(boxes, count), map = maps_bytes(boxes, count);
     assert(n <= c->samples);
     if (bytes < CODE_BYTES || bytes > box_coder_room(c->type, n))
         return false;
-    const box_code code = get_code(in);
+    box_code code = get_code(in);
     if (code.method == METHOD_PLAIN)
-        return decode_plain(c, in, bytes, boxes, count);
-    if (!is_sound(c, &code, n) || !decompress(c, &code, map, in, bytes))
+        return !difference && decode_plain(c, in, bytes, boxes, count);
+    if (!is_sound(c, &code, n, difference) || !decompress(c, &code, map, in, bytes))
         return false;
     join(c, code.coded, code.width);
+    code.prediction &= (uint8_t)~BOX_DIFFERENCE;
     if (!c->rows->values(&c->w, boxes, count, &code))
         return false;
+    if (difference)
+        add_earlier(c, boxes, count, n, &code);
     if (c->type == SAMPLE_F32)
         unmap_floats(c, n, &code);
     scatter(c, boxes, count, flip_of(c->type));
@@ -441,10 +540,10 @@ static size_t values_bytes(sample_type type, size_t samples) {
     return samples * sample_size(type) + BOX_SPARE;
 }
 
-enum { BLOCKS = 9 }; /* of memory; each takes up to 127 bytes more than it has */
+enum { BLOCKS = 10 }; /* of memory; each takes up to 127 bytes more than it has */
 
 size_t box_coder_memory(sample_type type, size_t samples) {
-    return sizeof(box_coder) + 3 * values_bytes(type, samples) + samples + BOX_SPARE +
+    return sizeof(box_coder) + 4 * values_bytes(type, samples) + samples + BOX_SPARE +
            4 * values_bytes(type, BOX_ROW_MAX) + 2 * ESTIMATED * sizeof(uint32_t) + BLOCKS * 128;
 }
 
@@ -491,12 +590,13 @@ static status allocate(box_coder *c) {
     c->w.values = mem_alloc(c->m, values);
     c->w.residuals = mem_alloc(c->m, values);
     c->w.predicted = mem_alloc(c->m, row);
+    c->earlier = mem_alloc(c->m, values);
     c->bytes = mem_alloc(c->m, values);
     c->w.row = mem_alloc(c->m, 2 * row);
     c->w.zeros = mem_zalloc(c->m, row);
     c->w.map = mem_alloc(c->m, c->samples + BOX_SPARE);
     if (!c->w.values || !c->w.residuals || !c->w.predicted || !c->w.row || !c->w.zeros ||
-        !c->bytes || !c->w.map)
+        !c->earlier || !c->bytes || !c->w.map)
         return ST_NOMEM;
     c->decompressor = ZSTD_createDCtx();
     return c->decompressor ? ST_OK : status_describe(ST_NOMEM, "no room for a decompressor");
@@ -535,6 +635,7 @@ void box_coder_destroy(box_coder *c) {
     mem_free(c->m, c->w.values);
     mem_free(c->m, c->w.residuals);
     mem_free(c->m, c->w.predicted);
+    mem_free(c->m, c->earlier);
     mem_free(c->m, c->bytes);
     mem_free(c->m, c->w.map);
     mem_free(c->m, c->w.row);

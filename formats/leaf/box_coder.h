@@ -6,6 +6,9 @@
  * looks at rows that are known already, and otherwise only adds along its own row: so rows are
  * decoded as a whole, by vectors.
  *
+ * Boxes of a later step may be coded by their differences to an earlier one's, which are coded like
+ * samples.
+ *
  * A coder belongs to one thread.
  */
 #ifndef FORMATS_LEAF_BOX_CODER_H
@@ -52,10 +55,22 @@ size_t box_coder_room(sample_type type, size_t samples);
  * version of zstd. */
 size_t box_coder_encode(box_coder *c, const coded_box *boxes, uint32_t count, void *out);
 
-/* box_coder_decode() - write the samples. Returns false if the bytes are no code of boxes of these
- * sizes (FORMAT.md 10): some samples may have been written then. Safe for any bytes. */
+/* box_coder_encode_from() - the same, with boxes of the same sizes that hold earlier samples: where
+ * it is clearly smaller, a code of the differences to them. Returns 0 if all samples are the same.
+ * box_coder_is_difference() - whether a code is one of differences. */
+size_t box_coder_encode_from(box_coder *c, const coded_box *boxes, const coded_box *earlier,
+                             uint32_t count, void *out);
+bool box_coder_is_difference(const void *code);
+
+/* box_coder_hash() - XXH3-64 of the samples of the boxes, in the order of their rows. */
+uint64_t box_coder_hash(box_coder *c, const coded_box *boxes, uint32_t count);
+
+/* box_coder_decode() - write the samples. difference: the code must be one of differences, and the
+ * boxes hold the earlier samples; else it must be none. Returns false if the bytes are no code of
+ * boxes of these sizes (FORMAT.md 10): some samples may have been written then. Safe for any bytes.
+ */
 CHECKED bool box_coder_decode(box_coder *c, const void *in, size_t bytes, const coded_box *boxes,
-                              uint32_t count);
+                              uint32_t count, bool difference);
 
 /* The parts of a code, for those who count. */
 typedef struct box_code {
@@ -75,7 +90,8 @@ typedef enum box_prediction {
     BOX_PLANE = 2,  /* above + behind - behind and above */
     BOX_MEDIAN = 3, /* the median of above, behind, and BOX_PLANE */
     BOX_ALONG = 4,  /* and by the error of the sample before it in its row */
-    BOX_BACKGROUND = 8
+    BOX_BACKGROUND = 8,
+    BOX_DIFFERENCE = 16 /* of differences to earlier samples, plus half the range of values */
 } box_prediction;
 
 #endif

@@ -17,6 +17,20 @@ static void ROWS(join)(const uint8_t *restrict in, size_t n, unsigned width, T *
             out[i] = (T)(b ? out[i] | (T)((T)in[b * n + i] << (8 * b)) : in[i]);
 }
 
+/* Turn earlier values into the differences to them; and differences into values. Half the range is
+ * added, so that small differences of both signs are near each other. */
+static void ROWS(differ)(const T *restrict values, T *restrict earlier, size_t n) {
+    const T half = (T)((T)1 << (8 * sizeof(T) - 1));
+    for (size_t i = 0; i < n; i++)
+        earlier[i] = (T)(values[i] - earlier[i] + half);
+}
+
+static void ROWS(undiffer)(T *restrict values, const T *restrict earlier, size_t n) {
+    const T half = (T)((T)1 << (8 * sizeof(T) - 1));
+    for (size_t i = 0; i < n; i++)
+        values[i] = (T)(values[i] + earlier[i] - half);
+}
+
 /* The value that most samples have among some spread over the boxes. *share: how many of those, in
  * 256ths. */
 static T ROWS(commonest)(const box_coder *c, size_t n, unsigned *share) {

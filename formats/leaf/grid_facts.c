@@ -134,7 +134,7 @@ static void tell_parts(const leaf_file *f, const fact_sheet *to) {
     uint64_t bytes[LEAF_LEVELS_MAX] = {0};
     json_t *levels = json_array();
     for (uint32_t p = 0; p < f->layout.payloads; p++)
-        bytes[level_of(&f->layout, p)] += f->sizes[p];
+        bytes[level_of(&f->layout, p)] += leaf_file_is_home(f, p) ? f->sizes[p] : 0;
     fact_sheet_row(to, "\nlevel            samples   treelets          bytes%s",
                    f->deviations ? "   off by, mean        at most" : "");
     for (uint32_t i = 0; i < f->layout.levels; i++) {

@@ -60,7 +60,7 @@ static status check_layout(const char *path, const leaf_header *h, leaf_layout *
             path, offsetof(leaf_header, fields),
             "expected less than 2^32 - 1 payloads, found %u treelets, %u fields and %u steps",
             l->treelets, h->fields, h->steps);
-    if (leaf_check_directory_bytes(h) > h->file_bytes)
+    if (!leaf_check_may_hold(h))
         return leaf_check_corrupt(path, offsetof(leaf_header, dims),
                                   "a grid of %u x %u x %u has a directory of %llu bytes, "
                                   "which a file of %llu cannot hold",
@@ -113,6 +113,8 @@ static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
         return sizeof(leaf_outside);
     if (kind == LEAF_SECTION_CHUNKS)
         return h->outside_chunks * sizeof(chunk_entry);
+    if (kind == LEAF_SECTION_BASES)
+        return h->codec != LEAF_CODEC_RAW && sets(h) > 1 ? payloads(h) * sizeof(uint32_t) : 0;
     if (kind != LEAF_SECTION_AXES || !h->rectilinear)
         return 0;
     return ((uint64_t)h->dims[0] + h->dims[1] + h->dims[2]) * sizeof(double);
@@ -259,6 +261,11 @@ static bool begins_run(const leaf_layout *l, uint32_t p) {
     return p < l->sets * l->treelets && !((place[0] | place[1] | place[2]) & 1);
 }
 
+static leaf_series series(const leaf_layout *l, uint32_t p) {
+    const uint32_t shells = l->sets * l->treelets;
+    return p < shells ? leaf_series_of(p, 0, l->treelets) : leaf_series_of(p, shells, l->shells);
+}
+
 /* A shell has no bytes if nobody needs it: there is one child, or all are implied. */
 static bool is_needless(const leaf_layout *l, uint32_t set, uint32_t parent,
                         const uint64_t *sizes) {
@@ -309,6 +316,7 @@ const leaf_geometry grid_geometry = {.holds_indices = false,
                                      .check_directory = check_directory,
                                      .payload_bytes = payload_bytes,
                                      .begins_run = begins_run,
+                                     .series = series,
                                      .payload_name = payload_name,
                                      .may_be_empty = may_be_empty,
                                      .implies = implied_payload_is,

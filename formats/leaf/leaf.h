@@ -2,7 +2,8 @@
  *
  *   0                  header page, LEAF_HEADER_BYTES
  *   LEAF_HEADER_BYTES  section table: header.sections entries of 32 bytes
- *   ...                directory sections, each at a multiple of 64
+ *   ...                directory sections, each at a multiple of 64; of a file of several sets,
+ * table and sections lie behind the payloads, at header.directory
  *   ...                payload runs, each at a multiple of 2^run_align_log2: the payloads of one
  *                      family of siblings (grid), or of one block (mesh: all topologies, all
  *                      values of one set, ..), each at a multiple of 64 inside the run; of a
@@ -42,6 +43,7 @@ enum {
     LEAF_TREELET_TETS_MAX = 16384, /* so that 16 bits number the vertices of any treelet */
     LEAF_LEAF_TETS_MAX = 64,
     LEAF_SETS_MAX = 65536,     /* fields, steps, and their product */
+    LEAF_CHAIN_MAX = 8,        /* codes that a reader needs for one: it, its base, the base's, .. */
     LEAF_CODE_BYTES = 16,      /* of a code of boxes, before its streams (FORMAT.md 10) */
     LEAF_HISTOGRAMS_MAX = 1024 /* files of more sets have no histograms */
 };
@@ -133,14 +135,16 @@ typedef struct leaf_header {   /* offset size */
     uint32_t moving;           /* 1492    4  1: steps behind the first have positions, else 0 */
     uint32_t bare;             /* 1496    4  grid: 1: levels above 0 have no samples, else 0 */
     uint32_t outside_chunks;   /* 1500    4  entries of section CHUNKS */
-    uint8_t reserved[2592];    /* 1504 2592 */
+    uint64_t directory;        /* 1504    8  where the section table lies, behind the payloads; 0: at
+                                               LEAF_HEADER_BYTES, before them */
+    uint8_t reserved[2584];    /* 1512 2584 */
 } leaf_header;
 
 typedef struct leaf_section {  /* offset size */
     uint32_t kind;             /*    0    4  leaf_section_kind */
-    uint32_t version;          /*    4    4  1 */
+    uint32_t version;          /*    4    4  leaf_section_version */
     uint64_t offset;           /*    8    8  from the file's start, a multiple of LEAF_ALIGN */
-    uint64_t bytes;            /*   16    8 */
+    uint64_t bytes;            /*   16    8  in the file */
     uint64_t checksum;         /*   24    8  XXH3-64 of those bytes */
 } leaf_section;
 
@@ -209,14 +213,23 @@ static inline const char *leaf_id_text(const leaf_header *h, char text[LEAF_ID_T
     return text;
 }
 
+/* leaf_table_at() - where the section table lies. leaf_payloads_at() - where payloads begin, if the
+ * sections end at `end`. */
+static inline uint64_t leaf_table_at(const leaf_header *h) {
+    return h->directory ? h->directory : LEAF_HEADER_BYTES;
+}
+static inline uint64_t leaf_payloads_at(const leaf_header *h, uint64_t end) {
+    return h->directory ? LEAF_HEADER_BYTES : end;
+}
+
 /* leaf_aligned() - the first multiple of LEAF_ALIGN at or behind byte `at` of a payload. */
 static inline uint32_t leaf_aligned(uint32_t at) {
     return (at + LEAF_ALIGN - 1) / LEAF_ALIGN * LEAF_ALIGN;
 }
 
 /* Sections follow the table in its order, each at the first multiple of LEAF_ALIGN behind the one
- * before. Payloads follow the sections in order (leaf_placing_next()). So sizes alone fix every
- * offset, and no byte is unaccounted for.
+ * before. Payloads follow the sections, or the header page, in order (leaf_placing_next()). So
+ * sizes alone fix every offset, and no byte is unaccounted for.
  *
  * Grids: a directory section is one array with an element per treelet, which has one payload. The
  * order is: coarsest level first; within a level by the parent's index, then by octant x + 2y + 4z.
@@ -249,7 +262,11 @@ typedef enum leaf_section_kind {
     LEAF_SECTION_COARSE = 12, /* mesh, may be missing: leaf_part: a set's coarse grid */
     LEAF_SECTION_OUTSIDE = 13, /* grid with header.outside: leaf_outside */
     LEAF_SECTION_CHUNKS = 14,  /* grid with header.outside_chunks: chunk_entry (chunk_array.h) */
-    LEAF_SECTION_LAST = 14,    /* the last that is known here */
+    LEAF_SECTION_SAME = 15,    /* two sets or more, may be missing: uint32_t per payload: 0, or 1 +
+                                  an earlier set, whose payload in its place has the same bytes */
+    LEAF_SECTION_BASES = 16,   /* compressed grid of two sets or more, may be missing: likewise: the
+                                  set whose samples a payload has the differences to */
+    LEAF_SECTION_LAST = 16,    /* the last that is known here */
     LEAF_SECTION_ANCILLARY =
         1 << 30, /* set in kinds that a reader may skip; it must know all others */
     LEAF_SECTION_HISTOGRAMS = LEAF_SECTION_ANCILLARY | 1, /* histogram (histogram.h): an element per
@@ -261,6 +278,11 @@ typedef enum leaf_section_kind {
         LEAF_SECTION_ANCILLARY | 3, /* may be missing: a world_frame, not all zeros */
     LEAF_ANCILLARY_LAST = 3         /* the last that is known here */
 } leaf_section_kind;
+/* How a section is stored: as it is, or as a frame of zstd. */
+typedef enum leaf_section_version {
+    LEAF_SECTION_PLAIN = 1,
+    LEAF_SECTION_ZSTD = 2
+} leaf_section_version;
 /* A treelet without a finite sample has lo = +inf, hi = -inf. */
 
 #endif

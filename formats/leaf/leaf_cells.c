@@ -42,7 +42,7 @@ status leaf_cells_check_rest(const char *path, const leaf_header *h) {
 }
 
 status leaf_cells_check_layout(const char *path, const leaf_header *h, leaf_layout *l) {
-    if (leaf_check_directory_bytes(h) > h->file_bytes)
+    if (!leaf_check_may_hold(h))
         return leaf_check_corrupt(
             path, offsetof(leaf_header, treelets), "a file of %llu bytes cannot hold %llu treelets",
             (unsigned long long)h->file_bytes, (unsigned long long)h->treelets);
@@ -149,6 +149,10 @@ uint32_t leaf_cells_payload_bytes(const leaf_layout *l, uint32_t p) {
 
 bool leaf_cells_begins_run(const leaf_layout *l, uint32_t p) {
     return p % l->treelets == 0;
+}
+
+leaf_series leaf_cells_series(const leaf_layout *l, uint32_t p) {
+    return leaf_series_of(p, 0, l->treelets);
 }
 
 const char *leaf_cells_payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]) {

@@ -56,6 +56,7 @@ status leaf_cells_check_directory(const char *path, const leaf_header *h, const 
                                   const leaf_directory *d);
 uint32_t leaf_cells_payload_bytes(const leaf_layout *l, uint32_t p);
 bool leaf_cells_begins_run(const leaf_layout *l, uint32_t p);
+leaf_series leaf_cells_series(const leaf_layout *l, uint32_t p);
 const char *leaf_cells_payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]);
 
 #define LEAF_CELLS_GEOMETRY(c)                                                          \
@@ -68,7 +69,7 @@ const char *leaf_cells_payload_name(const leaf_layout *l, uint32_t p, char text[
         .section = leaf_cells_section, .release = leaf_cells_release,                   \
         .lay_out = leaf_cells_lay_out, .check_directory = leaf_cells_check_directory,   \
         .payload_bytes = leaf_cells_payload_bytes, .begins_run = leaf_cells_begins_run, \
-        .payload_name = leaf_cells_payload_name                                         \
+        .series = leaf_cells_series, .payload_name = leaf_cells_payload_name            \
     }
 
 #endif

@@ -143,6 +143,17 @@ status leaf_check_text(const char *path, const char *text, size_t size, uint64_t
     return leaf_check_zero(path, text + length, size - length, at + length);
 }
 
+/* Check where the directory is. Its sections' places say the rest. */
+static status check_directory_place(const char *path, const leaf_header *h) {
+    const uint64_t table = h->sections * sizeof(leaf_section);
+    if (!h->directory || (h->directory % LEAF_ALIGN == 0 && h->directory >= LEAF_HEADER_BYTES &&
+                          h->directory < h->file_bytes && table <= h->file_bytes - h->directory))
+        return ST_OK;
+    return leaf_check_corrupt(path, offsetof(leaf_header, directory),
+                              "expected a directory within the file, found it at byte %llu",
+                              (unsigned long long)h->directory);
+}
+
 status leaf_check_header(const char *path, const leaf_header *h, uint64_t file_bytes) {
     status st = check_frame(path, h, file_bytes);
     if (st == ST_OK)
@@ -154,7 +165,9 @@ status leaf_check_header(const char *path, const leaf_header *h, uint64_t file_b
     if (st == ST_OK)
         st = leaf_check_text(path, h->provenance, sizeof h->provenance,
                              offsetof(leaf_header, provenance));
-    return st == ST_OK ? leaf_geometry_of(h->kind)->check_rest(path, h) : st;
+    if (st == ST_OK)
+        st = leaf_geometry_of(h->kind)->check_rest(path, h);
+    return st == ST_OK ? check_directory_place(path, h) : st;
 }
 
 uint64_t leaf_check_directory_bytes(const leaf_header *h) {
@@ -163,6 +176,12 @@ uint64_t leaf_check_directory_bytes(const leaf_header *h) {
         if (!leaf_section_optional(kind))
             bytes += leaf_section_bytes(h, kind);
     return bytes;
+}
+
+bool leaf_check_may_hold(const leaf_header *h) {
+    enum { MOST_RATIO = 1024 };
+    const uint64_t bytes = leaf_check_directory_bytes(h);
+    return (h->directory ? bytes / MOST_RATIO : bytes) <= h->file_bytes;
 }
 
 status leaf_check_layout(const char *path, const leaf_header *h, leaf_layout *l) {
@@ -177,7 +196,8 @@ bool leaf_section_ancillary(uint32_t kind) {
 
 bool leaf_section_optional(uint32_t kind) {
     return leaf_section_ancillary(kind) || kind == LEAF_SECTION_FIELDS ||
-           kind == LEAF_SECTION_TIMES || kind == LEAF_SECTION_COARSE;
+           kind == LEAF_SECTION_TIMES || kind == LEAF_SECTION_COARSE || kind == LEAF_SECTION_SAME ||
+           kind == LEAF_SECTION_BASES;
 }
 
 uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
@@ -192,6 +212,7 @@ uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
     case LEAF_SECTION_OFFSETS:
     case LEAF_SECTION_SIZES:
     case LEAF_SECTION_CHECKSUMS: return g->payloads(h) * sizeof(uint64_t);
+    case LEAF_SECTION_SAME: return sets > 1 ? g->payloads(h) * sizeof(uint32_t) : 0;
     case LEAF_SECTION_FIELDS: return g->labels(h) ? h->fields * sizeof(char[64]) : 0;
     case LEAF_SECTION_TIMES: return g->labels(h) && h->steps > 1 ? h->steps * sizeof(double) : 0;
     case LEAF_SECTION_HISTOGRAMS: return sets <= LEAF_HISTOGRAMS_MAX ? sets * sizeof(histogram) : 0;
@@ -203,23 +224,31 @@ uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
 /* Check one entry: its kind and size, and that its section lies right behind `end`. */
 static status check_section(const char *path, const leaf_header *h, const leaf_section *s,
                             uint64_t entry, uint64_t *end) {
-    bool known = (s->kind >= 1 && s->kind <= LEAF_SECTION_LAST) ||
-                 (leaf_section_ancillary(s->kind) && s->version == 1);
+    const bool readable = s->version == LEAF_SECTION_PLAIN || s->version == LEAF_SECTION_ZSTD;
+    const bool known = (s->kind >= 1 && s->kind <= LEAF_SECTION_LAST) ||
+                       (leaf_section_ancillary(s->kind) && readable);
     if (!known && !(s->kind & LEAF_SECTION_ANCILLARY))
         return status_describe(
             ST_UNSUPPORTED, "%s: byte %llu: a section of kind %u, which this program does not know",
             path, (unsigned long long)entry, s->kind);
-    if (known && s->version != 1)
+    if (known && !readable)
         return status_describe(
             ST_UNSUPPORTED,
-            "%s: byte %llu: section %u of version %u, where this program reads version 1", path,
-            (unsigned long long)entry + offsetof(leaf_section, version), s->kind, s->version);
+            "%s: byte %llu: section %u of version %u, where this program reads versions 1 and 2",
+            path, (unsigned long long)entry + offsetof(leaf_section, version), s->kind, s->version);
     const uint64_t offset = leaf_layout_aligned(*end, LEAF_ALIGN_LOG2);
     if (s->offset != offset)
         return leaf_check_corrupt(path, entry + offsetof(leaf_section, offset),
                                   "expected section %u at byte %llu, found %llu", s->kind,
                                   (unsigned long long)offset, (unsigned long long)s->offset);
-    uint64_t expected = known ? leaf_section_bytes(h, s->kind) : s->bytes;
+    const uint64_t content = known ? leaf_section_bytes(h, s->kind) : s->bytes;
+    const bool packed = known && s->version == LEAF_SECTION_ZSTD;
+    if (packed && (!h->directory || !content || s->bytes >= content))
+        return leaf_check_corrupt(path, entry + offsetof(leaf_section, version),
+                                  "section %u cannot be a frame of %llu bytes", s->kind,
+                                  (unsigned long long)s->bytes);
+    const bool of_series = s->kind == LEAF_SECTION_SAME || s->kind == LEAF_SECTION_BASES;
+    const uint64_t expected = packed ? s->bytes : of_series && !h->directory ? 0 : content;
     if (s->bytes != expected || !s->bytes)
         return leaf_check_corrupt(path, entry + offsetof(leaf_section, bytes),
                                   "expected section %u to have %llu bytes, found %llu", s->kind,
@@ -239,9 +268,9 @@ status leaf_check_sections(const char *path, const leaf_header *h, const leaf_se
                                   "expected the id %016llx%016llx, found %016llx%016llx",
                                   (unsigned long long)id.hi, (unsigned long long)id.lo,
                                   (unsigned long long)h->id[1], (unsigned long long)h->id[0]);
-    *end = LEAF_HEADER_BYTES + (uint64_t)h->sections * sizeof *table;
+    *end = leaf_table_at(h) + (uint64_t)h->sections * sizeof *table;
     for (uint32_t i = 0; i < h->sections; i++) {
-        uint64_t entry = LEAF_HEADER_BYTES + (uint64_t)i * sizeof *table;
+        uint64_t entry = leaf_table_at(h) + (uint64_t)i * sizeof *table;
         status st = check_section(path, h, &table[i], entry, end);
         if (st != ST_OK)
             return st;
@@ -255,7 +284,7 @@ status leaf_check_sections(const char *path, const leaf_header *h, const leaf_se
         for (uint32_t i = 0; i < h->sections; i++)
             found |= table[i].kind == kind;
         if (!found && !leaf_section_optional(kind) && leaf_section_bytes(h, kind))
-            return leaf_check_corrupt(path, LEAF_HEADER_BYTES,
+            return leaf_check_corrupt(path, leaf_table_at(h),
                                       "expected a section of kind %u, found none", kind);
     }
     return ST_OK;
@@ -281,10 +310,49 @@ static status check_no_checksum(const char *path, const leaf_layout *l, const le
                               (unsigned long long)d->checksums[p]);
 }
 
+/* The payload that an entry of SAME or BASES leads to from p, if that has bytes of its own and
+ * comes from an earlier set; else LEAF_NO_TREELET. */
+static uint32_t led_to(const leaf_layout *l, const leaf_directory *d, uint32_t p, uint32_t entry) {
+    const leaf_series s = leaf_layout_series(l, p);
+    if (entry > s.at)
+        return LEAF_NO_TREELET;
+    const uint32_t q = leaf_series_payload(&s, entry - 1);
+    return d->sizes[q] && !(d->links.same && d->links.same[q]) ? q : LEAF_NO_TREELET;
+}
+
+/* Check that payload p has the bytes of another, and stands where that does. */
+static status check_same(const char *path, const leaf_layout *l, const leaf_directory *d,
+                         uint32_t p) {
+    const uint32_t q = led_to(l, d, p, d->links.same[p]);
+    char name[LEAF_NAME_MAX];
+    if (q != LEAF_NO_TREELET && d->offsets[p] == d->offsets[q] && d->sizes[p] == d->sizes[q] &&
+        d->checksums[p] == d->checksums[q] && !(d->links.bases && d->links.bases[p]))
+        return ST_OK;
+    return leaf_check_corrupt(path, d->at[LEAF_SECTION_SAME - 1] + p * sizeof *d->links.same,
+                              "%s cannot be the same as that of set %u",
+                              leaf_layout_payload_name(l, p, name), d->links.same[p] - 1);
+}
+
+/* Check that a reader comes from payload p to a whole code, by a few bases. */
+static status check_base(const char *path, const leaf_layout *l, const leaf_directory *d,
+                         uint32_t p) {
+    uint32_t q = p;
+    char name[LEAF_NAME_MAX];
+    for (int codes = 1; q != LEAF_NO_TREELET && d->links.bases[q]; codes++)
+        q = codes < LEAF_CHAIN_MAX ? led_to(l, d, q, d->links.bases[q]) : LEAF_NO_TREELET;
+    if (q != LEAF_NO_TREELET && d->sizes[p])
+        return ST_OK;
+    return leaf_check_corrupt(path, d->at[LEAF_SECTION_BASES - 1] + p * sizeof *d->links.bases,
+                              "%s cannot have the base of set %u",
+                              leaf_layout_payload_name(l, p, name), d->links.bases[p] - 1);
+}
+
 /* Check payload p, and advance *place. */
 static status check_payload(const char *path, const leaf_header *h, const leaf_layout *l,
                             const leaf_directory *d, uint32_t p, leaf_placing *place) {
-    const uint64_t at = leaf_placing_next(place, l, p, d->sizes[p], h->run_align_log2);
+    const bool same = d->links.same && d->links.same[p];
+    const uint64_t next = leaf_placing_next(place, l, p, same ? 0 : d->sizes[p], h->run_align_log2);
+    const uint64_t at = same ? d->offsets[p] : next;
     const uint64_t entry = (uint64_t)p * sizeof(uint64_t);
     const uint64_t bytes = leaf_layout_stored(l, p), size = d->sizes[p];
     char name[LEAF_NAME_MAX];
@@ -310,7 +378,7 @@ static status check_payload(const char *path, const leaf_header *h, const leaf_l
         return leaf_check_corrupt(path, d->at[LEAF_SECTION_SIZES - 1] + entry,
                                   "%s ends behind the file's end",
                                   leaf_layout_payload_name(l, p, name));
-    return ST_OK;
+    return same ? check_same(path, l, d, p) : ST_OK;
 }
 
 /* Check that coarse grids follow one another from *end on; *end becomes where the last one ends. */
@@ -336,18 +404,36 @@ static status check_parts(const char *path, const leaf_header *h, const leaf_dir
     return ST_OK;
 }
 
+/* Check where payloads end, and that the directory follows them if it does not lie before. *end:
+ * where both end. */
+static status check_payloads_end(const char *path, const leaf_header *h, const leaf_directory *d,
+                                 uint64_t payloads, uint64_t *end) {
+    const uint64_t table = leaf_layout_aligned(payloads, LEAF_ALIGN_LOG2);
+    *end = leaf_layout_aligned(h->directory ? d->end : payloads, h->run_align_log2);
+    if (!h->directory || h->directory == table)
+        return ST_OK;
+    return leaf_check_corrupt(path, offsetof(leaf_header, directory),
+                              "expected the directory behind the payloads, at byte %llu, found it "
+                              "at %llu",
+                              (unsigned long long)table, (unsigned long long)h->directory);
+}
+
 static status check_payloads(const char *path, const leaf_header *h, const leaf_layout *l,
                              const leaf_directory *d) {
-    leaf_placing place = {.end = d->end};
-    uint64_t sum = 0;
+    leaf_placing place = {.end = leaf_payloads_at(h, d->end)};
+    uint64_t sum = 0, end;
     for (leaf_order o = leaf_order_begin(l); o.p < l->payloads; leaf_order_next(&o, l)) {
         status st = check_payload(path, h, l, d, o.p, &place);
+        if (st == ST_OK && d->links.bases && d->links.bases[o.p])
+            st = check_base(path, l, d, o.p);
         if (st != ST_OK)
             return st;
-        sum += d->sizes[o.p];
+        sum += d->links.same && d->links.same[o.p] ? 0 : d->sizes[o.p];
     }
-    uint64_t end = leaf_layout_aligned(place.end, h->run_align_log2);
-    status st = d->parts ? check_parts(path, h, d, &end) : ST_OK;
+    status st = check_payloads_end(path, h, d, place.end, &end);
+    if (st != ST_OK)
+        return st;
+    st = d->parts ? check_parts(path, h, d, &end) : ST_OK;
     if (st != ST_OK)
         return st;
     if (end != h->file_bytes)

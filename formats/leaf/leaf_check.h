@@ -14,6 +14,7 @@
 #include "formats/base/hash.h"
 #include "formats/base/status.h"
 #include "formats/leaf/leaf.h"
+#include "formats/leaf/leaf_chain.h"
 #include "formats/leaf/leaf_layout.h"
 
 struct chunk_entry;
@@ -28,8 +29,8 @@ CHECKED status leaf_check_header(const char *path, const leaf_header *h, uint64_
 CHECKED status leaf_check_layout(const char *path, const leaf_header *h, leaf_layout *l);
 
 /* leaf_check_sections() - check the id; that kinds are known and occur once, that sizes are as the
- * header implies, and that each section lies at the first multiple of LEAF_ALIGN behind the one
- * before. *end: out, where the last one ends. */
+ * header implies, or possible where compressed, and that each section lies at the first multiple of
+ * LEAF_ALIGN behind the one before. *end: out, where the last one ends. */
 CHECKED status leaf_check_sections(const char *path, const leaf_header *h,
                                    const leaf_section *table, uint64_t *end);
 
@@ -41,6 +42,7 @@ typedef struct leaf_directory {
     const uint64_t *offsets;
     const uint64_t *sizes;
     const uint64_t *checksums;
+    leaf_links links;               /* sections SAME and BASES */
     const float (*bounds)[6];       /* mesh */
     const uint32_t (*counts)[4];    /* mesh */
     const leaf_part *parts;         /* mesh: section COARSE; NULL without */
@@ -112,6 +114,10 @@ CHECKED status leaf_check_text(const char *path, const char *text, size_t size, 
 
 /* leaf_check_directory_bytes() - bytes of all sections that a file with this header must have. */
 uint64_t leaf_check_directory_bytes(const leaf_header *h);
+
+/* leaf_check_may_hold() - whether a file of the header's length may hold those. One whose sections
+ * are compressed has to have at least a 1024th of their bytes. */
+bool leaf_check_may_hold(const leaf_header *h);
 
 /* leaf_check_well_formed() - whether a range is ordered and finite, or the empty range.
  * leaf_check_widen() - extend a range by another one. */

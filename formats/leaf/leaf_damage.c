@@ -39,7 +39,7 @@ static status find_in(mem *m, leaf_file *f, const progress *p, const char *where
     for (leaf_order o = leaf_order_begin(&f->layout); st == ST_OK && o.p < f->layout.payloads;
          leaf_order_next(&o, &f->layout)) {
         st = progress_step(p, "checksums", (double)f->offsets[o.p] / (double)f->header.file_bytes);
-        if (st == ST_OK && leaf_file_has_bytes(f, o.p) && leaf_file_fetch(f, o.p, stored) != ST_OK)
+        if (st == ST_OK && leaf_file_is_home(f, o.p) && leaf_file_fetch(f, o.p, stored) != ST_OK)
             leaf_damage_add(d, where, leaf_layout_payload_name(&f->layout, o.p, name));
     }
     mem_free(m, stored);

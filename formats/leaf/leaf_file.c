@@ -4,6 +4,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include <zstd.h>
+
 #include "formats/base/hash.h"
 #include "formats/base/text.h"
 #include "formats/leaf/deviation.h"
@@ -52,7 +54,7 @@ static status read_head(opening *o) {
     if (st == ST_OK)
         st = leaf_check_layout(path, &f->header, &f->layout);
     if (st == ST_OK)
-        st = file_read_at(f->source, LEAF_HEADER_BYTES, o->table,
+        st = file_read_at(f->source, leaf_table_at(&f->header), o->table,
                           f->header.sections * sizeof *o->table);
     if (st == ST_OK)
         st = leaf_check_sections(path, &f->header, o->table, &o->end);
@@ -68,9 +70,22 @@ static status check_sum(const leaf_file *f, const leaf_section *s, uint64_t sum)
                            (unsigned long long)sum, (unsigned long long)s->checksum);
 }
 
-static status read_section(leaf_file *f, const leaf_section *s, void *into) {
+static status read_plain(leaf_file *f, const leaf_section *s, void *into) {
     status st = file_read_at(f->source, s->offset, into, (size_t)s->bytes);
     return st == ST_OK ? check_sum(f, s, hash_bytes(into, (size_t)s->bytes)) : st;
+}
+
+static status read_section(leaf_file *f, const leaf_section *s, void *into) {
+    if (s->version == LEAF_SECTION_PLAIN)
+        return read_plain(f, s, into);
+    const size_t bytes = (size_t)leaf_section_bytes(&f->header, s->kind);
+    void *frame = mem_alloc(f->m, (size_t)s->bytes);
+    status st = frame ? read_plain(f, s, frame) : ST_NOMEM;
+    if (st == ST_OK && ZSTD_decompress(into, bytes, frame, (size_t)s->bytes) != bytes)
+        st = leaf_check_corrupt(file_path(f->source), s->offset,
+                                "section %u does not decompress to %zu bytes", s->kind, bytes);
+    mem_free(f->m, frame);
+    return st;
 }
 
 /* Read the coordinates of all axes from one section into one block, which axis[0] owns. */
@@ -105,14 +120,14 @@ static status check_ancillary(leaf_file *f, const leaf_section *s) {
     void *bytes = mem_alloc(f->m, (size_t)s->bytes);
     if (!bytes)
         return ST_NOMEM;
-    status st = read_section(f, s, bytes);
+    status st = read_plain(f, s, bytes);
     mem_free(f->m, bytes);
     return st;
 }
 
 /* Read histograms, and check that each is sound in itself; leaf_verify() counts again. */
 static status read_histograms(leaf_file *f, const leaf_section *s) {
-    const size_t count = (size_t)s->bytes / sizeof *f->histograms;
+    const size_t count = (size_t)leaf_section_bytes(&f->header, s->kind) / sizeof *f->histograms;
     f->histograms = mem_array(f->m, count, sizeof *f->histograms);
     if (!f->histograms)
         return ST_NOMEM;
@@ -129,7 +144,7 @@ static status read_histograms(leaf_file *f, const leaf_section *s) {
 
 /* Read deviations; leaf_verify() compares the levels again. */
 static status read_deviations(leaf_file *f, const leaf_section *s) {
-    f->deviations = mem_alloc(f->m, (size_t)s->bytes);
+    f->deviations = mem_alloc(f->m, (size_t)leaf_section_bytes(&f->header, s->kind));
     return f->deviations ? read_section(f, s, f->deviations) : ST_NOMEM;
 }
 
@@ -170,6 +185,13 @@ static status allocate_directory(leaf_file *f) {
     return st == ST_OK ? f->geometry->allocate(f) : st;
 }
 
+/* Allocate and read section SAME or BASES. */
+static status read_links(leaf_file *f, const leaf_section *s, const uint32_t **out) {
+    uint32_t *links = mem_array(f->m, f->layout.payloads, sizeof *links);
+    *out = links;
+    return links ? read_section(f, s, links) : ST_NOMEM;
+}
+
 static status read_sections(opening *o) {
     leaf_file *f = o->f;
     void *arrays[LEAF_SECTION_LAST + 1] = {
@@ -181,7 +203,7 @@ static status read_sections(opening *o) {
     for (uint32_t kind = LEAF_SECTION_AXES; kind <= LEAF_SECTION_LAST; kind++)
         if (!arrays[kind])
             arrays[kind] = f->geometry->section(f, kind);
-    uint64_t end = LEAF_HEADER_BYTES + f->header.sections * sizeof *o->table;
+    uint64_t end = leaf_table_at(&f->header) + f->header.sections * sizeof *o->table;
     const leaf_section *axes = NULL;
     for (uint32_t i = 0; i < f->header.sections; i++) {
         const leaf_section *s = &o->table[i];
@@ -191,14 +213,19 @@ static status read_sections(opening *o) {
         end = s->offset + s->bytes;
         if (s->kind <= LEAF_SECTION_LAST)
             o->at[s->kind - 1] = s->offset;
-        if (s->kind == LEAF_SECTION_HISTOGRAMS && s->version == 1)
-            st = read_histograms(f, s);
-        else if (s->kind == LEAF_SECTION_DEVIATIONS && s->version == 1)
-            st = read_deviations(f, s);
-        else if (s->kind == LEAF_SECTION_WORLD && s->version == 1)
-            st = read_world(f, s);
-        else if (s->kind > LEAF_SECTION_LAST)
+        if (s->version > LEAF_SECTION_ZSTD ||
+            (s->kind > LEAF_SECTION_LAST && !leaf_section_ancillary(s->kind)))
             st = check_ancillary(f, s);
+        else if (s->kind == LEAF_SECTION_HISTOGRAMS)
+            st = read_histograms(f, s);
+        else if (s->kind == LEAF_SECTION_DEVIATIONS)
+            st = read_deviations(f, s);
+        else if (s->kind == LEAF_SECTION_WORLD)
+            st = read_world(f, s);
+        else if (s->kind == LEAF_SECTION_SAME)
+            st = read_links(f, s, &f->links.same);
+        else if (s->kind == LEAF_SECTION_BASES)
+            st = read_links(f, s, &f->links.bases);
         else if (s->kind == LEAF_SECTION_AXES)
             axes = s;
         else
@@ -261,6 +288,7 @@ static status check_directory(const opening *o) {
         .offsets = f->offsets,
         .sizes = f->sizes,
         .checksums = f->checksums,
+        .links = f->links,
         .end = o->end,
     };
     memcpy(d.at, o->at, sizeof d.at);
@@ -294,7 +322,9 @@ static status read_directory(opening *o) {
         st = read_sections(o);
     if (st == ST_OK)
         st = check_directory(o);
-    return st == ST_OK ? check_gap(f, o->end, f->offsets[leaf_order_begin(&f->layout).p]) : st;
+    return st == ST_OK ? check_gap(f, leaf_payloads_at(&f->header, o->end),
+                                   f->offsets[leaf_order_begin(&f->layout).p])
+                       : st;
 }
 
 /* Open the file that has the samples of level 0. path: of the treelet file. */
@@ -333,10 +363,12 @@ static status open_source(mem *m, file *source, const char *path, leaf_file **ou
         return st;
     }
     clean_names(f, path);
-    f->directory_bytes = o.end;
     const uint32_t last = leaf_order_last(&f->layout);
+    const uint64_t before = f->offsets[last] + f->sizes[last];
+    f->directory_end = o.end;
+    f->directory_bytes = o.end - leaf_table_at(&f->header) + LEAF_HEADER_BYTES;
     f->payloads_end =
-        leaf_layout_aligned(f->offsets[last] + f->sizes[last], f->header.run_align_log2);
+        leaf_layout_aligned(f->header.directory ? o.end : before, f->header.run_align_log2);
     *out = f;
     return ST_OK;
 }
@@ -399,6 +431,8 @@ void leaf_file_close(leaf_file *f) {
     mem_free(f->m, f->offsets);
     mem_free(f->m, f->sizes);
     mem_free(f->m, f->checksums);
+    mem_free(f->m, (void *)(uintptr_t)f->links.same);
+    mem_free(f->m, (void *)(uintptr_t)f->links.bases);
     mem_free(f->m, f->histograms);
     mem_free(f->m, f->deviations);
     mem_free(f->m, f->axis[0]);
@@ -444,6 +478,22 @@ bool leaf_file_is_bare(const leaf_file *f, uint32_t p) {
 
 bool leaf_file_is_implied(const leaf_file *f, uint32_t p) {
     return !leaf_file_has_bytes(f, p) && !leaf_file_is_outside(f, p) && !leaf_file_is_bare(f, p);
+}
+
+uint32_t leaf_file_home(const leaf_file *f, uint32_t p) {
+    return leaf_chain_home(&f->layout, &f->links, p);
+}
+
+int leaf_file_chain(const leaf_file *f, uint32_t p, uint32_t chain[LEAF_CHAIN_MAX]) {
+    return leaf_chain_of(&f->layout, &f->links, p, chain);
+}
+
+uint64_t leaf_file_stored(const leaf_file *f, uint32_t p) {
+    uint32_t chain[LEAF_CHAIN_MAX];
+    uint64_t bytes = 0;
+    for (int i = leaf_file_chain(f, p, chain); i-- > 0;)
+        bytes += f->sizes[chain[i]];
+    return bytes;
 }
 
 status leaf_file_check_level(const leaf_file *f, uint32_t level) {

@@ -14,6 +14,7 @@
 #include "formats/base/status.h"
 #include "formats/leaf/histogram.h"
 #include "formats/leaf/leaf.h"
+#include "formats/leaf/leaf_chain.h"
 #include "formats/leaf/leaf_layout.h"
 
 /* What the directory of a mesh has in addition; an element per treelet. */
@@ -38,6 +39,7 @@ typedef struct leaf_file {
     uint64_t *offsets;
     uint64_t *sizes;
     uint64_t *checksums;
+    leaf_links links; /* from payloads to those of earlier sets */
     /* Level-0 node coordinates in grid space, never NULL (0, 1, 2, ... for a regular grid). */
     double *axis[3];
     char (*names)[64];          /* per field; without FIELDS the first is the header's, others "" */
@@ -57,7 +59,8 @@ typedef struct leaf_file {
                        0 for bytes in memory */
     mem *m;
     uint64_t directory_bytes; /* in the file: header, section table, sections */
-    uint64_t payloads_end;    /* where the last run of payloads ends */
+    uint64_t directory_end;   /* where the sections end */
+    uint64_t payloads_end;    /* where the last run of payloads, or the directory behind it, ends */
 } leaf_file;
 
 /* leaf_file_open() - ST_CORRUPT names file, byte and what was expected. A file whose samples lie in
@@ -96,6 +99,16 @@ bool leaf_file_has_bytes(const leaf_file *f, uint32_t p);
 bool leaf_file_is_outside(const leaf_file *f, uint32_t p);
 bool leaf_file_is_bare(const leaf_file *f, uint32_t p);
 bool leaf_file_is_implied(const leaf_file *f, uint32_t p);
+
+/* leaf_file_home() - leaf_chain_home(). leaf_file_chain() - leaf_chain_of().
+ * leaf_file_is_home() - whether payload p has bytes in the file, and is the first to have these.
+ * leaf_file_stored() - the bytes of the codes that payload p's samples need; 0: none. */
+uint32_t leaf_file_home(const leaf_file *f, uint32_t p);
+static inline bool leaf_file_is_home(const leaf_file *f, uint32_t p) {
+    return f->sizes[p] > 0 && !(f->links.same && f->links.same[p]);
+}
+int leaf_file_chain(const leaf_file *f, uint32_t p, uint32_t chain[LEAF_CHAIN_MAX]);
+uint64_t leaf_file_stored(const leaf_file *f, uint32_t p);
 
 /* leaf_file_check_level() - ST_USAGE, with the reason, if f has no samples of a level of detail. */
 CHECKED status leaf_file_check_level(const leaf_file *f, uint32_t level);

@@ -51,6 +51,7 @@ typedef struct leaf_geometry {
 
     uint32_t (*payload_bytes)(const leaf_layout *l, uint32_t p);
     bool (*begins_run)(const leaf_layout *l, uint32_t p);
+    leaf_series (*series)(const leaf_layout *l, uint32_t p);
     const char *(*payload_name)(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]);
 
     /* Payloads without bytes, which follow from the directory. may_be_empty(): whether the

@@ -287,6 +287,10 @@ leaf_block leaf_layout_block_of(const leaf_layout *l, uint32_t p, uint32_t *inde
     return LEAF_BLOCK_POSITIONS;
 }
 
+leaf_series leaf_layout_series(const leaf_layout *l, uint32_t p) {
+    return l->geometry->series(l, p);
+}
+
 const char *leaf_layout_payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]) {
     return l->geometry->payload_name(l, p, text);
 }

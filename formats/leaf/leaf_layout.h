@@ -175,6 +175,21 @@ static inline uint32_t leaf_layout_step(const leaf_layout *l, uint32_t set) {
     return set % l->steps;
 }
 
+/* leaf_layout_series() - the payloads that hold the same thing in each set (a mesh's positions: at
+ * each step): of which p is number `at`. Number i is payload first + i * stride. */
+typedef struct leaf_series {
+    uint32_t first, stride, at;
+} leaf_series;
+/* leaf_series_of() - of payload p, where each of them is in a block of `stride` from payload
+ * `block` on. */
+static inline leaf_series leaf_series_of(uint32_t p, uint32_t block, uint32_t stride) {
+    return (leaf_series){block + (p - block) % stride, stride, (p - block) / stride};
+}
+leaf_series leaf_layout_series(const leaf_layout *l, uint32_t p);
+static inline uint32_t leaf_series_payload(const leaf_series *s, uint32_t i) {
+    return s->first + i * s->stride;
+}
+
 /* leaf_layout_moves() - returns whether cells change their places from step to step.
  * leaf_layout_place() - returns which of the `places` the cells have at a step; 0: the one of step
  * 0. */

@@ -95,6 +95,10 @@ size_t leaf_packer_pack(leaf_packer *k, uint32_t p, const void *payload, void *p
     return grid_coding_pack(k->layout, p, k->boxes, payload, pack);
 }
 
+box_coder *leaf_packer_boxes(leaf_packer *k) {
+    return k->boxes;
+}
+
 size_t leaf_packer_pack_mesh(leaf_packer *k, mesh_block block, const uint32_t counts[4],
                              const float bounds[6], const void *payload, void *pack,
                              const void **stored) {

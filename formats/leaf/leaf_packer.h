@@ -51,10 +51,11 @@ CHECKED status leaf_packer_memory(mem *m, const leaf_layout *l, const uint32_t c
                                   const leaf_parameters *p, uint64_t *out);
 
 /* leaf_packer_pack() - compress payload p of a grid (grid_coding.h) into pack, of
- * leaf_layout_stored_max() bytes. Returns its bytes.
+ * leaf_layout_stored_max() bytes. Returns its bytes. leaf_packer_boxes() - its coder.
  * leaf_packer_pack_mesh() - the same of a mesh (mesh_coding.h), where that makes it smaller, into
  * pack, of as many bytes as it has. *stored: out, the result or the payload itself. */
 size_t leaf_packer_pack(leaf_packer *k, uint32_t p, const void *payload, void *pack);
+struct box_coder *leaf_packer_boxes(leaf_packer *k);
 size_t leaf_packer_pack_mesh(leaf_packer *k, mesh_block block, const uint32_t counts[4],
                              const float bounds[6], const void *payload, void *pack,
                              const void **stored);

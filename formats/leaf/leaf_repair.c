@@ -156,10 +156,10 @@ static status take_header(repair *r, region *g, bool *found) {
 static status take_table(repair *r, region *g, bool *found, uint64_t *end) {
     const size_t size = g->header.sections * sizeof *g->table;
     for (int i = 0; i < LEAF_REPAIR_COPIES; i++)
-        if (read_copy(r, i, g->base + LEAF_HEADER_BYTES, g->table, size) &&
+        if (read_copy(r, i, g->base + leaf_table_at(&g->header), g->table, size) &&
             leaf_check_sections(file_path(r->copy[i]), &g->header, g->table, end) == ST_OK) {
             r->result->directory[i]++;
-            return out_file_write_at(r->out, g->base + LEAF_HEADER_BYTES, g->table, size);
+            return out_file_write_at(r->out, g->base + leaf_table_at(&g->header), g->table, size);
         }
     *found = false;
     leaf_damage_add(&r->lost, g->where, "the section table");
@@ -192,7 +192,7 @@ static status take_directory(repair *r, region *g, bool *found) {
         st = take_table(r, g, found, &end);
     if (st != ST_OK || !*found)
         return st;
-    end = LEAF_HEADER_BYTES + g->header.sections * sizeof *g->table;
+    end = leaf_table_at(&g->header) + g->header.sections * sizeof *g->table;
     for (uint32_t i = 0; i < g->header.sections && st == ST_OK; i++) {
         look_at_gap(r, g->base + end, g->base + g->table[i].offset);
         st = take_section(r, g, &g->table[i]);
@@ -224,10 +224,11 @@ static status take_payload(repair *r, const region *g, const leaf_file *f, uint3
 
 static status take_payloads(repair *r, const region *g, const leaf_file *f, uint64_t all_bytes) {
     status st = ST_OK;
-    uint64_t end = f->directory_bytes;
+    const uint64_t table = f->header.directory;
+    uint64_t end = leaf_payloads_at(&f->header, f->directory_end);
     for (leaf_order o = leaf_order_begin(&f->layout); o.p < f->layout.payloads && st == ST_OK;
          leaf_order_next(&o, &f->layout)) {
-        if (!leaf_file_has_bytes(f, o.p))
+        if (!leaf_file_is_home(f, o.p))
             continue;
         look_at_gap(r, g->base + end, g->base + f->offsets[o.p]);
         end = f->offsets[o.p] + f->sizes[o.p];
@@ -236,7 +237,9 @@ static status take_payloads(repair *r, const region *g, const leaf_file *f, uint
         if (st == ST_OK)
             st = take_payload(r, g, f, o.p);
     }
-    look_at_gap(r, g->base + end, g->base + f->payloads_end);
+    look_at_gap(r, g->base + end, g->base + (table ? table : f->payloads_end));
+    if (table)
+        look_at_gap(r, g->base + f->directory_end, g->base + f->payloads_end);
     return st;
 }
 

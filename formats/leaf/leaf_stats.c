@@ -194,7 +194,8 @@ leaf_mesh_parts leaf_stats_mesh(const leaf_file *f) {
                                 [LEAF_BLOCK_POSITIONS] = &parts.stored_positions};
     uint32_t index;
     for (uint32_t p = 0; p < f->layout.payloads; p++)
-        *stored[leaf_layout_block_of(&f->layout, p, &index)] += f->sizes[p];
+        if (leaf_file_is_home(f, p))
+            *stored[leaf_layout_block_of(&f->layout, p, &index)] += f->sizes[p];
     return parts;
 }
 

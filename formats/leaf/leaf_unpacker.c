@@ -193,23 +193,33 @@ static status decode_mesh(leaf_unpacker *u, uint32_t p, const void *stored, void
     return ST_OK;
 }
 
-static status unpack(leaf_unpacker *u, uint32_t p, const void *stored, void *to) {
-    return grid_coding_unpack(&u->f->layout, p, u->boxes, stored, (size_t)u->f->sizes[p], to)
-               ? ST_OK
-               : malformed(u, p, "its code of samples is malformed");
-}
-
 static status fetch(leaf_file *f, uint32_t p, const leaf_fetcher *by, void *stored) {
     return by ? by->fetch(by->ctx, p, stored) : leaf_file_fetch(f, p, stored);
 }
 
-static status read_shell(leaf_unpacker *u, uint32_t p, void *samples) {
-    const status st = fetch(u->f, p, u->by, u->shell_stored);
-    u->beside_bytes += u->f->sizes[p];
-    return st == ST_OK ? unpack(u, p, u->shell_stored, samples) : st;
+/* Read the code of payload p's samples, and those that it rests on, the whole one first. stored:
+ * room for one. */
+static status read_codes(leaf_unpacker *u, uint32_t p, void *stored, void *to) {
+    uint32_t chain[LEAF_CHAIN_MAX];
+    const int count = leaf_file_chain(u->f, p, chain);
+    for (int i = count; i-- > 0;) {
+        const uint32_t q = chain[i];
+        const status st = fetch(u->f, q, u->by, stored);
+        if (st != ST_OK)
+            return st;
+        if (!grid_coding_unpack(&u->f->layout, q, u->boxes, stored, (size_t)u->f->sizes[q],
+                                i + 1 < count, to))
+            return malformed(u, q, "its code of samples is malformed");
+    }
+    return ST_OK;
 }
 
-/* Copy what treelet t has of its family's shell, which is payload p. */
+static status read_shell(leaf_unpacker *u, uint32_t p, void *samples) {
+    u->beside_bytes += leaf_file_stored(u->f, p);
+    return read_codes(u, p, u->shell_stored, samples);
+}
+
+/* Copy what treelet t has of its family's shell, which is payload p, a home. */
 static status take_shell(leaf_unpacker *u, uint32_t p, uint32_t parent, uint32_t t, void *payload) {
     void *samples;
     const bool made = leaf_shells_hold(u->shells, p, &samples);
@@ -220,29 +230,33 @@ static status take_shell(leaf_unpacker *u, uint32_t p, uint32_t parent, uint32_t
     return st;
 }
 
-static status decode_treelet(leaf_unpacker *u, uint32_t p, const void *stored, void *payload) {
+static status load_treelet(leaf_unpacker *u, uint32_t p, void *payload) {
     const leaf_layout *l = &u->f->layout;
     const uint32_t t = p % l->treelets;
-    status st = unpack(u, p, stored, payload);
+    status st = read_codes(u, p, u->stored, payload);
+    u->beside_bytes += leaf_file_stored(u->f, p) - u->f->sizes[p];
     if (st == ST_OK && t > 0) {
         const uint32_t parent = leaf_layout_parent(l, t);
         const uint32_t shell = leaf_layout_shell(l, p / l->treelets, parent);
         if (u->f->sizes[shell] > 0)
-            st = take_shell(u, shell, parent, t, payload);
+            st = take_shell(u, leaf_file_home(u->f, shell), parent, t, payload);
     }
     if (st == ST_OK)
         (void)grid_codes_make(l, t, u->codes, payload);
     return st;
 }
 
-static status decode(leaf_unpacker *u, uint32_t p, void *payload) {
+static status load_coded(leaf_unpacker *u, uint32_t p, void *payload) {
     const leaf_layout *l = &u->f->layout;
-    if (u->f->mesh)
-        return decode_mesh(u, p, u->stored, payload);
-    if (!l->coded)
-        return unframe(u, p, u->stored, payload);
-    return p < l->sets * l->treelets ? decode_treelet(u, p, u->stored, payload)
-                                     : unpack(u, p, u->stored, payload);
+    return p < l->sets * l->treelets ? load_treelet(u, p, payload)
+                                     : read_codes(u, p, u->stored, payload);
+}
+
+static status load_frame(leaf_unpacker *u, uint32_t p, void *payload) {
+    const status st = fetch(u->f, p, u->by, u->stored);
+    if (st != ST_OK)
+        return st;
+    return u->f->mesh ? decode_mesh(u, p, u->stored, payload) : unframe(u, p, u->stored, payload);
 }
 
 /* The samples of treelet p of level 0, in the other file. */
@@ -321,8 +335,7 @@ status leaf_file_load_by(leaf_file *f, uint32_t p, leaf_unpacker *u, const leaf_
     if (leaf_file_is_outside(f, p))
         return load_outside(u, p, payload);
     u->by = by;
-    const status st = fetch(f, p, by, u->stored);
-    return st == ST_OK ? decode(u, p, payload) : st;
+    return l->coded ? load_coded(u, p, payload) : load_frame(u, p, payload);
 }
 
 status leaf_file_load(leaf_file *f, uint32_t p, leaf_unpacker *u, void *payload) {

@@ -423,28 +423,41 @@ static status check_count(const verification *v) {
         (unsigned long long)most, (unsigned long long)count);
 }
 
-static status check_gaps(const verification *v) {
-    char bytes[512], name[LEAF_NAME_MAX];
-    const leaf_file *f = v->f;
-    for (leaf_order o = leaf_order_begin(&f->layout); o.p < f->layout.payloads;) {
-        const uint32_t p = o.p;
-        leaf_order_next(&o, &f->layout);
-        uint64_t at = f->offsets[p] + f->sizes[p];
-        uint64_t end = o.p < f->layout.payloads ? f->offsets[o.p] : f->payloads_end;
-        while (at < end) {
-            size_t size = end - at < sizeof bytes ? (size_t)(end - at) : sizeof bytes;
-            status st = file_read_at(f->source, at, bytes, size);
-            if (st != ST_OK)
-                return st;
-            for (size_t i = 0; i < size; i++)
-                if (bytes[i])
-                    return status_describe(ST_CORRUPT, "%s: byte %llu: expected 0 behind %s",
-                                           file_path(f->source), (unsigned long long)(at + i),
-                                           leaf_layout_payload_name(&f->layout, p, name));
-            at += size;
-        }
+/* Check that bytes between two places are 0. behind: what lies before them. */
+static status check_gap(const leaf_file *f, uint64_t at, uint64_t end, const char *behind) {
+    char bytes[512];
+    while (at < end) {
+        size_t size = end - at < sizeof bytes ? (size_t)(end - at) : sizeof bytes;
+        status st = file_read_at(f->source, at, bytes, size);
+        if (st != ST_OK)
+            return st;
+        for (size_t i = 0; i < size; i++)
+            if (bytes[i])
+                return status_describe(ST_CORRUPT, "%s: byte %llu: expected 0 behind %s",
+                                       file_path(f->source), (unsigned long long)(at + i), behind);
+        at += size;
     }
     return ST_OK;
+}
+
+static status check_gaps(const verification *v) {
+    char behind[LEAF_NAME_MAX] = "the header";
+    const leaf_file *f = v->f;
+    const uint64_t table = f->header.directory;
+    uint64_t at = leaf_payloads_at(&f->header, f->directory_end);
+    status st = ST_OK;
+    for (leaf_order o = leaf_order_begin(&f->layout); o.p < f->layout.payloads && st == ST_OK;
+         leaf_order_next(&o, &f->layout)) {
+        if (!leaf_file_is_home(f, o.p))
+            continue;
+        st = check_gap(f, at, f->offsets[o.p], behind);
+        at = f->offsets[o.p] + f->sizes[o.p];
+        leaf_layout_payload_name(&f->layout, o.p, behind);
+    }
+    if (st == ST_OK)
+        st = check_gap(f, at, table ? table : f->payloads_end, behind);
+    return st == ST_OK && table ? check_gap(f, f->directory_end, f->payloads_end, "the directory")
+                                : st;
 }
 
 /* Whether the bins hold every value of a range; for an empty range, whether there are no bins. */

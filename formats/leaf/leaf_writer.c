@@ -15,6 +15,7 @@ enum {
     LAYOUT_BYTES = 3 * sizeof(uint32_t) + sizeof(uint32_t) + 1,
     RANGE_BYTES = 2 * sizeof(float[2]) + 1,
     PAYLOAD_BYTES = 3 * sizeof(uint64_t),
+    SERIES_BYTES = 2 * sizeof(uint32_t) + sizeof(uint64_t), /* of several sets, too */
     MESH_BYTES = sizeof(float[6]) + sizeof(uint32_t[4])
 };
 
@@ -23,7 +24,8 @@ uint64_t leaf_writer_memory(const leaf_layout *l, int threads) {
     for (int a = 0; a < 3; a++)
         bytes += l->level[0].dims[a] * sizeof(double);
     if (l->sets > 1)
-        bytes += l->sets * (sizeof(histogram) + sizeof(char[64]) + sizeof(double));
+        bytes += l->sets * (sizeof(histogram) + sizeof(char[64]) + sizeof(double)) +
+                 l->payloads * (uint64_t)SERIES_BYTES;
     return bytes + l->treelets * (uint64_t)LAYOUT_BYTES +
            l->payloads * (uint64_t)(RANGE_BYTES + PAYLOAD_BYTES) +
            leaf_writer_families_memory(l, threads);
@@ -46,41 +48,8 @@ uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max) {
            mesh->fields * sizeof(char[64]) + mesh->steps * sizeof(double) +
            (mesh->coarse ? sets * sizeof(leaf_part) : 0) +
            (sets <= LEAF_HISTOGRAMS_MAX ? sets * sizeof(histogram) : 0) +
-           mesh_layout_payloads(&blocks) * (PAYLOAD_BYTES + sizeof(uint64_t));
-}
-
-/* Whether the file has a section of this kind. */
-static bool has_section(const leaf_writer *w, uint32_t kind) {
-    if (!leaf_section_bytes(&w->header, kind))
-        return false;
-    return kind == LEAF_SECTION_FIELDS       ? w->names != NULL
-           : kind == LEAF_SECTION_TIMES      ? w->times != NULL
-           : kind == LEAF_SECTION_COARSE     ? w->parts != NULL
-           : kind == LEAF_SECTION_HISTOGRAMS ? w->histograms != NULL
-           : kind == LEAF_SECTION_DEVIATIONS ? w->deviations != NULL
-           : kind == LEAF_SECTION_WORLD      ? world_frame_is_told(&w->frame)
-                                             : true;
-}
-
-static void add_section(leaf_writer *w, uint32_t kind) {
-    leaf_header *h = &w->header;
-    if (has_section(w, kind))
-        w->table[h->sections++] =
-            (leaf_section){.kind = kind, .version = 1, .bytes = leaf_section_bytes(h, kind)};
-}
-
-static void place_sections(leaf_writer *w) {
-    leaf_header *h = &w->header;
-    for (uint32_t kind = 1; kind <= LEAF_SECTION_LAST; kind++)
-        add_section(w, kind);
-    for (uint32_t i = 1; i <= LEAF_ANCILLARY_LAST; i++)
-        add_section(w, LEAF_SECTION_ANCILLARY | i);
-    uint64_t end = LEAF_HEADER_BYTES + h->sections * sizeof *w->table;
-    for (uint32_t i = 0; i < h->sections; i++) {
-        w->table[i].offset = leaf_layout_aligned(end, LEAF_ALIGN_LOG2);
-        end = w->table[i].offset + w->table[i].bytes;
-    }
-    w->next = (leaf_placing){.end = end};
+           mesh_layout_payloads(&blocks) *
+               (PAYLOAD_BYTES + sizeof(uint64_t) + (sets > 1 ? sizeof(uint32_t) : 0));
 }
 
 static status allocate_histograms(leaf_writer *w) {
@@ -112,6 +81,19 @@ static status allocate_deviations(leaf_writer *w) {
         return ST_OK;
     w->deviations = mem_array(w->m, bricks, sizeof *w->deviations);
     return w->deviations ? ST_OK : ST_NOMEM;
+}
+
+/* Allocate what leads from the payloads of several sets to earlier ones. */
+static status allocate_series(leaf_writer *w, bool hashed) {
+    const size_t payloads = w->layout.payloads;
+    if (w->layout.sets == 1)
+        return ST_OK;
+    w->same = mem_array(w->m, payloads, sizeof *w->same);
+    if (!hashed)
+        return w->same ? ST_OK : ST_NOMEM;
+    w->bases = mem_array(w->m, payloads, sizeof *w->bases);
+    w->hashes = mem_array(w->m, payloads, sizeof *w->hashes);
+    return w->same && w->bases && w->hashes ? ST_OK : ST_NOMEM;
 }
 
 /* Treelets without samples are never put. */
@@ -228,6 +210,8 @@ status leaf_writer_create(mem *m, const leaf_target *to, const grid *g, const le
     if (st == ST_OK && w->layout.sets > 1)
         st = copy_labels(w, sets);
     if (st == ST_OK)
+        st = allocate_series(w, true);
+    if (st == ST_OK)
         st = allocate_deviations(w);
     if (st == ST_OK)
         st = allocate_axes(w, g);
@@ -241,7 +225,7 @@ status leaf_writer_create(mem *m, const leaf_target *to, const grid *g, const le
     w->frame = g->frame;
     if (sets->time_unit)
         world_frame_set_time_unit(&w->frame, sets->time_unit);
-    place_sections(w);
+    leaf_writer_place_sections(w);
     w->order = leaf_order_begin(&w->layout);
     *out = w;
     return ST_OK;
@@ -264,6 +248,8 @@ status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf_mesh *m
     if (st == ST_OK)
         st = allocate(w, mesh->treelets * sets);
     if (st == ST_OK)
+        st = allocate_series(w, false);
+    if (st == ST_OK)
         st = allocate_mesh(w);
     if (st == ST_OK)
         st =
@@ -279,7 +265,7 @@ status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf_mesh *m
         return st;
     }
     leaf_head_mesh(&w->header, &w->layout, p, mesh);
-    place_sections(w);
+    leaf_writer_place_sections(w);
     w->order = leaf_order_begin(&w->layout);
     *out = w;
     return ST_OK;
@@ -304,6 +290,9 @@ static status keep_payloads(leaf_writer *w, state_io *io) {
         {w->offsets, payloads * sizeof *w->offsets},
         {w->sizes, payloads * sizeof *w->sizes},
         {w->checksums, payloads * sizeof *w->checksums},
+        {w->same, payloads * sizeof *w->same},
+        {w->bases, payloads * sizeof *w->bases},
+        {w->hashes, payloads * sizeof *w->hashes},
         {w->scratch_at, payloads * sizeof *w->scratch_at},
         {w->bounds, (size_t)l->treelets * l->places * sizeof *w->bounds},
         {w->counts, l->treelets * sizeof *w->counts},
@@ -319,10 +308,9 @@ static status keep_payloads(leaf_writer *w, state_io *io) {
 /* The end of what has been written in the file. A mesh's payloads may have a place there while they
  * wait in the scratch file. */
 static uint64_t written_end(const leaf_writer *w) {
-    const leaf_section *last = &w->table[w->header.sections - 1];
     uint64_t end = 0;
     if (!w->scratch)
-        return w->next.end > last->offset + last->bytes ? w->next.end : 0;
+        return w->next.end > leaf_writer_payloads_at(w) ? w->next.end : 0;
     for (uint32_t p = 0; p < w->layout.payloads; p++)
         if (w->scratch_at[p] == NOT_THERE && w->sizes[p] != UNKNOWN_SIZE && w->sizes[p] > 0 &&
             w->offsets[p] + w->sizes[p] > end)
@@ -361,6 +349,9 @@ void leaf_writer_discard(leaf_writer *w) {
     mem_free(w->m, w->offsets);
     mem_free(w->m, w->sizes);
     mem_free(w->m, w->checksums);
+    mem_free(w->m, w->same);
+    mem_free(w->m, w->bases);
+    mem_free(w->m, w->hashes);
     mem_free(w->m, w->scratch_at);
     mem_free(w->m, w->copy_buffer);
     mem_free(w->m, w->axes);

@@ -132,23 +132,24 @@ CHECKED status leaf_writer_end_family(leaf_writer *w, leaf_family **f);
 void leaf_writer_give_up(leaf_writer *w);
 
 /* leaf_family_room() - where the next payload may be made, if the codec is raw: leaf_writer_put()
- * then copies nothing. leaf_family_bytes() - the bytes that were put so far. */
+ * then copies nothing. leaf_family_is_implied() - whether all that was put so far was implied. */
 void *leaf_family_room(const leaf_family *f);
-size_t leaf_family_bytes(const leaf_family *f);
+bool leaf_family_is_implied(const leaf_family *f);
 
 /* leaf_writer_put() - put treelet t: its directory entry and its payload of
- * leaf_layout_payload(t).bytes. An implied payload takes no bytes of the file. k: a packer of the
- * thread's own; NULL for the raw codec.
+ * leaf_layout_payload(t).bytes. An implied payload takes no bytes of the file, nor does one that an
+ * earlier set has: which are read back for that, so that sets must be put one after the other. k: a
+ * packer of the thread's own; NULL for the raw codec.
  * leaf_writer_put_implied() - the same for a treelet whose payload is known to be implied
  * (implied_payload.h). */
-void leaf_writer_put(leaf_writer *w, leaf_family *f, leaf_packer *k, uint32_t t,
-                     const leaf_entry *entry, const void *payload);
+CHECKED status leaf_writer_put(leaf_writer *w, leaf_family *f, leaf_packer *k, uint32_t t,
+                               const leaf_entry *entry, const void *payload);
 void leaf_writer_put_implied(leaf_writer *w, leaf_family *f, uint32_t t, const leaf_entry *entry);
 
 /* leaf_writer_put_shell() - put what the children of a treelet share (grid_family.h), behind them.
  * samples: NULL, and only then, if there is one child, or all are implied. */
-void leaf_writer_put_shell(leaf_writer *w, leaf_family *f, leaf_packer *k, uint32_t parent,
-                           const void *samples);
+CHECKED status leaf_writer_put_shell(leaf_writer *w, leaf_family *f, leaf_packer *k,
+                                     uint32_t parent, const void *samples);
 
 /* leaf_writer_put_topology() - put treelet t of a mesh: its bounds (exact), its counts (without a
  * mesh_leaf_counts_fault()), and its topology, mesh_leaf_shape(counts).topology_bytes.

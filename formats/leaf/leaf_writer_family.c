@@ -35,8 +35,17 @@ static int rooms_of(int threads) {
     return threads + spare_rooms(threads);
 }
 
+/* The bytes of a payload, or of a shell's samples. */
+static size_t earlier_room(const leaf_layout *l) {
+    const size_t shell = l->shells ? leaf_layout_shell_max(l) * sample_size(l->type) : 0;
+    const size_t payload = leaf_layout_payload_max(l);
+    return payload > shell ? payload : shell;
+}
+
 uint64_t leaf_writer_families_memory(const leaf_layout *l, int threads) {
-    return (uint64_t)rooms_of(threads) * (family_room(l) + sizeof(leaf_family) + 128);
+    const size_t series =
+        l->sets > 1 ? earlier_room(l) + leaf_layout_stored_max(l) + 2 * (size_t)128 : 0;
+    return (uint64_t)rooms_of(threads) * (family_room(l) + series + sizeof(leaf_family) + 128);
 }
 
 static status make_room(leaf_writer *w, leaf_family **out) {
@@ -47,7 +56,11 @@ static status make_room(leaf_writer *w, leaf_family **out) {
     w->families = f;
     f->bytes = mem_alloc(w->m, family_room(&w->layout));
     *out = f;
-    return f->bytes ? ST_OK : ST_NOMEM;
+    if (!f->bytes || w->layout.sets == 1)
+        return f->bytes ? ST_OK : ST_NOMEM;
+    f->earlier = mem_alloc(w->m, earlier_room(&w->layout));
+    f->stored = mem_alloc(w->m, leaf_layout_stored_max(&w->layout));
+    return f->earlier && f->stored ? ST_OK : ST_NOMEM;
 }
 
 status leaf_writer_make_families(leaf_writer *w, int threads) {
@@ -73,6 +86,8 @@ void leaf_writer_free_families(leaf_writer *w) {
         leaf_family *f = w->families;
         w->families = f->all;
         mem_free(w->m, f->bytes);
+        mem_free(w->m, f->earlier);
+        mem_free(w->m, f->stored);
         mem_free(w->m, f);
     }
 }
@@ -84,27 +99,43 @@ void leaf_family_begin(leaf_family *f, uint32_t set, const leaf_slab *slab, uint
     f->slab = *slab;
     f->index = index;
     f->used = 0;
+    f->implied = true;
 }
 
 void *leaf_family_room(const leaf_family *f) {
     return f->bytes + f->used;
 }
 
-size_t leaf_family_bytes(const leaf_family *f) {
-    return f->used;
+bool leaf_family_is_implied(const leaf_family *f) {
+    return f->implied;
 }
 
-static void put_payload(leaf_writer *w, leaf_family *f, leaf_packer *k, uint32_t p,
-                        const void *payload) {
-    char *to = leaf_family_room(f);
-    size_t size = leaf_layout_payload_bytes(&w->layout, p);
+static size_t make_payload(const leaf_writer *w, leaf_packer *k, uint32_t p, const void *payload,
+                           void *to) {
+    const size_t size = leaf_layout_payload_bytes(&w->layout, p);
     if (k)
-        size = leaf_packer_pack(k, p, payload, to);
-    else if (payload != to)
+        return leaf_packer_pack(k, p, payload, to);
+    if (payload != to)
         memcpy(to, payload, size);
+    return size;
+}
+
+static status put_payload(leaf_writer *w, leaf_family *f, leaf_packer *k, uint32_t p,
+                          const void *payload) {
+    char *to = leaf_family_room(f);
+    size_t size = 0;
+    status st = ST_OK;
+    if (w->same)
+        st = leaf_writer_put_in_series(w, f, k, p, payload, to, &size);
+    else
+        size = make_payload(w, k, p, payload, to);
+    f->implied = false;
+    if (leaf_writer_is_same(w, p) || st != ST_OK)
+        return st;
     w->sizes[p] = size;
     w->checksums[p] = hash_bytes(to, size);
     f->used += size;
+    return ST_OK;
 }
 
 static uint32_t put_entry(leaf_writer *w, const leaf_family *f, uint32_t t,
@@ -123,15 +154,15 @@ static uint64_t sum_samples(const leaf_layout *l, uint32_t t, const void *payloa
                                leaf_payload_sample_bytes(&shape, l->type));
 }
 
-void leaf_writer_put(leaf_writer *w, leaf_family *f, leaf_packer *k, uint32_t t,
-                     const leaf_entry *entry, const void *payload) {
+status leaf_writer_put(leaf_writer *w, leaf_family *f, leaf_packer *k, uint32_t t,
+                       const leaf_entry *entry, const void *payload) {
     const uint32_t p = put_entry(w, f, t, entry);
     if (w->layout.geometry->implies(&w->layout, t, entry->own, entry->flags, payload))
-        return;
-    if (leaf_layout_is_outside(&w->layout, p))
-        w->checksums[p] = sum_samples(&w->layout, t, payload);
-    else
-        put_payload(w, f, k, p, payload);
+        return ST_OK;
+    if (!leaf_layout_is_outside(&w->layout, p))
+        return put_payload(w, f, k, p, payload);
+    w->checksums[p] = sum_samples(&w->layout, t, payload);
+    return ST_OK;
 }
 
 void leaf_writer_put_implied(leaf_writer *w, leaf_family *f, uint32_t t, const leaf_entry *entry) {
@@ -139,13 +170,12 @@ void leaf_writer_put_implied(leaf_writer *w, leaf_family *f, uint32_t t, const l
     (void)put_entry(w, f, t, entry);
 }
 
-void leaf_writer_put_shell(leaf_writer *w, leaf_family *f, leaf_packer *k, uint32_t parent,
-                           const void *samples) {
+status leaf_writer_put_shell(leaf_writer *w, leaf_family *f, leaf_packer *k, uint32_t parent,
+                             const void *samples) {
     const uint32_t p = leaf_layout_shell(&w->layout, f->set, parent);
     assert(parent < w->layout.shells);
     w->sizes[p] = w->checksums[p] = 0;
-    if (samples)
-        put_payload(w, f, k, p, samples);
+    return samples ? put_payload(w, f, k, p, samples) : ST_OK;
 }
 
 /* ---- writing it ---- */
@@ -172,11 +202,10 @@ static uint64_t place_next(leaf_writer *w) {
     bool found = false;
     do {
         const uint32_t p = w->order.p;
-        w->offsets[p] =
-            leaf_placing_next(&w->next, &w->layout, p, w->sizes[p], w->p.run_align_log2);
-        if (!found && w->sizes[p])
+        const bool bytes = leaf_writer_place(w, p) > 0;
+        if (!found && bytes)
             at = w->offsets[p];
-        found |= w->sizes[p] > 0;
+        found |= bytes;
         leaf_order_next(&w->order, &w->layout);
     } while (w->order.p < w->layout.payloads &&
              (leaf_order_same_family(&w->order, &first) || next_is_bare(w)));

@@ -1,5 +1,5 @@
 /* leaf_writer_finish.c - finishing a treelet file: payloads to their places, ranges merged, then
- * the directory and the header. */
+ * the directory (leaf_writer_directory.c) and the header. */
 #include <assert.h>
 #include <math.h>
 #include <string.h>
@@ -13,22 +13,13 @@
 #include "formats/leaf/leaf_writer_private.h"
 #include "formats/leaf/mesh_layout.h"
 
-static uint64_t sections_end(const leaf_writer *w) {
-    const leaf_section *last = &w->table[w->header.sections - 1];
-    return last->offset + last->bytes;
-}
-
 /* Place the payloads of a mesh, all of whose sizes are known. */
 static void place_payloads(leaf_writer *w) {
-    leaf_placing next = {.end = sections_end(w)};
+    w->next = (leaf_placing){.end = leaf_writer_payloads_at(w)};
     w->header.payload_bytes = 0;
     for (leaf_order o = leaf_order_begin(&w->layout); o.p < w->layout.payloads;
-         leaf_order_next(&o, &w->layout)) {
-        w->offsets[o.p] =
-            leaf_placing_next(&next, &w->layout, o.p, w->sizes[o.p], w->p.run_align_log2);
-        w->header.payload_bytes += w->sizes[o.p];
-    }
-    w->header.file_bytes = leaf_layout_aligned(next.end, w->p.run_align_log2);
+         leaf_order_next(&o, &w->layout))
+        w->header.payload_bytes += leaf_writer_place(w, o.p);
 }
 
 void leaf_writer_stop_by(leaf_writer *w, const progress *p) {
@@ -62,23 +53,12 @@ static status copy_payloads(leaf_writer *w) {
     return st;
 }
 
-static status write_zeros(leaf_writer *w, uint64_t from, uint64_t to) {
-    static const char zeros[512];
-    status st = ST_OK;
-    for (uint64_t size; st == ST_OK && from < to; from += size) {
-        size = to - from < sizeof zeros ? to - from : sizeof zeros;
-        st = out_file_write_at(w->out, from, zeros, (size_t)size);
-    }
-    return st;
-}
-
 /* All payloads of a grid are at their places. */
 static void end_payloads(leaf_writer *w) {
     assert(w->order.p == w->layout.payloads && !w->waiting);
     w->header.payload_bytes = 0;
     for (uint32_t p = 0; p < w->layout.payloads; p++)
-        w->header.payload_bytes += w->sizes[p];
-    w->header.file_bytes = leaf_layout_aligned(w->next.end, w->p.run_align_log2);
+        w->header.payload_bytes += leaf_writer_is_same(w, p) ? 0 : w->sizes[p];
 }
 
 /* Merge the ranges of a grid's set, last treelet first: children come behind their parents. */
@@ -132,31 +112,6 @@ static void sum_up_mesh(leaf_writer *w) {
     h->value_max = hi;
 }
 
-static status write_sections(leaf_writer *w) {
-    const void *arrays[LEAF_SECTION_LAST] = {
-        w->ranges, w->own,    w->flags, w->offsets, w->sizes, w->checksums, w->axes,
-        w->bounds, w->counts, w->names, w->times,   w->parts, w->p.outside, w->p.chunks};
-    const void *ancillary[LEAF_ANCILLARY_LAST] = {w->histograms, w->deviations, &w->frame};
-    for (uint32_t i = 0; i < w->header.sections; i++) {
-        leaf_section *s = &w->table[i];
-        const void *bytes = leaf_section_ancillary(s->kind)
-                                ? ancillary[s->kind - LEAF_SECTION_ANCILLARY - 1]
-                                : arrays[s->kind - 1];
-        s->checksum = hash_bytes(bytes, (size_t)s->bytes);
-        status st = out_file_write_at(w->out, s->offset, bytes, (size_t)s->bytes);
-        if (st != ST_OK)
-            return st;
-    }
-    return ST_OK;
-}
-
-/* Write zeros between the last payload and the end. The gaps before are holes, which read as
- * zeros. */
-static status write_end(leaf_writer *w) {
-    const uint32_t last = leaf_order_last(&w->layout);
-    return write_zeros(w, w->offsets[last] + w->sizes[last], w->header.file_bytes);
-}
-
 static void note_facts(leaf_writer *w, const leaf_facts *facts) {
     leaf_header *h = &w->header;
     h->non_finite = facts->non_finite;
@@ -176,7 +131,7 @@ static status write_header(leaf_writer *w) {
     h->id[1] = id.hi;
     h->checksum = leaf_header_checksum(h);
     status st =
-        out_file_write_at(w->out, LEAF_HEADER_BYTES, w->table, h->sections * sizeof *w->table);
+        out_file_write_at(w->out, leaf_table_at(h), w->table, h->sections * sizeof *w->table);
     return st == ST_OK ? out_file_write_at(w->out, 0, h, sizeof *h) : st;
 }
 
@@ -199,9 +154,7 @@ static status write_all(leaf_writer *w, const leaf_facts *facts) {
     status st = close_payloads(w);
     note_facts(w, facts);
     if (st == ST_OK)
-        st = write_sections(w);
-    if (st == ST_OK)
-        st = write_end(w);
+        st = leaf_writer_write_directory(w, w->next.end);
     return st == ST_OK ? write_header(w) : st;
 }
 
@@ -259,7 +212,7 @@ status leaf_writer_embed(leaf_writer *w, uint32_t set, const char *path) {
 static status write_parts(leaf_writer *w) {
     if (!w->parts)
         return ST_OK;
-    status st = write_sections(w);
+    status st = leaf_writer_write_parts(w);
     return st == ST_OK ? write_header(w) : st;
 }
 

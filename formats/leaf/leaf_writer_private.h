@@ -3,7 +3,9 @@
  * leaf_writer.c         beginning a file, and what it takes of memory
  * leaf_writer_family.c  putting the payloads of a grid, from many threads
  * leaf_writer_put.c     the same of a mesh
- * leaf_writer_finish.c  payloads to their places, the directory, the header
+ * leaf_writer_series.c  payloads of a grid that earlier sets have, or differ little from
+ * leaf_writer_finish.c  payloads to their places, the header
+ * leaf_writer_directory.c  the sections, before the payloads or behind them
  */
 #ifndef FORMATS_LEAF_LEAF_WRITER_PRIVATE_H
 #define FORMATS_LEAF_LEAF_WRITER_PRIVATE_H
@@ -11,6 +13,7 @@
 #include <pthread.h>
 
 #include "formats/base/file.h"
+#include "formats/leaf/leaf_chain.h"
 #include "formats/leaf/leaf_writer.h"
 
 struct leaf_writer {
@@ -24,6 +27,10 @@ struct leaf_writer {
     float (*own)[2];
     uint8_t *flags;
     uint64_t *offsets, *sizes, *checksums;
+    /* Of several sets, else NULL: as in leaf_links. Of a grid, a hash of the samples of each
+     * payload, too, by treelets and shells, then by sets. */
+    uint32_t *same, *bases;
+    uint64_t *hashes;
     double *axes; /* rectilinear: all three, one behind the other */
     float (*bounds)[6];
     uint32_t (*counts)[4];
@@ -61,10 +68,42 @@ struct leaf_family {
     leaf_slab slab;
     char *bytes;
     size_t used;
+    bool implied;           /* so are all payloads so far */
+    char *earlier, *stored; /* of several sets: an earlier payload, and a code of it; else NULL */
 };
 
 #define NOT_THERE    UINT64_MAX
 #define UNKNOWN_SIZE UINT64_MAX /* of a size */
+
+/* leaf_writer_put_in_series() - make payload p, of a file of several sets, at `to`, with *bytes for
+ * the file: none, if an earlier set has it. The rest as of leaf_writer_put(). */
+CHECKED status leaf_writer_put_in_series(leaf_writer *w, const leaf_family *f, leaf_packer *k,
+                                         uint32_t p, const void *payload, void *to, size_t *bytes);
+
+/* leaf_writer_links() - the links so far. leaf_writer_is_same() - whether payload p has another's
+ * bytes. */
+static inline leaf_links leaf_writer_links(const leaf_writer *w) {
+    return (leaf_links){w->same, w->bases};
+}
+static inline bool leaf_writer_is_same(const leaf_writer *w, uint32_t p) {
+    return w->same && w->same[p];
+}
+
+/* leaf_writer_place() - give payload p its place, the next one; or where the one is that it is the
+ * same as. Returns the bytes that it has of its own. */
+uint64_t leaf_writer_place(leaf_writer *w, uint32_t p);
+
+/* leaf_writer_place_sections() - before any payload: list the sections, and set where payloads
+ * begin.
+ * leaf_writer_write_directory() - once all payloads have their places, up to `end`: write the
+ * sections and zeros behind them, and set header.file_bytes.
+ * leaf_writer_write_parts() - write section COARSE again. */
+void leaf_writer_place_sections(leaf_writer *w);
+CHECKED status leaf_writer_write_directory(leaf_writer *w, uint64_t end);
+CHECKED status leaf_writer_write_parts(leaf_writer *w);
+
+/* leaf_writer_payloads_at() - where payloads begin. */
+uint64_t leaf_writer_payloads_at(const leaf_writer *w);
 
 /* leaf_writer_families_memory() - the bytes of the families of so many threads.
  * leaf_writer_free_families() - free them. */

@@ -10,22 +10,52 @@
 
 /* Decide where a payload of this size goes. Returns true for offsets[p], as all before it have been
  * put; false for scratch_at[p]. Places become known in order. The place of a payload in the scratch
- * file is needed now only to place those behind it. */
+ * file is needed now only to place those behind it. One that is the same as another goes nowhere.
+ */
 static bool place_put(leaf_writer *w, uint32_t p, size_t size) {
     pthread_mutex_lock(&w->lock);
-    const bool direct = p == w->order.p;
+    const bool direct = p == w->order.p, waits = !direct && !leaf_writer_is_same(w, p);
     w->sizes[p] = size;
-    w->scratch_at[p] = direct || !size ? NOT_THERE : w->scratch_end;
-    if (!direct)
+    w->scratch_at[p] = waits && size ? w->scratch_end : NOT_THERE;
+    if (waits)
         w->scratch_end += size;
     while (w->order.p < w->layout.payloads && w->sizes[w->order.p] != UNKNOWN_SIZE) {
-        const uint32_t n = w->order.p;
-        w->offsets[n] =
-            leaf_placing_next(&w->next, &w->layout, n, w->sizes[n], w->p.run_align_log2);
+        leaf_writer_place(w, w->order.p);
         leaf_order_next(&w->order, &w->layout);
     }
     pthread_mutex_unlock(&w->lock);
     return direct;
+}
+
+/* Whether payload q, which was put before, has these bytes. */
+static status has_bytes(leaf_writer *w, uint32_t q, const char *bytes, bool *same) {
+    char piece[4096];
+    const bool waits = w->scratch_at[q] != NOT_THERE;
+    const uint64_t at = waits ? w->scratch_at[q] : w->offsets[q], size = w->sizes[q];
+    *same = true;
+    for (uint64_t i = 0; i < size && *same; i += sizeof piece) {
+        const size_t some = size - i < sizeof piece ? (size_t)(size - i) : sizeof piece;
+        const status st = out_file_read_at(waits ? w->scratch : w->out, at + i, piece, some);
+        if (st != ST_OK)
+            return st;
+        *same = memcmp(piece, bytes + i, some) == 0;
+    }
+    return ST_OK;
+}
+
+/* Set same[p] if the set before has the same bytes: a treelet's are put in the order of sets. */
+static status find_same(leaf_writer *w, uint32_t p, const void *stored, size_t size) {
+    const leaf_series s = leaf_layout_series(&w->layout, p);
+    const leaf_links links = leaf_writer_links(w);
+    bool same = false;
+    if (!w->same || s.at == 0)
+        return ST_OK;
+    const uint32_t q = leaf_chain_home(&w->layout, &links, leaf_series_payload(&s, s.at - 1));
+    if (w->sizes[q] != size || w->checksums[q] != w->checksums[p])
+        return ST_OK;
+    const status st = has_bytes(w, q, stored, &same);
+    w->same[p] = same ? leaf_layout_series(&w->layout, q).at + 1 : 0;
+    return st;
 }
 
 /* The blocks of meshes, in the order of leaf_block. */
@@ -46,7 +76,13 @@ static status put_payload(leaf_writer *w, leaf_packer *k, uint32_t p, const void
     if (k)
         size = pack_payload(w, k, p, payload, pack, &stored);
     w->checksums[p] = hash_bytes(stored, size);
-    if (place_put(w, p, size))
+    const status st = find_same(w, p, stored, size);
+    if (st != ST_OK)
+        return st;
+    const bool direct = place_put(w, p, size);
+    if (leaf_writer_is_same(w, p))
+        return ST_OK;
+    if (direct)
         return out_file_write_at(w->out, w->offsets[p], stored, size);
     return out_file_write_at(w->scratch, w->scratch_at[p], stored, size);
 }

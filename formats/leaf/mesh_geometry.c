@@ -81,7 +81,7 @@ static status check_layout(const char *path, const leaf_header *h, leaf_layout *
             path, offsetof(leaf_header, treelets),
             "expected less than 2^32 - 1 payloads, found %llu treelets and %u sets",
             (unsigned long long)h->treelets, h->fields * h->steps);
-    if (leaf_check_directory_bytes(h) > h->file_bytes)
+    if (!leaf_check_may_hold(h))
         return leaf_check_corrupt(
             path, offsetof(leaf_header, treelets),
             "a mesh of %llu treelets has a directory of %llu bytes, which a file of "
@@ -96,8 +96,10 @@ static status check_rest(const char *path, const leaf_header *h) {
     status st = leaf_check_text(path, h->field, sizeof h->field, offsetof(leaf_header, field));
     if (st != ST_OK)
         return st;
-    const size_t rest = offsetof(leaf_header, bare);
-    return leaf_check_zero(path, (const char *)h + rest, sizeof *h - rest, rest);
+    const size_t bare = offsetof(leaf_header, bare), rest = offsetof(leaf_header, reserved);
+    st = leaf_check_zero(path, (const char *)h + bare, offsetof(leaf_header, directory) - bare,
+                         bare);
+    return st == ST_OK ? leaf_check_zero(path, h->reserved, sizeof h->reserved, rest) : st;
 }
 
 /* ---- The directory ---- */
@@ -261,6 +263,17 @@ static bool begins_run(const leaf_layout *l, uint32_t p) {
     return p % l->treelets == 0;
 }
 
+static leaf_series series(const leaf_layout *l, uint32_t p) {
+    uint32_t index;
+    switch (leaf_layout_block_of(l, p, &index)) {
+    case LEAF_BLOCK_TOPOLOGY: return (leaf_series){p, l->treelets, 0};
+    case LEAF_BLOCK_VALUES: return leaf_series_of(p, leaf_layout_values(l, 0, 0), l->treelets);
+    case LEAF_BLOCK_GRADIENTS:
+        return leaf_series_of(p, leaf_layout_gradients(l, 0, 0), l->treelets);
+    default: return leaf_series_of(p, leaf_layout_positions(l, 1, 0), l->treelets);
+    }
+}
+
 static const char *payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]) {
     static const char *const formats[] = {
         [LEAF_BLOCK_TOPOLOGY] = "treelet %u's topology",
@@ -289,4 +302,5 @@ const leaf_geometry mesh_geometry = {.holds_indices = true,
                                      .check_directory = check_directory,
                                      .payload_bytes = payload_bytes,
                                      .begins_run = begins_run,
+                                     .series = series,
                                      .payload_name = payload_name};

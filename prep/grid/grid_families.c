@@ -17,34 +17,35 @@ static void imply_treelet(const grid_conversion *c, leaf_family *f, uint32_t t) 
     leaf_writer_put_implied(c->writer, f, t, &entry);
 }
 
-static void make_treelet(const grid_conversion *c, const grid_bench *b, const sample_box *box,
-                         uint32_t t) {
+static status make_treelet(const grid_conversion *c, const grid_bench *b, const sample_box *box,
+                           uint32_t t) {
     grid_summary summary;
     if (treelet_build_quiet(c->layout, t, box)) {
         imply_treelet(c, b->family, t);
-        return;
+        return ST_OK;
     }
     void *payload = b->payload ? b->payload : leaf_family_room(b->family);
     treelet_build(c->layout, t, box, b->scratch, payload, &summary);
     leaf_entry entry = {.own = {summary.own[0], summary.own[1]}, .flags = summary.flags};
     if (c->cells && c->layout->level_of[t] == 0)
         leaf_histogram_take(c->layout, &c->draw, &c->space, t, payload, c->cells);
-    leaf_writer_put(c->writer, b->family, b->packer, t, &entry, payload);
+    return leaf_writer_put(c->writer, b->family, b->packer, t, &entry, payload);
 }
 
 /* Make the treelets below treelet p, and put what they share, if any of them has bytes. */
-static void make_siblings(const grid_conversion *c, const grid_bench *b, const sample_box *box,
-                          uint32_t p) {
+static status make_siblings(const grid_conversion *c, const grid_bench *b, const sample_box *box,
+                            uint32_t p) {
     const leaf_layout *l = c->layout;
     const int siblings = __builtin_popcount(leaf_layout_children(l, p));
-    for (int i = 0; i < siblings; i++)
-        make_treelet(c, b, box, l->first_child[p] + (uint32_t)i);
-    if (!l->shells)
-        return;
-    const bool needed = siblings > 1 && leaf_family_bytes(b->family) > 0;
+    status st = ST_OK;
+    for (int i = 0; i < siblings && st == ST_OK; i++)
+        st = make_treelet(c, b, box, l->first_child[p] + (uint32_t)i);
+    if (!l->shells || st != ST_OK)
+        return st;
+    const bool needed = siblings > 1 && !leaf_family_is_implied(b->family);
     if (needed)
         treelet_build_shell(l, p, box, b->shell);
-    leaf_writer_put_shell(c->writer, b->family, b->packer, p, needed ? b->shell : NULL);
+    return leaf_writer_put_shell(c->writer, b->family, b->packer, p, needed ? b->shell : NULL);
 }
 
 static status make_family(void *ctx, size_t index, int worker) {
@@ -58,11 +59,10 @@ static status make_family(void *ctx, size_t index, int worker) {
     const uint32_t in_slab = y * slab_families(c->layout, job->level, 0) + x;
     leaf_family_begin(b->family, c->set, &of, in_slab);
     const uint32_t parent = leaf_slab_parent(c->layout, &of, in_slab);
-    if (parent == LEAF_NO_TREELET)
-        make_treelet(c, b, &box->samples, 0);
-    else
-        make_siblings(c, b, &box->samples, parent);
-    status st = leaf_writer_end_family(c->writer, &b->family);
+    status st = parent == LEAF_NO_TREELET ? make_treelet(c, b, &box->samples, 0)
+                                          : make_siblings(c, b, &box->samples, parent);
+    if (st == ST_OK)
+        st = leaf_writer_end_family(c->writer, &b->family);
     if (st != ST_OK)
         leaf_writer_give_up(c->writer);
     return st;

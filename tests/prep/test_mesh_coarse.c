@@ -187,7 +187,7 @@ static void check_refused(const char *bytes, size_t size, const char *what, size
 /* Right checksums and id after a change to the directory. */
 static void seal(char *bytes) {
     leaf_header *h = (leaf_header *)bytes;
-    leaf_section *table = (leaf_section *)(bytes + LEAF_HEADER_BYTES);
+    leaf_section *table = (leaf_section *)(bytes + leaf_table_at(h));
     for (uint32_t i = 0; i < h->sections; i++)
         table[i].checksum = hash_bytes(bytes + table[i].offset, (size_t)table[i].bytes);
     const hash_id id = leaf_header_id(h, table);
@@ -198,7 +198,7 @@ static void seal(char *bytes) {
 
 static leaf_part *part_of(char *bytes) {
     const leaf_header *h = (const leaf_header *)bytes;
-    const leaf_section *table = (const leaf_section *)(bytes + LEAF_HEADER_BYTES);
+    const leaf_section *table = (const leaf_section *)(bytes + leaf_table_at(h));
     for (uint32_t i = 0; i < h->sections; i++)
         if (table[i].kind == LEAF_SECTION_COARSE)
             return (leaf_part *)(bytes + table[i].offset);

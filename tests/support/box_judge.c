@@ -87,7 +87,7 @@ static unsigned char *read_naively(const box_lab *b, const unsigned char *code, 
         for (int a = 0; a < 3; a++)
             sizes[i][a] = b->boxes[i].size[a];
     if (samples && !naive_boxes_decode((int)b->type, (const long(*)[3])sizes, (int)b->count, code,
-                                       bytes, samples))
+                                       bytes, NULL, samples))
         return samples;
     free(samples);
     return NULL;
@@ -96,7 +96,7 @@ static unsigned char *read_naively(const box_lab *b, const unsigned char *code, 
 static const char *judge_isa(box_coder *c, box_lab *b, const unsigned char *code, size_t bytes,
                              const unsigned char *want) {
     box_lab_wipe(b);
-    const bool good = box_coder_decode(c, code, bytes, b->boxes, b->count);
+    const bool good = box_coder_decode(c, code, bytes, b->boxes, b->count, false);
     if (!box_lab_kept(b))
         return "a byte that is no sample has changed";
     if (good != (want != NULL))

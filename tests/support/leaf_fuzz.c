@@ -151,11 +151,13 @@ char *leaf_fuzz_alloc(size_t size) {
 }
 
 void leaf_fuzz_seal(char *bytes, size_t size) {
-    const leaf_image i = {.bytes = bytes,
-                          .size = size,
-                          .header = (leaf_header *)bytes,
-                          .table = (leaf_section *)(bytes + LEAF_HEADER_BYTES)};
     if (size < LEAF_HEADER_BYTES)
+        return;
+    leaf_image i = {.bytes = bytes, .size = size, .header = (leaf_header *)bytes};
+    const uint64_t table = leaf_table_at(i.header);
+    /* At a place that cannot be, nothing is looked at. */
+    i.table = (leaf_section *)(bytes + (table < size && table % 8 == 0 ? table : 0));
+    if (table >= size || table % 8)
         return;
     leaf_image_seal_payloads(&i);
     leaf_image_seal(&i);

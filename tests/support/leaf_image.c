@@ -1,23 +1,77 @@
 #include "tests/support/leaf_image.h"
 
+#include <stdlib.h>
 #include <string.h>
+#include <zstd.h>
 
 #include "formats/base/hash.h"
 #include "formats/leaf/leaf_check.h"
 
-leaf_image leaf_image_of(char *bytes, size_t size) {
+leaf_image leaf_image_as_is(char *bytes, size_t size) {
     leaf_image i = {.bytes = bytes, .size = size};
     i.header = (leaf_header *)bytes;
-    i.table = (leaf_section *)(bytes + LEAF_HEADER_BYTES);
+    i.table = (leaf_section *)(bytes + leaf_table_at(i.header));
     const leaf_section *last = &i.table[i.header->sections - 1];
     i.sections_end = last->offset + last->bytes;
     return i;
 }
 
+bool leaf_image_is_directory(const leaf_image *i, uint64_t at) {
+    const uint64_t table = leaf_table_at(i->header);
+    return at < LEAF_HEADER_BYTES || (at >= table && at < i->sections_end);
+}
+
+static void unpack(const char *frame, const leaf_section *from, char *to, const leaf_section *s) {
+    if (from->version == LEAF_SECTION_PLAIN)
+        memcpy(to, frame, s->bytes);
+    else if (ZSTD_decompress(to, s->bytes, frame, from->bytes) != s->bytes)
+        abort();
+}
+
+/* A file of which the directory lies behind the payloads, with plain sections. */
+static leaf_image unpacked(const leaf_image *packed) {
+    leaf_section table[LEAF_SECTIONS_MAX];
+    const uint32_t count = packed->header->sections;
+    const uint64_t run = packed->header->run_align_log2;
+    uint64_t end = packed->header->directory + count * sizeof *table;
+    for (uint32_t n = 0; n < count; n++) {
+        const leaf_section *s = &packed->table[n];
+        const uint64_t bytes = s->version == LEAF_SECTION_PLAIN
+                                   ? s->bytes
+                                   : leaf_section_bytes(packed->header, s->kind);
+        table[n] =
+            (leaf_section){s->kind, LEAF_SECTION_PLAIN, leaf_layout_aligned(end, 6), bytes, 0};
+        end = table[n].offset + bytes;
+    }
+    const size_t size = (size_t)leaf_layout_aligned(end, (uint32_t)run);
+    char *bytes = calloc(1, size);
+    if (!bytes)
+        abort();
+    memcpy(bytes, packed->bytes, (size_t)packed->header->directory);
+    memcpy(bytes + packed->header->directory, table, count * sizeof *table);
+    for (uint32_t n = 0; n < count; n++)
+        unpack(packed->bytes + packed->table[n].offset, &packed->table[n], bytes + table[n].offset,
+               &table[n]);
+    leaf_image i = leaf_image_as_is(bytes, size);
+    i.header->file_bytes = size;
+    leaf_image_seal(&i);
+    return i;
+}
+
+leaf_image leaf_image_of(char *bytes, size_t size) {
+    const leaf_image i = leaf_image_as_is(bytes, size);
+    if (!i.header->directory)
+        return i;
+    const leaf_image plain = unpacked(&i);
+    free(bytes);
+    return plain;
+}
+
 /* Sections whose entries lie in the file. */
 static uint32_t sections_of(const leaf_image *i) {
+    const uint64_t at = leaf_table_at(i->header);
     const uint32_t count = i->header->sections;
-    const size_t room = (i->size - LEAF_HEADER_BYTES) / sizeof *i->table;
+    const size_t room = at < i->size ? (i->size - (size_t)at) / sizeof *i->table : 0;
     return count <= LEAF_SECTIONS_MAX && count <= room ? count : 0;
 }
 

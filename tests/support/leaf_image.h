@@ -3,6 +3,7 @@
 #ifndef TESTS_SUPPORT_LEAF_IMAGE_H
 #define TESTS_SUPPORT_LEAF_IMAGE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -16,8 +17,14 @@ typedef struct leaf_image {
     uint64_t sections_end; /* of the directory */
 } leaf_image;
 
-/* leaf_image_of() - of a sound file's bytes, which it takes over. */
+/* leaf_image_of() - of a sound file's bytes, which it takes over. Compressed sections become plain
+ * ones: such a file has no coarse grids.
+ * leaf_image_as_is() - the same, as it is. */
 leaf_image leaf_image_of(char *bytes, size_t size);
+leaf_image leaf_image_as_is(char *bytes, size_t size);
+
+/* leaf_image_is_directory() - whether byte `at` is of the header or the directory. */
+bool leaf_image_is_directory(const leaf_image *i, uint64_t at);
 
 /* leaf_image_section() - where a section begins; NULL: there is none. */
 void *leaf_image_section(const leaf_image *i, uint32_t kind);

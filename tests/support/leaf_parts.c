@@ -20,14 +20,14 @@ static void add_file(leaf_parts *p, leaf_file *f, uint64_t base) {
     const bool coarse = base > 0;
     leaf_section table[LEAF_SECTIONS_MAX];
     const size_t size = f->header.sections * sizeof *table;
-    assert_int_equal(file_read_at(f->source, LEAF_HEADER_BYTES, table, size), ST_OK);
+    assert_int_equal(file_read_at(f->source, leaf_table_at(&f->header), table, size), ST_OK);
     add(p, PART_HEADER, coarse, base, LEAF_HEADER_BYTES);
-    add(p, PART_TABLE, coarse, base + LEAF_HEADER_BYTES, size);
+    add(p, PART_TABLE, coarse, base + leaf_table_at(&f->header), size);
     for (uint32_t i = 0; i < f->header.sections; i++)
         add(p, PART_SECTION, coarse, base + table[i].offset, table[i].bytes);
     for (leaf_order o = leaf_order_begin(&f->layout); o.p < f->layout.payloads;
          leaf_order_next(&o, &f->layout))
-        if (f->sizes[o.p])
+        if (leaf_file_is_home(f, o.p))
             add(p, PART_PAYLOAD, coarse, base + f->offsets[o.p], f->sizes[o.p]);
 }
 

@@ -16,7 +16,7 @@ typedef struct code {
     uint64_t samples; /* of all boxes */
     uint64_t map_bytes;
     int map, how, width;
-    bool along, has_background;
+    bool along, has_background, differs;
     uint64_t base, background, coded;
     unsigned char *bits; /* the map of samples */
     unsigned char *streams;
@@ -38,11 +38,12 @@ static const char *read_fields(code *c, const unsigned char *in) {
     c->how = in[2] & 3;
     c->along = in[2] >> 2 & 1;
     c->has_background = in[2] >> 3 & 1;
+    c->differs = in[2] >> 4 & 1;
     c->width = in[3];
     c->base = naive_number(in + 4, 4);
     c->background = naive_number(in + 8, 4);
     c->coded = naive_number(in + 12, 4);
-    if (in[0] != 1 || in[2] > 15)
+    if (in[0] != 1 || in[2] > 31)
         return "a code's method or prediction";
     if (c->map > (c->type == 5 ? 31 : 0) || (c->map == 0 && c->base != 0))
         return "a code's map or base";
@@ -173,6 +174,27 @@ static double step_of(int map) {
     return map <= 7 ? decimal[map] : ldexp(1, 7 - map);
 }
 
+/* The u that stands for an earlier sample; of a map, 0 for one that is no multiple. */
+static uint64_t value_of(const code *c, const unsigned char *sample) {
+    const uint64_t bits = naive_number(sample, c->sample_bytes);
+    if (c->type == 1 || c->type == 3)
+        return bits;
+    if (c->type == 2 || c->type == 4)
+        return bits ^ (c->mask / 2 + 1);
+    if (c->map == 0)
+        return bits >> 31 ? ~bits & c->mask : bits ^ 0x80000000u;
+    static const double in_one[8] = {0, 1, 10, 100, 1e3, 1e4, 1e5, 1e6};
+    const double times = c->map <= 7 ? in_one[c->map] : ldexp(1, c->map - 7);
+    const double near = (double)naive_float_of(bits) * times;
+    if (bits == 0x7fc00000 || !(fabs(near) < 0x1p30 - 1))
+        return 0;
+    const int64_t k = (int64_t)(near < 0 ? near - 0.5 : near + 0.5);
+    const float value = (float)((double)k * step_of(c->map));
+    uint32_t found;
+    memcpy(&found, &value, sizeof found);
+    return found == bits ? ((uint64_t)k - c->base) & c->mask : 0;
+}
+
 /* The bits of the sample that u stands for. */
 static uint64_t sample_of(const code *c, uint64_t u) {
     if (c->type == 1 || c->type == 3)
@@ -199,8 +221,10 @@ static void put(const code *c, uint64_t u, unsigned char *out) {
 }
 
 static const char *decode(code *c, const long (*sizes)[3], int count, const unsigned char *in,
-                          uint64_t bytes, unsigned char *out) {
+                          uint64_t bytes, const unsigned char *earlier, unsigned char *out) {
     const char *why = read_fields(c, in);
+    if (!why && c->differs != (earlier != NULL))
+        why = "differences to nothing, or a base for none";
     why = why ? why : read_streams(c, in, bytes);
     if (!why && c->has_background)
         why = check_map(c, sizes, count);
@@ -208,13 +232,17 @@ static const char *decode(code *c, const long (*sizes)[3], int count, const unsi
     if (why || !c->u)
         return why ? why : "no memory";
     make_values(c, sizes, count);
+    for (uint64_t i = 0; earlier && i < c->samples; i++)
+        c->u[i] =
+            (c->u[i] + value_of(c, earlier + i * (uint64_t)c->sample_bytes) - (c->mask / 2 + 1)) &
+            c->mask;
     for (uint64_t i = 0; i < c->samples; i++)
         put(c, c->u[i], out + i * (uint64_t)c->sample_bytes);
     return NULL;
 }
 
 const char *naive_boxes_decode(int type, const long (*sizes)[3], int count, const unsigned char *in,
-                               uint64_t bytes, unsigned char *out) {
+                               uint64_t bytes, const unsigned char *earlier, unsigned char *out) {
     code c = {.type = type, .sample_bytes = naive_sample_bytes(type)};
     c.mask = (UINT64_C(1) << (8 * c.sample_bytes)) - 1;
     for (int b = 0; b < count; b++) {
@@ -225,12 +253,12 @@ const char *naive_boxes_decode(int type, const long (*sizes)[3], int count, cons
     if (bytes < HEADER || bytes > HEADER + plain)
         return "a code's size";
     if (in[0] == 0) {
-        if (!naive_zeros(in, 1, HEADER) || bytes != HEADER + plain)
+        if (earlier || !naive_zeros(in, 1, HEADER) || bytes != HEADER + plain)
             return "a plain code";
         memcpy(out, in + HEADER, plain);
         return NULL;
     }
-    const char *why = decode(&c, sizes, count, in, bytes, out);
+    const char *why = decode(&c, sizes, count, in, bytes, earlier, out);
     free(c.bits);
     free(c.streams);
     free(c.u);

@@ -8,9 +8,9 @@
 int naive_sample_bytes(int type);
 
 /* naive_boxes_decode() - the samples of `count` boxes, one box after the other, each in its order.
- * sizes: of the boxes, in that order; in: the code, all of it. Returns NULL, or what is wrong with
- * the code. */
+ * sizes: of the boxes, in that order; in: the code, all of it. earlier: samples that it has the
+ * differences to, like `out`; NULL: to none. Returns NULL, or what is wrong with the code. */
 const char *naive_boxes_decode(int type, const long (*sizes)[3], int count, const unsigned char *in,
-                               uint64_t bytes, unsigned char *out);
+                               uint64_t bytes, const unsigned char *earlier, unsigned char *out);
 
 #endif

@@ -84,11 +84,13 @@ const char *naive_labels(const unsigned char *file, const unsigned char *names, 
 }
 
 bool naive_hashes(const unsigned char *file, uint64_t sections) {
+    const uint64_t directory = naive_number(file + 1504, 8);
     size_t size = 4096 + 32 * sections;
     unsigned char *copy = malloc(size);
     if (!copy)
         return false;
-    memcpy(copy, file, size);
+    memcpy(copy, file, 4096);
+    memcpy(copy + 4096, file + (directory ? directory : 4096), 32 * sections);
     memset(copy + 248, 0, 8);
     bool good = XXH3_64bits(copy, 4096) == naive_number(file + 248, 8);
     memset(copy + 232, 0, 16);

@@ -12,17 +12,6 @@ enum { BRICK = 8 };
 
 static char why[256];
 
-/* Where the codes are. */
-static const unsigned char *find(const naive_leaf *leaf) {
-    const uint64_t sections = naive_number(leaf->bytes + 72, 4);
-    for (uint64_t i = 0; i < sections; i++) {
-        const unsigned char *entry = leaf->bytes + 4096 + 32 * i;
-        if (naive_number(entry, 4) == 0x40000002)
-            return leaf->bytes + naive_number(entry + 8, 8);
-    }
-    return NULL;
-}
-
 /* The deviation of a brick of a level, by its place in the level's bricks. */
 static real stored(const naive_leaf *leaf, const unsigned char *codes, long set, int level,
                    const long brick[3]) {
@@ -188,7 +177,7 @@ static bool check_point(const naive_leaf *leaf, const unsigned char *codes, long
 
 const char *naive_deviation_check(const naive_leaf *leaf, long set, long points, uint64_t seed,
                                   long *known) {
-    const unsigned char *codes = find(leaf);
+    const unsigned char *codes = leaf->sections.deviations;
     *known = 0;
     if (!codes)
         return "there is no section";

@@ -93,6 +93,21 @@ static const char *put_box(family *f, const box *b, const int axes[3], const uns
     return NULL;
 }
 
+/* The samples of boxes, after those that they have the differences to. out: one box after the
+ * other. bytes: of all. */
+static const char *decode_code(const family *f, const long (*sizes)[3], int count, uint64_t bytes,
+                               const naive_stored *stored, unsigned char *out) {
+    unsigned char *earlier = stored->base ? malloc(bytes + 1) : NULL;
+    const char *why = NULL;
+    if (stored->base)
+        why = earlier ? decode_code(f, sizes, count, bytes, stored->base, earlier) : "no memory";
+    if (!why)
+        why = naive_boxes_decode(f->leaf->sample_type, sizes, count,
+                                 f->leaf->bytes + stored->offset, stored->size, earlier, out);
+    free(earlier);
+    return why;
+}
+
 static const char *decode_boxes(family *f, const box *boxes, int count, bool shell,
                                 const naive_stored *stored) {
     long sizes[SHELL_BOXES_MAX][3];
@@ -105,10 +120,9 @@ static const char *decode_boxes(family *f, const box *boxes, int count, bool she
         samples += volume(&boxes[b]);
     }
     unsigned char *bytes = malloc(samples * f->width), *from = bytes;
-    const char *why = bytes
-                          ? naive_boxes_decode(f->leaf->sample_type, (const long(*)[3])sizes, count,
-                                               f->leaf->bytes + stored->offset, stored->size, bytes)
-                          : "no memory";
+    const char *why =
+        bytes ? decode_code(f, (const long(*)[3])sizes, count, samples * f->width, stored, bytes)
+              : "no memory";
     for (int b = 0; !why && b < count; b++) {
         why = put_box(f, &boxes[b], axes[b], from, f->width);
         from += volume(&boxes[b]) * f->width;

@@ -16,18 +16,6 @@ typedef struct draw {
     int position[3];
 } draw;
 
-static const unsigned char *find(const unsigned char *bytes, uint64_t *size) {
-    const uint64_t sections = naive_number(bytes + 72, 4);
-    for (uint64_t i = 0; i < sections; i++) {
-        const unsigned char *entry = bytes + 4096 + 32 * i;
-        if (naive_number(entry, 4) == 0x40000001) {
-            *size = naive_number(entry + 16, 8);
-            return bytes + naive_number(entry + 8, 8);
-        }
-    }
-    return NULL;
-}
-
 static uint64_t hash(uint64_t x) {
     x += 0x9E3779B97F4A7C15u;
     x = (x ^ x >> 30) * 0xBF58476D1CE4E5B9u;
@@ -155,8 +143,8 @@ static draw draw_node(const naive_leaf *leaf, const long node[3]) {
 }
 
 const char *naive_histogram_grid(const naive_leaf *leaf) {
-    uint64_t size = 0;
-    const unsigned char *at = find(leaf->bytes, &size);
+    const uint64_t size = leaf->sections.histogram_bytes;
+    const unsigned char *at = leaf->sections.histograms;
     long s = 1, b[3] = {0, 0, 0}, i = 0;
     if (!at)
         return "none";
@@ -228,8 +216,8 @@ static draw draw_tet(const naive_mesh *mesh, const naive_part *p, const long tet
 }
 
 const char *naive_histogram_mesh(const naive_mesh *mesh) {
-    uint64_t size = 0;
-    const unsigned char *at = find(mesh->bytes, &size);
+    const uint64_t size = mesh->sections.histogram_bytes;
+    const unsigned char *at = mesh->sections.histograms;
     const long k = mesh->sets < 1 << 16 ? (1 << 16) / mesh->sets : 1, s = (mesh->tets + k - 1) / k;
     const long runs = (mesh->tets + s - 1) / s;
     const char *why = NULL;

@@ -12,8 +12,8 @@
 #include "tests/support/naive_bytes.h"
 #include "tests/support/naive_codes.h"
 #include "tests/support/naive_family.h"
-#include "tests/support/naive_order.h"
 #include "tests/support/naive_outside.h"
+#include "tests/support/naive_places.h"
 
 static bool wrong(naive_leaf *leaf, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static bool wrong(naive_leaf *leaf, const char *format, ...) {
@@ -95,10 +95,11 @@ static bool read_header(naive_leaf *leaf) {
         return wrong(leaf, "rounding error %g", leaf->rounding_error);
     if (naive_number(b + 96, 8) != leaf->size)
         return wrong(leaf, "file_bytes");
-    uint64_t sections = naive_number(b + 72, 4);
-    if (leaf->size < 4096 + 32 * sections || !naive_zeros(leaf->bytes, 1344, 1424) ||
-        !naive_zeros(leaf->bytes, 1488, 1496) || !naive_zeros(leaf->bytes, 1504, 4096) ||
-        (leaf->outside_chunks && !leaf->outside))
+    uint64_t sections = naive_number(b + 72, 4), table = naive_number(b + 1504, 8);
+    table = table ? table : 4096;
+    if (table > leaf->size || leaf->size - table < 32 * sections ||
+        !naive_zeros(leaf->bytes, 1344, 1424) || !naive_zeros(leaf->bytes, 1488, 1496) ||
+        !naive_zeros(leaf->bytes, 1512, 4096) || (leaf->outside_chunks && !leaf->outside))
         return wrong(leaf, "section table cut off, or reserved bytes");
     if (!naive_text(b + 1424, 64))
         return wrong(leaf, "the name of the first field");
@@ -202,21 +203,6 @@ static bool repeat_treelets(naive_leaf *leaf) {
 
 /* ---- 3. sections ---- */
 
-enum {
-    RANGES = 1,
-    OWN,
-    FLAGS,
-    OFFSETS,
-    SIZES,
-    CHECKSUMS,
-    AXES,
-    FIELDS = 10,
-    TIMES,
-    OUTSIDE = 13,
-    CHUNKS,
-    KINDS
-};
-
 static bool read_axes(naive_leaf *leaf, const unsigned char *at) {
     for (int a = 0; a < 3; a++) {
         leaf->axis[a] = malloc((size_t)leaf->dims[a] * sizeof leaf->axis[a][0]);
@@ -238,65 +224,30 @@ static bool read_labels(naive_leaf *leaf, const unsigned char *names, const unsi
     return !why || wrong(leaf, "%s", why);
 }
 
-static uint64_t section_bytes(const naive_leaf *leaf, uint64_t kind) {
-    static const int element[] = {0, 8, 8, 1};
-    switch (kind) {
-    case AXES: return 8 * (uint64_t)(leaf->dims[0] + leaf->dims[1] + leaf->dims[2]);
-    case OUTSIDE: return 4608;
-    case CHUNKS: return 16 * (uint64_t)leaf->outside_chunks;
-    case FIELDS: return 64 * (uint64_t)leaf->fields;
-    case TIMES: return 8 * (uint64_t)leaf->steps;
-    case OFFSETS:
-    case SIZES:
-    case CHECKSUMS: return 8 * (uint64_t)((leaf->treelet_count + leaf->shell_count) * leaf->sets);
-    default: return (uint64_t)element[kind] * (uint64_t)(leaf->treelet_count * leaf->sets);
-    }
-}
-
-/* Whether one of a kind must be there, or must not. */
-static bool belongs(const naive_leaf *leaf, int kind, bool there) {
-    switch (kind) {
-    case AXES: return there == leaf->rectilinear;
-    case OUTSIDE: return there == leaf->outside;
-    case CHUNKS: return there == (leaf->outside_chunks > 0);
-    case 8:
-    case 9:
-    case 12: return !there;
-    case FIELDS: return true;
-    case TIMES: return !there || leaf->steps > 1;
-    default: return there;
-    }
-}
-
-/* Where each section is; the end of the last one in *end. */
-static bool find_sections(naive_leaf *leaf, const unsigned char *where[KINDS], uint64_t *end) {
-    uint64_t sections = naive_number(leaf->bytes + 72, 4);
-    *end = 4096 + 32 * sections;
-    for (uint64_t i = 0; i < sections; i++) {
-        const unsigned char *entry = leaf->bytes + 4096 + 32 * i;
-        uint64_t kind = naive_number(entry, 4), offset = naive_number(entry + 8, 8),
-                 bytes = naive_number(entry + 16, 8);
-        if (naive_number(entry + 4, 4) != 1 || offset != naive_up_to(*end, 64) ||
-            offset > leaf->size || bytes > leaf->size - offset ||
-            !naive_zeros(leaf->bytes, *end, offset))
-            return wrong(leaf, "section %d is out of place", (int)i);
-        if (XXH3_64bits(leaf->bytes + offset, bytes) != naive_number(entry + 24, 8))
-            return wrong(leaf, "checksum of section %d", (int)i);
-        *end = offset + bytes;
-        if (kind == 0x40000002 && leaf->bare)
-            return wrong(leaf, "deviations of levels without samples");
-        if (kind >> 30 & 1)
-            continue;
-        if (kind < 1 || kind >= KINDS || kind == 8 || kind == 9 || kind == 12 || where[kind])
-            return wrong(leaf, "section kind %d", (int)kind);
-        if (bytes != section_bytes(leaf, kind))
-            return wrong(leaf, "size of section kind %d", (int)kind);
-        where[kind] = leaf->bytes + offset;
-    }
-    for (int kind = 1; kind < KINDS; kind++)
-        if (!belongs(leaf, kind, where[kind] != NULL))
-            return wrong(leaf, "section kind %d there or not there", kind);
-    return true;
+static bool find_sections(naive_leaf *leaf) {
+    enum { OPTIONAL = 1 << NAIVE_FIELDS | 1 << NAIVE_TIMES | 1 << NAIVE_SAME | 1 << NAIVE_BASES };
+    const uint64_t treelets = (uint64_t)(leaf->treelet_count * leaf->sets);
+    const uint64_t payloads = (uint64_t)((leaf->treelet_count + leaf->shell_count) * leaf->sets);
+    const bool series = leaf->sets > 1;
+    const uint64_t want[NAIVE_KINDS] = {
+        [NAIVE_RANGES] = 8 * treelets,
+        [NAIVE_OWN] = 8 * treelets,
+        [NAIVE_FLAGS] = treelets,
+        [NAIVE_OFFSETS] = 8 * payloads,
+        [NAIVE_SIZES] = 8 * payloads,
+        [NAIVE_CHECKSUMS] = 8 * payloads,
+        [NAIVE_AXES] =
+            leaf->rectilinear ? 8 * (uint64_t)(leaf->dims[0] + leaf->dims[1] + leaf->dims[2]) : 0,
+        [NAIVE_FIELDS] = 64 * (uint64_t)leaf->fields,
+        [NAIVE_TIMES] = leaf->steps > 1 ? 8 * (uint64_t)leaf->steps : 0,
+        [NAIVE_OUTSIDE] = leaf->outside ? 4608 : 0,
+        [NAIVE_CHUNKS] = 16 * (uint64_t)leaf->outside_chunks,
+        [NAIVE_SAME] = series ? 4 * payloads : 0,
+        [NAIVE_BASES] = series && leaf->codec == 1 ? 4 * payloads : 0};
+    if (!naive_sections_find(&leaf->sections, leaf->bytes, leaf->size, want, OPTIONAL))
+        return wrong(leaf, "%s", leaf->sections.why);
+    return !leaf->sections.deviations || !leaf->bare ||
+           wrong(leaf, "deviations of levels without samples");
 }
 
 /* ---- 4. payloads ---- */
@@ -447,121 +398,26 @@ static bool hold_samples(naive_leaf *leaf, long first, unsigned char **held) {
     return !why || wrong(leaf, "%s", why);
 }
 
-/* ---- 3, 4 and 10. the directory ---- */
+/* ---- 3. ranges ---- */
 
-static bool read_ranges(naive_leaf *leaf, const unsigned char *const where[KINDS]) {
+static bool read_ranges(naive_leaf *leaf) {
+    const unsigned char *const *where = leaf->sections.where;
     for (long i = 0; i < leaf->treelet_count * leaf->sets; i++) {
         naive_treelet *t = &leaf->treelets[i];
         for (int n = 0; n < 2; n++) {
-            t->merged[n] = naive_real32(where[RANGES] + 8 * i + 4 * n);
-            t->own[n] = naive_real32(where[OWN] + 8 * i + 4 * n);
+            t->merged[n] = naive_real32(where[NAIVE_RANGES] + 8 * i + 4 * n);
+            t->own[n] = naive_real32(where[NAIVE_OWN] + 8 * i + 4 * n);
             if (naive_minus_zero(t->merged[n]) || naive_minus_zero(t->own[n]))
                 return wrong(leaf, "treelet %ld: -0 in a range", i);
         }
-        if (where[FLAGS][i] > 1)
+        if (where[NAIVE_FLAGS][i] > 1)
             return wrong(leaf, "treelet %ld: flags", i);
-        t->has_non_finite = where[FLAGS][i] == 1;
+        t->has_non_finite = where[NAIVE_FLAGS][i] == 1;
         t->payload_size =
             naive_up_to(samples_at(leaf) +
                             sample_count(leaf, t) * (uint64_t)naive_sample_bytes(leaf->sample_type),
                         64);
     }
-    return true;
-}
-
-/* Payloads in the order of the file. */
-typedef struct placing {
-    const unsigned char *const *where;
-    uint64_t end, stored; /* of the payload before; bytes of all */
-    bool run;             /* a run has begun that has no bytes yet */
-} placing;
-
-/* Payload p of the directory. begins: a run. */
-static bool place_payload(naive_leaf *leaf, placing *x, long p, bool begins, naive_stored *out) {
-    out->offset = naive_number(x->where[OFFSETS] + 8 * p, 8);
-    out->size = naive_number(x->where[SIZES] + 8 * p, 8);
-    const uint64_t checksum = naive_number(x->where[CHECKSUMS] + 8 * p, 8);
-    x->run = x->run || begins;
-    const bool below = p < leaf->treelet_count && leaf->outside && leaf->treelets[p].level == 0;
-    if (below)
-        leaf->treelets[p].checksum = checksum;
-    if (out->size == 0)
-        return (out->offset == x->end && (checksum == 0 || below)) ||
-               wrong(leaf, "payload %ld: place of no bytes", p);
-    if (out->offset != naive_up_to(x->end, x->run             ? UINT64_C(1) << leaf->run_align_log2
-                                           : leaf->codec == 1 ? 1
-                                                              : 64))
-        return wrong(leaf, "payload %ld: offset", p);
-    if (out->offset > leaf->size || out->size > leaf->size - out->offset ||
-        !naive_zeros(leaf->bytes, x->end, out->offset))
-        return wrong(leaf, "payload %ld: place or padding", p);
-    if (XXH3_64bits(leaf->bytes + out->offset, out->size) != checksum)
-        return wrong(leaf, "payload %ld: checksum", p);
-    x->run = false;
-    x->end = out->offset + out->size;
-    x->stored += out->size;
-    return true;
-}
-
-static bool place_treelet(naive_leaf *leaf, placing *x, long i, bool begins) {
-    naive_treelet *t = &leaf->treelets[i];
-    const bool one = t->own[0] == t->own[1] && !t->has_non_finite;
-    const bool none = t->own[0] > t->own[1] && t->has_non_finite;
-    if (!place_payload(leaf, x, i, begins, &t->stored))
-        return false;
-    t->outside = t->checksum != 0;
-    if (naive_leaf_is_bare(leaf, t))
-        return (t->own[0] == INFINITY && t->own[1] == -INFINITY && !t->has_non_finite &&
-                t->stored.size == 0) ||
-               wrong(leaf, "treelet %ld, of a level without samples", i);
-    if (leaf->outside && t->level == 0 && t->stored.size > 0)
-        return wrong(leaf, "treelet %ld has bytes", i);
-    if (t->stored.size == 0)
-        return one || none || t->outside || wrong(leaf, "treelet %ld: a payload of no bytes", i);
-    return leaf->codec == 1 || t->stored.size == t->payload_size ||
-           wrong(leaf, "treelet %ld: size", i);
-}
-
-/* A family's treelets, then its shell. */
-static bool place_family(naive_leaf *leaf, placing *x, const naive_family_place *f) {
-    const long n = leaf->treelet_count, p = f->parent;
-    bool bytes = false;
-    long next = f->first;
-    for (; next < n * leaf->sets && leaf->treelets[next].parent == p; next++) {
-        if (!place_treelet(leaf, x, next, next == f->first))
-            return false;
-        bytes = bytes || leaf->treelets[next].stored.size > 0;
-        if (p < 0)
-            return true;
-    }
-    if (leaf->codec == 0)
-        return true;
-    const long shell = n * leaf->sets + p / n * leaf->shell_count + p % n;
-    naive_treelet *parent = &leaf->treelets[p];
-    return place_payload(leaf, x, shell, false, &parent->shell) &&
-           ((parent->shell.size > 0) == (bytes && next - f->first > 1) ||
-            wrong(leaf, "the shell below treelet %ld: bytes or none", p));
-}
-
-static bool read_directory(naive_leaf *leaf, const unsigned char *const where[KINDS],
-                           uint64_t end) {
-    placing x = {.where = where, .end = end};
-    const long n = leaf->treelet_count;
-    naive_family_place *families = malloc((size_t)n * sizeof *families);
-    bool good = families || wrong(leaf, "no memory");
-    for (long root = 0; good && root < n * leaf->sets; root += n) {
-        const long count = naive_order_families(leaf, root, families);
-        for (long i = 0; good && i < count; i++)
-            good = place_family(leaf, &x, &families[i]);
-    }
-    free(families);
-    if (!good)
-        return false;
-    if (x.stored != naive_number(leaf->bytes + 88, 8))
-        return wrong(leaf, "payload_bytes");
-    if (leaf->size != naive_up_to(x.end, UINT64_C(1) << leaf->run_align_log2) ||
-        !naive_zeros(leaf->bytes, x.end, leaf->size))
-        return wrong(leaf, "the end of the file");
     return true;
 }
 
@@ -652,20 +508,20 @@ static bool read_file(naive_leaf *leaf, const char *path) {
 }
 
 bool naive_leaf_load_set(naive_leaf *leaf, const char *path, long set) {
-    const unsigned char *where[KINDS] = {NULL};
+    const unsigned char *const *where = leaf->sections.where;
     const char *why;
-    uint64_t end;
     tally t = {.lo = INFINITY, .hi = -INFINITY};
     memset(leaf, 0, sizeof *leaf);
-    bool good =
-        read_file(leaf, path) && read_header(leaf) && check_to_world(leaf) && lay_out(leaf) &&
-        order_treelets(leaf) && repeat_treelets(leaf) && find_sections(leaf, where, &end) &&
-        read_ranges(leaf, where) && (!leaf->rectilinear || read_axes(leaf, where[AXES])) &&
-        read_labels(leaf, where[FIELDS], where[TIMES]) &&
-        (!leaf->outside ||
-         !(why = naive_outside_read(leaf, path, where[OUTSIDE], where[CHUNKS], &leaf->other)) ||
-         wrong(leaf, "%s", why)) &&
-        read_directory(leaf, where, end);
+    bool good = read_file(leaf, path) && read_header(leaf) && check_to_world(leaf) &&
+                lay_out(leaf) && order_treelets(leaf) && repeat_treelets(leaf) &&
+                find_sections(leaf) && read_ranges(leaf) &&
+                (!leaf->rectilinear || read_axes(leaf, where[NAIVE_AXES])) &&
+                read_labels(leaf, where[NAIVE_FIELDS], where[NAIVE_TIMES]) &&
+                (!leaf->outside ||
+                 !(why = naive_outside_read(leaf, path, where[NAIVE_OUTSIDE], where[NAIVE_CHUNKS],
+                                            &leaf->other)) ||
+                 wrong(leaf, "%s", why)) &&
+                naive_places_read(leaf);
     /* The one that is asked for comes last, and stays. */
     for (long i = 1; good && i <= leaf->sets; i++)
         good = read_set(leaf, (set + i) % leaf->sets, &t);
@@ -688,6 +544,7 @@ void naive_leaf_release(naive_leaf *leaf) {
     free(leaf->times);
     free(leaf->bytes);
     free(leaf->other);
+    naive_sections_release(&leaf->sections);
     memset(leaf, 0, sizeof *leaf);
 }
 

@@ -12,6 +12,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "tests/support/naive_sections.h"
+
 enum { NAIVE_LEVELS_MAX = 24, NAIVE_WHY_MAX = 256 };
 
 typedef struct naive_level {
@@ -23,7 +25,8 @@ typedef struct naive_level {
 
 /* A payload in the file. */
 typedef struct naive_stored {
-    uint64_t offset, size; /* 0 bytes: implied, or outside */
+    uint64_t offset, size;           /* 0 bytes: implied, or outside */
+    const struct naive_stored *base; /* it has the differences to that; NULL: to none */
 } naive_stored;
 
 typedef struct naive_treelet {
@@ -62,6 +65,7 @@ typedef struct naive_leaf {
     unsigned char *other;    /* samples of level 0 in another file, or NULL */
     unsigned char *bytes;    /* the file */
     size_t size;
+    naive_sections sections;
     char why[NAIVE_WHY_MAX]; /* what is wrong with it */
 } naive_leaf;
 

@@ -69,73 +69,39 @@ static bool read_header(naive_mesh *mesh) {
     if (naive_number(b + 96, 8) != mesh->size)
         return wrong(mesh, "file_bytes");
     uint64_t sections = naive_number(b + 72, 4);
-    if (mesh->size < 4096 + 32 * sections || !naive_zeros(b, 1496, 4096) ||
-        !naive_text(b + 256, 64) || !naive_text(b + 320, 1024) || !naive_text(b + 1424, 64))
+    uint64_t table = naive_number(b + 1504, 8);
+    table = table ? table : 4096;
+    if (table > mesh->size || mesh->size - table < 32 * sections || !naive_zeros(b, 1496, 1504) ||
+        !naive_zeros(b, 1512, 4096) || !naive_text(b + 256, 64) || !naive_text(b + 320, 1024) ||
+        !naive_text(b + 1424, 64))
         return wrong(mesh, "section table cut off, or reserved bytes, or a text");
     return naive_hashes(b, sections) || wrong(mesh, "the header's checksum or id");
 }
 
 /* ---- sections: 3 and 6 ---- */
 
-enum {
-    RANGES = 1,
-    OWN,
-    FLAGS,
-    OFFSETS,
-    SIZES,
-    CHECKSUMS,
-    AXES,
-    BOUNDS,
-    COUNTS,
-    FIELDS,
-    TIMES,
-    COARSE,
-    KINDS
-};
-
 static long payload_count(const naive_mesh *mesh) {
     return mesh->treelets * (mesh->sets + mesh->gradient_sets + mesh->places);
 }
 
-static bool find_sections(naive_mesh *mesh, const unsigned char *where[KINDS], uint64_t *end) {
+static bool find_sections(naive_mesh *mesh) {
+    enum { OPTIONAL = 1 << NAIVE_FIELDS | 1 << NAIVE_TIMES | 1 << NAIVE_COARSE | 1 << NAIVE_SAME };
     const uint64_t n = (uint64_t)mesh->treelets, sets = (uint64_t)mesh->sets;
     const uint64_t payloads = (uint64_t)payload_count(mesh), steps = (uint64_t)mesh->steps;
-    const uint64_t want[KINDS] = {0,
-                                  8 * n * sets,
-                                  8 * n * sets,
-                                  n * sets,
-                                  8 * payloads,
-                                  8 * payloads,
-                                  8 * payloads,
-                                  0,
-                                  24 * n * (uint64_t)mesh->places,
-                                  16 * n,
-                                  64 * (uint64_t)mesh->fields,
-                                  steps > 1 ? 8 * steps : 0,
-                                  32 * sets};
-    uint64_t sections = naive_number(mesh->bytes + 72, 4);
-    *end = 4096 + 32 * sections;
-    for (uint64_t i = 0; i < sections; i++) {
-        const unsigned char *entry = mesh->bytes + 4096 + 32 * i;
-        uint64_t kind = naive_number(entry, 4), offset = naive_number(entry + 8, 8),
-                 bytes = naive_number(entry + 16, 8);
-        if (naive_number(entry + 4, 4) != 1 || offset != naive_up_to(*end, 64) ||
-            offset > mesh->size || bytes > mesh->size - offset ||
-            !naive_zeros(mesh->bytes, *end, offset))
-            return wrong(mesh, "section %d is out of place", (int)i);
-        if (XXH3_64bits(mesh->bytes + offset, bytes) != naive_number(entry + 24, 8))
-            return wrong(mesh, "checksum of section %d", (int)i);
-        *end = offset + bytes;
-        if (kind >> 30 & 1)
-            continue;
-        if (kind < 1 || kind >= KINDS || where[kind] || bytes != want[kind] || !bytes)
-            return wrong(mesh, "section kind %d", (int)kind);
-        where[kind] = mesh->bytes + offset;
-    }
-    for (int kind = 1; kind < KINDS; kind++)
-        if (kind != AXES && kind != FIELDS && kind != TIMES && kind != COARSE && !where[kind])
-            return wrong(mesh, "no section of kind %d", kind);
-    return true;
+    const uint64_t want[NAIVE_KINDS] = {[NAIVE_RANGES] = 8 * n * sets,
+                                        [NAIVE_OWN] = 8 * n * sets,
+                                        [NAIVE_FLAGS] = n * sets,
+                                        [NAIVE_OFFSETS] = 8 * payloads,
+                                        [NAIVE_SIZES] = 8 * payloads,
+                                        [NAIVE_CHECKSUMS] = 8 * payloads,
+                                        [NAIVE_BOUNDS] = 24 * n * (uint64_t)mesh->places,
+                                        [NAIVE_COUNTS] = 16 * n,
+                                        [NAIVE_FIELDS] = 64 * (uint64_t)mesh->fields,
+                                        [NAIVE_TIMES] = steps > 1 ? 8 * steps : 0,
+                                        [NAIVE_COARSE] = 32 * sets,
+                                        [NAIVE_SAME] = sets > 1 ? 4 * payloads : 0};
+    return naive_sections_find(&mesh->sections, mesh->bytes, mesh->size, want, OPTIONAL) ||
+           wrong(mesh, "%s", mesh->sections.why);
 }
 
 static uint64_t node_bytes(const naive_part *t) {
@@ -247,13 +213,37 @@ static bool check_coarse(naive_mesh *mesh, const unsigned char *parts, uint64_t 
     return end == mesh->size || wrong(mesh, "the end of the file");
 }
 
+/* Whether payload p has the bytes that the entry of SAME says: of the same block's payload in an
+ * earlier set or, of positions, at an earlier step. */
+static bool is_same(const naive_mesh *mesh, long p, long number) {
+    const unsigned char *const *where = mesh->sections.where;
+    const long n = mesh->treelets;
+    const long blocks[] = {0, n, gradients_payload(mesh, 0), positions_payload(mesh, 1)};
+    long first = 0;
+    for (int i = 0; i < 4; i++)
+        first = blocks[i] <= p ? blocks[i] : first;
+    const long q = first + (p - first) % n + number * n;
+    return first > 0 && q < p && naive_sections_link(&mesh->sections, NAIVE_SAME, q) < 0 &&
+           memcmp(where[NAIVE_OFFSETS] + 8 * p, where[NAIVE_OFFSETS] + 8 * q, 8) == 0 &&
+           memcmp(where[NAIVE_SIZES] + 8 * p, where[NAIVE_SIZES] + 8 * q, 8) == 0 &&
+           memcmp(where[NAIVE_CHECKSUMS] + 8 * p, where[NAIVE_CHECKSUMS] + 8 * q, 8) == 0;
+}
+
 /* Offsets, sizes and checksums of all payloads, and what is between them. */
-static bool check_places(naive_mesh *mesh, const unsigned char *const where[KINDS], uint64_t end) {
-    uint64_t stored = 0;
+static bool check_places(naive_mesh *mesh, const unsigned char *const where[NAIVE_KINDS]) {
+    uint64_t stored = 0, end = mesh->sections.payloads;
+    bool begins = false; /* a run, whose first payloads may be elsewhere */
     for (long p = 0; p < payload_count(mesh); p++) {
-        uint64_t offset = naive_number(where[OFFSETS] + 8 * p, 8),
-                 size = naive_number(where[SIZES] + 8 * p, 8);
-        uint64_t align = p % mesh->treelets == 0 ? UINT64_C(1) << mesh->run_align_log2 : 64;
+        uint64_t offset = naive_number(where[NAIVE_OFFSETS] + 8 * p, 8),
+                 size = naive_number(where[NAIVE_SIZES] + 8 * p, 8);
+        const long same = naive_sections_link(&mesh->sections, NAIVE_SAME, p);
+        begins = begins || p % mesh->treelets == 0;
+        uint64_t align = begins ? UINT64_C(1) << mesh->run_align_log2 : 64;
+        if (same >= 0 && is_same(mesh, p, same))
+            continue;
+        if (same >= 0)
+            return wrong(mesh, "payload %ld: not the same as an earlier one", p);
+        begins = false;
         if (offset != naive_up_to(end, align))
             return wrong(mesh, "payload %ld: offset", p);
         if (size < 1 || size > payload_bytes(mesh, p) ||
@@ -262,17 +252,18 @@ static bool check_places(naive_mesh *mesh, const unsigned char *const where[KIND
         if (offset > mesh->size || size > mesh->size - offset ||
             !naive_zeros(mesh->bytes, end, offset))
             return wrong(mesh, "payload %ld: place or padding", p);
-        if (XXH3_64bits(mesh->bytes + offset, size) != naive_number(where[CHECKSUMS] + 8 * p, 8))
+        if (XXH3_64bits(mesh->bytes + offset, size) !=
+            naive_number(where[NAIVE_CHECKSUMS] + 8 * p, 8))
             return wrong(mesh, "payload %ld: checksum", p);
         end = offset + size;
         stored += size;
     }
     if (stored != naive_number(mesh->bytes + 88, 8))
         return wrong(mesh, "payload_bytes");
-    const uint64_t run = UINT64_C(1) << mesh->run_align_log2, full = naive_up_to(end, run);
-    if (mesh->size < full || !naive_zeros(mesh->bytes, end, full))
+    const uint64_t full = naive_sections_hold(&mesh->sections, mesh->bytes, mesh->size, end);
+    if (!full)
         return wrong(mesh, "what is behind the payloads");
-    return check_coarse(mesh, where[COARSE], full);
+    return check_coarse(mesh, where[NAIVE_COARSE], full);
 }
 
 /* ---- topology: 6 ---- */
@@ -523,15 +514,16 @@ static double map(const float own[2], double value) {
 }
 
 static bool check_values(reading *r, long set, const unsigned char *b,
-                         const unsigned char *const where[KINDS]) {
+                         const unsigned char *const where[NAIVE_KINDS]) {
     const long element = set * r->mesh->treelets + r->index;
     const float *value = r->t->values + set * r->t->vertices;
     const uint64_t at = values_at(r->t);
     float own[2], range[2];
     for (int i = 0; i < 2; i++) {
-        own[i] = naive_real32(where[OWN] + 8 * element + 4 * i);
-        if (naive_minus_zero(own[i]) || naive_number(where[OWN] + 8 * element + 4 * i, 4) !=
-                                            naive_number(where[RANGES] + 8 * element + 4 * i, 4))
+        own[i] = naive_real32(where[NAIVE_OWN] + 8 * element + 4 * i);
+        if (naive_minus_zero(own[i]) ||
+            naive_number(where[NAIVE_OWN] + 8 * element + 4 * i, 4) !=
+                naive_number(where[NAIVE_RANGES] + 8 * element + 4 * i, 4))
             return wrong(r->mesh, "element %ld of OWN or RANGES", element);
     }
     if (!naive_zeros(b, 16 * (uint64_t)r->t->nodes, at) ||
@@ -542,7 +534,7 @@ static bool check_values(reading *r, long set, const unsigned char *b,
         r->t->values[set * r->t->vertices + v] = naive_real32(b + at + 4 * (uint64_t)v);
     const long all[2] = {0, r->t->tets};
     bool finite = finite_range(r, value, all, &range[0], &range[1]);
-    if (range[0] != own[0] || range[1] != own[1] || where[FLAGS][element] != (finite ? 0 : 1))
+    if (range[0] != own[0] || range[1] != own[1] || where[NAIVE_FLAGS][element] != (finite ? 0 : 1))
         return wrong(r->mesh, "treelet %ld, set %ld: own range or flags", r->index, set);
     for (long node = 0; node < r->t->nodes; node++)
         for (int c = 0; c < 8; c++) {
@@ -565,8 +557,9 @@ static bool check_values(reading *r, long set, const unsigned char *b,
 /* ---- loading ---- */
 
 /* implied: out, the boxes of a topology are not there. */
-static unsigned char *payload_of(const naive_mesh *mesh, const unsigned char *const where[KINDS],
-                                 long p, bool *implied) {
+static unsigned char *payload_of(const naive_mesh *mesh,
+                                 const unsigned char *const where[NAIVE_KINDS], long p,
+                                 bool *implied) {
     const naive_part *t = &mesh->part[p % mesh->treelets];
     const uint32_t counts[4] = {(uint32_t)t->tets, (uint32_t)t->vertices, (uint32_t)t->nodes,
                                 (uint32_t)t->leaves};
@@ -574,8 +567,8 @@ static unsigned char *payload_of(const naive_mesh *mesh, const unsigned char *co
                       : p < gradients_payload(mesh, 0) ? 1
                       : p < positions_payload(mesh, 1) ? 2
                                                        : 3;
-    uint64_t offset = naive_number(where[OFFSETS] + 8 * p, 8),
-             size = naive_number(where[SIZES] + 8 * p, 8);
+    uint64_t offset = naive_number(where[NAIVE_OFFSETS] + 8 * p, 8),
+             size = naive_number(where[NAIVE_SIZES] + 8 * p, 8);
     uint64_t want = payload_bytes(mesh, p);
     unsigned char *payload = calloc(1, want);
     *implied = false;
@@ -590,7 +583,7 @@ static unsigned char *payload_of(const naive_mesh *mesh, const unsigned char *co
 }
 
 /* Payload p of the treelet, but for its topology. */
-static bool check_payload(reading *r, long p, const unsigned char *const where[KINDS]) {
+static bool check_payload(reading *r, long p, const unsigned char *const where[NAIVE_KINDS]) {
     const naive_mesh *mesh = r->mesh;
     const long block = p / mesh->treelets;
     bool good, implied;
@@ -607,7 +600,8 @@ static bool check_payload(reading *r, long p, const unsigned char *const where[K
     return good;
 }
 
-static bool read_treelet(naive_mesh *mesh, long index, const unsigned char *const where[KINDS]) {
+static bool read_treelet(naive_mesh *mesh, long index,
+                         const unsigned char *const where[NAIVE_KINDS]) {
     naive_part *t = &mesh->part[index];
     bool implied;
     unsigned char *topology = payload_of(mesh, where, index, &implied);
@@ -632,12 +626,12 @@ static bool read_treelet(naive_mesh *mesh, long index, const unsigned char *cons
 }
 
 /* What the header says of all values. */
-static bool check_union(naive_mesh *mesh, const unsigned char *const where[KINDS]) {
+static bool check_union(naive_mesh *mesh, const unsigned char *const where[NAIVE_KINDS]) {
     double least = INFINITY, most = -INFINITY;
     uint64_t strange = 0, claimed = naive_number(mesh->bytes + 104, 8);
     for (long i = 0; i < mesh->treelets * mesh->sets; i++) {
-        least = fmin(least, (double)naive_real32(where[OWN] + 8 * i));
-        most = fmax(most, (double)naive_real32(where[OWN] + 8 * i + 4));
+        least = fmin(least, (double)naive_real32(where[NAIVE_OWN] + 8 * i));
+        most = fmax(most, (double)naive_real32(where[NAIVE_OWN] + 8 * i + 4));
     }
     for (long i = 0; i < mesh->treelets; i++)
         for (long v = 0; v < mesh->part[i].vertices * mesh->sets; v++)
@@ -662,16 +656,16 @@ static bool read_file(naive_mesh *mesh, const char *path) {
 }
 
 bool naive_mesh_load(naive_mesh *mesh, const char *path) {
-    const unsigned char *where[KINDS] = {NULL};
-    uint64_t end;
+    const unsigned char *const *where = mesh->sections.where;
     memset(mesh, 0, sizeof *mesh);
-    if (!read_file(mesh, path) || !read_header(mesh) || !find_sections(mesh, where, &end))
+    if (!read_file(mesh, path) || !read_header(mesh) || !find_sections(mesh))
         return false;
     mesh->part = calloc((size_t)mesh->treelets, sizeof *mesh->part);
     if (!mesh->part)
         return wrong(mesh, "no memory");
-    bool good = read_labels(mesh, where[FIELDS], where[TIMES]) &&
-                read_counts(mesh, where[COUNTS], where[BOUNDS]) && check_places(mesh, where, end);
+    bool good = read_labels(mesh, where[NAIVE_FIELDS], where[NAIVE_TIMES]) &&
+                read_counts(mesh, where[NAIVE_COUNTS], where[NAIVE_BOUNDS]) &&
+                check_places(mesh, where);
     for (long i = 0; good && i < mesh->treelets; i++)
         good = read_treelet(mesh, i, where);
     return good && check_union(mesh, where);
@@ -688,6 +682,7 @@ void naive_mesh_release(naive_mesh *mesh) {
     free(mesh->names);
     free(mesh->times);
     free(mesh->part);
+    naive_sections_release(&mesh->sections);
     free(mesh->bytes);
     memset(mesh, 0, sizeof *mesh);
 }

@@ -11,6 +11,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "tests/support/naive_sections.h"
+
 typedef struct naive_part { /* a treelet */
     long tets, vertices, nodes, leaves;
     float (*bounds)[6];    /* of each step, or of the first alone where nothing moves */
@@ -29,6 +31,7 @@ typedef struct naive_mesh {
     naive_part *part;
     unsigned char *bytes; /* the file */
     size_t size;
+    naive_sections sections;
     char why[256]; /* what is wrong with it */
 } naive_mesh;
 

@@ -53,7 +53,7 @@ static void decode(box_lab *b, cpu_isa isa, const unsigned char *code, size_t by
     box_coder *c = coder_of(b, 0);
     box_coder_use(c, isa);
     box_lab_wipe(b);
-    assert_true(box_coder_decode(c, code, bytes, b->boxes, b->count));
+    assert_true(box_coder_decode(c, code, bytes, b->boxes, b->count, false));
     assert_true(box_lab_kept(b));
     box_coder_destroy(c);
 }
@@ -67,8 +67,8 @@ static void decode_naively(const box_lab *b, const unsigned char *code, size_t b
     for (uint32_t i = 0; i < b->count; i++)
         for (int a = 0; a < 3; a++)
             sizes[i][a] = b->boxes[i].size[a];
-    const char *why =
-        naive_boxes_decode((int)b->type, (const long(*)[3])sizes, (int)b->count, code, bytes, got);
+    const char *why = naive_boxes_decode((int)b->type, (const long(*)[3])sizes, (int)b->count, code,
+                                         bytes, NULL, got);
     if (why)
         fail_msg("%s", why);
     assert_memory_equal(got, want, b->samples * b->width);
@@ -281,7 +281,7 @@ static void the_same_again(void **state) {
             }
             unsigned char *want = box_lab_list(&b);
             box_lab_wipe(&b);
-            assert_true(box_coder_decode(c, code, got, b.boxes, 1));
+            assert_true(box_coder_decode(c, code, got, b.boxes, 1, false));
             unsigned char *is = box_lab_list(&b);
             assert_memory_equal(is, want, b.samples * b.width);
             free(want);

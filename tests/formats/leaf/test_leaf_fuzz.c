@@ -69,8 +69,10 @@ static void change(char *at, size_t room, field_random *r) {
 /* Header and directory as often as payloads, though there is less of them. */
 static size_t place(const leaf_image *i, field_random *r) {
     const uint64_t where = field_random_below(r, 4);
-    const size_t from = where == 0 ? 0 : where == 1 ? LEAF_HEADER_BYTES : (size_t)i->sections_end;
-    const size_t to = where == 0 ? 1600 : where == 1 ? (size_t)i->sections_end : i->size;
+    const size_t table = (size_t)leaf_table_at(i->header), end = (size_t)i->sections_end;
+    const size_t payloads = i->header->directory ? LEAF_HEADER_BYTES : end;
+    const size_t from = where == 0 ? 0 : where == 1 ? table : payloads;
+    const size_t to = where == 0 ? 1600 : where == 1 ? end : i->header->directory ? table : i->size;
     return from + (size_t)field_random_below(r, to - from);
 }
 
