@@ -132,6 +132,27 @@ const char *leaf_files_make(const leaf_case *c, const char *name) {
     return scratch_path(name);
 }
 
+const char *leaf_files_series(const grid_series *of, const convert_options *o, const char *name) {
+    mem m;
+    volume *v = NULL;
+    convert_plan plan;
+    convert_result result;
+    convert_options series = *o;
+    mem_init(&m, (size_t)o->memory);
+    series.series = of;
+    series.force = true;
+    status st = grid_series_open(&m, of, 0, &v);
+    if (st == ST_OK)
+        st = convert_plan_make(&m, volume_grid(v), &series, &plan);
+    if (st == ST_OK)
+        st = convert_run(&m, v, scratch_path(name), &series, &plan, NULL, &result);
+    if (st != ST_OK)
+        fail_msg("%s", status_text());
+    volume_close(v);
+    assert_int_equal(mem_used(&m), 0);
+    return scratch_path(name);
+}
+
 const char *leaf_files_long(const char *name) {
     enum { WIDE = 17 };
     leaf_case c = leaf_files_case(LEAF_FILES_LONG, WIDE, WIDE, SAMPLE_F32);

@@ -7,6 +7,7 @@
 
 #include "formats/leaf/leaf_file.h"
 #include "prep/grid/convert.h"
+#include "prep/grid/grid_series.h"
 
 /* A volume to be converted, and how. */
 typedef struct leaf_case {
@@ -39,6 +40,9 @@ uint64_t leaf_files_least(const leaf_case *c);
 /* leaf_files_make() - convert it, failing the test on an error and on memory not given back;
  * returns the path. */
 const char *leaf_files_make(const leaf_case *c, const char *name);
+
+/* leaf_files_series() - the same of several sets, by o; their files are there. */
+const char *leaf_files_series(const grid_series *of, const convert_options *o, const char *name);
 
 /* leaf_files_long() - sixty treelets in a row along x, each with more than is anywhere at y = 2.3,
  * where the greatest value is 5, in the last of them, and 1 elsewhere: more treelets than a ray

@@ -113,8 +113,8 @@ static void test_damage(void **state) {
     c.samples = samples;
     size_t size = 0;
     const char *path = leaf_files_make(&c, "sound.leaf");
-    leaf_image i = leaf_image_of(scratch_read(path, &size), size);
-    i.size = size;
+    char *bytes = scratch_read(path, &size);
+    leaf_image i = leaf_image_of(bytes, size);
     char *h = leaf_image_section(&i, LEAF_SECTION_HISTOGRAMS);
     assert_non_null(h);
     for (size_t k = 0; k < sizeof places / sizeof *places; k++) {
@@ -262,7 +262,6 @@ static void test_meshes(void **state) {
     assert_int_equal(size, other);
     assert_memory_equal(first, again, size);
     leaf_image i = leaf_image_of(first, size);
-    i.size = size;
     char *h = leaf_image_section(&i, LEAF_SECTION_HISTOGRAMS);
     h[sizeof(histogram) + 4160 + 4 * 100] ^= 1;
     leaf_image_seal(&i);

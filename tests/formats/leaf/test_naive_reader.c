@@ -466,21 +466,7 @@ static void release_series(series *s) {
 }
 
 static const char *convert_series(series *s, const char *name) {
-    mem m;
-    volume *v = NULL;
-    convert_plan plan;
-    convert_result result;
-    mem_init(&m, 0);
-    s->c.options.series = &s->of;
-    s->c.options.force = true;
-    assert_int_equal(grid_series_open(&m, &s->of, 0, &v), ST_OK);
-    assert_int_equal(convert_plan_make(&m, volume_grid(v), &s->c.options, &plan), ST_OK);
-    const status st = convert_run(&m, v, scratch_path(name), &s->c.options, &plan, NULL, &result);
-    if (st != ST_OK)
-        fail_msg("%s", status_text());
-    volume_close(v);
-    assert_int_equal(mem_used(&m), 0);
-    return scratch_path(name);
+    return leaf_files_series(&s->of, &s->c.options, name);
 }
 
 static void check_sets(series *s, const char *path) {
