@@ -14,7 +14,6 @@
 #include "formats/base/hash.h"
 #include "formats/base/status.h"
 #include "formats/leaf/leaf.h"
-#include "formats/leaf/leaf_chain.h"
 #include "formats/leaf/leaf_layout.h"
 
 struct chunk_entry;

@@ -481,11 +481,11 @@ bool leaf_file_is_implied(const leaf_file *f, uint32_t p) {
 }
 
 uint32_t leaf_file_home(const leaf_file *f, uint32_t p) {
-    return leaf_chain_home(&f->layout, &f->links, p);
+    return leaf_layout_home(&f->layout, &f->links, p);
 }
 
 int leaf_file_chain(const leaf_file *f, uint32_t p, uint32_t chain[LEAF_CHAIN_MAX]) {
-    return leaf_chain_of(&f->layout, &f->links, p, chain);
+    return leaf_layout_chain(&f->layout, &f->links, p, chain);
 }
 
 uint64_t leaf_file_stored(const leaf_file *f, uint32_t p) {

@@ -14,7 +14,6 @@
 #include "formats/base/status.h"
 #include "formats/leaf/histogram.h"
 #include "formats/leaf/leaf.h"
-#include "formats/leaf/leaf_chain.h"
 #include "formats/leaf/leaf_layout.h"
 
 /* What the directory of a mesh has in addition; an element per treelet. */
@@ -100,7 +99,7 @@ bool leaf_file_is_outside(const leaf_file *f, uint32_t p);
 bool leaf_file_is_bare(const leaf_file *f, uint32_t p);
 bool leaf_file_is_implied(const leaf_file *f, uint32_t p);
 
-/* leaf_file_home() - leaf_chain_home(). leaf_file_chain() - leaf_chain_of().
+/* leaf_file_home() - leaf_layout_home(). leaf_file_chain() - leaf_layout_chain().
  * leaf_file_is_home() - whether payload p has bytes in the file, and is the first to have these.
  * leaf_file_stored() - the bytes of the codes that payload p's samples need; 0: none. */
 uint32_t leaf_file_home(const leaf_file *f, uint32_t p);

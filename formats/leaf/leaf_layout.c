@@ -291,6 +291,24 @@ leaf_series leaf_layout_series(const leaf_layout *l, uint32_t p) {
     return l->geometry->series(l, p);
 }
 
+static uint32_t led_to(const leaf_layout *l, uint32_t p, uint32_t entry) {
+    const leaf_series s = leaf_layout_series(l, p);
+    return leaf_series_payload(&s, entry - 1);
+}
+
+uint32_t leaf_layout_home(const leaf_layout *l, const leaf_links *links, uint32_t p) {
+    return links->same && links->same[p] ? led_to(l, p, links->same[p]) : p;
+}
+
+int leaf_layout_chain(const leaf_layout *l, const leaf_links *links, uint32_t p,
+                      uint32_t chain[LEAF_CHAIN_MAX]) {
+    int count = 1;
+    chain[0] = leaf_layout_home(l, links, p);
+    for (; links->bases && links->bases[chain[count - 1]]; count++)
+        chain[count] = led_to(l, chain[count - 1], links->bases[chain[count - 1]]);
+    return count;
+}
+
 const char *leaf_layout_payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]) {
     return l->geometry->payload_name(l, p, text);
 }

@@ -190,6 +190,22 @@ static inline uint32_t leaf_series_payload(const leaf_series *s, uint32_t i) {
     return s->first + i * s->stride;
 }
 
+/* Payloads may lead to others of earlier sets, in their series (FORMAT.md 14): per payload 0, or 1
+ * + the number of the one that has the same bytes, or that it has the differences to. NULL: all 0.
+ */
+typedef struct leaf_links {
+    const uint32_t *same, *bases;
+} leaf_links;
+
+/* leaf_layout_home() - the payload whose bytes p has: itself, or an earlier set's.
+ * leaf_layout_chain() - the payloads whose codes are needed for p's samples: its home, the home's
+ * base, that one's, .., up to a whole code. Returns how many, 1 to LEAF_CHAIN_MAX.
+ *
+ * Links must be sound, as leaf_check_directory() finds them. */
+uint32_t leaf_layout_home(const leaf_layout *l, const leaf_links *links, uint32_t p);
+int leaf_layout_chain(const leaf_layout *l, const leaf_links *links, uint32_t p,
+                      uint32_t chain[LEAF_CHAIN_MAX]);
+
 /* leaf_layout_moves() - returns whether cells change their places from step to step.
  * leaf_layout_place() - returns which of the `places` the cells have at a step; 0: the one of step
  * 0. */

@@ -123,9 +123,26 @@ static void print_bytes(const leaf_file *f, const fact_sheet *to) {
         fact_sheet_line(to, "payloads", "%llu bytes", payload_bytes);
 }
 
+/* What the sets of a file have in common. */
+static void tell_series(const leaf_file *f, const fact_sheet *to) {
+    uint32_t same = 0, differences = 0;
+    if (f->layout.sets == 1)
+        return;
+    for (uint32_t p = 0; p < f->layout.payloads; p++) {
+        same += f->links.same && f->links.same[p];
+        differences += f->links.bases && f->links.bases[p];
+    }
+    fact_sheet_line(to, "series",
+                    "%u payloads are the same as earlier ones, %u differences to them", same,
+                    differences);
+    fact_sheet_whole(to, "same_payloads", same);
+    fact_sheet_whole(to, "difference_payloads", differences);
+}
+
 void leaf_tell_bytes(const leaf_file *f, const fact_sheet *to, double raw) {
     const leaf_header *h = &f->header;
     print_bytes(f, to);
+    tell_series(f, to);
     fact_sheet_whole(to, "run_align", 1U << h->run_align_log2);
     fact_sheet_text(to, "codec", leaf_tell_codec(f));
     fact_sheet_whole(to, "treelets", h->treelets);

@@ -76,7 +76,7 @@ uint64_t leaf_writer_place(leaf_writer *w, uint32_t p) {
     const uint64_t bytes = leaf_writer_is_same(w, p) ? 0 : w->sizes[p];
     const uint64_t at = leaf_placing_next(&w->next, &w->layout, p, bytes, w->p.run_align_log2);
     w->offsets[p] =
-        leaf_writer_is_same(w, p) ? w->offsets[leaf_chain_home(&w->layout, &links, p)] : at;
+        leaf_writer_is_same(w, p) ? w->offsets[leaf_layout_home(&w->layout, &links, p)] : at;
     return bytes;
 }
 

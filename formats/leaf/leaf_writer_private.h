@@ -13,7 +13,6 @@
 #include <pthread.h>
 
 #include "formats/base/file.h"
-#include "formats/leaf/leaf_chain.h"
 #include "formats/leaf/leaf_writer.h"
 
 struct leaf_writer {

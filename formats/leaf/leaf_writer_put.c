@@ -50,7 +50,7 @@ static status find_same(leaf_writer *w, uint32_t p, const void *stored, size_t s
     bool same = false;
     if (!w->same || s.at == 0)
         return ST_OK;
-    const uint32_t q = leaf_chain_home(&w->layout, &links, leaf_series_payload(&s, s.at - 1));
+    const uint32_t q = leaf_layout_home(&w->layout, &links, leaf_series_payload(&s, s.at - 1));
     if (w->sizes[q] != size || w->checksums[q] != w->checksums[p])
         return ST_OK;
     const status st = has_bytes(w, q, stored, &same);

@@ -27,7 +27,7 @@ static status read_earlier(leaf_writer *w, const leaf_family *f, leaf_packer *k,
     uint32_t chain[LEAF_CHAIN_MAX];
     if (!k)
         return out_file_read_at(w->out, w->offsets[q], f->earlier, (size_t)w->sizes[q]);
-    const int count = leaf_chain_of(&w->layout, &links, q, chain);
+    const int count = leaf_layout_chain(&w->layout, &links, q, chain);
     status st = ST_OK;
     for (int i = count; i-- > 0 && st == ST_OK;)
         st = read_code(w, f, leaf_packer_boxes(k), chain[i], i + 1 < count);
@@ -88,8 +88,8 @@ static uint32_t base_of(const leaf_writer *w, uint32_t p) {
     uint32_t chain[LEAF_CHAIN_MAX];
     if (s.at % w->layout.steps == 0)
         return LEAF_NO_TREELET;
-    const uint32_t q = leaf_chain_home(&w->layout, &links, leaf_series_payload(&s, s.at - 1));
-    if (!w->sizes[q] || leaf_chain_of(&w->layout, &links, q, chain) == LEAF_CHAIN_MAX)
+    const uint32_t q = leaf_layout_home(&w->layout, &links, leaf_series_payload(&s, s.at - 1));
+    if (!w->sizes[q] || leaf_layout_chain(&w->layout, &links, q, chain) == LEAF_CHAIN_MAX)
         return LEAF_NO_TREELET;
     return q;
 }
