@@ -1,5 +1,9 @@
 #include "stream/grid_resident.h"
 
+#include <string.h>
+
+#include "formats/leaf/deviation.h"
+
 /* One block holds a treelet and its masks, which begin at HEAD. */
 enum { HEAD = (sizeof(resident_grid) + 63) / 64 * 64 };
 
@@ -91,7 +95,39 @@ static uint32_t payload_of(const resident_store *s, const treelet *tr) {
     return leaf_layout_samples(&s->file->layout, tr->set, tr->id);
 }
 
-/* Sets do not share treelets; a resident treelet stays with its set. */
+/* Whether what the siblings of treelet t share is the same in two sets. */
+static bool same_shell(const leaf_file *f, uint32_t t, uint32_t a, uint32_t b) {
+    const leaf_layout *l = &f->layout;
+    if (!l->shells || t == 0)
+        return true;
+    const uint32_t parent = leaf_layout_parent(l, t);
+    return leaf_file_home(f, leaf_layout_shell(l, a, parent)) ==
+           leaf_file_home(f, leaf_layout_shell(l, b, parent));
+}
+
+static bool same_deviations(const leaf_file *f, uint32_t t, uint32_t a, uint32_t b) {
+    const leaf_layout *l = &f->layout;
+    return memcmp(f->deviations + deviation_at(l, a, t), f->deviations + deviation_at(l, b, t),
+                  deviation_bricks(l) * sizeof *f->deviations) == 0;
+}
+
+static bool adopt(const resident_store *s, treelet *tr, uint32_t set) {
+    const leaf_file *f = s->file;
+    const uint32_t t = tr->id, p = leaf_layout_samples(&f->layout, set, t);
+    if (!leaf_file_has_bytes(f, p) ||
+        leaf_file_home(f, p) != leaf_file_home(f, payload_of(s, tr)) ||
+        !same_shell(f, t, tr->set, set))
+        return false;
+    if (deviates(f, t)) {
+        if (!same_deviations(f, t, tr->set, set))
+            return false;
+        ((resident_grid *)tr)->deviations = f->deviations + deviation_at(&f->layout, set, t);
+    }
+    tr->set = set;
+    return true;
+}
+
+/* A resident treelet of a grid has nothing but what is its set's. */
 static void strip(const resident_store *s, treelet *tr) {
     (void)s;
     (void)tr;
@@ -118,6 +154,7 @@ const resident_kind grid_resident = {.shares = false,
                                      .stored = stored,
                                      .ahead = ahead,
                                      .load = load,
+                                     .adopt = adopt,
                                      .strip = strip,
                                      .destroy = destroy,
                                      .mask = mask};

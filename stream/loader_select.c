@@ -35,14 +35,15 @@ static void sweep(loader *l) {
         treelet_tree_select(&l->hidden->tree, l->own);
 }
 
-/* Move inactive and other sets' treelets to the cache, and active ones back to free slots. */
+/* Move inactive treelets, and other sets' that are not the same in this one, to the cache; and
+ * active ones back to free slots. */
 static void sort_resident(loader *l) {
     struct loader_private *h = l->hidden;
     const uint32_t filled = h->filled;
     h->filled = 0;
     for (uint32_t i = 0; i < filled; i++) {
         treelet *tr = h->slots[i];
-        if (l->own[tr->id] && tr->set == h->set) {
+        if (l->own[tr->id] && loader_slots_fits(l, tr)) {
             h->slots[h->filled++] = tr;
             continue;
         }
@@ -51,8 +52,10 @@ static void sort_resident(loader *l) {
     }
     for (treelet *tr = h->cache.newest, *older; tr && h->filled < h->capacity; tr = older) {
         older = tr->older;
-        if (tr->set == h->set && l->own[tr->id])
-            (void)loader_slots_take_back(l, tr->id);
+        if (!l->own[tr->id] || loader_is_ready(l, tr->id) || !loader_slots_fits(l, tr))
+            continue;
+        treelet_cache_remove(&h->cache, tr);
+        loader_slots_publish(l, tr);
     }
 }
 

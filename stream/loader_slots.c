@@ -81,9 +81,19 @@ void loader_slots_evict(loader *l, uint32_t count) {
     memmove(h->slots, h->slots + count, h->filled * sizeof *h->slots);
 }
 
+bool loader_slots_fits(loader *l, treelet *tr) {
+    struct loader_private *h = l->hidden;
+    if (tr->set == h->set)
+        return true;
+    return tr->set != TREELET_NO_SET && h->kind->adopt &&
+           !treelet_cache_find(&h->cache, tr->id, h->set) && h->kind->adopt(&h->store, tr, h->set);
+}
+
 bool loader_slots_take_back(loader *l, uint32_t t) {
     struct loader_private *h = l->hidden;
     treelet *tr = treelet_cache_find(&h->cache, t, h->set);
+    for (treelet *other = h->cache.of[t]; other && !tr; other = other->next)
+        tr = loader_slots_fits(l, other) ? other : NULL;
     if (!tr)
         return false;
     treelet_cache_remove(&h->cache, tr);

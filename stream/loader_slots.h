@@ -14,8 +14,11 @@ void loader_slots_set_state(struct loader_private *h, uint32_t t, residence to);
 /* loader_slots_publish() - make a treelet READY, in a free slot. */
 void loader_slots_publish(loader *l, treelet *tr);
 
-/* loader_slots_take_back() - take treelet t from the cache and make it READY. Returns false if the
- * cache does not have it in the selected set. */
+/* loader_slots_fits() - whether a treelet is of the selected set; one of another set that is the
+ * same there becomes one of this, unless the cache has that, too.
+ * loader_slots_take_back() - take treelet t from the cache and make it READY. Returns false if the
+ * cache has none that fits. */
+bool loader_slots_fits(loader *l, treelet *tr);
 bool loader_slots_take_back(loader *l, uint32_t t);
 
 /* loader_slots_withdraw() - make a treelet ABSENT for rays. The caller removes it from `slots`. */

@@ -448,8 +448,8 @@ bool box_coder_is_difference(const void *code) {
 }
 
 uint64_t box_coder_hash(box_coder *c, const coded_box *boxes, uint32_t count) {
-    gather(c, boxes, count, 0, c->w.values);
-    return hash_bytes(c->w.values, samples_of(boxes, count) * sample_size(c->type));
+    gather(c, boxes, count, 0, c->w.residuals);
+    return hash_bytes(c->w.residuals, samples_of(boxes, count) * sample_size(c->type));
 }
 
 /* ---- decoding ---- */

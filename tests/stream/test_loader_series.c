@@ -1,0 +1,199 @@
+/* test_loader_series.c - another step: what is the same there stays resident, with its masks, and
+ * the rest is read; going back reads nothing that fits.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "stream/grid_resident.h"
+#include "stream/loader.h"
+#include "tests/support/fields.h"
+#include "tests/support/interests.h"
+#include "tests/support/leaf_files.h"
+#include "tests/support/loaded.h"
+#include "tests/support/scratch.h"
+
+enum { STEPS = 5, NX = 70, NY = 40, NZ = 52 };
+
+typedef struct stage {
+    mem m;
+    leaf_file *f;
+    loader *l;
+    interest all;
+    void *payload;
+} stage;
+
+/* Step 1 differs from step 0 at one end of x; 2 is as 0; 3 has one other sample; 4 is another thing.
+ */
+static void next_step(const leaf_case *c, int step, uint16_t *samples, const uint16_t *first) {
+    const size_t count = (size_t)NX * NY * NZ;
+    if (step == 2)
+        memcpy(samples, first, count * sizeof *samples);
+    for (size_t i = 0; i < count && step == 1; i++)
+        samples[i] ^= i % NX > 60;
+    if (step == 3)
+        samples[count / 2 + NX / 2] ^= 0x4000;
+    if (step == 4) {
+        void *other = leaf_files_random(c, FIELD_SEED + 9, 0);
+        memcpy(samples, other, count * sizeof *samples);
+        free(other);
+    }
+}
+
+static const char *make_file(leaf_codec codec) {
+    leaf_case c = leaf_files_case(NX, NY, NZ, SAMPLE_U16);
+    const size_t bytes = (size_t)NX * NY * NZ * sizeof(uint16_t);
+    uint16_t *first = leaf_files_random(&c, FIELD_SEED, 0), *samples = malloc(bytes);
+    const char *paths[STEPS];
+    memcpy(samples, first, bytes);
+    for (int step = 0; step < STEPS; step++) {
+        char name[32];
+        next_step(&c, step, samples, first);
+        snprintf(name, sizeof name, "step%d.bin", step);
+        paths[step] = strdup(scratch_write(name, samples, bytes));
+    }
+    const grid_series of = {.of = {.paths = paths, .sets = {1, STEPS, NULL, NULL, NULL}},
+                            .hints = {.dims = {NX, NY, NZ}, .type = SAMPLE_U16}};
+    c.options.file.codec = codec;
+    c.options.file.zstd_level = 1;
+    c.options.file.deviations = true;
+    const char *path = leaf_files_series(&of, &c.options, "series.leaf");
+    for (int step = 0; step < STEPS; step++)
+        free((void *)(uintptr_t)paths[step]);
+    free(first);
+    free(samples);
+    return path;
+}
+
+static void stage_open(stage *s, leaf_codec codec) {
+    const loader_options options = {.source = SOURCE_ARENA, .workers = 2, .isa = cpu_best()};
+    interests set;
+    mem_init(&s->m, 0);
+    assert_int_equal(leaf_file_open(&s->m, make_file(codec), &s->f), ST_OK);
+    s->payload = mem_alloc(&s->m, leaf_layout_payload_max(&s->f->layout));
+    assert_int_equal(loader_create(&s->m, s->f, &options, NULL, &s->l), ST_OK);
+    interests_of_all(&set);
+    s->all = set.in;
+    loader_select(s->l, &s->all);
+}
+
+static void stage_close(stage *s) {
+    loader_destroy(s->l);
+    mem_free(&s->m, s->payload);
+    leaf_file_close(s->f);
+    assert_int_equal(mem_used(&s->m), 0);
+}
+
+/* Show a step. Returns how many treelets were read for it. */
+static uint64_t show(stage *s, uint32_t set) {
+    loader_reset_statistics(s->l);
+    loader_select_set(s->l, set);
+    loader_sweep(s->l);
+    assert_int_equal(loader_settle(s->l), ST_OK);
+    return loader_statistics(s->l).loads;
+}
+
+/* All treelets are those of the set, with its deviations and masks. */
+static void check(stage *s, uint32_t set) {
+    const leaf_layout *l = &s->f->layout;
+    for (uint32_t t = 0; t < l->treelets; t++) {
+        const uint32_t p = leaf_layout_samples(l, set, t);
+        const treelet *tr = loader_lookup(s->l, t);
+        assert_non_null(tr);
+        assert_int_equal(tr->set, set);
+        assert_int_equal(loaded(s->f, p, s->payload), ST_OK);
+        assert_memory_equal(tr->payload, s->payload, leaf_layout_payload_bytes(l, p));
+        if (l->level_of[t] > 0)
+            assert_ptr_equal(resident_grid_of(tr)->deviations,
+                             s->f->deviations + deviation_at(l, set, t));
+    }
+}
+
+/* How many treelets of a set differ from another's, in samples, halo or deviations. */
+static uint32_t different(const stage *s, uint32_t a, uint32_t b) {
+    const leaf_layout *l = &s->f->layout;
+    const size_t room = leaf_layout_payload_max(l);
+    char *x = aligned_alloc(64, room), *y = aligned_alloc(64, room);
+    uint32_t count = 0;
+    for (uint32_t t = 0; t < l->treelets; t++) {
+        const uint32_t p = leaf_layout_samples(l, a, t), q = leaf_layout_samples(l, b, t);
+        bool same = true;
+        assert_int_equal(loaded(s->f, p, x), ST_OK);
+        assert_int_equal(loaded(s->f, q, y), ST_OK);
+        same = memcmp(x, y, leaf_layout_payload_bytes(l, p)) == 0;
+        if (l->level_of[t] > 0)
+            same &= memcmp(s->f->deviations + deviation_at(l, a, t),
+                           s->f->deviations + deviation_at(l, b, t),
+                           deviation_bricks(l) * sizeof *s->f->deviations) == 0;
+        count += !same;
+    }
+    free(x);
+    free(y);
+    return count;
+}
+
+/* With room for two steps: each is there as if it were alone, and what is the same is not read. */
+static void test_steps(void **state) {
+    (void)state;
+    for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
+        stage s;
+        stage_open(&s, (leaf_codec)codec);
+        const uint32_t n = s.f->layout.treelets;
+        loader_set_capacity(s.l, n, n * loader_slot_bytes(s.l));
+        assert_int_equal(show(&s, 0), n);
+        for (uint32_t set = 1; set < STEPS; set++) {
+            /* A compressed treelet is read again if its family's shell is another. */
+            const uint32_t least = different(&s, set, set - 1);
+            const uint64_t read = show(&s, set);
+            const uint64_t back = set == 2 ? 0 : least;
+            if (read < back || read > (codec == LEAF_CODEC_RAW ? least : 8 * least))
+                fail_msg("set %u: %u treelets read, %u differ", set, (unsigned)read, least);
+            check(&s, set);
+        }
+        assert_in_range(different(&s, 1, 0), 1, n / 2);
+        assert_int_equal(different(&s, 4, 3), n);
+        /* Both are in memory. */
+        assert_int_equal(show(&s, 3), 0);
+        check(&s, 3);
+        assert_int_equal(show(&s, 4), 0);
+        check(&s, 4);
+        stage_close(&s);
+    }
+}
+
+/* With room for less than one: nothing is taken for what it is not. */
+static void test_little_room(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s, LEAF_CODEC_ZSTD);
+    const uint32_t n = s.f->layout.treelets;
+    field_random r = {FIELD_SEED};
+    for (int round = 0; round < 60; round++) {
+        loader_set_capacity(s.l, 1 + (uint32_t)field_random_below(&r, n),
+                            (size_t)field_random_below(&r, n) * loader_slot_bytes(s.l));
+        const uint32_t set = (uint32_t)field_random_below(&r, STEPS);
+        (void)show(&s, set);
+        for (uint32_t t = 0; t < n; t++) {
+            const treelet *tr = loader_lookup(s.l, t);
+            const uint32_t p = leaf_layout_samples(&s.f->layout, set, t);
+            if (!tr)
+                continue;
+            assert_int_equal(tr->set, set);
+            assert_int_equal(loaded(s.f, p, s.payload), ST_OK);
+            assert_memory_equal(tr->payload, s.payload, leaf_layout_payload_bytes(&s.f->layout, p));
+        }
+    }
+    stage_close(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_little_room),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
