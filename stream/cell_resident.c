@@ -88,7 +88,9 @@ static status fill(const resident_store *s, resident_cells *tr, resident_scratch
 }
 
 static status load(const resident_store *s, uint32_t t, uint32_t set, const void *shared,
-                   resident_scratch *scratch, treelet **out, uint64_t *read) {
+                   const treelet *earlier, resident_scratch *scratch, treelet **out,
+                   uint64_t *read) {
+    (void)earlier;
     const uint32_t count = count_of(s, t);
     (void)shared;
     resident_cells *tr = mem_zalloc(s->m, sizeof *tr + count * sizeof *tr->ranges);

@@ -58,7 +58,8 @@ static void ahead(const resident_store *s, uint32_t set, uint32_t t) {
 }
 
 static status load(const resident_store *s, uint32_t t, uint32_t set, const void *shared,
-                   resident_scratch *scratch, treelet **out, uint64_t *read) {
+                   const treelet *earlier, resident_scratch *scratch, treelet **out,
+                   uint64_t *read) {
     const leaf_layout *layout = &s->file->layout;
     const leaf_payload shape = leaf_layout_payload(layout, t);
     const uint32_t p = leaf_layout_samples(layout, set, t);
@@ -80,7 +81,10 @@ static status load(const resident_store *s, uint32_t t, uint32_t set, const void
         tr->deviations = s->file->deviations + deviation_at(layout, set, t);
     }
     tr->head.bytes = block + shape.bytes + source_overhead_bytes(s->source) + 128;
-    status st = source_load(s->source, p, scratch->unpacker, &tr->head.payload);
+    status st = earlier ? source_load_after(s->source, p, scratch->unpacker,
+                                            leaf_layout_samples(layout, earlier->set, t),
+                                            earlier->payload, &tr->head.payload)
+                        : source_load(s->source, p, scratch->unpacker, &tr->head.payload);
     if (st != ST_OK) {
         mem_free(s->m, tr);
         return st;
@@ -127,6 +131,11 @@ static bool adopt(const resident_store *s, treelet *tr, uint32_t set) {
     return true;
 }
 
+static bool helps(const resident_store *s, const treelet *tr, uint32_t set) {
+    return leaf_file_helps(s->file, leaf_layout_samples(&s->file->layout, set, tr->id),
+                           payload_of(s, tr));
+}
+
 /* A resident treelet of a grid has nothing but what is its set's. */
 static void strip(const resident_store *s, treelet *tr) {
     (void)s;
@@ -153,6 +162,7 @@ const resident_kind grid_resident = {.shares = false,
                                      .shared_bytes = shared_bytes,
                                      .stored = stored,
                                      .ahead = ahead,
+                                     .helps = helps,
                                      .load = load,
                                      .adopt = adopt,
                                      .strip = strip,

@@ -89,6 +89,17 @@ static void take_failure(loader *l, uint32_t t, treelet *tr, status st) {
     arrivals_add(&l->arrivals, t);
 }
 
+/* Take a treelet out of the cache that helps with treelet t of the selected set, if there is one:
+ * nobody evicts it during the read. */
+static treelet *take_helper(struct loader_private *h, uint32_t t) {
+    treelet *tr = h->kind->helps ? h->cache.of[t] : NULL;
+    while (tr && (tr->set == TREELET_NO_SET || !h->kind->helps(&h->store, tr, h->set)))
+        tr = tr->next;
+    if (tr)
+        treelet_cache_remove(&h->cache, tr);
+    return tr;
+}
+
 /* Read treelet t and publish it. Needs the lock, and releases it during the read. */
 static void bring_in(loader *l, uint32_t t, loader_seat *seat) {
     struct loader_private *h = l->hidden;
@@ -99,6 +110,7 @@ static void bring_in(loader *l, uint32_t t, loader_seat *seat) {
         treelet_cache_remove(&h->cache, tr);
         h->bytes -= tr->bytes;
     }
+    treelet *helper = take_helper(h, t);
     loader_slots_make_room(l, 1);
     loader_slots_set_state(h, t, LOADING);
     h->loading++;
@@ -109,7 +121,7 @@ static void bring_in(loader *l, uint32_t t, loader_seat *seat) {
     double start = clock_seconds();
     for (uint32_t i = 0; i < seat->ahead_count; i++)
         h->kind->ahead(&h->store, h->set, seat->ahead[i]);
-    status st = h->kind->load(&h->store, t, h->set, payload, &seat->scratch, &tr, &read);
+    status st = h->kind->load(&h->store, t, h->set, payload, helper, &seat->scratch, &tr, &read);
     if (st == ST_OK)
         loader_mask(l, tr);
     double seconds = clock_seconds() - start;
@@ -119,6 +131,8 @@ static void bring_in(loader *l, uint32_t t, loader_seat *seat) {
     h->stats.load_s += seconds;
     h->stats.bytes_read += read;
     h->stats.bytes_read_ever += read;
+    if (helper)
+        treelet_cache_put(&h->cache, helper);
     if (tr) {
         h->bytes += tr->bytes;
         loader_slots_offer(h, tr);

@@ -280,7 +280,9 @@ static status load_set(const resident_store *s, resident_mesh *tr, uint32_t set,
 }
 
 static status load(const resident_store *s, uint32_t t, uint32_t set, const void *shared,
-                   resident_scratch *scratch, treelet **out, uint64_t *read) {
+                   const treelet *earlier, resident_scratch *scratch, treelet **out,
+                   uint64_t *read) {
+    (void)earlier;
     resident_mesh *tr = (resident_mesh *)*out;
     status st = tr ? ST_OK : create(s, t, &tr);
     if (st != ST_OK)

@@ -51,11 +51,14 @@ typedef struct resident_kind {
     uint64_t (*stored)(const resident_store *s, uint32_t set, uint32_t t, uint32_t *family);
     /* Ask the system to read what load() will need of treelet t. */
     void (*ahead)(const resident_store *s, uint32_t set, uint32_t t);
+    /* Whether a treelet of another set spares reading some of what that treelet of this set needs.
+     * NULL: none ever does. */
+    bool (*helps)(const resident_store *s, const treelet *tr, uint32_t set);
     /* Read treelet t of a set. *tr: NULL, or a treelet t without a set, which is filled. shared:
-     * its shared payload; NULL: read the payload, too. On failure *tr is the treelet as far as it
-     * was made, or NULL. Adds the bytes read to *read. */
+     * its shared payload; NULL: read the payload, too. earlier: one that helps; or NULL. On failure
+     * *tr is the treelet as far as it was made, or NULL. Adds the bytes read to *read. */
     status (*load)(const resident_store *s, uint32_t t, uint32_t set, const void *shared,
-                   resident_scratch *scratch, treelet **tr, uint64_t *read);
+                   const treelet *earlier, resident_scratch *scratch, treelet **tr, uint64_t *read);
     /* Make a treelet of another set one of this set, if it has the same there, masks too. Returns
      * whether it is one now. NULL: no treelet ever is. */
     bool (*adopt)(const resident_store *s, treelet *tr, uint32_t set);

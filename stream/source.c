@@ -142,6 +142,23 @@ static status own_load(source *s, uint32_t p, leaf_unpacker *u, const void **pay
     return ST_OK;
 }
 
+status source_load_after(source *s, uint32_t p, leaf_unpacker *u, uint32_t q, const void *from,
+                         const void **payload) {
+    const size_t bytes = leaf_layout_payload_bytes(&s->file->layout, p);
+    void *block = mem_alloc(s->m, bytes);
+    if (!block)
+        return ST_NOMEM;
+    memcpy(block, from, bytes);
+    const status st =
+        leaf_file_load_after(s->file, p, u, s->fetcher.fetch ? &s->fetcher : NULL, q, block);
+    if (st != ST_OK) {
+        mem_free(s->m, block);
+        return st;
+    }
+    *payload = block;
+    return ST_OK;
+}
+
 static void own_evict(source *s, uint32_t p, const void *payload) {
     (void)p;
     mem_free(s->m, (void *)(uintptr_t)payload);

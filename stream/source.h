@@ -41,6 +41,11 @@ void source_close(source *s); /* NULL is fine */
 CHECKED status source_load(source *s, uint32_t p, leaf_unpacker *u, const void **payload);
 void source_evict(source *s, uint32_t p, const void *payload);
 
+/* source_load_after() - the same of a payload that another set's, q, helps with
+ * (leaf_file_helps()), given that one's bytes. */
+CHECKED status source_load_after(source *s, uint32_t p, leaf_unpacker *u, uint32_t q,
+                                 const void *from, const void **payload);
+
 /* source_load_into() - the same, into memory of the caller's: leaf_layout_payload_bytes(p) bytes,
  * 64-byte aligned. */
 CHECKED status source_load_into(source *s, uint32_t p, leaf_unpacker *u, void *payload);

@@ -1,6 +1,7 @@
 #include "formats/leaf/leaf_shells.h"
 
 #include <pthread.h>
+#include <string.h>
 
 enum { MOST = 256 };
 
@@ -18,6 +19,7 @@ struct leaf_shells {
     pthread_cond_t change; /* a decode has succeeded or failed */
     shell *list;
     int count;
+    size_t bytes; /* of a shell */
     uint64_t clock;
 };
 
@@ -25,10 +27,12 @@ static size_t shell_bytes(const leaf_layout *l) {
     return leaf_layout_shell_max(l) * sample_size(l->type);
 }
 
+/* A thread holds one, and another while it copies that. */
 static int count_of(const leaf_layout *l, int threads, size_t bytes) {
     const size_t fitting = bytes / shell_bytes(l);
     const int count = fitting < MOST ? (int)fitting : MOST;
-    return count > threads ? count : threads;
+    const int least = l->sets > 1 ? 2 * threads : threads;
+    return count > least ? count : least;
 }
 
 size_t leaf_shells_memory(const leaf_layout *l, int threads, size_t bytes) {
@@ -50,6 +54,7 @@ status leaf_shells_create(mem *m, const leaf_layout *l, int threads, size_t byte
     pthread_mutex_init(&s->lock, NULL);
     pthread_cond_init(&s->change, NULL);
     s->count = count_of(l, threads, bytes);
+    s->bytes = shell_bytes(l);
     s->list = mem_array(m, (size_t)s->count, sizeof *s->list);
     status st = s->list ? ST_OK : ST_NOMEM;
     for (int i = 0; i < s->count && st == ST_OK; i++) {
@@ -76,8 +81,8 @@ void leaf_shells_destroy(leaf_shells *s) {
     mem_free(s->m, s);
 }
 
-/* The place of payload p; else the one that makes room for it. There is always one, as each thread
- * holds one at most. Needs the lock. */
+/* The place of payload p; else the one that makes room for it. There is always one, as there are
+ * enough for what all threads hold. Needs the lock. */
 static shell *place_of(leaf_shells *s, uint32_t p) {
     shell *best = NULL;
     for (int i = 0; i < s->count; i++) {
@@ -116,4 +121,25 @@ void leaf_shells_release(leaf_shells *s, uint32_t p, bool made) {
         at->p = LEAF_NO_TREELET;
     pthread_mutex_unlock(&s->lock);
     pthread_cond_broadcast(&s->change);
+}
+
+/* The place of payload p, if it is there, decoded. Needs the lock. */
+static shell *find_made(leaf_shells *s, uint32_t p) {
+    for (int i = 0; i < s->count; i++)
+        if (s->list[i].p == p)
+            return s->list[i].made ? &s->list[i] : NULL;
+    return NULL;
+}
+
+bool leaf_shells_copy(leaf_shells *s, uint32_t p, void *samples) {
+    pthread_mutex_lock(&s->lock);
+    shell *at = find_made(s, p);
+    if (at)
+        at->holders++;
+    pthread_mutex_unlock(&s->lock);
+    if (!at)
+        return false;
+    memcpy(samples, at->samples, s->bytes);
+    leaf_shells_release(s, p, true);
+    return true;
 }

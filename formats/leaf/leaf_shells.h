@@ -28,4 +28,8 @@ size_t leaf_shells_memory(const leaf_layout *l, int threads, size_t bytes);
 bool leaf_shells_hold(leaf_shells *s, uint32_t p, void **samples);
 void leaf_shells_release(leaf_shells *s, uint32_t p, bool made);
 
+/* leaf_shells_copy() - copy the shell that is payload p, if it is there, decoded. Returns whether
+ * it was. The caller may hold another one. */
+bool leaf_shells_copy(leaf_shells *s, uint32_t p, void *samples);
+
 #endif

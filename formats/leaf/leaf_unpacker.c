@@ -197,26 +197,51 @@ static status fetch(leaf_file *f, uint32_t p, const leaf_fetcher *by, void *stor
     return by ? by->fetch(by->ctx, p, stored) : leaf_file_fetch(f, p, stored);
 }
 
-/* Read the code of payload p's samples, and those that it rests on, the whole one first. stored:
- * room for one. */
-static status read_codes(leaf_unpacker *u, uint32_t p, void *stored, void *to) {
+/* The codes that a payload's samples rest on, and how many of them are to be read, from the last of
+ * these to the first. */
+typedef struct codes {
     uint32_t chain[LEAF_CHAIN_MAX];
-    const int count = leaf_file_chain(u->f, p, chain);
-    for (int i = count; i-- > 0;) {
-        const uint32_t q = chain[i];
+    int count, wanted;
+} codes;
+
+static codes codes_of(const leaf_file *f, uint32_t p) {
+    codes c;
+    c.count = c.wanted = leaf_file_chain(f, p, c.chain);
+    return c;
+}
+
+/* Of payload p, if the samples of q are there. */
+static codes codes_after(const leaf_file *f, uint32_t p, uint32_t q) {
+    const uint32_t home = leaf_file_home(f, q);
+    codes c = codes_of(f, p);
+    for (int i = 0; i < c.count; i++)
+        if (c.chain[i] == home)
+            c.wanted = i;
+    return c;
+}
+
+/* Read codes. stored: room for one. */
+static status read_codes(leaf_unpacker *u, const codes *c, void *stored, void *to) {
+    for (int i = c->wanted; i-- > 0;) {
+        const uint32_t q = c->chain[i];
         const status st = fetch(u->f, q, u->by, stored);
         if (st != ST_OK)
             return st;
+        u->beside_bytes += u->f->sizes[q];
         if (!grid_coding_unpack(&u->f->layout, q, u->boxes, stored, (size_t)u->f->sizes[q],
-                                i + 1 < count, to))
+                                i + 1 < c->count, to))
             return malformed(u, q, "its code of samples is malformed");
     }
     return ST_OK;
 }
 
+/* Shells that it rests on may be decoded already. */
 static status read_shell(leaf_unpacker *u, uint32_t p, void *samples) {
-    u->beside_bytes += leaf_file_stored(u->f, p);
-    return read_codes(u, p, u->shell_stored, samples);
+    codes c = codes_of(u->f, p);
+    for (int i = 1; i < c.count && c.wanted == c.count; i++)
+        if (leaf_shells_copy(u->shells, c.chain[i], samples))
+            c.wanted = i;
+    return read_codes(u, &c, u->shell_stored, samples);
 }
 
 /* Copy what treelet t has of its family's shell, which is payload p, a home. */
@@ -230,17 +255,30 @@ static status take_shell(leaf_unpacker *u, uint32_t p, uint32_t parent, uint32_t
     return st;
 }
 
-static status load_treelet(leaf_unpacker *u, uint32_t p, void *payload) {
+/* The shell that treelet payload p needs; LEAF_NO_TREELET: none. */
+static uint32_t shell_of(const leaf_file *f, uint32_t p, uint32_t *parent) {
+    const leaf_layout *l = &f->layout;
+    const uint32_t t = p % l->treelets;
+    if (t == 0)
+        return LEAF_NO_TREELET;
+    *parent = leaf_layout_parent(l, t);
+    const uint32_t shell = leaf_layout_shell(l, p / l->treelets, *parent);
+    return f->sizes[shell] > 0 ? leaf_file_home(f, shell) : LEAF_NO_TREELET;
+}
+
+/* q: what payload has already; p itself: nothing. */
+static status load_treelet(leaf_unpacker *u, uint32_t p, uint32_t q, void *payload) {
     const leaf_layout *l = &u->f->layout;
     const uint32_t t = p % l->treelets;
-    status st = read_codes(u, p, u->stored, payload);
-    u->beside_bytes += leaf_file_stored(u->f, p) - u->f->sizes[p];
-    if (st == ST_OK && t > 0) {
-        const uint32_t parent = leaf_layout_parent(l, t);
-        const uint32_t shell = leaf_layout_shell(l, p / l->treelets, parent);
-        if (u->f->sizes[shell] > 0)
-            st = take_shell(u, leaf_file_home(u->f, shell), parent, t, payload);
-    }
+    uint32_t parent = 0;
+    const uint32_t shell = shell_of(u->f, p, &parent);
+    const codes c = q == p ? codes_of(u->f, p) : codes_after(u->f, p, q);
+    const bool there = q != p && shell == shell_of(u->f, q, &parent);
+    status st = read_codes(u, &c, u->stored, payload);
+    /* Callers count the payload's own bytes. */
+    u->beside_bytes -= u->f->sizes[p];
+    if (st == ST_OK && shell != LEAF_NO_TREELET && !there)
+        st = take_shell(u, shell, parent, t, payload);
     if (st == ST_OK)
         (void)grid_codes_make(l, t, u->codes, payload);
     return st;
@@ -248,8 +286,12 @@ static status load_treelet(leaf_unpacker *u, uint32_t p, void *payload) {
 
 static status load_coded(leaf_unpacker *u, uint32_t p, void *payload) {
     const leaf_layout *l = &u->f->layout;
-    return p < l->sets * l->treelets ? load_treelet(u, p, payload)
-                                     : read_codes(u, p, u->stored, payload);
+    const codes c = codes_of(u->f, p);
+    if (p < l->sets * l->treelets)
+        return load_treelet(u, p, p, payload);
+    const status st = read_codes(u, &c, u->stored, payload);
+    u->beside_bytes -= u->f->sizes[p];
+    return st;
 }
 
 static status load_frame(leaf_unpacker *u, uint32_t p, void *payload) {
@@ -336,6 +378,21 @@ status leaf_file_load_by(leaf_file *f, uint32_t p, leaf_unpacker *u, const leaf_
         return load_outside(u, p, payload);
     u->by = by;
     return l->coded ? load_coded(u, p, payload) : load_frame(u, p, payload);
+}
+
+bool leaf_file_helps(const leaf_file *f, uint32_t p, uint32_t q) {
+    if (!f->layout.coded || !leaf_file_has_bytes(f, p) || !leaf_file_has_bytes(f, q))
+        return false;
+    const codes c = codes_after(f, p, q);
+    return c.wanted < c.count;
+}
+
+status leaf_file_load_after(leaf_file *f, uint32_t p, leaf_unpacker *u, const leaf_fetcher *by,
+                            uint32_t q, void *payload) {
+    if (!leaf_file_helps(f, p, q))
+        return leaf_file_load_by(f, p, u, by, payload);
+    u->by = by;
+    return load_treelet(u, p, q, payload);
 }
 
 status leaf_file_load(leaf_file *f, uint32_t p, leaf_unpacker *u, void *payload) {

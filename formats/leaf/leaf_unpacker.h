@@ -51,6 +51,13 @@ typedef struct leaf_fetcher {
     void *ctx;
 } leaf_fetcher;
 
+/* leaf_file_helps() - whether payload q of an earlier or later set, of a compressed grid, spares
+ * reading some of what p needs.
+ * leaf_file_load_after() - leaf_file_load_by() into memory that has payload q, complete. */
+bool leaf_file_helps(const leaf_file *f, uint32_t p, uint32_t q);
+CHECKED status leaf_file_load_after(leaf_file *f, uint32_t p, leaf_unpacker *u,
+                                    const leaf_fetcher *by, uint32_t q, void *payload);
+
 /* leaf_file_load_by() - leaf_file_load() with stored bytes from `by`; NULL: leaf_file_fetch(). */
 CHECKED status leaf_file_load_by(leaf_file *f, uint32_t p, leaf_unpacker *u, const leaf_fetcher *by,
                                  void *payload);
