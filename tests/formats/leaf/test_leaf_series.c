@@ -331,6 +331,27 @@ static void test_lying_links(void **state) {
     free(i.bytes);
 }
 
+/* The directory farther from the payloads than it has to be. */
+static void test_late_directory(void **state) {
+    (void)state;
+    enum { FARTHER = 64 };
+    uint32_t n;
+    leaf_image i = make_image(&n);
+    const size_t table = (size_t)i.header->directory, size = i.size + FARTHER;
+    char *bytes = calloc(1, size);
+    memcpy(bytes, i.bytes, table);
+    memcpy(bytes + table + FARTHER, i.bytes + table, i.size - table);
+    leaf_header *h = (leaf_header *)bytes;
+    h->directory += FARTHER;
+    h->file_bytes += FARTHER;
+    leaf_image far = leaf_image_as_is(bytes, size);
+    for (uint32_t k = 0; k < h->sections; k++)
+        far.table[k].offset += FARTHER;
+    refused(&far, "a gap before the directory", "expected the directory behind the payloads");
+    free(bytes);
+    free(i.bytes);
+}
+
 /* Where the directory is. */
 static void test_lying_place(void **state) {
     (void)state;
@@ -361,10 +382,9 @@ static void test_lying_place(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_series),
-        cmocka_unit_test(test_static),
-        cmocka_unit_test(test_lying_links),
-        cmocka_unit_test(test_lying_place),
+        cmocka_unit_test(test_series),         cmocka_unit_test(test_static),
+        cmocka_unit_test(test_lying_links),    cmocka_unit_test(test_lying_place),
+        cmocka_unit_test(test_late_directory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
