@@ -97,6 +97,7 @@ static status prepare_volume(turn *t, int i) {
     }
     status st = volume_tracer(v, &scene, &t->f.camera, &t->tracers[i]);
     t->tracers[i].above = t->above;
+    t->tracers[i].preview &= !may_be_coarser(t, i);
     if (st == ST_OK && s->count > 0)
         st = coarse_preview_begin(v, &t->scene, s, &t->coarse_tracers[i], &t->coarse[i]);
     return st;
@@ -123,11 +124,8 @@ static void begin_loading(turn *t, int i) {
         loader_rest(v->treelets);
     else if (t->scene.sweep)
         loader_sweep(v->treelets);
-    else if (t->scene.preview)
-        loader_sweep_level(v->treelets,
-                           may_be_coarser(t, i) ? scene_level(&t->scene, v)
-                                                : t->tracers[i].target_level,
-                           may_be_coarser(t, i) ? LOADER_PREVIEW_BYTES : UINT64_MAX);
+    else if (t->scene.preview && !may_be_coarser(t, i))
+        loader_sweep_level(v->treelets, t->tracers[i].target_level, UINT64_MAX);
 }
 
 /* Set all that another frame may have changed in between. */
@@ -158,6 +156,8 @@ status turn_check(const turn *t, bool done, status st) {
             st = loader_failure(v->coarse->treelets);
         if (st == ST_OK && done && t->scene.sweep && !t->scene.preview)
             st = loader_settle(v->treelets);
+        if (st == ST_OK && done && may_be_coarser(t, i))
+            loader_sweep_level(v->treelets, scene_level(&t->scene, v), LOADER_PREVIEW_BYTES);
         st = volume_check_file(v, st);
     }
     return st;
