@@ -22,7 +22,7 @@ typedef struct resident_store {
     mem *m;
     leaf_file *file;
     source *source;
-    block_runs *heads;         /* for kinds with head() */
+    block_runs *heads;    /* for kinds with head() */
     active_fn *compute;   /* makes the masks of a grid's treelet */
     mesh_schema schema;   /* meshes: */
     bool gradients;       /* gradients are read, too */

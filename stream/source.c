@@ -7,9 +7,9 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "formats/base/block_runs.h"
 #include "formats/base/bus_error.h"
 #include "formats/base/fault.h"
-#include "formats/base/block_runs.h"
 
 #ifndef MADV_POPULATE_READ
 /* Linux 5.14; older kernels answer EINVAL, and the checksum's reading faults the pages in. */
@@ -36,7 +36,7 @@ struct source {
     const uint8_t *bytes; /* byte 0 of the file, mapped or the caller's; NULL: neither */
     leaf_fetcher fetcher; /* copies stored bytes out of the mapping */
     _Atomic uint64_t copied;
-    block_runs *blocks; /* memory of our own */
+    block_runs *blocks;    /* memory of our own */
     size_t page, overhead; /* source_overhead_bytes() */
 };
 
@@ -135,7 +135,8 @@ static const backend memory_backend = {memory_load, memory_evict};
 /* ---- memory of our own ---- */
 
 static void own_evict(source *s, uint32_t p, const void *payload) {
-    block_runs_free(s->blocks, (void *)(uintptr_t)payload, leaf_layout_payload_bytes(&s->file->layout, p));
+    block_runs_free(s->blocks, (void *)(uintptr_t)payload,
+                    leaf_layout_payload_bytes(&s->file->layout, p));
 }
 
 static status own_load(source *s, uint32_t p, leaf_unpacker *u, const void **payload) {
@@ -228,7 +229,8 @@ status source_open(mem *m, leaf_file *f, source_kind kind, source **out) {
     else if (kind == SOURCE_AUTO && may_map(s) && usable_in_place(f, NULL))
         (void)begin_mapped(s); /* or the arena, as where address space is limited */
     if (st == ST_OK)
-        st = block_runs_create(m, leaf_layout_payload_max(&f->layout), f->layout.treelets, &s->blocks);
+        st = block_runs_create(m, leaf_layout_payload_max(&f->layout), f->layout.treelets,
+                               &s->blocks);
     if (st != ST_OK) {
         source_close(s);
         return st;

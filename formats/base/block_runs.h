@@ -1,5 +1,5 @@
-/* block_runs.h - many blocks of nearly one size, for any number of threads: in runs of 2 MiB, which the
- * system may back by one large page each.
+/* block_runs.h - many blocks of nearly one size, for any number of threads: in runs of 2 MiB, which
+ * the system may back by one large page each.
  *
  * Blocks that come and go with treelets are too large for the allocator to keep, and too small for
  * large pages: each of their pages would be a page fault of its own. A run goes back to the system
@@ -16,8 +16,8 @@
 
 typedef struct block_runs block_runs;
 
-/* block_runs_create() - for about `count` blocks, most of them of `bytes`, 1 or more. Runs count as in
- * use of m. */
+/* block_runs_create() - for about `count` blocks, most of them of `bytes`, 1 or more. Runs count as
+ * in use of m. */
 CHECKED status block_runs_create(mem *m, size_t bytes, size_t count, block_runs **out);
 
 /* block_runs_destroy() - all blocks must have been freed. NULL is fine. */

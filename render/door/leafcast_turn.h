@@ -29,9 +29,11 @@ typedef struct turn {
     frame f;
     /* In a preview of isosurfaces: the level that is drawn, at least the one that is asked for. */
     uint32_t level[LEAFCAST_VOLUMES_MAX];
-    bool coarser;    /* a volume is drawn coarser than asked for */
-    size_t reserved; /* this frame's part of the device's frames_bytes */
-    bool begun;      /* this is not the first turn */
+    bool coarser;                        /* a volume is drawn coarser than asked for */
+    bool reads_on[LEAFCAST_VOLUMES_MAX]; /* in such a preview: more than it needs is read meanwhile
+                                          */
+    size_t reserved;                     /* this frame's part of the device's frames_bytes */
+    bool begun;                          /* this is not the first turn */
 } turn;
 
 /* turn_describe() - set *t up from a scene. The caller sets the look, integrator, camera, image and

@@ -30,7 +30,7 @@ const char *leafcast_version(void) {
 
 /* ---- Opening ---- */
 
-enum { LOADER_WORKERS = 2 }; /* threads that read */
+enum { LOADER_WORKERS = 4 }; /* threads that read */
 
 static status open_loader(leafcast *v) {
     static const source_kind kinds[] = {SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA};

@@ -110,7 +110,8 @@ size_t frame_bytes(const frame *f, uint32_t records_max) {
     const uint32_t side = kind_tile_side(f->tracer->kind);
     const size_t tiles = (size_t)tiles_of(f->width, side) * tiles_of(f->height, side);
     return frame_work_bytes(treelets_of(f), tiles) +
-           ray_records_bytes(frame_record_bytes(f), records_max) + tiles * (side * sizeof(tile_row) + sizeof(uint32_t)) +
+           ray_records_bytes(frame_record_bytes(f), records_max) +
+           tiles * (side * sizeof(tile_row) + sizeof(uint32_t)) +
            ((size_t)pool_threads(f->threads) + 1) * sizeof(tally) + sizeof(drawing) + 128;
 }
 

@@ -583,7 +583,8 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
         tile_rects_of(&w->view, w->view.p->at[level], first, half, &node.rect, &rects);
         const unsigned children = tr->treelets->children[node.t] & rects.alive;
         const unsigned existing = leaf_layout_children(layout, node.t);
-        const unsigned eye = octant_of_eye(&scene_of(w)->levels[level], first, half, w->view.p->eye);
+        const unsigned eye =
+            octant_of_eye(&scene_of(w)->levels[level], first, half, w->view.p->eye);
         unsigned order = octants_in_order(children, eye);
         if (node.t == w->start.path[level])
             order &= directory_start_order(&w->start, level, eye);
