@@ -113,10 +113,11 @@ static bool drop_coarse(turn *t) {
     return any;
 }
 
-/* Read on for the previews that follow: what the level asked for needs, coarse levels first. */
-static void sweep_for_previews(const turn *t, int i) {
+/* Read on for the previews that follow, up to so many bytes: what the level asked for needs, coarse
+ * levels first. */
+static void sweep_for_previews(const turn *t, int i, uint64_t bytes) {
     const leafcast *v = t->shown[i].volume;
-    loader_sweep_level(v->treelets, scene_level(&t->scene, v), LOADER_PREVIEW_BYTES);
+    loader_sweep_level(v->treelets, scene_level(&t->scene, v), bytes);
 }
 
 static void begin_loading(turn *t, int i) {
@@ -132,7 +133,7 @@ static void begin_loading(turn *t, int i) {
     else if (t->scene.sweep)
         loader_sweep(v->treelets);
     else if (t->reads_on[i])
-        sweep_for_previews(t, i);
+        sweep_for_previews(t, i, LOADER_PREVIEW_BYTES);
     else if (t->scene.preview && !may_be_coarser(t, i))
         loader_sweep_level(v->treelets, t->tracers[i].target_level, UINT64_MAX);
 }
@@ -165,11 +166,17 @@ status turn_check(const turn *t, bool done, status st) {
             st = loader_failure(v->coarse->treelets);
         if (st == ST_OK && done && t->scene.sweep && !t->scene.preview)
             st = loader_settle(v->treelets);
-        if (st == ST_OK && done && may_be_coarser(t, i) && !t->reads_on[i])
-            sweep_for_previews(t, i);
         st = volume_check_file(v, st);
     }
     return st;
+}
+
+void turn_read_on(const turn *t) {
+    for (int i = 0; i < t->volumes; i++) {
+        const uint64_t read = loader_statistics(t->shown[i].volume->treelets).bytes_read;
+        if (may_be_coarser(t, i) && !t->reads_on[i] && read < LOADER_PREVIEW_BYTES)
+            sweep_for_previews(t, i, LOADER_PREVIEW_BYTES - read);
+    }
 }
 
 /* ---- Statistics ---- */
