@@ -35,8 +35,10 @@ static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t, uint32
     return s->file->sizes[payload_of(s, set, t)];
 }
 
-static void ahead(const resident_store *s, uint32_t set, uint32_t t) {
-    source_ahead(s->source, payload_of(s, set, t));
+static uint32_t ahead(const resident_store *s, uint32_t set, uint32_t t,
+                      uint32_t payloads[RESIDENT_PAYLOADS]) {
+    payloads[0] = payload_of(s, set, t);
+    return 1;
 }
 
 /* What the directory says of the treelet holds for a cell, or rays would pass it by. */

@@ -33,6 +33,11 @@ static size_t most_bytes(const resident_store *s, uint32_t t) {
            source_overhead_bytes(s->source) + HEAD + 256;
 }
 
+/* A treelet and its masks. */
+static size_t head_bytes(const resident_store *s, uint32_t t) {
+    return HEAD + masks_bytes(s->file, t);
+}
+
 static size_t shared_bytes(const resident_store *s, uint32_t t) {
     (void)s;
     (void)t;
@@ -53,8 +58,14 @@ static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t, uint32
     return own + (counted ? 0 : leaf_file_stored(s->file, leaf_layout_shell(l, set, parent)));
 }
 
-static void ahead(const resident_store *s, uint32_t set, uint32_t t) {
-    source_ahead(s->source, leaf_layout_samples(&s->file->layout, set, t));
+static uint32_t ahead(const resident_store *s, uint32_t set, uint32_t t,
+                      uint32_t payloads[RESIDENT_PAYLOADS]) {
+    const leaf_layout *l = &s->file->layout;
+    const int own = leaf_file_chain(s->file, leaf_layout_samples(l, set, t), payloads);
+    if (!l->shells || t == 0)
+        return (uint32_t)own;
+    const uint32_t shell = leaf_layout_shell(l, set, leaf_layout_parent(l, t));
+    return (uint32_t)(own + leaf_file_chain(s->file, shell, payloads + own));
 }
 
 static status load(const resident_store *s, uint32_t t, uint32_t set, const void *shared,
@@ -63,11 +74,12 @@ static status load(const resident_store *s, uint32_t t, uint32_t set, const void
     const leaf_layout *layout = &s->file->layout;
     const leaf_payload shape = leaf_layout_payload(layout, t);
     const uint32_t p = leaf_layout_samples(layout, set, t);
-    const size_t block = HEAD + masks_bytes(s->file, t);
+    const size_t block = head_bytes(s, t);
     (void)shared;
-    resident_grid *tr = mem_zalloc(s->m, block);
+    resident_grid *tr = block_runs_alloc(s->heads, block);
     if (!tr)
         return ST_NOMEM;
+    memset(tr, 0, block);
     tr->head.id = t;
     tr->head.set = set;
     tr->level = layout->level_of[t];
@@ -86,7 +98,7 @@ static status load(const resident_store *s, uint32_t t, uint32_t set, const void
                                             earlier->payload, &tr->head.payload)
                         : source_load(s->source, p, scratch->unpacker, &tr->head.payload);
     if (st != ST_OK) {
-        mem_free(s->m, tr);
+        block_runs_free(s->heads, tr, block);
         return st;
     }
     *read += s->file->sizes[p] + leaf_unpacker_take(scratch->unpacker);
@@ -144,7 +156,7 @@ static void strip(const resident_store *s, treelet *tr) {
 
 static void destroy(const resident_store *s, treelet *tr) {
     source_evict(s->source, payload_of(s, tr), tr->payload);
-    mem_free(s->m, tr);
+    block_runs_free(s->heads, tr, head_bytes(s, tr->id));
 }
 
 static void mask(const resident_store *s, treelet *tr, const interest *in) {
@@ -158,6 +170,7 @@ static void mask(const resident_store *s, treelet *tr, const interest *in) {
 const resident_kind grid_resident = {.shares = false,
                                      .boxes = boxes,
                                      .scratch = scratch_bytes,
+                                     .head = head_bytes,
                                      .bytes = most_bytes,
                                      .shared_bytes = shared_bytes,
                                      .stored = stored,

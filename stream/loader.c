@@ -97,7 +97,10 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, readers *giv
                                 .schema = o->schema,
                                 .derived = o->derived};
     h->room = h->slot_bytes = loader_slots_most_bytes(l);
-    st = loader_reads_begin(l, given, o->workers);
+    if (h->kind->head) /* most treelets are of level 0, whose treelets come last */
+        st = block_runs_create(m, h->kind->head(&h->store, (uint32_t)n - 1), n, &h->store.heads);
+    if (st == ST_OK)
+        st = loader_reads_begin(l, given, o->workers);
     if (st != ST_OK)
         goto fail;
     *out = l;
@@ -120,6 +123,7 @@ void loader_destroy(loader *l) {
             loader_slots_make_room(l, 1);
         pthread_cond_destroy(&h->done);
         pthread_mutex_destroy(&h->lock);
+        block_runs_destroy(h->store.heads);
         source_close(h->source);
         treelet_tree_release(&h->tree);
         mem_free(l->m, h->held);

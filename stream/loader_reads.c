@@ -24,16 +24,17 @@ static loader_request queue_pop(struct loader_private *h) {
     return first;
 }
 
-/* List the requests near the front of the queue that are not being read ahead yet, each once. Needs
- * the lock. */
+/* List the requests near the front of the queue that are not being read ahead yet, each once: all
+ * of them when the first one is, else once they are half. Needs the lock. */
 static void list_ahead(struct loader_private *h, loader_seat *seat) {
-    seat->ahead_count = 0;
-    for (size_t i = 0; i < LOADER_AHEAD && i < h->queued; i++) {
-        const uint32_t t = h->queue[i].t;
-        if (!h->ahead[t])
-            seat->ahead[seat->ahead_count++] = t;
-        h->ahead[t] = 1;
-    }
+    uint32_t count = 0;
+    for (size_t i = 0; i < LOADER_AHEAD && i < h->queued; i++)
+        if (!h->ahead[h->queue[i].t])
+            seat->ahead[count++] = h->queue[i].t;
+    const bool enough = count >= LOADER_AHEAD / 2 || (count > 0 && !h->ahead[h->queue[0].t]);
+    seat->ahead_count = enough ? count : 0;
+    for (uint32_t i = 0; i < seat->ahead_count; i++)
+        h->ahead[seat->ahead[i]] = 1;
 }
 
 /* Returns whether a thread could begin a read now. Needs the lock. */
@@ -100,6 +101,13 @@ static treelet *take_helper(struct loader_private *h, uint32_t t) {
     return tr;
 }
 
+static void read_ahead(const struct loader_private *h, const loader_seat *seat) {
+    uint32_t payloads[RESIDENT_PAYLOADS * LOADER_AHEAD], count = 0;
+    for (uint32_t i = 0; i < seat->ahead_count; i++)
+        count += h->kind->ahead(&h->store, h->set, seat->ahead[i], payloads + count);
+    source_ahead(h->source, payloads, count);
+}
+
 /* Read treelet t and publish it. Needs the lock, and releases it during the read. */
 static void bring_in(loader *l, uint32_t t, loader_seat *seat) {
     struct loader_private *h = l->hidden;
@@ -119,8 +127,7 @@ static void bring_in(loader *l, uint32_t t, loader_seat *seat) {
     pthread_mutex_unlock(&h->lock);
 
     double start = clock_seconds();
-    for (uint32_t i = 0; i < seat->ahead_count; i++)
-        h->kind->ahead(&h->store, h->set, seat->ahead[i]);
+    read_ahead(h, seat);
     status st = h->kind->load(&h->store, t, h->set, payload, helper, &seat->scratch, &tr, &read);
     if (st == ST_OK)
         loader_mask(l, tr);

@@ -65,9 +65,11 @@ static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t, uint32
     return bytes;
 }
 
-static void ahead(const resident_store *s, uint32_t set, uint32_t t) {
-    source_ahead(s->source, t);
-    source_ahead(s->source, leaf_layout_values(&s->file->layout, set, t));
+static uint32_t ahead(const resident_store *s, uint32_t set, uint32_t t,
+                      uint32_t payloads[RESIDENT_PAYLOADS]) {
+    payloads[0] = t;
+    payloads[1] = leaf_layout_values(&s->file->layout, set, t);
+    return 2;
 }
 
 /* Returns the scratch bytes that refitting any treelet needs. */

@@ -7,6 +7,7 @@
 #ifndef STREAM_RESIDENT_H
 #define STREAM_RESIDENT_H
 
+#include "formats/base/block_runs.h"
 #include "stream/active.h"
 #include "stream/mesh_derived.h"
 #include "stream/source.h"
@@ -21,6 +22,7 @@ typedef struct resident_store {
     mem *m;
     leaf_file *file;
     source *source;
+    block_runs *heads;    /* for kinds with head() */
     active_fn *compute;   /* makes the masks of a grid's treelet */
     mesh_schema schema;   /* meshes: */
     bool gradients;       /* gradients are read, too */
@@ -33,6 +35,9 @@ typedef struct resident_scratch {
     void *room;              /* resident_kind.scratch bytes; or NULL */
 } resident_scratch;
 
+/* The most payloads that a treelet takes to load. */
+enum { RESIDENT_PAYLOADS = 2 * LEAF_CHAIN_MAX };
+
 typedef struct resident_kind {
     /* Whether treelets of several sets share their payload. */
     bool shares;
@@ -41,6 +46,8 @@ typedef struct resident_kind {
     const treelet_bounds *(*boxes)(const leaf_file *f, uint32_t set);
     /* Returns the scratch bytes to load any treelet, beside the unpacker. */
     size_t (*scratch)(const resident_store *s);
+    /* Returns the bytes that load() takes from the store's heads for treelet t. NULL: none. */
+    size_t (*head)(const resident_store *s, uint32_t t);
     /* bytes: the most memory of treelet t in any set. shared_bytes: the memory of its shared
      * payload. stored: its bytes in the file for one set; with those of what its family shares,
      * unless *family, in and out, says that these are counted (its parent; at first
@@ -49,8 +56,9 @@ typedef struct resident_kind {
     size_t (*bytes)(const resident_store *s, uint32_t t);
     size_t (*shared_bytes)(const resident_store *s, uint32_t t);
     uint64_t (*stored)(const resident_store *s, uint32_t set, uint32_t t, uint32_t *family);
-    /* Ask the system to read what load() will need of treelet t. */
-    void (*ahead)(const resident_store *s, uint32_t set, uint32_t t);
+    /* List the payloads that load() will read for treelet t. Returns how many there are. */
+    uint32_t (*ahead)(const resident_store *s, uint32_t set, uint32_t t,
+                      uint32_t payloads[RESIDENT_PAYLOADS]);
     /* Whether a treelet of another set spares reading some of what that treelet of this set needs.
      * NULL: none ever does. */
     bool (*helps)(const resident_store *s, const treelet *tr, uint32_t set);

@@ -7,6 +7,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "formats/base/block_runs.h"
 #include "formats/base/bus_error.h"
 #include "formats/base/fault.h"
 
@@ -16,6 +17,9 @@
 #endif
 
 enum { GIVE_BACK = 8 << 20 };
+
+/* Payloads that lie so near to each other are read ahead together. */
+enum { AHEAD_GAP = 4 << 10 };
 
 /* How payloads with bytes in the file come and go. */
 typedef struct backend {
@@ -32,6 +36,7 @@ struct source {
     const uint8_t *bytes; /* byte 0 of the file, mapped or the caller's; NULL: neither */
     leaf_fetcher fetcher; /* copies stored bytes out of the mapping */
     _Atomic uint64_t copied;
+    block_runs *blocks;    /* memory of our own */
     size_t page, overhead; /* source_overhead_bytes() */
 };
 
@@ -129,13 +134,18 @@ static const backend memory_backend = {memory_load, memory_evict};
 
 /* ---- memory of our own ---- */
 
+static void own_evict(source *s, uint32_t p, const void *payload) {
+    block_runs_free(s->blocks, (void *)(uintptr_t)payload,
+                    leaf_layout_payload_bytes(&s->file->layout, p));
+}
+
 static status own_load(source *s, uint32_t p, leaf_unpacker *u, const void **payload) {
-    void *block = mem_alloc(s->m, leaf_layout_payload_bytes(&s->file->layout, p));
+    void *block = block_runs_alloc(s->blocks, leaf_layout_payload_bytes(&s->file->layout, p));
     if (!block)
         return ST_NOMEM;
     const status st = source_load_into(s, p, u, block);
     if (st != ST_OK) {
-        mem_free(s->m, block);
+        own_evict(s, p, block);
         return st;
     }
     *payload = block;
@@ -145,23 +155,18 @@ static status own_load(source *s, uint32_t p, leaf_unpacker *u, const void **pay
 status source_load_after(source *s, uint32_t p, leaf_unpacker *u, uint32_t q, const void *from,
                          const void **payload) {
     const size_t bytes = leaf_layout_payload_bytes(&s->file->layout, p);
-    void *block = mem_alloc(s->m, bytes);
+    void *block = block_runs_alloc(s->blocks, bytes);
     if (!block)
         return ST_NOMEM;
     memcpy(block, from, bytes);
     const status st =
         leaf_file_load_after(s->file, p, u, s->fetcher.fetch ? &s->fetcher : NULL, q, block);
     if (st != ST_OK) {
-        mem_free(s->m, block);
+        own_evict(s, p, block);
         return st;
     }
     *payload = block;
     return ST_OK;
-}
-
-static void own_evict(source *s, uint32_t p, const void *payload) {
-    (void)p;
-    mem_free(s->m, (void *)(uintptr_t)payload);
 }
 
 static const backend own_backend = {own_load, own_evict};
@@ -240,8 +245,11 @@ status source_open(mem *m, leaf_file *f, source_kind kind, source **out) {
         st = begin_mapped(s);
     else if (kind == SOURCE_AUTO && may_map(s) && usable_in_place(f, NULL))
         (void)begin_mapped(s); /* or the arena, as where address space is limited */
+    if (st == ST_OK)
+        st = block_runs_create(m, leaf_layout_payload_max(&f->layout), f->layout.treelets,
+                               &s->blocks);
     if (st != ST_OK) {
-        mem_free(m, s);
+        source_close(s);
         return st;
     }
     *out = s;
@@ -253,6 +261,7 @@ void source_close(source *s) {
         return;
     if (s->map)
         (void)munmap(s->map, s->map_bytes);
+    block_runs_destroy(s->blocks);
     mem_free(s->m, s);
 }
 
@@ -273,15 +282,33 @@ status source_read(source *s, uint32_t p, uint32_t from, uint32_t bytes, void *t
                   : file_read_at(s->file->source, s->file->offsets[p] + from, to, bytes);
 }
 
-void source_ahead(source *s, uint32_t p) {
-    const file *from = s->file->source;
-    const int fd = file_descriptor(from);
-    uint32_t chain[LEAF_CHAIN_MAX];
-    if (fd < 0 || !leaf_file_has_bytes(s->file, p))
-        return;
-    for (int i = leaf_file_chain(s->file, p, chain); i-- > 0;)
-        (void)posix_fadvise(fd, (off_t)(file_offset(from) + s->file->offsets[chain[i]]),
-                            (off_t)s->file->sizes[chain[i]], POSIX_FADV_WILLNEED);
+/* Sort payloads by their place in the file. There are few. */
+static void sort_by_place(const leaf_file *f, uint32_t payloads[], uint32_t count) {
+    for (uint32_t i = 1; i < count; i++) {
+        const uint32_t p = payloads[i];
+        uint32_t at = i;
+        for (; at > 0 && f->offsets[payloads[at - 1]] > f->offsets[p]; at--)
+            payloads[at] = payloads[at - 1];
+        payloads[at] = p;
+    }
+}
+
+void source_ahead(source *s, uint32_t payloads[], uint32_t count) {
+    const leaf_file *f = s->file;
+    const int fd = file_descriptor(f->source);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i++)
+        if (leaf_file_has_bytes(f, payloads[i]))
+            payloads[kept++] = payloads[i];
+    sort_by_place(f, payloads, kept);
+    for (uint32_t i = 0; fd >= 0 && i < kept;) {
+        const uint64_t from = f->offsets[payloads[i]];
+        uint64_t to = from;
+        for (; i < kept && f->offsets[payloads[i]] <= to + AHEAD_GAP; i++)
+            to = f->offsets[payloads[i]] + f->sizes[payloads[i]];
+        (void)posix_fadvise(fd, (off_t)(file_offset(f->source) + from), (off_t)(to - from),
+                            POSIX_FADV_WILLNEED);
+    }
 }
 
 size_t source_overhead_bytes(const source *s) {

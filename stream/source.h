@@ -54,9 +54,9 @@ CHECKED status source_load_into(source *s, uint32_t p, leaf_unpacker *u, void *p
  * backend; leaf_file_is_raw() must be true of p. */
 CHECKED status source_read(source *s, uint32_t p, uint32_t from, uint32_t bytes, void *to);
 
-/* source_ahead() - ask the system to read payload p's bytes, which will be loaded soon. Does not
- * wait for them. */
-void source_ahead(source *s, uint32_t p);
+/* source_ahead() - ask the system to read the bytes of these payloads, which will be loaded soon.
+ * Does not wait for them. Sorts the list; a payload may occur more than once. */
+void source_ahead(source *s, uint32_t payloads[], uint32_t count);
 
 /* source_overhead_bytes() - returns the most memory of a loaded payload beside its bytes. */
 size_t source_overhead_bytes(const source *s);

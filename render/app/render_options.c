@@ -62,7 +62,7 @@ const struct argp_option render_options_table[] = {
      "with 1",
      0},
     {"progressive", PROGRESSIVE, NULL, 0,
-     "write a first picture of what is there at once, as --preview does; the exact one takes its "
+     "write a first picture of what is soon there, as --preview does; the exact one takes its "
      "place. If that fails, the first one stays",
      0},
     {"repeat", REPEAT, "N", CLI_EXPERIMENT, "draw N times; the statistics are the median picture's",

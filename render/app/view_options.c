@@ -107,8 +107,8 @@ const struct argp_option view_options_table[] = {
      "level of detail: exact, pixel (the coarsest cells that fit a pixel) or a level's number "
      "(exact)",
      0},
-    {"preview", PREVIEW, NULL, 0, "draw what has been read so far instead of waiting for the rest",
-     0},
+    {"preview", PREVIEW, NULL, 0,
+     "draw what is soon there, coarser, instead of waiting for the rest", 0},
     {"sweep", SWEEP, NULL, CLI_EXPERIMENT,
      "load all that the isovalues need, not only what rays meet", 0},
     {"intersector", INTERSECTOR, "NAME", CLI_EXPERIMENT,

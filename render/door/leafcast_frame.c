@@ -448,6 +448,8 @@ leafcast_status leafcast_frame_advance(leafcast_frame *fr, double seconds, bool 
     st = advance(fr, seconds, done);
     if (stats)
         fill_stats(fr, stats);
+    if (st == ST_OK && *done)
+        turn_read_on(&fr->t);
     device_unlock(fr->t.device);
     return public_status(st);
 }

@@ -65,8 +65,7 @@ static bool may_be_coarser(const turn *t, int i) {
            t->shown[i].volume->file->layout.sampled > 1;
 }
 
-/* Choose the level of volume i for the whole frame. Rays that take a coarse treelet in the place of
- * each absent one need 6 times as long as those at one coarse level (stream/README.md). */
+/* Choose the level of volume i for the whole frame: one that is soon there (stream/README.md). */
 static void choose_level(turn *t, int i) {
     const leafcast *v = t->shown[i].volume;
     const uint32_t asked = scene_level(&t->scene, v);
@@ -97,6 +96,7 @@ static status prepare_volume(turn *t, int i) {
     }
     status st = volume_tracer(v, &scene, &t->f.camera, &t->tracers[i]);
     t->tracers[i].above = t->above;
+    t->tracers[i].preview &= !may_be_coarser(t, i); /* it waits for the level that was chosen */
     if (st == ST_OK && s->count > 0)
         st = coarse_preview_begin(v, &t->scene, s, &t->coarse_tracers[i], &t->coarse[i]);
     return st;
@@ -113,8 +113,17 @@ static bool drop_coarse(turn *t) {
     return any;
 }
 
+/* Read on for the previews that follow, up to so many bytes: what the level asked for needs, coarse
+ * levels first. */
+static void sweep_for_previews(const turn *t, int i, uint64_t bytes) {
+    const leafcast *v = t->shown[i].volume;
+    loader_sweep_level(v->treelets, scene_level(&t->scene, v), bytes);
+}
+
 static void begin_loading(turn *t, int i) {
     leafcast *v = t->shown[i].volume;
+    /* The first picture of a selection shall come soon: what it needs is read alone. */
+    t->reads_on[i] = may_be_coarser(t, i) && loader_statistics(v->treelets).loads > 0;
     if (!t->scene.preview)
         loader_follow(v->treelets, v->touched);
     for (uint32_t k = 0; k < v->file->layout.treelets && !t->begun; k++)
@@ -123,11 +132,10 @@ static void begin_loading(turn *t, int i) {
         loader_rest(v->treelets);
     else if (t->scene.sweep)
         loader_sweep(v->treelets);
-    else if (t->scene.preview)
-        loader_sweep_level(v->treelets,
-                           may_be_coarser(t, i) ? scene_level(&t->scene, v)
-                                                : t->tracers[i].target_level,
-                           may_be_coarser(t, i) ? LOADER_PREVIEW_BYTES : UINT64_MAX);
+    else if (t->reads_on[i])
+        sweep_for_previews(t, i, LOADER_PREVIEW_BYTES);
+    else if (t->scene.preview && !may_be_coarser(t, i))
+        loader_sweep_level(v->treelets, t->tracers[i].target_level, UINT64_MAX);
 }
 
 /* Set all that another frame may have changed in between. */
@@ -161,6 +169,14 @@ status turn_check(const turn *t, bool done, status st) {
         st = volume_check_file(v, st);
     }
     return st;
+}
+
+void turn_read_on(const turn *t) {
+    for (int i = 0; i < t->volumes; i++) {
+        const uint64_t read = loader_statistics(t->shown[i].volume->treelets).bytes_read;
+        if (may_be_coarser(t, i) && !t->reads_on[i] && read < LOADER_PREVIEW_BYTES)
+            sweep_for_previews(t, i, LOADER_PREVIEW_BYTES - read);
+    }
 }
 
 /* ---- Statistics ---- */

@@ -29,9 +29,11 @@ typedef struct turn {
     frame f;
     /* In a preview of isosurfaces: the level that is drawn, at least the one that is asked for. */
     uint32_t level[LEAFCAST_VOLUMES_MAX];
-    bool coarser;    /* a volume is drawn coarser than asked for */
-    size_t reserved; /* this frame's part of the device's frames_bytes */
-    bool begun;      /* this is not the first turn */
+    bool coarser;                        /* a volume is drawn coarser than asked for */
+    bool reads_on[LEAFCAST_VOLUMES_MAX]; /* in such a preview: more than it needs is read meanwhile
+                                          */
+    size_t reserved;                     /* this frame's part of the device's frames_bytes */
+    bool begun;                          /* this is not the first turn */
 } turn;
 
 /* turn_describe() - set *t up from a scene. The caller sets the look, integrator, camera, image and
@@ -58,6 +60,10 @@ CHECKED status turn_prepare(turn *t);
 /* turn_check() - returns how a turn ends: `st`, or what failed in a sweep or a coarse grid, or
  * ST_CORRUPT where a file has changed. */
 CHECKED status turn_check(const turn *t, bool done, status st);
+
+/* turn_read_on() - call when a frame is done, behind turn_stats(). Behind the first preview of a
+ * selection, read for the next one what is left of its bytes. Waits for nothing. */
+void turn_read_on(const turn *t);
 
 /* turn_stats() - add the figures of the volumes and the device. */
 void turn_stats(const turn *t, leafcast_stats *stats);

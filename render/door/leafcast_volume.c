@@ -30,12 +30,18 @@ const char *leafcast_version(void) {
 
 /* ---- Opening ---- */
 
-enum { LOADER_WORKERS = 2 }; /* threads that read */
+/* Threads that read. Each takes memory, which small budgets need for treelets. */
+enum { LOADER_WORKERS = 4, LOADER_WORKERS_FEW = 2, FEW_BELOW = 256 << 20 };
+
+static int workers_within(const mem *m) {
+    return m->limit && m->limit < FEW_BELOW ? LOADER_WORKERS_FEW : LOADER_WORKERS;
+}
 
 static status open_loader(leafcast *v) {
     static const source_kind kinds[] = {SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA};
-    loader_options o = {
-        .source = kinds[v->options.backend], .workers = LOADER_WORKERS, .isa = v->kernels.isa};
+    loader_options o = {.source = kinds[v->options.backend],
+                        .workers = workers_within(v->m),
+                        .isa = v->kernels.isa};
     if (v->kind->loading)
         v->kind->loading(v, &o);
     if (v->experiments.isopolygons) {

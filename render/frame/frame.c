@@ -35,6 +35,7 @@ struct drawing {
     ray_records records;
     frame_work work;
     tile_row *to_do; /* `side` rows a tile: pixels not begun */
+    uint32_t *first; /* per tile: where the walk through its pixels to do begins (tile.h) */
     uint64_t rounds;
 };
 
@@ -109,7 +110,8 @@ size_t frame_bytes(const frame *f, uint32_t records_max) {
     const uint32_t side = kind_tile_side(f->tracer->kind);
     const size_t tiles = (size_t)tiles_of(f->width, side) * tiles_of(f->height, side);
     return frame_work_bytes(treelets_of(f), tiles) +
-           ray_records_bytes(frame_record_bytes(f), records_max) + tiles * side * sizeof(tile_row) +
+           ray_records_bytes(frame_record_bytes(f), records_max) +
+           tiles * (side * sizeof(tile_row) + sizeof(uint32_t)) +
            ((size_t)pool_threads(f->threads) + 1) * sizeof(tally) + sizeof(drawing) + 128;
 }
 
@@ -139,7 +141,9 @@ static void begin_tile(drawing *d, uint32_t tile, uint32_t x0, uint32_t y0, tile
         memset(todo->waits, 0, sizeof todo->waits);
         return;
     }
+    todo->first = d->first[tile];
     together(f, x0, y0, rows_to_do(d, tile), todo, &mine->counters);
+    d->first[tile] = todo->first;
     if (wait_for_treelets(d, tile, todo, mine))
         return;
     for (uint32_t y = 0; y < d->side; y++)
@@ -363,7 +367,8 @@ static status drawing_init(drawing *d, const frame *f) {
     const status work = frame_work_init(&d->work, f, &d->records, d->tiles);
     d->tallies = mem_array(f->m, (size_t)pool_threads(f->threads), sizeof *d->tallies);
     d->to_do = mem_array(f->m, d->tiles, side * sizeof *d->to_do);
-    if (records != ST_OK || work != ST_OK || !d->tallies || !d->to_do)
+    d->first = mem_array(f->m, d->tiles, sizeof *d->first);
+    if (records != ST_OK || work != ST_OK || !d->tallies || !d->to_do || !d->first)
         return ST_NOMEM;
     for (uint32_t i = 0; i < d->tiles; i++)
         begin_to_do(d, i);
@@ -397,6 +402,7 @@ void frame_end(drawing *d, ray_counters *total) {
         add_counters(d, total);
     frame_work_release(&d->work);
     ray_records_release(&d->records);
+    mem_free(m, d->first);
     mem_free(m, d->to_do);
     mem_free(m, d->tallies);
     mem_free(m, d);

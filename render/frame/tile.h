@@ -39,6 +39,10 @@ typedef struct tile_outcome {
         waits[TILE_MAX]; /* pixels that met an absent treelet: try again with it, or one by one */
     tile_treelet absent[TILE_ABSENT_MAX]; /* the absent treelets, as many as fit */
     int absent_count;
+    /* Given, and left for the next try: where the walk begins. No pixel asked for needs a treelet
+     * that comes before this one, front to back. 0: it begins at the root, as always of kinds that
+     * do not set it. */
+    uint32_t first;
 } tile_outcome;
 
 /* A tile_fn (ray_kernels.h) traces rays of the tile whose first pixel is (x0, y0): the set bits of

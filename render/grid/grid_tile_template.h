@@ -35,6 +35,7 @@ void SIMD_NAME(grid_tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const 
     } while (tile_walk_again(w, p->rgba[3]));
     shade_behind_all(f, p);
     write_tile(&w->s, p);
+    out->first = tile_walk_next(w);
 }
 
 #endif

@@ -8,6 +8,7 @@
 #ifdef SIMD_NAME
 
 #include "render/grid/cell_batch.h"
+#include "render/grid/directory_start.h"
 #include "render/grid/grid_near_template.h"
 #include "render/grid/octant_order.h"
 #include "render/grid/walk.h"
@@ -32,6 +33,7 @@ typedef struct tile_walk {
     uint16_t ray_of[CELL_BATCH];
     uint32_t cell_of[CELL_BATCH][3];
     const resident_grid *treelet_of[CELL_BATCH];
+    directory_start start;
 } tile_walk;
 
 SIMD const walk_scene *scene_of(const tile_walk *w) {
@@ -377,16 +379,6 @@ static void walk_group(tile_walk *w, const resident_grid *at, const uint32_t fir
 
 /* ---- Nodes ---- */
 
-/* Returns the octant that the eye is in, or nearest to. Children in the order first ^ 0, first ^ 1,
- * ... are front to back for any ray. */
-static unsigned first_octant(const tile_walk *w, const level_planes *planes,
-                             const uint32_t first[3], uint32_t half) {
-    unsigned octant = 0;
-    for (int a = 0; a < 3; a++)
-        octant |= (unsigned)(planes->at[a][first[a] + half] <= w->view.p->eye[a]) << a;
-    return octant;
-}
-
 /* Rays of a rectangle. open: they still look for a surface. idle: open, and they have no cell in
  * the batch. VF_N rows make a vector; the vectors are ORed together. */
 typedef struct rect_rays {
@@ -457,7 +449,7 @@ static void walk_tree(tile_walk *w, const resident_grid *at, tile_rect rect) {
         if (half == 1)
             tile_state_rays(&w->s);
         if (half == 1 && open_rays(w, node.rect) <= GROUP_RAYS_MAX) {
-            const unsigned first = first_octant(w, planes, node.cell, 1);
+            const unsigned first = octant_of_eye(planes, node.cell, 1, w->view.p->eye);
             const unsigned active = walk_children(at, node.size, node.morton);
             w->s.counters->nodes++;
             walk_group(w, at, node.cell, active, first, node.rect);
@@ -467,7 +459,7 @@ static void walk_tree(tile_walk *w, const resident_grid *at, tile_rect rect) {
         w->s.counters->nodes++;
         tile_rects_of(&w->view, projected, node.cell, half, &node.rect, &rects);
         const unsigned children = walk_children(at, node.size, node.morton) & rects.alive;
-        const unsigned first = first_octant(w, planes, node.cell, half);
+        const unsigned first = octant_of_eye(planes, node.cell, half, w->view.p->eye);
         unsigned order = octants_in_order(children, first);
         if (half == 1) {
             for (; order; order &= order - 1) {
@@ -543,8 +535,10 @@ static void miss_treelet(tile_walk *w, uint32_t t, tile_rect r) {
         w->s.open[y] &= ~(tile_row)passing;
         any |= passing;
     }
-    if (any)
-        tile_absent(w->s.out, t, 0);
+    if (!any)
+        return;
+    tile_absent(w->s.out, t, 0);
+    directory_start_note(&w->start, t);
 }
 
 static void walk_drawn(tile_walk *w, uint32_t t, tile_rect r) {
@@ -589,9 +583,12 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
         tile_rects_of(&w->view, w->view.p->at[level], first, half, &node.rect, &rects);
         const unsigned children = tr->treelets->children[node.t] & rects.alive;
         const unsigned existing = leaf_layout_children(layout, node.t);
-        const unsigned eye = first_octant(w, &scene_of(w)->levels[level], first, half);
-        for (unsigned order = octants_in_order(children, eye); order;
-             order ^= 1u << octants_last(order)) {
+        const unsigned eye =
+            octant_of_eye(&scene_of(w)->levels[level], first, half, w->view.p->eye);
+        unsigned order = octants_in_order(children, eye);
+        if (node.t == w->start.path[level])
+            order &= directory_start_order(&w->start, level, eye);
+        for (; order; order ^= 1u << octants_last(order)) {
             const unsigned o = octants_last(order) ^ eye;
             const uint32_t rank = (uint32_t)__builtin_popcount(existing & ((1u << o) - 1u));
             stack[top++] = (directory_node){layout->first_child[node.t] + rank, rects.of[o]};
@@ -610,6 +607,8 @@ static void tile_walk_begin(tile_walk *w, const frame *f, uint32_t x0, uint32_t 
     w->several = w->s.layers != 1;
     w->waiting = 0;
     w->queue.count = w->stage.cells = w->stage.windows = 0;
+    directory_start_begin(&w->start, f->tracer->layout, scene_of(w)->levels, w->view.p->eye,
+                          out->first);
     for (unsigned y = 0; y < ROWS; y++)
         w->pending[y] = 0;
 }
@@ -621,6 +620,16 @@ static void tile_walk_run(tile_walk *w) {
         for (uint8_t x = 0; x < TILE; x += packet)
             walk_directory(w,
                            (tile_rect){x, (uint8_t)(x + packet - 1), y, (uint8_t)(y + packet - 1)});
+}
+
+/* Where the next walk of the rays that wait begins. Those that have met a surface, and wait for
+ * what lies behind it or lights it, begin at the root: the surface is found again. */
+static uint32_t tile_walk_next(const tile_walk *w) {
+    bool met = w->s.before > 0;
+    for (unsigned y = 0; y < TILE && !met; y++)
+        for (unsigned left = w->s.out->waits[y]; left && !met; left &= left - 1)
+            met = w->s.count[TILE * y + (unsigned)__builtin_ctz(left)] > 0;
+    return met ? 0 : directory_start_next(&w->start);
 }
 
 /* Prepare to walk behind the surfaces that rays have. Returns false if no ray wants more. */

@@ -171,7 +171,7 @@ render|--clip-box|picture|@grid|--clip-box 0,0,0,20,36,44
 render|--caps|picture|@grid --clip-plane -1,0,0,15|--caps
 render|--clip-plane|picture|@grid|--clip-plane 1,0,0,-15
 render|--lod|picture|@grid|--lod 1
-render|--preview|stats|@grid|--preview
+render|--preview|stats|@grid --lod pixel|--preview
 render|--sweep|shown render|
 render|--intersector|picture|@grid|--intersector midpoint
 render|--output|makes o.png|@grid --size 8x8|--output @o.png

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "formats/base/cpu.h"
+#include "formats/base/fault.h"
 #include "render/ray/open_volume.h"
 #include "tests/support/fixture.h"
 #include "tests/support/grid_tile_wide.h"
@@ -144,6 +145,70 @@ static void test_few_treelets(void **state) {
     field_release(&f);
 }
 
+/* Where reads are slow, every tile waits, several times: for what lies behind, and for what lights
+ * it. Single rays tell what is there. */
+static void test_slow_reads(void **state) {
+    (void)state;
+    enum { SLOW_US = 300 };
+    field f;
+    field_random r = {9};
+    int hits = 0;
+    assert_true(field_make(&f, "waves", 40, FIELD_SEED));
+    const char *path = fixture_leaf(&f, 4, 1, true);
+    leafcast_surface s[2] = {leafcast_surface_default(f.iso),
+                             leafcast_surface_default(1.1 * f.iso)};
+    fault_delay(FAULT_READ, SLOW_US);
+    for (int kind = 0; kind < SCENES / 3; kind++) {
+        picture_volumes v = {.count = 0};
+        pictures_open_one(&v, path, "scalar", 1);
+        for (int isa = 1; isa <= (int)cpu_best(); isa++)
+            pictures_open_one(&v, path, cpu_isa_name((cpu_isa)isa), 1);
+        open_wide(&v, path, 1);
+        const leafcast_info info = leafcast_describe(v.of[0]);
+        s[0].opacity = s[1].opacity = kind % 4 == 3 ? 0.4f : 1.0f;
+        pictures_select(&v, s, 2);
+        const leafcast_scene scene = pictures_scene(kind, &info);
+        const leafcast_camera c = pictures_view(v.of[0], kind % PICTURE_VIEWS, &r);
+        hits += pictures_alike(&v, &scene, &c, f.name);
+        pictures_close(&v);
+    }
+    fault_delay(FAULT_READ, 0);
+    field_release(&f);
+    print_message("%d surfaces\n", hits);
+    assert_true(hits > 50 * SCENES);
+}
+
+/* A tile that waits goes on where it was: a picture of which nothing is there yet takes hardly more
+ * steps than one of which all is. */
+static void test_steps_again(void **state) {
+    (void)state;
+    enum { SLOW_US = 300 };
+    static picture p;
+    field f;
+    assert_true(field_make(&f, "waves", 140, FIELD_SEED));
+    const char *path = fixture_leaf(&f, 4, 1, false);
+    const leafcast_surface s = leafcast_surface_default(f.iso);
+    const leafcast_scene scene = leafcast_scene_default();
+    for (int isa = 1; isa <= (int)cpu_best(); isa++) {
+        leafcast_stats cold = {.size = sizeof(leafcast_stats)}, warm = cold;
+        picture_volumes v = {.count = 0};
+        pictures_open_one(&v, path, cpu_isa_name((cpu_isa)isa), 2);
+        pictures_select(&v, &s, 1);
+        const leafcast_camera c =
+            leafcast_standard_view(v.of[0], 1.6, PICTURE_WIDTH, PICTURE_HEIGHT);
+        fault_delay(FAULT_READ, SLOW_US);
+        pictures_draw(v.of[0], &scene, &c, &p, &cold);
+        fault_delay(FAULT_READ, 0);
+        pictures_draw(v.of[0], &scene, &c, &p, &warm);
+        assert_true(cold.treelets_loaded > 300);
+        const double more = (double)cold.nodes / (double)warm.nodes;
+        print_message("%s: %.2f of the steps\n", v.name[0], more);
+        assert_true(more < 1.55); /* 1.3; where tiles begin anew, 1.8 */
+        pictures_close(&v);
+    }
+    field_release(&f);
+}
+
 /* The same treelets count as visible. A tile takes fewer steps than its rays one by one, and finds
  * the same surfaces. */
 static void assert_counts(const char *name) {
@@ -185,6 +250,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_field), cmocka_unit_test(test_every_scene),
         cmocka_unit_test(test_many_layers), cmocka_unit_test(test_few_treelets),
+        cmocka_unit_test(test_slow_reads),  cmocka_unit_test(test_steps_again),
         cmocka_unit_test(test_counts)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
