@@ -167,6 +167,9 @@ static void test_sizes(void **state) {
         box_lab_fill(&now, BOX_NOISE, 0, 6);
         assert_false(check(&now, &before, &bytes));
         assert_int_equal(bytes, whole_bytes(&now));
+        box_lab_fill(&now, BOX_SMOOTH, 0, 7);
+        assert_false(check(&now, &before, &bytes));
+        assert_int_equal(bytes, whole_bytes(&now));
         box_lab_release(&before);
         box_lab_release(&now);
     }

@@ -227,6 +227,37 @@ static void test_static(void **state) {
     }
 }
 
+/* Steps that have nothing in common, nor have their entries in the directory. */
+static void test_unlike(void **state) {
+    (void)state;
+    enum { FEW = 3 };
+    for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
+        steps s;
+        mem m;
+        leaf_unpacker *u = NULL;
+        make(&s, 40, 37, 33, SAMPLE_F32);
+        use(&s, (leaf_codec)codec);
+        s.of.of.sets.steps = FEW;
+        for (uint64_t step = 0; step < FEW; step++) {
+            void *samples = leaf_files_random(&s.c, 100 + step, 0);
+            assert_string_equal(
+                scratch_write(strrchr(s.paths[step], '/') + 1, samples, bytes_of(&s.c)),
+                s.paths[step]);
+            free(samples);
+        }
+        const char *path = leaf_files_series(&s.of, &s.c.options, "unlike.leaf");
+        mem_init(&m, 0);
+        leaf_file *f = open_file(&m, path, &u);
+        for (int step = 0; step < FEW; step++)
+            compare_set(f, u, (uint32_t)step, step_alone(&s, step, "alone.leaf"));
+        assert_int_equal(count(f).same, 0);
+        assert_null(f->links.same);
+        leaf_unpacker_destroy(u);
+        leaf_file_close(f);
+        release(&s);
+    }
+}
+
 /* ---- hostile ---- */
 
 static void refused(const leaf_image *i, const char *what, const char *said) {
@@ -382,9 +413,9 @@ static void test_lying_place(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_series),         cmocka_unit_test(test_static),
-        cmocka_unit_test(test_lying_links),    cmocka_unit_test(test_lying_place),
-        cmocka_unit_test(test_late_directory),
+        cmocka_unit_test(test_series),      cmocka_unit_test(test_static),
+        cmocka_unit_test(test_unlike),      cmocka_unit_test(test_lying_links),
+        cmocka_unit_test(test_lying_place), cmocka_unit_test(test_late_directory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
