@@ -61,7 +61,7 @@ status imported_chunks_read(byte_stream *from, const char *path, const uint32_t 
         st = take_table(from, &h, &o, c);
     if (st != ST_OK)
         return st;
-    c->array = outside_chunks_array(&o);
+    c->array = outside_chunks_array(&o, dims);
     *at = outside_samples_place(&o);
     at->path = path;
     at->chunks = &c->array;

@@ -31,7 +31,8 @@ static leaf_filter filter_of(const zarr_filter *f) {
                          .flags = (f->plain.big_endian ? LEAF_FILTER_BIG_ENDIAN : 0) |
                                   (f->coded.big_endian ? LEAF_FILTER_BIG_CODED : 0),
                          .scale = f->scale,
-                         .offset = f->offset};
+                         .offset = f->offset,
+                         .row = f->row};
 }
 
 static zarr_filter filter_from(const leaf_filter *f) {
@@ -41,7 +42,8 @@ static zarr_filter filter_from(const leaf_filter *f) {
         .plain = {(sample_type)f->type, (f->flags & LEAF_FILTER_BIG_ENDIAN) != 0},
         .coded = {(sample_type)f->coded_type, (f->flags & LEAF_FILTER_BIG_CODED) != 0},
         .scale = f->scale,
-        .offset = f->offset};
+        .offset = f->offset,
+        .row = f->row};
 }
 
 /* Returns how far above a folder the trusted one is; 0 where it is none of those above. Both are
@@ -66,9 +68,10 @@ status outside_chunks_put(const sample_place *at, const char *folder, leaf_outsi
                                at->path, (unsigned long long)OUTSIDE_CHUNK_MAX);
     out->form = at->table ? LEAF_OUTSIDE_TABLE : LEAF_OUTSIDE_FILES;
     out->axes = (uint32_t)a->axes;
-    out->chunk_flags =
-        (a->fortran ? LEAF_CHUNKS_FORTRAN : 0) | (a->separator == '/' ? LEAF_CHUNKS_SLASH : 0) |
-        (at->follow_links ? LEAF_CHUNKS_LINKS : 0) | (a->summed ? LEAF_CHUNKS_SUMMED : 0);
+    out->chunk_flags = (a->fortran ? LEAF_CHUNKS_FORTRAN : 0) |
+                       (a->separator == '/' ? LEAF_CHUNKS_SLASH : 0) |
+                       (at->follow_links ? LEAF_CHUNKS_LINKS : 0) |
+                       (a->summed ? LEAF_CHUNKS_SUMMED : 0) | (a->rows ? LEAF_CHUNKS_CUT : 0);
     out->codec = a->codec;
     out->filters = (uint32_t)a->filters.count;
     out->step = at->step;
@@ -84,7 +87,7 @@ status outside_chunks_put(const sample_place *at, const char *folder, leaf_outsi
     return ST_OK;
 }
 
-chunk_array outside_chunks_array(const leaf_outside *o) {
+chunk_array outside_chunks_array(const leaf_outside *o, const uint32_t dims[3]) {
     chunk_array a = {.axes = (int)o->axes,
                      .fortran = (o->chunk_flags & LEAF_CHUNKS_FORTRAN) != 0,
                      .separator = o->chunk_flags & LEAF_CHUNKS_SLASH ? '/' : '.',
@@ -94,6 +97,7 @@ chunk_array outside_chunks_array(const leaf_outside *o) {
                      .summed = (o->chunk_flags & LEAF_CHUNKS_SUMMED) != 0,
                      .filters = {.count = (int)o->filters}};
     memcpy(a.fill, o->fill, sizeof a.fill);
+    a.rows = o->chunk_flags & LEAF_CHUNKS_CUT && dims ? dims[1] : 0;
     for (int i = 0; i < a.axes; i++) {
         a.chunk[i] = o->chunk[i];
         a.role[i] = (int)o->role[i] - 1;
@@ -116,7 +120,7 @@ static bool roles_suit(const leaf_outside *o) {
 }
 
 const char *outside_chunks_fault(const leaf_outside *o) {
-    const chunk_array a = outside_chunks_array(o);
+    const chunk_array a = outside_chunks_array(o, NULL);
     chunk_shape shape;
     for (uint32_t i = 0; i < LEAF_CHUNK_AXES; i++)
         if (i < o->axes ? !o->chunk[i] : o->chunk[i] || o->role[i])
@@ -127,6 +131,8 @@ const char *outside_chunks_fault(const leaf_outside *o) {
         return "filters that can be undone";
     if (!chunk_array_measure(&a, &shape) || shape.room > OUTSIDE_CHUNK_MAX)
         return "chunks of at most 2^32 bytes";
+    if (o->chunk_flags & LEAF_CHUNKS_CUT && !chunk_array_cuts(&a, &shape))
+        return "chunks that can lack rows";
     return NULL;
 }
 
@@ -154,7 +160,7 @@ static uint32_t numbers_taken(const leaf_outside *o) {
 }
 
 uint64_t outside_chunks_count(const leaf_outside *o, const uint32_t dims[3]) {
-    const chunk_array a = outside_chunks_array(o);
+    const chunk_array a = outside_chunks_array(o, dims);
     const uint32_t first[ORDER_AXES] = {0, 0, 0, first_number(o), o->step};
     const uint32_t end[ORDER_AXES] = {dims[0], dims[1], dims[2],
                                       first[ORDER_COMPONENT] + numbers_taken(o), o->step + 1};
@@ -207,7 +213,7 @@ status outside_chunks_open(mem *m, const leaf_outside *o, const outside_chunks_i
     if (!c)
         return ST_NOMEM;
     *c = (outside_chunks){.m = m,
-                          .array = outside_chunks_array(o),
+                          .array = outside_chunks_array(o, in->dims),
                           .path = mem_copy_text(m, file_path(in->f)),
                           .step = o->step,
                           .first_number = first_number(o),

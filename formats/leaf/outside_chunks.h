@@ -20,9 +20,10 @@ enum { OUTSIDE_JSON_MAX = 1 << 22 };
 /* outside_chunks_put() - fill the part of a section that concerns chunks, but for its sum.
  * at: a place with chunks. folder: where files of chunks lie, without links. ST_UNSUPPORTED: they
  * are larger than OUTSIDE_CHUNK_MAX. outside_chunks_array() - the array that a section describes,
- * whose numbers are in range. */
+ * whose numbers are in range. dims: the grid's; NULL: `rows` is left
+ * out. */
 CHECKED status outside_chunks_put(const sample_place *at, const char *folder, leaf_outside *out);
-chunk_array outside_chunks_array(const leaf_outside *o);
+chunk_array outside_chunks_array(const leaf_outside *o, const uint32_t dims[3]);
 
 /* outside_chunks_count() - the chunks that a grid of these dims meets, of a section that is sound:
  * those of section CHUNKS. UINT64_MAX: more. */

@@ -127,14 +127,14 @@ refused() {
     exits "$1: converted otherwise" 0 "$leafcast" convert "$in/$1.h5" -o "$tmp/r.leaf" ${3-}
     rm -f "$tmp/r.leaf"
 }
-refused scaleoffset ": it cannot stay in its chunks: scaleoffset"
-refused behind ": it cannot stay in its chunks: a user block in front"
-refused linked ": it cannot stay in its chunks: it is a data set of another file" "--field /d"
+refused scaleoffset ": it cannot stay as it is stored: scaleoffset"
+refused behind ": it cannot stay as it is stored: a user block in front"
+refused linked ": it cannot stay as it is stored: it is a data set of another file" "--field /d"
 for name in scaled filled half; do
-    refused $name ": it cannot stay in its chunks: numbers whose type, scale or fill value HDF5 undoes"
+    refused $name ": it cannot stay as it is stored: numbers whose type, scale or fill value HDF5 undoes"
 done
 if [ -e "$in/edges" ]; then
-    refused edges ": it cannot stay in its chunks: chunks at the edge without filters"
+    refused edges ": it cannot stay as it is stored: chunks at the edge without filters"
 else
     skip "edges without filters" "this library of HDF5 is not found"
 fi
