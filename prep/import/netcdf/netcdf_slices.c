@@ -10,6 +10,7 @@
 #include "prep/import/netcdf/netcdf_classic.h"
 #include "prep/import/netcdf/netcdf_minc.h"
 #include "prep/import/netcdf/netcdf_roles.h"
+#include "prep/import/netcdf/netcdf_stay.h"
 #include "prep/import/netcdf/netcdf_storage.h"
 #include "prep/import/netcdf/netcdf_variable.h"
 #include "prep/import/packed_slices.h"
@@ -313,6 +314,11 @@ static status begin_slices(netcdf_slices *s, const grid *g) {
     return st == ST_OK ? packed_slices_begin(&s->slices) : st;
 }
 
+static bool find_place(void *ctx, sample_place *out) {
+    const netcdf_slices *s = ctx;
+    return netcdf_stay_find(s->guard, &s->v, s->start, out);
+}
+
 /* ---- opening ---- */
 
 static status check_absent(const netcdf_slices *s, const import_request *q) {
@@ -365,6 +371,8 @@ status netcdf_slices_open(mem *m, const import_request *q, const netcdf_wish *wi
                           .m = m,
                           .g = g,
                           .read = read_slices,
+                          .place = find_place,
+                          .place_ctx = s,
                           .close = close_slices,
                           .ctx = s};
     return ST_OK;
