@@ -59,12 +59,23 @@ const char *chunk_array_path(const chunk_array *a, const char *folder,
     return path;
 }
 
+/* Check that a chunk's file may be read. */
+static status check_file(const chunk_home *in, const char *name) {
+    const status st = named_file_check(in->trusted, name, in->follow_links);
+    if (st == ST_OK || !in->is_index || named_file_implied(name) != ST_OK)
+        return st;
+    return status_describe(st,
+                           "%s: lies outside of its folder, which was not allowed when this index "
+                           "was made of it: convert it again with --follow-links",
+                           name);
+}
+
 /* Read a chunk that is a file of its own. name: out, the path, for messages. */
 static status read_file(mem *m, const chunk_array *a, const chunk_home *in,
                         const uint32_t index[ORDER_AXES], void *to, size_t size, char *name,
                         bool *there, uint64_t *read) {
     (void)chunk_array_path(a, in->path, index, name);
-    const status st = named_file_check(in->trusted, name, in->follow_links);
+    const status st = check_file(in, name);
     return st == ST_OK ? zarr_chunk_read(m, a->codec, name, to, size, there, read) : st;
 }
 

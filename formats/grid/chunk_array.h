@@ -82,7 +82,8 @@ uint64_t chunk_array_range(const chunk_shape *s, const uint32_t first[ORDER_AXES
 typedef struct chunk_home {
     const char *path;    /* of the folder, or of the file */
     const char *trusted; /* the folder that the user gave: files must lie in it (named_file.h), */
-    bool follow_links;   /* or anywhere */
+    bool follow_links;   /* or anywhere; */
+    bool is_index;       /* this was said in a conversion, and those who read cannot say it */
     const chunk_entry *table; /* of the chunks in range, ORDER_X fastest, ORDER_STEP slowest; NULL:
                                  files */
     chunk_range range;

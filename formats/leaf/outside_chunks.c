@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "formats/grid/chunk_cache.h"
 
@@ -12,6 +13,7 @@ struct outside_chunks {
     chunk_array array;
     chunk_cache *cache;
     char *path;                           /* of their folder, or file */
+    bool in_file;                         /* all of them in one */
     uint32_t step, first_number, numbers; /* those of a sample that are taken */
 };
 
@@ -189,6 +191,7 @@ static status open_cache(outside_chunks *c, const leaf_outside *o, const outside
     const number_box all = box_of(c, origin, in->dims);
     chunk_home home = {.path = c->path,
                        .follow_links = (o->chunk_flags & LEAF_CHUNKS_LINKS) != 0,
+                       .is_index = true,
                        .table = in->table,
                        .in = in->f};
     chunk_shape s;
@@ -215,6 +218,7 @@ status outside_chunks_open(mem *m, const leaf_outside *o, const outside_chunks_i
     *c = (outside_chunks){.m = m,
                           .array = outside_chunks_array(o, in->dims),
                           .path = mem_copy_text(m, file_path(in->f)),
+                          .in_file = in->table != NULL,
                           .step = o->step,
                           .first_number = first_number(o),
                           .numbers = numbers_taken(o)};
@@ -251,17 +255,41 @@ status outside_chunks_load(outside_chunks *c, const uint32_t first[3], const uin
     return chunk_cache_gather(c->cache, b.first, b.end, numbers, read);
 }
 
+/* Files that are looked for, at most: a box has few. */
+enum { LOOKED_AT = 1024 };
+
+/* Name the first chunk of a range whose file is not there, and count the others. */
+static void print_absent(const outside_chunks *c, const chunk_range *range, char *text,
+                         size_t room) {
+    uint32_t index[ORDER_AXES], absent = 0;
+    char path[CHUNK_FOLDER + CHUNK_NAME], first[CHUNK_NAME] = "";
+    memcpy(index, range->first, sizeof index);
+    for (int n = 0, r = 0; n < LOOKED_AT && r < ORDER_AXES; n++) {
+        struct stat info;
+        if (lstat(chunk_array_path(&c->array, c->path, index, path), &info) != 0 && !absent++)
+            snprintf(first, sizeof first, "%.*s", CHUNK_NAME - 1, path + strlen(c->path) + 1);
+        for (r = 0; r < ORDER_AXES && ++index[r] == range->first[r] + range->count[r]; r++)
+            index[r] = range->first[r];
+    }
+    if (absent == 1)
+        snprintf(text, room, ", of which %s is not there", first);
+    else if (absent)
+        snprintf(text, room, ", of which %s and %u more are not there", first, absent - 1);
+}
+
 const char *outside_chunks_print(const outside_chunks *c, const uint32_t first[3],
                                  const uint32_t count[3], char text[OUTSIDE_CHUNKS_TEXT]) {
     const number_box b = box_of(c, first, count);
-    char path[2][CHUNK_FOLDER + CHUNK_NAME];
+    char path[2][CHUNK_FOLDER + CHUNK_NAME], absent[CHUNK_NAME + 64] = "";
     chunk_range range;
     const bool one = chunk_array_range(chunk_cache_shape(c->cache), b.first, b.end, &range) == 1;
     const char *from = chunk_array_path(&c->array, "", range.first, path[0]) + 1;
+    if (!c->in_file)
+        print_absent(c, &range, absent, sizeof absent);
     for (int r = 0; r < ORDER_AXES; r++)
         range.first[r] += range.count[r] - 1;
     const char *to = chunk_array_path(&c->array, "", range.first, path[1]) + 1;
-    snprintf(text, OUTSIDE_CHUNKS_TEXT, "%s %.*s%s%.*s", one ? "chunk" : "chunks", CHUNK_NAME, from,
-             one ? "" : " to ", CHUNK_NAME, one ? "" : to);
+    snprintf(text, OUTSIDE_CHUNKS_TEXT, "%s %.*s%s%.*s%s", one ? "chunk" : "chunks", CHUNK_NAME,
+             from, one ? "" : " to ", CHUNK_NAME, one ? "" : to, absent);
     return text;
 }

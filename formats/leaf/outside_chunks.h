@@ -59,8 +59,8 @@ const char *outside_chunks_path(const outside_chunks *c); /* of the folder, or f
 CHECKED status outside_chunks_load(outside_chunks *c, const uint32_t first[3],
                                    const uint32_t count[3], void *numbers, uint64_t *read);
 
-/* outside_chunks_print() - names the chunks that hold these nodes. */
-enum { OUTSIDE_CHUNKS_TEXT = 2 * CHUNK_NAME + 32 };
+/* outside_chunks_print() - names the chunks that hold these nodes, and which file is not there. */
+enum { OUTSIDE_CHUNKS_TEXT = 3 * CHUNK_NAME + 96 };
 const char *outside_chunks_print(const outside_chunks *c, const uint32_t first[3],
                                  const uint32_t count[3], char text[OUTSIDE_CHUNKS_TEXT]);
 

@@ -423,14 +423,17 @@ static void test_changes(void **state) {
     scratch_write("a.zarr/1.1.1", bytes, 100);
     assert_int_equal(load_all(index, "a.zarr/1.1.1: this chunk does not hold"), ST_CORRUPT);
     assert_int_equal(remove(scratch_path("a.zarr/1.1.1")), 0);
-    assert_int_equal(load_all(index, "a.zarr: chunks "), ST_CORRUPT);
+    assert_int_equal(load_all(index, ", of which 1.1.1 is not there: the samples of"), ST_CORRUPT);
+    assert_int_equal(remove(scratch_path("a.zarr/1.2.1")), 0);
+    assert_int_equal(load_all(index, " not there: the samples of"), ST_CORRUPT);
     /* A link that leaves the folder is not followed, as in a conversion. */
     zarr_files_make(&z, "a.zarr");
     snprintf(index, sizeof index, "%s", convert(input, NULL, "index.leaf", true));
     snprintf(outside, sizeof outside, "%s", scratch_path("moved"));
     assert_int_equal(rename(scratch_path("a.zarr/1.1.1"), outside), 0);
     assert_int_equal(symlink(outside, scratch_path("a.zarr/1.1.1")), 0);
-    assert_int_equal(load_all(index, "1.1.1, which lies outside of its folder"), ST_UNSUPPORTED);
+    assert_int_equal(load_all(index, "1.1.1: lies outside of its folder, which was not allowed"),
+                     ST_UNSUPPORTED);
     const volume_hints trusting = {.trust = {.follow_links = true}};
     snprintf(index, sizeof index, "%s", convert(input, &trusting, "index.leaf", true));
     assert_int_equal(load_all(index, ""), ST_OK);
@@ -445,7 +448,7 @@ static void test_changes(void **state) {
     assert_int_equal(load_all(index, ""), ST_OK);
 }
 
-/* The array's description must be the same, in size, time and bytes. */
+/* The array's description must be the same, in size and bytes; its time does not count. */
 static void test_description(void **state) {
     zarr_files z = plain;
     struct stat info;
@@ -457,8 +460,7 @@ static void test_description(void **state) {
     assert_int_equal(stat(json, &info), 0);
     const struct timespec then[2] = {info.st_atim, info.st_mtim}, other[2] = {{1, 0}, {1, 0}};
     assert_int_equal(utimensat(AT_FDCWD, json, other, 0), 0);
-    assert_int_equal(load_all(index, ""), ST_CORRUPT);
-    assert_non_null(strstr(status_text(), "b.zarr/.zarray: has another time"));
+    assert_int_equal(load_all(index, ""), ST_OK);
     char *text = scratch_read(json, &size);
     *strstr(text, "\"fill_value\": 9") = ' '; /* any change at all */
     scratch_write("b.zarr/.zarray", text, size);
