@@ -13,7 +13,11 @@ status imported_chunks_write(const sample_place *at, out_stream *out) {
                       .components = s->components ? s->components : 1,
                       .component = s->component,
                       .flags = (at->big_endian ? LEAF_OUTSIDE_BIG_ENDIAN : 0) |
-                               (s->colours ? LEAF_OUTSIDE_COLOURS : 0)};
+                               (s->colours ? LEAF_OUTSIDE_COLOURS : 0) |
+                               (at->has_missing ? LEAF_OUTSIDE_MISSING : 0),
+                      .slope = s->slope,
+                      .intercept = s->intercept,
+                      .missing = at->has_missing ? at->missing : 0.0};
     status st = outside_chunks_put(at, "", &o);
     if (st == ST_OK)
         st = out_stream_write(out, &at->table_count, sizeof at->table_count);

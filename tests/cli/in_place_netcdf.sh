@@ -1,5 +1,5 @@
 #!/bin/sh
-# in_place_netcdf.sh - treelet files that leave the samples of level 0 in a classic netCDF file: the same samples,
+# in_place_netcdf.sh - treelet files that leave the samples of level 0 in a netCDF file: the same samples,
 # pictures and values as of a file with all, with scale, offset and fill value; what stays refused, by name.
 # marks: long
 . tests/support/tap.sh
@@ -23,7 +23,7 @@ def numbers(kind, *shape):
         return np.cumsum(r.normal(size=shape), -1).astype(kind)
     low = 0 if kind[0] == "u" else -60
     return np.clip(np.cumsum(r.integers(-3, 4, shape), -1) + 30, low, 120).astype(kind)
-def put(name, data, format=CLASSIC, options="", dims=None, grows=False, fill=None, listed=True, other=0, **attributes):
+def put(name, data, format=CLASSIC, options="", dims=None, grows=False, fill=None, listed=True, other=0, store={}, group="", **attributes):
     dims = dims or ("t", "z", "y", "x")[-data.ndim:]
     with netCDF4.Dataset(folder + name + ".nc", "w", format=format) as f:
         for i, d in enumerate(dims):
@@ -31,7 +31,7 @@ def put(name, data, format=CLASSIC, options="", dims=None, grows=False, fill=Non
         for k in range(other): # what lies in front, and in each record
             o = f.createVariable("o%d" % k, "i1", dims[:1] if grows else dims[-1:])
             o[:] = np.arange(data.shape[0 if grows else -1])
-        v = f.createVariable("v", data.dtype, dims, fill_value=fill)
+        v = f.createVariable(group + "v", data.dtype, dims, fill_value=fill, **store)
         v.set_auto_maskandscale(False)
         v[:] = data
         for key, value in attributes.items():
@@ -72,6 +72,21 @@ put("unsigned_scaled", numbers("i2", *shape), _Unsigned="true", scale_factor=0.0
 put("filled_i8", numbers("i8", *shape), CDF5, fill=np.int64(31))
 put("missing", numbers("i2", *shape), options="--missing 31")
 put("all", numbers("i2", *shape), CDF5, fill=np.int16(32000), scale_factor=1e-3, add_offset=273.15)
+# netCDF-4: HDF5, in one piece or in chunks.
+FOUR = "NETCDF4"
+packed = dict(zlib=True, complevel=4, chunksizes=(10, 12, 13))
+for i, kind in enumerate("i1 u1 i2 u2 i4 u4 i8 u8 f4 f8".split()):
+    put("four_" + kind, numbers(kind, *shape), FOUR)
+    put("four_packed_" + kind, numbers(kind, *shape), FOUR, store=dict(packed, shuffle=bool(i & 1), endian=("little", "big")[i & 1]))
+put("four_scaled", numbers("i2", *shape), FOUR, store=packed, fill=np.int16(31), scale_factor=0.01, add_offset=273.15)
+put("four_scaled_piece", numbers("i2", *shape), FOUR, fill=np.int16(31), scale_factor=0.01, add_offset=273.15)
+put("four_filled", f, FOUR, store=packed, fill=np.float32(-999.9))
+put("four_steps", numbers("i2", 3, *shape), FOUR, options="--step 2", grows=True, store=dict(chunksizes=(2, 10, 12, 13)))
+put("four_steps_piece", numbers("i2", 3, *shape), FOUR, options="--step 1")
+put("four_ensemble", numbers("i2", 2, 3, *shape), FOUR, options="--step 2", dims=("e", "t", "z", "y", "x"), store=dict(zlib=True, chunksizes=(1, 2, 10, 12, 13)))
+put("four_ensemble_piece", numbers("i2", 2, 3, *shape), FOUR, options="--step 4", dims=("e", "t", "z", "y", "x"))
+put("four_group", numbers("f4", *shape), FOUR, options="--field a/v", group="a/", store=packed)
+put("four_classic", numbers("f4", *shape), "NETCDF4_CLASSIC", store=packed)
 # What stays refused: also floats' own fill value, which has neighbours that become the same here, and one beside it.
 put("scaled_f4", numbers("f4", *shape), listed=False, scale_factor=0.37, add_offset=-11.25)
 put("another_f4", f, listed=False, missing_value=-999.9)
@@ -81,9 +96,11 @@ put("filled_i4", numbers("i4", *shape), listed=False, fill=np.int32(31))
 put("flat", numbers("i2", *shape), listed=False, fill=np.int16(31), scale_factor=1e-30, add_offset=1.0)
 put("scale_0", numbers("i2", *shape), listed=False, scale_factor=0.0)
 put("slices_apart", numbers("i2", *shape), listed=False, grows=True, other=2)
-put("netcdf4", numbers("i2", *shape), "NETCDF4", listed=False)
+put("four_steps_of_both", numbers("i2", 2, 3, *shape), FOUR, dims=("e", "t", "z", "y", "x"), store=dict(zlib=True, chunksizes=(1, 1, 10, 12, 13)), listed=False)
+put("four_summed", numbers("i2", *shape), FOUR, listed=False, store=dict(packed, fletcher32=True)) # by netCDF in front of the codec
+put("four_ranged", numbers("i2", *shape), FOUR, listed=False, valid_max=np.int16(90))
 PY
-"$python" "$tmp/make.py" "$in" >"$tmp/list" || ok "files to read" false
+"$python" -W ignore "$tmp/make.py" "$in" >"$tmp/list" || ok "files to read" false
 
 # pair NAME OPTIONS... - NAME.nc as $tmp/NAME.leaf, in place, and $tmp/all.leaf: what they draw and tell.
 pair() {
@@ -107,7 +124,7 @@ while read -r name options; do
     # shellcheck disable=SC2086
     pair "$name" $options
 done <"$tmp/list"
-ok "these were $(wc -l <"$tmp/list") variables" [ "$(wc -l <"$tmp/list")" -gt 45 ]
+ok "these were $(wc -l <"$tmp/list") variables" [ "$(wc -l <"$tmp/list")" -gt 70 ]
 
 refused() {
     exits "$1: refused" 3 "$leafcast" convert "$in/$1.nc" -o "$tmp/r.leaf" --in-place
@@ -125,7 +142,12 @@ refused scaled_f4 "$stays: a fill value that others become, too"
 refused another_f4 "$stays: several fill values"
 refused scale_0 "$stays: a scale that is 0 or not finite"
 refused slices_apart "$stays: slices lie a record apart"
-refused netcdf4 " takes samples that lie in one file"
+refused four_ranged "$stays: a valid range"
+refused four_summed "$stays: a filter behind a checksum"
+exits "several axes of steps" 3 "$leafcast" convert "$in/four_steps_of_both.nc" -o "$tmp/r.leaf" --in-place --step 4
+ok "are told" says "four_steps_of_both.nc: --in-place$stays: several axes of steps"
+ok "chunks: a table of them" [ "$(od -An -tu4 -j 1500 -N4 "$tmp/four_scaled.leaf" | tr -d ' ')" = 64 ]
+ok "one piece: none" [ "$(od -An -tu4 -j 1500 -N4 "$tmp/four_scaled_piece.leaf" | tr -d ' ')" = 0 ]
 exits "two values for missing data" 3 "$leafcast" convert "$in/filled_i2.nc" -o "$tmp/r.leaf" --in-place --missing 5
 ok "are told" says "a value for missing data of its own"
 

@@ -163,8 +163,8 @@ void luminance(sample_type type, const void *rgb, void *out, size_t count) {
     }
 }
 
-/* Of doubles in a TIFF the library (2.4) reads whole strips at once, as they are stored. A single row
- * or tile is zeros, and no error. */
+/* Of doubles in a TIFF the library (2.4) reads whole strips at once, as they are stored. A single
+ * row or tile is zeros, and no error. */
 TypeDesc asked(sample_type type) {
     return type == SAMPLE_F64 ? TypeDesc() : desc_of(type);
 }

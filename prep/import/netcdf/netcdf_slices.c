@@ -8,6 +8,7 @@
 #include "prep/import/hdf5/hdf5_storage.h"
 #include "prep/import/import_hint.h"
 #include "prep/import/netcdf/netcdf_classic.h"
+#include "prep/import/netcdf/netcdf_hdf5.h"
 #include "prep/import/netcdf/netcdf_minc.h"
 #include "prep/import/netcdf/netcdf_roles.h"
 #include "prep/import/netcdf/netcdf_stay.h"
@@ -23,6 +24,7 @@ typedef struct netcdf_slices {
     netcdf_variable v;
     size_t start[NETCDF_RANK]; /* of the step */
     packed_slices slices;
+    netcdf_hdf5 place;
 } netcdf_slices;
 
 static status failed(const char *path, const char *what, int error) {
@@ -33,6 +35,7 @@ static status failed(const char *path, const char *what, int error) {
 static void close_slices(void *ctx) {
     netcdf_slices *s = ctx;
     packed_slices_end(&s->slices);
+    netcdf_hdf5_release(&s->place);
     if (s->id >= 0)
         nc_close(s->id);
     file_close(s->guard);
@@ -46,6 +49,7 @@ static status create(mem *m, const import_request *q, netcdf_slices **out) {
         return ST_NOMEM;
     s->m = m;
     s->id = -1;
+    s->place = (netcdf_hdf5){.m = m, .tell_chunks = q->chunks};
     status st = file_open(m, q->paths[0], &s->guard);
     if (st == ST_OK)
         st = netcdf_storage_look(m, q->paths[0], &q->trust, &s->storage);
@@ -315,8 +319,9 @@ static status begin_slices(netcdf_slices *s, const grid *g) {
 }
 
 static bool find_place(void *ctx, sample_place *out) {
-    const netcdf_slices *s = ctx;
-    return netcdf_stay_find(s->guard, &s->v, s->start, out);
+    netcdf_slices *s = ctx;
+    return netcdf_stay_find(s->guard, &s->v, s->start, out) ||
+           netcdf_hdf5_find(file_path(s->guard), &s->v, s->start, &s->place, out);
 }
 
 /* ---- opening ---- */

@@ -67,9 +67,8 @@ static const char *tell_missing(const packed_samples *p, sample_place *out) {
     return sample_size(p->type) > 2 ? "a fill value among integers of 32 bits" : NULL;
 }
 
-static const char *tell_numbers(const netcdf_variable *v, sample_place *out) {
+const char *netcdf_stay_numbers(const netcdf_variable *v, sample_place *out) {
     const packed_samples *p = &v->packed;
-    out->big_endian = true;
     out->stored = (stored_samples){.type = type_of(p)};
     if (is_scaled(p)) {
         out->stored.slope = p->scale;
@@ -93,6 +92,7 @@ bool netcdf_stay_find(file *f, const netcdf_variable *v, const size_t *start, sa
     if (netcdf_classic_step(f, v, start, &begin, &apart) != ST_OK || begin == 0)
         return false;
     out->offset = begin;
-    out->refused = apart ? "slices lie a record apart" : tell_numbers(v, out);
+    out->big_endian = true;
+    out->refused = apart ? "slices lie a record apart" : netcdf_stay_numbers(v, out);
     return true;
 }

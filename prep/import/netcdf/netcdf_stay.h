@@ -14,4 +14,8 @@
  * Refused where samples cannot stay. Returns false for files of other formats. */
 bool netcdf_stay_find(file *f, const netcdf_variable *v, const size_t *start, sample_place *out);
 
+/* netcdf_stay_numbers() - say in *out what numbers become samples. Returns NULL, or a short static
+ * text that says why it cannot be told. */
+const char *netcdf_stay_numbers(const netcdf_variable *v, sample_place *out);
+
 #endif
