@@ -5,8 +5,9 @@
 
 #include "prep/import/images/tiff_pages.h"
 
-/* Strips that are not packed are taken in parts of so many bytes or more: a box needs few rows. */
-enum { PART_BYTES = 256 << 10 };
+/* Strips that are not packed are taken in parts of so many bytes or more, as a box needs few rows;
+ * but in so many parts at most, or little more, as all have a place in a table. */
+enum { PART_BYTES = 64 << 10, PARTS = 1 << 20 };
 
 /* How the pages that are taken are stored. All are stored alike. */
 typedef struct form {
@@ -118,9 +119,10 @@ static bool is_alike(const form *a, const form *b) {
 /* ---- the array ---- */
 
 /* How many rows of a strip are a chunk: of one strip a page any number, else a divisor. */
-static uint32_t rows_at_once(const form *f) {
+static uint32_t rows_at_once(const form *f, uint32_t slices) {
     const uint64_t row = f->width * sample_size(f->type) * (f->planar ? 1 : f->samples);
-    uint64_t rows = PART_BYTES / row + 1;
+    const uint64_t share = f->height * row / PARTS * slices;
+    uint64_t rows = (share > PART_BYTES ? share : PART_BYTES) / row + 1;
     if (f->tiled || f->codec != ZARR_RAW || rows >= f->piece_height)
         return (uint32_t)f->piece_height;
     while (f->piece_height < f->height && f->piece_height % rows)
@@ -183,7 +185,7 @@ static status begin(finder *f) {
         snprintf(why, room, "the luminance of colours is rounded to whole numbers");
     if (*why)
         return ST_OK;
-    f->rows = rows_at_once(o);
+    f->rows = rows_at_once(o, w->slices);
     f->across = (o->width + o->piece_width - 1) / o->piece_width;
     f->down = (o->height + f->rows - 1) / f->rows;
     f->planes = o->planar ? o->samples : 1;
