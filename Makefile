@@ -171,7 +171,7 @@ LIB_view    := $(if $(and $(call has,libwebsockets-dev),$(call has,libturbojpeg0
 LIB_hdf5    := $(if $(call has,libhdf5-dev),$(shell $(PKG_CONFIG) --cflags --libs hdf5-serial))
 # netCDF-4 is HDF5 below, which is looked at before libnetcdf is.
 LIB_netcdf  := $(if $(LIB_hdf5),$(if $(call has,libnetcdf-dev),$(shell $(PKG_CONFIG) --cflags --libs netcdf) $(LIB_hdf5)))
-ALSO_netcdf := $(addprefix prep/import/hdf5/,hdf5_storage.c hdf5_text.c hdf5_walk.c)
+ALSO_netcdf := $(addprefix prep/import/hdf5/,hdf5_chunks.c hdf5_lzf.c hdf5_storage.c hdf5_text.c hdf5_walk.c)
 endif
 endif
 
@@ -352,7 +352,7 @@ $B/emulated/bin/leafcast: $(FRONT) $(VERBS)
 $(TESTS) $(TOOLS): LINK_TESTS := -lcmocka
 $(FUZZERS): LINK_TESTS := -fsanitize=fuzzer -lcmocka
 # What importers parse themselves, without their libraries.
-$B/tests/fuzz_image: $(patsubst %,$B/obj/prep/import/images/%.o,jpeg_end tiff_pages tiff_pieces)
+$B/tests/fuzz_image: $(patsubst %,$B/obj/prep/import/images/%.o,jpeg_end tiff_pages tiff_pieces tiff_place)
 $B/tests/fuzz_import: $(patsubst %,$B/obj/prep/import/%.o,packed_samples netcdf/netcdf_header dicom/dicom_order images/image_names)
 define program_rule
 $B/tests/$(basename $(notdir $1)): $B/obj/$(1:.c=.o) $(AIDS) $(ARCHIVES)

@@ -78,7 +78,7 @@ static const struct argp_option options[] = {
     {"levels", KEY_LEVELS, "1|all", 0,
      "1: no coarse levels of detail, which exact pictures do not need (default all)", 0},
     {"resume", KEY_RESUME, NULL, CLI_BASIC,
-     "go on where a run of the same command ended early; else begin", 0},
+     "go on where a run of the same command ended early, or had ended; else begin", 0},
     {"checkpoint", KEY_CHECKPOINT, "SECONDS", 0,
      "save what --resume needs every so often (default 1), or less often where that costs more "
      "than "

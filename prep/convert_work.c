@@ -1,5 +1,10 @@
 #include "prep/convert_work.h"
 
+#include <string.h>
+#include <sys/stat.h>
+
+#include "formats/base/file_guard.h"
+#include "formats/leaf/leaf_file.h"
 #include "prep/convert_request.h"
 
 /* Name the options and inputs that the output depends on. Options in the table's order. */
@@ -36,6 +41,61 @@ static status look_at_work(convert_request *a, bool *done) {
     return st;
 }
 
+/* ---- an output without unfinished work ---- */
+
+/* Refuse to take the output for that of this job. */
+static status no_output_of_this(const convert_request *a, status st, const char *why) {
+    return status_describe(st,
+                           "%s: is there already, and no unfinished work; but %s: --force makes it "
+                           "again, another -o leaves it",
+                           a->common.output, why);
+}
+
+static bool is_older(const struct stat *output, const char *input) {
+    struct stat s;
+    if (stat(input, &s) != 0)
+        return false; /* the output is there without it */
+    return s.st_mtim.tv_sec > output->st_mtim.tv_sec ||
+           (s.st_mtim.tv_sec == output->st_mtim.tv_sec &&
+            s.st_mtim.tv_nsec > output->st_mtim.tv_nsec);
+}
+
+/* Look whether the output is whole, and may be of this job. It does not say with which options it
+ * was made. */
+static status look_at_output(const convert_request *a, mem *m, const struct stat *output) {
+    leaf_file *f = NULL;
+    file_guard_look(true);
+    const status st = leaf_file_open(m, a->common.output, &f);
+    file_guard_look(false);
+    const bool in_place = st == ST_OK && f->samples;
+    leaf_file_close(f);
+    if (st != ST_OK)
+        return no_output_of_this(a, st, status_text());
+    for (int i = 0; i < a->common.input_count; i++) {
+        if (strcmp(a->common.inputs[i], "-") == 0)
+            return no_output_of_this(a, ST_EXISTS, "whether it is of standard input is not known");
+        if (is_older(output, a->common.inputs[i]))
+            return no_output_of_this(a, ST_EXISTS, "its input was written after it");
+    }
+    if (in_place != a->in_place)
+        return no_output_of_this(a, ST_EXISTS,
+                                 in_place ? "it was made with --in-place"
+                                          : "it was made without --in-place");
+    cli_note(&a->common, 1,
+             "%s: is there already, whole, and written after its input: nothing is done (if other "
+             "options are wanted than it was made with, --force makes it again)",
+             a->common.output);
+    return ST_OK;
+}
+
+/* With --resume: an earlier run may have been done. */
+static status look_for_output(const convert_request *a, mem *m, bool *done) {
+    struct stat output;
+    *done =
+        a->resume && !a->work.resumes && !a->common.force && stat(a->common.output, &output) == 0;
+    return *done ? look_at_output(a, m, &output) : ST_OK;
+}
+
 status convert_work_open(convert_request *a, mem *m, bool *done) {
     const work_found found = a->resume ? WORK_RESUME : a->common.force ? WORK_REMOVE : WORK_REFUSE;
     *done = false;
@@ -44,6 +104,8 @@ status convert_work_open(convert_request *a, mem *m, bool *done) {
         st = work_folder_open(m, a->common.output, found, a->checkpoint, &a->work.folder);
     if (st == ST_OK)
         st = look_at_work(a, done);
+    if (st == ST_OK && !*done)
+        st = look_for_output(a, m, done);
     return st;
 }
 

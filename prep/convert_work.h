@@ -15,7 +15,8 @@ typedef struct convert_work {
 
 /* convert_work_open() - open the output's folder, before any input. ST_EXISTS: another process is
  * making the output, it is there already, or there is unfinished work and neither --resume nor
- * --force. *done: set if all was done by an earlier run. */
+ * --force. *done: set if all was done by an earlier run: also, with --resume, where no work is left
+ * and the output is a whole treelet file that was written after the inputs. */
 CHECKED status convert_work_open(struct convert_request *a, mem *m, bool *done);
 
 /* convert_work_close() - leave the folder if a later run can go on, and make the error say so; else

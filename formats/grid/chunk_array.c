@@ -31,7 +31,22 @@ bool chunk_array_measure(const chunk_array *a, chunk_shape *out) {
     return true;
 }
 
+bool chunk_array_cuts(const chunk_array *a, const chunk_shape *s) {
+    const size_t slice = s->stride[ORDER_Y] * s->along[ORDER_Y];
+    for (int i = 0; i < a->filters.count; i++)
+        if (a->filters.of[i].row && s->stride[ORDER_Y] % a->filters.of[i].row)
+            return false;
+    return slice == s->bytes / s->width && (a->codec == ZARR_RAW || a->codec == ZARR_STREAM);
+}
+
 /* ---- one chunk ---- */
+
+/* The rows of a chunk that must be there. */
+static uint32_t rows_of(const chunk_array *a, const chunk_shape *s, uint32_t index) {
+    const uint64_t first = (uint64_t)index * s->along[ORDER_Y];
+    const bool cut = a->rows > first && a->rows - first < s->along[ORDER_Y];
+    return cut ? (uint32_t)(a->rows - first) : s->along[ORDER_Y];
+}
 
 const char *chunk_array_path(const chunk_array *a, const char *folder,
                              const uint32_t index[ORDER_AXES],
@@ -44,12 +59,23 @@ const char *chunk_array_path(const chunk_array *a, const char *folder,
     return path;
 }
 
+/* Check that a chunk's file may be read. */
+static status check_file(const chunk_home *in, const char *name) {
+    const status st = named_file_check(in->trusted, name, in->follow_links);
+    if (st == ST_OK || !in->is_index || named_file_implied(name) != ST_OK)
+        return st;
+    return status_describe(st,
+                           "%s: lies outside of its folder, which was not allowed when this index "
+                           "was made of it: convert it again with --follow-links",
+                           name);
+}
+
 /* Read a chunk that is a file of its own. name: out, the path, for messages. */
 static status read_file(mem *m, const chunk_array *a, const chunk_home *in,
                         const uint32_t index[ORDER_AXES], void *to, size_t size, char *name,
                         bool *there, uint64_t *read) {
     (void)chunk_array_path(a, in->path, index, name);
-    const status st = named_file_check(in->trusted, name, in->follow_links);
+    const status st = check_file(in, name);
     return st == ST_OK ? zarr_chunk_read(m, a->codec, name, to, size, there, read) : st;
 }
 
@@ -87,7 +113,7 @@ static status read_entry(mem *m, const chunk_array *a, const chunk_home *in, con
     if (e->bytes < sum)
         return status_describe(ST_CORRUPT, "%s: %u bytes", name, e->bytes);
     const zarr_part part = {in->in, e->offset, e->bytes - sum, name};
-    return zarr_chunk_read_part(m, a->codec, &part, to, size);
+    return zarr_chunk_read_part(m, a->codec, &part, to, size, a->rows > 0);
 }
 
 /* Undo filters, from `coded` into `chunk`. Where all were skipped, `coded` is the chunk. */
@@ -103,17 +129,19 @@ status chunk_array_read(mem *m, const chunk_array *a, const chunk_shape *s, cons
                         const uint32_t index[ORDER_AXES], void *chunk, void *coded, bool *there,
                         uint64_t *read) {
     char name[CHUNK_FOLDER + CHUNK_NAME];
-    const size_t numbers = s->bytes / s->width;
+    const uint32_t rows = rows_of(a, s, index[ORDER_Y]);
+    const size_t numbers = s->bytes / s->width / s->along[ORDER_Y] * rows;
+    const size_t packed = s->coded / s->along[ORDER_Y] * rows;
     void *to = coded ? coded : chunk;
     chunk_array own = *a;
     const chunk_entry *e = in->table ? find_entry(in, index) : NULL;
     if (e)
         skip(e, &own);
     *there = false;
-    status st = e ? read_entry(m, &own, in, e, to, s->coded, name, there, read)
-                  : read_file(m, a, in, index, to, s->coded, name, there, read);
+    status st = e ? read_entry(m, &own, in, e, to, packed, name, there, read)
+                  : read_file(m, a, in, index, to, packed, name, there, read);
     if (st == ST_OK && *there && coded)
-        st = undo(&own, name, numbers, s->bytes, coded, chunk);
+        st = undo(&own, name, numbers, numbers * s->width, coded, chunk);
     if (st == ST_OK && *there && a->big_endian != (__BYTE_ORDER == __BIG_ENDIAN))
         sample_swap(a->type, chunk, numbers);
     return st;

@@ -3,7 +3,8 @@
  *
  * Each chunk is packed by a codec, behind filters. It is a file of its own, named by its indices,
  * as in Zarr of version 2; or bytes of one file, as in HDF5, which a table tells. One that is not
- * there is the fill value. At the array's far ends chunks are whole, too.
+ * there is the fill value. At the array's far ends chunks are whole, too, but for the last strips
+ * of TIFF's pages.
  *
  * Thread-safe: the description is only read.
  */
@@ -39,6 +40,8 @@ typedef struct chunk_array {
     zarr_filters filters;
     bool summed;     /* 4 bytes of a checksum lie behind the packed ones; they are not looked at */
     uint8_t fill[8]; /* one number, native byte order */
+    uint32_t rows;   /* along ORDER_Y, of the grid: those behind need not be in a chunk, nor are its
+                        further bytes looked at; 0: a chunk has all */
 } chunk_array;
 
 /* What follows from the description. */
@@ -51,8 +54,11 @@ typedef struct chunk_shape {
     size_t room;                /* that both need on the way: at least `bytes` */
 } chunk_shape;
 
-/* chunk_array_measure() - false: no memory holds a chunk. */
+/* chunk_array_measure() - false: no memory holds a chunk.
+ * chunk_array_cuts() - whether chunks may lack rows: those in front must be their first bytes, and
+ * the codec must be one that can end early. */
 bool chunk_array_measure(const chunk_array *a, chunk_shape *out);
+bool chunk_array_cuts(const chunk_array *a, const chunk_shape *s);
 
 /* Where a chunk's bytes lie in a file. Treelet files store it. */
 typedef struct chunk_entry {
@@ -76,7 +82,8 @@ uint64_t chunk_array_range(const chunk_shape *s, const uint32_t first[ORDER_AXES
 typedef struct chunk_home {
     const char *path;    /* of the folder, or of the file */
     const char *trusted; /* the folder that the user gave: files must lie in it (named_file.h), */
-    bool follow_links;   /* or anywhere */
+    bool follow_links;   /* or anywhere; */
+    bool is_index;       /* this was said in a conversion, and those who read cannot say it */
     const chunk_entry *table; /* of the chunks in range, ORDER_X fastest, ORDER_STEP slowest; NULL:
                                  files */
     chunk_range range;
@@ -90,7 +97,8 @@ const char *chunk_array_path(const chunk_array *a, const char *folder,
 
 /* chunk_array_read() - read the chunk of these indices, one a role: unpacked, in native byte order.
  *
- * chunk  s->room bytes; the chunk is the first s->bytes of them
+ * chunk  s->room bytes; the chunk is the first s->bytes of them, of which rows behind a->rows are
+ *        not written to
  * coded  likewise, NULL without filters
  * there  out: false: it is not there; chunk is then not written to
  * read   the bytes that were read are added

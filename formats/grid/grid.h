@@ -18,7 +18,7 @@
 #include "formats/base/world_frame.h"
 #include "formats/grid/absent.h"
 
-enum { GRID_NAME_MAX = 64, GRID_NOTE_MAX = 320, GRID_PLACE_MAX = 64, GRID_DIM_MAX = 1 << 20 };
+enum { GRID_NAME_MAX = 64, GRID_NOTE_MAX = 320, GRID_PLACE_MAX = 192, GRID_DIM_MAX = 1 << 20 };
 
 typedef struct grid {
     uint32_t dims[3];      /* nodes per axis, each 2 .. GRID_DIM_MAX */

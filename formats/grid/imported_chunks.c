@@ -13,7 +13,11 @@ status imported_chunks_write(const sample_place *at, out_stream *out) {
                       .components = s->components ? s->components : 1,
                       .component = s->component,
                       .flags = (at->big_endian ? LEAF_OUTSIDE_BIG_ENDIAN : 0) |
-                               (s->colours ? LEAF_OUTSIDE_COLOURS : 0)};
+                               (s->colours ? LEAF_OUTSIDE_COLOURS : 0) |
+                               (at->has_missing ? LEAF_OUTSIDE_MISSING : 0),
+                      .slope = s->slope,
+                      .intercept = s->intercept,
+                      .missing = at->has_missing ? at->missing : 0.0};
     status st = outside_chunks_put(at, "", &o);
     if (st == ST_OK)
         st = out_stream_write(out, &at->table_count, sizeof at->table_count);
@@ -61,7 +65,7 @@ status imported_chunks_read(byte_stream *from, const char *path, const uint32_t 
         st = take_table(from, &h, &o, c);
     if (st != ST_OK)
         return st;
-    c->array = outside_chunks_array(&o);
+    c->array = outside_chunks_array(&o, dims);
     *at = outside_samples_place(&o);
     at->path = path;
     at->chunks = &c->array;

@@ -1,6 +1,7 @@
 #include "formats/grid/sample_place.h"
 
 #include <endian.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -14,8 +15,13 @@ const char *sample_place_print(const sample_place *p, char text[GRID_PLACE_MAX])
                  p->refused ? p->refused : "");
         return text;
     }
-    snprintf(text, GRID_PLACE_MAX, "%llu %s %s", (unsigned long long)p->offset,
-             sample_name(p->stored.type), p->big_endian ? "big" : "little");
+    int length = snprintf(text, GRID_PLACE_MAX, "%llu %s %s", (unsigned long long)p->offset,
+                          sample_name(p->stored.type), p->big_endian ? "big" : "little");
+    if (p->stored.slope != 0 || p->has_missing)
+        length += snprintf(text + length, GRID_PLACE_MAX - (size_t)length, " %a %a",
+                           p->stored.slope, p->stored.intercept);
+    if (p->has_missing)
+        snprintf(text + length, GRID_PLACE_MAX - (size_t)length, " %a", p->missing);
     return text;
 }
 
@@ -23,14 +29,21 @@ bool sample_place_is_chunks(const char *text) {
     return strcmp(text, chunks) == 0;
 }
 
+/* Offset, type, byte order; slope and intercept; missing. */
+enum { PLACE_WORDS = 3, SCALED_WORDS = 5, MISSING_WORDS = 6 };
+
 bool sample_place_parse(const char *text, sample_place *out) {
     unsigned long long offset;
     char type[8], order[8], more;
+    stored_samples *s = &out->stored;
     *out = (sample_place){0};
-    if (sscanf(text, "%llu %7s %7s %c", &offset, type, order, &more) != 3 ||
-        !sample_parse(type, &out->stored.type) ||
+    const int words = sscanf(text, "%llu %7s %7s %la %la %la %c", &offset, type, order, &s->slope,
+                             &s->intercept, &out->missing, &more);
+    if ((words != PLACE_WORDS && words != SCALED_WORDS && words != MISSING_WORDS) ||
+        !sample_parse(type, &s->type) || !isfinite(s->slope) || !isfinite(s->intercept) ||
         (strcmp(order, "big") != 0 && strcmp(order, "little") != 0))
         return false;
+    out->has_missing = words == MISSING_WORDS;
     out->offset = offset;
     out->big_endian = order[0] == 'b';
     return true;

@@ -37,8 +37,8 @@ typedef struct sample_place {
 /* Why samples cannot stay where they are, in a few words, such as "szip". */
 #define SAMPLE_PLACE_REFUSED "refused: "
 
-/* sample_place_print() - a place of plain numbers, without path and missing data, as text; of
- * chunks it says only that there are some; of one that is refused, why.
+/* sample_place_print() - a place of single numbers, without path, as text; of chunks it says only
+ * that there are some; of one that is refused, why.
  * sample_place_parse() - the place in one piece that a text tells; false if it is none. path stays
  * NULL.
  * sample_place_is_chunks() - whether the text says that there are chunks. */

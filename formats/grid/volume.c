@@ -318,8 +318,12 @@ bool volume_place(const volume *v, sample_place *out) {
         return false;
     if (out->refused)
         return true;
-    out->has_missing = v->has_missing;
-    out->missing = v->missing;
+    if (v->has_missing && out->has_missing)
+        out->refused = "it has a value for missing data of its own, beside the one given";
+    if (v->has_missing) {
+        out->has_missing = true;
+        out->missing = v->missing;
+    }
     return true;
 }
 

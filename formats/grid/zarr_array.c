@@ -310,6 +310,9 @@ static status read_storage(zarr_array *z, const json_t *root) {
     status st = read_filters(z, json_object_get(root, "filters"));
     if (st != ST_OK)
         return st;
+    if (json_object_get(root, "order") &&
+        (!order || (strcmp(order, "C") != 0 && strcmp(order, "F") != 0)))
+        return bad(z, ".zarray", ST_UNSUPPORTED, "order", "\"C\" or \"F\"");
     z->chunks.fortran = order && strcmp(order, "F") == 0;
     z->chunks.separator = separator ? *separator : '.';
     if (separator && strcmp(separator, ".") != 0 && strcmp(separator, "/") != 0)

@@ -38,18 +38,19 @@ static status read_stream(byte_stream *s, unpack_stream *packed, void *to, size_
     return packed ? unpack_stream_read(packed, to, size, got) : byte_stream_read(s, to, size, got);
 }
 
-static status read_exactly(byte_stream *s, unpack_stream *packed, void *to, size_t size) {
+static status read_exactly(byte_stream *s, unpack_stream *packed, void *to, size_t size,
+                           bool or_more) {
     char more;
     size_t got = 0, rest = 0;
     status st = read_stream(s, packed, to, size, &got);
-    if (st == ST_OK && got == size)
+    if (st == ST_OK && got == size && !or_more)
         st = read_stream(s, packed, &more, 1, &rest);
     return st == ST_OK && (got < size || rest) ? wrong_size(byte_stream_name(s), size) : st;
 }
 
 /* Unpack a stream, which is closed in any case. */
 static status take_stream(mem *m, bool is_packed, byte_stream *s, void *to, size_t size,
-                          uint64_t *read) {
+                          bool or_more, uint64_t *read) {
     unpack_stream *packed = NULL;
     const uint8_t *start;
     size_t held = 0;
@@ -61,7 +62,7 @@ static status take_stream(mem *m, bool is_packed, byte_stream *s, void *to, size
             st = unpack_stream_open(m, how ? how : &packer_zlib, s, &packed);
     }
     if (st == ST_OK)
-        st = read_exactly(s, packed, to, size);
+        st = read_exactly(s, packed, to, size, or_more);
     *read += byte_stream_position(s);
     unpack_stream_close(packed);
     byte_stream_close(s);
@@ -188,19 +189,20 @@ static void close_part(void *ctx) {
     (void)ctx;
 }
 
-status zarr_chunk_read_part(mem *m, zarr_codec codec, const zarr_part *part, void *to,
-                            size_t size) {
+status zarr_chunk_read_part(mem *m, zarr_codec codec, const zarr_part *part, void *to, size_t size,
+                            bool or_more) {
     zarr_part left = *part;
     byte_stream *s = NULL;
     uint64_t read = 0;
     if (codec == ZARR_RAW)
-        return part->bytes == size ? file_read_at(part->in, part->offset, to, size)
-                                   : wrong_size(part->name, size);
+        return part->bytes == size || (or_more && part->bytes > size)
+                   ? file_read_at(part->in, part->offset, to, size)
+                   : wrong_size(part->name, size);
     if (codec != ZARR_STREAM)
         return take_whole(m, codec, part, to, size);
     const status st =
         byte_stream_open_source(m, part->name, &(byte_source){read_part, close_part, &left}, &s);
-    return st == ST_OK ? take_stream(m, true, s, to, size, &read) : st;
+    return st == ST_OK ? take_stream(m, true, s, to, size, or_more, &read) : st;
 }
 
 status zarr_chunk_read(mem *m, zarr_codec codec, const char *path, void *to, size_t size,
@@ -214,5 +216,5 @@ status zarr_chunk_read(mem *m, zarr_codec codec, const char *path, void *to, siz
         return take_file(m, codec, path, to, size, read);
     byte_stream *s = NULL;
     const status st = byte_stream_open_stored(m, path, &s);
-    return st == ST_OK ? take_stream(m, codec == ZARR_STREAM, s, to, size, read) : st;
+    return st == ST_OK ? take_stream(m, codec == ZARR_STREAM, s, to, size, false, read) : st;
 }

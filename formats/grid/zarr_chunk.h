@@ -36,8 +36,9 @@ typedef struct zarr_part {
     const char *name;
 } zarr_part;
 
-/* zarr_chunk_read_part() - the same from part of a file. */
+/* zarr_chunk_read_part() - the same from part of a file. or_more: what is behind size bytes is not
+ * looked at; only for ZARR_RAW and ZARR_STREAM. */
 CHECKED status zarr_chunk_read_part(mem *m, zarr_codec codec, const zarr_part *part, void *to,
-                                    size_t size);
+                                    size_t size, bool or_more);
 
 #endif

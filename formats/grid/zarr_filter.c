@@ -9,10 +9,10 @@
 
 enum { BLOCK = 512, ELEMENT_MAX = 256 };
 
-typedef enum filter_kind { SHUFFLE, DELTA, SCALE, CONVERT } filter_kind;
+typedef enum filter_kind { SHUFFLE, DELTA, SCALE, CONVERT, ROWS } filter_kind;
 
 /* The filters, with the keys of the types before and after; NULL: no such key. The order is that of
- * OUTSIDE.md. */
+ * OUTSIDE.md. Those of Zarr come first. */
 static const struct {
     const char *id, *plain, *coded;
     filter_kind kind;
@@ -20,7 +20,9 @@ static const struct {
                {"delta", "dtype", "astype", DELTA},
                {"fixedscaleoffset", "dtype", "astype", SCALE},
                {"quantize", "dtype", "astype", CONVERT},
-               {"astype", "decode_dtype", "encode_dtype", CONVERT}};
+               {"astype", "decode_dtype", "encode_dtype", CONVERT},
+               [ZARR_FILTER_ROWS] = {"rows", NULL, NULL, ROWS}};
+_Static_assert(sizeof filters / sizeof *filters == ZARR_FILTER_KINDS, "sections store them");
 static const char known[] = "shuffle, delta, fixedscaleoffset, quantize and astype";
 
 /* ---- what the JSON says ---- */
@@ -51,7 +53,8 @@ static bool is_plain(sample_type t) {
 static bool types_suit(const zarr_filter *f) {
     const sample_type a = f->plain.type, b = f->coded.type;
     switch (filters[f->kind].kind) {
-    case SHUFFLE: return true;
+    case SHUFFLE:
+    case ROWS: return true;
     case DELTA: return sample_is_integer(a) ? sample_is_integer(b) : a == b && is_plain(a);
     default: return is_plain(a) && is_plain(b);
     }
@@ -62,9 +65,15 @@ static bool scale_suits(const zarr_filter *f) {
            (f->scale != 0 && isfinite(f->scale) && isfinite(f->offset));
 }
 
+static bool row_suits(const zarr_filter *f) {
+    if (filters[f->kind].kind != ROWS)
+        return f->row == 0;
+    return f->element > 0 && f->row > 0 && f->row % f->element == 0;
+}
+
 static status read_filter(const json_t *filter, zarr_number at, const char *json, zarr_filter *f) {
     const char *id = json_string_value(json_object_get(filter, "id"));
-    const int rows = sizeof filters / sizeof *filters;
+    const int rows = ZARR_FILTER_ROWS;
     *f = (zarr_filter){.plain = at, .coded = at};
     while (f->kind < rows && (!id || strcmp(filters[f->kind].id, id) != 0))
         f->kind++;
@@ -108,11 +117,10 @@ status zarr_filters_read(const json_t *list, zarr_number array, const char *json
 }
 
 bool zarr_filters_sound(const zarr_filters *f, zarr_number array) {
-    const int rows = sizeof filters / sizeof *filters;
     for (int i = 0; i < f->count; array = f->of[i++].coded) {
         const zarr_filter *at = &f->of[i];
-        if (at->kind < 0 || at->kind >= rows || at->element > ELEMENT_MAX || !types_suit(at) ||
-            !same_number(at->plain, array) || !scale_suits(at))
+        if (at->kind < 0 || at->kind >= ZARR_FILTER_KINDS || at->element > ELEMENT_MAX ||
+            !types_suit(at) || !same_number(at->plain, array) || !scale_suits(at) || !row_suits(at))
             return false;
         if (!filters[at->kind].plain && !same_number(at->coded, at->plain))
             return false;
@@ -184,6 +192,26 @@ static void sum_up(const zarr_filter *f, size_t count, const void *in, void *out
     }
 }
 
+/* Add the element before to each of a row, whatever its bits mean. */
+#define SUM_ROWS(whole)                                        \
+    for (size_t at = 0; at < count; at += f->row)              \
+        for (size_t i = at + f->element; i < at + f->row; i++) \
+            ((whole *)out)[i] = (whole)(((const whole *)out)[i - f->element] + ((whole *)out)[i]);
+
+static bool sum_rows(const zarr_filter *f, size_t count, const void *in, void *out) {
+    const size_t width = sample_size(f->plain.type);
+    memcpy(out, in, count * width);
+    if (count % f->row)
+        return false;
+    switch (width) {
+    case 1: SUM_ROWS(uint8_t) break;
+    case 2: SUM_ROWS(uint16_t) break;
+    case 4: SUM_ROWS(uint32_t) break;
+    default: SUM_ROWS(uint64_t) break;
+    }
+    return true;
+}
+
 /* Store a number as NumPy casts it. Whole numbers are rounded towards 0, must fit 64 bits, and
  * wrap. */
 static bool store(sample_type type, double v, void *numbers, size_t i) {
@@ -227,10 +255,11 @@ static bool undo(const zarr_filter *f, size_t count, void *in, void *out) {
     if (filters[f->kind].kind == SHUFFLE)
         return unshuffle(f, count * sample_size(f->coded.type), in, out);
     turn(f->coded, in, count);
-    if (filters[f->kind].kind == DELTA)
-        sum_up(f, count, in, out);
-    else
-        done = convert(f, count, in, out);
+    switch (filters[f->kind].kind) {
+    case DELTA: sum_up(f, count, in, out); break;
+    case ROWS: done = sum_rows(f, count, in, out); break;
+    default: done = convert(f, count, in, out); break;
+    }
     turn(f->plain, out, count);
     return done;
 }

@@ -1,10 +1,11 @@
 /* zarr_filter.h - undo numcodecs' filters, which were applied to the bytes of a Zarr chunk before
- * packing. They are undone in reverse order.
+ * packing, and the predictor of TIFF. They are undone in reverse order.
  *
  *   shuffle            bytes of one place of all elements side by side
  *   delta              differences, of numbers of the same kind
  *   fixedscaleoffset   (value - offset) * scale, rounded
  *   quantize, astype   another type
+ *   rows               differences to the element before, in rows; not in Zarr
  *
  * Computed as numcodecs does, in the type that NumPy would choose; whole numbers wrap around.
  */
@@ -19,7 +20,10 @@
 #include "formats/base/sample.h"
 #include "formats/base/status.h"
 
-enum { ZARR_FILTERS = 8, ZARR_FILTER_KINDS = 5 };
+enum { ZARR_FILTERS = 8, ZARR_FILTER_KINDS = 6 };
+
+/* Kinds that are not found by name: rows of the table in zarr_filter.c. */
+enum { ZARR_FILTER_SHUFFLE = 0, ZARR_FILTER_ROWS = 5 };
 
 typedef struct zarr_number {
     sample_type type;
@@ -31,7 +35,8 @@ typedef struct zarr_filter {
     zarr_number plain,
         coded; /* numbers before and after the filter was applied; of shuffle the same */
     double scale, offset;
-    uint32_t element; /* bytes */
+    uint32_t element; /* bytes; of rows numbers */
+    uint32_t row;     /* numbers of a row, a multiple of element; else 0 */
 } zarr_filter;
 
 typedef struct zarr_filters {

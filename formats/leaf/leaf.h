@@ -78,7 +78,8 @@ enum {
     LEAF_CHUNKS_FORTRAN = 1u << 0, /* within a chunk the first axis is fastest, else the last */
     LEAF_CHUNKS_SLASH = 1u << 1,   /* '/' is between the indices of its name, else '.' */
     LEAF_CHUNKS_LINKS = 1u << 2,   /* chunks may lie outside of their folder */
-    LEAF_CHUNKS_SUMMED = 1u << 3   /* 4 bytes of a checksum lie behind a chunk's packed ones */
+    LEAF_CHUNKS_SUMMED = 1u << 3,  /* 4 bytes of a checksum lie behind a chunk's packed ones */
+    LEAF_CHUNKS_CUT = 1u << 4      /* rows of a chunk that are not in the grid may be missing */
 };
 
 enum {
@@ -159,11 +160,11 @@ typedef struct leaf_part {     /* offset size */
 /* A filter that was applied to the numbers of a chunk before packing. */
 typedef struct leaf_filter {   /* offset size */
     uint32_t kind;             /*    0    4  as in OUTSIDE.md, from 1 */
-    uint32_t element;          /*    4    4  shuffle: bytes of an element */
+    uint32_t element;          /*    4    4  shuffle: bytes of an element; rows: numbers of one */
     uint32_t type;             /*    8    4  sample_type of a number before it was applied */
     uint32_t coded_type;       /*   12    4  and behind it */
     uint32_t flags;            /*   16    4  LEAF_FILTER_* */
-    uint32_t reserved;         /*   20    4 */
+    uint32_t row;              /*   20    4  rows: numbers of a row, else 0 */
     double scale, offset;      /*   24   16  fixedscaleoffset */
 } leaf_filter;
 /* Where the samples of level 0 lie in files of another format: as they are, x fastest, in one piece,

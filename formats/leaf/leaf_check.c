@@ -524,7 +524,7 @@ static uint64_t bytes_outside(const leaf_header *h, const sample_place *p) {
 
 /* Check what section OUTSIDE says of chunks, whose numbers are in range. */
 static status check_chunks(const char *path, const leaf_outside *o, uint64_t at) {
-    const uint32_t unnamed = LEAF_CHUNKS_FORTRAN | LEAF_CHUNKS_SUMMED;
+    const uint32_t unnamed = LEAF_CHUNKS_FORTRAN | LEAF_CHUNKS_SUMMED | LEAF_CHUNKS_CUT;
     const char *expected = outside_chunks_fault(o);
     if (expected)
         return leaf_check_corrupt(path, at + offsetof(leaf_outside, chunk), "expected %s",
@@ -533,6 +533,9 @@ static status check_chunks(const char *path, const leaf_outside *o, uint64_t at)
     if (o->offset || (in_files && o->file_bytes > OUTSIDE_JSON_MAX))
         return leaf_check_corrupt(path, at, "chunks are described in a file of at most %d bytes",
                                   OUTSIDE_JSON_MAX);
+    if (in_files && o->chunk_flags & LEAF_CHUNKS_CUT)
+        return leaf_check_corrupt(path, at + offsetof(leaf_outside, chunk_flags),
+                                  "expected whole files of chunks");
     if (!in_files && (o->sum || o->levels_up || o->chunk_flags & ~unnamed))
         return leaf_check_corrupt(path, at + offsetof(leaf_outside, chunk_flags),
                                   "expected nothing about files of chunks");
@@ -545,7 +548,7 @@ static status check_chunks(const char *path, const leaf_outside *o, uint64_t at)
 static status check_axis_of_chunks(const char *path, const leaf_outside *o, size_t at, uint32_t i) {
     const leaf_filter *f = &o->filter[i];
     const size_t filter = at + offsetof(leaf_outside, filter) + i * sizeof *f;
-    const bool used = i < o->filters;
+    const bool used = i < o->filters, rows = f->kind == ZARR_FILTER_ROWS + 1;
     const leaf_field fields[] = {
         {at + offsetof(leaf_outside, chunk) + i * sizeof *o->chunk, "chunk", o->chunk[i], 0,
          INT32_MAX},
@@ -557,7 +560,7 @@ static status check_axis_of_chunks(const char *path, const leaf_outside *o, size
          used ? SAMPLE_I64 : 0},
         {filter + offsetof(leaf_filter, flags), "flags", f->flags, 0,
          LEAF_FILTER_BIG_ENDIAN | LEAF_FILTER_BIG_CODED},
-        {filter + offsetof(leaf_filter, reserved), "reserved", f->reserved, 0, 0},
+        {filter + offsetof(leaf_filter, row), "row", f->row, rows, rows ? INT32_MAX : 0},
     };
     return leaf_check_fields(path, fields, sizeof fields / sizeof *fields);
 }
@@ -569,7 +572,8 @@ static status check_chunk_fields(const char *path, const leaf_outside *o, uint64
         {base + form, "form", o->form, LEAF_OUTSIDE_PIECE, LEAF_OUTSIDE_FORM_LAST},
         {base + offsetof(leaf_outside, axes), "axes", o->axes, 3, LEAF_CHUNK_AXES},
         {base + offsetof(leaf_outside, chunk_flags), "chunk_flags", o->chunk_flags, 0,
-         LEAF_CHUNKS_FORTRAN | LEAF_CHUNKS_SLASH | LEAF_CHUNKS_LINKS | LEAF_CHUNKS_SUMMED},
+         LEAF_CHUNKS_FORTRAN | LEAF_CHUNKS_SLASH | LEAF_CHUNKS_LINKS | LEAF_CHUNKS_SUMMED |
+             LEAF_CHUNKS_CUT},
         {base + offsetof(leaf_outside, codec), "codec", o->codec, ZARR_RAW, ZARR_LZF},
         {base + offsetof(leaf_outside, filters), "filters", o->filters, 0, LEAF_CHUNK_FILTERS},
         {base + offsetof(leaf_outside, step), "step", o->step, 0, INT32_MAX},

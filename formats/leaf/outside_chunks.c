@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "formats/grid/chunk_cache.h"
 
@@ -12,6 +13,7 @@ struct outside_chunks {
     chunk_array array;
     chunk_cache *cache;
     char *path;                           /* of their folder, or file */
+    bool in_file;                         /* all of them in one */
     uint32_t step, first_number, numbers; /* those of a sample that are taken */
 };
 
@@ -31,7 +33,8 @@ static leaf_filter filter_of(const zarr_filter *f) {
                          .flags = (f->plain.big_endian ? LEAF_FILTER_BIG_ENDIAN : 0) |
                                   (f->coded.big_endian ? LEAF_FILTER_BIG_CODED : 0),
                          .scale = f->scale,
-                         .offset = f->offset};
+                         .offset = f->offset,
+                         .row = f->row};
 }
 
 static zarr_filter filter_from(const leaf_filter *f) {
@@ -41,7 +44,8 @@ static zarr_filter filter_from(const leaf_filter *f) {
         .plain = {(sample_type)f->type, (f->flags & LEAF_FILTER_BIG_ENDIAN) != 0},
         .coded = {(sample_type)f->coded_type, (f->flags & LEAF_FILTER_BIG_CODED) != 0},
         .scale = f->scale,
-        .offset = f->offset};
+        .offset = f->offset,
+        .row = f->row};
 }
 
 /* Returns how far above a folder the trusted one is; 0 where it is none of those above. Both are
@@ -66,9 +70,10 @@ status outside_chunks_put(const sample_place *at, const char *folder, leaf_outsi
                                at->path, (unsigned long long)OUTSIDE_CHUNK_MAX);
     out->form = at->table ? LEAF_OUTSIDE_TABLE : LEAF_OUTSIDE_FILES;
     out->axes = (uint32_t)a->axes;
-    out->chunk_flags =
-        (a->fortran ? LEAF_CHUNKS_FORTRAN : 0) | (a->separator == '/' ? LEAF_CHUNKS_SLASH : 0) |
-        (at->follow_links ? LEAF_CHUNKS_LINKS : 0) | (a->summed ? LEAF_CHUNKS_SUMMED : 0);
+    out->chunk_flags = (a->fortran ? LEAF_CHUNKS_FORTRAN : 0) |
+                       (a->separator == '/' ? LEAF_CHUNKS_SLASH : 0) |
+                       (at->follow_links ? LEAF_CHUNKS_LINKS : 0) |
+                       (a->summed ? LEAF_CHUNKS_SUMMED : 0) | (a->rows ? LEAF_CHUNKS_CUT : 0);
     out->codec = a->codec;
     out->filters = (uint32_t)a->filters.count;
     out->step = at->step;
@@ -84,7 +89,7 @@ status outside_chunks_put(const sample_place *at, const char *folder, leaf_outsi
     return ST_OK;
 }
 
-chunk_array outside_chunks_array(const leaf_outside *o) {
+chunk_array outside_chunks_array(const leaf_outside *o, const uint32_t dims[3]) {
     chunk_array a = {.axes = (int)o->axes,
                      .fortran = (o->chunk_flags & LEAF_CHUNKS_FORTRAN) != 0,
                      .separator = o->chunk_flags & LEAF_CHUNKS_SLASH ? '/' : '.',
@@ -94,6 +99,7 @@ chunk_array outside_chunks_array(const leaf_outside *o) {
                      .summed = (o->chunk_flags & LEAF_CHUNKS_SUMMED) != 0,
                      .filters = {.count = (int)o->filters}};
     memcpy(a.fill, o->fill, sizeof a.fill);
+    a.rows = o->chunk_flags & LEAF_CHUNKS_CUT && dims ? dims[1] : 0;
     for (int i = 0; i < a.axes; i++) {
         a.chunk[i] = o->chunk[i];
         a.role[i] = (int)o->role[i] - 1;
@@ -116,7 +122,7 @@ static bool roles_suit(const leaf_outside *o) {
 }
 
 const char *outside_chunks_fault(const leaf_outside *o) {
-    const chunk_array a = outside_chunks_array(o);
+    const chunk_array a = outside_chunks_array(o, NULL);
     chunk_shape shape;
     for (uint32_t i = 0; i < LEAF_CHUNK_AXES; i++)
         if (i < o->axes ? !o->chunk[i] : o->chunk[i] || o->role[i])
@@ -127,6 +133,8 @@ const char *outside_chunks_fault(const leaf_outside *o) {
         return "filters that can be undone";
     if (!chunk_array_measure(&a, &shape) || shape.room > OUTSIDE_CHUNK_MAX)
         return "chunks of at most 2^32 bytes";
+    if (o->chunk_flags & LEAF_CHUNKS_CUT && !chunk_array_cuts(&a, &shape))
+        return "chunks that can lack rows";
     return NULL;
 }
 
@@ -154,7 +162,7 @@ static uint32_t numbers_taken(const leaf_outside *o) {
 }
 
 uint64_t outside_chunks_count(const leaf_outside *o, const uint32_t dims[3]) {
-    const chunk_array a = outside_chunks_array(o);
+    const chunk_array a = outside_chunks_array(o, dims);
     const uint32_t first[ORDER_AXES] = {0, 0, 0, first_number(o), o->step};
     const uint32_t end[ORDER_AXES] = {dims[0], dims[1], dims[2],
                                       first[ORDER_COMPONENT] + numbers_taken(o), o->step + 1};
@@ -183,6 +191,7 @@ static status open_cache(outside_chunks *c, const leaf_outside *o, const outside
     const number_box all = box_of(c, origin, in->dims);
     chunk_home home = {.path = c->path,
                        .follow_links = (o->chunk_flags & LEAF_CHUNKS_LINKS) != 0,
+                       .is_index = true,
                        .table = in->table,
                        .in = in->f};
     chunk_shape s;
@@ -207,8 +216,9 @@ status outside_chunks_open(mem *m, const leaf_outside *o, const outside_chunks_i
     if (!c)
         return ST_NOMEM;
     *c = (outside_chunks){.m = m,
-                          .array = outside_chunks_array(o),
+                          .array = outside_chunks_array(o, in->dims),
                           .path = mem_copy_text(m, file_path(in->f)),
+                          .in_file = in->table != NULL,
                           .step = o->step,
                           .first_number = first_number(o),
                           .numbers = numbers_taken(o)};
@@ -245,17 +255,41 @@ status outside_chunks_load(outside_chunks *c, const uint32_t first[3], const uin
     return chunk_cache_gather(c->cache, b.first, b.end, numbers, read);
 }
 
+/* Files that are looked for, at most: a box has few. */
+enum { LOOKED_AT = 1024 };
+
+/* Name the first chunk of a range whose file is not there, and count the others. */
+static void print_absent(const outside_chunks *c, const chunk_range *range, char *text,
+                         size_t room) {
+    uint32_t index[ORDER_AXES], absent = 0;
+    char path[CHUNK_FOLDER + CHUNK_NAME], first[CHUNK_NAME] = "";
+    memcpy(index, range->first, sizeof index);
+    for (int n = 0, r = 0; n < LOOKED_AT && r < ORDER_AXES; n++) {
+        struct stat info;
+        if (lstat(chunk_array_path(&c->array, c->path, index, path), &info) != 0 && !absent++)
+            snprintf(first, sizeof first, "%.*s", CHUNK_NAME - 1, path + strlen(c->path) + 1);
+        for (r = 0; r < ORDER_AXES && ++index[r] == range->first[r] + range->count[r]; r++)
+            index[r] = range->first[r];
+    }
+    if (absent == 1)
+        snprintf(text, room, ", of which %s is not there", first);
+    else if (absent)
+        snprintf(text, room, ", of which %s and %u more are not there", first, absent - 1);
+}
+
 const char *outside_chunks_print(const outside_chunks *c, const uint32_t first[3],
                                  const uint32_t count[3], char text[OUTSIDE_CHUNKS_TEXT]) {
     const number_box b = box_of(c, first, count);
-    char path[2][CHUNK_FOLDER + CHUNK_NAME];
+    char path[2][CHUNK_FOLDER + CHUNK_NAME], absent[CHUNK_NAME + 64] = "";
     chunk_range range;
     const bool one = chunk_array_range(chunk_cache_shape(c->cache), b.first, b.end, &range) == 1;
     const char *from = chunk_array_path(&c->array, "", range.first, path[0]) + 1;
+    if (!c->in_file)
+        print_absent(c, &range, absent, sizeof absent);
     for (int r = 0; r < ORDER_AXES; r++)
         range.first[r] += range.count[r] - 1;
     const char *to = chunk_array_path(&c->array, "", range.first, path[1]) + 1;
-    snprintf(text, OUTSIDE_CHUNKS_TEXT, "%s %.*s%s%.*s", one ? "chunk" : "chunks", CHUNK_NAME, from,
-             one ? "" : " to ", CHUNK_NAME, one ? "" : to);
+    snprintf(text, OUTSIDE_CHUNKS_TEXT, "%s %.*s%s%.*s%s", one ? "chunk" : "chunks", CHUNK_NAME,
+             from, one ? "" : " to ", CHUNK_NAME, one ? "" : to, absent);
     return text;
 }

@@ -20,9 +20,10 @@ enum { OUTSIDE_JSON_MAX = 1 << 22 };
 /* outside_chunks_put() - fill the part of a section that concerns chunks, but for its sum.
  * at: a place with chunks. folder: where files of chunks lie, without links. ST_UNSUPPORTED: they
  * are larger than OUTSIDE_CHUNK_MAX. outside_chunks_array() - the array that a section describes,
- * whose numbers are in range. */
+ * whose numbers are in range. dims: the grid's; NULL: `rows` is left
+ * out. */
 CHECKED status outside_chunks_put(const sample_place *at, const char *folder, leaf_outside *out);
-chunk_array outside_chunks_array(const leaf_outside *o);
+chunk_array outside_chunks_array(const leaf_outside *o, const uint32_t dims[3]);
 
 /* outside_chunks_count() - the chunks that a grid of these dims meets, of a section that is sound:
  * those of section CHUNKS. UINT64_MAX: more. */
@@ -58,8 +59,8 @@ const char *outside_chunks_path(const outside_chunks *c); /* of the folder, or f
 CHECKED status outside_chunks_load(outside_chunks *c, const uint32_t first[3],
                                    const uint32_t count[3], void *numbers, uint64_t *read);
 
-/* outside_chunks_print() - names the chunks that hold these nodes. */
-enum { OUTSIDE_CHUNKS_TEXT = 2 * CHUNK_NAME + 32 };
+/* outside_chunks_print() - names the chunks that hold these nodes, and which file is not there. */
+enum { OUTSIDE_CHUNKS_TEXT = 3 * CHUNK_NAME + 96 };
 const char *outside_chunks_print(const outside_chunks *c, const uint32_t first[3],
                                  const uint32_t count[3], char text[OUTSIDE_CHUNKS_TEXT]);
 

@@ -3,8 +3,8 @@
  *
  * In one piece of a file: they are read row by row, or slice by slice where rows lie close
  * together. That file must have the size and time that it had then, as the directory tells what
- * need not be read. In chunks (outside_chunks.h): the file that describes them must be the same;
- * of chunks, whoever reads samples compares their checksum.
+ * need not be read. In chunks (outside_chunks.h): the file that describes them must have the
+ * same bytes, whatever its time; of chunks, whoever reads samples compares their checksum.
  *
  * Thread-safe: any number of loads at once, each with a room of its own.
  */

@@ -78,13 +78,13 @@ static status stay_in_place(const convert_request *a, mem *m, const volume *v,
     if (p->codec == LEAF_CODEC_RAW)
         return status_describe(ST_USAGE, "--in-place compresses: without --compress none");
     if (!volume_place(v, &at))
-        return status_describe(
-            ST_UNSUPPORTED,
-            "%s: --in-place takes samples that lie in one file as they are, x "
-            "fastest, or in chunks of Zarr or HDF5: not packed, no text, no pipe",
-            a->common.input);
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: --in-place takes samples that lie in one file as they are, x "
+                               "fastest, or in chunks of Zarr, HDF5 or netCDF-4, or pages of TIFF: "
+                               "not packed, no text, no pipe",
+                               a->common.input);
     if (at.refused)
-        return status_describe(ST_UNSUPPORTED, "%s: --in-place: it cannot stay in its chunks: %s",
+        return status_describe(ST_UNSUPPORTED, "%s: --in-place: it cannot stay as it is stored: %s",
                                a->common.input, at.refused);
     p->outside = &out->outside;
     const status st = keep_table(m, &at, out, p);

@@ -105,6 +105,16 @@ static const char *const of_the_system[] = {"/usr",
 static const char *const of_the_user[] = {"HDF5_PLUGIN_PATH",  "DCMDICTPATH", "LD_LIBRARY_PATH",
                                           "OIIO_LIBRARY_PATH", "LOCPATH",     "GCONV_PATH"};
 
+static char *const *environment; /* NAME=value; NULL behind the last */
+
+static const char *variable(const char *name) {
+    const size_t length = strlen(name);
+    for (char *const *at = environment; at && *at; at++)
+        if (strncmp(*at, name, length) == 0 && (*at)[length] == '=')
+            return *at + length + 1;
+    return NULL;
+}
+
 static void allow_list(fence *f, const char *list) {
     char path[PATH_MAX];
     while (list && *list) {
@@ -132,7 +142,7 @@ static void allow_system(fence *f) {
     for (size_t i = 0; i < sizeof of_the_system / sizeof *of_the_system; i++)
         fence_allow(f, of_the_system[i], FENCE_READ | FENCE_LIST);
     for (size_t i = 0; i < sizeof of_the_user / sizeof *of_the_user; i++)
-        allow_list(f, getenv(of_the_user[i]));
+        allow_list(f, variable(of_the_user[i]));
     dl_iterate_phdr(allow_library, f);
     fence_allow(f, "/dev/null", FENCE_READ | FENCE_WRITE);
 }
@@ -143,8 +153,9 @@ static struct {
     size_t folder;      /* bytes of its folder's name, slash included */
 } door;
 
-void file_door_build(void) {
+void file_door_build(char *const *given) {
     fence f;
+    environment = given;
     if (fence_begin(&f)) {
         allow_system(&f);
         doorman.there = hire();

@@ -20,8 +20,9 @@
 #include "formats/base/status.h"
 
 /* file_door_build() - put up the fences; call it before any library has started a thread. Until
- * file_door_grant() only system files can be opened. Before this call, nothing is announced. */
-void file_door_build(void);
+ * file_door_grant() only system files can be opened. Before this call, nothing is announced.
+ * environment: as of main(), kept: so early getenv() has none yet. */
+void file_door_build(char *const *environment);
 
 typedef struct file_door_grants {
     char *const *inputs; /* files and folders; links in a folder may lead out of it */

@@ -23,12 +23,15 @@
 /* Run before all else: libraries start threads when they are loaded, and Landlock holds only
  * threads that start later. */
 #ifndef IMPORT_UNFENCED
-static void begin(void) {
+static void begin(int argc, char **argv, char **environment) {
+    (void)argc;
+    (void)argv;
     crash_begin();
-    file_door_build();
+    file_door_build(environment);
 }
 
-__attribute__((section(".preinit_array"), used)) static void (*const first)(void) = begin;
+__attribute__((section(".preinit_array"), used)) static void (*const first)(int, char **,
+                                                                            char **) = begin;
 #endif
 
 /* ---- descriptors ---- */

@@ -89,8 +89,9 @@ static status check_lacking(const render_job *job) {
     if (job->lacking == 0)
         return ST_OK;
     return status_describe(ST_FAILED,
-                           "%d of %d pictures lack treelets that are damaged; `leafcast verify "
-                           "--repair COPY' takes them from a copy",
+                           "%d of %d pictures lack treelets that are damaged: `leafcast verify' "
+                           "tells where; with --repair COPY it mends a treelet file, not an input "
+                           "in which samples were left",
                            job->lacking, job->drawn);
 }
 

@@ -80,8 +80,26 @@ ok "all of which changes nothing" [ -s "$tmp/x.leaf.unfinished/output" ]
 exits "to begin again" 0 "$leafcast" convert "$tmp/h.nrrd" -o "$out" --force
 ok "the bytes without them" cmp "$tmp/good.leaf" "$out"
 ok "and nothing else" alone
-exits "another run, with --resume" 1 "$leafcast" convert "$tmp/h.nrrd" -o "$out" --resume
-ok "finds its output there" says 'exists already'
+cp -p "$out" "$tmp/kept.leaf"
+exits "another run, with --resume" 0 "$leafcast" convert "$tmp/h.nrrd" -o "$out" --resume
+ok "finds its output there" says 'x.leaf: is there already, whole, and written after its input: nothing is done'
+exits "without it" 1 "$leafcast" convert "$tmp/h.nrrd" -o "$out"
+ok "is refused" says 'exists already'
+touch -d '2099-01-01' "$tmp/h.nrrd"
+exits "an input that was written after" 1 "$leafcast" convert "$tmp/h.nrrd" -o "$out" --resume
+ok "is told" says 'x.leaf: is there already, and no unfinished work; but its input was written after it: --force makes it again, another -o leaves it'
+touch -r "$tmp/g.nrrd" "$tmp/h.nrrd"
+exits "another way" 1 "$leafcast" convert "$tmp/h.nrrd" -o "$out" --resume --in-place
+ok "is told" says 'but it was made without --in-place: --force'
+exits "of standard input" 1 sh -c '"$1" convert - -o "$2" --resume <"$3"' sh "$leafcast" "$out" "$tmp/h.nrrd"
+ok "is told" says 'but whether it is of standard input is not known: --force'
+ok "all of which changes nothing" cmp "$tmp/kept.leaf" "$out"
+head -c 5000 "$tmp/kept.leaf" >"$out"
+exits "an output that is cut off" 3 "$leafcast" convert "$tmp/h.nrrd" -o "$out" --resume
+ok "is told" says 'x.leaf: is there already, and no unfinished work; but .*x.leaf: .*: --force makes it again'
+ok "and stays" [ "$(wc -c <"$out")" = 5000 ]
+ok "and nothing else" alone
+mv "$tmp/kept.leaf" "$out"
 exits "with --force, too" 0 "$leafcast" convert "$tmp/h.nrrd" -o "$out" --resume --force
 rm "$out"
 exits "--resume without work to go on with" 0 "$leafcast" convert "$tmp/h.nrrd" -o "$out" --resume

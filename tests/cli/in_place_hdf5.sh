@@ -116,6 +116,97 @@ ok "these were $(wc -l <"$tmp/list") data sets" [ "$(wc -l <"$tmp/list")" -gt 20
 exits "info" 0 "$leafcast" info "$tmp/gzip.leaf"
 ok "says in which file level 0 is" grep -q "level 0  *in place, in .*in/gzip.h5$" "$tmp/out"
 
+# ---- codecs that the library has of plugins ----
+
+# A plugin for each, as small as can be: the importer reads samples with it for coarse levels, the index without.
+mkdir "$tmp/plugins"
+cat >"$tmp/plugin.c" <<'C'
+#include <H5PLextern.h>
+#include <blosc.h>
+#include <stdlib.h>
+#include <zstd.h>
+#ifdef BLOSC
+enum { ID = 32001 };
+static size_t take(const void *in, size_t bytes, void **out) {
+    size_t size = 0, packed, block;
+    blosc_cbuffer_sizes(in, &size, &packed, &block);
+    *out = malloc(size);
+    return bytes >= 16 && blosc_decompress_ctx(in, *out, size, 1) == (int)size ? size : 0;
+}
+#else
+enum { ID = 32015 };
+static size_t take(const void *in, size_t bytes, void **out) {
+    const size_t size = ZSTD_getFrameContentSize(in, bytes);
+    *out = malloc(size);
+    return ZSTD_decompress(*out, size, in, bytes) == size ? size : 0;
+}
+#endif
+static size_t filter(unsigned flags, size_t n, const unsigned v[], size_t bytes, size_t *room, void **buffer) {
+    void *out = NULL;
+    const size_t size = flags & H5Z_FLAG_REVERSE ? take(*buffer, bytes, &out) : 0;
+    free(*buffer);
+    *buffer = out;
+    *room = size;
+    return size;
+}
+static const H5Z_class2_t row = {H5Z_CLASS_T_VERS, ID, 1, 1, "row", NULL, NULL, filter};
+H5PL_type_t H5PLget_plugin_type(void) { return H5PL_TYPE_FILTER; }
+const void *H5PLget_plugin_info(void) { return &row; }
+C
+cat >"$tmp/packed.py" <<'PY'
+import ctypes, sys
+import h5py, numpy as np
+folder = sys.argv[1] + "/"
+r = np.random.default_rng(6)
+a = np.cumsum(r.integers(-3, 4, (40, 37, 41)), 2).astype("<i2")
+zstd, blosc = ctypes.CDLL("libzstd.so.1"), ctypes.CDLL("libblosc.so.1")
+zstd.ZSTD_compress.restype = ctypes.c_size_t
+def by_zstd(data):
+    room = ctypes.create_string_buffer(2 * len(data) + 1000)
+    n = zstd.ZSTD_compress(room, ctypes.c_size_t(len(room)), data, ctypes.c_size_t(len(data)), 3)
+    return room.raw[:n]
+def by_blosc(data):
+    room = ctypes.create_string_buffer(2 * len(data) + 1000)
+    n = blosc.blosc_compress_ctx(5, 1, ctypes.c_size_t(2), ctypes.c_size_t(len(data)), data, room, ctypes.c_size_t(len(room)), b"lz4", ctypes.c_size_t(0), 1)
+    return room.raw[:n]
+def shuffled(data):
+    return np.frombuffer(data, "u1").reshape(-1, 2).T.tobytes()
+for name, id, pack, shuffle in ("zstd", 32015, by_zstd, False), ("zstd_shuffled", 32015, by_zstd, True), ("blosc", 32001, by_blosc, False):
+    with h5py.File(folder + name + ".h5", "w") as f:
+        plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+        chunk = 10, 12, 13
+        plist.set_chunk(chunk)
+        if shuffle:
+            plist.set_shuffle()
+        plist.set_filter(id, h5py.h5z.FLAG_OPTIONAL, (0,) * 7)
+        d = h5py.h5d.create(f.id, b"d", h5py.h5t.STD_I16LE, h5py.h5s.create_simple(a.shape), dcpl=plist)
+        for z in range(0, 40, 10):
+            for y in range(0, 37, 12):
+                for x in range(0, 41, 13):
+                    part = np.zeros(chunk, a.dtype)
+                    b = a[z:z + 10, y:y + 12, x:x + 13]
+                    part[:b.shape[0], :b.shape[1], :b.shape[2]] = b
+                    data = part.tobytes()
+                    d.write_direct_chunk((z, y, x), pack(shuffled(data) if shuffle else data), 0)
+PY
+plugin() {
+    # shellcheck disable=SC2046
+    ${CC:-cc} -shared -fPIC -o "$tmp/plugins/lib$1.so" "$tmp/plugin.c" "-D$1" $(pkg-config --cflags hdf5-serial) -lblosc -lzstd
+}
+if "$python" "$tmp/packed.py" "$in" 2>/dev/null && plugin BLOSC 2>/dev/null && plugin ZSTD 2>/dev/null; then
+    exits "without a plugin" 3 "$leafcast" convert "$in/zstd.h5" -o "$tmp/r.leaf" --in-place
+    export HDF5_PLUGIN_PATH="$tmp/plugins"
+    for name in zstd zstd_shuffled blosc; do
+        pair $name
+        chunks=$(od -An -tu4 -j 1500 -N4 "$tmp/$name.leaf" | tr -d ' ')
+        ok "$name: $chunks chunks" [ "$chunks" = 64 ]
+    done
+    unset HDF5_PLUGIN_PATH
+    exits "the index needs no plugin" 0 "$leafcast" verify "$tmp/blosc.leaf"
+else
+    skip "codecs of plugins" "no compiler, libblosc, libzstd or headers of HDF5 here"
+fi
+
 # ---- what stays refused ----
 
 refused() {
@@ -127,14 +218,14 @@ refused() {
     exits "$1: converted otherwise" 0 "$leafcast" convert "$in/$1.h5" -o "$tmp/r.leaf" ${3-}
     rm -f "$tmp/r.leaf"
 }
-refused scaleoffset ": it cannot stay in its chunks: scaleoffset"
-refused behind ": it cannot stay in its chunks: a user block in front"
-refused linked ": it cannot stay in its chunks: it is a data set of another file" "--field /d"
+refused scaleoffset ": it cannot stay as it is stored: scaleoffset"
+refused behind ": it cannot stay as it is stored: a user block in front"
+refused linked ": it cannot stay as it is stored: it is a data set of another file" "--field /d"
 for name in scaled filled half; do
-    refused $name ": it cannot stay in its chunks: numbers whose type, scale or fill value HDF5 undoes"
+    refused $name ": it cannot stay as it is stored: numbers whose type, scale or fill value HDF5 undoes"
 done
 if [ -e "$in/edges" ]; then
-    refused edges ": it cannot stay in its chunks: chunks at the edge without filters"
+    refused edges ": it cannot stay as it is stored: chunks at the edge without filters"
 else
     skip "edges without filters" "this library of HDF5 is not found"
 fi

@@ -101,8 +101,12 @@ begin_changed() {
 }
 begin_changed
 touch -d '2001-01-01' "$tmp/c.zarr/0/.zarray"
-changed "another time" "c.zarr/0/.zarray: has another time than when .*c.leaf was made" 3
-begin_changed
+exits "its time does not count: its bytes do" 0 "$leafcast" verify "$tmp/c.leaf"
+mkdir "$tmp/elsewhere"
+cp -r "$tmp/c.zarr" "$tmp/c.leaf" "$tmp/elsewhere"
+mv "$tmp/c.zarr" "$tmp/away"
+exits "copies of both, without their times" 0 "$leafcast" verify "$tmp/elsewhere/c.leaf"
+mv "$tmp/away" "$tmp/c.zarr"
 touch -r "$tmp/c.zarr/0/.zarray" "$tmp/time"
 printf ' ' >>"$tmp/c.zarr/0/.zarray"
 touch -r "$tmp/time" "$tmp/c.zarr/0/.zarray"
@@ -115,17 +119,34 @@ run "$leafcast" export "$tmp/other.leaf" -o "$tmp/other.zarr"
 cp "$tmp/other.zarr/0/$chunk" "$tmp/c.zarr/0/$chunk"
 changed "another chunk" "c.zarr/0: chunk.* the samples of treelet [0-9]* have the checksum" 3
 exits "drawn without it, if that is allowed" 1 "$leafcast" render "$tmp/c.leaf" --size 40x30 --tf auto -o "$tmp/q.ppm" --allow-missing
+ok "no copy of the index is called for" says "with --repair COPY it mends a treelet file, not an input in which samples were left"
 rm -f "$tmp/q.ppm"
 rm "$tmp/c.zarr/0/$chunk"
-changed "a chunk that is gone" "c.zarr/0: chunk.* the samples of treelet [0-9]* have the checksum" 3
+changed "a chunk that is gone" "c.zarr/0: chunk.* is not there: the samples of treelet [0-9]* have the checksum" 3
+ok "is named" says ", of which $(echo "$chunk" | cut -c3-) is not there"
 printf x >"$tmp/c.zarr/0/$chunk"
 changed "a damaged chunk" "c.zarr/0/.*: " 3
 rm "$tmp/c.zarr/0/$chunk"
 mkfifo "$tmp/c.zarr/0/$chunk"
 exits "a pipe in its place" 3 timeout 20 "$leafcast" verify "$tmp/c.leaf"
+ok "is told as that" says "c.zarr/0/.*: is a named pipe, expected a regular file"
+rm "$tmp/c.zarr/0/$chunk"
+cp "$in/u8.zarr/0/$chunk" "$tmp/moved"
+ln -s "$tmp/moved" "$tmp/c.zarr/0/$chunk"
+exits "a link to another folder" 3 "$leafcast" export "$tmp/c.leaf" -o "$tmp/q.raw" --format raw
+ok "what helps is told" says "lies outside of its folder, which was not allowed when this index was made of it: convert it again with --follow-links"
+exits "that helps" 0 "$leafcast" convert "$tmp/c.zarr" -o "$tmp/linked.leaf" --in-place --follow-links
+exits "indeed" 0 "$leafcast" verify "$tmp/linked.leaf"
 mv "$tmp/c.zarr" "$tmp/d.zarr"
 exits "without its array" 1 "$leafcast" render "$tmp/c.leaf" -o "$tmp/q.ppm"
 ok "by name" says "c.leaf: its samples lie in another file: .*c.zarr/0/.zarray"
+
+# ---- an order that is none ----
+
+cp -r "$in/u8.zarr" "$tmp/x.zarr"
+sed 's/"order": *"C"/"order": "X"/' "$in/u8.zarr/0/.zarray" >"$tmp/x.zarr/0/.zarray"
+exits "another order" 3 "$leafcast" convert "$tmp/x.zarr" -o "$tmp/x.leaf"
+ok "is named" says 'x.zarr/0/.zarray: "order": expected "C" or "F"'
 
 # ---- what Python's zarr writes ----
 

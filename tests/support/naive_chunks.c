@@ -21,13 +21,14 @@ enum { BEHIND = 4096, AXES = 8, SIZE = 4608 };
 
 typedef struct filter {
     int kind, element, type, coded;
+    long row;
     bool big, big_coded;
     double scale, offset;
 } filter;
 
 typedef struct array {
     int axes, codec, filters, type;
-    bool fortran, slash, big, summed;
+    bool fortran, slash, big, summed, cut;
     long step, chunk[AXES], role[AXES];
     long first_number, numbers;
     filter filter[8];
@@ -44,6 +45,7 @@ static filter read_filter(const unsigned char *b) {
                     .coded = (int)naive_number(b + 12, 4),
                     .big = flags & 1,
                     .big_coded = flags >> 1 & 1,
+                    .row = (long)naive_number(b + 20, 4),
                     .scale = naive_real64(b + 24),
                     .offset = naive_real64(b + 32)};
 }
@@ -58,6 +60,7 @@ static array read_array(const unsigned char *b) {
                .fortran = flags & 1,
                .slash = flags >> 1 & 1,
                .summed = flags >> 3 & 1,
+               .cut = flags >> 4 & 1,
                .big = naive_number(b + 40, 4) & 1,
                .step = (long)naive_number(b + 4116, 4),
                .first_number = one ? one - 1 : 0,
@@ -80,7 +83,7 @@ const char *naive_chunks_check(const unsigned char *section, int *chunks) {
     const array a = read_array(section);
     int of[6] = {0};
     if (form > 2 || a.axes < 3 || a.axes > AXES || a.codec < 1 || a.codec > 5 || a.filters < 0 ||
-        a.filters > 8 || flags > 15 || (form == 2 && (flags & 6)) ||
+        a.filters > 8 || flags > 31 || (form == 2 && (flags & 6)) || (form == 1 && a.cut) ||
         (form == 2 && !naive_zeros(section, 4120, 4124)) ||
         (form == 2 && !naive_zeros(section, 4136, 4144)) || !naive_zeros(section, 4124, 4128) ||
         !naive_zeros(section, 4528, SIZE))
@@ -89,6 +92,8 @@ const char *naive_chunks_check(const unsigned char *section, int *chunks) {
         if (a.role[i] > 5 || (i < a.axes) != (a.chunk[i] > 0) || (i >= a.axes && a.role[i]))
             return "an axis of chunks";
         of[a.role[i]] += i < a.axes;
+        if (i < a.filters && (a.filter[i].kind == 6) != (a.filter[i].row > 0))
+            return "a filter of rows";
         if (i >= a.filters && !naive_zeros(section, 4208 + 40 * (size_t)i, 4248 + 40 * (size_t)i))
             return "a filter too many";
     }
@@ -98,35 +103,52 @@ const char *naive_chunks_check(const unsigned char *section, int *chunks) {
 
 /* ---- unpacking ---- */
 
-static bool inflate_all(const unsigned char *in, size_t size, unsigned char *out, size_t room) {
+/* more: whether bytes may follow that do not fit. */
+static bool inflate_all(const unsigned char *in, size_t size, unsigned char *out, size_t room,
+                        bool more) {
     z_stream z = {.next_in = (unsigned char *)(uintptr_t)in,
                   .avail_in = (unsigned)size,
                   .next_out = out,
                   .avail_out = (unsigned)room};
     if (inflateInit2(&z, 15 + 32) != Z_OK)
         return false;
-    const bool good = inflate(&z, Z_FINISH) == Z_STREAM_END && z.avail_out == 0;
+    const bool good = (inflate(&z, Z_FINISH) == Z_STREAM_END || more) && z.avail_out == 0;
     inflateEnd(&z);
     return good;
 }
 
-static bool unpack_stream(const unsigned char *in, size_t size, unsigned char *out, size_t room) {
+static bool unpack_zstd(const unsigned char *in, size_t size, unsigned char *out, size_t room) {
+    ZSTD_DStream *z = ZSTD_createDStream();
+    ZSTD_inBuffer from = {in, size, 0};
+    ZSTD_outBuffer to = {out, room, 0};
+    for (size_t left = 1; z && left && to.pos < room && !ZSTD_isError(left);) {
+        const size_t before = from.pos + to.pos;
+        left = ZSTD_decompressStream(z, &to, &from);
+        left = from.pos + to.pos == before ? 0 : left;
+    }
+    ZSTD_freeDStream(z);
+    return to.pos == room;
+}
+
+static bool unpack_stream(const unsigned char *in, size_t size, unsigned char *out, size_t room,
+                          bool more) {
     if (size >= 4 && memcmp(in, "\x28\xb5\x2f\xfd", 4) == 0)
-        return ZSTD_decompress(out, room, in, size) == room;
+        return more ? unpack_zstd(in, size, out, room)
+                    : ZSTD_decompress(out, room, in, size) == room;
     if (size >= 3 && memcmp(in, "BZh", 3) == 0) {
         unsigned got = (unsigned)room;
-        return BZ2_bzBuffToBuffDecompress((char *)out, &got, (char *)(uintptr_t)in, (unsigned)size,
-                                          0, 0) == BZ_OK &&
-               got == room;
+        const int end = BZ2_bzBuffToBuffDecompress((char *)out, &got, (char *)(uintptr_t)in,
+                                                   (unsigned)size, 0, 0);
+        return (end == BZ_OK && got == room) || (more && end == BZ_OUTBUFF_FULL);
     }
     if (size >= 6 && memcmp(in, "\xfd\x37zXZ\0", 6) == 0) {
         uint64_t limit = UINT64_MAX;
         size_t from = 0, to = 0;
-        return lzma_stream_buffer_decode(&limit, 0, NULL, in, &from, size, out, &to, room) ==
-                   LZMA_OK &&
-               to == room;
+        const lzma_ret end =
+            lzma_stream_buffer_decode(&limit, 0, NULL, in, &from, size, out, &to, room);
+        return (end == LZMA_OK && to == room) || (more && end == LZMA_BUF_ERROR);
     }
-    return inflate_all(in, size, out, room);
+    return inflate_all(in, size, out, room, more);
 }
 
 static bool unpack_lzf(const unsigned char *in, size_t size, unsigned char *out, size_t room) {
@@ -157,14 +179,15 @@ static bool unpack_lzf(const unsigned char *in, size_t size, unsigned char *out,
 
 typedef int blosc_unpack(const void *from, void *to, size_t room, int threads);
 
-static bool unpack(int codec, const unsigned char *in, size_t size, unsigned char *out,
-                   size_t room) {
+static bool unpack(int codec, const unsigned char *in, size_t size, unsigned char *out, size_t room,
+                   bool more) {
     if (codec == 1) {
-        memcpy(out, in, size == room ? size : 0);
-        return size == room;
+        const bool good = size == room || (more && size > room);
+        memcpy(out, in, good ? room : 0);
+        return good;
     }
     if (codec == 2)
-        return unpack_stream(in, size, out, room);
+        return unpack_stream(in, size, out, room, more);
     if (codec == 5)
         return unpack_lzf(in, size, out, room);
     if (codec == 4)
@@ -249,6 +272,16 @@ static void sum_up(const filter *f, const unsigned char *in, unsigned char *out,
         }
 }
 
+static void sum_rows(const filter *f, const unsigned char *in, unsigned char *out, long count) {
+    const int width = widths[f->type];
+    for (long i = 0; i < count; i++) {
+        uint64_t v = naive_number(in + i * width, width);
+        if (i % f->row >= f->element)
+            v += naive_number(out + (i - f->element) * width, width);
+        put_whole(out + i * width, width, v);
+    }
+}
+
 static double unscaled(const filter *f, double v) {
     if (f->kind != 3)
         return v;
@@ -268,6 +301,8 @@ static void undo(const filter *f, unsigned char *in, unsigned char *out, long co
         turn(in, count, from);
     if (f->kind == 2)
         sum_up(f, in, out, count);
+    else if (f->kind == 6)
+        sum_rows(f, in, out, count);
     else
         for (long i = 0; i < count; i++)
             put_real(out + i * to, f->type, unscaled(f, real_at(in + i * from, f->coded)));
@@ -337,7 +372,7 @@ static unsigned char *chunk_of(array a, const naive_chunks_file *in, const unsig
         return room[0];
     }
     const int coded = a.filters ? a.filter[a.filters - 1].coded : a.type;
-    const bool good = unpack(a.codec, bytes, size, room[0], (size_t)(count * widths[coded]));
+    const bool good = unpack(a.codec, bytes, size, room[0], (size_t)(count * widths[coded]), a.cut);
     free(bytes);
     for (int i = a.filters - 1; good && i >= 0; i--, now = 1 - now)
         undo(&a.filter[i], room[now], room[1 - now], count);
@@ -402,6 +437,16 @@ static const unsigned char *entry_of(const array *a, const naive_chunks_file *in
     return n < in->table_count ? in->table + 16 * n : NULL;
 }
 
+/* How many numbers a chunk must have: all, or those of rows in the grid. */
+static long count_of(const array *a, const long dims[3], const long index[AXES], long count) {
+    for (int i = 0; i < a->axes; i++) {
+        const long left = dims[1] - index[i] * a->chunk[i];
+        if (a->cut && a->role[i] == 2 && left < a->chunk[i])
+            return count / a->chunk[i] * left;
+    }
+    return count;
+}
+
 static bool read_chunks(const array *a, const naive_chunks_file *in, const long dims[3], long count,
                         unsigned char *room[2], unsigned char *numbers) {
     long index[AXES] = {0}, first[AXES] = {0}, last[AXES] = {0}, chunks = 1;
@@ -413,11 +458,12 @@ static bool read_chunks(const array *a, const naive_chunks_file *in, const long 
     for (int i = 0; i < a->axes;) {
         char path[8192];
         name_chunk(a, in->path, index, path);
+        const long there = count_of(a, dims, index, count);
         const unsigned char *chunk =
-            chunk_of(*a, in, entry_of(a, in, index, first, last), path, count, room);
+            chunk_of(*a, in, entry_of(a, in, index, first, last), path, there, room);
         if (!chunk)
             return false;
-        scatter(a, dims, index, count, chunk, numbers);
+        scatter(a, dims, index, there, chunk, numbers);
         for (i = 0; i < a->axes && ++index[i] > last[i]; i++)
             index[i] = first[i];
     }

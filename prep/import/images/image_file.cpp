@@ -163,6 +163,23 @@ void luminance(sample_type type, const void *rgb, void *out, size_t count) {
     }
 }
 
+/* Of doubles in a TIFF the library (2.4) reads whole strips at once, as they are stored. A single
+ * row or tile is zeros, and no error. */
+TypeDesc asked(sample_type type) {
+    return type == SAMPLE_F64 ? TypeDesc() : desc_of(type);
+}
+
+int rows_at_once(const ImageSpec &s, sample_type type) {
+    return s.tile_width ? s.tile_height : type == SAMPLE_F64 ? s.height : BAND_ROWS;
+}
+
+status refuse_double_tiles(const image_file *f) {
+    return status_describe(ST_UNSUPPORTED,
+                           "%s: page %u has tiles of doubles, of which the library makes zeros; "
+                           "strips or floats are read (tiffcp -s)",
+                           f->path.c_str(), f->page);
+}
+
 /* Read rows [first, end) of channels [c0, c1). Tiled files: whole rows of tiles. */
 bool read_rows(image_file *f, int first, int end, int c0, int c1, TypeDesc type, void *to) {
     const ImageSpec &s = f->spec;
@@ -178,13 +195,13 @@ status read_page(image_file *f, int channel, void *samples) {
     if (st != ST_OK)
         return st;
     const bool mixed = channel == IMAGE_LUMINANCE;
-    const int rows = f->spec.tile_width ? f->spec.tile_height : BAND_ROWS, width = f->spec.width;
+    const int rows = rows_at_once(f->spec, type), width = f->spec.width;
     const size_t row = size_t(width) * sample_size(type);
     std::vector<char> band(mixed ? 3 * row * rows : 0);
     for (int y = 0, end; y < f->spec.height; y = end) {
         end = std::min(y + rows, f->spec.height);
         char *to = static_cast<char *>(samples) + row * y;
-        if (!read_rows(f, y, end, mixed ? 0 : channel, mixed ? 3 : channel + 1, desc_of(type),
+        if (!read_rows(f, y, end, mixed ? 0 : channel, mixed ? 3 : channel + 1, asked(type),
                        mixed ? band.data() : to))
             return broken(f);
         if (mixed)
@@ -258,7 +275,9 @@ const char *image_file_description(const image_file *f) {
 }
 
 status image_file_type(const image_file *f, int channel, sample_type *out) {
-    return type_of(f, stored(f, channel), out);
+    const status st = type_of(f, stored(f, channel), out);
+    const bool doubles = st == ST_OK && *out == SAMPLE_F64 && f->spec.tile_width;
+    return doubles && strcmp(f->in->format_name(), "tiff") == 0 ? refuse_double_tiles(f) : st;
 }
 
 status image_file_read(image_file *f, int channel, void *samples) {

@@ -10,6 +10,7 @@
 #include "prep/import/images/image_tags.h"
 #include "prep/import/images/jpeg_end.h"
 #include "prep/import/images/tiff_pages.h"
+#include "prep/import/images/tiff_place.h"
 
 typedef struct page {
     uint32_t file, index;
@@ -26,12 +27,15 @@ typedef struct stack {
     image_tags tags;
     int channel; /* or IMAGE_LUMINANCE */
     sample_type type;
+    bool is_file; /* the input is the file itself, not its folder */
+    tiff_place place;
 } stack;
 
 static void stack_free(stack *s) {
     mem *m = s->m;
     image_file_close(s->open);
     image_names_release(&s->names);
+    tiff_place_release(&s->place);
     mem_free(m, s->pages);
     mem_free(m, s);
 }
@@ -203,6 +207,40 @@ static void describe_grid(const stack *s, const image_wish *wish, const char *pa
     text_file_name(g->name, sizeof g->name, path);
 }
 
+/* ---- where samples can stay ---- */
+
+/* Find the pages' samples in their file. */
+static status look_at_pages(stack *s, sample_place *out) {
+    uint32_t *pages = mem_array(s->m, s->page_count, sizeof *pages);
+    if (!pages)
+        return ST_NOMEM;
+    for (size_t z = 0; z < s->page_count; z++)
+        pages[z] = s->pages[z].index;
+    const tiff_wish wish = {.path = s->names.paths[0],
+                            .pages = pages,
+                            .slices = (uint32_t)s->page_count,
+                            .component = (uint32_t)(s->channel + 1),
+                            .type = s->type};
+    tiff_place_release(&s->place);
+    const status st = tiff_place_find(s->m, &wish, &s->place, out);
+    mem_free(s->m, pages);
+    return st;
+}
+
+static bool find_place(void *ctx, sample_place *out) {
+    stack *s = ctx;
+    *out = (sample_place){.path = NULL};
+    if (!s->open || strcmp(image_file_format(s->open), "tiff") != 0)
+        return false;
+    if (s->names.count > 1)
+        out->refused = "its slices are files of their own";
+    else if (!s->is_file)
+        out->refused = "it is a folder: name the TIFF in it";
+    else if (look_at_pages(s, out) != ST_OK)
+        out->refused = "its pages cannot be looked through";
+    return true;
+}
+
 /* ---- all of it ---- */
 
 static status look(stack *s, const import_request *q, const image_wish *wish) {
@@ -212,6 +250,7 @@ static status look(stack *s, const import_request *q, const image_wish *wish) {
         st = open_file(s, 0);
     if (st != ST_OK)
         return st;
+    s->is_file = strcmp(q->paths[0], s->names.paths[0]) == 0;
     s->first = *image_file_facts(s->open);
     st = image_tags_read(s->names.paths[0], image_file_description(s->open), s->first.channels,
                          &s->tags);
@@ -284,6 +323,8 @@ status image_slices_open(mem *m, const import_request *q, const image_wish *wish
                           .name = q->paths[0],
                           .m = m,
                           .read = read_slices,
+                          .place = find_place,
+                          .place_ctx = s,
                           .close = close_stack,
                           .ctx = s};
     describe_grid(s, wish, q->paths[0], &out->g);

@@ -21,29 +21,19 @@ enum {
     BITS = 258,
     COMPRESSION = 259,
     PHOTOMETRIC = 262,
+    FILL_ORDER = 266,
     STRIP_OFFSETS = 273,
     SAMPLES = 277,
     ROWS = 278,
     STRIP_BYTES = 279,
     PLANES = 284,
+    PREDICTOR = 317,
     TILE_WIDTH = 322,
     TILE_HEIGHT = 323,
     TILE_OFFSETS = 324,
-    TILE_BYTES = 325
+    TILE_BYTES = 325,
+    FORMAT = 339
 };
-
-/* An entry's numbers; count 0: there is no such entry. */
-typedef struct numbers {
-    uint64_t count, at; /* offset of the first number in the file */
-    int width;          /* bytes per number */
-} numbers;
-
-typedef struct page {
-    numbers offsets, bytes;
-    uint64_t width, height, bits, samples, rows, tile_width, tile_height;
-    bool packed, planar; /* packed: sizes do not determine bytes; planar: each channel has its own
-                            pieces */
-} page;
 
 static int width_of(uint64_t type) {
     switch (type) {
@@ -56,7 +46,7 @@ static int width_of(uint64_t type) {
 }
 
 /* Find where an entry's numbers are stored. */
-static status find_numbers(const tiff *t, uint64_t entry, uint64_t *tag, numbers *out) {
+static status find_numbers(const tiff *t, uint64_t entry, uint64_t *tag, tiff_numbers *out) {
     const int count_bytes = t->big ? 8 : 4;
     const uint64_t value = entry + 4 + (uint64_t)count_bytes;
     uint64_t type = 0, count = 0;
@@ -65,7 +55,7 @@ static status find_numbers(const tiff *t, uint64_t entry, uint64_t *tag, numbers
         st = tiff_number(t, entry + 2, 2, &type);
     if (st == ST_OK)
         st = tiff_number(t, entry + 4, count_bytes, &count);
-    *out = (numbers){.count = count, .at = value, .width = width_of(type)};
+    *out = (tiff_numbers){.count = count, .at = value, .width = width_of(type)};
     if (st != ST_OK || out->width == 0 || count > file_size(t->file)) {
         out->count = 0;
         return st;
@@ -74,9 +64,22 @@ static status find_numbers(const tiff *t, uint64_t entry, uint64_t *tag, numbers
     return inside ? ST_OK : tiff_number(t, value, count_bytes, &out->at);
 }
 
-static status take_entry(const tiff *t, uint64_t entry, page *p) {
+enum { SAMPLES_MAX = 256 }; /* whose sizes are compared */
+
+/* Compare a number of each sample with that of the first. */
+static status compare_samples(const tiff *t, const tiff_numbers *n, uint64_t first, tiff_page *p) {
+    status st = ST_OK;
+    for (uint64_t i = 1; i < n->count && i < SAMPLES_MAX && st == ST_OK; i++) {
+        uint64_t value = 0;
+        st = tiff_number(t, n->at + i * (uint64_t)n->width, n->width, &value);
+        p->uneven |= st == ST_OK && value != first;
+    }
+    return st;
+}
+
+static status take_entry(const tiff *t, uint64_t entry, tiff_page *p) {
     uint64_t tag, value = 0;
-    numbers n;
+    tiff_numbers n;
     status st = find_numbers(t, entry, &tag, &n);
     if (st == ST_OK && n.count)
         st = tiff_number(t, n.at, n.width, &value);
@@ -85,27 +88,44 @@ static status take_entry(const tiff *t, uint64_t entry, page *p) {
     switch (tag) {
     case WIDTH: p->width = value; break;
     case HEIGHT: p->height = value; break;
-    case BITS: p->bits = value; break;
-    case COMPRESSION: p->packed |= value != 1; break;
-    case PHOTOMETRIC: p->packed |= value == 6; break; /* YCbCr may have fewer colours than pixels */
+    case BITS: p->bits = value; return compare_samples(t, &n, value, p);
+    case COMPRESSION: p->compression = value; break;
+    case PHOTOMETRIC: p->photometric = value; break;
+    case FILL_ORDER: p->fill_order = value; break;
     case SAMPLES: p->samples = value; break;
     case ROWS: p->rows = value; break;
     case PLANES: p->planar = value == 2; break;
+    case PREDICTOR: p->predictor = value; break;
     case TILE_WIDTH: p->tile_width = value; break;
     case TILE_HEIGHT: p->tile_height = value; break;
     case STRIP_OFFSETS:
     case TILE_OFFSETS: p->offsets = n; break;
     case STRIP_BYTES:
     case TILE_BYTES: p->bytes = n; break;
+    case FORMAT: p->format = value; return compare_samples(t, &n, value, p);
     default: break;
     }
     return ST_OK;
 }
 
+status tiff_page_read(const tiff *t, uint64_t at, uint64_t entries, tiff_page *out) {
+    status st = ST_OK;
+    *out = (tiff_page){.bits = 1,
+                       .samples = 1,
+                       .rows = UINT32_MAX,
+                       .compression = 1,
+                       .predictor = 1,
+                       .photometric = TIFF_UNTOLD,
+                       .format = 1,
+                       .fill_order = 1};
+    for (uint64_t i = 0; i < entries && st == ST_OK; i++)
+        st = take_entry(t, at + i * (t->big ? 20 : 12), out);
+    return st;
+}
+
 /* ---- its pieces ---- */
 
-/* Bytes of an unpacked piece; UINT64_MAX for sizes that no file has. */
-static uint64_t plain_bytes(const page *p, uint64_t piece) {
+uint64_t tiff_page_piece_bytes(const tiff_page *p, uint64_t piece) {
     const uint64_t channels = p->planar ? 1 : p->samples;
     const uint64_t across = p->tile_width ? p->tile_width : p->width;
     uint64_t rows = p->tile_width ? p->tile_height : p->rows < p->height ? p->rows : p->height;
@@ -120,36 +140,71 @@ static uint64_t plain_bytes(const page *p, uint64_t piece) {
     return bytes;
 }
 
-static status check_piece(const tiff *t, const page *p, uint64_t piece, uint64_t number) {
-    uint64_t offset, bytes = 0;
-    const char *kind = p->tile_width ? "tile" : "strip";
-    status st = tiff_number(t, p->offsets.at + piece * (uint64_t)p->offsets.width, p->offsets.width,
-                            &offset);
-    if (st == ST_OK && piece < p->bytes.count)
-        st = tiff_number(t, p->bytes.at + piece * (uint64_t)p->bytes.width, p->bytes.width, &bytes);
-    if (st != ST_OK)
-        return st;
-    if (offset == 0 || (p->bytes.count && bytes == 0))
-        return status_describe(ST_CORRUPT,
-                               "%s: page %llu: %s %llu of %llu has no bytes: a sparse TIFF",
-                               t->path, (whole)number, kind, (whole)piece, (whole)p->offsets.count);
-    const uint64_t least = p->packed ? 0 : plain_bytes(p, piece), size = file_size(t->file);
-    const uint64_t need = bytes > least ? bytes : least;
-    if (offset <= size && need <= size - offset)
+enum { AT_ONCE = 256 }; /* pieces whose numbers are read together */
+
+/* Read numbers first .. first + count - 1 of an entry; those that it lacks are 0. */
+static status load(const tiff *t, const tiff_numbers *n, uint64_t first, uint64_t count,
+                   uint64_t out[AT_ONCE]) {
+    uint8_t raw[AT_ONCE * 8];
+    const uint64_t left = n->count > first ? n->count - first : 0;
+    const size_t there = (size_t)(left < count ? left : count), width = (size_t)n->width;
+    memset(out, 0, AT_ONCE * sizeof *out);
+    if (!there)
+        return ST_OK;
+    const status st = file_read_at(t->file, n->at + first * width, raw, there * width);
+    for (size_t i = 0; i < there * width && st == ST_OK; i++) {
+        const size_t k = i % width, byte = t->big_endian ? k : width - 1 - k;
+        out[i / width] = out[i / width] << 8 | raw[i - k + byte];
+    }
+    return st;
+}
+
+status tiff_pieces_each(const tiff *t, const tiff_page *p, const tiff_piece_visit *to) {
+    uint64_t offsets[AT_ONCE], bytes[AT_ONCE];
+    status st = ST_OK;
+    for (uint64_t first = 0, count; first < p->offsets.count && st == ST_OK; first += count) {
+        const uint64_t left = p->offsets.count - first;
+        count = left < AT_ONCE ? left : AT_ONCE;
+        st = load(t, &p->offsets, first, count, offsets);
+        if (st == ST_OK)
+            st = load(t, &p->bytes, first, count, bytes);
+        for (uint64_t i = 0; i < count && st == ST_OK; i++)
+            st = to->take(to->ctx, &(tiff_piece){first + i, offsets[i], bytes[i]});
+    }
+    return st;
+}
+
+/* ---- checking ---- */
+
+typedef struct check {
+    const tiff *t;
+    const tiff_page *page;
+    uint64_t number; /* of the page */
+} check;
+
+enum { YCBCR = 6 }; /* which may have fewer colours than pixels */
+
+static status check_piece(void *ctx, const tiff_piece *piece) {
+    const check *c = ctx;
+    const tiff_page *p = c->page;
+    const char *kind = p->tile_width ? "tile" : "strip", *path = c->t->path;
+    const bool packed = p->compression != 1 || p->photometric == YCBCR;
+    if (piece->offset == 0 || (p->bytes.count && piece->bytes == 0))
+        return status_describe(
+            ST_CORRUPT, "%s: page %llu: %s %llu of %llu has no bytes: a sparse TIFF", path,
+            (whole)c->number, kind, (whole)piece->number, (whole)p->offsets.count);
+    const uint64_t least = packed ? 0 : tiff_page_piece_bytes(p, piece->number);
+    const uint64_t need = piece->bytes > least ? piece->bytes : least, size = file_size(c->t->file);
+    if (piece->offset <= size && need <= size - piece->offset)
         return ST_OK;
     return status_describe(ST_CORRUPT,
                            "%s: page %llu: %s %llu of %llu has %llu bytes from %llu; the file ends "
                            "at byte %llu",
-                           t->path, (whole)number, kind, (whole)piece, (whole)p->offsets.count,
-                           (whole)need, (whole)offset, (whole)size);
+                           path, (whole)c->number, kind, (whole)piece->number,
+                           (whole)p->offsets.count, (whole)need, (whole)piece->offset, (whole)size);
 }
 
-status tiff_pieces_check(const tiff *t, uint64_t at, uint64_t entries, uint64_t number) {
-    page p = {.bits = 1, .samples = 1, .rows = UINT32_MAX};
-    status st = ST_OK;
-    for (uint64_t i = 0; i < entries && st == ST_OK; i++)
-        st = take_entry(t, at + i * (t->big ? 20 : 12), &p);
-    for (uint64_t i = 0; i < p.offsets.count && st == ST_OK; i++)
-        st = check_piece(t, &p, i, number);
-    return st;
+status tiff_pieces_check(const tiff *t, const tiff_page *p, uint64_t page) {
+    check c = {t, p, page};
+    return tiff_pieces_each(t, p, &(tiff_piece_visit){check_piece, &c});
 }

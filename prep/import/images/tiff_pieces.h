@@ -1,4 +1,4 @@
-/* tiff_pieces.h - checks that the strips or tiles of a TIFF's page are in the file.
+/* tiff_pieces.h - a page of a TIFF: what its directory says, and the strips or tiles that it is in.
  *
  * For missing pieces libtiff gives zeros or other bytes of the file, and OpenImageIO drops its
  * warning. So each piece's place and size is checked. Pieces without bytes (a sparse TIFF) or
@@ -24,8 +24,47 @@ typedef struct tiff {
 /* tiff_number() - read a number of so many bytes at an offset, in the file's byte order. */
 CHECKED status tiff_number(const tiff *t, uint64_t offset, int bytes, uint64_t *out);
 
-/* tiff_pieces_check() - check a page whose directory has `entries` entries from offset `at` on.
- * page: counted from 0, for messages. ST_CORRUPT, ST_IO. */
-CHECKED status tiff_pieces_check(const tiff *t, uint64_t at, uint64_t entries, uint64_t page);
+/* An entry's numbers; count 0: there is no such entry. */
+typedef struct tiff_numbers {
+    uint64_t count, at; /* offset of the first number in the file */
+    int width;          /* bytes per number */
+} tiff_numbers;
+
+/* What a directory says; else what the format says of a tag that is not there. */
+typedef struct tiff_page {
+    tiff_numbers offsets, bytes;                                          /* of pieces */
+    uint64_t width, height, bits, samples, rows, tile_width, tile_height; /* no tiles: 0 */
+    uint64_t compression, predictor, photometric, format, fill_order;
+    bool uneven; /* samples of several sizes or formats */
+    bool planar; /* each channel has its own pieces */
+} tiff_page;
+
+enum { TIFF_UNTOLD = UINT16_MAX }; /* photometric without its tag */
+
+/* tiff_page_read() - read a directory of `entries` entries from offset `at` on. ST_CORRUPT, ST_IO.
+ */
+CHECKED status tiff_page_read(const tiff *t, uint64_t at, uint64_t entries, tiff_page *out);
+
+/* tiff_page_piece_bytes() - returns the bytes of an unpacked piece; UINT64_MAX for sizes that no
+ * file has. */
+uint64_t tiff_page_piece_bytes(const tiff_page *p, uint64_t piece);
+
+/* A piece as its page tells it. */
+typedef struct tiff_piece {
+    uint64_t number, offset;
+    uint64_t bytes; /* 0: not told */
+} tiff_piece;
+
+typedef struct tiff_piece_visit {
+    status (*take)(void *ctx, const tiff_piece *piece);
+    void *ctx;
+} tiff_piece_visit;
+
+/* tiff_pieces_each() - visit all pieces of a page, in order. */
+CHECKED status tiff_pieces_each(const tiff *t, const tiff_page *p, const tiff_piece_visit *to);
+
+/* tiff_pieces_check() - check that the pieces of a page are in the file. page: counted from 0, for
+ * messages. ST_CORRUPT, ST_IO. */
+CHECKED status tiff_pieces_check(const tiff *t, const tiff_page *p, uint64_t page);
 
 #endif

@@ -52,3 +52,21 @@ status netcdf_classic_check(file *f, const netcdf_variable *v, const size_t *sta
     const status st = netcdf_header_begin(f, v->id, &begin);
     return st == ST_OK && begin > 0 ? check_end(f, v, start, begin) : st;
 }
+
+status netcdf_classic_step(file *f, const netcdf_variable *v, const size_t *start, uint64_t *begin,
+                           bool *apart) {
+    nc_type type = NC_NAT;
+    const status st = netcdf_header_begin(f, v->id, begin);
+    if (st != ST_OK || *begin == 0)
+        return st;
+    nc_inq_vartype(v->group, v->id, &type);
+    uint64_t stride = netcdf_header_type_bytes((uint64_t)type);
+    for (int i = v->rank - 1; i >= v->grows; i--) {
+        *begin += i < v->rank - 3 ? start[i] * stride : 0;
+        stride *= v->count[i];
+    }
+    const uint64_t record = v->grows ? record_bytes(v->group) : 0;
+    *begin += v->grows && v->rank > 3 ? start[0] * record : 0;
+    *apart = v->grows && v->rank == 3 && record != stride;
+    return ST_OK;
+}

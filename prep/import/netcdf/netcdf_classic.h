@@ -14,4 +14,9 @@
  * for files of other formats. */
 CHECKED status netcdf_classic_check(file *f, const netcdf_variable *v, const size_t *start);
 
+/* netcdf_classic_step() - find where a step of a variable that was checked begins; 0 for files of
+ * other formats. *apart: its slices do not follow each other, as others' records lie between. */
+CHECKED status netcdf_classic_step(file *f, const netcdf_variable *v, const size_t *start,
+                                   uint64_t *begin, bool *apart);
+
 #endif

@@ -8,8 +8,10 @@
 #include "prep/import/hdf5/hdf5_storage.h"
 #include "prep/import/import_hint.h"
 #include "prep/import/netcdf/netcdf_classic.h"
+#include "prep/import/netcdf/netcdf_hdf5.h"
 #include "prep/import/netcdf/netcdf_minc.h"
 #include "prep/import/netcdf/netcdf_roles.h"
+#include "prep/import/netcdf/netcdf_stay.h"
 #include "prep/import/netcdf/netcdf_storage.h"
 #include "prep/import/netcdf/netcdf_variable.h"
 #include "prep/import/packed_slices.h"
@@ -22,6 +24,7 @@ typedef struct netcdf_slices {
     netcdf_variable v;
     size_t start[NETCDF_RANK]; /* of the step */
     packed_slices slices;
+    netcdf_hdf5 place;
 } netcdf_slices;
 
 static status failed(const char *path, const char *what, int error) {
@@ -32,6 +35,7 @@ static status failed(const char *path, const char *what, int error) {
 static void close_slices(void *ctx) {
     netcdf_slices *s = ctx;
     packed_slices_end(&s->slices);
+    netcdf_hdf5_release(&s->place);
     if (s->id >= 0)
         nc_close(s->id);
     file_close(s->guard);
@@ -45,6 +49,7 @@ static status create(mem *m, const import_request *q, netcdf_slices **out) {
         return ST_NOMEM;
     s->m = m;
     s->id = -1;
+    s->place = (netcdf_hdf5){.m = m, .tell_chunks = q->chunks};
     status st = file_open(m, q->paths[0], &s->guard);
     if (st == ST_OK)
         st = netcdf_storage_look(m, q->paths[0], &q->trust, &s->storage);
@@ -313,6 +318,12 @@ static status begin_slices(netcdf_slices *s, const grid *g) {
     return st == ST_OK ? packed_slices_begin(&s->slices) : st;
 }
 
+static bool find_place(void *ctx, sample_place *out) {
+    netcdf_slices *s = ctx;
+    return netcdf_stay_find(s->guard, &s->v, s->start, out) ||
+           netcdf_hdf5_find(file_path(s->guard), &s->v, s->start, &s->place, out);
+}
+
 /* ---- opening ---- */
 
 static status check_absent(const netcdf_slices *s, const import_request *q) {
@@ -365,6 +376,8 @@ status netcdf_slices_open(mem *m, const import_request *q, const netcdf_wish *wi
                           .m = m,
                           .g = g,
                           .read = read_slices,
+                          .place = find_place,
+                          .place_ctx = s,
                           .close = close_slices,
                           .ctx = s};
     return ST_OK;
