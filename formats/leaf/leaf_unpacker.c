@@ -275,13 +275,13 @@ static status load_treelet(leaf_unpacker *u, uint32_t p, uint32_t q, void *paylo
     const codes c = q == p ? codes_of(u->f, p) : codes_after(u->f, p, q);
     const bool there = q != p && shell == shell_of(u->f, q, &parent);
     status st = read_codes(u, &c, u->stored, payload);
-    /* Callers count the payload's own bytes. */
-    u->beside_bytes -= u->f->sizes[p];
     if (st == ST_OK && shell != LEAF_NO_TREELET && !there)
         st = take_shell(u, shell, parent, t, payload);
-    if (st == ST_OK)
-        (void)grid_codes_make(l, t, u->codes, payload);
-    return st;
+    if (st != ST_OK)
+        return st;
+    (void)grid_codes_make(l, t, u->codes, payload);
+    u->beside_bytes -= u->f->sizes[p]; /* which callers count */
+    return ST_OK;
 }
 
 static status load_coded(leaf_unpacker *u, uint32_t p, void *payload) {
@@ -290,7 +290,7 @@ static status load_coded(leaf_unpacker *u, uint32_t p, void *payload) {
     if (p < l->sets * l->treelets)
         return load_treelet(u, p, p, payload);
     const status st = read_codes(u, &c, u->stored, payload);
-    u->beside_bytes -= u->f->sizes[p];
+    u->beside_bytes -= st == ST_OK ? u->f->sizes[p] : 0;
     return st;
 }
 

@@ -27,8 +27,19 @@ typedef struct stage {
     void *payload;
 } stage;
 
-/* Step 1 differs from step 0 at one end of x; 2 is as 0; 3 has one other sample; 4 is another
- * thing; those from CHAIN on are a little different from the one before. */
+/* Nodes that coarse levels have none of, alternately a little more and less: they stay as they are,
+ * and only how far they are from level 0 changes. */
+static void shake(uint16_t *samples) {
+    for (int z = 1; z < 32; z += 2)
+        for (int y = 1; y < 32; y += 2)
+            for (int x = 1; x < 32; x += 2) {
+                uint16_t *at = &samples[x + NX * (y + NY * z)];
+                *at = (uint16_t)(*at + ((x / 2 + y / 2 + z / 2) % 2 ? 9 : -9));
+            }
+}
+
+/* Step 1 differs from step 0 at one end of x; 2 is as 0; 3 is shaken; 4 is another thing; those
+ * from CHAIN on are a little different from the one before. */
 static void next_step(const leaf_case *c, int step, uint16_t *samples, const uint16_t *first) {
     const size_t count = (size_t)NX * NY * NZ;
     if (step == 2)
@@ -36,7 +47,7 @@ static void next_step(const leaf_case *c, int step, uint16_t *samples, const uin
     for (size_t i = 0; i < count && step == 1; i++)
         samples[i] ^= i % NX > 60;
     if (step == 3)
-        samples[count / 2 + NX / 2] ^= 0x4000;
+        shake(samples);
     if (step == 4) {
         void *other = leaf_files_random(c, FIELD_SEED + 9, 0);
         memcpy(samples, other, count * sizeof *samples);
