@@ -71,6 +71,40 @@ static void print_levels(const leaf_file *f, const activity levels) {
                (unsigned long long)levels[i].bytes, (unsigned long long)levels[i].cells);
 }
 
+/* Find the next run of steps of the first field that have an isovalue, from *step on. Returns how
+ * many there are, 0: none; *step: the first of them. */
+static uint32_t next_run(const leaf_file *f, double iso, uint32_t *step) {
+    const uint32_t steps = f->header.steps;
+    uint32_t end;
+    while (*step < steps && !leaf_stats_has(f, *step, iso))
+        ++*step;
+    for (end = *step; end < steps && leaf_stats_has(f, end, iso);)
+        end++;
+    return end - *step;
+}
+
+static void print_steps(const leaf_file *f, double iso) {
+    char text[NUM_TEXT_MAX];
+    bool any = false;
+    printf("in steps");
+    for (uint32_t step = 0, run; (run = next_run(f, iso, &step)) > 0; step += run, any = true) {
+        printf("%s %u", any ? "," : "", step);
+        if (run > 1)
+            printf(" to %u", step + run - 1);
+        if (!any)
+            printf(" (time %s)", num_print(leaf_file_step_time(f, step), text));
+    }
+    printf("%s\n", any ? "" : ": none");
+}
+
+static json_t *steps_json(const leaf_file *f, double iso) {
+    json_t *runs = json_array();
+    for (uint32_t step = 0, run; (run = next_run(f, iso, &step)) > 0; step += run)
+        json_array_append_new(
+            runs, json_pack("[I, I]", (json_int_t)step, (json_int_t)step + (json_int_t)run - 1));
+    return runs;
+}
+
 static void print_activity(const leaf_file *f, double iso, const activity levels) {
     const leaf_header *h = &f->header;
     const leaf_teller *kind = leaf_teller_of(f);
@@ -83,6 +117,8 @@ static void print_activity(const leaf_file *f, double iso, const activity levels
     printf(", %llu active treelets, %.3f of the payload bytes, %.3f of the file\n",
            (unsigned long long)all.treelets, share_of(all.bytes, h->payload_bytes),
            share_of(all.bytes, h->file_bytes));
+    if (f->header.steps > 1)
+        print_steps(f, iso);
     if (kind->has_levels)
         print_levels(f, levels);
 }
@@ -108,6 +144,8 @@ static json_t *activity_json(const leaf_file *f, double iso, const activity leve
                              share_of(all.bytes, h->file_bytes));
     if (leaf_teller_of(f)->has_levels)
         json_object_set_new(json, "levels", levels_json(f, levels));
+    if (f->header.steps > 1)
+        json_object_set_new(json, "at_steps", steps_json(f, iso));
     return json;
 }
 

@@ -23,8 +23,23 @@ typedef struct activity {
     leaf_unpacker **unpackers;
 } activity;
 
+static bool has(const float range[2], double iso) {
+    return (double)range[0] < iso && iso <= (double)range[1];
+}
+
 static bool holds(const leaf_file *f, uint32_t t, double iso) {
-    return (double)f->own[t][0] < iso && iso <= (double)f->own[t][1];
+    return has(f->own[t], iso);
+}
+
+bool leaf_stats_has(const leaf_file *f, uint32_t set, double iso) {
+    const leaf_layout *l = &f->layout;
+    const size_t first = (size_t)set * l->treelets;
+    if (!f->mesh && !has(f->ranges[first], iso))
+        return false;
+    for (uint32_t t = l->level[0].first; t < l->treelets; t++)
+        if (has(f->own[first + t], iso))
+            return true;
+    return false;
 }
 
 /* Find the sides for each edge along x in the line of samples at (y, z). */

@@ -2,6 +2,7 @@
 #ifndef FORMATS_LEAF_LEAF_STATS_H
 #define FORMATS_LEAF_LEAF_STATS_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "formats/base/mem.h"
@@ -20,6 +21,10 @@ typedef struct leaf_activity {
  * payloads of active treelets. p may be NULL. */
 CHECKED status leaf_stats_activity(mem *m, leaf_file *f, double iso, int threads, const progress *p,
                                    leaf_activity levels[LEAF_LEVELS_MAX]);
+
+/* leaf_stats_has() - whether the range of a treelet of level 0 has the isovalue in a set. A grid
+ * without missing data has its surface then. By the directory alone. */
+bool leaf_stats_has(const leaf_file *f, uint32_t set, double iso);
 
 /* leaf_stats_cells() - returns the number of active cells in a treelet of a grid. */
 uint64_t leaf_stats_cells(const leaf_layout *l, uint32_t t, const void *payload, double iso);

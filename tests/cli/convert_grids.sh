@@ -23,6 +23,15 @@ ok "steps and times" says '^steps  *3, times 1 .. 4.5$' out
 exits "info --json" 0 "$leafcast" info "$out" --json
 ok "has the times" json 'x["times"] == [1, 2, 4.5] and x["steps"] == 3 and x["field_count"] == 1'
 ok "has a range a step" json 'len(x["fields"][0]["step_ranges"]) == 3'
+# The first has values from -1.5 to 1.5, the second from 0.22 to 0.99, the third from 0.02 to 0.98.
+for iso in 1.2 -1.2 0.1 0.5 0.985 1e9; do
+    exits "which steps have $iso" 0 "$leafcast" info "$out" --json --iso=$iso
+    ok "those whose ranges do" json '[k for a, b in x["isovalues"][0]["at_steps"] for k in range(a, b + 1)] == [k for k in range(3) if x["fields"][0]["step_ranges"][k][0] < '$iso' <= x["fields"][0]["step_ranges"][k][1]]'
+done
+exits "which steps have 0.1, 0.5, -1e9" 0 "$leafcast" info "$out" --iso 0.1 --iso 0.5 --iso=-1e9
+ok "two runs" says "^in steps 0 (time 1), 2\$" out
+ok "one" says "^in steps 0 to 2 (time 1)\$" out
+ok "none" says "^in steps: none\$" out
 for step in 0 1 2; do
     for how in "" "--memory 24M" "--backend=mapped" "--isa scalar"; do
         # shellcheck disable=SC2086 # split on purpose

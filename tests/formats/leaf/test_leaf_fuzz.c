@@ -46,6 +46,40 @@ static leaf_image make_grid(leaf_codec codec, bool bare) {
     return leaf_image_of(bytes, size);
 }
 
+/* Steps of which some are the same as others, and some a little different. packed: with compressed
+ * sections. */
+static leaf_image make_series(leaf_codec codec, bool packed) {
+    enum { STEPS = 10, EVERY = 97 };
+    leaf_case c = leaf_files_case(20, 19, 4, SAMPLE_F32);
+    const size_t count = (size_t)20 * 19 * 4;
+    float *samples = leaf_files_random(&c, FIELD_SEED, 0);
+    const char *paths[STEPS];
+    for (int step = 0; step < STEPS; step++) {
+        char name[32];
+        for (size_t i = (size_t)step; step % 4 && i < count; i += EVERY)
+            samples[i] += 0.001F;
+        snprintf(name, sizeof name, "step%d.bin", step);
+        paths[step] = strdup(scratch_write(name, samples, count * sizeof *samples));
+    }
+    const grid_series of = {.of = {.paths = paths, .sets = {1, STEPS, NULL, NULL, NULL}},
+                            .hints = {.dims = {20, 19, 4}, .type = SAMPLE_F32}};
+    c.options.file.codec = codec;
+    c.options.file.zstd_level = 1;
+    size_t size;
+    char *bytes = scratch_read(leaf_files_series(&of, &c.options, "made.leaf"), &size);
+    for (int step = 0; step < STEPS; step++)
+        free((void *)(uintptr_t)paths[step]);
+    free(samples);
+    return packed ? leaf_image_as_is(bytes, size) : leaf_image_of(bytes, size);
+}
+
+static leaf_image make_kind(int k) {
+    const leaf_codec codec = k % 2 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW;
+    if (k < 4)
+        return make_mesh(codec, k / 2);
+    return k < 8 ? make_grid(codec, k >= 6) : make_series(codec, k >= 10);
+}
+
 /* Four bytes or one, by what breaks things. */
 static void change(char *at, size_t room, field_random *r) {
     static const uint32_t values[] = {0,          1,          2,          3,
@@ -110,11 +144,11 @@ static void test_changed(void **state) {
     const char *wanted = getenv("LEAFCAST_FUZZ");
     const uint64_t count = wanted ? strtoull(wanted, NULL, 10) : COUNT;
     static const char *const kinds[] = {
-        "a mesh, raw", "a mesh, zstd", "a moving mesh, raw", "a moving mesh, zstd",
-        "a grid, raw", "a grid, zstd", "level 0 alone, raw", "level 0 alone, zstd"};
-    for (int k = 0; k < 8; k++) {
-        const leaf_codec codec = k % 2 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW;
-        const leaf_image i = k < 4 ? make_mesh(codec, k / 2) : make_grid(codec, k >= 6);
+        "a mesh, raw",   "a mesh, zstd",   "a moving mesh, raw",   "a moving mesh, zstd",
+        "a grid, raw",   "a grid, zstd",   "level 0 alone, raw",   "level 0 alone, zstd",
+        "a series, raw", "a series, zstd", "a packed series, raw", "a packed series, zstd"};
+    for (int k = 0; k < (int)(sizeof kinds / sizeof *kinds); k++) {
+        const leaf_image i = make_kind(k);
         uint64_t refused;
         const uint64_t drawn = run(&i, kinds[k], (uint64_t)k + 1, count, &refused);
         /* It was put to the test from both sides. */
