@@ -10,6 +10,7 @@
 #include "formats/base/clock.h"
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
+#include "formats/base/path_pattern.h"
 #include "formats/base/text.h"
 #include "formats/grid/grid.h"
 #include "formats/input_open.h"
@@ -329,9 +330,13 @@ static status set_option(void *own, int key, const char *text) {
 }
 
 static status check(void *own) {
-    const convert_request *a = own;
+    convert_request *a = own;
     if (!a->common.input || (!a->common.output && !a->dry_run))
         return status_describe(ST_USAGE, "an INPUT and -o are needed");
+    const status st = path_pattern_expand(&a->common.inputs, &a->common.input_count);
+    if (st != ST_OK)
+        return st;
+    a->common.input = a->common.inputs[0];
     return convert_sets_check(&a->sets, a->common.input_count, cli_given(&a->common, KEY_STEP));
 }
 
@@ -364,7 +369,7 @@ static const cli_verb verb = {
         "NetCDF are read by the verbs import-vdb, import-images and so on, if they are there. "
         "Several inputs are the steps "
         "of a time series: grids of the same sizes and place; meshes of the same tets, whose "
-        "points may move."
+        "points may move; also by a pattern: 'step_*.nrrd', step_%04d.nrrd."
         "\vExample:\n  leafcast convert bonsai_256x256x256_uint8.raw -o bonsai.leaf\v"
         "The input is read once. Memory stays below --memory "
         "(default 2G) whatever its size; "

@@ -57,6 +57,16 @@ for how in "--threads 1" "--threads 3 --memory 10M" "--memory 5M --threads 1"; d
     exits "convert $how" 0 "$leafcast" convert "$tmp"/s?.nrrd -o "$tmp/b.leaf" --force --times 1,2,4.5 --name x $how
     ok "gives the same bytes" same a.leaf b.leaf
 done
+for how in 's?.nrrd' 's*.nrrd' 's%d.nrrd' 's[0-2].nrrd' 's%01d.nrrd'; do
+    exits "convert $how, as it is" 0 "$leafcast" convert "$tmp/$how" -o "$tmp/b.leaf" --force --times 1,2,4.5 --name x
+    ok "is the three" same a.leaf b.leaf
+done
+exits "a pattern that nothing fits" 2 "$leafcast" convert "$tmp/s%02d.nrrd" -o "$tmp/b.leaf" --force
+ok "says so" says 's%02d.nrrd: there is no such file, and none that fits it' err
+cp "$tmp/s0.nrrd" "$tmp/s[0-2].nrrd"
+exits "a file of such a name" 0 "$leafcast" convert "$tmp/s[0-2].nrrd" -o "$tmp/b.leaf" --force --name x
+ok "is that file" same s0.leaf b.leaf
+rm "$tmp/s[0-2].nrrd"
 exits "compressed" 0 "$leafcast" convert "$tmp"/s?.nrrd -o "$tmp/z.leaf" --compress zstd
 exits "verify" 0 "$leafcast" verify "$tmp/z.leaf"
 run "$leafcast" render "$tmp/z.leaf" --step 2 --iso 0.3 --size 64x48 --depth-f64 "$tmp/of" -o "$tmp/p.ppm" --force -q

@@ -1,0 +1,18 @@
+/* path_pattern.h - arguments that stand for many files: step_*.nrrd where no shell has expanded it,
+ * step_%04d.nrrd.
+ */
+#ifndef FORMATS_BASE_PATH_PATTERN_H
+#define FORMATS_BASE_PATH_PATTERN_H
+
+#include "formats/base/status.h"
+
+/* path_pattern_expand() - replace what is a pattern among *count paths by the files that fit. "-",
+ * what names a file or folder, and what has neither %d (%4d, %04d) nor *, ? or [ stays. Files that
+ * fit a pattern come in the order of their names, digits in them compared as numbers; %d takes
+ * names with the number alone, written as the pattern says.
+ *
+ * *paths is another array then, malloc'ed, with new texts: for the arguments of a program, which
+ * live as long as it does. ST_USAGE: nothing fits a pattern. */
+CHECKED status path_pattern_expand(char ***paths, int *count);
+
+#endif
