@@ -46,6 +46,24 @@ ok "nothing moves" says '^points  *stay where they are$' out
 exits "verify" 0 "$leafcast" verify "$tmp/b.leaf"
 run "$leafcast" info "$tmp/b.leaf" --json
 ok "positions are stored once" json 'x["parts"]["stored_positions"] == 0 and not x["moving"]'
+ok "and values, too" json 'x["same_payloads"] == 2 * x["treelets"] and x["payload_bytes"] == x["parts"]["stored_topology"] + x["parts"]["stored_values"]'
+for how in "--memory 6M --threads 1" "--compress zstd" "--gradients" "--compress zstd --gradients --threads 1"; do
+    # shellcheck disable=SC2086 # split on purpose
+    exits "stays three times, $how" 0 "$leafcast" convert "$tmp/b_0000.mesh" "$tmp/b_0000.mesh" "$tmp/b_0000.mesh" -o "$tmp/c.leaf" --force $how
+    exits "verify" 0 "$leafcast" verify "$tmp/c.leaf"
+    exits "info" 0 "$leafcast" info "$tmp/c.leaf" --json
+    ok "each block once" json 'x["same_payloads"] == 2 * x["treelets"] * (1 + x["gradients"])'
+done
+exits "there and back, moving" 0 "$leafcast" convert "$tmp/b_0000.mesh" "$tmp/b_0001.mesh" "$tmp/b_0001.mesh" "$tmp/b_0000.mesh" -o "$tmp/c.leaf" --force
+exits "verify" 0 "$leafcast" verify "$tmp/c.leaf"
+exits "info" 0 "$leafcast" info "$tmp/c.leaf" --json
+ok "values and places of the third are the second's" json 'x["same_payloads"] == 4 * x["treelets"] and x["moving"]'
+for step in 1 2; do
+    run "$leafcast" render "$tmp/c.leaf" --step $step --iso 0.3 --size 64x48 --depth-f64 "$tmp/d$step" -o "$tmp/p$step.ppm" -q
+done
+ok "which are drawn alike" same d1 d2
+run "$leafcast" convert "$tmp/b_0000.mesh" "$tmp/b_0001.mesh" "$tmp/b_0001.mesh" "$tmp/b_0000.mesh" -o "$tmp/d.leaf" --memory 6M --threads 1
+ok "the same bytes with little memory" same c.leaf d.leaf
 
 # What cannot be.
 rm "$tmp"/*.leaf
