@@ -16,13 +16,22 @@ typedef struct path_list {
     int count;
 } path_list;
 
-static status add(path_list *l, char *path) {
-    char **more = path ? realloc(l->paths, (size_t)(l->count + 1) * sizeof *more) : NULL;
-    if (!more)
+static status add(path_list *l, const char *path) {
+    char *copy = strdup(path);
+    char **more = copy ? realloc(l->paths, (size_t)(l->count + 1) * sizeof *more) : NULL;
+    if (!more) {
+        free(copy);
         return status_describe(ST_NOMEM, "no room for the names of inputs");
+    }
     l->paths = more;
-    l->paths[l->count++] = path;
+    l->paths[l->count++] = copy;
     return ST_OK;
+}
+
+static void release(path_list *l) {
+    while (l->count > 0)
+        free(l->paths[--l->count]);
+    free(l->paths);
 }
 
 /* ---- the order of names ---- */
@@ -94,7 +103,7 @@ static status take_found(path_list *l, const char *pattern, const glob_t *found,
     status st = ST_OK;
     for (size_t i = 0; i < found->gl_pathc && st == ST_OK; i++)
         if (before == SIZE_MAX || is_of_sequence(pattern, found->gl_pathv[i], before))
-            st = add(l, strdup(found->gl_pathv[i]));
+            st = add(l, found->gl_pathv[i]);
     if (st == ST_OK && l->count == first)
         st = status_describe(ST_USAGE,
                              "%s: there is no such file, and none that fits it as a "
@@ -130,7 +139,7 @@ static status find(path_list *l, const char *pattern, const char *number, size_t
     return st;
 }
 
-static status take(path_list *l, char *path) {
+static status take(path_list *l, const char *path) {
     size_t length = 0;
     const char *number = number_in(path, &length);
     const bool pattern = number || strpbrk(path, "*?[");
@@ -144,8 +153,10 @@ status path_pattern_expand(char ***paths, int *count) {
     status st = ST_OK;
     for (int i = 0; i < *count && st == ST_OK; i++)
         st = take(&l, (*paths)[i]);
-    if (st != ST_OK)
+    if (st != ST_OK) {
+        release(&l);
         return st;
+    }
     *paths = l.paths;
     *count = l.count;
     return ST_OK;

@@ -11,8 +11,8 @@
  * fit a pattern come in the order of their names, digits in them compared as numbers; %d takes
  * names with the number alone, written as the pattern says.
  *
- * *paths is another array then, malloc'ed, with new texts: for the arguments of a program, which
- * live as long as it does. ST_USAGE: nothing fits a pattern. */
+ * *paths is another array then, malloc'ed, with texts of its own: for the arguments of a program,
+ * which live as long as it does. ST_USAGE: nothing fits a pattern; then nothing has changed. */
 CHECKED status path_pattern_expand(char ***paths, int *count);
 
 #endif
