@@ -105,10 +105,7 @@ static status take_found(path_list *l, const char *pattern, const glob_t *found,
         if (before == SIZE_MAX || is_of_sequence(pattern, found->gl_pathv[i], before))
             st = add(l, found->gl_pathv[i]);
     if (st == ST_OK && l->count == first)
-        st = status_describe(ST_USAGE,
-                             "%s: there is no such file, and none that fits it as a "
-                             "pattern",
-                             pattern);
+        return add(l, pattern);
     if (st == ST_OK)
         qsort(l->paths + first, (size_t)(l->count - first), sizeof *l->paths, by_name);
     return st;
@@ -120,8 +117,7 @@ static status find(path_list *l, const char *pattern, const char *number, size_t
     size_t before = SIZE_MAX;
     glob_t found;
     if (strlen(pattern) >= PATH_MAX)
-        return status_describe(ST_USAGE, "%.100s..: a name of more than %d bytes", pattern,
-                               PATH_MAX);
+        return add(l, pattern);
     if (number) {
         before = (size_t)(number - pattern);
         char *end = put_literally(text, pattern, before);
@@ -131,7 +127,7 @@ static status find(path_list *l, const char *pattern, const char *number, size_t
     }
     const int failed = glob(number ? text : pattern, GLOB_NOSORT, NULL, &found);
     if (failed && failed != GLOB_NOMATCH)
-        return status_describe(ST_NOMEM, "%s: cannot be looked for", pattern);
+        return status_describe(ST_NOMEM, "no room to look for the inputs of a pattern");
     if (failed)
         return take_found(l, pattern, &(glob_t){0}, before);
     const status st = take_found(l, pattern, &found, before);

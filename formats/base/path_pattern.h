@@ -7,12 +7,13 @@
 #include "formats/base/status.h"
 
 /* path_pattern_expand() - replace what is a pattern among *count paths by the files that fit. "-",
- * what names a file or folder, and what has neither %d (%4d, %04d) nor *, ? or [ stays. Files that
+ * what names a file or folder, what has neither %d (%4d, %04d) nor *, ? or [, and what nothing fits
+ * stays. Files that
  * fit a pattern come in the order of their names, digits in them compared as numbers; %d takes
  * names with the number alone, written as the pattern says.
  *
  * *paths is another array then, malloc'ed, with texts of its own: for the arguments of a program,
- * which live as long as it does. ST_USAGE: nothing fits a pattern; then nothing has changed. */
+ * which live as long as it does. ST_NOMEM: nothing has changed. */
 CHECKED status path_pattern_expand(char ***paths, int *count);
 
 #endif

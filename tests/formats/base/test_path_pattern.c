@@ -14,26 +14,19 @@
 enum { MOST = 16 };
 
 /* Expand patterns in the scratch folder, given and expected one behind the other with blanks. */
-static status expand(const char *patterns, const char *expected) {
+static void expand(const char *patterns, const char *expected) {
     char text[512], got[512] = "", *given[MOST], **paths = given;
     int count = 0;
     snprintf(text, sizeof text, "%s", patterns);
     for (char *at = strtok(text, " "); at; at = strtok(NULL, " "))
         given[count++] = at;
-    const int before = count;
-    const status st = path_pattern_expand(&paths, &count);
-    if (st != ST_OK) {
-        assert_ptr_equal(paths, given);
-        assert_int_equal(count, before);
-        return st;
-    }
+    assert_int_equal(path_pattern_expand(&paths, &count), ST_OK);
     for (int i = 0; i < count; i++) {
         snprintf(got + strlen(got), sizeof got - strlen(got), "%s%s", i ? " " : "", paths[i]);
         free(paths[i]);
     }
     free(paths);
     assert_string_equal(got, expected);
-    return ST_OK;
 }
 
 static void make_files(void) {
@@ -68,19 +61,23 @@ static void test_files(void **state) {
     expand("s_%x.raw s_%d_%d", "s_%x.raw s_%d_%d");
 }
 
+/* What nothing fits is what it is; whoever opens it says that it is not there. */
 static void test_none(void **state) {
     (void)state;
     static const char *const none[] = {"u_%d.raw",    "*.nrrd",      "s_1.raw s_%05d.raw",
                                        "s_[3-9].raw", "no/folder/*", "s_%20d.raw"};
     char long_name[5000];
     for (size_t i = 0; i < sizeof none / sizeof *none; i++)
-        assert_int_equal(expand(none[i], ""), ST_USAGE);
-    assert_non_null(strstr(status_text(), "s_%20d.raw: there is no such file"));
+        expand(none[i], none[i]);
     memset(long_name, '*', sizeof long_name);
     long_name[sizeof long_name - 1] = '\0';
     char *path = long_name, **paths = &path;
     int count = 1;
-    assert_int_equal(path_pattern_expand(&paths, &count), ST_USAGE);
+    assert_int_equal(path_pattern_expand(&paths, &count), ST_OK);
+    assert_int_equal(count, 1);
+    assert_string_equal(paths[0], long_name);
+    free(paths[0]);
+    free(paths);
 }
 
 int main(void) {
