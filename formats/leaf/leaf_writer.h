@@ -138,7 +138,7 @@ bool leaf_family_is_implied(const leaf_family *f);
 
 /* leaf_writer_put() - put treelet t: its directory entry and its payload of
  * leaf_layout_payload(t).bytes. An implied payload takes no bytes of the file, nor does one that an
- * earlier set has: which are read back for that, so that sets must be put one after the other. k: a
+ * earlier set has. Those are read back to see that, so sets must be put one after the other. k: a
  * packer of the thread's own; NULL for the raw codec.
  * leaf_writer_put_implied() - the same for a treelet whose payload is known to be implied
  * (implied_payload.h). */

@@ -124,14 +124,12 @@ static status put_payload(leaf_writer *w, leaf_family *f, leaf_packer *k, uint32
                           const void *payload) {
     char *to = leaf_family_room(f);
     size_t size = 0;
-    status st = ST_OK;
-    if (w->same)
-        st = leaf_writer_put_in_series(w, f, k, p, payload, to, &size);
-    else
-        size = make_payload(w, k, p, payload, to);
+    const status st = w->same ? leaf_writer_put_in_series(w, f, k, p, payload, to, &size) : ST_OK;
     f->implied = false;
     if (leaf_writer_is_same(w, p) || st != ST_OK)
         return st;
+    if (!size)
+        size = make_payload(w, k, p, payload, to);
     w->sizes[p] = size;
     w->checksums[p] = hash_bytes(to, size);
     f->used += size;

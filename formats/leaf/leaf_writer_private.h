@@ -74,8 +74,9 @@ struct leaf_family {
 #define NOT_THERE    UINT64_MAX
 #define UNKNOWN_SIZE UINT64_MAX /* of a size */
 
-/* leaf_writer_put_in_series() - make payload p, of a file of several sets, at `to`, with *bytes for
- * the file: none, if an earlier set has it. The rest as of leaf_writer_put(). */
+/* leaf_writer_put_in_series() - look for payload p of a file of several sets in those before: set
+ * same[p] if one of them has it; else code it at `to` with the step before in view, in *bytes. 0:
+ * it has none, and is to be made by itself. The rest as of leaf_writer_put(). */
 CHECKED status leaf_writer_put_in_series(leaf_writer *w, const leaf_family *f, leaf_packer *k,
                                          uint32_t p, const void *payload, void *to, size_t *bytes);
 

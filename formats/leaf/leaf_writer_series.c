@@ -97,10 +97,8 @@ static uint32_t base_of(const leaf_writer *w, uint32_t p) {
 static status code_from_base(leaf_writer *w, const leaf_family *f, leaf_packer *k, uint32_t p,
                              const void *payload, void *to, size_t *bytes) {
     const uint32_t q = base_of(w, p);
-    if (q == LEAF_NO_TREELET) {
-        *bytes = leaf_packer_pack(k, p, payload, to);
+    if (q == LEAF_NO_TREELET)
         return ST_OK;
-    }
     const status st = read_earlier(w, f, k, q);
     if (st != ST_OK)
         return st;
@@ -112,16 +110,10 @@ static status code_from_base(leaf_writer *w, const leaf_family *f, leaf_packer *
 
 status leaf_writer_put_in_series(leaf_writer *w, const leaf_family *f, leaf_packer *k, uint32_t p,
                                  const void *payload, void *to, size_t *bytes) {
-    const size_t plain = leaf_layout_payload_bytes(&w->layout, p);
     *bytes = 0;
     w->same[p] = w->bases[p] = 0;
     const status st = find_same(w, f, k, p, payload, to);
-    if (st != ST_OK || w->same[p])
+    if (st != ST_OK || w->same[p] || !k)
         return st;
-    if (k)
-        return code_from_base(w, f, k, p, payload, to, bytes);
-    if (payload != to)
-        memcpy(to, payload, plain);
-    *bytes = plain;
-    return ST_OK;
+    return code_from_base(w, f, k, p, payload, to, bytes);
 }
