@@ -448,5 +448,7 @@ int main(int argc, char **argv) {
                          .checkpoint = 1,
                          .options = options};
     cli_parse(&verb, &a.common, argc, argv);
-    return cli_finish(&a.common, run(&a));
+    const int code = cli_finish(&a.common, run(&a));
+    path_pattern_release(a.common.inputs, a.common.input_count);
+    return code;
 }

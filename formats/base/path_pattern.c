@@ -28,10 +28,10 @@ static status add(path_list *l, const char *path) {
     return ST_OK;
 }
 
-static void release(path_list *l) {
-    while (l->count > 0)
-        free(l->paths[--l->count]);
-    free(l->paths);
+void path_pattern_release(char **paths, int count) {
+    for (int i = 0; i < count; i++)
+        free(paths[i]);
+    free(paths);
 }
 
 /* ---- the order of names ---- */
@@ -150,7 +150,7 @@ status path_pattern_expand(char ***paths, int *count) {
     for (int i = 0; i < *count && st == ST_OK; i++)
         st = take(&l, (*paths)[i]);
     if (st != ST_OK) {
-        release(&l);
+        path_pattern_release(l.paths, l.count);
         return st;
     }
     *paths = l.paths;

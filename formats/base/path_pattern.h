@@ -8,12 +8,14 @@
 
 /* path_pattern_expand() - replace what is a pattern among *count paths by the files that fit. "-",
  * what names a file or folder, what has neither %d (%4d, %04d) nor *, ? or [, and what nothing fits
- * stays. Files that
- * fit a pattern come in the order of their names, digits in them compared as numbers; %d takes
- * names with the number alone, written as the pattern says.
+ * stays. Files that fit a pattern come in the order of their names, digits in them compared as
+ * numbers; %d takes names with the number alone, written as the pattern says.
  *
- * *paths is another array then, malloc'ed, with texts of its own: for the arguments of a program,
- * which live as long as it does. ST_NOMEM: nothing has changed. */
+ * *paths is another array then, with texts of its own, for path_pattern_release(). ST_NOMEM: nothing
+ * has changed. */
 CHECKED status path_pattern_expand(char ***paths, int *count);
+
+/* path_pattern_release() - free what path_pattern_expand() has made. */
+void path_pattern_release(char **paths, int count);
 
 #endif

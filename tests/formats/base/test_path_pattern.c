@@ -21,11 +21,9 @@ static void expand(const char *patterns, const char *expected) {
     for (char *at = strtok(text, " "); at; at = strtok(NULL, " "))
         given[count++] = at;
     assert_int_equal(path_pattern_expand(&paths, &count), ST_OK);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; i++)
         snprintf(got + strlen(got), sizeof got - strlen(got), "%s%s", i ? " " : "", paths[i]);
-        free(paths[i]);
-    }
-    free(paths);
+    path_pattern_release(paths, count);
     assert_string_equal(got, expected);
 }
 
@@ -76,8 +74,7 @@ static void test_none(void **state) {
     assert_int_equal(path_pattern_expand(&paths, &count), ST_OK);
     assert_int_equal(count, 1);
     assert_string_equal(paths[0], long_name);
-    free(paths[0]);
-    free(paths);
+    path_pattern_release(paths, count);
 }
 
 int main(void) {
