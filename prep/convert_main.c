@@ -15,6 +15,7 @@
 #include "formats/grid/grid.h"
 #include "formats/input_open.h"
 #include "formats/trust_options.h"
+#include "prep/convert_append.h"
 #include "prep/convert_defaults.h"
 #include "prep/grid/convert_grids.h"
 #include "prep/mesh/convert_meshes.h"
@@ -57,7 +58,8 @@ enum {
     KEY_IN_PLACE,
     KEY_LEVELS,
     KEY_RESUME,
-    KEY_CHECKPOINT
+    KEY_CHECKPOINT,
+    KEY_APPEND
 };
 
 static const struct argp_option options[] = {
@@ -78,6 +80,11 @@ static const struct argp_option options[] = {
      0},
     {"levels", KEY_LEVELS, "1|all", 0,
      "1: no coarse levels of detail, which exact pictures do not need (default all)", 0},
+    {"append", KEY_APPEND, NULL, CLI_BASIC,
+     "add the input as further steps to the output, which stays whole if anything fails; make it "
+     "if "
+     "it is not there",
+     0},
     {"resume", KEY_RESUME, NULL, CLI_BASIC,
      "go on where a run of the same command ended early, or had ended; else begin", 0},
     {"checkpoint", KEY_CHECKPOINT, "SECONDS", 0,
@@ -144,20 +151,35 @@ static const struct argp_option options[] = {
 static const char *const input_names[] = {INPUT_TRAIT_NAMES};
 
 /* What an input must be like for an option to have an effect. Options not listed work for all. */
-static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES}, {TRUST_KEY_MISSING, INPUT_LATTICE},
-                               {KEY_TREELET, INPUT_LATTICE},   {KEY_HALO, INPUT_LATTICE},
-                               {KEY_IN_PLACE, INPUT_LATTICE},  {KEY_LEVELS, INPUT_LATTICE},
-                               {KEY_DIMS, INPUT_RAW},          {KEY_TYPE, INPUT_RAW},
-                               {KEY_BIG_ENDIAN, INPUT_RAW},    {KEY_SKIP, INPUT_RAW},
-                               {KEY_SPACING, INPUT_LATTICE},   {KEY_MISSING, INPUT_LATTICE},
-                               {KEY_ORIGIN, INPUT_LATTICE},    {KEY_EXAGGERATE, INPUT_LATTICE},
-                               {KEY_AXES, INPUT_LATTICE},      {KEY_UNIT, INPUT_LATTICE},
-                               {KEY_AXIS_X, INPUT_LATTICE},    {KEY_AXIS_Y, INPUT_LATTICE},
-                               {KEY_AXIS_Z, INPUT_LATTICE},    {KEY_FIELD, INPUT_CHOICES},
-                               {KEY_COMPONENT, INPUT_CHOICES}, {KEY_STEP, INPUT_STEPS},
-                               {KEY_STEPS, INPUT_SERIES},      {KEY_CELLS_TO_POINTS, INPUT_CELLS},
-                               {KEY_COARSE, INPUT_CELLS},      {KEY_TREELET_TETS, INPUT_CELLS},
-                               {KEY_LEAF_TETS, INPUT_CELLS},   {KEY_BUILD, INPUT_CELLS},
+static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES},
+                               {TRUST_KEY_MISSING, INPUT_LATTICE},
+                               {KEY_TREELET, INPUT_LATTICE},
+                               {KEY_HALO, INPUT_LATTICE},
+                               {KEY_IN_PLACE, INPUT_LATTICE},
+                               {KEY_LEVELS, INPUT_LATTICE},
+                               {KEY_APPEND, INPUT_LATTICE},
+                               {KEY_DIMS, INPUT_RAW},
+                               {KEY_TYPE, INPUT_RAW},
+                               {KEY_BIG_ENDIAN, INPUT_RAW},
+                               {KEY_SKIP, INPUT_RAW},
+                               {KEY_SPACING, INPUT_LATTICE},
+                               {KEY_MISSING, INPUT_LATTICE},
+                               {KEY_ORIGIN, INPUT_LATTICE},
+                               {KEY_EXAGGERATE, INPUT_LATTICE},
+                               {KEY_AXES, INPUT_LATTICE},
+                               {KEY_UNIT, INPUT_LATTICE},
+                               {KEY_AXIS_X, INPUT_LATTICE},
+                               {KEY_AXIS_Y, INPUT_LATTICE},
+                               {KEY_AXIS_Z, INPUT_LATTICE},
+                               {KEY_FIELD, INPUT_CHOICES},
+                               {KEY_COMPONENT, INPUT_CHOICES},
+                               {KEY_STEP, INPUT_STEPS},
+                               {KEY_STEPS, INPUT_SERIES},
+                               {KEY_CELLS_TO_POINTS, INPUT_CELLS},
+                               {KEY_COARSE, INPUT_CELLS},
+                               {KEY_TREELET_TETS, INPUT_CELLS},
+                               {KEY_LEAF_TETS, INPUT_CELLS},
+                               {KEY_BUILD, INPUT_CELLS},
                                {KEY_GRADIENTS, INPUT_CELLS}};
 
 static status set_spacing(convert_request *a, const char *text) {
@@ -306,6 +328,7 @@ static status note_told(convert_request *a, int key, const char *text) {
 static status take_option(convert_request *a, int key, const char *text) {
     switch (key) {
     case KEY_IN_PLACE: a->in_place = true; return ST_OK;
+    case KEY_APPEND: a->append = true; return ST_OK;
     case KEY_RESUME: a->resume = true; return ST_OK;
     case KEY_CHECKPOINT: return set_checkpoint(a, text);
     case KEY_COMPRESS: return set_compress(a, text);
@@ -337,6 +360,13 @@ static status check(void *own) {
     if (st != ST_OK)
         return st;
     a->common.input = a->common.inputs[0];
+    a->treelet_is_given = cli_given(&a->common, KEY_TREELET);
+    a->halo_is_given = cli_given(&a->common, KEY_HALO);
+    a->levels_are_given = cli_given(&a->common, KEY_LEVELS);
+    if (a->append && (a->resume || a->dry_run || a->in_place || a->common.force))
+        return status_describe(ST_USAGE,
+                               "--append goes without --resume, --dry-run, --in-place and "
+                               "--force");
     return convert_sets_check(&a->sets, a->common.input_count, cli_given(&a->common, KEY_STEP));
 }
 
@@ -429,7 +459,9 @@ static status run(convert_request *a) {
     a->hints.mesh.trust = a->hints.grid.trust;
     bool done = false;
     status st = guard_files(a);
-    if (st == ST_OK && !a->dry_run)
+    if (st == ST_OK && a->append)
+        st = convert_append_open(a, &m);
+    else if (st == ST_OK && !a->dry_run)
         st = convert_work_open(a, &m, &done);
     if (st == ST_OK && !done)
         st = input_open(&m, a->common.input, &a->hints, &in);
@@ -437,6 +469,7 @@ static status run(convert_request *a) {
         st = convert_opened(a, &m, &in, start);
     input_close(&in);
     convert_sets_release(&a->sets);
+    convert_append_close(a);
     return convert_work_close(a, st);
 }
 

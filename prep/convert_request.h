@@ -22,8 +22,14 @@ typedef struct convert_request {
 
     bool dry_run, allow_empty;
     bool in_place;       /* leave the samples of level 0 where they are */
-    bool codec_is_given; /* --compress is */
+    /* Whether --compress, --treelet, --halo, --levels are: */
+    bool codec_is_given, treelet_is_given, halo_is_given, levels_are_given;
     bool step;           /* --step is given */
+
+    /* Further steps of the output (convert_append.h): */
+    bool append;
+    leaf_grow *grow;   /* NULL: the output is new */
+    size_t grow_bytes; /* of memory that it takes */
 
     /* Unfinished work: */
     bool resume;

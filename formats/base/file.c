@@ -154,6 +154,17 @@ status file_open_part(mem *m, const file *of, uint64_t offset, uint64_t size, fi
     return ST_OK;
 }
 
+status file_look_again(file *f) {
+    struct stat info;
+    assert(f->offset == 0);
+    if (f->memory)
+        return ST_OK;
+    if (fstat(f->fd, &info) != 0)
+        return file_failed(errno, f->path, "cannot look at");
+    f->size = (uint64_t)info.st_size;
+    return ST_OK;
+}
+
 void file_close(file *f) {
     if (!f)
         return;

@@ -37,6 +37,9 @@ CHECKED status file_open_memory(mem *m, const char *name, const void *bytes, siz
  * be a part itself. The path of the new one says which part it is. */
 CHECKED status file_open_part(mem *m, const file *of, uint64_t offset, uint64_t size, file **out);
 
+/* file_look_again() - the length of a file that others make longer. What is there is as it was. */
+CHECKED status file_look_again(file *f);
+
 const char *file_path(const file *f);
 uint64_t file_size(const file *f);
 int file_descriptor(const file *f); /* -1: in memory. Byte 0 of f is at file_offset() */

@@ -24,6 +24,18 @@ status file_mark_take(const file *f, file_mark *mark) {
     return ST_OK;
 }
 
+status file_mark_check_name(const file *f, const file_mark *mark) {
+    struct stat s;
+    if (file_memory(f) || stat(file_path(f), &s) != 0)
+        return ST_OK;
+    const file_mark named = mark_of(&s);
+    if (named.device == mark->device && named.inode == mark->inode)
+        return ST_OK;
+    return status_describe(ST_CORRUPT,
+                           "%s changed while it was open: another file has taken its place",
+                           file_path(f));
+}
+
 status file_mark_check(const file *f, const file_mark *mark) {
     struct stat s;
     const char *path = file_path(f);
@@ -39,13 +51,7 @@ status file_mark_check(const file *f, const file_mark *mark) {
                                path, (unsigned long long)mark->size, (unsigned long long)now.size);
     if (now.modified_s != mark->modified_s || now.modified_ns != mark->modified_ns)
         return status_describe(ST_CORRUPT, "%s changed while it was open: it was written to", path);
-    if (stat(path, &s) != 0)
-        return ST_OK;
-    const file_mark named = mark_of(&s);
-    if (named.device == mark->device && named.inode == mark->inode)
-        return ST_OK;
-    return status_describe(ST_CORRUPT,
-                           "%s changed while it was open: another file has taken its place", path);
+    return file_mark_check_name(f, mark);
 }
 
 void file_mark_settle(const file_mark *mark) {

@@ -24,6 +24,9 @@ CHECKED status file_mark_take(const file *f, file_mark *mark);
  * unchanged. Thread-safe. */
 CHECKED status file_mark_check(const file *f, const file_mark *mark);
 
+/* file_mark_check_name() - the same of its name alone: of a file that may grow. */
+CHECKED status file_mark_check_name(const file *f, const file_mark *mark);
+
 /* file_mark_settle() - wait until any further write must give the file another time than the
  * mark's. That takes a tick of the clock at most, and only for a file that was written just now.
  * Call it before bytes are used in place. */

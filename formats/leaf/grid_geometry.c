@@ -114,7 +114,7 @@ static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
     if (kind == LEAF_SECTION_CHUNKS)
         return h->outside_chunks * sizeof(chunk_entry);
     if (kind == LEAF_SECTION_BASES)
-        return h->codec != LEAF_CODEC_RAW && sets(h) > 1 ? payloads(h) * sizeof(uint32_t) : 0;
+        return h->codec != LEAF_CODEC_RAW && leaf_is_behind(h) ? payloads(h) * sizeof(uint32_t) : 0;
     if (kind != LEAF_SECTION_AXES || !h->rectilinear)
         return 0;
     return ((uint64_t)h->dims[0] + h->dims[1] + h->dims[2]) * sizeof(double);
@@ -300,6 +300,7 @@ static const char *payload_name(const leaf_layout *l, uint32_t p, char text[LEAF
 }
 
 const leaf_geometry grid_geometry = {.holds_indices = false,
+                                     .grows = true,
                                      .has_map = true,
                                      .check_parameters = check_parameters,
                                      .check_values = check_values,

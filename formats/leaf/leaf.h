@@ -138,7 +138,12 @@ typedef struct leaf_header {   /* offset size */
     uint32_t outside_chunks;   /* 1500    4  entries of section CHUNKS */
     uint64_t directory;        /* 1504    8  where the section table lies, behind the payloads; 0: at
                                                LEAF_HEADER_BYTES, before them */
-    uint8_t reserved[2584];    /* 1512 2584 */
+    /* Growing files, segment after segment (SERIES.md 4): */
+    uint64_t last;             /* 1512    8  first header: where the last segment's header lies */
+    uint32_t segments;         /* 1520    4  first header: how many; 0: a file that does not grow */
+    uint32_t steps_before;     /* 1524    4  later ones: steps in all segments before; else 0 */
+    uint64_t before;           /* 1528    8  later ones: where the header of the one before lies */
+    uint8_t reserved[2560];    /* 1536 2560 */
 } leaf_header;
 
 typedef struct leaf_section {  /* offset size */
@@ -222,6 +227,16 @@ static inline uint64_t leaf_table_at(const leaf_header *h) {
 static inline uint64_t leaf_payloads_at(const leaf_header *h, uint64_t end) {
     return h->directory ? LEAF_HEADER_BYTES : end;
 }
+
+/* leaf_is_behind() - whether the directory of so many sets lies behind the payloads, which may lead
+ * to those of other sets. */
+static inline bool leaf_is_behind(const leaf_header *h) {
+    return (uint64_t)h->fields * h->steps > 1 || h->steps_before > 0;
+}
+
+/* An entry of SAME or BASES with this bit leads to an earlier segment: the rest is the number of
+ * the set there. */
+#define LEAF_LINK_BEFORE (UINT32_C(1) << 31)
 
 /* leaf_aligned() - the first multiple of LEAF_ALIGN at or behind byte `at` of a payload. */
 static inline uint32_t leaf_aligned(uint32_t at) {

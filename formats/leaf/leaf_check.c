@@ -11,8 +11,6 @@
 #include "formats/leaf/histogram.h"
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/leaf_order.h"
-#include "formats/leaf/outside_chunks.h"
-#include "formats/leaf/outside_samples.h"
 
 status leaf_check_corrupt(const char *path, uint64_t at, const char *fmt, ...) {
     char text[STATUS_TEXT_MAX / 2];
@@ -40,6 +38,8 @@ hash_id leaf_header_id(const leaf_header *h, const leaf_section *table) {
     all.header = *h;
     all.header.id[0] = all.header.id[1] = 0;
     all.header.checksum = 0;
+    all.header.last = 0;
+    all.header.segments = 0;
     memcpy(all.table, table, sections * sizeof *table);
     return hash_identity(&all, sizeof all.header + sections * sizeof *table);
 }
@@ -154,6 +154,23 @@ static status check_directory_place(const char *path, const leaf_header *h) {
                               (unsigned long long)h->directory);
 }
 
+/* Check what the header says of segments. The file's length, and the headers of the others, say the
+ * rest. */
+static status check_segment(const char *path, const leaf_header *h) {
+    const uint64_t sets = ((uint64_t)h->steps_before + h->steps) * h->fields;
+    if ((h->segments || h->steps_before) && !leaf_geometry_of(h->kind)->grows)
+        return status_describe(ST_UNSUPPORTED, "%s: byte %zu: a file of this kind cannot grow",
+                               path, offsetof(leaf_header, segments));
+    const bool first = h->segments > 1 ? h->last >= h->file_bytes : !h->last;
+    if (h->steps_before ? h->segments || h->last || !h->directory || sets > LEAF_SETS_MAX
+                        : h->before || !first || h->segments > LEAF_SETS_MAX)
+        return leaf_check_corrupt(path, offsetof(leaf_header, last),
+                                  "expected the place of a segment, found %u of %u steps before, "
+                                  "the last at byte %llu",
+                                  h->segments, h->steps_before, (unsigned long long)h->last);
+    return ST_OK;
+}
+
 status leaf_check_header(const char *path, const leaf_header *h, uint64_t file_bytes) {
     status st = check_frame(path, h, file_bytes);
     if (st == ST_OK)
@@ -167,7 +184,9 @@ status leaf_check_header(const char *path, const leaf_header *h, uint64_t file_b
                              offsetof(leaf_header, provenance));
     if (st == ST_OK)
         st = leaf_geometry_of(h->kind)->check_rest(path, h);
-    return st == ST_OK ? check_directory_place(path, h) : st;
+    if (st == ST_OK)
+        st = check_directory_place(path, h);
+    return st == ST_OK ? check_segment(path, h) : st;
 }
 
 uint64_t leaf_check_directory_bytes(const leaf_header *h) {
@@ -200,6 +219,11 @@ bool leaf_section_optional(uint32_t kind) {
            kind == LEAF_SECTION_BASES;
 }
 
+/* Whether steps may have times: there are several, or others may come. */
+static bool has_times(const leaf_header *h) {
+    return h->steps > 1 || h->segments || h->steps_before;
+}
+
 uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
     const leaf_geometry *g = leaf_geometry_of(h->kind);
     const uint64_t sets = g ? g->sets(h) : 0;
@@ -212,9 +236,9 @@ uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
     case LEAF_SECTION_OFFSETS:
     case LEAF_SECTION_SIZES:
     case LEAF_SECTION_CHECKSUMS: return g->payloads(h) * sizeof(uint64_t);
-    case LEAF_SECTION_SAME: return sets > 1 ? g->payloads(h) * sizeof(uint32_t) : 0;
+    case LEAF_SECTION_SAME: return leaf_is_behind(h) ? g->payloads(h) * sizeof(uint32_t) : 0;
     case LEAF_SECTION_FIELDS: return g->labels(h) ? h->fields * sizeof(char[64]) : 0;
-    case LEAF_SECTION_TIMES: return g->labels(h) && h->steps > 1 ? h->steps * sizeof(double) : 0;
+    case LEAF_SECTION_TIMES: return g->labels(h) && has_times(h) ? h->steps * sizeof(double) : 0;
     case LEAF_SECTION_HISTOGRAMS: return sets <= LEAF_HISTOGRAMS_MAX ? sets * sizeof(histogram) : 0;
     case LEAF_SECTION_WORLD: return sizeof(world_frame);
     default: return g->section_bytes(h, kind);
@@ -320,11 +344,21 @@ static uint32_t led_to(const leaf_layout *l, const leaf_directory *d, uint32_t p
     return d->sizes[q] && !(d->links.same && d->links.same[q]) ? q : LEAF_NO_TREELET;
 }
 
+/* Whether an entry of SAME or BASES leads to an earlier segment. What lies there is checked where
+ * segments become one file. */
+static bool leads_before(const leaf_header *h, const leaf_layout *l, uint32_t entry) {
+    return entry & LEAF_LINK_BEFORE &&
+           (entry ^ LEAF_LINK_BEFORE) < (uint64_t)h->steps_before * (l->sets / l->steps);
+}
+
 /* Check that payload p has the bytes of another, and stands where that does. */
-static status check_same(const char *path, const leaf_layout *l, const leaf_directory *d,
-                         uint32_t p) {
-    const uint32_t q = led_to(l, d, p, d->links.same[p]);
+static status check_same(const char *path, const leaf_header *h, const leaf_layout *l,
+                         const leaf_directory *d, uint32_t p) {
     char name[LEAF_NAME_MAX];
+    if (leads_before(h, l, d->links.same[p]) && !d->offsets[p] &&
+        !(d->links.bases && d->links.bases[p]))
+        return ST_OK;
+    const uint32_t q = led_to(l, d, p, d->links.same[p]);
     if (q != LEAF_NO_TREELET && d->offsets[p] == d->offsets[q] && d->sizes[p] == d->sizes[q] &&
         d->checksums[p] == d->checksums[q] && !(d->links.bases && d->links.bases[p]))
         return ST_OK;
@@ -334,11 +368,13 @@ static status check_same(const char *path, const leaf_layout *l, const leaf_dire
 }
 
 /* Check that a reader comes from payload p to a whole code, by a few bases. */
-static status check_base(const char *path, const leaf_layout *l, const leaf_directory *d,
-                         uint32_t p) {
+static status check_base(const char *path, const leaf_header *h, const leaf_layout *l,
+                         const leaf_directory *d, uint32_t p) {
     uint32_t q = p;
     char name[LEAF_NAME_MAX];
-    for (int codes = 1; q != LEAF_NO_TREELET && d->links.bases[q]; codes++)
+    for (int codes = 1;
+         q != LEAF_NO_TREELET && d->links.bases[q] && !leads_before(h, l, d->links.bases[q]);
+         codes++)
         q = codes < LEAF_CHAIN_MAX ? led_to(l, d, q, d->links.bases[q]) : LEAF_NO_TREELET;
     if (q != LEAF_NO_TREELET && d->sizes[p])
         return ST_OK;
@@ -374,11 +410,12 @@ static status check_payload(const char *path, const leaf_header *h, const leaf_l
                                   leaf_layout_payload_name(l, p, name),
                                   h->codec == LEAF_CODEC_RAW ? "" : "at most ",
                                   (unsigned long long)bytes, (unsigned long long)size);
-    if (at > h->file_bytes || size > h->file_bytes - at)
+    const bool elsewhere = same && leads_before(h, l, d->links.same[p]);
+    if (!elsewhere && (at > h->file_bytes || size > h->file_bytes - at))
         return leaf_check_corrupt(path, d->at[LEAF_SECTION_SIZES - 1] + entry,
                                   "%s ends behind the file's end",
                                   leaf_layout_payload_name(l, p, name));
-    return same ? check_same(path, l, d, p) : ST_OK;
+    return same ? check_same(path, h, l, d, p) : ST_OK;
 }
 
 /* Check that coarse grids follow one another from *end on; *end becomes where the last one ends. */
@@ -425,7 +462,7 @@ static status check_payloads(const char *path, const leaf_header *h, const leaf_
     for (leaf_order o = leaf_order_begin(l); o.p < l->payloads; leaf_order_next(&o, l)) {
         status st = check_payload(path, h, l, d, o.p, &place);
         if (st == ST_OK && d->links.bases && d->links.bases[o.p])
-            st = check_base(path, l, d, o.p);
+            st = check_base(path, h, l, d, o.p);
         if (st != ST_OK)
             return st;
         sum += d->links.same && d->links.same[o.p] ? 0 : d->sizes[o.p];
@@ -511,153 +548,6 @@ status leaf_check_world(const char *path, const leaf_header *h, const world_fram
     return st == ST_OK ? leaf_check_zero(path, f->reserved, sizeof f->reserved,
                                          at + offsetof(world_frame, reserved))
                        : st;
-}
-
-/* Bytes of all samples outside; UINT64_MAX: more than any file has. */
-static uint64_t bytes_outside(const leaf_header *h, const sample_place *p) {
-    uint64_t bytes = stored_samples_bytes(&p->stored);
-    for (int a = 0; a < 3; a++)
-        if (__builtin_mul_overflow(bytes, (uint64_t)h->dims[a], &bytes))
-            return UINT64_MAX;
-    return bytes;
-}
-
-/* Check what section OUTSIDE says of chunks, whose numbers are in range. */
-static status check_chunks(const char *path, const leaf_outside *o, uint64_t at) {
-    const uint32_t unnamed = LEAF_CHUNKS_FORTRAN | LEAF_CHUNKS_SUMMED | LEAF_CHUNKS_CUT;
-    const char *expected = outside_chunks_fault(o);
-    if (expected)
-        return leaf_check_corrupt(path, at + offsetof(leaf_outside, chunk), "expected %s",
-                                  expected);
-    const bool in_files = o->form == LEAF_OUTSIDE_FILES;
-    if (o->offset || (in_files && o->file_bytes > OUTSIDE_JSON_MAX))
-        return leaf_check_corrupt(path, at, "chunks are described in a file of at most %d bytes",
-                                  OUTSIDE_JSON_MAX);
-    if (in_files && o->chunk_flags & LEAF_CHUNKS_CUT)
-        return leaf_check_corrupt(path, at + offsetof(leaf_outside, chunk_flags),
-                                  "expected whole files of chunks");
-    if (!in_files && (o->sum || o->levels_up || o->chunk_flags & ~unnamed))
-        return leaf_check_corrupt(path, at + offsetof(leaf_outside, chunk_flags),
-                                  "expected nothing about files of chunks");
-    return leaf_check_zero(path, &o->filter[o->filters],
-                           (LEAF_CHUNK_FILTERS - o->filters) * sizeof *o->filter,
-                           at + offsetof(leaf_outside, filter) + o->filters * sizeof *o->filter);
-}
-
-/* Check the ranges of the numbers that section OUTSIDE has of an axis and of a filter. */
-static status check_axis_of_chunks(const char *path, const leaf_outside *o, size_t at, uint32_t i) {
-    const leaf_filter *f = &o->filter[i];
-    const size_t filter = at + offsetof(leaf_outside, filter) + i * sizeof *f;
-    const bool used = i < o->filters, rows = f->kind == ZARR_FILTER_ROWS + 1;
-    const leaf_field fields[] = {
-        {at + offsetof(leaf_outside, chunk) + i * sizeof *o->chunk, "chunk", o->chunk[i], 0,
-         INT32_MAX},
-        {at + offsetof(leaf_outside, role) + i * sizeof *o->role, "role", o->role[i], 0,
-         ORDER_AXES},
-        {filter, "kind", f->kind, used, used ? ZARR_FILTER_KINDS : 0},
-        {filter + offsetof(leaf_filter, type), "type", f->type, used, used ? SAMPLE_I64 : 0},
-        {filter + offsetof(leaf_filter, coded_type), "coded_type", f->coded_type, used,
-         used ? SAMPLE_I64 : 0},
-        {filter + offsetof(leaf_filter, flags), "flags", f->flags, 0,
-         LEAF_FILTER_BIG_ENDIAN | LEAF_FILTER_BIG_CODED},
-        {filter + offsetof(leaf_filter, row), "row", f->row, rows, rows ? INT32_MAX : 0},
-    };
-    return leaf_check_fields(path, fields, sizeof fields / sizeof *fields);
-}
-
-/* Check the ranges of the numbers that section OUTSIDE has of chunks. */
-static status check_chunk_fields(const char *path, const leaf_outside *o, uint64_t at) {
-    const size_t base = (size_t)at, form = offsetof(leaf_outside, form);
-    const leaf_field fields[] = {
-        {base + form, "form", o->form, LEAF_OUTSIDE_PIECE, LEAF_OUTSIDE_FORM_LAST},
-        {base + offsetof(leaf_outside, axes), "axes", o->axes, 3, LEAF_CHUNK_AXES},
-        {base + offsetof(leaf_outside, chunk_flags), "chunk_flags", o->chunk_flags, 0,
-         LEAF_CHUNKS_FORTRAN | LEAF_CHUNKS_SLASH | LEAF_CHUNKS_LINKS | LEAF_CHUNKS_SUMMED |
-             LEAF_CHUNKS_CUT},
-        {base + offsetof(leaf_outside, codec), "codec", o->codec, ZARR_RAW, ZARR_LZF},
-        {base + offsetof(leaf_outside, filters), "filters", o->filters, 0, LEAF_CHUNK_FILTERS},
-        {base + offsetof(leaf_outside, step), "step", o->step, 0, INT32_MAX},
-        {base + offsetof(leaf_outside, reserved1), "reserved", o->reserved1, 0, 0},
-    };
-    if (o->form == LEAF_OUTSIDE_PIECE)
-        return leaf_check_zero(path, (const char *)o + form, sizeof *o - form, at + form);
-    status st = leaf_check_fields(path, fields, sizeof fields / sizeof *fields);
-    for (uint32_t i = 0; i < LEAF_CHUNK_AXES && st == ST_OK; i++)
-        st = check_axis_of_chunks(path, o, base, i);
-    return st == ST_OK ? leaf_check_zero(path, o->reserved2, sizeof o->reserved2,
-                                         at + offsetof(leaf_outside, reserved2))
-                       : st;
-}
-
-/* Check what the numbers of section OUTSIDE say together. */
-static status check_place(const char *path, const leaf_header *h, const leaf_outside *o,
-                          uint64_t at) {
-    const sample_place p = outside_samples_place(o);
-    const uint64_t bytes = bytes_outside(h, &p);
-    if (!isfinite(o->slope) || !isfinite(o->intercept))
-        return leaf_check_corrupt(path, at + offsetof(leaf_outside, slope),
-                                  "expected a finite slope and intercept, found %g and %g",
-                                  o->slope, o->intercept);
-    if (!*o->path)
-        return leaf_check_corrupt(path, at + offsetof(leaf_outside, path), "expected a path");
-    if (sample_place_type(&p) != (sample_type)h->sample_type)
-        return leaf_check_corrupt(path, at + offsetof(leaf_outside, type),
-                                  "samples there become %s, and cannot be %s here",
-                                  sample_name(sample_place_type(&p)),
-                                  sample_name((sample_type)h->sample_type));
-    if (o->form != LEAF_OUTSIDE_PIECE)
-        return check_chunks(path, o, at);
-    if (o->offset > o->file_bytes || bytes > o->file_bytes - o->offset)
-        return leaf_check_corrupt(path, at + offsetof(leaf_outside, offset),
-                                  "the samples end behind the end of their file");
-    return ST_OK;
-}
-
-status leaf_check_outside(const char *path, const leaf_header *h, const leaf_outside *o,
-                          uint64_t at) {
-    const size_t base = (size_t)at;
-    const leaf_field fields[] = {
-        {base + offsetof(leaf_outside, modified_ns), "modified_ns", o->modified_ns, 0, 999999999},
-        {base + offsetof(leaf_outside, type), "type", o->type, SAMPLE_U8, SAMPLE_I64},
-        {base + offsetof(leaf_outside, components), "components", o->components, 1,
-         STORED_SAMPLES_COMPONENTS},
-        {base + offsetof(leaf_outside, component), "component", o->component, 0, o->components},
-        {base + offsetof(leaf_outside, flags), "flags", o->flags, 0,
-         LEAF_OUTSIDE_BIG_ENDIAN | LEAF_OUTSIDE_COLOURS | LEAF_OUTSIDE_MISSING},
-    };
-    status st = leaf_check_fields(path, fields, sizeof fields / sizeof *fields);
-    if (st == ST_OK)
-        st = leaf_check_zero(path, &o->reserved0, sizeof o->reserved0,
-                             at + offsetof(leaf_outside, reserved0));
-    if (st == ST_OK)
-        st = leaf_check_zero(path, o->reserved, sizeof o->reserved,
-                             at + offsetof(leaf_outside, reserved));
-    if (st == ST_OK)
-        st = leaf_check_text(path, o->path, sizeof o->path, at + offsetof(leaf_outside, path));
-    if (st == ST_OK)
-        st = check_chunk_fields(path, o, at);
-    if (st == ST_OK)
-        st = check_place(path, h, o, at);
-    const uint64_t chunks =
-        st == ST_OK && o->form == LEAF_OUTSIDE_TABLE ? outside_chunks_count(o, h->dims) : 0;
-    if (st == ST_OK && chunks != h->outside_chunks)
-        return leaf_check_corrupt(path, offsetof(leaf_header, outside_chunks),
-                                  "expected %llu chunks in a table, found %u",
-                                  (unsigned long long)chunks, h->outside_chunks);
-    return st;
-}
-
-status leaf_check_chunks(const char *path, const leaf_header *h, const leaf_outside *o,
-                         const chunk_entry *chunks, uint64_t at) {
-    for (uint32_t i = 0; i < h->outside_chunks; i++) {
-        const chunk_entry *e = &chunks[i];
-        const char *expected = outside_chunks_entry_fault(o, e);
-        if (expected)
-            return leaf_check_corrupt(path, at + i * sizeof *e,
-                                      "expected %s, found %u at byte %llu", expected, e->bytes,
-                                      (unsigned long long)e->offset);
-    }
-    return ST_OK;
 }
 
 status leaf_check_bounds(const char *path, const leaf_header *h, const leaf_layout *l,

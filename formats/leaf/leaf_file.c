@@ -21,6 +21,7 @@ _Static_assert(
 /* State needed only while opening. */
 typedef struct opening {
     leaf_file *f;
+    const leaf_header *first; /* instead of the file's own; or NULL */
     leaf_section table[LEAF_SECTIONS_MAX];
     uint64_t end;                   /* where the sections end */
     uint64_t at[LEAF_SECTION_LAST]; /* file offset of known section k: at[k - 1] */
@@ -46,9 +47,16 @@ static status check_gap(leaf_file *f, uint64_t from, uint64_t to) {
 static status read_head(opening *o) {
     leaf_file *f = o->f;
     const char *path = file_path(f->source);
+    const leaf_header *h = &f->header;
+    uint64_t bytes = file_size(f->source);
     status st = file_read_at(f->source, 0, &f->header, sizeof f->header);
+    if (o->first)
+        f->header = *o->first;
+    /* Behind the first segment may be others, and what is being written. */
+    if (st == ST_OK && h->segments && h->file_bytes < bytes)
+        bytes = h->file_bytes;
     if (st == ST_OK)
-        st = leaf_check_header(path, &f->header, file_size(f->source));
+        st = leaf_check_header(path, h, bytes);
     if (st == ST_OK)
         f->geometry = leaf_geometry_of(f->header.kind);
     if (st == ST_OK)
@@ -344,9 +352,10 @@ static status open_outside(const opening *o, const char *path) {
                        : st;
 }
 
-/* Open a file; consumes source. path: gives the name to show, if the header has none, and the
- * folder from which another file is named. */
-static status open_source(mem *m, file *source, const char *path, leaf_file **out) {
+/* Open a file without segments, or one of them; consumes source. path: gives the name to show, if
+ * the header has none, and the folder from which another file is named. */
+static status open_alone(mem *m, file *source, const leaf_header *first, const char *path,
+                         leaf_file **out) {
     leaf_file *f = mem_zalloc(m, sizeof *f);
     if (!f) {
         file_close(source);
@@ -354,7 +363,7 @@ static status open_source(mem *m, file *source, const char *path, leaf_file **ou
     }
     f->m = m;
     f->source = source;
-    opening o = {.f = f};
+    opening o = {.f = f, .first = first};
     status st = read_directory(&o);
     if (st == ST_OK && f->outside)
         st = open_outside(&o, path);
@@ -363,6 +372,7 @@ static status open_source(mem *m, file *source, const char *path, leaf_file **ou
         return st;
     }
     clean_names(f, path);
+    memcpy(f->first_id, f->header.id, sizeof f->first_id);
     const uint32_t last = leaf_order_last(&f->layout);
     const uint64_t before = f->offsets[last] + f->sizes[last];
     f->directory_end = o.end;
@@ -373,10 +383,43 @@ static status open_source(mem *m, file *source, const char *path, leaf_file **ou
     return ST_OK;
 }
 
+/* The same of a whole file. */
+static status open_source(mem *m, file *source, const leaf_header *first, const char *path,
+                          leaf_file **out) {
+    leaf_file *f = NULL;
+    status st = open_alone(m, source, first, path, &f);
+    if (st == ST_OK && f->header.steps_before)
+        st = leaf_check_corrupt(file_path(f->source), offsetof(leaf_header, steps_before),
+                                "expected a whole file, found a segment of one");
+    if (st == ST_OK && f->header.segments)
+        st = leaf_file_join(f);
+    if (st != ST_OK) {
+        leaf_file_close(f);
+        return st;
+    }
+    *out = f;
+    return ST_OK;
+}
+
+status leaf_file_open_segment(mem *m, const leaf_file *f, const leaf_segment *s, leaf_file **out) {
+    leaf_header head;
+    file *source = NULL;
+    status st = file_read_at(f->source, s->base, &head, sizeof head);
+    if (st == ST_OK)
+        st = file_open_part(m, f->source, s->base, head.file_bytes, &source);
+    return st == ST_OK ? open_alone(m, source, NULL, file_path(f->source), out) : st;
+}
+
 status leaf_file_open_as(mem *m, const char *path, const char *as, leaf_file **out) {
     file *source = NULL;
     status st = file_open(m, path, &source);
-    return st == ST_OK ? open_source(m, source, as, out) : st;
+    return st == ST_OK ? open_source(m, source, NULL, as, out) : st;
+}
+
+status leaf_file_open_first(mem *m, const char *path, const leaf_header *first, leaf_file **out) {
+    file *source = NULL;
+    status st = file_open(m, path, &source);
+    return st == ST_OK ? open_source(m, source, first, path, out) : st;
 }
 
 status leaf_file_open(mem *m, const char *path, leaf_file **out) {
@@ -387,11 +430,22 @@ status leaf_file_open_memory(mem *m, const char *name, const void *bytes, size_t
                              leaf_file **out) {
     file *source = NULL;
     status st = file_open_memory(m, name, bytes, size, &source);
-    return st == ST_OK ? open_source(m, source, name, out) : st;
+    return st == ST_OK ? open_source(m, source, NULL, name, out) : st;
+}
+
+/* Whether a file that was written to still begins with what was opened, and may have grown. */
+static bool has_grown(const leaf_file *f) {
+    leaf_header head;
+    return file_offset(f->source) == 0 && file_read_at(f->source, 0, &head, sizeof head) == ST_OK &&
+           head.segments && head.segments >= f->header.segments &&
+           head.checksum == leaf_header_checksum(&head) &&
+           memcmp(head.id, f->first_id, sizeof head.id) == 0;
 }
 
 status leaf_file_changed(const leaf_file *f) {
-    const status st = file_mark_check(f->source, &f->mark);
+    status st = file_mark_check(f->source, &f->mark);
+    if (st == ST_CORRUPT && has_grown(f))
+        st = file_mark_check_name(f->source, &f->mark);
     return st == ST_OK && f->samples ? outside_samples_changed(f->samples) : st;
 }
 
@@ -406,8 +460,10 @@ status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, leaf_file
     file *source = NULL;
     status st = file_open_part(m, f->source, part->offset, part->bytes, &source);
     if (st == ST_OK)
-        st = open_source(m, source, file_path(f->source), &coarse);
-    if (st == ST_OK && (coarse->mesh || memcmp(coarse->header.id, part->id, sizeof part->id)))
+        st = open_alone(m, source, NULL, file_path(f->source), &coarse);
+    const bool alone = st == ST_OK && !coarse->header.segments && !coarse->header.steps_before;
+    if (st == ST_OK &&
+        (!alone || coarse->mesh || memcmp(coarse->header.id, part->id, sizeof part->id)))
         st = status_describe(
             ST_CORRUPT, "%s: expected the grid %016llx%016llx, found %s%016llx%016llx",
             file_path(coarse->source), (unsigned long long)part->id[1],
@@ -433,6 +489,7 @@ void leaf_file_close(leaf_file *f) {
     mem_free(f->m, f->checksums);
     mem_free(f->m, (void *)(uintptr_t)f->links.same);
     mem_free(f->m, (void *)(uintptr_t)f->links.bases);
+    mem_free(f->m, f->segments);
     mem_free(f->m, f->histograms);
     mem_free(f->m, f->deviations);
     mem_free(f->m, f->axis[0]);

@@ -25,8 +25,15 @@ typedef struct mesh_directory {
     leaf_part *coarse;     /* per set; zeros without section COARSE */
 } mesh_directory;
 
+/* A part of a growing file with steps of its own (SERIES.md 4). */
+typedef struct leaf_segment {
+    uint64_t base; /* where its header lies */
+    uint32_t first, steps;
+} leaf_segment;
+
 typedef struct leaf_file {
-    leaf_header header;
+    leaf_header header; /* of several segments: steps, sizes and what is said of values as of one
+                           file, the id of the last one */
     const struct leaf_geometry *geometry; /* the functions of its kind */
     char name[64]; /* for display: the header's name, or the file's own without its suffix */
     leaf_layout layout;
@@ -38,7 +45,9 @@ typedef struct leaf_file {
     uint64_t *offsets;
     uint64_t *sizes;
     uint64_t *checksums;
-    leaf_links links; /* from payloads to those of earlier sets */
+    leaf_links links;       /* from payloads to those of earlier sets */
+    leaf_segment *segments; /* header.segments of them, ascending; NULL: it does not grow */
+    uint64_t first_id[2];   /* id of the first header */
     /* Level-0 node coordinates in grid space, never NULL (0, 1, 2, ... for a regular grid). */
     double *axis[3];
     char (*names)[64];          /* per field; without FIELDS the first is the header's, others "" */
@@ -63,7 +72,7 @@ typedef struct leaf_file {
 } leaf_file;
 
 /* leaf_file_open() - ST_CORRUPT names file, byte and what was expected. A file whose samples lie in
- * another one opens that, too. */
+ * another one opens that, too. A growing file has the segments that are there now. */
 CHECKED status leaf_file_open(mem *m, const char *path, leaf_file **out);
 
 /* leaf_file_open_memory() - open the bytes of a file. They stay the caller's, and must not change
@@ -75,8 +84,25 @@ void leaf_file_close(leaf_file *f); /* NULL is fine */
 /* leaf_file_open_as() - the same of a file that is about to get the name `as`. */
 CHECKED status leaf_file_open_as(mem *m, const char *path, const char *as, leaf_file **out);
 
+/* leaf_file_open_segment() - open segment i of f alone: what leads to earlier segments leads
+ * nowhere. For checks. leaf_file_join() - make a file of all its segments of a growing one, of
+ * which the first is open; for leaf_file.c. */
+CHECKED status leaf_file_open_segment(mem *m, const leaf_file *f, const leaf_segment *s,
+                                      leaf_file **out);
+CHECKED status leaf_file_join(leaf_file *f);
+
+/* leaf_file_open_first() - the same as leaf_file_open() of a file that is about to get another
+ * first header. */
+CHECKED status leaf_file_open_first(mem *m, const char *path, const leaf_header *first,
+                                    leaf_file **out);
+
+/* leaf_file_number() - the number that a set has in entries of SAME and BASES of later segments.
+ * leaf_file_numbered() - the set of that number. */
+uint32_t leaf_file_number(const leaf_file *f, uint32_t set);
+uint32_t leaf_file_numbered(const leaf_file *f, uint32_t number);
+
 /* leaf_file_changed() - ST_CORRUPT if the file, or the one its samples lie in, has changed since it
- * was opened. */
+ * was opened. That it has grown is no change. */
 CHECKED status leaf_file_changed(const leaf_file *f);
 
 /* leaf_file_has_coarse() - whether f, a mesh, has a coarse grid of a set.

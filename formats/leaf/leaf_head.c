@@ -35,7 +35,7 @@ void leaf_head_grid(leaf_header *h, const leaf_layout *l, const leaf_parameters 
     h->outside_chunks = p->chunk_count;
     h->fields = sets->fields;
     h->steps = sets->steps;
-    if (l->sets > 1)
+    if (l->sets > 1 || h->segments)
         leaf_head_text(h->field, sizeof h->field, sets->names ? sets->names[0] : "");
     memcpy(h->to_world, g->to_world, sizeof h->to_world);
     leaf_head_text(h->name, sizeof h->name, g->name);

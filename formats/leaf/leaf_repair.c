@@ -145,6 +145,11 @@ static status take_header(repair *r, region *g, bool *found) {
         return refuse_ids(r, h);
     const int from = sound[LEAF_REPAIR_BAD] ? LEAF_REPAIR_BAD : LEAF_REPAIR_FROM;
     g->header = h[from];
+    if (g->header.segments > 1)
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: has %u segments, as convert --append makes them: it cannot be "
+                               "mended from a copy",
+                               file_path(r->copy[from]), g->header.segments);
     r->result->directory[from]++;
     /* A damaged header may still tell its id. */
     if (!g->part)

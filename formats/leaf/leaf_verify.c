@@ -440,9 +440,8 @@ static status check_gap(const leaf_file *f, uint64_t at, uint64_t end, const cha
     return ST_OK;
 }
 
-static status check_gaps(const verification *v) {
+static status check_gaps_of(const leaf_file *f) {
     char behind[LEAF_NAME_MAX] = "the header";
-    const leaf_file *f = v->f;
     const uint64_t table = f->header.directory;
     uint64_t at = leaf_payloads_at(&f->header, f->directory_end);
     status st = ST_OK;
@@ -458,6 +457,22 @@ static status check_gaps(const verification *v) {
         st = check_gap(f, at, table ? table : f->payloads_end, behind);
     return st == ST_OK && table ? check_gap(f, f->directory_end, f->payloads_end, "the directory")
                                 : st;
+}
+
+/* Check the bytes between payloads, segment by segment where the file has some. */
+static status check_gaps(const verification *v) {
+    const leaf_file *f = v->f;
+    status st = ST_OK;
+    if (f->header.segments < 2)
+        return check_gaps_of(f);
+    for (uint32_t i = 0; i < f->header.segments && st == ST_OK; i++) {
+        leaf_file *part = NULL;
+        st = leaf_file_open_segment(f->m, f, &f->segments[i], &part);
+        if (st == ST_OK)
+            st = check_gaps_of(part);
+        leaf_file_close(part);
+    }
+    return st;
 }
 
 /* Whether the bins hold every value of a range; for an empty range, whether there are no bins. */

@@ -19,16 +19,16 @@ enum {
     MESH_BYTES = sizeof(float[6]) + sizeof(uint32_t[4])
 };
 
-uint64_t leaf_writer_memory(const leaf_layout *l, int threads) {
+uint64_t leaf_writer_memory(const leaf_layout *l, int threads, bool grow) {
     uint64_t bytes = sizeof(leaf_writer) + sizeof(histogram) + 4096;
     for (int a = 0; a < 3; a++)
         bytes += l->level[0].dims[a] * sizeof(double);
-    if (l->sets > 1)
+    if (l->sets > 1 || grow)
         bytes += l->sets * (sizeof(histogram) + sizeof(char[64]) + sizeof(double)) +
                  l->payloads * (uint64_t)SERIES_BYTES;
     return bytes + l->treelets * (uint64_t)LAYOUT_BYTES +
            l->payloads * (uint64_t)(RANGE_BYTES + PAYLOAD_BYTES) +
-           leaf_writer_families_memory(l, threads);
+           leaf_writer_families_memory(l, threads, l->sets > 1 || grow);
 }
 
 static mesh_layout_blocks blocks_of(const leaf_mesh *mesh) {
@@ -86,7 +86,7 @@ static status allocate_deviations(leaf_writer *w) {
 /* Allocate what leads from the payloads of several sets to earlier ones. */
 static status allocate_series(leaf_writer *w, bool hashed) {
     const size_t payloads = w->layout.payloads;
-    if (w->layout.sets == 1)
+    if (w->layout.sets == 1 && !w->grow)
         return ST_OK;
     w->same = mem_array(w->m, payloads, sizeof *w->same);
     if (!hashed)
@@ -134,7 +134,7 @@ static status copy_labels(leaf_writer *w, const leaf_sets *sets) {
         for (uint32_t i = 0; i < sets->fields; i++)
             leaf_head_text(w->names[i], sizeof w->names[i], sets->names[i]);
     }
-    if (sets->times && sets->steps > 1) {
+    if (sets->times) {
         w->times = mem_array(w->m, sets->steps, sizeof *w->times);
         if (!w->times)
             return ST_NOMEM;
@@ -150,6 +150,22 @@ static status allocate_parts(leaf_writer *w, const leaf_mesh *mesh) {
             return ST_NOMEM;
     }
     return ST_OK;
+}
+
+/* The labels of a grid; of further steps, as the file has them. */
+static status label_grid(leaf_writer *w, const leaf_target *to, const leaf_sets *sets) {
+    const leaf_file *before = w->before;
+    leaf_sets own = *sets;
+    if (!before)
+        return w->layout.sets > 1 || to->grows ? copy_labels(w, sets) : ST_OK;
+    w->names = mem_array(w->m, own.fields, sizeof *w->names);
+    if (!w->names)
+        return ST_NOMEM;
+    for (uint32_t i = 0; i < own.fields; i++)
+        leaf_head_text(w->names[i], sizeof w->names[i], before->names[i]);
+    own.names = NULL;
+    own.times = before->has_times ? sets->times : NULL;
+    return copy_labels(w, &own);
 }
 
 static status create_out(leaf_writer *w, const leaf_target *to) {
@@ -193,6 +209,13 @@ static status lay_out_grid(leaf_writer *w, const grid *g, const leaf_sets *sets)
     return st;
 }
 
+/* Make the header that of a segment. */
+static void head_segment(leaf_writer *w) {
+    leaf_header *h = &w->header;
+    leaf_grow_head(w->grow, h);
+    memcpy(h->field, w->before->header.field, sizeof h->field);
+}
+
 status leaf_writer_create(mem *m, const leaf_target *to, const grid *g, const leaf_sets *sets,
                           const leaf_parameters *p, leaf_writer **out) {
     static const leaf_sets one = {.fields = 1, .steps = 1};
@@ -202,13 +225,17 @@ status leaf_writer_create(mem *m, const leaf_target *to, const grid *g, const le
     sets = sets ? sets : &one;
     assert(sets->fields > 0 && sets->steps > 0);
     assert((uint64_t)sets->fields * sets->steps <= LEAF_SETS_MAX);
+    if (to->grow) {
+        w->grow = to->grow;
+        w->before = leaf_grow_before(to->grow);
+    }
     status st = lay_out_grid(w, g, sets);
     if (st == ST_OK)
         st = allocate(w, (size_t)w->layout.sets * w->layout.treelets);
     if (st == ST_OK)
         enter_bare(w);
-    if (st == ST_OK && w->layout.sets > 1)
-        st = copy_labels(w, sets);
+    if (st == ST_OK)
+        st = label_grid(w, to, sets);
     if (st == ST_OK)
         st = allocate_series(w, true);
     if (st == ST_OK)
@@ -221,9 +248,12 @@ status leaf_writer_create(mem *m, const leaf_target *to, const grid *g, const le
         leaf_writer_discard(w);
         return st;
     }
+    w->header.segments = to->grows;
     leaf_head_grid(&w->header, &w->layout, p, g, sets);
-    w->frame = g->frame;
-    if (sets->time_unit)
+    if (w->grow)
+        head_segment(w);
+    w->frame = w->before ? w->before->frame : g->frame;
+    if (sets->time_unit && !w->before)
         world_frame_set_time_unit(&w->frame, sets->time_unit);
     leaf_writer_place_sections(w);
     w->order = leaf_order_begin(&w->layout);

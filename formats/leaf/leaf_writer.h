@@ -31,6 +31,7 @@
 #include "formats/grid/grid.h"
 #include "formats/leaf/histogram.h"
 #include "formats/leaf/leaf.h"
+#include "formats/leaf/leaf_grow.h"
 #include "formats/leaf/leaf_layout.h"
 #include "formats/leaf/leaf_order.h"
 #include "formats/leaf/leaf_packer.h"
@@ -79,6 +80,8 @@ typedef struct leaf_target {
     const char *path;  /* must outlive the writer */
     bool force;        /* replace another */
     work_folder *work; /* the path's own; NULL: nothing is to be gone on with */
+    bool grows;        /* steps may be added to it later */
+    leaf_grow *grow;   /* `path`, opened: what is written becomes its next segment; or NULL */
 } leaf_target;
 
 /* leaf_writer_create() - begin a file; ST_EXISTS unless force. g: the input's grid (checked; copied
@@ -95,9 +98,9 @@ CHECKED status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf
                                        const leaf_parameters *p, leaf_writer **out);
 
 /* leaf_writer_memory() - the bytes that a writer of this layout takes from its mem, with the
- * families of so many threads; for planning. leaf_writer_mesh_memory() - the same for a mesh;
- * payload_max: bytes of its largest payload. */
-uint64_t leaf_writer_memory(const leaf_layout *l, int threads);
+ * families of so many threads; for planning. grow: it adds to a file. leaf_writer_mesh_memory() -
+ * the same for a mesh; payload_max: bytes of its largest payload. */
+uint64_t leaf_writer_memory(const leaf_layout *l, int threads, bool grow);
 uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max);
 
 const leaf_layout *leaf_writer_layout(const leaf_writer *w);

@@ -52,7 +52,7 @@ static void list_sections(leaf_writer *w) {
 
 /* Whether the directory lies behind the payloads. */
 static bool is_behind(const leaf_writer *w) {
-    return w->layout.sets > 1;
+    return leaf_is_behind(&w->header);
 }
 
 uint64_t leaf_writer_payloads_at(const leaf_writer *w) {
@@ -75,8 +75,10 @@ uint64_t leaf_writer_place(leaf_writer *w, uint32_t p) {
     const leaf_links links = leaf_writer_links(w);
     const uint64_t bytes = leaf_writer_is_same(w, p) ? 0 : w->sizes[p];
     const uint64_t at = leaf_placing_next(&w->next, &w->layout, p, bytes, w->p.run_align_log2);
-    w->offsets[p] =
-        leaf_writer_is_same(w, p) ? w->offsets[leaf_layout_home(&w->layout, &links, p)] : at;
+    w->offsets[p] = at;
+    if (leaf_writer_is_same(w, p))
+        w->offsets[p] =
+            w->same[p] & LEAF_LINK_BEFORE ? 0 : w->offsets[leaf_layout_home(&w->layout, &links, p)];
     return bytes;
 }
 

@@ -42,9 +42,9 @@ static size_t earlier_room(const leaf_layout *l) {
     return payload > shell ? payload : shell;
 }
 
-uint64_t leaf_writer_families_memory(const leaf_layout *l, int threads) {
+uint64_t leaf_writer_families_memory(const leaf_layout *l, int threads, bool in_series) {
     const size_t series =
-        l->sets > 1 ? earlier_room(l) + leaf_layout_stored_max(l) + 2 * (size_t)128 : 0;
+        in_series ? earlier_room(l) + leaf_layout_stored_max(l) + 2 * (size_t)128 : 0;
     return (uint64_t)rooms_of(threads) * (family_room(l) + series + sizeof(leaf_family) + 128);
 }
 
@@ -56,7 +56,7 @@ static status make_room(leaf_writer *w, leaf_family **out) {
     w->families = f;
     f->bytes = mem_alloc(w->m, family_room(&w->layout));
     *out = f;
-    if (!f->bytes || w->layout.sets == 1)
+    if (!f->bytes || !w->same)
         return f->bytes ? ST_OK : ST_NOMEM;
     f->earlier = mem_alloc(w->m, earlier_room(&w->layout));
     f->stored = mem_alloc(w->m, leaf_layout_stored_max(&w->layout));

@@ -248,16 +248,21 @@ static status prove(leaf_writer *w) {
     return st;
 }
 
+static status publish(leaf_writer *w) {
+    status st = prove(w);
+    if (st != ST_OK)
+        return st;
+    st = out_file_commit(w->out);
+    w->out = NULL;
+    return st;
+}
+
 status leaf_writer_finish(leaf_writer *w, const leaf_facts *facts, leaf_header *header) {
     status st = w->settled ? write_parts(w) : write_all(w, facts);
+    if (st == ST_OK && header)
+        *header = w->header;
     if (st == ST_OK)
-        st = prove(w);
-    if (st == ST_OK) {
-        if (header)
-            *header = w->header;
-        st = out_file_commit(w->out);
-        w->out = NULL;
-    }
+        st = w->grow ? leaf_grow_publish(w->grow, out_file_temporary(w->out)) : publish(w);
     leaf_writer_discard(w);
     return st;
 }

@@ -48,6 +48,8 @@ struct leaf_writer {
     uint64_t *scratch_at; /* per payload; or NOT_THERE */
     void *copy_buffer;
     leaf_family *families; /* all of them, of a grid */
+    leaf_grow *grow;       /* what is written becomes its next segment; or NULL, and so is */
+    leaf_file *before;     /* the file of the segments before */
     /* Guarded by the lock: */
     pthread_mutex_t lock;
     pthread_cond_t changed;
@@ -105,9 +107,10 @@ CHECKED status leaf_writer_write_parts(leaf_writer *w);
 /* leaf_writer_payloads_at() - where payloads begin. */
 uint64_t leaf_writer_payloads_at(const leaf_writer *w);
 
-/* leaf_writer_families_memory() - the bytes of the families of so many threads.
+/* leaf_writer_families_memory() - the bytes of the families of so many threads. in_series: of a
+ * file of several sets.
  * leaf_writer_free_families() - free them. */
-uint64_t leaf_writer_families_memory(const leaf_layout *l, int threads);
+uint64_t leaf_writer_families_memory(const leaf_layout *l, int threads, bool in_series);
 void leaf_writer_free_families(leaf_writer *w);
 
 #endif

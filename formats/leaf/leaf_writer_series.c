@@ -2,7 +2,8 @@
  * those that differ little from the step before.
  *
  * What an earlier set has is read back from the output, so that it takes no memory. All of that set
- * is there: sets are put one after the other.
+ * is there: sets are put one after the other. Where a file is added to, the first new step looks at
+ * the last step there.
  */
 #include <string.h>
 
@@ -10,29 +11,96 @@
 #include "formats/leaf/grid_coding.h"
 #include "formats/leaf/leaf_writer_private.h"
 
-static status read_code(leaf_writer *w, const leaf_family *f, box_coder *boxes, uint32_t q,
-                        bool difference) {
-    const size_t size = (size_t)w->sizes[q];
-    const status st = out_file_read_at(w->out, w->offsets[q], f->stored, size);
+/* Payload p of the file that is written; or of the one that it is added to, which has no others
+ * than the output in its place. */
+typedef struct origin {
+    leaf_file *in; /* NULL: of what is written */
+    uint32_t p;
+} origin;
+
+/* ---- where earlier payloads are ---- */
+
+/* What payload p holds, in a set of the file that is added to. */
+static uint32_t payload_before(const leaf_writer *w, uint32_t p, uint32_t set) {
+    const leaf_layout *l = &w->before->layout;
+    uint32_t own, parent;
+    return leaf_layout_is_shell(&w->layout, p, &own, &parent)
+               ? leaf_layout_shell(l, set, parent)
+               : leaf_layout_samples(l, set, p % l->treelets);
+}
+
+/* Where an entry of SAME or BASES leads to from payload p. */
+static origin led_to(const leaf_writer *w, uint32_t p, uint32_t entry) {
+    const leaf_series s = leaf_layout_series(&w->layout, p);
+    if (!(entry & LEAF_LINK_BEFORE))
+        return (origin){NULL, leaf_series_payload(&s, entry - 1)};
+    const uint32_t set = leaf_file_numbered(w->before, entry ^ LEAF_LINK_BEFORE);
+    return (origin){w->before, payload_before(w, p, set)};
+}
+
+/* The entry that leads to a payload. */
+static uint32_t entry_of(const leaf_writer *w, origin q) {
+    const leaf_layout *l = q.in ? &q.in->layout : &w->layout;
+    const uint32_t set = leaf_layout_series(l, q.p).at;
+    return q.in ? LEAF_LINK_BEFORE | leaf_file_number(q.in, set) : set + 1;
+}
+
+static uint64_t size_of(const leaf_writer *w, origin q) {
+    return q.in ? q.in->sizes[q.p] : w->sizes[q.p];
+}
+
+/* The payload whose bytes p of the output has. */
+static origin home_of(const leaf_writer *w, uint32_t p) {
+    return w->same[p] ? led_to(w, p, w->same[p]) : (origin){NULL, p};
+}
+
+/* The payloads whose codes are needed for that of a home, as leaf_layout_chain(). */
+static int chain_of(const leaf_writer *w, origin q, origin chain[LEAF_CHAIN_MAX]) {
+    int count = 0;
+    for (chain[count++] = q; !q.in && w->bases[q.p]; chain[count++] = q)
+        q = led_to(w, q.p, w->bases[q.p]);
+    if (!q.in)
+        return count;
+    uint32_t before[LEAF_CHAIN_MAX];
+    const int more = leaf_file_chain(q.in, q.p, before);
+    for (int i = 1; i < more; i++)
+        chain[count++] = (origin){q.in, before[i]};
+    return count;
+}
+
+/* ---- reading them ---- */
+
+static status fetch(leaf_writer *w, origin q, void *to) {
+    return q.in ? leaf_file_fetch(q.in, q.p, to)
+                : out_file_read_at(w->out, w->offsets[q.p], to, (size_t)w->sizes[q.p]);
+}
+
+/* Decode a payload for p, over f->earlier where it holds differences. */
+static status read_code(leaf_writer *w, const leaf_family *f, box_coder *boxes, uint32_t p,
+                        origin q, bool difference) {
+    const status st = fetch(w, q, f->stored);
     if (st != ST_OK)
         return st;
-    if (grid_coding_unpack(&w->layout, q, boxes, f->stored, size, difference, f->earlier))
+    if (grid_coding_unpack(&w->layout, p, boxes, f->stored, (size_t)size_of(w, q), difference,
+                           f->earlier))
         return ST_OK;
     return status_describe(ST_CORRUPT, "%s: what was written before has changed", w->path);
 }
 
-/* Read payload q of an earlier set into f->earlier. */
-static status read_earlier(leaf_writer *w, const leaf_family *f, leaf_packer *k, uint32_t q) {
-    const leaf_links links = leaf_writer_links(w);
-    uint32_t chain[LEAF_CHAIN_MAX];
+/* Read what payload p has in an earlier set into f->earlier. */
+static status read_earlier(leaf_writer *w, const leaf_family *f, leaf_packer *k, uint32_t p,
+                           origin q) {
+    origin chain[LEAF_CHAIN_MAX];
     if (!k)
-        return out_file_read_at(w->out, w->offsets[q], f->earlier, (size_t)w->sizes[q]);
-    const int count = leaf_layout_chain(&w->layout, &links, q, chain);
+        return fetch(w, q, f->earlier);
+    const int count = chain_of(w, q, chain);
     status st = ST_OK;
     for (int i = count; i-- > 0 && st == ST_OK;)
-        st = read_code(w, f, leaf_packer_boxes(k), chain[i], i + 1 < count);
+        st = read_code(w, f, leaf_packer_boxes(k), p, chain[i], i + 1 < count);
     return st;
 }
+
+/* ---- the same, and differences ---- */
 
 /* Code payload p, given f->earlier. Returns its bytes; 0: all samples are the same. */
 static size_t pack_from(const leaf_writer *w, const leaf_family *f, leaf_packer *k, uint32_t p,
@@ -56,6 +124,13 @@ static uint64_t *hashes_of(const leaf_writer *w, const leaf_series *s) {
     return w->hashes + row * l->sets;
 }
 
+static void note_same(leaf_writer *w, uint32_t p, origin q) {
+    w->same[p] = entry_of(w, q);
+    w->sizes[p] = size_of(w, q);
+    w->offsets[p] = q.in ? 0 : w->offsets[q.p];
+    w->checksums[p] = q.in ? q.in->checksums[q.p] : w->checksums[q.p];
+}
+
 /* Find the payload p in an earlier set. A hash leads there, and the bytes decide. */
 static status find_same(leaf_writer *w, const leaf_family *f, leaf_packer *k, uint32_t p,
                         const void *payload, void *to) {
@@ -63,48 +138,54 @@ static status find_same(leaf_writer *w, const leaf_family *f, leaf_packer *k, ui
     uint64_t *hashes = hashes_of(w, &s);
     hashes[s.at] = hash_of(w, k, p, payload);
     for (uint32_t i = 0; i < s.at; i++) {
-        const uint32_t q = leaf_series_payload(&s, i);
-        if (hashes[i] != hashes[s.at] || !w->sizes[q] || w->same[q])
+        const uint32_t own = leaf_series_payload(&s, i);
+        const origin q = home_of(w, own);
+        if (hashes[i] != hashes[s.at] || !w->sizes[own] || (w->same[own] && !q.in))
             continue;
-        const status st = read_earlier(w, f, k, q);
+        const status st = read_earlier(w, f, k, p, q);
         if (st != ST_OK)
             return st;
         if (pack_from(w, f, k, p, payload, to))
             continue;
-        w->same[p] = i + 1;
-        w->sizes[p] = w->sizes[q];
-        w->offsets[p] = w->offsets[q];
-        w->checksums[p] = w->checksums[q];
+        note_same(w, p, q);
         return ST_OK;
     }
     return ST_OK;
 }
 
-/* The payload of the step before that p may be coded by: its home, if that has bytes and not too
- * many bases; else LEAF_NO_TREELET. */
-static uint32_t base_of(const leaf_writer *w, uint32_t p) {
+/* The payload of the step before p's: its home, if that has bytes. False: there is none. */
+static bool find_before(const leaf_writer *w, uint32_t p, origin *q) {
     const leaf_series s = leaf_layout_series(&w->layout, p);
-    const leaf_links links = leaf_writer_links(w);
-    uint32_t chain[LEAF_CHAIN_MAX];
-    if (s.at % w->layout.steps == 0)
-        return LEAF_NO_TREELET;
-    const uint32_t q = leaf_layout_home(&w->layout, &links, leaf_series_payload(&s, s.at - 1));
-    if (!w->sizes[q] || leaf_layout_chain(&w->layout, &links, q, chain) == LEAF_CHAIN_MAX)
-        return LEAF_NO_TREELET;
-    return q;
+    const uint32_t steps = w->layout.steps, field = s.at / steps;
+    if (s.at % steps > 0) {
+        *q = home_of(w, leaf_series_payload(&s, s.at - 1));
+    } else if (w->before) {
+        const uint32_t last = (field + 1) * w->before->layout.steps - 1;
+        *q = (origin){w->before, leaf_file_home(w->before, payload_before(w, p, last))};
+    } else {
+        return false;
+    }
+    return size_of(w, *q) > 0;
 }
 
+/* Code payload p by the step before; or find that it is the same, where no hash tells that. */
 static status code_from_base(leaf_writer *w, const leaf_family *f, leaf_packer *k, uint32_t p,
                              const void *payload, void *to, size_t *bytes) {
-    const uint32_t q = base_of(w, p);
-    if (q == LEAF_NO_TREELET)
+    origin q, chain[LEAF_CHAIN_MAX];
+    if (!find_before(w, p, &q) || (!k && !q.in))
         return ST_OK;
-    const status st = read_earlier(w, f, k, q);
+    const bool may = k && chain_of(w, q, chain) < LEAF_CHAIN_MAX;
+    if (!may && !q.in)
+        return ST_OK;
+    const status st = read_earlier(w, f, k, p, q);
     if (st != ST_OK)
         return st;
-    *bytes = pack_from(w, f, k, p, payload, to);
-    if (box_coder_is_difference(to))
-        w->bases[p] = leaf_layout_series(&w->layout, q).at + 1;
+    const size_t packed = pack_from(w, f, k, p, payload, to);
+    if (!packed)
+        note_same(w, p, q);
+    else if (may && box_coder_is_difference(to))
+        w->bases[p] = entry_of(w, q);
+    *bytes = may ? packed : 0;
     return ST_OK;
 }
 
@@ -113,7 +194,7 @@ status leaf_writer_put_in_series(leaf_writer *w, const leaf_family *f, leaf_pack
     *bytes = 0;
     w->same[p] = w->bases[p] = 0;
     const status st = find_same(w, f, k, p, payload, to);
-    if (st != ST_OK || w->same[p] || !k)
+    if (st != ST_OK || w->same[p])
         return st;
     return code_from_base(w, f, k, p, payload, to, bytes);
 }

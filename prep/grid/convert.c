@@ -266,7 +266,11 @@ status convert_run(mem *m, volume *v, const char *output, const convert_options 
     grid_conversion c = {.m = m, .o = o, .plan = plan, .p = p};
     const grid *g = volume_grid(v);
     const leaf_sets *sets = o->series ? &o->series->of.sets : NULL;
-    const leaf_target to = {output, o->force, o->work};
+    const leaf_target to = {.path = output,
+                            .force = o->force || o->grow,
+                            .work = o->work,
+                            .grows = o->grows && !o->grow,
+                            .grow = o->grow};
     status st = leaf_writer_create(m, &to, g, sets, &o->file, &c.writer);
     if (st != ST_OK)
         return st;

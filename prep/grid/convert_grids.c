@@ -6,6 +6,7 @@
 #include "formats/grid/chunk_array.h"
 #include "formats/grid/volume_kind.h"
 #include "formats/leaf/outside_samples.h"
+#include "prep/convert_append.h"
 #include "prep/convert_choices.h"
 #include "prep/grid/convert_grid_report.h"
 #include "prep/grid/convert_grid_sets.h"
@@ -95,16 +96,23 @@ static status stay_in_place(const convert_request *a, mem *m, const volume *v,
 
 /* ---- one series ---- */
 
+/* What opening a file that is added to once more takes of the memory, in the end. */
+static size_t memory_before(const convert_request *a, const mem *m) {
+    return a->grow_bytes < m->limit ? a->grow_bytes : m->limit - 1;
+}
+
 /* in_place: room for what stays. */
 static status convert_staying(convert_request *a, mem *m, volume *v, const grid_series *series,
                               double start, staying *in_place) {
     convert_options o = {.file = a->file,
                          .series = series,
-                         .memory = m->limit,
+                         .memory = m->limit - memory_before(a, m),
                          .threads = a->common.threads,
                          .force = a->common.force,
                          .refuse_empty = !a->allow_empty,
                          .work = a->work.folder,
+                         .grows = a->append,
+                         .grow = a->grow,
                          .job = &a->work.job};
     convert_plan plan;
     status st = a->in_place ? stay_in_place(a, m, v, series, in_place, &o.file) : ST_OK;
@@ -130,6 +138,7 @@ static status convert_staying(convert_request *a, mem *m, volume *v, const grid_
         cli_note(&a->common, 1, "%s: %llu bytes behind the samples are ignored", a->common.input,
                  (unsigned long long)out.result.trailing_bytes);
     convert_note_marker(&a->common, &out.result.marker);
+    convert_append_note(a, &series->of.sets);
     if (out.result.absent.count)
         cli_note(&a->common, 1, "%s: %s", a->common.input, absent_print(&out.result.absent, text));
     return convert_grid_report(a, &plan, volume_grid(v), &out);
@@ -177,6 +186,8 @@ static status run(convert_request *a, mem *m, input *in, double start) {
     grid_series series = {.of = convert_request_series(a), .hints = a->hints.grid};
     if (st == ST_OK)
         st = begin_series(a, m, &series, in);
+    if (st == ST_OK)
+        st = convert_append_check(a, volume_grid(in->own), &series.of.sets);
     return st == ST_OK ? convert_grid(a, m, in->own, &series, start) : st;
 }
 

@@ -26,6 +26,8 @@ typedef struct convert_options {
     bool force;                /* replace an existing output */
     bool refuse_empty;         /* ST_UNSUPPORTED if no sample is a number */
     const grid_series *series; /* checked; NULL: a single volume */
+    bool grows;                /* steps may be added to the output later */
+    leaf_grow *grow;           /* the output, to be added to; or NULL */
     work_folder *work;         /* the output's, to save what is done; NULL: it is not */
     convert_job *job;          /* what is to be done, if there is a work folder */
 } convert_options;

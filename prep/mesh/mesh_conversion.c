@@ -54,7 +54,7 @@ status mesh_conversion_begin_writer(mesh_conversion *c) {
     const leaf_sets *sets = c->o.series ? &c->o.series->of.sets : NULL;
     const char *field = c->report->field;
     const char *const *names = sets && sets->names ? sets->names : &field;
-    const leaf_target to = {c->output, c->o.force, c->o.work};
+    const leaf_target to = {.path = c->output, .force = c->o.force, .work = c->o.work};
     const leaf_mesh parts = {.name = c->name,
                              .field = names[0],
                              .names = names,

@@ -132,25 +132,42 @@ const char *leaf_files_make(const leaf_case *c, const char *name) {
     return scratch_path(name);
 }
 
-const char *leaf_files_series(const grid_series *of, const convert_options *o, const char *name) {
-    mem m;
+static status convert_series(mem *m, const grid_series *of, const convert_options *o,
+                             const char *path) {
     volume *v = NULL;
     convert_plan plan;
     convert_result result;
     convert_options series = *o;
-    mem_init(&m, (size_t)o->memory);
     series.series = of;
     series.force = true;
-    status st = grid_series_open(&m, of, 0, &v);
+    status st = grid_series_open(m, of, 0, &v);
     if (st == ST_OK)
-        st = convert_plan_make(&m, volume_grid(v), &series, &plan);
+        st = convert_plan_make(m, volume_grid(v), &series, &plan);
     if (st == ST_OK)
-        st = convert_run(&m, v, scratch_path(name), &series, &plan, NULL, &result);
-    if (st != ST_OK)
-        fail_msg("%s", status_text());
+        st = convert_run(m, v, path, &series, &plan, NULL, &result);
     volume_close(v);
+    return st;
+}
+
+const char *leaf_files_series(const grid_series *of, const convert_options *o, const char *name) {
+    mem m;
+    mem_init(&m, (size_t)o->memory);
+    if (convert_series(&m, of, o, scratch_path(name)) != ST_OK)
+        fail_msg("%s", status_text());
     assert_int_equal(mem_used(&m), 0);
     return scratch_path(name);
+}
+
+status leaf_files_add(const grid_series *of, const convert_options *o, const char *path) {
+    mem m;
+    convert_options add = *o;
+    mem_init(&m, (size_t)o->memory);
+    status st = leaf_grow_open(&m, path, &add.grow);
+    if (st == ST_OK)
+        st = convert_series(&m, of, &add, path);
+    leaf_grow_close(add.grow);
+    assert_int_equal(mem_used(&m), 0);
+    return st;
 }
 
 const char *leaf_files_long(const char *name) {

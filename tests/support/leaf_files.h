@@ -44,6 +44,9 @@ const char *leaf_files_make(const leaf_case *c, const char *name);
 /* leaf_files_series() - the same of several sets, by o; their files are there. */
 const char *leaf_files_series(const grid_series *of, const convert_options *o, const char *name);
 
+/* leaf_files_add() - add sets to the file at a path, by o: the status. */
+status leaf_files_add(const grid_series *of, const convert_options *o, const char *path);
+
 /* leaf_files_long() - sixty treelets in a row along x, each with more than is anywhere at y = 2.3,
  * where the greatest value is 5, in the last of them, and 1 elsewhere: more treelets than a ray
  * keeps in order at a time. Returns the path. */

@@ -94,6 +94,7 @@ bool naive_hashes(const unsigned char *file, uint64_t sections) {
     memset(copy + 248, 0, 8);
     bool good = XXH3_64bits(copy, 4096) == naive_number(file + 248, 8);
     memset(copy + 232, 0, 16);
+    memset(copy + 1512, 0, 12);
     XXH128_hash_t id = XXH3_128bits(copy, size);
     free(copy);
     return good && id.low64 == naive_number(file + 232, 8) &&

@@ -102,8 +102,8 @@ static const char *decode_code(const family *f, const long (*sizes)[3], int coun
     if (stored->base)
         why = earlier ? decode_code(f, sizes, count, bytes, stored->base, earlier) : "no memory";
     if (!why)
-        why = naive_boxes_decode(f->leaf->sample_type, sizes, count,
-                                 f->leaf->bytes + stored->offset, stored->size, earlier, out);
+        why = naive_boxes_decode(f->leaf->sample_type, sizes, count, stored->at, stored->size,
+                                 earlier, out);
     free(earlier);
     return why;
 }

@@ -99,8 +99,12 @@ static bool read_header(naive_leaf *leaf) {
     table = table ? table : 4096;
     if (table > leaf->size || leaf->size - table < 32 * sections ||
         !naive_zeros(leaf->bytes, 1344, 1424) || !naive_zeros(leaf->bytes, 1488, 1496) ||
-        !naive_zeros(leaf->bytes, 1512, 4096) || (leaf->outside_chunks && !leaf->outside))
+        !naive_zeros(leaf->bytes, 1536, 4096) || (leaf->outside_chunks && !leaf->outside))
         return wrong(leaf, "section table cut off, or reserved bytes");
+    if (leaf->segments_before ? !naive_zeros(b, 1512, 1524) || !naive_number(b + 1524, 4) ||
+                                    !naive_number(b + 1504, 8)
+                              : !naive_zeros(b, 1524, 1536))
+        return wrong(leaf, "what the header says of segments");
     if (!naive_text(b + 1424, 64))
         return wrong(leaf, "the name of the first field");
     return read_text(leaf, 256, 64, leaf->name) && read_text(leaf, 320, 1024, leaf->provenance) &&
@@ -228,7 +232,8 @@ static bool find_sections(naive_leaf *leaf) {
     enum { OPTIONAL = 1 << NAIVE_FIELDS | 1 << NAIVE_TIMES | 1 << NAIVE_SAME | 1 << NAIVE_BASES };
     const uint64_t treelets = (uint64_t)(leaf->treelet_count * leaf->sets);
     const uint64_t payloads = (uint64_t)((leaf->treelet_count + leaf->shell_count) * leaf->sets);
-    const bool series = leaf->sets > 1;
+    const bool grows = leaf->segments_before || naive_number(leaf->bytes + 1520, 4);
+    const bool series = leaf->sets > 1 || leaf->segments_before;
     const uint64_t want[NAIVE_KINDS] = {
         [NAIVE_RANGES] = 8 * treelets,
         [NAIVE_OWN] = 8 * treelets,
@@ -239,7 +244,7 @@ static bool find_sections(naive_leaf *leaf) {
         [NAIVE_AXES] =
             leaf->rectilinear ? 8 * (uint64_t)(leaf->dims[0] + leaf->dims[1] + leaf->dims[2]) : 0,
         [NAIVE_FIELDS] = 64 * (uint64_t)leaf->fields,
-        [NAIVE_TIMES] = leaf->steps > 1 ? 8 * (uint64_t)leaf->steps : 0,
+        [NAIVE_TIMES] = leaf->steps > 1 || grows ? 8 * (uint64_t)leaf->steps : 0,
         [NAIVE_OUTSIDE] = leaf->outside ? 4608 : 0,
         [NAIVE_CHUNKS] = 16 * (uint64_t)leaf->outside_chunks,
         [NAIVE_SAME] = series ? 4 * payloads : 0,
@@ -323,7 +328,7 @@ static uint64_t samples_at(const naive_leaf *leaf) {
 
 /* Of a raw payload, but for its samples: codes and zeros. */
 static bool check_around(naive_leaf *leaf, const naive_treelet *t, const naive_window *w) {
-    const unsigned char *payload = leaf->bytes + t->stored.offset;
+    const unsigned char *payload = t->stored.at;
     const uint64_t codes = naive_codes_size(leaf), start = samples_at(leaf),
                    width = (uint64_t)naive_sample_bytes(leaf->sample_type);
     unsigned char *want = malloc(codes);
@@ -372,7 +377,7 @@ static unsigned char *hold_raw(const naive_leaf *leaf, const naive_treelet *t) {
     unsigned char value[4], *held = malloc(count * width);
     naive_family_value(leaf, t, value);
     if (held && t->stored.size)
-        memcpy(held, leaf->bytes + t->stored.offset + samples_at(leaf), count * width);
+        memcpy(held, t->stored.at + samples_at(leaf), count * width);
     else
         for (uint64_t i = 0; held && i < count; i++)
             memcpy(held + i * width, value, width);
@@ -507,15 +512,13 @@ static bool read_file(naive_leaf *leaf, const char *path) {
     return good || wrong(leaf, "cannot be read");
 }
 
-bool naive_leaf_load_set(naive_leaf *leaf, const char *path, long set) {
+bool naive_leaf_read(naive_leaf *leaf, const char *path, long set) {
     const unsigned char *const *where = leaf->sections.where;
     const char *why;
     tally t = {.lo = INFINITY, .hi = -INFINITY};
-    memset(leaf, 0, sizeof *leaf);
-    bool good = read_file(leaf, path) && read_header(leaf) && check_to_world(leaf) &&
-                lay_out(leaf) && order_treelets(leaf) && repeat_treelets(leaf) &&
-                find_sections(leaf) && read_ranges(leaf) &&
-                (!leaf->rectilinear || read_axes(leaf, where[NAIVE_AXES])) &&
+    bool good = read_header(leaf) && check_to_world(leaf) && lay_out(leaf) &&
+                order_treelets(leaf) && repeat_treelets(leaf) && find_sections(leaf) &&
+                read_ranges(leaf) && (!leaf->rectilinear || read_axes(leaf, where[NAIVE_AXES])) &&
                 read_labels(leaf, where[NAIVE_FIELDS], where[NAIVE_TIMES]) &&
                 (!leaf->outside ||
                  !(why = naive_outside_read(leaf, path, where[NAIVE_OUTSIDE], where[NAIVE_CHUNKS],
@@ -526,6 +529,11 @@ bool naive_leaf_load_set(naive_leaf *leaf, const char *path, long set) {
     for (long i = 1; good && i <= leaf->sets; i++)
         good = read_set(leaf, (set + i) % leaf->sets, &t);
     return good && check_merged(leaf) && check_values(leaf, &t);
+}
+
+bool naive_leaf_load_set(naive_leaf *leaf, const char *path, long set) {
+    memset(leaf, 0, sizeof *leaf);
+    return read_file(leaf, path) && naive_leaf_read(leaf, path, set);
 }
 
 bool naive_leaf_load(naive_leaf *leaf, const char *path) {

@@ -26,6 +26,7 @@ typedef struct naive_level {
 /* A payload in the file. */
 typedef struct naive_stored {
     uint64_t offset, size;           /* 0 bytes: implied, or outside */
+    const unsigned char *at;         /* where it is in memory */
     const struct naive_stored *base; /* it has the differences to that; NULL: to none */
 } naive_stored;
 
@@ -63,8 +64,10 @@ typedef struct naive_leaf {
     long treelet_count;      /* of one */
     long shell_count;        /* of one, compressed: of treelets above level 0 */
     unsigned char *other;    /* samples of level 0 in another file, or NULL */
-    unsigned char *bytes;    /* the file */
+    unsigned char *bytes;    /* the file, or this segment of it */
     size_t size;
+    const struct naive_leaf *before; /* the segments before this one, */
+    long segments_before;            /* and how many; 0: it is a file, or the first one */
     naive_sections sections;
     char why[NAIVE_WHY_MAX]; /* what is wrong with it */
 } naive_leaf;
@@ -77,6 +80,10 @@ bool naive_leaf_load(naive_leaf *leaf, const char *path);
  * there. */
 bool naive_leaf_load_set(naive_leaf *leaf, const char *path, long set);
 void naive_leaf_release(naive_leaf *leaf);
+
+/* naive_leaf_read() - the same of a segment whose bytes are there, and what is before it; all else
+ * is zeros. path: of the whole file. */
+bool naive_leaf_read(naive_leaf *leaf, const char *path, long set);
 
 /* naive_leaf_is_bare() - whether a treelet has no samples, nor have the nodes of its level. */
 static inline bool naive_leaf_is_bare(const naive_leaf *leaf, const naive_treelet *t) {

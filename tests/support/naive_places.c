@@ -28,43 +28,63 @@ typedef struct placing {
 } placing;
 
 /* Where payload p is kept here. */
-static naive_stored *stored_of(naive_leaf *leaf, long p) {
+static naive_stored *stored_of(const naive_leaf *leaf, long p) {
     const long n = leaf->treelet_count, shell = p - n * leaf->sets;
     return shell < 0
                ? &leaf->treelets[p].stored
                : &leaf->treelets[shell / leaf->shell_count * n + shell % leaf->shell_count].shell;
 }
 
-/* The payload in the place of p in another set, which must be an earlier one, and have bytes of its
- * own; -1: it has not. */
-static long earlier(naive_leaf *leaf, long p, long set) {
+/* A payload of this file, or of a segment before; without a file: none. */
+typedef struct origin {
+    const naive_leaf *leaf;
+    long p;
+} origin;
+
+/* The payload in the place of p of `leaf` in a set of a segment; none if it has no bytes of its
+ * own. */
+static origin in_set(const naive_leaf *leaf, long p, const naive_leaf *of, long set) {
     const long n = leaf->treelet_count, shells = n * leaf->sets;
-    const long first = p < shells ? 0 : shells, stride = p < shells ? n : leaf->shell_count;
-    const long q = first + (p - first) % stride + set * stride;
-    return set < (p - first) / stride && stored_of(leaf, q)->size > 0 &&
-                   naive_sections_link(&leaf->sections, NAIVE_SAME, q) < 0
-               ? q
-               : -1;
+    const long q = p < shells
+                       ? set * n + p % n
+                       : n * of->sets + set * of->shell_count + (p - shells) % leaf->shell_count;
+    if (stored_of(of, q)->size == 0 || naive_sections_link(&of->sections, NAIVE_SAME, q) >= 0)
+        return (origin){NULL, 0};
+    return (origin){of, q};
+}
+
+/* The payload that an entry leads p to: of an earlier set, or segment. */
+static origin earlier(const naive_leaf *leaf, long p, long entry) {
+    const long n = leaf->treelet_count, shells = n * leaf->sets;
+    const long own = p < shells ? p / n : (p - shells) / leaf->shell_count;
+    long number = entry + 1 - (1L << 31);
+    if (number < 0)
+        return entry < own ? in_set(leaf, p, leaf, entry) : (origin){NULL, 0};
+    for (long i = 0; i < leaf->segments_before; number -= leaf->before[i++].sets)
+        if (number < leaf->before[i].sets)
+            return in_set(leaf, p, &leaf->before[i], number);
+    return (origin){NULL, 0};
 }
 
 /* A payload whose bytes are those of an earlier one. */
-static bool is_same(naive_leaf *leaf, long p, long q, uint64_t checksum, naive_stored *out) {
-    const naive_stored *first = q < 0 ? NULL : stored_of(leaf, q);
-    if (!first || first->offset != out->offset || first->size != out->size ||
-        naive_number(leaf->sections.where[NAIVE_CHECKSUMS] + 8 * q, 8) != checksum ||
+static bool is_same(naive_leaf *leaf, long p, origin q, uint64_t checksum, naive_stored *out) {
+    const naive_stored *first = q.leaf ? stored_of(q.leaf, q.p) : NULL;
+    if (!first || out->offset != (q.leaf == leaf ? first->offset : 0) || first->size != out->size ||
+        naive_number(q.leaf->sections.where[NAIVE_CHECKSUMS] + 8 * q.p, 8) != checksum ||
         naive_sections_link(&leaf->sections, NAIVE_BASES, p) >= 0)
         return wrong(leaf, "payload %ld: not the same as an earlier one", p);
     out->base = first->base;
+    out->at = first->at;
     return true;
 }
 
-static bool find_base(naive_leaf *leaf, long p, long set, naive_stored *out) {
-    const long q = earlier(leaf, p, set);
+static bool find_base(naive_leaf *leaf, long p, long entry, naive_stored *out) {
+    const origin q = earlier(leaf, p, entry);
     int codes = 1;
-    out->base = q < 0 ? NULL : stored_of(leaf, q);
+    out->base = q.leaf ? stored_of(q.leaf, q.p) : NULL;
     for (const naive_stored *b = out->base; b; b = b->base)
         codes++;
-    return (q >= 0 && codes <= CODES_MAX) || wrong(leaf, "payload %ld: its base", p);
+    return (q.leaf && codes <= CODES_MAX) || wrong(leaf, "payload %ld: its base", p);
 }
 
 /* Payload p of the directory. begins: a run. */
@@ -72,6 +92,7 @@ static bool place_payload(naive_leaf *leaf, placing *x, long p, bool begins, nai
     const unsigned char *const *where = leaf->sections.where;
     out->offset = naive_number(where[NAIVE_OFFSETS] + 8 * p, 8);
     out->size = naive_number(where[NAIVE_SIZES] + 8 * p, 8);
+    out->at = leaf->bytes + (out->offset < leaf->size ? out->offset : 0);
     const uint64_t checksum = naive_number(where[NAIVE_CHECKSUMS] + 8 * p, 8);
     const long same = naive_sections_link(&leaf->sections, NAIVE_SAME, p),
                base = naive_sections_link(&leaf->sections, NAIVE_BASES, p);

@@ -10,128 +10,12 @@
 #include <string.h>
 
 #include "formats/base/hash.h"
-#include "formats/leaf/leaf_unpacker.h"
 #include "formats/leaf/leaf_verify.h"
 #include "tests/support/fields.h"
-#include "tests/support/leaf_files.h"
 #include "tests/support/leaf_image.h"
+#include "tests/support/leaf_steps.h"
 #include "tests/support/naive_leaf.h"
 #include "tests/support/scratch.h"
-
-enum { STEPS = 24, RANDOM = 90 };
-
-/* A series in which everything happens that matters. */
-typedef struct steps {
-    leaf_case c;
-    const char *paths[STEPS];
-    grid_series of;
-} steps;
-
-static size_t bytes_of(const leaf_case *c) {
-    return (size_t)c->dims[0] * c->dims[1] * c->dims[2] * sample_size(c->type);
-}
-
-/* From `first` on some samples, one in `one_in`, are a little different. */
-static void change(const leaf_case *c, char *samples, size_t first, int one_in, field_random *r) {
-    const size_t width = sample_size(c->type);
-    for (size_t at = first * width; at < bytes_of(c); at += width)
-        if (field_random_below(r, (uint64_t)one_in) == 0)
-            samples[at] ^= 1;
-}
-
-/* Samples of a step from those of the one before. */
-static void next_step(const leaf_case *c, int step, char *samples, const char *first,
-                      field_random *r) {
-    const size_t bytes = bytes_of(c), count = bytes / sample_size(c->type);
-    if (step <= 12) /* more than a chain */
-        change(c, samples, 0, 200, r);
-    else if (step == 13) /* a part of it */
-        change(c, samples, count / 8 * 7, 3, r);
-    else if (step == 15) /* as at the start */
-        memcpy(samples, first, bytes);
-    else if (step == 17) /* one value */
-        memset(samples, 0, bytes);
-    else if (step == 18)
-        memcpy(samples, first, bytes);
-    else if (step == 20) { /* another thing */
-        void *other = leaf_files_random(c, 77, RANDOM);
-        memcpy(samples, other, bytes);
-        free(other);
-    } else if (step > 20)
-        change(c, samples, 0, 50, r);
-}
-
-static void make(steps *s, uint32_t nx, uint32_t ny, uint32_t nz, sample_type type) {
-    field_random r = {FIELD_SEED};
-    char name[32];
-    s->c = leaf_files_case(nx, ny, nz, type);
-    char *first = leaf_files_random(&s->c, 5, RANDOM), *samples = malloc(bytes_of(&s->c));
-    memcpy(samples, first, bytes_of(&s->c));
-    for (int step = 0; step < STEPS; step++) {
-        if (step > 0)
-            next_step(&s->c, step, samples, first, &r);
-        snprintf(name, sizeof name, "step%d.bin", step);
-        s->paths[step] = strdup(scratch_write(name, samples, bytes_of(&s->c)));
-    }
-    s->of = (grid_series){.of = {.paths = s->paths, .sets = {1, STEPS, NULL, NULL, NULL}},
-                          .hints = {.dims = {nx, ny, nz}, .type = type}};
-    s->c.options.file.histograms = s->c.options.file.deviations = true;
-    free(first);
-    free(samples);
-}
-
-static void release(steps *s) {
-    for (int step = 0; step < STEPS; step++)
-        free((void *)(uintptr_t)s->paths[step]);
-}
-
-static void use(steps *s, leaf_codec codec) {
-    s->c.options.file.codec = codec;
-    s->c.options.file.run_align_log2 = codec == LEAF_CODEC_RAW ? 12 : 6;
-    s->c.options.file.zstd_level = 1;
-}
-
-static const char *step_alone(const steps *s, int step, const char *name) {
-    leaf_case one = s->c;
-    size_t size;
-    char *samples = scratch_read(s->paths[step], &size);
-    one.samples = samples;
-    const char *path = leaf_files_make(&one, name);
-    free(samples);
-    return path;
-}
-
-static leaf_file *open_file(mem *m, const char *path, leaf_unpacker **u) {
-    leaf_file *f = NULL;
-    if (leaf_file_open(m, path, &f) != ST_OK || leaf_unpacker_create(m, f, u) != ST_OK)
-        fail_msg("%s", status_text());
-    return f;
-}
-
-/* Each treelet of a set is what it is in a file of its own. */
-static void compare_set(leaf_file *f, leaf_unpacker *u, uint32_t set, const char *alone) {
-    mem m;
-    leaf_unpacker *v = NULL;
-    mem_init(&m, 0);
-    leaf_file *g = open_file(&m, alone, &v);
-    const size_t room = leaf_layout_payload_max(&f->layout);
-    char *a = aligned_alloc(64, room), *b = aligned_alloc(64, room);
-    for (uint32_t t = 0; t < g->layout.treelets; t++) {
-        const uint32_t p = leaf_layout_samples(&f->layout, set, t);
-        assert_memory_equal(f->own[p], g->own[t], sizeof f->own[p]);
-        assert_memory_equal(f->ranges[p], g->ranges[t], sizeof f->ranges[p]);
-        assert_int_equal(f->flags[p], g->flags[t]);
-        assert_int_equal(leaf_file_load(f, p, u, a), ST_OK);
-        assert_int_equal(leaf_file_load(g, t, v, b), ST_OK);
-        assert_memory_equal(a, b, leaf_layout_payload_bytes(&f->layout, p));
-    }
-    assert_memory_equal(&f->histograms[set], g->histograms, sizeof *g->histograms);
-    free(a);
-    free(b);
-    leaf_unpacker_destroy(v);
-    leaf_file_close(g);
-    assert_int_equal(mem_used(&m), 0);
-}
 
 /* How payloads of a file come about. */
 typedef struct tally {
@@ -157,16 +41,16 @@ static tally count(const leaf_file *f) {
     return t;
 }
 
-static void check_file(const steps *s, const char *path) {
+static void check_file(const leaf_steps *s, const char *path) {
     mem m;
     leaf_unpacker *u = NULL;
     naive_leaf naive;
     mem_init(&m, 0);
-    leaf_file *f = open_file(&m, path, &u);
+    leaf_file *f = leaf_steps_open(&m, path, &u);
     if (leaf_verify(&m, f, 2, NULL) != ST_OK)
         fail_msg("%s", status_text());
-    for (int step = 0; step < STEPS; step++)
-        compare_set(f, u, (uint32_t)step, step_alone(s, step, "alone.leaf"));
+    for (int step = 0; step < LEAF_STEPS; step++)
+        leaf_steps_compare(f, u, (uint32_t)step, leaf_steps_alone(s, step, "alone.leaf"));
     const tally t = count(f);
     const bool coded = f->layout.coded;
     assert_true(t.same > 4 * f->layout.treelets && t.whole > f->layout.treelets);
@@ -181,7 +65,7 @@ static void check_file(const steps *s, const char *path) {
 }
 
 /* The same bytes for any threads and memory. */
-static void check_again(steps *s, const char *path) {
+static void check_again(leaf_steps *s, const char *path) {
     for (int threads = 1; threads <= 3; threads += 2) {
         s->c.options.threads = threads;
         s->c.options.memory = threads == 1 ? UINT64_C(1) << 30 : UINT64_C(5) << 20;
@@ -197,14 +81,14 @@ static void test_series(void **state) {
     static const uint32_t dims[][3] = {{37, 20, 33}, {18, 17, 35}};
     for (size_t i = 0; i < sizeof types / sizeof *types; i++)
         for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
-            steps s;
+            leaf_steps s;
             const uint32_t *n = dims[i % 2];
-            make(&s, n[0], n[1], n[2], types[i]);
-            use(&s, (leaf_codec)codec);
+            leaf_steps_make(&s, n[0], n[1], n[2], types[i]);
+            leaf_steps_use(&s, (leaf_codec)codec);
             const char *path = leaf_files_series(&s.of, &s.c.options, "series.leaf");
             check_file(&s, path);
             check_again(&s, path);
-            release(&s);
+            leaf_steps_release(&s);
         }
 }
 
@@ -212,15 +96,15 @@ static void test_series(void **state) {
 static void test_static(void **state) {
     (void)state;
     for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
-        steps s;
+        leaf_steps s;
         size_t one, all;
-        make(&s, 60, 50, 70, SAMPLE_U16);
-        use(&s, (leaf_codec)codec);
-        for (int step = 1; step < STEPS; step++) {
+        leaf_steps_make(&s, 60, 50, 70, SAMPLE_U16);
+        leaf_steps_use(&s, (leaf_codec)codec);
+        for (int step = 1; step < LEAF_STEPS; step++) {
             free((void *)(uintptr_t)s.paths[step]);
             s.paths[step] = s.paths[0];
         }
-        free(scratch_read(step_alone(&s, 0, "alone.leaf"), &one));
+        free(scratch_read(leaf_steps_alone(&s, 0, "alone.leaf"), &one));
         free(scratch_read(leaf_files_series(&s.of, &s.c.options, "series.leaf"), &all));
         assert_in_range(all, 4096, one * 102 / 100);
         free((void *)(uintptr_t)s.paths[0]);
@@ -232,29 +116,29 @@ static void test_unlike(void **state) {
     (void)state;
     enum { FEW = 3 };
     for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
-        steps s;
+        leaf_steps s;
         mem m;
         leaf_unpacker *u = NULL;
-        make(&s, 40, 37, 33, SAMPLE_F32);
-        use(&s, (leaf_codec)codec);
+        leaf_steps_make(&s, 40, 37, 33, SAMPLE_F32);
+        leaf_steps_use(&s, (leaf_codec)codec);
         s.of.of.sets.steps = FEW;
         for (uint64_t step = 0; step < FEW; step++) {
             void *samples = leaf_files_random(&s.c, 100 + step, 0);
             assert_string_equal(
-                scratch_write(strrchr(s.paths[step], '/') + 1, samples, bytes_of(&s.c)),
+                scratch_write(strrchr(s.paths[step], '/') + 1, samples, leaf_steps_bytes(&s.c)),
                 s.paths[step]);
             free(samples);
         }
         const char *path = leaf_files_series(&s.of, &s.c.options, "unlike.leaf");
         mem_init(&m, 0);
-        leaf_file *f = open_file(&m, path, &u);
+        leaf_file *f = leaf_steps_open(&m, path, &u);
         for (int step = 0; step < FEW; step++)
-            compare_set(f, u, (uint32_t)step, step_alone(&s, step, "alone.leaf"));
+            leaf_steps_compare(f, u, (uint32_t)step, leaf_steps_alone(&s, step, "alone.leaf"));
         assert_int_equal(count(f).same, 0);
         assert_null(f->links.same);
         leaf_unpacker_destroy(u);
         leaf_file_close(f);
-        release(&s);
+        leaf_steps_release(&s);
     }
 }
 
@@ -293,12 +177,12 @@ static void found_out(const leaf_image *i, const char *what) {
 }
 
 static leaf_image make_image(uint32_t *treelets) {
-    steps s;
+    leaf_steps s;
     size_t size;
-    make(&s, 20, 19, 18, SAMPLE_U8);
-    use(&s, LEAF_CODEC_ZSTD);
+    leaf_steps_make(&s, 20, 19, 18, SAMPLE_U8);
+    leaf_steps_use(&s, LEAF_CODEC_ZSTD);
     char *bytes = scratch_read(leaf_files_series(&s.of, &s.c.options, "series.leaf"), &size);
-    release(&s);
+    leaf_steps_release(&s);
     const leaf_image i = leaf_image_of(bytes, size);
     *treelets = (uint32_t)i.header->treelets;
     return i;
@@ -318,7 +202,7 @@ static void test_lying_links(void **state) {
     uint64_t *checksums = leaf_image_section(&i, LEAF_SECTION_CHECKSUMS);
     const uint32_t p = 18 * n + TREELET; /* as at the start */
     assert_int_equal(same[p], 1);
-    static const uint32_t wrong[] = {19, 20, STEPS + 1, UINT32_MAX, 16, 18, 2};
+    static const uint32_t wrong[] = {19, 20, LEAF_STEPS + 1, UINT32_MAX, 16, 18, 2};
     for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
         same[p] = wrong[k];
         refused(&i, "a payload that is the same as none", "byte ");
@@ -339,7 +223,7 @@ static void test_lying_links(void **state) {
 
     const uint32_t last = 7 * n + TREELET; /* at the end of a chain, whose next is whole */
     assert_true(bases[last] == 7 && bases[n + TREELET] == 1 && !bases[last + n]);
-    static const uint32_t not_there[] = {8, 9, STEPS + 1, UINT32_MAX};
+    static const uint32_t not_there[] = {8, 9, LEAF_STEPS + 1, UINT32_MAX};
     for (size_t k = 0; k < sizeof not_there / sizeof *not_there; k++) {
         bases[last] = not_there[k];
         refused(&i, "a base that is none", "cannot have the base");

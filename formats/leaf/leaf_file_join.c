@@ -1,0 +1,393 @@
+/* leaf_file_join.c - one file of several segments: the directories of all of them, as if they were
+ * one. See SERIES.md 4.
+ */
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "formats/leaf/deviation.h"
+#include "formats/leaf/leaf_check.h"
+#include "formats/leaf/leaf_file.h"
+#include "formats/leaf/leaf_geometry.h"
+
+/* ---- where segments lie ---- */
+
+static status no_segment(const leaf_file *f, uint64_t at, uint32_t i) {
+    return leaf_check_corrupt(file_path(f->source), at, "expected the header of segment %u", i);
+}
+
+/* Find all segments, from the last one's header back to the first. */
+static status find_segments(leaf_file *f) {
+    const uint32_t count = f->header.segments;
+    uint64_t at = f->header.last;
+    f->segments = mem_array(f->m, count, sizeof *f->segments);
+    if (!f->segments)
+        return ST_NOMEM;
+    for (uint32_t i = count; i-- > 1;) {
+        leaf_header head;
+        const status st = file_read_at(f->source, at, &head, sizeof head);
+        if (st != ST_OK)
+            return st;
+        if (memcmp(head.magic, LEAF_MAGIC, sizeof head.magic) || head.before >= at)
+            return no_segment(f, at, i);
+        f->segments[i] = (leaf_segment){at, head.steps_before, head.steps};
+        at = head.before;
+    }
+    f->segments[0] = (leaf_segment){0, 0, f->header.steps};
+    return at == 0 || count == 1 ? ST_OK : no_segment(f, at, 0);
+}
+
+static const leaf_segment *last_of(const leaf_file *f) {
+    return &f->segments[f->header.segments - 1];
+}
+
+/* Check that a segment lies where the one before it ends, in steps and bytes, and that it is of the
+ * same grid, with the same parameters. */
+static status check_segment(const leaf_file *f, const leaf_file *part, uint32_t i, uint64_t end) {
+    const struct {
+        size_t at, size;
+    } fields[] = {
+        {offsetof(leaf_header, kind), offsetof(leaf_header, steps) - offsetof(leaf_header, kind)},
+        {offsetof(leaf_header, treelets), sizeof f->header.treelets},
+        {offsetof(leaf_header, to_world), sizeof f->header.to_world},
+        {offsetof(leaf_header, field), sizeof f->header.field},
+        {offsetof(leaf_header, bare), sizeof f->header.bare},
+    };
+    const leaf_segment *s = &f->segments[i], *before = s - 1;
+    if (s->base != end || s->first != before->first + before->steps || !s->first ||
+        part->header.steps != s->steps || part->header.before != before->base ||
+        part->header.steps_before != s->first)
+        return no_segment(f, end, i);
+    bool same = part->has_times == f->has_times &&
+                memcmp(&part->frame, &f->frame, sizeof f->frame) == 0 &&
+                memcmp(part->names, f->names, f->header.fields * sizeof *f->names) == 0;
+    for (size_t k = 0; k < sizeof fields / sizeof *fields; k++)
+        same = same && memcmp((const char *)&part->header + fields[k].at,
+                              (const char *)&f->header + fields[k].at, fields[k].size) == 0;
+    size_t nodes = 0;
+    for (int a = 0; a < 3; a++)
+        nodes += f->header.dims[a];
+    same = same && memcmp(part->axis[0], f->axis[0], nodes * sizeof *f->axis[0]) == 0;
+    if (!same)
+        return leaf_check_corrupt(file_path(f->source), s->base,
+                                  "segment %u has not the fields or the grid of the first", i);
+    return ST_OK;
+}
+
+/* ---- arrays ---- */
+
+/* A file to be: the first segment's, with arrays for all steps. */
+typedef struct joining {
+    leaf_file *f;       /* the first segment; its header is not touched until the end */
+    leaf_layout layout; /* f's, with all steps */
+    leaf_file to;       /* the arrays */
+    uint32_t *same, *bases;
+} joining;
+
+static const struct {
+    size_t at, size;
+    bool of_payloads; /* else of treelets, in all sets */
+} arrays[] = {
+    {offsetof(leaf_file, ranges), sizeof(float[2]), false},
+    {offsetof(leaf_file, own), sizeof(float[2]), false},
+    {offsetof(leaf_file, flags), sizeof(uint8_t), false},
+    {offsetof(leaf_file, offsets), sizeof(uint64_t), true},
+    {offsetof(leaf_file, sizes), sizeof(uint64_t), true},
+    {offsetof(leaf_file, checksums), sizeof(uint64_t), true},
+};
+enum { ARRAYS = sizeof arrays / sizeof *arrays };
+
+static void **array_of(leaf_file *f, int i) {
+    return (void **)((char *)f + arrays[i].at);
+}
+
+static status allocate(joining *j) {
+    const leaf_file *f = j->f;
+    const leaf_layout *l = &j->layout;
+    bool room = true;
+    for (int i = 0; i < ARRAYS; i++) {
+        const size_t count = arrays[i].of_payloads ? l->payloads : (size_t)l->sets * l->treelets;
+        *array_of(&j->to, i) = mem_array(f->m, count, arrays[i].size);
+        room = room && *array_of(&j->to, i);
+    }
+    j->same = mem_array(f->m, l->payloads, sizeof *j->same);
+    j->bases = mem_array(f->m, l->payloads, sizeof *j->bases);
+    j->to.times = mem_array(f->m, l->steps, sizeof *j->to.times);
+    room = room && j->same && j->bases && j->to.times;
+    if (f->histograms && l->sets <= LEAF_HISTOGRAMS_MAX) {
+        j->to.histograms = mem_array(f->m, l->sets, sizeof *j->to.histograms);
+        room = room && j->to.histograms;
+    }
+    if (f->deviations) {
+        j->to.deviations = mem_array(f->m, deviation_count(l), sizeof *j->to.deviations);
+        room = room && j->to.deviations;
+    }
+    return room ? ST_OK : ST_NOMEM;
+}
+
+static void release(joining *j) {
+    mem *m = j->f->m;
+    for (int i = 0; i < ARRAYS; i++)
+        mem_free(m, *array_of(&j->to, i));
+    mem_free(m, j->same);
+    mem_free(m, j->bases);
+    mem_free(m, j->to.times);
+    mem_free(m, j->to.histograms);
+    mem_free(m, j->to.deviations);
+}
+
+/* Copy the rows of a segment's sets, of `row` bytes each, to their places among all sets. */
+static void copy_sets(const joining *j, const leaf_segment *s, void *to, const void *from,
+                      size_t row) {
+    for (uint32_t field = 0; field < j->f->header.fields; field++)
+        memcpy((char *)to + ((size_t)field * j->layout.steps + s->first) * row,
+               (const char *)from + (size_t)field * s->steps * row, s->steps * row);
+}
+
+/* The same of an array of payloads: of treelets set after set, then of shells. */
+static void copy_payloads(const joining *j, const leaf_segment *s, void *to, const void *from,
+                          size_t size) {
+    const leaf_layout *l = &j->layout;
+    const size_t own = (size_t)s->steps * j->f->header.fields;
+    copy_sets(j, s, to, from, l->treelets * size);
+    copy_sets(j, s, (char *)to + l->sets * (size_t)l->treelets * size,
+              (const char *)from + own * l->treelets * size, l->shells * size);
+}
+
+/* Say that no treelet of these sets is known to differ from the finer ones by little. */
+static void forget_deviations(const joining *j, const leaf_segment *s) {
+    const leaf_layout *l = &j->layout;
+    for (uint32_t set = 0; set < l->sets; set++)
+        if (set % l->steps >= s->first && set % l->steps < s->first + s->steps)
+            for (size_t i = deviation_at(l, set, 0); i < deviation_at(l, set + 1, 0); i++)
+                j->to.deviations[i] = DEVIATION_UNKNOWN;
+}
+
+static void copy_arrays(const joining *j, const leaf_segment *s, leaf_file *part) {
+    const leaf_layout *l = &j->layout;
+    leaf_file *to = (leaf_file *)(uintptr_t)&j->to;
+    for (int i = 0; i < ARRAYS; i++)
+        if (arrays[i].of_payloads)
+            copy_payloads(j, s, *array_of(to, i), *array_of(part, i), arrays[i].size);
+        else
+            copy_sets(j, s, *array_of(to, i), *array_of(part, i), l->treelets * arrays[i].size);
+    memcpy(to->times + s->first, part->times, s->steps * sizeof *to->times);
+    if (part->links.same)
+        copy_payloads(j, s, j->same, part->links.same, sizeof *j->same);
+    if (part->links.bases)
+        copy_payloads(j, s, j->bases, part->links.bases, sizeof *j->bases);
+    if (to->histograms && part->histograms)
+        copy_sets(j, s, to->histograms, part->histograms, sizeof *to->histograms);
+    if (to->deviations && part->deviations)
+        copy_sets(j, s, to->deviations, part->deviations,
+                  deviation_at(l, 1, 0) * sizeof *to->deviations);
+    else if (to->deviations)
+        forget_deviations(j, s);
+}
+
+/* ---- links ---- */
+
+/* The set, of so many steps, that set `number` of segment s is. */
+static uint32_t set_of(const leaf_segment *s, uint32_t steps, uint32_t number) {
+    return number / s->steps * steps + s->first + number % s->steps;
+}
+
+/* The same of a number that counts through all sets of segments from s on. */
+static uint32_t numbered(const leaf_segment *s, uint32_t fields, uint32_t steps, uint32_t number) {
+    while (number >= fields * (s->first + s->steps))
+        s++;
+    return set_of(s, steps, number - fields * s->first);
+}
+
+/* The set of all that an entry of segment s leads to. */
+static uint32_t entry_set(const joining *j, const leaf_segment *s, uint32_t entry) {
+    const leaf_file *f = j->f;
+    return entry & LEAF_LINK_BEFORE
+               ? numbered(f->segments, f->header.fields, j->layout.steps, entry ^ LEAF_LINK_BEFORE)
+               : set_of(s, j->layout.steps, entry - 1);
+}
+
+static status no_link(const joining *j, const leaf_segment *s, uint32_t p, const char *what) {
+    char name[LEAF_NAME_MAX];
+    return leaf_check_corrupt(file_path(j->f->source), s->base, "%s cannot have such a %s",
+                              leaf_layout_payload_name(&j->layout, p, name), what);
+}
+
+/* Make payload p's entry of SAME one of the whole file, and give it the place that it leads to. */
+static status join_same(joining *j, const leaf_segment *s, uint32_t p) {
+    const bool before = j->same[p] & LEAF_LINK_BEFORE;
+    const leaf_series series = leaf_layout_series(&j->layout, p);
+    const uint32_t set = entry_set(j, s, j->same[p]);
+    const uint32_t q = leaf_series_payload(&series, set);
+    leaf_file *to = &j->to;
+    j->same[p] = set + 1;
+    if (before && (!to->sizes[q] || j->same[q] || to->sizes[p] != to->sizes[q] ||
+                   to->checksums[p] != to->checksums[q]))
+        return no_link(j, s, p, "payload of an earlier segment");
+    to->offsets[p] = to->offsets[q];
+    return ST_OK;
+}
+
+/* Check that a reader comes from p to a whole code, by a few bases. Those of earlier segments are
+ * sound. */
+static status check_chain(const joining *j, const leaf_segment *s, uint32_t p) {
+    const leaf_series series = leaf_layout_series(&j->layout, p);
+    int codes = 1;
+    for (uint32_t q = p; j->bases[q]; codes++) {
+        q = leaf_series_payload(&series, j->bases[q] - 1);
+        if (codes == LEAF_CHAIN_MAX || !j->to.sizes[q] || j->same[q])
+            return no_link(j, s, p, "base");
+    }
+    return ST_OK;
+}
+
+/* Call take() for the payloads of a segment's sets, by treelets and shells, steps ascending. */
+static status each_payload(joining *j, const leaf_segment *s,
+                           status (*take)(joining *j, const leaf_segment *s, uint32_t p)) {
+    const leaf_layout *l = &j->layout;
+    status st = ST_OK;
+    for (uint32_t i = 0; i < s->steps * j->f->header.fields && st == ST_OK; i++) {
+        const uint32_t set = set_of(s, l->steps, i);
+        for (uint32_t t = 0; t < l->treelets && st == ST_OK; t++)
+            st = take(j, s, leaf_layout_samples(l, set, t));
+        for (uint32_t t = 0; t < l->shells && st == ST_OK; t++)
+            st = take(j, s, leaf_layout_shell(l, set, t));
+    }
+    return st;
+}
+
+/* Payloads lie behind the header of their segment; what is the same as another is elsewhere. */
+static status join_payload(joining *j, const leaf_segment *s, uint32_t p) {
+    j->to.offsets[p] += s->base;
+    status st = j->same[p] ? join_same(j, s, p) : ST_OK;
+    if (st == ST_OK && j->bases[p])
+        j->bases[p] = entry_set(j, s, j->bases[p]) + 1;
+    return st;
+}
+
+static status check_payload(joining *j, const leaf_segment *s, uint32_t p) {
+    return j->bases[p] ? check_chain(j, s, p) : ST_OK;
+}
+
+static status take_segment(joining *j, const leaf_segment *s, leaf_file *part) {
+    copy_arrays(j, s, part);
+    status st = each_payload(j, s, join_payload);
+    return st == ST_OK ? each_payload(j, s, check_payload) : st;
+}
+
+/* ---- all of it ---- */
+
+/* Add what a segment's header says to that of all. */
+static void sum_up(leaf_header *h, const leaf_header *own) {
+    h->payload_bytes += own->payload_bytes;
+    h->non_finite += own->non_finite;
+    h->value_min = fmin(h->value_min, own->value_min);
+    h->value_max = fmax(h->value_max, own->value_max);
+    h->rounding_error = fmax(h->rounding_error, own->rounding_error);
+    memcpy(h->id, own->id, sizeof h->id);
+}
+
+/* Open segment i, and add it. *end: where the one before ends, and this one does. */
+static status add_segment(joining *j, leaf_header *h, uint32_t i, uint64_t *end) {
+    leaf_file *f = j->f, *part = NULL;
+    const leaf_segment *s = &f->segments[i];
+    status st = leaf_file_open_segment(f->m, f, s, &part);
+    if (st != ST_OK)
+        return st;
+    st = check_segment(f, part, i, *end);
+    if (st == ST_OK)
+        st = take_segment(j, s, part);
+    sum_up(h, &part->header);
+    *end += part->header.file_bytes;
+    f->directory_bytes += part->directory_bytes;
+    leaf_file_close(part);
+    return st;
+}
+
+/* Move the arrays of all segments into the file. */
+static void settle(joining *j, const leaf_header *h) {
+    leaf_file *f = j->f;
+    const leaf_links old = f->links;
+    for (int i = 0; i < ARRAYS; i++) {
+        void *own = *array_of(f, i);
+        *array_of(f, i) = *array_of(&j->to, i);
+        *array_of(&j->to, i) = own;
+    }
+#define SWAP(type, a, b)  \
+    do {                  \
+        type swapped = a; \
+        a = b;            \
+        b = swapped;      \
+    } while (0)
+    SWAP(double *, f->times, j->to.times);
+    SWAP(histogram *, f->histograms, j->to.histograms);
+    SWAP(uint16_t *, f->deviations, j->to.deviations);
+#undef SWAP
+    f->links = (leaf_links){j->same, j->bases};
+    j->same = (uint32_t *)(uintptr_t)old.same;
+    j->bases = (uint32_t *)(uintptr_t)old.bases;
+    f->layout = j->layout;
+    f->header = *h;
+}
+
+/* Make the layout of all steps, as the last segment's header tells them; whether it may be right.
+ * The directories of a file are at least a 1024th of what they decompress to. */
+static bool lay_out(joining *j, leaf_header *h) {
+    const leaf_segment *last = last_of(j->f);
+    const uint64_t steps = (uint64_t)last->first + last->steps;
+    if (!steps || steps > LEAF_SETS_MAX / h->fields)
+        return false;
+    h->steps = (uint32_t)steps;
+    leaf_header all = *h;
+    all.file_bytes = all.directory = file_size(j->f->source);
+    return leaf_check_may_hold(&all) &&
+           leaf_layout_repeat(&j->layout, h->fields, h->steps, h->codec != LEAF_CODEC_RAW);
+}
+
+status leaf_file_join(leaf_file *f) {
+    leaf_header h = f->header;
+    uint64_t end = h.file_bytes;
+    status st = file_look_again(f->source);
+    if (st == ST_OK)
+        st = find_segments(f);
+    if (st != ST_OK || h.segments == 1)
+        return st;
+    joining j = {.f = f, .layout = f->layout};
+    if (!lay_out(&j, &h))
+        return no_segment(f, last_of(f)->base, h.segments - 1);
+    st = allocate(&j);
+    if (st == ST_OK)
+        st = take_segment(&j, &f->segments[0], f);
+    for (uint32_t i = 1; i < h.segments && st == ST_OK; i++)
+        st = add_segment(&j, &h, i, &end);
+    h.file_bytes = end;
+    if (st == ST_OK && f->has_times)
+        st = leaf_check_axis(file_path(f->source), j.to.times, h.steps, last_of(f)->base);
+    for (uint32_t i = 0; st == ST_OK && !f->has_times && i < h.steps; i++)
+        j.to.times[i] = i;
+    if (st == ST_OK)
+        settle(&j, &h);
+    release(&j);
+    return st;
+}
+
+/* ---- numbers of sets ---- */
+
+static const leaf_segment *segments_of(const leaf_file *f, leaf_segment *whole) {
+    *whole = (leaf_segment){0, 0, f->layout.steps};
+    return f->segments ? f->segments : whole;
+}
+
+uint32_t leaf_file_number(const leaf_file *f, uint32_t set) {
+    const uint32_t field = set / f->layout.steps, step = set % f->layout.steps;
+    leaf_segment whole;
+    const leaf_segment *s = segments_of(f, &whole);
+    while (step >= s->first + s->steps)
+        s++;
+    return s->first * f->header.fields + field * s->steps + step - s->first;
+}
+
+uint32_t leaf_file_numbered(const leaf_file *f, uint32_t number) {
+    leaf_segment whole;
+    return numbered(segments_of(f, &whole), f->header.fields, f->layout.steps, number);
+}
