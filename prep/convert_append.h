@@ -2,7 +2,6 @@
 #ifndef PREP_CONVERT_APPEND_H
 #define PREP_CONVERT_APPEND_H
 
-#include "formats/grid/grid.h"
 #include "prep/convert_request.h"
 
 /* convert_append_open() - open the output to add to it; none yet: it will be made. Takes from it
@@ -10,10 +9,6 @@
  * convert_append_close() - in any case. */
 CHECKED status convert_append_open(convert_request *a, mem *m);
 void convert_append_close(convert_request *a);
-
-/* convert_append_check() - ST_USAGE, naming what differs, if these are not further steps of the
- * file. Leaves out the times of the sets where the file has none. */
-CHECKED status convert_append_check(const convert_request *a, const grid *g, leaf_sets *sets);
 
 /* convert_append_note() - say what was added. */
 void convert_append_note(const convert_request *a, const leaf_sets *sets);

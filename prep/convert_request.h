@@ -21,10 +21,10 @@ typedef struct convert_request {
     bool coarse, sah, gradients;
 
     bool dry_run, allow_empty;
-    bool in_place;       /* leave the samples of level 0 where they are */
+    bool in_place; /* leave the samples of level 0 where they are */
     /* Whether --compress, --treelet, --halo, --levels are: */
     bool codec_is_given, treelet_is_given, halo_is_given, levels_are_given;
-    bool step;           /* --step is given */
+    bool step; /* --step is given */
 
     /* Further steps of the output (convert_append.h): */
     bool append;

@@ -31,9 +31,8 @@ status file_mark_check_name(const file *f, const file_mark *mark) {
     const file_mark named = mark_of(&s);
     if (named.device == mark->device && named.inode == mark->inode)
         return ST_OK;
-    return status_describe(ST_CORRUPT,
-                           "%s changed while it was open: another file has taken its place",
-                           file_path(f));
+    return status_describe(
+        ST_CORRUPT, "%s changed while it was open: another file has taken its place", file_path(f));
 }
 
 status file_mark_check(const file *f, const file_mark *mark) {

@@ -8,6 +8,7 @@
 #include "formats/leaf/outside_samples.h"
 #include "prep/convert_append.h"
 #include "prep/convert_choices.h"
+#include "prep/grid/convert_grid_append.h"
 #include "prep/grid/convert_grid_report.h"
 #include "prep/grid/convert_grid_sets.h"
 #include "prep/grid/convert_notes.h"
@@ -187,7 +188,7 @@ static status run(convert_request *a, mem *m, input *in, double start) {
     if (st == ST_OK)
         st = begin_series(a, m, &series, in);
     if (st == ST_OK)
-        st = convert_append_check(a, volume_grid(in->own), &series.of.sets);
+        st = convert_grid_append_check(a, volume_grid(in->own), &series.of.sets);
     return st == ST_OK ? convert_grid(a, m, in->own, &series, start) : st;
 }
 

@@ -291,16 +291,16 @@ static void test_killed(void **state) {
     leaf_steps_make(&s, 37, 20, 33, SAMPLE_U8);
     leaf_steps_use(&s, LEAF_CODEC_ZSTD);
     const char *path = begin(&s, 2, "killed.leaf");
-    free(scratch_read(path, &before));
     char head[LEAF_HEADER_BYTES];
     char *bytes = scratch_read(path, &before);
     memcpy(head, bytes, sizeof head);
     free(bytes);
     add(&s, 2, 1, path);
     bytes = scratch_read(path, &after);
-    for (size_t size = before; size <= after; size += (after - before) / 7) {
-        char *part = malloc(size);
-        memcpy(part, bytes, size);
+    const size_t piece = (after - before) / 7;
+    for (size_t size = before; size <= after + 2 * piece; size += piece) {
+        char *part = calloc(1, size);
+        memcpy(part, bytes, size < after ? size : after);
         memcpy(part, head, sizeof head);
         path = scratch_write("part.leaf", part, size);
         free(part);
@@ -410,6 +410,19 @@ static void test_lying_headers(void **state) {
     LIE(&i, 2, to_world[3], 1.0);
     LIE(&i, 2, source_type, SAMPLE_U16);
     LIE(&i, 2, directory, 0);
+    /* A segment alone. */
+    const grown_image alone = {.bytes = (char *)i.head[1], .size = i.head[1]->file_bytes};
+    refused(&alone, "a segment alone");
+    /* A page of nothing between two. */
+    grown_image gap = {.bytes = calloc(1, i.size + LEAF_HEADER_BYTES),
+                       .size = i.size + LEAF_HEADER_BYTES};
+    memcpy(gap.bytes, i.bytes, last);
+    memcpy(gap.bytes + last + LEAF_HEADER_BYTES, i.bytes + last, i.size - last);
+    gap.head[0] = (leaf_header *)(void *)gap.bytes;
+    gap.head[0]->last += LEAF_HEADER_BYTES;
+    seal(gap.head[0]);
+    refused(&gap, "a page between segments");
+    free(gap.bytes);
     free(i.bytes);
     leaf_steps_release(&s);
 }
@@ -434,14 +447,31 @@ static void lie_about(const grown_image *whole, uint32_t kind, uint32_t p, uint3
     free(i.bytes);
 }
 
+/* Steps 0, 0; 2; 2, 4: the last segment has links of both kinds. */
+static void make_links(leaf_steps *s, leaf_codec codec) {
+    leaf_steps_make(s, 20, 19, 18, SAMPLE_U8);
+    leaf_steps_use(s, codec);
+    for (int step = 1; step <= 3; step += 2) {
+        free((void *)(uintptr_t)s->paths[step]);
+        s->paths[step] = strdup(s->paths[step - 1]);
+    }
+}
+
+/* Where all payloads have as many bytes. */
+static void test_lying_raw(void **state) {
+    (void)state;
+    leaf_steps s;
+    make_links(&s, LEAF_CODEC_RAW);
+    const grown_image i = make_image(&s);
+    lie_about(&i, LEAF_SECTION_SAME, 1, LEAF_LINK_BEFORE, "another payload");
+    free(i.bytes);
+    leaf_steps_release(&s);
+}
+
 static void test_lying_links(void **state) {
     (void)state;
     leaf_steps s;
-    leaf_steps_make(&s, 20, 19, 18, SAMPLE_U8);
-    leaf_steps_use(&s, LEAF_CODEC_ZSTD);
-    /* Steps 0, 1; 2; 2 again, 3: the last segment has both kinds of links. */
-    free((void *)(uintptr_t)s.paths[3]);
-    s.paths[3] = strdup(s.paths[2]);
+    make_links(&s, LEAF_CODEC_ZSTD);
     const grown_image i = make_image(&s);
     const uint32_t before = LEAF_LINK_BEFORE;
     enum { TREELET = 1 };
@@ -451,6 +481,7 @@ static void test_lying_links(void **state) {
     lie_about(&i, LEAF_SECTION_SAME, TREELET, UINT32_MAX, "no set");
     lie_about(&i, LEAF_SECTION_SAME, TREELET, 1, "itself");
     lie_about(&i, LEAF_SECTION_SAME, second, before | 2, "the same and a difference");
+    lie_about(&i, LEAF_SECTION_BASES, second, before | 1, "a base that is the same as an earlier");
     lie_about(&i, LEAF_SECTION_BASES, second, before | 3, "a base that does not come before");
     lie_about(&i, LEAF_SECTION_BASES, second, 1, "a base that is the same as another");
     lie_about(&i, LEAF_SECTION_BASES, TREELET, before, "the same, with a base");
@@ -465,6 +496,7 @@ int main(void) {
         cmocka_unit_test(test_two),           cmocka_unit_test(test_refused),
         cmocka_unit_test(test_faults),        cmocka_unit_test(test_killed),
         cmocka_unit_test(test_lying_headers), cmocka_unit_test(test_lying_links),
+        cmocka_unit_test(test_lying_raw),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
