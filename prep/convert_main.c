@@ -17,6 +17,7 @@
 #include "formats/trust_options.h"
 #include "prep/convert_append.h"
 #include "prep/convert_defaults.h"
+#include "prep/convert_watch.h"
 #include "prep/grid/convert_grids.h"
 #include "prep/mesh/convert_meshes.h"
 #include "prep/mesh/mesh_convert.h"
@@ -59,7 +60,10 @@ enum {
     KEY_LEVELS,
     KEY_RESUME,
     KEY_CHECKPOINT,
-    KEY_APPEND
+    KEY_APPEND,
+    KEY_WATCH,
+    KEY_UNTIL,
+    KEY_SETTLE
 };
 
 static const struct argp_option options[] = {
@@ -85,6 +89,11 @@ static const struct argp_option options[] = {
      "if "
      "it is not there",
      0},
+    {"watch", KEY_WATCH, NULL, CLI_BASIC,
+     "the same with each file that comes to fit INPUT, a pattern such as 'step_*.nrrd'", 0},
+    {"until", KEY_UNTIL, "N", 0, "with --watch: end when the output has N steps", 0},
+    {"settle", KEY_SETTLE, "SECONDS", 0,
+     "with --watch: a file is whole when it has not changed for so long (default 2)", 0},
     {"resume", KEY_RESUME, NULL, CLI_BASIC,
      "go on where a run of the same command ended early, or had ended; else begin", 0},
     {"checkpoint", KEY_CHECKPOINT, "SECONDS", 0,
@@ -151,35 +160,21 @@ static const struct argp_option options[] = {
 static const char *const input_names[] = {INPUT_TRAIT_NAMES};
 
 /* What an input must be like for an option to have an effect. Options not listed work for all. */
-static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES},
-                               {TRUST_KEY_MISSING, INPUT_LATTICE},
-                               {KEY_TREELET, INPUT_LATTICE},
-                               {KEY_HALO, INPUT_LATTICE},
-                               {KEY_IN_PLACE, INPUT_LATTICE},
-                               {KEY_LEVELS, INPUT_LATTICE},
-                               {KEY_APPEND, INPUT_LATTICE},
-                               {KEY_DIMS, INPUT_RAW},
-                               {KEY_TYPE, INPUT_RAW},
-                               {KEY_BIG_ENDIAN, INPUT_RAW},
-                               {KEY_SKIP, INPUT_RAW},
-                               {KEY_SPACING, INPUT_LATTICE},
-                               {KEY_MISSING, INPUT_LATTICE},
-                               {KEY_ORIGIN, INPUT_LATTICE},
-                               {KEY_EXAGGERATE, INPUT_LATTICE},
-                               {KEY_AXES, INPUT_LATTICE},
-                               {KEY_UNIT, INPUT_LATTICE},
-                               {KEY_AXIS_X, INPUT_LATTICE},
-                               {KEY_AXIS_Y, INPUT_LATTICE},
-                               {KEY_AXIS_Z, INPUT_LATTICE},
-                               {KEY_FIELD, INPUT_CHOICES},
-                               {KEY_COMPONENT, INPUT_CHOICES},
-                               {KEY_STEP, INPUT_STEPS},
-                               {KEY_STEPS, INPUT_SERIES},
-                               {KEY_CELLS_TO_POINTS, INPUT_CELLS},
-                               {KEY_COARSE, INPUT_CELLS},
-                               {KEY_TREELET_TETS, INPUT_CELLS},
-                               {KEY_LEAF_TETS, INPUT_CELLS},
-                               {KEY_BUILD, INPUT_CELLS},
+static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES}, {TRUST_KEY_MISSING, INPUT_LATTICE},
+                               {KEY_TREELET, INPUT_LATTICE},   {KEY_HALO, INPUT_LATTICE},
+                               {KEY_IN_PLACE, INPUT_LATTICE},  {KEY_LEVELS, INPUT_LATTICE},
+                               {KEY_APPEND, INPUT_LATTICE},    {KEY_WATCH, INPUT_LATTICE},
+                               {KEY_DIMS, INPUT_RAW},          {KEY_TYPE, INPUT_RAW},
+                               {KEY_BIG_ENDIAN, INPUT_RAW},    {KEY_SKIP, INPUT_RAW},
+                               {KEY_SPACING, INPUT_LATTICE},   {KEY_MISSING, INPUT_LATTICE},
+                               {KEY_ORIGIN, INPUT_LATTICE},    {KEY_EXAGGERATE, INPUT_LATTICE},
+                               {KEY_AXES, INPUT_LATTICE},      {KEY_UNIT, INPUT_LATTICE},
+                               {KEY_AXIS_X, INPUT_LATTICE},    {KEY_AXIS_Y, INPUT_LATTICE},
+                               {KEY_AXIS_Z, INPUT_LATTICE},    {KEY_FIELD, INPUT_CHOICES},
+                               {KEY_COMPONENT, INPUT_CHOICES}, {KEY_STEP, INPUT_STEPS},
+                               {KEY_STEPS, INPUT_SERIES},      {KEY_CELLS_TO_POINTS, INPUT_CELLS},
+                               {KEY_COARSE, INPUT_CELLS},      {KEY_TREELET_TETS, INPUT_CELLS},
+                               {KEY_LEAF_TETS, INPUT_CELLS},   {KEY_BUILD, INPUT_CELLS},
                                {KEY_GRADIENTS, INPUT_CELLS}};
 
 static status set_spacing(convert_request *a, const char *text) {
@@ -314,6 +309,13 @@ static status set_checkpoint(convert_request *a, const char *text) {
     return st;
 }
 
+static status set_settle(convert_request *a, const char *text) {
+    status st = num_double(text, "--settle", &a->watch.settle);
+    if (st == ST_OK && !(a->watch.settle >= 0 && isfinite(a->watch.settle)))
+        st = status_describe(ST_USAGE, "--settle: \"%s\": expected seconds, 0 or more", text);
+    return st;
+}
+
 /* Note an option that the output depends on. */
 static status note_told(convert_request *a, int key, const char *text) {
     if (key == KEY_DRY_RUN || key == KEY_RESUME || key == KEY_CHECKPOINT)
@@ -329,6 +331,9 @@ static status take_option(convert_request *a, int key, const char *text) {
     switch (key) {
     case KEY_IN_PLACE: a->in_place = true; return ST_OK;
     case KEY_APPEND: a->append = true; return ST_OK;
+    case KEY_WATCH: a->watch.on = a->append = true; return ST_OK;
+    case KEY_UNTIL: return cli_uint(text, "--until", 1, LEAF_SETS_MAX, &a->watch.until);
+    case KEY_SETTLE: return set_settle(a, text);
     case KEY_RESUME: a->resume = true; return ST_OK;
     case KEY_CHECKPOINT: return set_checkpoint(a, text);
     case KEY_COMPRESS: return set_compress(a, text);
@@ -356,7 +361,12 @@ static status check(void *own) {
     convert_request *a = own;
     if (!a->common.input || (!a->common.output && !a->dry_run))
         return status_describe(ST_USAGE, "an INPUT and -o are needed");
-    const status st = path_pattern_expand(&a->common.inputs, &a->common.input_count);
+    if (!a->watch.on && (cli_given(&a->common, KEY_UNTIL) || cli_given(&a->common, KEY_SETTLE)))
+        return status_describe(ST_USAGE, "--until and --settle go with --watch");
+    if (a->watch.on && (a->common.input_count > 1 || a->sets.times))
+        return status_describe(ST_USAGE, "--watch takes one pattern, in quotes, and no --times");
+    const status st =
+        a->watch.on ? ST_OK : path_pattern_expand(&a->common.inputs, &a->common.input_count);
     if (st != ST_OK)
         return st;
     a->common.input = a->common.inputs[0];
@@ -479,9 +489,11 @@ int main(int argc, char **argv) {
                          .leaf_tets = MESH_LEAF_TETS,
                          .file = convert_parameters_default(),
                          .checkpoint = 1,
+                         .watch = {.settle = 2},
                          .options = options};
     cli_parse(&verb, &a.common, argc, argv);
-    const int code = cli_finish(&a.common, run(&a));
-    path_pattern_release(a.common.inputs, a.common.input_count);
+    const int code = a.watch.on ? convert_watch_run(&a, run) : cli_finish(&a.common, run(&a));
+    if (!a.watch.on)
+        path_pattern_release(a.common.inputs, a.common.input_count);
     return code;
 }

@@ -31,6 +31,13 @@ typedef struct convert_request {
     leaf_grow *grow;   /* NULL: the output is new */
     size_t grow_bytes; /* of memory that it takes */
 
+    /* Further steps as their files come (convert_watch.h): */
+    struct {
+        bool on;
+        uint32_t until; /* steps of the output that are enough; 0: go on until stopped */
+        double settle;  /* seconds without a change after which a file counts as whole */
+    } watch;
+
     /* Unfinished work: */
     bool resume;
     double checkpoint; /* seconds between two saved states */

@@ -131,4 +131,53 @@ ok "the first is what it was" same_step 0 s0
 run find "$tmp" -name 'k.leaf?*'
 ok "nothing is beside it" [ ! -s "$tmp/out" ]
 
+# ---- as files come ----
+
+mkdir "$tmp/run"
+out=$tmp/w.leaf
+for i in 0 1 2; do "$leafcast" generate noise --dims 40,36,44 --seed "$i" -o "$tmp/s$i.nrrd" -q --force; done
+for i in 0 1 2; do "$leafcast" convert "$tmp/s$i.nrrd" -o "$tmp/s$i.leaf" -q --force; done
+"$leafcast" convert --watch "$tmp/run/f_%d.nrrd" -o "$out" --until 12 --settle 0.2 -q 2>"$tmp/watched" &
+pid=$!
+# Some come whole, some in two parts, some of them while nobody watches.
+for i in 1 2 3 4 5 6 7 8 9 10 11 12; do
+    from=$tmp/s$((i % 3)).nrrd
+    if [ $((i % 4)) = 1 ]; then
+        head -c 30000 "$from" >"$tmp/run/f_$i.nrrd"
+        sleep 0.1
+        tail -c +30001 "$from" >>"$tmp/run/f_$i.nrrd"
+    else
+        cp "$from" "$tmp/run/f_$i.part"
+        mv "$tmp/run/f_$i.part" "$tmp/run/f_$i.nrrd"
+    fi
+    if [ "$i" = 6 ]; then
+        sleep 0.3
+        kill -TERM "$pid"
+        wait "$pid"
+        ended=$?
+        [ ! -e "$out" ] || cp "$out" "$tmp/half.leaf"
+        "$leafcast" convert --watch "$tmp/run/f_%d.nrrd" -o "$out" --until 12 --settle 0.2 -q 2>"$tmp/watched" &
+        pid=$!
+    fi
+done
+ok "a signal ends it (got $ended)" [ "$ended" -gt 128 ]
+wait "$pid"
+rc=$?
+ok "enough steps end it, too (got $rc)" [ "$rc" = 0 ]
+ok "all have come" has '12, times 0 .. 11'
+for i in 1 5 6 7 10 12; do
+    ok "file $i is in its place" same_step $((i - 1)) s$((i % 3))
+done
+exits "verify" 0 "$leafcast" verify "$out"
+exits "what has enough" 0 "$leafcast" convert --watch "$tmp/run/f_%d.nrrd" -o "$out" --until 3
+echo nothing >"$tmp/run/f_13.nrrd"
+exits "a file that cannot be read" 3 "$leafcast" convert --watch "$tmp/run/f_%d.nrrd" -o "$out" --settle 0
+ok "is named" says 'f_13.nrrd'
+ok "nothing is added" has 12
+rm "$tmp/run/f_13.nrrd"
+exits "several patterns" 2 "$leafcast" convert --watch "$tmp/s0.nrrd" "$tmp/s1.nrrd" -o "$out"
+exits "times" 2 "$leafcast" convert --watch "$tmp/s0.nrrd" -o "$out" --times 3
+exits "no watch" 2 "$leafcast" convert "$tmp/s0.nrrd" -o "$out" --until 3
+ok "says so" says 'go with --watch'
+
 finish

@@ -302,7 +302,7 @@ OPENS = {
     "formats/grid/chunk_array.c": "rule", "formats/grid/zarr_array.c": "folder", "formats/grid/zarr_chunk.c": "kept",
     "formats/input/foreign.c": "folder",
     "formats/info_main.c": "given", "formats/input/byte_stream.c": "given", "formats/input/packed_stream.c": "given", "formats/input_open.c": "given",
-    "formats/leaf/leaf_file.c": "given", "formats/leaf/outside_samples.c": "known", "formats/leaf/leaf_repair.c": "given", "formats/leaf/leaf_writer_finish.c": "given", "formats/mesh/gmsh_file.c": "given",
+    "formats/leaf/leaf_file.c": "given", "formats/leaf/leaf_grow.c": "given", "formats/leaf/outside_samples.c": "known", "formats/leaf/leaf_repair.c": "given", "formats/leaf/leaf_writer_finish.c": "given", "formats/mesh/gmsh_file.c": "given",
     "formats/mesh/mesh_input.c": "given", "formats/mesh/mesh_tetgen.c": "implied", "formats/surface/plc.c": "given",
     "formats/surface/plc_tetgen.c": "implied", "formats/vtk/vtk_bytes.c": "kept", "formats/vtk/vtk_cursor.c": "kept",
     "formats/vtk/vtk_xml.c": "kept", "prep/import/import_calls.c": "kept", "prep/import/import_limits.c": "given",
