@@ -124,7 +124,7 @@ static status put_payload(leaf_writer *w, leaf_family *f, leaf_packer *k, uint32
                           const void *payload) {
     char *to = leaf_family_room(f);
     size_t size = 0;
-    const status st = w->same ? leaf_writer_put_in_series(w, f, k, p, payload, to, &size) : ST_OK;
+    status st = w->same ? leaf_writer_put_in_series(w, f, k, p, payload, to, &size) : ST_OK;
     f->implied = false;
     if (leaf_writer_is_same(w, p) || st != ST_OK)
         return st;
@@ -132,8 +132,11 @@ static status put_payload(leaf_writer *w, leaf_family *f, leaf_packer *k, uint32
         size = make_payload(w, k, p, payload, to);
     w->sizes[p] = size;
     w->checksums[p] = hash_bytes(to, size);
-    f->used += size;
-    return ST_OK;
+    if (w->before && !w->bases[p])
+        st = leaf_writer_find_stored(w, f, p, to);
+    if (!leaf_writer_is_same(w, p))
+        f->used += size;
+    return st;
 }
 
 static uint32_t put_entry(leaf_writer *w, const leaf_family *f, uint32_t t,

@@ -82,6 +82,12 @@ struct leaf_family {
 CHECKED status leaf_writer_put_in_series(leaf_writer *w, const leaf_family *f, leaf_packer *k,
                                          uint32_t p, const void *payload, void *to, size_t *bytes);
 
+/* leaf_writer_find_stored() - look for whole payload p, whose stored bytes, size and checksum are
+ * known, in the file that is added to; if it is there, set same[p]. A hash leads there, and the
+ * bytes decide. */
+CHECKED status leaf_writer_find_stored(leaf_writer *w, const leaf_family *f, uint32_t p,
+                                       const void *stored);
+
 /* leaf_writer_links() - the links so far. leaf_writer_is_same() - whether payload p has another's
  * bytes. */
 static inline leaf_links leaf_writer_links(const leaf_writer *w) {

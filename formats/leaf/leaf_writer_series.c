@@ -3,7 +3,7 @@
  *
  * What an earlier set has is read back from the output, so that it takes no memory. All of that set
  * is there: sets are put one after the other. Where a file is added to, the first new step looks at
- * the last step there.
+ * the last step there, and what is stored whole is looked for in all.
  */
 #include <string.h>
 
@@ -172,9 +172,9 @@ static bool find_before(const leaf_writer *w, uint32_t p, origin *q) {
 static status code_from_base(leaf_writer *w, const leaf_family *f, leaf_packer *k, uint32_t p,
                              const void *payload, void *to, size_t *bytes) {
     origin q, chain[LEAF_CHAIN_MAX];
-    if (!find_before(w, p, &q) || (!k && !q.in))
+    if (!find_before(w, p, &q))
         return ST_OK;
-    const bool may = k && chain_of(w, q, chain) < LEAF_CHAIN_MAX;
+    const bool may = chain_of(w, q, chain) < LEAF_CHAIN_MAX;
     if (!may && !q.in)
         return ST_OK;
     const status st = read_earlier(w, f, k, p, q);
@@ -194,7 +194,26 @@ status leaf_writer_put_in_series(leaf_writer *w, const leaf_family *f, leaf_pack
     *bytes = 0;
     w->same[p] = w->bases[p] = 0;
     const status st = find_same(w, f, k, p, payload, to);
-    if (st != ST_OK || w->same[p])
+    if (st != ST_OK || w->same[p] || !k)
         return st;
     return code_from_base(w, f, k, p, payload, to, bytes);
+}
+
+status leaf_writer_find_stored(leaf_writer *w, const leaf_family *f, uint32_t p,
+                               const void *stored) {
+    const leaf_file *in = w->before;
+    for (uint32_t set = in->layout.sets; set-- > 0;) {
+        const origin q = {w->before, payload_before(w, p, set)};
+        if (in->checksums[q.p] != w->checksums[p] || in->sizes[q.p] != w->sizes[p] ||
+            !leaf_file_is_home(in, q.p) || (in->links.bases && in->links.bases[q.p]))
+            continue;
+        const status st = fetch(w, q, f->stored);
+        if (st != ST_OK)
+            return st;
+        if (memcmp(f->stored, stored, (size_t)w->sizes[p]) != 0)
+            continue;
+        note_same(w, p, q);
+        return ST_OK;
+    }
+    return ST_OK;
 }

@@ -164,6 +164,26 @@ static void test_static(void **state) {
     }
 }
 
+/* Nor what any earlier step has. */
+static void test_back(void **state) {
+    (void)state;
+    enum { OTHER = 20 }; /* a step that is unlike the first */
+    for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
+        leaf_steps s;
+        size_t two, all;
+        leaf_steps_make(&s, 60, 50, 70, SAMPLE_U16);
+        leaf_steps_use(&s, (leaf_codec)codec);
+        const char *path = begin(&s, 1, "back.leaf");
+        add(&s, OTHER, 1, path);
+        free(scratch_read(path, &two));
+        for (int i = 0; i < 4; i++)
+            add(&s, i % 2 * OTHER, 1, path);
+        free(scratch_read(path, &all));
+        assert_in_range(all, two, two + 4 * (4096 + 8192));
+        leaf_steps_release(&s);
+    }
+}
+
 /* ---- others that read and write ---- */
 
 static void test_readers(void **state) {
@@ -491,12 +511,12 @@ static void test_lying_links(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_segments),      cmocka_unit_test(test_again),
-        cmocka_unit_test(test_static),        cmocka_unit_test(test_readers),
-        cmocka_unit_test(test_two),           cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_faults),        cmocka_unit_test(test_killed),
-        cmocka_unit_test(test_lying_headers), cmocka_unit_test(test_lying_links),
-        cmocka_unit_test(test_lying_raw),
+        cmocka_unit_test(test_segments),    cmocka_unit_test(test_again),
+        cmocka_unit_test(test_static),      cmocka_unit_test(test_back),
+        cmocka_unit_test(test_readers),     cmocka_unit_test(test_two),
+        cmocka_unit_test(test_refused),     cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_killed),      cmocka_unit_test(test_lying_headers),
+        cmocka_unit_test(test_lying_links), cmocka_unit_test(test_lying_raw),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
