@@ -199,13 +199,14 @@ status leaf_writer_put_in_series(leaf_writer *w, const leaf_family *f, leaf_pack
     return code_from_base(w, f, k, p, payload, to, bytes);
 }
 
+/* Codes of differences are marked as such: none has the bytes of a whole one. */
 status leaf_writer_find_stored(leaf_writer *w, const leaf_family *f, uint32_t p,
                                const void *stored) {
     const leaf_file *in = w->before;
     for (uint32_t set = in->layout.sets; set-- > 0;) {
         const origin q = {w->before, payload_before(w, p, set)};
         if (in->checksums[q.p] != w->checksums[p] || in->sizes[q.p] != w->sizes[p] ||
-            !leaf_file_is_home(in, q.p) || (in->links.bases && in->links.bases[q.p]))
+            !leaf_file_is_home(in, q.p))
             continue;
         const status st = fetch(w, q, f->stored);
         if (st != ST_OK)
