@@ -44,14 +44,27 @@ static status check_gap(leaf_file *f, uint64_t from, uint64_t to) {
     return ST_OK;
 }
 
+/* Read the header. That of a file that grows may be written meanwhile: then it is read again. */
+static status read_header(const opening *o) {
+    enum { TRIES = 3 };
+    leaf_header *h = &o->f->header;
+    status st = ST_OK;
+    bool sound = false;
+    for (int i = 0; i < TRIES && st == ST_OK && !sound; i++) {
+        st = file_read_at(o->f->source, 0, h, sizeof *h);
+        sound = !h->segments || h->checksum == leaf_header_checksum(h);
+    }
+    if (o->first)
+        *h = *o->first;
+    return st;
+}
+
 static status read_head(opening *o) {
     leaf_file *f = o->f;
     const char *path = file_path(f->source);
     const leaf_header *h = &f->header;
     uint64_t bytes = file_size(f->source);
-    status st = file_read_at(f->source, 0, &f->header, sizeof f->header);
-    if (o->first)
-        f->header = *o->first;
+    status st = read_header(o);
     /* Behind the first segment may be others, and what is being written. */
     if (st == ST_OK && h->segments && h->file_bytes < bytes)
         bytes = h->file_bytes;

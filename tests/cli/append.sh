@@ -59,7 +59,7 @@ before=$(sum)
 "$leafcast" convert --in-place "$tmp/s0.nrrd" -o "$tmp/i.leaf" -q
 cp "$tmp/s0.nrrd" "$tmp/n.leaf"
 while IFS='|' read -r name want options said; do
-    # shellcheck disable=SC2086 # split on purpose
+    # shellcheck disable=SC2046 # split on purpose
     exits "$name" "$want" "$leafcast" convert --append -o "$out" $(echo "$options" | sed "s|@|$tmp/|g")
     ok "says why" says "$said"
     ok "nothing changes" unchanged
