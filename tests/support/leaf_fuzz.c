@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "formats/leaf/histogram_text.h"
 #include "formats/leaf/leaf_histogram.h"
@@ -150,9 +151,35 @@ char *leaf_fuzz_alloc(size_t size) {
     return bytes;
 }
 
+/* Make what is said of a segment right again, but for its payloads' checksums: those of some are
+ * elsewhere. */
+static void seal_segment(char *bytes, size_t size) {
+    leaf_image i = {.bytes = bytes, .size = size, .header = (leaf_header *)bytes};
+    const uint64_t table = leaf_table_at(i.header);
+    if (table >= size || table % 8)
+        return;
+    i.table = (leaf_section *)(bytes + table);
+    leaf_image_seal(&i);
+}
+
+uint64_t leaf_fuzz_segment(const char *bytes, size_t size, int i) {
+    uint64_t at;
+    memcpy(&at, bytes + offsetof(leaf_header, last), sizeof at);
+    while (at >= LEAF_HEADER_BYTES && at % LEAF_ALIGN == 0 && at <= size - LEAF_HEADER_BYTES &&
+           i-- > 0)
+        memcpy(&at, bytes + at + offsetof(leaf_header, before), sizeof at);
+    return at % LEAF_ALIGN == 0 && at <= size - LEAF_HEADER_BYTES ? at : 0;
+}
+
 void leaf_fuzz_seal(char *bytes, size_t size) {
+    enum { SEGMENTS = 4 };
     if (size < LEAF_HEADER_BYTES)
         return;
+    for (int i = 0; i < SEGMENTS; i++) {
+        const uint64_t at = leaf_fuzz_segment(bytes, size, i);
+        if (at >= LEAF_HEADER_BYTES)
+            seal_segment(bytes + at, size - at);
+    }
     leaf_image i = {.bytes = bytes, .size = size, .header = (leaf_header *)bytes};
     const uint64_t table = leaf_table_at(i.header);
     /* At a place that cannot be, nothing is looked at. */

@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "formats/base/status.h"
 
@@ -27,5 +28,9 @@ char *leaf_fuzz_alloc(size_t size);
 /* leaf_fuzz_seal() - bytes of a file, of any length: its checksums made right, where it is enough
  * of one. */
 void leaf_fuzz_seal(char *bytes, size_t size);
+
+/* leaf_fuzz_segment() - where the header of a segment lies, the i-th from the last one back, if the
+ * headers lead there; else, and of the first one, 0. */
+uint64_t leaf_fuzz_segment(const char *bytes, size_t size, int i);
 
 #endif

@@ -46,9 +46,26 @@ static leaf_image make_grid(leaf_codec codec, bool bare) {
     return leaf_image_of(bytes, size);
 }
 
-/* Steps of which some are the same as others, and some a little different. packed: with compressed
- * sections. */
-static leaf_image make_series(leaf_codec codec, bool packed) {
+/* How a series comes to be: its sections are made plain, or stay compressed; or steps are added. */
+typedef enum series_form { SERIES_PLAIN, SERIES_PACKED, SERIES_GROWN } series_form;
+
+/* Convert a series at once; or two steps first, then twice as many as there are. */
+static const char *convert(const grid_series *of, const convert_options *o, bool grows) {
+    grid_series some = *of;
+    if (!grows)
+        return leaf_files_series(of, o, "made.leaf");
+    some.of.sets.steps = 2;
+    const char *path = leaf_files_series(&some, o, "made.leaf");
+    for (int i = 0; i < 2; i++) {
+        some.of.paths += some.of.sets.steps;
+        some.of.sets.steps = i == 0 ? 2 : 4;
+        assert_int_equal(leaf_files_add(&some, o, path), ST_OK);
+    }
+    return path;
+}
+
+/* Steps of which some are the same as others, and some a little different. */
+static leaf_image make_series(leaf_codec codec, series_form form) {
     enum { STEPS = 10, EVERY = 97 };
     leaf_case c = leaf_files_case(20, 19, 4, SAMPLE_F32);
     const size_t count = (size_t)20 * 19 * 4;
@@ -66,18 +83,18 @@ static leaf_image make_series(leaf_codec codec, bool packed) {
     c.options.file.codec = codec;
     c.options.file.zstd_level = 1;
     size_t size;
-    char *bytes = scratch_read(leaf_files_series(&of, &c.options, "made.leaf"), &size);
+    char *bytes = scratch_read(convert(&of, &c.options, form == SERIES_GROWN), &size);
     for (int step = 0; step < STEPS; step++)
         free((void *)(uintptr_t)paths[step]);
     free(samples);
-    return packed ? leaf_image_as_is(bytes, size) : leaf_image_of(bytes, size);
+    return form == SERIES_PLAIN ? leaf_image_of(bytes, size) : leaf_image_as_is(bytes, size);
 }
 
 static leaf_image make_kind(int k) {
     const leaf_codec codec = k % 2 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW;
     if (k < 4)
         return make_mesh(codec, k / 2);
-    return k < 8 ? make_grid(codec, k >= 6) : make_series(codec, k >= 10);
+    return k < 8 ? make_grid(codec, k >= 6) : make_series(codec, (series_form)(k / 2 - 4));
 }
 
 /* Four bytes or one, by what breaks things. */
@@ -106,6 +123,10 @@ static size_t place(const leaf_image *i, field_random *r) {
     const size_t table = (size_t)leaf_table_at(i->header), end = (size_t)i->sections_end;
     const size_t payloads = i->header->directory ? LEAF_HEADER_BYTES : end;
     const size_t from = where == 0 ? 0 : where == 1 ? table : payloads;
+    /* The header of a segment. */
+    if (where == 2 && i->header->segments > 1)
+        return (size_t)leaf_fuzz_segment(i->bytes, i->size, (int)field_random_below(r, 3)) +
+               (size_t)field_random_below(r, 1600);
     const size_t to = where == 0 ? 1600 : where == 1 ? end : i->header->directory ? table : i->size;
     return from + (size_t)field_random_below(r, to - from);
 }
@@ -144,9 +165,11 @@ static void test_changed(void **state) {
     const char *wanted = getenv("LEAFCAST_FUZZ");
     const uint64_t count = wanted ? strtoull(wanted, NULL, 10) : COUNT;
     static const char *const kinds[] = {
-        "a mesh, raw",   "a mesh, zstd",   "a moving mesh, raw",   "a moving mesh, zstd",
-        "a grid, raw",   "a grid, zstd",   "level 0 alone, raw",   "level 0 alone, zstd",
-        "a series, raw", "a series, zstd", "a packed series, raw", "a packed series, zstd"};
+        "a mesh, raw",         "a mesh, zstd",         "a moving mesh, raw",
+        "a moving mesh, zstd", "a grid, raw",          "a grid, zstd",
+        "level 0 alone, raw",  "level 0 alone, zstd",  "a series, raw",
+        "a series, zstd",      "a packed series, raw", "a packed series, zstd",
+        "a grown series, raw", "a grown series, zstd"};
     for (int k = 0; k < (int)(sizeof kinds / sizeof *kinds); k++) {
         const leaf_image i = make_kind(k);
         uint64_t refused;
