@@ -161,6 +161,9 @@ static const bench_count STREAMING_COUNTS[] = {{"active MB", 0.0}, {"visible MB"
                                                {"read MB", 0.05},  {"loads", 0.05},
                                                {"differ", 0.0},    {NULL, 0.0}};
 
+static const bench_count TIME_COUNTS[] = {{"steps", 0.0},  {"hits", 0.0},   {"first MB", 0.05},
+                                          {"loads", 0.05}, {"differ", 0.0}, {NULL, 0.0}};
+
 /* Of suites that draw depths by the flags of the command line. */
 #define LOOK_FLAGS "size view eye look-at up fov clip-box clip-plane lod light point-light shadows"
 
@@ -352,17 +355,18 @@ static const bench_suite SUITES[] = {
      .labels = 2,
      .charts = {{"us/treelet", "+-", false}, {"new/same", NULL, false}}},
     {.name = "time",
-     .takes = "F.leaf --iso V",
-     .about = "a new time step of a mesh in every frame, both schemas (W07 8.5)",
+     .takes = "[F.leaf --iso V]",
+     .about = "a new time step in every frame: of grids by single rays and\n"
+              "tiles (M08 tables 5.3 to 5.6), of meshes by both schemas (W07\n8.5)",
+     .counts = TIME_COUNTS,
      .run = bench_time,
      .view = "size field shading normals light point-light shadows ambient specular shininess "
              "clip-box clip-plane",
      .surfaces = "iso opacity layers",
      .several = true,
-     .alone = true,
      .series = true,
-     .labels = 2,
-     .charts = {{"fps", "+-", false}, {"MB/step", NULL, false}, {"resident MB", NULL, false}}},
+     .labels = 3,
+     .charts = {{"fps", "+-", false}, {"new/same", NULL, false}, {"resident MB", NULL, false}}},
     {.name = "lanes",
      .takes = "[F.leaf --iso V]",
      .about = "how full the vectors of tiles are, stage by stage",
