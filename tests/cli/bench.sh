@@ -119,6 +119,28 @@ exits "time, files kept" 0 "$leafcast" bench time --form brief --runs 1 --size 4
 cp "$tmp/series"/vortex-64-vortex-steps.leaf.0001 "$tmp/series"/vortex-64-vortex-steps.leaf.0003
 exits "time, with a wrong step alone" 0 "$leafcast" bench time --form brief --runs 1 --size 48x48 --scratch "$tmp/series" -o "$tmp/two.csv"
 ok "which is seen" csv "$tmp/two.csv" 'all((int(r["differ"]) > 200) == (r["series"] == "vortex-64") for r in t)'
+# What a change of steps costs: no more than is new, and its masks are those of the step alone.
+judge_update() { # judge_update FILE SERIES
+    ok "update: masks are those of the step alone" csv "$1" "len(t) >= 2 * $2"' and all(r["differ"] == "0" for r in t)'
+    ok "update: no more is new than is held, and that is loaded" csv "$1" \
+        'all(0 < float(r["new"]) <= float(r["treelets"]) and float(r["MB"]) > 0 and float(r["ms"]) >= 0 for r in t)'
+    ok "update: the surface is in fewer cells" csv "$1" \
+        'all(int(a["cells"]) < int(b["cells"]) for a in t for b in t if a["series"] == b["series"] and (a["asked"], b["asked"]) == ("surface", "all values"))'
+}
+judge_update "$tmp/all/update.csv" 3
+ok "update: of all values, every cell of every step" csv "$tmp/all/update.csv" 'all(r["cells"] == str(5 * 63 ** 3) for r in t if r["asked"] == "all values")'
+ok "update: jets and vortex are new at every step, of the drop a part" csv "$tmp/all/update.csv" \
+    'all((r["new"] == r["treelets"] == "8.0") == (r["series"] != "drop-64") for r in t if r["asked"] == "all values")'
+exits "update, with a wrong step alone" 0 "$leafcast" bench update --form brief --runs 1 --scratch "$tmp/series" -o "$tmp/up.csv"
+ok "which is seen" csv "$tmp/up.csv" 'all((r["differ"] == "8") == (r["series"] == "vortex-64" and r["asked"] == "surface") for r in t)'
+for codec in none zstd; do
+    exits "update of a file, $codec" 0 "$leafcast" bench update "$tmp/j_$codec.leaf" --iso 0.6 --runs 2 --threads 1 --force -o "$tmp/up.csv"
+    judge_update "$tmp/up.csv" 1
+done
+exits "update of a mesh" 3 "$leafcast" bench update "$tmp/balls.leaf" --iso 0.3
+ok "is refused for that" says 'no time series of a grid' err
+exits "of a single step" 3 "$leafcast" bench update "$leaf" --iso 128
+exits "update draws nothing" 2 "$leafcast" bench update --size 9x9
 judge_media() { # judge_media FILE PICTURES
     ok "media: what is certified is within its claim, and that within what was asked for" csv "$1" \
         'all(float(r["worst"]) <= float(r["claimed"]) + float(r["ref bound"]) and float(r["claimed"]) <= float(fractions.Fraction(r["setting"])) for r in t if r["way"] == "certified")'
