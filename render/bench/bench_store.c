@@ -30,9 +30,9 @@ typedef struct bench_volume {
     const char *field, *type; /* of generate; where the data is absent, too */
     uint32_t side;            /* samples an axis of the generated field */
     double field_isovalue;
-    uint32_t copies;        /* of a mesh along each axis; 0: a grid */
-    uint32_t steps;         /* of a series: `data` is a pattern of its files then; 0: none */
-    const char *data_field; /* of files that have several; NULL: the first */
+    uint32_t copies;         /* of a mesh along each axis; 0: a grid */
+    uint32_t steps;          /* of a series: `data` is a pattern of its files then; 0: none */
+    const char *data_option; /* of convert, for the data; NULL: none */
 } bench_volume;
 
 struct bench_store {
@@ -172,9 +172,9 @@ static const char GENERATE[] = "leafcast-generate", CONVERT[] = "leafcast-conver
 typedef struct steps {
     char (*path)[PATH_MAX];
     uint32_t count;
-    const char *field; /* NULL: the first; */
-    int in;            /* standard input of convert, where that is the path; -1: none */
-    bool ours;         /* the files go afterwards */
+    const char *option; /* of convert; NULL: none */
+    int in;             /* standard input of convert, where that is the path; -1: none */
+    bool ours;          /* the files go afterwards */
 } steps;
 
 enum { OPTIONS = 16 };
@@ -201,10 +201,8 @@ static status convert(const bench_store *s, const steps *from, uint32_t first, u
         return ST_NOMEM;
     for (; n < sizeof options / sizeof *options; n++)
         arguments[n] = (char *)options[n];
-    if (from->field) {
-        arguments[n++] = (char *)"--field";
-        arguments[n++] = (char *)from->field;
-    }
+    if (from->option)
+        arguments[n++] = (char *)from->option;
     for (uint32_t i = 0; i < count; i++)
         arguments[n++] = from->path[first + i];
     arguments[n] = NULL;
@@ -323,7 +321,7 @@ static status unpack_into(const bench_store *s, const char *from, char raw[PATH_
 static status convert_data(bench_store *s, const bench_volume *v, const char *from, bool packed,
                            const char *codec, const char *leaf) {
     char path[1][PATH_MAX];
-    const steps one = {.path = path, .count = 1, .field = v->data_field, .in = -1};
+    const steps one = {.path = path, .count = 1, .option = v->data_option, .in = -1};
     snprintf(path[0], PATH_MAX, "%s", from);
     status st = packed ? unpack_into(s, from, path[0]) : ST_OK;
     if (st == ST_OK)
@@ -381,8 +379,9 @@ static const bench_volume VOLUMES[] = {
     {"isabel", "isabel_wind/isabel_*_125x125x25_float32.raw", 20, "vortex", "f32", 96, 0.5, 0, 12,
      NULL},
     {"ocean", "ocean_monthly/ocean_temp_m*_180x90x19_float32.raw", 20, "drop", "f32", 96, 0.5, 0,
-     12, NULL},
-    {"fluid", "vdb_sequence/fluid_data_*.vdb", 0.1, "drop", "f32", 32, 0.5, 0, 11, "density"},
+     12, "--missing=-1e34"},
+    {"fluid", "vdb_sequence/fluid_data_*.vdb", 0.1, "drop", "f32", 32, 0.5, 0, 11,
+     "--field=density"},
     {"ball-12", NULL, 0, "buckyball", "tets", 12, 0.3, 1, 4, NULL},
     {"ball-32", NULL, 0, "buckyball", "tets", 32, 0.3, 1, 16, NULL},
 };
@@ -476,7 +475,7 @@ static status make_series(bench_store *s, const bench_volume *v, const glob_t *f
                           const char *codec, const char *leaf) {
     char alone[PATH_MAX];
     steps from = {.count = found ? (uint32_t)found->gl_pathc : v->steps,
-                  .field = found ? v->data_field : NULL,
+                  .option = found ? v->data_option : NULL,
                   .in = -1,
                   .ours = !found || packed};
     from.path = mem_array(s->m, from.count, sizeof *from.path);
