@@ -9,7 +9,7 @@
 
 /* Columns, in the order of add_row():
  *   fps        pictures a second (of CPU time where there is one thread), each of a new step,
- * behind the first round; first: in that round; same: of a step that stays; new/same: how many
+ * behind the first round; first: in that round; same: of each step once more; new/same: how many
  *              times as long
  *   hits       pixels with a surface, of all steps; loads: treelets loaded in the first round
  *   differ     pixels that differ from those of the step alone. In later rounds a picture that
@@ -20,7 +20,7 @@ const char bench_time_headings[] =
 
 static const double STANDARD = 2.2; /* distance of the view, in longest edges */
 
-enum { WAYS = 2, SIZES = 2, FRAMES_MAX = 1000 };
+enum { WAYS = 2, FRAMES_MAX = 1000 };
 
 /* How a series is drawn: what has schemas by both, what has none by single rays and by tiles. */
 static const struct {
@@ -31,7 +31,8 @@ static const struct {
     {{"single rays", "scalar", LEAFCAST_SCHEMA_AUTO}, {"tiles", NULL, LEAFCAST_SCHEMA_AUTO}},
     {{"1: trees", NULL, LEAFCAST_SCHEMA_TREES}, {"2: refit", NULL, LEAFCAST_SCHEMA_REFIT}}};
 
-/* Which step a frame shows: the series `rounds` times; or the last step again and again. */
+/* Of frames that show the series again and again; or, behind its first round, each step once more.
+ */
 typedef struct pace {
     double *time, *cpu; /* seconds, a frame; time: CPU time, too, where there is one thread */
     uint64_t first_bytes, later_bytes, first_loads;
@@ -133,12 +134,11 @@ static status run(bench_job *job, heat *h) {
             st = draw(h, &h->racers[i], step, &h->moving[i], frame);
             if (st == ST_OK)
                 judge(h, i, frame);
+            /* The step stays. */
+            if (st == ST_OK && frame >= h->steps)
+                st = draw(h, &h->racers[i], step, &h->still[i], frame - h->steps);
         }
     }
-    /* The last step stays. */
-    for (int frame = 0; frame < job->runs && st == ST_OK; frame++)
-        for (int i = 0; i < WAYS && st == ST_OK; i++)
-            st = draw(h, &h->racers[i], (uint32_t)(h->steps - 1), &h->still[i], frame);
     return st;
 }
 
@@ -193,9 +193,8 @@ static status prepare(bench_job *job, heat *h) {
     for (int i = 0; i < WAYS; i++) {
         pace *const both[] = {&h->moving[i], &h->still[i]};
         for (int k = 0; k < 2; k++) {
-            const size_t count = (size_t)(h->frames > job->runs ? h->frames : job->runs);
-            both[k]->time = mem_array(&job->m, count, sizeof(double));
-            both[k]->cpu = mem_array(&job->m, count, sizeof(double));
+            both[k]->time = mem_array(&job->m, (size_t)h->frames, sizeof(double));
+            both[k]->cpu = mem_array(&job->m, (size_t)h->frames, sizeof(double));
             failed |= !both[k]->time || !both[k]->cpu;
         }
     }
@@ -224,7 +223,7 @@ static void add_row(bench_job *job, heat *h, int i) {
     double spread;
     const double first = bench_median(p->time, h->steps, NULL);
     const double again = bench_median(p->time + h->steps, later, &spread);
-    const double same = bench_median(h->still[i].time, job->runs, NULL);
+    const double same = bench_median(h->still[i].time, later, NULL);
     bench_table_add(t, "%s", h->of->label);
     bench_table_add(t, "%s", ways[h->schemas][i].name);
     bench_table_add(t, "%ux%u", r->camera.width, r->camera.height);
