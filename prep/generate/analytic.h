@@ -33,8 +33,9 @@ typedef struct analytic_strip {
 
 struct analytic_kind {
     field_info info;
-    int columns;                                       /* of each axis' table */
-    void (*set_up)(double *parameters, uint64_t seed); /* may be NULL */
+    int columns; /* of each axis' table */
+    /* time: 0 .. 1, for kinds that change with it. May be NULL. */
+    void (*set_up)(double *parameters, uint64_t seed, double time);
     /* Compute the table's columns at coordinate x of an axis: out[c * stride]. */
     void (*tabulate)(const double *parameters, int axis, double x, double *out, size_t stride);
     /* Compute terms that strips of the same i, width and j share for all k: shared[ANALYTIC_STRIP].
@@ -49,7 +50,7 @@ const analytic_kind *analytic_kinds(size_t *count);
 
 /* analytic_init() - set up and tabulate. Release a in any case. */
 CHECKED status analytic_init(analytic *a, mem *m, const analytic_kind *kind, const uint32_t dims[3],
-                             uint64_t seed);
+                             uint64_t seed, double time);
 void analytic_release(analytic *a, mem *m);
 
 #endif

@@ -6,8 +6,11 @@
 
 const field_info attractor_info = {
     "attractor",
-    "how densely orbits of the Lorenz attractor pass by; u8 maps [0, 255] to itself; try 10", 0,
-    255, true};
+    "how densely orbits of the Lorenz attractor pass by; u8 maps [0, 255] to itself; try 10",
+    0,
+    255,
+    true,
+    false};
 
 enum {
     LANES = 8,            /* orbits integrated side by side */

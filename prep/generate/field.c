@@ -41,18 +41,18 @@ static const analytic_kind *find_kind(const field_info *info) {
     return NULL;
 }
 
-status field_create(mem *m, const field_info *info, const uint32_t dims[3], uint64_t seed,
-                    size_t samples, field **out) {
+status field_create(mem *m, const field_choice *which, const uint32_t dims[3], size_t samples,
+                    field **out) {
     field *f = mem_zalloc(m, sizeof *f);
     if (!f)
         return ST_NOMEM;
     f->m = m;
     memcpy(f->dims, dims, sizeof f->dims);
-    f->lo = info->lo;
-    f->hi = info->hi;
-    const analytic_kind *kind = find_kind(info);
-    status st = kind ? analytic_init(&f->formula, m, kind, dims, seed)
-                     : attractor_create(m, dims, seed, samples, &f->orbits);
+    f->lo = which->info->lo;
+    f->hi = which->info->hi;
+    const analytic_kind *kind = find_kind(which->info);
+    status st = kind ? analytic_init(&f->formula, m, kind, dims, which->seed, which->time)
+                     : attractor_create(m, dims, which->seed, samples, &f->orbits);
     if (st != ST_OK) {
         field_destroy(f);
         return st;

@@ -24,7 +24,8 @@ typedef struct field_info {
     const char *name;
     const char *about; /* what it is and which isovalues are interesting, for --help */
     double lo, hi;     /* values that become the ends of u8 and u16 */
-    bool seeded;       /* the field depends on the seed */
+    bool seeded;       /* the field depends on the seed, */
+    bool timed;        /* and on time */
 } field_info;
 
 /* field_at() - the field of an index, from 0 on; NULL behind the last. field_find() - the field of
@@ -34,10 +35,16 @@ const field_info *field_find(const char *name);
 
 typedef struct field field;
 
-/* field_create() - a field on a grid of dims nodes. seed: used by seeded fields only. samples: most
- * samples of one field_fill(). The attractor has a counter for each, and integrates its orbits
- * again for every fill. */
-CHECKED status field_create(mem *m, const field_info *info, const uint32_t dims[3], uint64_t seed,
+/* Which field. */
+typedef struct field_choice {
+    const field_info *info;
+    uint64_t seed; /* used by seeded fields only; */
+    double time;   /* 0 .. 1: by timed ones */
+} field_choice;
+
+/* field_create() - a field on a grid of dims nodes. samples: most samples of one field_fill(). The
+ * attractor has a counter for each, and integrates its orbits again for every fill. */
+CHECKED status field_create(mem *m, const field_choice *which, const uint32_t dims[3],
                             size_t samples, field **out);
 void field_destroy(field *f); /* NULL is fine */
 

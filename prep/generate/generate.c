@@ -1,7 +1,10 @@
 #include "prep/generate/generate.h"
 
+#include <limits.h>
+
 #include "formats/base/pool.h"
 #include "formats/grid/nrrd_writer.h"
+#include "prep/generate/generate_steps.h"
 
 enum { BLOCK_BYTES = 32 << 20 };
 
@@ -10,8 +13,10 @@ typedef struct job {
     field *f;
     pool *threads;
     nrrd_writer *writer;
+    const generate_options *options;
     const progress *progress;
-    field_block block; /* with the largest sizes; the last blocks are smaller */
+    uint32_t step, steps; /* steps: at least 1 */
+    field_block block;    /* with the largest sizes; the last blocks are smaller */
     void *samples;
 } job;
 
@@ -28,7 +33,7 @@ static field_block choose_block(const mem *m, const grid *g) {
 
 static status write_block(job *j, const field_block *b) {
     double done = (b->slice + (double)b->row / j->g->dims[1]) / j->g->dims[2];
-    status st = progress_step(j->progress, "generating", done);
+    status st = progress_step(j->progress, "generating", (j->step + done) / j->steps);
     if (st == ST_OK)
         st = field_fill(j->f, j->threads, b, j->g->type, j->samples);
     if (st == ST_OK)
@@ -52,36 +57,57 @@ static status write_blocks(job *j) {
                 return st;
         }
     }
-    return progress_step(j->progress, "generating", 1);
+    return progress_step(j->progress, "generating", (j->step + 1.0) / j->steps);
 }
 
-static status run(mem *m, job *j, const generate_options *options) {
-    size_t samples = (size_t)j->block.slices * j->block.rows * j->g->dims[0];
-    status st = pool_create(m, options->threads, &j->threads);
+static size_t block_samples(const job *j) {
+    return (size_t)j->block.slices * j->block.rows * j->g->dims[0];
+}
+
+static status write_step(mem *m, job *j) {
+    const generate_options *o = j->options;
+    const field_choice which = {o->info, o->seed, generate_steps_time(j->steps, j->step)};
+    char path[PATH_MAX];
+    status st = generate_steps_name(o->output, o->steps, j->step, path);
     if (st == ST_OK)
-        st = field_create(m, options->info, j->g->dims, options->seed, samples, &j->f);
-    if (st == ST_OK && !(j->samples = mem_array(m, samples, sample_size(j->g->type))))
-        st = ST_NOMEM;
+        st = field_create(m, &which, j->g->dims, block_samples(j), &j->f);
     if (st == ST_OK)
-        st = nrrd_writer_create(m, options->output, options->force, j->g, &j->writer);
+        st = nrrd_writer_create(m, path, o->force, j->g, &j->writer);
     if (st == ST_OK)
         st = write_blocks(j);
     if (st == ST_OK) {
         st = nrrd_writer_commit(j->writer);
         j->writer = NULL;
     }
+    nrrd_writer_discard(j->writer);
+    field_destroy(j->f);
+    j->writer = NULL;
+    j->f = NULL;
+    return st;
+}
+
+static status run(mem *m, job *j) {
+    status st = pool_create(m, j->options->threads, &j->threads);
+    if (st == ST_OK && !(j->samples = mem_array(m, block_samples(j), sample_size(j->g->type))))
+        st = ST_NOMEM;
+    for (j->step = 0; j->step < j->steps && st == ST_OK; j->step++)
+        st = write_step(m, j);
     return st;
 }
 
 status generate_volume(mem *m, const grid *g, const generate_options *options, const progress *p) {
     status st = grid_check(g, options->output);
+    if (st == ST_OK)
+        st = generate_steps_check(options->output, options->steps, options->force);
     if (st != ST_OK)
         return st;
-    job j = {.g = g, .progress = p, .block = choose_block(m, g)};
-    st = run(m, &j, options);
-    nrrd_writer_discard(j.writer);
+    job j = {.g = g,
+             .options = options,
+             .progress = p,
+             .steps = options->steps > 0 ? options->steps : 1,
+             .block = choose_block(m, g)};
+    st = run(m, &j);
     mem_free(m, j.samples);
-    field_destroy(j.f);
     pool_destroy(j.threads);
     return st;
 }

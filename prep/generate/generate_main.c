@@ -41,8 +41,13 @@ enum { STEPS_MAX = 10000 };
 static const struct argp_option options[] = {
     {"dims", KEY_DIMS, "N[,N,N]", CLI_BASIC, "samples per axis", 1},
     {"type", KEY_TYPE, "TYPE", CLI_BASIC, "u8 (default), u16 or f32", 1},
-    {"seed", KEY_SEED, "S", CLI_BASIC, "seed of noise and attractor (default 1)", 1},
+    {"seed", KEY_SEED, "S", CLI_BASIC,
+     "seed of noise, attractor, drop, jets and vortex (default 1)", 1},
     {"spacing", KEY_SPACING, "S[,S,S]", CLI_BASIC, "distance of samples (default 1)", 1},
+    {"steps", KEY_STEPS, "N", CLI_BASIC,
+     "a series of N files: F_0000.nrrd, ..., or as %04d in -o says. drop, jets and vortex go from "
+     "time 0 to 1 (without: 0); of --tets, --deform swings to and fro",
+     1},
     {NULL, 0, NULL, 0, "Meshes:", 2},
     {"tets", KEY_TETS, NULL, CLI_BASIC,
      "a mesh stream of tets, six to a cell of the samples' grid, with f32 values", 2},
@@ -53,10 +58,6 @@ static const struct argp_option options[] = {
      2},
     {"replicate", KEY_REPLICATE, "N[,N,N]", 0,
      "copies along each axis, side by side, each with points of its own", 2},
-    {"steps", KEY_STEPS, "N", CLI_BASIC,
-     "a series of N files in which --deform swings to and fro: F_0000.mesh, ..., or as %04d in -o "
-     "says; only the points differ",
-     2},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status set_counts(const char *text, const char *what, uint32_t lo, uint32_t hi,
@@ -116,6 +117,20 @@ static status find_field(arguments *a) {
     return status_describe(ST_USAGE, "no field \"%s\"; --help lists them", a->common.input);
 }
 
+/* A series has something that differs from step to step. */
+static status check_steps(const arguments *a) {
+    char names[256] = "";
+    const field_info *info;
+    if (a->steps == 0 || a->info->timed || a->deform > 0)
+        return ST_OK;
+    for (size_t i = 0; (info = field_at(i)) != NULL; i++)
+        if (info->timed)
+            text_add(names, sizeof names, "%s%s", names[0] ? ", " : "", info->name);
+    return status_describe(ST_USAGE, "--steps: %s is the same at any time; these change: %s%s",
+                           a->info->name, names,
+                           a->tets ? "; or --deform says how much the mesh moves" : "");
+}
+
 /* Refuse options that do not go together. */
 static status check(void *own) {
     arguments *a = own;
@@ -124,15 +139,15 @@ static status check(void *own) {
         return st;
     if (!a->info || !a->dims[0] || !a->common.output)
         return status_describe(ST_USAGE, "a FIELD, --dims and -o are needed");
-    if (!a->tets && (a->deform > 0 || a->copies[0] > 0 || a->steps > 0))
-        return status_describe(ST_USAGE,
-                               "--deform, --replicate and --steps are for meshes: --tets");
+    if (!a->tets && (a->deform > 0 || a->copies[0] > 0))
+        return status_describe(ST_USAGE, "--deform and --replicate are for meshes: --tets");
     if (a->tets && a->typed && a->type != SAMPLE_F32)
         return status_describe(ST_USAGE, "--type: the values of --tets are f32");
     if (a->seed_given && !a->info->seeded)
         return status_describe(ST_USAGE, "--seed: %s is the same for any", a->info->name);
-    if (a->steps > 0 && a->deform == 0)
-        return status_describe(ST_USAGE, "--steps: --deform says how much the mesh moves");
+    st = check_steps(a);
+    if (st != ST_OK)
+        return st;
     if (a->steps > 0 && strcmp(a->common.output, "-") == 0)
         return status_describe(ST_USAGE, "-o -: --steps makes a file of each step");
     return ST_OK;
@@ -154,6 +169,8 @@ static const char *describe(void) {
 static const output_kind *output(const void *own) {
     static const output_kind samples = {
         .what = "NRRD", .suffixes = ".nrrd ", .instead = OUTPUT_BY_EXPORT};
+    static const output_kind series = {
+        .what = "NRRDs", .suffixes = ".nrrd ", .instead = OUTPUT_BY_EXPORT, .sequence = true};
     static const output_kind mesh = {
         .what = "a mesh stream", .suffixes = ".mesh ", .instead = OUTPUT_BY_EXPORT};
     static const output_kind meshes = {.what = "mesh streams",
@@ -161,7 +178,9 @@ static const output_kind *output(const void *own) {
                                        .instead = OUTPUT_BY_EXPORT,
                                        .sequence = true};
     const arguments *a = own;
-    return !a->tets ? &samples : a->steps > 0 ? &meshes : &mesh;
+    if (a->steps > 0)
+        return a->tets ? &meshes : &series;
+    return a->tets ? &mesh : &samples;
 }
 
 static cli_verb verb = {
@@ -201,20 +220,18 @@ static status run_grid(arguments *a, mem *m) {
                                   .seed = (uint64_t)a->seed,
                                   .threads = a->common.threads,
                                   .output = a->common.output,
-                                  .force = a->common.force};
+                                  .force = a->common.force,
+                                  .steps = a->steps};
     return generate_volume(m, &g, &how, cli_progress(&a->common));
 }
 
 static json_t *report_json(const arguments *a, double seconds) {
-    json_t *json = json_pack("{s:s, s:s, s:s, s:[i,i,i], s:[f,f,f], s:s, s:I, s:f}", "output",
-                             a->common.output, "field", a->info->name, "kind",
-                             a->tets ? "tets" : "grid", "dims", (int)a->dims[0], (int)a->dims[1],
-                             (int)a->dims[2], "spacing", a->spacing[0], a->spacing[1],
-                             a->spacing[2], "type", sample_name(a->tets ? SAMPLE_F32 : a->type),
-                             "seed", (json_int_t)a->seed, "seconds", seconds);
-    if (json && a->tets)
-        json_object_set_new(json, "steps", json_integer(a->steps ? a->steps : 1));
-    return json;
+    return json_pack("{s:s, s:s, s:s, s:[i,i,i], s:[f,f,f], s:s, s:I, s:f, s:I}", "output",
+                     a->common.output, "field", a->info->name, "kind", a->tets ? "tets" : "grid",
+                     "dims", (int)a->dims[0], (int)a->dims[1], (int)a->dims[2], "spacing",
+                     a->spacing[0], a->spacing[1], a->spacing[2], "type",
+                     sample_name(a->tets ? SAMPLE_F32 : a->type), "seed", (json_int_t)a->seed,
+                     "seconds", seconds, "steps", (json_int_t)(a->steps ? a->steps : 1));
 }
 
 static status run(arguments *a) {

@@ -3,12 +3,11 @@
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "formats/base/pool.h"
 #include "formats/base/portable_math.h"
-#include "formats/base/sequence.h"
 #include "formats/mesh/mesh_stream.h"
+#include "prep/generate/generate_steps.h"
 
 enum {
     BLOCK_BYTES = 4 << 20,  /* of points and tets: a block stays in a cache until it is written */
@@ -23,6 +22,7 @@ typedef struct job {
     const mesh_sink *sink;
     const progress *progress;
     double done, whole; /* in bytes of the mesh stream */
+    double time;        /* of the field */
 } job;
 
 static size_t room(const mem *m, size_t bytes) {
@@ -151,12 +151,13 @@ static status hand_copy(value_job *v, uint32_t copy) {
 
 static status make_values(mem *m, job *j) {
     const uint32_t *dims = j->lattice.shape.dims;
+    const field_choice which = {j->options->info, j->options->seed, j->time};
     value_job v = {.j = j, .block = choose_block(room(m, VALUE_BYTES), dims)};
     v.count = (size_t)v.block.slices * v.block.rows * dims[0];
     v.samples = mem_alloc(m, v.count * sizeof(float));
     status st = v.samples ? ST_OK : ST_NOMEM;
     if (st == ST_OK)
-        st = field_create(m, j->options->info, dims, j->options->seed, v.count, &v.f);
+        st = field_create(m, &which, dims, v.count, &v.f);
     for (uint32_t copy = 0; st == ST_OK && copy < j->lattice.copies; copy++)
         st = hand_copy(&v, copy);
     field_destroy(v.f);
@@ -169,7 +170,8 @@ static status make_values(mem *m, job *j) {
 /* Generate step `step` of a series of `steps` meshes. */
 static status generate(mem *m, const tet_generate_options *options, const mesh_sink *sink,
                        const progress *p, uint32_t step, uint32_t steps) {
-    job j = {.options = options, .sink = sink, .progress = p};
+    job j = {
+        .options = options, .sink = sink, .progress = p, .time = generate_steps_time(steps, step)};
     status st = tet_lattice_init(&j.lattice, m, &options->shape);
     double bytes = (double)j.lattice.points * sizeof(float[4]);
     bytes += (double)j.lattice.tets * sizeof(uint32_t[4]);
@@ -214,7 +216,6 @@ static status write_tets(void *writer, size_t count, const uint32_t (*ids)[4]) {
 
 typedef struct series {
     tet_generate_options options; /* for the current step */
-    const char *output;
     bool force;
     const progress *progress;
     uint32_t step, steps;
@@ -238,32 +239,18 @@ static status write_file(mem *m, const series *s, const char *path) {
     return st;
 }
 
-/* Check all names first: an existing file would stop a series in its middle. */
-static status check_names(series *s) {
-    char path[PATH_MAX];
-    status st = ST_OK;
-    for (s->step = 0; st == ST_OK && s->step < s->steps; s->step++) {
-        st = sequence_name(s->output, (int)s->step, path, sizeof path);
-        if (st == ST_OK && !s->force && access(path, F_OK) == 0)
-            st = status_describe(ST_EXISTS, "%s exists (--force overwrites)", path);
-    }
-    return st;
-}
-
 status tet_generate_files(mem *m, const tet_generate_options *options, const char *output,
                           bool force, const progress *p) {
-    series s = {.options = *options, .output = output, .force = force, .progress = p};
+    const uint32_t steps = options->steps;
+    series s = {.options = *options, .force = force, .progress = p, .steps = steps ? steps : 1};
     status st = tet_lattice_check(&options->shape);
-    s.steps = 1;
-    if (st == ST_OK && options->steps == 0)
-        return write_file(m, &s, output);
-    s.steps = options->steps;
     if (st == ST_OK)
-        st = check_names(&s);
+        st = generate_steps_check(output, steps, force);
     for (s.step = 0; st == ST_OK && s.step < s.steps; s.step++) {
         char path[PATH_MAX];
-        s.options.shape.deform = options->shape.deform * portable_sin((double)s.step / s.steps);
-        st = sequence_name(s.output, (int)s.step, path, sizeof path);
+        if (steps > 0)
+            s.options.shape.deform = options->shape.deform * portable_sin((double)s.step / steps);
+        st = generate_steps_name(output, steps, s.step, path);
         if (st == ST_OK)
             st = write_file(m, &s, path);
     }

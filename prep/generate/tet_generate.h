@@ -32,9 +32,9 @@ CHECKED status tet_generate(mem *m, const tet_generate_options *options, const m
                             const progress *p);
 
 /* tet_generate_files() - write mesh streams to output (a path, or "-"). With steps: to as many
- * files of the same values and tets. They are named after output with _0000, _0001, ... before its
- * suffix, or in place of its %04d. In step k the deformation is shape.deform sin(2 pi k / steps), a
- * loop that begins with the undeformed mesh. All names are checked before the first file is
+ * files of the same tets (generate_steps.h). In step k the deformation is
+ * shape.deform sin(2 pi k / steps), a loop that begins with the undeformed mesh. Values differ
+ * where the field changes with time: from 0 to 1. All names are checked before the first file is
  * written. */
 CHECKED status tet_generate_files(mem *m, const tet_generate_options *options, const char *output,
                                   bool force, const progress *p);

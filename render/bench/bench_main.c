@@ -250,7 +250,7 @@ static status run_all(bench_options *o) {
     status st = ST_OK;
     const bench_suite *suite;
     for (int i = 0; (suite = bench_suite_at(i)) && st == ST_OK; i++) {
-        if (suite->alone || (suite->picture && !o->folder))
+        if (suite->picture && !o->folder)
             continue;
         cli_note(&o->common, 1, "%s", suite->name);
         st = run_suite(o, suite);

@@ -4,6 +4,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <glob.h>
 #include <limits.h>
 #include <signal.h>
 #include <spawn.h>
@@ -17,9 +18,10 @@
 
 #include "formats/base/file.h"
 #include "formats/base/partial.h"
+#include "formats/base/sequence.h"
 #include "formats/base/sibling.h"
 
-enum { NUMBER = 16, KEPT_MAX = 64, FOLDER_MAX = 3000 };
+enum { NUMBER = 16, KEPT_MAX = 256, FOLDER_MAX = 3000 };
 
 typedef struct bench_volume {
     const char *name;
@@ -28,7 +30,9 @@ typedef struct bench_volume {
     const char *field, *type; /* of generate; where the data is absent, too */
     uint32_t side;            /* samples an axis of the generated field */
     double field_isovalue;
-    uint32_t copies; /* of a mesh along each axis; 0: a grid */
+    uint32_t copies;         /* of a mesh along each axis; 0: a grid */
+    uint32_t steps;          /* of a series: `data` is a pattern of its files then; 0: none */
+    const char *data_option; /* of convert, for the data; NULL: none */
 } bench_volume;
 
 struct bench_store {
@@ -164,20 +168,19 @@ static status await(const char *name, pid_t pid) {
 
 static const char GENERATE[] = "leafcast-generate", CONVERT[] = "leafcast-convert";
 
+/* What is converted: one file, or a file for each step. */
+typedef struct steps {
+    char (*path)[PATH_MAX];
+    uint32_t count;
+    const char *option; /* of convert; NULL: none */
+    int in;             /* standard input of convert, where that is the path; -1: none */
+    bool ours;          /* the files go afterwards */
+} steps;
+
+enum { OPTIONS = 16 };
+
 /* Its own output ("converted in ...") belongs to no table. */
-static status convert(const bench_store *s, const char *input, int in, const char *codec,
-                      const char *leaf) {
-    char *arguments[] = {(char *)CONVERT,
-                         (char *)input,
-                         (char *)"-o",
-                         (char *)leaf,
-                         (char *)"-q",
-                         (char *)"--force",
-                         (char *)"--threads",
-                         (char *)s->threads,
-                         (char *)"--compress",
-                         (char *)codec,
-                         NULL};
+static status run_convert(char *arguments[], int in) {
     const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
     pid_t pid;
     status st = nowhere < 0 ? file_failed(errno, "/dev/null", "cannot open")
@@ -185,6 +188,27 @@ static status convert(const bench_store *s, const char *input, int in, const cha
     if (nowhere >= 0)
         close(nowhere);
     return st == ST_OK ? await(CONVERT, pid) : st;
+}
+
+/* The steps from `first` on as one file. */
+static status convert(const bench_store *s, const steps *from, uint32_t first, uint32_t count,
+                      const char *codec, const char *leaf) {
+    const char *const options[] = {CONVERT,     "-o",       leaf,         "-q", "--force",
+                                   "--threads", s->threads, "--compress", codec};
+    char **arguments = mem_array(s->m, count + OPTIONS, sizeof *arguments);
+    size_t n = 0;
+    if (!arguments)
+        return ST_NOMEM;
+    for (; n < sizeof options / sizeof *options; n++)
+        arguments[n] = (char *)options[n];
+    if (from->option)
+        arguments[n++] = (char *)from->option;
+    for (uint32_t i = 0; i < count; i++)
+        arguments[n++] = from->path[first + i];
+    arguments[n] = NULL;
+    status st = run_convert(arguments, from->in);
+    mem_free(s->m, arguments);
+    return st;
 }
 
 static status generate(const bench_store *s, const bench_volume *v, const char *codec,
@@ -214,7 +238,9 @@ static status generate(const bench_store *s, const bench_volume *v, const char *
     status st = start(GENERATE, arguments, -1, ends[1], &pid);
     close(ends[1]);
     if (st == ST_OK) {
-        st = convert(s, "-", ends[0], codec, leaf);
+        char input[1][PATH_MAX] = {"-"};
+        const steps one = {.path = input, .count = 1, .in = ends[0]};
+        st = convert(s, &one, 0, 1, codec, leaf);
         close(ends[0]); /* so that it does not wait for a reader that is gone */
         const status other = await(GENERATE, pid);
         return st == ST_OK ? other : st;
@@ -285,17 +311,23 @@ static status unpack(mem *m, const char *from, const char *to) {
 }
 
 /* Raw samples say their dimensions and type by their name, which the unpacked file keeps. */
+static status unpack_into(const bench_store *s, const char *from, char raw[PATH_MAX]) {
+    const char *slash = strrchr(from, '/'), *name = slash ? slash + 1 : from;
+    const size_t length = strlen(name) - strlen(".zst");
+    snprintf(raw, PATH_MAX, "%.3000s/%.*s", s->folder, (int)length, name);
+    return unpack(s->m, from, raw);
+}
+
 static status convert_data(bench_store *s, const bench_volume *v, const char *from, bool packed,
                            const char *codec, const char *leaf) {
-    char raw[PATH_MAX + NAME_MAX];
-    const char *slash = strrchr(v->data, '/');
-    if (!packed)
-        return convert(s, from, -1, codec, leaf);
-    snprintf(raw, sizeof raw, "%s/%s", s->folder, slash ? slash + 1 : v->data);
-    status st = unpack(s->m, from, raw);
+    char path[1][PATH_MAX];
+    const steps one = {.path = path, .count = 1, .option = v->data_option, .in = -1};
+    snprintf(path[0], PATH_MAX, "%s", from);
+    status st = packed ? unpack_into(s, from, path[0]) : ST_OK;
     if (st == ST_OK)
-        st = convert(s, raw, -1, codec, leaf);
-    (void)unlink(raw);
+        st = convert(s, &one, 0, 1, codec, leaf);
+    if (packed)
+        (void)unlink(path[0]);
     return st;
 }
 
@@ -304,32 +336,54 @@ static status convert_data(bench_store *s, const bench_volume *v, const char *fr
 /* M08's data sets where they are to be had, else the nearest there is: an angiogram for the
  * aneurism, CT heads for the MR brain and the torso. */
 static const bench_volume VOLUMES[] = {
-    {"bonsai", "bonsai/bonsai_256x256x256_uint8.raw", 37, "buckyball", "u8", 256, 102, 0},
-    {"engine", "engine/engine_256x256x128_uint8.raw", 80, "sphere", "u8", 192, 153, 0},
-    {"angiogram", "ct_avm/ct_avm_256x242x154_uint8.raw", 60, "attractor", "u8", 192, 10, 0},
-    {"ch2better", "ch2better/ch2better_301x370x316_uint8.raw", 60, "noise", "u8", 320, 127.5, 0},
+    {"bonsai", "bonsai/bonsai_256x256x256_uint8.raw", 37, "buckyball", "u8", 256, 102, 0, 0, NULL},
+    {"engine", "engine/engine_256x256x128_uint8.raw", 80, "sphere", "u8", 192, 153, 0, 0, NULL},
+    {"angiogram", "ct_avm/ct_avm_256x242x154_uint8.raw", 60, "attractor", "u8", 192, 10, 0, 0,
+     NULL},
+    {"ch2better", "ch2better/ch2better_301x370x316_uint8.raw", 60, "noise", "u8", 320, 127.5, 0, 0,
+     NULL},
     {"teapot", "boston_teapot/boston_teapot_256x256x178_uint8.raw", 25, "gyroid", "u8", 224, 127.5,
-     0},
+     0, 0, NULL},
     {"ct-head-u16", "ct_head_128/ct_head_128_128x128x112_uint16.raw", 500, "noise", "u16", 128,
-     32767.5, 0},
+     32767.5, 0, 0, NULL},
     {"cranium-i16", "cranium_ct/cranium_ct_256x256x108_int16.raw", 226, "buckyball", "u16", 192,
-     26214, 0},
-    {"stent-f32", "stent/stent_128x128x256_float32.raw", 0.15, "orbital", "f32", 160, 0.04, 0},
-    {"fingers-f32", "viscous_fingers/run01_045_64x64x64_float32.raw", 20, "noise", "f32", 64, 0, 0},
-    {"ml-32", NULL, 0, "marschner-lobb", "u8", 32, 127.5, 0},
-    {"ml-64", NULL, 0, "marschner-lobb", "u8", 64, 127.5, 0},
-    {"ml-128", NULL, 0, "marschner-lobb", "u8", 128, 127.5, 0},
-    {"ml-256", NULL, 0, "marschner-lobb", "u8", 256, 127.5, 0},
-    {"ml-512", NULL, 0, "marschner-lobb", "u8", 512, 127.5, 0},
-    {"ml-1024", NULL, 0, "marschner-lobb", "u8", 1024, 127.5, 0},
-    {"gyroid-96", NULL, 0, "gyroid", "u8", 96, 127.5, 0},
-    {"noise-48", NULL, 0, "noise", "u16", 48, 32767.5, 0},
-    {"orbital-64", NULL, 0, "orbital", "f32", 64, 0.04, 0},
-    {"attractor-1024", NULL, 0, "attractor", "u8", 1024, 10, 0},
-    {"bucky-12", NULL, 0, "buckyball", "tets", 12, 0.3, 1},
-    {"bucky-32", NULL, 0, "buckyball", "tets", 32, 0.3, 1},
-    {"bucky-2x32", NULL, 0, "buckyball", "tets", 32, 0.3, 2},
-    {"bucky-4x32", NULL, 0, "buckyball", "tets", 32, 0.3, 4},
+     26214, 0, 0, NULL},
+    {"stent-f32", "stent/stent_128x128x256_float32.raw", 0.15, "orbital", "f32", 160, 0.04, 0, 0,
+     NULL},
+    {"fingers-f32", "viscous_fingers/run01_045_64x64x64_float32.raw", 20, "noise", "f32", 64, 0, 0,
+     0, NULL},
+    {"ml-32", NULL, 0, "marschner-lobb", "u8", 32, 127.5, 0, 0, NULL},
+    {"ml-64", NULL, 0, "marschner-lobb", "u8", 64, 127.5, 0, 0, NULL},
+    {"ml-128", NULL, 0, "marschner-lobb", "u8", 128, 127.5, 0, 0, NULL},
+    {"ml-256", NULL, 0, "marschner-lobb", "u8", 256, 127.5, 0, 0, NULL},
+    {"ml-512", NULL, 0, "marschner-lobb", "u8", 512, 127.5, 0, 0, NULL},
+    {"ml-1024", NULL, 0, "marschner-lobb", "u8", 1024, 127.5, 0, 0, NULL},
+    {"gyroid-96", NULL, 0, "gyroid", "u8", 96, 127.5, 0, 0, NULL},
+    {"noise-48", NULL, 0, "noise", "u16", 48, 32767.5, 0, 0, NULL},
+    {"orbital-64", NULL, 0, "orbital", "f32", 64, 0.04, 0, 0, NULL},
+    {"attractor-1024", NULL, 0, "attractor", "u8", 1024, 10, 0, 0, NULL},
+    {"bucky-12", NULL, 0, "buckyball", "tets", 12, 0.3, 1, 0, NULL},
+    {"bucky-32", NULL, 0, "buckyball", "tets", 32, 0.3, 1, 0, NULL},
+    {"bucky-2x32", NULL, 0, "buckyball", "tets", 32, 0.3, 2, 0, NULL},
+    {"bucky-4x32", NULL, 0, "buckyball", "tets", 32, 0.3, 4, 0, NULL},
+    {"drop-64", NULL, 0, "drop", "u8", 64, 127.5, 0, 5, NULL},
+    {"jets-64", NULL, 0, "jets", "u8", 64, 160.3, 0, 5, NULL},
+    {"vortex-64", NULL, 0, "vortex", "u8", 64, 85, 0, 5, NULL},
+    {"drop-128", NULL, 0, "drop", "u8", 128, 127.5, 0, 16, NULL},
+    {"jets-128", NULL, 0, "jets", "u8", 128, 160.3, 0, 16, NULL},
+    {"vortex-128", NULL, 0, "vortex", "u8", 128, 85, 0, 16, NULL},
+    {"vortex-256", NULL, 0, "vortex", "u8", 256, 85, 0, 4, NULL},
+    {"vortex-512", NULL, 0, "vortex", "u8", 512, 85, 0, 3, NULL},
+    {"fingers", "viscous_fingers/run01_*_64x64x64_float32.raw", 40, "jets", "f32", 64, 0.6, 0, 10,
+     NULL},
+    {"isabel", "isabel_wind/isabel_*_125x125x25_float32.raw", 20, "vortex", "f32", 96, 0.5, 0, 12,
+     NULL},
+    {"ocean", "ocean_monthly/ocean_temp_m*_180x90x19_float32.raw", 20, "drop", "f32", 96, 0.5, 0,
+     12, "--missing=-1e34"},
+    {"fluid", "vdb_sequence/fluid_data_*.vdb", 0.1, "drop", "f32", 32, 0.5, 0, 11,
+     "--field=density"},
+    {"ball-12", NULL, 0, "buckyball", "tets", 12, 0.3, 1, 4, NULL},
+    {"ball-32", NULL, 0, "buckyball", "tets", 32, 0.3, 1, 16, NULL},
 };
 
 static const bench_volume *find(const char *name) {
@@ -339,17 +393,9 @@ static const bench_volume *find(const char *name) {
     return NULL;
 }
 
-/* The path of a volume's file, remembered. */
-static const char *keep(bench_store *s, const bench_volume *v, bool data, const char *suffix) {
+/* Remember the path that was written behind those kept. */
+static const char *keep_path(bench_store *s) {
     char *path = s->kept[s->kept_count];
-    if (data)
-        snprintf(path, PATH_MAX, "%.3000s/%s%s", s->folder, v->name, suffix);
-    else if (v->copies > 1)
-        snprintf(path, PATH_MAX, "%.3000s/%s-tets-%ux%u%s", s->folder, v->field, v->copies, v->side,
-                 suffix);
-    else
-        snprintf(path, PATH_MAX, "%.3000s/%s-%s-%u%s", s->folder, v->field, v->type, v->side,
-                 suffix);
     for (int i = 0; i < s->kept_count; i++)
         if (strcmp(s->kept[i], path) == 0)
             return s->kept[i];
@@ -358,21 +404,133 @@ static const char *keep(bench_store *s, const bench_volume *v, bool data, const 
     return path;
 }
 
+/* The path of a volume's file, remembered. */
+static const char *keep(bench_store *s, const bench_volume *v, bool data, const char *suffix) {
+    char *path = s->kept[s->kept_count];
+    if (v->steps > 0)
+        snprintf(path, PATH_MAX, "%.3000s/%s-%s-%s%s", s->folder, v->name, data ? "data" : v->field,
+                 "steps", suffix);
+    else if (data)
+        snprintf(path, PATH_MAX, "%.3000s/%s%s", s->folder, v->name, suffix);
+    else if (v->copies > 1)
+        snprintf(path, PATH_MAX, "%.3000s/%s-tets-%ux%u%s", s->folder, v->field, v->copies, v->side,
+                 suffix);
+    else
+        snprintf(path, PATH_MAX, "%.3000s/%s-%s-%u%s", s->folder, v->field, v->type, v->side,
+                 suffix);
+    return keep_path(s);
+}
+
+/* ---- series ---- */
+
+/* The files of a data set's steps, by their pattern: PATTERN.zst or PATTERN. */
+static bool find_steps(const bench_store *s, const bench_volume *v, glob_t *found, bool *packed) {
+    char pattern[PATH_MAX];
+    for (int i = 0; i < 2 && s->data && v->data; i++) {
+        *packed = i == 0;
+        if (snprintf(pattern, PATH_MAX, "%s/%s%s", s->data, v->data, i ? "" : ".zst") < PATH_MAX &&
+            glob(pattern, 0, NULL, found) == 0)
+            return true;
+        globfree(found);
+        *found = (glob_t){0};
+    }
+    return false;
+}
+
+/* One file a step, in our folder. */
+static status generate_files(const bench_store *s, const bench_volume *v, steps *to) {
+    char side[NUMBER], count[NUMBER], pattern[PATH_MAX];
+    pid_t pid;
+    snprintf(side, sizeof side, "%u", v->side);
+    snprintf(count, sizeof count, "%u", v->steps);
+    snprintf(pattern, PATH_MAX, "%.3000s/%s_%%04d.%s", s->folder, v->name,
+             v->copies ? "mesh" : "nrrd");
+    const char *const mesh[] = {"--tets", "--deform", "0.5"}, *const grid[] = {"--type", v->type};
+    const char *const *own = v->copies ? mesh : grid;
+    const char *const all[] = {
+        GENERATE,    v->field,   "--dims", side,   "--steps",
+        count,       "-o",       pattern,  "-q",   "--force",
+        "--threads", s->threads, own[0],   own[1], v->copies ? mesh[2] : NULL,
+        NULL};
+    status st = start(GENERATE, (char *const *)all, -1, -1, &pid);
+    if (st == ST_OK)
+        st = await(GENERATE, pid);
+    for (uint32_t i = 0; i < to->count && st == ST_OK; i++)
+        st = sequence_name(pattern, (int)i, to->path[i], PATH_MAX);
+    return st;
+}
+
+static status take_files(const bench_store *s, const glob_t *found, steps *to) {
+    status st = ST_OK;
+    for (uint32_t i = 0; i < to->count && st == ST_OK; i++) {
+        snprintf(to->path[i], PATH_MAX, "%s", found->gl_pathv[i]);
+        if (to->ours)
+            st = unpack_into(s, found->gl_pathv[i], to->path[i]);
+    }
+    return st;
+}
+
+/* The series, and each step alone beside it. found: files of the data; NULL: they are generated. */
+static status make_series(bench_store *s, const bench_volume *v, const glob_t *found, bool packed,
+                          const char *codec, const char *leaf) {
+    char alone[PATH_MAX];
+    steps from = {.count = found ? (uint32_t)found->gl_pathc : v->steps,
+                  .option = found ? v->data_option : NULL,
+                  .in = -1,
+                  .ours = !found || packed};
+    from.path = mem_array(s->m, from.count, sizeof *from.path);
+    if (!from.path)
+        return ST_NOMEM;
+    memset(from.path, 0, from.count * sizeof *from.path);
+    status st = found ? take_files(s, found, &from) : generate_files(s, v, &from);
+    for (uint32_t i = 0; i < from.count && st == ST_OK; i++) {
+        bench_store_alone(leaf, i, alone);
+        st = convert(s, &from, i, 1, codec, alone);
+    }
+    if (st == ST_OK)
+        st = convert(s, &from, 0, from.count, codec, leaf);
+    for (uint32_t i = 0; i < from.count && from.ours; i++)
+        (void)unlink(from.path[i]);
+    mem_free(s->m, from.path);
+    return st;
+}
+
+/* The series' file comes last: where it is, the steps are. */
+static status get_series(bench_store *s, const bench_volume *v, const glob_t *found, bool packed,
+                         const char *codec, const char *leaf) {
+    const uint32_t count = found ? (uint32_t)found->gl_pathc : v->steps;
+    for (uint32_t i = 0; i < count; i++) {
+        bench_store_alone(leaf, i, s->kept[s->kept_count]);
+        (void)keep_path(s);
+    }
+    return access(leaf, R_OK) == 0 ? ST_OK : make_series(s, v, found, packed, codec, leaf);
+}
+
+void bench_store_alone(const char *leaf, uint32_t step, char path[PATH_MAX]) {
+    snprintf(path, PATH_MAX, "%.3500s.%04u", leaf, step);
+}
+
 /* A volume as a file by this codec, whose name ends in suffix. */
 static status get(bench_store *s, const char *name, const char *codec, const char *suffix,
                   bench_stored *out) {
     const bench_volume *v = find(name);
     char from[PATH_MAX];
+    glob_t found = {0};
     bool packed = false;
     assert(v);
-    const bool data = find_data(s, v->data, from, &packed);
+    const bool data =
+        v->steps > 0 ? find_steps(s, v, &found, &packed) : find_data(s, v->data, from, &packed);
     snprintf(out->label, sizeof out->label, data || !v->data ? "%s" : "%s (%s)", v->name, v->field);
     out->isovalue = data ? v->data_isovalue : v->field_isovalue;
     out->path = keep(s, v, data, suffix);
-    if (access(out->path, R_OK) == 0)
-        return ST_OK;
-    return data ? convert_data(s, v, from, packed, codec, out->path)
-                : generate(s, v, codec, out->path);
+    status st = ST_OK;
+    if (v->steps > 0)
+        st = get_series(s, v, data ? &found : NULL, packed, codec, out->path);
+    else if (access(out->path, R_OK) != 0)
+        st = data ? convert_data(s, v, from, packed, codec, out->path)
+                  : generate(s, v, codec, out->path);
+    globfree(&found);
+    return st;
 }
 
 status bench_store_get(bench_store *s, const char *name, bench_stored *out) {

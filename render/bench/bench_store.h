@@ -7,6 +7,9 @@
 #ifndef RENDER_BENCH_BENCH_STORE_H
 #define RENDER_BENCH_BENCH_STORE_H
 
+#include <limits.h>
+#include <stdint.h>
+
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 
@@ -30,6 +33,10 @@ typedef struct bench_stored {
  * bench_store_compressed() - the same as a compressed file. */
 CHECKED status bench_store_get(bench_store *s, const char *name, bench_stored *out);
 CHECKED status bench_store_compressed(bench_store *s, const char *name, bench_stored *out);
+
+/* bench_store_alone() - the file of a series' step converted alone, which is made with the series.
+ * leaf: the path of the series. */
+void bench_store_alone(const char *leaf, uint32_t step, char path[PATH_MAX]);
 
 /* bench_store_forget() - ask the system to forget a file's pages. It may decline. */
 void bench_store_forget(const char *path);

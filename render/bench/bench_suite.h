@@ -47,7 +47,6 @@ typedef struct bench_suite {
     bool several;                           /* isovalues at a time */
     bool once;                              /* whatever --runs says */
     bool picture;                           /* -o is a picture, not the table */
-    bool alone;                             /* not part of `all` */
     bool series;                            /* of a field's time steps */
     bool media;                             /* of transfer functions */
     bool budget;                            /* with the common flag's memory for volumes */

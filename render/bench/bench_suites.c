@@ -19,6 +19,7 @@
 #include "render/bench/bench_streaming.h"
 #include "render/bench/bench_threads.h"
 #include "render/bench/bench_time.h"
+#include "render/bench/bench_update.h"
 #include "render/bench/bench_walk.h"
 
 /* ---- intersectors ---- */
@@ -160,6 +161,13 @@ static const bench_count BEHIND_COUNTS[] = {{"rays/px", 0.0},        {"hit px", 
 static const bench_count STREAMING_COUNTS[] = {{"active MB", 0.0}, {"visible MB", 0.0},
                                                {"read MB", 0.05},  {"loads", 0.05},
                                                {"differ", 0.0},    {NULL, 0.0}};
+
+static const bench_count TIME_COUNTS[] = {{"steps", 0.0},  {"hits", 0.0},   {"first MB", 0.05},
+                                          {"loads", 0.05}, {"differ", 0.0}, {NULL, 0.0}};
+
+static const bench_count UPDATE_COUNTS[] = {{"steps", 0.0}, {"treelets", 0.0}, {"new", 0.0},
+                                            {"MB", 0.0},    {"cells", 0.0},    {"differ", 0.0},
+                                            {NULL, 0.0}};
 
 /* Of suites that draw depths by the flags of the command line. */
 #define LOOK_FLAGS "size view eye look-at up fov clip-box clip-plane lod light point-light shadows"
@@ -352,17 +360,27 @@ static const bench_suite SUITES[] = {
      .labels = 2,
      .charts = {{"us/treelet", "+-", false}, {"new/same", NULL, false}}},
     {.name = "time",
-     .takes = "F.leaf --iso V",
-     .about = "a new time step of a mesh in every frame, both schemas (W07 8.5)",
+     .takes = "[F.leaf --iso V]",
+     .about = "a new time step in every frame: of grids by single rays and\n"
+              "tiles (M08 tables 5.3 to 5.6), of meshes by both schemas (W07\n8.5)",
+     .counts = TIME_COUNTS,
      .run = bench_time,
      .view = "size field shading normals light point-light shadows ambient specular shininess "
              "clip-box clip-plane",
      .surfaces = "iso opacity layers",
      .several = true,
-     .alone = true,
      .series = true,
-     .labels = 2,
-     .charts = {{"fps", "+-", false}, {"MB/step", NULL, false}, {"resident MB", NULL, false}}},
+     .labels = 3,
+     .charts = {{"fps", "+-", false}, {"new/same", NULL, false}, {"resident MB", NULL, false}}},
+    {.name = "update",
+     .takes = "[F.leaf --iso V]",
+     .about = "what a new time step of a grid costs beside rays (M08 tables\n5.1, 5.2)",
+     .counts = UPDATE_COUNTS,
+     .run = bench_update,
+     .view = "",
+     .surfaces = "iso",
+     .labels = 3,
+     .charts = {{"ms", "+-", false}, {"us/treelet", NULL, false}, {"new", NULL, false}}},
     {.name = "lanes",
      .takes = "[F.leaf --iso V]",
      .about = "how full the vectors of tiles are, stage by stage",

@@ -50,7 +50,7 @@ judge_frames() { # judge_frames FILE ROWS-AT-LEAST
         'all(float(r[c]) > 0 for r in t for c in ("ms", "Mray/s", "active MB", "read MB", "peak MB")) and all(float(r["read MB"]) <= float(r["active MB"]) for r in t)'
 }
 exits "all suites, in brief" 0 "$leafcast" bench all --out "$tmp/all" --runs 1 --ray-cells 2000 --size 48x48
-for suite in $("$leafcast" bench --help-all | sed -nE '/^Suites/,$s/^  ([a-z][a-z0-9]*).*/\1/p' | grep -v -e all -e figure49 -e peers -e '^time$'); do
+for suite in $("$leafcast" bench --help-all | sed -nE '/^Suites/,$s/^  ([a-z][a-z0-9]*).*/\1/p' | grep -v -e all -e figure49 -e peers); do
     ok "$suite: CSV and SVG" [ -s "$tmp/all/$suite.csv" -a -s "$tmp/all/$suite.svg" ]
     ok "$suite: sound SVG" python3 -c 'import sys, xml.dom.minidom as x; x.parse(sys.argv[1])' "$tmp/all/$suite.svg"
 done
@@ -98,6 +98,49 @@ for isa in {r["isa"] for r in t}:
     assert n["covers"] < 0.5 * n["tets"] and n["covering"] < 0.55 * n["covers"] and n["looked_at"] < 0.7 * n["covering"]
     assert n["polygons"] == n["looked_at"] and full["polygons"] > 85 and full["rays"] > 80
     assert n["polygons_hit"] > 0.85 * n["polygons"] and n["rays"] < 1.2 * n["polygons"]' "$tmp/t.csv"
+judge_time() { # judge_time FILE ROWS
+    ok "time: pictures are those of the step alone, and show something" csv "$1" \
+        "len(t) == $2"' and all(r["differ"] == "0" and int(r["hits"]) > 100 for r in t)'
+    ok "time: every way finds the same" csv "$1" \
+        'len({(r["series"], r["size"], r["hits"]) for r in t}) == len(t) // 2'
+    ok "time: what it takes" csv "$1" 'all(float(r[c]) > 0 for r in t for c in ("fps", "first fps", "same fps", "cpu ms", "first MB", "resident MB", "peak MB"))'
+}
+judge_time "$tmp/all/time.csv" 16
+ok "time: of the drop, a part is read; of jets and vortex all of every step" csv "$tmp/all/time.csv" \
+    'all(int(r["loads"]) == 40 for r in t if r["series"] in ("jets-64", "vortex-64")) and all(int(r["loads"]) < 36 for r in t if r["series"] == "drop-64")'
+"$leafcast" generate jets --dims 40 --steps 4 --type f32 -o "$tmp/j.nrrd" -q
+for codec in none zstd; do
+    run "$leafcast" convert "$tmp/j_%04d.nrrd" --compress $codec -o "$tmp/j_$codec.leaf" -q
+    exits "time of a grid's steps, $codec" 0 "$leafcast" bench time "$tmp/j_$codec.leaf" --iso 0.6 --size 64x64 --runs 2 -o "$tmp/j_$codec.csv"
+    judge_time "$tmp/j_$codec.csv" 4
+done
+# A step alone that is another one is found out.
+exits "time, files kept" 0 "$leafcast" bench time --form brief --runs 1 --size 48x48 --scratch "$tmp/series" -o "$tmp/one.csv"
+cp "$tmp/series"/vortex-64-vortex-steps.leaf.0001 "$tmp/series"/vortex-64-vortex-steps.leaf.0003
+exits "time, with a wrong step alone" 0 "$leafcast" bench time --form brief --runs 1 --size 48x48 --scratch "$tmp/series" -o "$tmp/two.csv"
+ok "which is seen" csv "$tmp/two.csv" 'all((int(r["differ"]) > 200) == (r["series"] == "vortex-64") for r in t)'
+# What a change of steps costs: no more than is new, and its masks are those of the step alone.
+judge_update() { # judge_update FILE SERIES
+    ok "update: masks are those of the step alone" csv "$1" "len(t) >= 2 * $2"' and all(r["differ"] == "0" for r in t)'
+    ok "update: no more is new than is held, and that is loaded" csv "$1" \
+        'all(0 < float(r["new"]) <= float(r["treelets"]) and float(r["MB"]) > 0 and float(r["ms"]) >= 0 for r in t)'
+    ok "update: the surface is in fewer cells" csv "$1" \
+        'all(int(a["cells"]) < int(b["cells"]) for a in t for b in t if a["series"] == b["series"] and (a["asked"], b["asked"]) == ("surface", "all values"))'
+}
+judge_update "$tmp/all/update.csv" 3
+ok "update: of all values, every cell of every step" csv "$tmp/all/update.csv" 'all(r["cells"] == str(5 * 63 ** 3) for r in t if r["asked"] == "all values")'
+ok "update: jets and vortex are new at every step, of the drop a part" csv "$tmp/all/update.csv" \
+    'all((r["new"] == r["treelets"] == "8.0") == (r["series"] != "drop-64") for r in t if r["asked"] == "all values")'
+exits "update, with a wrong step alone" 0 "$leafcast" bench update --form brief --runs 1 --scratch "$tmp/series" -o "$tmp/up.csv"
+ok "which is seen" csv "$tmp/up.csv" 'all((r["differ"] == "8") == (r["series"] == "vortex-64" and r["asked"] == "surface") for r in t)'
+for codec in none zstd; do
+    exits "update of a file, $codec" 0 "$leafcast" bench update "$tmp/j_$codec.leaf" --iso 0.6 --runs 2 --threads 1 --force -o "$tmp/up.csv"
+    judge_update "$tmp/up.csv" 1
+done
+exits "update of a mesh" 3 "$leafcast" bench update "$tmp/balls.leaf" --iso 0.3
+ok "is refused for that" says 'no time series of a grid' err
+exits "of a single step" 3 "$leafcast" bench update "$leaf" --iso 128
+exits "update draws nothing" 2 "$leafcast" bench update --size 9x9
 judge_media() { # judge_media FILE PICTURES
     ok "media: what is certified is within its claim, and that within what was asked for" csv "$1" \
         'all(float(r["worst"]) <= float(r["claimed"]) + float(r["ref bound"]) and float(r["claimed"]) <= float(fractions.Fraction(r["setting"])) for r in t if r["way"] == "certified")'

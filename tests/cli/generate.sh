@@ -23,6 +23,43 @@ exits "one number for three spacings, negative" 0 "$leafcast" generate sphere --
 ok "is taken" grep -aq '^space directions: (-2,0,0) (0,-2,0) (0,0,-2)$' "$tmp/out"
 rm -f "$out"
 
+# Series: every file is that of its time, the same by any threads and memory; convert takes them.
+exits "a series" 0 "$leafcast" generate drop --dims 64 --steps 3 -o "$tmp/s.nrrd" --json
+ok "of three files" left 3
+ok "tells how many" says '"steps": 3' out
+exits "named as %04d says, in little memory" 0 "$leafcast" generate drop --dims 64 --steps 3 --threads 3 --memory 400K -o "$tmp/t_%02d.nrrd" -q
+for step in 0 1 2; do
+    ok "step $step has the same bytes" cmp -s "$tmp/s_000$step.nrrd" "$tmp/t_0$step.nrrd"
+done
+exits "without steps" 0 "$leafcast" generate drop --dims 64 -o - -q
+ok "it is time 0" cmp -s "$tmp/out" "$tmp/s_0000.nrrd"
+exits "of a step" 0 "$leafcast" generate drop --dims 64 --steps 1 -o "$tmp/u.nrrd" -q
+ok "it is, too" cmp -s "$tmp/u_0000.nrrd" "$tmp/s_0000.nrrd"
+rm "$tmp/s_0001.nrrd" "$tmp/s_0000.nrrd"
+exits "one of them exists" 1 "$leafcast" generate drop --dims 64 --steps 3 -o "$tmp/s.nrrd"
+ok "and is named" says 's_0002.nrrd exists' err
+ok "nothing is written before" [ ! -e "$tmp/s_0000.nrrd" ]
+exits "a series of a pattern becomes one file" 0 "$leafcast" convert "$tmp/t_*.nrrd" --times 0,0.5,1 -o "$tmp/t.leaf" -q
+exits "info" 0 "$leafcast" info "$tmp/t.leaf" --json
+ok "with its times" python3 -c 'import json, sys; sys.exit(json.load(open(sys.argv[1]))["times"] != [0, 0.5, 1])' "$tmp/out"
+# What changes: of the drop a part, of the others all that is not of one value.
+for field in drop jets vortex; do
+    run "$leafcast" generate $field --dims 128 --steps 5 -o "$tmp/$field.nrrd" -q
+    exits "$field: its steps" 0 "$leafcast" convert "$tmp/${field}_%04d.nrrd" -o "$tmp/$field.leaf" -q
+    run "$leafcast" info "$tmp/$field.leaf" --json
+    ok "$field: what is the same from step to step" python3 -c 'import json, sys
+x = json.load(open(sys.argv[1]))
+same, implied, all = x["same_payloads"], x["implied_payloads"], 5 * x["treelets"]
+sys.exit(not (same > 0.1 * all and same + implied > 2 / 3 * all if sys.argv[2] == "drop" else same == 0 and implied < 0.01 * all))' "$tmp/out" $field
+    rm "$tmp/$field"*.nrrd
+done
+exits "a field that stays" 2 "$leafcast" generate gyroid --dims 8 --steps 3 -o "$out"
+ok "is told, and those that change" says 'gyroid is the same at any time; these change: drop, jets, vortex$' err
+exits "a series to a pipe" 2 "$leafcast" generate jets --dims 8 --steps 3 -o -
+exits "no steps" 2 "$leafcast" generate jets --dims 8 --steps 0 -o "$out"
+exits "a series whose name has no number's form" 2 "$leafcast" generate jets --dims 8 --steps 2 -o "$tmp/%s.nrrd"
+rm -f "$tmp"/*.nrrd
+
 exits "help" 0 "$leafcast" generate --help
 ok "lists the fields" says '^  marschner-lobb' out
 ok "is on standard output" [ ! -s "$tmp/err" ]

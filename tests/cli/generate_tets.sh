@@ -36,6 +36,18 @@ ok "a quarter of the way it is where --deform says" cmp -s "$tmp/s_0001.mesh" "$
 "$leafcast" generate buckyball --tets --dims 9 -o "$out" --force
 ok "it begins undeformed" cmp -s "$tmp/s_0000.mesh" "$out"
 rm -f "$tmp"/*.mesh
+exits "of a field that changes with time" 0 "$leafcast" generate vortex --tets --dims 9 --steps 3 -o "$out"
+ok "is a file a step" left 3
+"$leafcast" generate vortex --tets --dims 9 -o "$out"
+ok "it begins at time 0" cmp -s "$tmp/a_0000.mesh" "$out"
+ok "points and tets are the same, values are not" python3 -c 'import sys
+a, b = (open(f, "rb").read() for f in sys.argv[1:])
+head = len(a) - 729 * 16 - 3072 * 16
+points, values = head + 729 * 12, head + 729 * 16
+sys.exit(a[:points] != b[:points] or a[values:] != b[values:] or a == b)' "$tmp/a_0000.mesh" "$tmp/a_0002.mesh"
+exits "of one that does not" 2 "$leafcast" generate sphere --tets --dims 8 --steps 3 -o "$out"
+ok "both ways out are told" grep -q 'these change: drop, jets, vortex; or --deform' "$tmp/err"
+rm -f "$tmp"/*.mesh
 
 for wrong in "--dims 8 --replicate 2" "--dims 8 --deform 0.5" "--dims 8 --deform 0.5 --steps 3" \
     "--tets" "--tets --dims 1" "--tets --dims 8 --type u8" "--tets --dims 8 --deform 0" \

@@ -65,6 +65,7 @@ json() {
 cd "$tmp" || exit 1
 ln -s "$OLDPWD/scripts" scripts
 json document generate gyroid --dims 20 -o g.nrrd
+json document generate drop --dims 9 --steps 2 -o d.nrrd
 json document generate buckyball --tets --dims 9 --steps 2 --deform 0.2 -o b.mesh
 json document convert g.nrrd -o g.leaf
 json document convert g.nrrd --dry-run

@@ -115,6 +115,8 @@ exits "an ending that says nothing" 0 "$leafcast" convert g.nrrd -o x.leaf2 -q
 # Files of a sequence have their numbers.
 exits "slices" 0 "$leafcast" export g.leaf -o 's_%02d.tif'
 ok "are a file each" [ "$(ls s_0?.tif | wc -l)" = 9 ]
+exits "volumes in time" 0 "$leafcast" generate drop --dims 3 --steps 2 -o 'v_%02d.nrrd'
+exits "which are no meshes" 2 "$leafcast" generate drop --dims 3 --steps 2 -o 'v_%02d.mesh'
 exits "meshes that move" 0 "$leafcast" generate sphere --tets --dims 3 --deform 0.1 --steps 2 -o 't_%02d.mesh'
 ok "are a file each" [ -s t_00.mesh -a -s t_01.mesh ]
 exits "pictures" 0 "$leafcast" render g.leaf --iso-list 90,99 --size 8x8 -o 'p_%02d.png' -q

@@ -31,6 +31,9 @@ lit="--light 1,2,3 --point-light 40,-9,30,0.5,0.4,0.2 --shadows --shading phong 
 for field in marschner-lobb noise attractor; do
     make $field generate $field --dims 24,20,17 --type f32
 done
+for field in drop jets vortex; do
+    make $field.nrrd generate $field --dims 24,20,17 --type f32 --steps 3
+done
 make grid.nrrd generate orbital --dims 40,33,27 --type u16 --spacing 1,0.7,1.3
 make floats.nrrd generate gyroid --dims 48 --type f32
 make mesh.mesh generate buckyball --tets --dims 20 --deform 0.5
@@ -60,6 +63,9 @@ done <<SUMS
 3580253833 32827 marschner-lobb
 869833280 32818 noise
 2247848051 32822 attractor
+2255994018 32817 drop_0002.nrrd
+2421554511 32817 jets_0001.nrrd
+4095216225 32819 vortex_0001.nrrd
 2638155990 71465 grid.nrrd
 1452613165 442547 floats.nrrd
 3485557368 786539 mesh.mesh

@@ -345,7 +345,8 @@ static void test_values(void **state) {
         float *want = malloc(k.points * sizeof *want);
         const field_block all = {.slices = 11, .rows = 9};
         assert_int_equal(pool_create(&m, 1, &p), ST_OK);
-        assert_int_equal(field_create(&m, info, o.shape.dims, 3, k.points, &f), ST_OK);
+        const field_choice which = {info, 3, 0};
+        assert_int_equal(field_create(&m, &which, o.shape.dims, k.points, &f), ST_OK);
         assert_int_equal(field_fill(f, p, &all, SAMPLE_F32, want), ST_OK);
         assert_memory_equal(k.value, want, k.points * sizeof *want);
         field_destroy(f);
