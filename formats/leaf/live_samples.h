@@ -44,8 +44,8 @@ CHECKED status live_samples_put(live_samples *s, int buffer, const live_region *
  * may have it. */
 CHECKED status live_samples_finish(live_samples *s, int buffer);
 
-/* live_samples_load() - copy a box of samples out of a buffer, x fastest: of those that do not
- * exist, it has the nearest ones. */
+/* live_samples_load() - copy a box of samples, in which there are some, out of a buffer, x fastest:
+ * of those that do not exist, it has the nearest ones. */
 void live_samples_load(const live_samples *s, int buffer, const int64_t first[3],
                        const uint32_t size[3], void *samples);
 
