@@ -156,13 +156,12 @@ LEAFCAST_API void leafcast_close(leafcast *volume); /* NULL is fine */
  * leafcast_frame_begin() and leafcast_frame_end() where it is drawn bit by bit: the one that was
  * committed last when it began. */
 
-/* leafcast_open_live() - makes one; all samples are 0. grid: its axes and to_world are copied; types
- * behind LEAFCAST_F32 are kept as f32. options may be NULL for the defaults; `backend` does not
- * matter. Of the device's `threads`, as many as it has copy samples, but they are others, so that
- * no picture waits for them. LEAFCAST_USAGE: the grid lies in no sound place. */
+/* leafcast_open_live() - makes one; all samples are 0. grid: its axes and to_world are copied;
+ * types behind LEAFCAST_F32 are kept as f32. options may be NULL for the defaults; `backend` does
+ * not matter. Of the device's `threads`, as many as it has copy samples, but they are others, so
+ * that no picture waits for them. LEAFCAST_USAGE: the grid lies in no sound place. */
 LEAFCAST_API leafcast_status leafcast_open_live(const leafcast_grid *grid,
-                                                const leafcast_options *options,
-                                                leafcast **volume);
+                                                const leafcast_options *options, leafcast **volume);
 
 /* leafcast_update() - copies samples of the next step. Those that are not given stay as they are.
  *

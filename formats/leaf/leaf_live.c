@@ -36,8 +36,8 @@ static void fill_header(leaf_file *f, const grid *g) {
 
 static status lay_out(leaf_file *f, const grid *g) {
     leaf_layout *l = &f->layout;
-    const status st = leaf_layout_init(l, f->m, g->dims, LIVE_BLOCK_LOG2, HALO,
-                                       sample_stored(g->type));
+    const status st =
+        leaf_layout_init(l, f->m, g->dims, LIVE_BLOCK_LOG2, HALO, sample_stored(g->type));
     if (st != ST_OK)
         return st;
     if (!leaf_layout_repeat(l, 1, LIVE_BUFFERS, false))

@@ -1,9 +1,10 @@
 /* leaf_live.h - a grid's treelet file that never was one: its samples are in memory, and change.
  *
  * It looks like a file that conversion made with `--levels 1`, whose samples lie outside, at two
- * steps: one for each buffer of live_samples.h. The directory of a step is made anew when its buffer
- * is finished, in memory alone. Of checksums it has stamps (live_samples_stamp()): where two steps
- * have the same, so are the samples; and leaf_file.versions says how often a step has been made.
+ * steps: one for each buffer of live_samples.h. The directory of a step is made anew when its
+ * buffer is finished, in memory alone. Of checksums it has stamps (live_samples_stamp()): where two
+ * steps have the same, so are the samples; and leaf_file.versions says how often a step has been
+ * made.
  *
  * One writer at a time, of a step that nobody reads.
  */

@@ -1,5 +1,5 @@
-/* live_rows.h - rows of samples that change while they are drawn (live_samples.h): copied, and their
- * extent found on the way. By type and for each ISA; all give the same.
+/* live_rows.h - rows of samples that change while they are drawn (live_samples.h): copied, and
+ * their extent found on the way. By type and for each ISA; all give the same.
  */
 #ifndef FORMATS_LEAF_LIVE_ROWS_H
 #define FORMATS_LEAF_LIVE_ROWS_H
@@ -30,8 +30,8 @@ typedef struct live_range {
 
 /* count: up to LIVE_ROW_MAX. */
 typedef struct live_rows {
-    void (*begin)(live_extent *e, size_t count);                  /* no rows so far */
-    void (*widen)(live_extent *e, const void *row, size_t count); /* by one row */
+    void (*begin)(live_extent *e, size_t count);                           /* no rows so far */
+    void (*widen)(live_extent *e, const void *row, size_t count);          /* by one row */
     void (*copy)(live_extent *e, const void *row, void *to, size_t count); /* and copy it */
     live_range (*range)(const live_extent *e, size_t first, size_t count);
 } live_rows;

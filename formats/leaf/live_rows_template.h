@@ -18,37 +18,37 @@
  * one. */
 enum { LIVE_SOME = 64 };
 
-#define DEFINE_INTEGER(T, suffix, least, most)                                                   \
-    static void begin_##suffix(live_extent *e, size_t count) {                                   \
-        T *restrict lo = (T *)e->lo, *restrict hi = (T *)e->hi;                                  \
-        for (size_t i = 0; i < count; i++) {                                                     \
-            lo[i] = (most);                                                                      \
-            hi[i] = (least);                                                                     \
-        }                                                                                        \
-    }                                                                                            \
-    static inline void some_##suffix(T *restrict lo, T *restrict hi, const T *restrict v,        \
-                                     size_t count) {                                             \
-        for (size_t i = 0; i < count; i++) {                                                     \
-            lo[i] = v[i] < lo[i] ? v[i] : lo[i];                                                 \
-            hi[i] = v[i] > hi[i] ? v[i] : hi[i];                                                 \
-        }                                                                                        \
-    }                                                                                            \
-    static void widen_##suffix(live_extent *e, const void *row, size_t count) {                  \
-        T *lo = (T *)e->lo, *hi = (T *)e->hi;                                                    \
-        const T *v = row;                                                                        \
-        size_t i = 0;                                                                            \
-        for (; i + LIVE_SOME <= count; i += LIVE_SOME)                                           \
-            some_##suffix(lo + i, hi + i, v + i, LIVE_SOME);                                     \
-        some_##suffix(lo + i, hi + i, v + i, count - i);                                         \
-    }                                                                                            \
-    static live_range range_##suffix(const live_extent *e, size_t first, size_t count) {         \
-        const T *lo = (const T *)e->lo + first, *hi = (const T *)e->hi + first;                  \
-        T a = (most), b = (least);                                                               \
-        for (size_t i = 0; i < count; i++) {                                                     \
-            a = lo[i] < a ? lo[i] : a;                                                           \
-            b = hi[i] > b ? hi[i] : b;                                                           \
-        }                                                                                        \
-        return (live_range){(float)a, (float)b, false};                                          \
+#define DEFINE_INTEGER(T, suffix, least, most)                                            \
+    static void begin_##suffix(live_extent *e, size_t count) {                            \
+        T *restrict lo = (T *)e->lo, *restrict hi = (T *)e->hi;                           \
+        for (size_t i = 0; i < count; i++) {                                              \
+            lo[i] = (most);                                                               \
+            hi[i] = (least);                                                              \
+        }                                                                                 \
+    }                                                                                     \
+    static inline void some_##suffix(T *restrict lo, T *restrict hi, const T *restrict v, \
+                                     size_t count) {                                      \
+        for (size_t i = 0; i < count; i++) {                                              \
+            lo[i] = v[i] < lo[i] ? v[i] : lo[i];                                          \
+            hi[i] = v[i] > hi[i] ? v[i] : hi[i];                                          \
+        }                                                                                 \
+    }                                                                                     \
+    static void widen_##suffix(live_extent *e, const void *row, size_t count) {           \
+        T *lo = (T *)e->lo, *hi = (T *)e->hi;                                             \
+        const T *v = row;                                                                 \
+        size_t i = 0;                                                                     \
+        for (; i + LIVE_SOME <= count; i += LIVE_SOME)                                    \
+            some_##suffix(lo + i, hi + i, v + i, LIVE_SOME);                              \
+        some_##suffix(lo + i, hi + i, v + i, count - i);                                  \
+    }                                                                                     \
+    static live_range range_##suffix(const live_extent *e, size_t first, size_t count) {  \
+        const T *lo = (const T *)e->lo + first, *hi = (const T *)e->hi + first;           \
+        T a = (most), b = (least);                                                        \
+        for (size_t i = 0; i < count; i++) {                                              \
+            a = lo[i] < a ? lo[i] : a;                                                    \
+            b = hi[i] > b ? hi[i] : b;                                                    \
+        }                                                                                 \
+        return (live_range){(float)a, (float)b, false};                                   \
     }
 
 DEFINE_INTEGER(uint8_t, u8, 0, UINT8_MAX)

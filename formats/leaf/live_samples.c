@@ -18,7 +18,8 @@ typedef struct live_block {
 
 /* What a thread needs. */
 typedef struct live_scratch {
-    live_extent extent[ROW_KINDS]; /* of rows: bit 0: those at the block's first y, bit 1: first z */
+    live_extent
+        extent[ROW_KINDS]; /* of rows: bit 0: those at the block's first y, bit 1: first z */
     _Alignas(64) char row[LIVE_ROW_MAX * sizeof(double)];
     bool same[ROW_BLOCKS]; /* per block of a row: nothing has changed in it so far */
 } live_scratch;
@@ -28,7 +29,7 @@ struct live_samples {
     pool *threads;
     const live_rows *rows;
     sample_type type;
-    size_t width; /* bytes of a sample */
+    size_t width;               /* bytes of a sample */
     uint32_t dims[3], count[3]; /* nodes and blocks per axis */
     size_t stride[3];           /* bytes to the next sample along each axis */
     uint64_t writing;           /* number of the present one, from 1 on */
@@ -248,7 +249,8 @@ static status put_row(void *ctx, size_t index, int worker) {
                                 p->low[2] + (uint32_t)(index / p->count[0] / p->count[1]));
     for (uint32_t i = 0; i < of.blocks; i++) {
         /* What has changed in this writing is not in the other buffer. */
-        scratch->same[i] = block_at(s, of.block[0] + i, of.block[1], of.block[2])->changed < s->writing;
+        scratch->same[i] =
+            block_at(s, of.block[0] + i, of.block[1], of.block[2])->changed < s->writing;
         if (!covers(s, p->r, &of, i))
             renew(s, p->buffer, &of, i);
     }
@@ -283,8 +285,8 @@ typedef struct finishing {
 static status finish_row(void *ctx, size_t index, int worker) {
     const finishing *f = ctx;
     const uint32_t *count = f->s->count;
-    const block_row of = row_of(f->s, 0, count[0], (uint32_t)(index % count[1]),
-                                (uint32_t)(index / count[1]));
+    const block_row of =
+        row_of(f->s, 0, count[0], (uint32_t)(index % count[1]), (uint32_t)(index / count[1]));
     (void)worker;
     for (uint32_t i = 0; i < of.blocks; i++)
         renew(f->s, f->buffer, &of, i);
@@ -293,8 +295,7 @@ static status finish_row(void *ctx, size_t index, int worker) {
 
 status live_samples_finish(live_samples *s, int buffer) {
     finishing f = {s, buffer};
-    const status st =
-        pool_run(s->threads, (size_t)s->count[1] * s->count[2], finish_row, &f);
+    const status st = pool_run(s->threads, (size_t)s->count[1] * s->count[2], finish_row, &f);
     if (st == ST_OK)
         s->writing++;
     return st;

@@ -1,10 +1,10 @@
-/* live_samples.h - the samples of a grid that change while they are drawn: two buffers in memory, of
- * which readers have one, and a writer fills the other (M08 5.1.2).
+/* live_samples.h - the samples of a grid that change while they are drawn: two buffers in memory,
+ * of which readers have one, and a writer fills the other (M08 5.1.2).
  *
- * Blocks of 32^3 samples are what is kept count of: when a block last changed, in which buffer it is
- * how old, and its extent: of all its samples, and of those in its first planes along each axis,
- * which belong to the treelets before it, too. So each block is looked at by itself, whatever region
- * it changed with.
+ * Blocks of 32^3 samples are what is kept count of: when a block last changed, in which buffer it
+ * is how old, and its extent: of all its samples, and of those in its first planes along each axis,
+ * which belong to the treelets before it, too. So each block is looked at by itself, whatever
+ * region it changed with.
  *
  * One writer at a time; readers of the other buffer at any time.
  */
@@ -36,8 +36,8 @@ typedef struct live_region {
     ptrdiff_t strides[3];
 } live_region;
 
-/* live_samples_put() - copy a region into a buffer. What else is in its blocks is brought up to date
- * before. ST_NOMEM: nothing has changed. */
+/* live_samples_put() - copy a region into a buffer. What else is in its blocks is brought up to
+ * date before. ST_NOMEM: nothing has changed. */
 CHECKED status live_samples_put(live_samples *s, int buffer, const live_region *r);
 
 /* live_samples_finish() - bring all of a buffer up to date: it is then the newest one, and readers
@@ -50,8 +50,9 @@ void live_samples_load(const live_samples *s, int buffer, const int64_t first[3]
                        const uint32_t size[3], void *samples);
 
 /* live_samples_range() - the extent of what the treelet at this place has without its halo: nodes
- * 32 i to 32 i + 32 along each axis. live_samples_stamp() - a number that says when what it has with
- * its halo changed last, at least 1: if it is the same, so are the samples. Both of the newest. */
+ * 32 i to 32 i + 32 along each axis. live_samples_stamp() - a number that says when what it has
+ * with its halo changed last, at least 1: if it is the same, so are the samples. Both of the
+ * newest. */
 live_range live_samples_range(const live_samples *s, const uint32_t place[3]);
 uint64_t live_samples_stamp(const live_samples *s, const uint32_t place[3]);
 

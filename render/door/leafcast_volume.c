@@ -166,7 +166,7 @@ static status open_on(leafcast_device *d, const leafcast_options *options, volum
 }
 
 leafcast_status volume_open_by(volume_make make, const void *from, const leafcast_options *given,
-                            leafcast **volume) {
+                               leafcast **volume) {
     const double start = clock_seconds();
     status st = given ? arguments_check_options(given) : ST_OK;
     if (st != ST_OK)
@@ -225,7 +225,8 @@ void leafcast_close(leafcast *v) {
 
 uint32_t volume_hold(const leafcast *v, uint32_t step, live_hold *h) {
     *h = (live_hold){.step = step};
-    live_steps_hold(v->live, h);
+    if (device_is_here(v->device)) /* else its locks may be held for ever, and nobody writes */
+        live_steps_hold(v->live, h);
     return h->step;
 }
 

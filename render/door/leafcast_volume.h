@@ -18,10 +18,10 @@ CHECKED status volume_check_file(const leafcast *v, status st);
 /* volume_open_by() - open a volume: make() opens v->file from `from`, in any memory of v->m. */
 typedef status (*volume_make)(leafcast *v, const void *from);
 leafcast_status volume_open_by(volume_make make, const void *from, const leafcast_options *given,
-                            leafcast **volume);
+                               leafcast **volume);
 
-/* volume_hold() - returns the file's step that a caller's step is: of a live volume the current one,
- * which then stays as it is until live_steps_let_go(). Any thread. */
+/* volume_hold() - returns the file's step that a caller's step is: of a live volume the current
+ * one, which then stays as it is until live_steps_let_go(). Any thread. */
 uint32_t volume_hold(const leafcast *v, uint32_t step, live_hold *h);
 
 /* volume_lock() - take the device's lock; of a live volume hold the current step, too, which is

@@ -64,7 +64,8 @@ static void put(subject *t, int buffer, uint64_t writing) {
     live_region g = {.type = t->type};
     const size_t width = sample_size(t->type);
     const bool whole = field_random_below(&t->r, 6) == 0, quiet = field_random_below(&t->r, 4) == 0;
-    ptrdiff_t step = (ptrdiff_t)width + (field_random_below(&t->r, 3) == 0 ? 3 : 0), low = 0, high = 0;
+    ptrdiff_t step = (ptrdiff_t)width + (field_random_below(&t->r, 3) == 0 ? 3 : 0), low = 0,
+              high = 0;
     for (int a = 0; a < 3; a++) {
         g.first[a] = whole ? 0 : (uint32_t)field_random_below(&t->r, (long)t->dims[a]);
         const uint32_t left = t->dims[a] - g.first[a];
@@ -101,7 +102,8 @@ static uint32_t clamp(int64_t i, uint32_t nodes) {
     return i < 0 ? 0 : i >= nodes ? nodes - 1 : (uint32_t)i;
 }
 
-static void check_box(const subject *t, int buffer, const int64_t first[3], const uint32_t size[3]) {
+static void check_box(const subject *t, int buffer, const int64_t first[3],
+                      const uint32_t size[3]) {
     const size_t width = sample_size(t->stored);
     const size_t count = (size_t)size[0] * size[1] * size[2];
     char *is = malloc(count * width);

@@ -1,5 +1,6 @@
-/* test_live.c - live volumes: after any updates what is drawn, probed and cut has the bits of a file
- * of those samples; whatever has begun shows one step to its end; only what changed is read again.
+/* test_live.c - live volumes: after any updates what is drawn, probed and cut has the bits of a
+ * file of those samples; whatever has begun shows one step to its end; only what changed is read
+ * again.
  */
 /* marks: threads */
 #include <setjmp.h>
@@ -287,7 +288,8 @@ static void same_rays(subject *t, leafcast *file) {
         assert_int_equal(count[0], count[1]);
         for (int i = 0; i < count[0]; i++)
             assert_true(hits[0][i].t == hits[1][i].t && hits[0][i].cell == hits[1][i].cell &&
-                        memcmp(hits[0][i].normal, hits[1][i].normal, sizeof hits[0][i].normal) == 0);
+                        memcmp(hits[0][i].normal, hits[1][i].normal, sizeof hits[0][i].normal) ==
+                            0);
         assert_memory_equal(&first[0].t, &first[1].t, sizeof first[0].t);
         for (int i = 0; i < 2; i++)
             fine(leafcast_probe_segments(i ? file : t->live, &scene, ray.origin, ray.direction,
@@ -499,8 +501,8 @@ static void *give_half(void *of) {
     const uint32_t slab = 11;
     for (uint32_t z = h->which * RUN_SIDE / 2; z < (h->which + 1U) * RUN_SIDE / 2; z += slab) {
         const uint32_t first[3] = {0, 0, z}, size[3] = {RUN_SIDE, RUN_SIDE, slab};
-        fine(leafcast_update(h->run->t.live, first, size,
-                             samples + (size_t)z * RUN_SIDE * RUN_SIDE, NULL));
+        fine(leafcast_update(h->run->t.live, first, size, samples + (size_t)z * RUN_SIDE * RUN_SIDE,
+                             NULL));
     }
     return NULL;
 }
@@ -648,7 +650,8 @@ static void test_refused(void **state) {
     subject t = begin(LEAFCAST_U8, dims, false, NULL, 6);
     refused(leafcast_update(t.live, none, NULL, t.model, NULL), "size is NULL, and first is not");
     refused(leafcast_update(t.live, NULL, none, t.model, NULL), "first is NULL, and size is not");
-    refused(leafcast_update(t.live, none, wide, t.model, NULL), "31 nodes from number 0 on along y");
+    refused(leafcast_update(t.live, none, wide, t.model, NULL),
+            "31 nodes from number 0 on along y");
     refused(leafcast_update(t.live, far_off, none, t.model, NULL), "along z: there are 20");
     refused(leafcast_update(t.live, most, most, t.model, NULL), "along x: there are 40");
     refused(leafcast_update(t.live, none, most, t.model, NULL), "along x: there are 40");
@@ -687,8 +690,8 @@ static void test_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_bits), cmocka_unit_test(test_scenes),
+        cmocka_unit_test(test_same_bits),   cmocka_unit_test(test_scenes),
         cmocka_unit_test(test_frames_hold), cmocka_unit_test(test_running),
-        cmocka_unit_test(test_residency), cmocka_unit_test(test_refused)};
+        cmocka_unit_test(test_residency),   cmocka_unit_test(test_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
