@@ -158,8 +158,9 @@ LEAFCAST_API void leafcast_close(leafcast *volume); /* NULL is fine */
 
 /* leafcast_open_live() - makes one; all samples are 0. grid: its axes and to_world are copied;
  * types behind LEAFCAST_F32 are kept as f32. options may be NULL for the defaults; `backend` does
- * not matter. Of the device's `threads`, as many as it has copy samples, but they are others, so
- * that no picture waits for them. LEAFCAST_USAGE: the grid lies in no sound place. */
+ * not matter. Samples are copied by as many threads as the device draws with: by others, so that
+ * they need not wait for a picture. Previews read only while they are drawn. LEAFCAST_USAGE: the
+ * grid lies in no sound place. LEAFCAST_NOMEM: the budget has no room for two steps. */
 LEAFCAST_API leafcast_status leafcast_open_live(const leafcast_grid *grid,
                                                 const leafcast_options *options, leafcast **volume);
 

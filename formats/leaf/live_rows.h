@@ -12,7 +12,7 @@
 #include "formats/base/sample.h"
 
 /* At most so many samples of a row are taken at once: what is kept of them stays in the cache. */
-enum { LIVE_ROW_MAX = 1024 };
+enum { LIVE_ROW_MAX = 1024, LIVE_PART = 256 };
 
 /* Of each place along x, the least and the greatest finite sample of all rows so far, of their own
  * type; and whether one was not finite. */
@@ -20,6 +20,7 @@ typedef struct live_extent {
     _Alignas(64) char lo[LIVE_ROW_MAX * sizeof(float)];
     _Alignas(64) char hi[LIVE_ROW_MAX * sizeof(float)];
     _Alignas(64) uint32_t bad[LIVE_ROW_MAX]; /* 0: all were finite */
+    size_t part; /* LIVE_PART, but no constant: bytes that are copied at once */
 } live_extent;
 
 /* The extent of a part of a row: lo > hi: nothing is finite. */

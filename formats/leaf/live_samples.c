@@ -63,6 +63,8 @@ status live_samples_create(mem *m, const uint32_t dims[3], sample_type type, cpu
     bool whole = s->blocks && s->scratch;
     for (int b = 0; b < LIVE_BUFFERS && whole; b++)
         whole = (s->buffer[b] = mem_zalloc(m, bytes)) != NULL;
+    for (int i = 0; i < threads && whole; i++)
+        s->scratch[i].extent[0].part = LIVE_PART;
     const status st = whole ? pool_create(m, threads, &s->threads) : ST_NOMEM;
     if (st != ST_OK) {
         live_samples_destroy(s);

@@ -157,7 +157,7 @@ static leafcast *file_of(subject *t, const leafcast_options *o, const char *name
 
 /* ---- The same bits ---- */
 
-enum { PLAIN, SHADOWS, LAYERS, MEDIUM, MAXIMUM, MEAN, LOOKS };
+enum { PLAIN, SHADOWS, LAYERS, CAPS, MEDIUM, MAXIMUM, MEAN, LOOKS };
 
 static leafcast_transfer_point points[3];
 static const leafcast_medium medium = {points, 3};
@@ -176,6 +176,10 @@ static leafcast_scene scene_of(double iso, int look) {
         scene.light_count = 1;
         scene.lights[0] = (leafcast_light){.vector = {1, 2, 3}, .rgb = {1, 1, 1}};
     }
+    scene.caps = look == CAPS;
+    scene.clip_plane_count = look == CAPS;
+    scene.clip_planes[0][0] = -1;
+    scene.clip_planes[0][3] = 10; /* x below 10 */
     scene.media = &medium;
     scene.media_count = look >= MEDIUM;
     scene.project = look == MAXIMUM ? LEAFCAST_PROJECT_MAX
@@ -473,7 +477,7 @@ static void test_frames_hold(void **state) {
     update_all(&t, 2);
     fine(leafcast_commit(t.live, 4));
     draw(t.live, t.iso, SHADOWS, &is);
-    assert_int_equal(is.stats.covered_pixels > 0, 1);
+    assert_true(is.stats.covered_pixels > 0);
     end(&t);
 }
 
@@ -586,8 +590,6 @@ static void test_running(void **state) {
     for (int i = 0; i < 3; i++)
         assert_int_equal(pthread_join(threads[i], NULL), 0);
     assert_true(atomic_load(&run.pictures) > 0);
-    drawn *is = &run.want[0];
-    draw(run.t.live, run.t.iso, PLAIN, is);
     for (int kind = 0; kind < RUN_KINDS; kind++)
         free(run.kinds[kind]);
     end(&run.t);
@@ -597,13 +599,12 @@ static void test_running(void **state) {
 
 static uint64_t loads_of(subject *t) {
     static drawn is;
-    const leafcast_scene scene = scene_of(t->iso, PLAIN);
+    leafcast_scene scene = scene_of(t->iso, PLAIN);
     const leafcast_camera c = leafcast_standard_view(t->live, 1.4, SIDE, SIDE);
-    leafcast_scene all = scene;
     const leafcast_image image = image_of(&is, PLAIN);
-    all.sweep = true;
+    scene.sweep = true;
     is.stats.size = sizeof is.stats;
-    fine(leafcast_trace(t->live, &all, &c, &image, &is.stats, NULL, NULL));
+    fine(leafcast_trace(t->live, &scene, &c, &image, &is.stats, NULL, NULL));
     return is.stats.treelets_loaded;
 }
 
@@ -627,7 +628,6 @@ static void test_residency(void **state) {
         update(&t, first, size, 2 + i);
         fine(leafcast_commit(t.live, 3));
         assert_in_range(loads_of(&t), 1, 8);
-        assert_int_equal(loads_of(&t) <= 8, 1);
     }
     /* Two steps without a picture between them, in different places. */
     for (int i = 0; i < 2; i++) {
