@@ -12,6 +12,7 @@
 #include "formats/base/text.h"
 #include "formats/input_open.h"
 #include "formats/mesh/mesh_input_kind.h"
+#include "formats/public_grid.h"
 #include "formats/public_status.h"
 #include "prep/convert_defaults.h"
 #include "prep/grid/convert.h"
@@ -154,34 +155,13 @@ static status convert_volume(job *j, volume *v) {
     return st == ST_OK ? convert_run(&j->m, v, j->out, &o, &plan, &j->p, &result) : st;
 }
 
-static void place_nodes(const leafcast_grid *from, grid *g) {
-    for (int row = 0; row < 3; row++) {
-        g->to_world[row][row] = from->spacing[row] == 0 ? 1 : from->spacing[row];
-        g->to_world[row][3] = from->origin[row];
-    }
-    if (from->to_world)
-        memcpy(g->to_world, from->to_world, sizeof g->to_world);
-}
-
-/* Release the grid in any case. */
-static status make_grid(mem *m, const leafcast_grid *from, grid *g) {
-    grid_init(g, from->dims, (sample_type)from->type);
-    place_nodes(from, g);
-    status st = grid_check(g, "leafcast_grid");
-    for (int a = 0; a < 3 && st == ST_OK; a++)
-        if (from->axis[a])
-            st = grid_set_axis(g, m, "leafcast_grid", a, from->axis[a]);
-    /* A grid that is not valid is the caller's error here, not a malformed file's. */
-    return st == ST_CORRUPT || st == ST_UNSUPPORTED ? ST_USAGE : st;
-}
-
 /* source: its grid is set here. */
 static status convert_source(job *j, const leafcast_grid *from, slice_source *source) {
     const volume_hints hints = hints_of(j);
     volume *v = NULL;
     source->format = source->name = "slices";
     source->m = &j->m;
-    status st = make_grid(&j->m, from, &source->g);
+    status st = public_grid_make(&j->m, from, &source->g);
     if (st == ST_OK)
         st = volume_open_slices(&j->m, source, &hints, &v);
     if (st == ST_OK)
@@ -224,7 +204,7 @@ leafcast_status leafcast_convert_slices(const leafcast_grid *from, leafcast_slic
     status st = public_needs(__func__, "grid slice out",
                              (const void *[]){from, slice ? (const void *)from : NULL, out});
     if (st == ST_OK)
-        st = prep_arguments_check_grid(from);
+        st = public_grid_check(from);
     if (st != ST_OK)
         return public_status(st);
     slices s = {.slice = slice, .ctx = ctx, .bytes = slice_bytes(from)};
@@ -268,7 +248,7 @@ leafcast_status leafcast_convert_array(const leafcast_grid *from, const void *sa
     job j;
     status st = public_needs(__func__, "grid samples out", (const void *[]){from, samples, out});
     if (st == ST_OK)
-        st = prep_arguments_check_grid(from);
+        st = public_grid_check(from);
     if (st != ST_OK)
         return public_status(st);
     const ptrdiff_t width = (ptrdiff_t)sample_size((sample_type)from->type),
@@ -278,7 +258,7 @@ leafcast_status leafcast_convert_array(const leafcast_grid *from, const void *sa
     memcpy(a.dims, from->dims, sizeof a.dims);
     memcpy(a.strides, strides ? strides : tight, sizeof a.strides);
     slice_source source = {.read = copy_slices, .ctx = &a};
-    st = prep_arguments_check_strides(from, a.strides);
+    st = public_grid_check_strides(from->dims, a.strides);
     if (st != ST_OK)
         return public_status(st);
     st = job_begin(&j, NULL, 0, out, options);

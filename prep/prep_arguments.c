@@ -11,10 +11,6 @@
 
 enum { ZSTD_LEVEL_MAX = 22 };
 
-/* Squares and quotients of numbers in this range are neither 0 nor infinite. */
-#define PLACE_MOST  1e100
-#define PLACE_LEAST 1e-100
-
 /* ---- How to convert ---- */
 
 static const public_field options_rows[] = {
@@ -66,39 +62,6 @@ static const public_fields options_table =
 
 /* ---- What to convert ---- */
 
-static const public_field to_world_row = {
-    .type = PUBLIC_DOUBLE, .values = 12, .least = -PLACE_MOST, .most = PLACE_MOST};
-
-static const public_field grid_rows[] = {
-    PUBLIC_OWN_SIZE(leafcast_grid),
-    PUBLIC_NUMBER(leafcast_grid, dims, 2, GRID_DIM_MAX, 0),
-    PUBLIC_NUMBER(leafcast_grid, type, LEAFCAST_U8, LEAFCAST_F64, 0),
-    PUBLIC_NUMBER(leafcast_grid, spacing, -PLACE_MOST, PLACE_MOST, 0),
-    PUBLIC_NUMBER(leafcast_grid, origin, -PLACE_MOST, PLACE_MOST, 0),
-    {PUBLIC_MEMBER(leafcast_grid, to_world), .type = PUBLIC_POINTER, .values = 1,
-     .how = PUBLIC_OR_NULL, .number = &to_world_row},
-    PUBLIC_PLACE(leafcast_grid, axis, PUBLIC_OR_NULL),
-};
-
-/* Check the columns of to_world, or the spacing: these are the cell's edges. */
-static status grid_together(const void *of) {
-    const leafcast_grid *g = of;
-    for (int a = 0; a < 3; a++) {
-        double most = fabs(g->spacing[a]);
-        if (g->to_world)
-            most = fmax(fabs(g->to_world[a]),
-                        fmax(fabs(g->to_world[4 + a]), fabs(g->to_world[8 + a])));
-        if (most < PLACE_LEAST && (g->to_world || most != 0.0))
-            return status_describe(
-                ST_USAGE, "leafcast_grid.%s: cells of %g along %c: %g is the least",
-                g->to_world ? "to_world" : "spacing", most, "xyz"[a], PLACE_LEAST);
-    }
-    return ST_OK;
-}
-
-static const public_fields grid_table =
-    PUBLIC_TABLE(leafcast_grid, grid_rows, .together = grid_together);
-
 static const public_field tets_rows[] = {
     PUBLIC_OWN_SIZE(leafcast_tets),
     PUBLIC_NUMBER(leafcast_tets, vertex_count, 0, (double)MESH_POINTS_MAX, 0),
@@ -114,7 +77,7 @@ static const public_field tets_rows[] = {
 static const public_fields tets_table = PUBLIC_TABLE(leafcast_tets, tets_rows);
 
 const public_fields *const *prep_arguments_tables(int *count) {
-    static const public_fields *const tables[] = {&options_table, &grid_table, &tets_table};
+    static const public_fields *const tables[] = {&options_table, &tets_table};
     *count = (int)(sizeof tables / sizeof *tables);
     return tables;
 }
@@ -125,22 +88,8 @@ status prep_arguments_check_options(const leafcast_convert_options *options) {
     return public_fields_check(&options_table, options);
 }
 
-status prep_arguments_check_grid(const leafcast_grid *from) {
-    return public_fields_check(&grid_table, from);
-}
-
 status prep_arguments_check_tets(const leafcast_tets *tets) {
     return public_fields_check(&tets_table, tets);
-}
-
-status prep_arguments_check_strides(const leafcast_grid *from, const ptrdiff_t strides[3]) {
-    double most = 0.0;
-    for (int a = 0; a < 3; a++)
-        most += fabs((double)strides[a]) * (from->dims[a] - 1.0);
-    if (most <= 0x1p62)
-        return ST_OK;
-    return status_describe(ST_USAGE, "strides of %td, %td and %td bytes: no array is that large",
-                           strides[0], strides[1], strides[2]);
 }
 
 status prep_arguments_check_paths(const char *const *paths, uint32_t steps) {

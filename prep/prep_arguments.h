@@ -10,12 +10,7 @@
 const public_fields *const *prep_arguments_tables(int *count);
 
 CHECKED status prep_arguments_check_options(const leafcast_convert_options *options);
-CHECKED status prep_arguments_check_grid(const leafcast_grid *from);
 CHECKED status prep_arguments_check_tets(const leafcast_tets *tets);
-
-/* prep_arguments_check_strides() - refuse strides that put a node of this grid further from the
- * first than a pointer can reach. */
-CHECKED status prep_arguments_check_strides(const leafcast_grid *from, const ptrdiff_t strides[3]);
 
 /* prep_arguments_check_paths() - check one path per step. */
 CHECKED status prep_arguments_check_paths(const char *const *paths, uint32_t steps);

@@ -53,6 +53,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include <leafcast_grid.h>
 #include <leafcast_look.h>
 #include <leafcast_status.h>
 
@@ -137,6 +138,51 @@ LEAFCAST_API leafcast_status leafcast_open_memory(const void *bytes, size_t size
                                                   leafcast **volume);
 LEAFCAST_API void leafcast_close(leafcast *volume); /* NULL is fine */
 
+/* ---- Live volumes ----
+ *
+ * A grid whose samples a running program gives, step after step, while pictures are drawn of it: by
+ * other threads, or between them. It can do all that a file of one field and one step can that was
+ * converted with `--levels 1`, with the same bits, and is closed likewise.
+ *
+ *     leafcast_open_live(&grid, NULL, &volume);
+ *     for (int step = 0; simulate(values); step++) {
+ *         leafcast_update(volume, NULL, NULL, values, NULL);
+ *         leafcast_commit(volume, step * 0.1);
+ *         leafcast_trace(volume, &scene, &camera, &image, NULL, NULL, NULL);
+ *     }
+ *
+ * The samples are in memory twice, of the device's budget: the step that pictures show, and the one
+ * that is being made. A picture, a slice or a probe has one step from its beginning to its end, of
+ * leafcast_frame_begin() and leafcast_frame_end() where it is drawn bit by bit: the one that was
+ * committed last when it began. */
+
+/* leafcast_open_live() - makes one; all samples are 0. grid: its axes and to_world are copied;
+ * types behind LEAFCAST_F32 are kept as f32. options may be NULL for the defaults; `backend` does
+ * not matter. Samples are copied by as many threads as the device draws with: by others, so that
+ * they need not wait for a picture. Previews read only while they are drawn. LEAFCAST_USAGE: the
+ * grid lies in no sound place. LEAFCAST_NOMEM: the budget has no room for two steps. */
+LEAFCAST_API leafcast_status leafcast_open_live(const leafcast_grid *grid,
+                                                const leafcast_options *options, leafcast **volume);
+
+/* leafcast_update() - copies samples of the next step. Those that are not given stay as they are.
+ *
+ * first, size: the nodes [first, first + size) on each axis; size may be 0. Both NULL: all nodes.
+ * samples: of node `first`, of the grid's type, in the machine's byte order.
+ * strides: bytes from a node to the next along x, y and z, of any sign; NULL: no gaps, x fastest.
+ *
+ * Any thread; one update or commit goes on at a time, others wait. Waits, too, until nothing shows
+ * the step before the current one any more: LEAFCAST_USAGE where that is a frame which this thread
+ * itself has begun and not ended. After a failure nothing has changed. */
+LEAFCAST_API leafcast_status leafcast_update(leafcast *volume, const uint32_t first[3],
+                                             const uint32_t size[3], const void *samples,
+                                             const ptrdiff_t strides[3]);
+
+/* leafcast_commit() - makes the step that updates gave the current one, which whatever begins from
+ * now on shows: does not wait for pictures of the current one, but otherwise as leafcast_update()
+ * does. Treelets in memory stay there where their samples are the same. time: any finite one, for
+ * leafcast_step_time(). */
+LEAFCAST_API leafcast_status leafcast_commit(leafcast *volume, double time);
+
 /* What only some kinds of geometry can do: bits of leafcast_info.abilities. */
 typedef enum leafcast_ability {
     LEAFCAST_ABILITY_LEVELS = 1,           /* coarse levels of detail, beyond those of previews,
@@ -164,11 +210,11 @@ typedef struct leafcast_info {
     uint32_t treelets; /* on all levels */
     const char *sample_type; /* "u8" ... */
     const char *name;
-    double value_min, value_max; /* over all fields and steps */
+    double value_min, value_max; /* over all fields and steps; of a live volume, now */
     double bounds[2][3]; /* axis-aligned box of the volume in world space: minimum, maximum; if
                             nodes move, over all steps */
     double cell_size;    /* geometric mean edge of a cell, world units; without dims an estimate */
-    uint64_t file_bytes, payload_bytes;
+    uint64_t file_bytes, payload_bytes; /* of a live volume: of one step's samples */
     uint32_t preview_levels; /* levels of detail that a preview may draw. As `levels`, but a mesh
                                 with a coarse grid has its tets, then the grid's levels */
     bool gradients;          /* stored at the nodes, for leafcast_scene.smooth_normals */
@@ -201,7 +247,8 @@ LEAFCAST_API leafcast_status leafcast_select_set(leafcast *volume, uint32_t fiel
 
 /* leafcast_field_name() - the name, or "" if the file has none; lives as long as the volume.
  * leafcast_find_field() - by name, or by number if no field has that name; LEAFCAST_USAGE lists the
- * fields. leafcast_step_time() - as in the file, or else the step's number. */
+ * fields. leafcast_step_time() - as in the file, or else the step's number; of a
+ * live volume, as committed. */
 LEAFCAST_API const char *leafcast_field_name(const leafcast *volume, uint32_t field);
 LEAFCAST_API leafcast_status leafcast_find_field(const leafcast *volume, const char *name,
                                                  uint32_t *field);

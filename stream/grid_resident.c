@@ -103,6 +103,7 @@ static status load(const resident_store *s, uint32_t t, uint32_t set, const void
     }
     *read += s->file->sizes[p] + leaf_unpacker_take(scratch->unpacker);
     tr->samples = (const char *)tr->head.payload + shape.samples_at;
+    tr->stamp = s->file->checksums[p];
     *out = &tr->head;
     return ST_OK;
 }
@@ -127,12 +128,20 @@ static bool same_deviations(const leaf_file *f, uint32_t t, uint32_t a, uint32_t
                   deviation_bricks(l) * sizeof *f->deviations) == 0;
 }
 
+/* Whether a treelet has the samples of payload p, of another set. */
+static bool same_samples(const resident_store *s, const treelet *tr, uint32_t set, uint32_t p) {
+    const leaf_file *f = s->file;
+    if (f->live)
+        return resident_grid_of(tr)->stamp == f->checksums[p];
+    return leaf_file_has_bytes(f, p) &&
+           leaf_file_home(f, p) == leaf_file_home(f, payload_of(s, tr)) &&
+           same_shell(f, tr->id, tr->set, set);
+}
+
 static bool adopt(const resident_store *s, treelet *tr, uint32_t set) {
     const leaf_file *f = s->file;
-    const uint32_t t = tr->id, p = leaf_layout_samples(&f->layout, set, t);
-    if (!leaf_file_has_bytes(f, p) ||
-        leaf_file_home(f, p) != leaf_file_home(f, payload_of(s, tr)) ||
-        !same_shell(f, t, tr->set, set))
+    const uint32_t t = tr->id;
+    if (!same_samples(s, tr, set, leaf_layout_samples(&f->layout, set, t)))
         return false;
     if (deviates(f, t)) {
         if (!same_deviations(f, t, tr->set, set))
@@ -141,6 +150,10 @@ static bool adopt(const resident_store *s, treelet *tr, uint32_t set) {
     }
     tr->set = set;
     return true;
+}
+
+static bool is_stale(const resident_store *s, const treelet *tr) {
+    return resident_grid_of(tr)->stamp != s->file->checksums[payload_of(s, tr)];
 }
 
 static bool helps(const resident_store *s, const treelet *tr, uint32_t set) {
@@ -178,6 +191,7 @@ const resident_kind grid_resident = {.shares = false,
                                      .helps = helps,
                                      .load = load,
                                      .adopt = adopt,
+                                     .is_stale = is_stale,
                                      .strip = strip,
                                      .destroy = destroy,
                                      .mask = mask};

@@ -12,6 +12,7 @@ typedef struct resident_grid {
     uint32_t first_cell[3]; /* in its level's grid */
     leaf_payload shape;
     const void *samples; /* at the halo's first sample */
+    uint64_t stamp;      /* of a live file's samples (leaf_live.h): its checksum when it was read */
     active_masks *masks;
     /* Coarse treelets in a file with deviations, else NULL. wide: the masks for rays where the
      * treelet stands in for finer ones. deviations: a code per brick (deviation.h). */

@@ -88,8 +88,12 @@ readers *loader_readers(const loader *l);
 void loader_select(loader *l, const interest *in);
 
 /* loader_select_set() - select the set (field and step) of the coming frames. Takes one pass over
- * the directory, or none if the set is the same as before. */
+ * the directory, or none if the set is the same as before, and unchanged. */
 void loader_select_set(loader *l, uint32_t set);
+
+/* loader_is_behind() - whether the selected set has changed since it was selected
+ * (leaf_file.versions): then select it again. */
+bool loader_is_behind(const loader *l);
 
 /* loader_follow() - call it after another set was selected. Loads the active treelets that rays
  * touched last, as many as there are slots, and waits for them. Rays mostly see the same treelets

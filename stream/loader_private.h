@@ -66,7 +66,8 @@ struct loader_private {
     uint8_t *existing;   /* per treelet: octants that exist */
     uint8_t *held;       /* per treelet: its subtree meets the interest; scratch of sweep() */
     treelet_tree tree;   /* for a mesh, whose treelets overlap */
-    uint32_t set;        /* the selected one */
+    uint32_t set;        /* the selected one, */
+    uint64_t version;    /* as often as it had changed when it was selected */
     size_t slot_bytes;
     readers *readers, *own_readers; /* own_readers NULL: the caller's readers */
     reader_customer customer;

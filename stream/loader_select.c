@@ -87,13 +87,47 @@ static void strip_cache(loader *l) {
     }
 }
 
+static uint64_t version_of(const loader *l, uint32_t set) {
+    return l->file->versions ? l->file->versions[set] : 0;
+}
+
+bool loader_is_behind(const loader *l) {
+    return l->hidden->version != version_of(l, l->hidden->set);
+}
+
+/* Free the selected set's treelets whose samples have changed since they were read. */
+static void drop_stale(loader *l) {
+    struct loader_private *h = l->hidden;
+    const uint32_t filled = h->filled;
+    h->filled = 0;
+    for (uint32_t i = 0; i < filled; i++) {
+        treelet *tr = h->slots[i];
+        if (tr->set != h->set || !h->kind->is_stale(&h->store, tr)) {
+            h->slots[h->filled++] = tr;
+            continue;
+        }
+        loader_slots_withdraw(l, tr);
+        loader_slots_discard(l, tr);
+    }
+    for (treelet *tr = h->cache.oldest, *newer; tr; tr = newer) {
+        newer = tr->newer;
+        if (tr->set != h->set || !h->kind->is_stale(&h->store, tr))
+            continue;
+        treelet_cache_remove(&h->cache, tr);
+        loader_slots_discard(l, tr);
+    }
+}
+
 void loader_select_set(loader *l, uint32_t set) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     loader_reads_rest(h);
-    if (set != h->set) {
+    if (set != h->set || h->version != version_of(l, set)) {
         h->stepped = true;
         h->set = set;
+        h->version = version_of(l, set);
+        if (l->file->versions)
+            drop_stale(l);
         if (leaf_layout_moves(&l->file->layout))
             treelet_tree_move(&h->tree, h->kind->boxes(l->file, set));
         select_anew(l);

@@ -70,6 +70,9 @@ typedef struct resident_kind {
     /* Make a treelet of another set one of this set, if it has the same there, masks too. Returns
      * whether it is one now. NULL: no treelet ever is. */
     bool (*adopt)(const resident_store *s, treelet *tr, uint32_t set);
+    /* Whether its set has changed since the treelet was read. Asked only where sets change
+     * (leaf_file.versions). */
+    bool (*is_stale)(const resident_store *s, const treelet *tr);
     /* Free what belongs to the treelet's set. If sets share a payload, it has no set then. */
     void (*strip)(const resident_store *s, treelet *tr);
     /* Free all but the shared payload. */

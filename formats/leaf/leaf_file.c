@@ -12,6 +12,7 @@
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/leaf_order.h"
 #include "formats/leaf/leaf_place.h"
+#include "formats/leaf/live_samples.h"
 #include "formats/leaf/outside_samples.h"
 
 _Static_assert(
@@ -508,7 +509,9 @@ void leaf_file_close(leaf_file *f) {
     mem_free(f->m, f->axis[0]);
     mem_free(f->m, f->names);
     mem_free(f->m, f->times);
+    mem_free(f->m, f->versions);
     outside_samples_close(f->samples);
+    live_samples_destroy(f->live);
     if (f->geometry)
         f->geometry->release(f);
     file_close(f->source);

@@ -57,6 +57,8 @@ typedef struct leaf_file {
     leaf_outside *outside;      /* section OUTSIDE of a grid, or NULL; */
     struct chunk_entry *chunks; /* section CHUNKS, or NULL */
     struct outside_samples *samples; /* and the file that it names */
+    struct live_samples *live;       /* of a grid that changes in memory (leaf_live.h), or NULL; */
+    uint64_t *versions;              /* and per set: how often it has changed */
     void *besides;                   /* what the directory of another kind has in addition */
     histogram *histograms;           /* per set; NULL: the file has none */
     world_frame frame;               /* what the world's axes mean; zeros: the file does not say */

@@ -7,6 +7,7 @@
 #include "formats/leaf/grid_codes.h"
 #include "formats/leaf/grid_coding.h"
 #include "formats/leaf/leaf_geometry.h"
+#include "formats/leaf/live_samples.h"
 #include "formats/leaf/mesh_coding.h"
 #include "formats/leaf/outside_samples.h"
 
@@ -301,12 +302,13 @@ static status load_frame(leaf_unpacker *u, uint32_t p, void *payload) {
     return u->f->mesh ? decode_mesh(u, p, u->stored, payload) : unframe(u, p, u->stored, payload);
 }
 
-/* The samples of treelet p of level 0, in the other file. */
+/* The samples of payload p, of a treelet of level 0, in the other file. */
 static outside_box box_outside(const leaf_layout *l, uint32_t p) {
-    const leaf_payload shape = leaf_layout_payload(l, p);
+    const uint32_t t = p % l->treelets;
+    const leaf_payload shape = leaf_layout_payload(l, t);
     outside_box b;
     for (int a = 0; a < 3; a++) {
-        b.first[a] = ((int64_t)l->place[p][a] << l->cells_log2) - l->halo;
+        b.first[a] = ((int64_t)l->place[t][a] << l->cells_log2) - l->halo;
         b.size[a] = shape.samples[a];
     }
     return b;
@@ -316,7 +318,21 @@ uint64_t leaf_file_bytes_outside(const leaf_file *f, uint32_t p) {
     if (!leaf_file_is_outside(f, p))
         return 0;
     const outside_box b = box_outside(&f->layout, p);
+    if (f->live)
+        return (uint64_t)b.size[0] * b.size[1] * b.size[2] * sample_size(f->layout.type);
     return outside_samples_bytes(f->samples, &b);
+}
+
+/* Copy the samples of a treelet that lie in memory, and change from step to step. */
+static status load_live(leaf_unpacker *u, uint32_t p, void *payload) {
+    const leaf_file *f = u->f;
+    const uint32_t t = p % f->layout.treelets;
+    const outside_box b = box_outside(&f->layout, p);
+    char *samples = (char *)payload + leaf_layout_payload(&f->layout, t).samples_at;
+    live_samples_load(f->live, (int)(p / f->layout.treelets), b.first, b.size, samples);
+    u->beside_bytes += leaf_file_bytes_outside(f, p);
+    (void)grid_codes_make(&f->layout, t, u->codes, payload);
+    return ST_OK;
 }
 
 static status load_outside(leaf_unpacker *u, uint32_t p, void *payload) {
@@ -374,6 +390,8 @@ status leaf_file_load_by(leaf_file *f, uint32_t p, leaf_unpacker *u, const leaf_
     if (leaf_file_is_raw(f, p))
         return fetch(f, p, by, payload);
     assert(u && u->f == f);
+    if (f->live)
+        return load_live(u, p, payload);
     if (leaf_file_is_outside(f, p))
         return load_outside(u, p, payload);
     u->by = by;

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/public_grid.h"
 #include "formats/public_status.h"
 #include "render/door/leafcast_device.h"
 #include "render/door/leafcast_volume.h"
@@ -397,7 +398,8 @@ static const public_fields info_table = PUBLIC_WRITTEN(leafcast_info),
                            sample_table = PUBLIC_WRITTEN(leafcast_sample);
 
 const public_fields *const *arguments_tables(int *count) {
-    static const public_fields *const tables[] = {&options_table,
+    static const public_fields *const tables[] = {&public_grid_table,
+                                                  &options_table,
                                                   &info_table,
                                                   &surface_table,
                                                   &block_table,

@@ -15,12 +15,15 @@ _Static_assert((int)LEAFCAST_BINS_MAX == (int)HISTOGRAM_BINS &&
 
 static status find_histogram(const leafcast *v, uint32_t field, uint32_t step, histogram *out) {
     mem outside;
-    const status st = volume_check_set(v, field, step);
+    live_hold h;
+    status st = volume_check_set(v, field, step);
     if (st != ST_OK)
         return st;
     mem_init(&outside, 0);
-    return leaf_histogram_get(&outside, v->file, leaf_layout_set(&v->file->layout, field, step),
-                              out);
+    step = volume_hold(v, step, &h);
+    st = leaf_histogram_get(&outside, v->file, leaf_layout_set(&v->file->layout, field, step), out);
+    live_steps_let_go(&h);
+    return st;
 }
 
 leafcast_status leafcast_get_histogram(const leafcast *v, uint32_t field, uint32_t step,
@@ -105,8 +108,11 @@ leafcast_status leafcast_fit_view(const leafcast *v, uint32_t field, uint32_t st
         st = public_in_range(__func__, "fov", fov, 0.0, nextafter(180.0, 0.0));
     if (st != ST_OK)
         return public_status(st);
+    live_hold h;
+    step = volume_hold(v, step, &h);
     v->kind->walks->active_box(v, leaf_layout_set(&v->file->layout, field, step), isovalues, count,
                                corners);
+    live_steps_let_go(&h);
     *view =
         camera_fit((const double(*)[3])corners, fov > 0.0 ? fov : LEAFCAST_FIT_FOV, width, height);
     return LEAFCAST_OK;

@@ -36,7 +36,8 @@ static status show(leafcast *v, const leafcast_scene *scene) {
         return st;
     device_make_room(v);
     loader_forget_failures(v->treelets);
-    volume_show(v, shown[i].field, shown[i].step, shown[i].surfaces, shown[i].count);
+    volume_show(v, shown[i].field, v->live ? v->step : shown[i].step, shown[i].surfaces,
+                shown[i].count);
     return ST_OK;
 }
 
@@ -119,9 +120,10 @@ leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, con
     status st = check_call(__func__, v, scene, origin, direction, hits, max, count);
     if (st != ST_OK)
         return public_status(st);
-    device_lock(v->device);
+    live_hold h;
+    volume_lock(v, &h);
     st = volume_check_file(v, probe_ray(v, scene, origin, direction, hits, max, count));
-    device_unlock(v->device);
+    volume_unlock(v, &h);
     return public_status(st);
 }
 
@@ -190,9 +192,10 @@ leafcast_status leafcast_probe_segments(leafcast *v, const leafcast_scene *scene
     status st = check_call(__func__, v, scene, origin, direction, segments, max, count);
     if (st != ST_OK)
         return public_status(st);
-    device_lock(v->device);
+    live_hold h;
+    volume_lock(v, &h);
     st = volume_check_file(v, probe_segments(v, scene, origin, direction, segments, max, count));
-    device_unlock(v->device);
+    volume_unlock(v, &h);
     return public_status(st);
 }
 
@@ -228,10 +231,11 @@ leafcast_status leafcast_get_cell(leafcast *v, uint32_t level, uint64_t number,
         st = leaf_file_check_level(v->file, level);
     if (st != ST_OK)
         return public_status(st);
-    device_lock(v->device);
+    live_hold h;
+    volume_lock(v, &h);
     show_set(v);
     st = volume_check_file(v, describe_cell(v, level, number, cell));
-    device_unlock(v->device);
+    volume_unlock(v, &h);
     return public_status(st);
 }
 
@@ -264,9 +268,10 @@ leafcast_status leafcast_probe_point(leafcast *v, const double point[3], leafcas
     if (st != ST_OK)
         return public_status(st);
     *sample = (leafcast_sample){.value = NAN, .nearest = NAN};
-    device_lock(v->device);
+    live_hold h;
+    volume_lock(v, &h);
     show_set(v);
     st = volume_check_file(v, probe_point(v, point, sample));
-    device_unlock(v->device);
+    volume_unlock(v, &h);
     return public_status(st);
 }

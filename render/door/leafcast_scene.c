@@ -83,8 +83,8 @@ void volume_show(leafcast *v, uint32_t field, uint32_t step, const leafcast_surf
 void volume_show_beside(const leafcast_shown *s, const interest *beside) {
     leafcast *v = s->volume;
     const uint32_t set = leaf_layout_set(&v->file->layout, s->field, s->step);
-    bool changed =
-        s->count != v->isovalue_count || set != v->set || !interest_same(beside, &v->beside);
+    bool changed = s->count != v->isovalue_count || set != v->set ||
+                   loader_is_behind(v->treelets) || !interest_same(beside, &v->beside);
     for (int i = 0; i < s->count; i++) {
         changed |= v->isovalues[i] != s->surfaces[i].isovalue;
         v->isovalues[i] = s->surfaces[i].isovalue;

@@ -29,10 +29,11 @@ static void listed_found(void *ctx, size_t i, const double point[3], const leafc
 /* Sample in the selected field and step. */
 static leafcast_status sample(point_samples *p, leafcast_stats *stats) {
     leafcast *v = p->volume;
-    device_lock(v->device);
+    live_hold h;
+    volume_lock(v, &h);
     p->set = leaf_layout_set(&v->file->layout, v->field, v->step);
     const status st = volume_check_file(v, point_samples_run(p, stats));
-    device_unlock(v->device);
+    volume_unlock(v, &h);
     return public_status(st);
 }
 
@@ -289,8 +290,11 @@ static void cut_edge(rectangle *r, const double a[3], const double b[3], const d
 
 static void cut_box(rectangle *r, const leafcast *v, const double plane[4]) {
     double corners[8][3];
-    v->kind->walks->active_box(v, leaf_layout_set(&v->file->layout, v->field, v->step), NULL, 0,
+    live_hold h;
+    const uint32_t step = volume_hold(v, v->live ? 0 : v->step, &h);
+    v->kind->walks->active_box(v, leaf_layout_set(&v->file->layout, v->field, step), NULL, 0,
                                corners);
+    live_steps_let_go(&h);
     for (int i = 0; i < 8; i++)
         for (int a = 0; a < 3; a++)
             if (!(i >> a & 1))

@@ -39,6 +39,7 @@ status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene) {
         for (int k = 0; k < s->count; k++)
             t->surfaces[i][k] = s->surfaces[k];
         s->surfaces = t->surfaces[i];
+        s->step = volume_hold(s->volume, s->step, &t->holds[i]);
         t->first_id[i] = id;
         id += s->count;
         st = choose_drawn(t, i);
@@ -230,6 +231,10 @@ void turn_stats(const turn *t, leafcast_stats *stats) {
 
 void turn_end(turn *t) {
     t->device->frames_bytes -= t->reserved;
-    for (int i = 0; i < t->volumes && t->drawn[i]; i++)
+    for (int i = 0; i < t->volumes && t->drawn[i]; i++) {
         t->drawn[i]->frames -= turn_is_instead(t, i);
+        if (t->holds[i].of)
+            loader_rest(t->shown[i].volume->treelets);
+        live_steps_let_go(&t->holds[i]);
+    }
 }

@@ -10,6 +10,7 @@
 
 #include "render/door/leafcast_device.h"
 #include "render/door/leafcast_scene.h"
+#include "render/door/live_steps.h"
 #include "render/frame/frame.h"
 
 typedef struct turn {
@@ -19,6 +20,7 @@ typedef struct turn {
     leafcast_scene_experiments experiments;
     int volumes;
     leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
+    live_hold holds[LEAFCAST_VOLUMES_MAX]; /* of live volumes, from first to last */
     leafcast_surface surfaces[LEAFCAST_VOLUMES_MAX][LEAFCAST_SURFACES_MAX];
     int32_t first_id[LEAFCAST_VOLUMES_MAX];      /* a volume's surfaces have ids from here on */
     interest beside[LEAFCAST_VOLUMES_MAX];       /* the interest beside isovalues */

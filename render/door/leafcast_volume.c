@@ -102,11 +102,10 @@ typedef struct location {
     size_t size;
 } location;
 
-static status open_location(leafcast *v, const location *from) {
-    const status st =
-        from->path ? leaf_file_open(v->m, from->path, &v->file)
-                   : leaf_file_open_memory(v->m, "memory", from->bytes, from->size, &v->file);
-    return st == ST_OK ? volume_open_file(v) : st;
+static status open_location(leafcast *v, const void *of) {
+    const location *from = of;
+    return from->path ? leaf_file_open(v->m, from->path, &v->file)
+                      : leaf_file_open_memory(v->m, "memory", from->bytes, from->size, &v->file);
 }
 
 leafcast *volume_on(leafcast_device *d, const leafcast_options *options) {
@@ -136,20 +135,23 @@ void volume_release(leafcast *v) {
         v->kind->close(v);
     mem_free(v->m, v->stop);
     mem_free(v->m, v->touched);
+    live_steps_destroy(v->live);
     leaf_file_close(v->file);
     mem_free(&outside, v);
 }
 
 /* Needs the lock of the device; the volume becomes a user of it. Evict all treelets first, so that
  * the volume's own memory can be measured. */
-static status open_on(leafcast_device *d, const leafcast_options *options, const location *from,
-                      leafcast **out) {
+static status open_on(leafcast_device *d, const leafcast_options *options, volume_make make,
+                      const void *from, leafcast **out) {
     device_clear(d);
     const size_t before = mem_used(&d->budget);
     leafcast *v = volume_on(d, options);
     if (!v)
         return ST_NOMEM;
-    const status st = open_location(v, from);
+    status st = make(v, from);
+    if (st == ST_OK)
+        st = volume_open_file(v);
     if (st != ST_OK) {
         volume_release(v);
         return st;
@@ -163,8 +165,8 @@ static status open_on(leafcast_device *d, const leafcast_options *options, const
     return ST_OK;
 }
 
-static leafcast_status open_volume(const location *from, const leafcast_options *given,
-                                   leafcast **volume) {
+leafcast_status volume_open_by(volume_make make, const void *from, const leafcast_options *given,
+                               leafcast **volume) {
     const double start = clock_seconds();
     status st = given ? arguments_check_options(given) : ST_OK;
     if (st != ST_OK)
@@ -178,7 +180,7 @@ static leafcast_status open_volume(const location *from, const leafcast_options 
     if (st != ST_OK)
         return public_status(st);
     device_lock(d);
-    st = open_on(d, &options, from, volume);
+    st = open_on(d, &options, make, from, volume);
     device_unlock(d);
     if (st == ST_OK) {
         (*volume)->opened_at = start;
@@ -193,7 +195,7 @@ leafcast_status leafcast_open(const char *path, const leafcast_options *options,
                               leafcast **volume) {
     const location from = {.path = path};
     const status st = public_needs(__func__, "path volume", (const void *[]){path, volume});
-    return st == ST_OK ? open_volume(&from, options, volume) : public_status(st);
+    return st == ST_OK ? volume_open_by(open_location, &from, options, volume) : public_status(st);
 }
 
 leafcast_status leafcast_open_memory(const void *bytes, size_t size,
@@ -201,7 +203,7 @@ leafcast_status leafcast_open_memory(const void *bytes, size_t size,
     const location from = {.bytes = bytes, .size = size};
     const status st =
         public_needs(__func__, "bytes volume", (const void *[]){size > 0 ? bytes : "", volume});
-    return st == ST_OK ? open_volume(&from, options, volume) : public_status(st);
+    return st == ST_OK ? volume_open_by(open_location, &from, options, volume) : public_status(st);
 }
 
 void leafcast_close(leafcast *v) {
@@ -217,6 +219,42 @@ void leafcast_close(leafcast *v) {
     volume_release(v);
     device_unlock(d);
     device_release(d);
+}
+
+/* ---- Steps of a live volume ---- */
+
+uint32_t volume_hold(const leafcast *v, uint32_t step, live_hold *h) {
+    *h = (live_hold){.step = step};
+    if (device_is_here(v->device)) /* else its locks may be held for ever, and nobody writes */
+        live_steps_hold(v->live, h);
+    return h->step;
+}
+
+void volume_lock(leafcast *v, live_hold *h) {
+    device_lock(v->device);
+    v->step = volume_hold(v, v->step, h);
+}
+
+void volume_unlock(leafcast *v, live_hold *h) {
+    if (v->live)
+        loader_rest(v->treelets);
+    live_steps_let_go(h);
+    device_unlock(v->device);
+}
+
+/* Steps that a caller may ask for. */
+static uint32_t steps_of(const leafcast *v) {
+    return v->live ? 1 : v->file->header.steps;
+}
+
+/* The finite values of all that is shown; as the header says, but for a live volume. */
+static void tell_values(const leafcast *v, leafcast_info *info) {
+    live_hold h;
+    const uint32_t step = volume_hold(v, 0, &h);
+    const float *now = v->file->ranges[leaf_layout_samples(&v->file->layout, step, 0)];
+    info->value_min = v->live ? (double)now[0] : v->file->header.value_min;
+    info->value_max = v->live ? (double)now[1] : v->file->header.value_max;
+    live_steps_let_go(&h);
 }
 
 leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
@@ -236,13 +274,11 @@ leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
                             .cell = v->kind->cell,
                             .levels = v->file->layout.sampled,
                             .fields = h->fields,
-                            .steps = h->steps,
+                            .steps = steps_of(v),
                             .moving = leaf_layout_moves(&v->file->layout),
                             .treelets = v->file->layout.treelets,
                             .sample_type = sample_name((sample_type)h->sample_type),
                             .name = v->file->name,
-                            .value_min = h->value_min,
-                            .value_max = h->value_max,
                             .preview_levels = v->preview_levels,
                             .gradients = h->gradients != 0,
                             .axes = (leafcast_axes)v->axes,
@@ -251,6 +287,7 @@ leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
                             .cell_size = 1.0,
                             .file_bytes = h->file_bytes,
                             .payload_bytes = h->payload_bytes};
+    tell_values(v, info);
     v->kind->describe(v, info);
     return LEAFCAST_OK;
 }
@@ -267,21 +304,22 @@ leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, i
         st = arguments_check_surfaces(surfaces, count);
     if (st != ST_OK)
         return public_status(st);
-    device_lock(v->device);
+    live_hold h;
+    volume_lock(v, &h);
     memcpy(v->surfaces, surfaces, (size_t)count * sizeof *surfaces);
     v->surface_count = count;
     volume_show(v, v->field, v->step, surfaces, count);
     loader_reset_statistics(v->treelets);
-    device_unlock(v->device);
+    volume_unlock(v, &h);
     return LEAFCAST_OK;
 }
 
 status volume_check_set(const leafcast *v, uint32_t field, uint32_t step) {
-    const leaf_header *h = &v->file->header;
-    if (field < h->fields && step < h->steps)
+    const uint32_t fields = v->file->header.fields, steps = steps_of(v);
+    if (field < fields && step < steps)
         return ST_OK;
     return status_describe(ST_USAGE, "field %u at step %u: there are %u fields and %u steps", field,
-                           step, h->fields, h->steps);
+                           step, fields, steps);
 }
 
 void leafcast_stop_reading(leafcast *v) {
@@ -298,8 +336,8 @@ leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) 
     status st = arguments_check_volume(__func__, v);
     if (st == ST_OK)
         st = volume_check_set(v, field, step);
-    if (st != ST_OK)
-        return public_status(st);
+    if (st != ST_OK || v->live)
+        return public_status(st); /* a live volume has but one */
     device_lock(v->device);
     v->field = field;
     v->step = step;
@@ -313,9 +351,13 @@ leafcast_status leafcast_range(const leafcast *v, uint32_t field, uint32_t step,
     status st = public_needs(__func__, "volume range", (const void *[]){v, range});
     if (st == ST_OK)
         st = volume_check_set(v, field, step);
-    if (st == ST_OK)
-        leaf_histogram_range(v->file, leaf_layout_set(&v->file->layout, field, step), range);
-    return public_status(st);
+    if (st != ST_OK)
+        return public_status(st);
+    live_hold h;
+    step = volume_hold(v, step, &h);
+    leaf_histogram_range(v->file, leaf_layout_set(&v->file->layout, field, step), range);
+    live_steps_let_go(&h);
+    return LEAFCAST_OK;
 }
 
 const char *leafcast_field_name(const leafcast *v, uint32_t field) {
@@ -323,7 +365,12 @@ const char *leafcast_field_name(const leafcast *v, uint32_t field) {
 }
 
 double leafcast_step_time(const leafcast *v, uint32_t step) {
-    return v ? leaf_file_step_time(v->file, step) : (double)step;
+    if (!v || step >= steps_of(v))
+        return (double)step;
+    live_hold h;
+    const double time = leaf_file_step_time(v->file, volume_hold(v, step, &h));
+    live_steps_let_go(&h);
+    return time;
 }
 
 leafcast_status leafcast_find_field(const leafcast *v, const char *name, uint32_t *field) {

@@ -3,6 +3,7 @@
 #define RENDER_DOOR_LEAFCAST_VOLUME_H
 
 #include "formats/public_status.h"
+#include "render/door/live_steps.h"
 #include "render/look/camera.h"
 #include "render/ray/open_volume.h"
 
@@ -13,6 +14,20 @@ CHECKED status volume_check_set(const leafcast *v, uint32_t field, uint32_t step
  * ST_CORRUPT if the file changed since it was opened. That message then replaces the one about
  * wrong bytes. */
 CHECKED status volume_check_file(const leafcast *v, status st);
+
+/* volume_open_by() - open a volume: make() opens v->file from `from`, in any memory of v->m. */
+typedef status (*volume_make)(leafcast *v, const void *from);
+leafcast_status volume_open_by(volume_make make, const void *from, const leafcast_options *given,
+                               leafcast **volume);
+
+/* volume_hold() - returns the file's step that a caller's step is: of a live volume the current
+ * one, which then stays as it is until live_steps_let_go(). Any thread. */
+uint32_t volume_hold(const leafcast *v, uint32_t step, live_hold *h);
+
+/* volume_lock() - take the device's lock; of a live volume hold the current step, too, which is
+ * v->step then. volume_unlock() - give both back, and end the reads of such a step. */
+void volume_lock(leafcast *v, live_hold *h);
+void volume_unlock(leafcast *v, live_hold *h);
 
 /* The following functions need the device's lock.
  *

@@ -17,6 +17,7 @@ struct leafcast {
     leafcast_options options; /* its experiments: */
     leafcast_experiments experiments;
     leaf_file *file;
+    struct live_steps *live; /* of a live volume (render/door/live_steps.h), or NULL */
     loader *treelets;
     const struct kind *kind;
     void *own; /* the kind's part */
@@ -33,7 +34,7 @@ struct leafcast {
     /* What leafcast_select() and leafcast_select_set() said: */
     leafcast_surface surfaces[LEAFCAST_SURFACES_MAX];
     int surface_count;
-    uint32_t field, step;
+    uint32_t field, step; /* of a live volume: the file's step that is shown */
     uint32_t preview_levels;
     int frames;          /* of a coarse grid: frames under way that draw it in a mesh's place */
     leafcast *coarse;    /* a mesh's coarse grid, once a preview wants it; else NULL */

@@ -102,7 +102,14 @@ as_expected() {
          END { exit bad || !(seen[100] && seen[140] && rays > 900 && bounded > NR / 2) }' "$tmp/out"
 }
 
-# try NAME COMPILER...: both examples, built with this and run.
+# all_change: four pictures, no two alike, of a surface: not black.
+all_change() {
+    [ "$(ls "$tmp"/live_*.ppm | wc -l)" = 4 ] && [ "$(cat "$tmp"/live_*.ppm | wc -c)" = $((4 * (15 + 320 * 240 * 3))) ] &&
+        [ "$(cksum "$tmp"/live_*.ppm | cut -d' ' -f1 | sort -u | wc -l)" = 4 ] &&
+        [ "$(tail -c +16 "$tmp/live_004.ppm" | tr -d '\000' | wc -c)" -gt 3000 ]
+}
+
+# try NAME COMPILER...: the examples, built with this and run.
 try() {
     how=$1
     shift
@@ -115,6 +122,11 @@ try() {
     exits "rays.c, $how" 0 "$@" -o "$tmp/rays" scripts/examples/rays.c $flags
     exits "prints hits" 0 env LD_LIBRARY_PATH="$where" "$tmp/rays" "$tmp/m.leaf" 100 140
     ok "in order" as_expected
+    exits "gray_scott.c, $how" 0 "$@" -O2 -o "$tmp/gray_scott" scripts/examples/gray_scott.c $flags -pthread
+    rm -f "$tmp"/live_*.ppm
+    exits "draws itself while it runs" 0 env LD_LIBRARY_PATH="$where" "$tmp/gray_scott" 40 200 "$tmp/live"
+    ok "step after step" all_change
+    exits "or not at all where it cannot write" 7 env LD_LIBRARY_PATH="$where" "$tmp/gray_scott" 8 100 "$tmp/none/live"
 }
 strict='-Wall -Wextra -Wno-missing-field-initializers -Werror'
 flags="$(pc --cflags --libs) -lm"

@@ -15,7 +15,7 @@ exits "make install" 0 make -s install DESTDIR="$root" PREFIX=/opt/leafcast
 at=$root/opt/leafcast
 there() { for f; do [ -e "$at/$f" ] || { echo "no $f" >>"$tmp/err"; return 1; }; done; }
 ok "installs the front door, library, headers, pkg-config file" there bin/leafcast lib/libleafcast.a lib/libleafcast.so \
-    include/leafcast/leafcast.h include/leafcast/leafcast_look.h include/leafcast/leafcast_experimental.h lib/pkgconfig/leafcast.pc
+    include/leafcast/leafcast.h include/leafcast/leafcast_look.h include/leafcast/leafcast_experimental.h include/leafcast/leafcast_grid.h lib/pkgconfig/leafcast.pc
 # shellcheck disable=SC2046 # names
 ok "and every verb with its page" there $(for v in generate convert render info verify probe slice bench; do
     echo "libexec/leafcast/leafcast-$v share/man/man1/leafcast-$v.1"

@@ -34,6 +34,7 @@ static const public_header *headers(void) {
     if (h.members > 0)
         return &h;
     public_header_read(&h, "formats/leafcast_status.h");
+    public_header_read(&h, "formats/leafcast_grid.h");
     public_header_read(&h, "render/leafcast.h");
     public_header_read(&h, "render/leafcast_look.h");
     public_header_read(&h, "render/leafcast_experimental.h");
@@ -395,6 +396,8 @@ static void test_wrong_numbers(void **state) {
         {"leafcast_check_room", "beside", LAB(beside), UINT64, (double)UINT64_MAX},
         {"leafcast_frame_advance", "seconds", LAB(seconds), DOUBLE, NAN},
         {"leafcast_pixel_ray", "", LAB(x), DOUBLE, NAN},
+        {"leafcast_commit", "time", LAB(x), DOUBLE, NAN},
+        {"leafcast_commit", "time", LAB(x), DOUBLE, INFINITY},
         {"leafcast_layer_slice", "axis", LAB(axis), INT, -1},
         {"leafcast_layer_slice", "axis", LAB(axis), INT, 3},
         {"leafcast_layer_slice", "", LAB(node), UINT, UINT32_MAX},

@@ -41,6 +41,21 @@ static leafcast_status open_bytes(calls_lab *l) {
     return st;
 }
 
+static leafcast_status open_live(calls_lab *l) {
+    const leafcast_status st = leafcast_open_live(P(GRID), P(OPTIONS), P(OUT));
+    if (st == LEAFCAST_OK)
+        leafcast_close(*(leafcast **)P(OUT));
+    return st;
+}
+
+static leafcast_status update_live(calls_lab *l) {
+    return leafcast_update(P(LIVE), NULL, NULL, P(SAMPLES), NULL);
+}
+
+static leafcast_status commit_live(calls_lab *l) {
+    return leafcast_commit(P(LIVE), l->x);
+}
+
 static leafcast_status get_info(calls_lab *l) {
     return leafcast_get_info(P(VOLUME), P(INFO));
 }
@@ -225,6 +240,9 @@ const public_call *public_calls(int *count) {
         {"leafcast_device_create", device_create, BIT(OUT), BIT(OPTIONS), 0, NULL},
         {"leafcast_open", open_path, BIT(PATH) | BIT(OUT), BIT(OPTIONS), 0, NULL},
         {"leafcast_open_memory", open_bytes, BIT(BYTES) | BIT(OUT), BIT(OPTIONS), 0, NULL},
+        {"leafcast_open_live", open_live, BIT(GRID) | BIT(OUT), BIT(GRID) | BIT(OPTIONS), 0, NULL},
+        {"leafcast_update", update_live, BIT(LIVE) | BIT(SAMPLES), 0, 0, NULL},
+        {"leafcast_commit", commit_live, BIT(LIVE), 0, 0, NULL},
         {"leafcast_get_info", get_info, BIT(VOLUME) | BIT(INFO), 0, BIT(INFO), NULL},
         {"leafcast_select", select_surfaces, BIT(VOLUME) | BIT(SURFACES), BIT(SURFACES), 0, NULL},
         {"leafcast_select_set", select_set, BIT(VOLUME), 0, 0, NULL},
@@ -443,6 +461,8 @@ void public_calls_set_up(calls_lab *l) {
     l->p[CALLS_TEXT] = (void *)scratch_path("sphere.nrrd");
     assert_true(field_write_nrrd(&sphere, l->p[CALLS_TEXT]));
     set_up_prep(l);
+    assert_int_equal(leafcast_open_live(P(GRID), &options, (leafcast **)&l->p[CALLS_LIVE]),
+                     LEAFCAST_OK);
     set_up_pictures(l);
     set_up_places(l);
     assert_int_equal(leafcast_frame_begin(P(VOLUME), P(SCENE), P(CAMERA), P(IMAGE),
@@ -452,6 +472,7 @@ void public_calls_set_up(calls_lab *l) {
 
 void public_calls_tear_down(calls_lab *l) {
     leafcast_frame_end(P(FRAME));
+    leafcast_close(P(LIVE));
     leafcast_close(P(VOLUME));
     free(P(BYTES));
     field_release(&sphere);

@@ -12,6 +12,7 @@ enum { CALLS_SIDE = 4, CALLS_SOME = 2 };
 /* What calls are given: structs, of which some point to others here, and arrays. */
 typedef enum calls_slot {
     CALLS_VOLUME,
+    CALLS_LIVE, /* a live volume */
     CALLS_FRAME,
     CALLS_OPTIONS,
     CALLS_SURFACES,

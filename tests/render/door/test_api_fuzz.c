@@ -459,13 +459,52 @@ static void call_convert(world *w) {
         leafcast_close(v);
 }
 
+enum { LIVE_SIDE = 6 }; /* api_draw_grid() makes no larger ones that are sound */
+
+static void call_open_live(world *w) {
+    leafcast_options o;
+    leafcast_experiments e;
+    leafcast_grid g;
+    leafcast *v = NULL;
+    if (w->count == API_VOLUMES || !api_chance(&w->r, 4))
+        return;
+    api_draw_options(&w->r, w->device && !api_chance(&w->r, 4) ? w->device : NULL, &e, &o);
+    api_draw_grid(&w->r, &g);
+    for (int a = 0; a < 3; a++)
+        if (g.dims[a] > LIVE_SIDE && g.dims[a] <= 1 << 20)
+            return;
+    begin("leafcast_open_live");
+    if (ended(leafcast_open_live(&g, &o, &v)))
+        w->volumes[w->count++] = v;
+}
+
+/* Of any volume: most are not live. */
+static void call_live(world *w) {
+    double samples[LIVE_SIDE * LIVE_SIDE * LIVE_SIDE];
+    uint32_t first[3], size[3];
+    leafcast *v = w->volumes[below(w, w->count)];
+    for (int i = 0; i < LIVE_SIDE * LIVE_SIDE * LIVE_SIDE; i++)
+        samples[i] = api_number(&w->r, i);
+    for (int a = 0; a < 3; a++) {
+        first[a] = (uint32_t)(api_chance(&w->r, 30) ? -1 : below(w, 4));
+        size[a] = (uint32_t)(api_chance(&w->r, 30) ? -1 : below(w, LIVE_SIDE));
+    }
+    const bool all = api_chance(&w->r, 3), half_given = api_chance(&w->r, 30);
+    begin("leafcast_update");
+    (void)ended(
+        leafcast_update(v, all ? NULL : first, all && !half_given ? NULL : size, samples, NULL));
+    begin("leafcast_commit");
+    (void)ended(leafcast_commit(v, api_number(&w->r, 1.0)));
+}
+
 /* ---- Episodes ---- */
 
 static void any_call(world *w) {
     static void (*const calls[])(world *) = {
-        call_select, call_select, call_trace, call_trace, call_frame_begin, call_frame,
-        call_frame,  call_probe,  call_probe, call_cell,  call_rays,        call_points,
-        call_points, call_slice,  call_slice, call_facts, call_facts,       call_convert};
+        call_select, call_select, call_trace,    call_trace, call_frame_begin, call_frame,
+        call_frame,  call_probe,  call_probe,    call_cell,  call_rays,        call_points,
+        call_points, call_slice,  call_slice,    call_facts, call_facts,       call_convert,
+        call_live,   call_live,   call_open_live};
     if (w->count == 0 || api_chance(&w->r, 30))
         open_volume(w);
     else if (w->count > 1 && api_chance(&w->r, 60))

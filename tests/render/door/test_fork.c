@@ -21,13 +21,23 @@ enum { PATIENCE_S = 60, REFUSED = 2, NAMED = 3, DRAWN = 4 };
 
 /* Calls that need no more than the file, or nothing. */
 static bool works_anywhere(const char *name) {
-    static const char *const names[] = {
-        "leafcast_device_create", "leafcast_open",       "leafcast_open_memory",
-        "leafcast_get_info",      "leafcast_find_field", "leafcast_range",
-        "leafcast_init_scene",    "leafcast_pixel_ray",  "leafcast_get_standard_view",
-        "leafcast_get_histogram", "leafcast_data_range", "leafcast_suggested_isovalues",
-        "leafcast_fit_view",      "leafcast_fit_slice",  "leafcast_plane_slice",
-        "leafcast_layer_slice"};
+    static const char *const names[] = {"leafcast_device_create",
+                                        "leafcast_open",
+                                        "leafcast_open_memory",
+                                        "leafcast_open_live",
+                                        "leafcast_get_info",
+                                        "leafcast_find_field",
+                                        "leafcast_range",
+                                        "leafcast_init_scene",
+                                        "leafcast_pixel_ray",
+                                        "leafcast_get_standard_view",
+                                        "leafcast_get_histogram",
+                                        "leafcast_data_range",
+                                        "leafcast_suggested_isovalues",
+                                        "leafcast_fit_view",
+                                        "leafcast_fit_slice",
+                                        "leafcast_plane_slice",
+                                        "leafcast_layer_slice"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (strcmp(names[i], name) == 0)
             return true;
@@ -54,6 +64,9 @@ static int child(calls_lab *l, const double z[CALLS_SIDE * CALLS_SIDE]) {
     leafcast *other = NULL;
     if (leafcast_open(l->p[CALLS_PATH], &on_it, &other) != LEAFCAST_USAGE)
         return REFUSED;
+    if (leafcast_describe(l->p[CALLS_LIVE]).steps != 1)
+        return REFUSED;
+    leafcast_close(l->p[CALLS_LIVE]);
     leafcast_stop_reading(l->p[CALLS_VOLUME]);
     leafcast_frame_cancel(l->p[CALLS_FRAME]);
     leafcast_frame_end(l->p[CALLS_FRAME]);

@@ -1,0 +1,1 @@
+#include "formats/leaf/live_rows_template.h"
