@@ -127,20 +127,21 @@ static bool same_deviations(const leaf_file *f, uint32_t t, uint32_t a, uint32_t
                   deviation_bricks(l) * sizeof *f->deviations) == 0;
 }
 
-static bool adopt(const resident_store *s, treelet *tr, uint32_t set) {
+static bool same(const resident_store *s, const treelet *tr, uint32_t set) {
     const leaf_file *f = s->file;
     const uint32_t t = tr->id, p = leaf_layout_samples(&f->layout, set, t);
     if (!leaf_file_has_bytes(f, p) ||
         leaf_file_home(f, p) != leaf_file_home(f, payload_of(s, tr)) ||
         !same_shell(f, t, tr->set, set))
         return false;
-    if (deviates(f, t)) {
-        if (!same_deviations(f, t, tr->set, set))
-            return false;
-        ((resident_grid *)tr)->deviations = f->deviations + deviation_at(&f->layout, set, t);
-    }
+    return !deviates(f, t) || same_deviations(f, t, tr->set, set);
+}
+
+static void adopt(const resident_store *s, treelet *tr, uint32_t set) {
+    const leaf_file *f = s->file;
+    if (deviates(f, tr->id))
+        ((resident_grid *)tr)->deviations = f->deviations + deviation_at(&f->layout, set, tr->id);
     tr->set = set;
-    return true;
 }
 
 static bool helps(const resident_store *s, const treelet *tr, uint32_t set) {
@@ -177,6 +178,7 @@ const resident_kind grid_resident = {.shares = false,
                                      .ahead = ahead,
                                      .helps = helps,
                                      .load = load,
+                                     .same = same,
                                      .adopt = adopt,
                                      .strip = strip,
                                      .destroy = destroy,

@@ -91,6 +91,8 @@ void loader_select_set(loader *l, uint32_t set) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     loader_reads_rest(h);
+    if (set == h->expected)
+        h->expected = TREELET_NO_SET;
     if (set != h->set) {
         h->stepped = true;
         h->set = set;

@@ -199,10 +199,9 @@ static void test_status(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_counts), cmocka_unit_test(test_budget),
-        cmocka_unit_test(test_grow),   cmocka_unit_test(test_overflow),
-        cmocka_unit_test(test_large),  cmocka_unit_test(test_map),
-        cmocka_unit_test(test_fault),  cmocka_unit_test(test_status),
+        cmocka_unit_test(test_counts),   cmocka_unit_test(test_budget), cmocka_unit_test(test_grow),
+        cmocka_unit_test(test_overflow), cmocka_unit_test(test_large),  cmocka_unit_test(test_map),
+        cmocka_unit_test(test_fault),    cmocka_unit_test(test_status),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
