@@ -204,7 +204,7 @@ LEAFCAST_API leafcast_status leafcast_select_set(leafcast *volume, uint32_t fiel
  * read in the background, as it is in that step, until the next call that draws or selects: so the
  * program's own time between two pictures is used. Changes no picture, and never takes more than
  * the memory budget; only treelets that are not shown make room. Holds until that set is shown, or
- * another one is expected. What is read so counts in leafcast_stats.bytes_read_ever alone. */
+ * another one is expected. What is read so counts in that set's statistics, but for load_s. */
 LEAFCAST_API leafcast_status leafcast_expect_set(leafcast *volume, uint32_t field, uint32_t step);
 
 /* leafcast_field_name() - the name, or "" if the file has none; lives as long as the volume.

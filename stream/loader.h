@@ -103,8 +103,8 @@ void loader_follow(loader *l, const atomic_uchar touched[]);
  * rays touched last, makes their masks, and puts them into the cache, where their selection finds
  * them: in the background, after all that is wanted of the selected set, as far as the cache has
  * room or older treelets that the set does not need. Whatever comes next ends it, but for the reads
- * under way. What fails is not told: it is read again when it is wanted. Counts in
- * loader_stats.early and .bytes_read_ever alone. */
+ * under way. What fails is not told: it is read again when it is wanted. Counts
+ * in the statistics of its set, once that is selected, but for .load_s. */
 void loader_expect(loader *l, uint32_t set);
 void loader_read_expected(loader *l, const atomic_uchar touched[]);
 

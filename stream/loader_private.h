@@ -50,15 +50,17 @@ struct loader_private {
     treelet_cache cache;   /* ABSENT treelets, while nothing else needs their memory */
     loader_shared *shared; /* per treelet; NULL: nothing is shared */
     uint32_t filled, loading, capacity;
-    uint32_t early;                  /* reads under way for the expected set */
-    uint32_t expected;               /* loader_expect(); TREELET_NO_SET: none */
-    uint32_t expect_from, expect_to; /* treelets that loader_expect_next() still looks at */
-    uint32_t expect_ahead;           /* those before this one are being read ahead */
-    _Atomic uint32_t claimed;        /* filled, loading and queued; readable without the lock */
-    size_t bytes, room;              /* memory of all treelets; the most that it may be */
-    uint64_t published;              /* how often a treelet became READY */
-    uint32_t sweep_end;              /* the sweep wants treelets before this one; 0: none */
-    bool stepped;                    /* another set was selected since the last loader_follow() */
+    uint32_t early;                    /* reads under way for the expected set */
+    uint32_t expected;                 /* loader_expect(); TREELET_NO_SET: none */
+    uint32_t expect_from, expect_to;   /* treelets that loader_expect_next() still looks at */
+    uint32_t expect_ahead;             /* those before this one are being read ahead */
+    uint32_t early_set;                /* of what was read early last; TREELET_NO_SET: of none */
+    uint64_t early_loads, early_bytes; /* which count once that set is selected */
+    _Atomic uint32_t claimed;          /* filled, loading and queued; readable without the lock */
+    size_t bytes, room;                /* memory of all treelets; the most that it may be */
+    uint64_t published;                /* how often a treelet became READY */
+    uint32_t sweep_end;                /* the sweep wants treelets before this one; 0: none */
+    bool stepped;                      /* another set was selected since the last loader_follow() */
     status_note failure;
     bool tolerant;   /* loader_tolerate() */
     uint32_t lost;   /* treelets that are FAILED, and tolerated */

@@ -125,12 +125,21 @@ static void read_ahead(const struct loader_private *h, const loader_seat *seat) 
     source_ahead(h->source, payloads, count);
 }
 
+/* Count a read for a set that is not selected yet. */
+static void count_early(struct loader_private *h, uint32_t set, uint64_t bytes) {
+    if (h->early_set != set)
+        h->early_loads = h->early_bytes = 0;
+    h->early_set = set;
+    h->early_loads++;
+    h->early_bytes += bytes;
+    h->stats.early++;
+}
+
 /* Take what is made of treelet t of the expected set. */
 static void take_early(loader *l, uint32_t t, treelet *tr, status st) {
     struct loader_private *h = l->hidden;
     if (st == ST_OK) {
         treelet_cache_put(&h->cache, tr);
-        h->stats.early++;
         return;
     }
     loader_expect_end(h);
@@ -184,6 +193,8 @@ static void bring_in(loader *l, uint32_t t, uint32_t set, loader_seat *seat) {
         loader_slots_offer(h, tr);
     }
     if (early) {
+        if (st == ST_OK)
+            count_early(h, set, read);
         take_early(l, t, tr, st);
         return;
     }

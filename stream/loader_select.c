@@ -71,6 +71,7 @@ void loader_select(loader *l, const interest *in) {
     loader_reads_rest(h);
     if (!interest_same(in, &h->selected)) {
         h->selected = *in;
+        h->early_set = h->early_set == h->set ? TREELET_NO_SET : h->early_set;
         l->selection++;
         select_anew(l);
     }
@@ -95,6 +96,7 @@ void loader_select_set(loader *l, uint32_t set) {
         h->expected = TREELET_NO_SET;
     if (set != h->set) {
         h->stepped = true;
+        h->early_set = h->early_set == h->set ? TREELET_NO_SET : h->early_set;
         h->set = set;
         if (leaf_layout_moves(&l->file->layout))
             treelet_tree_move(&h->tree, h->kind->boxes(l->file, set));

@@ -11,8 +11,8 @@
  * stays. Files that fit a pattern come in the order of their names, digits in them compared as
  * numbers; %d takes names with the number alone, written as the pattern says.
  *
- * *paths is another array then, with texts of its own, for path_pattern_release(). ST_NOMEM: nothing
- * has changed. */
+ * *paths is another array then, with texts of its own, for path_pattern_release(). ST_NOMEM:
+ * nothing has changed. */
 CHECKED status path_pattern_expand(char ***paths, int *count);
 
 /* path_pattern_release() - free what path_pattern_expand() has made. */
