@@ -245,6 +245,14 @@ LEAFCAST_API leafcast_status leafcast_select(leafcast *volume, const leafcast_su
  * first these are 0 and 0. The isosurfaces stay selected. */
 LEAFCAST_API leafcast_status leafcast_select_set(leafcast *volume, uint32_t field, uint32_t step);
 
+/* leafcast_expect_set() - say which field and time step are shown next, before the picture of those
+ * before: for a program that plays steps. When such a picture is complete, what its rays saw is
+ * read in the background, as it is in that step, until the next call that draws or selects: so the
+ * program's own time between two pictures is used. Changes no picture, and never takes more than
+ * the memory budget; only treelets that are not shown make room. Holds until that set is shown, or
+ * another one is expected. What is read so counts in that set's statistics, but for load_s. */
+LEAFCAST_API leafcast_status leafcast_expect_set(leafcast *volume, uint32_t field, uint32_t step);
+
 /* leafcast_field_name() - the name, or "" if the file has none; lives as long as the volume.
  * leafcast_find_field() - by name, or by number if no field has that name; LEAFCAST_USAGE lists the
  * fields. leafcast_step_time() - as in the file, or else the step's number; of a

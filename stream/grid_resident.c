@@ -138,18 +138,19 @@ static bool same_samples(const resident_store *s, const treelet *tr, uint32_t se
            same_shell(f, tr->id, tr->set, set);
 }
 
-static bool adopt(const resident_store *s, treelet *tr, uint32_t set) {
+static bool same(const resident_store *s, const treelet *tr, uint32_t set) {
     const leaf_file *f = s->file;
     const uint32_t t = tr->id;
     if (!same_samples(s, tr, set, leaf_layout_samples(&f->layout, set, t)))
         return false;
-    if (deviates(f, t)) {
-        if (!same_deviations(f, t, tr->set, set))
-            return false;
-        ((resident_grid *)tr)->deviations = f->deviations + deviation_at(&f->layout, set, t);
-    }
+    return !deviates(f, t) || same_deviations(f, t, tr->set, set);
+}
+
+static void adopt(const resident_store *s, treelet *tr, uint32_t set) {
+    const leaf_file *f = s->file;
+    if (deviates(f, tr->id))
+        ((resident_grid *)tr)->deviations = f->deviations + deviation_at(&f->layout, set, tr->id);
     tr->set = set;
-    return true;
 }
 
 static bool is_stale(const resident_store *s, const treelet *tr) {
@@ -190,6 +191,7 @@ const resident_kind grid_resident = {.shares = false,
                                      .ahead = ahead,
                                      .helps = helps,
                                      .load = load,
+                                     .same = same,
                                      .adopt = adopt,
                                      .is_stale = is_stale,
                                      .strip = strip,

@@ -68,6 +68,7 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, readers *giv
     pthread_mutex_init(&h->lock, NULL);
     pthread_cond_init(&h->done, NULL);
     h->capacity = 1;
+    h->expected = h->early_set = TREELET_NO_SET;
     h->kind = resident_kind_of(f);
     l->own = mem_array(m, n, 1);
     l->whole = mem_array(m, n, 1);
@@ -161,6 +162,8 @@ loader_stats loader_statistics(loader *l) {
     pthread_mutex_lock(&h->lock);
     loader_stats s = h->stats;
     s.bytes_resident = h->bytes;
+    s.loads += h->set == h->early_set ? h->early_loads : 0;
+    s.bytes_read += h->set == h->early_set ? h->early_bytes : 0;
     s.masks = atomic_load_explicit(&h->masks, memory_order_relaxed);
     pthread_mutex_unlock(&h->lock);
     return s;
@@ -169,7 +172,7 @@ loader_stats loader_statistics(loader *l) {
 void loader_reset_statistics(loader *l) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
-    h->stats = (loader_stats){.bytes_read_ever = h->stats.bytes_read_ever};
+    h->stats = (loader_stats){.bytes_read_ever = h->stats.bytes_read_ever, .early = h->stats.early};
     atomic_store_explicit(&h->masks, 0, memory_order_relaxed);
     pthread_mutex_unlock(&h->lock);
 }

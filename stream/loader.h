@@ -44,6 +44,7 @@ typedef struct loader_stats {
     uint64_t loads, bytes_read;
     uint64_t bytes_read_ever; /* since loader_create(), never reset */
     double load_s;            /* summed over workers */
+    uint64_t early;           /* read of expected sets since loader_create(), never reset */
     uint64_t masks;           /* made, for treelets just read and for resident ones */
     uint64_t bytes_resident;  /* now: all treelets, drawn or in the cache */
 } loader_stats;
@@ -100,6 +101,16 @@ bool loader_is_behind(const loader *l);
  * in the next step; so they need not wait for each one. Errors are reported by loader_failure().
  * Only while nothing is traced. */
 void loader_follow(loader *l, const atomic_uchar touched[]);
+
+/* loader_expect() - say which set is selected next, until it is; TREELET_NO_SET: none is known.
+ * loader_read_expected() - call it when a frame is complete. Reads the treelets of that set that
+ * rays touched last, makes their masks, and puts them into the cache, where their selection finds
+ * them: in the background, after all that is wanted of the selected set, as far as the cache has
+ * room or older treelets that the set does not need. Whatever comes next ends it, but for the reads
+ * under way. What fails is not told: it is read again when it is wanted. Counts
+ * in the statistics of its set, once that is selected, but for .load_s. */
+void loader_expect(loader *l, uint32_t set);
+void loader_read_expected(loader *l, const atomic_uchar touched[]);
 
 /* loader_select_gradients() - select whether the coming frames need a mesh's gradients; if so, its
  * file must have them. On a change, resident treelets give their values back. */

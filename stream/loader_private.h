@@ -2,6 +2,7 @@
  *
  * loader_slots.h      what is resident, and its memory
  * loader_reads.h      the queue, and one read at a time from it
+ * loader_expect.h     what is read of another set before that is selected
  * loader_requests.c   what rays ask for, and waiting for it
  * loader_select.c     another interest, set or capacity
  * loader.c            making and ending, masks, statistics
@@ -24,6 +25,7 @@ typedef struct loader_seat {
     resident_scratch scratch;
     uint32_t ahead[LOADER_AHEAD]; /* treelets to read ahead, once the lock is released */
     uint32_t ahead_count;
+    uint32_t ahead_set;       /* of this set */
     struct loader_seat *next; /* in the list of free seats */
 } loader_seat;
 
@@ -48,11 +50,17 @@ struct loader_private {
     treelet_cache cache;   /* ABSENT treelets, while nothing else needs their memory */
     loader_shared *shared; /* per treelet; NULL: nothing is shared */
     uint32_t filled, loading, capacity;
-    _Atomic uint32_t claimed; /* filled, loading and queued; readable without the lock */
-    size_t bytes, room;       /* memory of all treelets; the most that it may be */
-    uint64_t published;       /* how often a treelet became READY */
-    uint32_t sweep_end;       /* the sweep wants treelets before this one; 0: none */
-    bool stepped;             /* another set was selected since the last loader_follow() */
+    uint32_t early;                    /* reads under way for the expected set */
+    uint32_t expected;                 /* loader_expect(); TREELET_NO_SET: none */
+    uint32_t expect_from, expect_to;   /* treelets that loader_expect_next() still looks at */
+    uint32_t expect_ahead;             /* those before this one are being read ahead */
+    uint32_t early_set;                /* of what was read early last; TREELET_NO_SET: of none */
+    uint64_t early_loads, early_bytes; /* which count once that set is selected */
+    _Atomic uint32_t claimed;          /* filled, loading and queued; readable without the lock */
+    size_t bytes, room;                /* memory of all treelets; the most that it may be */
+    uint64_t published;                /* how often a treelet became READY */
+    uint32_t sweep_end;                /* the sweep wants treelets before this one; 0: none */
+    bool stepped;                      /* another set was selected since the last loader_follow() */
     status_note failure;
     bool tolerant;   /* loader_tolerate() */
     uint32_t lost;   /* treelets that are FAILED, and tolerated */
@@ -64,7 +72,8 @@ struct loader_private {
     interest selected;   /* read-only while anything is traced or loaded */
     atomic_size_t masks; /* how many were made */
     uint8_t *existing;   /* per treelet: octants that exist */
-    uint8_t *held;       /* per treelet: its subtree meets the interest; scratch of sweep() */
+    uint8_t *held;       /* per treelet: its subtree meets the interest, scratch of sweep(); then 1:
+                            it is to be read for the expected set */
     treelet_tree tree;   /* for a mesh, whose treelets overlap */
     uint32_t set;        /* the selected one, */
     uint64_t version;    /* as often as it had changed when it was selected */

@@ -2,6 +2,7 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/heap.h"
+#include "stream/loader_expect.h"
 #include "stream/loader_slots.h"
 
 /* The queue: a binary heap by (priority, treelet). */
@@ -28,6 +29,7 @@ static loader_request queue_pop(struct loader_private *h) {
  * of them when the first one is, else once they are half. Needs the lock. */
 static void list_ahead(struct loader_private *h, loader_seat *seat) {
     uint32_t count = 0;
+    seat->ahead_set = h->set;
     for (size_t i = 0; i < LOADER_AHEAD && i < h->queued; i++)
         if (!h->ahead[h->queue[i].t])
             seat->ahead[count++] = h->queue[i].t;
@@ -37,9 +39,19 @@ static void list_ahead(struct loader_private *h, loader_seat *seat) {
         h->ahead[seat->ahead[i]] = 1;
 }
 
+/* Returns whether something is queued, and has a slot. Needs the lock. */
+static bool has_slot(const struct loader_private *h) {
+    return h->queued > 0 && h->filled + h->loading < h->capacity;
+}
+
 /* Returns whether a thread could begin a read now. Needs the lock. */
 static bool can_begin(const struct loader_private *h) {
-    return h->queued > 0 && h->filled + h->loading < h->capacity && h->free_seats;
+    return has_slot(h) && h->free_seats;
+}
+
+/* Likewise, of the expected set. Needs the lock. */
+static bool can_expect(const struct loader_private *h) {
+    return loader_expect_any(h) && h->free_seats;
 }
 
 bool loader_reads_pending(const struct loader_private *h) {
@@ -48,9 +60,9 @@ bool loader_reads_pending(const struct loader_private *h) {
 
 void loader_reads_tell(struct loader_private *h) {
     atomic_store(&h->reading, loader_reads_pending(h));
-    const bool waiting = can_begin(h);
+    const bool wanted = can_begin(h), waiting = wanted || can_expect(h);
     if (waiting || h->customer.waiting)
-        readers_tell(h->readers, &h->customer, waiting, waiting ? h->queue[0].priority : 0);
+        readers_tell(h->readers, &h->customer, waiting, wanted ? h->queue[0].priority : UINT64_MAX);
 }
 
 void loader_reads_quiesce(struct loader_private *h) {
@@ -59,8 +71,9 @@ void loader_reads_quiesce(struct loader_private *h) {
         loader_slots_set_state(h, t, ABSENT);
         h->ahead[t] = 0;
     }
+    loader_expect_end(h);
     loader_reads_tell(h);
-    while (h->loading > 0)
+    while (h->loading + h->early > 0)
         pthread_cond_wait(&h->done, &h->lock);
 }
 
@@ -90,11 +103,15 @@ static void take_failure(loader *l, uint32_t t, treelet *tr, status st) {
     arrivals_add(&l->arrivals, t);
 }
 
-/* Take a treelet out of the cache that helps with treelet t of the selected set, if there is one:
- * nobody evicts it during the read. */
-static treelet *take_helper(struct loader_private *h, uint32_t t) {
-    treelet *tr = h->kind->helps ? h->cache.of[t] : NULL;
-    while (tr && (tr->set == TREELET_NO_SET || !h->kind->helps(&h->store, tr, h->set)))
+/* Returns a treelet that helps with treelet t of this set, or NULL, which nobody evicts during the
+ * read: a READY one of another set, or one that is taken out of the cache. */
+static treelet *take_helper(const loader *l, uint32_t t, uint32_t set) {
+    struct loader_private *h = l->hidden;
+    treelet *tr = atomic_load_explicit(&l->resident[t], memory_order_relaxed);
+    if (!h->kind->helps || (tr && h->kind->helps(&h->store, tr, set)))
+        return h->kind->helps ? tr : NULL;
+    tr = h->cache.of[t];
+    while (tr && (tr->set == TREELET_NO_SET || !h->kind->helps(&h->store, tr, set)))
         tr = tr->next;
     if (tr)
         treelet_cache_remove(&h->cache, tr);
@@ -104,13 +121,39 @@ static treelet *take_helper(struct loader_private *h, uint32_t t) {
 static void read_ahead(const struct loader_private *h, const loader_seat *seat) {
     uint32_t payloads[RESIDENT_PAYLOADS * LOADER_AHEAD], count = 0;
     for (uint32_t i = 0; i < seat->ahead_count; i++)
-        count += h->kind->ahead(&h->store, h->set, seat->ahead[i], payloads + count);
+        count += h->kind->ahead(&h->store, seat->ahead_set, seat->ahead[i], payloads + count);
     source_ahead(h->source, payloads, count);
 }
 
-/* Read treelet t and publish it. Needs the lock, and releases it during the read. */
-static void bring_in(loader *l, uint32_t t, loader_seat *seat) {
+/* Count a read for a set that is not selected yet. */
+static void count_early(struct loader_private *h, uint32_t set, uint64_t bytes) {
+    if (h->early_set != set)
+        h->early_loads = h->early_bytes = 0;
+    h->early_set = set;
+    h->early_loads++;
+    h->early_bytes += bytes;
+    h->stats.early++;
+}
+
+/* Take what is made of treelet t of the expected set. */
+static void take_early(loader *l, uint32_t t, treelet *tr, status st) {
     struct loader_private *h = l->hidden;
+    if (st == ST_OK) {
+        treelet_cache_put(&h->cache, tr);
+        return;
+    }
+    loader_expect_end(h);
+    if (tr)
+        loader_slots_discard(l, tr);
+    else
+        loader_slots_release(h, t);
+}
+
+/* Read treelet t of a set: of the selected one to publish it, of another one for the cache. Needs
+ * the lock, and releases it during the read. */
+static void bring_in(loader *l, uint32_t t, uint32_t set, loader_seat *seat) {
+    struct loader_private *h = l->hidden;
+    const bool early = set != h->set;
     uint64_t read = 0;
     treelet *tr = treelet_cache_find(&h->cache, t, TREELET_NO_SET);
     const void *payload = tr ? tr->payload : loader_slots_share(h, t);
@@ -118,31 +161,42 @@ static void bring_in(loader *l, uint32_t t, loader_seat *seat) {
         treelet_cache_remove(&h->cache, tr);
         h->bytes -= tr->bytes;
     }
-    treelet *helper = take_helper(h, t);
+    treelet *helper = take_helper(l, t, set);
     loader_slots_make_room(l, 1);
-    loader_slots_set_state(h, t, LOADING);
-    h->loading++;
-    list_ahead(h, seat);
+    uint32_t *reads = early ? &h->early : &h->loading;
+    if (!early)
+        loader_slots_set_state(h, t, LOADING);
+    ++*reads;
+    if (early)
+        loader_expect_ahead(h, seat);
+    else
+        list_ahead(h, seat);
     loader_reads_tell(h);
     pthread_mutex_unlock(&h->lock);
 
     double start = clock_seconds();
     read_ahead(h, seat);
-    status st = h->kind->load(&h->store, t, h->set, payload, helper, &seat->scratch, &tr, &read);
+    status st = h->kind->load(&h->store, t, set, payload, helper, &seat->scratch, &tr, &read);
     if (st == ST_OK)
         loader_mask(l, tr);
     double seconds = clock_seconds() - start;
 
     pthread_mutex_lock(&h->lock);
-    h->loading--;
-    h->stats.load_s += seconds;
-    h->stats.bytes_read += read;
+    --*reads;
+    h->stats.load_s += early ? 0.0 : seconds;
+    h->stats.bytes_read += early ? 0 : read;
     h->stats.bytes_read_ever += read;
-    if (helper)
+    if (helper && helper != loader_peek(l, t))
         treelet_cache_put(&h->cache, helper);
     if (tr) {
         h->bytes += tr->bytes;
         loader_slots_offer(h, tr);
+    }
+    if (early) {
+        if (st == ST_OK)
+            count_early(h, set, read);
+        take_early(l, t, tr, st);
+        return;
     }
     if (st != ST_OK) {
         take_failure(l, t, tr, st);
@@ -152,25 +206,39 @@ static void bring_in(loader *l, uint32_t t, loader_seat *seat) {
     loader_slots_publish(l, tr);
 }
 
+/* Read the most urgent treelet, or else one of the expected set. Needs the lock. Returns whether
+ * one of the selected set came. */
+static bool read_one(loader *l, loader_seat *seat) {
+    struct loader_private *h = l->hidden;
+    if (has_slot(h)) {
+        const uint32_t t = queue_pop(h).t;
+        if (!loader_slots_take_back(l, t))
+            bring_in(l, t, h->set, seat);
+        return true;
+    }
+    const uint32_t t = loader_expect_next(l);
+    if (t != LEAF_NO_TREELET)
+        bring_in(l, t, h->expected, seat);
+    return false;
+}
+
 /* Do one read for the readers. Wake a listener at the end, when the lock is released. */
 static void read_most_urgent(void *ctx) {
     loader *l = ctx;
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
-    const bool can = can_begin(h);
-    if (can) {
-        const uint32_t t = queue_pop(h).t;
+    bool came = false;
+    if (can_begin(h) || can_expect(h)) {
         loader_seat *mine = h->free_seats;
         h->free_seats = mine->next;
-        if (!loader_slots_take_back(l, t))
-            bring_in(l, t, mine);
+        came = read_one(l, mine);
         mine->next = h->free_seats;
         h->free_seats = mine;
         pthread_cond_broadcast(&h->done);
     }
     loader_reads_tell(h);
     sleepers *listeners = h->listeners;
-    const bool claimed = can && listeners && sleepers_claim(listeners);
+    const bool claimed = came && listeners && sleepers_claim(listeners);
     pthread_mutex_unlock(&h->lock);
     if (claimed)
         sleepers_wake(listeners);

@@ -71,6 +71,7 @@ void loader_select(loader *l, const interest *in) {
     loader_reads_rest(h);
     if (!interest_same(in, &h->selected)) {
         h->selected = *in;
+        h->early_set = h->early_set == h->set ? TREELET_NO_SET : h->early_set;
         l->selection++;
         select_anew(l);
     }
@@ -122,8 +123,11 @@ void loader_select_set(loader *l, uint32_t set) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     loader_reads_rest(h);
+    if (set == h->expected)
+        h->expected = TREELET_NO_SET;
     if (set != h->set || h->version != version_of(l, set)) {
         h->stepped = true;
+        h->early_set = h->early_set == h->set ? TREELET_NO_SET : h->early_set;
         h->set = set;
         h->version = version_of(l, set);
         if (l->file->versions)

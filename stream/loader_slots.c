@@ -63,7 +63,7 @@ void loader_slots_withdraw(loader *l, treelet *tr) {
 
 void loader_slots_make_room(loader *l, uint32_t more) {
     struct loader_private *h = l->hidden;
-    const size_t wanted = (size_t)(h->loading + more) * h->slot_bytes;
+    const size_t wanted = (size_t)(h->loading + h->early + more) * h->slot_bytes;
     while (h->cache.oldest && (h->bytes > h->room || h->room - h->bytes < wanted)) {
         treelet *tr = h->cache.oldest;
         treelet_cache_remove(&h->cache, tr);
@@ -85,8 +85,11 @@ bool loader_slots_fits(loader *l, treelet *tr) {
     struct loader_private *h = l->hidden;
     if (tr->set == h->set)
         return true;
-    return tr->set != TREELET_NO_SET && h->kind->adopt &&
-           !treelet_cache_find(&h->cache, tr->id, h->set) && h->kind->adopt(&h->store, tr, h->set);
+    if (tr->set == TREELET_NO_SET || !h->kind->same ||
+        treelet_cache_find(&h->cache, tr->id, h->set) || !h->kind->same(&h->store, tr, h->set))
+        return false;
+    h->kind->adopt(&h->store, tr, h->set);
+    return true;
 }
 
 bool loader_slots_take_back(loader *l, uint32_t t) {

@@ -31,7 +31,7 @@ void loader_slots_discard(loader *l, treelet *tr);
 void loader_slots_evict(loader *l, uint32_t count);
 
 /* loader_slots_make_room() - free treelets of the cache, the oldest first, until there is room for
- * the treelets that are loading and `more` others, or the cache is empty. */
+ * the treelets that are being read and `more` others, or the cache is empty. */
 void loader_slots_make_room(loader *l, uint32_t more);
 
 /* For kinds whose sets share payloads; for others, these functions do nothing.

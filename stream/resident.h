@@ -67,9 +67,10 @@ typedef struct resident_kind {
      * *tr is the treelet as far as it was made, or NULL. Adds the bytes read to *read. */
     status (*load)(const resident_store *s, uint32_t t, uint32_t set, const void *shared,
                    const treelet *earlier, resident_scratch *scratch, treelet **tr, uint64_t *read);
-    /* Make a treelet of another set one of this set, if it has the same there, masks too. Returns
-     * whether it is one now. NULL: no treelet ever is. */
-    bool (*adopt)(const resident_store *s, treelet *tr, uint32_t set);
+    /* same: whether a treelet of another set has the same in this set, masks too. NULL: none ever
+     * has. adopt: make one that has a treelet of this set. */
+    bool (*same)(const resident_store *s, const treelet *tr, uint32_t set);
+    void (*adopt)(const resident_store *s, treelet *tr, uint32_t set);
     /* Whether its set has changed since the treelet was read. Asked only where sets change
      * (leaf_file.versions). */
     bool (*is_stale)(const resident_store *s, const treelet *tr);

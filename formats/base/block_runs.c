@@ -6,7 +6,7 @@
 
 #include "formats/base/fault.h"
 
-enum { LINE = 64, RUN = 2 << 20 };
+enum { LINE = 64, RUN = MEM_LARGE_PAGE };
 
 /* Runs pay for blocks of which eight or more share one, and from so many bytes together on. */
 enum { BLOCK_MAX = RUN / 8, FROM = 16 << 20 };
@@ -60,20 +60,6 @@ static bool is_in_run(const block_runs *s, size_t bytes) {
     return s->each > 0 && bytes <= s->bytes && bytes > s->bytes / 2;
 }
 
-/* Map memory for a run: twice as much, of which the part that begins at a multiple of RUN stays. */
-static run *map_run(void) {
-    char *map = mmap(NULL, 2 * RUN, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (map == MAP_FAILED)
-        return NULL;
-    const size_t before = (RUN - (uintptr_t)map % RUN) % RUN;
-    if (before > 0)
-        (void)munmap(map, before);
-    (void)munmap(map + before + RUN, RUN - before);
-    /* Small pages do as well where the system has no large ones. */
-    (void)madvise(map + before, RUN, MADV_HUGEPAGE);
-    return (run *)(map + before);
-}
-
 static void put_first(block_runs *s, run *r) {
     r->before = NULL;
     r->after = s->roomy;
@@ -95,7 +81,7 @@ static void take_out(block_runs *s, run *r) {
 static bool add_run(block_runs *s) {
     if (!mem_reserve(s->m, RUN))
         return false;
-    run *r = map_run();
+    run *r = mem_map(RUN);
     if (!r) {
         mem_unreserve(s->m, RUN);
         (void)status_describe(ST_NOMEM, "no room for %d bytes: the system has no memory left", RUN);

@@ -59,6 +59,12 @@ void mem_unreserve(mem *m, size_t bytes);
 size_t mem_lend_half(mem *m);
 void mem_take_back(mem *m, size_t lent);
 
+/* mem_map() - map zeros, for memory that is counted elsewhere, from a multiple of MEM_LARGE_PAGE
+ * on; in large pages where the system has them. NULL: it has no room. The caller unmaps it, in
+ * whole. */
+enum { MEM_LARGE_PAGE = 2 << 20 };
+void *mem_map(size_t bytes);
+
 /* mem_room() - whether the system would give this process so many bytes now, whatever the budgets
  * say. For libraries that fail without a reason. A signal handler may call it. */
 bool mem_room(size_t bytes);

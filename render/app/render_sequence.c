@@ -102,6 +102,15 @@ static status describe_frame(const render_options *o, sequence *s, int number,
     return st;
 }
 
+/* Say before a picture is drawn which step comes next. A camera path may say other ones. */
+static status expect_next(const render_options *o, const sequence *s, const render_job *job,
+                          int number, const script_frame *frame) {
+    if (s->path || !step_list_given(&o->steps) || number + 1 >= s->count)
+        return ST_OK;
+    const uint64_t index = (uint64_t)((number + 1) / turns_of(o) % steps_of(o));
+    return render_job_expect(job, &frame->view, step_list_at(&o->steps, index));
+}
+
 /* Load the entries of the camera path and, with --frames, interpolate between them. */
 static status load_path(const render_options *o, json_t **path) {
     json_t *keys = NULL;
@@ -160,6 +169,8 @@ static status draw_sequence(const render_options *o, render_job *job, sequence *
             st = render_job_check(job, frame);
         if (st == ST_OK && o->turns)
             render_job_turn(job, &frame->view, (double)(i % o->turns) / o->turns);
+        if (st == ST_OK)
+            st = expect_next(o, s, job, i, frame);
         if (st == ST_OK)
             st = render_picture_draw(o, job, frame, &stats);
         if (st == ST_OK && o->common.json && render_options_many(o))

@@ -177,6 +177,7 @@ void turn_read_on(const turn *t) {
         const uint64_t read = loader_statistics(t->shown[i].volume->treelets).bytes_read;
         if (may_be_coarser(t, i) && !t->reads_on[i] && read < LOADER_PREVIEW_BYTES)
             sweep_for_previews(t, i, LOADER_PREVIEW_BYTES - read);
+        loader_read_expected(t->shown[i].volume->treelets, t->shown[i].volume->touched);
     }
 }
 

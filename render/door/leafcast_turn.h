@@ -64,7 +64,8 @@ CHECKED status turn_prepare(turn *t);
 CHECKED status turn_check(const turn *t, bool done, status st);
 
 /* turn_read_on() - call when a frame is done, behind turn_stats(). Behind the first preview of a
- * selection, read for the next one what is left of its bytes. Waits for nothing. */
+ * selection, read for the next one what is left of its bytes; and what is expected of another set.
+ * Waits for nothing. */
 void turn_read_on(const turn *t);
 
 /* turn_stats() - add the figures of the volumes and the device. */

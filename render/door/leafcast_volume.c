@@ -347,6 +347,18 @@ leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) 
     return LEAFCAST_OK;
 }
 
+leafcast_status leafcast_expect_set(leafcast *v, uint32_t field, uint32_t step) {
+    status st = arguments_check_volume(__func__, v);
+    if (st == ST_OK)
+        st = volume_check_set(v, field, step);
+    if (st != ST_OK || v->live)
+        return public_status(st);
+    device_lock(v->device);
+    loader_expect(v->treelets, leaf_layout_set(&v->file->layout, field, step));
+    device_unlock(v->device);
+    return LEAFCAST_OK;
+}
+
 leafcast_status leafcast_range(const leafcast *v, uint32_t field, uint32_t step, double range[2]) {
     status st = public_needs(__func__, "volume range", (const void *[]){v, range});
     if (st == ST_OK)

@@ -344,8 +344,21 @@ static phase after_preview(view_picture *p) {
     return BETTER;
 }
 
+/* Steps that play go on as they went: a change by as many is expected, in a circle. */
+static void expect_next(const view_wish *before, const view_wish *now) {
+    uint32_t field, next = now->view.step;
+    if (now->volume != before->volume ||
+        view_options_field(&now->view, now->volume, &field) != ST_OK)
+        return;
+    const uint32_t steps = leafcast_describe(now->volume).steps;
+    next = (2 * next + steps - before->view.step) % steps;
+    /* A wrong step is refused when the picture is described. */
+    (void)leafcast_expect_set(now->volume, field, next);
+}
+
 status view_picture_begin(view_picture *p, const view_wish *wish, uint64_t beside) {
     view_picture_stop(p);
+    expect_next(&p->wish, wish);
     p->wish = *wish;
     p->volume = (picture_volume){wish->volume, &p->wish.view};
     p->beside = beside;

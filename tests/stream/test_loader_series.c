@@ -1,5 +1,5 @@
 /* test_loader_series.c - another step: what is the same there stays resident, with its masks, and
- * the rest is read; going back reads nothing that fits.
+ * the rest is read; going back reads nothing that fits. What is expected is read before.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,7 +8,9 @@
 #include <cmocka.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
+#include "formats/base/fault.h"
 #include "stream/grid_resident.h"
 #include "stream/loader.h"
 #include "tests/support/fields.h"
@@ -208,10 +210,192 @@ static void test_little_room(void **state) {
     stage_close(&s);
 }
 
+/* ---- what is expected ---- */
+
+static void wait_ms(long ms) {
+    nanosleep(&(struct timespec){0, ms * 1000000}, NULL);
+}
+
+/* Read of an expected set what `touched` says, until that many treelets have come. Then no more
+ * do. */
+static void read_early(stage *s, uint32_t set, const atomic_uchar *touched, uint64_t count) {
+    const uint64_t before = loader_statistics(s->l).early;
+    loader_expect(s->l, set);
+    loader_read_expected(s->l, touched);
+    for (int i = 0; i < 20000 && loader_statistics(s->l).early - before < count; i++)
+        wait_ms(1);
+    wait_ms(10);
+    assert_int_equal(loader_statistics(s->l).early - before, count);
+}
+
+/* Mark every n-th treelet as touched, from the first on. Returns their number. */
+static uint32_t touch(const stage *s, atomic_uchar *touched, uint32_t n) {
+    uint32_t count = 0;
+    for (uint32_t t = 0; t < s->f->layout.treelets; t++) {
+        atomic_store(&touched[t], t % n == 0);
+        count += t % n == 0;
+    }
+    return count;
+}
+
+/* What rays touched is there before its step is selected, with masks; the rest is read then. */
+static void test_expected(void **state) {
+    (void)state;
+    for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
+        stage s;
+        stage_open(&s, (leaf_codec)codec);
+        const uint32_t n = s.f->layout.treelets;
+        atomic_uchar *touched = calloc(n, sizeof *touched);
+        loader_set_capacity(s.l, n, 2 * n * loader_slot_bytes(s.l));
+        /* Steps 4 and 5 have nothing in common with the one before; nor has 8 with 4. */
+        assert_int_equal(show(&s, 3), n);
+        const uint32_t third = touch(&s, touched, 3);
+        read_early(&s, 4, touched, third);
+        check(&s, 3);
+        /* What was read early counts in its step. */
+        assert_int_equal(show(&s, 4), n);
+        check(&s, 4);
+        assert_int_equal(loader_statistics(s.l).masks, n - third);
+        /* It is the selected one now, and nothing is read of it; nor of what is all there. */
+        read_early(&s, 4, touched, 0);
+        touch(&s, touched, 1);
+        read_early(&s, 3, touched, 0);
+        /* Another one is selected. What was expected stays so. */
+        read_early(&s, CHAIN + 1, touched, different(&s, CHAIN + 1, 4));
+        assert_int_equal(show(&s, 3), 0);
+        check(&s, 3);
+        assert_int_equal(show(&s, CHAIN + 1), different(&s, CHAIN + 1, 4));
+        assert_int_equal(loader_statistics(s.l).masks, 0);
+        check(&s, CHAIN + 1);
+        /* But once. */
+        assert_int_equal(show(&s, 3), 0);
+        assert_int_equal(show(&s, CHAIN + 1), 0);
+        /* Nothing is expected any more. */
+        loader_clear(s.l);
+        (void)show(&s, 3);
+        const uint64_t before = loader_statistics(s.l).early;
+        loader_read_expected(s.l, touched);
+        wait_ms(10);
+        assert_int_equal(loader_statistics(s.l).early, before);
+        /* What is the same is not read: step 2 is as 0. */
+        (void)show(&s, 0);
+        read_early(&s, 2, touched, 0);
+        /* One that shows no value of the interest. */
+        const double above = 1e9;
+        const interest none = interest_of_isovalues(&above, 1);
+        loader_select(s.l, &none);
+        read_early(&s, 8, touched, 0);
+        loader_select(s.l, &s.all);
+        free(touched);
+        stage_close(&s);
+    }
+}
+
+/* Codes of a chain are added to those of the step that is shown. */
+static void test_expected_chain(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s, LEAF_CODEC_ZSTD);
+    const uint32_t n = s.f->layout.treelets;
+    atomic_uchar *touched = calloc(n, sizeof *touched);
+    touch(&s, touched, 1);
+    loader_set_capacity(s.l, n, n * loader_slot_bytes(s.l));
+    (void)show(&s, CHAIN);
+    for (uint32_t set = CHAIN + 1; set < STEPS; set++) {
+        const uint64_t before = loader_statistics(s.l).bytes_read_ever;
+        read_early(&s, set, touched, different(&s, set, set - 1));
+        const uint64_t read = loader_statistics(s.l).bytes_read_ever - before;
+        assert_int_equal(show(&s, set), different(&s, set, set - 1));
+        assert_int_equal(loader_statistics(s.l).bytes_read, read);
+        assert_int_equal(loader_statistics(s.l).bytes_read_ever - before, read);
+        assert_in_range(read, 1, s.l->bytes_active / 2);
+        check(&s, set);
+    }
+    free(touched);
+    stage_close(&s);
+}
+
+/* It makes room of what is old, of nothing that is shown or expected, and takes no more than there
+ * is. What comes next ends it. */
+static void test_expected_room(void **state) {
+    (void)state;
+    for (uint32_t rest = 0; rest < 3; rest++) {
+        stage s;
+        stage_open(&s, LEAF_CODEC_RAW);
+        const uint32_t n = s.f->layout.treelets;
+        const size_t room = (n + rest * n / 2) * loader_slot_bytes(s.l);
+        atomic_uchar *touched = calloc(n, sizeof *touched);
+        touch(&s, touched, 1);
+        loader_set_capacity(s.l, n, room - n * loader_slot_bytes(s.l));
+        (void)show(&s, 5);
+        (void)show(&s, 4);
+        (void)show(&s, 5);
+        for (uint32_t set = 5; set <= 8; set += 3) {
+            (void)show(&s, 4);
+            for (int round = 0; round < 20; round++) {
+                const struct timespec pause = {0, round * 20000};
+                loader_expect(s.l, set);
+                loader_read_expected(s.l, touched);
+                nanosleep(&pause, NULL);
+                if (round % 5 == 4)
+                    loader_rest(s.l);
+                assert_true(loader_statistics(s.l).bytes_resident <= room);
+                for (uint32_t t = 0; t < n; t++)
+                    assert_true(loader_is_ready(s.l, t));
+            }
+            for (int i = 0; i < 1000 && set == 8 && !loader_statistics(s.l).early; i++)
+                wait_ms(10);
+            loader_rest(s.l);
+            const uint64_t early = loader_statistics(s.l).early;
+            check(&s, 4);
+            assert_int_equal(loader_statistics(s.l).early, early);
+            /* Each once: none makes room for another. */
+            assert_in_range(early, set == 5 ? 0 : 1, 2 * n);
+            const uint64_t read = show(&s, set);
+            assert_in_range(read, 0, rest > 0 && set == 5 ? 0 : 2 * n);
+            check(&s, set);
+        }
+        free(touched);
+        stage_close(&s);
+    }
+}
+
+/* What fails early is nobody's error: it is read again when it is wanted. */
+static void test_expected_faults(void **state) {
+    (void)state;
+    for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++)
+        for (int what = FAULT_ALLOC; what <= FAULT_READ; what++)
+            for (long k = 1; k < 10; k += 4) {
+                stage s;
+                stage_open(&s, (leaf_codec)codec);
+                const uint32_t n = s.f->layout.treelets;
+                atomic_uchar *touched = calloc(n, sizeof *touched);
+                touch(&s, touched, 1);
+                loader_set_capacity(s.l, n, n * loader_slot_bytes(s.l));
+                (void)show(&s, 3);
+                fault_arm((fault_kind)what, k);
+                loader_expect(s.l, 4);
+                loader_read_expected(s.l, touched);
+                for (int i = 0; i < 20000 && !fault_fired((fault_kind)what); i++)
+                    wait_ms(1);
+                assert_true(fault_fired((fault_kind)what));
+                loader_rest(s.l);
+                fault_arm((fault_kind)what, 0);
+                assert_int_equal(loader_failure(s.l), ST_OK);
+                assert_in_range(loader_statistics(s.l).early, 0, n - 1);
+                check(&s, 3);
+                (void)show(&s, 4);
+                check(&s, 4);
+                free(touched);
+                stage_close(&s);
+            }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_steps),
-        cmocka_unit_test(test_little_room),
+        cmocka_unit_test(test_steps),         cmocka_unit_test(test_little_room),
+        cmocka_unit_test(test_expected),      cmocka_unit_test(test_expected_chain),
+        cmocka_unit_test(test_expected_room), cmocka_unit_test(test_expected_faults),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -68,6 +68,10 @@ static leafcast_status select_set(calls_lab *l) {
     return leafcast_select_set(P(VOLUME), l->field, l->step);
 }
 
+static leafcast_status expect_set(calls_lab *l) {
+    return leafcast_expect_set(P(VOLUME), l->field, l->step);
+}
+
 static leafcast_status find_field(calls_lab *l) {
     return leafcast_find_field(P(VOLUME), P(TEXT) ? "0" : NULL, P(COUNT));
 }
@@ -246,6 +250,7 @@ const public_call *public_calls(int *count) {
         {"leafcast_get_info", get_info, BIT(VOLUME) | BIT(INFO), 0, BIT(INFO), NULL},
         {"leafcast_select", select_surfaces, BIT(VOLUME) | BIT(SURFACES), BIT(SURFACES), 0, NULL},
         {"leafcast_select_set", select_set, BIT(VOLUME), 0, 0, NULL},
+        {"leafcast_expect_set", expect_set, BIT(VOLUME), 0, 0, NULL},
         {"leafcast_find_field", find_field, BIT(VOLUME) | BIT(TEXT) | BIT(COUNT), 0, 0, NULL},
         {"leafcast_map_treelets", map_treelets, BIT(VOLUME) | BIT(BLOCKS) | BIT(FOUND), 0, 0, NULL},
         {"leafcast_range", range, BIT(VOLUME) | BIT(NUMBERS), 0, 0, NULL},

@@ -6,6 +6,8 @@ export class Data {
     this.app = app;
     this.playing = false;
     this.speed = 5;
+    this.end = "loop"; // what comes behind the last step: "loop", "once", "to and fro"
+    this.way = 1; // -1: backwards, of "to and fro"
     this.waiting = null; // the number of the view whose picture the next step waits for
   }
 
@@ -36,6 +38,8 @@ export class Data {
       element("div", {class: "row"},
         element("button", {class: "icon", "aria-label": "Step before", onclick: step(-1)}, "‹"), this.button,
         element("button", {class: "icon", "aria-label": "Step after", onclick: step(1)}, "›"), this.time),
+      choice("At the end", {options: ["loop", "once", "to and fro"].map(e => [e, e]), value: this.end,
+        change: e => { this.end = e; this.way = 1; }}),
       slider("Steps a second", {min: 0.5, max: 30, step: 0.5, value: this.speed, change: x => { this.speed = x; }})];
   }
 
@@ -50,11 +54,19 @@ export class Data {
     return number;
   }
 
+  // The step behind this one; null: the last one was shown once.
+  following() {
+    const last = this.app.volume.steps.length - 1, at = this.app.model.data.step;
+    if (this.end === "to and fro" && (this.way > 0 ? at === last : at === 0)) this.way = -this.way;
+    if (this.end === "once" && at === last) return null;
+    return (at + this.way + last + 1) % (last + 1);
+  }
+
   play() {
     this.playing = true;
     this.button.textContent = "Stop";
     this.button.setAttribute("aria-pressed", "true");
-    this.next();
+    this.next(this.following() ?? 0);
   }
 
   stop() {
@@ -67,16 +79,18 @@ export class Data {
     this.app.changed(false);
   }
 
-  next() {
+  next(step) {
     this.began = performance.now();
-    this.waiting = this.go((this.app.model.data.step + 1) % this.app.volume.steps.length, true);
+    this.waiting = this.go(step, true);
   }
 
   // A picture of the step is on the screen: the next one may come.
   shown(head) {
     if (!this.playing || this.waiting == null || head.number < this.waiting) return;
     this.waiting = null;
-    this.timer = setTimeout(() => this.next(), Math.max(0, 1000 / this.speed - (performance.now() - this.began)));
+    const step = this.following();
+    if (step == null) this.stop();
+    else this.timer = setTimeout(() => this.next(step), Math.max(0, 1000 / this.speed - (performance.now() - this.began)));
   }
 
   facts(v) {

@@ -7,7 +7,11 @@
 
 #include <cmocka.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include "formats/base/fault.h"
 #include "formats/base/mem.h"
@@ -88,6 +92,72 @@ static void test_overflow(void **state) {
     assert_int_equal(mem_used(&m), 0);
 }
 
+/* Large blocks: zeros each time, as aligned and counted as small ones, given back in whole. */
+static void test_large(void **state) {
+    (void)state;
+    mem m;
+    mem_init(&m, 0);
+    for (size_t size = MEM_LARGE_PAGE - 200; size < MEM_LARGE_PAGE + 200; size += 67) {
+        for (int round = 0; round < 2; round++) {
+            char *a = mem_zalloc(&m, size), *b = mem_alloc(&m, 2 * size);
+            assert_non_null(a);
+            assert_non_null(b);
+            assert_int_equal((uintptr_t)a % 64, 0);
+            assert_int_equal((uintptr_t)b % 64, 0);
+            assert_in_range(mem_used(&m), 3 * size, 3 * size + 512);
+            for (size_t i = 0; i < size; i++)
+                if (a[i] != 0)
+                    fail_msg("byte %zu of %zu is %d", i, size, a[i]);
+            memset(a, 7, size);
+            memset(b, 7, 2 * size);
+            mem_free(&m, a);
+            mem_free(&m, b);
+            assert_int_equal(mem_used(&m), 0);
+        }
+    }
+    m.limit = MEM_LARGE_PAGE;
+    assert_null(mem_zalloc(&m, MEM_LARGE_PAGE));
+    assert_int_equal(mem_used(&m), 0);
+}
+
+/* How many bytes of address space the process has. */
+static size_t mapped_now(void) {
+    char text[64];
+    size_t pages = 0;
+    FILE *f = fopen("/proc/self/statm", "r");
+    assert_non_null(f);
+    assert_non_null(fgets(text, sizeof text, f));
+    fclose(f);
+    pages = strtoul(text, NULL, 10);
+    return pages * (size_t)sysconf(_SC_PAGESIZE);
+}
+
+static void test_map(void **state) {
+    (void)state;
+    static const size_t sizes[] = {1, 4096, MEM_LARGE_PAGE, MEM_LARGE_PAGE + 1,
+                                   3 * MEM_LARGE_PAGE - 1};
+    enum { SIZES = (int)(sizeof sizes / sizeof *sizes), ROUNDS = 5 };
+    char *maps[SIZES * ROUNDS];
+    const size_t before = mapped_now();
+    size_t wanted = 0;
+    for (int i = 0; i < SIZES * ROUNDS; i++) {
+        const size_t size = sizes[i % SIZES];
+        maps[i] = mem_map(size);
+        assert_non_null(maps[i]);
+        assert_int_equal((uintptr_t)maps[i] % MEM_LARGE_PAGE, 0);
+        assert_int_equal(maps[i][0] | maps[i][size - 1], 0);
+        memset(maps[i], 1, size);
+        wanted += (size + 4095) / 4096 * 4096;
+    }
+    /* No more than asked for, but for what stdio takes. */
+    assert_in_range(mapped_now() - before, wanted, wanted + (1 << 20));
+    for (int i = 0; i < SIZES * ROUNDS; i++)
+        munmap(maps[i], sizes[i % SIZES]);
+    assert_in_range(mapped_now() - before, 0, 1 << 20);
+    assert_null(mem_map(SIZE_MAX));
+    assert_null(mem_map(SIZE_MAX / 2));
+}
+
 static void test_fault(void **state) {
     (void)state;
     mem m;
@@ -129,9 +199,9 @@ static void test_status(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_counts), cmocka_unit_test(test_budget),
-        cmocka_unit_test(test_grow),   cmocka_unit_test(test_overflow),
-        cmocka_unit_test(test_fault),  cmocka_unit_test(test_status),
+        cmocka_unit_test(test_counts),   cmocka_unit_test(test_budget), cmocka_unit_test(test_grow),
+        cmocka_unit_test(test_overflow), cmocka_unit_test(test_large),  cmocka_unit_test(test_map),
+        cmocka_unit_test(test_fault),    cmocka_unit_test(test_status),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

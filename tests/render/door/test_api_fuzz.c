@@ -230,6 +230,8 @@ static void call_select(world *w) {
     (void)ended(leafcast_select(v, surfaces, count));
     begin("leafcast_select_set");
     (void)ended(leafcast_select_set(v, (uint32_t)below(w, 3), (uint32_t)below(w, 4)));
+    begin("leafcast_expect_set");
+    (void)ended(leafcast_expect_set(v, (uint32_t)below(w, 3), (uint32_t)below(w, 4)));
 }
 
 static void call_trace(world *w) {

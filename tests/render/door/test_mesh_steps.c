@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "formats/base/fault.h"
 #include "formats/leaf/leaf_unpacker.h"
@@ -337,6 +338,8 @@ static void test_loader(void **state) {
         const size_t bare = mem_used(&m), n = f->layout.treelets;
         uint32_t ready = 0;
         field_random r = {SEED};
+        atomic_uchar *touched = malloc(n * sizeof *touched);
+        memset((void *)touched, 1, n * sizeof *touched);
         for (int round = 0; round < 60; round++) {
             const double iso = ISO + 0.5 * (round % 3 - 1);
             const interest in = interest_of_isovalues(&iso, 1);
@@ -351,8 +354,15 @@ static void test_loader(void **state) {
             const size_t held = loader_statistics(l).bytes_resident;
             assert_true(mem_used(&m) - bare <= held);
             assert_true(held <= n * loader_slot_bytes(l) + beside);
+            /* What another set is expected for changes nothing, however much of it comes. */
+            loader_expect(l, (uint32_t)field_random_below(&r, SETS));
+            loader_read_expected(l, touched);
+            if (round % 2)
+                nanosleep(&(struct timespec){0, 2000000}, NULL);
         }
         assert_true(ready > 60);
+        assert_int_equal(loader_statistics(l).early > 0, o.schema == MESH_TREES);
+        free((void *)touched);
         loader_destroy(l);
         leaf_file_close(f);
         assert_int_equal(mem_used(&m), 0);
