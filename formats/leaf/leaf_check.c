@@ -161,6 +161,9 @@ static status check_segment(const char *path, const leaf_header *h) {
     if ((h->segments || h->steps_before) && !leaf_geometry_of(h->kind)->grows)
         return status_describe(ST_UNSUPPORTED, "%s: byte %zu: a file of this kind cannot grow",
                                path, offsetof(leaf_header, segments));
+    if ((h->segments || h->steps_before) && h->outside)
+        return leaf_check_corrupt(path, offsetof(leaf_header, outside),
+                                  "a file with samples elsewhere cannot grow");
     const bool first = h->segments > 1 ? h->last >= h->file_bytes : !h->last;
     if (h->steps_before ? h->segments || h->last || !h->directory || sets > LEAF_SETS_MAX
                         : h->before || !first || h->segments > LEAF_SETS_MAX)

@@ -16,6 +16,7 @@ done <<'FILES'
 grid_f32_zstd npy 0 d3a5b44c6d79b02a
 grid_u16_level_0 npy 0 c13cb262769b6544
 grid_u8 npy 0 bfc964f2037232b5
+grown npy 5 be4d4b8467faba2c
 mesh vtu 0 92dd0653ce96abb9
 mesh_series vtu 1 abd8bfbe9c7ef295
 mesh_zstd vtu 0 92dd0653ce96abb9

@@ -84,7 +84,8 @@ static bool read_header(naive_leaf *leaf) {
     take_fields(leaf);
     if (leaf->sets > 65536)
         return wrong(leaf, "%ld fields at %ld steps", leaf->fields, leaf->steps);
-    if (leaf->outside && (leaf->codec != 1 || leaf->sets != 1))
+    if (leaf->outside &&
+        (leaf->codec != 1 || leaf->sets != 1 || !naive_zeros(leaf->bytes, 1512, 1536)))
         return wrong(leaf, "samples outside");
     int stored = leaf->source_type <= 5 ? leaf->source_type : 5;
     if (stored != leaf->sample_type && leaf->sample_type != 5)

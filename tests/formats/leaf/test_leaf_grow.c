@@ -419,6 +419,7 @@ static void test_lying_headers(void **state) {
     LIE(&i, 1, steps_before, 1);
     LIE(&i, 1, steps_before, 3);
     LIE(&i, 1, segments, 1);
+    LIE(&i, 1, outside, 1);
     LIE(&i, 1, last, last);
     LIE(&i, 2, before, 0);
     LIE(&i, 2, before, last);
