@@ -89,7 +89,7 @@ static const struct argp_option options[] = {
      "if "
      "it is not there",
      0},
-    {"watch", KEY_WATCH, NULL, CLI_BASIC,
+    {"watch", KEY_WATCH, NULL, 0,
      "the same with each file that comes to fit INPUT, a pattern such as 'step_*.nrrd'", 0},
     {"until", KEY_UNTIL, "N", 0, "with --watch: end when the output has N steps", 0},
     {"settle", KEY_SETTLE, "SECONDS", 0,

@@ -456,10 +456,17 @@ static bool has_grown(const leaf_file *f) {
            memcmp(head.id, f->first_id, sizeof head.id) == 0;
 }
 
+/* Find that a file which was written to has grown, or say again what has changed. */
+static status check_growth(const leaf_file *f, status st) {
+    status_note note;
+    status_note_take(&note, st);
+    return has_grown(f) ? file_mark_check_name(f->source, &f->mark) : status_note_raise(&note);
+}
+
 status leaf_file_changed(const leaf_file *f) {
     status st = file_mark_check(f->source, &f->mark);
-    if (st == ST_CORRUPT && has_grown(f))
-        st = file_mark_check_name(f->source, &f->mark);
+    if (st == ST_CORRUPT)
+        st = check_growth(f, st);
     return st == ST_OK && f->samples ? outside_samples_changed(f->samples) : st;
 }
 
