@@ -33,18 +33,47 @@ static status count_steps(const convert_request *a, uint32_t *steps) {
     return st;
 }
 
-/* The file of step `step`, a copy to free; NULL: it has not come. */
-static status find_file(const convert_request *a, uint32_t step, char **path) {
-    char **paths = a->common.inputs;
-    int count = 1;
+/* A watch while it goes on. */
+typedef struct watching {
+    convert_request *a;
+    uint32_t steps; /* of the output */
+    char *last;     /* the file that gave the newest one; NULL: an earlier run took it */
+} watching;
+
+static status came_late(const char *last) {
+    return status_describe(ST_USAGE,
+                           "%s: a file before it came after it was added, and is in no step: "
+                           "--watch takes files in the order of their names",
+                           last);
+}
+
+/* Which of the files that are there, in order, is the next one: the first behind the last that was
+ * taken. *next: count, if it has not come. */
+static status find_next(const watching *w, char *const *paths, int count, int *next) {
+    *next = 0;
+    while (*next < count &&
+           (w->last ? path_pattern_compare(paths[*next], w->last) <= 0 : *next < (int)w->steps))
+        ++*next;
+    return *next > (int)w->steps ? came_late(w->last) : ST_OK;
+}
+
+/* The file of the next step, a copy to free; NULL: it has not come. */
+static status find_file(const watching *w, char **path) {
+    char **paths = w->a->common.inputs;
+    int count = 1, next;
     *path = NULL;
-    const status st = path_pattern_expand(&paths, &count);
+    status st = path_pattern_expand(&paths, &count);
     if (st != ST_OK)
         return st;
-    if (step < (uint32_t)count && access(paths[step], F_OK) == 0)
-        *path = strdup(paths[step]);
+    /* A pattern that nothing fits stays as it is. */
+    if (access(paths[0], F_OK) == 0)
+        st = find_next(w, paths, count, &next);
+    else
+        next = count;
+    if (st == ST_OK && next < count)
+        *path = strdup(paths[next]);
     path_pattern_release(paths, count);
-    return ST_OK;
+    return st;
 }
 
 /* ---- waiting ---- */
@@ -97,35 +126,42 @@ static status add(convert_request *a, char *path, status (*one)(convert_request 
     return ST_OK;
 }
 
+/* Note that a file has been added. It is the watch's from now on. */
+static status note_added(watching *w, char *path) {
+    const uint32_t before = w->steps;
+    free(w->last);
+    w->last = path;
+    const status st = count_steps(w->a, &w->steps);
+    if (st != ST_OK || w->steps == before + 1)
+        return st;
+    return status_describe(ST_USAGE, "%s: %s gave it %u steps: --watch takes files of one step",
+                           w->a->common.output, path, w->steps - before);
+}
+
 /* Add the file of the next step, if it has come. *code: if not 0, it could not be. */
-static status go_on(convert_request *a, uint32_t steps, status (*one)(convert_request *a),
-                    int *code) {
+static status go_on(watching *w, status (*one)(convert_request *a), int *code) {
     char *path = NULL;
-    status st = find_file(a, steps, &path);
+    status st = find_file(w, &path);
     if (st == ST_OK && !path)
-        return rest(a);
+        return rest(w->a);
     if (st == ST_OK)
-        st = settle(a, path);
-    if (st == ST_OK && access(path, F_OK) == 0)
-        st = add(a, path, one, code);
+        st = settle(w->a, path);
+    const bool there = st == ST_OK && access(path, F_OK) == 0;
+    if (there)
+        st = add(w->a, path, one, code);
+    if (there && st == ST_OK && *code == 0)
+        return note_added(w, path);
     free(path);
     return st;
 }
 
 int convert_watch_run(convert_request *a, status (*one)(convert_request *a)) {
-    uint32_t steps = 0, before = 0;
+    watching w = {.a = a};
     int code = 0;
-    status st = count_steps(a, &steps);
-    while (st == ST_OK && code == 0 && (!a->watch.until || steps < a->watch.until)) {
-        before = steps;
-        st = go_on(a, steps, one, &code);
-        if (st == ST_OK)
-            st = count_steps(a, &steps);
-        if (st == ST_OK && steps > before + 1)
-            st = status_describe(ST_USAGE,
-                                 "%s: a file gave it %u steps: --watch takes files of one step",
-                                 a->common.output, steps - before);
-    }
+    status st = count_steps(a, &w.steps);
+    while (st == ST_OK && code == 0 && (!a->watch.until || w.steps < a->watch.until))
+        st = go_on(&w, one, &code);
+    free(w.last);
     /* What went wrong in a process of its own was said there. */
     return code ? code : cli_finish(&a->common, st);
 }

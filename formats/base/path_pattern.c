@@ -62,10 +62,13 @@ static int compare_names(const char *a, const char *b) {
 }
 
 /* Names that differ in zeros before a number alone come as they are. */
+int path_pattern_compare(const char *a, const char *b) {
+    const int order = compare_names(a, b);
+    return order ? order : strcmp(a, b);
+}
+
 static int by_name(const void *a, const void *b) {
-    const char *x = *(char *const *)a, *y = *(char *const *)b;
-    const int order = compare_names(x, y);
-    return order ? order : strcmp(x, y);
+    return path_pattern_compare(*(char *const *)a, *(char *const *)b);
 }
 
 /* ---- patterns ---- */

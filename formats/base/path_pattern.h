@@ -15,6 +15,9 @@
  * nothing has changed. */
 CHECKED status path_pattern_expand(char ***paths, int *count);
 
+/* path_pattern_compare() - the order of two such names: below 0, 0, above 0. */
+int path_pattern_compare(const char *a, const char *b);
+
 /* path_pattern_release() - free what path_pattern_expand() has made. */
 void path_pattern_release(char **paths, int count);
 

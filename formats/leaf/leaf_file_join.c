@@ -16,6 +16,19 @@ static status no_segment(const leaf_file *f, uint64_t at, uint32_t i) {
     return leaf_check_corrupt(file_path(f->source), at, "expected the header of segment %u", i);
 }
 
+/* Check that each segment has steps, which begin where those before end: no room is made, and
+ * nothing taken, by numbers that say otherwise. */
+static status check_steps(const leaf_file *f) {
+    uint64_t steps = f->header.steps;
+    for (uint32_t i = 1; i < f->header.segments; i++) {
+        const leaf_segment *s = &f->segments[i];
+        if (s->first != steps || !s->steps)
+            return no_segment(f, s->base, i);
+        steps += s->steps;
+    }
+    return ST_OK;
+}
+
 /* Find all segments, from the last one's header back to the first. */
 static status find_segments(leaf_file *f) {
     const uint32_t count = f->header.segments;
@@ -34,7 +47,7 @@ static status find_segments(leaf_file *f) {
         at = head.before;
     }
     f->segments[0] = (leaf_segment){0, 0, f->header.steps};
-    return at == 0 || count == 1 ? ST_OK : no_segment(f, at, 0);
+    return at == 0 || count == 1 ? check_steps(f) : no_segment(f, at, 0);
 }
 
 static const leaf_segment *last_of(const leaf_file *f) {
@@ -54,16 +67,16 @@ static status check_segment(const leaf_file *f, const leaf_file *part, uint32_t 
         {offsetof(leaf_header, bare), sizeof f->header.bare},
     };
     const leaf_segment *s = &f->segments[i], *before = s - 1;
-    if (s->base != end || s->first != before->first + before->steps || !s->first ||
-        part->header.steps != s->steps || part->header.before != before->base ||
+    if (s->base != end || part->header.steps != s->steps || part->header.before != before->base ||
         part->header.steps_before != s->first)
         return no_segment(f, end, i);
-    bool same = part->has_times == f->has_times &&
-                memcmp(&part->frame, &f->frame, sizeof f->frame) == 0 &&
-                memcmp(part->names, f->names, f->header.fields * sizeof *f->names) == 0;
+    bool same =
+        part->has_times == f->has_times && memcmp(&part->frame, &f->frame, sizeof f->frame) == 0;
     for (size_t k = 0; k < sizeof fields / sizeof *fields; k++)
         same = same && memcmp((const char *)&part->header + fields[k].at,
                               (const char *)&f->header + fields[k].at, fields[k].size) == 0;
+    /* From here on they have as many fields and nodes. */
+    same = same && memcmp(part->names, f->names, f->header.fields * sizeof *f->names) == 0;
     size_t nodes = 0;
     for (int a = 0; a < 3; a++)
         nodes += f->header.dims[a];

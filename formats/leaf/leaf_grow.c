@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "formats/base/file_guard.h"
@@ -51,6 +52,11 @@ static status open_before(leaf_grow *g) {
                                "%s: its samples lie in another file: no step can "
                                "be added",
                                g->path);
+    struct stat locked;
+    if (fstat(g->fd, &locked) != 0)
+        return cannot(g, "cannot look at");
+    if (g->before->mark.device != locked.st_dev || g->before->mark.inode != locked.st_ino)
+        return status_describe(ST_EXISTS, "%s: another file has taken its place just now", g->path);
     g->end = g->before->header.file_bytes;
     return ST_OK;
 }
@@ -64,16 +70,20 @@ static status write_first(const leaf_grow *g, leaf_header *h) {
     return fdatasync(g->fd) == 0 ? ST_OK : cannot(g, "cannot write");
 }
 
-/* From now on the file may be longer than its segments. */
+/* Cut off what was left behind the end. A file that never grew has nothing there. */
 static status begin(leaf_grow *g) {
     status st = file_read_at(g->before->source, 0, &g->first, sizeof g->first);
-    if (st == ST_OK && !g->first.segments) {
-        g->first.segments = 1;
-        st = write_first(g, &g->first);
-    }
-    if (st == ST_OK && ftruncate(g->fd, (off_t)g->end) != 0)
+    if (st == ST_OK && g->first.segments && ftruncate(g->fd, (off_t)g->end) != 0)
         st = cannot(g, "cannot cut");
     return st;
+}
+
+/* From now on the file may be longer than its segments. */
+static status allow_more(leaf_grow *g) {
+    if (g->first.segments)
+        return ST_OK;
+    g->first.segments = 1;
+    return write_first(g, &g->first);
 }
 
 status leaf_grow_open(mem *m, const char *path, leaf_grow **out) {
@@ -98,7 +108,7 @@ status leaf_grow_open(mem *m, const char *path, leaf_grow **out) {
 void leaf_grow_close(leaf_grow *g) {
     if (!g)
         return;
-    if (g->before && g->end && !g->published)
+    if (g->first.segments && !g->published)
         (void)!ftruncate(g->fd, (off_t)g->end); /* else the next program does */
     leaf_file_close(g->before);
     if (g->fd >= 0)
@@ -155,16 +165,18 @@ static status take_back(leaf_grow *g, status st) {
 }
 
 status leaf_grow_publish(leaf_grow *g, const char *segment) {
-    leaf_header first = g->first;
     file *from = NULL;
-    first.last = g->end;
-    first.segments++;
-    first.checksum = leaf_header_checksum(&first);
     status st = file_open(g->m, segment, &from);
+    if (st == ST_OK)
+        st = allow_more(g);
     if (st == ST_OK)
         st = copy(g, from);
     file_close(from);
     file_guard_forget(segment);
+    leaf_header first = g->first;
+    first.last = g->end;
+    first.segments++;
+    first.checksum = leaf_header_checksum(&first);
     if (st == ST_OK)
         st = prove(g, &first);
     if (st != ST_OK)

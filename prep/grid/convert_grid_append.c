@@ -35,6 +35,22 @@ static status check_grid(const convert_request *a, const leaf_file *f, const gri
     return same ? ST_OK : differs(a, "it lies elsewhere in the world, or has other spacings");
 }
 
+/* What the input says of axes and units must be what the file says; it may say nothing. */
+static status check_frame(const convert_request *a, const leaf_file *f, const grid *g,
+                          const leaf_sets *sets) {
+    const world_frame *own = &g->frame, *its = &f->frame;
+    const char *time_unit = sets->time_unit ? sets->time_unit : own->time_unit;
+    bool same = !own->axes || own->axes == its->axes;
+    for (int k = 0; k < 3; k++)
+        same = same && (!*own->unit[k] || strcmp(own->unit[k], its->unit[k]) == 0);
+    if (!same)
+        return differs(a, "its axes or units are not the file's");
+    if (f->has_times && *time_unit && strcmp(time_unit, its->time_unit) != 0)
+        return differs(a, "its times are in %s, expected %s", time_unit,
+                       *its->time_unit ? its->time_unit : "no unit");
+    return ST_OK;
+}
+
 static status check_fields(const convert_request *a, const leaf_file *f, const leaf_sets *sets) {
     if (sets->fields != f->header.fields)
         return differs(a, "%u fields are taken, expected %u", sets->fields, f->header.fields);
@@ -68,6 +84,8 @@ status convert_grid_append_check(const convert_request *a, const grid *g, leaf_s
         return ST_OK;
     const leaf_file *f = leaf_grow_before(a->grow);
     status st = check_grid(a, f, g);
+    if (st == ST_OK)
+        st = check_frame(a, f, g, sets);
     if (st == ST_OK)
         st = check_fields(a, f, sets);
     if (st == ST_OK && sets->steps > LEAF_SETS_MAX / sets->fields - f->header.steps)

@@ -67,6 +67,8 @@ done <<'ROWS'
 another size|2|@large.nrrd --times 9|it has 40 x 36 x 45 samples, expected 40 x 36 x 44
 another type|2|@u16.nrrd --times 9|its samples are u16, kept as u16, expected u8, kept as u8
 another place|2|@s1.nrrd --times 9 --spacing 2,1,1|it lies elsewhere in the world, or has other spacings
+other units|2|@s1.nrrd --times 9 --unit cm|its axes or units are not the file's
+other axes|2|@s1.nrrd --times 9 --axes LPS|its axes or units are not the file's
 no time|2|@s1.nrrd|it has no time: --times gives it
 an early time|2|@s1.nrrd --times 3|its time 3 is not behind the last one, 3
 other treelets|2|@s1.nrrd --times 9 --treelet 32|has treelets of 16 cells: --treelet asks for something else
@@ -80,12 +82,14 @@ compressed|2|@s1.nrrd --times 9 --compress zstd|has samples as they are: --compr
 a mesh|2|@m.mesh|--append
 itself|2|@a.leaf --times 9|a.leaf
 ROWS
-for other in "m 3 only.grids.can.be.added.to" "i 3 its.samples.lie.in.another.file" "n 3 expected.the.mark.of.a.treelet.file"; do
+# A file that never grew stays what it is, too, when nothing is added.
+cp "$tmp/s0.leaf" "$tmp/p.leaf"
+for other in "p 2 asks.for.something.else" "m 3 only.grids.can.be.added.to" "i 3 its.samples.lie.in.another.file" "n 3 expected.the.mark.of.a.treelet.file"; do
     # shellcheck disable=SC2086 # split on purpose
     set -- $other
     file=$tmp/$1.leaf
     sums=$(sha256sum <"$file")
-    exits "to $1" "$2" "$leafcast" convert --append "$tmp/s1.nrrd" -o "$file"
+    exits "to $1" "$2" "$leafcast" convert --append "$tmp/s1.nrrd" -o "$file" --treelet 16
     ok "says why" says "$3"
     ok "nothing changes" [ "$sums" = "$(sha256sum <"$file")" ]
 done
@@ -175,6 +179,21 @@ exits "a file that cannot be read" 3 "$leafcast" convert --watch "$tmp/run/f_%d.
 ok "is named" says 'f_13.nrrd'
 ok "nothing is added" has 12
 rm "$tmp/run/f_13.nrrd"
+mkdir "$tmp/late"
+cp "$tmp/s0.nrrd" "$tmp/late/f_1.nrrd"
+cp "$tmp/s0.nrrd" "$tmp/late/f_3.nrrd"
+"$leafcast" convert --watch "$tmp/late/f_*.nrrd" -o "$tmp/l.leaf" --settle 0 --until 3 -q 2>"$tmp/err" &
+pid=$!
+steps_of() { "$leafcast" info "$1" 2>/dev/null | sed -n 's/^steps  *\([0-9]*\).*/\1/p'; }
+for _ in $(seq 1 100); do
+    [ "$(steps_of "$tmp/l.leaf")" != 2 ] || break
+    sleep 0.1
+done
+cp "$tmp/s1.nrrd" "$tmp/late/f_2.nrrd"
+wait "$pid"
+rc=$?
+ok "a file that comes late ends it (got $rc)" [ "$rc" = 2 ]
+ok "says behind which" says 'f_3.nrrd: a file before it came after it was added'
 exits "several patterns" 2 "$leafcast" convert --watch "$tmp/s0.nrrd" "$tmp/s1.nrrd" -o "$out"
 exits "times" 2 "$leafcast" convert --watch "$tmp/s0.nrrd" -o "$out" --times 3
 exits "no watch" 2 "$leafcast" convert "$tmp/s0.nrrd" -o "$out" --until 3

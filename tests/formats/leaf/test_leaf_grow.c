@@ -394,6 +394,38 @@ static void refused(const grown_image *i, const char *what) {
         *(image)->head[k] = kept;                             \
     } while (0)
 
+/* Segments with fewer fields than the first, whose names are those of a part of it. */
+static void test_fewer_fields(void **state) {
+    (void)state;
+    leaf_steps s;
+    leaf_steps_make(&s, 20, 19, 18, SAMPLE_U8);
+    leaf_steps_use(&s, LEAF_CODEC_RAW);
+    static const char *const names[] = {"one", "two", "three"};
+    size_t sizes[2];
+    char *bytes[2];
+    for (int k = 0; k < 2; k++) { /* three fields; one, with a step more */
+        grid_series of = some(&s, 0, k == 0 ? 1 : 2);
+        of.of.sets.fields = k == 0 ? 3 : 1;
+        of.of.sets.names = names;
+        bytes[k] = scratch_read(leaf_files_series(&of, &s.c.options, "part.leaf"), &sizes[k]);
+    }
+    grown_image i = {.bytes = malloc(sizes[0] + sizes[1]), .size = sizes[0] + sizes[1]};
+    memcpy(i.bytes, bytes[0], sizes[0]);
+    memcpy(i.bytes + sizes[0], bytes[1], sizes[1]);
+    i.head[0] = (leaf_header *)(void *)i.bytes;
+    i.head[1] = (leaf_header *)(void *)(i.bytes + sizes[0]);
+    i.head[0]->segments = 2;
+    i.head[0]->last = sizes[0];
+    i.head[1]->steps_before = 1;
+    seal(i.head[0]);
+    seal(i.head[1]);
+    refused(&i, "fewer fields");
+    free(i.bytes);
+    free(bytes[0]);
+    free(bytes[1]);
+    leaf_steps_release(&s);
+}
+
 static void test_lying_headers(void **state) {
     (void)state;
     leaf_steps s;
@@ -432,6 +464,17 @@ static void test_lying_headers(void **state) {
     LIE(&i, 2, to_world[3], 1.0);
     LIE(&i, 2, source_type, SAMPLE_U16);
     LIE(&i, 2, directory, 0);
+    /* Numbers of a header that nobody has checked yet: fewer steps than there are in the first. */
+    for (int k = 1; k < 3; k++)
+        for (uint32_t steps = 0; steps < 3; steps++) {
+            const leaf_header kept = *i.head[k];
+            i.head[k]->steps_before = steps == 2 ? UINT32_MAX : steps;
+            i.head[k]->steps = 0;
+            refused(&i, "steps that no checksum holds");
+            i.head[k]->steps = steps;
+            refused(&i, "steps that no checksum holds");
+            *i.head[k] = kept;
+        }
     /* A segment alone. */
     const grown_image alone = {.bytes = (char *)i.head[1], .size = i.head[1]->file_bytes};
     refused(&alone, "a segment alone");
@@ -513,12 +556,13 @@ static void test_lying_links(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_segments),    cmocka_unit_test(test_again),
-        cmocka_unit_test(test_static),      cmocka_unit_test(test_back),
-        cmocka_unit_test(test_readers),     cmocka_unit_test(test_two),
-        cmocka_unit_test(test_refused),     cmocka_unit_test(test_faults),
-        cmocka_unit_test(test_killed),      cmocka_unit_test(test_lying_headers),
-        cmocka_unit_test(test_lying_links), cmocka_unit_test(test_lying_raw),
+        cmocka_unit_test(test_segments),     cmocka_unit_test(test_again),
+        cmocka_unit_test(test_static),       cmocka_unit_test(test_back),
+        cmocka_unit_test(test_readers),      cmocka_unit_test(test_two),
+        cmocka_unit_test(test_refused),      cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_killed),       cmocka_unit_test(test_lying_headers),
+        cmocka_unit_test(test_lying_links),  cmocka_unit_test(test_lying_raw),
+        cmocka_unit_test(test_fewer_fields),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
