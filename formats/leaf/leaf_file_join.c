@@ -54,8 +54,8 @@ static const leaf_segment *last_of(const leaf_file *f) {
     return &f->segments[f->header.segments - 1];
 }
 
-/* Check that a segment lies where the one before it ends, in steps and bytes, and that it is of the
- * same grid, with the same parameters. */
+/* Check that a segment lies where the one before it ends, and that it is of the same grid, with the
+ * same parameters. */
 static status check_segment(const leaf_file *f, const leaf_file *part, uint32_t i, uint64_t end) {
     const struct {
         size_t at, size;
@@ -348,7 +348,7 @@ static void settle(joining *j, const leaf_header *h) {
 static bool lay_out(joining *j, leaf_header *h) {
     const leaf_segment *last = last_of(j->f);
     const uint64_t steps = (uint64_t)last->first + last->steps;
-    if (!steps || steps > LEAF_SETS_MAX / h->fields)
+    if (steps > LEAF_SETS_MAX / h->fields)
         return false;
     h->steps = (uint32_t)steps;
     leaf_header all = *h;
