@@ -145,8 +145,8 @@ static leafcast_status draw(const simulation *s, int number) {
     scene.shadows = true;
     scene.light_count = 1;
     for (int a = 0; a < 3; a++) {
-        const double up[3] = {0.3, -0.5, 1};
-        scene.lights[0].vector[a] = up[a];
+        /* From above the eye: what is seen is lit, wherever it goes. */
+        scene.lights[0].vector[a] = camera.eye[a] - middle + (a == 2 ? 0.4 * far_off : 0);
         scene.lights[0].rgb[a] = 1;
     }
     scene.background[3] = 1;
