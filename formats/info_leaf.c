@@ -20,10 +20,15 @@ typedef leaf_activity activity[LEAF_LEVELS_MAX];
 typedef struct report {
     cli_common *common;
     const leaf_file *f;
-    const double *isos;
-    int iso_count;
-    activity *active; /* per isovalue */
-    histogram values; /* of the first set */
+    info_leaf_question *q;
+    uint32_t field, first; /* and the first of the steps */
+    activity *active;      /* per isovalue */
+    /* Of several steps, else NULL: */
+    time_tree *tree;
+    leaf_presence *present; /* per isovalue */
+    uint8_t *asked;         /* per step */
+    uint8_t *has;           /* per isovalue and step */
+    histogram values;       /* of the field at the first step */
 } report;
 
 /* ---- stored sizes ---- */
@@ -71,56 +76,90 @@ static void print_levels(const leaf_file *f, const activity levels) {
                (unsigned long long)levels[i].bytes, (unsigned long long)levels[i].cells);
 }
 
-/* Find the next run of steps of the first field that have an isovalue, from *step on. Returns how
- * many there are, 0: none; *step: the first of them. */
-static uint32_t next_run(const leaf_file *f, double iso, uint32_t *step) {
-    const uint32_t steps = f->header.steps;
+static const uint8_t *steps_with(const report *r, int i) {
+    return r->has + (size_t)i * r->f->header.steps;
+}
+
+/* Find the next run of steps with has[step] from *step on. Returns how many there are, 0: none;
+ * *step: the first of them. */
+static uint32_t next_run(const report *r, const uint8_t *has, uint32_t *step) {
+    const uint32_t steps = r->f->header.steps;
     uint32_t end;
-    while (*step < steps && !leaf_stats_has(f, *step, iso))
+    while (*step < steps && !has[*step])
         ++*step;
-    for (end = *step; end < steps && leaf_stats_has(f, end, iso);)
+    for (end = *step; end < steps && has[end];)
         end++;
     return end - *step;
 }
 
-static void print_steps(const leaf_file *f, double iso) {
-    char text[NUM_TEXT_MAX];
-    bool any = false;
-    printf("in steps");
-    for (uint32_t step = 0, run; (run = next_run(f, iso, &step)) > 0; step += run, any = true) {
-        printf("%s %u", any ? "," : "", step);
+static void print_runs(const report *r, const uint8_t *has) {
+    const char *between = " ";
+    for (uint32_t step = 0, run; (run = next_run(r, has, &step)) > 0; step += run) {
+        printf("%s%u", between, step);
         if (run > 1)
             printf(" to %u", step + run - 1);
-        if (!any)
-            printf(" (time %s)", num_print(leaf_file_step_time(f, step), text));
+        between = ", ";
     }
-    printf("%s\n", any ? "" : ": none");
 }
 
-static json_t *steps_json(const leaf_file *f, double iso) {
+static void print_presence(const report *r, int i) {
+    const leaf_presence *p = &r->present[i];
+    const uint8_t *has = steps_with(r, i);
+    char text[NUM_TEXT_MAX];
+    uint32_t first = 0;
+    if (!next_run(r, has, &first)) {
+        printf("in none of the steps");
+        print_runs(r, r->asked);
+        printf("\n");
+        return;
+    }
+    printf("in %u of the steps", p->steps);
+    print_runs(r, r->asked);
+    printf(":");
+    print_runs(r, has);
+    printf("; first at time %s\n", num_print(leaf_file_step_time(r->f, first), text));
+    printf("in %llu treelets of level 0 at any of them, at most %llu at once (step %u); "
+           "%llu bytes in all\n",
+           (unsigned long long)p->treelets, (unsigned long long)p->most, p->step_of_most,
+           (unsigned long long)p->bytes);
+}
+
+static json_t *runs_json(const report *r, const uint8_t *has) {
     json_t *runs = json_array();
-    for (uint32_t step = 0, run; (run = next_run(f, iso, &step)) > 0; step += run)
+    for (uint32_t step = 0, run; (run = next_run(r, has, &step)) > 0; step += run)
         json_array_append_new(
             runs, json_pack("[I, I]", (json_int_t)step, (json_int_t)step + (json_int_t)run - 1));
     return runs;
 }
 
-static void print_activity(const leaf_file *f, double iso, const activity levels) {
+static json_t *presence_json(const report *r, int i) {
+    const leaf_presence *p = &r->present[i];
+    return json_pack("{s:I, s:I, s:I, s:I}", "treelets", (json_int_t)p->treelets, "most_treelets",
+                     (json_int_t)p->most, "most_at_step", (json_int_t)p->step_of_most, "bytes",
+                     (json_int_t)p->bytes);
+}
+
+static void print_activity(const report *r, int i) {
+    const leaf_file *f = r->f;
     const leaf_header *h = &f->header;
     const leaf_teller *kind = leaf_teller_of(f);
-    const leaf_activity all = total_of(levels);
+    const leaf_activity all = total_of(r->active[i]);
     char text[NUM_TEXT_MAX];
-    printf("\nisovalue %s: %llu active %s", num_print(iso, text), (unsigned long long)all.cells,
-           kind->cells);
+    printf("\nisovalue %s", num_print(r->q->isos[i], text));
+    if (h->fields > 1)
+        printf(" of %s", f->names[r->field]);
+    if (h->steps > 1)
+        printf(" at step %u", r->first);
+    printf(": %llu active %s", (unsigned long long)all.cells, kind->cells);
     if (kind->cell_count)
         printf(", %.3f of all", (double)all.cells / (double)kind->cell_count(h));
     printf(", %llu active treelets, %.3f of the payload bytes, %.3f of the file\n",
            (unsigned long long)all.treelets, share_of(all.bytes, h->payload_bytes),
            share_of(all.bytes, h->file_bytes));
-    if (f->header.steps > 1)
-        print_steps(f, iso);
     if (kind->has_levels)
-        print_levels(f, levels);
+        print_levels(f, r->active[i]);
+    if (r->tree)
+        print_presence(r, i);
 }
 
 static json_t *levels_json(const leaf_file *f, const activity levels) {
@@ -132,20 +171,23 @@ static json_t *levels_json(const leaf_file *f, const activity levels) {
     return rows;
 }
 
-static json_t *activity_json(const leaf_file *f, double iso, const activity levels) {
+static json_t *activity_json(const report *r, int i) {
+    const leaf_file *f = r->f;
     const leaf_header *h = &f->header;
-    const leaf_activity all = total_of(levels);
+    const leaf_activity all = total_of(r->active[i]);
     char key[64];
     snprintf(key, sizeof key, "active_%s", leaf_teller_of(f)->cells);
-    json_t *json = json_pack("{s:o, s:I, s:I, s:I, s:f, s:f}", "iso", cli_json_real(iso), key,
-                             (json_int_t)all.cells, "active_treelets", (json_int_t)all.treelets,
-                             "active_bytes", (json_int_t)all.bytes, "active_share",
-                             share_of(all.bytes, h->payload_bytes), "active_share_of_file",
-                             share_of(all.bytes, h->file_bytes));
+    json_t *json = json_pack("{s:o, s:I, s:I, s:I, s:f, s:f}", "iso", cli_json_real(r->q->isos[i]),
+                             key, (json_int_t)all.cells, "active_treelets",
+                             (json_int_t)all.treelets, "active_bytes", (json_int_t)all.bytes,
+                             "active_share", share_of(all.bytes, h->payload_bytes),
+                             "active_share_of_file", share_of(all.bytes, h->file_bytes));
     if (leaf_teller_of(f)->has_levels)
-        json_object_set_new(json, "levels", levels_json(f, levels));
-    if (f->header.steps > 1)
-        json_object_set_new(json, "at_steps", steps_json(f, iso));
+        json_object_set_new(json, "levels", levels_json(f, r->active[i]));
+    if (r->tree) {
+        json_object_set_new(json, "at_steps", runs_json(r, steps_with(r, i)));
+        json_object_set_new(json, "over_steps", presence_json(r, i));
+    }
     return json;
 }
 
@@ -183,10 +225,10 @@ static status print_json(const report *r) {
     tell_file(r->f, &to);
     fact_sheet_json(&to, "histogram", histogram_json(&r->values));
     info_next_tell(&to, next_command(r->common->input, next));
-    if (r->iso_count) {
+    if (r->q->iso_count) {
         json_t *isos = json_array();
-        for (int i = 0; i < r->iso_count; i++)
-            json_array_append_new(isos, activity_json(r->f, r->isos[i], r->active[i]));
+        for (int i = 0; i < r->q->iso_count; i++)
+            json_array_append_new(isos, activity_json(r, i));
         fact_sheet_json(&to, "isovalues", isos);
     }
     return cli_print_json(r->common, to.values);
@@ -202,23 +244,73 @@ static void print_text(const report *r) {
     printf("\n");
     histogram_print_isovalues(stdout, &r->values);
     info_next_tell(&to, next_command(r->common->input, next));
-    for (int i = 0; i < r->iso_count; i++)
-        print_activity(r->f, r->isos[i], r->active[i]);
+    for (int i = 0; i < r->q->iso_count; i++)
+        print_activity(r, i);
 }
 
-status info_leaf_report(cli_common *common, mem *m, leaf_file *f, const double *isos,
-                        int iso_count) {
-    report r = {.common = common, .f = f, .isos = isos, .iso_count = iso_count};
-    r.active = mem_array(m, (size_t)iso_count, sizeof *r.active);
-    if (!r.active)
+/* ---- what is asked ---- */
+
+/* Find the field and the steps that are asked for. */
+static status settle(report *r, mem *m) {
+    step_list *list = &r->q->steps;
+    const uint32_t steps = r->f->header.steps;
+    if (!step_list_given(list))
+        list->all = true;
+    status st = r->q->field ? leaf_file_find_field(r->f, r->q->field, &r->field) : ST_OK;
+    if (st == ST_OK)
+        st = step_list_settle(list, "--steps", r->common->input, steps);
+    if (st != ST_OK)
+        return st;
+    r->asked = mem_array(m, steps, sizeof *r->asked);
+    if (!r->asked)
         return ST_NOMEM;
-    status st = leaf_histogram_get(m, f, 0, &r.values);
-    for (int i = 0; i < iso_count && st == ST_OK; i++)
-        st = leaf_stats_activity(m, f, isos[i], common->threads, cli_progress(common), r.active[i]);
+    r->first = steps;
+    for (uint64_t i = 0; i < step_list_count(list); i++) {
+        const uint32_t step = step_list_at(list, i);
+        r->asked[step] = 1;
+        r->first = step < r->first ? step : r->first;
+    }
+    return ST_OK;
+}
+
+static status count(report *r, mem *m, leaf_file *f) {
+    cli_common *common = r->common;
+    const uint32_t steps = f->header.steps;
+    const size_t isos = (size_t)r->q->iso_count;
+    status st = ST_OK;
+    r->active = mem_array(m, isos, sizeof *r->active);
+    r->present = mem_array(m, isos, sizeof *r->present);
+    r->has = mem_array(m, isos * steps, sizeof *r->has);
+    if (!r->active || !r->present || !r->has)
+        return ST_NOMEM;
+    if (isos > 0 && steps > 1)
+        st = time_tree_create(m, f, r->field, TIME_ORDER_MOST, &r->tree);
+    for (size_t i = 0; i < isos && st == ST_OK; i++) {
+        const double iso = r->q->isos[i];
+        st = leaf_stats_activity(m, f, leaf_layout_set(&f->layout, r->field, r->first), iso,
+                                 common->threads, cli_progress(common), r->active[i]);
+        if (st == ST_OK && r->tree)
+            st = leaf_stats_presence(m, f, r->tree, r->field, iso, r->asked, r->has + i * steps,
+                                     &r->present[i]);
+    }
+    return st;
+}
+
+status info_leaf_report(cli_common *common, mem *m, leaf_file *f, info_leaf_question *q) {
+    report r = {.common = common, .f = f, .q = q};
+    status st = settle(&r, m);
+    if (st == ST_OK)
+        st = leaf_histogram_get(m, f, leaf_layout_set(&f->layout, r.field, r.first), &r.values);
+    if (st == ST_OK)
+        st = count(&r, m, f);
     if (st == ST_OK && common->json)
         st = print_json(&r);
     else if (st == ST_OK)
         print_text(&r);
+    time_tree_destroy(r.tree);
+    mem_free(m, r.has);
+    mem_free(m, r.present);
     mem_free(m, r.active);
+    mem_free(m, r.asked);
     return st;
 }

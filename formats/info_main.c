@@ -12,24 +12,34 @@
 #include "formats/input_facts.h"
 #include "formats/trust_options.h"
 
-enum { ISOS_MAX = 64 };
-
 typedef struct arguments {
     cli_common common;
-    double isos[ISOS_MAX];
-    int iso_count;
-    input_question question; /* for inputs that are not treelet files */
+    info_leaf_question leaf; /* of a treelet file */
+    input_question question; /* of another input */
 } arguments;
 
-enum { KEY_ISO = 0x2000, KEY_QUICK, KEY_FIELD, KEY_DIMS, KEY_TYPE, KEY_BIG_ENDIAN, KEY_SKIP };
+enum {
+    KEY_ISO = 0x2000,
+    KEY_STEPS,
+    KEY_QUICK,
+    KEY_FIELD,
+    KEY_DIMS,
+    KEY_TYPE,
+    KEY_BIG_ENDIAN,
+    KEY_SKIP
+};
 
 static const struct argp_option options[] = {
     {"iso", KEY_ISO, "V", CLI_BASIC,
      "of a treelet file: count what this isovalue needs; may be repeated", 0},
+    {"steps", KEY_STEPS, STEP_LIST_FORM, CLI_BASIC,
+     "of a treelet file: say where isovalues are in these time steps (all); count cells in the "
+     "first",
+     0},
+    {"field", KEY_FIELD, "NAME", CLI_BASIC,
+     "of several: this field, array, grid, data set or variable (default: the first)", 0},
     {NULL, 0, NULL, 0, "Other inputs:", 1},
     {"quick", KEY_QUICK, NULL, CLI_BASIC, "tell what the header says; do not read the values", 1},
-    {"field", KEY_FIELD, "NAME", CLI_BASIC,
-     "of several: this array, grid, data set or variable (default: the first)", 1},
     {"dims", KEY_DIMS, "X,Y,Z", CLI_BASIC, "of raw samples: how many per axis", 1},
     {"type", KEY_TYPE, "TYPE", CLI_BASIC,
      "of raw samples: u8 i8 u16 i16 u32 i32 u64 i64 f16 f32 f64", 1},
@@ -39,9 +49,9 @@ static const struct argp_option options[] = {
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status add_iso(arguments *a, const char *text) {
-    if (a->iso_count == ISOS_MAX)
-        return status_describe(ST_USAGE, "more than %d isovalues", ISOS_MAX);
-    return num_double(text, "--iso", &a->isos[a->iso_count++]);
+    if (a->leaf.iso_count == INFO_ISOS_MAX)
+        return status_describe(ST_USAGE, "more than %d isovalues", INFO_ISOS_MAX);
+    return num_double(text, "--iso", &a->leaf.isos[a->leaf.iso_count++]);
 }
 
 static status set_option(void *own, int key, const char *text) {
@@ -50,7 +60,8 @@ static status set_option(void *own, int key, const char *text) {
     switch (key) {
     case KEY_ISO: return add_iso(a, text);
     case KEY_QUICK: q->header_only = true; return ST_OK;
-    case KEY_FIELD: q->hints.mesh.field = q->hints.grid.field = text; return ST_OK;
+    case KEY_STEPS: return step_list_parse(text, "--steps", &a->leaf.steps);
+    case KEY_FIELD: q->hints.mesh.field = q->hints.grid.field = a->leaf.field = text; return ST_OK;
     case KEY_DIMS: return cli_dims(text, "--dims", 1, GRID_DIM_MAX, q->hints.grid.dims);
     case KEY_TYPE: return cli_sample_type(text, &q->hints.grid.type);
     case KEY_BIG_ENDIAN: q->hints.grid.big_endian = true; return ST_OK;
@@ -83,8 +94,9 @@ enum { LEAF = INPUT_TRAIT_END, INPUT = 2 * LEAF };
 static const char *const input_names[] = {
     INPUT_TRAIT_NAMES, [LEAF] = "treelet files", [INPUT] = "inputs of convert"};
 static const cli_use uses[] = {{KEY_ISO, LEAF},
+                               {KEY_STEPS, LEAF},
                                {KEY_QUICK, INPUT},
-                               {KEY_FIELD, INPUT_CHOICES},
+                               {KEY_FIELD, LEAF | INPUT_CHOICES},
                                {KEY_DIMS, INPUT_RAW},
                                {KEY_TYPE, INPUT_RAW},
                                {KEY_BIG_ENDIAN, INPUT_RAW},
@@ -163,7 +175,7 @@ static status run(arguments *a) {
     if (st == ST_OK)
         st = leaf_file_open(&m, a->common.input, &f);
     if (st == ST_OK)
-        st = info_leaf_report(&a->common, &m, f, a->isos, a->iso_count);
+        st = info_leaf_report(&a->common, &m, f, &a->leaf);
     leaf_file_close(f);
     return st;
 }

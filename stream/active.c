@@ -135,7 +135,7 @@ static uint64_t block_mask(const block_samples *b, const interest_part *in, bool
     node_rows reach, beyond;
     uint64_t mask = 0;
     for (int i = 0; i < in->count; i++) {
-        const interest_limits at = in->limits[i];
+        const value_limits at = in->limits[i];
         const bool isovalue = at.reach == at.beyond;
         rows_from(b, at.reach, reach);
         if (!isovalue)

@@ -500,7 +500,7 @@ static void word_of_cells(active_masks *masks, const sample_rows *s, const leaf_
         memset(rows.bad, 0, used);
     }
     for (int i = 0; i < in->count; i++) {
-        const interest_limits at = in->limits[i];
+        const value_limits at = in->limits[i];
         const bool isovalue = at.reach == at.beyond;
         threshold reach = {0, 0.0f}, beyond = {0, 0.0f};
         if (!threshold_of(s->type, at.reach, &reach))

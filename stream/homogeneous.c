@@ -5,7 +5,7 @@
 #include "stream/interest.h"
 
 void homogeneous_except(homogeneous *h, double value) {
-    const float below = nextafterf(interest_threshold(value), -INFINITY);
+    const float below = nextafterf(value_limits_threshold(value), -INFINITY);
     for (int i = 0; i < h->bins; i++)
         if (homogeneous_begin(h, i) - 1e-6 * h->width < value)
             h->until[i] = fminf(h->until[i], below);

@@ -3,20 +3,15 @@
 #include <assert.h>
 #include <math.h>
 
-float interest_threshold(double v) {
-    const float f = (float)v;
-    return (double)f < v ? nextafterf(f, INFINITY) : f;
-}
-
 /* Returns the least float greater than v. */
 static float above(double v) {
     const float f = (float)v;
     return (double)f <= v ? nextafterf(f, INFINITY) : f;
 }
 
-static interest_limits limits_of(const interest_interval *a) {
-    return (interest_limits){.reach = a->lo_open ? above(a->lo) : interest_threshold(a->lo),
-                             .beyond = a->hi_open ? interest_threshold(a->hi) : above(a->hi)};
+static value_limits limits_of(const interest_interval *a) {
+    return (value_limits){.reach = a->lo_open ? above(a->lo) : value_limits_threshold(a->lo),
+                          .beyond = a->hi_open ? value_limits_threshold(a->hi) : above(a->hi)};
 }
 
 /* ---- Normalising ---- */
@@ -104,7 +99,7 @@ bool interest_same(const interest *a, const interest *b) {
 
 bool interest_meets(const interest *in, float min, float max) {
     for (int i = 0; i < in->count; i++)
-        if (min < in->limits[i].beyond && in->limits[i].reach <= max)
+        if (value_limits_meet(&in->limits[i], min, max))
             return true;
     return false;
 }
@@ -112,7 +107,7 @@ bool interest_meets(const interest *in, float min, float max) {
 void interest_within(interest_part *part, const interest *in, const quantizer *q) {
     part->count = 0;
     for (int i = 0; i < in->count; i++) {
-        const interest_limits at = in->limits[i];
+        const value_limits at = in->limits[i];
         const quantized_limits codes = quantizer_limits(q, (double)at.reach, (double)at.beyond);
         part->limits[part->count] = at;
         part->codes[part->count] = codes;

@@ -11,8 +11,9 @@
  * value changes side. A constant cell has no surface, nor has a cell that touches v from above.
  * - [v, v] is the value itself, met iff min <= v && v <= max. A constant cell of v meets it.
  *
- * Ends may be infinite. A cell with a NaN or infinite sample meets nothing. The empty range
- * (inf, -inf) meets nothing either.
+ * For samples, which are floats, two floats stand for an interval (value_limits.h). Ends may be
+ * infinite. A cell with a NaN or infinite sample meets nothing. The empty range (inf, -inf) meets
+ * nothing either.
  */
 #ifndef STREAM_INTEREST_H
 #define STREAM_INTEREST_H
@@ -20,6 +21,7 @@
 #include <stdbool.h>
 
 #include "formats/leaf/quantize.h"
+#include "formats/leaf/value_limits.h"
 #include "stream/homogeneous.h"
 
 enum { INTEREST_MAX = 64 };
@@ -29,20 +31,13 @@ typedef struct interest_interval {
     bool lo_open, hi_open;
 } interest_interval;
 
-/* The same test for float samples: met iff min < beyond && reach <= max. The two are equal for an
- * isovalue. */
-typedef struct interest_limits {
-    float reach;  /* the least float that is at or past the lower end */
-    float beyond; /* the least float past the upper end; inf: there is none */
-} interest_limits;
-
 /* Normalised: sorted, and no interval implies, overlaps or touches another. An isovalue stays
  * beside an interval that does not imply it: 2 beside (2, 3]. Only the functions below make one. */
 typedef struct interest {
     int count;
     interest_interval of[INTEREST_MAX];
-    interest_limits limits[INTEREST_MAX]; /* per interval */
-    homogeneous whole;                    /* ranges taken whole; the caller sets it afterwards */
+    value_limits limits[INTEREST_MAX]; /* per interval */
+    homogeneous whole;                 /* ranges taken whole; the caller sets it afterwards */
 } interest;
 
 /* interest_of_intervals() - make an interest of 0 to INTEREST_MAX intervals, in any order. */
@@ -62,14 +57,10 @@ bool interest_meets(const interest *in, float min, float max);
  * codes are compared with these limits. */
 typedef struct interest_part {
     int count;
-    interest_limits limits[INTEREST_MAX];
+    value_limits limits[INTEREST_MAX];
     quantized_limits codes[INTEREST_MAX];
 } interest_part;
 
 void interest_within(interest_part *part, const interest *in, const quantizer *q);
-
-/* interest_threshold() - returns the least float (inf included) that is at least v. So for every
- * float f, f >= interest_threshold(v) iff (double)f >= v. */
-float interest_threshold(double v);
 
 #endif

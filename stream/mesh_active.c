@@ -25,7 +25,7 @@ mesh_active *mesh_active_init(void *block, const mesh_shape *shape) {
  * value reaches interval i; bit i + shift: it lies beyond. shift 0: isovalues, where both are the
  * same. */
 typedef struct batch {
-    const interest_limits *limits;
+    const value_limits *limits;
     const quantized_limits *codes;
     int count;
     unsigned shift;
@@ -35,7 +35,7 @@ enum { SIDE_BITS = 8 };
 
 /* Returns the batch from interval `first` on. Isovalues take a bit each, other intervals two. */
 static batch batch_of(const interest_part *part, int first) {
-    const interest_limits *at = part->limits + first;
+    const value_limits *at = part->limits + first;
     const int left = part->count - first, most = left < SIDE_BITS ? left : SIDE_BITS;
     batch b = {at, part->codes + first, 0, 0};
     while (b.count < most && at[b.count].reach == at[b.count].beyond)
@@ -50,7 +50,7 @@ static batch batch_of(const interest_part *part, int first) {
 static void find_sides(uint8_t *sides, const float *values, uint32_t count, const batch *b) {
     memset(sides, 0, count);
     for (int i = 0; i < b->count; i++) {
-        const interest_limits at = b->limits[i];
+        const value_limits at = b->limits[i];
         for (uint32_t v = 0; v < count; v++)
             sides[v] |= (uint8_t)((values[v] >= at.reach) << i);
         for (uint32_t v = 0; b->shift && v < count; v++)

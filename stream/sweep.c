@@ -6,7 +6,7 @@
 void sweep_ranges(const float (*ranges)[2], uint32_t count, const interest *in, uint8_t *held) {
     memset(held, 0, count);
     for (int i = 0; i < in->count; i++) {
-        const interest_limits at = in->limits[i];
+        const value_limits at = in->limits[i];
         for (uint32_t t = 0; t < count; t++)
             held[t] |= (uint8_t)((ranges[t][0] < at.beyond) & (ranges[t][1] >= at.reach));
     }

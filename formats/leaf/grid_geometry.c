@@ -299,6 +299,15 @@ static const char *payload_name(const leaf_layout *l, uint32_t p, char text[LEAF
     return text;
 }
 
+static int parts(const leaf_layout *l, uint32_t set, uint32_t treelet,
+                 uint32_t payloads[LEAF_PARTS_MAX]) {
+    payloads[0] = leaf_layout_samples(l, set, treelet);
+    if (!l->shells || treelet == 0)
+        return 1;
+    payloads[1] = leaf_layout_shell(l, set, leaf_layout_parent(l, treelet));
+    return 2;
+}
+
 const leaf_geometry grid_geometry = {.holds_indices = false,
                                      .grows = true,
                                      .has_map = true,
@@ -319,6 +328,7 @@ const leaf_geometry grid_geometry = {.holds_indices = false,
                                      .begins_run = begins_run,
                                      .series = series,
                                      .payload_name = payload_name,
+                                     .parts = parts,
                                      .may_be_empty = may_be_empty,
                                      .implies = implied_payload_is,
                                      .imply = implied_payload_fill};

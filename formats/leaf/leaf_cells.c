@@ -160,3 +160,9 @@ const char *leaf_cells_payload_name(const leaf_layout *l, uint32_t p, char text[
              l->geometry->cells->name, p / l->treelets);
     return text;
 }
+
+int leaf_cells_parts(const leaf_layout *l, uint32_t set, uint32_t treelet,
+                     uint32_t payloads[LEAF_PARTS_MAX]) {
+    payloads[0] = leaf_layout_samples(l, set, treelet);
+    return 1;
+}

@@ -58,6 +58,8 @@ uint32_t leaf_cells_payload_bytes(const leaf_layout *l, uint32_t p);
 bool leaf_cells_begins_run(const leaf_layout *l, uint32_t p);
 leaf_series leaf_cells_series(const leaf_layout *l, uint32_t p);
 const char *leaf_cells_payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]);
+int leaf_cells_parts(const leaf_layout *l, uint32_t set, uint32_t treelet,
+                     uint32_t payloads[LEAF_PARTS_MAX]);
 
 #define LEAF_CELLS_GEOMETRY(c)                                                          \
     {                                                                                   \
@@ -69,7 +71,8 @@ const char *leaf_cells_payload_name(const leaf_layout *l, uint32_t p, char text[
         .section = leaf_cells_section, .release = leaf_cells_release,                   \
         .lay_out = leaf_cells_lay_out, .check_directory = leaf_cells_check_directory,   \
         .payload_bytes = leaf_cells_payload_bytes, .begins_run = leaf_cells_begins_run, \
-        .series = leaf_cells_series, .payload_name = leaf_cells_payload_name            \
+        .series = leaf_cells_series, .payload_name = leaf_cells_payload_name,           \
+        .parts = leaf_cells_parts                                                       \
     }
 
 #endif

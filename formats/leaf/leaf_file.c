@@ -2,11 +2,13 @@
 
 #include <assert.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <zstd.h>
 
 #include "formats/base/hash.h"
+#include "formats/base/num.h"
 #include "formats/base/text.h"
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/leaf_geometry.h"
@@ -603,4 +605,23 @@ const char *leaf_file_field_name(const leaf_file *f, uint32_t field) {
 
 double leaf_file_step_time(const leaf_file *f, uint32_t step) {
     return step < f->header.steps ? f->times[step] : (double)step;
+}
+
+status leaf_file_find_field(const leaf_file *f, const char *name, uint32_t *field) {
+    const uint32_t fields = f->header.fields;
+    int64_t number = 0;
+    for (*field = 0; *field < fields; ++*field)
+        if (strcmp(leaf_file_field_name(f, *field), name) == 0)
+            return ST_OK;
+    if (num_int(name, "field", 0, (int64_t)fields - 1, &number) == ST_OK) {
+        *field = (uint32_t)number;
+        return ST_OK;
+    }
+    char list[512] = "";
+    for (uint32_t i = 0; i < fields && strlen(list) + 80 < sizeof list; i++)
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "",
+                 leaf_file_field_name(f, i));
+    return status_describe(ST_USAGE,
+                           "no field is called \"%s\", nor has that number; there are %u: %s", name,
+                           fields, list);
 }

@@ -157,4 +157,8 @@ bool leaf_file_holds_indices(const leaf_file *f);
 const char *leaf_file_field_name(const leaf_file *f, uint32_t field);
 double leaf_file_step_time(const leaf_file *f, uint32_t step);
 
+/* leaf_file_find_field() - the field of a name, or of a number. ST_USAGE where there is none such.
+ */
+CHECKED status leaf_file_find_field(const leaf_file *f, const char *name, uint32_t *field);
+
 #endif

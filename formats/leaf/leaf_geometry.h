@@ -11,6 +11,8 @@
 #include "formats/leaf/leaf_check.h"
 #include "formats/leaf/leaf_file.h"
 
+enum { LEAF_PARTS_MAX = 3 };
+
 typedef struct leaf_geometry {
     bool holds_indices;             /* result of leaf_file_holds_indices() */
     const struct leaf_cells *cells; /* what a cell's record is (leaf_cells.h); NULL: no records */
@@ -54,6 +56,9 @@ typedef struct leaf_geometry {
     bool (*begins_run)(const leaf_layout *l, uint32_t p);
     leaf_series (*series)(const leaf_layout *l, uint32_t p);
     const char *(*payload_name)(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]);
+    /* List the payloads that hold a treelet's cells and values in a set. Returns how many. */
+    int (*parts)(const leaf_layout *l, uint32_t set, uint32_t treelet,
+                 uint32_t payloads[LEAF_PARTS_MAX]);
 
     /* Payloads without bytes, which follow from the directory. may_be_empty(): whether the
      * directory allows payload p to be one; *must: and nothing else. implies(): whether this

@@ -6,6 +6,7 @@
 
 #include "formats/base/pool.h"
 #include "formats/leaf/deviation.h"
+#include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/leaf_unpacker.h"
 #include "formats/mesh/mesh_leaf_check.h"
 
@@ -16,31 +17,21 @@ enum { ROW_MAX = (1 << LEAF_CELLS_LOG2_MAX) + 1 };
 
 typedef struct activity {
     leaf_file *f;
+    uint32_t set;
     double iso;
+    value_limits at;
     const progress *p;
     uint64_t *cells; /* per treelet */
     char **payloads;
     leaf_unpacker **unpackers;
 } activity;
 
-static bool has(const float range[2], double iso) {
-    return (double)range[0] < iso && iso <= (double)range[1];
+static bool holds(const activity *a, uint32_t t) {
+    const float *own = a->f->own[(size_t)a->set * a->f->layout.treelets + t];
+    return value_limits_meet(&a->at, own[0], own[1]);
 }
 
-static bool holds(const leaf_file *f, uint32_t t, double iso) {
-    return has(f->own[t], iso);
-}
-
-bool leaf_stats_has(const leaf_file *f, uint32_t set, double iso) {
-    const leaf_layout *l = &f->layout;
-    const size_t first = (size_t)set * l->treelets;
-    if (!f->mesh && !has(f->ranges[first], iso))
-        return false;
-    for (uint32_t t = l->level[0].first; t < l->treelets; t++)
-        if (has(f->own[first + t], iso))
-            return true;
-    return false;
-}
+/* ---- active cells ---- */
 
 /* Find the sides for each edge along x in the line of samples at (y, z). */
 static void row_sides(const leaf_layout *l, const leaf_payload *p, const char *samples, double iso,
@@ -103,7 +94,8 @@ static status count_tets(const activity *a, uint32_t t, int worker) {
     if (st == ST_OK)
         st = mesh_leaf_check_loaded(f, t, topology);
     if (st == ST_OK)
-        st = leaf_file_load(f, leaf_layout_values(&f->layout, 0, t), a->unpackers[worker], values);
+        st = leaf_file_load(f, leaf_layout_values(&f->layout, a->set, t), a->unpackers[worker],
+                            values);
     if (st == ST_OK)
         a->cells[t] = leaf_stats_tets(f, t, topology, values, a->iso);
     return st;
@@ -112,13 +104,14 @@ static status count_tets(const activity *a, uint32_t t, int worker) {
 static status count_treelet(void *ctx, size_t index, int worker) {
     const activity *a = ctx;
     uint32_t t = (uint32_t)index;
-    if (!holds(a->f, t, a->iso))
+    if (!holds(a, t))
         return ST_OK;
     status st = progress_step(a->p, "count", (double)t / a->f->layout.treelets);
     if (st == ST_OK && a->f->mesh)
         return count_tets(a, t, worker);
     if (st == ST_OK)
-        st = leaf_file_load(a->f, t, a->unpackers[worker], a->payloads[worker]);
+        st = leaf_file_load(a->f, leaf_layout_samples(&a->f->layout, a->set, t),
+                            a->unpackers[worker], a->payloads[worker]);
     if (st == ST_OK)
         a->cells[t] = leaf_stats_cells(&a->f->layout, t, a->payloads[worker], a->iso);
     return st;
@@ -147,34 +140,115 @@ static void release(activity *a, mem *m, int threads) {
     mem_free(m, a->cells);
 }
 
-static void add_up(const activity *a, leaf_activity levels[LEAF_LEVELS_MAX]) {
+/* The bytes of a treelet in a set that were not counted before. counted: per payload. */
+static uint64_t bytes_anew(const leaf_file *f, uint32_t set, uint32_t t, uint8_t *counted) {
+    uint32_t parts[LEAF_PARTS_MAX], chain[LEAF_CHAIN_MAX];
+    uint64_t bytes = 0;
+    for (int i = f->geometry->parts(&f->layout, set, t, parts); i-- > 0;) {
+        for (int k = leaf_file_chain(f, parts[i], chain); k-- > 0;) {
+            bytes += counted[chain[k]] ? 0 : f->sizes[chain[k]];
+            counted[chain[k]] = 1;
+        }
+        bytes += leaf_file_is_outside(f, parts[i]) ? leaf_file_bytes_outside(f, parts[i]) : 0;
+    }
+    return bytes;
+}
+
+static void add_up(const activity *a, uint8_t *counted, leaf_activity levels[LEAF_LEVELS_MAX]) {
     memset(levels, 0, LEAF_LEVELS_MAX * sizeof *levels);
     for (uint32_t t = 0; t < a->f->layout.treelets; t++) {
         leaf_activity *level = &levels[a->f->layout.level_of[t]];
-        if (!holds(a->f, t, a->iso))
+        if (!holds(a, t))
             continue;
         level->treelets++;
-        level->bytes += a->f->sizes[t];
-        if (a->f->mesh)
-            level->bytes += a->f->sizes[leaf_layout_values(&a->f->layout, 0, t)];
+        level->bytes += bytes_anew(a->f, a->set, t, counted);
         level->cells += a->cells[t];
     }
 }
 
-status leaf_stats_activity(mem *m, leaf_file *f, double iso, int threads, const progress *p,
-                           leaf_activity levels[LEAF_LEVELS_MAX]) {
-    activity a = {.f = f, .iso = iso, .p = p};
+status leaf_stats_activity(mem *m, leaf_file *f, uint32_t set, double iso, int threads,
+                           const progress *p, leaf_activity levels[LEAF_LEVELS_MAX]) {
+    activity a = {.f = f, .set = set, .iso = iso, .at = value_limits_of_isovalue(iso), .p = p};
+    uint8_t *counted = mem_array(m, f->layout.payloads, sizeof *counted);
     pool *workers = NULL;
-    status st = pool_create(m, threads, &workers);
+    status st = counted ? pool_create(m, threads, &workers) : ST_NOMEM;
     if (st == ST_OK)
         st = allocate(&a, m, threads);
     if (st == ST_OK)
         st = pool_run(workers, f->layout.treelets, count_treelet, &a);
     if (st == ST_OK)
-        add_up(&a, levels);
+        add_up(&a, counted, levels);
     pool_destroy(workers);
     release(&a, m, threads);
+    mem_free(m, counted);
     return st;
+}
+
+/* ---- where an isovalue is ---- */
+
+typedef struct presence {
+    const leaf_file *f;
+    uint32_t field;
+    uint8_t *has;     /* per step */
+    uint64_t *active; /* per step: treelets */
+    uint8_t *seen;    /* per treelet: at any step */
+    uint8_t *counted; /* per payload */
+    uint64_t bytes;
+} presence;
+
+static void take(time_query *q, uint32_t treelet, uint32_t step) {
+    const presence *p = q->ctx;
+    p->has[step] = 1;
+    p->active[step]++;
+    p->seen[treelet] = 1;
+    ((presence *)q->ctx)->bytes +=
+        bytes_anew(p->f, leaf_layout_set(&p->f->layout, p->field, step), treelet, p->counted);
+}
+
+static void ask(presence *p, const time_tree *tree, double iso, const uint8_t *asked,
+                uint8_t *settled) {
+    const uint32_t steps = p->f->layout.steps;
+    const value_limits at = value_limits_of_isovalue(iso);
+    time_query q = {.limits = &at, .count = 1, .end = steps, .met = take, .ctx = p};
+    for (uint32_t step = 0; step < steps; step++)
+        settled[step] = !asked[step];
+    q.settled = settled;
+    memset(p->has, 0, steps);
+    time_tree_ask(tree, &q);
+}
+
+static leaf_presence sum_of(const presence *p) {
+    leaf_presence sum = {.bytes = p->bytes};
+    for (uint32_t step = 0; step < p->f->layout.steps; step++) {
+        sum.steps += p->has[step];
+        if (p->active[step] > sum.most) {
+            sum.most = p->active[step];
+            sum.step_of_most = step;
+        }
+    }
+    for (uint32_t t = 0; t < p->f->layout.treelets; t++)
+        sum.treelets += p->seen[t];
+    return sum;
+}
+
+status leaf_stats_presence(mem *m, const leaf_file *f, const time_tree *tree, uint32_t field,
+                           double iso, const uint8_t *asked, uint8_t *has, leaf_presence *out) {
+    const leaf_layout *l = &f->layout;
+    presence p = {.f = f, .field = field, .has = has};
+    uint8_t *settled = mem_array(m, l->steps, sizeof *settled);
+    p.active = mem_array(m, l->steps, sizeof *p.active);
+    p.seen = mem_array(m, l->treelets, sizeof *p.seen);
+    p.counted = mem_array(m, l->payloads, sizeof *p.counted);
+    const bool room = settled && p.active && p.seen && p.counted;
+    if (room) {
+        ask(&p, tree, iso, asked, settled);
+        *out = sum_of(&p);
+    }
+    mem_free(m, p.counted);
+    mem_free(m, p.seen);
+    mem_free(m, p.active);
+    mem_free(m, settled);
+    return room ? ST_OK : ST_NOMEM;
 }
 
 /* ---- what a mesh's payloads are made of ---- */

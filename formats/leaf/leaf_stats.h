@@ -9,22 +9,36 @@
 #include "formats/base/progress.h"
 #include "formats/base/status.h"
 #include "formats/leaf/leaf_file.h"
+#include "formats/leaf/time_tree.h"
 
 typedef struct leaf_activity {
     uint64_t treelets; /* treelets whose own range holds the isovalue: lo < iso && iso <= hi */
-    uint64_t bytes;    /* of their stored payloads; mesh: of topology and values */
+    uint64_t bytes;    /* that the samples and cells of these take in the file; what several of them
+                          need counts once */
     uint64_t cells; /* cells with min < iso && iso <= max over their 8 samples (a tet's 4 values),
                        all of them finite */
 } leaf_activity;
 
-/* leaf_stats_activity() - the activity per level (a mesh: of its first set, as level 0). Reads the
- * payloads of active treelets. p may be NULL. */
-CHECKED status leaf_stats_activity(mem *m, leaf_file *f, double iso, int threads, const progress *p,
-                                   leaf_activity levels[LEAF_LEVELS_MAX]);
+/* leaf_stats_activity() - the activity of a set, per level (a mesh: as level 0). Reads the payloads
+ * of active treelets. p may be NULL. */
+CHECKED status leaf_stats_activity(mem *m, leaf_file *f, uint32_t set, double iso, int threads,
+                                   const progress *p, leaf_activity levels[LEAF_LEVELS_MAX]);
 
-/* leaf_stats_has() - whether the range of a treelet of level 0 has the isovalue in a set. A grid
- * without missing data has its surface then. By the directory alone. */
-bool leaf_stats_has(const leaf_file *f, uint32_t set, double iso);
+/* Where an isovalue is in some of a field's steps, by the ranges of treelets of level 0 alone. A
+ * grid without missing data has its surface there. */
+typedef struct leaf_presence {
+    uint32_t steps;    /* that have it */
+    uint64_t treelets; /* that have it at any of these */
+    uint64_t most;     /* treelets in the step that has the most; */
+    uint32_t step_of_most;
+    uint64_t bytes; /* as of an activity, of all steps together: to play them reads so much, once */
+} leaf_presence;
+
+/* leaf_stats_presence() - by the tree of the field. asked, has: per step of the file, 0 or not. has
+ * is set, within what is asked, to 0 or 1. */
+CHECKED status leaf_stats_presence(mem *m, const leaf_file *f, const time_tree *tree,
+                                   uint32_t field, double iso, const uint8_t *asked, uint8_t *has,
+                                   leaf_presence *out);
 
 /* leaf_stats_cells() - returns the number of active cells in a treelet of a grid. */
 uint64_t leaf_stats_cells(const leaf_layout *l, uint32_t t, const void *payload, double iso);

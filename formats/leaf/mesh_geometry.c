@@ -286,6 +286,18 @@ static const char *payload_name(const leaf_layout *l, uint32_t p, char text[LEAF
     return text;
 }
 
+/* Without gradients, which smooth shading alone needs. */
+static int parts(const leaf_layout *l, uint32_t set, uint32_t treelet,
+                 uint32_t payloads[LEAF_PARTS_MAX]) {
+    const uint32_t place = leaf_layout_place(l, leaf_layout_step(l, set));
+    payloads[0] = treelet;
+    payloads[1] = leaf_layout_values(l, set, treelet);
+    if (place == 0)
+        return 2;
+    payloads[2] = leaf_layout_positions(l, place, treelet);
+    return 3;
+}
+
 const leaf_geometry mesh_geometry = {.holds_indices = true,
                                      .check_parameters = check_parameters,
                                      .check_values = check_values,
@@ -303,4 +315,5 @@ const leaf_geometry mesh_geometry = {.holds_indices = true,
                                      .payload_bytes = payload_bytes,
                                      .begins_run = begins_run,
                                      .series = series,
-                                     .payload_name = payload_name};
+                                     .payload_name = payload_name,
+                                     .parts = parts};

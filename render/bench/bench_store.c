@@ -91,9 +91,8 @@ static status own_folder(bench_store *s) {
 static void leave_folder(bench_store *s) {
     if (!s->ours)
         return;
-    for (int i = 0; i < s->kept_count; i++)
-        (void)unlink(s->kept[i]);
-    (void)rmdir(s->folder);
+    if (empty_folder(s->folder) == ST_OK)
+        (void)rmdir(s->folder);
     (void)unlink(s->lock_name);
     close(s->lock);
 }
@@ -372,6 +371,9 @@ static const bench_volume VOLUMES[] = {
     {"drop-128", NULL, 0, "drop", "u8", 128, 127.5, 0, 16, NULL},
     {"jets-128", NULL, 0, "jets", "u8", 128, 160.3, 0, 16, NULL},
     {"vortex-128", NULL, 0, "vortex", "u8", 128, 85, 0, 16, NULL},
+    {"drop-100", NULL, 0, "drop", "u8", 128, 127.5, 0, 100, NULL},
+    {"jets-100", NULL, 0, "jets", "u8", 128, 160.3, 0, 100, NULL},
+    {"vortex-100", NULL, 0, "vortex", "u8", 128, 85, 0, 100, NULL},
     {"vortex-256", NULL, 0, "vortex", "u8", 256, 85, 0, 4, NULL},
     {"vortex-512", NULL, 0, "vortex", "u8", 512, 85, 0, 3, NULL},
     {"fingers", "viscous_fingers/run01_*_64x64x64_float32.raw", 40, "jets", "f32", 64, 0.6, 0, 10,
@@ -498,11 +500,6 @@ static status make_series(bench_store *s, const bench_volume *v, const glob_t *f
 /* The series' file comes last: where it is, the steps are. */
 static status get_series(bench_store *s, const bench_volume *v, const glob_t *found, bool packed,
                          const char *codec, const char *leaf) {
-    const uint32_t count = found ? (uint32_t)found->gl_pathc : v->steps;
-    for (uint32_t i = 0; i < count; i++) {
-        bench_store_alone(leaf, i, s->kept[s->kept_count]);
-        (void)keep_path(s);
-    }
     return access(leaf, R_OK) == 0 ? ST_OK : make_series(s, v, found, packed, codec, leaf);
 }
 

@@ -19,6 +19,7 @@
 #include "render/bench/bench_streaming.h"
 #include "render/bench/bench_threads.h"
 #include "render/bench/bench_time.h"
+#include "render/bench/bench_time4d.h"
 #include "render/bench/bench_update.h"
 #include "render/bench/bench_walk.h"
 
@@ -168,6 +169,10 @@ static const bench_count TIME_COUNTS[] = {{"steps", 0.0},  {"hits", 0.0},   {"fi
 static const bench_count UPDATE_COUNTS[] = {{"steps", 0.0}, {"treelets", 0.0}, {"new", 0.0},
                                             {"MB", 0.0},    {"cells", 0.0},    {"differ", 0.0},
                                             {NULL, 0.0}};
+
+static const bench_count TIME4D_COUNTS[] = {
+    {"leaves", 0.0},      {"step nodes", 0.0}, {"series nodes", 0.0}, {"sweep nodes", 0.0},
+    {"first nodes", 0.0}, {"met", 0.0},        {"differ", 0.0},       {NULL, 0.0}};
 
 /* Of suites that draw depths by the flags of the command line. */
 #define LOOK_FLAGS "size view eye look-at up fov clip-box clip-plane lod light point-light shadows"
@@ -381,6 +386,17 @@ static const bench_suite SUITES[] = {
      .surfaces = "iso",
      .labels = 3,
      .charts = {{"ms", "+-", false}, {"us/treelet", NULL, false}, {"new", NULL, false}}},
+    {.name = "time4d",
+     .takes = "[F.leaf --iso V]",
+     .about = "one tree over treelets and time steps (M08 5.1.3), beside a\ntree a step",
+     .counts = TIME4D_COUNTS,
+     .run = bench_time4d,
+     .view = "size",
+     .surfaces = "iso",
+     .labels = 2,
+     .charts = {{"series nodes", NULL, true},
+                {"sweep nodes", NULL, true},
+                {"sweep us", NULL, true}}},
     {.name = "lanes",
      .takes = "[F.leaf --iso V]",
      .about = "how full the vectors of tiles are, stage by stage",

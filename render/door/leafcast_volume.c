@@ -1,11 +1,9 @@
 #include "render/leafcast.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "formats/base/clock.h"
-#include "formats/base/num.h"
 #include "formats/leaf/leaf_histogram.h"
 #include "formats/public_status.h"
 #include "render/door/arguments.h"
@@ -390,22 +388,7 @@ leafcast_status leafcast_find_field(const leafcast *v, const char *name, uint32_
         public_needs(__func__, "volume name field", (const void *[]){v, name, field});
     if (given != ST_OK)
         return public_status(given);
-    const uint32_t fields = v->file->header.fields;
-    int64_t number = 0;
-    for (*field = 0; *field < fields; ++*field)
-        if (strcmp(leafcast_field_name(v, *field), name) == 0)
-            return LEAFCAST_OK;
-    if (num_int(name, "field", 0, (int64_t)fields - 1, &number) == ST_OK) {
-        *field = (uint32_t)number;
-        return LEAFCAST_OK;
-    }
-    char list[512] = "";
-    for (uint32_t i = 0; i < fields && strlen(list) + 80 < sizeof list; i++)
-        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "",
-                 leafcast_field_name(v, i));
-    return public_status(status_describe(
-        ST_USAGE, "no field is called \"%s\", nor has that number; there are %u: %s", name, fields,
-        list));
+    return public_status(leaf_file_find_field(v->file, name, field));
 }
 
 leafcast_status leafcast_init_scene(leafcast_scene *scene) {

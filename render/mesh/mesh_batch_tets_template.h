@@ -277,7 +277,7 @@ SIMD void frame_tets(const mesh_batch *w, const resident_mesh *at, framed_tets *
  * denominator and quotient. So the point errs by less than half of what boxes are widened by. */
 SIMD void boxes_of_polygons(const mesh_batch *w, framed_tets *x, double iso, beam_boxes *b) {
     const vf most = f_set(INFINITY), least = f_set(-INFINITY), zero = f_set(0.0f);
-    const vf threshold = f_set(interest_threshold(iso));
+    const vf threshold = f_set(value_limits_threshold(iso));
     const vf near = f_set((float)iso), rest = f_set((float)(iso - (double)(float)iso));
     vf up[4], lo[3] = {most, most, most}, hi[3] = {least, least, least};
     mf in[4];

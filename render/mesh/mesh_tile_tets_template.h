@@ -64,7 +64,7 @@ typedef struct cut_points {
  * denominator and quotient. So the point errs by less than the error allowed for boxes' corners. */
 SIMD children_extent extent_of_polygons(const tets_in_view *v, double iso, cut_points *c) {
     const vf most = f_set(INFINITY), least = f_set(-INFINITY), zero = f_set(0.0f);
-    const vf threshold = f_set(interest_threshold(iso));
+    const vf threshold = f_set(value_limits_threshold(iso));
     const vf near = f_set((float)iso), rest = f_set((float)(iso - (double)(float)iso));
     children_extent e = {most, least, most, least, most, least};
     unsigned edge = 0;

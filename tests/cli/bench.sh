@@ -141,6 +141,25 @@ exits "update of a mesh" 3 "$leafcast" bench update "$tmp/balls.leaf" --iso 0.3
 ok "is refused for that" says 'no time series of a grid' err
 exits "of a single step" 3 "$leafcast" bench update "$leaf" --iso 128
 exits "update draws nothing" 2 "$leafcast" bench update --size 9x9
+# One tree over treelets and steps: whatever its order, it finds what a look at all ranges does.
+judge_time4d() { # judge_time4d FILE SERIES
+    ok "time4d: every order finds the same, and something" csv "$1" \
+        "len(t) == 5 * $2"' and all(r["differ"] == "0" and int(r["met"]) > 10 for r in t) and
+         len({(r["series"], r["met"]) for r in t}) == len(t) // 5'
+    ok "time4d: M08's order costs no more than a tree a step, but for the way to it" csv "$1" \
+        'all(float(a["step nodes"]) <= float(b["step nodes"]) + 2 * int(a["steps"]).bit_length() for a in t for b in t
+         if a["series"] == b["series"] and (a["order"], b["order"]) == ("most overlap (M08)", "a tree a step"))'
+}
+judge_time4d "$tmp/all/time4d.csv" 4
+"$leafcast" generate drop --dims 97 --steps 12 -o "$tmp/fall.nrrd" -q
+run "$leafcast" convert "$tmp/fall_%04d.nrrd" --treelet 16 -o "$tmp/fall.leaf" -q
+exits "time4d of a file" 0 "$leafcast" bench time4d "$tmp/fall.leaf" --iso 127.5 --size 32x32 --runs 2 -o "$tmp/fall.csv"
+judge_time4d "$tmp/fall.csv" 1
+ok "time4d: ranges are passed over" csv "$tmp/fall.csv" \
+    'all(float(a[c]) < 0.7 * float(b[c]) for a in t for b in t for c in ("step nodes", "series nodes", "sweep nodes")
+     if (a["order"], b["order"]) == ("most overlap (M08)", "all ranges"))'
+exits "time4d of a single step" 3 "$leafcast" bench time4d "$leaf" --iso 128
+ok "is refused for that" says 'no time series' err
 judge_media() { # judge_media FILE PICTURES
     ok "media: what is certified is within its claim, and that within what was asked for" csv "$1" \
         'all(float(r["worst"]) <= float(r["claimed"]) + float(r["ref bound"]) and float(r["claimed"]) <= float(fractions.Fraction(r["setting"])) for r in t if r["way"] == "certified")'

@@ -106,6 +106,8 @@ fields() {
     shift 4
     exits "$name: all fields" 0 "$leafcast" convert "$@" --fields all -o "$out" --force
     exits "$name: is sound" 0 "$leafcast" verify "$out"
+    exits "$name: an isovalue of the third" 0 "$leafcast" info "$out" --field "${prefix}2" --iso 0.25
+    ok "$name: is said to be" grep -q "^isovalue 0.25 of ${prefix}2" "$tmp/out"
     ok "$name: six of them" [ "$("$leafcast" info "$out" --json | grep -c "\"name\": \"${prefix}[0-9]\"")" = 6 ]
     for how in "--memory 5M --threads 1" "--memory 7M --threads 2"; do
         # shellcheck disable=SC2086 # split on purpose

@@ -29,9 +29,19 @@ for iso in 1.2 -1.2 0.1 0.5 0.985 1e9; do
     ok "those whose ranges do" json '[k for a, b in x["isovalues"][0]["at_steps"] for k in range(a, b + 1)] == [k for k in range(3) if x["fields"][0]["step_ranges"][k][0] < '$iso' <= x["fields"][0]["step_ranges"][k][1]]'
 done
 exits "which steps have 0.1, 0.5, -1e9" 0 "$leafcast" info "$out" --iso 0.1 --iso 0.5 --iso=-1e9
-ok "two runs" says "^in steps 0 (time 1), 2\$" out
-ok "one" says "^in steps 0 to 2 (time 1)\$" out
-ok "none" says "^in steps: none\$" out
+ok "two runs" says "^in 2 of the steps 0 to 2: 0, 2; first at time 1\$" out
+ok "one" says "^in 3 of the steps 0 to 2: 0 to 2; first at time 1\$" out
+ok "none" says "^in none of the steps 0 to 2\$" out
+exits "of two steps" 0 "$leafcast" info "$out" --iso 0.1 --iso 0.5 --iso=1.2 --steps 2,1
+ok "the last" says "^in 1 of the steps 1 to 2: 2; first at time 4.5\$" out
+ok "both" says "^in 2 of the steps 1 to 2: 1 to 2; first at time 2\$" out
+ok "none of these" says "^in none of the steps 1 to 2\$" out
+ok "cells are those of the first of them" says "^isovalue 0.5 at step 1: [1-9]" out
+exits "step 1 alone" 0 "$leafcast" info "$tmp/s1.leaf" --iso 0.5
+ok "as many" [ "$(sed -n 's/^isovalue 0.5: \([0-9]* active cells\).*/\1/p' "$tmp/out")" = \
+    "$("$leafcast" info "$out" --iso 0.5 --steps 1 | sed -n 's/^isovalue 0.5 at step 1: \([0-9]* active cells\).*/\1/p')" ]
+exits "a step that is not there" 2 "$leafcast" info "$out" --iso 0.5 --steps 1:3
+ok "is named" says 'there is no step 3' err
 for step in 0 1 2; do
     for how in "" "--memory 24M" "--backend=mapped" "--isa scalar"; do
         # shellcheck disable=SC2086 # split on purpose

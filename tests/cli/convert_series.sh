@@ -56,8 +56,9 @@ for how in "--memory 6M --threads 1" "--compress zstd" "--gradients" "--compress
 done
 exits "there and back, moving" 0 "$leafcast" convert "$tmp/b_0000.mesh" "$tmp/b_0001.mesh" "$tmp/b_0001.mesh" "$tmp/b_0000.mesh" -o "$tmp/c.leaf" --force
 exits "verify" 0 "$leafcast" verify "$tmp/c.leaf"
-exits "info" 0 "$leafcast" info "$tmp/c.leaf" --json
+exits "info" 0 "$leafcast" info "$tmp/c.leaf" --json --iso 0.01
 ok "values and places of the third are the second's" json 'x["same_payloads"] == 4 * x["treelets"] and x["moving"]'
+ok "a value that is everywhere needs all that is stored, once" json 'x["isovalues"][0]["over_steps"]["treelets"] == x["treelets"] and x["isovalues"][0]["over_steps"]["bytes"] == x["payload_bytes"]'
 for step in 1 2; do
     run "$leafcast" render "$tmp/c.leaf" --step $step --iso 0.3 --size 64x48 --depth-f64 "$tmp/d$step" -o "$tmp/p$step.ppm" -q
 done

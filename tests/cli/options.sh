@@ -384,6 +384,7 @@ slice|--help-all|shown help|
 slice|--usage|says|@g.leaf -o @sq.png --force|--usage
 slice|--version|says|@g.leaf -o @sq.png --force|--version
 info|--iso|says|@g.leaf|--iso 120
+info|--steps|refused no step 7|@g.leaf --iso 120|--steps 7
 info|--follow-links|shown named_files|
 info|--allow-missing|shown absent_parts|
 info|--quick|fewer|@g.nrrd|--quick

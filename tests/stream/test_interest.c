@@ -17,13 +17,13 @@ static void test_threshold(void **state) {
         0.0,  -0.0,  1e-310, -1e-310, 1e-46,  -1e-46,     1.0,         0.1,   1e30,   -1e30,
         1e39, -1e39, 1e300,  -1e300,  3.4e38, 16777217.0, -16777217.0, 1e-45, -1e-45, FLT_MAX};
     for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
-        const float at = interest_threshold(values[i]);
+        const float at = value_limits_threshold(values[i]);
         assert_true((double)at >= values[i]);
         const float below = nextafterf(at, -INFINITY);
         assert_true((double)below < values[i] || (at == 0.0f && values[i] <= 0.0));
     }
-    assert_true(interest_threshold(1e39) == INFINITY);
-    assert_true(interest_threshold(-1e39) == -FLT_MAX);
+    assert_true(value_limits_threshold(1e39) == INFINITY);
+    assert_true(value_limits_threshold(-1e39) == -FLT_MAX);
 }
 
 /* Ends at floats, beside them by less than a float's step, and beyond all floats. */

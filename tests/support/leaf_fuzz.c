@@ -54,7 +54,7 @@ static const char *read_file(const char *bytes, size_t size, leaf_fuzz_result *r
     bool described = is_described(r->open);
     if (r->open == ST_OK) {
         const double middle = f->header.value_min + (f->header.value_max - f->header.value_min) / 2;
-        status st = leaf_stats_activity(&m, f, isfinite(middle) ? middle : 0, 1, NULL, levels);
+        status st = leaf_stats_activity(&m, f, 0, isfinite(middle) ? middle : 0, 1, NULL, levels);
         described = is_described(st) && is_described(print_histograms(&m, f));
         r->verify = leaf_verify(&m, f, 1, NULL);
         described = described && is_described(r->verify) && is_of_a_file(st);

@@ -52,7 +52,7 @@ static status try_open(const char *path, bool payloads) {
     leaf_activity levels[LEAF_LEVELS_MAX];
     status st = leaf_file_open(&m, path, &f);
     if (st == ST_OK && payloads) {
-        st = leaf_stats_activity(&m, f, 0.5, 1, NULL, levels);
+        st = leaf_stats_activity(&m, f, 0, 0.5, 1, NULL, levels);
         if (st == ST_OK || st == ST_CORRUPT)
             st = leaf_verify(&m, f, 1, NULL);
     }

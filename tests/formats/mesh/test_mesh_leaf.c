@@ -293,7 +293,7 @@ static void test_reading_faults(void **state) {
             if (st == ST_OK)
                 st = leaf_verify(&m, f, 2, NULL);
             if (st == ST_OK)
-                st = leaf_stats_activity(&m, f, 0.5, 2, NULL, levels);
+                st = leaf_stats_activity(&m, f, 0, 0.5, 2, NULL, levels);
             const bool fired = fault_fired(kinds[n]);
             fault_arm(kinds[n], 0);
             leaf_file_close(f);
@@ -384,7 +384,7 @@ static void test_activity(void **state) {
     uint64_t some = 0;
     for (double iso = -3; iso < 14; iso += 0.5) {
         leaf_activity levels[LEAF_LEVELS_MAX];
-        assert_int_equal(leaf_stats_activity(&m, f, iso, 2, NULL, levels), ST_OK);
+        assert_int_equal(leaf_stats_activity(&m, f, 0, iso, 2, NULL, levels), ST_OK);
         uint64_t active = 0;
         for (size_t t = 0; t < c.tets; t++) {
             int in = 0, finite = 0;

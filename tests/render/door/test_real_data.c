@@ -133,7 +133,7 @@ static void test_active_cells(void **state) {
         }
         /* The list takes isovalues as floats. */
         leaf_activity levels[LEAF_LEVELS_MAX];
-        assert_int_equal(leaf_stats_activity(&m, f, (double)(float)iso, THREADS, NULL, levels),
+        assert_int_equal(leaf_stats_activity(&m, f, 0, (double)(float)iso, THREADS, NULL, levels),
                          ST_OK);
         if (levels[0].cells != half_open)
             fail_msg("%s at %g: %llu active cells, expected %llu", name, iso,
@@ -196,7 +196,7 @@ static void test_active_share(void **state) {
         assert_non_null(path);
         leaf_file *f = convert(path, NULL);
         leaf_activity levels[LEAF_LEVELS_MAX];
-        assert_int_equal(leaf_stats_activity(&m, f, cases[i].iso, THREADS, NULL, levels), ST_OK);
+        assert_int_equal(leaf_stats_activity(&m, f, 0, cases[i].iso, THREADS, NULL, levels), ST_OK);
         uint64_t bytes = 0, all = 0;
         for (uint32_t n = 0; n < f->layout.levels; n++)
             bytes += levels[n].bytes;
