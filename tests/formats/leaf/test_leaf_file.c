@@ -287,7 +287,7 @@ static void test_lying_payloads(void **state) {
     const uint64_t *offsets = leaf_image_section(&i, LEAF_SECTION_OFFSETS);
     const uint64_t *sizes = leaf_image_section(&i, LEAF_SECTION_SIZES);
     uint64_t *checksums = leaf_image_section(&i, LEAF_SECTION_CHECKSUMS);
-    int differ = 0, passed = 0;
+    int differ = 0, border = 0, passed = 0;
     for (uint64_t t = 0; t < i.header->treelets; t++) {
         const uint64_t checksum = checksums[t];
         for (uint64_t at = 0; at < sizes[t]; at++) {
@@ -301,11 +301,12 @@ static void test_lying_payloads(void **state) {
                 fail_msg("treelet %d byte %d: status %d", (int)t, (int)at, st);
             passed += st == ST_OK;
             differ += st == ST_CORRUPT && strstr(status_text(), "differ in samples") != NULL;
+            border += st == ST_CORRUPT && strstr(status_text(), "at the volume's border") != NULL;
             *byte ^= 1;
         }
         checksums[t] = checksum;
     }
-    assert_true(differ > 10 && passed > 10);
+    assert_true(differ > 10 && border > 10 && passed > 10);
     free(i.bytes);
 }
 
@@ -365,20 +366,22 @@ static void test_lying_ranges(void **state) {
     leaf_image i = make(true, LEAF_CODEC_RAW);
     float(*own)[2] = leaf_image_section(&i, LEAF_SECTION_OWN),
     (*merged)[2] = leaf_image_section(&i, LEAF_SECTION_RANGES);
-    for (uint64_t t = 0; t < i.header->treelets; t++) {
+    for (uint64_t k = 0; k < 2 * i.header->treelets; k++) {
+        const uint64_t t = k / 2, end = k % 2;
         const float sound[4] = {own[t][0], own[t][1], merged[t][0], merged[t][1]};
-        const float root = merged[0][1];
-        const double most = i.header->value_max;
-        own[t][1] = merged[t][1] = merged[0][1] = 100;
+        const float root[2] = {merged[0][0], merged[0][1]}, lie = end ? 100 : -100;
+        const double least = i.header->value_min, most = i.header->value_max;
+        own[t][end] = merged[t][end] = merged[0][end] = lie;
         if (t >= 1)
-            i.header->value_max = 100;
+            *(end ? &i.header->value_max : &i.header->value_min) = (double)lie;
         leaf_image_seal(&i);
         assert_int_equal(try_image(&i, false), ST_OK);
         assert_int_equal(try_image(&i, true), ST_CORRUPT);
         assert_non_null(strstr(status_text(), "expected samples in exactly"));
         memcpy(own[t], sound, sizeof own[t]);
         memcpy(merged[t], sound + 2, sizeof merged[t]);
-        merged[0][1] = root;
+        memcpy(merged[0], root, sizeof root);
+        i.header->value_min = least;
         i.header->value_max = most;
     }
     i.header->value_max += 1;
