@@ -109,7 +109,7 @@ status coarse_preview_begin(leafcast *v, const leafcast_scene *scene, const leaf
     status st = scene->preview ? open_shown(v, shown, &coarse) : ST_OK;
     if (!coarse)
         return st;
-    volume_show(&(leafcast_shown){coarse, 0, 0, shown->surfaces, shown->count, 0.0});
+    volume_show(coarse, 0, 0, shown->surfaces, shown->count);
     st = load_root(coarse->treelets);
     if (st == ST_OK)
         st = volume_tracer(coarse, &whole, NULL, tr); /* forgets what was queued */

@@ -28,6 +28,7 @@ status volume_treelet(leafcast *v, uint32_t t, const treelet **out) {
 static status show(leafcast **v, const leafcast_scene *scene) {
     leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
     int count = 0, i = 0;
+    const interest nothing = {.count = 0};
     status st = scene_volumes(*v, scene, shown, &count);
     while (i < count && shown[i].volume != *v)
         i++;
@@ -41,7 +42,7 @@ static status show(leafcast **v, const leafcast_scene *scene) {
     loader_forget_failures((*v)->treelets);
     shown[i].volume = *v;
     shown[i].step = (*v)->live ? (*v)->step : shown[i].step;
-    volume_show(&shown[i]);
+    volume_show_beside(&shown[i], &nothing);
     return ST_OK;
 }
 

@@ -74,9 +74,10 @@ static interest wanted_of(const leafcast *v) {
     return wanted;
 }
 
-void volume_show(const leafcast_shown *s) {
+void volume_show(leafcast *v, uint32_t field, uint32_t step, const leafcast_surface *surfaces,
+                 int count) {
     const interest nothing = {.count = 0};
-    volume_show_beside(s, &nothing);
+    volume_show_beside(&(leafcast_shown){v, field, step, surfaces, count, 0.0}, &nothing);
 }
 
 void volume_show_beside(const leafcast_shown *s, const interest *beside) {

@@ -315,11 +315,12 @@ leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, i
     volume_lock(v, &h);
     memcpy(v->surfaces, surfaces, (size_t)count * sizeof *surfaces);
     v->surface_count = count;
-    leafcast *shown = v;
-    st = between_steps_open(&shown, v->share);
+    leafcast_shown shown = {v, v->field, v->step, surfaces, count, v->share};
+    st = between_steps_open(&shown.volume, v->share);
     if (st == ST_OK) {
-        volume_show(&(leafcast_shown){shown, v->field, v->step, surfaces, count, v->share});
-        loader_reset_statistics(shown->treelets);
+        const interest nothing = {.count = 0};
+        volume_show_beside(&shown, &nothing);
+        loader_reset_statistics(shown.volume->treelets);
     }
     volume_unlock(v, &h);
     return public_status(st);

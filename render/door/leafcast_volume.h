@@ -43,9 +43,10 @@ CHECKED status volume_open_file(leafcast *v);
 void volume_release(leafcast *v);
 
 /* volume_show() - from now on, rays look for these surfaces; loading starts. volume_show_beside() -
- * likewise, and also for the values of `beside`. Of a moment between steps, the volume is that of
+ * likewise, and also for the values of `beside`. Of a time between steps, the volume is that of
  * between_steps_open(). */
-void volume_show(const leafcast_shown *shown);
+void volume_show(leafcast *v, uint32_t field, uint32_t step, const leafcast_surface *surfaces,
+                 int count);
 void volume_show_beside(const leafcast_shown *shown, const interest *beside);
 
 /* volume_tracer() - set *tr up for rays through what volume_show() selected. c: the camera, for

@@ -117,8 +117,8 @@ static uint64_t least_budget(const scene_stage *s, const leafcast_camera *c) {
         const leafcast_options on = {.size = sizeof on, .device = d};
         bool fits = !leafcast_open(s->grid_path, &on, &a) && !leafcast_open(s->mesh_path, &on, &b);
         if (fits) {
-            const leafcast_shown shown[2] = {{a, 0, 0, scene_stage_grid, 2},
-                                             {b, 0, 0, &scene_stage_mesh, 1}};
+            const leafcast_shown shown[2] = {{a, 0, 0, scene_stage_grid, 2, 0.0},
+                                             {b, 0, 0, &scene_stage_mesh, 1, 0.0}};
             v.scene = leafcast_scene_default();
             v.scene.volumes = shown;
             v.scene.volume_count = 2;
