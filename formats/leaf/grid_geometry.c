@@ -301,6 +301,7 @@ static const char *payload_name(const leaf_layout *l, uint32_t p, char text[LEAF
 
 const leaf_geometry grid_geometry = {.holds_indices = false,
                                      .grows = true,
+                                     .blends = true,
                                      .has_map = true,
                                      .check_parameters = check_parameters,
                                      .check_values = check_values,

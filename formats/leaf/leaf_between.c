@@ -6,6 +6,7 @@
 #include "formats/base/file.h"
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/grid_codes.h"
+#include "formats/leaf/leaf_geometry.h"
 
 /* A set. */
 typedef struct between_set {
@@ -32,7 +33,7 @@ _Static_assert(sizeof(between_head) <= HEAD, "the head has its room");
 /* ---- Making ---- */
 
 status leaf_between_check(const leaf_file *f) {
-    if (f->header.kind != LEAF_KIND_GRID)
+    if (!f->geometry->blends)
         return status_describe(ST_UNSUPPORTED,
                                "%s: times between steps are of grids; this is no grid",
                                file_path(f->source));

@@ -247,7 +247,7 @@ static void slice(const scene_stage *s, uint64_t memory) {
     scene_stage_open(&v, s, &o, memory ? 0 : 2);
     leafcast_scene scene[2] = {scene_stage_lit(&v), v.scene};
     leafcast_surface later = scene_stage_grid[1];
-    leafcast_shown shown[1] = {{v.volume[0], 0, 0, &later, 1}};
+    leafcast_shown shown[1] = {{v.volume[0], 0, 0, &later, 1, 0.0}};
     scene[1].volumes = shown;
     scene[1].volume_count = 1;
     scene[1].samples = 4;
