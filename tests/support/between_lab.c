@@ -12,7 +12,7 @@
 
 #include "tests/support/scratch.h"
 
-const double between_times[BETWEEN_STEPS] = {-3, 1, 2, 10, 1e6};
+const double between_times[BETWEEN_STEPS] = {-3, 1, 2, 10, 1e6, 2e6};
 const double between_shares[BETWEEN_SHARES] = {0.5, 1e-300, 0.3, 1 - 0x1p-53, 0x1p-20};
 const between_kind between_kinds[BETWEEN_KINDS] = {
     {.type = SAMPLE_U8, .codec = LEAF_CODEC_ZSTD},
@@ -21,15 +21,16 @@ const between_kind between_kinds[BETWEEN_KINDS] = {
     {.type = SAMPLE_I16, .codec = LEAF_CODEC_ZSTD, .bare = true},
     {.type = SAMPLE_F32, .codec = LEAF_CODEC_ZSTD, .non_finite = 900},
     {.type = SAMPLE_F32, .codec = LEAF_CODEC_RAW},
+    {.type = SAMPLE_F32, .codec = LEAF_CODEC_ZSTD, .far = 3},
 };
 
 /* ---- Samples ---- */
 
 /* A ball that moves along x and gets larger, of values from 0 to 1. Nothing changes at the other
  * end, and step 3 is step 2 with but one other sample. */
-static double unit_of(int step, int x, int y, int z) {
+static double unit_of(int far, int step, int x, int y, int z) {
     const int moved = step == 3 ? 2 : step;
-    const double dx = x - 11 - 2 * moved, dy = y - 17, dz = z - 16;
+    const double dx = x - 11 - 2 * moved * (far ? far : 1), dy = y - 17, dz = z - 16;
     const double d = dx * dx + dy * dy + dz * dz - 14 * moved;
     if (step == 3 && x == 20 && y == 17 && z == 16)
         return 0.1;
@@ -38,7 +39,7 @@ static double unit_of(int step, int x, int y, int z) {
 
 static float sample_of(const between_kind *of, int step, int x, int y, int z) {
     static const float strange[] = {NAN, INFINITY, -INFINITY};
-    const double unit = unit_of(step, x, y, z);
+    const double unit = unit_of(of->far, step, x, y, z);
     const unsigned dice = (unsigned)(x * 7919 + y * 104729 + z * 1299709 + (step > 3) * 15485863);
     if (of->non_finite && dice % (unsigned)of->non_finite == 0)
         return strange[dice / 7 % 3];
@@ -120,8 +121,8 @@ static void make_series(between_lab *s) {
     }
     const uint32_t first = of->grown ? 2 : BETWEEN_STEPS;
     const grid_series begun = series_of(paths, 0, first, of->type);
-    snprintf(name, sizeof name, "series-%d-%d-%d-%d.leaf", of->type, of->codec, of->bare,
-             of->grown);
+    snprintf(name, sizeof name, "series-%d-%d-%d-%d-%d.leaf", of->far, of->type, of->codec,
+             of->bare, of->grown);
     snprintf(s->series, sizeof s->series, "%s", leaf_files_series(&begun, &c.options, name));
     if (of->grown) {
         const grid_series rest = series_of(paths, first, BETWEEN_STEPS - first, of->type);

@@ -8,10 +8,10 @@
 #include "tests/support/pictures.h"
 
 enum {
-    BETWEEN_STEPS = 5,
+    BETWEEN_STEPS = 6, /* more pairs than sets of leaf_between.h */
     BETWEEN_SIDE = 36,
     BETWEEN_SAMPLES = BETWEEN_SIDE * BETWEEN_SIDE * BETWEEN_SIDE,
-    BETWEEN_KINDS = 6,
+    BETWEEN_KINDS = 7,
     BETWEEN_SHARES = 5
 };
 
@@ -20,6 +20,7 @@ typedef struct between_kind {
     sample_type type;
     leaf_codec codec;
     bool bare, grown; /* levels 1; the last steps were added to the file */
+    int far;          /* the ball moves so many times farther; 0: as 1 */
     int non_finite;   /* of f32: one sample in so many is NaN or infinite; 0: none */
 } between_kind;
 
