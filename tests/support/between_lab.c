@@ -21,25 +21,26 @@ const between_kind between_kinds[BETWEEN_KINDS] = {
     {.type = SAMPLE_I16, .codec = LEAF_CODEC_ZSTD, .bare = true},
     {.type = SAMPLE_F32, .codec = LEAF_CODEC_ZSTD, .non_finite = 900},
     {.type = SAMPLE_F32, .codec = LEAF_CODEC_RAW},
-    {.type = SAMPLE_F32, .codec = LEAF_CODEC_ZSTD, .far = 3},
+    {.type = SAMPLE_F32, .codec = LEAF_CODEC_ZSTD, .small = true},
 };
 
 /* ---- Samples ---- */
 
 /* A ball that moves along x and gets larger, of values from 0 to 1. Nothing changes at the other
  * end, and step 3 is step 2 with but one other sample. */
-static double unit_of(int far, int step, int x, int y, int z) {
+static double unit_of(bool small, int step, int x, int y, int z) {
     const int moved = step == 3 ? 2 : step;
-    const double dx = x - 11 - 2 * moved * (far ? far : 1), dy = y - 17, dz = z - 16;
-    const double d = dx * dx + dy * dy + dz * dz - 14 * moved;
+    const double dx = x - 11 - (small ? 10 : 2) * moved, dy = y - 17, dz = z - 16;
+    const double d = dx * dx + dy * dy + dz * dz - (small ? 0 : 14) * moved;
+    const double most = small ? 40 : 330;
     if (step == 3 && x == 20 && y == 17 && z == 16)
         return 0.1;
-    return d > 330 ? 0 : (330 - (d > 0 ? d : 0)) / 330 * (0.93 + 0.07 * sin(x * y + z + moved));
+    return d > most ? 0 : (most - (d > 0 ? d : 0)) / most * (0.93 + 0.07 * sin(x * y + z + moved));
 }
 
 static float sample_of(const between_kind *of, int step, int x, int y, int z) {
     static const float strange[] = {NAN, INFINITY, -INFINITY};
-    const double unit = unit_of(of->far, step, x, y, z);
+    const double unit = unit_of(of->small, step, x, y, z);
     const unsigned dice = (unsigned)(x * 7919 + y * 104729 + z * 1299709 + (step > 3) * 15485863);
     if (of->non_finite && dice % (unsigned)of->non_finite == 0)
         return strange[dice / 7 % 3];
@@ -121,7 +122,7 @@ static void make_series(between_lab *s) {
     }
     const uint32_t first = of->grown ? 2 : BETWEEN_STEPS;
     const grid_series begun = series_of(paths, 0, first, of->type);
-    snprintf(name, sizeof name, "series-%d-%d-%d-%d-%d.leaf", of->far, of->type, of->codec,
+    snprintf(name, sizeof name, "series-%d-%d-%d-%d-%d.leaf", of->small, of->type, of->codec,
              of->bare, of->grown);
     snprintf(s->series, sizeof s->series, "%s", leaf_files_series(&begun, &c.options, name));
     if (of->grown) {
@@ -137,7 +138,9 @@ between_lab *between_lab_make(const between_kind *of) {
     between_lab *s = calloc(1, sizeof *s);
     s->of = *of;
     make_series(s);
-    s->iso = (double)sample_of(&(between_kind){.type = of->type}, 0, 20, 17, 16) * 0.5;
+    /* A small ball is cut near its border, where it is lower than half of its height. */
+    s->iso = of->small ? -0.5
+                       : (double)sample_of(&(between_kind){.type = of->type}, 0, 20, 17, 16) * 0.5;
     s->view =
         (leafcast_camera){.size = sizeof s->view,
                           .eye = {2.5 * BETWEEN_SIDE, 1.7 * BETWEEN_SIDE, 2.1 * BETWEEN_SIDE},

@@ -20,7 +20,7 @@ typedef struct between_kind {
     sample_type type;
     leaf_codec codec;
     bool bare, grown; /* levels 1; the last steps were added to the file */
-    int far;          /* the ball moves so many times farther; 0: as 1 */
+    bool small;       /* a small ball, that is at another place in each step */
     int non_finite;   /* of f32: one sample in so many is NaN or infinite; 0: none */
 } between_kind;
 
