@@ -75,15 +75,13 @@ status between_steps_open(leafcast **v, double share) {
     leafcast *of = *v;
     leafcast_options options = of->options;
     options.experiments = &of->experiments;
-    status st = ST_OK;
     of->is_between = share != 0.0;
     if (share == 0.0)
         return ST_OK;
-    if (!of->between)
-        st = volume_open_on(of->device, &options, make, of, &of->between);
-    if (st != ST_OK)
-        return st;
-    if (of->between->opened_at == 0.0) {
+    if (!of->between) {
+        const status st = volume_open_on(of->device, &options, make, of, &of->between);
+        if (st != ST_OK)
+            return st;
         of->between->opened_at = of->opened_at;
         of->between->open_s = of->open_s;
     }

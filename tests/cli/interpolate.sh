@@ -41,12 +41,15 @@ ok "the step and the share are told" json "$tmp/half.json" '(j["step"], j["betwe
 ok "of a step there is no share" json "$tmp/time2i.json" '(j["step"], j["time"]) == (1, 2) and "between" not in j'
 ok "both steps are read" json "$tmp/half.json" 'j["bytes"]["read"] > 0'
 
-for when in "step 1" "step 2" "time 4"; do
-    # shellcheck disable=SC2086 # two words
-    exits "a point, $when" 0 "$leafcast" probe "$tmp/d.leaf" --point 8,8,8 --${when% *} ${when#* } --json \
-        $([ "$when" != "time 4" ] || echo --interpolate)
-    cp "$tmp/out" "$tmp/point-${when#* }.json"
-done
+point() { # point NAME ARGUMENT...
+    name=$1
+    shift
+    exits "a point, $*" 0 "$leafcast" probe "$tmp/d.leaf" --point 8,8,8 --json "$@"
+    cp "$tmp/out" "$tmp/point-$name.json"
+}
+point 1 --step 1
+point 2 --step 2
+point 4 --time 4 --interpolate
 ok "its value is half way" python3 -c 'import json, sys
 a, b, m = (json.load(open(f"{sys.argv[1]}/point-{n}.json")) for n in (1, 2, 4))
 sys.exit(not (m["value"] == (a["value"] + b["value"]) / 2 and a["value"] != b["value"] and m["between"] == 0.5))' "$tmp"

@@ -139,7 +139,7 @@ between_lab *between_lab_make(const between_kind *of) {
     s->of = *of;
     make_series(s);
     /* A small ball is cut near its border, where it is lower than half of its height. */
-    s->iso = of->small ? -0.5
+    s->iso = of->small ? -0.7
                        : (double)sample_of(&(between_kind){.type = of->type}, 0, 20, 17, 16) * 0.5;
     s->view =
         (leafcast_camera){.size = sizeof s->view,
