@@ -75,7 +75,7 @@ status between_steps_open(leafcast **v, double share) {
     leafcast *of = *v;
     leafcast_options options = of->options;
     options.experiments = &of->experiments;
-    of->is_between = share != 0.0;
+    of->is_between = false;
     if (share == 0.0)
         return ST_OK;
     if (!of->between) {
@@ -85,6 +85,7 @@ status between_steps_open(leafcast **v, double share) {
         of->between->opened_at = of->opened_at;
         of->between->open_s = of->open_s;
     }
+    of->is_between = true;
     *v = of->between;
     return ST_OK;
 }

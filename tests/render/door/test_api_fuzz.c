@@ -183,15 +183,15 @@ static int below(world *w, long n) {
 static void open_volume(world *w) {
     leafcast_options o;
     leafcast_experiments e;
-    leafcast *volume = NULL;
+    leafcast *opened = NULL;
     if (w->count == API_VOLUMES)
         return;
     api_draw_options(&w->r, w->device && !api_chance(&w->r, 4) ? w->device : NULL, &e, &o);
     begin("leafcast_open");
-    if (!ended(leafcast_open(files[below(w, FILES)], &o, &volume)))
+    if (!ended(leafcast_open(files[below(w, FILES)], &o, &opened)))
         return;
-    must(volume != NULL, "a volume is opened, and NULL");
-    w->volumes[w->count++] = volume;
+    must(opened != NULL, "a volume is opened, and NULL");
+    w->volumes[w->count++] = opened;
 }
 
 /* Frames show volumes, so they end first. */
