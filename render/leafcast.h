@@ -245,6 +245,26 @@ LEAFCAST_API leafcast_status leafcast_select(leafcast *volume, const leafcast_su
  * first these are 0 and 0. The isosurfaces stay selected. */
 LEAFCAST_API leafcast_status leafcast_select_set(leafcast *volume, uint32_t field, uint32_t step);
 
+/* leafcast_select_between() - the same at a time between two steps: `between`, 0 or more and below
+ * 1, of the way from `step` to the next. Pictures, slices and probes then see the field whose
+ * samples are linear in time: with a and b those of both steps, in doubles (1 - between) a +
+ * between b, rounded to f32; NaN where either is. 0: those of the step, as leafcast_select_set()
+ * selects them. The surface is as exact as any step's; so are coarse levels, up to the rounding of
+ * their samples.
+ *
+ * For grids. Treelets of both steps are in memory side by side, beside the samples between: another
+ * time between the same steps reads nothing that is still there. leafcast_range(),
+ * leafcast_fit_view() and what else takes a step tell of that step. LEAFCAST_USAGE where there is
+ * no next step; LEAFCAST_UNSUPPORTED for other kinds.
+ *
+ * leafcast_find_time() - the step and the share of the way to the next one of a time, in the units
+ * of leafcast_step_time(): *between = (time - t0) / (t1 - t0). LEAFCAST_USAGE: no two steps are on
+ * both sides of it. */
+LEAFCAST_API leafcast_status leafcast_select_between(leafcast *volume, uint32_t field,
+                                                     uint32_t step, double between);
+LEAFCAST_API leafcast_status leafcast_find_time(const leafcast *volume, double time, uint32_t *step,
+                                                double *between);
+
 /* leafcast_expect_set() - say which field and time step are shown next, before the picture of those
  * before: for a program that plays steps. When such a picture is complete, what its rays saw is
  * read in the background, as it is in that step, until the next call that draws or selects: so the

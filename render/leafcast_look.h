@@ -106,6 +106,7 @@ typedef struct leafcast_shown {
     const leafcast_surface *surfaces; /* `count` of them, as for leafcast_select(); with media or a
                                          projection count may be 0 */
     int count;
+    double between; /* so much of the way from that step to the next: leafcast_select_between() */
 } leafcast_shown;
 
 enum { LEAFCAST_VOLUMES_MAX = 16 };

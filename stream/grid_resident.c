@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "formats/leaf/deviation.h"
+#include "formats/leaf/leaf_between.h"
 
 /* One block holds a treelet and its masks, which begin at HEAD. */
 enum { HEAD = (sizeof(resident_grid) + 63) / 64 * 64 };
@@ -44,28 +45,56 @@ static size_t shared_bytes(const resident_store *s, uint32_t t) {
     return 0;
 }
 
-static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t, uint32_t *family) {
-    const leaf_layout *l = &s->file->layout;
-    const uint32_t p = leaf_layout_samples(l, set, t);
-    const uint64_t own = leaf_file_stored(s->file, p);
-    if (leaf_file_is_outside(s->file, p))
-        return leaf_file_bytes_outside(s->file, p);
-    if (!l->shells || t == 0 || !own)
+/* The payloads of the file that stores them which make up treelet t of a set. Returns how many. */
+static int stored_payloads(const leaf_file *f, uint32_t set, uint32_t t,
+                           uint32_t of[LEAF_BETWEEN_PARTS]) {
+    of[0] = leaf_layout_samples(&f->layout, set, t);
+    if (!f->below)
+        return 1;
+    const leaf_blend needs = leaf_between_needs(f, of[0]);
+    memcpy(of, needs.of, sizeof needs.of);
+    return of[1] == LEAF_NO_TREELET ? 1 : 2;
+}
+
+/* The bytes of payload p, a treelet's. own_family: count those of what its siblings share, too. */
+static uint64_t stored_bytes(const leaf_file *f, uint32_t p, bool own_family) {
+    const leaf_layout *l = &f->layout;
+    const uint32_t t = p % l->treelets;
+    const uint64_t own = leaf_file_stored(f, p);
+    if (leaf_file_is_outside(f, p))
+        return leaf_file_bytes_outside(f, p);
+    if (!l->shells || t == 0 || !own || !own_family)
         return own;
-    const uint32_t parent = leaf_layout_parent(l, t);
-    const bool counted = *family == parent;
-    *family = parent;
-    return own + (counted ? 0 : leaf_file_stored(s->file, leaf_layout_shell(l, set, parent)));
+    return own +
+           leaf_file_stored(f, leaf_layout_shell(l, p / l->treelets, leaf_layout_parent(l, t)));
+}
+
+static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t, uint32_t *family) {
+    const leaf_file *f = leaf_file_stores(s->file);
+    uint32_t of[LEAF_BETWEEN_PARTS];
+    const uint32_t parent =
+        f->layout.shells && t > 0 ? leaf_layout_parent(&f->layout, t) : LEAF_NO_TREELET;
+    uint64_t bytes = 0;
+    for (int i = stored_payloads(s->file, set, t, of); i-- > 0;)
+        bytes += stored_bytes(f, of[i], *family != parent);
+    *family = bytes > 0 ? parent : *family;
+    return bytes;
 }
 
 static uint32_t ahead(const resident_store *s, uint32_t set, uint32_t t,
                       uint32_t payloads[RESIDENT_PAYLOADS]) {
-    const leaf_layout *l = &s->file->layout;
-    const int own = leaf_file_chain(s->file, leaf_layout_samples(l, set, t), payloads);
-    if (!l->shells || t == 0)
-        return (uint32_t)own;
-    const uint32_t shell = leaf_layout_shell(l, set, leaf_layout_parent(l, t));
-    return (uint32_t)(own + leaf_file_chain(s->file, shell, payloads + own));
+    const leaf_file *f = leaf_file_stores(s->file);
+    const leaf_layout *l = &f->layout;
+    uint32_t of[LEAF_BETWEEN_PARTS];
+    int count = 0;
+    for (int i = stored_payloads(s->file, set, t, of); i-- > 0;) {
+        count += leaf_file_chain(f, of[i], payloads + count);
+        if (l->shells && t > 0)
+            count += leaf_file_chain(
+                f, leaf_layout_shell(l, of[i] / l->treelets, leaf_layout_parent(l, t)),
+                payloads + count);
+    }
+    return (uint32_t)count;
 }
 
 static status load(const resident_store *s, uint32_t t, uint32_t set, const void *shared,
@@ -112,16 +141,6 @@ static uint32_t payload_of(const resident_store *s, const treelet *tr) {
     return leaf_layout_samples(&s->file->layout, tr->set, tr->id);
 }
 
-/* Whether what the siblings of treelet t share is the same in two sets. */
-static bool same_shell(const leaf_file *f, uint32_t t, uint32_t a, uint32_t b) {
-    const leaf_layout *l = &f->layout;
-    if (!l->shells || t == 0)
-        return true;
-    const uint32_t parent = leaf_layout_parent(l, t);
-    return leaf_file_home(f, leaf_layout_shell(l, a, parent)) ==
-           leaf_file_home(f, leaf_layout_shell(l, b, parent));
-}
-
 static bool same_deviations(const leaf_file *f, uint32_t t, uint32_t a, uint32_t b) {
     const leaf_layout *l = &f->layout;
     return memcmp(f->deviations + deviation_at(l, a, t), f->deviations + deviation_at(l, b, t),
@@ -129,19 +148,19 @@ static bool same_deviations(const leaf_file *f, uint32_t t, uint32_t a, uint32_t
 }
 
 /* Whether a treelet has the samples of payload p, of another set. */
-static bool same_samples(const resident_store *s, const treelet *tr, uint32_t set, uint32_t p) {
+static bool same_samples(const resident_store *s, const treelet *tr, uint32_t p) {
     const leaf_file *f = s->file;
     if (f->live)
         return resident_grid_of(tr)->stamp == f->checksums[p];
-    return leaf_file_has_bytes(f, p) &&
-           leaf_file_home(f, p) == leaf_file_home(f, payload_of(s, tr)) &&
-           same_shell(f, tr->id, tr->set, set);
+    if (f->below)
+        return leaf_between_is_made(f, p, tr->payload);
+    return leaf_file_same(f, p, payload_of(s, tr));
 }
 
 static bool same(const resident_store *s, const treelet *tr, uint32_t set) {
     const leaf_file *f = s->file;
     const uint32_t t = tr->id;
-    if (!same_samples(s, tr, set, leaf_layout_samples(&f->layout, set, t)))
+    if (!same_samples(s, tr, leaf_layout_samples(&f->layout, set, t)))
         return false;
     return !deviates(f, t) || same_deviations(f, t, tr->set, set);
 }
@@ -153,13 +172,23 @@ static void adopt(const resident_store *s, treelet *tr, uint32_t set) {
     tr->set = set;
 }
 
-static bool is_stale(const resident_store *s, const treelet *tr) {
-    return resident_grid_of(tr)->stamp != s->file->checksums[payload_of(s, tr)];
+/* Between steps, another moment between the same two needs no reading: masks are made anew, and
+ * samples before them. */
+static bool keep(const resident_store *s, treelet *tr) {
+    const leaf_file *f = s->file;
+    const uint32_t p = payload_of(s, tr);
+    if (!f->below)
+        return resident_grid_of(tr)->stamp == f->checksums[p];
+    if (leaf_between_lacks(f, p, tr->payload, 0) || leaf_between_lacks(f, p, tr->payload, 1))
+        return false;
+    atomic_store_explicit(&tr->masked, 0, memory_order_relaxed);
+    return true;
 }
 
 static bool helps(const resident_store *s, const treelet *tr, uint32_t set) {
-    return leaf_file_helps(s->file, leaf_layout_samples(&s->file->layout, set, tr->id),
-                           payload_of(s, tr));
+    const uint32_t p = leaf_layout_samples(&s->file->layout, set, tr->id);
+    return s->file->below ? leaf_between_helps(s->file, p, tr->payload)
+                          : leaf_file_helps(s->file, p, payload_of(s, tr));
 }
 
 /* A resident treelet of a grid has nothing but what is its set's. */
@@ -175,6 +204,8 @@ static void destroy(const resident_store *s, treelet *tr) {
 
 static void mask(const resident_store *s, treelet *tr, const interest *in) {
     active_masks *masks = resident_grid_of(tr)->masks;
+    if (s->file->below) /* nobody looks at the payload before its masks are there */
+        leaf_between_make(s->file, payload_of(s, tr), (void *)(uintptr_t)tr->payload);
     s->compute(masks, s->file, payload_of(s, tr), tr->payload, in);
     if (resident_grid_of(tr)->wide)
         active_wide(resident_grid_of(tr)->wide, masks, s->file, payload_of(s, tr), tr->payload, in);
@@ -193,7 +224,7 @@ const resident_kind grid_resident = {.shares = false,
                                      .load = load,
                                      .same = same,
                                      .adopt = adopt,
-                                     .is_stale = is_stale,
+                                     .keep = keep,
                                      .strip = strip,
                                      .destroy = destroy,
                                      .mask = mask};

@@ -62,6 +62,7 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, readers *giv
         return ST_NOMEM;
     l->m = m;
     l->file = f;
+    l->selection = 1; /* treelet.masked is 0 of what has no masks */
     struct loader_private *h = l->hidden = mem_zalloc(m, sizeof *h);
     if (!h)
         goto fail;

@@ -267,7 +267,7 @@ static size_t shells_room(size_t limit) {
 }
 
 size_t loader_more_bytes(const loader *l, size_t limit) {
-    const leaf_layout *layout = &l->file->layout;
+    const leaf_layout *layout = &leaf_file_stores(l->file)->layout;
     const int seats = l->hidden->seats_made;
     const size_t now = leaf_shells_memory(layout, seats, shells_room(l->m->limit));
     const size_t then = leaf_shells_memory(layout, seats, shells_room(limit));
@@ -278,7 +278,7 @@ size_t loader_more_bytes(const loader *l, size_t limit) {
 static status make_seats(loader *l, int count) {
     struct loader_private *h = l->hidden;
     h->seats = mem_array(l->m, (size_t)count, sizeof *h->seats);
-    status st = h->seats ? leaf_shells_create(l->m, &l->file->layout, count,
+    status st = h->seats ? leaf_shells_create(l->m, &leaf_file_stores(l->file)->layout, count,
                                               shells_room(l->m->limit), &h->shells)
                          : ST_NOMEM;
     while (st == ST_OK && h->seats_made < count) {

@@ -96,14 +96,15 @@ bool loader_is_behind(const loader *l) {
     return l->hidden->version != version_of(l, l->hidden->set);
 }
 
-/* Free the selected set's treelets whose samples have changed since they were read. */
+/* Free the selected set's treelets whose samples have changed since they were read, but for those
+ * that can be brought up to date. */
 static void drop_stale(loader *l) {
     struct loader_private *h = l->hidden;
     const uint32_t filled = h->filled;
     h->filled = 0;
     for (uint32_t i = 0; i < filled; i++) {
         treelet *tr = h->slots[i];
-        if (tr->set != h->set || !h->kind->is_stale(&h->store, tr)) {
+        if (tr->set != h->set || h->kind->keep(&h->store, tr)) {
             h->slots[h->filled++] = tr;
             continue;
         }
@@ -112,7 +113,7 @@ static void drop_stale(loader *l) {
     }
     for (treelet *tr = h->cache.oldest, *newer; tr; tr = newer) {
         newer = tr->newer;
-        if (tr->set != h->set || !h->kind->is_stale(&h->store, tr))
+        if (tr->set != h->set || h->kind->keep(&h->store, tr))
             continue;
         treelet_cache_remove(&h->cache, tr);
         loader_slots_discard(l, tr);

@@ -36,7 +36,7 @@ typedef struct resident_scratch {
 } resident_scratch;
 
 /* The most payloads that a treelet takes to load. */
-enum { RESIDENT_PAYLOADS = 2 * LEAF_CHAIN_MAX };
+enum { RESIDENT_PAYLOADS = 4 * LEAF_CHAIN_MAX };
 
 typedef struct resident_kind {
     /* Whether treelets of several sets share their payload. */
@@ -71,9 +71,10 @@ typedef struct resident_kind {
      * has. adopt: make one that has a treelet of this set. */
     bool (*same)(const resident_store *s, const treelet *tr, uint32_t set);
     void (*adopt)(const resident_store *s, treelet *tr, uint32_t set);
-    /* Whether its set has changed since the treelet was read. Asked only where sets change
-     * (leaf_file.versions). */
-    bool (*is_stale)(const resident_store *s, const treelet *tr);
+    /* Returns whether a treelet can stay whose set may have changed since it was read; it has no
+     * masks any more if it must be brought up to date with them. Called only where sets change
+     * (leaf_file.versions), while nothing is traced. */
+    bool (*keep)(const resident_store *s, treelet *tr);
     /* Free what belongs to the treelet's set. If sets share a payload, it has no set then. */
     void (*strip)(const resident_store *s, treelet *tr);
     /* Free all but the shared payload. */

@@ -294,7 +294,7 @@ static void sort_by_place(const leaf_file *f, uint32_t payloads[], uint32_t coun
 }
 
 void source_ahead(source *s, uint32_t payloads[], uint32_t count) {
-    const leaf_file *f = s->file;
+    const leaf_file *f = leaf_file_stores(s->file);
     const int fd = file_descriptor(f->source);
     uint32_t kept = 0;
     for (uint32_t i = 0; i < count; i++)

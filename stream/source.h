@@ -16,6 +16,9 @@
  * and compressed ones hold sizes and offsets: these are copied first. volume_check_file() tells
  * whether the whole file has changed.
  *
+ * Of a file between the steps of another (leaf_between.h), payloads are made in memory of our own,
+ * from bytes that are read.
+ *
  * Thread-safe: any number of loads at once, each with an unpacker of its own.
  */
 #ifndef STREAM_SOURCE_H
@@ -54,7 +57,8 @@ CHECKED status source_load_into(source *s, uint32_t p, leaf_unpacker *u, void *p
  * backend; leaf_file_is_raw() must be true of p. */
 CHECKED status source_read(source *s, uint32_t p, uint32_t from, uint32_t bytes, void *to);
 
-/* source_ahead() - ask the system to read the bytes of these payloads, which will be loaded soon.
+/* source_ahead() - ask the system to read the bytes of these payloads of leaf_file_stores(), which
+ * will be loaded soon.
  * Does not wait for them. Sorts the list; a payload may occur more than once. */
 void source_ahead(source *s, uint32_t payloads[], uint32_t count);
 

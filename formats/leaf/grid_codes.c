@@ -8,21 +8,24 @@
 enum {
     CELLS_MAX = 1 << LEAF_CELLS_LOG2_MAX,
     BLOCK = 1 << LEAF_BLOCK_LOG2,
-    BLOCKS_MAX = 1 << (3 * (LEAF_CELLS_LOG2_MAX - LEAF_BLOCK_LOG2)),
     ROW_MAX = CELLS_MAX + 1,
     SOME = 32 /* samples at once; of fewer gcc makes no vectors */
 };
 
 struct grid_codes_scratch {
-    float lo[BLOCKS_MAX], hi[BLOCKS_MAX]; /* ranges of the 4^3 blocks, Morton order; lo > hi:
-                                             empty */
+    float *lo, *hi; /* ranges of the 4^3 blocks, Morton order, in `room`; lo > hi: empty */
     /* Minimum and maximum over the up to 25 rows of a line of blocks; of the sample type. */
     _Alignas(64) char row_lo[ROW_MAX * sizeof(float)];
     _Alignas(64) char row_hi[ROW_MAX * sizeof(float)];
+    float room[];
 };
 
-size_t grid_codes_scratch_bytes(void) {
-    return sizeof(grid_codes_scratch);
+static uint32_t blocks_of(uint32_t node_levels) {
+    return 1U << (3 * node_levels);
+}
+
+size_t grid_codes_scratch_bytes(uint32_t node_levels) {
+    return sizeof(grid_codes_scratch) + 2 * blocks_of(node_levels) * sizeof(float);
 }
 
 /* ---- ranges of the 4^3 blocks ---- */
@@ -132,7 +135,9 @@ static void block_ranges(grid_codes_scratch *s, const leaf_layout *l, const leaf
         line = line_f32_finite;
         *flags = LEAF_FLAG_NON_FINITE;
     }
-    uint32_t blocks = 1u << (3 * p->node_levels);
+    const uint32_t blocks = blocks_of(p->node_levels);
+    s->lo = s->room;
+    s->hi = s->room + blocks;
     for (uint32_t m = 0; m < blocks; m++) {
         s->lo[m] = INFINITY;
         s->hi[m] = -INFINITY;
@@ -182,27 +187,39 @@ static void merge_children(const uint8_t *child_lo, const uint8_t *child_hi, uin
     }
 }
 
-grid_summary grid_codes_make(const leaf_layout *l, uint32_t t, grid_codes_scratch *s,
-                             void *payload) {
-    const leaf_payload p = leaf_layout_payload(l, t);
-    const uint32_t blocks = 1u << (3 * p.node_levels);
-    uint8_t *codes = payload, *lo = codes + leaf_codes_at(p.node_levels);
-    grid_summary summary;
-    block_ranges(s, l, &p, (const char *)payload + p.samples_at, &summary.flags);
-    own_range(s, blocks, summary.own);
-    const quantizer q = quantizer_of(summary.own[0], summary.own[1], l->type);
+/* Write codes relative to a range, and zeros behind codes and samples. */
+static void encode(const leaf_payload *p, sample_type type, const grid_codes_scratch *s,
+                   const float range[2], void *payload) {
+    const uint32_t blocks = blocks_of(p->node_levels);
+    uint8_t *codes = payload, *lo = codes + leaf_codes_at(p->node_levels);
+    const quantizer q = quantizer_of(range[0], range[1], type);
     encode_blocks(s, &q, blocks, lo, lo + blocks);
-    for (uint32_t k = p.node_levels - 1; k >= 1; k--) {
-        const uint32_t nodes = 1u << (3 * k);
+    for (uint32_t k = p->node_levels - 1; k >= 1; k--) {
+        const uint32_t nodes = blocks_of(k);
         const uint8_t *below = codes + leaf_codes_at(k + 1);
         uint8_t *here = codes + leaf_codes_at(k);
         merge_children(below, below + 8 * nodes, nodes, here, here + nodes);
     }
-    /* Zeros behind codes and samples. */
-    const uint32_t codes_end = leaf_codes_at(p.node_levels + 1);
-    const uint32_t samples_end =
-        p.samples_at + p.samples[0] * p.samples[1] * p.samples[2] * (uint32_t)sample_size(l->type);
-    memset(codes + codes_end, 0, p.samples_at - codes_end);
-    memset(codes + samples_end, 0, p.bytes - samples_end);
+    const uint32_t codes_end = leaf_codes_at(p->node_levels + 1);
+    const uint32_t samples_end = p->samples_at + (uint32_t)leaf_payload_sample_bytes(p, type);
+    memset(codes + codes_end, 0, p->samples_at - codes_end);
+    memset(codes + samples_end, 0, leaf_aligned(samples_end) - samples_end);
+}
+
+grid_summary grid_codes_make(const leaf_layout *l, uint32_t t, grid_codes_scratch *s,
+                             void *payload) {
+    const leaf_payload p = leaf_layout_payload(l, t);
+    grid_summary summary;
+    block_ranges(s, l, &p, (const char *)payload + p.samples_at, &summary.flags);
+    own_range(s, blocks_of(p.node_levels), summary.own);
+    encode(&p, l->type, s, summary.own, payload);
     return summary;
+}
+
+void grid_codes_make_within(const leaf_layout *l, uint32_t t, const float range[2],
+                            grid_codes_scratch *s, void *payload) {
+    const leaf_payload p = leaf_layout_payload(l, t);
+    uint8_t flags;
+    block_ranges(s, l, &p, (const char *)payload + p.samples_at, &flags);
+    encode(&p, l->type, s, range, payload);
 }

@@ -11,9 +11,10 @@
 
 #include "formats/leaf/leaf_layout.h"
 
-/* Per-thread memory, grid_codes_scratch_bytes() of it. */
+/* Memory of one thread, aligned to 64 bytes: grid_codes_scratch_bytes() of it, for treelets with so
+ * many levels of nodes (leaf_payload.node_levels). */
 typedef struct grid_codes_scratch grid_codes_scratch;
-size_t grid_codes_scratch_bytes(void);
+size_t grid_codes_scratch_bytes(uint32_t node_levels);
 
 /* A treelet's data for the directory. */
 typedef struct grid_summary {
@@ -25,5 +26,10 @@ typedef struct grid_summary {
  * leaf_layout_payload(t).bytes, aligned to 64. Returns what follows from them. */
 grid_summary grid_codes_make(const leaf_layout *l, uint32_t t, grid_codes_scratch *s,
                              void *payload);
+
+/* grid_codes_make_within() - the same, with codes relative to a range that holds all finite
+ * samples. */
+void grid_codes_make_within(const leaf_layout *l, uint32_t t, const float range[2],
+                            grid_codes_scratch *s, void *payload);
 
 #endif

@@ -310,6 +310,7 @@ static int parts(const leaf_layout *l, uint32_t set, uint32_t treelet,
 
 const leaf_geometry grid_geometry = {.holds_indices = false,
                                      .grows = true,
+                                     .blends = true,
                                      .has_map = true,
                                      .check_parameters = check_parameters,
                                      .check_values = check_values,

@@ -466,6 +466,8 @@ static status check_growth(const leaf_file *f, status st) {
 }
 
 status leaf_file_changed(const leaf_file *f) {
+    if (f->below)
+        return leaf_file_changed(f->below);
     status st = file_mark_check(f->source, &f->mark);
     if (st == ST_CORRUPT)
         st = check_growth(f, st);
@@ -519,6 +521,7 @@ void leaf_file_close(leaf_file *f) {
     mem_free(f->m, f->names);
     mem_free(f->m, f->times);
     mem_free(f->m, f->versions);
+    mem_free(f->m, f->between);
     outside_samples_close(f->samples);
     live_samples_destroy(f->live);
     if (f->geometry)
@@ -564,6 +567,22 @@ bool leaf_file_is_implied(const leaf_file *f, uint32_t p) {
 
 uint32_t leaf_file_home(const leaf_file *f, uint32_t p) {
     return leaf_layout_home(&f->layout, &f->links, p);
+}
+
+/* Whether the siblings of treelet t share the same in two sets. */
+static bool same_shell(const leaf_file *f, uint32_t t, uint32_t a, uint32_t b) {
+    const leaf_layout *l = &f->layout;
+    if (!l->shells || t == 0)
+        return true;
+    const uint32_t parent = leaf_layout_parent(l, t);
+    return leaf_file_home(f, leaf_layout_shell(l, a, parent)) ==
+           leaf_file_home(f, leaf_layout_shell(l, b, parent));
+}
+
+bool leaf_file_same(const leaf_file *f, uint32_t p, uint32_t q) {
+    const uint32_t n = f->layout.treelets;
+    return p == q || (leaf_file_has_bytes(f, p) && leaf_file_home(f, p) == leaf_file_home(f, q) &&
+                      same_shell(f, p % n, p / n, q / n));
 }
 
 int leaf_file_chain(const leaf_file *f, uint32_t p, uint32_t chain[LEAF_CHAIN_MAX]) {

@@ -59,11 +59,15 @@ typedef struct leaf_file {
     struct outside_samples *samples; /* and the file that it names */
     struct live_samples *live;       /* of a grid that changes in memory (leaf_live.h), or NULL; */
     uint64_t *versions;              /* and per set: how often it has changed */
-    void *besides;                   /* what the directory of another kind has in addition */
-    histogram *histograms;           /* per set; NULL: the file has none */
-    world_frame frame;               /* what the world's axes mean; zeros: the file does not say */
-    uint16_t *deviations; /* codes (deviation.h) of the coarse treelets' bricks; NULL: the file has
-                             none */
+    /* Of one that lies between the steps of another (leaf_between.h), else NULL: that one, which it
+     * does not own, and what its sets are. */
+    struct leaf_file *below;
+    struct leaf_between *between;
+    void *besides;         /* what the directory of another kind has in addition */
+    histogram *histograms; /* per set; NULL: the file has none */
+    world_frame frame;     /* what the world's axes mean; zeros: the file does not say */
+    uint16_t *deviations;  /* codes (deviation.h) of the coarse treelets' bricks; NULL: the file has
+                              none */
     file *source;
     file_mark mark; /* of the file, or of the whole file if this is a part, when it was opened; all
                        0 for bytes in memory */
@@ -126,6 +130,15 @@ bool leaf_file_has_bytes(const leaf_file *f, uint32_t p);
 bool leaf_file_is_outside(const leaf_file *f, uint32_t p);
 bool leaf_file_is_bare(const leaf_file *f, uint32_t p);
 bool leaf_file_is_implied(const leaf_file *f, uint32_t p);
+
+/* leaf_file_stores() - the file that has the payloads of f: f itself, or the one below. */
+static inline leaf_file *leaf_file_stores(leaf_file *f) {
+    return f->below ? f->below : f;
+}
+
+/* leaf_file_same() - whether payloads p and q, of a treelet of a grid in two sets, have the same
+ * samples, as far as the directory tells. */
+bool leaf_file_same(const leaf_file *f, uint32_t p, uint32_t q);
 
 /* leaf_file_home() - leaf_layout_home(). leaf_file_chain() - leaf_layout_chain().
  * leaf_file_is_home() - whether payload p has bytes in the file, and is the first to have these.

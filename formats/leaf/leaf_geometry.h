@@ -17,6 +17,7 @@ typedef struct leaf_geometry {
     bool holds_indices;             /* result of leaf_file_holds_indices() */
     const struct leaf_cells *cells; /* what a cell's record is (leaf_cells.h); NULL: no records */
     bool grows;                     /* a file of it may have segments (SERIES.md 4) */
+    bool blends;                    /* times between its steps can be shown (leaf_between.h) */
     bool has_map;                   /* to_world is meaningful, so section WORLD may name its axes */
 
     /* ---- The header: parts of leaf_check_header() and leaf_check_layout() ---- */

@@ -11,7 +11,7 @@ static uint32_t halved_up(uint32_t n) {
 }
 
 static leaf_payload payload_of(const leaf_layout *l, const uint32_t cells[3]) {
-    leaf_payload p = {.node_levels = l->cells_log2 - LEAF_BLOCK_LOG2};
+    leaf_payload p = {.node_levels = leaf_node_levels(l)};
     uint32_t count = 1;
     for (int a = 0; a < 3; a++) {
         p.cells[a] = cells[a];
@@ -20,7 +20,17 @@ static leaf_payload payload_of(const leaf_layout *l, const uint32_t cells[3]) {
     }
     p.samples_at = leaf_aligned(leaf_codes_at(p.node_levels + 1));
     p.bytes = leaf_aligned(p.samples_at + count * (uint32_t)sample_size(l->type));
+    if (l->beside) {
+        p.beside_at = p.bytes;
+        p.beside_bytes = leaf_aligned(p.samples_at + count * l->beside);
+        p.bytes += LEAF_BESIDE_ROOM(p.node_levels) + 2 * p.beside_bytes;
+    }
     return p;
+}
+
+static uint32_t most_bytes(const leaf_layout *l) {
+    const uint32_t b = 1U << l->cells_log2;
+    return payload_of(l, (uint32_t[3]){b, b, b}).bytes;
 }
 
 /* Compute the dims of every level, up to the one whose cells fit a single treelet. A coarse level
@@ -72,11 +82,15 @@ status leaf_layout_levels(leaf_layout *l, const uint32_t dims[3], uint32_t cells
         v->count = (uint32_t)count;
         total += count;
     }
-    const uint32_t b = 1u << cells_log2;
     l->treelets = l->payloads = (uint32_t)total;
     l->sets = l->steps = l->places = 1;
-    l->payload_max = payload_of(l, (uint32_t[3]){b, b, b}).bytes;
+    l->payload_max = most_bytes(l);
     return ST_OK;
+}
+
+void leaf_layout_keep_beside(leaf_layout *l, uint32_t bytes) {
+    l->beside = bytes;
+    l->payload_max = most_bytes(l);
 }
 
 /* The octants of those children of the treelet at this place that exist on the level below. */

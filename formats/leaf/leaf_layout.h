@@ -42,6 +42,7 @@ typedef struct leaf_layout {
     uint32_t payload_max;        /* leaf_layout_payload_max() */
     bool coded;                  /* grid: payloads are compressed (grid_coding.h) */
     bool outside;                /* grid: level 0 has its samples in another file */
+    uint32_t beside;             /* leaf_layout_keep_beside(), or 0 */
     leaf_level level[LEAF_LEVELS_MAX];
     /* Per treelet: */
     uint32_t *first_child; /* LEAF_NO_TREELET at level 0 */
@@ -65,6 +66,10 @@ static inline void leaf_layout_bare(leaf_layout *l) {
     l->sampled = 1;
 }
 void leaf_layout_release(leaf_layout *l);
+
+/* leaf_layout_keep_beside() - let a grid's payloads in memory have room for two payloads with
+ * samples of `bytes` bytes, too (leaf_between.h). */
+void leaf_layout_keep_beside(leaf_layout *l, uint32_t bytes);
 
 /* leaf_layout_repeat() - give a grid's layout so many fields and steps, with payloads set after
  * set, and the shells of all sets behind them if it is compressed. False: that makes 2^32 - 1
@@ -96,7 +101,19 @@ typedef struct leaf_payload {
     uint32_t node_levels; /* K = cells_log2 - LEAF_BLOCK_LOG2: tree levels of 8, 64, .. 8^K nodes */
     uint32_t samples_at;  /* byte offset of the sample array */
     uint32_t bytes;       /* whole payload, a multiple of LEAF_ALIGN */
+    /* Of a layout that keeps two others beside: byte offset of that room, which ends with them, and
+     * the bytes of each of the two; else 0. */
+    uint32_t beside_at, beside_bytes;
 } leaf_payload;
+
+/* LEAF_BESIDE_ROOM() - of that room, the bytes before the two: for treelets with so many levels of
+ * nodes. */
+#define LEAF_BESIDE_ROOM(node_levels) (1024U + (8U << 3 * (node_levels)))
+
+/* leaf_node_levels() - the levels of nodes of a grid's treelets. */
+static inline uint32_t leaf_node_levels(const leaf_layout *l) {
+    return l->cells_log2 - LEAF_BLOCK_LOG2;
+}
 
 leaf_payload leaf_layout_payload(const leaf_layout *l, uint32_t treelet);
 

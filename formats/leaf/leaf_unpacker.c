@@ -1,11 +1,13 @@
 #include "formats/leaf/leaf_unpacker.h"
 
 #include <assert.h>
+#include <string.h>
 
 #include <zstd.h>
 
 #include "formats/leaf/grid_codes.h"
 #include "formats/leaf/grid_coding.h"
+#include "formats/leaf/leaf_between.h"
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/live_samples.h"
 #include "formats/leaf/mesh_coding.h"
@@ -26,7 +28,8 @@ struct leaf_unpacker {
     grid_codes_scratch *codes;
     leaf_shells *shells, *own; /* own: freed with it; NULL: shared, or none */
     void *shell_stored;
-    void *outside; /* room for samples that lie in another file */
+    void *outside;        /* room for samples that lie in another file */
+    leaf_unpacker *below; /* of a file between the steps of another: that one's; NULL: it is raw */
     uint64_t beside_bytes;
 };
 
@@ -58,7 +61,7 @@ static size_t room_outside(const leaf_file *f) {
 /* shells: those of several unpackers; NULL: make its own. */
 static status begin_grid(leaf_unpacker *u, leaf_shells *shells) {
     const leaf_layout *l = &u->f->layout;
-    u->codes = mem_alloc(u->m, grid_codes_scratch_bytes());
+    u->codes = mem_alloc(u->m, grid_codes_scratch_bytes(leaf_node_levels(l)));
     status st = u->codes ? box_coder_create(u->m, l->type, leaf_layout_code_max(l), 0, &u->boxes)
                          : ST_NOMEM;
     if (st == ST_OK && !shells)
@@ -87,6 +90,13 @@ status leaf_unpacker_share(mem *m, leaf_file *f, leaf_shells *shells, leaf_unpac
         return ST_NOMEM;
     u->m = m;
     u->f = f;
+    if (f->below) {
+        const status made = leaf_unpacker_share(m, f->below, shells, &u->below);
+        *out = made == ST_OK ? u : NULL;
+        if (made != ST_OK)
+            leaf_unpacker_destroy(u);
+        return made;
+    }
     u->stored = mem_alloc(m, leaf_layout_stored_max(&f->layout));
     u->zstd = ZSTD_createDCtx();
     status st = u->stored && u->zstd ? ST_OK : ST_NOMEM;
@@ -113,6 +123,7 @@ void leaf_unpacker_destroy(leaf_unpacker *u) {
     mem_free(u->m, u->shell_stored);
     mem_free(u->m, u->outside);
     leaf_shells_destroy(u->own);
+    leaf_unpacker_destroy(u->below);
     mem_free(u->m, u);
 }
 
@@ -120,11 +131,14 @@ size_t leaf_unpacker_memory(const leaf_file *f) {
     const leaf_layout *l = &f->layout;
     if (f->header.codec == LEAF_CODEC_RAW)
         return 0;
+    if (f->below)
+        return sizeof(leaf_unpacker) + leaf_unpacker_memory(f->below);
     size_t bytes = sizeof(leaf_unpacker) + leaf_layout_stored_max(l) + 1024;
     if (f->mesh)
         bytes += streams_max(f);
     if (l->coded)
-        bytes += grid_codes_scratch_bytes() + box_coder_memory(l->type, leaf_layout_code_max(l));
+        bytes += grid_codes_scratch_bytes(leaf_node_levels(l)) +
+                 box_coder_memory(l->type, leaf_layout_code_max(l));
     if (f->samples)
         bytes += room_outside(f);
     if (l->shells)
@@ -335,6 +349,51 @@ static status load_live(leaf_unpacker *u, uint32_t p, void *payload) {
     return ST_OK;
 }
 
+/* Read payload `needed` of the file below into a part that has another one, or nothing. */
+static status load_part(leaf_unpacker *u, uint32_t p, int part, uint32_t needed, void *payload) {
+    leaf_file *below = u->f->below;
+    uint32_t *has, *other_has;
+    void *to = leaf_between_part(u->f, p, payload, part, &has);
+    const void *other = leaf_between_part(u->f, p, payload, !part, &other_has);
+    const bool helped = *has != LEAF_NO_TREELET && leaf_file_helps(below, needed, *has);
+    if (!helped && *other_has != LEAF_NO_TREELET && leaf_file_helps(below, needed, *other_has)) {
+        memcpy(to, other, leaf_layout_payload_bytes(&below->layout, needed));
+        *has = *other_has;
+    }
+    const status st = *has == LEAF_NO_TREELET
+                          ? leaf_file_load(below, needed, u->below, to)
+                          : leaf_file_load_after(below, needed, u->below, NULL, *has, to);
+    *has = st == ST_OK ? needed : LEAF_NO_TREELET;
+    u->beside_bytes += below->sizes[needed] + leaf_unpacker_take(u->below);
+    return st;
+}
+
+/* Let one part have what the other one has, if that is needed there. */
+static void move_part(leaf_unpacker *u, uint32_t p, int part, uint32_t needed, void *payload) {
+    leaf_file *below = u->f->below;
+    uint32_t *has, *other_has;
+    void *to = leaf_between_part(u->f, p, payload, part, &has);
+    const void *other = leaf_between_part(u->f, p, payload, !part, &other_has);
+    if (*other_has == LEAF_NO_TREELET || !leaf_file_same(below, *other_has, needed))
+        return;
+    memcpy(to, other, leaf_layout_payload_bytes(&below->layout, needed));
+    *has = *other_has;
+}
+
+/* Load the payloads of both steps that a payload needs, as far as it does not have them. */
+static status load_between(leaf_unpacker *u, uint32_t p, void *payload) {
+    const leaf_blend needs = leaf_between_needs(u->f, p);
+    status st = ST_OK;
+    /* Playing on, the second step becomes the first, and backwards the other way round. */
+    for (int i = 0; i < LEAF_BETWEEN_PARTS; i++)
+        if (leaf_between_lacks(u->f, p, payload, i))
+            move_part(u, p, i, needs.of[i], payload);
+    for (int i = 0; i < LEAF_BETWEEN_PARTS && st == ST_OK; i++)
+        if (leaf_between_lacks(u->f, p, payload, i))
+            st = load_part(u, p, i, needs.of[i], payload);
+    return st;
+}
+
 static status load_outside(leaf_unpacker *u, uint32_t p, void *payload) {
     const leaf_file *f = u->f;
     const leaf_payload shape = leaf_layout_payload(&f->layout, p);
@@ -381,6 +440,10 @@ static status refuse_bare(const leaf_file *f, uint32_t p) {
 status leaf_file_load_by(leaf_file *f, uint32_t p, leaf_unpacker *u, const leaf_fetcher *by,
                          void *payload) {
     const leaf_layout *l = &f->layout;
+    if (f->below) {
+        leaf_between_begin(f, p, payload);
+        return load_between(u, p, payload);
+    }
     if (leaf_file_is_implied(f, p)) {
         l->geometry->imply(l, p % l->treelets, f->own[p], payload);
         return ST_OK;
@@ -407,6 +470,8 @@ bool leaf_file_helps(const leaf_file *f, uint32_t p, uint32_t q) {
 
 status leaf_file_load_after(leaf_file *f, uint32_t p, leaf_unpacker *u, const leaf_fetcher *by,
                             uint32_t q, void *payload) {
+    if (f->below)
+        return load_between(u, p, payload);
     if (!leaf_file_helps(f, p, q))
         return leaf_file_load_by(f, p, u, by, payload);
     u->by = by;

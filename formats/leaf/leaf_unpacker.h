@@ -53,7 +53,9 @@ typedef struct leaf_fetcher {
 
 /* leaf_file_helps() - whether payload q of an earlier or later set, of a compressed grid, spares
  * reading some of what p needs.
- * leaf_file_load_after() - leaf_file_load_by() into memory that has payload q, complete. */
+ * leaf_file_load_after() - leaf_file_load_by() into memory that has payload q, complete. Of a file
+ * between steps (leaf_between.h) any payload of the treelet; what comes of loading is to be made.
+ */
 bool leaf_file_helps(const leaf_file *f, uint32_t p, uint32_t q);
 CHECKED status leaf_file_load_after(leaf_file *f, uint32_t p, leaf_unpacker *u,
                                     const leaf_fetcher *by, uint32_t q, void *payload);

@@ -54,8 +54,10 @@ typedef struct grid_room {
 static grid_room grid_room_of(const leaf_file *f) {
     const leaf_layout *l = &f->layout;
     grid_room r = {.codes = leaf_layout_aligned(leaf_layout_payload_max(l), LEAF_ALIGN_LOG2)};
-    r.scratch = r.codes + leaf_layout_payload(l, 0).samples_at;
-    r.deviations = leaf_layout_aligned(r.scratch + grid_codes_scratch_bytes(), LEAF_ALIGN_LOG2);
+    r.scratch =
+        leaf_layout_aligned(r.codes + leaf_layout_payload(l, 0).samples_at, LEAF_ALIGN_LOG2);
+    r.deviations = leaf_layout_aligned(r.scratch + grid_codes_scratch_bytes(leaf_node_levels(l)),
+                                       LEAF_ALIGN_LOG2);
     r.bytes = r.deviations + (f->deviations ? deviation_verify_bytes(l) : 0);
     return r;
 }

@@ -26,7 +26,7 @@ static status create_benches(grid_conversion *c) {
     for (int i = 0; i < c->o->threads; i++) {
         grid_bench *b = &c->benches[i];
         b->family = leaf_writer_take_family(c->writer);
-        b->scratch = mem_alloc(c->m, grid_codes_scratch_bytes());
+        b->scratch = mem_alloc(c->m, grid_codes_scratch_bytes(leaf_node_levels(c->layout)));
         if (!b->scratch)
             return ST_NOMEM;
         if (payload_bytes && !(b->payload = mem_alloc(c->m, payload_bytes)))

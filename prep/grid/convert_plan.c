@@ -31,7 +31,7 @@ static uint64_t fixed_memory(const grid *g, const convert_options *o, const leaf
                              uint64_t packer) {
     uint64_t thread = (l->coded ? leaf_layout_payload_max(l) : 0) +
                       (l->shells ? leaf_layout_shell_max(l) * sample_size(l->type) : 0) +
-                      grid_codes_scratch_bytes() + packer + THREAD_BYTES;
+                      grid_codes_scratch_bytes(leaf_node_levels(l)) + packer + THREAD_BYTES;
     uint64_t bytes = leaf_writer_memory(l, o->threads, o->grow != NULL) +
                      (uint64_t)o->threads * thread + FIXED_BYTES;
     if (o->work)

@@ -22,13 +22,16 @@ status picture_scene_choose(const leafcast *volume, view_options *v, double *sug
                             int *count) {
     uint32_t field;
     *count = 0;
+    status st = volume ? time_options_find(&v->time, volume, &v->step) : ST_OK;
+    if (st != ST_OK)
+        return st;
     if (v->isos > 0 || view_options_filled(v))
         return ST_OK;
     v->isos = 1;
     v->surfaces[0].isovalue = 0.0;
     if (!volume)
         return ST_OK;
-    status st = view_options_field(v, volume, &field);
+    st = view_options_field(v, volume, &field);
     if (st == ST_OK)
         st = (status)leafcast_suggested_isovalues(volume, field, v->step, suggested,
                                                   LEAFCAST_SUGGESTIONS_MAX, count);
@@ -87,7 +90,8 @@ status picture_scene_describe(picture_scene *p, const picture_volume *volumes, i
         const view_options *v = volumes[i].view;
         uint32_t field;
         st = view_options_field(v, volumes[i].volume, &field);
-        p->shown[i] = (leafcast_shown){volumes[i].volume, field, v->step, v->surfaces, v->isos};
+        p->shown[i] = (leafcast_shown){volumes[i].volume, field,   v->step,
+                                       v->surfaces,       v->isos, v->time.between};
         if (st == ST_OK && filled)
             st = fill_volume(p, volumes, i);
     }

@@ -395,13 +395,16 @@ static status set_rerun(json_t *answer, int argc, char **argv) {
 }
 
 /* Select the field and step. Name them in the answer if the file has more than one. */
-static status select_set(const probe_options *o, leafcast *volume, json_t *answer) {
+static status select_set(probe_options *o, leafcast *volume, json_t *answer) {
     uint32_t field;
-    status st = view_options_field(&o->view, volume, &field);
+    view_options *v = &o->view;
+    status st = view_options_field(v, volume, &field);
     if (st == ST_OK)
-        st = render_status(leafcast_select_set(volume, field, o->view.step));
+        st = time_options_find(&v->time, volume, &v->step);
     if (st == ST_OK)
-        render_stats_set(answer, volume, field, o->view.step);
+        st = render_status(leafcast_select_between(volume, field, v->step, v->time.between));
+    if (st == ST_OK)
+        render_stats_set(answer, volume, field, v->step, v->time.between);
     return st;
 }
 

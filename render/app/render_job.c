@@ -276,12 +276,14 @@ static status select_surfaces(render_job *job, const view_options *view) {
 static status select_set(render_job *job, const view_options *view) {
     uint32_t field;
     status st = view_options_field(view, job->volume, &field);
-    if (st != ST_OK || (field == job->field && view->step == job->step))
+    const double between = view->time.between;
+    if (st != ST_OK || (field == job->field && view->step == job->step && between == job->between))
         return st;
-    st = render_status(leafcast_select_set(job->volume, field, view->step));
+    st = render_status(leafcast_select_between(job->volume, field, view->step, between));
     if (st == ST_OK) {
         job->field = field;
         job->step = view->step;
+        job->between = between;
     }
     return st;
 }
@@ -399,6 +401,8 @@ static status finish_picture(render_job *job, const script_frame *frame,
     if (several(job)) {
         note_text(&n, "field", leafcast_field_name(job->volume, job->field));
         note_numbers(&n, "step", &step, 1);
+        if (job->between > 0.0)
+            note_numbers(&n, "between", &job->between, 1);
     }
     note_medium(&n, &frame->view);
     const picture p = {.width = job->width,
@@ -560,6 +564,7 @@ status render_job_draw(render_job *job, const script_frame *frame, render_stats 
         image_out_discard(to.file[i]);
     stats->field = job->field;
     stats->step = job->step;
+    stats->between = job->between;
     stats->total_s = clock_seconds() - begun;
     stats->peak_rss_bytes = render_stats_peak_rss();
     return st;

@@ -44,6 +44,7 @@ typedef struct render_job {
     leafcast_surface selected[LEAFCAST_SURFACES_MAX];
     int selected_count;
     uint32_t field, step;
+    double between;   /* ... so much of the way to the next step */
     int drawn, empty; /* pictures so far; of these, without any surface (render_picture.h) */
     int lacking;      /* and those that lack treelets that are lost */
 } render_job;

@@ -248,8 +248,9 @@ status render_options_check(void *own) {
         return status_describe(ST_USAGE, "--frames: of which --camera-path?");
     if (o->iso_list && o->view.isos > 0)
         return status_describe(ST_USAGE, "either --iso or --iso-list");
-    if (step_list_given(&o->steps) && o->view.step > 0)
-        return status_describe(ST_USAGE, "either --step or --steps");
+    if (step_list_given(&o->steps) && (o->view.step > 0 || o->view.time.given))
+        return status_describe(ST_USAGE, "either --%s or --steps",
+                               o->view.time.given ? "time" : "step");
     /* With a path or a script, too: their entries may give --view or --eye. */
     return view_options_check_camera(&o->view);
 }

@@ -37,13 +37,19 @@ static json_t *packets(const leafcast_stats *t) {
     return counts;
 }
 
-void render_stats_set(json_t *root, const leafcast *volume, uint32_t field, uint32_t step) {
+void render_stats_set(json_t *root, const leafcast *volume, uint32_t field, uint32_t step,
+                      double between) {
+    double time = leafcast_step_time(volume, step);
     const leafcast_info info = leafcast_describe(volume);
     if (info.fields == 1 && info.steps == 1)
         return;
     json_object_set_new(root, "field", json_string(leafcast_field_name(volume, field)));
     json_object_set_new(root, "step", json_integer(step));
-    json_object_set_new(root, "time", cli_json_real(leafcast_step_time(volume, step)));
+    if (between > 0.0) {
+        time = (1.0 - between) * time + between * leafcast_step_time(volume, step + 1);
+        json_object_set_new(root, "between", cli_json_real(between));
+    }
+    json_object_set_new(root, "time", cli_json_real(time));
 }
 
 void render_stats_data(json_t *root, const leafcast_stats *t, uint64_t peak_rss, bool visible) {
@@ -69,7 +75,7 @@ json_t *render_stats_json(const render_stats *s, const view_options *view, const
     if (*output)
         json_object_set_new(root, "output", json_string(output));
     json_object_set_new(root, "isovalues", isovalues(view));
-    render_stats_set(root, s->volume, s->field, s->step);
+    render_stats_set(root, s->volume, s->field, s->step, s->between);
     json_object_set_new(root, "size",
                         json_pack("[i,i]", (int)view->camera.width, (int)view->camera.height));
     json_object_set_new(root, "time_s",

@@ -15,6 +15,7 @@ typedef struct render_stats {
     uint64_t peak_rss_bytes; /* of the process so far */
     const leafcast *volume;  /* the first one, with the set drawn: */
     uint32_t field, step;
+    double between;             /* ... so much of the way to the next step */
     certificate certified;      /* of --certify */
     double first_s;             /* of --progressive: until the first picture had its name; else 0 */
     uint64_t first_provisional; /* its provisional pixels */
@@ -25,8 +26,9 @@ typedef struct render_stats {
 uint64_t render_stats_peak_rss(void);
 
 /* render_stats_set() - add "field", "step" and "time" to an object, if the volume has several
- * fields or steps. */
-void render_stats_set(json_t *root, const leafcast *volume, uint32_t field, uint32_t step);
+ * fields or steps; "between" if that is above 0: so much of the way from the step to the next. */
+void render_stats_set(json_t *root, const leafcast *volume, uint32_t field, uint32_t step,
+                      double between);
 
 /* render_stats_data() - add the treelets and bytes of a trace, and the peaks of memory. visible:
  * with the bytes that the picture shows. */

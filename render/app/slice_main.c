@@ -148,7 +148,7 @@ static json_t *result_of(const slice_run *o) {
         json_object_set_new(root, "output", json_string(o->common.output));
     set_place(o, root);
     set_values(o, root);
-    render_stats_set(root, o->volume, o->slice.field_number, o->slice.step);
+    render_stats_set(root, o->volume, o->slice.field_number, o->slice.step, o->slice.time.between);
     set_stats(o, root);
     return root;
 }

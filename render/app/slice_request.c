@@ -12,6 +12,8 @@ const struct argp_option slice_request_table[SLICE_REQUEST_COUNT] = {
     {"field", SLICE_FIELD, "NAME", 0,
      "volumes with several fields: this one, by name or number (the first)", 2},
     {"step", SLICE_STEP, "K", 0, "volumes with time steps: this one, counted from 0 (0)", 2},
+    {"time", SLICE_TIME, "T", 0, TIME_OPTIONS_TIME, 2},
+    {"interpolate", SLICE_INTERPOLATE, NULL, 0, TIME_OPTIONS_INTERPOLATE, 2},
     {NULL, 0, NULL, 0, "The picture:", 3},
     {"colour-map", MEDIUM_COLOUR_MAP, "NAME", CLI_BASIC,
      "grey, viridis, plasma, inferno, magma, cool-warm, rainbow or a file of --tf's (of several "
@@ -61,7 +63,11 @@ static status set_field(slice_request *r, const char *text) {
 status slice_request_set(slice_request *r, int key, const char *text) {
     switch (key) {
     case SLICE_FIELD: return set_field(r, text);
-    case SLICE_STEP: return cli_uint(text, "--step", 0, UINT16_MAX, &r->step);
+    case SLICE_STEP:
+        r->time.given = false;
+        return cli_uint(text, "--step", 0, UINT16_MAX, &r->step);
+    case SLICE_TIME: return time_options_parse(text, &r->time);
+    case SLICE_INTERPOLATE: r->time.interpolate = true; return ST_OK;
     case MEDIUM_LEGEND: r->legend = true; return ST_OK;
     case SLICE_ISO: return add_isovalues(r, text);
     case SLICE_COLOUR:
@@ -88,6 +94,8 @@ int slice_request_key(const char *name, view_value *value) {
 status slice_request_check(slice_request *r) {
     if (r->coloured && r->look.isos == 0)
         return status_describe(ST_USAGE, "--colour is for isolines: --iso V");
+    if (r->time.interpolate && !r->time.given)
+        return status_describe(ST_USAGE, "--interpolate: at which --time?");
     const status st = medium_options_check(&r->medium, true);
     return st == ST_OK ? slice_options_check(&r->place) : st;
 }
@@ -99,7 +107,11 @@ status slice_request_select(slice_request *r, leafcast *volume) {
     r->field_number = 0;
     if (r->field[0])
         st = render_status(leafcast_find_field(volume, r->field, &r->field_number));
-    return st == ST_OK ? render_status(leafcast_select_set(volume, r->field_number, r->step)) : st;
+    if (st == ST_OK)
+        st = time_options_find(&r->time, volume, &r->step);
+    return st == ST_OK ? render_status(leafcast_select_between(volume, r->field_number, r->step,
+                                                               r->time.between))
+                       : st;
 }
 
 status slice_request_place(slice_request *r, const leafcast *volume, bool drawn) {

@@ -12,7 +12,7 @@
 enum { SLICE_ISOS_MAX = 32 };
 
 /* Keys of the flags that slice_options and medium_options do not have. */
-enum { SLICE_FIELD = 0x3000, SLICE_STEP, SLICE_ISO, SLICE_COLOUR };
+enum { SLICE_FIELD = 0x3000, SLICE_STEP, SLICE_TIME, SLICE_INTERPOLATE, SLICE_ISO, SLICE_COLOUR };
 
 typedef struct slice_request {
     slice_options place;
@@ -22,11 +22,12 @@ typedef struct slice_request {
     bool legend, coloured; /* coloured: --colour was given */
     char field[VIEW_FIELD_MAX];
     uint32_t step, field_number;
+    time_options time; /* or a time: slice_request_select() finds its step */
 } slice_request;
 
 /* The flags of field, step and picture, for argp. */
 extern const struct argp_option slice_request_table[];
-enum { SLICE_REQUEST_COUNT = 10 };
+enum { SLICE_REQUEST_COUNT = 12 };
 
 /* slice_request_init() - start with no flag given. slice_request_release() - free the place's and
  * the colours' memory. */

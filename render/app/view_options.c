@@ -41,7 +41,9 @@ enum {
     INTERSECTOR,
     FIELD,
     STEP,
-    ORTHO
+    ORTHO,
+    TIME,
+    INTERPOLATE
 };
 
 static const char SHADINGS[] = "diffuse|phong|flat",
@@ -100,6 +102,8 @@ const struct argp_option view_options_table[] = {
     {"field", FIELD, "NAME", 0, "of several fields: draw this one, by name or number (the first)",
      0},
     {"step", STEP, "K", 0, "of several time steps: draw this one, counted from 0 (0)", 0},
+    {"time", TIME, "T", 0, TIME_OPTIONS_TIME, 0},
+    {"interpolate", INTERPOLATE, NULL, 0, TIME_OPTIONS_INTERPOLATE, 0},
     {"clip-box", CLIP_BOX, "X0,Y0,Z0,X1,Y1,Z1", 0, "draw only what is inside this box", 0},
     {"clip-plane", CLIP_PLANE, "A,B,C,D", 0, "draw only where Ax + By + Cz + D >= 0. Repeatable",
      0},
@@ -394,6 +398,16 @@ static status set_medium(view_options *v, int key, const char *text) {
     }
 }
 
+/* Of --step and --time the last one counts: a line of a script may give the other one. */
+static status set_moment(view_options *v, int key, const char *text) {
+    switch (key) {
+    case STEP: v->time.given = false; return cli_uint(text, "--step", 0, UINT16_MAX, &v->step);
+    case TIME: return time_options_parse(text, &v->time);
+    case INTERPOLATE: v->time.interpolate = true; return ST_OK;
+    default: return ST_AGAIN;
+    }
+}
+
 static status set_any(view_options *v, int key, const char *text) {
     status st = set_surface(v, key, text);
     if (st == ST_AGAIN)
@@ -404,14 +418,14 @@ static status set_any(view_options *v, int key, const char *text) {
         st = set_extent(v, key, text);
     if (st == ST_AGAIN && key == FIELD)
         st = parse_field(text, v);
-    if (st == ST_AGAIN && key == STEP)
-        st = cli_uint(text, "--step", 0, UINT16_MAX, &v->step);
+    if (st == ST_AGAIN)
+        st = set_moment(v, key, text);
     return st == ST_AGAIN ? set_medium(v, key, text) : st;
 }
 
 bool view_options_of_one(int key) {
     return key == ISO || key == COLOUR || key == OPACITY || key == FIELD || key == STEP ||
-           (key >= MEDIUM_TF && key <= MEDIUM_OPACITY_LENGTH);
+           key == TIME || key == INTERPOLATE || (key >= MEDIUM_TF && key <= MEDIUM_OPACITY_LENGTH);
 }
 
 static uint64_t bit_of(int key) {
@@ -451,6 +465,8 @@ void view_options_clear(view_options *v, int key) {
     case FOV: v->fov = false; break;
     case FIELD: v->field[0] = 0; break;
     case STEP: v->step = 0; break;
+    case TIME: v->time.given = false; break;
+    case INTERPOLATE: v->time.interpolate = false; break;
     case ORTHO: v->camera.ortho_height = 0.0; break;
     case MEDIUM_PROJECT: s->project = LEAFCAST_PROJECT_NONE; break;
     case MEDIUM_LEGEND: v->legend = false; break;
@@ -477,6 +493,10 @@ static const float PALETTE[][3] = {{0.90f, 0.85f, 0.75f}, {0.75f, 0.13f, 0.10f},
                                    {0.12f, 0.50f, 0.20f}, {0.50f, 0.15f, 0.55f}};
 
 /* ---- flags that would change nothing ---- */
+
+static bool has_time(const view_options *v) {
+    return v->time.given;
+}
 
 static bool is_lit(const view_options *v) {
     return v->scene.shading != LEAFCAST_SHADING_FLAT || v->scene.shade_media;
@@ -548,6 +568,7 @@ static bool is_annotated(const view_options *v) {
 }
 
 static const flag_need NEEDS[] = {
+    {INTERPOLATE, has_time, "--interpolate: at which --time?"},
     {MEDIUM_PROJECT, shows_no_surface, "--project shows one value a pixel: without --iso"},
     {MEDIUM_ERROR, view_options_any_medium,
      "--error is of media: --tf, --colour-map or --opacity V:A"},

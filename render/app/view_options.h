@@ -13,6 +13,7 @@
 #include "formats/base/status.h"
 #include "render/app/annotate.h"
 #include "render/app/medium_options.h"
+#include "render/app/time_options.h"
 #include "render/leafcast_experimental.h"
 
 enum { VIEW_FIELD_MAX = 64 };
@@ -32,6 +33,7 @@ typedef struct view_options {
     const leafcast_camera *hold; /* fitted view to use instead of a new one; or NULL */
     char field[VIEW_FIELD_MAX];  /* "": the first field */
     uint32_t step;
+    time_options time;       /* or a time: picture_scene_choose() finds its step */
     int painted;             /* surfaces of other volumes; default colours begin behind theirs */
     bool others_transparent; /* some of theirs are transparent */
     bool others_surfaces, others_filled; /* some other volume has isosurfaces, or a medium */

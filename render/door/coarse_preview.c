@@ -131,7 +131,7 @@ status coarse_preview_show(leafcast *coarse, const leafcast_scene *scene,
                            const leafcast_shown *shown, const interest *beside, const camera *c,
                            tracer *tr) {
     const leafcast_scene level = scene_of_grid(scene, LEAFCAST_LOD_LEVEL, scene->lod_level - 1);
-    const leafcast_shown grid = {coarse, 0, 0, shown->surfaces, shown->count};
+    const leafcast_shown grid = {coarse, 0, 0, shown->surfaces, shown->count, 0.0};
     volume_show_beside(&grid, beside);
     status st = load_root(coarse->treelets);
     if (st == ST_OK)

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdatomic.h>
 
+#include "render/door/between_steps.h"
 #include "render/door/point_samples.h"
 #include "render/surface/shade.h"
 #include "render/surface/surface_light.h"
@@ -149,16 +150,15 @@ static status draw_volume(turn *t, const frame *f, const transfer *colours, int 
     cap_job job = {
         .t = t, .f = f, .colours = colours, .volume = v, .exact = scene_is_filled(scene)};
     const leafcast_shown *shown = &t->shown[v];
-    const point_samples p = {
-        .volume = shown->volume,
-        .set = leaf_layout_set(&shown->volume->file->layout, shown->field, shown->step),
-        .level = scene_level(scene, shown->volume),
-        .count = frame_pixels(f),
-        .point = cap_point,
-        .found = cap_found,
-        .ctx = &job,
-        .watch = watch,
-        .watch_ctx = (void *)f};
+    const point_samples p = {.volume = shown->volume,
+                             .set = between_steps_shown(shown),
+                             .level = scene_level(scene, shown->volume),
+                             .count = frame_pixels(f),
+                             .point = cap_point,
+                             .found = cap_found,
+                             .ctx = &job,
+                             .watch = watch,
+                             .watch_ctx = (void *)f};
     const status st = point_samples_run(&p, NULL);
     *capped += job.capped;
     return st;

@@ -60,8 +60,9 @@ leafcast_status leafcast_map_treelets(leafcast *v, uint32_t level, const uint32_
     const leaf_level *of = &v->file->layout.level[level];
     memset(map, 0, (size_t)blocks[0] * blocks[1] * blocks[2] * sizeof *map);
     device_lock(v->device);
+    const leafcast *shown = v->is_between ? v->between : v;
     for (uint32_t t = of->first; t < of->first + of->count; t++)
-        count(v, t, blocks, map);
+        count(shown, t, blocks, map);
     device_unlock(v->device);
     return LEAFCAST_OK;
 }

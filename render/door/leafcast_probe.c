@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "render/door/arguments.h"
+#include "render/door/between_steps.h"
 #include "render/door/leafcast_device.h"
 #include "render/door/leafcast_scene.h"
 #include "render/door/leafcast_volume.h"
@@ -23,21 +24,25 @@ status volume_treelet(leafcast *v, uint32_t t, const treelet **out) {
 
 /* ---- Rays ---- */
 
-/* Select the scene's surfaces of the probed volume. */
-static status show(leafcast *v, const leafcast_scene *scene) {
+/* Select the scene's surfaces of the probed volume, of which *v shows the moment then. */
+static status show(leafcast **v, const leafcast_scene *scene) {
     leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
     int count = 0, i = 0;
-    const status st = scene_volumes(v, scene, shown, &count);
-    while (i < count && shown[i].volume != v)
+    const interest nothing = {.count = 0};
+    status st = scene_volumes(*v, scene, shown, &count);
+    while (i < count && shown[i].volume != *v)
         i++;
     if (st == ST_OK && i == count)
         return status_describe(ST_USAGE, "the scene does not show the volume that is probed");
+    if (st == ST_OK)
+        st = between_steps_open(v, shown[i].between);
     if (st != ST_OK)
         return st;
-    device_make_room(v);
-    loader_forget_failures(v->treelets);
-    volume_show(v, shown[i].field, v->live ? v->step : shown[i].step, shown[i].surfaces,
-                shown[i].count);
+    device_make_room(*v);
+    loader_forget_failures((*v)->treelets);
+    shown[i].volume = *v;
+    shown[i].step = (*v)->live ? (*v)->step : shown[i].step;
+    volume_show_beside(&shown[i], &nothing);
     return ST_OK;
 }
 
@@ -84,7 +89,7 @@ static status probe_ray(leafcast *v, const leafcast_scene *scene, const double o
     tracer tr;
     ray r;
     ray_counters counters = {0};
-    status st = show(v, scene);
+    status st = show(&v, scene);
     if (st == ST_OK)
         st = volume_tracer(v, scene, NULL, &tr);
     if (st != ST_OK)
@@ -170,7 +175,7 @@ static status probe_segments(leafcast *v, const leafcast_scene *scene, const dou
                              int *count) {
     tracer tr;
     ray r;
-    status st = show(v, scene);
+    status st = show(&v, scene);
     if (st == ST_OK)
         st = volume_tracer_of_all(v, scene, NULL, &tr);
     if (st != ST_OK)
@@ -201,15 +206,25 @@ leafcast_status leafcast_probe_segments(leafcast *v, const leafcast_scene *scene
 
 /* ---- Cells ---- */
 
-/* Let treelets of the selected field and step be looked up. */
-static void show_set(leafcast *v) {
+/* Let treelets of the selected field and step be looked up, in what *v is then. */
+static status show_set(leafcast **at) {
+    const leafcast *of = *at;
+    const status st = between_steps_open(at, of->share);
+    leafcast *v = *at;
+    if (st != ST_OK)
+        return st;
     device_make_room(v);
     loader_forget_failures(v->treelets);
-    loader_select_set(v->treelets, v->set = leaf_layout_set(&v->file->layout, v->field, v->step));
+    v->set = between_steps_set(v, of->field, of->step, of->share);
+    loader_select_set(v->treelets, v->set);
+    return ST_OK;
 }
 
 static status describe_cell(leafcast *v, uint32_t level, uint64_t number, leafcast_cell *out) {
+    const status st = show_set(&v);
     *out = (leafcast_cell){.size = sizeof *out, .cell = number, .level = level};
+    if (st != ST_OK)
+        return st;
     if (number >= leafcast_describe(v).cells && level == 0)
         return status_describe(ST_USAGE, "%s %llu: there are %llu", leafcast_describe(v).cell,
                                (unsigned long long)number,
@@ -233,7 +248,6 @@ leafcast_status leafcast_get_cell(leafcast *v, uint32_t level, uint64_t number,
         return public_status(st);
     live_hold h;
     volume_lock(v, &h);
-    show_set(v);
     st = volume_check_file(v, describe_cell(v, level, number, cell));
     volume_unlock(v, &h);
     return public_status(st);
@@ -248,7 +262,7 @@ int leafcast_cell_indices(const leafcast *v, uint32_t level, uint64_t number, ui
 /* ---- Points ---- */
 
 static status probe_point(leafcast *v, const double point[3], leafcast_sample *sample) {
-    status st = ST_OK;
+    status st = show_set(&v);
     for (uint32_t t = LEAF_NO_TREELET; !sample->inside && st == ST_OK;) {
         const treelet *at;
         t = v->kind->walks->treelet_at(v, 0, point, t);
@@ -270,7 +284,6 @@ leafcast_status leafcast_probe_point(leafcast *v, const double point[3], leafcas
     *sample = (leafcast_sample){.value = NAN, .nearest = NAN};
     live_hold h;
     volume_lock(v, &h);
-    show_set(v);
     st = volume_check_file(v, probe_point(v, point, sample));
     volume_unlock(v, &h);
     return public_status(st);

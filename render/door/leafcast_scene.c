@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "render/door/arguments.h"
+#include "render/door/between_steps.h"
 #include "render/door/leafcast_volume.h"
 #include "render/frame/laboratory.h"
 #include "render/look/scene_facts.h"
@@ -36,7 +37,7 @@ static status check_shown(const leafcast *v, const leafcast_scene *scene, int i)
                                    i + 1);
     status st = check_world(scene, i);
     if (st == ST_OK)
-        st = volume_check_set(s->volume, s->field, s->step);
+        st = between_steps_check(s->volume, s->field, s->step, s->between);
     const bool empty = s->count == 0 && !scene_is_filled(scene);
     return st == ST_OK && empty ? arguments_check_surfaces(s->surfaces, s->count) : st;
 }
@@ -51,7 +52,7 @@ status scene_volumes(leafcast *v, const leafcast_scene *scene,
     }
     if (st != ST_OK || *count > 0)
         return st;
-    shown[0] = (leafcast_shown){v, v->field, v->step, v->surfaces, v->surface_count};
+    shown[0] = (leafcast_shown){v, v->field, v->step, v->surfaces, v->surface_count, v->share};
     *count = 1;
     return ST_OK;
 }
@@ -76,13 +77,12 @@ static interest wanted_of(const leafcast *v) {
 void volume_show(leafcast *v, uint32_t field, uint32_t step, const leafcast_surface *surfaces,
                  int count) {
     const interest nothing = {.count = 0};
-    const leafcast_shown s = {v, field, step, surfaces, count};
-    volume_show_beside(&s, &nothing);
+    volume_show_beside(&(leafcast_shown){v, field, step, surfaces, count, 0.0}, &nothing);
 }
 
 void volume_show_beside(const leafcast_shown *s, const interest *beside) {
     leafcast *v = s->volume;
-    const uint32_t set = leaf_layout_set(&v->file->layout, s->field, s->step);
+    const uint32_t set = between_steps_shown(s);
     bool changed = s->count != v->isovalue_count || set != v->set ||
                    loader_is_behind(v->treelets) || !interest_same(beside, &v->beside);
     for (int i = 0; i < s->count; i++) {

@@ -3,6 +3,7 @@
 
 #include "formats/base/vec3.h"
 #include "render/door/arguments.h"
+#include "render/door/between_steps.h"
 #include "render/door/leafcast_device.h"
 #include "render/door/leafcast_volume.h"
 #include "render/door/point_samples.h"
@@ -31,8 +32,11 @@ static leafcast_status sample(point_samples *p, leafcast_stats *stats) {
     leafcast *v = p->volume;
     live_hold h;
     volume_lock(v, &h);
-    p->set = leaf_layout_set(&v->file->layout, v->field, v->step);
-    const status st = volume_check_file(v, point_samples_run(p, stats));
+    status st = between_steps_open(&p->volume, v->share);
+    if (st == ST_OK) {
+        p->set = between_steps_set(p->volume, v->field, v->step, v->share);
+        st = volume_check_file(v, point_samples_run(p, stats));
+    }
     volume_unlock(v, &h);
     return public_status(st);
 }

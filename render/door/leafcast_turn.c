@@ -1,5 +1,6 @@
 #include "render/door/leafcast_turn.h"
 
+#include "render/door/between_steps.h"
 #include "render/door/coarse_preview.h"
 #include "render/door/leafcast_volume.h"
 #include "render/ray/kind.h"
@@ -42,7 +43,9 @@ status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene) {
         s->step = volume_hold(s->volume, s->step, &t->holds[i]);
         t->first_id[i] = id;
         id += s->count;
-        st = choose_drawn(t, i);
+        st = between_steps_open(&s->volume, s->between);
+        if (st == ST_OK)
+            st = choose_drawn(t, i);
     }
     t->f.m = &v->device->budget;
     t->f.threads = v->device->threads;

@@ -7,6 +7,7 @@
 #include "formats/leaf/leaf_histogram.h"
 #include "formats/public_status.h"
 #include "render/door/arguments.h"
+#include "render/door/between_steps.h"
 #include "render/door/coarse_preview.h"
 #include "render/door/leafcast_device.h"
 #include "render/door/leafcast_volume.h"
@@ -138,9 +139,8 @@ void volume_release(leafcast *v) {
     mem_free(&outside, v);
 }
 
-/* Needs the lock of the device; the volume becomes a user of it. Evict all treelets first, so that
- * the volume's own memory can be measured. */
-static status open_on(leafcast_device *d, const leafcast_options *options, volume_make make,
+/* Evict all treelets first, so that the volume's own memory can be measured. */
+status volume_open_on(leafcast_device *d, const leafcast_options *options, volume_make make,
                       const void *from, leafcast **out) {
     device_clear(d);
     const size_t before = mem_used(&d->budget);
@@ -156,7 +156,6 @@ static status open_on(leafcast_device *d, const leafcast_options *options, volum
     }
     v->base_bytes = mem_used(&d->budget) - before;
     d->base_bytes += v->base_bytes;
-    d->users++;
     v->next = d->volumes;
     d->volumes = v;
     *out = v;
@@ -178,7 +177,8 @@ leafcast_status volume_open_by(volume_make make, const void *from, const leafcas
     if (st != ST_OK)
         return public_status(st);
     device_lock(d);
-    st = open_on(d, &options, make, from, volume);
+    st = volume_open_on(d, &options, make, from, volume);
+    d->users += st == ST_OK;
     device_unlock(d);
     if (st == ST_OK) {
         (*volume)->opened_at = start;
@@ -204,17 +204,24 @@ leafcast_status leafcast_open_memory(const void *bytes, size_t size,
     return st == ST_OK ? volume_open_by(open_location, &from, options, volume) : public_status(st);
 }
 
-void leafcast_close(leafcast *v) {
-    if (!v || !device_is_here(v->device))
-        return;
-    leafcast_device *d = v->device;
-    device_lock(d);
+/* Undo volume_open_on(). */
+static void close_on(leafcast_device *d, leafcast *v) {
     leafcast **at = &d->volumes;
     while (*at != v)
         at = &(*at)->next;
     *at = v->next;
     d->base_bytes -= v->base_bytes;
     volume_release(v);
+}
+
+void leafcast_close(leafcast *v) {
+    if (!v || !device_is_here(v->device))
+        return;
+    leafcast_device *d = v->device;
+    device_lock(d);
+    if (v->between)
+        close_on(d, v->between);
+    close_on(d, v);
     device_unlock(d);
     device_release(d);
 }
@@ -306,10 +313,15 @@ leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, i
     volume_lock(v, &h);
     memcpy(v->surfaces, surfaces, (size_t)count * sizeof *surfaces);
     v->surface_count = count;
-    volume_show(v, v->field, v->step, surfaces, count);
-    loader_reset_statistics(v->treelets);
+    leafcast_shown shown = {v, v->field, v->step, surfaces, count, v->share};
+    st = between_steps_open(&shown.volume, v->share);
+    if (st == ST_OK) {
+        const interest nothing = {.count = 0};
+        volume_show_beside(&shown, &nothing);
+        loader_reset_statistics(shown.volume->treelets);
+    }
     volume_unlock(v, &h);
-    return LEAFCAST_OK;
+    return public_status(st);
 }
 
 status volume_check_set(const leafcast *v, uint32_t field, uint32_t step) {
@@ -327,6 +339,8 @@ void leafcast_stop_reading(leafcast *v) {
     loader_rest(v->treelets);
     if (v->coarse)
         loader_rest(v->coarse->treelets);
+    if (v->between)
+        loader_rest(v->between->treelets);
     device_unlock(v->device);
 }
 
@@ -339,6 +353,7 @@ leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) 
     device_lock(v->device);
     v->field = field;
     v->step = step;
+    v->share = 0.0;
     loader_select_set(v->treelets, leaf_layout_set(&v->file->layout, field, step));
     loader_reset_statistics(v->treelets);
     device_unlock(v->device);

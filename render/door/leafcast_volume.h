@@ -15,10 +15,14 @@ CHECKED status volume_check_set(const leafcast *v, uint32_t field, uint32_t step
  * wrong bytes. */
 CHECKED status volume_check_file(const leafcast *v, status st);
 
-/* volume_open_by() - open a volume: make() opens v->file from `from`, in any memory of v->m. */
+/* volume_open_by() - open a volume: make() opens v->file from `from`, in any memory of v->m.
+ * volume_open_on() - the same, for callers that hold the device's lock. The volume is no user of
+ * the device: it is closed with one that is. */
 typedef status (*volume_make)(leafcast *v, const void *from);
 leafcast_status volume_open_by(volume_make make, const void *from, const leafcast_options *given,
                                leafcast **volume);
+CHECKED status volume_open_on(leafcast_device *d, const leafcast_options *options, volume_make make,
+                              const void *from, leafcast **out);
 
 /* volume_hold() - returns the file's step that a caller's step is: of a live volume the current
  * one, which then stays as it is until live_steps_let_go(). Any thread. */
@@ -39,7 +43,8 @@ CHECKED status volume_open_file(leafcast *v);
 void volume_release(leafcast *v);
 
 /* volume_show() - from now on, rays look for these surfaces; loading starts. volume_show_beside() -
- * likewise, and also for the values of `beside`. */
+ * likewise, and also for the values of `beside`. Of a time between steps, the volume is that of
+ * between_steps_open(). */
 void volume_show(leafcast *v, uint32_t field, uint32_t step, const leafcast_surface *surfaces,
                  int count);
 void volume_show_beside(const leafcast_shown *shown, const interest *beside);

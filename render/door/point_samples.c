@@ -200,7 +200,7 @@ static void sample(const waiting *w, uint32_t point) {
     leafcast_sample s = NOTHING;
     double at[3];
     point_of(w, point, at);
-    v->kind->cell_in(v, loader_peek(v->treelets, w->treelet[point]), at, &s);
+    v->kind->cell_in(v, loader_lookup(v->treelets, w->treelet[point]), at, &s);
     if (s.inside)
         tell(w, point, at, &s);
     else

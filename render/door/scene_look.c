@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "formats/leaf/leaf_histogram.h"
-#include "render/door/leafcast_volume.h"
+#include "render/door/between_steps.h"
 #include "render/ray/kind.h"
 #include "render/surface/surface_integrator.h"
 
@@ -27,7 +27,7 @@ static double brightest_surface(const scene_look *l) {
 static void shown_range(const scene_look *l, int i, double range[2]) {
     const leafcast_shown *s = &l->turn->shown[i];
     const leaf_file *of = s->volume->file;
-    leaf_histogram_range(of, leaf_layout_set(&of->layout, s->field, s->step), range);
+    leaf_histogram_range(of, between_steps_shown(s), range);
 }
 
 /* The value range of the data that is drawn: the volume's, or its coarse grid's. */

@@ -35,10 +35,14 @@ struct leafcast {
     leafcast_surface surfaces[LEAFCAST_SURFACES_MAX];
     int surface_count;
     uint32_t field, step; /* of a live volume: the file's step that is shown */
+    double share;         /* ... and so much of the way to the next step */
     uint32_t preview_levels;
     int frames;          /* of a coarse grid: frames under way that draw it in a mesh's place */
     leafcast *coarse;    /* a mesh's coarse grid, once a preview wants it; else NULL */
     uint32_t coarse_set; /* the set it was made from */
+    leafcast *between;   /* at times between steps (render/door/between_steps.h), once such a time
+                            was asked for; else NULL */
+    bool is_between;     /* what was asked for last was such a time */
     atomic_uchar *touched;
     uint8_t *stop;     /* per treelet, for --lod pixel */
     size_t base_bytes; /* of the budget, taken before any treelet */

@@ -80,7 +80,8 @@ static status pick_point(const view_wish *wish, const double point[3], json_t **
     uint32_t field;
     status st = view_options_field(&wish->view, wish->volume, &field);
     if (st == ST_OK)
-        st = (status)leafcast_select_set(wish->volume, field, wish->view.step);
+        st = (status)leafcast_select_between(wish->volume, field, wish->view.step,
+                                             wish->view.time.between);
     if (st == ST_OK)
         st = (status)leafcast_probe_point(wish->volume, point, &sample);
     if (st != ST_OK)

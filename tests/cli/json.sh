@@ -82,11 +82,15 @@ json document info g.nrrd
 json document info place.leaf
 json document info bare.leaf
 json document info b_0000.mesh
+"$leafcast" convert d_0000.nrrd d_0001.nrrd -o d.leaf -q
+json document probe d.leaf --point 3,3,3 --time 0.5 --interpolate
+json document slice d.leaf --time 0.5 --interpolate -o s.ppm --force
+json document render d.leaf --iso 100 --time 0.5 --interpolate --size 16x16
 json document probe g.leaf --iso 120 --at 500,500
 json document probe g.leaf --ray -1,9,9,1,0,0 --segments
 json document probe g.leaf --iso 120 --point 3,3,3
 json document probe b.leaf --iso 0.3 --point 3,3,3 --step 1
-json document slice g.leaf -o s.ppm
+json document slice g.leaf -o s.ppm --force
 json document slice b.leaf --step 1 --line "2,2,2;6,6,2" --sweep 0,0,3
 json document render g.leaf --iso 120 --size 16x16 -o g.png
 json document render b.leaf --iso 0.3 --size 16x16 --step 1 --packets 4

@@ -167,6 +167,8 @@ render|--shininess|picture|@grid --shading phong|--shininess 3
 render|--background|picture|@grid|--background navy
 render|--field|exit 2|@mesh --size 8x8 --json|--field none
 render|--step|picture|@mesh|--step 1
+render|--time|shown interpolate|
+render|--interpolate|shown interpolate|
 render|--clip-box|picture|@grid|--clip-box 0,0,0,20,36,44
 render|--caps|picture|@grid --clip-plane -1,0,0,15|--caps
 render|--clip-plane|picture|@grid|--clip-plane 1,0,0,-15
@@ -238,6 +240,8 @@ bench|--point-light|refused --point-light: bench frames|frames @grid --size 8x8 
 bench|--shadows|counts|walk @grid --size 16x16 --runs 1 --light 1,0,0|--shadows
 bench|--field|refused first field|walk @grid --size 16x16 --runs 1|--field 0
 bench|--step|refused first field|walk @grid --size 16x16 --runs 1|--step 1
+bench|--time|refused would not change|walk @grid --size 16x16 --runs 1|--time 1
+bench|--interpolate|refused would not change|walk @grid --size 16x16 --runs 1|--interpolate
 bench|--clip-box|counts|walk @grid --size 16x16 --runs 1|--clip-box 0,0,0,20,36,44
 bench|--clip-plane|counts|walk @grid --size 16x16 --runs 1|--clip-plane 1,0,0,-15
 bench|--lod|counts|walk @grid --size 16x16 --runs 1|--lod 1
@@ -262,6 +266,8 @@ bench peers|--picture|shown peers|
 bench peers|--plot|shown peers|
 bench peers|--runs|shown peers|
 bench peers|--step|refused number|@grid --size 8x8 --runs 1|--step x
+bench peers|--time|refused would not change|@grid --size 8x8 --runs 1|--time 1
+bench peers|--interpolate|refused would not change|@grid --size 8x8 --runs 1|--interpolate
 bench peers|--iso|refused one isosurface|@grid --size 8x8 --runs 1|--iso 150
 bench peers|--colour|refused a name such as|@grid --size 8x8 --runs 1|--colour redd
 bench peers|--opacity|counts|@grid --size 8x8 --runs 1|--opacity 0.5
@@ -341,6 +347,8 @@ probe|--preview|taken|@grid --size 16x16 --at 8,8|--preview
 probe|--sweep|taken|@grid --size 16x16 --at 8,8|--sweep
 probe|--field|refused no field|@mesh --size 16x16 --at 8,8|--field none
 probe|--step|says|@mesh --size 16x16 --at 8,8|--step 1
+probe|--time|shown interpolate|
+probe|--interpolate|shown interpolate|
 probe|--memory|exit 4|@grid --size 16x16 --at 8,8|--memory 1K
 probe|--json|says|@grid --size 16x16 --at 8,8|--json
 probe|--quiet|taken|@grid --size 16x16 --at 8,8|--quiet
@@ -363,6 +371,8 @@ slice|--nearest|output|@g.leaf --format ppm --size 9x8|--nearest
 slice|--level|output|@g.leaf --format ppm --size 9x8|--level 1
 slice|--field|refused no field|@m.leaf --json|--field none
 slice|--step|output|@m.leaf --format ppm|--step 1
+slice|--time|shown interpolate|
+slice|--interpolate|shown interpolate|
 slice|--window|output|@g.leaf --format ppm|--window 50,200
 slice|--colour-map|output|@g.leaf --format ppm|--colour-map viridis
 slice|--tf|output|@g.leaf --format ppm|--tf auto

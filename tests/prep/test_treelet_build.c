@@ -131,7 +131,7 @@ static void check_level(const uint32_t dims[3], sample_type type, const void *sa
                          .slices = v.slices};
     for (uint32_t z = 0; z < dims[2]; z++)
         v.slices[z] = v.samples + z * dims[1] * v.box.row_bytes;
-    grid_codes_scratch *scratch = mem_alloc(&m, grid_codes_scratch_bytes());
+    grid_codes_scratch *scratch = mem_alloc(&m, grid_codes_scratch_bytes(leaf_node_levels(&v.l)));
     v.payload = mem_alloc(&m, leaf_layout_payload_max(&v.l));
     memset(v.payload, 0xA5, leaf_layout_payload_max(&v.l));
     for (v.t = v.l.level[0].first; v.t < v.l.treelets; v.t++) {

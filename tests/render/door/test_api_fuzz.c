@@ -24,6 +24,7 @@
 
 #include "tests/support/api_draw.h"
 #include "tests/support/fixture.h"
+#include "tests/support/leaf_steps.h"
 #include "tests/support/mesh_leaves.h"
 #include "tests/support/scratch.h"
 
@@ -114,7 +115,7 @@ static void must(bool true_of, const char *what) {
 
 /* ---- Volumes ---- */
 
-enum { FILES = 6 };
+enum { FILES = 7 };
 static const char *files[FILES];
 
 /* Paths of the fixture stay valid, files of one field have different names. */
@@ -155,6 +156,16 @@ static const char *coarse_file(const char *name) {
     return scratch_path(name);
 }
 
+/* A grid of many steps. */
+static const char *steps_file(const char *name) {
+    leaf_steps s;
+    leaf_steps_make(&s, 19, 18, 17, SAMPLE_F32);
+    leaf_steps_use(&s, LEAF_CODEC_ZSTD);
+    const char *path = leaf_files_series(&s.of, &s.c.options, name);
+    leaf_steps_release(&s);
+    return path;
+}
+
 static void make_files(void) {
     files[0] = grid_file("sphere", 9, false);
     files[1] = grid_file("noise-u8", 19, true);
@@ -162,6 +173,7 @@ static void make_files(void) {
     files[3] = mesh_file("moving.leaf", 0);
     files[4] = mesh_file("broken.leaf", 9);
     files[5] = coarse_file("coarse.leaf");
+    files[6] = steps_file("steps.leaf");
 }
 
 static int below(world *w, long n) {
@@ -171,15 +183,15 @@ static int below(world *w, long n) {
 static void open_volume(world *w) {
     leafcast_options o;
     leafcast_experiments e;
-    leafcast *volume = NULL;
+    leafcast *opened = NULL;
     if (w->count == API_VOLUMES)
         return;
     api_draw_options(&w->r, w->device && !api_chance(&w->r, 4) ? w->device : NULL, &e, &o);
     begin("leafcast_open");
-    if (!ended(leafcast_open(files[below(w, FILES)], &o, &volume)))
+    if (!ended(leafcast_open(files[below(w, FILES)], &o, &opened)))
         return;
-    must(volume != NULL, "a volume is opened, and NULL");
-    w->volumes[w->count++] = volume;
+    must(opened != NULL, "a volume is opened, and NULL");
+    w->volumes[w->count++] = opened;
 }
 
 /* Frames show volumes, so they end first. */
@@ -230,6 +242,9 @@ static void call_select(world *w) {
     (void)ended(leafcast_select(v, surfaces, count));
     begin("leafcast_select_set");
     (void)ended(leafcast_select_set(v, (uint32_t)below(w, 3), (uint32_t)below(w, 4)));
+    begin("leafcast_select_between");
+    (void)ended(leafcast_select_between(v, (uint32_t)below(w, 3), (uint32_t)below(w, 4),
+                                        api_number(&w->r, field_random_unit(&w->r))));
     begin("leafcast_expect_set");
     (void)ended(leafcast_expect_set(v, (uint32_t)below(w, 3), (uint32_t)below(w, 4)));
 }

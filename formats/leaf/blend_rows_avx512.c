@@ -1,0 +1,1 @@
+#include "formats/leaf/blend_rows_template.h"

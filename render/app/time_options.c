@@ -1,0 +1,24 @@
+#include "render/app/time_options.h"
+
+#include <float.h>
+
+#include "formats/base/cli_value.h"
+
+status time_options_parse(const char *text, time_options *t) {
+    t->given = true;
+    return cli_finite(text, "--time", -DBL_MAX, DBL_MAX, &t->time);
+}
+
+status time_options_find(time_options *t, const leafcast *volume, uint32_t *step) {
+    t->between = 0.0;
+    if (!t->given)
+        return ST_OK;
+    const status st = (status)leafcast_find_time(volume, t->time, step, &t->between);
+    if (st != ST_OK || t->between == 0.0 || t->interpolate)
+        return st;
+    return status_describe(ST_USAGE,
+                           "--time %g is between step %u at %g and the next one at %g: "
+                           "--interpolate draws what is between",
+                           t->time, *step, leafcast_step_time(volume, *step),
+                           leafcast_step_time(volume, *step + 1));
+}

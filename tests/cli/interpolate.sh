@@ -1,0 +1,84 @@
+#!/bin/sh
+# interpolate.sh - render, probe and slice --time: a step by its time; with --interpolate what lies between two.
+# marks: threads
+. tests/support/tap.sh
+
+command -v python3 >/dev/null || { skip "--interpolate" "no python3 here"; finish; }
+json() { # json FILE EXPRESSION: python, with the file as j
+    python3 -c 'import json, sys
+j = json.load(open(sys.argv[1]))
+sys.exit(not eval(f"({sys.argv[2]})"))' "$@"
+}
+same() { cmp -s "$tmp/$1" "$tmp/$2"; }
+differs() { ! cmp -s "$tmp/$1" "$tmp/$2"; }
+says() { grep -q -- "$1" "$tmp/err"; }
+
+run "$leafcast" generate drop --dims 24 --steps 3 -o "$tmp/d.nrrd" -q
+run "$leafcast" convert "$tmp/d_0000.nrrd" "$tmp/d_0001.nrrd" "$tmp/d_0002.nrrd" --times 1,2,6 -o "$tmp/d.leaf" -q
+run "$leafcast" generate buckyball --tets --dims 9 --steps 2 --deform 0.2 -o "$tmp/b.mesh" -q
+run "$leafcast" convert "$tmp/b_0000.mesh" "$tmp/b_0001.mesh" -o "$tmp/b.leaf" -q
+view="--iso 100 --size 40x30 --view standard"
+
+# picture NAME ARGUMENT...: distances and colours, and what is told.
+picture() {
+    name=$1
+    shift
+    # shellcheck disable=SC2086 # arguments
+    exits "drawn: $*" 0 "$leafcast" render "$tmp/d.leaf" $view "$@" --depth-f64 "$tmp/$name" -o "$tmp/$name.ppm" --stats "$tmp/$name.json" -q
+}
+
+picture step1 --step 1
+picture time2 --time 2
+picture time2i --time 2 --interpolate
+picture half --time 4 --interpolate
+picture near --time 2.001 --interpolate
+ok "a step by its time" same step1 time2
+ok "a step by its time, between or not" same step1 time2i
+ok "its colours" same step1.ppm time2i.ppm
+ok "half way is another picture" differs half step1
+ok "just behind a step is, too" differs near step1
+ok "the step and the share are told" json "$tmp/half.json" '(j["step"], j["between"], j["time"]) == (1, 0.5, 4)'
+ok "of a step there is no share" json "$tmp/time2i.json" '(j["step"], j["time"]) == (1, 2) and "between" not in j'
+ok "both steps are read" json "$tmp/half.json" 'j["bytes"]["read"] > 0'
+
+point() { # point NAME ARGUMENT...
+    name=$1
+    shift
+    exits "a point, $*" 0 "$leafcast" probe "$tmp/d.leaf" --point 8,8,8 --json "$@"
+    cp "$tmp/out" "$tmp/point-$name.json"
+}
+point 1 --step 1
+point 2 --step 2
+point 4 --time 4 --interpolate
+ok "its value is half way" python3 -c 'import json, sys
+a, b, m = (json.load(open(f"{sys.argv[1]}/point-{n}.json")) for n in (1, 2, 4))
+sys.exit(not (m["value"] == (a["value"] + b["value"]) / 2 and a["value"] != b["value"] and m["between"] == 0.5))' "$tmp"
+
+exits "a slice" 0 "$leafcast" slice "$tmp/d.leaf" --time 4 --interpolate -o "$tmp/s.ppm" --json
+ok "tells its time" json "$tmp/out" '(j["step"], j["between"], j["time"]) == (1, 0.5, 4)'
+exits "a slice of a step" 0 "$leafcast" slice "$tmp/d.leaf" --time 2 -o "$tmp/s2.ppm" -q
+ok "is another" differs s.ppm s2.ppm
+
+printf '%s\n' '{"time": 1.5, "interpolate": true, "depth-f64": "'"$tmp"'/l1"}' '{"step": 1, "depth-f64": "'"$tmp"'/l2"}' >"$tmp/lines"
+# shellcheck disable=SC2086
+exits "a script" 0 sh -c "\"$leafcast\" render \"$tmp/d.leaf\" $view --script - <\"$tmp/lines\""
+ok "a line with a step follows one with a time" same l2 step1
+ok "and differs from it" differs l1 l2
+
+refused() { # refused NAME TEXT CODE ARGUMENT...
+    name=$1
+    text=$2
+    code=$3
+    shift 3
+    exits "$name" "$code" "$leafcast" "$@"
+    ok "$name: it says why" says "$text"
+}
+refused "between steps, not asked for" "interpolate draws what is between" 2 render "$tmp/d.leaf" --iso 100 --time 3 -o "$tmp/x.png"
+refused "before all steps" "the steps have times from 1 to 6" 2 render "$tmp/d.leaf" --iso 100 --time 0.5 --interpolate -o "$tmp/x.png"
+refused "behind all steps" "the steps have times from 1 to 6" 2 probe "$tmp/d.leaf" --point 1,1,1 --time 7
+refused "at which time" "at which --time" 2 render "$tmp/d.leaf" --iso 100 --interpolate -o "$tmp/x.png"
+refused "at which time, a slice" "at which --time" 2 slice "$tmp/d.leaf" --interpolate -o "$tmp/x.png"
+refused "a time of many steps" "either --time or --steps" 2 render "$tmp/d.leaf" --iso 100 --time 2 --steps 0:1 -o "$tmp/x.png"
+refused "a mesh" "times between steps are of grids" 3 render "$tmp/b.leaf" --iso 0.3 --time 0.1 --interpolate -o "$tmp/x.png"
+ok "nothing was written" [ ! -e "$tmp/x.png" ]
+finish

@@ -1,0 +1,186 @@
+/* test_between.c - times between the steps of a grid: pictures and values are those of a file with
+ * the samples that the test makes of both steps, and what brute force sees in them.
+ */
+/* marks: threads */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "formats/base/cpu.h"
+#include "tests/support/between_lab.h"
+#include "tests/support/fields.h"
+#include "tests/support/ref_judge.h"
+
+/* All looks at a moment are those of the samples alone. */
+static void check_looks(const between_lab *s, leafcast *v, const char *path, const char *what) {
+    static picture want, is;
+    const leafcast_options o = {.size = sizeof o, .threads = 2};
+    leafcast *one = between_lab_open(path, &o, s->iso);
+    for (int look = 0; look < LOOKS; look++) {
+        const leafcast_scene scene = between_lab_scene(s, look);
+        pictures_draw(one, &scene, &s->view, &want, NULL);
+        pictures_draw(v, &scene, &s->view, &is, NULL);
+        char which[100];
+        snprintf(which, sizeof which, "%s, look %d", what, look);
+        assert_in_range(between_lab_same(&is, &want, which), s->of.small ? 0 : 20, PICTURE_PIXELS);
+    }
+    leafcast_close(one);
+}
+
+/* Brute force agrees with the first look, outside the grazing band. */
+static void judge(const between_lab *s, leafcast *v, const float *samples) {
+    static picture is;
+    static const double unit[3] = {1, 1, 1}, zero[3] = {0, 0, 0};
+    const leafcast_scene scene = between_lab_scene(s, SURFACE);
+    const ref_volume truth = ref_volume_regular((long[3]){BETWEEN_SIDE, BETWEEN_SIDE, BETWEEN_SIDE},
+                                                samples, unit, zero);
+    ref_camera look = {.fov = s->view.fov, .width = PICTURE_WIDTH, .height = PICTURE_HEIGHT};
+    ref_tally tally = {0};
+    memcpy(look.eye, s->view.eye, sizeof look.eye);
+    memcpy(look.look_at, s->view.look_at, sizeof look.look_at);
+    memcpy(look.up, s->view.up, sizeof look.up);
+    pictures_draw(v, &scene, &s->view, &is, NULL);
+    ref_compare(&tally, &truth, &look, &s->iso, 1, NULL, is.z, WATCHED ? 11 : 3, "test_between",
+                stdout);
+    assert_true(tally.hits > (WATCHED ? 2 : 20) || s->of.small);
+    assert_int_equal(ref_tally_faults(&tally), 0);
+}
+
+/* Values at points, and cells of all levels, are blends of those of both steps. */
+static void check_values(const between_lab *s, leafcast *v, leafcast *steps, uint32_t step,
+                         double share, const float *samples) {
+    double points[64][3];
+    leafcast_sample got[64];
+    field_random r = {FIELD_SEED};
+    const uint32_t levels = leafcast_describe(v).levels;
+    for (int i = 0; i < 64; i++)
+        for (int a = 0; a < 3; a++)
+            points[i][a] = (double)field_random_below(&r, BETWEEN_SIDE);
+    between_lab_fine(leafcast_sample_points(v, (const double(*)[3])points, 64, got));
+    for (int i = 0; i < 64; i++) {
+        const double *at = points[i];
+        leafcast_sample probed;
+        between_lab_fine(leafcast_probe_point(v, at, &probed));
+        assert_memory_equal(&probed.value, &got[i].value, sizeof probed.value);
+        const double want =
+            (double)samples[(int)(at[0] + BETWEEN_SIDE * (at[1] + BETWEEN_SIDE * at[2]))];
+        if (!isnan(got[i].value))
+            assert_true(got[i].value == want);
+        else
+            assert_true(s->of.non_finite > 0);
+    }
+    for (uint32_t level = 0; level < levels; level++)
+        for (uint64_t cell = 0; cell < 40; cell++) {
+            leafcast_cell c[3] = {{.size = sizeof *c}, {.size = sizeof *c}, {.size = sizeof *c}};
+            const uint64_t number = level == levels - 1 ? cell : cell * 17 + 5;
+            between_lab_fine(leafcast_get_cell(v, level, number, &c[2]));
+            for (uint32_t k = 0; k < 2; k++) {
+                between_lab_fine(leafcast_select_set(steps, 0, step + k));
+                between_lab_fine(leafcast_get_cell(steps, level, number, &c[k]));
+            }
+            for (int i = 0; i < 8; i++) {
+                const double want =
+                    (double)between_lab_mix((float)c[0].value[i], (float)c[1].value[i], share);
+                assert_true(c[2].value[i] == want || (isnan(want) && isnan(c[2].value[i])));
+            }
+        }
+}
+
+/* ---- Moments ---- */
+
+static void check_kind(const between_kind *of, const leafcast_options *o, uint32_t only) {
+    between_lab *s = between_lab_make(of);
+    leafcast *v = between_lab_open(s->series, o, s->iso),
+             *steps = between_lab_open(s->series, NULL, s->iso);
+    for (uint32_t step = 0; step + 1 < BETWEEN_STEPS; step++)
+        for (uint32_t i = 0; i < BETWEEN_SHARES; i++) {
+            char what[80];
+            if ((step + i) % BETWEEN_STEPS != only)
+                continue;
+            float *samples = between_lab_blend(s, step, between_shares[i]);
+            snprintf(what, sizeof what, "type %d, codec %d, step %u + %g", of->type, of->codec,
+                     step, between_shares[i]);
+            between_lab_fine(leafcast_select_between(v, 0, step, between_shares[i]));
+            check_looks(s, v, between_lab_alone(s, samples), what);
+            judge(s, v, samples);
+            check_values(s, v, steps, step, between_shares[i], samples);
+            free(samples);
+        }
+    leafcast_close(v);
+    leafcast_close(steps);
+    between_lab_free(s);
+}
+
+static void test_kinds(void **state) {
+    (void)state;
+    for (uint32_t i = 0; i < BETWEEN_KINDS; i++) {
+        const leafcast_options o = {.size = sizeof o,
+                                    .threads = 1 + (int)i % 3,
+                                    .backend = (leafcast_backend)(i % 3),
+                                    .isa = i == 4 ? "scalar" : NULL};
+        for (uint32_t only = i / 2 % 2; only < BETWEEN_STEPS; only += WATCHED ? 3 : 2)
+            check_kind(&between_kinds[i], &o, only);
+    }
+}
+
+/* The same bits by any kernel. */
+static void test_kernels(void **state) {
+    static picture want, is;
+    (void)state;
+    between_lab *s = between_lab_make(&between_kinds[4]);
+    const leafcast_scene scene = between_lab_scene(s, SHADOWS);
+    for (int isa = 0; isa <= (int)cpu_best(); isa++) {
+        const leafcast_options o = {.size = sizeof o, .isa = cpu_isa_name((cpu_isa)isa)};
+        leafcast *v = between_lab_open(s->series, &o, s->iso);
+        between_lab_fine(leafcast_select_between(v, 0, 1, 0.3));
+        pictures_draw(v, &scene, &s->view, isa ? &is : &want, NULL);
+        if (isa)
+            (void)between_lab_same(&is, &want, cpu_isa_name((cpu_isa)isa));
+        leafcast_close(v);
+    }
+    between_lab_free(s);
+}
+
+/* ---- Media ---- */
+
+/* A medium is within its bound of that of the samples alone. */
+static void test_media(void **state) {
+    static const leafcast_transfer_point points[2] = {{-0.9, {1, 0.5, 0.2}, 0},
+                                                      {2, {0.2, 0.5, 1}, 0.3}};
+    static const leafcast_medium medium = {points, 2};
+    static picture want, is;
+    (void)state;
+    between_lab *s = between_lab_make(&between_kinds[4]);
+    leafcast_scene scene = leafcast_scene_default();
+    scene.media = &medium;
+    scene.media_count = 1;
+    scene.error = 1e-4;
+    float *samples = between_lab_blend(s, 0, 0.3);
+    leafcast *v = between_lab_open(s->series, NULL, s->iso);
+    leafcast *one = between_lab_open(between_lab_alone(s, samples), NULL, s->iso);
+    between_lab_fine(leafcast_select_between(v, 0, 0, 0.3));
+    pictures_draw(v, &scene, &s->view, &is, NULL);
+    pictures_draw(one, &scene, &s->view, &want, NULL);
+    for (int i = 0; i < PICTURE_PIXELS; i++)
+        for (int c = 0; c < 4; c++)
+            assert_true(fabs((double)(is.rgba[c][i] - want.rgba[c][i])) <= 2.001e-4);
+    leafcast_close(v);
+    leafcast_close(one);
+    free(samples);
+    between_lab_free(s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_kinds),
+        cmocka_unit_test(test_kernels),
+        cmocka_unit_test(test_media),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
