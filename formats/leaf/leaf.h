@@ -234,6 +234,11 @@ static inline bool leaf_is_behind(const leaf_header *h) {
     return (uint64_t)h->fields * h->steps > 1 || h->steps_before > 0;
 }
 
+/* leaf_has_segments() - whether this is the header of a segment of a growing file. */
+static inline bool leaf_has_segments(const leaf_header *h) {
+    return h->segments > 0 || h->steps_before > 0;
+}
+
 /* An entry of SAME or BASES with this bit leads to an earlier segment: the rest is the number of
  * the set there. */
 #define LEAF_LINK_BEFORE (UINT32_C(1) << 31)
