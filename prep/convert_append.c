@@ -2,6 +2,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "formats/leaf/leaf_grow.h"
@@ -61,8 +62,13 @@ static status take_parameters(convert_request *a, const leaf_file *f) {
 
 status convert_append_open(convert_request *a, mem *m) {
     const size_t used = m->used;
-    if (access(a->common.output, F_OK) != 0)
+    struct stat info;
+    if (lstat(a->common.output, &info) != 0)
         return ST_OK;
+    if (access(a->common.output, F_OK) != 0)
+        return status_describe(ST_EXISTS,
+                               "%s: a symbolic link that leads nowhere: no file to add to",
+                               a->common.output);
     status st = leaf_grow_open(m, a->common.output, &a->grow);
     if (st == ST_OK)
         st = take_parameters(a, leaf_grow_before(a->grow));

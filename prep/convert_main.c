@@ -369,6 +369,7 @@ static status check(void *own) {
     if (st != ST_OK)
         return st;
     a->common.input = a->common.inputs[0];
+    a->common.json_lines = a->watch.on;
     a->treelet_is_given = cli_given(&a->common, KEY_TREELET);
     a->halo_is_given = cli_given(&a->common, KEY_HALO);
     a->levels_are_given = cli_given(&a->common, KEY_LEVELS);

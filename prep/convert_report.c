@@ -14,7 +14,7 @@ uint64_t convert_report_peak(void) {
 void convert_report_print_bytes(const convert_request *a, uint64_t added, const char *each) {
     const double all = (double)convert_append_bytes(a, added) / 0x1p20;
     if (a->grow)
-        printf("file        %.1f MiB, with %.1f MiB added, %s\n", all, (double)added / 0x1p20,
+        printf("file        %.1f MiB, with %llu bytes added, %s\n", all, (unsigned long long)added,
                each);
     else
         printf("file        %.1f MiB, %s\n", all, each);
