@@ -20,7 +20,8 @@
 #include "tests/support/leaf_files.h"
 #include "tests/support/leaf_parts.h"
 #include "tests/support/leaf_steps.h"
-#include "tests/support/mesh_movies.h"
+#include "tests/support/mesh_cases.h"
+#include "tests/support/mesh_grown.h"
 #include "tests/support/scratch.h"
 
 static mem m;
@@ -116,26 +117,6 @@ static sound grown_file(void) {
     return sound_of("grown grid", path);
 }
 
-static sound grown_mesh(void) {
-    mesh_case c = mesh_cases_kuhn(9, 8, 7);
-    mesh_movie v;
-    mesh_result r;
-    c.options.treelet_tets = 300;
-    c.options.gradients = c.options.grows = true;
-    v = mesh_movies_make(c, 1, 2, 2, 0);
-    mesh_movies_write(&v);
-    v.series.of.sets.steps = 1;
-    v.series.of.sets.times = NULL;
-    const char *path = scratch_path("sound.leaf");
-    assert_int_equal(mesh_movies_convert(&m, &v, path, &r, false), ST_OK);
-    v.series.of.paths++;
-    assert_int_equal(leaf_grow_open(&m, path, &v.c.options.grow), ST_OK);
-    assert_int_equal(mesh_movies_convert(&m, &v, path, &r, false), ST_OK);
-    leaf_grow_close(v.c.options.grow);
-    mesh_movies_release(&v);
-    return sound_of("grown mesh", path);
-}
-
 enum { KINDS = 7, COARSE = 3, GROWN = 5 }; /* from COARSE to GROWN: with coarse grids */
 static sound make(int kind) {
     switch (kind) {
@@ -145,7 +126,7 @@ static sound make(int kind) {
     case 3: return mesh_file("raw mesh", LEAF_CODEC_RAW);
     case 4: return mesh_file("compressed mesh", LEAF_CODEC_ZSTD);
     case 5: return grown_file();
-    default: return grown_mesh();
+    default: return sound_of("grown mesh", mesh_grown_make(8, 2, LEAF_CODEC_RAW, "sound.leaf"));
     }
 }
 
