@@ -284,7 +284,8 @@ typedef enum leaf_section_kind {
     LEAF_SECTION_OUTSIDE = 13, /* grid with header.outside: leaf_outside */
     LEAF_SECTION_CHUNKS = 14,  /* grid with header.outside_chunks: chunk_entry (chunk_array.h) */
     LEAF_SECTION_SAME = 15,    /* two sets or more, may be missing: uint32_t per payload: 0, or 1 +
-                                  an earlier set, whose payload in its place has the same bytes */
+                                  an earlier set, whose payload in its place has the same bytes; or
+                                  LEAF_LINK_BEFORE */
     LEAF_SECTION_BASES = 16,   /* compressed grid of two sets or more, may be missing: likewise: the
                                   set whose samples a payload has the differences to */
     LEAF_SECTION_LAST = 16,    /* the last that is known here */
