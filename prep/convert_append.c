@@ -38,7 +38,7 @@ static status take_parameters(convert_request *a, const leaf_file *f) {
         {a->treelet_tets_is_given && h->treelet_tets, a->treelet_tets, h->treelet_tets,
          "treelet-tets", tets},
         {a->leaf_tets_is_given && h->leaf_tets, a->leaf_tets, h->leaf_tets, "leaf-tets", leaf_tets},
-        {a->gradients, gradients, h->gradients, "gradients", "no gradients"},
+        {a->gradients && h->treelet_tets, gradients, h->gradients, "gradients", "no gradients"},
         {a->codec_is_given, p->codec, h->codec, "compress",
          h->codec ? "compressed samples" : "samples as they are"},
     };
