@@ -198,9 +198,9 @@ static void test_plain(void **state) {
     const char *path = scratch_path("plain.leaf");
     assert_int_equal(mesh_movies_convert(&m, &two, path, &r, false), ST_OK);
     add(&v, 2, 1, path);
-    /* Which way its tets are turned does not matter. */
+    /* Which way some of its tets are turned does not matter. */
     for (int turned = 1; turned >= 0; turned--) {
-        for (size_t t = 0; t < v.c.tet_count; t++)
+        for (size_t t = 0; t < v.c.tet_count / 3; t++)
             swap(&v.c.tets[t][0], &v.c.tets[t][1]);
         mesh_movies_write(&v);
         if (turned)
@@ -460,9 +460,9 @@ static void test_lies(void **state) {
     make(&v, 1, 3, 300, LEAF_CODEC_RAW);
     size_t before, size;
     v.c.options.gradients = true;
-    const char *path = begin(&v, 1, "lies.leaf");
+    const char *path = begin(&v, 2, "lies.leaf");
     free(scratch_read(path, &before));
-    add(&v, 1, 1, path);
+    add(&v, 2, 1, path);
     char *bytes = scratch_read(path, &size);
     const uint32_t n = (uint32_t)((const leaf_header *)(const void *)bytes)->treelets;
     const uint32_t from = LEAF_LINK_BEFORE;
@@ -479,12 +479,14 @@ static void test_lies(void **state) {
         HEADER(1, bounds, 0xbf000000),
         {1, LEAF_SECTION_COUNTS, 2, 1, "other counts"},
         {1, LEAF_SECTION_BOUNDS, 0, 0xbf000000, "other bounds"},
+        {1, LEAF_SECTION_BOUNDS, 6, 0x3e800000, "other bounds in the same whole"},
         {1, LEAF_SECTION_SAME, 0, 0, "a topology of its own"},
         {1, LEAF_SECTION_SAME, 0, 1, "a topology that is itself"},
-        {1, LEAF_SECTION_SAME, 0, from | 1, "a topology of no step"},
+        {1, LEAF_SECTION_SAME, 0, from | 1, "a topology of a later step"},
+        {1, LEAF_SECTION_SAME, 0, from | 2, "a topology of no step"},
         {1, LEAF_SECTION_SAME, 0, UINT32_MAX, "a topology of nothing"},
         {1, LEAF_SECTION_SAME, n, from, "values of another step"},
-        {1, LEAF_SECTION_SAME, n, from | 1, "values of no earlier step"},
+        {1, LEAF_SECTION_SAME, n, from | 2, "values of no earlier step"},
         {1, LEAF_SECTION_SAME, 2 * n, from, "gradients of another step"},
         {1, LEAF_SECTION_SIZES, 0, 64, "the size of a topology"},
         {1, LEAF_SECTION_CHECKSUMS, 0, 7, "the checksum of a topology"},
