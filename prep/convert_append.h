@@ -10,7 +10,15 @@
 CHECKED status convert_append_open(convert_request *a, mem *m);
 void convert_append_close(convert_request *a);
 
-/* convert_append_note() - say what was added. */
+/* convert_append_memory() - bytes that opening the file once more takes in the end, to prove it.
+ * convert_append_check() - further_step_check() of the sets, if there is a file; notes times that
+ * are left out. */
+size_t convert_append_memory(const convert_request *a, const mem *m);
+CHECKED status convert_append_check(const convert_request *a, leaf_sets *sets);
+
+/* convert_append_note() - say what was added.
+ * convert_append_bytes() - the bytes of the whole file, to which `added` were added. */
 void convert_append_note(const convert_request *a, const leaf_sets *sets);
+uint64_t convert_append_bytes(const convert_request *a, uint64_t added);
 
 #endif

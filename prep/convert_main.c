@@ -163,7 +163,6 @@ static const char *const input_names[] = {INPUT_TRAIT_NAMES};
 static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES}, {TRUST_KEY_MISSING, INPUT_LATTICE},
                                {KEY_TREELET, INPUT_LATTICE},   {KEY_HALO, INPUT_LATTICE},
                                {KEY_IN_PLACE, INPUT_LATTICE},  {KEY_LEVELS, INPUT_LATTICE},
-                               {KEY_APPEND, INPUT_LATTICE},    {KEY_WATCH, INPUT_LATTICE},
                                {KEY_DIMS, INPUT_RAW},          {KEY_TYPE, INPUT_RAW},
                                {KEY_BIG_ENDIAN, INPUT_RAW},    {KEY_SKIP, INPUT_RAW},
                                {KEY_SPACING, INPUT_LATTICE},   {KEY_MISSING, INPUT_LATTICE},
@@ -370,13 +369,16 @@ static status check(void *own) {
     if (st != ST_OK)
         return st;
     a->common.input = a->common.inputs[0];
+    a->common.json_lines = a->watch.on;
     a->treelet_is_given = cli_given(&a->common, KEY_TREELET);
     a->halo_is_given = cli_given(&a->common, KEY_HALO);
     a->levels_are_given = cli_given(&a->common, KEY_LEVELS);
-    if (a->append && (a->resume || a->dry_run || a->in_place || a->common.force))
+    a->treelet_tets_is_given = cli_given(&a->common, KEY_TREELET_TETS);
+    a->leaf_tets_is_given = cli_given(&a->common, KEY_LEAF_TETS);
+    if (a->append && (a->resume || a->dry_run || a->in_place || a->coarse || a->common.force))
         return status_describe(ST_USAGE,
-                               "--append goes without --resume, --dry-run, --in-place and "
-                               "--force");
+                               "--append goes without --resume, --dry-run, --in-place, --coarse "
+                               "and --force");
     return convert_sets_check(&a->sets, a->common.input_count, cli_given(&a->common, KEY_STEP));
 }
 

@@ -3,10 +3,28 @@
 #include <stdio.h>
 #include <sys/resource.h>
 
+#include "prep/convert_append.h"
+
 uint64_t convert_report_peak(void) {
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     return (uint64_t)usage.ru_maxrss * 1024;
+}
+
+void convert_report_print_bytes(const convert_request *a, uint64_t added, const char *each) {
+    const double all = (double)convert_append_bytes(a, added) / 0x1p20;
+    if (a->grow)
+        printf("file        %.1f MiB, with %llu bytes added, %s\n", all, (unsigned long long)added,
+               each);
+    else
+        printf("file        %.1f MiB, %s\n", all, each);
+}
+
+void convert_report_set_bytes(json_t *json, const convert_request *a, uint64_t added) {
+    const uint64_t all = convert_append_bytes(a, added);
+    json_object_set_new(json, "file_bytes", json_integer((json_int_t)all));
+    if (a->append)
+        json_object_set_new(json, "added_bytes", json_integer((json_int_t)added));
 }
 
 /* field: name of the only field; "": it has none. */

@@ -11,6 +11,12 @@
 /* convert_report_peak() - returns the most memory of the process so far, in bytes. */
 uint64_t convert_report_peak(void);
 
+/* convert_report_print_bytes() - print the size of the file, and what was added to it, if it was.
+ * each: the size of what was converted, in words.
+ * convert_report_set_bytes() - set both in an object. added: bytes of what was converted. */
+void convert_report_print_bytes(const convert_request *a, uint64_t added, const char *each);
+void convert_report_set_bytes(json_t *json, const convert_request *a, uint64_t added);
+
 /* convert_report_print_sets() - print fields and steps. convert_report_set_sets() - set them in an
  * object. field: the name of the only field; "": it has none. */
 void convert_report_print_sets(const convert_request *a, const char *field);

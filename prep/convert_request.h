@@ -22,8 +22,9 @@ typedef struct convert_request {
 
     bool dry_run, allow_empty;
     bool in_place; /* leave the samples of level 0 where they are */
-    /* Whether --compress, --treelet, --halo, --levels are: */
+    /* Whether --compress, --treelet, --halo, --levels, --treelet-tets, --leaf-tets are: */
     bool codec_is_given, treelet_is_given, halo_is_given, levels_are_given;
+    bool treelet_tets_is_given, leaf_tets_is_given;
     bool step; /* --step is given */
 
     /* Further steps of the output (convert_append.h): */

@@ -250,6 +250,11 @@ void out_file_discard(out_file *f) {
 }
 
 static status exists(const char *path) {
+    struct stat info;
+    if (stat(path, &info) != 0 && lstat(path, &info) == 0)
+        return status_describe(
+            ST_EXISTS,
+            "%s: exists already: a symbolic link that leads nowhere (--force replaces it)", path);
     return status_describe(ST_EXISTS, "%s: exists already (--force overwrites it)", path);
 }
 

@@ -308,8 +308,35 @@ static int parts(const leaf_layout *l, uint32_t set, uint32_t treelet,
     return 2;
 }
 
+/* ---- Segments ---- */
+
+static bool may_grow(const leaf_header *h, const char **why) {
+    *why = "its samples lie in another file";
+    return !h->outside;
+}
+
+static bool same_axes(const leaf_file *first, const leaf_file *part) {
+    size_t nodes = 0;
+    for (int a = 0; a < 3; a++)
+        nodes += first->header.dims[a];
+    return memcmp(part->axis[0], first->axis[0], nodes * sizeof *first->axis[0]) == 0;
+}
+
+static bool repeat(leaf_layout *l, uint32_t steps) {
+    return leaf_layout_repeat(l, l->sets / l->steps, steps, l->coded);
+}
+
+static int rows(const leaf_layout *l, leaf_row rows[LEAF_ROWS_MAX]) {
+    rows[0] = (leaf_row){0, l->treelets};
+    rows[1] = (leaf_row){l->sets * l->treelets, l->shells};
+    return 2;
+}
+
+static const leaf_growth growth = {
+    .may = may_grow, .alike = same_axes, .repeat = repeat, .rows = rows};
+
 const leaf_geometry grid_geometry = {.holds_indices = false,
-                                     .grows = true,
+                                     .growth = &growth,
                                      .blends = true,
                                      .has_map = true,
                                      .check_parameters = check_parameters,

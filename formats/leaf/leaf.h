@@ -234,6 +234,11 @@ static inline bool leaf_is_behind(const leaf_header *h) {
     return (uint64_t)h->fields * h->steps > 1 || h->steps_before > 0;
 }
 
+/* leaf_has_segments() - whether this is the header of a segment of a growing file. */
+static inline bool leaf_has_segments(const leaf_header *h) {
+    return h->segments > 0 || h->steps_before > 0;
+}
+
 /* An entry of SAME or BASES with this bit leads to an earlier segment: the rest is the number of
  * the set there. */
 #define LEAF_LINK_BEFORE (UINT32_C(1) << 31)
@@ -279,7 +284,8 @@ typedef enum leaf_section_kind {
     LEAF_SECTION_OUTSIDE = 13, /* grid with header.outside: leaf_outside */
     LEAF_SECTION_CHUNKS = 14,  /* grid with header.outside_chunks: chunk_entry (chunk_array.h) */
     LEAF_SECTION_SAME = 15,    /* two sets or more, may be missing: uint32_t per payload: 0, or 1 +
-                                  an earlier set, whose payload in its place has the same bytes */
+                                  an earlier set, whose payload in its place has the same bytes; or
+                                  LEAF_LINK_BEFORE */
     LEAF_SECTION_BASES = 16,   /* compressed grid of two sets or more, may be missing: likewise: the
                                   set whose samples a payload has the differences to */
     LEAF_SECTION_LAST = 16,    /* the last that is known here */

@@ -158,12 +158,14 @@ static status check_directory_place(const char *path, const leaf_header *h) {
  * rest. */
 static status check_segment(const char *path, const leaf_header *h) {
     const uint64_t sets = ((uint64_t)h->steps_before + h->steps) * h->fields;
-    if ((h->segments || h->steps_before) && !leaf_geometry_of(h->kind)->grows)
+    const leaf_growth *growth = leaf_geometry_of(h->kind)->growth;
+    const char *why;
+    if (leaf_has_segments(h) && !growth)
         return status_describe(ST_UNSUPPORTED, "%s: byte %zu: a file of this kind cannot grow",
                                path, offsetof(leaf_header, segments));
-    if ((h->segments || h->steps_before) && h->outside)
-        return leaf_check_corrupt(path, offsetof(leaf_header, outside),
-                                  "a file with samples elsewhere cannot grow");
+    if (leaf_has_segments(h) && !growth->may(h, &why))
+        return leaf_check_corrupt(path, offsetof(leaf_header, segments),
+                                  "a file that grows, but %s", why);
     const bool first = h->segments > 1 ? h->last >= h->file_bytes : !h->last;
     if (h->steps_before ? h->segments || h->last || !h->directory || sets > LEAF_SETS_MAX
                         : h->before || !first || h->segments > LEAF_SETS_MAX)
@@ -224,7 +226,7 @@ bool leaf_section_optional(uint32_t kind) {
 
 /* Whether steps may have times: there are several, or others may come. */
 static bool has_times(const leaf_header *h) {
-    return h->steps > 1 || h->segments || h->steps_before;
+    return h->steps > 1 || leaf_has_segments(h);
 }
 
 uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {

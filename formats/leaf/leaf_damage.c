@@ -32,6 +32,11 @@ const char *leaf_damage_where(uint32_t set, char text[LEAF_WHERE_MAX]) {
     return text;
 }
 
+const char *leaf_damage_segment(uint32_t i, char text[LEAF_WHERE_MAX]) {
+    snprintf(text, LEAF_WHERE_MAX, "segment %u: ", i);
+    return text;
+}
+
 static status find_in(mem *m, leaf_file *f, const progress *p, const char *where, leaf_damage *d) {
     char name[LEAF_NAME_MAX];
     char *stored = mem_alloc(m, leaf_layout_stored_max(&f->layout));

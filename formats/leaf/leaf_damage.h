@@ -24,9 +24,11 @@ typedef struct leaf_damage {
 void leaf_damage_add(leaf_damage *d, const char *where, const char *name);
 const char *leaf_damage_names(leaf_damage *d);
 
-/* leaf_damage_where() - what to put before the names in the coarse grid of a set. Returns text. */
+/* leaf_damage_where() - what to put before the names in the coarse grid of a set.
+ * leaf_damage_segment() - in segment i of a growing file. Both return text. */
 enum { LEAF_WHERE_MAX = 40 };
 const char *leaf_damage_where(uint32_t set, char text[LEAF_WHERE_MAX]);
+const char *leaf_damage_segment(uint32_t i, char text[LEAF_WHERE_MAX]);
 
 /* leaf_damage_find() - add all payloads of f, and of its coarse grids, whose stored bytes cannot be
  * read or have another checksum. Reads the whole file, through a buffer of one payload. ST_OK

@@ -475,7 +475,7 @@ status leaf_file_changed(const leaf_file *f) {
 }
 
 bool leaf_file_has_coarse(const leaf_file *f, uint32_t set) {
-    return f->mesh && f->mesh->coarse[set].bytes;
+    return f->mesh && f->mesh->coarse && f->mesh->coarse[set].bytes;
 }
 
 status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, leaf_file **out) {

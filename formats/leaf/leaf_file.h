@@ -22,7 +22,7 @@ typedef struct mesh_directory {
                               treelet (leaf_layout_bounds()), so that step 0 comes first */
     uint32_t (*counts)[4]; /* for mesh_leaf_shape() */
     uint64_t *first_tet;   /* treelets + 1: number of a treelet's first tet in the whole mesh */
-    leaf_part *coarse;     /* per set; zeros without section COARSE */
+    leaf_part *coarse; /* per set; zeros without section COARSE; NULL: a growing file has none */
 } mesh_directory;
 
 /* A part of a growing file with steps of its own (SERIES.md 4). */
@@ -103,9 +103,12 @@ CHECKED status leaf_file_open_first(mem *m, const char *path, const leaf_header 
                                     leaf_file **out);
 
 /* leaf_file_number() - the number that a set has in entries of SAME and BASES of later segments.
- * leaf_file_numbered() - the set of that number. */
+ * leaf_file_numbered() - the set of that number.
+ * leaf_file_segment_sets() - how many sets the segment has that a set is in; of a file without
+ * segments all. */
 uint32_t leaf_file_number(const leaf_file *f, uint32_t set);
 uint32_t leaf_file_numbered(const leaf_file *f, uint32_t number);
+uint32_t leaf_file_segment_sets(const leaf_file *f, uint32_t set);
 
 /* leaf_file_changed() - ST_CORRUPT if the file, or the one its samples lie in, has changed since it
  * was opened. That it has grown is no change. */

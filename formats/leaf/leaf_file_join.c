@@ -54,7 +54,7 @@ static const leaf_segment *last_of(const leaf_file *f) {
     return &f->segments[f->header.segments - 1];
 }
 
-/* Check that a segment lies where the one before it ends, and that it is of the same grid, with the
+/* Check that a segment lies where the one before it ends, and that it has the same cells, with the
  * same parameters. */
 static status check_segment(const leaf_file *f, const leaf_file *part, uint32_t i, uint64_t end) {
     const struct {
@@ -63,8 +63,10 @@ static status check_segment(const leaf_file *f, const leaf_file *part, uint32_t 
         {offsetof(leaf_header, kind), offsetof(leaf_header, steps) - offsetof(leaf_header, kind)},
         {offsetof(leaf_header, treelets), sizeof f->header.treelets},
         {offsetof(leaf_header, to_world), sizeof f->header.to_world},
-        {offsetof(leaf_header, field), sizeof f->header.field},
-        {offsetof(leaf_header, bare), sizeof f->header.bare},
+        {offsetof(leaf_header, tets),
+         offsetof(leaf_header, repeated) - offsetof(leaf_header, tets)},
+        {offsetof(leaf_header, field),
+         offsetof(leaf_header, outside_chunks) - offsetof(leaf_header, field)},
     };
     const leaf_segment *s = &f->segments[i], *before = s - 1;
     if (s->base != end || part->header.steps != s->steps || part->header.before != before->base ||
@@ -75,16 +77,12 @@ static status check_segment(const leaf_file *f, const leaf_file *part, uint32_t 
     for (size_t k = 0; k < sizeof fields / sizeof *fields; k++)
         same = same && memcmp((const char *)&part->header + fields[k].at,
                               (const char *)&f->header + fields[k].at, fields[k].size) == 0;
-    /* From here on they have as many fields and nodes. */
+    /* From here on they have as many fields and cells. */
     same = same && memcmp(part->names, f->names, f->header.fields * sizeof *f->names) == 0;
-    size_t nodes = 0;
-    for (int a = 0; a < 3; a++)
-        nodes += f->header.dims[a];
-    same = same && memcmp(part->axis[0], f->axis[0], nodes * sizeof *f->axis[0]) == 0;
-    if (!same)
-        return leaf_check_corrupt(file_path(f->source), s->base,
-                                  "segment %u has not the fields or the grid of the first", i);
-    return ST_OK;
+    if (same && f->geometry->growth->alike(f, part))
+        return ST_OK;
+    return leaf_check_corrupt(file_path(f->source), s->base,
+                              "segment %u has not the fields or the cells of the first", i);
 }
 
 /* ---- arrays ---- */
@@ -93,7 +91,9 @@ static status check_segment(const leaf_file *f, const leaf_file *part, uint32_t 
 typedef struct joining {
     leaf_file *f;       /* the first segment; its header is not touched until the end */
     leaf_layout layout; /* f's, with all steps */
-    leaf_file to;       /* the arrays */
+    leaf_row rows[LEAF_ROWS_MAX], own_rows[LEAF_ROWS_MAX]; /* of all; of the current segment */
+    int row_count;
+    leaf_file to; /* the arrays */
     uint32_t *same, *bases;
 } joining;
 
@@ -157,23 +157,24 @@ static void copy_sets(const joining *j, const leaf_segment *s, void *to, const v
                (const char *)from + (size_t)field * s->steps * row, s->steps * row);
 }
 
-/* The same of an array of payloads: of treelets set after set, then of shells. */
+/* The same of an array of payloads. Those of no set are the first segment's. */
 static void copy_payloads(const joining *j, const leaf_segment *s, void *to, const void *from,
                           size_t size) {
-    const leaf_layout *l = &j->layout;
-    const size_t own = (size_t)s->steps * j->f->header.fields;
-    copy_sets(j, s, to, from, l->treelets * size);
-    copy_sets(j, s, (char *)to + l->sets * (size_t)l->treelets * size,
-              (const char *)from + own * l->treelets * size, l->shells * size);
+    if (s == j->f->segments)
+        memcpy(to, from, j->rows[0].first * size);
+    for (int i = 0; i < j->row_count; i++)
+        copy_sets(j, s, (char *)to + j->rows[i].first * size,
+                  (const char *)from + j->own_rows[i].first * size, j->rows[i].width * size);
 }
 
 /* Say that no treelet of these sets is known to differ from the finer ones by little. */
 static void forget_deviations(const joining *j, const leaf_segment *s) {
     const leaf_layout *l = &j->layout;
-    for (uint32_t set = 0; set < l->sets; set++)
-        if (set % l->steps >= s->first && set % l->steps < s->first + s->steps)
-            for (size_t i = deviation_at(l, set, 0); i < deviation_at(l, set + 1, 0); i++)
-                j->to.deviations[i] = DEVIATION_UNKNOWN;
+    for (uint32_t field = 0; field < j->f->header.fields; field++) {
+        const uint32_t set = leaf_layout_set(l, field, s->first);
+        for (size_t i = deviation_at(l, set, 0); i < deviation_at(l, set + s->steps, 0); i++)
+            j->to.deviations[i] = DEVIATION_UNKNOWN;
+    }
 }
 
 static void copy_arrays(const joining *j, const leaf_segment *s, leaf_file *part) {
@@ -205,19 +206,26 @@ static uint32_t set_of(const leaf_segment *s, uint32_t steps, uint32_t number) {
     return number / s->steps * steps + s->first + number % s->steps;
 }
 
-/* The same of a number that counts through all sets of segments from s on. */
-static uint32_t numbered(const leaf_segment *s, uint32_t fields, uint32_t steps, uint32_t number) {
-    while (number >= fields * (s->first + s->steps))
-        s++;
-    return set_of(s, steps, number - fields * s->first);
+/* The segment that a step of all is in. */
+static const leaf_segment *segment_of(const leaf_segment *s, uint32_t count, uint32_t step) {
+    uint32_t low = 0;
+    for (uint32_t high = count; high - low > 1;) {
+        const uint32_t middle = low + (high - low) / 2;
+        if (s[middle].first <= step)
+            low = middle;
+        else
+            high = middle;
+    }
+    return s + low;
 }
 
 /* The set of all that an entry of segment s leads to. */
 static uint32_t entry_set(const joining *j, const leaf_segment *s, uint32_t entry) {
-    const leaf_file *f = j->f;
-    return entry & LEAF_LINK_BEFORE
-               ? numbered(f->segments, f->header.fields, j->layout.steps, entry ^ LEAF_LINK_BEFORE)
-               : set_of(s, j->layout.steps, entry - 1);
+    if (!(entry & LEAF_LINK_BEFORE))
+        return set_of(s, j->layout.steps, entry - 1);
+    const uint32_t number = entry ^ LEAF_LINK_BEFORE, fields = j->f->header.fields;
+    const leaf_segment *in = segment_of(j->f->segments, j->f->header.segments, number / fields);
+    return set_of(in, j->layout.steps, number - fields * in->first);
 }
 
 static status no_link(const joining *j, const leaf_segment *s, uint32_t p, const char *what) {
@@ -254,17 +262,15 @@ static status check_chain(const joining *j, const leaf_segment *s, uint32_t p) {
     return ST_OK;
 }
 
-/* Call take() for the payloads of a segment's sets, by treelets and shells, steps ascending. */
+/* Call take() for the payloads of a segment's sets, row by row, steps ascending. */
 static status each_payload(joining *j, const leaf_segment *s,
                            status (*take)(joining *j, const leaf_segment *s, uint32_t p)) {
-    const leaf_layout *l = &j->layout;
     status st = ST_OK;
-    for (uint32_t i = 0; i < s->steps * j->f->header.fields && st == ST_OK; i++) {
-        const uint32_t set = set_of(s, l->steps, i);
-        for (uint32_t t = 0; t < l->treelets && st == ST_OK; t++)
-            st = take(j, s, leaf_layout_samples(l, set, t));
-        for (uint32_t t = 0; t < l->shells && st == ST_OK; t++)
-            st = take(j, s, leaf_layout_shell(l, set, t));
+    for (uint32_t i = 0; i < s->steps * j->f->header.fields; i++) {
+        const uint32_t set = set_of(s, j->layout.steps, i);
+        for (const leaf_row *row = j->rows; row < j->rows + j->row_count; row++)
+            for (uint32_t k = 0; k < row->width && st == ST_OK; k++)
+                st = take(j, s, row->first + set * row->width + k);
     }
     return st;
 }
@@ -282,9 +288,23 @@ static status check_payload(joining *j, const leaf_segment *s, uint32_t p) {
     return j->bases[p] ? check_chain(j, s, p) : ST_OK;
 }
 
+/* Check that a later segment's payloads of no set are the first one's. */
+static status check_shared(const joining *j, const leaf_segment *s, const leaf_file *part) {
+    const leaf_file *to = &j->to;
+    for (uint32_t p = 0; p < j->rows[0].first && s != j->f->segments; p++)
+        if (!part->links.same || part->links.same[p] != LEAF_LINK_BEFORE ||
+            part->sizes[p] != to->sizes[p] || part->checksums[p] != to->checksums[p])
+            return no_link(j, s, p, "payload of its own");
+    return ST_OK;
+}
+
 static status take_segment(joining *j, const leaf_segment *s, leaf_file *part) {
+    (void)j->f->geometry->growth->rows(&part->layout, j->own_rows);
+    status st = check_shared(j, s, part);
+    if (st != ST_OK)
+        return st;
     copy_arrays(j, s, part);
-    status st = each_payload(j, s, join_payload);
+    st = each_payload(j, s, join_payload);
     return st == ST_OK ? each_payload(j, s, check_payload) : st;
 }
 
@@ -353,8 +373,11 @@ static bool lay_out(joining *j, leaf_header *h) {
     h->steps = (uint32_t)steps;
     leaf_header all = *h;
     all.file_bytes = all.directory = file_size(j->f->source);
-    return leaf_check_may_hold(&all) &&
-           leaf_layout_repeat(&j->layout, h->fields, h->steps, h->codec != LEAF_CODEC_RAW);
+    const leaf_growth *growth = j->f->geometry->growth;
+    if (!leaf_check_may_hold(&all) || !growth->repeat(&j->layout, h->steps))
+        return false;
+    j->row_count = growth->rows(&j->layout, j->rows);
+    return true;
 }
 
 status leaf_file_join(leaf_file *f) {
@@ -386,21 +409,27 @@ status leaf_file_join(leaf_file *f) {
 
 /* ---- numbers of sets ---- */
 
-static const leaf_segment *segments_of(const leaf_file *f, leaf_segment *whole) {
+/* The segment that a step is in. whole: room for that of a file without segments. */
+static const leaf_segment *segment_with(const leaf_file *f, uint32_t step, leaf_segment *whole) {
     *whole = (leaf_segment){0, 0, f->layout.steps};
-    return f->segments ? f->segments : whole;
+    return f->segments ? segment_of(f->segments, f->header.segments, step) : whole;
 }
 
 uint32_t leaf_file_number(const leaf_file *f, uint32_t set) {
     const uint32_t field = set / f->layout.steps, step = set % f->layout.steps;
     leaf_segment whole;
-    const leaf_segment *s = segments_of(f, &whole);
-    while (step >= s->first + s->steps)
-        s++;
+    const leaf_segment *s = segment_with(f, step, &whole);
     return s->first * f->header.fields + field * s->steps + step - s->first;
 }
 
 uint32_t leaf_file_numbered(const leaf_file *f, uint32_t number) {
+    const uint32_t fields = f->header.fields;
     leaf_segment whole;
-    return numbered(segments_of(f, &whole), f->header.fields, f->layout.steps, number);
+    const leaf_segment *s = segment_with(f, number / fields, &whole);
+    return set_of(s, f->layout.steps, number - fields * s->first);
+}
+
+uint32_t leaf_file_segment_sets(const leaf_file *f, uint32_t set) {
+    leaf_segment whole;
+    return segment_with(f, set % f->layout.steps, &whole)->steps * f->header.fields;
 }

@@ -13,11 +13,31 @@
 
 enum { LEAF_PARTS_MAX = 3 };
 
+typedef struct leaf_row {
+    uint32_t first, width;
+} leaf_row;
+enum { LEAF_ROWS_MAX = 2 };
+
+/* How files of a kind grow by segments (SERIES.md 4). */
+typedef struct leaf_growth {
+    /* Whether a file that is no segment may become the first one; else *why not. */
+    bool (*may)(const leaf_header *h, const char **why);
+    /* Whether a later segment's cells are those of the first one, as their sections tell. Their
+     * headers' are the same already. */
+    bool (*alike)(const leaf_file *first, const leaf_file *part);
+    /* Give the layout of a segment so many steps. False: that makes too many payloads. */
+    bool (*repeat)(leaf_layout *l, uint32_t steps);
+    /* The payloads of each set, in rows: in row i, those of set s are `width` from payload `first`
+     * + s * width on. Payloads before all rows belong to no set: a later segment has those of the
+     * first one. Returns how many rows there are. */
+    int (*rows)(const leaf_layout *l, leaf_row rows[LEAF_ROWS_MAX]);
+} leaf_growth;
+
 typedef struct leaf_geometry {
     bool holds_indices;             /* result of leaf_file_holds_indices() */
     const struct leaf_cells *cells; /* what a cell's record is (leaf_cells.h); NULL: no records */
-    bool grows;                     /* a file of it may have segments (SERIES.md 4) */
     bool blends;                    /* times between its steps can be shown (leaf_between.h) */
+    const leaf_growth *growth;      /* NULL: a file of it has no segments */
     bool has_map;                   /* to_world is meaningful, so section WORLD may name its axes */
 
     /* ---- The header: parts of leaf_check_header() and leaf_check_layout() ---- */

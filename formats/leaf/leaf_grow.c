@@ -45,13 +45,16 @@ static status open_before(leaf_grow *g) {
     file_guard_look(false);
     if (st != ST_OK)
         return st;
-    if (!g->before->geometry->grows)
-        return status_describe(ST_UNSUPPORTED, "%s: only grids can be added to", g->path);
-    if (g->before->outside)
-        return status_describe(ST_UNSUPPORTED,
-                               "%s: its samples lie in another file: no step can "
-                               "be added",
-                               g->path);
+    const leaf_growth *growth = g->before->geometry->growth;
+    const char *why = "it is of a kind that does not grow";
+    bool may = growth && growth->may(&g->before->header, &why);
+    for (uint32_t set = 0; may && set < g->before->layout.sets; set++)
+        if (leaf_file_has_coarse(g->before, set)) {
+            may = false;
+            why = "it has coarse grids, as convert --coarse makes them";
+        }
+    if (!may)
+        return status_describe(ST_UNSUPPORTED, "%s: no step can be added: %s", g->path, why);
     struct stat locked;
     if (fstat(g->fd, &locked) != 0)
         return cannot(g, "cannot look at");

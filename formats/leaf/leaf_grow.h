@@ -19,7 +19,8 @@ typedef struct leaf_grow leaf_grow;
 
 /* leaf_grow_open() - open a file to add to it, and cut off what a program that was killed may have
  * left behind its end. One program at a time: ST_EXISTS where another one has it. ST_UNSUPPORTED: a
- * file of this kind does not grow, or its samples lie in another file.
+ * file of this kind does not grow, or not one whose samples lie in another file, whose vertices
+ * move, or that has coarse grids.
  * leaf_grow_close() - NULL is fine. */
 CHECKED status leaf_grow_open(mem *m, const char *path, leaf_grow **out);
 void leaf_grow_close(leaf_grow *g);

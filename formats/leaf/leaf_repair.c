@@ -28,14 +28,19 @@ typedef struct repair {
     uint64_t same_bytes; /* of payloads taken from bad */
 } repair;
 
-/* A treelet file within the copies: all of it, or a coarse grid. */
+/* A treelet file within the copies: all of it, or a segment (SERIES.md 4), or a coarse grid. */
 typedef struct region {
     uint64_t base;
-    const leaf_part *part; /* NULL: the whole file */
+    const leaf_part *part; /* of a coarse grid, else NULL */
     const char *where;     /* for names: leaf_damage_where() */
     leaf_header header;
     leaf_section table[LEAF_SECTIONS_MAX];
 } region;
+
+/* Whether a region is the file, or its first segment. */
+static bool is_first(const region *g) {
+    return !g->part && g->base == 0;
+}
 
 /* ---- parts ---- */
 
@@ -121,15 +126,15 @@ static status refuse_headers(const status_note note[LEAF_REPAIR_COPIES]) {
                            note[0].text, note[1].text);
 }
 
-/* Write the header. Before the whole file's, give the output its full length, with zeros. */
+/* Write the header. Before the file's, or a segment's, give the output its length, with zeros. */
 static status write_header(repair *r, const region *g) {
     status st = ST_OK;
     if (!g->part)
-        st = out_file_write_at(r->out, g->header.file_bytes - 1, "", 1);
+        st = out_file_write_at(r->out, g->base + g->header.file_bytes - 1, "", 1);
     return st == ST_OK ? out_file_write_at(r->out, g->base, &g->header, sizeof g->header) : st;
 }
 
-/* Take the header of a region. *found: whether there is one; the whole file's must be. */
+/* Take the header of a region. *found: whether there is one; the first one must be. */
 static status take_header(repair *r, region *g, bool *found) {
     leaf_header h[LEAF_REPAIR_COPIES] = {0};
     status_note note[LEAF_REPAIR_COPIES];
@@ -137,22 +142,17 @@ static status take_header(repair *r, region *g, bool *found) {
     for (int i = 0; i < LEAF_REPAIR_COPIES; i++)
         sound[i] = read_header(r, g, i, &h[i], &note[i]);
     *found = sound[0] || sound[1];
-    if (!*found && g->part)
+    if (!*found && !is_first(g))
         leaf_damage_add(&r->lost, g->where, "its header");
     if (!*found)
-        return g->part ? ST_OK : refuse_headers(note);
+        return is_first(g) ? refuse_headers(note) : ST_OK;
     if (sound[0] && sound[1] && memcmp(h[0].id, h[1].id, sizeof h[0].id) != 0)
         return refuse_ids(r, h);
     const int from = sound[LEAF_REPAIR_BAD] ? LEAF_REPAIR_BAD : LEAF_REPAIR_FROM;
     g->header = h[from];
-    if (g->header.segments > 1)
-        return status_describe(ST_UNSUPPORTED,
-                               "%s: has %u segments, as convert --append makes them: it cannot be "
-                               "mended from a copy",
-                               file_path(r->copy[from]), g->header.segments);
     r->result->directory[from]++;
     /* A damaged header may still tell its id. */
-    if (!g->part)
+    if (is_first(g))
         r->same = memcmp(h[0].id, h[1].id, sizeof h[0].id) == 0 || sound[LEAF_REPAIR_BAD];
     return write_header(r, g);
 }
@@ -183,7 +183,7 @@ static status take_section(repair *r, const region *g, const leaf_section *s) {
         return ST_OK;
     }
     r->result->directory[from]++;
-    if (!g->part && s->kind == LEAF_SECTION_CHECKSUMS && g->header.payload_bytes)
+    if (is_first(g) && s->kind == LEAF_SECTION_CHECKSUMS && g->header.payload_bytes)
         r->same |= from == LEAF_REPAIR_BAD;
     return out_file_write_at(r->out, g->base + s->offset, r->buffer, (size_t)s->bytes);
 }
@@ -228,7 +228,7 @@ static status take_payload(repair *r, const region *g, const leaf_file *f, uint3
 }
 
 static status take_payloads(repair *r, const region *g, const leaf_file *f, uint64_t all_bytes) {
-    status st = ST_OK;
+    status st = reserve(r, leaf_layout_stored_max(&f->layout));
     const uint64_t table = f->header.directory;
     uint64_t end = leaf_payloads_at(&f->header, f->directory_end);
     for (leaf_order o = leaf_order_begin(&f->layout); o.p < f->layout.payloads && st == ST_OK;
@@ -263,18 +263,65 @@ static status repair_coarse(repair *r, const leaf_file *f, uint32_t set) {
         return st;
     st = leaf_file_open_coarse(r->m, f, set, &coarse);
     if (st == ST_OK)
-        st = reserve(r, leaf_layout_stored_max(&coarse->layout));
-    if (st == ST_OK)
         st = take_payloads(r, &g, coarse, f->header.file_bytes);
     leaf_file_close(coarse);
     return st;
 }
 
+/* Take the directories of all segments, or of the file without any: g, its first one. A segment
+ * lies where the one before it ends. *end: where the last one does. */
+static status take_directories(repair *r, region *g, bool *found, uint64_t *end) {
+    status st = take_directory(r, g, found);
+    *end = g->header.file_bytes;
+    for (uint32_t i = 1; st == ST_OK && *found && i < g->header.segments; i++) {
+        char where[LEAF_WHERE_MAX];
+        region next = {.base = *end, .where = leaf_damage_segment(i, where)};
+        st = take_directory(r, &next, found);
+        *end += next.header.file_bytes;
+    }
+    return st;
+}
+
+/* Steps may have been added to bad that the other copy has not. Only bad's header tells. */
+static status check_longer(const repair *r, const region *g, uint64_t end) {
+    leaf_header bad;
+    status_note note;
+    if (!g->header.segments || file_size(r->copy[LEAF_REPAIR_BAD]) <= end ||
+        read_header(r, g, LEAF_REPAIR_BAD, &bad, &note))
+        return ST_OK;
+    return status_describe(
+        ST_CORRUPT,
+        "%s: its header is damaged, and it is longer than %s: that may lack steps "
+        "that were added since",
+        file_path(r->copy[0]), file_path(r->copy[1]));
+}
+
 /* Give the output its directory, and open it. *f stays NULL where the directory is lost. */
 static status begin_output(repair *r, region *g, leaf_file **f) {
     bool found;
-    status st = take_directory(r, g, &found);
+    uint64_t end;
+    status st = take_directories(r, g, &found, &end);
+    if (st == ST_OK && found)
+        st = check_longer(r, g, end);
     return st == ST_OK && found ? leaf_file_open(r->m, out_file_temporary(r->out), f) : st;
+}
+
+/* Take the payloads of a file, segment by segment where it has several. */
+static status take_segments(repair *r, const region *g, const leaf_file *f) {
+    const uint64_t all = f->header.file_bytes;
+    status st = ST_OK;
+    if (f->header.segments < 2)
+        return take_payloads(r, g, f, all);
+    for (uint32_t i = 0; i < f->header.segments && st == ST_OK; i++) {
+        char where[LEAF_WHERE_MAX];
+        const region own = {.base = f->segments[i].base, .where = leaf_damage_segment(i, where)};
+        leaf_file *part = NULL;
+        st = leaf_file_open_segment(r->m, f, &f->segments[i], &part);
+        if (st == ST_OK)
+            st = take_payloads(r, &own, part, all);
+        leaf_file_close(part);
+    }
+    return st;
 }
 
 static status refuse_lost(repair *r) {
@@ -299,10 +346,10 @@ static status fill(repair *r) {
     region g = {.where = ""};
     leaf_file *f = NULL;
     status st = begin_output(r, &g, &f);
-    if (f && st == ST_OK)
-        st = reserve(r, leaf_layout_stored_max(&f->layout));
-    if (f && st == ST_OK)
-        st = take_payloads(r, &g, f, f->header.file_bytes);
+    if (f && st == ST_OK) {
+        st = take_segments(r, &g, f);
+        g.header = f->header;
+    }
     for (uint32_t set = 0; f && f->mesh && set < f->layout.sets && st == ST_OK; set++)
         if (leaf_file_has_coarse(f, set))
             st = repair_coarse(r, f, set);
@@ -312,7 +359,8 @@ static status fill(repair *r) {
     if (st == ST_OK)
         st = check_same(r, &g.header);
     r->result->header = g.header;
-    r->result->gaps += file_size(r->copy[LEAF_REPAIR_BAD]) > g.header.file_bytes;
+    if (!g.header.segments) /* else what is behind the last one does not count */
+        r->result->gaps += file_size(r->copy[LEAF_REPAIR_BAD]) > g.header.file_bytes;
     return st;
 }
 

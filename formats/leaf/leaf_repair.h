@@ -1,9 +1,10 @@
 /* leaf_repair.h - make a damaged treelet file whole from another copy of it.
  *
- * Each part of the file (header, section table, sections, payloads, and likewise of coarse grids)
- * has a checksum. So each is taken from the copy whose bytes have it: the damaged file itself, or
- * else the other copy, which may be damaged elsewhere. All bytes between parts are zeros. Together
- * that is the sound file, byte for byte. Neither copy needs to open, and both may be cut short.
+ * Each part of the file (header, section table, sections, payloads, and likewise of segments and
+ * coarse grids) has a checksum. So each is taken from the copy whose bytes have it: the damaged
+ * file itself, or else the other copy, which may be damaged elsewhere. All bytes between parts are
+ * zeros. Together that is the sound file, byte for byte. Neither copy needs to open, and both may
+ * be cut short.
  */
 #ifndef FORMATS_LEAF_LEAF_REPAIR_H
 #define FORMATS_LEAF_LEAF_REPAIR_H
@@ -51,8 +52,8 @@ typedef struct leaf_repair_result {
  *
  * ST_USAGE: from has another id, or is bad itself. ST_CORRUPT: parts are damaged in both copies
  * (they are listed), no header is sound, or bad's header is damaged and the rest is not from the
- * same file. Errors of outputs and files likewise. Memory: the directory, one payload or section,
- * and what leaf_verify() needs. */
+ * same file, or may have more segments than from has. Errors of outputs and files likewise. Memory:
+ * the directory, one payload or section, and what leaf_verify() needs. */
 CHECKED status leaf_repair(mem *m, const leaf_repair_job *job, leaf_repair_result *result);
 
 #endif

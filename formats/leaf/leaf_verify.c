@@ -42,7 +42,7 @@ typedef struct verification {
     /* For histograms; cells is NULL where the file has none. */
     histogram_draw draw;
     histogram_space space;
-    histogram_run run;
+    size_t count;          /* cells of a set, at most */
     histogram_cell *cells; /* set after set */
 } verification;
 
@@ -348,13 +348,18 @@ static status verify_treelet(void *ctx, size_t index, int worker) {
                               v->payloads[worker] + room.deviations);
     if (v->cells && f->layout.level_of[t] == 0)
         leaf_histogram_take(&f->layout, &v->draw, &v->space, t, s.bytes,
-                            v->cells + (size_t)v->set * v->draw.count);
+                            v->cells + v->set * v->count);
     if (f->layout.level_of[t] == 0 && (f->flags[p] & LEAF_FLAG_NON_FINITE))
         v->non_finite[t] += count_non_finite(&s);
     return st;
 }
 
 /* ---- a treelet of a mesh ---- */
+
+/* The runs of tets for a set's histogram. They were drawn when its segment was written. */
+static histogram_run run_of(const leaf_file *f, uint32_t set) {
+    return histogram_draw_tets(f->header.tets, leaf_file_segment_sets(f, set));
+}
 
 static uint32_t count_values(const leaf_file *f, uint32_t t, const void *values) {
     const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
@@ -381,9 +386,9 @@ static status look_at_tets(const verification *v, uint32_t set, uint32_t t, cons
             return st;
         points = mesh_leaf_moved(&s, positions);
     }
-    leaf_histogram_take_tets(&v->run, f->mesh->first_tet[t], &s, mesh_leaf_tets(&s, topology),
-                             points, mesh_leaf_values(&s, values),
-                             v->cells + (size_t)set * v->run.count);
+    const histogram_run run = run_of(f, set);
+    leaf_histogram_take_tets(&run, f->mesh->first_tet[t], &s, mesh_leaf_tets(&s, topology), points,
+                             mesh_leaf_values(&s, values), v->cells + set * v->count);
     return ST_OK;
 }
 
@@ -539,9 +544,8 @@ static bool holds(const histogram *h, const double range[2]) {
 static status check_histograms(const verification *v) {
     const leaf_file *f = v->f;
     const uint32_t sets = v->cells ? f->layout.sets : 0;
-    const uint32_t count = f->mesh ? v->run.count : v->draw.count;
     const uint64_t total =
-        f->mesh ? v->run.total
+        f->mesh ? f->header.tets
                 : (uint64_t)f->header.dims[0] * f->header.dims[1] * f->header.dims[2];
     for (uint32_t set = 0; set < sets; set++) {
         double range[2];
@@ -551,7 +555,8 @@ static status check_histograms(const verification *v) {
                                    "%s: the bins of histogram %u do not hold the values %g .. %g",
                                    file_path(f->source), set, range[0], range[1]);
         histogram again = f->histograms[set];
-        histogram_count(&again, v->cells + (size_t)set * count, count, total);
+        const uint32_t count = f->mesh ? run_of(f, set).count : v->draw.count;
+        histogram_count(&again, v->cells + set * v->count, count, total);
         if (memcmp(&again, &f->histograms[set], sizeof again) != 0)
             return status_describe(ST_CORRUPT, "%s: histogram %u differs from what its %s give",
                                    file_path(f->source), set, f->mesh ? "tets" : "samples");
@@ -601,15 +606,16 @@ static status allocate_histograms(verification *v, mem *m) {
     if (!f->histograms)
         return ST_OK;
     if (f->mesh) {
-        v->run = histogram_draw_tets(f->header.tets, f->layout.sets);
-        v->cells = mem_array(m, (size_t)v->run.count * f->layout.sets, sizeof *v->cells);
+        for (uint32_t set = 0; set < f->layout.sets; set++)
+            v->count = run_of(f, set).count > v->count ? run_of(f, set).count : v->count;
     } else {
         v->draw = histogram_draw_grid(f->header.dims);
         v->space = histogram_space_of(f->header.to_world);
         for (int a = 0; a < 3 && f->header.rectilinear; a++)
             v->space.axis[a] = f->axis[a];
-        v->cells = mem_array(m, (size_t)v->draw.count * f->layout.sets, sizeof *v->cells);
+        v->count = v->draw.count;
     }
+    v->cells = mem_array(m, v->count * f->layout.sets, sizeof *v->cells);
     return v->cells ? ST_OK : ST_NOMEM;
 }
 

@@ -39,7 +39,7 @@ static mesh_layout_blocks blocks_of(const leaf_mesh *mesh) {
                                 .moving = mesh->moving};
 }
 
-uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max) {
+uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max, bool grow) {
     const mesh_layout_blocks blocks = blocks_of(mesh);
     const uint64_t sets = (uint64_t)mesh->fields * mesh->steps;
     const uint64_t each = LAYOUT_BYTES + MESH_BYTES + sets * RANGE_BYTES +
@@ -49,7 +49,7 @@ uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max) {
            (mesh->coarse ? sets * sizeof(leaf_part) : 0) +
            (sets <= LEAF_HISTOGRAMS_MAX ? sets * sizeof(histogram) : 0) +
            mesh_layout_payloads(&blocks) *
-               (PAYLOAD_BYTES + sizeof(uint64_t) + (sets > 1 ? sizeof(uint32_t) : 0));
+               (PAYLOAD_BYTES + sizeof(uint64_t) + (sets > 1 || grow ? sizeof(uint32_t) : 0));
 }
 
 static status allocate_histograms(leaf_writer *w) {
@@ -152,12 +152,12 @@ static status allocate_parts(leaf_writer *w, const leaf_mesh *mesh) {
     return ST_OK;
 }
 
-/* The labels of a grid; of further steps, as the file has them. */
-static status label_grid(leaf_writer *w, const leaf_target *to, const leaf_sets *sets) {
+/* The labels; of further steps, as the file has them. */
+static status label(leaf_writer *w, const leaf_sets *sets) {
     const leaf_file *before = w->before;
     leaf_sets own = *sets;
     if (!before)
-        return w->layout.sets > 1 || to->grows ? copy_labels(w, sets) : ST_OK;
+        return copy_labels(w, sets);
     w->names = mem_array(w->m, own.fields, sizeof *w->names);
     if (!w->names)
         return ST_NOMEM;
@@ -209,11 +209,20 @@ static status lay_out_grid(leaf_writer *w, const grid *g, const leaf_sets *sets)
     return st;
 }
 
+/* What is written becomes a segment of the target. */
+static void take_target(leaf_writer *w, const leaf_target *to) {
+    w->grow = to->grow;
+    w->before = to->grow ? leaf_grow_before(to->grow) : NULL;
+}
+
 /* Make the header that of a segment. */
 static void head_segment(leaf_writer *w) {
     leaf_header *h = &w->header;
+    if (!w->grow)
+        return;
     leaf_grow_head(w->grow, h);
     memcpy(h->field, w->before->header.field, sizeof h->field);
+    w->frame = w->before->frame;
 }
 
 status leaf_writer_create(mem *m, const leaf_target *to, const grid *g, const leaf_sets *sets,
@@ -225,17 +234,14 @@ status leaf_writer_create(mem *m, const leaf_target *to, const grid *g, const le
     sets = sets ? sets : &one;
     assert(sets->fields > 0 && sets->steps > 0);
     assert((uint64_t)sets->fields * sets->steps <= LEAF_SETS_MAX);
-    if (to->grow) {
-        w->grow = to->grow;
-        w->before = leaf_grow_before(to->grow);
-    }
+    take_target(w, to);
     status st = lay_out_grid(w, g, sets);
     if (st == ST_OK)
         st = allocate(w, (size_t)w->layout.sets * w->layout.treelets);
     if (st == ST_OK)
         enter_bare(w);
-    if (st == ST_OK)
-        st = label_grid(w, to, sets);
+    if (st == ST_OK && (w->layout.sets > 1 || to->grows || to->grow))
+        st = label(w, sets);
     if (st == ST_OK)
         st = allocate_series(w, true);
     if (st == ST_OK)
@@ -250,11 +256,10 @@ status leaf_writer_create(mem *m, const leaf_target *to, const grid *g, const le
     }
     w->header.segments = to->grows;
     leaf_head_grid(&w->header, &w->layout, p, g, sets);
-    if (w->grow)
-        head_segment(w);
-    w->frame = w->before ? w->before->frame : g->frame;
-    if (sets->time_unit && !w->before)
+    w->frame = g->frame;
+    if (sets->time_unit)
         world_frame_set_time_unit(&w->frame, sets->time_unit);
+    head_segment(w);
     leaf_writer_place_sections(w);
     w->order = leaf_order_begin(&w->layout);
     *out = w;
@@ -274,6 +279,7 @@ status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf_mesh *m
     leaf_writer *w = new_writer(m, p);
     if (!w)
         return ST_NOMEM;
+    take_target(w, to);
     status st = mesh_layout_init(&w->layout, m, &blocks);
     if (st == ST_OK)
         st = allocate(w, mesh->treelets * sets);
@@ -282,8 +288,7 @@ status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf_mesh *m
     if (st == ST_OK)
         st = allocate_mesh(w);
     if (st == ST_OK)
-        st =
-            copy_labels(w, &(leaf_sets){mesh->fields, mesh->steps, mesh->names, mesh->times, NULL});
+        st = label(w, &(leaf_sets){mesh->fields, mesh->steps, mesh->names, mesh->times, NULL});
     if (st == ST_OK)
         st = allocate_parts(w, mesh);
     if (st == ST_OK)
@@ -294,7 +299,9 @@ status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf_mesh *m
         leaf_writer_discard(w);
         return st;
     }
+    w->header.segments = to->grows;
     leaf_head_mesh(&w->header, &w->layout, p, mesh);
+    head_segment(w);
     leaf_writer_place_sections(w);
     w->order = leaf_order_begin(&w->layout);
     *out = w;

@@ -101,7 +101,7 @@ CHECKED status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf
  * families of so many threads; for planning. grow: it adds to a file. leaf_writer_mesh_memory() -
  * the same for a mesh; payload_max: bytes of its largest payload. */
 uint64_t leaf_writer_memory(const leaf_layout *l, int threads, bool grow);
-uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max);
+uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max, bool grow);
 
 const leaf_layout *leaf_writer_layout(const leaf_writer *w);
 
@@ -156,6 +156,7 @@ CHECKED status leaf_writer_put_shell(leaf_writer *w, leaf_family *f, leaf_packer
 
 /* leaf_writer_put_topology() - put treelet t of a mesh: its bounds (exact), its counts (without a
  * mesh_leaf_counts_fault()), and its topology, mesh_leaf_shape(counts).topology_bytes.
+ * leaf_writer_keep_topology() - instead, where a file is added to: it is the one that the file has.
  * leaf_writer_put_values() - its values in a set, .values_bytes, after its topology; entry->own:
  * the range of its vertices' finite values.
  * leaf_writer_put_gradients() - its gradients in a set, .gradients_bytes, likewise.
@@ -164,6 +165,7 @@ CHECKED status leaf_writer_put_shell(leaf_writer *w, leaf_family *f, leaf_packer
 CHECKED status leaf_writer_put_topology(leaf_writer *w, leaf_packer *k, uint32_t t,
                                         const float bounds[6], const uint32_t counts[4],
                                         const void *payload, void *pack);
+void leaf_writer_keep_topology(leaf_writer *w, uint32_t t);
 CHECKED status leaf_writer_put_values(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
                                       const leaf_entry *entry, const void *payload, void *pack);
 CHECKED status leaf_writer_put_gradients(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,

@@ -133,7 +133,7 @@ static status put_payload(leaf_writer *w, leaf_family *f, leaf_packer *k, uint32
     w->sizes[p] = size;
     w->checksums[p] = hash_bytes(to, size);
     if (w->before && !w->bases[p])
-        st = leaf_writer_find_stored(w, f, p, to);
+        st = leaf_writer_find_stored(w, p, to, size);
     if (!leaf_writer_is_same(w, p))
         f->used += size;
     return st;

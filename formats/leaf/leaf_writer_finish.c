@@ -117,8 +117,8 @@ static void note_facts(leaf_writer *w, const leaf_facts *facts) {
     h->non_finite = facts->non_finite;
     h->rounding_error = facts->rounding_error;
     h->vertices = facts->vertices;
-    h->flat = facts->flat;
-    h->inverted = facts->inverted;
+    h->flat = w->before ? w->before->header.flat : facts->flat;
+    h->inverted = w->before ? w->before->header.inverted : facts->inverted;
     h->repeated = facts->repeated;
     h->bad = facts->bad;
     leaf_head_text(h->provenance, sizeof h->provenance, facts->provenance);

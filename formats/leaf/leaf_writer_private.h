@@ -3,7 +3,7 @@
  * leaf_writer.c         beginning a file, and what it takes of memory
  * leaf_writer_family.c  putting the payloads of a grid, from many threads
  * leaf_writer_put.c     the same of a mesh
- * leaf_writer_series.c  payloads of a grid that earlier sets have, or differ little from
+ * leaf_writer_series.c  payloads that earlier sets have; of a grid, or differ little from
  * leaf_writer_finish.c  payloads to their places, the header
  * leaf_writer_directory.c  the sections, before the payloads or behind them
  */
@@ -82,11 +82,14 @@ struct leaf_family {
 CHECKED status leaf_writer_put_in_series(leaf_writer *w, const leaf_family *f, leaf_packer *k,
                                          uint32_t p, const void *payload, void *to, size_t *bytes);
 
-/* leaf_writer_find_stored() - look for whole payload p, whose stored bytes, size and checksum are
- * known, in the file that is added to; if it is there, set same[p]. A hash leads there, and the
- * bytes decide. */
-CHECKED status leaf_writer_find_stored(leaf_writer *w, const leaf_family *f, uint32_t p,
-                                       const void *stored);
+/* leaf_writer_find_stored() - look for whole payload p, whose stored bytes and checksum are known,
+ * in the file that is added to; if it is there, set same[p]. A hash leads there, and the bytes
+ * decide.
+ * leaf_writer_compare() - whether `size` bytes from `at` on, of a file or, if that is NULL, of what
+ * is written, are these. */
+CHECKED status leaf_writer_find_stored(leaf_writer *w, uint32_t p, const void *stored, size_t size);
+CHECKED status leaf_writer_compare(file *in, out_file *out, uint64_t at, const void *bytes,
+                                   uint64_t size, bool *same);
 
 /* leaf_writer_links() - the links so far. leaf_writer_is_same() - whether payload p has another's
  * bytes. */

@@ -28,34 +28,36 @@ static bool place_put(leaf_writer *w, uint32_t p, size_t size) {
 }
 
 /* Whether payload q, which was put before, has these bytes. */
-static status has_bytes(leaf_writer *w, uint32_t q, const char *bytes, bool *same) {
-    char piece[4096];
+static status has_bytes(leaf_writer *w, uint32_t q, const void *bytes, bool *same) {
     const bool waits = w->scratch_at[q] != NOT_THERE;
-    const uint64_t at = waits ? w->scratch_at[q] : w->offsets[q], size = w->sizes[q];
-    *same = true;
-    for (uint64_t i = 0; i < size && *same; i += sizeof piece) {
-        const size_t some = size - i < sizeof piece ? (size_t)(size - i) : sizeof piece;
-        const status st = out_file_read_at(waits ? w->scratch : w->out, at + i, piece, some);
-        if (st != ST_OK)
-            return st;
-        *same = memcmp(piece, bytes + i, some) == 0;
-    }
-    return ST_OK;
+    return leaf_writer_compare(NULL, waits ? w->scratch : w->out,
+                               waits ? w->scratch_at[q] : w->offsets[q], bytes, w->sizes[q], same);
 }
 
 /* Set same[p] if the set before has the same bytes: a treelet's are put in the order of sets. */
-static status find_same(leaf_writer *w, uint32_t p, const void *stored, size_t size) {
+static status find_own(leaf_writer *w, uint32_t p, const void *stored, size_t size) {
     const leaf_series s = leaf_layout_series(&w->layout, p);
     const leaf_links links = leaf_writer_links(w);
     bool same = false;
     if (!w->same || s.at == 0)
         return ST_OK;
-    const uint32_t q = leaf_layout_home(&w->layout, &links, leaf_series_payload(&s, s.at - 1));
-    if (w->sizes[q] != size || w->checksums[q] != w->checksums[p])
+    const uint32_t last = leaf_series_payload(&s, s.at - 1);
+    if (w->sizes[last] != size || w->checksums[last] != w->checksums[p])
         return ST_OK;
+    if (w->same[last] & LEAF_LINK_BEFORE)
+        return ST_OK; /* found there, too */
+    const uint32_t q = leaf_layout_home(&w->layout, &links, last);
     const status st = has_bytes(w, q, stored, &same);
     w->same[p] = same ? leaf_layout_series(&w->layout, q).at + 1 : 0;
     return st;
+}
+
+/* The same, in all sets, of the file that is added to, too. */
+static status find_same(leaf_writer *w, uint32_t p, const void *stored, size_t size) {
+    status st = find_own(w, p, stored, size);
+    if (st != ST_OK || !w->before || w->same[p])
+        return st;
+    return leaf_writer_find_stored(w, p, stored, size);
 }
 
 /* The blocks of meshes, in the order of leaf_block. */
@@ -100,6 +102,16 @@ status leaf_writer_put_topology(leaf_writer *w, leaf_packer *k, uint32_t t, cons
     copy_floats(w->bounds[t], bounds, 6);
     memcpy(w->counts[t], counts, sizeof w->counts[t]);
     return put_payload(w, k, t, payload, mesh_leaf_shape(counts).topology_bytes, pack);
+}
+
+void leaf_writer_keep_topology(leaf_writer *w, uint32_t t) {
+    const leaf_file *f = w->before;
+    assert(t < w->layout.treelets && f);
+    memcpy(w->bounds[t], f->mesh->bounds[t], sizeof w->bounds[t]);
+    memcpy(w->counts[t], f->mesh->counts[t], sizeof w->counts[t]);
+    w->checksums[t] = f->checksums[t];
+    w->same[t] = LEAF_LINK_BEFORE;
+    (void)place_put(w, t, (size_t)f->sizes[t]);
 }
 
 status leaf_writer_put_values(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,

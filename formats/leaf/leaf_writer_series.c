@@ -1,4 +1,4 @@
-/* leaf_writer_series.c - payloads of a grid of several sets: those that an earlier set has, and
+/* leaf_writer_series.c - payloads of several sets: those that an earlier set has, and, of a grid,
  * those that differ little from the step before.
  *
  * What an earlier set has is read back from the output, so that it takes no memory. All of that set
@@ -9,6 +9,7 @@
 
 #include "formats/base/hash.h"
 #include "formats/leaf/grid_coding.h"
+#include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/leaf_writer_private.h"
 
 /* Payload p of the file that is written; or of the one that it is added to, which has no others
@@ -20,13 +21,15 @@ typedef struct origin {
 
 /* ---- where earlier payloads are ---- */
 
-/* What payload p holds, in a set of the file that is added to. */
+/* What payload p of a set holds, in a set of the file that is added to. */
 static uint32_t payload_before(const leaf_writer *w, uint32_t p, uint32_t set) {
-    const leaf_layout *l = &w->before->layout;
-    uint32_t own, parent;
-    return leaf_layout_is_shell(&w->layout, p, &own, &parent)
-               ? leaf_layout_shell(l, set, parent)
-               : leaf_layout_samples(l, set, p % l->treelets);
+    const leaf_growth *growth = w->layout.geometry->growth;
+    leaf_row own[LEAF_ROWS_MAX], before[LEAF_ROWS_MAX];
+    int i = growth->rows(&w->layout, own) - 1;
+    (void)growth->rows(&w->before->layout, before);
+    while (p < own[i].first)
+        i--;
+    return before[i].first + set * before[i].width + (p - own[i].first) % own[i].width;
 }
 
 /* Where an entry of SAME or BASES leads to from payload p. */
@@ -199,22 +202,36 @@ status leaf_writer_put_in_series(leaf_writer *w, const leaf_family *f, leaf_pack
     return code_from_base(w, f, k, p, payload, to, bytes);
 }
 
-/* Codes of differences are marked as such: none has the bytes of a whole one. */
-status leaf_writer_find_stored(leaf_writer *w, const leaf_family *f, uint32_t p,
-                               const void *stored) {
-    const leaf_file *in = w->before;
-    for (uint32_t set = in->layout.sets; set-- > 0;) {
-        const origin q = {w->before, payload_before(w, p, set)};
-        if (in->checksums[q.p] != w->checksums[p] || in->sizes[q.p] != w->sizes[p] ||
-            !leaf_file_is_home(in, q.p))
-            continue;
-        const status st = fetch(w, q, f->stored);
+status leaf_writer_compare(file *in, out_file *out, uint64_t at, const void *bytes, uint64_t size,
+                           bool *same) {
+    char piece[4096];
+    *same = true;
+    for (uint64_t i = 0; i < size && *same; i += sizeof piece) {
+        const size_t some = size - i < sizeof piece ? (size_t)(size - i) : sizeof piece;
+        const status st =
+            in ? file_read_at(in, at + i, piece, some) : out_file_read_at(out, at + i, piece, some);
         if (st != ST_OK)
             return st;
-        if (memcmp(f->stored, stored, (size_t)w->sizes[p]) != 0)
+        *same = memcmp(piece, (const char *)bytes + i, some) == 0;
+    }
+    return ST_OK;
+}
+
+/* Codes of differences are marked as such: none has the bytes of a whole one. */
+status leaf_writer_find_stored(leaf_writer *w, uint32_t p, const void *stored, size_t size) {
+    const leaf_file *in = w->before;
+    bool same = false;
+    for (uint32_t set = in->layout.sets; set-- > 0;) {
+        const origin q = {w->before, payload_before(w, p, set)};
+        if (in->checksums[q.p] != w->checksums[p] || in->sizes[q.p] != size ||
+            !leaf_file_is_home(in, q.p))
             continue;
-        note_same(w, p, q);
-        return ST_OK;
+        const status st =
+            leaf_writer_compare(in->source, NULL, in->offsets[q.p], stored, size, &same);
+        if (st == ST_OK && !same)
+            continue;
+        w->same[p] = st == ST_OK ? entry_of(w, q) : 0;
+        return st;
     }
     return ST_OK;
 }

@@ -122,7 +122,7 @@ static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
     switch (kind) {
     case LEAF_SECTION_BOUNDS: return h->treelets * (h->moving ? h->steps : 1) * sizeof(float[6]);
     case LEAF_SECTION_COUNTS: return h->treelets * sizeof(uint32_t[4]);
-    case LEAF_SECTION_COARSE: return sets(h) * sizeof(leaf_part);
+    case LEAF_SECTION_COARSE: return leaf_has_segments(h) ? 0 : sets(h) * sizeof(leaf_part);
     default: return 0;
     }
 }
@@ -135,8 +135,12 @@ static status allocate(leaf_file *f) {
     mesh->bounds = mem_array(f->m, count * f->layout.places, sizeof *mesh->bounds);
     mesh->counts = mem_array(f->m, count, sizeof *mesh->counts);
     mesh->first_tet = mem_array(f->m, count + 1, sizeof *mesh->first_tet);
+    if (!mesh->bounds || !mesh->counts || !mesh->first_tet)
+        return ST_NOMEM;
+    if (leaf_has_segments(&f->header))
+        return ST_OK;
     mesh->coarse = mem_array(f->m, f->layout.sets, sizeof *mesh->coarse);
-    return mesh->bounds && mesh->counts && mesh->first_tet && mesh->coarse ? ST_OK : ST_NOMEM;
+    return mesh->coarse ? ST_OK : ST_NOMEM;
 }
 
 static void release(leaf_file *f) {
@@ -298,7 +302,32 @@ static int parts(const leaf_layout *l, uint32_t set, uint32_t treelet,
     return 3;
 }
 
+/* ---- Segments ---- */
+
+/* Segments have one topology: vertices that move at a later step would be in none of them. */
+static bool may_grow(const leaf_header *h, const char **why) {
+    *why = "its vertices move";
+    return !h->moving;
+}
+
+static bool same_treelets(const leaf_file *first, const leaf_file *part) {
+    const size_t n = first->layout.treelets;
+    const mesh_directory *a = first->mesh, *b = part->mesh;
+    return memcmp(a->counts, b->counts, n * sizeof *a->counts) == 0 &&
+           memcmp(a->bounds, b->bounds, n * sizeof *a->bounds) == 0;
+}
+
+static int rows(const leaf_layout *l, leaf_row rows[LEAF_ROWS_MAX]) {
+    rows[0] = (leaf_row){leaf_layout_values(l, 0, 0), l->treelets};
+    rows[1] = (leaf_row){leaf_layout_gradients(l, 0, 0), l->treelets};
+    return l->gradient_sets ? 2 : 1;
+}
+
+static const leaf_growth growth = {
+    .may = may_grow, .alike = same_treelets, .repeat = mesh_layout_repeat, .rows = rows};
+
 const leaf_geometry mesh_geometry = {.holds_indices = true,
+                                     .growth = &growth,
                                      .check_parameters = check_parameters,
                                      .check_values = check_values,
                                      .check_rest = check_rest,

@@ -20,6 +20,19 @@ void mesh_layout_of(leaf_layout *l, const mesh_layout_blocks *b) {
     l->places = b->moving ? b->steps : 1;
 }
 
+bool mesh_layout_repeat(leaf_layout *l, uint32_t steps) {
+    const mesh_layout_blocks b = {.treelets = l->treelets,
+                                  .fields = l->sets / l->steps,
+                                  .steps = steps,
+                                  .gradients = l->gradient_sets > 0};
+    const uint64_t payloads = mesh_layout_payloads(&b);
+    l->sets = b.fields * steps;
+    l->steps = steps;
+    l->gradient_sets = b.gradients ? l->sets : 0;
+    l->payloads = (uint32_t)payloads;
+    return payloads < LEAF_NO_TREELET;
+}
+
 status mesh_layout_init(leaf_layout *l, mem *m, const mesh_layout_blocks *b) {
     mesh_layout_of(l, b);
     return leaf_layout_init_flat(l, m);

@@ -17,10 +17,13 @@ uint64_t mesh_layout_payloads(const mesh_layout_blocks *b);
 
 /* mesh_layout_of() - the layout, without allocating. mesh_layout_payloads() must be below 2^32 - 1.
  * mesh_layout_init() - the same, and make the per-treelet arrays.
+ * mesh_layout_repeat() - give the layout of a mesh that does not move so many steps. False: that
+ * makes 2^32 - 1 payloads or more.
  * mesh_layout_set_counts() - set the counts that sizes follow from. They must outlive l, each
  * without a mesh_leaf_counts_fault(). */
 void mesh_layout_of(leaf_layout *l, const mesh_layout_blocks *b);
 CHECKED status mesh_layout_init(leaf_layout *l, mem *m, const mesh_layout_blocks *b);
+bool mesh_layout_repeat(leaf_layout *l, uint32_t steps);
 void mesh_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]);
 
 #endif

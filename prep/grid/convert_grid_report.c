@@ -46,12 +46,13 @@ static void print_plan(const convert_plan *plan, const grid *g) {
         printf("spilled     nothing\n");
 }
 
-static void print_outcome(const convert_outcome *o, const convert_plan *plan, const grid *g) {
+static void print_outcome(const convert_request *a, const convert_outcome *o,
+                          const convert_plan *plan, const grid *g) {
     const leaf_header *h = &o->result.header;
     double raw = (double)(grid_samples(g) * sample_size(plan->layout.type)) * plan->layout.sets;
-    char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX], error[NUM_TEXT_MAX], id[LEAF_ID_TEXT];
-    printf("file        %.1f MiB, %.3f of raw\n", (double)h->file_bytes / 0x1p20,
-           (double)h->file_bytes / raw);
+    char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX], error[NUM_TEXT_MAX], id[LEAF_ID_TEXT], each[64];
+    snprintf(each, sizeof each, "%.3f of raw", (double)h->file_bytes / raw);
+    convert_report_print_bytes(a, h->file_bytes, each);
     printf("grid        %u x %u x %u %s, %u levels%s, %llu treelets\n", h->dims[0], h->dims[1],
            h->dims[2], sample_name((sample_type)h->sample_type), h->levels, alone(&plan->layout),
            (unsigned long long)h->treelets);
@@ -74,14 +75,14 @@ static void add_outcome(json_t *json, const convert_outcome *o) {
                  (double)sample_size((sample_type)h->sample_type) * h->fields * h->steps;
     char id[LEAF_ID_TEXT];
     json_t *more = json_pack(
-        "{s:I, s:I, s:f, s:o, s:o, s:I, s:o, s:I, s:s, s:f, s:f, s:I, s:I, s:I}", "file_bytes",
-        (json_int_t)h->file_bytes, "payload_bytes", (json_int_t)h->payload_bytes, "ratio",
-        (double)h->file_bytes / raw, "value_min", cli_json_real(h->value_min), "value_max",
-        cli_json_real(h->value_max), "non_finite", (json_int_t)h->non_finite, "rounding_error",
-        cli_json_real(h->rounding_error), "trailing_bytes", (json_int_t)o->result.trailing_bytes,
-        "id", leaf_id_text(h, id), "seconds", o->seconds, "mb_per_s", raw / 1e6 / o->seconds,
-        "peak_rss_bytes", (json_int_t)convert_report_peak(), "absent",
-        (json_int_t)o->result.absent.count, "absent_of", (json_int_t)o->result.absent.of);
+        "{s:I, s:f, s:o, s:o, s:I, s:o, s:I, s:s, s:f, s:f, s:I, s:I, s:I}", "payload_bytes",
+        (json_int_t)h->payload_bytes, "ratio", (double)h->file_bytes / raw, "value_min",
+        cli_json_real(h->value_min), "value_max", cli_json_real(h->value_max), "non_finite",
+        (json_int_t)h->non_finite, "rounding_error", cli_json_real(h->rounding_error),
+        "trailing_bytes", (json_int_t)o->result.trailing_bytes, "id", leaf_id_text(h, id),
+        "seconds", o->seconds, "mb_per_s", raw / 1e6 / o->seconds, "peak_rss_bytes",
+        (json_int_t)convert_report_peak(), "absent", (json_int_t)o->result.absent.count,
+        "absent_of", (json_int_t)o->result.absent.of);
     json_object_update(json, more);
     json_decref(more);
 }
@@ -93,16 +94,15 @@ status convert_grid_report(const convert_request *a, const convert_plan *plan, c
             return ST_OK;
         convert_report_print_sets(a, a->sets.count ? a->sets.names[0] : "");
         if (o)
-            print_outcome(o, plan, g);
+            print_outcome(a, o, plan, g);
         else
             print_plan(plan, g);
         return ST_OK;
     }
     json_t *json = plan_json(plan, g);
     convert_report_set_sets(json, a, "");
+    convert_report_set_bytes(json, a, o ? o->result.header.file_bytes : plan->file_bytes);
     if (o)
         add_outcome(json, o);
-    else
-        json_object_set_new(json, "file_bytes", json_integer((json_int_t)plan->file_bytes));
     return cli_print_json(&a->common, json);
 }

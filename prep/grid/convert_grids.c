@@ -97,17 +97,12 @@ static status stay_in_place(const convert_request *a, mem *m, const volume *v,
 
 /* ---- one series ---- */
 
-/* What opening a file that is added to once more takes of the memory, in the end. */
-static size_t memory_before(const convert_request *a, const mem *m) {
-    return a->grow_bytes < m->limit ? a->grow_bytes : m->limit - 1;
-}
-
 /* in_place: room for what stays. */
 static status convert_staying(convert_request *a, mem *m, volume *v, const grid_series *series,
                               double start, staying *in_place) {
     convert_options o = {.file = a->file,
                          .series = series,
-                         .memory = m->limit - memory_before(a, m),
+                         .memory = m->limit - convert_append_memory(a, m),
                          .threads = a->common.threads,
                          .force = a->common.force,
                          .refuse_empty = !a->allow_empty,

@@ -30,11 +30,11 @@ static void print_mesh_plan(const mesh_plan *plan) {
     printf("spilled     %.1f MiB\n", (double)plan->spill_bytes / 0x1p20);
 }
 
-static void print_mesh(const mesh_result *r, double seconds) {
+static void print_mesh(const convert_request *a, const mesh_result *r, double seconds) {
     const leaf_header *h = &r->header;
-    char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX], id[LEAF_ID_TEXT];
-    printf("file        %.1f MiB, %.2f bytes a tet\n", (double)h->file_bytes / 0x1p20,
-           (double)h->file_bytes / (double)h->tets);
+    char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX], id[LEAF_ID_TEXT], each[64];
+    snprintf(each, sizeof each, "%.2f bytes a tet", (double)h->file_bytes / (double)h->tets);
+    convert_report_print_bytes(a, h->file_bytes, each);
     printf("mesh        %llu tets, %llu vertices, %llu treelets\n", whole(h->tets),
            whole(h->vertices), whole(h->treelets));
     printf("values      %s .. %s\n", num_print(h->value_min, lo), num_print(h->value_max, hi));
@@ -71,9 +71,8 @@ static void add_mesh(json_t *json, const mesh_result *r, double seconds) {
     const leaf_header *h = &r->header;
     char id[LEAF_ID_TEXT];
     json_t *more = json_pack(
-        "{s:I, s:I, s:I, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:s}", "file_bytes",
-        (json_int_t)h->file_bytes, "tets", (json_int_t)h->tets, "vertices", (json_int_t)h->vertices,
-        "treelets", (json_int_t)h->treelets, "bytes_per_tet",
+        "{s:I, s:I, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:s}", "tets", (json_int_t)h->tets,
+        "vertices", (json_int_t)h->vertices, "treelets", (json_int_t)h->treelets, "bytes_per_tet",
         (double)h->file_bytes / (double)h->tets, "flat", (json_int_t)h->flat, "inverted",
         (json_int_t)h->inverted, "repeated", (json_int_t)h->repeated, "bad", (json_int_t)h->bad,
         "non_finite", (json_int_t)h->non_finite, "value_min", cli_json_real(h->value_min),
@@ -93,8 +92,10 @@ status convert_mesh_report(const convert_request *a, const mesh_result *r, doubl
     if (a->common.json) {
         json_t *json = mesh_plan_json(r);
         convert_report_set_sets(json, a, r->report.field);
-        if (!a->dry_run)
+        if (!a->dry_run) {
+            convert_report_set_bytes(json, a, r->header.file_bytes);
             add_mesh(json, r, seconds);
+        }
         return cli_print_json(&a->common, json);
     }
     if (!cli_results(&a->common, !a->dry_run))
@@ -103,6 +104,6 @@ status convert_mesh_report(const convert_request *a, const mesh_result *r, doubl
     if (a->dry_run)
         print_mesh_plan(&r->plan);
     else
-        print_mesh(r, seconds);
+        print_mesh(a, r, seconds);
     return ST_OK;
 }

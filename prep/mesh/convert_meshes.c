@@ -5,7 +5,9 @@
 #include "formats/base/clock.h"
 #include "formats/mesh/mesh_input.h"
 #include "formats/mesh/mesh_input_kind.h"
+#include "prep/convert_append.h"
 #include "prep/convert_choices.h"
+#include "prep/further_step.h"
 #include "prep/mesh/convert_mesh_report.h"
 
 /* ---- notes ---- */
@@ -88,17 +90,21 @@ static status convert_mesh(convert_request *a, mem *m, mesh_input *x, const mesh
                             .sah = a->sah,
                             .coarse = a->coarse,
                             .coarse_dims = a->coarse_dims,
-                            .memory = m->limit,
+                            .memory = m->limit - convert_append_memory(a, m),
                             .threads = a->common.threads,
                             .force = a->common.force,
                             .gradients = a->gradients,
                             .refuse_empty = !a->allow_empty,
+                            .grows = a->append,
+                            .grow = a->grow,
                             .work = a->work.folder,
                             .job = &a->work.job};
     mesh_result r;
     const progress *p = cli_progress(&a->common);
     status st = a->dry_run ? mesh_convert_dry(m, x, &o, p, &r)
                            : mesh_convert_run(m, x, a->common.output, &o, p, &r);
+    if (st == ST_OK)
+        convert_append_note(a, &series->of.sets);
     if (st == ST_OK)
         st = convert_mesh_report(a, &r, clock_seconds() - start);
     return st;
@@ -109,9 +115,14 @@ static status run(convert_request *a, mem *m, input *in, double start) {
     status st = take_sets(&a->sets, x, a->common.input);
     if (st == ST_OK)
         st = convert_sets_times(&a->sets, convert_request_steps(a));
-    const mesh_series series = {convert_request_series(a), a->hints.mesh};
+    mesh_series series = {convert_request_series(a), a->hints.mesh};
     if (st == ST_OK)
         st = step_series_check(&series.of);
+    if (st == ST_OK && a->grow && leaf_grow_before(a->grow)->header.kind != LEAF_KIND_MESH)
+        st = further_step_refuse(leaf_grow_before(a->grow), a->common.input,
+                                 "it is a mesh, and the file is of none");
+    if (st == ST_OK)
+        st = convert_append_check(a, &series.of.sets);
     return st == ST_OK ? convert_mesh(a, m, x, &series, start) : st;
 }
 

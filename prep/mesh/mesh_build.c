@@ -1,5 +1,6 @@
 #include "prep/mesh/mesh_build.h"
 
+#include "prep/mesh/mesh_earlier.h"
 #include "prep/mesh/mesh_histogram.h"
 #include "prep/mesh/mesh_sah.h"
 #include "prep/mesh/mesh_treelet.h"
@@ -12,7 +13,8 @@ typedef struct signs {
 /* Buffers and counts of one thread. */
 typedef struct bench {
     mesh_treelet_builder *builder;
-    mesh_sah *sah; /* NULL: trees by keys */
+    mesh_sah *sah;        /* NULL: trees by keys */
+    mesh_earlier earlier; /* if the output is added to */
     mesh_pages points, values, gradients;
     leaf_packer *packer;
     void *pack;
@@ -41,6 +43,8 @@ static status create_bench(const mesh_build *b, bench *k, const uint32_t counts[
     status st = mesh_treelet_create(b->m, o->treelet_tets, o->leaf_tets, &k->builder);
     if (st == ST_OK && o->sah)
         st = mesh_sah_create(b->m, o->treelet_tets, o->leaf_tets, &k->sah);
+    if (st == ST_OK && o->grow)
+        st = mesh_earlier_init(&k->earlier, b->m, leaf_grow_before(o->grow));
     if (st == ST_OK)
         st = mesh_pages_init(&k->points, &b->in.g->points, plan->points_window);
     if (st == ST_OK)
@@ -94,6 +98,7 @@ void mesh_build_destroy(mesh_build *b) {
         bench *k = &b->benches[i];
         mesh_treelet_destroy(k->builder);
         mesh_sah_destroy(k->sah);
+        mesh_earlier_release(&k->earlier);
         mesh_pages_release(&k->points);
         mesh_pages_release(&k->values);
         mesh_pages_release(&k->gradients);
@@ -124,6 +129,18 @@ static status take_histogram(const mesh_build *b, bench *k, const piece *p, uint
                                &k->values);
 }
 
+/* Put the topology, or see that it is the one of the file that is added to. */
+static status put_topology(const mesh_build *b, bench *k, uint32_t treelet, const mesh_treelet *t) {
+    if (!b->in.o->grow)
+        return leaf_writer_put_topology(b->writer, k->packer, treelet, t->bounds, t->counts,
+                                        t->topology, k->pack);
+    const status st =
+        mesh_earlier_compare(&k->earlier, b->in.g->first_name, treelet, k->builder, t);
+    if (st == ST_OK)
+        leaf_writer_keep_topology(b->writer, treelet);
+    return st;
+}
+
 /* Build the topology, and the first field at the first step. */
 static status build_first(const mesh_build *b, bench *k, const piece *p, mesh_treelet *t) {
     const uint32_t treelet = p->treelet;
@@ -134,8 +151,7 @@ static status build_first(const mesh_build *b, bench *k, const piece *p, mesh_tr
     k->seen.flat += t->flat;
     k->seen.positive += t->positive;
     k->seen.negative += t->negative;
-    st = leaf_writer_put_topology(b->writer, k->packer, treelet, t->bounds, t->counts, t->topology,
-                                  k->pack);
+    st = put_topology(b, k, treelet, t);
     if (st == ST_OK)
         st =
             leaf_writer_put_values(b->writer, k->packer, 0, treelet, &t->entry, t->values, k->pack);

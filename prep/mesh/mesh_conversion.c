@@ -54,7 +54,11 @@ status mesh_conversion_begin_writer(mesh_conversion *c) {
     const leaf_sets *sets = c->o.series ? &c->o.series->of.sets : NULL;
     const char *field = c->report->field;
     const char *const *names = sets && sets->names ? sets->names : &field;
-    const leaf_target to = {.path = c->output, .force = c->o.force, .work = c->o.work};
+    const leaf_target to = {.path = c->output,
+                            .force = c->o.force || c->o.grow,
+                            .work = c->o.work,
+                            .grows = c->o.grows && !c->o.grow,
+                            .grow = c->o.grow};
     const leaf_mesh parts = {.name = c->name,
                              .field = names[0],
                              .names = names,

@@ -6,8 +6,10 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/file.h"
+#include "prep/further_step.h"
 #include "prep/mesh/mesh_coarse.h"
 #include "prep/mesh/mesh_conversion.h"
+#include "prep/mesh/mesh_earlier.h"
 
 #ifndef LEAFCAST_VERSION
 #define LEAFCAST_VERSION "0"
@@ -203,10 +205,30 @@ static status build_steps(mesh_conversion *c) {
     return st;
 }
 
+/* Check, where the output grows, what is known of the mesh by now. */
+static status check_growth(const mesh_conversion *c) {
+    const char *input = c->g->first_name;
+    const mesh_counts counts = {c->sorted.tets, c->sorted.vertices, c->plan.treelets};
+    if (c->o.grows && c->g->moving)
+        return status_describe(ST_USAGE,
+                               "%s: --append: points that move from step to step: all steps of "
+                               "such a mesh are converted at once",
+                               input);
+    if (!c->o.grow)
+        return ST_OK;
+    const leaf_file *before = leaf_grow_before(c->o.grow);
+    status st = mesh_earlier_check(before, input, &counts);
+    if (st == ST_OK && !c->o.series->of.sets.names)
+        st = further_step_check_field(before, input, 0, c->report->field);
+    return st;
+}
+
 static status build_treelets(mesh_conversion *c) {
     status st = c->stage == MESH_BUILDING ? ST_OK : mesh_conversion_begin_batches(c);
     if (st == ST_OK && !c->counted)
         st = count_treelets(c);
+    if (st == ST_OK)
+        st = check_growth(c);
     if (st == ST_OK && c->o.gradients && c->stage != MESH_BUILDING)
         st = make_gradients(c);
     if (st == ST_OK && c->stage != MESH_BUILDING)
@@ -364,7 +386,7 @@ status mesh_convert_run(mem *m, mesh_input *x, const char *output, const mesh_op
     mesh_gather g;
     *result = (mesh_result){0};
     const double start = clock_seconds();
-    status st = out_file_check(m, output, o->force);
+    status st = out_file_check(m, output, o->force || o->grow);
     if (st == ST_OK && !(o->work && work_folder_resumes(o->work)))
         st = check_budget(m, x, o, p, result);
     if (st != ST_OK)

@@ -1,5 +1,6 @@
 #include "prep/mesh/mesh_plan.h"
 
+#include "prep/mesh/mesh_earlier.h"
 #include "prep/mesh/mesh_histogram.h"
 #include "prep/mesh/mesh_keys.h"
 #include "prep/mesh/mesh_pages.h"
@@ -56,7 +57,8 @@ static uint64_t writer_memory(const mesh_options *o, const mesh_gather *g, uint6
                              .steps = g->steps,
                              .gradients = o->gradients,
                              .moving = g->moving};
-    return leaf_writer_mesh_memory(&parts, mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets));
+    return leaf_writer_mesh_memory(&parts, mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets),
+                                   o->grow != NULL);
 }
 
 static uint64_t build_fixed(const needs *n) {
@@ -64,6 +66,8 @@ static uint64_t build_fixed(const needs *n) {
     uint64_t thread = mesh_treelet_memory(o->treelet_tets, o->leaf_tets) + n->packer + 256;
     if (o->sah)
         thread += mesh_sah_memory(o->treelet_tets);
+    if (o->grow)
+        thread += mesh_earlier_memory(leaf_grow_before(o->grow));
     if (n->g->moving)
         thread += mesh_treelet_moved_memory(o->treelet_tets, o->leaf_tets);
     if (o->file.codec != LEAF_CODEC_RAW)

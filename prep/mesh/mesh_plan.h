@@ -37,6 +37,8 @@ typedef struct mesh_options {
                                   mesh */
     bool gradients;            /* store the gradient at each vertex */
     bool refuse_empty;         /* ST_UNSUPPORTED if no value is a number */
+    bool grows;                /* steps may be added to the output later */
+    leaf_grow *grow;           /* the output, to be added to; or NULL */
     work_folder *work;         /* the output's, to save what is done; NULL: it is not */
     convert_job *job;          /* what is to be done, if there is a work folder */
 } mesh_options;

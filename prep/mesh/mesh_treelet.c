@@ -325,6 +325,10 @@ void mesh_treelet_begin(mesh_treelet_builder *b, const mesh_record *records, siz
     place_tets(b, (uint16_t(*)[4])(b->topology + b->shape.tets_at));
 }
 
+uint32_t mesh_treelet_point(const mesh_treelet_builder *b, uint32_t vertex) {
+    return mesh_vertices_id(&b->vertices, vertex);
+}
+
 /* Take the values. Sets their range and, in vertex_codes, their codes. */
 static status take_values(mesh_treelet_builder *b, mesh_pages *values, mesh_treelet *out) {
     const mesh_shape *s = &b->shape;

@@ -53,6 +53,9 @@ uint64_t mesh_treelet_moved_memory(uint32_t treelet_tets, uint32_t leaf_tets);
 CHECKED status mesh_treelet_build(mesh_treelet_builder *b, const mesh_record *records, size_t count,
                                   mesh_pages *points, mesh_pages *values, mesh_treelet *out);
 
+/* mesh_treelet_point() - the number in the input of a vertex of the treelet built last. */
+uint32_t mesh_treelet_point(const mesh_treelet_builder *b, uint32_t vertex);
+
 /* For a series, after mesh_treelet_build() or mesh_treelet_begin(). mesh_treelet_revalue() - other
  * values of the same vertices: sets out->values, out->entry. mesh_treelet_move() - other positions:
  * sets out->positions, out->moved_bounds. mesh_treelet_begin() - take only the tets: it makes no

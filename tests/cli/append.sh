@@ -44,10 +44,11 @@ ok "three" has '3, times 0 .. 2'
 ok "the last is there" same_step 2 s1
 ok "and costs next to nothing" [ "$(wc -c <"$out")" -lt $((size + 20000)) ]
 exits "verify" 0 "$leafcast" verify "$out"
-# Of a file that has grown no copy mends another.
 cp "$out" "$tmp/copy.leaf"
-exits "repair" 3 "$leafcast" verify "$out" --repair "$tmp/copy.leaf"
-ok "says why" says 'segments, as convert --append makes them: it cannot be mended'
+printf x | dd of="$out" bs=1 seek=$(($(wc -c <"$out") - 6000)) conv=notrunc 2>/dev/null
+exits "damage" 3 "$leafcast" verify "$out"
+exits "is mended from a copy" 0 "$leafcast" verify "$out" --repair "$tmp/copy.leaf"
+ok "to the same bytes" cmp -s "$out" "$tmp/copy.leaf"
 
 # ---- what is no further step ----
 
@@ -80,12 +81,13 @@ compressed|2|@s1.nrrd --times 9 --compress zstd|has samples as they are: --compr
 --in-place|2|@s1.nrrd --times 9 --in-place|--append goes without
 --dry-run|2|@s1.nrrd --times 9 --dry-run|--append goes without
 --force|2|@s1.nrrd --times 9 --force|--append goes without
-a mesh|2|@m.mesh|--append
+a mesh|2|@m.mesh --times 9|it is a mesh, and the file is of none
+--coarse|2|@m.mesh --coarse|--append goes without
 itself|2|@a.leaf --times 9|a.leaf
 ROWS
 # A file that never grew stays what it is, too, when nothing is added.
 cp "$tmp/s0.leaf" "$tmp/p.leaf"
-for other in "p 2 asks.for.something.else" "m 3 only.grids.can.be.added.to" "i 3 its.samples.lie.in.another.file" "n 3 expected.the.mark.of.a.treelet.file"; do
+for other in "p 2 asks.for.something.else" "m 2 it.is.a.grid,.and.the.file.is.of.none" "i 3 its.samples.lie.in.another.file" "n 3 expected.the.mark.of.a.treelet.file"; do
     # shellcheck disable=SC2086 # split on purpose
     set -- $other
     file=$tmp/$1.leaf
@@ -94,6 +96,28 @@ for other in "p 2 asks.for.something.else" "m 3 only.grids.can.be.added.to" "i 3
     ok "says why" says "$3"
     ok "nothing changes" [ "$sums" = "$(sha256sum <"$file")" ]
 done
+
+ln -s "$tmp/nowhere.leaf" "$tmp/dangling.leaf"
+exits "to a link that leads nowhere" 1 "$leafcast" convert --append "$tmp/s1.nrrd" -o "$tmp/dangling.leaf"
+ok "says what it is" says 'dangling.leaf: a symbolic link that leads nowhere'
+exits "over one" 1 "$leafcast" convert "$tmp/s1.nrrd" -o "$tmp/dangling.leaf"
+ok "says so, too" says 'a symbolic link that leads nowhere (--force replaces it)'
+
+# ---- what is told ----
+
+size=$(wc -c <"$out")
+exits "a step more" 0 "$leafcast" convert --append "$tmp/s1.nrrd" -o "$out" --times 9
+added=$(($(wc -c <"$out") - size))
+ok "tells how much it is" grep -q "^file  *[0-9.]* MiB, with $added bytes added, " "$tmp/out"
+exits "in JSON, too" 0 "$leafcast" convert --append "$tmp/s1.nrrd" -o "$out" --times 10 --json
+ok "of the file" grep -q "\"file_bytes\": $(wc -c <"$out")," "$tmp/out"
+ok "of the step" grep -q "\"added_bytes\": $added," "$tmp/out"
+mkdir "$tmp/two"
+cp "$tmp/s0.nrrd" "$tmp/two/f_1.nrrd"
+cp "$tmp/s1.nrrd" "$tmp/two/f_2.nrrd"
+exits "a watch" 0 "$leafcast" convert --watch "$tmp/two/f_%d.nrrd" -o "$tmp/two.leaf" --settle 0 --until 2 --json
+ok "tells each step in a line" [ "$(grep -c '^{.*}$' "$tmp/out")" = 2 ]
+ok "and nothing else" [ "$(wc -l <"$tmp/out")" = 2 ]
 
 # ---- killed, and read meanwhile ----
 

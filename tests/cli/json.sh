@@ -73,6 +73,8 @@ json document convert g.nrrd --in-place -o place.leaf
 json document convert g.nrrd --levels 1 -o bare.leaf
 json document convert b_0000.mesh b_0001.mesh -o b.leaf
 json document convert b_0000.mesh --dry-run
+json document convert g.nrrd --append -o grown.leaf
+json lines convert --watch 'd_%04d.nrrd' -o watched.leaf --settle 0 --until 2
 json document verify g.leaf
 cp g.leaf g2.leaf
 json document verify g.leaf --repair g2.leaf -o g3.leaf

@@ -15,136 +15,20 @@
 #include "formats/leaf/leaf_file.h"
 #include "formats/leaf/leaf_verify.h"
 #include "tests/support/fields.h"
-#include "tests/support/mesh_cases.h"
+#include "tests/support/mesh_movies.h"
 #include "tests/support/mesh_truth.h"
 #include "tests/support/naive_mesh.h"
 #include "tests/support/scratch.h"
 
-enum { STEPS_MAX = 8, FIELDS_MAX = 3 };
-
-/* A mesh with the points of each step, and the values of each field at each step. */
-typedef struct movie {
-    mesh_case c;
-    uint32_t steps, fields;
-    float (*points[STEPS_MAX])[3];
-    float *values[STEPS_MAX][FIELDS_MAX];
-    const char *paths[STEPS_MAX];
-    const char *names[FIELDS_MAX];
-    double times[STEPS_MAX];
-    mesh_series series;
-} movie;
-
 static mem m;
 
-/* Steps before `moves` have the first one's points, that one the first `same` of them, too. */
-static movie make(mesh_case c, uint32_t fields, uint32_t steps, uint32_t moves, size_t same) {
-    static const char *const names[] = {"one", "another", "third"};
-    movie v = {.c = c, .fields = fields, .steps = steps};
-    field_random r = {7};
-    for (uint32_t s = 0; s < steps; s++) {
-        v.times[s] = 0.5 * s * s - 1;
-        v.points[s] = malloc(c.point_count * sizeof *c.points);
-        assert_non_null(v.points[s]);
-        memcpy(v.points[s], c.points, c.point_count * sizeof *c.points);
-        for (size_t i = s == moves ? same : 0; s >= moves && i < c.point_count; i++)
-            for (int a = 0; a < 3; a++)
-                v.points[s][i][a] = 2 * c.points[i][a] + (float)field_random_in(&r, -0.4, 0.4);
-        for (uint32_t f = 0; f < fields; f++) {
-            v.values[s][f] = malloc(c.point_count * sizeof *c.values);
-            assert_non_null(v.values[s][f]);
-            for (size_t i = 0; i < c.point_count; i++)
-                v.values[s][f][i] =
-                    c.values[i] + (float)(10 * f + s) + (float)field_random_in(&r, -0.1, 0.1);
-        }
-    }
-    memcpy(v.names, names, sizeof v.names);
-    return v;
-}
-
-static void release(movie *v) {
-    for (uint32_t s = 0; s < v->steps; s++) {
-        free(v->points[s]);
-        for (uint32_t f = 0; f < v->fields; f++)
-            free(v->values[s][f]);
-    }
-    mesh_cases_free(&v->c);
-}
-
-/* One field: mesh streams. */
-static const char *write_stream(const movie *v, uint32_t s, const char *name, size_t tets) {
-    const mesh_case *c = &v->c;
-    const char *path = scratch_path(name);
-    FILE *f = fopen(path, "wb");
-    assert_non_null(f);
-    fprintf(f, "LEAFCAST MESH 1\nname: movie\nfield: one\npoints: %zu\ntets: %zu\n\n",
-            c->point_count, tets);
-    assert_int_equal(fwrite(v->points[s], 12, c->point_count, f), c->point_count);
-    assert_int_equal(fwrite(v->values[s][0], 4, c->point_count, f), c->point_count);
-    assert_int_equal(fwrite(c->tets, 16, tets, f), tets);
-    assert_int_equal(fclose(f), 0);
-    return path;
-}
-
-/* Several: VTK text. */
-static const char *write_vtk(const movie *v, uint32_t s, const char *name) {
-    const mesh_case *c = &v->c;
-    const char *path = scratch_path(name);
-    FILE *f = fopen(path, "w");
-    assert_non_null(f);
-    fprintf(f,
-            "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS %zu float\n",
-            c->point_count);
-    for (size_t i = 0; i < c->point_count; i++)
-        fprintf(f, "%.9g %.9g %.9g\n", (double)v->points[s][i][0], (double)v->points[s][i][1],
-                (double)v->points[s][i][2]);
-    fprintf(f, "CELLS %zu %zu\n", c->tet_count, 5 * c->tet_count);
-    for (size_t i = 0; i < c->tet_count; i++)
-        fprintf(f, "4 %u %u %u %u\n", c->tets[i][0], c->tets[i][1], c->tets[i][2], c->tets[i][3]);
-    fprintf(f, "CELL_TYPES %zu\n", c->tet_count);
-    for (size_t i = 0; i < c->tet_count; i++)
-        fputs("10\n", f);
-    fprintf(f, "POINT_DATA %zu\n", c->point_count);
-    for (uint32_t k = 0; k < v->fields; k++) {
-        fprintf(f, "SCALARS %s float 1\nLOOKUP_TABLE default\n", v->names[k]);
-        for (size_t i = 0; i < c->point_count; i++)
-            fprintf(f, "%.9g\n", (double)v->values[s][k][i]);
-    }
-    assert_int_equal(fclose(f), 0);
-    return path;
-}
-
-static void write_all(movie *v) {
-    for (uint32_t s = 0; s < v->steps; s++) {
-        char name[32];
-        snprintf(name, sizeof name, "step%u.%s", s, v->fields > 1 ? "vtk" : "mesh");
-        v->paths[s] =
-            v->fields > 1 ? write_vtk(v, s, name) : write_stream(v, s, name, v->c.tet_count);
-    }
-    v->series = (mesh_series){
-        .of = {.paths = v->paths,
-               .sets = {
-                   .fields = v->fields, .steps = v->steps, .names = v->names, .times = v->times}}};
-    v->c.options.series = &v->series;
-}
-
-static status convert(movie *v, const char *name, mesh_result *r, bool dry) {
-    mesh_input *x = NULL;
-    mesh_hints hints = v->series.hints;
-    hints.field = v->series.of.sets.names ? v->series.of.sets.names[0] : NULL;
-    m.limit = (size_t)v->c.options.memory;
-    status st = step_series_check(&v->series.of);
-    if (st == ST_OK)
-        st = mesh_input_open(&m, v->paths[0], &hints, &x);
-    if (st == ST_OK)
-        st = dry ? mesh_convert_dry(&m, x, &v->c.options, NULL, r)
-                 : mesh_convert_run(&m, x, scratch_path(name), &v->c.options, NULL, r);
-    mesh_input_close(x);
+static status convert(mesh_movie *v, const char *name, mesh_result *r, bool dry) {
+    const status st = mesh_movies_convert(&m, v, scratch_path(name), r, dry);
     assert_int_equal(mem_used(&m), 0);
-    m.limit = 0;
     return st;
 }
 
-static void convert_sound(movie *v, const char *name, mesh_result *r) {
+static void convert_sound(mesh_movie *v, const char *name, mesh_result *r) {
     if (convert(v, name, r, false) != ST_OK)
         fail_msg("%s: %s", name, status_text());
 }
@@ -152,7 +36,7 @@ static void convert_sound(movie *v, const char *name, mesh_result *r) {
 /* ---- what is in the file ---- */
 
 /* The input's point that is a treelet's vertex; first-step places are all different. */
-static size_t point_of(const movie *v, const float at[3]) {
+static size_t point_of(const mesh_movie *v, const float at[3]) {
     const mesh_case *c = &v->c;
     for (size_t i = 0; i < c->point_count; i++)
         if (memcmp(c->points[i], at, sizeof *c->points) == 0)
@@ -161,7 +45,7 @@ static size_t point_of(const movie *v, const float at[3]) {
     return 0;
 }
 
-static void check_vertices(const movie *v, const naive_mesh *loaded, const naive_part *p) {
+static void check_vertices(const mesh_movie *v, const naive_mesh *loaded, const naive_part *p) {
     for (long i = 0; i < p->vertices; i++) {
         const size_t id = point_of(v, p->positions[i]);
         for (uint32_t s = 0; s < v->steps; s++) {
@@ -175,7 +59,7 @@ static void check_vertices(const movie *v, const naive_mesh *loaded, const naive
 }
 
 /* Each field's at each step, of the tets as they stand at that step. */
-static void check_gradients(const movie *v, const naive_mesh *loaded) {
+static void check_gradients(const mesh_movie *v, const naive_mesh *loaded) {
     for (uint32_t f = 0; f < v->fields; f++) {
         for (uint32_t s = 0; s < v->steps; s++) {
             mesh_case c = v->c;
@@ -196,7 +80,7 @@ static void check_gradients(const movie *v, const naive_mesh *loaded) {
     }
 }
 
-static void check_file(const movie *v, const char *name, bool moving) {
+static void check_file(const mesh_movie *v, const char *name, bool moving) {
     naive_mesh loaded;
     if (!naive_mesh_load(&loaded, scratch_path(name)))
         fail_msg("%s: %s", name, loaded.why);
@@ -235,12 +119,13 @@ static void test_series(void **state) {
         c.options.gradients = i > 0;
         c.options.file.codec = i % 3 ? LEAF_CODEC_RAW : LEAF_CODEC_ZSTD;
         c.options.file.zstd_level = 1;
-        movie v = make(c, cases[i].fields, cases[i].steps, cases[i].moves, cases[i].same);
+        mesh_movie v =
+            mesh_movies_make(c, cases[i].fields, cases[i].steps, cases[i].moves, cases[i].same);
         mesh_result r;
-        write_all(&v);
+        mesh_movies_write(&v);
         convert_sound(&v, "series.leaf", &r);
         check_file(&v, "series.leaf", cases[i].moves < cases[i].steps);
-        release(&v);
+        mesh_movies_release(&v);
     }
 }
 
@@ -262,9 +147,9 @@ static void test_same_bytes(void **state) {
     mesh_case c = mesh_cases_kuhn(30, 30, 30);
     mesh_cases_shuffle(&c, 3);
     c.options.treelet_tets = 300;
-    movie v = make(c, 1, 4, 1, 999);
+    mesh_movie v = mesh_movies_make(c, 1, 4, 1, 999);
     mesh_result r;
-    write_all(&v);
+    mesh_movies_write(&v);
     convert_sound(&v, "first.leaf", &r);
     assert_int_equal(r.plan.spill_bytes, 0);
     bool spilled = false;
@@ -280,12 +165,12 @@ static void test_same_bytes(void **state) {
         spilled |= r.plan.spill_points;
     }
     assert_true(spilled);
-    release(&v);
+    mesh_movies_release(&v);
 }
 
 /* ---- what is refused ---- */
 
-static void check_refused(movie *v, status want, const char *said, const char *also) {
+static void check_refused(mesh_movie *v, status want, const char *said, const char *also) {
     mesh_result r;
     const size_t before = scratch_count();
     const status st = convert(v, "refused.leaf", &r, false);
@@ -297,9 +182,9 @@ static void check_refused(movie *v, status want, const char *said, const char *a
 
 static void test_refused(void **state) {
     (void)state;
-    movie v = make(mesh_cases_kuhn(12, 12, 12), 1, 3, 2, 50);
-    movie other = make(mesh_cases_kuhn(12, 12, 11), 1, 3, 9, 0);
-    write_all(&v);
+    mesh_movie v = mesh_movies_make(mesh_cases_kuhn(12, 12, 12), 1, 3, 2, 50);
+    mesh_movie other = mesh_movies_make(mesh_cases_kuhn(12, 12, 11), 1, 3, 9, 0);
+    mesh_movies_write(&v);
     /* A tet with its vertices in another order; the last one, too; one less. */
     for (int last = 0; last < 2; last++) {
         const size_t tet = last ? v.c.tet_count - 1 : 5432;
@@ -308,19 +193,19 @@ static void test_refused(void **state) {
         ids[0] = ids[1];
         ids[1] = first;
         snprintf(said, sizeof said, "tet %zu has the vertices %u, %u", tet, ids[0], ids[1]);
-        v.paths[1] = write_stream(&v, 1, "other.mesh", v.c.tet_count);
+        v.paths[1] = mesh_movies_stream(&v, 1, "other.mesh", v.c.tet_count);
         check_refused(&v, ST_CORRUPT, said, "other.mesh: ");
         ids[1] = ids[0];
         ids[0] = first;
     }
-    v.paths[1] = write_stream(&v, 1, "other.mesh", v.c.tet_count - 1);
+    v.paths[1] = mesh_movies_stream(&v, 1, "other.mesh", v.c.tet_count - 1);
     check_refused(&v, ST_CORRUPT, "expected 10368 tets", "found 10367");
-    v.paths[1] = write_stream(&other, 1, "other.mesh", other.c.tet_count);
+    v.paths[1] = mesh_movies_stream(&other, 1, "other.mesh", other.c.tet_count);
     check_refused(&v, ST_CORRUPT, "expected 2197 points", "step0.mesh has, found 2028");
     v.paths[0] = v.paths[1];
-    v.paths[1] = write_stream(&v, 1, "more.mesh", v.c.tet_count);
+    v.paths[1] = mesh_movies_stream(&v, 1, "more.mesh", v.c.tet_count);
     check_refused(&v, ST_CORRUPT, "more.mesh: expected 2028 points", "found more");
-    write_all(&v);
+    mesh_movies_write(&v);
     v.names[0] = "none";
     check_refused(&v, ST_USAGE, "\"none\"", "step0.mesh");
     v.series.of.sets.names = NULL;
@@ -333,26 +218,26 @@ static void test_refused(void **state) {
     v.paths[2] = v.paths[0];
     v.times[2] = v.times[1];
     check_refused(&v, ST_USAGE, "must ascend", "step 2");
-    release(&v);
-    release(&other);
+    mesh_movies_release(&v);
+    mesh_movies_release(&other);
 }
 
 static void test_twice(void **state) {
     (void)state;
-    movie v = make(mesh_cases_kuhn(2, 2, 2), 3, 1, 9, 0);
-    write_all(&v);
+    mesh_movie v = mesh_movies_make(mesh_cases_kuhn(2, 2, 2), 3, 1, 9, 0);
+    mesh_movies_write(&v);
     v.names[2] = v.names[1];
     check_refused(&v, ST_USAGE, "\"another\" is given twice", "");
     v.series.of.sets.fields = 300;
     v.series.of.sets.steps = 300;
     check_refused(&v, ST_UNSUPPORTED, "300 fields at 300 steps", "");
-    release(&v);
+    mesh_movies_release(&v);
 }
 
 /* Points that no tet has may have any value: the file has nothing of them. */
 static void test_unused(void **state) {
     (void)state;
-    movie v = make(mesh_cases_kuhn(3, 3, 3), 1, 2, 9, 0);
+    mesh_movie v = mesh_movies_make(mesh_cases_kuhn(3, 3, 3), 1, 2, 9, 0);
     mesh_result r;
     leaf_file *f;
     v.c.tet_count = 6; /* of the first cell */
@@ -361,14 +246,14 @@ static void test_unused(void **state) {
             if (i != 4 && i != 5 && i != 16 && i != 17 && i != 20 && i != 21)
                 v.values[s][0][i] = i % 2 ? NAN : INFINITY;
     v.values[1][0][5] = NAN;
-    write_all(&v);
+    mesh_movies_write(&v);
     convert_sound(&v, "unused.leaf", &r);
     assert_int_equal(r.header.vertices, 8);
     assert_int_equal(r.header.non_finite, 1);
     assert_int_equal(leaf_file_open(&m, scratch_path("unused.leaf"), &f), ST_OK);
     assert_int_equal(leaf_verify(&m, f, 1, NULL), ST_OK);
     leaf_file_close(f);
-    release(&v);
+    mesh_movies_release(&v);
 }
 
 /* Each operation fails once: an error and nothing left. */
@@ -378,9 +263,9 @@ static void test_faults(void **state) {
     mesh_case c = mesh_cases_kuhn(14, 14, 14);
     c.options.treelet_tets = 64;
     c.options.threads = 1;
-    movie v = make(c, 1, 3, 2, 50);
+    mesh_movie v = mesh_movies_make(c, 1, 3, 2, 50);
     mesh_result r;
-    write_all(&v);
+    mesh_movies_write(&v);
     assert_int_equal(convert(&v, "", &r, true), ST_OK);
     v.c.options.memory = r.plan.memory_least + (1 << 16);
     for (size_t n = 0; n < sizeof kinds / sizeof kinds[0]; n++) {
@@ -401,7 +286,7 @@ static void test_faults(void **state) {
             step += k > 60 ? 1 + k / 8 : 0;
         }
     }
-    release(&v);
+    mesh_movies_release(&v);
 }
 
 static int set_up(void **state) {

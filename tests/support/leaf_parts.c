@@ -16,8 +16,7 @@ static void add(leaf_parts *p, leaf_range_kind kind, bool coarse, uint64_t at, u
     p->all[p->count++] = (leaf_range){kind, coarse, at, bytes};
 }
 
-static void add_file(leaf_parts *p, leaf_file *f, uint64_t base) {
-    const bool coarse = base > 0;
+static void add_file(leaf_parts *p, leaf_file *f, bool coarse, uint64_t base) {
     leaf_section table[LEAF_SECTIONS_MAX];
     const size_t size = f->header.sections * sizeof *table;
     assert_int_equal(file_read_at(f->source, leaf_table_at(&f->header), table, size), ST_OK);
@@ -37,12 +36,19 @@ leaf_parts leaf_parts_of(const char *path) {
     leaf_file *f = NULL, *coarse = NULL;
     mem_init(&m, 0);
     assert_int_equal(leaf_file_open(&m, path, &f), ST_OK);
-    add_file(&p, f, 0);
+    if (f->header.segments < 2)
+        add_file(&p, f, false, 0);
+    for (uint32_t i = 0; f->header.segments > 1 && i < f->header.segments; i++) {
+        leaf_file *part = NULL;
+        assert_int_equal(leaf_file_open_segment(&m, f, &f->segments[i], &part), ST_OK);
+        add_file(&p, part, false, f->segments[i].base);
+        leaf_file_close(part);
+    }
     for (uint32_t set = 0; f->mesh && set < f->layout.sets; set++) {
         if (!leaf_file_has_coarse(f, set))
             continue;
         assert_int_equal(leaf_file_open_coarse(&m, f, set, &coarse), ST_OK);
-        add_file(&p, coarse, f->mesh->coarse[set].offset);
+        add_file(&p, coarse, true, f->mesh->coarse[set].offset);
         leaf_file_close(coarse);
     }
     leaf_file_close(f);

@@ -25,7 +25,7 @@ typedef struct leaf_parts {
     size_t count;
 } leaf_parts;
 
-/* leaf_parts_of() - the parts of a file, with those of its coarse grids. */
+/* leaf_parts_of() - the parts of a file, of all its segments, with those of its coarse grids. */
 leaf_parts leaf_parts_of(const char *path);
 
 /* leaf_parts_find() - the first part of a kind behind `skip` others, of the file itself or of a

@@ -6,11 +6,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <xxhash.h>
 
 #include "tests/support/naive_bytes.h"
-#include "tests/support/naive_coarse.h"
 #include "tests/support/naive_coded.h"
+#include "tests/support/naive_mesh_places.h"
 
 static bool wrong(naive_mesh *mesh, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static bool wrong(naive_mesh *mesh, const char *format, ...) {
@@ -72,22 +71,25 @@ static bool read_header(naive_mesh *mesh) {
     uint64_t table = naive_number(b + 1504, 8);
     table = table ? table : 4096;
     if (table > mesh->size || mesh->size - table < 32 * sections || !naive_zeros(b, 1496, 1504) ||
-        !naive_zeros(b, 1512, 4096) || !naive_text(b + 256, 64) || !naive_text(b + 320, 1024) ||
+        !naive_zeros(b, 1536, 4096) || !naive_text(b + 256, 64) || !naive_text(b + 320, 1024) ||
         !naive_text(b + 1424, 64))
         return wrong(mesh, "section table cut off, or reserved bytes, or a text");
+    mesh->grows = mesh->segments_before || naive_number(b + 1520, 4);
+    if (mesh->segments_before ? !naive_zeros(b, 1512, 1524) || !naive_number(b + 1524, 4) ||
+                                    !naive_number(b + 1504, 8)
+                              : !naive_zeros(b, 1524, 1536))
+        return wrong(mesh, "what the header says of segments");
+    if (mesh->grows && mesh->places > 1)
+        return wrong(mesh, "a segment that moves");
     return naive_hashes(b, sections) || wrong(mesh, "the header's checksum or id");
 }
 
 /* ---- sections: 3 and 6 ---- */
 
-static long payload_count(const naive_mesh *mesh) {
-    return mesh->treelets * (mesh->sets + mesh->gradient_sets + mesh->places);
-}
-
 static bool find_sections(naive_mesh *mesh) {
     enum { OPTIONAL = 1 << NAIVE_FIELDS | 1 << NAIVE_TIMES | 1 << NAIVE_COARSE | 1 << NAIVE_SAME };
     const uint64_t n = (uint64_t)mesh->treelets, sets = (uint64_t)mesh->sets;
-    const uint64_t payloads = (uint64_t)payload_count(mesh), steps = (uint64_t)mesh->steps;
+    const uint64_t payloads = (uint64_t)naive_mesh_payloads(mesh), steps = (uint64_t)mesh->steps;
     const uint64_t want[NAIVE_KINDS] = {[NAIVE_RANGES] = 8 * n * sets,
                                         [NAIVE_OWN] = 8 * n * sets,
                                         [NAIVE_FLAGS] = n * sets,
@@ -97,56 +99,12 @@ static bool find_sections(naive_mesh *mesh) {
                                         [NAIVE_BOUNDS] = 24 * n * (uint64_t)mesh->places,
                                         [NAIVE_COUNTS] = 16 * n,
                                         [NAIVE_FIELDS] = 64 * (uint64_t)mesh->fields,
-                                        [NAIVE_TIMES] = steps > 1 ? 8 * steps : 0,
-                                        [NAIVE_COARSE] = 32 * sets,
-                                        [NAIVE_SAME] = sets > 1 ? 4 * payloads : 0};
+                                        [NAIVE_TIMES] = steps > 1 || mesh->grows ? 8 * steps : 0,
+                                        [NAIVE_COARSE] = mesh->grows ? 0 : 32 * sets,
+                                        [NAIVE_SAME] =
+                                            sets > 1 || mesh->segments_before ? 4 * payloads : 0};
     return naive_sections_find(&mesh->sections, mesh->bytes, mesh->size, want, OPTIONAL) ||
            wrong(mesh, "%s", mesh->sections.why);
-}
-
-static uint64_t node_bytes(const naive_part *t) {
-    return 64 * (uint64_t)t->nodes;
-}
-
-/* The places of a topology's parts: leaf_first, tets, positions, end. */
-static void topology_places(const naive_part *t, uint64_t at[4]) {
-    at[0] = node_bytes(t);
-    at[1] = naive_up_to(at[0] + 2 * (uint64_t)(t->leaves + 1), 64);
-    at[2] = naive_up_to(at[1] + 8 * (uint64_t)t->tets, 64);
-    at[3] = naive_up_to(at[2] + 12 * (uint64_t)t->vertices, 64);
-}
-
-static uint64_t values_at(const naive_part *t) {
-    return naive_up_to(16 * (uint64_t)t->nodes, 64);
-}
-
-static uint64_t moved_at(const naive_part *t) {
-    return naive_up_to(48 * (uint64_t)t->nodes, 64);
-}
-
-/* The first payload of each block but that of topologies. */
-static long values_payload(const naive_mesh *mesh, long set) {
-    return mesh->treelets * (1 + set);
-}
-
-static long gradients_payload(const naive_mesh *mesh, long set) {
-    return mesh->treelets * (1 + mesh->sets + set);
-}
-
-static long positions_payload(const naive_mesh *mesh, long step) {
-    return mesh->treelets * (mesh->sets + mesh->gradient_sets + step);
-}
-
-static uint64_t payload_bytes(const naive_mesh *mesh, long p) {
-    const naive_part *t = &mesh->part[p % mesh->treelets];
-    const uint64_t vertices = (uint64_t)t->vertices;
-    uint64_t at[4];
-    topology_places(t, at);
-    if (p < values_payload(mesh, 0))
-        return at[3];
-    if (p < gradients_payload(mesh, 0))
-        return naive_up_to(values_at(t) + 4 * vertices, 64);
-    return naive_up_to((p < positions_payload(mesh, 1) ? 0 : moved_at(t)) + 12 * vertices, 64);
 }
 
 static bool read_labels(naive_mesh *mesh, const unsigned char *names, const unsigned char *times) {
@@ -195,77 +153,6 @@ static bool read_counts(naive_mesh *mesh, const unsigned char *counts,
     return true;
 }
 
-/* Coarse grids from `end` on: each a sound file, nothing between or behind them. */
-static bool check_coarse(naive_mesh *mesh, const unsigned char *parts, uint64_t end) {
-    for (long set = 0; parts && set < mesh->sets; set++) {
-        const unsigned char *part = parts + 32 * set;
-        const uint64_t offset = naive_number(part, 8), bytes = naive_number(part + 8, 8);
-        if (naive_zeros(part, 0, 32))
-            continue;
-        if (offset != end || bytes < 4096 || bytes % (UINT64_C(1) << mesh->run_align_log2) ||
-            bytes > mesh->size - offset)
-            return wrong(mesh, "coarse grid %ld: place", set);
-        if (memcmp(part + 16, mesh->bytes + offset + 232, 16) != 0 ||
-            !naive_coarse_check(mesh->bytes + offset, bytes))
-            return wrong(mesh, "coarse grid %ld: not what it is to be", set);
-        end = offset + bytes;
-    }
-    return end == mesh->size || wrong(mesh, "the end of the file");
-}
-
-/* Whether payload p has the bytes that the entry of SAME says: of the same block's payload in an
- * earlier set or, of positions, at an earlier step. */
-static bool is_same(const naive_mesh *mesh, long p, long number) {
-    const unsigned char *const *where = mesh->sections.where;
-    const long n = mesh->treelets;
-    const long blocks[] = {0, n, gradients_payload(mesh, 0), positions_payload(mesh, 1)};
-    long first = 0;
-    for (int i = 0; i < 4; i++)
-        first = blocks[i] <= p ? blocks[i] : first;
-    const long q = first + (p - first) % n + number * n;
-    return first > 0 && q < p && naive_sections_link(&mesh->sections, NAIVE_SAME, q) < 0 &&
-           memcmp(where[NAIVE_OFFSETS] + 8 * p, where[NAIVE_OFFSETS] + 8 * q, 8) == 0 &&
-           memcmp(where[NAIVE_SIZES] + 8 * p, where[NAIVE_SIZES] + 8 * q, 8) == 0 &&
-           memcmp(where[NAIVE_CHECKSUMS] + 8 * p, where[NAIVE_CHECKSUMS] + 8 * q, 8) == 0;
-}
-
-/* Offsets, sizes and checksums of all payloads, and what is between them. */
-static bool check_places(naive_mesh *mesh, const unsigned char *const where[NAIVE_KINDS]) {
-    uint64_t stored = 0, end = mesh->sections.payloads;
-    bool begins = false; /* a run, whose first payloads may be elsewhere */
-    for (long p = 0; p < payload_count(mesh); p++) {
-        uint64_t offset = naive_number(where[NAIVE_OFFSETS] + 8 * p, 8),
-                 size = naive_number(where[NAIVE_SIZES] + 8 * p, 8);
-        const long same = naive_sections_link(&mesh->sections, NAIVE_SAME, p);
-        begins = begins || p % mesh->treelets == 0;
-        uint64_t align = begins ? UINT64_C(1) << mesh->run_align_log2 : 64;
-        if (same >= 0 && is_same(mesh, p, same))
-            continue;
-        if (same >= 0)
-            return wrong(mesh, "payload %ld: not the same as an earlier one", p);
-        begins = false;
-        if (offset != naive_up_to(end, align))
-            return wrong(mesh, "payload %ld: offset", p);
-        if (size < 1 || size > payload_bytes(mesh, p) ||
-            (mesh->codec == 0 && size != payload_bytes(mesh, p)))
-            return wrong(mesh, "payload %ld: size", p);
-        if (offset > mesh->size || size > mesh->size - offset ||
-            !naive_zeros(mesh->bytes, end, offset))
-            return wrong(mesh, "payload %ld: place or padding", p);
-        if (XXH3_64bits(mesh->bytes + offset, size) !=
-            naive_number(where[NAIVE_CHECKSUMS] + 8 * p, 8))
-            return wrong(mesh, "payload %ld: checksum", p);
-        end = offset + size;
-        stored += size;
-    }
-    if (stored != naive_number(mesh->bytes + 88, 8))
-        return wrong(mesh, "payload_bytes");
-    const uint64_t full = naive_sections_hold(&mesh->sections, mesh->bytes, mesh->size, end);
-    if (!full)
-        return wrong(mesh, "what is behind the payloads");
-    return check_coarse(mesh, where[NAIVE_COARSE], full);
-}
-
 /* ---- topology: 6 ---- */
 
 /* A treelet while it is read; node and child of leaf and inner node. */
@@ -285,7 +172,7 @@ static long child_of(const reading *r, long node, int c) {
 static bool read_parts(reading *r) {
     naive_part *t = r->t;
     uint64_t at[4];
-    topology_places(t, at);
+    naive_mesh_parts(t, at);
     const unsigned char *b = r->topology;
     if (!naive_zeros(b, at[0] + 2 * (uint64_t)(t->leaves + 1), at[1]) ||
         !naive_zeros(b, at[1] + 8 * (uint64_t)t->tets, at[2]) ||
@@ -467,7 +354,7 @@ static void read_triples(const unsigned char *b, float (*to)[3], long count) {
 }
 
 static bool check_moved(reading *r, long step, const unsigned char *b) {
-    const uint64_t at = moved_at(r->t), end = at + 12 * (uint64_t)r->t->vertices;
+    const uint64_t at = naive_mesh_moved_at(r->t), end = at + 12 * (uint64_t)r->t->vertices;
     if (!naive_zeros(b, 48 * (uint64_t)r->t->nodes, at) ||
         !naive_zeros(b, end, naive_up_to(end, 64)))
         return wrong(r->mesh, "treelet %ld, step %ld: padding", r->index, step);
@@ -517,7 +404,7 @@ static bool check_values(reading *r, long set, const unsigned char *b,
                          const unsigned char *const where[NAIVE_KINDS]) {
     const long element = set * r->mesh->treelets + r->index;
     const float *value = r->t->values + set * r->t->vertices;
-    const uint64_t at = values_at(r->t);
+    const uint64_t at = naive_mesh_values_at(r->t);
     float own[2], range[2];
     for (int i = 0; i < 2; i++) {
         own[i] = naive_real32(where[NAIVE_OWN] + 8 * element + 4 * i);
@@ -557,25 +444,22 @@ static bool check_values(reading *r, long set, const unsigned char *b,
 /* ---- loading ---- */
 
 /* implied: out, the boxes of a topology are not there. */
-static unsigned char *payload_of(const naive_mesh *mesh,
-                                 const unsigned char *const where[NAIVE_KINDS], long p,
-                                 bool *implied) {
+static unsigned char *payload_of(const naive_mesh *mesh, long p, bool *implied) {
     const naive_part *t = &mesh->part[p % mesh->treelets];
     const uint32_t counts[4] = {(uint32_t)t->tets, (uint32_t)t->vertices, (uint32_t)t->nodes,
                                 (uint32_t)t->leaves};
-    const int block = p < mesh->treelets               ? 0
-                      : p < gradients_payload(mesh, 0) ? 1
-                      : p < positions_payload(mesh, 1) ? 2
-                                                       : 3;
-    uint64_t offset = naive_number(where[NAIVE_OFFSETS] + 8 * p, 8),
-             size = naive_number(where[NAIVE_SIZES] + 8 * p, 8);
-    uint64_t want = payload_bytes(mesh, p);
+    const int block = p < mesh->treelets                  ? 0
+                      : p < naive_mesh_gradients(mesh, 0) ? 1
+                      : p < naive_mesh_positions(mesh, 1) ? 2
+                                                          : 3;
+    uint64_t size;
+    const unsigned char *stored = naive_mesh_stored(mesh, p, &size);
+    const uint64_t want = naive_mesh_payload_bytes(mesh, p);
     unsigned char *payload = calloc(1, want);
     *implied = false;
     if (payload && size == want)
-        memcpy(payload, mesh->bytes + offset, want);
-    else if (payload && !naive_coded_unpack(block, counts, mesh->bytes + offset, size, payload,
-                                            want, implied)) {
+        memcpy(payload, stored, want);
+    else if (payload && !naive_coded_unpack(block, counts, stored, size, payload, want, implied)) {
         free(payload);
         payload = NULL;
     }
@@ -587,12 +471,12 @@ static bool check_payload(reading *r, long p, const unsigned char *const where[N
     const naive_mesh *mesh = r->mesh;
     const long block = p / mesh->treelets;
     bool good, implied;
-    unsigned char *payload = payload_of(mesh, where, p, &implied);
+    unsigned char *payload = payload_of(mesh, p, &implied);
     if (!payload)
         return wrong(r->mesh, "payload %ld cannot be decoded", p);
-    if (p < gradients_payload(mesh, 0))
+    if (p < naive_mesh_gradients(mesh, 0))
         good = check_values(r, block - 1, payload, where);
-    else if (p < positions_payload(mesh, 1))
+    else if (p < naive_mesh_positions(mesh, 1))
         good = check_gradients(r, block - 1 - mesh->sets, payload);
     else
         good = check_moved(r, block - mesh->sets - mesh->gradient_sets, payload);
@@ -604,7 +488,7 @@ static bool read_treelet(naive_mesh *mesh, long index,
                          const unsigned char *const where[NAIVE_KINDS]) {
     naive_part *t = &mesh->part[index];
     bool implied;
-    unsigned char *topology = payload_of(mesh, where, index, &implied);
+    unsigned char *topology = payload_of(mesh, index, &implied);
     t->positions = malloc((size_t)(t->vertices * mesh->places) * sizeof *t->positions);
     t->values = malloc((size_t)(t->vertices * mesh->sets) * sizeof *t->values);
     t->gradients = malloc((size_t)(t->vertices * mesh->gradient_sets + 1) * sizeof *t->gradients);
@@ -617,7 +501,8 @@ static bool read_treelet(naive_mesh *mesh, long index,
         wrong(mesh, "treelet %ld cannot be decoded", index);
     good = good && read_parts(&r) && check_tree(&r) &&
            (implied ? check_bounds(&r, 0) : check_place(&r, 0, topology, 64));
-    for (long p = mesh->treelets + index; good && p < payload_count(mesh); p += mesh->treelets)
+    for (long p = mesh->treelets + index; good && p < naive_mesh_payloads(mesh);
+         p += mesh->treelets)
         good = check_payload(&r, p, where);
     free(r.first);
     free(r.spans);
@@ -655,20 +540,24 @@ static bool read_file(naive_mesh *mesh, const char *path) {
     return good || wrong(mesh, "cannot be read");
 }
 
-bool naive_mesh_load(naive_mesh *mesh, const char *path) {
+bool naive_mesh_read(naive_mesh *mesh) {
     const unsigned char *const *where = mesh->sections.where;
-    memset(mesh, 0, sizeof *mesh);
-    if (!read_file(mesh, path) || !read_header(mesh) || !find_sections(mesh))
+    if (!read_header(mesh) || !find_sections(mesh))
         return false;
     mesh->part = calloc((size_t)mesh->treelets, sizeof *mesh->part);
     if (!mesh->part)
         return wrong(mesh, "no memory");
     bool good = read_labels(mesh, where[NAIVE_FIELDS], where[NAIVE_TIMES]) &&
                 read_counts(mesh, where[NAIVE_COUNTS], where[NAIVE_BOUNDS]) &&
-                check_places(mesh, where);
+                naive_mesh_place(mesh);
     for (long i = 0; good && i < mesh->treelets; i++)
         good = read_treelet(mesh, i, where);
     return good && check_union(mesh, where);
+}
+
+bool naive_mesh_load(naive_mesh *mesh, const char *path) {
+    memset(mesh, 0, sizeof *mesh);
+    return read_file(mesh, path) && naive_mesh_read(mesh);
 }
 
 void naive_mesh_release(naive_mesh *mesh) {

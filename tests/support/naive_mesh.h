@@ -31,12 +31,18 @@ typedef struct naive_mesh {
     naive_part *part;
     unsigned char *bytes; /* the file */
     size_t size;
+    const struct naive_mesh *before; /* the segments before this one, */
+    long segments_before;            /* and how many; 0: it is a file, or the first one */
+    bool grows;                      /* it is a segment */
     naive_sections sections;
     char why[256]; /* what is wrong with it */
 } naive_mesh;
 
-/* naive_mesh_load() - read and check everything; false: mesh->why says what is wrong. Release it
+/* naive_mesh_read() - the same of a segment whose bytes are there, and what is before it; all else
+ * is zeros.
+ * naive_mesh_load() - read and check everything; false: mesh->why says what is wrong. Release it
  * either way. */
+bool naive_mesh_read(naive_mesh *mesh);
 bool naive_mesh_load(naive_mesh *mesh, const char *path);
 void naive_mesh_release(naive_mesh *mesh);
 

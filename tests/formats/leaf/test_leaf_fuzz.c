@@ -16,6 +16,7 @@
 #include "tests/support/leaf_files.h"
 #include "tests/support/leaf_fuzz.h"
 #include "tests/support/leaf_image.h"
+#include "tests/support/mesh_grown.h"
 #include "tests/support/mesh_leaves.h"
 #include "tests/support/scratch.h"
 
@@ -90,11 +91,19 @@ static leaf_image make_series(leaf_codec codec, series_form form) {
     return form == SERIES_PLAIN ? leaf_image_of(bytes, size) : leaf_image_as_is(bytes, size);
 }
 
+static leaf_image make_grown_mesh(leaf_codec codec) {
+    size_t size;
+    char *bytes = scratch_read(mesh_grown_make(3, 4, codec, "made.leaf"), &size);
+    return leaf_image_as_is(bytes, size);
+}
+
 static leaf_image make_kind(int k) {
     const leaf_codec codec = k % 2 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW;
     if (k < 4)
         return make_mesh(codec, k / 2);
-    return k < 8 ? make_grid(codec, k >= 6) : make_series(codec, (series_form)(k / 2 - 4));
+    if (k < 8)
+        return make_grid(codec, k >= 6);
+    return k < 14 ? make_series(codec, (series_form)(k / 2 - 4)) : make_grown_mesh(codec);
 }
 
 /* Four bytes or one, by what breaks things. */
@@ -169,7 +178,8 @@ static void test_changed(void **state) {
         "a moving mesh, zstd", "a grid, raw",          "a grid, zstd",
         "level 0 alone, raw",  "level 0 alone, zstd",  "a series, raw",
         "a series, zstd",      "a packed series, raw", "a packed series, zstd",
-        "a grown series, raw", "a grown series, zstd"};
+        "a grown series, raw", "a grown series, zstd", "a grown mesh, raw",
+        "a grown mesh, zstd"};
     for (int k = 0; k < (int)(sizeof kinds / sizeof *kinds); k++) {
         const leaf_image i = make_kind(k);
         uint64_t refused;
