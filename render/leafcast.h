@@ -138,6 +138,23 @@ LEAFCAST_API leafcast_status leafcast_open_memory(const void *bytes, size_t size
                                                   leafcast **volume);
 LEAFCAST_API void leafcast_close(leafcast *volume); /* NULL is fine */
 
+/* leafcast_refresh() - takes in the time steps that were added to the volume's file since it was
+ * opened or refreshed last (`leafcast convert --append` and `--watch`, formats/SERIES.md 4): from then
+ * on there are more steps, with their times, ranges and histograms. Steps that were there keep their
+ * numbers, what is in memory of them stays there, and what is selected stays selected.
+ *
+ * steps: set to the number of steps that there are now; untouched on failure.
+ *
+ * Any thread. Costs two calls of the system where the file has not been written to since. Otherwise
+ * waits for a picture or leafcast_frame_advance() under way; frames that have begun go on with what they
+ * show. Of steps that have come, reads the directory, as opening does: then it takes the memory for
+ * both directories from the budget, for which treelets make room if need be.
+ *
+ * LEAFCAST_CORRUPT where the file is no longer the one that was opened, with more steps or without,
+ * or is damaged; LEAFCAST_NOMEM. The volume is then as it was. A live volume, or bytes in memory, never
+ * have more steps. */
+LEAFCAST_API leafcast_status leafcast_refresh(leafcast *volume, uint32_t *steps);
+
 /* ---- Live volumes ----
  *
  * A grid whose samples a running program gives, step after step, while pictures are drawn of it: by

@@ -153,6 +153,13 @@ static void adopt(const resident_store *s, treelet *tr, uint32_t set) {
     tr->set = set;
 }
 
+static void renumber(const resident_store *s, treelet *tr, uint32_t set, const void *payload) {
+    resident_grid *grid = (resident_grid *)tr;
+    adopt(s, tr, set);
+    tr->payload = payload;
+    grid->samples = (const char *)payload + grid->shape.samples_at;
+}
+
 static bool is_stale(const resident_store *s, const treelet *tr) {
     return resident_grid_of(tr)->stamp != s->file->checksums[payload_of(s, tr)];
 }
@@ -193,6 +200,7 @@ const resident_kind grid_resident = {.shares = false,
                                      .load = load,
                                      .same = same,
                                      .adopt = adopt,
+                                     .renumber = renumber,
                                      .is_stale = is_stale,
                                      .strip = strip,
                                      .destroy = destroy,

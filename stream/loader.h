@@ -92,6 +92,11 @@ void loader_select(loader *l, const interest *in);
  * the directory, or none if the set is the same as before, and unchanged. */
 void loader_select_set(loader *l, uint32_t set);
 
+/* loader_grow() - call it when steps have been added to the file (leaf_file_exchange()), which had
+ * so many before. What is resident, selected and expected stays; sets have other numbers. Only while
+ * nothing is traced. On failure nothing has changed. */
+CHECKED status loader_grow(loader *l, uint32_t steps);
+
 /* loader_is_behind() - whether the selected set has changed since it was selected
  * (leaf_file.versions): then select it again. */
 bool loader_is_behind(const loader *l);

@@ -46,12 +46,15 @@ struct view_seat {
 struct view_draw {
     mem *m;
     view_tools tools;
+    const view_file *files;
+    int file_count;
     void (*notify)(void *ctx);
     void *ctx;
     pthread_t thread;
     pthread_mutex_t lock; /* guards all that follows, and the seats */
     pthread_cond_t work;
     bool ending;
+    bool refresh; /* files may have grown */
     int next; /* the seat whose turn is next */
     view_seat seats[VIEW_SEATS_MAX];
 };
@@ -218,12 +221,26 @@ static void clear(view_seat *seat) {
     memset((char *)seat + kept, 0, sizeof *seat - kept);
 }
 
+/* Take in the steps that have come. What fails leaves a volume as it was; if its file has changed
+ * otherwise, the next picture says so. Releases the lock meanwhile. */
+static void refresh_files(view_draw *d) {
+    d->refresh = false;
+    pthread_mutex_unlock(&d->lock);
+    for (int i = 0; i < d->file_count; i++) {
+        uint32_t steps;
+        (void)leafcast_refresh(d->files[i].volume, &steps);
+    }
+    pthread_mutex_lock(&d->lock);
+}
+
 static void *draw_all(void *arg) {
     view_draw *d = arg;
     view_wish *wish = mem_alloc(d->m, sizeof *wish);
     turn t;
     pthread_mutex_lock(&d->lock);
     while (!d->ending && wish) {
+        if (d->refresh)
+            refresh_files(d);
         view_seat *seat = next_seat(d, &t);
         if (!seat) {
             pthread_cond_wait(&d->work, &d->lock);
@@ -272,13 +289,15 @@ static void release(view_draw *d) {
     mem_free(d->m, d);
 }
 
-status view_draw_open(mem *m, int threads, view_doing *doing, void (*notify)(void *ctx), void *ctx,
-                      view_draw **out) {
+status view_draw_open(mem *m, const view_file *files, int count, int threads, view_doing *doing,
+                      void (*notify)(void *ctx), void *ctx, view_draw **out) {
     view_draw *d = mem_zalloc(m, sizeof *d);
     if (!d)
         return ST_NOMEM;
     *d = (view_draw){.m = m,
                      .tools = {.m = m, .doing = doing, .wake = wake, .wake_ctx = d},
+                     .files = files,
+                     .file_count = count,
                      .notify = notify,
                      .ctx = ctx};
     pthread_mutex_init(&d->lock, NULL);
@@ -314,6 +333,13 @@ void view_draw_close(view_draw *d) {
     }
     pthread_join(d->thread, NULL);
     release(d);
+}
+
+void view_draw_refresh(view_draw *d) {
+    pthread_mutex_lock(&d->lock);
+    d->refresh = true;
+    pthread_cond_signal(&d->work);
+    pthread_mutex_unlock(&d->lock);
 }
 
 /* ---- Seats ---- */

@@ -1,5 +1,5 @@
 // data.js - which file, field and time step is shown; steps play one after another, none left out.
-import {byId, bytes, choice, element, short, slider} from "./dom.js";
+import {byId, bytes, check, choice, element, short, slider} from "./dom.js";
 
 export class Data {
   constructor(app) {
@@ -8,6 +8,7 @@ export class Data {
     this.speed = 5;
     this.end = "loop"; // what comes behind the last step: "loop", "once", "to and fro"
     this.way = 1; // -1: backwards, of "to and fro"
+    this.follow = false; // show each step that comes
     this.waiting = null; // the number of the view whose picture the next step waits for
   }
 
@@ -21,7 +22,7 @@ export class Data {
       parts.push(choice("Field", {options: v.fields.map((f, i) => [i, f.name || `field ${i}`]), value: d.field,
         change: i => app.chooseField(+i)}));
     if (v.steps.length > 1) parts.push(...this.steps(v, d));
-    parts.push(this.facts(v));
+    parts.push(this.list = this.facts(v));
     byId("data").replaceChildren(...parts);
     if (parts.length > 1 && !this.unfolded) byId("sec-data").open = this.unfolded = true;
   }
@@ -38,6 +39,7 @@ export class Data {
       element("div", {class: "row"},
         element("button", {class: "icon", "aria-label": "Step before", onclick: step(-1)}, "‹"), this.button,
         element("button", {class: "icon", "aria-label": "Step after", onclick: step(1)}, "›"), this.time),
+      check("Follow: show each new step", {value: this.follow, change: on => { this.follow = on; if (on) this.newest(); }}),
       choice("At the end", {options: ["loop", "once", "to and fro"].map(e => [e, e]), value: this.end,
         change: e => { this.end = e; this.way = 1; }}),
       slider("Steps a second", {min: 0.5, max: 30, step: 0.5, value: this.speed, change: x => { this.speed = x; }})];
@@ -52,6 +54,22 @@ export class Data {
     const number = this.app.changed(moving, this.playing);
     this.app.stepped();
     return number;
+  }
+
+  newest() {
+    this.stop();
+    this.go(this.app.volume.steps.length - 1, false);
+  }
+
+  // There are more steps than there were. What plays goes on.
+  grown() {
+    const v = this.app.volume;
+    if (!this.slider?.isConnected) this.build();
+    this.slider.extend(v.steps.length - 1);
+    const facts = this.facts(v);
+    this.list.replaceWith(facts);
+    this.list = facts;
+    if (this.follow && !this.playing) this.newest();
   }
 
   // The step behind this one; null: the last one was shown once.

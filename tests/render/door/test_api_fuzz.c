@@ -230,6 +230,9 @@ static void call_select(world *w) {
     (void)ended(leafcast_select(v, surfaces, count));
     begin("leafcast_select_set");
     (void)ended(leafcast_select_set(v, (uint32_t)below(w, 3), (uint32_t)below(w, 4)));
+    begin("leafcast_refresh");
+    uint32_t steps;
+    (void)ended(leafcast_refresh(v, &steps));
     begin("leafcast_expect_set");
     (void)ended(leafcast_expect_set(v, (uint32_t)below(w, 3), (uint32_t)below(w, 4)));
 }
