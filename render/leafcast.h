@@ -301,6 +301,23 @@ typedef struct leafcast_block {
 LEAFCAST_API leafcast_status leafcast_map_treelets(leafcast *volume, uint32_t level,
                                                    const uint32_t blocks[3], leafcast_block *map);
 
+/* Of the treelets that the last picture's rays walked, those with values at another step that it asks
+ * for; resident: those of them in memory. */
+typedef struct leafcast_holding {
+    uint32_t wanted, resident;
+} leafcast_holding;
+
+/* leafcast_map_steps() - counts, for a field at each of the first `steps` steps, what a picture like the
+ * last one would need, and how much of that is in memory: a step of which all that is wanted is
+ * resident is drawn without reading, as far as rays see there what they saw. holdings: gets one for each
+ * step. LEAFCAST_USAGE if there is no such field, or there are fewer steps; steps 1 or more;
+ * LEAFCAST_NOMEM. Of a volume with more than a million treelets seen, times steps, counts evenly chosen
+ * ones; treelets that are there for other steps, and the same, may be overlooked where there are as
+ * many. Any thread; waits for a picture or leafcast_frame_advance() under way. Costs a few milliseconds
+ * at most, usually less than one. */
+LEAFCAST_API leafcast_status leafcast_map_steps(leafcast *volume, uint32_t field, uint32_t steps,
+                                                leafcast_holding *holdings);
+
 /* leafcast_range() - sets range[0], range[1] to the smallest and the largest finite value of a
  * field at a step, at full resolution; range[0] > range[1] if none is finite. An isovalue v has a
  * surface only if range[0] < v && v <= range[1]. LEAFCAST_USAGE if there is no such field or step.

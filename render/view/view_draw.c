@@ -37,7 +37,7 @@ struct view_seat {
     bool any;         /* there was a wish */
     pick picks[VIEW_PICKS_MAX];
     int pick_count;
-    bool residency; /* maps of treelets are wanted */
+    view_residency residency;
     view_queue queue;
     sent unseen[VIEW_UNSEEN_MAX];
     int unseen_count;
@@ -61,8 +61,9 @@ struct view_draw {
 
 /* What a seat needs now. */
 typedef struct turn {
-    bool leave, begin, draw, may_send, pick, residency, slice;
+    bool leave, begin, draw, may_send, pick, slice;
     pick picked;
+    view_residency residency;
 } turn;
 
 /* ---- Messages ---- */
@@ -117,16 +118,27 @@ static void answer_pick(view_draw *d, view_seat *seat, const view_wish *wish, co
     say(d, seat, view_message_json(d->m, answer));
 }
 
-static void tell_residency(view_draw *d, view_seat *seat) {
+static void tell_steps(view_draw *d, view_seat *seat) {
+    const view_wish *wish = view_picture_wish(seat->picture);
+    uint32_t field;
+    if (view_options_field(&wish->view, wish->volume, &field) == ST_OK)
+        say(d, seat, view_message_json(d->m, view_map_steps(d->m, wish->volume, field)));
+}
+
+static void tell_residency(view_draw *d, view_seat *seat, const view_residency *wanted) {
     const view_picture *p = seat->picture;
     const double now = clock_seconds();
     const bool last = !view_picture_busy(p) && !view_picture_wish(p)->moving;
     if (!last && now - seat->mapped < MAP_S)
         return;
     seat->mapped = now;
-    say(d, seat,
-        view_message_json(d->m, view_map_describe(d->m, view_picture_wish(p)->volume,
-                                                  view_picture_level(p), view_picture_stats(p))));
+    if (wanted->map)
+        say(d, seat,
+            view_message_json(d->m,
+                              view_map_describe(d->m, view_picture_wish(p)->volume,
+                                                view_picture_level(p), view_picture_stats(p))));
+    if (wanted->steps)
+        tell_steps(d, seat);
 }
 
 static void draw_slice(view_draw *d, view_seat *seat, const turn *t) {
@@ -139,8 +151,8 @@ static void draw_slice(view_draw *d, view_seat *seat, const turn *t) {
     if (!view_picture_busy(seat->picture))
         view_doing_end(d->tools.doing); /* before a client can know that the picture is done */
     say(d, seat, message);
-    if (any && t->residency)
-        tell_residency(d, seat);
+    if (any && (t->residency.map || t->residency.steps))
+        tell_residency(d, seat, &t->residency);
 }
 
 static void draw_panes(view_draw *d, view_seat *seat) {
@@ -413,9 +425,9 @@ void view_seat_slice_seen(view_seat *seat, int pane, uint64_t number) {
     pthread_mutex_unlock(&seat->draw->lock);
 }
 
-void view_seat_residency(view_seat *seat, bool on) {
+void view_seat_residency(view_seat *seat, const view_residency *wanted) {
     pthread_mutex_lock(&seat->draw->lock);
-    seat->residency = on;
+    seat->residency = *wanted;
     pthread_mutex_unlock(&seat->draw->lock);
 }
 

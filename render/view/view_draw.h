@@ -47,8 +47,12 @@ bool view_seat_pick(view_seat *seat, int64_t id, const view_place *place);
 void view_seat_slice(view_seat *seat, const view_slice_wish *wish);
 void view_seat_slice_seen(view_seat *seat, int pane, uint64_t number);
 
-/* view_seat_residency() - set whether the client also gets maps of resident treelets. */
-void view_seat_residency(view_seat *seat, bool on);
+/* view_seat_residency() - set what the client also gets of what is in memory: maps of treelets, and how
+ * much of each step. */
+typedef struct view_residency {
+    bool map, steps;
+} view_residency;
+void view_seat_residency(view_seat *seat, const view_residency *wanted);
 
 /* view_seat_take() - returns the next message for the client, which the caller owns; NULL: none
  * yet. view_seat_any() - returns whether there is one. */

@@ -229,7 +229,9 @@ static status receive_message(view_talk *t, const json_t *message, double *numbe
     if (strcmp(type, "open") == 0)
         return receive_open(t, message);
     if (strcmp(type, "residency") == 0) {
-        view_seat_residency(t->seat, json_is_true(json_object_get(message, "on")));
+        const view_residency wanted = {json_is_true(json_object_get(message, "on")),
+                                       json_is_true(json_object_get(message, "steps"))};
+        view_seat_residency(t->seat, &wanted);
         return ST_OK;
     }
     return wrong("type");

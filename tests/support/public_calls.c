@@ -72,6 +72,10 @@ static leafcast_status expect_set(calls_lab *l) {
     return leafcast_expect_set(P(VOLUME), l->field, l->step);
 }
 
+static leafcast_status map_steps(calls_lab *l) {
+    return leafcast_map_steps(P(VOLUME), l->field, l->step + 1, P(FOUND));
+}
+
 static leafcast_status refresh(calls_lab *l) {
     return leafcast_refresh(P(VOLUME), P(COUNT));
 }
@@ -255,6 +259,7 @@ const public_call *public_calls(int *count) {
         {"leafcast_select", select_surfaces, BIT(VOLUME) | BIT(SURFACES), BIT(SURFACES), 0, NULL},
         {"leafcast_select_set", select_set, BIT(VOLUME), 0, 0, NULL},
         {"leafcast_expect_set", expect_set, BIT(VOLUME), 0, 0, NULL},
+        {"leafcast_map_steps", map_steps, BIT(VOLUME) | BIT(FOUND), 0, 0, NULL},
         {"leafcast_refresh", refresh, BIT(VOLUME) | BIT(COUNT), 0, 0, NULL},
         {"leafcast_find_field", find_field, BIT(VOLUME) | BIT(TEXT) | BIT(COUNT), 0, 0, NULL},
         {"leafcast_map_treelets", map_treelets, BIT(VOLUME) | BIT(BLOCKS) | BIT(FOUND), 0, 0, NULL},

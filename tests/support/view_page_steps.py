@@ -50,6 +50,17 @@ def plays(b):
        all((y - x) % steps == 1 for x, y in zip(shown[:2 * steps], shown[1:2 * steps])))
 
 
+def held(b):
+    """The strip below the slider: at first of the steps that were drawn, then of all."""
+    at_step(b, 0)
+    ok("in memory: what is shown, not all", b.until("return leafcast.data.shares?.[0] === 1") and
+       b.js("return leafcast.data.shares.filter(s => s < 1).length") > 20)
+    label = b.js("return leafcast.data.held.getAttribute('aria-label')")
+    ok(f"in memory: said in words: {label}", label.startswith("Steps in memory: ") and "of 100 as a whole" in label)
+    ok("in memory: a colour each", b.js("return leafcast.data.held.width") == len(INPUTS) and
+       b.js("return [...leafcast.data.held.getContext('2d').getImageData(0, 0, 1, 1).data]") == [124, 196, 143, 255])
+
+
 def append(path, *inputs):
     subprocess.run([leafcast, "convert", "--append", *inputs, "-o", path, "-q"], check=True)
 
@@ -87,7 +98,9 @@ def main():
     b.size(760, 420)
     s = Server([leafcast, "view", folder + "/all.leaf"])
     b.open(s.url)
+    held(b)
     plays(b)
+    ok("in memory: all, once all were shown", b.js("return leafcast.data.shares.every(s => s > 0)"))
     s.stop()
     append(folder + "/grown.leaf", INPUTS[0])
     s = Server([leafcast, "view", folder + "/grown.leaf"])

@@ -43,6 +43,28 @@ def twice(s, path):
     page.close()
 
 
+def held(s):
+    """How much of each step is in memory is told, to who asks for it."""
+    page = Page(s)
+    state = dict(page.volume["state"])
+    page.view(1, dict(state, step=0), W, H)
+    page.final()
+    ok("not told who has not asked", not page.waits(0.3))
+    page.send({"type": "residency", "on": False, "steps": True})
+    told = []
+    for number, step in enumerate((0, 5, 9), 2):
+        page.view(number, dict(state, step=step), W, H)
+        page.final()
+        told.append(page.text("steps"))
+    page.pictures.clear()
+    whole = [[k for k, n in enumerate(t["wanted"]) if n == t["resident"][k]] for t in told]
+    ok("a count for each step", all(len(t[k]) == len(INPUTS) for t in told for k in ("wanted", "resident")) and
+       set(told[0]) == {"type", "wanted", "resident"})
+    ok("none has more than it needs", all(r <= w for t in told for r, w in zip(t["resident"], t["wanted"])))
+    ok(f"what is shown is there as a whole {[w[:12] for w in whole]}", all(k in w for k, w in zip((0, 5, 9), whole)))
+    page.close()
+
+
 def append(path, *inputs):
     subprocess.run([leafcast, "convert", "--append", *inputs, "-o", path, "-q"], check=True)
 
@@ -86,6 +108,9 @@ def grows(s, path):
 
 
 def main():
+    s = Server([leafcast, "view", folder + "/all.leaf"])
+    held(s)
+    ends(s, "after that")
     s = Server([leafcast, "view", folder + "/all.leaf"])
     twice(s, folder + "/all.leaf")
     ends(s, "after playing")

@@ -1,5 +1,6 @@
 // data.js - which file, field and time step is shown; steps play one after another, none left out.
 import {byId, bytes, check, choice, element, short, slider} from "./dom.js";
+import {ABSENT, HERE, NOTHING, mix} from "./treelets.js";
 
 export class Data {
   constructor(app) {
@@ -24,6 +25,7 @@ export class Data {
     if (v.steps.length > 1) parts.push(...this.steps(v, d));
     parts.push(this.list = this.facts(v));
     byId("data").replaceChildren(...parts);
+    app.honesty.ask();
     if (parts.length > 1 && !this.unfolded) byId("sec-data").open = this.unfolded = true;
   }
 
@@ -31,6 +33,9 @@ export class Data {
     this.slider = slider("Time step", {min: 0, max: v.steps.length - 1, step: 1, value: d.step,
       change: (k, resting) => { this.stop(); this.go(Math.round(k), !resting); }});
     this.time = element("span", {class: "hint"});
+    this.held = element("canvas", {id: "steps-held", role: "img", "aria-label": "Steps in memory: not known yet",
+      title: "Steps in memory, as far as this view needs them. Green: all; orange: some; grey: nothing."});
+    this.slider.append(this.held);
     this.button = element("button", {id: "play", "aria-pressed": "false", onclick: () => this.playing ? this.stop() : this.play()},
       "Play");
     const step = by => () => { this.stop(); this.go((d.step + by + v.steps.length) % v.steps.length, false); };
@@ -54,6 +59,21 @@ export class Data {
     const number = this.app.changed(moving, this.playing);
     this.app.stepped();
     return number;
+  }
+
+  // How much of each step is in memory, as the view needs it: none is wanted of one where nothing is to be seen.
+  hold({wanted, resident}) {
+    if (!this.held?.isConnected) return;
+    this.shares = wanted.map((n, k) => n ? resident[k] / n : 1);
+    this.held.width = wanted.length;
+    this.held.height = 1;
+    const context = this.held.getContext("2d"), whole = this.shares.filter(s => s === 1).length;
+    this.shares.forEach((s, k) => {
+      context.fillStyle = s === 1 ? mix(HERE) : mix(NOTHING, ABSENT, s && 0.4 + 0.6 * s);
+      context.fillRect(k, 0, 1, 1);
+    });
+    this.held.setAttribute("aria-label", `Steps in memory: ${whole} of ${wanted.length} as a whole, ` +
+      `${this.shares.filter(s => s > 0 && s < 1).length} in part`);
   }
 
   newest() {

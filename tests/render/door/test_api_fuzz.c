@@ -401,6 +401,9 @@ static void call_facts(world *w) {
     for (int a = 0; a < 3; a++)
         blocks[a] = api_chance(&w->r, 20) ? (uint32_t)field_random_bits(&w->r) | 65
                                           : 1 + (uint32_t)below(w, 4);
+    leafcast_holding holdings[8];
+    begin("leafcast_map_steps");
+    (void)ended(leafcast_map_steps(v, (uint32_t)below(w, 3), (uint32_t)below(w, 8), holdings));
     begin("leafcast_map_treelets");
     (void)ended(leafcast_map_treelets(v, (uint32_t)below(w, 4), blocks, map));
     begin("leafcast_range");

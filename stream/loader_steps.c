@@ -1,0 +1,67 @@
+/* loader_steps.c - how much of each of several sets is in memory. */
+#include <string.h>
+
+#include "stream/loader_expect.h"
+
+/* Sets [first, first + count), and those of which a treelet is held. */
+typedef struct counting {
+    loader *l;
+    uint32_t first, count;
+    uint8_t *held;
+    uint32_t comparisons; /* that may still be made */
+} counting;
+
+static void note(const counting *c, const treelet *tr) {
+    if (tr && tr->set >= c->first && tr->set < c->first + c->count)
+        c->held[tr->set - c->first] = 1;
+}
+
+/* Whether a treelet of another set that is in memory is the same in this one. */
+static bool has_same(counting *c, uint32_t set, uint32_t t) {
+    const struct loader_private *h = c->l->hidden;
+    if (!h->kind->same)
+        return false;
+    if (loader_expect_serves(h, loader_peek(c->l, t), set))
+        return true;
+    for (const treelet *tr = h->cache.of[t]; tr && c->comparisons > 0; tr = tr->next) {
+        c->comparisons--;
+        if (loader_expect_serves(h, tr, set))
+            return true;
+    }
+    return false;
+}
+
+static void count_treelet(counting *c, uint32_t t, loader_holding *out) {
+    const struct loader_private *h = c->l->hidden;
+    memset(c->held, 0, c->count);
+    note(c, loader_peek(c->l, t));
+    for (const treelet *tr = h->cache.of[t]; tr; tr = tr->next)
+        note(c, tr);
+    for (uint32_t i = 0; i < c->count; i++) {
+        if (!loader_expect_meets(c->l, c->first + i, t))
+            continue;
+        out[i].wanted++;
+        out[i].resident += c->held[i] || has_same(c, c->first + i, t);
+    }
+}
+
+status loader_count_sets(loader *l, uint32_t first, uint32_t count, const atomic_uchar touched[],
+                         loader_holding *out) {
+    struct loader_private *h = l->hidden;
+    const uint32_t treelets = l->file->layout.treelets;
+    counting c = {l, first, count, mem_array(l->m, count, 1), LOADER_COUNTED_MAX};
+    if (!c.held)
+        return ST_NOMEM;
+    memset(out, 0, count * sizeof *out);
+    uint64_t seen = 0, taken = 0;
+    for (uint32_t t = 0; t < treelets; t++)
+        seen += atomic_load_explicit(&touched[t], memory_order_relaxed) != 0;
+    const uint64_t each = seen * count / LOADER_COUNTED_MAX + 1;
+    pthread_mutex_lock(&h->lock);
+    for (uint32_t t = 0; t < treelets; t++)
+        if (atomic_load_explicit(&touched[t], memory_order_relaxed) && taken++ % each == 0)
+            count_treelet(&c, t, out);
+    pthread_mutex_unlock(&h->lock);
+    mem_free(l->m, c.held);
+    return ST_OK;
+}
