@@ -139,20 +139,20 @@ LEAFCAST_API leafcast_status leafcast_open_memory(const void *bytes, size_t size
 LEAFCAST_API void leafcast_close(leafcast *volume); /* NULL is fine */
 
 /* leafcast_refresh() - takes in the time steps that were added to the volume's file since it was
- * opened or refreshed last (`leafcast convert --append` and `--watch`, formats/SERIES.md 4): from then
- * on there are more steps, with their times, ranges and histograms. Steps that were there keep their
- * numbers, what is in memory of them stays there, and what is selected stays selected.
+ * opened or refreshed last (`leafcast convert --append` and `--watch`, formats/SERIES.md 4): from
+ * then on there are more steps, with their times, ranges and histograms. Steps that were there keep
+ * their numbers, what is in memory of them stays there, and what is selected stays selected.
  *
  * steps: set to the number of steps that there are now; untouched on failure.
  *
  * Any thread. Costs two calls of the system where the file has not been written to since. Otherwise
- * waits for a picture or leafcast_frame_advance() under way; frames that have begun go on with what they
- * show. Of steps that have come, reads the directory, as opening does: then it takes the memory for
- * both directories from the budget, for which treelets make room if need be.
+ * waits for a picture or leafcast_frame_advance() under way; frames that have begun go on with what
+ * they show. Of steps that have come, reads the directory, as opening does: then it takes the
+ * memory for both directories from the budget, for which treelets make room if need be.
  *
  * LEAFCAST_CORRUPT where the file is no longer the one that was opened, with more steps or without,
- * or is damaged; LEAFCAST_NOMEM. The volume is then as it was. A live volume, or bytes in memory, never
- * have more steps. */
+ * or is damaged; LEAFCAST_NOMEM. The volume is then as it was. A live volume, or bytes in memory,
+ * never have more steps. */
 LEAFCAST_API leafcast_status leafcast_refresh(leafcast *volume, uint32_t *steps);
 
 /* ---- Live volumes ----
@@ -301,20 +301,20 @@ typedef struct leafcast_block {
 LEAFCAST_API leafcast_status leafcast_map_treelets(leafcast *volume, uint32_t level,
                                                    const uint32_t blocks[3], leafcast_block *map);
 
-/* Of the treelets that the last picture's rays walked, those with values at another step that it asks
- * for; resident: those of them in memory. */
+/* Of the treelets that the last picture's rays walked, those with values at another step that it
+ * asks for; resident: those of them in memory. */
 typedef struct leafcast_holding {
     uint32_t wanted, resident;
 } leafcast_holding;
 
-/* leafcast_map_steps() - counts, for a field at each of the first `steps` steps, what a picture like the
- * last one would need, and how much of that is in memory: a step of which all that is wanted is
- * resident is drawn without reading, as far as rays see there what they saw. holdings: gets one for each
- * step. LEAFCAST_USAGE if there is no such field, or there are fewer steps; steps 1 or more;
- * LEAFCAST_NOMEM. Of a volume with more than a million treelets seen, times steps, counts evenly chosen
- * ones; treelets that are there for other steps, and the same, may be overlooked where there are as
- * many. Any thread; waits for a picture or leafcast_frame_advance() under way. Costs a few milliseconds
- * at most, usually less than one. */
+/* leafcast_map_steps() - counts, for a field at each of the first `steps` steps, what a picture
+ * like the last one would need, and how much of that is in memory: a step of which all that is
+ * wanted is resident is drawn without reading, as far as rays see there what they saw. holdings:
+ * gets one for each step. LEAFCAST_USAGE if there is no such field, or there are fewer steps; steps
+ * 1 or more; LEAFCAST_NOMEM. Of a volume with more than a million treelets seen, times steps,
+ * counts evenly chosen ones; treelets that are there for other steps, and the same, may be
+ * overlooked where there are as many. Any thread; waits for a picture or leafcast_frame_advance()
+ * under way. Costs a few milliseconds at most, usually less than one. */
 LEAFCAST_API leafcast_status leafcast_map_steps(leafcast *volume, uint32_t field, uint32_t steps,
                                                 leafcast_holding *holdings);
 

@@ -49,8 +49,8 @@ typedef struct loader_stats {
     uint64_t bytes_resident;  /* now: all treelets, drawn or in the cache */
 } loader_stats;
 
-/* Of the treelets of a set that a picture like the last one would need: how many there are, and how many
- * are in memory, drawn or in the cache. */
+/* Of the treelets of a set that a picture like the last one would need: how many there are, and how
+ * many are in memory, drawn or in the cache. */
 typedef struct loader_holding {
     uint32_t wanted, resident;
 } loader_holding;
@@ -99,8 +99,8 @@ void loader_select(loader *l, const interest *in);
 void loader_select_set(loader *l, uint32_t set);
 
 /* loader_grow() - call it when steps have been added to the file (leaf_file_exchange()), which had
- * so many before. What is resident, selected and expected stays; sets have other numbers. Only while
- * nothing is traced. On failure nothing has changed. */
+ * so many before. What is resident, selected and expected stays; sets have other numbers. Only
+ * while nothing is traced. On failure nothing has changed. */
 CHECKED status loader_grow(loader *l, uint32_t steps);
 
 /* loader_is_behind() - whether the selected set has changed since it was selected
@@ -123,11 +123,11 @@ void loader_follow(loader *l, const atomic_uchar touched[]);
 void loader_expect(loader *l, uint32_t set);
 void loader_read_expected(loader *l, const atomic_uchar touched[]);
 
-/* loader_count_sets() - count, of `count` sets from `first` on, the treelets that rays touched last and
- * that meet the interest there, and which of them are in memory, or the same as one that is. Bounded
- * work: of many treelets it takes evenly chosen ones, LOADER_COUNTED_MAX in all sets together; those
- * whose sameness would take longer to find out than as many comparisons count as not in memory.
- * ST_NOMEM. Only while nothing is traced. */
+/* loader_count_sets() - count, of `count` sets from `first` on, the treelets that rays touched last
+ * and that meet the interest there, and which of them are in memory, or the same as one that is.
+ * Bounded work: of many treelets it takes evenly chosen ones, LOADER_COUNTED_MAX in all sets
+ * together; those whose sameness would take longer to find out than as many comparisons count as
+ * not in memory. ST_NOMEM. Only while nothing is traced. */
 enum { LOADER_COUNTED_MAX = 1 << 20 };
 CHECKED status loader_count_sets(loader *l, uint32_t first, uint32_t count,
                                  const atomic_uchar touched[], loader_holding *out);

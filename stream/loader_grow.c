@@ -3,9 +3,8 @@
 
 /* The number of a set, now that there are more steps than there were. */
 static uint32_t renumbered(const loader *l, uint32_t steps, uint32_t set) {
-    return set == TREELET_NO_SET
-               ? set
-               : leaf_layout_set(&l->file->layout, set / steps, set % steps);
+    return set == TREELET_NO_SET ? set
+                                 : leaf_layout_set(&l->file->layout, set / steps, set % steps);
 }
 
 static void renumber(const loader *l, uint32_t steps, const source_move *move, treelet *tr) {

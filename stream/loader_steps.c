@@ -3,7 +3,7 @@
 
 #include "stream/loader_expect.h"
 
-/* Sets [first, first + count), and those of which a treelet is held. */
+/* Sets [first, first + count), and those of which the cache holds a treelet. */
 typedef struct counting {
     loader *l;
     uint32_t first, count;
@@ -11,16 +11,10 @@ typedef struct counting {
     uint32_t comparisons; /* that may still be made */
 } counting;
 
-static void note(const counting *c, const treelet *tr) {
-    if (tr && tr->set >= c->first && tr->set < c->first + c->count)
-        c->held[tr->set - c->first] = 1;
-}
-
-/* Whether a treelet of another set that is in memory is the same in this one. */
+/* Whether a treelet that is in memory, but in the cache of another set, is this one, or the same.
+ */
 static bool has_same(counting *c, uint32_t set, uint32_t t) {
     const struct loader_private *h = c->l->hidden;
-    if (!h->kind->same)
-        return false;
     if (loader_expect_serves(h, loader_peek(c->l, t), set))
         return true;
     for (const treelet *tr = h->cache.of[t]; tr && c->comparisons > 0; tr = tr->next) {
@@ -34,9 +28,9 @@ static bool has_same(counting *c, uint32_t set, uint32_t t) {
 static void count_treelet(counting *c, uint32_t t, loader_holding *out) {
     const struct loader_private *h = c->l->hidden;
     memset(c->held, 0, c->count);
-    note(c, loader_peek(c->l, t));
     for (const treelet *tr = h->cache.of[t]; tr; tr = tr->next)
-        note(c, tr);
+        if (tr->set >= c->first && tr->set < c->first + c->count)
+            c->held[tr->set - c->first] = 1;
     for (uint32_t i = 0; i < c->count; i++) {
         if (!loader_expect_meets(c->l, c->first + i, t))
             continue;

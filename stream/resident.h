@@ -71,8 +71,8 @@ typedef struct resident_kind {
      * has. adopt: make one that has a treelet of this set. */
     bool (*same)(const resident_store *s, const treelet *tr, uint32_t set);
     void (*adopt)(const resident_store *s, treelet *tr, uint32_t set);
-    /* After its file has grown (leaf_file_exchange()): the treelet's set has this number now, and its
-     * payload lies here. NULL: files of this kind do not grow. */
+    /* After its file has grown (leaf_file_exchange()): the treelet's set has this number now, and
+     * its payload lies here. NULL: files of this kind do not grow. */
     void (*renumber)(const resident_store *s, treelet *tr, uint32_t set, const void *payload);
     /* Whether its set has changed since the treelet was read. Asked only where sets change
      * (leaf_file.versions). */

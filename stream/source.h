@@ -62,13 +62,12 @@ CHECKED status source_load_into(source *s, uint32_t p, leaf_unpacker *u, void *p
 CHECKED status source_read(source *s, uint32_t p, uint32_t from, uint32_t bytes, void *to);
 
 /* source_extend() - call it when the file has more segments (leaf_file_exchange()): map those, too.
- * Loaded payloads may then lie elsewhere: source_moved() returns where. Only while nothing is loaded.
- * On failure nothing has changed. */
+ * Loaded payloads may then lie elsewhere: source_moved() returns where. Only while nothing is
+ * loaded. On failure nothing has changed. */
 CHECKED status source_extend(source *s, source_move *move);
 static inline const void *source_moved(const source_move *move, const void *payload) {
-    return (uintptr_t)payload - move->from < move->bytes
-               ? (const uint8_t *)payload + move->by
-               : payload;
+    return (uintptr_t)payload - move->from < move->bytes ? (const uint8_t *)payload + move->by
+                                                         : payload;
 }
 
 /* source_ahead() - ask the system to read the bytes of these payloads, which will be loaded soon.

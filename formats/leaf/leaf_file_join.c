@@ -410,9 +410,9 @@ status leaf_file_newer(const leaf_file *f, leaf_file **out) {
         return st;
     st = leaf_file_open(f->m, file_path(f->source), &newer);
     if (st == ST_OK && !is_continued(f, newer))
-        st = status_describe(ST_CORRUPT,
-                             "%s changed while it was open: its first %u steps are not what they were",
-                             file_path(f->source), f->header.steps);
+        st = status_describe(
+            ST_CORRUPT, "%s changed while it was open: its first %u steps are not what they were",
+            file_path(f->source), f->header.steps);
     if (st != ST_OK) {
         leaf_file_close(newer);
         return st;

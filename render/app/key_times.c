@@ -24,7 +24,8 @@ static status set(json_t *entry, const char *key, json_t *value, const char *ins
 static status unify(json_t *entry, size_t number, const leafcast *volume) {
     const uint32_t steps = leafcast_describe(volume).steps;
     const json_t *time = json_object_get(entry, TIME), *step = json_object_get(entry, STEP);
-    const double first = leafcast_step_time(volume, 0), last = leafcast_step_time(volume, steps - 1);
+    const double first = leafcast_step_time(volume, 0),
+                 last = leafcast_step_time(volume, steps - 1);
     if (time && step)
         return refuse(number, "either \"time\" or \"step\"");
     if (time && !json_is_number(time))
@@ -50,8 +51,8 @@ status key_times_unify(json_t *path, const leafcast *volume) {
     return st;
 }
 
-/* Returns the last step whose time has come. Rounding of what is between two keys makes none late: a
- * time counts as come when this much of the way to it is left. */
+/* Returns the last step whose time has come. Rounding of what is between two keys makes none late:
+ * a time counts as come when this much of the way to it is left. */
 static uint32_t step_at(const leafcast *volume, double time) {
     const double rounding = 1e-9;
     uint32_t lo = 0, hi = leafcast_describe(volume).steps;

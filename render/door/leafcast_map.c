@@ -1,4 +1,5 @@
-/* leafcast_map.c - counts of wanted, resident and seen treelets: in blocks of the volume, at steps. */
+/* leafcast_map.c - counts of wanted, resident and seen treelets: in blocks of the volume, at steps.
+ */
 #include <math.h>
 #include <stddef.h>
 #include <string.h>

@@ -20,10 +20,10 @@ typedef status (*volume_make)(leafcast *v, const void *from);
 leafcast_status volume_open_by(volume_make make, const void *from, const leafcast_options *given,
                                leafcast **volume);
 
-/* volume_hold() - returns the file's step that a caller's step is: of a live volume the current one,
- * which then stays as it is until volume_let_go(), as do the steps of a file that grows: for whoever
- * looks at the file without the device's lock. Any thread; a thread that holds takes no other lock of
- * a volume or device. */
+/* volume_hold() - returns the file's step that a caller's step is: of a live volume the current
+ * one, which then stays as it is until volume_let_go(), as do the steps of a file that grows: for
+ * whoever looks at the file without the device's lock. Any thread; a thread that holds takes no
+ * other lock of a volume or device. */
 uint32_t volume_hold(const leafcast *v, uint32_t step, live_hold *h);
 void volume_let_go(const leafcast *v, live_hold *h);
 

@@ -19,7 +19,7 @@ struct leafcast {
     leafcast_options options; /* its experiments: */
     leafcast_experiments experiments;
     leaf_file *file;
-    pthread_rwlock_t steps; /* over what is told of the file's steps: see volume_hold() */
+    pthread_rwlock_t steps;  /* over what is told of the file's steps: see volume_hold() */
     struct live_steps *live; /* of a live volume (render/door/live_steps.h), or NULL */
     loader *treelets;
     const struct kind *kind;

@@ -55,7 +55,7 @@ struct view_draw {
     pthread_cond_t work;
     bool ending;
     bool refresh; /* files may have grown */
-    int next; /* the seat whose turn is next */
+    int next;     /* the seat whose turn is next */
     view_seat seats[VIEW_SEATS_MAX];
 };
 

@@ -57,9 +57,10 @@ json_t *view_map_steps(mem *m, leafcast *volume, uint32_t field) {
     json_t *out = NULL;
     leafcast_holding *map = mem_array(m, steps, sizeof *map);
     if (map && leafcast_map_steps(volume, field, steps, map) == LEAFCAST_OK)
-        out = json_pack("{s:s,s:o,s:o}", "type", "steps", "wanted",
-                        list(map, steps, sizeof *map, offsetof(leafcast_holding, wanted)), "resident",
-                        list(map, steps, sizeof *map, offsetof(leafcast_holding, resident)));
+        out =
+            json_pack("{s:s,s:o,s:o}", "type", "steps", "wanted",
+                      list(map, steps, sizeof *map, offsetof(leafcast_holding, wanted)), "resident",
+                      list(map, steps, sizeof *map, offsetof(leafcast_holding, resident)));
     mem_free(m, map);
     return out;
 }

@@ -27,7 +27,7 @@ enum {
     PING_S = 20,
     HANGUP_S = 45, /* until a silent socket is closed */
     TICK_US = 500000,
-    REFRESH_S = 1, /* how often files are asked for further steps, while a page is open */
+    REFRESH_S = 1,  /* how often files are asked for further steps, while a page is open */
     GONE_US = 50000 /* how often to check whether clients that wait for a picture have left */
 };
 _Static_assert(LWS_PRE <= VIEW_MESSAGE_BEFORE, "frames' heads fit before a message");
@@ -237,8 +237,8 @@ static void follow_files(view_server *s) {
     view_draw_refresh(s->draw);
 }
 
-/* Wake up regularly, as a signal may come just before the wait for events. Also drop clients, and look
- * for further steps. */
+/* Wake up regularly, as a signal may come just before the wait for events. Also drop clients, and
+ * look for further steps. */
 static void tick(lws_sorted_usec_list_t *sul) {
     view_server *s = lws_container_of(sul, view_server, tick);
     const bool waits = drop_gone(s);
