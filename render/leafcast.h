@@ -308,13 +308,14 @@ typedef struct leafcast_holding {
 } leafcast_holding;
 
 /* leafcast_map_steps() - counts, for a field at each of the first `steps` steps, what a picture
- * like the last one would need, and how much of that is in memory: a step of which all that is
- * wanted is resident is drawn without reading, as far as rays see there what they saw. holdings:
- * gets one for each step. LEAFCAST_USAGE if there is no such field, or there are fewer steps; steps
- * 1 or more; LEAFCAST_NOMEM. Of a volume with more than a million treelets seen, times steps,
- * counts evenly chosen ones; treelets that are there for other steps, and the same, may be
- * overlooked where there are as many. Any thread; waits for a picture or leafcast_frame_advance()
- * under way. Costs a few milliseconds at most, usually less than one. */
+ * like the last one would need, and how much of that is in memory. A step of which all that is
+ * wanted is resident is drawn without reading, as far as rays see there what they saw.
+ *
+ * holdings: gets one for each step. LEAFCAST_USAGE if there is no such field, or there are fewer
+ * steps, or steps is 0. Any thread; waits for a picture or leafcast_frame_advance() under way.
+ * Costs at most some two million looks at the directory: where treelets that were seen, times
+ * steps, are more than a million, it counts evenly chosen ones, and may overlook some that are in
+ * memory for another step and the same in this one. */
 LEAFCAST_API leafcast_status leafcast_map_steps(leafcast *volume, uint32_t field, uint32_t steps,
                                                 leafcast_holding *holdings);
 

@@ -127,10 +127,10 @@ void loader_read_expected(loader *l, const atomic_uchar touched[]);
  * and that meet the interest there, and which of them are in memory, or the same as one that is.
  * Bounded work: of many treelets it takes evenly chosen ones, LOADER_COUNTED_MAX in all sets
  * together; those whose sameness would take longer to find out than as many comparisons count as
- * not in memory. ST_NOMEM. Only while nothing is traced. */
+ * not in memory. Only while nothing is traced. */
 enum { LOADER_COUNTED_MAX = 1 << 20 };
-CHECKED status loader_count_sets(loader *l, uint32_t first, uint32_t count,
-                                 const atomic_uchar touched[], loader_holding *out);
+void loader_count_sets(loader *l, uint32_t first, uint32_t count, const atomic_uchar touched[],
+                       loader_holding *out);
 
 /* loader_select_gradients() - select whether the coming frames need a mesh's gradients; if so, its
  * file must have them. On a change, resident treelets give their values back. */

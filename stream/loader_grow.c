@@ -16,6 +16,9 @@ static void renumber(const loader *l, uint32_t steps, const source_move *move, t
 status loader_grow(loader *l, uint32_t steps) {
     struct loader_private *h = l->hidden;
     source_move move;
+    if (!h->kind->renumber)
+        return status_describe(ST_UNSUPPORTED, "%s has further steps: open it again to see them",
+                               file_path(l->file->source));
     pthread_mutex_lock(&h->lock);
     loader_reads_rest(h);
     status st = loader_reads_renew(l);

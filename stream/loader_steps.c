@@ -3,16 +3,17 @@
 
 #include "stream/loader_expect.h"
 
-/* Sets [first, first + count), and those of which the cache holds a treelet. */
+/* What is counted of sets [first, first + count). */
 typedef struct counting {
-    loader *l;
+    const loader *l;
     uint32_t first, count;
-    uint8_t *held;
+    loader_holding *out;
     uint32_t comparisons; /* that may still be made */
 } counting;
 
-/* Whether a treelet that is in memory, but in the cache of another set, is this one, or the same.
- */
+#define HELD (UINT32_C(1) << 31) /* in a set's `wanted`: the cache holds its treelet, meanwhile */
+
+/* Whether the treelet that is drawn, or one in the cache, is this set's, or the same. */
 static bool has_same(counting *c, uint32_t set, uint32_t t) {
     const struct loader_private *h = c->l->hidden;
     if (loader_expect_serves(h, loader_peek(c->l, t), set))
@@ -25,27 +26,27 @@ static bool has_same(counting *c, uint32_t set, uint32_t t) {
     return false;
 }
 
-static void count_treelet(counting *c, uint32_t t, loader_holding *out) {
+static void count_treelet(counting *c, uint32_t t) {
     const struct loader_private *h = c->l->hidden;
-    memset(c->held, 0, c->count);
     for (const treelet *tr = h->cache.of[t]; tr; tr = tr->next)
         if (tr->set >= c->first && tr->set < c->first + c->count)
-            c->held[tr->set - c->first] = 1;
+            c->out[tr->set - c->first].wanted |= HELD;
     for (uint32_t i = 0; i < c->count; i++) {
+        loader_holding *out = &c->out[i];
+        const bool held = out->wanted & HELD;
+        out->wanted &= ~HELD;
         if (!loader_expect_meets(c->l, c->first + i, t))
             continue;
-        out[i].wanted++;
-        out[i].resident += c->held[i] || has_same(c, c->first + i, t);
+        out->wanted++;
+        out->resident += held || has_same(c, c->first + i, t);
     }
 }
 
-status loader_count_sets(loader *l, uint32_t first, uint32_t count, const atomic_uchar touched[],
-                         loader_holding *out) {
+void loader_count_sets(loader *l, uint32_t first, uint32_t count, const atomic_uchar touched[],
+                       loader_holding *out) {
     struct loader_private *h = l->hidden;
     const uint32_t treelets = l->file->layout.treelets;
-    counting c = {l, first, count, mem_array(l->m, count, 1), LOADER_COUNTED_MAX};
-    if (!c.held)
-        return ST_NOMEM;
+    counting c = {l, first, count, out, LOADER_COUNTED_MAX};
     memset(out, 0, count * sizeof *out);
     uint64_t seen = 0, taken = 0;
     for (uint32_t t = 0; t < treelets; t++)
@@ -54,8 +55,6 @@ status loader_count_sets(loader *l, uint32_t first, uint32_t count, const atomic
     pthread_mutex_lock(&h->lock);
     for (uint32_t t = 0; t < treelets; t++)
         if (atomic_load_explicit(&touched[t], memory_order_relaxed) && taken++ % each == 0)
-            count_treelet(&c, t, out);
+            count_treelet(&c, t);
     pthread_mutex_unlock(&h->lock);
-    mem_free(l->m, c.held);
-    return ST_OK;
 }

@@ -72,7 +72,8 @@ typedef struct resident_kind {
     bool (*same)(const resident_store *s, const treelet *tr, uint32_t set);
     void (*adopt)(const resident_store *s, treelet *tr, uint32_t set);
     /* After its file has grown (leaf_file_exchange()): the treelet's set has this number now, and
-     * its payload lies here. NULL: files of this kind do not grow. */
+     * its payload lies here. NULL: files of this kind
+     * do not grow while they are open. */
     void (*renumber)(const resident_store *s, treelet *tr, uint32_t set, const void *payload);
     /* Whether its set has changed since the treelet was read. Asked only where sets change
      * (leaf_file.versions). */

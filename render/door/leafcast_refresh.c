@@ -7,13 +7,10 @@
 /* Whether the file was written to since its steps were taken in. Costs two calls of the system. */
 static bool is_touched(const leafcast *v) {
     live_hold h;
-    status_note changed;
     (void)volume_hold(v, 0, &h);
     const status st = file_mark_check(v->file->source, &v->file->mark);
     volume_let_go(v, &h);
-    if (st != ST_OK)
-        status_note_take(&changed, st); /* leaf_file_newer() says whether that matters */
-    return st != ST_OK;
+    return st != ST_OK; /* leaf_file_newer() says whether it has grown */
 }
 
 /* End what all volumes of the device read, so that memory can be measured. */

@@ -54,8 +54,9 @@ struct view_draw {
     pthread_mutex_t lock; /* guards all that follows, and the seats */
     pthread_cond_t work;
     bool ending;
-    bool refresh; /* files may have grown */
-    int next;     /* the seat whose turn is next */
+    bool refresh;    /* files may have grown */
+    int skips, most; /* of refreshes, after one that failed: how many are left, and were at first */
+    int next;        /* the seat whose turn is next */
     view_seat seats[VIEW_SEATS_MAX];
 };
 
@@ -233,16 +234,25 @@ static void clear(view_seat *seat) {
     memset((char *)seat + kept, 0, sizeof *seat - kept);
 }
 
-/* Take in the steps that have come. What fails leaves a volume as it was; if its file has changed
- * otherwise, the next picture says so. Releases the lock meanwhile. */
+/* Take in the steps that have come. What fails leaves a volume as it was, and is tried again ever
+ * less often; if its file has changed otherwise, the next picture says so. Releases the lock
+ * meanwhile. */
 static void refresh_files(view_draw *d) {
+    enum { SKIPS_MAX = 63 };
+    bool failed = false;
     d->refresh = false;
+    if (d->skips > 0) {
+        d->skips--;
+        return;
+    }
     pthread_mutex_unlock(&d->lock);
     for (int i = 0; i < d->file_count; i++) {
         uint32_t steps;
-        (void)leafcast_refresh(d->files[i].volume, &steps);
+        failed |= leafcast_refresh(d->files[i].volume, &steps) != LEAFCAST_OK;
     }
     pthread_mutex_lock(&d->lock);
+    d->most = !failed ? 0 : d->most < SKIPS_MAX ? 2 * d->most + 1 : SKIPS_MAX;
+    d->skips = d->most;
 }
 
 static void *draw_all(void *arg) {

@@ -245,6 +245,7 @@ static void test_grow(void **state) {
  * numbers. */
 static void test_shells(void **state) {
     (void)state;
+    skip_under_thread();
     stage *s = stage_of(LEAF_CODEC_ZSTD, 1);
     begin(s, STEPS - 1, "shells.leaf");
     leafcast *v = open_it(s->path, NULL);
