@@ -138,6 +138,23 @@ LEAFCAST_API leafcast_status leafcast_open_memory(const void *bytes, size_t size
                                                   leafcast **volume);
 LEAFCAST_API void leafcast_close(leafcast *volume); /* NULL is fine */
 
+/* leafcast_refresh() - takes in the time steps that were added to the volume's file since it was
+ * opened or refreshed last (`leafcast convert --append` and `--watch`, formats/SERIES.md 4): from
+ * then on there are more steps, with their times, ranges and histograms. Steps that were there keep
+ * their numbers, what is in memory of them stays there, and what is selected stays selected.
+ *
+ * steps: set to the number of steps that there are now; untouched on failure.
+ *
+ * Any thread. Costs two calls of the system where the file has not been written to since. Otherwise
+ * waits for a picture or leafcast_frame_advance() under way; frames that have begun go on with what
+ * they show. Of steps that have come, reads the directory, as opening does: then it takes the
+ * memory for both directories from the budget, for which treelets make room if need be.
+ *
+ * LEAFCAST_CORRUPT where the file is no longer the one that was opened, with more steps or without,
+ * or is damaged; LEAFCAST_NOMEM. The volume is then as it was. A live volume, or bytes in memory,
+ * never have more steps. */
+LEAFCAST_API leafcast_status leafcast_refresh(leafcast *volume, uint32_t *steps);
+
 /* ---- Live volumes ----
  *
  * A grid whose samples a running program gives, step after step, while pictures are drawn of it: by
@@ -303,6 +320,24 @@ typedef struct leafcast_block {
  * pass over the level's part of the directory. */
 LEAFCAST_API leafcast_status leafcast_map_treelets(leafcast *volume, uint32_t level,
                                                    const uint32_t blocks[3], leafcast_block *map);
+
+/* Of the treelets that the last picture's rays walked, those with values at another step that it
+ * asks for; resident: those of them in memory. */
+typedef struct leafcast_holding {
+    uint32_t wanted, resident;
+} leafcast_holding;
+
+/* leafcast_map_steps() - counts, for a field at each of the first `steps` steps, what a picture
+ * like the last one would need, and how much of that is in memory. A step of which all that is
+ * wanted is resident is drawn without reading, as far as rays see there what they saw.
+ *
+ * holdings: gets one for each step. LEAFCAST_USAGE if there is no such field, or there are fewer
+ * steps, or steps is 0. Any thread; waits for a picture or leafcast_frame_advance() under way.
+ * Costs at most some two million looks at the directory: where treelets that were seen, times
+ * steps, are more than a million, it counts evenly chosen ones, and may overlook some that are in
+ * memory for another step and the same in this one. */
+LEAFCAST_API leafcast_status leafcast_map_steps(leafcast *volume, uint32_t field, uint32_t steps,
+                                                leafcast_holding *holdings);
 
 /* leafcast_range() - sets range[0], range[1] to the smallest and the largest finite value of a
  * field at a step, at full resolution; range[0] > range[1] if none is finite. An isovalue v has a

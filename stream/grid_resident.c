@@ -172,6 +172,13 @@ static void adopt(const resident_store *s, treelet *tr, uint32_t set) {
     tr->set = set;
 }
 
+static void renumber(const resident_store *s, treelet *tr, uint32_t set, const void *payload) {
+    resident_grid *grid = (resident_grid *)tr;
+    adopt(s, tr, set);
+    tr->payload = payload;
+    grid->samples = (const char *)payload + grid->shape.samples_at;
+}
+
 /* Between steps, another moment between the same two needs no reading: masks are made anew, and
  * samples before them. */
 static bool keep(const resident_store *s, treelet *tr) {
@@ -224,6 +231,7 @@ const resident_kind grid_resident = {.shares = false,
                                      .load = load,
                                      .same = same,
                                      .adopt = adopt,
+                                     .renumber = renumber,
                                      .keep = keep,
                                      .strip = strip,
                                      .destroy = destroy,

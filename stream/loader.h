@@ -49,6 +49,12 @@ typedef struct loader_stats {
     uint64_t bytes_resident;  /* now: all treelets, drawn or in the cache */
 } loader_stats;
 
+/* Of the treelets of a set that a picture like the last one would need: how many there are, and how
+ * many are in memory, drawn or in the cache. */
+typedef struct loader_holding {
+    uint32_t wanted, resident;
+} loader_holding;
+
 typedef struct loader {
     mem *m;
     leaf_file *file;
@@ -92,6 +98,15 @@ void loader_select(loader *l, const interest *in);
  * the directory, or none if the set is the same as before, and unchanged. */
 void loader_select_set(loader *l, uint32_t set);
 
+/* loader_grow() - call it when steps have been added to the file (leaf_file_exchange()), which had
+ * so many before. What is resident, selected and expected stays; sets have other numbers. Only
+ * while nothing is traced. On failure nothing has changed. */
+CHECKED status loader_grow(loader *l, uint32_t steps);
+
+/* loader_restart() - the same of a file between the steps of one that has grown: nothing stays
+ * resident. On failure nothing else has changed. */
+CHECKED status loader_restart(loader *l);
+
 /* loader_is_behind() - whether the selected set has changed since it was selected
  * (leaf_file.versions): then select it again. */
 bool loader_is_behind(const loader *l);
@@ -111,6 +126,15 @@ void loader_follow(loader *l, const atomic_uchar touched[]);
  * in the statistics of its set, once that is selected, but for .load_s. */
 void loader_expect(loader *l, uint32_t set);
 void loader_read_expected(loader *l, const atomic_uchar touched[]);
+
+/* loader_count_sets() - count, of `count` sets from `first` on, the treelets that rays touched last
+ * and that meet the interest there, and which of them are in memory, or the same as one that is.
+ * Bounded work: of many treelets it takes evenly chosen ones, LOADER_COUNTED_MAX in all sets
+ * together; those whose sameness would take longer to find out than as many comparisons count as
+ * not in memory. Only while nothing is traced. */
+enum { LOADER_COUNTED_MAX = 1 << 20 };
+void loader_count_sets(loader *l, uint32_t first, uint32_t count, const atomic_uchar touched[],
+                       loader_holding *out);
 
 /* loader_select_gradients() - select whether the coming frames need a mesh's gradients; if so, its
  * file must have them. On a change, resident treelets give their values back. */

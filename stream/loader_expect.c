@@ -12,19 +12,21 @@ void loader_expect_end(struct loader_private *h) {
     h->expect_from = h->expect_to = 0;
 }
 
-/* Whether treelet t of the expected set meets the interest and is not taken whole. */
-static bool meets(const loader *l, uint32_t t) {
+bool loader_expect_meets(const loader *l, uint32_t set, uint32_t t) {
     const struct loader_private *h = l->hidden;
-    const size_t i = (size_t)l->file->layout.treelets * h->expected + t;
+    const size_t i = (size_t)l->file->layout.treelets * set + t;
     uint8_t met;
     sweep_ranges((const float(*)[2])l->file->own + i, 1, &h->selected, &met);
     return met && (l->tree || !sweep_is_whole(l->file, i, &h->selected.whole));
 }
 
-/* Whether this treelet is the expected set's, or will be when that is selected. */
+bool loader_expect_serves(const struct loader_private *h, const treelet *tr, uint32_t set) {
+    return tr && (tr->set == set || (tr->set != TREELET_NO_SET && h->kind->same &&
+                                     h->kind->same(&h->store, tr, set)));
+}
+
 static bool serves(const struct loader_private *h, const treelet *tr) {
-    return tr && (tr->set == h->expected || (tr->set != TREELET_NO_SET && h->kind->same &&
-                                             h->kind->same(&h->store, tr, h->expected)));
+    return loader_expect_serves(h, tr, h->expected);
 }
 
 /* Whether treelet t must be read. One in the cache stays there longer. */
@@ -96,8 +98,8 @@ void loader_read_expected(loader *l, const atomic_uchar touched[]) {
     /* Another step of a mesh that is refit takes the memory of this one. */
     if (h->expected != TREELET_NO_SET && h->expected != h->set && h->store.schema != MESH_REFIT) {
         for (uint32_t t = 0; t < treelets; t++)
-            h->held[t] = atomic_load_explicit(&touched[t], memory_order_relaxed) && meets(l, t) &&
-                         is_absent(l, t);
+            h->held[t] = atomic_load_explicit(&touched[t], memory_order_relaxed) &&
+                         loader_expect_meets(l, h->expected, t) && is_absent(l, t);
         h->expect_from = h->expect_ahead = 0;
         h->expect_to = treelets;
         loader_reads_tell(h);

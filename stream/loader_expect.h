@@ -18,6 +18,12 @@ uint32_t loader_expect_next(loader *l);
 /* loader_expect_ahead() - list those after it that are to be read ahead, each once. */
 void loader_expect_ahead(struct loader_private *h, loader_seat *seat);
 
+/* loader_expect_meets() - whether treelet t of a set meets the interest and is not taken whole.
+ * loader_expect_serves() - whether a treelet is that set's, or will be when that is selected. NULL
+ * is not. */
+bool loader_expect_meets(const loader *l, uint32_t set, uint32_t t);
+bool loader_expect_serves(const struct loader_private *h, const treelet *tr, uint32_t set);
+
 /* loader_expect_end() - read nothing more. Reads under way go on. */
 void loader_expect_end(struct loader_private *h);
 

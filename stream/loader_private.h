@@ -5,6 +5,8 @@
  * loader_expect.h     what is read of another set before that is selected
  * loader_requests.c   what rays ask for, and waiting for it
  * loader_select.c     another interest, set or capacity
+ * loader_grow.c       further steps of the file
+ * loader_steps.c      how much of other sets is in memory
  * loader.c            making and ending, masks, statistics
  */
 #ifndef STREAM_LOADER_PRIVATE_H

@@ -293,6 +293,34 @@ static status make_seats(loader *l, int count) {
     return st;
 }
 
+static void release_seats(loader *l, loader_seat *seats, int count, leaf_shells *shells) {
+    for (int i = 0; i < count; i++)
+        scratch_release(l->hidden, &seats[i].scratch);
+    mem_free(l->m, seats);
+    leaf_shells_destroy(shells);
+}
+
+status loader_reads_renew(loader *l) {
+    struct loader_private *h = l->hidden;
+    loader_seat *const seats = h->seats, *const free_seats = h->free_seats;
+    leaf_shells *const shells = h->shells;
+    const int count = h->seats_made;
+    h->seats = h->free_seats = NULL;
+    h->shells = NULL;
+    h->seats_made = 0;
+    const status st = make_seats(l, count);
+    if (st == ST_OK) {
+        release_seats(l, seats, count, shells);
+        return ST_OK;
+    }
+    release_seats(l, h->seats, h->seats_made, h->shells);
+    h->seats = seats;
+    h->free_seats = free_seats;
+    h->shells = shells;
+    h->seats_made = count;
+    return st;
+}
+
 status loader_reads_begin(loader *l, readers *given, int workers) {
     struct loader_private *h = l->hidden;
     h->customer = (reader_customer){.read = read_most_urgent, .ctx = l};
@@ -312,8 +340,5 @@ void loader_reads_end(loader *l) {
     if (h->joined)
         readers_leave(h->readers, &h->customer);
     readers_destroy(h->own_readers);
-    for (int i = 0; i < h->seats_made; i++)
-        scratch_release(h, &h->seats[i].scratch);
-    mem_free(l->m, h->seats);
-    leaf_shells_destroy(h->shells);
+    release_seats(l, h->seats, h->seats_made, h->shells);
 }

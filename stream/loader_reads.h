@@ -14,6 +14,10 @@
 CHECKED status loader_reads_begin(loader *l, readers *given, int workers);
 void loader_reads_end(loader *l);
 
+/* loader_reads_renew() - make scratch anew, as the file has other payloads now. Only while nothing
+ * is read. On failure nothing has changed. */
+CHECKED status loader_reads_renew(loader *l);
+
 /* loader_reads_before() - returns whether a is read before b. */
 bool loader_reads_before(const loader_request *a, const loader_request *b);
 

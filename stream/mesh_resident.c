@@ -298,6 +298,13 @@ static status load(const resident_store *s, uint32_t t, uint32_t set, const void
 
 /* ---- the row ---- */
 
+/* What is resident of a mesh was copied: it lies where it lay. */
+static void renumber(const resident_store *s, treelet *tr, uint32_t set, const void *payload) {
+    (void)s;
+    (void)payload;
+    tr->set = set;
+}
+
 static const treelet_bounds *boxes(const leaf_file *f, uint32_t set) {
     return (const treelet_bounds *)f->mesh->bounds +
            leaf_layout_bounds(&f->layout, leaf_layout_step(&f->layout, set), 0);
@@ -321,6 +328,7 @@ const resident_kind mesh_resident = {.shares = true,
                                      .stored = stored,
                                      .ahead = ahead,
                                      .load = load,
+                                     .renumber = renumber,
                                      .strip = strip,
                                      .destroy = destroy,
                                      .mask = mask};

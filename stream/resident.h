@@ -71,6 +71,10 @@ typedef struct resident_kind {
      * has. adopt: make one that has a treelet of this set. */
     bool (*same)(const resident_store *s, const treelet *tr, uint32_t set);
     void (*adopt)(const resident_store *s, treelet *tr, uint32_t set);
+    /* After its file has grown (leaf_file_exchange()): the treelet's set has this number now, and
+     * its payload lies here. NULL: files of this kind
+     * do not grow while they are open. */
+    void (*renumber)(const resident_store *s, treelet *tr, uint32_t set, const void *payload);
     /* Returns whether a treelet can stay whose set may have changed since it was read; it has no
      * masks any more if it must be brought up to date with them. Called only where sets change
      * (leaf_file.versions), while nothing is traced. */

@@ -1,5 +1,6 @@
 #include "stream/source.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdatomic.h>
@@ -253,6 +254,26 @@ status source_open(mem *m, leaf_file *f, source_kind kind, source **out) {
         return st;
     }
     *out = s;
+    return ST_OK;
+}
+
+status source_extend(source *s, source_move *move) {
+    const leaf_file *f = s->file;
+    *move = (source_move){0};
+    if (!s->map)
+        return ST_OK;
+    const size_t bytes = (size_t)file_size(f->source);
+    assert(file_offset(f->source) == 0);
+    file_mark_settle(&f->mark);
+    void *map = mremap(s->map, s->map_bytes, bytes, MREMAP_MAYMOVE);
+    if (map == MAP_FAILED)
+        return status_describe(errno == ENOMEM ? ST_NOMEM : ST_IO, "%s: cannot be mapped: %s",
+                               file_path(f->source), strerror(errno));
+    (void)madvise(map, bytes, MADV_RANDOM);
+    *move = (source_move){(uintptr_t)s->map, s->map_bytes, (uint8_t *)map - (uint8_t *)s->map};
+    s->map = map;
+    s->map_bytes = bytes;
+    s->bytes = map;
     return ST_OK;
 }
 

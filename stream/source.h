@@ -30,6 +30,13 @@ typedef enum source_kind { SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA } source_kin
 
 typedef struct source source;
 
+/* Payloads in so many bytes of memory lie elsewhere now. */
+typedef struct source_move {
+    uintptr_t from;
+    size_t bytes;
+    ptrdiff_t by;
+} source_move;
+
 /* source_open() - AUTO means the mapping for raw payloads of grids, if m has no limit, the program
  * handles SIGBUS (bus_error.h) and the system maps the file; else the arena (stream/README.md says
  * why). The caller keeps the file,
@@ -56,6 +63,15 @@ CHECKED status source_load_into(source *s, uint32_t p, leaf_unpacker *u, void *p
 /* source_read() - read `bytes` bytes of payload p from byte `from` on, without a check. For either
  * backend; leaf_file_is_raw() must be true of p. */
 CHECKED status source_read(source *s, uint32_t p, uint32_t from, uint32_t bytes, void *to);
+
+/* source_extend() - call it when the file has more segments (leaf_file_exchange()): map those, too.
+ * Loaded payloads may then lie elsewhere: source_moved() returns where. Only while nothing is
+ * loaded. On failure nothing has changed. */
+CHECKED status source_extend(source *s, source_move *move);
+static inline const void *source_moved(const source_move *move, const void *payload) {
+    return (uintptr_t)payload - move->from < move->bytes ? (const uint8_t *)payload + move->by
+                                                         : payload;
+}
 
 /* source_ahead() - ask the system to read the bytes of these payloads of leaf_file_stores(), which
  * will be loaded soon.

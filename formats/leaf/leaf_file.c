@@ -450,19 +450,24 @@ status leaf_file_open_memory(mem *m, const char *name, const void *bytes, size_t
 }
 
 /* Whether a file that was written to still begins with what was opened, and may have grown. */
-static bool has_grown(const leaf_file *f) {
-    leaf_header head;
-    return file_offset(f->source) == 0 && file_read_at(f->source, 0, &head, sizeof head) == ST_OK &&
-           head.segments && head.segments >= f->header.segments &&
-           head.checksum == leaf_header_checksum(&head) &&
-           memcmp(head.id, f->first_id, sizeof head.id) == 0;
+static bool has_grown(const leaf_file *f, const leaf_header *head) {
+    return head->segments && head->segments >= f->header.segments &&
+           head->checksum == leaf_header_checksum(head) &&
+           memcmp(head->id, f->first_id, sizeof head->id) == 0;
 }
 
 /* Find that a file which was written to has grown, or say again what has changed. */
 static status check_growth(const leaf_file *f, status st) {
+    leaf_header head;
     status_note note;
     status_note_take(&note, st);
-    return has_grown(f) ? file_mark_check_name(f->source, &f->mark) : status_note_raise(&note);
+    if (file_offset(f->source) != 0)
+        return st;
+    st = file_read_at(f->source, 0, &head, sizeof head);
+    if (st == ST_IO)
+        return st;
+    return st == ST_OK && has_grown(f, &head) ? file_mark_check_name(f->source, &f->mark)
+                                              : status_note_raise(&note);
 }
 
 status leaf_file_changed(const leaf_file *f) {

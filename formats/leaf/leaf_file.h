@@ -29,6 +29,7 @@ typedef struct mesh_directory {
 typedef struct leaf_segment {
     uint64_t base; /* where its header lies */
     uint32_t first, steps;
+    uint64_t id[2];
 } leaf_segment;
 
 typedef struct leaf_file {
@@ -101,6 +102,14 @@ CHECKED status leaf_file_join(leaf_file *f);
  * first header. */
 CHECKED status leaf_file_open_first(mem *m, const char *path, const leaf_header *first,
                                     leaf_file **out);
+
+/* leaf_file_newer() - open the file of f anew if segments were added to it since f was opened:
+ * *out, the caller's to close. NULL: none were, or f's bytes are in memory. Changes nothing in f.
+ * ST_CORRUPT where the file is no longer what f was opened from with more behind it, or is damaged.
+ * leaf_file_exchange() - exchange what later segments add to a file: sets, steps and what is said
+ * of them. All else of f stays where it is in memory. Calling it again undoes it. */
+CHECKED status leaf_file_newer(const leaf_file *f, leaf_file **out);
+void leaf_file_exchange(leaf_file *f, leaf_file *newer);
 
 /* leaf_file_number() - the number that a set has in entries of SAME and BASES of later segments.
  * leaf_file_numbered() - the set of that number.

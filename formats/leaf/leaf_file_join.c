@@ -43,10 +43,11 @@ static status find_segments(leaf_file *f) {
             return st;
         if (memcmp(head.magic, LEAF_MAGIC, sizeof head.magic) || head.before >= at)
             return no_segment(f, at, i);
-        f->segments[i] = (leaf_segment){at, head.steps_before, head.steps};
+        f->segments[i] =
+            (leaf_segment){at, head.steps_before, head.steps, {head.id[0], head.id[1]}};
         at = head.before;
     }
-    f->segments[0] = (leaf_segment){0, 0, f->header.steps};
+    f->segments[0] = (leaf_segment){0, 0, f->header.steps, {f->first_id[0], f->first_id[1]}};
     return at == 0 || count == 1 ? check_steps(f) : no_segment(f, at, 0);
 }
 
@@ -337,25 +338,27 @@ static status add_segment(joining *j, leaf_header *h, uint32_t i, uint64_t *end)
     return st;
 }
 
-/* Move the arrays of all segments into the file. */
-static void settle(joining *j, const leaf_header *h) {
-    leaf_file *f = j->f;
-    const leaf_links old = f->links;
-    for (int i = 0; i < ARRAYS; i++) {
-        void *own = *array_of(f, i);
-        *array_of(f, i) = *array_of(&j->to, i);
-        *array_of(&j->to, i) = own;
-    }
 #define SWAP(type, a, b)  \
     do {                  \
         type swapped = a; \
         a = b;            \
         b = swapped;      \
     } while (0)
-    SWAP(double *, f->times, j->to.times);
-    SWAP(histogram *, f->histograms, j->to.histograms);
-    SWAP(uint16_t *, f->deviations, j->to.deviations);
-#undef SWAP
+
+/* Exchange the arrays of sets and steps of two files. */
+static void exchange_arrays(leaf_file *f, leaf_file *other) {
+    for (int i = 0; i < ARRAYS; i++)
+        SWAP(void *, *array_of(f, i), *array_of(other, i));
+    SWAP(double *, f->times, other->times);
+    SWAP(histogram *, f->histograms, other->histograms);
+    SWAP(uint16_t *, f->deviations, other->deviations);
+}
+
+/* Move the arrays of all segments into the file. */
+static void settle(joining *j, const leaf_header *h) {
+    leaf_file *f = j->f;
+    const leaf_links old = f->links;
+    exchange_arrays(f, &j->to);
     f->links = (leaf_links){j->same, j->bases};
     j->same = (uint32_t *)(uintptr_t)old.same;
     j->bases = (uint32_t *)(uintptr_t)old.bases;
@@ -407,11 +410,77 @@ status leaf_file_join(leaf_file *f) {
     return st;
 }
 
+/* ---- taking in segments that have come ---- */
+
+/* Whether all segments of f are still there, at the beginning of another one. */
+static bool is_continued(const leaf_file *f, const leaf_file *by) {
+    bool same = memcmp(f->first_id, by->first_id, sizeof f->first_id) == 0 &&
+                by->header.segments > f->header.segments && by->header.steps > f->header.steps;
+    for (uint32_t i = 1; i < f->header.segments && same; i++)
+        same = memcmp(&f->segments[i], &by->segments[i], sizeof *f->segments) == 0;
+    return same && f->mark.device == by->mark.device && f->mark.inode == by->mark.inode;
+}
+
+status leaf_file_newer(const leaf_file *f, leaf_file **out) {
+    leaf_header head;
+    leaf_file *newer = NULL;
+    *out = NULL;
+    status st = leaf_file_changed(f);
+    if (st != ST_OK || file_descriptor(f->source) < 0)
+        return st;
+    st = file_read_at(f->source, 0, &head, sizeof head);
+    if (st != ST_OK || head.segments <= 1 || head.segments <= f->header.segments)
+        return st;
+    st = leaf_file_open(f->m, file_path(f->source), &newer);
+    if (st == ST_OK && !is_continued(f, newer))
+        st = status_describe(
+            ST_CORRUPT, "%s changed while it was open: its first %u steps are not what they were",
+            file_path(f->source), f->header.steps);
+    if (st != ST_OK) {
+        leaf_file_close(newer);
+        return st;
+    }
+    *out = newer;
+    return ST_OK;
+}
+
+/* Take from another header what sum_up() makes. */
+static void take_sums(leaf_header *h, const leaf_header *of) {
+    h->payload_bytes = of->payload_bytes;
+    h->non_finite = of->non_finite;
+    h->value_min = of->value_min;
+    h->value_max = of->value_max;
+    h->rounding_error = of->rounding_error;
+    memcpy(h->id, of->id, sizeof h->id);
+}
+
+void leaf_file_exchange(leaf_file *f, leaf_file *newer) {
+    leaf_header *h = &f->header, *other = &newer->header;
+    exchange_arrays(f, newer);
+    SWAP(leaf_links, f->links, newer->links);
+    SWAP(leaf_segment *, f->segments, newer->segments);
+    SWAP(file *, f->source, newer->source);
+    SWAP(file_mark, f->mark, newer->mark);
+    SWAP(uint64_t, f->directory_bytes, newer->directory_bytes);
+    SWAP(uint32_t, f->layout.payloads, newer->layout.payloads);
+    SWAP(uint32_t, f->layout.sets, newer->layout.sets);
+    SWAP(uint32_t, f->layout.gradient_sets, newer->layout.gradient_sets);
+    SWAP(uint32_t, f->layout.steps, newer->layout.steps);
+    SWAP(uint64_t, h->last, other->last);
+    SWAP(uint32_t, h->segments, other->segments);
+    SWAP(uint64_t, h->checksum, other->checksum);
+    SWAP(uint32_t, h->steps, other->steps);
+    SWAP(uint64_t, h->file_bytes, other->file_bytes);
+    const leaf_header own = *h;
+    take_sums(h, other);
+    take_sums(other, &own);
+}
+
 /* ---- numbers of sets ---- */
 
 /* The segment that a step is in. whole: room for that of a file without segments. */
 static const leaf_segment *segment_with(const leaf_file *f, uint32_t step, leaf_segment *whole) {
-    *whole = (leaf_segment){0, 0, f->layout.steps};
+    *whole = (leaf_segment){.steps = f->layout.steps};
     return f->segments ? segment_of(f->segments, f->header.segments, step) : whole;
 }
 

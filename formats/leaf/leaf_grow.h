@@ -2,7 +2,8 @@
  *
  * A segment is written as a file of its own first, then copied behind the others, and counts once
  * the first header says so, which is written last. Until then, and if anything fails or the program
- * is killed, the file is what it was. Who has it open goes on with the segments that it knows.
+ * is killed, the file is what it was. Who has it open goes on with the segments that it knows
+ * (leaf_file_newer() takes in others).
  *
  *     leaf_grow_open(m, "series.leaf", &grow);
  *     ... write a segment with leaf_target.grow, by leaf_writer.h: leaf_writer_finish() adds it

@@ -14,7 +14,7 @@ enum { TEXT_MAX = 1024 };
 static const char *const EVEN[] = {
     "iso",      "opacity",     "colour",  "eye",      "look-at",   "up",         "fov",
     "ortho",    "window",      "ambient", "specular", "shininess", "clip-plane", "light",
-    "clip-box", "point-light", "error",   "step",     "background"};
+    "clip-box", "point-light", "error",   "step",     "time",      "background"};
 
 static bool changes_evenly(const char *key) {
     for (size_t i = 0; i < sizeof EVEN / sizeof *EVEN; i++)

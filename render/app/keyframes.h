@@ -13,8 +13,9 @@
  * Where all keys have "eye" and "look-at", the camera follows a Catmull-Rom spline through them. It
  * interpolates the point looked at, the logarithm of the distance, the direction to the eye and
  * "up", the last two on the sphere. Other numbers of a view (isovalues, colours, opacities,
- * windows, clips, lights) change linearly if both neighbours have as many; "step" changes by whole
- * steps. Everything else stays as in the key before.
+ * windows, clips, lights, "time") change linearly if both neighbours have as many; "step" changes
+ * by whole steps. What a time means is the caller's (key_times.h). Everything else stays as in the
+ * key before.
  *
  * ST_USAGE: a key is not an object. ST_NOMEM. */
 CHECKED status keyframes_spread(const json_t *keys, int frames, json_t **path);

@@ -6,6 +6,7 @@
 
 #include "formats/base/file.h"
 #include "formats/base/sequence.h"
+#include "render/app/key_times.h"
 #include "render/app/keyframes.h"
 #include "render/app/render_picture.h"
 
@@ -102,33 +103,68 @@ static status describe_frame(const render_options *o, sequence *s, int number,
     return st;
 }
 
-/* Say before a picture is drawn which step comes next. A camera path may say other ones. */
+/* Say before a picture is drawn which step comes next, as --steps or the camera path says. */
 static status expect_next(const render_options *o, const sequence *s, const render_job *job,
                           int number, const script_frame *frame) {
-    if (s->path || !step_list_given(&o->steps) || number + 1 >= s->count)
+    const uint64_t index = (uint64_t)((number + 1) / turns_of(o));
+    if (number + 1 >= s->count)
         return ST_OK;
-    const uint64_t index = (uint64_t)((number + 1) / turns_of(o) % steps_of(o));
-    return render_job_expect(job, &frame->view, step_list_at(&o->steps, index));
+    if (s->path) {
+        const size_t views = json_array_size(s->path);
+        const json_t *step = json_object_get(json_array_get(s->path, index % views), "step");
+        const bool known = json_is_integer(step) && json_integer_value(step) >= 0 &&
+                           json_integer_value(step) < job->info.steps;
+        return known ? render_job_expect(job, &frame->view, (uint32_t)json_integer_value(step))
+                     : ST_OK;
+    }
+    if (!step_list_given(&o->steps))
+        return ST_OK;
+    return render_job_expect(job, &frame->view,
+                             step_list_at(&o->steps, index % (uint64_t)steps_of(o)));
 }
 
-/* Load the entries of the camera path and, with --frames, interpolate between them. */
-static status load_path(const render_options *o, json_t **path) {
-    json_t *keys = NULL;
-    status st = script_load_path(o->camera_path, &keys);
-    if (st != ST_OK || !o->frames) {
-        *path = keys;
-        return st;
-    }
-    st = keyframes_spread(keys, o->frames, path);
+/* Open the file, if it is not open. */
+static status open_file(const render_options *o, render_job *job) {
+    return job->volume ? ST_OK : render_job_open(job, o->common.input, &o->open);
+}
+
+/* Settle --steps: "all" depends on the file's steps. */
+static status settle_steps(render_options *o, render_job *job) {
+    const status st = open_file(o, job);
+    return st == ST_OK ? step_list_settle(&o->steps, "--steps", o->common.input, job->info.steps)
+                       : st;
+}
+
+/* Interpolate between the entries of the camera path, with --frames. */
+static status spread_path(const render_options *o, json_t **path) {
+    json_t *keys = *path;
+    if (!o->frames)
+        return ST_OK;
+    *path = NULL;
+    const status st = keyframes_spread(keys, o->frames, path);
     json_decref(keys);
     return st;
 }
 
-static status count_frames(const render_options *o, sequence *s) {
+/* Load the camera path. Which step a time is, the file says. */
+static status load_path(const render_options *o, render_job *job, json_t **path) {
+    status st = script_load_path(o->camera_path, path);
+    if (st != ST_OK || !key_times_any(*path))
+        return st == ST_OK ? spread_path(o, path) : st;
+    st = open_file(o, job);
+    if (st == ST_OK)
+        st = key_times_unify(*path, job->volume);
+    if (st == ST_OK)
+        st = spread_path(o, path);
+    /* With --interpolate, times between steps are drawn themselves. */
+    return st == ST_OK && !o->view.time.interpolate ? key_times_settle(*path, job->volume) : st;
+}
+
+static status count_frames(const render_options *o, render_job *job, sequence *s) {
     int64_t count = 1;
     for (const char *at = o->iso_list ? o->iso_list : ""; *at; at++)
         count += *at == ',';
-    status st = o->camera_path ? load_path(o, &s->path) : ST_OK;
+    status st = o->camera_path ? load_path(o, job, &s->path) : ST_OK;
     if (st != ST_OK)
         return st;
     /* No overflow: each factor is below 2^31, and the loop ends at a product that is too large. */
@@ -190,13 +226,6 @@ static status draw_sequence(const render_options *o, render_job *job, sequence *
     return st;
 }
 
-/* Open the file, if it is not open, and settle --steps: "all" depends on the file's steps. */
-static status settle_steps(render_options *o, render_job *job) {
-    status st = job->volume ? ST_OK : render_job_open(job, o->common.input, &o->open);
-    return st == ST_OK ? step_list_settle(&o->steps, "--steps", o->common.input, job->info.steps)
-                       : st;
-}
-
 status render_sequence_run(render_options *o, render_job *job) {
     static script_frame frame;
     sequence s = {0};
@@ -204,7 +233,7 @@ status render_sequence_run(render_options *o, render_job *job) {
     mem_init(&s.m, 0);
     status st = o->steps.all ? settle_steps(o, job) : ST_OK;
     if (st == ST_OK)
-        st = count_frames(o, &s);
+        st = count_frames(o, job, &s);
     if (st == ST_OK)
         st = check_sequence(o, job, &s, &frame);
     if (st == ST_OK)

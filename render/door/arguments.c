@@ -390,6 +390,7 @@ static const public_fields slice_table =
 
 static const public_fields info_table = PUBLIC_WRITTEN(leafcast_info),
                            block_table = PUBLIC_WRITTEN(leafcast_block),
+                           holding_table = PUBLIC_WRITTEN(leafcast_holding),
                            histogram_table = PUBLIC_WRITTEN(leafcast_histogram),
                            stats_table = PUBLIC_WRITTEN(leafcast_stats),
                            hit_table = PUBLIC_WRITTEN(leafcast_hit),
@@ -404,6 +405,7 @@ const public_fields *const *arguments_tables(int *count) {
                                                   &info_table,
                                                   &surface_table,
                                                   &block_table,
+                                                  &holding_table,
                                                   &light_table,
                                                   &medium_table,
                                                   &shown_table,

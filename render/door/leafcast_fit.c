@@ -22,7 +22,7 @@ static status find_histogram(const leafcast *v, uint32_t field, uint32_t step, h
     mem_init(&outside, 0);
     step = volume_hold(v, step, &h);
     st = leaf_histogram_get(&outside, v->file, leaf_layout_set(&v->file->layout, field, step), out);
-    live_steps_let_go(&h);
+    volume_let_go(v, &h);
     return st;
 }
 
@@ -112,7 +112,7 @@ leafcast_status leafcast_fit_view(const leafcast *v, uint32_t field, uint32_t st
     step = volume_hold(v, step, &h);
     v->kind->walks->active_box(v, leaf_layout_set(&v->file->layout, field, step), isovalues, count,
                                corners);
-    live_steps_let_go(&h);
+    volume_let_go(v, &h);
     *view =
         camera_fit((const double(*)[3])corners, fov > 0.0 ? fov : LEAFCAST_FIT_FOV, width, height);
     return LEAFCAST_OK;

@@ -1,5 +1,7 @@
-/* leafcast_map.c - counts of wanted, resident and seen treelets, in blocks of the volume. */
+/* leafcast_map.c - counts of wanted, resident and seen treelets: in blocks of the volume, at steps.
+ */
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "render/door/arguments.h"
@@ -64,5 +66,28 @@ leafcast_status leafcast_map_treelets(leafcast *v, uint32_t level, const uint32_
     for (uint32_t t = of->first; t < of->first + of->count; t++)
         count(shown, t, blocks, map);
     device_unlock(v->device);
+    return LEAFCAST_OK;
+}
+
+_Static_assert(sizeof(leafcast_holding) == sizeof(loader_holding) &&
+                   offsetof(leafcast_holding, resident) == offsetof(loader_holding, resident),
+               "the public counts are the loader's");
+
+leafcast_status leafcast_map_steps(leafcast *v, uint32_t field, uint32_t steps,
+                                   leafcast_holding *holdings) {
+    live_hold h;
+    status st = arguments_check_volume(__func__, v);
+    if (st == ST_OK)
+        st = public_needs(__func__, "holdings", (const void *[]){holdings});
+    if (st == ST_OK)
+        st = public_in_range(__func__, "steps", steps, 1, UINT32_MAX);
+    if (st == ST_OK)
+        st = volume_check_set(v, field, steps - 1);
+    if (st != ST_OK)
+        return public_status(st);
+    volume_lock(v, &h);
+    const uint32_t first = leaf_layout_set(&v->file->layout, field, v->live ? v->step : 0);
+    loader_count_sets(v->treelets, first, steps, v->touched, (loader_holding *)holdings);
+    volume_unlock(v, &h);
     return LEAFCAST_OK;
 }

@@ -298,7 +298,7 @@ static void cut_box(rectangle *r, const leafcast *v, const double plane[4]) {
     const uint32_t step = volume_hold(v, v->live ? 0 : v->step, &h);
     v->kind->walks->active_box(v, leaf_layout_set(&v->file->layout, v->field, step), NULL, 0,
                                corners);
-    live_steps_let_go(&h);
+    volume_let_go(v, &h);
     for (int i = 0; i < 8; i++)
         for (int a = 0; a < 3; a++)
             if (!(i >> a & 1))

@@ -40,7 +40,9 @@ status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene) {
         for (int k = 0; k < s->count; k++)
             t->surfaces[i][k] = s->surfaces[k];
         s->surfaces = t->surfaces[i];
-        s->step = volume_hold(s->volume, s->step, &t->holds[i]);
+        t->holds[i] = (live_hold){.step = s->step};
+        live_steps_hold(s->volume->live, &t->holds[i]);
+        s->step = t->holds[i].step;
         t->first_id[i] = id;
         id += s->count;
         st = between_steps_open(&s->volume, s->between);

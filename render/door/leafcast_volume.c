@@ -121,6 +121,7 @@ leafcast *volume_on(leafcast_device *d, const leafcast_options *options) {
     if (options->experiments)
         v->experiments = *options->experiments;
     v->options.experiments = NULL; /* points into the caller's memory */
+    pthread_rwlock_init(&v->steps, NULL);
     return v;
 }
 
@@ -136,6 +137,7 @@ void volume_release(leafcast *v) {
     mem_free(v->m, v->touched);
     live_steps_destroy(v->live);
     leaf_file_close(v->file);
+    pthread_rwlock_destroy(&v->steps);
     mem_free(&outside, v);
 }
 
@@ -226,18 +228,36 @@ void leafcast_close(leafcast *v) {
     device_release(d);
 }
 
-/* ---- Steps of a live volume ---- */
+/* ---- Steps that change ---- */
+
+/* Those of a constant volume, too. */
+static pthread_rwlock_t *steps_lock(const leafcast *v) {
+    return &((leafcast *)(uintptr_t)v)->steps;
+}
+
+static uint32_t hold_live(const leafcast *v, uint32_t step, live_hold *h) {
+    *h = (live_hold){.step = step};
+    live_steps_hold(v->live, h);
+    return h->step;
+}
 
 uint32_t volume_hold(const leafcast *v, uint32_t step, live_hold *h) {
     *h = (live_hold){.step = step};
-    if (device_is_here(v->device)) /* else its locks may be held for ever, and nobody writes */
-        live_steps_hold(v->live, h);
-    return h->step;
+    if (!device_is_here(v->device)) /* its locks may be held for ever, and nobody writes */
+        return step;
+    pthread_rwlock_rdlock(steps_lock(v));
+    return hold_live(v, step, h);
+}
+
+void volume_let_go(const leafcast *v, live_hold *h) {
+    live_steps_let_go(h);
+    if (device_is_here(v->device))
+        pthread_rwlock_unlock(steps_lock(v));
 }
 
 void volume_lock(leafcast *v, live_hold *h) {
     device_lock(v->device);
-    v->step = volume_hold(v, v->step, h);
+    v->step = hold_live(v, v->step, h);
 }
 
 void volume_unlock(leafcast *v, live_hold *h) {
@@ -247,19 +267,24 @@ void volume_unlock(leafcast *v, live_hold *h) {
     device_unlock(v->device);
 }
 
-/* Steps that a caller may ask for. */
+/* Steps that a caller may ask for. Needs a hold, or the device's lock. */
 static uint32_t steps_of(const leafcast *v) {
     return v->live ? 1 : v->file->header.steps;
 }
 
-/* The finite values of all that is shown; as the header says, but for a live volume. */
-static void tell_values(const leafcast *v, leafcast_info *info) {
+/* What grows with the file, and the finite values of all that is shown: as the header says, but for
+ * a live volume. */
+static void tell_steps(const leafcast *v, leafcast_info *info) {
     live_hold h;
     const uint32_t step = volume_hold(v, 0, &h);
+    const leaf_header *head = &v->file->header;
     const float *now = v->file->ranges[leaf_layout_samples(&v->file->layout, step, 0)];
-    info->value_min = v->live ? (double)now[0] : v->file->header.value_min;
-    info->value_max = v->live ? (double)now[1] : v->file->header.value_max;
-    live_steps_let_go(&h);
+    info->steps = steps_of(v);
+    info->file_bytes = head->file_bytes;
+    info->payload_bytes = head->payload_bytes;
+    info->value_min = v->live ? (double)now[0] : head->value_min;
+    info->value_max = v->live ? (double)now[1] : head->value_max;
+    volume_let_go(v, &h);
 }
 
 leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
@@ -279,7 +304,6 @@ leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
                             .cell = v->kind->cell,
                             .levels = v->file->layout.sampled,
                             .fields = h->fields,
-                            .steps = steps_of(v),
                             .moving = leaf_layout_moves(&v->file->layout),
                             .treelets = v->file->layout.treelets,
                             .sample_type = sample_name((sample_type)h->sample_type),
@@ -289,10 +313,8 @@ leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
                             .axes = (leafcast_axes)v->axes,
                             .units = {world->unit[0], world->unit[1], world->unit[2]},
                             .time_unit = world->time_unit,
-                            .cell_size = 1.0,
-                            .file_bytes = h->file_bytes,
-                            .payload_bytes = h->payload_bytes};
-    tell_values(v, info);
+                            .cell_size = 1.0};
+    tell_steps(v, info);
     v->kind->describe(v, info);
     return LEAFCAST_OK;
 }
@@ -325,7 +347,10 @@ leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, i
 }
 
 status volume_check_set(const leafcast *v, uint32_t field, uint32_t step) {
+    live_hold h;
+    (void)volume_hold(v, step, &h);
     const uint32_t fields = v->file->header.fields, steps = steps_of(v);
+    volume_let_go(v, &h);
     if (field < fields && step < steps)
         return ST_OK;
     return status_describe(ST_USAGE, "field %u at step %u: there are %u fields and %u steps", field,
@@ -381,7 +406,7 @@ leafcast_status leafcast_range(const leafcast *v, uint32_t field, uint32_t step,
     live_hold h;
     step = volume_hold(v, step, &h);
     leaf_histogram_range(v->file, leaf_layout_set(&v->file->layout, field, step), range);
-    live_steps_let_go(&h);
+    volume_let_go(v, &h);
     return LEAFCAST_OK;
 }
 
@@ -390,11 +415,12 @@ const char *leafcast_field_name(const leafcast *v, uint32_t field) {
 }
 
 double leafcast_step_time(const leafcast *v, uint32_t step) {
-    if (!v || step >= steps_of(v))
+    if (!v)
         return (double)step;
     live_hold h;
-    const double time = leaf_file_step_time(v->file, volume_hold(v, step, &h));
-    live_steps_let_go(&h);
+    const uint32_t held = volume_hold(v, step, &h);
+    const double time = step < steps_of(v) ? leaf_file_step_time(v->file, held) : (double)step;
+    volume_let_go(v, &h);
     return time;
 }
 

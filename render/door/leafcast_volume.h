@@ -25,11 +25,15 @@ CHECKED status volume_open_on(leafcast_device *d, const leafcast_options *option
                               const void *from, leafcast **out);
 
 /* volume_hold() - returns the file's step that a caller's step is: of a live volume the current
- * one, which then stays as it is until live_steps_let_go(). Any thread. */
+ * one, which then stays as it is until volume_let_go(), as do the steps of a file that grows: for
+ * whoever looks at the file without the device's lock. Any thread; a thread that holds takes no
+ * other lock of a volume or device. */
 uint32_t volume_hold(const leafcast *v, uint32_t step, live_hold *h);
+void volume_let_go(const leafcast *v, live_hold *h);
 
-/* volume_lock() - take the device's lock; of a live volume hold the current step, too, which is
- * v->step then. volume_unlock() - give both back, and end the reads of such a step. */
+/* volume_lock() - take the device's lock, so that the file does not grow; of a live volume hold the
+ * current step, too, which is v->step then. volume_unlock() - give both back, and end the reads of
+ * such a step. */
 void volume_lock(leafcast *v, live_hold *h);
 void volume_unlock(leafcast *v, live_hold *h);
 

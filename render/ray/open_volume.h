@@ -3,6 +3,8 @@
 #ifndef RENDER_RAY_OPEN_VOLUME_H
 #define RENDER_RAY_OPEN_VOLUME_H
 
+#include <pthread.h>
+
 #include "formats/base/world_frame.h"
 #include "render/leafcast.h"
 #include "render/leafcast_experimental.h"
@@ -17,6 +19,7 @@ struct leafcast {
     leafcast_options options; /* its experiments: */
     leafcast_experiments experiments;
     leaf_file *file;
+    pthread_rwlock_t steps;  /* over what is told of the file's steps: see volume_hold() */
     struct live_steps *live; /* of a live volume (render/door/live_steps.h), or NULL */
     loader *treelets;
     const struct kind *kind;

@@ -37,7 +37,7 @@ struct view_seat {
     bool any;         /* there was a wish */
     pick picks[VIEW_PICKS_MAX];
     int pick_count;
-    bool residency; /* maps of treelets are wanted */
+    view_residency residency;
     view_queue queue;
     sent unseen[VIEW_UNSEEN_MAX];
     int unseen_count;
@@ -46,20 +46,25 @@ struct view_seat {
 struct view_draw {
     mem *m;
     view_tools tools;
+    const view_file *files;
+    int file_count;
     void (*notify)(void *ctx);
     void *ctx;
     pthread_t thread;
     pthread_mutex_t lock; /* guards all that follows, and the seats */
     pthread_cond_t work;
     bool ending;
-    int next; /* the seat whose turn is next */
+    bool refresh;    /* files may have grown */
+    int skips, most; /* of refreshes, after one that failed: how many are left, and were at first */
+    int next;        /* the seat whose turn is next */
     view_seat seats[VIEW_SEATS_MAX];
 };
 
 /* What a seat needs now. */
 typedef struct turn {
-    bool leave, begin, draw, may_send, pick, residency, slice;
+    bool leave, begin, draw, may_send, pick, slice;
     pick picked;
+    view_residency residency;
 } turn;
 
 /* ---- Messages ---- */
@@ -114,16 +119,27 @@ static void answer_pick(view_draw *d, view_seat *seat, const view_wish *wish, co
     say(d, seat, view_message_json(d->m, answer));
 }
 
-static void tell_residency(view_draw *d, view_seat *seat) {
+static void tell_steps(view_draw *d, view_seat *seat) {
+    const view_wish *wish = view_picture_wish(seat->picture);
+    uint32_t field;
+    if (view_options_field(&wish->view, wish->volume, &field) == ST_OK)
+        say(d, seat, view_message_json(d->m, view_map_steps(d->m, wish->volume, field)));
+}
+
+static void tell_residency(view_draw *d, view_seat *seat, const view_residency *wanted) {
     const view_picture *p = seat->picture;
     const double now = clock_seconds();
     const bool last = !view_picture_busy(p) && !view_picture_wish(p)->moving;
     if (!last && now - seat->mapped < MAP_S)
         return;
     seat->mapped = now;
-    say(d, seat,
-        view_message_json(d->m, view_map_describe(d->m, view_picture_wish(p)->volume,
-                                                  view_picture_level(p), view_picture_stats(p))));
+    if (wanted->map)
+        say(d, seat,
+            view_message_json(d->m,
+                              view_map_describe(d->m, view_picture_wish(p)->volume,
+                                                view_picture_level(p), view_picture_stats(p))));
+    if (wanted->steps)
+        tell_steps(d, seat);
 }
 
 static void draw_slice(view_draw *d, view_seat *seat, const turn *t) {
@@ -136,8 +152,8 @@ static void draw_slice(view_draw *d, view_seat *seat, const turn *t) {
     if (!view_picture_busy(seat->picture))
         view_doing_end(d->tools.doing); /* before a client can know that the picture is done */
     say(d, seat, message);
-    if (any && t->residency)
-        tell_residency(d, seat);
+    if (any && (t->residency.map || t->residency.steps))
+        tell_residency(d, seat, &t->residency);
 }
 
 static void draw_panes(view_draw *d, view_seat *seat) {
@@ -218,12 +234,35 @@ static void clear(view_seat *seat) {
     memset((char *)seat + kept, 0, sizeof *seat - kept);
 }
 
+/* Take in the steps that have come. What fails leaves a volume as it was, and is tried again ever
+ * less often; if its file has changed otherwise, the next picture says so. Releases the lock
+ * meanwhile. */
+static void refresh_files(view_draw *d) {
+    enum { SKIPS_MAX = 63 };
+    bool failed = false;
+    d->refresh = false;
+    if (d->skips > 0) {
+        d->skips--;
+        return;
+    }
+    pthread_mutex_unlock(&d->lock);
+    for (int i = 0; i < d->file_count; i++) {
+        uint32_t steps;
+        failed |= leafcast_refresh(d->files[i].volume, &steps) != LEAFCAST_OK;
+    }
+    pthread_mutex_lock(&d->lock);
+    d->most = !failed ? 0 : d->most < SKIPS_MAX ? 2 * d->most + 1 : SKIPS_MAX;
+    d->skips = d->most;
+}
+
 static void *draw_all(void *arg) {
     view_draw *d = arg;
     view_wish *wish = mem_alloc(d->m, sizeof *wish);
     turn t;
     pthread_mutex_lock(&d->lock);
     while (!d->ending && wish) {
+        if (d->refresh)
+            refresh_files(d);
         view_seat *seat = next_seat(d, &t);
         if (!seat) {
             pthread_cond_wait(&d->work, &d->lock);
@@ -272,13 +311,15 @@ static void release(view_draw *d) {
     mem_free(d->m, d);
 }
 
-status view_draw_open(mem *m, int threads, view_doing *doing, void (*notify)(void *ctx), void *ctx,
-                      view_draw **out) {
+status view_draw_open(mem *m, const view_file *files, int count, int threads, view_doing *doing,
+                      void (*notify)(void *ctx), void *ctx, view_draw **out) {
     view_draw *d = mem_zalloc(m, sizeof *d);
     if (!d)
         return ST_NOMEM;
     *d = (view_draw){.m = m,
                      .tools = {.m = m, .doing = doing, .wake = wake, .wake_ctx = d},
+                     .files = files,
+                     .file_count = count,
                      .notify = notify,
                      .ctx = ctx};
     pthread_mutex_init(&d->lock, NULL);
@@ -314,6 +355,13 @@ void view_draw_close(view_draw *d) {
     }
     pthread_join(d->thread, NULL);
     release(d);
+}
+
+void view_draw_refresh(view_draw *d) {
+    pthread_mutex_lock(&d->lock);
+    d->refresh = true;
+    pthread_cond_signal(&d->work);
+    pthread_mutex_unlock(&d->lock);
 }
 
 /* ---- Seats ---- */
@@ -387,9 +435,9 @@ void view_seat_slice_seen(view_seat *seat, int pane, uint64_t number) {
     pthread_mutex_unlock(&seat->draw->lock);
 }
 
-void view_seat_residency(view_seat *seat, bool on) {
+void view_seat_residency(view_seat *seat, const view_residency *wanted) {
     pthread_mutex_lock(&seat->draw->lock);
-    seat->residency = on;
+    seat->residency = *wanted;
     pthread_mutex_unlock(&seat->draw->lock);
 }
 

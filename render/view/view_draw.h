@@ -11,18 +11,25 @@
 #include "render/view/view_pick.h"
 #include "render/view/view_picture.h"
 #include "render/view/view_slice.h"
+#include "render/view/view_volume.h"
 
 enum { VIEW_SEATS_MAX = 16, VIEW_UNSEEN_MAX = 2, VIEW_PICKS_MAX = 16, VIEW_TEXTS_MAX = 64 };
 
 typedef struct view_draw view_draw;
 typedef struct view_seat view_seat;
 
-/* view_draw_open() - start the thread. threads: number of threads that write PNG. doing: is kept up
- * to date with what is being drawn. notify(): called by the drawing thread when a message can be
- * taken. view_draw_close() - end drawing, the thread and all seats; NULL is allowed. */
-CHECKED status view_draw_open(mem *m, int threads, view_doing *doing, void (*notify)(void *ctx),
-                              void *ctx, view_draw **out);
+/* view_draw_open() - start the thread. files: what is drawn, as long as it is open. threads: number
+ * of threads that write PNG. doing: is kept up to date with what is being drawn. notify(): called
+ * by the drawing thread when a message can be taken. view_draw_close() - end drawing, the thread
+ * and all seats; NULL is allowed. */
+CHECKED status view_draw_open(mem *m, const view_file *files, int count, int threads,
+                              view_doing *doing, void (*notify)(void *ctx), void *ctx,
+                              view_draw **out);
 void view_draw_close(view_draw *d);
+
+/* view_draw_refresh() - take in the steps that have come to the files (leafcast_refresh()), between
+ * two turns. What fails is tried again with the next call. */
+void view_draw_refresh(view_draw *d);
 
 /* view_draw_sit() - returns a free seat; NULL: all are taken, or no memory. view_draw_leave() - end
  * what is drawn for the seat and free it; NULL is allowed. */
@@ -41,8 +48,12 @@ bool view_seat_pick(view_seat *seat, int64_t id, const view_place *place);
 void view_seat_slice(view_seat *seat, const view_slice_wish *wish);
 void view_seat_slice_seen(view_seat *seat, int pane, uint64_t number);
 
-/* view_seat_residency() - set whether the client also gets maps of resident treelets. */
-void view_seat_residency(view_seat *seat, bool on);
+/* view_seat_residency() - set what the client also gets of what is in memory: maps of treelets, and
+ * how much of each step. */
+typedef struct view_residency {
+    bool map, steps;
+} view_residency;
+void view_seat_residency(view_seat *seat, const view_residency *wanted);
 
 /* view_seat_take() - returns the next message for the client, which the caller owns; NULL: none
  * yet. view_seat_any() - returns whether there is one. */

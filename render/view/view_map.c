@@ -14,11 +14,11 @@ static void choose_blocks(const leafcast_info *info, uint32_t blocks[3]) {
         blocks[a] = (uint32_t)fmax(1.0, rint(VIEW_MAP_SIDE * (edges[a] / longest)));
 }
 
-/* List one count of all blocks. at: the offset of the count in leafcast_block. */
-static json_t *list(const leafcast_block *map, size_t count, size_t at) {
+/* List one of the counts that `count` structs of `size` bytes have, at this offset. */
+static json_t *list(const void *map, size_t count, size_t size, size_t at) {
     json_t *out = json_array();
     for (size_t i = 0; i < count && out; i++) {
-        const uint32_t *n = (const uint32_t *)(const void *)((const char *)&map[i] + at);
+        const uint32_t *n = (const uint32_t *)(const void *)((const char *)map + i * size + at);
         json_array_append_new(out, json_integer(*n));
     }
     return out;
@@ -29,9 +29,9 @@ static json_t *describe_blocks(const leafcast_block *map, const uint32_t blocks[
     const size_t count = (size_t)blocks[0] * blocks[1] * blocks[2];
     return json_pack("{s:I,s:[I,I,I],s:o,s:o,s:o}", "level", (json_int_t)level, "blocks",
                      (json_int_t)blocks[0], (json_int_t)blocks[1], (json_int_t)blocks[2], "wanted",
-                     list(map, count, offsetof(leafcast_block, wanted)), "resident",
-                     list(map, count, offsetof(leafcast_block, resident)), "seen",
-                     list(map, count, offsetof(leafcast_block, seen)));
+                     list(map, count, sizeof *map, offsetof(leafcast_block, wanted)), "resident",
+                     list(map, count, sizeof *map, offsetof(leafcast_block, resident)), "seen",
+                     list(map, count, sizeof *map, offsetof(leafcast_block, seen)));
 }
 
 json_t *view_map_describe(mem *m, leafcast *volume, uint32_t level, const leafcast_stats *stats) {
@@ -48,6 +48,19 @@ json_t *view_map_describe(mem *m, leafcast *volume, uint32_t level, const leafca
             (json_int_t)stats->treelets_total, "active", (json_int_t)stats->treelets_active,
             "loaded", (json_int_t)stats->treelets_loaded, "bytes_resident",
             (json_int_t)stats->bytes_resident, "map", describe_blocks(map, blocks, level));
+    mem_free(m, map);
+    return out;
+}
+
+json_t *view_map_steps(mem *m, leafcast *volume, uint32_t field) {
+    const uint32_t steps = leafcast_describe(volume).steps;
+    json_t *out = NULL;
+    leafcast_holding *map = mem_array(m, steps, sizeof *map);
+    if (map && leafcast_map_steps(volume, field, steps, map) == LEAFCAST_OK)
+        out =
+            json_pack("{s:s,s:o,s:o}", "type", "steps", "wanted",
+                      list(map, steps, sizeof *map, offsetof(leafcast_holding, wanted)), "resident",
+                      list(map, steps, sizeof *map, offsetof(leafcast_holding, resident)));
     mem_free(m, map);
     return out;
 }

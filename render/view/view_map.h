@@ -1,4 +1,5 @@
-/* view_map.h - describe where treelets are wanted, resident and seen, for a page that shows it. */
+/* view_map.h - describe where treelets are wanted, resident and seen, and of which steps, for a
+ * page that shows it. */
 #ifndef RENDER_VIEW_VIEW_MAP_H
 #define RENDER_VIEW_VIEW_MAP_H
 
@@ -13,5 +14,9 @@ enum { VIEW_MAP_SIDE = 16 }; /* blocks along the longest axis */
  * Blocks are about cubes, at most VIEW_MAP_SIDE along an axis. stats: of the last picture. NULL: no
  * memory, or no such level. */
 json_t *view_map_describe(mem *m, leafcast *volume, uint32_t level, const leafcast_stats *stats);
+
+/* view_map_steps() - returns leafcast_map_steps() of all steps of a field as the message `steps`.
+ * NULL: no memory, or no such field. */
+json_t *view_map_steps(mem *m, leafcast *volume, uint32_t field);
 
 #endif

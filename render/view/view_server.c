@@ -27,6 +27,7 @@ enum {
     PING_S = 20,
     HANGUP_S = 45, /* until a silent socket is closed */
     TICK_US = 500000,
+    REFRESH_S = 1,  /* how often files are asked for further steps, while a page is open */
     GONE_US = 50000 /* how often to check whether clients that wait for a picture have left */
 };
 _Static_assert(LWS_PRE <= VIEW_MESSAGE_BEFORE, "frames' heads fit before a message");
@@ -57,6 +58,7 @@ struct view_server {
     char own[HOST_MAX]; /* its name in Host headers beside localhost; "": none */
     bool (*stop)(void *ctx);
     void *stop_ctx;
+    double refreshed; /* when view_draw_refresh() was called last */
     lws_sorted_usec_list_t tick;
 };
 
@@ -218,10 +220,29 @@ static bool drop_gone(view_server *s) {
     return any;
 }
 
-/* Wake up regularly, as a signal may come just before the wait for events. Also drop clients. */
+/* Look for further steps, and tell pages of those that were found. */
+static void follow_files(view_server *s) {
+    const double now = clock_seconds();
+    bool any = false;
+    for (session *at = s->sessions; at; at = at->next) {
+        if (!at->talk)
+            continue;
+        any = true;
+        if (view_talk_follow(at->talk))
+            lws_callback_on_writable(at->wsi);
+    }
+    if (!any || now - s->refreshed < REFRESH_S)
+        return;
+    s->refreshed = now;
+    view_draw_refresh(s->draw);
+}
+
+/* Wake up regularly, as a signal may come just before the wait for events. Also drop clients, and
+ * look for further steps. */
 static void tick(lws_sorted_usec_list_t *sul) {
     view_server *s = lws_container_of(sul, view_server, tick);
     const bool waits = drop_gone(s);
+    follow_files(s);
     lws_sul_schedule(s->context, 0, &s->tick, tick, waits ? GONE_US : TICK_US);
 }
 
@@ -489,7 +510,8 @@ status view_server_open(mem *m, const view_server_options *options, view_server 
     status st = make_context(s);
     if (st == ST_OK) {
         name_self(s);
-        st = view_draw_open(m, options->machine.threads, options->life->now, notify, s, &s->draw);
+        st = view_draw_open(m, options->files, options->file_count, options->machine.threads,
+                            options->life->now, notify, s, &s->draw);
     }
     if (st == ST_OK)
         *out = s;

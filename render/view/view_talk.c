@@ -17,6 +17,7 @@ struct view_talk {
     view_seat *seat;
     const view_file *files;
     int file_count, file; /* file_count files; `file` is shown */
+    uint32_t steps;       /* that the page was told of */
     const view_machine *machine;
     const view_life *life;
     uint64_t client;
@@ -35,11 +36,15 @@ static void tell(view_talk *t, json_t *object) {
         view_queue_push(&t->queue, message);
 }
 
-static void tell_volume(view_talk *t) {
+/* type: "volume", or "grown": of the one that is shown, which has further steps. */
+static void tell_volume(view_talk *t, const char *type) {
     json_t *said = view_volume_json(t->files, t->file_count, t->file, t->machine);
     json_t *before = view_life_json(t->life);
-    if (said)
+    if (said) {
+        json_object_set_new(said, "type", json_string(type));
         json_object_set_new(said, "talk", json_integer((json_int_t)t->client));
+        t->steps = (uint32_t)json_array_size(json_object_get(said, "steps"));
+    }
     if (said && before)
         json_object_set(said, "crash", before);
     json_decref(before);
@@ -61,7 +66,7 @@ view_talk *view_talk_open(mem *m, view_draw *draw, const view_file *files, int c
     t->last_received = clock_seconds();
     t->seat = view_draw_sit(draw);
     if (t->seat)
-        tell_volume(t);
+        tell_volume(t, "volume");
     if (t->queue.count > 0)
         return t;
     view_talk_close(t);
@@ -202,7 +207,7 @@ static status receive_open(view_talk *t, const json_t *message) {
     if (st != ST_OK)
         return st;
     t->file = (int)file;
-    tell_volume(t);
+    tell_volume(t, "volume");
     return ST_OK;
 }
 
@@ -224,7 +229,9 @@ static status receive_message(view_talk *t, const json_t *message, double *numbe
     if (strcmp(type, "open") == 0)
         return receive_open(t, message);
     if (strcmp(type, "residency") == 0) {
-        view_seat_residency(t->seat, json_is_true(json_object_get(message, "on")));
+        const view_residency wanted = {json_is_true(json_object_get(message, "on")),
+                                       json_is_true(json_object_get(message, "steps"))};
+        view_seat_residency(t->seat, &wanted);
         return ST_OK;
     }
     return wrong("type");
@@ -268,6 +275,13 @@ view_talk_result view_talk_receive(view_talk *t, const void *bytes, size_t size,
         refuse(t, message, number);
     json_decref(message);
     return VIEW_TALK_FINE;
+}
+
+bool view_talk_follow(view_talk *t) {
+    const bool grown = leafcast_describe(t->files[t->file].volume).steps != t->steps;
+    if (grown)
+        tell_volume(t, "grown");
+    return grown;
 }
 
 view_message *view_talk_next(view_talk *t) {

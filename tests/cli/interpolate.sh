@@ -32,6 +32,11 @@ picture time2 --time 2
 picture time2i --time 2 --interpolate
 picture half --time 4 --interpolate
 picture near --time 2.001 --interpolate
+echo '[{"time": 2, "fov": 30}, {"time": 6, "fov": 30}]' >"$tmp/path.json"
+exits "a movie between steps" 0 "$leafcast" render "$tmp/d.leaf" --iso 100 --size 40x30 --interpolate --camera-path "$tmp/path.json" --frames 3 --depth-f64 "$tmp/m_%d" -o "$tmp/m_%d.ppm" --stats "$tmp/m.json" -q
+ok "its times are told" json "$tmp/m.json" '[f["time"] for f in j["frames"]] == [2, 4, 6] and j["frames"][1]["between"] == 0.5'
+picture alone --time 4 --interpolate --view fit --fov 30
+ok "and are what they are alone" same m_1.ppm alone.ppm
 ok "a step by its time" same step1 time2
 ok "a step by its time, between or not" same step1 time2i
 ok "its colours" same step1.ppm time2i.ppm

@@ -55,6 +55,35 @@ ok "finds the same" python3 -c 'import json, sys
 a, b = (json.load(open(p)) for p in sys.argv[1:])
 sys.exit(a["step"] != 2 or a["time"] != 1 or "step" in b or [h["t"] for h in a["hits"]] != [h["t"] for h in b["hits"]])' "$tmp/p.json" "$tmp/out"
 
+# Movies that play while the camera turns: the step is the last one whose time has come.
+cat >"$tmp/keys.json" <<END
+[{"time": 0, "eye": [60, 30, 45]}, {"time": 1, "eye": [30, 60, 45]}, {"step": 3, "eye": [60, 30, 45]}]
+END
+exits "a movie by time" 0 "$leafcast" render "$tmp/b.leaf" $view --camera-path "$tmp/keys.json" --frames 9 --depth-f64 "$tmp/k" --stats "$tmp/k.json" -q
+ok "steps as their times come" json "$tmp/k.json" '[f["step"] for f in j["frames"]] == [0, 0, 1, 1, 2, 2, 2, 2, 3]'
+ok "begins with the first step" same k_0000 want_0
+ok "ends with the last" same k_0008 want_3
+run "$leafcast" render "$tmp/b.leaf" $view --eye 30,60,45 --step 2 --depth-f64 "$tmp/turned" -q
+ok "and turns meanwhile" same k_0004 turned
+exits "each entry alone" 0 "$leafcast" render "$tmp/b.leaf" $view --camera-path "$tmp/keys.json" --size 8x8 --stats "$tmp/k3.json" --depth-f64 "$tmp/k3" -q
+ok "is at its time" json "$tmp/k3.json" '[f["step"] for f in j["frames"]] == [0, 2, 3]'
+# Times that are met but for rounding are met: 31 steps a tenth apart.
+exits "a tenth apart" 0 "$leafcast" convert "$tmp"/b_0000.mesh "$tmp"/b_0001.mesh "$tmp"/b_0002.mesh "$tmp"/b_0003.mesh "$tmp"/b_0000.mesh "$tmp"/b_0001.mesh "$tmp"/b_0002.mesh --times 0,0.1,0.2,0.3,0.4,0.5,0.6 -o "$tmp/t.leaf" -q
+echo '[{"time": 0}, {"time": 0.6}]' >"$tmp/keys.json"
+run "$leafcast" render "$tmp/t.leaf" $view --camera-path "$tmp/keys.json" --frames 7 --size 8x8 --stats "$tmp/k7.json" --depth-f64 "$tmp/k7" -q
+ok "none is late by rounding" json "$tmp/k7.json" '[f["step"] for f in j["frames"]] == [0, 1, 2, 3, 4, 5, 6]'
+while IFS='|' read -r what keys words; do
+    echo "$keys" >"$tmp/keys.json"
+    exits "a path with $what" 2 "$leafcast" render "$tmp/b.leaf" $view --camera-path "$tmp/keys.json" --frames 3 --depth-f64 "$tmp/y"
+    ok "$what: says so" says "entry 2: $words" err
+done <<END
+a time too late|[{"time": 0}, {"time": 2.5}]|time 2.5: the steps go from 0 to 2
+one too early|[{"time": 0}, {"time": -1}]|time -1: the steps go from 0 to 2
+one that is none|[{"time": 0}, {"time": "soon"}]|"time" is no number
+time and step|[{"time": 0}, {"time": 1, "step": 1}]|either "time" or "step"
+no such step|[{"time": 0}, {"step": 9}]|no such "step"
+END
+
 exits "steps beyond the end" 2 "$leafcast" render "$tmp/b.leaf" $view --steps 2:4 --depth-f64 "$tmp/y"
 ok "are told before anything is drawn" [ ! -e "$tmp/y_0000" ]
 for steps in 2:1 -1:2 a:b 1:2:0 0.5:1 '1,' all:1 4 1,4; do

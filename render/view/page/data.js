@@ -1,5 +1,6 @@
 // data.js - which file, field and time step is shown; steps play one after another, none left out.
-import {byId, bytes, choice, element, short, slider} from "./dom.js";
+import {byId, bytes, check, choice, element, short, slider} from "./dom.js";
+import {ABSENT, HERE, NOTHING, mix} from "./treelets.js";
 
 export class Data {
   constructor(app) {
@@ -8,6 +9,7 @@ export class Data {
     this.speed = 5;
     this.end = "loop"; // what comes behind the last step: "loop", "once", "to and fro"
     this.way = 1; // -1: backwards, of "to and fro"
+    this.follow = false; // show each step that comes
     this.waiting = null; // the number of the view whose picture the next step waits for
   }
 
@@ -21,8 +23,9 @@ export class Data {
       parts.push(choice("Field", {options: v.fields.map((f, i) => [i, f.name || `field ${i}`]), value: d.field,
         change: i => app.chooseField(+i)}));
     if (v.steps.length > 1) parts.push(...this.steps(v, d));
-    parts.push(this.facts(v));
+    parts.push(this.list = this.facts(v));
     byId("data").replaceChildren(...parts);
+    app.honesty.ask();
     if (parts.length > 1 && !this.unfolded) byId("sec-data").open = this.unfolded = true;
   }
 
@@ -30,6 +33,9 @@ export class Data {
     this.slider = slider("Time step", {min: 0, max: v.steps.length - 1, step: 1, value: d.step,
       change: (k, resting) => { this.stop(); this.go(Math.round(k), !resting); }});
     this.time = element("span", {class: "hint"});
+    this.held = element("canvas", {id: "steps-held", role: "img", "aria-label": "Steps in memory: not known yet",
+      title: "Steps in memory, as far as this view needs them. Green: all; orange: some; grey: nothing."});
+    this.slider.append(this.held);
     this.button = element("button", {id: "play", "aria-pressed": "false", onclick: () => this.playing ? this.stop() : this.play()},
       "Play");
     const step = by => () => { this.stop(); this.go((d.step + by + v.steps.length) % v.steps.length, false); };
@@ -38,6 +44,7 @@ export class Data {
       element("div", {class: "row"},
         element("button", {class: "icon", "aria-label": "Step before", onclick: step(-1)}, "‹"), this.button,
         element("button", {class: "icon", "aria-label": "Step after", onclick: step(1)}, "›"), this.time),
+      check("Follow: show each new step", {value: this.follow, change: on => { this.follow = on; if (on) this.newest(); }}),
       choice("At the end", {options: ["loop", "once", "to and fro"].map(e => [e, e]), value: this.end,
         change: e => { this.end = e; this.way = 1; }}),
       slider("Steps a second", {min: 0.5, max: 30, step: 0.5, value: this.speed, change: x => { this.speed = x; }})];
@@ -52,6 +59,37 @@ export class Data {
     const number = this.app.changed(moving, this.playing);
     this.app.stepped();
     return number;
+  }
+
+  // How much of each step is in memory, as the view needs it: none is wanted of one where nothing is to be seen.
+  hold({wanted, resident}) {
+    if (!this.held?.isConnected) return;
+    this.shares = wanted.map((n, k) => n ? resident[k] / n : 1);
+    this.held.width = wanted.length;
+    this.held.height = 1;
+    const context = this.held.getContext("2d"), whole = this.shares.filter(s => s === 1).length;
+    this.shares.forEach((s, k) => {
+      context.fillStyle = s === 1 ? mix(HERE) : mix(NOTHING, ABSENT, s && 0.4 + 0.6 * s);
+      context.fillRect(k, 0, 1, 1);
+    });
+    this.held.setAttribute("aria-label", `Steps in memory: ${whole} of ${wanted.length} as a whole, ` +
+      `${this.shares.filter(s => s > 0 && s < 1).length} in part`);
+  }
+
+  newest() {
+    this.stop();
+    this.go(this.app.volume.steps.length - 1, false);
+  }
+
+  // There are more steps than there were. What plays goes on.
+  grown() {
+    const v = this.app.volume;
+    if (!this.slider?.isConnected) this.build();
+    this.slider.extend(v.steps.length - 1);
+    const facts = this.facts(v);
+    this.list.replaceWith(facts);
+    this.list = facts;
+    if (this.follow && !this.playing) this.newest();
   }
 
   // The step behind this one; null: the last one was shown once.

@@ -36,12 +36,14 @@ export function bytes(n) {
   return `${u ? n.toFixed(n < 10 ? 1 : 0) : n} ${units[u]}`;
 }
 
-// slider() - a range with its number beside it; change(value, resting). Its set(value) shows another value.
+// slider() - a range with its number beside it; change(value, resting). Its set(value) shows another value,
+// its extend(max) lets it go further.
 export function slider(label, {min, max, step = "any", value, change}) {
   const range = element("input", {type: "range", min, max, step, "aria-label": label});
   const number = element("input", {type: "number", min, max, step: "any", "aria-label": `${label}, number`});
   const row = element("div", {class: "field"}, element("span", {}, label), range, number);
   row.set = v => { range.value = v; number.value = +(+v).toPrecision(6); };
+  row.extend = to => { max = range.max = number.max = to; };
   range.addEventListener("input", () => { row.set(range.value); change(+range.value, false); });
   range.addEventListener("change", () => change(+range.value, true));
   number.addEventListener("change", () => {

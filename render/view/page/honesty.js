@@ -23,11 +23,12 @@ export class Honesty {
         app.changed(false);
       }})};
     byId("honesty").append(...Object.values(this.boxes), this.treelets.box);
-    app.link.addEventListener("open", () => this.mapped && this.ask());
+    app.link.addEventListener("open", () => this.ask());
     app.link.addEventListener("treelets", event => this.treelets.show(event.detail));
   }
 
-  ask() { this.app.link.send({type: "residency", on: this.mapped}); }
+  // Say what is to be told of memory: the map, and how much of each step.
+  ask() { this.app.link.send({type: "residency", on: this.mapped, steps: this.app.volume?.steps.length > 1}); }
 
   // Over the picture, as many squares as the server speaks of.
   overlay({where, width, height}) {

@@ -50,6 +50,8 @@ class App {
   listen() {
     const on = (type, f) => this.link.addEventListener(type, event => f(event.detail));
     on("volume", volume => { this.crash.connected(volume); this.show(volume); });
+    on("steps", held => this.data.hold(held));
+    on("grown", volume => { if (volume.which === this.volume?.which) this.grow(volume); });
     on("picture", ({head, bitmap, latency}) => {
       this.screen.show(head, bitmap);
       this.honesty.picture(head, latency);
@@ -95,6 +97,14 @@ class App {
     if (before) return this.take(before);
     const mine = saved && [undefined, volume.file, volume.which].includes(saved.file) ? saved : null;
     this.adopt(mine ?? volume.state, !mine);
+  }
+
+  // The file that is shown has further steps, whose values may reach further.
+  grow(volume) {
+    const ranges = v => JSON.stringify(v.fields.map(f => f.range)), before = ranges(this.volume);
+    this.volume = volume;
+    if (ranges(volume) !== before) for (const part of [this.surfaces, this.media]) part.build();
+    this.data.grown();
   }
 
   entitle() {

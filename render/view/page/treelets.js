@@ -4,9 +4,10 @@ import {element} from "./dom.js";
 // Of the volume's own axes: what is across, what is down (turned, so that it rises), and what lies behind each other.
 const SIDES = [["x", "y", 0, 1, 2], ["x", "z", 0, 2, 1], ["y", "z", 1, 2, 0]];
 const UNIT = 6, GAP = 10, TEXT = 14; // pixels: of a block, between sides, of a side's name
-const NOTHING = "#2a2e35", ABSENT = [227, 169, 79], HERE = [124, 196, 143], SEEN = "#f4f6f8";
+export const NOTHING = [42, 46, 53], ABSENT = [227, 169, 79], HERE = [124, 196, 143];
+const SEEN = "#f4f6f8";
 
-const mix = (a, b, t) => `rgb(${a.map((x, i) => Math.round(x + t * (b[i] - x)))})`;
+export const mix = (a, b = a, t = 0) => `rgb(${a.map((x, i) => Math.round(x + t * (b[i] - x)))})`;
 
 // The blocks behind each other are added up.
 function sums({blocks: n, wanted, resident, seen}, [, , across, down, behind]) {
@@ -33,7 +34,7 @@ function drawSide(context, map, side, left) {
   context.fillText(`${across} →  ${down} ↑`, left, TEXT - 4);
   for (const s of sums(map, side)) {
     const x = left + UNIT * s.i, y = TEXT + UNIT * (high - 1 - s.j);
-    context.fillStyle = s.wanted ? mix(ABSENT, HERE, s.resident / s.wanted) : NOTHING;
+    context.fillStyle = s.wanted ? mix(ABSENT, HERE, s.resident / s.wanted) : mix(NOTHING);
     context.fillRect(x, y, UNIT - 1, UNIT - 1);
     if (!s.seen) continue;
     context.fillStyle = SEEN;

@@ -245,6 +245,9 @@ static void call_select(world *w) {
     begin("leafcast_select_between");
     (void)ended(leafcast_select_between(v, (uint32_t)below(w, 3), (uint32_t)below(w, 4),
                                         api_number(&w->r, field_random_unit(&w->r))));
+    begin("leafcast_refresh");
+    uint32_t steps;
+    (void)ended(leafcast_refresh(v, &steps));
     begin("leafcast_expect_set");
     (void)ended(leafcast_expect_set(v, (uint32_t)below(w, 3), (uint32_t)below(w, 4)));
 }
@@ -413,6 +416,9 @@ static void call_facts(world *w) {
     for (int a = 0; a < 3; a++)
         blocks[a] = api_chance(&w->r, 20) ? (uint32_t)field_random_bits(&w->r) | 65
                                           : 1 + (uint32_t)below(w, 4);
+    leafcast_holding holdings[8];
+    begin("leafcast_map_steps");
+    (void)ended(leafcast_map_steps(v, (uint32_t)below(w, 3), (uint32_t)below(w, 8), holdings));
     begin("leafcast_map_treelets");
     (void)ended(leafcast_map_treelets(v, (uint32_t)below(w, 4), blocks, map));
     begin("leafcast_range");

@@ -234,10 +234,65 @@ static void test_expected(void **state) {
     free(s);
 }
 
+/* What is in memory of each step: all that was seen of the one that was drawn, and of those that
+ * are the same; some of those before; not all of others. */
+static void test_mapped(void **state) {
+    (void)state;
+    for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
+        stage *s = stage_make((leaf_codec)codec);
+        leaf_case c = leaf_files_case(N, N, N, SAMPLE_U8);
+        c.options.file.codec = (leaf_codec)codec;
+        const int of[STEPS] = {0, 2, 0, 4, 2}; /* so that some are the same as earlier ones */
+        const char *paths[STEPS];
+        for (int step = 0; step < STEPS; step++) {
+            char name[32];
+            uint8_t *samples = samples_of(of[step]);
+            snprintf(name, sizeof name, "again%d.bin", step);
+            paths[step] = strdup(scratch_write(name, samples, (size_t)N * N * N));
+            free(samples);
+        }
+        const grid_series series = {.of = {.paths = paths, .sets = {1, STEPS, NULL, NULL, NULL}},
+                                    .hints = {.dims = {N, N, N}, .type = SAMPLE_U8}};
+        c.options.force = true;
+        leafcast *v = open_at(leaf_files_series(&series, &c.options, "again.leaf"), NULL);
+        const leafcast_scene scene = scene_of(false);
+        const uint32_t order[] = {2, 0, 4, 1, 3, 0, 1, 2, 3, 4};
+        bool drawn[STEPS] = {false};
+        leafcast_holding map[STEPS];
+        picture *p = malloc(sizeof *p);
+        for (size_t i = 0; i < sizeof order / sizeof *order; i++) {
+            const uint32_t step = order[i];
+            leafcast_stats stats = {.size = sizeof stats};
+            assert_int_equal(leafcast_select_set(v, 0, step), LEAFCAST_OK);
+            pictures_draw(v, &scene, &s->view, p, &stats);
+            check(s, p, 0, (uint32_t)of[step]);
+            drawn[of[step]] = true;
+            assert_int_equal(leafcast_map_steps(v, 0, STEPS, map), LEAFCAST_OK);
+            for (int k = 0; k < STEPS; k++) {
+                if (of[k] == of[step])
+                    assert_int_equal(map[k].resident, map[k].wanted);
+                else if (!drawn[of[k]])
+                    assert_true(map[k].resident < map[k].wanted);
+                else
+                    assert_true(map[k].resident > 0);
+            }
+            assert_true(map[step].wanted > 3 && map[0].wanted != map[3].wanted);
+        }
+        assert_int_equal(leafcast_map_steps(v, 0, 0, map), LEAFCAST_USAGE);
+        assert_int_equal(leafcast_map_steps(v, 0, STEPS + 1, map), LEAFCAST_USAGE);
+        free(p);
+        leafcast_close(v);
+        for (int step = 0; step < STEPS; step++)
+            free((void *)(uintptr_t)paths[step]);
+        free(s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_orders),
         cmocka_unit_test(test_expected),
+        cmocka_unit_test(test_mapped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,80 @@
+#include "render/app/key_times.h"
+
+static const char TIME[] = "time", STEP[] = "step";
+
+bool key_times_any(const json_t *path) {
+    bool any = false;
+    for (size_t i = 0; i < json_array_size(path); i++)
+        any |= json_object_get(json_array_get(path, i), TIME) != NULL;
+    return any;
+}
+
+static status refuse(size_t entry, const char *why) {
+    return status_describe(ST_USAGE, "--camera-path: entry %zu: %s", entry + 1, why);
+}
+
+static status set(json_t *entry, const char *key, json_t *value, const char *instead) {
+    if (json_object_set_new(entry, key, value) != 0)
+        return status_describe(ST_NOMEM, "no memory for the views of a movie");
+    (void)json_object_del(entry, instead);
+    return ST_OK;
+}
+
+/* Check an entry's time; give one that has a step its time. */
+static status unify(json_t *entry, size_t number, const leafcast *volume) {
+    const uint32_t steps = leafcast_describe(volume).steps;
+    const json_t *time = json_object_get(entry, TIME), *step = json_object_get(entry, STEP);
+    const double first = leafcast_step_time(volume, 0),
+                 last = leafcast_step_time(volume, steps - 1);
+    if (time && step)
+        return refuse(number, "either \"time\" or \"step\"");
+    if (time && !json_is_number(time))
+        return refuse(number, "\"time\" is no number");
+    if (time && !(json_number_value(time) >= first && json_number_value(time) <= last))
+        return status_describe(ST_USAGE,
+                               "--camera-path: entry %zu: time %g: the steps go from %g to %g",
+                               number + 1, json_number_value(time), first, last);
+    if (!step)
+        return ST_OK;
+    const json_int_t k = json_integer_value(step);
+    if (!json_is_integer(step) || k < 0 || k >= steps)
+        return refuse(number, "no such \"step\"");
+    return set(entry, TIME, json_real(leafcast_step_time(volume, (uint32_t)k)), STEP);
+}
+
+status key_times_unify(json_t *path, const leafcast *volume) {
+    status st = ST_OK;
+    if (!key_times_any(path))
+        return ST_OK;
+    for (size_t i = 0; i < json_array_size(path) && st == ST_OK; i++)
+        st = unify(json_array_get(path, i), i, volume);
+    return st;
+}
+
+/* Returns the last step whose time has come. Rounding of what is between two keys makes none late:
+ * a time counts as come when this much of the way to it is left. */
+static uint32_t step_at(const leafcast *volume, double time) {
+    const double rounding = 1e-9;
+    uint32_t lo = 0, hi = leafcast_describe(volume).steps;
+    while (hi - lo > 1) { /* the time of lo has come, that of hi has not */
+        const uint32_t mid = lo + (hi - lo) / 2;
+        const double here = leafcast_step_time(volume, mid),
+                     before = leafcast_step_time(volume, mid - 1);
+        if (time >= here - rounding * (here - before))
+            lo = mid;
+        else
+            hi = mid;
+    }
+    return lo;
+}
+
+status key_times_settle(json_t *path, const leafcast *volume) {
+    status st = ST_OK;
+    for (size_t i = 0; i < json_array_size(path) && st == ST_OK; i++) {
+        json_t *entry = json_array_get(path, i);
+        const json_t *time = json_object_get(entry, TIME);
+        if (time)
+            st = set(entry, STEP, json_integer(step_at(volume, json_number_value(time))), TIME);
+    }
+    return st;
+}

@@ -1,0 +1,25 @@
+/* key_times.h - entries of a camera path that name a time of the data: {"time": 0.25}.
+ *
+ * A movie goes evenly from time to time (keyframes.h); the step that is drawn is the last one whose
+ * time has come. Where any entry names a time, those that name a step stand for its time.
+ */
+#ifndef RENDER_APP_KEY_TIMES_H
+#define RENDER_APP_KEY_TIMES_H
+
+#include <jansson.h>
+
+#include "formats/base/status.h"
+#include "render/leafcast.h"
+
+/* key_times_any() - whether an entry names a time. */
+bool key_times_any(const json_t *path);
+
+/* key_times_unify() - give all entries times for steps, in place, if any has a time. ST_USAGE names
+ * the entry: a time that is no number, or outside of those of the volume; no such step; both in
+ * one. */
+CHECKED status key_times_unify(json_t *path, const leafcast *volume);
+
+/* key_times_settle() - replace the times of a path that is unified by steps, in place. */
+CHECKED status key_times_settle(json_t *path, const leafcast *volume);
+
+#endif

@@ -1,0 +1,125 @@
+#!/usr/bin/env python3
+"""view_steps.py LEAFCAST FOLDER - leafcast view of a series that plays, and grows: no step is left out, and each picture is
+what render draws of its step.
+
+FOLDER has s_NNNN.nrrd and all.leaf, of all steps. A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at
+last.
+"""
+import glob, os, subprocess, sys, time
+
+from view_client import Page, Server, ends, ok, png_pixels
+
+leafcast, folder = sys.argv[1:3]
+W, H = 96, 72
+INPUTS = sorted(glob.glob(folder + "/s_*.nrrd"))
+FIRST = 3
+
+
+def rendered(state, path, steps):
+    """The pixels of each step, as render draws them."""
+    words = [f"--{k}={','.join(map(str, v)) if isinstance(v, list) else v}" for k, v in state.items() if k != "step"]
+    for old in glob.glob(folder + "/want_*.png"):
+        os.remove(old)
+    subprocess.run([leafcast, "render", path, *words, f"--steps=0:{steps - 1}", f"--size={W}x{H}", "-o",
+                    folder + "/want_%04d.png", "-q"], check=True)
+    names = sorted(glob.glob(folder + "/want_*.png"))
+    return [png_pixels(open(name, "rb").read()) for name in names]
+
+
+def twice(s, path):
+    """All steps one after another, two times: each is drawn in full."""
+    page = Page(s)
+    steps, state = len(page.volume["steps"]), page.volume["state"]
+    want = rendered(state, path, steps)
+    ok(f"{steps} steps, all different", steps == len(INPUTS) and len({w[3] for w in want}) == steps)
+    for turn in range(2):
+        wrong = []
+        for step in range(steps):
+            page.view(turn * steps + step + 1, dict(state, step=step), W, H)
+            head, data = page.final()[-1]
+            if not head["exact"] or png_pixels(data) != want[step]:
+                wrong.append(step)
+        ok(f"played {turn + 1} times: each picture is render's of its step {wrong}", not wrong)
+    page.close()
+
+
+def held(s):
+    """How much of each step is in memory is told, to who asks for it."""
+    page = Page(s)
+    state = dict(page.volume["state"])
+    page.view(1, dict(state, step=0), W, H)
+    page.final()
+    ok("not told who has not asked", not page.waits(0.3))
+    page.send({"type": "residency", "on": False, "steps": True})
+    told = []
+    for number, step in enumerate((0, 5, 9), 2):
+        page.view(number, dict(state, step=step), W, H)
+        page.final()
+        told.append(page.text("steps"))
+    page.pictures.clear()
+    whole = [[k for k, n in enumerate(t["wanted"]) if n == t["resident"][k]] for t in told]
+    ok("a count for each step", all(len(t[k]) == len(INPUTS) for t in told for k in ("wanted", "resident")) and
+       set(told[0]) == {"type", "wanted", "resident"})
+    ok("none has more than it needs", all(r <= w for t in told for r, w in zip(t["resident"], t["wanted"])))
+    ok(f"what is shown is there as a whole {[w[:12] for w in whole]}", all(k in w for k, w in zip((0, 5, 9), whole)))
+    page.close()
+
+
+def append(path, *inputs):
+    subprocess.run([leafcast, "convert", "--append", *inputs, "-o", path, "-q"], check=True)
+
+
+def drawn(page, state, step):
+    page.view(page.number + 1, dict(state, step=step), W, H)
+    return png_pixels(page.final()[-1][1])
+
+
+def grows(s, path):
+    """Steps that come are told, and drawn; those that were there stay what they are."""
+    page, other = Page(s), Page(s)
+    volume = page.volume
+    state = volume["state"]
+    want = rendered(state, folder + "/all.leaf", FIRST + 3)
+    ok("as many as there are", len(volume["steps"]) == FIRST)
+    ok("drawn", drawn(page, state, 1) == want[1])
+    page.view(page.number + 1, dict(state, step=FIRST), W, H)
+    ok("none beyond", "step" in page.text("refused")["why"])
+    append(path, INPUTS[FIRST])
+    grown = page.text("grown")
+    ok("one more is told", len(grown["steps"]) == FIRST + 1 and grown["which"] == 0 and
+       set(grown) == set(volume) and grown["file_bytes"] > volume["file_bytes"])
+    ok("to each page", len(other.text("grown")["steps"]) == FIRST + 1)
+    ok("and not again", not page.waits(1.5))
+    ok("and drawn", drawn(page, state, FIRST) == want[FIRST])
+    ok("so are the others", all(drawn(page, state, k) == want[k] for k in range(FIRST)))
+    page.view(page.number + 1, dict(state, step=0), W, H)
+    append(path, *INPUTS[FIRST + 1:FIRST + 3])
+    ok("a picture under way is of its step", png_pixels(page.final()[-1][1]) == want[0])
+    ok("two more", len(page.text("grown")["steps"]) == FIRST + 3)
+    ok("who comes later is told of all", len(Page(s).volume["steps"]) == FIRST + 3)
+    ok("they are drawn", drawn(page, state, FIRST + 2) == want[FIRST + 2])
+    page.close()
+    other.close()
+    os.replace(folder + "/all.leaf", path)
+    page = Page(s)
+    page.view(1, dict(state, step=0), W, H)
+    ok("another file in its place is refused", "another file has taken its place" in page.text("refused")["why"])
+    page.close()
+
+
+def main():
+    s = Server([leafcast, "view", folder + "/all.leaf"])
+    held(s)
+    ends(s, "after that")
+    s = Server([leafcast, "view", folder + "/all.leaf"])
+    twice(s, folder + "/all.leaf")
+    ends(s, "after playing")
+    path = folder + "/grown.leaf"
+    append(path, *INPUTS[:FIRST])
+    s = Server([leafcast, "view", path])
+    grows(s, path)
+    ends(s, "after growing")
+    print("end")
+
+
+main()
