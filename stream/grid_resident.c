@@ -141,6 +141,10 @@ static uint32_t payload_of(const resident_store *s, const treelet *tr) {
     return leaf_layout_samples(&s->file->layout, tr->set, tr->id);
 }
 
+static bool is_stamped(const resident_store *s, const treelet *tr, uint32_t p) {
+    return resident_grid_of(tr)->stamp == s->file->checksums[p];
+}
+
 static bool same_deviations(const leaf_file *f, uint32_t t, uint32_t a, uint32_t b) {
     const leaf_layout *l = &f->layout;
     return memcmp(f->deviations + deviation_at(l, a, t), f->deviations + deviation_at(l, b, t),
@@ -151,7 +155,7 @@ static bool same_deviations(const leaf_file *f, uint32_t t, uint32_t a, uint32_t
 static bool same_samples(const resident_store *s, const treelet *tr, uint32_t p) {
     const leaf_file *f = s->file;
     if (f->live)
-        return resident_grid_of(tr)->stamp == f->checksums[p];
+        return is_stamped(s, tr, p);
     if (f->below)
         return leaf_between_is_made(f, p, tr->payload);
     return leaf_file_same(f, p, payload_of(s, tr));
@@ -185,7 +189,7 @@ static bool keep(const resident_store *s, treelet *tr) {
     const leaf_file *f = s->file;
     const uint32_t p = payload_of(s, tr);
     if (!f->below)
-        return resident_grid_of(tr)->stamp == f->checksums[p];
+        return is_stamped(s, tr, payload_of(s, tr));
     if (leaf_between_lacks(f, p, tr->payload, 0) || leaf_between_lacks(f, p, tr->payload, 1))
         return false;
     atomic_store_explicit(&tr->masked, 0, memory_order_relaxed);

@@ -41,7 +41,7 @@ status loader_restart(loader *l) {
     struct loader_private *h = l->hidden;
     loader_clear(l);
     pthread_mutex_lock(&h->lock);
-    const status st = loader_reads_renew(l);
+    const status renewed = loader_reads_renew(l);
     pthread_mutex_unlock(&h->lock);
-    return st;
+    return renewed;
 }
