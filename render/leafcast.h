@@ -124,8 +124,8 @@ LEAFCAST_API leafcast_status leafcast_device_create(const leafcast_options *opti
 LEAFCAST_API void leafcast_device_destroy(leafcast_device *device);
 
 /* leafcast_open() - options may be NULL for the defaults. The file must not change while it is
- * open. Pictures and probes return LEAFCAST_CORRUPT once its size or its modification time has
- * changed, or its name leads to another file. */
+ * open, but for steps that are added to it. Pictures and probes return LEAFCAST_CORRUPT once its
+ * size or its modification time has changed, or its name leads to another file. */
 LEAFCAST_API leafcast_status leafcast_open(const char *path, const leafcast_options *options,
                                            leafcast **volume);
 
@@ -141,7 +141,8 @@ LEAFCAST_API void leafcast_close(leafcast *volume); /* NULL is fine */
 /* leafcast_refresh() - takes in the time steps that were added to the volume's file since it was
  * opened or refreshed last (`leafcast convert --append` and `--watch`, formats/SERIES.md 4): from
  * then on there are more steps, with their times, ranges and histograms. Steps that were there keep
- * their numbers, what is in memory of them stays there, and what is selected stays selected.
+ * their numbers, what is in memory of them stays there (but for what lies between two steps), and
+ * what is selected stays selected.
  *
  * steps: set to the number of steps that there are now; untouched on failure.
  *

@@ -103,8 +103,8 @@ void loader_select_set(loader *l, uint32_t set);
  * while nothing is traced. On failure nothing has changed. */
 CHECKED status loader_grow(loader *l, uint32_t steps);
 
-/* loader_restart() - the same of a file between the steps of one that has grown: nothing stays
- * resident. On failure nothing else has changed. */
+/* loader_restart() - the same of a file between the steps of one that has grown. Nothing may be
+ * resident any more (loader_clear()). On failure nothing has changed. */
 CHECKED status loader_restart(loader *l);
 
 /* loader_is_behind() - whether the selected set has changed since it was selected

@@ -39,7 +39,6 @@ status loader_grow(loader *l, uint32_t steps) {
 
 status loader_restart(loader *l) {
     struct loader_private *h = l->hidden;
-    loader_clear(l);
     pthread_mutex_lock(&h->lock);
     const status renewed = loader_reads_renew(l);
     pthread_mutex_unlock(&h->lock);

@@ -226,10 +226,6 @@ uint32_t leaf_between_select(leaf_file *f, const leaf_moment *at) {
     return set;
 }
 
-void leaf_between_forget(leaf_file *f) {
-    memset(f->between->set, 0, sizeof f->between->set);
-}
-
 /* ---- Payloads ---- */
 
 leaf_blend leaf_between_needs(const leaf_file *f, uint32_t p) {

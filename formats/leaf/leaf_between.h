@@ -40,9 +40,8 @@ CHECKED status leaf_between_open(mem *m, leaf_file *below, cpu_isa isa, leaf_fil
 bool leaf_between_find(const leaf_file *f, const leaf_moment *at, uint32_t *set);
 uint32_t leaf_between_select(leaf_file *f, const leaf_moment *at);
 
-/* leaf_between_forget() - when the file below has grown (leaf_file_exchange()): its sets have other
- * numbers, so no set stands for anything. Payloads in memory must be given up. */
-void leaf_between_forget(leaf_file *f);
+/* When the file below has grown (leaf_file_exchange()), sets stand for what they did, but payloads
+ * in memory must be given up: those of the file below have other numbers. */
 
 /* ---- Payloads ---- */
 

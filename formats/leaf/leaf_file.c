@@ -4,6 +4,7 @@
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include <zstd.h>
 
@@ -47,18 +48,24 @@ static status check_gap(leaf_file *f, uint64_t from, uint64_t to) {
     return ST_OK;
 }
 
-/* Read the header. That of a file that grows may be written meanwhile: then it is read again. */
-static status read_header(const opening *o) {
-    enum { TRIES = 3 };
-    leaf_header *h = &o->f->header;
+/* Read the first header. That of a file that grows may be written meanwhile: then it is read again.
+ * *sound: whether it is whole at last, as far as such a file's. */
+static status read_first(file *source, leaf_header *h, bool *sound) {
+    enum { TRIES = 10 };
     status st = ST_OK;
-    bool sound = false;
-    for (int i = 0; i < TRIES && st == ST_OK && !sound; i++) {
-        st = file_read_at(o->f->source, 0, h, sizeof *h);
-        sound = !h->segments || h->checksum == leaf_header_checksum(h);
+    *sound = false;
+    for (int i = 0; i < TRIES && st == ST_OK && !*sound; i++) {
+        st = file_read_at(source, 0, h, sizeof *h);
+        *sound = !h->segments || h->checksum == leaf_header_checksum(h);
     }
+    return st;
+}
+
+static status read_header(const opening *o) {
+    bool sound;
+    const status st = read_first(o->f->source, &o->f->header, &sound);
     if (o->first)
-        *h = *o->first;
+        o->f->header = *o->first;
     return st;
 }
 
@@ -451,23 +458,33 @@ status leaf_file_open_memory(mem *m, const char *name, const void *bytes, size_t
 
 /* Whether a file that was written to still begins with what was opened, and may have grown. */
 static bool has_grown(const leaf_file *f, const leaf_header *head) {
-    return head->segments && head->segments >= f->header.segments &&
-           head->checksum == leaf_header_checksum(head) &&
+    const bool more = head->segments > f->header.segments;
+    return head->segments &&
+           (more || (head->segments == f->header.segments && head->last == f->header.last)) &&
            memcmp(head->id, f->first_id, sizeof head->id) == 0;
+}
+
+/* Whether all segments that are known are still there. */
+static bool is_whole(const leaf_file *f) {
+    struct stat now;
+    return fstat(file_descriptor(f->source), &now) == 0 && now.st_size >= 0 &&
+           (uint64_t)now.st_size >= f->header.file_bytes;
 }
 
 /* Find that a file which was written to has grown, or say again what has changed. */
 static status check_growth(const leaf_file *f, status st) {
     leaf_header head;
     status_note note;
+    bool sound;
     status_note_take(&note, st);
     if (file_offset(f->source) != 0)
         return st;
-    st = file_read_at(f->source, 0, &head, sizeof head);
+    st = read_first(f->source, &head, &sound);
     if (st == ST_IO)
         return st;
-    return st == ST_OK && has_grown(f, &head) ? file_mark_check_name(f->source, &f->mark)
-                                              : status_note_raise(&note);
+    return st == ST_OK && sound && has_grown(f, &head) && is_whole(f)
+               ? file_mark_check_name(f->source, &f->mark)
+               : status_note_raise(&note);
 }
 
 status leaf_file_changed(const leaf_file *f) {

@@ -20,8 +20,9 @@ static status set(json_t *entry, const char *key, json_t *value, const char *ins
     return ST_OK;
 }
 
-/* Check an entry's time; give one that has a step its time. */
-static status unify(json_t *entry, size_t number, const leafcast *volume) {
+/* Check an entry's time; give one that has a step its time, and one that has neither `before`,
+ * which then becomes the entry's. */
+static status unify(json_t *entry, size_t number, const leafcast *volume, double *before) {
     const uint32_t steps = leafcast_describe(volume).steps;
     const json_t *time = json_object_get(entry, TIME), *step = json_object_get(entry, STEP);
     const double first = leafcast_step_time(volume, 0),
@@ -34,20 +35,26 @@ static status unify(json_t *entry, size_t number, const leafcast *volume) {
         return status_describe(ST_USAGE,
                                "--camera-path: entry %zu: time %g: the steps go from %g to %g",
                                number + 1, json_number_value(time), first, last);
-    if (!step)
+    if (!step && !time)
+        return set(entry, TIME, json_real(*before), STEP);
+    if (time) {
+        *before = json_number_value(time);
         return ST_OK;
+    }
     const json_int_t k = json_integer_value(step);
     if (!json_is_integer(step) || k < 0 || k >= steps)
         return refuse(number, "no such \"step\"");
-    return set(entry, TIME, json_real(leafcast_step_time(volume, (uint32_t)k)), STEP);
+    *before = leafcast_step_time(volume, (uint32_t)k);
+    return set(entry, TIME, json_real(*before), STEP);
 }
 
 status key_times_unify(json_t *path, const leafcast *volume) {
     status st = ST_OK;
+    double before = leafcast_step_time(volume, 0);
     if (!key_times_any(path))
         return ST_OK;
     for (size_t i = 0; i < json_array_size(path) && st == ST_OK; i++)
-        st = unify(json_array_get(path, i), i, volume);
+        st = unify(json_array_get(path, i), i, volume, &before);
     return st;
 }
 

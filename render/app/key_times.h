@@ -1,7 +1,8 @@
 /* key_times.h - entries of a camera path that name a time of the data: {"time": 0.25}.
  *
  * A movie goes evenly from time to time (keyframes.h); the step that is drawn is the last one whose
- * time has come. Where any entry names a time, those that name a step stand for its time.
+ * time has come. Where any entry names a time, those that name a step stand for its time, and those
+ * that name neither for that of the entry before; the first one then for the first step's.
  */
 #ifndef RENDER_APP_KEY_TIMES_H
 #define RENDER_APP_KEY_TIMES_H

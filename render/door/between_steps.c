@@ -16,6 +16,12 @@ status between_steps_check(const leafcast *v, uint32_t field, uint32_t step, dou
     return leaf_between_check(v->file);
 }
 
+/* The share of the way from one time to a later one, which may be further than doubles go. */
+static double share_of(double time, double from, double to) {
+    const double scale = isfinite(to - from) ? 1.0 : 0.5;
+    return (scale * time - scale * from) / (scale * to - scale * from);
+}
+
 leafcast_status leafcast_find_time(const leafcast *v, double time, uint32_t *step,
                                    double *between) {
     const status st =
@@ -25,8 +31,9 @@ leafcast_status leafcast_find_time(const leafcast *v, double time, uint32_t *ste
     const uint32_t last = leafcast_describe(v).steps - 1;
     const double from = leafcast_step_time(v, 0), to = leafcast_step_time(v, last);
     if (!(time >= from && time <= to))
-        return public_status(status_describe(
-            ST_USAGE, "time %g: the steps have times from %g to %g", time, from, to));
+        return public_status(status_describe(ST_USAGE,
+                                             "%s: time %g: the steps have times from %g to %g",
+                                             file_path(v->file->source), time, from, to));
     uint32_t low = 0, high = last; /* times ascend: the step is in [low, high] */
     while (low < high) {
         const uint32_t middle = low + (high - low + 1) / 2;
@@ -36,9 +43,8 @@ leafcast_status leafcast_find_time(const leafcast *v, double time, uint32_t *ste
             high = middle - 1;
     }
     const double before = leafcast_step_time(v, low);
-    *between = low < last && time > before
-                   ? (time - before) / (leafcast_step_time(v, low + 1) - before)
-                   : 0.0;
+    *between =
+        low < last && time > before ? share_of(time, before, leafcast_step_time(v, low + 1)) : 0.0;
     /* The share of a time just before the next step may round to 1. */
     *step = low + (*between >= 1.0);
     *between = *between < 1.0 ? *between : 0.0;
@@ -50,18 +56,19 @@ leafcast_status leafcast_select_between(leafcast *v, uint32_t field, uint32_t st
     status st = arguments_check_volume(__func__, v);
     if (st == ST_OK)
         st = public_in_range(__func__, "between", between, 0.0, nextafter(1.0, 0.0));
-    if (st == ST_OK)
-        st = between_steps_check(v, field, step, between);
     if (st != ST_OK || between == 0.0)
         return st == ST_OK ? leafcast_select_set(v, field, step) : public_status(st);
     device_lock(v->device);
-    v->field = field;
-    v->step = step;
-    v->share = between;
-    if (v->between)
+    st = between_steps_check(v, field, step, between);
+    if (st == ST_OK) {
+        v->field = field;
+        v->step = step;
+        v->share = between;
+    }
+    if (st == ST_OK && v->between)
         loader_reset_statistics(v->between->treelets);
     device_unlock(v->device);
-    return LEAFCAST_OK;
+    return public_status(st);
 }
 
 /* ---- The volume ---- */

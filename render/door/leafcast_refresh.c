@@ -1,6 +1,5 @@
 /* leafcast_refresh.c - the steps that have come since a volume was opened. */
 #include "formats/base/file_mark.h"
-#include "formats/leaf/leaf_between.h"
 #include "render/door/arguments.h"
 #include "render/door/leafcast_device.h"
 #include "render/door/leafcast_volume.h"
@@ -23,20 +22,13 @@ static void rest_all(const leafcast_device *d) {
     }
 }
 
-/* What lies between the volume's steps is made of sets that have other numbers now. */
-static status restart_between(leafcast *v) {
-    if (!v->between)
-        return ST_OK;
-    leaf_between_forget(v->between->file);
-    return loader_restart(v->between->treelets);
-}
-
 /* Exchange the volume's file for a newer one, which gets what was there. */
 static status take_in(leafcast *v, leaf_file *newer) {
     const uint32_t steps = v->file->layout.steps;
     pthread_rwlock_wrlock(&v->steps);
     leaf_file_exchange(v->file, newer);
-    status st = restart_between(v);
+    /* What lies between its steps is made of payloads that have other numbers now. */
+    status st = v->between ? loader_restart(v->between->treelets) : ST_OK;
     if (st == ST_OK)
         st = loader_grow(v->treelets, steps);
     if (st == ST_OK)
@@ -51,10 +43,16 @@ static status take_in(leafcast *v, leaf_file *newer) {
 static status grow(leafcast *v) {
     leafcast_device *d = v->device;
     leaf_file *newer = NULL;
-    const size_t before = mem_used(v->m);
+    size_t before = mem_used(v->m);
     status st = leaf_file_newer(v->file, &newer);
     if (!newer)
         return st;
+    /* Treelets are not of what is counted: those that take_in() gives up go first. */
+    if (v->between) {
+        const size_t with = mem_used(v->m);
+        loader_clear(v->between->treelets);
+        before -= with - mem_used(v->m);
+    }
     st = take_in(v, newer);
     leaf_file_close(newer);
     const size_t after = mem_used(v->m);

@@ -121,7 +121,13 @@ leafcast *volume_on(leafcast_device *d, const leafcast_options *options) {
     if (options->experiments)
         v->experiments = *options->experiments;
     v->options.experiments = NULL; /* points into the caller's memory */
-    pthread_rwlock_init(&v->steps, NULL);
+    /* Holds do not nest. Whoever takes steps in has the device's lock, and must not wait for ever.
+     */
+    pthread_rwlockattr_t writers_first;
+    pthread_rwlockattr_init(&writers_first);
+    pthread_rwlockattr_setkind_np(&writers_first, PTHREAD_RWLOCK_PREFER_WRITER_NONRECURSIVE_NP);
+    pthread_rwlock_init(&v->steps, &writers_first);
+    pthread_rwlockattr_destroy(&writers_first);
     return v;
 }
 

@@ -37,6 +37,12 @@ exits "a movie between steps" 0 "$leafcast" render "$tmp/d.leaf" --iso 100 --siz
 ok "its times are told" json "$tmp/m.json" '[f["time"] for f in j["frames"]] == [2, 4, 6] and j["frames"][1]["between"] == 0.5'
 picture alone --time 4 --interpolate --view fit --fov 30
 ok "and are what they are alone" same m_1.ppm alone.ppm
+echo '[{"fov": 30}, {"time": 2}, {}]' >"$tmp/path.json"
+exits "entries without a time" 0 "$leafcast" render "$tmp/d.leaf" --iso 100 --size 40x30 --interpolate --camera-path "$tmp/path.json" --frames 5 -o "$tmp/m_%d.ppm" --stats "$tmp/m.json" --force -q
+ok "have that of the one before, the first one the first step's" json "$tmp/m.json" '[f["time"] for f in j["frames"]] == [1, 1.5, 2, 2, 2]'
+run "$leafcast" convert "$tmp"/d_0000.nrrd "$tmp"/d_0001.nrrd --times=-1e308,1e308 -o "$tmp/far.leaf" -q
+exits "times further apart than doubles go" 0 "$leafcast" render "$tmp/far.leaf" --iso 100 --size 8x8 --time=0.5e308 --interpolate -o "$tmp/x.ppm" --stats "$tmp/far.json" -q
+ok "have a share, too" json "$tmp/far.json" 'j["between"] == 0.75'
 ok "a step by its time" same step1 time2
 ok "a step by its time, between or not" same step1 time2i
 ok "its colours" same step1.ppm time2i.ppm

@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "formats/base/fault.h"
 #include "formats/leaf/leaf_grow.h"
@@ -243,24 +244,6 @@ static void test_grow(void **state) {
     }
 }
 
-/* What threads keep decoded of one set is not taken for another's, whose payloads now have those
- * numbers. */
-static void test_shells(void **state) {
-    (void)state;
-    skip_under_thread();
-    stage *s = stage_of(LEAF_CODEC_ZSTD, 1);
-    begin(s, STEPS - 1, "shells.leaf");
-    leafcast *v = open_it(s->path, NULL);
-    for (uint32_t step = STEPS - 3; step < STEPS - 1; step++)
-        (void)draw(s, v, 0, step);
-    add(s, STEPS - 1, 1);
-    assert_int_equal(refreshed(v), STEPS);
-    for (uint32_t step = 0; step < STEPS; step++)
-        (void)draw(s, v, 0, step);
-    leafcast_close(v);
-    stage_free(s);
-}
-
 /* ---- times between steps ---- */
 
 static void draw_between(const stage *s, leafcast *v, uint32_t of, uint32_t step, picture *p) {
@@ -280,13 +263,38 @@ static void check_between(const stage *s, leafcast *v, uint32_t of, uint32_t ste
     free(p);
 }
 
+/* What threads keep decoded of one set is not taken for another's, whose payloads now have those
+ * numbers. */
+static void test_shells(void **state) {
+    (void)state;
+    skip_under_thread();
+    stage *s = stage_of(LEAF_CODEC_ZSTD, 1);
+    begin(s, STEPS - 1, "shells.leaf");
+    leafcast *v = open_it(s->path, NULL);
+    for (uint32_t step = STEPS - 3; step < STEPS - 1; step++)
+        (void)draw(s, v, 0, step);
+    picture *p = malloc(sizeof *p);
+    for (uint32_t step = STEPS - 4; step < STEPS - 2; step++)
+        draw_between(s, v, 0, step, p);
+    free(p);
+    add(s, STEPS - 1, 1);
+    assert_int_equal(refreshed(v), STEPS);
+    for (uint32_t step = 0; step < STEPS; step++)
+        (void)draw(s, v, 0, step);
+    for (uint32_t step = 0; step < STEPS - 1; step++)
+        check_between(s, v, 0, step);
+    leafcast_close(v);
+    stage_free(s);
+}
+
 /* A frame between two steps ends as it began; moments after it have their steps' payloads. */
 static void test_between(void **state) {
     (void)state;
     for (int codec = WATCHED_THREADS ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD;
          codec++) {
         stage *s = stage_make((leaf_codec)codec);
-        leafcast *v = open_it(s->path, NULL);
+        const leafcast_options o = {.size = sizeof o, .threads = 2, .memory = 48 << 20};
+        leafcast *v = open_it(s->path, &o); /* what is given up must be counted */
         picture *p = calloc(2, sizeof *p);
         draw_between(s, v, 1, 0, &p[0]);
         leafcast_frame *frame;
@@ -335,22 +343,22 @@ static void put_mesh(mesh_movie *all, uint32_t first, uint32_t count, const char
     leaf_grow_close(part.c.options.grow);
 }
 
-static leafcast_status draw_mesh(leafcast *v, uint32_t of, uint32_t step, picture *p,
-                                 leafcast_stats *stats) {
+/* The middle of a set's values. */
+static void draw_mesh(leafcast *v, uint32_t of, uint32_t step, picture *p, leafcast_stats *stats) {
     const leafcast_scene scene = leafcast_scene_default();
     leafcast_camera view = {.size = sizeof view};
-    const double iso = 0.4;
+    double range[2], iso = 0.4;
     assert_int_equal(leafcast_fit_view(v, 0, 0, &iso, 1, 0, PICTURE_WIDTH, PICTURE_HEIGHT, &view),
                      LEAFCAST_OK);
-    const leafcast_status st = leafcast_select_set(v, of, step);
-    if (st == LEAFCAST_OK)
-        pictures_draw(v, &scene, &view, p, stats);
-    return st;
+    assert_int_equal(leafcast_select_set(v, of, step), LEAFCAST_OK);
+    assert_int_equal(leafcast_range(v, of, step, range), LEAFCAST_OK);
+    const leafcast_surface surface = leafcast_surface_default(0.5 * (range[0] + range[1]));
+    assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
+    pictures_draw(v, &scene, &view, p, stats);
 }
 
 /* Of a mesh, too, what is in memory stays, and all sets are those of the file. */
 static void grow_mesh(mesh_movie *all, const char *path, leafcast_schema schema) {
-    const leafcast_surface surface = leafcast_surface_default(0.4);
     const leafcast_experiments e = {.size = sizeof e, .schema = schema};
     const leafcast_options o = {.size = sizeof o, .threads = 2, .experiments = &e};
     picture *p = calloc(2, sizeof *p);
@@ -358,29 +366,27 @@ static void grow_mesh(mesh_movie *all, const char *path, leafcast_schema schema)
     leafcast_stats stats = {.size = sizeof stats};
     put_mesh(all, 0, 2, path);
     assert_int_equal(leafcast_open(path, &o, &v), LEAFCAST_OK);
-    assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
     for (uint32_t steps = 2; steps < MESH_STEPS; steps++) {
-        assert_int_equal(draw_mesh(v, 1, 1, &p[0], NULL), LEAFCAST_OK);
-        assert_int_equal(draw_mesh(v, 0, steps, &p[1], NULL), LEAFCAST_USAGE);
+        draw_mesh(v, 1, 1, &p[0], NULL);
+        assert_int_equal(leafcast_select_set(v, 0, steps), LEAFCAST_USAGE);
         put_mesh(all, steps, 1, path);
         assert_int_equal(refreshed(v), steps + 1);
-        assert_int_equal(draw_mesh(v, 1, 1, &p[1], &stats), LEAFCAST_OK);
+        draw_mesh(v, 1, 1, &p[1], &stats);
         assert_int_equal(stats.treelets_loaded, 0);
         for (int i = 0; i < PICTURE_PIXELS; i++)
             assert_true(pictures_same_pixel(&p[0], &p[1], i));
     }
     assert_int_equal(leafcast_open(path, &o, &now), LEAFCAST_OK);
-    assert_int_equal(leafcast_select(now, &surface, 1), LEAFCAST_OK);
-    uint64_t hits = 0;
     for (uint32_t set = 0; set < MESH_STEPS * MESH_FIELDS; set++) {
-        assert_int_equal(draw_mesh(v, set % 2, set / 2, &p[0], NULL), LEAFCAST_OK);
-        assert_int_equal(draw_mesh(now, set % 2, set / 2, &p[1], NULL), LEAFCAST_OK);
+        uint64_t hits = 0;
+        draw_mesh(v, set % 2, set / 2, &p[0], NULL);
+        draw_mesh(now, set % 2, set / 2, &p[1], NULL);
         for (int i = 0; i < PICTURE_PIXELS; i++) {
             assert_true(pictures_same_pixel(&p[0], &p[1], i));
             hits += isfinite(p[0].z[i]);
         }
+        assert_true(hits > 100);
     }
-    assert_true(hits > 100);
     leafcast_close(now);
     leafcast_close(v);
     free(p);
@@ -441,6 +447,9 @@ static void test_refused(void **state) {
     spoil(s->path, (long)before.file_bytes + 100);
     (void)draw(s, v, 0, 1);
     assert_int_equal(refreshed(v), FIRST + 1);
+    /* What is known is no longer there. */
+    assert_int_equal(truncate(s->path, (off_t)before.file_bytes), 0);
+    fails(v, "changed while it was open");
     leafcast_close(v);
     /* Another file has taken its place, with more steps. */
     begin(s, FIRST, "grown.leaf");
