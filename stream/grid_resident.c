@@ -4,6 +4,7 @@
 
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/leaf_between.h"
+#include "formats/leaf/leaf_geometry.h"
 
 /* One block holds a treelet and its masks, which begin at HEAD. */
 enum { HEAD = (sizeof(resident_grid) + 63) / 64 * 64 };
@@ -85,15 +86,11 @@ static uint32_t ahead(const resident_store *s, uint32_t set, uint32_t t,
                       uint32_t payloads[RESIDENT_PAYLOADS]) {
     const leaf_file *f = leaf_file_stores(s->file);
     const leaf_layout *l = &f->layout;
-    uint32_t of[LEAF_BETWEEN_PARTS];
+    uint32_t of[LEAF_BETWEEN_PARTS], parts[LEAF_PARTS_MAX];
     int count = 0;
-    for (int i = stored_payloads(s->file, set, t, of); i-- > 0;) {
-        count += leaf_file_chain(f, of[i], payloads + count);
-        if (l->shells && t > 0)
-            count += leaf_file_chain(
-                f, leaf_layout_shell(l, of[i] / l->treelets, leaf_layout_parent(l, t)),
-                payloads + count);
-    }
+    for (int i = stored_payloads(s->file, set, t, of); i-- > 0;)
+        for (int k = f->geometry->parts(l, of[i] / l->treelets, t, parts); k-- > 0;)
+            count += leaf_file_chain(f, parts[k], payloads + count);
     return (uint32_t)count;
 }
 
@@ -187,9 +184,9 @@ static void renumber(const resident_store *s, treelet *tr, uint32_t set, const v
  * samples before them. */
 static bool keep(const resident_store *s, treelet *tr) {
     const leaf_file *f = s->file;
-    const uint32_t p = payload_of(s, tr);
     if (!f->below)
         return is_stamped(s, tr, payload_of(s, tr));
+    const uint32_t p = payload_of(s, tr);
     if (leaf_between_lacks(f, p, tr->payload, 0) || leaf_between_lacks(f, p, tr->payload, 1))
         return false;
     atomic_store_explicit(&tr->masked, 0, memory_order_relaxed);

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "formats/leaf/leaf_geometry.h"
 #include "formats/mesh/mesh_leaf_check.h"
 #include "stream/mesh_refit.h"
 
@@ -56,12 +57,10 @@ static size_t most_bytes(const resident_store *s, uint32_t t) {
 static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t, uint32_t *family) {
     (void)family;
     const leaf_file *f = s->file;
-    const uint32_t step = step_of(s, set);
-    uint64_t bytes = f->sizes[t] + f->sizes[leaf_layout_values(&f->layout, set, t)];
-    if (s->gradients)
-        bytes += f->sizes[leaf_layout_gradients(&f->layout, set, t)];
-    if (moves(s) && step > 0)
-        bytes += f->sizes[leaf_layout_positions(&f->layout, step, t)];
+    uint32_t parts[LEAF_PARTS_MAX];
+    uint64_t bytes = s->gradients ? f->sizes[leaf_layout_gradients(&f->layout, set, t)] : 0;
+    for (int i = f->geometry->parts(&f->layout, set, t, parts); i-- > 0;)
+        bytes += f->sizes[parts[i]];
     return bytes;
 }
 

@@ -84,22 +84,15 @@ static status take_axes(leaf_file *f) {
 }
 
 static status allocate(leaf_file *f) {
-    const size_t all = f->layout.payloads, deviations = deviation_count(&f->layout);
-    f->ranges = mem_array(f->m, all, sizeof *f->ranges);
-    f->own = mem_array(f->m, all, sizeof *f->own);
-    f->flags = mem_array(f->m, all, sizeof *f->flags);
-    f->offsets = mem_array(f->m, all, sizeof *f->offsets);
-    f->sizes = mem_array(f->m, all, sizeof *f->sizes);
-    f->checksums = mem_array(f->m, all, sizeof *f->checksums);
-    f->names = mem_array(f->m, 1, sizeof *f->names);
-    f->times = mem_array(f->m, LEAF_BETWEEN_SETS, sizeof *f->times);
-    f->versions = mem_array(f->m, LEAF_BETWEEN_SETS, sizeof *f->versions);
+    const size_t deviations = deviation_count(&f->layout);
+    const status st = leaf_file_allocate_changing(f);
     f->between = mem_zalloc(f->m, sizeof *f->between);
-    const bool whole = f->ranges && f->own && f->flags && f->offsets && f->sizes && f->checksums &&
-                       f->names && f->times && f->versions && f->between;
-    if (whole && f->below->deviations && deviations)
-        f->deviations = mem_array(f->m, deviations, sizeof *f->deviations);
-    return whole && (f->deviations || !f->below->deviations || !deviations) ? ST_OK : ST_NOMEM;
+    if (st != ST_OK || !f->between)
+        return ST_NOMEM;
+    if (!f->below->deviations || !deviations)
+        return ST_OK;
+    f->deviations = mem_array(f->m, deviations, sizeof *f->deviations);
+    return f->deviations ? ST_OK : ST_NOMEM;
 }
 
 static status make(leaf_file *f, cpu_isa isa) {

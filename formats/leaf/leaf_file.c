@@ -201,19 +201,32 @@ static status allocate_labels(leaf_file *f) {
     return ST_OK;
 }
 
-static status allocate_directory(leaf_file *f) {
+/* ranges: elements of RANGES, OWN and FLAGS. */
+static status allocate_arrays(leaf_file *f, size_t ranges) {
     const size_t payloads = f->layout.payloads;
-    const size_t ranges = (size_t)f->layout.treelets * f->geometry->sets(&f->header);
     f->ranges = mem_array(f->m, ranges, sizeof *f->ranges);
     f->own = mem_array(f->m, ranges, sizeof *f->own);
     f->flags = mem_array(f->m, ranges, sizeof *f->flags);
     f->offsets = mem_array(f->m, payloads, sizeof *f->offsets);
     f->sizes = mem_array(f->m, payloads, sizeof *f->sizes);
     f->checksums = mem_array(f->m, payloads, sizeof *f->checksums);
-    if (!f->ranges || !f->own || !f->flags || !f->offsets || !f->sizes || !f->checksums)
-        return ST_NOMEM;
-    status st = allocate_labels(f);
+    const bool whole = f->ranges && f->own && f->flags && f->offsets && f->sizes && f->checksums;
+    return whole ? ST_OK : ST_NOMEM;
+}
+
+static status allocate_directory(leaf_file *f) {
+    status st = allocate_arrays(f, (size_t)f->layout.treelets * f->geometry->sets(&f->header));
+    if (st == ST_OK)
+        st = allocate_labels(f);
     return st == ST_OK ? f->geometry->allocate(f) : st;
+}
+
+status leaf_file_allocate_changing(leaf_file *f) {
+    f->names = mem_array(f->m, 1, sizeof *f->names);
+    f->times = mem_array(f->m, f->layout.sets, sizeof *f->times);
+    f->versions = mem_array(f->m, f->layout.sets, sizeof *f->versions);
+    const bool whole = f->names && f->times && f->versions;
+    return whole ? allocate_arrays(f, (size_t)f->layout.treelets * f->layout.sets) : ST_NOMEM;
 }
 
 /* Allocate and read section SAME or BASES. */

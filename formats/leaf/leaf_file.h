@@ -111,6 +111,11 @@ CHECKED status leaf_file_open_first(mem *m, const char *path, const leaf_header 
 CHECKED status leaf_file_newer(const leaf_file *f, leaf_file **out);
 void leaf_file_exchange(leaf_file *f, leaf_file *newer);
 
+/* leaf_file_allocate_changing() - make the directory's arrays, all zero, of a grid's file that
+ * never was one: its layout is there, of one field; its sets change (versions). On failure some are
+ * there: leaf_file_close(). */
+CHECKED status leaf_file_allocate_changing(leaf_file *f);
+
 /* leaf_file_number() - the number that a set has in entries of SAME and BASES of later segments.
  * leaf_file_numbered() - the set of that number.
  * leaf_file_segment_sets() - how many sets the segment has that a set is in; of a file without

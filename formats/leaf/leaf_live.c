@@ -62,22 +62,6 @@ static status take_axes(leaf_file *f, const grid *g) {
     return ST_OK;
 }
 
-static status allocate(leaf_file *f) {
-    const size_t all = f->layout.payloads;
-    f->ranges = mem_array(f->m, all, sizeof *f->ranges);
-    f->own = mem_array(f->m, all, sizeof *f->own);
-    f->flags = mem_array(f->m, all, sizeof *f->flags);
-    f->offsets = mem_array(f->m, all, sizeof *f->offsets);
-    f->sizes = mem_array(f->m, all, sizeof *f->sizes);
-    f->checksums = mem_array(f->m, all, sizeof *f->checksums);
-    f->names = mem_array(f->m, 1, sizeof *f->names);
-    f->times = mem_array(f->m, LIVE_BUFFERS, sizeof *f->times);
-    f->versions = mem_array(f->m, LIVE_BUFFERS, sizeof *f->versions);
-    const bool whole = f->ranges && f->own && f->flags && f->offsets && f->sizes && f->checksums &&
-                       f->names && f->times && f->versions;
-    return whole ? ST_OK : ST_NOMEM;
-}
-
 static status make(leaf_file *f, const grid *g, cpu_isa isa, int threads) {
     status st = file_open_memory(f->m, "the live volume", "", 0, &f->source);
     if (st == ST_OK)
@@ -90,7 +74,7 @@ static status make(leaf_file *f, const grid *g, cpu_isa isa, int threads) {
     f->frame = g->frame;
     st = take_axes(f, g);
     if (st == ST_OK)
-        st = allocate(f);
+        st = leaf_file_allocate_changing(f);
     if (st == ST_OK)
         st = live_samples_create(f->m, g->dims, f->layout.type, isa, threads, &f->live);
     for (uint32_t step = 0; step < LIVE_BUFFERS && st == ST_OK; step++)

@@ -349,35 +349,32 @@ static status load_live(leaf_unpacker *u, uint32_t p, void *payload) {
     return ST_OK;
 }
 
-/* Read payload `needed` of the file below into a part that has another one, or nothing. */
-static status load_part(leaf_unpacker *u, uint32_t p, int part, uint32_t needed, void *payload) {
+/* Let one part have what the other one has, if that is `fit` to be there. */
+static void move_part(leaf_unpacker *u, uint32_t p, int part, uint32_t needed, void *payload,
+                      bool (*fit)(const leaf_file *f, uint32_t needed, uint32_t has)) {
     leaf_file *below = u->f->below;
     uint32_t *has, *other_has;
     void *to = leaf_between_part(u->f, p, payload, part, &has);
     const void *other = leaf_between_part(u->f, p, payload, !part, &other_has);
-    const bool helped = *has != LEAF_NO_TREELET && leaf_file_helps(below, needed, *has);
-    if (!helped && *other_has != LEAF_NO_TREELET && leaf_file_helps(below, needed, *other_has)) {
-        memcpy(to, other, leaf_layout_payload_bytes(&below->layout, needed));
-        *has = *other_has;
-    }
+    if (*other_has == LEAF_NO_TREELET || !fit(below, needed, *other_has))
+        return;
+    memcpy(to, other, leaf_layout_payload_bytes(&below->layout, needed));
+    *has = *other_has;
+}
+
+/* Read payload `needed` of the file below into a part that has another one, or nothing. */
+static status load_part(leaf_unpacker *u, uint32_t p, int part, uint32_t needed, void *payload) {
+    leaf_file *below = u->f->below;
+    uint32_t *has;
+    void *to = leaf_between_part(u->f, p, payload, part, &has);
+    if (*has == LEAF_NO_TREELET || !leaf_file_helps(below, needed, *has))
+        move_part(u, p, part, needed, payload, leaf_file_helps);
     const status st = *has == LEAF_NO_TREELET
                           ? leaf_file_load(below, needed, u->below, to)
                           : leaf_file_load_after(below, needed, u->below, NULL, *has, to);
     *has = st == ST_OK ? needed : LEAF_NO_TREELET;
     u->beside_bytes += below->sizes[needed] + leaf_unpacker_take(u->below);
     return st;
-}
-
-/* Let one part have what the other one has, if that is needed there. */
-static void move_part(leaf_unpacker *u, uint32_t p, int part, uint32_t needed, void *payload) {
-    leaf_file *below = u->f->below;
-    uint32_t *has, *other_has;
-    void *to = leaf_between_part(u->f, p, payload, part, &has);
-    const void *other = leaf_between_part(u->f, p, payload, !part, &other_has);
-    if (*other_has == LEAF_NO_TREELET || !leaf_file_same(below, *other_has, needed))
-        return;
-    memcpy(to, other, leaf_layout_payload_bytes(&below->layout, needed));
-    *has = *other_has;
 }
 
 /* Load the payloads of both steps that a payload needs, as far as it does not have them. */
@@ -387,7 +384,7 @@ static status load_between(leaf_unpacker *u, uint32_t p, void *payload) {
     /* Playing on, the second step becomes the first, and backwards the other way round. */
     for (int i = 0; i < LEAF_BETWEEN_PARTS; i++)
         if (leaf_between_lacks(u->f, p, payload, i))
-            move_part(u, p, i, needs.of[i], payload);
+            move_part(u, p, i, needs.of[i], payload, leaf_file_same);
     for (int i = 0; i < LEAF_BETWEEN_PARTS && st == ST_OK; i++)
         if (leaf_between_lacks(u->f, p, payload, i))
             st = load_part(u, p, i, needs.of[i], payload);

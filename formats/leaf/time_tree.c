@@ -280,11 +280,12 @@ static void settle(time_query *q, uint32_t treelet, uint32_t step) {
 }
 
 void time_tree_steps(const time_tree *t, value_limits at, uint32_t first, uint32_t end,
-                     uint8_t *has) {
+                     uint8_t *has, uint64_t *visited) {
     time_query q = {.limits = &at, .count = 1, .first = first, .end = end, .met = settle};
     q.settled = has;
     memset(has, 0, end - first);
     time_tree_ask(t, &q);
+    *visited += q.visited;
 }
 
 static void lower_end(time_query *q, uint32_t treelet, uint32_t step) {
@@ -292,8 +293,10 @@ static void lower_end(time_query *q, uint32_t treelet, uint32_t step) {
     q->end = step;
 }
 
-uint32_t time_tree_first(const time_tree *t, value_limits at, uint32_t first, uint32_t end) {
+uint32_t time_tree_first(const time_tree *t, value_limits at, uint32_t first, uint32_t end,
+                         uint64_t *visited) {
     time_query q = {.limits = &at, .count = 1, .first = first, .end = end, .met = lower_end};
     time_tree_ask(t, &q);
+    *visited += q.visited;
     return q.end;
 }

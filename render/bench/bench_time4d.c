@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
-#include "formats/leaf/leaf_stats.h"
 #include "formats/leaf/time_tree.h"
 #include "render/app/view_camera.h"
 
@@ -23,7 +22,8 @@ const char bench_time4d_headings[] =
     "series|order|steps|leaves|tree MB|build ms|step nodes|step us|series nodes|series us|"
     "sweep nodes|sweep us|first nodes|first us|met|differ|frame ms";
 
-enum { VALUES = 32, QUESTIONS = 4, DIRECTORY = TIME_ORDERS, ROWS = TIME_ORDERS + 1 };
+enum { VALUES = 32, DIRECTORY = TIME_ORDERS, ROWS = TIME_ORDERS + 1 };
+enum { STEP, SERIES, SWEEP, FIRST, QUESTIONS };
 
 static const char *const order_names[ROWS] = {[TIME_ORDER_LEAST] = "least overlap",
                                               [TIME_ORDER_MOST] = "most overlap (M08)",
@@ -36,9 +36,11 @@ typedef struct series {
     leaf_file *f;
     const time_tree *tree; /* NULL: look at all ranges */
     value_limits surface, values[VALUES];
-    uint8_t *want, *found; /* per step and treelet; behind them, per value and step */
-    uint8_t *has;          /* per step */
-    uint64_t nodes, met;
+    /* Answers, and those that are right: */
+    uint8_t *want, *found;  /* per step and treelet; behind them has: per value and step */
+    uint8_t *has;           /* of found */
+    uint32_t first[VALUES]; /* a step; none: steps */
+    uint64_t nodes;
 } series;
 
 /* ---- all ranges, one by one ---- */
@@ -58,16 +60,6 @@ static bool look_step(series *s, uint32_t step, const value_limits *at) {
     return false;
 }
 
-static void look_pairs(series *s, uint32_t first, uint32_t end,
-                       void (*met)(time_query *q, uint32_t treelet, uint32_t step)) {
-    const leaf_level *l = &s->f->layout.level[0];
-    time_query q = {.ctx = s};
-    for (uint32_t step = first; step < end; step++)
-        for (uint32_t t = l->first; t < l->first + l->count; t++)
-            if (look(s, step, t, &s->surface))
-                met(&q, t, step);
-}
-
 /* ---- the questions ---- */
 
 static void note(time_query *q, uint32_t treelet, uint32_t step) {
@@ -75,60 +67,49 @@ static void note(time_query *q, uint32_t treelet, uint32_t step) {
     s->found[(size_t)step * s->f->layout.treelets + treelet] = 1;
 }
 
-static void settle(time_query *q, uint32_t treelet, uint32_t step) {
-    (void)treelet;
-    q->settled[step] = 1;
-}
-
-static void lower_end(time_query *q, uint32_t treelet, uint32_t step) {
-    (void)treelet;
-    q->end = step;
-}
-
-static void ask(series *s, const value_limits *at, uint32_t first, uint32_t end, uint8_t *settled,
-                void (*met)(time_query *q, uint32_t treelet, uint32_t step), uint32_t *lowered) {
-    time_query q = {.limits = at, .count = 1, .first = first, .end = end, .met = met, .ctx = s};
-    q.settled = settled;
-    time_tree_ask(s->tree, &q);
+/* Which treelets have the isovalue, in which of these steps? */
+static void ask_treelets(series *s, uint32_t first, uint32_t end) {
+    const leaf_level *l = &s->f->layout.level[0];
+    time_query q = {
+        .limits = &s->surface, .count = 1, .first = first, .end = end, .met = note, .ctx = s};
+    if (s->tree)
+        time_tree_ask(s->tree, &q);
     s->nodes += q.visited;
-    if (lowered)
-        *lowered = q.end;
+    for (uint32_t step = first; step < end && !s->tree; step++)
+        for (uint32_t t = l->first; t < l->first + l->count; t++)
+            if (look(s, step, t, &s->surface))
+                note(&q, t, step);
+}
+
+/* In which steps is a value? */
+static void ask_steps(series *s, const value_limits *at, uint8_t *has) {
+    const uint32_t steps = s->f->layout.steps;
+    if (s->tree)
+        time_tree_steps(s->tree, *at, 0, steps, has, &s->nodes);
+    for (uint32_t step = 0; step < steps && !s->tree; step++)
+        has[step] = look_step(s, step, at);
+}
+
+static uint32_t ask_first(series *s, const value_limits *at) {
+    const uint32_t steps = s->f->layout.steps;
+    uint32_t first = 0;
+    if (s->tree)
+        return time_tree_first(s->tree, *at, 0, steps, &s->nodes);
+    while (first < steps && !look_step(s, first, at))
+        first++;
+    return first;
 }
 
 /* Ask a question of a kind for the i-th time. Returns false when there are no more. */
 static bool question(series *s, int kind, uint32_t i) {
     const uint32_t steps = s->f->layout.steps;
-    uint8_t *of_values = s->found + (size_t)steps * s->f->layout.treelets;
-    if (i == (kind == 0 ? steps : kind == 1 ? 1 : VALUES))
+    if (i == (kind == STEP ? steps : kind == SERIES ? 1 : VALUES))
         return false;
-    const uint32_t first = kind == 0 ? i : 0, end = kind == 0 ? i + 1 : steps;
-    uint32_t earliest = 0;
     switch (kind) {
-    case 0:
-    case 1:
-        if (s->tree)
-            ask(s, &s->surface, first, end, NULL, note, NULL);
-        else
-            look_pairs(s, first, end, note);
-        return true;
-    case 2:
-        memset(s->has, 0, steps);
-        if (s->tree)
-            ask(s, &s->values[i], 0, steps, s->has, settle, NULL);
-        for (uint32_t step = 0; step < steps && !s->tree; step++)
-            s->has[step] = look_step(s, step, &s->values[i]);
-        memcpy(of_values + (size_t)i * steps, s->has, steps);
-        return true;
-    default:
-        if (s->tree)
-            ask(s, &s->values[i], 0, steps, NULL, lower_end, &earliest);
-        while (!s->tree && earliest < steps && !look_step(s, earliest, &s->values[i]))
-            earliest++;
-        /* Agrees with the question before, which was judged, or spoils its answer. */
-        if (earliest < steps)
-            of_values[(size_t)i * steps + earliest] ^=
-                memchr(of_values + (size_t)i * steps, 1, earliest) ? 1 : 0;
-        return true;
+    case STEP: ask_treelets(s, i, i + 1); return true;
+    case SERIES: ask_treelets(s, 0, steps); return true;
+    case SWEEP: ask_steps(s, &s->values[i], s->has + (size_t)i * steps); return true;
+    default: s->first[i] = ask_first(s, &s->values[i]); return true;
     }
 }
 
@@ -155,12 +136,22 @@ static size_t answers(const series *s) {
     return (size_t)s->f->layout.steps * (s->f->layout.treelets + VALUES);
 }
 
+/* The first step with a value follows from those that have it. */
+static uint32_t first_of(const series *s, int i) {
+    const uint32_t steps = s->f->layout.steps;
+    const uint8_t *has = s->want + (s->has - s->found) + (size_t)i * steps;
+    const uint8_t *at = memchr(has, 1, steps);
+    return at ? (uint32_t)(at - has) : steps;
+}
+
 static void judge(const series *s, tally *t) {
     t->met = t->differ = 0;
     for (size_t i = 0; i < answers(s); i++) {
         t->met += s->found[i];
         t->differ += s->found[i] != s->want[i];
     }
+    for (int i = 0; i < VALUES; i++)
+        t->differ += s->first[i] != first_of(s, i);
 }
 
 /* ---- frames ---- */
@@ -235,9 +226,9 @@ static status run(bench_job *job, series *s, int order, tally *t) {
 }
 
 static status compare(bench_job *job, series *s) {
-    double room = 0.0;
+    double frame = 0.0;
     tally t = {0};
-    status st = draw(job, s, &room);
+    status st = draw(job, s, &frame);
     for (int kind = 0; kind < QUESTIONS && st == ST_OK; kind++) {
         t.us[kind] = mem_array(&job->m, (size_t)job->runs, sizeof *t.us[kind]);
         st = t.us[kind] ? ST_OK : ST_NOMEM;
@@ -245,7 +236,7 @@ static status compare(bench_job *job, series *s) {
     for (int order = DIRECTORY; order >= 0 && st == ST_OK; order--) {
         st = run(job, s, order, &t);
         if (st == ST_OK)
-            add_row(job, s, order, &t, room);
+            add_row(job, s, order, &t, frame);
     }
     for (int kind = 0; kind < QUESTIONS; kind++)
         mem_free(&job->m, t.us[kind]);
@@ -265,10 +256,9 @@ static status measure(bench_job *job, const bench_subject *subject) {
                 (i + 0.5) / VALUES * (s.f->header.value_max - s.f->header.value_min));
         s.want = mem_alloc(&job->m, answers(&s));
         s.found = mem_alloc(&job->m, answers(&s));
-        s.has = mem_alloc(&job->m, s.f->layout.steps);
-        st = s.want && s.found && s.has ? compare(job, &s) : ST_NOMEM;
+        s.has = s.found + (size_t)s.f->layout.steps * s.f->layout.treelets;
+        st = s.want && s.found ? compare(job, &s) : ST_NOMEM;
     }
-    mem_free(&job->m, s.has);
     mem_free(&job->m, s.found);
     mem_free(&job->m, s.want);
     leaf_file_close(s.f);
