@@ -3,7 +3,7 @@
     server = Server([leafcast, "view", "F.leaf"]); page = Page(server); page.view(1, {...}, 640, 360)
     head, picture = page.picture()
 """
-import base64, json, os, select, signal, socket, struct, subprocess, time, urllib.parse, zlib
+import base64, contextlib, json, os, select, signal, socket, struct, subprocess, threading, time, urllib.parse, zlib
 
 
 class Closed(Exception):
@@ -223,6 +223,25 @@ class Page:
     def waits(self, seconds):
         """Whether something comes within so long."""
         return bool(self.data) or bool(select.select([self.socket], [], [], seconds)[0])
+
+    @contextlib.contextmanager
+    def kept(self):
+        """Answers pings meanwhile, as a browser's page does: the server hangs up on one that is silent too long. What
+        else comes is dropped."""
+        over = threading.Event()
+
+        def answer():
+            while not over.is_set():
+                if self.waits(0.1):
+                    self.message(patient=False)
+
+        thread = threading.Thread(target=answer)
+        thread.start()
+        try:
+            yield
+        finally:
+            over.set()
+            thread.join()
 
     def close(self):
         self.socket.close()
