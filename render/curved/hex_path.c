@@ -1,0 +1,70 @@
+#include "render/curved/hex_path.h"
+
+#include "render/curved/patch.h"
+
+/* Crossings in one sense, in order of t. */
+typedef struct crossings {
+    int count;
+    hex_end end[HEX_FACES * PATCH_CROSSINGS];
+} crossings;
+
+static void add(crossings *s, const hex_end *e) {
+    int i = s->count++;
+    for (; i > 0 && s->end[i - 1].t > e->t; i--)
+        s->end[i] = s->end[i - 1];
+    s->end[i] = *e;
+}
+
+/* All of it is made in everybody's order of the face's corners. */
+static void cross_face(const hexahedron *h, const hex_path *path, int face, int sense,
+                       crossings in_out[2]) {
+    int corner[PATCH_CORNERS];
+    double p[PATCH_CORNERS][3], value[PATCH_CORNERS];
+    const int outward = hexahedron_face(face, corner);
+    int above = 0;
+    for (int i = 0; i < PATCH_CORNERS; i++)
+        above += path->q[1][corner[i]] >= 0.0;
+    if (above == 0 || above == PATCH_CORNERS)
+        return;
+    for (int i = 0; i < PATCH_CORNERS; i++) {
+        value[i] = h->value[corner[i]];
+        for (int a = 0; a < 3; a++)
+            p[i][a] = h->p[corner[i]][a];
+    }
+    const patch_order order = patch_order_of(p, value);
+    double q[PATCH_CORNERS][3], t[PATCH_CORNERS], f[PATCH_CORNERS];
+    for (int i = 0; i < PATCH_CORNERS; i++) {
+        for (int a = 0; a < 3; a++)
+            q[i][a] = path->q[a][corner[order.corner[i]]];
+        t[i] = q[i][2];
+        f[i] = value[order.corner[i]];
+    }
+    patch_crossing found[PATCH_CROSSINGS];
+    const int count = patch_cross(q, found);
+    for (int i = 0; i < count; i++) {
+        hex_end e = {.t = patch_at(t, found[i].at), .value = patch_at(f, found[i].at)};
+        double own[2];
+        patch_own(&order, found[i].at, own);
+        hexahedron_face_point(face, own, e.at);
+        add(&in_out[found[i].sense * order.sense * outward * sense > 0], &e);
+    }
+}
+
+int hex_path_of(const hexahedron *h, int sense, const sheared_ray *r, hex_path *out) {
+    crossings in_out[2] = {{0}, {0}};
+    out->count = 0;
+    for (int c = 0; c < HEX_CORNERS; c++) {
+        double q[3];
+        sheared_ray_place(r, h->p[c], q);
+        for (int a = 0; a < 3; a++)
+            out->q[a][c] = q[a];
+    }
+    for (int face = 0; face < HEX_FACES; face++)
+        cross_face(h, out, face, (sense < 0 ? -1 : 1) * r->sense, in_out);
+    /* The signs of all faces add up to 0: as many go in as come out. */
+    for (int i = 0; i < in_out[0].count && i < in_out[1].count && i < HEX_PARTS; i++) {
+        const hex_end *in = &in_out[0].end[i], *to = &in_out[1].end[i];
+        out->part[out->count++] = in->t <= to->t ? (hex_part){{*in, *to}} : (hex_part){{*to, *in}};
+    }
+    return out->count;
+}

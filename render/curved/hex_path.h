@@ -1,0 +1,35 @@
+/* hex_path.h - the parts of a ray in a hexahedron, from where it crosses in to where it crosses
+ * out.
+ *
+ * Crossings are those of patch.h: where a part ends at a face, another begins in the cell beyond,
+ * at the same t and with the same value, to the bit. In a cell that is no fold
+ * (hexahedron_sense()), parts are what the trilinear map makes of the ray. In a folded cell they
+ * are the crossings in order of t, an entry with an exit each.
+ */
+#ifndef RENDER_CURVED_HEX_PATH_H
+#define RENDER_CURVED_HEX_PATH_H
+
+#include "render/curved/hexahedron.h"
+#include "render/curved/sheared_ray.h"
+
+enum { HEX_PARTS = 6 };
+
+/* An end of a part: on a face. */
+typedef struct hex_end {
+    double t, at[3], value;
+} hex_end;
+
+typedef struct hex_part {
+    hex_end end[2];
+} hex_part;
+
+typedef struct hex_path {
+    double q[3][HEX_CORNERS]; /* the corners in the ray's space, by coordinate */
+    int count;
+    hex_part part[HEX_PARTS]; /* in order of t */
+} hex_path;
+
+/* hex_path_of() - sense: hexahedron_sense(); 0 counts as 1. Returns the number of parts. */
+int hex_path_of(const hexahedron *h, int sense, const sheared_ray *r, hex_path *out);
+
+#endif

@@ -1,0 +1,197 @@
+#include "render/curved/hex_stretch.h"
+
+#include <math.h>
+
+#include "formats/base/vec3.h"
+
+#define WIDEN 0x1p-40
+
+/* The inverse of three slopes: column k is the change of parameters that changes value k by 1. */
+static bool invert(const double slope[3][3], double column[3][3]) {
+    for (int k = 0; k < 3; k++)
+        vec3_cross(slope[(k + 1) % 3], slope[(k + 2) % 3], column[k]);
+    const double det = vec3_dot(slope[0], column[0]);
+    if (!(fabs(det) > 0.0))
+        return false;
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++)
+            column[k][i] /= det;
+    return isfinite(vec3_size(column[0]) + vec3_size(column[1]) + vec3_size(column[2]));
+}
+
+/* By how much the computed value of a trilinear form may be wrong. */
+static double rounding_of(const double v[HEX_CORNERS]) {
+    double most = 0.0;
+    for (int c = 0; c < HEX_CORNERS; c++)
+        most = fmax(most, fabs(v[c]));
+    return 0x1p-50 * most;
+}
+
+/* How far the parameters may be from where three values are as they should be. */
+static double distance(const double column[3][3], const double off[3], int i) {
+    return fabs(column[0][i]) * off[0] + fabs(column[1][i]) * off[1] + fabs(column[2][i]) * off[2];
+}
+
+/* Newton's method for three trilinear values that are to be aim[]. It may leave the cell a little
+ * on its way. It ends where rounding alone decides the next step. */
+static bool newton(const double *v[3], const double aim[3], double at[3]) {
+    enum { STEPS = 24 };
+    const double beyond = 0.25;
+    double rounding[3];
+    for (int k = 0; k < 3; k++)
+        rounding[k] = rounding_of(v[k]) + 0x1p-53 * fabs(aim[k]);
+    for (int n = 0; n < STEPS; n++) {
+        double slope[3][3], column[3][3], miss[3];
+        bool still = true;
+        for (int k = 0; k < 3; k++) {
+            miss[k] = aim[k] - hexahedron_at(v[k], at);
+            hexahedron_slope(v[k], at, slope[k]);
+        }
+        if (!invert(slope, column))
+            return false;
+        for (int i = 0; i < 3; i++) {
+            const double by =
+                miss[0] * column[0][i] + miss[1] * column[1][i] + miss[2] * column[2][i];
+            at[i] = fmin(fmax(at[i] + by, -beyond), 1.0 + beyond);
+            still = still && fabs(by) <= 0x1p-52 + distance(column, rounding, i);
+        }
+        if (still)
+            return true;
+    }
+    return false;
+}
+
+bool hex_stretch_locate(hex_map q, double t, double at[3]) {
+    return newton((const double *[3]){q[0], q[1], q[2]}, (double[3]){0.0, 0.0, t}, at);
+}
+
+/* How much the slopes of a trilinear value can differ from those in the middle of a box. */
+static void unevenness(const double v[HEX_CORNERS], const double at[3], const double reach[3],
+                       double out[3]) {
+    double twist[3], all; /* d2 / (d other two), d3 / (d all three) */
+    for (int a = 0; a < 3; a++) {
+        const int b = 1 << (a + 1) % 3, c = 1 << (a + 2) % 3, n = 1 << a;
+        const double low = (v[b | c] - v[b]) - (v[c] - v[0]);
+        const double high = (v[n | b | c] - v[n | b]) - (v[n | c] - v[n]);
+        twist[a] = fabs(low + at[a] * (high - low));
+        all = fabs(high - low);
+    }
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3, c = (a + 2) % 3;
+        out[a] = twist[c] * reach[b] + twist[b] * reach[c] + all * reach[b] * reach[c];
+    }
+}
+
+/* The map times the inverse Jacobian in the middle; returns by how much that may be wrong. It is
+ * multiplied first and bounded then: in a flat cell the inverse is large, but not what it makes of
+ * how the cell is bent. */
+static double straighten(hex_map q, const double column[3][3], double straight[3][HEX_CORNERS]) {
+    double rounding = 0.0;
+    for (int i = 0; i < 3; i++) {
+        double size = 0.0;
+        for (int c = 0; c < HEX_CORNERS; c++)
+            straight[i][c] =
+                q[0][c] * column[0][i] + q[1][c] * column[1][i] + q[2][c] * column[2][i];
+        for (int k = 0; k < 3; k++)
+            size += 16.0 * rounding_of(q[k]) * fabs(column[k][i]);
+        rounding = fmax(rounding, size);
+    }
+    return rounding;
+}
+
+/* By how much at most the straightened map's Jacobian in a box differs from 1. */
+static void difference(const hex_stretch *s, double rounding, double out[3][3]) {
+    for (int i = 0; i < 3; i++) {
+        unevenness(s->straight[i], s->at, s->reach, out[i]);
+        for (int j = 0; j < 3; j++)
+            out[i][j] += rounding + WIDEN;
+    }
+}
+
+bool hex_stretch_of(hex_map q, const double t[2], const double *end[2], hex_stretch *out,
+                    bool *located) {
+    enum { TRIES = 4 };
+    const double middle = 0.5 * (t[0] + t[1]), room = 1.125;
+    const double aim[3] = {0.0, 0.0, middle};
+    double slope[3][3], column[3][3], apart[3][3], size[3], off[3], most = 0.0, stray = 0.0;
+    out->half = 0.5 * (t[1] - t[0]);
+    for (int i = 0; i < 3; i++)
+        out->at[i] = 0.5 * (end[0][i] + end[1][i]);
+    *located = hex_stretch_locate(q, middle, out->at);
+    if (!*located)
+        return false;
+    for (int k = 0; k < 3; k++) {
+        hexahedron_slope(q[k], out->at, slope[k]);
+        off[k] = fabs(hexahedron_at(q[k], out->at) - aim[k]) + rounding_of(q[k]);
+    }
+    if (!invert(slope, column))
+        return false;
+    const double rounding = straighten(q, column, out->straight);
+    for (int i = 0; i < 3; i++) {
+        const double far = fmax(fabs(end[0][i] - out->at[i]), fabs(end[1][i] - out->at[i]));
+        out->rate[i] = column[2][i];
+        size[i] = fabs(column[2][i]);
+        out->reach[i] = room * fmax(far, size[i] * out->half) + WIDEN;
+    }
+    for (int n = 0, proven = 0; !proven; n++) {
+        double next[3];
+        difference(out, rounding, apart);
+        proven = 1;
+        for (int i = 0; i < 3; i++) {
+            next[i] = size[i] * out->half + vec3_dot(apart[i], out->reach) +
+                      distance(column, off, i) + WIDEN;
+            proven = proven && next[i] <= out->reach[i];
+        }
+        for (int i = 0; i < 3; i++)
+            out->reach[i] = proven ? next[i] : room * fmax(next[i], out->reach[i]);
+        if (!proven && (n == TRIES || !(vec3_size(out->reach) < 3.0)))
+            return false;
+    }
+    /* Some room for what is near the stretch, such as a guess of it. */
+    for (int i = 0; i < 3; i++)
+        out->reach[i] *= room;
+    difference(out, rounding, apart);
+    for (int i = 0; i < 3; i++) {
+        out->spread[i] = vec3_dot(apart[i], size);
+        out->apart[i] = apart[i][0] + apart[i][1] + apart[i][2];
+        most = fmax(most, out->apart[i]);
+        stray = fmax(stray, out->spread[i]);
+    }
+    /* The rate in the box is the rate in the middle and `apart` times the rate in the box, at most:
+     * a geometric series. */
+    if (!(most < 0.875))
+        return false;
+    for (int i = 0; i < 3; i++)
+        out->spread[i] += out->apart[i] * stray / (1.0 - most) + WIDEN * size[i];
+    return true;
+}
+
+double hex_stretch_slope(const hex_stretch *s, const double v[HEX_CORNERS], double *error) {
+    double slope[3], uneven[3], sum = 0.0;
+    hexahedron_slope(v, s->at, slope);
+    unevenness(v, s->at, s->reach, uneven);
+    *error = 0.0;
+    for (int i = 0; i < 3; i++) {
+        sum += slope[i] * s->rate[i];
+        *error += (fabs(slope[i]) + uneven[i]) * s->spread[i] +
+                  (uneven[i] + WIDEN * fabs(slope[i])) * fabs(s->rate[i]);
+    }
+    return sum;
+}
+
+void hex_stretch_steepest(const hex_stretch *s, const double v[HEX_CORNERS], double steepest[3]) {
+    double slope[3], uneven[3];
+    hexahedron_slope(v, s->at, slope);
+    unevenness(v, s->at, s->reach, uneven);
+    for (int i = 0; i < 3; i++)
+        steepest[i] = fabs(slope[i]) + uneven[i];
+}
+
+bool hex_stretch_solve(hex_map q, const double v[HEX_CORNERS], const hex_stretch *s, double at[3]) {
+    if (!newton((const double *[3]){q[0], q[1], v}, (double[3]){0.0, 0.0, 0.0}, at))
+        return false;
+    for (int i = 0; i < 3; i++)
+        if (!(fabs(at[i] - s->at[i]) <= s->reach[i] + WIDEN))
+            return false;
+    return true;
+}

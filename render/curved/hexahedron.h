@@ -1,0 +1,37 @@
+/* hexahedron.h - a cell whose position and value are trilinear in three parameters, each in [0, 1].
+ *
+ * Corner c is where the parameters are the bits of c, the first one lowest. Its faces are bilinear
+ * patches. Edges or faces may be collapsed to points or edges, as at poles and axes of grids.
+ */
+#ifndef RENDER_CURVED_HEXAHEDRON_H
+#define RENDER_CURVED_HEXAHEDRON_H
+
+enum { HEX_CORNERS = 8, HEX_FACES = 6 };
+
+typedef struct hexahedron {
+    double p[HEX_CORNERS][3]; /* floats, as doubles */
+    double value[HEX_CORNERS];
+} hexahedron;
+
+/* hexahedron_at() - the trilinear form of eight corners' values. hexahedron_slope() - its
+ * derivatives by the parameters. */
+double hexahedron_at(const double v[HEX_CORNERS], const double at[3]);
+void hexahedron_slope(const double v[HEX_CORNERS], const double at[3], double slope[3]);
+
+/* hexahedron_sense() - 1 if positions are a right-handed map: the Jacobian's determinant is above 0
+ * inside the cell, proven by its Bernstein coefficients in the cell or in parts of it; on faces and
+ * edges it may be 0. -1: left-handed. 0: it is neither, or nearly; the cell is folded, or flat.
+ *
+ * Depends on the positions alone. A right- or left-handed cell meets a ray in parts on each of
+ * which t rises, and which begin and end at its faces. */
+int hexahedron_sense(const double p[HEX_CORNERS][3]);
+
+/* hexahedron_face() - the corners of face 0 to 5 in patch.h's order: of parameter face / 2, at 0 if
+ * even, at 1 if odd; the other two parameters rise in their order. Returns the sense of (d/d first)
+ * x (d/d second) in a right-handed cell: 1 outward, -1 inward. */
+int hexahedron_face(int face, int corner[4]);
+
+/* hexahedron_face_point() - a face's own parameters as the cell's. */
+void hexahedron_face_point(int face, const double own[2], double at[3]);
+
+#endif

@@ -1,0 +1,187 @@
+#include "render/curved/patch.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+/* Two products are compared exactly: each is a double and the rest that rounding took from it. */
+static int compare_products(double a, double b, double c, double d) {
+    const double p = a * b, q = c * d;
+    if (p != q)
+        return p > q ? 1 : -1;
+    const double p_rest = fma(a, b, -p), q_rest = fma(c, d, -q);
+    return (p_rest > q_rest) - (p_rest < q_rest);
+}
+
+/* On which side of the directed line from one point to another the ray is: 1 left, -1 right, 0. */
+static int side_of(const double from[3], const double to[3]) {
+    return compare_products(from[0], to[1], to[0], from[1]);
+}
+
+static double turn_of(const double a[3], const double b[3]) {
+    return a[0] * b[1] - a[1] * b[0];
+}
+
+/* How often the edges turn about the ray, moved as patch.h says: edges that cross the first axis
+ * upward on its positive side, less those that cross downward. */
+static int turns(const double q[PATCH_CORNERS][3]) {
+    static const int ring[PATCH_CORNERS] = {0, 1, 3, 2};
+    int sum = 0;
+    for (int k = 0; k < PATCH_CORNERS; k++) {
+        const double *from = q[ring[k]], *to = q[ring[(k + 1) % PATCH_CORNERS]];
+        const bool up = to[1] >= 0.0;
+        if (up == (from[1] >= 0.0))
+            continue;
+        const int side = side_of(from, to);
+        if (up && side >= 0)
+            sum++;
+        if (!up && side <= 0)
+            sum--;
+    }
+    return sum;
+}
+
+/* A point where the bilinear map is 0, inside the square or not. */
+typedef struct candidate {
+    double at[2];
+    double outside; /* by how much it is outside of the square; below 0: inside by so much */
+} candidate;
+
+static candidate candidate_at(const double q[PATCH_CORNERS][3], double u) {
+    double low[2], along[2];
+    for (int k = 0; k < 2; k++) {
+        low[k] = q[0][k] + u * (q[1][k] - q[0][k]);
+        along[k] = q[2][k] + u * (q[3][k] - q[2][k]) - low[k];
+    }
+    const double size = along[0] * along[0] + along[1] * along[1];
+    const double v = -(low[0] * along[0] + low[1] * along[1]) / size;
+    return (candidate){{u, v}, fmax(fmax(-u, u - 1.0), fmax(-v, v - 1.0))};
+}
+
+/* The first parameter solves a quadratic equation: the ray is on the line through the points with
+ * that parameter on two opposite edges. Returns the number of finite solutions. If there is none
+ * by rounding only, real is false, and where it nearly has one counts as a solution. */
+static int solve(const double q[PATCH_CORNERS][3], candidate out[2], bool *real) {
+    const double c = turn_of(q[0], q[2]), end = turn_of(q[1], q[3]);
+    const double middle = 0.5 * (turn_of(q[0], q[3]) + turn_of(q[1], q[2]));
+    const double a = (c - middle) + (end - middle), half = middle - c;
+    const double square = half * half - a * c;
+    const double root = square > 0.0 ? sqrt(square) : 0.0;
+    *real = square > 0.0;
+    const double far = half < 0.0 ? -half + root : -half - root;
+    const double u[2] = {far / a, c / far};
+    int count = 0;
+    for (int i = 0; i < 2; i++) {
+        const candidate found = candidate_at(q, u[i]);
+        if (isfinite(found.at[0]) && isfinite(found.at[1]))
+            out[count++] = found;
+    }
+    return count;
+}
+
+static double into_unit(double x) {
+    return x > 0.0 ? x < 1.0 ? x : 1.0 : 0.0; /* NaN is 0 */
+}
+
+/* The corner that is next to the ray: the ray goes through it, and through a side that is a point.
+ */
+static candidate corner_by(const double q[PATCH_CORNERS][3]) {
+    int next = 0;
+    for (int i = 1; i < PATCH_CORNERS; i++)
+        if (fmax(fabs(q[i][0]), fabs(q[i][1])) < fmax(fabs(q[next][0]), fabs(q[next][1])))
+            next = i;
+    return (candidate){{(double)(next & 1), (double)(next >> 1)}, 0.0};
+}
+
+/* The sense of the map at a point. */
+static double sense_at(const double q[PATCH_CORNERS][3], const double at[2]) {
+    double first[2], second[2];
+    for (int k = 0; k < 2; k++) {
+        first[k] = (1.0 - at[1]) * (q[1][k] - q[0][k]) + at[1] * (q[3][k] - q[2][k]);
+        second[k] = (1.0 - at[0]) * (q[2][k] - q[0][k]) + at[0] * (q[3][k] - q[1][k]);
+    }
+    return first[0] * second[1] - first[1] * second[0];
+}
+
+/* One step of Newton's method takes away what the quadratic's rounding has left. */
+static void polish(const double q[PATCH_CORNERS][3], double at[2]) {
+    double first[2], second[2], value[2];
+    for (int k = 0; k < 2; k++) {
+        const double v[PATCH_CORNERS] = {q[0][k], q[1][k], q[2][k], q[3][k]};
+        value[k] = patch_at(v, at);
+        first[k] = (1.0 - at[1]) * (v[1] - v[0]) + at[1] * (v[3] - v[2]);
+        second[k] = (1.0 - at[0]) * (v[2] - v[0]) + at[0] * (v[3] - v[1]);
+    }
+    const double det = first[0] * second[1] - first[1] * second[0];
+    const double step[2] = {(value[0] * second[1] - value[1] * second[0]) / det,
+                            (first[0] * value[1] - first[1] * value[0]) / det};
+    if (fabs(step[0]) < 0x1p-10 && fabs(step[1]) < 0x1p-10)
+        for (int k = 0; k < 2; k++)
+            at[k] -= step[k];
+}
+
+/* Whether all corners are on one side of the ray, along one of the two axes: usual, and quick. */
+static bool beside(const double q[PATCH_CORNERS][3]) {
+    int above = 0, left = 0, right = 0;
+    for (int i = 0; i < PATCH_CORNERS; i++) {
+        above += q[i][1] >= 0.0;
+        right += q[i][0] > 0.0;
+        left += q[i][0] < 0.0;
+    }
+    return above == 0 || above == PATCH_CORNERS || right == PATCH_CORNERS || left == PATCH_CORNERS;
+}
+
+int patch_cross(const double q[PATCH_CORNERS][3], patch_crossing out[PATCH_CROSSINGS]) {
+    candidate found[2];
+    bool real;
+    if (beside(q))
+        return 0;
+    const int sum = turns(q), count = solve(q, found, &real);
+    if (sum == 0) {
+        /* Both are in the square, or neither: the one that is further from its edges tells. */
+        if (!real || count < 2 ||
+            !(fabs(found[0].outside) > fabs(found[1].outside) ? found[0].outside < 0.0
+                                                              : found[1].outside < 0.0))
+            return 0;
+        const int sense = sense_at(q, found[0].at) < 0.0 ? -1 : 1;
+        for (int i = 0; i < 2; i++) {
+            polish(q, found[i].at);
+            out[i] = (patch_crossing){{into_unit(found[i].at[0]), into_unit(found[i].at[1])},
+                                      i == 0 ? sense : -sense};
+        }
+        return 2;
+    }
+    candidate *best = &found[0];
+    if (count == 0)
+        *best = corner_by(q);
+    if (count == 2 && found[1].outside < best->outside)
+        best = &found[1];
+    polish(q, best->at);
+    out[0] = (patch_crossing){{into_unit(best->at[0]), into_unit(best->at[1])}, sum > 0 ? 1 : -1};
+    return 1;
+}
+
+static int compare_corners(const double p[3], double value, const double q[3], double other) {
+    for (int a = 0; a < 3; a++)
+        if (p[a] != q[a])
+            return p[a] < q[a] ? -1 : 1;
+    return (value > other) - (value < other);
+}
+
+patch_order patch_order_of(const double p[PATCH_CORNERS][3], const double value[PATCH_CORNERS]) {
+    patch_order best = {{0, 1, 2, 3}, {0, 0}, 0, 1};
+    for (int i = 1; i < 8; i++) {
+        patch_order o = {.flip = {i & 1, i >> 1 & 1}, .swap = i >> 2};
+        int less = 0;
+        for (int k = 0; k < PATCH_CORNERS; k++) {
+            const int x = o.swap ? k >> 1 : k & 1, y = o.swap ? k & 1 : k >> 1;
+            o.corner[k] = (x ^ o.flip[0]) | (y ^ o.flip[1]) << 1;
+            const int mine = o.corner[k], its = best.corner[k];
+            if (less == 0)
+                less = compare_corners(p[mine], value[mine], p[its], value[its]);
+        }
+        o.sense = (o.flip[0] ^ o.flip[1] ^ o.swap) ? -1 : 1;
+        if (less < 0)
+            best = o;
+    }
+    return best;
+}

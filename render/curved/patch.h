@@ -1,0 +1,58 @@
+/* patch.h - where a ray crosses a bilinear patch, the face of a curved cell.
+ *
+ * How often, and in which sense, follows from the turns of the patch's four edges about the ray:
+ * signs that depend on two vertices each, exact for the doubles of sheared_ray.h. So all cells that
+ * share the face agree, and what crosses into a closed cell crosses out of it. A ray through an
+ * edge or a vertex counts as a generic one beside it: as if it were moved by (-e, -e^2), e without
+ * size. (M08 6.4.2.2 combines Pluecker tests and bilinear patches for the same purpose; it takes
+ * convex faces.)
+ *
+ * A bilinear map of the square to the plane takes a value twice at most. Where the edges turn once
+ * about the ray, it is crossed once. Where they do not turn, it is crossed not at all, or twice, in
+ * either sense: there the patch is folded as the ray sees it.
+ */
+#ifndef RENDER_CURVED_PATCH_H
+#define RENDER_CURVED_PATCH_H
+
+/* The corners of a patch are in the order (0,0), (1,0), (0,1), (1,1) of its parameters. */
+enum { PATCH_CORNERS = 4, PATCH_CROSSINGS = 2 };
+
+typedef struct patch_crossing {
+    double at[2]; /* parameters, in [0, 1] */
+    int sense;    /* 1: the ray goes the way of (d/d first) x (d/d second), in its space; -1 */
+} patch_crossing;
+
+/* patch_cross() - returns the number of crossings.
+ *
+ * q    the corners in the ray's space; the third coordinate is not looked at. Finite, and 0 or with
+ *      products in the range of normal doubles. Everyone who shares the patch must give the corners
+ *      in the same order: patch_order(). */
+int patch_cross(const double q[PATCH_CORNERS][3], patch_crossing out[PATCH_CROSSINGS]);
+
+/* patch_at() - the bilinear form of four corners' values. */
+static inline double patch_at(const double v[PATCH_CORNERS], const double at[2]) {
+    const double low = v[0] + at[0] * (v[1] - v[0]), high = v[2] + at[0] * (v[3] - v[2]);
+    return low + at[1] * (high - low);
+}
+
+/* Which of the eight orders of a patch's corners is everybody's: corner k of that order is corner
+ * corner[k] of one's own. flip, swap: how parameters go over, see patch_own(). */
+typedef struct patch_order {
+    int corner[PATCH_CORNERS];
+    int flip[2], swap;
+    int sense; /* of that order in one's own: 1 or -1 */
+} patch_order;
+
+/* patch_order_of() - the order whose corners come first by position, in dictionary order; then by
+ * value. So it depends on the patch alone. */
+patch_order patch_order_of(const double p[PATCH_CORNERS][3], const double value[PATCH_CORNERS]);
+
+/* patch_own() - parameters in everybody's order as one's own. */
+static inline void patch_own(const patch_order *o, const double at[2], double own[2]) {
+    for (int k = 0; k < 2; k++) {
+        const double x = at[o->swap ? !k : k];
+        own[k] = o->flip[k] ? 1.0 - x : x;
+    }
+}
+
+#endif
