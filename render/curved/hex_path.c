@@ -21,10 +21,11 @@ static void cross_face(const hexahedron *h, const hex_path *path, int face, int 
     int corner[PATCH_CORNERS];
     double p[PATCH_CORNERS][3], value[PATCH_CORNERS];
     const int outward = hexahedron_face(face, corner);
-    int above = 0;
+    double mine[PATCH_CORNERS][3];
     for (int i = 0; i < PATCH_CORNERS; i++)
-        above += path->q[1][corner[i]] >= 0.0;
-    if (above == 0 || above == PATCH_CORNERS)
+        for (int a = 0; a < 3; a++)
+            mine[i][a] = path->q[a][corner[i]];
+    if (patch_beside((const double(*)[3])mine)) /* most faces; whatever the order */
         return;
     for (int i = 0; i < PATCH_CORNERS; i++) {
         value[i] = h->value[corner[i]];
@@ -35,7 +36,7 @@ static void cross_face(const hexahedron *h, const hex_path *path, int face, int 
     double q[PATCH_CORNERS][3], t[PATCH_CORNERS], f[PATCH_CORNERS];
     for (int i = 0; i < PATCH_CORNERS; i++) {
         for (int a = 0; a < 3; a++)
-            q[i][a] = path->q[a][corner[order.corner[i]]];
+            q[i][a] = mine[order.corner[i]][a];
         t[i] = q[i][2];
         f[i] = value[order.corner[i]];
     }

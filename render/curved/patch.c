@@ -119,21 +119,10 @@ static void polish(const double q[PATCH_CORNERS][3], double at[2]) {
             at[k] -= step[k];
 }
 
-/* Whether all corners are on one side of the ray, along one of the two axes: usual, and quick. */
-static bool beside(const double q[PATCH_CORNERS][3]) {
-    int above = 0, left = 0, right = 0;
-    for (int i = 0; i < PATCH_CORNERS; i++) {
-        above += q[i][1] >= 0.0;
-        right += q[i][0] > 0.0;
-        left += q[i][0] < 0.0;
-    }
-    return above == 0 || above == PATCH_CORNERS || right == PATCH_CORNERS || left == PATCH_CORNERS;
-}
-
 int patch_cross(const double q[PATCH_CORNERS][3], patch_crossing out[PATCH_CROSSINGS]) {
     candidate found[2];
     bool real;
-    if (beside(q))
+    if (patch_beside(q))
         return 0;
     const int sum = turns(q), count = solve(q, found, &real);
     if (sum == 0) {

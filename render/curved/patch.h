@@ -14,6 +14,8 @@
 #ifndef RENDER_CURVED_PATCH_H
 #define RENDER_CURVED_PATCH_H
 
+#include <stdbool.h>
+
 /* The corners of a patch are in the order (0,0), (1,0), (0,1), (1,1) of its parameters. */
 enum { PATCH_CORNERS = 4, PATCH_CROSSINGS = 2 };
 
@@ -21,6 +23,18 @@ typedef struct patch_crossing {
     double at[2]; /* parameters, in [0, 1] */
     int sense;    /* 1: the ray goes the way of (d/d first) x (d/d second), in its space; -1 */
 } patch_crossing;
+
+/* patch_beside() - whether all corners are on one side of the ray, along one of two axes: then it
+ * is not crossed. Usual, and quick. */
+static inline bool patch_beside(const double q[PATCH_CORNERS][3]) {
+    int above = 0, left = 0, right = 0;
+    for (int i = 0; i < PATCH_CORNERS; i++) {
+        above += q[i][1] >= 0.0;
+        right += q[i][0] > 0.0;
+        left += q[i][0] < 0.0;
+    }
+    return above == 0 || above == PATCH_CORNERS || right == PATCH_CORNERS || left == PATCH_CORNERS;
+}
 
 /* patch_cross() - returns the number of crossings.
  *
