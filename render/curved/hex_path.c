@@ -69,3 +69,25 @@ int hex_path_of(const hexahedron *h, int sense, const sheared_ray *r, hex_path *
     }
     return out->count;
 }
+
+void hex_part_walk(const hex_part *part, hex_look *look, void *ctx) {
+    struct {
+        hex_end end;
+        int depth;
+    } ahead[HEX_DEPTH + 1];
+    hex_end here = part->end[0];
+    int count = 1;
+    ahead[0].end = part->end[1];
+    ahead[0].depth = 0;
+    while (count > 0) {
+        const int depth = ahead[count - 1].depth;
+        hex_end middle;
+        if (look(ctx, &here, &ahead[count - 1].end, depth, &middle) && depth < HEX_DEPTH) {
+            ahead[count - 1].depth = depth + 1;
+            ahead[count].end = middle;
+            ahead[count++].depth = depth + 1;
+        } else {
+            here = ahead[--count].end;
+        }
+    }
+}

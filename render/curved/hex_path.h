@@ -9,6 +9,8 @@
 #ifndef RENDER_CURVED_HEX_PATH_H
 #define RENDER_CURVED_HEX_PATH_H
 
+#include <stdbool.h>
+
 #include "render/curved/hexahedron.h"
 #include "render/curved/sheared_ray.h"
 
@@ -31,5 +33,14 @@ typedef struct hex_path {
 
 /* hex_path_of() - sense: hexahedron_sense(); 0 counts as 1. Returns the number of parts. */
 int hex_path_of(const hexahedron *h, int sense, const sheared_ray *r, hex_path *out);
+
+/* Looks at one stretch of a part, cut from it `depth` times. Returns true, and a point in its
+ * middle, if it is to be cut there. */
+typedef bool hex_look(void *ctx, const hex_end *from, const hex_end *to, int depth,
+                      hex_end *middle);
+enum { HEX_DEPTH = 52 }; /* a stretch of this depth is not cut, whatever is returned */
+
+/* hex_part_walk() - look at the whole of a part, then at what it is cut into, in order of t. */
+void hex_part_walk(const hex_part *part, hex_look *look, void *ctx);
 
 #endif

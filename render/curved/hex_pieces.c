@@ -46,15 +46,9 @@ static void multiply_all(const double cubic[3][CUBIC + 1], products *out) {
 static void compose(const double v[HEX_CORNERS], const double at[3], const products *p,
                     double out[WHOLE + 1]) {
     const double middle = hexahedron_at(v, at);
-    double slope[3], twist[3], all = 0.0;
+    double slope[3], twist[3];
+    const double all = hexahedron_twist(v, at, twist);
     hexahedron_slope(v, at, slope);
-    for (int a = 0; a < 3; a++) {
-        const int b = 1 << (a + 1) % 3, c = 1 << (a + 2) % 3, n = 1 << a;
-        const double low = (v[b | c] - v[b]) - (v[c] - v[0]);
-        const double high = (v[n | b | c] - v[n | b]) - (v[n | c] - v[n]);
-        twist[a] = low + at[a] * (high - low);
-        all = high - low;
-    }
     for (int i = 0; i <= WHOLE; i++) {
         out[i] = middle * whole_binomials[i] + all * p->all[i];
         for (int a = 0; a < 3; a++)
@@ -78,10 +72,6 @@ static void through(const double f[4], double b[CUBIC + 1]) {
 }
 
 /* ---- Pieces ---- */
-
-typedef struct piece_end {
-    double t, at[3], value;
-} piece_end;
 
 typedef struct search {
     hex_map q;
@@ -113,7 +103,7 @@ static void guess_error(const hex_stretch *s, const products *p, const double t[
 }
 
 /* One cubic for the whole stretch. Returns a bound of its error. */
-static double fit(const search *f, const hex_stretch *s, const piece_end *from, const piece_end *to,
+static double fit(const search *f, const hex_stretch *s, const hex_end *from, const hex_end *to,
                   hex_piece *out) {
     const double t[2] = {from->t, to->t};
     double value[4] = {from->value, 0.0, 0.0, to->value}, at[4][3], cubic[3][CUBIC + 1];
@@ -158,47 +148,30 @@ static double fit(const search *f, const hex_stretch *s, const piece_end *from, 
     return error;
 }
 
-static hex_piece linear(const piece_end *from, const piece_end *to, double error) {
+static hex_piece linear(const hex_end *from, const hex_end *to, double error) {
     const double third = (to->value - from->value) / 3.0;
     return (hex_piece){
         {from->t, to->t}, {from->value, from->value + third, to->value - third, to->value}, error};
 }
 
-/* Looks at one stretch. Returns true, and its middle, if it must be cut in two. */
-static bool look(search *f, const piece_end *from, const piece_end *to, piece_end *middle) {
+static bool look(void *ctx, const hex_end *from, const hex_end *to, int depth, hex_end *middle) {
+    search *f = ctx;
     hex_stretch s;
     hex_piece piece = {{from->t, to->t}, {0.0}, INFINITY};
     bool located = false;
     f->counts.stretches++;
-    if (hex_stretch_of(f->q, (double[2]){from->t, to->t}, (const double *[2]){from->at, to->at}, &s,
-                       &located))
+    if (hex_stretch_of(f->q, from, to, &s, &located))
         piece.error = fit(f, &s, from, to, &piece);
-    if (!(piece.error <= f->tolerance) && located && f->room > 0) {
-        *middle = (piece_end){
-            0.5 * (from->t + to->t), {s.at[0], s.at[1], s.at[2]}, hexahedron_at(f->h->value, s.at)};
-        if (middle->t > from->t && middle->t < to->t) {
-            f->room--;
-            return true;
-        }
+    if (!(piece.error <= f->tolerance) && located && depth < HEX_DEPTH && f->room > 0 &&
+        hex_stretch_middle(&s, f->h->value, from, to, middle)) {
+        f->room--;
+        return true;
     }
     if (!(piece.error <= f->range))
         piece = linear(from, to, f->range);
     f->counts.doubtful += !(piece.error <= f->tolerance);
     f->out[f->count++] = piece;
     return false;
-}
-
-static void search_part(search *f, const piece_end *from, const piece_end *to) {
-    piece_end ahead[HEX_PIECES + 1], here = *from;
-    int count = 1;
-    ahead[0] = *to;
-    while (count > 0) {
-        piece_end middle;
-        if (look(f, &here, &ahead[count - 1], &middle))
-            ahead[count++] = middle;
-        else
-            here = ahead[--count];
-    }
 }
 
 int hex_pieces(const hexahedron *h, int sense, const hex_path *path, double tolerance,
@@ -212,17 +185,13 @@ int hex_pieces(const hexahedron *h, int sense, const hex_path *path, double tole
     f.range = range[1] - range[0];
     f.room = HEX_PIECES - path->count;
     for (int i = 0; i < path->count; i++) {
-        const hex_end *e = path->part[i].end;
-        piece_end end[2];
-        for (int k = 0; k < 2; k++)
-            end[k] = (piece_end){e[k].t, {e[k].at[0], e[k].at[1], e[k].at[2]}, e[k].value};
-        if (!(end[0].t < end[1].t))
+        const hex_part *part = &path->part[i];
+        if (!(part->end[0].t < part->end[1].t))
             continue;
-        if (sense != 0) {
-            search_part(&f, &end[0], &end[1]);
-        } else {
-            out[f.count++] = linear(&end[0], &end[1], 0.0);
-        }
+        if (sense != 0)
+            hex_part_walk(part, look, &f);
+        else
+            out[f.count++] = linear(&part->end[0], &part->end[1], 0.0);
     }
     if (counts) {
         counts->paths += (uint64_t)path->count;

@@ -4,12 +4,7 @@
 
 #include "render/curved/hex_stretch.h"
 
-enum { DEPTH = 52, STRETCHES = 512 };
-
-typedef struct side_end {
-    double t, at[3], value;
-    bool inside;
-} side_end;
+enum { STRETCHES = 512 };
 
 typedef struct search {
     hex_map q;
@@ -19,24 +14,29 @@ typedef struct search {
     hex_counts counts;
 } search;
 
+/* The ends' values are less the isovalue, too. */
+static bool is_inside(const hex_end *e) {
+    return e->value >= 0.0;
+}
+
 static void take(search *s, double t, const double at[3], bool entering) {
     if (s->count < HEX_ROOTS)
         s->out[s->count++] = (hex_root){t, {at[0], at[1], at[2]}, entering};
 }
 
-static void take_linear(search *s, const side_end *from, const side_end *to) {
+static void take_linear(search *s, const hex_end *from, const hex_end *to) {
     const double rise = to->value - from->value;
     const double share = rise != 0.0 ? fmin(fmax(-from->value / rise, 0.0), 1.0) : 0.5;
     double at[3];
     for (int i = 0; i < 3; i++)
         at[i] = from->at[i] + share * (to->at[i] - from->at[i]);
-    take(s, from->t + share * (to->t - from->t), at, to->inside);
+    take(s, from->t + share * (to->t - from->t), at, is_inside(to));
 }
 
 /* The one change of side between two ends. Newton's method finds it at once; bisection always. */
-static void take_between(search *s, const side_end *from, const side_end *to,
+static void take_between(search *s, const hex_end *from, const hex_end *to,
                          const hex_stretch *proven) {
-    side_end end[2] = {*from, *to};
+    hex_end end[2] = {*from, *to};
     if (proven) {
         const double share = -from->value / (to->value - from->value);
         double at[3];
@@ -44,12 +44,12 @@ static void take_between(search *s, const side_end *from, const side_end *to,
             at[i] = from->at[i] + share * (to->at[i] - from->at[i]);
         if (hex_stretch_solve(s->q, s->value, proven, at)) {
             const double t = hexahedron_at(s->q[2], at);
-            take(s, fmin(fmax(t, from->t), to->t), at, to->inside);
+            take(s, fmin(fmax(t, from->t), to->t), at, is_inside(to));
             return;
         }
     }
-    for (int n = 0; n < DEPTH; n++) {
-        side_end middle = {.t = 0.5 * (end[0].t + end[1].t)};
+    for (int n = 0; n < HEX_DEPTH; n++) {
+        hex_end middle = {.t = 0.5 * (end[0].t + end[1].t)};
         if (!(middle.t > end[0].t && middle.t < end[1].t))
             break;
         for (int i = 0; i < 3; i++)
@@ -57,62 +57,30 @@ static void take_between(search *s, const side_end *from, const side_end *to,
         if (!hex_stretch_locate(s->q, middle.t, middle.at))
             break;
         middle.value = hexahedron_at(s->value, middle.at);
-        middle.inside = middle.value >= 0.0;
-        end[middle.inside == end[1].inside] = middle;
+        end[is_inside(&middle) == is_inside(&end[1])] = middle;
     }
     take_linear(s, &end[0], &end[1]);
 }
 
-/* Looks at one stretch. Returns true, and its middle, if it must be cut in two. */
-static bool look(search *s, const side_end *from, const side_end *to, int depth, side_end *middle) {
+static bool look(void *ctx, const hex_end *from, const hex_end *to, int depth, hex_end *middle) {
+    search *s = ctx;
     hex_stretch stretch;
     bool located = false, whole = false, even = false;
     s->counts.stretches++;
-    if (hex_stretch_of(s->q, (double[2]){from->t, to->t}, (const double *[2]){from->at, to->at},
-                       &stretch, &located)) {
+    if (hex_stretch_of(s->q, from, to, &stretch, &located)) {
         double error;
         const double slope = hex_stretch_slope(&stretch, s->value, &error);
         const double value = hexahedron_at(s->value, stretch.at);
         whole = fabs(slope) > error;
         even = fabs(value) > (fabs(slope) + error) * stretch.half;
     }
-    if (!whole && !even && located && depth < DEPTH && s->counts.stretches < STRETCHES) {
-        *middle = (side_end){.t = 0.5 * (from->t + to->t)};
-        if (middle->t > from->t && middle->t < to->t) {
-            for (int i = 0; i < 3; i++)
-                middle->at[i] = stretch.at[i];
-            middle->value = hexahedron_at(s->value, middle->at);
-            middle->inside = middle->value >= 0.0;
-            return true;
-        }
-    }
+    if (!whole && !even && located && depth < HEX_DEPTH && s->counts.stretches < STRETCHES &&
+        hex_stretch_middle(&stretch, s->value, from, to, middle))
+        return true;
     s->counts.doubtful += !whole && !even;
-    if (from->inside != to->inside)
+    if (is_inside(from) != is_inside(to))
         take_between(s, from, to, whole ? &stretch : NULL);
     return false;
-}
-
-/* From the first end to the last: the stretches still to be looked at, the next one on top. */
-static void search_part(search *s, const side_end *from, const side_end *to) {
-    struct {
-        side_end end;
-        int depth;
-    } ahead[DEPTH + 2];
-    side_end here = *from;
-    int count = 1;
-    ahead[0].end = *to;
-    ahead[0].depth = 0;
-    while (count > 0) {
-        side_end middle;
-        const int depth = ahead[count - 1].depth;
-        if (look(s, &here, &ahead[count - 1].end, depth, &middle)) {
-            ahead[count - 1].depth = depth + 1;
-            ahead[count].end = middle;
-            ahead[count++].depth = depth + 1;
-        } else {
-            here = ahead[--count].end;
-        }
-    }
 }
 
 int hex_roots(const hexahedron *h, int sense, const hex_path *path, double isovalue,
@@ -122,18 +90,13 @@ int hex_roots(const hexahedron *h, int sense, const hex_path *path, double isova
         value[c] = h->value[c] - isovalue;
     search s = {.q = path->q, .value = value, .out = out};
     for (int i = 0; i < path->count; i++) {
-        side_end end[2];
-        for (int k = 0; k < 2; k++) {
-            const hex_end *e = &path->part[i].end[k];
-            end[k] = (side_end){
-                e->t, {e->at[0], e->at[1], e->at[2]}, e->value - isovalue, e->value >= isovalue};
-        }
-        if (sense == 0) {
-            if (end[0].inside != end[1].inside)
-                take_linear(&s, &end[0], &end[1]);
-        } else {
-            search_part(&s, &end[0], &end[1]);
-        }
+        hex_part part = path->part[i];
+        for (int k = 0; k < 2; k++)
+            part.end[k].value -= isovalue; /* its sign is exact */
+        if (sense != 0)
+            hex_part_walk(&part, look, &s);
+        else if (is_inside(&part.end[0]) != is_inside(&part.end[1]))
+            take_linear(&s, &part.end[0], &part.end[1]);
     }
     if (counts) {
         counts->paths += (uint64_t)path->count;

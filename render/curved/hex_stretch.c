@@ -4,7 +4,8 @@
 
 #include "formats/base/vec3.h"
 
-#define WIDEN 0x1p-40
+#define WIDEN 0x1p-40 /* bounds are wider than computed by this, relative to their terms */
+#define ROOM  1.125   /* boxes are larger than needed by this factor */
 
 /* The inverse of three slopes: column k is the change of parameters that changes value k by 1. */
 static bool invert(const double slope[3][3], double column[3][3]) {
@@ -68,17 +69,11 @@ bool hex_stretch_locate(hex_map q, double t, double at[3]) {
 /* How much the slopes of a trilinear value can differ from those in the middle of a box. */
 static void unevenness(const double v[HEX_CORNERS], const double at[3], const double reach[3],
                        double out[3]) {
-    double twist[3], all; /* d2 / (d other two), d3 / (d all three) */
-    for (int a = 0; a < 3; a++) {
-        const int b = 1 << (a + 1) % 3, c = 1 << (a + 2) % 3, n = 1 << a;
-        const double low = (v[b | c] - v[b]) - (v[c] - v[0]);
-        const double high = (v[n | b | c] - v[n | b]) - (v[n | c] - v[n]);
-        twist[a] = fabs(low + at[a] * (high - low));
-        all = fabs(high - low);
-    }
+    double twist[3];
+    const double all = fabs(hexahedron_twist(v, at, twist));
     for (int a = 0; a < 3; a++) {
         const int b = (a + 1) % 3, c = (a + 2) % 3;
-        out[a] = twist[c] * reach[b] + twist[b] * reach[c] + all * reach[b] * reach[c];
+        out[a] = fabs(twist[c]) * reach[b] + fabs(twist[b]) * reach[c] + all * reach[b] * reach[c];
     }
 }
 
@@ -108,62 +103,76 @@ static void difference(const hex_stretch *s, double rounding, double out[3][3]) 
     }
 }
 
-bool hex_stretch_of(hex_map q, const double t[2], const double *end[2], hex_stretch *out,
-                    bool *located) {
+/* Krawczyk's operator maps the box about the middle into itself, once the box is large enough.
+ * off: how far the parameters in the middle may be from the ray. Sets reach[], and apart[][] for
+ * it. False: it does not. */
+static bool prove(hex_stretch *s, const double off[3], double rounding, double apart[3][3]) {
     enum { TRIES = 4 };
-    const double middle = 0.5 * (t[0] + t[1]), room = 1.125;
-    const double aim[3] = {0.0, 0.0, middle};
-    double slope[3][3], column[3][3], apart[3][3], size[3], off[3], most = 0.0, stray = 0.0;
-    out->half = 0.5 * (t[1] - t[0]);
+    for (int n = 0; n <= TRIES && vec3_size(s->reach) < 3.0; n++) {
+        double image[3];
+        bool proven = true;
+        difference(s, rounding, apart);
+        for (int i = 0; i < 3; i++) {
+            image[i] = fabs(s->rate[i]) * s->half + vec3_dot(apart[i], s->reach) + off[i] + WIDEN;
+            proven = proven && image[i] <= s->reach[i];
+        }
+        for (int i = 0; i < 3; i++) /* with room for what is near the stretch, such as a guess */
+            s->reach[i] = ROOM * (proven ? image[i] : fmax(image[i], s->reach[i]));
+        if (proven) {
+            difference(s, rounding, apart);
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The rate in the box is the rate in the middle and `apart` times the rate in the box, at most: a
+ * geometric series. */
+static bool bound_rate(hex_stretch *s, const double apart[3][3]) {
+    const double size[3] = {fabs(s->rate[0]), fabs(s->rate[1]), fabs(s->rate[2])};
+    double most = 0.0, stray = 0.0;
+    for (int i = 0; i < 3; i++) {
+        s->spread[i] = vec3_dot(apart[i], size);
+        s->apart[i] = apart[i][0] + apart[i][1] + apart[i][2];
+        most = fmax(most, s->apart[i]);
+        stray = fmax(stray, s->spread[i]);
+    }
     for (int i = 0; i < 3; i++)
-        out->at[i] = 0.5 * (end[0][i] + end[1][i]);
-    *located = hex_stretch_locate(q, middle, out->at);
+        s->spread[i] += s->apart[i] * stray / (1.0 - most) + WIDEN * size[i];
+    return most < 0.875;
+}
+
+bool hex_stretch_of(hex_map q, const hex_end *from, const hex_end *to, hex_stretch *out,
+                    bool *located) {
+    const double aim[3] = {0.0, 0.0, 0.5 * (from->t + to->t)};
+    double slope[3][3], column[3][3], apart[3][3], miss[3], off[3];
+    out->half = 0.5 * (to->t - from->t);
+    for (int i = 0; i < 3; i++)
+        out->at[i] = 0.5 * (from->at[i] + to->at[i]);
+    *located = hex_stretch_locate(q, aim[2], out->at);
     if (!*located)
         return false;
     for (int k = 0; k < 3; k++) {
         hexahedron_slope(q[k], out->at, slope[k]);
-        off[k] = fabs(hexahedron_at(q[k], out->at) - aim[k]) + rounding_of(q[k]);
+        miss[k] = fabs(hexahedron_at(q[k], out->at) - aim[k]) + rounding_of(q[k]);
     }
     if (!invert(slope, column))
         return false;
-    const double rounding = straighten(q, column, out->straight);
     for (int i = 0; i < 3; i++) {
-        const double far = fmax(fabs(end[0][i] - out->at[i]), fabs(end[1][i] - out->at[i]));
+        const double far = fmax(fabs(from->at[i] - out->at[i]), fabs(to->at[i] - out->at[i]));
         out->rate[i] = column[2][i];
-        size[i] = fabs(column[2][i]);
-        out->reach[i] = room * fmax(far, size[i] * out->half) + WIDEN;
+        out->reach[i] = ROOM * fmax(far, fabs(column[2][i]) * out->half) + WIDEN;
+        off[i] = distance(column, miss, i);
     }
-    for (int n = 0, proven = 0; !proven; n++) {
-        double next[3];
-        difference(out, rounding, apart);
-        proven = 1;
-        for (int i = 0; i < 3; i++) {
-            next[i] = size[i] * out->half + vec3_dot(apart[i], out->reach) +
-                      distance(column, off, i) + WIDEN;
-            proven = proven && next[i] <= out->reach[i];
-        }
-        for (int i = 0; i < 3; i++)
-            out->reach[i] = proven ? next[i] : room * fmax(next[i], out->reach[i]);
-        if (!proven && (n == TRIES || !(vec3_size(out->reach) < 3.0)))
-            return false;
-    }
-    /* Some room for what is near the stretch, such as a guess of it. */
-    for (int i = 0; i < 3; i++)
-        out->reach[i] *= room;
-    difference(out, rounding, apart);
-    for (int i = 0; i < 3; i++) {
-        out->spread[i] = vec3_dot(apart[i], size);
-        out->apart[i] = apart[i][0] + apart[i][1] + apart[i][2];
-        most = fmax(most, out->apart[i]);
-        stray = fmax(stray, out->spread[i]);
-    }
-    /* The rate in the box is the rate in the middle and `apart` times the rate in the box, at most:
-     * a geometric series. */
-    if (!(most < 0.875))
-        return false;
-    for (int i = 0; i < 3; i++)
-        out->spread[i] += out->apart[i] * stray / (1.0 - most) + WIDEN * size[i];
-    return true;
+    const double rounding = straighten(q, column, out->straight);
+    return prove(out, off, rounding, apart) && bound_rate(out, apart);
+}
+
+bool hex_stretch_middle(const hex_stretch *s, const double v[HEX_CORNERS], const hex_end *from,
+                        const hex_end *to, hex_end *middle) {
+    *middle =
+        (hex_end){0.5 * (from->t + to->t), {s->at[0], s->at[1], s->at[2]}, hexahedron_at(v, s->at)};
+    return middle->t > from->t && middle->t < to->t;
 }
 
 double hex_stretch_slope(const hex_stretch *s, const double v[HEX_CORNERS], double *error) {

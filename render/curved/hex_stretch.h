@@ -12,7 +12,7 @@
 
 #include <stdbool.h>
 
-#include "render/curved/hexahedron.h"
+#include "render/curved/hex_path.h"
 
 /* A trilinear map, coordinate by coordinate. */
 typedef const double (*hex_map)[HEX_CORNERS];
@@ -31,13 +31,15 @@ typedef struct hex_stretch {
  * False: not found. */
 bool hex_stretch_locate(hex_map q, double t, double at[3]);
 
-/* hex_stretch_of() - the stretch between two points of the ray.
- *
- * t, end   where it begins and ends, and the parameters there
- *
- * False: there is no proof for all of it. at[] is still the middle if *located. */
-bool hex_stretch_of(hex_map q, const double t[2], const double *end[2], hex_stretch *out,
+/* hex_stretch_of() - the stretch between two points of the ray. False: there is no proof for all of
+ * it. at[] is still the middle if *located. */
+bool hex_stretch_of(hex_map q, const hex_end *from, const hex_end *to, hex_stretch *out,
                     bool *located);
+
+/* hex_stretch_middle() - the point of the ray in a stretch's middle, with a trilinear value there.
+ * False: the stretch is too short to have one between its ends. */
+bool hex_stretch_middle(const hex_stretch *s, const double v[HEX_CORNERS], const hex_end *from,
+                        const hex_end *to, hex_end *middle);
 
 /* hex_stretch_slope() - returns the slope by t of a trilinear value in the stretch's middle; it
  * differs from this by *error at most in the whole stretch. */

@@ -29,6 +29,18 @@ void hexahedron_slope(const double v[HEX_CORNERS], const double at[3], double sl
     }
 }
 
+double hexahedron_twist(const double v[HEX_CORNERS], const double at[3], double twist[3]) {
+    double all = 0.0;
+    for (int a = 0; a < 3; a++) {
+        const int b = 1 << (a + 1) % 3, c = 1 << (a + 2) % 3, n = 1 << a;
+        const double low = (v[b | c] - v[b]) - (v[c] - v[0]);
+        const double high = (v[n | b | c] - v[n | b]) - (v[n | c] - v[n]);
+        twist[a] = low + at[a] * (high - low);
+        all = high - low;
+    }
+    return all;
+}
+
 int hexahedron_face(int face, int corner[4]) {
     const int a = face / 2, b = a == 0, c = a == 2 ? 1 : 2;
     const int base = (face & 1) << a;

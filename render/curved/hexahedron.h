@@ -14,9 +14,11 @@ typedef struct hexahedron {
 } hexahedron;
 
 /* hexahedron_at() - the trilinear form of eight corners' values. hexahedron_slope() - its
- * derivatives by the parameters. */
+ * derivatives by the parameters. hexahedron_twist() - its second ones: twist[a] by the two
+ * parameters other than a; returns the third one, by all three. */
 double hexahedron_at(const double v[HEX_CORNERS], const double at[3]);
 void hexahedron_slope(const double v[HEX_CORNERS], const double at[3], double slope[3]);
+double hexahedron_twist(const double v[HEX_CORNERS], const double at[3], double twist[3]);
 
 /* hexahedron_sense() - 1 if positions are a right-handed map: the Jacobian's determinant is above 0
  * inside the cell, proven by its Bernstein coefficients in the cell or in parts of it; on faces and

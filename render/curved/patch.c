@@ -92,9 +92,9 @@ static candidate corner_by(const double q[PATCH_CORNERS][3]) {
     return (candidate){{(double)(next & 1), (double)(next >> 1)}, 0.0};
 }
 
-/* The sense of the map at a point. */
-static double sense_at(const double q[PATCH_CORNERS][3], const double at[2]) {
-    double first[2], second[2];
+/* The map's slopes by its parameters at a point. Returns their determinant. */
+static double slopes_at(const double q[PATCH_CORNERS][3], const double at[2], double first[2],
+                        double second[2]) {
     for (int k = 0; k < 2; k++) {
         first[k] = (1.0 - at[1]) * (q[1][k] - q[0][k]) + at[1] * (q[3][k] - q[2][k]);
         second[k] = (1.0 - at[0]) * (q[2][k] - q[0][k]) + at[0] * (q[3][k] - q[1][k]);
@@ -102,21 +102,20 @@ static double sense_at(const double q[PATCH_CORNERS][3], const double at[2]) {
     return first[0] * second[1] - first[1] * second[0];
 }
 
-/* One step of Newton's method takes away what the quadratic's rounding has left. */
-static void polish(const double q[PATCH_CORNERS][3], double at[2]) {
-    double first[2], second[2], value[2];
-    for (int k = 0; k < 2; k++) {
-        const double v[PATCH_CORNERS] = {q[0][k], q[1][k], q[2][k], q[3][k]};
-        value[k] = patch_at(v, at);
-        first[k] = (1.0 - at[1]) * (v[1] - v[0]) + at[1] * (v[3] - v[2]);
-        second[k] = (1.0 - at[0]) * (v[2] - v[0]) + at[0] * (v[3] - v[1]);
-    }
-    const double det = first[0] * second[1] - first[1] * second[0];
+/* A crossing near a solution. One step of Newton's method takes away what the quadratic's rounding
+ * has left. sense: 0: the map's own there. */
+static patch_crossing crossing_at(const double q[PATCH_CORNERS][3], const candidate *c, int sense) {
+    double first[2], second[2], value[2], at[2] = {c->at[0], c->at[1]};
+    const double det = slopes_at(q, at, first, second);
+    for (int k = 0; k < 2; k++)
+        value[k] = patch_at((const double[PATCH_CORNERS]){q[0][k], q[1][k], q[2][k], q[3][k]}, at);
     const double step[2] = {(value[0] * second[1] - value[1] * second[0]) / det,
                             (first[0] * value[1] - first[1] * value[0]) / det};
     if (fabs(step[0]) < 0x1p-10 && fabs(step[1]) < 0x1p-10)
         for (int k = 0; k < 2; k++)
             at[k] -= step[k];
+    return (patch_crossing){{into_unit(at[0]), into_unit(at[1])},
+                            sense ? sense : (det < 0.0 ? -1 : 1)};
 }
 
 int patch_cross(const double q[PATCH_CORNERS][3], patch_crossing out[PATCH_CROSSINGS]) {
@@ -131,12 +130,8 @@ int patch_cross(const double q[PATCH_CORNERS][3], patch_crossing out[PATCH_CROSS
             !(fabs(found[0].outside) > fabs(found[1].outside) ? found[0].outside < 0.0
                                                               : found[1].outside < 0.0))
             return 0;
-        const int sense = sense_at(q, found[0].at) < 0.0 ? -1 : 1;
-        for (int i = 0; i < 2; i++) {
-            polish(q, found[i].at);
-            out[i] = (patch_crossing){{into_unit(found[i].at[0]), into_unit(found[i].at[1])},
-                                      i == 0 ? sense : -sense};
-        }
+        out[0] = crossing_at(q, &found[0], 0);
+        out[1] = crossing_at(q, &found[1], -out[0].sense);
         return 2;
     }
     candidate *best = &found[0];
@@ -144,8 +139,7 @@ int patch_cross(const double q[PATCH_CORNERS][3], patch_crossing out[PATCH_CROSS
         *best = corner_by(q);
     if (count == 2 && found[1].outside < best->outside)
         best = &found[1];
-    polish(q, best->at);
-    out[0] = (patch_crossing){{into_unit(best->at[0]), into_unit(best->at[1])}, sum > 0 ? 1 : -1};
+    out[0] = crossing_at(q, best, sum > 0 ? 1 : -1);
     return 1;
 }
 

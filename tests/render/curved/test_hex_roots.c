@@ -183,8 +183,7 @@ static void bounds_hold(const hex_lab *s, int c, const sheared_ray *r, long *loo
         return;
     const hex_end *end = path.part[0].end;
     ++*looked;
-    if (!hex_stretch_of(path.q, (double[2]){end[0].t, end[1].t},
-                        (const double *[2]){end[0].at, end[1].at}, &x, &located))
+    if (!hex_stretch_of(path.q, &end[0], &end[1], &x, &located))
         return;
     ++*proven;
     double error, before = end[0].value, at[3] = {end[0].at[0], end[0].at[1], end[0].at[2]};
