@@ -8,6 +8,7 @@
 #include "formats/grid/chunk_array.h"
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/implied_payload.h"
+#include "formats/leaf/leaf_blending.h"
 #include "formats/leaf/leaf_place.h"
 
 /* ---- The header ---- */
@@ -337,7 +338,7 @@ static const leaf_growth growth = {
 
 const leaf_geometry grid_geometry = {.holds_indices = false,
                                      .growth = &growth,
-                                     .blends = true,
+                                     .blending = &grid_blending,
                                      .has_map = true,
                                      .check_parameters = check_parameters,
                                      .check_values = check_values,

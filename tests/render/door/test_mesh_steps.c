@@ -19,7 +19,7 @@
 #include "formats/leaf/leaf_unpacker.h"
 #include "formats/mesh/mesh_leaf_check.h"
 #include "stream/loader.h"
-#include "stream/mesh_refit.h"
+#include "formats/mesh/mesh_refit.h"
 #include "stream/mesh_resident.h"
 #include "tests/support/fixture.h"
 #include "tests/support/mesh_leaves.h"
