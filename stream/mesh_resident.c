@@ -156,9 +156,8 @@ static void destroy(const resident_store *s, treelet *tr) {
 /* Load payload p. from: that of another set, of a file between steps; or NULL. */
 static status load_payload(const resident_store *s, uint32_t p, const void *from,
                            resident_scratch *scratch, const void **payload, uint64_t *read) {
-    const status st = from
-                          ? source_load_after(s->source, p, scratch->unpacker, p, from, payload)
-                          : source_load(s->source, p, scratch->unpacker, payload);
+    const status st = from ? source_load_after(s->source, p, scratch->unpacker, p, from, payload)
+                           : source_load(s->source, p, scratch->unpacker, payload);
     if (st == ST_OK)
         *read += s->file->sizes[p] + leaf_unpacker_take(scratch->unpacker);
     return st;
@@ -234,8 +233,7 @@ static status refit_moved(const resident_store *s, resident_mesh *tr, uint32_t s
 }
 
 static status load_values(const resident_store *s, resident_mesh *tr, uint32_t set,
-                          const resident_mesh *earlier, resident_scratch *scratch,
-                          uint64_t *read) {
+                          const resident_mesh *earlier, resident_scratch *scratch, uint64_t *read) {
     const uint32_t p = leaf_layout_values(&s->file->layout, set, tr->head.id);
     return load_payload(s, p, earlier ? earlier->values : NULL, scratch, &tr->values, read);
 }
@@ -321,8 +319,8 @@ static status load_set(const resident_store *s, resident_mesh *tr, uint32_t set,
                        const resident_mesh *earlier, resident_scratch *scratch, uint64_t *read) {
     tr->head.set = set;
     tr->refit = s->schema == MESH_REFIT;
-    tr->bounds = s->file->mesh
-                     ->bounds[leaf_layout_bounds(&s->file->layout, step_of(s, set), tr->head.id)];
+    tr->bounds =
+        s->file->mesh->bounds[leaf_layout_bounds(&s->file->layout, step_of(s, set), tr->head.id)];
     const status st = read_set(s, tr, set, earlier, scratch, read);
     if (st != ST_OK) {
         strip_mesh(s, tr);

@@ -1,8 +1,10 @@
 /* grid_blending.c - times between the steps of a grid (leaf_blending.h). */
+#include <assert.h>
 #include <string.h>
 
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/grid_codes.h"
+#include "formats/leaf/grid_geometry.h"
 #include "formats/leaf/leaf_blending.h"
 
 static uint32_t first_set(const leaf_layout *l) {
@@ -21,6 +23,8 @@ static status lay_out(leaf_file *f) {
     if (of->sampled < of->levels)
         leaf_layout_bare(l);
     leaf_layout_keep_beside(l, (uint32_t)sample_size(of->type));
+    assert(grid_codes_scratch_bytes(leaf_node_levels(l)) <=
+           LEAF_BESIDE_SCRATCH(leaf_node_levels(l)));
     return ST_OK;
 }
 

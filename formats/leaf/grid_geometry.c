@@ -8,7 +8,6 @@
 #include "formats/grid/chunk_array.h"
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/implied_payload.h"
-#include "formats/leaf/leaf_blending.h"
 #include "formats/leaf/leaf_place.h"
 
 /* ---- The header ---- */

@@ -46,6 +46,4 @@ typedef struct leaf_blending {
 
 enum { LEAF_NO_SET = UINT32_MAX };
 
-extern const leaf_blending grid_blending, mesh_blending;
-
 #endif

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "formats/grid/grid.h"
-#include "formats/leaf/grid_codes.h"
 #include "formats/leaf/grid_geometry.h"
 
 static uint32_t halved_up(uint32_t n) {
@@ -22,7 +21,7 @@ static leaf_payload payload_of(const leaf_layout *l, const uint32_t cells[3]) {
     p.samples_at = leaf_aligned(leaf_codes_at(p.node_levels + 1));
     p.bytes = leaf_aligned(p.samples_at + count * (uint32_t)sample_size(l->type));
     if (l->beside) {
-        p.beside = leaf_layout_beside(p.bytes, grid_codes_scratch_bytes(p.node_levels),
+        p.beside = leaf_layout_beside(p.bytes, LEAF_BESIDE_SCRATCH(p.node_levels),
                                       leaf_aligned(p.samples_at + count * l->beside));
         p.bytes = leaf_layout_beside_end(&p.beside);
     }

@@ -102,6 +102,10 @@ typedef struct leaf_beside {
     uint32_t at, parts_at, each;
 } leaf_beside;
 
+/* LEAF_BESIDE_SCRATCH() - the scratch memory of grids' treelets with so many levels of nodes: for
+ * grid_codes.h. */
+#define LEAF_BESIDE_SCRATCH(node_levels) (960U + (8U << 3 * (node_levels)))
+
 /* leaf_layout_beside() - behind a payload of so many bytes. leaf_layout_beside_end() - where that
  * ends. */
 static inline leaf_beside leaf_layout_beside(uint32_t bytes, size_t scratch, uint32_t each) {

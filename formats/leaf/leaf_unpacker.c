@@ -362,7 +362,8 @@ static void move_part(leaf_unpacker *u, uint32_t p, int part, uint32_t needed, v
     *has = *other_has;
 }
 
-/* Read payload `needed` of the file below, or none, into a part that has another one, or nothing. */
+/* Read payload `needed` of the file below, or none, into a part that has another one, or nothing.
+ */
 static status load_part(leaf_unpacker *u, uint32_t p, int part, uint32_t needed, void *payload) {
     leaf_file *below = u->f->below;
     uint32_t *has;

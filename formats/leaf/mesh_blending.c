@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "formats/leaf/leaf_blending.h"
-#include "formats/leaf/leaf_geometry.h"
+#include "formats/leaf/mesh_geometry.h"
 #include "formats/leaf/mesh_layout.h"
 #include "formats/mesh/mesh_refit.h"
 
@@ -35,6 +35,8 @@ static status allocate(leaf_file *f) {
     memcpy(to->counts, from->counts, n * sizeof *to->counts);
     memcpy(to->first_tet, from->first_tet, (n + 1) * sizeof *to->first_tet);
     memcpy(to->bounds, from->bounds, n * sizeof *to->bounds);
+    mem_free(f->m, to->coarse); /* those of the file below are asked for (coarse_pair.h) */
+    to->coarse = NULL;
     mesh_layout_keep_beside(&f->layout);
     mesh_layout_set_counts(&f->layout, (const uint32_t(*)[4])to->counts);
     return ST_OK;
@@ -48,8 +50,10 @@ static void fill(leaf_file *f, uint32_t set, const uint32_t sets[2], double shar
     if (!leaf_layout_moves(l))
         return;
     for (uint32_t t = 0; t < l->treelets; t++) {
-        const float *a = f->below->mesh->bounds[leaf_layout_bounds(of, leaf_layout_step(of, sets[0]), t)];
-        const float *b = f->below->mesh->bounds[leaf_layout_bounds(of, leaf_layout_step(of, sets[1]), t)];
+        const float *a =
+            f->below->mesh->bounds[leaf_layout_bounds(of, leaf_layout_step(of, sets[0]), t)];
+        const float *b =
+            f->below->mesh->bounds[leaf_layout_bounds(of, leaf_layout_step(of, sets[1]), t)];
         float *to = f->mesh->bounds[leaf_layout_bounds(l, set, t)];
         for (int i = 0; i < 6; i++)
             to[i] = blend_sample(a[i], b[i], share) + 0.0F; /* no -0 */
@@ -90,8 +94,8 @@ static void make_values(const leaf_file *f, const mesh_shape *s, const leaf_mix 
 }
 
 static void make_positions(const leaf_file *f, const mesh_shape *s, const leaf_mix *m) {
-    const void *first = m->part[0] ? (const void *)(m->part[0] + s->moved_at)
-                                   : mesh_leaf_positions(s, m->shared);
+    const void *first =
+        m->part[0] ? (const void *)(m->part[0] + s->moved_at) : mesh_leaf_positions(s, m->shared);
     blend(m, first, s->moved_at, 3 * (size_t)s->vertices);
     mesh_refit_boxes(s, m->shared,
                      f->mesh->bounds[leaf_layout_bounds(&f->layout, m->set, m->treelet)],

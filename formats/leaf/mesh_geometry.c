@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "formats/base/text.h"
-#include "formats/leaf/leaf_blending.h"
 #include "formats/leaf/leaf_place.h"
 #include "formats/leaf/mesh_layout.h"
 #include "formats/mesh/mesh_leaf.h"

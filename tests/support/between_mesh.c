@@ -64,12 +64,12 @@ void between_mesh_convert(const between_kind *of, const float *const *steps, uin
 ref_tally between_mesh_judge(const float *of, const ref_camera *look, double iso,
                              const double *depth, int every) {
     mesh_case c = mesh_cases_kuhn(BETWEEN_MESH_CELLS, BETWEEN_MESH_CELLS, BETWEEN_MESH_CELLS);
-    const tet_ref_mesh mesh = {
-        .point_count = c.point_count,
-        .tet_count = c.tet_count,
-        .points = (const float(*)[3])(const void *)(of + BETWEEN_MESH_POINTS),
-        .values = of,
-        .tets = (const uint32_t(*)[4])c.tets};
+    const tet_ref_mesh mesh = {.point_count = c.point_count,
+                               .tet_count = c.tet_count,
+                               .points =
+                                   (const float(*)[3])(const void *)(of + BETWEEN_MESH_POINTS),
+                               .values = of,
+                               .tets = (const uint32_t(*)[4])c.tets};
     tet_ref *truth = tet_ref_create(&mesh);
     ref_tally tally = {0};
     for (int i = 0; i < look->width * look->height; i += every) {

@@ -15,7 +15,7 @@ enum {
     BETWEEN_MESH_NODES = BETWEEN_MESH_CELLS + 1,
     BETWEEN_MESH_POINTS = BETWEEN_MESH_NODES * BETWEEN_MESH_NODES * BETWEEN_MESH_NODES,
     BETWEEN_MESH_FLOATS = 4 * BETWEEN_MESH_POINTS,
-    BETWEEN_MESH_STRIDE = (BETWEEN_SIDE - 1) / BETWEEN_MESH_CELLS /* of a grid's samples */
+    BETWEEN_MESH_STRIDE = BETWEEN_SIDE / BETWEEN_MESH_CELLS /* of a grid's samples */
 };
 
 /* between_mesh_points() - where the points are at a step; they move or not. */

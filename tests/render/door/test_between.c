@@ -49,8 +49,8 @@ static void judge(const between_lab *s, leafcast *v, const float *samples) {
     memcpy(look.look_at, s->view.look_at, sizeof look.look_at);
     memcpy(look.up, s->view.up, sizeof look.up);
     pictures_draw(v, &scene, &s->view, &is, NULL);
-    const ref_tally tally = (s->of.mesh ? between_mesh_judge : judge_grid)(
-        samples, &look, s->iso, is.z, WATCHED ? 11 : 3);
+    const ref_tally tally = (s->of.mesh ? between_mesh_judge : judge_grid)(samples, &look, s->iso,
+                                                                           is.z, WATCHED ? 11 : 3);
     assert_true(tally.hits > (WATCHED ? 2 : 20) || s->of.small);
     assert_int_equal(ref_tally_faults(&tally), 0);
 }
@@ -80,8 +80,9 @@ static void check_points(const between_lab *s, leafcast *v, leafcast *alone, con
         else
             assert_true(got[i].value == want[i].value);
         if (!s->of.mesh && !isnan(got[i].value))
-            assert_true(got[i].value ==
-                        (double)samples[(int)(at[0] + BETWEEN_SIDE * (at[1] + BETWEEN_SIDE * at[2]))]);
+            assert_true(
+                got[i].value ==
+                (double)samples[(int)(at[0] + BETWEEN_SIDE * (at[1] + BETWEEN_SIDE * at[2]))]);
     }
     assert_true(inside > POINTS / 2);
 }

@@ -1,5 +1,5 @@
-/* test_between_frames.c - times between the steps of a grid or mesh: what is read and when, budgets, frames
- * by turns, previews, the directory, wrong times, damage.
+/* test_between_frames.c - times between the steps of a grid or mesh: what is read and when,
+ * budgets, frames by turns, previews, the directory, wrong times, damage.
  */
 /* marks: threads */
 #include <setjmp.h>
