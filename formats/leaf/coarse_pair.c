@@ -18,67 +18,60 @@ static bool are_alike(const leaf_file *a, const leaf_file *b) {
            !g->outside && !h->outside;
 }
 
-/* Let *array have what another one has behind its own bytes. */
-static bool append(mem *m, void **array, const void *more, size_t bytes) {
+/* Returns an array with the bytes of one and of another behind them, in place of the first; or that
+ * one, with *whole false. */
+static void *append(mem *m, void *array, const void *more, size_t bytes, bool *whole) {
     char *both = mem_alloc(m, 2 * bytes);
+    *whole = *whole && both;
     if (!both)
-        return false;
-    memcpy(both, *array, bytes);
+        return array;
+    memcpy(both, array, bytes);
     memcpy(both + bytes, more, bytes);
-    mem_free(m, *array);
-    *array = both;
-    return true;
+    mem_free(m, array);
+    return both;
 }
 
-/* The payloads of both: a set's treelets, the other's, then the shells of both likewise. */
-static void take_payloads(leaf_file *to, const uint64_t *a, const uint64_t *b, uint64_t *both) {
-    const leaf_layout *l = &to->layout;
+/* The same of an element a payload: a set's treelets, the other's, then the shells of both
+ * likewise.
+ */
+static uint64_t *append_payloads(const leaf_layout *l, mem *m, uint64_t *array,
+                                 const uint64_t *more, bool *whole) {
     const size_t n = l->treelets, shells = l->shells;
-    memcpy(both, a, n * sizeof *both);
-    memcpy(both + n, b, n * sizeof *both);
-    memcpy(both + 2 * n, a + n, shells * sizeof *both);
-    memcpy(both + 2 * n + shells, b + n, shells * sizeof *both);
-}
-
-static bool join_payloads(leaf_file *to, uint64_t **array, const uint64_t *more) {
-    uint64_t *both = mem_array(to->m, to->layout.payloads, sizeof *both);
+    uint64_t *both = mem_array(m, l->payloads, sizeof *both);
+    *whole = *whole && both;
     if (!both)
-        return false;
-    take_payloads(to, *array, more, both);
-    mem_free(to->m, *array);
-    *array = both;
-    return true;
-}
-
-static void move_offsets(leaf_file *f, uint64_t by) {
-    for (uint32_t p = 0; p < f->layout.payloads; p++)
-        f->offsets[p] += by;
+        return array;
+    memcpy(both, array, n * sizeof *both);
+    memcpy(both + n, more, n * sizeof *both);
+    memcpy(both + 2 * n, array + n, shells * sizeof *both);
+    memcpy(both + 2 * n + shells, more + n, shells * sizeof *both);
+    mem_free(m, array);
+    return both;
 }
 
 /* Let a file of one set have the set of another one, too; both count bytes from the same one on. */
 static status join(leaf_file *to, const leaf_file *more) {
-    const size_t n = to->layout.treelets;
-    static const double times[2] = {0, 1};
+    leaf_layout *l = &to->layout;
+    const size_t n = l->treelets;
+    const double next = to->times[0] + 1;
     mem *m = to->m;
-    if (!leaf_layout_repeat(&to->layout, 1, 2, to->layout.shells > 0))
+    bool whole = true;
+    if (!leaf_layout_repeat(l, 1, 2, l->coded))
         return status_describe(ST_UNSUPPORTED, "%s: a coarse grid has too many treelets",
                                file_path(to->source));
-    const bool whole = append(m, (void **)&to->ranges, more->ranges, n * sizeof *to->ranges) &&
-                       append(m, (void **)&to->own, more->own, n * sizeof *to->own) &&
-                       append(m, (void **)&to->flags, more->flags, n) &&
-                       append(m, (void **)&to->times, times, sizeof *times) &&
-                       join_payloads(to, &to->offsets, more->offsets) &&
-                       join_payloads(to, &to->sizes, more->sizes) &&
-                       join_payloads(to, &to->checksums, more->checksums);
-    if (!whole)
-        return ST_NOMEM;
-    memcpy(to->times, times, sizeof times);
+    to->ranges = append(m, to->ranges, more->ranges, n * sizeof *to->ranges, &whole);
+    to->own = append(m, to->own, more->own, n * sizeof *to->own, &whole);
+    to->flags = append(m, to->flags, more->flags, n, &whole);
+    to->times = append(m, to->times, &next, sizeof next, &whole);
+    to->offsets = append_payloads(l, m, to->offsets, more->offsets, &whole);
+    to->sizes = append_payloads(l, m, to->sizes, more->sizes, &whole);
+    to->checksums = append_payloads(l, m, to->checksums, more->checksums, &whole);
     mem_free(m, to->histograms);
     mem_free(m, to->deviations);
     to->histograms = NULL;
     to->deviations = NULL;
     to->header.steps = 2;
-    return ST_OK;
+    return whole ? ST_OK : ST_NOMEM;
 }
 
 /* Let a part of a file be that file: its bytes count from that one's start on. */
@@ -89,7 +82,8 @@ static status widen(leaf_file *part, const leaf_file *f, const leaf_part *where)
         return st;
     file_close(part->source);
     part->source = whole;
-    move_offsets(part, where->offset);
+    for (uint32_t p = 0; p < part->layout.payloads; p++)
+        part->offsets[p] += where->offset;
     return ST_OK;
 }
 
