@@ -270,10 +270,14 @@ LEAFCAST_API leafcast_status leafcast_select_set(leafcast *volume, uint32_t fiel
  * selects them. The surface is as exact as any step's; so are coarse levels, up to the rounding of
  * their samples.
  *
- * For grids. Treelets of both steps are in memory side by side, beside the samples between: another
- * time between the same steps reads nothing that is still there. leafcast_range(),
- * leafcast_fit_view() and what else takes a step tell of that step. LEAFCAST_USAGE where there is
- * no next step; LEAFCAST_UNSUPPORTED for other kinds.
+ * In a mesh likewise values at vertices; where these move, each of their coordinates; and stored
+ * gradients (those of the blended mesh would be others where it moves). A tet that turns inside out
+ * on the way is drawn like one in a step: where tets overlap, surfaces of all are there.
+ *
+ * For grids and tetrahedral meshes. Both steps are in memory, beside what lies between: another
+ * time between them reads nothing that is still there. leafcast_range(), leafcast_fit_view() and
+ * what else takes a step tell of that step. LEAFCAST_USAGE where there is no next step;
+ * LEAFCAST_UNSUPPORTED for other kinds.
  *
  * leafcast_find_time() - the step and the share of the way to the next one of a time, in the units
  * of leafcast_step_time(): *between = (time - t0) / (t1 - t0). LEAFCAST_USAGE: no two steps are on

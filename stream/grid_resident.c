@@ -213,7 +213,7 @@ static void destroy(const resident_store *s, treelet *tr) {
 static void mask(const resident_store *s, treelet *tr, const interest *in) {
     active_masks *masks = resident_grid_of(tr)->masks;
     if (s->file->below) /* nobody looks at the payload before its masks are there */
-        leaf_between_make(s->file, payload_of(s, tr), (void *)(uintptr_t)tr->payload);
+        leaf_between_make(s->file, payload_of(s, tr), NULL, (void *)(uintptr_t)tr->payload);
     s->compute(masks, s->file, payload_of(s, tr), tr->payload, in);
     if (resident_grid_of(tr)->wide)
         active_wide(resident_grid_of(tr)->wide, masks, s->file, payload_of(s, tr), tr->payload, in);

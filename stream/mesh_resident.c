@@ -2,9 +2,10 @@
 
 #include <string.h>
 
+#include "formats/leaf/leaf_between.h"
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/mesh/mesh_leaf_check.h"
-#include "stream/mesh_refit.h"
+#include "formats/mesh/mesh_refit.h"
 
 /* ---- sizes ---- */
 
@@ -54,21 +55,32 @@ static size_t most_bytes(const resident_store *s, uint32_t t) {
            (moves(s) ? moved_bytes(s, &shape) : 0) + gradients_bytes(s, &shape) + 256;
 }
 
-static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t, uint32_t *family) {
-    (void)family;
-    const leaf_file *f = s->file;
-    uint32_t parts[LEAF_PARTS_MAX];
-    uint64_t bytes = s->gradients ? f->sizes[leaf_layout_gradients(&f->layout, set, t)] : 0;
-    for (int i = f->geometry->parts(&f->layout, set, t, parts); i-- > 0;)
-        bytes += f->sizes[parts[i]];
-    return bytes;
-}
-
+/* List the payloads that treelet t is made of: those of the file that stores them. */
 static uint32_t ahead(const resident_store *s, uint32_t set, uint32_t t,
                       uint32_t payloads[RESIDENT_PAYLOADS]) {
-    payloads[0] = t;
-    payloads[1] = leaf_layout_values(&s->file->layout, set, t);
-    return 2;
+    const leaf_file *f = s->file;
+    uint32_t parts[LEAF_PARTS_MAX + 1], count = 0;
+    int n = f->geometry->parts(&f->layout, set, t, parts);
+    if (s->gradients)
+        parts[n++] = leaf_layout_gradients(&f->layout, set, t);
+    for (int i = 0; i < n; i++) {
+        const leaf_blend needs = f->below ? leaf_between_needs(f, parts[i])
+                                          : (leaf_blend){{parts[i], LEAF_NO_TREELET}, 0.0};
+        for (int k = 0; k < LEAF_BETWEEN_PARTS; k++)
+            if (needs.of[k] != LEAF_NO_TREELET)
+                payloads[count++] = needs.of[k];
+    }
+    return count;
+}
+
+static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t, uint32_t *family) {
+    (void)family;
+    const leaf_file *f = leaf_file_stores(s->file);
+    uint32_t payloads[RESIDENT_PAYLOADS];
+    uint64_t bytes = 0;
+    for (uint32_t i = ahead(s, set, t, payloads); i-- > 0;)
+        bytes += f->sizes[payloads[i]];
+    return bytes;
 }
 
 /* Returns the scratch bytes that refitting any treelet needs. */
@@ -141,16 +153,25 @@ static void destroy(const resident_store *s, treelet *tr) {
 
 /* ---- reading ---- */
 
+/* Load payload p. from: that of another set, of a file between steps; or NULL. */
+static status load_payload(const resident_store *s, uint32_t p, const void *from,
+                           resident_scratch *scratch, const void **payload, uint64_t *read) {
+    const status st = from ? source_load_after(s->source, p, scratch->unpacker, p, from, payload)
+                           : source_load(s->source, p, scratch->unpacker, payload);
+    if (st == ST_OK)
+        *read += s->file->sizes[p] + leaf_unpacker_take(scratch->unpacker);
+    return st;
+}
+
 static status load_topology(const resident_store *s, resident_mesh *tr, resident_scratch *scratch,
                             uint64_t *read) {
     if (tr->head.payload)
         return ST_OK;
     const void *topology;
-    status st = source_load(s->source, tr->head.id, scratch->unpacker, &topology);
+    status st = load_payload(s, tr->head.id, NULL, scratch, &topology, read);
     if (st != ST_OK)
         return st;
-    *read += s->file->sizes[tr->head.id];
-    st = mesh_leaf_check_loaded(s->file, tr->head.id, topology);
+    st = mesh_leaf_check_loaded(leaf_file_stores(s->file), tr->head.id, topology);
     if (st == ST_OK)
         tr->head.payload = topology;
     else
@@ -212,64 +233,95 @@ static status refit_moved(const resident_store *s, resident_mesh *tr, uint32_t s
 }
 
 static status load_values(const resident_store *s, resident_mesh *tr, uint32_t set,
-                          resident_scratch *scratch, uint64_t *read) {
+                          const resident_mesh *earlier, resident_scratch *scratch, uint64_t *read) {
     const uint32_t p = leaf_layout_values(&s->file->layout, set, tr->head.id);
-    status st = source_load(s->source, p, scratch->unpacker, &tr->values);
-    *read += st == ST_OK ? s->file->sizes[p] : 0;
-    return st;
+    return load_payload(s, p, earlier ? earlier->values : NULL, scratch, &tr->values, read);
 }
 
 static status load_gradients(const resident_store *s, resident_mesh *tr, uint32_t set,
-                             resident_scratch *scratch, uint64_t *read) {
+                             const resident_mesh *earlier, resident_scratch *scratch,
+                             uint64_t *read) {
     const uint32_t p = leaf_layout_gradients(&s->file->layout, set, tr->head.id);
     const void *payload;
-    status st = source_load(s->source, p, scratch->unpacker, &payload);
-    if (st != ST_OK)
-        return st;
-    tr->gradients = mesh_leaf_gradients(payload);
-    *read += s->file->sizes[p];
-    return ST_OK;
+    const status st =
+        load_payload(s, p, earlier ? earlier->gradients : NULL, scratch, &payload, read);
+    if (st == ST_OK)
+        tr->gradients = mesh_leaf_gradients(payload);
+    return st;
+}
+
+/* Check the positions that payload p is to be made of. */
+static status check_parts(const resident_store *s, uint32_t t, uint32_t p, const void *payload) {
+    const leaf_file *below = s->file->below;
+    const leaf_blend needs = leaf_between_needs(s->file, p);
+    status st = ST_OK;
+    for (int i = 0; i < LEAF_BETWEEN_PARTS && st == ST_OK; i++) {
+        uint32_t step;
+        if (needs.of[i] == LEAF_NO_TREELET)
+            continue;
+        (void)leaf_layout_block_of(&below->layout, needs.of[i], &step);
+        st = mesh_leaf_check_moved(below, step, t, leaf_between_part_of(s->file, p, payload, i));
+    }
+    return st;
 }
 
 static status load_moved(const resident_store *s, resident_mesh *tr, uint32_t step,
-                         resident_scratch *scratch, uint64_t *read) {
+                         const resident_mesh *earlier, resident_scratch *scratch, uint64_t *read) {
     const uint32_t p = leaf_layout_positions(&s->file->layout, step, tr->head.id);
-    status st = source_load(s->source, p, scratch->unpacker, &tr->moved);
+    const status st =
+        load_payload(s, p, earlier ? earlier->moved : NULL, scratch, &tr->moved, read);
     if (st != ST_OK)
         return st;
-    *read += s->file->sizes[p];
-    return mesh_leaf_check_moved(s->file, step, tr->head.id, tr->moved);
+    return s->file->below ? check_parts(s, tr->head.id, p, tr->moved)
+                          : mesh_leaf_check_moved(s->file, step, tr->head.id, tr->moved);
 }
 
-/* Point to the vertices and boxes of its step: the topology's, or moved ones. */
+/* ---- boxes and vertices ---- */
+
+/* Point to the vertices and nodes of its step: the topology's, or moved ones. */
 static void point_to_geometry(resident_mesh *tr) {
-    tr->nodes = mesh_leaf_nodes(tr->head.payload);
-    tr->positions = mesh_leaf_positions(&tr->mesh, tr->head.payload);
+    const char *own_nodes = (const char *)tr + nodes_at(&tr->mesh);
+    tr->nodes = tr->moved ? (const mesh_node *)own_nodes : mesh_leaf_nodes(tr->head.payload);
+    tr->positions = tr->moved ? mesh_leaf_moved(&tr->mesh, tr->moved)
+                              : mesh_leaf_positions(&tr->mesh, tr->head.payload);
+}
+
+/* Make the nodes of moved vertices, and what the codes of boxes mean. */
+static void make_nodes(resident_mesh *tr) {
+    tr->planes = mesh_leaf_frame(tr->bounds);
     if (!tr->moved)
         return;
     const mesh_boxes *boxes = mesh_leaf_moved_boxes(tr->moved);
+    const mesh_node *from = mesh_leaf_nodes(tr->head.payload);
     mesh_node *nodes = (mesh_node *)((char *)tr + nodes_at(&tr->mesh));
     for (uint32_t n = 0; n < tr->mesh.nodes; n++) {
         memcpy(nodes[n].lo, boxes[n].lo, sizeof nodes[n].lo);
         memcpy(nodes[n].hi, boxes[n].hi, sizeof nodes[n].hi);
-        memcpy(nodes[n].child, tr->nodes[n].child, sizeof nodes[n].child);
+        memcpy(nodes[n].child, from[n].child, sizeof nodes[n].child);
     }
-    tr->nodes = nodes;
-    tr->positions = mesh_leaf_moved(&tr->mesh, tr->moved);
+}
+
+static status read_set(const resident_store *s, resident_mesh *tr, uint32_t set,
+                       const resident_mesh *earlier, resident_scratch *scratch, uint64_t *read) {
+    const uint32_t step = step_of(s, set);
+    const bool moved = moves(s) && step > 0;
+    status st = tr->refit ? refit_values(s, tr, set, scratch, read)
+                          : load_values(s, tr, set, earlier, scratch, read);
+    if (st == ST_OK && moved)
+        st = tr->refit ? refit_moved(s, tr, step, scratch, read)
+                       : load_moved(s, tr, step, earlier, scratch, read);
+    if (st == ST_OK && s->gradients)
+        st = load_gradients(s, tr, set, earlier, scratch, read);
+    return st;
 }
 
 static status load_set(const resident_store *s, resident_mesh *tr, uint32_t set,
-                       resident_scratch *scratch, uint64_t *read) {
-    const uint32_t step = step_of(s, set);
+                       const resident_mesh *earlier, resident_scratch *scratch, uint64_t *read) {
     tr->head.set = set;
     tr->refit = s->schema == MESH_REFIT;
-    tr->bounds = s->file->mesh->bounds[leaf_layout_bounds(&s->file->layout, step, tr->head.id)];
-    tr->planes = mesh_leaf_frame(tr->bounds);
-    status st = (tr->refit ? refit_values : load_values)(s, tr, set, scratch, read);
-    if (st == ST_OK && moves(s) && step > 0)
-        st = (tr->refit ? refit_moved : load_moved)(s, tr, step, scratch, read);
-    if (st == ST_OK && s->gradients)
-        st = load_gradients(s, tr, set, scratch, read);
+    tr->bounds =
+        s->file->mesh->bounds[leaf_layout_bounds(&s->file->layout, step_of(s, set), tr->head.id)];
+    const status st = read_set(s, tr, set, earlier, scratch, read);
     if (st != ST_OK) {
         strip_mesh(s, tr);
         return st;
@@ -277,13 +329,14 @@ static status load_set(const resident_store *s, resident_mesh *tr, uint32_t set,
     tr->head.bytes += values_bytes(s, &tr->mesh) + (tr->moved ? moved_bytes(s, &tr->mesh) : 0) +
                       gradients_bytes(s, &tr->mesh);
     point_to_geometry(tr);
+    if (!s->file->below)
+        make_nodes(tr);
     return ST_OK;
 }
 
 static status load(const resident_store *s, uint32_t t, uint32_t set, const void *shared,
                    const treelet *earlier, resident_scratch *scratch, treelet **out,
                    uint64_t *read) {
-    (void)earlier;
     resident_mesh *tr = (resident_mesh *)*out;
     status st = tr ? ST_OK : create(s, t, &tr);
     if (st != ST_OK)
@@ -292,7 +345,59 @@ static status load(const resident_store *s, uint32_t t, uint32_t set, const void
     if (!tr->head.payload)
         tr->head.payload = shared;
     st = load_topology(s, tr, scratch, read);
-    return st == ST_OK ? load_set(s, tr, set, scratch, read) : st;
+    return st == ST_OK ? load_set(s, tr, set, resident_mesh_of(earlier), scratch, read) : st;
+}
+
+/* ---- between steps ---- */
+
+/* The payloads of a set that a treelet has, and where they lie. */
+typedef struct set_payloads {
+    uint32_t p[3];
+    const void *at[3];
+    int count;
+} set_payloads;
+
+static set_payloads payloads_of(const resident_store *s, const resident_mesh *tr, uint32_t set) {
+    const leaf_layout *l = &s->file->layout;
+    const uint32_t t = tr->head.id;
+    set_payloads all = {{leaf_layout_values(l, set, t)}, {tr->values}, 1};
+    if (tr->moved) {
+        all.p[all.count] = leaf_layout_positions(l, step_of(s, set), t);
+        all.at[all.count++] = tr->moved;
+    }
+    if (tr->gradients) {
+        all.p[all.count] = leaf_layout_gradients(l, set, t);
+        all.at[all.count++] = tr->gradients;
+    }
+    return all;
+}
+
+static bool helps(const resident_store *s, const treelet *tr, uint32_t set) {
+    const set_payloads all = payloads_of(s, resident_mesh_of(tr), set);
+    bool any = false;
+    for (int i = 0; s->file->below && i < all.count; i++)
+        any |= leaf_between_helps(s->file, all.p[i], all.at[i]);
+    return any;
+}
+
+/* Another moment between the same two steps needs no reading: masks are made anew, and vertices
+ * before them. */
+static bool keep(const resident_store *s, treelet *tr) {
+    const set_payloads all = payloads_of(s, resident_mesh_of(tr), tr->set);
+    for (int i = 0; i < all.count; i++)
+        for (int part = 0; part < LEAF_BETWEEN_PARTS; part++)
+            if (leaf_between_lacks(s->file, all.p[i], all.at[i], part))
+                return false;
+    atomic_store_explicit(&tr->masked, 0, memory_order_relaxed);
+    return true;
+}
+
+/* Nobody looks at values, vertices and boxes before the masks are there. */
+static void make_between(const resident_store *s, resident_mesh *tr) {
+    const set_payloads all = payloads_of(s, tr, tr->head.set);
+    for (int i = 0; i < all.count; i++)
+        leaf_between_make(s->file, all.p[i], tr->head.payload, (void *)(uintptr_t)all.at[i]);
+    make_nodes(tr);
 }
 
 /* ---- the row ---- */
@@ -314,6 +419,8 @@ static void mask(const resident_store *s, treelet *head, const interest *in) {
     const size_t element = (size_t)tr->head.set * s->file->layout.treelets + tr->head.id;
     const float *own = s->file->own[element];
     const bool non_finite = s->file->flags[element] & LEAF_FLAG_NON_FINITE;
+    if (s->file->below)
+        make_between(s, tr);
     mesh_active_compute(tr->active, &tr->mesh, own, non_finite, tr->head.payload, tr->values, in);
     if (tr->derived)
         s->derived.make(tr, in);
@@ -326,8 +433,10 @@ const resident_kind mesh_resident = {.shares = true,
                                      .shared_bytes = topology_bytes,
                                      .stored = stored,
                                      .ahead = ahead,
+                                     .helps = helps,
                                      .load = load,
                                      .renumber = renumber,
+                                     .keep = keep,
                                      .strip = strip,
                                      .destroy = destroy,
                                      .mask = mask};

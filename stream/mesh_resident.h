@@ -8,6 +8,9 @@
  *   refit   only the vertices are read, in place of the last step's; codes and boxes are made anew
  *           (mesh_refit.h). The completed payload must have the checksum in the file. A compressed
  *           payload is read completely; it is small.
+ *
+ * Between steps (leaf_between.h), each payload has those of both steps behind its own, which is
+ * made with the masks: vertices are blended, codes and boxes refit to them.
  */
 #ifndef STREAM_MESH_RESIDENT_H
 #define STREAM_MESH_RESIDENT_H

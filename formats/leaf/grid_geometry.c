@@ -337,7 +337,7 @@ static const leaf_growth growth = {
 
 const leaf_geometry grid_geometry = {.holds_indices = false,
                                      .growth = &growth,
-                                     .blends = true,
+                                     .blending = &grid_blending,
                                      .has_map = true,
                                      .check_parameters = check_parameters,
                                      .check_values = check_values,

@@ -5,5 +5,6 @@
 #include "formats/leaf/leaf_geometry.h"
 
 extern const leaf_geometry grid_geometry;
+extern const struct leaf_blending grid_blending; /* of files between the steps of one */
 
 #endif

@@ -4,8 +4,6 @@
 #include <string.h>
 
 #include "formats/base/file.h"
-#include "formats/leaf/deviation.h"
-#include "formats/leaf/grid_codes.h"
 #include "formats/leaf/leaf_geometry.h"
 
 /* A set. */
@@ -15,48 +13,37 @@ typedef struct between_set {
 } between_set;
 
 struct leaf_between {
-    between_set set[LEAF_BETWEEN_SETS];
+    between_set set[LEAF_BETWEEN_SETS]; /* from the file's set `first` on */
+    uint32_t first;
     uint64_t asked;
     blend_fn *blend;
 };
 
-/* What a payload has behind its samples, before the payloads of steps: this, and room for
- * grid_codes.h. */
+/* What a payload has behind its samples, before scratch memory and the payloads of steps. */
 typedef struct between_head {
     uint32_t has[LEAF_BETWEEN_PARTS];
     double made; /* the share that its samples are of; NaN: of none */
 } between_head;
 
-enum { HEAD = LEAF_ALIGN };
-_Static_assert(sizeof(between_head) <= HEAD, "the head has its room");
+_Static_assert(sizeof(between_head) <= LEAF_ALIGN, "the head has its room");
+
+static const leaf_blending *blending_of(const leaf_file *f) {
+    return f->geometry->blending;
+}
 
 /* ---- Making ---- */
 
 status leaf_between_check(const leaf_file *f) {
-    if (!f->geometry->blends)
+    const leaf_blending *b = blending_of(f);
+    if (!b)
         return status_describe(ST_UNSUPPORTED,
-                               "%s: times between steps are of grids; this is no grid",
+                               "%s: times between steps are of grids and tetrahedral meshes; this "
+                               "is neither",
                                file_path(f->source));
-    if ((uint64_t)f->layout.treelets * LEAF_BETWEEN_SETS >= LEAF_NO_TREELET)
+    if ((uint64_t)f->layout.treelets * b->blocks >= LEAF_NO_TREELET)
         return status_describe(ST_UNSUPPORTED,
                                "%s: %u treelets are too many for times between steps",
                                file_path(f->source), f->layout.treelets);
-    return ST_OK;
-}
-
-static status lay_out(leaf_file *f) {
-    const leaf_layout *of = &f->below->layout;
-    leaf_layout *l = &f->layout;
-    const status st =
-        leaf_layout_init(l, f->m, f->below->header.dims, of->cells_log2, of->halo, SAMPLE_F32);
-    if (st != ST_OK)
-        return st;
-    (void)leaf_layout_repeat(l, 1, LEAF_BETWEEN_SETS, false); /* checked */
-    if (of->sampled < of->levels)
-        leaf_layout_bare(l);
-    leaf_layout_keep_beside(l, (uint32_t)sample_size(of->type));
-    assert(HEAD + grid_codes_scratch_bytes(leaf_node_levels(l)) <=
-           LEAF_BESIDE_ROOM(leaf_node_levels(l)));
     return ST_OK;
 }
 
@@ -66,52 +53,37 @@ static void fill_header(leaf_file *f) {
     h->sample_type = SAMPLE_F32;
     h->codec = LEAF_CODEC_ZSTD; /* as if packed: nothing is used where it lies */
     h->fields = 1;
-    h->steps = LEAF_BETWEEN_SETS;
+    h->steps = f->layout.steps;
     h->outside = h->outside_chunks = h->segments = 0;
     h->directory = h->last = 0;
 }
 
-/* Copy the coordinates of all axes into one block, which axis[0] owns. */
-static status take_axes(leaf_file *f) {
-    const uint32_t *dims = f->header.dims;
-    const size_t count = (size_t)dims[0] + dims[1] + dims[2];
-    double *at = f->axis[0] = mem_array(f->m, count, sizeof *at);
-    for (int a = 0; a < 3 && at; at += dims[a++]) {
-        f->axis[a] = at;
-        memcpy(at, f->below->axis[a], dims[a] * sizeof *at);
-    }
-    return at ? ST_OK : ST_NOMEM;
-}
-
 static status allocate(leaf_file *f) {
-    const size_t deviations = deviation_count(&f->layout);
-    const status st = leaf_file_allocate_changing(f);
+    status st = leaf_file_allocate_changing(f);
     f->between = mem_zalloc(f->m, sizeof *f->between);
     if (st != ST_OK || !f->between)
         return ST_NOMEM;
-    if (!f->below->deviations || !deviations)
-        return ST_OK;
-    f->deviations = mem_array(f->m, deviations, sizeof *f->deviations);
-    return f->deviations ? ST_OK : ST_NOMEM;
+    st = f->geometry->allocate(f);
+    return st == ST_OK ? blending_of(f)->allocate(f) : st;
 }
 
 static status make(leaf_file *f, cpu_isa isa) {
     const leaf_file *below = f->below;
     status st = file_open_memory(f->m, file_path(below->source), "", 0, &f->source);
+    f->geometry = below->geometry;
     if (st == ST_OK)
-        st = lay_out(f);
+        st = blending_of(f)->lay_out(f);
     if (st != ST_OK)
         return st;
     fill_header(f);
-    f->geometry = below->geometry;
     f->frame = below->frame;
     memcpy(f->name, below->name, sizeof f->name);
-    st = take_axes(f);
-    if (st == ST_OK)
-        st = allocate(f);
-    if (st == ST_OK)
-        f->between->blend = blend_rows_for(isa, below->layout.type);
-    return st;
+    st = allocate(f);
+    if (st != ST_OK)
+        return st;
+    f->between->first = blending_of(f)->first_set(&f->layout);
+    f->between->blend = blend_rows_for(isa, below->layout.type);
+    return ST_OK;
 }
 
 status leaf_between_open(mem *m, leaf_file *below, cpu_isa isa, leaf_file **out) {
@@ -132,8 +104,10 @@ status leaf_between_open(mem *m, leaf_file *below, cpu_isa isa, leaf_file **out)
 /* ---- Moments ---- */
 
 bool leaf_between_find(const leaf_file *f, const leaf_moment *at, uint32_t *set) {
-    for (*set = 0; *set < LEAF_BETWEEN_SETS; ++*set) {
-        const between_set *s = &f->between->set[*set];
+    const leaf_between *b = f->between;
+    for (uint32_t i = 0; i < LEAF_BETWEEN_SETS; i++) {
+        const between_set *s = &b->set[i];
+        *set = b->first + i;
         if (s->asked && s->at.field == at->field && s->at.step == at->step &&
             s->at.share == at->share)
             return true;
@@ -160,23 +134,6 @@ static void blend_range(const float a[2], const float b[2], double share, float 
     range[1] = any ? blend_sample(a[1], b[1], share) + 0.0F : -INFINITY;
 }
 
-/* Deviations of a coarse treelet. Blends that are not rounded deviate by the blend of deviations,
- * at most. Each sample is rounded by less than 2^-24 + 2^-50 of the greatest magnitude, or by
- * 2^-150, and the interpolants of two levels differ by such samples. */
-static void blend_deviations(leaf_file *f, uint32_t set, const uint32_t sets[2], double share,
-                             uint32_t t) {
-    const leaf_layout *l = &f->layout, *of = &f->below->layout;
-    const float *range = f->ranges[leaf_layout_samples(l, set, t)];
-    const double most = fmax(fabs((double)range[0]), fabs((double)range[1]));
-    const double rounding = range[0] <= range[1] ? most * 0x1p-22 + 0x1p-148 : INFINITY;
-    const uint16_t *a = f->below->deviations + deviation_at(of, sets[0], t);
-    const uint16_t *b = f->below->deviations + deviation_at(of, sets[1], t);
-    uint16_t *to = f->deviations + deviation_at(l, set, t);
-    for (uint32_t i = 0; i < deviation_bricks(l); i++)
-        to[i] = deviation_code((1.0 - share) * deviation_value(a[i]) +
-                               share * deviation_value(b[i]) + rounding);
-}
-
 /* The sets of the file below that a moment lies between. */
 static void sets_of(const leaf_file *f, const leaf_moment *at, uint32_t sets[2]) {
     sets[0] = leaf_layout_set(&f->below->layout, at->field, at->step);
@@ -195,14 +152,13 @@ static void fill_directory(leaf_file *f, uint32_t set, const leaf_moment *at) {
         blend_range(below->own[a], below->own[b], at->share, f->own[p]);
         blend_range(below->ranges[a], below->ranges[b], at->share, f->ranges[p]);
         f->flags[p] = below->flags[a] | below->flags[b];
-        if (f->deviations && l->level_of[t] > 0)
-            blend_deviations(f, set, sets, at->share, t);
     }
+    blending_of(f)->fill(f, set, sets, at->share);
 }
 
 uint32_t leaf_between_select(leaf_file *f, const leaf_moment *at) {
     leaf_between *b = f->between;
-    const uint32_t set = choose(b, at);
+    const uint32_t i = choose(b, at), set = b->first + i;
     const leaf_file *below = f->below;
     const double before = leaf_file_step_time(below, at->step);
     const double after = leaf_file_step_time(below, at->step + 1);
@@ -210,56 +166,67 @@ uint32_t leaf_between_select(leaf_file *f, const leaf_moment *at) {
     assert(at->field < below->header.fields && at->step + 1 < below->header.steps);
     assert(at->share > 0.0 && at->share < 1.0);
     if (!leaf_between_find(f, at, &there)) {
-        b->set[set].at = *at;
+        b->set[i].at = *at;
         fill_directory(f, set, at);
         f->times[set] = (1.0 - at->share) * before + at->share * after;
         f->versions[set]++;
     }
-    b->set[set].asked = ++b->asked;
+    b->set[i].asked = ++b->asked;
     return set;
 }
 
 /* ---- Payloads ---- */
 
 leaf_blend leaf_between_needs(const leaf_file *f, uint32_t p) {
-    const leaf_layout *of = &f->below->layout;
-    const uint32_t t = p % f->layout.treelets;
-    const leaf_moment *at = &f->between->set[p / f->layout.treelets].at;
+    const leaf_blending *blending = blending_of(f);
+    const leaf_layout *l = &f->layout, *of = &f->below->layout;
+    const uint32_t set = blending->set_of(l, p);
+    if (set == LEAF_NO_SET)
+        return (leaf_blend){{p, LEAF_NO_TREELET}, 0.0};
+    const leaf_moment *at = &f->between->set[set - f->between->first].at;
     uint32_t sets[2];
     sets_of(f, at, sets);
-    const uint32_t a = leaf_layout_samples(of, sets[0], t), b = leaf_layout_samples(of, sets[1], t);
-    if (leaf_file_same(f->below, a, b))
+    const uint32_t a = blending->alike(l, p, of, sets[0]), b = blending->alike(l, p, of, sets[1]);
+    if (a != LEAF_NO_TREELET && leaf_file_same(f->below, a, b))
         return (leaf_blend){{a, LEAF_NO_TREELET}, 0.0};
     return (leaf_blend){{a, b}, at->share};
 }
 
-static leaf_payload shape_of(const leaf_file *f, uint32_t p) {
-    return leaf_layout_payload(&f->layout, p % f->layout.treelets);
+bool leaf_between_is_made_of(const leaf_file *f, uint32_t p) {
+    return blending_of(f)->set_of(&f->layout, p) != LEAF_NO_SET;
 }
 
-static between_head *head_of(const leaf_file *f, uint32_t p, void *payload) {
-    return (between_head *)((char *)payload + shape_of(f, p).beside_at);
+static leaf_beside beside_of(const leaf_file *f, uint32_t p) {
+    return blending_of(f)->beside(&f->layout, p);
 }
 
 static const between_head *const_head_of(const leaf_file *f, uint32_t p, const void *payload) {
-    return (const between_head *)((const char *)payload + shape_of(f, p).beside_at);
+    return (const between_head *)((const char *)payload + beside_of(f, p).at);
+}
+
+static between_head *head_of(const leaf_file *f, uint32_t p, void *payload) {
+    return (between_head *)((char *)payload + beside_of(f, p).at);
 }
 
 void leaf_between_begin(const leaf_file *f, uint32_t p, void *payload) {
     *head_of(f, p, payload) = (between_head){{LEAF_NO_TREELET, LEAF_NO_TREELET}, (double)NAN};
 }
 
-static char *part_at(const leaf_payload *shape, void *payload, int part) {
-    return (char *)payload + shape->beside_at + LEAF_BESIDE_ROOM(shape->node_levels) +
-           (size_t)part * shape->beside_bytes;
+static char *part_at(const leaf_beside *b, void *payload, int part) {
+    return (char *)payload + b->parts_at + (size_t)part * b->each;
 }
 
 void *leaf_between_part(const leaf_file *f, uint32_t p, void *payload, int part, uint32_t **has) {
-    const leaf_payload shape = shape_of(f, p);
-    between_head *head = head_of(f, p, payload);
+    const leaf_beside b = beside_of(f, p);
+    between_head *head = (between_head *)((char *)payload + b.at);
     *has = &head->has[part];
     head->made = (double)NAN;
-    return part_at(&shape, payload, part);
+    return part_at(&b, payload, part);
+}
+
+const void *leaf_between_part_of(const leaf_file *f, uint32_t p, const void *payload, int part) {
+    const leaf_beside b = beside_of(f, p);
+    return part_at(&b, (void *)(uintptr_t)payload, part);
 }
 
 static bool is_part(const leaf_file *f, uint32_t has, uint32_t needed) {
@@ -278,9 +245,11 @@ bool leaf_between_helps(const leaf_file *f, uint32_t p, const void *payload) {
 }
 
 bool leaf_between_lacks(const leaf_file *f, uint32_t p, const void *payload, int part) {
-    const uint32_t needed = leaf_between_needs(f, p).of[part];
-    return needed != LEAF_NO_TREELET &&
-           !is_part(f, const_head_of(f, p, payload)->has[part], needed);
+    const leaf_blend needs = leaf_between_needs(f, p);
+    const uint32_t needed = needs.of[part], has = const_head_of(f, p, payload)->has[part];
+    if (needed == LEAF_NO_TREELET) /* the room of what is not there must be empty */
+        return needs.share != 0.0 && has != LEAF_NO_TREELET;
+    return !is_part(f, has, needed);
 }
 
 bool leaf_between_is_made(const leaf_file *f, uint32_t p, const void *payload) {
@@ -288,18 +257,21 @@ bool leaf_between_is_made(const leaf_file *f, uint32_t p, const void *payload) {
            !leaf_between_lacks(f, p, payload, 0) && !leaf_between_lacks(f, p, payload, 1);
 }
 
-void leaf_between_make(const leaf_file *f, uint32_t p, void *payload) {
+void leaf_between_make(const leaf_file *f, uint32_t p, const void *shared, void *payload) {
     const leaf_blend needs = leaf_between_needs(f, p);
-    const uint32_t t = p % f->layout.treelets;
-    const leaf_payload shape = leaf_layout_payload(&f->layout, t);
-    const uint32_t from = leaf_layout_payload(&f->below->layout, t).samples_at;
-    between_head *head = head_of(f, p, payload);
+    const leaf_beside b = beside_of(f, p);
+    between_head *head = (between_head *)((char *)payload + b.at);
     if (head->made == needs.share)
         return;
-    f->between->blend(part_at(&shape, payload, 0) + from, part_at(&shape, payload, 1) + from,
-                      needs.share, (float *)((char *)payload + shape.samples_at),
-                      (size_t)shape.samples[0] * shape.samples[1] * shape.samples[2]);
-    grid_codes_make_within(&f->layout, t, f->own[p], (grid_codes_scratch *)((char *)head + HEAD),
-                           payload);
+    leaf_mix m = {.set = blending_of(f)->set_of(&f->layout, p),
+                  .treelet = p % f->layout.treelets,
+                  .share = needs.share,
+                  .blend = f->between->blend,
+                  .shared = shared,
+                  .scratch = (char *)head + LEAF_ALIGN,
+                  .payload = payload};
+    for (int i = 0; i < LEAF_BETWEEN_PARTS; i++)
+        m.part[i] = needs.of[i] == LEAF_NO_TREELET ? NULL : part_at(&b, payload, i);
+    blending_of(f)->make(f, p, &m);
     head->made = needs.share;
 }

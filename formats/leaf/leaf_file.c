@@ -562,6 +562,8 @@ void leaf_file_close(leaf_file *f) {
     if (f->geometry)
         f->geometry->release(f);
     file_close(f->source);
+    if (f->owns_below)
+        leaf_file_close(f->below);
     mem_free(f->m, f);
 }
 

@@ -60,9 +60,10 @@ typedef struct leaf_file {
     struct outside_samples *samples; /* and the file that it names */
     struct live_samples *live;       /* of a grid that changes in memory (leaf_live.h), or NULL; */
     uint64_t *versions;              /* and per set: how often it has changed */
-    /* Of one that lies between the steps of another (leaf_between.h), else NULL: that one, which it
-     * does not own, and what its sets are. */
+    /* Of one that lies between the steps of another (leaf_between.h), else NULL: that one, and what
+     * its sets are. */
     struct leaf_file *below;
+    bool owns_below; /* the other one is closed with it */
     struct leaf_between *between;
     void *besides;         /* what the directory of another kind has in addition */
     histogram *histograms; /* per set; NULL: the file has none */

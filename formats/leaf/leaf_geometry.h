@@ -36,9 +36,9 @@ typedef struct leaf_growth {
 typedef struct leaf_geometry {
     bool holds_indices;             /* result of leaf_file_holds_indices() */
     const struct leaf_cells *cells; /* what a cell's record is (leaf_cells.h); NULL: no records */
-    bool blends;                    /* times between its steps can be shown (leaf_between.h) */
-    const leaf_growth *growth;      /* NULL: a file of it has no segments */
-    bool has_map;                   /* to_world is meaningful, so section WORLD may name its axes */
+    const struct leaf_blending *blending; /* NULL: no times between its steps (leaf_between.h) */
+    const leaf_growth *growth;            /* NULL: a file of it has no segments */
+    bool has_map; /* to_world is meaningful, so section WORLD may name its axes */
 
     /* ---- The header: parts of leaf_check_header() and leaf_check_layout() ---- */
 

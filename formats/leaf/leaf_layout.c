@@ -21,9 +21,9 @@ static leaf_payload payload_of(const leaf_layout *l, const uint32_t cells[3]) {
     p.samples_at = leaf_aligned(leaf_codes_at(p.node_levels + 1));
     p.bytes = leaf_aligned(p.samples_at + count * (uint32_t)sample_size(l->type));
     if (l->beside) {
-        p.beside_at = p.bytes;
-        p.beside_bytes = leaf_aligned(p.samples_at + count * l->beside);
-        p.bytes += LEAF_BESIDE_ROOM(p.node_levels) + 2 * p.beside_bytes;
+        p.beside = leaf_layout_beside(p.bytes, LEAF_BESIDE_SCRATCH(p.node_levels),
+                                      leaf_aligned(p.samples_at + count * l->beside));
+        p.bytes = leaf_layout_beside_end(&p.beside);
     }
     return p;
 }

@@ -42,7 +42,8 @@ typedef struct leaf_layout {
     uint32_t payload_max;        /* leaf_layout_payload_max() */
     bool coded;                  /* grid: payloads are compressed (grid_coding.h) */
     bool outside;                /* grid: level 0 has its samples in another file */
-    uint32_t beside;             /* leaf_layout_keep_beside(), or 0 */
+    uint32_t beside;             /* payloads keep others beside: leaf_layout_keep_beside() or
+                                    mesh_layout_keep_beside(); 0: they do not */
     leaf_level level[LEAF_LEVELS_MAX];
     /* Per treelet: */
     uint32_t *first_child; /* LEAF_NO_TREELET at level 0 */
@@ -94,6 +95,26 @@ uint32_t leaf_layout_parent(const leaf_layout *l, uint32_t treelet);
  * level 0. The child in octant o is first_child[t] + number of existing octants below o. */
 uint8_t leaf_layout_children(const leaf_layout *l, uint32_t treelet);
 
+/* In a layout that keeps two payloads beside each one in memory (leaf_between.h): byte offsets in
+ * it of the room for them, which begins with LEAF_ALIGN bytes and scratch memory, and of the two,
+ * which end it; bytes of each of the two. Else zeros. */
+typedef struct leaf_beside {
+    uint32_t at, parts_at, each;
+} leaf_beside;
+
+/* LEAF_BESIDE_SCRATCH() - the scratch memory of grids' treelets with so many levels of nodes: for
+ * grid_codes.h. */
+#define LEAF_BESIDE_SCRATCH(node_levels) (960U + (8U << 3 * (node_levels)))
+
+/* leaf_layout_beside() - behind a payload of so many bytes. leaf_layout_beside_end() - where that
+ * ends. */
+static inline leaf_beside leaf_layout_beside(uint32_t bytes, size_t scratch, uint32_t each) {
+    return (leaf_beside){bytes, bytes + LEAF_ALIGN + leaf_aligned((uint32_t)scratch), each};
+}
+static inline uint32_t leaf_layout_beside_end(const leaf_beside *b) {
+    return b->parts_at + 2 * b->each;
+}
+
 /* Sizes of one treelet's payload, before compression. */
 typedef struct leaf_payload {
     uint32_t cells[3];    /* real cells, 1 .. B */
@@ -101,14 +122,8 @@ typedef struct leaf_payload {
     uint32_t node_levels; /* K = cells_log2 - LEAF_BLOCK_LOG2: tree levels of 8, 64, .. 8^K nodes */
     uint32_t samples_at;  /* byte offset of the sample array */
     uint32_t bytes;       /* whole payload, a multiple of LEAF_ALIGN */
-    /* Of a layout that keeps two others beside: byte offset of that room, which ends with them, and
-     * the bytes of each of the two; else 0. */
-    uint32_t beside_at, beside_bytes;
+    leaf_beside beside;
 } leaf_payload;
-
-/* LEAF_BESIDE_ROOM() - of that room, the bytes before the two: for treelets with so many levels of
- * nodes. */
-#define LEAF_BESIDE_ROOM(node_levels) (1024U + (8U << 3 * (node_levels)))
 
 /* leaf_node_levels() - the levels of nodes of a grid's treelets. */
 static inline uint32_t leaf_node_levels(const leaf_layout *l) {

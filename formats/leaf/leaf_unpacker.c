@@ -362,11 +362,16 @@ static void move_part(leaf_unpacker *u, uint32_t p, int part, uint32_t needed, v
     *has = *other_has;
 }
 
-/* Read payload `needed` of the file below into a part that has another one, or nothing. */
+/* Read payload `needed` of the file below, or none, into a part that has another one, or nothing.
+ */
 static status load_part(leaf_unpacker *u, uint32_t p, int part, uint32_t needed, void *payload) {
     leaf_file *below = u->f->below;
     uint32_t *has;
     void *to = leaf_between_part(u->f, p, payload, part, &has);
+    if (needed == LEAF_NO_TREELET) {
+        *has = needed;
+        return ST_OK;
+    }
     if (*has == LEAF_NO_TREELET || !leaf_file_helps(below, needed, *has))
         move_part(u, p, part, needed, payload, leaf_file_helps);
     const status st = *has == LEAF_NO_TREELET
@@ -377,13 +382,21 @@ static status load_part(leaf_unpacker *u, uint32_t p, int part, uint32_t needed,
     return st;
 }
 
+/* Load a payload that is the one of the file below. */
+static status load_below(leaf_unpacker *u, uint32_t p, void *payload) {
+    leaf_file *below = u->f->below;
+    const uint32_t q = leaf_between_needs(u->f, p).of[0];
+    u->beside_bytes += below->sizes[q];
+    return leaf_file_load(below, q, u->below, payload);
+}
+
 /* Load the payloads of both steps that a payload needs, as far as it does not have them. */
 static status load_between(leaf_unpacker *u, uint32_t p, void *payload) {
     const leaf_blend needs = leaf_between_needs(u->f, p);
     status st = ST_OK;
     /* Playing on, the second step becomes the first, and backwards the other way round. */
     for (int i = 0; i < LEAF_BETWEEN_PARTS; i++)
-        if (leaf_between_lacks(u->f, p, payload, i))
+        if (needs.of[i] != LEAF_NO_TREELET && leaf_between_lacks(u->f, p, payload, i))
             move_part(u, p, i, needs.of[i], payload, leaf_file_same);
     for (int i = 0; i < LEAF_BETWEEN_PARTS && st == ST_OK; i++)
         if (leaf_between_lacks(u->f, p, payload, i))
@@ -437,6 +450,8 @@ static status refuse_bare(const leaf_file *f, uint32_t p) {
 status leaf_file_load_by(leaf_file *f, uint32_t p, leaf_unpacker *u, const leaf_fetcher *by,
                          void *payload) {
     const leaf_layout *l = &f->layout;
+    if (f->below && !leaf_between_is_made_of(f, p))
+        return load_below(u, p, payload);
     if (f->below) {
         leaf_between_begin(f, p, payload);
         return load_between(u, p, payload);

@@ -251,17 +251,6 @@ static status check_directory(const char *path, const leaf_header *h, const leaf
 
 /* ---- Payloads ---- */
 
-static uint32_t payload_bytes(const leaf_layout *l, uint32_t p) {
-    const mesh_shape s = mesh_leaf_shape(l->counts[p % l->treelets]);
-    uint32_t index;
-    switch (leaf_layout_block_of(l, p, &index)) {
-    case LEAF_BLOCK_TOPOLOGY: return s.topology_bytes;
-    case LEAF_BLOCK_VALUES: return s.values_bytes;
-    case LEAF_BLOCK_GRADIENTS: return s.gradients_bytes;
-    default: return s.positions_bytes;
-    }
-}
-
 /* A run begins with the first treelet's payload in each block. */
 static bool begins_run(const leaf_layout *l, uint32_t p) {
     return p % l->treelets == 0;
@@ -327,6 +316,7 @@ static const leaf_growth growth = {
     .may = may_grow, .alike = same_treelets, .repeat = mesh_layout_repeat, .rows = rows};
 
 const leaf_geometry mesh_geometry = {.holds_indices = true,
+                                     .blending = &mesh_blending,
                                      .growth = &growth,
                                      .check_parameters = check_parameters,
                                      .check_values = check_values,
@@ -341,7 +331,7 @@ const leaf_geometry mesh_geometry = {.holds_indices = true,
                                      .release = release,
                                      .lay_out = lay_out,
                                      .check_directory = check_directory,
-                                     .payload_bytes = payload_bytes,
+                                     .payload_bytes = mesh_layout_payload_bytes,
                                      .begins_run = begins_run,
                                      .series = series,
                                      .payload_name = payload_name,

@@ -5,5 +5,6 @@
 #include "formats/leaf/leaf_geometry.h"
 
 extern const leaf_geometry mesh_geometry;
+extern const struct leaf_blending mesh_blending; /* of files between the steps of one */
 
 #endif

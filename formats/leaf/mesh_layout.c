@@ -3,7 +3,7 @@
 #include <assert.h>
 
 #include "formats/leaf/mesh_geometry.h"
-#include "formats/mesh/mesh_leaf.h"
+#include "formats/mesh/mesh_refit.h"
 
 uint64_t mesh_layout_payloads(const mesh_layout_blocks *b) {
     const uint64_t sets = (uint64_t)b->fields * b->steps;
@@ -38,13 +38,52 @@ status mesh_layout_init(leaf_layout *l, mem *m, const mesh_layout_blocks *b) {
     return leaf_layout_init_flat(l, m);
 }
 
+static uint32_t file_bytes(const mesh_shape *s, leaf_block block) {
+    switch (block) {
+    case LEAF_BLOCK_TOPOLOGY: return s->topology_bytes;
+    case LEAF_BLOCK_VALUES: return s->values_bytes;
+    case LEAF_BLOCK_GRADIENTS: return s->gradients_bytes;
+    default: return s->positions_bytes;
+    }
+}
+
+/* Nothing is made of a topology: it is the same in all sets. */
+static leaf_beside beside_of(const leaf_layout *l, const mesh_shape *s, leaf_block block) {
+    const uint32_t bytes = file_bytes(s, block);
+    if (!l->beside || block == LEAF_BLOCK_TOPOLOGY)
+        return (leaf_beside){0};
+    return leaf_layout_beside(bytes, mesh_refit_scratch(s), bytes);
+}
+
+static uint32_t memory_bytes(const leaf_layout *l, const mesh_shape *s, leaf_block block) {
+    const leaf_beside b = beside_of(l, s, block);
+    return b.at ? leaf_layout_beside_end(&b) : file_bytes(s, block);
+}
+
+uint32_t mesh_layout_payload_bytes(const leaf_layout *l, uint32_t p) {
+    const mesh_shape s = mesh_leaf_shape(l->counts[p % l->treelets]);
+    uint32_t index;
+    return memory_bytes(l, &s, leaf_layout_block_of(l, p, &index));
+}
+
+leaf_beside mesh_layout_beside(const leaf_layout *l, uint32_t p) {
+    const mesh_shape s = mesh_leaf_shape(l->counts[p % l->treelets]);
+    uint32_t index;
+    return beside_of(l, &s, leaf_layout_block_of(l, p, &index));
+}
+
+void mesh_layout_keep_beside(leaf_layout *l) {
+    l->beside = 1;
+}
+
 void mesh_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]) {
     l->counts = counts;
     l->payload_max = 0;
     for (uint32_t t = 0; t < l->treelets; t++) {
         const mesh_shape s = mesh_leaf_shape(counts[t]);
-        l->payload_max = s.topology_bytes > l->payload_max ? s.topology_bytes : l->payload_max;
-        assert(s.values_bytes <= s.topology_bytes && s.gradients_bytes <= s.topology_bytes &&
-               s.positions_bytes <= s.topology_bytes);
+        for (leaf_block b = LEAF_BLOCK_TOPOLOGY; b <= LEAF_BLOCK_POSITIONS; b++) {
+            const uint32_t bytes = memory_bytes(l, &s, b);
+            l->payload_max = bytes > l->payload_max ? bytes : l->payload_max;
+        }
     }
 }

@@ -26,4 +26,12 @@ CHECKED status mesh_layout_init(leaf_layout *l, mem *m, const mesh_layout_blocks
 bool mesh_layout_repeat(leaf_layout *l, uint32_t steps);
 void mesh_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]);
 
+/* mesh_layout_payload_bytes() - the bytes of payload p in memory.
+ * mesh_layout_keep_beside() - let payloads but topologies have room in memory for two others of
+ * their kind (leaf_between.h). Call it before mesh_layout_set_counts().
+ * mesh_layout_beside() - where payload p has these; zeros for a topology. */
+uint32_t mesh_layout_payload_bytes(const leaf_layout *l, uint32_t p);
+void mesh_layout_keep_beside(leaf_layout *l);
+leaf_beside mesh_layout_beside(const leaf_layout *l, uint32_t p);
+
 #endif

@@ -16,7 +16,7 @@ typedef struct time_options {
 /* What verbs say of them in their tables. */
 #define TIME_OPTIONS_TIME "of several time steps: draw the one of this time, instead of --step"
 #define TIME_OPTIONS_INTERPOLATE \
-    "of grids: --time may lie between two steps; samples are then linear in time"
+    "of grids and tets: --time may lie between two steps; all is then linear in time"
 
 /* time_options_parse() - the value of --time. */
 CHECKED status time_options_parse(const char *text, time_options *t);

@@ -1,5 +1,7 @@
 #include "render/door/coarse_preview.h"
 
+#include "formats/leaf/coarse_pair.h"
+#include "formats/leaf/leaf_between.h"
 #include "render/door/leafcast_device.h"
 
 enum { SHARE_LOG2 = 3 };
@@ -21,13 +23,46 @@ void coarse_preview_end(leafcast *v) {
 }
 
 uint32_t coarse_preview_levels(const leafcast *v) {
+    const leaf_file *f = leaf_file_stores(v->file);
     leaf_file *grid = NULL;
-    if (!leaf_file_has_coarse(v->file, 0) ||
-        leaf_file_open_coarse(v->m, v->file, 0, &grid) != ST_OK)
+    if (!leaf_file_has_coarse(f, 0) || leaf_file_open_coarse(v->m, f, 0, &grid) != ST_OK)
         return 0;
     const uint32_t levels = grid->layout.sampled;
     leaf_file_close(grid);
     return levels;
+}
+
+/* Whether what is shown of v is between steps whose grids can be blended. Where points move, grids
+ * have data in different places: a blend would have some where both have, and of no mesh. */
+static bool is_blended(const leafcast *v) {
+    return v->file->below && !leaf_layout_moves(&v->file->layout);
+}
+
+/* The set whose grid is shown, or that and the next one's blend: else the nearest step's. */
+static uint32_t set_of(const leafcast *v, const leafcast_shown *shown) {
+    const leaf_layout *stored = &leaf_file_stores(v->file)->layout;
+    const bool next = !is_blended(v) && shown->between >= 0.5;
+    return leaf_layout_set(stored, shown->field, shown->step + next);
+}
+
+/* Open the file of a set's grid, or one between this and the next set's. */
+static status open_file(const leafcast *v, uint32_t set, leaf_file **out) {
+    leaf_file *pair = NULL;
+    if (!is_blended(v))
+        return leaf_file_open_coarse(v->m, leaf_file_stores(v->file), set, out);
+    status st = coarse_pair_open(v->m, v->file->below, set, &pair);
+    if (st == ST_OK)
+        st = leaf_between_open(v->m, pair, v->device->isa, out);
+    if (st == ST_OK)
+        (*out)->owns_below = true;
+    else
+        leaf_file_close(pair);
+    return st;
+}
+
+static bool has_file(const leafcast *v, uint32_t set) {
+    const leaf_file *f = leaf_file_stores(v->file);
+    return is_blended(v) ? coarse_pair_has(f, set) : leaf_file_has_coarse(f, set);
 }
 
 static status open_coarse(leafcast *v, uint32_t set) {
@@ -40,7 +75,7 @@ static status open_coarse(leafcast *v, uint32_t set) {
     if (!coarse)
         return ST_NOMEM;
     const size_t before = mem_used(v->m);
-    status st = leaf_file_open_coarse(v->m, v->file, set, &coarse->file);
+    status st = open_file(v, set, &coarse->file);
     if (st == ST_OK)
         st = volume_open_file(coarse);
     if (st != ST_OK) {
@@ -76,11 +111,11 @@ static status load_root(loader *l) {
 
 /* Open the grid of the set that is shown of v. *out = NULL: there is no grid, or no room for it. */
 static status open_shown(leafcast *v, const leafcast_shown *shown, leafcast **out) {
-    const uint32_t set = leaf_layout_set(&v->file->layout, shown->field, shown->step);
+    const uint32_t set = set_of(v, shown);
     *out = NULL;
     if (v->coarse && v->coarse_set != set)
         coarse_preview_end(v);
-    if (!leaf_file_has_coarse(v->file, set) || (v->coarse && v->coarse_set != set))
+    if (!has_file(v, set) || (v->coarse && v->coarse_set != set))
         return ST_OK;
     const status st = v->coarse ? ST_OK : open_coarse(v, set);
     if (st != ST_OK)
@@ -90,6 +125,13 @@ static status open_shown(leafcast *v, const leafcast_shown *shown, leafcast **ou
     else
         coarse_preview_end(v);
     return ST_OK;
+}
+
+leafcast_shown coarse_preview_shown(leafcast *coarse, const leafcast_shown *shown) {
+    leafcast_shown grid = *shown;
+    grid.volume = coarse;
+    grid.field = grid.step = 0;
+    return grid;
 }
 
 /* The scene for rays through a grid: without a mesh's normals, and with the grid's levels. */
@@ -109,7 +151,9 @@ status coarse_preview_begin(leafcast *v, const leafcast_scene *scene, const leaf
     status st = scene->preview ? open_shown(v, shown, &coarse) : ST_OK;
     if (!coarse)
         return st;
-    volume_show(coarse, 0, 0, shown->surfaces, shown->count);
+    const leafcast_shown grid = coarse_preview_shown(coarse, shown);
+    const interest nothing = {.count = 0};
+    volume_show_beside(&grid, &nothing);
     st = load_root(coarse->treelets);
     if (st == ST_OK)
         st = volume_tracer(coarse, &whole, NULL, tr); /* forgets what was queued */
@@ -131,7 +175,7 @@ status coarse_preview_show(leafcast *coarse, const leafcast_scene *scene,
                            const leafcast_shown *shown, const interest *beside, const camera *c,
                            tracer *tr) {
     const leafcast_scene level = scene_of_grid(scene, LEAFCAST_LOD_LEVEL, scene->lod_level - 1);
-    const leafcast_shown grid = {coarse, 0, 0, shown->surfaces, shown->count, 0.0};
+    const leafcast_shown grid = coarse_preview_shown(coarse, shown);
     volume_show_beside(&grid, beside);
     status st = load_root(coarse->treelets);
     if (st == ST_OK)

@@ -6,6 +6,9 @@
  * treelet of the mesh is traced through the grid instead, as far as the grid's levels are resident.
  * Its pixel is provisional; all others are exact. So the picture becomes exact as treelets come.
  *
+ * Between two steps it is what lies between the grids of both (coarse_pair.h); of a mesh whose
+ * points move, the nearest step's.
+ *
  * The grid's levels are the mesh's coarse levels of detail: level 0 is the tets, level n the grid's
  * level n - 1. A preview that asks for level 1 or more shows the grid alone, and all of it is
  * provisional.
@@ -32,6 +35,9 @@ CHECKED status coarse_preview_begin(leafcast *v, const leafcast_scene *scene,
  * else until another set is shown. */
 CHECKED status coarse_preview_instead(leafcast *v, const leafcast_scene *scene,
                                       const leafcast_shown *shown, leafcast **out);
+
+/* coarse_preview_shown() - what is shown of such a grid where that is shown of v. */
+leafcast_shown coarse_preview_shown(leafcast *coarse, const leafcast_shown *shown);
 
 /* coarse_preview_show() - call before a picture of such a grid. Sets *tr up for rays through it.
  * Its coarsest level is then resident; the levels down to the one asked for are queued. */

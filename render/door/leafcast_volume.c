@@ -367,11 +367,11 @@ void leafcast_stop_reading(leafcast *v) {
     if (!v || !device_is_here(v->device))
         return;
     device_lock(v->device);
-    loader_rest(v->treelets);
-    if (v->coarse)
-        loader_rest(v->coarse->treelets);
-    if (v->between)
-        loader_rest(v->between->treelets);
+    for (leafcast *of = v; of; of = of->between) {
+        loader_rest(of->treelets);
+        if (of->coarse)
+            loader_rest(of->coarse->treelets);
+    }
     device_unlock(v->device);
 }
 

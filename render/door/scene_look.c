@@ -5,6 +5,7 @@
 
 #include "formats/leaf/leaf_histogram.h"
 #include "render/door/between_steps.h"
+#include "render/door/coarse_preview.h"
 #include "render/ray/kind.h"
 #include "render/surface/surface_integrator.h"
 
@@ -32,8 +33,10 @@ static void shown_range(const scene_look *l, int i, double range[2]) {
 
 /* The value range of the data that is drawn: the volume's, or its coarse grid's. */
 static void drawn_range(const scene_look *l, int i, double range[2]) {
+    leafcast *drawn = l->turn->drawn[i];
+    const leafcast_shown grid = coarse_preview_shown(drawn, &l->turn->shown[i]);
     if (turn_is_instead(l->turn, i))
-        leaf_histogram_range(l->turn->drawn[i]->file, 0, range);
+        leaf_histogram_range(drawn->file, between_steps_shown(&grid), range);
     else
         shown_range(l, i, range);
 }

@@ -33,11 +33,13 @@ static status mesh_open(leafcast *v) {
 }
 
 /* Keep the trees of all steps if they fit: that saves refitting. Otherwise keep one tree. A single
- * step and field never needs refitting. */
+ * step and field never needs refitting; between steps, trees are made anew by themselves. */
 static mesh_schema schema_of(const leafcast *v) {
     const uint64_t room =
         v->m->limit ? v->m->limit
                     : (uint64_t)sysconf(_SC_PHYS_PAGES) / 4 * (uint64_t)sysconf(_SC_PAGESIZE);
+    if (v->file->below)
+        return MESH_TREES;
     if (v->experiments.schema != LEAFCAST_SCHEMA_AUTO)
         return v->experiments.schema == LEAFCAST_SCHEMA_TREES ? MESH_TREES : MESH_REFIT;
     if (v->file->header.steps * v->file->header.fields == 1)

@@ -151,6 +151,8 @@ static void test_first_surfaces(void **state) {
     assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
     const leafcast_camera c = leafcast_standard_view(v, 1.3, PICTURE_WIDTH, PICTURE_HEIGHT);
     int seen = 0, dark = 0, wrong = 0, grazes = 0;
+    assert_int_equal(leafcast_select_between(v, 0, 0, 0.5), LEAFCAST_UNSUPPORTED);
+    assert_non_null(strstr(leafcast_error_text(), "prisms.leaf: times between steps are of grids"));
     for (uint32_t step = 0; step < STEPS; step++) {
         assert_int_equal(leafcast_select_set(v, 0, step), LEAFCAST_OK);
         pictures_draw(v, &scene, &c, &p, NULL);

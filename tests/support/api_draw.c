@@ -152,7 +152,8 @@ static void draw_volumes(field_random *r, leafcast *const volumes[], int count, 
         const leafcast_info info = leafcast_describe(volumes[i]);
         shown->field = (uint32_t)below(r, info.fields + api_chance(r, 30));
         shown->step = (uint32_t)below(r, info.steps + api_chance(r, 30));
-        shown->between = api_chance(r, 3) && shown->step + 1 < info.steps && info.dims[0] > 0
+        shown->between = api_chance(r, 3) && shown->step + 1 < info.steps &&
+                                 (info.dims[0] > 0 || strcmp(info.cell, "tet") == 0)
                              ? field_random_unit(r)
                              : 0.0;
         api_draw_surfaces(r, volumes[i], s->surfaces[i], &shown->count);

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/support/between_mesh.h"
 #include "tests/support/scratch.h"
 
 const double between_times[BETWEEN_STEPS] = {-3, 1, 2, 10, 1e6, 2e6};
@@ -22,6 +23,10 @@ const between_kind between_kinds[BETWEEN_KINDS] = {
     {.type = SAMPLE_F32, .codec = LEAF_CODEC_ZSTD, .non_finite = 900},
     {.type = SAMPLE_F32, .codec = LEAF_CODEC_RAW},
     {.type = SAMPLE_F32, .codec = LEAF_CODEC_ZSTD, .small = true},
+    {.type = SAMPLE_F32, .codec = LEAF_CODEC_RAW, .mesh = true},
+    {.type = SAMPLE_F32, .codec = LEAF_CODEC_ZSTD, .mesh = true, .moves = true},
+    {.type = SAMPLE_F32, .codec = LEAF_CODEC_ZSTD, .mesh = true, .grown = true, .non_finite = 90},
+    {.type = SAMPLE_F32, .codec = LEAF_CODEC_RAW, .mesh = true, .moves = true, .non_finite = 90},
 };
 
 /* ---- Samples ---- */
@@ -78,9 +83,14 @@ float between_lab_mix(float a, float b, double share) {
     return mixed;
 }
 
+static int floats_of(const between_kind *of) {
+    return of->mesh ? BETWEEN_MESH_FLOATS : BETWEEN_SAMPLES;
+}
+
 float *between_lab_blend(const between_lab *s, uint32_t step, double share) {
-    float *to = malloc(BETWEEN_SAMPLES * sizeof *to);
-    for (int i = 0; i < BETWEEN_SAMPLES; i++)
+    const int count = floats_of(&s->of);
+    float *to = malloc((size_t)count * sizeof *to);
+    for (int i = 0; i < count; i++)
         to[i] = between_lab_mix(s->step[step][i], s->step[step + 1][i], share);
     return to;
 }
@@ -105,17 +115,39 @@ static grid_series series_of(const char *const *paths, uint32_t first, uint32_t 
         .hints = {.dims = {BETWEEN_SIDE, BETWEEN_SIDE, BETWEEN_SIDE}, .type = type}};
 }
 
-static void make_series(between_lab *s) {
+/* The steps' samples: those of a mesh at the nodes of a coarser grid. */
+static void fill_steps(between_lab *s) {
+    const between_kind *of = &s->of;
+    const int side = of->mesh ? BETWEEN_MESH_NODES : BETWEEN_SIDE;
+    const int stride = of->mesh ? BETWEEN_MESH_STRIDE : 1;
+    for (int step = 0; step < BETWEEN_STEPS; step++) {
+        float *to = s->step[step] = malloc((size_t)floats_of(of) * sizeof *to);
+        for (int i = 0; i < side * side * side; i++)
+            to[i] = sample_of(of, step, i % side * stride, i / side % side * stride,
+                              i / side / side * stride);
+        if (of->mesh)
+            between_mesh_points(of->moves, step, (float(*)[3])(to + BETWEEN_MESH_POINTS));
+    }
+}
+
+static void make_mesh(between_lab *s) {
+    const between_kind *of = &s->of;
+    const uint32_t first = of->grown ? 2 : BETWEEN_STEPS;
+    const float *const *steps = (const float *const *)s->step;
+    char name[64];
+    snprintf(name, sizeof name, "mesh-%d-%d-%d.leaf", of->moves, of->codec, of->grown);
+    snprintf(s->series, sizeof s->series, "%s", scratch_path(name));
+    between_mesh_convert(of, steps, 0, first, s->series);
+    for (uint32_t step = first; step < BETWEEN_STEPS; step += 2)
+        between_mesh_convert(of, steps, step, 2, s->series);
+}
+
+static void make_grid(between_lab *s) {
     const between_kind *of = &s->of;
     const leaf_case c = case_of(of);
     const char *paths[BETWEEN_STEPS];
     char name[64], *stored = malloc(BETWEEN_SAMPLES * sizeof(float));
     for (int step = 0; step < BETWEEN_STEPS; step++) {
-        s->step[step] = malloc(BETWEEN_SAMPLES * sizeof(float));
-        for (int i = 0; i < BETWEEN_SAMPLES; i++)
-            s->step[step][i] =
-                sample_of(of, step, i % BETWEEN_SIDE, i / BETWEEN_SIDE % BETWEEN_SIDE,
-                          i / BETWEEN_SIDE / BETWEEN_SIDE);
         store(of->type, s->step[step], stored);
         snprintf(name, sizeof name, "between%d.bin", step);
         paths[step] = strdup(scratch_write(name, stored, BETWEEN_SAMPLES * sample_size(of->type)));
@@ -137,7 +169,8 @@ static void make_series(between_lab *s) {
 between_lab *between_lab_make(const between_kind *of) {
     between_lab *s = calloc(1, sizeof *s);
     s->of = *of;
-    make_series(s);
+    fill_steps(s);
+    (of->mesh ? make_mesh : make_grid)(s);
     /* A small ball is cut near its border, where it is lower than half of its height. */
     s->iso = of->small ? -0.7
                        : (double)sample_of(&(between_kind){.type = of->type}, 0, 20, 17, 16) * 0.5;
@@ -160,6 +193,11 @@ void between_lab_free(between_lab *s) {
 
 /* A file of the samples between, alone. */
 const char *between_lab_alone(const between_lab *s, const float *samples) {
+    if (s->of.mesh) {
+        const between_kind alone = {.codec = s->of.codec};
+        between_mesh_convert(&alone, &samples, 0, 1, scratch_path("between-alone.leaf"));
+        return scratch_path("between-alone.leaf");
+    }
     leaf_case c = case_of(&s->of);
     c.type = SAMPLE_F32;
     c.samples = samples;

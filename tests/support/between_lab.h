@@ -1,5 +1,6 @@
-/* between_lab.h - series of a small grid, for tests of times between its steps; and what they
- * compare with: a file of the samples between, alone, that the laboratory makes itself.
+/* between_lab.h - series of a small grid or mesh, for tests of times between its steps; and what
+ * they compare with: a file of the samples between, alone, that the laboratory makes itself. Of a
+ * mesh, samples are those of between_mesh.h: coordinates, too.
  */
 #ifndef TESTS_SUPPORT_BETWEEN_LAB_H
 #define TESTS_SUPPORT_BETWEEN_LAB_H
@@ -11,7 +12,8 @@ enum {
     BETWEEN_STEPS = 6, /* more pairs than sets of leaf_between.h */
     BETWEEN_SIDE = 36,
     BETWEEN_SAMPLES = BETWEEN_SIDE * BETWEEN_SIDE * BETWEEN_SIDE,
-    BETWEEN_KINDS = 7,
+    BETWEEN_GRIDS = 7, /* kinds, of which the others are meshes */
+    BETWEEN_KINDS = BETWEEN_GRIDS + 4,
     BETWEEN_SHARES = 5
 };
 
@@ -22,6 +24,7 @@ typedef struct between_kind {
     bool bare, grown; /* levels 1; the last steps were added to the file */
     bool small;       /* a small ball, that is at another place in each step */
     int non_finite;   /* of f32: one sample in so many is NaN or infinite; 0: none */
+    bool mesh, moves; /* a mesh, whose points move */
 } between_kind;
 
 typedef struct between_lab {

@@ -1,5 +1,6 @@
-/* test_between.c - times between the steps of a grid: pictures and values are those of a file with
- * the samples that the test makes of both steps, and what brute force sees in them.
+/* test_between.c - times between the steps of a grid or mesh: pictures and values are those of a
+ * file with the samples, and points, that the test makes of both steps, and what brute force sees
+ * in them.
  */
 /* marks: threads */
 #include <setjmp.h>
@@ -13,81 +14,99 @@
 #include <string.h>
 
 #include "formats/base/cpu.h"
-#include "tests/support/between_lab.h"
+#include "tests/support/between_mesh.h"
 #include "tests/support/fields.h"
-#include "tests/support/ref_judge.h"
 
 /* All looks at a moment are those of the samples alone. */
-static void check_looks(const between_lab *s, leafcast *v, const char *path, const char *what) {
+static void check_looks(const between_lab *s, leafcast *v, leafcast *alone, const char *what) {
     static picture want, is;
-    const leafcast_options o = {.size = sizeof o, .threads = 2};
-    leafcast *one = between_lab_open(path, &o, s->iso);
     for (int look = 0; look < LOOKS; look++) {
         const leafcast_scene scene = between_lab_scene(s, look);
-        pictures_draw(one, &scene, &s->view, &want, NULL);
+        pictures_draw(alone, &scene, &s->view, &want, NULL);
         pictures_draw(v, &scene, &s->view, &is, NULL);
         char which[100];
         snprintf(which, sizeof which, "%s, look %d", what, look);
         assert_in_range(between_lab_same(&is, &want, which), s->of.small ? 0 : 20, PICTURE_PIXELS);
     }
-    leafcast_close(one);
+}
+
+static ref_tally judge_grid(const float *samples, const ref_camera *look, double iso,
+                            const double *depth, int every) {
+    static const double unit[3] = {1, 1, 1}, zero[3] = {0, 0, 0};
+    const ref_volume truth = ref_volume_regular((long[3]){BETWEEN_SIDE, BETWEEN_SIDE, BETWEEN_SIDE},
+                                                samples, unit, zero);
+    ref_tally tally = {0};
+    ref_compare(&tally, &truth, look, &iso, 1, NULL, depth, every, "test_between", stdout);
+    return tally;
 }
 
 /* Brute force agrees with the first look, outside the grazing band. */
 static void judge(const between_lab *s, leafcast *v, const float *samples) {
     static picture is;
-    static const double unit[3] = {1, 1, 1}, zero[3] = {0, 0, 0};
     const leafcast_scene scene = between_lab_scene(s, SURFACE);
-    const ref_volume truth = ref_volume_regular((long[3]){BETWEEN_SIDE, BETWEEN_SIDE, BETWEEN_SIDE},
-                                                samples, unit, zero);
     ref_camera look = {.fov = s->view.fov, .width = PICTURE_WIDTH, .height = PICTURE_HEIGHT};
-    ref_tally tally = {0};
     memcpy(look.eye, s->view.eye, sizeof look.eye);
     memcpy(look.look_at, s->view.look_at, sizeof look.look_at);
     memcpy(look.up, s->view.up, sizeof look.up);
     pictures_draw(v, &scene, &s->view, &is, NULL);
-    ref_compare(&tally, &truth, &look, &s->iso, 1, NULL, is.z, WATCHED ? 11 : 3, "test_between",
-                stdout);
+    const ref_tally tally = (s->of.mesh ? between_mesh_judge : judge_grid)(samples, &look, s->iso,
+                                                                           is.z, WATCHED ? 11 : 3);
     assert_true(tally.hits > (WATCHED ? 2 : 20) || s->of.small);
     assert_int_equal(ref_tally_faults(&tally), 0);
 }
 
-/* Values at points, and cells of all levels, are blends of those of both steps. */
-static void check_values(const between_lab *s, leafcast *v, leafcast *steps, uint32_t step,
-                         double share, const float *samples) {
-    double points[64][3];
-    leafcast_sample got[64];
+/* Values at points are those of the samples alone; of a grid, at nodes, the samples. */
+static void check_points(const between_lab *s, leafcast *v, leafcast *alone, const float *samples) {
+    enum { POINTS = 64 };
+    double points[POINTS][3];
+    leafcast_sample got[POINTS], want[POINTS];
     field_random r = {FIELD_SEED};
-    const uint32_t levels = leafcast_describe(v).levels;
-    for (int i = 0; i < 64; i++)
+    int inside = 0;
+    for (int i = 0; i < POINTS; i++)
         for (int a = 0; a < 3; a++)
-            points[i][a] = (double)field_random_below(&r, BETWEEN_SIDE);
-    between_lab_fine(leafcast_sample_points(v, (const double(*)[3])points, 64, got));
-    for (int i = 0; i < 64; i++) {
+            points[i][a] = s->of.mesh ? field_random_in(&r, 0, BETWEEN_SIDE - 1)
+                                      : (double)field_random_below(&r, BETWEEN_SIDE);
+    between_lab_fine(leafcast_sample_points(v, (const double(*)[3])points, POINTS, got));
+    between_lab_fine(leafcast_sample_points(alone, (const double(*)[3])points, POINTS, want));
+    for (int i = 0; i < POINTS; i++) {
         const double *at = points[i];
         leafcast_sample probed;
         between_lab_fine(leafcast_probe_point(v, at, &probed));
         assert_memory_equal(&probed.value, &got[i].value, sizeof probed.value);
-        const double want =
-            (double)samples[(int)(at[0] + BETWEEN_SIDE * (at[1] + BETWEEN_SIDE * at[2]))];
-        if (!isnan(got[i].value))
-            assert_true(got[i].value == want);
+        assert_int_equal(got[i].inside, want[i].inside);
+        inside += got[i].inside;
+        if (isnan(got[i].value))
+            assert_true((s->of.non_finite > 0 || !got[i].inside) && isnan(want[i].value));
         else
-            assert_true(s->of.non_finite > 0);
+            assert_true(got[i].value == want[i].value);
+        if (!s->of.mesh && !isnan(got[i].value))
+            assert_true(
+                got[i].value ==
+                (double)samples[(int)(at[0] + BETWEEN_SIDE * (at[1] + BETWEEN_SIDE * at[2]))]);
     }
+    assert_true(inside > POINTS / 2);
+}
+
+/* Values and places of cells of all levels are blends of those of both steps. */
+static void check_cells(leafcast *v, leafcast *steps, uint32_t step, double share) {
+    const uint32_t levels = leafcast_describe(v).levels;
     for (uint32_t level = 0; level < levels; level++)
         for (uint64_t cell = 0; cell < 40; cell++) {
             leafcast_cell c[3] = {{.size = sizeof *c}, {.size = sizeof *c}, {.size = sizeof *c}};
-            const uint64_t number = level == levels - 1 ? cell : cell * 17 + 5;
+            const uint64_t number = level > 0 && level == levels - 1 ? cell : cell * 17 + 5;
             between_lab_fine(leafcast_get_cell(v, level, number, &c[2]));
             for (uint32_t k = 0; k < 2; k++) {
                 between_lab_fine(leafcast_select_set(steps, 0, step + k));
                 between_lab_fine(leafcast_get_cell(steps, level, number, &c[k]));
             }
-            for (int i = 0; i < 8; i++) {
+            for (int i = 0; i < c[2].corners; i++) {
                 const double want =
                     (double)between_lab_mix((float)c[0].value[i], (float)c[1].value[i], share);
                 assert_true(c[2].value[i] == want || (isnan(want) && isnan(c[2].value[i])));
+                for (int a = 0; a < 3; a++)
+                    assert_true(c[2].position[i][a] ==
+                                (double)between_lab_mix((float)c[0].position[i][a],
+                                                        (float)c[1].position[i][a], share));
             }
         }
 }
@@ -95,6 +114,7 @@ static void check_values(const between_lab *s, leafcast *v, leafcast *steps, uin
 /* ---- Moments ---- */
 
 static void check_kind(const between_kind *of, const leafcast_options *o, uint32_t only) {
+    const leafcast_options two = {.size = sizeof two, .threads = 2};
     between_lab *s = between_lab_make(of);
     leafcast *v = between_lab_open(s->series, o, s->iso),
              *steps = between_lab_open(s->series, NULL, s->iso);
@@ -107,9 +127,12 @@ static void check_kind(const between_kind *of, const leafcast_options *o, uint32
             snprintf(what, sizeof what, "type %d, codec %d, step %u + %g", of->type, of->codec,
                      step, between_shares[i]);
             between_lab_fine(leafcast_select_between(v, 0, step, between_shares[i]));
-            check_looks(s, v, between_lab_alone(s, samples), what);
+            leafcast *alone = between_lab_open(between_lab_alone(s, samples), &two, s->iso);
+            check_looks(s, v, alone, what);
             judge(s, v, samples);
-            check_values(s, v, steps, step, between_shares[i], samples);
+            check_points(s, v, alone, samples);
+            check_cells(v, steps, step, between_shares[i]);
+            leafcast_close(alone);
             free(samples);
         }
     leafcast_close(v);
@@ -129,11 +152,13 @@ static void test_kinds(void **state) {
     }
 }
 
+/* A grid, and a mesh that moves, with values that are not finite. */
+static const between_kind *const strange[] = {&between_kinds[4], &between_kinds[BETWEEN_KINDS - 1]};
+
 /* The same bits by any kernel. */
-static void test_kernels(void **state) {
+static void check_kernels(const between_kind *of) {
     static picture want, is;
-    (void)state;
-    between_lab *s = between_lab_make(&between_kinds[4]);
+    between_lab *s = between_lab_make(of);
     const leafcast_scene scene = between_lab_scene(s, SHADOWS);
     for (int isa = 0; isa <= (int)cpu_best(); isa++) {
         const leafcast_options o = {.size = sizeof o, .isa = cpu_isa_name((cpu_isa)isa)};
@@ -147,16 +172,21 @@ static void test_kernels(void **state) {
     between_lab_free(s);
 }
 
+static void test_kernels(void **state) {
+    (void)state;
+    check_kernels(strange[0]);
+    check_kernels(strange[1]);
+}
+
 /* ---- Media ---- */
 
 /* A medium is within its bound of that of the samples alone. */
-static void test_media(void **state) {
+static void check_medium(const between_kind *of) {
     static const leafcast_transfer_point points[2] = {{-0.9, {1, 0.5, 0.2}, 0},
                                                       {2, {0.2, 0.5, 1}, 0.3}};
     static const leafcast_medium medium = {points, 2};
     static picture want, is;
-    (void)state;
-    between_lab *s = between_lab_make(&between_kinds[4]);
+    between_lab *s = between_lab_make(of);
     leafcast_scene scene = leafcast_scene_default();
     scene.media = &medium;
     scene.media_count = 1;
@@ -174,6 +204,12 @@ static void test_media(void **state) {
     leafcast_close(one);
     free(samples);
     between_lab_free(s);
+}
+
+static void test_media(void **state) {
+    (void)state;
+    check_medium(strange[0]);
+    check_medium(strange[1]);
 }
 
 int main(void) {

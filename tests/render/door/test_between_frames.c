@@ -1,5 +1,5 @@
-/* test_between_frames.c - times between the steps of a grid: what is read and when, budgets, frames
- * by turns, previews, the directory, wrong times, damage.
+/* test_between_frames.c - times between the steps of a grid or mesh: what is read and when,
+ * budgets, frames by turns, previews, the directory, wrong times, damage.
  */
 /* marks: threads */
 #include <setjmp.h>
@@ -33,9 +33,10 @@ static leafcast_stats draw(const between_lab *s, leafcast *v, uint32_t step, dou
 /* Each of the two steps once; another time between them nothing; the next two the step that is not
  * there. What is the same in both counts once. */
 static void test_reading(void **state) {
+    static const int kinds[] = {0, 5, BETWEEN_GRIDS, BETWEEN_GRIDS + 1};
     (void)state;
-    for (int i = 0; i < 2; i++) {
-        between_lab *s = between_lab_make(i ? &between_kinds[0] : &between_kinds[5]);
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        between_lab *s = between_lab_make(&between_kinds[kinds[i]]);
         const leafcast_options o = {.size = sizeof o, .threads = 2};
         leafcast *plain = between_lab_open(s->series, &o, s->iso),
                  *v = between_lab_open(s->series, &o, s->iso);
@@ -55,12 +56,14 @@ static void test_reading(void **state) {
         assert_true(next.bytes_read > 0);
         assert_true(next.bytes_read < first.bytes_read * 3 / 4);
         /* Of steps 2 and 3 all treelets but those around one sample are the same. */
-        leafcast *other = between_lab_open(s->series, &o, s->iso);
-        const uint64_t one = draw(s, plain, 2, 0).bytes_read,
+        leafcast *single = between_lab_open(s->series, &o, s->iso),
+                 *other = between_lab_open(s->series, &o, s->iso);
+        const uint64_t one = draw(s, single, 2, 0).bytes_read,
                        both = draw(s, other, 2, 0.5).bytes_read;
         assert_true(both > 0);
         assert_true(both < one + one / 2 + 3 * one / 8);
         assert_true(draw(s, other, 2, 0.5).bytes_read == 0);
+        leafcast_close(single);
         leafcast_close(other);
         leafcast_close(plain);
         leafcast_close(v);
@@ -72,9 +75,10 @@ static void test_reading(void **state) {
  * volume that has seen no other. */
 static void test_playing(void **state) {
     static picture want[BETWEEN_STEPS - 1][2], is;
+    static const int kinds[] = {0, 4, BETWEEN_GRIDS + 1, BETWEEN_GRIDS + 2};
     (void)state;
-    for (int k = 0; k < 5; k += 4) {
-        between_lab *s = between_lab_make(&between_kinds[k]);
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        between_lab *s = between_lab_make(&between_kinds[kinds[k]]);
         const leafcast_scene scene = between_lab_scene(s, SHADOWS);
         field_random r = {FIELD_SEED};
         for (uint32_t i = 0; i < 2 * (BETWEEN_STEPS - 1); i++) {
@@ -100,10 +104,9 @@ static void test_playing(void **state) {
 }
 
 /* No share of the way is the step itself, drawn as ever; so is a step behind a time between. */
-static void test_steps(void **state) {
+static void check_steps(const between_kind *of) {
     static picture want, is;
-    (void)state;
-    between_lab *s = between_lab_make(&between_kinds[0]);
+    between_lab *s = between_lab_make(of);
     leafcast *plain = between_lab_open(s->series, NULL, s->iso),
              *v = between_lab_open(s->series, NULL, s->iso);
     const leafcast_scene scene = between_lab_scene(s, SHADOWS);
@@ -120,12 +123,18 @@ static void test_steps(void **state) {
     between_lab_free(s);
 }
 
+static void test_steps(void **state) {
+    (void)state;
+    check_steps(&between_kinds[0]);
+    check_steps(&between_kinds[BETWEEN_GRIDS]);
+    check_steps(&between_kinds[BETWEEN_GRIDS + 1]);
+}
+
 /* ---- Budgets, frames ---- */
 
-static void test_budgets(void **state) {
+static void check_budgets(const between_kind *of) {
     static picture want, is;
-    (void)state;
-    between_lab *s = between_lab_make(&between_kinds[4]);
+    between_lab *s = between_lab_make(of);
     const leafcast_scene scene = between_lab_scene(s, SHADOWS);
     leafcast *plain = between_lab_open(s->series, NULL, s->iso);
     between_lab_fine(leafcast_select_between(plain, 0, 3, 0.3));
@@ -176,12 +185,18 @@ static void test_budgets(void **state) {
     between_lab_free(s);
 }
 
+static void test_budgets(void **state) {
+    (void)state;
+    check_budgets(&between_kinds[4]);
+    check_budgets(&between_kinds[BETWEEN_GRIDS]);
+    check_budgets(&between_kinds[BETWEEN_GRIDS + 3]);
+}
+
 /* Frames at many times that go on by turns: each has its own time to its end. */
-static void test_turns(void **state) {
+static void check_turns(const between_kind *of) {
     enum { FRAMES = 7 };
     static picture want[FRAMES], is[FRAMES];
-    (void)state;
-    between_lab *s = between_lab_make(&between_kinds[0]);
+    between_lab *s = between_lab_make(of);
     leafcast *v = between_lab_open(s->series, NULL, s->iso);
     leafcast_frame *frame[FRAMES];
     const leafcast_surface surface = leafcast_surface_default(s->iso);
@@ -227,11 +242,17 @@ static void test_turns(void **state) {
     between_lab_free(s);
 }
 
-/* What a preview does not mark is exact; some of it is marked at first, and in the end nothing. */
-static void test_previews(void **state) {
-    static picture want, is;
+static void test_turns(void **state) {
     (void)state;
-    between_lab *s = between_lab_make(&between_kinds[0]);
+    check_turns(&between_kinds[0]);
+    check_turns(&between_kinds[BETWEEN_GRIDS]);
+    check_turns(&between_kinds[BETWEEN_GRIDS + 1]);
+}
+
+/* What a preview does not mark is exact; some of it is marked at first, and in the end nothing. */
+static void check_previews(const between_kind *of) {
+    static picture want, is;
+    between_lab *s = between_lab_make(of);
     leafcast *v = between_lab_open(s->series, NULL, s->iso),
              *plain = between_lab_open(s->series, NULL, s->iso);
     leafcast_scene scene = between_lab_scene(s, SURFACE);
@@ -253,6 +274,12 @@ static void test_previews(void **state) {
     leafcast_close(plain);
     leafcast_close(v);
     between_lab_free(s);
+}
+
+static void test_previews(void **state) {
+    (void)state;
+    check_previews(&between_kinds[0]);
+    check_previews(&between_kinds[BETWEEN_GRIDS + 1]);
 }
 
 /* ---- The directory ---- */
@@ -301,7 +328,42 @@ static void check_deviations(const between_lab *s, leaf_file *f, const leaf_mome
     leafcast_close(v);
 }
 
-/* Ranges hold all samples. */
+/* A set's ranges hold all samples of the file that has these alone. */
+static void check_ranges(const leaf_file *f, uint32_t set, const leaf_file *one) {
+    assert_int_equal(one->layout.treelets, f->layout.treelets);
+    for (uint32_t t = 0; t < one->layout.treelets; t++) {
+        const uint32_t p = leaf_layout_samples(&f->layout, set, t);
+        const float *own = one->own[t];
+        assert_true(f->flags[p] >= one->flags[t]);
+        if (one->layout.level_of[t] == 0 && own[0] <= own[1])
+            assert_true(f->own[p][0] <= own[0] && own[1] <= f->own[p][1]);
+        assert_true(f->ranges[p][0] <= f->own[p][0] && f->own[p][1] <= f->ranges[p][1]);
+    }
+}
+
+/* The same of all treelets together, and of their boxes: where points move, that file's treelets
+ * have other tets. */
+static void check_hull(const leaf_file *f, uint32_t set, const leaf_file *one) {
+    const leaf_file *of[2] = {f, one};
+    double lo[2][4], hi[2][4];
+    for (int i = 0; i < 2; i++)
+        for (uint32_t t = 0; t < of[i]->layout.treelets; t++) {
+            const uint32_t at = i ? 0 : set;
+            const float *own = of[i]->own[leaf_layout_samples(&of[i]->layout, at, t)];
+            const float *box = of[i]->mesh->bounds[leaf_layout_bounds(&of[i]->layout, at, t)];
+            for (int a = 0; a < 4; a++) {
+                const double least = (double)(a < 3 ? box[a] : own[0]);
+                const double most = (double)(a < 3 ? box[a + 3] : own[1]);
+                lo[i][a] = t ? fmin(lo[i][a], least) : least;
+                hi[i][a] = t ? fmax(hi[i][a], most) : most;
+            }
+        }
+    for (int a = 0; a < 4; a++) {
+        assert_true(lo[0][a] <= lo[1][a] && hi[1][a] <= hi[0][a]);
+        assert_true(hi[0][a] - lo[0][a] <= 1.1 * (hi[1][a] - lo[1][a]));
+    }
+}
+
 static void test_directory(void **state) {
     (void)state;
     for (uint32_t i = 0; i < BETWEEN_KINDS; i++) {
@@ -316,21 +378,17 @@ static void test_directory(void **state) {
             float *samples = between_lab_blend(s, step, at.share);
             const uint32_t set = leaf_between_select(f, &at), n = f->layout.treelets;
             assert_int_equal(leaf_file_open(&m, between_lab_alone(s, samples), &one), ST_OK);
-            assert_int_equal(one->layout.treelets, n);
-            for (uint32_t t = 0; t < n; t++) {
-                const uint32_t p = leaf_layout_samples(&f->layout, set, t);
-                const float *own = one->own[t];
-                assert_true(f->flags[p] >= one->flags[t]);
-                if (one->layout.level_of[t] == 0 && own[0] <= own[1])
-                    assert_true(f->own[p][0] <= own[0] && own[1] <= f->own[p][1]);
-                assert_true(f->ranges[p][0] <= f->own[p][0] && f->own[p][1] <= f->ranges[p][1]);
-            }
+            if (s->of.moves)
+                check_hull(f, set, one);
+            else
+                check_ranges(f, set, one);
+            assert_int_equal(n, below->layout.treelets);
             if (f->deviations)
                 check_deviations(s, f, &at);
             leaf_file_close(one);
             free(samples);
         }
-        assert_int_equal(f->versions[0], 2); /* there are more pairs of steps than sets */
+        assert_int_equal(f->versions[s->of.moves], 2); /* more pairs of steps than sets */
         leaf_file_close(f);
         leaf_file_close(below);
         assert_int_equal(mem_used(&m), 0);
@@ -382,10 +440,9 @@ static void test_times(void **state) {
 
 /* Bytes of the second step alone are wrong: that is told, by the name of the file; the time between
  * the two steps before is drawn. */
-static void test_damage(void **state) {
+static void check_damage(const between_kind *of) {
     static picture p;
-    (void)state;
-    between_lab *s = between_lab_make(&between_kinds[1]);
+    between_lab *s = between_lab_make(of);
     mem m;
     leaf_file *f = NULL;
     size_t size;
@@ -393,7 +450,8 @@ static void test_damage(void **state) {
     assert_int_equal(leaf_file_open(&m, s->series, &f), ST_OK);
     char *bytes = scratch_read(s->series, &size);
     for (uint32_t t = 0; t < f->layout.treelets; t++) {
-        const uint32_t at = leaf_layout_samples(&f->layout, 4, t);
+        const uint32_t at = s->of.mesh ? leaf_layout_values(&f->layout, 4, t)
+                                       : leaf_layout_samples(&f->layout, 4, t);
         if (leaf_file_is_home(f, at))
             bytes[f->offsets[at] + 1000] ^= 1;
     }
@@ -412,6 +470,13 @@ static void test_damage(void **state) {
     leafcast_close(v);
     free(bytes);
     between_lab_free(s);
+}
+
+static void test_damage(void **state) {
+    (void)state;
+    check_damage(&between_kinds[1]);
+    check_damage(&between_kinds[BETWEEN_GRIDS]);
+    check_damage(&between_kinds[BETWEEN_GRIDS + 3]);
 }
 
 int main(void) {

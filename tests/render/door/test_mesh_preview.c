@@ -14,7 +14,9 @@
 #include <time.h>
 
 #include "formats/base/fault.h"
-#include "formats/leaf/leaf_file.h"
+#include "formats/leaf/coarse_pair.h"
+#include "formats/leaf/leaf_between.h"
+#include "formats/leaf/leaf_unpacker.h"
 #include "prep/mesh/mesh_series.h"
 #include "tests/support/fixture.h"
 #include "tests/support/mesh_cases.h"
@@ -341,8 +343,9 @@ static void test_no_levels(void **state) {
 
 enum { STEPS = 3 };
 
-/* The mesh at a step: higher values each time, and in the last one the points are elsewhere. */
-static const char *write_step(const mesh_case *c, uint32_t step, const char *name) {
+/* The mesh at a step: higher values each time, and in the last one the points are elsewhere if it
+ * moves. */
+static const char *write_step(const mesh_case *c, bool moves, uint32_t step, const char *name) {
     const char *path = scratch_path(name);
     FILE *f = fopen(path, "wb");
     assert_non_null(f);
@@ -351,7 +354,7 @@ static const char *write_step(const mesh_case *c, uint32_t step, const char *nam
     for (size_t i = 0; i < c->point_count; i++) {
         float at[3];
         for (int a = 0; a < 3; a++)
-            at[a] = c->points[i][a] * (step + 1 == STEPS ? 0.75F : 1.0F);
+            at[a] = c->points[i][a] * (moves && step + 1 == STEPS ? 0.75F : 1.0F);
         assert_int_equal(fwrite(at, sizeof at, 1, f), 1);
     }
     for (size_t i = 0; i < c->point_count; i++) {
@@ -363,13 +366,13 @@ static const char *write_step(const mesh_case *c, uint32_t step, const char *nam
     return path;
 }
 
-static void make_series(const char *name) {
+static void make_series_as(const char *name, bool moves, leaf_codec codec, uint32_t dims) {
     mesh_case c = mesh_cases_kuhn(CELLS, CELLS, CELLS);
     const char *paths[STEPS];
     for (uint32_t s = 0; s < STEPS; s++) {
         char step[16];
         (void)snprintf(step, sizeof step, "%u.mesh", s);
-        paths[s] = write_step(&c, s, step);
+        paths[s] = write_step(&c, moves, s, step);
     }
     const mesh_series series = {.of = {.paths = paths, .sets = {.fields = 1, .steps = STEPS}}};
     const mesh_hints hints = {0};
@@ -377,7 +380,9 @@ static void make_series(const char *name) {
     mesh_result r;
     c.options.treelet_tets = 400;
     c.options.coarse = true;
-    c.options.coarse_dims = 37;
+    c.options.coarse_dims = dims;
+    c.options.file.codec = codec;
+    c.options.file.zstd_level = 1;
     c.options.series = &series;
     status st = mesh_input_open(&m, paths[0], &hints, &first);
     if (st == ST_OK)
@@ -388,13 +393,17 @@ static void make_series(const char *name) {
     mesh_cases_free(&c);
 }
 
+static void make_series(const char *name, bool moves) {
+    make_series_as(name, moves, LEAF_CODEC_RAW, 37);
+}
+
 /* Each step has a grid of its own, there and back: few treelets at a time leave most to it, with
- * all of them the picture becomes exact. */
-static void test_steps(void **state) {
-    (void)state;
+ * all of them the picture becomes exact. So it is between two steps, so
+ * near to one of them that each sample is that one's. */
+static void check_steps(double share, bool moves) {
     static const uint32_t order[] = {0, 2, 1, 1, 2, 0};
     static picture exact, gridded, got;
-    make_series("series.leaf");
+    make_series("series.leaf", moves);
     for (int kind = 0; kind < 2; kind++) {
         uint64_t most = 0;
         leafcast *v = open_with("series.leaf", NULL, kind ? 0 : 2);
@@ -405,13 +414,16 @@ static void test_steps(void **state) {
         select_one(w, ISO);
         for (size_t k = 0; k < sizeof order / sizeof *order; k++) {
             leafcast_stats stats = {.size = sizeof(leafcast_stats)};
-            take_part("series.leaf", order[k], "part.leaf");
+            const uint32_t nearest = order[k] + (share > 0.5);
+            if (share > 0 && order[k] + 1 == STEPS)
+                continue;
+            take_part("series.leaf", nearest, "part.leaf");
             scene.preview = false;
-            assert_int_equal(leafcast_select_set(w, 0, order[k]), LEAFCAST_OK);
+            assert_int_equal(leafcast_select_set(w, 0, nearest), LEAFCAST_OK);
             pictures_draw(w, &scene, &view, &exact, &stats);
             draw_exact("part.leaf", &scene, &view, ISO, &gridded);
             scene.preview = true;
-            assert_int_equal(leafcast_select_set(v, 0, order[k]), LEAFCAST_OK);
+            assert_int_equal(leafcast_select_between(v, 0, order[k], share), LEAFCAST_OK);
             uint64_t marked = 1;
             for (int n = 0; n < FRAMES_MAX && marked; n++) {
                 if (n > 0 && !kind && grid_has_come(&got, &gridded))
@@ -428,6 +440,79 @@ static void test_steps(void **state) {
         assert_true(kind || most > PICTURE_PIXELS / 8);
         leafcast_close(w);
         leafcast_close(v);
+    }
+}
+
+static void test_steps(void **state) {
+    (void)state;
+    check_steps(0, true);
+    for (int moves = 0; moves < 2; moves++) {
+        check_steps(1e-300, moves);
+        check_steps(1 - 0x1p-53, moves);
+    }
+}
+
+/* ---- between two steps ---- */
+
+static void *load_payload(leaf_file *f, leaf_unpacker *u, uint32_t p) {
+    void *payload = mem_alloc(&m, leaf_layout_payload_bytes(&f->layout, p));
+    assert_non_null(payload);
+    assert_int_equal(leaf_file_load(f, p, u, payload), ST_OK);
+    return payload;
+}
+
+/* The samples between are blends of those of both grids, in every treelet. */
+static void check_samples(leaf_codec codec, uint32_t dims) {
+    make_series_as("series.leaf", true, codec, dims);
+    leaf_file *f = NULL, *pair = NULL, *between = NULL, *of[2] = {NULL};
+    leaf_unpacker *u[3] = {NULL};
+    assert_int_equal(leaf_file_open(&m, scratch_path("series.leaf"), &f), ST_OK);
+    assert_int_equal(coarse_pair_open(&m, f, 1, &pair), ST_OK);
+    assert_false(coarse_pair_has(f, STEPS - 1));
+    assert_int_equal(leaf_between_open(&m, pair, CPU_SCALAR, &between), ST_OK);
+    between->owns_below = true;
+    const leaf_moment at = {0, 0, 0.3};
+    const uint32_t set = leaf_between_select(between, &at);
+    int different = 0;
+    assert_int_equal(leaf_unpacker_create(&m, between, &u[2]), ST_OK);
+    for (uint32_t i = 0; i < 2; i++) {
+        assert_int_equal(leaf_file_open_coarse(&m, f, 1 + i, &of[i]), ST_OK);
+        assert_int_equal(leaf_unpacker_create(&m, of[i], &u[i]), ST_OK);
+    }
+    for (uint32_t t = 0; t < of[0]->layout.treelets; t++) {
+        const leaf_payload shape = leaf_layout_payload(&of[0]->layout, t);
+        const uint32_t p = leaf_layout_samples(&between->layout, set, t);
+        char *one[3] = {load_payload(of[0], u[0], t), load_payload(of[1], u[1], t),
+                        load_payload(between, u[2], p)};
+        leaf_between_make(between, p, NULL, one[2]);
+        const float *sample[3];
+        for (int i = 0; i < 3; i++)
+            sample[i] = (const float *)(const void *)(one[i] + shape.samples_at);
+        for (uint32_t i = 0; i < shape.samples[0] * shape.samples[1] * shape.samples[2]; i++) {
+            const volatile double first = (1 - 0.3) * (double)sample[0][i];
+            const volatile double second = 0.3 * (double)sample[1][i], sum = first + second;
+            assert_true(sample[2][i] == (float)sum || (isnan(sample[2][i]) && isnan(sum)));
+            different += sample[0][i] < sample[1][i];
+        }
+        for (int i = 0; i < 3; i++)
+            mem_free(&m, one[i]);
+    }
+    assert_true(different > 100);
+    for (int i = 0; i < 3; i++)
+        leaf_unpacker_destroy(u[i]);
+    leaf_file_close(of[0]);
+    leaf_file_close(of[1]);
+    leaf_file_close(between);
+    leaf_file_close(f);
+    assert_int_equal(mem_used(&m), 0);
+}
+
+/* Grids of several treelets, and of one. */
+static void test_samples_between(void **state) {
+    (void)state;
+    for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
+        check_samples((leaf_codec)codec, 37);
+        check_samples((leaf_codec)codec, 20);
     }
 }
 
@@ -466,7 +551,7 @@ static uint64_t finish(leafcast_frame *frame) {
 static void test_steps_in_turns(void **state) {
     (void)state;
     static all_planes alone, first, second;
-    make_series("series.leaf");
+    make_series("series.leaf", true);
     leafcast *v = open_with("series.leaf", NULL, 0);
     bool done;
     for (int n = 0; n < 20; n++) /* all that is read has been read */
@@ -555,11 +640,11 @@ static void test_memory(void **state) {
 int main(void) {
     mem_init(&m, 0);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_becomes_exact),  cmocka_unit_test(test_is_the_grid),
-        cmocka_unit_test(test_scenes),         cmocka_unit_test(test_damage),
-        cmocka_unit_test(test_memory),         cmocka_unit_test(test_steps),
-        cmocka_unit_test(test_levels),         cmocka_unit_test(test_no_levels),
-        cmocka_unit_test(test_steps_in_turns),
+        cmocka_unit_test(test_becomes_exact),   cmocka_unit_test(test_is_the_grid),
+        cmocka_unit_test(test_scenes),          cmocka_unit_test(test_damage),
+        cmocka_unit_test(test_memory),          cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_samples_between), cmocka_unit_test(test_levels),
+        cmocka_unit_test(test_no_levels),       cmocka_unit_test(test_steps_in_turns),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -357,6 +357,37 @@ static void draw_mesh(leafcast *v, uint32_t of, uint32_t step, picture *p, leafc
     pictures_draw(v, &scene, &view, p, stats);
 }
 
+/* Between a step and the next one. */
+static void draw_mesh_between(leafcast *v, uint32_t of, uint32_t step, picture *p) {
+    const leafcast_scene scene = leafcast_scene_default();
+    draw_mesh(v, of, step, p, NULL); /* selects the surface */
+    leafcast_camera view = {.size = sizeof view};
+    const double iso = 0.4;
+    assert_int_equal(leafcast_fit_view(v, 0, 0, &iso, 1, 0, PICTURE_WIDTH, PICTURE_HEIGHT, &view),
+                     LEAFCAST_OK);
+    assert_int_equal(leafcast_select_between(v, of, step, 0.375), LEAFCAST_OK);
+    pictures_draw(v, &scene, &view, p, NULL);
+}
+
+/* Moments show what a volume shows that is opened now. */
+static void check_mesh_between(leafcast *v, const char *path, uint32_t step) {
+    picture *p = malloc(3 * sizeof *p);
+    leafcast *now = open_it(path, NULL);
+    for (uint32_t of = 0; of < MESH_FIELDS; of++) {
+        int differ = 0;
+        draw_mesh_between(v, of, step, &p[0]);
+        draw_mesh_between(now, of, step, &p[1]);
+        draw_mesh(now, of, step, &p[2], NULL);
+        for (int i = 0; i < PICTURE_PIXELS; i++) {
+            assert_true(pictures_same_pixel(&p[0], &p[1], i));
+            differ += !pictures_same_pixel(&p[0], &p[2], i);
+        }
+        assert_true(differ > 20);
+    }
+    leafcast_close(now);
+    free(p);
+}
+
 /* Of a mesh, too, what is in memory stays, and all sets are those of the file. */
 static void grow_mesh(mesh_movie *all, const char *path, leafcast_schema schema) {
     const leafcast_experiments e = {.size = sizeof e, .schema = schema};
@@ -375,6 +406,8 @@ static void grow_mesh(mesh_movie *all, const char *path, leafcast_schema schema)
         assert_int_equal(stats.treelets_loaded, 0);
         for (int i = 0; i < PICTURE_PIXELS; i++)
             assert_true(pictures_same_pixel(&p[0], &p[1], i));
+        check_mesh_between(v, path, 0); /* whose payloads have other numbers now */
+        check_mesh_between(v, path, steps - 1);
     }
     assert_int_equal(leafcast_open(path, &o, &now), LEAFCAST_OK);
     for (uint32_t set = 0; set < MESH_STEPS * MESH_FIELDS; set++) {

@@ -4,8 +4,8 @@
  * bottom up. The results equal the file's for that step, to the bit. So it is enough to read the
  * vertices of a payload: the rest is computed, and the whole is checked by its checksum.
  */
-#ifndef STREAM_MESH_REFIT_H
-#define STREAM_MESH_REFIT_H
+#ifndef FORMATS_MESH_MESH_REFIT_H
+#define FORMATS_MESH_MESH_REFIT_H
 
 #include <stdbool.h>
 #include <stddef.h>

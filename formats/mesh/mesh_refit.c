@@ -1,4 +1,4 @@
-#include "stream/mesh_refit.h"
+#include "formats/mesh/mesh_refit.h"
 
 #include <string.h>
 
