@@ -347,6 +347,26 @@ LEAFCAST_API leafcast_status leafcast_map_steps(leafcast *volume, uint32_t field
 LEAFCAST_API leafcast_status leafcast_range(const leafcast *volume, uint32_t field, uint32_t step,
                                             double range[2]);
 
+/* leafcast_find_steps() - finds the steps at which a field may have an isosurface: of any value
+ * from lo to hi, lo <= hi; of one isovalue where they are equal. By the directory alone, no treelet
+ * is read: a step has it if some treelet of level 0 has a range [min, max] with min < hi and lo <=
+ * max. So no step that has a surface is left out. One that has none may be told where that is
+ * narrow: a treelet's samples may all be equal, or lie on both sides of data that are missing
+ * (NaN). Nothing follows for times between two steps that do not have it: all values may pass lo on
+ * the way.
+ *
+ * steps: looks at the first so many; 1 or more.
+ * has: gets 1 or 0 for each of them. NULL: the first step with it is enough.
+ * first: set to the first step that has it; to `steps` if none has.
+ *
+ * LEAFCAST_USAGE if there is no such field, there are fewer steps, or lo > hi. Any thread; waits
+ * for no picture. Nothing is kept, and a grid's treelets are looked at only below coarser ones that
+ * may have the value (M08 4.4; why no tree over the steps, M08 5.1.3, is made for it:
+ * tests/measurements/loading.md). */
+LEAFCAST_API leafcast_status leafcast_find_steps(const leafcast *volume, uint32_t field, double lo,
+                                                 double hi, uint32_t steps, uint8_t *has,
+                                                 uint32_t *first);
+
 /* ---- What is worth a look ---- */
 
 /* How the values of a field at a step are spread. Bin i holds the values v with edges[i] <= v <

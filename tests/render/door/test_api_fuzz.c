@@ -419,6 +419,12 @@ static void call_facts(world *w) {
     leafcast_holding holdings[8];
     begin("leafcast_map_steps");
     (void)ended(leafcast_map_steps(v, (uint32_t)below(w, 3), (uint32_t)below(w, 8), holdings));
+    uint8_t has[8];
+    const double lo = api_number(&w->r, 0);
+    begin("leafcast_find_steps");
+    (void)ended(leafcast_find_steps(v, (uint32_t)below(w, 3), lo,
+                                    api_number(&w->r, lo), (uint32_t)below(w, 8),
+                                    api_chance(&w->r, 2) ? has : NULL, &number));
     begin("leafcast_map_treelets");
     (void)ended(leafcast_map_treelets(v, (uint32_t)below(w, 4), blocks, map));
     begin("leafcast_range");

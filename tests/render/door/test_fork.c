@@ -26,6 +26,7 @@ static bool works_anywhere(const char *name) {
         "leafcast_open_memory",       "leafcast_open_live",
         "leafcast_get_info",          "leafcast_find_field",
         "leafcast_find_time",         "leafcast_range",
+        "leafcast_find_steps",
         "leafcast_init_scene",        "leafcast_pixel_ray",
         "leafcast_get_standard_view", "leafcast_get_histogram",
         "leafcast_data_range",        "leafcast_suggested_isovalues",
