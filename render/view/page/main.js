@@ -51,6 +51,7 @@ class App {
     const on = (type, f) => this.link.addEventListener(type, event => f(event.detail));
     on("volume", volume => { this.crash.connected(volume); this.show(volume); });
     on("steps", held => this.data.hold(held));
+    on("present", marks => this.data.mark(marks));
     on("grown", volume => { if (volume.which === this.volume?.which) this.grow(volume); });
     on("picture", ({head, bitmap, latency}) => {
       this.screen.show(head, bitmap);
