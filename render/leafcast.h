@@ -330,7 +330,9 @@ typedef struct leafcast_holding {
 
 /* leafcast_map_steps() - counts, for a field at each of the first `steps` steps, what a picture
  * like the last one would need, and how much of that is in memory. A step of which all that is
- * wanted is resident is drawn without reading, as far as rays see there what they saw.
+ * wanted is resident is drawn without reading, as far as rays see there what they saw. The last
+ * one may be of a time between steps; what is in memory for such times alone does not count, since
+ * steps are drawn without it.
  *
  * holdings: gets one for each step. LEAFCAST_USAGE if there is no such field, or there are fewer
  * steps, or steps is 0. Any thread; waits for a picture or leafcast_frame_advance() under way.

@@ -89,8 +89,11 @@ leafcast_status leafcast_map_steps(leafcast *v, uint32_t field, uint32_t steps,
     if (st != ST_OK)
         return public_status(st);
     volume_lock(v, &h);
+    const leafcast *shown = v->is_between ? v->between : v;
     const uint32_t first = leaf_layout_set(&v->file->layout, field, v->live ? v->step : 0);
-    loader_count_sets(v->treelets, first, steps, v->touched, (loader_holding *)holdings);
+    if (shown != v)
+        volume_seek_same(v, shown);
+    loader_count_sets(v->treelets, first, steps, shown->touched, (loader_holding *)holdings);
     volume_unlock(v, &h);
     return LEAFCAST_OK;
 }

@@ -68,6 +68,37 @@ static void test_reading(void **state) {
     }
 }
 
+/* How much of each step is in memory is told behind a picture of a time between, too: by what its
+ * rays saw, and its isovalue. Only of steps that were drawn themselves anything is. */
+static void test_map(void **state) {
+    (void)state;
+    between_lab *s = between_lab_make(&between_kinds[0]);
+    leafcast *v = between_lab_open(s->series, NULL, s->iso + 40);
+    const leafcast_surface surface = leafcast_surface_default(s->iso);
+    leafcast_holding map[BETWEEN_STEPS], steps[BETWEEN_STEPS];
+    between_lab_fine(leafcast_select_between(v, 0, 1, 0.5));
+    between_lab_fine(leafcast_select(v, &surface, 1));
+    (void)draw(s, v, 1, 0.5);
+    between_lab_fine(leafcast_map_steps(v, 0, BETWEEN_STEPS, map));
+    for (int step = 0; step < BETWEEN_STEPS; step++)
+        assert_true(map[step].wanted > 0 && map[step].resident == 0);
+    leafcast *plain = between_lab_open(s->series, NULL, s->iso);
+    (void)draw(s, plain, 1, 0);
+    between_lab_fine(leafcast_map_steps(plain, 0, BETWEEN_STEPS, steps));
+    /* Rays see much the same treelets; half a step further, some more or less. */
+    assert_true(map[1].wanted * 4 >= steps[1].wanted * 3 && map[1].wanted * 3 <= steps[1].wanted * 4);
+    assert_int_equal(steps[1].resident, steps[1].wanted);
+    const leafcast_stats step = draw(s, v, 1, 0);
+    assert_int_equal(step.treelets_active, draw(s, plain, 1, 0).treelets_active);
+    assert_true(step.treelets_loaded > 0);
+    (void)draw(s, v, 0, 0.5);
+    between_lab_fine(leafcast_map_steps(v, 0, BETWEEN_STEPS, map));
+    assert_true(map[1].resident > 0 && map[1].wanted > 0);
+    leafcast_close(plain);
+    leafcast_close(v);
+    between_lab_free(s);
+}
+
 /* Played forward, backward and at random, at the same shares or others, each picture is that of a
  * volume that has seen no other. */
 static void test_playing(void **state) {
@@ -416,7 +447,8 @@ static void test_damage(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reading),   cmocka_unit_test(test_playing),
+        cmocka_unit_test(test_reading),   cmocka_unit_test(test_map),
+        cmocka_unit_test(test_playing),
         cmocka_unit_test(test_steps),     cmocka_unit_test(test_budgets),
         cmocka_unit_test(test_turns),     cmocka_unit_test(test_previews),
         cmocka_unit_test(test_directory), cmocka_unit_test(test_times),
