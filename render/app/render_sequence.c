@@ -94,8 +94,8 @@ static status describe_frame(const render_options *o, sequence *s, int number,
     if (step_list_given(&o->steps))
         frame->view.step = step_list_at(&o->steps, (uint64_t)(index / views % steps_of(o)));
     if (st == ST_OK && s->path) {
-        char what[64];
-        snprintf(what, sizeof what, "--camera-path: entry %d", index % views + 1);
+        char what[SCRIPT_PATH_MAX];
+        snprintf(what, sizeof what, "%s: entry %d", o->camera_path, index % views + 1);
         st = script_apply(frame, json_array_get(s->path, (size_t)(index % views)), what);
     }
     if (st == ST_OK)
@@ -149,11 +149,13 @@ static status spread_path(const render_options *o, json_t **path) {
 /* Load the camera path. Which step a time is, the file says. */
 static status load_path(const render_options *o, render_job *job, json_t **path) {
     status st = script_load_path(o->camera_path, path);
+    if (st == ST_OK && step_list_given(&o->steps))
+        st = key_times_none(*path, o->camera_path, "--steps says the steps");
     if (st != ST_OK || !key_times_any(*path))
         return st == ST_OK ? spread_path(o, path) : st;
     st = open_file(o, job);
     if (st == ST_OK)
-        st = key_times_unify(*path, job->volume);
+        st = key_times_unify(*path, o->camera_path, job->volume);
     if (st == ST_OK)
         st = spread_path(o, path);
     /* With --interpolate, times between steps are drawn themselves. */

@@ -90,6 +90,14 @@ refused "behind all steps" "the steps have times from 1 to 6" 2 probe "$tmp/d.le
 refused "at which time" "at which --time" 2 render "$tmp/d.leaf" --iso 100 --interpolate -o "$tmp/x.png"
 refused "at which time, a slice" "at which --time" 2 slice "$tmp/d.leaf" --interpolate -o "$tmp/x.png"
 refused "a time of many steps" "either --time or --steps" 2 render "$tmp/d.leaf" --iso 100 --time 2 --steps 0:1 -o "$tmp/x.png"
+refused "step and time" "either --step or --time" 2 render "$tmp/d.leaf" --iso 100 --step 1 --time 2 -o "$tmp/x.png"
+refused "time and step" "either --step or --time" 2 render "$tmp/d.leaf" --iso 100 --time 3 --interpolate --step 1 -o "$tmp/x.png"
+refused "of a slice" "either --step or --time" 2 slice "$tmp/d.leaf" --time 3 --interpolate --step 0 -o "$tmp/x.png"
+refused "of a probe" "either --step or --time" 2 probe "$tmp/d.leaf" --iso 100 --at 9,9 --size 20x20 --step 0 --time 2
+refused "of a point" "either --step or --time" 2 probe "$tmp/d.leaf" --point 1,1,1 --step 0 --time 2
+echo '{"time": 2, "step": 1, "depth-f64": "'"$tmp"'/x.png"}' >"$tmp/lines"
+exits "of a line" 1 "$leafcast" render "$tmp/d.leaf" --iso 100 --script "$tmp/lines"
+ok "of a line: it says why" grep -q "either --step or --time" "$tmp/out" "$tmp/err"
 refused "a mesh" "times between steps are of grids" 3 render "$tmp/b.leaf" --iso 0.3 --time 0.1 --interpolate -o "$tmp/x.png"
 ok "nothing was written" [ ! -e "$tmp/x.png" ]
 finish
