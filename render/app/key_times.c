@@ -45,6 +45,8 @@ static status unify(const entry *e, const leafcast *volume, double *before) {
     const json_t *time = json_object_get(e->object, TIME), *step = json_object_get(e->object, STEP);
     const double first = leafcast_step_time(volume, 0),
                  last = leafcast_step_time(volume, steps - 1);
+    if (!json_is_object(e->object))
+        return refuse(e, "not a JSON object");
     if (time && step)
         return refuse(e, "either \"time\" or \"step\"");
     if (time && !json_is_number(time))

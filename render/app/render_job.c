@@ -529,12 +529,13 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
         st = open_picture(job, frame, false, to);
     if (st == ST_OK)
         st = open_raw(job, frame, to);
-    if (st == ST_OK)
-        st = make_planes(job, frame, &scene, &camera);
+    /* A time between steps needs other room than a step: select it first. */
     if (st == ST_OK)
         st = select_surfaces(job, &frame->view);
     if (st == ST_OK)
         st = select_set(job, &frame->view);
+    if (st == ST_OK)
+        st = make_planes(job, frame, &scene, &camera);
     if (st == ST_OK && progressive)
         st = draw_first(job, frame, &camera, &scene, volumes, stats);
     if (st == ST_OK && progressive)

@@ -141,7 +141,7 @@ static status spread_path(const render_options *o, json_t **path) {
     if (!o->frames)
         return ST_OK;
     *path = NULL;
-    const status st = keyframes_spread(keys, o->frames, path);
+    const status st = keyframes_spread(keys, o->camera_path, o->frames, path);
     json_decref(keys);
     return st;
 }

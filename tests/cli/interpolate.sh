@@ -76,6 +76,14 @@ exits "a script" 0 sh -c "\"$leafcast\" render \"$tmp/d.leaf\" $view --script - 
 ok "a line with a step follows one with a time" same l2 step1
 ok "and differs from it" differs l1 l2
 
+# Between steps, a picture needs more room than one of a step: the budget that is named suffices.
+exits "a budget too small" 4 "$leafcast" render "$tmp/d.leaf" --iso 100 --size 300x200 --time 4 --interpolate --memory 200K --threads 1 -o "$tmp/x.png" -q
+named=$(sed -n 's/.*: \([0-9]*\) bytes would do.*/\1/p' "$tmp/err")
+ok "names one" [ -n "$named" ]
+exits "with that one" 0 "$leafcast" render "$tmp/d.leaf" --iso 100 --size 300x200 --time 4 --interpolate --memory "$named" --threads 1 -o "$tmp/x.png" -q
+rm -f "$tmp/x.png"
+exits "with less" 4 "$leafcast" render "$tmp/d.leaf" --iso 100 --size 300x200 --time 4 --interpolate --memory $((named - 1)) --threads 1 -o "$tmp/x.png" -q
+
 refused() { # refused NAME TEXT CODE ARGUMENT...
     name=$1
     text=$2

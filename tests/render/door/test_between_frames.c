@@ -402,7 +402,8 @@ static void test_times(void **state) {
     between_lab_refused(leafcast_select_between(v, 0, BETWEEN_STEPS, 0.5), LEAFCAST_USAGE,
                         "6 steps");
     between_lab_refused(leafcast_select_between(v, 1, 0, 0.5), LEAFCAST_USAGE, "1 fields");
-    between_lab_refused(leafcast_select_between(v, 0, 0, 1), LEAFCAST_USAGE, "between");
+    between_lab_refused(leafcast_select_between(v, 0, 0, 1), LEAFCAST_USAGE,
+                        "between is 1: 0 to below 1");
     between_lab_refused(leafcast_select_between(v, 0, 0, -1e-300), LEAFCAST_USAGE, "between");
     between_lab_refused(leafcast_select_between(v, 0, 0, NAN), LEAFCAST_USAGE, "between");
     leafcast_close(v);
