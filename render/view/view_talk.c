@@ -18,7 +18,8 @@ struct view_talk {
     view_seat *seat;
     const view_file *files;
     int file_count, file; /* file_count files; `file` is shown */
-    uint32_t steps;       /* that the page was told of */
+    uint32_t steps;       /* that the page was told of; */
+    uint32_t stuck;       /* and why there are no further ones (view_stuck) */
     const view_machine *machine;
     const view_life *life;
     uint64_t client;
@@ -312,13 +313,24 @@ view_talk_result view_talk_receive(view_talk *t, const void *bytes, size_t size,
     return VIEW_TALK_FINE;
 }
 
+/* Tell the page why its file takes in no further steps, or that it does again. Returns whether it
+ * did not know. */
+static bool tell_stuck(view_talk *t) {
+    const view_stuck now = view_seat_stuck(t->seat, t->file);
+    if (now.number == t->stuck)
+        return false;
+    t->stuck = now.number;
+    tell(t, json_pack("{s:s,s:s?}", "type", "stuck", "why", now.number ? now.why : NULL));
+    return true;
+}
+
 bool view_talk_follow(view_talk *t) {
     const bool grown = leafcast_describe(t->files[t->file].volume).steps != t->steps;
     if (grown) {
         tell_volume(t, "grown");
         tell_marks(t);
     }
-    return grown;
+    return tell_stuck(t) || grown;
 }
 
 view_message *view_talk_next(view_talk *t) {

@@ -114,6 +114,18 @@ def grows(b, path):
     ok("facts are told anew", b.js("""return [...document.querySelectorAll("#data dt")]
         .some(e => e.textContent === "time steps" && e.nextSibling.textContent === "5")"""))
     ok("without opening it again", b.js("return window.before"))
+    with open(path, "r+b") as f:  # a first header that is wrong for a while
+        f.seek(1520)
+        right = f.read(1)
+        for byte in bytes([right[0] + 1]), right:
+            f.seek(1520)
+            f.write(byte)
+            f.flush()
+            told = b.until("return document.getElementById('stuck').hidden === arguments[0]", byte == right)
+            line = b.js("return document.getElementById('stuck').textContent")
+            ok(f"why no further steps come is in the status line: '{line}'", told and
+               line.startswith("no further steps: grown.leaf" if byte != right else ""))
+    ok("and then no longer", line == "")
 
 
 def main():

@@ -153,8 +153,22 @@ def grows(s, path):
     ok("two more", len(page.text("grown")["steps"]) == FIRST + 3)
     ok("who comes later is told of all", len(Page(s).volume["steps"]) == FIRST + 3)
     ok("they are drawn", drawn(page, state, FIRST + 2) == want[FIRST + 2])
-    page.close()
     other.close()
+    with open(path, "r+b") as f:  # the first header says how many segments there are, and has a checksum
+        head = bytearray(f.read(4096))
+        for byte in head[1520] + 1, head[1520]:
+            f.seek(1520)
+            f.write(bytes([byte]))
+            f.flush()
+            why = page.text("stuck")["why"]
+            if byte != head[1520]:
+                ok(f"why none can be taken in is told: {why}", why.startswith("grown.leaf changed") and not page.waits(2.5))
+                late = Page(s)
+                ok("to who comes later, too", late.text("stuck")["why"] == why)
+                late.close()
+    ok("and that they can again", why is None)
+    ok("what is drawn is drawn", drawn(page, state, 1) == want[1])
+    page.close()
     os.replace(folder + "/all.leaf", path)
     page = Page(s)
     page.view(1, dict(state, step=0), W, H)

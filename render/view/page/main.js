@@ -53,6 +53,7 @@ class App {
     on("steps", held => this.data.hold(held));
     on("present", marks => this.data.mark(marks));
     on("grown", volume => { if (volume.which === this.volume?.which) this.grow(volume); });
+    on("stuck", ({why}) => this.honesty.stuck(why));
     on("picture", ({head, bitmap, latency}) => {
       this.screen.show(head, bitmap);
       this.honesty.picture(head, latency);
