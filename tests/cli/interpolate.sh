@@ -76,6 +76,16 @@ exits "a script" 0 sh -c "\"$leafcast\" render \"$tmp/d.leaf\" $view --script - 
 ok "a line with a step follows one with a time" same l2 step1
 ok "and differs from it" differs l1 l2
 
+# What has a surface between steps may have none in the step before: values of 0 to 15, then of 100 to 115.
+python3 -c 'import sys
+for step in range(2):
+    open(f"{sys.argv[1]}/u{step}_16x16x16_u8.raw", "wb").write(bytes(100 * step + i % 16 for i in range(4096)))' "$tmp"
+run "$leafcast" convert "$tmp/u0_16x16x16_u8.raw" "$tmp/u1_16x16x16_u8.raw" -o "$tmp/u.leaf" -q
+exits "a surface that only is between" 0 "$leafcast" render "$tmp/u.leaf" --iso 58 --time 0.5 --interpolate --size 8x8 -o "$tmp/u.ppm"
+ok "is not said to be missing" sh -c "! grep -q 'no surface' '$tmp/err'"
+exits "one that is nowhere" 0 "$leafcast" render "$tmp/u.leaf" --iso 300 --time 0.5 --interpolate --size 8x8 -o "$tmp/u.ppm" --force
+ok "is said to be missing, by the values of both steps" says "no surface at isovalue 300: the values are 0 to 115"
+
 # Between steps, a picture needs more room than one of a step: the budget that is named suffices.
 exits "a budget too small" 4 "$leafcast" render "$tmp/d.leaf" --iso 100 --size 300x200 --time 4 --interpolate --memory 200K --threads 1 -o "$tmp/x.png" -q
 named=$(sed -n 's/.*: \([0-9]*\) bytes would do.*/\1/p' "$tmp/err")
