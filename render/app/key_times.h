@@ -19,8 +19,8 @@ bool key_times_any(const json_t *path);
  * path's, for messages.
  *
  * key_times_unify() - give all entries times for steps, in place, if any has a time. ST_USAGE names
- * the entry: one that is no object; a time that is no number, or outside of those of the volume; no such step; both in
- * one. */
+ * the entry: one that is no object; a time that is no number, or outside of those of the volume; no
+ * such step; both in one. */
 CHECKED status key_times_none(const json_t *path, const char *file, const char *why);
 CHECKED status key_times_unify(json_t *path, const char *file, const leafcast *volume);
 

@@ -103,24 +103,47 @@ static status describe_frame(const render_options *o, sequence *s, int number,
     return st;
 }
 
+/* The same of a camera path with times, of which --interpolate draws what is between: a picture
+ * between two steps needs no others, so what is expected are the next ones. */
+static status expect_time(const render_options *o, const sequence *s, const render_job *job,
+                          int number, const script_frame *frame) {
+    enum { LOOK_AHEAD = 256 };
+    const view_options *now = &frame->view;
+    for (int i = number + 1; i < s->count && i <= number + LOOK_AHEAD; i++) {
+        const json_t *entry =
+            json_array_get(s->path, (size_t)(i / turns_of(o)) % json_array_size(s->path));
+        const json_t *at = json_object_get(entry, "time");
+        time_options time = {.given = true, .interpolate = true, .time = json_number_value(at)};
+        uint32_t step = 0;
+        if (!at || time_options_find(&time, job->volume, &step) != ST_OK)
+            return ST_OK; /* none, or one that is refused when it is drawn */
+        const bool is_step = time.between == 0.0;
+        if (is_step ? i == number + 1 : step != now->step || now->time.between == 0.0)
+            return render_job_expect(job, now, step, time.between);
+    }
+    return ST_OK;
+}
+
 /* Say before a picture is drawn which step comes next, as --steps or the camera path says. */
 static status expect_next(const render_options *o, const sequence *s, const render_job *job,
                           int number, const script_frame *frame) {
     const uint64_t index = (uint64_t)((number + 1) / turns_of(o));
     if (number + 1 >= s->count)
         return ST_OK;
+    if (s->path && frame->view.time.given)
+        return expect_time(o, s, job, number, frame);
     if (s->path) {
         const size_t views = json_array_size(s->path);
         const json_t *step = json_object_get(json_array_get(s->path, index % views), "step");
         const bool known = json_is_integer(step) && json_integer_value(step) >= 0 &&
                            json_integer_value(step) < job->info.steps;
-        return known ? render_job_expect(job, &frame->view, (uint32_t)json_integer_value(step))
+        return known ? render_job_expect(job, &frame->view, (uint32_t)json_integer_value(step), 0.0)
                      : ST_OK;
     }
     if (!step_list_given(&o->steps))
         return ST_OK;
     return render_job_expect(job, &frame->view,
-                             step_list_at(&o->steps, index % (uint64_t)steps_of(o)));
+                             step_list_at(&o->steps, index % (uint64_t)steps_of(o)), 0.0);
 }
 
 /* Open the file, if it is not open. */

@@ -7,9 +7,10 @@
 #include "render/leafcast.h"
 
 typedef struct time_options {
-    bool given, interpolate;     /* --time and --interpolate were */
-    bool names_step, names_time; /* one command line, line of a script or entry of a path has --step,
-                                    --time: it may not have both */
+    bool given, interpolate; /* --time and --interpolate were */
+    bool names_step,
+        names_time; /* one command line, line of a script or entry of a path has --step,
+                       --time: it may not have both */
     double time;
     double
         between; /* found: so much of the way from the step to the next; 0 without --interpolate */

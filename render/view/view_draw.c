@@ -59,7 +59,7 @@ struct view_draw {
     int skips, most; /* of refreshes, after one that failed: how many are left, and were at first */
     view_stuck *stuck; /* per file */
     uint32_t reasons;  /* that files were stuck for */
-    int next;        /* the seat whose turn is next */
+    int next;          /* the seat whose turn is next */
     view_seat seats[VIEW_SEATS_MAX];
 };
 

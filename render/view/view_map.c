@@ -87,8 +87,7 @@ static json_t *runs(const uint8_t *has, uint32_t steps) {
         while (end < steps && has[end] == has[step])
             end++;
         if (has[step])
-            json_array_append_new(
-                out, json_pack("[I,I]", (json_int_t)step, (json_int_t)end - 1));
+            json_array_append_new(out, json_pack("[I,I]", (json_int_t)step, (json_int_t)end - 1));
     }
     return out;
 }

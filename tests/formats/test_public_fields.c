@@ -372,6 +372,8 @@ static void test_wrong_numbers(void **state) {
         {"leafcast_select_set", "step", LAB(step), UINT, UINT32_MAX},
         {"leafcast_expect_set", "field", LAB(field), UINT, 1},
         {"leafcast_expect_set", "step", LAB(step), UINT, UINT32_MAX},
+        {"leafcast_expect_between", "field", LAB(field), UINT, 1},
+        {"leafcast_expect_between", "step", LAB(step), UINT, UINT32_MAX},
         {"leafcast_range", "field", LAB(field), UINT, UINT32_MAX},
         {"leafcast_data_range", "step", LAB(step), UINT, 1},
         {"leafcast_get_histogram", "field", LAB(field), UINT, 1},

@@ -76,6 +76,10 @@ static leafcast_status select_between(calls_lab *l) {
     return leafcast_select_between(P(VOLUME), l->field, l->step, 0.0);
 }
 
+static leafcast_status expect_between(calls_lab *l) {
+    return leafcast_expect_between(P(VOLUME), l->field, l->step, 0.0);
+}
+
 static leafcast_status find_time(calls_lab *l) {
     return leafcast_find_time(P(VOLUME), 0.0, P(COUNT), P(NUMBERS));
 }
@@ -273,6 +277,7 @@ const public_call *public_calls(int *count) {
         {"leafcast_select_set", select_set, BIT(VOLUME), 0, 0, NULL},
         {"leafcast_expect_set", expect_set, BIT(VOLUME), 0, 0, NULL},
         {"leafcast_select_between", select_between, BIT(VOLUME), 0, 0, NULL},
+        {"leafcast_expect_between", expect_between, BIT(VOLUME), 0, 0, NULL},
         {"leafcast_find_time", find_time, BIT(VOLUME) | BIT(COUNT) | BIT(NUMBERS), 0, 0, NULL},
         {"leafcast_map_steps", map_steps, BIT(VOLUME) | BIT(FOUND), 0, 0, NULL},
         {"leafcast_find_steps", find_steps, BIT(VOLUME) | BIT(COUNT), 0, 0, NULL},

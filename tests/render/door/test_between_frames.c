@@ -11,9 +11,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/leaf_between.h"
+#include "render/door/leafcast_volume.h"
 #include "render/leafcast_experimental.h"
 #include "tests/support/between_lab.h"
 #include "tests/support/fields.h"
@@ -86,7 +88,8 @@ static void test_map(void **state) {
     (void)draw(s, plain, 1, 0);
     between_lab_fine(leafcast_map_steps(plain, 0, BETWEEN_STEPS, steps));
     /* Rays see much the same treelets; half a step further, some more or less. */
-    assert_true(map[1].wanted * 4 >= steps[1].wanted * 3 && map[1].wanted * 3 <= steps[1].wanted * 4);
+    assert_true(map[1].wanted * 4 >= steps[1].wanted * 3 &&
+                map[1].wanted * 3 <= steps[1].wanted * 4);
     assert_int_equal(steps[1].resident, steps[1].wanted);
     const leafcast_stats step = draw(s, v, 1, 0);
     assert_int_equal(step.treelets_active, draw(s, plain, 1, 0).treelets_active);
@@ -94,6 +97,47 @@ static void test_map(void **state) {
     (void)draw(s, v, 0, 0.5);
     between_lab_fine(leafcast_map_steps(v, 0, BETWEEN_STEPS, map));
     assert_true(map[1].resident > 0 && map[1].wanted > 0);
+    leafcast_close(plain);
+    leafcast_close(v);
+    between_lab_free(s);
+}
+
+static uint64_t early_of(const leafcast *v) {
+    return v->between ? loader_statistics(v->between->treelets).early : 0;
+}
+
+/* A time between the next two steps that is expected is read once a picture is complete: of the
+ * step that is there nothing. It counts in its own picture. */
+static void test_expected(void **state) {
+    (void)state;
+    between_lab *s = between_lab_make(&between_kinds[5]);
+    const leafcast_options o = {.size = sizeof o, .threads = 2};
+    leafcast *plain = between_lab_open(s->series, &o, s->iso),
+             *v = between_lab_open(s->series, &o, s->iso);
+    for (uint32_t step = 0; step < 4; step++) /* as many sets as there are, and one anew */
+        (void)draw(s, plain, step, 0.5);
+    const leafcast_stats alone = draw(s, plain, 4, 0.5);
+    assert_true(alone.treelets_loaded > 3);
+    for (uint32_t step = 0; step < 4; step++) {
+        between_lab_fine(leafcast_expect_between(v, 0, step + 1, 0.5));
+        (void)draw(s, v, step, 0.25);
+        const uint64_t before = early_of(v);
+        (void)draw(s, v, step, 0.75);
+        uint64_t early = early_of(v);
+        for (int i = 0; i < 10000 && step != 1 && early == before; i++) {
+            between_lab_fine(leafcast_expect_between(v, 0, step + 1, 0.5));
+            (void)draw(s, v, step, 0.5);
+            nanosleep(&(struct timespec){0, 1000000}, NULL);
+            early = early_of(v);
+        }
+        assert_true(early > before || step == 1); /* steps 2 and 3 are mostly the same */
+    }
+    const leafcast_stats next = draw(s, v, 4, 0.5);
+    assert_true(next.treelets_loaded <= alone.treelets_loaded);
+    assert_true(draw(s, v, 4, 0.5).bytes_read_ever == next.bytes_read_ever);
+    between_lab_refused(leafcast_expect_between(v, 0, BETWEEN_STEPS - 1, 0.5), LEAFCAST_USAGE,
+                        "no next one");
+    between_lab_refused(leafcast_expect_between(v, 0, 0, 1), LEAFCAST_USAGE, "below 1");
     leafcast_close(plain);
     leafcast_close(v);
     between_lab_free(s);
@@ -121,8 +165,13 @@ static void test_playing(void **state) {
                              : at < last ? at
                                          : 2 * last - at;
             const int half = round > 20 ? (int)field_random_below(&r, 2) : round > 10;
+            const uint32_t next = (uint32_t)field_random_below(&r, last + 1);
             between_lab_fine(leafcast_select_between(v, 0, (uint32_t)step, half ? 0.5 : 0.25));
+            if (round % 3)
+                between_lab_fine(leafcast_expect_between(v, 0, next, round % 2 ? 0.5 : 0.25));
             pictures_draw(v, &scene, &s->view, &is, NULL);
+            if (round % 2)
+                nanosleep(&(struct timespec){0, 500000}, NULL);
             assert_true(between_lab_same(&is, &want[step][half], "played") > 20);
         }
         leafcast_close(v);
@@ -449,7 +498,7 @@ static void test_damage(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_reading),   cmocka_unit_test(test_map),
-        cmocka_unit_test(test_playing),
+        cmocka_unit_test(test_expected),  cmocka_unit_test(test_playing),
         cmocka_unit_test(test_steps),     cmocka_unit_test(test_budgets),
         cmocka_unit_test(test_turns),     cmocka_unit_test(test_previews),
         cmocka_unit_test(test_directory), cmocka_unit_test(test_times),

@@ -25,8 +25,8 @@ enum { N = 68, STEPS = 12, FIRST = 5, FIELDS = 2, MESH_STEPS = 9, MOST = 16, VAL
 
 static bool wanted(const leafcast *v, uint32_t of, uint32_t step, double lo, double hi) {
     const leaf_layout *l = &v->file->layout;
-    const float(*own)[2] = (const float(*)[2])v->file->own +
-                           (size_t)leaf_layout_set(l, of, step) * l->treelets;
+    const float(*own)[2] =
+        (const float(*)[2])v->file->own + (size_t)leaf_layout_set(l, of, step) * l->treelets;
     bool found = false;
     for (uint32_t t = 0; t < l->treelets; t++)
         found |= l->level_of[t] == 0 && (double)own[t][0] < hi && lo <= (double)own[t][1];
@@ -91,7 +91,8 @@ static void check_all(const leafcast *v) {
 /* ---- Grids ---- */
 
 /* A small ball that each step has at another place, and of other values. Step 7 has no data at all;
- * of others a corner is missing. */
+ * of others a corner is missing. Of the last one the middle is, on both sides of which all is one
+ * value: no treelet has what is between, but coarser ones' ranges do. */
 static const char *write_step(int step, int of_field) {
     char name[32];
     float *v = malloc(sizeof *v * N * N * N);
@@ -99,7 +100,9 @@ static const char *write_step(int step, int of_field) {
         const int x = i % N, y = i / N % N, z = i / N / N, at = 3 + 3 * (step * 5 % STEPS);
         const int d = (x - at) * (x - at) + (y - 20) * (y - 20) + (z - 30) * (z - 30);
         v[i] = (float)(d > 30 ? -1 : (step * 4 % 11) + of_field * 3 - d / 30.0);
-        if (step == 7 || (x < 5 && y < 7))
+        if (step == STEPS - 1)
+            v[i] = (float)(x < N / 2 ? -1 : 20);
+        if (step == 7 || (step == STEPS - 1 && abs(x - 40) < 13) || (x < 5 && y < 7))
             v[i] = NAN;
     }
     snprintf(name, sizeof name, "find%d_%d.bin", of_field, step);
@@ -126,8 +129,9 @@ static void release(series *s) {
 }
 
 static grid_series steps_of(const series *s, uint32_t fields, uint32_t first, uint32_t count) {
-    return (grid_series){.of = {.paths = s->paths + first, .sets = {fields, count, NULL, NULL, NULL}},
-                         .hints = {.dims = {N, N, N}, .type = SAMPLE_F32}};
+    return (grid_series){
+        .of = {.paths = s->paths + first, .sets = {fields, count, NULL, NULL, NULL}},
+        .hints = {.dims = {N, N, N}, .type = SAMPLE_F32}};
 }
 
 static void test_grid(void **state) {
@@ -148,7 +152,8 @@ static void test_grown(void **state) {
     (void)state;
     series s;
     make(&s);
-    const grid_series before = steps_of(&s, 1, 0, FIRST), more = steps_of(&s, 1, FIRST, STEPS - FIRST);
+    const grid_series before = steps_of(&s, 1, 0, FIRST),
+                      more = steps_of(&s, 1, FIRST, STEPS - FIRST);
     convert_options o = s.c.options;
     o.grows = true;
     const char *path = leaf_files_series(&before, &o, "find_grown.leaf");
@@ -170,8 +175,8 @@ static void test_grown(void **state) {
 
 static void test_live(void **state) {
     (void)state;
-    leafcast_grid g = {.size = sizeof g, .dims = {N, N, N}, .type = LEAFCAST_F32,
-                       .spacing = {1, 1, 1}};
+    leafcast_grid g = {
+        .size = sizeof g, .dims = {N, N, N}, .type = LEAFCAST_F32, .spacing = {1, 1, 1}};
     float *values = calloc((size_t)N * N * N, sizeof *values);
     leafcast *v;
     assert_int_equal(leafcast_open_live(&g, NULL, &v), LEAFCAST_OK);
@@ -242,7 +247,7 @@ static void test_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_grid), cmocka_unit_test(test_grown), cmocka_unit_test(test_live),
+        cmocka_unit_test(test_grid), cmocka_unit_test(test_grown),   cmocka_unit_test(test_live),
         cmocka_unit_test(test_mesh), cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
