@@ -247,3 +247,10 @@ status public_in_range(const char *call, const char *name, double value, double 
     return status_describe(ST_USAGE, "%s(): %s is %.10g: %.10g to %.10g is possible", call, name,
                            value, least, most);
 }
+
+status public_below(const char *call, const char *name, double value, double least, double most) {
+    if (value >= least && value < most)
+        return ST_OK;
+    return status_describe(ST_USAGE, "%s(): %s is %.10g: %.10g to below %.10g is possible", call,
+                           name, value, least, most);
+}

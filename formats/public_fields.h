@@ -121,8 +121,11 @@ CHECKED status public_fields_check_all(const public_fields *table, const void *o
  * order, separated by a space. */
 CHECKED status public_needs(const char *call, const char *names, const void *const pointers[]);
 
-/* public_in_range() - ST_USAGE where a call's number is not in [least, most]. */
+/* public_in_range() - ST_USAGE where a call's number is not in [least, most]. public_below() - the
+ * same of [least, most). */
 CHECKED status public_in_range(const char *call, const char *name, double value, double least,
                                double most);
+CHECKED status public_below(const char *call, const char *name, double value, double least,
+                            double most);
 
 #endif

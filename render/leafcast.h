@@ -9,8 +9,8 @@
  *     leafcast_trace(volume, &scene, &camera, &image, &stats, NULL, NULL);
  *     leafcast_close(volume);
  *
- * leafcast_look.h has scenes and cameras; leafcast_prep.h makes such files. No globals, no output,
- * no exit. Vectors are (x, y, z), in world space unless said otherwise.
+ * leafcast_look.h has scenes, cameras and suggestions; leafcast_prep.h makes such files. No
+ * globals, no output, no exit. Vectors are (x, y, z), in world space unless said otherwise.
  *
  * Errors. Every call that can fail returns a leafcast_status; leafcast_error_text() then says more,
  * for the calling thread. A volume stays usable after any failure: the next call starts afresh.
@@ -276,7 +276,9 @@ LEAFCAST_API leafcast_status leafcast_select_set(leafcast *volume, uint32_t fiel
  *
  * For grids and tetrahedral meshes. Both steps are in memory, beside what lies between: another
  * time between them reads nothing that is still there. leafcast_range(), leafcast_fit_view() and
- * what else takes a step tell of that step. LEAFCAST_USAGE where there is no next step;
+ * what else takes a step tell of that step alone, as the file does: all values between lie within
+ * the ranges of both steps, but a histogram, or the box of a surface, does not follow from those of
+ * the steps. LEAFCAST_USAGE where there is no next step;
  * LEAFCAST_UNSUPPORTED for other kinds.
  *
  * leafcast_find_time() - the step and the share of the way to the next one of a time, in the units
@@ -294,6 +296,14 @@ LEAFCAST_API leafcast_status leafcast_find_time(const leafcast *volume, double t
  * the memory budget; only treelets that are not shown make room. Holds until that set is shown, or
  * another one is expected. What is read so counts in that set's statistics, but for load_s. */
 LEAFCAST_API leafcast_status leafcast_expect_set(leafcast *volume, uint32_t field, uint32_t step);
+
+/* leafcast_expect_between() - the same of a time between two steps, which should lie between others
+ * than the next picture's: another time between the same two reads nothing. What is read is that
+ * step of both which is not in memory. Only where a time between steps was drawn before, and behind
+ * pictures of such times. `between` 0: leafcast_expect_set(). Fails as leafcast_select_between().
+ */
+LEAFCAST_API leafcast_status leafcast_expect_between(leafcast *volume, uint32_t field,
+                                                     uint32_t step, double between);
 
 /* leafcast_field_name() - the name, or "" if the file has none; lives as long as the volume.
  * leafcast_find_field() - by name, or by number if no field has that name; LEAFCAST_USAGE lists the
@@ -334,7 +344,9 @@ typedef struct leafcast_holding {
 
 /* leafcast_map_steps() - counts, for a field at each of the first `steps` steps, what a picture
  * like the last one would need, and how much of that is in memory. A step of which all that is
- * wanted is resident is drawn without reading, as far as rays see there what they saw.
+ * wanted is resident is drawn without reading, as far as rays see there what they saw. The last
+ * one may be of a time between steps; what is in memory for such times alone does not count, since
+ * steps are drawn without it.
  *
  * holdings: gets one for each step. LEAFCAST_USAGE if there is no such field, or there are fewer
  * steps, or steps is 0. Any thread; waits for a picture or leafcast_frame_advance() under way.
@@ -351,56 +363,25 @@ LEAFCAST_API leafcast_status leafcast_map_steps(leafcast *volume, uint32_t field
 LEAFCAST_API leafcast_status leafcast_range(const leafcast *volume, uint32_t field, uint32_t step,
                                             double range[2]);
 
-/* ---- What is worth a look ---- */
-
-/* How the values of a field at a step are spread. Bin i holds the values v with edges[i] <= v <
- * edges[i + 1]. Of a large volume only `drawn` of `total` samples are counted: enough to know
- * shares to a few in a thousand. Files of earlier versions have no histogram: then treelets are
- * counted, by their ranges. */
-enum { LEAFCAST_BINS_MAX = 256 };
-
-typedef struct leafcast_histogram {
-    uint32_t bins;  /* 0: no value is finite */
-    uint64_t drawn; /* values counted: the sum of samples[] */
-    uint64_t cells; /* cells, or tets, looked at */
-    uint64_t total; /* samples, or tets, in the volume */
-    double edges[LEAFCAST_BINS_MAX + 1];
-    uint32_t samples[LEAFCAST_BINS_MAX];
-    uint32_t active[LEAFCAST_BINS_MAX]; /* cells that the isosurface of edges[i] crosses */
-    float gradient[LEAFCAST_BINS_MAX];  /* mean length of the gradient in these, per world unit */
-    float area[LEAFCAST_BINS_MAX];      /* the isosurface's estimated area, world units^2 */
-    uint32_t first, end; /* bins [first, end) hold data. That is all bins, unless the first or last
-                            holds a value that may stand for missing data, such as -9999, and its
-                            neighbour is empty */
-    double aside;        /* the value for missing data; NaN: there is none */
-} leafcast_histogram;
-
-/* leafcast_get_histogram() - LEAFCAST_USAGE if there is no such field or step. */
-LEAFCAST_API leafcast_status leafcast_get_histogram(const leafcast *volume, uint32_t field,
-                                                    uint32_t step, leafcast_histogram *histogram);
-
-/* leafcast_data_range() - as leafcast_range(), but without a value that may stand for missing data:
- * then one end differs from leafcast_range()'s. Suggested isovalues ignore such a value, too. */
-LEAFCAST_API leafcast_status leafcast_data_range(const leafcast *volume, uint32_t field,
-                                                 uint32_t step, double range[2]);
-
-/* leafcast_suggested_isovalues() - up to `max` (0 or more; at most LEAFCAST_SUGGESTIONS_MAX)
- * isovalues whose surfaces are worth a look, best first; *count may become 0. */
-enum { LEAFCAST_SUGGESTIONS_MAX = 4 };
-LEAFCAST_API leafcast_status leafcast_suggested_isovalues(const leafcast *volume, uint32_t field,
-                                                          uint32_t step, double *isovalues, int max,
-                                                          int *count);
-
-/* leafcast_fit_view() - a view of the box that these isovalues make active, or of the whole volume
- * if they make nothing active. Up is +z, unless the box is more than twice as long along z as along
- * x and y: then up is the longer one of x and y. The longer of the other two axes lies across the
- * picture. count: 0 to LEAFCAST_SURFACES_MAX. fov: vertical, degrees, below 180; 0:
- * LEAFCAST_FIT_FOV. */
-enum { LEAFCAST_FIT_FOV = 35 };
-LEAFCAST_API leafcast_status leafcast_fit_view(const leafcast *volume, uint32_t field,
-                                               uint32_t step, const double *isovalues, int count,
-                                               double fov, uint32_t width, uint32_t height,
-                                               leafcast_camera *camera);
+/* leafcast_find_steps() - finds the steps at which a field may have an isosurface: of any value
+ * from lo to hi, lo <= hi; of one isovalue where they are equal. By the directory alone, no treelet
+ * is read: a step has it if some treelet of level 0 has a range [min, max] with min < hi and lo <=
+ * max. So no step that has a surface is left out. One that has none may be told where that is
+ * narrow: a treelet's samples may all be equal, or lie on both sides of data that are missing
+ * (NaN). Nothing follows for times between two steps that do not have it: all values may pass lo on
+ * the way.
+ *
+ * steps: looks at the first so many; 1 or more.
+ * has: gets 1 or 0 for each of them. NULL: the first step with it is enough.
+ * first: set to the first step that has it; to `steps` if none has.
+ *
+ * LEAFCAST_USAGE if there is no such field, there are fewer steps, or lo > hi. Any thread; waits
+ * for no picture. Nothing is kept, and a grid's treelets are looked at only below coarser ones that
+ * may have the value (M08 4.4; why no tree over the steps, M08 5.1.3, is made for it:
+ * tests/measurements/loading.md). */
+LEAFCAST_API leafcast_status leafcast_find_steps(const leafcast *volume, uint32_t field, double lo,
+                                                 double hi, uint32_t steps, uint8_t *has,
+                                                 uint32_t *first);
 
 /* ---- Pictures ---- */
 

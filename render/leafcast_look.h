@@ -1,4 +1,5 @@
-/* leafcast_look.h - what to look at, and from where: surfaces, lights, media, scenes, cameras.
+/* leafcast_look.h - what to look at, and from where: surfaces, lights, media, scenes, cameras;
+ * and what is worth a look.
  *
  * Part of leafcast.h, which includes it, and which says how arguments are checked.
  */
@@ -222,6 +223,57 @@ static inline leafcast_camera leafcast_standard_view(const leafcast *of, double 
     (void)leafcast_get_standard_view(of, distance, width, height, &camera);
     return camera;
 }
+
+/* ---- What is worth a look ---- */
+
+/* How the values of a field at a step are spread. Bin i holds the values v with edges[i] <= v <
+ * edges[i + 1]. Of a large volume only `drawn` of `total` samples are counted: enough to know
+ * shares to a few in a thousand. Files of earlier versions have no histogram: then treelets are
+ * counted, by their ranges. */
+enum { LEAFCAST_BINS_MAX = 256 };
+
+typedef struct leafcast_histogram {
+    uint32_t bins;  /* 0: no value is finite */
+    uint64_t drawn; /* values counted: the sum of samples[] */
+    uint64_t cells; /* cells, or tets, looked at */
+    uint64_t total; /* samples, or tets, in the volume */
+    double edges[LEAFCAST_BINS_MAX + 1];
+    uint32_t samples[LEAFCAST_BINS_MAX];
+    uint32_t active[LEAFCAST_BINS_MAX]; /* cells that the isosurface of edges[i] crosses */
+    float gradient[LEAFCAST_BINS_MAX];  /* mean length of the gradient in these, per world unit */
+    float area[LEAFCAST_BINS_MAX];      /* the isosurface's estimated area, world units^2 */
+    uint32_t first, end; /* bins [first, end) hold data. That is all bins, unless the first or last
+                            holds a value that may stand for missing data, such as -9999, and its
+                            neighbour is empty */
+    double aside;        /* the value for missing data; NaN: there is none */
+} leafcast_histogram;
+
+/* leafcast_get_histogram() - LEAFCAST_USAGE if there is no such field or step. */
+LEAFCAST_API leafcast_status leafcast_get_histogram(const leafcast *volume, uint32_t field,
+                                                    uint32_t step, leafcast_histogram *histogram);
+
+/* leafcast_data_range() - as leafcast_range(), but without a value that may stand for missing data:
+ * then one end differs from leafcast_range()'s. Suggested isovalues ignore such a value, too. */
+LEAFCAST_API leafcast_status leafcast_data_range(const leafcast *volume, uint32_t field,
+                                                 uint32_t step, double range[2]);
+
+/* leafcast_suggested_isovalues() - up to `max` (0 or more; at most LEAFCAST_SUGGESTIONS_MAX)
+ * isovalues whose surfaces are worth a look, best first; *count may become 0. */
+enum { LEAFCAST_SUGGESTIONS_MAX = 4 };
+LEAFCAST_API leafcast_status leafcast_suggested_isovalues(const leafcast *volume, uint32_t field,
+                                                          uint32_t step, double *isovalues, int max,
+                                                          int *count);
+
+/* leafcast_fit_view() - a view of the box that these isovalues make active, or of the whole volume
+ * if they make nothing active. Up is +z, unless the box is more than twice as long along z as along
+ * x and y: then up is the longer one of x and y. The longer of the other two axes lies across the
+ * picture. count: 0 to LEAFCAST_SURFACES_MAX. fov: vertical, degrees, below 180; 0:
+ * LEAFCAST_FIT_FOV. */
+enum { LEAFCAST_FIT_FOV = 35 };
+LEAFCAST_API leafcast_status leafcast_fit_view(const leafcast *volume, uint32_t field,
+                                               uint32_t step, const double *isovalues, int count,
+                                               double fov, uint32_t width, uint32_t height,
+                                               leafcast_camera *camera);
 
 #ifdef __cplusplus
 }

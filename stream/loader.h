@@ -118,6 +118,7 @@ bool loader_is_behind(const loader *l);
 void loader_follow(loader *l, const atomic_uchar touched[]);
 
 /* loader_expect() - say which set is selected next, until it is; TREELET_NO_SET: none is known.
+ * Where sets change (leaf_file.versions): only while nothing is traced.
  * loader_read_expected() - call it when a frame is complete. Reads the treelets of that set that
  * rays touched last, makes their masks, and puts them into the cache, where their selection finds
  * them: in the background, after all that is wanted of the selected set, as far as the cache has

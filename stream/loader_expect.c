@@ -88,6 +88,8 @@ void loader_expect(loader *l, uint32_t set) {
     if (set != h->expected)
         loader_expect_end(h);
     h->expected = set;
+    if (l->file->versions && set != TREELET_NO_SET && set != h->set)
+        loader_select_fresh(l, set);
     pthread_mutex_unlock(&h->lock);
 }
 

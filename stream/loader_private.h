@@ -88,4 +88,8 @@ struct loader_private {
     leaf_shells *shells; /* of all seats; NULL: the file has none */
 };
 
+/* loader_select_fresh() - free a set's treelets whose samples have changed since they were read,
+ * but for those that can be brought up to date. Needs the lock; only while nothing is traced. */
+void loader_select_fresh(loader *l, uint32_t set);
+
 #endif

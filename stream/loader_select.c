@@ -96,15 +96,13 @@ bool loader_is_behind(const loader *l) {
     return l->hidden->version != version_of(l, l->hidden->set);
 }
 
-/* Free the selected set's treelets whose samples have changed since they were read, but for those
- * that can be brought up to date. */
-static void drop_stale(loader *l) {
+void loader_select_fresh(loader *l, uint32_t set) {
     struct loader_private *h = l->hidden;
     const uint32_t filled = h->filled;
     h->filled = 0;
     for (uint32_t i = 0; i < filled; i++) {
         treelet *tr = h->slots[i];
-        if (tr->set != h->set || h->kind->keep(&h->store, tr)) {
+        if (tr->set != set || h->kind->keep(&h->store, tr)) {
             h->slots[h->filled++] = tr;
             continue;
         }
@@ -113,7 +111,7 @@ static void drop_stale(loader *l) {
     }
     for (treelet *tr = h->cache.oldest, *newer; tr; tr = newer) {
         newer = tr->newer;
-        if (tr->set != h->set || h->kind->keep(&h->store, tr))
+        if (tr->set != set || h->kind->keep(&h->store, tr))
             continue;
         treelet_cache_remove(&h->cache, tr);
         loader_slots_discard(l, tr);
@@ -132,7 +130,7 @@ void loader_select_set(loader *l, uint32_t set) {
         h->set = set;
         h->version = version_of(l, set);
         if (l->file->versions)
-            drop_stale(l);
+            loader_select_fresh(l, set);
         if (leaf_layout_moves(&l->file->layout))
             treelet_tree_move(&h->tree, h->kind->boxes(l->file, set));
         select_anew(l);

@@ -251,6 +251,32 @@ status leaf_stats_presence(mem *m, const leaf_file *f, const time_tree *tree, ui
     return room ? ST_OK : ST_NOMEM;
 }
 
+/* Whether a treelet, or one of level 0 below it, meets the interval. ranges, own: of the set. */
+static bool is_met(const leaf_layout *l, const float (*ranges)[2], const float (*own)[2],
+                   uint32_t t, value_limits at) {
+    if (l->level_of[t] == 0)
+        return value_limits_meet(&at, own[t][0], own[t][1]);
+    if (!value_limits_meet(&at, ranges[t][0], ranges[t][1]))
+        return false;
+    const uint32_t first = l->first_child[t];
+    const uint32_t end = first + (uint32_t)__builtin_popcount(leaf_layout_children(l, t));
+    for (uint32_t child = first; child < end; child++)
+        if (is_met(l, ranges, own, child, at))
+            return true;
+    return false;
+}
+
+bool leaf_stats_meets(const leaf_file *f, uint32_t set, value_limits at) {
+    const leaf_layout *l = &f->layout;
+    const leaf_level *top = &l->level[l->levels - 1];
+    const size_t of_set = (size_t)set * l->treelets;
+    for (uint32_t t = top->first; t < top->first + top->count; t++)
+        if (is_met(l, (const float(*)[2])f->ranges + of_set, (const float(*)[2])f->own + of_set, t,
+                   at))
+            return true;
+    return false;
+}
+
 /* ---- what a mesh's payloads are made of ---- */
 
 leaf_mesh_parts leaf_stats_mesh(const leaf_file *f) {

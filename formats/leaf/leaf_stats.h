@@ -40,6 +40,11 @@ CHECKED status leaf_stats_presence(mem *m, const leaf_file *f, const time_tree *
                                    uint32_t field, double iso, const uint8_t *asked, uint8_t *has,
                                    leaf_presence *out);
 
+/* leaf_stats_meets() - whether a treelet of level 0 of a set meets an interval. Looks from the
+ * coarsest treelets down, below those alone that meet it: a treelet's merged range holds those of
+ * its children. Where there are no coarse ones, at each treelet in turn. Needs no memory. */
+bool leaf_stats_meets(const leaf_file *f, uint32_t set, value_limits at);
+
 /* leaf_stats_cells() - returns the number of active cells in a treelet of a grid. */
 uint64_t leaf_stats_cells(const leaf_layout *l, uint32_t t, const void *payload, double iso);
 

@@ -25,18 +25,18 @@ static bool changes_evenly(const char *key) {
 
 /* ---- One flat object per key, with names in one form ---- */
 
-static status flatten(const json_t *from, json_t *to, int depth) {
+static status flatten(const json_t *from, json_t *to, const char *what, int depth) {
     char name[64];
     const char *key;
     json_t *value;
     void *at = json_object_iter((json_t *)from);
     if (!json_is_object(from) || depth > 4)
-        return status_describe(ST_USAGE, "--frames: an entry of the path is not a JSON object");
+        return status_describe(ST_USAGE, "%s: not a JSON object", what);
     for (; at; at = json_object_iter_next((json_t *)from, at)) {
         key = json_object_iter_key(at);
         value = json_object_iter_value(at);
         if (strcmp(key, "camera") == 0) {
-            const status st = flatten(value, to, depth + 1);
+            const status st = flatten(value, to, what, depth + 1);
             if (st != ST_OK)
                 return st;
             continue;
@@ -241,12 +241,14 @@ static json_t *view_at(const json_t *keys, int frame, int frames) {
     return t == 0.0 ? json_incref(json_array_get(keys, k)) : view_between(keys, k, t);
 }
 
-status keyframes_spread(const json_t *keys, int frames, json_t **path) {
+status keyframes_spread(const json_t *keys, const char *file, int frames, json_t **path) {
     status st = ST_OK;
     json_t *flat = json_array(), *out = json_array();
     for (size_t i = 0; i < json_array_size(keys) && st == ST_OK; i++) {
         json_t *key = json_object();
-        st = flatten(json_array_get(keys, i), key, 0);
+        char what[TEXT_MAX];
+        snprintf(what, sizeof what, "%s: entry %zu", file, i + 1);
+        st = flatten(json_array_get(keys, i), key, what, 0);
         if (json_array_append_new(flat, key) != 0 && st == ST_OK)
             st = status_describe(ST_NOMEM, "no memory for the views of a movie");
     }

@@ -17,7 +17,7 @@
  * by whole steps. What a time means is the caller's (key_times.h). Everything else stays as in the
  * key before.
  *
- * ST_USAGE: a key is not an object. ST_NOMEM. */
-CHECKED status keyframes_spread(const json_t *keys, int frames, json_t **path);
+ * file: the path's, for messages. ST_USAGE: a key is not an object. ST_NOMEM. */
+CHECKED status keyframes_spread(const json_t *keys, const char *file, int frames, json_t **path);
 
 #endif

@@ -73,11 +73,11 @@ static status set_option(void *own, int key, const char *text) {
     }
 }
 
-/* Check the view's flags. A ray's profile and a point need no isosurface. */
+/* Check the view's flags. A ray's profile and a point need no isosurface, a point no camera. */
 static status check_view(probe_options *o) {
     if (o->view.isos > 0 || !(o->point || o->segments))
         return view_options_check(&o->view);
-    return o->point ? ST_OK : view_options_check_camera(&o->view);
+    return o->point ? time_options_check(&o->view.time) : view_options_check_either(&o->view);
 }
 
 static status check_options(void *own) {

@@ -288,10 +288,12 @@ static status select_set(render_job *job, const view_options *view) {
     return st;
 }
 
-status render_job_expect(const render_job *job, const view_options *view, uint32_t step) {
+status render_job_expect(const render_job *job, const view_options *view, uint32_t step,
+                         double between) {
     uint32_t field;
     const status st = view_options_field(view, job->volume, &field);
-    return st == ST_OK ? render_status(leafcast_expect_set(job->volume, field, step)) : st;
+    return st == ST_OK ? render_status(leafcast_expect_between(job->volume, field, step, between))
+                       : st;
 }
 
 /* A picture's part in the progress of the whole job. */
@@ -529,12 +531,13 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
         st = open_picture(job, frame, false, to);
     if (st == ST_OK)
         st = open_raw(job, frame, to);
-    if (st == ST_OK)
-        st = make_planes(job, frame, &scene, &camera);
+    /* A time between steps needs other room than a step: select it first. */
     if (st == ST_OK)
         st = select_surfaces(job, &frame->view);
     if (st == ST_OK)
         st = select_set(job, &frame->view);
+    if (st == ST_OK)
+        st = make_planes(job, frame, &scene, &camera);
     if (st == ST_OK && progressive)
         st = draw_first(job, frame, &camera, &scene, volumes, stats);
     if (st == ST_OK && progressive)

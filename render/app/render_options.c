@@ -251,8 +251,8 @@ status render_options_check(void *own) {
     if (step_list_given(&o->steps) && (o->view.step > 0 || o->view.time.given))
         return status_describe(ST_USAGE, "either --%s or --steps",
                                o->view.time.given ? "time" : "step");
-    /* With a path or a script, too: their entries may give --view or --eye. */
-    return view_options_check_camera(&o->view);
+    /* With a path or a script, too: their entries may give others. */
+    return view_options_check_either(&o->view);
 }
 
 status render_options_check_file(const render_options *o, const leafcast_info *info) {

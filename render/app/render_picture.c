@@ -7,12 +7,27 @@
 
 /* ---- one picture ---- */
 
-/* Note isovalues that have no surface in the field and step drawn. Returns whether any has one. */
+/* The range of the values drawn. Of a time between steps: that of both, which holds it. Returns
+ * false if there is none. */
+static bool range_of(const render_job *job, double range[2]) {
+    double next[2];
+    if (leafcast_range(job->volume, job->field, job->step, range) != LEAFCAST_OK)
+        return false;
+    if (job->between == 0.0)
+        return true;
+    if (leafcast_range(job->volume, job->field, job->step + 1, next) != LEAFCAST_OK)
+        return false;
+    range[0] = next[0] < range[0] ? next[0] : range[0];
+    range[1] = next[1] > range[1] ? next[1] : range[1];
+    return true;
+}
+
+/* Note isovalues that have no surface in what is drawn. Returns whether any may have one. */
 static bool say_absent(const render_options *o, const render_job *job, const view_options *view) {
     char value[NUM_TEXT_MAX], lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX];
     double range[2];
     bool any = false;
-    if (leafcast_range(job->volume, job->field, job->step, range) != LEAFCAST_OK)
+    if (!range_of(job, range))
         return true;
     for (int i = 0; i < view->isos; i++) {
         const double iso = view->surfaces[i].isovalue;

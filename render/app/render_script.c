@@ -189,6 +189,7 @@ status script_load_state(const char *path, view_options *view) {
             if (frame->file[i][0])
                 st = status_describe(ST_USAGE, "%s: \"%s\" is no part of a view", path,
                                      FILE_KEYS[i]);
+        time_options_inherit(&frame->view.time); /* flags may say another one */
         if (st == ST_OK)
             *view = frame->view;
     }

@@ -94,13 +94,34 @@ static status describe_frame(const render_options *o, sequence *s, int number,
     if (step_list_given(&o->steps))
         frame->view.step = step_list_at(&o->steps, (uint64_t)(index / views % steps_of(o)));
     if (st == ST_OK && s->path) {
-        char what[64];
-        snprintf(what, sizeof what, "--camera-path: entry %d", index % views + 1);
+        char what[SCRIPT_PATH_MAX];
+        snprintf(what, sizeof what, "%s: entry %d", o->camera_path, index % views + 1);
         st = script_apply(frame, json_array_get(s->path, (size_t)(index % views)), what);
     }
     if (st == ST_OK)
         st = name_outputs(o, render_options_many(o), number, frame);
     return st;
+}
+
+/* The same of a camera path with times, of which --interpolate draws what is between: a picture
+ * between two steps needs no others, so what is expected are the next ones. */
+static status expect_time(const render_options *o, const sequence *s, const render_job *job,
+                          int number, const script_frame *frame) {
+    enum { LOOK_AHEAD = 256 };
+    const view_options *now = &frame->view;
+    for (int i = number + 1; i < s->count && i <= number + LOOK_AHEAD; i++) {
+        const json_t *entry =
+            json_array_get(s->path, (size_t)(i / turns_of(o)) % json_array_size(s->path));
+        const json_t *at = json_object_get(entry, "time");
+        time_options time = {.given = true, .interpolate = true, .time = json_number_value(at)};
+        uint32_t step = 0;
+        if (!at || time_options_find(&time, job->volume, &step) != ST_OK)
+            return ST_OK; /* none, or one that is refused when it is drawn */
+        const bool is_step = time.between == 0.0;
+        if (is_step ? i == number + 1 : step != now->step || now->time.between == 0.0)
+            return render_job_expect(job, now, step, time.between);
+    }
+    return ST_OK;
 }
 
 /* Say before a picture is drawn which step comes next, as --steps or the camera path says. */
@@ -109,18 +130,20 @@ static status expect_next(const render_options *o, const sequence *s, const rend
     const uint64_t index = (uint64_t)((number + 1) / turns_of(o));
     if (number + 1 >= s->count)
         return ST_OK;
+    if (s->path && frame->view.time.given)
+        return expect_time(o, s, job, number, frame);
     if (s->path) {
         const size_t views = json_array_size(s->path);
         const json_t *step = json_object_get(json_array_get(s->path, index % views), "step");
         const bool known = json_is_integer(step) && json_integer_value(step) >= 0 &&
                            json_integer_value(step) < job->info.steps;
-        return known ? render_job_expect(job, &frame->view, (uint32_t)json_integer_value(step))
+        return known ? render_job_expect(job, &frame->view, (uint32_t)json_integer_value(step), 0.0)
                      : ST_OK;
     }
     if (!step_list_given(&o->steps))
         return ST_OK;
     return render_job_expect(job, &frame->view,
-                             step_list_at(&o->steps, index % (uint64_t)steps_of(o)));
+                             step_list_at(&o->steps, index % (uint64_t)steps_of(o)), 0.0);
 }
 
 /* Open the file, if it is not open. */
@@ -141,7 +164,7 @@ static status spread_path(const render_options *o, json_t **path) {
     if (!o->frames)
         return ST_OK;
     *path = NULL;
-    const status st = keyframes_spread(keys, o->frames, path);
+    const status st = keyframes_spread(keys, o->camera_path, o->frames, path);
     json_decref(keys);
     return st;
 }
@@ -149,11 +172,13 @@ static status spread_path(const render_options *o, json_t **path) {
 /* Load the camera path. Which step a time is, the file says. */
 static status load_path(const render_options *o, render_job *job, json_t **path) {
     status st = script_load_path(o->camera_path, path);
+    if (st == ST_OK && step_list_given(&o->steps))
+        st = key_times_none(*path, o->camera_path, "--steps says the steps");
     if (st != ST_OK || !key_times_any(*path))
         return st == ST_OK ? spread_path(o, path) : st;
     st = open_file(o, job);
     if (st == ST_OK)
-        st = key_times_unify(*path, job->volume);
+        st = key_times_unify(*path, o->camera_path, job->volume);
     if (st == ST_OK)
         st = spread_path(o, path);
     /* With --interpolate, times between steps are drawn themselves. */

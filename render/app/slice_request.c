@@ -64,7 +64,7 @@ status slice_request_set(slice_request *r, int key, const char *text) {
     switch (key) {
     case SLICE_FIELD: return set_field(r, text);
     case SLICE_STEP:
-        r->time.given = false;
+        time_options_step(&r->time);
         return cli_uint(text, "--step", 0, UINT16_MAX, &r->step);
     case SLICE_TIME: return time_options_parse(text, &r->time);
     case SLICE_INTERPOLATE: r->time.interpolate = true; return ST_OK;
@@ -94,9 +94,11 @@ int slice_request_key(const char *name, view_value *value) {
 status slice_request_check(slice_request *r) {
     if (r->coloured && r->look.isos == 0)
         return status_describe(ST_USAGE, "--colour is for isolines: --iso V");
-    if (r->time.interpolate && !r->time.given)
-        return status_describe(ST_USAGE, "--interpolate: at which --time?");
-    const status st = medium_options_check(&r->medium, true);
+    status st = time_options_check(&r->time);
+    if (st == ST_OK && r->time.interpolate && !r->time.given)
+        st = status_describe(ST_USAGE, "--interpolate: at which --time?");
+    if (st == ST_OK)
+        st = medium_options_check(&r->medium, true);
     return st == ST_OK ? slice_options_check(&r->place) : st;
 }
 

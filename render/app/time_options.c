@@ -5,8 +5,23 @@
 #include "formats/base/cli_value.h"
 
 status time_options_parse(const char *text, time_options *t) {
-    t->given = true;
+    t->given = t->names_time = true;
     return cli_finite(text, "--time", -DBL_MAX, DBL_MAX, &t->time);
+}
+
+void time_options_step(time_options *t) {
+    t->given = false;
+    t->names_step = true;
+}
+
+void time_options_inherit(time_options *t) {
+    t->names_step = t->names_time = false;
+}
+
+status time_options_check(const time_options *t) {
+    if (t->names_step && t->names_time)
+        return status_describe(ST_USAGE, "either --step or --time: both say when");
+    return ST_OK;
 }
 
 status time_options_find(time_options *t, const leafcast *volume, uint32_t *step) {

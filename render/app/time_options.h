@@ -8,6 +8,9 @@
 
 typedef struct time_options {
     bool given, interpolate; /* --time and --interpolate were */
+    bool names_step,
+        names_time; /* one command line, line of a script or entry of a path has --step,
+                       --time: it may not have both */
     double time;
     double
         between; /* found: so much of the way from the step to the next; 0 without --interpolate */
@@ -18,8 +21,14 @@ typedef struct time_options {
 #define TIME_OPTIONS_INTERPOLATE \
     "of grids and tets: --time may lie between two steps; all is then linear in time"
 
-/* time_options_parse() - the value of --time. */
+/* time_options_parse() - the value of --time. time_options_step() - --step is given: of both, the
+ * last one counts, where a line of a script names another one than the command line.
+ * time_options_inherit() - what comes next is another line or entry. time_options_check() -
+ * ST_USAGE if one has both. */
 CHECKED status time_options_parse(const char *text, time_options *t);
+void time_options_step(time_options *t);
+void time_options_inherit(time_options *t);
+CHECKED status time_options_check(const time_options *t);
 
 /* time_options_find() - find the step of the given time, and the share of the way to the next one.
  * Without

@@ -398,10 +398,11 @@ static status set_medium(view_options *v, int key, const char *text) {
     }
 }
 
-/* Of --step and --time the last one counts: a line of a script may give the other one. */
 static status set_moment(view_options *v, int key, const char *text) {
     switch (key) {
-    case STEP: v->time.given = false; return cli_uint(text, "--step", 0, UINT16_MAX, &v->step);
+    case STEP:
+        time_options_step(&v->time);
+        return cli_uint(text, "--step", 0, UINT16_MAX, &v->step);
     case TIME: return time_options_parse(text, &v->time);
     case INTERPOLATE: v->time.interpolate = true; return ST_OK;
     default: return ST_AGAIN;
@@ -483,6 +484,7 @@ void view_options_clear(view_options *v, int key) {
 
 void view_options_inherit(view_options *v) {
     v->given &= ~bit_of(VIEW);
+    time_options_inherit(&v->time);
 }
 
 /* ---- all together ---- */
@@ -609,10 +611,10 @@ static status check_flags(const view_options *v, const flag_need *needs, size_t 
     return ST_OK;
 }
 
-status view_options_check_camera(const view_options *v) {
+status view_options_check_either(const view_options *v) {
     if (v->eye && (v->given & bit_of(VIEW)))
         return status_describe(ST_USAGE, "either --view or --eye: both say where the camera is");
-    return ST_OK;
+    return time_options_check(&v->time);
 }
 
 status view_options_only(const view_options *v, const char *names, const char *who) {
@@ -656,7 +658,7 @@ status view_options_check(view_options *v) {
         v->surfaces[i].opacity = 1.0f;
     status st = medium_options_check(&v->medium, v->scene.project != LEAFCAST_PROJECT_NONE);
     if (st == ST_OK)
-        st = view_options_check_camera(v);
+        st = view_options_check_either(v);
     return st == ST_OK ? check_flags(v, NEEDS, sizeof NEEDS / sizeof *NEEDS) : st;
 }
 

@@ -95,8 +95,8 @@ bool view_options_any_medium(const view_options *v);
  * without effect. */
 CHECKED status view_options_check(view_options *v);
 
-/* view_options_check_camera() - check the flags that place the camera. */
-CHECKED status view_options_check_camera(const view_options *v);
+/* view_options_check_either() - check for flags that exclude each other. */
+CHECKED status view_options_check_either(const view_options *v);
 
 /* view_options_only() - returns ST_USAGE for a given flag that is not in `names`, separated by
  * blanks. who: what the flag would not change, for the description. */

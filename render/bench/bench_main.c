@@ -334,7 +334,7 @@ static status check_view(const bench_options *o, const bench_suite *suite) {
     status st = view_options_only(&o->job.view, names, who);
     if (st == ST_OK && o->job.view.isos > 1 && !suite->several)
         st = status_describe(ST_USAGE, "--iso: bench %s draws one isosurface", name);
-    return st == ST_OK ? view_options_check_camera(&o->job.view) : st;
+    return st == ST_OK ? view_options_check_either(&o->job.view) : st;
 }
 
 static status run(bench_options *o) {

@@ -140,7 +140,7 @@ static status check(peers_options *o) {
     const char *const outputs[] = {o->common.output, o->plot};
     status st = check_flags(o);
     if (st == ST_OK)
-        st = o->media ? view_options_check_camera(&o->view) : peer_race_check(&o->view);
+        st = o->media ? view_options_check_either(&o->view) : peer_race_check(&o->view);
     if (st == ST_OK)
         st = file_guard_input(o->common.input);
     for (int i = 0; i < 2 && st == ST_OK; i++) {

@@ -150,7 +150,7 @@ static const public_field shown_rows[] = {
     PUBLIC_NUMBER(leafcast_shown, count, 0, LEAFCAST_SURFACES_MAX, 0),
     {PUBLIC_MEMBER(leafcast_shown, surfaces), .type = PUBLIC_POINTER, .values = 1,
      .counted_by = "count", .element = &surface_table},
-    PUBLIC_NUMBER(leafcast_shown, between, 0, 0x1.fffffffffffffp-1, 0),
+    PUBLIC_NUMBER(leafcast_shown, between, 0, 1, PUBLIC_BELOW),
 };
 static const public_fields shown_table = PUBLIC_TABLE(leafcast_shown, shown_rows);
 

@@ -55,7 +55,7 @@ leafcast_status leafcast_select_between(leafcast *v, uint32_t field, uint32_t st
                                         double between) {
     status st = arguments_check_volume(__func__, v);
     if (st == ST_OK)
-        st = public_in_range(__func__, "between", between, 0.0, nextafter(1.0, 0.0));
+        st = public_below(__func__, "between", between, 0.0, 1.0);
     if (st != ST_OK || between == 0.0)
         return st == ST_OK ? leafcast_select_set(v, field, step) : public_status(st);
     device_lock(v->device);
@@ -67,6 +67,21 @@ leafcast_status leafcast_select_between(leafcast *v, uint32_t field, uint32_t st
     }
     if (st == ST_OK && v->between)
         loader_reset_statistics(v->between->treelets);
+    device_unlock(v->device);
+    return public_status(st);
+}
+
+leafcast_status leafcast_expect_between(leafcast *v, uint32_t field, uint32_t step,
+                                        double between) {
+    status st = arguments_check_volume(__func__, v);
+    if (st == ST_OK)
+        st = public_below(__func__, "between", between, 0.0, 1.0);
+    if (st != ST_OK || between == 0.0)
+        return st == ST_OK ? leafcast_expect_set(v, field, step) : public_status(st);
+    device_lock(v->device);
+    st = between_steps_check(v, field, step, between);
+    if (st == ST_OK && v->between)
+        loader_expect(v->between->treelets, between_steps_set(v->between, field, step, between));
     device_unlock(v->device);
     return public_status(st);
 }

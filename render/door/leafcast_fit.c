@@ -105,7 +105,7 @@ leafcast_status leafcast_fit_view(const leafcast *v, uint32_t field, uint32_t st
     if (st == ST_OK)
         st = check_isovalues(__func__, isovalues, count);
     if (st == ST_OK)
-        st = public_in_range(__func__, "fov", fov, 0.0, nextafter(180.0, 0.0));
+        st = public_below(__func__, "fov", fov, 0.0, 180.0);
     if (st != ST_OK)
         return public_status(st);
     live_hold h;

@@ -1,9 +1,12 @@
-/* leafcast_map.c - counts of wanted, resident and seen treelets: in blocks of the volume, at steps.
+/* leafcast_map.c - counts of wanted, resident and seen treelets: in blocks of the volume, at steps;
+ * and the steps that have a value.
  */
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
 
+#include "formats/leaf/leaf_stats.h"
 #include "render/door/arguments.h"
 #include "render/door/leafcast_device.h"
 #include "render/door/leafcast_volume.h"
@@ -86,8 +89,43 @@ leafcast_status leafcast_map_steps(leafcast *v, uint32_t field, uint32_t steps,
     if (st != ST_OK)
         return public_status(st);
     volume_lock(v, &h);
+    const leafcast *shown = v->is_between ? v->between : v;
     const uint32_t first = leaf_layout_set(&v->file->layout, field, v->live ? v->step : 0);
-    loader_count_sets(v->treelets, first, steps, v->touched, (loader_holding *)holdings);
+    if (shown != v)
+        volume_seek_same(v, shown);
+    loader_count_sets(v->treelets, first, steps, shown->touched, (loader_holding *)holdings);
     volume_unlock(v, &h);
+    return LEAFCAST_OK;
+}
+
+static status check_find(const leafcast *v, uint32_t field, double lo, double hi, uint32_t steps) {
+    status st = public_in_range("leafcast_find_steps", "lo", lo, -DBL_MAX, DBL_MAX);
+    if (st == ST_OK)
+        st = public_in_range("leafcast_find_steps", "hi", hi, lo, DBL_MAX);
+    if (st == ST_OK)
+        st = public_in_range("leafcast_find_steps", "steps", steps, 1, UINT32_MAX);
+    return st == ST_OK ? volume_check_set(v, field, steps - 1) : st;
+}
+
+leafcast_status leafcast_find_steps(const leafcast *v, uint32_t field, double lo, double hi,
+                                    uint32_t steps, uint8_t *has, uint32_t *first) {
+    status st = public_needs(__func__, "volume first", (const void *[]){v, first});
+    if (st == ST_OK)
+        st = check_find(v, field, lo, hi, steps);
+    if (st != ST_OK)
+        return public_status(st);
+    const value_limits at = {value_limits_threshold(lo), value_limits_threshold(hi)};
+    uint32_t found = steps;
+    live_hold h;
+    const uint32_t from = volume_hold(v, 0, &h);
+    for (uint32_t step = 0; step < steps && (has || found == steps); step++) {
+        const uint32_t set = leaf_layout_set(&v->file->layout, field, from + step);
+        const bool here = leaf_stats_meets(v->file, set, at);
+        found = here && found == steps ? step : found;
+        if (has)
+            has[step] = here;
+    }
+    volume_let_go(v, &h);
+    *first = found;
     return LEAFCAST_OK;
 }

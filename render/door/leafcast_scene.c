@@ -100,6 +100,14 @@ void volume_show_beside(const leafcast_shown *s, const interest *beside) {
     loader_reset_statistics(v->treelets);
 }
 
+void volume_seek_same(leafcast *v, const leafcast *other) {
+    memcpy(v->isovalues, other->isovalues, sizeof v->isovalues);
+    v->isovalue_count = other->isovalue_count;
+    v->beside = other->beside;
+    const interest wanted = wanted_of(v);
+    loader_select(v->treelets, &wanted);
+}
+
 static void add_clip(tracer *tr, const double plane[4]) {
     memcpy(tr->clip[tr->clip_count++], plane, sizeof tr->clip[0]);
 }

@@ -53,6 +53,10 @@ void volume_show(leafcast *v, uint32_t field, uint32_t step, const leafcast_surf
                  int count);
 void volume_show_beside(const leafcast_shown *shown, const interest *beside);
 
+/* volume_seek_same() - let rays through v look for what they look for in another volume over the
+ * same treelets. Its set stays. */
+void volume_seek_same(leafcast *v, const leafcast *other);
+
 /* volume_tracer() - set *tr up for rays through what volume_show() selected. c: the camera, for
  * levels of detail by pixels; may be NULL. Fails without any selected surface or medium. */
 CHECKED status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr);

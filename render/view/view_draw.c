@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "formats/base/clock.h"
@@ -56,7 +57,9 @@ struct view_draw {
     bool ending;
     bool refresh;    /* files may have grown */
     int skips, most; /* of refreshes, after one that failed: how many are left, and were at first */
-    int next;        /* the seat whose turn is next */
+    view_stuck *stuck; /* per file */
+    uint32_t reasons;  /* that files were stuck for */
+    int next;          /* the seat whose turn is next */
     view_seat seats[VIEW_SEATS_MAX];
 };
 
@@ -234,9 +237,19 @@ static void clear(view_seat *seat) {
     memset((char *)seat + kept, 0, sizeof *seat - kept);
 }
 
+/* Note how a file's refresh ended. Needs the lock. */
+static void note_refresh(view_draw *d, int file, leafcast_status st) {
+    view_stuck *now = &d->stuck[file];
+    if (st == LEAFCAST_OK) {
+        now->number = 0;
+    } else if (now->number == 0 || strncmp(now->why, view_message_why(), VIEW_WHY_MAX - 1) != 0) {
+        now->number = ++d->reasons;
+        snprintf(now->why, sizeof now->why, "%s", view_message_why());
+    }
+}
+
 /* Take in the steps that have come. What fails leaves a volume as it was, and is tried again ever
- * less often; if its file has changed otherwise, the next picture says so. Releases the lock
- * meanwhile. */
+ * less often. Releases the lock meanwhile. */
 static void refresh_files(view_draw *d) {
     enum { SKIPS_MAX = 63 };
     bool failed = false;
@@ -245,12 +258,14 @@ static void refresh_files(view_draw *d) {
         d->skips--;
         return;
     }
-    pthread_mutex_unlock(&d->lock);
     for (int i = 0; i < d->file_count; i++) {
         uint32_t steps;
-        failed |= leafcast_refresh(d->files[i].volume, &steps) != LEAFCAST_OK;
+        pthread_mutex_unlock(&d->lock);
+        const leafcast_status st = leafcast_refresh(d->files[i].volume, &steps);
+        pthread_mutex_lock(&d->lock);
+        note_refresh(d, i, st);
+        failed |= st != LEAFCAST_OK;
     }
-    pthread_mutex_lock(&d->lock);
     d->most = !failed ? 0 : d->most < SKIPS_MAX ? 2 * d->most + 1 : SKIPS_MAX;
     d->skips = d->most;
 }
@@ -304,6 +319,7 @@ static void release(view_draw *d) {
         view_picture_destroy(d->seats[i].picture);
         view_slices_destroy(d->seats[i].slices);
     }
+    mem_free(d->m, d->stuck);
     view_jpeg_close(d->tools.jpeg);
     pool_destroy(d->tools.threads);
     pthread_cond_destroy(&d->work);
@@ -325,6 +341,9 @@ status view_draw_open(mem *m, const view_file *files, int count, int threads, vi
     pthread_mutex_init(&d->lock, NULL);
     pthread_cond_init(&d->work, NULL);
     status st = pool_create(m, threads, &d->tools.threads);
+    d->stuck = mem_array(m, (size_t)count, sizeof *d->stuck);
+    if (st == ST_OK && !d->stuck)
+        st = ST_NOMEM;
     if (st == ST_OK)
         st = view_jpeg_open(m, &d->tools.jpeg);
     for (int i = 0; i < VIEW_SEATS_MAX && st == ST_OK; i++) {
@@ -439,6 +458,13 @@ void view_seat_residency(view_seat *seat, const view_residency *wanted) {
     pthread_mutex_lock(&seat->draw->lock);
     seat->residency = *wanted;
     pthread_mutex_unlock(&seat->draw->lock);
+}
+
+view_stuck view_seat_stuck(view_seat *seat, int file) {
+    pthread_mutex_lock(&seat->draw->lock);
+    const view_stuck now = seat->draw->stuck[file];
+    pthread_mutex_unlock(&seat->draw->lock);
+    return now;
 }
 
 view_message *view_seat_take(view_seat *seat) {

@@ -28,8 +28,16 @@ CHECKED status view_draw_open(mem *m, const view_file *files, int count, int thr
 void view_draw_close(view_draw *d);
 
 /* view_draw_refresh() - take in the steps that have come to the files (leafcast_refresh()), between
- * two turns. What fails is tried again with the next call. */
+ * two turns. What fails is tried again with a later call. */
 void view_draw_refresh(view_draw *d);
+
+/* Why a file takes in no further steps. number: 0: nothing is wrong; else another one for each
+ * reason. */
+enum { VIEW_WHY_MAX = 512 };
+typedef struct view_stuck {
+    uint32_t number;
+    char why[VIEW_WHY_MAX];
+} view_stuck;
 
 /* view_draw_sit() - returns a free seat; NULL: all are taken, or no memory. view_draw_leave() - end
  * what is drawn for the seat and free it; NULL is allowed. */
@@ -54,6 +62,9 @@ typedef struct view_residency {
     bool map, steps;
 } view_residency;
 void view_seat_residency(view_seat *seat, const view_residency *wanted);
+
+/* view_seat_stuck() - whether a file could not be refreshed the last time. */
+view_stuck view_seat_stuck(view_seat *seat, int file);
 
 /* view_seat_take() - returns the next message for the client, which the caller owns; NULL: none
  * yet. view_seat_any() - returns whether there is one. */

@@ -64,3 +64,41 @@ json_t *view_map_steps(mem *m, leafcast *volume, uint32_t field) {
     mem_free(m, map);
     return out;
 }
+
+/* Set has[] where any of the isovalues is. some: room for as many. */
+static bool find_marks(const view_marks *marks, uint8_t *has, uint8_t *some) {
+    uint32_t first;
+    bool found = has && some;
+    for (int i = 0; i < marks->count && found; i++) {
+        const double v = marks->isovalues[i];
+        found = leafcast_find_steps(marks->volume, marks->field, v, v, marks->steps, some,
+                                    &first) == LEAFCAST_OK;
+        for (uint32_t step = first; step < marks->steps && found; step++)
+            has[step] |= some[step];
+    }
+    return found;
+}
+
+/* List the runs of steps that have it, first and last one. */
+static json_t *runs(const uint8_t *has, uint32_t steps) {
+    json_t *out = json_array();
+    for (uint32_t step = 0, end; step < steps; step = end) {
+        end = step + 1;
+        while (end < steps && has[end] == has[step])
+            end++;
+        if (has[step])
+            json_array_append_new(out, json_pack("[I,I]", (json_int_t)step, (json_int_t)end - 1));
+    }
+    return out;
+}
+
+json_t *view_map_marks(mem *m, const view_marks *marks) {
+    uint8_t *has = mem_zalloc(m, marks->steps), *some = mem_alloc(m, marks->steps);
+    json_t *out = NULL;
+    if (find_marks(marks, has, some))
+        out = json_pack("{s:s,s:I,s:o}", "type", "present", "steps", (json_int_t)marks->steps, "at",
+                        marks->count > 0 ? runs(has, marks->steps) : json_null());
+    mem_free(m, some);
+    mem_free(m, has);
+    return out;
+}

@@ -19,4 +19,16 @@ json_t *view_map_describe(mem *m, leafcast *volume, uint32_t level, const leafca
  * NULL: no memory, or no such field. */
 json_t *view_map_steps(mem *m, leafcast *volume, uint32_t field);
 
+/* Isovalues of a field, of which a page marks the steps. */
+typedef struct view_marks {
+    const leafcast *volume;
+    uint32_t field, steps;
+    int count;
+    double isovalues[LEAFCAST_SURFACES_MAX];
+} view_marks;
+
+/* view_map_marks() - returns the first `steps` steps that have any of them, by
+ * leafcast_find_steps(), as the message `present`. NULL: no memory, or no such field or steps. */
+json_t *view_map_marks(mem *m, const view_marks *marks);
+
 #endif

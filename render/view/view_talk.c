@@ -5,6 +5,7 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
+#include "render/view/view_map.h"
 #include "render/view/view_slice_state.h"
 #include "render/view/view_state.h"
 
@@ -17,7 +18,8 @@ struct view_talk {
     view_seat *seat;
     const view_file *files;
     int file_count, file; /* file_count files; `file` is shown */
-    uint32_t steps;       /* that the page was told of */
+    uint32_t steps;       /* that the page was told of; */
+    uint32_t stuck;       /* and why there are no further ones (view_stuck) */
     const view_machine *machine;
     const view_life *life;
     uint64_t client;
@@ -26,6 +28,8 @@ struct view_talk {
     size_t received, told; /* bytes of the message that arrives, and of the last one that arrived */
     view_wish wish;
     view_slice_wish slice;
+    bool marks_steps; /* the page marks the steps that have the isovalues; */
+    view_marks marks; /* those that it was told of last */
     char text[VIEW_HEARD_MAX];
 };
 
@@ -35,6 +39,34 @@ static void tell(view_talk *t, json_t *object) {
     if (message)
         view_queue_push(&t->queue, message);
 }
+
+/* ---- Steps that have the isovalues ---- */
+
+static bool same_marks(const view_marks *a, const view_marks *b) {
+    bool same = a->volume == b->volume && a->field == b->field && a->steps == b->steps &&
+                a->count == b->count;
+    for (int i = 0; i < a->count && same; i++)
+        same = a->isovalues[i] == b->isovalues[i];
+    return same;
+}
+
+/* Tell a page that marks steps where the newest view's isovalues are, unless it was told. */
+static void tell_marks(view_talk *t) {
+    const view_options *view = &t->wish.view;
+    view_marks now = {.volume = t->wish.volume, .steps = t->steps, .count = view->isos};
+    if (!t->marks_steps || now.volume != t->files[t->file].volume || now.steps < 2 ||
+        t->queue.count >= VIEW_TEXTS_MAX ||
+        view_options_field(view, now.volume, &now.field) != ST_OK)
+        return;
+    for (int i = 0; i < now.count; i++)
+        now.isovalues[i] = view->surfaces[i].isovalue;
+    if (same_marks(&now, &t->marks))
+        return;
+    t->marks = now;
+    tell(t, view_map_marks(t->m, &now));
+}
+
+/* ---- The volume ---- */
 
 /* type: "volume", or "grown": of the one that is shown, which has further steps. */
 static void tell_volume(view_talk *t, const char *type) {
@@ -124,6 +156,7 @@ static status receive_view(view_talk *t, const json_t *message, double *number) 
     w->where = json_is_true(json_object_get(message, "where"));
     w->asked = clock_seconds();
     view_seat_want(t->seat, w);
+    tell_marks(t);
     return ST_OK;
 }
 
@@ -232,6 +265,9 @@ static status receive_message(view_talk *t, const json_t *message, double *numbe
         const view_residency wanted = {json_is_true(json_object_get(message, "on")),
                                        json_is_true(json_object_get(message, "steps"))};
         view_seat_residency(t->seat, &wanted);
+        t->marks_steps = wanted.steps;
+        t->marks = (view_marks){0}; /* what shows them may be new */
+        tell_marks(t);
         return ST_OK;
     }
     return wrong("type");
@@ -277,11 +313,24 @@ view_talk_result view_talk_receive(view_talk *t, const void *bytes, size_t size,
     return VIEW_TALK_FINE;
 }
 
+/* Tell the page why its file takes in no further steps, or that it does again. Returns whether it
+ * did not know. */
+static bool tell_stuck(view_talk *t) {
+    const view_stuck now = view_seat_stuck(t->seat, t->file);
+    if (now.number == t->stuck)
+        return false;
+    t->stuck = now.number;
+    tell(t, json_pack("{s:s,s:s?}", "type", "stuck", "why", now.number ? now.why : NULL));
+    return true;
+}
+
 bool view_talk_follow(view_talk *t) {
     const bool grown = leafcast_describe(t->files[t->file].volume).steps != t->steps;
-    if (grown)
+    if (grown) {
         tell_volume(t, "grown");
-    return grown;
+        tell_marks(t);
+    }
+    return tell_stuck(t) || grown;
 }
 
 view_message *view_talk_next(view_talk *t) {

@@ -29,8 +29,8 @@ typedef enum view_talk_result {
  * end the talk. */
 view_talk_result view_talk_receive(view_talk *t, const void *bytes, size_t size, bool last);
 
-/* view_talk_follow() - if the file that is shown has other steps than the page was told of, tell
- * it. Returns whether it had. */
+/* view_talk_follow() - if the file that is shown has other steps than the page was told of, or
+ * takes in no further ones, tell it. Returns whether anything was told. */
 bool view_talk_follow(view_talk *t);
 
 /* view_talk_next() - returns the next message for the page, which the caller owns; NULL: none yet.

@@ -93,6 +93,24 @@ ok "has a share" json "$tmp/out" 'j["between"] == 0.25 and j["inside"]'
 exits "a slice of a mesh" 0 "$leafcast" slice "$tmp/b.leaf" --time 0.25 --interpolate -o "$tmp/sb.ppm" --json
 ok "tells its time, too" json "$tmp/out" '(j["step"], j["between"], j["time"]) == (0, 0.25, 0.25)'
 
+# What has a surface between steps may have none in the step before: values of 0 to 15, then of 100 to 115.
+python3 -c 'import sys
+for step in range(2):
+    open(f"{sys.argv[1]}/u{step}_16x16x16_u8.raw", "wb").write(bytes(100 * step + i % 16 for i in range(4096)))' "$tmp"
+run "$leafcast" convert "$tmp/u0_16x16x16_u8.raw" "$tmp/u1_16x16x16_u8.raw" -o "$tmp/u.leaf" -q
+exits "a surface that only is between" 0 "$leafcast" render "$tmp/u.leaf" --iso 58 --time 0.5 --interpolate --size 8x8 -o "$tmp/u.ppm"
+ok "is not said to be missing" sh -c "! grep -q 'no surface' '$tmp/err'"
+exits "one that is nowhere" 0 "$leafcast" render "$tmp/u.leaf" --iso 300 --time 0.5 --interpolate --size 8x8 -o "$tmp/u.ppm" --force
+ok "is said to be missing, by the values of both steps" says "no surface at isovalue 300: the values are 0 to 115"
+
+# Between steps, a picture needs more room than one of a step: the budget that is named suffices.
+exits "a budget too small" 4 "$leafcast" render "$tmp/d.leaf" --iso 100 --size 300x200 --time 4 --interpolate --memory 200K --threads 1 -o "$tmp/x.png" -q
+named=$(sed -n 's/.*: \([0-9]*\) bytes would do.*/\1/p' "$tmp/err")
+ok "names one" [ -n "$named" ]
+exits "with that one" 0 "$leafcast" render "$tmp/d.leaf" --iso 100 --size 300x200 --time 4 --interpolate --memory "$named" --threads 1 -o "$tmp/x.png" -q
+rm -f "$tmp/x.png"
+exits "with less" 4 "$leafcast" render "$tmp/d.leaf" --iso 100 --size 300x200 --time 4 --interpolate --memory $((named - 1)) --threads 1 -o "$tmp/x.png" -q
+
 refused() { # refused NAME TEXT CODE ARGUMENT...
     name=$1
     text=$2
@@ -107,5 +125,13 @@ refused "behind all steps" "the steps have times from 1 to 6" 2 probe "$tmp/d.le
 refused "at which time" "at which --time" 2 render "$tmp/d.leaf" --iso 100 --interpolate -o "$tmp/x.png"
 refused "at which time, a slice" "at which --time" 2 slice "$tmp/d.leaf" --interpolate -o "$tmp/x.png"
 refused "a time of many steps" "either --time or --steps" 2 render "$tmp/d.leaf" --iso 100 --time 2 --steps 0:1 -o "$tmp/x.png"
+refused "step and time" "either --step or --time" 2 render "$tmp/d.leaf" --iso 100 --step 1 --time 2 -o "$tmp/x.png"
+refused "time and step" "either --step or --time" 2 render "$tmp/d.leaf" --iso 100 --time 3 --interpolate --step 1 -o "$tmp/x.png"
+refused "of a slice" "either --step or --time" 2 slice "$tmp/d.leaf" --time 3 --interpolate --step 0 -o "$tmp/x.png"
+refused "of a probe" "either --step or --time" 2 probe "$tmp/d.leaf" --iso 100 --at 9,9 --size 20x20 --step 0 --time 2
+refused "of a point" "either --step or --time" 2 probe "$tmp/d.leaf" --point 1,1,1 --step 0 --time 2
+echo '{"time": 2, "step": 1, "depth-f64": "'"$tmp"'/x.png"}' >"$tmp/lines"
+exits "of a line" 1 "$leafcast" render "$tmp/d.leaf" --iso 100 --script "$tmp/lines"
+ok "of a line: it says why" grep -q "either --step or --time" "$tmp/out" "$tmp/err"
 ok "nothing was written" [ ! -e "$tmp/x.png" ]
 finish

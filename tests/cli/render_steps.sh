@@ -75,14 +75,28 @@ ok "none is late by rounding" json "$tmp/k7.json" '[f["step"] for f in j["frames
 while IFS='|' read -r what keys words; do
     echo "$keys" >"$tmp/keys.json"
     exits "a path with $what" 2 "$leafcast" render "$tmp/b.leaf" $view --camera-path "$tmp/keys.json" --frames 3 --depth-f64 "$tmp/y"
-    ok "$what: says so" says "entry 2: $words" err
+    ok "$what: says so" says "keys.json: entry 2: $words" err
 done <<END
 a time too late|[{"time": 0}, {"time": 2.5}]|time 2.5: the steps go from 0 to 2
 one too early|[{"time": 0}, {"time": -1}]|time -1: the steps go from 0 to 2
 one that is none|[{"time": 0}, {"time": "soon"}]|"time" is no number
 time and step|[{"time": 0}, {"time": 1, "step": 1}]|either "time" or "step"
+no view|[{"time": 0}, 7]|not a JSON object
 no such step|[{"time": 0}, {"step": 9}]|no such "step"
 END
+
+# Each picture would be drawn once for each step, all the same.
+for keys in '[{"fov": 30}, {"time": 1}]' '[{"fov": 30}, {"step": 1}]'; do
+    echo "$keys" >"$tmp/keys.json"
+    exits "a path with $keys, and --steps" 2 "$leafcast" render "$tmp/b.leaf" $view --camera-path "$tmp/keys.json" --steps 0:1 --depth-f64 "$tmp/y"
+    ok "says so of $keys" says 'keys.json: entry 2: .*--steps says the steps' err
+done
+echo '[{"fov": 30}, 7]' >"$tmp/keys.json"
+exits "an entry that is none" 2 "$leafcast" render "$tmp/b.leaf" $view --camera-path "$tmp/keys.json" --frames 3 --depth-f64 "$tmp/y"
+ok "an entry that is none: its file, too" says 'keys.json: entry 2: not a JSON object' err
+echo '[{"fov": 30}, {"eyes": 1}]' >"$tmp/keys.json"
+exits "an entry that is wrong" 2 "$leafcast" render "$tmp/b.leaf" $view --camera-path "$tmp/keys.json" --depth-f64 "$tmp/y"
+ok "is told, with its file" says 'keys.json: entry 2: there is no "eyes"' err
 
 exits "steps beyond the end" 2 "$leafcast" render "$tmp/b.leaf" $view --steps 2:4 --depth-f64 "$tmp/y"
 ok "are told before anything is drawn" [ ! -e "$tmp/y_0000" ]

@@ -76,12 +76,21 @@ static leafcast_status select_between(calls_lab *l) {
     return leafcast_select_between(P(VOLUME), l->field, l->step, 0.0);
 }
 
+static leafcast_status expect_between(calls_lab *l) {
+    return leafcast_expect_between(P(VOLUME), l->field, l->step, 0.0);
+}
+
 static leafcast_status find_time(calls_lab *l) {
     return leafcast_find_time(P(VOLUME), 0.0, P(COUNT), P(NUMBERS));
 }
 
 static leafcast_status map_steps(calls_lab *l) {
     return leafcast_map_steps(P(VOLUME), l->field, l->step + 1, P(FOUND));
+}
+
+static leafcast_status find_steps(calls_lab *l) {
+    return leafcast_find_steps(P(VOLUME), l->field, 0.0, l->distance, l->step + 1, P(FOUND),
+                               P(COUNT));
 }
 
 static leafcast_status refresh(calls_lab *l) {
@@ -268,8 +277,10 @@ const public_call *public_calls(int *count) {
         {"leafcast_select_set", select_set, BIT(VOLUME), 0, 0, NULL},
         {"leafcast_expect_set", expect_set, BIT(VOLUME), 0, 0, NULL},
         {"leafcast_select_between", select_between, BIT(VOLUME), 0, 0, NULL},
+        {"leafcast_expect_between", expect_between, BIT(VOLUME), 0, 0, NULL},
         {"leafcast_find_time", find_time, BIT(VOLUME) | BIT(COUNT) | BIT(NUMBERS), 0, 0, NULL},
         {"leafcast_map_steps", map_steps, BIT(VOLUME) | BIT(FOUND), 0, 0, NULL},
+        {"leafcast_find_steps", find_steps, BIT(VOLUME) | BIT(COUNT), 0, 0, NULL},
         {"leafcast_refresh", refresh, BIT(VOLUME) | BIT(COUNT), 0, 0, NULL},
         {"leafcast_find_field", find_field, BIT(VOLUME) | BIT(TEXT) | BIT(COUNT), 0, 0, NULL},
         {"leafcast_map_treelets", map_treelets, BIT(VOLUME) | BIT(BLOCKS) | BIT(FOUND), 0, 0, NULL},

@@ -61,6 +61,29 @@ def held(b):
        b.js("return [...leafcast.data.held.getContext('2d').getImageData(0, 0, 1, 1).data]") == [124, 196, 143, 255])
 
 
+STRIP = """const c = leafcast.data.present, d = c.getContext("2d").getImageData(0, 0, c.width, 1).data;
+return [...Array(c.width).keys()].filter(k => d[4 * k] > 200)"""
+
+
+def marked(b):
+    """The other strip: the steps that have the isovalue, and others when that is another."""
+    strips = []
+    least = sorted(set(b.js("return leafcast.surfaces.field.steps.map(s => s.histogram.edges[0])")))
+    for value in (128, least[len(least) // 2], 300):
+        b.js("leafcast.data.marked = null; leafcast.surfaces.set(0, arguments[0], true)", value)
+        told = b.until("return leafcast.data.marked !== null") and b.js("return leafcast.data.marked")
+        strips.append(b.js(STRIP))
+        ok(f"marked: what is told of {value}", strips[-1] == [k for f, l in told for k in range(f, l + 1)])
+        label = b.js("return leafcast.data.present.getAttribute('aria-label')")
+        ok(f"marked: said in words: {label}", label.startswith(f"Isovalues: in {len(strips[-1])} of {len(INPUTS)} steps"))
+    ok(f"marked: not the same of all {[len(x) for x in strips]}", len(strips[0]) > len(strips[1]) > len(strips[2]) == 0)
+    b.js("leafcast.surfaces.list[0].on = false; leafcast.media.mode('media')")
+    ok("marked: nothing without surfaces", b.until("return leafcast.data.present.hidden"))
+    b.js("leafcast.media.mode('off'); leafcast.surfaces.list[0].on = true; leafcast.surfaces.set(0, arguments[0], true)",
+         b.js("return leafcast.surfaces.step.suggested[0]"))
+    ok("marked: and again with some", b.until("return !leafcast.data.present.hidden") and b.until(FINAL))
+
+
 def append(path, *inputs):
     subprocess.run([leafcast, "convert", "--append", *inputs, "-o", path, "-q"], check=True)
 
@@ -91,6 +114,18 @@ def grows(b, path):
     ok("facts are told anew", b.js("""return [...document.querySelectorAll("#data dt")]
         .some(e => e.textContent === "time steps" && e.nextSibling.textContent === "5")"""))
     ok("without opening it again", b.js("return window.before"))
+    with open(path, "r+b") as f:  # a first header that is wrong for a while
+        f.seek(1520)
+        right = f.read(1)
+        for byte in bytes([right[0] + 1]), right:
+            f.seek(1520)
+            f.write(byte)
+            f.flush()
+            told = b.until("return document.getElementById('stuck').hidden === arguments[0]", byte == right)
+            line = b.js("return document.getElementById('stuck').textContent")
+            ok(f"why no further steps come is in the status line: '{line}'", told and
+               line.startswith("no further steps: grown.leaf" if byte != right else ""))
+    ok("and then no longer", line == "")
 
 
 def main():
@@ -99,6 +134,7 @@ def main():
     s = Server([leafcast, "view", folder + "/all.leaf"])
     b.open(s.url)
     held(b)
+    marked(b)
     plays(b)
     ok("in memory: all, once all were shown", b.js("return leafcast.data.shares.every(s => s > 0)"))
     s.stop()

@@ -5,7 +5,7 @@ what render draws of its step.
 FOLDER has s_NNNN.nrrd and all.leaf, of all steps. A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at
 last.
 """
-import glob, os, subprocess, sys, time
+import glob, json, os, subprocess, sys, time
 
 from view_client import Page, Server, ends, ok, png_pixels
 
@@ -65,6 +65,56 @@ def held(s):
     page.close()
 
 
+def steps_with(path, isos):
+    """The steps that have any of the isovalues, in runs, as info tells them."""
+    told = json.loads(subprocess.run([leafcast, "info", path, "--json", "--steps", "all", *(f"--iso={v}" for v in isos)],
+                                     capture_output=True, check=True).stdout)
+    steps = sorted({k for row in told["isovalues"] for first, last in row["at_steps"] for k in range(first, last + 1)})
+    starts = [k for k in steps if k - 1 not in steps]
+    return [[k, next(n for n in range(k, steps[-1] + 1) if n + 1 not in steps)] for k in starts]
+
+
+def marked(s, path):
+    """The steps that have the view's isovalues are told, to who asks for it, whenever these are others."""
+    page = Page(s)
+    steps, field = len(page.volume["steps"]), page.volume["fields"][0]
+    low, high = field["range"]
+    least = sorted({told["histogram"]["edges"][0] for told in field["steps"]})  # of some steps less, of some more
+    state = {k: v for k, v in page.volume["state"].items() if k != "iso"}
+    isos = [[v] for v in ((low + high) / 2, least[1], least[len(least) // 2], least[-1], high + 1)]
+    isos.append([isos[1][0], isos[2][0], high + 1])
+
+    def told(of, **more):
+        page.view(page.number + 1, dict(state, iso=of, **more), W, H)
+        return page.text("present")
+
+    page.view(1, dict(state, iso=isos[0]), W, H)
+    page.final()
+    page.send({"type": "residency", "on": False, "steps": True})
+    first = page.text("present")
+    ok(f"marks: what is shown when they are asked for: {first}", first["at"] == steps_with(path, isos[0]) and
+       set(first) == {"type", "steps", "at"} and first["steps"] == steps)
+    got = [told(v)["at"] for v in isos[1:]]
+    ok(f"marks: as info tells them {[len(g) for g in got]}", got == [steps_with(path, v) for v in isos[1:]])
+    ok("marks: not of all steps, nor of none", any([[0, steps - 1]] != g != [] for g in got) and got[-2] == [])
+    for more in {"step": 5}, {"step": 5, "fov": 20}, {"step": 6, "ambient": 0.5}:
+        page.view(page.number + 1, dict(state, iso=isos[-1], **more), W, H)
+    page.final()
+    page.send({"type": "open", "file": 0})
+    kinds = []
+    while not kinds or kinds[-1] != "volume":
+        what, message = page.message()
+        kinds.append(message["type"] if what == "text" else what)
+    ok(f"marks: not told again of the same {kinds}", "present" not in kinds)
+    ok("marks: nor without isovalues", told([], tf="auto")["at"] is None)
+    ok("marks: and again with some", told(isos[1])["at"] == got[0])
+    page.send({"type": "residency", "on": False, "steps": False})
+    page.view(page.number + 1, dict(state, iso=isos[2]), W, H)
+    page.final()
+    ok("marks: no longer told who asks for none", not page.waits(0.3))
+    page.close()
+
+
 def append(path, *inputs):
     subprocess.run([leafcast, "convert", "--append", *inputs, "-o", path, "-q"], check=True)
 
@@ -84,11 +134,16 @@ def grows(s, path):
     ok("drawn", drawn(page, state, 1) == want[1])
     page.view(page.number + 1, dict(state, step=FIRST), W, H)
     ok("none beyond", "step" in page.text("refused")["why"])
+    other.view(1, state, W, H)
+    other.send({"type": "residency", "on": False, "steps": True})
+    ok("marked", other.text("present")["at"] == steps_with(path, state["iso"]))
     append(path, INPUTS[FIRST])
     grown = page.text("grown")
     ok("one more is told", len(grown["steps"]) == FIRST + 1 and grown["which"] == 0 and
        set(grown) == set(volume) and grown["file_bytes"] > volume["file_bytes"])
     ok("to each page", len(other.text("grown")["steps"]) == FIRST + 1)
+    more = other.text("present")
+    ok(f"which marks it {more}", more["steps"] == FIRST + 1 and more["at"] == steps_with(path, state["iso"]))
     ok("and not again", not page.waits(1.5))
     ok("and drawn", drawn(page, state, FIRST) == want[FIRST])
     ok("so are the others", all(drawn(page, state, k) == want[k] for k in range(FIRST)))
@@ -98,8 +153,22 @@ def grows(s, path):
     ok("two more", len(page.text("grown")["steps"]) == FIRST + 3)
     ok("who comes later is told of all", len(Page(s).volume["steps"]) == FIRST + 3)
     ok("they are drawn", drawn(page, state, FIRST + 2) == want[FIRST + 2])
-    page.close()
     other.close()
+    with open(path, "r+b") as f:  # the first header says how many segments there are, and has a checksum
+        head = bytearray(f.read(4096))
+        for byte in head[1520] + 1, head[1520]:
+            f.seek(1520)
+            f.write(bytes([byte]))
+            f.flush()
+            why = page.text("stuck")["why"]
+            if byte != head[1520]:
+                ok(f"why none can be taken in is told: {why}", why.startswith("grown.leaf changed") and not page.waits(2.5))
+                late = Page(s)
+                ok("to who comes later, too", late.text("stuck")["why"] == why)
+                late.close()
+    ok("and that they can again", why is None)
+    ok("what is drawn is drawn", drawn(page, state, 1) == want[1])
+    page.close()
     os.replace(folder + "/all.leaf", path)
     page = Page(s)
     page.view(1, dict(state, step=0), W, H)
@@ -110,6 +179,7 @@ def grows(s, path):
 def main():
     s = Server([leafcast, "view", folder + "/all.leaf"])
     held(s)
+    marked(s, folder + "/all.leaf")
     ends(s, "after that")
     s = Server([leafcast, "view", folder + "/all.leaf"])
     twice(s, folder + "/all.leaf")

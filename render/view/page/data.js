@@ -1,6 +1,6 @@
 // data.js - which file, field and time step is shown; steps play one after another, none left out.
 import {byId, bytes, check, choice, element, short, slider} from "./dom.js";
-import {ABSENT, HERE, NOTHING, mix} from "./treelets.js";
+import {ABSENT, HERE, NOTHING, SEEN, mix} from "./treelets.js";
 
 export class Data {
   constructor(app) {
@@ -35,7 +35,9 @@ export class Data {
     this.time = element("span", {class: "hint"});
     this.held = element("canvas", {id: "steps-held", role: "img", "aria-label": "Steps in memory: not known yet",
       title: "Steps in memory, as far as this view needs them. Green: all; orange: some; grey: nothing."});
-    this.slider.append(this.held);
+    this.present = element("canvas", {id: "steps-present", role: "img", hidden: true,
+      title: "Steps where the surfaces' isovalues are, as far as the file's directory tells: white. Dark: nowhere in that step."});
+    this.slider.append(this.present, this.held);
     this.button = element("button", {id: "play", "aria-pressed": "false", onclick: () => this.playing ? this.stop() : this.play()},
       "Play");
     const step = by => () => { this.stop(); this.go((d.step + by + v.steps.length) % v.steps.length, false); };
@@ -74,6 +76,22 @@ export class Data {
     });
     this.held.setAttribute("aria-label", `Steps in memory: ${whole} of ${wanted.length} as a whole, ` +
       `${this.shares.filter(s => s > 0 && s < 1).length} in part`);
+  }
+
+  // The steps that have any of the isovalues, in runs; null: there are none to mark.
+  mark({steps, at}) {
+    if (!this.present?.isConnected) return;
+    this.present.hidden = !at;
+    this.marked = at;
+    if (!at) return;
+    this.present.width = steps;
+    this.present.height = 1;
+    const context = this.present.getContext("2d"), count = at.reduce((sum, [from, to]) => sum + to - from + 1, 0);
+    context.fillStyle = mix(NOTHING);
+    context.fillRect(0, 0, steps, 1);
+    context.fillStyle = SEEN;
+    for (const [from, to] of at) context.fillRect(from, 0, to - from + 1, 1);
+    this.present.setAttribute("aria-label", `Isovalues: in ${count} of ${steps} steps${count ? `, first in step ${at[0][0]}` : ""}`);
   }
 
   newest() {

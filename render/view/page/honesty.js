@@ -52,6 +52,13 @@ export class Honesty {
     }, 0);
   }
 
+  // Why no further steps come to the file that is shown; null: they may.
+  stuck(why) {
+    const line = byId("stuck");
+    line.hidden = !why;
+    line.textContent = line.title = why ? `no further steps: ${why}` : "";
+  }
+
   mark(text, kind) {
     const mark = byId("exact");
     if (mark.textContent !== text) mark.textContent = text;

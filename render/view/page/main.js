@@ -51,7 +51,9 @@ class App {
     const on = (type, f) => this.link.addEventListener(type, event => f(event.detail));
     on("volume", volume => { this.crash.connected(volume); this.show(volume); });
     on("steps", held => this.data.hold(held));
+    on("present", marks => this.data.mark(marks));
     on("grown", volume => { if (volume.which === this.volume?.which) this.grow(volume); });
+    on("stuck", ({why}) => this.honesty.stuck(why));
     on("picture", ({head, bitmap, latency}) => {
       this.screen.show(head, bitmap);
       this.honesty.picture(head, latency);

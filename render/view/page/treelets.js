@@ -5,7 +5,7 @@ import {element} from "./dom.js";
 const SIDES = [["x", "y", 0, 1, 2], ["x", "z", 0, 2, 1], ["y", "z", 1, 2, 0]];
 const UNIT = 6, GAP = 10, TEXT = 14; // pixels: of a block, between sides, of a side's name
 export const NOTHING = [42, 46, 53], ABSENT = [227, 169, 79], HERE = [124, 196, 143];
-const SEEN = "#f4f6f8";
+export const SEEN = "#f4f6f8";
 
 export const mix = (a, b = a, t = 0) => `rgb(${a.map((x, i) => Math.round(x + t * (b[i] - x)))})`;
 

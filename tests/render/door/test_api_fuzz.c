@@ -248,6 +248,9 @@ static void call_select(world *w) {
     begin("leafcast_refresh");
     uint32_t steps;
     (void)ended(leafcast_refresh(v, &steps));
+    begin("leafcast_expect_between");
+    (void)ended(leafcast_expect_between(v, (uint32_t)below(w, 3), (uint32_t)below(w, 4),
+                                        api_number(&w->r, 0.5)));
     begin("leafcast_expect_set");
     (void)ended(leafcast_expect_set(v, (uint32_t)below(w, 3), (uint32_t)below(w, 4)));
 }
@@ -419,6 +422,12 @@ static void call_facts(world *w) {
     leafcast_holding holdings[8];
     begin("leafcast_map_steps");
     (void)ended(leafcast_map_steps(v, (uint32_t)below(w, 3), (uint32_t)below(w, 8), holdings));
+    uint8_t has[8];
+    const double lo = api_number(&w->r, 0);
+    begin("leafcast_find_steps");
+    (void)ended(leafcast_find_steps(v, (uint32_t)below(w, 3), lo, api_number(&w->r, lo),
+                                    (uint32_t)below(w, 8), api_chance(&w->r, 2) ? has : NULL,
+                                    &number));
     begin("leafcast_map_treelets");
     (void)ended(leafcast_map_treelets(v, (uint32_t)below(w, 4), blocks, map));
     begin("leafcast_range");

@@ -11,9 +11,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/leaf_between.h"
+#include "render/door/leafcast_volume.h"
 #include "render/leafcast_experimental.h"
 #include "tests/support/between_lab.h"
 #include "tests/support/fields.h"
@@ -71,6 +73,79 @@ static void test_reading(void **state) {
     }
 }
 
+/* How much of each step is in memory is told behind a picture of a time between, too: by what its
+ * rays saw, and its isovalue. Only of steps that were drawn themselves anything is. */
+static void test_map(void **state) {
+    (void)state;
+    between_lab *s = between_lab_make(&between_kinds[0]);
+    leafcast *v = between_lab_open(s->series, NULL, s->iso + 40);
+    const leafcast_surface surface = leafcast_surface_default(s->iso);
+    leafcast_holding map[BETWEEN_STEPS], steps[BETWEEN_STEPS];
+    between_lab_fine(leafcast_select_between(v, 0, 1, 0.5));
+    between_lab_fine(leafcast_select(v, &surface, 1));
+    (void)draw(s, v, 1, 0.5);
+    between_lab_fine(leafcast_map_steps(v, 0, BETWEEN_STEPS, map));
+    for (int step = 0; step < BETWEEN_STEPS; step++)
+        assert_true(map[step].wanted > 0 && map[step].resident == 0);
+    leafcast *plain = between_lab_open(s->series, NULL, s->iso);
+    (void)draw(s, plain, 1, 0);
+    between_lab_fine(leafcast_map_steps(plain, 0, BETWEEN_STEPS, steps));
+    /* Rays see much the same treelets; half a step further, some more or less. */
+    assert_true(map[1].wanted * 4 >= steps[1].wanted * 3 &&
+                map[1].wanted * 3 <= steps[1].wanted * 4);
+    assert_int_equal(steps[1].resident, steps[1].wanted);
+    const leafcast_stats step = draw(s, v, 1, 0);
+    assert_int_equal(step.treelets_active, draw(s, plain, 1, 0).treelets_active);
+    assert_true(step.treelets_loaded > 0);
+    (void)draw(s, v, 0, 0.5);
+    between_lab_fine(leafcast_map_steps(v, 0, BETWEEN_STEPS, map));
+    assert_true(map[1].resident > 0 && map[1].wanted > 0);
+    leafcast_close(plain);
+    leafcast_close(v);
+    between_lab_free(s);
+}
+
+static uint64_t early_of(const leafcast *v) {
+    return v->between ? loader_statistics(v->between->treelets).early : 0;
+}
+
+/* A time between the next two steps that is expected is read once a picture is complete: of the
+ * step that is there nothing. It counts in its own picture. */
+static void test_expected(void **state) {
+    (void)state;
+    between_lab *s = between_lab_make(&between_kinds[5]);
+    const leafcast_options o = {.size = sizeof o, .threads = 2};
+    leafcast *plain = between_lab_open(s->series, &o, s->iso),
+             *v = between_lab_open(s->series, &o, s->iso);
+    for (uint32_t step = 0; step < 4; step++) /* as many sets as there are, and one anew */
+        (void)draw(s, plain, step, 0.5);
+    const leafcast_stats alone = draw(s, plain, 4, 0.5);
+    assert_true(alone.treelets_loaded > 3);
+    for (uint32_t step = 0; step < 4; step++) {
+        between_lab_fine(leafcast_expect_between(v, 0, step + 1, 0.5));
+        (void)draw(s, v, step, 0.25);
+        const uint64_t before = early_of(v);
+        (void)draw(s, v, step, 0.75);
+        uint64_t early = early_of(v);
+        for (int i = 0; i < 10000 && step != 1 && early == before; i++) {
+            between_lab_fine(leafcast_expect_between(v, 0, step + 1, 0.5));
+            (void)draw(s, v, step, 0.5);
+            nanosleep(&(struct timespec){0, 1000000}, NULL);
+            early = early_of(v);
+        }
+        assert_true(early > before || step == 1); /* steps 2 and 3 are mostly the same */
+    }
+    const leafcast_stats next = draw(s, v, 4, 0.5);
+    assert_true(next.treelets_loaded <= alone.treelets_loaded);
+    assert_true(draw(s, v, 4, 0.5).bytes_read_ever == next.bytes_read_ever);
+    between_lab_refused(leafcast_expect_between(v, 0, BETWEEN_STEPS - 1, 0.5), LEAFCAST_USAGE,
+                        "no next one");
+    between_lab_refused(leafcast_expect_between(v, 0, 0, 1), LEAFCAST_USAGE, "below 1");
+    leafcast_close(plain);
+    leafcast_close(v);
+    between_lab_free(s);
+}
+
 /* Played forward, backward and at random, at the same shares or others, each picture is that of a
  * volume that has seen no other. */
 static void test_playing(void **state) {
@@ -94,8 +169,13 @@ static void test_playing(void **state) {
                              : at < last ? at
                                          : 2 * last - at;
             const int half = round > 20 ? (int)field_random_below(&r, 2) : round > 10;
+            const uint32_t next = (uint32_t)field_random_below(&r, last + 1);
             between_lab_fine(leafcast_select_between(v, 0, (uint32_t)step, half ? 0.5 : 0.25));
+            if (round % 3)
+                between_lab_fine(leafcast_expect_between(v, 0, next, round % 2 ? 0.5 : 0.25));
             pictures_draw(v, &scene, &s->view, &is, NULL);
+            if (round % 2)
+                nanosleep(&(struct timespec){0, 500000}, NULL);
             assert_true(between_lab_same(&is, &want[step][half], "played") > 20);
         }
         leafcast_close(v);
@@ -429,7 +509,8 @@ static void test_times(void **state) {
     between_lab_refused(leafcast_select_between(v, 0, BETWEEN_STEPS, 0.5), LEAFCAST_USAGE,
                         "6 steps");
     between_lab_refused(leafcast_select_between(v, 1, 0, 0.5), LEAFCAST_USAGE, "1 fields");
-    between_lab_refused(leafcast_select_between(v, 0, 0, 1), LEAFCAST_USAGE, "between");
+    between_lab_refused(leafcast_select_between(v, 0, 0, 1), LEAFCAST_USAGE,
+                        "between is 1: 0 to below 1");
     between_lab_refused(leafcast_select_between(v, 0, 0, -1e-300), LEAFCAST_USAGE, "between");
     between_lab_refused(leafcast_select_between(v, 0, 0, NAN), LEAFCAST_USAGE, "between");
     leafcast_close(v);
@@ -481,7 +562,8 @@ static void test_damage(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reading),   cmocka_unit_test(test_playing),
+        cmocka_unit_test(test_reading),   cmocka_unit_test(test_map),
+        cmocka_unit_test(test_expected),  cmocka_unit_test(test_playing),
         cmocka_unit_test(test_steps),     cmocka_unit_test(test_budgets),
         cmocka_unit_test(test_turns),     cmocka_unit_test(test_previews),
         cmocka_unit_test(test_directory), cmocka_unit_test(test_times),
