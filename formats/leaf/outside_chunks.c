@@ -266,6 +266,13 @@ const char *outside_chunks_path(const outside_chunks *c) {
     return c->path;
 }
 
+bool outside_chunks_are_wide(const outside_chunks *c, uint32_t side) {
+    enum { SEVERAL = 4 };
+    const chunk_shape *s = chunk_cache_shape(c->cache);
+    const uint64_t x = s->along[ORDER_X] / side, y = s->along[ORDER_Y] / side;
+    return (x ? x : 1) * (y ? y : 1) > SEVERAL;
+}
+
 status outside_chunks_load(outside_chunks *c, const uint32_t first[3], const uint32_t count[3],
                            void *numbers, uint64_t *read) {
     const number_box b = box_of(c, first, count);

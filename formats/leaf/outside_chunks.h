@@ -57,6 +57,9 @@ CHECKED status outside_chunks_open(mem *m, const leaf_outside *o, const outside_
                                    outside_chunks **out);
 void outside_chunks_close(outside_chunks *c); /* NULL is fine */
 
+/* outside_chunks_are_wide() - whether a chunk meets several boxes of this side along x and y. */
+bool outside_chunks_are_wide(const outside_chunks *c, uint32_t side);
+
 const char *outside_chunks_path(const outside_chunks *c); /* of their folder, or file */
 
 /* outside_chunks_load() - read the numbers of count[a] nodes from first[a] on, those that are taken

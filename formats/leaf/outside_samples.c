@@ -354,6 +354,10 @@ uint64_t outside_samples_bytes(const outside_samples *s, const outside_box *b) {
     return slice * n.count[2];
 }
 
+bool outside_samples_are_shared(const outside_samples *s, uint32_t side) {
+    return s->chunks && outside_chunks_are_wide(s->chunks, side);
+}
+
 /* Copy the first and the last item of a run that has gaps before and behind it into these. */
 static void repeat_ends(char *items, size_t bytes, uint32_t all, uint32_t before, uint32_t count) {
     for (uint32_t i = 0; i < before; i++)

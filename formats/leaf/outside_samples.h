@@ -62,6 +62,10 @@ typedef struct outside_box {
 size_t outside_samples_room(const outside_samples *s, uint32_t side);
 uint64_t outside_samples_bytes(const outside_samples *s, const outside_box *b);
 
+/* outside_samples_are_shared() - whether boxes of this side that lie side by side along x or y are
+ * best read one after the other, as they need the same chunks, which have much else. */
+bool outside_samples_are_shared(const outside_samples *s, uint32_t side);
+
 /* outside_samples_load() - make the samples of a box, x fastest, of sample_place_type(). The bytes
  * that were read are added to *read. */
 CHECKED status outside_samples_load(outside_samples *s, const outside_box *b, void *room,
