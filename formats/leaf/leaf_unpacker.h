@@ -29,9 +29,9 @@ uint64_t leaf_unpacker_take(leaf_unpacker *u);
 uint64_t leaf_file_bytes_outside(const leaf_file *f, uint32_t p);
 
 /* leaf_file_rows() - returns how many rows the treelets of level 0 lie in, if those of a row are
- * best loaded one after the other, as they need the same chunks of another file: a chunk is unpacked
- * anew for each where there is no room to keep it. 0: any order is as good. leaf_file_row() - the
- * row of the treelet with payload p. */
+ * best loaded one after the other, as they need the same chunks of another file: without room to
+ * keep a chunk, it is unpacked anew for each. 0: any order is as good.
+ * leaf_file_row() - the row of the treelet with payload p. */
 uint32_t leaf_file_rows(const leaf_file *f);
 uint32_t leaf_file_row(const leaf_file *f, uint32_t p);
 

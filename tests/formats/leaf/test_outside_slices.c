@@ -256,6 +256,7 @@ static void test_reading(void **state) {
     assert_int_equal(remove(path), 0);
     assert_int_equal(load(&t, "slices/slice 40.bin: cannot open"), ST_IO);
     end(&t);
+    release(&s);
     make(&s, SAMPLE_U8, false, 1);
     (void)make_index(&s);
     assert_int_equal(begin(&t, index), ST_OK);
@@ -263,6 +264,7 @@ static void test_reading(void **state) {
     set_time(path, s.slices[40].modified_s, s.slices[40].modified_ns);
     assert_int_equal(load(&t, "slices/slice 40.bin: has 100 bytes; it had "), ST_CORRUPT);
     end(&t);
+    release(&s);
     make(&s, SAMPLE_U8, false, 1);
     (void)make_index(&s);
     assert_int_equal(begin(&t, index), ST_OK);
