@@ -98,6 +98,7 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, readers *giv
                                 .compute = active_for(o->isa),
                                 .schema = o->schema,
                                 .derived = o->derived};
+    h->rows = leaf_file_rows(f);
     h->room = h->slot_bytes = loader_slots_most_bytes(l);
     if (h->kind->head) /* most treelets are of level 0, whose treelets come last */
         st = block_runs_create(m, h->kind->head(&h->store, (uint32_t)n - 1), n, &h->store.heads);

@@ -47,6 +47,7 @@ struct loader_private {
     atomic_uchar *state;   /* residence, per treelet; ABSENT or not: readable without the lock */
     loader_request *queue; /* binary heap, smallest priority first */
     size_t queued;
+    uint32_t rows, row;    /* leaf_file_rows(); that of the treelet that was read last */
     uint8_t *ahead;        /* per QUEUED treelet: 1: it is being read ahead */
     treelet **slots;       /* READY treelets, oldest first */
     treelet_cache cache;   /* ABSENT treelets, while nothing else needs their memory */

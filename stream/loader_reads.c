@@ -5,7 +5,7 @@
 #include "stream/loader_expect.h"
 #include "stream/loader_slots.h"
 
-/* The queue: a binary heap by (priority, treelet). */
+/* The queue: a binary heap by (priority, treelet), of which any may be taken. */
 
 bool loader_reads_before(const loader_request *a, const loader_request *b) {
     return a->priority != b->priority ? a->priority < b->priority : a->t < b->t;
@@ -18,11 +18,38 @@ void loader_reads_push(struct loader_private *h, loader_request r) {
     request_rise(h->queue, h->queued++, r);
 }
 
+/* How many rows behind the last one a treelet's is, in a circle; 0 of those that are in none. */
+static uint32_t rows_behind(const struct loader_private *h, uint32_t t) {
+    const leaf_file *f = h->store.file;
+    return leaf_file_is_outside(f, t) ? (leaf_file_row(f, t) + h->rows - h->row) % h->rows : 0;
+}
+
+/* Find the request that is read next: the first one; or, where treelets of a row cost little one
+ * after the other, the first of the next row that has any. So all rows take turns. */
+static size_t find_next(const struct loader_private *h) {
+    size_t next = 0;
+    uint32_t least = h->rows ? rows_behind(h, h->queue[0].t) : 0;
+    for (size_t i = 1; i < h->queued && h->rows; i++) {
+        const uint32_t behind = rows_behind(h, h->queue[i].t);
+        if (behind < least ||
+            (behind == least && loader_reads_before(&h->queue[i], &h->queue[next])))
+            next = i;
+        least = behind < least ? behind : least;
+    }
+    return next;
+}
+
 static loader_request queue_pop(struct loader_private *h) {
-    const loader_request first = h->queue[0], last = h->queue[--h->queued];
-    request_sink(h->queue, 0, h->queued, last);
-    h->ahead[first.t] = 0;
-    return first;
+    const size_t at = find_next(h);
+    const loader_request found = h->queue[at], last = h->queue[--h->queued];
+    if (at < h->queued && loader_reads_before(&last, &found))
+        request_rise(h->queue, at, last);
+    else if (at < h->queued)
+        request_sink(h->queue, at, h->queued, last);
+    h->ahead[found.t] = 0;
+    if (h->rows && leaf_file_is_outside(h->store.file, found.t))
+        h->row = leaf_file_row(h->store.file, found.t);
+    return found;
 }
 
 /* List the requests near the front of the queue that are not being read ahead yet, each once: all

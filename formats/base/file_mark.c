@@ -53,6 +53,20 @@ status file_mark_check(const file *f, const file_mark *mark) {
     return file_mark_check_name(f, mark);
 }
 
+status file_mark_compare(const file_mark *now, const file_mark *then, const char *path,
+                         const char *by) {
+    if (now->size != then->size)
+        return status_describe(
+            ST_CORRUPT, "%s: has %llu bytes; it had %llu when %s was made of it: convert it again",
+            path, (unsigned long long)now->size, (unsigned long long)then->size, by);
+    if (now->modified_s == then->modified_s && now->modified_ns == then->modified_ns)
+        return ST_OK;
+    return status_describe(ST_CORRUPT,
+                           "%s: has another time than when %s was made of it, as if it had been "
+                           "written to: convert it again, or give it its time back",
+                           path, by);
+}
+
 void file_mark_settle(const file_mark *mark) {
     enum { TRIES = 100 }; /* a bound: a file's time that lies ahead is not worth waiting for */
     const struct timespec a_while = {.tv_nsec = 1000000};

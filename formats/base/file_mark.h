@@ -27,6 +27,11 @@ CHECKED status file_mark_check(const file *f, const file_mark *mark);
 /* file_mark_check_name() - the same of its name alone: of a file that may grow. */
 CHECKED status file_mark_check_name(const file *f, const file_mark *mark);
 
+/* file_mark_compare() - ST_CORRUPT, with what differs, if a file has another size or time than one
+ * of the same path had when `by` was made of it: `then`, of which the rest does not count. */
+CHECKED status file_mark_compare(const file_mark *now, const file_mark *then, const char *path,
+                                 const char *by);
+
 /* file_mark_settle() - wait until any further write must give the file another time than the
  * mark's. That takes a tick of the clock at most, and only for a file that was written just now.
  * Call it before bytes are used in place. */

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/grid/slice_folder.h"
 #include "formats/input/named_file.h"
 
 enum { CHUNK_LOG2_MAX = 48 }; /* of the numbers of a chunk: more than any memory holds */
@@ -101,19 +102,29 @@ static void skip(const chunk_entry *e, chunk_array *a) {
 }
 
 /* Read a chunk that is bytes of a file. */
-static status read_entry(mem *m, const chunk_array *a, const chunk_home *in, const chunk_entry *e,
-                         void *to, size_t size, char *name, bool *there, uint64_t *read) {
+static status read_part(mem *m, const chunk_array *a, file *in, const chunk_entry *e, void *to,
+                        size_t size, char *name) {
     const uint32_t sum = a->summed ? 4 : 0;
-    snprintf(name, CHUNK_FOLDER + CHUNK_NAME, "%s: the chunk at byte %llu", in->path,
+    snprintf(name, CHUNK_FOLDER + CHUNK_NAME, "%s: the chunk at byte %llu", file_path(in),
              (unsigned long long)e->offset);
-    *there = e->bytes > 0;
-    *read += e->bytes;
-    if (!*there)
-        return ST_OK;
     if (e->bytes < sum)
         return status_describe(ST_CORRUPT, "%s: %u bytes", name, e->bytes);
-    const zarr_part part = {in->in, e->offset, e->bytes - sum, name};
+    const zarr_part part = {in, e->offset, e->bytes - sum, name};
     return zarr_chunk_read_part(m, a->codec, &part, to, size, a->rows > 0);
+}
+
+/* Read a chunk that the table has, of slice z. */
+static status read_entry(mem *m, const chunk_array *a, const chunk_home *in, const chunk_entry *e,
+                         uint32_t z, void *to, size_t size, char *name, bool *there,
+                         uint64_t *read) {
+    file *own = NULL;
+    *there = e->bytes > 0;
+    *read += e->bytes;
+    status st = *there && in->files ? slice_folder_open(m, in->files, z, &own) : ST_OK;
+    if (st == ST_OK && *there)
+        st = read_part(m, a, own ? own : in->in, e, to, size, name);
+    file_close(own);
+    return st;
 }
 
 /* Undo filters, from `coded` into `chunk`. Where all were skipped, `coded` is the chunk. */
@@ -138,7 +149,7 @@ status chunk_array_read(mem *m, const chunk_array *a, const chunk_shape *s, cons
     if (e)
         skip(e, &own);
     *there = false;
-    status st = e ? read_entry(m, &own, in, e, to, packed, name, there, read)
+    status st = e ? read_entry(m, &own, in, e, index[ORDER_Z], to, packed, name, there, read)
                   : read_file(m, a, in, index, to, packed, name, there, read);
     if (st == ST_OK && *there && coded)
         st = undo(&own, name, numbers, numbers * s->width, coded, chunk);

@@ -78,7 +78,7 @@ typedef struct chunk_range {
 uint64_t chunk_array_range(const chunk_shape *s, const uint32_t first[ORDER_AXES],
                            const uint32_t end[ORDER_AXES], chunk_range *out);
 
-/* Where chunks lie: files in a folder, or entries of one file. */
+/* Where chunks lie: files in a folder, entries of one file, or entries of the files of slices. */
 typedef struct chunk_home {
     const char *path;    /* of the folder, or of the file */
     const char *trusted; /* the folder that the user gave: files must lie in it (named_file.h), */
@@ -87,7 +87,9 @@ typedef struct chunk_home {
     const chunk_entry *table; /* of the chunks in range, ORDER_X fastest, ORDER_STEP slowest; NULL:
                                  files */
     chunk_range range;
-    file *in; /* with a table */
+    file *in;                         /* with a table; */
+    const struct slice_folder *files; /* NULL, or the files of slices, in the place of `in`; a chunk
+                                        has one slice */
 } chunk_home;
 
 /* chunk_array_path() - the path of the chunk of these indices, one a role. */

@@ -7,7 +7,7 @@
 #include "formats/leaf/outside_chunks.h"
 #include "formats/leaf/outside_samples.h"
 
-status imported_chunks_write(const sample_place *at, out_stream *out) {
+status imported_chunks_write(const sample_place *at, uint32_t slices, out_stream *out) {
     const stored_samples *s = &at->stored;
     leaf_outside o = {.type = s->type,
                       .components = s->components ? s->components : 1,
@@ -23,7 +23,11 @@ status imported_chunks_write(const sample_place *at, out_stream *out) {
         st = out_stream_write(out, &at->table_count, sizeof at->table_count);
     if (st == ST_OK)
         st = out_stream_write(out, &o, sizeof o);
-    return st == ST_OK ? out_stream_write(out, at->table, at->table_count * sizeof *at->table) : st;
+    if (st == ST_OK)
+        st = out_stream_write(out, at->table, at->table_count * sizeof *at->table);
+    return st == ST_OK && at->slices
+               ? out_stream_write(out, at->slices, slices * sizeof *at->slices)
+               : st;
 }
 
 static status take(byte_stream *from, void *to, size_t size) {
@@ -35,15 +39,26 @@ static status take(byte_stream *from, void *to, size_t size) {
                            byte_stream_name(from));
 }
 
-/* Read the table of a section that was found sound. */
-static status take_table(byte_stream *from, const leaf_header *h, const leaf_outside *o,
-                         imported_chunks *c) {
-    const char *name = byte_stream_name(from);
-    c->table = mem_array(c->m, h->outside_chunks, sizeof *c->table);
-    status st = c->table ? ST_OK : ST_NOMEM;
+/* Read the names of the slices' files, and look at these. */
+static status take_slices(byte_stream *from, const char *folder, const leaf_header *h,
+                          imported_chunks *c) {
+    const uint32_t count = h->dims[2];
+    c->slices = mem_array(c->m, count, sizeof *c->slices);
+    status st = c->slices ? take(from, c->slices, count * sizeof *c->slices) : ST_NOMEM;
     if (st == ST_OK)
-        st = take(from, c->table, h->outside_chunks * sizeof *c->table);
-    return st == ST_OK ? leaf_check_chunks(name, h, o, c->table, 0) : st;
+        st = leaf_check_slices(byte_stream_name(from), h, c->slices, 0);
+    return st == ST_OK ? slice_folder_mark(c->m, folder, c->slices, count) : st;
+}
+
+/* Read the tables of a section that was found sound. */
+static status take_tables(byte_stream *from, const char *path, const leaf_header *h,
+                          const leaf_outside *o, imported_chunks *c) {
+    c->table = mem_array(c->m, h->outside_chunks, sizeof *c->table);
+    status st = c->table ? take(from, c->table, h->outside_chunks * sizeof *c->table) : ST_NOMEM;
+    if (st == ST_OK && o->form == LEAF_OUTSIDE_SLICES)
+        st = take_slices(from, path, h, c);
+    return st == ST_OK ? leaf_check_chunks(byte_stream_name(from), h, o, c->table, c->slices, 0)
+                       : st;
 }
 
 status imported_chunks_read(byte_stream *from, const char *path, const uint32_t dims[3],
@@ -56,13 +71,15 @@ status imported_chunks_read(byte_stream *from, const char *path, const uint32_t 
         st = take(from, &o, sizeof o);
     if (st != ST_OK)
         return st;
-    o.file_bytes = stat(path, &info) == 0 ? (uint64_t)info.st_size : 0;
+    const bool in_slices = o.form == LEAF_OUTSIDE_SLICES;
+    h.outside = in_slices ? LEAF_IN_SLICES : LEAF_IN_FILE;
+    o.file_bytes = !in_slices && stat(path, &info) == 0 ? (uint64_t)info.st_size : 0;
     o.path[0] = '.'; /* it is the caller who knows */
     st = leaf_check_outside(byte_stream_name(from), &h, &o, 0);
-    if (st == ST_OK && o.form != LEAF_OUTSIDE_TABLE)
+    if (st == ST_OK && !in_slices && o.form != LEAF_OUTSIDE_TABLE)
         st = status_describe(ST_CORRUPT, "%s: its importer tells of no chunks", path);
     if (st == ST_OK)
-        st = take_table(from, &h, &o, c);
+        st = take_tables(from, path, &h, &o, c);
     if (st != ST_OK)
         return st;
     c->array = outside_chunks_array(&o, dims);
@@ -72,11 +89,15 @@ status imported_chunks_read(byte_stream *from, const char *path, const uint32_t 
     at->step = o.step;
     at->table = c->table;
     at->table_count = h.outside_chunks;
+    at->slices = c->slices;
     return ST_OK;
 }
 
 void imported_chunks_release(imported_chunks *c) {
-    if (c->m)
+    if (c->m) {
         mem_free(c->m, c->table);
+        mem_free(c->m, c->slices);
+    }
     c->table = NULL;
+    c->slices = NULL;
 }

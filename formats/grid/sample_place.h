@@ -14,6 +14,7 @@
 
 struct chunk_array;
 struct chunk_entry;
+struct slice_file;
 
 typedef struct sample_place {
     const char *path;      /* of the file; lives as long as what it is a place of */
@@ -28,8 +29,11 @@ typedef struct sample_place {
     uint32_t step;                   /* index along its axis of steps */
     const struct chunk_entry *table; /* of all chunks of the grid, as in chunk_home; NULL: files */
     uint32_t table_count;
-    const char *trusted; /* the folder in which the user lets chunks lie */
-    bool follow_links;   /* or anywhere */
+    const struct slice_file *slices; /* with a table: its chunks lie in the file of their slice, one
+                                        for each slice of the grid, and path is the folder; NULL:
+                                        all in one file */
+    const char *trusted;             /* the folder in which the user lets chunks lie */
+    bool follow_links;               /* or anywhere */
     const char *refused; /* why samples cannot stay in their chunks, and all else means nothing;
                             lives as path does; NULL: they can */
 } sample_place;

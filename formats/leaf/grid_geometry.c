@@ -6,6 +6,7 @@
 
 #include "formats/base/sample.h"
 #include "formats/grid/chunk_array.h"
+#include "formats/grid/slice_folder.h"
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/implied_payload.h"
 #include "formats/leaf/leaf_place.h"
@@ -13,12 +14,13 @@
 /* ---- The header ---- */
 
 static status check_parameters(const char *path, const leaf_header *h) {
+    const bool one = h->codec == LEAF_CODEC_ZSTD && h->fields == 1 && h->steps == 1;
     const leaf_field fields[] = {
         LEAF_FIELD(h, cells_log2, LEAF_CELLS_LOG2_MIN, LEAF_CELLS_LOG2_MAX),
         LEAF_FIELD(h, halo, 0, 1),
         LEAF_FIELD(h, block_log2, LEAF_BLOCK_LOG2, LEAF_BLOCK_LOG2),
         LEAF_FIELD(h, rectilinear, 0, 1),
-        LEAF_FIELD(h, outside, 0, h->codec == LEAF_CODEC_ZSTD && h->fields == 1 && h->steps == 1),
+        LEAF_FIELD(h, outside, 0, one ? LEAF_IN_SLICES : 0),
         LEAF_FIELD(h, bare, 0, h->levels > 1),
         LEAF_FIELD(h, outside_chunks, 0, h->outside ? UINT32_MAX : 0),
         LEAF_FIELD(h, fields, 1, LEAF_SETS_MAX),
@@ -113,6 +115,8 @@ static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
         return sizeof(leaf_outside);
     if (kind == LEAF_SECTION_CHUNKS)
         return h->outside_chunks * sizeof(chunk_entry);
+    if (kind == LEAF_SECTION_SLICES)
+        return h->outside == LEAF_IN_SLICES ? h->dims[2] * sizeof(slice_file) : 0;
     if (kind == LEAF_SECTION_BASES)
         return h->codec != LEAF_CODEC_RAW && leaf_is_behind(h) ? payloads(h) * sizeof(uint32_t) : 0;
     if (kind != LEAF_SECTION_AXES || !h->rectilinear)
@@ -122,10 +126,13 @@ static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
 
 /* leaf_file reads the axes itself. */
 static status allocate(leaf_file *f) {
-    const uint32_t chunks = f->header.outside_chunks;
+    const uint32_t chunks = f->header.outside_chunks, slices = f->header.dims[2];
+    const bool in_slices = f->header.outside == LEAF_IN_SLICES;
     if (f->header.outside && !(f->outside = mem_zalloc(f->m, sizeof *f->outside)))
         return ST_NOMEM;
     if (chunks && !(f->chunks = mem_array(f->m, chunks, sizeof *f->chunks)))
+        return ST_NOMEM;
+    if (in_slices && !(f->slices = mem_array(f->m, slices, sizeof *f->slices)))
         return ST_NOMEM;
     return ST_OK;
 }
@@ -133,12 +140,14 @@ static status allocate(leaf_file *f) {
 static void *section(const leaf_file *f, uint32_t kind) {
     return kind == LEAF_SECTION_OUTSIDE  ? (void *)f->outside
            : kind == LEAF_SECTION_CHUNKS ? (void *)f->chunks
+           : kind == LEAF_SECTION_SLICES ? (void *)f->slices
                                          : NULL;
 }
 
 static void release(leaf_file *f) {
     mem_free(f->m, f->outside);
     mem_free(f->m, f->chunks);
+    mem_free(f->m, f->slices);
 }
 
 static status lay_out(leaf_file *f, leaf_directory *d) {
@@ -148,7 +157,7 @@ static status lay_out(leaf_file *f, leaf_directory *d) {
                                  (sample_type)h->sample_type);
     /* Cannot fail: check_layout() has checked it. */
     (void)leaf_layout_repeat(&f->layout, h->fields, h->steps, h->codec != LEAF_CODEC_RAW);
-    f->layout.outside = h->outside;
+    f->layout.outside = h->outside > 0;
     if (h->bare)
         leaf_layout_bare(&f->layout);
     return st;

@@ -66,12 +66,19 @@ enum {
     LEAF_OUTSIDE_MISSING = 1u << 2  /* `missing` stands for NaN */
 };
 
+/* Values of leaf_header.outside other than 0. */
+enum {
+    LEAF_IN_FILE = 1,  /* samples of level 0 lie elsewhere: section OUTSIDE */
+    LEAF_IN_SLICES = 2 /* and each slice in a file of its own: SLICES, too */
+};
+
 /* How the samples of level 0 lie in other files. */
 typedef enum leaf_outside_form {
-    LEAF_OUTSIDE_PIECE = 0, /* in one piece of one file */
-    LEAF_OUTSIDE_FILES = 1, /* in chunks, each a file beside the one that describes them */
-    LEAF_OUTSIDE_TABLE = 2, /* in chunks, all in one file: section CHUNKS tells where */
-    LEAF_OUTSIDE_FORM_LAST = 2
+    LEAF_OUTSIDE_PIECE = 0,  /* in one piece of one file */
+    LEAF_OUTSIDE_FILES = 1,  /* in chunks, each a file beside the one that describes them */
+    LEAF_OUTSIDE_TABLE = 2,  /* in chunks, all in one file: section CHUNKS tells where */
+    LEAF_OUTSIDE_SLICES = 3, /* likewise, in the file of their slice: section SLICES */
+    LEAF_OUTSIDE_FORM_LAST = 3
 } leaf_outside_form;
 
 enum {
@@ -108,7 +115,7 @@ typedef struct leaf_header {   /* offset size */
     uint32_t fields;           /*   64    4  section FIELDS has their names */
     uint32_t steps;            /*   68    4  section TIMES has their times */
     uint32_t sections;         /*   72    4  entries of the section table */
-    uint32_t outside;          /*   76    4  grid: 1: section OUTSIDE is there, else 0 */
+    uint32_t outside;          /*   76    4  grid: LEAF_IN_*, else 0 */
     uint64_t treelets;         /*   80    8  grid: of all levels; implied by dims and B */
     uint64_t payload_bytes;    /*   88    8  sum of the payloads' stored sizes */
     uint64_t file_bytes;       /*   96    8  length of the whole file */
@@ -288,7 +295,8 @@ typedef enum leaf_section_kind {
                                   LEAF_LINK_BEFORE */
     LEAF_SECTION_BASES = 16,   /* compressed grid of two sets or more, may be missing: likewise: the
                                   set whose samples a payload has the differences to */
-    LEAF_SECTION_LAST = 16,    /* the last that is known here */
+    LEAF_SECTION_SLICES = 17,  /* grid with LEAF_IN_SLICES: slice_file (slice_folder.h) per slice */
+    LEAF_SECTION_LAST = 17,    /* the last that is known here */
     LEAF_SECTION_ANCILLARY =
         1 << 30, /* set in kinds that a reader may skip; it must know all others */
     LEAF_SECTION_HISTOGRAMS = LEAF_SECTION_ANCILLARY | 1, /* histogram (histogram.h): an element per

@@ -17,6 +17,7 @@
 #include "formats/leaf/leaf_layout.h"
 
 struct chunk_entry;
+struct slice_file;
 
 /* leaf_check_header() - check magic, version, checksum, and every field's range, for a file of
  * file_bytes. ST_UNSUPPORTED for a later version, kind or feature, else ST_CORRUPT. */
@@ -68,10 +69,14 @@ CHECKED status leaf_check_world(const char *path, const leaf_header *h, const wo
 CHECKED status leaf_check_outside(const char *path, const leaf_header *h, const leaf_outside *o,
                                   uint64_t at);
 
-/* leaf_check_chunks() - check section CHUNKS, which begins at byte `at`, beside a section OUTSIDE
- * that was found sound. */
+/* leaf_check_slices() - check section SLICES, which begins at byte `at`.
+ * leaf_check_chunks() - the same of section CHUNKS, beside sections OUTSIDE and SLICES (NULL: there
+ * is none) that were found sound. */
+CHECKED status leaf_check_slices(const char *path, const leaf_header *h,
+                                 const struct slice_file *slices, uint64_t at);
 CHECKED status leaf_check_chunks(const char *path, const leaf_header *h, const leaf_outside *o,
-                                 const struct chunk_entry *chunks, uint64_t at);
+                                 const struct chunk_entry *chunks, const struct slice_file *slices,
+                                 uint64_t at);
 
 /* leaf_section_bytes() - the size that a section of this kind must have. 0 for an unknown kind, a
  * kind that this file lacks, and an unknown geometry.

@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "formats/base/sample.h"
+#include "formats/grid/slice_folder.h"
 #include "formats/leaf/leaf_check.h"
 #include "formats/leaf/outside_chunks.h"
 #include "formats/leaf/outside_samples.h"
@@ -31,6 +32,8 @@ static status check_chunks(const char *path, const leaf_outside *o, uint64_t at)
     if (in_files && o->chunk_flags & LEAF_CHUNKS_CUT)
         return leaf_check_corrupt(path, at + offsetof(leaf_outside, chunk_flags),
                                   "expected whole files of chunks");
+    if (o->form == LEAF_OUTSIDE_SLICES && (o->file_bytes || o->modified_s || o->modified_ns))
+        return leaf_check_corrupt(path, at, "expected nothing about one file");
     if (!in_files && (o->sum || o->levels_up || o->chunk_flags & ~unnamed))
         return leaf_check_corrupt(path, at + offsetof(leaf_outside, chunk_flags),
                                   "expected nothing about files of chunks");
@@ -133,8 +136,14 @@ status leaf_check_outside(const char *path, const leaf_header *h, const leaf_out
         st = check_chunk_fields(path, o, at);
     if (st == ST_OK)
         st = check_place(path, h, o, at);
-    const uint64_t chunks =
-        st == ST_OK && o->form == LEAF_OUTSIDE_TABLE ? outside_chunks_count(o, h->dims) : 0;
+    const bool in_slices = o->form == LEAF_OUTSIDE_SLICES;
+    if (st == ST_OK && in_slices != (h->outside == LEAF_IN_SLICES))
+        return leaf_check_corrupt(path, at + offsetof(leaf_outside, form),
+                                  "expected form %d, and no other, where each slice has a file",
+                                  LEAF_OUTSIDE_SLICES);
+    const uint64_t chunks = st == ST_OK && (in_slices || o->form == LEAF_OUTSIDE_TABLE)
+                                ? outside_chunks_count(o, h->dims)
+                                : 0;
     if (st == ST_OK && chunks != h->outside_chunks)
         return leaf_check_corrupt(path, offsetof(leaf_header, outside_chunks),
                                   "expected %llu chunks in a table, found %u",
@@ -142,11 +151,23 @@ status leaf_check_outside(const char *path, const leaf_header *h, const leaf_out
     return st;
 }
 
+status leaf_check_slices(const char *path, const leaf_header *h, const slice_file *slices,
+                         uint64_t at) {
+    for (uint32_t z = 0; z < h->dims[2]; z++) {
+        const char *expected = slice_folder_fault(&slices[z]);
+        if (expected)
+            return leaf_check_corrupt(path, at + z * sizeof *slices, "expected %s", expected);
+    }
+    return ST_OK;
+}
+
 status leaf_check_chunks(const char *path, const leaf_header *h, const leaf_outside *o,
-                         const chunk_entry *chunks, uint64_t at) {
+                         const chunk_entry *chunks, const slice_file *slices, uint64_t at) {
+    const uint32_t a_slice = slices ? outside_chunks_in_slice(o, h->dims) : 0;
     for (uint32_t i = 0; i < h->outside_chunks; i++) {
         const chunk_entry *e = &chunks[i];
-        const char *expected = outside_chunks_entry_fault(o, e);
+        const uint64_t bytes = slices ? slices[i / a_slice % h->dims[2]].bytes : o->file_bytes;
+        const char *expected = outside_chunks_entry_fault(o, bytes, e);
         if (expected)
             return leaf_check_corrupt(path, at + i * sizeof *e,
                                       "expected %s, found %u at byte %llu", expected, e->bytes,

@@ -376,16 +376,20 @@ static status open_outside(const opening *o, const char *path) {
     leaf_file *f = o->f;
     const uint64_t at = o->at[LEAF_SECTION_OUTSIDE - 1];
     status st = leaf_check_outside(file_path(f->source), &f->header, f->outside, at);
+    if (st == ST_OK && f->slices)
+        st = leaf_check_slices(file_path(f->source), &f->header, f->slices,
+                               o->at[LEAF_SECTION_SLICES - 1]);
     if (st == ST_OK && f->chunks)
-        st = leaf_check_chunks(file_path(f->source), &f->header, f->outside, f->chunks,
+        st = leaf_check_chunks(file_path(f->source), &f->header, f->outside, f->chunks, f->slices,
                                o->at[LEAF_SECTION_CHUNKS - 1]);
     if (st == ST_OK && file_descriptor(f->source) < 0)
         st = status_describe(ST_UNSUPPORTED,
                              "%s: its samples lie in another file: it cannot be opened from memory",
                              path);
-    return st == ST_OK ? outside_samples_open(f->m, path, f->outside, f->chunks, f->header.dims,
-                                              &f->samples)
-                       : st;
+    const outside_tables tables = {f->chunks, f->slices};
+    return st == ST_OK
+               ? outside_samples_open(f->m, path, f->outside, &tables, f->header.dims, &f->samples)
+               : st;
 }
 
 /* Open a file without segments, or one of them; consumes source. path: gives the name to show, if

@@ -56,8 +56,9 @@ typedef struct leaf_file {
     bool has_times;             /* section TIMES was there */
     mesh_directory *mesh;       /* NULL: not a mesh */
     leaf_outside *outside;      /* section OUTSIDE of a grid, or NULL; */
-    struct chunk_entry *chunks; /* section CHUNKS, or NULL */
-    struct outside_samples *samples; /* and the file that it names */
+    struct chunk_entry *chunks; /* section CHUNKS, or NULL; */
+    struct slice_file *slices;  /* section SLICES, or NULL */
+    struct outside_samples *samples; /* and the files that they name */
     struct live_samples *live;       /* of a grid that changes in memory (leaf_live.h), or NULL; */
     uint64_t *versions;              /* and per set: how often it has changed */
     /* Of one that lies between the steps of another (leaf_between.h), else NULL: that one, and what

@@ -30,7 +30,7 @@ void leaf_head_grid(leaf_header *h, const leaf_layout *l, const leaf_parameters 
     h->halo = p->halo;
     h->block_log2 = LEAF_BLOCK_LOG2;
     h->rectilinear = grid_is_rectilinear(g);
-    h->outside = l->outside;
+    h->outside = p->slices ? LEAF_IN_SLICES : l->outside;
     h->bare = l->sampled < l->levels;
     h->outside_chunks = p->chunk_count;
     h->fields = sets->fields;

@@ -22,10 +22,11 @@ typedef struct leaf_parameters {
     bool histograms;             /* one for each set: leaf_writer_histograms() */
     const leaf_outside *outside; /* samples of level 0 stay in that file (outside_samples.h), which
                                     must outlive the writer; compressed, one set; NULL: in none */
-    const struct chunk_entry *chunks; /* of `outside`, if they lie in one file; likewise */
+    const struct chunk_entry *chunks; /* of `outside`, if it has a table of them; likewise */
     uint32_t chunk_count;
-    bool deviations; /* of a grid's coarse levels: leaf_writer_deviations() */
-    bool bare;       /* a grid's levels above 0 get no samples */
+    const struct slice_file *slices; /* of `outside`, if they lie in a file a slice; likewise */
+    bool deviations;                 /* of a grid's coarse levels: leaf_writer_deviations() */
+    bool bare;                       /* a grid's levels above 0 get no samples */
 } leaf_parameters;
 
 /* leaf_parameters_default() - B = 32, h = 1, runs at 4096, raw, no histograms, no deviations. */

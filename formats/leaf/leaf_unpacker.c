@@ -328,6 +328,18 @@ static outside_box box_outside(const leaf_layout *l, uint32_t p) {
     return b;
 }
 
+uint32_t leaf_file_rows(const leaf_file *f) {
+    const uint32_t *treelets = f->layout.level[0].treelets;
+    const bool shared =
+        f->samples && outside_samples_are_shared(f->samples, 1u << f->layout.cells_log2);
+    return shared ? treelets[1] * treelets[2] : 0;
+}
+
+uint32_t leaf_file_row(const leaf_file *f, uint32_t p) {
+    const uint32_t *place = f->layout.place[p];
+    return place[2] * f->layout.level[0].treelets[1] + place[1];
+}
+
 uint64_t leaf_file_bytes_outside(const leaf_file *f, uint32_t p) {
     if (!leaf_file_is_outside(f, p))
         return 0;

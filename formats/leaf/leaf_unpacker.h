@@ -28,6 +28,13 @@ uint64_t leaf_unpacker_take(leaf_unpacker *u);
 /* leaf_file_bytes_outside() - returns how many bytes of another file loading payload p takes. */
 uint64_t leaf_file_bytes_outside(const leaf_file *f, uint32_t p);
 
+/* leaf_file_rows() - returns how many rows the treelets of level 0 lie in, if those of a row are
+ * best loaded one after the other, as they need the same chunks of another file: without room to
+ * keep a chunk, it is unpacked anew for each. 0: any order is as good.
+ * leaf_file_row() - the row of the treelet with payload p. */
+uint32_t leaf_file_rows(const leaf_file *f);
+uint32_t leaf_file_row(const leaf_file *f, uint32_t p);
+
 /* leaf_file_check_implied() - of an implied payload whose treelet lies in another file: read that,
  * and check that all samples are the one value. Others are fine. payload, u: as of
  * leaf_file_load(); payload has the implied bytes, and keeps them unless it fails. */

@@ -68,7 +68,9 @@ status outside_chunks_put(const sample_place *at, const char *folder, leaf_outsi
         return status_describe(ST_UNSUPPORTED,
                                "%s: --in-place takes chunks of at most %llu bytes, unpacked",
                                at->path, (unsigned long long)OUTSIDE_CHUNK_MAX);
-    out->form = at->table ? LEAF_OUTSIDE_TABLE : LEAF_OUTSIDE_FILES;
+    out->form = at->slices  ? LEAF_OUTSIDE_SLICES
+                : at->table ? LEAF_OUTSIDE_TABLE
+                            : LEAF_OUTSIDE_FILES;
     out->axes = (uint32_t)a->axes;
     out->chunk_flags = (a->fortran ? LEAF_CHUNKS_FORTRAN : 0) |
                        (a->separator == '/' ? LEAF_CHUNKS_SLASH : 0) |
@@ -133,15 +135,18 @@ const char *outside_chunks_fault(const leaf_outside *o) {
         return "filters that can be undone";
     if (!chunk_array_measure(&a, &shape) || shape.room > OUTSIDE_CHUNK_MAX)
         return "chunks of at most 2^32 bytes";
+    if (o->form == LEAF_OUTSIDE_SLICES && shape.along[ORDER_Z] != 1)
+        return "chunks of one slice each";
     if (o->chunk_flags & LEAF_CHUNKS_CUT && !chunk_array_cuts(&a, &shape))
         return "chunks that can lack rows";
     return NULL;
 }
 
-const char *outside_chunks_entry_fault(const leaf_outside *o, const chunk_entry *e) {
+const char *outside_chunks_entry_fault(const leaf_outside *o, uint64_t bytes,
+                                       const chunk_entry *e) {
     if (!e->bytes)
         return e->offset || e->skipped ? "nothing of a chunk that is not there" : NULL;
-    if (e->offset > o->file_bytes || e->bytes > o->file_bytes - e->offset)
+    if (e->offset > bytes || e->bytes > bytes - e->offset)
         return "a chunk in its file";
     return e->skipped >> (o->filters + 2) ? "filters that there are" : NULL;
 }
@@ -161,15 +166,26 @@ static uint32_t numbers_taken(const leaf_outside *o) {
     return o->component ? 1 : o->components;
 }
 
-uint64_t outside_chunks_count(const leaf_outside *o, const uint32_t dims[3]) {
+/* The chunks of a whole grid; UINT64_MAX: more. */
+static uint64_t find_range(const leaf_outside *o, const uint32_t dims[3], chunk_range *range) {
     const chunk_array a = outside_chunks_array(o, dims);
     const uint32_t first[ORDER_AXES] = {0, 0, 0, first_number(o), o->step};
     const uint32_t end[ORDER_AXES] = {dims[0], dims[1], dims[2],
                                       first[ORDER_COMPONENT] + numbers_taken(o), o->step + 1};
     chunk_shape s;
-    chunk_range range;
     (void)chunk_array_measure(&a, &s);
-    return chunk_array_range(&s, first, end, &range);
+    return chunk_array_range(&s, first, end, range);
+}
+
+uint64_t outside_chunks_count(const leaf_outside *o, const uint32_t dims[3]) {
+    chunk_range range;
+    return find_range(o, dims, &range);
+}
+
+uint32_t outside_chunks_in_slice(const leaf_outside *o, const uint32_t dims[3]) {
+    chunk_range range;
+    (void)find_range(o, dims, &range);
+    return range.count[ORDER_X] * range.count[ORDER_Y];
 }
 
 static number_box box_of(const outside_chunks *c, const uint32_t at[3], const uint32_t count[3]) {
@@ -193,7 +209,8 @@ static status open_cache(outside_chunks *c, const leaf_outside *o, const outside
                        .follow_links = (o->chunk_flags & LEAF_CHUNKS_LINKS) != 0,
                        .is_index = true,
                        .table = in->table,
-                       .in = in->f};
+                       .in = in->f,
+                       .files = in->slices};
     chunk_shape s;
     char real[PATH_MAX]; /* of which names can be cut: none of them is `..` */
     char *trusted = mem_copy_text(c->m, realpath(c->path, real) ? real : c->path);
@@ -217,7 +234,7 @@ status outside_chunks_open(mem *m, const leaf_outside *o, const outside_chunks_i
         return ST_NOMEM;
     *c = (outside_chunks){.m = m,
                           .array = outside_chunks_array(o, in->dims),
-                          .path = mem_copy_text(m, file_path(in->f)),
+                          .path = mem_copy_text(m, in->f ? file_path(in->f) : in->slices->folder),
                           .in_file = in->table != NULL,
                           .step = o->step,
                           .first_number = first_number(o),
@@ -247,6 +264,13 @@ void outside_chunks_close(outside_chunks *c) {
 
 const char *outside_chunks_path(const outside_chunks *c) {
     return c->path;
+}
+
+bool outside_chunks_are_wide(const outside_chunks *c, uint32_t side) {
+    enum { SEVERAL = 4 };
+    const chunk_shape *s = chunk_cache_shape(c->cache);
+    const uint64_t x = s->along[ORDER_X] / side, y = s->along[ORDER_Y] / side;
+    return (x ? x : 1) * (y ? y : 1) > SEVERAL;
 }
 
 status outside_chunks_load(outside_chunks *c, const uint32_t first[3], const uint32_t count[3],

@@ -10,6 +10,7 @@
 #include "formats/base/status.h"
 #include "formats/grid/chunk_array.h"
 #include "formats/grid/sample_place.h"
+#include "formats/grid/slice_folder.h"
 #include "formats/leaf/leaf.h"
 
 /* Chunks of more bytes are refused, before room is made for one. */
@@ -33,8 +34,12 @@ uint64_t outside_chunks_count(const leaf_outside *o, const uint32_t dims[3]);
  * roles, filters, sizes. */
 const char *outside_chunks_fault(const leaf_outside *o);
 
-/* outside_chunks_entry_fault() - the same of an entry of section CHUNKS. */
-const char *outside_chunks_entry_fault(const leaf_outside *o, const chunk_entry *e);
+/* outside_chunks_in_slice() - the chunks of a slice, of one number of a sample, where chunks have
+ * one slice each: as many of section CHUNKS, one behind the other.
+ * outside_chunks_entry_fault() - as outside_chunks_fault(), of an entry of section CHUNKS, whose
+ * file has so many bytes. */
+uint32_t outside_chunks_in_slice(const leaf_outside *o, const uint32_t dims[3]);
+const char *outside_chunks_entry_fault(const leaf_outside *o, uint64_t bytes, const chunk_entry *e);
 
 typedef struct outside_chunks outside_chunks;
 
@@ -42,16 +47,20 @@ typedef struct outside_chunks outside_chunks;
 typedef struct outside_chunks_in {
     file *f; /* the one that the section names: it describes the array, beside its chunks, or has
                 them all; */
-    const chunk_entry *table; /* then section CHUNKS, else NULL */
-    const uint32_t *dims;     /* of the grid */
+    const chunk_entry *table;   /* then section CHUNKS, else NULL; */
+    const slice_folder *slices; /* in the place of f, the files of slices; NULL: none */
+    const uint32_t *dims;       /* of the grid */
 } outside_chunks_in;
 
-/* outside_chunks_open() - file and table must outlive it. */
+/* outside_chunks_open() - files and table must outlive it. */
 CHECKED status outside_chunks_open(mem *m, const leaf_outside *o, const outside_chunks_in *in,
                                    outside_chunks **out);
 void outside_chunks_close(outside_chunks *c); /* NULL is fine */
 
-const char *outside_chunks_path(const outside_chunks *c); /* of the folder, or file */
+/* outside_chunks_are_wide() - whether a chunk meets several boxes of this side along x and y. */
+bool outside_chunks_are_wide(const outside_chunks *c, uint32_t side);
+
+const char *outside_chunks_path(const outside_chunks *c); /* of their folder, or file */
 
 /* outside_chunks_load() - read the numbers of count[a] nodes from first[a] on, those that are taken
  * side by side, then x fastest, in native byte order. The bytes read of files are added to *read.

@@ -20,8 +20,10 @@ enum { GATHERED = 4 << 20 };
 struct outside_samples {
     mem *m;
     sample_place place;
-    file *f;
+    file *f; /* NULL: the files of slices */
     file_mark mark;
+    char *path, *by; /* of the file or folder, and of the treelet file */
+    slice_folder slices;
     uint32_t dims[3];
     size_t width;           /* bytes of a stored sample */
     uint64_t stride_y;      /* bytes from one row to the next */
@@ -135,10 +137,14 @@ static status sum_file(mem *m, file *f, uint64_t *sum) {
     return st;
 }
 
-/* Look at the file that has or describes the samples. */
+/* Look at the file that has or describes the samples. Those of slices have been looked at. */
 static status look_at(mem *m, const sample_place *at, leaf_outside *out) {
-    file_mark mark;
+    file_mark mark = {.size = 0};
     file *f = NULL;
+    if (at->slices) {
+        put_samples(at, &mark, out);
+        return ST_OK;
+    }
     status st = file_open(m, at->path, &f);
     if (st == ST_OK)
         st = file_mark_take(f, &mark);
@@ -190,23 +196,14 @@ status outside_samples_describe(mem *m, const sample_place *at, const char *leaf
 }
 
 static status compare(const outside_samples *s, const char *leaf, const leaf_outside *o) {
-    const char *path = file_path(s->f);
-    if (s->mark.size != o->file_bytes)
-        return status_describe(ST_CORRUPT,
-                               "%s: has %llu bytes; it had %llu when %s was made of it: convert it "
-                               "again",
-                               path, (unsigned long long)s->mark.size,
-                               (unsigned long long)o->file_bytes, leaf);
+    file_mark then = {
+        .size = o->file_bytes, .modified_s = o->modified_s, .modified_ns = (int64_t)o->modified_ns};
     /* Of a file that only describes chunks all bytes are compared: its time does not count. */
-    if (o->form == LEAF_OUTSIDE_FILES)
-        return ST_OK;
-    if (s->mark.modified_s != o->modified_s || s->mark.modified_ns != (int64_t)o->modified_ns)
-        return status_describe(
-            ST_CORRUPT,
-            "%s: has another time than when %s was made of it, as if it had been "
-            "written to: convert it again, or give it its time back",
-            path, leaf);
-    return ST_OK;
+    if (o->form == LEAF_OUTSIDE_FILES) {
+        then.modified_s = s->mark.modified_s;
+        then.modified_ns = s->mark.modified_ns;
+    }
+    return file_mark_compare(&s->mark, &then, s->path, leaf);
 }
 
 /* Check that the file which describes the chunks is still the same. */
@@ -225,7 +222,7 @@ static status compare_sum(outside_samples *s, const char *leaf, const leaf_outsi
 /* The numbers from chunks are in native byte order, and only those that are taken. */
 static status open_chunks(outside_samples *s, const char *leaf, const leaf_outside *o,
                           const chunk_entry *table) {
-    const outside_chunks_in in = {s->f, table, s->dims};
+    const outside_chunks_in in = {s->f, table, s->slices.of ? &s->slices : NULL, s->dims};
     stored_samples *stored = &s->place.stored;
     const status st = compare_sum(s, leaf, o);
     s->place.big_endian = __BYTE_ORDER == __BIG_ENDIAN;
@@ -235,21 +232,28 @@ static status open_chunks(outside_samples *s, const char *leaf, const leaf_outsi
     return st == ST_OK ? outside_chunks_open(s->m, o, &in, &s->chunks) : st;
 }
 
+/* Say whose samples a file that cannot be opened has. */
+static status explain(const char *leaf, status st) {
+    return st == ST_IO ? status_describe(ST_IO, "%s: its samples lie in another file: %s", leaf,
+                                         status_text())
+                       : st;
+}
+
 static status open_file(outside_samples *s, const char *leaf, const leaf_outside *o) {
-    char *path = found_path(s->m, leaf, o->path);
-    if (!path)
-        return ST_NOMEM;
-    status st = file_open(s->m, path, &s->f);
-    mem_free(s->m, path);
-    if (st == ST_IO)
-        st = status_describe(ST_IO, "%s: its samples lie in another file: %s", leaf, status_text());
+    status st = explain(leaf, file_open(s->m, s->path, &s->f));
     if (st == ST_OK)
         st = file_mark_take(s->f, &s->mark);
     return st == ST_OK ? compare(s, leaf, o) : st;
 }
 
+static status open_slices(outside_samples *s, const char *leaf, const slice_file *of) {
+    s->by = mem_copy_text(s->m, leaf);
+    s->slices = (slice_folder){s->path, of, s->dims[2], s->by};
+    return s->by ? explain(leaf, slice_folder_check(s->m, &s->slices)) : ST_NOMEM;
+}
+
 status outside_samples_open(mem *m, const char *leaf, const leaf_outside *o,
-                            const chunk_entry *chunks, const uint32_t dims[3],
+                            const outside_tables *tables, const uint32_t dims[3],
                             outside_samples **out) {
     outside_samples *s = mem_zalloc(m, sizeof *s);
     if (!s)
@@ -258,14 +262,17 @@ status outside_samples_open(mem *m, const char *leaf, const leaf_outside *o,
     memcpy(s->dims, dims, sizeof s->dims);
     s->width = stored_samples_bytes(&s->place.stored);
     s->stride_y = s->width * dims[0];
-    status st = open_file(s, leaf, o);
+    s->path = found_path(m, leaf, o->path);
+    status st = !s->path         ? ST_NOMEM
+                : tables->slices ? open_slices(s, leaf, tables->slices)
+                                 : open_file(s, leaf, o);
     if (st == ST_OK && o->form != LEAF_OUTSIDE_PIECE)
-        st = open_chunks(s, leaf, o, chunks);
+        st = open_chunks(s, leaf, o, tables->chunks);
     if (st != ST_OK) {
         outside_samples_close(s);
         return st;
     }
-    s->place.path = file_path(s->f);
+    s->place.path = s->path;
     *out = s;
     return ST_OK;
 }
@@ -275,15 +282,17 @@ void outside_samples_close(outside_samples *s) {
         return;
     outside_chunks_close(s->chunks);
     file_close(s->f);
+    mem_free(s->m, s->path);
+    mem_free(s->m, s->by);
     mem_free(s->m, s);
 }
 
 const char *outside_samples_path(const outside_samples *s) {
-    return s->chunks ? outside_chunks_path(s->chunks) : file_path(s->f);
+    return s->chunks ? outside_chunks_path(s->chunks) : s->path;
 }
 
 status outside_samples_changed(const outside_samples *s) {
-    return file_mark_check(s->f, &s->mark);
+    return s->f ? file_mark_check(s->f, &s->mark) : ST_OK;
 }
 
 /* ---- Boxes ---- */
@@ -343,6 +352,10 @@ uint64_t outside_samples_bytes(const outside_samples *s, const outside_box *b) {
         slice += span_of(s, &n, rows);
     }
     return slice * n.count[2];
+}
+
+bool outside_samples_are_shared(const outside_samples *s, uint32_t side) {
+    return s->chunks && outside_chunks_are_wide(s->chunks, side);
 }
 
 /* Copy the first and the last item of a run that has gaps before and behind it into these. */
@@ -447,8 +460,12 @@ status outside_samples_load(outside_samples *s, const outside_box *b, void *room
 const char *outside_samples_print(const outside_samples *s, const outside_box *b,
                                   char text[OUTSIDE_SAMPLES_TEXT]) {
     const node_box n = nodes_of(s, b);
+    const uint32_t last = n.first[2] + n.count[2] - 1;
     char chunks[OUTSIDE_CHUNKS_TEXT];
-    if (s->chunks)
+    if (s->slices.of)
+        snprintf(text, OUTSIDE_SAMPLES_TEXT, "%s: a file from %s to %s", outside_samples_path(s),
+                 s->slices.of[n.first[2]].name, s->slices.of[last].name);
+    else if (s->chunks)
         snprintf(text, OUTSIDE_SAMPLES_TEXT, "%s: %s", outside_samples_path(s),
                  outside_chunks_print(s->chunks, n.first, n.count, chunks));
     else

@@ -4,7 +4,9 @@
  * In one piece of a file: they are read row by row, or slice by slice where rows lie close
  * together. That file must have the size and time that it had then, as the directory tells what
  * need not be read. In chunks (outside_chunks.h): the file that describes them must have the
- * same bytes, whatever its time; of chunks, whoever reads samples compares their checksum.
+ * same bytes, whatever its time; of chunks, whoever reads samples compares their checksum. In files
+ * of a slice each (slice_folder.h): all must have the size and time of then when this is opened,
+ * and each whenever it is read.
  *
  * Thread-safe: any number of loads at once, each with a room of its own.
  */
@@ -14,6 +16,7 @@
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/grid/sample_place.h"
+#include "formats/grid/slice_folder.h"
 #include "formats/leaf/leaf.h"
 
 /* outside_samples_describe() - fill the section from a place that volume_place() told: its file's
@@ -26,18 +29,25 @@ sample_place outside_samples_place(const leaf_outside *o);
 
 typedef struct outside_samples outside_samples;
 
-/* outside_samples_open() - open the file that a checked section names. leaf: the path of the
- * treelet file, whose level 0 has these dims. chunks: section CHUNKS, which must outlive it; NULL:
- * none. ST_CORRUPT: it is another file than then. */
+/* Sections CHUNKS and SLICES; NULL: there is none. */
+typedef struct outside_tables {
+    const struct chunk_entry *chunks;
+    const struct slice_file *slices;
+} outside_tables;
+
+/* outside_samples_open() - open the file that a checked section names, or look at those of all
+ * slices. leaf: the path of the treelet file, whose level 0 has these dims. The tables must outlive
+ * it. ST_CORRUPT: a file is another one than then. */
 CHECKED status outside_samples_open(mem *m, const char *leaf, const leaf_outside *o,
-                                    const struct chunk_entry *chunks, const uint32_t dims[3],
+                                    const outside_tables *tables, const uint32_t dims[3],
                                     outside_samples **out);
 void outside_samples_close(outside_samples *s); /* NULL is fine */
 
-/* outside_samples_path() - of the file, or of the folder of chunks. */
+/* outside_samples_path() - of the file, or of the folder of chunks or slices. */
 const char *outside_samples_path(const outside_samples *s);
 
-/* outside_samples_changed() - ST_CORRUPT if the file has changed since it was opened. */
+/* outside_samples_changed() - ST_CORRUPT if the file has changed since it was opened. Those of
+ * slices are looked at when they are read, and not here. */
 CHECKED status outside_samples_changed(const outside_samples *s);
 
 /* A box of nodes: of those that do not exist, it has copies of the nearest ones. */
@@ -52,14 +62,18 @@ typedef struct outside_box {
 size_t outside_samples_room(const outside_samples *s, uint32_t side);
 uint64_t outside_samples_bytes(const outside_samples *s, const outside_box *b);
 
+/* outside_samples_are_shared() - whether boxes of this side that lie side by side along x or y are
+ * best read one after the other, as they need the same chunks, which have much else. */
+bool outside_samples_are_shared(const outside_samples *s, uint32_t side);
+
 /* outside_samples_load() - make the samples of a box, x fastest, of sample_place_type(). The bytes
  * that were read are added to *read. */
 CHECKED status outside_samples_load(outside_samples *s, const outside_box *b, void *room,
                                     void *samples, uint64_t *read);
 
 /* outside_samples_print() - say where a box lies, for messages: the file, or the folder and its
- * chunks. */
-enum { OUTSIDE_SAMPLES_TEXT = 4096 + 512 };
+ * chunks, or its slices' files. */
+enum { OUTSIDE_SAMPLES_TEXT = 4096 + 3 * SLICE_FILE_NAME };
 const char *outside_samples_print(const outside_samples *s, const outside_box *b,
                                   char text[OUTSIDE_SAMPLES_TEXT]);
 

@@ -4,6 +4,7 @@
 
 #include "formats/base/clock.h"
 #include "formats/grid/chunk_array.h"
+#include "formats/grid/slice_folder.h"
 #include "formats/grid/volume_kind.h"
 #include "formats/leaf/outside_samples.h"
 #include "prep/convert_append.h"
@@ -51,19 +52,25 @@ static void note(const convert_request *a, const void *own) {
 /* Where samples stay: the sections of the file. The volume rests before they are written. */
 typedef struct staying {
     leaf_outside outside;
-    chunk_entry *chunks; /* NULL: none; to be freed */
+    chunk_entry *chunks; /* NULL: none; to be freed, */
+    slice_file *slices;  /* like this */
 } staying;
 
-/* Keep a copy of the table of a place. */
-static status keep_table(mem *m, const sample_place *at, staying *out, leaf_parameters *p) {
+/* Keep copies of the tables of a place, of a grid of so many slices. */
+static status keep_tables(mem *m, const sample_place *at, uint32_t slices, staying *out,
+                          leaf_parameters *p) {
     if (!at->table)
         return ST_OK;
     out->chunks = mem_array(m, at->table_count, sizeof *out->chunks);
-    if (!out->chunks)
+    out->slices = at->slices ? mem_array(m, slices, sizeof *out->slices) : NULL;
+    if (!out->chunks || (at->slices && !out->slices))
         return ST_NOMEM;
     memcpy(out->chunks, at->table, at->table_count * sizeof *out->chunks);
+    if (at->slices)
+        memcpy(out->slices, at->slices, slices * sizeof *out->slices);
     p->chunks = out->chunks;
     p->chunk_count = at->table_count;
+    p->slices = out->slices;
     return ST_OK;
 }
 
@@ -80,16 +87,17 @@ static status stay_in_place(const convert_request *a, mem *m, const volume *v,
     if (p->codec == LEAF_CODEC_RAW)
         return status_describe(ST_USAGE, "--in-place compresses: without --compress none");
     if (!volume_place(v, &at))
-        return status_describe(ST_UNSUPPORTED,
-                               "%s: --in-place takes samples that lie in one file as they are, x "
-                               "fastest, or in chunks of Zarr, HDF5 or netCDF-4, or pages of TIFF: "
-                               "not packed, no text, no pipe",
-                               a->common.input);
+        return status_describe(
+            ST_UNSUPPORTED,
+            "%s: --in-place takes samples that lie in one file as they are, x "
+            "fastest, or in chunks of Zarr, HDF5 or netCDF-4, or pages of TIFFs: "
+            "not packed, no text, no pipe",
+            a->common.input);
     if (at.refused)
         return status_describe(ST_UNSUPPORTED, "%s: --in-place: it cannot stay as it is stored: %s",
                                a->common.input, at.refused);
     p->outside = &out->outside;
-    const status st = keep_table(m, &at, out, p);
+    const status st = keep_tables(m, &at, volume_grid(v)->dims[2], out, p);
     return st == ST_OK ? outside_samples_describe(m, &at, a->common.output ? a->common.output : "",
                                                   &out->outside)
                        : st;
@@ -145,6 +153,7 @@ static status convert_grid(convert_request *a, mem *m, volume *v, const grid_ser
     staying in_place = {.chunks = NULL};
     const status st = convert_staying(a, m, v, series, start, &in_place);
     mem_free(m, in_place.chunks);
+    mem_free(m, in_place.slices);
     return st;
 }
 

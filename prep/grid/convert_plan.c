@@ -119,7 +119,7 @@ static uint64_t directory_size(const leaf_layout *l, const grid *g, const conver
                            .cells_log2 = l->cells_log2,
                            .dims = {g->dims[0], g->dims[1], g->dims[2]},
                            .rectilinear = grid_is_rectilinear(g),
-                           .outside = o->file.outside != NULL,
+                           .outside = o->file.slices ? LEAF_IN_SLICES : o->file.outside != NULL,
                            .bare = l->sampled < l->levels,
                            .outside_chunks = o->file.chunk_count,
                            .fields = l->sets / l->steps,

@@ -199,7 +199,7 @@ static status write_chunks(mem *m, const arguments *a, const slice_source *from)
     at.path = a->common.input;
     status st = out_stream_create(m, a->common.output, a->common.force, false, &out);
     if (st == ST_OK)
-        st = imported_chunks_write(&at, out);
+        st = imported_chunks_write(&at, from->g.dims[2], out);
     if (st == ST_OK)
         return out_stream_commit(out);
     out_stream_discard(out);

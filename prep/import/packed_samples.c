@@ -15,9 +15,21 @@ static long double as_stored(const packed_samples *p, long double value) {
     return p->type == SAMPLE_F32 ? (long double)(float)value : value;
 }
 
-void packed_fill(packed_samples *p, long double value) {
-    if (p->fills < PACKED_FILLS && value == value)
-        p->fill[p->fills++] = as_stored(p, value);
+static bool is_fill(const packed_samples *p, long double value) {
+    for (int i = 0; i < p->fills; i++)
+        if (value == p->fill[i])
+            return true;
+    return false;
+}
+
+bool packed_fill(packed_samples *p, long double value) {
+    const long double fill = as_stored(p, value);
+    if (fill != fill || is_fill(p, fill))
+        return true;
+    if (p->fills == PACKED_FILLS)
+        return false;
+    p->fill[p->fills++] = fill;
+    return true;
 }
 
 /* Numbers that are combined to a sample's value. */
@@ -80,13 +92,6 @@ static void load(sample_type type, const void *in, size_t stride, double *out, s
     case SAMPLE_F64: LOAD_ALL(double) break;
     default: break; /* importers have no other types */
     }
-}
-
-static bool is_fill(const packed_samples *p, long double value) {
-    for (int i = 0; i < p->fills; i++)
-        if (value == p->fill[i])
-            return true;
-    return false;
 }
 
 /* Find fill values before conversion: they are often the largest integers, which no double

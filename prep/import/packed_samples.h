@@ -17,7 +17,7 @@
 /* 64-bit integers have no sample_type: they become f64. */
 typedef enum packed_wide { PACKED_NARROW, PACKED_I64, PACKED_U64 } packed_wide;
 
-enum { PACKED_FILLS = 4, PACKED_COMPONENTS = 64 };
+enum { PACKED_FILLS = 16, PACKED_COMPONENTS = 64 };
 
 typedef struct packed_samples {
     sample_type type; /* of a stored number; SAMPLE_F64 if wide */
@@ -36,8 +36,9 @@ typedef struct packed_samples {
 /* packed_init() - set up plain numbers of a type: one per sample, no scaling. */
 void packed_init(packed_samples *p, sample_type type, packed_wide wide);
 
-/* packed_fill() - add a fill value. Values beyond PACKED_FILLS and NaN are ignored. */
-void packed_fill(packed_samples *p, long double value);
+/* packed_fill() - add a fill value. One that is there and NaN are ignored. false: these would be
+ * more than PACKED_FILLS. */
+bool packed_fill(packed_samples *p, long double value);
 
 /* packed_type() - the type that samples become:
  *   as they are         integers of 8 to 32 bits, f32, f64

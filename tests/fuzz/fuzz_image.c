@@ -15,8 +15,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 /* Pages 0 and 2 as slices. Each entry that is found must have its bytes in 32 bits. */
 static void find_place(mem *m, const char *path, uint32_t component) {
     static const uint32_t pages[] = {0, 2};
+    const char *const paths[] = {path, path};
     const tiff_wish wish = {
-        .path = path, .pages = pages, .slices = 2, .component = component, .type = SAMPLE_F32};
+        .paths = paths, .pages = pages, .slices = 2, .component = component, .type = SAMPLE_F32};
     tiff_place keep = {.m = NULL};
     sample_place at;
     uint64_t bytes = 0;

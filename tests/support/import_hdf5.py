@@ -185,6 +185,9 @@ def places():
         f["odd"].attrs["spacing"] = [1.0, 0, -1]
         f["packed"] = (a * 100).astype("i2")
         f["packed"].attrs.update(scale_factor=0.5, add_offset=-3.0, _FillValue=np.int16(7))
+        for name, values in ("filled", 12), ("too_many", 30):
+            f[name] = (a * 100).astype("i2")
+            f[name].attrs.update(_FillValue=np.int16(7), missing_value=np.arange(20, 20 + values).astype("i2"))
     cases = {"plain": ((1, 1, 1), (0, 0, 0)), "imagej": ((0.25, 0.5, 3), (0, 0, 0)), "odd": ((1, 1, 1), (0, 0, 0)),
              "cremi/raw": ((4, 4, 40), (8, 20, 400)), "group/a": ((2, 2, 2), (0, 0, 0))}
     for name, (spacing, origin) in cases.items():
@@ -193,6 +196,9 @@ def places():
     stored = (a * 100).astype("i2")
     same("packed", np.where(stored == 7, np.nan, stored * 0.5 - 3).astype("f4"),
          *take("places", "--field", "packed"), type="f4")
+    gone = (stored == 7) | (stored >= 20) & (stored < 32)
+    same("a vector of missing values", np.where(gone, np.nan, stored).astype("f4"), *take("places", "--field", "filled"), type="f4")
+    ends("more of them", 3, "more than 16 values for missing data", *take("places", "--field", "too_many"))
 
 
 def vtkhdf():

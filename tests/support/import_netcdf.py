@@ -79,6 +79,10 @@ def packing():
 
         put("scaled", raw, scale_factor=0.01, add_offset=273.15)
         put("filled", raw, fill=np.int16(7), missing_value=np.array([8, 9], "i2"))
+        put("many_filled", raw, fill=np.int16(7), missing_value=np.arange(10, 25).astype("i2"))
+        put("too_many", raw, fill=np.int16(7), missing_value=np.arange(10, 26).astype("i2"))
+        put("far_too_many", raw, missing_value=np.arange(10, 50).astype("i2"))
+        put("in_words", raw, missing_value="none of the values is missing here")
         put("scaled_filled", raw, fill=np.int16(-3), scale_factor=0.25, add_offset=1.0)
         put("range", raw, valid_range=np.array([-50, 40], "i2"))
         put("least", raw.astype("f4"), valid_min=np.float32(-20))
@@ -93,12 +97,15 @@ def packing():
         put("wide", wide, fill=np.int64(-9223372036854775806))
         put("unsettled", np.where(floats < 0, np.float32(9.969209968386869e+36), floats))
         put("too_wide", wide - 1)
-    for name, type in dict(scaled="f4", filled="f4", scaled_filled="f4", range="f4", least="f4", most="f8", unsigned="f4",
+    for name, type in dict(scaled="f4", filled="f4", many_filled="f4", scaled_filled="f4", range="f4", least="f4", most="f8", unsigned="f4",
                            floats="f4", double_fill="f4", wide="f8", unsettled="f4").items():
         want = read("packed", name)
         if name in ("wide", "double_fill"):  # where the library is stricter, or hands out integers
             want = np.where(want < 0, np.nan, want)
         same("packed: " + name, want.astype(type), *take("packed", "--field", name), type=type)
+    same("packed: words", raw, *take("packed", "--field", "in_words"), type="i2")
+    for name in "too_many", "far_too_many":
+        ends("packed: " + name, 3, "more than 16 values for missing data", *take("packed", "--field", name))
     ends("64 bits that no double holds", 3, "sample 12 of slice 1", *take("packed", "--field", "too_wide"))
 
 

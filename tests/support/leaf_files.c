@@ -69,12 +69,16 @@ static const char *write_input(const leaf_case *c, volume_hints *hints) {
     return scratch_write(input, c->samples, count * sample_size(c->type));
 }
 
-static status stay_in_place(mem *m, const volume *v, const char *output, leaf_outside *outside,
-                            leaf_parameters *p) {
+static status stay_in_place(mem *m, const volume *v, const sample_place *given, const char *output,
+                            leaf_outside *outside, leaf_parameters *p) {
     sample_place at;
-    assert_true(volume_place(v, &at));
+    assert_true(given || volume_place(v, &at));
+    at = given ? *given : at;
     leaf_parameters_compress(p, 1);
     p->outside = outside;
+    p->chunks = at.table;
+    p->chunk_count = at.table_count;
+    p->slices = at.slices;
     return outside_samples_describe(m, &at, output, outside);
 }
 
@@ -92,7 +96,7 @@ status leaf_files_try(mem *m, const leaf_case *c, const char *name, convert_plan
     m->limit = (size_t)o.memory;
     status st = volume_open(m, path, &hints, &v);
     if (st == ST_OK && c->in_place)
-        st = stay_in_place(m, v, scratch_path(name), &outside, &o.file);
+        st = stay_in_place(m, v, c->place, scratch_path(name), &outside, &o.file);
     if (st == ST_OK)
         st = convert_plan_make(m, volume_grid(v), &o, plan);
     if (st == ST_OK)

@@ -17,7 +17,8 @@ typedef struct leaf_case {
     const char *axis_file[3]; /* rectilinear: as in volume_hints */
     world_axes axes;          /* and these likewise */
     const char *unit;
-    bool in_place;        /* its input stays, and the file is an index of it, compressed */
+    bool in_place; /* its input stays, and the file is an index of it, compressed, */
+    const struct sample_place *place; /* or of samples that lie here; NULL: of its input */
     volume_hints reading; /* big_endian, skip, missing: how the samples of the input are */
     convert_options options;
 } leaf_case;

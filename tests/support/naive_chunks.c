@@ -82,10 +82,11 @@ const char *naive_chunks_check(const unsigned char *section, int *chunks) {
         return naive_zeros(section, BEHIND, SIZE) ? NULL : "section OUTSIDE behind its path";
     const array a = read_array(section);
     int of[6] = {0};
-    if (form > 2 || a.axes < 3 || a.axes > AXES || a.codec < 1 || a.codec > 5 || a.filters < 0 ||
-        a.filters > 8 || flags > 31 || (form == 2 && (flags & 6)) || (form == 1 && a.cut) ||
-        (form == 2 && !naive_zeros(section, 4120, 4124)) ||
-        (form == 2 && !naive_zeros(section, 4136, 4144)) || !naive_zeros(section, 4124, 4128) ||
+    if (form > 3 || a.axes < 3 || a.axes > AXES || a.codec < 1 || a.codec > 5 || a.filters < 0 ||
+        a.filters > 8 || flags > 31 || (form >= 2 && (flags & 6)) || (form == 1 && a.cut) ||
+        (form >= 2 && !naive_zeros(section, 4120, 4124)) ||
+        (form >= 2 && !naive_zeros(section, 4136, 4144)) ||
+        (form == 3 && !naive_zeros(section, 0, 20)) || !naive_zeros(section, 4124, 4128) ||
         !naive_zeros(section, 4528, SIZE))
         return "section OUTSIDE of chunks";
     for (int i = 0; i < AXES; i++) {
@@ -344,28 +345,31 @@ static array without(const array *all, uint64_t skipped) {
 
 /* The packed bytes of a chunk, to be freed; NULL: it is not there. entry: NULL for a file. */
 static unsigned char *packed_chunk(array *a, const naive_chunks_file *in,
-                                   const unsigned char *entry, const char *path, size_t *size) {
+                                   const unsigned char *entry, long z, const char *path,
+                                   size_t *size) {
     if (!entry)
         return read_all(path, size);
+    const uint64_t from = in->starts ? in->starts[z] : 0;
+    const uint64_t file_size = in->starts ? in->starts[z + 1] - from : in->size;
     const uint64_t offset = naive_number(entry, 8);
     *size = (size_t)naive_number(entry + 8, 4);
     *a = without(a, naive_number(entry + 12, 4));
-    if (!*size || offset > in->size || *size > in->size - offset)
+    if (!*size || offset > file_size || *size > file_size - offset)
         return NULL;
     unsigned char *bytes = malloc(*size);
     if (bytes)
-        memcpy(bytes, in->bytes + offset, *size);
+        memcpy(bytes, in->bytes + from + offset, *size);
     *size -= a->summed ? 4 : 0;
     return bytes;
 }
 
 /* The numbers of a chunk, little endian, in one of two rooms; NULL: it cannot be read. */
 static unsigned char *chunk_of(array a, const naive_chunks_file *in, const unsigned char *entry,
-                               const char *path, long count, unsigned char *room[2]) {
+                               long z, const char *path, long count, unsigned char *room[2]) {
     const int width = widths[a.type];
     size_t size;
     int now = 0;
-    unsigned char *bytes = packed_chunk(&a, in, entry, path, &size);
+    unsigned char *bytes = packed_chunk(&a, in, entry, z, path, &size);
     if (!bytes) {
         for (long i = 0; i < count; i++)
             memcpy(room[0] + i * width, a.fill, (size_t)width);
@@ -447,6 +451,14 @@ static long count_of(const array *a, const long dims[3], const long index[AXES],
     return count;
 }
 
+/* The slice of a chunk that has one. */
+static long slice_of(const array *a, const long index[AXES]) {
+    long z = 0;
+    for (int i = 0; i < a->axes; i++)
+        z = a->role[i] == 3 ? index[i] : z;
+    return z;
+}
+
 static bool read_chunks(const array *a, const naive_chunks_file *in, const long dims[3], long count,
                         unsigned char *room[2], unsigned char *numbers) {
     long index[AXES] = {0}, first[AXES] = {0}, last[AXES] = {0}, chunks = 1;
@@ -459,8 +471,8 @@ static bool read_chunks(const array *a, const naive_chunks_file *in, const long 
         char path[8192];
         name_chunk(a, in->path, index, path);
         const long there = count_of(a, dims, index, count);
-        const unsigned char *chunk =
-            chunk_of(*a, in, entry_of(a, in, index, first, last), path, there, room);
+        const unsigned char *chunk = chunk_of(*a, in, entry_of(a, in, index, first, last),
+                                              slice_of(a, index), path, there, room);
         if (!chunk)
             return false;
         scatter(a, dims, index, there, chunk, numbers);
@@ -475,12 +487,15 @@ const char *naive_chunks_read(const unsigned char *section, const naive_chunks_f
     const array a = read_array(section);
     long count = 1;
     *numbers = NULL;
-    if ((naive_number(section + BEHIND, 4) == 2) != (in->table != NULL))
+    if ((naive_number(section + BEHIND, 4) >= 2) != (in->table != NULL))
         return "a table of chunks, there or not there";
     if (!in->table && XXH3_64bits(in->bytes, in->size) != naive_number(section + 4136, 8))
         return "the file that describes the chunks";
-    for (int i = 0; i < a.axes; i++)
+    for (int i = 0; i < a.axes; i++) {
         count *= a.chunk[i];
+        if (in->starts && a.role[i] == 3 && a.chunk[i] != 1)
+            return "a chunk of several slices";
+    }
     unsigned char *room[2] = {malloc((size_t)count * 8), malloc((size_t)count * 8)};
     *numbers = malloc((size_t)(dims[0] * dims[1] * dims[2] * a.numbers * widths[a.type]));
     const bool good =

@@ -9,13 +9,15 @@
  * chunks: *chunks. Returns NULL, or what is wrong. */
 const char *naive_chunks_check(const unsigned char *section, int *chunks);
 
-/* The file that a section names: it describes the array, or has all chunks. */
+/* The file that a section names: it describes the array, or has all chunks; or the files of slices,
+ * one behind the other. */
 typedef struct naive_chunks_file {
     const char *path;
     const unsigned char *bytes;
     uint64_t size;
     const unsigned char *table; /* section CHUNKS; NULL: there is none */
     long table_count;
+    const uint64_t *starts; /* where the file of each slice begins, and the end; NULL: one file */
 } naive_chunks_file;
 
 /* naive_chunks_read() - the numbers of all nodes, those that are taken side by side, then x

@@ -49,7 +49,8 @@ static void take_fields(naive_leaf *leaf) {
     leaf->run_align_log2 = (int)naive_number(b + 52, 4);
     leaf->codec = (int)naive_number(b + 56, 4);
     leaf->rectilinear = naive_number(b + 60, 4) == 1;
-    leaf->outside = naive_number(b + 76, 4) == 1;
+    leaf->outside = naive_number(b + 76, 4) > 0;
+    leaf->in_slices = naive_number(b + 76, 4) == 2;
     leaf->bare = naive_number(b + 1496, 4) == 1;
     leaf->outside_chunks = (long)naive_number(b + 1500, 4);
     leaf->fields = (long)naive_number(b + 64, 4);
@@ -70,7 +71,7 @@ static bool read_header(naive_leaf *leaf) {
         {8, 4, 4},        {12, 1, 1},       {16, 1, 5},  {20, 1, 11},  {24, 2, 1 << 20},
         {28, 2, 1 << 20}, {32, 2, 1 << 20}, {36, 1, 24}, {40, 4, 6},   {44, 0, 1},
         {48, 2, 2},       {52, 6, 21},      {56, 0, 1},  {60, 0, 1},   {64, 1, 65536},
-        {68, 1, 65536},   {72, 1, 64},      {76, 0, 1},  {1496, 0, 1},
+        {68, 1, 65536},   {72, 1, 64},      {76, 0, 2},  {1496, 0, 1},
     };
     const unsigned char *b = leaf->bytes;
     if (leaf->size < 4096 || memcmp(b, magic, 8) != 0)
@@ -248,6 +249,7 @@ static bool find_sections(naive_leaf *leaf) {
         [NAIVE_TIMES] = leaf->steps > 1 || grows ? 8 * (uint64_t)leaf->steps : 0,
         [NAIVE_OUTSIDE] = leaf->outside ? 4608 : 0,
         [NAIVE_CHUNKS] = 16 * (uint64_t)leaf->outside_chunks,
+        [NAIVE_SLICES] = leaf->in_slices ? 280 * (uint64_t)leaf->dims[2] : 0,
         [NAIVE_SAME] = series ? 4 * payloads : 0,
         [NAIVE_BASES] = series && leaf->codec == 1 ? 4 * payloads : 0};
     if (!naive_sections_find(&leaf->sections, leaf->bytes, leaf->size, want, OPTIONAL))
@@ -523,7 +525,7 @@ bool naive_leaf_read(naive_leaf *leaf, const char *path, long set) {
                 read_labels(leaf, where[NAIVE_FIELDS], where[NAIVE_TIMES]) &&
                 (!leaf->outside ||
                  !(why = naive_outside_read(leaf, path, where[NAIVE_OUTSIDE], where[NAIVE_CHUNKS],
-                                            &leaf->other)) ||
+                                            where[NAIVE_SLICES], &leaf->other)) ||
                  wrong(leaf, "%s", why)) &&
                 naive_places_read(leaf);
     /* The one that is asked for comes last, and stays. */

@@ -64,6 +64,35 @@ static const char *read_file(const char *leaf, const char *name, const place *p,
     return !same ? "the other file has changed" : read ? NULL : "the other file cannot be read";
 }
 
+/* Read the files of all slices, one behind the other: *starts, and the end. */
+static const char *read_slices(const naive_leaf *leaf, const char *path, const char *folder,
+                               const unsigned char *slices, unsigned char **all,
+                               uint64_t **starts) {
+    const long count = leaf->dims[2];
+    const char *why = NULL;
+    *starts = calloc((size_t)count + 1, sizeof **starts);
+    for (long z = 0; z < count && !why; z++) {
+        const unsigned char *b = slices + 280 * z;
+        const place p = {.file_bytes = naive_number(b, 8),
+                         .seconds = (int64_t)naive_number(b + 8, 8),
+                         .nanoseconds = (long)naive_number(b + 16, 4)};
+        const char *own = (const char *)b + 24;
+        unsigned char *bytes = NULL;
+        char name[8192], file[8192];
+        if (!naive_zeros(b, 20, 24) || !naive_text(b + 24, 256) || !*own || strchr(own, '/') ||
+            strcmp(own, ".") == 0 || strcmp(own, "..") == 0)
+            return "the file of a slice";
+        snprintf(name, sizeof name, "%s/%s", folder, own);
+        why = read_file(path, name, &p, file, &bytes);
+        (*starts)[z + 1] = (*starts)[z] + p.file_bytes;
+        *all = realloc(*all, (*starts)[z + 1] + 1);
+        if (!why)
+            memcpy(*all + (*starts)[z], bytes, p.file_bytes);
+        free(bytes);
+    }
+    return why;
+}
+
 static double half_of(uint64_t bits) {
     const int exponent = (int)(bits >> 10 & 31), sign = bits >> 15 ? -1 : 1;
     const double fraction = (double)(bits & 1023);
@@ -142,9 +171,9 @@ static void put_sample(const naive_leaf *leaf, const place *p, const unsigned ch
 
 /* Take the numbers of chunks, in the place of their file's bytes. */
 static const char *take_chunks(const naive_leaf *leaf, const unsigned char *section,
-                               const unsigned char *table, const char *path, place *p,
-                               unsigned char **bytes) {
-    const naive_chunks_file in = {path, *bytes, p->file_bytes, table, leaf->outside_chunks};
+                               const unsigned char *table, const uint64_t *starts, const char *path,
+                               place *p, unsigned char **bytes) {
+    const naive_chunks_file in = {path, *bytes, p->file_bytes, table, leaf->outside_chunks, starts};
     unsigned char *numbers;
     const char *why = naive_chunks_read(section, &in, leaf->dims, &numbers);
     free(*bytes);
@@ -157,8 +186,9 @@ static const char *take_chunks(const naive_leaf *leaf, const unsigned char *sect
 
 const char *naive_outside_read(const naive_leaf *leaf, const char *path,
                                const unsigned char *section, const unsigned char *table,
-                               unsigned char **samples) {
+                               const unsigned char *slices, unsigned char **samples) {
     place p;
+    uint64_t *starts = NULL;
     unsigned char *bytes = NULL;
     const char *why = read_section(section, &p);
     char file[8192];
@@ -172,10 +202,15 @@ const char *naive_outside_read(const naive_leaf *leaf, const char *path,
         why = "the samples end behind their file";
     if (!why && p.has_missing && is_integer(p.type) && leaf->sample_type != 5)
         why = "integers with missing data that are no floats";
-    if (!why)
+    if (!why && (naive_number(section + 4096, 4) == 3) != (slices != NULL))
+        why = "files of slices, there or not there";
+    if (!why && slices)
+        why = read_slices(leaf, path, (const char *)section + 128, slices, &bytes, &starts);
+    else if (!why)
         why = read_file(path, (const char *)section + 128, &p, file, &bytes);
     if (!why && chunks)
-        why = take_chunks(leaf, section, table, file, &p, &bytes);
+        why = take_chunks(leaf, section, table, starts, slices ? "/" : file, &p, &bytes);
+    free(starts);
     const size_t width = (size_t)widths[leaf->sample_type];
     const uint64_t step = why ? 0 : (uint64_t)widths[p.type] * (uint64_t)p.components;
     *samples = why ? NULL : malloc(count * width);

@@ -6,11 +6,11 @@
 #include "tests/support/naive_leaf.h"
 
 /* naive_outside_read() - all samples of level 0, as they are in raw payloads, x fastest; the caller
- * frees them. path: of the treelet file. section: OUTSIDE. table: CHUNKS, or NULL. Returns NULL, or
- * what is wrong. */
+ * frees them. path: of the treelet file. section: OUTSIDE. table: CHUNKS, or NULL. slices: SLICES,
+ * or NULL. Returns NULL, or what is wrong. */
 const char *naive_outside_read(const naive_leaf *leaf, const char *path,
                                const unsigned char *section, const unsigned char *table,
-                               unsigned char **samples);
+                               const unsigned char *slices, unsigned char **samples);
 
 /* naive_outside_hold() - put the samples of a treelet that lie there into `held`, and check them.
  * Returns NULL, or what is wrong. */

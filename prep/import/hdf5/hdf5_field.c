@@ -337,15 +337,20 @@ static void find_storage(hid_t type, hdf5_field *f) {
 
 /* Read how numbers are packed, by the attributes of netCDF and others. */
 static void find_packing(hdf5_field *f) {
-    double v[PACKED_FILLS];
+    static const char *const fills[] = {"_FillValue", "missing_value"};
+    double v[4 * PACKED_FILLS];
+    bool all = true;
     if (hdf5_numbers(f->set, "scale_factor", v, 1))
         f->packed.scale = v[0];
     if (hdf5_numbers(f->set, "add_offset", v, 1))
         f->packed.offset = v[0];
-    for (int i = 0, n = hdf5_numbers(f->set, "_FillValue", v, PACKED_FILLS); i < n; i++)
-        packed_fill(&f->packed, v[i]);
-    for (int i = 0, n = hdf5_numbers(f->set, "missing_value", v, PACKED_FILLS); i < n; i++)
-        packed_fill(&f->packed, v[i]);
+    for (int k = 0; k < 2; k++) {
+        const int n = hdf5_numbers(f->set, fills[k], v, 4 * PACKED_FILLS);
+        for (int i = 0; i < n; i++)
+            all = packed_fill(&f->packed, v[i]) && all;
+    }
+    if (!all && !f->refuse[0])
+        snprintf(f->refuse, sizeof f->refuse, "more than %d values for missing data", PACKED_FILLS);
 }
 
 /* ---- all of it ---- */

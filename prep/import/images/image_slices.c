@@ -209,21 +209,24 @@ static void describe_grid(const stack *s, const image_wish *wish, const char *pa
 
 /* ---- where samples can stay ---- */
 
-/* Find the pages' samples in their file. */
+/* Find the pages' samples in their files. */
 static status look_at_pages(stack *s, sample_place *out) {
     uint32_t *pages = mem_array(s->m, s->page_count, sizeof *pages);
-    if (!pages)
-        return ST_NOMEM;
-    for (size_t z = 0; z < s->page_count; z++)
+    const char **paths = mem_array(s->m, s->page_count, sizeof *paths);
+    for (size_t z = 0; z < s->page_count && pages && paths; z++) {
         pages[z] = s->pages[z].index;
-    const tiff_wish wish = {.path = s->names.paths[0],
+        paths[z] = s->names.paths[s->pages[z].file];
+    }
+    const tiff_wish wish = {.paths = paths,
                             .pages = pages,
                             .slices = (uint32_t)s->page_count,
+                            .in_slices = !s->is_file,
                             .component = (uint32_t)(s->channel + 1),
                             .type = s->type};
     tiff_place_release(&s->place);
-    const status st = tiff_place_find(s->m, &wish, &s->place, out);
+    const status st = pages && paths ? tiff_place_find(s->m, &wish, &s->place, out) : ST_NOMEM;
     mem_free(s->m, pages);
+    mem_free(s->m, paths);
     return st;
 }
 
@@ -232,10 +235,8 @@ static bool find_place(void *ctx, sample_place *out) {
     *out = (sample_place){.path = NULL};
     if (!s->open || strcmp(image_file_format(s->open), "tiff") != 0)
         return false;
-    if (s->names.count > 1)
-        out->refused = "its slices are files of their own";
-    else if (!s->is_file)
-        out->refused = "it is a folder: name the TIFF in it";
+    if (s->is_file && s->names.count > 1)
+        out->refused = "its slices are named one by one, and not their folder";
     else if (look_at_pages(s, out) != ST_OK)
         out->refused = "its pages cannot be looked through";
     return true;

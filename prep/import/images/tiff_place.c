@@ -23,7 +23,8 @@ typedef struct finder {
     tiff_place *keep;
     form form;               /* of the first page */
     uint32_t z;              /* slices found */
-    const tiff_page *page;   /* the one that is looked at */
+    const char *path;        /* of the file that is looked at, */
+    const tiff_page *page;   /* and the page */
     uint32_t rows;           /* of a chunk */
     uint64_t across, down;   /* chunks of a page */
     uint64_t planes, pieces; /* channels apart, and pieces of a page */
@@ -110,10 +111,10 @@ static form form_of(const tiff *t, const tiff_page *p) {
 }
 
 static bool is_alike(const form *a, const form *b) {
-    return a->type == b->type && a->codec == b->codec && a->differences == b->differences &&
-           a->planar == b->planar && a->tiled == b->tiled && a->width == b->width &&
-           a->height == b->height && a->samples == b->samples && a->piece_width == b->piece_width &&
-           a->piece_height == b->piece_height;
+    return a->type == b->type && a->codec == b->codec && a->big_endian == b->big_endian &&
+           a->differences == b->differences && a->planar == b->planar && a->tiled == b->tiled &&
+           a->width == b->width && a->height == b->height && a->samples == b->samples &&
+           a->piece_width == b->piece_width && a->piece_height == b->piece_height;
 }
 
 /* ---- the array ---- */
@@ -190,7 +191,7 @@ static status begin(finder *f) {
     f->down = (o->height + f->rows - 1) / f->rows;
     f->planes = o->planar ? o->samples : 1;
     f->pieces = f->across * ((o->height + o->piece_height - 1) / o->piece_height) * f->planes;
-    f->gaps = o->tiled || o->codec != ZARR_RAW || o->samples > 1;
+    f->gaps = w->in_slices || o->tiled || o->codec != ZARR_RAW || o->samples > 1;
     const uint64_t taken = o->planar && !w->component ? f->planes : 1;
     const uint64_t page = f->across * f->down * taken;
     if (page > UINT32_MAX / w->slices) {
@@ -257,11 +258,23 @@ static status take_piece(void *ctx, const tiff_piece *piece) {
     return ST_OK;
 }
 
+/* Refuse a page that is not stored as the first one is. */
+static void refuse_page(const finder *f, uint64_t number, const char *why) {
+    const char *name = strrchr(f->path, '/');
+    char *text = f->keep->refused;
+    const size_t room = sizeof f->keep->refused;
+    if (f->wish->in_slices)
+        snprintf(text, room, "%.48s %s", name ? name + 1 : f->path, why);
+    else
+        snprintf(text, room, "page %llu %s", (unsigned long long)number, why);
+}
+
 static status take_page(void *ctx, const tiff *t, const tiff_page *p, uint64_t number) {
     finder *f = ctx;
     tiff_place *keep = f->keep;
     status st = ST_OK;
-    if (f->z == f->wish->slices || number != f->wish->pages[f->z] || *keep->refused ||
+    if (f->z == f->wish->slices || f->wish->paths[f->z] != f->path ||
+        number != f->wish->pages[f->z] || *keep->refused ||
         refuse(p, keep->refused, sizeof keep->refused))
         return ST_OK;
     const form own = form_of(t, p);
@@ -272,11 +285,9 @@ static status take_page(void *ctx, const tiff *t, const tiff_page *p, uint64_t n
     if (st != ST_OK || *keep->refused)
         return st;
     if (!is_alike(&own, &f->form))
-        snprintf(keep->refused, sizeof keep->refused, "page %llu is stored in another way",
-                 (unsigned long long)number);
+        refuse_page(f, number, "is stored in another way");
     else if (p->offsets.count < f->pieces)
-        snprintf(keep->refused, sizeof keep->refused, "page %llu lacks strips or tiles",
-                 (unsigned long long)number);
+        refuse_page(f, number, "lacks strips or tiles");
     if (*keep->refused)
         return ST_OK;
     f->page = p;
@@ -287,16 +298,45 @@ static status take_page(void *ctx, const tiff *t, const tiff_page *p, uint64_t n
 
 /* ---- all of them ---- */
 
+/* Go through the pages of each file. */
+static status visit_files(mem *m, finder *f) {
+    const tiff_wish *w = f->wish;
+    status st = ST_OK;
+    while (f->z < w->slices && st == ST_OK && !*f->keep->refused) {
+        const uint32_t first = f->z;
+        uint64_t pages;
+        f->path = w->paths[first];
+        st = tiff_pages_each(m, f->path, &(tiff_visit){take_page, f}, &pages);
+        if (st == ST_OK && f->z == first && !*f->keep->refused)
+            snprintf(f->keep->refused, sizeof f->keep->refused,
+                     "pages that are not found in order");
+    }
+    return st;
+}
+
+/* Tell the file of each slice by its name. */
+static status name_slices(mem *m, const tiff_wish *w, tiff_place *keep) {
+    keep->slices = mem_array(m, w->slices, sizeof *keep->slices);
+    if (!keep->slices)
+        return ST_NOMEM;
+    memset(keep->slices, 0, w->slices * sizeof *keep->slices);
+    for (uint32_t z = 0; z < w->slices; z++) {
+        const char *name = strrchr(w->paths[z], '/');
+        snprintf(keep->slices[z].name, sizeof keep->slices[z].name, "%s",
+                 name ? name + 1 : w->paths[z]);
+    }
+    return ST_OK;
+}
+
 status tiff_place_find(mem *m, const tiff_wish *wish, tiff_place *keep, sample_place *out) {
     *keep = (tiff_place){.m = m};
     finder f = {.wish = wish, .keep = keep};
-    uint64_t pages;
     *out = (sample_place){.path = NULL};
-    const status st = tiff_pages_each(m, wish->path, &(tiff_visit){take_page, &f}, &pages);
+    status st = visit_files(m, &f);
+    if (st == ST_OK && wish->in_slices && !*keep->refused)
+        st = name_slices(m, wish, keep);
     if (st != ST_OK)
         return st;
-    if (!*keep->refused && f.z < wish->slices)
-        snprintf(keep->refused, sizeof keep->refused, "pages that are not found in order");
     if (*keep->refused) {
         out->refused = keep->refused;
         return ST_OK;
@@ -313,6 +353,7 @@ status tiff_place_find(mem *m, const tiff_wish *wish, tiff_place *keep, sample_p
     describe(&f, &keep->array);
     out->chunks = &keep->array;
     out->table = keep->table;
+    out->slices = keep->slices;
     out->table_count =
         (uint32_t)(f.across * f.down * (f.form.planar && !wish->component ? f.planes : 1)) *
         wish->slices;
@@ -320,7 +361,9 @@ status tiff_place_find(mem *m, const tiff_wish *wish, tiff_place *keep, sample_p
 }
 
 void tiff_place_release(tiff_place *p) {
-    if (p->m)
+    if (p->m) {
         mem_free(p->m, p->table);
+        mem_free(p->m, p->slices);
+    }
     *p = (tiff_place){.m = NULL};
 }

@@ -117,18 +117,26 @@ static bool has(const netcdf_variable *v, const char *name, size_t i, long doubl
     return netcdf_number(v->group, v->id, name, i, out);
 }
 
-/* Floats without their own fill value have the library's. */
+/* Floats without their own fill value have the library's. CF 2.5.1: missing_value may be a vector.
+ */
 static void find_fills(netcdf_variable *v, nc_type type) {
     long double number;
-    const bool own = has(v, "_FillValue", 0, &number);
-    if (own)
-        packed_fill(&v->packed, as_stored(v, number));
-    for (size_t i = 0; i + 1 < PACKED_FILLS && has(v, "missing_value", i, &number); i++)
-        packed_fill(&v->packed, as_stored(v, number));
-    if (!own && type == NC_FLOAT)
-        packed_fill(&v->packed, (long double)NC_FILL_FLOAT);
-    if (!own && type == NC_DOUBLE)
-        packed_fill(&v->packed, (long double)NC_FILL_DOUBLE);
+    size_t count = 0;
+    nc_type told;
+    bool all = true;
+    if (has(v, "_FillValue", 0, &number))
+        all = packed_fill(&v->packed, as_stored(v, number));
+    else if (type == NC_FLOAT)
+        all = packed_fill(&v->packed, (long double)NC_FILL_FLOAT);
+    else if (type == NC_DOUBLE)
+        all = packed_fill(&v->packed, (long double)NC_FILL_DOUBLE);
+    if (nc_inq_att(v->group, v->id, "missing_value", &told, &count) != NC_NOERR ||
+        told == NC_CHAR || told > NC_UINT64)
+        return;
+    for (size_t i = 0; i < count && has(v, "missing_value", i, &number); i++)
+        all = packed_fill(&v->packed, as_stored(v, number)) && all;
+    if (!all || count > PACKED_FILLS)
+        snprintf(v->refuse, sizeof v->refuse, "more than %d values for missing data", PACKED_FILLS);
 }
 
 /* The range is of packed numbers, unless a variable of integers has it in floats. */

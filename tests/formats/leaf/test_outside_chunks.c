@@ -505,7 +505,8 @@ static void test_sections(void **state) {
         uint32_t value;
         const char *said;
     } wrong[] = {{AT(form), 0, "byte 122"},
-                 {AT(form), 3, "byte 12288: "},
+                 {AT(form), 3, "chunks of one slice each"},
+                 {AT(form), 4, "byte 12288: "},
                  {AT(form), 2, "byte 1500: expected 1 chunks in a table, found 0"},
                  {AT(axes), 2, "byte 12292: "},
                  {AT(axes), 9, "byte 12292: "},
@@ -562,12 +563,12 @@ static void test_entries(void **state) {
     chunk_entry e[2] = {{0, 0, 0}, {900, 100, 7}};
     (void)state;
     o.form = LEAF_OUTSIDE_TABLE;
-    assert_int_equal(leaf_check_chunks("F.leaf", &h, &o, e, 4096), ST_OK);
+    assert_int_equal(leaf_check_chunks("F.leaf", &h, &o, e, NULL, 4096), ST_OK);
     const chunk_entry wrong[] = {{1, 0, 0},          {0, 0, 1},    {900, 101, 0},
                                  {UINT64_MAX, 1, 0}, {1001, 1, 0}, {0, 9, 8}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         e[1] = wrong[i];
-        assert_int_equal(leaf_check_chunks("F.leaf", &h, &o, e, 4096), ST_CORRUPT);
+        assert_int_equal(leaf_check_chunks("F.leaf", &h, &o, e, NULL, 4096), ST_CORRUPT);
         assert_non_null(strstr(status_text(), "byte 4112: "));
     }
     /* What only chunks in files have. */
