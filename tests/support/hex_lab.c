@@ -143,12 +143,13 @@ hexahedron hex_lab_cell(const hex_lab *s, const int at[3]) {
     return h;
 }
 
-bool hex_lab_ray(const hex_lab *s, field_random *r, double o[3], double d[3]) {
+ray hex_lab_ray(const hex_lab *s, field_random *r, bool *special) {
     const bool node = field_random_below(r, 8) == 0, edge = field_random_below(r, 16) == 0;
     const int at[3] = {(int)field_random_below(r, HEX_LAB_CELLS),
                        (int)field_random_below(r, HEX_LAB_CELLS),
                        (int)field_random_below(r, HEX_LAB_CELLS)};
     const hexahedron h = hex_lab_cell(s, at);
+    ray out = {.t0 = -INFINITY, .t1 = INFINITY};
     double to[3], u[3], length = 0.0;
     for (int a = 0; a < 3; a++)
         u[a] = node ? (double)field_random_below(r, 2) : field_random_unit(r);
@@ -157,19 +158,19 @@ bool hex_lab_ray(const hex_lab *s, field_random *r, double o[3], double d[3]) {
         for (int c = 0; c < HEX_CORNERS; c++)
             p[c] = h.p[c][a];
         to[a] = hexahedron_at(p, u);
-        d[a] = field_random_in(r, -1.0, 1.0);
+        out.d[a] = field_random_in(r, -1.0, 1.0);
         if (edge)
-            d[a] = p[1] - p[0];
+            out.d[a] = p[1] - p[0];
         if (!node && !edge && field_random_below(r, 16) == 0)
-            d[a] = 0.0;
-        length += d[a] * d[a];
+            out.d[a] = 0.0;
+        length += out.d[a] * out.d[a];
     }
     if (length == 0.0)
-        d[0] = length = 1.0;
+        out.d[0] = length = 1.0;
     for (int a = 0; a < 3; a++) {
-        d[a] /= sqrt(length);
-        o[a] = to[a] - 3.0 * s->size * d[a];
+        out.d[a] = out.d[a] / sqrt(length) + 0.0; /* no -0 */
+        out.o[a] = to[a] - 3.0 * s->size * out.d[a];
     }
-    /* Where this rounds, the ray misses the node by that. */
-    return node || edge;
+    *special = node || edge;
+    return out;
 }

@@ -5,6 +5,7 @@
 #define TESTS_SUPPORT_HEX_LAB_H
 
 #include "render/curved/hexahedron.h"
+#include "render/ray/ray.h"
 #include "tests/support/fields.h"
 
 enum { HEX_LAB_CELLS = 5, HEX_LAB_NODES = HEX_LAB_CELLS + 1 };
@@ -28,8 +29,8 @@ void hex_lab_make(hex_lab *s, int index, uint64_t seed);
 /* hex_lab_cell() - cell (at[0], at[1], at[2]). */
 hexahedron hex_lab_cell(const hex_lab *s, const int at[3]);
 
-/* hex_lab_ray() - a ray from outside, through a point inside; now and then exactly through a node
- * or along an edge. Returns whether it is such a special one. */
-bool hex_lab_ray(const hex_lab *s, field_random *r, double o[3], double d[3]);
+/* hex_lab_ray() - a ray from outside, through a point inside; all t. Now and then exactly through a
+ * node or along an edge, as far as the origin's rounding allows: then it is *special. */
+ray hex_lab_ray(const hex_lab *s, field_random *r, bool *special);
 
 #endif

@@ -34,15 +34,6 @@ static hexahedron cell_of(const hex_lab *s, int c) {
     return hex_lab_cell(s, at);
 }
 
-static ray ray_of(const double o[3], const double d[3]) {
-    ray r = {.t0 = -INFINITY, .t1 = INFINITY};
-    for (int a = 0; a < 3; a++) {
-        r.o[a] = o[a];
-        r.d[a] = d[a] == 0.0 ? 0.0 : d[a];
-    }
-    return r;
-}
-
 static int by_t(const void *a, const void *b) {
     const hex_root *x = a, *y = b;
     return (x->t > y->t) - (x->t < y->t);
@@ -60,10 +51,10 @@ static void test_truth(void **state) {
         double worst = 0.0;
         hex_lab_make(&s, n, FIELD_SEED);
         for (int i = 0; i < RAYS; i++) {
-            double o[3], d[3];
-            if (hex_lab_ray(&s, &random, o, d))
+            bool special;
+            const ray r = hex_lab_ray(&s, &random, &special);
+            if (special)
                 continue;
-            const ray r = ray_of(o, d);
             const sheared_ray sheared = sheared_ray_of(&r);
             for (int c = 0; c < CELLS; c++) {
                 const hexahedron h = cell_of(&s, c);
@@ -140,9 +131,9 @@ static void test_faces(void **state) {
         long special = 0, pairs = 0;
         hex_lab_make(&s, n, FIELD_SEED + 1);
         for (int i = 0; i < RAYS; i++) {
-            double o[3], d[3];
-            special += hex_lab_ray(&s, &random, o, d);
-            const ray r = ray_of(o, d);
+            bool is_special;
+            const ray r = hex_lab_ray(&s, &random, &is_special);
+            special += is_special;
             const sheared_ray sheared = sheared_ray_of(&r);
             size_t count = 0;
             for (int c = 0; c < CELLS; c++) {
@@ -209,10 +200,10 @@ static void test_bounds(void **state) {
         long proven = 0, looked = 0;
         hex_lab_make(&s, n, FIELD_SEED + 2);
         for (int i = 0; i < RAYS; i++) {
-            double o[3], d[3];
-            if (hex_lab_ray(&s, &random, o, d))
+            bool special;
+            const ray r = hex_lab_ray(&s, &random, &special);
+            if (special)
                 continue;
-            const ray r = ray_of(o, d);
             const sheared_ray sheared = sheared_ray_of(&r);
             for (int c = 0; c < CELLS; c++)
                 bounds_hold(&s, c, &sheared, &looked, &proven);
@@ -287,10 +278,10 @@ static void test_pieces(void **state) {
             double closest = 0.0;
             hex_lab_make(&s, n, FIELD_SEED + 3);
             for (int k = 0; k < RAYS; k++) {
-                double o[3], d[3];
-                if (hex_lab_ray(&s, &random, o, d))
+                bool special;
+                const ray r = hex_lab_ray(&s, &random, &special);
+                if (special)
                     continue;
-                const ray r = ray_of(o, d);
                 for (int c = 0; c < CELLS; c++)
                     pieces_hold(&s, c, &r, tolerances[i], &parts, &pieces, &counts, &closest);
             }
@@ -427,9 +418,8 @@ static void test_orders(void **state) {
         long met = 0;
         hex_lab_make(&s, n, FIELD_SEED + 5);
         for (int i = 0; i < RAYS; i++) {
-            double o[3], d[3];
-            (void)hex_lab_ray(&s, &random, o, d);
-            const ray r = ray_of(o, d);
+            bool special;
+            const ray r = hex_lab_ray(&s, &random, &special);
             const sheared_ray sheared = sheared_ray_of(&r);
             const int flips = (int)field_random_below(&random, 8);
             const int first = (int)field_random_below(&random, 3);
