@@ -14,7 +14,7 @@
 static json_t *spread(const char *text, int frames) {
     json_t *keys = json_loads(text, 0, NULL), *path = NULL;
     assert_non_null(keys);
-    assert_int_equal(keyframes_spread(keys, frames, &path), ST_OK);
+    assert_int_equal(keyframes_spread(keys, "path.json", frames, &path), ST_OK);
     assert_int_equal(json_array_size(path), (size_t)frames);
     json_decref(keys);
     return path;
@@ -139,7 +139,8 @@ static void test_edges(void **state) {
     assert_true(fabs(vec3_length(eye) - 2.0) < 1e-12 && fabs(eye[0]) < 1e-12);
     json_decref(path);
     json_t *bad = json_pack("[{},i]", 3), *none = NULL;
-    assert_int_equal(keyframes_spread(bad, 3, &none), ST_USAGE);
+    assert_int_equal(keyframes_spread(bad, "path.json", 3, &none), ST_USAGE);
+    assert_non_null(strstr(status_text(), "path.json: entry 2"));
     assert_null(none);
     json_decref(bad);
 }
