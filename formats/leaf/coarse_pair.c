@@ -5,7 +5,8 @@
 #include "formats/base/file.h"
 
 bool coarse_pair_has(const leaf_file *f, uint32_t set) {
-    return leaf_file_has_coarse(f, set) && leaf_file_has_coarse(f, set + 1);
+    return leaf_layout_step(&f->layout, set) + 1 < f->layout.steps &&
+           leaf_file_has_coarse(f, set) && leaf_file_has_coarse(f, set + 1);
 }
 
 static bool are_alike(const leaf_file *a, const leaf_file *b) {

@@ -6,7 +6,7 @@
 
 #include "formats/leaf/leaf_file.h"
 
-/* coarse_pair_has() - whether f has the coarse grids of a set and of the next one.
+/* coarse_pair_has() - whether f has the coarse grids of a set and of the next step.
  * coarse_pair_open() - open both as a grid of two steps, which may outlive f. It has neither
  * histograms nor deviations. ST_CORRUPT also where they are not grids of the same samples' places
  * and types, as those of a mesh always are. */

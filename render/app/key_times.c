@@ -67,9 +67,9 @@ static status unify(const entry *e, const leafcast *volume, double *before) {
     return set(e->object, TIME, json_real(*before), STEP);
 }
 
-status key_times_unify(json_t *path, const char *file, const leafcast *volume) {
+status key_times_unify(json_t *path, const char *file, const leafcast *volume, double first) {
     status st = ST_OK;
-    double before = leafcast_step_time(volume, 0);
+    double before = first;
     if (!key_times_any(path))
         return ST_OK;
     for (size_t i = 0; i < json_array_size(path) && st == ST_OK; i++)

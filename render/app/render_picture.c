@@ -47,7 +47,8 @@ static bool say_absent(const render_options *o, const render_job *job, const vie
 static void say_empty(const render_options *o, render_job *job, const view_options *view,
                       const leafcast_stats *t) {
     const bool any = say_absent(o, job, view);
-    if (t->covered_pixels > 0 || view_options_any_filled(view))
+    /* A pixel that is provisional may have one. */
+    if (t->covered_pixels > 0 || t->provisional_pixels > 0 || view_options_any_filled(view))
         return;
     job->empty++;
     if (any)

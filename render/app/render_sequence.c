@@ -169,6 +169,19 @@ static status spread_path(const render_options *o, json_t **path) {
     return st;
 }
 
+/* The time of --step or --time, which entries have before the first one that says its own. */
+static status first_time(const render_options *o, const leafcast *volume, double *time) {
+    const uint32_t steps = leafcast_describe(volume).steps;
+    time_options at = o->view.time;
+    uint32_t step = o->view.step;
+    const status st = at.given ? time_options_find(&at, volume, &step) : ST_OK;
+    if (st == ST_OK && step >= steps)
+        return status_describe(ST_USAGE, "--step %u: there are steps 0 to %u", step, steps - 1);
+    if (st == ST_OK)
+        *time = at.given ? at.time : leafcast_step_time(volume, step);
+    return st;
+}
+
 /* Load the camera path. Which step a time is, the file says. */
 static status load_path(const render_options *o, render_job *job, json_t **path) {
     status st = script_load_path(o->camera_path, path);
@@ -176,9 +189,12 @@ static status load_path(const render_options *o, render_job *job, json_t **path)
         st = key_times_none(*path, o->camera_path, "--steps says the steps");
     if (st != ST_OK || !key_times_any(*path))
         return st == ST_OK ? spread_path(o, path) : st;
+    double first = 0.0;
     st = open_file(o, job);
     if (st == ST_OK)
-        st = key_times_unify(*path, o->camera_path, job->volume);
+        st = first_time(o, job->volume, &first);
+    if (st == ST_OK)
+        st = key_times_unify(*path, o->camera_path, job->volume, first);
     if (st == ST_OK)
         st = spread_path(o, path);
     /* With --interpolate, times between steps are drawn themselves. */

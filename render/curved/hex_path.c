@@ -65,7 +65,8 @@ int hex_path_of(const hexahedron *h, int sense, const sheared_ray *r, hex_path *
     /* The signs of all faces add up to 0: as many go in as come out. */
     for (int i = 0; i < in_out[0].count && i < in_out[1].count && i < HEX_PARTS; i++) {
         const hex_end *in = &in_out[0].end[i], *to = &in_out[1].end[i];
-        out->part[out->count++] = in->t <= to->t ? (hex_part){{*in, *to}} : (hex_part){{*to, *in}};
+        const bool back = sense == 0 && to->t < in->t; /* which is which means nothing there */
+        out->part[out->count++] = back ? (hex_part){{*to, *in}} : (hex_part){{*in, *to}};
     }
     return out->count;
 }

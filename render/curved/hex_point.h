@@ -8,7 +8,7 @@
 
 /* hex_point_find() - whether the cell holds a point; if so, its parameters. Of cells that share a
  * face, one holds a point of it: the parts along an axis tell (hex_path.h). Where that axis touches
- * a face at the point, three may: then the first counts.
+ * a face at the point, several may: then the first counts.
  *
  * sense    hexahedron_sense(); 0: parameters are those of the folded cell's rule, linear along the
  *          axis

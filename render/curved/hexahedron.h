@@ -21,8 +21,10 @@ void hexahedron_slope(const double v[HEX_CORNERS], const double at[3], double sl
 double hexahedron_twist(const double v[HEX_CORNERS], const double at[3], double twist[3]);
 
 /* hexahedron_sense() - 1 if positions are a right-handed map: the Jacobian's determinant is above 0
- * inside the cell, proven by its Bernstein coefficients in the cell or in parts of it; on faces and
- * edges it may be 0. -1: left-handed. 0: it is neither, or nearly; the cell is folded, or flat.
+ * inside the cell, by its Bernstein coefficients in the cell or in parts of it; on faces and edges
+ * it may be 0. -1: left-handed. 0: it is neither; the cell is folded, or flat. All of it to within
+ * rounding: 2^-48 of the product of the longest edges along each parameter counts as 0. So an edge
+ * is collapsed where its ends are the same, not where they only nearly are.
  *
  * Depends on the positions alone. A right- or left-handed cell meets a ray in parts on each of
  * which t rises, and which begin and end at its faces. */

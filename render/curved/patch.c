@@ -46,6 +46,20 @@ typedef struct candidate {
     double outside; /* by how much it is outside of the square; below 0: inside by so much */
 } candidate;
 
+static double largest(const double q[PATCH_CORNERS][3]) {
+    double most = 0.0;
+    for (int i = 0; i < PATCH_CORNERS; i++)
+        most = fmax(most, fmax(fabs(q[i][0]), fabs(q[i][1])));
+    return most;
+}
+
+/* The ray goes along the patch's straight line of this first parameter, as far as doubles can tell.
+ * Moved as patch.h says, it is where the first derivative has the direction of the move. */
+static candidate candidate_along(const double q[PATCH_CORNERS][3], double u) {
+    const double low = q[1][1] - q[0][1], high = q[3][1] - q[2][1], v = low / (low - high);
+    return (candidate){{u, v >= 0.0 && v <= 1.0 ? v : 0.5}, fmax(-u, u - 1.0)};
+}
+
 static candidate candidate_at(const double q[PATCH_CORNERS][3], double u) {
     double low[2], along[2];
     for (int k = 0; k < 2; k++) {
@@ -53,6 +67,10 @@ static candidate candidate_at(const double q[PATCH_CORNERS][3], double u) {
         along[k] = q[2][k] + u * (q[3][k] - q[2][k]) - low[k];
     }
     const double size = along[0] * along[0] + along[1] * along[1];
+    const double small = 0x1p-46 * largest(q);
+    if (size <= small * small) /* that line of the patch is parallel to the ray */
+        return fmax(fabs(low[0]), fabs(low[1])) <= small ? candidate_along(q, u)
+                                                         : (candidate){{NAN, NAN}, INFINITY};
     const double v = -(low[0] * along[0] + low[1] * along[1]) / size;
     return (candidate){{u, v}, fmax(fmax(-u, u - 1.0), fmax(-v, v - 1.0))};
 }
@@ -75,6 +93,18 @@ static int solve(const double q[PATCH_CORNERS][3], candidate out[2], bool *real)
         if (isfinite(found.at[0]) && isfinite(found.at[1]))
             out[count++] = found;
     }
+    return count;
+}
+
+/* The same by the second parameter: where any first one would do. */
+static int solve_across(const double q[PATCH_CORNERS][3], candidate out[2], bool *real) {
+    double turned[PATCH_CORNERS][3];
+    for (int i = 0; i < PATCH_CORNERS; i++)
+        for (int k = 0; k < 2; k++)
+            turned[(i & 1) << 1 | i >> 1][k] = q[i][k];
+    const int count = solve((const double(*)[3])turned, out, real);
+    for (int i = 0; i < count; i++)
+        out[i] = (candidate){{out[i].at[1], out[i].at[0]}, out[i].outside};
     return count;
 }
 
@@ -123,7 +153,10 @@ int patch_cross(const double q[PATCH_CORNERS][3], patch_crossing out[PATCH_CROSS
     bool real;
     if (patch_beside(q))
         return 0;
-    const int sum = turns(q), count = solve(q, found, &real);
+    const int sum = turns(q);
+    int count = solve(q, found, &real);
+    if (count == 0)
+        count = solve_across(q, found, &real);
     if (sum == 0) {
         /* Both are in the square, or neither: the one that is further from its edges tells. */
         if (!real || count < 2 ||

@@ -3,6 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "formats/base/status.h"
+#include "formats/base/text.h"
+
 view_message *view_message_new(mem *m, size_t room) {
     view_message *made = mem_alloc(m, sizeof *made + VIEW_MESSAGE_BEFORE + room);
     if (!made)
@@ -50,7 +53,8 @@ view_message *view_message_json(mem *m, json_t *object) {
 }
 
 const char *view_message_why(void) {
-    const char *name = status_text();
+    static _Thread_local char printable[STATUS_TEXT_MAX];
+    const char *name = text_printable(printable, sizeof printable, status_text());
     /* Skip quoted text: that comes from the page itself. */
     for (const char *c = name; *c && *c != ':' && *c != '"'; c++)
         if (*c == '/')

@@ -33,9 +33,16 @@ struct view_talk {
     char text[VIEW_HEARD_MAX];
 };
 
+static bool has_room(const view_talk *t) {
+    return t->queue.count < VIEW_TEXTS_MAX;
+}
+
 static void tell(view_talk *t, json_t *object) {
-    view_message *message =
-        t->queue.count < VIEW_TEXTS_MAX ? view_message_json(t->m, object) : NULL;
+    if (!has_room(t)) {
+        json_decref(object);
+        return;
+    }
+    view_message *message = view_message_json(t->m, object);
     if (message)
         view_queue_push(&t->queue, message);
 }
@@ -55,8 +62,7 @@ static void tell_marks(view_talk *t) {
     const view_options *view = &t->wish.view;
     view_marks now = {.volume = t->wish.volume, .steps = t->steps, .count = view->isos};
     if (!t->marks_steps || now.volume != t->files[t->file].volume || now.steps < 2 ||
-        t->queue.count >= VIEW_TEXTS_MAX ||
-        view_options_field(view, now.volume, &now.field) != ST_OK)
+        !has_room(t) || view_options_field(view, now.volume, &now.field) != ST_OK)
         return;
     for (int i = 0; i < now.count; i++)
         now.isovalues[i] = view->surfaces[i].isovalue;
@@ -317,7 +323,7 @@ view_talk_result view_talk_receive(view_talk *t, const void *bytes, size_t size,
  * did not know. */
 static bool tell_stuck(view_talk *t) {
     const view_stuck now = view_seat_stuck(t->seat, t->file);
-    if (now.number == t->stuck)
+    if (now.number == t->stuck || !has_room(t))
         return false;
     t->stuck = now.number;
     tell(t, json_pack("{s:s,s:s?}", "type", "stuck", "why", now.number ? now.why : NULL));

@@ -50,6 +50,11 @@ slices("shapes", a, listed=False)
 write(folder + "shapes/slice20.tif", a[12:13, :, :40])
 slices("types", a, listed=False)
 write(folder + "types/slice20.tif", made("u1", 1, 37, 41))
+for name in "dangling", "piped":
+    slices(name, a, listed=False)
+    os.remove(folder + name + "/slice20.tif")
+os.symlink("/nowhere/slice20.tif", folder + "dangling/slice20.tif")
+os.mkfifo(folder + "piped/slice20.tif")
 slices("cut", a, listed=False)
 os.truncate(folder + "cut/slice20.tif", 1000)
 PY
@@ -164,6 +169,9 @@ stays="--in-place: it cannot stay as it is stored"
 refused orders "$stays: slice20.tif is stored in another way"
 refused packings "$stays: slice20.tif is stored in another way"
 refused shapes "slice20.tif: slice 12 (page 0) has 40 x 37 pixels"
+refused piped "slice20.tif: has the name of an image, but is no regular file"
+exits "a link to nothing" 1 "$leafcast" convert "$in/dangling" -o "$tmp/r.leaf" --in-place
+ok "a link to nothing: told" says "slice20.tif: cannot open"
 refused types "slice20.tif: slice 12 (page 0) has 41 x 37 pixels, 1 channels, u8"
 refused cut "slice20.tif: "
 finish

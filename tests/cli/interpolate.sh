@@ -40,6 +40,11 @@ ok "and are what they are alone" same m_1.ppm alone.ppm
 echo '[{"fov": 30}, {"time": 2}, {}]' >"$tmp/path.json"
 exits "entries without a time" 0 "$leafcast" render "$tmp/d.leaf" --iso 100 --size 40x30 --interpolate --camera-path "$tmp/path.json" --frames 5 -o "$tmp/m_%d.ppm" --stats "$tmp/m.json" --force -q
 ok "have that of the one before, the first one the first step's" json "$tmp/m.json" '[f["time"] for f in j["frames"]] == [1, 1.5, 2, 2, 2]'
+exits "of the command line's time" 0 "$leafcast" render "$tmp/d.leaf" --iso 100 --size 40x30 --time 4 --interpolate --camera-path "$tmp/path.json" -o "$tmp/m_%d.ppm" --stats "$tmp/m.json" --force -q
+ok "an entry has that before the first one that says a time" json "$tmp/m.json" '[f["time"] for f in j["frames"]] == [4, 2, 2]'
+exits "of its step" 0 "$leafcast" render "$tmp/d.leaf" --iso 100 --size 40x30 --step 2 --camera-path "$tmp/path.json" -o "$tmp/m_%d.ppm" --stats "$tmp/m.json" --force -q
+ok "or that step" json "$tmp/m.json" '[f["step"] for f in j["frames"]] == [2, 1, 1]'
+exits "of a step that is none" 2 "$leafcast" render "$tmp/d.leaf" --iso 100 --size 40x30 --step 3 --camera-path "$tmp/path.json" -o "$tmp/m_%d.ppm" --force -q
 run "$leafcast" convert "$tmp"/d_0000.nrrd "$tmp"/d_0001.nrrd --times=-1e308,1e308 -o "$tmp/far.leaf" -q
 exits "times further apart than doubles go" 0 "$leafcast" render "$tmp/far.leaf" --iso 100 --size 8x8 --time=0.5e308 --interpolate -o "$tmp/x.ppm" --stats "$tmp/far.json" -q
 ok "have a share, too" json "$tmp/far.json" 'j["between"] == 0.75'

@@ -185,7 +185,7 @@ def places():
         f["odd"].attrs["spacing"] = [1.0, 0, -1]
         f["packed"] = (a * 100).astype("i2")
         f["packed"].attrs.update(scale_factor=0.5, add_offset=-3.0, _FillValue=np.int16(7))
-        for name, values in ("filled", 12), ("too_many", 30):
+        for name, values in ("filled", 12), ("too_many", 30), ("far_too_many", 100):
             f[name] = (a * 100).astype("i2")
             f[name].attrs.update(_FillValue=np.int16(7), missing_value=np.arange(20, 20 + values).astype("i2"))
     cases = {"plain": ((1, 1, 1), (0, 0, 0)), "imagej": ((0.25, 0.5, 3), (0, 0, 0)), "odd": ((1, 1, 1), (0, 0, 0)),
@@ -198,7 +198,8 @@ def places():
          *take("places", "--field", "packed"), type="f4")
     gone = (stored == 7) | (stored >= 20) & (stored < 32)
     same("a vector of missing values", np.where(gone, np.nan, stored).astype("f4"), *take("places", "--field", "filled"), type="f4")
-    ends("more of them", 3, "more than 16 values for missing data", *take("places", "--field", "too_many"))
+    for name in "too_many", "far_too_many":
+        ends("more of them", 3, "more than 16 values for missing data", *take("places", "--field", name))
 
 
 def vtkhdf():

@@ -346,6 +346,7 @@ static void find_packing(hdf5_field *f) {
         f->packed.offset = v[0];
     for (int k = 0; k < 2; k++) {
         const int n = hdf5_numbers(f->set, fills[k], v, 4 * PACKED_FILLS);
+        all = all && !hdf5_has_more(f->set, fills[k], 4 * PACKED_FILLS);
         for (int i = 0; i < n; i++)
             all = packed_fill(&f->packed, v[i]) && all;
     }

@@ -69,6 +69,14 @@ int hdf5_numbers(hid_t object, const char *name, double *out, int most) {
     return (int)n;
 }
 
+bool hdf5_has_more(hid_t object, const char *name, int most) {
+    hid_t a = open_attribute(object, name);
+    const bool more = a >= 0 && points(a) > most;
+    if (a >= 0)
+        H5Aclose(a);
+    return more;
+}
+
 /* Read the i-th of several texts of one length, whatever pads them. */
 static bool fixed_string(hid_t a, hid_t type, size_t i, char *to, size_t room) {
     const size_t size = H5Tget_size(type), count = (size_t)points(a);

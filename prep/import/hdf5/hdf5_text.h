@@ -18,6 +18,8 @@ void hdf5_words(char *to, size_t room);
 /* hdf5_numbers() - read an attribute of at most `most` numbers, as doubles. Returns how many; 0:
  * there is no such attribute. */
 int hdf5_numbers(hid_t object, const char *name, double *out, int most);
+/* hdf5_has_more() - whether there is such an attribute with more values than that. */
+bool hdf5_has_more(hid_t object, const char *name, int most);
 
 /* hdf5_string() - read a text attribute, or the i-th of several texts. Returns false if there is
  * none. */

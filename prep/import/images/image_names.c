@@ -64,9 +64,15 @@ static status add(image_names *n, const char *folder, const char *name) {
     return ST_OK;
 }
 
-static bool is_file(int folder, const char *name) {
+/* A slice that is left out would move all behind it: what has an image's name must be one. */
+static status check_file(int folder, const char *path, const char *name) {
     struct stat s;
-    return fstatat(folder, name, &s, 0) == 0 && S_ISREG(s.st_mode);
+    if (fstatat(folder, name, &s, 0) != 0)
+        return status_describe(ST_IO, "%s/%s: cannot open: %s", path, name, strerror(errno));
+    if (!S_ISREG(s.st_mode))
+        return status_describe(
+            ST_UNSUPPORTED, "%s/%s: has the name of an image, but is no regular file", path, name);
+    return ST_OK;
 }
 
 static status list_folder(image_names *n, const char *path, bool (*known)(const char *)) {
@@ -75,8 +81,10 @@ static status list_folder(image_names *n, const char *path, bool (*known)(const 
         return status_describe(ST_IO, "%s: cannot open: %s", path, strerror(errno));
     status st = ST_OK;
     for (struct dirent *e; st == ST_OK && (e = readdir(folder)) != NULL;)
-        if (e->d_name[0] != '.' && known(e->d_name) && is_file(dirfd(folder), e->d_name))
-            st = add(n, path, e->d_name);
+        if (e->d_name[0] != '.' && known(e->d_name)) {
+            st = check_file(dirfd(folder), path, e->d_name);
+            st = st == ST_OK ? add(n, path, e->d_name) : st;
+        }
     closedir(folder);
     if (st == ST_OK && n->count == 0)
         return status_describe(ST_UNSUPPORTED, "%s: no image in this folder", path);
