@@ -163,7 +163,7 @@ static void test_playing(void **state) {
             leafcast_close(fresh);
         }
         leafcast *v = between_lab_open(s->series, NULL, s->iso);
-        for (int round = 0; round < 40; round++) {
+        for (int round = 0; round < (WATCHED_THREADS ? 30 : 40); round++) {
             const int last = BETWEEN_STEPS - 2, at = round % (2 * last);
             const int step = round > 20  ? (int)field_random_below(&r, last + 1)
                              : at < last ? at
@@ -220,7 +220,7 @@ static void check_budgets(const between_kind *of) {
     between_lab_fine(leafcast_select_between(plain, 0, 3, 0.3));
     pictures_draw(plain, &scene, &s->view, &want, NULL);
     int refusals = 0, drawn = 0;
-    for (uint64_t memory = 1 << 20; drawn < 3; memory += 100000) {
+    for (uint64_t memory = 1 << 20; drawn < 3; memory += WATCHED ? 500000 : 100000) {
         const leafcast_options o = {.size = sizeof o, .threads = 2, .memory = memory};
         leafcast *v = NULL;
         if (leafcast_open(s->series, &o, &v) != LEAFCAST_OK) {
