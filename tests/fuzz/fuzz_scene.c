@@ -38,7 +38,7 @@ static void read_transfer(const uint8_t *data, size_t size) {
 static void read_path(const uint8_t *data, size_t size) {
     json_t *keys = json_loadb((const char *)data, size, 0, NULL), *path = NULL;
     if (json_is_array(keys) && json_array_size(keys) > 0 &&
-        keyframes_spread(keys, FRAMES, &path) == ST_OK && json_array_size(path) != FRAMES)
+        keyframes_spread(keys, "path", FRAMES, &path) == ST_OK && json_array_size(path) != FRAMES)
         abort();
     json_decref(path);
     json_decref(keys);

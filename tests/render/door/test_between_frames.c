@@ -122,9 +122,9 @@ static void test_expected(void **state) {
     const leafcast_stats alone = draw(s, plain, 4, 0.5);
     assert_true(alone.treelets_loaded > 3);
     for (uint32_t step = 0; step < 4; step++) {
+        const uint64_t before = early_of(v);
         between_lab_fine(leafcast_expect_between(v, 0, step + 1, 0.5));
         (void)draw(s, v, step, 0.25);
-        const uint64_t before = early_of(v);
         (void)draw(s, v, step, 0.75);
         uint64_t early = early_of(v);
         for (int i = 0; i < 10000 && step != 1 && early == before; i++) {
