@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "formats/base/fault.h"
+#include "formats/leaf/histogram_draw.h"
 #include "formats/leaf/leaf_check.h"
 #include "formats/leaf/leaf_verify.h"
 #include "tests/support/leaf_image.h"
@@ -208,6 +209,28 @@ static void test_plain(void **state) {
     }
     check_file(&v, path, 4);
     check_naive(&v, path, 4);
+    mesh_movies_release(&v);
+}
+
+/* A segment's histograms are of the tets that were drawn for its own steps, not for all. */
+static void test_histograms(void **state) {
+    (void)state;
+    enum { STEPS = 3 };
+    mesh_case c = mesh_cases_kuhn(17, 17, 17);
+    mesh_cases_shuffle(&c, 1);
+    mesh_movie v = mesh_movies_make(c, 1, STEPS, STEPS, 0);
+    mesh_movies_write(&v);
+    const char *path = begin(&v, 1, "drawn.leaf");
+    for (uint32_t s = 1; s < STEPS; s++)
+        add(&v, s, 1, path);
+    leaf_unpacker *u = NULL;
+    leaf_file *f = leaf_steps_open(&m, path, &u);
+    const uint64_t tets = f->header.tets;
+    assert_true(tets <= HISTOGRAM_TETS && tets > HISTOGRAM_TETS / STEPS);
+    if (leaf_verify(&m, f, 2, NULL) != ST_OK)
+        fail_msg("%s", status_text());
+    leaf_unpacker_destroy(u);
+    leaf_file_close(f);
     mesh_movies_release(&v);
 }
 
@@ -500,11 +523,11 @@ static void test_lies(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_segments), cmocka_unit_test(test_plain),
-        cmocka_unit_test(test_same),     cmocka_unit_test(test_again),
-        cmocka_unit_test(test_refused),  cmocka_unit_test(test_cannot),
-        cmocka_unit_test(test_faults),   cmocka_unit_test(test_killed),
-        cmocka_unit_test(test_lies),
+        cmocka_unit_test(test_segments),   cmocka_unit_test(test_plain),
+        cmocka_unit_test(test_histograms), cmocka_unit_test(test_same),
+        cmocka_unit_test(test_again),      cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_cannot),     cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_killed),     cmocka_unit_test(test_lies),
     };
     mem_init(&m, 0);
     return cmocka_run_group_tests(tests, NULL, NULL);
