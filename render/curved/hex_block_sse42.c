@@ -1,0 +1,1 @@
+#include "render/curved/hex_block_template.h"
