@@ -3,12 +3,21 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* Two products are compared exactly: each is a double and the rest that rounding took from it. */
+/* What rounding took from the product of a and b, exactly (Dekker 1971): of halves of their bits.
+ */
+static double rest_of(double a, double b, double product) {
+    const double many = 0x1p27 + 1.0, am = many * a, bm = many * b;
+    const double a_high = am - (am - a), b_high = bm - (bm - b);
+    const double a_low = a - a_high, b_low = b - b_high;
+    return ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low;
+}
+
+/* Two products are compared exactly: each is a double and a rest. */
 static int compare_products(double a, double b, double c, double d) {
     const double p = a * b, q = c * d;
     if (p != q)
         return p > q ? 1 : -1;
-    const double p_rest = fma(a, b, -p), q_rest = fma(c, d, -q);
+    const double p_rest = rest_of(a, b, p), q_rest = rest_of(c, d, q);
     return (p_rest > q_rest) - (p_rest < q_rest);
 }
 

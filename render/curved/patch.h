@@ -39,7 +39,7 @@ static inline bool patch_beside(const double q[PATCH_CORNERS][3]) {
 /* patch_cross() - returns the number of crossings.
  *
  * q    the corners in the ray's space; the third coordinate is not looked at. Finite, and 0 or with
- *      products in the range of normal doubles. Everyone who shares the patch must give the corners
+ *      products of 2^-960 to 2^960. Everyone who shares the patch must give the corners
  *      in the same order: patch_order(). */
 int patch_cross(const double q[PATCH_CORNERS][3], patch_crossing out[PATCH_CROSSINGS]);
 

@@ -108,6 +108,20 @@ void segment_part(const segment *s, double a, double b, double out[4]) {
     }
 }
 
+bool segment_cut(segment *s, const ray *r) {
+    const double t0 = fmax(s->t0, r->t0), t1 = fmin(s->t1, r->t1), length = s->t1 - s->t0;
+    if (!(t0 < t1))
+        return false;
+    if (t0 > s->t0 || t1 < s->t1) {
+        double b[4];
+        segment_part(s, (t0 - s->t0) / length, (t1 - s->t0) / length, b);
+        memcpy(s->b, b, sizeof b);
+    }
+    s->t0 = t0;
+    s->t1 = t1;
+    return true;
+}
+
 double segment_spread(const double range[2], double middle) {
     double spread = fmax(range[1] - middle, middle - range[0]);
     while (middle - spread > range[0] || middle + spread < range[1])

@@ -101,6 +101,9 @@ double segment_at(const segment *s, double at);
  * out[degree]. */
 void segment_part(const segment *s, double a, double b, double out[4]);
 
+/* segment_cut() - cut a piece to the ray's [t0, t1]. Returns false if nothing is left. */
+bool segment_cut(segment *s, const ray *r);
+
 /* The spread of a piece that was taken whole and has one value exactly. */
 #define SEGMENT_EXACT 0x1p-1021
 

@@ -1,7 +1,5 @@
 #include "render/walk/cell_walks.h"
 
-#include <string.h>
-
 #include "formats/base/box3.h"
 #include "formats/leaf/leaf_cells.h"
 #include "render/look/scene_facts.h"
@@ -62,25 +60,10 @@ static bool walk_hits(const tracer *tr, const treelet *at, const ray *r, trace_s
     return true;
 }
 
-/* Cut a piece to the ray's [t0, t1]. Returns false if nothing is left. */
-static bool cut_piece(segment *s, const ray *r) {
-    const double t0 = fmax(s->t0, r->t0), t1 = fmin(s->t1, r->t1), length = s->t1 - s->t0;
-    if (!(t0 < t1))
-        return false;
-    if (t0 > s->t0 || t1 < s->t1) {
-        double b[4];
-        segment_part(s, (t0 - s->t0) / length, (t1 - s->t0) / length, b);
-        memcpy(s->b, b, sizeof b);
-    }
-    s->t0 = t0;
-    s->t1 = t1;
-    return true;
-}
-
 static bool piece_of(const tracer *tr, const treelet *at, const cell *c, const ray *r,
                      segment *out) {
     *out = (segment){.cell = c->number, .treelet = at->id, .degree = tr->kind->degree};
-    return tr->kind->cells->piece(c, r, out) && cut_piece(out, r);
+    return tr->kind->cells->piece(c, r, out) && segment_cut(out, r);
 }
 
 static void walk_pieces(const tracer *tr, const treelet *at, const ray *r, const hit *after,

@@ -1,0 +1,247 @@
+#include "render/curvilinear/curvilinear_walk.h"
+
+#include <float.h>
+
+#include "formats/base/vec3.h"
+#include "render/curved/hex_pieces.h"
+#include "render/curved/hex_point.h"
+#include "render/walk/cell_walks.h"
+#include "render/walk/tree_passage.h"
+#include "render/walk/tree_points.h"
+
+/* ---- A cell ---- */
+
+hexahedron curvilinear_walk_cell(const curvilinear_lattice *l, uint32_t index) {
+    const uint32_t i = index % l->cells[0], j = index / l->cells[0] % l->cells[1],
+                   k = index / (l->cells[0] * l->cells[1]);
+    hexahedron h;
+    for (uint32_t c = 0; c < HEX_CORNERS; c++) {
+        const uint32_t node =
+            i + (c & 1) + l->nodes[0] * (j + (c >> 1 & 1) + l->nodes[1] * (k + (c >> 2)));
+        for (int a = 0; a < 3; a++)
+            h.p[c][a] = (double)l->p[a][node];
+        h.value[c] = (double)l->values[node];
+    }
+    return h;
+}
+
+static int sense_of(const curvilinear_lattice *l, uint32_t index) {
+    const curvilinear_code code = curvilinear_lattice_code(l, index);
+    return code == CURVILINEAR_RIGHT ? 1 : code == CURVILINEAR_LEFT ? -1 : 0;
+}
+
+static void range_of(const hexahedron *h, double range[2]) {
+    range[0] = range[1] = h->value[0];
+    for (int c = 1; c < HEX_CORNERS; c++) {
+        range[0] = fmin(range[0], h->value[c]);
+        range[1] = fmax(range[1], h->value[c]);
+    }
+}
+
+/* ---- A ray's cells ---- */
+
+typedef struct cell_way {
+    const curvilinear_lattice *lattice;
+    hex_block_fn cells;
+    double above; /* subtracted from all values */
+    sheared_ray sheared;
+    tree_passages passages;
+    tree_passage at;
+    const curvilinear_place *place;
+    uint64_t ahead; /* cells of the block that are yet to come */
+} cell_way;
+
+/* A cell, and the ray's parts in it. */
+typedef struct way_cell {
+    uint32_t number; /* in the treelet */
+    int sense;
+    hexahedron hexahedron;
+    hex_path path;
+} way_cell;
+
+static void begin_way(cell_way *w, const curvilinear_lattice *l, hex_block_fn cells, double above,
+                      const ray *r, const hit *after, ray_counters *counters) {
+    w->lattice = l;
+    w->cells = cells;
+    w->above = above;
+    w->sheared = sheared_ray_of(r);
+    w->at = (tree_passage){.t_in = -INFINITY};
+    w->ahead = 0;
+    tree_passages_begin(&w->passages, &l->tree, r, after, counters);
+}
+
+static bool next_block(cell_way *w, double limit) {
+    const curvilinear_lattice *l = w->lattice;
+    while (!w->ahead) {
+        w->at = tree_passages_next(&w->passages, w->at, limit);
+        if (w->at.t == LEAF_NO_TREELET)
+            return false;
+        w->place = &l->places[w->at.t];
+        const uint32_t node = curvilinear_lattice_node(l, w->place);
+        const hex_block b = {.p = {l->p[0] + node, l->p[1] + node, l->p[2] + node},
+                             .row = l->nodes[0],
+                             .slab = l->nodes[0] * l->nodes[1],
+                             .cells = {w->place->cells[0], w->place->cells[1], w->place->cells[2]}};
+        w->ahead = l->active[w->at.t] & w->cells(&b, &w->sheared);
+    }
+    return true;
+}
+
+/* Go on to the next cell that the ray crosses, in a block that it enters at `limit` or before.
+ * Returns false if there is none. */
+static bool next_cell(cell_way *w, double limit, way_cell *out) {
+    while (next_block(w, limit)) {
+        out->number =
+            curvilinear_lattice_cell(w->lattice, w->place, (unsigned)__builtin_ctzll(w->ahead));
+        w->ahead &= w->ahead - 1;
+        w->passages.counters->cells++;
+        out->sense = sense_of(w->lattice, out->number);
+        out->hexahedron = curvilinear_walk_cell(w->lattice, out->number);
+        for (int c = 0; c < HEX_CORNERS; c++)
+            out->hexahedron.value[c] -= w->above;
+        if (hex_path_of(&out->hexahedron, out->sense, &w->sheared, &out->path) > 0)
+            return true;
+    }
+    return false;
+}
+
+/* ---- Hits ---- */
+
+/* A root, and what its surface point is made of. */
+typedef struct best_root {
+    hexahedron hexahedron;
+    double at[3];
+} best_root;
+
+static void take_roots(const curvilinear_lattice *l, const way_cell *c, const isovalue_list *isos,
+                       const ray *r, trace_state *state, best_root *best, hex_counts *counts) {
+    double range[2];
+    range_of(&c->hexahedron, range);
+    for (int i = 0; i < isos->count; i++) {
+        hex_root roots[HEX_ROOTS];
+        if (!(range[0] < isos->isovalues[i] && isos->isovalues[i] <= range[1]))
+            continue;
+        const int count =
+            hex_roots(&c->hexahedron, c->sense, &c->path, isos->isovalues[i], roots, counts);
+        for (int n = 0; n < count; n++) {
+            const hit h = {roots[n].t, l->first + c->number, i, roots[n].entering};
+            if (!cell_hit(state, r, &h))
+                continue;
+            best->hexahedron = c->hexahedron;
+            for (int a = 0; a < 3; a++)
+                best->at[a] = roots[n].at[a];
+        }
+    }
+}
+
+static double shortest_edge(const hexahedron *h) {
+    double least = INFINITY;
+    for (int c = 0; c < HEX_CORNERS; c++)
+        for (int bit = 1; bit < HEX_CORNERS; bit *= 2) {
+            double away[3];
+            vec3_sub(h->p[c | bit], h->p[c & ~bit], away);
+            const double length = vec3_length(away);
+            least = length > 0.0 ? fmin(least, length) : least; /* collapsed edges are none */
+        }
+    return least;
+}
+
+/* The value errs as if the point were moved by the roundings of its way from the ray's origin and
+ * of the cell's corners, and by those of the trilinear form. */
+static surface_point point_of(const best_root *b, const ray *r, double t) {
+    surface_point p = {.span = shortest_edge(&b->hexahedron)};
+    double unit[3] = {0.0, 0.0, 0.0}, reach = 0.0, most = 0.0;
+    (void)hex_point_gradient(&b->hexahedron, b->at, p.gradient);
+    (void)vec3_unit(p.gradient, unit);
+    for (int a = 0; a < 3; a++) {
+        reach += 2.0 * fabs(r->o[a]) + 2.0 * fabs(t * r->d[a]);
+        p.normal[a] = (float)-unit[a];
+    }
+    for (int c = 0; c < HEX_CORNERS; c++)
+        most = fmax(most, fabs(b->hexahedron.value[c]));
+    p.error = 64.0 * DBL_EPSILON * (reach * vec3_length(p.gradient) + most);
+    return p;
+}
+
+bool curvilinear_walk_hits(const curvilinear_lattice *l, hex_block_fn cells,
+                           const isovalue_list *isos, const ray *r, trace_state *state,
+                           ray_counters *counters, hex_counts *counts) {
+    const hit before = state->best;
+    cell_way w;
+    way_cell c;
+    best_root best;
+    begin_way(&w, l, cells, 0.0, r, &state->after, counters);
+    while (next_cell(&w, state->best.t, &c)) {
+        const hit last = state->best;
+        take_roots(l, &c, isos, r, state, &best, counts);
+        if (!hit_less(&state->best, &last))
+            continue;
+        counters->roots++;
+        if (state->any)
+            return true;
+    }
+    if (!hit_less(&state->best, &before))
+        return false;
+    state->point = point_of(&best, r, state->best.t);
+    return true;
+}
+
+/* ---- Pieces ---- */
+
+void curvilinear_walk_pieces(const curvilinear_lattice *l, hex_block_fn cells, double above,
+                             double tolerance, const ray *r, const hit *after, double limit,
+                             curvilinear_take *take, void *ctx, ray_counters *counters,
+                             hex_counts *counts) {
+    cell_way w;
+    way_cell c;
+    begin_way(&w, l, cells, above, r, after, counters);
+    while (next_cell(&w, limit, &c)) {
+        hex_piece pieces[HEX_PIECES];
+        double range[2];
+        range_of(&c.hexahedron, range);
+        const int count = hex_pieces(&c.hexahedron, c.sense, &c.path, tolerance, pieces, counts);
+        for (int n = 0; n < count; n++) {
+            segment s = {.t0 = pieces[n].t[0],
+                         .t1 = pieces[n].t[1],
+                         .spread = range[0] == range[1] ? SEGMENT_EVEN : 0.0,
+                         .cell = l->first + c.number,
+                         .degree = 3};
+            for (int k = 0; k < 4; k++)
+                s.b[k] = pieces[n].b[k];
+            if (segment_cut(&s, r))
+                take(ctx, &s);
+        }
+    }
+}
+
+/* ---- Points ---- */
+
+static bool find_in(const curvilinear_lattice *l, uint32_t index, const double point[3],
+                    leafcast_sample *out) {
+    double at[3], value;
+    const hexahedron h = curvilinear_walk_cell(l, index);
+    if (curvilinear_lattice_code(l, index) == CURVILINEAR_NONE ||
+        !hex_point_find(&h, sense_of(l, index), point, at, &value))
+        return false;
+    int corner = 0;
+    for (int a = 0; a < 3; a++)
+        corner |= (at[a] >= 0.5) << a;
+    *out = (leafcast_sample){
+        .inside = true, .cell = l->first + index, .value = value, .nearest = h.value[corner]};
+    (void)hex_point_gradient(&h, at, out->gradient);
+    return true;
+}
+
+bool curvilinear_walk_point(const curvilinear_lattice *l, const double point[3],
+                            leafcast_sample *out) {
+    uint32_t b = LEAF_NO_TREELET;
+    while ((b = tree_box_at(&l->tree, point, b)) != LEAF_NO_TREELET) {
+        const curvilinear_place *place = &l->places[b];
+        for (unsigned bit = 0; bit < 64; bit++)
+            if ((bit & 3) < place->cells[0] && (bit >> 2 & 3) < place->cells[1] &&
+                bit >> 4 < place->cells[2] &&
+                find_in(l, curvilinear_lattice_cell(l, place, bit), point, out))
+                return true;
+    }
+    return false;
+}
