@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { BLOCK = CURVILINEAR_BLOCK, SIDE = BLOCK + 1, CELLS_MAX = 1 << CURVILINEAR_CELLS_LOG2 };
+enum { BLOCK = CURVILINEAR_BLOCK, SIDE = BLOCK + 1 };
 
 /* ---- Blocks ---- */
 

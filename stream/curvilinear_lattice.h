@@ -8,23 +8,15 @@
 #ifndef STREAM_CURVILINEAR_LATTICE_H
 #define STREAM_CURVILINEAR_LATTICE_H
 
+#include "formats/leaf/curvilinear_zones.h"
 #include "stream/interest.h"
 #include "stream/treelet_tree.h"
 
 enum {
-    CURVILINEAR_CELLS_LOG2 = 5, /* at most 2^5 cells along an axis */
     CURVILINEAR_BLOCK_LOG2 = 2,
     CURVILINEAR_BLOCK = 1 << CURVILINEAR_BLOCK_LOG2,
     CURVILINEAR_READ = 8 /* floats that are read from any node on (hex_block.h) */
 };
-
-/* Two bits of a cell. */
-typedef enum curvilinear_code {
-    CURVILINEAR_FOLDED = 0, /* neither right- nor left-handed (render/curved/hexahedron.h) */
-    CURVILINEAR_RIGHT = 1,
-    CURVILINEAR_LEFT = 2,
-    CURVILINEAR_NONE = 3 /* blanked: there is no cell */
-} curvilinear_code;
 
 typedef struct curvilinear_place {
     uint8_t first[3]; /* the block's first cell, in blocks */
@@ -46,7 +38,7 @@ typedef struct curvilinear_lattice {
 } curvilinear_lattice;
 
 /* curvilinear_lattice_init() - make the tree of a treelet of cells[0] x cells[1] x cells[2] cells,
- * 1 to 2^CURVILINEAR_CELLS_LOG2 each. p and codes must outlive it; coordinates are finite.
+ * 1 to CURVILINEAR_SIDE each. p and codes must outlive it; coordinates are finite.
  * curvilinear_lattice_bytes() - the memory that takes from m. */
 CHECKED status curvilinear_lattice_init(curvilinear_lattice *l, mem *m, const uint32_t cells[3],
                                         const float *const p[3], const uint8_t *codes);

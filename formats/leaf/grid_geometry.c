@@ -75,7 +75,7 @@ static status check_layout(const char *path, const leaf_header *h, leaf_layout *
 static status check_rest(const char *path, const leaf_header *h) {
     const size_t tets = offsetof(leaf_header, tets), field = offsetof(leaf_header, field);
     const size_t gradients = offsetof(leaf_header, gradients), bare = offsetof(leaf_header, bare);
-    const size_t rest = offsetof(leaf_header, reserved);
+    const size_t rest = offsetof(leaf_header, zones);
     status st = leaf_check_zero(path, (const char *)h + tets, field - tets, tets);
     if (st == ST_OK)
         st = leaf_check_text(path, h->field, sizeof h->field, field);

@@ -150,7 +150,8 @@ typedef struct leaf_header {   /* offset size */
     uint32_t segments;         /* 1520    4  first header: how many; 0: a file that does not grow */
     uint32_t steps_before;     /* 1524    4  later ones: steps in all segments before; else 0 */
     uint64_t before;           /* 1528    8  later ones: where the header of the one before lies */
-    uint8_t reserved[2560];    /* 1536 2560 */
+    uint32_t zones;            /* 1536    4  curvilinear: elements of section ZONES, else 0 */
+    uint8_t reserved[2556];    /* 1540 2556 */
 } leaf_header;
 
 typedef struct leaf_section {  /* offset size */
@@ -296,7 +297,8 @@ typedef enum leaf_section_kind {
     LEAF_SECTION_BASES = 16,   /* compressed grid of two sets or more, may be missing: likewise: the
                                   set whose samples a payload has the differences to */
     LEAF_SECTION_SLICES = 17,  /* grid with LEAF_IN_SLICES: slice_file (slice_folder.h) per slice */
-    LEAF_SECTION_LAST = 17,    /* the last that is known here */
+    LEAF_SECTION_ZONES = 18,   /* curvilinear grid: uint32_t[4] per zone: nodes along i, j, k; 0 */
+    LEAF_SECTION_LAST = 18,    /* the last that is known here */
     LEAF_SECTION_ANCILLARY =
         1 << 30, /* set in kinds that a reader may skip; it must know all others */
     LEAF_SECTION_HISTOGRAMS = LEAF_SECTION_ANCILLARY | 1, /* histogram (histogram.h): an element per

@@ -125,6 +125,7 @@ status leaf_cells_lay_out(leaf_file *f, leaf_directory *d) {
 status leaf_cells_check_directory(const char *path, const leaf_header *h, const leaf_layout *l,
                                   const leaf_directory *d) {
     double range[2] = {(double)INFINITY, -(double)INFINITY};
+    unsigned flags = 0;
     for (size_t i = 0; i < (size_t)l->treelets * l->sets; i++) {
         const float *own = d->own[i];
         if (!leaf_check_well_formed((double)own[0], (double)own[1]) ||
@@ -136,8 +137,9 @@ status leaf_cells_check_directory(const char *path, const leaf_header *h, const 
         if (st != ST_OK)
             return st;
         leaf_check_widen(range, own);
+        flags |= d->flags[i];
     }
-    const status st = leaf_check_union(path, h, range, 0);
+    const status st = leaf_check_union(path, h, range, flags);
     return st == ST_OK ? leaf_check_bounds(path, h, l, d) : st;
 }
 

@@ -96,10 +96,10 @@ static status check_rest(const char *path, const leaf_header *h) {
     status st = leaf_check_text(path, h->field, sizeof h->field, offsetof(leaf_header, field));
     if (st != ST_OK)
         return st;
-    const size_t bare = offsetof(leaf_header, bare), rest = offsetof(leaf_header, reserved);
+    const size_t bare = offsetof(leaf_header, bare), rest = offsetof(leaf_header, zones);
     st = leaf_check_zero(path, (const char *)h + bare, offsetof(leaf_header, directory) - bare,
                          bare);
-    return st == ST_OK ? leaf_check_zero(path, h->reserved, sizeof h->reserved, rest) : st;
+    return st == ST_OK ? leaf_check_zero(path, (const char *)h + rest, sizeof *h - rest, rest) : st;
 }
 
 /* ---- The directory ---- */

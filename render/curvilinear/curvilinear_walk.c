@@ -25,7 +25,7 @@ hexahedron curvilinear_walk_cell(const curvilinear_lattice *l, uint32_t index) {
     return h;
 }
 
-static int sense_of(const curvilinear_lattice *l, uint32_t index) {
+int curvilinear_walk_sense(const curvilinear_lattice *l, uint32_t index) {
     const curvilinear_code code = curvilinear_lattice_code(l, index);
     return code == CURVILINEAR_RIGHT ? 1 : code == CURVILINEAR_LEFT ? -1 : 0;
 }
@@ -95,7 +95,7 @@ static bool next_cell(cell_way *w, double limit, way_cell *out) {
             curvilinear_lattice_cell(w->lattice, w->place, (unsigned)__builtin_ctzll(w->ahead));
         w->ahead &= w->ahead - 1;
         w->passages.counters->cells++;
-        out->sense = sense_of(w->lattice, out->number);
+        out->sense = curvilinear_walk_sense(w->lattice, out->number);
         out->hexahedron = curvilinear_walk_cell(w->lattice, out->number);
         for (int c = 0; c < HEX_CORNERS; c++)
             out->hexahedron.value[c] -= w->above;
@@ -221,7 +221,7 @@ static bool find_in(const curvilinear_lattice *l, uint32_t index, const double p
     double at[3], value;
     const hexahedron h = curvilinear_walk_cell(l, index);
     if (curvilinear_lattice_code(l, index) == CURVILINEAR_NONE ||
-        !hex_point_find(&h, sense_of(l, index), point, at, &value))
+        !hex_point_find(&h, curvilinear_walk_sense(l, index), point, at, &value))
         return false;
     int corner = 0;
     for (int a = 0; a < 3; a++)

@@ -44,7 +44,9 @@ void curvilinear_walk_pieces(const curvilinear_lattice *l, hex_block_fn cells, d
 bool curvilinear_walk_point(const curvilinear_lattice *l, const double point[3],
                             leafcast_sample *out);
 
-/* curvilinear_walk_cell() - a cell of the treelet, by its number there. */
-hexahedron curvilinear_walk_cell(const curvilinear_lattice *l, uint32_t cell);
+/* curvilinear_walk_cell() - a cell of the treelet, by its number there. curvilinear_walk_sense() -
+ * its hexahedron_sense(), as the file says. */
+hexahedron curvilinear_walk_cell(const curvilinear_lattice *l, uint32_t index);
+int curvilinear_walk_sense(const curvilinear_lattice *l, uint32_t index);
 
 #endif

@@ -90,6 +90,18 @@ segment_gradient segment_gradient_of(const double b[3][4]) {
     return g;
 }
 
+segment_gradient segment_gradient_through(const double values[3][4]) {
+    double b[3][4];
+    for (int a = 0; a < 3; a++) {
+        const double f0 = values[a][0], f1 = values[a][1], f2 = values[a][2], f3 = values[a][3];
+        b[a][0] = f0;
+        b[a][1] = (-5.0 * f0 + 18.0 * f1 - 9.0 * f2 + 2.0 * f3) / 6.0;
+        b[a][2] = (2.0 * f0 - 9.0 * f1 + 18.0 * f2 - 5.0 * f3) / 6.0;
+        b[a][3] = f3;
+    }
+    return segment_gradient_of((const double(*)[4])b);
+}
+
 /* Use the blossom: take the part left of b first, then the part of the result right of a. */
 void segment_part(const segment *s, double a, double b, double out[4]) {
     const int n = (int)s->degree;

@@ -163,6 +163,10 @@ typedef struct segment_gradient {
  * at parameter s in [0, 1]. */
 segment_gradient segment_gradient_of(const double b[3][4]);
 
+/* segment_gradient_through() - the cubics through four values that are a third of the piece apart.
+ */
+segment_gradient segment_gradient_through(const double values[3][4]);
+
 static inline void segment_gradient_at(const segment_gradient *g, double s, double out[3]) {
     for (int a = 0; a < 3; a++) {
         const double *p = g->power[a];

@@ -104,23 +104,16 @@ const treelet_walks cell_walks = {walk_hits, walk_pieces, walk_extremes};
 void cell_walks_gradient(const tracer *tr, const treelet *at, const ray *r, const segment *s,
                          segment_gradient *out) {
     const cell c = cell_of(at, (uint32_t)(s->cell - resident_cells_of(at)->first));
-    double at_third[4][3], b[3][4];
+    double gradient[3], b[3][4];
     for (int i = 0; i < 4; i++) {
         const double t = segment_t(s, i / 3.0);
         const double point[3] = {r->o[0] + t * r->d[0], r->o[1] + t * r->d[1],
                                  r->o[2] + t * r->d[2]};
-        (void)tr->kind->cells->value(&c, point, at_third[i]);
+        (void)tr->kind->cells->value(&c, point, gradient);
+        for (int a = 0; a < 3; a++)
+            b[a][i] = gradient[a];
     }
-    /* The cubic through four values that are a third apart. */
-    for (int a = 0; a < 3; a++) {
-        const double f0 = at_third[0][a], f1 = at_third[1][a], f2 = at_third[2][a],
-                     f3 = at_third[3][a];
-        b[a][0] = f0;
-        b[a][1] = (-5.0 * f0 + 18.0 * f1 - 9.0 * f2 + 2.0 * f3) / 6.0;
-        b[a][2] = (2.0 * f0 - 9.0 * f1 + 18.0 * f2 - 5.0 * f3) / 6.0;
-        b[a][3] = f3;
-    }
-    *out = segment_gradient_of((const double(*)[4])b);
+    *out = segment_gradient_through((const double(*)[4])b);
 }
 
 /* ---- Cells ---- */

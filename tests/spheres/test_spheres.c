@@ -22,7 +22,7 @@
 #include "tests/support/third_kind.h"
 #include "tests/support/watched.h"
 
-THIRD_KIND(SPHERES_KIND, spheres_geometry, spheres_kind)
+THIRD_KIND(SPHERES_KIND, spheres_geometry, cell_resident, spheres_kind)
 
 /* ---- A file ---- */
 

@@ -13,9 +13,9 @@
 #include "stream/grid_resident.h"
 #include "stream/mesh_resident.h"
 
-/* Define the tables with a row for a kind of records. number_: any above LEAF_KIND_MESH; programs
- * do not see each other's. */
-#define THIRD_KIND(number_, geometry_, kind_)                                                  \
+/* Define the tables with a row for one more kind. resident_: cell_resident, of kinds of records.
+ * number_: any above LEAF_KIND_MESH; programs do not see each other's. */
+#define THIRD_KIND(number_, geometry_, resident_, kind_)                                       \
     const leaf_geometry *leaf_geometry_of(uint32_t number) {                                   \
         static const leaf_geometry *const rows[] = {[LEAF_KIND_GRID] = &grid_geometry,         \
                                                     [LEAF_KIND_MESH] = &mesh_geometry,         \
@@ -25,7 +25,7 @@
     const resident_kind *resident_kind_of(const leaf_file *f) {                                \
         static const resident_kind *const rows[] = {[LEAF_KIND_GRID] = &grid_resident,         \
                                                     [LEAF_KIND_MESH] = &mesh_resident,         \
-                                                    [number_] = &cell_resident};               \
+                                                    [number_] = &resident_};                   \
         return rows[f->header.kind];                                                           \
     }                                                                                          \
     const kind *kind_of(const leaf_file *f) {                                                  \
