@@ -69,6 +69,8 @@ index() {
 while read -r name options; do
     # shellcheck disable=SC2086
     index "$name" $options
+    exits "$name: sound" 0 "$leafcast" verify "$tmp/$name.leaf"
+    one_in 3 || continue # export and render read samples as verify does
     # shellcheck disable=SC2086
     run "$leafcast" convert "$in/$name" -o "$tmp/all.leaf" --compress zstd --force $options
     for file in "$name" all; do
@@ -80,7 +82,6 @@ while read -r name options; do
     for what in raw ppm; do
         ok "$name, $what: the same" cmp "$tmp/$name.$what" "$tmp/all.$what"
     done
-    exits "$name: sound" 0 "$leafcast" verify "$tmp/$name.leaf"
 done <"$tmp/list"
 ok "these were $(wc -l <"$tmp/list") folders" [ "$(wc -l <"$tmp/list")" = 19 ]
 exits "info" 0 "$leafcast" info "$tmp/strips_u2_little.leaf"

@@ -40,6 +40,7 @@ for kind in g m; do
         ok "$kind: $n samples" draw many "$tmp/$kind.leaf" --samples $n
         ok "$kind: distances stay the centre's" cmp "$tmp/many.f64" "$tmp/one_$kind.f64"
         ok "$kind: colours do not" sh -c '! cmp -s "$1" "$2"' - "$tmp/many.pfm" "$tmp/one_$kind.pfm"
+        [ $n = 4 ] || one_in 2 || continue # more samples go the same ways
         ok "$kind: the same bits from one thread" alike many "$tmp/$kind.leaf" --samples $n --threads 1
         ok "$kind: from five" alike many "$tmp/$kind.leaf" --samples $n --threads 5
         for isa in scalar sse42 avx2; do

@@ -18,6 +18,7 @@
 #include "tests/support/disk_calls.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 /* A volume of several slabs and levels, whose conversion saves all that it can. */
 typedef struct subject {
@@ -103,7 +104,7 @@ static void check_crash(subject *s, size_t count, uint64_t seed) {
 
 static void test_crashes(void **state) {
     (void)state;
-    enum { CHANCES = 3 };
+    enum { CHANCES = WATCHED ? 1 : 3 };
     static const struct {
         sample_type type;
         leaf_codec codec;
@@ -201,7 +202,7 @@ static void test_faults(void **state) {
     s.c.options.threads = 1;
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
         bool fired = true;
-        for (long k = 1; fired; k += 1 + k / 6) {
+        for (long k = 1; fired; k += 1 + k / (WATCHED ? 3 : 6)) {
             fault_arm(kinds[i], k);
             status st = convert(&s, WORK_REFUSE, "f.leaf");
             fired = fault_fired(kinds[i]);

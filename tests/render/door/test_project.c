@@ -235,7 +235,7 @@ static void test_against_brute_force(void **state) {
     (void)state;
     skip_under_thread();
     verdict all = {0};
-    for (int i = 0; i < medium_body_count(); i += EMULATED ? 3 : 1) {
+    for (int i = 0; i < medium_body_count(); i += EMULATED ? 5 : 1) {
         medium_body b;
         verdict v = {0};
         medium_body_make(&b, i, &two_threads);

@@ -18,6 +18,8 @@
 
 /* ---- The values ---- */
 
+enum { ROUNDS = EMULATED ? 1 : WATCHED ? 2 : 4 };
+
 typedef struct tally {
     int inside, outside, holes, doubtful;
 } tally;
@@ -85,7 +87,7 @@ static void test_grids(void **state) {
     static const char *const types[] = {"u8", "i8", "u16", "i16", "f32"};
     for (int i = 0; i < 5; i++) {
         slice_subject *x = slice_subject_of_field("noise-u8", types[i], 41, i % 2);
-        (void)check_subject(x, SLOW ? 2 : 4);
+        (void)check_subject(x, ROUNDS);
         slice_subject_free(x);
     }
 }
@@ -100,7 +102,7 @@ static void test_all_fields(void **state) {
         rectilinear += f.axis[0] != NULL;
         field_release(&f);
         slice_subject *x = slice_subject_of_field(field_name(i), NULL, 21, false);
-        holes += check_subject(x, SLOW ? 2 : 4).holes;
+        holes += check_subject(x, ROUNDS).holes;
         slice_subject_free(x);
     }
     assert_true(holes > 100 && rectilinear > 0);
@@ -109,7 +111,7 @@ static void test_all_fields(void **state) {
 static void test_turned(void **state) {
     (void)state;
     slice_subject *x = slice_subject_turned();
-    (void)check_subject(x, SLOW ? 4 : 12);
+    (void)check_subject(x, EMULATED ? 2 : SLOW ? 4 : 12);
     slice_subject_free(x);
 }
 
@@ -120,7 +122,7 @@ static void test_meshes(void **state) {
     for (int i = EMULATED; i < 2; i++) {
         slice_subject *x = slice_subject_of_mesh(names[i], 6, 100);
         assert_true(x->tets.treelets > 8);
-        (void)check_subject(x, SLOW ? 2 : 4);
+        (void)check_subject(x, ROUNDS);
         slice_subject_free(x);
     }
 }

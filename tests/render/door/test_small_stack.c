@@ -16,6 +16,7 @@
 
 #include "tests/support/fixture.h"
 #include "tests/support/mesh_leaves.h"
+#include "tests/support/watched.h"
 
 #if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__ || !defined __OPTIMIZE__
 enum { STACK = 4 << 20, DEEPEST = 4 << 20 }; /* frames are larger there */
@@ -23,7 +24,7 @@ enum { STACK = 4 << 20, DEEPEST = 4 << 20 }; /* frames are larger there */
 enum { STACK = 128 << 10, DEEPEST = 64 << 10 };
 #endif
 
-enum { SIDE = 72, SEED = 3, UNTOUCHED = 0xa5 };
+enum { SIDE = WATCHED ? 24 : 72, SEED = 3, UNTOUCHED = 0xa5 };
 
 typedef struct task {
     const char *path, *isa;
