@@ -129,7 +129,7 @@ static leafcast *open_zones(const two_zones *s, const leafcast_options *o) {
 }
 
 static void test_surfaces(void **state) {
-    enum { STEP = SLOW ? 37 : 3 };
+    enum { STEP = SLOW ? 13 : 3 };
     (void)state;
     static two_zones s;
     static picture p;
@@ -167,7 +167,7 @@ static void test_surfaces(void **state) {
     }
     print_message("# %d of %d pixels, %d wrong, %d doubtful, off by %.2g\n", seen, asked, wrong,
                   doubts, worst);
-    assert_true(seen > asked / 8 && doubts < asked / 50 && worst < 1e-9);
+    assert_true(seen > asked / 8 && doubts <= asked / 50 && worst < 1e-9);
     assert_int_equal(wrong, 0);
     leafcast_close(v);
 }
@@ -267,7 +267,7 @@ static void test_pieces(void **state) {
 /* A medium's opacity, and the extremes, of each pixel are those of its ray's pieces; opacities to
  * within their certificate. */
 static void test_media(void **state) {
-    enum { STEP = SLOW ? 41 : 7 };
+    enum { STEP = SLOW ? 23 : 7 };
     (void)state;
     static two_zones s;
     static leafcast_segment got[PIECES];
