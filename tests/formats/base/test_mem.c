@@ -137,22 +137,27 @@ static void test_map(void **state) {
     static const size_t sizes[] = {1, 4096, MEM_LARGE_PAGE, MEM_LARGE_PAGE + 1,
                                    3 * MEM_LARGE_PAGE - 1};
     enum { SIZES = (int)(sizeof sizes / sizeof *sizes), ROUNDS = 5 };
-    char *maps[SIZES * ROUNDS];
+    const size_t odd = MEM_LARGE_PAGE / 2; /* so that the next place is no multiple by itself */
+    char *maps[SIZES * ROUNDS], *between[SIZES * ROUNDS];
     const size_t before = mapped_now();
     size_t wanted = 0;
     for (int i = 0; i < SIZES * ROUNDS; i++) {
         const size_t size = sizes[i % SIZES];
+        between[i] = mmap(NULL, odd, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+        assert_true(between[i] != MAP_FAILED);
         maps[i] = mem_map(size);
         assert_non_null(maps[i]);
         assert_int_equal((uintptr_t)maps[i] % MEM_LARGE_PAGE, 0);
         assert_int_equal(maps[i][0] | maps[i][size - 1], 0);
         memset(maps[i], 1, size);
-        wanted += (size + 4095) / 4096 * 4096;
+        wanted += odd + (size + 4095) / 4096 * 4096;
     }
     /* No more than asked for, but for what stdio takes. */
     assert_in_range(mapped_now() - before, wanted, wanted + (1 << 20));
-    for (int i = 0; i < SIZES * ROUNDS; i++)
+    for (int i = 0; i < SIZES * ROUNDS; i++) {
         munmap(maps[i], sizes[i % SIZES]);
+        munmap(between[i], odd);
+    }
     assert_in_range(mapped_now() - before, 0, 1 << 20);
     assert_null(mem_map(SIZE_MAX));
     assert_null(mem_map(SIZE_MAX / 2));

@@ -297,8 +297,11 @@ static void test_flag(void **state) {
         i.header->gradients = 1;
         refused(&i, false, "byte 1488: expected 0 in a reserved place");
         i = make(18, SAMPLE_U8, (leaf_codec)codec, true);
-        i.header->reserved[0] = 1;
+        i.header->zones = 1;
         refused(&i, false, "byte 1536: expected 0 in a reserved place");
+        i = make(18, SAMPLE_U8, (leaf_codec)codec, true);
+        i.header->reserved[0] = 1;
+        refused(&i, false, "byte 1540: expected 0 in a reserved place");
     }
     leaf_case c = leaf_files_case(17, 17, 17, SAMPLE_U8);
     void *samples = leaf_files_random(&c, 7, 0);
