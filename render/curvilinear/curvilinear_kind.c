@@ -1,7 +1,6 @@
 #include "render/curvilinear/curvilinear_kind.h"
 
 #include <float.h>
-#include <string.h>
 
 #include "formats/base/box3.h"
 #include "formats/base/vec3.h"
