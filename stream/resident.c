@@ -1,5 +1,6 @@
 #include "stream/resident.h"
 
+#include "stream/curvilinear_resident.h"
 #include "stream/grid_resident.h"
 #include "stream/mesh_resident.h"
 
@@ -7,6 +8,7 @@ const resident_kind *resident_kind_of(const leaf_file *f) {
     static const resident_kind *const kinds[] = {
         [LEAF_KIND_GRID] = &grid_resident,
         [LEAF_KIND_MESH] = &mesh_resident,
+        [LEAF_KIND_CURVILINEAR] = &curvilinear_resident,
     };
     return kinds[f->header.kind];
 }

@@ -3,6 +3,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include "formats/leaf/curvilinear_verify.h"
 #include "formats/leaf/leaf_cells.h"
 
 uint32_t curvilinear_place_bytes(const uint32_t cells[3]) {
@@ -13,6 +14,33 @@ uint32_t curvilinear_place_bytes(const uint32_t cells[3]) {
 
 uint32_t curvilinear_value_bytes(const uint32_t cells[3]) {
     return leaf_aligned(curvilinear_nodes(cells) * (uint32_t)sizeof(float));
+}
+
+static uint64_t payload_count(uint64_t treelets, uint32_t fields, uint32_t steps, bool moving) {
+    return treelets * (1 + (uint64_t)fields * steps + (moving ? steps - 1 : 0));
+}
+
+bool curvilinear_layout(leaf_layout *l, uint64_t treelets, uint32_t fields, uint32_t steps,
+                        bool moving) {
+    const uint64_t count = treelets < LEAF_NO_TREELET
+                               ? payload_count(treelets, fields, steps, moving)
+                               : LEAF_NO_TREELET;
+    if (count >= LEAF_NO_TREELET)
+        return false;
+    leaf_layout_flat(l, &curvilinear_geometry, (uint32_t)treelets, (uint32_t)count);
+    l->sets = fields * steps;
+    l->steps = steps;
+    l->places = moving ? steps : 1;
+    return true;
+}
+
+void curvilinear_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]) {
+    l->counts = counts;
+    l->payload_max = 0;
+    for (uint32_t t = 0; t < l->treelets; t++) {
+        const uint32_t bytes = curvilinear_place_bytes(counts[t]);
+        l->payload_max = bytes > l->payload_max ? bytes : l->payload_max;
+    }
 }
 
 /* ---- The header ---- */
@@ -36,7 +64,7 @@ static status check_parameters(const char *path, const leaf_header *h) {
 }
 
 static uint64_t payloads(const leaf_header *h) {
-    return h->treelets * (1 + leaf_cells_sets(h) + (h->moving ? h->steps - 1 : 0));
+    return payload_count(h->treelets, h->fields, h->steps, h->moving);
 }
 
 static status check_values(const char *path, const leaf_header *h) {
@@ -70,10 +98,7 @@ static status check_layout(const char *path, const leaf_header *h, leaf_layout *
         return leaf_check_corrupt(
             path, offsetof(leaf_header, treelets), "a file of %llu bytes cannot hold %llu treelets",
             (unsigned long long)h->file_bytes, (unsigned long long)h->treelets);
-    leaf_layout_flat(l, leaf_geometry_of(h->kind), (uint32_t)h->treelets, (uint32_t)payloads(h));
-    l->sets = h->fields * h->steps;
-    l->steps = h->steps;
-    l->places = h->moving ? h->steps : 1;
+    (void)curvilinear_layout(l, h->treelets, h->fields, h->steps, h->moving);
     return ST_OK;
 }
 
@@ -168,12 +193,7 @@ static status lay_out(leaf_file *f, leaf_directory *d) {
     for (to.zone = 0; to.zone < f->header.zones; to.zone++)
         curvilinear_zones_walk(own->zones[to.zone], list_treelet, &to);
     d->bounds = (const float(*)[6])own->bounds;
-    f->layout.counts = (const uint32_t(*)[4])own->counts;
-    f->layout.payload_max = 0;
-    for (uint32_t t = 0; t < f->layout.treelets; t++) {
-        const uint32_t bytes = curvilinear_place_bytes(own->counts[t]);
-        f->layout.payload_max = bytes > f->layout.payload_max ? bytes : f->layout.payload_max;
-    }
+    curvilinear_layout_set_counts(&f->layout, (const uint32_t(*)[4])own->counts);
     return leaf_layout_init_flat(&f->layout, f->m);
 }
 
@@ -228,4 +248,5 @@ const leaf_geometry curvilinear_geometry = {.check_parameters = check_parameters
                                             .begins_run = leaf_cells_begins_run,
                                             .series = series,
                                             .payload_name = payload_name,
-                                            .parts = parts};
+                                            .parts = parts,
+                                            .verify = curvilinear_verify};

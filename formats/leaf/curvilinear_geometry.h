@@ -16,6 +16,7 @@
 
 #include "formats/leaf/curvilinear_zones.h"
 #include "formats/leaf/leaf_geometry.h"
+#include "formats/leaf/leaf_layout.h"
 
 enum { CURVILINEAR_TAIL = 32 }; /* so that vectors may read beyond a row */
 
@@ -48,6 +49,14 @@ static inline uint32_t curvilinear_cells(const uint32_t cells[3]) {
 }
 uint32_t curvilinear_place_bytes(const uint32_t cells[3]);
 uint32_t curvilinear_value_bytes(const uint32_t cells[3]);
+
+/* curvilinear_layout() - the layout of so many treelets, fields and steps, without allocating.
+ * False: that makes 2^32 - 1 payloads or more.
+ * curvilinear_layout_set_counts() - set the treelets' numbers of cells along i, j, k, and 0, which
+ * sizes follow from. They must outlive l. */
+bool curvilinear_layout(leaf_layout *l, uint64_t treelets, uint32_t fields, uint32_t steps,
+                        bool moving);
+void curvilinear_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]);
 
 /* curvilinear_place_payload() - the payload of a treelet's places at a step. */
 static inline uint32_t curvilinear_place_payload(const leaf_layout *l, uint32_t step, uint32_t t) {

@@ -50,7 +50,11 @@ enum {
 
 #define LEAF_MAGIC "\x89LEAF\r\n\x1a"
 
-typedef enum leaf_kind { LEAF_KIND_GRID = 1, LEAF_KIND_MESH = 2 } leaf_kind;
+typedef enum leaf_kind {
+    LEAF_KIND_GRID = 1,
+    LEAF_KIND_MESH = 2,
+    LEAF_KIND_CURVILINEAR = 3
+} leaf_kind;
 /* With a compressed codec, a mesh's payload that would not get smaller is stored raw; its stored
  * size shows this. A grid's is always a code (FORMAT.md 10). */
 typedef enum leaf_codec { LEAF_CODEC_RAW = 0, LEAF_CODEC_ZSTD = 1 } leaf_codec;

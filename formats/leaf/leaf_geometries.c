@@ -1,3 +1,4 @@
+#include "formats/leaf/curvilinear_geometry.h"
 #include "formats/leaf/grid_geometry.h"
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/mesh_geometry.h"
@@ -6,6 +7,7 @@ const leaf_geometry *leaf_geometry_of(uint32_t kind) {
     static const leaf_geometry *const geometries[] = {
         [LEAF_KIND_GRID] = &grid_geometry,
         [LEAF_KIND_MESH] = &mesh_geometry,
+        [LEAF_KIND_CURVILINEAR] = &curvilinear_geometry,
     };
     return kind < sizeof geometries / sizeof *geometries ? geometries[kind] : NULL;
 }

@@ -33,6 +33,16 @@ typedef struct leaf_growth {
     int (*rows)(const leaf_layout *l, leaf_row rows[LEAF_ROWS_MAX]);
 } leaf_growth;
 
+/* A way to a file's payloads for one thread. */
+typedef struct leaf_loading leaf_loading;
+struct leaf_loading {
+    leaf_file *f;
+    char *room; /* of two payloads, each leaf_layout_payload_max() */
+    struct leaf_unpacker *unpacker;
+    /* leaf_file_load() of payload p. */
+    status (*load)(const leaf_loading *l, uint32_t p, void *payload);
+};
+
 typedef struct leaf_geometry {
     bool holds_indices;             /* result of leaf_file_holds_indices() */
     const struct leaf_cells *cells; /* what a cell's record is (leaf_cells.h); NULL: no records */
@@ -80,6 +90,11 @@ typedef struct leaf_geometry {
     /* List the payloads that hold a treelet's cells and values in a set. Returns how many. */
     int (*parts)(const leaf_layout *l, uint32_t set, uint32_t treelet,
                  uint32_t payloads[LEAF_PARTS_MAX]);
+
+    /* Check all payloads of a treelet, as leaf_verify() does; add the values that are not finite,
+     * in all sets, to *non_finite. Treelets share nodes, of which a file counts each once. NULL:
+     * leaf_verify.c does it itself. */
+    status (*verify)(const leaf_loading *from, uint32_t treelet, uint64_t *non_finite);
 
     /* Payloads without bytes, which follow from the directory. may_be_empty(): whether the
      * directory allows payload p to be one; *must: and nothing else. implies(): whether this

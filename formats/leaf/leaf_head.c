@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "formats/base/text.h"
+#include "formats/leaf/curvilinear_zones.h"
 
 void leaf_head_text(char *to, size_t size, const char *text) {
     char name[TEXT_NAME_MAX];
@@ -55,4 +56,19 @@ void leaf_head_mesh(leaf_header *h, const leaf_layout *l, const leaf_parameters 
     h->moving = mesh->moving;
     leaf_head_text(h->name, sizeof h->name, mesh->name);
     leaf_head_text(h->field, sizeof h->field, mesh->field);
+}
+
+void leaf_head_curvilinear(leaf_header *h, const leaf_layout *l, const leaf_parameters *p,
+                           const leaf_curvilinear *grid) {
+    fill_common(h, l, p);
+    h->kind = LEAF_KIND_CURVILINEAR;
+    h->source_type = SAMPLE_F32;
+    h->cells_log2 = CURVILINEAR_LOG2;
+    h->block_log2 = LEAF_BLOCK_LOG2;
+    h->fields = grid->sets.fields;
+    h->steps = grid->sets.steps;
+    h->zones = grid->zones;
+    h->moving = grid->moving;
+    h->to_world[0] = h->to_world[5] = h->to_world[10] = 1;
+    leaf_head_text(h->name, sizeof h->name, grid->name);
 }

@@ -1,3 +1,4 @@
+#include "formats/leaf/curvilinear_facts.h"
 #include "formats/leaf/grid_facts.h"
 #include "formats/leaf/leaf_tell.h"
 #include "formats/leaf/mesh_facts.h"
@@ -6,6 +7,7 @@ const leaf_teller *leaf_teller_of(const leaf_file *f) {
     static const leaf_teller *const tellers[] = {
         [LEAF_KIND_GRID] = &grid_facts,
         [LEAF_KIND_MESH] = &mesh_facts,
+        [LEAF_KIND_CURVILINEAR] = &curvilinear_facts,
     };
     const uint32_t kind = f->header.kind;
     return kind < sizeof tellers / sizeof *tellers ? tellers[kind] : &leaf_tell_other;

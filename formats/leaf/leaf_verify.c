@@ -10,6 +10,7 @@
 #include "formats/base/pool.h"
 #include "formats/leaf/deviation_verify.h"
 #include "formats/leaf/grid_codes.h"
+#include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/leaf_histogram.h"
 #include "formats/leaf/leaf_order.h"
 #include "formats/leaf/leaf_unpacker.h"
@@ -298,10 +299,17 @@ static uint32_t count_non_finite(const subject *s) {
     return count;
 }
 
+/* Whether one set is checked after the other, as of a grid; else a treelet's payloads are at once.
+ */
+static bool sets_apart(const leaf_file *f) {
+    return !f->mesh && !f->geometry->verify;
+}
+
 static status report(const verification *v, uint32_t t) {
     const leaf_layout *l = &v->f->layout;
-    const double done = v->f->mesh ? t : (double)v->set * l->treelets + t;
-    const double all = v->f->mesh ? l->treelets : (double)l->treelets * l->sets;
+    const bool apart = sets_apart(v->f);
+    const double done = apart ? (double)v->set * l->treelets + t : t;
+    const double all = apart ? (double)l->treelets * l->sets : l->treelets;
     return t % PROGRESS_STEP ? ST_OK : progress_step(v->p, "verify", done / all);
 }
 
@@ -437,6 +445,19 @@ static status verify_mesh_treelet(void *ctx, size_t index, int worker) {
     return st;
 }
 
+/* ---- a treelet of any other kind ---- */
+
+static status load_for_row(const leaf_loading *l, uint32_t p, void *payload) {
+    return leaf_file_load(l->f, p, l->unpacker, payload);
+}
+
+static status verify_by_row(void *ctx, size_t index, int worker) {
+    const verification *v = ctx;
+    const leaf_loading from = {v->f, v->payloads[worker], v->unpackers[worker], load_for_row};
+    const status st = v->f->geometry->verify(&from, (uint32_t)index, &v->non_finite[index]);
+    return st == ST_OK ? report(v, (uint32_t)index) : st;
+}
+
 /* ---- the whole file ---- */
 
 /* Check that neighbouring treelets hold the same samples where they overlap. Corners follow from
@@ -461,7 +482,7 @@ static status check_neighbours(const verification *v) {
     return ST_OK;
 }
 
-/* Check the header's count. A grid's treelets count each sample once; a mesh's may share
+/* Check the header's count. A grid's treelets count each sample once; those of others may share
  * vertices. */
 static status check_count(const verification *v) {
     const uint64_t count = v->f->header.non_finite;
@@ -470,7 +491,7 @@ static status check_count(const verification *v) {
         most += v->non_finite[t];
         least = v->non_finite[t] > least ? v->non_finite[t] : least;
     }
-    if (!v->f->mesh)
+    if (sets_apart(v->f))
         least = most;
     if (count >= least && count <= most)
         return ST_OK;
@@ -576,8 +597,10 @@ static status verify_sets(verification *v, pool *workers) {
 }
 
 static status verify_all(verification *v, pool *workers) {
-    status st = v->f->mesh ? pool_run(workers, v->f->layout.treelets, verify_mesh_treelet, v)
-                           : verify_sets(v, workers);
+    const uint32_t treelets = v->f->layout.treelets;
+    status st = v->f->geometry->verify ? pool_run(workers, treelets, verify_by_row, v)
+                : v->f->mesh           ? pool_run(workers, treelets, verify_mesh_treelet, v)
+                                       : verify_sets(v, workers);
     if (st == ST_OK)
         st = check_count(v);
     if (st == ST_OK)
@@ -591,6 +614,8 @@ static status verify_all(verification *v, pool *workers) {
 static size_t thread_bytes(const leaf_file *f) {
     const size_t payload = leaf_layout_payload_max(&f->layout);
     size_t scratch = 0;
+    if (f->geometry->verify)
+        return 2 * payload;
     if (!f->mesh)
         return grid_room_of(f).bytes;
     for (uint32_t t = 0; t < f->layout.treelets; t++) {
@@ -621,7 +646,7 @@ static status allocate_histograms(verification *v, mem *m) {
 
 static status allocate(verification *v, mem *m, int threads) {
     const leaf_layout *l = &v->f->layout;
-    v->edges = mem_array(m, v->f->mesh ? 1 : l->treelets, sizeof *v->edges);
+    v->edges = mem_array(m, sets_apart(v->f) ? l->treelets : 1, sizeof *v->edges);
     v->non_finite = mem_array(m, l->treelets, sizeof *v->non_finite);
     v->payloads = mem_array(m, (size_t)threads, sizeof *v->payloads);
     if (!v->edges || !v->non_finite || !v->payloads)

@@ -11,6 +11,9 @@
  * vertices; every code is recomputed; each vertex belongs to some tet; the number of non-finite
  * values is possible. The file cannot tell which vertices treelets share. So the header's count of
  * vertices is not checked exactly.
+ *
+ * Curvilinear grids: checksums, padding, boxes, ranges, and what kind of cell each is
+ * (curvilinear_verify.h).
  */
 #ifndef FORMATS_LEAF_LEAF_VERIFY_H
 #define FORMATS_LEAF_LEAF_VERIFY_H

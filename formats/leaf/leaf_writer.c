@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/leaf/curvilinear_geometry.h"
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/leaf_check.h"
 #include "formats/leaf/leaf_head.h"
@@ -266,6 +267,90 @@ status leaf_writer_create(mem *m, const leaf_target *to, const grid *g, const le
     return ST_OK;
 }
 
+/* ---- curvilinear grids ---- */
+
+static status lay_out_curvilinear(leaf_layout *l, const leaf_curvilinear *g) {
+    uint64_t treelets = 0;
+    for (uint32_t z = 0; z < g->zones && treelets < LEAF_NO_TREELET; z++)
+        treelets += curvilinear_zones_treelets(g->nodes[z], LEAF_NO_TREELET);
+    return curvilinear_layout(l, treelets, g->sets.fields, g->sets.steps, g->moving)
+               ? ST_OK
+               : status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 payloads");
+}
+
+status leaf_writer_curvilinear_memory(const leaf_curvilinear *g, uint64_t *bytes) {
+    leaf_layout l;
+    const status st = lay_out_curvilinear(&l, g);
+    if (st == ST_OK)
+        *bytes = sizeof(leaf_writer) + 4096 +
+                 l.treelets * (LAYOUT_BYTES + sizeof(uint32_t[4]) + l.sets * (uint64_t)RANGE_BYTES +
+                               l.places * sizeof(float[6])) +
+                 l.payloads * (PAYLOAD_BYTES + sizeof(uint64_t) + (uint64_t)(l.sets > 1 ? 4 : 0)) +
+                 g->zones * sizeof(uint32_t[4]) + g->sets.fields * sizeof(char[64]) +
+                 g->sets.steps * sizeof(double);
+    return st;
+}
+
+typedef struct counting {
+    uint32_t (*counts)[4], next;
+} counting;
+
+static void count_cells(void *ctx, const uint32_t first[3], const uint32_t cells[3]) {
+    counting *c = ctx;
+    (void)first;
+    memcpy(c->counts[c->next++], cells, sizeof(uint32_t[3]));
+}
+
+static status allocate_zones(leaf_writer *w, const leaf_curvilinear *g) {
+    w->zones = mem_array(w->m, g->zones, sizeof *w->zones);
+    if (!w->zones)
+        return ST_NOMEM;
+    counting c = {w->counts, 0};
+    for (uint32_t z = 0; z < g->zones; z++) {
+        memcpy(w->zones[z], g->nodes[z], sizeof g->nodes[z]);
+        curvilinear_zones_walk(g->nodes[z], count_cells, &c);
+    }
+    curvilinear_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
+    return ST_OK;
+}
+
+status leaf_writer_create_curvilinear(mem *m, const leaf_target *to, const leaf_curvilinear *g,
+                                      const leaf_parameters *p, leaf_writer **out) {
+    assert(g->zones > 0 && p->codec == LEAF_CODEC_RAW && !to->grow);
+    leaf_writer *w = new_writer(m, p);
+    if (!w)
+        return ST_NOMEM;
+    w->p.histograms = false;
+    status st = lay_out_curvilinear(&w->layout, g);
+    if (st == ST_OK)
+        st = leaf_layout_init_flat(&w->layout, m);
+    if (st == ST_OK)
+        st = allocate(w, (size_t)w->layout.treelets * w->layout.sets);
+    if (st == ST_OK)
+        st = allocate_series(w, false);
+    if (st == ST_OK)
+        st = allocate_mesh(w);
+    if (st == ST_OK)
+        st = allocate_zones(w, g);
+    if (st == ST_OK)
+        st = label(w, &g->sets);
+    if (st == ST_OK)
+        st = create_out(w, to);
+    if (st == ST_OK)
+        st = create_scratch(w, to);
+    if (st != ST_OK) {
+        leaf_writer_discard(w);
+        return st;
+    }
+    leaf_head_curvilinear(&w->header, &w->layout, p, g);
+    leaf_writer_place_sections(w);
+    w->order = leaf_order_begin(&w->layout);
+    *out = w;
+    return ST_OK;
+}
+
+/* ---- meshes ---- */
+
 status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf_mesh *mesh,
                                const leaf_parameters *p, leaf_writer **out) {
     const uint64_t sets = (uint64_t)mesh->fields * mesh->steps;
@@ -287,6 +372,7 @@ status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf_mesh *m
         st = allocate_series(w, false);
     if (st == ST_OK)
         st = allocate_mesh(w);
+    w->layout.counts = (const uint32_t(*)[4])w->counts;
     if (st == ST_OK)
         st = label(w, &(leaf_sets){mesh->fields, mesh->steps, mesh->names, mesh->times, NULL});
     if (st == ST_OK)
@@ -394,6 +480,7 @@ void leaf_writer_discard(leaf_writer *w) {
     mem_free(w->m, w->axes);
     mem_free(w->m, w->bounds);
     mem_free(w->m, w->counts);
+    mem_free(w->m, w->zones);
     mem_free(w->m, w->names);
     mem_free(w->m, w->times);
     mem_free(w->m, w->parts);

@@ -16,6 +16,9 @@
  * Meshes: call leaf_writer_create_mesh(). For each treelet call leaf_writer_put_topology(), then
  * leaf_writer_put_values() for each set. If the file is to have them, put gradients of each set and
  * positions of each step behind the first. Then call leaf_writer_finish(). All else is the same.
+ *
+ * Curvilinear grids: the same with leaf_writer_create_curvilinear(), and positions of step 0 in the
+ * place of topologies.
  */
 #ifndef FORMATS_LEAF_LEAF_WRITER_H
 #define FORMATS_LEAF_LEAF_WRITER_H
@@ -75,6 +78,16 @@ typedef struct leaf_mesh {
     bool coarse;            /* sets may have coarse grids: leaf_writer_embed() */
 } leaf_mesh;
 
+/* Contents of the file of a curvilinear grid. It does not use cells_log2 and halo of
+ * leaf_parameters; its codec is raw, and there are no histograms. */
+typedef struct leaf_curvilinear {
+    const char *name;           /* as of leaf_mesh */
+    leaf_sets sets;             /* names may be NULL */
+    uint32_t zones;             /* 1 or more */
+    const uint32_t (*nodes)[3]; /* of each zone along i, j, k: 2 to CURVILINEAR_NODES_MAX */
+    bool moving;                /* as of leaf_mesh */
+} leaf_curvilinear;
+
 /* Where a file comes to be. */
 typedef struct leaf_target {
     const char *path;  /* must outlive the writer */
@@ -97,11 +110,18 @@ void leaf_writer_discard(leaf_writer *w);
 CHECKED status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf_mesh *mesh,
                                        const leaf_parameters *p, leaf_writer **out);
 
+/* leaf_writer_create_curvilinear() - begin the file of a curvilinear grid; likewise. */
+CHECKED status leaf_writer_create_curvilinear(mem *m, const leaf_target *to,
+                                              const leaf_curvilinear *grid,
+                                              const leaf_parameters *p, leaf_writer **out);
+
 /* leaf_writer_memory() - the bytes that a writer of this layout takes from its mem, with the
  * families of so many threads; for planning. grow: it adds to a file. leaf_writer_mesh_memory() -
- * the same for a mesh; payload_max: bytes of its largest payload. */
+ * the same for a mesh; payload_max: bytes of its largest payload. leaf_writer_curvilinear_memory()
+ * - the same for a curvilinear grid; ST_UNSUPPORTED as leaf_writer_create_curvilinear(). */
 uint64_t leaf_writer_memory(const leaf_layout *l, int threads, bool grow);
 uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max, bool grow);
+CHECKED status leaf_writer_curvilinear_memory(const leaf_curvilinear *grid, uint64_t *bytes);
 
 const leaf_layout *leaf_writer_layout(const leaf_writer *w);
 
@@ -161,7 +181,9 @@ CHECKED status leaf_writer_put_shell(leaf_writer *w, leaf_family *f, leaf_packer
  * the range of its vertices' finite values.
  * leaf_writer_put_gradients() - its gradients in a set, .gradients_bytes, likewise.
  * leaf_writer_put_positions() - its positions at a step behind the first, .positions_bytes, and
- * their bounds. Put each exactly once; threads as for leaf_writer_put(). */
+ * their bounds. Of a curvilinear grid: also those at the first, before its values; sizes follow
+ * from its zones (curvilinear_geometry.h). Put each exactly once; threads as for leaf_writer_put().
+ */
 CHECKED status leaf_writer_put_topology(leaf_writer *w, leaf_packer *k, uint32_t t,
                                         const float bounds[6], const uint32_t counts[4],
                                         const void *payload, void *pack);

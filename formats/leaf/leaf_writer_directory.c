@@ -86,9 +86,9 @@ uint64_t leaf_writer_place(leaf_writer *w, uint32_t p) {
 
 static const void *bytes_of(const leaf_writer *w, uint32_t kind) {
     const void *arrays[LEAF_SECTION_LAST] = {
-        w->ranges,    w->own,      w->flags,  w->offsets, w->sizes,   w->checksums,
-        w->axes,      w->bounds,   w->counts, w->names,   w->times,   w->parts,
-        w->p.outside, w->p.chunks, w->same,   w->bases,   w->p.slices};
+        w->ranges,    w->own,      w->flags,  w->offsets, w->sizes,    w->checksums,
+        w->axes,      w->bounds,   w->counts, w->names,   w->times,    w->parts,
+        w->p.outside, w->p.chunks, w->same,   w->bases,   w->p.slices, w->zones};
     const void *ancillary[LEAF_ANCILLARY_LAST] = {w->histograms, w->deviations, &w->frame};
     return leaf_section_ancillary(kind) ? ancillary[kind - LEAF_SECTION_ANCILLARY - 1]
                                         : arrays[kind - 1];

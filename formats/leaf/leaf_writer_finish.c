@@ -91,12 +91,12 @@ static void sum_up_grid(leaf_writer *w) {
     }
 }
 
-/* Compute the header's values of a mesh from its treelets. */
-static void sum_up_mesh(leaf_writer *w) {
+/* Compute the header's values of a mesh, or curvilinear grid, from its treelets. */
+static void sum_up_cells(leaf_writer *w) {
     leaf_header *h = &w->header;
     double lo = (double)INFINITY, hi = -(double)INFINITY;
     memcpy(h->bounds, w->bounds[0], sizeof h->bounds);
-    for (uint32_t t = 0; t < w->layout.treelets; t++)
+    for (uint32_t t = 0; t < w->layout.treelets && h->kind == LEAF_KIND_MESH; t++)
         h->tets += w->counts[t][0];
     for (size_t i = 0; i < (size_t)w->layout.treelets * w->layout.places; i++)
         for (int a = 0; a < 3; a++) {
@@ -142,11 +142,12 @@ static status close_payloads(leaf_writer *w) {
         sum_up_grid(w);
         return ST_OK;
     }
-    mesh_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
+    if (w->header.kind == LEAF_KIND_MESH)
+        mesh_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
     status st = make_copy_room(w);
     if (st == ST_OK)
         st = copy_payloads(w);
-    sum_up_mesh(w);
+    sum_up_cells(w);
     return st;
 }
 

@@ -33,6 +33,7 @@ struct leaf_writer {
     double *axes; /* rectilinear: all three, one behind the other */
     float (*bounds)[6];
     uint32_t (*counts)[4];
+    uint32_t (*zones)[4];
     char (*names)[64]; /* or NULL; so are times */
     double *times;
     leaf_part *parts;      /* coarse grids; or NULL */

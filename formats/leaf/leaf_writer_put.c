@@ -1,4 +1,5 @@
-/* leaf_writer_put.c - putting the payloads of a mesh into a treelet file, from many threads. */
+/* leaf_writer_put.c - putting the payloads of a mesh, or a curvilinear grid, into a treelet file,
+ * from many threads. */
 #include <assert.h>
 #include <string.h>
 
@@ -73,8 +74,9 @@ static size_t pack_payload(const leaf_writer *w, leaf_packer *k, uint32_t p, con
 }
 
 static status put_payload(leaf_writer *w, leaf_packer *k, uint32_t p, const void *payload,
-                          size_t size, void *pack) {
+                          void *pack) {
     const void *stored = payload;
+    size_t size = leaf_layout_payload_bytes(&w->layout, p);
     if (k)
         size = pack_payload(w, k, p, payload, pack, &stored);
     w->checksums[p] = hash_bytes(stored, size);
@@ -101,7 +103,7 @@ status leaf_writer_put_topology(leaf_writer *w, leaf_packer *k, uint32_t t, cons
     assert(!mesh_leaf_counts_fault(counts, w->header.treelet_tets, w->header.leaf_tets));
     copy_floats(w->bounds[t], bounds, 6);
     memcpy(w->counts[t], counts, sizeof w->counts[t]);
-    return put_payload(w, k, t, payload, mesh_leaf_shape(counts).topology_bytes, pack);
+    return put_payload(w, k, t, payload, pack);
 }
 
 void leaf_writer_keep_topology(leaf_writer *w, uint32_t t) {
@@ -120,22 +122,20 @@ status leaf_writer_put_values(leaf_writer *w, leaf_packer *k, uint32_t set, uint
     const size_t element = (size_t)set * w->layout.treelets + t;
     copy_floats(w->own[element], entry->own, 2);
     w->flags[element] = entry->flags;
-    return put_payload(w, k, leaf_layout_values(&w->layout, set, t), payload,
-                       mesh_leaf_shape(w->counts[t]).values_bytes, pack);
+    return put_payload(w, k, leaf_layout_values(&w->layout, set, t), payload, pack);
 }
 
 status leaf_writer_put_gradients(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
                                  const void *payload, void *pack) {
     assert(t < w->layout.treelets && set < w->layout.gradient_sets && w->counts[t][0]);
-    return put_payload(w, k, leaf_layout_gradients(&w->layout, set, t), payload,
-                       mesh_leaf_shape(w->counts[t]).gradients_bytes, pack);
+    return put_payload(w, k, leaf_layout_gradients(&w->layout, set, t), payload, pack);
 }
 
 status leaf_writer_put_positions(leaf_writer *w, leaf_packer *k, uint32_t step, uint32_t t,
                                  const float bounds[6], const void *payload, void *pack) {
-    assert(t < w->layout.treelets && step > 0 && step < w->layout.places);
-    assert(w->counts[t][0]);
+    assert(t < w->layout.treelets && step < w->layout.places);
+    assert(w->counts[t][0] && (step > 0 || w->zones));
     copy_floats(w->bounds[leaf_layout_bounds(&w->layout, step, t)], bounds, 6);
-    return put_payload(w, k, leaf_layout_positions(&w->layout, step, t), payload,
-                       mesh_leaf_shape(w->counts[t]).positions_bytes, pack);
+    const uint32_t p = step ? leaf_layout_positions(&w->layout, step, t) : t;
+    return put_payload(w, k, p, payload, pack);
 }

@@ -11,7 +11,7 @@
 
 #include <stdbool.h>
 
-#include "render/curved/hexahedron.h"
+#include "formats/base/hexahedron.h"
 #include "render/curved/sheared_ray.h"
 
 enum { HEX_PARTS = 6 };

@@ -19,7 +19,7 @@
 #include "tests/support/scratch.h"
 #include "tests/support/third_kind.h"
 
-THIRD_KIND(PRISMS_KIND, prisms_geometry, cell_resident, prisms_kind)
+THIRD_KIND(PRISMS_KIND, prisms_geometry, prisms_kind)
 
 /* A slab of squares, each of two triangles whose corners are moved at random, in layers. A treelet
  * is a block of squares of one layer. */

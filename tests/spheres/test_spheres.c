@@ -22,7 +22,7 @@
 #include "tests/support/third_kind.h"
 #include "tests/support/watched.h"
 
-THIRD_KIND(SPHERES_KIND, spheres_geometry, cell_resident, spheres_kind)
+THIRD_KIND(SPHERES_KIND, spheres_geometry, spheres_kind)
 
 /* ---- A file ---- */
 
@@ -507,7 +507,7 @@ static void test_hostile_files(void **state) {
     i->header->kind = SPHERES_KIND + 1;
     leaf_image_seal(i);
     assert_int_equal(open_memory(i), LEAFCAST_UNSUPPORTED);
-    assert_non_null(strstr(leafcast_error_text(), "a geometry of kind 4"));
+    assert_non_null(strstr(leafcast_error_text(), "a geometry of kind 5"));
     i->header->kind = SPHERES_KIND;
     uint32_t(*counts)[4] = leaf_image_section(i, LEAF_SECTION_COUNTS);
     counts[3][0]++;

@@ -17,7 +17,7 @@
 #include "tests/support/scratch.h"
 #include "tests/support/third_kind.h"
 
-THIRD_KIND(SPHERES_KIND, spheres_geometry, cell_resident, spheres_kind)
+THIRD_KIND(SPHERES_KIND, spheres_geometry, spheres_kind)
 
 enum { STEPS = 3, APART = 27 };
 

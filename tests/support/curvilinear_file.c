@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/curved/hexahedron.h"
+#include "formats/base/hexahedron.h"
 
 enum { RUN_LOG2 = 12 };
 
@@ -27,6 +27,20 @@ static void count_one(void *ctx, const uint32_t first[3], const uint32_t cells[3
     w->treelet++;
     w->places_at += curvilinear_place_bytes(cells);
     w->values_at += curvilinear_value_bytes(cells);
+}
+
+size_t curvilinear_file_stands(const curvilinear_zone *z, size_t n) {
+    const size_t all = (size_t)z->nodes[0] * z->nodes[1] * z->nodes[2];
+    size_t at = n, first = 0;
+    if (!z->blank || z->blank[n])
+        return n;
+    while (first < all && !z->blank[first])
+        first++;
+    if (first == all)
+        return 0;
+    while (at > first && !z->blank[at])
+        at--;
+    return at > first ? at : first;
 }
 
 static size_t node_of(const curvilinear_zone *z, const uint32_t first[3], uint32_t i, uint32_t j,
@@ -89,11 +103,12 @@ static void write_one(void *ctx, const uint32_t first[3], const uint32_t cells[3
         for (uint32_t j = 0; j <= cells[1]; j++)
             for (uint32_t c = 0; c <= cells[0]; c++, n++) {
                 const size_t node = node_of(z, first, c, j, k);
+                const float *p = z->p[curvilinear_file_stands(z, node)];
                 for (uint32_t a = 0; a < 3; a++) {
-                    places[a * nodes + n] = z->p[node][a];
-                    widen(bounds, bounds + 3, (int)a, z->p[node][a]);
+                    places[a * nodes + n] = p[a];
+                    widen(bounds, bounds + 3, (int)a, p[a]);
                 }
-                values[n] = z->values[node];
+                values[n] = z->blank && !z->blank[node] ? NAN : z->values[node];
                 if (isfinite(values[n]))
                     widen(own, own + 1, 0, values[n]);
                 else
@@ -112,9 +127,9 @@ static void write_one(void *ctx, const uint32_t first[3], const uint32_t cells[3
     w->values_at += sizes[w->treelets + t];
 }
 
-static leaf_header header_of(uint32_t kind, uint32_t zones, uint32_t treelets) {
+static leaf_header header_of(uint32_t zones, uint32_t treelets) {
     leaf_header h = {.version = LEAF_VERSION,
-                     .kind = kind,
+                     .kind = LEAF_KIND_CURVILINEAR,
                      .sample_type = SAMPLE_F32,
                      .source_type = SAMPLE_F32,
                      .levels = 1,
@@ -150,11 +165,11 @@ static uint64_t place_sections(const leaf_header *h, leaf_section table[SECTIONS
     return leaf_layout_aligned(end, RUN_LOG2);
 }
 
-leaf_image curvilinear_file(uint32_t kind, const curvilinear_zone zones[], uint32_t count) {
+leaf_image curvilinear_file(const curvilinear_zone zones[], uint32_t count) {
     work w = {0};
     for (uint32_t z = 0; z < count; z++)
         curvilinear_zones_walk(zones[z].nodes, count_one, &w);
-    leaf_header h = header_of(kind, count, w.treelet);
+    leaf_header h = header_of(count, w.treelet);
     leaf_section table[SECTIONS];
     const uint64_t at = place_sections(&h, table);
     const uint64_t values_at = leaf_layout_aligned(at + w.places_at, RUN_LOG2);
@@ -173,7 +188,8 @@ leaf_image curvilinear_file(uint32_t kind, const curvilinear_zone zones[], uint3
         w.zone = &zones[z];
         curvilinear_zones_walk(zones[z].nodes, write_one, &w);
         for (size_t n = 0; n < (size_t)nodes[z][0] * nodes[z][1] * nodes[z][2]; n++)
-            image.header->non_finite += !isfinite(zones[z].values[n]);
+            image.header->non_finite +=
+                (zones[z].blank && !zones[z].blank[n]) || !isfinite(zones[z].values[n]);
     }
     leaf_image_seal_payloads(&image);
     leaf_image_seal(&image);

@@ -12,7 +12,12 @@ typedef struct curvilinear_zone {
     const uint8_t *blank; /* per node, 0: blanked; NULL: none is */
 } curvilinear_zone;
 
-/* curvilinear_file() - a sound treelet file of the row of `kind`; free() its bytes. */
-leaf_image curvilinear_file(uint32_t kind, const curvilinear_zone zones[], uint32_t count);
+/* curvilinear_file() - a sound treelet file; free() its bytes. A blanked node has the place and the
+ * value that FORMAT.md gives it. */
+leaf_image curvilinear_file(const curvilinear_zone zones[], uint32_t count);
+
+/* curvilinear_file_stands() - the node of a zone whose place node n has: the last one up to it that
+ * is not blanked; else the first; 0 if all are. */
+size_t curvilinear_file_stands(const curvilinear_zone *zone, size_t n);
 
 #endif

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/curved/hexahedron.h"
+#include "formats/base/hexahedron.h"
 #include "render/curvilinear/curvilinear_walk.h"
 
 typedef struct shape {

@@ -4,7 +4,7 @@
 #ifndef TESTS_SUPPORT_HEX_LAB_H
 #define TESTS_SUPPORT_HEX_LAB_H
 
-#include "render/curved/hexahedron.h"
+#include "formats/base/hexahedron.h"
 #include "render/ray/ray.h"
 #include "tests/support/fields.h"
 

@@ -11,8 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/curved/hexahedron.h"
-#include "render/curvilinear/curvilinear_kind.h"
+#include "formats/base/hexahedron.h"
 #include "render/ray/open_volume.h"
 #include "stream/curvilinear_resident.h"
 #include "tests/support/curvilinear_file.h"
@@ -21,12 +20,7 @@
 #include "tests/support/hex_truth.h"
 #include "tests/support/pictures.h"
 #include "tests/support/scratch.h"
-#include "tests/support/third_kind.h"
 #include "tests/support/watched.h"
-
-enum { KIND = 3 };
-
-THIRD_KIND(KIND, curvilinear_geometry, curvilinear_resident, curvilinear_kind)
 
 /* Two zones that share a face, of several treelets each, bent and shaken so that no face is flat.
  */
@@ -122,7 +116,7 @@ static long double first_of(const two_zones *s, double iso, const double o[3], c
 }
 
 static leafcast *open_zones(const two_zones *s, const leafcast_options *o) {
-    const leaf_image image = curvilinear_file(KIND, s->zone, ZONES);
+    const leaf_image image = curvilinear_file(s->zone, ZONES);
     leafcast *v = fixture_open(scratch_write("curvilinear.leaf", image.bytes, image.size), o);
     free(image.bytes);
     return v;
@@ -343,7 +337,7 @@ static void test_lies(void **state) {
     };
     make_zones(&s);
     for (size_t n = 0; n < sizeof lies / sizeof *lies; n++) {
-        leaf_image i = curvilinear_file(KIND, s.zone, ZONES);
+        leaf_image i = curvilinear_file(s.zone, ZONES);
         const uint64_t first = ((uint64_t *)leaf_image_section(&i, LEAF_SECTION_OFFSETS))[0];
         uint32_t *to = lies[n].section == PAYLOAD ? (uint32_t *)(i.bytes + first) + lies[n].at
                        : lies[n].section == 0

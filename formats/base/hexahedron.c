@@ -1,4 +1,4 @@
-#include "render/curved/hexahedron.h"
+#include "formats/base/hexahedron.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -3,8 +3,8 @@
  * Corner c is where the parameters are the bits of c, the first one lowest. Its faces are bilinear
  * patches. Edges or faces may be collapsed to points or edges, as at poles and axes of grids.
  */
-#ifndef RENDER_CURVED_HEXAHEDRON_H
-#define RENDER_CURVED_HEXAHEDRON_H
+#ifndef FORMATS_BASE_HEXAHEDRON_H
+#define FORMATS_BASE_HEXAHEDRON_H
 
 enum { HEX_CORNERS = 8, HEX_FACES = 6 };
 
@@ -30,9 +30,9 @@ double hexahedron_twist(const double v[HEX_CORNERS], const double at[3], double 
  * which t rises, and which begin and end at its faces. */
 int hexahedron_sense(const double p[HEX_CORNERS][3]);
 
-/* hexahedron_face() - the corners of face 0 to 5 in patch.h's order: of parameter face / 2, at 0 if
- * even, at 1 if odd; the other two parameters rise in their order. Returns the sense of (d/d first)
- * x (d/d second) in a right-handed cell: 1 outward, -1 inward. */
+/* hexahedron_face() - the corners of face 0 to 5 in the order of render/curved/patch.h: of
+ * parameter face / 2, at 0 if even, at 1 if odd; the other two parameters rise in their order.
+ * Returns the sense of (d/d first) x (d/d second) in a right-handed cell: 1 outward, -1 inward. */
 int hexahedron_face(int face, int corner[4]);
 
 /* hexahedron_face_point() - a face's own parameters as the cell's. */
