@@ -30,9 +30,9 @@ static void tell_zones(const leaf_file *f, const fact_sheet *to, uint64_t cells,
         return;
     json_t *list = json_array();
     for (uint32_t z = 0; z < zones; z++)
-        json_array_append_new(list, json_pack("[I, I, I]", (json_int_t)d->zones[z][0],
-                                              (json_int_t)d->zones[z][1],
-                                              (json_int_t)d->zones[z][2]));
+        json_array_append_new(list,
+                              json_pack("[I, I, I]", (json_int_t)d->zones[z][0],
+                                        (json_int_t)d->zones[z][1], (json_int_t)d->zones[z][2]));
     fact_sheet_json(to, "zones", list);
 }
 
