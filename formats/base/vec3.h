@@ -9,6 +9,15 @@
 #include <math.h>
 #include <stdbool.h>
 
+/* real_max(), real_min() - the greater, the less of two numbers; a, where b is NaN. As fmax() and
+ * fmin(), which are calls. */
+static inline double real_max(double a, double b) {
+    return b > a ? b : a;
+}
+static inline double real_min(double a, double b) {
+    return b < a ? b : a;
+}
+
 /* vec3_sub() - a - b; out may be a or b. */
 static inline void vec3_sub(const double a[3], const double b[3], double out[3]) {
     for (int i = 0; i < 3; i++)

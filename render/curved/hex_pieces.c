@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/base/vec3.h"
 #include "render/curved/hex_stretch.h"
 
 /* ---- Polynomials: coefficients times binomials, so that products are convolutions ---- */
@@ -59,7 +60,7 @@ static void compose(const double v[HEX_CORNERS], const double at[3], const produ
 static double most_of(const double polynomial[WHOLE + 1]) {
     double most = 0.0;
     for (int i = 0; i <= WHOLE; i++)
-        most = fmax(most, fabs(polynomial[i]) / whole_binomials[i]);
+        most = real_max(most, fabs(polynomial[i]) / whole_binomials[i]);
     return most;
 }
 
@@ -95,8 +96,8 @@ static void guess_error(const hex_stretch *s, const products *p, const double t[
         error[i] = most_of(off);
         for (int c = 0; c < HEX_CORNERS; c++)
             error[i] += 0x1p-48 * fabs(s->straight[i][c]);
-        most = fmax(most, error[i]);
-        contraction = fmax(contraction, s->apart[i]);
+        most = real_max(most, error[i]);
+        contraction = real_max(contraction, s->apart[i]);
     }
     for (int i = 0; i < 3; i++)
         error[i] += s->apart[i] * most / (1.0 - contraction);
@@ -179,8 +180,8 @@ int hex_pieces(const hexahedron *h, int sense, const hex_path *path, double tole
     search f = {.q = path->q, .h = h, .tolerance = tolerance, .out = out};
     double range[2] = {INFINITY, -INFINITY};
     for (int c = 0; c < HEX_CORNERS; c++) {
-        range[0] = fmin(range[0], h->value[c]);
-        range[1] = fmax(range[1], h->value[c]);
+        range[0] = real_min(range[0], h->value[c]);
+        range[1] = real_max(range[1], h->value[c]);
     }
     f.range = range[1] - range[0];
     f.room = HEX_PIECES - path->count;

@@ -2,6 +2,7 @@
 
 #include <stddef.h>
 
+#include "formats/base/vec3.h"
 #include "render/curved/hex_stretch.h"
 
 enum { STRETCHES = 512 };
@@ -26,7 +27,7 @@ static void take(search *s, double t, const double at[3], bool entering) {
 
 static void take_linear(search *s, const hex_end *from, const hex_end *to) {
     const double rise = to->value - from->value;
-    const double share = rise != 0.0 ? fmin(fmax(-from->value / rise, 0.0), 1.0) : 0.5;
+    const double share = rise != 0.0 ? real_min(real_max(0.0, -from->value / rise), 1.0) : 0.5;
     double at[3];
     for (int i = 0; i < 3; i++)
         at[i] = from->at[i] + share * (to->at[i] - from->at[i]);
@@ -44,7 +45,7 @@ static void take_between(search *s, const hex_end *from, const hex_end *to,
             at[i] = from->at[i] + share * (to->at[i] - from->at[i]);
         if (hex_stretch_solve(s->q, s->value, proven, at)) {
             const double t = hexahedron_at(s->q[2], at);
-            take(s, fmin(fmax(t, from->t), to->t), at, is_inside(to));
+            take(s, real_min(real_max(from->t, t), to->t), at, is_inside(to));
             return;
         }
     }

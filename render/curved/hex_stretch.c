@@ -24,7 +24,7 @@ static bool invert(const double slope[3][3], double column[3][3]) {
 static double rounding_of(const double v[HEX_CORNERS]) {
     double most = 0.0;
     for (int c = 0; c < HEX_CORNERS; c++)
-        most = fmax(most, fabs(v[c]));
+        most = real_max(most, fabs(v[c]));
     return 0x1p-50 * most;
 }
 
@@ -53,7 +53,7 @@ static bool newton(const double *v[3], const double aim[3], double at[3]) {
         for (int i = 0; i < 3; i++) {
             const double by =
                 miss[0] * column[0][i] + miss[1] * column[1][i] + miss[2] * column[2][i];
-            at[i] = fmin(fmax(at[i] + by, -beyond), 1.0 + beyond);
+            at[i] = real_min(real_max(-beyond, at[i] + by), 1.0 + beyond);
             still = still && fabs(by) <= 0x1p-52 + distance(column, rounding, i);
         }
         if (still)
@@ -89,7 +89,7 @@ static double straighten(hex_map q, const double column[3][3], double straight[3
                 q[0][c] * column[0][i] + q[1][c] * column[1][i] + q[2][c] * column[2][i];
         for (int k = 0; k < 3; k++)
             size += 16.0 * rounding_of(q[k]) * fabs(column[k][i]);
-        rounding = fmax(rounding, size);
+        rounding = real_max(rounding, size);
     }
     return rounding;
 }
@@ -117,7 +117,7 @@ static bool prove(hex_stretch *s, const double off[3], double rounding, double a
             proven = proven && image[i] <= s->reach[i];
         }
         for (int i = 0; i < 3; i++) /* with room for what is near the stretch, such as a guess */
-            s->reach[i] = ROOM * (proven ? image[i] : fmax(image[i], s->reach[i]));
+            s->reach[i] = ROOM * (proven ? image[i] : real_max(image[i], s->reach[i]));
         if (proven) {
             difference(s, rounding, apart);
             return true;
@@ -134,8 +134,8 @@ static bool bound_rate(hex_stretch *s, const double apart[3][3]) {
     for (int i = 0; i < 3; i++) {
         s->spread[i] = vec3_dot(apart[i], size);
         s->apart[i] = apart[i][0] + apart[i][1] + apart[i][2];
-        most = fmax(most, s->apart[i]);
-        stray = fmax(stray, s->spread[i]);
+        most = real_max(most, s->apart[i]);
+        stray = real_max(stray, s->spread[i]);
     }
     for (int i = 0; i < 3; i++)
         s->spread[i] += s->apart[i] * stray / (1.0 - most) + WIDEN * size[i];
@@ -159,9 +159,9 @@ bool hex_stretch_of(hex_map q, const hex_end *from, const hex_end *to, hex_stret
     if (!invert(slope, column))
         return false;
     for (int i = 0; i < 3; i++) {
-        const double far = fmax(fabs(from->at[i] - out->at[i]), fabs(to->at[i] - out->at[i]));
+        const double far = real_max(fabs(from->at[i] - out->at[i]), fabs(to->at[i] - out->at[i]));
         out->rate[i] = column[2][i];
-        out->reach[i] = ROOM * fmax(far, fabs(column[2][i]) * out->half) + WIDEN;
+        out->reach[i] = ROOM * real_max(far, fabs(column[2][i]) * out->half) + WIDEN;
         off[i] = distance(column, miss, i);
     }
     const double rounding = straighten(q, column, out->straight);

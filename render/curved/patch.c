@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "formats/base/vec3.h"
+
 /* What rounding took from the product of a and b, exactly (Dekker 1971): of halves of their bits.
  */
 static double rest_of(double a, double b, double product) {
@@ -58,7 +60,7 @@ typedef struct candidate {
 static double largest(const double q[PATCH_CORNERS][3]) {
     double most = 0.0;
     for (int i = 0; i < PATCH_CORNERS; i++)
-        most = fmax(most, fmax(fabs(q[i][0]), fabs(q[i][1])));
+        most = real_max(most, real_max(fabs(q[i][0]), fabs(q[i][1])));
     return most;
 }
 
@@ -66,7 +68,7 @@ static double largest(const double q[PATCH_CORNERS][3]) {
  * Moved as patch.h says, it is where the first derivative has the direction of the move. */
 static candidate candidate_along(const double q[PATCH_CORNERS][3], double u) {
     const double low = q[1][1] - q[0][1], high = q[3][1] - q[2][1], v = low / (low - high);
-    return (candidate){{u, v >= 0.0 && v <= 1.0 ? v : 0.5}, fmax(-u, u - 1.0)};
+    return (candidate){{u, v >= 0.0 && v <= 1.0 ? v : 0.5}, real_max(-u, u - 1.0)};
 }
 
 static candidate candidate_at(const double q[PATCH_CORNERS][3], double u) {
@@ -78,10 +80,10 @@ static candidate candidate_at(const double q[PATCH_CORNERS][3], double u) {
     const double size = along[0] * along[0] + along[1] * along[1];
     const double small = 0x1p-46 * largest(q);
     if (size <= small * small) /* that line of the patch is parallel to the ray */
-        return fmax(fabs(low[0]), fabs(low[1])) <= small ? candidate_along(q, u)
-                                                         : (candidate){{NAN, NAN}, INFINITY};
+        return real_max(fabs(low[0]), fabs(low[1])) <= small ? candidate_along(q, u)
+                                                             : (candidate){{NAN, NAN}, INFINITY};
     const double v = -(low[0] * along[0] + low[1] * along[1]) / size;
-    return (candidate){{u, v}, fmax(fmax(-u, u - 1.0), fmax(-v, v - 1.0))};
+    return (candidate){{u, v}, real_max(real_max(-u, u - 1.0), real_max(-v, v - 1.0))};
 }
 
 /* The first parameter solves a quadratic equation: the ray is on the line through the points with
@@ -126,7 +128,7 @@ static double into_unit(double x) {
 static candidate corner_by(const double q[PATCH_CORNERS][3]) {
     int next = 0;
     for (int i = 1; i < PATCH_CORNERS; i++)
-        if (fmax(fabs(q[i][0]), fabs(q[i][1])) < fmax(fabs(q[next][0]), fabs(q[next][1])))
+        if (real_max(fabs(q[i][0]), fabs(q[i][1])) < real_max(fabs(q[next][0]), fabs(q[next][1])))
             next = i;
     return (candidate){{(double)(next & 1), (double)(next >> 1)}, 0.0};
 }
