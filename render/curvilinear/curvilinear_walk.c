@@ -4,6 +4,7 @@
 
 #include "formats/base/vec3.h"
 #include "render/curved/hex_pieces.h"
+#include "render/curved/hex_plane.h"
 #include "render/curved/hex_point.h"
 #include "render/walk/cell_walks.h"
 #include "render/walk/tree_passage.h"
@@ -33,8 +34,8 @@ int curvilinear_walk_sense(const curvilinear_lattice *l, uint32_t index) {
 static void range_of(const hexahedron *h, double range[2]) {
     range[0] = range[1] = h->value[0];
     for (int c = 1; c < HEX_CORNERS; c++) {
-        range[0] = fmin(range[0], h->value[c]);
-        range[1] = fmax(range[1], h->value[c]);
+        range[0] = real_min(range[0], h->value[c]);
+        range[1] = real_max(range[1], h->value[c]);
     }
 }
 
@@ -44,6 +45,8 @@ typedef struct cell_way {
     const curvilinear_lattice *lattice;
     hex_block_fn cells;
     double above; /* subtracted from all values */
+    const ray *ray;
+    const isovalue_list *isos; /* cells without these on the ray are passed over; NULL: all count */
     sheared_ray sheared;
     tree_passages passages;
     tree_passage at;
@@ -60,10 +63,13 @@ typedef struct way_cell {
 } way_cell;
 
 static void begin_way(cell_way *w, const curvilinear_lattice *l, hex_block_fn cells, double above,
-                      const ray *r, const hit *after, ray_counters *counters) {
+                      const isovalue_list *isos, const ray *r, const hit *after,
+                      ray_counters *counters) {
     w->lattice = l;
     w->cells = cells;
     w->above = above;
+    w->ray = r;
+    w->isos = isos;
     w->sheared = sheared_ray_of(r);
     w->at = (tree_passage){.t_in = -INFINITY};
     w->ahead = 0;
@@ -87,6 +93,18 @@ static bool next_block(cell_way *w, double limit) {
     return true;
 }
 
+/* Whether a cell may have an isovalue on the ray, at `limit` or before. What cannot be compared
+ * may. */
+static bool may_hit(const cell_way *w, const hexahedron *h, double limit) {
+    const hex_plane p = hex_plane_of(h, w->ray);
+    if (p.t[0] > p.t[1] || p.t[0] > limit)
+        return false;
+    for (int i = 0; i < w->isos->count; i++)
+        if (!(w->isos->isovalues[i] < p.value[0] || w->isos->isovalues[i] > p.value[1]))
+            return true;
+    return false;
+}
+
 /* Go on to the next cell that the ray crosses, in a block that it enters at `limit` or before.
  * Returns false if there is none. */
 static bool next_cell(cell_way *w, double limit, way_cell *out) {
@@ -99,6 +117,8 @@ static bool next_cell(cell_way *w, double limit, way_cell *out) {
         out->hexahedron = curvilinear_walk_cell(w->lattice, out->number);
         for (int c = 0; c < HEX_CORNERS; c++)
             out->hexahedron.value[c] -= w->above;
+        if (w->isos && !may_hit(w, &out->hexahedron, limit))
+            continue;
         if (hex_path_of(&out->hexahedron, out->sense, &w->sheared, &out->path) > 0)
             return true;
     }
@@ -141,7 +161,7 @@ static double shortest_edge(const hexahedron *h) {
             double away[3];
             vec3_sub(h->p[c | bit], h->p[c & ~bit], away);
             const double length = vec3_length(away);
-            least = length > 0.0 ? fmin(least, length) : least; /* collapsed edges are none */
+            least = length > 0.0 ? real_min(least, length) : least; /* collapsed edges are none */
         }
     return least;
 }
@@ -158,7 +178,7 @@ static surface_point point_of(const best_root *b, const ray *r, double t) {
         p.normal[a] = (float)-unit[a];
     }
     for (int c = 0; c < HEX_CORNERS; c++)
-        most = fmax(most, fabs(b->hexahedron.value[c]));
+        most = real_max(most, fabs(b->hexahedron.value[c]));
     p.error = 64.0 * DBL_EPSILON * (reach * vec3_length(p.gradient) + most);
     return p;
 }
@@ -170,7 +190,7 @@ bool curvilinear_walk_hits(const curvilinear_lattice *l, hex_block_fn cells,
     cell_way w;
     way_cell c;
     best_root best;
-    begin_way(&w, l, cells, 0.0, r, &state->after, counters);
+    begin_way(&w, l, cells, 0.0, isos, r, &state->after, counters);
     while (next_cell(&w, state->best.t, &c)) {
         const hit last = state->best;
         take_roots(l, &c, isos, r, state, &best, counts);
@@ -194,7 +214,7 @@ void curvilinear_walk_pieces(const curvilinear_lattice *l, hex_block_fn cells, d
                              hex_counts *counts) {
     cell_way w;
     way_cell c;
-    begin_way(&w, l, cells, above, r, after, counters);
+    begin_way(&w, l, cells, above, NULL, r, after, counters);
     while (next_cell(&w, limit, &c)) {
         hex_piece pieces[HEX_PIECES];
         double range[2];

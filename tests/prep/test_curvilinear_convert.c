@@ -336,6 +336,16 @@ static void move_node(const leaf_image *i, char *places, char *values) {
     ((float *)(void *)places)[0] -= 0.5f;
 }
 
+/* The box is larger then. */
+static void draw_in(const leaf_image *i, char *places, char *values) {
+    float *x = (float *)(void *)places;
+    uint32_t least = 0;
+    (void)i, (void)values;
+    for (uint32_t n = 1; n < curvilinear_nodes(damaged); n++)
+        least = x[n] < x[least] ? n : least;
+    x[least] = x[least + 1];
+}
+
 static void pull_node(const leaf_image *i, char *places, char *values) {
     (void)i, (void)values;
     memset(places, 0xff, sizeof(float));
@@ -368,6 +378,7 @@ static const struct {
     {blank_cell, "all its corners have values"},
     {add_tail, "expected 0 as padding"},
     {move_node, "its box is not that of its nodes"},
+    {draw_in, "its box is not that of its nodes"},
     {pull_node, "a node is nowhere"},
     {change_value, "its range is not that of its values"},
     {lose_value, "about what is not finite"},
