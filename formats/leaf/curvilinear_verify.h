@@ -1,4 +1,4 @@
-/* curvilinear_verify.h - whether the payloads of a curvilinear grid's treelet are what FORMAT.md
+/* curvilinear_verify.h - whether the payloads of a curvilinear grid's treelet are what CURVILINEAR.md
  * says they must be (leaf_verify.h).
  */
 #ifndef FORMATS_LEAF_CURVILINEAR_VERIFY_H

@@ -13,7 +13,7 @@ typedef struct curvilinear_zone {
 } curvilinear_zone;
 
 /* curvilinear_file() - a sound treelet file; free() its bytes. A blanked node has the place and the
- * value that FORMAT.md gives it. */
+ * value that CURVILINEAR.md gives it. */
 leaf_image curvilinear_file(const curvilinear_zone zones[], uint32_t count);
 
 /* curvilinear_file_stands() - the node of a zone whose place node n has: the last one up to it that
