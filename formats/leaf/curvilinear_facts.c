@@ -74,4 +74,4 @@ static void tell(const leaf_file *f, const fact_sheet *to) {
 }
 
 const leaf_teller curvilinear_facts = {
-    .name = "curvilinear", .cells = "cells", .drawn = "cells", .tell = tell};
+    .name = "curvilinear grid", .cells = "cells", .drawn = "cells", .tell = tell};

@@ -249,4 +249,4 @@ const leaf_geometry curvilinear_geometry = {.check_parameters = check_parameters
                                             .series = series,
                                             .payload_name = payload_name,
                                             .parts = parts,
-                                            .verify = curvilinear_verify};
+                                            .verifier = &curvilinear_verifier};

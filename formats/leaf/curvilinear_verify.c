@@ -4,7 +4,9 @@
 #include <stddef.h>
 
 #include "formats/base/hexahedron.h"
+#include "formats/leaf/curvilinear_draw.h"
 #include "formats/leaf/curvilinear_geometry.h"
+#include "formats/leaf/leaf_histogram.h"
 
 /* A treelet while it is checked. */
 typedef struct subject {
@@ -142,26 +144,61 @@ static status check_values(subject *s, uint32_t set, uint64_t *non_finite) {
                        : st;
 }
 
-status curvilinear_verify(const leaf_loading *from, uint32_t treelet, uint64_t *non_finite) {
-    const leaf_layout *l = &from->f->layout;
-    char *values = from->room + leaf_layout_payload_max(l);
-    subject s = {.f = from->f, .t = treelet, .cells = l->counts[treelet]};
+/* ---- histograms ---- */
+
+static void measure(const leaf_verifying *v, const subject *s, uint32_t set) {
+    const curvilinear_directory *d = curvilinear_directory_of(s->f);
+    const histogram_run run = leaf_histogram_run(s->f, set, d->first[s->f->layout.treelets]);
+    curvilinear_draw draw;
+    for (curvilinear_draw_begin(&draw, &run, d->first[s->t], s->cells);
+         curvilinear_draw_next(&draw);) {
+        const float *at[HISTOGRAM_CORNERS];
+        float places[HISTOGRAM_CORNERS][3], values[HISTOGRAM_CORNERS];
+        for (uint32_t c = 0; c < HISTOGRAM_CORNERS; c++) {
+            const uint32_t node = corner_of(s, draw.node, c);
+            for (uint32_t a = 0; a < 3; a++)
+                places[c][a] = s->places[a * s->nodes + node];
+            values[c] = s->values[node];
+            at[c] = places[c];
+        }
+        v->cells[set * v->count + draw.run] = histogram_hex(at, values);
+    }
+}
+
+/* ---- a treelet ---- */
+
+static uint64_t cells_of(const leaf_file *f) {
+    return curvilinear_directory_of(f)->first[f->layout.treelets];
+}
+
+static size_t room_of(const leaf_file *f) {
+    return 2 * (size_t)leaf_layout_payload_max(&f->layout);
+}
+
+static status verify_treelet(const leaf_verifying *v, uint32_t treelet, uint64_t *non_finite) {
+    const leaf_layout *l = &v->f->layout;
+    char *values = v->room + leaf_layout_payload_max(l);
+    subject s = {.f = v->f, .t = treelet, .cells = l->counts[treelet]};
     s.nodes = curvilinear_nodes(s.cells);
-    s.places = (const float *)(void *)from->room;
+    s.places = (const float *)(void *)v->room;
     s.values = (const float *)(void *)values;
     status st = ST_OK;
     for (uint32_t step = 0; step < l->steps && st == ST_OK; step++) {
         if (step == 0 || leaf_layout_place(l, step) > 0) {
-            st = from->load(from, curvilinear_place_payload(l, step, treelet), from->room);
+            st = v->load(v, curvilinear_place_payload(l, step, treelet), v->room);
             if (st == ST_OK)
                 st = check_places(&s, step);
         }
         for (uint32_t field = 0; field * l->steps < l->sets && st == ST_OK; field++) {
             const uint32_t set = leaf_layout_set(l, field, step);
-            st = from->load(from, leaf_layout_values(l, set, treelet), values);
+            st = v->load(v, leaf_layout_values(l, set, treelet), values);
             if (st == ST_OK)
                 st = check_values(&s, set, non_finite);
+            if (st == ST_OK && v->cells)
+                measure(v, &s, set);
         }
     }
     return st;
 }
+
+const leaf_verifier curvilinear_verifier = {"cells", cells_of, room_of, verify_treelet};

@@ -193,3 +193,36 @@ histogram_cell histogram_tet(const float *const corners[4], const float values[4
     c.area = histogram_limited(length / span / 6);
     return c;
 }
+
+/* The edges that are parallel in a cube, added up, are four times the derivative in the middle. */
+histogram_cell histogram_hex(const float *const corners[HISTOGRAM_CORNERS],
+                             const float values[HISTOGRAM_CORNERS]) {
+    histogram_cell c = nothing;
+    double along[3][3] = {{0}}, rise[3] = {0}, normal[3], sum[3] = {0}, mean = 0, det = 0;
+    if (!range_of(values, HISTOGRAM_CORNERS, &c))
+        return c;
+    for (int n = 0; n < HISTOGRAM_CORNERS; n++) {
+        mean += (double)values[n] / HISTOGRAM_CORNERS;
+        for (int e = 0; e < 3; e++) {
+            const double sign = n >> e & 1 ? 0.25 : -0.25;
+            rise[e] += sign * (double)values[n];
+            for (int a = 0; a < 3; a++)
+                along[e][a] += sign * (double)corners[n][a];
+        }
+    }
+    c.value = (float)mean + 0.0F;
+    for (int e = 0; e < 3; e++) {
+        vec3_cross(along[(e + 1) % 3], along[(e + 2) % 3], normal);
+        for (int a = 0; a < 3; a++) {
+            sum[a] += rise[e] * normal[a];
+            det += e == 0 ? along[0][a] * normal[a] : 0;
+        }
+    }
+    /* The gradient is sum / det, and the volume is |det|. */
+    const double length = vec3_length(sum), span = (double)c.hi - (double)c.lo;
+    if (det == 0 || span == 0)
+        return c;
+    c.slope = histogram_limited(length / fabs(det));
+    c.area = histogram_limited(length / span);
+    return c;
+}

@@ -69,7 +69,11 @@ histogram_run histogram_draw_tets(uint64_t total, uint32_t sets);
 /* histogram_draw_tet() - the tet that is drawn from run i. */
 uint64_t histogram_draw_tet(const histogram_run *r, uint32_t i);
 
-/* histogram_tet() - measure a tet with these corners and values. */
+/* histogram_tet() - measure a tet with these corners and values. histogram_hex() - a hexahedron, by
+ * the gradient and the volume in its middle; corners as of formats/base/hexahedron.h. */
+enum { HISTOGRAM_CORNERS = 8 };
 histogram_cell histogram_tet(const float *const corners[4], const float values[4]);
+histogram_cell histogram_hex(const float *const corners[HISTOGRAM_CORNERS],
+                             const float values[HISTOGRAM_CORNERS]);
 
 #endif

@@ -275,7 +275,10 @@ static inline uint32_t leaf_aligned(uint32_t at) {
  * gradients for each set; with header.moving a block of positions for each step 1 .. steps - 1
  * (leaf_layout_values() and so on). RANGES, OWN, FLAGS: an element set * n + t. OFFSETS, SIZES,
  * CHECKSUMS: an element per payload. BOUNDS: an element step * n + t with header.moving, else one
- * per treelet. COUNTS: an element per treelet. */
+ * per treelet. COUNTS: an element per treelet.
+ *
+ * Curvilinear grids: as meshes without gradients, with places instead of topologies, and ZONES
+ * instead of COUNTS (curvilinear_geometry.h). */
 typedef enum leaf_section_kind {
     LEAF_SECTION_RANGES = 1,  /* float[2]: lo, hi over the finite samples of the treelet and of all
                                  its descendants; mesh: as OWN */

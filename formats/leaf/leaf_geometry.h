@@ -8,6 +8,7 @@
 #ifndef FORMATS_LEAF_LEAF_GEOMETRY_H
 #define FORMATS_LEAF_LEAF_GEOMETRY_H
 
+#include "formats/leaf/histogram.h"
 #include "formats/leaf/leaf_check.h"
 #include "formats/leaf/leaf_file.h"
 
@@ -33,15 +34,30 @@ typedef struct leaf_growth {
     int (*rows)(const leaf_layout *l, leaf_row rows[LEAF_ROWS_MAX]);
 } leaf_growth;
 
-/* A way to a file's payloads for one thread. */
-typedef struct leaf_loading leaf_loading;
-struct leaf_loading {
+/* What one thread has to check treelets with (leaf_verify.h). */
+typedef struct leaf_verifying leaf_verifying;
+struct leaf_verifying {
     leaf_file *f;
-    char *room; /* of two payloads, each leaf_layout_payload_max() */
+    char *room; /* leaf_verifier.room() bytes, 64-byte aligned */
+    /* For histograms: `count` cells of each set, set after set; NULL: the file has none. */
+    histogram_cell *cells;
+    size_t count;
     struct leaf_unpacker *unpacker;
     /* leaf_file_load() of payload p. */
-    status (*load)(const leaf_loading *l, uint32_t p, void *payload);
+    status (*load)(const leaf_verifying *v, uint32_t p, void *payload);
 };
+
+/* How the treelets of a kind are checked, whose sets share payloads: one after the other, with all
+ * of its payloads. */
+typedef struct leaf_verifier {
+    const char *drawn;                     /* what its histograms count: "tets" */
+    uint64_t (*cells)(const leaf_file *f); /* of the whole file: histograms draw from these */
+    size_t (*room)(const leaf_file *f);
+    /* Check all payloads of a treelet. Add the values that are not finite, in all sets, to
+     * *non_finite: treelets share nodes, of which a file counts each once. Measure the cells that
+     * histograms draw. */
+    status (*treelet)(const leaf_verifying *v, uint32_t treelet, uint64_t *non_finite);
+} leaf_verifier;
 
 typedef struct leaf_geometry {
     bool holds_indices;             /* result of leaf_file_holds_indices() */
@@ -91,10 +107,7 @@ typedef struct leaf_geometry {
     int (*parts)(const leaf_layout *l, uint32_t set, uint32_t treelet,
                  uint32_t payloads[LEAF_PARTS_MAX]);
 
-    /* Check all payloads of a treelet, as leaf_verify() does; add the values that are not finite,
-     * in all sets, to *non_finite. Treelets share nodes, of which a file counts each once. NULL:
-     * leaf_verify.c does it itself. */
-    status (*verify)(const leaf_loading *from, uint32_t treelet, uint64_t *non_finite);
+    const leaf_verifier *verifier; /* NULL: leaf_verify.c goes set by set, as of a grid */
 
     /* Payloads without bytes, which follow from the directory. may_be_empty(): whether the
      * directory allows payload p to be one; *must: and nothing else. implies(): whether this

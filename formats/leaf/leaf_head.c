@@ -59,16 +59,16 @@ void leaf_head_mesh(leaf_header *h, const leaf_layout *l, const leaf_parameters 
 }
 
 void leaf_head_curvilinear(leaf_header *h, const leaf_layout *l, const leaf_parameters *p,
-                           const leaf_curvilinear *grid) {
+                           const leaf_curvilinear *g) {
     fill_common(h, l, p);
     h->kind = LEAF_KIND_CURVILINEAR;
     h->source_type = SAMPLE_F32;
     h->cells_log2 = CURVILINEAR_LOG2;
     h->block_log2 = LEAF_BLOCK_LOG2;
-    h->fields = grid->sets.fields;
-    h->steps = grid->sets.steps;
-    h->zones = grid->zones;
-    h->moving = grid->moving;
+    h->fields = g->sets.fields;
+    h->steps = g->sets.steps;
+    h->zones = g->zones;
+    h->moving = g->moving;
     h->to_world[0] = h->to_world[5] = h->to_world[10] = 1;
-    leaf_head_text(h->name, sizeof h->name, grid->name);
+    leaf_head_text(h->name, sizeof h->name, g->name);
 }

@@ -11,7 +11,7 @@ void leaf_head_grid(leaf_header *h, const leaf_layout *l, const leaf_parameters 
 void leaf_head_mesh(leaf_header *h, const leaf_layout *l, const leaf_parameters *p,
                     const leaf_mesh *mesh);
 void leaf_head_curvilinear(leaf_header *h, const leaf_layout *l, const leaf_parameters *p,
-                           const leaf_curvilinear *grid);
+                           const leaf_curvilinear *g);
 
 /* leaf_head_text() - copy a text into `size` bytes, which are zero; cut if too long. */
 void leaf_head_text(char *to, size_t size, const char *text);

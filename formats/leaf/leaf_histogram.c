@@ -42,6 +42,10 @@ void leaf_histogram_take_one(const leaf_layout *l, const histogram_draw *d,
     histogram_draw_take(d, s, &b, cells);
 }
 
+histogram_run leaf_histogram_run(const leaf_file *f, uint32_t set, uint64_t cells) {
+    return histogram_draw_tets(cells, leaf_file_segment_sets(f, set));
+}
+
 void leaf_histogram_take_tets(const histogram_run *r, uint64_t first_tet, const mesh_shape *s,
                               const uint16_t (*tets)[4], const float (*positions)[3],
                               const float *values, histogram_cell *cells) {

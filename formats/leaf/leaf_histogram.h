@@ -23,6 +23,10 @@ void leaf_histogram_take_one(const leaf_layout *l, const histogram_draw *d,
                              const histogram_space *s, uint32_t t, const void *sample,
                              histogram_cell *cells);
 
+/* leaf_histogram_run() - the runs of tets, or other cells, that a set's histogram draws from: those
+ * of when its segment was written. cells: of the whole file. */
+histogram_run leaf_histogram_run(const leaf_file *f, uint32_t set, uint64_t cells);
+
 /* leaf_histogram_take_tets() - the same for a mesh's treelet. first_tet: number of its first tet;
  * positions, values: of its vertices. */
 void leaf_histogram_take_tets(const histogram_run *r, uint64_t first_tet, const mesh_shape *s,

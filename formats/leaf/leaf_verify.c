@@ -15,7 +15,6 @@
 #include "formats/leaf/leaf_order.h"
 #include "formats/leaf/leaf_unpacker.h"
 #include "formats/leaf/quantize.h"
-#include "formats/mesh/mesh_leaf_check.h"
 
 enum {
     BLOCK = 1 << LEAF_BLOCK_LOG2,
@@ -36,8 +35,7 @@ typedef struct verification {
     shared *edges;        /* per treelet of this set */
     uint64_t *non_finite; /* per treelet of level 0: of samples at nodes that no treelet behind it
                              has, in all sets; mesh: of all its vertices' values */
-    /* Per thread. payloads: room for a payload; then, for a mesh, for values, positions, and
-     * scratch; for a grid, what grid_room says. */
+    /* Per thread. payloads: what the row's room() says; of a grid, grid_room. */
     char **payloads;
     leaf_unpacker **unpackers;
     /* For histograms; cells is NULL where the file has none. */
@@ -299,17 +297,15 @@ static uint32_t count_non_finite(const subject *s) {
     return count;
 }
 
-/* Whether one set is checked after the other, as of a grid; else a treelet's payloads are at once.
- */
-static bool sets_apart(const leaf_file *f) {
-    return !f->mesh && !f->geometry->verify;
+/* NULL: of a grid, whose sets are checked one after the other. */
+static const leaf_verifier *verifier_of(const leaf_file *f) {
+    return f->geometry->verifier;
 }
 
 static status report(const verification *v, uint32_t t) {
     const leaf_layout *l = &v->f->layout;
-    const bool apart = sets_apart(v->f);
-    const double done = apart ? (double)v->set * l->treelets + t : t;
-    const double all = apart ? (double)l->treelets * l->sets : l->treelets;
+    const double done = verifier_of(v->f) ? t : (double)v->set * l->treelets + t;
+    const double all = verifier_of(v->f) ? l->treelets : (double)l->treelets * l->sets;
     return t % PROGRESS_STEP ? ST_OK : progress_step(v->p, "verify", done / all);
 }
 
@@ -362,99 +358,21 @@ static status verify_treelet(void *ctx, size_t index, int worker) {
     return st;
 }
 
-/* ---- a treelet of a mesh ---- */
-
-/* The runs of tets for a set's histogram. They were drawn when its segment was written. */
-static histogram_run run_of(const leaf_file *f, uint32_t set) {
-    return histogram_draw_tets(f->header.tets, leaf_file_segment_sets(f, set));
-}
-
-static uint32_t count_values(const leaf_file *f, uint32_t t, const void *values) {
-    const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < s.vertices; i++)
-        count += !isfinite(mesh_leaf_values(&s, values)[i]);
-    return count;
-}
-
-/* Measure the tets that are drawn for a set's histogram. positions: room for a step's positions, if
- * they differ from the first step's. */
-static status look_at_tets(const verification *v, uint32_t set, uint32_t t, const char *topology,
-                           const char *values, char *positions, leaf_unpacker *unpacker) {
-    leaf_file *f = v->f;
-    const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
-    const float(*points)[3] = mesh_leaf_positions(&s, topology);
-    const uint32_t step = leaf_layout_step(&f->layout, set);
-    if (!v->cells)
-        return ST_OK;
-    if (leaf_layout_place(&f->layout, step) > 0) {
-        status st =
-            leaf_file_load(f, leaf_layout_positions(&f->layout, step, t), unpacker, positions);
-        if (st != ST_OK)
-            return st;
-        points = mesh_leaf_moved(&s, positions);
-    }
-    const histogram_run run = run_of(f, set);
-    leaf_histogram_take_tets(&run, f->mesh->first_tet[t], &s, mesh_leaf_tets(&s, topology), points,
-                             mesh_leaf_values(&s, values), v->cells + set * v->count);
-    return ST_OK;
-}
-
-/* Check payload p of a treelet, any but its topology. room: for another payload, then scratch. */
-static status verify_block(const verification *v, uint32_t p, const char *topology,
-                           const char *payload, char *room, leaf_unpacker *unpacker) {
-    leaf_file *f = v->f;
-    const uint32_t t = p % f->layout.treelets;
-    char *scratch = room + leaf_layout_payload_max(&f->layout);
-    uint32_t index;
-    status st;
-    switch (leaf_layout_block_of(&f->layout, p, &index)) {
-    case LEAF_BLOCK_VALUES:
-        st = mesh_leaf_check_values(f, index, t, topology, payload, scratch);
-        if (st == ST_OK && (f->flags[p - f->layout.treelets] & LEAF_FLAG_NON_FINITE))
-            v->non_finite[t] += count_values(f, t, payload);
-        return st == ST_OK ? look_at_tets(v, index, t, topology, payload, room, unpacker) : st;
-    case LEAF_BLOCK_GRADIENTS: return mesh_leaf_check_gradients(f, index, t, payload);
-    default:
-        st = mesh_leaf_check_moved(f, index, t, payload);
-        return st == ST_OK ? mesh_leaf_check_positions(f, index, t, topology, payload, scratch)
-                           : st;
-    }
-}
-
-static status verify_mesh_treelet(void *ctx, size_t index, int worker) {
-    const verification *v = ctx;
-    leaf_file *f = v->f;
-    const size_t room = leaf_layout_payload_max(&f->layout);
-    const uint32_t t = (uint32_t)index;
-    char *topology = v->payloads[worker], *values = topology + room, *other = values + room,
-         *scratch = other + room;
-    status st = leaf_file_load(f, t, v->unpackers[worker], topology);
-    if (st == ST_OK)
-        st = report(v, t);
-    if (st == ST_OK)
-        st = mesh_leaf_check_loaded(f, t, topology);
-    if (st == ST_OK)
-        st = mesh_leaf_check_topology(f, t, topology, scratch);
-    for (uint32_t p = t + f->layout.treelets; p < f->layout.payloads && st == ST_OK;
-         p += f->layout.treelets) {
-        st = leaf_file_load(f, p, v->unpackers[worker], values);
-        if (st == ST_OK)
-            st = verify_block(v, p, topology, values, other, v->unpackers[worker]);
-    }
-    return st;
-}
-
 /* ---- a treelet of any other kind ---- */
 
-static status load_for_row(const leaf_loading *l, uint32_t p, void *payload) {
-    return leaf_file_load(l->f, p, l->unpacker, payload);
+static status load_payload(const leaf_verifying *v, uint32_t p, void *payload) {
+    return leaf_file_load(v->f, p, v->unpacker, payload);
 }
 
 static status verify_by_row(void *ctx, size_t index, int worker) {
     const verification *v = ctx;
-    const leaf_loading from = {v->f, v->payloads[worker], v->unpackers[worker], load_for_row};
-    const status st = v->f->geometry->verify(&from, (uint32_t)index, &v->non_finite[index]);
+    const leaf_verifying one = {.f = v->f,
+                                .room = v->payloads[worker],
+                                .cells = v->cells,
+                                .count = v->count,
+                                .unpacker = v->unpackers[worker],
+                                .load = load_payload};
+    const status st = verifier_of(v->f)->treelet(&one, (uint32_t)index, &v->non_finite[index]);
     return st == ST_OK ? report(v, (uint32_t)index) : st;
 }
 
@@ -491,7 +409,7 @@ static status check_count(const verification *v) {
         most += v->non_finite[t];
         least = v->non_finite[t] > least ? v->non_finite[t] : least;
     }
-    if (sets_apart(v->f))
+    if (!verifier_of(v->f))
         least = most;
     if (count >= least && count <= most)
         return ST_OK;
@@ -566,8 +484,8 @@ static status check_histograms(const verification *v) {
     const leaf_file *f = v->f;
     const uint32_t sets = v->cells ? f->layout.sets : 0;
     const uint64_t total =
-        f->mesh ? f->header.tets
-                : (uint64_t)f->header.dims[0] * f->header.dims[1] * f->header.dims[2];
+        verifier_of(f) ? verifier_of(f)->cells(f)
+                       : (uint64_t)f->header.dims[0] * f->header.dims[1] * f->header.dims[2];
     for (uint32_t set = 0; set < sets; set++) {
         double range[2];
         leaf_histogram_range(f, set, range);
@@ -576,11 +494,13 @@ static status check_histograms(const verification *v) {
                                    "%s: the bins of histogram %u do not hold the values %g .. %g",
                                    file_path(f->source), set, range[0], range[1]);
         histogram again = f->histograms[set];
-        const uint32_t count = f->mesh ? run_of(f, set).count : v->draw.count;
+        const uint32_t count =
+            verifier_of(f) ? leaf_histogram_run(f, set, total).count : v->draw.count;
         histogram_count(&again, v->cells + set * v->count, count, total);
         if (memcmp(&again, &f->histograms[set], sizeof again) != 0)
             return status_describe(ST_CORRUPT, "%s: histogram %u differs from what its %s give",
-                                   file_path(f->source), set, f->mesh ? "tets" : "samples");
+                                   file_path(f->source), set,
+                                   verifier_of(f) ? verifier_of(f)->drawn : "samples");
     }
     return ST_OK;
 }
@@ -597,10 +517,8 @@ static status verify_sets(verification *v, pool *workers) {
 }
 
 static status verify_all(verification *v, pool *workers) {
-    const uint32_t treelets = v->f->layout.treelets;
-    status st = v->f->geometry->verify ? pool_run(workers, treelets, verify_by_row, v)
-                : v->f->mesh           ? pool_run(workers, treelets, verify_mesh_treelet, v)
-                                       : verify_sets(v, workers);
+    status st = verifier_of(v->f) ? pool_run(workers, v->f->layout.treelets, verify_by_row, v)
+                                  : verify_sets(v, workers);
     if (st == ST_OK)
         st = check_count(v);
     if (st == ST_OK)
@@ -612,27 +530,18 @@ static status verify_all(verification *v, pool *workers) {
 
 /* The room that a thread needs for what it decodes. */
 static size_t thread_bytes(const leaf_file *f) {
-    const size_t payload = leaf_layout_payload_max(&f->layout);
-    size_t scratch = 0;
-    if (f->geometry->verify)
-        return 2 * payload;
-    if (!f->mesh)
-        return grid_room_of(f).bytes;
-    for (uint32_t t = 0; t < f->layout.treelets; t++) {
-        const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
-        const size_t bytes = mesh_leaf_check_scratch(&s);
-        scratch = bytes > scratch ? bytes : scratch;
-    }
-    return 3 * payload + scratch;
+    return verifier_of(f) ? verifier_of(f)->room(f) : grid_room_of(f).bytes;
 }
 
 static status allocate_histograms(verification *v, mem *m) {
     const leaf_file *f = v->f;
     if (!f->histograms)
         return ST_OK;
-    if (f->mesh) {
-        for (uint32_t set = 0; set < f->layout.sets; set++)
-            v->count = run_of(f, set).count > v->count ? run_of(f, set).count : v->count;
+    if (verifier_of(f)) {
+        for (uint32_t set = 0; set < f->layout.sets; set++) {
+            const size_t count = leaf_histogram_run(f, set, verifier_of(f)->cells(f)).count;
+            v->count = count > v->count ? count : v->count;
+        }
     } else {
         v->draw = histogram_draw_grid(f->header.dims);
         v->space = histogram_space_of(f->header.to_world);
@@ -646,7 +555,7 @@ static status allocate_histograms(verification *v, mem *m) {
 
 static status allocate(verification *v, mem *m, int threads) {
     const leaf_layout *l = &v->f->layout;
-    v->edges = mem_array(m, sets_apart(v->f) ? l->treelets : 1, sizeof *v->edges);
+    v->edges = mem_array(m, verifier_of(v->f) ? 1 : l->treelets, sizeof *v->edges);
     v->non_finite = mem_array(m, l->treelets, sizeof *v->non_finite);
     v->payloads = mem_array(m, (size_t)threads, sizeof *v->payloads);
     if (!v->edges || !v->non_finite || !v->payloads)

@@ -286,6 +286,7 @@ status leaf_writer_curvilinear_memory(const leaf_curvilinear *g, uint64_t *bytes
                  l.treelets * (LAYOUT_BYTES + sizeof(uint32_t[4]) + l.sets * (uint64_t)RANGE_BYTES +
                                l.places * sizeof(float[6])) +
                  l.payloads * (PAYLOAD_BYTES + sizeof(uint64_t) + (uint64_t)(l.sets > 1 ? 4 : 0)) +
+                 (l.sets <= LEAF_HISTOGRAMS_MAX ? l.sets * sizeof(histogram) : 0) +
                  g->zones * sizeof(uint32_t[4]) + g->sets.fields * sizeof(char[64]) +
                  g->sets.steps * sizeof(double);
     return st;
@@ -320,7 +321,6 @@ status leaf_writer_create_curvilinear(mem *m, const leaf_target *to, const leaf_
     leaf_writer *w = new_writer(m, p);
     if (!w)
         return ST_NOMEM;
-    w->p.histograms = false;
     status st = lay_out_curvilinear(&w->layout, g);
     if (st == ST_OK)
         st = leaf_layout_init_flat(&w->layout, m);

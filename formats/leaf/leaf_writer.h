@@ -79,7 +79,7 @@ typedef struct leaf_mesh {
 } leaf_mesh;
 
 /* Contents of the file of a curvilinear grid. It does not use cells_log2 and halo of
- * leaf_parameters; its codec is raw, and there are no histograms. */
+ * leaf_parameters; its codec is raw. */
 typedef struct leaf_curvilinear {
     const char *name;           /* as of leaf_mesh */
     leaf_sets sets;             /* names may be NULL */
@@ -112,8 +112,8 @@ CHECKED status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf
 
 /* leaf_writer_create_curvilinear() - begin the file of a curvilinear grid; likewise. */
 CHECKED status leaf_writer_create_curvilinear(mem *m, const leaf_target *to,
-                                              const leaf_curvilinear *grid,
-                                              const leaf_parameters *p, leaf_writer **out);
+                                              const leaf_curvilinear *g, const leaf_parameters *p,
+                                              leaf_writer **out);
 
 /* leaf_writer_memory() - the bytes that a writer of this layout takes from its mem, with the
  * families of so many threads; for planning. grow: it adds to a file. leaf_writer_mesh_memory() -
@@ -121,7 +121,7 @@ CHECKED status leaf_writer_create_curvilinear(mem *m, const leaf_target *to,
  * - the same for a curvilinear grid; ST_UNSUPPORTED as leaf_writer_create_curvilinear(). */
 uint64_t leaf_writer_memory(const leaf_layout *l, int threads, bool grow);
 uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max, bool grow);
-CHECKED status leaf_writer_curvilinear_memory(const leaf_curvilinear *grid, uint64_t *bytes);
+CHECKED status leaf_writer_curvilinear_memory(const leaf_curvilinear *g, uint64_t *bytes);
 
 const leaf_layout *leaf_writer_layout(const leaf_writer *w);
 

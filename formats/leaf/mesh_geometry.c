@@ -8,6 +8,7 @@
 #include "formats/base/text.h"
 #include "formats/leaf/leaf_place.h"
 #include "formats/leaf/mesh_layout.h"
+#include "formats/leaf/mesh_verify.h"
 #include "formats/mesh/mesh_leaf.h"
 
 /* ---- The header ---- */
@@ -335,4 +336,5 @@ const leaf_geometry mesh_geometry = {.holds_indices = true,
                                      .begins_run = begins_run,
                                      .series = series,
                                      .payload_name = payload_name,
-                                     .parts = parts};
+                                     .parts = parts,
+                                     .verifier = &mesh_verifier};

@@ -7,6 +7,7 @@
 #include "formats/base/hash.h"
 #include "formats/base/hexahedron.h"
 #include "formats/base/pool.h"
+#include "formats/leaf/curvilinear_draw.h"
 #include "formats/leaf/curvilinear_geometry.h"
 #include "prep/curvilinear/curvilinear_slab.h"
 
@@ -14,9 +15,18 @@
 #define LEAFCAST_VERSION "0"
 #endif
 
+/* A treelet's cells in its zone, and the number of the first one of all. */
 typedef struct place {
-    uint32_t first[3], cells[3]; /* a treelet's cells in its zone */
+    uint32_t first[3], cells[3];
+    uint64_t number;
 } place;
+
+/* The cells that histograms draw (curvilinear_draw.h). */
+typedef struct drawing {
+    histogram_run run;
+    float (*corners)[HISTOGRAM_CORNERS][3]; /* per run, of this step; NULL: none are drawn */
+    histogram_cell *cells;                  /* of each set, per run */
+} drawing;
 
 typedef struct conversion {
     mem *m;
@@ -26,12 +36,14 @@ typedef struct conversion {
     leaf_writer *writer;
     pool *workers;
     curvilinear_slab slab;
+    drawing drawing;
     bool moving;
     uint32_t zones, (*nodes)[3]; /* of the first step */
     uint64_t passes, passed;     /* over all zones: to do, done */
     /* The zone that is gone through: */
     uint32_t before; /* treelets of the zones before it */
     uint32_t count;
+    uint64_t cells;  /* of the zones up to it */
     place *places;   /* per treelet; room for any zone */
     uint32_t *layer; /* the treelets of the layer in memory */
     /* What the pass puts: */
@@ -70,6 +82,13 @@ static void sum_zone(void *ctx, const uint32_t first[3], const uint32_t cells[3]
     plan->memory += curvilinear_value_bytes(cells);
 }
 
+/* At most. */
+static uint64_t drawing_bytes(const leaf_sets *sets) {
+    const uint64_t all = (uint64_t)sets->fields * sets->steps;
+    const uint64_t runs = all < HISTOGRAM_TETS ? HISTOGRAM_TETS / all : 1;
+    return runs * (sizeof(float[HISTOGRAM_CORNERS][3]) + all * sizeof(histogram_cell));
+}
+
 status curvilinear_plan_make(const mem *m, const curvilinear_series *s,
                              const curvilinear_source *first, const curvilinear_options *o,
                              curvilinear_plan *plan) {
@@ -88,6 +107,7 @@ status curvilinear_plan_make(const mem *m, const curvilinear_series *s,
     plan->file_bytes = plan->file_bytes * (g.moving ? s->sets.steps : 1) +
                        plan->memory * s->sets.fields * s->sets.steps;
     plan->memory = m->used + writer + curvilinear_slab_bytes(first) +
+                   (o->file.histograms ? drawing_bytes(&s->sets) : 0) +
                    most_treelets(first) * (sizeof(place) + sizeof(uint32_t)) +
                    (uint64_t)o->threads * (curvilinear_place_bytes(whole) + (64 << 10)) +
                    (256 << 10);
@@ -143,6 +163,42 @@ static void put_row(const float (*from)[3], uint32_t count, float *to, uint32_t 
         }
 }
 
+/* Corner c of the cell of a treelet that is drawn. */
+static size_t drawn_node(const curvilinear_slab *s, const place *at, const curvilinear_draw *d,
+                         uint32_t c) {
+    return curvilinear_slab_node(s, at->first[0] + d->place[0] + (c & 1),
+                                 at->first[1] + d->place[1] + (c >> 1 & 1),
+                                 at->first[2] + d->place[2] + (c >> 2));
+}
+
+static void draw_corners(const conversion *c, const place *at) {
+    curvilinear_draw d;
+    if (!c->drawing.corners)
+        return;
+    curvilinear_draw_begin(&d, &c->drawing.run, at->number, at->cells);
+    while (curvilinear_draw_next(&d))
+        for (uint32_t n = 0; n < HISTOGRAM_CORNERS; n++)
+            memcpy(c->drawing.corners[d.run][n], c->slab.p[drawn_node(&c->slab, at, &d, n)],
+                   sizeof(float[3]));
+}
+
+static void draw_values(const conversion *c, const place *at) {
+    curvilinear_draw d;
+    if (!c->drawing.corners)
+        return;
+    curvilinear_draw_begin(&d, &c->drawing.run, at->number, at->cells);
+    while (curvilinear_draw_next(&d)) {
+        const float *corners[HISTOGRAM_CORNERS];
+        float values[HISTOGRAM_CORNERS];
+        for (uint32_t n = 0; n < HISTOGRAM_CORNERS; n++) {
+            corners[n] = c->drawing.corners[d.run][n];
+            values[n] = c->slab.values[drawn_node(&c->slab, at, &d, n)];
+        }
+        c->drawing.cells[(size_t)c->set * c->drawing.run.count + d.run] =
+            histogram_hex(corners, values);
+    }
+}
+
 static status put_places(void *ctx, size_t index, int worker) {
     const conversion *c = ctx;
     const curvilinear_slab *s = &c->slab;
@@ -160,6 +216,7 @@ static status put_places(void *ctx, size_t index, int worker) {
             put_row((const float(*)[3])s->p + from, row, to + n, nodes, bounds);
         }
     put_codes(s, at, (uint8_t *)(to + 3 * (size_t)nodes), c->step ? later : c->codes[worker]);
+    draw_corners(c, at);
     return leaf_writer_put_positions(c->writer, NULL, c->step, t, bounds, to, NULL);
 }
 
@@ -187,6 +244,7 @@ static status put_values(void *ctx, size_t index, int worker) {
             }
         }
     c->any[worker] |= entry.own[0] <= entry.own[1];
+    draw_values(c, at);
     return leaf_writer_put_values(c->writer, NULL, c->set, t, &entry, c->rooms[worker], NULL);
 }
 
@@ -197,6 +255,8 @@ static void list_place(void *ctx, const uint32_t first[3], const uint32_t cells[
     place *to = &c->places[c->count++];
     memcpy(to->first, first, sizeof to->first);
     memcpy(to->cells, cells, sizeof to->cells);
+    to->number = c->cells;
+    c->cells += curvilinear_cells(cells);
 }
 
 /* List the treelets of the layer in memory. Returns how many there are. */
@@ -232,6 +292,7 @@ static status pass(conversion *c, const curvilinear_source *source, curvilinear_
                    uint32_t field) {
     status st = ST_OK;
     c->before = 0;
+    c->cells = 0;
     c->set = field * c->series->sets.steps + c->step;
     for (uint32_t z = 0; z < source->zones && st == ST_OK; z++)
         st = pass_zone(c, source, of, z, field);
@@ -335,8 +396,34 @@ static status allocate(conversion *c, const curvilinear_source *first) {
     return st == ST_OK ? pool_create(c->m, c->o->threads, &c->workers) : st;
 }
 
+/* The histograms that the writer is to have. */
+static status begin_drawing(conversion *c, uint64_t cells) {
+    drawing *d = &c->drawing;
+    const uint32_t sets = c->series->sets.fields * c->series->sets.steps;
+    if (!leaf_writer_histograms(c->writer))
+        return ST_OK;
+    d->run = histogram_draw_tets(cells, sets);
+    d->corners = mem_array(c->m, d->run.count, sizeof *d->corners);
+    d->cells = mem_array(c->m, (size_t)d->run.count * sets, sizeof *d->cells);
+    return d->corners && d->cells ? ST_OK : ST_NOMEM;
+}
+
+static void end_drawing(const conversion *c, uint64_t cells) {
+    const drawing *d = &c->drawing;
+    const uint32_t sets = c->series->sets.fields * c->series->sets.steps;
+    histogram *out = leaf_writer_histograms(c->writer);
+    for (uint32_t set = 0; out && set < sets; set++) {
+        double range[2];
+        leaf_writer_range(c->writer, set, range);
+        histogram_build(&out[set], d->cells + (size_t)set * d->run.count, d->run.count, SAMPLE_F32,
+                        range, cells);
+    }
+}
+
 static void release(conversion *c) {
     pool_destroy(c->workers);
+    mem_free(c->m, c->drawing.corners);
+    mem_free(c->m, c->drawing.cells);
     curvilinear_slab_release(&c->slab);
     for (int i = 0; c->rooms && i < c->o->threads; i++)
         mem_free(c->m, c->rooms[i]);
@@ -373,8 +460,8 @@ static status check_empty(const conversion *c) {
                                  "same): none of the grid's values is a finite number");
 }
 
-static status convert_all(conversion *c, const curvilinear_source *first, const char *name,
-                          const char *output) {
+static status convert_all(conversion *c, const curvilinear_source *first, uint64_t cells,
+                          const char *name, const char *output) {
     const uint32_t steps = c->series->sets.steps;
     status st = allocate(c, first);
     c->passes = (steps > 1 ? 2 : 1) * (uint64_t)steps + (uint64_t)steps * c->series->sets.fields;
@@ -382,8 +469,12 @@ static status convert_all(conversion *c, const curvilinear_source *first, const 
         st = find_moving(c);
     if (st == ST_OK)
         st = begin_writer(c, name, output);
+    if (st == ST_OK)
+        st = begin_drawing(c, cells);
     for (uint32_t step = 0; step < steps && st == ST_OK; step++)
         st = convert_step(c, step);
+    if (st == ST_OK)
+        end_drawing(c, cells);
     return st == ST_OK ? check_empty(c) : st;
 }
 
@@ -404,7 +495,7 @@ status curvilinear_convert(mem *m, const curvilinear_series *s, const char *name
     if (st == ST_OK)
         st = curvilinear_plan_make(m, s, first, o, &plan);
     if (st == ST_OK)
-        st = convert_all(&c, first, name, output);
+        st = convert_all(&c, first, plan.cells, name, output);
     note_result(&c, result);
     const leaf_facts facts = {.non_finite = c.slab.odd,
                               .provenance = "leafcast " LEAFCAST_VERSION

@@ -7,6 +7,7 @@
 
 #include "formats/base/file.h"
 #include "formats/base/partial.h"
+#include "formats/leaf/leaf_tell.h"
 #include "prep/mesh/mesh_convert.h"
 
 bool resample_input_is_leaf(const char *path) {
@@ -92,8 +93,10 @@ status resample_input_open(mem *m, const resample_source *s, const progress *p, 
     status st =
         resample_input_is_leaf(s->path) ? leaf_file_open(m, s->path, &f) : open_mesh(m, s, p, &f);
     if (st == ST_OK && !f->mesh) {
+        const char *kind = leaf_teller_of(f)->name;
         leaf_file_close(f);
-        return status_describe(ST_UNSUPPORTED, "%s: a grid, which needs no resampling", s->path);
+        return status_describe(ST_UNSUPPORTED, "%s: a %s, of which none is resampled; meshes are",
+                               s->path, kind);
     }
     *out = f;
     return st;

@@ -157,7 +157,7 @@ static segments_error segments_error_in(const tracer *tr, const ray *r, const do
                                      64.0 * DBL_EPSILON * fmax(fabs(range[0]), fabs(range[1]))};
 }
 
-const kind curvilinear_kind = {.name = "curvilinear",
+const kind curvilinear_kind = {.name = "curvilinear grid",
                                .cell = "hexahedron",
                                .open = curvilinear_open,
                                .close = curvilinear_close,

@@ -54,7 +54,7 @@ exits "a step of a mesh" 2 "$leafcast" resample "$tmp/b.mesh" --step 0 -o "$out"
 
 exits "too little memory" 4 "$leafcast" resample "$tmp/b.mleaf" --memory 64K -o "$out"
 exits "a grid" 3 sh -c "'$leafcast' convert '$tmp/b.grid' -q -o '$tmp/g.vleaf' >/dev/null && '$leafcast' resample '$tmp/g.vleaf' -o '$out'"
-ok "is told to be one" grep -q "needs no resampling" "$tmp/err"
+ok "is told to be one" grep -q "of which none is resampled" "$tmp/err"
 exits "no mesh" 3 "$leafcast" resample tests/README.md -o "$out"
 exits "a file that is not there" 1 "$leafcast" resample "$tmp/none.mesh" -o "$out"
 exits "a folder that is not there" 1 "$leafcast" resample "$tmp/b.mleaf" -o "$tmp/none/a.nrrd"

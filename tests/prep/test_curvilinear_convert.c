@@ -112,8 +112,10 @@ static void release(const grid_case *c, curvilinear_zone zones[ZONES_MAX]) {
 /* ---- converting ---- */
 
 static curvilinear_options options(int threads) {
-    return (curvilinear_options){
-        .file = {.run_align_log2 = 12}, .memory = 1 << 30, .threads = threads, .force = true};
+    return (curvilinear_options){.file = {.run_align_log2 = 12, .histograms = true},
+                                 .memory = 1 << 30,
+                                 .threads = threads,
+                                 .force = true};
 }
 
 static status try_convert(const curvilinear_steps *s, const char *name,
@@ -282,6 +284,49 @@ static void test_sets(void **state) {
         }
 }
 
+/* All cells of small grids are drawn: those that are active at each edge of a bin, counted. */
+static uint32_t count_active(const curvilinear_zone *z, double edge) {
+    const uint32_t *n = z->nodes;
+    uint32_t count = 0;
+    for (uint32_t k = 0; k + 1 < n[2]; k++)
+        for (uint32_t j = 0; j + 1 < n[1]; j++)
+            for (uint32_t i = 0; i + 1 < n[0]; i++) {
+                double lo = (double)INFINITY, hi = -(double)INFINITY;
+                bool sound = true;
+                for (uint32_t c = 0; c < HEX_CORNERS; c++) {
+                    const size_t at =
+                        i + (c & 1) + n[0] * (j + (c >> 1 & 1) + (size_t)n[1] * (k + (c >> 2)));
+                    sound = sound && isfinite(z->values[at]) && (!z->blank || z->blank[at]);
+                    lo = fmin(lo, (double)z->values[at]);
+                    hi = fmax(hi, (double)z->values[at]);
+                }
+                count += sound && lo < edge && edge <= hi;
+            }
+    return count;
+}
+
+static void test_histograms(void **state) {
+    (void)state;
+    for (int i = 0; i < CASES; i++) {
+        curvilinear_zone zones[ZONES_MAX];
+        curvilinear_steps s;
+        make(&cases[i], zones);
+        curvilinear_steps_init(&s, zones, cases[i].zones, 1, 1);
+        (void)convert(&s, "a.leaf", 2);
+        leaf_file *f = open_file("a.leaf");
+        const histogram *h = &f->histograms[0];
+        assert_int_equal(h->total, curvilinear_directory_of(f)->first[f->layout.treelets]);
+        for (uint32_t bin = 0; bin < h->bins; bin++) {
+            uint32_t count = 0;
+            for (uint32_t z = 0; z < cases[i].zones; z++)
+                count += count_active(&zones[z], h->edges[bin]);
+            assert_int_equal(h->active[bin], count);
+        }
+        leaf_file_close(f);
+        release(&cases[i], zones);
+    }
+}
+
 /* What two writers may tell apart: who made it. */
 static void forget_maker(char *bytes) {
     leaf_header *h = (leaf_header *)(void *)bytes;
@@ -302,6 +347,10 @@ static void test_bytes(void **state) {
         (void)convert(&s, "a.leaf", 1);
         (void)convert(&s, "b.leaf", 3);
         scratch_same(cases[i].name, scratch_path("a.leaf"), scratch_path("b.leaf"));
+        curvilinear_options o = options(2);
+        curvilinear_result r;
+        o.file.histograms = false;
+        assert_int_equal(try_convert(&s, "a.leaf", &o, &r), ST_OK);
         char *bytes = scratch_read(scratch_path("a.leaf"), &size);
         leaf_image image = curvilinear_file(zones, cases[i].zones);
         assert_int_equal(size, image.size);
@@ -514,8 +563,9 @@ int main(void) {
     mem_init(&m, 0);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_nodes_and_cells), cmocka_unit_test(test_sets),
-        cmocka_unit_test(test_bytes),           cmocka_unit_test(test_verify),
-        cmocka_unit_test(test_verify_codes),    cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_budget),          cmocka_unit_test(test_faults)};
+        cmocka_unit_test(test_histograms),      cmocka_unit_test(test_bytes),
+        cmocka_unit_test(test_verify),          cmocka_unit_test(test_verify_codes),
+        cmocka_unit_test(test_refusals),        cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_faults)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -407,6 +407,32 @@ static void test_tet(void **state) {
     assert_true(c.lo == 7 && c.slope == 0 && c.area == 0);
 }
 
+/* A parallelepiped: f = 3x + 4z is linear in it, and its edges span a volume of 24. */
+static void test_hex(void **state) {
+    (void)state;
+    static const float edge[3][3] = {{2, 0, 0}, {1, 3, 0}, {0, 1, 4}};
+    float p[HISTOGRAM_CORNERS][3], values[HISTOGRAM_CORNERS];
+    const float *corners[HISTOGRAM_CORNERS];
+    for (int c = 0; c < HISTOGRAM_CORNERS; c++) {
+        for (int a = 0; a < 3; a++)
+            p[c][a] = (float)(c & 1) * edge[0][a] + (float)(c >> 1 & 1) * edge[1][a] +
+                      (float)(c >> 2) * edge[2][a] + 5;
+        values[c] = 3 * p[c][0] + 4 * p[c][2];
+        corners[c] = p[c];
+    }
+    histogram_cell h = histogram_hex(corners, values);
+    assert_true(h.lo == 35 && h.hi == 60 && h.value == 47.5F);
+    assert_true(fabsf(h.slope - 5) < 1e-5F && fabsf(h.area - 24 * 5 / 25.0F) < 1e-5F);
+    values[6] = INFINITY;
+    h = histogram_hex(corners, values);
+    assert_true(isnan(h.value) && h.lo > h.hi);
+    values[6] = 60;
+    for (int c = 0; c < HISTOGRAM_CORNERS; c++)
+        p[c][1] = 0;
+    h = histogram_hex(corners, values);
+    assert_true(h.lo == 35 && h.slope == 0 && h.area == 0);
+}
+
 static void test_faults(void **state) {
     (void)state;
     histogram h, bad;
@@ -496,15 +522,15 @@ static void test_suggestion(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bytes),      cmocka_unit_test(test_wide_integers),
-        cmocka_unit_test(test_floats),     cmocka_unit_test(test_outlier),
-        cmocka_unit_test(test_none),       cmocka_unit_test(test_measures),
-        cmocka_unit_test(test_drawn),      cmocka_unit_test(test_draw_places),
-        cmocka_unit_test(test_tet),        cmocka_unit_test(test_faults),
-        cmocka_unit_test(test_suggestion), cmocka_unit_test(test_unused_edges),
-        cmocka_unit_test(test_rows),       cmocka_unit_test(test_marker),
-        cmocka_unit_test(test_aside),      cmocka_unit_test(test_aside_of_what),
-        cmocka_unit_test(test_parting),
+        cmocka_unit_test(test_bytes),         cmocka_unit_test(test_wide_integers),
+        cmocka_unit_test(test_floats),        cmocka_unit_test(test_outlier),
+        cmocka_unit_test(test_none),          cmocka_unit_test(test_measures),
+        cmocka_unit_test(test_drawn),         cmocka_unit_test(test_draw_places),
+        cmocka_unit_test(test_tet),           cmocka_unit_test(test_hex),
+        cmocka_unit_test(test_faults),        cmocka_unit_test(test_suggestion),
+        cmocka_unit_test(test_unused_edges),  cmocka_unit_test(test_rows),
+        cmocka_unit_test(test_marker),        cmocka_unit_test(test_aside),
+        cmocka_unit_test(test_aside_of_what), cmocka_unit_test(test_parting),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -131,7 +131,7 @@ static void test_surfaces(void **state) {
     make_zones(&s);
     leafcast *v = open_zones(&s, NULL);
     const leafcast_info info = leafcast_describe(v);
-    assert_string_equal(info.kind, "curvilinear");
+    assert_string_equal(info.kind, "curvilinear grid");
     assert_int_equal(info.cells, (LONG - 1 + SHORT - 1) * (NODES_J - 1) * (NODES_K - 1));
     const leafcast_surface surface = leafcast_surface_default(iso);
     const leafcast_scene scene = leafcast_scene_default();
