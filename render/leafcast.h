@@ -498,10 +498,10 @@ typedef struct leafcast_cell {
     uint32_t level;
     int indices;       /* 3: index[] says where the cell is in rows, columns and slices. 0: cells
                           have numbers alone */
-    uint32_t index[3]; /* i, j, k */
+    uint32_t index[3]; /* i, j, k; of a curvilinear grid in the cell's zone */
     int corners;       /* 8 in a grid, 4 of a tet; 0: the cell has none */
-    /* The corners in world space, and the values there. Corner (x, y, z) of a grid's cell is at
-     * index x + 2y + 4z; those of a tet are in the order of the treelet file. */
+    /* The corners in world space, and the values there. Corner (x, y, z) of a grid's cell, or of a
+     * hexahedron, is at index x + 2y + 4z; those of a tet are in the order of the treelet file. */
     double position[LEAFCAST_CORNERS_MAX][3];
     float value[LEAFCAST_CORNERS_MAX];
 } leafcast_cell;
@@ -519,7 +519,8 @@ typedef struct leafcast_hit {
     double t, point[3];
     int surface;
     /* entering: the value goes from below the isovalue to above. flat: the cell has no volume,
-     * hence no two sides; then ignore `entering` and the gradient below. */
+     * or is a folded hexahedron, hence no two sides; then ignore `entering` and the gradient below.
+     */
     bool entering, flat;
     uint32_t level; /* of detail, which numbers the cell */
     uint64_t cell;

@@ -110,13 +110,11 @@ static void walk_extremes(const tracer *tr, const treelet *at, const ray *r, con
 
 static const treelet_walks curvilinear_walks = {walk_hits, walk_pieces, walk_extremes};
 
-/* For shading: where rounding puts a point beside the cell, the gradient in its middle stands in.
- */
-static void gradient_at(const hexahedron *h, int sense, const double point[3], double out[3]) {
-    double at[3], value;
+/* Where rounding puts a point beside the cell, the cell's middle stands in. */
+static void locate(const hexahedron *h, int sense, const double point[3], double at[3]) {
+    double value;
     if (!hex_point_find(h, sense, point, at, &value))
         at[0] = at[1] = at[2] = 0.5;
-    (void)hex_point_gradient(h, at, out);
 }
 
 static void curvilinear_gradient(const tracer *tr, const treelet *at, const ray *r,
@@ -128,14 +126,93 @@ static void curvilinear_gradient(const tracer *tr, const treelet *at, const ray 
     (void)tr;
     for (int i = 0; i < 4; i++) {
         const double t = segment_t(s, i / 3.0);
-        double point[3], gradient[3];
+        double point[3], own[3], gradient[3];
         for (int a = 0; a < 3; a++)
             point[a] = r->o[a] + t * r->d[a];
-        gradient_at(&h, curvilinear_walk_sense(l, index), point, gradient);
+        locate(&h, curvilinear_walk_sense(l, index), point, own);
+        (void)hex_point_gradient(&h, own, gradient);
         for (int a = 0; a < 3; a++)
             b[a][i] = gradient[a];
     }
     *out = segment_gradient_through((const double(*)[4])b);
+}
+
+/* ---- Cells ---- */
+
+static uint32_t treelet_of_cell(const curvilinear_directory *d, uint32_t treelets,
+                                uint64_t number) {
+    uint32_t lo = 0, hi = treelets;
+    while (hi - lo > 1) {
+        const uint32_t middle = lo + (hi - lo) / 2;
+        if (d->first[middle] <= number)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    return lo;
+}
+
+/* In its zone. */
+static int curvilinear_cell_indices(const leafcast *v, uint32_t level, uint64_t number,
+                                    uint32_t index[3]) {
+    const curvilinear_directory *d = curvilinear_directory_of(v->file);
+    const uint32_t treelets = v->file->layout.treelets;
+    (void)level;
+    if (number >= d->first[treelets])
+        return 0;
+    const uint32_t t = treelet_of_cell(d, treelets, number), *along = d->counts[t];
+    const uint32_t n = (uint32_t)(number - d->first[t]);
+    const uint32_t at[3] = {n % along[0], n / along[0] % along[1], n / (along[0] * along[1])};
+    for (int a = 0; a < 3; a++)
+        index[a] = d->where[t].first[a] + at[a];
+    return 3;
+}
+
+/* The cell of a number, and its hexahedron_sense(). */
+static status find_cell(leafcast *v, uint64_t number, hexahedron *out, int *sense) {
+    const curvilinear_directory *d = curvilinear_directory_of(v->file);
+    const uint32_t t = treelet_of_cell(d, v->file->layout.treelets, number);
+    const treelet *at;
+    const status st = volume_treelet(v, t, &at);
+    if (st != ST_OK)
+        return st;
+    const uint32_t index = (uint32_t)(number - d->first[t]);
+    *out = curvilinear_walk_cell(lattice_of(at), index);
+    *sense = curvilinear_walk_sense(lattice_of(at), index);
+    return ST_OK;
+}
+
+static status curvilinear_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, const hit *h,
+                                      leafcast_hit *out) {
+    hexahedron x;
+    int sense;
+    double point[3];
+    (void)tr;
+    const status st = find_cell(v, h->cell, &x, &sense);
+    if (st != ST_OK)
+        return st;
+    for (int a = 0; a < 3; a++)
+        point[a] = r->o[a] + h->t * r->d[a];
+    locate(&x, sense, point, out->at);
+    out->flat = sense == 0;
+    return ST_OK;
+}
+
+static status curvilinear_cell_corners(leafcast *v, uint32_t level, uint64_t number,
+                                       leafcast_cell *out) {
+    hexahedron x;
+    int sense;
+    (void)level;
+    const status st = find_cell(v, number, &x, &sense);
+    if (st != ST_OK)
+        return st;
+    out->corners = HEX_CORNERS;
+    for (int c = 0; c < HEX_CORNERS; c++) {
+        out->value[c] = (float)x.value[c];
+        for (int a = 0; a < 3; a++)
+            out->position[c][a] = x.p[c][a];
+    }
+    return ST_OK;
 }
 
 static void curvilinear_cell_in(const leafcast *v, const treelet *at, const double point[3],
@@ -169,4 +246,7 @@ const kind curvilinear_kind = {.name = "curvilinear grid",
                                .degree = 3,
                                .segments_error = segments_error_in,
                                .gradient = curvilinear_gradient,
-                               .cell_in = curvilinear_cell_in};
+                               .cell_in = curvilinear_cell_in,
+                               .cell_of_hit = curvilinear_cell_of_hit,
+                               .cell_indices = curvilinear_cell_indices,
+                               .cell_corners = curvilinear_cell_corners};

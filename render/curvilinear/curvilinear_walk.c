@@ -246,8 +246,11 @@ static bool find_in(const curvilinear_lattice *l, uint32_t index, const double p
     int corner = 0;
     for (int a = 0; a < 3; a++)
         corner |= (at[a] >= 0.5) << a;
-    *out = (leafcast_sample){
-        .inside = true, .cell = l->first + index, .value = value, .nearest = h.value[corner]};
+    *out = (leafcast_sample){.inside = true,
+                             .cell = l->first + index,
+                             .at = {at[0], at[1], at[2]},
+                             .value = value,
+                             .nearest = h.value[corner]};
     (void)hex_point_gradient(&h, at, out->gradient);
     return true;
 }

@@ -202,6 +202,69 @@ static hexahedron numbered(const two_zones *s, const leafcast *v, uint64_t numbe
                    first[1] + n / cells[0] % cells[1], first[2] + n / (cells[0] * cells[1]));
 }
 
+/* What is told of a cell by its number. */
+static void check_cell(const two_zones *s, leafcast *v, uint64_t number) {
+    const hexahedron h = numbered(s, v, number);
+    leafcast_cell told = {.size = sizeof told};
+    uint32_t index[3];
+    assert_int_equal(leafcast_get_cell(v, 0, number, &told), LEAFCAST_OK);
+    assert_int_equal(told.corners, HEX_CORNERS);
+    assert_memory_equal(told.position, h.p, sizeof h.p);
+    for (int c = 0; c < HEX_CORNERS; c++)
+        assert_true((double)told.value[c] == h.value[c]);
+    assert_int_equal(leafcast_cell_indices(v, 0, number, index), 3);
+    assert_memory_equal(told.index, index, sizeof index);
+    const curvilinear_directory *d = curvilinear_directory_of(v->file);
+    uint32_t t = 0;
+    while (d->first[t + 1] <= number)
+        t++;
+    const hexahedron again =
+        cell_of(&s->zone[d->where[t].zone], told.index[0], told.index[1], told.index[2]);
+    assert_memory_equal(again.p, h.p, sizeof h.p);
+}
+
+/* Where a hit is in its cell. */
+static void check_hit(const two_zones *s, const leafcast *v, const leafcast_hit *met, double iso) {
+    const hexahedron h = numbered(s, v, met->cell);
+    double value = 0.0;
+    assert_false(met->flat);
+    for (int c = 0; c < HEX_CORNERS; c++)
+        value += h.value[c] * (c & 1 ? met->at[0] : 1.0 - met->at[0]) *
+                 (c >> 1 & 1 ? met->at[1] : 1.0 - met->at[1]) *
+                 (c >> 2 ? met->at[2] : 1.0 - met->at[2]);
+    assert_true(fabs(value - iso) < 1e-9);
+}
+
+static void test_hits(void **state) {
+    enum { RAYS = SLOW ? 40 : 400, HITS = 64 };
+    static two_zones s;
+    static leafcast_hit hits[HITS];
+    (void)state;
+    field_random r = {FIELD_SEED};
+    const leafcast_scene scene = leafcast_scene_default();
+    long found = 0;
+    make_zones(&s);
+    leafcast *v = open_zones(&s, NULL);
+    const double iso = 0.5 * (v->file->header.value_min + v->file->header.value_max);
+    const leafcast_surface surface = leafcast_surface_default(iso);
+    assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
+    for (int i = 0; i < RAYS; i++) {
+        const float *b = v->file->header.bounds;
+        double o[3], d[3];
+        int count = 0;
+        for (int a = 0; a < 3; a++) {
+            const double size = (double)(b[a + 3] - b[a]);
+            o[a] = (double)b[a] + size * field_random_in(&r, -1.0, 2.0);
+            d[a] = (double)b[a] + size * field_random_unit(&r) - o[a];
+        }
+        assert_int_equal(leafcast_probe_ray(v, &scene, o, d, hits, HITS, &count), LEAFCAST_OK);
+        for (int n = 0; n < count; n++, found++)
+            check_hit(&s, v, &hits[n], iso);
+    }
+    assert_true(found > RAYS / 4);
+    leafcast_close(v);
+}
+
 static double value_of(const leafcast_segment *s, double at) {
     const double *b = s->control, rest = 1.0 - at;
     return rest * rest * rest * b[0] + 3.0 * rest * rest * at * b[1] + 3.0 * rest * at * at * b[2] +
@@ -228,6 +291,7 @@ static void judge_ray(const two_zones *s, leafcast *v, field_random *r, long *ju
     assert_in_range(count, 0, PIECES - 1);
     for (int n = 0; n < count; n++) {
         const hexahedron h = numbered(s, v, got[n].cell);
+        check_cell(s, v, got[n].cell);
         const double inside = field_random_in(r, 0.1, 0.9);
         const double t = got[n].t0 + inside * (got[n].t1 - got[n].t0);
         const double point[3] = {o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]};
@@ -369,8 +433,8 @@ static void test_lies(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_surfaces), cmocka_unit_test(test_budgets),
-        cmocka_unit_test(test_pieces),   cmocka_unit_test(test_media),
-        cmocka_unit_test(test_lies),
+        cmocka_unit_test(test_hits),     cmocka_unit_test(test_pieces),
+        cmocka_unit_test(test_media),    cmocka_unit_test(test_lies),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
