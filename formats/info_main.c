@@ -61,7 +61,10 @@ static status set_option(void *own, int key, const char *text) {
     case KEY_ISO: return add_iso(a, text);
     case KEY_QUICK: q->header_only = true; return ST_OK;
     case KEY_STEPS: return step_list_parse(text, "--steps", &a->leaf.steps);
-    case KEY_FIELD: q->hints.mesh.field = q->hints.grid.field = a->leaf.field = text; return ST_OK;
+    case KEY_FIELD:
+        q->hints.curvilinear.field = q->hints.mesh.field = q->hints.grid.field = a->leaf.field =
+            text;
+        return ST_OK;
     case KEY_DIMS: return cli_dims(text, "--dims", 1, GRID_DIM_MAX, q->hints.grid.dims);
     case KEY_TYPE: return cli_sample_type(text, &q->hints.grid.type);
     case KEY_BIG_ENDIAN: q->hints.grid.big_endian = true; return ST_OK;

@@ -11,13 +11,15 @@
 #include "formats/base/num.h"
 #include "formats/base/shell_line.h"
 #include "formats/base/text.h"
+#include "formats/curvilinear/curvilinear_input_facts.h"
 #include "formats/grid/volume_facts.h"
 #include "formats/input/unpack_stream.h"
 #include "formats/input_open.h"
 #include "formats/leaf/histogram_text.h"
 #include "formats/mesh/mesh_input_facts.h"
 
-static const input_facts_kind *const kinds[] = {&volume_facts_kind, &mesh_input_facts_kind};
+static const input_facts_kind *const kinds[] = {&volume_facts_kind, &mesh_input_facts_kind,
+                                                &curvilinear_input_facts_kind};
 
 static const input_facts_kind *kind_of(const input_facts *x) {
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)

@@ -9,6 +9,7 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
+#include "formats/curvilinear/curvilinear_hints.h"
 #include "formats/grid/volume_hints.h"
 #include "formats/input/byte_stream.h"
 #include "formats/mesh/mesh_sink.h"
@@ -37,13 +38,16 @@ typedef enum input_trait {
 typedef struct input_hints {
     volume_hints grid;
     mesh_hints mesh;
+    curvilinear_hints curvilinear;
 } input_hints;
 
 typedef struct input_kind {
     const char *name; /* "grid" */
     /* recognises(): whether a stream holds one, without taking anything from it. NULL: this row
-     * takes what no other does. is_folder(): whether it reads this folder; NULL: it reads none. */
+     * takes what no other does. is_asked(): whether the hints say that any stream is one; NULL:
+     * they never do. is_folder(): whether it reads this folder; NULL: it reads none. */
     status (*recognises)(byte_stream *s, bool *known);
+    bool (*is_asked)(const input_hints *hints);
     bool (*is_folder)(const char *path);
     /* open(): open a stream, which is taken over and closed in any case. open_folder(): goes with
      * is_folder(). close(): NULL is fine. */

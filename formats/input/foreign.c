@@ -48,6 +48,9 @@
 #define LAS                                                                                    \
     "points are no volume, but `pdal translate in.las out.csv' and `leafcast tetrahedralize' " \
     "of that make tets"
+#define PLOT3D                                                                                 \
+    "a binary grid of three dimensions is, if its size fits to the byte, and a solution goes " \
+    "with its grid; " PARAVIEW
 #define SURFACE "`leafcast tetrahedralize' fills a surface with tets"
 
 typedef struct row {
@@ -194,7 +197,7 @@ static const row rows[] = {
             BYTES("string-attribute"), ".head .brik "),
     REFUSED("Philips PAR/REC", "`parrec2nii in.PAR' (nibabel) writes it as NIfTI", 0,
             BYTES("# === DATA DESCRIPTION FILE"), ".par .rec "),
-    REFUSED("PLOT3D", PARAVIEW, 0, NO_BYTES, ".p3d .q "),
+    REFUSED("PLOT3D", PLOT3D, 0, NO_BYTES, ".p3d .q "),
     REFUSED("a mesh of DOLFIN", "save it as .vtu, for example with Python (meshio)", ANYWHERE,
             BYTES("<dolfin"), ""),
     KNOWN("XDMF", CONVERT " where it is of grids", ANYWHERE, BYTES("<Xdmf"), ".xdmf .xmf "),
@@ -270,7 +273,7 @@ static bool is_plot3d(const uint8_t *start, size_t size, uint64_t bytes) {
 
 const foreign_format *foreign_find(const char *path, const uint8_t *start, size_t size,
                                    uint64_t bytes) {
-    static const foreign_format plot3d = {"PLOT3D", PARAVIEW, NULL};
+    static const foreign_format plot3d = {"PLOT3D", PLOT3D, NULL};
     for (int i = 0; i < ROWS; i++)
         if (begins(&rows[i], start, size) && (!rows[i].both || has_suffix(&rows[i], path)))
             return &rows[i].format;

@@ -192,7 +192,7 @@ write("gzip", (0, b"\x1f\x8b\x08"))
 write("zstd", (0, b"\x28\xb5\x2f\xfd"))
 write("VTK surface", (0, b'<?xml version="1.0"?>\n<VTKFile type="PolyData">'))
 write("legacy VTK surface", (0, b"# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\n"))
-open(folder + "PLOT3D", "wb").write(b"\0\0\0\2\0\0\0\3\0\0\0\4" + bytes(24 * 12))
+open(folder + "PLOT3D", "wb").write(b"\0\0\0\2\0\0\0\3\0\0\0\4" + bytes(16 + 24 * 20))
 open(folder + "x.dcm", "wb").write(b"not at all")
 PY
 for format in Analyze gzip zstd "VTK surface" "legacy VTK surface" PLOT3D; do

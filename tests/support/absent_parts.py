@@ -273,6 +273,7 @@ ROWS = (
     ("TetGen", "rows", tetgen, 3, "t.ele", None),
     ("Gmsh", "rows", gmsh, 3, "t.msh", None),
     ("mesh stream", "bytes at the end", stream, 3, "t.mesh", None),
+    ("PLOT3D", "bytes at the end", lambda: put("a.p3d", struct.pack(">3i", 2, 3, 4) + bytes(12 * 24 - 1)), 3, "PLOT3D", None),
 )
 
 

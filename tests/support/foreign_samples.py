@@ -121,7 +121,7 @@ SAMPLES = [
     ("Philips PAR/REC", "a.PAR", PAR),
     ("Philips PAR/REC", "a.REC", bytes(16)),
     ("PLOT3D", "a.p3d", b"\0\0\0\1" + bytes(64)),
-    ("PLOT3D", "plot3d", struct.pack(">3i", 2, 3, 4) + bytes(12 * 24)),
+    ("PLOT3D", "plot3d", struct.pack(">3i", 2, 3, 4) + bytes(16 + 20 * 24)),
     ("a mesh of DOLFIN", "dolfin", text('<?xml version="1.0"?>', '<dolfin xmlns:dolfin="http://fenicsproject.org">')),
     ("Wavefront OBJ", "a.obj", text("v 0 0 0", "v 1 0 0", "v 0 1 0", "f 1 2 3")),
     ("a zip archive", "a.npz", b"PK\x03\x04" + bytes(64)),

@@ -1,0 +1,67 @@
+/* curvilinear_input.h - any known curvilinear grid as planes of nodes, in any order.
+ *
+ * curvilinear_input_open() recognises the format (PLOT3D) and reads its head;
+ * curvilinear_input_source() then hands over planes. Readers hold buffers of fixed size, or a
+ * plane. Only regular files, as they are stored: they are read at several places. One thread per
+ * grid.
+ *
+ * Positions are floats. Doubles are rounded once, to nearest; ST_CORRUPT naming the node if the
+ * result is not finite. Values may be NaN or inf: no data.
+ */
+#ifndef FORMATS_CURVILINEAR_CURVILINEAR_INPUT_H
+#define FORMATS_CURVILINEAR_CURVILINEAR_INPUT_H
+
+#include "formats/base/mem.h"
+#include "formats/curvilinear/curvilinear_hints.h"
+#include "formats/curvilinear/curvilinear_source.h"
+#include "formats/input/byte_stream.h"
+
+typedef struct curvilinear_input curvilinear_input;
+
+/* curvilinear_input_recognise() - finds out whether a stream holds a curvilinear grid: a regular
+ * file, by its first bytes and its size. Takes nothing from the stream. */
+CHECKED status curvilinear_input_recognise(byte_stream *s, bool *known);
+
+/* curvilinear_input_open() - open a path. hints may be NULL; its text must live as long as the
+ * grid. ST_CORRUPT, ST_UNSUPPORTED (also for a file of no known format) or ST_IO, naming file and
+ * place. ST_USAGE when no field fits the hints, naming the fields there are, and when only a hint
+ * can tell how the file is written. curvilinear_input_open_stream() - open a grid on a stream,
+ * which is taken over and closed in any case. */
+CHECKED status curvilinear_input_open(mem *m, const char *path, const curvilinear_hints *hints,
+                                      curvilinear_input **out);
+CHECKED status curvilinear_input_open_stream(mem *m, byte_stream *s, const curvilinear_hints *hints,
+                                             curvilinear_input **out);
+void curvilinear_input_close(curvilinear_input *x); /* NULL is fine */
+
+/* curvilinear_input_source() - returns the grid as planes, with the fields that are taken: the
+ * hints' one, else the first. A grid without any field tells one, of zeros. Valid until the next
+ * take, or the close. */
+const curvilinear_source *curvilinear_input_source(const curvilinear_input *x);
+
+/* curvilinear_input_format() - returns the format that it is read as: "PLOT3D".
+ * curvilinear_input_name() - returns the name of the data set: from the hints, else the grid's own,
+ * else "".
+ * curvilinear_input_file() - returns the path for messages. */
+const char *curvilinear_input_format(const curvilinear_input *x);
+const char *curvilinear_input_name(const curvilinear_input *x);
+const char *curvilinear_input_file(const curvilinear_input *x);
+
+/* curvilinear_input_fields() - returns the number of fields that can be asked for.
+ * curvilinear_input_field() - returns the name of one of them, as valid UTF-8, and its number of
+ * components. The first is the default. The name is valid until the next call. */
+uint32_t curvilinear_input_fields(const curvilinear_input *x);
+const char *curvilinear_input_field(curvilinear_input *x, uint32_t field, uint32_t *components);
+
+/* curvilinear_input_take() - choose these fields, in order, each as curvilinear_hints.field.
+ * ST_USAGE as for curvilinear_input_open(). curvilinear_input_taken() - returns the name of the
+ * field that was taken as number `field`, "": the grid has none; *component: 0: its magnitude, or
+ * it has but one. Valid until the next call. */
+CHECKED status curvilinear_input_take(curvilinear_input *x, const char *const *names,
+                                      uint32_t count);
+const char *curvilinear_input_taken(curvilinear_input *x, uint32_t field, uint32_t *component);
+
+/* curvilinear_input_conditions() - returns what is said of the flow in the first zone: Mach number,
+ * angle of attack in degrees, Reynolds number, time; NULL: nothing. */
+const double *curvilinear_input_conditions(const curvilinear_input *x);
+
+#endif

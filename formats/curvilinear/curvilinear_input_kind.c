@@ -1,0 +1,35 @@
+#include "formats/curvilinear/curvilinear_input_kind.h"
+
+#include "formats/curvilinear/curvilinear_input.h"
+
+static bool is_asked(const input_hints *hints) {
+    return hints->curvilinear.layout != NULL;
+}
+
+static status open_stream(mem *m, byte_stream *s, const input_hints *hints, void **own) {
+    curvilinear_input *x = NULL;
+    const status st = curvilinear_input_open_stream(m, s, hints ? &hints->curvilinear : NULL, &x);
+    *own = x;
+    return st;
+}
+
+static void close_grid(void *own) {
+    curvilinear_input_close(own);
+}
+
+static const char *format(const void *own) {
+    return curvilinear_input_format(own);
+}
+
+static unsigned traits(const void *own) {
+    (void)own;
+    return INPUT_LATTICE | INPUT_CHOICES;
+}
+
+const input_kind curvilinear_input_kind = {.name = "curvilinear",
+                                           .recognises = curvilinear_input_recognise,
+                                           .is_asked = is_asked,
+                                           .open = open_stream,
+                                           .close = close_grid,
+                                           .format = format,
+                                           .traits = traits};
