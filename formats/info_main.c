@@ -10,6 +10,7 @@
 #include "formats/info_leaf.h"
 #include "formats/info_next.h"
 #include "formats/input_facts.h"
+#include "formats/plot3d_options.h"
 #include "formats/trust_options.h"
 
 typedef struct arguments {
@@ -46,6 +47,7 @@ static const struct argp_option options[] = {
     {"big-endian", KEY_BIG_ENDIAN, NULL, 0, "of raw samples: most significant byte first", 1},
     {"skip", KEY_SKIP, "BYTES", 0, "of raw samples: header bytes to pass over", 1},
     TRUST_OPTIONS(1),
+    PLOT3D_OPTIONS(1),
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status add_iso(arguments *a, const char *text) {
@@ -69,8 +71,10 @@ static status set_option(void *own, int key, const char *text) {
     case KEY_TYPE: return cli_sample_type(text, &q->hints.grid.type);
     case KEY_BIG_ENDIAN: q->hints.grid.big_endian = true; return ST_OK;
     case KEY_SKIP: return num_size(text, "--skip", &q->hints.grid.skip);
-    default: return trust_option(&q->hints.grid.trust, key);
+    default: break;
     }
+    const status st = trust_option(&q->hints.grid.trust, key);
+    return st == ST_AGAIN ? plot3d_option(&q->hints.curvilinear, key, text) : st;
 }
 
 static status check(void *own) {
@@ -105,7 +109,8 @@ static const cli_use uses[] = {{KEY_ISO, LEAF},
                                {KEY_BIG_ENDIAN, INPUT_RAW},
                                {KEY_SKIP, INPUT_RAW},
                                {TRUST_KEY_LINKS, INPUT_LATTICE},
-                               {TRUST_KEY_MISSING, INPUT_LATTICE}};
+                               {TRUST_KEY_MISSING, INPUT_LATTICE},
+                               PLOT3D_USES};
 
 /* Refuse options that the input cannot use. */
 static status check_uses(const arguments *a, unsigned input, const char *format) {

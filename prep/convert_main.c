@@ -14,10 +14,12 @@
 #include "formats/base/text.h"
 #include "formats/grid/grid.h"
 #include "formats/input_open.h"
+#include "formats/plot3d_options.h"
 #include "formats/trust_options.h"
 #include "prep/convert_append.h"
 #include "prep/convert_defaults.h"
 #include "prep/convert_watch.h"
+#include "prep/curvilinear/convert_curvilinear.h"
 #include "prep/grid/convert_grids.h"
 #include "prep/mesh/convert_meshes.h"
 #include "prep/mesh/mesh_convert.h"
@@ -155,6 +157,7 @@ static const struct argp_option options[] = {
      "trees of treelets: by keys (default), or by the surface area heuristic, for comparison", 3},
     {"gradients", KEY_GRADIENTS, NULL, CLI_BASIC,
      "store the gradient at each vertex, too, for smooth normals", 3},
+    PLOT3D_OPTIONS(3),
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static const char *const input_names[] = {INPUT_TRAIT_NAMES};
@@ -174,7 +177,7 @@ static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES}, {TRUST_KEY_MISSIN
                                {KEY_STEPS, INPUT_SERIES},      {KEY_CELLS_TO_POINTS, INPUT_CELLS},
                                {KEY_COARSE, INPUT_CELLS},      {KEY_TREELET_TETS, INPUT_CELLS},
                                {KEY_LEAF_TETS, INPUT_CELLS},   {KEY_BUILD, INPUT_CELLS},
-                               {KEY_GRADIENTS, INPUT_CELLS}};
+                               {KEY_GRADIENTS, INPUT_CELLS},   PLOT3D_USES};
 
 static status set_spacing(convert_request *a, const char *text) {
     status st = num_doubles(text, "--spacing", ", ", 3, a->hints.grid.spacing);
@@ -238,7 +241,7 @@ static status add_field(convert_request *a, const char *name) {
     status st = convert_sets_add(&a->sets, name);
     if (st == ST_OK && a->sets.count == 1) {
         a->hints.mesh.field = a->sets.names[0];
-        a->hints.grid.field = name;
+        a->hints.curvilinear.field = a->hints.grid.field = name;
     }
     return st;
 }
@@ -276,6 +279,7 @@ static status set_grid(volume_hints *h, int key, const char *text) {
 static status set_component(convert_request *a, const char *text) {
     status st = cli_int(text, "--component", 1, INT_MAX, &a->hints.mesh.component);
     a->hints.grid.component = (uint32_t)a->hints.mesh.component;
+    a->hints.curvilinear.component = a->hints.mesh.component;
     return st;
 }
 
@@ -342,10 +346,14 @@ static status take_option(convert_request *a, int key, const char *text) {
     case KEY_DRY_RUN: a->dry_run = true; return ST_OK;
     case KEY_SPACING: return set_spacing(a, text);
     case KEY_ALLOW_EMPTY: a->allow_empty = true; return ST_OK;
-    case KEY_NAME: a->hints.grid.name = a->hints.mesh.name = text; return ST_OK;
+    case KEY_NAME:
+        a->hints.grid.name = a->hints.mesh.name = a->hints.curvilinear.name = text;
+        return ST_OK;
     default: break;
     }
     status st = trust_option(&a->hints.grid.trust, key);
+    if (st == ST_AGAIN)
+        st = plot3d_option(&a->hints.curvilinear, key, text);
     if (st == ST_AGAIN)
         st = set_grid(&a->hints.grid, key, text);
     return st == ST_AGAIN ? set_mesh(a, key, text) : st;
@@ -404,7 +412,7 @@ static const cli_verb verb = {
         "samples "
         "(dimensions in the file's name, in a JSON beside it, or given); a mesh of tetrahedra: "
         "TetGen (.node, .ele), VTK (.vtk, .vtu; in files: .pvtu, .vtm), Gmsh (.msh), a mesh "
-        "stream; "
+        "stream; a curvilinear grid: PLOT3D (binary, with --solution or --functions); "
         "VTK's collections of either (.pvd), with all their steps; packed by gzip, "
         "bzip2, xz or zstd; or - for any of these on standard input that takes one file and one "
         "pass. OpenVDB, images (a file of several, a folder), DICOM series (a folder), HDF5 and "
@@ -422,7 +430,7 @@ static const cli_verb verb = {
 
 /* ---- the input ---- */
 
-static const convert_kind *const kinds[] = {&convert_grids, &convert_meshes};
+static const convert_kind *const kinds[] = {&convert_grids, &convert_meshes, &convert_curvilinear};
 
 static const convert_kind *kind_of(const input *in) {
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
@@ -456,6 +464,10 @@ static status guard_files(const convert_request *a) {
         st = file_guard_input(a->common.inputs[i]);
     for (int i = 0; i < 3 && st == ST_OK; i++)
         st = file_guard_input(a->hints.grid.axis_file[i]);
+    if (st == ST_OK)
+        st = file_guard_input(a->hints.curvilinear.solution);
+    if (st == ST_OK)
+        st = file_guard_input(a->hints.curvilinear.functions);
     return st == ST_OK ? file_guard_output(output) : st;
 }
 

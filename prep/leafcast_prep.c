@@ -10,11 +10,13 @@
 #include "formats/base/file_guard.h"
 #include "formats/base/pool.h"
 #include "formats/base/text.h"
+#include "formats/curvilinear/curvilinear_input_kind.h"
 #include "formats/input_open.h"
 #include "formats/mesh/mesh_input_kind.h"
 #include "formats/public_grid.h"
 #include "formats/public_status.h"
 #include "prep/convert_defaults.h"
+#include "prep/curvilinear/curvilinear_files.h"
 #include "prep/grid/convert.h"
 #include "prep/mesh/mesh_convert.h"
 #include "prep/prep_arguments.h"
@@ -339,13 +341,44 @@ static status clean_fields(job *j, field_names *f) {
     return ST_OK;
 }
 
+static status convert_curvilinear(job *j, curvilinear_input *x, const step_series *series) {
+    curvilinear_files files = {
+        .m = &j->m,
+        .of = *series,
+        .hints = {.component = j->o.component, .name = j->o.name},
+        .first = x,
+    };
+    const curvilinear_options o = {.file = parameters_of(j),
+                                   .memory = j->m.limit,
+                                   .threads = j->o.threads,
+                                   .force = j->o.replace,
+                                   .refuse_empty = !j->o.allow_empty};
+    curvilinear_result result;
+    files.of.fields = series->sets.names;
+    status st = step_series_check(series);
+    if (st == ST_OK && o.file.codec != LEAF_CODEC_RAW)
+        st = status_describe(ST_UNSUPPORTED, "%s: files of curvilinear grids are not compressed",
+                             series->paths[0]);
+    if (st == ST_OK)
+        st = check_gives_way(j);
+    const curvilinear_series steps = curvilinear_files_series(&files);
+    if (st == ST_OK)
+        st = curvilinear_convert(&j->m, &steps, curvilinear_input_name(x), j->out, &o, &j->p,
+                                 &result);
+    curvilinear_files_release(&files);
+    return st;
+}
+
 static status convert_input_of(job *j, const input *in, const mesh_series *series) {
+    if (in->kind == &curvilinear_input_kind)
+        return convert_curvilinear(j, in->own, &series->of);
     if (in->kind == &mesh_input_kind) {
         status st = step_series_check(&series->of);
         return st == ST_OK ? convert_mesh(j, in->own, series) : st;
     }
     if (series->of.sets.steps > 1)
-        return status_describe(ST_USAGE, "%s: only meshes have several steps", series->of.paths[0]);
+        return status_describe(ST_USAGE, "%s: only meshes and curvilinear grids have several steps",
+                               series->of.paths[0]);
     return convert_volume(j, in->own);
 }
 
@@ -364,7 +397,10 @@ static status convert_files(job *j, const char *const *paths, uint32_t steps, co
                                           .cells_to_points = j->o.cells_to_points,
                                           .name = j->o.name,
                                           .trust = of_grids.trust}};
-    const input_hints hints = {of_grids, series.hints};
+    const input_hints hints = {
+        of_grids,
+        series.hints,
+        {.field = series.hints.field, .component = j->o.component, .name = j->o.name}};
     if (st == ST_OK)
         st = input_open(&j->m, paths[0], &hints, &in);
     if (st == ST_OK)

@@ -6,7 +6,6 @@
 
 #include "formats/base/num.h"
 #include "formats/base/text.h"
-#include "formats/curvilinear/curvilinear_cell.h"
 #include "formats/curvilinear/curvilinear_input.h"
 #include "formats/curvilinear/curvilinear_input_kind.h"
 #include "formats/input_collect.h"
@@ -113,6 +112,11 @@ static uint64_t count_cells(const sweep *s, const uint32_t nodes[3], uint32_t k)
     return count;
 }
 
+/* A node where no cell begins, or one that is not finite. */
+static histogram_cell node_alone(float value) {
+    return (histogram_cell){.value = value, .lo = INFINITY, .hi = -INFINITY};
+}
+
 /* Measure node n of plane k, and the cell that begins there if there is one. */
 static histogram_cell measure(const sweep *s, const uint32_t nodes[3], uint32_t k, uint64_t n) {
     const plane *at = &s->planes[k % 2];
@@ -121,14 +125,16 @@ static histogram_cell measure(const sweep *s, const uint32_t nodes[3], uint32_t 
     const float *corners[8];
     float values[8];
     if (!inside || !is_cell(s, nodes, k, n))
-        return curvilinear_cell_none(at->is_node[n] ? at->values[n] : NAN);
+        return node_alone(at->is_node[n] && isfinite(at->values[n]) ? at->values[n] : NAN);
     for (uint32_t c = 0; c < 8; c++) {
         const plane *p = &s->planes[(k + (c >> 2)) % 2];
         const uint64_t node = n + (c & 1) + (c >> 1 & 1) * nodes[0];
         corners[c] = p->places[node];
         values[c] = p->values[node];
     }
-    return curvilinear_cell_measure(corners, values);
+    histogram_cell cell = histogram_hex(corners, values);
+    cell.value = isfinite(values[0]) ? values[0] : NAN;
+    return cell;
 }
 
 /* Measure the nodes of plane k that are drawn. The next plane is there, or it is the last. */

@@ -22,8 +22,7 @@ static const char *format(const void *own) {
 }
 
 static unsigned traits(const void *own) {
-    (void)own;
-    return INPUT_LATTICE | INPUT_CHOICES;
+    return INPUT_CHOICES | (curvilinear_input_takes_files(own) ? INPUT_PLOT3D : 0U);
 }
 
 const input_kind curvilinear_input_kind = {.name = "curvilinear",

@@ -147,9 +147,9 @@ static status refuse_several(const search *s) {
     char text[PLOT3D_LAYOUT_TEXT];
     for (uint32_t i = 0; i < s->found; i++)
         name_list_add(&names, plot3d_layout_print(s->content, s->heads[i].layout, text));
-    return status_describe(ST_USAGE,
-                           "%s: a PLOT3D %s of several layouts: %s; say its words to choose one",
-                           s->path, contents[s->content], name_list_print(&names));
+    return status_describe(
+        ST_USAGE, "%s: a PLOT3D %s of several layouts: %s; --plot3d with these words chooses one",
+        s->path, contents[s->content], name_list_print(&names));
 }
 
 static status find_layout(search *s, file *f) {

@@ -82,11 +82,12 @@ static status check_rest(const char *path, const leaf_header *h) {
     } zeros[] = {
         {offsetof(leaf_header, dims), offsetof(leaf_header, levels)},
         {offsetof(leaf_header, tets), offsetof(leaf_header, bounds)},
-        {offsetof(leaf_header, treelet_tets), offsetof(leaf_header, moving)},
+        {offsetof(leaf_header, treelet_tets), offsetof(leaf_header, field)},
+        {offsetof(leaf_header, gradients), offsetof(leaf_header, moving)},
         {offsetof(leaf_header, bare), offsetof(leaf_header, directory)},
         {offsetof(leaf_header, reserved), sizeof *h},
     };
-    status st = ST_OK;
+    status st = leaf_check_text(path, h->field, sizeof h->field, offsetof(leaf_header, field));
     for (size_t i = 0; st == ST_OK && i < sizeof zeros / sizeof *zeros; i++)
         st = leaf_check_zero(path, (const char *)h + zeros[i].from, zeros[i].to - zeros[i].from,
                              zeros[i].from);

@@ -71,4 +71,6 @@ void leaf_head_curvilinear(leaf_header *h, const leaf_layout *l, const leaf_para
     h->moving = g->moving;
     h->to_world[0] = h->to_world[5] = h->to_world[10] = 1;
     leaf_head_text(h->name, sizeof h->name, g->name);
+    if (g->sets.names)
+        leaf_head_text(h->field, sizeof h->field, g->sets.names[0]);
 }

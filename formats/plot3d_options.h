@@ -1,0 +1,52 @@
+/* plot3d_options.h - options that say what goes with a grid of PLOT3D, which does not say it
+ * itself: for verbs that open inputs.
+ */
+#ifndef FORMATS_PLOT3D_OPTIONS_H
+#define FORMATS_PLOT3D_OPTIONS_H
+
+#include <argp.h>
+
+#include "formats/base/status.h"
+#include "formats/curvilinear/curvilinear_hints.h"
+
+enum { PLOT3D_KEY_SOLUTION = 0x3100, PLOT3D_KEY_FUNCTIONS, PLOT3D_KEY_LAYOUT };
+
+/* The three rows for a table of options. */
+#define PLOT3D_OPTIONS(group)                                                             \
+    {"solution",                                                                          \
+     PLOT3D_KEY_SOLUTION,                                                                 \
+     "FILE",                                                                              \
+     0,                                                                                   \
+     "with a grid of PLOT3D: its solution (Q), whose functions are the fields: density, " \
+     "momentum, energy, velocity, pressure, ..",                                          \
+     group},                                                                              \
+        {"functions",                                                                     \
+         PLOT3D_KEY_FUNCTIONS,                                                            \
+         "FILE",                                                                          \
+         0,                                                                               \
+         "with a grid of PLOT3D: its file of functions, which are fields too",            \
+         group},                                                                          \
+    {                                                                                     \
+        "plot3d", PLOT3D_KEY_LAYOUT, "WORDS", 0,                                          \
+            "the input is PLOT3D, and written so: words such as "                         \
+            "records,big,f64,blanks,multi,planes",                                        \
+            group                                                                         \
+    }
+
+/* The rows that say which inputs can use them. */
+#define PLOT3D_USES                                                              \
+    {PLOT3D_KEY_SOLUTION, INPUT_PLOT3D}, {PLOT3D_KEY_FUNCTIONS, INPUT_PLOT3D}, { \
+        PLOT3D_KEY_LAYOUT, INPUT_PLOT3D                                          \
+    }
+
+/* plot3d_option() - set one of these options. ST_AGAIN: the key is none of them. */
+static inline status plot3d_option(curvilinear_hints *h, int key, const char *text) {
+    switch (key) {
+    case PLOT3D_KEY_SOLUTION: h->solution = text; return ST_OK;
+    case PLOT3D_KEY_FUNCTIONS: h->functions = text; return ST_OK;
+    case PLOT3D_KEY_LAYOUT: h->layout = text; return ST_OK;
+    default: return ST_AGAIN;
+    }
+}
+
+#endif

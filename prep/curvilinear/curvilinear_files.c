@@ -1,0 +1,40 @@
+#include "prep/curvilinear/curvilinear_files.h"
+
+#include "formats/base/text.h"
+
+static const char *path_of(void *ctx, uint32_t step) {
+    const curvilinear_files *f = ctx;
+    return step_series_path(&f->of, step);
+}
+
+static status open_step(void *ctx, uint32_t step, const curvilinear_source **out) {
+    curvilinear_files *f = ctx;
+    curvilinear_input_close(f->later);
+    f->later = NULL;
+    curvilinear_input *x = f->first;
+    status st = ST_OK;
+    if (step > 0) {
+        st = curvilinear_input_open(f->m, path_of(f, step), &f->hints, &f->later);
+        x = f->later;
+    }
+    if (st == ST_OK && f->of.fields)
+        st = curvilinear_input_take(x, f->of.fields, f->of.sets.fields);
+    if (st == ST_OK)
+        *out = curvilinear_input_source(x);
+    return st;
+}
+
+curvilinear_series curvilinear_files_series(curvilinear_files *f) {
+    curvilinear_series s = {f, open_step, path_of, f->of.sets};
+    uint32_t component;
+    text_name(f->field, sizeof f->field, curvilinear_input_taken(f->first, 0, &component));
+    f->names[0] = f->field;
+    if (!s.sets.names)
+        s.sets.names = f->names;
+    return s;
+}
+
+void curvilinear_files_release(curvilinear_files *f) {
+    curvilinear_input_close(f->later);
+    f->later = NULL;
+}
