@@ -258,13 +258,23 @@ static void print_grid(const input_facts *x, const fact_sheet *to) {
                         num_print((double)own->bounds[a + 3], n[1]));
 }
 
+static json_t *zones_json(const curvilinear_input_facts *own) {
+    json_t *zones = json_array();
+    for (uint32_t z = 0; z < own->zones && z < CURVILINEAR_FACTS_ZONES; z++)
+        json_array_append_new(zones, json_pack("[I, I, I]", (json_int_t)own->nodes[z][0],
+                                               (json_int_t)own->nodes[z][1],
+                                               (json_int_t)own->nodes[z][2]));
+    return zones;
+}
+
 static void tell(const input_facts *x, const fact_sheet *to) {
     const curvilinear_input_facts *own = curvilinear_input_facts_of(x);
     double bounds[6];
     for (int i = 0; i < 6; i++)
         bounds[i] = (double)own->bounds[i];
     print_grid(x, to);
-    fact_sheet_whole(to, "zones", own->zones);
+    if (to->values)
+        fact_sheet_json(to, "zones", zones_json(own));
     fact_sheet_whole(to, "nodes", own->total);
     fact_sheet_reals(to, "flow", own->flow, own->flows ? 4 : 0);
     fact_sheet_reals(to, "bounds", bounds, x->read && own->bounds[0] <= own->bounds[3] ? 6 : 0);

@@ -9,6 +9,7 @@
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
 #include "formats/base/text.h"
+#include "prep/generate/curvilinear_generate.h"
 #include "prep/generate/generate.h"
 #include "prep/generate/tet_generate.h"
 
@@ -20,7 +21,10 @@ typedef struct arguments {
     int64_t seed;
     bool seed_given;
     double spacing[3];
-    bool tets, typed; /* --type was given */
+    bool tets, typed; /* typed: --type was given */
+    bool spaced;      /* --spacing was given */
+    bool curved;      /* a curvilinear grid, of this shape */
+    curvilinear_shape shape;
     uint32_t copies[3];
     double deform;
     uint32_t steps;
@@ -32,6 +36,7 @@ enum {
     KEY_SEED,
     KEY_SPACING,
     KEY_TETS,
+    KEY_CURVILINEAR,
     KEY_DEFORM,
     KEY_REPLICATE,
     KEY_STEPS
@@ -47,6 +52,11 @@ static const struct argp_option options[] = {
     {"steps", KEY_STEPS, "N", CLI_BASIC,
      "a series of N files: F_0000.nrrd, ..., or as %04d in -o says. drop, jets and vortex go from "
      "time 0 to 1 (without: 0); of --tets, --deform swings to and fro",
+     1},
+    {"curvilinear", KEY_CURVILINEAR, "SHAPE", CLI_BASIC,
+     "a curvilinear grid with f32 values as VTK (.vts): warp (a box that sways), annulus (around "
+     "an "
+     "axis, closed) or twisted (a box)",
      1},
     {NULL, 0, NULL, 0, "Meshes:", 2},
     {"tets", KEY_TETS, NULL, CLI_BASIC,
@@ -93,14 +103,23 @@ static status set_type(arguments *a, const char *name) {
     return status_describe(ST_USAGE, "--type: \"%s\" is not one of u8, u16, f32", name);
 }
 
+static status set_shape(arguments *a, const char *text) {
+    a->curved = curvilinear_shape_find(text, &a->shape);
+    return a->curved
+               ? ST_OK
+               : status_describe(ST_USAGE,
+                                 "--curvilinear: \"%s\" is none of warp, annulus, twisted", text);
+}
+
 static status set_option(void *own, int key, const char *text) {
     arguments *a = own;
     switch (key) {
     case KEY_DIMS: return set_counts(text, "--dims", 2, GRID_DIM_MAX, a->dims);
     case KEY_TYPE: return set_type(a, text);
     case KEY_SEED: a->seed_given = true; return num_int(text, "--seed", 0, INT64_MAX, &a->seed);
-    case KEY_SPACING: return set_spacing(a, text);
+    case KEY_SPACING: a->spaced = true; return set_spacing(a, text);
     case KEY_TETS: a->tets = true; return ST_OK;
+    case KEY_CURVILINEAR: return set_shape(a, text);
     case KEY_DEFORM: return set_deform(a, text);
     case KEY_REPLICATE: return set_counts(text, "--replicate", 1, TET_LATTICE_CELLS_MAX, a->copies);
     case KEY_STEPS: return cli_uint(text, "--steps", 1, STEPS_MAX, &a->steps);
@@ -141,8 +160,13 @@ static status check(void *own) {
         return status_describe(ST_USAGE, "a FIELD, --dims and -o are needed");
     if (!a->tets && (a->deform > 0 || a->copies[0] > 0))
         return status_describe(ST_USAGE, "--deform and --replicate are for meshes: --tets");
-    if (a->tets && a->typed && a->type != SAMPLE_F32)
-        return status_describe(ST_USAGE, "--type: the values of --tets are f32");
+    if (a->tets && a->curved)
+        return status_describe(ST_USAGE, "either --tets or --curvilinear");
+    if (a->curved && a->spaced)
+        return status_describe(ST_USAGE, "--spacing: a shape of --curvilinear has its own size");
+    if ((a->tets || a->curved) && a->typed && a->type != SAMPLE_F32)
+        return status_describe(ST_USAGE, "--type: the values of --%s are f32",
+                               a->tets ? "tets" : "curvilinear");
     if (a->seed_given && !a->info->seeded)
         return status_describe(ST_USAGE, "--seed: %s is the same for any", a->info->name);
     st = check_steps(a);
@@ -156,8 +180,9 @@ static status check(void *own) {
 /* The help's text, with the table of fields. */
 static const char *describe(void) {
     static char text[4096] =
-        "Write an analytic test volume as NRRD, or with --tets as a mesh (-o -: to standard "
-        "output). It is streamed, never held whole; the same arguments give the same bytes on "
+        "Write an analytic test volume as NRRD, with --tets as a mesh, or with --curvilinear as a "
+        "curvilinear grid (-o -: to standard output). It is streamed, never held whole; the same "
+        "arguments give the same bytes on "
         "any machine.\vExample:\n  leafcast generate gyroid --dims 256 -o gyroid.nrrd\n\n"
         "Fields (their values; u8 and u16 map the given range to all of theirs):\n";
     const field_info *info;
@@ -177,7 +202,12 @@ static const output_kind *output(const void *own) {
                                        .suffixes = ".mesh ",
                                        .instead = OUTPUT_BY_EXPORT,
                                        .sequence = true};
+    static const output_kind curved = {.what = "a curvilinear grid of VTK", .suffixes = ".vts "};
+    static const output_kind curved_series = {
+        .what = "curvilinear grids of VTK", .suffixes = ".vts ", .sequence = true};
     const arguments *a = own;
+    if (a->curved)
+        return a->steps > 0 ? &curved_series : &curved;
     if (a->steps > 0)
         return a->tets ? &meshes : &series;
     return a->tets ? &mesh : &samples;
@@ -189,7 +219,8 @@ static cli_verb verb = {
     .check = check,
     .output = output,
     .input = "FIELD",
-    .args_doc = "FIELD --dims N[,N,N] -o F.nrrd\nFIELD --tets --dims N[,N,N] -o F.mesh",
+    .args_doc = "FIELD --dims N[,N,N] -o F.nrrd\nFIELD --tets --dims N[,N,N] -o F.mesh\n"
+                "FIELD --curvilinear SHAPE --dims N[,N,N] -o F.vts",
 };
 
 static grid make_grid(const arguments *a) {
@@ -214,6 +245,18 @@ static status run_tets(arguments *a, mem *m) {
     return tet_generate_files(m, &how, a->common.output, a->common.force, cli_progress(&a->common));
 }
 
+static status run_curved(arguments *a, mem *m) {
+    curvilinear_generate_options how = {.info = a->info,
+                                        .seed = (uint64_t)a->seed,
+                                        .shape = a->shape,
+                                        .threads = a->common.threads,
+                                        .output = a->common.output,
+                                        .force = a->common.force,
+                                        .steps = a->steps};
+    memcpy(how.dims, a->dims, sizeof a->dims);
+    return curvilinear_generate(m, &how, cli_progress(&a->common));
+}
+
 static status run_grid(arguments *a, mem *m) {
     grid g = make_grid(a);
     const generate_options how = {.info = a->info,
@@ -227,11 +270,15 @@ static status run_grid(arguments *a, mem *m) {
 
 static json_t *report_json(const arguments *a, double seconds) {
     return json_pack("{s:s, s:s, s:s, s:[i,i,i], s:[f,f,f], s:s, s:I, s:f, s:I}", "output",
-                     a->common.output, "field", a->info->name, "kind", a->tets ? "tets" : "grid",
+                     a->common.output, "field", a->info->name, "kind",
+                     a->tets     ? "tets"
+                     : a->curved ? "curvilinear"
+                                 : "grid",
                      "dims", (int)a->dims[0], (int)a->dims[1], (int)a->dims[2], "spacing",
                      a->spacing[0], a->spacing[1], a->spacing[2], "type",
-                     sample_name(a->tets ? SAMPLE_F32 : a->type), "seed", (json_int_t)a->seed,
-                     "seconds", seconds, "steps", (json_int_t)(a->steps ? a->steps : 1));
+                     sample_name(a->tets || a->curved ? SAMPLE_F32 : a->type), "seed",
+                     (json_int_t)a->seed, "seconds", seconds, "steps",
+                     (json_int_t)(a->steps ? a->steps : 1));
 }
 
 static status run(arguments *a) {
@@ -240,7 +287,7 @@ static status run(arguments *a) {
     mem m;
     mem_init(&m, a->common.memory);
     const double start = clock_seconds();
-    status st = a->tets ? run_tets(a, &m) : run_grid(a, &m);
+    status st = a->tets ? run_tets(a, &m) : a->curved ? run_curved(a, &m) : run_grid(a, &m);
     if (st == ST_OK && a->common.json)
         st = cli_print_json(&a->common, report_json(a, clock_seconds() - start));
     return st;

@@ -192,6 +192,7 @@ generate|--type|output|gyroid --dims 9|--type f32
 generate|--seed|output|noise --dims 9|--seed 2
 generate|--spacing|output|gyroid --dims 9|--spacing 2
 generate|--tets|output|gyroid --dims 9|--tets
+generate|--curvilinear|output|gyroid --dims 9|--curvilinear warp
 generate|--deform|output|gyroid --dims 9 --tets|--deform 0.3
 generate|--replicate|output|gyroid --dims 9 --tets|--replicate 2,1,1
 generate|--steps|makes w_0001.mesh|gyroid --dims 9 --tets --deform 0.3 -o @w.mesh|--steps 2
@@ -414,6 +415,9 @@ view|--help|shown help|
 view|--help-all|shown help|
 view|--usage|taken||--usage
 view|--version|taken||--version
+info|--solution|says|@p.xyz|--solution @p.q
+info|--functions|says|@p.xyz|--functions @p.f
+info|--plot3d|refused no PLOT3D|@p.xyz|--plot3d f64
 info|--skip|shown inputs|
 info|--threads|taken|@g.nrrd|--threads 2
 info|--memory|shown inputs|
