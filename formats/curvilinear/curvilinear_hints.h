@@ -7,7 +7,8 @@ typedef struct curvilinear_hints {
     int component;     /* component of a vector: 1, 2, ..; 0: its magnitude */
     const char *name;  /* name of the data set, in place of the grid's own */
     /* PLOT3D: paths of the files that go with the grid, and how all of them are written: words
-     * split by commas, see plot3d_layout.h. A layout makes any regular file a PLOT3D grid. */
+     * split by commas, see plot3d_layout.h. Any of these makes any regular file a
+     * PLOT3D grid. */
     const char *solution, *functions, *layout;
 } curvilinear_hints;
 

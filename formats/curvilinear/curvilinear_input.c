@@ -5,6 +5,7 @@
 #include "formats/base/name_list.h"
 #include "formats/base/text.h"
 #include "formats/curvilinear/curvilinear_reader.h"
+#include "formats/curvilinear/curvilinear_vtk.h"
 #include "formats/curvilinear/plot3d.h"
 #include "formats/input/dicom_mark.h"
 #include "formats/input/foreign.h"
@@ -25,7 +26,8 @@ struct curvilinear_input {
 };
 
 /* The formats. The first that recognises a file reads it. */
-static const curvilinear_reader *const readers[] = {&plot3d_reader};
+static const curvilinear_reader *const readers[] = {&curvilinear_vtk_xml_reader,
+                                                    &curvilinear_vtk_legacy_reader, &plot3d_reader};
 
 enum { READERS = sizeof readers / sizeof *readers };
 
@@ -52,6 +54,10 @@ status curvilinear_input_recognise(byte_stream *s, bool *known) {
     status st = find_reader(s, &reader);
     *known = reader != NULL;
     return st;
+}
+
+bool curvilinear_input_is_asked(const curvilinear_hints *hints) {
+    return hints->layout || hints->solution || hints->functions;
 }
 
 /* ---- fields ---- */
@@ -175,10 +181,10 @@ static status open_reader(curvilinear_input *x) {
         return status_describe(ST_UNSUPPORTED,
                                "%s: a curvilinear grid must be a regular file, not packed",
                                byte_stream_name(s));
-    if (!x->reader && x->from.hints.layout)
+    if (!x->reader && curvilinear_input_is_asked(&x->from.hints))
         x->reader = &plot3d_reader;
     if (!x->reader)
-        return foreign_refuse(s, "expected a curvilinear grid: PLOT3D in binary");
+        return foreign_refuse(s, "expected a curvilinear grid: PLOT3D in binary, VTK (.vts, .vtk)");
     return x->reader->open(&x->from, &x->state);
 }
 

@@ -1,6 +1,6 @@
 /* curvilinear_input.h - any known curvilinear grid as planes of nodes, in any order.
  *
- * curvilinear_input_open() recognises the format (PLOT3D) and reads its head;
+ * curvilinear_input_open() recognises the format (PLOT3D, VTK) and reads its head;
  * curvilinear_input_source() then hands over planes. Readers hold buffers of fixed size, or a
  * plane. Only regular files, as they are stored: they are read at several places. One thread per
  * grid.
@@ -21,6 +21,10 @@ typedef struct curvilinear_input curvilinear_input;
 /* curvilinear_input_recognise() - finds out whether a stream holds a curvilinear grid: a regular
  * file, by its first bytes and its size. Takes nothing from the stream. */
 CHECKED status curvilinear_input_recognise(byte_stream *s, bool *known);
+
+/* curvilinear_input_is_asked() - returns whether the hints make any file a curvilinear grid: they
+ * say how PLOT3D is written, or name what goes with it. */
+bool curvilinear_input_is_asked(const curvilinear_hints *hints);
 
 /* curvilinear_input_open() - open a path. hints may be NULL; its text must live as long as the
  * grid. ST_CORRUPT, ST_UNSUPPORTED (also for a file of no known format) or ST_IO, naming file and

@@ -3,7 +3,7 @@
 #include "formats/curvilinear/curvilinear_input.h"
 
 static bool is_asked(const input_hints *hints) {
-    return hints->curvilinear.layout != NULL;
+    return curvilinear_input_is_asked(&hints->curvilinear);
 }
 
 static status open_stream(mem *m, byte_stream *s, const input_hints *hints, void **own) {
