@@ -109,8 +109,7 @@ static const cli_use uses[] = {{KEY_ISO, LEAF},
                                {KEY_BIG_ENDIAN, INPUT_RAW},
                                {KEY_SKIP, INPUT_RAW},
                                {TRUST_KEY_LINKS, INPUT_LATTICE},
-                               {TRUST_KEY_MISSING, INPUT_LATTICE},
-                               PLOT3D_USES};
+                               {TRUST_KEY_MISSING, INPUT_LATTICE}};
 
 /* Refuse options that the input cannot use. */
 static status check_uses(const arguments *a, unsigned input, const char *format) {

@@ -24,8 +24,7 @@ typedef enum input_trait {
     INPUT_STEPS = 16,     /* its format may have several time steps */
     INPUT_SERIES = 32,    /* several of its steps can be taken at once */
     INPUT_FILES = 64,     /* it may lead to other files */
-    INPUT_PLOT3D = 128,   /* other files may go with it (plot3d_options.h) */
-    INPUT_TRAIT_END = 256 /* verbs may add their own from here on */
+    INPUT_TRAIT_END = 128 /* verbs may add their own from here on */
 } input_trait;
 
 /* What inputs of a trait are called: cli_check_uses()'s names. */
@@ -33,7 +32,7 @@ typedef enum input_trait {
     [INPUT_RAW] = "raw samples", [INPUT_LATTICE] = "grids", [INPUT_CELLS] = "meshes",          \
     [INPUT_CHOICES] = "formats that have several", [INPUT_STEPS] = "formats of several steps", \
     [INPUT_SERIES] = "grids and meshes of several steps",                                      \
-    [INPUT_FILES] = "grids and collections of VTK", [INPUT_PLOT3D] = "PLOT3D"
+    [INPUT_FILES] = "grids and collections of VTK"
 
 /* What the user says of an input, for the readers of each kind. */
 typedef struct input_hints {

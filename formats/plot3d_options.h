@@ -1,5 +1,6 @@
 /* plot3d_options.h - options that say what goes with a grid of PLOT3D, which does not say it
- * itself: for verbs that open inputs.
+ * itself: for verbs that open inputs. With any of them the input is one
+ * (curvilinear_input_is_asked()).
  */
 #ifndef FORMATS_PLOT3D_OPTIONS_H
 #define FORMATS_PLOT3D_OPTIONS_H
@@ -31,12 +32,6 @@ enum { PLOT3D_KEY_SOLUTION = 0x3100, PLOT3D_KEY_FUNCTIONS, PLOT3D_KEY_LAYOUT };
             "the input is PLOT3D, and written so: words such as "                         \
             "records,big,f64,blanks,multi,planes",                                        \
             group                                                                         \
-    }
-
-/* The rows that say which inputs can use them. */
-#define PLOT3D_USES                                                              \
-    {PLOT3D_KEY_SOLUTION, INPUT_PLOT3D}, {PLOT3D_KEY_FUNCTIONS, INPUT_PLOT3D}, { \
-        PLOT3D_KEY_LAYOUT, INPUT_PLOT3D                                          \
     }
 
 /* plot3d_option() - set one of these options. ST_AGAIN: the key is none of them. */

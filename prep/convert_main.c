@@ -177,7 +177,7 @@ static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES}, {TRUST_KEY_MISSIN
                                {KEY_STEPS, INPUT_SERIES},      {KEY_CELLS_TO_POINTS, INPUT_CELLS},
                                {KEY_COARSE, INPUT_CELLS},      {KEY_TREELET_TETS, INPUT_CELLS},
                                {KEY_LEAF_TETS, INPUT_CELLS},   {KEY_BUILD, INPUT_CELLS},
-                               {KEY_GRADIENTS, INPUT_CELLS},   PLOT3D_USES};
+                               {KEY_GRADIENTS, INPUT_CELLS}};
 
 static status set_spacing(convert_request *a, const char *text) {
     status st = num_doubles(text, "--spacing", ", ", 3, a->hints.grid.spacing);

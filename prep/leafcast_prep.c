@@ -359,6 +359,8 @@ static status convert_curvilinear(job *j, curvilinear_input *x, const step_serie
     if (st == ST_OK && o.file.codec != LEAF_CODEC_RAW)
         st = status_describe(ST_UNSUPPORTED, "%s: files of curvilinear grids are not compressed",
                              series->paths[0]);
+    if (st == ST_OK && !j->o.allow_empty)
+        st = curvilinear_files_check(&files);
     if (st == ST_OK)
         st = check_gives_way(j);
     const curvilinear_series steps = curvilinear_files_series(&files);

@@ -241,10 +241,6 @@ void curvilinear_input_close(curvilinear_input *x) {
     mem_free(x->m, x);
 }
 
-bool curvilinear_input_takes_files(const curvilinear_input *x) {
-    return x->reader->takes_files;
-}
-
 const char *curvilinear_input_format(const curvilinear_input *x) {
     return x->reader->format;
 }

@@ -42,12 +42,10 @@ void curvilinear_input_close(curvilinear_input *x); /* NULL is fine */
  * take, or the close. */
 const curvilinear_source *curvilinear_input_source(const curvilinear_input *x);
 
-/* curvilinear_input_takes_files() - returns whether the hints' other files, and their layout, may
- * go with the format. curvilinear_input_format() - returns the format that it is read as: "PLOT3D".
+/* curvilinear_input_format() - returns the format that it is read as: "PLOT3D".
  * curvilinear_input_name() - returns the name of the data set: from the hints, else the grid's own,
  * else "".
  * curvilinear_input_file() - returns the path for messages. */
-bool curvilinear_input_takes_files(const curvilinear_input *x);
 const char *curvilinear_input_format(const curvilinear_input *x);
 const char *curvilinear_input_name(const curvilinear_input *x);
 const char *curvilinear_input_file(const curvilinear_input *x);

@@ -22,7 +22,8 @@ static const char *format(const void *own) {
 }
 
 static unsigned traits(const void *own) {
-    return INPUT_CHOICES | (curvilinear_input_takes_files(own) ? INPUT_PLOT3D : 0U);
+    (void)own;
+    return INPUT_CHOICES;
 }
 
 const input_kind curvilinear_input_kind = {.name = "curvilinear",

@@ -189,7 +189,6 @@ static status read_blanks(void *state, uint32_t zone, uint32_t first, uint32_t c
 
 const curvilinear_reader plot3d_reader = {
     .format = "PLOT3D",
-    .takes_files = true,
     .known = known,
     .open = open_files,
     .close = close_files,

@@ -92,6 +92,8 @@ static status run(convert_request *a, mem *m, input *in, double start) {
     files.of = convert_request_series(a);
     if (st == ST_OK)
         st = step_series_check(&files.of);
+    if (st == ST_OK && !a->allow_empty)
+        st = curvilinear_files_check(&files);
     if (st == ST_OK)
         st = convert_files(a, m, &files, start);
     curvilinear_files_release(&files);

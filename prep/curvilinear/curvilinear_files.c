@@ -24,6 +24,16 @@ static status open_step(void *ctx, uint32_t step, const curvilinear_source **out
     return st;
 }
 
+status curvilinear_files_check(const curvilinear_files *f) {
+    if (curvilinear_input_fields(f->first) > 0)
+        return ST_OK;
+    return status_describe(ST_UNSUPPORTED,
+                           "%s: the grid has no values, so there is nothing to draw (--allow-empty "
+                           "converts it all the same); those of PLOT3D are in files of their own: "
+                           "--solution, --functions",
+                           step_series_path(&f->of, 0));
+}
+
 curvilinear_series curvilinear_files_series(curvilinear_files *f) {
     curvilinear_series s = {f, open_step, path_of, f->of.sets};
     uint32_t component;

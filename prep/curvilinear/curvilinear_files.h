@@ -20,8 +20,10 @@ typedef struct curvilinear_files {
     const char *names[1];
 } curvilinear_files;
 
-/* curvilinear_files_series() - the series of these files. f must not be moved then.
+/* curvilinear_files_check() - ST_UNSUPPORTED if the first one has no field at all.
+ * curvilinear_files_series() - the series of these files. f must not be moved then.
  * curvilinear_files_release() - after all use of the series. */
+CHECKED status curvilinear_files_check(const curvilinear_files *f);
 curvilinear_series curvilinear_files_series(curvilinear_files *f);
 void curvilinear_files_release(curvilinear_files *f);
 

@@ -83,8 +83,6 @@ treelet-tets=64 m
 leaf-tets=4 m
 build=sah m
 gradients m
-solution=$tmp/axis -
-functions=$tmp/axis -
 dry-run rhm
 TABLE
 while read -r option inputs; do
@@ -103,10 +101,10 @@ while read -r option inputs; do
     done
 done <"$tmp/options"
 # Every option of convert but those that any input can use is in that table.
-"$leafcast" convert --help-all | sed -n 's/^ *\(-[a-zA-Z?], \)*--\([a-z-]*\).*/\2/p' | sort -u >"$tmp/all"
+"$leafcast" convert --help-all | sed -n 's/^ *\(-[a-zA-Z?], \)*--\([a-z0-9-]*\).*/\2/p' | sort -u >"$tmp/all"
 {
     sed 's/[= ].*//' "$tmp/options"
-    printf '%s\n' missing name allow-empty append watch until settle resume checkpoint plot3d force help help-all json memory output quiet threads usage verbose version
+    printf '%s\n' missing name allow-empty append watch until settle resume checkpoint plot3d solution functions force help help-all json memory output quiet threads usage verbose version
 } | sort -u >"$tmp/known"
 ok "no option is left out" [ -z "$(comm -23 "$tmp/all" "$tmp/known")" ]
 "$leafcast" convert "$tmp/a.nrrd" -o "$tmp/plain.leaf" --force >/dev/null

@@ -75,6 +75,15 @@ json document convert b_0000.mesh b_0001.mesh -o b.leaf
 json document convert b_0000.mesh --dry-run
 json document convert g.nrrd --append -o grown.leaf
 json lines convert --watch 'd_%04d.nrrd' -o watched.leaf --settle 0 --until 2
+json document generate gyroid --curvilinear warp --dims 9 -o c.vts
+json document convert c.vts -o c.leaf
+json document convert c.vts --dry-run
+json document info c.vts
+json document info c.leaf
+printf '\0\0\0\2\0\0\0\3\0\0\0\4' | tee p.xyz >p.q
+head -c 288 /dev/zero >>p.xyz
+head -c 496 /dev/zero >>p.q
+json document info p.xyz --solution p.q
 json document verify g.leaf
 cp g.leaf g2.leaf
 json document verify g.leaf --repair g2.leaf -o g3.leaf

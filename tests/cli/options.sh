@@ -26,6 +26,9 @@ files() {
     echo '{"iso": [150], "fov": 20}' >"$tmp/state.json"
     for i in 2 10; do printf "P6 3 2 255\n$i$i%s" 123456789012345678 | head -c 29 >"$tmp/s$i.ppm"; done
     mkdir "$tmp/v"
+    { printf '\0\0\0\2\0\0\0\3\0\0\0\4'; head -c 288 /dev/zero; } >"$tmp/p.xyz"
+    { printf '\0\0\0\2\0\0\0\3\0\0\0\4'; head -c 496 /dev/zero; } >"$tmp/p.q"
+    { printf '\0\0\0\2\0\0\0\3\0\0\0\4\0\0\0\1'; head -c 96 /dev/zero; } >"$tmp/p.f"
     tool_vdb=${LEAFCAST_BUILD:-build/release}/tests/tool_vdb
     [ ! -x "$tool_vdb" ] || "$tool_vdb" make "$tmp/v"
 }
@@ -417,7 +420,7 @@ view|--usage|taken||--usage
 view|--version|taken||--version
 info|--solution|says|@p.xyz|--solution @p.q
 info|--functions|says|@p.xyz|--functions @p.f
-info|--plot3d|refused no PLOT3D|@p.xyz|--plot3d f64
+info|--plot3d|refused expected once|@p.xyz|--plot3d nonsense
 info|--skip|shown inputs|
 info|--threads|taken|@g.nrrd|--threads 2
 info|--memory|shown inputs|

@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "formats/base/hexahedron.h"
+#include "prep/leafcast_prep.h"
 #include "render/ray/open_volume.h"
 #include "stream/curvilinear_resident.h"
 #include "tests/support/curvilinear_file.h"
@@ -265,6 +266,68 @@ static void test_hits(void **state) {
     leafcast_close(v);
 }
 
+/* ---- A grid that happens to be regular ---- */
+
+enum { REGULAR = 20, REGULAR_NODES = REGULAR * REGULAR * REGULAR };
+
+/* Both have nodes at whole numbers, so their surfaces are the same function's. */
+static void open_both(leafcast *both[2]) {
+    static float p[REGULAR_NODES][3], values[REGULAR_NODES];
+    field_random r = {FIELD_SEED};
+    leafcast_grid g = {.size = sizeof g};
+    for (uint32_t n = 0; n < REGULAR_NODES; n++) {
+        p[n][0] = (float)(n % REGULAR);
+        p[n][1] = (float)(n / REGULAR % REGULAR);
+        p[n][2] = (float)(n / REGULAR / REGULAR);
+        values[n] = (float)(sin(0.6 * (double)p[n][0]) * cos(0.5 * (double)p[n][1]) +
+                            0.4 * sin(0.9 * (double)p[n][2]) + 0.2 * field_random_unit(&r));
+    }
+    for (int a = 0; a < 3; a++)
+        g.dims[a] = REGULAR;
+    g.type = LEAFCAST_F32;
+    assert_int_equal(leafcast_convert_array(&g, values, NULL, scratch_path("regular.leaf"), NULL),
+                     LEAFCAST_OK);
+    const curvilinear_zone zone = {{REGULAR, REGULAR, REGULAR}, (const float(*)[3])p, values, NULL};
+    const leaf_image image = curvilinear_file(&zone, 1);
+    both[0] = fixture_open(scratch_path("regular.leaf"), NULL);
+    both[1] = fixture_open(scratch_write("bent.leaf", image.bytes, image.size), NULL);
+    free(image.bytes);
+}
+
+static void test_regular(void **state) {
+    enum { RAYS = SLOW ? 60 : 1000, HITS = 256 };
+    static leafcast_hit hits[2][HITS];
+    (void)state;
+    const leafcast_scene scene = leafcast_scene_default();
+    const leafcast_surface surface = leafcast_surface_default(0.25);
+    field_random r = {FIELD_SEED};
+    leafcast *both[2];
+    long met = 0;
+    open_both(both);
+    for (int i = 0; i < 2; i++)
+        assert_int_equal(leafcast_select(both[i], &surface, 1), LEAFCAST_OK);
+    for (int n = 0; n < RAYS; n++) {
+        double o[3], d[3], square = 0.0;
+        int count[2] = {0, 0};
+        for (int a = 0; a < 3; a++) {
+            o[a] = REGULAR * field_random_in(&r, -1.0, 2.0);
+            d[a] = REGULAR * field_random_unit(&r) - o[a];
+            square += d[a] * d[a];
+        }
+        for (int i = 0; i < 2; i++)
+            assert_int_equal(leafcast_probe_ray(both[i], &scene, o, d, hits[i], HITS, &count[i]),
+                             LEAFCAST_OK);
+        assert_int_equal(count[0], count[1]);
+        for (int k = 0; k < count[0]; k++, met++) {
+            assert_true(fabs(hits[0][k].t - hits[1][k].t) * sqrt(square) < 1e-12);
+            assert_int_equal(hits[0][k].entering, hits[1][k].entering);
+        }
+    }
+    assert_true(met > RAYS);
+    for (int i = 0; i < 2; i++)
+        leafcast_close(both[i]);
+}
+
 static double value_of(const leafcast_segment *s, double at) {
     const double *b = s->control, rest = 1.0 - at;
     return rest * rest * rest * b[0] + 3.0 * rest * rest * at * b[1] + 3.0 * rest * at * at * b[2] +
@@ -433,8 +496,9 @@ static void test_lies(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_surfaces), cmocka_unit_test(test_budgets),
-        cmocka_unit_test(test_hits),     cmocka_unit_test(test_pieces),
-        cmocka_unit_test(test_media),    cmocka_unit_test(test_lies),
+        cmocka_unit_test(test_hits),     cmocka_unit_test(test_regular),
+        cmocka_unit_test(test_pieces),   cmocka_unit_test(test_media),
+        cmocka_unit_test(test_lies),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
