@@ -93,10 +93,11 @@ typedef struct leafcast_convert_options {
 
 /* leafcast_convert_path() - converts a file as `leafcast convert` takes it. Grids: NRRD, MetaImage,
  * NIfTI, VTK, NumPy, MRC, FreeSurfer, PVM, SLC, XDMF, a Zarr folder, raw samples with their
- * dimensions in the name or in a JSON beside them. Meshes: TetGen, VTK, Gmsh, a mesh stream. Of
- * several steps the first. Waits for a named pipe's writer, whatever watch() says; refuses standard
- * input. leafcast_convert_steps() - converts several meshes of the same tets, whose points may
- * move, as the steps of a time series. times: ascending; NULL: 0, 1, .. options may be NULL. */
+ * dimensions in the name or in a JSON beside them. Meshes: TetGen, VTK, Gmsh, a mesh stream.
+ * Curvilinear grids: VTK. Of several steps the first. Waits for a named pipe's writer, whatever
+ * watch() says; refuses standard input. leafcast_convert_steps() - converts several meshes of the
+ * same tets, or curvilinear grids of the same numbers of nodes, whose points may move, as the steps
+ * of a time series. times: ascending; NULL: 0, 1, .. options may be NULL. */
 LEAFCAST_API leafcast_status leafcast_convert_path(const char *in, const char *out,
                                                    const leafcast_convert_options *options);
 LEAFCAST_API leafcast_status leafcast_convert_steps(const char *const *in, uint32_t steps,

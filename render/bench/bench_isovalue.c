@@ -61,6 +61,8 @@ static status hoard_open(mem *m, const char *path, double iso, int runs, hoard *
     status st = leaf_file_open(m, path, &h->f);
     if (st != ST_OK)
         return st;
+    if (h->f->mesh || h->f->besides)
+        return status_describe(ST_UNSUPPORTED, "%s: masks are measured of grids", path);
     const uint32_t n = h->f->layout.treelets, k = h->f->layout.cells_log2 - LEAF_BLOCK_LOG2;
     h->treelet = mem_array(m, n, sizeof *h->treelet);
     h->payload = mem_array(m, n, sizeof *h->payload);

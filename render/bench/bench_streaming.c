@@ -199,7 +199,7 @@ static size_t payloads_of(const leafcast *v, uint32_t payloads[]) {
         if (!atomic_load_explicit(&v->touched[t], memory_order_relaxed))
             continue;
         payloads[count++] = v->file->mesh ? t : leaf_layout_samples(l, 0, t);
-        if (v->file->mesh)
+        if (v->file->mesh || v->file->besides)
             payloads[count++] = leaf_layout_values(l, 0, t);
     }
     return count;

@@ -198,6 +198,8 @@ status bench_tree_load(bench_tree *t, mem *m, const char *path) {
     leaf_file *f = NULL;
     *t = (bench_tree){.m = m};
     status st = leaf_file_open(m, path, &f);
+    if (st == ST_OK && (f->mesh || f->besides))
+        st = status_describe(ST_UNSUPPORTED, "%s: trees over samples are measured of grids", path);
     if (st == ST_OK)
         st = load_samples(f, t);
     leaf_file_close(f);

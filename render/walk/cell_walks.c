@@ -143,7 +143,7 @@ void cell_walks_describe(const leafcast *v, leafcast_info *info) {
 status cell_walks_check(const leafcast *v, const leafcast_scene *scene) {
     if (scene_intersector(scene) != LEAFCAST_MARMITT || scene->smooth_normals ||
         (scene->lod == LEAFCAST_LOD_LEVEL && scene->lod_level > 0))
-        return status_describe(ST_USAGE, "%s have no intersectors, smooth normals or levels",
+        return status_describe(ST_USAGE, "a %s has no intersectors, smooth normals or levels",
                                v->kind->name);
     return ST_OK;
 }

@@ -57,6 +57,8 @@ exits "options of regular grids" 2 "$leafcast" convert "$tmp/warp.vts" -o "$tmp/
 exits "resample" 3 "$leafcast" resample "$tmp/warp.leaf" -o "$tmp/x.nrrd"
 ok "takes meshes" says 'a curvilinear grid, of which none is resampled'
 exits "export" 3 "$leafcast" export "$tmp/warp.leaf" --iso 0 -o "$tmp/x.ply"
+exits "a bench of another kind's" 3 "$leafcast" bench nodes "$tmp/warp.leaf" --iso 0 --size 16x16 --runs 1
+exits "and of masks" 3 "$leafcast" bench isovalues "$tmp/warp.leaf" --iso 0 --size 16x16 --runs 1
 exits "a shape that is none" 2 "$leafcast" generate gyroid --curvilinear torus --dims 9 -o "$tmp/x.vts"
 
 # The blunt fin and the combustor: big-endian C binary, the fin's solution with zeros behind it.
