@@ -48,6 +48,9 @@ typedef struct input_kind {
      * they never do. is_folder(): whether it reads this folder; NULL: it reads none. */
     status (*recognises)(byte_stream *s, bool *known);
     bool (*is_asked)(const input_hints *hints);
+    /* Where the last row can open what is recognised here, it is one of those: that nodes which may
+     * lie anywhere make a regular grid is only seen in all of them. */
+    bool last_first;
     bool (*is_folder)(const char *path);
     /* open(): open a stream, which is taken over and closed in any case. open_folder(): goes with
      * is_folder(). close(): NULL is fine. */

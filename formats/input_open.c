@@ -4,28 +4,23 @@
 #include "formats/grid/volume_kind.h"
 #include "formats/mesh/mesh_input_kind.h"
 
-/* The last row takes what no other does. rather: the kind that an input is of where that kind, too,
- * can open it: that nodes of a structured grid lie as in a regular one is only seen in all of them.
- * NULL: there is none. */
-static const struct row {
-    const input_kind *kind, *rather;
-} rows[] = {
-    {&mesh_input_kind, NULL}, {&curvilinear_input_kind, &volume_kind}, {&volume_kind, NULL}};
-enum { ROWS = sizeof rows / sizeof *rows };
+/* The last row takes what no other does. */
+static const input_kind *const kinds[] = {&mesh_input_kind, &curvilinear_input_kind, &volume_kind};
+enum { KINDS = sizeof kinds / sizeof *kinds };
 
 static const input_kind *kind_of_folder(const char *path) {
-    for (int i = 0; i < ROWS; i++)
-        if (rows[i].kind->is_folder && rows[i].kind->is_folder(path))
-            return rows[i].kind;
+    for (int i = 0; i < KINDS; i++)
+        if (kinds[i]->is_folder && kinds[i]->is_folder(path))
+            return kinds[i];
     return NULL;
 }
 
-static status recognise(byte_stream *s, const struct row **row) {
+static status recognise(byte_stream *s, const input_kind **kind) {
     bool known = false;
-    for (int i = 0; i < ROWS && !known; i++) {
-        *row = &rows[i];
-        known = !rows[i].kind->recognises;
-        const status st = known ? ST_OK : rows[i].kind->recognises(s, &known);
+    for (int i = 0; i < KINDS && !known; i++) {
+        *kind = kinds[i];
+        known = !kinds[i]->recognises;
+        const status st = known ? ST_OK : kinds[i]->recognises(s, &known);
         if (st != ST_OK)
             return st;
     }
@@ -33,9 +28,9 @@ static status recognise(byte_stream *s, const struct row **row) {
 }
 
 static const input_kind *asked_kind(const input_hints *hints) {
-    for (int i = 0; hints && i < ROWS; i++)
-        if (rows[i].kind->is_asked && rows[i].kind->is_asked(hints))
-            return rows[i].kind;
+    for (int i = 0; hints && i < KINDS; i++)
+        if (kinds[i]->is_asked && kinds[i]->is_asked(hints))
+            return kinds[i];
     return NULL;
 }
 
@@ -51,22 +46,22 @@ static status open_stream(mem *m, byte_stream *s, const input_hints *hints, cons
 }
 
 static status open_recognised(mem *m, const char *path, const input_hints *hints, input *out) {
-    const struct row *row = NULL;
+    const input_kind *kind = NULL;
     byte_stream *s = NULL;
     status st = byte_stream_open(m, path, &s);
     if (st == ST_OK)
-        st = recognise(s, &row);
+        st = recognise(s, &kind);
     if (st != ST_OK) {
         byte_stream_close(s);
         return st;
     }
-    if (!row->rather)
-        return open_stream(m, s, hints, row->kind, out);
-    st = open_stream(m, s, hints, row->rather, out);
+    if (!kind->last_first)
+        return open_stream(m, s, hints, kind, out);
+    st = open_stream(m, s, hints, kinds[KINDS - 1], out);
     if (st != ST_UNSUPPORTED)
         return st;
     st = byte_stream_open(m, path, &s);
-    return st == ST_OK ? open_stream(m, s, hints, row->kind, out) : st;
+    return st == ST_OK ? open_stream(m, s, hints, kind, out) : st;
 }
 
 status input_open(mem *m, const char *path, const input_hints *hints, input *out) {

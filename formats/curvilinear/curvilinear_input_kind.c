@@ -29,6 +29,7 @@ static unsigned traits(const void *own) {
 const input_kind curvilinear_input_kind = {.name = "curvilinear",
                                            .recognises = curvilinear_input_recognise,
                                            .is_asked = is_asked,
+                                           .last_first = true,
                                            .open = open_stream,
                                            .close = close_grid,
                                            .format = format,

@@ -212,6 +212,9 @@ static void check_file(const form *f, const char *path, const char *format) {
         check_planes(f, s, p, 1, 1);
         check_planes(f, s, p, 4, 1);
     }
+    /* From zone to zone, each time further. */
+    for (int k = 0; k < K; k++)
+        check_planes(f, s, k % f->pieces, k, 1);
     curvilinear_input_close(x);
     assert_int_equal(mem_used(&m), 0);
 }
