@@ -108,13 +108,12 @@ pair() {
     shift
     exits "$name: in place" 0 "$leafcast" convert "$in/$name.nc" -o "$tmp/$name.leaf" --in-place --force "$@"
     exits "$name: sound" 0 "$leafcast" verify "$tmp/$name.leaf"
-    one_in 3 || return 0 # export and render read samples as verify does
     run "$leafcast" convert "$in/$name.nc" -o "$tmp/whole.leaf" --compress zstd --force "$@"
     [ "$rc" = 0 ] || ok "$name: with all samples" false
     for file in "$name" whole; do
         run "$leafcast" export "$tmp/$file.leaf" -o "$tmp/$file.raw" --format raw --force
         [ "$rc" = 0 ] || ok "$name: export of $file" false
-        run "$leafcast" render "$tmp/$file.leaf" -o "$tmp/$file.ppm" --size 80x70 --tf auto --force --threads 2
+        run "$leafcast" render "$tmp/$file.leaf" -o "$tmp/$file.ppm" --size $picture --tf auto --force --threads 2
         [ "$rc" = 0 ] || ok "$name: render of $file" false
     done
     for what in raw ppm; do
@@ -122,6 +121,7 @@ pair() {
     done
 }
 while read -r name options; do
+    one_in 4 "$name" "four_scaled four_scaled_piece" || continue # all kinds of numbers: test_stored_samples.c
     # shellcheck disable=SC2086
     pair "$name" $options
 done <"$tmp/list"

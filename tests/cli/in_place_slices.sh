@@ -40,7 +40,7 @@ write(folder + "pages/1.tif", a[:11], rows=8)
 write(folder + "pages/2.tif", a[11:12], rows=8)
 write(folder + "pages/10.tif", a[12:], rows=8, gap=5)
 print("pages")
-slices("many", made("u1", 600, 20, 21), listed=False)
+slices("many", made("u1", int(sys.argv[2]), 20, 21), listed=False)
 # What is refused.
 slices("orders", a, listed=False)
 write(folder + "orders/slice20.tif", a[12:13], big_endian=True)
@@ -58,7 +58,9 @@ os.mkfifo(folder + "piped/slice20.tif")
 slices("cut", a, listed=False)
 os.truncate(folder + "cut/slice20.tif", 1000)
 PY
-"$python" "$tmp/make.py" "$tmp" >"$tmp/list" || ok "files to read" false
+many=${watched:+120}
+many=${many:-600}
+"$python" "$tmp/make.py" "$tmp" $many >"$tmp/list" || ok "files to read" false
 
 # index NAME OPTIONS... - the folder NAME as $tmp/NAME.leaf, in place.
 index() {
@@ -67,16 +69,16 @@ index() {
     exits "$name: in place" 0 "$leafcast" convert "$in/$name" -o "$tmp/$name.leaf" --in-place --force "$@"
 }
 while read -r name options; do
+    one_in 4 "$name" "strips_u2_little strips_u2_big packed_u2_big planes luminance pages" || continue # all forms of files are among them
     # shellcheck disable=SC2086
     index "$name" $options
     exits "$name: sound" 0 "$leafcast" verify "$tmp/$name.leaf"
-    one_in 3 || continue # export and render read samples as verify does
     # shellcheck disable=SC2086
     run "$leafcast" convert "$in/$name" -o "$tmp/all.leaf" --compress zstd --force $options
     for file in "$name" all; do
         run "$leafcast" export "$tmp/$file.leaf" -o "$tmp/$file.raw" --format raw --force
         [ "$rc" = 0 ] || ok "$name: export of $file" false
-        run "$leafcast" render "$tmp/$file.leaf" -o "$tmp/$file.ppm" --size 80x70 --tf auto --force --memory 40M --threads 4
+        run "$leafcast" render "$tmp/$file.leaf" -o "$tmp/$file.ppm" --size $picture --tf auto --force --memory 40M --threads 4
         [ "$rc" = 0 ] || ok "$name: render of $file" false
     done
     for what in raw ppm; do
@@ -92,7 +94,7 @@ ok "says in which folder level 0 is" grep -q "level 0  *in place, in .*in/strips
 index many
 cp "$tmp/many.leaf" "$tmp/copy.leaf"
 # shellcheck disable=SC3045 # of dash and bash
-exits "600 files, of which 40 may be open" 0 sh -c 'ulimit -n 40; exec "$@"' sh "$leafcast" verify "$tmp/many.leaf" --threads 4
+exits "$many files, of which 40 may be open" 0 sh -c 'ulimit -n 40; exec "$@"' sh "$leafcast" verify "$tmp/many.leaf" --threads 4
 # shellcheck disable=SC3045
 exits "drawn, too" 0 sh -c 'ulimit -n 40; exec "$@"' sh "$leafcast" render "$tmp/many.leaf" -o "$tmp/many.ppm" --size 90x90 \
     --tf auto --threads 4 --memory 60M

@@ -93,20 +93,22 @@ pair() {
     shift
     exits "$name: in place" 0 "$leafcast" convert "$in/$name.tif" -o "$tmp/$name.leaf" --in-place --force "$@" --threads 3
     exits "$name: sound" 0 "$leafcast" verify "$tmp/$name.leaf"
-    one_in 3 || return 0 # export and render read samples as verify does
+    one_in 4 || return 0 # export and render read samples as verify does
     run "$leafcast" convert "$in/$name.tif" -o "$tmp/all.leaf" --compress zstd --force "$@"
     [ "$rc" = 0 ] || ok "$name: with all samples" false
     for file in "$name" all; do
         run "$leafcast" export "$tmp/$file.leaf" -o "$tmp/$file.raw" --format raw --force
         [ "$rc" = 0 ] || ok "$name: export of $file" false
-        run "$leafcast" render "$tmp/$file.leaf" -o "$tmp/$file.ppm" --size 80x70 --tf auto --force --memory 40M --threads 4
+        run "$leafcast" render "$tmp/$file.leaf" -o "$tmp/$file.ppm" --size $picture --tf auto --force --memory 40M --threads 4
         [ "$rc" = 0 ] || ok "$name: render of $file" false
     done
     for what in raw ppm; do
         ok "$name, $what: the same" cmp "$tmp/$name.$what" "$tmp/all.$what"
     done
 }
+told="whole_u2 whole_f8 strips_in_turn steps_whole strips_u2 tiles_u2 long high many_rows luminance_planes"
 while read -r name options; do
+    one_in 3 "$name" "$told one_of_rgb_planes packed_u2" || continue # all forms of pages are among those told of below
     # shellcheck disable=SC2086
     pair "$name" $options
 done <"$tmp/list"

@@ -12,10 +12,12 @@ import re
 import subprocess
 import sys
 
+from watched import WATCHED
+
 leafcast, folder = sys.argv[1:]
 MOST = 31  # of --lod: LEAFCAST_LEVEL_MAX
 # Where sanitizers watch, those with caps, and every so manieth of the others.
-FEW = 7 if re.search("/(sanitize|thread)", os.environ.get("LEAFCAST_BUILD", "")) else 1
+FEW = 7 if WATCHED else 1
 
 PLANE = {"clip-plane": [[1, 0.1, 0, -0.3]], "eye": [-3, 0.5, 0.7], "look-at": [0.5, 0.5, 0.5]}
 MAP = {"colour-map": "viridis", "opacity": ["0:0,255:0.9"]}

@@ -68,12 +68,20 @@ results() {
     ok "all of them were run (exit $rc)" [ "$rc" = 0 ]
 }
 
-# one_in N - true at every Nth call, the first one included; at each but where sanitizers look for wrong accesses: what
-# has been compared there in the same way, on other input, need not be again.
-tap_turn=0
+# $watched - not empty where a sanitizer watches; $picture - the size of pictures that are held against each other: to
+# find a wrong access it takes fewer pixels.
+# shellcheck disable=SC2034 # for those that source this
+case ${LEAFCAST_BUILD-} in
+*/sanitize* | */thread*) watched=y picture=24x20 ;;
+*) watched='' picture=80x70 ;;
+esac
+
+# one_in N [NAME NAMES] - true at every Nth call with this N, the first one included, and if NAME is among NAMES; at each
+# but where sanitizers watch: what has been compared there in the same way, on other input, need not be again.
 one_in() {
-    case ${LEAFCAST_BUILD-} in */sanitize*) ;; *) return 0 ;; esac
-    tap_turn=$((tap_turn + 1))
+    [ -n "$watched" ] || return 0
+    case " ${3-} " in *" ${2--} "*) return 0 ;; esac
+    eval "tap_turn=\$((\${tap_turn_$1:-0} + 1)) tap_turn_$1=\$tap_turn"
     [ $((tap_turn % $1)) = 1 ]
 }
 

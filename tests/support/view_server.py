@@ -8,6 +8,7 @@ import json, os, random, select, shutil, signal, subprocess, time, urllib.parse
 from view_client import Closed, Page, Server, ends, ok, png_pixels
 from view_states import (ENDLESS, folder, GRID, H, leafcast, MEDIUM, MESH, picture_of, refused, rendered, SEED,
                          serve, SHADED, SURFACE, W, want_slice)
+from watched import WATCHED
 
 
 # ---- What is served, to whom ----
@@ -498,8 +499,8 @@ def main():
     for test in (pages, sockets, files, large, superseded, unseen, waiting, picks, states, limits, several):
         test(s)
     changed()
-    fuzz(s, 2000)
-    rubbish(s, 300)
+    fuzz(s, 400 if WATCHED else 2000)
+    rubbish(s, 60 if WATCHED else 300)
     ends(s, "after all")
     ending()
     print("end")
