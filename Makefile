@@ -68,6 +68,8 @@ ALL_C   = -std=c17 -D_GNU_SOURCE $(COMMON) $(WARN) $(WARN_C) $(DEPS_CFLAGS) $(CP
 ALL_CXX = -std=c++17 -D_GNU_SOURCE $(filter-out -fsanitize=%,$(COMMON)) $(WARN) \
           $(CPPFLAGS) $(CXXFLAGS)
 ALL_LIBS = $(DEPS_LIBS) $(DOOR_LIBS)
+# What UBSan says has half a million addresses, which programs that may lie anywhere set whenever they begin.
+PLACE    := $(if $(filter sanitize,$(CONFIG)),-no-pie)
 
 # ---- what there is -------------------------------------------------------------------------------
 SOURCES  := $(sort $(wildcard $(foreach d,formats prep stream render,$d/*.c $d/*/*.c)))
@@ -182,7 +184,7 @@ endif
 
 Q   := $(if $(V),,@)
 say  = $(if $(V),,@echo "  $1  $2")
-link = $(Q)$(CC) $(ALL_C) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(ALL_LIBS)
+link = $(Q)$(CC) $(ALL_C) $(PLACE) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(ALL_LIBS)
 
 all: $(if $(filter release,$(CONFIG)),$(STATIC) $(SHARED)) $(VERBS) $(IMPORTERS) $(LEFT_OUT) $(if $(LIB_view),,without-view) $(IMAGE) $(TETGEN_BIN) $(FRONT) $(if $(filter build/release,$B),build/leafcast) $(FUZZERS)
 
@@ -297,7 +299,7 @@ define importer_rule
 $B/libexec/leafcast-import-$1: $(patsubst %,$B/obj/%.o,$(basename $(wildcard prep/import/$1/*.c prep/import/$1/*.cpp) $(ALSO_$1))) $(IN_PLACE_O) $(INTERNAL)
 	@mkdir -p $$(@D)
 	$$(call say,LINK,$$@)
-	$(Q)$(if $(wildcard prep/import/$1/*.cpp),$(CXX),$(CC)) $(COMMON) $(LDFLAGS) -o $$@ $$(filter %.o,$$^) \
+	$(Q)$(if $(wildcard prep/import/$1/*.cpp),$(CXX),$(CC)) $(COMMON) $(PLACE) $(LDFLAGS) -o $$@ $$(filter %.o,$$^) \
 	    $$(filter %.a,$$^) $(filter-out -I% -D%,$(LIB_$1)) $(ALL_LIBS)
 $B/obj/prep/import/$1/%.o: IMPORT := $(filter -I% -D%,$(LIB_$1))
 endef
@@ -366,7 +368,7 @@ $(foreach p,test tool fuzz,$(foreach f,$(call sources,$p),$(eval $(call program_
 $B/tests/tool_importer: $(IN_PLACE_O)
 
 $B/flags-link: FORCE
-	$(call remember,$(LDFLAGS) $(DEPS_LIBS))
+	$(call remember,$(PLACE) $(LDFLAGS) $(DEPS_LIBS))
 $(SHARED) $(VERBS) $(IMPORTERS) $(IMAGE) $(TETGEN_BIN) $(TESTS) $(TOOLS) $(FUZZERS): $B/flags-link
 
 # Files of a library's own making, and what it reads of them.

@@ -78,6 +78,7 @@ esac
 
 # one_in N [NAME NAMES] - true at every Nth call with this N, the first one included, and if NAME is among NAMES; at each
 # but where sanitizers watch: what has been compared there in the same way, on other input, need not be again.
+tap_turn=0
 one_in() {
     [ -n "$watched" ] || return 0
     case " ${3-} " in *" ${2--} "*) return 0 ;; esac
