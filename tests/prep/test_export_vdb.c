@@ -373,7 +373,8 @@ static void test_tiles(void **state) {
 /* A whole node of 128^3 is a tile where the directory tells it; several nodes of 4096^3. */
 static void test_far(void **state) {
     (void)state;
-    skip_under_thread();
+    if (SLOW) /* whole nodes are skipped by their ranges, of any values */
+        skip();
     leaf_case c = leaf_files_case(4600, 140, 129, SAMPLE_U8);
     const uint32_t all[6] = {0, 0, 0, 4599, 139, 128};
     const size_t count = (size_t)4600 * 140 * 129;
@@ -430,7 +431,7 @@ static void test_faults(void **state) {
     char *whole = scratch_read(scratch_path("x.vdb"), &size);
     const size_t files = scratch_count();
     for (int kind = FAULT_ALLOC; kind <= FAULT_WRITE; kind++)
-        for (long k = 1, more = 1; more; k++) {
+        for (long k = 1, more = 1; more; k += 1 + (SLOW ? k / 8 : 0)) {
             remove(scratch_path("x.vdb"));
             fault_arm((fault_kind)kind, k);
             const status st = try_export(path, scratch_path("x.vdb"), NULL, 1, 0);
@@ -446,7 +447,7 @@ static void test_faults(void **state) {
             assert_memory_equal(whole, bytes, size);
             free(bytes);
         }
-    assert_true(failed > 50);
+    assert_true(failed > (SLOW ? 20 : 50));
     free(whole);
     free((void *)(uintptr_t)c.samples);
 }

@@ -14,7 +14,7 @@
 #include "tests/support/watched.h"
 
 /* Smaller pictures where every access is watched. */
-enum { SIDE = WATCHED_THREADS ? 12 : WATCHED_MEMORY ? 28 : 56 };
+enum { SIDE = WATCHED_THREADS ? 12 : WATCHED_MEMORY ? 20 : 56 };
 enum { PIXELS = SIDE * SIDE, N = 53 };
 
 typedef struct picture {

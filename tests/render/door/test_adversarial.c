@@ -16,6 +16,7 @@
 #include "tests/support/leaf_files.h"
 #include "tests/support/ray_judge.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 enum { B = 16, CELLS_LOG2 = 4 };
 
@@ -188,7 +189,7 @@ static void test_grid_sizes(void **state) {
     (void)state;
     const long sizes[] = {2, B, B + 1, 2 * B, 2 * B + 1};
     ray_tally all = {0};
-    for (int mix = 0; mix < 125; mix++) {
+    for (int mix = 0; mix < 125; mix += WATCHED ? 3 : 1) {
         const long dims[3] = {sizes[mix % 5], sizes[mix / 5 % 5], sizes[mix / 25]};
         field f;
         make(&f, "noise", "u8", dims, 128, noise);
@@ -200,7 +201,7 @@ static void test_grid_sizes(void **state) {
         trial_end(&t, &all);
         field_release(&f);
     }
-    conclude("grid sizes", &all, 10000);
+    conclude("grid sizes", &all, WATCHED ? 3000 : 10000);
 }
 
 static void test_one_sample_is_refused(void **state) {
@@ -477,7 +478,7 @@ static void judge_planes(trial *t) {
     const double planes[] = {0, 1, B - 1, B, B + 1, 2 * B - 1, 2 * B};
     for (int axis = 0; axis < 3; axis++)
         for (size_t i = 0; i < sizeof planes / sizeof *planes; i++)
-            for (int k = 0; k < 12; k++) {
+            for (int k = 0; k < (WATCHED ? 4 : 12); k++) {
                 double node[3], d[3];
                 random_direction(&t->random, d);
                 for (int a = 0; a < 3; a++)

@@ -28,7 +28,7 @@
 #include "tests/support/scratch.h"
 
 #if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
-enum { RUNS = 40 };
+enum { RUNS = 18 };
 #else
 enum { RUNS = 100 };
 #endif
