@@ -220,8 +220,6 @@ static status open_ours(race *r, leafcast **volume) {
                                       .memory = r->o->memory,
                                       .isa = r->o->isa ? cpu_isa_name(r->o->isa) : NULL};
     status st = (status)leafcast_open(r->o->path, &options, volume);
-    if (st == ST_OK && (*volume)->file->besides)
-        st = status_describe(ST_UNSUPPORTED, "%s: peers draw grids and meshes", r->o->path);
     return st == ST_OK ? (status)leafcast_select(*volume, r->o->view->surfaces, 1) : st;
 }
 
