@@ -135,6 +135,21 @@ static void put_leaf_name(shell_line *c, const char *path) {
         c->full = true;
 }
 
+static void put_plot3d(shell_line *c, const curvilinear_hints *h) {
+    const struct {
+        const char *option, *path;
+    } files[] = {{" --solution ", h->solution}, {" --functions ", h->functions}};
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
+        if (files[i].path) {
+            shell_line_put(c, files[i].option);
+            shell_line_path(c, files[i].path);
+        }
+    if (h->layout) {
+        shell_line_put(c, " --plot3d ");
+        shell_line_word(c, h->layout);
+    }
+}
+
 bool input_facts_next(const input_facts *x, const input_question *q, char *text, size_t room) {
     shell_line c = shell_line_begin(text, room);
     const volume_hints *grids = &q->hints.grid;
@@ -164,6 +179,7 @@ bool input_facts_next(const input_facts *x, const input_question *q, char *text,
         shell_line_put(&c, " --follow-links");
     if (grids->trust.allow_missing)
         shell_line_put(&c, " --allow-missing");
+    put_plot3d(&c, &q->hints.curvilinear);
     /* Without this option convert would refuse it: there is nothing to draw. */
     if (x->lacks_values)
         shell_line_put(&c, " --allow-empty");

@@ -88,8 +88,6 @@ status peer_field_load(mem *m, const char *path, pool *threads, peer_field *fiel
     loading l = {.field = field};
     *field = (peer_field){.m = m};
     status st = leaf_file_open(m, path, &l.leaf);
-    if (st == ST_OK && l.leaf->besides)
-        st = status_describe(ST_UNSUPPORTED, "%s: peers draw grids and meshes", path);
     if (st == ST_OK && l.leaf->header.non_finite > 0)
         st = status_describe(ST_UNSUPPORTED, "%s: a sample is not finite: no mesh to compare with",
                              path);

@@ -34,6 +34,8 @@ static status load_treelet(void *ctx, size_t index, int worker) {
 status peer_tets_load(mem *m, const char *path, pool *threads, peer_tets *tets) {
     *tets = (peer_tets){.m = m};
     status st = leaf_file_open(m, path, &tets->file);
+    if (st == ST_OK && !tets->file->mesh)
+        st = status_describe(ST_UNSUPPORTED, "%s: peers draw grids and meshes", path);
     if (st != ST_OK)
         return st;
     const uint32_t treelets = tets->file->layout.treelets;

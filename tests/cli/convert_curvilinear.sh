@@ -71,6 +71,8 @@ if [ -d "$data/bluntfin" ]; then
     exits "its pressure and Mach number" 0 "$leafcast" convert "$data/bluntfin/bluntfinxyz.bin" --solution "$data/bluntfin/bluntfinq.bin" --field pressure --field mach -o "$tmp/two.leaf"
     exits "the combustor" 0 "$leafcast" convert "$data/combustor/combxyz.bin" --solution "$data/combustor/combq.bin" -o "$tmp/comb.leaf"
     ok "has two folded cells" says '^cells *43006 right-handed, 0 left-handed, 2 folded or flat$'
+    exits "what comes next" 0 "$leafcast" info "$data/bluntfin/bluntfinxyz.bin" --solution "$data/bluntfin/bluntfinq.bin" --quick
+    ok "names the solution" says '^next  *leafcast convert .*bluntfinxyz.bin --solution .*bluntfinq.bin -o bluntfinxyz.leaf$'
     exits "a grid without a solution" 3 "$leafcast" convert "$data/bluntfin/bluntfinxyz.bin" -o "$tmp/x.leaf"
     ok "says what has its values" says '--solution'
 else
