@@ -216,9 +216,9 @@ static void test_faults(void **state) {
     const long all = j.asked;
     assert_int_equal(remove(scratch_path("y.leaf")), 0);
     for (size_t n = 0; n < sizeof kinds / sizeof kinds[0]; n++)
-        for (long first = 0; first < 3; first++) {
+        for (long first = 0; first < (WATCHED ? 2 : 3); first++) {
             bool fired = true;
-            for (long k = 1; fired; k += 1 + k / (SLOW ? 2 : 6)) {
+            for (long k = 1; fired; k += 1 + k / (WATCHED ? 1 : SLOW ? 2 : 6)) {
                 if (first > 0) {
                     j.end = all * first / 3;
                     assert_int_equal(convert(&j, "y.leaf", true, &r), ST_STOPPED);

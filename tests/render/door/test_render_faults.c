@@ -296,7 +296,8 @@ static void sweep_faults(const kind *how, fault_kind what, uint32_t treelet_limi
     const hash_id want = clean_answers(j.path, j.iso);
     int errors = 0, runs = 0;
     long k = 1;
-    for (; fail_at(&j, what, k, want, &errors); k += k < DENSE ? 1 : 1 + k / 4)
+    for (; fail_at(&j, what, k, want, &errors);
+         k += k < DENSE ? 1 : 1 + k / (WATCHED_THREADS ? 2 : 4))
         runs++;
     print_message("# %s, %u treelets at a time: %ss fail up to the %ldth: %d errors in %d runs\n",
                   how->name, treelet_limit, fault_name(what), k - 1, errors, runs);
@@ -425,7 +426,7 @@ static void test_file_truncated_after_opening(void **state) {
         j.path = leaf_of("waves", 30, kinds[i].compressed, &j.iso);
         const hash_id want = clean_answers(j.path, j.iso);
         char *bytes = scratch_read(j.path, &size);
-        for (int part = 0; part < 12; part++) {
+        for (int part = 0; part < 12; part += WATCHED_THREADS ? 4 : 1) {
             const size_t kept = part < 11 ? size * (size_t)part / 11 : size - 1;
             leafcast *volume = fixture_open(j.path, &j.options);
             assert_int_equal(truncate(j.path, (off_t)kept), 0);
@@ -548,7 +549,8 @@ static void check_budgets(const char *path, leafcast_options options, double iso
     const hash_id want = clean_answers(path, iso);
     int refused = 0, named = 0, drawn = 0;
     job j = {.path = path, .iso = iso, .out = &a, .options = options};
-    for (uint64_t memory = 1; drawn < 8; memory += 1 + memory / (WATCHED_THREADS ? 1 : 3)) {
+    for (uint64_t memory = 1; drawn < (WATCHED ? 3 : 8);
+         memory += 1 + memory / (WATCHED_THREADS ? 1 : 3)) {
         unsigned long long enough = 0;
         alarm(STUCK_S);
         j.options.memory = memory;

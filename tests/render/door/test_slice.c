@@ -192,7 +192,7 @@ static void test_any_budget(void **state) {
         const leafcast_slice_pixels s = slice_subject_slice(v, &r);
         (void)slice_subject_sample(v, &s, want);
         leafcast_close(v);
-        for (int extra = -1; extra < 6; extra++) {
+        for (int extra = -1; extra < (SLOW ? 3 : 6); extra++) {
             leafcast_options o = {.size = sizeof o, .threads = 1 + (extra + 1) % 4};
             o.backend = x->mesh || which == 0 ? LEAFCAST_BACKEND_ARENA : LEAFCAST_BACKEND_MAPPED;
             const uint64_t least = least_budget(x->path, &s, &o);
@@ -221,7 +221,7 @@ static void test_rows(void **state) {
         field_random r = {11};
         leafcast_slice_pixels s = slice_subject_slice(v, &r);
         (void)slice_subject_sample(v, &s, want);
-        for (uint32_t step = 1; step <= SLICE_HEIGHT; step += step < 5 ? 1 : 14) {
+        for (uint32_t step = SLOW ? 3 : 1; step <= SLICE_HEIGHT; step += step < 5 ? 1 : 14) {
             for (s.first_row = 0; s.first_row < SLICE_HEIGHT; s.first_row += step) {
                 double *at = got + (size_t)s.first_row * SLICE_WIDTH;
                 s.rows = SLICE_HEIGHT - s.first_row < step ? SLICE_HEIGHT - s.first_row : step;
@@ -340,7 +340,7 @@ static void test_treelets(void **state) {
 
 /* Points in no order: each treelet is read once all the same. */
 static void test_points_in_no_order(void **state) {
-    enum { POINTS = 20000 };
+    enum { POINTS = SLOW ? 5000 : 20000 };
     static double points[POINTS][3];
     static leafcast_sample samples[POINTS];
     (void)state;
