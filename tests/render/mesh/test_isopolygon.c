@@ -17,8 +17,9 @@
 #include "render/mesh/tet_points_template.h"
 #include "render/mesh/tet_polygons_template.h"
 #include "tests/support/fields.h"
+#include "tests/support/watched.h"
 
-enum { TETS = 400000 };
+enum { TETS = SLOW ? 100000 : 400000 };
 
 /* Lattice points make tets that are flat, or that nearly are when they lie far from the origin. */
 static tet any_tet(field_random *r) {

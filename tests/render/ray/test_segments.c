@@ -19,7 +19,7 @@
 #include "tests/support/segment_truth.h"
 #include "tests/support/watched.h"
 
-enum { RAYS = 60, PIECES_MAX = 4096, AHEAD = 64 };
+enum { RAYS = WATCHED ? 30 : 60, PIECES_MAX = 4096, AHEAD = 64 };
 
 /* An open volume whose every value is of interest. */
 typedef struct stage {
