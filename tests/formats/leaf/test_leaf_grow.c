@@ -20,6 +20,7 @@
 #include "tests/support/mesh_cases.h"
 #include "tests/support/naive_grown.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 /* Steps from `first` on, as a series of their own. */
 static grid_series some(const leaf_steps *s, uint32_t first, uint32_t count) {
@@ -295,7 +296,7 @@ static void test_faults(void **state) {
     for (int kind = FAULT_ALLOC; kind <= FAULT_WRITE; kind++) {
         long k = 1;
         bool fired = true;
-        for (; fired; k += 1 + k / 16)
+        for (; fired; k += 1 + k / (SLOW ? 4 : 16))
             fired = fail_at(&s, (fault_kind)kind, k, scratch_write("faults.leaf", two, size));
         assert_true(k > 4);
     }

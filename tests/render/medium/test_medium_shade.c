@@ -583,7 +583,8 @@ static void check_bits(const drawn *what) {
         check_same(&want, &got, "few treelets");
     }
     o.threads = 1; /* each takes its share, which is large where a sanitizer looks */
-    for (o.memory = 24 << 20; draw_with(what, &o, &got); o.memory -= o.memory / 16, budgets++)
+    for (o.memory = 24 << 20; draw_with(what, &o, &got);
+         o.memory -= o.memory / (WATCHED ? 8 : 16), budgets++)
         check_same(&want, &got, "little memory");
     assert_true(budgets > 4);
 }

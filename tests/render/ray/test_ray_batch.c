@@ -21,7 +21,7 @@
 #include "tests/support/ray_stage.h"
 
 #ifdef __SANITIZE_ADDRESS__
-enum { BATCHES = 8, SCENES = 6 };
+enum { BATCHES = 4, SCENES = 4 };
 #else
 enum { BATCHES = 40, SCENES = 36 };
 #endif
