@@ -19,7 +19,7 @@
 #include "tests/support/tet_meshes.h"
 
 #ifdef __SANITIZE_ADDRESS__
-enum { CUBES = 4, SCENES = 6, STEP = 47 };
+enum { CUBES = 4, SCENES = 12, STEP = 23 };
 #else
 enum { CUBES = 6, SCENES = 18, STEP = 7 };
 #endif
