@@ -9,14 +9,7 @@
 #include "tests/support/watched.h"
 
 /* No multiple of a tile's side. */
-enum {
-    PICTURE_WIDTH = WATCHED_THREADS ? 29
-                    : WATCHED       ? 43
-                                    : 75,
-    PICTURE_HEIGHT = WATCHED_THREADS ? 21
-                     : WATCHED       ? 29
-                                     : 53
-};
+enum { PICTURE_WIDTH = WATCHED ? 43 : 75, PICTURE_HEIGHT = WATCHED ? 29 : 53 };
 enum { PICTURE_PIXELS = PICTURE_WIDTH * PICTURE_HEIGHT };
 
 typedef struct picture {

@@ -388,7 +388,7 @@ static void test_pieces(void **state) {
 /* A medium's opacity, and the extremes, of each pixel are those of its ray's pieces; opacities to
  * within their certificate. */
 static void test_media(void **state) {
-    enum { STEP = WATCHED_THREADS ? 11 : SLOW ? 23 : 7 };
+    enum { STEP = SLOW ? 23 : 7 };
     (void)state;
     static two_zones s;
     static leafcast_segment got[PIECES];
