@@ -28,8 +28,8 @@ static void cut_box(const hexahedron *h, const ray *r, double t[2]) {
     }
 }
 
-/* The gradient in the middle of the cell, four times as large as the parameters say; 0: there is
- * none. */
+/* The gradient in the middle of the cell; 0: there is none. Four parallel edges are added up, each
+ * time: the factors cancel. */
 static void gradient_of(const hexahedron *h, double out[3]) {
     double along[3][3], rise[3], across[3][3];
     for (int a = 0; a < 3; a++) {
