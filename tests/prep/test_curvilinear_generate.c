@@ -14,7 +14,9 @@
 #include "formats/base/fault.h"
 #include "formats/base/hexahedron.h"
 #include "formats/curvilinear/curvilinear_input.h"
+#include "formats/leaf/leaf_verify.h"
 #include "prep/generate/curvilinear_generate.h"
+#include "prep/leafcast_prep.h"
 #include "tests/support/scratch.h"
 
 static mem m;
@@ -123,6 +125,35 @@ static void test_files(void **state) {
     }
 }
 
+/* By the library: two shapes are two steps, whose nodes move; their field is the file's. */
+static void test_library(void **state) {
+    (void)state;
+    const curvilinear_generate_options one = options(CURVILINEAR_WARP, "one.vts"),
+                                       two = options(CURVILINEAR_TWISTED, "two.vts");
+    const char *const in[] = {one.output, two.output};
+    const char *out = scratch_path("library.leaf");
+    leafcast_convert_options o = {.size = sizeof o, .replace = true};
+    assert_int_equal(curvilinear_generate(&m, &one, NULL), ST_OK);
+    assert_int_equal(curvilinear_generate(&m, &two, NULL), ST_OK);
+    assert_int_equal(leafcast_convert_steps(in, 2, NULL, out, &o), LEAFCAST_OK);
+    leaf_file *f = NULL;
+    assert_int_equal(leaf_file_open(&m, out, &f), ST_OK);
+    assert_true(f->header.kind == LEAF_KIND_CURVILINEAR && f->header.steps == 2);
+    assert_true(f->header.moving && f->header.zones == 1);
+    assert_string_equal(f->names[0], "gyroid");
+    assert_int_equal(leaf_verify(&m, f, 1, NULL), ST_OK);
+    leaf_file_close(f);
+    assert_int_equal(leafcast_convert_path(in[0], out, &o), LEAFCAST_OK);
+    o.fields = (const char *const[]){"none"};
+    o.field_count = 1;
+    assert_int_equal(leafcast_convert_path(in[0], out, &o), LEAFCAST_USAGE);
+    o.field_count = 0;
+    o.fields = NULL;
+    o.zstd_level = 1;
+    assert_int_equal(leafcast_convert_path(in[0], out, &o), LEAFCAST_UNSUPPORTED);
+    assert_non_null(strstr(leafcast_error_text(), "not compressed"));
+}
+
 static void test_faults(void **state) {
     (void)state;
     static const fault_kind kinds[] = {FAULT_ALLOC, FAULT_WRITE};
@@ -147,6 +178,7 @@ static void test_faults(void **state) {
 int main(void) {
     mem_init(&m, 0);
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_shapes), cmocka_unit_test(test_files),
+                                       cmocka_unit_test(test_library),
                                        cmocka_unit_test(test_faults)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
