@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/base/hexahedron.h"
+
 enum { BLOCK = CURVILINEAR_BLOCK, SIDE = BLOCK + 1 };
 
 /* ---- Blocks ---- */
@@ -53,7 +55,8 @@ static void box_of(const curvilinear_lattice *l, const curvilinear_place *b, tre
 }
 
 static size_t own_bytes(uint32_t blocks) {
-    return blocks * (sizeof(uint64_t) + sizeof(float[2]) + sizeof(curvilinear_place));
+    return blocks * (sizeof(uint64_t) + sizeof(curvilinear_plane) + sizeof(float[2]) +
+                     sizeof(curvilinear_place));
 }
 
 /* Boxes are made where the tree is not yet. */
@@ -78,7 +81,8 @@ status curvilinear_lattice_init(curvilinear_lattice *l, mem *m, const uint32_t c
     l->active = mem_zalloc(m, own_bytes(l->blocks));
     status st = boxes && l->active ? ST_OK : ST_NOMEM;
     if (st == ST_OK) {
-        l->ranges = (float(*)[2])(l->active + l->blocks);
+        l->planes = (curvilinear_plane *)(l->active + l->blocks);
+        l->ranges = (float(*)[2])(l->planes + l->blocks);
         l->places = (curvilinear_place *)(l->ranges + l->blocks);
         make_places(l);
         for (uint32_t b = 0; b < l->blocks; b++)
@@ -171,6 +175,39 @@ static uint64_t select_block(const curvilinear_lattice *l, const curvilinear_pla
     return mask;
 }
 
+static hexahedron corners_of(const curvilinear_lattice *l, const curvilinear_place *b) {
+    const uint32_t first = curvilinear_lattice_node(l, b);
+    hexahedron h;
+    for (uint32_t c = 0; c < HEX_CORNERS; c++) {
+        const uint32_t i = c & 1 ? b->cells[0] : 0, j = c & 2 ? b->cells[1] : 0,
+                       k = c & 4 ? b->cells[2] : 0;
+        const uint32_t node = first + i + l->nodes[0] * (j + l->nodes[1] * k);
+        for (int a = 0; a < 3; a++)
+            h.p[c][a] = (double)l->p[a][node];
+        h.value[c] = (double)l->values[node];
+    }
+    return h;
+}
+
+static curvilinear_plane plane_of(const curvilinear_lattice *l, const curvilinear_place *b) {
+    const hexahedron h = corners_of(l, b);
+    const uint32_t first = curvilinear_lattice_node(l, b);
+    curvilinear_plane out = {.from = {h.p[0][0], h.p[0][1], h.p[0][2]},
+                             .rest = {INFINITY, -INFINITY}};
+    hexahedron_gradient(&h, out.gradient);
+    for (uint32_t k = 0; k <= b->cells[2]; k++)
+        for (uint32_t j = 0; j <= b->cells[1]; j++)
+            for (uint32_t i = 0; i <= b->cells[0]; i++) {
+                const uint32_t node = first + i + l->nodes[0] * (j + l->nodes[1] * k);
+                double rest = (double)l->values[node];
+                for (int a = 0; a < 3; a++)
+                    rest -= out.gradient[a] * ((double)l->p[a][node] - out.from[a]);
+                out.rest[0] = rest < out.rest[0] ? rest : out.rest[0];
+                out.rest[1] = rest > out.rest[1] ? rest : out.rest[1];
+            }
+    return out;
+}
+
 void curvilinear_lattice_select(curvilinear_lattice *l, const interest *in) {
     for (uint32_t n = 0; n < l->blocks; n++) {
         const float *range = l->ranges[n];
@@ -178,6 +215,8 @@ void curvilinear_lattice_select(curvilinear_lattice *l, const interest *in) {
                            ? select_block(l, &l->places[n], in)
                            : 0;
         l->tree.active[0][n] = l->active[n] != 0;
+        if (l->active[n])
+            l->planes[n] = plane_of(l, &l->places[n]);
     }
     treelet_tree_select(&l->tree, l->tree.active[0]);
 }

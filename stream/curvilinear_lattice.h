@@ -23,6 +23,13 @@ typedef struct curvilinear_place {
     uint8_t cells[3]; /* of the block along each axis, 1 to CURVILINEAR_BLOCK */
 } curvilinear_place;
 
+/* A linear function of space that is near the value in a block: gradient . (p - from). The rest is
+ * trilinear in each cell, as well, so it is between what it is at nodes. */
+typedef struct curvilinear_plane {
+    double from[3], gradient[3];
+    double rest[2]; /* -inf, inf: nothing is known */
+} curvilinear_plane;
+
 typedef struct curvilinear_lattice {
     uint32_t cells[3], nodes[3];
     uint64_t first;       /* number of its cell (0, 0, 0) in the whole file */
@@ -34,6 +41,7 @@ typedef struct curvilinear_lattice {
     curvilinear_place *places; /* per block */
     float (*ranges)[2];        /* of a block's finite values; inf, -inf: it has none */
     uint64_t *active;          /* per block: of its cell (i, j, k), bit i + 4 j + 16 k */
+    curvilinear_plane *planes; /* per block with active cells */
     mem *m;
 } curvilinear_lattice;
 

@@ -4,6 +4,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "formats/base/trilinear.h"
 #include "formats/base/vec3.h"
 
 double hexahedron_at(const double v[HEX_CORNERS], const double at[3]) {
@@ -39,6 +40,31 @@ double hexahedron_twist(const double v[HEX_CORNERS], const double at[3], double 
         all = high - low;
     }
     return all;
+}
+
+/* Four parallel edges are added up, each time: the factors cancel. */
+void hexahedron_gradient(const hexahedron *h, double gradient[3]) {
+    double along[3][3], rise[3], across[3][3];
+    for (int a = 0; a < 3; a++) {
+        rise[a] = 0.0;
+        for (int i = 0; i < 3; i++)
+            along[a][i] = 0.0;
+        for (int n = 0; n < 4; n++) {
+            const int b = (a + 1) % 3, c = (a + 2) % 3;
+            const int low = (n & 1) << b | (n >> 1) << c, high = low | 1 << a;
+            rise[a] += h->value[high] - h->value[low];
+            for (int i = 0; i < 3; i++)
+                along[a][i] += h->p[high][i] - h->p[low][i];
+        }
+    }
+    for (int a = 0; a < 3; a++)
+        vec3_cross(along[(a + 1) % 3], along[(a + 2) % 3], across[a]);
+    const double det = vec3_dot(along[0], across[0]);
+    for (int i = 0; i < 3; i++) {
+        const double g =
+            (rise[0] * across[0][i] + rise[1] * across[1][i] + rise[2] * across[2][i]) / det;
+        gradient[i] = isfinite(g) ? g : 0.0;
+    }
 }
 
 int hexahedron_face(int face, int corner[4]) {
@@ -118,8 +144,29 @@ static int sense_of(const double p[HEX_CORNERS][3], int depth, int *left) {
     return sense_of(half, depth - 1, left) == sense ? sense : 0;
 }
 
+/* A cell that bends little. Then the determinants that are the Bernstein coefficients' have one
+ * sign: the same answer, in less time. 0: not known. */
+static int sense_if_straight(const double p[HEX_CORNERS][3]) {
+    double form[3][TRILINEAR], rounding[3];
+    trilinear_bend b;
+    for (int a = 0; a < 3; a++) {
+        double away[HEX_CORNERS];
+        for (int c = 0; c < HEX_CORNERS; c++)
+            away[c] = p[c][a] - p[0][a];
+        trilinear_of(away, form[a]);
+        rounding[a] = 0x1p-48 * trilinear_size(form[a]);
+    }
+    if (!trilinear_bend_of((const double(*)[TRILINEAR])form, rounding, &b) ||
+        !trilinear_is_single(&b, 1.0))
+        return 0;
+    return b.det > 0.0 ? 1 : -1;
+}
+
 int hexahedron_sense(const double p[HEX_CORNERS][3]) {
     enum { DEPTH = 12, PARTS = 1024 };
+    const int straight = sense_if_straight(p);
+    if (straight)
+        return straight;
     int left = PARTS;
     return sense_of(p, DEPTH, &left);
 }

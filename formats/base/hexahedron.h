@@ -20,6 +20,10 @@ double hexahedron_at(const double v[HEX_CORNERS], const double at[3]);
 void hexahedron_slope(const double v[HEX_CORNERS], const double at[3], double slope[3]);
 double hexahedron_twist(const double v[HEX_CORNERS], const double at[3], double twist[3]);
 
+/* hexahedron_gradient() - the value's gradient in space in the middle of the cell; 0 where it has
+ * none. */
+void hexahedron_gradient(const hexahedron *h, double gradient[3]);
+
 /* hexahedron_sense() - 1 if positions are a right-handed map: the Jacobian's determinant is above 0
  * inside the cell, by its Bernstein coefficients in the cell or in parts of it; on faces and edges
  * it may be 0. -1: left-handed. 0: it is neither; the cell is folded, or flat. All of it to within

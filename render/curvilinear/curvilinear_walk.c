@@ -3,12 +3,14 @@
 #include <float.h>
 
 #include "formats/base/vec3.h"
+#include "render/curved/hex_meet.h"
 #include "render/curved/hex_pieces.h"
-#include "render/curved/hex_plane.h"
 #include "render/curved/hex_point.h"
 #include "render/walk/cell_walks.h"
 #include "render/walk/tree_passage.h"
 #include "render/walk/tree_points.h"
+
+#define WIDEN 0x1p-40 /* bounds are wider than computed by this, relative to their terms */
 
 /* ---- A cell ---- */
 
@@ -44,9 +46,9 @@ static void range_of(const hexahedron *h, double range[2]) {
 typedef struct cell_way {
     const curvilinear_lattice *lattice;
     hex_block_fn cells;
-    double above; /* subtracted from all values */
+    const isovalue_list *isos; /* blocks without these on the ray are passed over; NULL: none is */
+    double above;              /* subtracted from all values */
     const ray *ray;
-    const isovalue_list *isos; /* cells without these on the ray are passed over; NULL: all count */
     sheared_ray sheared;
     tree_passages passages;
     tree_passage at;
@@ -54,12 +56,10 @@ typedef struct cell_way {
     uint64_t ahead; /* cells of the block that are yet to come */
 } cell_way;
 
-/* A cell, and the ray's parts in it. */
 typedef struct way_cell {
     uint32_t number; /* in the treelet */
     int sense;
     hexahedron hexahedron;
-    hex_path path;
 } way_cell;
 
 static void begin_way(cell_way *w, const curvilinear_lattice *l, hex_block_fn cells, double above,
@@ -67,13 +67,42 @@ static void begin_way(cell_way *w, const curvilinear_lattice *l, hex_block_fn ce
                       ray_counters *counters) {
     w->lattice = l;
     w->cells = cells;
+    w->isos = isos;
     w->above = above;
     w->ray = r;
-    w->isos = isos;
     w->sheared = sheared_ray_of(r);
     w->at = (tree_passage){.t_in = -INFINITY};
     w->ahead = 0;
     tree_passages_begin(&w->passages, &l->tree, r, after, counters);
+}
+
+/* Whether a block may have an isovalue on the ray. What cannot be compared may. */
+static bool may_hit(const cell_way *w, uint32_t block) {
+    const curvilinear_plane *p = &w->lattice->planes[block];
+    const box_line *line = &w->passages.slabs;
+    const float *bounds = w->lattice->tree.bounds[0][block];
+    double lo[3], hi[3], start = 0.0, rate = 0.0, size = 0.0;
+    box_interval in;
+    for (int a = 0; a < 3; a++) {
+        lo[a] = (double)bounds[a];
+        hi[a] = (double)bounds[a + 3];
+        start += p->gradient[a] * (line->o[a] - p->from[a]);
+        rate += p->gradient[a] * w->ray->d[a];
+    }
+    if (!box_interval_in(line, lo, hi, &in))
+        return false;
+    const double reach = real_max(fabs(in.t_in), fabs(in.t_out));
+    for (int a = 0; a < 3; a++)
+        size += fabs(p->gradient[a]) *
+                (fabs(line->o[a]) + fabs(p->from[a]) + reach * fabs(w->ray->d[a]));
+    const double end[2] = {start + rate * in.t_in, start + rate * in.t_out};
+    const double room = WIDEN * (size + fabs(p->rest[0]) + fabs(p->rest[1]));
+    const double least = real_min(end[0], end[1]) + p->rest[0] - room,
+                 most = real_max(end[0], end[1]) + p->rest[1] + room;
+    for (int i = 0; i < w->isos->count; i++)
+        if (!(w->isos->isovalues[i] < least || w->isos->isovalues[i] > most))
+            return true;
+    return false;
 }
 
 static bool next_block(cell_way *w, double limit) {
@@ -82,6 +111,8 @@ static bool next_block(cell_way *w, double limit) {
         w->at = tree_passages_next(&w->passages, w->at, limit);
         if (w->at.t == LEAF_NO_TREELET)
             return false;
+        if (w->isos && !may_hit(w, w->at.t))
+            continue;
         w->place = &l->places[w->at.t];
         const uint32_t node = curvilinear_lattice_node(l, w->place);
         const hex_block b = {.p = {l->p[0] + node, l->p[1] + node, l->p[2] + node},
@@ -93,36 +124,20 @@ static bool next_block(cell_way *w, double limit) {
     return true;
 }
 
-/* Whether a cell may have an isovalue on the ray, at `limit` or before. What cannot be compared
- * may. */
-static bool may_hit(const cell_way *w, const hexahedron *h, double limit) {
-    const hex_plane p = hex_plane_of(h, w->ray);
-    if (p.t[0] > p.t[1] || p.t[0] > limit)
-        return false;
-    for (int i = 0; i < w->isos->count; i++)
-        if (!(w->isos->isovalues[i] < p.value[0] || w->isos->isovalues[i] > p.value[1]))
-            return true;
-    return false;
-}
-
-/* Go on to the next cell that the ray crosses, in a block that it enters at `limit` or before.
- * Returns false if there is none. */
+/* Go on to the next cell that is not beside the ray, in a block that the ray enters at `limit` or
+ * before. Returns false if there is none. */
 static bool next_cell(cell_way *w, double limit, way_cell *out) {
-    while (next_block(w, limit)) {
-        out->number =
-            curvilinear_lattice_cell(w->lattice, w->place, (unsigned)__builtin_ctzll(w->ahead));
-        w->ahead &= w->ahead - 1;
-        w->passages.counters->cells++;
-        out->sense = curvilinear_walk_sense(w->lattice, out->number);
-        out->hexahedron = curvilinear_walk_cell(w->lattice, out->number);
-        for (int c = 0; c < HEX_CORNERS; c++)
-            out->hexahedron.value[c] -= w->above;
-        if (w->isos && !may_hit(w, &out->hexahedron, limit))
-            continue;
-        if (hex_path_of(&out->hexahedron, out->sense, &w->sheared, &out->path) > 0)
-            return true;
-    }
-    return false;
+    if (!next_block(w, limit))
+        return false;
+    out->number =
+        curvilinear_lattice_cell(w->lattice, w->place, (unsigned)__builtin_ctzll(w->ahead));
+    w->ahead &= w->ahead - 1;
+    w->passages.counters->cells++;
+    out->sense = curvilinear_walk_sense(w->lattice, out->number);
+    out->hexahedron = curvilinear_walk_cell(w->lattice, out->number);
+    for (int c = 0; c < HEX_CORNERS; c++)
+        out->hexahedron.value[c] -= w->above;
+    return true;
 }
 
 /* ---- Hits ---- */
@@ -133,18 +148,19 @@ typedef struct best_root {
     double at[3];
 } best_root;
 
-static void take_roots(const curvilinear_lattice *l, const way_cell *c, const isovalue_list *isos,
+static void take_roots(const cell_way *w, const way_cell *c, const isovalue_list *isos,
                        const ray *r, trace_state *state, best_root *best, hex_counts *counts) {
     double range[2];
+    hex_meet meet;
+    hex_meet_begin(&c->hexahedron, c->sense, &w->sheared, &meet);
     range_of(&c->hexahedron, range);
     for (int i = 0; i < isos->count; i++) {
         hex_root roots[HEX_ROOTS];
         if (!(range[0] < isos->isovalues[i] && isos->isovalues[i] <= range[1]))
             continue;
-        const int count =
-            hex_roots(&c->hexahedron, c->sense, &c->path, isos->isovalues[i], roots, counts);
+        const int count = hex_meet_roots(&meet, isos->isovalues[i], roots, counts);
         for (int n = 0; n < count; n++) {
-            const hit h = {roots[n].t, l->first + c->number, i, roots[n].entering};
+            const hit h = {roots[n].t, w->lattice->first + c->number, i, roots[n].entering};
             if (!cell_hit(state, r, &h))
                 continue;
             best->hexahedron = c->hexahedron;
@@ -193,7 +209,7 @@ bool curvilinear_walk_hits(const curvilinear_lattice *l, hex_block_fn cells,
     begin_way(&w, l, cells, 0.0, isos, r, &state->after, counters);
     while (next_cell(&w, state->best.t, &c)) {
         const hit last = state->best;
-        take_roots(l, &c, isos, r, state, &best, counts);
+        take_roots(&w, &c, isos, r, state, &best, counts);
         if (!hit_less(&state->best, &last))
             continue;
         counters->roots++;
@@ -216,10 +232,13 @@ void curvilinear_walk_pieces(const curvilinear_lattice *l, hex_block_fn cells, d
     way_cell c;
     begin_way(&w, l, cells, above, NULL, r, after, counters);
     while (next_cell(&w, limit, &c)) {
+        hex_path path;
         hex_piece pieces[HEX_PIECES];
         double range[2];
+        if (hex_path_of(&c.hexahedron, c.sense, &w.sheared, &path) == 0)
+            continue;
         range_of(&c.hexahedron, range);
-        const int count = hex_pieces(&c.hexahedron, c.sense, &c.path, tolerance, pieces, counts);
+        const int count = hex_pieces(&c.hexahedron, c.sense, &path, tolerance, pieces, counts);
         for (int n = 0; n < count; n++) {
             segment s = {.t0 = pieces[n].t[0],
                          .t1 = pieces[n].t[1],

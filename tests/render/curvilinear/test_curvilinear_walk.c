@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "formats/base/vec3.h"
+#include "render/curved/hex_meet.h"
 #include "render/curved/hex_pieces.h"
 #include "render/curved/hex_point.h"
 #include "render/curvilinear/curvilinear_walk.h"
@@ -23,19 +24,23 @@ static curvilinear_lab lab;
 static const double values[] = {-0.4, 0.0, 0.35};
 static const isovalue_list isos = {3, values};
 
+static bool has(const hexahedron *h, double isovalue) {
+    double lo = INFINITY, hi = -INFINITY;
+    for (int c = 0; c < HEX_CORNERS; c++) {
+        if (!isfinite(h->value[c]))
+            return false;
+        lo = fmin(lo, h->value[c]);
+        hi = fmax(hi, h->value[c]);
+    }
+    return lo < isovalue && isovalue <= hi;
+}
+
 /* What the selection is to say of a cell. */
 static bool is_active(const curvilinear_lattice *l, uint32_t cell) {
     const hexahedron h = curvilinear_walk_cell(l, cell);
-    double lo = INFINITY, hi = -INFINITY;
-    for (int c = 0; c < HEX_CORNERS; c++) {
-        if (!isfinite(h.value[c]))
-            return false;
-        lo = fmin(lo, h.value[c]);
-        hi = fmax(hi, h.value[c]);
-    }
     bool meets = false;
     for (int i = 0; i < isos.count; i++)
-        meets = meets || (lo < isos.isovalues[i] && isos.isovalues[i] <= hi);
+        meets = meets || has(&h, isos.isovalues[i]);
     return meets && curvilinear_lattice_code(l, cell) != CURVILINEAR_NONE;
 }
 
@@ -106,14 +111,16 @@ static void all_hits(const curvilinear_lattice *l, const ray *r, hit_list *out) 
     const sheared_ray sheared = sheared_ray_of(r);
     out->count = 0;
     for (uint32_t c = 0; c < lab.count; c++) {
-        hex_path path;
+        hex_meet meet;
         if (!is_active(l, c))
             continue;
         const hexahedron h = curvilinear_walk_cell(l, c);
-        (void)hex_path_of(&h, sense_of(l, c), &sheared, &path);
+        hex_meet_begin(&h, sense_of(l, c), &sheared, &meet);
         for (int i = 0; i < isos.count; i++) {
             hex_root roots[HEX_ROOTS];
-            const int count = hex_roots(&h, sense_of(l, c), &path, isos.isovalues[i], roots, NULL);
+            if (!has(&h, isos.isovalues[i]))
+                continue;
+            const int count = hex_meet_roots(&meet, isos.isovalues[i], roots, NULL);
             for (int k = 0; k < count; k++)
                 if (roots[k].t >= r->t0 && roots[k].t <= r->t1) {
                     assert_true(out->count < HITS);
@@ -137,7 +144,7 @@ static void same_hits(const curvilinear_lattice *l, const ray *r, int isa, const
             return;
         assert_true(s.best.t == all->of[n].t && s.best.cell == all->of[n].cell &&
                     s.best.iso == all->of[n].iso && s.best.entering == all->of[n].entering);
-        assert_true(counters.cells > 0 && counts.paths > 0);
+        assert_true(counters.cells > 0);
         /* The value goes the way that the hit says, along the gradient. */
         double along = 0.0;
         for (int a = 0; a < 3; a++)

@@ -1,0 +1,31 @@
+/* hex_meet.h - where a ray meets isosurfaces in a hexahedron, mostly without crossing its faces.
+ *
+ * On the ray at the isovalue, three trilinear forms are 0: two coordinates of the ray's space, and
+ * the value less the isovalue. The inverse of their slopes in the middle makes of them the
+ * parameters themselves and a bent rest. What the rest can be in the cell bounds where roots are:
+ * mostly nowhere in it, or in a smaller box, and so on. Where the rest bends little the forms take
+ * no triple twice: then Newton's method finds the one root there is, and it is in the cell or not.
+ * What is too close to a face to tell, bends too much, or is folded goes by hex_path.h and
+ * hex_roots.h, as all could.
+ */
+#ifndef RENDER_CURVED_HEX_MEET_H
+#define RENDER_CURVED_HEX_MEET_H
+
+#include "render/curved/hex_roots.h"
+
+typedef struct hex_meet {
+    const hexahedron *cell;
+    const sheared_ray *ray;
+    int sense;
+    double q[3][HEX_CORNERS];    /* the corners in the ray's space, by coordinate */
+    double form[3][HEX_CORNERS]; /* of q[0], q[1], the value: coefficients of products of the
+                                    parameters that are the index's bits, each from -1 to 1 */
+} hex_meet;
+
+/* hex_meet_begin() - keeps the cell and the ray by reference. sense: hexahedron_sense(). */
+void hex_meet_begin(const hexahedron *cell, int sense, const sheared_ray *sheared, hex_meet *out);
+
+/* hex_meet_roots() - as hex_roots(). counts: of what went there; may be NULL. */
+int hex_meet_roots(const hex_meet *m, double isovalue, hex_root out[HEX_ROOTS], hex_counts *counts);
+
+#endif
