@@ -18,8 +18,7 @@ typedef struct hex_meet {
     const sheared_ray *ray;
     int sense;
     double q[3][HEX_CORNERS];    /* the corners in the ray's space, by coordinate */
-    double form[3][HEX_CORNERS]; /* of q[0], q[1], the value: coefficients of products of the
-                                    parameters that are the index's bits, each from -1 to 1 */
+    double form[3][HEX_CORNERS]; /* of q[0], q[1], the value (trilinear.h) */
 } hex_meet;
 
 /* hex_meet_begin() - keeps the cell and the ray by reference. sense: hexahedron_sense(). */

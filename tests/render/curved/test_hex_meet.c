@@ -78,7 +78,7 @@ static void test_same_roots(void **state) {
         }
         print_message("%-10s %6ld cells, %5ld roots, %5ld crossed, %ld doubtful; t apart by %.1g\n",
                       s.name, sum.cells, sum.roots, sum.crossed, sum.doubtful, sum.worst);
-        assert_true(sum.roots > 100);
+        assert_true(sum.roots > 100 && sum.crossed * 20 < sum.cells);
         assert_true(sum.worst < 1e-13);
         assert_true(sum.doubtful * 200 < sum.cells);
     }
