@@ -105,21 +105,35 @@ static bool may_hit(const cell_way *w, uint32_t block) {
     return false;
 }
 
-static bool next_block(cell_way *w, double limit) {
+/* The active cells of a block that are not beside the ray: of the rows and slabs that have any. */
+static uint64_t cells_ahead(const cell_way *w, uint32_t block) {
     const curvilinear_lattice *l = w->lattice;
+    const curvilinear_place *place = &l->places[block];
+    const uint64_t active = l->active[block];
+    const uint32_t rows =
+        (uint32_t)((active | active >> 16 | active >> 32 | active >> 48) & 0xffff);
+    const unsigned slab[2] = {(unsigned)__builtin_ctzll(active) >> 4,
+                              (63 - (unsigned)__builtin_clzll(active)) >> 4};
+    const unsigned row[2] = {(unsigned)__builtin_ctz(rows) >> 2,
+                             (31 - (unsigned)__builtin_clz(rows)) >> 2};
+    const uint32_t node =
+        curvilinear_lattice_node(l, place) + l->nodes[0] * (row[0] + l->nodes[1] * slab[0]);
+    const hex_block b = {.p = {l->p[0] + node, l->p[1] + node, l->p[2] + node},
+                         .row = l->nodes[0],
+                         .slab = l->nodes[0] * l->nodes[1],
+                         .cells = {place->cells[0], row[1] - row[0] + 1, slab[1] - slab[0] + 1}};
+    return active & w->cells(&b, &w->sheared) << (4 * row[0] + 16 * slab[0]);
+}
+
+static bool next_block(cell_way *w, double limit) {
     while (!w->ahead) {
         w->at = tree_passages_next(&w->passages, w->at, limit);
         if (w->at.t == LEAF_NO_TREELET)
             return false;
         if (w->isos && !may_hit(w, w->at.t))
             continue;
-        w->place = &l->places[w->at.t];
-        const uint32_t node = curvilinear_lattice_node(l, w->place);
-        const hex_block b = {.p = {l->p[0] + node, l->p[1] + node, l->p[2] + node},
-                             .row = l->nodes[0],
-                             .slab = l->nodes[0] * l->nodes[1],
-                             .cells = {w->place->cells[0], w->place->cells[1], w->place->cells[2]}};
-        w->ahead = l->active[w->at.t] & w->cells(&b, &w->sheared);
+        w->place = &w->lattice->places[w->at.t];
+        w->ahead = cells_ahead(w, w->at.t);
     }
     return true;
 }
