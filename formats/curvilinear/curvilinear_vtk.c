@@ -421,7 +421,7 @@ static status open_zones(curvilinear_opening *o, status (*scan)(vtk_zones *, byt
     if (!z)
         return ST_NOMEM;
     *z = (vtk_zones){.m = o->m, .path = byte_stream_path(o->data)};
-    if (o->hints.solution || o->hints.functions || o->hints.layout)
+    if (o->hints.solutions.count > 0 || o->hints.functions.count > 0 || o->hints.layout)
         return status_describe(ST_USAGE,
                                "%s: a grid of VTK, expected PLOT3D where a layout, a solution or "
                                "functions are given",

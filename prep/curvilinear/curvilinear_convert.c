@@ -94,7 +94,7 @@ status curvilinear_plan_make(const mem *m, const curvilinear_series *s,
                              curvilinear_plan *plan) {
     leaf_curvilinear g = contents(s, first);
     uint64_t writer = 0;
-    g.moving = s->sets.steps > 1; /* at most */
+    g.moving = s->sets.steps > 1 && !s->still; /* at most */
     status st = leaf_writer_curvilinear_memory(&g, &writer);
     if (st != ST_OK)
         return st;
@@ -464,8 +464,9 @@ static status convert_all(conversion *c, const curvilinear_source *first, uint64
                           const char *name, const char *output) {
     const uint32_t steps = c->series->sets.steps;
     status st = allocate(c, first);
-    c->passes = (steps > 1 ? 2 : 1) * (uint64_t)steps + (uint64_t)steps * c->series->sets.fields;
-    if (st == ST_OK && steps > 1)
+    const bool look = steps > 1 && !c->series->still;
+    c->passes = (look ? 2 : 1) * (uint64_t)steps + (uint64_t)steps * c->series->sets.fields;
+    if (st == ST_OK && look)
         st = find_moving(c);
     if (st == ST_OK)
         st = begin_writer(c, name, output);

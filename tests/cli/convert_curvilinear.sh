@@ -4,6 +4,7 @@
 # marks: leaks
 . tests/support/tap.sh
 
+differ() { [ "$(cmp -s "$1" "$2"; echo $?)" = 1 ]; }
 says() { cat "$tmp/out" "$tmp/err" | grep -q -- "$1"; }
 
 for shape in warp annulus twisted; do
@@ -73,6 +74,46 @@ if [ -d "$data/bluntfin" ]; then
     ok "has two folded cells" says '^cells *43006 right-handed, 0 left-handed, 2 folded or flat$'
     exits "what comes next" 0 "$leafcast" info "$data/bluntfin/bluntfinxyz.bin" --solution "$data/bluntfin/bluntfinq.bin" --quick
     ok "names the solution" says '^next  *leafcast convert .*bluntfinxyz.bin --solution .*bluntfinq.bin -o bluntfinxyz.leaf$'
+    # Steps: solutions whose times are 1, 2 and 4, the others of another density.
+    for i in 1 2 3; do
+        cp "$data/bluntfin/bluntfinq.bin" "$tmp/q_$i.q" && chmod u+w "$tmp/q_$i.q"
+    done
+    put() { dd of="$tmp/q_$1.q" bs=1 seek="$2" conv=notrunc 2>/dev/null; }
+    printf '\077\200\0\0' | put 1 24
+    printf '\100\0\0\0' | put 2 24
+    printf '\100\200\0\0' | put 3 24
+    for i in 2 3; do
+        dd if="$tmp/q_1.q" bs=4096 skip=2 count=20 2>/dev/null | put $i 40960
+    done
+    fin=$data/bluntfin/bluntfinxyz.bin
+    exits "three solutions" 0 "$leafcast" convert "$fin" --solution "$tmp/q_%d.q" -o "$tmp/steps.leaf"
+    ok "nodes stay" says '^nodes *stay where they are$'
+    exits "info of the three" 0 "$leafcast" info "$tmp/steps.leaf"
+    ok "says their times" says '^steps *3, times 1 \.\. 4$'
+    ok "and what is stored once" says '^series *2 payloads are the same as earlier ones'
+    exits "the second alone" 0 "$leafcast" convert "$fin" --solution "$tmp/q_2.q" -o "$tmp/second.leaf" -q
+    exits "as a step of two" 0 "$leafcast" convert "$fin" --solution "$tmp/q_1.q" --solution "$tmp/q_2.q" --step 1 -o "$tmp/chosen.leaf" -q
+    ok "is the same file" cmp -s "$tmp/second.leaf" "$tmp/chosen.leaf"
+    "$leafcast" render "$tmp/second.leaf" --iso 1 --size 40x30 -o "$tmp/second.ppm" -q
+    for i in 0 1; do
+        "$leafcast" render "$tmp/steps.leaf" --step $i --iso 1 --size 40x30 -o "$tmp/step$i.ppm" -q
+    done
+    ok "and the same picture" cmp -s "$tmp/second.ppm" "$tmp/step1.ppm"
+    ok "which is not that of the first" differ "$tmp/step0.ppm" "$tmp/step1.ppm"
+    exits "info of an input of steps" 0 "$leafcast" info "$fin" --solution "$tmp/q_*.q" --quick
+    ok "says so" says '^steps *3, the first is taken here$'
+    exits "solutions and functions that do not match" 2 "$leafcast" convert "$fin" --solution "$tmp/q_?.q" --functions "$tmp/q_1.q" --functions "$tmp/q_2.q" -o "$tmp/x.leaf"
+    ok "are counted" says '3 solutions and 2 files of functions'
+    exits "an output that is a solution" 2 "$leafcast" convert "$fin" --solution "$tmp/q_?.q" -o "$tmp/q_3.q" --force
+    exits "times that fall" 0 "$leafcast" convert "$fin" --solution "$tmp/q_2.q" --solution "$tmp/q_1.q" -o "$tmp/fall.leaf"
+    ok "are left out" says 'its times do not ascend: 0, 1, .. instead'
+    exits "resumed" 0 "$leafcast" convert "$fin" --solution "$tmp/q_%d.q" -o "$tmp/steps.leaf" --resume
+    ok "it is whole already" says 'nothing is done'
+    sleep 0.01
+    touch "$tmp/q_3.q"
+    exits "with a solution that is newer" 1 "$leafcast" convert "$fin" --solution "$tmp/q_%d.q" -o "$tmp/steps.leaf" --resume
+    ok "it is not" says 'was written after it'
+
     exits "a grid without a solution" 3 "$leafcast" convert "$data/bluntfin/bluntfinxyz.bin" -o "$tmp/x.leaf"
     ok "says what has its values" says '--solution'
 else

@@ -58,8 +58,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (!f || fwrite(good, 1, sizeof good, f) != sizeof good)
         abort();
     fclose(f);
-    read_file(grid, data[0] & 4 ? &(curvilinear_hints){.solution = path, .field = "entropy"}
-                                : &(curvilinear_hints){.functions = path});
+    const path_list files = {(char *[]){path}, 1};
+    read_file(grid, data[0] & 4 ? &(curvilinear_hints){.solutions = files, .field = "entropy"}
+                                : &(curvilinear_hints){.functions = files});
     remove(grid);
     remove(path);
     return 0;

@@ -283,7 +283,8 @@ static void test_refused(void **state) {
     refused(write_xml(&f), ST_UNSUPPORTED, "only points can be left out here");
     f.cells = "other";
     assert_int_equal(read_all(write_xml(&f), NULL), ST_OK);
-    const curvilinear_hints hints = {.solution = path};
+    char name[] = "q.bin", *names[] = {name};
+    const curvilinear_hints hints = {.solutions = {names, 1}};
     assert_int_equal(read_all(path, &hints), ST_USAGE);
 }
 
