@@ -24,10 +24,12 @@ static bool may_hold(uint64_t bytes, uint64_t numbers) {
     return numbers <= bytes / 2 + 1 && bytes / BYTES_MOST <= numbers + numbers / 2;
 }
 
+enum { TEXT_ZONES = 2000 }; /* of more a word must tell that it is text */
+
 /* Numbers are counted when it is opened. What begins with whole numbers is a grid if as many bytes
  * follow as it may have: other tables of numbers have other sizes. */
 static bool is_text(const uint8_t *start, size_t size, uint64_t bytes) {
-    uint8_t wholes[PLOT3D_HEAD_MAX];
+    uint8_t wholes[4 * (1 + 3 * TEXT_ZONES)];
     bool is = false;
     if (!plot3d_text_known(start, size))
         return false;

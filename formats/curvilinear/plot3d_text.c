@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "formats/input/binary_fields.h"
+#include "formats/base/text.h"
 #include "formats/input/text_number.h"
 
 enum { BUFFER = 1 << 16, WORD_MAX = 64, STRIDE = 1024 };
@@ -93,9 +93,10 @@ static uint64_t line_of(file *f, uint64_t place) {
 }
 
 static status refuse_word(const plot3d_text *t) {
-    const unsigned long long line = line_of(t->f, t->word.place);
+    char shown[4 * WORD_MAX];
     return status_describe(ST_CORRUPT, "%s: line %llu: \"%.40s\", expected a number",
-                           file_path(t->f), line, t->word.text);
+                           file_path(t->f), (unsigned long long)line_of(t->f, t->word.place),
+                           text_printable(shown, sizeof shown, t->word.text));
 }
 
 /* Read on. Nothing is read at the file's end. */

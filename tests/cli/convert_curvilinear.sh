@@ -45,6 +45,41 @@ exits "steps of other sizes" 3 "$leafcast" convert "$tmp/drop_0000.vts" "$tmp/fe
 ok "are refused by name" says 'fewer.vts: zone 0 has 8 x 8 x 8 nodes, but 9 x 9 x 9 in the first step'
 ok "and leave nothing" [ ! -e "$tmp/x.leaf" ]
 
+# PLOT3D as text: half of a ring of two zones, whose nodes with i = j = 1 are blanked; a solution at rest.
+text() { # text WHAT TIME: the grid, or the solution of a time
+    awk -v what="$1" -v time="${2:-0}" 'BEGIN {
+        split("5 4 3 3 4 6", n); print 2; print n[1], n[2], n[3]; print n[4], n[5], n[6]
+        for (z = 0; z < 2; z++) {
+            if (what == "q") print "0.5 0 1e6", time
+            for (number = 1; number <= (what == "q" ? 5 : 4); number++)
+                for (k = 0; k < n[3 * z + 3]; k++) for (j = 0; j < n[3 * z + 2]; j++) for (i = 0; i < n[3 * z + 1]; i++) {
+                    a = 0.3 * (i + 4 * z); r = 1 + j
+                    if (what == "q") printf "%.8E\n", number == 1 ? 1 + k + time : number == 5 ? 2 : 0
+                    else if (number < 4) printf "%.8E ", number == 1 ? r * cos(a) : number == 2 ? r * sin(a) : k
+                    else printf "%d ", i != 1 || j != 1
+                }
+            print ""
+        }
+    }'
+}
+text grid >"$tmp/ring.xyz"
+for i in 0 1 2; do text q $i.5 >"$tmp/ring_$i.q"; done
+exits "info of text" 0 "$leafcast" info "$tmp/ring.xyz"
+ok "says what it is" says '^format *PLOT3D$'
+ok "of two zones" says '^ *3 x 4 x 6 nodes$'
+ok "some of whose nodes are blanked" says '^blanked *9 nodes are no part of the grid$'
+exits "convert steps of text" 0 "$leafcast" convert "$tmp/ring.xyz" --solution "$tmp/ring_%d.q" -o "$tmp/ring.leaf"
+ok "says its cells" says '^cells *[0-9]* right-handed, [0-9]* left-handed, 28 blanked$'
+exits "info of the steps" 0 "$leafcast" info "$tmp/ring.leaf"
+ok "says their times" says '^steps *3, times 0.5 .. 2.5$'
+exits "verify it" 0 "$leafcast" verify "$tmp/ring.leaf"
+sed '$d' "$tmp/ring_1.q" | sed '$d' >"$tmp/short.q"
+exits "text that is cut" 3 "$leafcast" convert "$tmp/ring.xyz" --solution "$tmp/short.q" -o "$tmp/x.leaf"
+ok "has too few numbers" says 'how many it has, 674, fit no layout of text'
+sed 's/^2.00000000E+00$/2.0O/' "$tmp/ring_1.q" >"$tmp/letter.q"
+exits "text with a letter O" 3 "$leafcast" convert "$tmp/ring.xyz" --solution "$tmp/letter.q" --field energy -o "$tmp/x.leaf"
+ok "says the line" says 'letter.q: line [0-9]*: "2.0O", expected a number'
+
 # What is not done with them.
 exits "compressed" 3 "$leafcast" convert "$tmp/warp.vts" -o "$tmp/x.leaf" --compress zstd
 ok "is refused" says 'are not compressed'
