@@ -100,8 +100,8 @@ static void collect_plane(input_facts *x, const plane *p, uint64_t count) {
 static bool is_cell(const sweep *s, const uint32_t nodes[3], uint32_t k, uint64_t n) {
     const uint8_t *low = s->planes[k % 2].is_node + n, *high = s->planes[(k + 1) % 2].is_node + n;
     const uint32_t row = nodes[0];
-    return low[0] & low[1] & low[row] & low[row + 1] & high[0] & high[1] & high[row] &
-           high[row + 1];
+    return !(low[0] & CURVILINEAR_HIDDEN) && low[0] && low[1] && low[row] && low[row + 1] &&
+           high[0] && high[1] && high[row] && high[row + 1];
 }
 
 static uint64_t count_cells(const sweep *s, const uint32_t nodes[3], uint32_t k) {

@@ -22,7 +22,7 @@ typedef struct curvilinear_opening {
     /* Set by open(): */
     uint32_t zones;
     const uint32_t (*nodes)[3];          /* of each zone; 2 or more along each axis */
-    bool blanked;                        /* some nodes may be no part of the grid */
+    bool blanked;                        /* some nodes or cells may be no part of the grid */
     uint32_t fields;                     /* that there are */
     bool still;                          /* nodes are the same at all steps */
     char name[CURVILINEAR_NAME_MAX + 1]; /* the data set's; "": it has none */

@@ -132,7 +132,7 @@ static curvilinear_code code_of(const curvilinear_slab *s, const place *at, uint
         const size_t n = curvilinear_slab_node(s, at->first[0] + i + (corner & 1),
                                                at->first[1] + j + (corner >> 1 & 1),
                                                at->first[2] + k + (corner >> 2));
-        if (s->is_node && !s->is_node[n])
+        if ((s->is_node && !s->is_node[n]) || (corner == 0 && curvilinear_slab_hides(s, n)))
             return CURVILINEAR_NONE;
         for (int a = 0; a < 3; a++)
             p[corner][a] = (double)s->p[n][a];
@@ -190,9 +190,10 @@ static void draw_values(const conversion *c, const place *at) {
     while (curvilinear_draw_next(&d)) {
         const float *corners[HISTOGRAM_CORNERS];
         float values[HISTOGRAM_CORNERS];
+        const bool hidden = curvilinear_slab_hides(&c->slab, drawn_node(&c->slab, at, &d, 0));
         for (uint32_t n = 0; n < HISTOGRAM_CORNERS; n++) {
             corners[n] = c->drawing.corners[d.run][n];
-            values[n] = c->slab.values[drawn_node(&c->slab, at, &d, n)];
+            values[n] = hidden ? NAN : c->slab.values[drawn_node(&c->slab, at, &d, n)];
         }
         c->drawing.cells[(size_t)c->set * c->drawing.run.count + d.run] =
             histogram_hex(corners, values);

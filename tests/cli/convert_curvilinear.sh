@@ -80,6 +80,30 @@ sed 's/^2.00000000E+00$/2.0O/' "$tmp/ring_1.q" >"$tmp/letter.q"
 exits "text with a letter O" 3 "$leafcast" convert "$tmp/ring.xyz" --solution "$tmp/letter.q" --field energy -o "$tmp/x.leaf"
 ok "says the line" says 'letter.q: line [0-9]*: "2.0O", expected a number'
 
+# A cell that VTK hides: as the same grid without it, but for that cell. Of three along k the second one.
+bent() { # bent MARK
+    printf '<VTKFile type="StructuredGrid"><StructuredGrid WholeExtent="0 1 0 1 0 3"><Piece Extent="0 1 0 1 0 3">'
+    printf '<CellData><DataArray type="UInt8" Name="vtkGhostType" format="ascii">0 %s 0</DataArray></CellData>' "$1"
+    printf '<PointData><DataArray type="Float32" Name="s" format="ascii">0 1 0 1 0 1 0 1 0 1 0 1 0 1 0 1</DataArray></PointData>'
+    printf '<Points><DataArray type="Float32" NumberOfComponents="3" format="ascii">'
+    for k in 0 1 2 3; do printf '0 0 %d 1 0 %d 0 1 %d.1 1 1.5 %d ' $k $k $k $k; done
+    printf '</DataArray></Points></Piece></StructuredGrid></VTKFile>\n'
+}
+for mark in 0 1 32; do
+    bent $mark >"$tmp/bent$mark.vts"
+    exits "convert with a mark of $mark" 0 "$leafcast" convert "$tmp/bent$mark.vts" -o "$tmp/bent$mark.leaf"
+    exits "verify it" 0 "$leafcast" verify "$tmp/bent$mark.leaf"
+    for k in 0.5 1.5 2.5; do
+        "$leafcast" probe "$tmp/bent$mark.leaf" --point 0.5,0.5,$k && echo in
+    done >"$tmp/probes$mark" 2>&1
+done
+exits "the hidden one again" 0 "$leafcast" convert "$tmp/bent32.vts" -o "$tmp/bent32.leaf" --force
+ok "is blanked" says '^cells *2 right-handed, 0 left-handed, 1 blanked$'
+ok "and is not met" [ "$(grep -c '^hexahedron: ' "$tmp/probes32")" = 2 ]
+ok "what a piece alone has twice is" [ "$(grep -c '^hexahedron: ' "$tmp/probes1")" = 3 ]
+exits "info of the hidden one" 0 "$leafcast" info "$tmp/bent32.vts"
+ok "counts the cells" says '^grid *16 nodes, 2 cells$'
+
 # What is not done with them.
 exits "compressed" 3 "$leafcast" convert "$tmp/warp.vts" -o "$tmp/x.leaf" --compress zstd
 ok "is refused" says 'are not compressed'

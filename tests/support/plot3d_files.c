@@ -164,3 +164,12 @@ const char *plot3d_write(const plot3d_form *f, plot3d_part part, const char *nam
     const uint8_t *bytes = plot3d_bytes(f, part, &size);
     return scratch_write(name, bytes, size);
 }
+
+path_list plot3d_one(const char *path) {
+    static char kept[8][4096], *paths[8];
+    static int at;
+    at = (at + 1) % 8;
+    snprintf(kept[at], sizeof kept[at], "%s", path);
+    paths[at] = kept[at];
+    return (path_list){&paths[at], 1};
+}

@@ -8,6 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "formats/base/path_pattern.h"
+
 enum { PLOT3D_FILES_ZONES = 3, PLOT3D_FILES_ROOM = 1 << 16 };
 
 /* How a file is written. */
@@ -42,7 +44,9 @@ typedef enum plot3d_part {
 enum { PLOT3D_FILES_FUNCTIONS = 2 };
 uint8_t *plot3d_bytes(const plot3d_form *f, plot3d_part part, size_t *size);
 
-/* plot3d_write() - the same as a file of the scratch folder; its path. */
+/* plot3d_one() - a list of one file. Valid for the next 7 calls.
+ * plot3d_write() - the same as a file of the scratch folder; its path. */
+path_list plot3d_one(const char *path);
 const char *plot3d_write(const plot3d_form *f, plot3d_part part, const char *name);
 
 #endif

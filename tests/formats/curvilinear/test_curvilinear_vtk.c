@@ -42,6 +42,7 @@ typedef struct form {
     int pieces;
     bool marks, straight; /* straight: the nodes of a regular grid */
     const char *cells;    /* an array of the cells, of zeros but for its last; NULL: none */
+    int cell_mark;        /* the last; 0: 32 */
 } form;
 
 static int nodes_of(int piece) {
@@ -59,14 +60,14 @@ static double value(int piece, int node) {
     return 1000 * piece + node;
 }
 
-static int mark(int piece, int node) {
+static int mark_of(int piece, int node) {
     return (node + piece) % 5 == 0 ? 2 : (node + piece) % 3 == 0 ? 1 : 0;
 }
 
 static void fill(const form *f, int piece, double *xyz, double *s, double *v, double *marks) {
     for (int n = 0; n < nodes_of(piece); n++) {
         s[n] = value(piece, n);
-        marks[n] = mark(piece, n);
+        marks[n] = mark_of(piece, n);
         for (int a = 0; a < 3; a++) {
             xyz[3 * n + a] = place(f, piece, n, a);
             v[3 * n + a] = (a == 0 ? 3 : a == 1 ? 4 : 12) * value(piece, n);
@@ -86,7 +87,7 @@ static void write_piece(vtk_writer *w, const form *f, int piece) {
     vtk_writer_array(w, "s", f->type, 1, count, s);
     vtk_writer_array(w, "v", "Float64", 3, 3 * count, v);
     fprintf(w->out, "</PointData><CellData>");
-    cells[cell_count - 1] = 32;
+    cells[cell_count - 1] = f->cell_mark ? f->cell_mark : 32;
     if (f->cells)
         vtk_writer_array(w, f->cells, "UInt8", 1, (size_t)cell_count, cells);
     fprintf(w->out, "</CellData><Points>");
@@ -183,7 +184,7 @@ static void check_planes(const form *f, const curvilinear_source *s, int piece, 
     if (f->marks)
         assert_int_equal(s->blanks(s->own, z, k, n, is_node), ST_OK);
     for (int i = 0; f->marks && i < end; i++)
-        assert_int_equal(is_node[i], mark(piece, first * plane + i) != 2);
+        assert_int_equal(is_node[i], mark_of(piece, first * plane + i) != 2);
 }
 
 static void check_file(const form *f, const char *path, const char *format) {
@@ -240,6 +241,50 @@ static void test_legacy(void **state) {
     }
 }
 
+/* Marks of cells: which of them hide the cell, in a piece alone and beside another. The last cell
+ * of each piece has the mark. */
+static void check_hidden(const char *name, int mark, int pieces, bool hidden, bool marks) {
+    const form f = {.style = &codings[4],
+                    .type = "Float32",
+                    .pieces = pieces,
+                    .marks = marks,
+                    .cells = name,
+                    .cell_mark = mark};
+    mem m;
+    mem_init(&m, 0);
+    curvilinear_input *x;
+    if (curvilinear_input_open(&m, write_xml(&f), NULL, &x) != ST_OK)
+        fail_msg("%s", status_text());
+    const curvilinear_source *s = curvilinear_input_source(x);
+    assert_true(s->blanked);
+    for (int z = 0; z < pieces; z++)
+        for (uint32_t count = 1; count <= K; count++) {
+            uint8_t is_node[ROOM];
+            const uint32_t row = z ? SECOND : I, plane = row * J, first = K - count;
+            assert_int_equal(s->blanks(s->own, (uint32_t)z, first, count, is_node), ST_OK);
+            for (uint32_t n = 0; n < count * plane; n++) {
+                const uint32_t node = n + first * plane;
+                const bool at = node == row - 2 + row * (J - 2) + plane * (K - 2);
+                const int blank = marks && mark_of(z, (int)node) == 2;
+                assert_int_equal(is_node[n], blank ? 0 : at && hidden ? 3 : 1);
+            }
+        }
+    curvilinear_input_close(x);
+    assert_int_equal(mem_used(&m), 0);
+}
+
+static void test_hidden_cells(void **state) {
+    (void)state;
+    for (int pieces = 1; pieces <= 2; pieces++) {
+        check_hidden("vtkGhostType", 32, pieces, true, false);
+        check_hidden("vtkGhostType", 32, pieces, true, true);
+        check_hidden("vtkGhostType", 8, pieces, true, false);
+        check_hidden("vtkGhostType", 1, pieces, pieces > 1, false);
+        check_hidden("vtkGhostType", 2 | 4 | 16, pieces, false, false);
+        check_hidden("vtkGhostLevels", 2, pieces, pieces > 1, false);
+    }
+}
+
 /* A regular grid stays one; what is curvilinear, or has no values, becomes curvilinear. */
 static void test_kinds(void **state) {
     (void)state;
@@ -280,7 +325,9 @@ static void test_refused(void **state) {
     refused(vtk_files_patch(write_xml(&f), "Name=\"s\"", "Name=\"t\""), ST_CORRUPT,
             "piece 2 has no array \"t\"");
     f.cells = "vtkGhostType";
-    refused(write_xml(&f), ST_UNSUPPORTED, "only points can be left out here");
+    refused(vtk_files_patch(write_xml(&f), "type=\"UInt8\" Name=\"vtkGhostType\"",
+                            "type=\"Int16\" Name=\"vtkGhostType\""),
+            ST_CORRUPT, "expected a byte a cell");
     f.cells = "other";
     assert_int_equal(read_all(write_xml(&f), NULL), ST_OK);
     char name[] = "q.bin", *names[] = {name};
@@ -346,10 +393,10 @@ static void test_faults(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_codings),        cmocka_unit_test(test_legacy),
-        cmocka_unit_test(test_kinds),          cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_legacy_refused), cmocka_unit_test(test_cut),
-        cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_hidden_cells), cmocka_unit_test(test_codings),
+        cmocka_unit_test(test_legacy),       cmocka_unit_test(test_kinds),
+        cmocka_unit_test(test_refused),      cmocka_unit_test(test_legacy_refused),
+        cmocka_unit_test(test_cut),          cmocka_unit_test(test_faults),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -23,16 +23,6 @@
 
 enum { FORMS = 64, NODES = 3 * 4 * 5 };
 
-/* A list of one file. Valid for the next 7 calls. */
-static path_list one(const char *path) {
-    static char kept[8][4096], *paths[8];
-    static int at;
-    at = (at + 1) % 8;
-    snprintf(kept[at], sizeof kept[at], "%s", path);
-    paths[at] = kept[at];
-    return (path_list){&paths[at], 1};
-}
-
 static bool recognised(const char *path) {
     mem m;
     mem_init(&m, 0);
@@ -128,8 +118,8 @@ static void check_form(const plot3d_form *f, bool told) {
     curvilinear_input *x;
     const char *path = plot3d_write(f, PLOT3D_PART_GRID, "grid.bin");
     const curvilinear_hints hints = {
-        .solutions = one(plot3d_write(f, PLOT3D_PART_SOLUTION, "q.bin")),
-        .functions = one(plot3d_write(f, PLOT3D_PART_FUNCTIONS, "f.bin")),
+        .solutions = plot3d_one(plot3d_write(f, PLOT3D_PART_SOLUTION, "q.bin")),
+        .functions = plot3d_one(plot3d_write(f, PLOT3D_PART_FUNCTIONS, "f.bin")),
         .layout = told ? plot3d_form_words(f) : NULL};
     assert_true(recognised(path));
     assert_int_equal(curvilinear_input_open(&m, path, &hints, &x), ST_OK);
@@ -169,8 +159,8 @@ static void test_large(void **state) {
     for (unsigned planes = 0; planes < 2; planes++) {
         plot3d_form f = {.records = true, .zones = 1, .nodes = {{17, 23, 13}}, .planes = planes};
         const uint32_t *n = f.nodes[0];
-        const curvilinear_hints hints = {.functions =
-                                             one(plot3d_write(&f, PLOT3D_PART_FUNCTIONS, "f.bin"))};
+        const curvilinear_hints hints = {
+            .functions = plot3d_one(plot3d_write(&f, PLOT3D_PART_FUNCTIONS, "f.bin"))};
         mem m;
         mem_init(&m, 0);
         curvilinear_input *x;
@@ -294,11 +284,10 @@ static void test_text_refused(void **state) {
     f = plot3d_form_of(0);
     const char *path = plot3d_write(&f, PLOT3D_PART_GRID, "grid.bin");
     f.text = true;
-    const curvilinear_hints hints = {.solutions =
-                                         one(plot3d_write(&f, PLOT3D_PART_SOLUTION, "q.txt"))};
+    const curvilinear_hints hints = {
+        .solutions = plot3d_one(plot3d_write(&f, PLOT3D_PART_SOLUTION, "q.txt"))};
     assert_int_equal(read_all(path, &hints), ST_OK);
-    refused(path, &(curvilinear_hints){.layout = "text"}, ST_CORRUPT,
-            "expected a number");
+    refused(path, &(curvilinear_hints){.layout = "text"}, ST_CORRUPT, "expected a number");
     plot3d_words w;
     assert_int_equal(plot3d_words_parse("text,f32", &w), ST_USAGE);
     assert_int_equal(plot3d_words_parse("binary,text", &w), ST_USAGE);
@@ -350,7 +339,8 @@ static void test_steps(void **state) {
         paths[i] = strdup(i < 3 ? write_step(i) : "/nowhere");
     snprintf(grid, sizeof grid, "%s", plot3d_write(&f, PLOT3D_PART_GRID, "grid.bin"));
     curvilinear_hints hints = {.solutions = {paths, 3},
-                               .functions = one(plot3d_write(&f, PLOT3D_PART_FUNCTIONS, "f.bin")),
+                               .functions =
+                                   plot3d_one(plot3d_write(&f, PLOT3D_PART_FUNCTIONS, "f.bin")),
                                .step = 2};
     assert_int_equal(curvilinear_input_open(&m, grid, &hints, &x), ST_OK);
     const double *times;
@@ -471,7 +461,7 @@ static void test_values_beyond(void **state) {
     uint8_t *bytes = plot3d_bytes(&f, PLOT3D_PART_FUNCTIONS, &size);
     const double values[] = {1e39, -1e39, NAN, 1e-60, 0.1};
     memcpy(bytes + 16, values, sizeof values);
-    const curvilinear_hints hints = {.functions = one(scratch_write("f.bin", bytes, size))};
+    const curvilinear_hints hints = {.functions = plot3d_one(scratch_write("f.bin", bytes, size))};
     mem m;
     mem_init(&m, 0);
     curvilinear_input *x;
@@ -520,19 +510,19 @@ static void test_solution_cut(void **state) {
         size_t size;
         const uint8_t *bytes = plot3d_bytes(&f, PLOT3D_PART_SOLUTION, &size);
         for (size_t cut = 0; cut < size; cut += cut < 200 ? 1 : 37) {
-            hints.solutions = one(scratch_write("q.bin", bytes, cut));
+            hints.solutions = plot3d_one(scratch_write("q.bin", bytes, cut));
             assert_true(read_all(path, &hints) != ST_OK);
         }
         memset(padded, 0, sizeof padded);
         memcpy(padded, bytes, size);
         /* So many zeros might be the half of a solution of f64. */
         hints.layout = plot3d_form_words(&f);
-        hints.solutions = one(scratch_write("q.bin", padded, size + 4095));
+        hints.solutions = plot3d_one(scratch_write("q.bin", padded, size + 4095));
         assert_int_equal(read_all(path, &hints), ST_OK);
-        hints.solutions = one(scratch_write("q.bin", padded, size + 4096));
+        hints.solutions = plot3d_one(scratch_write("q.bin", padded, size + 4096));
         refused(path, &hints, ST_CORRUPT, "expected a PLOT3D solution of the grid's ");
         padded[size + 4094] = 1;
-        hints.solutions = one(scratch_write("q.bin", padded, size + 4095));
+        hints.solutions = plot3d_one(scratch_write("q.bin", padded, size + 4095));
         assert_int_equal(read_all(path, &hints), ST_CORRUPT);
     }
 }
@@ -544,18 +534,19 @@ static void test_others(void **state) {
     other.nodes[1][2]++;
     const char *path = plot3d_write(&f, PLOT3D_PART_GRID, "grid.bin");
     const char *q = plot3d_write(&other, PLOT3D_PART_SOLUTION, "q.bin");
-    refused(path, &(curvilinear_hints){.solutions = one(q)}, ST_CORRUPT,
+    refused(path, &(curvilinear_hints){.solutions = plot3d_one(q)}, ST_CORRUPT,
             "2 zones, the first with 3 x 4 x 5 nodes");
-    refused(path, &(curvilinear_hints){.solutions = one(path)}, ST_CORRUPT, "a PLOT3D solution");
-    refused(path, &(curvilinear_hints){.functions = one(q)}, ST_CORRUPT,
+    refused(path, &(curvilinear_hints){.solutions = plot3d_one(path)}, ST_CORRUPT,
+            "a PLOT3D solution");
+    refused(path, &(curvilinear_hints){.functions = plot3d_one(q)}, ST_CORRUPT,
             "a PLOT3D file of functions");
-    refused(path, &(curvilinear_hints){.functions = one("/nowhere")}, ST_IO, "/nowhere");
+    refused(path, &(curvilinear_hints){.functions = plot3d_one("/nowhere")}, ST_IO, "/nowhere");
     /* Another number of functions in the second zone, and the bytes for it. */
     size_t size;
     uint8_t *bytes = plot3d_bytes(&f, PLOT3D_PART_FUNCTIONS, &size);
     bytes[4 + 31]++;
     q = scratch_write("f.bin", bytes, size + 4 * 12);
-    refused(path, &(curvilinear_hints){.functions = one(q)}, ST_UNSUPPORTED,
+    refused(path, &(curvilinear_hints){.functions = plot3d_one(q)}, ST_UNSUPPORTED,
             "zone 2 has 3 functions, expected 2");
 }
 
@@ -612,7 +603,7 @@ static void test_lengths(void **state) {
     const char *path = plot3d_write(&f, PLOT3D_PART_GRID, "grid.bin");
     bytes = plot3d_bytes(&f, PLOT3D_PART_SOLUTION, &size);
     bytes[44 + 3] ^= 1;
-    const curvilinear_hints hints = {.solutions = one(scratch_write("q.bin", bytes, size))};
+    const curvilinear_hints hints = {.solutions = plot3d_one(scratch_write("q.bin", bytes, size))};
     refused(path, &hints, ST_CORRUPT, "byte 44: a record's length of 17, expected 16");
 }
 
@@ -620,8 +611,8 @@ static void check_faults(const plot3d_form *form) {
     const plot3d_form f = *form;
     const char *path = plot3d_write(&f, PLOT3D_PART_GRID, "grid.bin");
     const curvilinear_hints hints = {
-        .solutions = one(plot3d_write(&f, PLOT3D_PART_SOLUTION, "q.bin")),
-        .functions = one(plot3d_write(&f, PLOT3D_PART_FUNCTIONS, "f.bin")),
+        .solutions = plot3d_one(plot3d_write(&f, PLOT3D_PART_SOLUTION, "q.bin")),
+        .functions = plot3d_one(plot3d_write(&f, PLOT3D_PART_FUNCTIONS, "f.bin")),
         .field = "mach"};
     static const fault_kind kinds[] = {FAULT_ALLOC, FAULT_READ};
     for (int i = 0; i < 2; i++) {
@@ -714,7 +705,8 @@ static void check_real(const char *grid, const char *solution, const uint32_t no
     assert_true(recognised(path));
     assert_false(recognised(q));
     assert_int_equal(
-        curvilinear_input_open(&m, path, &(curvilinear_hints){.solutions = one(q)}, &x), ST_OK);
+        curvilinear_input_open(&m, path, &(curvilinear_hints){.solutions = plot3d_one(q)}, &x),
+        ST_OK);
     const curvilinear_source *s = curvilinear_input_source(x);
     assert_int_equal(s->zones, 1);
     assert_memory_equal(s->nodes[0], nodes, 3 * sizeof *nodes);
