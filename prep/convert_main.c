@@ -412,7 +412,7 @@ static const cli_verb verb = {
         "samples "
         "(dimensions in the file's name, in a JSON beside it, or given); a mesh of tetrahedra: "
         "TetGen (.node, .ele), VTK (.vtk, .vtu; in files: .pvtu, .vtm), Gmsh (.msh), a mesh "
-        "stream; a curvilinear grid: VTK (.vts, .vtk), PLOT3D; "
+        "stream; a curvilinear grid: VTK (.vts, .pvts, .vtk), PLOT3D; "
         "VTK's collections of either (.pvd), with all their steps; packed by gzip, "
         "bzip2, xz or zstd; or - for any of these on standard input that takes one file and one "
         "pass. OpenVDB, images (a file of several, a folder), DICOM series (a folder), HDF5 and "

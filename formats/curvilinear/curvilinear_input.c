@@ -6,6 +6,7 @@
 #include "formats/base/text.h"
 #include "formats/curvilinear/curvilinear_reader.h"
 #include "formats/curvilinear/curvilinear_vtk.h"
+#include "formats/curvilinear/curvilinear_vtk_parts.h"
 #include "formats/curvilinear/plot3d.h"
 #include "formats/input/dicom_mark.h"
 #include "formats/input/foreign.h"
@@ -26,8 +27,9 @@ struct curvilinear_input {
 };
 
 /* The formats. The first that recognises a file reads it. */
-static const curvilinear_reader *const readers[] = {&curvilinear_vtk_xml_reader,
-                                                    &curvilinear_vtk_legacy_reader, &plot3d_reader};
+static const curvilinear_reader *const readers[] = {
+    &curvilinear_vtk_xml_reader, &curvilinear_vtk_pieces_reader, &curvilinear_vtk_collection_reader,
+    &curvilinear_vtk_legacy_reader, &plot3d_reader};
 
 enum { READERS = sizeof readers / sizeof *readers };
 
@@ -184,7 +186,7 @@ static status open_reader(curvilinear_input *x) {
     if (!x->reader && curvilinear_input_is_asked(&x->from.hints))
         x->reader = &plot3d_reader;
     if (!x->reader)
-        return foreign_refuse(s, "expected a curvilinear grid: PLOT3D, VTK (.vts, .vtk)");
+        return foreign_refuse(s, "expected a curvilinear grid: PLOT3D, VTK (.vts, .pvts, .vtk)");
     return x->reader->open(&x->from, &x->state);
 }
 
@@ -259,6 +261,10 @@ const char *curvilinear_input_file(const curvilinear_input *x) {
 }
 
 /* ---- steps ---- */
+
+bool curvilinear_input_names_files(const curvilinear_input *x) {
+    return x->reader->names_files;
+}
 
 bool curvilinear_input_may_have_steps(const curvilinear_input *x) {
     return x->reader->steps != NULL;

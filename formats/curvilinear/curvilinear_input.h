@@ -64,10 +64,12 @@ CHECKED status curvilinear_input_take(curvilinear_input *x, const char *const *n
                                       uint32_t count);
 const char *curvilinear_input_taken(curvilinear_input *x, uint32_t field, uint32_t *component);
 
-/* curvilinear_input_may_have_steps() - returns whether inputs of its format may have several time
+/* curvilinear_input_names_files() - returns whether files of its format name other files.
+ * curvilinear_input_may_have_steps() - returns whether inputs of its format may have several time
  * steps. curvilinear_input_steps() - returns how many it has, 1 or more; *times: the time of each,
  * in no order; NULL: not known.
  * curvilinear_input_still() - returns whether it says that nodes are the same at all steps. */
+bool curvilinear_input_names_files(const curvilinear_input *x);
 bool curvilinear_input_may_have_steps(const curvilinear_input *x);
 uint32_t curvilinear_input_steps(const curvilinear_input *x, const double **times);
 bool curvilinear_input_still(const curvilinear_input *x);

@@ -22,7 +22,7 @@ static const char *format(const void *own) {
 }
 
 static unsigned traits(const void *own) {
-    return INPUT_CHOICES |
+    return INPUT_CHOICES | (curvilinear_input_names_files(own) ? INPUT_FILES : 0U) |
            (curvilinear_input_may_have_steps(own) ? INPUT_STEPS | INPUT_SERIES : 0U);
 }
 

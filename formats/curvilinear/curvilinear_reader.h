@@ -31,6 +31,7 @@ typedef struct curvilinear_opening {
 /* Reading is as in curvilinear_source.h, of any plane at any time. */
 typedef struct curvilinear_reader {
     const char *format; /* for messages: "PLOT3D" */
+    bool names_files;   /* its files name others */
     /* Returns whether a regular file of so many bytes is of this format. start: its first
      * CURVILINEAR_READER_PEEK bytes, or all there are. */
     bool (*known)(const uint8_t *start, size_t size, uint64_t bytes);

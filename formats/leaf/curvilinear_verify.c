@@ -144,8 +144,8 @@ static void measure(const leaf_verifying *v, const subject *s, uint32_t set) {
         const float *at[HISTOGRAM_CORNERS];
         float places[HISTOGRAM_CORNERS][3], values[HISTOGRAM_CORNERS];
         const uint32_t *of = draw.place;
-        const bool none = code_of(s, of[0] + s->cells[0] * (of[1] + s->cells[1] * of[2])) ==
-                          CURVILINEAR_NONE;
+        const bool none =
+            code_of(s, of[0] + s->cells[0] * (of[1] + s->cells[1] * of[2])) == CURVILINEAR_NONE;
         for (uint32_t c = 0; c < HISTOGRAM_CORNERS; c++) {
             const uint32_t node = corner_of(s, draw.node, c);
             for (uint32_t a = 0; a < 3; a++)

@@ -104,6 +104,37 @@ ok "what a piece alone has twice is" [ "$(grep -c '^hexahedron: ' "$tmp/probes1"
 exits "info of the hidden one" 0 "$leafcast" info "$tmp/bent32.vts"
 ok "counts the cells" says '^grid *16 nodes, 2 cells$'
 
+# A grid in pieces is the grid: the same bytes. Bent rows of 7 nodes, cut at the fourth; with a layer of cells that both have, marked.
+cut_grid() { # cut_grid FIRST LAST DUPLICATE: nodes i of FIRST to LAST; cells that begin at DUPLICATE are another piece's
+    awk -v first="$1" -v last="$2" -v twice="$3" 'BEGIN {
+        printf "<VTKFile type=\"StructuredGrid\"><StructuredGrid WholeExtent=\"0 6 0 4 0 2\"><Piece Extent=\"%d %d 0 4 0 2\">", first, last
+        printf "<CellData><DataArray type=\"UInt8\" Name=\"vtkGhostType\" format=\"ascii\">"
+        for (k = 0; k < 2; k++) for (j = 0; j < 4; j++) for (i = first; i < last; i++) printf "%d ", i == twice
+        printf "</DataArray></CellData><PointData><DataArray type=\"Float32\" Name=\"s\" format=\"ascii\">"
+        for (k = 0; k < 3; k++) for (j = 0; j < 5; j++) for (i = first; i <= last; i++) printf "%d ", i * j + k
+        printf "</DataArray></PointData><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">"
+        for (k = 0; k < 3; k++) for (j = 0; j < 5; j++) for (i = first; i <= last; i++) printf "%g %g %g ", i, j + i * i / 8, k + i * j / 50
+        print "</DataArray></Points></Piece></StructuredGrid></VTKFile>"
+    }'
+}
+cut_grid 0 6 -1 >"$tmp/uncut.vts"
+cut_grid 0 4 3 >"$tmp/cut_0.vts"
+cut_grid 3 6 -1 >"$tmp/cut_1.vts"
+printf '<VTKFile type="PStructuredGrid"><PStructuredGrid WholeExtent="0 6 0 4 0 2" GhostLevel="1"><Piece Extent="0 4 0 4 0 2" Source="cut_0.vts"/><Piece Extent="3 6 0 4 0 2" Source="cut_1.vts"/></PStructuredGrid></VTKFile>' >"$tmp/cut.pvts"
+printf '<VTKFile type="Collection"><Collection><DataSet timestep="3" file="cut.pvts"/><DataSet timestep="1" file="uncut.vts"/></Collection></VTKFile>' >"$tmp/cut.pvd"
+exits "convert a grid" 0 "$leafcast" convert "$tmp/uncut.vts" -o "$tmp/uncut.leaf" -q
+exits "and in pieces" 0 "$leafcast" convert "$tmp/cut.pvts" -o "$tmp/cut.leaf" -q
+ok "is the same file" cmp -s "$tmp/uncut.leaf" "$tmp/cut.leaf"
+exits "info of pieces" 0 "$leafcast" info "$tmp/cut.pvts"
+ok "tells one zone" says '^zones *7 x 5 x 3 nodes$'
+exits "a collection of both" 0 "$leafcast" convert "$tmp/cut.pvd" -o "$tmp/both.leaf"
+ok "has nodes that stay" says '^nodes *stay where they are$'
+exits "info of both" 0 "$leafcast" info "$tmp/both.leaf"
+ok "says their times" says '^steps *2, times 1 .. 3$'
+ok "and that they are the same" says '^series *1 payloads are the same as earlier ones'
+exits "the second step" 0 "$leafcast" convert "$tmp/cut.pvd" --step 1 -o "$tmp/later.leaf" -q
+ok "is the same file, too" cmp -s "$tmp/uncut.leaf" "$tmp/later.leaf"
+
 # What is not done with them.
 exits "compressed" 3 "$leafcast" convert "$tmp/warp.vts" -o "$tmp/x.leaf" --compress zstd
 ok "is refused" says 'are not compressed'
