@@ -190,5 +190,7 @@ static status run(arguments *a) {
 int main(int argc, char **argv) {
     arguments a = {.common = {.verb = "info", .without = "output force"}};
     cli_parse(&verb, &a.common, argc, argv);
-    return cli_finish(&a.common, run(&a));
+    const int code = cli_finish(&a.common, run(&a));
+    plot3d_options_release(&a.question.hints.curvilinear);
+    return code;
 }

@@ -37,7 +37,7 @@ status input_facts_read(mem *m, const input_question *q, const progress *p, inpu
                          .components = 1,
                          .range = {DBL_MAX, -DBL_MAX}};
     input_hints hints = q->hints;
-    hints.mesh.trust = hints.grid.trust;
+    hints.curvilinear.trust = hints.mesh.trust = hints.grid.trust;
     status st = input_open(m, q->path, &hints, &in);
     if (st == ST_OK) {
         out->kind = in.kind;
@@ -137,12 +137,13 @@ static void put_leaf_name(shell_line *c, const char *path) {
 
 static void put_plot3d(shell_line *c, const curvilinear_hints *h) {
     const struct {
-        const char *option, *path;
-    } files[] = {{" --solution ", h->solution}, {" --functions ", h->functions}};
-    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
-        if (files[i].path) {
-            shell_line_put(c, files[i].option);
-            shell_line_path(c, files[i].path);
+        const char *option;
+        const path_list *files;
+    } options[] = {{" --solution ", &h->solutions}, {" --functions ", &h->functions}};
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+        for (int k = 0; k < options[i].files->count; k++) {
+            shell_line_put(c, options[i].option);
+            shell_line_path(c, options[i].files->paths[k]);
         }
     if (h->layout) {
         shell_line_put(c, " --plot3d ");

@@ -19,13 +19,13 @@ enum { PLOT3D_KEY_SOLUTION = 0x3100, PLOT3D_KEY_FUNCTIONS, PLOT3D_KEY_LAYOUT };
      "FILE",                                                                              \
      0,                                                                                   \
      "with a grid of PLOT3D: its solution (Q), whose functions are the fields: density, " \
-     "momentum, energy, velocity, pressure, ..",                                          \
+     "momentum, energy, velocity, pressure, ..; several, or a pattern: time steps",       \
      group},                                                                              \
         {"functions",                                                                     \
          PLOT3D_KEY_FUNCTIONS,                                                            \
          "FILE",                                                                          \
          0,                                                                               \
-         "with a grid of PLOT3D: its file of functions, which are fields too",            \
+         "with a grid of PLOT3D: its file of functions, which are fields too; likewise",  \
          group},                                                                          \
     {                                                                                     \
         "plot3d", PLOT3D_KEY_LAYOUT, "WORDS", 0,                                          \
@@ -34,14 +34,20 @@ enum { PLOT3D_KEY_SOLUTION = 0x3100, PLOT3D_KEY_FUNCTIONS, PLOT3D_KEY_LAYOUT };
             group                                                                         \
     }
 
-/* plot3d_option() - set one of these options. ST_AGAIN: the key is none of them. */
+/* plot3d_option() - set one of these options. ST_AGAIN: the key is none of them.
+ * plot3d_options_release() - free what they have set. */
 static inline status plot3d_option(curvilinear_hints *h, int key, const char *text) {
     switch (key) {
-    case PLOT3D_KEY_SOLUTION: h->solution = text; return ST_OK;
-    case PLOT3D_KEY_FUNCTIONS: h->functions = text; return ST_OK;
+    case PLOT3D_KEY_SOLUTION: return path_list_add(&h->solutions, text);
+    case PLOT3D_KEY_FUNCTIONS: return path_list_add(&h->functions, text);
     case PLOT3D_KEY_LAYOUT: h->layout = text; return ST_OK;
     default: return ST_AGAIN;
     }
+}
+
+static inline void plot3d_options_release(curvilinear_hints *h) {
+    path_list_release(&h->solutions);
+    path_list_release(&h->functions);
 }
 
 #endif

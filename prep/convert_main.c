@@ -412,7 +412,7 @@ static const cli_verb verb = {
         "samples "
         "(dimensions in the file's name, in a JSON beside it, or given); a mesh of tetrahedra: "
         "TetGen (.node, .ele), VTK (.vtk, .vtu; in files: .pvtu, .vtm), Gmsh (.msh), a mesh "
-        "stream; a curvilinear grid: VTK (.vts, .vtk), PLOT3D; "
+        "stream; a curvilinear grid: VTK (.vts, .pvts, .vtk), PLOT3D; "
         "VTK's collections of either (.pvd), with all their steps; packed by gzip, "
         "bzip2, xz or zstd; or - for any of these on standard input that takes one file and one "
         "pass. OpenVDB, images (a file of several, a folder), DICOM series (a folder), HDF5 and "
@@ -452,6 +452,11 @@ static status convert_opened(convert_request *a, mem *m, input *in, double start
     return kind->run(a, m, in, start);
 }
 
+static status guard_input(void *ctx, const char *path) {
+    (void)ctx;
+    return file_guard_input(path);
+}
+
 /* Check all paths before an input is opened, which may take hours. */
 static status guard_files(const convert_request *a) {
     const char *output = a->dry_run ? NULL : a->common.output;
@@ -462,12 +467,8 @@ static status guard_files(const convert_request *a) {
     status st = ST_OK;
     for (int i = 0; i < a->common.input_count && st == ST_OK; i++)
         st = file_guard_input(a->common.inputs[i]);
-    for (int i = 0; i < 3 && st == ST_OK; i++)
-        st = file_guard_input(a->hints.grid.axis_file[i]);
     if (st == ST_OK)
-        st = file_guard_input(a->hints.curvilinear.solution);
-    if (st == ST_OK)
-        st = file_guard_input(a->hints.curvilinear.functions);
+        st = convert_request_beside(a, guard_input, NULL);
     return st == ST_OK ? file_guard_output(output) : st;
 }
 
@@ -479,8 +480,8 @@ static status run(convert_request *a) {
     a->sets.m = &m;
     a->step = cli_given(&a->common, KEY_STEP);
     convert_sets_first_step(&a->sets, &a->hints.grid.step);
-    a->hints.mesh.step = a->hints.grid.step;
-    a->hints.mesh.trust = a->hints.grid.trust;
+    a->hints.curvilinear.step = a->hints.mesh.step = a->hints.grid.step;
+    a->hints.curvilinear.trust = a->hints.mesh.trust = a->hints.grid.trust;
     bool done = false;
     status st = guard_files(a);
     if (st == ST_OK && a->append)
@@ -509,5 +510,6 @@ int main(int argc, char **argv) {
     const int code = a.watch.on ? convert_watch_run(&a, run) : cli_finish(&a.common, run(&a));
     if (!a.watch.on)
         path_pattern_release(a.common.inputs, a.common.input_count);
+    plot3d_options_release(&a.hints.curvilinear);
     return code;
 }

@@ -57,6 +57,22 @@ static inline uint32_t convert_request_steps(const convert_request *a) {
     return convert_sets_count_steps(&a->sets, a->common.input_count);
 }
 
+/* convert_request_beside() - give `take` each file that an option names, beside the inputs. Stops
+ * at an error, which it returns. */
+static inline status convert_request_beside(const convert_request *a,
+                                            status (*take)(void *ctx, const char *path),
+                                            void *ctx) {
+    const path_list *lists[] = {&a->hints.curvilinear.solutions, &a->hints.curvilinear.functions};
+    status st = ST_OK;
+    for (int i = 0; i < 3 && st == ST_OK; i++)
+        if (a->hints.grid.axis_file[i])
+            st = take(ctx, a->hints.grid.axis_file[i]);
+    for (int l = 0; l < 2; l++)
+        for (int i = 0; i < lists[l]->count && st == ST_OK; i++)
+            st = take(ctx, lists[l]->paths[i]);
+    return st;
+}
+
 /* convert_request_series() - returns the fields and steps that are asked for, and their files. */
 static inline step_series convert_request_series(const convert_request *a) {
     const bool named = a->sets.count > 0;

@@ -88,6 +88,17 @@ status convert_sets_take_times(convert_sets *s, const double *all) {
     return ST_OK;
 }
 
+status convert_sets_take_steps(convert_sets *s, const char *name, uint32_t steps,
+                               const double *times) {
+    if (!step_list_given(&s->taken))
+        return ST_OK;
+    status st = step_list_settle(&s->taken, "--steps", name, steps);
+    if (st != ST_OK)
+        return st;
+    s->steps = (uint32_t)step_list_count(&s->taken);
+    return times && !s->times ? convert_sets_take_times(s, times) : ST_OK;
+}
+
 void convert_sets_drop(convert_sets *s, int i) {
     mem_free(s->m, s->copied[i]);
     s->count--;

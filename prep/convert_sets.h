@@ -46,6 +46,11 @@ void convert_sets_take_all(convert_sets *s);
 /* convert_sets_first_step() - set *step to the first of a list of steps, if one is given. */
 void convert_sets_first_step(const convert_sets *s, uint32_t *step);
 
+/* convert_sets_take_steps() - if steps of the file `name` are asked for, note how many, and their
+ * times. The file has so many; times: of each, NULL: none. ST_USAGE: there is no such step. */
+CHECKED status convert_sets_take_steps(convert_sets *s, const char *name, uint32_t steps,
+                                       const double *times);
+
 /* convert_sets_take_copy() - add a field of the input, once per name.
  * convert_sets_take_times() - copy the input's times of the chosen steps. If they do not ascend,
  * keep none.

@@ -7,6 +7,10 @@
 #include "formats/leaf/leaf_file.h"
 #include "prep/convert_request.h"
 
+static status add_input(void *job, const char *path) {
+    return convert_job_input(job, path);
+}
+
 /* Name the options and inputs that the output depends on. Options in the table's order. */
 static status describe_job(const convert_request *a, mem *m, convert_job *j) {
     status st = convert_job_init(j, m, a->common.output);
@@ -16,10 +20,7 @@ static status describe_job(const convert_request *a, mem *m, convert_job *j) {
                 st = convert_job_option(j, o->name, a->told[i].text ? a->told[i].text : "");
     for (int i = 0; i < a->common.input_count && st == ST_OK; i++)
         st = convert_job_input(j, a->common.inputs[i]);
-    for (int i = 0; i < 3 && st == ST_OK; i++)
-        if (a->hints.grid.axis_file[i])
-            st = convert_job_input(j, a->hints.grid.axis_file[i]);
-    return st;
+    return st == ST_OK ? convert_request_beside(a, add_input, j) : st;
 }
 
 static status compare_job(void *ctx, state_io *io) {
@@ -51,18 +52,21 @@ static status no_output_of_this(const convert_request *a, status st, const char 
                            a->common.output, why);
 }
 
-static bool is_older(const struct stat *output, const char *input) {
+/* ST_EXISTS: the input was written after the output. */
+static status check_older(void *ctx, const char *input) {
+    const struct stat *output = ctx;
     struct stat s;
     if (stat(input, &s) != 0)
-        return false; /* the output is there without it */
-    return s.st_mtim.tv_sec > output->st_mtim.tv_sec ||
-           (s.st_mtim.tv_sec == output->st_mtim.tv_sec &&
-            s.st_mtim.tv_nsec > output->st_mtim.tv_nsec);
+        return ST_OK; /* the output is there without it */
+    const bool later =
+        s.st_mtim.tv_sec > output->st_mtim.tv_sec ||
+        (s.st_mtim.tv_sec == output->st_mtim.tv_sec && s.st_mtim.tv_nsec > output->st_mtim.tv_nsec);
+    return later ? ST_EXISTS : ST_OK;
 }
 
 /* Look whether the output is whole, and may be of this job. It does not say with which options it
  * was made. */
-static status look_at_output(const convert_request *a, mem *m, const struct stat *output) {
+static status look_at_output(const convert_request *a, mem *m, struct stat *output) {
     leaf_file *f = NULL;
     file_guard_look(true);
     const status st = leaf_file_open(m, a->common.output, &f);
@@ -74,9 +78,11 @@ static status look_at_output(const convert_request *a, mem *m, const struct stat
     for (int i = 0; i < a->common.input_count; i++) {
         if (strcmp(a->common.inputs[i], "-") == 0)
             return no_output_of_this(a, ST_EXISTS, "whether it is of standard input is not known");
-        if (is_older(output, a->common.inputs[i]))
+        if (check_older(output, a->common.inputs[i]) != ST_OK)
             return no_output_of_this(a, ST_EXISTS, "its input was written after it");
     }
+    if (convert_request_beside(a, check_older, output) != ST_OK)
+        return no_output_of_this(a, ST_EXISTS, "a file that an option names was written after it");
     if (in_place != a->in_place)
         return no_output_of_this(a, ST_EXISTS,
                                  in_place ? "it was made with --in-place"

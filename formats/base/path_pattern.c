@@ -11,11 +11,6 @@
 
 #include "formats/base/sequence.h"
 
-typedef struct path_list {
-    char **paths;
-    int count;
-} path_list;
-
 static status add(path_list *l, const char *path) {
     char *copy = strdup(path);
     char **more = copy ? realloc(l->paths, (size_t)(l->count + 1) * sizeof *more) : NULL;
@@ -32,6 +27,11 @@ void path_pattern_release(char **paths, int count) {
     for (int i = 0; i < count; i++)
         free(paths[i]);
     free(paths);
+}
+
+void path_list_release(path_list *l) {
+    path_pattern_release(l->paths, l->count);
+    *l = (path_list){0};
 }
 
 /* ---- the order of names ---- */
@@ -138,7 +138,7 @@ static status find(path_list *l, const char *pattern, const char *number, size_t
     return st;
 }
 
-static status take(path_list *l, const char *path) {
+status path_list_add(path_list *l, const char *path) {
     size_t length = 0;
     const char *number = number_in(path, &length);
     const bool pattern = number || strpbrk(path, "*?[");
@@ -151,9 +151,9 @@ status path_pattern_expand(char ***paths, int *count) {
     path_list l = {0};
     status st = ST_OK;
     for (int i = 0; i < *count && st == ST_OK; i++)
-        st = take(&l, (*paths)[i]);
+        st = path_list_add(&l, (*paths)[i]);
     if (st != ST_OK) {
-        path_pattern_release(l.paths, l.count);
+        path_list_release(&l);
         return st;
     }
     *paths = l.paths;

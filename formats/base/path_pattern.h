@@ -15,6 +15,17 @@
  * nothing has changed. */
 CHECKED status path_pattern_expand(char ***paths, int *count);
 
+/* A list that grows. Zero-initialize it. */
+typedef struct path_list {
+    char **paths;
+    int count;
+} path_list;
+
+/* path_list_add() - add what an argument stands for, likewise. ST_NOMEM: the list stays valid.
+ * path_list_release() - free it; zeros are fine. */
+CHECKED status path_list_add(path_list *l, const char *path);
+void path_list_release(path_list *l);
+
 /* path_pattern_compare() - the order of two such names: below 0, 0, above 0. */
 int path_pattern_compare(const char *a, const char *b);
 

@@ -6,6 +6,7 @@
 #include "formats/base/text.h"
 #include "formats/curvilinear/curvilinear_reader.h"
 #include "formats/curvilinear/curvilinear_vtk.h"
+#include "formats/curvilinear/curvilinear_vtk_parts.h"
 #include "formats/curvilinear/plot3d.h"
 #include "formats/input/dicom_mark.h"
 #include "formats/input/foreign.h"
@@ -26,8 +27,9 @@ struct curvilinear_input {
 };
 
 /* The formats. The first that recognises a file reads it. */
-static const curvilinear_reader *const readers[] = {&curvilinear_vtk_xml_reader,
-                                                    &curvilinear_vtk_legacy_reader, &plot3d_reader};
+static const curvilinear_reader *const readers[] = {
+    &curvilinear_vtk_xml_reader, &curvilinear_vtk_pieces_reader, &curvilinear_vtk_collection_reader,
+    &curvilinear_vtk_legacy_reader, &plot3d_reader};
 
 enum { READERS = sizeof readers / sizeof *readers };
 
@@ -57,7 +59,7 @@ status curvilinear_input_recognise(byte_stream *s, bool *known) {
 }
 
 bool curvilinear_input_is_asked(const curvilinear_hints *hints) {
-    return hints->layout || hints->solution || hints->functions;
+    return hints->layout || hints->solutions.count > 0 || hints->functions.count > 0;
 }
 
 /* ---- fields ---- */
@@ -184,16 +186,12 @@ static status open_reader(curvilinear_input *x) {
     if (!x->reader && curvilinear_input_is_asked(&x->from.hints))
         x->reader = &plot3d_reader;
     if (!x->reader)
-        return foreign_refuse(s, "expected a curvilinear grid: PLOT3D in binary, VTK (.vts, .vtk)");
+        return foreign_refuse(s, "expected a curvilinear grid: PLOT3D, VTK (.vts, .pvts, .vtk)");
     return x->reader->open(&x->from, &x->state);
 }
 
-static status open_grid(curvilinear_input *x) {
-    status st = open_reader(x);
-    if (st != ST_OK)
-        return st;
-    const char *name = x->from.hints.name;
-    text_name(x->from.name, sizeof x->from.name, name ? name : x->from.name);
+/* Hand over what open() or seek() of the reader has set. */
+static status show_grid(curvilinear_input *x) {
     x->source = (curvilinear_source){.own = x,
                                      .zones = x->from.zones,
                                      .nodes = x->from.nodes,
@@ -202,6 +200,15 @@ static status open_grid(curvilinear_input *x) {
                                      .values = values,
                                      .blanks = blanks};
     return curvilinear_input_take(x, (const char *const[]){x->from.hints.field}, 1);
+}
+
+static status open_grid(curvilinear_input *x) {
+    const status st = open_reader(x);
+    if (st != ST_OK)
+        return st;
+    const char *name = x->from.hints.name;
+    text_name(x->from.name, sizeof x->from.name, name ? name : x->from.name);
+    return show_grid(x);
 }
 
 status curvilinear_input_open_stream(mem *m, byte_stream *s, const curvilinear_hints *hints,
@@ -251,6 +258,33 @@ const char *curvilinear_input_name(const curvilinear_input *x) {
 
 const char *curvilinear_input_file(const curvilinear_input *x) {
     return byte_stream_path(x->from.data);
+}
+
+/* ---- steps ---- */
+
+bool curvilinear_input_names_files(const curvilinear_input *x) {
+    return x->reader->names_files;
+}
+
+bool curvilinear_input_may_have_steps(const curvilinear_input *x) {
+    return x->reader->steps != NULL;
+}
+
+uint32_t curvilinear_input_steps(const curvilinear_input *x, const double **times) {
+    *times = NULL;
+    return x->reader->steps ? x->reader->steps(x->state, times) : 1;
+}
+
+bool curvilinear_input_still(const curvilinear_input *x) {
+    return x->from.still;
+}
+
+status curvilinear_input_seek(curvilinear_input *x, uint32_t step) {
+    if (step == x->from.hints.step)
+        return ST_OK;
+    x->from.hints.step = step;
+    const status st = x->reader->seek(&x->from, x->state);
+    return st == ST_OK ? show_grid(x) : st;
 }
 
 const double *curvilinear_input_conditions(const curvilinear_input *x) {

@@ -64,6 +64,21 @@ CHECKED status curvilinear_input_take(curvilinear_input *x, const char *const *n
                                       uint32_t count);
 const char *curvilinear_input_taken(curvilinear_input *x, uint32_t field, uint32_t *component);
 
+/* curvilinear_input_names_files() - returns whether files of its format name other files.
+ * curvilinear_input_may_have_steps() - returns whether inputs of its format may have several time
+ * steps. curvilinear_input_steps() - returns how many it has, 1 or more; *times: the time of each,
+ * in no order; NULL: not known.
+ * curvilinear_input_still() - returns whether it says that nodes are the same at all steps. */
+bool curvilinear_input_names_files(const curvilinear_input *x);
+bool curvilinear_input_may_have_steps(const curvilinear_input *x);
+uint32_t curvilinear_input_steps(const curvilinear_input *x, const double **times);
+bool curvilinear_input_still(const curvilinear_input *x);
+
+/* curvilinear_input_seek() - go to another step, as if it had been opened with hints of that step:
+ * nodes and fields may be others. Errors as of curvilinear_input_open(); then it can only be
+ * closed. */
+CHECKED status curvilinear_input_seek(curvilinear_input *x, uint32_t step);
+
 /* curvilinear_input_conditions() - returns what is said of the flow in the first zone: Mach number,
  * angle of attack in degrees, Reynolds number, time; NULL: nothing. */
 const double *curvilinear_input_conditions(const curvilinear_input *x);

@@ -100,8 +100,8 @@ static void collect_plane(input_facts *x, const plane *p, uint64_t count) {
 static bool is_cell(const sweep *s, const uint32_t nodes[3], uint32_t k, uint64_t n) {
     const uint8_t *low = s->planes[k % 2].is_node + n, *high = s->planes[(k + 1) % 2].is_node + n;
     const uint32_t row = nodes[0];
-    return low[0] & low[1] & low[row] & low[row + 1] & high[0] & high[1] & high[row] &
-           high[row + 1];
+    return !(low[0] & CURVILINEAR_HIDDEN) && low[0] && low[1] && low[row] && low[row + 1] &&
+           high[0] && high[1] && high[row] && high[row + 1];
 }
 
 static uint64_t count_cells(const sweep *s, const uint32_t nodes[3], uint32_t k) {
@@ -214,7 +214,7 @@ static void take_fields(input_facts *x, curvilinear_input *from) {
 static status ask(mem *m, void *input, const input_question *q, const progress *p, input_facts *x) {
     curvilinear_input_facts *own = own_of(x);
     const curvilinear_source *from = curvilinear_input_source(input);
-    const double *flow = curvilinear_input_conditions(input);
+    const double *flow = curvilinear_input_conditions(input), *times;
     status st = ST_OK;
     take_zones(own, from);
     own->flows = flow != NULL;
@@ -222,6 +222,9 @@ static status ask(mem *m, void *input, const input_question *q, const progress *
         memcpy(own->flow, flow, sizeof own->flow);
     input_collect_name(x, curvilinear_input_name(input));
     take_fields(x, input);
+    x->steps = curvilinear_input_steps(input, &times);
+    if (times && x->steps > 1)
+        input_collect_times(x, x->steps, times);
     if (q->opened)
         st = q->opened(q->ctx, x);
     if (st == ST_OK && !q->header_only)

@@ -22,8 +22,8 @@ static const char *format(const void *own) {
 }
 
 static unsigned traits(const void *own) {
-    (void)own;
-    return INPUT_CHOICES;
+    return INPUT_CHOICES | (curvilinear_input_names_files(own) ? INPUT_FILES : 0U) |
+           (curvilinear_input_may_have_steps(own) ? INPUT_STEPS | INPUT_SERIES : 0U);
 }
 
 const input_kind curvilinear_input_kind = {.name = "curvilinear",

@@ -22,14 +22,16 @@ typedef struct curvilinear_opening {
     /* Set by open(): */
     uint32_t zones;
     const uint32_t (*nodes)[3];          /* of each zone; 2 or more along each axis */
-    bool blanked;                        /* some nodes may be no part of the grid */
+    bool blanked;                        /* some nodes or cells may be no part of the grid */
     uint32_t fields;                     /* that there are */
+    bool still;                          /* nodes are the same at all steps */
     char name[CURVILINEAR_NAME_MAX + 1]; /* the data set's; "": it has none */
 } curvilinear_opening;
 
 /* Reading is as in curvilinear_source.h, of any plane at any time. */
 typedef struct curvilinear_reader {
     const char *format; /* for messages: "PLOT3D" */
+    bool names_files;   /* its files name others */
     /* Returns whether a regular file of so many bytes is of this format. start: its first
      * CURVILINEAR_READER_PEEK bytes, or all there are. */
     bool (*known)(const uint8_t *start, size_t size, uint64_t bytes);
@@ -44,6 +46,11 @@ typedef struct curvilinear_reader {
     status (*values)(void *state, uint32_t zone, uint32_t field, uint32_t component, uint32_t first,
                      uint32_t count, float *values);
     status (*blanks)(void *state, uint32_t zone, uint32_t first, uint32_t count, uint8_t *is_node);
+    /* Time steps; NULL, both: its files never have several. steps(): how many there are, 1 or more;
+     * *times: of each, NULL: not known. seek(): go to step o->hints.step, and set anew what open()
+     * sets. */
+    uint32_t (*steps)(const void *state, const double **times);
+    status (*seek)(curvilinear_opening *o, void *state);
     /* Describes the conditions of a flow: Mach, angle of attack, Reynolds, time. NULL, also if the
      * function is: there are none. */
     const double *(*conditions)(const void *state);

@@ -12,6 +12,8 @@
 
 #include "formats/base/status.h"
 
+enum { CURVILINEAR_NODE = 1, CURVILINEAR_HIDDEN = 2 };
+
 typedef struct curvilinear_source {
     void *own; /* the reader's */
     uint32_t zones;
@@ -20,8 +22,10 @@ typedef struct curvilinear_source {
     uint32_t fields;            /* that values() can tell: those that were asked for, in order */
     /* Read planes first to first + count - 1 along k of a zone. places(): x, y, z of each node,
      * finite. values(): of a field; NaN stands for those that are missing. blanks(): 0: the node is
-     * no part of the grid, nor is any cell at it; else 1. Readers may be quick only where each of
-     * the three goes through its planes and zones once, in rising order. One thread at a time. */
+     * no part of the grid, nor is any cell at it; CURVILINEAR_NODE; or CURVILINEAR_NODE |
+     * CURVILINEAR_HIDDEN: it is, but the cell from it on to (i + 1, j + 1, k + 1) is not. Readers
+     * may be quick only where each of the three goes through its planes and zones once, in rising
+     * order. One thread at a time. */
     status (*places)(void *own, uint32_t zone, uint32_t first, uint32_t count, float (*p)[3]);
     status (*values)(void *own, uint32_t zone, uint32_t field, uint32_t first, uint32_t count,
                      float *values);

@@ -4,6 +4,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "formats/curvilinear/curvilinear_source.h"
 #include "formats/input/text_number.h"
 #include "formats/leaf/curvilinear_zones.h"
 #include "formats/vtk/vtk_cursor.h"
@@ -12,6 +13,9 @@
 #include "formats/vtk/vtk_xml.h"
 
 enum { CHUNK = 4096, HIDDEN_POINT = 2, EXTENT_MAX = 1 << 30 };
+
+/* Marks of cells. VTK: vtkDataSetAttributes.h. */
+enum { DUPLICATE_CELL = 1, REFINED_CELL = 8, HIDDEN_CELL = 32 };
 
 /* A piece is a zone. */
 typedef struct piece {
@@ -32,7 +36,7 @@ typedef struct vtk_zones {
     piece *pieces;
     uint32_t (*nodes)[3];
     size_t count, piece_room, node_room;
-    sweep places, blanks;
+    sweep places, blanks, hidden;
     sweep *values; /* one for each field and component that was asked for */
     size_t value_count, value_room;
     double *chunk;
@@ -177,17 +181,27 @@ static uint64_t plane_nodes(const vtk_zones *z, uint32_t zone) {
     return (uint64_t)z->nodes[zone][0] * z->nodes[zone][1];
 }
 
-/* How many numbers an array of a zone's nodes has; more than any file, if that is more than fits.
- */
-static uint64_t numbers_of(const vtk_zones *z, uint32_t zone, uint32_t components) {
+/* The planes of an array of a zone's points, or cells. */
+typedef struct planes {
+    uint64_t each;
+    uint32_t count;
+} planes;
+
+static planes planes_of(const vtk_zones *z, uint32_t zone, vtk_owner owner) {
+    const uint32_t *n = z->nodes[zone], less = owner == VTK_OF_CELLS;
+    return (planes){(uint64_t)(n[0] - less) * (n[1] - less), n[2] - less};
+}
+
+/* How many numbers such an array has; more than any file, if that is more than fits. */
+static uint64_t numbers_of(planes p, uint32_t components) {
     uint64_t count;
-    return __builtin_mul_overflow(plane_nodes(z, zone), (uint64_t)z->nodes[zone][2], &count) ||
+    return __builtin_mul_overflow(p.each, (uint64_t)p.count, &count) ||
                    __builtin_mul_overflow(count, components, &count)
                ? UINT64_MAX - 1
                : count;
 }
 
-/* Takes numbers of nodes: so many nodes from node `at` of those asked for. */
+/* Takes numbers of nodes, or of cells: so many from number `at` of those asked for. */
 typedef void taking(void *ctx, uint64_t at, size_t nodes, const double *numbers);
 
 /* Read so many nodes; take NULL: skip them. */
@@ -207,23 +221,24 @@ static status read_nodes(vtk_zones *z, sweep *s, uint32_t components, uint64_t c
 }
 
 /* Read planes of an array. A step back, or to another zone, opens it anew. */
-static status read_planes(vtk_zones *z, sweep *s, const vtk_array *a, uint32_t zone, uint32_t first,
-                          uint32_t count, taking *take, void *ctx) {
-    const uint64_t plane = plane_nodes(z, zone);
+static status read_planes(vtk_zones *z, sweep *s, const vtk_array *a, vtk_owner owner,
+                          uint32_t zone, uint32_t first, uint32_t count, taking *take, void *ctx) {
+    const planes p = planes_of(z, zone, owner);
+    const uint64_t plane = p.each;
     status st = ST_OK;
     if (!s->cursor || s->zone != zone || first < s->next) {
         vtk_cursor_close(s->cursor);
         s->cursor = NULL;
         s->zone = zone;
         s->next = 0;
-        st = vtk_cursor_open(z->m, a, numbers_of(z, zone, a->components), &s->cursor);
+        st = vtk_cursor_open(z->m, a, numbers_of(p, a->components), &s->cursor);
     }
     if (st == ST_OK)
         st = read_nodes(z, s, a->components, (first - s->next) * plane, NULL, NULL);
     if (st == ST_OK)
         st = read_nodes(z, s, a->components, count * plane, take, ctx);
     s->next = first + count;
-    return st == ST_OK && s->next == z->nodes[zone][2] ? vtk_cursor_finish(s->cursor) : st;
+    return st == ST_OK && s->next == p.count ? vtk_cursor_finish(s->cursor) : st;
 }
 
 typedef struct place_taking {
@@ -246,7 +261,8 @@ static status read_places(void *state, uint32_t zone, uint32_t first, uint32_t c
     vtk_zones *z = state;
     const vtk_array *points = &z->pieces[zone].points;
     place_taking t = {.to = out};
-    status st = read_planes(z, &z->places, points, zone, first, count, take_places, &t);
+    status st =
+        read_planes(z, &z->places, points, VTK_OF_POINTS, zone, first, count, take_places, &t);
     if (st != ST_OK || !t.bad)
         return st;
     const uint64_t node = t.bad - 1 + first * plane_nodes(z, zone), row = node / z->nodes[zone][0];
@@ -307,7 +323,8 @@ static status read_values(void *state, uint32_t zone, uint32_t field, uint32_t c
     sweep *s;
     status st = find_sweep(z, field, component, &s);
     value_taking t = {.to = out, .components = a->components, .component = component};
-    return st == ST_OK ? read_planes(z, s, a, zone, first, count, take_values, &t) : st;
+    return st == ST_OK ? read_planes(z, s, a, VTK_OF_POINTS, zone, first, count, take_values, &t)
+                       : st;
 }
 
 static const vtk_array *hides_points(const piece *p) {
@@ -320,14 +337,48 @@ static void take_blanks(void *ctx, uint64_t at, size_t nodes, const double *numb
         to[at + i] = !((unsigned)numbers[i] & HIDDEN_POINT);
 }
 
+/* The marks of cells that are no part of the grid. What a piece has twice is, unless another zone
+ * has it. Older files mark by a distance only what another piece has. */
+static unsigned hiding_marks(const vtk_zones *z, const vtk_array *ghosts) {
+    const unsigned other = z->count > 1 ? DUPLICATE_CELL : 0;
+    return strcmp(ghosts->name, VTK_GHOST_TYPE) == 0 ? HIDDEN_CELL | REFINED_CELL | other
+           : other                                   ? UINT8_MAX
+                                                     : 0;
+}
+
+typedef struct cell_taking {
+    uint8_t *to; /* per node */
+    const uint32_t *nodes;
+    unsigned marks;
+} cell_taking;
+
+static void take_cells(void *ctx, uint64_t at, size_t cells, const double *numbers) {
+    const cell_taking *t = ctx;
+    for (size_t c = 0; c < cells; c++) {
+        const uint64_t row = (at + c) / (t->nodes[0] - 1), i = (at + c) % (t->nodes[0] - 1);
+        const uint64_t k = row / (t->nodes[1] - 1), j = row % (t->nodes[1] - 1);
+        uint8_t *to = &t->to[i + t->nodes[0] * (j + t->nodes[1] * k)];
+        if ((unsigned)numbers[c] & t->marks && *to)
+            *to |= CURVILINEAR_HIDDEN;
+    }
+}
+
+/* Planes of nodes, and of the cells that begin there: none at the last one. */
 static status read_blanks(void *state, uint32_t zone, uint32_t first, uint32_t count,
                           uint8_t *out) {
     vtk_zones *z = state;
-    const vtk_array *a = hides_points(&z->pieces[zone]);
+    const piece *p = &z->pieces[zone];
+    const vtk_array *a = hides_points(p), *cells = vtk_fields_ghosts(&p->fields);
+    const uint32_t last = z->nodes[zone][2] - 1, end = first + count < last ? first + count : last;
+    status st = ST_OK;
+    memset(out, CURVILINEAR_NODE, (size_t)(count * plane_nodes(z, zone)));
     if (a)
-        return read_planes(z, &z->blanks, a, zone, first, count, take_blanks, out);
-    memset(out, 1, (size_t)(count * plane_nodes(z, zone)));
-    return ST_OK;
+        st = read_planes(z, &z->blanks, a, VTK_OF_POINTS, zone, first, count, take_blanks, out);
+    if (st != ST_OK || !cells || first >= end)
+        return st;
+    cell_taking t = {out, z->nodes[zone], hiding_marks(z, cells)};
+    return read_planes(z, &z->hidden, cells, VTK_OF_CELLS, zone, first, end - first, take_cells,
+                       &t);
 }
 
 /* ---- opening ---- */
@@ -338,6 +389,7 @@ static void close_zones(void *state) {
         return;
     vtk_cursor_close(z->places.cursor);
     vtk_cursor_close(z->blanks.cursor);
+    vtk_cursor_close(z->hidden.cursor);
     for (size_t i = 0; i < z->value_count; i++)
         vtk_cursor_close(z->values[i].cursor);
     for (size_t i = 0; i < z->count; i++)
@@ -349,37 +401,11 @@ static void close_zones(void *state) {
     mem_free(z->m, z);
 }
 
-/* Refuse cells that are marked: only nodes can be left out. */
-static status check_cells(vtk_zones *z, uint32_t zone) {
-    const vtk_array *a = vtk_fields_ghosts(&z->pieces[zone].fields);
-    const uint32_t *n = z->nodes[zone];
-    uint64_t count;
+/* Check that the file has room for an array of all nodes or cells, before anybody makes room for
+ * them. */
+static status check_room(const vtk_zones *z, uint32_t zone, vtk_owner owner, const vtk_array *a) {
     vtk_cursor *c = NULL;
-    if (!a)
-        return ST_OK;
-    if (a->components != 1)
-        return vtk_array_fault(a, ST_CORRUPT, "%u components, expected 1", a->components);
-    if (__builtin_mul_overflow((uint64_t)(n[0] - 1) * (n[1] - 1), (uint64_t)n[2] - 1, &count))
-        count = UINT64_MAX - 1;
-    status st = vtk_cursor_open(z->m, a, count, &c);
-    for (uint64_t done = 0; st == ST_OK && done < count;) {
-        const size_t part = count - done < CHUNK ? (size_t)(count - done) : (size_t)CHUNK;
-        st = vtk_cursor_doubles(c, part, z->chunk);
-        for (size_t i = 0; st == ST_OK && i < part; i++)
-            if (z->chunk[i] != 0)
-                st = vtk_array_fault(a, ST_UNSUPPORTED,
-                                     "marks cell %llu, but only points can be left out here",
-                                     (unsigned long long)(done + i));
-        done += part;
-    }
-    vtk_cursor_close(c);
-    return st;
-}
-
-/* Check that the file has room for an array of all nodes, before anybody makes room for them. */
-static status check_room(const vtk_zones *z, uint32_t zone, const vtk_array *a) {
-    vtk_cursor *c = NULL;
-    status st = vtk_cursor_open(z->m, a, numbers_of(z, zone, a->components), &c);
+    status st = vtk_cursor_open(z->m, a, numbers_of(planes_of(z, zone, owner), a->components), &c);
     vtk_cursor_close(c);
     return st;
 }
@@ -387,7 +413,7 @@ static status check_room(const vtk_zones *z, uint32_t zone, const vtk_array *a) 
 /* Check the arrays of a piece: points, marks, and each field of the first piece. */
 static status check_piece(vtk_zones *z, uint32_t zone, uint32_t fields) {
     const piece *p = &z->pieces[zone];
-    const vtk_array *marks = hides_points(p);
+    const vtk_array *marks = hides_points(p), *cells = vtk_fields_ghosts(&p->fields);
     if (p->points.type == VTK_ABSENT)
         return status_describe(ST_CORRUPT, "%s: expected the points of piece %u", z->path,
                                zone + 1);
@@ -396,9 +422,13 @@ static status check_piece(vtk_zones *z, uint32_t zone, uint32_t fields) {
                                p->points.components);
     if (marks && (marks->components != 1 || marks->type != VTK_U8))
         return vtk_array_fault(marks, ST_CORRUPT, "expected a byte a point");
-    status st = check_room(z, zone, &p->points);
+    if (cells && (cells->components != 1 || cells->type != VTK_U8))
+        return vtk_array_fault(cells, ST_CORRUPT, "expected a byte a cell");
+    status st = check_room(z, zone, VTK_OF_POINTS, &p->points);
     if (st == ST_OK && marks)
-        st = check_room(z, zone, marks);
+        st = check_room(z, zone, VTK_OF_POINTS, marks);
+    if (st == ST_OK && cells)
+        st = check_room(z, zone, VTK_OF_CELLS, cells);
     for (uint32_t i = 0; st == ST_OK && i < fields; i++) {
         const vtk_array *first = field_of(z, 0, i), *a = field_of(z, zone, i);
         if (!a)
@@ -410,9 +440,9 @@ static status check_piece(vtk_zones *z, uint32_t zone, uint32_t fields) {
         if (a->components > CHUNK)
             return vtk_array_fault(a, ST_UNSUPPORTED, "%u components, expected up to %d",
                                    a->components, CHUNK);
-        st = check_room(z, zone, a);
+        st = check_room(z, zone, VTK_OF_POINTS, a);
     }
-    return st == ST_OK ? check_cells(z, zone) : st;
+    return st;
 }
 
 static status open_zones(curvilinear_opening *o, status (*scan)(vtk_zones *, byte_stream *),
@@ -421,7 +451,7 @@ static status open_zones(curvilinear_opening *o, status (*scan)(vtk_zones *, byt
     if (!z)
         return ST_NOMEM;
     *z = (vtk_zones){.m = o->m, .path = byte_stream_path(o->data)};
-    if (o->hints.solution || o->hints.functions || o->hints.layout)
+    if (o->hints.solutions.count > 0 || o->hints.functions.count > 0 || o->hints.layout)
         return status_describe(ST_USAGE,
                                "%s: a grid of VTK, expected PLOT3D where a layout, a solution or "
                                "functions are given",
@@ -434,7 +464,8 @@ static status open_zones(curvilinear_opening *o, status (*scan)(vtk_zones *, byt
         o->fields++;
     for (uint32_t i = 0; st == ST_OK && i < z->count; i++) {
         st = check_piece(z, i, o->fields);
-        o->blanked = o->blanked || hides_points(&z->pieces[i]);
+        o->blanked =
+            o->blanked || hides_points(&z->pieces[i]) || vtk_fields_ghosts(&z->pieces[i].fields);
     }
     o->zones = (uint32_t)z->count;
     o->nodes = (const uint32_t(*)[3])z->nodes;

@@ -10,15 +10,43 @@ typedef struct plot3d {
     mem *m;
     plot3d_words words;
     plot3d_file grid, solution, functions; /* .f is NULL: there is none */
+    uint32_t steps;
+    double *times; /* of each; NULL: it has no solution */
     double conditions[PLOT3D_CONDITIONS];
     char name[32]; /* of the field last asked for */
     double numbers[PLOT3D_FLOW_NUMBERS][PLOT3D_CHUNK];
     int32_t blanks[PLOT3D_CHUNK];
 } plot3d;
 
+/* Whether so many bytes may be text of so many numbers, or of a third more: with IBLANK. */
+static bool may_hold(uint64_t bytes, uint64_t numbers) {
+    enum { BYTES_MOST = 64 }; /* of a number */
+    return numbers <= bytes / 2 + 1 && bytes / BYTES_MOST <= numbers + numbers / 2;
+}
+
+enum { TEXT_ZONES = 2000 }; /* of more a word must tell that it is text */
+
+/* Numbers are counted when it is opened. What begins with whole numbers is a grid if as many bytes
+ * follow as it may have: other tables of numbers have other sizes. */
+static bool is_text(const uint8_t *start, size_t size, uint64_t bytes) {
+    uint8_t wholes[4 * (1 + 3 * TEXT_ZONES)];
+    bool is = false;
+    if (!plot3d_text_known(start, size))
+        return false;
+    const size_t count = plot3d_text_wholes_at(start, size, sizeof wholes / 4, wholes);
+    for (unsigned multi = 0; multi <= PLOT3D_MULTI && !is; multi += PLOT3D_MULTI) {
+        plot3d_head h;
+        is = plot3d_head_read(PLOT3D_GRID, PLOT3D_TEXT | multi, wholes, 4 * count, &h) &&
+             may_hold(bytes, h.length);
+    }
+    return is;
+}
+
 static bool known(const uint8_t *start, size_t size, uint64_t bytes) {
     plot3d_head heads[PLOT3D_LAYOUTS];
-    return plot3d_head_find(PLOT3D_GRID, &(plot3d_words){0}, start, size, bytes, 0, heads) == 1;
+    return plot3d_head_find(PLOT3D_GRID, &(plot3d_words){0}, 0, start, size, bytes, 0, heads) ==
+               1 ||
+           is_text(start, size, bytes);
 }
 
 static void close_files(void *state) {
@@ -28,7 +56,78 @@ static void close_files(void *state) {
     plot3d_file_release(&p->grid);
     plot3d_file_release(&p->solution);
     plot3d_file_release(&p->functions);
+    mem_free(p->m, p->times);
     mem_free(p->m, p);
+}
+
+/* ---- steps ---- */
+
+/* The file of a step: one file may be for all of them. NULL: there is none. */
+static const char *file_of(const path_list *files, uint32_t step) {
+    return files->count == 0 ? NULL : files->paths[files->count == 1 ? 0 : step];
+}
+
+static status open_with(plot3d *p, const path_list *files, uint32_t step, plot3d_content content,
+                        plot3d_file *out) {
+    const char *path = file_of(files, step);
+    return path ? plot3d_file_open(p->m, path, content, &p->words, &p->grid, out) : ST_OK;
+}
+
+/* Open what goes with the grid at a step. */
+static status open_step(plot3d *p, const curvilinear_hints *h, uint32_t step) {
+    plot3d_file_release(&p->solution);
+    plot3d_file_release(&p->functions);
+    status st = open_with(p, &h->solutions, step, PLOT3D_SOLUTION, &p->solution);
+    if (st == ST_OK && p->solution.f)
+        st = plot3d_file_conditions(&p->solution, p->conditions);
+    if (st == ST_OK)
+        st = open_with(p, &h->functions, step, PLOT3D_FUNCTIONS, &p->functions);
+    return st;
+}
+
+static status count_steps(plot3d *p, const curvilinear_hints *h) {
+    const int solutions = h->solutions.count, functions = h->functions.count;
+    if (solutions > 1 && functions > 1 && solutions != functions)
+        return status_describe(ST_USAGE,
+                               "%s: %d solutions and %d files of functions, expected as many of "
+                               "both, or one",
+                               file_path(p->grid.f), solutions, functions);
+    const int most = solutions > functions ? solutions : functions;
+    p->steps = most > 1 ? (uint32_t)most : 1;
+    return ST_OK;
+}
+
+/* Open the files of all steps: one that is absent, or of another grid, must not show up after
+ * hours. Note their times. */
+static status look_at_steps(plot3d *p, const curvilinear_hints *h) {
+    status st = ST_OK;
+    p->times = h->solutions.count ? mem_array(p->m, p->steps, sizeof *p->times) : NULL;
+    if (h->solutions.count && !p->times)
+        return ST_NOMEM;
+    for (uint32_t i = 0; st == ST_OK && i < p->steps; i++) {
+        st = open_step(p, h, i);
+        if (p->times)
+            p->times[i] = p->conditions[PLOT3D_CONDITIONS - 1];
+    }
+    return st;
+}
+
+static status seek_step(curvilinear_opening *o, void *state) {
+    plot3d *p = state;
+    const curvilinear_hints *h = &o->hints;
+    if (h->step >= p->steps)
+        return status_describe(ST_USAGE, "%s: no step %u: there %s %u, counted from 0",
+                               file_path(p->grid.f), h->step, p->steps == 1 ? "is" : "are",
+                               p->steps);
+    const status st = open_step(p, h, h->step);
+    o->fields = (p->solution.f ? PLOT3D_FLOWS : 0) + p->functions.numbers;
+    return st;
+}
+
+static uint32_t tell_steps(const void *state, const double **times) {
+    const plot3d *p = state;
+    *times = p->times;
+    return p->steps;
 }
 
 static status open_files(curvilinear_opening *o, void **state) {
@@ -41,19 +140,15 @@ static status open_files(curvilinear_opening *o, void **state) {
     if (st == ST_OK)
         st = plot3d_file_open(o->m, byte_stream_path(o->data), PLOT3D_GRID, &p->words, NULL,
                               &p->grid);
-    if (st == ST_OK && h->solution)
-        st =
-            plot3d_file_open(o->m, h->solution, PLOT3D_SOLUTION, &p->words, &p->grid, &p->solution);
-    if (st == ST_OK && h->solution)
-        st = plot3d_file_conditions(&p->solution, p->conditions);
-    if (st == ST_OK && h->functions)
-        st = plot3d_file_open(o->m, h->functions, PLOT3D_FUNCTIONS, &p->words, &p->grid,
-                              &p->functions);
     o->zones = p->grid.zones;
     o->nodes = (const uint32_t(*)[3])p->grid.nodes;
     o->blanked = p->grid.layout & PLOT3D_BLANKS;
-    o->fields = (h->solution ? PLOT3D_FLOWS : 0) + p->functions.numbers;
-    return st;
+    o->still = true;
+    if (st == ST_OK)
+        st = count_steps(p, h);
+    if (st == ST_OK && p->steps > 1)
+        st = look_at_steps(p, h);
+    return st == ST_OK ? seek_step(o, p) : st;
 }
 
 static const double *conditions(const void *state) {
@@ -196,5 +291,7 @@ const curvilinear_reader plot3d_reader = {
     .places = read_places,
     .values = read_values,
     .blanks = read_blanks,
+    .steps = tell_steps,
+    .seek = seek_step,
     .conditions = conditions,
 };

@@ -2,10 +2,11 @@
  * own.
  *
  * One or several zones, with or without IBLANK; C binary or Fortran's unformatted records, either
- * byte order, f32 or f64, whole or by planes (plot3d_layout.h). IBLANK of 0: no node; negative ones
- * touch another zone, and are nodes. Numbers are read where they lie: buffers of fixed size. Text
- * is not read, nor are records above 2^31 - 9 bytes. A value beyond floats becomes inf; a field
- * that is computed (plot3d_flow.h) is NaN where it is not finite.
+ * byte order, f32 or f64, or text, whole or by planes (plot3d_layout.h). IBLANK of 0: no node;
+ * negative ones touch another zone, and are nodes. Numbers are read where they lie: buffers of
+ * fixed size, and marks of text (plot3d_text.h). Records above 2^31 - 9 bytes are not read. A value
+ * beyond floats becomes inf; a field that is computed (plot3d_flow.h) is NaN where it is not
+ * finite.
  */
 #ifndef FORMATS_CURVILINEAR_PLOT3D_H
 #define FORMATS_CURVILINEAR_PLOT3D_H

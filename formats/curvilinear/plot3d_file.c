@@ -33,17 +33,37 @@ static uint64_t find_run(const plot3d_file *p, uint32_t zone, uint64_t before, u
     return b->at + piece * (b->bytes + 2 * mark) + mark + before * b->nodes + node * width;
 }
 
+/* Read reals that lie side by side in the file. */
+static status read_reals(plot3d_file *p, uint64_t at, size_t count, double *out) {
+    const sample_type type = plot3d_layout_width(p->layout) == 8 ? SAMPLE_F64 : SAMPLE_F32;
+    if (p->text)
+        return plot3d_text_read(p->text, at, count, out);
+    const status st = read_run(p, at, type, count, p->buffer);
+    if (st == ST_OK)
+        sample_to_doubles(type, p->buffer, out, count);
+    return st;
+}
+
+/* Read whole numbers; of text their signs. */
+static status read_wholes(plot3d_file *p, uint64_t at, size_t count, int32_t *out) {
+    if (!p->text)
+        return read_run(p, at, SAMPLE_I32, count, out);
+    double *reals = p->buffer;
+    const status st = plot3d_text_read(p->text, at, count, reals);
+    for (size_t i = 0; st == ST_OK && i < count; i++)
+        out[i] = (reals[i] > 0) - (reals[i] < 0);
+    return st;
+}
+
 status plot3d_file_read(plot3d_file *p, uint32_t zone, uint32_t number, uint64_t first,
                         size_t count, double *out) {
     const uint32_t width = plot3d_layout_width(p->layout);
-    const sample_type type = width == 8 ? SAMPLE_F64 : SAMPLE_F32;
     for (size_t done = 0, n; done < count; done += n) {
         n = count - done;
         const uint64_t at = find_run(p, zone, (uint64_t)number * width, width, first + done, &n);
-        status st = read_run(p, at, type, n, p->buffer);
+        status st = read_reals(p, at, n, out + done);
         if (st != ST_OK)
             return st;
-        sample_to_doubles(type, p->buffer, out + done, n);
     }
     return ST_OK;
 }
@@ -54,20 +74,17 @@ status plot3d_file_blanks(plot3d_file *p, uint32_t zone, uint64_t first, size_t 
     status st = ST_OK;
     for (size_t done = 0, n; st == ST_OK && done < count; done += n) {
         n = count - done;
-        const uint64_t at = find_run(p, zone, before, 4, first + done, &n);
-        st = read_run(p, at, SAMPLE_I32, n, out + done);
+        const uint64_t at =
+            find_run(p, zone, before, plot3d_layout_blank(p->layout), first + done, &n);
+        st = read_wholes(p, at, n, out + done);
     }
     return st;
 }
 
 status plot3d_file_conditions(plot3d_file *p, double out[PLOT3D_CONDITIONS]) {
     const uint32_t width = plot3d_layout_width(p->layout), mark = plot3d_layout_mark(p->layout);
-    const sample_type type = width == 8 ? SAMPLE_F64 : SAMPLE_F32;
-    const uint64_t at = p->blocks[0].at - mark - PLOT3D_CONDITIONS * width;
-    status st = read_run(p, at, type, PLOT3D_CONDITIONS, p->buffer);
-    if (st == ST_OK)
-        sample_to_doubles(type, p->buffer, out, PLOT3D_CONDITIONS);
-    return st;
+    return read_reals(p, p->blocks[0].at - mark - PLOT3D_CONDITIONS * width, PLOT3D_CONDITIONS,
+                      out);
 }
 
 /* ---- the layout ---- */
@@ -78,6 +95,7 @@ typedef struct search {
     plot3d_content content;
     const plot3d_words *words;
     const plot3d_file *grid; /* NULL: the file is the grid */
+    unsigned text;           /* PLOT3D_TEXT: it is text; else 0 */
     plot3d_head heads[PLOT3D_LAYOUTS];
     uint32_t found;
     uint8_t start[PLOT3D_HEAD_MAX];
@@ -95,7 +113,7 @@ static bool fits_grid(const plot3d_head *h, const plot3d_file *grid) {
 
 static void find_heads(search *s, size_t size, uint64_t bytes, uint64_t behind) {
     const uint32_t found =
-        plot3d_head_find(s->content, s->words, s->start, size, bytes, behind, s->heads);
+        plot3d_head_find(s->content, s->words, s->text, s->start, size, bytes, behind, s->heads);
     s->found = 0;
     for (uint32_t i = 0; i < found; i++)
         if (!s->grid || fits_grid(&s->heads[i], s->grid))
@@ -128,17 +146,24 @@ static status find_padded(search *s, size_t size, file *f) {
     return ST_OK;
 }
 
-static status refuse_none(const search *s, file *f) {
+static status refuse_none(const search *s, const plot3d_file *p) {
     char of[160] = "";
     const uint32_t *n = s->grid ? s->grid->nodes[0] : NULL;
     if (n)
         snprintf(of, sizeof of, " of the grid's %u zone%s, the first with %u x %u x %u nodes",
                  s->grid->zones, s->grid->zones > 1 ? "s" : "", n[0], n[1], n[2]);
+    if (p->text)
+        return status_describe(ST_CORRUPT,
+                               "%s: expected a PLOT3D %s%s: its first numbers and how many it has, "
+                               "%llu, fit no layout%s of text",
+                               s->path, contents[s->content], of,
+                               (unsigned long long)plot3d_text_count(p->text),
+                               s->words->said ? " of those words" : "");
     return status_describe(
         ST_CORRUPT,
         "%s: expected a PLOT3D %s%s: its first bytes and its size of %llu bytes fit no layout%s "
         "(C binary or Fortran records of 4-byte marks; big or little endian; f32 or f64)",
-        s->path, contents[s->content], of, (unsigned long long)file_size(f),
+        s->path, contents[s->content], of, (unsigned long long)file_size(p->f),
         s->words->said ? " of those words" : "");
 }
 
@@ -152,17 +177,37 @@ static status refuse_several(const search *s) {
         s->path, contents[s->content], name_list_print(&names));
 }
 
-static status find_layout(search *s, file *f) {
-    const size_t size =
-        file_size(f) < PLOT3D_HEAD_MAX ? (size_t)file_size(f) : (size_t)PLOT3D_HEAD_MAX;
-    status st = file_read_at(f, 0, s->start, size);
-    if (st != ST_OK)
-        return st;
+/* Whether the file is text, by the words or its first bytes. */
+static bool is_text(const search *s, size_t size) {
+    const unsigned bytes = PLOT3D_RECORDS | PLOT3D_LITTLE | PLOT3D_F64;
+    return s->words->said & PLOT3D_TEXT ||
+           (!(s->words->said & bytes) && plot3d_text_known(s->start, size));
+}
+
+static status find_text(search *s, plot3d_file *p) {
+    size_t count = 0;
+    s->text = PLOT3D_TEXT;
+    status st = plot3d_text_open(p->m, p->f, &p->text);
+    if (st == ST_OK)
+        st = plot3d_text_wholes(p->text, PLOT3D_HEAD_MAX / 4, s->start, &count);
+    if (st == ST_OK)
+        find_heads(s, 4 * count, plot3d_text_count(p->text), 0);
+    return st;
+}
+
+static status find_bytes(search *s, size_t size, file *f) {
     find_heads(s, size, file_size(f), 0);
-    if (s->found == 0)
-        st = find_padded(s, size, f);
+    return s->found ? ST_OK : find_padded(s, size, f);
+}
+
+static status find_layout(search *s, plot3d_file *p) {
+    const uint64_t bytes = file_size(p->f);
+    const size_t size = bytes < PLOT3D_HEAD_MAX ? (size_t)bytes : (size_t)PLOT3D_HEAD_MAX;
+    status st = file_read_at(p->f, 0, s->start, size);
+    if (st == ST_OK)
+        st = is_text(s, size) ? find_text(s, p) : find_bytes(s, size, p->f);
     return st != ST_OK     ? st
-           : s->found == 0 ? refuse_none(s, f)
+           : s->found == 0 ? refuse_none(s, p)
            : s->found > 1  ? refuse_several(s)
                            : ST_OK;
 }
@@ -216,7 +261,7 @@ static status take_zones(plot3d_file *p, const plot3d_head *h) {
     p->layout = h->layout;
     p->zones = h->zones;
     p->numbers = plot3d_head_numbers(h, 0);
-    p->behind = file_size(p->f) - h->length;
+    p->behind = p->text ? 0 : file_size(p->f) - h->length;
     p->nodes = mem_array(p->m, h->zones, sizeof *p->nodes);
     p->blocks = mem_array(p->m, h->zones, sizeof *p->blocks);
     p->buffer = mem_array(p->m, PLOT3D_CHUNK, sizeof(double));
@@ -248,7 +293,7 @@ status plot3d_file_open(mem *m, const char *path, plot3d_content content, const 
     s->grid = grid;
     status st = file_open(m, path, &out->f);
     if (st == ST_OK)
-        st = find_layout(s, out->f);
+        st = find_layout(s, out);
     if (st == ST_OK)
         st = take_zones(out, &s->heads[0]);
     mem_free(m, s);
@@ -256,6 +301,7 @@ status plot3d_file_open(mem *m, const char *path, plot3d_content content, const 
 }
 
 void plot3d_file_release(plot3d_file *p) {
+    plot3d_text_close(p->text);
     file_close(p->f);
     if (p->m) {
         mem_free(p->m, p->nodes);

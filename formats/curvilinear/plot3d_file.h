@@ -1,19 +1,22 @@
 /* plot3d_file.h - an open file of PLOT3D: its layout is found, and its numbers are read where they
  * lie.
  *
- * Holds the place of each zone and a buffer of fixed size. One thread per file.
+ * Holds the place of each zone and a buffer of fixed size; of text the marks of plot3d_text.h. One
+ * thread per file.
  */
 #ifndef FORMATS_CURVILINEAR_PLOT3D_FILE_H
 #define FORMATS_CURVILINEAR_PLOT3D_FILE_H
 
 #include "formats/base/file.h"
 #include "formats/curvilinear/plot3d_layout.h"
+#include "formats/curvilinear/plot3d_text.h"
 
 enum { PLOT3D_CHUNK = 4096 }; /* nodes read at once */
 
 typedef struct plot3d_file {
     mem *m;
     file *f;
+    plot3d_text *text; /* NULL: it is none */
     unsigned layout;
     uint32_t zones;
     uint32_t (*nodes)[3]; /* of each zone, along i, j, k */

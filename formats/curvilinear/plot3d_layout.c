@@ -11,15 +11,26 @@ static const char *const words[][2] = {
     {"binary", "records"}, {"big", "little"},   {"f32", "f64"}, {"no-blanks", "blanks"},
     {"single", "multi"},   {"whole", "planes"}, {"3d", "2d"}};
 enum { WORDS = sizeof words / sizeof *words };
+enum { BYTES = PLOT3D_RECORDS | PLOT3D_LITTLE | PLOT3D_F64 }; /* text has none of them */
 
 _Static_assert(1 << WORDS == PLOT3D_LAYOUTS, "each has a word");
 
+static bool is_word(const char *word, size_t length, const char *which) {
+    return strlen(which) == length && memcmp(which, word, length) == 0;
+}
+
 static bool take_word(const char *word, size_t length, plot3d_words *out) {
+    if (is_word(word, length, "text")) {
+        out->said |= PLOT3D_TEXT;
+        out->layout |= PLOT3D_TEXT;
+        return !(out->said & BYTES);
+    }
     for (unsigned i = 0; i < 2 * WORDS; i++) {
         const unsigned bit = 1U << i / 2, value = i % 2 ? bit : 0;
-        if (strlen(words[i / 2][i % 2]) != length || memcmp(words[i / 2][i % 2], word, length) != 0)
+        if (!is_word(word, length, words[i / 2][i % 2]))
             continue;
-        const bool agrees = !(out->said & bit) || (out->layout & bit) == value;
+        const bool agrees = (!(out->said & bit) || (out->layout & bit) == value) &&
+                            !(bit & BYTES && out->said & PLOT3D_TEXT);
         out->said |= bit;
         out->layout |= value;
         return agrees;
@@ -35,7 +46,8 @@ status plot3d_words_parse(const char *text, plot3d_words *out) {
             return status_describe(
                 ST_USAGE,
                 "PLOT3D layout \"%.80s\": \"%.*s\", expected once each: binary or records, big or "
-                "little, f32 or f64, no-blanks or blanks, single or multi, whole or planes",
+                "little, f32 or f64, or text; no-blanks or blanks, single or multi, whole or "
+                "planes",
                 text, length < 40 ? (int)length : 40, at);
         at += length;
         at += *at == ',';
@@ -51,9 +63,11 @@ static unsigned bits_of(plot3d_content content) {
 
 const char *plot3d_layout_print(plot3d_content content, unsigned layout,
                                 char text[PLOT3D_LAYOUT_TEXT]) {
-    size_t length = 0;
+    const unsigned bits =
+        layout & PLOT3D_TEXT ? bits_of(content) & ~(unsigned)BYTES : bits_of(content);
+    size_t length = layout & PLOT3D_TEXT ? (size_t)snprintf(text, PLOT3D_LAYOUT_TEXT, "text") : 0;
     for (unsigned i = 0; i < WORDS; i++)
-        if (bits_of(content) & 1U << i)
+        if (bits & 1U << i)
             length += (size_t)snprintf(text + length, PLOT3D_LAYOUT_TEXT - length, "%s%s",
                                        length ? "," : "", words[i][layout >> i & 1]);
     return text;
@@ -126,8 +140,8 @@ uint64_t plot3d_head_block(const plot3d_head *h, uint32_t zone, uint64_t at, plo
     if (h->content == PLOT3D_SOLUTION)
         at += PLOT3D_CONDITIONS * width + 2 * mark;
     out->at = at;
-    const uint64_t each =
-        plot3d_head_numbers(h, zone) * width + (h->layout & PLOT3D_BLANKS ? 4 : 0);
+    const uint64_t each = plot3d_head_numbers(h, zone) * width +
+                          (h->layout & PLOT3D_BLANKS ? plot3d_layout_blank(h->layout) : 0);
     uint64_t all;
     if (__builtin_mul_overflow((uint64_t)nodes[0] * nodes[1], nodes[2] / out->pieces,
                                &out->nodes) ||
@@ -165,7 +179,7 @@ bool plot3d_head_read(plot3d_content content, unsigned layout, const uint8_t *st
     out->nodes = next_record(&r, 4 * (size_t)wholes_of(out) * out->zones);
     if (!out->nodes || !are_counts(out))
         return false;
-    out->length = out->bytes = (uint32_t)r.at;
+    out->length = out->bytes = (uint32_t)(layout & PLOT3D_TEXT ? r.at / 4 : r.at);
     plot3d_block block;
     for (uint32_t z = 0; z < out->zones && out->length < UINT64_MAX; z++) {
         out->length = plot3d_head_block(out, z, out->length, &block);
@@ -185,16 +199,17 @@ static uint32_t prefer_records(plot3d_head *heads, uint32_t found) {
     return kept ? kept : found;
 }
 
-uint32_t plot3d_head_find(plot3d_content content, const plot3d_words *said, const uint8_t *start,
-                          size_t size, uint64_t bytes, uint64_t behind, plot3d_head *heads) {
+uint32_t plot3d_head_find(plot3d_content content, const plot3d_words *said, unsigned text,
+                          const uint8_t *start, size_t size, uint64_t bytes, uint64_t behind,
+                          plot3d_head *heads) {
     uint32_t found = 0;
     for (unsigned layout = 0; layout < PLOT3D_LAYOUTS; layout++) {
         const unsigned kind = layout & (PLOT3D_RECORDS | PLOT3D_PLANES | PLOT3D_FLAT);
         const bool hidden = kind == PLOT3D_PLANES && !(said->said & PLOT3D_PLANES);
         if (layout & ~bits_of(content) || (layout ^ said->layout) & said->said & bits_of(content) ||
-            hidden || (kind & PLOT3D_PLANES && kind & PLOT3D_FLAT))
+            hidden || (kind & PLOT3D_PLANES && kind & PLOT3D_FLAT) || (text && layout & BYTES))
             continue;
-        if (plot3d_head_read(content, layout, start, size, &heads[found]) &&
+        if (plot3d_head_read(content, layout | text, start, size, &heads[found]) &&
             heads[found].length <= bytes && bytes - heads[found].length <= behind)
             found++;
     }

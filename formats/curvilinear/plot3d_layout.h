@@ -14,6 +14,9 @@
  * x, then all its y, and so on; else the whole zone. Fortran's unformatted records have their
  * length in 4 bytes before and behind: the number of zones, the numbers of nodes, the four numbers
  * of a solution's zone, and each zone (of planes: each plane) are a record each.
+ *
+ * In text the same numbers come in the same order. Where this header says bytes, it is numbers
+ * then.
  */
 #ifndef FORMATS_CURVILINEAR_PLOT3D_LAYOUT_H
 #define FORMATS_CURVILINEAR_PLOT3D_LAYOUT_H
@@ -41,7 +44,8 @@ enum {
     PLOT3D_MULTI = 16,  /* begins with a number of zones; else there is one */
     PLOT3D_PLANES = 32, /* plane by plane; else the zone as a whole */
     PLOT3D_FLAT = 64,   /* of two dimensions: known only to be refused */
-    PLOT3D_LAYOUTS = 128
+    PLOT3D_LAYOUTS = 128,
+    PLOT3D_TEXT = 128 /* text (plot3d_text.h), without the first three */
 };
 
 /* Words that the user said: bits of `said` are as in `layout`. */
@@ -50,8 +54,8 @@ typedef struct plot3d_words {
 } plot3d_words;
 
 /* plot3d_words_parse() - read words split by commas: binary or records; big or little; f32 or f64;
- * no-blanks or blanks; single or multi; whole or planes; 3d or 2d. NULL: none. ST_USAGE for any
- * other word, and for one that contradicts another. */
+ * no-blanks or blanks; single or multi; whole or planes; 3d or 2d; text, in place of the first
+ * three. NULL: none. ST_USAGE for any other word, and for one that contradicts another. */
 CHECKED status plot3d_words_parse(const char *text, plot3d_words *out);
 
 /* plot3d_layout_print() - the words of a layout, as plot3d_words_parse() takes them. */
@@ -70,7 +74,8 @@ typedef struct plot3d_head {
 } plot3d_head;
 
 /* plot3d_head_read() - read a file's head by a layout. start: its first PLOT3D_HEAD_MAX bytes, or
- * all there are. False: it is none of that layout. */
+ * all there are; of text: its whole numbers as C binary, big endian. False: it is none of that
+ * layout. */
 bool plot3d_head_read(plot3d_content content, unsigned layout, const uint8_t *start, size_t size,
                       plot3d_head *out);
 
@@ -94,19 +99,25 @@ typedef struct plot3d_block {
 uint64_t plot3d_head_block(const plot3d_head *h, uint32_t zone, uint64_t at, plot3d_block *out);
 
 /* plot3d_layout_mark() - the bytes of a record's length at one side of it: 4 or 0.
- * plot3d_layout_width() - the bytes of a number: 4 or 8. */
+ * plot3d_layout_width() - the bytes of a number: 4 or 8; of text 1.
+ * plot3d_layout_blank() - those of IBLANK. */
 static inline uint32_t plot3d_layout_mark(unsigned layout) {
     return layout & PLOT3D_RECORDS ? 4 : 0;
 }
 static inline uint32_t plot3d_layout_width(unsigned layout) {
-    return layout & PLOT3D_F64 ? 8 : 4;
+    return layout & PLOT3D_TEXT ? 1 : layout & PLOT3D_F64 ? 8 : 4;
+}
+static inline uint32_t plot3d_layout_blank(unsigned layout) {
+    return layout & PLOT3D_TEXT ? 1 : 4;
 }
 
 /* plot3d_head_find() - find the layouts of a content that fit a file of so many bytes, and agree
  * with the words. C binary counts only if no layout of records fits. C binary of planes is only
  * looked for if the words say so: it has the same bytes as the whole. heads: room for
- * PLOT3D_LAYOUTS. behind: take files that have up to so many bytes more. Returns how many fit. */
-uint32_t plot3d_head_find(plot3d_content content, const plot3d_words *words, const uint8_t *start,
-                          size_t size, uint64_t bytes, uint64_t behind, plot3d_head *heads);
+ * PLOT3D_LAYOUTS. text: PLOT3D_TEXT, or 0. behind: take files that have up to so many bytes more.
+ * Returns how many fit. */
+uint32_t plot3d_head_find(plot3d_content content, const plot3d_words *words, unsigned text,
+                          const uint8_t *start, size_t size, uint64_t bytes, uint64_t behind,
+                          plot3d_head *heads);
 
 #endif

@@ -22,7 +22,7 @@ typedef enum curvilinear_code {
     CURVILINEAR_FOLDED = 0, /* the map's Jacobian is not proven to keep its sign in it */
     CURVILINEAR_RIGHT = 1,  /* right-handed: it is positive */
     CURVILINEAR_LEFT = 2,
-    CURVILINEAR_NONE = 3 /* blanked: there is no cell */
+    CURVILINEAR_NONE = 3 /* a corner is blanked, or it is hidden: there is no cell */
 } curvilinear_code;
 
 /* curvilinear_zones_treelets() - the treelets of a zone of nodes[0] x nodes[1] x nodes[2] nodes, 2

@@ -56,14 +56,17 @@ vtk_parts_kind vtk_parts_find_kind(const char *path, const uint8_t *start, size_
     return VTK_PARTS_NONE;
 }
 
-bool vtk_parts_are_grids(const uint8_t *start, size_t size) {
+bool vtk_parts_begin_with(const uint8_t *start, size_t size, const char *suffixes) {
     static const char word[] = "file=";
     const char *end = (const char *)start + size, *at = memmem(start, size, word, sizeof word - 1);
     if (!at || (at += sizeof word - 1) >= end)
         return false;
     const char *close = memchr(at + 1, *at, (size_t)(end - at - 1));
-    return close &&
-           has_suffix(at + 1, (size_t)(close - at - 1), ".vti .vtr .vts .pvti .pvtr .pvts ");
+    return close && has_suffix(at + 1, (size_t)(close - at - 1), suffixes);
+}
+
+bool vtk_parts_are_grids(const uint8_t *start, size_t size) {
+    return vtk_parts_begin_with(start, size, ".vti .vtr .vts .pvti .pvtr .pvts ");
 }
 
 /* ---- elements ---- */

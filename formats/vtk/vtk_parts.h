@@ -42,8 +42,11 @@ typedef struct vtk_parts {
  * no type. */
 vtk_parts_kind vtk_parts_find_kind(const char *path, const uint8_t *start, size_t size);
 
-/* vtk_parts_are_grids() - returns whether the first file that it names has the suffix of a grid, as
- * VTK uses them. Files of other suffixes are meshes, or not read at all. */
+/* vtk_parts_begin_with() - returns whether the first file that it names has one of these suffixes,
+ * each with a blank behind.
+ * vtk_parts_are_grids() - the same of those of grids, as VTK uses them. Files of other suffixes are
+ * meshes, or not read at all. */
+bool vtk_parts_begin_with(const uint8_t *start, size_t size, const char *suffixes);
 bool vtk_parts_are_grids(const uint8_t *start, size_t size);
 
 /* vtk_parts_read() - read the file `path`; data stands at its start. Release *out in any case.

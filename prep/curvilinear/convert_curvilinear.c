@@ -11,21 +11,25 @@
 /* ---- notes ---- */
 
 static bool is_collection(const void *own) {
-    (void)own;
-    return false;
+    const double *times;
+    return curvilinear_input_steps(own, &times) > 1;
 }
 
 static void note(const convert_request *a, const void *own) {
     curvilinear_input *x = (curvilinear_input *)own; /* asking for names takes room in it */
     convert_choices c = {.common = &a->common,
                          .sets = &a->sets,
-                         .component = (uint32_t)a->hints.curvilinear.component};
+                         .component = (uint32_t)a->hints.curvilinear.component,
+                         .step = a->step || step_list_given(&a->sets.taken)};
+    const double *times;
+    const uint32_t steps = curvilinear_input_steps(own, &times);
     if (a->common.verbosity <= 0)
         return;
     for (uint32_t i = 0; i < curvilinear_input_fields(x); i++) {
         uint32_t components;
         const char *name = curvilinear_input_field(x, i, &components);
-        const slice_field f = {.name = name, .steps = 1, .taken = i == 0, .components = components};
+        const slice_field f = {
+            .name = name, .steps = steps, .taken = i == 0, .components = components};
         convert_choices_take(&c, &f);
     }
     convert_choices_note(&c);
@@ -33,13 +37,15 @@ static void note(const convert_request *a, const void *own) {
 
 /* ---- fields and steps ---- */
 
-static status take_fields(convert_sets *s, curvilinear_input *x) {
+static status take_sets(convert_sets *s, curvilinear_input *x, const char *name) {
+    const double *times;
+    const uint32_t steps = curvilinear_input_steps(x, &times);
     status st = ST_OK;
     for (uint32_t i = 0; i < curvilinear_input_fields(x) && s->all_fields && st == ST_OK; i++) {
         uint32_t components;
         st = convert_sets_take_copy(s, curvilinear_input_field(x, i, &components));
     }
-    return st;
+    return st == ST_OK ? convert_sets_take_steps(s, name, steps, times) : st;
 }
 
 /* ---- one series ---- */
@@ -54,7 +60,7 @@ static status refuse(const convert_request *a) {
     if (a->file.codec != LEAF_CODEC_RAW)
         return status_describe(ST_UNSUPPORTED, "%s: files of curvilinear grids are not compressed",
                                a->common.input);
-    if (a->common.input_count > 1 && (h->solution || h->functions))
+    if (a->common.input_count > 1 && (h->solutions.count || h->functions.count))
         return status_describe(ST_USAGE, "--solution and --functions go with one INPUT");
     return ST_OK;
 }
@@ -86,7 +92,9 @@ static status run(convert_request *a, mem *m, input *in, double start) {
     curvilinear_files files = {.m = m, .hints = a->hints.curvilinear, .first = in->own};
     status st = refuse(a);
     if (st == ST_OK)
-        st = take_fields(&a->sets, files.first);
+        st = take_sets(&a->sets, files.first, a->common.input);
+    if (a->sets.times_fall)
+        cli_note(&a->common, 1, "%s: its times do not ascend: 0, 1, .. instead", a->common.input);
     if (st == ST_OK)
         st = convert_sets_times(&a->sets, convert_request_steps(a));
     files.of = convert_request_series(a);

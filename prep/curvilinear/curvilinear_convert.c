@@ -94,7 +94,7 @@ status curvilinear_plan_make(const mem *m, const curvilinear_series *s,
                              curvilinear_plan *plan) {
     leaf_curvilinear g = contents(s, first);
     uint64_t writer = 0;
-    g.moving = s->sets.steps > 1; /* at most */
+    g.moving = s->sets.steps > 1 && !s->still; /* at most */
     status st = leaf_writer_curvilinear_memory(&g, &writer);
     if (st != ST_OK)
         return st;
@@ -132,7 +132,7 @@ static curvilinear_code code_of(const curvilinear_slab *s, const place *at, uint
         const size_t n = curvilinear_slab_node(s, at->first[0] + i + (corner & 1),
                                                at->first[1] + j + (corner >> 1 & 1),
                                                at->first[2] + k + (corner >> 2));
-        if (s->is_node && !s->is_node[n])
+        if ((s->is_node && !s->is_node[n]) || (corner == 0 && curvilinear_slab_hides(s, n)))
             return CURVILINEAR_NONE;
         for (int a = 0; a < 3; a++)
             p[corner][a] = (double)s->p[n][a];
@@ -190,9 +190,10 @@ static void draw_values(const conversion *c, const place *at) {
     while (curvilinear_draw_next(&d)) {
         const float *corners[HISTOGRAM_CORNERS];
         float values[HISTOGRAM_CORNERS];
+        const bool hidden = curvilinear_slab_hides(&c->slab, drawn_node(&c->slab, at, &d, 0));
         for (uint32_t n = 0; n < HISTOGRAM_CORNERS; n++) {
             corners[n] = c->drawing.corners[d.run][n];
-            values[n] = c->slab.values[drawn_node(&c->slab, at, &d, n)];
+            values[n] = hidden ? NAN : c->slab.values[drawn_node(&c->slab, at, &d, n)];
         }
         c->drawing.cells[(size_t)c->set * c->drawing.run.count + d.run] =
             histogram_hex(corners, values);
@@ -464,8 +465,9 @@ static status convert_all(conversion *c, const curvilinear_source *first, uint64
                           const char *name, const char *output) {
     const uint32_t steps = c->series->sets.steps;
     status st = allocate(c, first);
-    c->passes = (steps > 1 ? 2 : 1) * (uint64_t)steps + (uint64_t)steps * c->series->sets.fields;
-    if (st == ST_OK && steps > 1)
+    const bool look = steps > 1 && !c->series->still;
+    c->passes = (look ? 2 : 1) * (uint64_t)steps + (uint64_t)steps * c->series->sets.fields;
+    if (st == ST_OK && look)
         st = find_moving(c);
     if (st == ST_OK)
         st = begin_writer(c, name, output);

@@ -14,11 +14,12 @@
 /* The steps of a curvilinear grid: sources with the same zones. */
 typedef struct curvilinear_series {
     void *ctx;
-    /* open(): *out is valid until the next call, and has all fields of the sets. path(): its name,
-     * for messages. */
+    /* open(): *out is valid until the next call, and has all fields of the sets. path(): the name
+     * of the step that was opened last, for messages. */
     status (*open)(void *ctx, uint32_t step, const curvilinear_source **out);
     const char *(*path)(void *ctx, uint32_t step);
     leaf_sets sets;
+    bool still; /* nodes are known to be the same at all steps, so nobody looks */
 } curvilinear_series;
 
 typedef struct curvilinear_options {

@@ -4,7 +4,7 @@
 
 static const char *path_of(void *ctx, uint32_t step) {
     const curvilinear_files *f = ctx;
-    return step_series_path(&f->of, step);
+    return f->of.in_file ? curvilinear_input_file(f->first) : step_series_path(&f->of, step);
 }
 
 static status open_step(void *ctx, uint32_t step, const curvilinear_source **out) {
@@ -13,7 +13,11 @@ static status open_step(void *ctx, uint32_t step, const curvilinear_source **out
     f->later = NULL;
     curvilinear_input *x = f->first;
     status st = ST_OK;
-    if (step > 0) {
+    if (f->of.in_file) {
+        uint32_t of_file;
+        step_series_seek(&f->of, step, &of_file);
+        st = curvilinear_input_seek(x, of_file);
+    } else if (step > 0) {
         st = curvilinear_input_open(f->m, path_of(f, step), &f->hints, &f->later);
         x = f->later;
     }
@@ -35,7 +39,11 @@ status curvilinear_files_check(const curvilinear_files *f) {
 }
 
 curvilinear_series curvilinear_files_series(curvilinear_files *f) {
-    curvilinear_series s = {f, open_step, path_of, f->of.sets};
+    curvilinear_series s = {.ctx = f,
+                            .open = open_step,
+                            .path = path_of,
+                            .sets = f->of.sets,
+                            .still = f->of.in_file && curvilinear_input_still(f->first)};
     uint32_t component;
     text_name(f->field, sizeof f->field, curvilinear_input_taken(f->first, 0, &component));
     f->names[0] = f->field;

@@ -1,5 +1,5 @@
-/* curvilinear_files.h - the steps of a curvilinear grid in files, one a step, of which one is open
- * beside the first.
+/* curvilinear_files.h - the steps of a curvilinear grid: in files, one a step, of which one is open
+ * beside the first; or those of one input.
  */
 #ifndef PREP_CURVILINEAR_CURVILINEAR_FILES_H
 #define PREP_CURVILINEAR_CURVILINEAR_FILES_H
@@ -13,7 +13,7 @@ typedef struct curvilinear_files {
     mem *m;
     step_series of; /* fields, and the paths of the steps */
     curvilinear_hints hints;
-    curvilinear_input *first; /* of step 0, the caller's */
+    curvilinear_input *first; /* of step 0, or with all steps; the caller's */
     /* Inside: */
     curvilinear_input *later;
     char field[MESH_NAME_MAX + 1]; /* the one that the hints choose */

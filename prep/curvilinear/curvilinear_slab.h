@@ -25,7 +25,7 @@ typedef struct curvilinear_slab {
     size_t plane;          /* nodes of one */
     float (*p)[3];         /* per node, if places are read */
     float *values;         /* per node, if values are */
-    uint8_t *is_node;      /* per node, 0: blanked; NULL: none is in any zone */
+    uint8_t *is_node;      /* per node, as the source's blanks(); NULL: all are nodes */
     uint64_t odd;          /* values that are not finite, of all planes so far in all zones */
     float stand_in[3];     /* the place that a blanked node gets next */
     mem *m;
@@ -47,6 +47,11 @@ CHECKED status curvilinear_slab_next(curvilinear_slab *s);
 /* curvilinear_slab_more() - whether the zone has another layer. */
 static inline bool curvilinear_slab_more(const curvilinear_slab *s) {
     return s->first + s->count < s->source->nodes[s->zone][2];
+}
+
+/* curvilinear_slab_hides() - whether the cell that begins at node n is hidden by itself. */
+static inline bool curvilinear_slab_hides(const curvilinear_slab *s, size_t n) {
+    return s->is_node && s->is_node[n] & CURVILINEAR_HIDDEN;
 }
 
 /* curvilinear_slab_node() - the number here of node (i, j, k) of the zone. */

@@ -62,21 +62,14 @@ static void take_field(void *ctx, const char *name, int components) {
         t->st = convert_sets_take_copy(t->s, name);
 }
 
-static status take_steps(convert_sets *s, const mesh_input *x, const char *name) {
-    const double *times = mesh_input_times(x);
-    status st = step_list_settle(&s->taken, "--steps", name, mesh_input_steps(x));
-    if (st != ST_OK)
-        return st;
-    s->steps = (uint32_t)step_list_count(&s->taken);
-    return times && !s->times ? convert_sets_take_times(s, times) : ST_OK;
-}
-
 /* Resolve "all fields" and the list of steps, if asked for. ST_USAGE: there is no such step. */
 static status take_sets(convert_sets *s, const mesh_input *x, const char *name) {
     taking t = {s, ST_OK};
     if (s->all_fields)
         mesh_input_fields(x, take_field, &t);
-    return t.st == ST_OK && step_list_given(&s->taken) ? take_steps(s, x, name) : t.st;
+    return t.st == ST_OK
+               ? convert_sets_take_steps(s, name, mesh_input_steps(x), mesh_input_times(x))
+               : t.st;
 }
 
 /* ---- one series ---- */

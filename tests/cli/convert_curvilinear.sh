@@ -4,6 +4,7 @@
 # marks: leaks
 . tests/support/tap.sh
 
+differ() { [ "$(cmp -s "$1" "$2"; echo $?)" = 1 ]; }
 says() { cat "$tmp/out" "$tmp/err" | grep -q -- "$1"; }
 
 for shape in warp annulus twisted; do
@@ -44,6 +45,96 @@ exits "steps of other sizes" 3 "$leafcast" convert "$tmp/drop_0000.vts" "$tmp/fe
 ok "are refused by name" says 'fewer.vts: zone 0 has 8 x 8 x 8 nodes, but 9 x 9 x 9 in the first step'
 ok "and leave nothing" [ ! -e "$tmp/x.leaf" ]
 
+# PLOT3D as text: half of a ring of two zones, whose nodes with i = j = 1 are blanked; a solution at rest.
+text() { # text WHAT TIME: the grid, or the solution of a time
+    awk -v what="$1" -v time="${2:-0}" 'BEGIN {
+        split("5 4 3 3 4 6", n); print 2; print n[1], n[2], n[3]; print n[4], n[5], n[6]
+        for (z = 0; z < 2; z++) {
+            if (what == "q") print "0.5 0 1e6", time
+            for (number = 1; number <= (what == "q" ? 5 : 4); number++)
+                for (k = 0; k < n[3 * z + 3]; k++) for (j = 0; j < n[3 * z + 2]; j++) for (i = 0; i < n[3 * z + 1]; i++) {
+                    a = 0.3 * (i + 4 * z); r = 1 + j
+                    if (what == "q") printf "%.8E\n", number == 1 ? 1 + k + time : number == 5 ? 2 : 0
+                    else if (number < 4) printf "%.8E ", number == 1 ? r * cos(a) : number == 2 ? r * sin(a) : k
+                    else printf "%d ", i != 1 || j != 1
+                }
+            print ""
+        }
+    }'
+}
+text grid >"$tmp/ring.xyz"
+for i in 0 1 2; do text q $i.5 >"$tmp/ring_$i.q"; done
+exits "info of text" 0 "$leafcast" info "$tmp/ring.xyz"
+ok "says what it is" says '^format *PLOT3D$'
+ok "of two zones" says '^ *3 x 4 x 6 nodes$'
+ok "some of whose nodes are blanked" says '^blanked *9 nodes are no part of the grid$'
+exits "convert steps of text" 0 "$leafcast" convert "$tmp/ring.xyz" --solution "$tmp/ring_%d.q" -o "$tmp/ring.leaf"
+ok "says its cells" says '^cells *[0-9]* right-handed, [0-9]* left-handed, 28 blanked$'
+exits "info of the steps" 0 "$leafcast" info "$tmp/ring.leaf"
+ok "says their times" says '^steps *3, times 0.5 .. 2.5$'
+exits "verify it" 0 "$leafcast" verify "$tmp/ring.leaf"
+sed '$d' "$tmp/ring_1.q" | sed '$d' >"$tmp/short.q"
+exits "text that is cut" 3 "$leafcast" convert "$tmp/ring.xyz" --solution "$tmp/short.q" -o "$tmp/x.leaf"
+ok "has too few numbers" says 'how many it has, 674, fit no layout of text'
+sed 's/^2.00000000E+00$/2.0O/' "$tmp/ring_1.q" >"$tmp/letter.q"
+exits "text with a letter O" 3 "$leafcast" convert "$tmp/ring.xyz" --solution "$tmp/letter.q" --field energy -o "$tmp/x.leaf"
+ok "says the line" says 'letter.q: line [0-9]*: "2.0O", expected a number'
+
+# A cell that VTK hides: as the same grid without it, but for that cell. Of three along k the second one.
+bent() { # bent MARK
+    printf '<VTKFile type="StructuredGrid"><StructuredGrid WholeExtent="0 1 0 1 0 3"><Piece Extent="0 1 0 1 0 3">'
+    printf '<CellData><DataArray type="UInt8" Name="vtkGhostType" format="ascii">0 %s 0</DataArray></CellData>' "$1"
+    printf '<PointData><DataArray type="Float32" Name="s" format="ascii">0 1 0 1 0 1 0 1 0 1 0 1 0 1 0 1</DataArray></PointData>'
+    printf '<Points><DataArray type="Float32" NumberOfComponents="3" format="ascii">'
+    for k in 0 1 2 3; do printf '0 0 %d 1 0 %d 0 1 %d.1 1 1.5 %d ' $k $k $k $k; done
+    printf '</DataArray></Points></Piece></StructuredGrid></VTKFile>\n'
+}
+for mark in 0 1 32; do
+    bent $mark >"$tmp/bent$mark.vts"
+    exits "convert with a mark of $mark" 0 "$leafcast" convert "$tmp/bent$mark.vts" -o "$tmp/bent$mark.leaf"
+    exits "verify it" 0 "$leafcast" verify "$tmp/bent$mark.leaf"
+    for k in 0.5 1.5 2.5; do
+        "$leafcast" probe "$tmp/bent$mark.leaf" --point 0.5,0.5,$k && echo in
+    done >"$tmp/probes$mark" 2>&1
+done
+exits "the hidden one again" 0 "$leafcast" convert "$tmp/bent32.vts" -o "$tmp/bent32.leaf" --force
+ok "is blanked" says '^cells *2 right-handed, 0 left-handed, 1 blanked$'
+ok "and is not met" [ "$(grep -c '^hexahedron: ' "$tmp/probes32")" = 2 ]
+ok "what a piece alone has twice is" [ "$(grep -c '^hexahedron: ' "$tmp/probes1")" = 3 ]
+exits "info of the hidden one" 0 "$leafcast" info "$tmp/bent32.vts"
+ok "counts the cells" says '^grid *16 nodes, 2 cells$'
+
+# A grid in pieces is the grid: the same bytes. Bent rows of 7 nodes, cut at the fourth; with a layer of cells that both have, marked.
+cut_grid() { # cut_grid FIRST LAST DUPLICATE: nodes i of FIRST to LAST; cells that begin at DUPLICATE are another piece's
+    awk -v first="$1" -v last="$2" -v twice="$3" 'BEGIN {
+        printf "<VTKFile type=\"StructuredGrid\"><StructuredGrid WholeExtent=\"0 6 0 4 0 2\"><Piece Extent=\"%d %d 0 4 0 2\">", first, last
+        printf "<CellData><DataArray type=\"UInt8\" Name=\"vtkGhostType\" format=\"ascii\">"
+        for (k = 0; k < 2; k++) for (j = 0; j < 4; j++) for (i = first; i < last; i++) printf "%d ", i == twice
+        printf "</DataArray></CellData><PointData><DataArray type=\"Float32\" Name=\"s\" format=\"ascii\">"
+        for (k = 0; k < 3; k++) for (j = 0; j < 5; j++) for (i = first; i <= last; i++) printf "%d ", i * j + k
+        printf "</DataArray></PointData><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">"
+        for (k = 0; k < 3; k++) for (j = 0; j < 5; j++) for (i = first; i <= last; i++) printf "%g %g %g ", i, j + i * i / 8, k + i * j / 50
+        print "</DataArray></Points></Piece></StructuredGrid></VTKFile>"
+    }'
+}
+cut_grid 0 6 -1 >"$tmp/uncut.vts"
+cut_grid 0 4 3 >"$tmp/cut_0.vts"
+cut_grid 3 6 -1 >"$tmp/cut_1.vts"
+printf '<VTKFile type="PStructuredGrid"><PStructuredGrid WholeExtent="0 6 0 4 0 2" GhostLevel="1"><Piece Extent="0 4 0 4 0 2" Source="cut_0.vts"/><Piece Extent="3 6 0 4 0 2" Source="cut_1.vts"/></PStructuredGrid></VTKFile>' >"$tmp/cut.pvts"
+printf '<VTKFile type="Collection"><Collection><DataSet timestep="3" file="cut.pvts"/><DataSet timestep="1" file="uncut.vts"/></Collection></VTKFile>' >"$tmp/cut.pvd"
+exits "convert a grid" 0 "$leafcast" convert "$tmp/uncut.vts" -o "$tmp/uncut.leaf" -q
+exits "and in pieces" 0 "$leafcast" convert "$tmp/cut.pvts" -o "$tmp/cut.leaf" -q
+ok "is the same file" cmp -s "$tmp/uncut.leaf" "$tmp/cut.leaf"
+exits "info of pieces" 0 "$leafcast" info "$tmp/cut.pvts"
+ok "tells one zone" says '^zones *7 x 5 x 3 nodes$'
+exits "a collection of both" 0 "$leafcast" convert "$tmp/cut.pvd" -o "$tmp/both.leaf"
+ok "has nodes that stay" says '^nodes *stay where they are$'
+exits "info of both" 0 "$leafcast" info "$tmp/both.leaf"
+ok "says their times" says '^steps *2, times 1 .. 3$'
+ok "and that they are the same" says '^series *1 payloads are the same as earlier ones'
+exits "the second step" 0 "$leafcast" convert "$tmp/cut.pvd" --step 1 -o "$tmp/later.leaf" -q
+ok "is the same file, too" cmp -s "$tmp/uncut.leaf" "$tmp/later.leaf"
+
 # What is not done with them.
 exits "compressed" 3 "$leafcast" convert "$tmp/warp.vts" -o "$tmp/x.leaf" --compress zstd
 ok "is refused" says 'are not compressed'
@@ -73,6 +164,46 @@ if [ -d "$data/bluntfin" ]; then
     ok "has two folded cells" says '^cells *43006 right-handed, 0 left-handed, 2 folded or flat$'
     exits "what comes next" 0 "$leafcast" info "$data/bluntfin/bluntfinxyz.bin" --solution "$data/bluntfin/bluntfinq.bin" --quick
     ok "names the solution" says '^next  *leafcast convert .*bluntfinxyz.bin --solution .*bluntfinq.bin -o bluntfinxyz.leaf$'
+    # Steps: solutions whose times are 1, 2 and 4, the others of another density.
+    for i in 1 2 3; do
+        cp "$data/bluntfin/bluntfinq.bin" "$tmp/q_$i.q" && chmod u+w "$tmp/q_$i.q"
+    done
+    put() { dd of="$tmp/q_$1.q" bs=1 seek="$2" conv=notrunc 2>/dev/null; }
+    printf '\077\200\0\0' | put 1 24
+    printf '\100\0\0\0' | put 2 24
+    printf '\100\200\0\0' | put 3 24
+    for i in 2 3; do
+        dd if="$tmp/q_1.q" bs=4096 skip=2 count=20 2>/dev/null | put $i 40960
+    done
+    fin=$data/bluntfin/bluntfinxyz.bin
+    exits "three solutions" 0 "$leafcast" convert "$fin" --solution "$tmp/q_%d.q" -o "$tmp/steps.leaf"
+    ok "nodes stay" says '^nodes *stay where they are$'
+    exits "info of the three" 0 "$leafcast" info "$tmp/steps.leaf"
+    ok "says their times" says '^steps *3, times 1 \.\. 4$'
+    ok "and what is stored once" says '^series *2 payloads are the same as earlier ones'
+    exits "the second alone" 0 "$leafcast" convert "$fin" --solution "$tmp/q_2.q" -o "$tmp/second.leaf" -q
+    exits "as a step of two" 0 "$leafcast" convert "$fin" --solution "$tmp/q_1.q" --solution "$tmp/q_2.q" --step 1 -o "$tmp/chosen.leaf" -q
+    ok "is the same file" cmp -s "$tmp/second.leaf" "$tmp/chosen.leaf"
+    "$leafcast" render "$tmp/second.leaf" --iso 1 --size 40x30 -o "$tmp/second.ppm" -q
+    for i in 0 1; do
+        "$leafcast" render "$tmp/steps.leaf" --step $i --iso 1 --size 40x30 -o "$tmp/step$i.ppm" -q
+    done
+    ok "and the same picture" cmp -s "$tmp/second.ppm" "$tmp/step1.ppm"
+    ok "which is not that of the first" differ "$tmp/step0.ppm" "$tmp/step1.ppm"
+    exits "info of an input of steps" 0 "$leafcast" info "$fin" --solution "$tmp/q_*.q" --quick
+    ok "says so" says '^steps *3, the first is taken here$'
+    exits "solutions and functions that do not match" 2 "$leafcast" convert "$fin" --solution "$tmp/q_?.q" --functions "$tmp/q_1.q" --functions "$tmp/q_2.q" -o "$tmp/x.leaf"
+    ok "are counted" says '3 solutions and 2 files of functions'
+    exits "an output that is a solution" 2 "$leafcast" convert "$fin" --solution "$tmp/q_?.q" -o "$tmp/q_3.q" --force
+    exits "times that fall" 0 "$leafcast" convert "$fin" --solution "$tmp/q_2.q" --solution "$tmp/q_1.q" -o "$tmp/fall.leaf"
+    ok "are left out" says 'its times do not ascend: 0, 1, .. instead'
+    exits "resumed" 0 "$leafcast" convert "$fin" --solution "$tmp/q_%d.q" -o "$tmp/steps.leaf" --resume
+    ok "it is whole already" says 'nothing is done'
+    sleep 0.01
+    touch "$tmp/q_3.q"
+    exits "with a solution that is newer" 1 "$leafcast" convert "$fin" --solution "$tmp/q_%d.q" -o "$tmp/steps.leaf" --resume
+    ok "it is not" says 'was written after it'
+
     exits "a grid without a solution" 3 "$leafcast" convert "$data/bluntfin/bluntfinxyz.bin" -o "$tmp/x.leaf"
     ok "says what has its values" says '--solution'
 else

@@ -88,7 +88,7 @@ static void make_zone(const case_zone *c, curvilinear_zone *z) {
                 if (c->shape & FOLDED && n % 17 == 3)
                     p[n][2] += 5.0f;
                 if (blank)
-                    blank[n] = !is_blanked(c, i, j, k);
+                    blank[n] = is_blanked(c, i, j, k) ? 0 : n % 13 == 5 ? 3 : 1;
                 if (blank && !blank[n]) /* what a solver leaves there */
                     p[n][0] = p[n][1] = values[n] = 1e30f;
             }
@@ -169,7 +169,7 @@ static unsigned code_of(const at_treelet *at, uint32_t step, uint32_t i, uint32_
     for (uint32_t c = 0; c < HEX_CORNERS; c++) {
         const size_t n = node_of(at, i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
         float place[3];
-        if (z->blank && !z->blank[n])
+        if (z->blank && (!z->blank[n] || (c == 0 && z->blank[n] & 2)))
             return CURVILINEAR_NONE;
         curvilinear_steps_place(at->s, at->zone, n, step, place);
         for (int a = 0; a < 3; a++)
@@ -296,7 +296,8 @@ static uint32_t count_active(const curvilinear_zone *z, double edge) {
                 for (uint32_t c = 0; c < HEX_CORNERS; c++) {
                     const size_t at =
                         i + (c & 1) + n[0] * (j + (c >> 1 & 1) + (size_t)n[1] * (k + (c >> 2)));
-                    sound = sound && isfinite(z->values[at]) && (!z->blank || z->blank[at]);
+                    sound = sound && isfinite(z->values[at]) &&
+                            (!z->blank || (z->blank[at] && (c > 0 || z->blank[at] == 1)));
                     lo = fmin(lo, (double)z->values[at]);
                     hi = fmax(hi, (double)z->values[at]);
                 }
@@ -370,9 +371,9 @@ static const uint32_t damaged[3] = {4, 3, 32};
 
 typedef void damage(const leaf_image *i, char *places, char *values);
 
-static void blank_cell(const leaf_image *i, char *places, char *values) {
+static void turn_cell(const leaf_image *i, char *places, char *values) {
     (void)i, (void)values;
-    ((uint8_t *)places)[12 * curvilinear_nodes(damaged)] |= 3;
+    ((uint8_t *)places)[12 * curvilinear_nodes(damaged)] ^= 3;
 }
 
 static void add_tail(const leaf_image *i, char *places, char *values) {
@@ -424,7 +425,7 @@ static const struct {
     damage *apply;
     const char *told;
 } damages[] = {
-    {blank_cell, "all its corners have values"},
+    {turn_cell, "bits are not those of its corners"},
     {add_tail, "expected 0 as padding"},
     {move_node, "its box is not that of its nodes"},
     {draw_in, "its box is not that of its nodes"},

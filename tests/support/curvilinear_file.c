@@ -54,7 +54,7 @@ static unsigned code_of(const curvilinear_zone *z, const uint32_t first[3], uint
     double p[HEX_CORNERS][3];
     for (uint32_t c = 0; c < HEX_CORNERS; c++) {
         const size_t n = node_of(z, first, i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
-        if (z->blank && !z->blank[n])
+        if (z->blank && (!z->blank[n] || (c == 0 && z->blank[n] & 2)))
             return CURVILINEAR_NONE;
         for (int a = 0; a < 3; a++)
             p[c][a] = (double)z->p[n][a];

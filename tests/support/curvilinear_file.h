@@ -9,7 +9,7 @@ typedef struct curvilinear_zone {
     uint32_t nodes[3];
     const float (*p)[3]; /* i fastest */
     const float *values;
-    const uint8_t *blank; /* per node, 0: blanked; NULL: none is */
+    const uint8_t *blank; /* per node, 0: blanked; 3: the cell there is hidden; NULL: neither is */
 } curvilinear_zone;
 
 /* curvilinear_file() - a sound treelet file; free() its bytes. A blanked node has the place and the

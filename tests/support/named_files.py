@@ -300,7 +300,7 @@ OPENS = {
     "formats/grid/volume.c": "given", "formats/grid/volume_layout.c": "rule", "formats/grid/vtk_grid_xml.c": "rule",
     "formats/grid/vtk_grid_parts.c": "kept", "formats/grid/xdmf_file.c": "rule", "formats/grid/xdmf.c": "kept", "formats/vtk/vtk_parts.c": "rule", "formats/mesh/mesh_vtk_parts.c": "kept",
     "formats/grid/chunk_array.c": "rule", "formats/grid/slice_folder.c": "known", "formats/grid/zarr_array.c": "folder", "formats/grid/zarr_chunk.c": "kept",
-    "formats/curvilinear/curvilinear_input.c": "given", "formats/curvilinear/plot3d_file.c": "given", "formats/input/foreign.c": "folder",
+    "formats/curvilinear/curvilinear_input.c": "given", "formats/curvilinear/curvilinear_vtk_parts.c": "rule", "formats/curvilinear/plot3d_file.c": "given", "formats/input/foreign.c": "folder",
     "formats/info_main.c": "given", "formats/input/byte_stream.c": "given", "formats/input/packed_stream.c": "given", "formats/input_open.c": "given",
     "formats/leaf/leaf_file.c": "given", "formats/leaf/leaf_grow.c": "given", "formats/leaf/outside_samples.c": "known", "formats/leaf/leaf_repair.c": "given", "formats/leaf/leaf_writer_finish.c": "given", "formats/mesh/gmsh_file.c": "given",
     "formats/mesh/mesh_input.c": "given", "formats/mesh/mesh_tetgen.c": "implied", "formats/surface/plc.c": "given",

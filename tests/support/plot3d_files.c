@@ -19,10 +19,12 @@ plot3d_form plot3d_form_of(unsigned bits) {
 
 const char *plot3d_form_words(const plot3d_form *f) {
     static char text[80];
-    snprintf(text, sizeof text, "%s,%s,%s,%s,%s,%s", f->records ? "records" : "binary",
-             f->little ? "little" : "big", f->wide ? "f64" : "f32",
-             f->blanks ? "blanks" : "no-blanks", f->multi ? "multi" : "single",
-             f->planes ? "planes" : "whole");
+    char bytes[40] = "text";
+    if (!f->text)
+        snprintf(bytes, sizeof bytes, "%s,%s,%s", f->records ? "records" : "binary",
+                 f->little ? "little" : "big", f->wide ? "f64" : "f32");
+    snprintf(text, sizeof text, "%s,%s,%s,%s", bytes, f->blanks ? "blanks" : "no-blanks",
+             f->multi ? "multi" : "single", f->planes ? "planes" : "whole");
     return text;
 }
 
@@ -42,6 +44,7 @@ typedef struct writing {
     const plot3d_form *f;
     uint8_t *bytes;
     size_t size, record;
+    unsigned words; /* of text */
 } writing;
 
 static void put(writing *w, const void *value, size_t size) {
@@ -52,7 +55,24 @@ static void put(writing *w, const void *value, size_t size) {
         abort();
 }
 
+/* Words as Fortran writes them, in several ways. */
+static void put_word(writing *w, const char *format, double value) {
+    static const char *const gaps[] = {" ", "\n", ",", "  \t", ", ", "\r\n"};
+    char text[64];
+    snprintf(text, sizeof text, format, value);
+    char *e = strchr(text, 'e');
+    if (e)
+        *e = "edDE"[w->words % 4];
+    w->size += (size_t)sprintf((char *)w->bytes + w->size, "%s%s", text, gaps[w->words++ % 6]);
+    if (w->size > PLOT3D_FILES_ROOM - 128)
+        abort();
+}
+
 static void put_whole(writing *w, int32_t value) {
+    if (w->f->text) {
+        put_word(w, "%.0f", value);
+        return;
+    }
     const uint32_t v = (uint32_t)value;
     const uint8_t little[4] = {(uint8_t)v, (uint8_t)(v >> 8), (uint8_t)(v >> 16),
                                (uint8_t)(v >> 24)};
@@ -60,6 +80,10 @@ static void put_whole(writing *w, int32_t value) {
 }
 
 static void put_real(writing *w, double value) {
+    if (w->f->text) {
+        put_word(w, w->words % 3 ? "%.17g" : "%.16e", value);
+        return;
+    }
     const float narrow = (float)value;
     uint64_t bits = 0;
     uint32_t narrow_bits;
@@ -139,4 +163,13 @@ const char *plot3d_write(const plot3d_form *f, plot3d_part part, const char *nam
     size_t size;
     const uint8_t *bytes = plot3d_bytes(f, part, &size);
     return scratch_write(name, bytes, size);
+}
+
+path_list plot3d_one(const char *path) {
+    static char kept[8][4096], *paths[8];
+    static int at;
+    at = (at + 1) % 8;
+    snprintf(kept[at], sizeof kept[at], "%s", path);
+    paths[at] = kept[at];
+    return (path_list){&paths[at], 1};
 }

@@ -8,17 +8,20 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "formats/base/path_pattern.h"
+
 enum { PLOT3D_FILES_ZONES = 3, PLOT3D_FILES_ROOM = 1 << 16 };
 
 /* How a file is written. */
 typedef struct plot3d_form {
     bool records, little, wide, blanks, multi, planes;
+    bool text;      /* in place of the first two */
     uint32_t zones; /* up to PLOT3D_FILES_ZONES; 1 unless multi */
     uint32_t nodes[PLOT3D_FILES_ZONES][3];
 } plot3d_form;
 
 /* plot3d_form_of() - the form whose flags are these bits, in the order above; of two zones if
- * multi.
+ * multi. Without text.
  */
 plot3d_form plot3d_form_of(unsigned bits);
 
@@ -26,7 +29,7 @@ plot3d_form plot3d_form_of(unsigned bits);
 const char *plot3d_form_words(const plot3d_form *f);
 
 /* plot3d_number() - a number of a node: 0 to 2 its place, 3 to 7 its solution, 8 and on its
- * functions. In a file of f32 it is a float; else it lies between two.
+ * functions. In a file of f32 it is a float; else it lies between two. Text is as exact as either.
  * plot3d_blank() - its IBLANK: -2, 0 or 1. */
 double plot3d_number(const plot3d_form *f, uint32_t zone, uint64_t node, uint32_t number);
 int32_t plot3d_blank(uint32_t zone, uint64_t node);
@@ -41,7 +44,9 @@ typedef enum plot3d_part {
 enum { PLOT3D_FILES_FUNCTIONS = 2 };
 uint8_t *plot3d_bytes(const plot3d_form *f, plot3d_part part, size_t *size);
 
-/* plot3d_write() - the same as a file of the scratch folder; its path. */
+/* plot3d_one() - a list of one file. Valid for the next 7 calls.
+ * plot3d_write() - the same as a file of the scratch folder; its path. */
+path_list plot3d_one(const char *path);
 const char *plot3d_write(const plot3d_form *f, plot3d_part part, const char *name);
 
 #endif

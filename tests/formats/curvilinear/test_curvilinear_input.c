@@ -36,8 +36,8 @@ static void test_names(void **state) {
     uint32_t components;
     const char *path = plot3d_write(&plain, PLOT3D_PART_GRID, "grid.bin");
     const curvilinear_hints hints = {
-        .solution = plot3d_write(&plain, PLOT3D_PART_SOLUTION, "q.bin"),
-        .functions = plot3d_write(&plain, PLOT3D_PART_FUNCTIONS, "f.bin"),
+        .solutions = plot3d_one(plot3d_write(&plain, PLOT3D_PART_SOLUTION, "q.bin")),
+        .functions = plot3d_one(plot3d_write(&plain, PLOT3D_PART_FUNCTIONS, "f.bin")),
         .name = "a\tfin"};
     assert_int_equal(curvilinear_input_open(&m, path, &hints, &x), ST_OK);
     assert_string_equal(curvilinear_input_format(x), "PLOT3D");
@@ -85,7 +85,8 @@ static void test_components(void **state) {
     mem_init(&m, 0);
     curvilinear_input *x = NULL;
     const char *path = plot3d_write(&plain, PLOT3D_PART_GRID, "grid.bin");
-    curvilinear_hints hints = {.solution = plot3d_write(&plain, PLOT3D_PART_SOLUTION, "q.bin"),
+    curvilinear_hints hints = {.solutions =
+                                   plot3d_one(plot3d_write(&plain, PLOT3D_PART_SOLUTION, "q.bin")),
                                .field = "momentum"};
     for (int c = -1; c <= 4; c++) {
         hints.component = c;
@@ -129,7 +130,7 @@ static void test_kind(void **state) {
     assert_int_equal(input_open(&m, path, NULL, &in), ST_OK);
     assert_ptr_equal(in.kind, &curvilinear_input_kind);
     assert_string_equal(in.kind->format(in.own), "PLOT3D");
-    assert_int_equal(in.kind->traits(in.own), INPUT_CHOICES);
+    assert_int_equal(in.kind->traits(in.own), INPUT_CHOICES | INPUT_STEPS | INPUT_SERIES);
     input_close(&in);
     /* Any file, if the layout is told; then it must be one. */
     path = scratch_text("a.nrrd", "NRRD0004\n");
@@ -196,9 +197,9 @@ static void test_facts(void **state) {
     static input_facts x;
     for (unsigned bits = 0; bits < 32; bits += 8) {
         const plot3d_form f = plot3d_form_of(bits);
-        const input_question q = {
-            .path = plot3d_write(&f, PLOT3D_PART_GRID, "grid.bin"),
-            .hints.curvilinear = {.functions = plot3d_write(&f, PLOT3D_PART_FUNCTIONS, "f.bin")}};
+        const input_question q = {.path = plot3d_write(&f, PLOT3D_PART_GRID, "grid.bin"),
+                                  .hints.curvilinear = {.functions = plot3d_one(plot3d_write(
+                                                            &f, PLOT3D_PART_FUNCTIONS, "f.bin"))}};
         assert_int_equal(ask(&q, &x), ST_OK);
         const curvilinear_input_facts *own = curvilinear_input_facts_of(&x);
         uint64_t cells = 0, blanked = 0, nodes = 0;
@@ -249,7 +250,8 @@ static void test_slopes(void **state) {
         memcpy(bytes + 16 + 4 * n, &value, 4);
     }
     const input_question q = {
-        .path = path, .hints.curvilinear = {.functions = scratch_write("f.bin", bytes, size)}};
+        .path = path,
+        .hints.curvilinear = {.functions = plot3d_one(scratch_write("f.bin", bytes, size))}};
     assert_int_equal(ask(&q, &x), ST_OK);
     bool any = false;
     for (uint32_t b = 0; b < x.values.bins; b++)
@@ -266,11 +268,11 @@ static void test_quick(void **state) {
     (void)state;
     static input_facts x;
     const plot3d_form f = plot3d_form_of(16);
-    const input_question q = {
-        .path = plot3d_write(&f, PLOT3D_PART_GRID, "grid.bin"),
-        .header_only = true,
-        .hints.curvilinear = {.solution = plot3d_write(&f, PLOT3D_PART_SOLUTION, "q.bin"),
-                              .field = "momentum_y"}};
+    const input_question q = {.path = plot3d_write(&f, PLOT3D_PART_GRID, "grid.bin"),
+                              .header_only = true,
+                              .hints.curvilinear = {.solutions = plot3d_one(plot3d_write(
+                                                        &f, PLOT3D_PART_SOLUTION, "q.bin")),
+                                                    .field = "momentum_y"}};
     assert_int_equal(ask(&q, &x), ST_OK);
     const curvilinear_input_facts *own = curvilinear_input_facts_of(&x);
     assert_true(own->flows && own->flow[0] == 2.5 && own->flow[3] == 5.5);

@@ -42,6 +42,7 @@ typedef struct form {
     int pieces;
     bool marks, straight; /* straight: the nodes of a regular grid */
     const char *cells;    /* an array of the cells, of zeros but for its last; NULL: none */
+    int cell_mark;        /* the last; 0: 32 */
 } form;
 
 static int nodes_of(int piece) {
@@ -59,14 +60,14 @@ static double value(int piece, int node) {
     return 1000 * piece + node;
 }
 
-static int mark(int piece, int node) {
+static int mark_of(int piece, int node) {
     return (node + piece) % 5 == 0 ? 2 : (node + piece) % 3 == 0 ? 1 : 0;
 }
 
 static void fill(const form *f, int piece, double *xyz, double *s, double *v, double *marks) {
     for (int n = 0; n < nodes_of(piece); n++) {
         s[n] = value(piece, n);
-        marks[n] = mark(piece, n);
+        marks[n] = mark_of(piece, n);
         for (int a = 0; a < 3; a++) {
             xyz[3 * n + a] = place(f, piece, n, a);
             v[3 * n + a] = (a == 0 ? 3 : a == 1 ? 4 : 12) * value(piece, n);
@@ -86,7 +87,7 @@ static void write_piece(vtk_writer *w, const form *f, int piece) {
     vtk_writer_array(w, "s", f->type, 1, count, s);
     vtk_writer_array(w, "v", "Float64", 3, 3 * count, v);
     fprintf(w->out, "</PointData><CellData>");
-    cells[cell_count - 1] = 32;
+    cells[cell_count - 1] = f->cell_mark ? f->cell_mark : 32;
     if (f->cells)
         vtk_writer_array(w, f->cells, "UInt8", 1, (size_t)cell_count, cells);
     fprintf(w->out, "</CellData><Points>");
@@ -183,7 +184,7 @@ static void check_planes(const form *f, const curvilinear_source *s, int piece, 
     if (f->marks)
         assert_int_equal(s->blanks(s->own, z, k, n, is_node), ST_OK);
     for (int i = 0; f->marks && i < end; i++)
-        assert_int_equal(is_node[i], mark(piece, first * plane + i) != 2);
+        assert_int_equal(is_node[i], mark_of(piece, first * plane + i) != 2);
 }
 
 static void check_file(const form *f, const char *path, const char *format) {
@@ -240,6 +241,50 @@ static void test_legacy(void **state) {
     }
 }
 
+/* Marks of cells: which of them hide the cell, in a piece alone and beside another. The last cell
+ * of each piece has the mark. */
+static void check_hidden(const char *name, int mark, int pieces, bool hidden, bool marks) {
+    const form f = {.style = &codings[4],
+                    .type = "Float32",
+                    .pieces = pieces,
+                    .marks = marks,
+                    .cells = name,
+                    .cell_mark = mark};
+    mem m;
+    mem_init(&m, 0);
+    curvilinear_input *x;
+    if (curvilinear_input_open(&m, write_xml(&f), NULL, &x) != ST_OK)
+        fail_msg("%s", status_text());
+    const curvilinear_source *s = curvilinear_input_source(x);
+    assert_true(s->blanked);
+    for (int z = 0; z < pieces; z++)
+        for (uint32_t count = 1; count <= K; count++) {
+            uint8_t is_node[ROOM];
+            const uint32_t row = z ? SECOND : I, plane = row * J, first = K - count;
+            assert_int_equal(s->blanks(s->own, (uint32_t)z, first, count, is_node), ST_OK);
+            for (uint32_t n = 0; n < count * plane; n++) {
+                const uint32_t node = n + first * plane;
+                const bool at = node == row - 2 + row * (J - 2) + plane * (K - 2);
+                const int blank = marks && mark_of(z, (int)node) == 2;
+                assert_int_equal(is_node[n], blank ? 0 : at && hidden ? 3 : 1);
+            }
+        }
+    curvilinear_input_close(x);
+    assert_int_equal(mem_used(&m), 0);
+}
+
+static void test_hidden_cells(void **state) {
+    (void)state;
+    for (int pieces = 1; pieces <= 2; pieces++) {
+        check_hidden("vtkGhostType", 32, pieces, true, false);
+        check_hidden("vtkGhostType", 32, pieces, true, true);
+        check_hidden("vtkGhostType", 8, pieces, true, false);
+        check_hidden("vtkGhostType", 1, pieces, pieces > 1, false);
+        check_hidden("vtkGhostType", 2 | 4 | 16, pieces, false, false);
+        check_hidden("vtkGhostLevels", 2, pieces, pieces > 1, false);
+    }
+}
+
 /* A regular grid stays one; what is curvilinear, or has no values, becomes curvilinear. */
 static void test_kinds(void **state) {
     (void)state;
@@ -256,6 +301,176 @@ static void test_kinds(void **state) {
             assert_ptr_equal(in.kind, straight ? &volume_kind : &curvilinear_input_kind);
             input_close(&in);
             assert_int_equal(mem_used(&m), 0);
+        }
+}
+
+/* ---- pieces that are files, and collections ---- */
+
+static const char *write_piece_file(const form *f, int piece) {
+    vtk_writer w;
+    vtk_writer_begin(&w, "StructuredGrid", f->style);
+    fprintf(w.out, "<StructuredGrid WholeExtent=\"0 5 0 2 7 11\">");
+    write_piece(&w, f, piece);
+    fprintf(w.out, "</StructuredGrid>");
+    return vtk_writer_end(&w, piece ? "p1.vts" : "p0.vts");
+}
+
+static const char second_piece[] = "<Piece Extent=\"3 5 0 2 7 11\" Source=\"p1.vts\"/>";
+static const char *write_pieces(const form *f) {
+    char text[1024];
+    write_piece_file(f, 0);
+    write_piece_file(f, 1);
+    snprintf(text, sizeof text,
+             "<VTKFile type=\"PStructuredGrid\"><PStructuredGrid WholeExtent=\"0 5 0 2 7 11\" "
+             "GhostLevel=\"0\"><Piece Extent=\"0 -1 0 -1 0 -1\" Source=\"empty.vts\"/>"
+             "<Piece Extent=\"0 3 0 2 7 11\" Source=\"p0.vts\"/>%s</PStructuredGrid></VTKFile>",
+             second_piece);
+    return scratch_text("a.pvts", text);
+}
+
+enum { WHOLE = I + SECOND - 1 };
+
+/* The piece that a node of the whole is taken of, the last that has it; its number there. */
+static int piece_of(int node, int *own) {
+    const int i = node % WHOLE, row = node / WHOLE, piece = i >= I - 1;
+    *own = piece ? i - (I - 1) + SECOND * row : i + I * row;
+    return piece;
+}
+
+static void check_joined(const form *f, const curvilinear_source *s, uint32_t first,
+                         uint32_t count) {
+    float places[WHOLE * J * K][3], values[WHOLE * J * K];
+    uint8_t is_node[WHOLE * J * K];
+    const int plane = WHOLE * J;
+    if (s->places(s->own, 0, first, count, places) != ST_OK)
+        fail_msg("%s", status_text());
+    assert_int_equal(s->values(s->own, 0, 1, first, count, values), ST_OK);
+    assert_int_equal(s->blanked, f->marks || f->cells);
+    if (s->blanked)
+        assert_int_equal(s->blanks(s->own, 0, first, count, is_node), ST_OK);
+    for (int n = 0; n < (int)count * plane; n++) {
+        int own;
+        const int piece = piece_of((int)first * plane + n, &own), row = piece ? SECOND : I;
+        for (int a = 0; a < 3; a++)
+            assert_true(places[n][a] == (float)place(f, piece, own, a));
+        assert_true(values[n] == (float)(4 * value(piece, own)));
+        /* The last cell of each piece: that of the first begins before the common plane. */
+        const bool hidden = f->cells && own == row - 2 + row * (J - 2) + row * J * (K - 2);
+        if (s->blanked)
+            assert_int_equal(is_node[n], f->marks && mark_of(piece, own) == 2 ? 0 : hidden ? 3 : 1);
+    }
+}
+
+static void test_pieces(void **state) {
+    (void)state;
+    for (int c = 0; c < CODINGS; c++) {
+        const form f = {.style = &codings[c],
+                        .type = "Float64",
+                        .marks = c % 2,
+                        .cells = c % 3 ? NULL : "vtkGhostType"};
+        mem m;
+        mem_init(&m, 0);
+        input in;
+        static const char *const names[] = {"s", "v_y"};
+        if (input_open(&m, write_pieces(&f), NULL, &in) != ST_OK)
+            fail_msg("%s", status_text());
+        assert_ptr_equal(in.kind, &curvilinear_input_kind);
+        assert_true(in.kind->traits(in.own) & INPUT_FILES);
+        curvilinear_input *x = in.own;
+        assert_int_equal(curvilinear_input_take(x, names, 2), ST_OK);
+        const curvilinear_source *s = curvilinear_input_source(x);
+        assert_int_equal(s->zones, 1);
+        assert_memory_equal(s->nodes[0], ((const uint32_t[]){WHOLE, J, K}), 12);
+        for (uint32_t k = 0; k < K; k++)
+            check_joined(&f, s, k, 1);
+        check_joined(&f, s, 0, K);
+        check_joined(&f, s, 2, 3);
+        check_joined(&f, s, 1, 2);
+        input_close(&in);
+        assert_int_equal(mem_used(&m), 0);
+    }
+}
+
+static void test_pieces_refused(void **state) {
+    (void)state;
+    form f = {.style = &codings[0], .type = "Float32"};
+    const char *path = write_pieces(&f);
+    assert_int_equal(read_all(path, NULL), ST_OK);
+    refused(vtk_files_patch(path, second_piece, ""), ST_CORRUPT, "no piece has node 4 0 0");
+    refused(vtk_files_patch(path, "Extent=\"3 5", "Extent=\"2 5"), ST_CORRUPT,
+            "p1.vts: expected one piece of 4 x 3 x 5 nodes, as ");
+    refused(vtk_files_patch(path, "Extent=\"3 5", "Extent=\"4 6"), ST_CORRUPT,
+            "outside of WholeExtent");
+    refused(vtk_files_patch(path, "Source=\"p1.vts\"", ""), ST_CORRUPT,
+            "expected the attribute Source");
+    refused(vtk_files_patch(path, "p1.vts", "p2.vts"), ST_IO, "p2.vts");
+    refused(vtk_files_patch(path, "p1.vts", "../p1.vts"), ST_UNSUPPORTED, "p1.vts");
+    refused(scratch_text("none.pvts", "<VTKFile type=\"PStructuredGrid\"><PStructuredGrid "
+                                      "WholeExtent=\"0 5 0 2 7 11\"/></VTKFile>"),
+            ST_CORRUPT, "it names no pieces");
+    refused(vtk_files_patch(path, "WholeExtent=\"0 5 0 2 7 11\"", "WholeExtent=\"0 5 0 2 7 7\""),
+            ST_UNSUPPORTED, "1 nodes along k");
+    scratch_text("p2.vts", "<VTKFile type=\"PStructuredGrid\"></VTKFile>");
+    refused(vtk_files_patch(path, "p1.vts", "p2.vts"), ST_UNSUPPORTED,
+            "expected a structured grid");
+    size_t size;
+    char *bytes =
+        scratch_read(vtk_files_patch(write_piece_file(&f, 1), "Name=\"s\"", "Name=\"t\""), &size);
+    scratch_write("p1.vts", bytes, size);
+    free(bytes);
+    refused(path, ST_CORRUPT, "p1.vts: no array \"s\" of 1 components");
+}
+
+/* Steps: a file, then one in pieces. */
+static void test_collection(void **state) {
+    (void)state;
+    const form f = {.style = &codings[1], .type = "Float32", .pieces = 1};
+    const char *text =
+        "<VTKFile type=\"Collection\"><Collection><DataSet timestep=\"2.5\" file=\"a.pvts\"/>"
+        "<DataSet timestep=\"0.5\" file=\"a.vts\"/></Collection></VTKFile>";
+    write_xml(&f);
+    write_pieces(&f);
+    const char *path = scratch_text("a.pvd", text);
+    mem m;
+    mem_init(&m, 0);
+    input in;
+    if (input_open(&m, path, &(input_hints){.curvilinear.step = 1}, &in) != ST_OK)
+        fail_msg("%s", status_text());
+    assert_ptr_equal(in.kind, &curvilinear_input_kind);
+    assert_int_equal(in.kind->traits(in.own),
+                     INPUT_CHOICES | INPUT_FILES | INPUT_STEPS | INPUT_SERIES);
+    curvilinear_input *x = in.own;
+    const double *times;
+    assert_int_equal(curvilinear_input_steps(x, &times), 2);
+    assert_true(times[0] == 0.5 && times[1] == 2.5 && !curvilinear_input_still(x));
+    static const char *const names[] = {"s", "v_y", "v"};
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(curvilinear_input_seek(x, i == 1 ? 0 : 1), ST_OK);
+        assert_int_equal(curvilinear_input_take(x, names, 3), ST_OK);
+        const curvilinear_source *s = curvilinear_input_source(x);
+        assert_int_equal(s->nodes[0][0], i == 1 ? I : WHOLE);
+        if (i == 1)
+            check_planes(&f, s, 0, 0, K);
+        else
+            check_joined(&f, s, 0, K);
+    }
+    input_close(&in);
+    assert_int_equal(mem_used(&m), 0);
+    refused(vtk_files_patch(path, "2.5", "0.5"), ST_UNSUPPORTED, "several grids at one time");
+    refused(vtk_files_patch(path, "a.pvts", "none.vts"), ST_IO, "none.vts");
+    const curvilinear_hints hints = {.step = 2};
+    assert_int_equal(read_all(path, &hints), ST_USAGE);
+    scratch_text("x.vts", "<VTKFile type=\"ImageData\"></VTKFile>");
+    refused(vtk_files_patch(path, "a.vts", "x.vts"), ST_UNSUPPORTED,
+            "x.vts, expected a structured");
+    static const fault_kind kinds[] = {FAULT_ALLOC, FAULT_READ};
+    for (int i = 0; i < 2; i++)
+        for (long k = 1, fired = 1; fired; k++) {
+            fault_arm(kinds[i], k);
+            const status st = read_all(path, &(curvilinear_hints){.step = 1});
+            fired = fault_fired(kinds[i]);
+            fault_arm(kinds[i], 0);
+            assert_true(fired ? st != ST_OK : st == ST_OK && k > 10);
         }
 }
 
@@ -280,10 +495,13 @@ static void test_refused(void **state) {
     refused(vtk_files_patch(write_xml(&f), "Name=\"s\"", "Name=\"t\""), ST_CORRUPT,
             "piece 2 has no array \"t\"");
     f.cells = "vtkGhostType";
-    refused(write_xml(&f), ST_UNSUPPORTED, "only points can be left out here");
+    refused(vtk_files_patch(write_xml(&f), "type=\"UInt8\" Name=\"vtkGhostType\"",
+                            "type=\"Int16\" Name=\"vtkGhostType\""),
+            ST_CORRUPT, "expected a byte a cell");
     f.cells = "other";
     assert_int_equal(read_all(write_xml(&f), NULL), ST_OK);
-    const curvilinear_hints hints = {.solution = path};
+    char name[] = "q.bin", *names[] = {name};
+    const curvilinear_hints hints = {.solutions = {names, 1}};
     assert_int_equal(read_all(path, &hints), ST_USAGE);
 }
 
@@ -345,6 +563,8 @@ static void test_faults(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_hidden_cells),   cmocka_unit_test(test_pieces),
+        cmocka_unit_test(test_pieces_refused), cmocka_unit_test(test_collection),
         cmocka_unit_test(test_codings),        cmocka_unit_test(test_legacy),
         cmocka_unit_test(test_kinds),          cmocka_unit_test(test_refused),
         cmocka_unit_test(test_legacy_refused), cmocka_unit_test(test_cut),

@@ -116,9 +116,10 @@ static void check_form(const plot3d_form *f, bool told) {
     mem_init(&m, 0);
     curvilinear_input *x;
     const char *path = plot3d_write(f, PLOT3D_PART_GRID, "grid.bin");
-    const curvilinear_hints hints = {.solution = plot3d_write(f, PLOT3D_PART_SOLUTION, "q.bin"),
-                                     .functions = plot3d_write(f, PLOT3D_PART_FUNCTIONS, "f.bin"),
-                                     .layout = told ? plot3d_form_words(f) : NULL};
+    const curvilinear_hints hints = {
+        .solutions = plot3d_one(plot3d_write(f, PLOT3D_PART_SOLUTION, "q.bin")),
+        .functions = plot3d_one(plot3d_write(f, PLOT3D_PART_FUNCTIONS, "f.bin")),
+        .layout = told ? plot3d_form_words(f) : NULL};
     assert_true(recognised(path));
     assert_int_equal(curvilinear_input_open(&m, path, &hints, &x), ST_OK);
     static const char *const names[] = {"density", "energy", "momentum_y", "function_2"};
@@ -157,8 +158,8 @@ static void test_large(void **state) {
     for (unsigned planes = 0; planes < 2; planes++) {
         plot3d_form f = {.records = true, .zones = 1, .nodes = {{17, 23, 13}}, .planes = planes};
         const uint32_t *n = f.nodes[0];
-        const curvilinear_hints hints = {.functions =
-                                             plot3d_write(&f, PLOT3D_PART_FUNCTIONS, "f.bin")};
+        const curvilinear_hints hints = {
+            .functions = plot3d_one(plot3d_write(&f, PLOT3D_PART_FUNCTIONS, "f.bin"))};
         mem m;
         mem_init(&m, 0);
         curvilinear_input *x;
@@ -171,6 +172,142 @@ static void test_large(void **state) {
         check_values(&f, 0, 8, 0, n[2], values);
         curvilinear_input_close(x);
     }
+}
+
+/* Text, which is found without a word. */
+static void test_text(void **state) {
+    (void)state;
+    for (unsigned bits = 0; bits < FORMS; bits += 4) {
+        plot3d_form f = plot3d_form_of(bits);
+        f.text = true;
+        if (!f.planes)
+            check_form(&f, false);
+        check_form(&f, true);
+    }
+}
+
+/* Text of other things, and of grids that are cut. */
+static void test_text_refused(void **state) {
+    (void)state;
+    static const char *const others[] = {"1 2 3\n",
+                                         "2 2 2\n0.5\n",
+                                         "8 3 0 1\n1 0.5 0.5 0.5\n",
+                                         "x 2 2 2",
+                                         "2.0 2.0 2.0 1 2 3",
+                                         "",
+                                         "100 100 100\n1 2 3 4 5 6 7 8 9 10"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        assert_false(recognised(scratch_text("a.xyz", others[i])));
+    plot3d_form f = plot3d_form_of(16);
+    f.text = true;
+    size_t size;
+    uint8_t *bytes = plot3d_bytes(&f, PLOT3D_PART_GRID, &size);
+    bytes[size - 8] = ' '; /* it has words of several digits */
+    refused(scratch_write("a.xyz", bytes, size), NULL, ST_CORRUPT, "how many it has");
+    bytes = plot3d_bytes(&f, PLOT3D_PART_GRID, &size);
+    memcpy(bytes + size - 6, "what", 4);
+    refused(scratch_write("a.xyz", bytes, size), NULL, ST_CORRUPT, "expected a number");
+    /* Only a last number that lacks digits is not seen. */
+    for (size_t cut = 0; cut < size - 30; cut += 11)
+        assert_true(read_all(scratch_write("a.xyz", bytes, cut),
+                             &(curvilinear_hints){.layout = "text,multi"}) != ST_OK);
+    /* Text beside bytes, and words that contradict. */
+    f = plot3d_form_of(0);
+    const char *path = plot3d_write(&f, PLOT3D_PART_GRID, "grid.bin");
+    f.text = true;
+    const curvilinear_hints hints = {
+        .solutions = plot3d_one(plot3d_write(&f, PLOT3D_PART_SOLUTION, "q.txt"))};
+    assert_int_equal(read_all(path, &hints), ST_OK);
+    refused(path, &(curvilinear_hints){.layout = "text"}, ST_CORRUPT, "expected a number");
+    plot3d_words w;
+    assert_int_equal(plot3d_words_parse("text,f32", &w), ST_USAGE);
+    assert_int_equal(plot3d_words_parse("binary,text", &w), ST_USAGE);
+    assert_int_equal(plot3d_words_parse("blanks,text,multi", &w), ST_OK);
+    char text[PLOT3D_LAYOUT_TEXT];
+    assert_string_equal(plot3d_layout_print(PLOT3D_GRID, w.layout, text),
+                        "text,blanks,multi,whole,3d");
+}
+
+/* ---- steps ---- */
+
+static void put_float(uint8_t *to, float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, 4);
+    for (int i = 0; i < 4; i++)
+        to[i] = (uint8_t)(bits >> (24 - 8 * i));
+}
+
+/* The solution of a step, in big-endian C binary of two zones: its time is 10 + 5 step, the first
+ * node's density 100 + step. */
+static const char *write_step(int step) {
+    const plot3d_form f = plot3d_form_of(16);
+    size_t size;
+    char name[32];
+    uint8_t *bytes = plot3d_bytes(&f, PLOT3D_PART_SOLUTION, &size);
+    snprintf(name, sizeof name, "q_%d.bin", step);
+    put_float(bytes + 40, 10 + 5 * (float)step);
+    put_float(bytes + 44, 100 + (float)step);
+    return scratch_write(name, bytes, size);
+}
+
+static void check_step(curvilinear_input *x, int step) {
+    float v[NODES];
+    const curvilinear_source *s = curvilinear_input_source(x);
+    assert_int_equal(s->values(s->own, 0, 0, 0, 1, v), ST_OK);
+    assert_true(v[0] == 100 + (float)step);
+    assert_true(curvilinear_input_conditions(x)[3] == 10 + 5 * step);
+}
+
+/* One solution a step, and a file of functions for all of them. */
+static void test_steps(void **state) {
+    (void)state;
+    const plot3d_form f = plot3d_form_of(16);
+    char *paths[4], grid[4096];
+    mem m;
+    mem_init(&m, 0);
+    curvilinear_input *x;
+    for (int i = 0; i < 4; i++)
+        paths[i] = strdup(i < 3 ? write_step(i) : "/nowhere");
+    snprintf(grid, sizeof grid, "%s", plot3d_write(&f, PLOT3D_PART_GRID, "grid.bin"));
+    curvilinear_hints hints = {.solutions = {paths, 3},
+                               .functions =
+                                   plot3d_one(plot3d_write(&f, PLOT3D_PART_FUNCTIONS, "f.bin")),
+                               .step = 2};
+    assert_int_equal(curvilinear_input_open(&m, grid, &hints, &x), ST_OK);
+    const double *times;
+    assert_true(curvilinear_input_may_have_steps(x) && curvilinear_input_still(x));
+    assert_int_equal(curvilinear_input_steps(x, &times), 3);
+    assert_true(times[0] == 10 && times[1] == 15 && times[2] == 20);
+    check_step(x, 2);
+    static const int order[] = {0, 1, 1, 2, 0};
+    for (int i = 0; i < 5; i++) {
+        assert_int_equal(curvilinear_input_seek(x, (uint32_t)order[i]), ST_OK);
+        assert_int_equal(curvilinear_input_fields(x), PLOT3D_FLOWS + PLOT3D_FILES_FUNCTIONS);
+        check_step(x, order[i]);
+    }
+    assert_int_equal(curvilinear_input_seek(x, 3), ST_USAGE);
+    curvilinear_input_close(x);
+    assert_int_equal(mem_used(&m), 0);
+    /* Steps of functions alone have no times. */
+    free(paths[2]);
+    paths[2] = strdup(plot3d_write(&f, PLOT3D_PART_FUNCTIONS, "f.bin"));
+    hints = (curvilinear_hints){.functions = {(char *[]){paths[2], paths[2]}, 2}};
+    assert_int_equal(curvilinear_input_open(&m, grid, &hints, &x), ST_OK);
+    assert_int_equal(curvilinear_input_steps(x, &times), 2);
+    assert_null(times);
+    curvilinear_input_close(x);
+    /* What is wrong with a later step shows at once. */
+    refused(grid, &(curvilinear_hints){.solutions = {paths, 2}, .step = 2}, ST_USAGE,
+            "no step 2: there are 2");
+    refused(grid, &(curvilinear_hints){.solutions = {paths, 3}}, ST_CORRUPT, "a PLOT3D solution");
+    refused(grid, &(curvilinear_hints){.solutions = {paths + 3, 1}}, ST_IO, "/nowhere");
+    free(paths[2]);
+    paths[2] = strdup(paths[0]);
+    refused(grid, &(curvilinear_hints){.solutions = {paths, 4}}, ST_IO, "/nowhere");
+    refused(grid, &(curvilinear_hints){.solutions = {paths, 3}, .functions = {paths, 2}}, ST_USAGE,
+            "3 solutions and 2 files of functions");
+    for (int i = 0; i < 4; i++)
+        free(paths[i]);
 }
 
 /* ---- doubts ---- */
@@ -255,7 +392,7 @@ static void test_values_beyond(void **state) {
     uint8_t *bytes = plot3d_bytes(&f, PLOT3D_PART_FUNCTIONS, &size);
     const double values[] = {1e39, -1e39, NAN, 1e-60, 0.1};
     memcpy(bytes + 16, values, sizeof values);
-    const curvilinear_hints hints = {.functions = scratch_write("f.bin", bytes, size)};
+    const curvilinear_hints hints = {.functions = plot3d_one(scratch_write("f.bin", bytes, size))};
     mem m;
     mem_init(&m, 0);
     curvilinear_input *x;
@@ -304,19 +441,19 @@ static void test_solution_cut(void **state) {
         size_t size;
         const uint8_t *bytes = plot3d_bytes(&f, PLOT3D_PART_SOLUTION, &size);
         for (size_t cut = 0; cut < size; cut += cut < 200 ? 1 : 37) {
-            hints.solution = scratch_write("q.bin", bytes, cut);
+            hints.solutions = plot3d_one(scratch_write("q.bin", bytes, cut));
             assert_true(read_all(path, &hints) != ST_OK);
         }
         memset(padded, 0, sizeof padded);
         memcpy(padded, bytes, size);
         /* So many zeros might be the half of a solution of f64. */
         hints.layout = plot3d_form_words(&f);
-        hints.solution = scratch_write("q.bin", padded, size + 4095);
+        hints.solutions = plot3d_one(scratch_write("q.bin", padded, size + 4095));
         assert_int_equal(read_all(path, &hints), ST_OK);
-        hints.solution = scratch_write("q.bin", padded, size + 4096);
+        hints.solutions = plot3d_one(scratch_write("q.bin", padded, size + 4096));
         refused(path, &hints, ST_CORRUPT, "expected a PLOT3D solution of the grid's ");
         padded[size + 4094] = 1;
-        hints.solution = scratch_write("q.bin", padded, size + 4095);
+        hints.solutions = plot3d_one(scratch_write("q.bin", padded, size + 4095));
         assert_int_equal(read_all(path, &hints), ST_CORRUPT);
     }
 }
@@ -328,17 +465,19 @@ static void test_others(void **state) {
     other.nodes[1][2]++;
     const char *path = plot3d_write(&f, PLOT3D_PART_GRID, "grid.bin");
     const char *q = plot3d_write(&other, PLOT3D_PART_SOLUTION, "q.bin");
-    refused(path, &(curvilinear_hints){.solution = q}, ST_CORRUPT,
+    refused(path, &(curvilinear_hints){.solutions = plot3d_one(q)}, ST_CORRUPT,
             "2 zones, the first with 3 x 4 x 5 nodes");
-    refused(path, &(curvilinear_hints){.solution = path}, ST_CORRUPT, "a PLOT3D solution");
-    refused(path, &(curvilinear_hints){.functions = q}, ST_CORRUPT, "a PLOT3D file of functions");
-    refused(path, &(curvilinear_hints){.functions = "/nowhere"}, ST_IO, "/nowhere");
+    refused(path, &(curvilinear_hints){.solutions = plot3d_one(path)}, ST_CORRUPT,
+            "a PLOT3D solution");
+    refused(path, &(curvilinear_hints){.functions = plot3d_one(q)}, ST_CORRUPT,
+            "a PLOT3D file of functions");
+    refused(path, &(curvilinear_hints){.functions = plot3d_one("/nowhere")}, ST_IO, "/nowhere");
     /* Another number of functions in the second zone, and the bytes for it. */
     size_t size;
     uint8_t *bytes = plot3d_bytes(&f, PLOT3D_PART_FUNCTIONS, &size);
     bytes[4 + 31]++;
     q = scratch_write("f.bin", bytes, size + 4 * 12);
-    refused(path, &(curvilinear_hints){.functions = q}, ST_UNSUPPORTED,
+    refused(path, &(curvilinear_hints){.functions = plot3d_one(q)}, ST_UNSUPPORTED,
             "zone 2 has 3 functions, expected 2");
 }
 
@@ -395,17 +534,17 @@ static void test_lengths(void **state) {
     const char *path = plot3d_write(&f, PLOT3D_PART_GRID, "grid.bin");
     bytes = plot3d_bytes(&f, PLOT3D_PART_SOLUTION, &size);
     bytes[44 + 3] ^= 1;
-    const curvilinear_hints hints = {.solution = scratch_write("q.bin", bytes, size)};
+    const curvilinear_hints hints = {.solutions = plot3d_one(scratch_write("q.bin", bytes, size))};
     refused(path, &hints, ST_CORRUPT, "byte 44: a record's length of 17, expected 16");
 }
 
-static void test_faults(void **state) {
-    (void)state;
-    const plot3d_form f = plot3d_form_of(1 + 8 + 16);
+static void check_faults(const plot3d_form *form) {
+    const plot3d_form f = *form;
     const char *path = plot3d_write(&f, PLOT3D_PART_GRID, "grid.bin");
-    const curvilinear_hints hints = {.solution = plot3d_write(&f, PLOT3D_PART_SOLUTION, "q.bin"),
-                                     .functions = plot3d_write(&f, PLOT3D_PART_FUNCTIONS, "f.bin"),
-                                     .field = "mach"};
+    const curvilinear_hints hints = {
+        .solutions = plot3d_one(plot3d_write(&f, PLOT3D_PART_SOLUTION, "q.bin")),
+        .functions = plot3d_one(plot3d_write(&f, PLOT3D_PART_FUNCTIONS, "f.bin")),
+        .field = "mach"};
     static const fault_kind kinds[] = {FAULT_ALLOC, FAULT_READ};
     for (int i = 0; i < 2; i++) {
         long k = 0;
@@ -418,6 +557,15 @@ static void test_faults(void **state) {
         }
         assert_true(k > 10);
     }
+}
+
+static void test_faults(void **state) {
+    (void)state;
+    plot3d_form f = plot3d_form_of(1 + 8 + 16);
+    check_faults(&f);
+    f = plot3d_form_of(8 + 16);
+    f.text = true;
+    check_faults(&f);
 }
 
 /* ---- fields of a flow ---- */
@@ -487,8 +635,9 @@ static void check_real(const char *grid, const char *solution, const uint32_t no
     curvilinear_input *x;
     assert_true(recognised(path));
     assert_false(recognised(q));
-    assert_int_equal(curvilinear_input_open(&m, path, &(curvilinear_hints){.solution = q}, &x),
-                     ST_OK);
+    assert_int_equal(
+        curvilinear_input_open(&m, path, &(curvilinear_hints){.solutions = plot3d_one(q)}, &x),
+        ST_OK);
     const curvilinear_source *s = curvilinear_input_source(x);
     assert_int_equal(s->zones, 1);
     assert_memory_equal(s->nodes[0], nodes, 3 * sizeof *nodes);
@@ -520,13 +669,23 @@ static void test_real(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_forms),         cmocka_unit_test(test_large),
-        cmocka_unit_test(test_several),       cmocka_unit_test(test_words),
-        cmocka_unit_test(test_refused),       cmocka_unit_test(test_places_not_finite),
-        cmocka_unit_test(test_values_beyond), cmocka_unit_test(test_cut),
-        cmocka_unit_test(test_solution_cut),  cmocka_unit_test(test_others),
-        cmocka_unit_test(test_lies),          cmocka_unit_test(test_lengths),
-        cmocka_unit_test(test_faults),        cmocka_unit_test(test_flow),
+        cmocka_unit_test(test_forms),
+        cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_text),
+        cmocka_unit_test(test_text_refused),
+        cmocka_unit_test(test_large),
+        cmocka_unit_test(test_several),
+        cmocka_unit_test(test_words),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_places_not_finite),
+        cmocka_unit_test(test_values_beyond),
+        cmocka_unit_test(test_cut),
+        cmocka_unit_test(test_solution_cut),
+        cmocka_unit_test(test_others),
+        cmocka_unit_test(test_lies),
+        cmocka_unit_test(test_lengths),
+        cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_flow),
         cmocka_unit_test(test_real),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
