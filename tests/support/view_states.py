@@ -26,15 +26,20 @@ def serve(*arguments):
     return Server([leafcast, "view", *arguments])
 
 
+drawn = {}  # what rendered() has drawn
+
+
 def rendered(state, width=W, height=H, leaf=GRID):
-    """The pixels of `render --state`."""
+    """The pixels of `render --state`; the state is in FOLDER/state.json, too."""
+    text, out = json.dumps(state), folder + "/want.png"
     with open(folder + "/state.json", "w") as f:
-        json.dump(state, f)
-    out = folder + "/want.png"
-    subprocess.run([leafcast, "render", leaf, "--state", folder + "/state.json", "--size", f"{width}x{height}", "-o",
-                    out, "--force", "-q"], check=True)
-    with open(out, "rb") as f:
-        return png_pixels(f.read())
+        f.write(text)
+    if (text, width, height, leaf) not in drawn:
+        subprocess.run([leafcast, "render", leaf, "--state", folder + "/state.json", "--size", f"{width}x{height}", "-o",
+                        out, "--force", "-q"], check=True)
+        with open(out, "rb") as f:
+            drawn[text, width, height, leaf] = png_pixels(f.read())
+    return drawn[text, width, height, leaf]
 
 
 def picture_of(server, state, token=None, size=f"{W}x{H}", more=""):
