@@ -6,6 +6,7 @@ Their arguments are LEAFCAST FOLDER.
 import json, os, random, subprocess, sys, urllib.parse
 
 from view_client import Closed, Page, Server, png_pixels
+from watched import WATCHED
 
 leafcast, folder = sys.argv[1:3]
 GRID, MESH = folder + "/g.leaf", folder + "/m.leaf"
@@ -19,7 +20,7 @@ ENDLESS = dict(MEDIUM, error=1e-6, samples=16)  # each ray is soon done, all of 
 CLEAR = dict(SURFACE, background="0,0,0,0", annotate=True, title="gyroid", unit="mm")
 SAMPLES = dict(SURFACE, samples=4)
 PROJECTED = {"project": "max", "colour-map": "viridis", "eye": [110, 90, 80], "look-at": [24, 20, 22]}
-W, H = 160, 120
+W, H = (96, 72) if WATCHED else (160, 120)
 
 
 def serve(*arguments):
