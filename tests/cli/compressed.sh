@@ -64,7 +64,7 @@ while read -r iso whole inputs; do
     answer tight.pfm render --iso "$iso" --size $size --memory 6M --threads 1
     answer medium.pfm render --tf auto --size 32x24
     answer most.pfm render --project max --size 32x24
-    answer slice.ppm slice --axis x
+    answer slice.ppm slice --axis x ${watched:+--size $picture}
 done <<ROWS
 40    nrrd @u8.nrrd
 40    nrrd @u8.nrrd --treelet 16 --halo 0

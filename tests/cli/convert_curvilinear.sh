@@ -24,7 +24,7 @@ exits "info of a treelet file" 0 "$leafcast" info "$tmp/warp.leaf"
 ok "says its cells" says '^curvilinear 8151 cells, 9600 nodes, 1 zones$'
 ok "and suggests isovalues" says '^isovalues '
 exits "a medium" 0 "$leafcast" render "$tmp/warp.leaf" --tf auto --size 40x30 -o "$tmp/medium.ppm"
-exits "a slice" 0 "$leafcast" slice "$tmp/warp.leaf" --axis z --at 0.5 -o "$tmp/slice.ppm"
+exits "a slice" 0 "$leafcast" slice "$tmp/warp.leaf" --axis z --at 0.5 --size 60x50 -o "$tmp/slice.ppm"
 exits "a point" 0 "$leafcast" probe "$tmp/warp.leaf" --point 0.5,0.5,0.5
 ok "is in a cell" says '^hexahedron: [0-9]* [0-9]* [0-9]*$'
 exits "convert --dry-run" 0 "$leafcast" convert "$tmp/warp.vts" --dry-run
