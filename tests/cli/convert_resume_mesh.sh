@@ -62,7 +62,7 @@ goes_on() {
     ok "$name: converts" [ "$rc" = 0 ]
     early=0 tried=0
     for when in "points 0" "runs 0" "runs 0.02" "output 0" "output 0.03"; do
-        one_in 2 || continue # each of them for other arguments
+        one_in 3 || continue # each of them for other arguments
         tried=$((tried + 1))
         # shellcheck disable=SC2086 # split on purpose
         kill_when $when "$@" && early=$((early + 1))

@@ -62,11 +62,11 @@ many=${watched:+120}
 many=${many:-600}
 "$python" "$tmp/make.py" "$tmp" $many >"$tmp/list" || ok "files to read" false
 
-# index NAME OPTIONS... - the folder NAME as $tmp/NAME.leaf, in place.
+# index NAME OPTIONS... - the folder NAME as $tmp/NAME.leaf, in place. -q saves a start of the importer: see in_place_tiff.sh.
 index() {
     name=$1
     shift
-    exits "$name: in place" 0 "$leafcast" convert "$in/$name" -o "$tmp/$name.leaf" --in-place --force "$@"
+    exits "$name: in place" 0 "$leafcast" convert "$in/$name" -o "$tmp/$name.leaf" -q --in-place --force "$@"
 }
 while read -r name options; do
     one_in 4 "$name" "strips_u2_little strips_u2_big packed_u2_big planes luminance pages" || continue # all forms of files are among them
@@ -74,7 +74,7 @@ while read -r name options; do
     index "$name" $options
     exits "$name: sound" 0 "$leafcast" verify "$tmp/$name.leaf"
     # shellcheck disable=SC2086
-    run "$leafcast" convert "$in/$name" -o "$tmp/all.leaf" --compress zstd --force $options
+    run "$leafcast" convert "$in/$name" -o "$tmp/all.leaf" -q --compress zstd --force $options
     for file in "$name" all; do
         run "$leafcast" export "$tmp/$file.leaf" -o "$tmp/$file.raw" --format raw --force
         [ "$rc" = 0 ] || ok "$name: export of $file" false
@@ -164,7 +164,7 @@ cp -p "$tmp/kept.tif" "$file"
 # ---- what stays refused ----
 
 refused() {
-    exits "$1: refused" 3 "$leafcast" convert "$in/$1" -o "$tmp/r.leaf" --in-place
+    exits "$1: refused" 3 "$leafcast" convert "$in/$1" -o "$tmp/r.leaf" -q --in-place
     ok "$1: told" says "$2"
     ok "$1: nothing is left" [ ! -e "$tmp/r.leaf" ]
 }

@@ -1,6 +1,6 @@
 #!/bin/sh
-# render.sh - leafcast render: exit codes, what goes where, files, sequences, scripts, and the same bits for any budget.
-# marks: threads, long, leaks
+# render.sh - leafcast render: exit codes, what goes where, files, sequences, scripts.
+# marks: long, leaks
 . tests/support/tap.sh
 
 leaf=$tmp/v.leaf
@@ -97,37 +97,6 @@ for iso in 1e9 -5 256; do
     ok "misses everywhere" [ "$(od -An -v -tx8 "$d" | tr -s ' ' '\n' | grep -c 7ff0000000000000)" = 64 ]
 done
 
-# ---- the same bits for any budget, backend and number of threads ----
-side=60
-case ${LEAFCAST_BUILD-} in */sanitize* | */thread*) side=24 ;; esac
-rich="--iso 90 --iso 128 --iso 170 --opacity 0.4 --opacity 0.5 --opacity 0.6 --light 1,0.4,2 --point-light 200,-90,120
-    --shadows --shading phong --size ${side}x$side --view close -q"
-draw() { # draw NAME FLAG...
-    tap_name=$1
-    shift
-    if [ "$pictures" ]; then
-        "$leafcast" render "$leaf" $rich "$@" -o "$tmp/$tap_name.exr" --depth-f64 "$tmp/$tap_name.f64" --force
-    else
-        "$leafcast" render "$leaf" $rich "$@" --depth-f64 "$tmp/$tap_name.f64" --force
-    fi
-}
-alike() {
-    draw now "$@" && cmp "$tmp/now.f64" "$tmp/all.f64" && { [ ! "$pictures" ] || cmp "$tmp/now.exr" "$tmp/all.exr"; }
-}
-ok "shadows and three transparent surfaces" draw all
-for limit in 1 2 17; do
-    ok "the same bits with $limit treelets" alike --treelet-limit $limit
-done
-for backend in mapped arena; do
-    ok "the same bits from the $backend backend" alike --backend $backend
-    ok "and with one treelet there" alike --backend $backend --treelet-limit 1
-done
-ok "the same bits from one thread" alike --threads 1
-ok "the same bits from five, three treelets" alike --threads 5 --treelet-limit 3
-ok "the same bits after a sweep" alike --sweep
-ok "the same bits from scalar kernels" alike --isa scalar
-ok "other intersectors draw other bits" sh -c "! cmp -s '$tmp/all.f64' '$tmp/first.f64'"
-
 # ---- sequences ----
 exits "a list of isovalues" 0 "$leafcast" render "$leaf" --iso-list 100,120:140,160 --size 8x8 --depth-f64 "$tmp/l.f64" --stats "$tmp/l.json" -q
 ok "gives a file each" there "$tmp/l_0000.f64" "$tmp/l_0001.f64" "$tmp/l_0002.f64"
@@ -170,17 +139,6 @@ rm -f "$tmp/s1.f64" "$tmp/s2.f64"
 ok "a script on standard input draws alike" cmp -s "$tmp/s1.f64" "$tmp/s2.f64"
 ok "quietly but for the errors" [ "$(wc -l <"$tmp/err")" = 3 ]
 wrong "takes its outputs from its lines" "$leaf" --iso 1 --script - -o x.png
-
-# ---- stopping ----
-# The process alone: timeout would signal its group as well, and a second Ctrl-C ends it at once.
-timeout --foreground --preserve-status -s INT 1 "$leafcast" render "$leaf" --iso 128 --size 2000x2000 --repeat 1000 --depth-f64 "$tmp/stop.f64" 2>"$tmp/err"
-rc=$?
-ok "Ctrl-C: exit 130 (got $rc)" [ "$rc" = 130 ]
-ok "says so" says 'stopped by signal 2' err
-timeout --preserve-status -s TERM 1 sh -c "sleep 5 | exec '$leafcast' render '$leaf' --iso 128 --script -" 2>"$tmp/err"
-rc=$?
-ok "a waiting script ends at a signal (got $rc)" [ "$rc" = 143 ]
-ok "leaves nothing half-written" [ -z "$(find "$tmp" -name 'stop*' -o -name '*.partial*')" ]
 
 # ---- pictures ----
 exits "PNG" 0 "$leafcast" render $small -o "$tmp/a.png"

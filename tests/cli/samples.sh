@@ -20,7 +20,9 @@ ok "nothing is written" [ ! -e "$tmp/x.png" ]
 exits "a probe follows one ray" 2 "$leafcast" probe "$tmp/s.leaf" --iso 0.6 --samples 4 --at 1,1
 
 # ---- the same bits ----
-rich="--opacity 0.4 --opacity 1 --light 1,0.4,2 --shadows --shading phong --size 61x47 --view close -q"
+w=61 h=47
+[ -z "$watched" ] || w=31 h=23
+rich="--opacity 0.4 --opacity 1 --light 1,0.4,2 --shadows --shading phong --size ${w}x$h --view close -q"
 isos() { case $1 in */m.leaf) echo --iso=-0.2 --iso=0.3 ;; *) echo --iso=110 --iso=140 ;; esac }
 draw() { # draw NAME FILE FLAG...
     tap_base=$tmp/$1 tap_leaf=$2
@@ -58,14 +60,14 @@ need=$(sed -n 's/.*: \([0-9]*\) bytes would do.*/\1/p' "$tmp/err")
 ok "the smallest budget that would do is named ($need)" [ "$need" -gt 0 ]
 draw four "$tmp/g.leaf" --samples 4
 # The distances that draw() takes as well are 8 bytes a pixel.
-ok "and does" alike four "$tmp/g.leaf" --samples 4 --memory $((need + 61 * 47 * 8))
+ok "and does" alike four "$tmp/g.leaf" --samples 4 --memory $((need + w * h * 8))
 # shellcheck disable=SC2046,SC2086 # lists
 one=$("$leafcast" render "$tmp/g.leaf" $(isos g) $rich --memory 100K -o "$tmp/y.pfm" 2>&1 | sed -n 's/.*: \([0-9]*\) bytes would do.*/\1/p')
-ok "samples need another picture's colours" [ $((need - one)) = $((61 * 47 * 12)) ]
+ok "samples need another picture's colours" [ $((need - one)) = $((w * h * 12)) ]
 
 # ---- in scripts ----
 cat >"$tmp/script" <<JSON
-{"iso": [110, 140], "opacity": [0.4, 1], "light": [1, 0.4, 2], "shadows": true, "shading": "phong", "size": "61x47", "view": "close", "samples": 4, "output": "$tmp/script.pfm"}
+{"iso": [110, 140], "opacity": [0.4, 1], "light": [1, 0.4, 2], "shadows": true, "shading": "phong", "size": "${w}x$h", "view": "close", "samples": 4, "output": "$tmp/script.pfm"}
 {"iso": 110, "samples": 5}
 JSON
 exits "a script of two lines, one wrong" 1 "$leafcast" render "$tmp/g.leaf" --script "$tmp/script"

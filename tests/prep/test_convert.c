@@ -146,6 +146,7 @@ static void test_same_bytes(void **state) {
 /* The budget holds, and what a plan says of memory, spilling and the file's size is so. */
 static void test_plan(void **state) {
     (void)state;
+    skip_under_thread();
     leaf_case c = leaf_files_case(150, 130, 90, SAMPLE_U8);
     c.options.force = true;
     uint8_t *samples = leaf_files_random(&c, FIELD_SEED, 0);
@@ -178,6 +179,7 @@ static void test_plan(void **state) {
 
 static void test_compressed(void **state) {
     (void)state;
+    skip_under_thread();
     leaf_case c = leaf_files_case(50, 40, 45, SAMPLE_I16);
     void *samples = leaf_files_random(&c, FIELD_SEED, 0);
     c.samples = samples;
@@ -221,6 +223,7 @@ static void test_compressed(void **state) {
 
 static void test_rectilinear(void **state) {
     (void)state;
+    skip_under_thread();
     leaf_case c = leaf_files_case(20, 5, 33, SAMPLE_U8);
     void *samples = leaf_files_random(&c, FIELD_SEED, 0);
     c.samples = samples;
@@ -238,6 +241,7 @@ static void test_rectilinear(void **state) {
 /* u32, i32 and f64 become f32, and what that costs is told. */
 static void test_rounded(void **state) {
     (void)state;
+    skip_under_thread();
     static const sample_type types[] = {SAMPLE_U32, SAMPLE_I32, SAMPLE_F64};
     for (int i = 0; i < 3; i++) {
         leaf_case c = leaf_files_case(19, 18, 35, types[i]);
@@ -259,6 +263,7 @@ static void test_rounded(void **state) {
 
 static void test_non_finite(void **state) {
     (void)state;
+    skip_under_thread();
     leaf_case c = leaf_files_case(35, 20, 40, SAMPLE_F32);
     float *samples = leaf_files_random(&c, FIELD_SEED, 30);
     uint64_t count = 0;
@@ -287,6 +292,7 @@ static void test_non_finite(void **state) {
 
 static void test_exists(void **state) {
     (void)state;
+    skip_under_thread();
     leaf_case c = leaf_files_case(4, 4, 4, SAMPLE_U8);
     void *samples = leaf_files_random(&c, FIELD_SEED, 0);
     c.samples = samples;

@@ -122,7 +122,7 @@ static void test_crashes(void **state) {
         check_output(&s, "disk/x.leaf");
         assert_true(calls > 50);
         /* Behind each call the same is done: going on from what is there. */
-        for (size_t count = WATCHED ? i : 0; count <= calls; count += WATCHED ? 3 : 1) {
+        for (size_t count = WATCHED ? i : 0; count <= calls; count += WATCHED ? 5 : 1) {
             check_crash(&s, count, 0);
             for (uint64_t chance = 1; chance <= CHANCES; chance++)
                 check_crash(&s, count, count * CHANCES + chance);

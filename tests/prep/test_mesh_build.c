@@ -28,7 +28,7 @@
 #include "tests/support/watched.h"
 
 /* Less where every access is watched. */
-enum { FIRST_KIND = WATCHED ? 2 : 0, FAULTY = WATCHED ? 9 : 22 };
+enum { FIRST_KIND = WATCHED ? 2 : 0, FAULTY = WATCHED ? 9 : 22, LATTICE = WATCHED ? 30 : 40 };
 
 static mem m;
 
@@ -345,6 +345,7 @@ static void test_gradients(void **state) {
 
 static void test_counts(void **state) {
     (void)state;
+    skip_under_thread();
     mesh_case c = mesh_cases_kuhn(10, 10, 10);
     c.values[0] = NAN;
     c.values[7] = -INFINITY;
@@ -439,8 +440,8 @@ static uint64_t least_memory(mesh_case *c) {
 static void test_same_bytes(void **state) {
     (void)state;
     for (int kind = FIRST_KIND; kind < 3; kind++) {
-        mesh_case c =
-            kind == 1 ? mesh_cases_soup(90000, 200000, FIELD_SEED) : mesh_cases_kuhn(40, 41, 42);
+        mesh_case c = kind == 1 ? mesh_cases_soup(90000, 200000, FIELD_SEED)
+                                : mesh_cases_kuhn(LATTICE, LATTICE + 1, LATTICE + 2);
         if (kind == 2)
             mesh_cases_shuffle(&c, FIELD_SEED);
         c.options.treelet_tets = 1000;
@@ -450,7 +451,7 @@ static void test_same_bytes(void **state) {
         convert(&c, "first.leaf", NULL);
         if (kind == 0)
             check_content(&c, "first.leaf");
-        for (int threads = 1; threads <= 5; threads += 2) {
+        for (int threads = WATCHED_THREADS ? 3 : 1; threads <= 5; threads += 2) {
             c.options.threads = threads;
             c.options.memory = 1 << 30;
             convert(&c, "other.leaf", NULL);
@@ -508,7 +509,7 @@ static status try(const mesh_case *c, const char *name) {
 static void sweep(const mesh_case *c, fault_kind kind) {
     const size_t files = scratch_count();
     long k = 0, step = 1;
-    for (bool fired = true; fired; step = k / 16 + 1) {
+    for (bool fired = true; fired; step = k / (WATCHED_THREADS ? 2 : 16) + 1) {
         mem_init(&m, 0);
         fault_arm(kind, k += step);
         const status st = try(c, "fault.leaf");
@@ -566,6 +567,7 @@ static const char *write_stream(const mesh_case *c, const char *name) {
 
 static void test_stream(void **state) {
     (void)state;
+    skip_under_thread();
     mesh_case c = mesh_cases_kuhn(20, 20, 20);
     const char *path = write_stream(&c, "case.mesh"), *out = scratch_path("stream.leaf");
     convert(&c, "first.leaf", NULL);

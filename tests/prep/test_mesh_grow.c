@@ -20,6 +20,7 @@
 #include "tests/support/mesh_movies.h"
 #include "tests/support/naive_grown.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 static mem m;
 
@@ -158,7 +159,7 @@ static void test_segments(void **state) {
     (void)state;
     enum { STEPS = 7 };
     static const uint32_t begins[] = {1, 2, 3, 5, STEPS};
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i += WATCHED_THREADS ? 3 : 1) {
         mesh_movie v;
         make(&v, i == 2 ? 3 : 1 + (uint32_t)i % 2, STEPS, i % 2 ? 200 : 4096,
              i < 2 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW);
@@ -175,7 +176,8 @@ static void test_segments(void **state) {
         }
         v.c.options.file.zstd_level = 1;
         check_file(&v, path, STEPS);
-        check_naive(&v, path, STEPS);
+        if (!WATCHED_THREADS)
+            check_naive(&v, path, STEPS);
         mesh_movies_release(&v);
     }
 }
@@ -189,6 +191,7 @@ static void swap(uint32_t *a, uint32_t *b) {
 /* A file that was not said to grow, of several steps and fields, does so, too. */
 static void test_plain(void **state) {
     (void)state;
+    skip_under_thread();
     mesh_movie v;
     make(&v, 2, 4, 200, LEAF_CODEC_ZSTD);
     mesh_movie two = v;
@@ -215,6 +218,7 @@ static void test_plain(void **state) {
 /* A segment's histograms are of the tets that were drawn for its own steps, not for all. */
 static void test_histograms(void **state) {
     (void)state;
+    skip_under_thread();
     enum { STEPS = 3 };
     mesh_case c = mesh_cases_kuhn(17, 17, 17);
     mesh_cases_shuffle(&c, 1);
@@ -239,6 +243,7 @@ static void test_histograms(void **state) {
 /* What any earlier step has is not stored again. */
 static void test_same(void **state) {
     (void)state;
+    skip_under_thread();
     for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
         mesh_movie v;
         make(&v, 1, 3, 4096, (leaf_codec)codec);
@@ -301,6 +306,7 @@ static void refuse(mesh_movie *v, uint32_t count, const char *said) {
 
 static void test_refused(void **state) {
     (void)state;
+    skip_under_thread();
     mesh_movie v;
     make(&v, 1, 3, 4096, LEAF_CODEC_ZSTD);
     char said[128];
@@ -347,6 +353,7 @@ static void test_refused(void **state) {
 /* Files that do not grow. */
 static void test_cannot(void **state) {
     (void)state;
+    skip_under_thread();
     leaf_grow *g = NULL;
     mesh_result r;
     mesh_movie v = mesh_movies_make(mesh_cases_kuhn(5, 5, 5), 1, 2, 1, 0);
@@ -381,6 +388,7 @@ static bool fail_at(mesh_movie *v, fault_kind kind, long k, const char *path) {
 
 static void test_faults(void **state) {
     (void)state;
+    skip_under_thread();
     mesh_movie v;
     make(&v, 1, 3, 300, LEAF_CODEC_ZSTD);
     size_t size;
@@ -402,6 +410,7 @@ static void test_faults(void **state) {
 /* A program that was killed: part of a segment, or all of it, is there and does not count. */
 static void test_killed(void **state) {
     (void)state;
+    skip_under_thread();
     mesh_movie v;
     make(&v, 1, 3, 300, LEAF_CODEC_ZSTD);
     size_t before, after;
@@ -481,6 +490,7 @@ static void tell(const char *bytes, size_t size, size_t before, const lie *x) {
 
 static void test_lies(void **state) {
     (void)state;
+    skip_under_thread();
     mesh_movie v;
     make(&v, 1, 3, 300, LEAF_CODEC_RAW);
     size_t before, size;

@@ -163,7 +163,7 @@ static void finish(job *j) {
 /* Stopped at any question; then going on. */
 static void test_stopped(void **state) {
     (void)state;
-    for (uint32_t steps = 1; steps <= STEPS; steps += 2) {
+    for (uint32_t steps = WATCHED_THREADS ? STEPS : 1; steps <= STEPS; steps += 2) {
         job j;
         mesh_result r;
         prepare(&j, WATCHED ? 18 : 30, steps, steps > 1);
@@ -189,7 +189,7 @@ static void test_by_and_by(void **state) {
     skip_under_thread();
     job j;
     mesh_result r;
-    prepare(&j, 30, STEPS, true);
+    prepare(&j, WATCHED ? 18 : 30, STEPS, true);
     convert_whole(&j, "y.leaf", true);
     const long all = j.asked;
     assert_int_equal(remove(scratch_path("y.leaf")), 0);
@@ -216,7 +216,7 @@ static void test_faults(void **state) {
     const long all = j.asked;
     assert_int_equal(remove(scratch_path("y.leaf")), 0);
     for (size_t n = 0; n < sizeof kinds / sizeof kinds[0]; n++)
-        for (long first = 0; first < (WATCHED ? 2 : 3); first++) {
+        for (long first = WATCHED_THREADS; first < (WATCHED ? 2 : 3); first++) {
             bool fired = true;
             for (long k = 1; fired; k += 1 + k / (WATCHED ? 1 : SLOW ? 2 : 6)) {
                 if (first > 0) {
@@ -263,7 +263,7 @@ static bool check_crash(job *j, size_t count, uint64_t seed) {
 static void test_crashes(void **state) {
     (void)state;
     skip_under_thread();
-    enum { MOMENTS = SLOW ? 20 : 90, CHANCES = 3 };
+    enum { MOMENTS = SLOW ? 20 : 90, CHANCES = WATCHED ? 1 : 3 };
     for (uint32_t steps = 1; steps <= STEPS; steps += 2) {
         job j;
         uint64_t bytes, work = 0;
@@ -311,7 +311,7 @@ static void test_damaged(void **state) {
     const long all = j.asked;
     assert_int_equal(remove(scratch_path("y.leaf")), 0);
     int refused = 0;
-    for (int part = 1; part < 16; part += 2)
+    for (int part = 1; part < 16; part += WATCHED ? 4 : 2)
         for (size_t f = 0; f < sizeof files / sizeof files[0]; f++)
             for (int how = 0; how < 3; how++) {
                 j.end = all * part / 16;
@@ -339,7 +339,7 @@ static void test_budgets(void **state) {
     convert_whole(&j, "y.leaf", true);
     const long all = j.asked;
     assert_int_equal(remove(scratch_path("y.leaf")), 0);
-    for (int threads = 1; threads < 5; threads++) {
+    for (int threads = WATCHED_THREADS ? 3 : 1; threads < 5; threads++) {
         j.end = all * 2 / 3;
         j.c.options.threads = 2;
         assert_int_equal(convert(&j, "y.leaf", true, &r), ST_STOPPED);

@@ -19,6 +19,7 @@
 #include "tests/support/mesh_truth.h"
 #include "tests/support/naive_mesh.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 static mem m;
 
@@ -112,7 +113,7 @@ static void test_series(void **state) {
         size_t same;
     } cases[] = {{1, 2, 1, 0}, {1, 4, 2, 101}, {1, 3, 9, 0}, {1, 8, 7, 383},
                  {3, 1, 9, 0}, {3, 2, 9, 0},   {2, 3, 1, 5}, {1, 1, 9, 0}};
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i += WATCHED_THREADS ? 3 : 1) {
         mesh_case c = mesh_cases_kuhn(7, 7, 5);
         mesh_cases_shuffle(&c, i + 1);
         c.options.treelet_tets = i % 2 ? 200 : 4096;
@@ -182,6 +183,7 @@ static void check_refused(mesh_movie *v, status want, const char *said, const ch
 
 static void test_refused(void **state) {
     (void)state;
+    skip_under_thread();
     mesh_movie v = mesh_movies_make(mesh_cases_kuhn(12, 12, 12), 1, 3, 2, 50);
     mesh_movie other = mesh_movies_make(mesh_cases_kuhn(12, 12, 11), 1, 3, 9, 0);
     mesh_movies_write(&v);
@@ -224,6 +226,7 @@ static void test_refused(void **state) {
 
 static void test_twice(void **state) {
     (void)state;
+    skip_under_thread();
     mesh_movie v = mesh_movies_make(mesh_cases_kuhn(2, 2, 2), 3, 1, 9, 0);
     mesh_movies_write(&v);
     v.names[2] = v.names[1];
@@ -237,6 +240,7 @@ static void test_twice(void **state) {
 /* Points that no tet has may have any value: the file has nothing of them. */
 static void test_unused(void **state) {
     (void)state;
+    skip_under_thread();
     mesh_movie v = mesh_movies_make(mesh_cases_kuhn(3, 3, 3), 1, 2, 9, 0);
     mesh_result r;
     leaf_file *f;
@@ -259,6 +263,7 @@ static void test_unused(void **state) {
 /* Each operation fails once: an error and nothing left. */
 static void test_faults(void **state) {
     (void)state;
+    skip_under_thread();
     static const fault_kind kinds[] = {FAULT_ALLOC, FAULT_WRITE, FAULT_READ, FAULT_THREAD};
     mesh_case c = mesh_cases_kuhn(14, 14, 14);
     c.options.treelet_tets = 64;

@@ -252,7 +252,7 @@ static void test_slice_fails(void **state) {
     const leafcast_grid g = grid_of(SAMPLE_U8);
     void *samples = samples_of(SAMPLE_U8);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        for (uint32_t z = 0; z < NZ; z += 6) {
+        for (uint32_t z = 0; z < NZ; z += WATCHED_THREADS ? 18 : 6) {
             const size_t files = scratch_count();
             char expected[32];
             deliverer d = {samples, NX * NY, 0, z, (leafcast_status)cases[i].with};
@@ -367,6 +367,7 @@ static void test_steps(void **state) {
 
 static void test_path(void **state) {
     (void)state;
+    skip_under_thread();
     void *samples = samples_of(SAMPLE_I16);
     const char *in = nrrd_of(SAMPLE_I16, samples, "spacings: 1 2 3\n");
     run_verb("", in, at("verb.leaf"));
@@ -390,6 +391,7 @@ static void test_path(void **state) {
 /* What may give way, and what may not. */
 static void test_replaced(void **state) {
     (void)state;
+    skip_under_thread();
     void *samples = samples_of(SAMPLE_U8);
     const leafcast_grid g = grid_of(SAMPLE_U8);
     const char *in = nrrd_of(SAMPLE_U8, samples, "");
@@ -469,7 +471,7 @@ static long check_stops(conversion convert, leafcast_convert_options o, const ch
     assert_false(all.backwards);
     assert_true(all.done > 0.5);
     const size_t files = scratch_count();
-    const long step = all.calls / 40 + 1;
+    const long step = all.calls / (WATCHED_THREADS ? 8 : 40) + 1;
     for (long k = 1; k <= all.calls; k += step) {
         watcher w = {.stop_at = k};
         o.watch_ctx = &w;
@@ -503,7 +505,7 @@ static void check_faults(conversion convert, fault_kind kind, leafcast_status ex
     long k = 1;
     o.threads = 2;
     o.treelet_cells = 16;
-    for (; st != LEAFCAST_OK; k += 1 + k / (WATCHED ? 4 : 40)) {
+    for (; st != LEAFCAST_OK; k += 1 + k / (WATCHED_THREADS ? 1 : WATCHED ? 4 : 40)) {
         fault_arm(kind, k);
         st = convert(&o);
         fault_arm(kind, 0);
@@ -632,6 +634,7 @@ static void test_tet_arguments(void **state) {
 /* Nothing finite is nothing to draw. */
 static void test_empty(void **state) {
     (void)state;
+    skip_under_thread();
     const leafcast_grid g = {sizeof g, {2, 2, 2}, LEAFCAST_F32, {0}, {0}, NULL, {NULL}};
     leafcast_convert_options o = DEFAULTS;
     float samples[8];

@@ -228,6 +228,7 @@ static void test_soup(void **state) {
 /* A node on a vertex has its bits; in the middle of an edge it has its ends' mean. */
 static void test_places_of_no_volume(void **state) {
     (void)state;
+    skip_under_thread();
     mesh_case c = mesh_cases_kuhn(4, 4, 4);
     mesh_cases_shuffle(&c, 5);
     for (size_t i = 0; i < c.point_count; i++)
@@ -367,6 +368,7 @@ static void test_faults(void **state) {
 
 static void test_damage(void **state) {
     (void)state;
+    skip_under_thread();
     mesh_case c = mesh_cases_kuhn(3, 3, 3);
     leaf_file *f = open_case(&c);
     const size_t at = (size_t)f->offsets[0] + 70;
@@ -390,6 +392,7 @@ static void test_damage(void **state) {
 
 static void test_choosing(void **state) {
     (void)state;
+    skip_under_thread();
     const float bounds[6] = {0.1F, -7.3F, 1e5F, 1.7F, 23.9F, 1e5F + 3};
     resample_grid g;
     grid out;
@@ -420,6 +423,7 @@ static void test_choosing(void **state) {
 
 static void test_refused(void **state) {
     (void)state;
+    skip_under_thread();
     const float bounds[6] = {0, 0, 0, 1, 1, 1}, flat[6] = {0, 0, 2, 1, 1, 2};
     resample_grid g;
     grid out;

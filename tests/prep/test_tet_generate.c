@@ -16,6 +16,7 @@
 #include "formats/base/hash.h"
 #include "prep/generate/tet_generate.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 /* ---- a mesh in memory ---- */
 
@@ -224,6 +225,7 @@ enum { SHAPES = sizeof shapes / sizeof *shapes };
 
 static void test_sound(void **state) {
     (void)state;
+    skip_under_thread();
     for (int n = 0; n < SHAPES; n++) {
         tet_generate_options o = make_options("sphere", 2, 2, 2);
         o.shape = shapes[n];
@@ -237,6 +239,7 @@ static void test_sound(void **state) {
 /* W07's bucky ball. */
 static void test_buckyball(void **state) {
     (void)state;
+    skip_under_thread();
     tet_generate_options o = make_options("buckyball", 32, 32, 32);
     o.shape.deform = TET_LATTICE_DEFORM_MAX;
     kept k = keep(&o, 0);
@@ -250,6 +253,7 @@ static void test_buckyball(void **state) {
 /* The most cells along an axis, where floats are coarsest, as deformed as can be. */
 static void test_longest(void **state) {
     (void)state;
+    skip_under_thread();
     for (int a = 0; a < 3; a++) {
         tet_generate_options o = make_options("sphere", 5, 5, 5);
         o.shape.deform = TET_LATTICE_DEFORM_MAX;
@@ -278,6 +282,7 @@ static double moved(const kept *k, uint64_t node, uint64_t number, int c) {
 /* The sides stay, inner nodes move, and no edge changes by more than was asked for. */
 static void test_deformation(void **state) {
     (void)state;
+    skip_under_thread();
     tet_generate_options o = make_options("sphere", 33, 33, 33);
     o.shape.deform = 0.6;
     kept k = keep(&o, 0);
@@ -308,6 +313,7 @@ static void test_deformation(void **state) {
 /* Each copy is the first one, shifted; neighbours have the same positions where they touch. */
 static void test_copies(void **state) {
     (void)state;
+    skip_under_thread();
     tet_generate_options o = make_options("noise", 6, 5, 4);
     o.shape.deform = 0.25;
     kept one = keep(&o, 0);
@@ -332,6 +338,7 @@ static void test_copies(void **state) {
 /* The samples of the grid, as generate without --tets gives them. */
 static void test_values(void **state) {
     (void)state;
+    skip_under_thread();
     const field_info *info;
     for (size_t i = 0; (info = field_at(i)) != NULL; i++) {
         tet_generate_options o = make_options(info->name, 20, 9, 11);
@@ -375,7 +382,7 @@ static void test_any_threads(void **state) {
         o.shape.copies[1] = 3;
         o.threads = 1;
         kept want = keep(&o, 0);
-        for (o.threads = 1; o.threads <= 5; o.threads++) {
+        for (o.threads = 1; o.threads <= 5; o.threads += WATCHED_THREADS ? 2 : 1) {
             kept got = keep(&o, n ? 400000 : 30000 + 10000 * (size_t)o.threads);
             assert_int_equal(hash_of(&got), hash_of(&want));
             assert_true(got.calls > want.calls);
@@ -387,6 +394,7 @@ static void test_any_threads(void **state) {
 
 static void test_pinned(void **state) {
     (void)state;
+    skip_under_thread();
     tet_generate_options o = make_options("buckyball", 32, 32, 32);
     o.shape.deform = 0.5;
     o.shape.copies[2] = 2;
@@ -429,6 +437,7 @@ static status count(mem *m, const tet_generate_options *o, counted *c, const pro
 /* 64 copies, 217 MB of mesh, in half a megabyte. */
 static void test_memory(void **state) {
     (void)state;
+    skip_under_thread();
     tet_generate_options o = make_options("sphere", 32, 32, 32);
     memcpy(o.shape.copies, (uint32_t[]){4, 4, 4}, sizeof o.shape.copies);
     mem m;
@@ -621,7 +630,7 @@ static void test_faults(void **state) {
         o.threads = 3;
         long k = 0;
         for (bool fired = true; fired;) {
-            fault_arm(kinds[i / 2], ++k);
+            fault_arm(kinds[i / 2], k += 1 + (WATCHED ? k / (WATCHED_THREADS ? 1 : 4) : 0));
             status st = write_files(&o, "f.mesh", false);
             fired = fault_fired(kinds[i / 2]);
             fault_arm(kinds[i / 2], 0);

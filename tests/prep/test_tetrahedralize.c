@@ -20,6 +20,7 @@
 #include "tests/support/in_sphere.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 static char path_before[8192];
 
@@ -120,6 +121,7 @@ static const char *write_cloud(int points, int size, uint64_t seed) {
 
 static void test_in_sphere(void **state) {
     (void)state;
+    skip_under_thread();
     const float p[6][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}, {4, 4, 4}, {1, 1, 1}};
     const float far[3] = {-1, 0, 0};
     assert_int_equal(in_sphere(p[0], p[1], p[2], p[3], p[4]), 0);
@@ -132,6 +134,7 @@ static void test_in_sphere(void **state) {
 
 static void test_delaunay(void **state) {
     (void)state;
+    skip_under_thread();
     need_tetgen();
     tetrahedralize_report r;
     for (uint64_t seed = 1; seed <= 3; seed++) {
@@ -331,6 +334,7 @@ static const char *write_cubes(bool hole, bool field) {
 
 static void test_cubes(void **state) {
     (void)state;
+    skip_under_thread();
     need_tetgen();
     tetrahedralize_report r;
     tetrahedralize_options how = standard;
@@ -367,6 +371,7 @@ static void test_cubes(void **state) {
 
 static void test_points_of_surface(void **state) {
     (void)state;
+    skip_under_thread();
     need_tetgen();
     tetrahedralize_report r;
     tetrahedralize_options how = standard;
@@ -382,6 +387,7 @@ static void test_points_of_surface(void **state) {
 
 static void test_nearest(void **state) {
     (void)state;
+    skip_under_thread();
     enum { TRIANGLES = 300, POINTS = 3 * TRIANGLES };
     static float xyz[POINTS][3];
     static uint32_t corners[TRIANGLES][3];
@@ -425,6 +431,7 @@ static void test_nearest(void **state) {
 
 static void test_refused_points(void **state) {
     (void)state;
+    skip_under_thread();
     need_tetgen();
     refused(scratch_text("p.csv", "0 0 0\n1 0 0\n0 1 0\n"), standard, ST_CORRUPT,
             "p.csv: 3 different points, expected 4 or more");
@@ -470,6 +477,7 @@ static const char *write_crossing(void) {
 
 static void test_refused_surfaces(void **state) {
     (void)state;
+    skip_under_thread();
     need_tetgen();
     refused(write_torus("open.off", 16, 0, true), standard, ST_CORRUPT,
             "open.off: the surface is open: facet ");

@@ -9,6 +9,7 @@ import subprocess
 import sys
 
 from imported import Imported, damaged, elsewhere, ends, np, same, start, tell
+from watched import WATCHED
 
 try:
     import pydicom
@@ -544,7 +545,7 @@ def preambles():
     f = image(a, SpacingBetweenSlices=3, PixelSpacing=[0.5, 0.25])
     node = b"8 3 0 0\n" + b"".join(b"%d 0 0 0\n" % i for i in range(8))
     suffixes = itertools.cycle((".dcm", ".nii", ".node"))
-    for other, head in (
+    for k, (other, head) in enumerate((
             ("nothing", b""), ("Analyze 7.5", b"\x5c\x01\0\0"), ("Analyze 7.5, big endian", b"\0\0\x01\x5c"),
             ("NIfTI-2", b"\x1c\x02\0\0n+2\0\r\n\x1a\n"), ("TIFF", b"II*\0\x08\0\0\0"), ("BigTIFF", b"MM\0+"),
             ("NRRD", b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n"),
@@ -554,15 +555,16 @@ def preambles():
             ("legacy VTK", b"# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\n"),
             ("HDF5", b"\x89HDF\r\n\x1a\n"), ("NetCDF", b"CDF\x02"), ("PNG", b"\x89PNG\r\n\x1a\n"),
             ("JPEG", b"\xff\xd8\xff\xe0"), ("OpenVDB", b" BDV\0\0\0\0"), ("gzip", b"\x1f\x8b\x08"), ("bzip2", b"BZh9"),
-            ("xz", b"\xfd7zXZ\0"), ("zstd", b"\x28\xb5\x2f\xfd"), ("PDF", b"%PDF-1.4"), ("PLY", b"ply\n"), ("nodes", node)):
+            ("xz", b"\xfd7zXZ\0"), ("zstd", b"\x28\xb5\x2f\xfd"), ("PDF", b"%PDF-1.4"), ("PLY", b"ply\n"), ("nodes", node))):
         f.preamble = head[:128].ljust(128, b"\0")
         for suffix in ("", next(suffixes)):
-            name = path("preamble" + suffix)
+            name, wrong = path("preamble" + suffix), ""
             f.save_as(name, write_like_original=False)
-            rc, out, said = start(leafcast, "convert", name, "-o", path("preamble.leaf"), "--force")
-            if rc == 0:
-                rc, out, said = start(leafcast, "export", path("preamble.leaf"), "-o", path("preamble.raw"), "--force")
-            wrong = said if rc else "" if open(path("preamble.raw"), "rb").read() == a.tobytes() else "other samples"
+            if not WATCHED or k % 6 == 0:  # what info says it is, convert takes it for
+                rc, out, said = start(leafcast, "convert", name, "-o", path("preamble.leaf"), "--force")
+                if rc == 0:
+                    rc, out, said = start(leafcast, "export", path("preamble.leaf"), "-o", path("preamble.raw"), "--force")
+                wrong = said if rc else "" if open(path("preamble.raw"), "rb").read() == a.tobytes() else "other samples"
             if not wrong:
                 rc, out, said = start(leafcast, "info", name, "--json", "--quick")
                 wrong = said if rc else "" if json.loads(out)["format"] == "DICOM" else out.decode()

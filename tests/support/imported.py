@@ -110,7 +110,7 @@ def damaged(name, path, broken, count, leafcast, *arguments):
     none, and refuses nine of ten that are cut off. arguments have the path of broken in them."""
     whole = open(path, "rb").read()
     dice = random.Random(20)
-    count = count * 2 // 5 if WATCHED else count
+    count = max(10, count // 4) if WATCHED else count
     wrong, refused = "", 0
     # Sanitizers take the place of the importer's limit of memory: what it refuses, they refuse.
     few = ":max_allocation_size_mb=2048:allocator_may_return_null=1"

@@ -68,11 +68,12 @@ results() {
     ok "all of them were run (exit $rc)" [ "$rc" = 0 ]
 }
 
-# $watched - not empty where a sanitizer watches; $picture - the size of pictures that are held against each other: to
-# find a wrong access it takes fewer pixels.
+# $watched - what a sanitizer watches, `memory` or `threads`; empty: there is none. $picture - the size of pictures that
+# are held against each other: to find a wrong access it takes fewer pixels.
 # shellcheck disable=SC2034 # for those that source this
 case ${LEAFCAST_BUILD-} in
-*/sanitize* | */thread*) watched=y picture=24x20 ;;
+*/sanitize*) watched=memory picture=24x20 ;;
+*/thread*) watched=threads picture=24x20 ;;
 *) watched='' picture=80x70 ;;
 esac
 

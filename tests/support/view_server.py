@@ -10,6 +10,8 @@ from view_states import (ENDLESS, folder, GRID, H, leafcast, MEDIUM, MESH, pictu
                          serve, SHADED, SURFACE, W, want_slice)
 from watched import WATCHED
 
+LONG = (320, 240) if WATCHED else (1024, 768)  # a picture that takes a while
+
 
 # ---- What is served, to whom ----
 
@@ -113,7 +115,7 @@ def large(s):
     """So long that there are parts."""
     state = dict(MEDIUM, error=1e-6)
     page = Page(s)
-    page.view(1, state, 1024, 768)
+    page.view(1, state, *LONG)
     got = page.final()
     ok(f"of a long one there are parts ({len(got)})", len(got) >= 2)
     ok("parts are numbered", [g[0]["part"] for g in got] == list(range(1, len(got) + 1)))
@@ -129,20 +131,21 @@ def superseded(s):
     page = Page(s)
     last = 0
     fine = True
+    width, height = (160, 120) if WATCHED else (320, 240)
     for number in range(1, 121):
         state = dict(SURFACE, eye=[110 + number / 10, 90, 80])
-        page.view(number, state, 320, 240, moving=number % 7 != 0)
+        page.view(number, state, width, height, moving=number % 7 != 0)
         while page.waits(0.004):
             what, got = page.message()
             if what == "picture":
                 fine = fine and got[0]["number"] >= last
                 last = got[0]["number"]
                 page.seen(got[0])
-    page.view(121, SURFACE, 320, 240)
+    page.view(121, SURFACE, width, height)
     got = page.final()
     numbers = [last] + [g[0]["number"] for g in got]
     ok("no older view after a newer one", fine and numbers == sorted(numbers))
-    ok("the newest is drawn to the end", png_pixels(got[-1][1]) == rendered(SURFACE, 320, 240))
+    ok("the newest is drawn to the end", png_pixels(got[-1][1]) == rendered(SURFACE, width, height))
     page.close()
 
 
@@ -343,7 +346,7 @@ def heads(s):
 def several(s):
     a, b = Page(s), Page(s)
     other = dict(SURFACE, eye=[-90, 80, 70])
-    a.view(1, dict(MEDIUM, error=1e-5), 640, 480)
+    a.view(1, dict(MEDIUM, error=1e-5), *((240, 180) if WATCHED else (640, 480)))
     b.view(1, other, W, H)
     ok("another client need not wait for the first", png_pixels(b.final()[-1][1]) == rendered(other))
     with b.kept():
@@ -499,8 +502,8 @@ def main():
     for test in (pages, sockets, files, large, superseded, unseen, waiting, picks, states, limits, several):
         test(s)
     changed()
-    fuzz(s, 400 if WATCHED else 2000)
-    rubbish(s, 60 if WATCHED else 300)
+    fuzz(s, 200 if WATCHED else 2000)
+    rubbish(s, 30 if WATCHED else 300)
     ends(s, "after all")
     ending()
     print("end")

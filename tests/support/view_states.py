@@ -6,6 +6,7 @@ Their arguments are LEAFCAST FOLDER.
 import json, os, random, subprocess, sys, urllib.parse
 
 from view_client import Closed, Page, Server, png_pixels
+from watched import WATCHED
 
 leafcast, folder = sys.argv[1:3]
 GRID, MESH = folder + "/g.leaf", folder + "/m.leaf"
@@ -19,22 +20,27 @@ ENDLESS = dict(MEDIUM, error=1e-6, samples=16)  # each ray is soon done, all of 
 CLEAR = dict(SURFACE, background="0,0,0,0", annotate=True, title="gyroid", unit="mm")
 SAMPLES = dict(SURFACE, samples=4)
 PROJECTED = {"project": "max", "colour-map": "viridis", "eye": [110, 90, 80], "look-at": [24, 20, 22]}
-W, H = 160, 120
+W, H = (96, 72) if WATCHED else (160, 120)
 
 
 def serve(*arguments):
     return Server([leafcast, "view", *arguments])
 
 
+drawn = {}  # what rendered() has drawn
+
+
 def rendered(state, width=W, height=H, leaf=GRID):
-    """The pixels of `render --state`."""
+    """The pixels of `render --state`; the state is in FOLDER/state.json, too."""
+    text, out = json.dumps(state), folder + "/want.png"
     with open(folder + "/state.json", "w") as f:
-        json.dump(state, f)
-    out = folder + "/want.png"
-    subprocess.run([leafcast, "render", leaf, "--state", folder + "/state.json", "--size", f"{width}x{height}", "-o",
-                    out, "--force", "-q"], check=True)
-    with open(out, "rb") as f:
-        return png_pixels(f.read())
+        f.write(text)
+    if (text, width, height, leaf) not in drawn:
+        subprocess.run([leafcast, "render", leaf, "--state", folder + "/state.json", "--size", f"{width}x{height}", "-o",
+                        out, "--force", "-q"], check=True)
+        with open(out, "rb") as f:
+            drawn[text, width, height, leaf] = png_pixels(f.read())
+    return drawn[text, width, height, leaf]
 
 
 def picture_of(server, state, token=None, size=f"{W}x{H}", more=""):

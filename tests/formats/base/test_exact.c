@@ -87,7 +87,7 @@ static void test_any_budget(void **state) {
     const uint32_t limits[] = {1, 2, 17};
     for (size_t i = 0; i < 3; i++)
         for (leafcast_backend b = LEAFCAST_BACKEND_MAPPED; b <= LEAFCAST_BACKEND_ARENA; b++)
-            for (int threads = 1; threads <= 3; threads += 2) {
+            for (int threads = WATCHED_THREADS ? 3 : 1; threads <= 3; threads += 2) {
                 const leafcast_options o = {.size = sizeof(leafcast_options),
                                             .experiments = EXPERIMENTS(.treelet_limit = limits[i]),
                                             .threads = threads,
@@ -132,6 +132,7 @@ static void test_any_memory(void **state) {
 
 static void test_any_file(void **state) {
     (void)state;
+    skip_under_thread();
     field f = waves();
     const leafcast_scene scene = rich_scene();
     leafcast_stats stats = {.size = sizeof stats};
@@ -149,6 +150,7 @@ static void test_any_file(void **state) {
 
 static void test_alternative_walks(void **state) {
     (void)state;
+    skip_under_thread();
     field f = waves();
     const char *path = fixture_leaf(&f, 4, 1, false);
     const leafcast_scene scene = rich_scene();

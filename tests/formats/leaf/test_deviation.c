@@ -20,6 +20,7 @@
 #include "tests/support/leaf_image.h"
 #include "tests/support/naive_deviation.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 static mem m;
 
@@ -42,6 +43,7 @@ static leaf_case case_of(uint32_t x, uint32_t y, uint32_t z, sample_type type) {
 
 static void test_codes(void **state) {
     (void)state;
+    skip_under_thread();
     assert_int_equal(deviation_code(0.0), 0);
     assert_int_equal(deviation_code((double)INFINITY), DEVIATION_UNKNOWN);
     assert_int_equal(deviation_code((double)NAN), DEVIATION_UNKNOWN);
@@ -60,6 +62,7 @@ static void test_codes(void **state) {
 /* Where something is rounded: more than what a few operations on the largest value lose. */
 static void test_rounding(void **state) {
     (void)state;
+    skip_under_thread();
     const double range[2] = {-4.0, 2.0}, none[2] = {(double)INFINITY, -(double)INFINITY};
     assert_true(deviation_rounding(SAMPLE_U16, false, range, 3) == 0.0);
     assert_true(deviation_rounding(SAMPLE_U16, true, range, 3) >= 3 * 4.0 * 64 * 0x1p-53);
@@ -88,6 +91,7 @@ static long check_file(const leaf_case *c, const char *what) {
 
 static void test_types(void **state) {
     (void)state;
+    skip_under_thread();
     static const sample_type types[] = {SAMPLE_U8,  SAMPLE_I8,  SAMPLE_U16, SAMPLE_I16,
                                         SAMPLE_F32, SAMPLE_U32, SAMPLE_F64};
     for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
@@ -105,6 +109,7 @@ static void test_types(void **state) {
 /* Odd and even ends, of all bricks' and treelets' kinds. */
 static void test_sizes(void **state) {
     (void)state;
+    skip_under_thread();
     for (uint32_t i = 0; i < 18; i++) {
         leaf_case c = case_of(17 + i, 68 - 3 * i, 2 + i % 5, SAMPLE_U8);
         c.options.file.cells_log2 = i % 6 == 5 ? 5 : 4;
@@ -128,6 +133,7 @@ static const char *write_axis(const char *name, int nodes, double bend) {
 
 static void test_rectilinear(void **state) {
     (void)state;
+    skip_under_thread();
     for (int i = 0; i < 4; i++) {
         leaf_case c = case_of(36, 45, 39, i % 2 ? SAMPLE_F32 : SAMPLE_U8);
         void *samples = leaf_files_random(&c, 3 + (uint64_t)i, 0);
@@ -143,6 +149,7 @@ static void test_rectilinear(void **state) {
 /* Here a NaN, there a number. */
 static void test_missing(void **state) {
     (void)state;
+    skip_under_thread();
     leaf_case c = case_of(70, 60, 50, SAMPLE_F32);
     void *samples = leaf_files_random(&c, 9, 40000);
     c.samples = samples;
@@ -155,6 +162,7 @@ static void test_missing(void **state) {
 /* Constant, and linear: nothing is off but at an odd end. */
 static void test_flat(void **state) {
     (void)state;
+    skip_under_thread();
     leaf_case c = case_of(65, 65, 65, SAMPLE_U8);
     unsigned char *samples = malloc((size_t)65 * 65 * 65);
     for (int i = 0; i < 65 * 65 * 65; i++)
@@ -203,6 +211,7 @@ static void test_same_bytes(void **state) {
 /* Without the section, and where there is nothing to say: files as they were. */
 static void test_without(void **state) {
     (void)state;
+    skip_under_thread();
     for (int i = 0; i < 2; i++) {
         leaf_case c = case_of(i ? 17 : 40, 16, 15, SAMPLE_U8);
         c.options.file.deviations = i;
@@ -266,6 +275,7 @@ static void check_wide(const leaf_case *c, const leaf_file *f, uint32_t t, const
 /* Blocks where level 0 has something of interest are walked, and not all others. */
 static void test_wide(void **state) {
     (void)state;
+    skip_under_thread();
     leaf_case c = case_of(69, 60, 41, SAMPLE_U8);
     void *samples = leaf_files_random(&c, 21, 0);
     leaf_file *f = NULL;
@@ -333,6 +343,7 @@ static void check_over(uint32_t cells_log2) {
 
 static void test_over(void **state) {
     (void)state;
+    skip_under_thread();
     check_over(4); /* a treelet is over one brick */
     check_over(5); /* over some */
 }
@@ -379,6 +390,7 @@ static bool is_there(const leaf_layout *l, uint32_t t, uint32_t brick) {
 
 static void test_damage(void **state) {
     (void)state;
+    skip_under_thread();
     leaf_case c = case_of(40, 30, 20, SAMPLE_U8);
     void *samples = leaf_files_random(&c, 11, 0);
     damage d;

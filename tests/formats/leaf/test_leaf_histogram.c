@@ -52,6 +52,7 @@ static void check_grid(const leaf_case *c, const char *what) {
 
 static void test_grids(void **state) {
     (void)state;
+    skip_under_thread();
     static const sample_type types[] = {SAMPLE_U8,  SAMPLE_I8,  SAMPLE_U16, SAMPLE_I16,
                                         SAMPLE_F32, SAMPLE_U32, SAMPLE_F64};
     for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
@@ -106,6 +107,7 @@ static void test_same_bytes(void **state) {
 /* Each number of a sealed histogram changed in turn: opening or verify says no. */
 static void test_damage(void **state) {
     (void)state;
+    skip_under_thread();
     static const size_t places[] = {0,  4,    8,    16,   24,   32,   63,
                                     71, 2112, 2116, 3140, 4164, 5188, 6214};
     leaf_case c = case_of(40, 30, 20, SAMPLE_U8);
@@ -134,6 +136,7 @@ static void test_damage(void **state) {
  * there are none. */
 static void test_bins(void **state) {
     (void)state;
+    skip_under_thread();
     leaf_case c = case_of(40, 30, 20, SAMPLE_U8);
     void *samples = leaf_files_random(&c, 11, 0);
     c.samples = samples;
@@ -167,6 +170,7 @@ static void test_bins(void **state) {
 /* Without the section: one from the treelets, which suggests something within the range. */
 static void test_without(void **state) {
     (void)state;
+    skip_under_thread();
     leaf_case c = case_of(70, 60, 50, SAMPLE_U8);
     c.options.file.histograms = false;
     void *samples = leaf_files_random(&c, 2, 0);

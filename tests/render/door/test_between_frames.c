@@ -21,6 +21,10 @@
 #include "tests/support/fields.h"
 #include "tests/support/scratch.h"
 
+/* Threads meet in grids as they do in meshes, but that these have two payloads a treelet and step:
+ * where races are looked for, most tests are of a mesh whose points move. */
+enum { WITH_GRIDS = !WATCHED_THREADS };
+
 /* ---- What is read ---- */
 
 static leafcast_stats draw(const between_lab *s, leafcast *v, uint32_t step, double share) {
@@ -37,7 +41,7 @@ static leafcast_stats draw(const between_lab *s, leafcast *v, uint32_t step, dou
 static void test_reading(void **state) {
     static const int kinds[] = {0, 5, BETWEEN_GRIDS, BETWEEN_GRIDS + 1};
     (void)state;
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+    for (size_t i = !WITH_GRIDS; i < sizeof kinds / sizeof *kinds; i += 2 - WITH_GRIDS) {
         between_lab *s = between_lab_make(&between_kinds[kinds[i]]);
         const leafcast_options o = {.size = sizeof o, .threads = 2};
         leafcast *plain = between_lab_open(s->series, &o, s->iso),
@@ -77,6 +81,7 @@ static void test_reading(void **state) {
  * rays saw, and its isovalue. Only of steps that were drawn themselves anything is. */
 static void test_map(void **state) {
     (void)state;
+    skip_under_thread();
     between_lab *s = between_lab_make(&between_kinds[0]);
     leafcast *v = between_lab_open(s->series, NULL, s->iso + 40);
     const leafcast_surface surface = leafcast_surface_default(s->iso);
@@ -175,7 +180,7 @@ static void test_playing(void **state) {
             leafcast_close(fresh);
         }
         leafcast *v = between_lab_open(s->series, NULL, s->iso);
-        for (int round = 0; round < (WATCHED_THREADS ? 30 : 40); round++) {
+        for (int round = 0; round < (WATCHED_THREADS ? 25 : 40); round++) {
             const int last = BETWEEN_STEPS - 2, at = round % (2 * last);
             const int step = round > 20  ? (int)field_random_below(&r, last + 1)
                              : at < last ? at
@@ -217,9 +222,10 @@ static void check_steps(const between_kind *of) {
 
 static void test_steps(void **state) {
     (void)state;
-    check_steps(&between_kinds[0]);
-    if (!WATCHED_THREADS)
+    if (WITH_GRIDS) {
+        check_steps(&between_kinds[0]);
         check_steps(&between_kinds[BETWEEN_GRIDS]);
+    }
     check_steps(&between_kinds[BETWEEN_GRIDS + 1]);
 }
 
@@ -280,9 +286,10 @@ static void check_budgets(const between_kind *of) {
 
 static void test_budgets(void **state) {
     (void)state;
-    check_budgets(&between_kinds[4]);
-    if (!WATCHED_THREADS) /* meshes whose points move have all that those which rest have */
+    if (WITH_GRIDS) {
+        check_budgets(&between_kinds[4]);
         check_budgets(&between_kinds[BETWEEN_GRIDS]);
+    }
     check_budgets(&between_kinds[BETWEEN_GRIDS + 3]);
 }
 
@@ -338,9 +345,10 @@ static void check_turns(const between_kind *of) {
 
 static void test_turns(void **state) {
     (void)state;
-    check_turns(&between_kinds[0]);
-    if (!WATCHED_THREADS)
+    if (WITH_GRIDS) {
+        check_turns(&between_kinds[0]);
         check_turns(&between_kinds[BETWEEN_GRIDS]);
+    }
     check_turns(&between_kinds[BETWEEN_GRIDS + 1]);
 }
 
@@ -373,7 +381,8 @@ static void check_previews(const between_kind *of) {
 
 static void test_previews(void **state) {
     (void)state;
-    check_previews(&between_kinds[0]);
+    if (WITH_GRIDS)
+        check_previews(&between_kinds[0]);
     check_previews(&between_kinds[BETWEEN_GRIDS + 1]);
 }
 
@@ -381,7 +390,7 @@ static void test_previews(void **state) {
 
 /* Coarse levels are no further from level 0 than deviations say, at any point of some slices. */
 static void check_deviations(const between_lab *s, leaf_file *f, const leaf_moment *at) {
-    enum { SIDE = 90 };
+    enum { SIDE = WATCHED ? 45 : 90 };
     static double fine_value[SIDE * SIDE], value[SIDE * SIDE];
     const leaf_layout *l = &f->layout;
     const uint32_t set = leaf_between_select(f, at);
@@ -571,8 +580,10 @@ static void check_damage(const between_kind *of) {
 
 static void test_damage(void **state) {
     (void)state;
-    check_damage(&between_kinds[1]);
-    check_damage(&between_kinds[BETWEEN_GRIDS]);
+    if (WITH_GRIDS) {
+        check_damage(&between_kinds[1]);
+        check_damage(&between_kinds[BETWEEN_GRIDS]);
+    }
     check_damage(&between_kinds[BETWEEN_GRIDS + 3]);
 }
 

@@ -401,6 +401,7 @@ static void test_faults(void **state) {
  * needed. */
 static void test_lying(void **state) {
     (void)state;
+    skip_under_thread();
     mesh_case c = make_case(true, LEAF_CODEC_RAW, 0);
     size_t size;
     char *bytes = scratch_read(mesh_leaves_make(&c, "between-honest.leaf"), &size);
@@ -433,6 +434,7 @@ static void test_lying(void **state) {
 /* Opening fails at every allocation in turn. */
 static void test_opening(void **state) {
     (void)state;
+    skip_under_thread();
     mesh_case c = make_case(true, LEAF_CODEC_RAW, 0);
     const char *path = mesh_leaves_make(&c, "between-opening.leaf");
     mem m;

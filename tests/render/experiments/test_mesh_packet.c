@@ -42,7 +42,7 @@ static picture_volumes open_all(const char *path, int threads) {
     picture_volumes v = {.count = 0};
     pictures_open_one(&v, path, "scalar", threads);
     for (int isa = 1; isa <= (int)cpu_best() && isa <= 3; isa++)
-        for (int s = 0; s < SIDE_COUNT; s++)
+        for (int s = WATCHED ? isa % 2 : 0; s < SIDE_COUNT; s += WATCHED ? 2 : 1)
             open_packets(&v, path, cpu_isa_name((cpu_isa)isa), SIDES[s], threads);
     for (int s = 1; s < SIDE_COUNT; s += 2) {
         open_packets(&v, path, "scalar", SIDES[s], threads);

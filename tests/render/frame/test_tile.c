@@ -33,9 +33,9 @@ static void open_alternatives(picture_volumes *v, const char *path, int threads)
 
 /* Kinds of views; rounds of all kinds, fewer where every access is watched. */
 #ifdef __SANITIZE_ADDRESS__
-enum { ROUNDS = 1, SCENES = 6 };
+enum { ROUNDS = 1, NEXT = 2, SCENES = 6 };
 #else
-enum { ROUNDS = 2, SCENES = 36 };
+enum { ROUNDS = 2, NEXT = 1, SCENES = 36 };
 #endif
 
 static void test_every_field(void **state) {
@@ -51,7 +51,7 @@ static void test_every_field(void **state) {
         const leafcast_surface s = leafcast_surface_default(f.iso);
         pictures_select(&v, &s, 1);
         const leafcast_scene scene = leafcast_scene_default();
-        for (int kind = 0; kind < ROUNDS * PICTURE_VIEWS; kind++) {
+        for (int kind = i % NEXT; kind < ROUNDS * PICTURE_VIEWS; kind += NEXT) {
             const leafcast_camera c = pictures_view(v.of[0], kind % PICTURE_VIEWS, &r);
             hits += pictures_alike(&v, &scene, &c, f.name);
         }
@@ -59,7 +59,7 @@ static void test_every_field(void **state) {
         field_release(&f);
     }
     print_message("%d surfaces\n", hits);
-    assert_true(hits > 40000 * ROUNDS);
+    assert_true(hits > 40000 * ROUNDS / NEXT);
 }
 
 /* ---- Scenes ---- */
