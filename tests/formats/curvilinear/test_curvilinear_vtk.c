@@ -42,6 +42,7 @@ typedef struct form {
     int pieces;
     bool marks, straight; /* straight: the nodes of a regular grid */
     const char *cells;    /* an array of the cells, of zeros but for its last; NULL: none */
+    bool first_cell;      /* the first, in place of the last */
     int cell_mark;        /* the last; 0: 32 */
 } form;
 
@@ -87,7 +88,7 @@ static void write_piece(vtk_writer *w, const form *f, int piece) {
     vtk_writer_array(w, "s", f->type, 1, count, s);
     vtk_writer_array(w, "v", "Float64", 3, 3 * count, v);
     fprintf(w->out, "</PointData><CellData>");
-    cells[cell_count - 1] = f->cell_mark ? f->cell_mark : 32;
+    cells[f->first_cell ? 0 : cell_count - 1] = f->cell_mark ? f->cell_mark : 32;
     if (f->cells)
         vtk_writer_array(w, f->cells, "UInt8", 1, (size_t)cell_count, cells);
     fprintf(w->out, "</CellData><Points>");
@@ -391,6 +392,31 @@ static void test_pieces(void **state) {
     }
 }
 
+/* A cell that begins where its piece does, at nodes that another piece ends with, which is read
+ * later. */
+static void test_pieces_hide(void **state) {
+    (void)state;
+    const form f = {
+        .style = &codings[0], .type = "Float32", .cells = "vtkGhostType", .first_cell = true};
+    write_pieces(&f);
+    char text[1024];
+    snprintf(text, sizeof text,
+             "<VTKFile type=\"PStructuredGrid\"><PStructuredGrid WholeExtent=\"0 5 0 2 7 11\">%s"
+             "<Piece Extent=\"0 3 0 2 7 11\" Source=\"p0.vts\"/></PStructuredGrid></VTKFile>",
+             second_piece);
+    mem m;
+    mem_init(&m, 0);
+    curvilinear_input *x;
+    assert_int_equal(curvilinear_input_open(&m, scratch_text("b.pvts", text), NULL, &x), ST_OK);
+    const curvilinear_source *s = curvilinear_input_source(x);
+    uint8_t is_node[WHOLE * J];
+    assert_int_equal(s->blanks(s->own, 0, 0, 1, is_node), ST_OK);
+    for (int n = 0; n < WHOLE * J; n++)
+        assert_int_equal(is_node[n], n == 0 || n == I - 1 ? 3 : 1);
+    curvilinear_input_close(x);
+    assert_int_equal(mem_used(&m), 0);
+}
+
 static void test_pieces_refused(void **state) {
     (void)state;
     form f = {.style = &codings[0], .type = "Float32"};
@@ -563,12 +589,12 @@ static void test_faults(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_hidden_cells),   cmocka_unit_test(test_pieces),
-        cmocka_unit_test(test_pieces_refused), cmocka_unit_test(test_collection),
-        cmocka_unit_test(test_codings),        cmocka_unit_test(test_legacy),
-        cmocka_unit_test(test_kinds),          cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_legacy_refused), cmocka_unit_test(test_cut),
-        cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_hidden_cells), cmocka_unit_test(test_pieces),
+        cmocka_unit_test(test_pieces_hide),  cmocka_unit_test(test_pieces_refused),
+        cmocka_unit_test(test_collection),   cmocka_unit_test(test_codings),
+        cmocka_unit_test(test_legacy),       cmocka_unit_test(test_kinds),
+        cmocka_unit_test(test_refused),      cmocka_unit_test(test_legacy_refused),
+        cmocka_unit_test(test_cut),          cmocka_unit_test(test_faults),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
