@@ -198,6 +198,10 @@ static void test_text_refused(void **state) {
                                          "100 100 100\n1 2 3 4 5 6 7 8 9 10"};
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
         assert_false(recognised(scratch_text("a.xyz", others[i])));
+    char table[8192] = "2 2 2\n";
+    for (size_t at = strlen(table); at + 4 < sizeof table; at += 4)
+        memcpy(table + at, "0.5 ", 5);
+    assert_false(recognised(scratch_text("a.xyz", table)));
     plot3d_form f = plot3d_form_of(16);
     f.text = true;
     size_t size;
