@@ -27,7 +27,7 @@ typedef struct curvilinear_place {
  * trilinear in each cell, as well, so it is between what it is at nodes. */
 typedef struct curvilinear_plane {
     double from[3], gradient[3];
-    double rest[2]; /* -inf, inf: nothing is known */
+    double rest[2]; /* least and greatest; infinite where a value is */
 } curvilinear_plane;
 
 typedef struct curvilinear_lattice {

@@ -61,19 +61,28 @@ bool trilinear_bend_of(const double form[3][TRILINEAR], const double rounding[3]
     return true;
 }
 
-/* Two places with one value would differ by what the rest changes between them: by no more than the
- * bounds of its slopes, a matrix, times that difference. Where a power of the matrix is small there
- * is no such difference. Likewise for what a singular matrix makes 0. */
+/* What a power of the bounds of the rest's slopes, a matrix, may be. */
+#define SHARE 0.75
+
+/* Two places with one value would differ by what the rest changes between them: by no more than
+ * that matrix times their difference. Where a power of the matrix is small there is no such
+ * difference. Likewise for what a singular matrix makes 0. How far two places can be apart whose
+ * values are near follows from the sum of all powers, a geometric series. */
 bool trilinear_is_single(const trilinear_bend *b, double larger) {
     enum { POWERS = 4 };
-    double size[3] = {1.0, 1.0, 1.0};
+    double size[3] = {1.0, 1.0, 1.0}, lower[3] = {0.0, 0.0, 0.0};
+    bool single = true;
     for (int power = 0; power < POWERS; power++) {
         const double sum[3] = {size[1] + size[2], size[2] + size[0], size[0] + size[1]};
         const double every = size[0] + sum[0];
-        for (int i = 0; i < 3; i++)
+        for (int i = 0; i < 3; i++) {
+            lower[i] += size[i];
             size[i] =
                 larger * ((b->two[0][i] * sum[0] + b->two[1][i] * sum[1]) + b->two[2][i] * sum[2]) +
                 larger * larger * (b->all[i] * every);
+        }
     }
-    return size[0] <= 0.75 && size[1] <= 0.75 && size[2] <= 0.75;
+    for (int i = 0; i < 3; i++)
+        single = single && size[i] <= SHARE && lower[i] <= (1.0 - SHARE) * TRILINEAR_STRETCH;
+    return single;
 }

@@ -81,7 +81,10 @@ bool trilinear_bend_of(const double form[3][TRILINEAR], const double rounding[3]
                        trilinear_bend *out);
 
 /* trilinear_is_single() - whether the map has no value twice in the box that is larger by a factor;
- * nor is any matrix singular whose columns are its derivatives, each at a place of its own. */
+ * nor is any matrix singular whose columns are its derivatives, each at a place of its own. Then
+ * two places are apart by TRILINEAR_STRETCH times what the parameters of their values are, at most.
+ */
+#define TRILINEAR_STRETCH 64.0
 bool trilinear_is_single(const trilinear_bend *b, double larger);
 
 #endif

@@ -12,7 +12,7 @@
 #include "formats/vtk/vtk_legacy.h"
 #include "formats/vtk/vtk_xml.h"
 
-enum { CHUNK = 4096, HIDDEN_POINT = 2, EXTENT_MAX = 1 << 30 };
+enum { CHUNK = 4096, HIDDEN_POINT = 2 };
 
 /* Marks of cells. VTK: vtkDataSetAttributes.h. */
 enum { DUPLICATE_CELL = 1, REFINED_CELL = 8, HIDDEN_CELL = 32 };
@@ -76,11 +76,13 @@ enum {
 };
 
 static status on_piece(vtk_xml *x, const char **attributes) {
-    int64_t e[6], nodes[3];
-    status st = vtk_xml_whole(x, attributes, "Extent", 6, -EXTENT_MAX, EXTENT_MAX, e);
-    for (int a = 0; st == ST_OK && a < 3; a++)
-        nodes[a] = e[2 * a + 1] - e[2 * a] + 1;
-    return st == ST_OK ? add_piece(vtk_xml_user(x), nodes) : st;
+    vtk_extent e;
+    int64_t nodes[3];
+    const status st = vtk_xml_extent(x, attributes, "Extent", &e);
+    if (st != ST_OK)
+        return st;
+    vtk_extent_nodes(&e, nodes);
+    return add_piece(vtk_xml_user(x), nodes);
 }
 
 static status on_array(vtk_xml *x, int element, const char *name, const vtk_array *a) {

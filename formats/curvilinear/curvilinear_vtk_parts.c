@@ -10,8 +10,6 @@
 #include "formats/vtk/vtk_parts.h"
 #include "formats/vtk/vtk_xml.h"
 
-enum { EXTENT_MAX = 1 << 30 };
-
 /* ---- a file that is named ---- */
 
 typedef struct part {
@@ -51,13 +49,9 @@ static status open_part(mem *m, const char *by, const char *path, const curvilin
 
 /* ---- pieces ---- */
 
-typedef struct extent {
-    int64_t lo[3], nodes[3];
-} extent;
-
 typedef struct piece {
     char *path;
-    extent at; /* from the whole's first node on */
+    int64_t lo[3], nodes[3]; /* from the whole's first node on */
     part file;
     uint32_t *fields; /* its number of each of the first piece's fields */
 } piece;
@@ -66,7 +60,7 @@ typedef struct joined {
     mem *m;
     const char *path;
     bool follow_links, sized;
-    extent whole;
+    vtk_extent whole;
     uint32_t nodes[1][3];
     piece *pieces;
     size_t count, room;
@@ -75,52 +69,45 @@ typedef struct joined {
 
 enum { ELEMENT_GRID = VTK_XML_OWN, ELEMENT_PIECE };
 
-static status read_extent(const vtk_xml *x, const char **attributes, const char *name,
-                          extent *out) {
-    int64_t e[6];
-    status st = vtk_xml_whole(x, attributes, name, 6, -EXTENT_MAX, EXTENT_MAX, e);
-    for (int a = 0; st == ST_OK && a < 3; a++) {
-        out->lo[a] = e[2 * a];
-        out->nodes[a] = e[2 * a + 1] - e[2 * a] + 1;
-    }
-    return st;
-}
-
 static status on_grid(vtk_xml *x, const char **attributes) {
     joined *j = vtk_xml_user(x);
     if (j->sized)
         return vtk_xml_fault(x, ST_CORRUPT, "the grid comes twice");
     j->sized = true;
-    status st = read_extent(x, attributes, "WholeExtent", &j->whole);
-    for (int a = 0; st == ST_OK && a < 3; a++) {
-        if (j->whole.nodes[a] < 2 || j->whole.nodes[a] > CURVILINEAR_NODES_MAX)
-            st = vtk_xml_fault(x, ST_UNSUPPORTED, "%lld nodes along %c, expected 2 to %d",
-                               (long long)j->whole.nodes[a], "ijk"[a], CURVILINEAR_NODES_MAX);
-        j->nodes[0][a] = (uint32_t)j->whole.nodes[a];
+    const status st = vtk_xml_extent(x, attributes, "WholeExtent", &j->whole);
+    int64_t nodes[3];
+    if (st != ST_OK)
+        return st;
+    vtk_extent_nodes(&j->whole, nodes);
+    for (int a = 0; a < 3; a++) {
+        if (nodes[a] < 2 || nodes[a] > CURVILINEAR_NODES_MAX)
+            return vtk_xml_fault(x, ST_UNSUPPORTED, "%lld nodes along %c, expected 2 to %d",
+                                 (long long)nodes[a], "ijk"[a], CURVILINEAR_NODES_MAX);
+        j->nodes[0][a] = (uint32_t)nodes[a];
     }
-    return st;
+    return ST_OK;
 }
 
 /* Processes without nodes have empty pieces. */
 static status on_piece(vtk_xml *x, const char **attributes) {
     joined *j = vtk_xml_user(x);
     const char *name = vtk_xml_attribute(attributes, "Source");
-    extent e = {0};
-    status st = read_extent(x, attributes, "Extent", &e);
+    vtk_extent e = {0};
+    status st = vtk_xml_extent(x, attributes, "Extent", &e);
     if (st == ST_OK && !name)
         st = vtk_xml_fault(x, ST_CORRUPT, "expected the attribute Source");
-    if (st != ST_OK || e.nodes[0] < 1 || e.nodes[1] < 1 || e.nodes[2] < 1)
+    if (st != ST_OK || vtk_extent_is_empty(&e))
         return st;
-    for (int a = 0; a < 3; a++) {
-        e.lo[a] -= j->whole.lo[a];
-        if (e.lo[a] < 0 || e.lo[a] + e.nodes[a] > j->whole.nodes[a])
-            return vtk_xml_fault(x, ST_CORRUPT, "a piece's extent lies outside of WholeExtent");
-    }
+    if (!vtk_extent_holds(&j->whole, &e))
+        return vtk_xml_fault(x, ST_CORRUPT, "a piece's extent lies outside of WholeExtent");
     st = mem_grow(j->m, &j->pieces, sizeof *j->pieces, j->count, 16, &j->room);
     if (st != ST_OK)
         return st;
     piece *p = &j->pieces[j->count++];
-    *p = (piece){.at = e};
+    *p = (piece){0};
+    vtk_extent_nodes(&e, p->nodes);
+    for (int a = 0; a < 3; a++)
+        p->lo[a] = e.lo[a] - j->whole.lo[a];
     return named_file_find(j->m, j->path, name, j->follow_links, &p->path);
 }
 
@@ -166,12 +153,11 @@ static status open_piece(joined *j, piece *p, const curvilinear_hints *hints) {
         return st;
     bool alike = p->file.from.zones == 1;
     for (int a = 0; a < 3; a++)
-        alike = alike && p->file.from.nodes[0][a] == p->at.nodes[a];
+        alike = alike && p->file.from.nodes[0][a] == p->nodes[a];
     if (!alike)
-        return status_describe(ST_CORRUPT,
-                               "%s: expected one piece of %lld x %lld x %lld nodes, as %s says",
-                               p->path, (long long)p->at.nodes[0], (long long)p->at.nodes[1],
-                               (long long)p->at.nodes[2], j->path);
+        return status_describe(
+            ST_CORRUPT, "%s: expected one piece of %lld x %lld x %lld nodes, as %s says", p->path,
+            (long long)p->nodes[0], (long long)p->nodes[1], (long long)p->nodes[2], j->path);
     const uint32_t fields = j->pieces[0].file.from.fields;
     p->fields = mem_array(j->m, fields ? fields : 1, sizeof *p->fields);
     st = p->fields ? ST_OK : ST_NOMEM;
@@ -207,7 +193,7 @@ static status open_pieces(curvilinear_opening *o, void **state) {
     uint64_t most = 0;
     for (size_t i = 0; st == ST_OK && i < j->count; i++) {
         piece *p = &j->pieces[i];
-        const uint64_t plane = (uint64_t)p->at.nodes[0] * (uint64_t)p->at.nodes[1];
+        const uint64_t plane = (uint64_t)p->nodes[0] * (uint64_t)p->nodes[1];
         most = plane > most ? plane : most;
         st = open_piece(j, p, &o->hints);
         o->blanked = o->blanked || p->file.from.blanked;
@@ -266,15 +252,15 @@ static status join_planes(const joined *j, uint32_t first, uint32_t count, const
     for (uint32_t k = 0; k < count; k++)
         for (size_t i = 0; i < j->count; i++) {
             const piece *p = &j->pieces[i];
-            const int64_t own = (int64_t)first + k - p->at.lo[2];
-            if (own < 0 || own >= p->at.nodes[2])
+            const int64_t own = (int64_t)first + k - p->lo[2];
+            if (own < 0 || own >= p->nodes[2])
                 continue;
             const status st = read_plane(j, p, (uint32_t)own, w);
             if (st != ST_OK)
                 return st;
-            const size_t row = (size_t)p->at.nodes[0];
-            size_t to = k * plane + (size_t)p->at.lo[1] * j->nodes[0][0] + (size_t)p->at.lo[0];
-            for (size_t y = 0; y < (size_t)p->at.nodes[1]; y++, to += j->nodes[0][0])
+            const size_t row = (size_t)p->nodes[0];
+            size_t to = k * plane + (size_t)p->lo[1] * j->nodes[0][0] + (size_t)p->lo[0];
+            for (size_t y = 0; y < (size_t)p->nodes[1]; y++, to += j->nodes[0][0])
                 put_row(j, y * row, row, to, w);
         }
     return ST_OK;

@@ -18,22 +18,9 @@
 #include "formats/grid/stored_samples.h"
 #include "formats/grid/volume_hints.h"
 #include "formats/vtk/vtk_cursor.h"
+#include "formats/vtk/vtk_extent.h"
 #include "formats/vtk/vtk_fields.h"
 #include "formats/vtk/vtk_parts.h"
-
-/* A box of nodes from lo to hi, hi included: x, y, z. */
-typedef struct vtk_extent {
-    int64_t lo[3], hi[3];
-} vtk_extent;
-
-#define VTK_EXTENT_MAX ((int64_t)1 << 30)
-
-/* vtk_extent_holds() - returns whether all nodes of `inner` are nodes of `outer`. */
-bool vtk_extent_holds(const vtk_extent *outer, const vtk_extent *inner);
-
-/* vtk_extent_is_empty() - returns whether it has no nodes. A writer without a share of the grid
- * leaves an empty extent. */
-bool vtk_extent_is_empty(const vtk_extent *e);
 
 /* Where a grid lies: node (i, j, k) at origin + direction * (spacing * (i, j, k)). */
 typedef struct vtk_frame {

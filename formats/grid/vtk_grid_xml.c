@@ -58,24 +58,13 @@ typedef struct scan {
 
 /* ---- elements ---- */
 
-static status parse_extent(const vtk_xml *x, const char **attributes, const char *name,
-                           vtk_extent *out) {
-    int64_t e[6];
-    status st = vtk_xml_whole(x, attributes, name, 6, -VTK_EXTENT_MAX, VTK_EXTENT_MAX, e);
-    for (int a = 0; st == ST_OK && a < 3; a++) {
-        out->lo[a] = e[2 * a];
-        out->hi[a] = e[2 * a + 1];
-    }
-    return st;
-}
-
 static status on_grid(vtk_xml *x, const char **attributes) {
     scan *s = vtk_xml_user(x);
     if (s->framed)
         return vtk_xml_fault(x, ST_CORRUPT, "the grid comes twice");
     s->framed = true;
     vtk_frame_init(&s->frame);
-    status st = parse_extent(x, attributes, "WholeExtent", &s->frame.whole);
+    status st = vtk_xml_extent(x, attributes, "WholeExtent", &s->frame.whole);
     if (st == ST_OK)
         st = vtk_xml_numbers(x, attributes, "Origin", 3, s->frame.origin, NULL);
     if (st == ST_OK)
@@ -90,7 +79,7 @@ static status on_piece(vtk_xml *x, const char **attributes) {
     scan *s = vtk_xml_user(x);
     vtk_extent extent;
     vtk_grid_piece *p;
-    status st = parse_extent(x, attributes, "Extent", &extent);
+    status st = vtk_xml_extent(x, attributes, "Extent", &extent);
     s->in_piece = st == ST_OK && !vtk_extent_is_empty(&extent);
     if (!s->in_piece)
         return st;
@@ -104,7 +93,7 @@ static status on_source(vtk_xml *x, const char **attributes) {
     scan *s = vtk_xml_user(x);
     const char *name = vtk_xml_attribute(attributes, "Source");
     source new = {0};
-    status st = parse_extent(x, attributes, "Extent", &new.extent);
+    status st = vtk_xml_extent(x, attributes, "Extent", &new.extent);
     if (st == ST_OK && !name)
         st = vtk_xml_fault(x, ST_CORRUPT, "expected the attribute Source");
     if (st != ST_OK || vtk_extent_is_empty(&new.extent))

@@ -100,6 +100,17 @@ status vtk_xml_whole(const vtk_xml *x, const char **attributes, const char *name
                : st;
 }
 
+status vtk_xml_extent(const vtk_xml *x, const char **attributes, const char *name,
+                      vtk_extent *out) {
+    int64_t e[6];
+    status st = vtk_xml_whole(x, attributes, name, 6, -VTK_EXTENT_MAX, VTK_EXTENT_MAX, e);
+    for (int a = 0; st == ST_OK && a < 3; a++) {
+        out->lo[a] = e[2 * a];
+        out->hi[a] = e[2 * a + 1];
+    }
+    return st;
+}
+
 /* Returns the index of a value among the words: 0 when there is no value, -1 for any other word. */
 static int choose_word(const char *value, const char *const *words) {
     if (!value)

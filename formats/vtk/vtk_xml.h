@@ -14,6 +14,7 @@
 #include "formats/base/mem.h"
 #include "formats/input/byte_stream.h"
 #include "formats/vtk/vtk_array.h"
+#include "formats/vtk/vtk_extent.h"
 #include "formats/vtk/vtk_fields.h"
 
 typedef struct vtk_xml vtk_xml;
@@ -74,10 +75,13 @@ CHECKED status vtk_xml_count(const vtk_xml *x, const char **attributes, const ch
 
 /* vtk_xml_numbers() - read exactly count numbers. If the attribute is absent, *found (may be NULL)
  * is false and out stays as it is.
- * vtk_xml_whole() - read whole numbers in lo .. hi, which must be there. */
+ * vtk_xml_whole() - read whole numbers in lo .. hi, which must be there. vtk_xml_extent() - six, of
+ * VTK_EXTENT_MAX at most. */
 CHECKED status vtk_xml_numbers(const vtk_xml *x, const char **attributes, const char *name,
                                int count, double *out, bool *found);
 CHECKED status vtk_xml_whole(const vtk_xml *x, const char **attributes, const char *name, int count,
                              int64_t lo, int64_t hi, int64_t *out);
+CHECKED status vtk_xml_extent(const vtk_xml *x, const char **attributes, const char *name,
+                              vtk_extent *out);
 
 #endif

@@ -7,11 +7,9 @@
 #include "formats/base/vec3.h"
 
 /* A form's coefficients err by this share of their sum at most. */
-#define ROUNDING 0x1p-48
-/* What bounds of parameters have to spare; roots, which they are a proof of, by what makes of it
- * where a cell is much bent. */
-#define ROOM      TRILINEAR_ROOM
-#define ROOT_ROOM (64.0 * ROOM)
+#define ROUNDING  0x1p-48
+#define ROOM      TRILINEAR_ROOM             /* what bounds of parameters may err by, */
+#define ROOT_ROOM (TRILINEAR_STRETCH * ROOM) /* and a single root's, which bent forms move */
 #define BEYOND    1.125  /* roots are single in a box that is larger by this factor */
 #define NARROWEST 0x1p-4 /* sides of boxes, each relative to that of the one before; */
 #define WORTH     0.5    /* and their content: larger ones are not worth a look */
