@@ -106,16 +106,25 @@ if [ "$(id -u)" = 0 ] && command -v flock apt-config >/dev/null; then
     rm "$tree/bin/git"
     # The command notes its number.
     ended() { [ ! -e "$root" ] && ! kill -0 "$(cat "$tree/build/pid")" 2>/dev/null; }
-    for signal in TERM INT; do
+    # ends_by_signal SIGNAL SCRIPT: it takes the command and the root with it.
+    ends_by_signal() {
         rm -f "$tree/build/pid"
         # shellcheck disable=SC2016 # the command's
-        (cd "$tree" && PATH=$tree/bin:$PATH exec env --default-signal=INT scripts/bare-root \
+        (cd "$tree" && PATH=$tree/bin:$PATH exec env --default-signal=INT "scripts/$2" \
             sh -c 'echo $$ >build/pid; exec sleep 1000') >/dev/null 2>"$tmp/err" &
         child=$!
         until [ -s "$tree/build/pid" ] || ! kill -0 $child 2>/dev/null; do sleep 0.1; done
-        kill -s $signal $child
+        kill -s "$1" $child
         wait $child 2>/dev/null
-        ok "SIG$signal ends the command and its root with it" ended
+        ended
+    }
+    # One that is slow to give the command's number a name.
+    sed 's/^child=\$!$/sleep 1; &/' "$tree/scripts/bare-root" >"$tree/scripts/slow-root"
+    chmod 755 "$tree/scripts/slow-root"
+    ok "a slower one" sh -c '! cmp -s "$1/bare-root" "$1/slow-root"' - "$tree/scripts"
+    for signal in TERM INT; do
+        ok "SIG$signal ends the command and its root with it" ends_by_signal $signal bare-root
+        ok "SIG$signal that comes early, too" ends_by_signal $signal slow-root
     done
 else
     skip "bare-root with stand-ins" "as root of a Debian only"
