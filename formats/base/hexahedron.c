@@ -4,16 +4,12 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "formats/base/trilinear.h"
+#include "formats/base/simd_one.h"
+#include "formats/base/trilinear_template.h"
 #include "formats/base/vec3.h"
 
 double hexahedron_at(const double v[HEX_CORNERS], const double at[3]) {
-    double edge[4], face[2];
-    for (int i = 0; i < 4; i++)
-        edge[i] = v[2 * i] + at[0] * (v[2 * i + 1] - v[2 * i]);
-    for (int i = 0; i < 2; i++)
-        face[i] = edge[2 * i] + at[1] * (edge[2 * i + 1] - edge[2 * i]);
-    return face[0] + at[2] * (face[1] - face[0]);
+    return trilinear_between(v, at);
 }
 
 void hexahedron_slope(const double v[HEX_CORNERS], const double at[3], double slope[3]) {
@@ -156,7 +152,7 @@ static int sense_if_straight(const double p[HEX_CORNERS][3]) {
         trilinear_of(away, form[a]);
         rounding[a] = 0x1p-48 * trilinear_size(form[a]);
     }
-    if (!trilinear_bend_of((const double(*)[TRILINEAR])form, rounding, &b) ||
+    if (!trilinear_bend_of(form, rounding, &b) ||
         !trilinear_is_single(&b, 1.0))
         return 0;
     return b.det > 0.0 ? 1 : -1;

@@ -13,18 +13,13 @@
 
 #include "render/curved/hex_roots.h"
 
-typedef struct hex_meet {
-    const hexahedron *cell;
-    const sheared_ray *ray;
-    int sense;
-    double q[3][HEX_CORNERS];    /* the corners in the ray's space, by coordinate */
-    double form[3][HEX_CORNERS]; /* of q[0], q[1], the value (trilinear.h) */
-} hex_meet;
+/* hex_meet_roots() - as hex_roots(). sense: hexahedron_sense(). counts: of what went there; may be
+ * NULL. */
+int hex_meet_roots(const hexahedron *cell, int sense, const sheared_ray *r, double isovalue,
+                   hex_root out[HEX_ROOTS], hex_counts *counts);
 
-/* hex_meet_begin() - keeps the cell and the ray by reference. sense: hexahedron_sense(). */
-void hex_meet_begin(const hexahedron *cell, int sense, const sheared_ray *sheared, hex_meet *out);
-
-/* hex_meet_roots() - as hex_roots(). counts: of what went there; may be NULL. */
-int hex_meet_roots(const hex_meet *m, double isovalue, hex_root out[HEX_ROOTS], hex_counts *counts);
+/* hex_meet_crossed() - the same, by the faces alone. */
+int hex_meet_crossed(const hexahedron *cell, int sense, const sheared_ray *r, double isovalue,
+                     hex_root out[HEX_ROOTS], hex_counts *counts);
 
 #endif

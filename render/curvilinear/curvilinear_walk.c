@@ -165,14 +165,13 @@ typedef struct best_root {
 static void take_roots(const cell_way *w, const way_cell *c, const isovalue_list *isos,
                        const ray *r, trace_state *state, best_root *best, hex_counts *counts) {
     double range[2];
-    hex_meet meet;
-    hex_meet_begin(&c->hexahedron, c->sense, &w->sheared, &meet);
     range_of(&c->hexahedron, range);
     for (int i = 0; i < isos->count; i++) {
         hex_root roots[HEX_ROOTS];
         if (!(range[0] < isos->isovalues[i] && isos->isovalues[i] <= range[1]))
             continue;
-        const int count = hex_meet_roots(&meet, isos->isovalues[i], roots, counts);
+        const int count = hex_meet_roots(&c->hexahedron, c->sense, &w->sheared,
+                                         isos->isovalues[i], roots, counts);
         for (int n = 0; n < count; n++) {
             const hit h = {roots[n].t, w->lattice->first + c->number, i, roots[n].entering};
             if (!cell_hit(state, r, &h))

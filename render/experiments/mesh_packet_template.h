@@ -10,11 +10,11 @@
 #include "render/experiments/isopolygon_cache.h"
 #include "render/experiments/mesh_packet.h"
 #include "render/experiments/packet_frustum.h"
-#include "render/mesh/mesh_box_template.h"
 #include "render/mesh/mesh_shade_template.h"
 #include "render/mesh/mesh_tracer.h"
 #include "render/mesh/tet_batch.h"
 #include "render/tile/tile_rects_template.h"
+#include "render/walk/box_interval_template.h"
 
 void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                             tile_outcome *out, ray_counters *counters);
@@ -67,7 +67,7 @@ enum { PACKET_LAYERS = 1 };
 SIMD unsigned rays_meet(const packet *w, const packet_box *b, int at) {
     const tet_rays *r = &w->rays;
     const vd d[3] = {d_load(r->d[0] + at), d_load(r->d[1] + at), d_load(r->d[2] + at)};
-    return mesh_box_meets(d, b->lo, b->hi, d_load(r->from + at), d_load(r->to + at));
+    return box_interval_meets(d, b->lo, b->hi, d_load(r->from + at), d_load(r->to + at));
 }
 
 /* Set frustum.far to the greatest t up to which any ray still looks. */

@@ -6,8 +6,8 @@
  * computed in double and then rounded to float. So errors stay a tiny part of a pixel, however far
  * the eye or the volume is from the origin.
  *
- * Grids have entries for all planes between cells. Every box of a mesh has planes of its own; their
- * entries are products of `axis` and the distance from the eye.
+ * Grids have entries for all planes between cells. Every box of other kinds has planes of its own;
+ * their entries are products of `axis` and the distance from the eye.
  */
 #ifndef RENDER_LOOK_PROJECTION_H
 #define RENDER_LOOK_PROJECTION_H
@@ -29,7 +29,7 @@ typedef struct plane_projection {
 
 typedef struct projection {
     const plane_projection *at[LEAF_LEVELS_MAX][3]; /* for a grid */
-    float axis[3][4]; /* for a mesh, world space: x, y, w, far of a plane at 1 from the eye */
+    float axis[3][4]; /* for boxes, world space: x, y, w, far of a plane at 1 from the eye */
     bool usable;      /* false: numbers exceed float; then nothing else is set */
     double eye[3];    /* grid space */
     float centre[2];  /* where the camera looks: pixels from the picture's left and top edge */
@@ -53,7 +53,7 @@ static const float projection_depth_share = 1.0f / 16.0f;
 
 void projection_release(projection *p);
 
-/* ---- For kinds: grid/grid_projection.h, mesh/mesh_projection.h ---- */
+/* ---- For grid/grid_projection.h, box_projection.h ---- */
 
 /* What one unit along a grid axis adds to homogeneous pixel coordinates. */
 typedef struct axis_projection {

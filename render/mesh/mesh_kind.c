@@ -7,13 +7,13 @@
 #include "formats/base/box3.h"
 #include "formats/base/exact.h"
 #include "formats/base/vec3.h"
+#include "render/look/box_projection.h"
 #include "render/look/camera.h"
 #include "render/look/scene_facts.h"
 #include "render/mesh/mesh_batch.h"
 #include "render/mesh/mesh_extreme.h"
 #include "render/mesh/mesh_faces.h"
 #include "render/mesh/mesh_gradient.h"
-#include "render/mesh/mesh_projection.h"
 #include "render/mesh/mesh_segments.h"
 #include "render/mesh/mesh_tile.h"
 #include "render/mesh/mesh_tracer.h"
@@ -97,7 +97,7 @@ static void mesh_aim(leafcast *v, const leafcast_scene *scene, const camera *c, 
 }
 
 static status mesh_project(leafcast *v, const camera *c, projection *out) {
-    mesh_projection_init(out, v->file->header.bounds, c);
+    box_projection_init(out, v->file->header.bounds, c);
     return ST_OK;
 }
 

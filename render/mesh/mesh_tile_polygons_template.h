@@ -27,11 +27,11 @@ typedef struct met_rays {
 static void take_surface(mesh_tile *w, unsigned of, unsigned i, double t, bool entering) {
     const tet_queue *q = &w->queue;
     const tile_surface found = {t, &q->at[of]->head, q->local[of], q->iso[of], entering};
-    if (!tile_state_take(&w->s, i, found))
+    if (!tile_state_take(&w->b.s, i, found))
         return;
-    if (w->s.reach[i] < (double)INFINITY)
-        look_as_far(w, i);
-    w->s.counters->roots++;
+    if (w->b.s.reach[i] < (double)INFINITY)
+        look_as_far(&w->b, i);
+    w->b.s.counters->roots++;
 }
 
 /* Decide by the scalar kernel what the vectors leave in doubt. A bent quadrilateral may have two
@@ -41,10 +41,10 @@ static void take_scalar(mesh_tile *w, unsigned of, unsigned i) {
     const isopolygon g = polygon_lanes_get(&q->polygons, of);
     const uint64_t cell = q->at[of]->first_tet + q->local[of];
     hit before = hit_before_all(), found;
-    ray r = {.t0 = w->s.rays.t0[i], .t1 = w->s.rays.t1[i]};
+    ray r = {.t0 = w->b.s.rays.t0[i], .t1 = w->b.s.rays.t1[i]};
     for (int a = 0; a < 3; a++) {
-        r.o[a] = r.held[a] = w->eye[a];
-        r.d[a] = w->s.rays.d[a][i];
+        r.o[a] = r.held[a] = w->b.eye[a];
+        r.d[a] = w->b.s.rays.d[a][i];
     }
     for (; isopolygon_hit(&g, &r, cell, q->iso[of], &before, &found); before = found)
         take_surface(w, of, i, found.t, found.entering);
@@ -53,12 +53,12 @@ static void take_scalar(mesh_tile *w, unsigned of, unsigned i) {
 /* Take the certain hits that are nearer than the rays' hits so far. enters: a bit per lane whose
  * ray goes along the normal. */
 SIMD void take_sure(mesh_tile *w, const met_rays *r, unsigned hits, unsigned enters, vd t) {
-    const tile_rays *rays = &w->s.rays;
+    const tile_rays *rays = &w->b.s.rays;
     double ts[VD_N];
     d_store(ts, t);
     for (; hits; hits &= hits - 1) {
         const unsigned k = (unsigned)__builtin_ctz(hits), i = r->ray[k];
-        if (ts[k] >= rays->t0[i] && ts[k] <= rays->t1[i] && ts[k] <= w->s.reach[i])
+        if (ts[k] >= rays->t0[i] && ts[k] <= rays->t1[i] && ts[k] <= w->b.s.reach[i])
             take_surface(w, r->of[k], i, ts[k], enters >> k & 1u);
     }
 }
@@ -120,7 +120,7 @@ SIMD void meet_few(mesh_tile *w, const seen_lanes *s, unsigned lanes, unsigned q
             more |= (unsigned)(left[k] != 0) << k;
         }
         for (int a = 0; a < 3; a++)
-            r.d[a] = d_load_at(w->s.rays.d[a], r.ray);
+            r.d[a] = d_load_at(w->b.s.rays.d[a], r.ray);
         met |= meet_lanes(w, s, &r, lanes, quads);
         lanes = more;
     }
@@ -150,12 +150,12 @@ SIMD unsigned looking(const mesh_tile *w, unsigned lane, unsigned y) {
         return 0;
     if (q->centres[lane])
         return (q->centres[lane] >> CENTRES * (y - r.y0) & ((1u << CENTRES) - 1u)) << r.x0;
-    return w->s.open[y] & row_mask(r);
+    return w->b.s.open[y] & row_mask(r);
 }
 
 /* Test one polygon against the rays that look at it, window by window. */
 static void meet_many(mesh_tile *w, const seen_lanes *all, unsigned lane, bool quad) {
-    const tile_rays *rays = &w->s.rays;
+    const tile_rays *rays = &w->b.s.rays;
     const tile_rect rect = w->queue.rect[lane];
     const unsigned span = (1u << SPAN) - 1u;
     unsigned met = 0;
@@ -222,7 +222,7 @@ static void walk_queue(mesh_tile *w) {
     for (unsigned k = 0; k < VD_N; k++)
         if (alone >> k & 1u)
             polygon_alone(w, k);
-    see_lanes(&q->polygons, w->eye, &s);
+    see_lanes(&q->polygons, w->b.eye, &s);
     for (unsigned k = 0; k < VD_N && k < q->count; k++) {
         const unsigned rays = (unsigned)__builtin_popcount(q->centres[k]);
         const unsigned there = q->polygons.count[k] > 0, is_few = rays > 0 && rays <= FEW;
@@ -251,7 +251,7 @@ SIMD void put_tet(mesh_tile *w, const resident_mesh *at, const tet_lanes *l, uns
             q->tets.p[k][a][to] = (double)at->positions[v][a];
         q->tets.f[k][to] = (double)values[v];
     }
-    q->isovalue[to] = w->s.f->tracer->isos.isovalues[iso];
+    q->isovalue[to] = w->b.s.f->tracer->isos.isovalues[iso];
     q->at[to] = at;
     q->local[to] = l->local[lane];
     q->iso[to] = iso;

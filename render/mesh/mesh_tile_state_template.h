@@ -7,14 +7,12 @@
 
 #ifdef SIMD_NAME
 
-#include <float.h>
-
 #include "render/mesh/mesh_shade_template.h"
 #include "render/mesh/mesh_tile.h"
 #include "render/mesh/mesh_tracer.h"
 #include "render/mesh/tet_polygons_template.h"
 #include "render/ray/lane_counts.h"
-#include "render/tile/tile_rects_template.h"
+#include "render/tile/tile_boxes_template.h"
 
 /* Active tets of a treelet, a lane each, waiting for covers_of(). */
 typedef struct tet_lanes {
@@ -41,52 +39,11 @@ typedef struct tet_queue {
 } tet_queue;
 
 typedef struct mesh_tile {
-    tile_state s;
-    tile_view view;
-    double eye[3];
+    tile_boxes b;
     tet_lanes lanes[2]; /* one that fills, and maybe a full one that waits for its vertices */
     unsigned filling;
     tet_queue queue;
-    float far2[TILE_RAYS + VF_N]; /* squares of how far rays look; below 0: not at all */
 } mesh_tile;
-
-/* ---- Which rays see what ---- */
-
-/* Margin for squared distances in single precision: more than their rounding. */
-static const float SURELY = 1.0f - 0x1p-20f;
-
-/* Update how far ray i looks. */
-SIMD void look_as_far(mesh_tile *w, unsigned i) {
-    const double t = w->s.reach[i];
-    w->far2[i] = (float)(t * t) + FLT_MIN;
-}
-
-/* Let rays that are not open look no farther. */
-static void look_with_open(mesh_tile *w) {
-    for (unsigned y = 0; y < TILE; y++)
-        for (unsigned left = row_full & ~w->s.open[y]; left; left &= left - 1)
-            w->far2[TILE * y + (unsigned)__builtin_ctz(left)] = -1.0f;
-}
-
-/* Begin with nothing found. */
-static void look_at_all(mesh_tile *w) {
-    for (unsigned i = 0; i < TILE_RAYS + VF_N; i += VF_N)
-        f_store(w->far2 + i, f_set(INFINITY));
-    look_with_open(w);
-}
-
-/* Returns whether an open ray of the rectangle has no surface nearer than the squared distance
- * near2. True if near2 is NaN. */
-SIMD bool in_sight(const mesh_tile *w, tile_rect r, float near2) {
-    enum { LANES = (1u << VF_N) - 1 };
-    const vf at = f_set(near2 * SURELY);
-    const unsigned columns = row_mask(r);
-    for (unsigned y = r.y0; y <= r.y1; y++)
-        for (unsigned x = r.x0; x <= r.x1; x += VF_N)
-            if (~mf_bits(f_lt(f_load(w->far2 + TILE * y + x), at)) & columns >> x & LANES)
-                return true;
-    return false;
-}
 
 /* Side of a window of pixels that starts at a rectangle's corner. */
 enum { CENTRES = 4 };
@@ -101,7 +58,7 @@ SIMD uint32_t centres_in_sight(const mesh_tile *w, tile_rect r, uint32_t centres
     const float at = near2 * SURELY;
     uint32_t visible = 0;
     for (uint32_t left = centres; left; left &= left - 1)
-        if (!(w->far2[centre_ray(r, (unsigned)__builtin_ctz(left))] < at))
+        if (!(w->b.far2[centre_ray(r, (unsigned)__builtin_ctz(left))] < at))
             visible |= left & -left;
     return visible;
 }

@@ -7,7 +7,6 @@
 
 #ifdef SIMD_NAME
 
-#include "render/mesh/mesh_box_template.h"
 #include "render/mesh/mesh_tile_tets_template.h"
 
 void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
@@ -20,99 +19,9 @@ typedef struct mesh_work {
 } mesh_work;
 _Static_assert(sizeof(mesh_work) <= MESH_TILE_SCRATCH, "a tile has room in its scratch");
 
-/* ---- Boxes ---- */
-
-/* Eight boxes, their planes relative to the eye. AVX-512 has idle lanes. */
-enum { BOX_LANES = VF_N > 8 ? VF_N : 8 };
-
-typedef struct near_boxes {
-    _Alignas(64) float lo[3][BOX_LANES], hi[3][BOX_LANES];
-} near_boxes;
-
-typedef struct box_rects {
-    tile_rects rects;
-    _Alignas(64) float near2[BOX_LANES]; /* their squared distances from the eye */
-} box_rects;
-
-/* Fill lanes without a box with harmless numbers. */
-SIMD void leave_idle(near_boxes *b, unsigned from) {
-    for (int a = 0; a < 3; a++)
-        for (unsigned c = from; c < BOX_LANES; c++)
-            b->lo[a][c] = b->hi[a][c] = 0.0f;
-}
-
-/* Project VF_N boxes, from `lane` on. */
-SIMD void rects_of_planes(const mesh_tile *w, const vf lo[3], const vf hi[3], unsigned lane,
-                          const tile_rect *parent, box_rects *out) {
-    const projection *p = w->view.p;
-    const vf zero = f_set(0.0f);
-    children_entries c = {.far = zero};
-    vf near2 = zero;
-    for (int a = 0; a < 3; a++) {
-        const vf outside_of = f_max(f_max(lo[a], f_set(-0.0f) - hi[a]), zero);
-        near2 = near2 + outside_of * outside_of;
-        c.x.lo[a] = lo[a] * f_set(p->axis[a][0]);
-        c.x.hi[a] = hi[a] * f_set(p->axis[a][0]);
-        c.y.lo[a] = lo[a] * f_set(p->axis[a][1]);
-        c.y.hi[a] = hi[a] * f_set(p->axis[a][1]);
-        c.w.lo[a] = lo[a] * f_set(p->axis[a][2]);
-        c.w.hi[a] = hi[a] * f_set(p->axis[a][2]);
-        c.far = c.far + f_max(f_abs(lo[a]), f_abs(hi[a])) * f_set(p->axis[a][3]);
-    }
-    f_store(out->near2 + lane, near2);
-    tile_rects_of_entries(&w->view, &c, lane, parent, &out->rects);
-}
-
-SIMD void rects_of_boxes(const mesh_tile *w, const near_boxes *b, const tile_rect *parent,
-                         box_rects *out) {
-    out->rects.alive = 0;
-    for (unsigned lane = 0; lane < 8; lane += VF_N) {
-        vf lo[3], hi[3];
-        for (int a = 0; a < 3; a++) {
-            lo[a] = f_load(b->lo[a] + lane);
-            hi[a] = f_load(b->hi[a] + lane);
-        }
-        rects_of_planes(w, lo, hi, lane, parent, out);
-    }
-    out->rects.alive &= 255u;
-}
-
-/* Sort the children in `left`, the farthest first. */
-SIMD unsigned by_distance(const float near2[BOX_LANES], unsigned left, uint8_t order[8]) {
-    unsigned count = 0;
-    for (; left; left &= left - 1) {
-        const unsigned c = (unsigned)__builtin_ctz(left);
-        unsigned at = count++;
-        for (; at > 0 && near2[order[at - 1]] < near2[c]; at--)
-            order[at] = order[at - 1];
-        order[at] = (uint8_t)c;
-    }
-    return count;
-}
-
 /* ---- Nodes ---- */
 
-typedef struct mesh_pending {
-    uint32_t level, i; /* in the tree over the treelets; in a treelet i is the child */
-    tile_rect rect;
-    float near2;
-} mesh_pending;
-
-enum {
-    TREELET_STACK_MAX = MESH_DEPTH_MAX * (MESH_CHILDREN - 1) + 1,
-    TREE_STACK_MAX = TREELET_TREE_LEVELS_MAX * TREELET_TREE_ARITY
-};
-
-SIMD int push_boxes(const box_rects *boxes, unsigned left, mesh_pending *stack, int top) {
-    uint8_t order[8];
-    const unsigned count = by_distance(boxes->near2, left, order);
-    for (unsigned k = 0; k < count; k++) {
-        stack[top].i = order[k];
-        stack[top].rect = boxes->rects.of[order[k]];
-        stack[top++].near2 = boxes->near2[order[k]];
-    }
-    return top;
-}
+enum { TREELET_STACK_MAX = MESH_DEPTH_MAX * (MESH_CHILDREN - 1) + 1 };
 
 /* Turns a treelet's codes into planes relative to the eye. */
 typedef struct eye_frame {
@@ -126,7 +35,7 @@ SIMD eye_frame eye_frame_of(const mesh_tile *w, const resident_mesh *at) {
     eye_frame f;
     for (int a = 0; a < 3; a++) {
         const float lo = at->planes.lo[a], size = 256.0f * at->planes.step[a];
-        const float corner = (float)((double)lo - w->eye[a]);
+        const float corner = (float)((double)lo - w->b.eye[a]);
         const float slack = 0x1p-23f * (fabsf(lo) + 2.0f * (fabsf(corner) + size));
         f.lo[a] = corner - slack;
         f.hi[a] = corner + slack;
@@ -145,7 +54,7 @@ SIMD void rects_of_node(const mesh_tile *w, const eye_frame *f, const mesh_node 
             lo[a] = f_set(f->lo[a]) + f_of_bytes(node->lo[a] + lane) * f_set(f->step[a]);
             hi[a] = f_set(f->hi[a]) + f_of_bytes(node->hi[a] + lane) * f_set(f->step[a]);
         }
-        rects_of_planes(w, lo, hi, lane, parent, out);
+        rects_of_planes(&w->b, lo, hi, lane, parent, out);
     }
     out->rects.alive &= 255u;
 }
@@ -187,13 +96,13 @@ static void walk_treelet_of_mesh(mesh_tile *w, const resident_mesh *at, tile_rec
     const eye_frame planes = eye_frame_of(w, at);
     const mesh_node *nodes = at->nodes;
     const uint16_t *first = mesh_leaf_first(&at->mesh, at->head.payload);
-    mesh_pending stack[TREELET_STACK_MAX];
+    tile_pending stack[TREELET_STACK_MAX];
     near_leaves leaves = {.count = 0};
     int top = 0;
-    stack[top++] = (mesh_pending){0, 0, rect, near2};
+    stack[top++] = (tile_pending){0, 0, rect, near2};
     while (top > 0) {
-        const mesh_pending p = stack[--top];
-        if (!in_sight(w, p.rect, p.near2))
+        const tile_pending p = stack[--top];
+        if (!in_sight(&w->b, p.rect, p.near2))
             continue;
         if (p.i & MESH_LEAF) {
             const uint32_t leaf = p.i & ~(uint32_t)MESH_LEAF;
@@ -201,7 +110,7 @@ static void walk_treelet_of_mesh(mesh_tile *w, const resident_mesh *at, tile_rec
             continue;
         }
         box_rects boxes;
-        w->s.counters->nodes++;
+        w->b.s.counters->nodes++;
         rects_of_node(w, &planes, &nodes[p.i], &p.rect, &boxes);
         const int bottom = top;
         top = push_boxes(&boxes, boxes.rects.alive & at->active->children[p.i], stack, top);
@@ -225,58 +134,22 @@ static void walk_treelet_of_mesh(mesh_tile *w, const resident_mesh *at, tile_rec
 
 /* ---- Treelets ---- */
 
-/* Returns which of VD_N rays pass through a box before their nearest hit so far. */
-SIMD unsigned rays_through(const mesh_tile *w, const double lo[3], const double hi[3], unsigned i) {
-    const tile_rays *rays = &w->s.rays;
-    const vd d[3] = {d_load(rays->d[0] + i), d_load(rays->d[1] + i), d_load(rays->d[2] + i)};
-    double from_eye[2][3];
-    for (int a = 0; a < 3; a++) {
-        from_eye[0][a] = lo[a] - w->eye[a];
-        from_eye[1][a] = hi[a] - w->eye[a];
-    }
-    return mesh_box_meets(d, from_eye[0], from_eye[1], d_load(rays->t0 + i),
-                          d_min(d_load(rays->t1 + i), d_load(w->s.reach + i)));
+static void visit_treelet(void *work, const tile_pending *p) {
+    mesh_tile *w = work;
+    const resident_mesh *at = resident_mesh_of(treelet_in_sight(&w->b, p));
+    if (at)
+        walk_treelet_of_mesh(w, at, p->rect, p->near2);
 }
 
-/* Suspend rays that pass an absent treelet. */
-static void wait_for_treelet(mesh_tile *w, uint32_t t, tile_rect r) {
-    const float *bounds = w->s.f->tracer->treelets->tree->bounds[0][t];
-    const double lo[3] = {bounds[0], bounds[1], bounds[2]};
-    const double hi[3] = {bounds[3], bounds[4], bounds[5]};
-    tile_outcome *out = w->s.out;
-    unsigned any = 0;
-    for (unsigned y = r.y0; y <= r.y1; y++) {
-        unsigned passing = 0;
-        for (unsigned x = r.x0 & ~(VD_N - 1u); x <= r.x1; x += VD_N)
-            passing |= (rays_through(w, lo, hi, TILE * y + x) & ((1u << VD_N) - 1u)) << x;
-        passing &= w->s.open[y] & row_mask(r);
-        out->waits[y] |= (tile_row)passing;
-        w->s.open[y] &= ~(tile_row)passing;
-        any |= passing;
-    }
-    if (any)
-        look_with_open(w);
-    if (any)
-        tile_absent(out, t, 0);
-}
-
-static void walk_resident_treelet(mesh_tile *w, const mesh_pending *p) {
-    if (!w->s.has_rays) {
-        tile_state_rays(&w->s);
-        look_with_open(w);
-    }
-    const resident_mesh *at = resident_mesh_of(loader_lookup(w->s.f->tracer->treelets, p->i));
-    if (!at) {
-        wait_for_treelet(w, p->i, p->rect);
-        return;
-    }
-    tracer_touch(w->s.f->tracer, p->i); /* judged by rectangles alone */
-    walk_treelet_of_mesh(w, at, p->rect, p->near2);
+static void queue_treelet(void *work, uint32_t t) {
+    const mesh_tile *w = work;
+    loader_prefetch(w->b.s.f->tracer->treelets, t);
 }
 
 /* Treelet t is probably walked next. Prefetch its first nodes, leaves and masks. */
-static void expect_treelet(const mesh_tile *w, uint32_t t) {
-    const resident_mesh *at = resident_mesh_of(loader_peek(w->s.f->tracer->treelets, t));
+static void expect_treelet(void *work, uint32_t t) {
+    const mesh_tile *w = work;
+    const resident_mesh *at = resident_mesh_of(loader_peek(w->b.s.f->tracer->treelets, t));
     if (!at)
         return;
     const char *first = (const char *)mesh_leaf_first(&at->mesh, at->head.payload);
@@ -290,66 +163,22 @@ static void expect_treelet(const mesh_tile *w, uint32_t t) {
         __builtin_prefetch(at->active->tets + word);
 }
 
-/* Walk the tree over the treelets, from its root. */
-static void walk_mesh(mesh_tile *w, tile_rect rect) {
-    const treelet_tree *tree = w->s.f->tracer->treelets->tree;
-    mesh_pending stack[TREE_STACK_MAX];
-    int top = 0;
-    if (tree->active[tree->levels - 1][0])
-        stack[top++] = (mesh_pending){tree->levels - 1, 0, rect, 0.0f};
-    while (top > 0) {
-        const mesh_pending p = stack[--top];
-        if (!in_sight(w, p.rect, p.near2))
-            continue;
-        if (p.level == 0) {
-            if (top > 0 && stack[top - 1].level == 0)
-                expect_treelet(w, stack[top - 1].i);
-            walk_resident_treelet(w, &p);
-            continue;
-        }
-        uint32_t count, first = treelet_tree_children(tree, p.level, p.i, &count);
-        near_boxes b;
-        box_rects boxes;
-        unsigned active = 0;
-        for (uint32_t c = 0; c < count; c++) {
-            const float *bounds = tree->bounds[p.level - 1][first + c];
-            active |= (unsigned)tree->active[p.level - 1][first + c] << c;
-            for (int a = 0; a < 3; a++) {
-                b.lo[a][c] = (float)((double)bounds[a] - w->eye[a]);
-                b.hi[a][c] = (float)((double)bounds[a + 3] - w->eye[a]);
-            }
-        }
-        leave_idle(&b, count);
-        w->s.counters->nodes++;
-        rects_of_boxes(w, &b, &p.rect, &boxes);
-        const int bottom = top;
-        top = push_boxes(&boxes, boxes.rects.alive & active, stack, top);
-        for (int k = bottom; k < top; k++) {
-            stack[k].i += first;
-            stack[k].level = p.level - 1;
-            if (p.level == 1)
-                loader_prefetch(w->s.f->tracer->treelets, stack[k].i);
-        }
-    }
-}
+static const tile_visitor mesh_visitor = {visit_treelet, queue_treelet, expect_treelet};
 
 void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                           tile_outcome *out, ray_counters *counters) {
     mesh_work *work = out->scratch;
     mesh_tile *w = &work->tile;
-    tile_state_begin(&w->s, f, &mesh_order, TILE_LAYERS, x0, y0, asked, out, counters);
-    w->view = tile_view_of(f, x0, y0);
+    tile_boxes_begin(&w->b, f, &mesh_order, x0, y0, asked, out, counters);
     w->lanes[0].count = w->lanes[1].count = w->filling = 0;
     memset(&w->queue.tets, 0, sizeof w->queue.tets);
     w->queue.count = w->queue.pixels = 0;
-    for (int a = 0; a < 3; a++)
-        w->eye[a] = f->projection->eye[a];
-    mesh_shade_begin(&work->shading, &w->s);
+    mesh_shade_begin(&work->shading, &w->b.s);
     do {
-        look_at_all(w);
-        walk_mesh(w, (tile_rect){0, TILE - 1, 0, TILE - 1});
+        walk_tree(&w->b, f->tracer->treelets->tree, tile_boxes_again(&w->b), 0.0f, &mesh_visitor,
+                  w);
         mesh_shade(&work->shading);
-    } while (tile_state_again(&w->s, TILE_LAYERS, work->shading.pixels.rgba[3]));
+    } while (tile_state_again(&w->b.s, TILE_LAYERS, work->shading.pixels.rgba[3]));
     mesh_shade_end(&work->shading);
 }
 

@@ -23,7 +23,7 @@ typedef struct tets_in_view {
  * few units of 2^-24 of the distance and of the treelet's size. */
 SIMD void view_tets(const mesh_tile *w, const resident_mesh *at, const tet_lanes *l,
                     tets_in_view *v) {
-    const projection *p = w->view.p;
+    const projection *p = w->b.view.p;
     const float *positions = at->positions[0];
     const float *values = mesh_leaf_values(&at->mesh, at->values);
     float size = 0.0f;
@@ -38,7 +38,7 @@ SIMD void view_tets(const mesh_tile *w, const resident_mesh *at, const tet_lanes
         v->x[k] = v->y[k] = v->w[k] = f_set(0.0f);
         for (int a = 0; a < 3; a++) {
             const float lo = at->bounds[a];
-            const vf q = (at_corner[a] - f_set(lo)) - f_set((float)(w->eye[a] - (double)lo));
+            const vf q = (at_corner[a] - f_set(lo)) - f_set((float)(w->b.eye[a] - (double)lo));
             v->x[k] = v->x[k] + f_set(p->axis[a][0]) * q;
             v->y[k] = v->y[k] + f_set(p->axis[a][1]) * q;
             v->w[k] = v->w[k] + f_set(p->axis[a][2]) * q;
@@ -224,18 +224,18 @@ SIMD unsigned covers_of(const mesh_tile *w, const tet_lanes *l, const tets_in_vi
     const mf whole = mf_or(v->odd, f_lt(e.w0, v->far * f_set(projection_depth_share)));
     mf alive;
     const vi packed =
-        rects_of_extent(&w->view, &e, 2.0f * w->view.p->margin, whole, within, &alive);
+        rects_of_extent(&w->b.view, &e, 2.0f * w->b.view.p->margin, whole, within, &alive);
     memcpy(out->rect, &packed, sizeof packed);
     f_store(out->depth, f_select(whole, f_set(0.0f), e.w0 - f_set(0x1p-19f) * v->far));
     alive = mf_and(alive, mf_of_bits(lanes));
     LANE_COUNT(covers, mf_bits(alive));
-    const mf none = cover_no_centre(&w->view, &c, &e, v->far, mf_and_not(alive, whole), out);
+    const mf none = cover_no_centre(&w->b.view, &c, &e, v->far, mf_and_not(alive, whole), out);
     LANE_COUNT(covering, mf_bits(mf_and_not(alive, none)));
     return mf_bits(mf_and_not(alive, none));
 }
 
 static void walk_lanes(mesh_tile *w, const resident_mesh *at, tet_lanes *l) {
-    const isovalue_list *isos = &w->s.f->tracer->isos;
+    const isovalue_list *isos = &w->b.s.f->tracer->isos;
     tets_in_view view;
     for (unsigned k = l->count; k < VF_N; k++)
         for (int v = 0; v < 4; v++)
@@ -250,11 +250,11 @@ static void walk_lanes(mesh_tile *w, const resident_mesh *at, tet_lanes *l) {
             const float near2 = covers.depth[k] * covers.depth[k];
             const tile_rect rect = covers.rect[k];
             const uint32_t centres = centres_in_sight(w, rect, covers.centres[k], near2);
-            if (centres || (!covers.centres[k] && in_sight(w, rect, near2)))
+            if (centres || (!covers.centres[k] && in_sight(&w->b, rect, near2)))
                 put_tet(w, at, l, k, i, rect, centres);
         }
     }
-    w->s.counters->cells += l->count;
+    w->b.s.counters->cells += l->count;
     l->count = 0;
 }
 

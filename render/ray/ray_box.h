@@ -17,7 +17,7 @@
  *   tets      hits in a tet are not computed by planes, so t of a box and t of a hit in it differ
  *             by rounding: BOX_INTERVAL_MARGIN, 2^-20 of t.
  *             box_interval_in() for one ray (monotone: a box inside another is not entered
- *             before it); mesh_box_meets(), for vectors: rays_through(), rays_meet();
+ *             before it); box_interval_meets(), for vectors: rays_through(), rays_meet();
  *             packet_slab() for all rays of a packet at once, by intervals, twice that
  *
  *   codes     meet_children(): planes of 8 bits, whose t are multiples of the code. They widen by

@@ -9,7 +9,8 @@
 #include <cmocka.h>
 
 #include "formats/base/hexahedron.h"
-#include "formats/base/trilinear.h"
+#include "formats/base/simd_one.h"
+#include "formats/base/trilinear_template.h"
 #include "tests/support/fields.h"
 
 enum { MAPS = 3000, PLACES = 20 };
@@ -80,7 +81,7 @@ static void test_single(void **state) {
         double form[3][TRILINEAR];
         trilinear_bend b;
         draw_map(&random, 1.2 * field_random_unit(&random), products[n % 4], form);
-        if (!trilinear_bend_of((const double(*)[TRILINEAR])form, rounding, &b))
+        if (!trilinear_bend_of(form, rounding, &b))
             continue;
         const double larger = n % 2 ? 1.0 : 1.125;
         const bool single = trilinear_is_single(&b, larger);
@@ -92,11 +93,11 @@ static void test_single(void **state) {
                 draw_place(&random, larger, x);
                 for (int a = 0; a < 3; a++) /* at corners, more often than not */
                     x[a] = i % 4 ? (x[a] > 0.0 ? larger : -larger) : x[a];
-                jacobian((const double(*)[TRILINEAR])form, x, slope);
+                jacobian(form, x, slope);
                 for (int k = 0; k < 3; k++)
                     mixed[k][column] = slope[k][column];
             }
-            turns = turns || !(trilinear_invert((const double(*)[3])mixed, inverse) * b.det > 0.0);
+            turns = turns || !(trilinear_invert(mixed, inverse) * b.det > 0.0);
         }
         assert_false(single && turns);
         said += single;
@@ -106,7 +107,7 @@ static void test_single(void **state) {
         draw_place(&random, 1.0, root);
         for (int k = 0; k < 3; k++)
             form[k][0] -= trilinear_at(form[k], root);
-        assert_true(trilinear_bend_of((const double(*)[TRILINEAR])form, rounding, &b));
+        assert_true(trilinear_bend_of(form, rounding, &b));
         for (int i = 0; i < 3; i++) {
             const double rest = b.two[0][i] + b.two[1][i] + b.two[2][i] + b.all[i];
             assert_true(fabs(b.at[i] - root[i]) <= rest + 1e-12);
@@ -123,10 +124,10 @@ static void test_flat(void **state) {
     double form[3][TRILINEAR] = {{0.0, 1.0}, {0.0, 0.0, 1.0}, {0.0, 1.0, 1.0, 0.0, 0.0}};
     trilinear_bend b;
     (void)state;
-    assert_false(trilinear_bend_of((const double(*)[TRILINEAR])form, rounding, &b));
+    assert_false(trilinear_bend_of(form, rounding, &b));
     form[2][4] = 1.0;
-    assert_true(trilinear_bend_of((const double(*)[TRILINEAR])form, rounding, &b));
-    assert_false(trilinear_bend_of((const double(*)[TRILINEAR])form, much, &b));
+    assert_true(trilinear_bend_of(form, rounding, &b));
+    assert_false(trilinear_bend_of(form, much, &b));
 }
 
 int main(void) {

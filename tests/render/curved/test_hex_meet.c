@@ -35,11 +35,9 @@ static void compare(const hex_lab *s, const hexahedron *h, const sheared_ray *r,
     hex_root want[HEX_ROOTS], got[HEX_ROOTS];
     hex_counts all = {0}, crossed = {0};
     hex_path path;
-    hex_meet meet;
     const int parts = hex_path_of(h, sense, r, &path);
     const int wanted = parts ? hex_roots(h, sense, &path, s->iso, want, &all) : 0;
-    hex_meet_begin(h, sense, r, &meet);
-    const int count = hex_meet_roots(&meet, s->iso, got, &crossed);
+    const int count = hex_meet_roots(h, sense, r, s->iso, got, &crossed);
     sum->cells++;
     sum->crossed += crossed.paths > 0;
     if (all.doubtful) {

@@ -111,16 +111,15 @@ static void all_hits(const curvilinear_lattice *l, const ray *r, hit_list *out) 
     const sheared_ray sheared = sheared_ray_of(r);
     out->count = 0;
     for (uint32_t c = 0; c < lab.count; c++) {
-        hex_meet meet;
         if (!is_active(l, c))
             continue;
         const hexahedron h = curvilinear_walk_cell(l, c);
-        hex_meet_begin(&h, sense_of(l, c), &sheared, &meet);
         for (int i = 0; i < isos.count; i++) {
             hex_root roots[HEX_ROOTS];
             if (!has(&h, isos.isovalues[i]))
                 continue;
-            const int count = hex_meet_roots(&meet, isos.isovalues[i], roots, NULL);
+            const int count =
+                hex_meet_roots(&h, sense_of(l, c), &sheared, isos.isovalues[i], roots, NULL);
             for (int k = 0; k < count; k++)
                 if (roots[k].t >= r->t0 && roots[k].t <= r->t1) {
                     assert_true(out->count < HITS);

@@ -1,8 +1,8 @@
-#include "render/mesh/mesh_projection.h"
+#include "render/look/box_projection.h"
 
 #include <math.h>
 
-void mesh_projection_init(projection *p, const float bounds[6], const camera *c) {
+void box_projection_init(projection *p, const float bounds[6], const camera *c) {
     affine world;
     const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     double worst = 0.0;

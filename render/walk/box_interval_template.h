@@ -1,19 +1,19 @@
-/* mesh_box_template.h - tests many rays against a box of tets; included by the units of an ISA (see
+/* box_interval_template.h - box_interval.h for many rays; included by the units of an ISA (see
  * formats/base/simd.h). By how much boxes are widened, and why: render/ray/ray_box.h. */
-#ifndef RENDER_MESH_MESH_BOX_TEMPLATE_H
-#define RENDER_MESH_MESH_BOX_TEMPLATE_H
+#ifndef RENDER_WALK_BOX_INTERVAL_TEMPLATE_H
+#define RENDER_WALK_BOX_INTERVAL_TEMPLATE_H
 
 #include "formats/base/simd.h"
 
 #ifdef SIMD_NAME
 
-#include "render/mesh/mesh_walk.h"
 #include "render/ray/ray_box_template.h"
+#include "render/walk/box_interval.h"
 
 /* Returns which of VD_N rays with directions d meet a box within [from, to], as box_interval_in()
  * does. Its corners are relative to the rays' origin; directions have no 0. */
-SIMD unsigned mesh_box_meets(const vd d[3], const double lo[3], const double hi[3], vd from,
-                             vd to) {
+SIMD unsigned box_interval_meets(const vd d[3], const double lo[3], const double hi[3], vd from,
+                                 vd to) {
     vd t_in = d_set(-INFINITY), t_out = d_set(INFINITY);
     for (int a = 0; a < 3; a++)
         ray_slabs(d_set(lo[a]), d_set(hi[a]), d[a], &t_in, &t_out);

@@ -1,0 +1,193 @@
+/* trilinear_template.h - trilinear forms by their coefficients, and how far three of them are from
+ * linear: VD_N at a time, in units of an ISA (simd.h), or one (simd_one.h, which such a unit
+ * includes first). The same bits.
+ *
+ * Coefficient c belongs to the product of those parameters that are the bits of c; parameters are
+ * from -1 to 1, 0 in the middle. Three forms of three parameters are a map. Its inverse Jacobian in
+ * the middle makes of the map the parameters themselves and a bent rest.
+ */
+#ifndef FORMATS_BASE_TRILINEAR_TEMPLATE_H
+#define FORMATS_BASE_TRILINEAR_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+enum { TRILINEAR = 8 };
+
+#ifdef SIMD
+
+/* ---- A form ---- */
+
+/* The form that has these values at the corners; corner c is where the parameters that are bits of
+ * c are 1, the others -1. */
+SIMD void trilinear_of(const vd v[TRILINEAR], vd form[TRILINEAR]) {
+    vd pair[TRILINEAR], face[TRILINEAR];
+    const vd share = d_set(0.125);
+    for (int c = 0; c < TRILINEAR; c += 2) {
+        pair[c] = v[c + 1] + v[c];
+        pair[c + 1] = v[c + 1] - v[c];
+    }
+    for (int c = 0; c < TRILINEAR; c += 4)
+        for (int i = 0; i < 2; i++) {
+            face[c + i] = pair[c + 2 + i] + pair[c + i];
+            face[c + 2 + i] = pair[c + 2 + i] - pair[c + i];
+        }
+    for (int i = 0; i < 4; i++) {
+        form[i] = share * (face[4 + i] + face[i]);
+        form[4 + i] = share * (face[4 + i] - face[i]);
+    }
+}
+
+/* Its value. */
+SIMD vd trilinear_at(const vd f[TRILINEAR], const vd x[3]) {
+    const vd low = (f[0] + x[0] * f[1]) + x[1] * (f[2] + x[0] * f[3]);
+    const vd high = (f[4] + x[0] * f[5]) + x[1] * (f[6] + x[0] * f[7]);
+    return low + x[2] * high;
+}
+
+/* Its derivatives by the parameters. */
+SIMD void trilinear_slope(const vd f[TRILINEAR], const vd x[3], vd slope[3]) {
+    slope[0] = (f[1] + x[1] * f[3]) + x[2] * (f[5] + x[1] * f[7]);
+    slope[1] = (f[2] + x[0] * f[3]) + x[2] * (f[6] + x[0] * f[7]);
+    slope[2] = (f[4] + x[0] * f[5]) + x[1] * (f[6] + x[0] * f[7]);
+}
+
+/* The sum of its coefficients' sizes. */
+SIMD vd trilinear_size(const vd f[TRILINEAR]) {
+    return ((d_abs(f[0]) + d_abs(f[1])) + (d_abs(f[2]) + d_abs(f[3]))) +
+           ((d_abs(f[4]) + d_abs(f[5])) + (d_abs(f[6]) + d_abs(f[7])));
+}
+
+/* Make it the same form of parameters that are -1 to 1 in a part of the box. */
+SIMD void trilinear_restrict(vd f[TRILINEAR], const vd middle[3], const vd half[3]) {
+    for (int a = 0; a < 3; a++)
+        for (int c = 0; c < TRILINEAR; c++)
+            if (!(c & 1 << a)) {
+                f[c] = f[c] + middle[a] * f[c | 1 << a];
+                f[c | 1 << a] = f[c | 1 << a] * half[a];
+            }
+}
+
+/* What has these values at the corners, at parameters from 0 to 1: hexahedron_at(). */
+SIMD vd trilinear_between(const vd v[TRILINEAR], const vd at[3]) {
+    vd edge[4], face[2];
+    for (int i = 0; i < 4; i++)
+        edge[i] = v[2 * i] + at[0] * (v[2 * i + 1] - v[2 * i]);
+    for (int i = 0; i < 2; i++)
+        face[i] = edge[2 * i] + at[1] * (edge[2 * i + 1] - edge[2 * i]);
+    return face[0] + at[2] * (face[1] - face[0]);
+}
+
+/* ---- Three of them ---- */
+
+SIMD void trilinear_cross(const vd a[3], const vd b[3], vd out[3]) {
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* The inverse of a Jacobian: column k is inverse[k]. Returns the determinant; where it is 0 or
+ * nearly, the inverse is not finite, or useless. */
+SIMD vd trilinear_invert(vd slope[3][3], vd inverse[3][3]) {
+    for (int k = 0; k < 3; k++)
+        trilinear_cross(slope[(k + 1) % 3], slope[(k + 2) % 3], inverse[k]);
+    const vd det =
+        slope[0][0] * inverse[0][0] + slope[0][1] * inverse[0][1] + slope[0][2] * inverse[0][2];
+    const vd share = d_set(1.0) / det;
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++)
+            inverse[k][i] = inverse[k][i] * share;
+    return det;
+}
+
+/* All of it errs by TRILINEAR_ROOM of itself and of 1 at most. */
+typedef struct trilinear_bend {
+    vd at[3];     /* the parameters where all forms would be 0, without the rest */
+    vd two[3][3]; /* of the rest: [n][i]: in parameter i, the size of its coefficient of the
+                         product of the two other than n; */
+    vd all[3];    /* and of the product of all three */
+    vd det;       /* the Jacobian's determinant in the middle */
+} trilinear_bend;
+
+#define TRILINEAR_ROOM 0x1p-20
+
+/* What the inverse makes of one coefficient of each form. */
+SIMD void trilinear_straighten(vd inverse[3][3], vd f[3][TRILINEAR], int c, vd out[3]) {
+    for (int i = 0; i < 3; i++)
+        out[i] = (inverse[0][i] * f[0][c] + inverse[1][i] * f[1][c]) + inverse[2][i] * f[2][c];
+}
+
+SIMD vd trilinear_row_size(const vd a[3]) {
+    return d_abs(a[0]) + d_abs(a[1]) + d_abs(a[2]);
+}
+
+/* rounding: by how much a form's coefficients may err. Returns where the Jacobian is not too flat,
+ * nor rounding too large. */
+SIMD md trilinear_bend_of(vd form[3][TRILINEAR], const vd rounding[3], trilinear_bend *out) {
+    /* At the flattest share of its rows' sizes the determinant has 2^-33 of rounding at most, and
+     * so has the inverse times the Jacobian. most: of what the coefficients' rounding makes in a
+     * parameter. */
+    const vd flattest = d_set(0x1p-16), most = d_set(0.5 * TRILINEAR_ROOM), zero = d_set(0.0);
+    vd slope[3][3], inverse[3][3];
+    for (int k = 0; k < 3; k++) {
+        slope[k][0] = form[k][1];
+        slope[k][1] = form[k][2];
+        slope[k][2] = form[k][4];
+    }
+    out->det = trilinear_invert(slope, inverse);
+    md good = d_gt(d_abs(out->det),
+                   flattest * (trilinear_row_size(slope[0]) * trilinear_row_size(slope[1]) *
+                               trilinear_row_size(slope[2])));
+    trilinear_straighten(inverse, form, 0, out->at);
+    trilinear_straighten(inverse, form, 6, out->two[0]);
+    trilinear_straighten(inverse, form, 5, out->two[1]);
+    trilinear_straighten(inverse, form, 3, out->two[2]);
+    trilinear_straighten(inverse, form, 7, out->all);
+    for (int i = 0; i < 3; i++) {
+        const vd off = d_abs(inverse[0][i]) * rounding[0] + d_abs(inverse[1][i]) * rounding[1] +
+                       d_abs(inverse[2][i]) * rounding[2];
+        good = md_and(good, d_le(off, most));
+        for (int n = 0; n < 3; n++)
+            out->two[n][i] = d_abs(out->two[n][i]);
+        out->all[i] = d_abs(out->all[i]);
+        out->at[i] = zero - out->at[i];
+    }
+    return good;
+}
+
+/* Where two places of the box are apart by this times what the parameters of their values are, at
+ * most: in maps that trilinear_is_single(). */
+#define TRILINEAR_STRETCH 64.0
+
+/* Returns where the map has no value twice in the box that is larger by a factor; nor is any matrix
+ * singular there whose columns are its derivatives, each at a place of its own.
+ *
+ * Two places with one value would differ by what the rest changes between them: by no more than a
+ * matrix, the bounds of the rest's slopes, times their difference. Where a power of the matrix is
+ * small there is no such difference. Likewise for what a singular matrix makes 0. How far two
+ * places can be apart whose values are near follows from the sum of all powers, a geometric series.
+ */
+SIMD md trilinear_is_single(const trilinear_bend *b, double larger) {
+    enum { POWERS = 4 };
+    const double share = 0.75; /* what the power may be */
+    const vd once = d_set(larger), twice = d_set(larger * larger), zero = d_set(0.0);
+    vd size[3] = {d_set(1.0), d_set(1.0), d_set(1.0)}, lower[3] = {zero, zero, zero};
+    md single = md_of_bits(~0u);
+    for (int power = 0; power < POWERS; power++) {
+        const vd sum[3] = {size[1] + size[2], size[2] + size[0], size[0] + size[1]};
+        const vd every = size[0] + sum[0];
+        for (int i = 0; i < 3; i++) {
+            lower[i] = lower[i] + size[i];
+            size[i] =
+                once * ((b->two[0][i] * sum[0] + b->two[1][i] * sum[1]) + b->two[2][i] * sum[2]) +
+                twice * (b->all[i] * every);
+        }
+    }
+    for (int i = 0; i < 3; i++) {
+        single = md_and(single, d_le(size[i], d_set(share)));
+        single = md_and(single, d_le(lower[i], d_set((1.0 - share) * TRILINEAR_STRETCH)));
+    }
+    return single;
+}
+
+#endif
+#endif
