@@ -9,21 +9,16 @@
 #include "formats/base/vec3.h"
 
 double hexahedron_at(const double v[HEX_CORNERS], const double at[3]) {
-    return trilinear_between(v, at);
+    double edge[4], face[2];
+    for (int i = 0; i < 4; i++)
+        edge[i] = v[2 * i] + at[0] * (v[2 * i + 1] - v[2 * i]);
+    for (int i = 0; i < 2; i++)
+        face[i] = edge[2 * i] + at[1] * (edge[2 * i + 1] - edge[2 * i]);
+    return face[0] + at[2] * (face[1] - face[0]);
 }
 
 void hexahedron_slope(const double v[HEX_CORNERS], const double at[3], double slope[3]) {
-    for (int a = 0; a < 3; a++) {
-        const int b = (a + 1) % 3, c = (a + 2) % 3;
-        double along[4];
-        for (int i = 0; i < 4; i++) {
-            const int corner = (i & 1) << b | (i >> 1) << c;
-            along[i] = v[corner | 1 << a] - v[corner];
-        }
-        const double low = along[0] + at[b] * (along[1] - along[0]);
-        const double high = along[2] + at[b] * (along[3] - along[2]);
-        slope[a] = low + at[c] * (high - low);
-    }
+    trilinear_rise(v, at, slope);
 }
 
 double hexahedron_twist(const double v[HEX_CORNERS], const double at[3], double twist[3]) {

@@ -27,6 +27,9 @@ SIMD vd d_min(vd a, vd b) {
 SIMD vd d_max(vd a, vd b) {
     return a > b ? a : b;
 }
+SIMD vd d_sqrt(vd a) {
+    return sqrt(a);
+}
 SIMD vd d_select(md m, vd a, vd b) {
     return m ? a : b;
 }

@@ -37,7 +37,7 @@ SIMD void trilinear_of(const vd v[TRILINEAR], vd form[TRILINEAR]) {
     }
 }
 
-/* Its value. */
+/* Its value. (hexahedron_at() has parameters from 0 to 1, and corners.) */
 SIMD vd trilinear_at(const vd f[TRILINEAR], const vd x[3]) {
     const vd low = (f[0] + x[0] * f[1]) + x[1] * (f[2] + x[0] * f[3]);
     const vd high = (f[4] + x[0] * f[5]) + x[1] * (f[6] + x[0] * f[7]);
@@ -67,14 +67,20 @@ SIMD void trilinear_restrict(vd f[TRILINEAR], const vd middle[3], const vd half[
             }
 }
 
-/* What has these values at the corners, at parameters from 0 to 1: hexahedron_at(). */
-SIMD vd trilinear_between(const vd v[TRILINEAR], const vd at[3]) {
-    vd edge[4], face[2];
-    for (int i = 0; i < 4; i++)
-        edge[i] = v[2 * i] + at[0] * (v[2 * i + 1] - v[2 * i]);
-    for (int i = 0; i < 2; i++)
-        face[i] = edge[2 * i] + at[1] * (edge[2 * i + 1] - edge[2 * i]);
-    return face[0] + at[2] * (face[1] - face[0]);
+/* The derivatives of what has these values at the corners, by parameters from 0 to 1:
+ * hexahedron_slope(). */
+SIMD void trilinear_rise(const double v[TRILINEAR], const vd at[3], vd slope[3]) {
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3, c = (a + 2) % 3;
+        double along[4];
+        for (int i = 0; i < 4; i++) {
+            const int corner = (i & 1) << b | (i >> 1) << c;
+            along[i] = v[corner | 1 << a] - v[corner];
+        }
+        const vd low = d_set(along[0]) + at[b] * d_set(along[1] - along[0]);
+        const vd high = d_set(along[2]) + at[b] * d_set(along[3] - along[2]);
+        slope[a] = low + at[c] * (high - low);
+    }
 }
 
 /* ---- Three of them ---- */

@@ -6,13 +6,13 @@
 /* The number of roots, 0 or 1; -1: not known. */
 static int single_root(const hexahedron *cell, int sense, const sheared_ray *r, double isovalue,
                        hex_root *out) {
-    const hex_rays rays = {{r->slope[0], r->slope[1]}, r->d};
+    const hex_rays rays = {{r->axis[0], r->axis[1], r->axis[2]}, {r->slope[0], r->slope[1]}, r->d};
     hex_sight sight;
-    hex_placed placed;
+    hex_forms forms;
     hex_met met;
-    hex_sight_of(cell, r->o, r->axis, &sight);
-    hex_place(&sight, &rays, &placed);
-    hex_meet_lanes(&sight, &rays, &placed, isovalue, true, &met);
+    hex_sight_of(cell, r->o, &sight);
+    hex_forms_of(&sight, &rays, isovalue, &forms);
+    hex_meet_lanes(&sight, &rays, &forms, true, &met);
     if (met.unknown)
         return -1;
     if (!met.once)

@@ -9,27 +9,29 @@
 
 #ifdef SIMD
 
+#include <math.h>
 #include <string.h>
 
 #include "formats/base/hexahedron.h"
 #include "formats/base/trilinear_template.h"
 
-/* A cell as all rays of one origin and one longest axis see it. */
+/* A cell from an origin: the forms of its corners' places, and of their values. */
 typedef struct hex_sight {
-    double away[3][HEX_CORNERS]; /* corners from the origin, by the axes of the rays' space */
-    vd value[TRILINEAR];         /* the values' form */
-    vd size;                     /* and the sum of its coefficients' sizes */
+    vd away[3][TRILINEAR], value[TRILINEAR];
+    vd size[3], value_size; /* trilinear_size() of each */
 } hex_sight;
 
-/* VD_N such rays, as sheared_ray. */
+/* VD_N rays of one origin and one longest axis, as sheared_ray. */
 typedef struct hex_rays {
+    int axis[3];
     vd slope[2], d;
 } hex_rays;
 
-/* The cell in the space of each of these rays: its first two coordinates. */
-typedef struct hex_placed {
-    vd q[2][HEX_CORNERS];
-} hex_placed;
+/* Of rays and a cell: the forms that are 0 where a ray is at the isovalue, two coordinates of the
+ * ray's space and the value less it. rounding: by how much their coefficients may err. */
+typedef struct hex_forms {
+    vd f[3][TRILINEAR], rounding[3];
+} hex_forms;
 
 typedef struct hex_met {
     md unknown;  /* rays that may meet it, and how often */
@@ -38,32 +40,61 @@ typedef struct hex_met {
     md enters;   /* and whether the value rises there, if the cell is right-handed */
 } hex_met;
 
-/* axis: sheared_ray.axis of all these rays. */
-SIMD void hex_sight_of(const hexahedron *cell, const double o[3], const int axis[3],
-                       hex_sight *out) {
-    vd value[HEX_CORNERS];
-    for (int c = 0; c < HEX_CORNERS; c++) {
-        for (int k = 0; k < 3; k++)
-            out->away[k][c] = cell->p[c][axis[k]] - o[axis[k]];
-        value[c] = d_set(cell->value[c]);
+SIMD void hex_sight_of(const hexahedron *cell, const double o[3], hex_sight *out) {
+    vd corner[HEX_CORNERS];
+    for (int a = 0; a < 3; a++) {
+        for (int c = 0; c < HEX_CORNERS; c++)
+            corner[c] = d_set(cell->p[c][a] - o[a]);
+        trilinear_of(corner, out->away[a]);
+        out->size[a] = trilinear_size(out->away[a]);
     }
-    trilinear_of(value, out->value);
-    out->size = trilinear_size(out->value);
+    for (int c = 0; c < HEX_CORNERS; c++)
+        corner[c] = d_set(cell->value[c]);
+    trilinear_of(corner, out->value);
+    out->value_size = trilinear_size(out->value);
 }
 
-/* As sheared_ray_place(). */
-SIMD void hex_place(const hex_sight *cell, const hex_rays *rays, hex_placed *out) {
-    for (int c = 0; c < HEX_CORNERS; c++) {
-        const vd along = d_set(cell->away[2][c]);
-        for (int k = 0; k < 2; k++)
-            out->q[k][c] = d_set(cell->away[k][c]) - rays->slope[k] * along;
+/* A coordinate's coefficients err by some roundings of the way from the origin, as
+ * sheared_ray_place() does. */
+SIMD void hex_forms_of(const hex_sight *cell, const hex_rays *rays, double isovalue,
+                       hex_forms *out) {
+    const vd share = d_set(0x1p-48);
+    const vd *along = cell->away[rays->axis[2]];
+    for (int k = 0; k < 2; k++) {
+        const vd *across = cell->away[rays->axis[k]];
+        for (int c = 0; c < TRILINEAR; c++)
+            out->f[k][c] = across[c] - rays->slope[k] * along[c];
+        out->rounding[k] =
+            share * (cell->size[rays->axis[k]] + d_abs(rays->slope[k]) * cell->size[rays->axis[2]]);
     }
+    for (int c = 0; c < TRILINEAR; c++)
+        out->f[2][c] = cell->value[c];
+    out->f[2][0] = cell->value[0] - d_set(isovalue);
+    out->rounding[2] = share * (cell->value_size + d_set(fabs(isovalue)));
 }
 
-/* The forms that are 0 where a ray is at the isovalue: two coordinates, the value less it. */
-typedef struct hex_forms {
-    vd f[3][TRILINEAR];
-} hex_forms;
+/* A parameter's bounds where all forms are 0, not yet cut to the box. */
+SIMD void hex_bounds(const trilinear_bend *b, int i, vd *lo, vd *hi) {
+    const vd room = d_set(TRILINEAR_ROOM), one = d_set(1.0);
+    const vd rest = ((b->two[0][i] + b->two[1][i]) + b->two[2][i]) + b->all[i];
+    const vd stray = rest + room * (one + rest + d_abs(b->at[i]));
+    *lo = b->at[i] - stray;
+    *hi = b->at[i] + stray;
+}
+
+/* Returns the rays that may meet the isosurface in the cell: hex_meet_lanes() finds nothing for all
+ * others. */
+SIMD md hex_may_meet(hex_forms *forms) {
+    trilinear_bend b;
+    const md good = trilinear_bend_of(forms->f, forms->rounding, &b);
+    md none = md_and_not(good, good);
+    for (int i = 0; i < 3; i++) {
+        vd lo, hi;
+        hex_bounds(&b, i, &lo, &hi);
+        none = md_or(none, md_or(d_gt(lo, d_set(1.0)), d_lt(hi, d_set(-1.0))));
+    }
+    return md_and_not(md_of_bits(~0u), md_and(good, none));
+}
 
 /* A box of parameters in which a form's own are -1 to 1. */
 typedef struct hex_box {
@@ -105,29 +136,27 @@ SIMD md hex_newton(const hex_forms *all, const hex_box *box, md left, vd x[3]) {
 /* Look at rays one box after the other: boxes become smaller until one has no root, or a single
  * one, which is found. Sets x, in the whole cell's parameters, and det of rays that have one;
  * returns these. Rays that are not known go from *left to *unknown. */
-SIMD md hex_shrink(const hex_forms *all, const vd rounding[3], md left, md *unknown, vd x[3],
-                   vd *det) {
+SIMD md hex_shrink(const hex_forms *all, md left, md *unknown, vd x[3], vd *det) {
     enum { BOXES = 4 };
     /* Sides of boxes, each relative to that of the one before; and what content is not worth a
      * look.
      */
     const double narrowest = 0x1p-4, worth = 0.5;
-    const vd zero = d_set(0.0), one = d_set(1.0), room = d_set(TRILINEAR_ROOM);
-    const vd half = d_set(0.5);
+    const vd zero = d_set(0.0), one = d_set(1.0), half = d_set(0.5);
     hex_forms part = *all;
     hex_box box = {{zero, zero, zero}, {one, one, one}};
     md found = md_and_not(left, left);
     for (int n = 1;; n++) {
         vd middle[3], width[3], start[3];
         trilinear_bend b;
-        const md good = trilinear_bend_of(part.f, rounding, &b);
+        const md good = trilinear_bend_of(part.f, part.rounding, &b);
         *unknown = md_or(*unknown, md_and_not(left, good));
         left = md_and(left, good);
         for (int i = 0; i < 3; i++) {
-            const vd rest = ((b.two[0][i] + b.two[1][i]) + b.two[2][i]) + b.all[i];
-            const vd stray = rest + room * (one + rest + d_abs(b.at[i]));
-            const vd lo = d_max(d_set(-1.0), b.at[i] - stray);
-            const vd hi = d_min(one, b.at[i] + stray);
+            vd lo, hi;
+            hex_bounds(&b, i, &lo, &hi);
+            lo = d_max(d_set(-1.0), lo);
+            hi = d_min(one, hi);
             left = md_and_not(left, d_gt(lo, hi));
             middle[i] = half * (hi + lo);
             width[i] = d_max(d_set(narrowest), half * (hi - lo));
@@ -160,24 +189,14 @@ SIMD md hex_shrink(const hex_forms *all, const vd rounding[3], md left, md *unkn
 }
 
 /* Of the rays `asked`. The cell must not be folded. */
-SIMD void hex_meet_lanes(const hex_sight *cell, const hex_rays *rays, const hex_placed *placed,
-                         double isovalue, md asked, hex_met *out) {
-    /* A form's coefficients err by this share of their sum at most. */
-    const vd error = d_set(0x1p-48), half = d_set(0.5), iso = d_set(isovalue);
+SIMD void hex_meet_lanes(const hex_sight *cell, const hex_rays *rays, const hex_forms *forms,
+                         md asked, hex_met *out) {
     /* What bounds of a single root's parameters may err by: bent forms move it. */
     const double room = TRILINEAR_STRETCH * TRILINEAR_ROOM;
-    vd x[3] = {d_set(0.0), d_set(0.0), d_set(0.0)}, det = d_set(0.0), most = d_set(0.0);
-    vd rounding[3], along[HEX_CORNERS];
-    hex_forms all;
-    for (int k = 0; k < 2; k++) {
-        trilinear_of(placed->q[k], all.f[k]);
-        rounding[k] = error * trilinear_size(all.f[k]);
-    }
-    memcpy(all.f[2], cell->value, sizeof all.f[2]);
-    all.f[2][0] = all.f[2][0] - iso;
-    rounding[2] = error * (cell->size + d_abs(iso));
-    out->unknown = md_and_not(asked, asked);
-    const md found = hex_shrink(&all, rounding, asked, &out->unknown, x, &det);
+    const vd half = d_set(0.5), zero = d_set(0.0);
+    vd x[3] = {zero, zero, zero}, det = zero, most = zero;
+    out->unknown = out->enters = md_and_not(asked, asked);
+    const md found = hex_shrink(forms, asked, &out->unknown, x, &det);
     for (int i = 0; i < 3; i++) {
         most = d_max(d_abs(x[i]), most);
         out->at[i] = half + half * x[i];
@@ -185,13 +204,9 @@ SIMD void hex_meet_lanes(const hex_sight *cell, const hex_rays *rays, const hex_
     const md near = md_and(found, d_gt(most, d_set(1.0 - room)));
     out->unknown = md_or(out->unknown, md_and(near, d_lt(most, d_set(1.0 + room))));
     out->once = md_and_not(found, near);
-    if (!md_bits(out->once))
-        return;
-    for (int c = 0; c < HEX_CORNERS; c++)
-        along[c] = d_set(cell->away[2][c]) / rays->d;
-    out->t = trilinear_between(along, out->at);
+    out->t = trilinear_at(cell->away[rays->axis[2]], x) / rays->d;
     /* Right-handed in the rays' space where the ray goes up its third axis. */
-    out->enters = md_xor(d_lt(det, d_set(0.0)), d_gt(rays->d, d_set(0.0)));
+    out->enters = md_xor(d_lt(det, zero), d_gt(rays->d, zero));
 }
 
 #endif

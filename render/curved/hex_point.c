@@ -1,6 +1,8 @@
 #include "render/curved/hex_point.h"
 
+#include "formats/base/simd_one.h"
 #include "formats/base/vec3.h"
+#include "render/curved/hex_normal_template.h"
 #include "render/curved/hex_stretch.h"
 
 bool hex_point_find(const hexahedron *h, int sense, const double point[3], double at[3],
@@ -30,27 +32,14 @@ bool hex_point_find(const hexahedron *h, int sense, const double point[3], doubl
 }
 
 bool hex_point_gradient(const hexahedron *h, const double at[3], double gradient[3]) {
-    double slope[3], edge[3][3];
-    hexahedron_slope(h->value, at, slope);
-    for (int a = 0; a < 3; a++) {
-        double p[HEX_CORNERS], along[3];
-        for (int c = 0; c < HEX_CORNERS; c++)
-            p[c] = h->p[c][a];
-        hexahedron_slope(p, at, along);
-        for (int k = 0; k < 3; k++)
-            edge[k][a] = along[k];
-    }
-    const double det = vec3_det(edge[0], edge[1], edge[2]);
-    const double most = vec3_size(edge[0]) * vec3_size(edge[1]) * vec3_size(edge[2]);
+    return hex_gradient(h, at, gradient);
+}
+
+void hex_point_normal(const hexahedron *h, const double at[3], double gradient[3],
+                      float normal[3]) {
+    double unit[3];
+    (void)hex_gradient(h, at, gradient);
+    hex_normal(gradient, unit);
     for (int a = 0; a < 3; a++)
-        gradient[a] = 0.0;
-    if (!(fabs(det) > 0x1p-48 * most))
-        return false;
-    for (int k = 0; k < 3; k++) {
-        double across[3];
-        vec3_cross(edge[(k + 1) % 3], edge[(k + 2) % 3], across);
-        for (int a = 0; a < 3; a++)
-            gradient[a] += slope[k] / det * across[a];
-    }
-    return true;
+        normal[a] = (float)unit[a];
 }

@@ -6,7 +6,9 @@
 #include "formats/base/vec3.h"
 #include "formats/leaf/curvilinear_geometry.h"
 #include "render/curved/hex_point.h"
+#include "render/curvilinear/curvilinear_tile.h"
 #include "render/curvilinear/curvilinear_walk.h"
+#include "render/look/box_projection.h"
 #include "render/ray/open_volume.h"
 #include "render/walk/cell_walks.h"
 #include "render/walk/tree_pieces.h"
@@ -58,6 +60,24 @@ static void curvilinear_aim(leafcast *v, const leafcast_scene *scene, const stru
     tr->own = v->own;
     box3_of_floats(v->file->header.bounds, tr->box);
 }
+
+static status curvilinear_project(leafcast *v, const struct camera *c, projection *out) {
+    box_projection_init(out, v->file->header.bounds, c);
+    return ST_OK;
+}
+
+static size_t curvilinear_projection_bytes(const leaf_layout *layout) {
+    (void)layout;
+    return 0;
+}
+
+CPU_KERNELS(tile_fn, curvilinear_tile_kernels, NULL, curvilinear_tile);
+
+static const kind_tiles tiles = {.side = CURVILINEAR_TILE,
+                                 .scratch = CURVILINEAR_TILE_SCRATCH,
+                                 .kernels = curvilinear_tile_kernels,
+                                 .project = curvilinear_project,
+                                 .projection_bytes = curvilinear_projection_bytes};
 
 /* ---- In a treelet ---- */
 
@@ -247,6 +267,7 @@ const kind curvilinear_kind = {.name = "curvilinear grid",
                                .segments_error = segments_error_in,
                                .gradient = curvilinear_gradient,
                                .cell_in = curvilinear_cell_in,
+                               .tiles = &tiles,
                                .cell_of_hit = curvilinear_cell_of_hit,
                                .cell_indices = curvilinear_cell_indices,
                                .cell_corners = curvilinear_cell_corners};

@@ -33,7 +33,7 @@ int curvilinear_walk_sense(const curvilinear_lattice *l, uint32_t index) {
     return code == CURVILINEAR_RIGHT ? 1 : code == CURVILINEAR_LEFT ? -1 : 0;
 }
 
-static void range_of(const hexahedron *h, double range[2]) {
+void curvilinear_walk_range(const hexahedron *h, double range[2]) {
     range[0] = range[1] = h->value[0];
     for (int c = 1; c < HEX_CORNERS; c++) {
         range[0] = real_min(range[0], h->value[c]);
@@ -165,13 +165,13 @@ typedef struct best_root {
 static void take_roots(const cell_way *w, const way_cell *c, const isovalue_list *isos,
                        const ray *r, trace_state *state, best_root *best, hex_counts *counts) {
     double range[2];
-    range_of(&c->hexahedron, range);
+    curvilinear_walk_range(&c->hexahedron, range);
     for (int i = 0; i < isos->count; i++) {
         hex_root roots[HEX_ROOTS];
         if (!(range[0] < isos->isovalues[i] && isos->isovalues[i] <= range[1]))
             continue;
-        const int count = hex_meet_roots(&c->hexahedron, c->sense, &w->sheared,
-                                         isos->isovalues[i], roots, counts);
+        const int count = hex_meet_roots(&c->hexahedron, c->sense, &w->sheared, isos->isovalues[i],
+                                         roots, counts);
         for (int n = 0; n < count; n++) {
             const hit h = {roots[n].t, w->lattice->first + c->number, i, roots[n].entering};
             if (!cell_hit(state, r, &h))
@@ -197,17 +197,15 @@ static double shortest_edge(const hexahedron *h) {
 
 /* The value errs as if the point were moved by the roundings of its way from the ray's origin and
  * of the cell's corners, and by those of the trilinear form. */
-static surface_point point_of(const best_root *b, const ray *r, double t) {
-    surface_point p = {.span = shortest_edge(&b->hexahedron)};
-    double unit[3] = {0.0, 0.0, 0.0}, reach = 0.0, most = 0.0;
-    (void)hex_point_gradient(&b->hexahedron, b->at, p.gradient);
-    (void)vec3_unit(p.gradient, unit);
-    for (int a = 0; a < 3; a++) {
+surface_point curvilinear_walk_surface(const hexahedron *h, const double at[3], const ray *r,
+                                       double t) {
+    surface_point p = {.span = shortest_edge(h)};
+    double reach = 0.0, most = 0.0;
+    hex_point_normal(h, at, p.gradient, p.normal);
+    for (int a = 0; a < 3; a++)
         reach += 2.0 * fabs(r->o[a]) + 2.0 * fabs(t * r->d[a]);
-        p.normal[a] = (float)-unit[a];
-    }
     for (int c = 0; c < HEX_CORNERS; c++)
-        most = real_max(most, fabs(b->hexahedron.value[c]));
+        most = real_max(most, fabs(h->value[c]));
     p.error = 64.0 * DBL_EPSILON * (reach * vec3_length(p.gradient) + most);
     return p;
 }
@@ -231,7 +229,7 @@ bool curvilinear_walk_hits(const curvilinear_lattice *l, hex_block_fn cells,
     }
     if (!hit_less(&state->best, &before))
         return false;
-    state->point = point_of(&best, r, state->best.t);
+    state->point = curvilinear_walk_surface(&best.hexahedron, best.at, r, state->best.t);
     return true;
 }
 
@@ -250,7 +248,7 @@ void curvilinear_walk_pieces(const curvilinear_lattice *l, hex_block_fn cells, d
         double range[2];
         if (hex_path_of(&c.hexahedron, c.sense, &w.sheared, &path) == 0)
             continue;
-        range_of(&c.hexahedron, range);
+        curvilinear_walk_range(&c.hexahedron, range);
         const int count = hex_pieces(&c.hexahedron, c.sense, &path, tolerance, pieces, counts);
         for (int n = 0; n < count; n++) {
             segment s = {.t0 = pieces[n].t[0],

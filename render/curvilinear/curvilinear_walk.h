@@ -25,6 +25,10 @@ bool curvilinear_walk_hits(const curvilinear_lattice *l, hex_block_fn cells,
                            const isovalue_list *isos, const ray *r, trace_state *state,
                            ray_counters *counters, hex_counts *counts);
 
+/* curvilinear_walk_surface() - the surface point of a hit at parameters at[] of its cell. */
+surface_point curvilinear_walk_surface(const hexahedron *h, const double at[3], const ray *r,
+                                       double t);
+
 /* curvilinear_walk_pieces() - the pieces of a ray in the treelet, cut to its [t0, t1]; in each cell
  * in order of t.
  *
@@ -48,5 +52,8 @@ bool curvilinear_walk_point(const curvilinear_lattice *l, const double point[3],
  * its hexahedron_sense(), as the file says. */
 hexahedron curvilinear_walk_cell(const curvilinear_lattice *l, uint32_t index);
 int curvilinear_walk_sense(const curvilinear_lattice *l, uint32_t index);
+
+/* curvilinear_walk_range() - the least and the greatest value of a cell's corners. */
+void curvilinear_walk_range(const hexahedron *h, double range[2]);
 
 #endif

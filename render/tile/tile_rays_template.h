@@ -76,7 +76,7 @@ SIMD void ray_directions(const camera *c, vd u, vd v, vd unit[3]) {
 
 /* Make VD_N rays of a row, through the picture at (u, v), by camera_ray() and tracer_ray() in the
  * same order of operations. Returns which of them are left to single rays. */
-SIMD unsigned make_rays(const frame *f, bool boxed, vd u, vd v, unsigned at, tile_rays *rays) {
+SIMD unsigned make_rays(const frame *f, vd u, vd v, unsigned at, tile_rays *rays) {
     const camera *c = &f->camera;
     const tracer *tr = f->tracer;
     const vd scale = d_set(f->projection->scale), unscale = d_set(f->projection->unscale);
@@ -92,7 +92,7 @@ SIMD unsigned make_rays(const frame *f, bool boxed, vd u, vd v, unsigned at, til
             d_set(m[0]) * world[0] + d_set(m[1]) * world[1] + d_set(m[2]) * world[2] + d_set(0.0);
         d_store(rays->d[a] + at, grid[a]);
     }
-    if (boxed)
+    if (tr->boxed)
         box_rays(tr, f->projection->eye, grid, &t0, &t1);
     d_store(rays->t0 + at, t0);
     d_store(rays->t1 + at, t1);
@@ -114,9 +114,7 @@ SIMD unsigned make_rays(const frame *f, bool boxed, vd u, vd v, unsigned at, til
 
 /* Make all rays of a tile. Marks those that are left to single rays. */
 static void tile_rays_make(const frame *f, uint32_t x0, uint32_t y0, tile_rays *rays) {
-    const tracer *tr = f->tracer;
     const double *middle = f->camera.middle, height = f->camera.height;
-    const bool boxed = tr->preview || tr->lenient || tr->stop || tr->target_level > 0;
     double u[TILE];
     for (unsigned x = 0; x < TILE; x++)
         u[x] = (2.0 * (x0 + x + 0.5) - middle[0]) / height;
@@ -124,7 +122,7 @@ static void tile_rays_make(const frame *f, uint32_t x0, uint32_t y0, tile_rays *
         unsigned single = 0;
         const vd v = d_set((middle[1] - 2.0 * (y0 + y + 0.5)) / height);
         for (unsigned x = 0; x < TILE; x += VD_N)
-            single |= make_rays(f, boxed, d_load(u + x), v, TILE * y + x, rays) << x;
+            single |= make_rays(f, d_load(u + x), v, TILE * y + x, rays) << x;
         for (int a = 0; a < 3 && TILE_WINDOWS; a++)
             for (unsigned at = STRIDE * y; at < STRIDE * y + TILE; at += VF_N)
                 f_store(rays->reciprocal[a] + at, f_set(1.0f) / f_load(rays->near_d[a] + at));

@@ -20,13 +20,18 @@
 /* The most surfaces of a ray in one walk. */
 enum { TILE_LAYERS = 8 };
 
-/* A surface on a ray's way. */
+/* A surface on a ray's way. A kind's unit may define TILE_SURFACE_OWN, members that it keeps
+ * beside.
+ */
 typedef struct tile_surface {
     double t;
     const treelet *at;
     uint32_t local; /* cell number in the treelet, as the kind counts */
     int32_t iso;
     bool entering;
+#ifdef TILE_SURFACE_OWN
+    TILE_SURFACE_OWN
+#endif
 } tile_surface;
 
 /* How a kind orders surfaces at the same t. */
@@ -198,10 +203,14 @@ static bool take_among_others(tile_state *s, unsigned i, const tile_surface *fou
  * surface. It is stored member by member: a copy of the struct would wait for members that have
  * just been stored. */
 SIMD bool tile_state_take(tile_state *s, unsigned i, tile_surface found) {
+#ifdef TILE_SURFACE_OWN
+    const tile_surface taken = found;
+#else
+    const tile_surface taken = {found.t, found.at, found.local, found.iso, found.entering};
+#endif
     if (s->layers > 1 || s->before > 0 || s->count[i] > 0)
-        return take_among_others(
-            s, i, &(tile_surface){found.t, found.at, found.local, found.iso, found.entering});
-    *surfaces_of(s, i) = (tile_surface){found.t, found.at, found.local, found.iso, found.entering};
+        return take_among_others(s, i, &taken);
+    *surfaces_of(s, i) = taken;
     s->count[i] = 1;
     s->deepest = 1;
     s->reach[i] = found.t;

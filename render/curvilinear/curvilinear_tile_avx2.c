@@ -1,0 +1,1 @@
+#include "render/curvilinear/curvilinear_tile_template.h"
