@@ -51,10 +51,14 @@ SIMD void trilinear_slope(const vd f[TRILINEAR], const vd x[3], vd slope[3]) {
     slope[2] = (f[4] + x[0] * f[5]) + x[1] * (f[6] + x[0] * f[7]);
 }
 
-/* The sum of its coefficients' sizes. */
+/* The sum of the sizes of those coefficients that belong to products. */
+SIMD vd trilinear_bent(const vd f[TRILINEAR]) {
+    return (d_abs(f[3]) + d_abs(f[5])) + (d_abs(f[6]) + d_abs(f[7]));
+}
+
+/* The sum of all coefficients' sizes. */
 SIMD vd trilinear_size(const vd f[TRILINEAR]) {
-    return ((d_abs(f[0]) + d_abs(f[1])) + (d_abs(f[2]) + d_abs(f[3]))) +
-           ((d_abs(f[4]) + d_abs(f[5])) + (d_abs(f[6]) + d_abs(f[7])));
+    return ((d_abs(f[0]) + d_abs(f[1])) + (d_abs(f[2]) + d_abs(f[4]))) + trilinear_bent(f);
 }
 
 /* Make it the same form of parameters that are -1 to 1 in a part of the box. */
@@ -126,13 +130,18 @@ SIMD vd trilinear_row_size(const vd a[3]) {
     return d_abs(a[0]) + d_abs(a[1]) + d_abs(a[2]);
 }
 
-/* rounding: by how much a form's coefficients may err. Returns where the Jacobian is not too flat,
- * nor rounding too large. */
+/* Returns where a Jacobian is flat: at this share of its rows' sizes the determinant has 2^-33 of
+ * rounding, and so has the inverse times the Jacobian. */
+SIMD md trilinear_is_flat(vd slope[3][3], vd det) {
+    const vd least = d_set(0x1p-16) * (trilinear_row_size(slope[0]) * trilinear_row_size(slope[1]) *
+                                       trilinear_row_size(slope[2]));
+    return md_and_not(md_of_bits(~0u), d_gt(d_abs(det), least));
+}
+
+/* rounding: by how much a form's coefficients may err. Returns where the Jacobian is not flat, nor
+ * rounding too large. */
 SIMD md trilinear_bend_of(vd form[3][TRILINEAR], const vd rounding[3], trilinear_bend *out) {
-    /* At the flattest share of its rows' sizes the determinant has 2^-33 of rounding at most, and
-     * so has the inverse times the Jacobian. most: of what the coefficients' rounding makes in a
-     * parameter. */
-    const vd flattest = d_set(0x1p-16), most = d_set(0.5 * TRILINEAR_ROOM), zero = d_set(0.0);
+    const vd most = d_set(0.5 * TRILINEAR_ROOM), zero = d_set(0.0); /* of what rounding makes */
     vd slope[3][3], inverse[3][3];
     for (int k = 0; k < 3; k++) {
         slope[k][0] = form[k][1];
@@ -140,9 +149,7 @@ SIMD md trilinear_bend_of(vd form[3][TRILINEAR], const vd rounding[3], trilinear
         slope[k][2] = form[k][4];
     }
     out->det = trilinear_invert(slope, inverse);
-    md good = d_gt(d_abs(out->det),
-                   flattest * (trilinear_row_size(slope[0]) * trilinear_row_size(slope[1]) *
-                               trilinear_row_size(slope[2])));
+    md good = md_and_not(md_of_bits(~0u), trilinear_is_flat(slope, out->det));
     trilinear_straighten(inverse, form, 0, out->at);
     trilinear_straighten(inverse, form, 6, out->two[0]);
     trilinear_straighten(inverse, form, 5, out->two[1]);

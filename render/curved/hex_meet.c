@@ -11,6 +11,8 @@ static int single_root(const hexahedron *cell, int sense, const sheared_ray *r, 
     hex_forms forms;
     hex_met met;
     hex_sight_of(cell, r->o, &sight);
+    if (!hex_may_meet(&sight, &rays, isovalue))
+        return 0;
     hex_forms_of(&sight, &rays, isovalue, &forms);
     hex_meet_lanes(&sight, &rays, &forms, true, &met);
     if (met.unknown)

@@ -18,7 +18,8 @@
 /* A cell from an origin: the forms of its corners' places, and of their values. */
 typedef struct hex_sight {
     vd away[3][TRILINEAR], value[TRILINEAR];
-    vd size[3], value_size; /* trilinear_size() of each */
+    vd size[3], value_size; /* trilinear_size() of each, */
+    vd bent[3], value_bent; /* and of it what belongs to products */
 } hex_sight;
 
 /* VD_N rays of one origin and one longest axis, as sheared_ray. */
@@ -41,59 +42,81 @@ typedef struct hex_met {
 } hex_met;
 
 SIMD void hex_sight_of(const hexahedron *cell, const double o[3], hex_sight *out) {
-    vd corner[HEX_CORNERS];
     for (int a = 0; a < 3; a++) {
+        vd away[HEX_CORNERS];
         for (int c = 0; c < HEX_CORNERS; c++)
-            corner[c] = d_set(cell->p[c][a] - o[a]);
-        trilinear_of(corner, out->away[a]);
-        out->size[a] = trilinear_size(out->away[a]);
+            away[c] = d_set(cell->p[c][a] - o[a]);
+        trilinear_of(away, out->away[a]);
     }
+    vd value[HEX_CORNERS];
     for (int c = 0; c < HEX_CORNERS; c++)
-        corner[c] = d_set(cell->value[c]);
-    trilinear_of(corner, out->value);
+        value[c] = d_set(cell->value[c]);
+    trilinear_of(value, out->value);
+    for (int a = 0; a < 3; a++) {
+        out->size[a] = trilinear_size(out->away[a]);
+        out->bent[a] = trilinear_bent(out->away[a]);
+    }
     out->value_size = trilinear_size(out->value);
+    out->value_bent = trilinear_bent(out->value);
 }
 
-/* A coordinate's coefficients err by some roundings of the way from the origin, as
- * sheared_ray_place() does. */
+/* By how much the coefficients of form k err: a coordinate's by some roundings of the way from the
+ * origin, as sheared_ray_place() does. */
+SIMD vd hex_rounding(const hex_sight *cell, const hex_rays *rays, double isovalue, int k) {
+    const vd share = d_set(0x1p-48);
+    if (k == 2)
+        return share * (cell->value_size + d_set(fabs(isovalue)));
+    return share * (cell->size[rays->axis[k]] + d_abs(rays->slope[k]) * cell->size[rays->axis[2]]);
+}
+
+/* Coefficient c of form k. */
+SIMD vd hex_coefficient(const hex_sight *cell, const hex_rays *rays, double isovalue, int k,
+                        int c) {
+    if (k == 2)
+        return cell->value[c] - d_set(c == 0 ? isovalue : 0.0);
+    return cell->away[rays->axis[k]][c] - rays->slope[k] * cell->away[rays->axis[2]][c];
+}
+
+/* The sum of the sizes of those that belong to products, or more. */
+SIMD vd hex_products(const hex_sight *cell, const hex_rays *rays, int k) {
+    if (k == 2)
+        return cell->value_bent;
+    return cell->bent[rays->axis[k]] + d_abs(rays->slope[k]) * cell->bent[rays->axis[2]];
+}
+
 SIMD void hex_forms_of(const hex_sight *cell, const hex_rays *rays, double isovalue,
                        hex_forms *out) {
-    const vd share = d_set(0x1p-48);
-    const vd *along = cell->away[rays->axis[2]];
-    for (int k = 0; k < 2; k++) {
-        const vd *across = cell->away[rays->axis[k]];
+    for (int k = 0; k < 3; k++) {
         for (int c = 0; c < TRILINEAR; c++)
-            out->f[k][c] = across[c] - rays->slope[k] * along[c];
-        out->rounding[k] =
-            share * (cell->size[rays->axis[k]] + d_abs(rays->slope[k]) * cell->size[rays->axis[2]]);
+            out->f[k][c] = hex_coefficient(cell, rays, isovalue, k, c);
+        out->rounding[k] = hex_rounding(cell, rays, isovalue, k);
     }
-    for (int c = 0; c < TRILINEAR; c++)
-        out->f[2][c] = cell->value[c];
-    out->f[2][0] = cell->value[0] - d_set(isovalue);
-    out->rounding[2] = share * (cell->value_size + d_set(fabs(isovalue)));
 }
 
-/* A parameter's bounds where all forms are 0, not yet cut to the box. */
-SIMD void hex_bounds(const trilinear_bend *b, int i, vd *lo, vd *hi) {
-    const vd room = d_set(TRILINEAR_ROOM), one = d_set(1.0);
-    const vd rest = ((b->two[0][i] + b->two[1][i]) + b->two[2][i]) + b->all[i];
-    const vd stray = rest + room * (one + rest + d_abs(b->at[i]));
-    *lo = b->at[i] - stray;
-    *hi = b->at[i] + stray;
-}
-
-/* Returns the rays that may meet the isosurface in the cell: hex_meet_lanes() finds nothing for all
- * others. */
-SIMD md hex_may_meet(hex_forms *forms) {
-    trilinear_bend b;
-    const md good = trilinear_bend_of(forms->f, forms->rounding, &b);
-    md none = md_and_not(good, good);
+/* Returns the rays that may meet the isosurface in the cell, by looser bounds than
+ * hex_meet_lanes(), which finds nothing for all others, in less time. The Jacobian's inverse in the
+ * middle makes parameters of what is linear in the forms; the rest, products and rounding, is no
+ * more than the sizes of its coefficients. */
+SIMD md hex_may_meet(const hex_sight *cell, const hex_rays *rays, double isovalue) {
+    const vd one = d_set(1.0), room = d_set(TRILINEAR_ROOM);
+    vd first[3], rest[3], slope[3][3], inverse[3][3];
+    for (int k = 0; k < 3; k++) {
+        first[k] = hex_coefficient(cell, rays, isovalue, k, 0);
+        for (int a = 0; a < 3; a++)
+            slope[k][a] = hex_coefficient(cell, rays, isovalue, k, 1 << a);
+        rest[k] = hex_rounding(cell, rays, isovalue, k) + hex_products(cell, rays, k);
+    }
+    const vd det = trilinear_invert(slope, inverse);
+    const md sharp = md_and_not(md_of_bits(~0u), trilinear_is_flat(slope, det));
+    md far = md_and_not(sharp, sharp);
     for (int i = 0; i < 3; i++) {
-        vd lo, hi;
-        hex_bounds(&b, i, &lo, &hi);
-        none = md_or(none, md_or(d_gt(lo, d_set(1.0)), d_lt(hi, d_set(-1.0))));
+        const vd at =
+            d_abs((inverse[0][i] * first[0] + inverse[1][i] * first[1]) + inverse[2][i] * first[2]);
+        const vd stray = (d_abs(inverse[0][i]) * rest[0] + d_abs(inverse[1][i]) * rest[1]) +
+                         d_abs(inverse[2][i]) * rest[2];
+        far = md_or(far, d_gt(at - stray, one + room * (one + stray + at)));
     }
-    return md_and_not(md_of_bits(~0u), md_and(good, none));
+    return md_and_not(md_of_bits(~0u), md_and(sharp, far));
 }
 
 /* A box of parameters in which a form's own are -1 to 1. */
@@ -133,19 +156,20 @@ SIMD md hex_newton(const hex_forms *all, const hex_box *box, md left, vd x[3]) {
     return found;
 }
 
-/* Look at rays one box after the other: boxes become smaller until one has no root, or a single
- * one, which is found. Sets x, in the whole cell's parameters, and det of rays that have one;
- * returns these. Rays that are not known go from *left to *unknown. */
-SIMD md hex_shrink(const hex_forms *all, md left, md *unknown, vd x[3], vd *det) {
+/* Look at rays one box after the other, beginning with one in which the forms are part: boxes
+ * become smaller until one has no root, or a single one, which is found. Sets x, in the whole
+ * cell's parameters, and det of rays that have one; returns these. *unknown: the rays of `left` of
+ * which nothing is known. */
+SIMD md hex_shrink(const hex_forms *all, hex_forms part, hex_box box, md left, md *unknown, vd x[3],
+                   vd *det) {
     enum { BOXES = 4 };
     /* Sides of boxes, each relative to that of the one before; and what content is not worth a
      * look.
      */
     const double narrowest = 0x1p-4, worth = 0.5;
-    const vd zero = d_set(0.0), one = d_set(1.0), half = d_set(0.5);
-    hex_forms part = *all;
-    hex_box box = {{zero, zero, zero}, {one, one, one}};
+    const vd one = d_set(1.0), half = d_set(0.5), room = d_set(TRILINEAR_ROOM);
     md found = md_and_not(left, left);
+    *unknown = found;
     for (int n = 1;; n++) {
         vd middle[3], width[3], start[3];
         trilinear_bend b;
@@ -153,10 +177,10 @@ SIMD md hex_shrink(const hex_forms *all, md left, md *unknown, vd x[3], vd *det)
         *unknown = md_or(*unknown, md_and_not(left, good));
         left = md_and(left, good);
         for (int i = 0; i < 3; i++) {
-            vd lo, hi;
-            hex_bounds(&b, i, &lo, &hi);
-            lo = d_max(d_set(-1.0), lo);
-            hi = d_min(one, hi);
+            const vd rest = ((b.two[0][i] + b.two[1][i]) + b.two[2][i]) + b.all[i];
+            const vd stray = rest + room * (one + rest + d_abs(b.at[i]));
+            const vd lo = d_max(d_set(-1.0), b.at[i] - stray);
+            const vd hi = d_min(one, b.at[i] + stray);
             left = md_and_not(left, d_gt(lo, hi));
             middle[i] = half * (hi + lo);
             width[i] = d_max(d_set(narrowest), half * (hi - lo));
@@ -188,25 +212,71 @@ SIMD md hex_shrink(const hex_forms *all, md left, md *unknown, vd x[3], vd *det)
     }
 }
 
-/* Of the rays `asked`. The cell must not be folded. */
-SIMD void hex_meet_lanes(const hex_sight *cell, const hex_rays *rays, const hex_forms *forms,
-                         md asked, hex_met *out) {
-    /* What bounds of a single root's parameters may err by: bent forms move it. */
+/* Roots of rays: of which are known, and where. */
+typedef struct hex_found {
+    md once, unknown;
+    vd x[3], det;
+} hex_found;
+
+/* The roots in a box. One that is too near to its sides to tell is not known: bounds of a single
+ * root's parameters err by more than those of a form's, as bent forms move it. */
+SIMD void hex_find(const hex_forms *all, const hex_forms *part, const hex_box *box, md asked,
+                   hex_found *out) {
     const double room = TRILINEAR_STRETCH * TRILINEAR_ROOM;
-    const vd half = d_set(0.5), zero = d_set(0.0);
-    vd x[3] = {zero, zero, zero}, det = zero, most = zero;
-    out->unknown = out->enters = md_and_not(asked, asked);
-    const md found = hex_shrink(forms, asked, &out->unknown, x, &det);
-    for (int i = 0; i < 3; i++) {
-        most = d_max(d_abs(x[i]), most);
-        out->at[i] = half + half * x[i];
-    }
+    vd most = d_set(0.0);
+    for (int i = 0; i < 3; i++)
+        out->x[i] = box->middle[i];
+    out->det = most;
+    const md found = hex_shrink(all, *part, *box, asked, &out->unknown, out->x, &out->det);
+    for (int i = 0; i < 3; i++)
+        most = d_max(d_abs(out->x[i] - box->middle[i]) / box->half[i], most);
     const md near = md_and(found, d_gt(most, d_set(1.0 - room)));
     out->unknown = md_or(out->unknown, md_and(near, d_lt(most, d_set(1.0 + room))));
     out->once = md_and_not(found, near);
-    out->t = trilinear_at(cell->away[rays->axis[2]], x) / rays->d;
+}
+
+/* The roots in a cell that bends too much as a whole, by its eight parts: known where each part has
+ * none but one, which has one. */
+static inline void hex_find_in_parts(const hex_forms *all, md asked, hex_found *out) {
+    const vd half = d_set(0.5);
+    md once = md_and_not(asked, asked), left = asked;
+    for (unsigned n = 0; n < 8 && md_bits(left); n++) {
+        hex_forms part = *all;
+        hex_box box;
+        hex_found in;
+        for (int i = 0; i < 3; i++) {
+            box.middle[i] = d_set(n >> i & 1 ? 0.5 : -0.5);
+            box.half[i] = half;
+        }
+        for (int k = 0; k < 3; k++)
+            trilinear_restrict(part.f[k], box.middle, box.half);
+        hex_find(all, &part, &box, left, &in);
+        left = md_and_not(left, md_or(in.unknown, md_and(once, in.once)));
+        once = md_or(once, in.once);
+        for (int i = 0; i < 3; i++)
+            out->x[i] = d_select(in.once, in.x[i], out->x[i]);
+        out->det = d_select(in.once, in.det, out->det);
+    }
+    out->once = md_or(out->once, md_and(once, left));
+    out->unknown = md_and_not(out->unknown, left);
+}
+
+/* Of the rays `asked`. The cell must not be folded. */
+SIMD void hex_meet_lanes(const hex_sight *cell, const hex_rays *rays, const hex_forms *forms,
+                         md asked, hex_met *out) {
+    const vd half = d_set(0.5), zero = d_set(0.0), one = d_set(1.0);
+    const hex_box whole = {{zero, zero, zero}, {one, one, one}};
+    hex_found found;
+    hex_find(forms, forms, &whole, asked, &found);
+    if (md_bits(found.unknown))
+        hex_find_in_parts(forms, found.unknown, &found);
+    out->unknown = found.unknown;
+    out->once = found.once;
+    for (int i = 0; i < 3; i++)
+        out->at[i] = half + half * found.x[i];
+    out->t = trilinear_at(cell->away[rays->axis[2]], found.x) / rays->d;
     /* Right-handed in the rays' space where the ray goes up its third axis. */
-    out->enters = md_xor(d_lt(det, zero), d_gt(rays->d, zero));
+    out->enters = md_xor(d_lt(found.det, zero), d_gt(rays->d, zero));
 }
 
 #endif

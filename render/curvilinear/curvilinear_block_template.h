@@ -141,13 +141,11 @@ SIMD void list_rays(const curvilinear_tile *w, const near_cell *c, const hex_sig
             const unsigned x = from < TILE - D_ROW ? from : TILE - D_ROW, i = TILE * y + x;
             unsigned bits =
                 rays_in_window(w, c, rays->axis[2], x, y, row_mask(c->rect) & ~((1u << from) - 1u));
-            hex_forms forms;
             if (!bits)
                 continue;
             for (int k = 0; k < 2; k++)
                 rays->slope[k] = d_load_rows(w->slope[k] + i, TILE);
-            hex_forms_of(sight, rays, isovalue, &forms);
-            for (bits &= md_bits(hex_may_meet(&forms)); bits; bits &= bits - 1) {
+            for (bits &= md_bits(hex_may_meet(sight, rays, isovalue)); bits; bits &= bits - 1) {
                 const unsigned k = (unsigned)__builtin_ctz(bits);
                 out->of[out->count++] = (uint16_t)(i + TILE * (k / D_ROW) + k % D_ROW);
             }

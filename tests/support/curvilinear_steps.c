@@ -65,10 +65,11 @@ static const char *path(void *ctx, uint32_t step) {
 
 void curvilinear_steps_init(curvilinear_steps *s, const curvilinear_zone zones[], uint32_t count,
                             uint32_t fields, uint32_t steps) {
-    *s = (curvilinear_steps){.zones = zones,
-                             .series = {s, open_step, path, {.fields = fields, .steps = steps}, false},
-                             .source = {s, count, (const uint32_t(*)[3])s->nodes, false, fields,
-                                        places, values, blanks}};
+    *s = (curvilinear_steps){
+        .zones = zones,
+        .series = {s, open_step, path, {.fields = fields, .steps = steps}, false},
+        .source = {s, count, (const uint32_t(*)[3])s->nodes, false, fields, places, values,
+                   blanks}};
     for (uint32_t z = 0; z < count; z++) {
         memcpy(s->nodes[z], zones[z].nodes, sizeof s->nodes[z]);
         s->source.blanked = s->source.blanked || zones[z].blank;

@@ -176,7 +176,7 @@ static void test_budgets(void **state) {
     const leafcast_surface surface = leafcast_surface_default(0.3);
     leafcast_scene scene = leafcast_scene_default();
     scene.shadows = true;
-    const size_t rooms[] = {0, (size_t)3 << 20};
+    const size_t rooms[] = {0, (size_t)4300 << 10};
     for (int n = 0; n < 2; n++) {
         const leafcast_options o = {.size = sizeof o, .threads = 1 + n, .memory = rooms[n]};
         leafcast *v = open_zones(&s, &o);
