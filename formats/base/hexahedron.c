@@ -147,8 +147,7 @@ static int sense_if_straight(const double p[HEX_CORNERS][3]) {
         trilinear_of(away, form[a]);
         rounding[a] = 0x1p-48 * trilinear_size(form[a]);
     }
-    if (!trilinear_bend_of(form, rounding, &b) ||
-        !trilinear_is_single(&b, 1.0))
+    if (!trilinear_bend_of(form, rounding, &b) || !trilinear_is_single(&b, 1.0))
         return 0;
     return b.det > 0.0 ? 1 : -1;
 }

@@ -1,5 +1,5 @@
-/* box_projection.h - the projection of boxes whose planes may lie anywhere, so that each is projected
- * when it is met. */
+/* box_projection.h - the projection of boxes whose planes may lie anywhere, so that each is
+ * projected when it is met. */
 #ifndef RENDER_LOOK_BOX_PROJECTION_H
 #define RENDER_LOOK_BOX_PROJECTION_H
 
