@@ -134,9 +134,14 @@ QUICK  = $(filter-out $(LONG),$(call names,$(TESTS) $(CLI)))
 T_thread   = $(call marked,threads)
 T_cross    = $(call marked,bits)
 T_sanitize = $(filter-out $(call marked,plain),$(call names,$(TESTS) $(CLI)))
+# SHARE=N: of the scripts only every Nth, from the one DRAWN by the commit; all programs.
+SHARE     ?= 1
+DRAWN     ?= $(shell echo $$((0x0$$(git rev-parse --short=7 HEAD 2>/dev/null) % $(SHARE))))
+shared     = $(if $(filter 1,$(SHARE)),$1,$(shell printf '%s\n' $1 | awk 'NR % $(SHARE) == $(DRAWN)'))
 T         ?= $(T_$(if $(CROSS),cross,$(CONFIG)))
 only = $(filter $(foreach t,$1,$B/tests/$t tests/cli/$t.sh),$2)
 ASKED := $(if $(strip $T),$(call only,$T,$(TESTS) $(CLI)),$(TESTS) $(CLI))
+ASKED := $(filter-out %.sh,$(ASKED)) $(call shared,$(filter %.sh,$(ASKED)))
 RUN   := $(call only,$(LONG),$(ASKED))
 RUN   += $(filter-out $(RUN),$(ASKED))
 
@@ -210,7 +215,7 @@ $B/obj/%_avx2.o:   ISA := -mavx2 $(BITS)
 $B/obj/%_avx512.o: ISA := -mavx512f -mavx512dq -mavx512bw -mavx512vl -mavx512cd $(BITS)
 
 # Plain C in the place of vectors takes compilers longest. What it computes the units of an ISA compute, too.
-$B/obj/%_wide.o:   ISA := -Wno-psabi -g0 $(if $(findstring undefined,$(FLAGS_$(CONFIG))),-fno-sanitize=undefined)
+$B/obj/%_wide.o:   ISA := -Wno-psabi -O1 -g0 $(if $(findstring undefined,$(FLAGS_$(CONFIG))),-fno-sanitize=undefined)
 $B/obj/tests/render/mesh/test_isopolygon.o: ISA := -Wno-psabi
 
 $B/obj/%.o: %.c $B/flags
@@ -353,7 +358,9 @@ $B/emulated/bin/leafcast: $(FRONT) $(VERBS)
 	@cp -p $< $@
 
 # ---- tests ---------------------------------------------------------------------------------------
-$(TESTS) $(TOOLS): LINK_TESTS := -lcmocka
+# The faster linker, where it is here: programs of tests are 300.
+TEST_LD := $(if $(CROSS),,$(if $(shell command -v ld.gold),-fuse-ld=gold))
+$(TESTS) $(TOOLS): LINK_TESTS := -lcmocka $(TEST_LD)
 $(FUZZERS): LINK_TESTS := -fsanitize=fuzzer -lcmocka
 # What importers parse themselves, without their libraries.
 $B/tests/fuzz_image: $(patsubst %,$B/obj/prep/import/images/%.o,jpeg_end tiff_pages tiff_pieces tiff_place)
@@ -477,6 +484,7 @@ list help:
 	@echo "WERROR=1        warnings are errors"
 	@echo "CROSS=aarch64-linux-gnu   build for another machine; its tests are begun by RUNNER=$(or $(RUNNER),qemu-aarch64-static)"
 	@echo "EMBREE= TETGEN= OIIO= LIB_vdb= LIB_..=   build without one, though it is here"
+	@echo "SHARE=N         only every Nth script of tests/cli, others with each commit"
 	@echo "TIMEOUT=$(TIMEOUT)     seconds a test program may take"
 	@echo "V=1             show the commands"
 

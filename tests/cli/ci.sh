@@ -129,6 +129,16 @@ if [ "$(id -u)" = 0 ] && command -v flock apt-config >/dev/null; then
 else
     skip "bare-root with stand-ins" "as root of a Debian only"
 fi
+# scripts_of WHAT...: which scripts make would run.
+scripts_of() {
+    env -u MAKEFLAGS -u MAKELEVEL make -n run-tests CONFIG=sanitize "$@" 2>/dev/null | grep 'scripts/run-tests' | tr ' ' '\n' |
+        grep '\.sh$' | sort
+}
+scripts_of SHARE=1 >"$tmp/every"
+for drawn in 0 1 2; do scripts_of SHARE=3 DRAWN=$drawn; done >"$tmp/thirds"
+ok "three shares" [ "$(wc -l <"$tmp/thirds")" -gt 60 ]
+ok "are all scripts, each once" sh -c 'sort "$1" | cmp - "$2"' - "$tmp/thirds" "$tmp/every"
+
 exits "bare-root without a command" 2 scripts/bare-root
 exits "with an option that is none" 2 scripts/bare-root --none true
 exits "with a data folder that is none" 2 scripts/bare-root --data "$tmp/none" true

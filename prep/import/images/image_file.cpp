@@ -163,12 +163,15 @@ void luminance(sample_type type, const void *rgb, void *out, size_t count) {
     }
 }
 
-/* Of doubles in a TIFF the library (2.4) reads whole strips at once, as they are stored. A single
- * row or tile is zeros, and no error. */
-TypeDesc asked(sample_type type) {
-    return type == SAMPLE_F64 ? TypeDesc() : desc_of(type);
+/* No type: as they are stored. For samples of a type that is named, also of the one stored, the
+ * library (2.4) makes room for 64 MB at each call, and copies. */
+TypeDesc asked(const image_file *f, sample_type type) {
+    const bool as_stored = f->spec.channelformats.empty() && f->spec.format == desc_of(type);
+    return as_stored ? TypeDesc() : desc_of(type);
 }
 
+/* Of doubles in a TIFF the library reads whole strips at once. A single row or tile is zeros, and
+ * no error. */
 int rows_at_once(const ImageSpec &s, sample_type type) {
     return s.tile_width ? s.tile_height : type == SAMPLE_F64 ? s.height : BAND_ROWS;
 }
@@ -201,7 +204,7 @@ status read_page(image_file *f, int channel, void *samples) {
     for (int y = 0, end; y < f->spec.height; y = end) {
         end = std::min(y + rows, f->spec.height);
         char *to = static_cast<char *>(samples) + row * y;
-        if (!read_rows(f, y, end, mixed ? 0 : channel, mixed ? 3 : channel + 1, asked(type),
+        if (!read_rows(f, y, end, mixed ? 0 : channel, mixed ? 3 : channel + 1, asked(f, type),
                        mixed ? band.data() : to))
             return broken(f);
         if (mixed)
