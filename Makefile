@@ -358,9 +358,7 @@ $B/emulated/bin/leafcast: $(FRONT) $(VERBS)
 	@cp -p $< $@
 
 # ---- tests ---------------------------------------------------------------------------------------
-# The faster linker, where it is here: programs of tests are 300.
-TEST_LD := $(if $(CROSS),,$(if $(shell command -v ld.gold),-fuse-ld=gold))
-$(TESTS) $(TOOLS): LINK_TESTS := -lcmocka $(TEST_LD)
+$(TESTS) $(TOOLS): LINK_TESTS := -lcmocka
 $(FUZZERS): LINK_TESTS := -fsanitize=fuzzer -lcmocka
 # What importers parse themselves, without their libraries.
 $B/tests/fuzz_image: $(patsubst %,$B/obj/prep/import/images/%.o,jpeg_end tiff_pages tiff_pieces tiff_place)
