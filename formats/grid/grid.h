@@ -18,7 +18,13 @@
 #include "formats/base/world_frame.h"
 #include "formats/grid/absent.h"
 
-enum { GRID_NAME_MAX = 64, GRID_NOTE_MAX = 320, GRID_PLACE_MAX = 192, GRID_DIM_MAX = 1 << 20 };
+enum {
+    GRID_NAME_MAX = 64,
+    GRID_NOTE_MAX = 320,
+    GRID_PLACE_MAX = 192,
+    GRID_FIELDS_MAX = 2048,
+    GRID_DIM_MAX = 1 << 20
+};
 
 typedef struct grid {
     uint32_t dims[3];      /* nodes per axis, each 2 .. GRID_DIM_MAX */
@@ -28,11 +34,13 @@ typedef struct grid {
     double *axis[3]; /* rectilinear: dims[a] strictly increasing coordinates; all three NULL for a
                         regular grid */
     char name[GRID_NAME_MAX];
-    world_frame frame;          /* which way the world's axes point, and their units */
-    absent_parts absent;        /* how many samples its file lacks */
-    char note[GRID_NOTE_MAX];   /* what its file says but the reader did not apply; "": nothing */
-    char place[GRID_PLACE_MAX]; /* of an importer: where the samples lie in its input as they are,
-                                   sample_place_print(); "": nowhere */
+    world_frame frame;            /* which way the world's axes point, and their units */
+    absent_parts absent;          /* how many samples its file lacks */
+    char note[GRID_NOTE_MAX];     /* what its file says but the reader did not apply; "": nothing */
+    char place[GRID_PLACE_MAX];   /* of an importer: where the samples lie in its input as they are,
+                                     sample_place_print(); "": nowhere */
+    char fields[GRID_FIELDS_MAX]; /* of an importer: what can be read of its input, the JSON of its
+                                     --list, where that is short; "": not told */
 } grid;
 
 /* grid_init() - set up a regular grid with unit spacing at the origin. */

@@ -26,7 +26,7 @@ typedef struct import {
     size_t lent; /* bytes of m's limit that are lent while the source is open */
     char *path;
     char *field; /* the hints' field; NULL: not given */
-    char place[GRID_PLACE_MAX];
+    char place[GRID_PLACE_MAX], fields[GRID_FIELDS_MAX];
     uint32_t component, step;
     input_trust trust;
     char program[SIBLING_PATH];
@@ -327,16 +327,27 @@ static status tell_items(mem *m, const json_t *items, const slice_fields *to) {
     return st;
 }
 
-static status tell_fields(void *ctx, const slice_fields *to) {
+/* Start the importer again, which lists the fields. */
+static status ask_for_fields(const import *x, json_t **out) {
     static const char *const list[3] = {"--list", "--json", NULL};
-    const import *x = ctx;
-    json_t *root = NULL;
     child c;
     const size_t lent = mem_lend_half(x->m);
     status st = start(x, list, lent, &c);
     if (st == ST_OK)
-        st = read_list(x, &c, &root);
+        st = read_list(x, &c, out);
     mem_take_back(x->m, lent);
+    return st;
+}
+
+static status tell_fields(void *ctx, const slice_fields *to) {
+    const import *x = ctx;
+    json_t *root = json_loads(x->fields, 0, NULL);
+    status st = ST_OK;
+    if (!json_is_array(json_object_get(root, "fields"))) {
+        json_decref(root);
+        root = NULL;
+        st = ask_for_fields(x, &root);
+    }
     if (st == ST_OK)
         st = tell_items(x->m, json_object_get(root, "fields"), to);
     json_decref(root);
@@ -398,6 +409,7 @@ static status open_slices(mem *m, const foreign_format *f, const char *path,
         st = volume_layout_check(&l);
     if (st == ST_OK) {
         memcpy(x->place, l.g.place, sizeof x->place);
+        memcpy(x->fields, l.g.fields, sizeof x->fields);
         memcpy(x->dims, l.g.dims, sizeof x->dims);
         x->type = sample_stored(l.g.type);
     }

@@ -462,12 +462,15 @@ static void read_words(const nrrd *n) {
     const header_field *absent = header_fields_find_pair(&n->fields, "leafcast absent");
     const header_field *note = header_fields_find_pair(&n->fields, "leafcast note");
     const header_field *place = header_fields_find_pair(&n->fields, "leafcast place");
+    const header_field *fields = header_fields_find_pair(&n->fields, "leafcast fields");
     if (absent)
         absent_parse(absent->value, &n->l->g.absent);
     if (note)
         text_name(n->l->g.note, sizeof n->l->g.note, note->value);
     if (place)
         text_name(n->l->g.place, sizeof n->l->g.place, place->value);
+    if (fields)
+        text_name(n->l->g.fields, sizeof n->l->g.fields, fields->value);
 }
 
 /* ---- where the samples are ---- */

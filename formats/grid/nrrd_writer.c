@@ -60,11 +60,12 @@ static void put_axis(header *h, const grid *g, int a) {
     put(h, "\n");
 }
 
-static void put_absent(header *h, const grid *g) {
-    char text[ABSENT_TEXT];
-    absent_pair(&g->absent, text);
-    put(h, "leafcast absent:=");
-    put(h, text);
+static void put_pair(header *h, const char *key, const char *value) {
+    if (!value[0])
+        return;
+    put(h, key);
+    put(h, ":=");
+    put(h, value);
     put(h, "\n");
 }
 
@@ -106,18 +107,13 @@ status nrrd_write_header(out_stream *out, const grid *g) {
     put(h, "\n");
     for (int a = 0; a < 3 && grid_is_rectilinear(g); a++)
         put_axis(h, g, a);
+    char absent[ABSENT_TEXT] = "";
     if (g->absent.count)
-        put_absent(h, g);
-    if (g->note[0]) {
-        put(h, "leafcast note:=");
-        put(h, g->note);
-        put(h, "\n");
-    }
-    if (g->place[0]) {
-        put(h, "leafcast place:=");
-        put(h, g->place);
-        put(h, "\n");
-    }
+        absent_pair(&g->absent, absent);
+    put_pair(h, "leafcast absent", absent);
+    put_pair(h, "leafcast note", g->note);
+    put_pair(h, "leafcast place", g->place);
+    put_pair(h, "leafcast fields", g->fields);
     put(h, "\n");
     return h->st;
 }

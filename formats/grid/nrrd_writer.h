@@ -2,7 +2,7 @@
  *
  * The same grid and samples give the same bytes on every machine. Space directions and origin hold
  * the placement. The key/value pairs that nrrd.h reads hold rectilinear axes, how much is absent,
- * and a note.
+ * a note, and what an importer tells.
  */
 #ifndef FORMATS_GRID_NRRD_WRITER_H
 #define FORMATS_GRID_NRRD_WRITER_H

@@ -1,7 +1,10 @@
 #include "prep/import/importer.h"
 
+#include <jansson.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "formats/base/cli.h"
@@ -227,33 +230,6 @@ static status report(const arguments *a, const grid *g, double seconds) {
                                     "absent_of", (json_int_t)g->absent.of, "seconds", seconds));
 }
 
-static status import(mem *m, arguments *a) {
-    slice_source from = {0};
-    if (strcmp(a->common.output, "-") == 0 && isatty(STDOUT_FILENO))
-        return status_describe(ST_USAGE, "samples do not go to a terminal: give -o F.nrrd");
-    const double start = clock_seconds();
-    status st = a->importer->open(m, &a->q, &from);
-    if (st == ST_OK)
-        st = grid_check(&from.g, from.name);
-    sample_place at;
-    if (st == ST_OK && a->tiles && from.place && from.place(from.place_ctx, &at))
-        (void)sample_place_print(&at, from.g.place); /* for convert, which has started this */
-    if (st == ST_OK)
-        st = a->q.chunks                   ? write_chunks(m, a, &from)
-             : a->tiles && from.read_tiles ? write_tiles(m, a, &from)
-                                           : write_nrrd(m, a, &from);
-    st = judge(a, st);
-    if (st == ST_OK)
-        st = report(a, &from.g, clock_seconds() - start);
-    if (st == ST_OK)
-        st = cli_flush();
-    /* The output is complete: a crash while the library closes changes nothing. */
-    if (st == ST_OK)
-        crash_done(0);
-    slice_source_close(&from);
-    return st;
-}
-
 /* ---- listing ---- */
 
 static json_t *shape_json(const uint64_t shape[4]) {
@@ -301,16 +277,72 @@ static status list_line(void *ctx, const import_item *item) {
     return ST_OK;
 }
 
+/* List the fields as JSON. */
+static status read_list(mem *m, const arguments *a, json_t **out) {
+    json_t *items = json_array();
+    const status st = a->importer->list(m, &a->q, &(import_list){list_json, items});
+    if (st != ST_OK)
+        json_decref(items);
+    *out = st == ST_OK ? items : NULL;
+    return st;
+}
+
 static status list(mem *m, const arguments *a) {
     if (!a->common.json)
         return judge(a, a->importer->list(m, &a->q, &(import_list){list_line, NULL}));
-    json_t *items = json_array();
-    status st = judge(a, a->importer->list(m, &a->q, &(import_list){list_json, items}));
+    json_t *items = NULL;
+    status st = judge(a, read_list(m, a, &items));
     if (st == ST_OK)
         return cli_print_json(&a->common,
                               json_pack("{s:s, s:s, s:o}", "input", a->common.input, "format",
                                         a->importer->format, "fields", items));
-    json_decref(items);
+    return st;
+}
+
+/* ---- importing ---- */
+
+/* Tell convert, which has started this, and where it would start this again: the place of the
+ * samples; what else can be read, if that is one file's, not long, and without escapes. */
+static void tell_convert(mem *m, const arguments *a, slice_source *from) {
+    sample_place at;
+    if (from->place && from->place(from->place_ctx, &at))
+        (void)sample_place_print(&at, from->g.place);
+    json_t *items = NULL;
+    struct stat about;
+    if (a->q.path_count != 1 || stat(a->q.paths[0], &about) != 0 || !S_ISREG(about.st_mode) ||
+        read_list(m, a, &items) != ST_OK)
+        return;
+    json_t *root = json_pack("{s:o}", "fields", items);
+    char *text = json_dumps(root, JSON_COMPACT);
+    if (text && strlen(text) < sizeof from->g.fields && !strchr(text, '\\'))
+        memcpy(from->g.fields, text, strlen(text) + 1);
+    free(text);
+    json_decref(root);
+}
+
+static status import(mem *m, arguments *a) {
+    slice_source from = {0};
+    if (strcmp(a->common.output, "-") == 0 && isatty(STDOUT_FILENO))
+        return status_describe(ST_USAGE, "samples do not go to a terminal: give -o F.nrrd");
+    const double start = clock_seconds();
+    status st = a->importer->open(m, &a->q, &from);
+    if (st == ST_OK)
+        st = grid_check(&from.g, from.name);
+    if (st == ST_OK && a->tiles)
+        tell_convert(m, a, &from);
+    if (st == ST_OK)
+        st = a->q.chunks                   ? write_chunks(m, a, &from)
+             : a->tiles && from.read_tiles ? write_tiles(m, a, &from)
+                                           : write_nrrd(m, a, &from);
+    st = judge(a, st);
+    if (st == ST_OK)
+        st = report(a, &from.g, clock_seconds() - start);
+    if (st == ST_OK)
+        st = cli_flush();
+    /* The output is complete: a crash while the library closes changes nothing. */
+    if (st == ST_OK)
+        crash_done(0);
+    slice_source_close(&from);
     return st;
 }
 

@@ -246,6 +246,23 @@ ok "hands them on" [ "$(tr '\n' ' ' <"$tmp/asked")" = "-q --tiles -o - --field -
 exits "info of it" 0 bare info "$tmp/OpenVDB"
 ok "tells the format" prints '^format  *OpenVDB$'
 ok "and the values" prints '^values  *[0-9]* \.\. [0-9]*$'
+told() { # told TEXT: import-vdb tells its fields with the samples; how often is it asked for a list?
+    sed "1a leafcast fields:=$1" "$tmp/a.nrrd" >"$tmp/told.nrrd"
+    play import-vdb <<X
+cat "$tmp/told.nrrd"
+X
+    sed -i '2i case " $* " in *" --list "*) echo x >>"'"$tmp"'/lists" ;; esac' "$tmp/door/leafcast-import-vdb"
+    : >"$tmp/lists"
+    exits "info of what tells '$1'" 0 bare info "$tmp/OpenVDB" --json
+}
+told '{"fields":[{"name":"told","readable":true}]}'
+ok "lists them" prints '"name": "told"'
+ok "and asks for none" [ ! -s "$tmp/lists" ]
+for text in '{"fields":[{"name"' '[]' '{"fields":3}'; do
+    told "$text"
+    ok "asks for a list" prints '"name": "v"'
+    ok "once" [ "$(wc -l <"$tmp/lists")" = 1 ]
+done
 gzip -c "$tmp/OpenVDB" >"$tmp/p.vdb.gz"
 exits "packed" 3 bare convert "$tmp/p.vdb.gz" -o "$tmp/x.leaf" --force
 ok "is refused" says "a file that is not packed"

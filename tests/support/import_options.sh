@@ -27,6 +27,8 @@ import_options() {
     ok "says what it took" [ -s "$tmp/err" ]
     exits "--memory 1K" 4 "$leafcast" "$1" "$2" --memory 1K
     exits "--list with an output" 2 "$leafcast" "$1" "$2" --list -o "$tmp/l.nrrd"
+    exits "--tiles, as convert asks" 0 "$leafcast" "$1" "$2" --tiles
+    [ -d "$2" ] || ok "tells the fields of a file" grep -qa '^leafcast fields:={"fields":' "$tmp/out"
     "$leafcast" "$1" "$2" | "$leafcast" convert - -o "$tmp/o.leaf" -q
     exits "through a pipe into a treelet file" 0 "$leafcast" verify "$tmp/o.leaf"
 }
