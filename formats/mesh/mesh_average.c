@@ -56,9 +56,9 @@ static bool came_before(const uint64_t *ids, int i) {
 }
 
 /* Vertex i's value is values[i * step]. */
-static void add(mesh_average *a, uint32_t field, mesh_cell kind, const uint64_t *ids,
+static void add(mesh_average *a, uint32_t field, cell_shape kind, const uint64_t *ids,
                 const double *values, int step) {
-    int count = mesh_split_vertices(kind);
+    int count = cell_shape_vertices(kind);
     for (int i = 0; i < count; i++)
         if (ids[i] >= a->points)
             return;
@@ -71,15 +71,15 @@ static void add(mesh_average *a, uint32_t field, mesh_cell kind, const uint64_t 
     }
 }
 
-void mesh_average_add(mesh_average *a, uint32_t field, mesh_cell kind, const uint64_t *ids,
+void mesh_average_add(mesh_average *a, uint32_t field, cell_shape kind, const uint64_t *ids,
                       double value) {
     add(a, field, kind, ids, &value, 0);
 }
 
-void mesh_average_add_each(mesh_average *a, uint32_t field, mesh_cell kind, const uint64_t *ids,
+void mesh_average_add_each(mesh_average *a, uint32_t field, cell_shape kind, const uint64_t *ids,
                            const float *values) {
     double wide[8];
-    for (int i = 0; i < mesh_split_vertices(kind); i++)
+    for (int i = 0; i < cell_shape_vertices(kind); i++)
         wide[i] = (double)values[i];
     add(a, field, kind, ids, wide, 1);
 }

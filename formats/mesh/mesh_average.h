@@ -43,11 +43,11 @@ void mesh_average_release(mesh_average *a);
 
 /* mesh_average_add() - add a cell's value of a field (0, 1, ..) to its points. A cell with an id
  * outside the points is skipped, as by mesh_feed_cell(). */
-void mesh_average_add(mesh_average *a, uint32_t field, mesh_cell kind, const uint64_t *ids,
+void mesh_average_add(mesh_average *a, uint32_t field, cell_shape kind, const uint64_t *ids,
                       double value);
 
 /* mesh_average_add_each() - the same with a value for each of the cell's vertices. */
-void mesh_average_add_each(mesh_average *a, uint32_t field, mesh_cell kind, const uint64_t *ids,
+void mesh_average_add_each(mesh_average *a, uint32_t field, cell_shape kind, const uint64_t *ids,
                            const float *values);
 
 /* mesh_average_feed() - feed the window's values when the last cell has been added. The first field

@@ -173,17 +173,17 @@ static status keep_tet(mesh_feed *f, const uint32_t ids[4]) {
     return f->tets_held == MESH_FEED_CHUNK ? flush_tets(f) : ST_OK;
 }
 
-status mesh_feed_cell(mesh_feed *f, mesh_cell kind, const uint64_t *ids) {
+status mesh_feed_cell(mesh_feed *f, cell_shape kind, const uint64_t *ids) {
     uint32_t small[8], tets[MESH_SPLIT_TETS][4];
     f->cells_seen++;
-    for (int i = 0; i < mesh_split_vertices(kind); i++) {
+    for (int i = 0; i < cell_shape_vertices(kind); i++) {
         if (ids[i] >= f->points) {
             f->report->bad_indices++;
             return ST_OK;
         }
         small[i] = (uint32_t)ids[i];
     }
-    if (kind != MESH_TET)
+    if (kind != CELL_TET)
         f->report->split[kind]++;
     int count = mesh_split(kind, small, tets);
     status st = ST_OK;

@@ -73,7 +73,7 @@ CHECKED status mesh_feed_zeros(mesh_feed *f);
 
 /* mesh_feed_cell() - feed one cell. An invalid id may be passed as any value outside 0 .. points -
  * 1; the cell is then counted as bad. */
-CHECKED status mesh_feed_cell(mesh_feed *f, mesh_cell kind, const uint64_t *ids);
+CHECKED status mesh_feed_cell(mesh_feed *f, cell_shape kind, const uint64_t *ids);
 CHECKED status mesh_feed_tets(mesh_feed *f, const uint32_t (*ids)[4], size_t count);
 
 /* mesh_feed_end() - hand the rest to the sink. All points and values must have been fed (an

@@ -20,14 +20,17 @@ typedef struct element_type {
 } element_type;
 
 static const element_type types[] = {
-    [1] = {2, SKIPPED},   [2] = {3, SKIPPED},    [3] = {4, SKIPPED},      [4] = {4, MESH_TET},
-    [5] = {8, MESH_HEX},  [6] = {6, MESH_WEDGE}, [7] = {5, MESH_PYRAMID}, [8] = {3, SKIPPED},
-    [9] = {6, SKIPPED},   [10] = {9, SKIPPED},   [11] = {10, REFUSED},    [12] = {27, REFUSED},
-    [13] = {18, REFUSED}, [14] = {14, REFUSED},  [15] = {1, SKIPPED},     [16] = {8, SKIPPED},
-    [17] = {20, REFUSED}, [18] = {15, REFUSED},  [19] = {13, REFUSED},    [20] = {9, SKIPPED},
-    [21] = {10, SKIPPED}, [22] = {12, SKIPPED},  [23] = {15, SKIPPED},    [24] = {15, SKIPPED},
-    [25] = {21, SKIPPED}, [26] = {4, SKIPPED},   [27] = {5, SKIPPED},     [28] = {6, SKIPPED},
-    [29] = {20, REFUSED}, [30] = {35, REFUSED},  [31] = {56, REFUSED}};
+    [1] = {2, SKIPPED},      [2] = {3, SKIPPED},         [3] = {4, SKIPPED},
+    [4] = {4, CELL_TET},     [5] = {8, CELL_HEXAHEDRON}, [6] = {6, CELL_WEDGE},
+    [7] = {5, CELL_PYRAMID}, [8] = {3, SKIPPED},         [9] = {6, SKIPPED},
+    [10] = {9, SKIPPED},     [11] = {10, REFUSED},       [12] = {27, REFUSED},
+    [13] = {18, REFUSED},    [14] = {14, REFUSED},       [15] = {1, SKIPPED},
+    [16] = {8, SKIPPED},     [17] = {20, REFUSED},       [18] = {15, REFUSED},
+    [19] = {13, REFUSED},    [20] = {9, SKIPPED},        [21] = {10, SKIPPED},
+    [22] = {12, SKIPPED},    [23] = {15, SKIPPED},       [24] = {15, SKIPPED},
+    [25] = {21, SKIPPED},    [26] = {4, SKIPPED},        [27] = {5, SKIPPED},
+    [28] = {6, SKIPPED},     [29] = {20, REFUSED},       [30] = {35, REFUSED},
+    [31] = {56, REFUSED}};
 
 typedef struct gmsh_state {
     gmsh_file file;
@@ -433,7 +436,7 @@ static status find_type(const gmsh_cursor *c, uint64_t number, element_type *typ
 }
 
 /* Add a cell's element data, if it has any, to its points. */
-static status add_to_average(gmsh_field *f, const gmsh_cursor *c, mesh_cell kind, uint64_t id,
+static status add_to_average(gmsh_field *f, const gmsh_cursor *c, cell_shape kind, uint64_t id,
                              const uint64_t *ids) {
     uint64_t row = id_map_find(&f->rows, id);
     if (row == UINT64_MAX)
@@ -443,14 +446,14 @@ static status add_to_average(gmsh_field *f, const gmsh_cursor *c, mesh_cell kind
         return ST_OK;
     }
     const float *values = &f->values.items[f->starts[row]];
-    if ((int)values[0] != mesh_split_vertices(kind))
+    if ((int)values[0] != cell_shape_vertices(kind))
         return gmsh_cursor_fault(c, ST_CORRUPT, "element %lld has values for %d nodes, expected %d",
-                                 (long long)id, (int)values[0], mesh_split_vertices(kind));
+                                 (long long)id, (int)values[0], cell_shape_vertices(kind));
     mesh_average_add_each(&f->average, 0, kind, ids, values + 1);
     return ST_OK;
 }
 
-static status add_to_averages(gmsh_reading *r, const gmsh_cursor *c, mesh_cell kind, uint64_t id,
+static status add_to_averages(gmsh_reading *r, const gmsh_cursor *c, cell_shape kind, uint64_t id,
                               const uint64_t *ids) {
     status st = ST_OK;
     for (uint32_t k = 0; st == ST_OK && k < r->count; k++)
@@ -474,8 +477,8 @@ static status read_element(gmsh_reading *r, gmsh_cursor *c, element_type type, u
     }
     for (int i = 0; i < type.nodes; i++)
         ids[i] = id_map_find(&r->nodes, ids[i]);
-    st = add_to_averages(r, c, (mesh_cell)type.kind, id, ids);
-    return st == ST_OK ? mesh_feed_cell(r->feed, (mesh_cell)type.kind, ids) : st;
+    st = add_to_averages(r, c, (cell_shape)type.kind, id, ids);
+    return st == ST_OK ? mesh_feed_cell(r->feed, (cell_shape)type.kind, ids) : st;
 }
 
 static status skip_tags(gmsh_cursor *c, uint64_t count) {

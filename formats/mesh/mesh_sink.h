@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "formats/base/cell_shape.h"
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/input/input_trust.h"
@@ -40,22 +41,12 @@ typedef struct mesh_hints {
     input_trust trust;
 } mesh_hints;
 
-/* Kinds of cells that are split, and the order of their vertices. Also the index into
- * mesh_report.split. */
-typedef enum mesh_cell {
-    MESH_HEX,     /* 8 vertices: bottom quad around, then the top one above it (VTK_HEXAHEDRON) */
-    MESH_WEDGE,   /* 6: a triangle, then the opposite one; edges 0-3, 1-4, 2-5 */
-    MESH_PYRAMID, /* 5: quad around, then the apex */
-    MESH_VOXEL,   /* 8: x fastest (VTK_VOXEL) */
-    MESH_SPLIT_KINDS,
-    MESH_TET = MESH_SPLIT_KINDS /* 4 */
-} mesh_cell;
-
 typedef struct mesh_report {
-    uint64_t points, tets;            /* handed over */
-    uint64_t split[MESH_SPLIT_KINDS]; /* cells that were split; `tets` counts the tets they gave */
-    uint64_t bad_indices;             /* cells left out: an id is outside the points */
-    uint64_t repeated;                /* tets left out: a vertex comes twice */
+    uint64_t points, tets;             /* handed over */
+    uint64_t split[CELL_SPLIT_SHAPES]; /* by cell_shape: cells that were split; `tets` counts the
+                                          tets they gave */
+    uint64_t bad_indices;              /* cells left out: an id is outside the points */
+    uint64_t repeated;                 /* tets left out: a vertex comes twice */
     uint64_t skipped; /* cells skipped: fewer dimensions (vertices, edges, triangles, ..) */
     uint64_t ghosts;  /* cells left out: another piece of the mesh has them, or they are hidden */
     char field[MESH_NAME_MAX + 1]; /* the first array taken; "" for a mesh without any */

@@ -17,11 +17,8 @@
 
 enum { MESH_SPLIT_TETS = 6 };
 
-/* mesh_split_vertices() - returns the number of vertices of a kind of cell, tets included. */
-int mesh_split_vertices(mesh_cell kind);
-
 /* mesh_split() - split a cell into tets of the cell's own orientation. Returns how many: 6 for
  * hexes and voxels, 3 for wedges, 2 for pyramids, 1 for tets. */
-int mesh_split(mesh_cell kind, const uint32_t *ids, uint32_t tets[MESH_SPLIT_TETS][4]);
+int mesh_split(cell_shape kind, const uint32_t *ids, uint32_t tets[MESH_SPLIT_TETS][4]);
 
 #endif

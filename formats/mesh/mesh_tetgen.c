@@ -257,9 +257,9 @@ static status read_tets(tetgen_state *s, mesh_feed *feed, mesh_average *average)
         if (st == ST_OK)
             st = read_columns(t, s->cell_columns, s->row);
         for (uint32_t k = 0; st == ST_OK && average && k < s->count; k++)
-            mesh_average_add(average, k, MESH_TET, ids, s->row[s->columns[k]]);
+            mesh_average_add(average, k, CELL_TET, ids, s->row[s->columns[k]]);
         if (st == ST_OK)
-            st = mesh_feed_cell(feed, MESH_TET, ids);
+            st = mesh_feed_cell(feed, CELL_TET, ids);
     }
     return st;
 }

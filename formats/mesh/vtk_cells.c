@@ -141,13 +141,13 @@ static const struct {
     [81] = {"Bezier pyramid", false},
 };
 
-static bool volume_kind(uint64_t type, mesh_cell *kind) {
+static bool volume_kind(uint64_t type, cell_shape *kind) {
     switch (type) {
-    case TETRA: *kind = MESH_TET; return true;
-    case VOXEL: *kind = MESH_VOXEL; return true;
-    case HEXAHEDRON: *kind = MESH_HEX; return true;
-    case WEDGE: *kind = MESH_WEDGE; return true;
-    case PYRAMID: *kind = MESH_PYRAMID; return true;
+    case TETRA: *kind = CELL_TET; return true;
+    case VOXEL: *kind = CELL_VOXEL; return true;
+    case HEXAHEDRON: *kind = CELL_HEXAHEDRON; return true;
+    case WEDGE: *kind = CELL_WEDGE; return true;
+    case PYRAMID: *kind = CELL_PYRAMID; return true;
     default: return false;
     }
 }
@@ -227,7 +227,7 @@ status vtk_cells_next(vtk_cells *c, vtk_cell *cell) {
     if (st != ST_OK)
         return st;
     cell->volume = volume_kind(type, &cell->kind);
-    cell->count = cell->volume ? mesh_split_vertices(cell->kind) : 0;
+    cell->count = cell->volume ? cell_shape_vertices(cell->kind) : 0;
     if (!cell->volume)
         st = check_passed_over(c, type);
     else if (size != (uint64_t)cell->count)

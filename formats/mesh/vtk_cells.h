@@ -19,9 +19,9 @@ typedef struct vtk_cells_source {
 } vtk_cells_source;
 
 typedef struct vtk_cell {
-    bool volume;    /* false: vertices, lines or surfaces; kind and ids are not set */
-    mesh_cell kind; /* vertices in the order of mesh_sink.h */
-    int count;      /* number of ids */
+    bool volume;     /* false: vertices, lines or surfaces; kind and ids are not set */
+    cell_shape kind; /* vertices in the order of mesh_sink.h */
+    int count;       /* number of ids */
     uint64_t ids[8];
     bool copied; /* another piece has it, too */
     bool hidden; /* not to be drawn: finer cells are in its place, say */

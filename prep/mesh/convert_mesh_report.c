@@ -14,7 +14,7 @@ static void print_input(const convert_request *a, const mesh_report *r) {
     static const char *const kinds[] = {"hexahedra", "wedges", "pyramids", "voxels"};
     printf("input       %llu points, %llu tets\n", whole(r->points), whole(r->tets));
     convert_report_print_sets(a, r->field);
-    for (int i = 0; i < MESH_SPLIT_KINDS; i++)
+    for (int i = 0; i < CELL_SPLIT_SHAPES; i++)
         if (r->split[i])
             printf("split       %llu %s\n", whole(r->split[i]), kinds[i]);
     if (r->skipped)

@@ -265,7 +265,7 @@ static void describe_origin(const mesh_options *o, const mesh_report *r, char *t
     if (o->file.codec == LEAF_CODEC_ZSTD)
         snprintf(codec, sizeof codec, "zstd:%d", o->file.zstd_level);
     uint64_t split = 0;
-    for (int i = 0; i < MESH_SPLIT_KINDS; i++)
+    for (int i = 0; i < CELL_SPLIT_SHAPES; i++)
         split += r->split[i];
     char cells[64] = "";
     if (split)

@@ -194,8 +194,10 @@ static int compare_corners(const double p[3], double value, const double q[3], d
     return (value > other) - (value < other);
 }
 
-patch_order patch_order_of(const double p[PATCH_CORNERS][3], const double value[PATCH_CORNERS]) {
-    patch_order best = {{0, 1, 2, 3}, {0, 0}, 0, 1};
+/* The eight orders of a quadrilateral begin at a corner and go round this way or that. */
+static patch_order order_of_four(const double p[PATCH_CORNERS][3],
+                                 const double value[PATCH_CORNERS]) {
+    patch_order best = {.corner = {0, 1, 2, 3}, .sense = 1};
     for (int i = 1; i < 8; i++) {
         patch_order o = {.flip = {i & 1, i >> 1 & 1}, .swap = i >> 2};
         int less = 0;
@@ -211,4 +213,67 @@ patch_order patch_order_of(const double p[PATCH_CORNERS][3], const double value[
             best = o;
     }
     return best;
+}
+
+/* Three corners, by size. Each exchange of two turns the triangle over. */
+static patch_order order_of_three(const double p[PATCH_CORNERS][3],
+                                  const double value[PATCH_CORNERS], int twin, int along) {
+    static const int ring[PATCH_CORNERS] = {0, 1, 3, 2};
+    patch_order o = {.sense = 1, .triangle = true, .twin = twin, .along = along};
+    int count = 0;
+    for (int k = 0; k < PATCH_CORNERS; k++) {
+        if (ring[k] == (twin ^ 1 << along))
+            continue;
+        int i = count++;
+        for (; i > 0 && compare_corners(p[ring[k]], value[ring[k]], p[o.corner[i - 1]],
+                                        value[o.corner[i - 1]]) < 0;
+             i--) {
+            o.corner[i] = o.corner[i - 1];
+            o.sense = -o.sense;
+        }
+        o.corner[i] = ring[k];
+    }
+    o.corner[3] = o.corner[2];
+    return o;
+}
+
+patch_order patch_order_of(const double p[PATCH_CORNERS][3], const double value[PATCH_CORNERS]) {
+    static const struct {
+        int twin, along;
+    } sides[PATCH_CORNERS] = {{0, 0}, {2, 0}, {0, 1}, {1, 1}};
+    int same = 0, side = 0;
+    for (int k = 0; k < PATCH_CORNERS; k++) {
+        const int i = sides[k].twin, j = i ^ 1 << sides[k].along;
+        if (compare_corners(p[i], value[i], p[j], value[j]) == 0) {
+            same++;
+            side = k;
+        }
+    }
+    return same == 1 ? order_of_three(p, value, sides[side].twin, sides[side].along)
+                     : order_of_four(p, value);
+}
+
+/* By the shares of the three corners: that of the twins tells how near their side is. */
+static void own_of_three(const patch_order *o, const double at[2], double own[2]) {
+    const double share[3] = {(1.0 - at[1]) * (1.0 - at[0]), (1.0 - at[1]) * at[0], at[1]};
+    double twins = 0.0, other[2] = {0.0, 0.0};
+    for (int i = 0; i < 3; i++)
+        if (o->corner[i] == o->twin)
+            twins = share[i];
+        else
+            other[o->corner[i] >> o->along & 1] = share[i];
+    const double both = other[0] + other[1];
+    own[!o->along] = (o->twin >> !o->along & 1) ? twins : 1.0 - twins;
+    own[o->along] = both > 0.0 ? other[1] / both : 0.5;
+}
+
+void patch_own(const patch_order *o, const double at[2], double own[2]) {
+    if (o->triangle) {
+        own_of_three(o, at, own);
+        return;
+    }
+    for (int k = 0; k < 2; k++) {
+        const double x = at[o->swap ? !k : k];
+        own[k] = o->flip[k] ? 1.0 - x : x;
+    }
 }

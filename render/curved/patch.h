@@ -49,12 +49,17 @@ static inline double patch_at(const double v[PATCH_CORNERS], const double at[2])
     return low + at[1] * (high - low);
 }
 
-/* Which of the eight orders of a patch's corners is everybody's: corner k of that order is corner
- * corner[k] of one's own. flip, swap: how parameters go over, see patch_own(). */
+/* Which order of a patch's corners is everybody's: corner k of that order is corner corner[k] of
+ * one's own. Of a triangle, a patch with one side that is a corner twice, the twin comes last, and
+ * whoever shares it may have another of its corners twice: then the map of a triangle is linear, so
+ * they are the same. */
 typedef struct patch_order {
     int corner[PATCH_CORNERS];
-    int flip[2], swap;
-    int sense; /* of that order in one's own: 1 or -1 */
+    int sense;         /* of that order in one's own: 1 or -1 */
+    int flip[2], swap; /* of a quadrilateral: how parameters go over */
+    bool triangle;
+    int twin,
+        along; /* one's own corner that is there twice, and which parameter tells them apart */
 } patch_order;
 
 /* patch_order_of() - the order whose corners come first by position, in dictionary order; then by
@@ -62,11 +67,6 @@ typedef struct patch_order {
 patch_order patch_order_of(const double p[PATCH_CORNERS][3], const double value[PATCH_CORNERS]);
 
 /* patch_own() - parameters in everybody's order as one's own. */
-static inline void patch_own(const patch_order *o, const double at[2], double own[2]) {
-    for (int k = 0; k < 2; k++) {
-        const double x = at[o->swap ? !k : k];
-        own[k] = o->flip[k] ? 1.0 - x : x;
-    }
-}
+void patch_own(const patch_order *o, const double at[2], double own[2]);
 
 #endif

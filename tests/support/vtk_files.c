@@ -226,13 +226,13 @@ const char *vtk_files_patch(const char *path, const char *from, const char *to) 
 
 /* ---- what must come of it ---- */
 
-static mesh_cell kind_of(int type) {
+static cell_shape kind_of(int type) {
     switch (type) {
-    case 11: return MESH_VOXEL;
-    case 12: return MESH_HEX;
-    case 13: return MESH_WEDGE;
-    case 14: return MESH_PYRAMID;
-    default: return MESH_TET;
+    case 11: return CELL_VOXEL;
+    case 12: return CELL_HEXAHEDRON;
+    case 13: return CELL_WEDGE;
+    case 14: return CELL_PYRAMID;
+    default: return CELL_TET;
     }
 }
 
@@ -286,7 +286,7 @@ void vtk_files_check(const mesh_copy *a, int pieces, const char *field, int comp
     assert_int_equal(a->report.tets, pieces * VTK_FILES_TETS);
     assert_int_equal(a->report.skipped, pieces * 4);
     assert_int_equal(a->report.bad_indices + a->report.repeated, 0);
-    for (int k = 0; k < MESH_SPLIT_KINDS; k++)
+    for (int k = 0; k < CELL_SPLIT_SHAPES; k++)
         assert_int_equal(a->report.split[k], pieces);
     assert_string_equal(a->report.field, field);
     for (int i = 0; i < pieces * VTK_FILES_POINTS; i++) {

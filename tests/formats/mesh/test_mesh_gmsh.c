@@ -256,9 +256,9 @@ static const char *write_variant(int i) {
 static void check_mesh(const mesh_copy *a) {
     assert_int_equal(a->report.points, NODES);
     assert_int_equal(a->report.tets, 6 + 3 + 2 + 1);
-    assert_int_equal(a->report.split[MESH_HEX], 1);
-    assert_int_equal(a->report.split[MESH_WEDGE], 1);
-    assert_int_equal(a->report.split[MESH_PYRAMID], 1);
+    assert_int_equal(a->report.split[CELL_HEXAHEDRON], 1);
+    assert_int_equal(a->report.split[CELL_WEDGE], 1);
+    assert_int_equal(a->report.split[CELL_PYRAMID], 1);
     assert_int_equal(a->report.skipped, 3);
     assert_int_equal(a->report.bad_indices + a->report.repeated, 0);
     for (int n = 0; n < NODES; n++)

@@ -16,7 +16,7 @@
 #include "formats/mesh/mesh_split.h"
 
 typedef struct shape {
-    mesh_cell kind;
+    cell_shape kind;
     int vertices, faces, tets;
     double volume6; /* six times */
     double at[8][3];
@@ -25,35 +25,35 @@ typedef struct shape {
 
 /* Plane faces, but no other symmetry. */
 static const shape shapes[] = {
-    {MESH_HEX,
+    {CELL_HEXAHEDRON,
      8,
      6,
      6,
      6,
      {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}},
      {{0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}},
-    {MESH_VOXEL,
+    {CELL_VOXEL,
      8,
      6,
      6,
      6,
      {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}},
      {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4}, {1, 3, 7, 5}, {3, 2, 6, 7}, {2, 0, 4, 6}}},
-    {MESH_WEDGE,
+    {CELL_WEDGE,
      6,
      5,
      3,
      3,
      {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}},
      {{0, 1, 2, -1}, {3, 4, 5, -1}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}}},
-    {MESH_PYRAMID,
+    {CELL_PYRAMID,
      5,
      5,
      2,
      2,
      {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.3, 0.4, 1}},
      {{0, 1, 2, 3}, {0, 1, 4, -1}, {1, 2, 4, -1}, {2, 3, 4, -1}, {3, 0, 4, -1}}},
-    {MESH_TET,
+    {CELL_TET,
      4,
      4,
      1,
@@ -154,7 +154,7 @@ static void test_every_numbering(void **state) {
     (void)state;
     for (int i = 0; i < SHAPES; i++) {
         uint32_t ids[8] = {7, 100, 3, 4000000000u, 0, 12, 13, 900};
-        assert_int_equal(mesh_split_vertices(shapes[i].kind), shapes[i].vertices);
+        assert_int_equal(cell_shape_vertices(shapes[i].kind), shapes[i].vertices);
         permute(&shapes[i], ids, shapes[i].vertices);
     }
 }
@@ -173,7 +173,7 @@ static void check_collapsed(const uint32_t six[6]) {
     const uint32_t ids[8] = {six[0], six[1], six[2], six[2], six[3], six[4], six[5], six[5]};
     const shape *wedge = &shapes[2];
     uint32_t tets[MESH_SPLIT_TETS][4];
-    int count = mesh_split(MESH_HEX, ids, tets), kept = 0, t[MESH_SPLIT_TETS][4];
+    int count = mesh_split(CELL_HEXAHEDRON, ids, tets), kept = 0, t[MESH_SPLIT_TETS][4];
     double sum = 0;
     for (int i = 0; i < count; i++) {
         if (repeats(tets[i]))
