@@ -56,6 +56,7 @@ enum {
     KEY_BUILD,
     KEY_COARSE,
     KEY_GRADIENTS,
+    KEY_WHOLE,
     KEY_NAME,
     KEY_ALLOW_EMPTY,
     KEY_IN_PLACE,
@@ -157,6 +158,10 @@ static const struct argp_option options[] = {
      "trees of treelets: by keys (default), or by the surface area heuristic, for comparison", 3},
     {"gradients", KEY_GRADIENTS, NULL, CLI_BASIC,
      "store the gradient at each vertex, too, for smooth normals", 3},
+    {"whole-cells", KEY_WHOLE, NULL, CLI_BASIC,
+     "keep hexahedra, wedges and pyramids as they are, each with its own interpolant (default: "
+     "split them into tets)",
+     3},
     PLOT3D_OPTIONS(3),
     {NULL, 0, NULL, 0, NULL, 0}};
 
@@ -177,7 +182,7 @@ static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES}, {TRUST_KEY_MISSIN
                                {KEY_STEPS, INPUT_SERIES},      {KEY_CELLS_TO_POINTS, INPUT_CELLS},
                                {KEY_COARSE, INPUT_CELLS},      {KEY_TREELET_TETS, INPUT_CELLS},
                                {KEY_LEAF_TETS, INPUT_CELLS},   {KEY_BUILD, INPUT_CELLS},
-                               {KEY_GRADIENTS, INPUT_CELLS}};
+                               {KEY_GRADIENTS, INPUT_CELLS},   {KEY_WHOLE, INPUT_CELLS}};
 
 static status set_spacing(convert_request *a, const char *text) {
     status st = num_doubles(text, "--spacing", ", ", 3, a->hints.grid.spacing);
@@ -301,6 +306,7 @@ static status set_mesh(convert_request *a, int key, const char *text) {
         a->coarse_dims = 0;
         return text ? cli_uint(text, "--coarse", 2, GRID_DIM_MAX, &a->coarse_dims) : ST_OK;
     case KEY_GRADIENTS: a->gradients = true; return ST_OK;
+    case KEY_WHOLE: a->whole = true; return ST_OK;
     default: return ST_AGAIN;
     }
 }

@@ -167,8 +167,7 @@ static uint64_t select_block(const curvilinear_lattice *l, const curvilinear_pla
             for (unsigned i = 0; i < b->cells[0]; i++) {
                 const unsigned bit = i + BLOCK * (j + BLOCK * k);
                 const uint32_t cell = curvilinear_lattice_cell(l, b, bit);
-                if (v.odd[k][j][i] == 0.0f &&
-                    curvilinear_lattice_code(l, cell) != CURVILINEAR_NONE &&
+                if (v.odd[k][j][i] == 0.0f && curvilinear_lattice_code(l, cell) != HEX_NONE &&
                     interest_meets(in, v.lo[k][j][i], v.hi[k][j][i]))
                     mask |= UINT64_C(1) << bit;
             }

@@ -3,12 +3,14 @@
 #include "stream/curvilinear_resident.h"
 #include "stream/grid_resident.h"
 #include "stream/mesh_resident.h"
+#include "stream/mixed_resident.h"
 
 const resident_kind *resident_kind_of(const leaf_file *f) {
     static const resident_kind *const kinds[] = {
         [LEAF_KIND_GRID] = &grid_resident,
         [LEAF_KIND_MESH] = &mesh_resident,
         [LEAF_KIND_CURVILINEAR] = &curvilinear_resident,
+        [LEAF_KIND_MIXED] = &mixed_resident,
     };
     return kinds[f->header.kind];
 }

@@ -13,6 +13,22 @@ typedef struct hexahedron {
     double value[HEX_CORNERS];
 } hexahedron;
 
+/* What two bits of a file say of a cell. */
+typedef enum hex_code {
+    HEX_FOLDED = 0, /* the map's Jacobian is not proven to keep its sign in it */
+    HEX_RIGHT = 1,  /* right-handed: it is positive */
+    HEX_LEFT = 2,
+    HEX_NONE = 3 /* there is no cell */
+} hex_code;
+
+/* hex_code_of() - of a hexahedron_sense(). hex_code_sense() - the other way round. */
+static inline hex_code hex_code_of(int sense) {
+    return sense > 0 ? HEX_RIGHT : sense < 0 ? HEX_LEFT : HEX_FOLDED;
+}
+static inline int hex_code_sense(hex_code code) {
+    return code == HEX_RIGHT ? 1 : code == HEX_LEFT ? -1 : 0;
+}
+
 /* hexahedron_at() - the trilinear form of eight corners' values. hexahedron_slope() - its
  * derivatives by the parameters. hexahedron_twist() - its second ones: twist[a] by the two
  * parameters other than a; returns the third one, by all three. */

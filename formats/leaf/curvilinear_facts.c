@@ -1,6 +1,5 @@
 #include "formats/leaf/curvilinear_facts.h"
 
-#include "formats/base/num.h"
 #include "formats/leaf/curvilinear_geometry.h"
 
 enum { ZONES_TOLD = 8 };
@@ -36,18 +35,6 @@ static void tell_zones(const leaf_file *f, const fact_sheet *to, uint64_t cells,
     fact_sheet_json(to, "zones", list);
 }
 
-static void tell_bounds(const leaf_file *f, const fact_sheet *to) {
-    const leaf_header *h = &f->header;
-    char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX];
-    double bounds[6];
-    for (int i = 0; i < 6; i++)
-        bounds[i] = (double)h->bounds[i];
-    for (int i = 0; i < 3; i++)
-        fact_sheet_line(to, i ? "" : "bounds", "%s .. %s", num_print(bounds[i], lo),
-                        num_print(bounds[i + 3], hi));
-    fact_sheet_reals(to, "bounds", bounds, 6);
-}
-
 static void tell(const leaf_file *f, const fact_sheet *to) {
     const leaf_header *h = &f->header;
     const curvilinear_directory *d = curvilinear_directory_of(f);
@@ -61,7 +48,7 @@ static void tell(const leaf_file *f, const fact_sheet *to) {
     leaf_tell_print_fields(f, to);
     leaf_tell_values(f, to, "values");
     leaf_tell_print_steps(f, to);
-    tell_bounds(f, to);
+    leaf_tell_bounds(f, to);
     fact_sheet_line(to, "treelets", "%llu of up to %d^3 cells, runs at %u, %s",
                     (unsigned long long)h->treelets, CURVILINEAR_SIDE, 1U << h->run_align_log2,
                     leaf_tell_codec(f));

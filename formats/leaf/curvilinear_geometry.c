@@ -16,22 +16,9 @@ uint32_t curvilinear_value_bytes(const uint32_t cells[3]) {
     return leaf_aligned(curvilinear_nodes(cells) * (uint32_t)sizeof(float));
 }
 
-static uint64_t payload_count(uint64_t treelets, uint32_t fields, uint32_t steps, bool moving) {
-    return treelets * (1 + (uint64_t)fields * steps + (moving ? steps - 1 : 0));
-}
-
 bool curvilinear_layout(leaf_layout *l, uint64_t treelets, uint32_t fields, uint32_t steps,
                         bool moving) {
-    const uint64_t count = treelets < LEAF_NO_TREELET
-                               ? payload_count(treelets, fields, steps, moving)
-                               : LEAF_NO_TREELET;
-    if (count >= LEAF_NO_TREELET)
-        return false;
-    leaf_layout_flat(l, &curvilinear_geometry, (uint32_t)treelets, (uint32_t)count);
-    l->sets = fields * steps;
-    l->steps = steps;
-    l->places = moving ? steps : 1;
-    return true;
+    return leaf_layout_blocks(l, &curvilinear_geometry, treelets, fields, steps, moving);
 }
 
 void curvilinear_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]) {
@@ -64,7 +51,7 @@ static status check_parameters(const char *path, const leaf_header *h) {
 }
 
 static uint64_t payloads(const leaf_header *h) {
-    return payload_count(h->treelets, h->fields, h->steps, h->moving);
+    return leaf_layout_block_count(h->treelets, h->fields, h->steps, h->moving);
 }
 
 static status check_values(const char *path, const leaf_header *h) {
@@ -207,15 +194,6 @@ static uint32_t payload_bytes(const leaf_layout *l, uint32_t p) {
                                                                    : curvilinear_place_bytes(cells);
 }
 
-static leaf_series series(const leaf_layout *l, uint32_t p) {
-    uint32_t index;
-    switch (leaf_layout_block_of(l, p, &index)) {
-    case LEAF_BLOCK_TOPOLOGY: return (leaf_series){p, l->treelets, 0};
-    case LEAF_BLOCK_VALUES: return leaf_series_of(p, leaf_layout_values(l, 0, 0), l->treelets);
-    default: return leaf_series_of(p, leaf_layout_positions(l, 1, 0), l->treelets);
-    }
-}
-
 static const char *payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]) {
     uint32_t index;
     const bool values = leaf_layout_block_of(l, p, &index) == LEAF_BLOCK_VALUES;
@@ -247,7 +225,7 @@ const leaf_geometry curvilinear_geometry = {.check_parameters = check_parameters
                                             .check_directory = leaf_cells_check_directory,
                                             .payload_bytes = payload_bytes,
                                             .begins_run = leaf_cells_begins_run,
-                                            .series = series,
+                                            .series = leaf_layout_block_series,
                                             .payload_name = payload_name,
                                             .parts = parts,
                                             .verifier = &curvilinear_verifier};

@@ -4,7 +4,7 @@
  * values for each set. Blocks of payloads are those of a mesh that has no gradients (leaf.h), with
  * the places of step 0 in place of topologies. In a treelet of n nodes and c cells:
  *
- *   places   float x[n], y[n], z[n]; then the cells' curvilinear_code, four a byte, the first one
+ *   places   float x[n], y[n], z[n]; then the cells' hex_code, four a byte, the first one
  *            lowest; zeros up to a multiple of LEAF_ALIGN, and at least CURVILINEAR_TAIL bytes
  *            behind the nodes
  *   values   float[n]; zeros up to a multiple of LEAF_ALIGN

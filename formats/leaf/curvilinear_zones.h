@@ -11,19 +11,13 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "formats/base/hexahedron.h"
+
 enum {
     CURVILINEAR_LOG2 = 5,
     CURVILINEAR_SIDE = 1 << CURVILINEAR_LOG2, /* at most so many cells of a treelet along an axis */
     CURVILINEAR_NODES_MAX = 1 << 27           /* of a zone along an axis; at least 2 */
 };
-
-/* Two bits of a cell. */
-typedef enum curvilinear_code {
-    CURVILINEAR_FOLDED = 0, /* the map's Jacobian is not proven to keep its sign in it */
-    CURVILINEAR_RIGHT = 1,  /* right-handed: it is positive */
-    CURVILINEAR_LEFT = 2,
-    CURVILINEAR_NONE = 3 /* a corner is blanked, or it is hidden: there is no cell */
-} curvilinear_code;
 
 /* curvilinear_zones_treelets() - the treelets of a zone of nodes[0] x nodes[1] x nodes[2] nodes, 2
  * to CURVILINEAR_NODES_MAX each; at most `most` + 1. */

@@ -9,6 +9,18 @@ const leaf_cells *leaf_cells_of(const leaf_file *f) {
     return f->geometry->cells;
 }
 
+uint32_t leaf_cells_treelet(const uint64_t *first, uint32_t treelets, uint64_t number) {
+    uint32_t lo = 0, hi = treelets;
+    while (hi - lo > 1) {
+        const uint32_t middle = lo + (hi - lo) / 2;
+        if (first[middle] <= number)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    return lo;
+}
+
 /* ---- The header ---- */
 
 status leaf_cells_check_parameters(const char *path, const leaf_header *h) {
@@ -80,7 +92,7 @@ status leaf_cells_allocate(leaf_file *f) {
     leaf_cells_directory *d = f->besides = mem_zalloc(f->m, sizeof *d);
     if (!d)
         return ST_NOMEM;
-    d->bounds = mem_array(f->m, treelets * f->layout.steps, sizeof *d->bounds);
+    d->bounds = mem_array(f->m, treelets * f->layout.places, sizeof *d->bounds);
     d->counts = mem_array(f->m, treelets, sizeof *d->counts);
     d->first = mem_array(f->m, treelets + 1, sizeof *d->first);
     return d->bounds && d->counts && d->first ? ST_OK : ST_NOMEM;

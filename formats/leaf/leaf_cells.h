@@ -36,6 +36,10 @@ static inline const leaf_cells_directory *leaf_cells_directory_of(const leaf_fil
     return f->besides;
 }
 
+/* leaf_cells_treelet() - the treelet of a cell, by the number in the whole file: first[t] is that
+ * of a treelet's first cell. Of any kind whose cells are counted treelet after treelet. */
+uint32_t leaf_cells_treelet(const uint64_t *first, uint32_t treelets, uint64_t number);
+
 /* leaf_cells_of() - what a record of the file is. */
 const leaf_cells *leaf_cells_of(const leaf_file *f);
 

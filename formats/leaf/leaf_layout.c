@@ -172,6 +172,35 @@ status leaf_layout_init_flat(leaf_layout *l, mem *m) {
     return st;
 }
 
+uint64_t leaf_layout_block_count(uint64_t treelets, uint32_t fields, uint32_t steps, bool moving) {
+    return treelets < LEAF_NO_TREELET
+               ? treelets * (1 + (uint64_t)fields * steps + (moving ? steps - 1 : 0))
+               : LEAF_NO_TREELET;
+}
+
+bool leaf_layout_blocks(leaf_layout *l, const leaf_geometry *geometry, uint64_t treelets,
+                        uint32_t fields, uint32_t steps, bool moving) {
+    const uint64_t count = leaf_layout_block_count(treelets, fields, steps, moving);
+    if (count >= LEAF_NO_TREELET)
+        return false;
+    leaf_layout_flat(l, geometry, (uint32_t)treelets, (uint32_t)count);
+    l->sets = fields * steps;
+    l->steps = steps;
+    l->places = moving ? steps : 1;
+    return true;
+}
+
+leaf_series leaf_layout_block_series(const leaf_layout *l, uint32_t p) {
+    uint32_t index;
+    switch (leaf_layout_block_of(l, p, &index)) {
+    case LEAF_BLOCK_TOPOLOGY: return (leaf_series){p, l->treelets, 0};
+    case LEAF_BLOCK_VALUES: return leaf_series_of(p, leaf_layout_values(l, 0, 0), l->treelets);
+    case LEAF_BLOCK_GRADIENTS:
+        return leaf_series_of(p, leaf_layout_gradients(l, 0, 0), l->treelets);
+    default: return leaf_series_of(p, leaf_layout_positions(l, 1, 0), l->treelets);
+    }
+}
+
 void leaf_layout_release(leaf_layout *l) {
     if (!l->m)
         return;

@@ -85,6 +85,15 @@ void leaf_layout_flat(leaf_layout *l, const struct leaf_geometry *geometry, uint
                       uint32_t payloads);
 CHECKED status leaf_layout_init_flat(leaf_layout *l, mem *m);
 
+/* leaf_layout_blocks() - likewise, of a kind with a block of topologies (or of the first step's
+ * places), one of values for each set, and where cells move one of positions for each step behind
+ * the first. False: that makes 2^32 - 1 payloads or more. leaf_layout_block_count() - how many it
+ * makes. leaf_layout_block_series() - the series of a payload in such blocks, gradients among them.
+ */
+bool leaf_layout_blocks(leaf_layout *l, const struct leaf_geometry *geometry, uint64_t treelets,
+                        uint32_t fields, uint32_t steps, bool moving);
+uint64_t leaf_layout_block_count(uint64_t treelets, uint32_t fields, uint32_t steps, bool moving);
+
 /* leaf_layout_find() - the treelet at a place of a level. Descends from the root: O(levels). */
 uint32_t leaf_layout_find(const leaf_layout *l, uint32_t level, const uint32_t place[3]);
 
@@ -218,6 +227,7 @@ static inline leaf_series leaf_series_of(uint32_t p, uint32_t block, uint32_t st
     return (leaf_series){block + (p - block) % stride, stride, (p - block) / stride};
 }
 leaf_series leaf_layout_series(const leaf_layout *l, uint32_t p);
+leaf_series leaf_layout_block_series(const leaf_layout *l, uint32_t p);
 static inline uint32_t leaf_series_payload(const leaf_series *s, uint32_t i) {
     return s->first + i * s->stride;
 }

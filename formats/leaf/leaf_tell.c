@@ -96,6 +96,18 @@ void leaf_tell_set_fields(const leaf_file *f, const fact_sheet *to) {
 
 /* ---- bytes ---- */
 
+void leaf_tell_bounds(const leaf_file *f, const fact_sheet *to) {
+    const leaf_header *h = &f->header;
+    char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX];
+    double bounds[6];
+    for (int i = 0; i < 6; i++)
+        bounds[i] = (double)h->bounds[i];
+    for (int i = 0; i < 3; i++)
+        fact_sheet_line(to, i ? "" : "bounds", "%s .. %s", num_print(bounds[i], lo),
+                        num_print(bounds[i + 3], hi));
+    fact_sheet_reals(to, "bounds", bounds, 6);
+}
+
 const char *leaf_tell_codec(const leaf_file *f) {
     return f->header.codec == LEAF_CODEC_RAW ? "raw" : "zstd";
 }

@@ -12,6 +12,7 @@
 #include "formats/leaf/leaf_unpacker.h"
 #include "formats/leaf/leaf_writer_private.h"
 #include "formats/leaf/mesh_layout.h"
+#include "formats/leaf/mixed_geometry.h"
 
 /* Place the payloads of a mesh, all of whose sizes are known. */
 static void place_payloads(leaf_writer *w) {
@@ -96,7 +97,7 @@ static void sum_up_cells(leaf_writer *w) {
     leaf_header *h = &w->header;
     double lo = (double)INFINITY, hi = -(double)INFINITY;
     memcpy(h->bounds, w->bounds[0], sizeof h->bounds);
-    for (uint32_t t = 0; t < w->layout.treelets && h->kind == LEAF_KIND_MESH; t++)
+    for (uint32_t t = 0; t < w->layout.treelets && h->treelet_tets; t++)
         h->tets += w->counts[t][0];
     for (size_t i = 0; i < (size_t)w->layout.treelets * w->layout.places; i++)
         for (int a = 0; a < 3; a++) {
@@ -144,6 +145,8 @@ static status close_payloads(leaf_writer *w) {
     }
     if (w->header.kind == LEAF_KIND_MESH)
         mesh_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
+    if (w->header.kind == LEAF_KIND_MIXED)
+        mixed_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
     status st = make_copy_room(w);
     if (st == ST_OK)
         st = copy_payloads(w);

@@ -257,17 +257,6 @@ static bool begins_run(const leaf_layout *l, uint32_t p) {
     return p % l->treelets == 0;
 }
 
-static leaf_series series(const leaf_layout *l, uint32_t p) {
-    uint32_t index;
-    switch (leaf_layout_block_of(l, p, &index)) {
-    case LEAF_BLOCK_TOPOLOGY: return (leaf_series){p, l->treelets, 0};
-    case LEAF_BLOCK_VALUES: return leaf_series_of(p, leaf_layout_values(l, 0, 0), l->treelets);
-    case LEAF_BLOCK_GRADIENTS:
-        return leaf_series_of(p, leaf_layout_gradients(l, 0, 0), l->treelets);
-    default: return leaf_series_of(p, leaf_layout_positions(l, 1, 0), l->treelets);
-    }
-}
-
 static const char *payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]) {
     static const char *const formats[] = {
         [LEAF_BLOCK_TOPOLOGY] = "treelet %u's topology",
@@ -334,7 +323,7 @@ const leaf_geometry mesh_geometry = {.holds_indices = true,
                                      .check_directory = check_directory,
                                      .payload_bytes = mesh_layout_payload_bytes,
                                      .begins_run = begins_run,
-                                     .series = series,
+                                     .series = leaf_layout_block_series,
                                      .payload_name = payload_name,
                                      .parts = parts,
                                      .verifier = &mesh_verifier};

@@ -16,9 +16,12 @@ status mesh_feed_begin(mesh_feed *f, mem *m, const char *name, uint32_t fields,
         f->bounds[a + 3] = -INFINITY;
     }
     f->xyz = mem_array(m, MESH_FEED_CHUNK, sizeof *f->xyz);
-    f->tets = mem_array(m, MESH_FEED_CHUNK, sizeof *f->tets);
+    if (sink->cells)
+        f->whole = mem_array(m, MESH_FEED_CHUNK, sizeof *f->whole);
+    else
+        f->tets = mem_array(m, MESH_FEED_CHUNK, sizeof *f->tets);
     f->columns = mem_array(m, fields, sizeof *f->columns);
-    if (!f->xyz || !f->tets || !f->columns)
+    if (!f->xyz || !(f->tets || f->whole) || !f->columns)
         return ST_NOMEM;
     for (uint32_t k = 0; k < fields; k++)
         if (!(f->columns[k].values = mem_array(m, MESH_FEED_CHUNK, sizeof(float))))
@@ -32,6 +35,7 @@ void mesh_feed_release(mesh_feed *f) {
     mem_free(f->m, f->columns);
     mem_free(f->m, f->xyz);
     mem_free(f->m, f->tets);
+    mem_free(f->m, f->whole);
 }
 
 status mesh_feed_expect(mesh_feed *f, uint64_t points) {
@@ -47,7 +51,8 @@ void mesh_feed_expect_cells(mesh_feed *f, uint64_t cells) {
 }
 
 double mesh_feed_share(const mesh_feed *f) {
-    const double point = sizeof *f->xyz, value = sizeof(float), cell = sizeof *f->tets;
+    const double point = sizeof *f->xyz, value = sizeof(float),
+                 cell = f->whole ? sizeof *f->whole : sizeof *f->tets;
     const double cells = f->cells ? (double)f->cells : 5 * (double)f->points;
     const double all = (point + value * f->fields) * (double)f->points + cell * cells;
     double seen =
@@ -155,6 +160,8 @@ static status flush_tets(mesh_feed *f) {
         return ST_OK;
     f->tets_held = 0;
     f->report->tets += count;
+    if (f->whole)
+        return f->sink->cells(f->sink->ctx, count, (const uint32_t(*)[HEX_CORNERS])f->whole);
     return f->sink->tets(f->sink->ctx, count, (const uint32_t(*)[4])f->tets);
 }
 
@@ -173,6 +180,31 @@ static status keep_tet(mesh_feed *f, const uint32_t ids[4]) {
     return f->tets_held == MESH_FEED_CHUNK ? flush_tets(f) : ST_OK;
 }
 
+/* Whether less than four ids are different. */
+static bool is_less_than_tet(const uint32_t *ids, int count) {
+    int different = 0;
+    for (int i = 0; i < count; i++) {
+        int k = 0;
+        while (ids[k] != ids[i])
+            k++;
+        different += k == i;
+    }
+    return different < 4;
+}
+
+/* Keep a cell as it is, whose ids are all valid. */
+static status keep_whole(mesh_feed *f, cell_shape kind, const uint32_t *ids) {
+    const uint8_t *corner = cell_shape_corners(kind);
+    if (is_less_than_tet(ids, cell_shape_vertices(kind))) {
+        f->report->repeated++;
+        return ST_OK;
+    }
+    f->report->whole[kind]++;
+    for (int c = 0; c < HEX_CORNERS; c++)
+        f->whole[f->tets_held][c] = ids[corner[c]];
+    return ++f->tets_held == MESH_FEED_CHUNK ? flush_tets(f) : ST_OK;
+}
+
 status mesh_feed_cell(mesh_feed *f, cell_shape kind, const uint64_t *ids) {
     uint32_t small[8], tets[MESH_SPLIT_TETS][4];
     f->cells_seen++;
@@ -183,6 +215,8 @@ status mesh_feed_cell(mesh_feed *f, cell_shape kind, const uint64_t *ids) {
         }
         small[i] = (uint32_t)ids[i];
     }
+    if (f->whole)
+        return keep_whole(f, kind, small);
     if (kind != CELL_TET)
         f->report->split[kind]++;
     int count = mesh_split(kind, small, tets);
@@ -198,7 +232,7 @@ status mesh_feed_tets(mesh_feed *f, const uint32_t (*ids)[4], size_t count) {
     for (size_t i = 0; st == ST_OK && i < count; i++) {
         const uint32_t *t = ids[i];
         if (t[0] < f->points && t[1] < f->points && t[2] < f->points && t[3] < f->points)
-            st = keep_tet(f, t);
+            st = f->whole ? keep_whole(f, CELL_TET, t) : keep_tet(f, t);
         else
             f->report->bad_indices++;
     }

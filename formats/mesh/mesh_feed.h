@@ -28,14 +28,15 @@ typedef struct mesh_feed {
     uint64_t points; /* in the whole mesh */
     uint64_t cells;  /* in the whole mesh, as far as known */
     uint64_t cells_seen;
-    uint64_t points_given; /* to the sink */
-    size_t points_held, tets_held;
+    uint64_t points_given;         /* to the sink */
+    size_t points_held, tets_held; /* tets, or cells */
     float (*xyz)[3];
     mesh_feed_column *columns; /* of the fields */
     uint32_t fields;
     uint32_t (*tets)[4];
-    float bounds[6]; /* box of the points so far: lo x, y, z, hi x, y, z */
-    bool vanished;   /* a coordinate that is not 0 was rounded to 0 */
+    uint32_t (*whole)[HEX_CORNERS]; /* instead, if the sink takes cells */
+    float bounds[6];                /* box of the points so far: lo x, y, z, hi x, y, z */
+    bool vanished;                  /* a coordinate that is not 0 was rounded to 0 */
 } mesh_feed;
 
 /* mesh_feed_begin() - begin with 1 or more fields, and clear the report. Release in any case. */

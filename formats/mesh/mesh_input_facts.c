@@ -121,7 +121,8 @@ static status count_tets(gathered *g) {
 
 static status count_mesh(mem *m, mesh_input *x, const progress *p, input_facts *out) {
     gathered g = {.m = m, .mesh = x, .p = p, .x = out, .step = 1};
-    const mesh_sink sink = {&g, take_points, take_values, take_tets};
+    const mesh_sink sink = {
+        .ctx = &g, .points = take_points, .values = take_values, .tets = take_tets};
     g.ids = mem_array(m, HISTOGRAM_TETS, sizeof *g.ids);
     status st = g.ids ? mesh_input_read(x, &sink, &own_of(out)->report) : ST_NOMEM;
     if (st == ST_OK)

@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "formats/base/cell_shape.h"
+#include "formats/base/hexahedron.h"
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/input/input_trust.h"
@@ -28,6 +29,10 @@ typedef struct mesh_sink {
     status (*values)(void *ctx, uint64_t first, size_t count, const float *values);
     /* Four different ids, each a point's, in any orientation. Tets may be flat or inverted. */
     status (*tets)(void *ctx, size_t count, const uint32_t (*ids)[4]);
+    /* NULL, or taken in the place of tets: cells of all shapes, none of them split. Ids at the
+     * corners of a hexahedron (hexahedron.h), some of them the same (cell_shape.h), four or more
+     * different. */
+    status (*cells)(void *ctx, size_t count, const uint32_t (*ids)[HEX_CORNERS]);
 } mesh_sink;
 
 /* What the command line says. Zero/NULL = not given. */
@@ -42,7 +47,9 @@ typedef struct mesh_hints {
 } mesh_hints;
 
 typedef struct mesh_report {
-    uint64_t points, tets;             /* handed over */
+    uint64_t whole[CELL_SHAPES]; /* by cell_shape: cells handed over as they are; `tets` counts
+                                    all of them */
+    uint64_t points, tets;       /* handed over */
     uint64_t split[CELL_SPLIT_SHAPES]; /* by cell_shape: cells that were split; `tets` counts the
                                           tets they gave */
     uint64_t bad_indices;              /* cells left out: an id is outside the points */

@@ -38,12 +38,12 @@ static void print_result(const convert_request *a, const curvilinear_plan *plan,
     snprintf(each, sizeof each, "%.2f bytes a cell", (double)h->file_bytes / (double)plan->cells);
     convert_report_print_bytes(a, h->file_bytes, each);
     printf("treelets    %llu\n", whole(h->treelets));
-    printf("cells       %llu right-handed, %llu left-handed", whole(r->cells[CURVILINEAR_RIGHT]),
-           whole(r->cells[CURVILINEAR_LEFT]));
-    if (r->cells[CURVILINEAR_FOLDED])
-        printf(", %llu folded or flat", whole(r->cells[CURVILINEAR_FOLDED]));
-    if (r->cells[CURVILINEAR_NONE])
-        printf(", %llu blanked", whole(r->cells[CURVILINEAR_NONE]));
+    printf("cells       %llu right-handed, %llu left-handed", whole(r->cells[HEX_RIGHT]),
+           whole(r->cells[HEX_LEFT]));
+    if (r->cells[HEX_FOLDED])
+        printf(", %llu folded or flat", whole(r->cells[HEX_FOLDED]));
+    if (r->cells[HEX_NONE])
+        printf(", %llu blanked", whole(r->cells[HEX_NONE]));
     printf("\nvalues      %s .. %s\n", num_print(h->value_min, lo), num_print(h->value_max, hi));
     if (h->steps > 1)
         printf("nodes       %s\n", h->moving ? "move from step to step" : "stay where they are");
@@ -62,12 +62,12 @@ static void add_result(json_t *json, const curvilinear_plan *plan, const curvili
     json_t *more = json_pack(
         "{s:f, s:I, s:I, s:I, s:I, s:I, s:b, s:o, s:o, s:s, s:f, s:f, s:I}", "bytes_per_cell",
         (double)h->file_bytes / (double)plan->cells, "right_handed",
-        (json_int_t)r->cells[CURVILINEAR_RIGHT], "left_handed",
-        (json_int_t)r->cells[CURVILINEAR_LEFT], "folded", (json_int_t)r->cells[CURVILINEAR_FOLDED],
-        "blanked", (json_int_t)r->cells[CURVILINEAR_NONE], "non_finite", (json_int_t)h->non_finite,
-        "moving", (int)h->moving, "value_min", cli_json_real(h->value_min), "value_max",
-        cli_json_real(h->value_max), "id", leaf_id_text(h, id), "seconds", seconds, "cells_per_s",
-        (double)plan->cells / seconds, "peak_rss_bytes", (json_int_t)convert_report_peak());
+        (json_int_t)r->cells[HEX_RIGHT], "left_handed", (json_int_t)r->cells[HEX_LEFT], "folded",
+        (json_int_t)r->cells[HEX_FOLDED], "blanked", (json_int_t)r->cells[HEX_NONE], "non_finite",
+        (json_int_t)h->non_finite, "moving", (int)h->moving, "value_min",
+        cli_json_real(h->value_min), "value_max", cli_json_real(h->value_max), "id",
+        leaf_id_text(h, id), "seconds", seconds, "cells_per_s", (double)plan->cells / seconds,
+        "peak_rss_bytes", (json_int_t)convert_report_peak());
     json_object_update(json, more);
     json_decref(more);
 }

@@ -125,20 +125,19 @@ static uint32_t treelet_of(const conversion *c, size_t index, const place **at) 
     return c->before + n;
 }
 
-static curvilinear_code code_of(const curvilinear_slab *s, const place *at, uint32_t i, uint32_t j,
-                                uint32_t k) {
+static hex_code code_of(const curvilinear_slab *s, const place *at, uint32_t i, uint32_t j,
+                        uint32_t k) {
     double p[HEX_CORNERS][3];
     for (uint32_t corner = 0; corner < HEX_CORNERS; corner++) {
         const size_t n = curvilinear_slab_node(s, at->first[0] + i + (corner & 1),
                                                at->first[1] + j + (corner >> 1 & 1),
                                                at->first[2] + k + (corner >> 2));
         if ((s->is_node && !s->is_node[n]) || (corner == 0 && curvilinear_slab_hides(s, n)))
-            return CURVILINEAR_NONE;
+            return HEX_NONE;
         for (int a = 0; a < 3; a++)
             p[corner][a] = (double)s->p[n][a];
     }
-    const int sense = hexahedron_sense((const double(*)[3])p);
-    return sense > 0 ? CURVILINEAR_RIGHT : sense < 0 ? CURVILINEAR_LEFT : CURVILINEAR_FOLDED;
+    return hex_code_of(hexahedron_sense((const double(*)[3])p));
 }
 
 static void put_codes(const curvilinear_slab *s, const place *at, uint8_t *to, uint64_t counts[4]) {
@@ -146,7 +145,7 @@ static void put_codes(const curvilinear_slab *s, const place *at, uint8_t *to, u
     for (uint32_t k = 0; k < at->cells[2]; k++)
         for (uint32_t j = 0; j < at->cells[1]; j++)
             for (uint32_t i = 0; i < at->cells[0]; i++, n++) {
-                const curvilinear_code code = code_of(s, at, i, j, k);
+                const hex_code code = code_of(s, at, i, j, k);
                 to[n / 4] |= (uint8_t)(code << 2 * (n % 4));
                 counts[code]++;
             }

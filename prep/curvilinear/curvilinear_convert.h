@@ -38,7 +38,7 @@ typedef struct curvilinear_plan {
 
 typedef struct curvilinear_result {
     leaf_header header;
-    uint64_t cells[4]; /* of each curvilinear_code, at step 0 */
+    uint64_t cells[4]; /* of each hex_code, at step 0 */
 } curvilinear_result;
 
 /* curvilinear_plan_make() - what a conversion takes. first: a source of the series. ST_NOMEM if

@@ -231,7 +231,8 @@ static status write_file(mem *m, const series *s, const char *path) {
     status st = mesh_stream_create(m, path, s->force, &header, &writer);
     if (st != ST_OK)
         return st;
-    const mesh_sink sink = {writer, write_points, write_values, write_tets};
+    const mesh_sink sink = {
+        .ctx = writer, .points = write_points, .values = write_values, .tets = write_tets};
     st = generate(m, &s->options, &sink, s->progress, s->step, s->steps);
     if (st == ST_OK)
         return mesh_stream_commit(writer);

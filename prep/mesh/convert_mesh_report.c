@@ -10,13 +10,21 @@ static unsigned long long whole(uint64_t n) {
     return (unsigned long long)n;
 }
 
+static const char *name_of(const convert_request *a) {
+    return a->whole ? "cell" : "tet";
+}
+
 static void print_input(const convert_request *a, const mesh_report *r) {
-    static const char *const kinds[] = {"hexahedra", "wedges", "pyramids", "voxels"};
-    printf("input       %llu points, %llu tets\n", whole(r->points), whole(r->tets));
+    static const char *const kinds[CELL_SHAPES] = {"hexahedra", "wedges", "pyramids", "voxels",
+                                                   "tets"};
+    printf("input       %llu points, %llu %ss\n", whole(r->points), whole(r->tets), name_of(a));
     convert_report_print_sets(a, r->field);
     for (int i = 0; i < CELL_SPLIT_SHAPES; i++)
         if (r->split[i])
             printf("split       %llu %s\n", whole(r->split[i]), kinds[i]);
+    for (int i = 0; i < CELL_SHAPES; i++)
+        if (r->whole[i])
+            printf("whole       %llu %s\n", whole(r->whole[i]), kinds[i]);
     if (r->skipped)
         printf("passed over %llu cells without a volume\n", whole(r->skipped));
     if (r->ghosts)
@@ -33,38 +41,43 @@ static void print_mesh_plan(const mesh_plan *plan) {
 static void print_mesh(const convert_request *a, const mesh_result *r, double seconds) {
     const leaf_header *h = &r->header;
     char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX], id[LEAF_ID_TEXT], each[64];
-    snprintf(each, sizeof each, "%.2f bytes a tet", (double)h->file_bytes / (double)h->tets);
+    snprintf(each, sizeof each, "%.2f bytes a %s", (double)h->file_bytes / (double)h->tets,
+             name_of(a));
     convert_report_print_bytes(a, h->file_bytes, each);
-    printf("mesh        %llu tets, %llu vertices, %llu treelets\n", whole(h->tets),
+    printf("mesh        %llu %ss, %llu vertices, %llu treelets\n", whole(h->tets), name_of(a),
            whole(h->vertices), whole(h->treelets));
     printf("values      %s .. %s\n", num_print(h->value_min, lo), num_print(h->value_max, hi));
     if (h->steps > 1)
         printf("points      %s\n", h->moving ? "move from step to step" : "stay where they are");
     if (h->non_finite)
         printf("no data     %llu values are NaN or infinite\n", whole(h->non_finite));
-    if (h->flat || h->inverted)
+    if (a->whole && h->flat)
+        printf("kept        %llu folded cells\n", whole(h->flat));
+    else if (h->flat || h->inverted)
         printf("kept        %llu flat tets, %llu inverted ones\n", whole(h->flat),
                whole(h->inverted));
     if (h->repeated || h->bad)
-        printf(
-            "left out    %llu tets with a vertex twice, %llu cells with an id that is no point\n",
-            whole(h->repeated), whole(h->bad));
+        printf("left out    %llu %s, %llu cells with an id that is no point\n", whole(h->repeated),
+               a->whole ? "cells of less than four vertices" : "tets with a vertex twice",
+               whole(h->bad));
     printf("id          %s\n", leaf_id_text(h, id));
-    printf("time        %.2f s (read %.2f, sort %.2f, build %.2f), %.2f million tets a second\n",
-           seconds, r->read_s, r->sort_s, r->build_s, (double)h->tets / 1e6 / seconds);
+    printf("time        %.2f s (read %.2f, sort %.2f, build %.2f), %.2f million %ss a second\n",
+           seconds, r->read_s, r->sort_s, r->build_s, (double)h->tets / 1e6 / seconds, name_of(a));
     printf("memory      %.1f MiB at most, %.1f MiB spilled\n",
            (double)convert_report_peak() / 0x1p20, (double)r->plan.spill_bytes / 0x1p20);
 }
 
 static json_t *mesh_plan_json(const mesh_result *r) {
     const mesh_report *in = &r->report;
-    return json_pack("{s:I, s:I, s:s, s:[I,I,I,I], s:I, s:I, s:I, s:I, s:I}", "input_points",
-                     (json_int_t)in->points, "input_tets", (json_int_t)in->tets, "field", in->field,
-                     "split", (json_int_t)in->split[0], (json_int_t)in->split[1],
-                     (json_int_t)in->split[2], (json_int_t)in->split[3], "skipped",
-                     (json_int_t)in->skipped, "ghosts", (json_int_t)in->ghosts, "memory_planned",
-                     (json_int_t)r->plan.memory, "memory_least", (json_int_t)r->plan.memory_least,
-                     "spill_bytes", (json_int_t)r->plan.spill_bytes);
+    return json_pack(
+        "{s:I, s:I, s:s, s:[I,I,I,I], s:[I,I,I,I,I], s:I, s:I, s:I, s:I, s:I}", "input_points",
+        (json_int_t)in->points, "input_tets", (json_int_t)in->tets, "field", in->field, "split",
+        (json_int_t)in->split[0], (json_int_t)in->split[1], (json_int_t)in->split[2],
+        (json_int_t)in->split[3], "whole", (json_int_t)in->whole[0], (json_int_t)in->whole[1],
+        (json_int_t)in->whole[2], (json_int_t)in->whole[3], (json_int_t)in->whole[4], "skipped",
+        (json_int_t)in->skipped, "ghosts", (json_int_t)in->ghosts, "memory_planned",
+        (json_int_t)r->plan.memory, "memory_least", (json_int_t)r->plan.memory_least, "spill_bytes",
+        (json_int_t)r->plan.spill_bytes);
 }
 
 static void add_mesh(json_t *json, const mesh_result *r, double seconds) {

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
+#include "formats/leaf/mixed_geometry.h"
 #include "formats/mesh/mesh_input.h"
 #include "formats/mesh/mesh_input_kind.h"
 #include "prep/convert_append.h"
@@ -74,6 +75,26 @@ static status take_sets(convert_sets *s, const mesh_input *x, const char *name) 
 
 /* ---- one series ---- */
 
+/* What does not go with cells that are not split. */
+static status check_whole(const convert_request *a) {
+    const struct {
+        bool given;
+        const char *what;
+    } without[] = {{a->gradients, "--gradients"},
+                   {a->coarse, "--coarse"},
+                   {a->sah, "--build sah"},
+                   {a->append, "--append"},
+                   {a->file.codec != LEAF_CODEC_RAW, "--compress zstd"},
+                   {a->leaf_tets_is_given, "--leaf-tets"}};
+    for (size_t i = 0; i < sizeof without / sizeof *without && a->whole; i++)
+        if (without[i].given)
+            return status_describe(ST_USAGE, "--whole-cells goes without %s", without[i].what);
+    if (a->whole && a->treelet_tets > MIXED_CELLS_MAX)
+        return status_describe(ST_USAGE, "--treelet-tets: with --whole-cells at most %d",
+                               MIXED_CELLS_MAX);
+    return ST_OK;
+}
+
 static status convert_mesh(convert_request *a, mem *m, mesh_input *x, const mesh_series *series,
                            double start) {
     const mesh_options o = {.file = a->file,
@@ -87,6 +108,7 @@ static status convert_mesh(convert_request *a, mem *m, mesh_input *x, const mesh
                             .threads = a->common.threads,
                             .force = a->common.force,
                             .gradients = a->gradients,
+                            .mixed = a->whole,
                             .refuse_empty = !a->allow_empty,
                             .grows = a->append,
                             .grow = a->grow,
@@ -105,7 +127,9 @@ static status convert_mesh(convert_request *a, mem *m, mesh_input *x, const mesh
 
 static status run(convert_request *a, mem *m, input *in, double start) {
     mesh_input *x = in->own;
-    status st = take_sets(&a->sets, x, a->common.input);
+    status st = check_whole(a);
+    if (st == ST_OK)
+        st = take_sets(&a->sets, x, a->common.input);
     if (st == ST_OK)
         st = convert_sets_times(&a->sets, convert_request_steps(a));
     mesh_series series = {convert_request_series(a), a->hints.mesh};

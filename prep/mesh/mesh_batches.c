@@ -20,14 +20,21 @@ void mesh_batches_doubt(mesh_batches *b, uint64_t vertices) {
     b->vertices = vertices;
 }
 
+void mesh_batches_doubt_cells(mesh_batches *b, uint64_t cells) {
+    b->cells = cells;
+}
+
 status mesh_batches_fault(void) {
     return status_describe(ST_CORRUPT, "the sorted tets of unfinished work have changed meanwhile; "
                                        "--force begins again");
 }
 
 /* Whether a record can come behind one with the key `before`. */
-static bool is_sound(const mesh_record *r, uint64_t before, uint64_t vertices) {
+static bool is_sound(const mesh_batches *b, const mesh_record *r, uint64_t before) {
     const uint32_t *id = r->id;
+    const uint64_t vertices = b->vertices;
+    if (b->cells)
+        return r->key >= before && mesh_record_cell(r) < b->cells;
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < i; k++)
             if (id[i] == id[k])
@@ -38,10 +45,10 @@ static bool is_sound(const mesh_record *r, uint64_t before, uint64_t vertices) {
 
 /* Check the batch's records. before: the key in front of them. */
 static status check_records(const mesh_batches *b, uint64_t before) {
-    if (!b->vertices)
+    if (!b->vertices && !b->cells)
         return ST_OK;
     for (size_t i = 0; i < b->used; i++)
-        if (!is_sound(&b->records[i], i > 0 ? b->records[i - 1].key : before, b->vertices))
+        if (!is_sound(b, &b->records[i], i > 0 ? b->records[i - 1].key : before))
             return mesh_batches_fault();
     return ST_OK;
 }

@@ -30,6 +30,7 @@ typedef struct mesh_batches {
     uint64_t before;       /* key of the last tet */
     size_t used;           /* records of the window up to the batch's end */
     uint64_t vertices;     /* check each record, with ids below this; 0: do not */
+    uint64_t cells;        /* check each record, with numbers of cells below this; 0: do not */
 } mesh_batches;
 
 /* mesh_batches_init() - runs: all have been put, and it is at its first record; tets: the number of
@@ -42,6 +43,7 @@ void mesh_batches_release(mesh_batches *b); /* a zeroed struct is fine */
  * that they are of tets with different vertices, in order. vertices: ids are below this.
  * mesh_batches_fault() - ST_CORRUPT: they are not. */
 void mesh_batches_doubt(mesh_batches *b, uint64_t vertices);
+void mesh_batches_doubt_cells(mesh_batches *b, uint64_t cells);
 status mesh_batches_fault(void);
 
 /* mesh_batches_rewind() - begin a pass.

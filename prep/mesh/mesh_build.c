@@ -1,9 +1,12 @@
 #include "prep/mesh/mesh_build.h"
 
+#include <string.h>
+
 #include "prep/mesh/mesh_earlier.h"
 #include "prep/mesh/mesh_histogram.h"
 #include "prep/mesh/mesh_sah.h"
 #include "prep/mesh/mesh_treelet.h"
+#include "prep/mesh/mixed_treelet.h"
 
 /* Tets by the sign of their volume. */
 typedef struct signs {
@@ -12,9 +15,12 @@ typedef struct signs {
 
 /* Buffers and counts of one thread. */
 typedef struct bench {
-    mesh_treelet_builder *builder;
-    mesh_sah *sah;        /* NULL: trees by keys */
-    mesh_earlier earlier; /* if the output is added to */
+    mesh_treelet_builder *builder; /* or, of a mixed mesh: */
+    mixed_treelet_builder *mixed;
+    mesh_pages input;               /* its cells, as they were gathered */
+    uint32_t (*cells)[HEX_CORNERS]; /* of the treelet */
+    mesh_sah *sah;                  /* NULL: trees by keys */
+    mesh_earlier earlier;           /* if the output is added to */
     mesh_pages points, values, gradients;
     leaf_packer *packer;
     void *pack;
@@ -37,7 +43,8 @@ struct mesh_build {
 
 /* ---- making and releasing ---- */
 
-static status create_bench(const mesh_build *b, bench *k, const uint32_t counts[4]) {
+/* Of tets: the builder, and what options ask for. */
+static status create_tets(const mesh_build *b, bench *k, const uint32_t counts[4]) {
     const mesh_options *o = b->in.o;
     const mesh_plan *plan = b->in.plan;
     status st = mesh_treelet_create(b->m, o->treelet_tets, o->leaf_tets, &k->builder);
@@ -45,10 +52,6 @@ static status create_bench(const mesh_build *b, bench *k, const uint32_t counts[
         st = mesh_sah_create(b->m, o->treelet_tets, o->leaf_tets, &k->sah);
     if (st == ST_OK && o->grow)
         st = mesh_earlier_init(&k->earlier, b->m, leaf_grow_before(o->grow));
-    if (st == ST_OK)
-        st = mesh_pages_init(&k->points, &b->in.g->points, plan->points_window);
-    if (st == ST_OK)
-        st = mesh_pages_init(&k->values, &b->in.g->values, plan->values_window);
     if (st == ST_OK && o->gradients)
         st = mesh_pages_init(&k->gradients, b->in.gradients, plan->gradients_window);
     if (st == ST_OK)
@@ -57,6 +60,25 @@ static status create_bench(const mesh_build *b, bench *k, const uint32_t counts[
         k->pack = mem_alloc(b->m, mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets));
         st = k->pack ? ST_OK : ST_NOMEM;
     }
+    return st;
+}
+
+static status create_mixed(const mesh_build *b, bench *k) {
+    const uint32_t most = b->in.o->treelet_tets;
+    status st = mixed_treelet_create(b->m, most, &k->mixed);
+    if (st == ST_OK)
+        st = mesh_pages_init(&k->input, &b->in.g->tets, b->in.plan->cells_window);
+    k->cells = mem_array(b->m, most, sizeof *k->cells);
+    return st == ST_OK && !k->cells ? ST_NOMEM : st;
+}
+
+static status create_bench(const mesh_build *b, bench *k, const uint32_t counts[4]) {
+    const mesh_plan *plan = b->in.plan;
+    status st = b->in.o->mixed ? create_mixed(b, k) : create_tets(b, k, counts);
+    if (st == ST_OK)
+        st = mesh_pages_init(&k->points, &b->in.g->points, plan->points_window);
+    if (st == ST_OK)
+        st = mesh_pages_init(&k->values, &b->in.g->values, plan->values_window);
     return st;
 }
 
@@ -97,6 +119,9 @@ void mesh_build_destroy(mesh_build *b) {
     for (int i = 0; b->benches && i < b->threads; i++) {
         bench *k = &b->benches[i];
         mesh_treelet_destroy(k->builder);
+        mixed_treelet_destroy(k->mixed);
+        mesh_pages_release(&k->input);
+        mem_free(b->m, k->cells);
         mesh_sah_destroy(k->sah);
         mesh_earlier_release(&k->earlier);
         mesh_pages_release(&k->points);
@@ -197,6 +222,61 @@ static status put_gradients(const mesh_build *b, bench *k, uint32_t treelet,
     return st;
 }
 
+/* ---- one treelet of a mixed mesh ---- */
+
+static status fetch_cells(bench *k, const mesh_record *records, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        const void *ids = mesh_pages_at(&k->input, mesh_record_cell(&records[i]));
+        if (!ids)
+            return k->input.st;
+        memcpy(k->cells[i], ids, sizeof k->cells[i]);
+    }
+    return ST_OK;
+}
+
+static status place_mixed(const mesh_build *b, bench *k, uint32_t treelet, uint32_t step,
+                          mixed_treelet *t) {
+    k->points.first = mesh_gather_points(b->in.g, step);
+    const status st = mixed_treelet_place(k->mixed, &k->points, step, t);
+    if (st != ST_OK)
+        return st;
+    if (step > 0)
+        return leaf_writer_put_positions(b->writer, NULL, step, treelet, t->bounds, t->positions,
+                                         NULL);
+    k->seen.flat += t->folded;
+    return leaf_writer_put_topology(b->writer, NULL, treelet, t->bounds, t->counts, t->topology,
+                                    NULL);
+}
+
+static status value_mixed(const mesh_build *b, bench *k, const piece *p, uint32_t step,
+                          uint32_t field, mixed_treelet *t) {
+    const uint32_t set = leaf_layout_set(leaf_writer_layout(b->writer), field, step);
+    k->points.first = mesh_gather_points(b->in.g, step);
+    k->values.first = mesh_gather_values(b->in.g, step, field);
+    status st = mixed_treelet_value(k->mixed, &k->values, t);
+    if (st == ST_OK)
+        st = leaf_writer_put_values(b->writer, NULL, set, p->treelet, &t->entry, t->values, NULL);
+    return st == ST_OK ? mesh_histogram_take_cells(&b->histogram, set, p->first_tet,
+                                                   (const uint32_t(*)[HEX_CORNERS])k->cells,
+                                                   p->count, &k->points, &k->values)
+                       : st;
+}
+
+static status build_mixed(const mesh_build *b, bench *k, const piece *p) {
+    mixed_treelet t;
+    status st = fetch_cells(k, p->records, p->count);
+    if (st != ST_OK)
+        return st;
+    mixed_treelet_begin(k->mixed, (const uint32_t(*)[HEX_CORNERS])k->cells, p->count, &t);
+    for (uint32_t step = b->first_step; step < b->end_step && st == ST_OK; step++) {
+        if (step == 0 || b->in.g->moving)
+            st = place_mixed(b, k, p->treelet, step, &t);
+        for (uint32_t field = 0; st == ST_OK && field < b->in.g->fields; field++)
+            st = value_mixed(b, k, p, step, field, &t);
+    }
+    return st;
+}
+
 static status build_one(void *ctx, size_t index, int worker) {
     const mesh_build *b = ctx;
     bench *k = &b->benches[worker];
@@ -212,6 +292,8 @@ static status build_one(void *ctx, size_t index, int worker) {
     if (st != ST_OK)
         return st;
     p.records = records;
+    if (k->mixed)
+        return build_mixed(b, k, &p);
     if (b->first_step == 0)
         st = build_first(b, k, &p, &t);
     else

@@ -90,7 +90,8 @@ static status sort_tets(mesh_conversion *c) {
         st = sort_rest(c);
     if (st == ST_OK)
         st = mesh_runs_end(c->runs);
-    mesh_spool_release(&c->g->tets);
+    if (!c->o.mixed) /* their cells are looked up */
+        mesh_spool_release(&c->g->tets);
     if (st == ST_OK)
         st = check_sorted(c);
     if (st != ST_OK)
@@ -270,6 +271,11 @@ static void describe_origin(const mesh_options *o, const mesh_report *r, char *t
     char cells[64] = "";
     if (split)
         snprintf(cells, sizeof cells, ", %llu cells split", (unsigned long long)split);
+    if (o->mixed) {
+        snprintf(text, size, "leafcast %s convert, from %s: Morton treelets of %u cells, %s",
+                 LEAFCAST_VERSION, steps, o->treelet_tets, codec);
+        return;
+    }
     snprintf(text, size,
              "leafcast %s convert, from %s: Morton treelets of %u tets, leaves of %u%s%s%s, %s",
              LEAFCAST_VERSION, steps, o->treelet_tets, o->leaf_tets, o->sah ? " by areas" : "",
@@ -362,6 +368,8 @@ static status plan_counted(mem *m, mesh_input *x, const mesh_options *o, const p
     mesh_gather g;
     status st = ST_OK;
     mesh_gather_init(&g, m, "", 0, p);
+    if (o->mixed)
+        mesh_gather_whole(&g);
     begin_reading(&g, x, o);
     const mesh_sink sink = mesh_gather_counter(&g);
     while (st == ST_OK && g.done < g.steps)
@@ -393,6 +401,8 @@ status mesh_convert_run(mem *m, mesh_input *x, const char *output, const mesh_op
         return st;
     mesh_gather_init(&g, m, output, (size_t)(o->memory / 2), p);
     g.share = READ_END;
+    if (o->mixed)
+        mesh_gather_whole(&g);
     begin_reading(&g, x, o);
     if (o->work)
         mesh_gather_keep_in(&g, o->work);

@@ -2,13 +2,14 @@
 
 #include <assert.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "formats/mesh/mesh_feed.h"
 
 void mesh_gather_init(mesh_gather *g, mem *m, const char *beside, size_t ceiling,
                       const progress *p) {
-    *g = (mesh_gather){.p = p, .fields = 1, .steps = 1, .share = 1};
+    *g = (mesh_gather){.corners = 4, .p = p, .fields = 1, .steps = 1, .share = 1};
     mesh_spool_init(&g->points, m, beside, sizeof(float[3]), ceiling);
     mesh_spool_init(&g->values, m, beside, sizeof(float), ceiling);
     mesh_spool_init(&g->tets, m, beside, sizeof(uint32_t[4]), ceiling);
@@ -18,6 +19,11 @@ void mesh_gather_init(mesh_gather *g, mem *m, const char *beside, size_t ceiling
         g->bounds[a] = INFINITY;
         g->bounds[a + 3] = -INFINITY;
     }
+}
+
+void mesh_gather_whole(mesh_gather *g) {
+    g->corners = HEX_CORNERS;
+    g->tets.element = sizeof(uint32_t[HEX_CORNERS]);
 }
 
 void mesh_gather_release(mesh_gather *g) {
@@ -30,7 +36,7 @@ void mesh_gather_release(mesh_gather *g) {
 
 size_t mesh_gather_least(uint32_t fields) {
     return fields * mesh_feed_memory() + mesh_spool_buffers(sizeof(float[3])) +
-           mesh_spool_buffers(sizeof(float)) + mesh_spool_buffers(sizeof(uint32_t[4]));
+           mesh_spool_buffers(sizeof(float)) + mesh_spool_buffers(sizeof(uint32_t[HEX_CORNERS]));
 }
 
 /* Returns whether this step is the first, whose points and tets all other steps are compared
@@ -50,7 +56,7 @@ static void widen_bounds(mesh_gather *g, size_t count, const float (*xyz)[3]) {
 
 /* ---- a further step ---- */
 
-enum { SOME = 1024 };
+enum { SOME = 512 };
 
 static status too_many(const mesh_gather *g, const char *what, uint64_t expected) {
     return status_describe(ST_CORRUPT, "%s: expected %llu %s, as %s has, found more", g->name,
@@ -110,8 +116,27 @@ static status take_moved(mesh_gather *g, uint64_t first, size_t count, const flo
     return mesh_spool_append(&g->points, xyz + same, count - same);
 }
 
-static status check_tets(mesh_gather *g, size_t count, const uint32_t (*ids)[4]) {
-    uint32_t before[SOME][4];
+static status differs(const mesh_gather *g, uint64_t tet, const uint32_t *now,
+                      const uint32_t *before) {
+    char text[2][12 * HEX_CORNERS] = {"", ""};
+    for (uint32_t c = 0; c < g->corners; c++)
+        for (int k = 0; k < 2; k++) {
+            const size_t end = strlen(text[k]);
+            snprintf(text[k] + end, sizeof text[k] - end, "%s%u", c ? ", " : "",
+                     (k ? before : now)[c]);
+        }
+    const char *what = g->corners == 4 ? "tet" : "cell";
+    return status_describe(ST_CORRUPT,
+                           "%s: %s %llu has the vertices %s, expected %s as in %s: the %ss of a "
+                           "series must be the same at each step",
+                           g->name, what, (unsigned long long)tet, text[0], text[1], g->first_name,
+                           what);
+}
+
+/* ids: g->corners of each. */
+static status check_tets(mesh_gather *g, size_t count, const uint32_t *ids) {
+    uint32_t before[SOME * HEX_CORNERS];
+    const size_t each = g->corners, bytes = each * sizeof *ids;
     if (count > g->tets.count - g->tets_seen)
         return too_many(g, "tets", g->tets.count);
     for (size_t at = 0; at < count; at += SOME) {
@@ -119,17 +144,9 @@ static status check_tets(mesh_gather *g, size_t count, const uint32_t (*ids)[4])
         status st = mesh_spool_read(&g->tets, g->tets_seen + at, some, before);
         if (st != ST_OK)
             return st;
-        if (memcmp(before, ids + at, some * sizeof *before) == 0)
-            continue;
-        size_t i = 0;
-        while (memcmp(before[i], ids[at + i], sizeof *before) == 0)
-            i++;
-        const uint32_t *b = before[i], *n = ids[at + i];
-        return status_describe(ST_CORRUPT,
-                               "%s: tet %llu has the vertices %u, %u, %u, %u, expected %u, %u, %u, "
-                               "%u as in %s: the tets of a series must be the same at each step",
-                               g->name, (unsigned long long)(g->tets_seen + at + i), n[0], n[1],
-                               n[2], n[3], b[0], b[1], b[2], b[3], g->first_name);
+        for (size_t i = 0; i < some; i++)
+            if (memcmp(before + each * i, ids + each * (at + i), bytes) != 0)
+                return differs(g, g->tets_seen + at + i, ids + each * (at + i), before + each * i);
     }
     return ST_OK;
 }
@@ -169,8 +186,7 @@ static status take_values(void *ctx, uint64_t first, size_t count, const float *
     return st == ST_OK ? tell(g) : st;
 }
 
-static status take_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
-    mesh_gather *g = ctx;
+static status take_ids(mesh_gather *g, size_t count, const uint32_t *ids) {
     status st = ST_OK;
     if (is_first(g))
         st = mesh_spool_append(&g->tets, ids, count);
@@ -180,8 +196,20 @@ static status take_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
     return st == ST_OK ? tell(g) : st;
 }
 
+static status take_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
+    return take_ids(ctx, count, ids[0]);
+}
+
+static status take_cells(void *ctx, size_t count, const uint32_t (*ids)[HEX_CORNERS]) {
+    return take_ids(ctx, count, ids[0]);
+}
+
 mesh_sink mesh_gather_sink(mesh_gather *g) {
-    return (mesh_sink){.ctx = g, .points = take_points, .values = take_values, .tets = take_tets};
+    return (mesh_sink){.ctx = g,
+                       .points = take_points,
+                       .values = take_values,
+                       .tets = take_tets,
+                       .cells = g->corners == 4 ? NULL : take_cells};
 }
 
 void mesh_gather_next(mesh_gather *g, uint32_t step, const char *name) {
@@ -297,16 +325,27 @@ static status count_values(void *ctx, uint64_t first, size_t count, const float 
     return count_in(g, &g->values, count);
 }
 
-static status count_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
-    mesh_gather *g = ctx;
-    (void)ids;
+static status count_ids(mesh_gather *g, size_t count) {
     g->tets_seen += count;
     return is_first(g) ? count_in(g, &g->tets, count) : ST_OK;
+}
+
+static status count_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
+    (void)ids;
+    return count_ids(ctx, count);
+}
+
+static status count_cells(void *ctx, size_t count, const uint32_t (*ids)[HEX_CORNERS]) {
+    (void)ids;
+    return count_ids(ctx, count);
 }
 
 mesh_sink mesh_gather_counter(mesh_gather *g) {
     g->counted = true;
     g->moving = g->steps > 1;
-    return (mesh_sink){
-        .ctx = g, .points = count_points, .values = count_values, .tets = count_tets};
+    return (mesh_sink){.ctx = g,
+                       .points = count_points,
+                       .values = count_values,
+                       .tets = count_tets,
+                       .cells = g->corners == 4 ? NULL : count_cells};
 }

@@ -18,8 +18,9 @@
 #include "prep/mesh/mesh_spool.h"
 
 typedef struct mesh_gather {
-    mesh_spool points, values, tets; /* float[3], float, uint32_t[4]; of all steps and fields, see
-                                        mesh_gather_points(), mesh_gather_values() */
+    mesh_spool points, values, tets; /* float[3], float, uint32_t[corners]; of all steps and fields,
+                                        see mesh_gather_points(), mesh_gather_values() */
+    uint32_t corners;                /* of a cell: 4, or HEX_CORNERS: mesh_gather_whole() */
     uint64_t vertices;               /* points of the mesh */
     uint32_t fields, steps;          /* 1 unless set before the first reading */
     bool moving;                     /* points move between steps */
@@ -41,6 +42,10 @@ typedef struct mesh_gather {
 void mesh_gather_init(mesh_gather *g, mem *m, const char *beside, size_t ceiling,
                       const progress *p);
 void mesh_gather_release(mesh_gather *g); /* a zeroed struct is fine */
+
+/* mesh_gather_whole() - gather cells of all shapes as they are (mesh_sink.cells), in the place of
+ * tets. Call it before anything is gathered. */
+void mesh_gather_whole(mesh_gather *g);
 
 /* For another run, between two steps. mesh_gather_keep_in() - keep scratch files in this folder;
  * call it before anything is gathered. mesh_gather_store() - write what is in memory alone to them.

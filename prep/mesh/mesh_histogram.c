@@ -43,41 +43,77 @@ static void sort_ids(const uint32_t from[4], uint32_t to[4]) {
     }
 }
 
+/* The position and the value of a point. */
+static status take_point(uint32_t id, mesh_pages *points, mesh_pages *values, float position[3],
+                         float *value) {
+    const void *p = mesh_pages_at(points, id);
+    if (!p)
+        return points->st;
+    memcpy(position, p, sizeof(float[3]));
+    const void *v = mesh_pages_at(values, id);
+    if (!v)
+        return values->st;
+    memcpy(value, v, sizeof *value);
+    return ST_OK;
+}
+
 static status take_tet(const uint32_t ids[4], mesh_pages *points, mesh_pages *values,
                        histogram_cell *out) {
     uint32_t id[4];
     float position[4][3], value[4];
+    status st = ST_OK;
     sort_ids(ids, id);
-    for (int c = 0; c < 4; c++) {
-        const void *p = mesh_pages_at(points, id[c]);
-        if (!p)
-            return points->st;
-        memcpy(position[c], p, sizeof position[c]);
-        const void *v = mesh_pages_at(values, id[c]);
-        if (!v)
-            return values->st;
-        memcpy(&value[c], v, sizeof value[c]);
-    }
+    for (int c = 0; c < 4 && st == ST_OK; c++)
+        st = take_point(id[c], points, values, position[c], &value[c]);
+    if (st != ST_OK)
+        return st;
     const float *const corners[4] = {position[0], position[1], position[2], position[3]};
     *out = histogram_tet(corners, value);
     return ST_OK;
 }
 
+static status take_cell(const uint32_t ids[HEX_CORNERS], mesh_pages *points, mesh_pages *values,
+                        histogram_cell *out) {
+    float position[HEX_CORNERS][3], value[HEX_CORNERS];
+    const float *corners[HEX_CORNERS];
+    status st = ST_OK;
+    for (int c = 0; c < HEX_CORNERS && st == ST_OK; c++) {
+        st = take_point(ids[c], points, values, position[c], &value[c]);
+        corners[c] = position[c];
+    }
+    if (st == ST_OK)
+        *out = histogram_hex(corners, value);
+    return st;
+}
+
+/* The cells that are drawn from a treelet, one of tets and cells. */
+static status take(const mesh_histogram *h, uint32_t set, uint64_t first,
+                   const mesh_record *records, const uint32_t (*cells)[HEX_CORNERS], size_t count,
+                   mesh_pages *points, mesh_pages *values) {
+    const histogram_run *r = &h->run;
+    const uint64_t end = first + count;
+    status st = ST_OK;
+    if (!h->cells)
+        return ST_OK;
+    for (uint64_t i = first / r->step; i * r->step < end && st == ST_OK; i++) {
+        const uint64_t drawn = histogram_draw_tet(r, (uint32_t)i);
+        histogram_cell *to = &h->cells[(size_t)set * r->count + i];
+        if (drawn < first || drawn >= end)
+            continue;
+        st = cells ? take_cell(cells[drawn - first], points, values, to)
+                   : take_tet(records[drawn - first].id, points, values, to);
+    }
+    return st;
+}
+
 status mesh_histogram_take(const mesh_histogram *h, uint32_t set, uint64_t first,
                            const mesh_record *records, size_t count, mesh_pages *points,
                            mesh_pages *values) {
-    const histogram_run *r = &h->run;
-    const uint64_t end = first + count;
-    if (!h->cells)
-        return ST_OK;
-    for (uint64_t i = first / r->step; i * r->step < end; i++) {
-        const uint64_t tet = histogram_draw_tet(r, (uint32_t)i);
-        if (tet < first || tet >= end)
-            continue;
-        status st = take_tet(records[tet - first].id, points, values,
-                             &h->cells[(size_t)set * r->count + i]);
-        if (st != ST_OK)
-            return st;
-    }
-    return ST_OK;
+    return take(h, set, first, records, NULL, count, points, values);
+}
+
+status mesh_histogram_take_cells(const mesh_histogram *h, uint32_t set, uint64_t first,
+                                 const uint32_t (*cells)[HEX_CORNERS], size_t count,
+                                 mesh_pages *points, mesh_pages *values) {
+    return take(h, set, first, NULL, cells, count, points, values);
 }

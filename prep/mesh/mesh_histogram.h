@@ -4,6 +4,7 @@
 
 #include <stdint.h>
 
+#include "formats/base/hexahedron.h"
 #include "formats/base/mem.h"
 #include "formats/base/state_io.h"
 #include "formats/base/status.h"
@@ -31,6 +32,12 @@ void mesh_histogram_release(mesh_histogram *h);
 
 /* mesh_histogram_keep() - save what was taken, or load it after mesh_histogram_begin(). */
 CHECKED status mesh_histogram_keep(mesh_histogram *h, state_io *io);
+
+/* mesh_histogram_take_cells() - the same for cells of a mixed mesh, as mixed_treelet_begin() takes
+ * them. */
+CHECKED status mesh_histogram_take_cells(const mesh_histogram *h, uint32_t set, uint64_t first,
+                                         const uint32_t (*cells)[HEX_CORNERS], size_t count,
+                                         mesh_pages *points, mesh_pages *values);
 
 /* mesh_histogram_take() - for a set, take the samples drawn from tets first .. first + count - 1 of
  * the mesh. points, values: of the set's step, and of the set. Thread-safe for different tets. */

@@ -12,7 +12,7 @@ enum { BLOCK = 1 << 12, BLOCKS_MAX = 256 };
 /* Buffers and counts of one thread. */
 typedef struct bench {
     mesh_pages points;
-    uint32_t (*tets)[4];
+    uint32_t *ids; /* of a block's tets, or cells */
     uint64_t repeated, bad;
 } bench;
 
@@ -39,11 +39,11 @@ static size_t words_of(uint64_t points) {
 
 uint64_t mesh_keys_memory(uint64_t points, int threads) {
     return words_of(points) * sizeof(atomic_uint) + sizeof(mesh_keys) +
-           (uint64_t)threads * (sizeof(bench) + sizeof(uint32_t[4]) * BLOCK + 128) + 1024;
+           (uint64_t)threads * (sizeof(bench) + sizeof(uint32_t[HEX_CORNERS]) * BLOCK + 128) + 1024;
 }
 
-static void mark(mesh_keys *k, const uint32_t id[4]) {
-    for (int c = 0; c < 4; c++) {
+static void mark(mesh_keys *k, const uint32_t *id) {
+    for (uint32_t c = 0; c < k->g->corners; c++) {
         atomic_uint *word = &k->used[id[c] >> 5];
         const uint32_t bit = 1U << (id[c] & 31);
         if (!(atomic_load_explicit(word, memory_order_relaxed) & bit))
@@ -51,41 +51,54 @@ static void mark(mesh_keys *k, const uint32_t id[4]) {
     }
 }
 
-static bool is_repeated(const uint32_t id[4]) {
-    return id[0] == id[1] || id[0] == id[2] || id[0] == id[3] || id[1] == id[2] || id[1] == id[3] ||
-           id[2] == id[3];
+/* Whether an id comes twice. Of cells, the reader has left out those with less than four. */
+static bool is_repeated(const uint32_t *id, uint32_t corners) {
+    return corners == 4 && (id[0] == id[1] || id[0] == id[2] || id[0] == id[3] || id[1] == id[2] ||
+                            id[1] == id[3] || id[2] == id[3]);
 }
 
-static bool is_bad(const uint32_t id[4], uint64_t points) {
-    return id[0] >= points || id[1] >= points || id[2] >= points || id[3] >= points;
+static bool is_bad(const uint32_t *id, uint32_t corners, uint64_t points) {
+    bool bad = false;
+    for (uint32_t c = 0; c < corners; c++)
+        bad = bad || id[c] >= points;
+    return bad;
 }
 
-static status key_of(const mesh_keys *k, bench *b, const uint32_t id[4], uint64_t *key) {
-    float corners[4][3];
-    for (int c = 0; c < 4; c++) {
+static status key_of(const mesh_keys *k, bench *b, const uint32_t *id, uint64_t *key) {
+    float corners[HEX_CORNERS][3];
+    for (uint32_t c = 0; c < k->g->corners; c++) {
         const void *p = mesh_pages_at(&b->points, id[c]);
         if (!p)
             return b->points.st;
         memcpy(corners[c], p, sizeof corners[c]);
     }
-    *key = mesh_morton_key(&k->lattice, (const float(*)[3])corners);
+    *key = k->g->corners == 4 ? mesh_morton_key(&k->lattice, (const float(*)[3])corners)
+                              : mesh_morton_cell(&k->lattice, (const float(*)[3])corners);
     return ST_OK;
+}
+
+/* A tet is moved into its record; of a cell that has its number. */
+static void put_ids(const mesh_keys *k, const uint32_t *id, uint64_t number, mesh_record *to) {
+    if (k->g->corners == 4)
+        memcpy(to->id, id, sizeof to->id);
+    else
+        mesh_record_number(to, number);
 }
 
 static status make_block(void *ctx, size_t index, int worker) {
     mesh_keys *k = ctx;
     bench *b = &k->benches[worker];
     size_t at = index * BLOCK, count = k->count - at < BLOCK ? k->count - at : BLOCK;
-    status st = mesh_spool_read(&k->g->tets, k->first + at, count, b->tets);
+    status st = mesh_spool_read(&k->g->tets, k->first + at, count, b->ids);
     mesh_record *to = k->to + at;
     for (size_t i = 0; st == ST_OK && i < count; i++) {
-        const uint32_t *id = b->tets[i];
-        if (is_bad(id, k->g->vertices)) {
+        const uint32_t corners = k->g->corners, *id = b->ids + corners * i;
+        if (is_bad(id, corners, k->g->vertices)) {
             b->bad++;
-        } else if (is_repeated(id)) {
+        } else if (is_repeated(id, corners)) {
             b->repeated++;
         } else {
-            memcpy(to->id, id, sizeof to->id);
+            put_ids(k, id, k->first + at + i, to);
             st = key_of(k, b, id, &to->key);
             mark(k, id);
             to++;
@@ -114,8 +127,8 @@ static status allocate(mesh_keys *k, uint64_t window) {
         return ST_NOMEM;
     for (int i = 0; i < k->threads; i++) {
         bench *b = &k->benches[i];
-        b->tets = mem_alloc(k->m, BLOCK * sizeof *b->tets);
-        status st = b->tets ? mesh_pages_init(&b->points, &k->g->points, window) : ST_NOMEM;
+        b->ids = mem_array(k->m, (size_t)BLOCK * k->g->corners, sizeof *b->ids);
+        status st = b->ids ? mesh_pages_init(&b->points, &k->g->points, window) : ST_NOMEM;
         if (st != ST_OK)
             return st;
     }
@@ -145,7 +158,7 @@ void mesh_keys_destroy(mesh_keys *k) {
         return;
     for (int i = 0; k->benches && i < k->threads; i++) {
         mesh_pages_release(&k->benches[i].points);
-        mem_free(k->m, k->benches[i].tets);
+        mem_free(k->m, k->benches[i].ids);
     }
     mem_free(k->m, k->benches);
     mem_free(k->m, k->used);
@@ -169,7 +182,8 @@ status mesh_keys_next(mesh_keys *k, mesh_runs *r) {
     if (st != ST_OK)
         return st;
     k->first += k->count;
-    mesh_spool_forget(&k->g->tets, k->first);
+    if (k->g->corners == 4)
+        mesh_spool_forget(&k->g->tets, k->first);
     return mesh_runs_put(r, close_gaps(k, blocks));
 }
 
@@ -177,7 +191,7 @@ status mesh_keys_next(mesh_keys *k, mesh_runs *r) {
  * are not written. */
 static status count_non_finite(const mesh_keys *k, mesh_spool *values, uint64_t *count) {
     enum { SOME = 4 * BLOCK };
-    float *value = (float *)k->benches[0].tets;
+    float *value = (float *)k->benches[0].ids;
     _Static_assert(SOME * sizeof(float) == BLOCK * sizeof(uint32_t[4]), "the tets' room is lent");
     for (uint64_t first = 0; first < values->count; first += SOME) {
         const uint64_t left = values->count - first;

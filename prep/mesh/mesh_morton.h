@@ -38,17 +38,34 @@ static inline uint64_t mesh_morton_spread(uint64_t x) {
     return (x | x << 2) & UINT64_C(0x1249249249249249);
 }
 
-/* mesh_morton_key() - key of the tet with these vertices, which must lie within the bounds. */
-static inline uint64_t mesh_morton_key(const mesh_lattice *l, const float p[4][3]) {
+/* mesh_morton_at() - key of a place within the bounds.
+ * mesh_morton_key() - key of the tet with these vertices, which must lie within the bounds.
+ * mesh_morton_cell() - likewise of a hexahedron with these corners. */
+static inline uint64_t mesh_morton_at(const mesh_lattice *l, const double p[3]) {
     uint64_t key = 0;
     for (int a = 0; a < 3; a++) {
-        double sum = ((double)p[0][a] + (double)p[1][a]) + ((double)p[2][a] + (double)p[3][a]);
-        double cell = (0.25 * sum - l->lo[a]) * l->scale;
+        double cell = (p[a] - l->lo[a]) * l->scale;
         const double last = (1 << MESH_MORTON_AXIS_BITS) - 1;
         cell = cell > 0 ? cell : 0;
         key |= mesh_morton_spread((uint64_t)(int32_t)(cell < last ? cell : last)) << a;
     }
     return key;
+}
+
+static inline uint64_t mesh_morton_key(const mesh_lattice *l, const float p[4][3]) {
+    double middle[3];
+    for (int a = 0; a < 3; a++)
+        middle[a] =
+            0.25 * (((double)p[0][a] + (double)p[1][a]) + ((double)p[2][a] + (double)p[3][a]));
+    return mesh_morton_at(l, middle);
+}
+
+static inline uint64_t mesh_morton_cell(const mesh_lattice *l, const float p[8][3]) {
+    double middle[3] = {0.0, 0.0, 0.0};
+    for (int c = 0; c < 8; c++)
+        for (int a = 0; a < 3; a++)
+            middle[a] += 0.125 * (double)p[c][a];
+    return mesh_morton_at(l, middle);
 }
 
 /* mesh_morton_common() - number of leading bits that two keys share: 0 .. 63. */

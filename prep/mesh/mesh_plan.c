@@ -6,6 +6,7 @@
 #include "prep/mesh/mesh_pages.h"
 #include "prep/mesh/mesh_sah.h"
 #include "prep/mesh/mesh_treelet.h"
+#include "prep/mesh/mixed_treelet.h"
 
 /* Memory not counted elsewhere: the thread pool, touched parts of stacks, rounding of blocks. */
 enum { FIXED_BYTES = 512 << 10, THREAD_BYTES = 64 << 10 };
@@ -57,12 +58,24 @@ static uint64_t writer_memory(const mesh_options *o, const mesh_gather *g, uint6
                              .steps = g->steps,
                              .gradients = o->gradients,
                              .moving = g->moving};
-    return leaf_writer_mesh_memory(&parts, mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets),
-                                   o->grow != NULL);
+    const size_t most = o->mixed ? mixed_treelet_payload_max(o->treelet_tets)
+                                 : mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets);
+    return leaf_writer_mesh_memory(&parts, most, o->grow != NULL);
+}
+
+/* Of a mixed mesh, with the ids of a treelet's cells. */
+static uint64_t mixed_fixed(const needs *n) {
+    const mesh_options *o = n->o;
+    const uint64_t thread = mixed_treelet_memory(o->treelet_tets) +
+                            o->treelet_tets * sizeof(uint32_t[HEX_CORNERS]) + 512;
+    return n->others + writer_memory(o, n->g, n->treelets) + (uint64_t)o->threads * thread +
+           (o->file.histograms ? mesh_histogram_memory() : 0);
 }
 
 static uint64_t build_fixed(const needs *n) {
     const mesh_options *o = n->o;
+    if (o->mixed)
+        return mixed_fixed(n);
     uint64_t thread = mesh_treelet_memory(o->treelet_tets, o->leaf_tets) + n->packer + 256;
     if (o->sah)
         thread += mesh_sah_memory(o->treelet_tets);
@@ -120,13 +133,17 @@ static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *pla
     const mesh_spool gradients = gradients_of(n);
     const bool any = gradients.count > 0;
     const uint64_t least_gradients = any && paged ? mesh_pages_least(&gradients) : 0;
+    /* Cells of a mixed mesh are kept, and looked up. */
+    const bool mixed = n->o->mixed, cells_paged = how >= SPILL_TETS || !mesh_spool_held(&g->tets);
+    const uint64_t least_cells = mixed && cells_paged ? mesh_pages_least(&g->tets) : 0;
     const uint64_t keys = keys_fixed(n) + points,
-                   build = build_fixed(n) + points +
+                   build = build_fixed(n) + points + (mixed ? tets : 0) +
                            (any && !paged ? filled_bytes(&gradients, true) : 0);
     const uint64_t keys_least = keys + threads * least_points,
-                   build_least = build + threads * (least_points + least_values + least_gradients);
+                   build_least = build + threads * (least_points + least_values + least_gradients +
+                                                    least_cells);
     /* Wide windows are worth as much as long runs: share equally. */
-    const uint64_t share = paged ? 2 : 1;
+    const uint64_t share = paged || least_cells ? 2 : 1;
     plan->runs = mesh_runs_plan_make(count, (uint64_t)n->o->treelet_tets + 1,
                                      room_above(budget, keys_least) / share,
                                      room_above(budget, build_least) / share);
@@ -135,7 +152,10 @@ static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *pla
                       (plan->runs.block ? tets : 0) + mesh_runs_sorting(&plan->runs));
     const uint64_t build_all = build + mesh_runs_merging(&plan->runs, count);
     if (paged) {
-        const uint64_t each = room_above(budget, build_all) / threads / (any ? 7 : 4);
+        const uint64_t each = room_above(budget, build_all) / threads /
+                              (any           ? 7
+                               : least_cells ? 8
+                                             : 4);
         plan->keys_window = mesh_pages_memory(
             &g->points, larger(room_above(budget, keys_all) / threads, least_points));
         plan->points_window = mesh_pages_memory(&g->points, larger(3 * each, least_points));
@@ -144,8 +164,12 @@ static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *pla
             plan->gradients_window =
                 mesh_pages_memory(&gradients, larger(3 * each, least_gradients));
     }
-    plan->build_memory =
-        build_all + threads * (plan->points_window + plan->values_window + plan->gradients_window);
+    if (least_cells) {
+        const uint64_t each = room_above(budget, build_all) / threads / 8;
+        plan->cells_window = mesh_pages_memory(&g->tets, larger(3 * each, least_cells));
+    }
+    plan->build_memory = build_all + threads * (plan->points_window + plan->values_window +
+                                                plan->gradients_window + plan->cells_window);
     plan->memory = larger(keys_all + threads * plan->keys_window, plan->build_memory);
     plan->spill_bytes =
         mesh_runs_spill(&plan->runs, count) + (tets ? 0 : count * g->tets.element) +
@@ -165,6 +189,8 @@ static status needs_of(mem *m, const mesh_gather *g, const mesh_options *o, need
     if (n->treelets > g->tets.count)
         n->treelets = g->tets.count;
     uint32_t counts[4];
+    if (o->mixed)
+        return ST_OK;
     mesh_treelet_counts_max(o->treelet_tets, o->leaf_tets, counts);
     return leaf_packer_memory(m, NULL, counts, &o->file, &n->packer);
 }
@@ -189,6 +215,8 @@ static uint64_t least_of(const needs *n) {
 status mesh_plan_least(mem *m, const mesh_options *o, uint64_t *least) {
     mesh_gather g;
     mesh_gather_init(&g, m, "", 0, NULL);
+    if (o->mixed)
+        mesh_gather_whole(&g);
     g.points.count = g.values.count = g.vertices = 4;
     g.tets.count = 1;
     needs n;

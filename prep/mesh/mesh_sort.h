@@ -20,6 +20,16 @@ typedef struct mesh_record {
     uint32_t id[4]; /* its vertices, numbered as in the input */
 } mesh_record;
 
+/* Of cells of all shapes, a record has the number in the input instead. */
+static inline void mesh_record_number(mesh_record *r, uint64_t number) {
+    r->id[0] = (uint32_t)number;
+    r->id[1] = (uint32_t)(number >> 32);
+    r->id[2] = r->id[3] = 0;
+}
+static inline uint64_t mesh_record_cell(const mesh_record *r) {
+    return r->id[0] | (uint64_t)r->id[1] << 32;
+}
+
 typedef struct mesh_sort mesh_sort;
 
 /* mesh_sort_memory() - bytes of a sort besides the records. mesh_sort_create() - p must outlive it.

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "formats/base/exact.h"
+#include "prep/mesh/mesh_fetch.h"
 #include "prep/mesh/mesh_tree.h"
-#include "prep/mesh/mesh_vertices.h"
 
 /* Codes of a box and a range of values: lo of x, y, z, value, then 255 - hi of the same. So the
  * union of two has the smaller of each byte. If only the box or the range is wanted, the other one
@@ -48,7 +48,7 @@ size_t mesh_treelet_payload_max(uint32_t treelet_tets, uint32_t leaf_tets) {
 
 uint64_t mesh_treelet_memory(uint32_t treelet_tets, uint32_t leaf_tets) {
     const mesh_shape s = largest_shape(treelet_tets, leaf_tets);
-    return sizeof(mesh_treelet_builder) + mesh_vertices_memory(treelet_tets) +
+    return sizeof(mesh_treelet_builder) + mesh_vertices_memory(treelet_tets, 4) +
            mesh_tree_memory(treelet_tets, leaf_tets) +
            ((uint64_t)s.vertices + s.nodes) * sizeof(codes) + s.topology_bytes + s.values_bytes +
            1024;
@@ -67,7 +67,7 @@ status mesh_treelet_create(mem *m, uint32_t treelet_tets, uint32_t leaf_tets,
     b->m = m;
     b->treelet_tets = treelet_tets;
     b->positions_room = s.positions_bytes;
-    status st = mesh_vertices_init(&b->vertices, m, treelet_tets);
+    status st = mesh_vertices_init(&b->vertices, m, treelet_tets, 4);
     if (st == ST_OK)
         st = mesh_tree_init(&b->tree, m, treelet_tets, leaf_tets);
     if (st == ST_OK) {
@@ -100,48 +100,6 @@ void mesh_treelet_destroy(mesh_treelet_builder *b) {
 }
 
 /* ---- vertices ---- */
-
-/* Copy `size` bytes of each vertex, consecutively. */
-static status fetch(const mesh_treelet_builder *b, mesh_pages *from, void *to, size_t size) {
-    char *at = to;
-    for (uint32_t i = 0; i < b->vertices.count; i++, at += size) {
-        const void *element = mesh_pages_at(from, mesh_vertices_id(&b->vertices, i));
-        if (!element)
-            return from->st;
-        memcpy(at, element, size);
-    }
-    return ST_OK;
-}
-
-static void find_bounds(const float (*position)[3], uint32_t count, float bounds[6]) {
-    float *lo = bounds, *hi = bounds + 3;
-    for (int a = 0; a < 3; a++)
-        lo[a] = hi[a] = position[0][a];
-    for (uint32_t i = 0; i < count; i++)
-        for (int a = 0; a < 3; a++) {
-            const float x = position[i][a];
-            lo[a] = x < lo[a] ? x : lo[a];
-            hi[a] = x > hi[a] ? x : hi[a];
-        }
-    /* Turn -0 into +0: otherwise it would be chance which of the two comes out. */
-    for (int a = 0; a < 6; a++)
-        bounds[a] += 0.0F;
-}
-
-static leaf_entry find_range(const float *value, uint32_t count) {
-    leaf_entry e = {.own = {INFINITY, -INFINITY}};
-    for (uint32_t i = 0; i < count; i++) {
-        if (!isfinite(value[i])) {
-            e.flags |= LEAF_FLAG_NON_FINITE;
-            continue;
-        }
-        e.own[0] = fminf(e.own[0], value[i]);
-        e.own[1] = fmaxf(e.own[1], value[i]);
-    }
-    e.own[0] += 0.0F;
-    e.own[1] += 0.0F;
-    return e;
-}
 
 /* Compute mesh_leaf_code_lo() and mesh_leaf_code_hi() of a coordinate within the bounds. Start at a
  * guess, one or two steps away, instead of searching. */
@@ -203,7 +161,7 @@ static inline void place_tet(uint16_t to[4], const uint16_t corners[4]) {
 
 static void place_tets(const mesh_treelet_builder *b, uint16_t (*to)[4]) {
     for (uint32_t t = 0; t < b->shape.tets; t++)
-        place_tet(to[t], b->vertices.corners[t]);
+        place_tet(to[t], b->vertices.corners + 4 * (size_t)t);
 }
 
 static int orientation_of(const float (*position)[3], const uint16_t corners[4]) {
@@ -217,7 +175,7 @@ static int orientation_of(const float (*position)[3], const uint16_t corners[4])
 static void count_signs(const mesh_treelet_builder *b, const float (*position)[3],
                         mesh_treelet *out) {
     for (uint32_t t = 0; t < b->shape.tets; t++) {
-        const int sign = orientation_of(position, b->vertices.corners[t]);
+        const int sign = orientation_of(position, b->vertices.corners + 4 * (size_t)t);
         out->positive += sign > 0;
         out->negative += sign < 0;
         out->flat += sign == 0;
@@ -317,7 +275,7 @@ static void clear_topology_pads(const mesh_treelet_builder *b) {
 void mesh_treelet_begin(mesh_treelet_builder *b, const mesh_record *records, size_t count,
                         mesh_treelet *out) {
     assert(count > 0 && count <= b->treelet_tets);
-    mesh_vertices_number(&b->vertices, records, count);
+    mesh_vertices_number(&b->vertices, records->id, sizeof *records, count);
     mesh_tree_build(&b->tree, records, count);
     *out = (mesh_treelet){
         .counts = {(uint32_t)count, b->vertices.count, b->tree.nodes, b->tree.leaves}};
@@ -335,10 +293,10 @@ static status take_values(mesh_treelet_builder *b, mesh_pages *values, mesh_tree
     float *value = (float *)(b->values + s->values_at);
     clear_pad(b->values, s->nodes * (uint32_t)sizeof(mesh_codes), s->values_at);
     clear_pad(b->values, s->values_at + s->vertices * (uint32_t)sizeof(float), s->values_bytes);
-    status st = fetch(b, values, value, sizeof *value);
+    status st = mesh_fetch(&b->vertices, values, value, sizeof *value);
     if (st != ST_OK)
         return st;
-    out->entry = find_range(value, s->vertices);
+    out->entry = mesh_fetch_range(value, s->vertices);
     code_values(b->vertex_codes, value, s->vertices, &out->entry);
     out->values = b->values;
     return ST_OK;
@@ -361,10 +319,10 @@ status mesh_treelet_move(mesh_treelet_builder *b, mesh_pages *points, mesh_treel
     clear_pad(b->positions, s->nodes * (uint32_t)sizeof(mesh_boxes), s->moved_at);
     clear_pad(b->positions, s->moved_at + s->vertices * (uint32_t)sizeof *position,
               s->positions_bytes);
-    status st = fetch(b, points, position, sizeof *position);
+    status st = mesh_fetch(&b->vertices, points, position, sizeof *position);
     if (st != ST_OK)
         return st;
-    find_bounds((const float(*)[3])position, s->vertices, out->moved_bounds);
+    mesh_fetch_bounds((const float(*)[3])position, s->vertices, out->moved_bounds);
     code_positions(b->vertex_codes, (const float(*)[3])position, s->vertices, out->moved_bounds);
     code_nodes(b, b->positions, sizeof(mesh_boxes), NULL);
     out->positions = b->positions;
@@ -376,12 +334,12 @@ status mesh_treelet_build(mesh_treelet_builder *b, const mesh_record *records, s
     mesh_treelet_begin(b, records, count, out);
     float(*position)[3] = (float(*)[3])(b->topology + b->shape.positions_at);
     clear_topology_pads(b);
-    status st = fetch(b, points, position, sizeof *position);
+    status st = mesh_fetch(&b->vertices, points, position, sizeof *position);
     if (st == ST_OK)
         st = take_values(b, values, out);
     if (st != ST_OK)
         return st;
-    find_bounds((const float(*)[3])position, b->shape.vertices, out->bounds);
+    mesh_fetch_bounds((const float(*)[3])position, b->shape.vertices, out->bounds);
     code_positions(b->vertex_codes, (const float(*)[3])position, b->shape.vertices, out->bounds);
     count_signs(b, (const float(*)[3])position, out);
     place_leaves(&b->tree, (uint16_t *)(b->topology + b->shape.leaf_first_at), (uint32_t)count);

@@ -15,18 +15,18 @@ static uint32_t slots_log2(uint64_t vertices) {
     return log2;
 }
 
-uint64_t mesh_vertices_memory(uint32_t tets_max) {
-    const uint64_t most = 4 * (uint64_t)tets_max;
+uint64_t mesh_vertices_memory(uint32_t cells_max, uint32_t each) {
+    const uint64_t most = each * (uint64_t)cells_max;
     return most * (2 * sizeof(uint64_t) + 2 * sizeof(uint16_t)) +
            (sizeof(mesh_vertex_slot) << slots_log2(most)) + 1024;
 }
 
-status mesh_vertices_init(mesh_vertices *v, mem *m, uint32_t tets_max) {
-    const size_t most = 4 * (size_t)tets_max;
-    *v = (mesh_vertices){.m = m, .slots_log2_max = slots_log2(most)};
+status mesh_vertices_init(mesh_vertices *v, mem *m, uint32_t cells_max, uint32_t each) {
+    const size_t most = each * (size_t)cells_max;
+    *v = (mesh_vertices){.m = m, .each = each, .slots_log2_max = slots_log2(most)};
     v->ids = mem_alloc(m, most * sizeof *v->ids);
     v->other = mem_alloc(m, most * sizeof *v->other);
-    v->corners = mem_alloc(m, tets_max * sizeof *v->corners);
+    v->corners = mem_alloc(m, most * sizeof *v->corners);
     v->local = mem_alloc(m, most * sizeof *v->local);
     v->slots = mem_alloc(m, sizeof *v->slots << v->slots_log2_max);
     return v->ids && v->other && v->corners && v->local && v->slots ? ST_OK : ST_NOMEM;
@@ -61,22 +61,24 @@ static void rebuild_slots(mesh_vertices *v, uint32_t log2) {
 }
 
 /* Number vertices in the order in which they are met; ids[number] = id << 32 | number. */
-static void collect(mesh_vertices *v, const mesh_record *records, size_t tets) {
-    uint32_t log2 = slots_log2(tets / 2 + 4);
+static void collect(mesh_vertices *v, const uint32_t *ids, size_t stride, size_t cells) {
+    uint32_t log2 = slots_log2(v->each * cells / 8 + v->each);
+    uint16_t *corner = v->corners;
     v->count = 0;
     rebuild_slots(v, log2);
-    for (size_t t = 0; t < tets; t++) {
-        if (2 * ((uint64_t)v->count + 4) > (uint64_t)1 << log2 && log2 < v->slots_log2_max)
+    for (size_t t = 0; t < cells; t++) {
+        const uint32_t *cell = (const uint32_t *)(const void *)((const char *)ids + t * stride);
+        if (2 * ((uint64_t)v->count + v->each) > (uint64_t)1 << log2 && log2 < v->slots_log2_max)
             rebuild_slots(v, ++log2);
-        for (int c = 0; c < 4; c++) {
-            uint32_t id = records[t].id[c];
+        for (uint32_t c = 0; c < v->each; c++) {
+            uint32_t id = cell[c];
             mesh_vertex_slot *s = slot_of(v, id, log2);
             if (s->id == NO_VERTEX) {
                 *s = (mesh_vertex_slot){id, v->count};
                 v->ids[v->count] = (uint64_t)id << 32 | v->count;
                 v->count++;
             }
-            v->corners[t][c] = (uint16_t)s->number;
+            *corner++ = (uint16_t)s->number;
         }
     }
 }
@@ -110,12 +112,11 @@ static void sort_ids(mesh_vertices *v) {
     }
 }
 
-void mesh_vertices_number(mesh_vertices *v, const mesh_record *records, size_t tets) {
-    collect(v, records, tets);
+void mesh_vertices_number(mesh_vertices *v, const uint32_t *ids, size_t stride, size_t cells) {
+    collect(v, ids, stride, cells);
     sort_ids(v);
     for (uint32_t i = 0; i < v->count; i++)
         v->local[v->ids[i] & UINT32_MAX] = (uint16_t)i;
-    for (size_t t = 0; t < tets; t++)
-        for (int c = 0; c < 4; c++)
-            v->corners[t][c] = v->local[v->corners[t][c]];
+    for (size_t i = 0; i < v->each * cells; i++)
+        v->corners[i] = v->local[v->corners[i]];
 }

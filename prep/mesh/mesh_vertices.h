@@ -1,4 +1,5 @@
-/* mesh_vertices.h - lists the vertices of some tets, each once, numbered in order of their ids. */
+/* mesh_vertices.h - lists the vertices of some tets or hexahedra, each once, numbered in order of
+ * their ids. */
 #ifndef PREP_MESH_MESH_VERTICES_H
 #define PREP_MESH_MESH_VERTICES_H
 
@@ -7,7 +8,6 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
-#include "prep/mesh/mesh_sort.h"
 
 typedef struct mesh_vertex_slot {
     uint32_t id, number;
@@ -16,22 +16,26 @@ typedef struct mesh_vertex_slot {
 /* Scratch and results of mesh_vertices_number(). */
 typedef struct mesh_vertices {
     mem *m;
+    uint32_t each; /* corners of a cell */
     uint32_t count;
-    uint64_t *ids;          /* [count]: ascending; the ids are the upper 32 bits */
-    uint16_t (*corners)[4]; /* of each tet, in the input's order: local numbers of its vertices */
+    uint64_t *ids; /* [count]: ascending; the ids are the upper 32 bits */
+    uint16_t
+        *corners; /* `each` of each cell, in the input's order: local numbers of its vertices */
     uint64_t *other;
     uint16_t *local;
     mesh_vertex_slot *slots;
     uint32_t slots_log2_max;
 } mesh_vertices;
 
-/* mesh_vertices_init() - for up to tets_max tets, <= LEAF_TREELET_TETS_MAX. mesh_vertices_memory()
- * - bytes it takes. */
-CHECKED status mesh_vertices_init(mesh_vertices *v, mem *m, uint32_t tets_max);
+/* mesh_vertices_init() - for up to cells_max cells with so many corners each, 2^16 corners in all.
+ * mesh_vertices_memory() - bytes it takes. */
+CHECKED status mesh_vertices_init(mesh_vertices *v, mem *m, uint32_t cells_max, uint32_t each);
 void mesh_vertices_release(mesh_vertices *v); /* a zeroed struct is fine */
-uint64_t mesh_vertices_memory(uint32_t tets_max);
+uint64_t mesh_vertices_memory(uint32_t cells_max, uint32_t each);
 
-void mesh_vertices_number(mesh_vertices *v, const mesh_record *records, size_t tets);
+/* mesh_vertices_number() - of so many cells. ids: of the first one's corners, one after another;
+ * those of the next one are `stride` bytes behind. A cell may have a vertex more than once. */
+void mesh_vertices_number(mesh_vertices *v, const uint32_t *ids, size_t stride, size_t cells);
 
 static inline uint32_t mesh_vertices_id(const mesh_vertices *v, uint32_t local) {
     return (uint32_t)(v->ids[local] >> 32);

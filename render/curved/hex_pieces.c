@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "formats/base/vec3.h"
+#include "render/curved/hex_open.h"
 #include "render/curved/hex_stretch.h"
 
 /* ---- Polynomials: coefficients times binomials, so that products are convolutions ---- */
@@ -75,8 +76,7 @@ static void through(const double f[4], double b[CUBIC + 1]) {
 /* ---- Pieces ---- */
 
 typedef struct search {
-    hex_map q;
-    const hexahedron *h;
+    hex_opened cell;
     double tolerance, range;
     hex_piece *out;
     int count, room; /* room: pieces that may still come of halving */
@@ -115,9 +115,9 @@ static double fit(const search *f, const hex_stretch *s, const hex_end *from, co
         at[2][a] = s->at[a] + s->rate[a] * s->half / 3.0;
     }
     for (int k = 1; k < 3; k++) {
-        if (!hex_stretch_locate(f->q, t[0] + (t[1] - t[0]) * k / 3.0, at[k]))
+        if (!hex_stretch_locate(f->cell.q, t[0] + (t[1] - t[0]) * k / 3.0, at[k]))
             return INFINITY;
-        value[k] = hexahedron_at(f->h->value, at[k]);
+        value[k] = hexahedron_at(f->cell.value, at[k]);
     }
     for (int a = 0; a < 3; a++) {
         const double off[4] = {at[0][a] - s->at[a], at[1][a] - s->at[a], at[2][a] - s->at[a],
@@ -134,18 +134,18 @@ static double fit(const search *f, const hex_stretch *s, const hex_end *from, co
     double wrong[3], curve[WHOLE + 1], own[WHOLE + 1], scaled[CUBIC + 1], steepest[3];
     multiply_all((const double(*)[CUBIC + 1]) cubic, &p);
     guess_error(s, &p, t, wrong);
-    compose(f->h->value, s->at, &p, curve);
+    compose(f->cell.value, s->at, &p, curve);
     for (int i = 0; i <= CUBIC; i++)
         scaled[i] = out->b[i] * binomials[1][i];
     multiply(scaled, CUBIC, binomials[3], 2 * CUBIC, own);
     for (int i = 0; i <= WHOLE; i++)
         curve[i] -= own[i];
     double error = most_of(curve);
-    hex_stretch_steepest(s, f->h->value, steepest);
+    hex_stretch_steepest(s, f->cell.value, steepest);
     for (int i = 0; i < 3; i++)
         error += steepest[i] * wrong[i];
     for (int c = 0; c < HEX_CORNERS; c++)
-        error += 0x1p-48 * fabs(f->h->value[c]);
+        error += 0x1p-48 * fabs(f->cell.value[c]);
     return error;
 }
 
@@ -161,10 +161,10 @@ static bool look(void *ctx, const hex_end *from, const hex_end *to, int depth, h
     hex_piece piece = {{from->t, to->t}, {0.0}, INFINITY};
     bool located = false;
     f->counts.stretches++;
-    if (hex_stretch_of(f->q, from, to, &s, &located))
+    if (hex_stretch_of(f->cell.q, from, to, &s, &located))
         piece.error = fit(f, &s, from, to, &piece);
     if (!(piece.error <= f->tolerance) && located && depth < HEX_DEPTH && f->room > 0 &&
-        hex_stretch_middle(&s, f->h->value, from, to, middle)) {
+        hex_stretch_middle(&s, f->cell.value, from, to, middle)) {
         f->room--;
         return true;
     }
@@ -177,22 +177,25 @@ static bool look(void *ctx, const hex_end *from, const hex_end *to, int depth, h
 
 int hex_pieces(const hexahedron *h, int sense, const hex_path *path, double tolerance,
                hex_piece out[HEX_PIECES], hex_counts *counts) {
-    search f = {.q = path->q, .h = h, .tolerance = tolerance, .out = out};
+    search f = {.tolerance = tolerance, .out = out};
     double range[2] = {INFINITY, -INFINITY};
     for (int c = 0; c < HEX_CORNERS; c++) {
         range[0] = real_min(range[0], h->value[c]);
         range[1] = real_max(range[1], h->value[c]);
     }
     f.range = range[1] - range[0];
+    hex_open(h, path, &f.cell);
     f.room = HEX_PIECES - path->count;
     for (int i = 0; i < path->count; i++) {
-        const hex_part *part = &path->part[i];
-        if (!(part->end[0].t < part->end[1].t))
+        hex_part part = path->part[i];
+        if (!(part.end[0].t < part.end[1].t))
             continue;
+        for (int k = 0; k < 2; k++)
+            hex_open_into(&f.cell, part.end[k].at);
         if (sense != 0)
-            hex_part_walk(part, look, &f);
+            hex_part_walk(&part, look, &f);
         else
-            out[f.count++] = linear(&part->end[0], &part->end[1], 0.0);
+            out[f.count++] = linear(&part.end[0], &part.end[1], 0.0);
     }
     if (counts) {
         counts->paths += (uint64_t)path->count;

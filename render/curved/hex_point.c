@@ -3,6 +3,7 @@
 #include "formats/base/simd_one.h"
 #include "formats/base/vec3.h"
 #include "render/curved/hex_normal_template.h"
+#include "render/curved/hex_open.h"
 #include "render/curved/hex_stretch.h"
 
 bool hex_point_find(const hexahedron *h, int sense, const double point[3], double at[3],
@@ -16,11 +17,19 @@ bool hex_point_find(const hexahedron *h, int sense, const double point[3], doubl
         if (!(from->t <= 0.0 && 0.0 < to->t))
             continue;
         const double share = -from->t / (to->t - from->t);
-        double linear[3];
+        double linear[3], in[3];
+        hex_opened opened;
+        hex_open(h, &path, &opened);
         for (int a = 0; a < 3; a++)
             at[a] = linear[a] = from->at[a] + share * (to->at[a] - from->at[a]);
-        if (sense != 0 && hex_stretch_locate(path.q, 0.0, at)) {
-            *value = hexahedron_at(h->value, at);
+        for (int a = 0; a < 3; a++)
+            in[a] = linear[a];
+        hex_open_into(&opened, in);
+        if (sense != 0 && hex_stretch_locate(opened.q, 0.0, in)) {
+            *value = hexahedron_at(opened.value, in);
+            hex_open_out(&opened, in);
+            for (int a = 0; a < 3; a++)
+                at[a] = in[a];
             return true;
         }
         for (int a = 0; a < 3; a++)

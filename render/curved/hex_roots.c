@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "formats/base/vec3.h"
+#include "render/curved/hex_open.h"
 #include "render/curved/hex_stretch.h"
 
 enum { STRETCHES = 512 };
@@ -86,19 +87,24 @@ static bool look(void *ctx, const hex_end *from, const hex_end *to, int depth, h
 
 int hex_roots(const hexahedron *h, int sense, const hex_path *path, double isovalue,
               hex_root out[HEX_ROOTS], hex_counts *counts) {
-    double value[HEX_CORNERS];
+    hex_opened opened;
+    hex_open(h, path, &opened);
     for (int c = 0; c < HEX_CORNERS; c++)
-        value[c] = h->value[c] - isovalue;
-    search s = {.q = path->q, .value = value, .out = out};
+        opened.value[c] -= isovalue;
+    search s = {.q = opened.q, .value = opened.value, .out = out};
     for (int i = 0; i < path->count; i++) {
         hex_part part = path->part[i];
-        for (int k = 0; k < 2; k++)
+        for (int k = 0; k < 2; k++) {
             part.end[k].value -= isovalue; /* its sign is exact */
+            hex_open_into(&opened, part.end[k].at);
+        }
         if (sense != 0)
             hex_part_walk(&part, look, &s);
         else if (is_inside(&part.end[0]) != is_inside(&part.end[1]))
             take_linear(&s, &part.end[0], &part.end[1]);
     }
+    for (int i = 0; i < s.count; i++)
+        hex_open_out(&opened, out[i].at);
     if (counts) {
         counts->paths += (uint64_t)path->count;
         counts->stretches += s.counts.stretches;

@@ -223,7 +223,7 @@ static void walk_cell(curvilinear_tile *w, near_cell *c) {
     w->b.s.counters->cells++;
     c->hexahedron = curvilinear_walk_cell(&w->at->lattice, c->number);
     c->sense = curvilinear_walk_sense(&w->at->lattice, c->number);
-    curvilinear_walk_range(&c->hexahedron, range);
+    hex_cell_range(&c->hexahedron, range);
     hex_sight_of(&c->hexahedron, w->b.eye, &sight);
     for (int32_t iso = 0; iso < isos->count; iso++) {
         if (!(range[0] < isos->isovalues[iso] && isos->isovalues[iso] <= range[1]))

@@ -65,7 +65,7 @@ static void curvilinear_starts(void *work, const tile_layer *l, unsigned i, unsi
         const hexahedron cell =
             curvilinear_walk_cell(&resident_curvilinear_of(x->at)->lattice, x->local);
         const ray r = tile_ray(m->s, n);
-        *to++ = curvilinear_walk_surface(&cell, x->in_cell, &r, x->t);
+        *to++ = hex_walk_surface(&cell, x->in_cell, &r, x->t);
     }
 }
 

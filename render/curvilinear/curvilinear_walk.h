@@ -10,9 +10,7 @@
 #define RENDER_CURVILINEAR_CURVILINEAR_WALK_H
 
 #include "render/curved/hex_block.h"
-#include "render/curved/hex_roots.h"
-#include "render/leafcast.h"
-#include "render/ray/segments.h"
+#include "render/curved/hex_walk.h"
 #include "stream/curvilinear_lattice.h"
 
 /* curvilinear_walk_hits() - treelet_walks.hits: lower state->best to the first root of an isovalue
@@ -25,23 +23,19 @@ bool curvilinear_walk_hits(const curvilinear_lattice *l, hex_block_fn cells,
                            const isovalue_list *isos, const ray *r, trace_state *state,
                            ray_counters *counters, hex_counts *counts);
 
-/* curvilinear_walk_surface() - the surface point of a hit at parameters at[] of its cell. */
-surface_point curvilinear_walk_surface(const hexahedron *h, const double at[3], const ray *r,
-                                       double t);
-
-/* curvilinear_walk_pieces() - the pieces of a ray in the treelet, cut to its [t0, t1]; in each cell
- * in order of t.
- *
- * above       subtracted from all values
- * tolerance   what a piece's cubic may be off (hex_pieces())
- * limit       blocks that the ray enters behind this t are left out; those that it leaves before
- *             `after`, too
- * take        is given each piece; its treelet is not set */
-typedef void curvilinear_take(void *ctx, const segment *piece);
+/* curvilinear_walk_pieces(), curvilinear_walk_hold(), curvilinear_walk_extremes() - hex_walk.h's,
+ * of the blocks that the ray enters up to the limit, and leaves behind `after`, or behind part->t0.
+ */
 void curvilinear_walk_pieces(const curvilinear_lattice *l, hex_block_fn cells, double above,
                              double tolerance, const ray *r, const hit *after, double limit,
-                             curvilinear_take *take, void *ctx, ray_counters *counters,
+                             hex_taker *take, void *ctx, ray_counters *counters,
                              hex_counts *counts);
+void curvilinear_walk_hold(const curvilinear_lattice *l, hex_block_fn cells, uint32_t id,
+                           double above, double tolerance, const ray *r, const hit *after,
+                           segments_state *state, ray_counters *counters);
+void curvilinear_walk_extremes(const curvilinear_lattice *l, hex_block_fn cells, uint32_t id,
+                               double tolerance, const ray *r, const ray *part,
+                               extreme_state *state, ray_counters *counters);
 
 /* curvilinear_walk_point() - kind.cell_in: find the cell that holds a point. Set *out to it; if
  * none does, *out stays unchanged. Returns whether one does. Of active cells and others. */
@@ -49,11 +43,9 @@ bool curvilinear_walk_point(const curvilinear_lattice *l, const double point[3],
                             leafcast_sample *out);
 
 /* curvilinear_walk_cell() - a cell of the treelet, by its number there. curvilinear_walk_sense() -
- * its hexahedron_sense(), as the file says. */
+ * its hexahedron_sense(), as the file says. curvilinear_walk_hexahedron() - both. */
 hexahedron curvilinear_walk_cell(const curvilinear_lattice *l, uint32_t index);
 int curvilinear_walk_sense(const curvilinear_lattice *l, uint32_t index);
-
-/* curvilinear_walk_range() - the least and the greatest value of a cell's corners. */
-void curvilinear_walk_range(const hexahedron *h, double range[2]);
+hex_cell curvilinear_walk_hexahedron(const curvilinear_lattice *l, uint32_t index);
 
 #endif

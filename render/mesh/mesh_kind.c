@@ -7,6 +7,7 @@
 #include "formats/base/box3.h"
 #include "formats/base/exact.h"
 #include "formats/base/vec3.h"
+#include "formats/leaf/leaf_cells.h"
 #include "render/look/box_projection.h"
 #include "render/look/camera.h"
 #include "render/look/scene_facts.h"
@@ -108,21 +109,10 @@ static size_t mesh_projection_bytes(const leaf_layout *layout) {
 
 /* ---- Cells ---- */
 
-static uint32_t treelet_of_tet(const leaf_file *f, uint64_t number) {
-    uint32_t lo = 0, hi = f->layout.treelets;
-    while (hi - lo > 1) {
-        const uint32_t middle = lo + (hi - lo) / 2;
-        if (f->mesh->first_tet[middle] <= number)
-            lo = middle;
-        else
-            hi = middle;
-    }
-    return lo;
-}
-
 static status find_tet(leafcast *v, uint64_t number, tet *out) {
     const treelet *at;
-    const status st = volume_treelet(v, treelet_of_tet(v->file, number), &at);
+    const status st = volume_treelet(
+        v, leaf_cells_treelet(v->file->mesh->first_tet, v->file->layout.treelets, number), &at);
     if (st != ST_OK)
         return st;
     const resident_mesh *own = resident_mesh_of(at);

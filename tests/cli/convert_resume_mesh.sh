@@ -88,6 +88,7 @@ goes_on "with gradients, compressed" "$tmp/b.mesh" --memory 16M --threads 2 --gr
 goes_on "moving steps" $steps --memory 20M --threads 2 --gradients
 # shellcheck disable=SC2086
 goes_on "moving steps in memory" $steps --threads 2
+goes_on "whole cells" "$tmp/b.mesh" --memory 16M --threads 2 --whole-cells
 goes_on "fields" "$tmp/two.vtk" --fields all --memory 12M --threads 1
 goes_on "with a coarse grid" "$tmp/b.mesh" --memory 16M --threads 2 --coarse=20
 

@@ -83,6 +83,7 @@ treelet-tets=64 m
 leaf-tets=4 m
 build=sah m
 gradients m
+whole-cells m
 dry-run rhm
 TABLE
 while read -r option inputs; do

@@ -45,6 +45,21 @@ static status take_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
     return ST_OK;
 }
 
+static status take_cells(void *ctx, size_t count, const uint32_t (*ids)[HEX_CORNERS]) {
+    (void)ctx;
+    for (size_t i = 0; i < count; i++) {
+        int different = 0;
+        for (int a = 0; a < HEX_CORNERS; a++) {
+            bool is_new = true;
+            for (int b = 0; b < a; b++)
+                is_new = is_new && ids[i][a] != ids[i][b];
+            different += is_new;
+        }
+        require(different >= 4);
+    }
+    return ST_OK;
+}
+
 enum { PATH_ROOM = 64 };
 
 static void write_file(char path[PATH_ROOM], const char *suffix, const uint8_t *data, size_t size) {
@@ -55,8 +70,8 @@ static void write_file(char path[PATH_ROOM], const char *suffix, const uint8_t *
     fclose(f);
 }
 
-static void read_mesh(const char *path, const mesh_hints *hints) {
-    const mesh_sink sink = {NULL, take_points, take_values, take_tets};
+static void read_mesh(const char *path, const mesh_hints *hints, bool whole) {
+    const mesh_sink sink = {NULL, take_points, take_values, take_tets, whole ? take_cells : NULL};
     mem m;
     mesh_input *x = NULL;
     mesh_report report;
@@ -85,7 +100,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (cut)
         write_file(other, "ele", cut + 1, (size_t)(end - cut - 1));
     write_file(path, suffix, data + 1, (size_t)((cut ? cut : end) - data - 1));
-    read_mesh(path, &hints);
+    read_mesh(path, &hints, data[0] >> 6 & 1);
     remove(path);
     if (cut)
         remove(other);

@@ -170,13 +170,13 @@ static unsigned code_of(const at_treelet *at, uint32_t step, uint32_t i, uint32_
         const size_t n = node_of(at, i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
         float place[3];
         if (z->blank && (!z->blank[n] || (c == 0 && z->blank[n] & 2)))
-            return CURVILINEAR_NONE;
+            return HEX_NONE;
         curvilinear_steps_place(at->s, at->zone, n, step, place);
         for (int a = 0; a < 3; a++)
             p[c][a] = (double)place[a];
     }
     const int sense = hexahedron_sense((const double(*)[3])p);
-    return sense > 0 ? CURVILINEAR_RIGHT : sense < 0 ? CURVILINEAR_LEFT : CURVILINEAR_FOLDED;
+    return sense > 0 ? HEX_RIGHT : sense < 0 ? HEX_LEFT : HEX_FOLDED;
 }
 
 static void check_codes(at_treelet *at, uint32_t step, const uint8_t *codes) {

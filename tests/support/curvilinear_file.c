@@ -55,12 +55,12 @@ static unsigned code_of(const curvilinear_zone *z, const uint32_t first[3], uint
     for (uint32_t c = 0; c < HEX_CORNERS; c++) {
         const size_t n = node_of(z, first, i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
         if (z->blank && (!z->blank[n] || (c == 0 && z->blank[n] & 2)))
-            return CURVILINEAR_NONE;
+            return HEX_NONE;
         for (int a = 0; a < 3; a++)
             p[c][a] = (double)z->p[n][a];
     }
     const int sense = hexahedron_sense((const double(*)[3])p);
-    return sense > 0 ? CURVILINEAR_RIGHT : sense < 0 ? CURVILINEAR_LEFT : CURVILINEAR_FOLDED;
+    return sense > 0 ? HEX_RIGHT : sense < 0 ? HEX_LEFT : HEX_FOLDED;
 }
 
 static void write_codes(const curvilinear_zone *z, const uint32_t first[3], const uint32_t cells[3],

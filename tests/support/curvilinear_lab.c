@@ -114,10 +114,10 @@ void curvilinear_lab_make(curvilinear_lab *s, mem *m, int index) {
         const hexahedron h = curvilinear_walk_cell(&s->lattice, c);
         const int sense = hexahedron_sense(h.p);
         const bool none = index > 0 && s->count > 1 && field_random_below(&r, 40) == 0;
-        const unsigned code = none        ? CURVILINEAR_NONE
-                              : sense > 0 ? CURVILINEAR_RIGHT
-                              : sense < 0 ? CURVILINEAR_LEFT
-                                          : CURVILINEAR_FOLDED;
+        const unsigned code = none        ? HEX_NONE
+                              : sense > 0 ? HEX_RIGHT
+                              : sense < 0 ? HEX_LEFT
+                                          : HEX_FOLDED;
         s->codes[c / 4] |= (uint8_t)(code << 2 * (c % 4));
     }
     for (int n = 0; n < 3 && index > 0 && s->count > 100; n++)

@@ -94,7 +94,7 @@ bool mesh_files_recognised(const char *path) {
 }
 
 status mesh_files_read(const char *path, const mesh_hints *hints, const mesh_copy **out) {
-    const mesh_sink sink = {NULL, take_points, take_values, take_tets};
+    const mesh_sink sink = {.points = take_points, .values = take_values, .tets = take_tets};
     mem m;
     mesh_input *x = NULL;
     mem_init(&m, (size_t)1 << 24);

@@ -41,13 +41,13 @@ static bool is_active(const curvilinear_lattice *l, uint32_t cell) {
     bool meets = false;
     for (int i = 0; i < isos.count; i++)
         meets = meets || has(&h, isos.isovalues[i]);
-    return meets && curvilinear_lattice_code(l, cell) != CURVILINEAR_NONE;
+    return meets && curvilinear_lattice_code(l, cell) != HEX_NONE;
 }
 
 static int sense_of(const curvilinear_lattice *l, uint32_t cell) {
     switch (curvilinear_lattice_code(l, cell)) {
-    case CURVILINEAR_RIGHT: return 1;
-    case CURVILINEAR_LEFT: return -1;
+    case HEX_RIGHT: return 1;
+    case HEX_LEFT: return -1;
     default: return 0;
     }
 }
@@ -82,7 +82,7 @@ static void test_lattice(void **state) {
                 assert_int_equal(on, is_active(l, cell));
                 seen++;
                 active += on;
-                none += curvilinear_lattice_code(l, cell) == CURVILINEAR_NONE;
+                none += curvilinear_lattice_code(l, cell) == HEX_NONE;
             }
         }
         assert_int_equal(seen, lab.count);
@@ -312,8 +312,8 @@ static void test_points(void **state) {
             const bool is_in = curvilinear_walk_point(l, point, &s);
             assert_int_equal(is_in, s.inside);
             found += is_in;
-            assert_true(!is_in || curvilinear_lattice_code(l, (uint32_t)(s.cell - l->first)) !=
-                                      CURVILINEAR_NONE);
+            assert_true(!is_in ||
+                        curvilinear_lattice_code(l, (uint32_t)(s.cell - l->first)) != HEX_NONE);
             if (!is_in || s.cell != l->first + cell)
                 continue;
             same++;

@@ -1,0 +1,49 @@
+#include "formats/leaf/mixed_facts.h"
+
+#include "formats/base/hexahedron.h"
+
+/* Bytes before compression: positions and values of the nodes, corners of the cells. */
+static double raw_bytes(const leaf_file *f) {
+    const leaf_header *h = &f->header;
+    return (double)h->vertices * (12 * (double)f->layout.places + 4 * (double)f->layout.sets) +
+           4 * HEX_CORNERS * (double)h->tets;
+}
+
+static void tell_cells(const leaf_header *h, const fact_sheet *to) {
+    fact_sheet_line(to, "mixed mesh", "%llu cells, %llu nodes", (unsigned long long)h->tets,
+                    (unsigned long long)h->vertices);
+    if (h->flat)
+        fact_sheet_line(to, "cells", "%llu folded", (unsigned long long)h->flat);
+    if (h->repeated || h->bad)
+        fact_sheet_line(to, "left out",
+                        "%llu cells of less than four nodes, %llu with one that is none",
+                        (unsigned long long)h->repeated, (unsigned long long)h->bad);
+    fact_sheet_whole(to, "cells", h->tets);
+    fact_sheet_whole(to, "nodes", h->vertices);
+    fact_sheet_whole(to, "folded", h->flat);
+    fact_sheet_whole(to, "repeated", h->repeated);
+    fact_sheet_whole(to, "bad", h->bad);
+}
+
+static void tell(const leaf_file *f, const fact_sheet *to) {
+    const leaf_header *h = &f->header;
+    const double raw = raw_bytes(f), each = (double)h->file_bytes / (double)h->tets;
+    leaf_tell_begin(f, to);
+    tell_cells(h, to);
+    leaf_tell_print_fields(f, to);
+    leaf_tell_values(f, to, "values");
+    leaf_tell_print_steps(f, to);
+    leaf_tell_bounds(f, to);
+    fact_sheet_line(to, "treelets", "%llu of up to %u cells, runs at %u, %s",
+                    (unsigned long long)h->treelets, h->treelet_tets, 1U << h->run_align_log2,
+                    leaf_tell_codec(f));
+    fact_sheet_line(to, "file", "%llu bytes, %.2f a cell, %.3f of the mesh",
+                    (unsigned long long)h->file_bytes, each, (double)h->file_bytes / raw);
+    leaf_tell_bytes(f, to, raw);
+    fact_sheet_real(to, "bytes_per_cell", each);
+    fact_sheet_flag(to, "moving", h->moving);
+    leaf_tell_set_fields(f, to);
+}
+
+const leaf_teller mixed_facts = {
+    .name = "mixed mesh", .cells = "cells", .drawn = "cells", .tell = tell};

@@ -1,0 +1,146 @@
+#include "formats/leaf/mixed_verify.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "formats/leaf/leaf_histogram.h"
+#include "formats/leaf/mixed_geometry.h"
+#include "formats/leaf/places_verify.h"
+
+/* A treelet while it is checked. */
+typedef struct subject {
+    places_subject of;
+    mixed_shape shape;
+    const uint16_t (*corners)[HEX_CORNERS];
+    uint8_t *used; /* per node */
+} subject;
+
+/* ---- topology ---- */
+
+static status check_corners(const subject *s, const char *topology) {
+    const mixed_shape *shape = &s->shape;
+    memset(s->used, 0, shape->nodes);
+    for (uint32_t i = 0; i < shape->cells; i++)
+        for (uint32_t c = 0; c < HEX_CORNERS; c++) {
+            const uint16_t node = s->corners[i][c];
+            if (node >= shape->nodes)
+                return places_wrong(&s->of,
+                                    shape->corners_at + (i * HEX_CORNERS + c) * sizeof(uint16_t),
+                                    "a corner is at no node");
+            s->used[node] = 1;
+        }
+    for (uint32_t n = 0; n < shape->nodes; n++)
+        if (!s->used[n])
+            return places_wrong(&s->of, n * sizeof(float), "a node is at no cell");
+    return places_check_zeros(&s->of, topology,
+                              shape->corners_at +
+                                  shape->cells * (uint32_t)sizeof(uint16_t[HEX_CORNERS]),
+                              shape->topology_bytes);
+}
+
+/* ---- places ---- */
+
+static status check_codes(const subject *s) {
+    const mixed_shape *shape = &s->shape;
+    const char *places = (const char *)s->of.places;
+    for (uint32_t i = 0; i < shape->cells; i++) {
+        uint32_t corner[HEX_CORNERS];
+        for (uint32_t c = 0; c < HEX_CORNERS; c++)
+            corner[c] = s->corners[i][c];
+        if (mixed_code(shape, places, i) != places_code(&s->of, corner))
+            return places_wrong(&s->of, shape->codes_at + i / 4,
+                                "a cell's bits are not those of its corners");
+    }
+    const uint8_t last = (uint8_t)places[shape->codes_at + (shape->cells - 1) / 4];
+    if (shape->cells % 4 && last >> 2 * (shape->cells % 4))
+        return places_wrong(&s->of, shape->codes_at + shape->cells / 4,
+                            "expected 0 behind the last cell's bits");
+    return places_check_zeros(&s->of, places, shape->codes_at + (shape->cells + 3) / 4,
+                              shape->place_bytes);
+}
+
+static status check_places(subject *s, uint32_t step) {
+    const leaf_layout *l = &s->of.f->layout;
+    const uint32_t place = leaf_layout_place(l, step), t = s->of.t;
+    s->of.payload = place ? leaf_layout_positions(l, place, t) : t;
+    const status st = places_check_box(
+        &s->of, mixed_directory_of(s->of.f)->bounds[leaf_layout_bounds(l, step, t)]);
+    return st == ST_OK ? check_codes(s) : st;
+}
+
+/* ---- histograms ---- */
+
+static void measure(const leaf_verifying *v, const subject *s, uint32_t set) {
+    const leaf_cells_directory *d = mixed_directory_of(s->of.f);
+    const histogram_run r = leaf_histogram_run(s->of.f, set, d->first[s->of.f->layout.treelets]);
+    const uint64_t first = d->first[s->of.t], end = first + s->shape.cells;
+    for (uint64_t i = first / r.step; i * r.step < end; i++) {
+        const uint64_t cell = histogram_draw_tet(&r, (uint32_t)i);
+        if (cell < first || cell >= end)
+            continue;
+        const float *at[HISTOGRAM_CORNERS];
+        float places[HISTOGRAM_CORNERS][3], values[HISTOGRAM_CORNERS];
+        for (uint32_t c = 0; c < HISTOGRAM_CORNERS; c++) {
+            const uint32_t node = s->corners[cell - first][c];
+            for (uint32_t a = 0; a < 3; a++)
+                places[c][a] = s->of.places[a * s->shape.nodes + node];
+            values[c] = s->of.values[node];
+            at[c] = places[c];
+        }
+        v->cells[set * v->count + i] = histogram_hex(at, values);
+    }
+}
+
+/* ---- a treelet ---- */
+
+static uint64_t cells_of(const leaf_file *f) {
+    return f->header.tets;
+}
+
+/* The topology, the places of another step, values, marks of nodes. */
+static size_t room_of(const leaf_file *f) {
+    return 4 * (size_t)leaf_layout_payload_max(&f->layout);
+}
+
+static status verify_step(const leaf_verifying *v, subject *s, uint32_t step, char *room,
+                          uint64_t *non_finite) {
+    const leaf_layout *l = &v->f->layout;
+    const uint32_t place = leaf_layout_place(l, step);
+    char *values = room + leaf_layout_payload_max(l);
+    status st = ST_OK;
+    if (place > 0) {
+        st = v->load(v, leaf_layout_positions(l, place, s->of.t), room);
+        s->of.places = (const float *)(void *)room;
+    }
+    if (st == ST_OK && (step == 0 || place > 0))
+        st = check_places(s, step);
+    for (uint32_t field = 0; field * l->steps < l->sets && st == ST_OK; field++) {
+        const uint32_t set = leaf_layout_set(l, field, step);
+        st = v->load(v, leaf_layout_values(l, set, s->of.t), values);
+        s->of.values = (const float *)(void *)values;
+        if (st == ST_OK)
+            st = places_check_values(&s->of, set, s->shape.value_bytes, non_finite);
+        if (st == ST_OK && v->cells)
+            measure(v, s, set);
+    }
+    return st;
+}
+
+static status verify_treelet(const leaf_verifying *v, uint32_t treelet, uint64_t *non_finite) {
+    const leaf_layout *l = &v->f->layout;
+    const size_t each = leaf_layout_payload_max(l);
+    subject s = {.of = {.f = v->f, .t = treelet, .payload = treelet},
+                 .shape = mixed_shape_of(l->counts[treelet]),
+                 .used = (uint8_t *)v->room + 3 * each};
+    s.of.nodes = s.shape.nodes;
+    s.of.places = (const float *)(void *)v->room;
+    s.corners = mixed_corners(&s.shape, v->room);
+    status st = v->load(v, treelet, v->room);
+    if (st == ST_OK)
+        st = check_corners(&s, v->room);
+    for (uint32_t step = 0; step < l->steps && st == ST_OK; step++)
+        st = verify_step(v, &s, step, v->room + each, non_finite);
+    return st;
+}
+
+const leaf_verifier mixed_verifier = {"cells", cells_of, room_of, verify_treelet};

@@ -1,0 +1,126 @@
+#include "prep/mesh/mixed_treelet.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "formats/leaf/mixed_geometry.h"
+#include "prep/mesh/mesh_fetch.h"
+
+struct mixed_treelet_builder {
+    mem *m;
+    mesh_vertices nodes;
+    mixed_shape shape; /* of the current treelet */
+    float (*xyz)[3];   /* of its nodes */
+    char *topology, *values;
+};
+
+static mixed_shape largest_shape(uint32_t treelet_cells) {
+    const uint32_t counts[4] = {treelet_cells, HEX_CORNERS * treelet_cells};
+    return mixed_shape_of(counts);
+}
+
+size_t mixed_treelet_payload_max(uint32_t treelet_cells) {
+    return largest_shape(treelet_cells).topology_bytes;
+}
+
+uint64_t mixed_treelet_memory(uint32_t treelet_cells) {
+    const mixed_shape s = largest_shape(treelet_cells);
+    return sizeof(mixed_treelet_builder) + mesh_vertices_memory(treelet_cells, HEX_CORNERS) +
+           (uint64_t)s.nodes * sizeof(float[3]) + s.topology_bytes + s.value_bytes + 1024;
+}
+
+status mixed_treelet_create(mem *m, uint32_t treelet_cells, mixed_treelet_builder **out) {
+    assert(treelet_cells > 0 && treelet_cells <= MIXED_CELLS_MAX);
+    mixed_treelet_builder *b = mem_zalloc(m, sizeof *b);
+    if (!b)
+        return ST_NOMEM;
+    const mixed_shape s = largest_shape(treelet_cells);
+    b->m = m;
+    status st = mesh_vertices_init(&b->nodes, m, treelet_cells, HEX_CORNERS);
+    b->xyz = mem_array(m, s.nodes, sizeof *b->xyz);
+    b->topology = mem_alloc(m, s.topology_bytes);
+    b->values = mem_alloc(m, s.value_bytes);
+    if (st == ST_OK && !(b->xyz && b->topology && b->values))
+        st = ST_NOMEM;
+    if (st != ST_OK) {
+        mixed_treelet_destroy(b);
+        return st;
+    }
+    *out = b;
+    return ST_OK;
+}
+
+void mixed_treelet_destroy(mixed_treelet_builder *b) {
+    if (!b)
+        return;
+    mesh_vertices_release(&b->nodes);
+    mem_free(b->m, b->xyz);
+    mem_free(b->m, b->topology);
+    mem_free(b->m, b->values);
+    mem_free(b->m, b);
+}
+
+void mixed_treelet_begin(mixed_treelet_builder *b, const uint32_t (*cells)[HEX_CORNERS],
+                         size_t count, mixed_treelet *out) {
+    mesh_vertices_number(&b->nodes, cells[0], sizeof *cells, count);
+    *out = (mixed_treelet){.counts = {(uint32_t)count, b->nodes.count}};
+    b->shape = mixed_shape_of(out->counts);
+}
+
+static void clear(char *payload, uint32_t from, uint32_t end) {
+    memset(payload + from, 0, end - from);
+}
+
+static hex_code code_of(const mixed_treelet_builder *b, const uint16_t corner[HEX_CORNERS]) {
+    double p[HEX_CORNERS][3];
+    for (int c = 0; c < HEX_CORNERS; c++)
+        for (int a = 0; a < 3; a++)
+            p[c][a] = (double)b->xyz[corner[c]][a];
+    return hex_code_of(hexahedron_sense((const double(*)[3])p));
+}
+
+/* Places: coordinates one axis after another, then the cells' codes. */
+static void place_nodes(mixed_treelet_builder *b, mixed_treelet *out) {
+    const mixed_shape *s = &b->shape;
+    float *to = (float *)(void *)b->topology;
+    uint8_t *codes = (uint8_t *)b->topology + s->codes_at;
+    for (int a = 0; a < 3; a++)
+        for (uint32_t n = 0; n < s->nodes; n++)
+            *to++ = b->xyz[n][a];
+    clear(b->topology, s->codes_at, s->place_bytes);
+    out->folded = 0;
+    for (uint32_t i = 0; i < s->cells; i++) {
+        const hex_code code = code_of(b, b->nodes.corners + HEX_CORNERS * (size_t)i);
+        codes[i / 4] |= (uint8_t)(code << 2 * (i % 4));
+        out->folded += code == HEX_FOLDED;
+    }
+}
+
+status mixed_treelet_place(mixed_treelet_builder *b, mesh_pages *points, uint32_t step,
+                           mixed_treelet *out) {
+    const mixed_shape *s = &b->shape;
+    const size_t corners = s->cells * sizeof(uint16_t[HEX_CORNERS]);
+    const status st = mesh_fetch(&b->nodes, points, b->xyz, sizeof *b->xyz);
+    if (st != ST_OK)
+        return st;
+    mesh_fetch_bounds((const float(*)[3])b->xyz, s->nodes, out->bounds);
+    place_nodes(b, out);
+    out->topology = out->positions = b->topology;
+    if (step > 0)
+        return ST_OK;
+    memcpy(b->topology + s->corners_at, b->nodes.corners, corners);
+    clear(b->topology, s->corners_at + (uint32_t)corners, s->topology_bytes);
+    return ST_OK;
+}
+
+status mixed_treelet_value(mixed_treelet_builder *b, mesh_pages *values, mixed_treelet *out) {
+    const mixed_shape *s = &b->shape;
+    float *value = (float *)(void *)b->values;
+    const status st = mesh_fetch(&b->nodes, values, value, sizeof *value);
+    if (st != ST_OK)
+        return st;
+    clear(b->values, s->nodes * (uint32_t)sizeof *value, s->value_bytes);
+    out->entry = mesh_fetch_range(value, s->nodes);
+    out->values = b->values;
+    return ST_OK;
+}

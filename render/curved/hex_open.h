@@ -1,0 +1,30 @@
+/* hex_open.h - wedges and tets without the edges and corners that are the same.
+ *
+ * Where a hexahedron collapses, its map has no inverse, and bounds of it (hex_stretch.h) fail near
+ * there. But in a wedge position and value are linear in the triangle times linear along, and so
+ * they are in a hexahedron whose ends are that triangle's parallelograms. In a tet they are linear,
+ * as in its parallelepiped. So is a pyramid whose base is a parallelogram, value included. The
+ * parameters of these are polynomials of the cell's own. All other cells stay as they are.
+ */
+#ifndef RENDER_CURVED_HEX_OPEN_H
+#define RENDER_CURVED_HEX_OPEN_H
+
+#include "render/curved/hex_path.h"
+
+typedef struct hex_opened {
+    double q[3][HEX_CORNERS]; /* as of hex_path */
+    double value[HEX_CORNERS];
+    /* Which of the cell's edges were opened: along an axis, at a side of another; at a side of a
+     * third, all four corners. Axis -1: none were. */
+    int along, across, edge_side, apex, apex_side;
+} hex_opened;
+
+/* hex_open() - open the cell of a path. */
+void hex_open(const hexahedron *h, const hex_path *path, hex_opened *out);
+
+/* hex_open_into() - the cell's own parameters become those of the opened one.
+ * hex_open_out() - the other way round, as far as they are in the cell. */
+void hex_open_into(const hex_opened *o, double at[3]);
+void hex_open_out(const hex_opened *o, double at[3]);
+
+#endif

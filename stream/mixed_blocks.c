@@ -1,0 +1,113 @@
+#include "stream/mixed_blocks.h"
+
+#include <math.h>
+#include <string.h>
+
+static uint32_t block_count(const mixed_shape *s) {
+    return (s->cells + MIXED_BLOCK - 1) / MIXED_BLOCK;
+}
+
+static size_t own_bytes(uint32_t blocks) {
+    return blocks * (sizeof(float[2]) + sizeof(uint16_t));
+}
+
+/* Boxes are made where the tree is not yet. */
+static size_t boxes_bytes(uint32_t blocks) {
+    return blocks * sizeof(treelet_bounds);
+}
+
+size_t mixed_blocks_bytes(const mixed_shape *s) {
+    const uint32_t blocks = block_count(s);
+    return own_bytes(blocks) + boxes_bytes(blocks) + treelet_tree_bytes(blocks);
+}
+
+static void box_of(const mixed_blocks *b, uint32_t block, treelet_bounds out) {
+    const uint16_t *corner = b->corners[MIXED_BLOCK * block];
+    const uint32_t count = HEX_CORNERS * mixed_blocks_cells(b, block);
+    for (int a = 0; a < 3; a++) {
+        float lo = INFINITY, hi = -INFINITY;
+        for (uint32_t i = 0; i < count; i++) {
+            const float x = b->p[a][corner[i]];
+            lo = x < lo ? x : lo;
+            hi = x > hi ? x : hi;
+        }
+        out[a] = lo;
+        out[a + 3] = hi;
+    }
+}
+
+status mixed_blocks_init(mixed_blocks *b, mem *m, const mixed_shape *s, const void *topology,
+                         const void *places) {
+    *b = (mixed_blocks){.shape = *s,
+                        .places = places,
+                        .corners = mixed_corners(s, topology),
+                        .blocks = block_count(s),
+                        .m = m};
+    for (int a = 0; a < 3; a++)
+        b->p[a] = mixed_coordinates(s, places, a);
+    treelet_bounds *boxes = mem_array(m, b->blocks, sizeof *boxes);
+    b->ranges = mem_zalloc(m, own_bytes(b->blocks));
+    status st = boxes && b->ranges ? ST_OK : ST_NOMEM;
+    if (st == ST_OK) {
+        b->active = (uint16_t *)(b->ranges + b->blocks);
+        for (uint32_t n = 0; n < b->blocks; n++)
+            box_of(b, n, boxes[n]);
+        st = treelet_tree_init(&b->tree, m, (const treelet_bounds *)boxes, b->blocks);
+    }
+    mem_free(m, boxes);
+    if (st != ST_OK)
+        mixed_blocks_release(b);
+    return st;
+}
+
+void mixed_blocks_release(mixed_blocks *b) {
+    treelet_tree_release(&b->tree);
+    mem_free(b->m, b->ranges);
+    b->ranges = NULL;
+}
+
+/* ---- values ---- */
+
+void mixed_blocks_fill(mixed_blocks *b, const float *values) {
+    b->values = values;
+    memset(b->active, 0, b->blocks * sizeof *b->active);
+    memset(b->tree.active[0], 0, b->blocks);
+    treelet_tree_select(&b->tree, b->tree.active[0]);
+    for (uint32_t n = 0; n < b->blocks; n++) {
+        const uint16_t *corner = b->corners[MIXED_BLOCK * n];
+        const uint32_t count = HEX_CORNERS * mixed_blocks_cells(b, n);
+        float lo = INFINITY, hi = -INFINITY;
+        for (uint32_t i = 0; i < count; i++) {
+            const float x = values[corner[i]];
+            lo = isfinite(x) && x < lo ? x : lo;
+            hi = isfinite(x) && x > hi ? x : hi;
+        }
+        b->ranges[n][0] = lo;
+        b->ranges[n][1] = hi;
+    }
+}
+
+static bool is_active(const mixed_blocks *b, uint32_t cell, const interest *in) {
+    const uint16_t *corner = b->corners[cell];
+    float lo = INFINITY, hi = -INFINITY, odd = 0.0f;
+    for (int c = 0; c < HEX_CORNERS; c++) {
+        const float x = b->values[corner[c]];
+        lo = fminf(lo, x);
+        hi = fmaxf(hi, x);
+        odd += x - x; /* NaN unless x is finite */
+    }
+    return odd == 0.0f && interest_meets(in, lo, hi);
+}
+
+void mixed_blocks_select(mixed_blocks *b, const interest *in) {
+    for (uint32_t n = 0; n < b->blocks; n++) {
+        const float *range = b->ranges[n];
+        const uint32_t cells = mixed_blocks_cells(b, n);
+        b->active[n] = 0;
+        if (range[0] <= range[1] && interest_meets(in, range[0], range[1]))
+            for (uint32_t i = 0; i < cells; i++)
+                b->active[n] |= (uint16_t)(is_active(b, MIXED_BLOCK * n + i, in) << i);
+        b->tree.active[0][n] = b->active[n] != 0;
+    }
+    treelet_tree_select(&b->tree, b->tree.active[0]);
+}

@@ -1,0 +1,510 @@
+/* test_mixed_kind.c - files of mixed meshes, drawn: surfaces against brute force in long double;
+ * the structured grid's, to the bit, where all cells are its hexahedra; any budget; pieces, points
+ * and cells; files that lie.
+ */
+/* marks: threads */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "formats/leaf/leaf_verify.h"
+#include "formats/leaf/mixed_geometry.h"
+#include "render/ray/open_volume.h"
+#include "tests/support/curvilinear_file.h"
+#include "tests/support/fixture.h"
+#include "tests/support/hex_truth.h"
+#include "tests/support/mixed_file.h"
+#include "tests/support/pictures.h"
+#include "tests/support/scratch.h"
+#include "tests/support/watched.h"
+
+enum { HITS = 256, TREELET = 60 };
+
+static cell_mix mix;
+
+static leafcast *open_mix(const cell_mix *m, const leafcast_options *o) {
+    mesh_result result;
+    (void)mixed_file_write(m->cell, m->count, scratch_path("mix.vtk"));
+    mixed_file_convert(scratch_path("mix.vtk"), scratch_path("mix.leaf"), TREELET,
+                       UINT64_C(1) << 32, &result);
+    assert_int_equal(result.header.tets + result.header.repeated, m->count);
+    return fixture_open(scratch_path("mix.leaf"), o);
+}
+
+/* Whether a line passes the ball about a cell's corners. */
+static bool is_near(const hexahedron *h, const double o[3], const double d[3]) {
+    double radius = 0.0, along = 0.0, away = 0.0, dd = 0.0;
+    for (int c = 1; c < HEX_CORNERS; c++) {
+        double square = 0.0;
+        for (int a = 0; a < 3; a++)
+            square += (h->p[c][a] - h->p[0][a]) * (h->p[c][a] - h->p[0][a]);
+        radius = fmax(radius, square);
+    }
+    for (int a = 0; a < 3; a++) {
+        dd += d[a] * d[a];
+        along += (h->p[0][a] - o[a]) * d[a];
+    }
+    for (int a = 0; a < 3; a++) {
+        const double x = o[a] + along / dd * d[a] - h->p[0][a];
+        away += x * x;
+    }
+    return away <= 1.001 * radius;
+}
+
+static int by_t(const void *a, const void *b) {
+    const long double x = *(const long double *)a, y = *(const long double *)b;
+    return (x > y) - (x < y);
+}
+
+/* All roots of a ray, by brute force. Returns how many; -1: it cannot tell. */
+static int all_roots(const double o[3], const double d[3], long double t[HITS]) {
+    int count = 0;
+    for (int c = 0; c < mix.count; c++) {
+        const hexahedron h = cell_mix_hexahedron(&mix.cell[c], 0);
+        hex_truth found;
+        if (!is_near(&h, o, d))
+            continue;
+        hex_truth_of(h.p, h.value, mix.lab.iso, o, d, &found);
+        if (found.doubtful)
+            return -1;
+        for (int n = 0; n < found.count && count < HITS; n++)
+            if (found.t[n] > 0.0L)
+                t[count++] = found.t[n];
+    }
+    qsort(t, (size_t)count, sizeof *t, by_t);
+    return count;
+}
+
+/* Labs whose cells are sound: what folds has no interpolant of its own. */
+static bool is_sound(int lab) {
+    hex_lab s;
+    hex_lab_make(&s, lab, 1);
+    return !s.may_be_folded;
+}
+
+static void test_hits(void **state) {
+    enum { RAYS = SLOW ? 4 : 60 };
+    static leafcast_hit hits[HITS];
+    static long double want[HITS];
+    (void)state;
+    const leafcast_scene scene = leafcast_scene_default();
+    for (int n = 0; n < hex_lab_count(); n++) {
+        field_random r = {FIELD_SEED + (uint64_t)n};
+        long found = 0, doubtful = 0;
+        double worst = 0.0;
+        if (!is_sound(n))
+            continue;
+        cell_mix_make(&mix, n, FIELD_SEED + 6);
+        leafcast *v = open_mix(&mix, NULL);
+        const leafcast_surface surface = leafcast_surface_default(mix.lab.iso);
+        assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
+        for (int i = 0; i < RAYS; i++) {
+            bool special;
+            const ray along = hex_lab_ray(&mix.lab, &r, &special);
+            int count = 0;
+            if (special)
+                continue;
+            const int roots = all_roots(along.o, along.d, want);
+            doubtful += roots < 0;
+            if (roots < 0)
+                continue;
+            assert_int_equal(leafcast_probe_ray(v, &scene, along.o, along.d, hits, HITS, &count),
+                             LEAFCAST_OK);
+            assert_int_equal(count, roots);
+            for (int k = 0; k < count; k++, found++)
+                worst = fmax(worst, fabs(hits[k].t - (double)want[k]) / mix.lab.size);
+        }
+        print_message("# %s: %ld hits, off by %.1g of the mesh; %ld rays in doubt\n", mix.lab.name,
+                      found, worst, doubtful);
+        assert_true(found > RAYS / 4 && doubtful <= RAYS / 10);
+        assert_true(worst < 1e-11);
+        leafcast_close(v);
+    }
+}
+
+/* ---- A mesh of a structured grid's hexahedra ---- */
+
+static cell_mix_cell hexahedron_at_place(const hex_lab *s, const int at[3]) {
+    static const int around[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    cell_mix_cell c = {.shape = CELL_HEXAHEDRON};
+    for (int n = 0; n < 8; n++) {
+        const int i = at[0] + around[n % 4][0], j = at[1] + around[n % 4][1], k = at[2] + n / 4;
+        for (int a = 0; a < 3; a++)
+            c.p[n][a] = (double)s->p[k][j][i][a];
+        c.value[n] = (double)s->value[k][j][i];
+    }
+    return c;
+}
+
+static void open_both(const hex_lab *s, leafcast *both[2]) {
+    enum { NODES = HEX_LAB_NODES * HEX_LAB_NODES * HEX_LAB_NODES };
+    mesh_result result;
+    const curvilinear_zone zone = {{HEX_LAB_NODES, HEX_LAB_NODES, HEX_LAB_NODES},
+                                   (const float(*)[3])s->p,
+                                   (const float *)s->value,
+                                   NULL};
+    mix.count = 0;
+    for (int k = 0; k < HEX_LAB_CELLS; k++)
+        for (int j = 0; j < HEX_LAB_CELLS; j++)
+            for (int i = 0; i < HEX_LAB_CELLS; i++)
+                mix.cell[mix.count++] = hexahedron_at_place(s, (const int[3]){i, j, k});
+    const leaf_image image = curvilinear_file(&zone, 1);
+    both[0] = fixture_open(scratch_write("grid.leaf", image.bytes, image.size), NULL);
+    free(image.bytes);
+    (void)mixed_file_write(mix.cell, mix.count, scratch_path("grid.vtk"));
+    mixed_file_convert(scratch_path("grid.vtk"), scratch_path("hexes.leaf"), TREELET,
+                       UINT64_C(1) << 32, &result);
+    both[1] = fixture_open(scratch_path("hexes.leaf"), NULL);
+}
+
+/* Hits, to the bit; in pictures the grid's are drawn in tiles, the mesh's as single rays. */
+static void test_structured(void **state) {
+    enum { RAYS = SLOW ? 40 : 400 };
+    static leafcast_hit hits[2][HITS];
+    static picture pictures[2];
+    (void)state;
+    const leafcast_scene scene = leafcast_scene_default();
+    for (int n = 0; n < hex_lab_count(); n++) {
+        hex_lab s;
+        leafcast *both[2];
+        field_random r = {FIELD_SEED + (uint64_t)n};
+        long met = 0;
+        hex_lab_make(&s, n, FIELD_SEED + 7);
+        open_both(&s, both);
+        const leafcast_surface surface = leafcast_surface_default(s.iso);
+        const leafcast_camera c =
+            leafcast_standard_view(both[0], 1.1, PICTURE_WIDTH, PICTURE_HEIGHT);
+        for (int i = 0; i < 2; i++) {
+            assert_int_equal(leafcast_select(both[i], &surface, 1), LEAFCAST_OK);
+            pictures_draw(both[i], &scene, &c, &pictures[i], NULL);
+        }
+        assert_memory_equal(pictures[0].z, pictures[1].z, sizeof pictures[0].z);
+        assert_memory_equal(pictures[0].rgba, pictures[1].rgba, sizeof pictures[0].rgba);
+        for (int k = 0; k < RAYS; k++) {
+            bool special;
+            const ray along = hex_lab_ray(&s, &r, &special);
+            int count[2];
+            for (int i = 0; i < 2; i++)
+                assert_int_equal(
+                    leafcast_probe_ray(both[i], &scene, along.o, along.d, hits[i], HITS, &count[i]),
+                    LEAFCAST_OK);
+            assert_int_equal(count[0], count[1]);
+            for (int h = 0; h < count[0]; h++, met++)
+                assert_memory_equal(&hits[0][h].t, &hits[1][h].t, sizeof hits[0][h].t);
+        }
+        assert_true(met > RAYS / 4);
+        for (int i = 0; i < 2; i++)
+            leafcast_close(both[i]);
+    }
+}
+
+/* The same picture, to the bit, with room for a treelet or two, by any number of threads. */
+static void test_budgets(void **state) {
+    static picture whole, p;
+    (void)state;
+    cell_mix_make(&mix, 0, FIELD_SEED + 8);
+    leafcast_scene scene = leafcast_scene_default();
+    scene.shadows = true;
+    for (int n = 0; n < 2; n++) {
+        const leafcast_options o = {.size = sizeof o,
+                                    .threads = 1 + n,
+                                    .experiments = EXPERIMENTS(.treelet_limit = n ? 2 : 0)};
+        leafcast *v = open_mix(&mix, &o);
+        const leafcast_surface surface = leafcast_surface_default(mix.lab.iso);
+        assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
+        const leafcast_camera c = leafcast_standard_view(v, 1.1, PICTURE_WIDTH, PICTURE_HEIGHT);
+        pictures_draw(v, &scene, &c, n ? &p : &whole, NULL);
+        leafcast_close(v);
+    }
+    assert_memory_equal(p.z, whole.z, sizeof p.z);
+    assert_memory_equal(p.rgba, whole.rgba, sizeof p.rgba);
+}
+
+/* ---- Values ---- */
+
+static hexahedron numbered(leafcast *v, uint64_t number) {
+    leafcast_cell told = {.size = sizeof told};
+    hexahedron h;
+    assert_int_equal(leafcast_get_cell(v, 0, number, &told), LEAFCAST_OK);
+    assert_int_equal(told.corners, HEX_CORNERS);
+    for (int c = 0; c < HEX_CORNERS; c++) {
+        h.value[c] = (double)told.value[c];
+        for (int a = 0; a < 3; a++)
+            h.p[c][a] = told.position[c][a];
+    }
+    return h;
+}
+
+/* 0 in the place of -0. */
+static hexahedron plain(hexahedron h) {
+    for (int c = 0; c < HEX_CORNERS; c++) {
+        h.value[c] += 0.0;
+        for (int a = 0; a < 3; a++)
+            h.p[c][a] += 0.0;
+    }
+    return h;
+}
+
+static int by_cell(const void *a, const void *b) {
+    return memcmp(a, b, sizeof(hexahedron));
+}
+
+/* All cells are there, each once. */
+static void test_cells(void **state) {
+    static hexahedron want[CELL_MIX_CELLS], got[CELL_MIX_CELLS];
+    (void)state;
+    for (int n = 0; n < hex_lab_count(); n++) {
+        cell_mix_make(&mix, n, FIELD_SEED + 9);
+        leafcast *v = open_mix(&mix, NULL);
+        assert_string_equal(leafcast_describe(v).kind, "mixed mesh");
+        size_t count = 0;
+        for (int c = 0; c < mix.count; c++)
+            if (mixed_file_keeps(&mix.cell[c])) {
+                want[count] = plain(cell_mix_hexahedron(&mix.cell[c], 0));
+                got[count] = plain(numbered(v, count));
+                count++;
+            }
+        assert_int_equal(leafcast_describe(v).cells, count);
+        qsort(want, count, sizeof *want, by_cell);
+        qsort(got, count, sizeof *got, by_cell);
+        assert_memory_equal(want, got, count * sizeof *want);
+        leafcast_close(v);
+    }
+}
+
+static double value_of(const leafcast_segment *s, double at) {
+    const double *b = s->control, rest = 1.0 - at;
+    return rest * rest * rest * b[0] + 3.0 * rest * rest * at * b[1] + 3.0 * rest * at * at * b[2] +
+           at * at * at * b[3];
+}
+
+enum { PIECES = 2048 };
+
+/* Pieces have the cells' own values, by brute force, and follow one another; so does the value at a
+ * point on the way. */
+static void judge_ray(leafcast *v, const ray *r, field_random *random, double near, long *judged) {
+    static leafcast_segment got[PIECES];
+    const leafcast_scene scene = leafcast_scene_default();
+    int count = 0;
+    assert_int_equal(leafcast_probe_segments(v, &scene, r->o, r->d, got, PIECES, &count),
+                     LEAFCAST_OK);
+    assert_in_range(count, 0, PIECES - 1);
+    for (int n = 0; n < count; n++) {
+        const hexahedron h = numbered(v, got[n].cell);
+        const double inside = field_random_in(random, 0.1, 0.9);
+        const double t = got[n].t0 + inside * (got[n].t1 - got[n].t0);
+        double point[3];
+        long double at[3] = {0.4L, 0.4L, 0.4L}, truth;
+        for (int a = 0; a < 3; a++)
+            point[a] = r->o[a] + t * r->d[a];
+        assert_true(n == 0 || got[n].t0 >= got[n - 1].t0);
+        if (!hex_truth_value(h.p, h.value, r->o, r->d, t, at, &truth))
+            continue;
+        /* In a sliver that is flat but for rounding; or the map takes that place twice. */
+        bool elsewhere = (got[n].t1 - got[n].t0) < 1e-9 * mix.lab.size;
+        for (int a = 0; a < 3; a++)
+            elsewhere = elsewhere || !(fabsl(at[a] - 0.5L) < 0.5L + 1e-6L);
+        if (elsewhere)
+            continue;
+        assert_true(fabs(value_of(&got[n], inside) - (double)truth) < near);
+        leafcast_sample sample = {.inside = false};
+        assert_int_equal(leafcast_probe_point(v, point, &sample), LEAFCAST_OK);
+        assert_true(sample.inside && fabs(sample.value - (double)truth) < near);
+        ++*judged;
+    }
+}
+
+static void test_pieces(void **state) {
+    enum { RAYS = SLOW ? 4 : 40 };
+    (void)state;
+    for (int n = 0; n < hex_lab_count(); n++) {
+        field_random r = {FIELD_SEED + (uint64_t)n};
+        long judged = 0;
+        if (!is_sound(n))
+            continue;
+        cell_mix_make(&mix, n, FIELD_SEED + 10);
+        leafcast *v = open_mix(&mix, NULL);
+        const leaf_header *h = &v->file->header;
+        for (int i = 0; i < RAYS; i++) {
+            bool special;
+            const ray along = hex_lab_ray(&mix.lab, &r, &special);
+            if (!special)
+                judge_ray(v, &along, &r, 1e-6 * (h->value_max - h->value_min), &judged);
+        }
+        assert_true(judged > 3 * RAYS);
+        leafcast_close(v);
+    }
+}
+
+/* ---- Files that lie ---- */
+
+/* What is changed in the payloads of the first treelet. */
+typedef struct lied {
+    leaf_image image;
+    mixed_shape shape;
+    char *topology, *values;
+} lied;
+
+typedef void lie(const lied *x);
+
+static void turn_cell(const lied *x) {
+    x->topology[x->shape.codes_at] ^= 3;
+}
+
+static void add_code(const lied *x) {
+    x->topology[x->shape.codes_at + (x->shape.cells + 3) / 4] = 1;
+}
+
+static void lose_corner(const lied *x) {
+    uint16_t *corner = (uint16_t *)(void *)(x->topology + x->shape.corners_at);
+    corner[HEX_CORNERS] = (uint16_t)x->shape.nodes;
+}
+
+/* Of all cells that have node 0, the node beside it takes its place. */
+static void leave_node(const lied *x) {
+    uint16_t *corner = (uint16_t *)(void *)(x->topology + x->shape.corners_at);
+    for (uint32_t i = 0; i < HEX_CORNERS * x->shape.cells; i++)
+        corner[i] = corner[i] ? corner[i] : 1;
+}
+
+static void add_corner(const lied *x) {
+    x->topology[x->shape.topology_bytes - 1] = 1;
+}
+
+static void move_node(const lied *x) {
+    ((float *)(void *)x->topology)[0] -= 100.0f;
+}
+
+static void change_value(const lied *x) {
+    ((float *)(void *)x->values)[3] = 100.0f;
+}
+
+static void lose_value(const lied *x) {
+    ((float *)(void *)x->values)[3] = NAN;
+}
+
+static void count_cells(const lied *x) {
+    uint32_t(*counts)[4] = leaf_image_section(&x->image, LEAF_SECTION_COUNTS);
+    counts[0][0] = TREELET + 1;
+}
+
+static void count_nodes(const lied *x) {
+    uint32_t(*counts)[4] = leaf_image_section(&x->image, LEAF_SECTION_COUNTS);
+    counts[0][1] = 3;
+}
+
+static void count_more(const lied *x) {
+    uint32_t(*counts)[4] = leaf_image_section(&x->image, LEAF_SECTION_COUNTS);
+    counts[0][2] = 1;
+}
+
+static void claim_cells(const lied *x) {
+    x->image.header->tets++;
+}
+
+static void claim_folds(const lied *x) {
+    x->image.header->flat = x->image.header->tets + 1;
+}
+
+static void claim_leaves(const lied *x) {
+    x->image.header->leaf_tets = 4;
+}
+
+static void claim_codec(const lied *x) {
+    x->image.header->codec = LEAF_CODEC_ZSTD;
+}
+
+static void claim_zones(const lied *x) {
+    x->image.header->zones = 1;
+}
+
+/* What verify says; and whether a file is drawn all the same: what rays would go astray by is found
+ * when a treelet is loaded. */
+static const struct {
+    lie *tell;
+    const char *told;
+    bool drawn;
+} lies[] = {
+    {turn_cell, "bits are not those of its corners", true},
+    {add_code, "expected 0 as padding", true},
+    {lose_corner, "a corner is at no node", false},
+    {leave_node, "a node is at no cell", true},
+    {add_corner, "expected 0 as padding", true},
+    {move_node, "its box is not that of its nodes", false},
+    {change_value, "its range is not that of its values", false},
+    {lose_value, "about what is not finite", false},
+    {count_cells, "cannot have so many cells", false},
+    {count_nodes, "cannot have so many nodes", false},
+    {count_more, "cannot have more than cells and nodes", false},
+    {claim_cells, "expected the treelets'", false},
+    {claim_folds, "of them folded", false},
+    {claim_leaves, "leaf_tets", false},
+    {claim_codec, "codec", false},
+    {claim_zones, "expected 0 in a reserved place", false},
+};
+
+static lied lie_about(lie *tell) {
+    size_t size;
+    char *bytes = scratch_read(scratch_path("mix.leaf"), &size);
+    lied x = {.image = leaf_image_of(bytes, size)};
+    const uint64_t *offsets = leaf_image_section(&x.image, LEAF_SECTION_OFFSETS);
+    const uint32_t(*counts)[4] = leaf_image_section(&x.image, LEAF_SECTION_COUNTS);
+    x.shape = mixed_shape_of(counts[0]);
+    x.topology = x.image.bytes + offsets[0];
+    x.values = x.image.bytes + offsets[x.image.header->treelets];
+    tell(&x);
+    leaf_image_seal_payloads(&x.image);
+    leaf_image_seal(&x.image);
+    return x;
+}
+
+static bool is_drawn(const char *path) {
+    leafcast *v = NULL;
+    if (leafcast_open(path, NULL, &v) != LEAFCAST_OK)
+        return false;
+    static double rgba[4 * PICTURE_PIXELS];
+    const leafcast_surface surface = leafcast_surface_default(mix.lab.iso);
+    const leafcast_scene scene = leafcast_scene_default();
+    const leafcast_image image = {.size = sizeof image, .rgba = rgba};
+    assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
+    const leafcast_camera c = leafcast_standard_view(v, 1.1, PICTURE_WIDTH, PICTURE_HEIGHT);
+    const leafcast_status st = leafcast_trace(v, &scene, &c, &image, NULL, NULL, NULL);
+    leafcast_close(v);
+    assert_true(st == LEAFCAST_OK || st == LEAFCAST_CORRUPT);
+    return st == LEAFCAST_OK;
+}
+
+static void test_lies(void **state) {
+    mem m;
+    (void)state;
+    mem_init(&m, 0);
+    cell_mix_make(&mix, 0, FIELD_SEED + 11);
+    leafcast_close(open_mix(&mix, NULL));
+    for (size_t n = 0; n < sizeof lies / sizeof *lies; n++) {
+        lied x = lie_about(lies[n].tell);
+        const char *path = scratch_write("lie.leaf", x.image.bytes, x.image.size);
+        leaf_file *f = NULL;
+        status st = leaf_file_open(&m, path, &f);
+        st = st == ST_OK ? leaf_verify(&m, f, 1, NULL) : st;
+        if (st == ST_OK || !strstr(status_text(), lies[n].told))
+            fail_msg("%zu: %s", n, status_text());
+        leaf_file_close(f);
+        free(x.image.bytes);
+        if (is_drawn(path) != lies[n].drawn)
+            fail_msg("%zu: %s", n, lies[n].drawn ? "is not drawn" : "is drawn");
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_hits),    cmocka_unit_test(test_structured),
+        cmocka_unit_test(test_budgets), cmocka_unit_test(test_cells),
+        cmocka_unit_test(test_pieces),  cmocka_unit_test(test_lies),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
