@@ -67,8 +67,8 @@ static size_t curvilinear_projection_bytes(const leaf_layout *layout) {
 
 CPU_KERNELS(tile_fn, curvilinear_tile_kernels, NULL, curvilinear_tile);
 
-static const kind_tiles tiles = {.side = CURVILINEAR_TILE,
-                                 .scratch = CURVILINEAR_TILE_SCRATCH,
+static const kind_tiles tiles = {.side = HEX_TILE,
+                                 .scratch = HEX_TILE_SCRATCH,
                                  .kernels = curvilinear_tile_kernels,
                                  .project = curvilinear_project,
                                  .projection_bytes = curvilinear_projection_bytes};

@@ -9,11 +9,7 @@
 #ifndef RENDER_CURVILINEAR_CURVILINEAR_TILE_H
 #define RENDER_CURVILINEAR_CURVILINEAR_TILE_H
 
-#include "render/frame/tile.h"
-
-/* CURVILINEAR_TILE: pixels on a side. CURVILINEAR_TILE_SCRATCH: bytes that a tile_fn needs beside
- * its outcome. */
-enum { CURVILINEAR_TILE = 32, CURVILINEAR_TILE_SCRATCH = 960 << 10 };
+#include "render/curved/hex_tile.h"
 
 /* By ISA. Scalar: NULL, so each ray is traced by itself. */
 extern const tile_fn curvilinear_tile_kernels[CPU_ISAS];

@@ -1,6 +1,6 @@
 /* tile.h - kernels that trace the primary rays of a square of pixels together: their input and
  * outcome. They find all surfaces that count (the tiles of each kind: grid/grid_tile.h,
- * mesh/mesh_tile.h, curvilinear/curvilinear_tile.h).
+ * mesh/mesh_tile.h, curvilinear/curvilinear_tile.h, mixed/mixed_tile.h).
  *
  * All these rays start at the eye, so one order of nodes is front to back for all of them. The tree
  * is walked once per tile. Each node has the rectangle of pixels that it can cover (projection.h).

@@ -2,6 +2,8 @@
 
 #include "formats/base/box3.h"
 #include "formats/leaf/mixed_geometry.h"
+#include "render/look/box_projection.h"
+#include "render/mixed/mixed_tile.h"
 #include "render/mixed/mixed_walk.h"
 #include "render/ray/open_volume.h"
 #include "render/walk/cell_walks.h"
@@ -44,6 +46,24 @@ static void mixed_aim(leafcast *v, const leafcast_scene *scene, const struct cam
     tr->own = v->own;
     box3_of_floats(v->file->header.bounds, tr->box);
 }
+
+static status mixed_project(leafcast *v, const struct camera *c, projection *out) {
+    box_projection_init(out, v->file->header.bounds, c);
+    return ST_OK;
+}
+
+static size_t mixed_projection_bytes(const leaf_layout *layout) {
+    (void)layout;
+    return 0;
+}
+
+CPU_KERNELS(tile_fn, mixed_tile_kernels, NULL, mixed_tile);
+
+static const kind_tiles tiles = {.side = HEX_TILE,
+                                 .scratch = HEX_TILE_SCRATCH,
+                                 .kernels = mixed_tile_kernels,
+                                 .project = mixed_project,
+                                 .projection_bytes = mixed_projection_bytes};
 
 /* ---- In a treelet ---- */
 
@@ -137,5 +157,6 @@ const kind mixed_kind = {.name = "mixed mesh",
                          .segments_error = segments_error_in,
                          .gradient = mixed_gradient,
                          .cell_in = mixed_cell_in,
+                         .tiles = &tiles,
                          .cell_of_hit = mixed_cell_of_hit,
                          .cell_corners = mixed_cell_corners};

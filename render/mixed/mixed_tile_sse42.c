@@ -1,0 +1,1 @@
+#include "render/mixed/mixed_tile_template.h"
