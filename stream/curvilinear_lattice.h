@@ -79,8 +79,8 @@ static inline uint32_t curvilinear_lattice_cell(const curvilinear_lattice *l,
     return i + l->cells[0] * (j + l->cells[1] * k);
 }
 
-static inline hex_code curvilinear_lattice_code(const curvilinear_lattice *l, uint32_t cell) {
-    return (hex_code)(l->codes[cell / 4] >> 2 * (cell % 4) & 3);
+static inline hex_code curvilinear_lattice_code(const curvilinear_lattice *l, uint32_t index) {
+    return (hex_code)(l->codes[index / 4] >> 2 * (index % 4) & 3);
 }
 
 #endif

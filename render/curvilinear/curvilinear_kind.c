@@ -1,20 +1,13 @@
 #include "render/curvilinear/curvilinear_kind.h"
 
-#include "formats/base/box3.h"
 #include "formats/leaf/curvilinear_geometry.h"
 #include "formats/leaf/leaf_cells.h"
+#include "render/curved/hex_kind.h"
 #include "render/curvilinear/curvilinear_tile.h"
 #include "render/curvilinear/curvilinear_walk.h"
-#include "render/look/box_projection.h"
 #include "render/ray/open_volume.h"
-#include "render/walk/cell_walks.h"
 #include "render/walk/tree_points.h"
 #include "stream/curvilinear_resident.h"
-
-/* What rays need beside treelets: v->own, tr->own. */
-typedef struct curvilinear_rays {
-    double tolerance; /* what the cubic of a piece may be off */
-} curvilinear_rays;
 
 static const curvilinear_lattice *lattice_of(const treelet *at) {
     return &resident_curvilinear_of(at)->lattice;
@@ -26,19 +19,6 @@ static hex_block_fn kernel_of(const tracer *tr) {
 
 /* ---- An open volume ---- */
 
-static status curvilinear_open(leafcast *v) {
-    const leaf_header *h = &v->file->header;
-    curvilinear_rays *own = v->own = mem_zalloc(v->m, sizeof *own);
-    if (!own)
-        return ST_NOMEM;
-    own->tolerance = hex_walk_tolerance(h->value_min, h->value_max);
-    return ST_OK;
-}
-
-static void curvilinear_close(leafcast *v) {
-    mem_free(v->m, v->own);
-}
-
 static void curvilinear_describe(const leafcast *v, leafcast_info *info) {
     const curvilinear_directory *d = curvilinear_directory_of(v->file);
     info->cells = d->first[v->file->layout.treelets];
@@ -48,30 +28,9 @@ static void curvilinear_describe(const leafcast *v, leafcast_info *info) {
     tree_describe(v, 1.0 / (double)info->cells, info);
 }
 
-static void curvilinear_aim(leafcast *v, const leafcast_scene *scene, const struct camera *c,
-                            tracer *tr) {
-    (void)scene, (void)c;
-    tr->own = v->own;
-    box3_of_floats(v->file->header.bounds, tr->box);
-}
-
-static status curvilinear_project(leafcast *v, const struct camera *c, projection *out) {
-    box_projection_init(out, v->file->header.bounds, c);
-    return ST_OK;
-}
-
-static size_t curvilinear_projection_bytes(const leaf_layout *layout) {
-    (void)layout;
-    return 0;
-}
-
 CPU_KERNELS(tile_fn, curvilinear_tile_kernels, NULL, curvilinear_tile);
 
-static const kind_tiles tiles = {.side = HEX_TILE,
-                                 .scratch = HEX_TILE_SCRATCH,
-                                 .kernels = curvilinear_tile_kernels,
-                                 .project = curvilinear_project,
-                                 .projection_bytes = curvilinear_projection_bytes};
+static const kind_tiles tiles = {HEX_KIND_TILES, .kernels = curvilinear_tile_kernels};
 
 /* ---- In a treelet ---- */
 
@@ -83,16 +42,14 @@ static bool walk_hits(const tracer *tr, const treelet *at, const ray *r, trace_s
 
 static void walk_pieces(const tracer *tr, const treelet *at, const ray *r, const hit *after,
                         segments_state *state, ray_counters *counters) {
-    const curvilinear_rays *own = tr->own;
-    curvilinear_walk_hold(lattice_of(at), kernel_of(tr), at->id, tr->above, own->tolerance, r,
-                          after, state, counters);
+    curvilinear_walk_hold(lattice_of(at), kernel_of(tr), at->id, tr->above, hex_kind_tolerance(tr),
+                          r, after, state, counters);
 }
 
 static void walk_extremes(const tracer *tr, const treelet *at, const ray *r, const ray *part,
                           extreme_state *s, ray_counters *counters) {
-    const curvilinear_rays *own = tr->own;
-    curvilinear_walk_extremes(lattice_of(at), kernel_of(tr), at->id, own->tolerance, r, part, s,
-                              counters);
+    curvilinear_walk_extremes(lattice_of(at), kernel_of(tr), at->id, hex_kind_tolerance(tr), r,
+                              part, s, counters);
 }
 
 static const treelet_walks curvilinear_walks = {walk_hits, walk_pieces, walk_extremes};
@@ -160,22 +117,11 @@ static void curvilinear_cell_in(const leafcast *v, const treelet *at, const doub
         out->treelet = at->id;
 }
 
-static segments_error segments_error_in(const tracer *tr, const ray *r, const double range[2]) {
-    const curvilinear_rays *own = tr->own;
-    return hex_walk_error(tr->box, own->tolerance, r, range);
-}
-
-const kind curvilinear_kind = {.name = "curvilinear grid",
+const kind curvilinear_kind = {HEX_KIND_ROW,
+                               .name = "curvilinear grid",
                                .cell = "hexahedron",
-                               .open = curvilinear_open,
-                               .close = curvilinear_close,
                                .describe = curvilinear_describe,
-                               .check = cell_walks_check,
-                               .aim = curvilinear_aim,
-                               .walks = &tree_walks,
                                .inside = &curvilinear_walks,
-                               .degree = 3,
-                               .segments_error = segments_error_in,
                                .gradient = curvilinear_gradient,
                                .cell_in = curvilinear_cell_in,
                                .tiles = &tiles,
