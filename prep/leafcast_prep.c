@@ -281,6 +281,7 @@ static status convert_mesh(job *j, mesh_input *x, const mesh_series *series) {
     o.force = j->o.replace;
     o.gradients = j->o.gradients;
     o.coarse = j->o.coarse;
+    o.mixed = j->o.whole_cells;
     o.coarse_dims = j->o.coarse_dims;
     o.refuse_empty = !j->o.allow_empty;
     o.treelet_tets = j->o.treelet_tets ? j->o.treelet_tets : o.treelet_tets;

@@ -87,6 +87,11 @@ typedef struct leafcast_convert_options {
 
     /* Grids: store no samples of coarse levels of detail. Exact pictures need none. */
     bool without_levels;
+
+    /* Meshes: keep hexahedra, wedges and pyramids as they are, each with its own interpolant; else
+     * they are split into tets. Without gradients, coarse, zstd_level and leaf_tets, and with
+     * treelet_tets to 8192; else LEAFCAST_USAGE. */
+    bool whole_cells;
 } leafcast_convert_options;
 
 /* ---- From files ---- */

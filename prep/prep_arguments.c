@@ -6,6 +6,7 @@
 
 #include "formats/grid/grid.h"
 #include "formats/leaf/leaf.h"
+#include "formats/leaf/mixed_geometry.h"
 #include "formats/mesh/mesh_input.h"
 #include "formats/mesh/mesh_stream.h"
 
@@ -42,6 +43,7 @@ static const public_field options_rows[] = {
     PUBLIC_FLAG(leafcast_convert_options, allow_missing),
     PUBLIC_NUMBER(leafcast_convert_options, exaggerate, 1e-100, 1e100, PUBLIC_OR_ZERO),
     PUBLIC_FLAG(leafcast_convert_options, without_levels),
+    PUBLIC_FLAG(leafcast_convert_options, whole_cells),
 };
 
 static status options_together(const void *of) {
@@ -51,6 +53,15 @@ static status options_together(const void *of) {
                                "leafcast_convert_options.treelet_cells is %u: 16, 32 and 64 are "
                                "possible",
                                o->treelet_cells);
+    if (o->whole_cells && (o->gradients || o->coarse || o->zstd_level || o->leaf_tets))
+        return status_describe(ST_USAGE, "leafcast_convert_options.whole_cells goes without "
+                                         "gradients, coarse, zstd_level and leaf_tets");
+    if (o->whole_cells && o->treelet_tets > MIXED_CELLS_MAX)
+        return status_describe(
+            ST_USAGE,
+            "leafcast_convert_options.treelet_tets is %u: with whole_cells, 0 to "
+            "%d are possible",
+            o->treelet_tets, MIXED_CELLS_MAX);
     for (uint32_t i = 0; i < o->field_count; i++)
         if (!o->fields[i])
             return status_describe(ST_USAGE, "leafcast_convert_options.fields[%u] is NULL", i);
