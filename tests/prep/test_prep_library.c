@@ -327,10 +327,6 @@ static void test_tets(void **state) {
     o.memory = 40 << 20;
     check_tets("a coarse grid", &kuhn, o, "--coarse=12");
     o = DEFAULTS;
-    o.whole_cells = true;
-    o.treelet_tets = 700;
-    check_tets("whole cells", &soup, o, "--whole-cells --treelet-tets 700");
-    o = DEFAULTS;
     o.fields = (const char *const[]){"wavy"};
     o.field_count = 1;
     check_tets("a field by name", &kuhn, o, "--field wavy");
@@ -587,17 +583,6 @@ static void test_option_arguments(void **state) {
     leafcast_convert_options o = DEFAULTS;
     o.size--;
     refuse_grid(g, &o);
-    const leafcast_convert_options apart[] = {{.gradients = true},
-                                              {.coarse = true},
-                                              {.zstd_level = 1},
-                                              {.leaf_tets = 12},
-                                              {.treelet_tets = 8193}};
-    for (size_t i = 0; i < sizeof apart / sizeof *apart; i++) {
-        o = apart[i];
-        o.size = sizeof o;
-        o.whole_cells = true;
-        refuse_grid(g, &o);
-    }
 #define REFUSE(member, value) \
     o = DEFAULTS;             \
     o.member = value;         \

@@ -14,6 +14,7 @@
 
 #include "formats/leaf/leaf_verify.h"
 #include "formats/leaf/mixed_geometry.h"
+#include "prep/leafcast_prep.h"
 #include "render/ray/open_volume.h"
 #include "tests/support/curvilinear_file.h"
 #include "tests/support/fixture.h"
@@ -500,11 +501,47 @@ static void test_lies(void **state) {
     }
 }
 
+/* ---- By the library ---- */
+
+static void test_library(void **state) {
+    (void)state;
+    static const leafcast_convert_options plain = {.size = sizeof plain, .replace = true};
+    cell_mix_make(&mix, 0, FIELD_SEED + 12);
+    (void)mixed_file_write(mix.cell, mix.count, scratch_path("mix.vtk"));
+    for (int whole = 0; whole < 2; whole++) {
+        leafcast_convert_options o = plain;
+        o.whole_cells = whole;
+        o.treelet_tets = TREELET;
+        assert_int_equal(
+            leafcast_convert_path(scratch_path("mix.vtk"), scratch_path("mix.leaf"), &o),
+            LEAFCAST_OK);
+        leafcast *v = fixture_open(scratch_path("mix.leaf"), NULL);
+        const leafcast_info info = leafcast_describe(v);
+        assert_string_equal(info.kind, whole ? "mixed mesh" : "mesh");
+        assert_true(whole ? info.cells == (uint64_t)mix.count : info.cells > (uint64_t)mix.count);
+        leafcast_close(v);
+    }
+    leafcast_convert_options without[] = {plain, plain, plain, plain, plain};
+    without[0].gradients = true;
+    without[1].coarse = true;
+    without[2].zstd_level = 1;
+    without[3].leaf_tets = 12;
+    without[4].treelet_tets = MIXED_CELLS_MAX + 1;
+    for (size_t i = 0; i < sizeof without / sizeof *without; i++) {
+        without[i].whole_cells = true;
+        assert_int_equal(
+            leafcast_convert_path(scratch_path("mix.vtk"), scratch_path("no.leaf"), &without[i]),
+            LEAFCAST_USAGE);
+        assert_non_null(strstr(leafcast_error_text(), "whole_cells"));
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_hits),    cmocka_unit_test(test_structured),
         cmocka_unit_test(test_budgets), cmocka_unit_test(test_cells),
         cmocka_unit_test(test_pieces),  cmocka_unit_test(test_lies),
+        cmocka_unit_test(test_library),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
