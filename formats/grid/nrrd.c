@@ -469,8 +469,8 @@ static void read_words(const nrrd *n) {
         text_name(n->l->g.note, sizeof n->l->g.note, note->value);
     if (place)
         text_name(n->l->g.place, sizeof n->l->g.place, place->value);
-    if (fields)
-        text_name(n->l->g.fields, sizeof n->l->g.fields, fields->value);
+    if (fields && strlen(fields->value) < sizeof n->l->g.fields) /* JSON that is cut is none */
+        memcpy(n->l->g.fields, fields->value, strlen(fields->value) + 1);
 }
 
 /* ---- where the samples are ---- */
