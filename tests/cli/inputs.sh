@@ -259,7 +259,7 @@ X
 told '{"fields":[{"name":"told","readable":true}]}'
 ok "lists them" prints '"name": "told"'
 ok "and asks for none" [ ! -s "$tmp/lists" ]
-for text in '{"fields":[{"name"' '[]' '{"fields":3}'; do
+for text in '{"fields":[{"name"' '[]' '{"fields":3}' "$(printf '{"fields":[{"name":"%03000d"}]}' 7)"; do
     told "$text"
     ok "asks for a list" prints '"name": "v"'
     ok "once" [ "$(wc -l <"$tmp/lists")" = 1 ]
