@@ -158,7 +158,7 @@ static const struct argp_option options[] = {
      "trees of treelets: by keys (default), or by the surface area heuristic, for comparison", 3},
     {"gradients", KEY_GRADIENTS, NULL, CLI_BASIC,
      "store the gradient at each vertex, too, for smooth normals", 3},
-    {"whole-cells", KEY_WHOLE, NULL, CLI_BASIC,
+    {"whole-cells", KEY_WHOLE, NULL, 0,
      "keep hexahedra, wedges and pyramids as they are, each with its own interpolant (default: "
      "split them into tets)",
      3},
