@@ -369,9 +369,10 @@ status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf_mesh *m
     if (!w)
         return ST_NOMEM;
     take_target(w, to);
-    mesh_layout_of(&w->layout, &blocks);
     if (mesh->mixed)
         (void)mixed_layout(&w->layout, mesh->treelets, mesh->fields, mesh->steps, mesh->moving);
+    else
+        mesh_layout_of(&w->layout, &blocks);
     status st = leaf_layout_init_flat(&w->layout, m);
     if (st == ST_OK)
         st = allocate(w, mesh->treelets * sets);

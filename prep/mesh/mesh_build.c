@@ -224,12 +224,16 @@ static status put_gradients(const mesh_build *b, bench *k, uint32_t treelet,
 
 /* ---- one treelet of a mixed mesh ---- */
 
-static status fetch_cells(bench *k, const mesh_record *records, size_t count) {
+/* Ids are looked at again: an earlier run may have left the file that they are in. */
+static status fetch_cells(const mesh_build *b, bench *k, const mesh_record *records, size_t count) {
     for (size_t i = 0; i < count; i++) {
         const void *ids = mesh_pages_at(&k->input, mesh_record_cell(&records[i]));
         if (!ids)
             return k->input.st;
         memcpy(k->cells[i], ids, sizeof k->cells[i]);
+        for (int c = 0; c < HEX_CORNERS; c++)
+            if (k->cells[i][c] >= b->in.g->vertices)
+                return mesh_batches_fault();
     }
     return ST_OK;
 }
@@ -264,10 +268,12 @@ static status value_mixed(const mesh_build *b, bench *k, const piece *p, uint32_
 
 static status build_mixed(const mesh_build *b, bench *k, const piece *p) {
     mixed_treelet t;
-    status st = fetch_cells(k, p->records, p->count);
+    status st = fetch_cells(b, k, p->records, p->count);
     if (st != ST_OK)
         return st;
     mixed_treelet_begin(k->mixed, (const uint32_t(*)[HEX_CORNERS])k->cells, p->count, &t);
+    if (t.counts[1] < 4)
+        return mesh_batches_fault();
     for (uint32_t step = b->first_step; step < b->end_step && st == ST_OK; step++) {
         if (step == 0 || b->in.g->moving)
             st = place_mixed(b, k, p->treelet, step, &t);

@@ -34,9 +34,9 @@ void mesh_gather_release(mesh_gather *g) {
     mesh_spool_release(&g->tets);
 }
 
-size_t mesh_gather_least(uint32_t fields) {
+size_t mesh_gather_least(const mesh_gather *g, uint32_t fields) {
     return fields * mesh_feed_memory() + mesh_spool_buffers(sizeof(float[3])) +
-           mesh_spool_buffers(sizeof(float)) + mesh_spool_buffers(sizeof(uint32_t[HEX_CORNERS]));
+           mesh_spool_buffers(sizeof(float)) + mesh_spool_buffers(g->tets.element);
 }
 
 /* Returns whether this step is the first, whose points and tets all other steps are compared

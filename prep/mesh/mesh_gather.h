@@ -58,8 +58,9 @@ void mesh_gather_unstore(mesh_gather *g);
 void mesh_gather_files(const mesh_gather *g, out_file *files[WORK_FILES]);
 CHECKED status mesh_gather_keep(mesh_gather *g, state_io *io);
 
-/* mesh_gather_least() - least bytes that it takes, including those of a mesh_feed. */
-size_t mesh_gather_least(uint32_t fields);
+/* mesh_gather_least() - least bytes that it takes for so many fields, including those of a
+ * mesh_feed. */
+size_t mesh_gather_least(const mesh_gather *g, uint32_t fields);
 
 /* mesh_gather_sink() - the sink for mesh_input_read(). */
 mesh_sink mesh_gather_sink(mesh_gather *g);

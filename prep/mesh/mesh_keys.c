@@ -37,9 +37,9 @@ static size_t words_of(uint64_t points) {
     return (size_t)(points / 32 + 1);
 }
 
-uint64_t mesh_keys_memory(uint64_t points, int threads) {
+uint64_t mesh_keys_memory(uint64_t points, uint32_t corners, int threads) {
     return words_of(points) * sizeof(atomic_uint) + sizeof(mesh_keys) +
-           (uint64_t)threads * (sizeof(bench) + sizeof(uint32_t[HEX_CORNERS]) * BLOCK + 128) + 1024;
+           (uint64_t)threads * (sizeof(bench) + corners * sizeof(uint32_t) * BLOCK + 128) + 1024;
 }
 
 static void mark(mesh_keys *k, const uint32_t *id) {

@@ -23,7 +23,7 @@ typedef struct mesh_keys_report {
 typedef struct mesh_keys mesh_keys;
 
 /* mesh_keys_memory() - bytes it takes besides the windows on the points. */
-uint64_t mesh_keys_memory(uint64_t points, int threads);
+uint64_t mesh_keys_memory(uint64_t points, uint32_t corners, int threads);
 
 /* mesh_keys_create() - for the tets of g, which must be complete. window: bytes of each thread's
  * window on the points. */

@@ -48,7 +48,7 @@ static uint64_t filled_bytes(const mesh_spool *s, bool held) {
 /* ---- needs of the stages besides points, tets, runs and windows ---- */
 
 static uint64_t keys_fixed(const needs *n) {
-    return n->others + mesh_keys_memory(n->g->vertices, n->o->threads) +
+    return n->others + mesh_keys_memory(n->g->vertices, n->g->corners, n->o->threads) +
            mesh_sort_memory(n->o->threads);
 }
 
@@ -222,8 +222,9 @@ status mesh_plan_least(mem *m, const mesh_options *o, uint64_t *least) {
     needs n;
     status st = needs_of(m, &g, o, &n);
     if (st == ST_OK)
-        *least = larger(least_of(&n),
-                        n.others + mesh_gather_least(o->series ? o->series->of.sets.fields : 1));
+        *least =
+            larger(least_of(&n),
+                   n.others + mesh_gather_least(&g, o->series ? o->series->of.sets.fields : 1));
     return st;
 }
 

@@ -114,6 +114,15 @@ ok "the tets as they were read are gone" [ ! -e "$work/tets" ]
 exits "not asked to go on" 1 "$leafcast" convert "$tmp/b.mesh" -o "$out" --memory 12M
 ok "both ways out are told" says 'x.leaf.unfinished: work that ended early is there, [0-9]* % done: --resume goes on with it, --force begins again'
 exits "another option" 2 "$leafcast" convert "$tmp/b.mesh" -o "$out" --memory 12M --resume --gradients
+rm -rf "$work"
+# Whole cells are looked up until the end: in a file that may have changed.
+ok "killed with whole cells" kill_when output 0.02 "$tmp/b.mesh" --whole-cells --memory 16M --threads 2
+ok "their file is there" [ -s "$work/tets" ]
+python3 -c 'import os, sys; f = open(sys.argv[1], "r+b"); f.write(b"\xff" * os.path.getsize(sys.argv[1]))' "$work/tets"
+exits "cells of no points" 3 "$leafcast" convert "$tmp/b.mesh" -o "$out" --whole-cells --memory 16M --threads 2 --resume
+ok "are told" says 'have changed meanwhile; --force begins again'
+rm -rf "$work"
+ok "killed while building" kill_when output 0.02 "$tmp/b.mesh" --memory 12M --threads 2
 truncate -s 1000 "$work/runs"
 exits "a file cut short" 3 "$leafcast" convert "$tmp/b.mesh" -o "$out" --memory 12M --resume
 ok "is told" says 'x.leaf.unfinished/state-[01]: is not what this program wrote there; --force begins again'
