@@ -134,14 +134,14 @@ QUICK  = $(filter-out $(LONG),$(call names,$(TESTS) $(CLI)))
 T_thread   = $(call marked,threads)
 T_cross    = $(call marked,bits)
 T_sanitize = $(filter-out $(call marked,plain),$(call names,$(TESTS) $(CLI)))
-# SHARE=N: of the scripts only every Nth, from the one DRAWN by the commit; all programs.
+# SHARE=N: only every Nth, from the one DRAWN by the commit.
 SHARE     ?= 1
 DRAWN     ?= $(shell echo $$((0x0$$(git rev-parse --short=7 HEAD 2>/dev/null) % $(SHARE))))
 shared     = $(if $(filter 1,$(SHARE)),$1,$(shell printf '%s\n' $1 | awk 'NR % $(SHARE) == $(DRAWN)'))
 T         ?= $(T_$(if $(CROSS),cross,$(CONFIG)))
 only = $(filter $(foreach t,$1,$B/tests/$t tests/cli/$t.sh),$2)
 ASKED := $(if $(strip $T),$(call only,$T,$(TESTS) $(CLI)),$(TESTS) $(CLI))
-ASKED := $(filter-out %.sh,$(ASKED)) $(call shared,$(filter %.sh,$(ASKED)))
+ASKED := $(call shared,$(ASKED))
 RUN   := $(call only,$(LONG),$(ASKED))
 RUN   += $(filter-out $(RUN),$(ASKED))
 

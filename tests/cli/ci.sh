@@ -85,15 +85,29 @@ if [ "$(id -u)" = 0 ] && command -v flock apt-config >/dev/null; then
     # shellcheck disable=SC2016 # their own
     {
         stand_in bin/mmdebstrap 'cd "$(mktemp -d)" && mkdir -p etc var/lib/dpkg/info && echo 99 >etc/debian_version' \
-            'touch var/lib/dpkg/info/a.list && tar -c .'
-        stand_in bin/zstd 'case $1 in -qdc) cat "$2" ;; *) cat ;; esac'
+            'touch var/lib/dpkg/info/a.list && tar -c . && head -c 9000000 /dev/zero' # bytes behind the end, as it may have
+        stand_in bin/zstd 'exec cat'
         stand_in bin/unshare 'while [ "$1" != --within ]; do shift; done' 'shift 3' 'exec "$@"'
     }
     bare() {
         (cd "$tree" && PATH=$tree/bin:$PATH HOME=/none GIT_CONFIG_SYSTEM=/dev/null exec scripts/bare-root "$@")
     }
     echo build >"$tree/.gitignore"
+    # A mirror that is down once, or for good.
+    mv "$tree/bin/mmdebstrap" "$tree/bin/makes_base"
+    stand_in bin/sleep true
+    stand_in bin/mmdebstrap '[ -e build/once ] || { touch build/once; echo E: no mirror >&2; exit 1; }' 'exec makes_base'
     (cd "$tree" && git init -q && git add . && git -c user.name=a -c user.email=a commit -qm a) >/dev/null 2>&1
+    mkdir -p "$tree/build"
+    exits "a base that cannot be made at once" 0 bare true
+    ok "is told" grep -q '2 more tries' "$tmp/err"
+    ok "with the reason" grep -qx 'E: no mirror' "$tmp/err"
+    stand_in bin/mmdebstrap 'echo E: no mirror >&2' 'exit 1'
+    rm "$tree"/build/bare-root/base-*
+    exits "nor ever" 1 bare true
+    ok "after three tries" [ "$(grep -c 'E: no mirror' "$tmp/err")" = 3 ]
+    mv "$tree/bin/makes_base" "$tree/bin/mmdebstrap"
+    rm "$tree/bin/sleep"
     chown -R 64321 "$tree"
     exits "a command in a bare root" 0 bare test -e "$root/src/leafcast/scripts/bare-root"
     ok "of which it is said what it is" grep -q "Debian 99, 1 packages; commit $(git -C "$tree" -c safe.directory='*' rev-parse HEAD)" "$tmp/err"
@@ -103,6 +117,7 @@ if [ "$(id -u)" = 0 ] && command -v flock apt-config >/dev/null; then
     ok "leaves the root" [ -e "$root/etc/debian_version" ]
     stand_in bin/git 'case $* in *clone*) exit 128 ;; esac' "exec $(command -v git) \"\$@\""
     exits "a clone that fails" 128 bare true
+    ok "says where" grep -q '^bare-root: line [0-9]*: exit status 128$' "$tmp/err"
     rm "$tree/bin/git"
     # The command notes its number.
     ended() { [ ! -e "$root" ] && ! kill -0 "$(cat "$tree/build/pid")" 2>/dev/null; }
@@ -129,15 +144,15 @@ if [ "$(id -u)" = 0 ] && command -v flock apt-config >/dev/null; then
 else
     skip "bare-root with stand-ins" "as root of a Debian only"
 fi
-# scripts_of WHAT...: which scripts make would run.
-scripts_of() {
-    env -u MAKEFLAGS -u MAKELEVEL make -n run-tests CONFIG=sanitize "$@" 2>/dev/null | grep 'scripts/run-tests' | tr ' ' '\n' |
-        grep '\.sh$' | sort
+# tests_of WHAT...: which tests make would run.
+tests_of() {
+    env -u MAKEFLAGS -u MAKELEVEL -u T make -n run-tests CONFIG=sanitize "$@" 2>/dev/null | grep 'scripts/run-tests' | tr ' ' '\n' |
+        grep -E '\.sh$|/tests/test_' | sort
 }
-scripts_of SHARE=1 >"$tmp/every"
-for drawn in 0 1 2; do scripts_of SHARE=3 DRAWN=$drawn; done >"$tmp/thirds"
-ok "three shares" [ "$(wc -l <"$tmp/thirds")" -gt 60 ]
-ok "are all scripts, each once" sh -c 'sort "$1" | cmp - "$2"' - "$tmp/thirds" "$tmp/every"
+tests_of SHARE=1 >"$tmp/every"
+for drawn in 0 1 2; do tests_of SHARE=3 DRAWN=$drawn; done >"$tmp/thirds"
+ok "three shares" [ "$(wc -l <"$tmp/thirds")" -gt 300 ]
+ok "are all tests, each once" sh -c 'sort "$1" | cmp - "$2"' - "$tmp/thirds" "$tmp/every"
 
 exits "bare-root without a command" 2 scripts/bare-root
 exits "with an option that is none" 2 scripts/bare-root --none true
