@@ -176,6 +176,8 @@ bool input_facts_next(const input_facts *x, const input_question *q, char *text,
     }
     if (meshes->cells_to_points)
         shell_line_put(&c, " --cells-to-points");
+    if (meshes->by_corners)
+        shell_line_put(&c, " --by-corners");
     if (grids->trust.follow_links)
         shell_line_put(&c, " --follow-links");
     if (grids->trust.allow_missing)

@@ -39,6 +39,7 @@ static status take_parameters(convert_request *a, const leaf_file *f) {
          "treelet-tets", tets},
         {a->leaf_tets_is_given && h->leaf_tets, a->leaf_tets, h->leaf_tets, "leaf-tets", leaf_tets},
         {a->gradients && h->treelet_tets, gradients, h->gradients, "gradients", "no gradients"},
+        {a->whole && h->leaf_tets, true, false, "whole-cells", "tets"},
         {a->codec_is_given, p->codec, h->codec, "compress",
          h->codec ? "compressed samples" : "samples as they are"},
     };
@@ -51,6 +52,7 @@ static status take_parameters(convert_request *a, const leaf_file *f) {
     a->treelet_tets = h->treelet_tets;
     a->leaf_tets = h->leaf_tets;
     a->gradients = h->gradients;
+    a->whole |= h->treelet_tets && !h->leaf_tets; /* trees of tets have leaves */
     p->histograms = f->histograms != NULL;
     p->deviations = f->deviations != NULL;
     if (p->codec != h->codec && h->codec == LEAF_CODEC_ZSTD)

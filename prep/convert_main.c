@@ -51,6 +51,7 @@ enum {
     KEY_STEP,
     KEY_STEPS,
     KEY_CELLS_TO_POINTS,
+    KEY_BY_CORNERS,
     KEY_TREELET_TETS,
     KEY_LEAF_TETS,
     KEY_BUILD,
@@ -146,6 +147,10 @@ static const struct argp_option options[] = {
      "of vectors and colours: 1, 2, ..; default: their magnitude, or luminance", 3},
     {"cells-to-points", KEY_CELLS_TO_POINTS, NULL, 0,
      "take an array of the cells, averaged to the points", 3},
+    {"by-corners", KEY_BY_CORNERS, NULL, 0,
+     "take cells of higher order as linear ones of their corners, without what they hold in "
+     "between (default: refuse them)",
+     3},
     {"coarse", KEY_COARSE, "N", OPTION_ARG_OPTIONAL,
      "with a regular grid of the values, for previews: N nodes along the longest edge (default: "
      "half as many nodes as tets)",
@@ -182,7 +187,8 @@ static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES}, {TRUST_KEY_MISSIN
                                {KEY_STEPS, INPUT_SERIES},      {KEY_CELLS_TO_POINTS, INPUT_CELLS},
                                {KEY_COARSE, INPUT_CELLS},      {KEY_TREELET_TETS, INPUT_CELLS},
                                {KEY_LEAF_TETS, INPUT_CELLS},   {KEY_BUILD, INPUT_CELLS},
-                               {KEY_GRADIENTS, INPUT_CELLS},   {KEY_WHOLE, INPUT_CELLS}};
+                               {KEY_GRADIENTS, INPUT_CELLS},   {KEY_WHOLE, INPUT_CELLS},
+                               {KEY_BY_CORNERS, INPUT_CELLS}};
 
 static status set_spacing(convert_request *a, const char *text) {
     status st = num_doubles(text, "--spacing", ", ", 3, a->hints.grid.spacing);
@@ -296,6 +302,7 @@ static status set_mesh(convert_request *a, int key, const char *text) {
     case KEY_TIMES: a->sets.times = text; return ST_OK;
     case KEY_COMPONENT: return set_component(a, text);
     case KEY_STEP: return cli_uint(text, "--step", 0, INT_MAX, &a->hints.grid.step);
+    case KEY_BY_CORNERS: a->hints.mesh.by_corners = true; return ST_OK;
     case KEY_CELLS_TO_POINTS: a->hints.mesh.cells_to_points = true; return ST_OK;
     case KEY_TREELET_TETS:
         return cli_uint(text, "--treelet-tets", 1, LEAF_TREELET_TETS_MAX, &a->treelet_tets);

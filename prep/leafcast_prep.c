@@ -357,9 +357,6 @@ static status convert_curvilinear(job *j, curvilinear_input *x, const step_serie
     curvilinear_result result;
     files.of.fields = series->sets.names;
     status st = step_series_check(series);
-    if (st == ST_OK && o.file.codec != LEAF_CODEC_RAW)
-        st = status_describe(ST_UNSUPPORTED, "%s: files of curvilinear grids are not compressed",
-                             series->paths[0]);
     if (st == ST_OK && !j->o.allow_empty)
         st = curvilinear_files_check(&files);
     if (st == ST_OK)
@@ -398,6 +395,7 @@ static status convert_files(job *j, const char *const *paths, uint32_t steps, co
                                 .hints = {.field = fields.names ? fields.names[0] : NULL,
                                           .component = j->o.component,
                                           .cells_to_points = j->o.cells_to_points,
+                                          .by_corners = j->o.by_corners,
                                           .name = j->o.name,
                                           .trust = of_grids.trust}};
     const input_hints hints = {

@@ -89,9 +89,13 @@ typedef struct leafcast_convert_options {
     bool without_levels;
 
     /* Meshes: keep hexahedra, wedges and pyramids as they are, each with its own interpolant; else
-     * they are split into tets. Without gradients, coarse, zstd_level and leaf_tets, and with
+     * they are split into tets. Without gradients, coarse and leaf_tets, and with
      * treelet_tets to 8192; else LEAFCAST_USAGE. */
     bool whole_cells;
+
+    /* Meshes in files: take cells of higher order as linear ones of their corners, without what
+     * they hold in between; else they are refused. */
+    bool by_corners;
 } leafcast_convert_options;
 
 /* ---- From files ---- */

@@ -44,6 +44,7 @@ static const public_field options_rows[] = {
     PUBLIC_NUMBER(leafcast_convert_options, exaggerate, 1e-100, 1e100, PUBLIC_OR_ZERO),
     PUBLIC_FLAG(leafcast_convert_options, without_levels),
     PUBLIC_FLAG(leafcast_convert_options, whole_cells),
+    PUBLIC_FLAG(leafcast_convert_options, by_corners),
 };
 
 static status options_together(const void *of) {
@@ -53,9 +54,9 @@ static status options_together(const void *of) {
                                "leafcast_convert_options.treelet_cells is %u: 16, 32 and 64 are "
                                "possible",
                                o->treelet_cells);
-    if (o->whole_cells && (o->gradients || o->coarse || o->zstd_level || o->leaf_tets))
+    if (o->whole_cells && (o->gradients || o->coarse || o->leaf_tets))
         return status_describe(ST_USAGE, "leafcast_convert_options.whole_cells goes without "
-                                         "gradients, coarse, zstd_level and leaf_tets");
+                                         "gradients, coarse and leaf_tets");
     if (o->whole_cells && o->treelet_tets > MIXED_CELLS_MAX)
         return status_describe(
             ST_USAGE,

@@ -1,8 +1,7 @@
 #include "stream/curvilinear_resident.h"
 
-#include <math.h>
-
 #include "formats/leaf/curvilinear_geometry.h"
+#include "formats/leaf/hex_treelet.h"
 
 static const uint32_t *cells_of(const resident_store *s, uint32_t t) {
     return curvilinear_directory_of(s->file)->counts[t];
@@ -10,7 +9,7 @@ static const uint32_t *cells_of(const resident_store *s, uint32_t t) {
 
 static uint32_t places_of(const resident_store *s, uint32_t set, uint32_t t) {
     const leaf_layout *l = &s->file->layout;
-    return curvilinear_place_payload(l, leaf_layout_step(l, set), t);
+    return hex_treelet_places(l, leaf_layout_step(l, set), t);
 }
 
 static uint32_t values_of(const resident_store *s, uint32_t set, uint32_t t) {
@@ -62,27 +61,6 @@ static void destroy(const resident_store *s, treelet *head) {
     mem_free(s->m, tr);
 }
 
-/* What the directory says of the treelet holds, or rays would pass its cells by. */
-static status check(const resident_store *s, const resident_curvilinear *tr) {
-    const uint32_t t = tr->head.id, nodes = curvilinear_nodes(cells_of(s, t));
-    const float *p = tr->head.payload, *values = tr->values,
-                *bounds = boxes(s->file, tr->head.set)[t];
-    const size_t element = leaf_layout_samples(&s->file->layout, tr->head.set, t);
-    const float *own = s->file->own[element];
-    const bool may_miss = s->file->flags[element] & LEAF_FLAG_NON_FINITE;
-    for (uint32_t n = 0; n < nodes; n++) {
-        bool inside = isfinite(values[n]) ? values[n] >= own[0] && values[n] <= own[1] : may_miss;
-        for (uint32_t a = 0; a < 3; a++) {
-            const float x = p[a * nodes + n];
-            inside = inside && x >= bounds[a] && x <= bounds[a + 3];
-        }
-        if (!inside)
-            return status_describe(ST_CORRUPT, "%s: treelet %u's node %u is not inside of it",
-                                   file_path(s->file->source), t, n);
-    }
-    return ST_OK;
-}
-
 static status read_payload(const resident_store *s, uint32_t p, resident_scratch *scratch,
                            const void **payload, uint64_t *read) {
     const status st = source_load(s->source, p, scratch->unpacker, payload);
@@ -97,15 +75,16 @@ static status fill(const resident_store *s, resident_curvilinear *tr, resident_s
     status st = read_payload(s, places_of(s, set, t), scratch, &tr->head.payload, read);
     if (st == ST_OK)
         st = read_payload(s, values_of(s, set, t), scratch, &tr->values, read);
+    hex_treelet h = hex_treelet_of(s->file, t);
+    h.places = tr->head.payload;
     if (st == ST_OK)
-        st = check(s, tr);
+        st = hex_treelet_check(&h, set, tr->values);
     if (st != ST_OK)
         return st;
-    const float *x = tr->head.payload;
-    const uint32_t nodes = curvilinear_nodes(cells);
-    const float *const p[3] = {x, x + nodes, x + 2 * (size_t)nodes};
+    const float *const p[3] = {hex_treelet_coordinates(&h, 0), hex_treelet_coordinates(&h, 1),
+                               hex_treelet_coordinates(&h, 2)};
     st = curvilinear_lattice_init(&tr->lattice, s->m, cells, p,
-                                  (const uint8_t *)(x + 3 * (size_t)nodes));
+                                  (const uint8_t *)(h.places + 3 * (size_t)h.nodes));
     if (st == ST_OK) {
         tr->lattice.first = curvilinear_directory_of(s->file)->first[t];
         curvilinear_lattice_fill(&tr->lattice, tr->values);

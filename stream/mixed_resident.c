@@ -1,7 +1,6 @@
 #include "stream/mixed_resident.h"
 
-#include <math.h>
-
+#include "formats/leaf/hex_treelet.h"
 #include "formats/leaf/mixed_geometry.h"
 
 static mixed_shape shape_of(const resident_store *s, uint32_t t) {
@@ -59,38 +58,6 @@ static void destroy(const resident_store *s, treelet *head) {
     mem_free(s->m, tr);
 }
 
-static status fault(const resident_store *s, uint32_t t, const char *what, uint32_t i,
-                    const char *how) {
-    return status_describe(ST_CORRUPT, "%s: treelet %u's %s %u %s", file_path(s->file->source), t,
-                           what, i, how);
-}
-
-/* What the directory says of the treelet holds, or rays would pass its cells by, or corners lead
- * out of it. */
-static status check(const resident_store *s, const resident_mixed *tr, const void *places) {
-    const uint32_t t = tr->head.id;
-    const mixed_shape shape = shape_of(s, t);
-    const uint16_t(*corners)[HEX_CORNERS] = mixed_corners(&shape, tr->head.payload);
-    const float *values = tr->values, *bounds = boxes(s->file, tr->head.set)[t];
-    const size_t element = leaf_layout_samples(&s->file->layout, tr->head.set, t);
-    const float *own = s->file->own[element];
-    const bool may_miss = s->file->flags[element] & LEAF_FLAG_NON_FINITE;
-    for (uint32_t n = 0; n < shape.nodes; n++) {
-        bool inside = isfinite(values[n]) ? values[n] >= own[0] && values[n] <= own[1] : may_miss;
-        for (int a = 0; a < 3; a++) {
-            const float x = mixed_coordinates(&shape, places, a)[n];
-            inside = inside && x >= bounds[a] && x <= bounds[a + 3];
-        }
-        if (!inside)
-            return fault(s, t, "node", n, "is not inside of it");
-    }
-    for (uint32_t i = 0; i < shape.cells; i++)
-        for (int c = 0; c < HEX_CORNERS; c++)
-            if (corners[i][c] >= shape.nodes)
-                return fault(s, t, "cell", i, "has a corner at no node");
-    return ST_OK;
-}
-
 static status read_payload(const resident_store *s, uint32_t p, resident_scratch *scratch,
                            const void **payload, uint64_t *read) {
     const status st = source_load(s->source, p, scratch->unpacker, payload);
@@ -112,10 +79,12 @@ static status fill(const resident_store *s, resident_mixed *tr, resident_scratch
         st = read_payload(s, leaf_layout_values(l, set, t), scratch, &tr->values, read);
     if (st != ST_OK)
         return st;
-    const void *places = tr->moved ? tr->moved : tr->head.payload;
-    st = check(s, tr, places);
+    hex_treelet h = hex_treelet_of(s->file, t);
+    h.topology = tr->head.payload;
+    h.places = tr->moved ? tr->moved : tr->head.payload;
+    st = hex_treelet_check(&h, set, tr->values);
     if (st == ST_OK)
-        st = mixed_blocks_init(&tr->blocks, s->m, &shape, tr->head.payload, places);
+        st = mixed_blocks_init(&tr->blocks, s->m, &shape, tr->head.payload, h.places);
     if (st == ST_OK) {
         tr->blocks.first = mixed_directory_of(s->file)->first[t];
         mixed_blocks_fill(&tr->blocks, tr->values);

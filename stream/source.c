@@ -55,6 +55,18 @@ static page_range pages_of(const source *s, uint64_t from, uint64_t bytes) {
     return (page_range){(uint8_t *)first, (size_t)(at + bytes - first)};
 }
 
+/* EFAULT means that touching the pages would raise SIGBUS: the disk does not give them, or the file
+ * has been cut. */
+static status populate_failed(const source *s, uint32_t p, uint64_t from, uint64_t bytes,
+                              int error) {
+    const status st = error == EFAULT ? leaf_file_changed(s->file) : ST_OK;
+    return st != ST_OK
+               ? st
+               : status_describe(ST_IO, "%s: payload %u: reading bytes %llu to %llu failed: %s",
+                                 file_path(s->file->source), p, (unsigned long long)from,
+                                 (unsigned long long)(from + bytes), strerror(error));
+}
+
 static status populate(source *s, uint32_t p, uint64_t from, uint64_t bytes) {
     const page_range r = pages_of(s, from, bytes);
     if (fault_hit(FAULT_READ))
@@ -67,9 +79,7 @@ static status populate(source *s, uint32_t p, uint64_t from, uint64_t bytes) {
             continue;
         if (errno == EINVAL)
             break;
-        return status_describe(ST_IO, "%s: payload %u: reading bytes %llu to %llu failed: %s",
-                               file_path(s->file->source), p, (unsigned long long)from,
-                               (unsigned long long)(from + bytes), strerror(errno));
+        return populate_failed(s, p, from, bytes, errno);
     }
     return ST_OK;
 }

@@ -264,7 +264,7 @@ static status take_zones(plot3d_file *p, const plot3d_head *h) {
     p->behind = p->text ? 0 : file_size(p->f) - h->length;
     p->nodes = mem_array(p->m, h->zones, sizeof *p->nodes);
     p->blocks = mem_array(p->m, h->zones, sizeof *p->blocks);
-    p->buffer = mem_array(p->m, PLOT3D_CHUNK, sizeof(double));
+    p->buffer = mem_alloc(p->m, PLOT3D_CHUNK * sizeof(double));
     if (!p->nodes || !p->blocks || !p->buffer)
         return ST_NOMEM;
     if (h->layout & PLOT3D_FLAT)

@@ -1,9 +1,12 @@
 #include "formats/leaf/curvilinear_geometry.h"
+#include "formats/leaf/curvilinear_coder.h"
 
 #include <stddef.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "formats/leaf/curvilinear_verify.h"
+#include "formats/leaf/hex_treelet.h"
 #include "formats/leaf/leaf_cells.h"
 
 uint32_t curvilinear_place_bytes(const uint32_t cells[3]) {
@@ -41,7 +44,7 @@ static status check_parameters(const char *path, const leaf_header *h) {
         LEAF_FIELD(h, block_log2, LEAF_BLOCK_LOG2, LEAF_BLOCK_LOG2),
         LEAF_FIELD(h, rectilinear, 0, 0),
         LEAF_FIELD(h, outside, 0, 0),
-        LEAF_FIELD(h, codec, LEAF_CODEC_RAW, LEAF_CODEC_RAW),
+        LEAF_FIELD(h, codec, LEAF_CODEC_RAW, LEAF_CODEC_ZSTD),
         LEAF_FIELD(h, fields, 1, LEAF_SETS_MAX),
         LEAF_FIELD(h, steps, 1, LEAF_SETS_MAX / (h->fields ? h->fields : 1)),
         LEAF_FIELD(h, moving, 0, h->steps > 1 ? 1 : 0),
@@ -205,12 +208,53 @@ static const char *payload_name(const leaf_layout *l, uint32_t p, char text[LEAF
 
 static int parts(const leaf_layout *l, uint32_t set, uint32_t treelet,
                  uint32_t payloads_of[LEAF_PARTS_MAX]) {
-    payloads_of[0] = curvilinear_place_payload(l, leaf_layout_step(l, set), treelet);
+    payloads_of[0] = hex_treelet_places(l, leaf_layout_step(l, set), treelet);
     payloads_of[1] = leaf_layout_values(l, set, treelet);
     return 2;
 }
 
-const leaf_geometry curvilinear_geometry = {.check_parameters = check_parameters,
+/* ---- Segments ---- */
+
+/* Segments have one place for each node. */
+static bool may_grow(const leaf_header *h, const char **why) {
+    *why = "its nodes move";
+    return !h->moving;
+}
+
+static bool same_treelets(const leaf_file *first, const leaf_file *part) {
+    const curvilinear_directory *a = first->besides, *b = part->besides;
+    const uint32_t zones = first->header.zones;
+    return zones == part->header.zones &&
+           memcmp(a->zones, b->zones, zones * sizeof *a->zones) == 0 &&
+           memcmp(a->bounds, b->bounds, first->layout.treelets * sizeof *a->bounds) == 0;
+}
+
+static const leaf_growth growth = {.may = may_grow,
+                                   .alike = same_treelets,
+                                   .repeat = leaf_layout_block_repeat,
+                                   .rows = leaf_layout_block_rows};
+
+/* ---- Cells ---- */
+
+static void count(hex_treelet *h) {
+    const uint32_t *cells = h->f->layout.counts[h->id];
+    h->nodes = curvilinear_nodes(cells);
+    h->cells = curvilinear_cells(cells);
+}
+
+static void corners(const hex_treelet *h, uint32_t cell, uint32_t corner[HEX_CORNERS]) {
+    const uint32_t *cells = h->f->layout.counts[h->id], row = cells[0] + 1,
+                   plane = row * (cells[1] + 1);
+    const uint32_t node = cell % cells[0] + row * (cell / cells[0] % cells[1]) +
+                          plane * (cell / (cells[0] * cells[1]));
+    for (uint32_t c = 0; c < HEX_CORNERS; c++)
+        corner[c] = node + (c & 1) + (c >> 1 & 1) * row + (c >> 2) * plane;
+}
+
+static const leaf_hexes hexes = {false, count, corners};
+
+const leaf_geometry curvilinear_geometry = {.growth = &growth,
+                                            .check_parameters = check_parameters,
                                             .check_values = check_values,
                                             .check_rest = check_rest,
                                             .check_layout = check_layout,
@@ -228,4 +272,6 @@ const leaf_geometry curvilinear_geometry = {.check_parameters = check_parameters
                                             .series = leaf_layout_block_series,
                                             .payload_name = payload_name,
                                             .parts = parts,
+                                            .coder = &curvilinear_coder,
+                                            .hexes = &hexes,
                                             .verifier = &curvilinear_verifier};

@@ -58,12 +58,6 @@ bool curvilinear_layout(leaf_layout *l, uint64_t treelets, uint32_t fields, uint
                         bool moving);
 void curvilinear_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]);
 
-/* curvilinear_place_payload() - the payload of a treelet's places at a step. */
-static inline uint32_t curvilinear_place_payload(const leaf_layout *l, uint32_t step, uint32_t t) {
-    const uint32_t place = leaf_layout_place(l, step);
-    return place ? leaf_layout_positions(l, place, t) : t;
-}
-
 extern const leaf_geometry curvilinear_geometry;
 
 #endif

@@ -6,6 +6,7 @@
 #include "formats/base/hexahedron.h"
 #include "formats/leaf/curvilinear_draw.h"
 #include "formats/leaf/curvilinear_geometry.h"
+#include "formats/leaf/hex_treelet.h"
 #include "formats/leaf/leaf_histogram.h"
 #include "formats/leaf/places_verify.h"
 
@@ -70,7 +71,7 @@ static status check_tail(const subject *s) {
 
 static status check_places(subject *s, uint32_t step) {
     const leaf_layout *l = &s->of.f->layout;
-    s->of.payload = curvilinear_place_payload(l, step, s->of.t);
+    s->of.payload = hex_treelet_places(l, step, s->of.t);
     status st = places_check_box(
         &s->of, curvilinear_directory_of(s->of.f)->bounds[leaf_layout_bounds(l, step, s->of.t)]);
     if (st == ST_OK)
@@ -122,7 +123,7 @@ static status verify_treelet(const leaf_verifying *v, uint32_t treelet, uint64_t
     status st = ST_OK;
     for (uint32_t step = 0; step < l->steps && st == ST_OK; step++) {
         if (step == 0 || leaf_layout_place(l, step) > 0) {
-            st = v->load(v, curvilinear_place_payload(l, step, treelet), v->room);
+            st = v->load(v, hex_treelet_places(l, step, treelet), v->room);
             if (st == ST_OK)
                 st = check_places(&s, step);
         }

@@ -11,6 +11,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 enum { FLOAT_PLANES = 4 };
 
@@ -30,6 +31,15 @@ static inline uint32_t float_planes_fold(uint32_t difference) {
 }
 static inline uint32_t float_planes_unfold(uint32_t folded) {
     return (folded >> 1) ^ (0 - (folded & 1));
+}
+
+/* float_planes_predicted() - returns the bits of a prediction; of a NaN, which differ from CPU to
+ * CPU, those of +0. */
+static inline uint32_t float_planes_predicted(float p) {
+    uint32_t bits = 0;
+    if (p == p)
+        memcpy(&bits, &p, sizeof bits);
+    return bits;
 }
 
 /* float_planes_put() - put a float into each of the planes, which are `stride` bytes apart.

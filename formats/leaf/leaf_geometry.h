@@ -107,6 +107,13 @@ typedef struct leaf_geometry {
     int (*parts)(const leaf_layout *l, uint32_t set, uint32_t treelet,
                  uint32_t payloads[LEAF_PARTS_MAX]);
 
+    /* How payloads are turned into streams for a compressor; NULL: not at all. Of a kind whose
+     * section BOUNDS is float[6] of each treelet, those of the first step first. */
+    const struct leaf_coder *coder;
+
+    /* How its cells are hexahedra (hex_treelet.h); NULL: they are not. */
+    const struct leaf_hexes *hexes;
+
     const leaf_verifier *verifier; /* NULL: leaf_verify.c goes set by set, as of a grid */
 
     /* Payloads without bytes, which follow from the directory. may_be_empty(): whether the

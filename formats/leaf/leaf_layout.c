@@ -190,6 +190,20 @@ bool leaf_layout_blocks(leaf_layout *l, const leaf_geometry *geometry, uint64_t 
     return true;
 }
 
+bool leaf_layout_block_repeat(leaf_layout *l, uint32_t steps) {
+    const uint32_t fields = l->sets / l->steps;
+    const uint64_t count = leaf_layout_block_count(l->treelets, fields, steps, false);
+    l->sets = fields * steps;
+    l->steps = steps;
+    l->payloads = (uint32_t)count;
+    return count < LEAF_NO_TREELET;
+}
+
+int leaf_layout_block_rows(const leaf_layout *l, leaf_row *rows) {
+    rows[0] = (leaf_row){leaf_layout_values(l, 0, 0), l->treelets};
+    return 1;
+}
+
 leaf_series leaf_layout_block_series(const leaf_layout *l, uint32_t p) {
     uint32_t index;
     switch (leaf_layout_block_of(l, p, &index)) {

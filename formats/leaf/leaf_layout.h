@@ -89,10 +89,15 @@ CHECKED status leaf_layout_init_flat(leaf_layout *l, mem *m);
  * places), one of values for each set, and where cells move one of positions for each step behind
  * the first. False: that makes 2^32 - 1 payloads or more. leaf_layout_block_count() - how many it
  * makes. leaf_layout_block_series() - the series of a payload in such blocks, gradients among them.
+ * leaf_layout_block_repeat(), leaf_layout_block_rows() - of a kind without gradients:
+ * leaf_growth.repeat and .rows.
  */
 bool leaf_layout_blocks(leaf_layout *l, const struct leaf_geometry *geometry, uint64_t treelets,
                         uint32_t fields, uint32_t steps, bool moving);
 uint64_t leaf_layout_block_count(uint64_t treelets, uint32_t fields, uint32_t steps, bool moving);
+bool leaf_layout_block_repeat(leaf_layout *l, uint32_t steps);
+struct leaf_row;
+int leaf_layout_block_rows(const leaf_layout *l, struct leaf_row *rows);
 
 /* leaf_layout_find() - the treelet at a place of a level. Descends from the root: O(levels). */
 uint32_t leaf_layout_find(const leaf_layout *l, uint32_t level, const uint32_t place[3]);

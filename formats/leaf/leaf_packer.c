@@ -3,11 +3,13 @@
 #include <zstd.h>
 
 #include "formats/leaf/grid_coding.h"
+#include "formats/leaf/stream_coding.h"
 
 struct leaf_packer {
     const leaf_layout *layout;
-    box_coder *boxes;  /* of a grid */
-    mesh_coding *mesh; /* of a mesh */
+    box_coder *boxes;        /* of a grid */
+    const leaf_coder *coder; /* of others, and: */
+    stream_coding *streams;
 };
 
 leaf_parameters leaf_parameters_default(void) {
@@ -21,8 +23,8 @@ void leaf_parameters_compress(leaf_parameters *p, int level) {
     p->run_align_log2 = LEAF_ALIGN_LOG2;
 }
 
-status leaf_packer_create(mem *m, const leaf_layout *l, const uint32_t counts[4],
-                          const leaf_parameters *p, leaf_packer **out) {
+status leaf_packer_create(mem *m, const leaf_layout *l, const leaf_coder *coder,
+                          const uint32_t counts[4], const leaf_parameters *p, leaf_packer **out) {
     const int level = p->zstd_level ? p->zstd_level : ZSTD_CLEVEL_DEFAULT;
     *out = NULL;
     if (p->codec == LEAF_CODEC_RAW)
@@ -31,8 +33,9 @@ status leaf_packer_create(mem *m, const leaf_layout *l, const uint32_t counts[4]
     if (!k)
         return ST_NOMEM;
     k->layout = l;
-    const status st = counts
-                          ? mesh_coding_create(m, counts, level, &k->mesh)
+    k->coder = coder;
+    const status st = coder
+                          ? stream_coding_create(m, coder, counts, level, &k->streams)
                           : box_coder_create(m, l->type, leaf_layout_code_max(l), level, &k->boxes);
     if (st != ST_OK) {
         mem_free(m, k);
@@ -45,7 +48,7 @@ status leaf_packer_create(mem *m, const leaf_layout *l, const uint32_t counts[4]
 void leaf_packer_destroy(mem *m, leaf_packer *k) {
     if (!k)
         return;
-    mesh_coding_destroy(k->mesh);
+    stream_coding_destroy(k->streams);
     box_coder_destroy(k->boxes);
     mem_free(m, k);
 }
@@ -65,25 +68,25 @@ static uint64_t grid_memory(leaf_packer *k, char *noise) {
     return box_coder_outside(k->boxes) + box_coder_memory(l->type, samples);
 }
 
-static uint64_t mesh_memory(leaf_packer *k, const uint32_t counts[4], char *zeros) {
+static uint64_t streams_memory(leaf_packer *k, const uint32_t counts[4], char *zeros) {
     const float bounds[6] = {0};
-    (void)mesh_coding_pack(k->mesh, MESH_BLOCK_TOPOLOGY, counts, bounds, zeros,
-                           zeros + mesh_coder_bytes(MESH_BLOCK_TOPOLOGY, counts));
-    return mesh_coding_outside(k->mesh) + mesh_coding_memory(counts);
+    (void)stream_coding_pack(k->streams, LEAF_BLOCK_TOPOLOGY, counts, bounds, zeros,
+                             zeros + k->coder->bytes(LEAF_BLOCK_TOPOLOGY, counts));
+    return stream_coding_outside(k->streams) + stream_coding_memory(k->coder, counts);
 }
 
-status leaf_packer_memory(mem *m, const leaf_layout *l, const uint32_t counts[4],
-                          const leaf_parameters *p, uint64_t *out) {
+status leaf_packer_memory(mem *m, const leaf_layout *l, const leaf_coder *coder,
+                          const uint32_t counts[4], const leaf_parameters *p, uint64_t *out) {
     leaf_packer *k = NULL;
     *out = 0;
     if (p->codec == LEAF_CODEC_RAW)
         return ST_OK;
-    status st = leaf_packer_create(m, l, counts, p, &k);
+    status st = leaf_packer_create(m, l, coder, counts, p, &k);
     const size_t bytes =
-        counts ? mesh_coder_bytes(MESH_BLOCK_TOPOLOGY, counts) : leaf_layout_stored_max(l);
+        coder ? coder->bytes(LEAF_BLOCK_TOPOLOGY, counts) : leaf_layout_stored_max(l);
     char *room = st == ST_OK ? mem_zalloc(m, 2 * bytes) : NULL;
     if (room)
-        *out = counts ? mesh_memory(k, counts, room) : grid_memory(k, room);
+        *out = coder ? streams_memory(k, counts, room) : grid_memory(k, room);
     else if (st == ST_OK)
         st = ST_NOMEM;
     leaf_packer_destroy(m, k);
@@ -99,10 +102,10 @@ box_coder *leaf_packer_boxes(leaf_packer *k) {
     return k->boxes;
 }
 
-size_t leaf_packer_pack_mesh(leaf_packer *k, mesh_block block, const uint32_t counts[4],
-                             const float bounds[6], const void *payload, void *pack,
-                             const void **stored) {
-    const size_t size = mesh_coding_pack(k->mesh, block, counts, bounds, payload, pack);
+size_t leaf_packer_pack_streams(leaf_packer *k, leaf_block block, const uint32_t counts[4],
+                                const float bounds[6], const void *payload, void *pack,
+                                const void **stored) {
+    const size_t size = stream_coding_pack(k->streams, block, counts, bounds, payload, pack);
     *stored = size ? pack : payload;
-    return size ? size : mesh_coder_bytes(block, counts);
+    return size ? size : k->coder->bytes(block, counts);
 }

@@ -9,8 +9,8 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
+#include "formats/leaf/leaf_coder.h"
 #include "formats/leaf/leaf_layout.h"
-#include "formats/leaf/mesh_coding.h"
 
 /* Parameters of a file. */
 typedef struct leaf_parameters {
@@ -40,25 +40,27 @@ void leaf_parameters_compress(leaf_parameters *p, int level);
  * the raw codec. */
 typedef struct leaf_packer leaf_packer;
 
-/* leaf_packer_create() - for payloads of this layout. counts: the most tets, vertices, nodes and
- * leaves of a treelet of a mesh; NULL for a grid. */
-CHECKED status leaf_packer_create(mem *m, const leaf_layout *l, const uint32_t counts[4],
-                                  const leaf_parameters *p, leaf_packer **out);
+/* leaf_packer_create() - for payloads of this layout. coder: of a kind that has one, NULL for a
+ * grid. counts: the most of a treelet, for a coder. */
+CHECKED status leaf_packer_create(mem *m, const leaf_layout *l, const leaf_coder *coder,
+                                  const uint32_t counts[4], const leaf_parameters *p,
+                                  leaf_packer **out);
 void leaf_packer_destroy(mem *m, leaf_packer *k); /* NULL is fine */
 
 /* leaf_packer_memory() - the bytes that a packer will hold, also outside `mem`. To find out, it
- * makes one, and room for two payloads, for a while. l: may be NULL for a mesh. */
-CHECKED status leaf_packer_memory(mem *m, const leaf_layout *l, const uint32_t counts[4],
-                                  const leaf_parameters *p, uint64_t *out);
+ * makes one, and room for two payloads, for a while. l: may be NULL with a coder. */
+CHECKED status leaf_packer_memory(mem *m, const leaf_layout *l, const leaf_coder *coder,
+                                  const uint32_t counts[4], const leaf_parameters *p,
+                                  uint64_t *out);
 
 /* leaf_packer_pack() - compress payload p of a grid (grid_coding.h) into pack, of
  * leaf_layout_stored_max() bytes. Returns its bytes. leaf_packer_boxes() - its coder.
- * leaf_packer_pack_mesh() - the same of a mesh (mesh_coding.h), where that makes it smaller, into
- * pack, of as many bytes as it has. *stored: out, the result or the payload itself. */
+ * leaf_packer_pack_streams() - the same by a coder (stream_coding.h), where that makes it smaller,
+ * into pack, of as many bytes as it has. *stored: out, the result or the payload itself. */
 size_t leaf_packer_pack(leaf_packer *k, uint32_t p, const void *payload, void *pack);
 struct box_coder *leaf_packer_boxes(leaf_packer *k);
-size_t leaf_packer_pack_mesh(leaf_packer *k, mesh_block block, const uint32_t counts[4],
-                             const float bounds[6], const void *payload, void *pack,
-                             const void **stored);
+size_t leaf_packer_pack_streams(leaf_packer *k, leaf_block block, const uint32_t counts[4],
+                                const float bounds[6], const void *payload, void *pack,
+                                const void **stored);
 
 #endif

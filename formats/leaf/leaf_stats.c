@@ -6,14 +6,10 @@
 
 #include "formats/base/pool.h"
 #include "formats/leaf/deviation.h"
+#include "formats/leaf/leaf_active.h"
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/leaf_unpacker.h"
-#include "formats/mesh/mesh_leaf_check.h"
-
-/* On which sides of the isovalue the samples of an edge, a face or a cell lie. */
-enum { SIDE_OUT = 1, SIDE_IN = 2, SIDE_NONE = 4, SIDE_BOTH = SIDE_OUT | SIDE_IN };
-
-enum { ROW_MAX = (1 << LEAF_CELLS_LOG2_MAX) + 1 };
+#include "formats/mesh/mesh_leaf.h"
 
 typedef struct activity {
     leaf_file *f;
@@ -31,101 +27,30 @@ static bool holds(const activity *a, uint32_t t) {
     return value_limits_meet(&a->at, own[0], own[1]);
 }
 
-/* ---- active cells ---- */
-
-/* Find the sides for each edge along x in the line of samples at (y, z). */
-static void row_sides(const leaf_layout *l, const leaf_payload *p, const char *samples, double iso,
-                      uint32_t y, uint32_t z, uint8_t sides[ROW_MAX]) {
-    size_t first =
-        l->halo + (size_t)p->samples[0] * (y + l->halo + (size_t)p->samples[1] * (z + l->halo));
-    uint8_t before = 0;
-    for (uint32_t x = 0; x <= p->cells[0]; x++) {
-        float v = sample_get(l->type, samples, first + x);
-        uint8_t side = !isfinite(v) ? SIDE_NONE : (double)v >= iso ? SIDE_IN : SIDE_OUT;
-        if (x > 0)
-            sides[x - 1] = before | side;
-        before = side;
-    }
-}
-
-uint64_t leaf_stats_cells(const leaf_layout *l, uint32_t t, const void *payload, double iso) {
-    leaf_payload p = leaf_layout_payload(l, t);
-    const char *samples = (const char *)payload + p.samples_at;
-    uint64_t count = 0;
-    for (uint32_t z = 0; z < p.cells[2]; z++) {
-        uint8_t near[2][ROW_MAX],
-            far[2][ROW_MAX]; /* rows y and y + 1 (in alternating places) of slices z and z + 1 */
-        row_sides(l, &p, samples, iso, 0, z, near[0]);
-        row_sides(l, &p, samples, iso, 0, z + 1, far[0]);
-        for (uint32_t y = 0; y < p.cells[1]; y++) {
-            const uint32_t now = y & 1, next = now ^ 1;
-            row_sides(l, &p, samples, iso, y + 1, z, near[next]);
-            row_sides(l, &p, samples, iso, y + 1, z + 1, far[next]);
-            for (uint32_t x = 0; x < p.cells[0]; x++)
-                count += (near[now][x] | near[next][x] | far[now][x] | far[next][x]) == SIDE_BOTH;
-        }
-    }
-    return count;
-}
-
-uint64_t leaf_stats_tets(const leaf_file *f, uint32_t t, const void *topology, const void *values,
-                         double iso) {
-    const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
-    const uint16_t(*tet)[4] = mesh_leaf_tets(&s, topology);
-    const float *value = mesh_leaf_values(&s, values);
-    uint64_t count = 0;
-    for (uint32_t i = 0; i < s.tets; i++) {
-        unsigned sides = 0;
-        for (int c = 0; c < 4; c++) {
-            const float v = value[tet[i][c]];
-            sides |= !isfinite(v) ? SIDE_NONE : (double)v >= iso ? SIDE_IN : SIDE_OUT;
-        }
-        count += sides == SIDE_BOTH;
-    }
-    return count;
-}
-
-/* Count active tets. The thread's payload room holds the topology, then the values. */
-static status count_tets(const activity *a, uint32_t t, int worker) {
-    leaf_file *f = a->f;
-    char *topology = a->payloads[worker];
-    char *values = topology + leaf_layout_payload_max(&f->layout);
-    status st = leaf_file_load(f, t, a->unpackers[worker], topology);
-    if (st == ST_OK)
-        st = mesh_leaf_check_loaded(f, t, topology);
-    if (st == ST_OK)
-        st = leaf_file_load(f, leaf_layout_values(&f->layout, a->set, t), a->unpackers[worker],
-                            values);
-    if (st == ST_OK)
-        a->cells[t] = leaf_stats_tets(f, t, topology, values, a->iso);
-    return st;
-}
-
 static status count_treelet(void *ctx, size_t index, int worker) {
     const activity *a = ctx;
     uint32_t t = (uint32_t)index;
     if (!holds(a, t))
         return ST_OK;
-    status st = progress_step(a->p, "count", (double)t / a->f->layout.treelets);
-    if (st == ST_OK && a->f->mesh)
-        return count_tets(a, t, worker);
-    if (st == ST_OK)
-        st = leaf_file_load(a->f, leaf_layout_samples(&a->f->layout, a->set, t),
-                            a->unpackers[worker], a->payloads[worker]);
-    if (st == ST_OK)
-        a->cells[t] = leaf_stats_cells(&a->f->layout, t, a->payloads[worker], a->iso);
-    return st;
+    const leaf_active query = {.f = a->f,
+                               .set = a->set,
+                               .treelet = t,
+                               .iso = a->iso,
+                               .unpacker = a->unpackers[worker],
+                               .room = a->payloads[worker]};
+    const status st = progress_step(a->p, "count", (double)t / a->f->layout.treelets);
+    return st == ST_OK ? leaf_active_count(&query, &a->cells[t]) : st;
 }
 
 static status allocate(activity *a, mem *m, int threads) {
     const leaf_layout *l = &a->f->layout;
-    const size_t room = leaf_layout_payload_max(l);
+    const size_t room = leaf_layout_aligned(leaf_layout_payload_max(l), LEAF_ALIGN_LOG2);
     a->cells = mem_array(m, l->treelets, sizeof *a->cells);
     a->payloads = mem_array(m, (size_t)threads, sizeof *a->payloads);
     if (!a->cells || !a->payloads)
         return ST_NOMEM;
     for (int i = 0; i < threads; i++) {
-        a->payloads[i] = mem_alloc(m, a->f->mesh ? 2 * room : room);
+        a->payloads[i] = mem_alloc(m, LEAF_ACTIVE_PAYLOADS * room);
         if (!a->payloads[i])
             return ST_NOMEM;
     }

@@ -15,8 +15,7 @@ typedef struct leaf_activity {
     uint64_t treelets; /* treelets whose own range holds the isovalue: lo < iso && iso <= hi */
     uint64_t bytes;    /* that the samples and cells of these take in the file; what several of them
                           need counts once */
-    uint64_t cells; /* cells with min < iso && iso <= max over their 8 samples (a tet's 4 values),
-                       all of them finite */
+    uint64_t cells;    /* that are active (leaf_active.h) */
 } leaf_activity;
 
 /* leaf_stats_activity() - the activity of a set, per level (a mesh: as level 0). Reads the payloads
@@ -44,13 +43,6 @@ CHECKED status leaf_stats_presence(mem *m, const leaf_file *f, const time_tree *
  * coarsest treelets down, below those alone that meet it: a treelet's merged range holds those of
  * its children. Where there are no coarse ones, at each treelet in turn. Needs no memory. */
 bool leaf_stats_meets(const leaf_file *f, uint32_t set, value_limits at);
-
-/* leaf_stats_cells() - returns the number of active cells in a treelet of a grid. */
-uint64_t leaf_stats_cells(const leaf_layout *l, uint32_t t, const void *payload, double iso);
-
-/* leaf_stats_tets() - returns the number of active tets in a treelet of a mesh. */
-uint64_t leaf_stats_tets(const leaf_file *f, uint32_t t, const void *topology, const void *values,
-                         double iso);
 
 /* A summary of the deviations of a level of a grid (deviation.h), over all bricks and sets. */
 typedef struct leaf_deviation {

@@ -10,8 +10,8 @@
 #include "formats/leaf/leaf_between.h"
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/live_samples.h"
-#include "formats/leaf/mesh_coding.h"
 #include "formats/leaf/outside_samples.h"
+#include "formats/leaf/stream_coding.h"
 
 enum { SHELLS = 4 }; /* that one keeps for itself */
 
@@ -21,7 +21,7 @@ struct leaf_unpacker {
     const leaf_fetcher *by; /* during a load; NULL: leaf_file_fetch() */
     void *stored;
     ZSTD_DCtx *zstd;  /* of kinds whose payloads are frames */
-    uint8_t *streams; /* of a mesh */
+    uint8_t *streams; /* of a kind that has a coder */
     size_t streams_room;
     /* Of grids: */
     box_coder *boxes;
@@ -33,17 +33,17 @@ struct leaf_unpacker {
     uint64_t beside_bytes;
 };
 
-/* The most bytes of streams of any payload of a mesh. */
+/* The most bytes of streams of any payload of a kind that has a coder. */
 static size_t streams_max(const leaf_file *f) {
     size_t most = 0;
     for (uint32_t t = 0; t < f->layout.treelets; t++) {
-        const size_t room = mesh_coding_room(f->mesh->counts[t]);
+        const size_t room = stream_coding_room(f->layout.geometry->coder, f->layout.counts[t]);
         most = room > most ? room : most;
     }
     return most;
 }
 
-static status begin_mesh(leaf_unpacker *u) {
+static status begin_streams(leaf_unpacker *u) {
     u->streams_room = streams_max(u->f);
     u->streams = mem_alloc(u->m, u->streams_room);
     return u->streams ? ST_OK : ST_NOMEM;
@@ -102,8 +102,8 @@ status leaf_unpacker_share(mem *m, leaf_file *f, leaf_shells *shells, leaf_unpac
     status st = u->stored && u->zstd ? ST_OK : ST_NOMEM;
     if (st == ST_OK && f->layout.coded)
         st = begin_grid(u, shells);
-    if (st == ST_OK && f->mesh)
-        st = begin_mesh(u);
+    if (st == ST_OK && f->layout.geometry->coder)
+        st = begin_streams(u);
     if (st != ST_OK) {
         leaf_unpacker_destroy(u);
         return st;
@@ -134,7 +134,7 @@ size_t leaf_unpacker_memory(const leaf_file *f) {
     if (f->below)
         return sizeof(leaf_unpacker) + leaf_unpacker_memory(f->below);
     size_t bytes = sizeof(leaf_unpacker) + leaf_layout_stored_max(l) + 1024;
-    if (f->mesh)
+    if (l->geometry->coder)
         bytes += streams_max(f);
     if (l->coded)
         bytes += grid_codes_scratch_bytes(leaf_node_levels(l)) +
@@ -189,21 +189,17 @@ static status unframe(leaf_unpacker *u, uint32_t p, const void *stored, void *pa
                      ZSTD_isError(got) ? ZSTD_getErrorName(got) : "it decompresses to fewer bytes");
 }
 
-/* The blocks of meshes, in the order of leaf_block. */
-static const mesh_block blocks[] = {MESH_BLOCK_TOPOLOGY, MESH_BLOCK_VALUES, MESH_BLOCK_GRADIENTS,
-                                    MESH_BLOCK_POSITIONS};
-
-static status decode_mesh(leaf_unpacker *u, uint32_t p, const void *stored, void *payload) {
+static status decode_streams(leaf_unpacker *u, uint32_t p, const void *stored, void *payload) {
     const leaf_layout *l = &u->f->layout;
     const uint32_t t = p % l->treelets;
     uint32_t index;
-    const mesh_block block = blocks[leaf_layout_block_of(l, p, &index)];
+    const leaf_block block = leaf_layout_block_of(l, p, &index);
+    const float(*bounds)[6] = l->geometry->section(u->f, LEAF_SECTION_BOUNDS);
     const size_t got =
         ZSTD_decompressDCtx(u->zstd, u->streams, u->streams_room, stored, (size_t)u->f->sizes[p]);
     if (ZSTD_isError(got))
         return malformed(u, p, ZSTD_getErrorName(got));
-    if (!mesh_coder_decode(block, u->f->mesh->counts[t], u->f->mesh->bounds[t], u->streams, got,
-                           payload))
+    if (!l->geometry->coder->decode(block, l->counts[t], bounds[t], u->streams, got, payload))
         return malformed(u, p, "its streams are malformed");
     return ST_OK;
 }
@@ -313,7 +309,8 @@ static status load_frame(leaf_unpacker *u, uint32_t p, void *payload) {
     const status st = fetch(u->f, p, u->by, u->stored);
     if (st != ST_OK)
         return st;
-    return u->f->mesh ? decode_mesh(u, p, u->stored, payload) : unframe(u, p, u->stored, payload);
+    return u->f->layout.geometry->coder ? decode_streams(u, p, u->stored, payload)
+                                        : unframe(u, p, u->stored, payload);
 }
 
 /* The samples of payload p, of a treelet of level 0, in the other file. */

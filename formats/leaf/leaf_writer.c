@@ -279,14 +279,15 @@ static status lay_out_curvilinear(leaf_layout *l, const leaf_curvilinear *g) {
                : status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 payloads");
 }
 
-status leaf_writer_curvilinear_memory(const leaf_curvilinear *g, uint64_t *bytes) {
+status leaf_writer_curvilinear_memory(const leaf_curvilinear *g, bool grow, uint64_t *bytes) {
     leaf_layout l;
     const status st = lay_out_curvilinear(&l, g);
     if (st == ST_OK)
         *bytes = sizeof(leaf_writer) + 4096 +
                  l.treelets * (LAYOUT_BYTES + sizeof(uint32_t[4]) + l.sets * (uint64_t)RANGE_BYTES +
                                l.places * sizeof(float[6])) +
-                 l.payloads * (PAYLOAD_BYTES + sizeof(uint64_t) + (uint64_t)(l.sets > 1 ? 4 : 0)) +
+                 l.payloads *
+                     (PAYLOAD_BYTES + sizeof(uint64_t) + (uint64_t)(l.sets > 1 || grow ? 4 : 0)) +
                  (l.sets <= LEAF_HISTOGRAMS_MAX ? l.sets * sizeof(histogram) : 0) +
                  g->zones * sizeof(uint32_t[4]) + g->sets.fields * sizeof(char[64]) +
                  g->sets.steps * sizeof(double);
@@ -318,10 +319,11 @@ static status allocate_zones(leaf_writer *w, const leaf_curvilinear *g) {
 
 status leaf_writer_create_curvilinear(mem *m, const leaf_target *to, const leaf_curvilinear *g,
                                       const leaf_parameters *p, leaf_writer **out) {
-    assert(g->zones > 0 && p->codec == LEAF_CODEC_RAW && !to->grow);
+    assert(g->zones > 0);
     leaf_writer *w = new_writer(m, p);
     if (!w)
         return ST_NOMEM;
+    take_target(w, to);
     status st = lay_out_curvilinear(&w->layout, g);
     if (st == ST_OK)
         st = leaf_layout_init_flat(&w->layout, m);
@@ -343,7 +345,9 @@ status leaf_writer_create_curvilinear(mem *m, const leaf_target *to, const leaf_
         leaf_writer_discard(w);
         return st;
     }
+    w->header.segments = to->grows;
     leaf_head_curvilinear(&w->header, &w->layout, p, g);
+    head_segment(w);
     leaf_writer_place_sections(w);
     w->order = leaf_order_begin(&w->layout);
     *out = w;
@@ -360,9 +364,8 @@ status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf_mesh *m
     assert(!mesh->names || strncmp(mesh->names[0], mesh->field, sizeof(char[63])) == 0);
     assert(mesh->treelet_tets > 0 && mesh->treelet_tets <= LEAF_TREELET_TETS_MAX);
     assert(mesh->mixed || (mesh->leaf_tets > 0 && mesh->leaf_tets <= LEAF_LEAF_TETS_MAX));
-    assert(!mesh->mixed ||
-           (mesh->treelet_tets <= MIXED_CELLS_MAX && mesh->leaf_tets == 0 && !mesh->gradients &&
-            !mesh->coarse && p->codec == LEAF_CODEC_RAW && !to->grow && !to->grows));
+    assert(!mesh->mixed || (mesh->treelet_tets <= MIXED_CELLS_MAX && mesh->leaf_tets == 0 &&
+                            !mesh->gradients && !mesh->coarse));
     if (mesh_layout_payloads(&blocks) >= LEAF_NO_TREELET)
         return status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 payloads; use larger treelets");
     leaf_writer *w = new_writer(m, p);

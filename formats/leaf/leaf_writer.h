@@ -77,11 +77,11 @@ typedef struct leaf_mesh {
     bool moving;            /* steps behind the first have positions; steps is 2 or more then */
     bool coarse;            /* sets may have coarse grids: leaf_writer_embed() */
     bool mixed;             /* a mixed mesh (mixed_geometry.h): treelet_tets up to MIXED_CELLS_MAX,
-                               leaf_tets 0, neither gradients nor coarse, codec raw */
+                               leaf_tets 0, neither gradients nor coarse */
 } leaf_mesh;
 
 /* Contents of the file of a curvilinear grid. It does not use cells_log2 and halo of
- * leaf_parameters; its codec is raw. */
+ * leaf_parameters. */
 typedef struct leaf_curvilinear {
     const char *name;           /* as of leaf_mesh */
     leaf_sets sets;             /* names may be NULL */
@@ -123,7 +123,8 @@ CHECKED status leaf_writer_create_curvilinear(mem *m, const leaf_target *to,
  * - the same for a curvilinear grid; ST_UNSUPPORTED as leaf_writer_create_curvilinear(). */
 uint64_t leaf_writer_memory(const leaf_layout *l, int threads, bool grow);
 uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max, bool grow);
-CHECKED status leaf_writer_curvilinear_memory(const leaf_curvilinear *g, uint64_t *bytes);
+CHECKED status leaf_writer_curvilinear_memory(const leaf_curvilinear *g, bool grow,
+                                              uint64_t *bytes);
 
 const leaf_layout *leaf_writer_layout(const leaf_writer *w);
 

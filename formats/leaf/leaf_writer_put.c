@@ -62,16 +62,12 @@ static status find_same(leaf_writer *w, uint32_t p, const void *stored, size_t s
     return leaf_writer_find_stored(w, p, stored, size);
 }
 
-/* The blocks of meshes, in the order of leaf_block. */
-static const mesh_block blocks[] = {MESH_BLOCK_TOPOLOGY, MESH_BLOCK_VALUES, MESH_BLOCK_GRADIENTS,
-                                    MESH_BLOCK_POSITIONS};
-
 static size_t pack_payload(const leaf_writer *w, leaf_packer *k, uint32_t p, const void *payload,
                            void *pack, const void **stored) {
     uint32_t index;
     const uint32_t t = p % w->layout.treelets;
-    return leaf_packer_pack_mesh(k, blocks[leaf_layout_block_of(&w->layout, p, &index)],
-                                 w->counts[t], w->bounds[t], payload, pack, stored);
+    return leaf_packer_pack_streams(k, leaf_layout_block_of(&w->layout, p, &index), w->counts[t],
+                                    w->bounds[t], payload, pack, stored);
 }
 
 static status put_payload(leaf_writer *w, leaf_packer *k, uint32_t p, const void *payload,
@@ -112,8 +108,9 @@ status leaf_writer_put_topology(leaf_writer *w, leaf_packer *k, uint32_t t, cons
 void leaf_writer_keep_topology(leaf_writer *w, uint32_t t) {
     const leaf_file *f = w->before;
     assert(t < w->layout.treelets && f);
-    memcpy(w->bounds[t], f->mesh->bounds[t], sizeof w->bounds[t]);
-    memcpy(w->counts[t], f->mesh->counts[t], sizeof w->counts[t]);
+    const float(*bounds)[6] = f->geometry->section(f, LEAF_SECTION_BOUNDS);
+    memcpy(w->bounds[t], bounds[t], sizeof w->bounds[t]);
+    memcpy(w->counts[t], f->layout.counts[t], sizeof w->counts[t]);
     w->checksums[t] = f->checksums[t];
     w->same[t] = LEAF_LINK_BEFORE;
     (void)place_put(w, t, (size_t)f->sizes[t]);

@@ -9,6 +9,7 @@
 #include "formats/leaf/leaf_place.h"
 #include "formats/leaf/mesh_layout.h"
 #include "formats/leaf/mesh_verify.h"
+#include "formats/mesh/mesh_coder.h"
 #include "formats/mesh/mesh_leaf.h"
 
 /* ---- The header ---- */
@@ -326,4 +327,5 @@ const leaf_geometry mesh_geometry = {.holds_indices = true,
                                      .series = leaf_layout_block_series,
                                      .payload_name = payload_name,
                                      .parts = parts,
+                                     .coder = &mesh_coder,
                                      .verifier = &mesh_verifier};

@@ -2,8 +2,11 @@
 
 #include <stddef.h>
 #include <stdio.h>
+#include <string.h>
 
+#include "formats/leaf/hex_treelet.h"
 #include "formats/leaf/leaf_place.h"
+#include "formats/leaf/mixed_coder.h"
 #include "formats/leaf/mixed_verify.h"
 
 mixed_shape mixed_shape_of(const uint32_t counts[4]) {
@@ -50,7 +53,7 @@ static status check_parameters(const char *path, const leaf_header *h) {
         LEAF_FIELD(h, cells_log2, 0, 0),
         LEAF_FIELD(h, halo, 0, 0),
         LEAF_FIELD(h, block_log2, 0, 0),
-        LEAF_FIELD(h, codec, LEAF_CODEC_RAW, LEAF_CODEC_RAW),
+        LEAF_FIELD(h, codec, LEAF_CODEC_RAW, LEAF_CODEC_ZSTD),
         LEAF_FIELD(h, rectilinear, 0, 0),
         LEAF_FIELD(h, outside, 0, 0),
         LEAF_FIELD(h, fields, 1, LEAF_SETS_MAX),
@@ -86,7 +89,7 @@ static status check_values(const char *path, const leaf_header *h) {
 }
 
 static status check_rest(const char *path, const leaf_header *h) {
-    const size_t bare = offsetof(leaf_header, bare), rest = offsetof(leaf_header, last);
+    const size_t bare = offsetof(leaf_header, bare), rest = offsetof(leaf_header, zones);
     status st = leaf_check_text(path, h->field, sizeof h->field, offsetof(leaf_header, field));
     if (st == ST_OK)
         st = leaf_check_zero(path, (const char *)h + bare, offsetof(leaf_header, directory) - bare,
@@ -176,7 +179,45 @@ static int parts(const leaf_layout *l, uint32_t set, uint32_t treelet,
     return 3;
 }
 
-const leaf_geometry mixed_geometry = {.check_parameters = check_parameters,
+/* ---- Segments ---- */
+
+/* Segments have one topology: nodes that move at a later step would be in none of them. */
+static bool may_grow(const leaf_header *h, const char **why) {
+    *why = "its nodes move";
+    return !h->moving;
+}
+
+static bool same_treelets(const leaf_file *first, const leaf_file *part) {
+    const size_t n = first->layout.treelets;
+    const leaf_cells_directory *a = mixed_directory_of(first), *b = mixed_directory_of(part);
+    return memcmp(a->counts, b->counts, n * sizeof *a->counts) == 0 &&
+           memcmp(a->bounds, b->bounds, n * sizeof *a->bounds) == 0;
+}
+
+static const leaf_growth growth = {.may = may_grow,
+                                   .alike = same_treelets,
+                                   .repeat = leaf_layout_block_repeat,
+                                   .rows = leaf_layout_block_rows};
+
+/* ---- Cells ---- */
+
+static void count(hex_treelet *h) {
+    const mixed_shape s = mixed_shape_of(h->f->layout.counts[h->id]);
+    h->nodes = s.nodes;
+    h->cells = s.cells;
+}
+
+static void corners(const hex_treelet *h, uint32_t cell, uint32_t corner[HEX_CORNERS]) {
+    const mixed_shape s = mixed_shape_of(h->f->layout.counts[h->id]);
+    const uint16_t *node = mixed_corners(&s, h->topology)[cell];
+    for (int c = 0; c < HEX_CORNERS; c++)
+        corner[c] = node[c];
+}
+
+static const leaf_hexes hexes = {true, count, corners};
+
+const leaf_geometry mixed_geometry = {.growth = &growth,
+                                      .check_parameters = check_parameters,
                                       .check_values = check_values,
                                       .check_rest = check_rest,
                                       .check_layout = check_layout,
@@ -194,4 +235,6 @@ const leaf_geometry mixed_geometry = {.check_parameters = check_parameters,
                                       .series = leaf_layout_block_series,
                                       .payload_name = payload_name,
                                       .parts = parts,
+                                      .coder = &mixed_coder,
+                                      .hexes = &hexes,
                                       .verifier = &mixed_verifier};

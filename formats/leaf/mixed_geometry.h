@@ -11,10 +11,10 @@
  *              zeros up to a multiple of LEAF_ALIGN
  *   values     float[n]; zeros up to a multiple of LEAF_ALIGN
  *
- * A treelet's nodes are in the order of their numbers in the whole mesh, each of them is a cell's,
- * and a node that several treelets share has the same bits in all. Cells are in the order of a
- * space-filling curve. COUNTS: c, n, 0, 0. Of the header: tets: cells; vertices: nodes of the whole
- * mesh, each once; treelet_tets: cells in a treelet at most; flat: cells that are folded at step 0.
+ * A treelet's nodes are in the order in which its cells' corners use them first. A node that
+ * several treelets share has the same bits in all. Cells are in the order of a space-filling curve.
+ * COUNTS: c, n, 0, 0. Of the header: tets: cells; vertices: nodes of the whole mesh, each once;
+ * treelet_tets: cells in a treelet at most; flat: cells that are folded at step 0.
  */
 #ifndef FORMATS_LEAF_MIXED_GEOMETRY_H
 #define FORMATS_LEAF_MIXED_GEOMETRY_H

@@ -12,26 +12,25 @@ typedef struct subject {
     places_subject of;
     mixed_shape shape;
     const uint16_t (*corners)[HEX_CORNERS];
-    uint8_t *used; /* per node */
 } subject;
 
 /* ---- topology ---- */
 
 static status check_corners(const subject *s, const char *topology) {
     const mixed_shape *shape = &s->shape;
-    memset(s->used, 0, shape->nodes);
+    uint32_t met = 0;
     for (uint32_t i = 0; i < shape->cells; i++)
         for (uint32_t c = 0; c < HEX_CORNERS; c++) {
             const uint16_t node = s->corners[i][c];
+            const size_t at = shape->corners_at + (i * HEX_CORNERS + c) * sizeof(uint16_t);
             if (node >= shape->nodes)
-                return places_wrong(&s->of,
-                                    shape->corners_at + (i * HEX_CORNERS + c) * sizeof(uint16_t),
-                                    "a corner is at no node");
-            s->used[node] = 1;
+                return places_wrong(&s->of, at, "a corner is at no node");
+            if (node > met)
+                return places_wrong(&s->of, at, "nodes are not in the order of their first use");
+            met += node == met;
         }
-    for (uint32_t n = 0; n < shape->nodes; n++)
-        if (!s->used[n])
-            return places_wrong(&s->of, n * sizeof(float), "a node is at no cell");
+    if (met < shape->nodes)
+        return places_wrong(&s->of, met * sizeof(float), "a node is at no cell");
     return places_check_zeros(&s->of, topology,
                               shape->corners_at +
                                   shape->cells * (uint32_t)sizeof(uint16_t[HEX_CORNERS]),
@@ -97,9 +96,9 @@ static uint64_t cells_of(const leaf_file *f) {
     return f->header.tets;
 }
 
-/* The topology, the places of another step, values, marks of nodes. */
+/* The topology, the places of another step, values. */
 static size_t room_of(const leaf_file *f) {
-    return 4 * (size_t)leaf_layout_payload_max(&f->layout);
+    return 3 * (size_t)leaf_layout_payload_max(&f->layout);
 }
 
 static status verify_step(const leaf_verifying *v, subject *s, uint32_t step, char *room,
@@ -130,8 +129,7 @@ static status verify_treelet(const leaf_verifying *v, uint32_t treelet, uint64_t
     const leaf_layout *l = &v->f->layout;
     const size_t each = leaf_layout_payload_max(l);
     subject s = {.of = {.f = v->f, .t = treelet, .payload = treelet},
-                 .shape = mixed_shape_of(l->counts[treelet]),
-                 .used = (uint8_t *)v->room + 3 * each};
+                 .shape = mixed_shape_of(l->counts[treelet])};
     s.of.nodes = s.shape.nodes;
     s.of.places = (const float *)(void *)v->room;
     s.corners = mixed_corners(&s.shape, v->room);

@@ -48,6 +48,23 @@ void mesh_average_release(mesh_average *a) {
     mem_free(a->m, a->cells);
 }
 
+static void add_one(mesh_average *a, uint32_t field, uint64_t id, double value) {
+    const uint64_t at = id - a->first;
+    if (id < a->first || at >= a->count)
+        return;
+    a->sums[field * a->room + at] += value;
+    a->cells[field * a->room + at]++;
+}
+
+void mesh_average_add_points(mesh_average *a, uint32_t field, const uint64_t *ids, size_t count,
+                             double value) {
+    for (size_t i = 0; i < count; i++)
+        if (ids[i] >= a->points)
+            return;
+    for (size_t i = 0; i < count; i++)
+        add_one(a, field, ids[i], value);
+}
+
 static bool came_before(const uint64_t *ids, int i) {
     for (int k = 0; k < i; k++)
         if (ids[k] == ids[i])
@@ -62,13 +79,9 @@ static void add(mesh_average *a, uint32_t field, cell_shape kind, const uint64_t
     for (int i = 0; i < count; i++)
         if (ids[i] >= a->points)
             return;
-    for (int i = 0; i < count; i++) {
-        uint64_t at = ids[i] - a->first;
-        if (ids[i] < a->first || at >= a->count || came_before(ids, i))
-            continue;
-        a->sums[field * a->room + at] += values[i * step];
-        a->cells[field * a->room + at]++;
-    }
+    for (int i = 0; i < count; i++)
+        if (!came_before(ids, i))
+            add_one(a, field, ids[i], values[i * step]);
 }
 
 void mesh_average_add(mesh_average *a, uint32_t field, cell_shape kind, const uint64_t *ids,

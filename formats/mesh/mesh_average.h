@@ -46,6 +46,10 @@ void mesh_average_release(mesh_average *a);
 void mesh_average_add(mesh_average *a, uint32_t field, cell_shape kind, const uint64_t *ids,
                       double value);
 
+/* mesh_average_add_points() - the same for points that are all different. */
+void mesh_average_add_points(mesh_average *a, uint32_t field, const uint64_t *ids, size_t count,
+                             double value);
+
 /* mesh_average_add_each() - the same with a value for each of the cell's vertices. */
 void mesh_average_add_each(mesh_average *a, uint32_t field, cell_shape kind, const uint64_t *ids,
                            const float *values);

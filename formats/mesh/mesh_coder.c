@@ -2,12 +2,10 @@
 
 #include <string.h>
 
+#include "formats/leaf/coded_payload.h"
 #include "formats/leaf/float_planes.h"
 #include "formats/mesh/mesh_leaf.h"
 #include "formats/mesh/mesh_topology_coder.h"
-
-/* What the first byte of the first stream says; of a topology 0 or a mesh_topology_way. */
-enum { STORED = 0, CODED = 1 };
 
 /* The parts of a payload but a topology: codes of nodes, and floats of vertices. */
 typedef struct parts {
@@ -16,14 +14,14 @@ typedef struct parts {
     size_t bytes;
 } parts;
 
-static parts parts_of(mesh_block block, const mesh_shape *s) {
-    parts p = {.axes = block == MESH_BLOCK_VALUES ? 1 : 3};
+static parts parts_of(leaf_block block, const mesh_shape *s) {
+    parts p = {.axes = block == LEAF_BLOCK_VALUES ? 1 : 3};
     p.floats_bytes = s->vertices * p.axes * sizeof(float);
-    if (block == MESH_BLOCK_VALUES) {
+    if (block == LEAF_BLOCK_VALUES) {
         p.code_axes = 1;
         p.floats_at = s->values_at;
         p.bytes = s->values_bytes;
-    } else if (block == MESH_BLOCK_GRADIENTS) {
+    } else if (block == LEAF_BLOCK_GRADIENTS) {
         p.bytes = s->gradients_bytes;
     } else {
         p.code_axes = 3;
@@ -36,23 +34,23 @@ static parts parts_of(mesh_block block, const mesh_shape *s) {
 
 /* ---- sizes ---- */
 
-size_t mesh_coder_bytes(mesh_block block, const uint32_t counts[4]) {
+static size_t bytes_of(leaf_block block, const uint32_t counts[4]) {
     const mesh_shape s = mesh_leaf_shape(counts);
-    return block == MESH_BLOCK_TOPOLOGY ? s.topology_bytes : parts_of(block, &s).bytes;
+    return block == LEAF_BLOCK_TOPOLOGY ? s.topology_bytes : parts_of(block, &s).bytes;
 }
 
-size_t mesh_coder_room(mesh_block block, const uint32_t counts[4]) {
+static size_t room_of(leaf_block block, const uint32_t counts[4]) {
     const mesh_shape s = mesh_leaf_shape(counts);
     const parts p = parts_of(block, &s);
-    const size_t coded = block == MESH_BLOCK_TOPOLOGY ? mesh_topology_room(&s)
+    const size_t coded = block == LEAF_BLOCK_TOPOLOGY ? mesh_topology_room(&s)
                                                       : s.nodes + p.code_bytes + p.floats_bytes;
-    const size_t stored = mesh_coder_bytes(block, counts);
+    const size_t stored = bytes_of(block, counts);
     return 1 + (coded > stored ? coded : stored);
 }
 
-size_t mesh_coder_scratch(mesh_block block, const uint32_t counts[4]) {
+static size_t scratch_of(const uint32_t counts[4]) {
     const mesh_shape s = mesh_leaf_shape(counts);
-    return block == MESH_BLOCK_TOPOLOGY ? s.topology_bytes + mesh_topology_scratch(&s) : 0;
+    return s.topology_bytes + mesh_topology_scratch(&s);
 }
 
 /* ---- codes of nodes ----
@@ -137,24 +135,13 @@ static bool decode_codes(coded_input *in, size_t nodes, size_t axes, uint8_t *co
 
 /* ---- values, gradients, positions at a step ---- */
 
-static bool is_zero(const uint8_t *bytes, size_t from, size_t to) {
-    for (size_t i = from; i < to; i++)
-        if (bytes[i])
-            return false;
-    return true;
-}
-
 static void encode_parts(const parts *p, const mesh_shape *s, const uint8_t *payload,
                          coded_streams *out) {
     if (p->code_axes)
         encode_codes(payload, s->nodes, p->code_axes, out);
     uint8_t *planes = coded_streams_take(out, p->floats_bytes);
     float_planes_encode(payload + p->floats_at, s->vertices, p->axes, planes);
-    out->used -= p->floats_bytes;
-    for (int b = 0; b < FLOAT_PLANES; b++) {
-        out->used += p->floats_bytes / FLOAT_PLANES;
-        coded_streams_end(out);
-    }
+    coded_payload_end_planes(out, FLOAT_PLANES, p->floats_bytes / FLOAT_PLANES);
 }
 
 static bool decode_parts(const parts *p, const mesh_shape *s, coded_input *in, uint8_t *payload) {
@@ -174,8 +161,7 @@ static bool decode_parts(const parts *p, const mesh_shape *s, coded_input *in, u
 /* Encode one way, and see whether the payload comes back. */
 static bool try_topology(mesh_topology_way way, const mesh_shape *s, const float bounds[6],
                          const uint8_t *payload, uint8_t *scratch, coded_streams *out) {
-    *out = (coded_streams){.bytes = out->bytes, .room = out->room};
-    *coded_streams_take(out, 1) = (uint8_t)way;
+    coded_payload_begin((uint8_t)way, out);
     if (!mesh_topology_encode(way, s, payload, scratch + s->topology_bytes, out))
         return false;
     coded_input in = {out->bytes + 1, out->used - 1};
@@ -185,55 +171,42 @@ static bool try_topology(mesh_topology_way way, const mesh_shape *s, const float
 
 /* ---- all blocks ---- */
 
-static void store(const uint8_t *payload, size_t bytes, coded_streams *out) {
-    *out = (coded_streams){.bytes = out->bytes, .room = out->room};
-    *coded_streams_take(out, 1) = STORED;
-    memcpy(coded_streams_take(out, bytes), payload, bytes);
-    coded_streams_end(out);
-}
-
-void mesh_coder_encode(mesh_block block, const uint32_t counts[4], const float bounds[6],
-                       const void *payload, void *scratch, coded_streams *out) {
+static void encode(leaf_block block, const uint32_t counts[4], const float bounds[6],
+                   const void *payload, void *scratch, coded_streams *out) {
     const mesh_shape s = mesh_leaf_shape(counts);
     const uint8_t *bytes = payload;
-    assert(out->room >= mesh_coder_room(block, counts));
-    if (block == MESH_BLOCK_TOPOLOGY) {
+    assert(out->room >= room_of(block, counts));
+    if (block == LEAF_BLOCK_TOPOLOGY) {
         if (!try_topology(MESH_BOXES_IMPLIED, &s, bounds, bytes, scratch, out) &&
             !try_topology(MESH_BOXES_STORED, &s, bounds, bytes, scratch, out))
-            store(bytes, s.topology_bytes, out);
+            coded_payload_store(bytes, s.topology_bytes, out);
         return;
     }
     const parts p = parts_of(block, &s);
-    if (!is_zero(bytes, p.code_bytes, p.floats_at) ||
-        !is_zero(bytes, p.floats_at + p.floats_bytes, p.bytes)) {
-        store(bytes, p.bytes, out);
+    if (!coded_payload_is_zero(bytes, p.code_bytes, p.floats_at) ||
+        !coded_payload_is_zero(bytes, p.floats_at + p.floats_bytes, p.bytes)) {
+        coded_payload_store(bytes, p.bytes, out);
         return;
     }
-    *out = (coded_streams){.bytes = out->bytes, .room = out->room};
-    *coded_streams_take(out, 1) = CODED;
+    coded_payload_begin(CODED_STREAMS, out);
     encode_parts(&p, &s, bytes, out);
 }
 
-static bool decode_stored(coded_input *in, void *payload, size_t bytes) {
-    const uint8_t *stored = coded_input_take(in, bytes);
-    if (!stored || in->left)
-        return false;
-    memcpy(payload, stored, bytes);
-    return true;
-}
-
-bool mesh_coder_decode(mesh_block block, const uint32_t counts[4], const float bounds[6],
-                       const uint8_t *in, size_t bytes, void *payload) {
+static bool decode(leaf_block block, const uint32_t counts[4], const float bounds[6],
+                   const uint8_t *in, size_t bytes, void *payload) {
     const mesh_shape s = mesh_leaf_shape(counts);
     coded_input rest = {in, bytes};
     const uint8_t *way = coded_input_take(&rest, 1);
     if (!way)
         return false;
-    if (*way == STORED)
-        return decode_stored(&rest, payload, mesh_coder_bytes(block, counts));
-    if (block == MESH_BLOCK_TOPOLOGY)
+    if (*way == CODED_STORED)
+        return coded_payload_stored(&rest, payload, bytes_of(block, counts));
+    if (block == LEAF_BLOCK_TOPOLOGY)
         return (*way == MESH_BOXES_IMPLIED || *way == MESH_BOXES_STORED) &&
                mesh_topology_decode((mesh_topology_way)*way, &s, bounds, &rest, payload);
     const parts p = parts_of(block, &s);
-    return *way == CODED && decode_parts(&p, &s, &rest, payload);
+    return *way == CODED_STREAMS && decode_parts(&p, &s, &rest, payload);
 }
+
+const leaf_coder mesh_coder = {
+    .bytes = bytes_of, .room = room_of, .scratch = scratch_of, .encode = encode, .decode = decode};

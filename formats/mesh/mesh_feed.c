@@ -29,6 +29,12 @@ status mesh_feed_begin(mesh_feed *f, mem *m, const char *name, uint32_t fields,
     return ST_OK;
 }
 
+static void forget(mesh_feed *f) {
+    mem_free(f->m, f->kept.xyz);
+    mem_free(f->m, f->kept.values);
+    f->kept = (mesh_feed_kept){.count = 0};
+}
+
 void mesh_feed_release(mesh_feed *f) {
     for (uint32_t k = 0; f->columns && k < f->fields; k++)
         mem_free(f->m, f->columns[k].values);
@@ -36,6 +42,7 @@ void mesh_feed_release(mesh_feed *f) {
     mem_free(f->m, f->xyz);
     mem_free(f->m, f->tets);
     mem_free(f->m, f->whole);
+    forget(f);
 }
 
 status mesh_feed_expect(mesh_feed *f, uint64_t points) {
@@ -86,6 +93,19 @@ static status flush_values(mesh_feed *f, uint32_t field) {
     return f->sink->values(f->sink->ctx, first, count, c->values);
 }
 
+status mesh_feed_keep(mesh_feed *f, uint64_t count) {
+    forget(f);
+    if (count == 0)
+        return ST_OK;
+    f->kept.xyz = mem_array(f->m, count, sizeof *f->kept.xyz);
+    f->kept.values = mem_array(f->m, count * f->fields, sizeof *f->kept.values);
+    if (!f->kept.xyz || !f->kept.values)
+        return ST_NOMEM;
+    f->kept.first = f->points_given + f->points_held;
+    f->kept.count = (size_t)count;
+    return ST_OK;
+}
+
 static status keep_point(mesh_feed *f, const float p[3]) {
     uint64_t id = f->points_given + f->points_held;
     assert(id < f->points);
@@ -99,6 +119,8 @@ static status keep_point(mesh_feed *f, const float p[3]) {
         f->bounds[a] = fminf(f->bounds[a], p[a]);
         f->bounds[a + 3] = fmaxf(f->bounds[a + 3], p[a]);
     }
+    if (id - f->kept.first < f->kept.count)
+        memcpy(f->kept.xyz[id - f->kept.first], p, sizeof *f->kept.xyz);
     memcpy(f->xyz[f->points_held++], p, sizeof *f->xyz);
     return f->points_held == MESH_FEED_CHUNK ? flush_points(f) : ST_OK;
 }
@@ -120,6 +142,9 @@ status mesh_feed_points(mesh_feed *f, const float (*xyz)[3], size_t count) {
 static status keep_value(mesh_feed *f, uint32_t field, float value) {
     mesh_feed_column *c = &f->columns[field];
     assert(field < f->fields && c->given + c->held < f->points);
+    const uint64_t at = c->given + c->held - f->kept.first;
+    if (at < f->kept.count)
+        f->kept.values[field * f->kept.count + at] = value;
     c->values[c->held++] = value;
     return c->held == MESH_FEED_CHUNK ? flush_values(f, field) : ST_OK;
 }
@@ -193,20 +218,43 @@ static bool is_less_than_tet(const uint32_t *ids, int count) {
 }
 
 /* Keep a cell as it is, whose ids are all valid. */
-static status keep_whole(mesh_feed *f, cell_shape kind, const uint32_t *ids) {
+static status keep_whole(mesh_feed *f, cell_shape kind, const uint32_t *ids, bool counts) {
     const uint8_t *corner = cell_shape_corners(kind);
     if (is_less_than_tet(ids, cell_shape_vertices(kind))) {
         f->report->repeated++;
         return ST_OK;
     }
-    f->report->whole[kind]++;
+    f->report->whole[kind] += counts;
     for (int c = 0; c < HEX_CORNERS; c++)
         f->whole[f->tets_held][c] = ids[corner[c]];
     return ++f->tets_held == MESH_FEED_CHUNK ? flush_tets(f) : ST_OK;
 }
 
+/* Keep a cell whose ids are all valid, as it is or as tets. counts: in the report. */
+static status keep_cell(mesh_feed *f, cell_shape kind, const uint32_t *ids, bool counts) {
+    uint32_t tets[MESH_SPLIT_TETS][4];
+    if (f->whole)
+        return keep_whole(f, kind, ids, counts);
+    if (counts && kind != CELL_TET)
+        f->report->split[kind]++;
+    const int count = mesh_split(kind, ids, tets);
+    status st = ST_OK;
+    for (int i = 0; st == ST_OK && i < count; i++)
+        st = keep_tet(f, tets[i]);
+    return st;
+}
+
+status mesh_feed_part(mesh_feed *f, cell_shape kind, const uint64_t *ids) {
+    uint32_t small[8];
+    for (int i = 0; i < cell_shape_vertices(kind); i++) {
+        assert(ids[i] < f->points);
+        small[i] = (uint32_t)ids[i];
+    }
+    return keep_cell(f, kind, small, false);
+}
+
 status mesh_feed_cell(mesh_feed *f, cell_shape kind, const uint64_t *ids) {
-    uint32_t small[8], tets[MESH_SPLIT_TETS][4];
+    uint32_t small[8];
     f->cells_seen++;
     for (int i = 0; i < cell_shape_vertices(kind); i++) {
         if (ids[i] >= f->points) {
@@ -215,15 +263,7 @@ status mesh_feed_cell(mesh_feed *f, cell_shape kind, const uint64_t *ids) {
         }
         small[i] = (uint32_t)ids[i];
     }
-    if (f->whole)
-        return keep_whole(f, kind, small);
-    if (kind != CELL_TET)
-        f->report->split[kind]++;
-    int count = mesh_split(kind, small, tets);
-    status st = ST_OK;
-    for (int i = 0; st == ST_OK && i < count; i++)
-        st = keep_tet(f, tets[i]);
-    return st;
+    return keep_cell(f, kind, small, true);
 }
 
 status mesh_feed_tets(mesh_feed *f, const uint32_t (*ids)[4], size_t count) {
@@ -232,7 +272,7 @@ status mesh_feed_tets(mesh_feed *f, const uint32_t (*ids)[4], size_t count) {
     for (size_t i = 0; st == ST_OK && i < count; i++) {
         const uint32_t *t = ids[i];
         if (t[0] < f->points && t[1] < f->points && t[2] < f->points && t[3] < f->points)
-            st = f->whole ? keep_whole(f, CELL_TET, t) : keep_tet(f, t);
+            st = f->whole ? keep_whole(f, CELL_TET, t, true) : keep_tet(f, t);
         else
             f->report->bad_indices++;
     }

@@ -19,7 +19,15 @@ typedef struct mesh_feed_column {
     uint64_t given; /* to the sink */
 } mesh_feed_column;
 
-/* Readers use `m`, `points` and `report` (skipped, ghosts, field). The rest is private. */
+/* Points and values that were fed, for readers that make further ones of them. */
+typedef struct mesh_feed_kept {
+    uint64_t first; /* id of the first one */
+    size_t count;
+    float (*xyz)[3];
+    float *values; /* [fields][count] */
+} mesh_feed_kept;
+
+/* Readers use `m`, `points`, `kept` and `report` (skipped, ghosts, field). The rest is private. */
 typedef struct mesh_feed {
     mem *m;
     const char *name; /* the file's name, for messages */
@@ -36,7 +44,8 @@ typedef struct mesh_feed {
     uint32_t (*tets)[4];
     uint32_t (*whole)[HEX_CORNERS]; /* instead, if the sink takes cells */
     float bounds[6];                /* box of the points so far: lo x, y, z, hi x, y, z */
-    bool vanished;                  /* a coordinate that is not 0 was rounded to 0 */
+    mesh_feed_kept kept;
+    bool vanished; /* a coordinate that is not 0 was rounded to 0 */
 } mesh_feed;
 
 /* mesh_feed_begin() - begin with 1 or more fields, and clear the report. Release in any case. */
@@ -72,9 +81,15 @@ CHECKED status mesh_feed_values(mesh_feed *f, uint32_t field, const float *value
 /* mesh_feed_zeros() - feed 0 for all values: the mesh has no field. */
 CHECKED status mesh_feed_zeros(mesh_feed *f);
 
+/* mesh_feed_keep() - keep the next `count` points that will be fed, and the values of all fields of
+ * these, until the next call. 0: nothing more. Takes 12 bytes a point, and 4 a value. */
+CHECKED status mesh_feed_keep(mesh_feed *f, uint64_t count);
+
 /* mesh_feed_cell() - feed one cell. An invalid id may be passed as any value outside 0 .. points -
- * 1; the cell is then counted as bad. */
+ * 1; the cell is then counted as bad. mesh_feed_part() - one with valid ids that is a part of the
+ * file's cell: the report counts neither. */
 CHECKED status mesh_feed_cell(mesh_feed *f, cell_shape kind, const uint64_t *ids);
+CHECKED status mesh_feed_part(mesh_feed *f, cell_shape kind, const uint64_t *ids);
 CHECKED status mesh_feed_tets(mesh_feed *f, const uint32_t (*ids)[4], size_t count);
 
 /* mesh_feed_end() - hand the rest to the sink. All points and values must have been fed (an

@@ -14,23 +14,43 @@
 
 enum { NODES_MAX = 56, SKIPPED = -1, REFUSED = -2 };
 
-/* The meaning of an element's type number. kind: SKIPPED for anything less than a volume. */
+/* The meaning of an element's type number. kind: SKIPPED for anything less than a volume. corners:
+ * of higher order, the kind that its corners make, which are its first nodes. */
 typedef struct element_type {
-    int nodes, kind;
+    int nodes, kind, corners;
 } element_type;
 
-static const element_type types[] = {
-    [1] = {2, SKIPPED},      [2] = {3, SKIPPED},         [3] = {4, SKIPPED},
-    [4] = {4, CELL_TET},     [5] = {8, CELL_HEXAHEDRON}, [6] = {6, CELL_WEDGE},
-    [7] = {5, CELL_PYRAMID}, [8] = {3, SKIPPED},         [9] = {6, SKIPPED},
-    [10] = {9, SKIPPED},     [11] = {10, REFUSED},       [12] = {27, REFUSED},
-    [13] = {18, REFUSED},    [14] = {14, REFUSED},       [15] = {1, SKIPPED},
-    [16] = {8, SKIPPED},     [17] = {20, REFUSED},       [18] = {15, REFUSED},
-    [19] = {13, REFUSED},    [20] = {9, SKIPPED},        [21] = {10, SKIPPED},
-    [22] = {12, SKIPPED},    [23] = {15, SKIPPED},       [24] = {15, SKIPPED},
-    [25] = {21, SKIPPED},    [26] = {4, SKIPPED},        [27] = {5, SKIPPED},
-    [28] = {6, SKIPPED},     [29] = {20, REFUSED},       [30] = {35, REFUSED},
-    [31] = {56, REFUSED}};
+static const element_type types[] = {[1] = {2, SKIPPED, 0},
+                                     [2] = {3, SKIPPED, 0},
+                                     [3] = {4, SKIPPED, 0},
+                                     [4] = {4, CELL_TET, 0},
+                                     [5] = {8, CELL_HEXAHEDRON, 0},
+                                     [6] = {6, CELL_WEDGE, 0},
+                                     [7] = {5, CELL_PYRAMID, 0},
+                                     [8] = {3, SKIPPED, 0},
+                                     [9] = {6, SKIPPED, 0},
+                                     [10] = {9, SKIPPED, 0},
+                                     [11] = {10, REFUSED, CELL_TET},
+                                     [12] = {27, REFUSED, CELL_HEXAHEDRON},
+                                     [13] = {18, REFUSED, CELL_WEDGE},
+                                     [14] = {14, REFUSED, CELL_PYRAMID},
+                                     [15] = {1, SKIPPED, 0},
+                                     [16] = {8, SKIPPED, 0},
+                                     [17] = {20, REFUSED, CELL_HEXAHEDRON},
+                                     [18] = {15, REFUSED, CELL_WEDGE},
+                                     [19] = {13, REFUSED, CELL_PYRAMID},
+                                     [20] = {9, SKIPPED, 0},
+                                     [21] = {10, SKIPPED, 0},
+                                     [22] = {12, SKIPPED, 0},
+                                     [23] = {15, SKIPPED, 0},
+                                     [24] = {15, SKIPPED, 0},
+                                     [25] = {21, SKIPPED, 0},
+                                     [26] = {4, SKIPPED, 0},
+                                     [27] = {5, SKIPPED, 0},
+                                     [28] = {6, SKIPPED, 0},
+                                     [29] = {20, REFUSED, CELL_TET},
+                                     [30] = {35, REFUSED, CELL_TET},
+                                     [31] = {56, REFUSED, CELL_TET}};
 
 typedef struct gmsh_state {
     gmsh_file file;
@@ -62,6 +82,7 @@ typedef struct gmsh_field {
 /* State while a mesh is read. */
 typedef struct gmsh_reading {
     const gmsh_file *file;
+    bool by_corners; /* mesh_hints.by_corners */
     gmsh_field *fields;
     uint32_t count;
     mesh_feed *feed;
@@ -424,20 +445,22 @@ static status read_field(gmsh_reading *r, gmsh_field *f) {
 
 /* ---- elements ---- */
 
-static status find_type(const gmsh_cursor *c, uint64_t number, element_type *type) {
+static status find_type(const gmsh_reading *r, const gmsh_cursor *c, uint64_t number,
+                        element_type *type) {
     bool known = number < sizeof types / sizeof *types && types[number].nodes > 0;
-    if (!known || types[number].kind == REFUSED)
+    if (!known || (types[number].kind == REFUSED && !r->by_corners))
         return gmsh_cursor_fault(c, ST_UNSUPPORTED,
                                  "an element of type %lld, expected tets, hexes, prisms and "
-                                 "pyramids of first order (4 5 6 7), surfaces, edges or points",
-                                 (long long)number);
+                                 "pyramids of first order (4 5 6 7), surfaces, edges or points%s",
+                                 (long long)number,
+                                 known ? " (--by-corners takes it as of first order)" : "");
     *type = types[number];
     return ST_OK;
 }
 
-/* Add a cell's element data, if it has any, to its points. */
-static status add_to_average(gmsh_field *f, const gmsh_cursor *c, cell_shape kind, uint64_t id,
-                             const uint64_t *ids) {
+/* Add a cell's element data, if it has any, to its points. nodes: of the element. */
+static status add_to_average(gmsh_field *f, const gmsh_cursor *c, cell_shape kind, int nodes,
+                             uint64_t id, const uint64_t *ids) {
     uint64_t row = id_map_find(&f->rows, id);
     if (row == UINT64_MAX)
         return ST_OK;
@@ -446,19 +469,19 @@ static status add_to_average(gmsh_field *f, const gmsh_cursor *c, cell_shape kin
         return ST_OK;
     }
     const float *values = &f->values.items[f->starts[row]];
-    if ((int)values[0] != cell_shape_vertices(kind))
+    if ((int)values[0] != nodes)
         return gmsh_cursor_fault(c, ST_CORRUPT, "element %lld has values for %d nodes, expected %d",
-                                 (long long)id, (int)values[0], cell_shape_vertices(kind));
+                                 (long long)id, (int)values[0], nodes);
     mesh_average_add_each(&f->average, 0, kind, ids, values + 1);
     return ST_OK;
 }
 
-static status add_to_averages(gmsh_reading *r, const gmsh_cursor *c, cell_shape kind, uint64_t id,
-                              const uint64_t *ids) {
+static status add_to_averages(gmsh_reading *r, const gmsh_cursor *c, cell_shape kind, int nodes,
+                              uint64_t id, const uint64_t *ids) {
     status st = ST_OK;
     for (uint32_t k = 0; st == ST_OK && k < r->count; k++)
         if (r->fields[k].average.m)
-            st = add_to_average(&r->fields[k], c, kind, id, ids);
+            st = add_to_average(&r->fields[k], c, kind, nodes, id, ids);
     return st;
 }
 
@@ -475,10 +498,12 @@ static status read_element(gmsh_reading *r, gmsh_cursor *c, element_type type, u
         r->feed->report->skipped++;
         return ST_OK;
     }
-    for (int i = 0; i < type.nodes; i++)
+    const cell_shape kind = (cell_shape)(type.kind == REFUSED ? type.corners : type.kind);
+    for (int i = 0; i < cell_shape_vertices(kind); i++)
         ids[i] = id_map_find(&r->nodes, ids[i]);
-    st = add_to_averages(r, c, (cell_shape)type.kind, id, ids);
-    return st == ST_OK ? mesh_feed_cell(r->feed, (cell_shape)type.kind, ids) : st;
+    r->feed->report->by_corners += type.kind == REFUSED;
+    st = add_to_averages(r, c, kind, type.nodes, id, ids);
+    return st == ST_OK ? mesh_feed_cell(r->feed, kind, ids) : st;
 }
 
 static status skip_tags(gmsh_cursor *c, uint64_t count) {
@@ -510,7 +535,7 @@ static status read_elements_2(gmsh_reading *r, gmsh_cursor *c) {
             if (st == ST_OK)
                 st = gmsh_cursor_int(c, "the number of tags", &tags);
             if (st == ST_OK)
-                st = find_type(c, number, &type);
+                st = find_type(r, c, number, &type);
             if (st == ST_OK && (members < 1 || members > count - i))
                 st = gmsh_cursor_fault(c, ST_CORRUPT, "%lld elements, expected 1 to %llu",
                                        (long long)members, (unsigned long long)(count - i));
@@ -542,7 +567,7 @@ static status read_element_block(gmsh_reading *r, gmsh_cursor *c, uint64_t *left
                                  (long long)count, (unsigned long long)*left);
     *left -= count;
     if (st == ST_OK)
-        st = find_type(c, number, &type);
+        st = find_type(r, c, number, &type);
     for (; st == ST_OK && count > 0; count--) {
         st = gmsh_cursor_size(c, "an element's number", &id);
         if (st == ST_OK)
@@ -617,8 +642,11 @@ static void release(gmsh_reading *r, mem *m) {
 static status gmsh_read(void *state, mesh_feed *feed) {
     const gmsh_state *s = state;
     mem *m = s->file.m;
-    gmsh_reading r = {
-        .file = &s->file, .feed = feed, .component = s->hints->component, .nodes.m = m};
+    gmsh_reading r = {.file = &s->file,
+                      .feed = feed,
+                      .by_corners = s->hints->by_corners,
+                      .component = s->hints->component,
+                      .nodes.m = m};
     if (s->count > 0)
         strcpy(feed->report->field, s->taken[0]->name);
     status st = begin_fields(&r, s);

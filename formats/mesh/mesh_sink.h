@@ -41,6 +41,8 @@ typedef struct mesh_hints {
     int component;     /* component of a vector array: 1, 2, ..; 0: its magnitude */
     bool
         cells_to_points; /* take cell data, averaged to the points: the mean over a point's cells */
+    bool by_corners;     /* take cells of higher order as linear ones of their corners, without
+                            what they hold in between; else they are refused */
     const char *name;    /* name of the data set, in place of the mesh's own */
     uint32_t step;       /* which of the file's time steps, from 0 */
     input_trust trust;
@@ -52,10 +54,13 @@ typedef struct mesh_report {
     uint64_t points, tets;       /* handed over */
     uint64_t split[CELL_SPLIT_SHAPES]; /* by cell_shape: cells that were split; `tets` counts the
                                           tets they gave */
-    uint64_t bad_indices;              /* cells left out: an id is outside the points */
-    uint64_t repeated;                 /* tets left out: a vertex comes twice */
-    uint64_t skipped; /* cells skipped: fewer dimensions (vertices, edges, triangles, ..) */
-    uint64_t ghosts;  /* cells left out: another piece of the mesh has them, or they are hidden */
+    uint64_t polyhedra;   /* cells of many faces, handed over in parts (mesh_polyhedron.h), which
+                             `tets` counts */
+    uint64_t by_corners;  /* cells of higher order that were taken as linear ones */
+    uint64_t bad_indices; /* cells left out: an id is outside the points */
+    uint64_t repeated;    /* tets left out: a vertex comes twice */
+    uint64_t skipped;     /* cells skipped: fewer dimensions (vertices, edges, triangles, ..) */
+    uint64_t ghosts; /* cells left out: another piece of the mesh has them, or they are hidden */
     char field[MESH_NAME_MAX + 1]; /* the first array taken; "" for a mesh without any */
 } mesh_report;
 

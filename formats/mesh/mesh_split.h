@@ -7,8 +7,8 @@
  * hex collapsed to a wedge) is fine: mesh_feed.h leaves out tets that have it twice.
  *
  * A face that is not plane is bent at its diagonal; a cell that is bent far enough gets inverted
- * tets, as it must. There are no other kinds of cells: readers refuse quadratic cells and
- * polyhedra.
+ * tets, as it must. Polyhedra come in parts (mesh_polyhedron.h), cells
+ * of higher order not at all, or by their corners (mesh_hints.by_corners).
  */
 #ifndef FORMATS_MESH_MESH_SPLIT_H
 #define FORMATS_MESH_MESH_SPLIT_H

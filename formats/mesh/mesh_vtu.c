@@ -48,12 +48,18 @@ static status on_cells(vtk_xml *x, vtk_piece *p, const char *name, const vtk_arr
         vtk_array *to;
     } parts[] = {{"connectivity", &p->cells.ids},
                  {"offsets", &p->cells.offsets},
-                 {"types", &p->cells.types}};
+                 {"types", &p->cells.types},
+                 {"faces", &p->cells.faces.faces},
+                 {"faceoffsets", &p->cells.faces.faceoffsets},
+                 {"face_connectivity", &p->cells.faces.ids},
+                 {"face_offsets", &p->cells.faces.ends},
+                 {"polyhedron_to_faces", &p->cells.faces.cell_faces},
+                 {"polyhedron_offsets", &p->cells.faces.cell_ends}};
     size_t i = 0, count = sizeof parts / sizeof *parts;
     while (i < count && strcmp(name, parts[i].name) != 0)
         i++;
     if (i == count)
-        return ST_OK; /* faces of polyhedra, which are refused by the cells' types */
+        return ST_OK;
     if (parts[i].to->type != VTK_ABSENT)
         return vtk_xml_fault(x, ST_CORRUPT, "%s comes twice", name);
     *parts[i].to = *a;
@@ -84,6 +90,11 @@ static void locate_arrays(const vtk_unstructured *g, size_t before, const vtk_ap
         vtk_xml_locate(appended, &p->cells.ids);
         vtk_xml_locate(appended, &p->cells.offsets);
         vtk_xml_locate(appended, &p->cells.types);
+        vtk_faces_source *faces = &p->cells.faces;
+        vtk_array *const of_faces[] = {&faces->faces, &faces->faceoffsets, &faces->ids,
+                                       &faces->ends,  &faces->cell_faces,  &faces->cell_ends};
+        for (size_t k = 0; k < sizeof of_faces / sizeof *of_faces; k++)
+            vtk_xml_locate(appended, of_faces[k]);
         vtk_xml_locate_fields(appended, &p->fields);
     }
 }

@@ -14,6 +14,7 @@ typedef struct averaging {
     const vtk_array *fields[TOGETHER];
     vtk_cursor *values[TOGETHER];
     double *tuple; /* room for a tuple of any field */
+    mesh_polyhedron_room room;
     mesh_average sums;
 } averaging;
 
@@ -37,12 +38,21 @@ static status close_values(averaging *a, status st) {
 
 static status add_cell(averaging *a, const vtk_cell *cell) {
     status st = ST_OK;
+    size_t points = 0;
+    if (cell->polyhedron.faces)
+        st = mesh_polyhedron_reserve(&a->room, &cell->polyhedron);
+    if (st == ST_OK && cell->polyhedron.faces)
+        points = mesh_polyhedron_ids(&cell->polyhedron, a->room.ids);
     for (uint32_t k = 0; st == ST_OK && k < a->count; k++) {
         const size_t n = a->fields[k]->components;
         st = vtk_cursor_doubles(a->values[k], n, a->tuple);
-        if (st == ST_OK && cell->volume && !cell->hidden)
-            mesh_average_add(&a->sums, k, cell->kind, cell->ids,
-                             mesh_feed_magnitude(a->tuple, (int)n, a->component));
+        if (st != ST_OK || !cell->volume || cell->hidden)
+            continue;
+        const double value = mesh_feed_magnitude(a->tuple, (int)n, a->component);
+        if (points)
+            mesh_average_add_points(&a->sums, k, a->room.ids, points, value);
+        else
+            mesh_average_add(&a->sums, k, cell->kind, cell->ids, value);
     }
     return st;
 }
@@ -83,6 +93,7 @@ static status feed_some(averaging *a, uint32_t first, mesh_feed *feed) {
             st = mesh_average_feed(&a->sums, feed, first);
     }
     mesh_average_release(&a->sums);
+    mesh_polyhedron_release(&a->room);
     mem_free(a->m, a->tuple);
     return st;
 }
@@ -90,7 +101,8 @@ static status feed_some(averaging *a, uint32_t first, mesh_feed *feed) {
 status vtk_average_feed(const vtk_unstructured *g, const vtk_piece *p, mesh_feed *feed) {
     status st = ST_OK;
     for (uint32_t first = 0; st == ST_OK && first < g->taken_count; first += TOGETHER) {
-        averaging a = {.m = g->m, .piece = p, .component = g->source->hints.component};
+        averaging a = {
+            .m = g->m, .piece = p, .component = g->source->hints.component, .room = {.m = g->m}};
         for (; a.count < TOGETHER && first + a.count < g->taken_count; a.count++)
             a.fields[a.count] = vtk_unstructured_field(g, p, first + a.count);
         st = feed_some(&a, first, feed);

@@ -12,9 +12,17 @@ struct vtk_cells {
     vtk_cursor *types, *offsets, *ids, *ghosts;
     uint64_t cell; /* number of the next cell */
     uint64_t end;  /* where the ids of the cell before ended */
+    vtk_faces *faces;
+    uint64_t *stream; /* faces of a polyhedron, from among the ids */
+    size_t room;
 };
 
 /* ---- opening ---- */
+
+/* Where a polyhedron's faces stand in the place of its points. */
+static bool is_legacy(const vtk_cells_source *s) {
+    return s->offsets.type == VTK_ABSENT || s->from_zero;
+}
 
 static status check_array(const vtk_array *a, const char *what) {
     if (a->type == VTK_ABSENT)
@@ -42,6 +50,8 @@ static status open_cursors(vtk_cells *c) {
         st = vtk_array_fault(s->ghosts, ST_CORRUPT, "expected whole numbers");
     if (st == ST_OK && s->ghosts)
         st = vtk_cursor_open(c->m, s->ghosts, s->count * s->ghosts->components, &c->ghosts);
+    if (st == ST_OK && vtk_faces_there(&s->faces))
+        st = vtk_faces_open(c->m, &s->faces, s->count, &c->faces);
     return st;
 }
 
@@ -73,72 +83,74 @@ void vtk_cells_close(vtk_cells *c) {
     vtk_cursor_close(c->offsets);
     vtk_cursor_close(c->ids);
     vtk_cursor_close(c->ghosts);
+    vtk_faces_close(c->faces);
+    mem_free(c->m, c->stream);
     mem_free(c->m, c);
 }
 
 /* ---- types, by VTK's numbers ---- */
 
-enum { TETRA = 10, VOXEL, HEXAHEDRON, WEDGE, PYRAMID, TYPES_MAX = 96 };
+enum { TETRA = 10, VOXEL, HEXAHEDRON, WEDGE, PYRAMID, POLYHEDRON = 42, TYPES_MAX = 96 };
 
 static const struct {
     const char *name; /* for messages; NULL: no such type */
     bool passed_over; /* vertices, lines, surfaces */
+    int corners;      /* of higher order: the cell_shape of its corners, which come first, + 1 */
 } types[TYPES_MAX] = {
-    [0] = {"empty", true},
-    [1] = {"vertex", true},
-    [2] = {"poly-vertex", true},
-    [3] = {"line", true},
-    [4] = {"poly-line", true},
-    [5] = {"triangle", true},
-    [6] = {"triangle strip", true},
-    [7] = {"polygon", true},
-    [8] = {"pixel", true},
-    [9] = {"quad", true},
-    [15] = {"pentagonal prism", false},
-    [16] = {"hexagonal prism", false},
-    [21] = {"quadratic edge", true},
-    [22] = {"quadratic triangle", true},
-    [23] = {"quadratic quad", true},
-    [24] = {"quadratic tetrahedron", false},
-    [25] = {"quadratic hexahedron", false},
-    [26] = {"quadratic wedge", false},
-    [27] = {"quadratic pyramid", false},
-    [28] = {"biquadratic quad", true},
-    [29] = {"triquadratic hexahedron", false},
-    [30] = {"quadratic-linear quad", true},
-    [31] = {"quadratic-linear wedge", false},
-    [32] = {"biquadratic-quadratic wedge", false},
-    [33] = {"biquadratic-quadratic hexahedron", false},
-    [34] = {"biquadratic triangle", true},
-    [35] = {"cubic line", true},
-    [36] = {"quadratic polygon", true},
-    [37] = {"triquadratic pyramid", false},
-    [41] = {"convex point set", false},
-    [42] = {"polyhedron", false},
-    [51] = {"parametric curve", true},
-    [52] = {"parametric surface", true},
-    [60] = {"higher-order edge", true},
-    [61] = {"higher-order triangle", true},
-    [62] = {"higher-order quad", true},
-    [63] = {"higher-order polygon", true},
-    [64] = {"higher-order tetrahedron", false},
-    [65] = {"higher-order wedge", false},
-    [66] = {"higher-order pyramid", false},
-    [67] = {"higher-order hexahedron", false},
-    [68] = {"Lagrange curve", true},
-    [69] = {"Lagrange triangle", true},
-    [70] = {"Lagrange quad", true},
-    [71] = {"Lagrange tetrahedron", false},
-    [72] = {"Lagrange hexahedron", false},
-    [73] = {"Lagrange wedge", false},
-    [74] = {"Lagrange pyramid", false},
-    [75] = {"Bezier curve", true},
-    [76] = {"Bezier triangle", true},
-    [77] = {"Bezier quad", true},
-    [78] = {"Bezier tetrahedron", false},
-    [79] = {"Bezier hexahedron", false},
-    [80] = {"Bezier wedge", false},
-    [81] = {"Bezier pyramid", false},
+    [0] = {"empty", true, 0},
+    [1] = {"vertex", true, 0},
+    [2] = {"poly-vertex", true, 0},
+    [3] = {"line", true, 0},
+    [4] = {"poly-line", true, 0},
+    [5] = {"triangle", true, 0},
+    [6] = {"triangle strip", true, 0},
+    [7] = {"polygon", true, 0},
+    [8] = {"pixel", true, 0},
+    [9] = {"quad", true, 0},
+    [15] = {"pentagonal prism", false, 0},
+    [16] = {"hexagonal prism", false, 0},
+    [21] = {"quadratic edge", true, 0},
+    [22] = {"quadratic triangle", true, 0},
+    [23] = {"quadratic quad", true, 0},
+    [24] = {"quadratic tetrahedron", false, 1 + CELL_TET},
+    [25] = {"quadratic hexahedron", false, 1 + CELL_HEXAHEDRON},
+    [26] = {"quadratic wedge", false, 1 + CELL_WEDGE},
+    [27] = {"quadratic pyramid", false, 1 + CELL_PYRAMID},
+    [28] = {"biquadratic quad", true, 0},
+    [29] = {"triquadratic hexahedron", false, 1 + CELL_HEXAHEDRON},
+    [30] = {"quadratic-linear quad", true, 0},
+    [31] = {"quadratic-linear wedge", false, 1 + CELL_WEDGE},
+    [32] = {"biquadratic-quadratic wedge", false, 1 + CELL_WEDGE},
+    [33] = {"biquadratic-quadratic hexahedron", false, 1 + CELL_HEXAHEDRON},
+    [34] = {"biquadratic triangle", true, 0},
+    [35] = {"cubic line", true, 0},
+    [36] = {"quadratic polygon", true, 0},
+    [37] = {"triquadratic pyramid", false, 1 + CELL_PYRAMID},
+    [41] = {"convex point set", false, 0},
+    [51] = {"parametric curve", true, 0},
+    [52] = {"parametric surface", true, 0},
+    [60] = {"higher-order edge", true, 0},
+    [61] = {"higher-order triangle", true, 0},
+    [62] = {"higher-order quad", true, 0},
+    [63] = {"higher-order polygon", true, 0},
+    [64] = {"higher-order tetrahedron", false, 0},
+    [65] = {"higher-order wedge", false, 0},
+    [66] = {"higher-order pyramid", false, 0},
+    [67] = {"higher-order hexahedron", false, 0},
+    [68] = {"Lagrange curve", true, 0},
+    [69] = {"Lagrange triangle", true, 0},
+    [70] = {"Lagrange quad", true, 0},
+    [71] = {"Lagrange tetrahedron", false, 1 + CELL_TET},
+    [72] = {"Lagrange hexahedron", false, 1 + CELL_HEXAHEDRON},
+    [73] = {"Lagrange wedge", false, 1 + CELL_WEDGE},
+    [74] = {"Lagrange pyramid", false, 1 + CELL_PYRAMID},
+    [75] = {"Bezier curve", true, 0},
+    [76] = {"Bezier triangle", true, 0},
+    [77] = {"Bezier quad", true, 0},
+    [78] = {"Bezier tetrahedron", false, 1 + CELL_TET},
+    [79] = {"Bezier hexahedron", false, 1 + CELL_HEXAHEDRON},
+    [80] = {"Bezier wedge", false, 1 + CELL_WEDGE},
+    [81] = {"Bezier pyramid", false, 1 + CELL_PYRAMID},
 };
 
 static bool volume_kind(uint64_t type, cell_shape *kind) {
@@ -158,8 +170,10 @@ static status check_passed_over(const vtk_cells *c, uint64_t type) {
     if (type < TYPES_MAX && types[type].name)
         return vtk_array_fault(&c->source->types, ST_UNSUPPORTED,
                                "cell %llu (counted from 0) is a %s; linear tetrahedra, hexahedra, "
-                               "wedges, pyramids and voxels are supported",
-                               (unsigned long long)c->cell, types[type].name);
+                               "wedges, pyramids, voxels and polyhedra are supported%s",
+                               (unsigned long long)c->cell, types[type].name,
+                               types[type].corners ? " (--by-corners takes it as a linear one)"
+                                                   : "");
     return vtk_array_fault(
         &c->source->types, ST_CORRUPT,
         "cell %llu (counted from 0) is of type %lld, expected a cell type of VTK",
@@ -217,6 +231,56 @@ static status next_ghost(vtk_cells *c, vtk_cell *cell) {
     return st;
 }
 
+/* A legacy file has a polyhedron's faces in the place of its points. */
+static status read_polyhedron(vtk_cells *c, uint64_t size, mesh_polyhedron *p) {
+    enum { NUMBERS_MAX = 1 << 20 };
+    uint64_t faces = 0;
+    if (size < 1 || size > NUMBERS_MAX)
+        return vtk_array_fault(&c->source->ids, ST_UNSUPPORTED,
+                               "cell %llu (counted from 0) is a polyhedron of %llu numbers, at "
+                               "most %d are supported",
+                               (unsigned long long)c->cell, (unsigned long long)size, NUMBERS_MAX);
+    status st = vtk_cursor_whole(c->ids, 1, &faces);
+    while (st == ST_OK && c->room < size)
+        st = mem_grow(c->m, &c->stream, sizeof *c->stream, c->room, 256, &c->room);
+    if (st == ST_OK)
+        st = vtk_cursor_whole(c->ids, (size_t)size - 1, c->stream);
+    *p = (mesh_polyhedron){.faces = (size_t)faces, .stream = c->stream, .size = (size_t)size - 1};
+    const char *what = st == ST_OK ? mesh_polyhedron_fault(p) : NULL;
+    return what ? vtk_array_fault(&c->source->ids, ST_CORRUPT, "cell %llu (counted from 0) %s",
+                                  (unsigned long long)c->cell, what)
+                : st;
+}
+
+/* The next cell's faces. polyhedron: it has some. size: its numbers among the ids. */
+static status next_faces(vtk_cells *c, bool polyhedron, uint64_t size, vtk_cell *cell) {
+    cell->polyhedron = (mesh_polyhedron){.faces = 0};
+    if (polyhedron && !c->faces && !is_legacy(c->source))
+        return vtk_array_fault(&c->source->types, ST_CORRUPT,
+                               "cell %llu (counted from 0) is a polyhedron, expected an array of "
+                               "faces",
+                               (unsigned long long)c->cell);
+    if (!c->faces)
+        return polyhedron ? read_polyhedron(c, size, &cell->polyhedron) : ST_OK;
+    const status st = vtk_faces_next(c->faces, polyhedron, &cell->polyhedron);
+    return st == ST_OK && polyhedron ? pass_over(c, size) : st;
+}
+
+status vtk_cells_may_hold_polyhedra(mem *m, const vtk_cells_source *s, bool *out) {
+    vtk_cursor *c = NULL;
+    *out = vtk_faces_there(&s->faces);
+    if (*out || s->count == 0 || !is_legacy(s) || !vtk_array_whole(s->types.type))
+        return ST_OK;
+    status st = vtk_cursor_open(m, &s->types, s->count, &c);
+    for (uint64_t i = 0; st == ST_OK && i < s->count && !*out; i++) {
+        uint64_t type = 0;
+        st = vtk_cursor_whole(c, 1, &type);
+        *out = type == POLYHEDRON;
+    }
+    vtk_cursor_close(c);
+    return st;
+}
+
 status vtk_cells_next(vtk_cells *c, vtk_cell *cell) {
     uint64_t type, size;
     status st = next_ghost(c, cell);
@@ -226,11 +290,20 @@ status vtk_cells_next(vtk_cells *c, vtk_cell *cell) {
         st = next_size(c, &size);
     if (st != ST_OK)
         return st;
-    cell->volume = volume_kind(type, &cell->kind);
-    cell->count = cell->volume ? cell_shape_vertices(cell->kind) : 0;
+    const bool polyhedron = type == POLYHEDRON;
+    st = next_faces(c, polyhedron, size, cell);
+    if (st != ST_OK)
+        return st;
+    const bool linear = volume_kind(type, &cell->kind);
+    cell->bent = !linear && c->source->by_corners && type < TYPES_MAX && types[type].corners;
+    if (cell->bent)
+        cell->kind = (cell_shape)(types[type].corners - 1);
+    const bool shaped = linear || cell->bent;
+    cell->volume = shaped || polyhedron;
+    cell->count = shaped ? cell_shape_vertices(cell->kind) : 0;
     if (!cell->volume)
         st = check_passed_over(c, type);
-    else if (size != (uint64_t)cell->count)
+    else if (shaped && (cell->bent ? size < (uint64_t)cell->count : size != (uint64_t)cell->count))
         st = vtk_array_fault(&c->source->types, ST_CORRUPT,
                              "cell %llu (counted from 0) of type %llu has %lld points, expected %d",
                              (unsigned long long)c->cell, (unsigned long long)type, (long long)size,
@@ -238,8 +311,11 @@ status vtk_cells_next(vtk_cells *c, vtk_cell *cell) {
     if (st != ST_OK)
         return st;
     c->cell++;
-    return cell->volume ? vtk_cursor_whole(c->ids, (size_t)cell->count, cell->ids)
-                        : pass_over(c, size);
+    if (polyhedron)
+        return ST_OK;
+    if (shaped)
+        st = vtk_cursor_whole(c->ids, (size_t)cell->count, cell->ids);
+    return st == ST_OK ? pass_over(c, size - (uint64_t)cell->count) : st;
 }
 
 status vtk_cells_finish(vtk_cells *c) {
@@ -248,5 +324,7 @@ status vtk_cells_finish(vtk_cells *c) {
         st = vtk_cursor_finish(c->offsets);
     if (st == ST_OK && c->ghosts)
         st = vtk_cursor_finish(c->ghosts);
+    if (st == ST_OK && c->faces)
+        st = vtk_faces_finish(c->faces);
     return st == ST_OK ? vtk_cursor_finish(c->ids) : st;
 }

@@ -152,8 +152,10 @@ status vtk_unstructured_open(mesh_source *source,
     status st = vtk_array_check_file(source->path);
     if (st == ST_OK)
         st = scan(g, source->data);
-    for (size_t i = 0; i < g->count; i++)
+    for (size_t i = 0; i < g->count; i++) {
         g->pieces[i].cells.ghosts = vtk_fields_ghosts(&g->pieces[i].fields);
+        g->pieces[i].cells.by_corners = source->hints.by_corners;
+    }
     return st == ST_OK ? check(g) : st;
 }
 
@@ -211,23 +213,87 @@ static status read_values(vtk_unstructured *g, const vtk_piece *p, uint32_t k, m
     return st;
 }
 
+/* Whether a polyhedron is handed over. */
+static bool is_taken(const vtk_piece *p, const vtk_cell *cell) {
+    return cell->polyhedron.faces && !cell->copied && !cell->hidden &&
+           mesh_polyhedron_inside(&cell->polyhedron, p->points);
+}
+
+/* The file is read several times: its polyhedra must add the points that were counted. */
+static status changed(const vtk_piece *p) {
+    return status_describe(ST_IO, "%s: changed while it was read", p->path);
+}
+
+/* Go through the polyhedra of a piece: count the points that they add, or feed these. */
+static status each_polyhedron(vtk_unstructured *g, vtk_piece *p, mesh_feed *feed) {
+    mesh_polyhedron_room room = {.m = g->m};
+    uint64_t fed = 0;
+    vtk_cells *cells = NULL;
+    status st = p->cells.count ? vtk_cells_open(g->m, &p->cells, &cells) : ST_OK;
+    for (uint64_t i = 0; st == ST_OK && i < p->cells.count; i++) {
+        vtk_cell cell;
+        st = vtk_cells_next(cells, &cell);
+        if (st != ST_OK || !is_taken(p, &cell))
+            continue;
+        if (!feed) {
+            p->middles += mesh_polyhedron_middles(&cell.polyhedron);
+            continue;
+        }
+        fed += mesh_polyhedron_middles(&cell.polyhedron);
+        st = fed <= p->middles ? mesh_polyhedron_reserve(&room, &cell.polyhedron) : changed(p);
+        if (st == ST_OK)
+            st = mesh_polyhedron_feed_middles(&cell.polyhedron, feed, g->taken_count, &room);
+    }
+    vtk_cells_close(cells);
+    mesh_polyhedron_release(&room);
+    return st == ST_OK && feed && fed < p->middles ? changed(p) : st;
+}
+
+static status count_middles(vtk_unstructured *g, uint64_t *points) {
+    *points = 0;
+    for (size_t i = 0; i < g->count; i++) {
+        vtk_piece *p = &g->pieces[i];
+        bool some;
+        status st = vtk_cells_may_hold_polyhedra(g->m, &p->cells, &some);
+        p->middles = 0;
+        if (st == ST_OK && some)
+            st = each_polyhedron(g, p, NULL);
+        if (st != ST_OK)
+            return st;
+        *points += p->points + p->middles;
+    }
+    return ST_OK;
+}
+
 /* Read a piece's cells. Its points are numbered from `first` on, behind the points of the pieces
  * before. */
 static status read_cells(vtk_unstructured *g, const vtk_piece *p, uint64_t first, mesh_feed *feed) {
     vtk_cells *cells = NULL;
+    uint64_t middle = first + p->points;
+    const uint64_t end = middle + p->middles;
     status st = p->cells.count ? vtk_cells_open(g->m, &p->cells, &cells) : ST_OK;
     for (uint64_t i = 0; st == ST_OK && i < p->cells.count; i++) {
         vtk_cell cell;
         st = vtk_cells_next(cells, &cell);
         if (st != ST_OK)
             break;
+        if (is_taken(p, &cell)) {
+            const uint64_t own = mesh_polyhedron_middles(&cell.polyhedron);
+            st = own <= end - middle ? mesh_polyhedron_feed(&cell.polyhedron, feed, first, middle)
+                                     : changed(p);
+            middle += own;
+            continue;
+        }
         for (int v = 0; v < cell.count; v++)
             cell.ids[v] = cell.ids[v] < p->points ? first + cell.ids[v] : UINT64_MAX;
         if (cell.copied || cell.hidden)
             feed->report->ghosts++;
-        else if (cell.volume)
+        else if (cell.polyhedron.faces)
+            feed->report->bad_indices++;
+        else if (cell.volume) {
+            feed->report->by_corners += cell.bent;
             st = mesh_feed_cell(feed, cell.kind, cell.ids);
-        else
+        } else
             feed->report->skipped++;
     }
     if (st == ST_OK && cells)
@@ -251,18 +317,24 @@ status vtk_unstructured_read(void *state, mesh_feed *feed) {
     vtk_unstructured *g = state;
     if (g->taken_count > 0)
         snprintf(feed->report->field, sizeof feed->report->field, "%s", g->taken[0]->name);
-    uint64_t first = 0;
-    status st = mesh_feed_expect(feed, g->points);
+    uint64_t first = 0, points;
+    status st = count_middles(g, &points);
+    if (st == ST_OK)
+        st = mesh_feed_expect(feed, points);
     for (size_t i = 0; i < g->count; i++)
         mesh_feed_expect_cells(feed, g->pieces[i].cells.count);
     for (size_t i = 0; st == ST_OK && i < g->count; i++) {
-        const vtk_piece *p = &g->pieces[i];
-        st = read_points(g, p, feed);
+        vtk_piece *p = &g->pieces[i];
+        st = mesh_feed_keep(feed, p->middles ? p->points : 0);
+        if (st == ST_OK)
+            st = read_points(g, p, feed);
         if (st == ST_OK)
             st = read_fields(g, p, feed);
+        if (st == ST_OK && p->middles)
+            st = each_polyhedron(g, p, feed);
         if (st == ST_OK)
             st = read_cells(g, p, first, feed);
-        first += p->points;
+        first += p->points + p->middles;
     }
     return st == ST_OK && g->taken_count == 0 ? mesh_feed_zeros(feed) : st;
 }

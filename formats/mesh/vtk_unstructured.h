@@ -16,6 +16,7 @@
 typedef struct vtk_piece {
     const char *path; /* the file it is in; not owned */
     uint64_t points;
+    uint64_t middles; /* points that its polyhedra add, once counted */
     vtk_array position;
     vtk_cells_source cells;
     vtk_fields fields;

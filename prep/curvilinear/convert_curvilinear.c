@@ -4,9 +4,11 @@
 
 #include "formats/base/clock.h"
 #include "formats/curvilinear/curvilinear_input_kind.h"
+#include "prep/convert_append.h"
 #include "prep/convert_choices.h"
 #include "prep/curvilinear/convert_curvilinear_report.h"
 #include "prep/curvilinear/curvilinear_files.h"
+#include "prep/further_step.h"
 
 /* ---- notes ---- */
 
@@ -52,14 +54,9 @@ static status take_sets(convert_sets *s, curvilinear_input *x, const char *name)
 
 static status refuse(const convert_request *a) {
     const curvilinear_hints *h = &a->hints.curvilinear;
-    if (a->append)
-        return status_describe(ST_UNSUPPORTED,
-                               "%s: steps are not added to files of curvilinear grids; give all of "
-                               "them at once",
-                               a->common.input);
-    if (a->file.codec != LEAF_CODEC_RAW)
-        return status_describe(ST_UNSUPPORTED, "%s: files of curvilinear grids are not compressed",
-                               a->common.input);
+    if (a->grow && leaf_grow_before(a->grow)->header.kind != LEAF_KIND_CURVILINEAR)
+        return further_step_refuse(leaf_grow_before(a->grow), a->common.input,
+                                   "it is a curvilinear grid, and the file is of none");
     if (a->common.input_count > 1 && (h->solutions.count || h->functions.count))
         return status_describe(ST_USAGE, "--solution and --functions go with one INPUT");
     return ST_OK;
@@ -67,20 +64,26 @@ static status refuse(const convert_request *a) {
 
 static status convert_files(convert_request *a, mem *m, curvilinear_files *files, double start) {
     const curvilinear_options o = {.file = a->file,
-                                   .memory = m->limit,
+                                   .memory = m->limit - convert_append_memory(a, m),
                                    .threads = a->common.threads,
                                    .force = a->common.force,
+                                   .grows = a->append,
+                                   .grow = a->grow,
                                    .refuse_empty = !a->allow_empty};
     const curvilinear_series series = curvilinear_files_series(files);
     const curvilinear_source *source;
     curvilinear_plan plan;
     curvilinear_result r;
     status st = series.open(series.ctx, 0, &source);
+    if (st == ST_OK && a->grow && !files->of.sets.names)
+        st = further_step_check_field(leaf_grow_before(a->grow), a->common.input, 0, files->field);
     if (st == ST_OK)
         st = curvilinear_plan_make(m, &series, source, &o, &plan);
     if (st == ST_OK && !a->dry_run)
         st = curvilinear_convert(m, &series, curvilinear_input_name(files->first), a->common.output,
                                  &o, cli_progress(&a->common), &r);
+    if (st == ST_OK && !a->dry_run)
+        convert_append_note(a, &files->of.sets);
     if (st == ST_OK)
         st = series.open(series.ctx, 0, &source);
     return st == ST_OK ? convert_curvilinear_report(a, source, files->field, &plan,
@@ -100,6 +103,8 @@ static status run(convert_request *a, mem *m, input *in, double start) {
     files.of = convert_request_series(a);
     if (st == ST_OK)
         st = step_series_check(&files.of);
+    if (st == ST_OK)
+        st = convert_append_check(a, &files.of.sets);
     if (st == ST_OK && !a->allow_empty)
         st = curvilinear_files_check(&files);
     if (st == ST_OK)

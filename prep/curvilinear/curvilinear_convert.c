@@ -7,9 +7,12 @@
 #include "formats/base/hash.h"
 #include "formats/base/hexahedron.h"
 #include "formats/base/pool.h"
+#include "formats/leaf/curvilinear_coder.h"
 #include "formats/leaf/curvilinear_draw.h"
 #include "formats/leaf/curvilinear_geometry.h"
+#include "formats/leaf/hex_treelet.h"
 #include "prep/curvilinear/curvilinear_slab.h"
+#include "prep/further_step.h"
 
 #ifndef LEAFCAST_VERSION
 #define LEAFCAST_VERSION "0"
@@ -49,9 +52,11 @@ typedef struct conversion {
     /* What the pass puts: */
     uint32_t step, set;
     /* Per thread: */
-    char **rooms;         /* for a payload */
-    uint64_t (*codes)[4]; /* cells of each code */
-    bool *any;            /* it has put a number */
+    char **rooms; /* for a payload, and the same compressed */
+    leaf_packer **packers;
+    leaf_unpacker **unpackers; /* of the file that is added to */
+    uint64_t (*codes)[4];      /* cells of each code */
+    bool *any;                 /* it has put a number */
 } conversion;
 
 /* ---- the plan ---- */
@@ -60,7 +65,8 @@ static leaf_curvilinear contents(const curvilinear_series *s, const curvilinear_
     return (leaf_curvilinear){.sets = s->sets, .zones = first->zones, .nodes = first->nodes};
 }
 
-static const uint32_t whole[3] = {CURVILINEAR_SIDE, CURVILINEAR_SIDE, CURVILINEAR_SIDE};
+/* Counts of the largest treelet. */
+static const uint32_t whole[4] = {CURVILINEAR_SIDE, CURVILINEAR_SIDE, CURVILINEAR_SIDE};
 
 /* The most treelets of a zone. */
 static uint64_t most_treelets(const curvilinear_source *source) {
@@ -82,6 +88,14 @@ static void sum_zone(void *ctx, const uint32_t first[3], const uint32_t cells[3]
     plan->memory += curvilinear_value_bytes(cells);
 }
 
+static size_t room_bytes(const curvilinear_options *o) {
+    return (o->file.codec == LEAF_CODEC_RAW && !o->grow ? 1 : 2) * curvilinear_place_bytes(whole);
+}
+
+static size_t unpacker_bytes(const curvilinear_options *o) {
+    return o->grow ? leaf_unpacker_memory(leaf_grow_before(o->grow)) : 0;
+}
+
 /* At most. */
 static uint64_t drawing_bytes(const leaf_sets *sets) {
     const uint64_t all = (uint64_t)sets->fields * sets->steps;
@@ -89,13 +103,14 @@ static uint64_t drawing_bytes(const leaf_sets *sets) {
     return runs * (sizeof(float[HISTOGRAM_CORNERS][3]) + all * sizeof(histogram_cell));
 }
 
-status curvilinear_plan_make(const mem *m, const curvilinear_series *s,
-                             const curvilinear_source *first, const curvilinear_options *o,
-                             curvilinear_plan *plan) {
+status curvilinear_plan_make(mem *m, const curvilinear_series *s, const curvilinear_source *first,
+                             const curvilinear_options *o, curvilinear_plan *plan) {
     leaf_curvilinear g = contents(s, first);
-    uint64_t writer = 0;
+    uint64_t writer = 0, packer = 0;
     g.moving = s->sets.steps > 1 && !s->still; /* at most */
-    status st = leaf_writer_curvilinear_memory(&g, &writer);
+    status st = leaf_writer_curvilinear_memory(&g, o->grow != NULL, &writer);
+    if (st == ST_OK)
+        st = leaf_packer_memory(m, NULL, &curvilinear_coder, whole, &o->file, &packer);
     if (st != ST_OK)
         return st;
     *plan = (curvilinear_plan){0};
@@ -106,11 +121,12 @@ status curvilinear_plan_make(const mem *m, const curvilinear_series *s,
     }
     plan->file_bytes = plan->file_bytes * (g.moving ? s->sets.steps : 1) +
                        plan->memory * s->sets.fields * s->sets.steps;
-    plan->memory = m->used + writer + curvilinear_slab_bytes(first) +
-                   (o->file.histograms ? drawing_bytes(&s->sets) : 0) +
-                   most_treelets(first) * (sizeof(place) + sizeof(uint32_t)) +
-                   (uint64_t)o->threads * (curvilinear_place_bytes(whole) + (64 << 10)) +
-                   (256 << 10);
+    plan->memory =
+        m->used + writer + curvilinear_slab_bytes(first) +
+        (o->file.histograms ? drawing_bytes(&s->sets) : 0) +
+        most_treelets(first) * (sizeof(place) + sizeof(uint32_t)) +
+        (uint64_t)o->threads * (room_bytes(o) + packer + unpacker_bytes(o) + (64 << 10)) +
+        (256 << 10);
     if (plan->memory <= o->memory)
         return ST_OK;
     return status_describe(ST_NOMEM, "a layer of treelets needs %.1f MiB of memory (--memory)",
@@ -118,6 +134,10 @@ status curvilinear_plan_make(const mem *m, const curvilinear_series *s,
 }
 
 /* ---- treelets ---- */
+
+static char *pack_of(const conversion *c, int worker) {
+    return c->rooms[worker] + curvilinear_place_bytes(whole);
+}
 
 static uint32_t treelet_of(const conversion *c, size_t index, const place **at) {
     const uint32_t n = c->layer[index];
@@ -199,6 +219,21 @@ static void draw_values(const conversion *c, const place *at) {
     }
 }
 
+/* See that places are those that the file has which is added to. */
+static status keep_places(const conversion *c, uint32_t t, const place *at, int worker) {
+    leaf_file *before = leaf_grow_before(c->o->grow);
+    char *its = pack_of(c, worker);
+    const status st = leaf_file_load(before, t, c->unpackers[worker], its);
+    if (st != ST_OK)
+        return st;
+    if (memcmp(c->rooms[worker], its, curvilinear_place_bytes(at->cells)) != 0)
+        return further_step_refuse(before, c->series->path(c->series->ctx, c->step),
+                                   "nodes of treelet %u lie elsewhere, or are blanked otherwise",
+                                   t);
+    leaf_writer_keep_topology(c->writer, t);
+    return ST_OK;
+}
+
 static status put_places(void *ctx, size_t index, int worker) {
     const conversion *c = ctx;
     const curvilinear_slab *s = &c->slab;
@@ -217,7 +252,10 @@ static status put_places(void *ctx, size_t index, int worker) {
         }
     put_codes(s, at, (uint8_t *)(to + 3 * (size_t)nodes), c->step ? later : c->codes[worker]);
     draw_corners(c, at);
-    return leaf_writer_put_positions(c->writer, NULL, c->step, t, bounds, to, NULL);
+    if (c->o->grow)
+        return keep_places(c, t, at, worker);
+    return leaf_writer_put_positions(c->writer, c->packers[worker], c->step, t, bounds, to,
+                                     pack_of(c, worker));
 }
 
 static status put_values(void *ctx, size_t index, int worker) {
@@ -245,7 +283,8 @@ static status put_values(void *ctx, size_t index, int worker) {
         }
     c->any[worker] |= entry.own[0] <= entry.own[1];
     draw_values(c, at);
-    return leaf_writer_put_values(c->writer, NULL, c->set, t, &entry, c->rooms[worker], NULL);
+    return leaf_writer_put_values(c->writer, c->packers[worker], c->set, t, &entry,
+                                  c->rooms[worker], pack_of(c, worker));
 }
 
 /* ---- passes ---- */
@@ -363,6 +402,28 @@ static status find_moving(conversion *c) {
     return st;
 }
 
+/* What is known of the steps before they are converted goes with a file that grows. */
+static status check_growth(const conversion *c) {
+    const char *path = c->series->path(c->series->ctx, 0);
+    const leaf_file *before = c->o->grow ? leaf_grow_before(c->o->grow) : NULL;
+    if ((c->o->grows || before) && c->moving)
+        return status_describe(ST_USAGE,
+                               "%s: --append: nodes that move from step to step: all steps of such "
+                               "a grid are converted at once",
+                               path);
+    if (before && before->header.zones != c->zones)
+        return further_step_refuse(before, path, "it has %u zones, expected %u", c->zones,
+                                   before->header.zones);
+    for (uint32_t z = 0; before && z < c->zones; z++) {
+        const uint32_t *n = c->nodes[z], *of = curvilinear_directory_of(before)->zones[z];
+        if (memcmp(n, of, sizeof *c->nodes) != 0)
+            return further_step_refuse(before, path,
+                                       "zone %u has %u x %u x %u nodes, expected %u x %u x %u", z,
+                                       n[0], n[1], n[2], of[0], of[1], of[2]);
+    }
+    return ST_OK;
+}
+
 static status convert_step(conversion *c, uint32_t step) {
     const curvilinear_source *source;
     status st = open_step(c, step, &source);
@@ -384,15 +445,23 @@ static status allocate(conversion *c, const curvilinear_source *first) {
     c->rooms = mem_array(c->m, threads, sizeof *c->rooms);
     c->codes = mem_array(c->m, threads, sizeof *c->codes);
     c->any = mem_array(c->m, threads, sizeof *c->any);
-    if (!c->nodes || !c->places || !c->layer || !c->rooms || !c->codes || !c->any)
+    c->packers = mem_array(c->m, threads, sizeof(leaf_packer *));
+    if (!c->nodes || !c->places || !c->layer || !c->rooms || !c->codes || !c->any || !c->packers)
         return ST_NOMEM;
     memcpy(c->nodes, first->nodes, c->zones * sizeof *c->nodes);
     for (size_t i = 0; i < threads; i++) {
-        c->rooms[i] = mem_alloc(c->m, curvilinear_place_bytes(whole));
+        c->rooms[i] = mem_alloc(c->m, room_bytes(c->o));
         if (!c->rooms[i])
             return ST_NOMEM;
+        const status made =
+            leaf_packer_create(c->m, NULL, &curvilinear_coder, whole, &c->o->file, &c->packers[i]);
+        if (made != ST_OK)
+            return made;
     }
-    const status st = curvilinear_slab_init(&c->slab, c->m, first);
+    status st = curvilinear_slab_init(&c->slab, c->m, first);
+    if (st == ST_OK && c->o->grow)
+        st =
+            leaf_unpackers_create(c->m, leaf_grow_before(c->o->grow), c->o->threads, &c->unpackers);
     return st == ST_OK ? pool_create(c->m, c->o->threads, &c->workers) : st;
 }
 
@@ -427,6 +496,10 @@ static void release(conversion *c) {
     curvilinear_slab_release(&c->slab);
     for (int i = 0; c->rooms && i < c->o->threads; i++)
         mem_free(c->m, c->rooms[i]);
+    for (int i = 0; c->packers && i < c->o->threads; i++)
+        leaf_packer_destroy(c->m, c->packers[i]);
+    mem_free(c->m, c->packers);
+    leaf_unpackers_destroy(c->m, c->unpackers, c->o->threads);
     mem_free(c->m, c->nodes);
     mem_free(c->m, c->places);
     mem_free(c->m, c->layer);
@@ -436,15 +509,17 @@ static void release(conversion *c) {
 }
 
 static status begin_writer(conversion *c, const char *name, const char *output) {
-    const leaf_target to = {.path = output, .force = c->o->force};
+    const curvilinear_options *o = c->o;
+    const leaf_target to = {.path = output,
+                            .force = o->force || o->grow,
+                            .grows = o->grows && !o->grow,
+                            .grow = o->grow};
     const leaf_curvilinear g = {.name = name,
                                 .sets = c->series->sets,
                                 .zones = c->zones,
                                 .nodes = (const uint32_t(*)[3])c->nodes,
                                 .moving = c->moving};
-    leaf_parameters p = c->o->file;
-    p.codec = LEAF_CODEC_RAW;
-    const status st = leaf_writer_create_curvilinear(c->m, &to, &g, &p, &c->writer);
+    const status st = leaf_writer_create_curvilinear(c->m, &to, &g, &o->file, &c->writer);
     if (st == ST_OK)
         leaf_writer_stop_by(c->writer, c->p);
     return st;
@@ -468,6 +543,8 @@ static status convert_all(conversion *c, const curvilinear_source *first, uint64
     c->passes = (look ? 2 : 1) * (uint64_t)steps + (uint64_t)steps * c->series->sets.fields;
     if (st == ST_OK && look)
         st = find_moving(c);
+    if (st == ST_OK)
+        st = check_growth(c);
     if (st == ST_OK)
         st = begin_writer(c, name, output);
     if (st == ST_OK)
@@ -498,10 +575,14 @@ status curvilinear_convert(mem *m, const curvilinear_series *s, const char *name
     if (st == ST_OK)
         st = convert_all(&c, first, plan.cells, name, output);
     note_result(&c, result);
-    const leaf_facts facts = {.non_finite = c.slab.odd,
-                              .provenance = "leafcast " LEAFCAST_VERSION
-                                            " convert, from a curvilinear grid: treelets of 32^3 "
-                                            "cells, raw"};
+    char origin[128], codec[32] = "raw";
+    if (o->file.codec == LEAF_CODEC_ZSTD)
+        snprintf(codec, sizeof codec, "zstd:%d", o->file.zstd_level);
+    snprintf(origin, sizeof origin,
+             "leafcast " LEAFCAST_VERSION
+             " convert, from a curvilinear grid: treelets of 32^3 cells, %s",
+             codec);
+    const leaf_facts facts = {.non_finite = c.slab.odd, .provenance = origin};
     release(&c);
     if (st != ST_OK) {
         leaf_writer_discard(c.writer);

@@ -23,10 +23,12 @@ typedef struct curvilinear_series {
 } curvilinear_series;
 
 typedef struct curvilinear_options {
-    leaf_parameters file; /* run_align_log2 alone is used */
+    leaf_parameters file; /* alignment, compression and histograms are used */
     uint64_t memory;      /* budget in bytes */
     int threads;          /* 1 or more */
     bool force;           /* replace an existing output */
+    bool grows;           /* steps may be added to the output later */
+    leaf_grow *grow;      /* the output, opened: these are further steps of it; or NULL */
     bool refuse_empty;    /* ST_UNSUPPORTED if no value is a number */
 } curvilinear_options;
 
@@ -43,12 +45,12 @@ typedef struct curvilinear_result {
 
 /* curvilinear_plan_make() - what a conversion takes. first: a source of the series. ST_NOMEM if
  * that is more than o->memory; the text says how much. ST_UNSUPPORTED: too many treelets. */
-CHECKED status curvilinear_plan_make(const mem *m, const curvilinear_series *s,
+CHECKED status curvilinear_plan_make(mem *m, const curvilinear_series *s,
                                      const curvilinear_source *first, const curvilinear_options *o,
                                      curvilinear_plan *plan);
 
 /* curvilinear_convert() - plan, convert, and publish `output`. name: of the data set. ST_CORRUPT
- * names a step whose zones are not those of the first. */
+ * names a step whose zones are not those of the first; ST_USAGE what is no further step. */
 CHECKED status curvilinear_convert(mem *m, const curvilinear_series *s, const char *name,
                                    const char *output, const curvilinear_options *o,
                                    const progress *p, curvilinear_result *result);

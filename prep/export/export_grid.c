@@ -106,19 +106,17 @@ static status export_samples(export_request *a, mem *m, leaf_file *f, double sta
 
 static status export_grid_surface(export_request *a, mem *m, leaf_file *f, piece_info *info) {
     grid_part part;
-    grid_surface *s = NULL;
+    piece_source source = {.ctx = NULL};
     uint32_t field = 0;
     status st = a->field_count ? export_request_field(f, a->fields[0], &field) : ST_OK;
     const int threads = export_pieces_threads(a, m, grid_surface_worker(f));
     if (st == ST_OK)
         st = choose_part(a, f, field, &part);
     if (st == ST_OK)
-        st = grid_surface_create(m, f, &part, a->isos, a->iso_count, threads, &s);
-    if (st == ST_OK) {
-        const piece_source source = grid_surface_source(s);
+        st = grid_surface_create(m, f, &part, a->isos, a->iso_count, threads, &source);
+    if (st == ST_OK)
         st = export_pieces_write(a, m, &source, threads, info);
-    }
-    grid_surface_destroy(s);
+    piece_source_release(&source);
     return st;
 }
 

@@ -8,12 +8,12 @@
 #include "prep/export/piece.h"
 
 typedef struct export_kind {
-    const leaf_geometry *of;
+    const leaf_geometry *of; /* NULL: all whose cells are hexahedra */
     /* Write the samples of a lattice, and report. NULL: it has none. */
     status (*samples)(export_request *a, mem *m, leaf_file *f, double start);
-    /* Write isosurfaces, or its cells where a->pieces has as many corners as these. */
+    /* Write isosurfaces, or its cells if a->pieces->solid. */
     status (*pieces)(export_request *a, mem *m, leaf_file *f, piece_info *info);
-    int corners;         /* of its cells, if they can be written; 0: they cannot */
+    const char *cells;   /* what they are called; NULL: they cannot be written */
     const char *instead; /* advice where a format cannot hold it */
 } export_kind;
 

@@ -15,8 +15,8 @@
 #include "formats/base/text.h"
 #include "formats/grid/grid.h"
 #include "formats/leaf/leaf_tell.h"
+#include "prep/export/export_cells.h"
 #include "prep/export/export_grid.h"
-#include "prep/export/export_tets.h"
 #include "prep/export/piece_export.h"
 
 enum { MEMORY_DEFAULT_MIB = 2048 };
@@ -164,7 +164,7 @@ static status check(void *own) {
     if (!a->common.input || !a->common.output)
         return status_describe(ST_USAGE, "a treelet file and -o are needed");
     status st = find_format(a);
-    return st == ST_OK && a->pieces && a->pieces->corners == 3 ? check_surface(a) : st;
+    return st == ST_OK && a->pieces && !a->pieces->solid ? check_surface(a) : st;
 }
 
 /* All suffixes of the format, packed ones too. A format known by name alone has those of its
@@ -199,8 +199,9 @@ static const cli_verb verb = {
     .args_doc = "F.leaf -o FILE.nrrd|.raw|.nii|.mha|.npy|.vti|.vtr|.tif|.vdb|.zarr\n"
                 "F.leaf --iso V -o FILE.ply|.stl|.vtp\nF.leaf -o FILE.vtu",
     .doc =
-        "Write what is in a treelet file to another format: the samples of a grid, isosurfaces of "
-        "a grid or a mesh, or a mesh (-o -: to standard output, --format says what)."
+        "Write what is in a treelet file to another format: the samples of a grid, isosurfaces, "
+        "or the cells of a mesh or a curvilinear grid (-o -: to standard output, --format says "
+        "what)."
         "\vExample:\n"
         "  leafcast export head.leaf --iso 1150 -o skull.ply\v"
         "Samples come out as they went in, to the bit, unless their type was not kept (u32, i32, "
@@ -213,9 +214,10 @@ static const cli_verb verb = {
 
 /* ---- all of it ---- */
 
-static status report_pieces(const export_request *a, const piece_info *info, double seconds) {
-    const bool mesh = a->pieces->corners == 4, loose = a->pieces->loose;
-    const char *cells = mesh ? "tets" : "triangles";
+static status report_pieces(const export_request *a, const export_kind *kind,
+                            const piece_info *info, double seconds) {
+    const bool mesh = a->pieces->solid, loose = a->pieces->loose;
+    const char *cells = mesh ? kind->cells : "triangles";
     const unsigned long long vertices = info->vertices, count = info->cells;
     if (a->common.json)
         return cli_print_json(&a->common,
@@ -233,18 +235,18 @@ static status report_pieces(const export_request *a, const piece_info *info, dou
     return ST_OK;
 }
 
-static const export_kind *const kinds[] = {&export_grid, &export_tets_kind};
+static const export_kind *const kinds[] = {&export_grid, &export_tets, &export_hexes};
 
 /* Returns NULL for a kind that is not exported. */
 static const export_kind *kind_of(const leaf_file *f) {
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-        if (kinds[i]->of == f->geometry)
+        if (kinds[i]->of ? kinds[i]->of == f->geometry : f->geometry->hexes != NULL)
             return kinds[i];
     return NULL;
 }
 
 static unsigned use_of(const export_request *a, const export_kind *kind) {
-    if (a->pieces && a->pieces->corners == 4)
+    if (a->pieces && a->pieces->solid)
         return CELLS;
     return (a->pieces ? SURFACE : 0U) | (kind->samples ? LATTICE : 0U);
 }
@@ -257,7 +259,7 @@ static status check_kind(const export_request *a, const leaf_file *f) {
     if (a->samples && !kind->samples)
         return status_describe(ST_UNSUPPORTED, "%s: a %s, which has no samples of a grid: %s", path,
                                name, kind->instead);
-    if (a->pieces && a->pieces->corners == 4 && kind->corners != 4)
+    if (a->pieces && a->pieces->solid && !kind->cells)
         return status_describe(ST_UNSUPPORTED, "%s: a %s, which .%s is not for: %s", path, name,
                                a->pieces->name, kind->instead);
     char becomes[32];
@@ -272,7 +274,7 @@ static status export_pieces(export_request *a, mem *m, leaf_file *f, double star
     text_name(name, sizeof name, f->header.name);
     piece_info info = {.name = name, .isovalues = a->iso_count};
     status st = kind_of(f)->pieces(a, m, f, &info);
-    return st == ST_OK ? report_pieces(a, &info, clock_seconds() - start) : st;
+    return st == ST_OK ? report_pieces(a, kind_of(f), &info, clock_seconds() - start) : st;
 }
 
 static status run(export_request *a) {

@@ -6,9 +6,9 @@
 
 #include "formats/base/vec3.h"
 #include "formats/leaf/leaf_unpacker.h"
-#include "prep/export/marching_table.h"
+#include "prep/export/marching_cell.h"
 
-enum { OUTSIDE = 0, INSIDE = 1, NO_DATA = 2, BISECTIONS = 60 };
+enum { OUTSIDE = 0, INSIDE = 1, NO_DATA = 2 };
 
 #define NO_VERTEX UINT32_MAX
 
@@ -36,7 +36,7 @@ typedef struct bench {
     bool before[3], behind[3];  /* whether there are treelets before and behind it */
 } bench;
 
-struct grid_surface {
+typedef struct grid_surface {
     mem *m;
     leaf_file *f;
     const grid_part *part;
@@ -49,7 +49,7 @@ struct grid_surface {
     int threads;
     bench *benches;
     marching_table table;
-};
+} grid_surface;
 
 static uint32_t nodes_of(const leaf_file *f) {
     const uint32_t side = (1u << f->layout.cells_log2) + 1;
@@ -135,48 +135,6 @@ static status make_bench(grid_surface *s, bench *b) {
     for (int a = 1; a < 3; a++)
         b->at[a] = b->at[0] + a * (size_t)planes_of(f);
     return leaf_unpacker_create(s->m, s->f, &b->unpacker);
-}
-
-status grid_surface_create(mem *m, leaf_file *f, const grid_part *part, const double *isovalues,
-                           uint32_t count, int threads, grid_surface **out) {
-    grid_surface *s = mem_zalloc(m, sizeof *s);
-    if (!s)
-        return ST_NOMEM;
-    s->m = m;
-    s->f = f;
-    s->part = part;
-    s->isovalues = isovalues;
-    s->threads = threads;
-    marching_table_init(&s->table);
-    map_normals(s);
-    status st = find_units(s, count);
-    if (st == ST_OK && !(s->benches = mem_array(m, (size_t)threads, sizeof *s->benches)))
-        st = ST_NOMEM;
-    for (int i = 0; st == ST_OK && i < threads; i++)
-        st = make_bench(s, &s->benches[i]);
-    if (st != ST_OK) {
-        grid_surface_destroy(s);
-        return st;
-    }
-    *out = s;
-    return ST_OK;
-}
-
-void grid_surface_destroy(grid_surface *s) {
-    if (!s)
-        return;
-    for (int i = 0; s->benches && i < s->threads; i++) {
-        bench *b = &s->benches[i];
-        mem_free(s->m, b->payload);
-        leaf_unpacker_destroy(b->unpacker);
-        mem_free(s->m, b->value);
-        mem_free(s->m, b->side);
-        mem_free(s->m, b->vertex);
-        mem_free(s->m, b->at[0]);
-    }
-    mem_free(s->m, s->benches);
-    mem_free(s->m, s->units);
-    mem_free(s->m, s);
 }
 
 /* ---- a treelet ---- */
@@ -331,85 +289,12 @@ static status find_vertex(bench *b, const uint32_t cell[3], int edge, uint32_t *
 
 /* ---- centres ---- */
 
-/* A cell's interpolant minus the isovalue. */
-typedef struct trilinear {
-    double f[8];
-} trilinear;
-
-static double value_at(const trilinear *c, const double u[3], double gradient[3]) {
-    double sum = 0;
-    memset(gradient, 0, 3 * sizeof *gradient);
-    for (int corner = 0; corner < 8; corner++) {
-        double weight[3], sign[3];
-        for (int a = 0; a < 3; a++) {
-            weight[a] = corner >> a & 1 ? u[a] : 1 - u[a];
-            sign[a] = corner >> a & 1 ? 1 : -1;
-        }
-        sum += weight[0] * weight[1] * weight[2] * c->f[corner];
-        for (int a = 0; a < 3; a++)
-            gradient[a] += sign[a] * weight[(a + 1) % 3] * weight[(a + 2) % 3] * c->f[corner];
-    }
-    return sum;
-}
-
-/* Find by bisection where the sign changes between `from` and a corner of the other sign. */
-static void bisect(const trilinear *c, const double from[3], int corner, double root[3]) {
-    double gradient[3], lo = 0, hi = 1;
-    const bool side = value_at(c, from, gradient) >= 0;
-    for (int i = 0; i < BISECTIONS; i++) {
-        const double middle = lo + (hi - lo) / 2;
-        for (int a = 0; a < 3; a++)
-            root[a] = from[a] + middle * ((corner >> a & 1) - from[a]);
-        if ((value_at(c, root, gradient) >= 0) == side)
-            lo = middle;
-        else
-            hi = middle;
-    }
-}
-
-/* Find the nearest surface point on the lines from `from` to the corners of the other sign. */
-static void find_centre(const trilinear *c, const double from[3], double centre[3]) {
-    double gradient[3], least = INFINITY;
-    const bool side = value_at(c, from, gradient) >= 0;
-    for (int corner = 0; corner < 8; corner++) {
-        double root[3], away[3];
-        if ((c->f[corner] >= 0) == side)
-            continue;
-        bisect(c, from, corner, root);
-        vec3_sub(root, from, away);
-        if (vec3_dot(away, away) >= least)
-            continue;
-        least = vec3_dot(away, away);
-        memcpy(centre, root, sizeof root);
-    }
-}
-
-/* Middle of the loop around centre n, in cell coordinates. */
-static void middle_of_loop(const bench *b, const trilinear *c, const marching_case *m, int n,
-                           double middle[3]) {
-    int count = 0;
-    memset(middle, 0, 3 * sizeof *middle);
-    for (int i = 0; i < m->triangles; i++) {
-        if (m->corner[i][2] != MARCHING_EDGES + n)
-            continue;
-        const int edge = m->corner[i][0];
-        const uint8_t *ends = b->s->table.edge[edge];
-        const double from = c->f[ends[0]], t = from / (from - c->f[ends[1]]);
-        for (int a = 0; a < 3; a++)
-            middle[a] += a == edge / 4 ? t : ends[0] >> a & 1;
-        count++;
-    }
-    for (int a = 0; a < 3; a++)
-        middle[a] /= count;
-}
-
-static status make_centre(bench *b, const uint32_t cell[3], const trilinear *c,
+static status make_centre(bench *b, const uint32_t cell[3], const double f[HEX_CORNERS],
                           const marching_case *m, int n, uint32_t *index) {
     const uint32_t h = b->s->f->layout.halo;
-    double middle[3], u[3], gradient[3], node[3];
-    middle_of_loop(b, c, m, n, middle);
-    find_centre(c, middle, u);
-    (void)value_at(c, u, gradient);
+    double u[3], gradient[3], node[3];
+    marching_cell_centre(&b->s->table, m, n, f, u);
+    (void)marching_cell_value(f, u, gradient);
     for (int a = 0; a < 3; a++) {
         const double *at = b->at[a] + cell[a] + h, width = at[1] - at[0];
         node[a] = at[0] + u[a] * width;
@@ -423,35 +308,20 @@ static status make_centre(bench *b, const uint32_t cell[3], const trilinear *c,
 
 /* ---- cells ---- */
 
-static trilinear corners_of(const bench *b, const uint32_t cell[3]) {
+/* Values minus the isovalue. */
+static void corners_of(const bench *b, const uint32_t cell[3], double f[HEX_CORNERS]) {
     const uint32_t h = b->s->f->layout.halo;
-    trilinear c;
-    for (int corner = 0; corner < 8; corner++) {
+    for (int corner = 0; corner < HEX_CORNERS; corner++) {
         const uint32_t i[3] = {cell[0] + (corner & 1) + h, cell[1] + (corner >> 1 & 1) + h,
                                cell[2] + (corner >> 2 & 1) + h};
-        c.f[corner] = (double)b->value[sample_at(b, i)] - b->isovalue;
+        f[corner] = (double)b->value[sample_at(b, i)] - b->isovalue;
     }
-    return c;
-}
-
-/* Case of a cell: which corners are inside, and whether they are joined on undecided faces. */
-static const marching_case *case_of(const bench *b, int mask, const trilinear *c) {
-    const marching_table *t = &b->s->table;
-    int joined = 0, asked = 0;
-    for (int face = 0; face < 6; face++) {
-        if (!(t->undecided[mask] >> face & 1))
-            continue;
-        const uint8_t *at = t->face[face];
-        const double one = c->f[at[0]] * c->f[at[2]], other = c->f[at[1]] * c->f[at[3]];
-        const bool first_inside = mask >> at[0] & 1;
-        joined |= (first_inside ? one >= other : other >= one) << asked++;
-    }
-    return &t->cases[t->first[mask] + joined];
 }
 
 static status fill_cell(bench *b, const uint32_t cell[3], int mask) {
-    const trilinear c = corners_of(b, cell);
-    const marching_case *m = case_of(b, mask, &c);
+    double f[HEX_CORNERS];
+    corners_of(b, cell, f);
+    const marching_case *m = marching_cell_case(&b->s->table, mask, f);
     uint32_t index[MARCHING_EDGES + MARCHING_CENTRES];
     bool known[MARCHING_EDGES + MARCHING_CENTRES] = {false};
     status st = ST_OK;
@@ -462,12 +332,12 @@ static status fill_cell(bench *b, const uint32_t cell[3], int mask) {
             if (!known[at])
                 st = at < MARCHING_EDGES
                          ? find_vertex(b, cell, at, &index[at])
-                         : make_centre(b, cell, &c, m, at - MARCHING_EDGES, &index[at]);
+                         : make_centre(b, cell, f, m, at - MARCHING_EDGES, &index[at]);
             known[at] = true;
             corner[b->s->mirrored ? 2 - k : k] = index[at];
         }
         if (st == ST_OK)
-            st = piece_add_cell(b->p, corner);
+            st = piece_add_triangle(b->p, corner);
         if (st != ST_OK)
             return st;
     }
@@ -492,7 +362,7 @@ static status make(void *ctx, uint32_t index, int worker, piece *p) {
     b->p = p;
     b->isovalue_index = u->isovalue;
     b->isovalue = s->isovalues[u->isovalue];
-    piece_begin(p, 3, b->isovalue);
+    piece_begin(p, false, b->isovalue);
     const uint32_t element = leaf_layout_samples(&s->f->layout, s->part->set, u->treelet);
     status st = leaf_file_load(s->f, element, b->unpacker, b->payload);
     if (st != ST_OK)
@@ -514,7 +384,46 @@ static status make(void *ctx, uint32_t index, int worker, piece *p) {
     return ST_OK;
 }
 
-piece_source grid_surface_source(grid_surface *s) {
+/* ---- all of it ---- */
+
+static void destroy(void *ctx) {
+    grid_surface *s = ctx;
+    for (int i = 0; s->benches && i < s->threads; i++) {
+        bench *b = &s->benches[i];
+        mem_free(s->m, b->payload);
+        leaf_unpacker_destroy(b->unpacker);
+        mem_free(s->m, b->value);
+        mem_free(s->m, b->side);
+        mem_free(s->m, b->vertex);
+        mem_free(s->m, b->at[0]);
+    }
+    mem_free(s->m, s->benches);
+    mem_free(s->m, s->units);
+    mem_free(s->m, s);
+}
+
+status grid_surface_create(mem *m, leaf_file *f, const grid_part *part, const double *isovalues,
+                           uint32_t count, int threads, piece_source *out) {
+    grid_surface *s = mem_zalloc(m, sizeof *s);
+    if (!s)
+        return ST_NOMEM;
+    s->m = m;
+    s->f = f;
+    s->part = part;
+    s->isovalues = isovalues;
+    s->threads = threads;
+    marching_table_init(&s->table);
+    map_normals(s);
+    status st = find_units(s, count);
+    if (st == ST_OK && !(s->benches = mem_array(m, (size_t)threads, sizeof *s->benches)))
+        st = ST_NOMEM;
+    for (int i = 0; st == ST_OK && i < threads; i++)
+        st = make_bench(s, &s->benches[i]);
+    if (st != ST_OK) {
+        destroy(s);
+        return st;
+    }
     assert(s->count <= UINT32_MAX);
-    return (piece_source){.ctx = s, .pieces = (uint32_t)s->count, .corners = 3, .make = make};
+    *out = (piece_source){.ctx = s, .pieces = (uint32_t)s->count, .make = make, .destroy = destroy};
+    return ST_OK;
 }

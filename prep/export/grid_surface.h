@@ -11,18 +11,13 @@
 #include "prep/export/grid_part.h"
 #include "prep/export/piece.h"
 
-typedef struct grid_surface grid_surface;
-
-/* grid_surface_create() - isovalues: count of them. Pieces are ordered by isovalue, then by
- * treelet. part and isovalues must outlive it. */
+/* grid_surface_create() - release *out. isovalues: count of them. Pieces are ordered by isovalue,
+ * then by treelet. part and isovalues must outlive it. */
 CHECKED status grid_surface_create(mem *m, leaf_file *f, const grid_part *part,
                                    const double *isovalues, uint32_t count, int threads,
-                                   grid_surface **out);
-void grid_surface_destroy(grid_surface *s); /* NULL is fine */
+                                   piece_source *out);
 
 /* grid_surface_worker() - bytes that each thread needs besides its piece. */
 uint64_t grid_surface_worker(const leaf_file *f);
-
-piece_source grid_surface_source(grid_surface *s);
 
 #endif

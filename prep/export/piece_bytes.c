@@ -124,21 +124,29 @@ char *piece_bytes_facets(const piece_view *v, const piece_array *a, char *to) {
 
 char *piece_bytes_corners(const piece_view *v, const piece_array *a, char *to) {
     (void)a;
-    for (size_t i = 0; i < (size_t)v->p->cells * (size_t)v->p->corners; i++)
+    for (uint32_t i = 0; i < v->p->corners; i++)
         to = put64(to, v->numbers[v->p->corner[i]]);
     return to;
 }
 
 char *piece_bytes_offsets(const piece_view *v, const piece_array *a, char *to) {
     (void)a;
-    for (uint32_t c = 0; c < v->p->cells; c++)
-        to = put64(to, (v->first_cell + c + 1) * (uint64_t)v->p->corners);
+    uint64_t next = v->first_corner;
+    for (uint32_t c = 0; c < v->p->cells; c++) {
+        next += (uint64_t)piece_corners(v->p, c);
+        to = put64(to, next);
+    }
     return to;
 }
 
-char *piece_bytes_tets(const piece_view *v, const piece_array *a, char *to) {
-    enum { VTK_TETRA = 10 };
+char *piece_bytes_shapes(const piece_view *v, const piece_array *a, char *to) {
+    static const char vtk[CELL_SHAPES] = {[CELL_TET] = 10,
+                                          [CELL_VOXEL] = 11,
+                                          [CELL_HEXAHEDRON] = 12,
+                                          [CELL_WEDGE] = 13,
+                                          [CELL_PYRAMID] = 14};
     (void)a;
-    memset(to, VTK_TETRA, v->p->cells);
-    return to + v->p->cells;
+    for (uint32_t c = 0; c < v->p->cells; c++)
+        *to++ = vtk[v->p->shape[c]];
+    return to;
 }

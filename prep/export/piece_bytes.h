@@ -15,12 +15,12 @@ char *piece_bytes_isovalues(const piece_view *v, const piece_array *a, char *to)
 char *piece_bytes_values(const piece_view *v, const piece_array *a, char *to);
 
 /* Per cell. faces: the count 3 in a byte, then corners in 32 bits (PLY). facets: normal, corners
- * and 16 zero bits (STL). corners: in 64 bits. offsets: where the next cell's corners begin. tets:
- * VTK's number of tets in a byte. */
+ * and 16 zero bits (STL). offsets: where the next cell's corners begin. shapes: VTK's number of the
+ * shape in a byte. Per corner. corners: in 64 bits. */
 char *piece_bytes_faces(const piece_view *v, const piece_array *a, char *to);
 char *piece_bytes_facets(const piece_view *v, const piece_array *a, char *to);
 char *piece_bytes_corners(const piece_view *v, const piece_array *a, char *to);
 char *piece_bytes_offsets(const piece_view *v, const piece_array *a, char *to);
-char *piece_bytes_tets(const piece_view *v, const piece_array *a, char *to);
+char *piece_bytes_shapes(const piece_view *v, const piece_array *a, char *to);
 
 #endif

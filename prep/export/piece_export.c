@@ -23,7 +23,7 @@ typedef struct bench {
 
 /* Result of one piece of the batch. */
 typedef struct result {
-    uint32_t vertices, cells, shares;
+    uint32_t vertices, cells, corners, shares;
     hash_id *keys;
     char *encoded;
     size_t size;
@@ -38,7 +38,8 @@ typedef struct job {
     bench *benches;
     result *results; /* one per piece of the batch */
     uint32_t batch, first;
-    uint64_t *first_cell; /* number of each piece's first cell; one more entry for the end */
+    /* Numbers of each piece's first cell and of its first corner; one more entry for the end. */
+    uint64_t *first_cell, *first_corner;
     piece_layout layout;
     uint64_t *array_at; /* offsets of the arrays in the file */
     int array;          /* array that is being written to standard output */
@@ -74,7 +75,8 @@ static status count_one(void *ctx, size_t i, int worker) {
     status st = make(j, j->first + (uint32_t)i, worker);
     if (st != ST_OK)
         return st;
-    *r = (result){.vertices = p->vertices, .cells = p->cells, .shares = p->shares};
+    *r = (result){
+        .vertices = p->vertices, .cells = p->cells, .corners = p->corners, .shares = p->shares};
     if (!j->weld || p->shares == 0)
         return ST_OK;
     r->keys = mem_alloc(j->m, p->shares * sizeof *r->keys);
@@ -94,7 +96,9 @@ static status take_counts(job *j, uint32_t count) {
     status st = ST_OK;
     for (uint32_t i = 0; st == ST_OK && i < count; i++) {
         const result *r = &j->results[i];
-        j->first_cell[j->first + i + 1] = j->first_cell[j->first + i] + r->cells;
+        const uint32_t index = j->first + i;
+        j->first_cell[index + 1] = j->first_cell[index] + r->cells;
+        j->first_corner[index + 1] = j->first_corner[index] + r->corners;
         if (j->weld)
             st = weld_add(j->weld, r->vertices, r->keys, r->shares);
     }
@@ -150,6 +154,7 @@ static status count_all(job *j) {
     if (st == ST_OK && j->weld)
         st = weld_end(j->weld, SPARE_BYTES);
     j->info->cells = j->first_cell[pieces];
+    j->info->corners = j->first_corner[pieces];
     j->info->vertices = st == ST_OK && j->weld ? weld_vertices(j->weld) : 3 * j->info->cells;
     return st;
 }
@@ -179,8 +184,9 @@ static status encode(job *j, uint32_t index, bench *b, const piece_array *a, siz
                              .order = b->order.bytes,
                              .owned = b->owned,
                              .numbers = b->numbers.bytes,
-                             .first_cell = j->first_cell[index]};
-    *size = (a->of_cells ? b->p.cells : b->owned) * a->stride;
+                             .first_corner = j->first_corner[index]};
+    const uint32_t counts[PIECE_DOMAINS] = {b->owned, b->p.cells, b->p.corners};
+    *size = counts[a->of] * a->stride;
     status st = reserve(j, &b->encoded, *size);
     if (st == ST_OK && *size > 0)
         (void)a->encode(&view, a, b->encoded.bytes);
@@ -193,9 +199,18 @@ static status prepare(job *j, uint32_t index, int worker) {
     if (st != ST_OK)
         return st;
     if (p->cells != j->first_cell[index + 1] - j->first_cell[index] ||
+        p->corners != j->first_corner[index + 1] - j->first_corner[index] ||
         (j->weld && !weld_knows(j->weld, index, p)))
         return status_describe(ST_IO, "the treelet file changed while it was read");
     return number(j, index, &j->benches[worker]);
+}
+
+static uint64_t first_of(const job *j, uint32_t index, piece_domain of) {
+    switch (of) {
+    case PIECE_CELLS: return j->first_cell[index];
+    case PIECE_CORNERS: return j->first_corner[index];
+    default: return weld_first(j->weld, index);
+    }
 }
 
 /* Write all arrays of a piece to the file. */
@@ -206,7 +221,7 @@ static status write_one(void *ctx, size_t i, int worker) {
     status st = prepare(j, index, worker);
     for (int k = 0; st == ST_OK && k < j->layout.count; k++) {
         const piece_array *a = &j->layout.arrays[k];
-        const uint64_t element = a->of_cells ? j->first_cell[index] : weld_first(j->weld, index);
+        const uint64_t element = first_of(j, index, a->of);
         size_t size;
         st = encode(j, index, b, a, &size);
         if (st == ST_OK && size > 0)
@@ -287,7 +302,7 @@ static status write_file(job *j) {
         const piece_array *a = &l->arrays[k];
         st = write_text(j, &at, &a->before);
         j->array_at[k] = at;
-        at += a->stride * (a->of_cells ? j->info->cells : j->info->vertices);
+        at += a->stride * piece_elements(j->info, a->of);
     }
     if (st == ST_OK)
         st = write_text(j, &at, &l->tail);
@@ -308,7 +323,8 @@ static status allocate(job *j) {
     j->benches = mem_array(j->m, (size_t)e->threads, sizeof *j->benches);
     j->results = mem_array(j->m, j->batch, sizeof *j->results);
     j->first_cell = mem_array(j->m, pieces + 1, sizeof *j->first_cell);
-    if (!j->benches || !j->results || !j->first_cell)
+    j->first_corner = mem_array(j->m, pieces + 1, sizeof *j->first_corner);
+    if (!j->benches || !j->results || !j->first_cell || !j->first_corner)
         return ST_NOMEM;
     for (int i = 0; i < e->threads; i++)
         j->benches[i].p.m = j->m;
@@ -321,6 +337,7 @@ static void release(job *j) {
     mem_free(j->m, j->benches);
     mem_free(j->m, j->results);
     mem_free(j->m, j->first_cell);
+    mem_free(j->m, j->first_corner);
     mem_free(j->m, j->array_at);
     piece_layout_release(&j->layout);
     weld_destroy(j->weld);

@@ -69,7 +69,7 @@ static status lay_out_ply(mem *m, const piece_info *info, piece_layout *l) {
                   (unsigned long long)info->cells,
                   info->vertices > (uint64_t)INT32_MAX + 1 ? "uint" : "int");
     add(l, (piece_array){
-               .stride = 1 + 3 * sizeof(uint32_t), .of_cells = true, .encode = piece_bytes_faces});
+               .stride = 1 + 3 * sizeof(uint32_t), .of = PIECE_CELLS, .encode = piece_bytes_faces});
     return finish(l);
 }
 
@@ -86,7 +86,7 @@ static status lay_out_stl(mem *m, const piece_info *info, piece_layout *l) {
                                (unsigned long long)info->cells);
     const uint32_t count = htole32((uint32_t)info->cells);
     head_text *h = add(l, (piece_array){.stride = 12 * sizeof(float) + 2,
-                                        .of_cells = true,
+                                        .of = PIECE_CELLS,
                                         .encode = piece_bytes_facets});
     snprintf(title, sizeof title, "leafcast isosurface %.40s", info->name);
     head_text_bytes(h, title, STL_TITLE);
@@ -104,13 +104,14 @@ typedef struct vtk_file {
     uint64_t offset;
 } vtk_file;
 
-static uint64_t elements(const piece_info *info, const piece_array *a) {
-    return a->of_cells ? info->cells : info->vertices;
+uint64_t piece_elements(const piece_info *info, piece_domain of) {
+    const uint64_t counts[PIECE_DOMAINS] = {info->vertices, info->cells, info->corners};
+    return counts[of];
 }
 
 static void declare(vtk_file *f, const char *type, const char *name, int components,
                     piece_array a) {
-    const uint64_t size = elements(f->info, &a) * a.stride, little = htole64(size);
+    const uint64_t size = piece_elements(f->info, a.of) * a.stride, little = htole64(size);
     head_text_add(f->h, "<DataArray type=\"%s\" Name=\"", type);
     head_text_xml(f->h, name);
     head_text_add(f->h, "\"");
@@ -144,14 +145,13 @@ static void declare_points(vtk_file *f) {
     head_text_add(f->h, "</Points>\n");
 }
 
-static void declare_cells(vtk_file *f, size_t corners) {
+static void declare_cells(vtk_file *f) {
     declare(f, "Int64", "connectivity", 1,
-            (piece_array){.stride = corners * sizeof(int64_t),
-                          .of_cells = true,
-                          .encode = piece_bytes_corners});
+            (piece_array){
+                .stride = sizeof(int64_t), .of = PIECE_CORNERS, .encode = piece_bytes_corners});
     declare(
         f, "Int64", "offsets", 1,
-        (piece_array){.stride = sizeof(int64_t), .of_cells = true, .encode = piece_bytes_offsets});
+        (piece_array){.stride = sizeof(int64_t), .of = PIECE_CELLS, .encode = piece_bytes_offsets});
 }
 
 /* Put the declarations before the first array, ahead of its size. */
@@ -182,7 +182,7 @@ static status lay_out_vtp(mem *m, const piece_info *info, piece_layout *l) {
         declare(&f, "Float64", "isovalue", 1,
                 (piece_array){.stride = sizeof(double), .encode = piece_bytes_isovalues});
     head_text_add(&h, "</PointData>\n<Polys>\n");
-    declare_cells(&f, 3);
+    declare_cells(&f);
     head_text_add(&h, "</Polys>\n");
     return end_vtk(&f, "PolyData");
 }
@@ -202,17 +202,17 @@ static status lay_out_vtu(mem *m, const piece_info *info, piece_layout *l) {
         declare(&f, "Float32", info->fields[i], 1,
                 (piece_array){.stride = sizeof(float), .field = i, .encode = piece_bytes_values});
     head_text_add(&h, "</PointData>\n<Cells>\n");
-    declare_cells(&f, 4);
+    declare_cells(&f);
     declare(&f, "UInt8", "types", 1,
-            (piece_array){.stride = 1, .of_cells = true, .encode = piece_bytes_tets});
+            (piece_array){.stride = 1, .of = PIECE_CELLS, .encode = piece_bytes_shapes});
     head_text_add(&h, "</Cells>\n");
     return end_vtk(&f, "UnstructuredGrid");
 }
 
 const piece_format piece_formats[] = {
-    {"ply", ".ply", 3, false, lay_out_ply},
-    {"stl", ".stl", 3, true, lay_out_stl},
-    {"vtp", ".vtp", 3, false, lay_out_vtp},
-    {"vtu", ".vtu", 4, false, lay_out_vtu},
+    {"ply", ".ply", false, false, lay_out_ply},
+    {"stl", ".stl", false, true, lay_out_stl},
+    {"vtp", ".vtp", false, false, lay_out_vtp},
+    {"vtu", ".vtu", true, false, lay_out_vtu},
 };
 const int piece_format_count = sizeof piece_formats / sizeof *piece_formats;

@@ -5,25 +5,25 @@
 #include "formats/base/exact.h"
 #include "formats/mesh/mesh_leaf_check.h"
 
-static uint64_t payload_of(const tet_choice *c) {
+static uint64_t payload_of(const cell_choice *c) {
     return leaf_layout_aligned(leaf_layout_payload_max(&c->f->layout), LEAF_ALIGN_LOG2);
 }
 
-static bool has_moved(const tet_choice *c) {
+static bool has_moved(const cell_choice *c) {
     return leaf_layout_place(&c->f->layout, c->step) > 0;
 }
 
-static bool has_gradients(const tet_choice *c) {
+static bool has_gradients(const cell_choice *c) {
     return c->gradients && c->f->layout.gradient_sets;
 }
 
-uint64_t tet_bench_bytes(const tet_choice *c) {
+uint64_t tet_bench_bytes(const cell_choice *c) {
     const uint64_t payloads = 1 + c->count + has_moved(c) + has_gradients(c);
     return payloads * payload_of(c) + c->count * sizeof(float *) + leaf_unpacker_memory(c->f) +
            1024;
 }
 
-status tet_bench_create(mem *m, const tet_choice *c, tet_bench *b) {
+status tet_bench_create(mem *m, const cell_choice *c, tet_bench *b) {
     const size_t payload = payload_of(c);
     *b = (tet_bench){.m = m, .choice = c};
     b->topology = mem_alloc(m, payload);
@@ -47,7 +47,7 @@ void tet_bench_release(tet_bench *b) {
 }
 
 static status load_values(tet_bench *b, uint32_t t) {
-    const tet_choice *c = b->choice;
+    const cell_choice *c = b->choice;
     const leaf_layout *l = &c->f->layout;
     for (uint32_t i = 0; i < c->count; i++) {
         char *values = b->values + i * payload_of(c);
@@ -61,7 +61,7 @@ static status load_values(tet_bench *b, uint32_t t) {
 }
 
 static status load_moved(tet_bench *b, uint32_t t) {
-    const tet_choice *c = b->choice;
+    const cell_choice *c = b->choice;
     status st = leaf_file_load(c->f, leaf_layout_positions(&c->f->layout, c->step, t), b->unpacker,
                                b->moved);
     b->at = mesh_leaf_moved(&b->shape, b->moved);
@@ -69,7 +69,7 @@ static status load_moved(tet_bench *b, uint32_t t) {
 }
 
 static status load_gradients(tet_bench *b, uint32_t t) {
-    const tet_choice *c = b->choice;
+    const cell_choice *c = b->choice;
     const leaf_layout *l = &c->f->layout;
     const uint32_t set = leaf_layout_set(l, c->fields[0], c->step);
     b->gradient = mesh_leaf_gradients(b->gradients);

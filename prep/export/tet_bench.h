@@ -3,22 +3,12 @@
 #ifndef PREP_EXPORT_TET_BENCH_H
 #define PREP_EXPORT_TET_BENCH_H
 
-#include <stdbool.h>
-
 #include "formats/leaf/leaf_unpacker.h"
 #include "formats/mesh/mesh_leaf.h"
-
-/* What to read of a mesh: `count` sets of values, all of one step. */
-typedef struct tet_choice {
-    leaf_file *f;
-    const uint32_t *fields;
-    uint32_t count;
-    uint32_t step;
-    bool gradients; /* of the first field, if the file has them */
-} tet_choice;
+#include "prep/export/cell_choice.h"
 
 typedef struct tet_bench {
-    const tet_choice *choice;
+    const cell_choice *choice;
     mem *m;
     leaf_unpacker *unpacker;
     char *topology, *moved, *gradients, *values; /* values: of one field after the other */
@@ -30,10 +20,10 @@ typedef struct tet_bench {
 } tet_bench;
 
 /* tet_bench_bytes() - bytes that one bench takes. */
-uint64_t tet_bench_bytes(const tet_choice *c);
+uint64_t tet_bench_bytes(const cell_choice *c);
 
 /* tet_bench_create() - choice must outlive b. Release b in any case. */
-CHECKED status tet_bench_create(mem *m, const tet_choice *c, tet_bench *b);
+CHECKED status tet_bench_create(mem *m, const cell_choice *c, tet_bench *b);
 void tet_bench_release(tet_bench *b);
 
 /* tet_bench_load() - read treelet t. */

@@ -1,124 +1,31 @@
 #include "prep/export/tet_surface.h"
 
-#include <assert.h>
 #include <math.h>
-#include <string.h>
 
 #include "formats/base/vec3.h"
+#include "prep/export/cell_source.h"
+#include "prep/export/surface_edges.h"
 
-#define NO_EDGE UINT32_MAX /* no valid pair: in a pair the first vertex is lower */
-
-typedef struct unit {
-    uint32_t treelet, isovalue;
-} unit;
-
-/* A crossed edge of the treelet. */
-typedef struct crossing {
-    uint32_t ends; /* lower vertex << 16 | higher vertex */
-    uint32_t vertex;
-} crossing;
+/* What a table of crossed edges takes as a rule. */
+enum { EDGES_BYTES = 256 << 10 };
 
 typedef struct bench {
     tet_bench tets;
-    crossing *edges; /* a hash table */
+    surface_edges edges;
     piece *p;
 } bench;
 
-struct tet_surface {
-    mem *m;
-    const tet_choice *choice;
-    const double *isovalues;
-    unit *units;
-    size_t count, room;
-    uint32_t slots; /* slots of the hash tables: a power of two */
-    int threads;
-    bench *benches;
-};
-
-/* ---- treelets with a surface ---- */
-
-static status find_units(tet_surface *s, uint32_t isovalues) {
-    const leaf_file *f = s->choice->f;
-    const uint32_t n = f->layout.treelets;
-    const size_t set = leaf_layout_set(&f->layout, s->choice->fields[0], s->choice->step);
-    for (uint32_t i = 0; i < isovalues; i++)
-        for (uint32_t t = 0; t < n; t++) {
-            const float *own = f->own[set * n + t];
-            if (!((double)own[0] < s->isovalues[i] && s->isovalues[i] <= (double)own[1]))
-                continue;
-            status st = mem_grow(s->m, &s->units, sizeof *s->units, s->count, 64, &s->room);
-            if (st != ST_OK)
-                return st;
-            s->units[s->count++] = (unit){t, i};
-        }
-    return ST_OK;
-}
-
-static uint32_t slots_of(const leaf_file *f) {
-    uint32_t slots = 1;
-    while (slots < 12 * f->header.treelet_tets)
-        slots *= 2;
-    return slots;
-}
-
-uint64_t tet_surface_worker(const tet_choice *choice) {
-    return tet_bench_bytes(choice) + slots_of(choice->f) * sizeof(crossing) + 1024;
-}
-
-status tet_surface_create(mem *m, const tet_choice *choice, const double *isovalues, uint32_t count,
-                          int threads, tet_surface **out) {
-    tet_surface *s = mem_zalloc(m, sizeof *s);
-    if (!s)
-        return ST_NOMEM;
-    *s = (tet_surface){.m = m,
-                       .choice = choice,
-                       .isovalues = isovalues,
-                       .slots = slots_of(choice->f),
-                       .threads = threads};
-    status st = find_units(s, count);
-    if (st == ST_OK && !(s->benches = mem_array(m, (size_t)threads, sizeof *s->benches)))
-        st = ST_NOMEM;
-    for (int i = 0; st == ST_OK && i < threads; i++) {
-        st = tet_bench_create(m, choice, &s->benches[i].tets);
-        if (st == ST_OK && !(s->benches[i].edges = mem_alloc(m, s->slots * sizeof(crossing))))
-            st = ST_NOMEM;
-    }
-    if (st != ST_OK) {
-        tet_surface_destroy(s);
-        return st;
-    }
-    *out = s;
-    return ST_OK;
-}
-
-void tet_surface_destroy(tet_surface *s) {
-    if (!s)
-        return;
-    for (int i = 0; s->benches && i < s->threads; i++) {
-        bench *b = &s->benches[i];
-        if (b->tets.m)
-            tet_bench_release(&b->tets);
-        mem_free(s->m, b->edges);
-    }
-    mem_free(s->m, s->benches);
-    mem_free(s->m, s->units);
-    mem_free(s->m, s);
+uint64_t tet_surface_worker(const cell_choice *choice) {
+    return tet_bench_bytes(choice) + EDGES_BYTES + 1024;
 }
 
 /* ---- vertices ---- */
 
+/* Vertices have the same order in all treelets. */
 static hash_id key_of(const bench *b, uint32_t low, uint32_t high) {
-    struct {
-        float low[3], low_value, high[3], high_value;
-        double isovalue;
-    } name;
-    memset(&name, 0, sizeof name);
-    memcpy(name.low, b->tets.at[low], sizeof name.low);
-    memcpy(name.high, b->tets.at[high], sizeof name.high);
-    name.low_value = b->tets.value[0][low];
-    name.high_value = b->tets.value[0][high];
-    name.isovalue = b->p->isovalue;
-    return hash_identity(&name, sizeof name);
+    const float *value = b->tets.value[0];
+    return surface_edge_key(b->tets.at[low], value[low], b->tets.at[high], value[high],
+                            b->p->isovalue);
 }
 
 /* Normal towards smaller values, by the file's gradients; 0 if there are none. */
@@ -130,7 +37,7 @@ static void orient(const bench *b, uint32_t low, uint32_t high, double t, double
         normal[a] = -normal[a];
 }
 
-static status make_vertex(bench *b, uint32_t low, uint32_t high, uint32_t *index) {
+static status make_vertex(bench *b, uint32_t low, uint32_t high, hash_id key, uint32_t *index) {
     const double from = (double)b->tets.value[0][low], to = (double)b->tets.value[0][high];
     const double t = (b->p->isovalue - from) / (to - from);
     piece_vertex v;
@@ -140,23 +47,19 @@ static status make_vertex(bench *b, uint32_t low, uint32_t high, uint32_t *index
     }
     orient(b, low, high, t, v.normal);
     status st = piece_add_vertex(b->p, &v, index);
-    return st == ST_OK ? piece_add_share(b->p, *index, key_of(b, low, high)) : st;
+    return st == ST_OK ? piece_add_share(b->p, *index, key) : st;
 }
 
-static status find_vertex(tet_surface *s, bench *b, uint32_t one, uint32_t other, uint32_t *index) {
+static status find_vertex(bench *b, uint32_t one, uint32_t other, uint32_t *index) {
     const uint32_t low = one < other ? one : other, high = one < other ? other : one;
-    const uint32_t ends = low << 16 | high;
-    uint32_t slot = (ends * 2654435761u) >> 8 & (s->slots - 1);
-    while (b->edges[slot].ends != NO_EDGE && b->edges[slot].ends != ends)
-        slot = (slot + 1) & (s->slots - 1);
-    if (b->edges[slot].ends == NO_EDGE) {
-        status st = make_vertex(b, low, high, &b->edges[slot].vertex);
-        if (st != ST_OK)
-            return st;
-        b->edges[slot].ends = ends;
-    }
-    *index = b->edges[slot].vertex;
-    return ST_OK;
+    const hash_id key = key_of(b, low, high);
+    bool known;
+    uint32_t *vertex = surface_edges_find(&b->edges, key, &known);
+    if (!vertex)
+        return ST_NOMEM;
+    const status st = known ? ST_OK : make_vertex(b, low, high, key, vertex);
+    *index = *vertex;
+    return st;
 }
 
 /* ---- tets ---- */
@@ -191,10 +94,10 @@ static void add_normals(bench *b, uint32_t tet, const uint32_t corner[], int cou
 
 static status add_triangle(bench *b, const uint32_t c[4], int x, int y, int z, bool turned) {
     const uint32_t corner[3] = {c[x], c[turned ? z : y], c[turned ? y : z]};
-    return piece_add_cell(b->p, corner);
+    return piece_add_triangle(b->p, corner);
 }
 
-static status fill_tet(tet_surface *s, bench *b, uint32_t tet, int mask) {
+static status fill_tet(bench *b, uint32_t tet, int mask) {
     static const uint8_t of_three[3][2] = {{0, 1}, {0, 2}, {0, 3}},
                          of_four[4][2] = {{0, 2}, {0, 3}, {1, 3}, {1, 2}};
     const uint16_t *v = b->tets.tets[tet];
@@ -205,7 +108,7 @@ static status fill_tet(tet_surface *s, bench *b, uint32_t tet, int mask) {
     status st = ST_OK;
     for (int i = 0; i < count && st == ST_OK; i++) {
         const uint8_t *ends = count == 4 ? of_four[i] : of_three[i];
-        st = find_vertex(s, b, v[order[ends[0]]], v[order[ends[1]]], &corner[i]);
+        st = find_vertex(b, v[order[ends[0]]], v[order[ends[1]]], &corner[i]);
     }
     if (st == ST_OK)
         st = add_triangle(b, corner, 0, 1, 2, turned);
@@ -228,33 +131,35 @@ static int mask_of(const bench *b, uint32_t tet) {
     return mask;
 }
 
-static void finish_normals(piece *p) {
-    for (uint32_t v = 0; v < p->vertices; v++) {
-        double *n = p->vertex[v].normal;
-        if (!vec3_unit(n, n) || !isfinite(n[0] + n[1] + n[2]))
-            memset(n, 0, sizeof p->vertex[v].normal);
-    }
-}
-
-static status make(void *ctx, uint32_t index, int worker, piece *p) {
-    tet_surface *s = ctx;
-    bench *b = &s->benches[worker];
-    const unit *u = &s->units[index];
+static status make(void *bench_of, uint32_t treelet, piece *p) {
+    bench *b = bench_of;
     b->p = p;
-    piece_begin(p, 3, s->isovalues[u->isovalue]);
-    memset(b->edges, 0xff, s->slots * sizeof *b->edges);
-    status st = tet_bench_load(&b->tets, u->treelet);
+    surface_edges_clear(&b->edges);
+    status st = tet_bench_load(&b->tets, treelet);
     for (uint32_t tet = 0; st == ST_OK && tet < b->tets.shape.tets; tet++) {
         const int mask = mask_of(b, tet);
         if (mask != 0 && mask != 15)
-            st = fill_tet(s, b, tet, mask);
+            st = fill_tet(b, tet, mask);
     }
-    if (st == ST_OK)
-        finish_normals(p);
     return st;
 }
 
-piece_source tet_surface_source(tet_surface *s) {
-    assert(s->count <= UINT32_MAX);
-    return (piece_source){.ctx = s, .pieces = (uint32_t)s->count, .corners = 3, .make = make};
+/* ---- all of it ---- */
+
+static status create(mem *m, const cell_choice *choice, void *bench_of) {
+    bench *b = bench_of;
+    b->edges.m = m;
+    return tet_bench_create(m, choice, &b->tets);
+}
+
+static void release(void *bench_of) {
+    bench *b = bench_of;
+    tet_bench_release(&b->tets);
+    mem_free(b->edges.m, b->edges.crossing);
+}
+
+status tet_surface_create(mem *m, const cell_choice *choice, const double *isovalues,
+                          uint32_t count, int threads, piece_source *out) {
+    static const cell_source_kind kind = {sizeof(bench), create, release, make};
+    return cell_source_create(m, &kind, choice, isovalues, count, threads, out);
 }

@@ -11,17 +11,12 @@
 #include "prep/export/piece.h"
 #include "prep/export/tet_bench.h"
 
-typedef struct tet_surface tet_surface;
-
-/* tet_surface_create() - surfaces of the choice's first field. isovalues: count of them. Pieces are
- * ordered by isovalue, then by treelet. choice and isovalues must outlive it. */
-CHECKED status tet_surface_create(mem *m, const tet_choice *choice, const double *isovalues,
-                                  uint32_t count, int threads, tet_surface **out);
-void tet_surface_destroy(tet_surface *s); /* NULL is fine */
+/* tet_surface_create() - release *out. surfaces of the choice's first field. isovalues: count of
+ * them. Pieces are ordered by isovalue, then by treelet. choice and isovalues must outlive it. */
+CHECKED status tet_surface_create(mem *m, const cell_choice *choice, const double *isovalues,
+                                  uint32_t count, int threads, piece_source *out);
 
 /* tet_surface_worker() - bytes that each thread needs besides its piece. */
-uint64_t tet_surface_worker(const tet_choice *choice);
-
-piece_source tet_surface_source(tet_surface *s);
+uint64_t tet_surface_worker(const cell_choice *choice);
 
 #endif

@@ -33,7 +33,7 @@ static status create_benches(grid_conversion *c) {
             return ST_NOMEM;
         if (shell_bytes && !(b->shell = mem_alloc(c->m, shell_bytes)))
             return ST_NOMEM;
-        st = leaf_packer_create(c->m, c->layout, NULL, &c->o->file, &b->packer);
+        st = leaf_packer_create(c->m, c->layout, NULL, NULL, &c->o->file, &b->packer);
         if (st != ST_OK)
             return st;
     }

@@ -235,7 +235,7 @@ status convert_plan_make(mem *m, const grid *g, const convert_options *o, conver
                                            sets ? sets->steps : 1, o->file.codec != LEAF_CODEC_RAW))
         st = status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 payloads; use larger treelets");
     if (st == ST_OK)
-        st = leaf_packer_memory(m, &plan->layout, NULL, &o->file, &packer);
+        st = leaf_packer_memory(m, &plan->layout, NULL, NULL, &o->file, &packer);
     if (st != ST_OK)
         return st;
     plan_sizes(plan, g, o);

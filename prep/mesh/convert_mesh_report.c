@@ -22,9 +22,13 @@ static void print_input(const convert_request *a, const mesh_report *r) {
     for (int i = 0; i < CELL_SPLIT_SHAPES; i++)
         if (r->split[i])
             printf("split       %llu %s\n", whole(r->split[i]), kinds[i]);
+    if (r->polyhedra)
+        printf("split       %llu polyhedra, about middles with mean values\n", whole(r->polyhedra));
     for (int i = 0; i < CELL_SHAPES; i++)
         if (r->whole[i])
             printf("whole       %llu %s\n", whole(r->whole[i]), kinds[i]);
+    if (r->by_corners)
+        printf("linear now  %llu cells of higher order, by their corners\n", whole(r->by_corners));
     if (r->skipped)
         printf("passed over %llu cells without a volume\n", whole(r->skipped));
     if (r->ghosts)
@@ -70,14 +74,15 @@ static void print_mesh(const convert_request *a, const mesh_result *r, double se
 static json_t *mesh_plan_json(const mesh_result *r) {
     const mesh_report *in = &r->report;
     return json_pack(
-        "{s:I, s:I, s:s, s:[I,I,I,I], s:[I,I,I,I,I], s:I, s:I, s:I, s:I, s:I}", "input_points",
-        (json_int_t)in->points, "input_tets", (json_int_t)in->tets, "field", in->field, "split",
-        (json_int_t)in->split[0], (json_int_t)in->split[1], (json_int_t)in->split[2],
-        (json_int_t)in->split[3], "whole", (json_int_t)in->whole[0], (json_int_t)in->whole[1],
-        (json_int_t)in->whole[2], (json_int_t)in->whole[3], (json_int_t)in->whole[4], "skipped",
-        (json_int_t)in->skipped, "ghosts", (json_int_t)in->ghosts, "memory_planned",
-        (json_int_t)r->plan.memory, "memory_least", (json_int_t)r->plan.memory_least, "spill_bytes",
-        (json_int_t)r->plan.spill_bytes);
+        "{s:I, s:I, s:s, s:[I,I,I,I], s:I, s:I, s:[I,I,I,I,I], s:I, s:I, s:I, s:I, s:I}",
+        "input_points", (json_int_t)in->points, "input_tets", (json_int_t)in->tets, "field",
+        in->field, "split", (json_int_t)in->split[0], (json_int_t)in->split[1],
+        (json_int_t)in->split[2], (json_int_t)in->split[3], "polyhedra", (json_int_t)in->polyhedra,
+        "by_corners", (json_int_t)in->by_corners, "whole", (json_int_t)in->whole[0],
+        (json_int_t)in->whole[1], (json_int_t)in->whole[2], (json_int_t)in->whole[3],
+        (json_int_t)in->whole[4], "skipped", (json_int_t)in->skipped, "ghosts",
+        (json_int_t)in->ghosts, "memory_planned", (json_int_t)r->plan.memory, "memory_least",
+        (json_int_t)r->plan.memory_least, "spill_bytes", (json_int_t)r->plan.spill_bytes);
 }
 
 static void add_mesh(json_t *json, const mesh_result *r, double seconds) {

@@ -83,8 +83,6 @@ static status check_whole(const convert_request *a) {
     } without[] = {{a->gradients, "--gradients"},
                    {a->coarse, "--coarse"},
                    {a->sah, "--build sah"},
-                   {a->append, "--append"},
-                   {a->file.codec != LEAF_CODEC_RAW, "--compress zstd"},
                    {a->leaf_tets_is_given, "--leaf-tets"}};
     for (size_t i = 0; i < sizeof without / sizeof *without && a->whole; i++)
         if (without[i].given)
@@ -125,6 +123,10 @@ static status convert_mesh(convert_request *a, mem *m, mesh_input *x, const mesh
     return st;
 }
 
+static leaf_kind kind_of(const convert_request *a) {
+    return a->whole ? LEAF_KIND_MIXED : LEAF_KIND_MESH;
+}
+
 static status run(convert_request *a, mem *m, input *in, double start) {
     mesh_input *x = in->own;
     status st = check_whole(a);
@@ -135,9 +137,10 @@ static status run(convert_request *a, mem *m, input *in, double start) {
     mesh_series series = {convert_request_series(a), a->hints.mesh};
     if (st == ST_OK)
         st = step_series_check(&series.of);
-    if (st == ST_OK && a->grow && leaf_grow_before(a->grow)->header.kind != LEAF_KIND_MESH)
+    if (st == ST_OK && a->grow && leaf_grow_before(a->grow)->header.kind != kind_of(a))
         st = further_step_refuse(leaf_grow_before(a->grow), a->common.input,
-                                 "it is a mesh, and the file is of none");
+                                 a->whole ? "it is a mesh of whole cells, and the file is of none"
+                                          : "it is a mesh, and the file is of none");
     if (st == ST_OK)
         st = convert_append_check(a, &series.of.sets);
     return st == ST_OK ? convert_mesh(a, m, x, &series, start) : st;

@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "formats/leaf/mixed_coder.h"
+#include "formats/mesh/mesh_coder.h"
 #include "prep/mesh/mesh_earlier.h"
 #include "prep/mesh/mesh_histogram.h"
 #include "prep/mesh/mesh_sah.h"
@@ -43,6 +45,17 @@ struct mesh_build {
 
 /* ---- making and releasing ---- */
 
+/* A packer, and room for what it makes of a payload. */
+static status create_packer(const mesh_build *b, bench *k, const leaf_coder *coder,
+                            const uint32_t counts[4], size_t payload_max) {
+    const status st = leaf_packer_create(b->m, leaf_writer_layout(b->writer), coder, counts,
+                                         &b->in.o->file, &k->packer);
+    if (st != ST_OK || !k->packer)
+        return st;
+    k->pack = mem_alloc(b->m, payload_max);
+    return k->pack ? ST_OK : ST_NOMEM;
+}
+
 /* Of tets: the builder, and what options ask for. */
 static status create_tets(const mesh_build *b, bench *k, const uint32_t counts[4]) {
     const mesh_options *o = b->in.o;
@@ -50,16 +63,11 @@ static status create_tets(const mesh_build *b, bench *k, const uint32_t counts[4
     status st = mesh_treelet_create(b->m, o->treelet_tets, o->leaf_tets, &k->builder);
     if (st == ST_OK && o->sah)
         st = mesh_sah_create(b->m, o->treelet_tets, o->leaf_tets, &k->sah);
-    if (st == ST_OK && o->grow)
-        st = mesh_earlier_init(&k->earlier, b->m, leaf_grow_before(o->grow));
     if (st == ST_OK && o->gradients)
         st = mesh_pages_init(&k->gradients, b->in.gradients, plan->gradients_window);
     if (st == ST_OK)
-        st = leaf_packer_create(b->m, leaf_writer_layout(b->writer), counts, &o->file, &k->packer);
-    if (st == ST_OK && k->packer) {
-        k->pack = mem_alloc(b->m, mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets));
-        st = k->pack ? ST_OK : ST_NOMEM;
-    }
+        st = create_packer(b, k, &mesh_coder, counts,
+                           mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets));
     return st;
 }
 
@@ -68,13 +76,21 @@ static status create_mixed(const mesh_build *b, bench *k) {
     status st = mixed_treelet_create(b->m, most, &k->mixed);
     if (st == ST_OK)
         st = mesh_pages_init(&k->input, &b->in.g->tets, b->in.plan->cells_window);
+    if (st == ST_OK) {
+        uint32_t counts[4];
+        mixed_treelet_counts_max(most, counts);
+        st = create_packer(b, k, &mixed_coder, counts, mixed_treelet_payload_max(most));
+    }
     k->cells = mem_array(b->m, most, sizeof *k->cells);
     return st == ST_OK && !k->cells ? ST_NOMEM : st;
 }
 
 static status create_bench(const mesh_build *b, bench *k, const uint32_t counts[4]) {
     const mesh_plan *plan = b->in.plan;
+    const leaf_grow *grow = b->in.o->grow;
     status st = b->in.o->mixed ? create_mixed(b, k) : create_tets(b, k, counts);
+    if (st == ST_OK && grow)
+        st = mesh_earlier_init(&k->earlier, b->m, leaf_grow_before(grow));
     if (st == ST_OK)
         st = mesh_pages_init(&k->points, &b->in.g->points, plan->points_window);
     if (st == ST_OK)
@@ -155,12 +171,12 @@ static status take_histogram(const mesh_build *b, bench *k, const piece *p, uint
 }
 
 /* Put the topology, or see that it is the one of the file that is added to. */
-static status put_topology(const mesh_build *b, bench *k, uint32_t treelet, const mesh_treelet *t) {
+static status put_topology(const mesh_build *b, bench *k, uint32_t treelet, const float bounds[6],
+                           const mesh_earlier_built *t) {
     if (!b->in.o->grow)
-        return leaf_writer_put_topology(b->writer, k->packer, treelet, t->bounds, t->counts,
+        return leaf_writer_put_topology(b->writer, k->packer, treelet, bounds, t->counts,
                                         t->topology, k->pack);
-    const status st =
-        mesh_earlier_compare(&k->earlier, b->in.g->first_name, treelet, k->builder, t);
+    const status st = mesh_earlier_compare(&k->earlier, b->in.g->first_name, treelet, t);
     if (st == ST_OK)
         leaf_writer_keep_topology(b->writer, treelet);
     return st;
@@ -176,7 +192,8 @@ static status build_first(const mesh_build *b, bench *k, const piece *p, mesh_tr
     k->seen.flat += t->flat;
     k->seen.positive += t->positive;
     k->seen.negative += t->negative;
-    st = put_topology(b, k, treelet, t);
+    st = put_topology(b, k, treelet, t->bounds,
+                      &(mesh_earlier_built){t->counts, t->topology, k->builder});
     if (st == ST_OK)
         st =
             leaf_writer_put_values(b->writer, k->packer, 0, treelet, &t->entry, t->values, k->pack);
@@ -245,11 +262,11 @@ static status place_mixed(const mesh_build *b, bench *k, uint32_t treelet, uint3
     if (st != ST_OK)
         return st;
     if (step > 0)
-        return leaf_writer_put_positions(b->writer, NULL, step, treelet, t->bounds, t->positions,
-                                         NULL);
+        return leaf_writer_put_positions(b->writer, k->packer, step, treelet, t->bounds,
+                                         t->positions, k->pack);
     k->seen.flat += t->folded;
-    return leaf_writer_put_topology(b->writer, NULL, treelet, t->bounds, t->counts, t->topology,
-                                    NULL);
+    return put_topology(b, k, treelet, t->bounds,
+                        &(mesh_earlier_built){t->counts, t->topology, NULL});
 }
 
 static status value_mixed(const mesh_build *b, bench *k, const piece *p, uint32_t step,
@@ -259,7 +276,8 @@ static status value_mixed(const mesh_build *b, bench *k, const piece *p, uint32_
     k->values.first = mesh_gather_values(b->in.g, step, field);
     status st = mixed_treelet_value(k->mixed, &k->values, t);
     if (st == ST_OK)
-        st = leaf_writer_put_values(b->writer, NULL, set, p->treelet, &t->entry, t->values, NULL);
+        st = leaf_writer_put_values(b->writer, k->packer, set, p->treelet, &t->entry, t->values,
+                                    k->pack);
     return st == ST_OK ? mesh_histogram_take_cells(&b->histogram, set, p->first_tet,
                                                    (const uint32_t(*)[HEX_CORNERS])k->cells,
                                                    p->count, &k->points, &k->values)

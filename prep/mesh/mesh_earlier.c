@@ -28,8 +28,8 @@ status mesh_earlier_check(const leaf_file *f, const char *input, const mesh_coun
     const struct {
         uint64_t found, expected;
         const char *what, *why;
-    } counts[] = {{own->tets, h->tets, "tets", ""},
-                  {own->vertices, h->vertices, "vertices of tets", ""},
+    } counts[] = {{own->tets, h->tets, f->mesh ? "tets" : "cells", ""},
+                  {own->vertices, h->vertices, f->mesh ? "vertices of tets" : "nodes of cells", ""},
                   {own->treelets, h->treelets, "treelets", ": " OTHERWISE}};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         if (counts[i].found != counts[i].expected)
@@ -41,7 +41,9 @@ status mesh_earlier_check(const leaf_file *f, const char *input, const mesh_coun
 
 /* Say how the topology of treelet t differs, which has as many tets and vertices. */
 static status refuse_topology(const mesh_earlier *e, const char *input, uint32_t t,
-                              const mesh_treelet_builder *b, const mesh_treelet *built) {
+                              const mesh_earlier_built *built) {
+    if (!built->by)
+        return further_step_refuse(e->f, input, "treelet %u comes out otherwise: " OTHERWISE, t);
     const mesh_shape s = mesh_leaf_shape(built->counts);
     const mesh_shape before = mesh_leaf_shape(e->f->mesh->counts[t]);
     const float(*own)[3] = mesh_leaf_positions(&s, built->topology);
@@ -50,8 +52,8 @@ static status refuse_topology(const mesh_earlier *e, const char *input, uint32_t
         if (memcmp(own[i], its[i], sizeof own[i]) != 0)
             return further_step_refuse(
                 e->f, input, "point %u lies at %g, %g, %g, expected %g, %g, %g: " OTHERWISE,
-                mesh_treelet_point(b, i), (double)own[i][0], (double)own[i][1], (double)own[i][2],
-                (double)its[i][0], (double)its[i][1], (double)its[i][2]);
+                mesh_treelet_point(built->by, i), (double)own[i][0], (double)own[i][1],
+                (double)own[i][2], (double)its[i][0], (double)its[i][1], (double)its[i][2]);
     return further_step_refuse(e->f, input,
                                "treelet %u comes out otherwise: its tets join other points, or "
                                "--build is not what the file was made with",
@@ -59,19 +61,19 @@ static status refuse_topology(const mesh_earlier *e, const char *input, uint32_t
 }
 
 status mesh_earlier_compare(mesh_earlier *e, const char *input, uint32_t t,
-                            const mesh_treelet_builder *b, const mesh_treelet *built) {
-    const uint32_t *own = built->counts, *its = e->f->mesh->counts[t];
+                            const mesh_earlier_built *built) {
+    const leaf_layout *l = &e->f->layout;
+    const uint32_t *own = built->counts, *its = l->counts[t];
     if (own[0] != its[0] || own[1] != its[1])
         return further_step_refuse(e->f, input,
-                                   "treelet %u has %u tets and %u vertices, expected %u and "
+                                   "treelet %u has %u %s and %u vertices, expected %u and "
                                    "%u: " OTHERWISE,
-                                   t, own[0], own[1], its[0], its[1]);
+                                   t, own[0], built->by ? "tets" : "cells", own[1], its[0], its[1]);
     const status st = leaf_file_load(e->f, t, e->unpacker, e->topology);
     if (st != ST_OK)
         return st;
-    const mesh_shape s = mesh_leaf_shape(own);
-    return memcmp(own, its, sizeof built->counts) == 0 &&
-                   memcmp(built->topology, e->topology, s.topology_bytes) == 0
+    return memcmp(own, its, sizeof *l->counts) == 0 &&
+                   memcmp(built->topology, e->topology, leaf_layout_payload_bytes(l, t)) == 0
                ? ST_OK
-               : refuse_topology(e, input, t, b, built);
+               : refuse_topology(e, input, t, built);
 }

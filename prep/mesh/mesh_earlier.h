@@ -30,13 +30,19 @@ typedef struct mesh_counts {
     uint64_t tets, vertices, treelets;
 } mesh_counts;
 
+/* A treelet as it was built. */
+typedef struct mesh_earlier_built {
+    const uint32_t *counts; /* element of COUNTS */
+    const void *topology;
+    const mesh_treelet_builder *by; /* NULL: of a mixed mesh */
+} mesh_earlier_built;
+
 /* mesh_earlier_check() - ST_USAGE, naming what differs, if a mesh with these counts is no further
  * step of f. input: its name.
- * mesh_earlier_compare() - the same of treelet t as b has built it. ST_CORRUPT: the file is
- * damaged.
+ * mesh_earlier_compare() - the same of treelet t as it was built. ST_CORRUPT: the file is damaged.
  */
 CHECKED status mesh_earlier_check(const leaf_file *f, const char *input, const mesh_counts *own);
 CHECKED status mesh_earlier_compare(mesh_earlier *e, const char *input, uint32_t t,
-                                    const mesh_treelet_builder *b, const mesh_treelet *built);
+                                    const mesh_earlier_built *built);
 
 #endif

@@ -4,12 +4,11 @@
 #include <string.h>
 
 status mesh_fetch(const mesh_vertices *v, mesh_pages *from, void *to, size_t size) {
-    char *at = to;
-    for (uint32_t i = 0; i < v->count; i++, at += size) {
+    for (uint32_t i = 0; i < v->count; i++) {
         const void *element = mesh_pages_at(from, mesh_vertices_id(v, i));
         if (!element)
             return from->st;
-        memcpy(at, element, size);
+        memcpy((char *)to + mesh_vertices_local(v, i) * size, element, size);
     }
     return ST_OK;
 }

@@ -7,8 +7,8 @@
 #include "prep/mesh/mesh_pages.h"
 #include "prep/mesh/mesh_vertices.h"
 
-/* mesh_fetch() - copy `size` bytes of each vertex, one after another. Fails only if reading does.
- */
+/* mesh_fetch() - copy `size` bytes of each vertex, in the order of their numbers. Fails only if
+ * reading does. */
 CHECKED status mesh_fetch(const mesh_vertices *v, mesh_pages *from, void *to, size_t size);
 
 /* mesh_fetch_bounds() - lo x y z, hi x y z of 1 or more positions.

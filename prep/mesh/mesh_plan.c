@@ -1,5 +1,7 @@
 #include "prep/mesh/mesh_plan.h"
 
+#include "formats/leaf/mixed_coder.h"
+#include "formats/mesh/mesh_coder.h"
 #include "prep/mesh/mesh_earlier.h"
 #include "prep/mesh/mesh_histogram.h"
 #include "prep/mesh/mesh_keys.h"
@@ -66,8 +68,12 @@ static uint64_t writer_memory(const mesh_options *o, const mesh_gather *g, uint6
 /* Of a mixed mesh, with the ids of a treelet's cells. */
 static uint64_t mixed_fixed(const needs *n) {
     const mesh_options *o = n->o;
-    const uint64_t thread = mixed_treelet_memory(o->treelet_tets) +
-                            o->treelet_tets * sizeof(uint32_t[HEX_CORNERS]) + 512;
+    uint64_t thread = mixed_treelet_memory(o->treelet_tets) +
+                      o->treelet_tets * sizeof(uint32_t[HEX_CORNERS]) + n->packer + 512;
+    if (o->grow)
+        thread += mesh_earlier_memory(leaf_grow_before(o->grow));
+    if (o->file.codec != LEAF_CODEC_RAW)
+        thread += mixed_treelet_payload_max(o->treelet_tets) + 128;
     return n->others + writer_memory(o, n->g, n->treelets) + (uint64_t)o->threads * thread +
            (o->file.histograms ? mesh_histogram_memory() : 0);
 }
@@ -189,10 +195,12 @@ static status needs_of(mem *m, const mesh_gather *g, const mesh_options *o, need
     if (n->treelets > g->tets.count)
         n->treelets = g->tets.count;
     uint32_t counts[4];
-    if (o->mixed)
-        return ST_OK;
+    if (o->mixed) {
+        mixed_treelet_counts_max(o->treelet_tets, counts);
+        return leaf_packer_memory(m, NULL, &mixed_coder, counts, &o->file, &n->packer);
+    }
     mesh_treelet_counts_max(o->treelet_tets, o->leaf_tets, counts);
-    return leaf_packer_memory(m, NULL, counts, &o->file, &n->packer);
+    return leaf_packer_memory(m, NULL, &mesh_coder, counts, &o->file, &n->packer);
 }
 
 status mesh_plan_refuse(const mesh_options *o, uint64_t least) {

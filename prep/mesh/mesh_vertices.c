@@ -112,11 +112,17 @@ static void sort_ids(mesh_vertices *v) {
     }
 }
 
-void mesh_vertices_number(mesh_vertices *v, const uint32_t *ids, size_t stride, size_t cells) {
+void mesh_vertices_number_met(mesh_vertices *v, const uint32_t *ids, size_t stride, size_t cells) {
     collect(v, ids, stride, cells);
     sort_ids(v);
-    for (uint32_t i = 0; i < v->count; i++)
-        v->local[v->ids[i] & UINT32_MAX] = (uint16_t)i;
+}
+
+void mesh_vertices_number(mesh_vertices *v, const uint32_t *ids, size_t stride, size_t cells) {
+    mesh_vertices_number_met(v, ids, stride, cells);
+    for (uint32_t i = 0; i < v->count; i++) {
+        v->local[mesh_vertices_local(v, i)] = (uint16_t)i;
+        v->ids[i] = (v->ids[i] & ~(uint64_t)UINT32_MAX) | i;
+    }
     for (size_t i = 0; i < v->each * cells; i++)
         v->corners[i] = v->local[v->corners[i]];
 }

@@ -14,8 +14,14 @@ struct mixed_treelet_builder {
     char *topology, *values;
 };
 
+void mixed_treelet_counts_max(uint32_t treelet_cells, uint32_t counts[4]) {
+    const uint32_t most[4] = {treelet_cells, HEX_CORNERS * treelet_cells};
+    memcpy(counts, most, sizeof most);
+}
+
 static mixed_shape largest_shape(uint32_t treelet_cells) {
-    const uint32_t counts[4] = {treelet_cells, HEX_CORNERS * treelet_cells};
+    uint32_t counts[4];
+    mixed_treelet_counts_max(treelet_cells, counts);
     return mixed_shape_of(counts);
 }
 
@@ -62,7 +68,7 @@ void mixed_treelet_destroy(mixed_treelet_builder *b) {
 
 void mixed_treelet_begin(mixed_treelet_builder *b, const uint32_t (*cells)[HEX_CORNERS],
                          size_t count, mixed_treelet *out) {
-    mesh_vertices_number(&b->nodes, cells[0], sizeof *cells, count);
+    mesh_vertices_number_met(&b->nodes, cells[0], sizeof *cells, count);
     *out = (mixed_treelet){.counts = {(uint32_t)count, b->nodes.count}};
     b->shape = mixed_shape_of(out->counts);
 }

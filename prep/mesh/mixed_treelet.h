@@ -1,7 +1,7 @@
 /* mixed_treelet.h - makes the payloads of one treelet of a mixed mesh (mixed_geometry.h).
  *
- * A treelet has its nodes, each once, in order of their ids, and its cells in the order given. The
- * payloads depend on the cells and the nodes alone.
+ * A treelet has its cells in the order given, and its nodes, each once, in the order in which cells
+ * use them first. The payloads depend on the cells and the nodes alone.
  */
 #ifndef PREP_MESH_MIXED_TREELET_H
 #define PREP_MESH_MIXED_TREELET_H
@@ -23,11 +23,13 @@ typedef struct mixed_treelet {
 typedef struct mixed_treelet_builder mixed_treelet_builder;
 
 /* mixed_treelet_create() - for treelets of at most so many cells, up to MIXED_CELLS_MAX.
- * mixed_treelet_memory() - bytes it takes. mixed_treelet_payload_max() - of the largest payload. */
+ * mixed_treelet_memory() - bytes it takes. mixed_treelet_payload_max() - of the largest payload.
+ * mixed_treelet_counts_max() - its element of COUNTS. */
 CHECKED status mixed_treelet_create(mem *m, uint32_t treelet_cells, mixed_treelet_builder **out);
 void mixed_treelet_destroy(mixed_treelet_builder *b); /* NULL is fine */
 uint64_t mixed_treelet_memory(uint32_t treelet_cells);
 size_t mixed_treelet_payload_max(uint32_t treelet_cells);
+void mixed_treelet_counts_max(uint32_t treelet_cells, uint32_t counts[4]);
 
 /* mixed_treelet_begin() - begin a treelet of 1 or more cells: sets out->counts. cells: ids at the
  * corners of a hexahedron, four or more of them different.

@@ -30,6 +30,7 @@ enum {
     KEY_FIELD,
     KEY_COMPONENT,
     KEY_CELLS_TO_POINTS,
+    KEY_BY_CORNERS,
     KEY_STEP
 };
 
@@ -49,6 +50,8 @@ static const struct argp_option options[] = {
     {"component", KEY_COMPONENT, "N", 0, "of vectors: 1, 2, ..; default: their magnitude", 2},
     {"cells-to-points", KEY_CELLS_TO_POINTS, NULL, 0,
      "take an array of the cells, averaged to the points", 2},
+    {"by-corners", KEY_BY_CORNERS, NULL, 0,
+     "take cells of higher order as linear ones of their corners (default: refuse them)", 2},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status set_spacing(resample_wish *w, const char *text) {
@@ -79,6 +82,7 @@ static status set_option(void *own, int key, const char *text) {
     case KEY_FIELD: hints->field = text; return ST_OK;
     case KEY_COMPONENT: return cli_int(text, "--component", 1, INT_MAX, &hints->component);
     case KEY_CELLS_TO_POINTS: hints->cells_to_points = true; return ST_OK;
+    case KEY_BY_CORNERS: hints->by_corners = true; return ST_OK;
     case KEY_STEP: return num_int(text, "--step", 0, UINT32_MAX, &a->step);
     default: return ST_AGAIN;
     }
@@ -205,6 +209,9 @@ static status run(arguments *a) {
     const bool is_leaf = resample_input_is_leaf(a->source.path);
     if (is_leaf && (a->source.hints.component || a->source.hints.cells_to_points))
         return status_describe(ST_USAGE, "%s: a treelet file has values of points already",
+                               a->source.path);
+    if (is_leaf && a->source.hints.by_corners)
+        return status_describe(ST_USAGE, "%s: --by-corners is for meshes in other formats",
                                a->source.path);
     if (!is_leaf && a->step >= 0)
         return status_describe(ST_USAGE, "--step is for treelet files of several steps");

@@ -136,19 +136,88 @@ ok "and that they are the same" says '^series *1 payloads are the same as earlie
 exits "the second step" 0 "$leafcast" convert "$tmp/cut.pvd" --step 1 -o "$tmp/later.leaf" -q
 ok "is the same file, too" cmp -s "$tmp/uncut.leaf" "$tmp/later.leaf"
 
+# Compressed.
+exits "a larger one" 0 "$leafcast" generate gyroid --curvilinear warp --dims 40 -o "$tmp/large.vts" -q
+for codec in none zstd zstd:19; do
+    exits "compressed by $codec" 0 "$leafcast" convert "$tmp/large.vts" -o "$tmp/$codec.leaf" --compress $codec -q
+    exits "is sound" 0 "$leafcast" verify "$tmp/$codec.leaf"
+    exits "is drawn" 0 "$leafcast" render "$tmp/$codec.leaf" --size 64x48 -o "$tmp/$codec.pfm" -q
+    ok "as the raw file is" cmp "$tmp/none.pfm" "$tmp/$codec.pfm"
+done
+ok "less than a fifth" [ $((5 * $(wc -c <"$tmp/zstd.leaf"))) -lt "$(wc -c <"$tmp/none.leaf")" ]
+exits "of two steps" 0 "$leafcast" convert "$tmp/cut.pvd" -o "$tmp/both_z.leaf" --compress zstd -q
+exits "info" 0 "$leafcast" info "$tmp/both_z.leaf"
+ok "says what it is compressed by" says 'treelets of 32^3 cells, zstd:'
+exits "are sound" 0 "$leafcast" verify "$tmp/both_z.leaf"
+
+# Its surface, and its hexahedra as a mesh, which draw the same.
+exits "a surface" 0 "$leafcast" export "$tmp/warp.leaf" --iso 0.2 -o "$tmp/warp.ply" --json
+ok "has triangles" grep -q '"triangles": *[1-9]' "$tmp/out"
+exits "samples" 3 "$leafcast" export "$tmp/warp.leaf" -o "$tmp/x.nrrd"
+ok "it has none of a grid" says 'which has no samples of a grid'
+exits "its cells" 0 "$leafcast" export "$tmp/warp.leaf" -o "$tmp/warp.vtu" --json
+ok "are counted" grep -q '"cells": *[1-9]' "$tmp/out"
+exits "as a mesh" 0 "$leafcast" convert "$tmp/warp.vtu" --whole-cells -o "$tmp/as_mesh.leaf" -q
+for file in warp as_mesh; do
+    "$leafcast" render "$tmp/$file.leaf" --iso 0.2 --view standard --size 64x48 -o "$tmp/$file.pfm" -q || true
+done
+ok "look the same" cmp "$tmp/warp.pfm" "$tmp/as_mesh.pfm"
+for file in warp as_mesh; do
+    exits "info of $file" 0 "$leafcast" info "$tmp/$file.leaf" --iso 0.2
+    sed -n 's/^isovalue 0.2: \([1-9][0-9]* active cells\).*/\1/p' "$tmp/out" >"$tmp/$file.active"
+done
+ok "have active cells" [ -s "$tmp/warp.active" ]
+ok "and as many of them" cmp "$tmp/warp.active" "$tmp/as_mesh.active"
+
+# Steps that are added later.
+"$leafcast" convert "$tmp/drop_0001.vts" -o "$tmp/alone.leaf" -q || true
+for how in none zstd; do
+    exits "all at once, $how" 0 "$leafcast" convert "$tmp/drop_????.vts" --compress $how -o "$tmp/all.leaf" --force -q
+    rm -f "$tmp/grown.leaf"
+    exits "the first, $how" 0 "$leafcast" convert "$tmp/drop_0000.vts" --append --compress $how -o "$tmp/grown.leaf" -q
+    exits "the others" 0 "$leafcast" convert "$tmp/drop_0001.vts" "$tmp/drop_0002.vts" --append --times 1,2 -o "$tmp/grown.leaf"
+    exits "are sound" 0 "$leafcast" verify "$tmp/grown.leaf"
+    exits "info" 0 "$leafcast" info "$tmp/grown.leaf"
+    ok "tells three" says '^steps *3'
+    ok "costs values alone" [ "$(wc -c <"$tmp/grown.leaf")" -lt $((2 * $(wc -c <"$tmp/alone.leaf"))) ]
+    for step in 0 1 2; do
+        for file in grown all; do
+            "$leafcast" render "$tmp/$file.leaf" --step $step --iso 0.3 --size 64x48 -o "$tmp/$file.pfm" --force -q || true
+        done
+        ok "step $step is the one of the series" cmp "$tmp/grown.pfm" "$tmp/all.pfm"
+        cp "$tmp/grown.pfm" "$tmp/step_$step.pfm"
+    done
+    ok "which differ" differ "$tmp/step_1.pfm" "$tmp/step_2.pfm"
+done
+"$leafcast" render "$tmp/alone.leaf" --iso 0.3 --size 64x48 -o "$tmp/alone.pfm" -q || true
+"$leafcast" render "$tmp/grown.leaf" --step 1 --iso 0.3 --size 64x48 -o "$tmp/grown.pfm" --force -q || true
+ok "a step is the one alone" cmp "$tmp/grown.pfm" "$tmp/alone.pfm"
+cksum <"$tmp/grown.leaf" >"$tmp/before"
+refused() { # refused WHAT STATUS FILE WORDS
+    exits "$1" "$2" "$leafcast" convert "$tmp/$3" --append -o "$tmp/grown.leaf"
+    ok "is told" says "$4"
+    ok "and leaves the file" [ "$(cksum <"$tmp/grown.leaf")" = "$(cat "$tmp/before")" ]
+}
+exits "watched" 0 "$leafcast" convert --watch "$tmp/drop_%04d.vts" -o "$tmp/watched.leaf" --until 3 --settle 0.1 -q
+exits "a watched file" 0 "$leafcast" info "$tmp/watched.leaf"
+ok "has three steps" says '^steps *3'
+refused "nodes elsewhere" 2 turned.vts 'nodes of treelet 0 lie elsewhere, or are blanked otherwise'
+refused "other sizes" 2 fewer.vts 'zone 0 has 8 x 8 x 8 nodes, expected 9 x 9 x 9'
+refused "a mesh" 2 warp.vtu 'the file is of none\|no further step'
+exits "nodes that move" 2 "$leafcast" convert "$tmp/drop_0000.vts" "$tmp/turned.vts" --append -o "$tmp/x.leaf"
+ok "do not grow" says 'nodes that move from step to step'
+ok "and leave nothing" [ ! -e "$tmp/x.leaf" ]
+exits "to one that moves" 3 "$leafcast" convert "$tmp/turned.vts" --append -o "$tmp/moving.leaf"
+ok "is refused" says 'its nodes move'
+exits "a grid behind a mesh" 2 "$leafcast" convert "$tmp/drop_0000.vts" --append -o "$tmp/as_mesh.leaf"
+ok "is refused, too" says 'no further step\|it is a curvilinear grid'
+
 # What is not done with them.
-exits "compressed" 3 "$leafcast" convert "$tmp/warp.vts" -o "$tmp/x.leaf" --compress zstd
-ok "is refused" says 'are not compressed'
-exits "further steps" 3 "$leafcast" convert "$tmp/warp.vts" -o "$tmp/warp.leaf" --append
-ok "are refused" says 'of a kind that does not grow'
-exits "or the first of such" 3 "$leafcast" convert "$tmp/warp.vts" -o "$tmp/x.leaf" --append
-ok "likewise" says 'steps are not added'
 exits "too little memory" 4 "$leafcast" convert "$tmp/warp.vts" -o "$tmp/x.leaf" --memory 500K
 ok "says how much is needed" says 'MiB of memory (--memory)'
 exits "options of regular grids" 2 "$leafcast" convert "$tmp/warp.vts" -o "$tmp/x.leaf" --spacing 2,2,2
 exits "resample" 3 "$leafcast" resample "$tmp/warp.leaf" -o "$tmp/x.nrrd"
 ok "takes meshes" says 'a curvilinear grid, of which none is resampled'
-exits "export" 3 "$leafcast" export "$tmp/warp.leaf" --iso 0 -o "$tmp/x.ply"
 exits "a bench of another kind's" 3 "$leafcast" bench nodes "$tmp/warp.leaf" --iso 0 --size 16x16 --runs 1
 exits "and of masks" 3 "$leafcast" bench isovalues "$tmp/warp.leaf" --iso 0 --size 16x16 --runs 1
 exits "a shape that is none" 2 "$leafcast" generate gyroid --curvilinear torus --dims 9 -o "$tmp/x.vts"
@@ -191,6 +260,15 @@ if [ -d "$data/bluntfin" ]; then
     done
     ok "and the same picture" cmp -s "$tmp/second.ppm" "$tmp/step1.ppm"
     ok "which is not that of the first" differ "$tmp/step0.ppm" "$tmp/step1.ppm"
+    rm -f "$tmp/later.leaf"
+    for i in 1 2 3; do
+        exits "solution $i, added" 0 "$leafcast" convert "$fin" --solution "$tmp/q_$i.q" --times $((i * i)) -o "$tmp/later.leaf" --append -q
+    done
+    exits "info of what they became" 0 "$leafcast" info "$tmp/later.leaf"
+    ok "says the times" says "^steps *3, times 1 .. 9$"
+    ok "and what is stored once" says 'the same as earlier ones'
+    "$leafcast" render "$tmp/later.leaf" --step 1 --iso 1 --size 40x30 -o "$tmp/later.ppm" -q
+    ok "and looks the same" cmp "$tmp/second.ppm" "$tmp/later.ppm"
     exits "info of an input of steps" 0 "$leafcast" info "$fin" --solution "$tmp/q_*.q" --quick
     ok "says so" says '^steps *3, the first is taken here$'
     exits "solutions and functions that do not match" 2 "$leafcast" convert "$fin" --solution "$tmp/q_?.q" --functions "$tmp/q_1.q" --functions "$tmp/q_2.q" -o "$tmp/x.leaf"

@@ -78,6 +78,7 @@ times=7 rhm
 component=1 m
 step=0 -
 cells-to-points -
+by-corners m
 coarse=4 m
 treelet-tets=64 m
 leaf-tets=4 m

@@ -110,6 +110,7 @@ json document resample b_0000.mesh -o b.nrrd
 json document export g.leaf -o x.nrrd
 json document export g.leaf --iso 120 -o x.stl
 json document export b.leaf -o x.vtu
+json document export c.leaf -o c.vtu
 json document bench steps g.leaf --iso 120 --size 16x16 --runs 1
 printf '%s\n' 0,0,0 1,0,0 0,1,0 0,0,1 1,1,1 >points.csv
 "$leafcast" --help | grep -q '^  tetrahedralize' &&

@@ -1,6 +1,6 @@
 /* test_curvilinear_convert.c - curvilinear grids to treelet files: each node and cell is the
  * input's, the bytes are those of a writer of the tests' own, whatever the threads; blanks, several
- * fields, steps that stay or move; what verify finds; faults.
+ * fields, steps that stay, move or come later; what verify finds; faults.
  */
 /* marks: threads, bits */
 #include <setjmp.h>
@@ -14,6 +14,9 @@
 
 #include "formats/base/fault.h"
 #include "formats/base/hexahedron.h"
+#include "formats/leaf/hex_treelet.h"
+#include "formats/leaf/leaf_grow.h"
+#include "formats/leaf/leaf_stats.h"
 #include "formats/leaf/leaf_unpacker.h"
 #include "formats/leaf/leaf_verify.h"
 #include "tests/support/curvilinear_steps.h"
@@ -145,6 +148,7 @@ static leaf_file *open_file(const char *name) {
 typedef struct at_treelet {
     const curvilinear_steps *s;
     leaf_file *f;
+    leaf_unpacker *unpacker;
     uint32_t t, zone, first[3], cells[3];
     uint64_t cells_of[4]; /* so far, of each code */
 } at_treelet;
@@ -158,7 +162,7 @@ static size_t node_of(const at_treelet *at, uint32_t i, uint32_t j, uint32_t k) 
 static float *load(const at_treelet *at, uint32_t p) {
     float *payload = aligned_alloc(64, leaf_layout_payload_max(&at->f->layout));
     assert_non_null(payload);
-    if (leaf_file_load(at->f, p, NULL, payload) != ST_OK)
+    if (leaf_file_load(at->f, p, at->unpacker, payload) != ST_OK)
         fail_msg("%s", status_text());
     return payload;
 }
@@ -192,7 +196,7 @@ static void check_codes(at_treelet *at, uint32_t step, const uint8_t *codes) {
 
 static void check_places(at_treelet *at, uint32_t step) {
     const uint32_t nodes = curvilinear_nodes(at->cells);
-    float *p = load(at, curvilinear_place_payload(&at->f->layout, step, at->t)), expected[3];
+    float *p = load(at, hex_treelet_places(&at->f->layout, step, at->t)), expected[3];
     uint32_t n = 0;
     for (uint32_t k = 0; k <= at->cells[2]; k++)
         for (uint32_t j = 0; j <= at->cells[1]; j++)
@@ -240,6 +244,7 @@ static void check_treelet(void *ctx, const uint32_t first[3], const uint32_t cel
 
 static void check_file(const curvilinear_steps *s, const char *name, const curvilinear_result *r) {
     at_treelet at = {.s = s, .f = open_file(name)};
+    assert_int_equal(leaf_unpacker_create(&m, at.f, &at.unpacker), ST_OK);
     for (at.zone = 0; at.zone < s->source.zones; at.zone++)
         curvilinear_zones_walk(s->zones[at.zone].nodes, check_treelet, &at);
     assert_int_equal(at.t, at.f->layout.treelets);
@@ -247,6 +252,7 @@ static void check_file(const curvilinear_steps *s, const char *name, const curvi
     if (leaf_verify(&m, at.f, 2, NULL) != ST_OK)
         fail_msg("%s", status_text());
     assert_int_equal(r->header.id[0], at.f->header.id[0]);
+    leaf_unpacker_destroy(at.unpacker);
     leaf_file_close(at.f);
 }
 
@@ -284,6 +290,91 @@ static void test_sets(void **state) {
             release(&cases[i], zones);
         }
 }
+
+/* ---- growing ---- */
+
+/* Convert steps as a new file, or as further ones of it. */
+static status put(const curvilinear_steps *s, bool grow, leaf_codec codec, curvilinear_result *r) {
+    curvilinear_options o = options(2);
+    o.grows = true;
+    o.file.codec = codec;
+    o.file.zstd_level = 1;
+    status st = grow ? leaf_grow_open(&m, scratch_path("grown.leaf"), &o.grow) : ST_OK;
+    if (st == ST_OK)
+        st = curvilinear_convert(&m, &s->series, "shapes", scratch_path("grown.leaf"), &o, NULL, r);
+    leaf_grow_close(o.grow);
+    assert_int_equal(mem_used(&m), 0);
+    return st;
+}
+
+/* One step, then two, then one: each is in the file as it was read, and places are there once. */
+static void test_growing(void **state) {
+    (void)state;
+    static const uint32_t parts[] = {1, 2, 1};
+    for (int i = 0; i < CASES; i++) {
+        curvilinear_zone zones[ZONES_MAX];
+        curvilinear_steps s;
+        curvilinear_result r;
+        uint64_t bytes[3];
+        make(&cases[i], zones);
+        curvilinear_steps_init(&s, zones, cases[i].zones, 2, 1);
+        for (int k = 0; k < 3; k++, s.before += s.series.sets.steps) {
+            s.series.sets.steps = parts[k];
+            if (put(&s, k > 0, i % 2 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW, &r) != ST_OK)
+                fail_msg("%s: %s", cases[i].name, status_text());
+            bytes[k] = r.header.payload_bytes;
+        }
+        s.before = 0;
+        s.series.sets.steps = 4;
+        check_file(&s, "grown.leaf", &r);
+        assert_true(bytes[2] < bytes[0]);
+        release(&cases[i], zones);
+    }
+}
+
+static void refused(const curvilinear_steps *s, const char *why) {
+    size_t before, after;
+    curvilinear_result r;
+    char *bytes = scratch_read(scratch_path("grown.leaf"), &before);
+    assert_int_equal(put(s, true, LEAF_CODEC_RAW, &r), ST_USAGE);
+    assert_non_null(strstr(status_text(), why));
+    char *now = scratch_read(scratch_path("grown.leaf"), &after);
+    assert_int_equal(before, after);
+    assert_memory_equal(now + LEAF_HEADER_BYTES, bytes + LEAF_HEADER_BYTES,
+                        before - LEAF_HEADER_BYTES);
+    free(bytes);
+    free(now);
+}
+
+/* What is no further step, and leaves the file as it was. */
+static void test_no_further_step(void **state) {
+    (void)state;
+    curvilinear_zone zones[ZONES_MAX], others[ZONES_MAX];
+    curvilinear_steps s, t;
+    curvilinear_result r;
+    make(&cases[4], zones);
+    make(&cases[4], others);
+    curvilinear_steps_init(&s, zones, 3, 1, 1);
+    curvilinear_steps_init(&t, others, 3, 1, 1);
+    assert_int_equal(put(&s, false, LEAF_CODEC_RAW, &r), ST_OK);
+    float *x = &((float(*)[3])(uintptr_t)others[2].p)[7][1];
+    *x += 0.001f;
+    refused(&t, "lie elsewhere, or are blanked otherwise");
+    *x -= 0.001f;
+    t.moves = true;
+    t.series.sets.steps = 2;
+    refused(&t, "nodes that move from step to step");
+    assert_int_equal(put(&t, false, LEAF_CODEC_RAW, &r), ST_USAGE);
+    curvilinear_steps_init(&t, others, 2, 1, 1);
+    refused(&t, "it has 2 zones, expected 3");
+    others[1].nodes[0] = 35, others[1].nodes[1] = 3, others[1].nodes[2] = 6;
+    curvilinear_steps_init(&t, others, 3, 1, 1);
+    refused(&t, "zone 1 has 35 x 3 x 6 nodes, expected 3 x 3 x 70");
+    release(&cases[4], zones);
+    release(&cases[4], others);
+}
+
+/* ---- histograms ---- */
 
 /* All cells of small grids are drawn: those that are active at each edge of a bin, counted. */
 static uint32_t count_active(const curvilinear_zone *z, double edge) {
@@ -324,6 +415,9 @@ static void test_histograms(void **state) {
             for (uint32_t z = 0; z < cases[i].zones; z++)
                 count += count_active(&zones[z], h->edges[bin]);
             assert_int_equal(h->active[bin], count);
+            leaf_activity levels[LEAF_LEVELS_MAX];
+            assert_int_equal(leaf_stats_activity(&m, f, 0, h->edges[bin], 2, NULL, levels), ST_OK);
+            assert_int_equal(levels[0].cells, count);
         }
         leaf_file_close(f);
         release(&cases[i], zones);
@@ -532,6 +626,20 @@ static void test_budget(void **state) {
         m.limit = o.memory = plan.memory;
         assert_int_equal(try_convert(&s, "e.leaf", &o, &r), ST_OK);
         m.limit = 0;
+        s.moves = false;
+        assert_int_equal(put(&s, false, LEAF_CODEC_RAW, &r), ST_OK);
+        o = options(2);
+        o.grows = true;
+        assert_int_equal(leaf_grow_open(&m, scratch_path("grown.leaf"), &o.grow), ST_OK);
+        const size_t opened = mem_used(&m);
+        assert_int_equal(curvilinear_plan_make(&m, &s.series, &s.source, &o, &plan), ST_OK);
+        o.memory = plan.memory;
+        m.limit = o.memory + opened; /* which is opened once more in the end */
+        if (curvilinear_convert(&m, &s.series, "shapes", scratch_path("grown.leaf"), &o, NULL,
+                                &r) != ST_OK)
+            fail_msg("%s: %s", cases[i].name, status_text());
+        m.limit = 0;
+        leaf_grow_close(o.grow);
         release(&cases[i], zones);
     }
 }
@@ -568,6 +676,7 @@ int main(void) {
     mem_init(&m, 0);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_nodes_and_cells), cmocka_unit_test(test_sets),
+        cmocka_unit_test(test_growing),         cmocka_unit_test(test_no_further_step),
         cmocka_unit_test(test_histograms),      cmocka_unit_test(test_bytes),
         cmocka_unit_test(test_verify),          cmocka_unit_test(test_verify_codes),
         cmocka_unit_test(test_refusals),        cmocka_unit_test(test_budget),

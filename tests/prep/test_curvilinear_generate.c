@@ -150,8 +150,11 @@ static void test_library(void **state) {
     o.field_count = 0;
     o.fields = NULL;
     o.zstd_level = 1;
-    assert_int_equal(leafcast_convert_path(in[0], out, &o), LEAFCAST_UNSUPPORTED);
-    assert_non_null(strstr(leafcast_error_text(), "not compressed"));
+    assert_int_equal(leafcast_convert_steps(in, 2, NULL, out, &o), LEAFCAST_OK);
+    assert_int_equal(leaf_file_open(&m, out, &f), ST_OK);
+    assert_true(f->header.codec == LEAF_CODEC_ZSTD && f->header.moving);
+    assert_int_equal(leaf_verify(&m, f, 1, NULL), ST_OK);
+    leaf_file_close(f);
 }
 
 static void test_faults(void **state) {

@@ -15,7 +15,7 @@
 
 #include "formats/base/hash.h"
 #include "formats/leaf/leaf_file.h"
-#include "prep/export/tet_pieces.h"
+#include "prep/export/tet_solids.h"
 #include "tests/support/export_lab.h"
 #include "tests/support/lab_leaf.h"
 #include "tests/support/scratch.h"
@@ -155,14 +155,13 @@ static void test_tets(void **state) {
     const char *path = lab_leaf_make(&lab, 100, false);
     mem m;
     leaf_file *f;
-    tet_pieces *s;
+    piece_source source;
     const uint32_t first = 0;
     const char *const names[] = {"f<\"x\">"};
     mem_init(&m, 0);
     assert_int_equal(leaf_file_open(&m, path, &f), ST_OK);
-    const tet_choice choice = {.f = f, .fields = &first, .count = 1};
-    assert_int_equal(tet_pieces_create(&m, &choice, 3, &s), ST_OK);
-    const piece_source source = tet_pieces_source(s);
+    const cell_choice choice = {.f = f, .fields = &first, .count = 1};
+    assert_int_equal(tet_solids_create(&m, &choice, 3, &source), ST_OK);
     piece_info info = {.fields = names, .field_count = 1, .floats = true};
     const export_how h = {.format = "vtu", .threads = 3};
     assert_int_equal(export_lab_pieces(&m, &h, &source, &info), ST_OK);
@@ -197,7 +196,7 @@ static void test_tets(void **state) {
     free(want);
     free(got);
     free(bytes);
-    tet_pieces_destroy(s);
+    piece_source_release(&source);
     leaf_file_close(f);
     assert_int_equal(mem_used(&m), 0);
     lab_mesh_release(&lab);

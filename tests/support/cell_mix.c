@@ -80,10 +80,12 @@ static void add_hexahedron(cell_mix *m, const vertex v[8], bool cut) {
         add_pyramid(m, v, hex_faces[i], &apex);
 }
 
-void cell_mix_make(cell_mix *m, int index, uint64_t seed) {
-    static const int around[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-    static const int halves[2][3] = {{0, 1, 2}, {0, 2, 3}};
-    hex_lab_make(&m->lab, index, seed);
+static const int around[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+
+/* Add the cells at a place of the grid, whose vertices these are. */
+typedef void add_place(cell_mix *m, const int at[3], const vertex v[8]);
+
+static void each_place(cell_mix *m, add_place *add_at) {
     m->count = 0;
     for (int k = 0; k < HEX_LAB_CELLS; k++)
         for (int j = 0; j < HEX_LAB_CELLS; j++)
@@ -91,17 +93,37 @@ void cell_mix_make(cell_mix *m, int index, uint64_t seed) {
                 vertex v[8];
                 for (int n = 0; n < 8; n++)
                     v[n] = node_of(&m->lab, i + around[n % 4][0], j + around[n % 4][1], k + n / 4);
-                if ((i + j) % 2 == 0) {
-                    add_hexahedron(m, v, (i + k) % 3 == 0);
-                    continue;
-                }
-                for (int h = 0; h < 2; h++) {
-                    vertex w[6];
-                    for (int n = 0; n < 6; n++)
-                        w[n] = v[halves[h][n % 3] + 4 * (n / 3)];
-                    add_wedge(m, w, (k + h) % 2 == 0);
-                }
+                add_at(m, (const int[3]){i, j, k}, v);
             }
+}
+
+static void add_cut(cell_mix *m, const int at[3], const vertex v[8]) {
+    static const int halves[2][3] = {{0, 1, 2}, {0, 2, 3}};
+    if ((at[0] + at[1]) % 2 == 0) {
+        add_hexahedron(m, v, (at[0] + at[2]) % 3 == 0);
+        return;
+    }
+    for (int h = 0; h < 2; h++) {
+        vertex w[6];
+        for (int n = 0; n < 6; n++)
+            w[n] = v[halves[h][n % 3] + 4 * (n / 3)];
+        add_wedge(m, w, (at[2] + h) % 2 == 0);
+    }
+}
+
+void cell_mix_make(cell_mix *m, int index, uint64_t seed) {
+    hex_lab_make(&m->lab, index, seed);
+    each_place(m, add_cut);
+}
+
+static void add_whole(cell_mix *m, const int at[3], const vertex v[8]) {
+    (void)at;
+    add_hexahedron(m, v, false);
+}
+
+void cell_mix_whole(cell_mix *m, const hex_lab *s) {
+    m->lab = *s;
+    each_place(m, add_whole);
 }
 
 /* Which corner of the shape's own hexahedron is corner c of the turned one. */

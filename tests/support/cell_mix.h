@@ -26,6 +26,9 @@ typedef struct cell_mix {
  * cut in six pyramids. */
 void cell_mix_make(cell_mix *m, int index, uint64_t seed);
 
+/* cell_mix_whole() - all of a grid's hexahedra, none of them cut. */
+void cell_mix_whole(cell_mix *m, const hex_lab *s);
+
 /* cell_mix_hexahedron() - a cell as a hexahedron, its corners turned about the `turn`-th way that
  * leaves its shape: so cells may collapse anywhere. turn: 0 to 47. */
 hexahedron cell_mix_hexahedron(const cell_mix_cell *c, int turn);

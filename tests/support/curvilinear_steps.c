@@ -53,7 +53,7 @@ static status blanks(void *own, uint32_t zone, uint32_t first, uint32_t count, u
 
 static status open_step(void *ctx, uint32_t step, const curvilinear_source **out) {
     curvilinear_steps *s = ctx;
-    s->step = step;
+    s->step = s->before + step;
     *out = &s->source;
     return ST_OK;
 }

@@ -13,6 +13,7 @@ typedef struct curvilinear_steps {
     const curvilinear_zone *zones;
     bool moves;          /* nodes are elsewhere at each step */
     uint32_t fails_from; /* from this step on, reading fails; 0: never */
+    uint32_t before;     /* the series' first step is the one behind so many */
     curvilinear_series series;
     /* Inside: */
     curvilinear_source source;

@@ -10,7 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "formats/leaf/hex_treelet.h"
 #include "prep/export/grid_surface.h"
+#include "prep/export/hex_surface.h"
 #include "prep/export/tet_surface.h"
 #include "tests/support/fields.h"
 #include "tests/support/leaf_fuzz.h"
@@ -42,28 +44,25 @@ status export_lab_pieces(mem *m, const export_how *h, const piece_source *source
 
 static status try_grid(mem *m, leaf_file *f, const export_how *h, piece_info *info) {
     grid_part part;
-    grid_surface *s = NULL;
+    piece_source source = {.ctx = NULL};
     status st = grid_part_of(f, h->level, h->box, &part);
     if (st == ST_OK)
-        st = grid_surface_create(m, f, &part, h->isovalues, h->count, h->threads, &s);
-    if (st == ST_OK) {
-        const piece_source source = grid_surface_source(s);
+        st = grid_surface_create(m, f, &part, h->isovalues, h->count, h->threads, &source);
+    if (st == ST_OK)
         st = export_lab_pieces(m, h, &source, info);
-    }
-    grid_surface_destroy(s);
+    piece_source_release(&source);
     return st;
 }
 
-static status try_mesh(mem *m, leaf_file *f, const export_how *h, piece_info *info) {
+static status try_cells(mem *m, leaf_file *f, const export_how *h, piece_info *info) {
     const uint32_t first = 0;
-    const tet_choice choice = {.f = f, .fields = &first, .count = 1, .gradients = true};
-    tet_surface *s = NULL;
-    status st = tet_surface_create(m, &choice, h->isovalues, h->count, h->threads, &s);
-    if (st == ST_OK) {
-        const piece_source source = tet_surface_source(s);
+    const cell_choice choice = {.f = f, .fields = &first, .count = 1, .gradients = true};
+    piece_source source = {.ctx = NULL};
+    status st = (f->mesh ? tet_surface_create : hex_surface_create)(m, &choice, h->isovalues,
+                                                                    h->count, h->threads, &source);
+    if (st == ST_OK)
         st = export_lab_pieces(m, h, &source, info);
-    }
-    tet_surface_destroy(s);
+    piece_source_release(&source);
     return st;
 }
 
@@ -73,7 +72,7 @@ status export_lab_try(mem *m, const char *path, const export_how *h, piece_info 
     status st = leaf_file_open(m, path, &f);
     if (st == ST_OK) {
         m->limit = h->memory ? mem_used(m) + h->memory : 0;
-        st = f->mesh ? try_mesh(m, f, h, info) : try_grid(m, f, h, info);
+        st = f->mesh || f->geometry->hexes ? try_cells(m, f, h, info) : try_grid(m, f, h, info);
         m->limit = 0;
     }
     leaf_file_close(f);

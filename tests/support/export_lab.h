@@ -22,7 +22,7 @@ typedef struct export_how {
 export_how export_lab_plain(double isovalue);
 
 /* export_lab_pieces() - all of a source to the scratch file. export_lab_try() - the surface of the
- * file `path`, a grid or a mesh's first field. */
+ * file `path`: of a grid, or of the first field of a mesh or of hexahedra. */
 status export_lab_pieces(mem *m, const export_how *h, const piece_source *source, piece_info *info);
 status export_lab_try(mem *m, const char *path, const export_how *h, piece_info *info);
 

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "formats/mesh/mesh_coder.h"
 #include "formats/mesh/mesh_leaf.h"
 #include "tests/support/fields.h"
 #include "tests/support/scratch.h"
@@ -388,7 +389,7 @@ status mesh_leaves_try(mem *m, const mesh_case *c, const char *path, int backwar
     if (st != ST_OK)
         return st;
     const uint32_t tets = mesh.treelet_tets, most[4] = {tets, 4 * tets, tets, tets};
-    st = leaf_packer_create(m, leaf_writer_layout(w), most, &c->file, &k);
+    st = leaf_packer_create(m, leaf_writer_layout(w), &mesh_coder, most, &c->file, &k);
     for (uint32_t t = 0; t < mesh.treelets && st == ST_OK; t++)
         st = put_treelet(w, k, c, backwards ? mesh.treelets - 1 - t : t);
     leaf_packer_destroy(m, k);

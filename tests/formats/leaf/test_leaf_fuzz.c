@@ -1,4 +1,4 @@
-/* test_leaf_fuzz.c - treelet files of meshes and grids changed at random, their checksums right:
+/* test_leaf_fuzz.c - treelet files of each kind changed at random, their checksums right:
  * refused, or drawn; never a crash, a hang, memory left. fuzz_leaf.c is the same at length, and
  * $LEAFCAST_FUZZ other than COUNT files of each kind.
  */
@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "tests/support/fields.h"
+#include "tests/support/hex_grown.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/leaf_fuzz.h"
 #include "tests/support/leaf_image.h"
@@ -34,7 +35,7 @@ static leaf_image make_mesh(leaf_codec codec, int extended) {
     return leaf_image_of(bytes, size);
 }
 
-static leaf_image make_grid(leaf_codec codec, bool bare) {
+static leaf_image make_grid(leaf_codec codec, int bare) {
     leaf_case c = leaf_files_case(20, 19, 4, SAMPLE_F32);
     void *samples = leaf_files_random(&c, FIELD_SEED, 25);
     c.samples = samples;
@@ -66,7 +67,7 @@ static const char *convert(const grid_series *of, const convert_options *o, bool
 }
 
 /* Steps of which some are the same as others, and some a little different. */
-static leaf_image make_series(leaf_codec codec, series_form form) {
+static leaf_image make_series(leaf_codec codec, int form) {
     enum { STEPS = 10, EVERY = 97 };
     leaf_case c = leaf_files_case(20, 19, 4, SAMPLE_F32);
     const size_t count = (size_t)20 * 19 * 4;
@@ -91,20 +92,47 @@ static leaf_image make_series(leaf_codec codec, series_form form) {
     return form == SERIES_PLAIN ? leaf_image_of(bytes, size) : leaf_image_as_is(bytes, size);
 }
 
-static leaf_image make_grown_mesh(leaf_codec codec) {
+static leaf_image make_grown_mesh(leaf_codec codec, int how) {
     size_t size;
+    (void)how;
     char *bytes = scratch_read(mesh_grown_make(3, 4, codec, "made.leaf"), &size);
     return leaf_image_as_is(bytes, size);
 }
 
-static leaf_image make_kind(int k) {
-    const leaf_codec codec = k % 2 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW;
-    if (k < 4)
-        return make_mesh(codec, k / 2);
-    if (k < 8)
-        return make_grid(codec, k >= 6);
-    return k < 14 ? make_series(codec, (series_form)(k / 2 - 4)) : make_grown_mesh(codec);
+enum { LAB = 1 };
+
+static leaf_image make_curvilinear(leaf_codec codec, int segments) {
+    size_t size;
+    char *bytes = scratch_read(hex_grown_grid(LAB, (uint32_t)segments, codec, "made.leaf"), &size);
+    return leaf_image_as_is(bytes, size);
 }
+
+static leaf_image make_mix(leaf_codec codec, int segments) {
+    size_t size;
+    char *bytes = scratch_read(hex_grown_mix(LAB, (uint32_t)segments, codec, "made.leaf"), &size);
+    return leaf_image_as_is(bytes, size);
+}
+
+typedef struct sound_kind {
+    const char *name;
+    leaf_image (*make)(leaf_codec codec, int how);
+    int how;
+} sound_kind;
+
+static const sound_kind kinds[] = {
+    {"a mesh", make_mesh, 0},
+    {"a moving mesh", make_mesh, 1},
+    {"a grid", make_grid, 0},
+    {"level 0 alone", make_grid, 1},
+    {"a series", make_series, SERIES_PLAIN},
+    {"a packed series", make_series, SERIES_PACKED},
+    {"a grown series", make_series, SERIES_GROWN},
+    {"a grown mesh", make_grown_mesh, 0},
+    {"a curvilinear grid", make_curvilinear, 1},
+    {"a grown curvilinear grid", make_curvilinear, 4},
+    {"a mixed mesh", make_mix, 1},
+    {"a grown mixed mesh", make_mix, 4},
+};
 
 /* Four bytes or one, by what breaks things. */
 static void change(char *at, size_t room, field_random *r) {
@@ -173,17 +201,13 @@ static void test_changed(void **state) {
     (void)state;
     const char *wanted = getenv("LEAFCAST_FUZZ");
     const uint64_t count = wanted ? strtoull(wanted, NULL, 10) : COUNT;
-    static const char *const kinds[] = {
-        "a mesh, raw",         "a mesh, zstd",         "a moving mesh, raw",
-        "a moving mesh, zstd", "a grid, raw",          "a grid, zstd",
-        "level 0 alone, raw",  "level 0 alone, zstd",  "a series, raw",
-        "a series, zstd",      "a packed series, raw", "a packed series, zstd",
-        "a grown series, raw", "a grown series, zstd", "a grown mesh, raw",
-        "a grown mesh, zstd"};
-    for (int k = 0; k < (int)(sizeof kinds / sizeof *kinds); k++) {
-        const leaf_image i = make_kind(k);
+    for (int k = 0; k < 2 * (int)(sizeof kinds / sizeof *kinds); k++) {
+        const sound_kind *kind = &kinds[k / 2];
+        const leaf_image i = kind->make(k % 2 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW, kind->how);
+        char name[64];
         uint64_t refused;
-        const uint64_t drawn = run(&i, kinds[k], (uint64_t)k + 1, count, &refused);
+        snprintf(name, sizeof name, "%s, %s", kind->name, k % 2 ? "zstd" : "raw");
+        const uint64_t drawn = run(&i, name, (uint64_t)k + 1, count, &refused);
         /* It was put to the test from both sides. */
         assert_true(drawn > count / 50 && refused > count / 4);
         free(i.bytes);

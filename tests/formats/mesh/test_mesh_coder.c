@@ -14,107 +14,46 @@
 #include "formats/leaf/leaf_unpacker.h"
 #include "formats/mesh/mesh_coder.h"
 #include "formats/mesh/mesh_leaf.h"
+#include "tests/support/coder_lab.h"
 #include "tests/support/fields.h"
 #include "tests/support/mesh_leaves.h"
 #include "tests/support/naive_coded.h"
 #include "tests/support/scratch.h"
 
-enum { GUARD = 64, GUARD_BYTE = 0xa7 };
+enum { GUARD_BYTE = 0xa7 };
 
 static mem m;
 
 /* ---- a payload, coded ---- */
 
-typedef struct subject {
-    mesh_block block;
-    uint32_t counts[4];
-    float bounds[6];
-    size_t bytes;
-    uint8_t *payload;
-    coded_streams streams;
-} subject;
-
-/* 64-byte aligned, with guards behind it. */
-static uint8_t *guarded(size_t bytes) {
-    uint8_t *at = aligned_alloc(64, (bytes + GUARD + 63) / 64 * 64);
-    assert_non_null(at);
-    memset(at, GUARD_BYTE, bytes + GUARD);
-    return at;
-}
-
-static void check_guard(const uint8_t *at, size_t bytes) {
-    for (size_t i = 0; i < GUARD; i++)
-        assert_int_equal(at[bytes + i], GUARD_BYTE);
-}
-
-static subject subject_of(leaf_file *f, mesh_block block, uint32_t p, uint32_t t) {
-    subject x = {.block = block};
-    memcpy(x.counts, f->mesh->counts[t], sizeof x.counts);
-    memcpy(x.bounds, f->mesh->bounds[leaf_layout_bounds(&f->layout, 0, t)], sizeof x.bounds);
-    x.bytes = mesh_coder_bytes(block, x.counts);
+static coder_subject subject_of(leaf_file *f, leaf_block block, uint32_t p, uint32_t t) {
+    coder_subject x = coder_lab_subject(&mesh_coder, block, f->mesh->counts[t],
+                                        f->mesh->bounds[leaf_layout_bounds(&f->layout, 0, t)]);
     assert_int_equal(x.bytes, leaf_layout_payload_bytes(&f->layout, p));
-    x.payload = guarded(x.bytes);
     assert_int_equal(leaf_file_load(f, p, NULL, x.payload), ST_OK);
     return x;
 }
 
-static void release(subject *x) {
-    free(x->payload);
-    free(x->streams.bytes);
-}
-
-static void encode(subject *x) {
-    const size_t room = mesh_coder_room(x->block, x->counts);
-    const size_t scratch_bytes = mesh_coder_scratch(x->block, x->counts);
-    uint8_t *scratch = guarded(scratch_bytes);
-    free(x->streams.bytes);
-    x->streams = (coded_streams){.bytes = guarded(room), .room = room, .used = 7, .count = 7};
-    mesh_coder_encode(x->block, x->counts, x->bounds, x->payload, scratch, &x->streams);
-    check_guard(scratch, scratch_bytes);
-    check_guard(x->streams.bytes, room);
-    check_guard(x->payload, x->bytes);
-    free(scratch);
-    const coded_streams *s = &x->streams;
-    assert_true(s->used <= room && s->count >= 1 && s->count <= CODED_STREAMS_MAX);
-    assert_int_equal(s->end[s->count - 1], s->used);
-    for (uint32_t i = 1; i < s->count; i++)
-        assert_true(s->end[i - 1] <= s->end[i]);
-}
-
-/* Decode a copy of the bytes that has nothing behind it. NULL: they are refused. */
-static uint8_t *decode(const subject *x, const uint8_t *bytes, size_t size) {
-    uint8_t *in = malloc(size ? size : 1), *out = guarded(x->bytes);
-    assert_non_null(in);
-    memcpy(in, bytes, size);
-    const bool good = mesh_coder_decode(x->block, x->counts, x->bounds, in, size, out);
-    check_guard(out, x->bytes);
-    free(in);
-    if (good)
-        return out;
-    free(out);
-    return NULL;
-}
-
 /* The naive decoder makes no boxes: take those of `like` if they are implied. */
-static uint8_t *decode_naively(const subject *x, const uint8_t *in, size_t size,
+static uint8_t *decode_naively(const coder_subject *x, const uint8_t *in, size_t size,
                                const uint8_t *like) {
-    uint8_t *out = guarded(x->bytes);
+    uint8_t *out = coder_lab_guarded(x->bytes);
     memset(out, 0, x->bytes);
     if (!naive_coded_decode((int)x->block, x->counts, in, size, out, x->bytes)) {
         free(out);
         return NULL;
     }
-    if (like && x->block == MESH_BLOCK_TOPOLOGY && in[0] == 1)
+    if (like && x->block == LEAF_BLOCK_TOPOLOGY && in[0] == 1)
         for (uint32_t n = 0; n < x->counts[2]; n++)
             memcpy(out + n * sizeof(mesh_node), like + n * sizeof(mesh_node), sizeof(mesh_boxes));
     return out;
 }
 
 /* Encode; both decoders give the payload back. way: what the first byte is to say; -1: any. */
-static void check_round(subject *x, int way) {
-    encode(x);
+static void check_round(coder_subject *x, int way) {
+    coder_lab_encode(x);
     const coded_streams *s = &x->streams;
-    uint8_t *plain = decode(x, s->bytes, s->used);
+    uint8_t *plain = coder_lab_decode(x, s->bytes, s->used);
     assert_non_null(plain);
     assert_memory_equal(plain, x->payload, x->bytes);
     uint8_t *naive = decode_naively(x, s->bytes, s->used, plain);
@@ -128,7 +67,7 @@ static void check_round(subject *x, int way) {
 
 /* ---- payloads of files ---- */
 
-typedef void visit(subject *x, field_random *r);
+typedef void visit(coder_subject *x, field_random *r);
 
 static void visit_file(const mesh_case *c, visit *f_of, uint64_t seed) {
     field_random r = {seed};
@@ -136,14 +75,10 @@ static void visit_file(const mesh_case *c, visit *f_of, uint64_t seed) {
     assert_int_equal(leaf_file_open(&m, mesh_leaves_make(c, "coder.leaf"), &f), ST_OK);
     for (uint32_t p = 0; p < f->layout.payloads; p++) {
         uint32_t index;
-        const leaf_block b = leaf_layout_block_of(&f->layout, p, &index);
-        const mesh_block block = b == LEAF_BLOCK_VALUES      ? MESH_BLOCK_VALUES
-                                 : b == LEAF_BLOCK_GRADIENTS ? MESH_BLOCK_GRADIENTS
-                                 : b == LEAF_BLOCK_POSITIONS ? MESH_BLOCK_POSITIONS
-                                                             : MESH_BLOCK_TOPOLOGY;
-        subject x = subject_of(f, block, p, p % f->layout.treelets);
+        const leaf_block block = leaf_layout_block_of(&f->layout, p, &index);
+        coder_subject x = subject_of(f, block, p, p % f->layout.treelets);
         f_of(&x, &r);
-        release(&x);
+        coder_lab_release(&x);
     }
     leaf_file_close(f);
 }
@@ -174,15 +109,15 @@ static void visit_cube(uint32_t n, uint32_t treelet_tets, uint32_t leaf_tets, bo
     mesh_leaves_release(&c);
 }
 
-static void check_file_payload(subject *x, field_random *r) {
+static void check_file_payload(coder_subject *x, field_random *r) {
     (void)r;
     check_round(x, 1);
 }
 
 /* A path of 65 nodes is too long. */
-static void check_deep(subject *x, field_random *r) {
+static void check_deep(coder_subject *x, field_random *r) {
     (void)r;
-    check_round(x, x->block == MESH_BLOCK_TOPOLOGY && x->counts[2] > 64 ? 0 : 1);
+    check_round(x, x->block == LEAF_BLOCK_TOPOLOGY && x->counts[2] > 64 ? 0 : 1);
 }
 
 /* Trees of one leaf, of many, as deep as can be; lists of recent vertices that are short, full,
@@ -200,10 +135,10 @@ static void test_files(void **state) {
     visit_cube(14, 16384, 64, true, false, check_file_payload);
 }
 
-static void check_small(subject *x, field_random *r) {
+static void check_small(coder_subject *x, field_random *r) {
     (void)r;
-    encode(x);
-    if (x->block == MESH_BLOCK_TOPOLOGY)
+    coder_lab_encode(x);
+    if (x->block == LEAF_BLOCK_TOPOLOGY)
         assert_true(x->streams.used * 3 < x->bytes * 2);
     else
         assert_true(x->streams.used <= x->bytes + 1);
@@ -241,23 +176,23 @@ static uint32_t odd_bits(field_random *r) {
 }
 
 /* Where the floats of the vertices are, and how many. */
-static uint8_t *floats_of(const subject *x, size_t *count) {
+static uint8_t *floats_of(const coder_subject *x, size_t *count) {
     const mesh_shape s = mesh_leaf_shape(x->counts);
-    *count = s.vertices * (x->block == MESH_BLOCK_VALUES ? 1 : 3);
-    return x->payload + (x->block == MESH_BLOCK_TOPOLOGY    ? s.positions_at
-                         : x->block == MESH_BLOCK_VALUES    ? s.values_at
-                         : x->block == MESH_BLOCK_GRADIENTS ? 0
+    *count = s.vertices * (x->block == LEAF_BLOCK_VALUES ? 1 : 3);
+    return x->payload + (x->block == LEAF_BLOCK_TOPOLOGY    ? s.positions_at
+                         : x->block == LEAF_BLOCK_VALUES    ? s.values_at
+                         : x->block == LEAF_BLOCK_GRADIENTS ? 0
                                                             : s.moved_at);
 }
 
-static void check_odd_floats(subject *x, field_random *r) {
+static void check_odd_floats(coder_subject *x, field_random *r) {
     size_t count;
     uint8_t *floats = floats_of(x, &count);
     for (size_t i = 0; i < count; i++) {
         const uint32_t bits = odd_bits(r);
         memcpy(floats + i * sizeof bits, &bits, sizeof bits);
     }
-    check_round(x, x->block == MESH_BLOCK_TOPOLOGY ? 2 : 1);
+    check_round(x, x->block == LEAF_BLOCK_TOPOLOGY ? 2 : 1);
     for (size_t i = 0; i < count; i++)
         memcpy(floats + i * sizeof(float), &(float){-0.0F}, sizeof(float));
     memset(x->bounds, 0, sizeof x->bounds);
@@ -265,26 +200,26 @@ static void check_odd_floats(subject *x, field_random *r) {
 }
 
 /* Codes of nodes that are not those of the vertices; all absent, too. */
-static void check_odd_codes(subject *x, field_random *r) {
+static void check_odd_codes(coder_subject *x, field_random *r) {
     const mesh_shape s = mesh_leaf_shape(x->counts);
-    const size_t node = x->block == MESH_BLOCK_VALUES     ? sizeof(mesh_codes)
-                        : x->block == MESH_BLOCK_TOPOLOGY ? sizeof(mesh_node)
+    const size_t node = x->block == LEAF_BLOCK_VALUES     ? sizeof(mesh_codes)
+                        : x->block == LEAF_BLOCK_TOPOLOGY ? sizeof(mesh_node)
                                                           : sizeof(mesh_boxes);
-    const size_t codes = x->block == MESH_BLOCK_VALUES ? sizeof(mesh_codes) : sizeof(mesh_boxes);
-    if (x->block == MESH_BLOCK_GRADIENTS)
+    const size_t codes = x->block == LEAF_BLOCK_VALUES ? sizeof(mesh_codes) : sizeof(mesh_boxes);
+    if (x->block == LEAF_BLOCK_GRADIENTS)
         return;
     uint8_t *some = x->payload + node * (size_t)field_random_below(r, s.nodes);
     some[field_random_below(r, (long)codes)] ^= (uint8_t)(1 << field_random_below(r, 8));
-    check_round(x, x->block == MESH_BLOCK_TOPOLOGY ? 2 : 1);
+    check_round(x, x->block == LEAF_BLOCK_TOPOLOGY ? 2 : 1);
     for (uint32_t n = 0; n < s.nodes; n++) {
         memset(x->payload + n * node, 255, codes / 2);
         memset(x->payload + n * node + codes / 2, 0, codes / 2);
     }
-    check_round(x, x->block == MESH_BLOCK_TOPOLOGY ? 2 : 1);
+    check_round(x, x->block == LEAF_BLOCK_TOPOLOGY ? 2 : 1);
     for (uint32_t n = 0; n < s.nodes; n++)
         for (size_t i = 0; i < codes; i++)
             x->payload[n * node + i] = (uint8_t)field_random_bits(r);
-    check_round(x, x->block == MESH_BLOCK_TOPOLOGY ? 2 : 1);
+    check_round(x, x->block == LEAF_BLOCK_TOPOLOGY ? 2 : 1);
 }
 
 static void test_odd_numbers(void **state) {
@@ -297,25 +232,25 @@ static void test_odd_numbers(void **state) {
 
 /* ---- payloads that are stored as they are ---- */
 
-static void check_stored(const subject *x, size_t at, uint8_t flip) {
-    subject other = *x;
+static void check_stored(const coder_subject *x, size_t at, uint8_t flip) {
+    coder_subject other = *x;
     other.streams = (coded_streams){0};
-    other.payload = guarded(x->bytes);
+    other.payload = coder_lab_guarded(x->bytes);
     memcpy(other.payload, x->payload, x->bytes);
     other.payload[at] ^= flip;
     check_round(&other, 0);
-    release(&other);
+    coder_lab_release(&other);
 }
 
-static void check_faulty(subject *x, field_random *r) {
+static void check_faulty(coder_subject *x, field_random *r) {
     const mesh_shape s = mesh_leaf_shape(x->counts);
     size_t count;
     const size_t floats_end = (size_t)(floats_of(x, &count) - x->payload) + count * sizeof(float);
     if (floats_end < x->bytes)
         check_stored(x, floats_end, 1);
-    if (x->block == MESH_BLOCK_VALUES && s.nodes % 4)
+    if (x->block == LEAF_BLOCK_VALUES && s.nodes % 4)
         check_stored(x, s.nodes * sizeof(mesh_codes), 255);
-    if (x->block != MESH_BLOCK_TOPOLOGY)
+    if (x->block != LEAF_BLOCK_TOPOLOGY)
         return;
     check_stored(x, s.tets_at + 7, 255);                                         /* too large */
     check_stored(x, s.tets_at + 8 * (size_t)field_random_below(r, s.tets), 255); /* the order */
@@ -326,19 +261,19 @@ static void check_faulty(subject *x, field_random *r) {
 }
 
 /* Any bytes at all. */
-static void check_any(subject *x, field_random *r) {
+static void check_any(coder_subject *x, field_random *r) {
     for (size_t i = 0; i < x->bytes; i++)
         x->payload[i] = (uint8_t)field_random_bits(r);
-    check_round(x, x->block == MESH_BLOCK_TOPOLOGY ? 0 : -1);
+    check_round(x, x->block == LEAF_BLOCK_TOPOLOGY ? 0 : -1);
     memset(x->payload, 0, x->bytes);
-    check_round(x, x->block == MESH_BLOCK_TOPOLOGY ? 0 : 1);
+    check_round(x, x->block == LEAF_BLOCK_TOPOLOGY ? 0 : 1);
     memset(x->payload, 255, x->bytes);
     check_round(x, -1);
 }
 
 /* A vertex without a tet. */
-static void check_unused(subject *x, field_random *r) {
-    if (x->block != MESH_BLOCK_TOPOLOGY)
+static void check_unused(coder_subject *x, field_random *r) {
+    if (x->block != LEAF_BLOCK_TOPOLOGY)
         return;
     const mesh_shape s = mesh_leaf_shape(x->counts);
     uint16_t *tets = (uint16_t *)(x->payload + s.tets_at);
@@ -357,7 +292,7 @@ static void test_stored(void **state) {
 
 /* ---- hostile streams ---- */
 
-static bool positions_within(const subject *x, const uint8_t *payload) {
+static bool positions_within(const coder_subject *x, const uint8_t *payload) {
     const mesh_shape s = mesh_leaf_shape(x->counts);
     const float(*p)[3] = mesh_leaf_positions(&s, payload);
     for (uint32_t v = 0; v < s.vertices; v++)
@@ -369,27 +304,27 @@ static bool positions_within(const subject *x, const uint8_t *payload) {
 
 /* Both decoders agree. What comes out of bytes, if anything does, comes back from its own streams.
  * Returns whether anything did. */
-static bool check_hostile(const subject *x, const uint8_t *bytes, size_t size) {
-    uint8_t *out = decode(x, bytes, size);
+static bool check_hostile(const coder_subject *x, const uint8_t *bytes, size_t size) {
+    uint8_t *out = coder_lab_decode(x, bytes, size);
     uint8_t *naive = decode_naively(x, bytes, size, out);
     if (out) {
         assert_non_null(naive);
         assert_memory_equal(out, naive, x->bytes);
-        subject again = *x;
+        coder_subject again = *x;
         again.payload = out;
         again.streams = (coded_streams){0};
         check_round(&again, -1);
-        release(&again);
+        coder_lab_release(&again);
     } else if (naive) {
-        assert_true(x->block == MESH_BLOCK_TOPOLOGY && bytes[0] == 1);
+        assert_true(x->block == LEAF_BLOCK_TOPOLOGY && bytes[0] == 1);
         assert_false(positions_within(x, naive));
     }
     free(naive);
     return out != NULL;
 }
 
-static void check_cut(subject *x, field_random *r) {
-    encode(x);
+static void check_cut(coder_subject *x, field_random *r) {
+    coder_lab_encode(x);
     coded_streams *s = &x->streams;
     for (size_t size = 0; size < s->used; size++)
         assert_false(check_hostile(x, s->bytes, size));
@@ -403,8 +338,8 @@ static void check_cut(subject *x, field_random *r) {
     (void)r;
 }
 
-static void check_changed(subject *x, field_random *r) {
-    encode(x);
+static void check_changed(coder_subject *x, field_random *r) {
+    coder_lab_encode(x);
     coded_streams *s = &x->streams;
     uint8_t *bytes = malloc(s->used);
     assert_non_null(bytes);
@@ -419,9 +354,9 @@ static void check_changed(subject *x, field_random *r) {
     }
     /* Other counts: of a neighbour's shape. */
     for (int k = 0; k < 4; k++) {
-        subject other = *x;
+        coder_subject other = *x;
         other.counts[k] += k % 2 ? 1 : (uint32_t)-1;
-        other.bytes = mesh_coder_bytes(x->block, other.counts);
+        other.bytes = mesh_coder.bytes(x->block, other.counts);
         if (!mesh_leaf_counts_fault(other.counts, 16384, 64))
             (void)check_hostile(&other, s->bytes, s->used);
     }
@@ -429,14 +364,14 @@ static void check_changed(subject *x, field_random *r) {
 }
 
 /* With boxes that are stored, positions may be any. */
-static void check_changed_boxes(subject *x, field_random *r) {
+static void check_changed_boxes(coder_subject *x, field_random *r) {
     x->payload[0] ^= 1;
     check_changed(x, r);
 }
 
 /* Streams that begin well: of one tree, with any codes, words and positions behind it. */
-static void check_random(subject *x, field_random *r) {
-    encode(x);
+static void check_random(coder_subject *x, field_random *r) {
+    coder_lab_encode(x);
     coded_streams *s = &x->streams;
     uint8_t *bytes = malloc(s->used);
     assert_non_null(bytes);
@@ -467,7 +402,7 @@ static void test_hostile(void **state) {
 /* ---- each rule of a topology's streams ---- */
 
 /* Refuse a topology's streams with a byte that is wrong, and put it back. */
-static void check_refused(subject *x, size_t at, uint8_t wrong) {
+static void check_refused(coder_subject *x, size_t at, uint8_t wrong) {
     uint8_t *bytes = x->streams.bytes, kept = bytes[at];
     assert_true(kept != wrong);
     bytes[at] = wrong;
@@ -475,7 +410,7 @@ static void check_refused(subject *x, size_t at, uint8_t wrong) {
     bytes[at] = kept;
 }
 
-static void check_leaf_rules(subject *x) {
+static void check_leaf_rules(coder_subject *x) {
     const size_t leaf = 1 + 2 * (size_t)x->counts[2];
     uint8_t *bytes = x->streams.bytes;
     if (x->counts[3] < 2)
@@ -487,7 +422,7 @@ static void check_leaf_rules(subject *x) {
 }
 
 /* Of any tet, make a corner that is told one that is not, and the other way round. */
-static void check_corner_rules(subject *x) {
+static void check_corner_rules(coder_subject *x) {
     const uint8_t *bytes = x->streams.bytes;
     const size_t codes = x->streams.end[0], end = x->streams.end[2];
     for (size_t at = codes; at < end; at++)
@@ -496,7 +431,7 @@ static void check_corner_rules(subject *x) {
 }
 
 /* Nine children of the first node, but as many as before of two nodes together. */
-static void check_nine_children(subject *x) {
+static void check_nine_children(coder_subject *x) {
     uint8_t *children = x->streams.bytes + 1;
     if (x->counts[2] < 2 || children[0] + children[1] < 9)
         return;
@@ -506,16 +441,16 @@ static void check_nine_children(subject *x) {
     children[1] = (uint8_t)(children[1] + (9 - kept));
 }
 
-static void check_rules(subject *x, field_random *r) {
+static void check_rules(coder_subject *x, field_random *r) {
     (void)r;
-    if (x->block == MESH_BLOCK_GRADIENTS)
+    if (x->block == LEAF_BLOCK_GRADIENTS)
         return;
-    encode(x);
+    coder_lab_encode(x);
     check_nine_children(x);
-    check_refused(x, 0, x->block == MESH_BLOCK_TOPOLOGY ? 3 : 2);
+    check_refused(x, 0, x->block == LEAF_BLOCK_TOPOLOGY ? 3 : 2);
     for (uint32_t n = 0; n < x->counts[2]; n++)
         check_refused(x, 1 + n, 9);
-    if (x->block != MESH_BLOCK_TOPOLOGY)
+    if (x->block != LEAF_BLOCK_TOPOLOGY)
         return;
     for (size_t at = 1 + x->counts[2]; at < 1 + 2 * (size_t)x->counts[2]; at++)
         if (x->streams.bytes[at] != 255)
@@ -525,12 +460,12 @@ static void check_rules(subject *x, field_random *r) {
 }
 
 /* A chain whose last node is no node's child, but the root has one more leaf. */
-static void check_lost_node(subject *x, field_random *r) {
+static void check_lost_node(coder_subject *x, field_random *r) {
     (void)r;
     const uint32_t n = x->counts[2];
-    if (x->block != MESH_BLOCK_TOPOLOGY || n < 3)
+    if (x->block != LEAF_BLOCK_TOPOLOGY || n < 3)
         return;
-    encode(x);
+    coder_lab_encode(x);
     uint8_t *children = x->streams.bytes + 1, *inner = children + n;
     assert_true(children[0] == 2 && inner[0] == 2 && inner[n - 2] == 2);
     children[0] = 3;
@@ -539,8 +474,8 @@ static void check_lost_node(subject *x, field_random *r) {
 }
 
 /* Boxes are not implied of positions that are out of bounds. */
-static void check_out_of_bounds(subject *x, field_random *r) {
-    if (x->block != MESH_BLOCK_TOPOLOGY)
+static void check_out_of_bounds(coder_subject *x, field_random *r) {
+    if (x->block != LEAF_BLOCK_TOPOLOGY)
         return;
     const mesh_shape s = mesh_leaf_shape(x->counts);
     static const float odd[] = {NAN, INFINITY, -INFINITY, 1e30F, -1e30F};
@@ -552,9 +487,9 @@ static void check_out_of_bounds(subject *x, field_random *r) {
         check_hostile(x, x->streams.bytes, x->streams.used - s.nodes * sizeof(mesh_boxes)));
 }
 
-static void check_cut_stored(subject *x, field_random *r) {
+static void check_cut_stored(coder_subject *x, field_random *r) {
     memset(x->payload, 0xa5, x->bytes);
-    if (x->block == MESH_BLOCK_TOPOLOGY)
+    if (x->block == LEAF_BLOCK_TOPOLOGY)
         check_cut(x, r);
 }
 

@@ -231,7 +231,7 @@ static void test_numbers(void **state) {
     refused(a, "38 42", "38 43", ST_CORRUPT, "of type 10 has 5 points, expected 4");
     refused(a, "33 38 42", "33 38", ST_CORRUPT, "has 8 numbers, expected 9");
     refused(a, "\n12 5", "\n24 5", ST_UNSUPPORTED, "quadratic tetrahedron");
-    refused(a, "\n12 5", "\n42 5", ST_UNSUPPORTED, "cell 0 (counted from 0) is a polyhedron");
+    refused(a, "\n12 5", "\n42 5", ST_CORRUPT, "cell 0 (counted from 0) is a polyhedron");
     refused(a, "\n12 5", "\n99 5", ST_CORRUPT, "expected a cell type of VTK");
     refused(a, "\n12 5", "\n-1 5", ST_CORRUPT, "expected a cell type of VTK");
     refused(a, "\n12 5", "\n17 5", ST_CORRUPT, "of type 17");

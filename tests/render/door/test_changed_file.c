@@ -23,6 +23,7 @@
 
 #include "formats/base/bus_error.h"
 #include "formats/base/clock.h"
+#include "stream/source.h"
 #include "tests/support/fixture.h"
 #include "tests/support/mesh_leaves.h"
 #include "tests/support/scratch.h"
@@ -323,6 +324,33 @@ static void test_what_is_said(void **state) {
     field_release(&f);
 }
 
+/* Pages that a file has lost are no failure of the disk's, whoever asks for them. */
+static void test_cut_source(void **state) {
+    (void)state;
+    field f;
+    assert_true(field_make(&f, "waves", 70, FIELD_SEED));
+    for (int compressed = 0; compressed < 2; compressed++)
+        for (int kind = SOURCE_MAPPED; kind <= SOURCE_ARENA; kind++) {
+            mem m;
+            leaf_file *cut = NULL;
+            source *s = NULL;
+            leaf_unpacker *u = NULL;
+            const void *payload = NULL;
+            const char *path = fixture_leaf(&f, 4, 1, compressed);
+            mem_init(&m, 0);
+            assert_int_equal(leaf_file_open(&m, path, &cut), ST_OK);
+            assert_int_equal(source_open(&m, cut, (source_kind)kind, &s), ST_OK);
+            assert_int_equal(leaf_unpacker_create(&m, cut, &u), ST_OK);
+            assert_int_equal(truncate(path, 4096), 0);
+            assert_int_equal(source_load(s, 1, u, &payload), ST_CORRUPT);
+            assert_non_null(strstr(status_text(), path));
+            leaf_unpacker_destroy(u);
+            source_close(s);
+            leaf_file_close(cut);
+        }
+    field_release(&f);
+}
+
 /* ---- The handler ---- */
 
 static void die_by_mapping(const char *path) {
@@ -404,9 +432,9 @@ static void test_bus_error_name(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_bus_error),
-                                       cmocka_unit_test(test_bus_error_name),
-                                       cmocka_unit_test(test_what_is_said),
-                                       cmocka_unit_test(test_grid), cmocka_unit_test(test_mesh)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_bus_error),    cmocka_unit_test(test_bus_error_name),
+        cmocka_unit_test(test_what_is_said), cmocka_unit_test(test_cut_source),
+        cmocka_unit_test(test_grid),         cmocka_unit_test(test_mesh)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -18,6 +18,7 @@
 #include "render/ray/open_volume.h"
 #include "tests/support/curvilinear_file.h"
 #include "tests/support/fixture.h"
+#include "tests/support/hex_judge.h"
 #include "tests/support/hex_truth.h"
 #include "tests/support/mixed_file.h"
 #include "tests/support/pictures.h"
@@ -37,50 +38,6 @@ static leafcast *open_mix(const cell_mix *m, const leafcast_options *o) {
     return fixture_open(scratch_path("mix.leaf"), o);
 }
 
-/* Whether a line passes the ball about a cell's corners. */
-static bool is_near(const hexahedron *h, const double o[3], const double d[3]) {
-    double radius = 0.0, along = 0.0, away = 0.0, dd = 0.0;
-    for (int c = 1; c < HEX_CORNERS; c++) {
-        double square = 0.0;
-        for (int a = 0; a < 3; a++)
-            square += (h->p[c][a] - h->p[0][a]) * (h->p[c][a] - h->p[0][a]);
-        radius = fmax(radius, square);
-    }
-    for (int a = 0; a < 3; a++) {
-        dd += d[a] * d[a];
-        along += (h->p[0][a] - o[a]) * d[a];
-    }
-    for (int a = 0; a < 3; a++) {
-        const double x = o[a] + along / dd * d[a] - h->p[0][a];
-        away += x * x;
-    }
-    return away <= 1.001 * radius;
-}
-
-static int by_t(const void *a, const void *b) {
-    const long double x = *(const long double *)a, y = *(const long double *)b;
-    return (x > y) - (x < y);
-}
-
-/* All roots of a ray, by brute force. Returns how many; -1: it cannot tell. */
-static int all_roots(const double o[3], const double d[3], long double t[HITS]) {
-    int count = 0;
-    for (int c = 0; c < mix.count; c++) {
-        const hexahedron h = cell_mix_hexahedron(&mix.cell[c], 0);
-        hex_truth found;
-        if (!is_near(&h, o, d))
-            continue;
-        hex_truth_of(h.p, h.value, mix.lab.iso, o, d, &found);
-        if (found.doubtful)
-            return -1;
-        for (int n = 0; n < found.count && count < HITS; n++)
-            if (found.t[n] > 0.0L)
-                t[count++] = found.t[n];
-    }
-    qsort(t, (size_t)count, sizeof *t, by_t);
-    return count;
-}
-
 /* Labs whose cells are sound: what folds has no interpolant of its own. */
 static bool is_sound(int lab) {
     hex_lab s;
@@ -88,59 +45,39 @@ static bool is_sound(int lab) {
     return !s.may_be_folded;
 }
 
+/* One by one, and in a picture. */
 static void test_hits(void **state) {
-    enum { RAYS = SLOW ? 4 : 60 };
-    static leafcast_hit hits[HITS];
-    static long double want[HITS];
+    enum { RAYS = SLOW ? 4 : 60, SIDE = SLOW ? 3 : 12 };
     (void)state;
-    const leafcast_scene scene = leafcast_scene_default();
     for (int n = 0; n < hex_lab_count(); n++) {
         field_random r = {FIELD_SEED + (uint64_t)n};
-        long found = 0, doubtful = 0;
-        double worst = 0.0;
+        hex_tally tally = {0};
+        hex_judge j;
         if (!is_sound(n))
             continue;
         cell_mix_make(&mix, n, FIELD_SEED + 6);
+        hex_judge_mix(&j, &mix);
         leafcast *v = open_mix(&mix, NULL);
+        const leafcast_camera c = leafcast_standard_view(v, 1.1, SIDE, SIDE);
         const leafcast_surface surface = leafcast_surface_default(mix.lab.iso);
         assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
+        (void)hex_judge_picture(&j, v, mix.lab.iso, &c, &tally);
         for (int i = 0; i < RAYS; i++) {
             bool special;
             const ray along = hex_lab_ray(&mix.lab, &r, &special);
-            int count = 0;
-            if (special)
-                continue;
-            const int roots = all_roots(along.o, along.d, want);
-            doubtful += roots < 0;
-            if (roots < 0)
-                continue;
-            assert_int_equal(leafcast_probe_ray(v, &scene, along.o, along.d, hits, HITS, &count),
-                             LEAFCAST_OK);
-            assert_int_equal(count, roots);
-            for (int k = 0; k < count; k++, found++)
-                worst = fmax(worst, fabs(hits[k].t - (double)want[k]) / mix.lab.size);
+            if (!special)
+                (void)hex_judge_ray(&j, v, mix.lab.iso, along.o, along.d, &tally);
         }
-        print_message("# %s: %ld hits, off by %.1g of the mesh; %ld rays in doubt\n", mix.lab.name,
-                      found, worst, doubtful);
-        assert_true(found > RAYS / 4 && doubtful <= RAYS / 10);
-        assert_true(worst < 1e-11);
+        hex_tally_row(stdout, mix.lab.name, &tally);
+        assert_true(tally.surfaces > RAYS / 4 && tally.doubtful <= RAYS / 10);
+        assert_int_equal(hex_tally_faults(&tally), 0);
+        assert_true(tally.worst < 1e-10);
         leafcast_close(v);
+        hex_judge_release(&j);
     }
 }
 
 /* ---- A mesh of a structured grid's hexahedra ---- */
-
-static cell_mix_cell hexahedron_at_place(const hex_lab *s, const int at[3]) {
-    static const int around[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-    cell_mix_cell c = {.shape = CELL_HEXAHEDRON};
-    for (int n = 0; n < 8; n++) {
-        const int i = at[0] + around[n % 4][0], j = at[1] + around[n % 4][1], k = at[2] + n / 4;
-        for (int a = 0; a < 3; a++)
-            c.p[n][a] = (double)s->p[k][j][i][a];
-        c.value[n] = (double)s->value[k][j][i];
-    }
-    return c;
-}
 
 static void open_both(const hex_lab *s, leafcast *both[2]) {
     enum { NODES = HEX_LAB_NODES * HEX_LAB_NODES * HEX_LAB_NODES };
@@ -149,11 +86,7 @@ static void open_both(const hex_lab *s, leafcast *both[2]) {
                                    (const float(*)[3])s->p,
                                    (const float *)s->value,
                                    NULL};
-    mix.count = 0;
-    for (int k = 0; k < HEX_LAB_CELLS; k++)
-        for (int j = 0; j < HEX_LAB_CELLS; j++)
-            for (int i = 0; i < HEX_LAB_CELLS; i++)
-                mix.cell[mix.count++] = hexahedron_at_place(s, (const int[3]){i, j, k});
+    cell_mix_whole(&mix, s);
     const leaf_image image = curvilinear_file(&zone, 1);
     both[0] = fixture_open(scratch_write("grid.leaf", image.bytes, image.size), NULL);
     free(image.bytes);
@@ -366,11 +299,19 @@ static void lose_corner(const lied *x) {
     corner[HEX_CORNERS] = (uint16_t)x->shape.nodes;
 }
 
-/* Of all cells that have node 0, the node beside it takes its place. */
+/* Of all cells that have the last node, the one before takes its place. */
 static void leave_node(const lied *x) {
     uint16_t *corner = (uint16_t *)(void *)(x->topology + x->shape.corners_at);
     for (uint32_t i = 0; i < HEX_CORNERS * x->shape.cells; i++)
-        corner[i] = corner[i] ? corner[i] : 1;
+        corner[i] = (uint16_t)(corner[i] - (corner[i] + 1U == x->shape.nodes));
+}
+
+static void swap_nodes(const lied *x) {
+    uint16_t(*corners)[HEX_CORNERS] =
+        (uint16_t(*)[HEX_CORNERS])(void *)(x->topology + x->shape.corners_at);
+    const uint16_t first = corners[0][0];
+    corners[0][0] = corners[0][1];
+    corners[0][1] = first;
 }
 
 static void add_corner(const lied *x) {
@@ -417,7 +358,7 @@ static void claim_leaves(const lied *x) {
 }
 
 static void claim_codec(const lied *x) {
-    x->image.header->codec = LEAF_CODEC_ZSTD;
+    x->image.header->codec = LEAF_CODEC_ZSTD + 1;
 }
 
 static void claim_zones(const lied *x) {
@@ -435,6 +376,7 @@ static const struct {
     {add_code, "expected 0 as padding", true},
     {lose_corner, "a corner is at no node", false},
     {leave_node, "a node is at no cell", true},
+    {swap_nodes, "nodes are not in the order of their first use", true},
     {add_corner, "expected 0 as padding", true},
     {move_node, "its box is not that of its nodes", false},
     {change_value, "its range is not that of its values", false},
@@ -508,9 +450,11 @@ static void test_library(void **state) {
     static const leafcast_convert_options plain = {.size = sizeof plain, .replace = true};
     cell_mix_make(&mix, 0, FIELD_SEED + 12);
     (void)mixed_file_write(mix.cell, mix.count, scratch_path("mix.vtk"));
-    for (int whole = 0; whole < 2; whole++) {
+    for (int i = 0; i < 4; i++) {
+        const bool whole = i & 1;
         leafcast_convert_options o = plain;
         o.whole_cells = whole;
+        o.zstd_level = i / 2;
         o.treelet_tets = TREELET;
         assert_int_equal(
             leafcast_convert_path(scratch_path("mix.vtk"), scratch_path("mix.leaf"), &o),
@@ -520,13 +464,19 @@ static void test_library(void **state) {
         assert_string_equal(info.kind, whole ? "mixed mesh" : "mesh");
         assert_true(whole ? info.cells == (uint64_t)mix.count : info.cells > (uint64_t)mix.count);
         leafcast_close(v);
+        mem m;
+        leaf_file *f = NULL;
+        mem_init(&m, 0);
+        assert_int_equal(leaf_file_open(&m, scratch_path("mix.leaf"), &f), ST_OK);
+        assert_int_equal(f->header.codec, i / 2 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW);
+        assert_int_equal(leaf_verify(&m, f, 1, NULL), ST_OK);
+        leaf_file_close(f);
     }
-    leafcast_convert_options without[] = {plain, plain, plain, plain, plain};
+    leafcast_convert_options without[] = {plain, plain, plain, plain};
     without[0].gradients = true;
     without[1].coarse = true;
-    without[2].zstd_level = 1;
-    without[3].leaf_tets = 12;
-    without[4].treelet_tets = MIXED_CELLS_MAX + 1;
+    without[2].leaf_tets = 12;
+    without[3].treelet_tets = MIXED_CELLS_MAX + 1;
     for (size_t i = 0; i < sizeof without / sizeof *without; i++) {
         without[i].whole_cells = true;
         assert_int_equal(

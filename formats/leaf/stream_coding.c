@@ -1,9 +1,10 @@
-#include "formats/leaf/mesh_coding.h"
+#include "formats/leaf/stream_coding.h"
 
 #include <zstd.h>
 
-struct mesh_coding {
+struct stream_coding {
     mem *m;
+    const leaf_coder *coder;
     ZSTD_CCtx *zstd;
     uint8_t *streams;
     void *scratch;
@@ -11,46 +12,47 @@ struct mesh_coding {
     int level;
 };
 
-size_t mesh_coding_room(const uint32_t counts[4]) {
+size_t stream_coding_room(const leaf_coder *coder, const uint32_t counts[4]) {
     size_t most = 0;
-    for (int block = MESH_BLOCK_TOPOLOGY; block <= MESH_BLOCK_POSITIONS; block++) {
-        const size_t room = mesh_coder_room((mesh_block)block, counts);
+    for (int block = LEAF_BLOCK_TOPOLOGY; block <= LEAF_BLOCK_POSITIONS; block++) {
+        const size_t room = coder->room((leaf_block)block, counts);
         most = room > most ? room : most;
     }
     return most;
 }
 
-size_t mesh_coding_memory(const uint32_t counts[4]) {
-    return sizeof(mesh_coding) + mesh_coding_room(counts) +
-           mesh_coder_scratch(MESH_BLOCK_TOPOLOGY, counts) + 256;
+size_t stream_coding_memory(const leaf_coder *coder, const uint32_t counts[4]) {
+    return sizeof(stream_coding) + stream_coding_room(coder, counts) + coder->scratch(counts) + 256;
 }
 
-size_t mesh_coding_outside(const mesh_coding *c) {
+size_t stream_coding_outside(const stream_coding *c) {
     return ZSTD_sizeof_CCtx(c->zstd);
 }
 
-status mesh_coding_create(mem *m, const uint32_t counts[4], int level, mesh_coding **out) {
+status stream_coding_create(mem *m, const leaf_coder *coder, const uint32_t counts[4], int level,
+                            stream_coding **out) {
     *out = NULL;
-    mesh_coding *c = mem_zalloc(m, sizeof *c);
+    stream_coding *c = mem_zalloc(m, sizeof *c);
     if (!c)
         return ST_NOMEM;
     c->m = m;
+    c->coder = coder;
     c->level = level;
-    c->room = mesh_coding_room(counts);
+    c->room = stream_coding_room(coder, counts);
     c->streams = mem_alloc(m, c->room);
-    c->scratch = mem_alloc(m, mesh_coder_scratch(MESH_BLOCK_TOPOLOGY, counts));
+    c->scratch = mem_alloc(m, coder->scratch(counts) + 1);
     status st = c->streams && c->scratch ? ST_OK : ST_NOMEM;
     if (st == ST_OK && !(c->zstd = ZSTD_createCCtx()))
         st = status_describe(ST_NOMEM, "no room for a compressor");
     if (st != ST_OK) {
-        mesh_coding_destroy(c);
+        stream_coding_destroy(c);
         return st;
     }
     *out = c;
     return ST_OK;
 }
 
-void mesh_coding_destroy(mesh_coding *c) {
+void stream_coding_destroy(stream_coding *c) {
     if (!c)
         return;
     ZSTD_freeCCtx(c->zstd);
@@ -61,7 +63,7 @@ void mesh_coding_destroy(mesh_coding *c) {
 
 /* Compress streams into one frame, each in blocks of its own. Returns its bytes; 0: more than room.
  */
-static size_t compress(const mesh_coding *c, const coded_streams *s, void *to, size_t room) {
+static size_t compress(const stream_coding *c, const coded_streams *s, void *to, size_t room) {
     ZSTD_outBuffer out = {.dst = to, .size = room};
     (void)ZSTD_CCtx_reset(c->zstd, ZSTD_reset_session_only);
     (void)ZSTD_CCtx_setParameter(c->zstd, ZSTD_c_compressionLevel, c->level);
@@ -78,9 +80,9 @@ static size_t compress(const mesh_coding *c, const coded_streams *s, void *to, s
     return out.pos;
 }
 
-size_t mesh_coding_pack(mesh_coding *c, mesh_block block, const uint32_t counts[4],
-                        const float bounds[6], const void *payload, void *pack) {
+size_t stream_coding_pack(stream_coding *c, leaf_block block, const uint32_t counts[4],
+                          const float bounds[6], const void *payload, void *pack) {
     coded_streams s = {.bytes = c->streams, .room = c->room};
-    mesh_coder_encode(block, counts, bounds, payload, c->scratch, &s);
-    return compress(c, &s, pack, mesh_coder_bytes(block, counts) - 1);
+    c->coder->encode(block, counts, bounds, payload, c->scratch, &s);
+    return compress(c, &s, pack, c->coder->bytes(block, counts) - 1);
 }

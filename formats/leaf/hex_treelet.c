@@ -1,0 +1,92 @@
+#include "formats/leaf/hex_treelet.h"
+
+#include <math.h>
+
+hex_treelet hex_treelet_of(const leaf_file *f, uint32_t t) {
+    hex_treelet h = {.f = f, .id = t};
+    f->geometry->hexes->count(&h);
+    return h;
+}
+
+uint32_t hex_treelet_places(const leaf_layout *l, uint32_t step, uint32_t t) {
+    const uint32_t place = leaf_layout_place(l, step);
+    return place ? leaf_layout_positions(l, place, t) : t;
+}
+
+/* ---- checks ---- */
+
+static status fault(const hex_treelet *h, const char *what, uint32_t i, const char *how) {
+    return status_describe(ST_CORRUPT, "%s: treelet %u's %s %u %s", file_path(h->f->source), h->id,
+                           what, i, how);
+}
+
+static status check_values(const hex_treelet *h, uint32_t set, const float *values) {
+    const size_t element = leaf_layout_samples(&h->f->layout, set, h->id);
+    const float *own = h->f->own[element];
+    const bool may_miss = h->f->flags[element] & LEAF_FLAG_NON_FINITE;
+    for (uint32_t n = 0; n < h->nodes; n++) {
+        const float v = values[n];
+        if (isfinite(v) ? v < own[0] || v > own[1] : !may_miss)
+            return fault(h, "node", n, "is not inside of its range");
+    }
+    return ST_OK;
+}
+
+static status check_places(const hex_treelet *h, uint32_t step) {
+    const float(*boxes)[6] = h->f->geometry->section(h->f, LEAF_SECTION_BOUNDS);
+    const float *bounds = boxes[leaf_layout_bounds(&h->f->layout, step, h->id)];
+    for (int a = 0; a < 3; a++) {
+        const float *x = hex_treelet_coordinates(h, a), lo = bounds[a], hi = bounds[a + 3];
+        for (uint32_t n = 0; n < h->nodes; n++)
+            if (!(x[n] >= lo && x[n] <= hi))
+                return fault(h, "node", n, "is not inside of it");
+    }
+    return ST_OK;
+}
+
+static status check_corners(const hex_treelet *h) {
+    for (uint32_t i = 0; i < h->cells; i++) {
+        uint32_t corner[HEX_CORNERS];
+        hex_treelet_corners(h, i, corner);
+        for (int c = 0; c < HEX_CORNERS; c++)
+            if (corner[c] >= h->nodes)
+                return fault(h, "cell", i, "has a corner at no node");
+    }
+    return ST_OK;
+}
+
+status hex_treelet_check(const hex_treelet *h, uint32_t set, const float *values) {
+    status st = check_places(h, leaf_layout_step(&h->f->layout, set));
+    if (st == ST_OK && h->f->geometry->hexes->listed)
+        st = check_corners(h);
+    return st == ST_OK ? check_values(h, set, values) : st;
+}
+
+/* ---- reading ---- */
+
+status hex_treelet_load(leaf_file *f, uint32_t t, uint32_t set, leaf_unpacker *u, void *room,
+                        hex_treelet *h, const float **values) {
+    const size_t each = leaf_layout_aligned(leaf_layout_payload_max(&f->layout), LEAF_ALIGN_LOG2);
+    char *const payload[HEX_TREELET_PAYLOADS] = {room, (char *)room + each,
+                                                 (char *)room + 2 * each};
+    const uint32_t places = hex_treelet_places(&f->layout, leaf_layout_step(&f->layout, set), t);
+    *h = hex_treelet_of(f, t);
+    h->topology = payload[0];
+    h->places = (const float *)(void *)payload[places == t ? 0 : 1];
+    *values = (const float *)(void *)payload[2];
+    status st = ST_OK;
+    if (places == t || f->geometry->hexes->listed)
+        st = leaf_file_load(f, t, u, payload[0]);
+    if (st == ST_OK && places != t)
+        st = leaf_file_load(f, places, u, payload[1]);
+    if (st == ST_OK)
+        st = leaf_file_load(f, leaf_layout_values(&f->layout, set, t), u, payload[2]);
+    return st == ST_OK ? hex_treelet_check(h, set, *values) : st;
+}
+
+status hex_treelet_load_values(leaf_file *f, const hex_treelet *h, uint32_t set, leaf_unpacker *u,
+                               void *to, const float **values) {
+    const status st = leaf_file_load(f, leaf_layout_values(&f->layout, set, h->id), u, to);
+    *values = to;
+    return st == ST_OK ? check_values(h, set, *values) : st;
+}

@@ -1,0 +1,62 @@
+/* hex_treelet.h - a treelet whose cells are hexahedra, of whatever kind its file is: nodes, and
+ * which of them are at the corners of a cell.
+ *
+ * All such kinds have the same places: float x[n], y[n], z[n], then the cells' hex_code, four a
+ * byte, the first one lowest. What differs is a row, leaf_geometry.hexes.
+ */
+#ifndef FORMATS_LEAF_HEX_TREELET_H
+#define FORMATS_LEAF_HEX_TREELET_H
+
+#include "formats/base/hexahedron.h"
+#include "formats/leaf/leaf_geometry.h"
+#include "formats/leaf/leaf_unpacker.h"
+
+typedef struct hex_treelet {
+    const leaf_file *f;
+    uint32_t id, nodes, cells;
+    const void *topology; /* the payload `id`; only if the kind lists corners in it */
+    const float *places;
+} hex_treelet;
+
+typedef struct leaf_hexes {
+    bool listed; /* corners are in the topology; else they follow from the treelet's COUNTS */
+    /* Set nodes and cells of h. */
+    void (*count)(hex_treelet *h);
+    /* The nodes at the corners of a cell (hexahedron.h). */
+    void (*corners)(const hex_treelet *h, uint32_t cell, uint32_t corner[HEX_CORNERS]);
+} leaf_hexes;
+
+/* hex_treelet_of() - treelet t of a file with leaf_geometry.hexes, its payloads not yet known.
+ * hex_treelet_places() - the payload of its places at a step. */
+hex_treelet hex_treelet_of(const leaf_file *f, uint32_t t);
+uint32_t hex_treelet_places(const leaf_layout *l, uint32_t step, uint32_t t);
+
+static inline const float *hex_treelet_coordinates(const hex_treelet *h, int axis) {
+    return h->places + (size_t)axis * h->nodes;
+}
+static inline hex_code hex_treelet_code(const hex_treelet *h, uint32_t cell) {
+    const uint8_t *codes = (const uint8_t *)(h->places + 3 * (size_t)h->nodes);
+    return (hex_code)(codes[cell / 4] >> 2 * (cell % 4) & 3);
+}
+static inline void hex_treelet_corners(const hex_treelet *h, uint32_t cell,
+                                       uint32_t corner[HEX_CORNERS]) {
+    h->f->geometry->hexes->corners(h, cell, corner);
+}
+
+/* hex_treelet_check() - what the directory says of the treelet at the step of a set holds for
+ * payloads as they were read: all nodes lie in its box, all values in its range, unless it says
+ * that some are not finite, and all corners are at nodes. ST_CORRUPT names what does not. values:
+ * float[n]. */
+CHECKED status hex_treelet_check(const hex_treelet *h, uint32_t set, const float *values);
+
+/* hex_treelet_load() - read and check treelet t with the values of a set. room: of
+ * HEX_TREELET_PAYLOADS times leaf_layout_payload_max() bytes, aligned to LEAF_ALIGN, which *h and
+ * *values are of. hex_treelet_load_values() - those of a further set of the same step. to: room of
+ * one payload. */
+enum { HEX_TREELET_PAYLOADS = 3 };
+CHECKED status hex_treelet_load(leaf_file *f, uint32_t t, uint32_t set, leaf_unpacker *u,
+                                void *room, hex_treelet *h, const float **values);
+CHECKED status hex_treelet_load_values(leaf_file *f, const hex_treelet *h, uint32_t set,
+                                       leaf_unpacker *u, void *to, const float **values);
+
+#endif

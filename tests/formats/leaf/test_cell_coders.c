@@ -1,0 +1,394 @@
+/* test_cell_coders.c - coded payloads of curvilinear grids and mixed meshes: the same bytes come
+ * back, whatever they are, from both decoders; hostile streams are refused by both, or make the
+ * same payload, and touch nothing else. */
+/* marks: bits */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "formats/leaf/curvilinear_coder.h"
+#include "formats/leaf/curvilinear_geometry.h"
+#include "formats/leaf/float_planes.h"
+#include "formats/leaf/leaf_geometry.h"
+#include "formats/leaf/mixed_coder.h"
+#include "formats/leaf/mixed_corner_coder.h"
+#include "formats/mesh/mesh_coder.h"
+#include "tests/support/coder_lab.h"
+#include "tests/support/fields.h"
+#include "tests/support/naive_cells.h"
+
+enum { LIES = 30 };
+
+static uint8_t *decode_naively(const coder_subject *x, const uint8_t *in, size_t size) {
+    uint8_t *out = coder_lab_guarded(x->bytes);
+    memset(out, 0, x->bytes);
+    const bool good = x->coder == &mixed_coder
+                          ? naive_cells_mixed((int)x->block, x->counts, in, size, out, x->bytes)
+                          : naive_cells_curvilinear(x->block != LEAF_BLOCK_VALUES, x->counts, in,
+                                                    size, out, x->bytes);
+    if (good)
+        return out;
+    free(out);
+    return NULL;
+}
+
+/* Both decoders say the same. Returns whether they take it. */
+static bool check_both(const coder_subject *x, const uint8_t *in, size_t size) {
+    uint8_t *plain = coder_lab_decode(x, in, size), *naive = decode_naively(x, in, size);
+    assert_int_equal(plain != NULL, naive != NULL);
+    const bool taken = plain != NULL;
+    if (taken)
+        assert_memory_equal(plain, naive, x->bytes);
+    free(plain);
+    free(naive);
+    return taken;
+}
+
+/* Encode; both decoders give the payload back. first: what the first byte is to say. */
+static void check_round(coder_subject *x, int first) {
+    coder_lab_encode(x);
+    const coded_streams *s = &x->streams;
+    uint8_t *plain = coder_lab_decode(x, s->bytes, s->used);
+    assert_non_null(plain);
+    assert_memory_equal(plain, x->payload, x->bytes);
+    free(plain);
+    assert_true(check_both(x, s->bytes, s->used));
+    assert_int_equal(s->bytes[0], first);
+}
+
+/* ---- payloads ---- */
+
+/* Any bits: NaN with payloads, -0, infinities too. */
+static float any_float(field_random *r) {
+    const uint32_t bits = (uint32_t)field_random_bits(r);
+    float x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+typedef float number(field_random *r, uint32_t n);
+
+static float smooth(field_random *r, uint32_t n) {
+    (void)r;
+    return (float)sin(0.1 * n) + 0.001f * (float)n;
+}
+
+static float wild(field_random *r, uint32_t n) {
+    return n % 3 ? any_float(r) : NAN;
+}
+
+static void fill(float *to, size_t count, number *of, field_random *r) {
+    for (size_t i = 0; i < count; i++)
+        to[i] = of(r, (uint32_t)i);
+}
+
+static void fill_codes(uint8_t *to, size_t cells, field_random *r) {
+    for (size_t i = 0; i < cells; i++)
+        to[i / 4] |= (uint8_t)(field_random_below(r, 4) << 2 * (i % 4));
+}
+
+static void fill_curvilinear(coder_subject *x, number *of, field_random *r) {
+    const size_t floats = curvilinear_nodes(x->counts) * (x->block == LEAF_BLOCK_VALUES ? 1U : 3U);
+    fill((float *)(void *)x->payload, floats, of, r);
+    if (x->block != LEAF_BLOCK_VALUES)
+        fill_codes(x->payload + floats * sizeof(float), curvilinear_cells(x->counts), r);
+}
+
+/* Corners of cells in their order: of a lattice, or of random nodes, many of them again. Sets
+ * counts[1]. */
+typedef struct cells {
+    uint32_t counts[4];
+    uint16_t corner[MIXED_CELLS_MAX][HEX_CORNERS];
+} cells;
+
+static void make_lattice(cells *c, uint32_t side, bool wedges) {
+    static uint16_t node[64 * 64 * 64];
+    memset(node, 0xff, sizeof node);
+    *c = (cells){.counts = {side * side * side}};
+    for (uint32_t i = 0; i < c->counts[0]; i++)
+        for (uint32_t q = 0; q < HEX_CORNERS; q++) {
+            const uint32_t k = wedges && i % 3 == 1 && (q & 3) == 3 ? q - 1 : q;
+            const uint32_t x = i % side + (k & 1), y = i / side % side + (k >> 1 & 1),
+                           z = i / side / side + (k >> 2);
+            uint16_t *n = &node[x + 64 * (y + 64 * z)];
+            if (*n == UINT16_MAX)
+                *n = (uint16_t)c->counts[1]++;
+            c->corner[i][q] = *n;
+        }
+}
+
+static void make_random(cells *c, uint32_t count, field_random *r) {
+    *c = (cells){.counts = {count}};
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t q = 0; q < HEX_CORNERS; q++) {
+            const uint32_t met = c->counts[1];
+            const long how = field_random_below(r, 4);
+            uint32_t node = met;
+            if (met > 4 && how == 1) /* one of them all */
+                node = (uint32_t)field_random_below(r, met);
+            else if (met > 4 && how >= 2) /* one of the latest */
+                node = met - 1 - (uint32_t)field_random_below(r, met < 40 ? met : 40);
+            c->counts[1] += node == met;
+            c->corner[i][q] = (uint16_t)node;
+        }
+}
+
+static void fill_mixed(coder_subject *x, const cells *c, number *of, field_random *r) {
+    const mixed_shape s = mixed_shape_of(x->counts);
+    const bool values = x->block == LEAF_BLOCK_VALUES;
+    fill((float *)(void *)x->payload, s.nodes * (values ? 1U : 3U), of, r);
+    if (!values)
+        fill_codes(x->payload + s.codes_at, s.cells, r);
+    if (x->block == LEAF_BLOCK_TOPOLOGY)
+        memcpy(x->payload + s.corners_at, c->corner, s.cells * sizeof c->corner[0]);
+}
+
+/* ---- all of them ---- */
+
+typedef void visit(coder_subject *x, field_random *r);
+
+static const leaf_block blocks[] = {LEAF_BLOCK_TOPOLOGY, LEAF_BLOCK_VALUES, LEAF_BLOCK_POSITIONS};
+static number *const numbers[] = {smooth, wild};
+
+static void visit_curvilinear(visit *f, field_random *r) {
+    static const uint32_t counts[][4] = {{1, 1, 1}, {3, 2, 5}, {32, 4, 2}, {2, 31, 1}, {1, 1, 32}};
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++)
+        for (size_t b = 0; b < 3; b++)
+            for (size_t n = 0; n < 2; n++) {
+                coder_subject x = coder_lab_subject(&curvilinear_coder, blocks[b], counts[i], NULL);
+                fill_curvilinear(&x, numbers[n], r);
+                f(&x, r);
+                coder_lab_release(&x);
+            }
+}
+
+static void visit_cells(const cells *c, visit *f, field_random *r) {
+    for (size_t b = 0; b < 3; b++)
+        for (size_t n = 0; n < 2; n++) {
+            coder_subject x = coder_lab_subject(&mixed_coder, blocks[b], c->counts, NULL);
+            fill_mixed(&x, c, numbers[n], r);
+            f(&x, r);
+            coder_lab_release(&x);
+        }
+}
+
+static void visit_mixed(visit *f, field_random *r) {
+    cells *c = malloc(sizeof *c);
+    assert_non_null(c);
+    for (uint32_t side = 1; side <= 9; side += 4) {
+        make_lattice(c, side, false);
+        visit_cells(c, f, r);
+        make_lattice(c, side, true);
+        visit_cells(c, f, r);
+    }
+    for (uint32_t count = 1; count <= 1024; count = 4 * count + 3) {
+        make_random(c, count, r);
+        visit_cells(c, f, r);
+    }
+    free(c);
+}
+
+static void visit_all(visit *f, uint64_t seed) {
+    field_random r = {seed};
+    visit_curvilinear(f, &r);
+    visit_mixed(f, &r);
+}
+
+/* ---- tests ---- */
+
+static void check_sound(coder_subject *x, field_random *r) {
+    (void)r;
+    check_round(x, 1);
+}
+
+static void test_payloads_come_back(void **state) {
+    (void)state;
+    visit_all(check_sound, 1);
+}
+
+/* The largest treelet there is, of cells that share nothing: every node is new, and 16 bits just
+ * hold its number. */
+static void test_all_nodes_are_new(void **state) {
+    (void)state;
+    field_random r = {2};
+    cells *c = calloc(1, sizeof *c);
+    assert_non_null(c);
+    c->counts[0] = MIXED_CELLS_MAX;
+    c->counts[1] = MIXED_CELLS_MAX * HEX_CORNERS;
+    for (uint32_t i = 0; i < c->counts[1]; i++)
+        c->corner[i / HEX_CORNERS][i % HEX_CORNERS] = (uint16_t)i;
+    visit_cells(c, check_sound, &r);
+    /* The last cell has the very first node, too, which a word of 16 bits just reaches. */
+    uint16_t *last = c->corner[MIXED_CELLS_MAX - 1];
+    last[7] = last[6];
+    last[6] = 0;
+    c->counts[1]--;
+    visit_cells(c, check_sound, &r);
+    free(c);
+}
+
+static size_t content_end(const coder_subject *x) {
+    const bool values = x->block == LEAF_BLOCK_VALUES;
+    if (x->coder == &curvilinear_coder) {
+        const size_t nodes = curvilinear_nodes(x->counts);
+        return values ? 4 * nodes : 12 * nodes + (curvilinear_cells(x->counts) + 3) / 4;
+    }
+    const mixed_shape s = mixed_shape_of(x->counts);
+    return values ? 4 * (size_t)s.nodes
+           : x->block != LEAF_BLOCK_TOPOLOGY
+               ? s.codes_at + (s.cells + 3) / 4
+               : s.corners_at + s.cells * sizeof(uint16_t[HEX_CORNERS]);
+}
+
+/* What cannot be made again is stored: padding with something in it, nodes out of order. */
+static void check_stored(coder_subject *x, field_random *r) {
+    if (content_end(x) < x->bytes) {
+        x->payload[x->bytes - 1] = 1;
+        check_round(x, 0);
+        x->payload[x->bytes - 1] = 0;
+    }
+    if (x->coder != &mixed_coder || x->block != LEAF_BLOCK_TOPOLOGY)
+        return;
+    const mixed_shape s = mixed_shape_of(x->counts);
+    uint16_t *corner = (uint16_t *)(void *)(x->payload + s.corners_at);
+    const uint16_t second = corner[1];
+    corner[0] = 1;
+    check_round(x, 0);
+    corner[1] = 0;
+    check_round(x, 0);
+    corner[0] = 0;
+    corner[1] = second;
+    corner[8 * s.cells - 1] = (uint16_t)s.nodes;
+    check_round(x, 0);
+    for (uint32_t i = 0; i < 8 * s.cells; i++)
+        corner[i] = (uint16_t)field_random_bits(r);
+    corner[field_random_below(r, 8 * (long)s.cells)] = UINT16_MAX;
+    check_round(x, 0);
+}
+
+static void test_odd_payloads_are_stored(void **state) {
+    static const uint16_t late[HEX_CORNERS] = {1, 0, 1, 2, 3, 4, 5, 6};
+    (void)state;
+    visit_all(check_stored, 3);
+    coder_subject x =
+        coder_lab_subject(&mixed_coder, LEAF_BLOCK_TOPOLOGY, (const uint32_t[4]){1, 7}, NULL);
+    memcpy(x.payload + mixed_shape_of(x.counts).corners_at, late, sizeof late);
+    check_round(&x, 0);
+    coder_lab_release(&x);
+}
+
+/* Cut, lengthened, with other first bytes; with bytes changed: refused by both, or taken alike. */
+static void check_lies(coder_subject *x, field_random *r) {
+    coder_lab_encode(x);
+    const size_t used = x->streams.used;
+    uint8_t *in = malloc(used + 2);
+    assert_non_null(in);
+    memcpy(in, x->streams.bytes, used);
+    in[used] = in[used + 1] = 0;
+    for (size_t size = 0; size < used; size += 1 + used / 40)
+        assert_false(check_both(x, in, size));
+    assert_false(check_both(x, in, used + 1));
+    for (int first = 2; first < 256; first += 23) {
+        in[0] = (uint8_t)first;
+        assert_false(check_both(x, in, used));
+    }
+    in[0] = 0; /* the payload as it is: there are more bytes, or fewer, or by chance as many */
+    (void)check_both(x, in, used);
+    for (int i = 0; i < LIES; i++) {
+        memcpy(in, x->streams.bytes, used);
+        for (int k = 0; k < 3; k++)
+            in[1 + field_random_below(r, (long)used - 1)] = (uint8_t)field_random_bits(r);
+        (void)check_both(x, in, used);
+    }
+    free(in);
+}
+
+static void test_lies(void **state) {
+    (void)state;
+    visit_all(check_lies, 4);
+}
+
+/* Each code of a corner, where it may stand and where not. */
+static void test_codes_of_corners(void **state) {
+    (void)state;
+    field_random r = {5};
+    cells *c = malloc(sizeof *c);
+    assert_non_null(c);
+    make_random(c, 100, &r);
+    coder_subject x = coder_lab_subject(&mixed_coder, LEAF_BLOCK_TOPOLOGY, c->counts, NULL);
+    fill_mixed(&x, c, smooth, &r);
+    coder_lab_encode(&x);
+    uint8_t *codes = x.streams.bytes + 1 + 25;
+    int seen[5] = {0}, refused = 0;
+    for (size_t i = 0; i < 800; i++)
+        seen[codes[i] == MIXED_NEW      ? 0
+             : codes[i] < MIXED_OWN     ? 1
+             : codes[i] < MIXED_EARLIER ? 2
+             : codes[i] < MIXED_FAR     ? 3
+                                        : 4]++;
+    for (int i = 0; i < 5; i++)
+        assert_true(seen[i] > 0);
+    for (size_t i = 0; i < 800; i += 7) {
+        const uint8_t was = codes[i];
+        for (int code = 0; code < 256; code++) {
+            codes[i] = (uint8_t)code;
+            refused += !check_both(&x, x.streams.bytes, x.streams.used);
+        }
+        codes[i] = was;
+    }
+    assert_true(refused > 100);
+    coder_lab_release(&x);
+    free(c);
+}
+
+/* Close nodes make small differences: a straight lattice has none but rounding. */
+static void test_a_lattice_is_predicted(void **state) {
+    (void)state;
+    const uint32_t counts[4] = {16, 16, 16};
+    coder_subject x = coder_lab_subject(&curvilinear_coder, LEAF_BLOCK_VALUES, counts, NULL);
+    float *f = (float *)(void *)x.payload;
+    for (uint32_t i = 0; i < 17 * 17 * 17; i++)
+        f[i] = (float)(8 + i % 17 + 3 * (i / 17 % 17) + 5 * (i / 289) + (i % 17) * (i / 17 % 17));
+    check_round(&x, 1);
+    const uint8_t *plane = x.streams.bytes + 1;
+    int odd = 0;
+    for (size_t i = 0; i < 4913; i++)
+        odd += plane[i] || plane[4913 + i] || plane[2 * 4913 + i] || plane[3 * 4913 + i];
+    /* Whole numbers, with a product of i and j: but for the three axes, and the face on which two
+     * neighbours are all that says so, all are exact. */
+    assert_int_equal(odd, 1 + 3 * 16 + 16 * 16);
+    coder_lab_release(&x);
+}
+
+/* Every kind that has a coder is tested here, or in test_mesh_coder.c. */
+static void test_every_coder(void **state) {
+    (void)state;
+    int coders = 0;
+    for (uint32_t kind = 0; kind < 16; kind++) {
+        const leaf_geometry *g = leaf_geometry_of(kind);
+        if (!g || !g->coder)
+            continue;
+        coders++;
+        assert_true(g->coder == &mesh_coder || g->coder == &curvilinear_coder ||
+                    g->coder == &mixed_coder);
+    }
+    assert_int_equal(coders, 3);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_payloads_come_back),
+        cmocka_unit_test(test_all_nodes_are_new),
+        cmocka_unit_test(test_odd_payloads_are_stored),
+        cmocka_unit_test(test_lies),
+        cmocka_unit_test(test_codes_of_corners),
+        cmocka_unit_test(test_a_lattice_is_predicted),
+        cmocka_unit_test(test_every_coder),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,266 @@
+#include "tests/support/naive_cells.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- floats ---- */
+
+static uint32_t bits_of(float x) {
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
+static int64_t rank_of(uint32_t bits) {
+    return bits >> 31 ? (int64_t)UINT32_MAX - bits : (int64_t)bits + ((int64_t)1 << 31);
+}
+
+static uint32_t bits_at(int64_t rank) {
+    return rank >= (int64_t)1 << 31 ? (uint32_t)(rank - ((int64_t)1 << 31))
+                                    : (uint32_t)((int64_t)UINT32_MAX - rank);
+}
+
+/* The bits of element n of planes that are `stride` bytes apart, predicted by these. */
+static uint32_t decode_bits(const unsigned char *planes, size_t stride, size_t n,
+                            uint32_t predicted) {
+    int64_t folded = 0;
+    for (size_t b = 0; b < 4; b++)
+        folded += (int64_t)planes[b * stride + n] << 8 * b;
+    const int64_t difference = folded % 2 ? -(folded + 1) / 2 : folded / 2;
+    const int64_t rank = rank_of(predicted) + difference;
+    return bits_at(((rank % ((int64_t)1 << 32)) + ((int64_t)1 << 32)) % ((int64_t)1 << 32));
+}
+
+static void write_bits(unsigned char *payload, size_t index, uint32_t bits) {
+    memcpy(payload + index * sizeof bits, &bits, sizeof bits);
+}
+
+/* Float n, which p predicts. */
+static void decode(const unsigned char *planes, size_t stride, size_t n, float p,
+                   unsigned char *payload) {
+    write_bits(payload, n, decode_bits(planes, stride, n, bits_of(p != p ? 0.0f : p)));
+}
+
+static float read_float(const unsigned char *payload, size_t index) {
+    float x;
+    memcpy(&x, payload + index * sizeof x, sizeof x);
+    return x;
+}
+
+/* The compiler must not keep more digits, nor join operations. */
+static float add(float a, float b) {
+    volatile float sum = a + b;
+    return sum;
+}
+
+static float less(float a, float b) {
+    volatile float difference = a - b;
+    return difference;
+}
+
+static float seven(float i, float j, float ij, float k, float ik, float jk, float ijk) {
+    return add(i, add(less(j, ij), less(less(k, ik), less(jk, ijk))));
+}
+
+/* Take the payload that follows a 0. */
+static bool take_stored(const unsigned char *in, size_t bytes, unsigned char *payload,
+                        size_t payload_bytes) {
+    if (bytes != payload_bytes + 1)
+        return false;
+    memcpy(payload, in + 1, payload_bytes);
+    return true;
+}
+
+/* ---- curvilinear grids ---- */
+
+typedef struct lattice {
+    const unsigned char *payload;
+    size_t first; /* float of the axis */
+    size_t n[3];
+} lattice;
+
+static float at(const lattice *l, long i, long j, long k) {
+    if (i < 0 || j < 0 || k < 0)
+        return 0.0f;
+    return read_float(l->payload,
+                      l->first + (size_t)i + l->n[0] * ((size_t)j + l->n[1] * (size_t)k));
+}
+
+bool naive_cells_curvilinear(bool places, const uint32_t counts[4], const unsigned char *in,
+                             size_t bytes, unsigned char *payload, size_t payload_bytes) {
+    const size_t n[3] = {counts[0] + 1U, counts[1] + 1U, counts[2] + 1U},
+                 nodes = n[0] * n[1] * n[2];
+    const size_t cells = (size_t)counts[0] * counts[1] * counts[2];
+    const size_t codes = places ? (cells + 3) / 4 : 0, axes = places ? 3 : 1;
+    if (bytes && in[0] == 0)
+        return take_stored(in, bytes, payload, payload_bytes);
+    if (!bytes || in[0] != 1 || bytes != 1 + codes + 4 * axes * nodes)
+        return false;
+    memset(payload, 0, payload_bytes);
+    memcpy(payload + 4 * axes * nodes, in + 1, codes);
+    const unsigned char *planes = in + 1 + codes;
+    for (size_t a = 0; a < axes; a++) {
+        lattice l = {.payload = payload, .first = a * nodes};
+        memcpy(l.n, n, sizeof l.n);
+        size_t node = a * nodes;
+        for (long k = 0; k < (long)n[2]; k++)
+            for (long j = 0; j < (long)n[1]; j++)
+                for (long i = 0; i < (long)n[0]; i++, node++) {
+                    const float p =
+                        seven(at(&l, i - 1, j, k), at(&l, i, j - 1, k), at(&l, i - 1, j - 1, k),
+                              at(&l, i, j, k - 1), at(&l, i - 1, j, k - 1), at(&l, i, j - 1, k - 1),
+                              at(&l, i - 1, j - 1, k - 1));
+                    decode(planes, axes * nodes, node, p, payload);
+                }
+    }
+    return true;
+}
+
+/* ---- mixed meshes ---- */
+
+enum { CORNERS = 8, PLACES = 4096 };
+
+static size_t aligned(size_t bytes) {
+    return (bytes + 63) / 64 * 64;
+}
+
+static bool decode_row(const unsigned char *planes, size_t count, unsigned char *payload) {
+    uint32_t before = 0;
+    for (size_t i = 0; i < count; i++) {
+        before = decode_bits(planes, count, i, before);
+        write_bits(payload, i, before);
+    }
+    return true;
+}
+
+typedef struct mesh {
+    size_t cells, nodes;
+    uint32_t (*corner)[CORNERS];
+} mesh;
+
+static bool decode_corners(const mesh *m, const unsigned char *code, const unsigned char *words,
+                           size_t count) {
+    uint32_t end[3][PLACES];
+    uint32_t told = 0;
+    size_t taken = 0;
+    memset(end, 0, sizeof end);
+    for (int a = 0; a < 3; a++)
+        for (int i = 0; i < PLACES; i++)
+            end[a][i] = 65535;
+    for (size_t c = 0; c < m->cells; c++) {
+        uint32_t *cell = m->corner[c];
+        for (size_t q = 0; q < CORNERS; q++) {
+            const unsigned k = code[c * CORNERS + q];
+            int64_t node;
+            if (k == 0) {
+                node = told++;
+            } else if (k <= 3) {
+                if (!(q >> (k - 1) & 1))
+                    return false;
+                node = end[k - 1][cell[q - ((size_t)1 << (k - 1))] % PLACES];
+            } else if (k <= 10) {
+                if (k - 4 >= q)
+                    return false;
+                node = cell[k - 4];
+            } else if (k <= 254) {
+                const size_t back = k - 10;
+                if (back > c * CORNERS)
+                    return false;
+                node = m->corner[(c * CORNERS - back) / CORNERS][(c * CORNERS - back) % CORNERS];
+            } else {
+                if (taken == count)
+                    return false;
+                node = (int64_t)told - 1 - (words[taken] + 256 * words[count + taken]);
+                taken++;
+            }
+            if (node < 0 || node >= told || node >= (int64_t)m->nodes)
+                return false;
+            cell[q] = (uint32_t)node;
+        }
+        for (size_t q = 0; q < CORNERS; q++)
+            for (size_t a = 0; a < 3; a++)
+                if (q >> a & 1 && cell[q] != cell[q - ((size_t)1 << a)])
+                    end[a][cell[q - ((size_t)1 << a)] % PLACES] = cell[q];
+    }
+    return told == m->nodes && taken == count;
+}
+
+static float predict(const uint32_t cell[CORNERS], size_t q, uint32_t told,
+                     const unsigned char *payload, size_t first) {
+    static const size_t faces[3][3] = {{1, 2, 3}, {1, 4, 5}, {2, 4, 6}},
+                        one[7] = {1, 2, 4, 3, 5, 6, 7};
+    float f[CORNERS] = {0};
+    bool there[CORNERS] = {0};
+    int count = 0;
+    for (size_t d = 1; d < CORNERS; d++) {
+        there[d] = cell[q ^ d] < told;
+        count += there[d];
+        f[d] = there[d] ? read_float(payload, first + cell[q ^ d]) : 0.0f;
+    }
+    if (count == 7)
+        return seven(f[1], f[2], f[3], f[4], f[5], f[6], f[7]);
+    for (int i = 0; i < 3; i++) {
+        const size_t *d = faces[i];
+        if (there[d[0]] && there[d[1]] && there[d[2]])
+            return add(f[d[0]], less(f[d[1]], f[d[2]]));
+    }
+    for (int i = 0; i < 7; i++)
+        if (there[one[i]])
+            return f[one[i]];
+    return told ? read_float(payload, first + told - 1) : 0.0f;
+}
+
+static void decode_places(const mesh *m, const unsigned char *planes, unsigned char *payload) {
+    uint32_t told = 0;
+    for (size_t c = 0; c < m->cells; c++)
+        for (size_t q = 0; q < CORNERS; q++) {
+            if (m->corner[c][q] != told)
+                continue;
+            for (size_t a = 0; a < 3; a++) {
+                const size_t first = a * m->nodes;
+                const float p = predict(m->corner[c], q, told, payload, first);
+                decode(planes, 3 * m->nodes, first + told, p, payload);
+            }
+            told++;
+        }
+}
+
+static bool decode_topology(const mesh *m, const unsigned char *in, size_t bytes,
+                            unsigned char *payload) {
+    const size_t fixed = m->cells * CORNERS + 12 * m->nodes;
+    if (bytes < fixed || (bytes - fixed) % 2)
+        return false;
+    const unsigned char *planes = in + m->cells * CORNERS;
+    if (!decode_corners(m, in, planes + 12 * m->nodes, (bytes - fixed) / 2))
+        return false;
+    decode_places(m, planes, payload);
+    unsigned char *to = payload + aligned(12 * m->nodes + (m->cells + 3) / 4);
+    for (size_t i = 0; i < m->cells * CORNERS; i++) {
+        to[2 * i] = (unsigned char)(m->corner[i / CORNERS][i % CORNERS] % 256);
+        to[2 * i + 1] = (unsigned char)(m->corner[i / CORNERS][i % CORNERS] / 256);
+    }
+    return true;
+}
+
+bool naive_cells_mixed(int block, const uint32_t counts[4], const unsigned char *in, size_t bytes,
+                       unsigned char *payload, size_t payload_bytes) {
+    mesh m = {.cells = counts[0], .nodes = counts[1]};
+    const size_t codes = block == 1 ? 0 : (m.cells + 3) / 4,
+                 floats = block == 1 ? m.nodes : 3 * m.nodes;
+    if (bytes && in[0] == 0)
+        return take_stored(in, bytes, payload, payload_bytes);
+    if (!bytes || in[0] != 1 || bytes < 1 + codes)
+        return false;
+    memset(payload, 0, payload_bytes);
+    memcpy(payload + 4 * floats, in + 1, codes);
+    in += 1 + codes;
+    bytes -= 1 + codes;
+    if (block != 0)
+        return bytes == 4 * floats && decode_row(in, floats, payload);
+    m.corner = malloc(m.cells * sizeof *m.corner);
+    assert(m.corner);
+    const bool sound = decode_topology(&m, in, bytes, payload);
+    free(m.corner);
+    return sound;
+}
