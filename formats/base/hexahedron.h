@@ -50,7 +50,7 @@ void hexahedron_gradient(const hexahedron *h, double gradient[3]);
  * which t rises, and which begin and end at its faces. */
 int hexahedron_sense(const double p[HEX_CORNERS][3]);
 
-/* hexahedron_face() - the corners of face 0 to 5 in the order of render/curved/patch.h: of
+/* hexahedron_face() - the corners of face 0 to 5 in the order of formats/curved/patch.h: of
  * parameter face / 2, at 0 if even, at 1 if odd; the other two parameters rise in their order.
  * Returns the sense of (d/d first) x (d/d second) in a right-handed cell: 1 outward, -1 inward. */
 int hexahedron_face(int face, int corner[4]);

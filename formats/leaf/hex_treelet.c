@@ -64,23 +64,35 @@ status hex_treelet_check(const hex_treelet *h, uint32_t set, const float *values
 
 /* ---- reading ---- */
 
+static size_t payload_bytes(const leaf_file *f) {
+    return leaf_layout_aligned(leaf_layout_payload_max(&f->layout), LEAF_ALIGN_LOG2);
+}
+
+hex_treelet hex_treelet_in(const leaf_file *f, uint32_t t, uint32_t set, const void *room,
+                           const float **values) {
+    const char *const topology = room, *const places = topology + payload_bytes(f),
+                      *const last = places + payload_bytes(f);
+    const uint32_t at = hex_treelet_places(&f->layout, leaf_layout_step(&f->layout, set), t);
+    hex_treelet h = hex_treelet_of(f, t);
+    h.topology = topology;
+    h.places = (const float *)(const void *)(at == t ? topology : places);
+    *values = (const float *)(const void *)last;
+    return h;
+}
+
 status hex_treelet_load(leaf_file *f, uint32_t t, uint32_t set, leaf_unpacker *u, void *room,
                         hex_treelet *h, const float **values) {
-    const size_t each = leaf_layout_aligned(leaf_layout_payload_max(&f->layout), LEAF_ALIGN_LOG2);
-    char *const payload[HEX_TREELET_PAYLOADS] = {room, (char *)room + each,
-                                                 (char *)room + 2 * each};
-    const uint32_t places = hex_treelet_places(&f->layout, leaf_layout_step(&f->layout, set), t);
-    *h = hex_treelet_of(f, t);
-    h->topology = payload[0];
-    h->places = (const float *)(void *)payload[places == t ? 0 : 1];
-    *values = (const float *)(void *)payload[2];
+    char *const topology = room, *const places = topology + payload_bytes(f),
+                *const last = places + payload_bytes(f);
+    const uint32_t at = hex_treelet_places(&f->layout, leaf_layout_step(&f->layout, set), t);
     status st = ST_OK;
-    if (places == t || f->geometry->hexes->listed)
-        st = leaf_file_load(f, t, u, payload[0]);
-    if (st == ST_OK && places != t)
-        st = leaf_file_load(f, places, u, payload[1]);
+    if (at == t || f->geometry->hexes->listed)
+        st = leaf_file_load(f, t, u, topology);
+    if (st == ST_OK && at != t)
+        st = leaf_file_load(f, at, u, places);
     if (st == ST_OK)
-        st = leaf_file_load(f, leaf_layout_values(&f->layout, set, t), u, payload[2]);
+        st = leaf_file_load(f, leaf_layout_values(&f->layout, set, t), u, last);
+    *h = hex_treelet_in(f, t, set, room, values);
     return st == ST_OK ? hex_treelet_check(h, set, *values) : st;
 }
 

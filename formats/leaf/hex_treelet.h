@@ -51,11 +51,13 @@ CHECKED status hex_treelet_check(const hex_treelet *h, uint32_t set, const float
 
 /* hex_treelet_load() - read and check treelet t with the values of a set. room: of
  * HEX_TREELET_PAYLOADS times leaf_layout_payload_max() bytes, aligned to LEAF_ALIGN, which *h and
- * *values are of. hex_treelet_load_values() - those of a further set of the same step. to: room of
- * one payload. */
+ * *values are of. hex_treelet_in() - the same for a room that was loaded so.
+ * hex_treelet_load_values() - those of a further set of the same step. to: room of one payload. */
 enum { HEX_TREELET_PAYLOADS = 3 };
 CHECKED status hex_treelet_load(leaf_file *f, uint32_t t, uint32_t set, leaf_unpacker *u,
                                 void *room, hex_treelet *h, const float **values);
+hex_treelet hex_treelet_in(const leaf_file *f, uint32_t t, uint32_t set, const void *room,
+                           const float **values);
 CHECKED status hex_treelet_load_values(leaf_file *f, const hex_treelet *h, uint32_t set,
                                        leaf_unpacker *u, void *to, const float **values);
 

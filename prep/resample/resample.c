@@ -5,7 +5,7 @@
 
 #include "formats/base/pool.h"
 #include "formats/leaf/leaf_unpacker.h"
-#include "formats/mesh/mesh_leaf_check.h"
+#include "prep/resample/resample_cells.h"
 
 /* Treelets in memory per thread, and shares of rows per thread. */
 enum { BATCH_PER_THREAD = 16, SHARES_PER_THREAD = 4 };
@@ -14,6 +14,7 @@ enum { SPARE_BYTES = 16 << 10 };
 
 typedef struct job {
     leaf_file *f;
+    const resample_cells *cells; /* how f's are read and drawn */
     const resample_options *o;
     const progress *p;
     resample_take take;
@@ -22,14 +23,12 @@ typedef struct job {
     pool *workers;
     resample_block block;
     uint64_t rows_most; /* most rows of a slab */
-    size_t payload;     /* bytes for one payload */
-    /* The batch: treelets in ascending order, their payloads. */
+    size_t room;        /* bytes for a treelet's payloads */
+    /* The batch: treelets in ascending order. */
     size_t most, count;
-    uint32_t *treelets;
-    char *topologies, *values;
+    resample_treelet *treelets;
+    char *rooms;
     leaf_unpacker **unpackers;
-    char *moved;   /* their positions; NULL: those in the topologies */
-    uint32_t step; /* of the set */
     /* Rows that the batch reaches, and the number of shares they are cut into. */
     uint64_t first_row, rows;
     size_t shares;
@@ -140,9 +139,8 @@ static status plan(job *j) {
     const resample_grid *g = j->block.grid;
     const uint64_t row = g->dims[0] * sizeof(float), all = (uint64_t)g->dims[1] * g->dims[2];
     const uint64_t threads = (uint64_t)j->o->threads;
-    j->payload = leaf_layout_aligned(leaf_layout_payload_max(&j->f->layout), LEAF_ALIGN_LOG2);
-    const bool moves = leaf_layout_place(&j->f->layout, j->step) > 0;
-    const uint64_t each = (moves ? 3 : 2) * j->payload + sizeof *j->treelets;
+    j->room = (size_t)j->cells->payloads(j->f, j->o->set) * resample_treelet_payload_bytes(j->f);
+    const uint64_t each = j->room + sizeof *j->treelets;
     const uint64_t fixed = mem_used(j->m) + SPARE_BYTES + threads * leaf_unpacker_memory(j->f);
     const uint64_t least = fixed + each + row;
     if (least > j->o->memory)
@@ -171,12 +169,8 @@ static status allocate(job *j) {
     j->block.samples =
         mem_alloc(j->m, (size_t)(j->rows_most * j->block.grid->dims[0]) * sizeof(float));
     j->treelets = mem_array(j->m, j->most, sizeof *j->treelets);
-    j->topologies = mem_alloc(j->m, j->most * j->payload);
-    j->values = mem_alloc(j->m, j->most * j->payload);
-    if (leaf_layout_place(&j->f->layout, j->step) > 0 &&
-        !(j->moved = mem_alloc(j->m, j->most * j->payload)))
-        return ST_NOMEM;
-    if (!j->block.samples || !j->treelets || !j->topologies || !j->values)
+    j->rooms = mem_alloc(j->m, j->most * j->room);
+    if (!j->block.samples || !j->treelets || !j->rooms)
         return ST_NOMEM;
     return leaf_unpackers_create(j->m, j->f, j->o->threads, &j->unpackers);
 }
@@ -184,31 +178,16 @@ static status allocate(job *j) {
 static void release(job *j) {
     mem_free(j->m, j->block.samples);
     mem_free(j->m, j->treelets);
-    mem_free(j->m, j->topologies);
-    mem_free(j->m, j->values);
+    mem_free(j->m, j->rooms);
     leaf_unpackers_destroy(j->m, j->unpackers, j->o->threads);
-    mem_free(j->m, j->moved);
     pool_destroy(j->workers);
 }
 
 /* ---- a batch ---- */
 
 static status load_one(void *ctx, size_t index, int worker) {
-    job *j = ctx;
-    const uint32_t t = j->treelets[index];
-    leaf_unpacker *u = j->unpackers[worker];
-    void *topology = j->topologies + index * j->payload;
-    status st = leaf_file_load(j->f, t, u, topology);
-    if (st == ST_OK)
-        st = mesh_leaf_check_loaded(j->f, t, topology);
-    if (st == ST_OK)
-        st = leaf_file_load(j->f, leaf_layout_values(&j->f->layout, j->o->set, t), u,
-                            j->values + index * j->payload);
-    if (st != ST_OK || !j->moved)
-        return st;
-    void *moved = j->moved + index * j->payload;
-    st = leaf_file_load(j->f, leaf_layout_positions(&j->f->layout, j->step, t), u, moved);
-    return st == ST_OK ? mesh_leaf_check_moved(j->f, j->step, t, moved) : st;
+    const job *j = ctx;
+    return j->cells->load(&j->treelets[index], j->unpackers[worker]);
 }
 
 /* Draw a share. Shares are cut so that each thread has its own rows. */
@@ -217,21 +196,17 @@ static status draw_share(void *ctx, size_t index, int worker) {
     (void)worker;
     const uint64_t first = j->first_row + j->rows * index / j->shares,
                    end = j->first_row + j->rows * (index + 1) / j->shares;
-    for (size_t i = 0; i < j->count && end > first; i++) {
-        const mesh_shape s = mesh_leaf_shape(j->f->mesh->counts[j->treelets[i]]);
-        const char *topology = j->topologies + i * j->payload;
-        resample_block_draw(&j->block, first, end - first, &s, topology,
-                            j->moved ? mesh_leaf_moved(&s, j->moved + i * j->payload)
-                                     : mesh_leaf_positions(&s, topology),
-                            j->values + i * j->payload);
-    }
+    for (size_t i = 0; i < j->count && end > first; i++)
+        j->cells->draw(&j->block, first, end - first, &j->treelets[i]);
     return ST_OK;
 }
 
 /* Find the block's rows that a treelet's box reaches. Returns false if there are none. */
 static bool reach(const job *j, uint32_t t, uint64_t *first_row, uint64_t *end_row) {
     const resample_grid *g = j->block.grid;
-    const float *b = j->f->mesh->bounds[leaf_layout_bounds(&j->f->layout, j->step, t)];
+    const leaf_layout *l = &j->f->layout;
+    const float(*bounds)[6] = j->f->geometry->section(j->f, LEAF_SECTION_BOUNDS);
+    const float *b = bounds[leaf_layout_bounds(l, leaf_layout_step(l, j->o->set), t)];
     uint32_t first[3], end[3];
     for (int a = 0; a < 3; a++) {
         resample_grid_nodes(g, a, (double)b[a], (double)b[a + 3], &first[a], &end[a]);
@@ -249,10 +224,12 @@ static bool reach(const job *j, uint32_t t, uint64_t *first_row, uint64_t *end_r
 static status draw_batch(job *j) {
     j->shares = j->o->threads > 1 ? (size_t)j->o->threads * SHARES_PER_THREAD : 1;
     status st = pool_run(j->workers, j->count, load_one, j);
-    for (size_t i = 0; i < j->count; i++)
-        j->result->bytes_read +=
-            j->f->sizes[j->treelets[i]] +
-            j->f->sizes[leaf_layout_values(&j->f->layout, j->o->set, j->treelets[i])];
+    for (size_t i = 0; i < j->count; i++) {
+        uint32_t parts[LEAF_PARTS_MAX];
+        const int count = j->f->geometry->parts(&j->f->layout, j->o->set, j->treelets[i].id, parts);
+        for (int k = 0; k < count; k++)
+            j->result->bytes_read += j->f->sizes[parts[k]];
+    }
     return st == ST_OK ? pool_run(j->workers, j->shares, draw_share, j) : st;
 }
 
@@ -267,7 +244,9 @@ static status draw_slab(job *j) {
     for (uint32_t t = 0; t < treelets; t++) {
         uint64_t first, end;
         if (reach(j, t, &first, &end)) {
-            j->treelets[j->count++] = t;
+            j->treelets[j->count] =
+                (resample_treelet){j->f, j->o->set, t, j->rooms + j->count * j->room};
+            j->count++;
             j->first_row = first < j->first_row ? first : j->first_row;
             end_row = end > end_row ? end : end_row;
         }
@@ -312,13 +291,13 @@ status resample_run(mem *m, leaf_file *f, const resample_grid *g, const resample
                     const progress *p, resample_take take, void *ctx, resample_result *result) {
     *result = (resample_result){.nodes = (uint64_t)g->dims[0] * g->dims[1] * g->dims[2]};
     job j = {.f = f,
+             .cells = resample_cells_of(f),
              .o = o,
              .p = p,
              .take = take,
              .ctx = ctx,
              .m = m,
              .block = {.grid = g},
-             .step = leaf_layout_step(&f->layout, o->set),
              .result = result};
     status st = allocate(&j);
     if (st == ST_OK)

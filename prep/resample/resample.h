@@ -1,10 +1,10 @@
-/* resample.h - resamples a tetrahedral mesh on a regular grid of floats, out of core.
+/* resample.h - resamples a mesh, or a curvilinear grid, on a regular grid of floats, out of core.
  *
- * The mesh is a treelet file. Its treelets can be read in any order and hold all their vertices.
- * The grid is made one slab of rows at a time. Treelets that reach into the slab are read, some at
- * a time, and drawn into it by many threads. A node's value is interpolated linearly in the tet
- * that holds it (tet_value.h). If several do (a mesh that overlaps itself), the first in the file's
- * order counts. If none does, it is NaN. So the samples depend on mesh and grid alone.
+ * It is a treelet file. Its treelets can be read in any order and hold all their nodes. The regular
+ * grid is made one slab of rows at a time. Treelets that reach into the slab are read, some at a
+ * time, and drawn into it by many threads. A node's value is interpolated in the cell that holds it
+ * (resample_cells.h). If several do (a mesh that overlaps itself), the first in the file's order
+ * counts. If none does, it is NaN. So the samples depend on the file and the grid alone.
  */
 #ifndef PREP_RESAMPLE_RESAMPLE_H
 #define PREP_RESAMPLE_RESAMPLE_H
@@ -42,7 +42,7 @@ typedef struct resample_options {
 } resample_options;
 
 typedef struct resample_result {
-    uint64_t nodes, held; /* held: nodes inside a tet */
+    uint64_t nodes, held; /* held: nodes inside a cell */
     uint64_t slabs;       /* passes over the treelets */
     uint64_t bytes_read;
 } resample_result;
@@ -50,8 +50,8 @@ typedef struct resample_result {
 /* Receives the next `count` samples, x fastest. */
 typedef status (*resample_take)(void *ctx, const float *samples, size_t count);
 
-/* resample_run() - hand over all samples of g in order. f: a mesh. ST_NOMEM names the smallest
- * budget that would do. p may be NULL. */
+/* resample_run() - hand over all samples of g in order. f: one that has resample_cells. ST_NOMEM
+ * names the smallest budget that would do. p may be NULL. */
 CHECKED status resample_run(mem *m, leaf_file *f, const resample_grid *g, const resample_options *o,
                             const progress *p, resample_take take, void *ctx,
                             resample_result *result);

@@ -1,4 +1,4 @@
-/* resample_block.h - some rows of a regular grid's nodes, and drawing tets into them.
+/* resample_block.h - some rows of a regular grid's nodes, and which of them a cell has held.
  *
  * Row r of a grid holds the nodes (0 .. dims[0] - 1, r mod dims[1], r / dims[1]). Rows follow one
  * another as in a file.
@@ -6,10 +6,10 @@
 #ifndef PREP_RESAMPLE_RESAMPLE_BLOCK_H
 #define PREP_RESAMPLE_RESAMPLE_BLOCK_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "formats/grid/grid.h"
-#include "formats/mesh/mesh_leaf.h"
 
 /* A regular grid. Node i lies at origin + i * spacing, rounded to double twice. */
 typedef struct resample_grid {
@@ -33,18 +33,16 @@ typedef struct resample_block {
     float *samples; /* [rows][dims[0]] */
 } resample_block;
 
-/* resample_block_clear() - start anew, without any tet. */
+/* resample_block_clear() - start anew, without any cell. */
 void resample_block_clear(const resample_block *b);
 
-/* resample_block_draw() - draw a treelet's tets: its checked payloads, and its vertices' positions.
- * A tet gives its value to nodes that it holds and no earlier tet held. Only rows [first_row,
- * first_row + rows) are touched, which must be in the block. So threads may share a block. */
-void resample_block_draw(const resample_block *b, uint64_t first_row, uint64_t rows,
-                         const mesh_shape *s, const void *topology, const float (*positions)[3],
-                         const void *values);
+/* resample_block_is_empty() - whether no cell has held a node. resample_block_give() - one does,
+ * with this value. */
+bool resample_block_is_empty(const float *sample);
+void resample_block_give(float *sample, float value);
 
-/* resample_block_finish() - set nodes that no tet held to NaN, and make every NaN the same. Returns
- * the number of nodes that a tet held. */
+/* resample_block_finish() - set nodes that no cell held to NaN, and make every NaN the same.
+ * Returns the number of nodes that a cell held. */
 uint64_t resample_block_finish(const resample_block *b);
 
 #endif

@@ -9,6 +9,7 @@
 #include "formats/base/partial.h"
 #include "formats/leaf/leaf_tell.h"
 #include "prep/mesh/mesh_convert.h"
+#include "prep/resample/resample_cells.h"
 
 bool resample_input_is_leaf(const char *path) {
     char magic[sizeof LEAF_MAGIC - 1];
@@ -44,6 +45,7 @@ static status convert(mem *m, const resample_source *s, const char *path, const 
     mesh_options o = mesh_options_default();
     o.threads = s->threads;
     o.force = true;
+    o.mixed = s->whole_cells;
     if (m->limit)
         o.memory = m->limit;
     mesh_input *x = NULL;
@@ -92,11 +94,13 @@ status resample_input_open(mem *m, const resample_source *s, const progress *p, 
     leaf_file *f = NULL;
     status st =
         resample_input_is_leaf(s->path) ? leaf_file_open(m, s->path, &f) : open_mesh(m, s, p, &f);
-    if (st == ST_OK && !f->mesh) {
+    if (st == ST_OK && !resample_cells_of(f)) {
         const char *kind = leaf_teller_of(f)->name;
         leaf_file_close(f);
-        return status_describe(ST_UNSUPPORTED, "%s: a %s, of which none is resampled; meshes are",
-                               s->path, kind);
+        return status_describe(
+            ST_UNSUPPORTED,
+            "%s: a %s, of which none is resampled; meshes and curvilinear grids are", s->path,
+            kind);
     }
     *out = f;
     return st;

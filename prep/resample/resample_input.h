@@ -1,4 +1,4 @@
-/* resample_input.h - opens anything that holds a mesh as a treelet file. */
+/* resample_input.h - opens anything that can be resampled as a treelet file. */
 #ifndef PREP_RESAMPLE_RESAMPLE_INPUT_H
 #define PREP_RESAMPLE_RESAMPLE_INPUT_H
 
@@ -11,6 +11,7 @@
 typedef struct resample_source {
     const char *path;   /* a treelet file, or an input of mesh_input_open(); "-": standard input */
     mesh_hints hints;   /* for a mesh */
+    bool whole_cells;   /* do not split its cells into tets */
     const char *beside; /* path beside which a mesh is converted to a treelet file; NULL: in
                            $TMPDIR, or /tmp */
     int threads;
@@ -21,7 +22,7 @@ bool resample_input_is_leaf(const char *path);
 
 /* resample_input_open() - open a treelet file directly, or convert a mesh to one, within m's limit.
  * The converted file has no name when this returns, and vanishes on leaf_file_close().
- * ST_UNSUPPORTED: a grid. p may be NULL. */
+ * ST_UNSUPPORTED: a regular grid, say. p may be NULL. */
 CHECKED status resample_input_open(mem *m, const resample_source *s, const progress *p,
                                    leaf_file **out);
 

@@ -1,4 +1,4 @@
-/* leafcast resample - resamples a mesh of tets on a regular grid. */
+/* leafcast resample - resamples a mesh or a curvilinear grid on a regular grid. */
 #include <jansson.h>
 #include <limits.h>
 #include <math.h>
@@ -12,6 +12,7 @@
 #include "formats/base/num.h"
 #include "formats/grid/nrrd_writer.h"
 #include "prep/resample/resample.h"
+#include "prep/resample/resample_cells.h"
 #include "prep/resample/resample_input.h"
 
 enum { MEMORY_DEFAULT_MIB = 2048 };
@@ -31,6 +32,7 @@ enum {
     KEY_COMPONENT,
     KEY_CELLS_TO_POINTS,
     KEY_BY_CORNERS,
+    KEY_WHOLE_CELLS,
     KEY_STEP
 };
 
@@ -52,6 +54,8 @@ static const struct argp_option options[] = {
      "take an array of the cells, averaged to the points", 2},
     {"by-corners", KEY_BY_CORNERS, NULL, 0,
      "take cells of higher order as linear ones of their corners (default: refuse them)", 2},
+    {"whole-cells", KEY_WHOLE_CELLS, NULL, CLI_BASIC,
+     "interpolate in hexahedra, wedges and pyramids (default: split them into tets)", 2},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status set_spacing(resample_wish *w, const char *text) {
@@ -83,6 +87,7 @@ static status set_option(void *own, int key, const char *text) {
     case KEY_COMPONENT: return cli_int(text, "--component", 1, INT_MAX, &hints->component);
     case KEY_CELLS_TO_POINTS: hints->cells_to_points = true; return ST_OK;
     case KEY_BY_CORNERS: hints->by_corners = true; return ST_OK;
+    case KEY_WHOLE_CELLS: a->source.whole_cells = true; return ST_OK;
     case KEY_STEP: return num_int(text, "--step", 0, UINT32_MAX, &a->step);
     default: return ST_AGAIN;
     }
@@ -112,10 +117,10 @@ static const cli_verb verb = {
     .output = output,
     .input = "MESH",
     .args_doc = "MESH -o F.nrrd",
-    .doc = "Resample a mesh of tetrahedra to a regular grid of f32 samples, as NRRD (-o -: to "
-           "standard output). MESH: a treelet file, or whatever mesh convert takes; or - for a "
-           "mesh on standard input. A node's value is the linear interpolation in the tet that "
-           "holds it, NaN outside of the mesh."
+    .doc = "Resample a mesh or a curvilinear grid to a regular grid of f32 samples, as NRRD (-o -: "
+           "to standard output). MESH: a treelet file, or whatever mesh convert takes; or - for a "
+           "mesh on standard input. A node's value is that of the cell that holds it, linear in a "
+           "tet, else by its own interpolant; NaN outside."
            "\vExample:\n  leafcast resample fin.vtk --dims 256 -o fin.nrrd\v"
            "Memory stays below --memory (default 2G) whatever the sizes of mesh and grid. A mesh "
            "that is no treelet file becomes one first, beside the output (-o -: in $TMPDIR), "
@@ -178,7 +183,7 @@ static status resample(arguments *a, mem *m, leaf_file *f, double start) {
     nrrd_writer *writer = NULL;
     resample_result result;
     resample_options o = {.memory = m->limit, .threads = a->common.threads};
-    a->wish.nodes = f->header.vertices;
+    a->wish.nodes = resample_cells_of(f)->nodes(f);
     status st = find_set(a, f, &o.set);
     if (st == ST_OK)
         st = resample_grid_choose(&a->wish, f->header.bounds, f->header.name, &g, &described);
@@ -210,9 +215,9 @@ static status run(arguments *a) {
     if (is_leaf && (a->source.hints.component || a->source.hints.cells_to_points))
         return status_describe(ST_USAGE, "%s: a treelet file has values of points already",
                                a->source.path);
-    if (is_leaf && a->source.hints.by_corners)
-        return status_describe(ST_USAGE, "%s: --by-corners is for meshes in other formats",
-                               a->source.path);
+    if (is_leaf && (a->source.hints.by_corners || a->source.whole_cells))
+        return status_describe(ST_USAGE, "%s: %s is for meshes in other formats", a->source.path,
+                               a->source.whole_cells ? "--whole-cells" : "--by-corners");
     if (!is_leaf && a->step >= 0)
         return status_describe(ST_USAGE, "--step is for treelet files of several steps");
     status st = cli_check_files(&a->common, &m, &a->common.output, pipe ? 0 : 1);

@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 #include "formats/base/cpu.h"
-#include "render/curved/sheared_ray.h"
+#include "formats/curved/sheared_ray.h"
 
 enum {
     HEX_BLOCK = 4,

@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "formats/base/vec3.h"
-#include "render/curved/hex_open.h"
-#include "render/curved/hex_stretch.h"
+#include "formats/curved/hex_open.h"
+#include "formats/curved/hex_stretch.h"
 
 /* ---- Polynomials: coefficients times binomials, so that products are convolutions ---- */
 

@@ -3,8 +3,8 @@
 #include <stddef.h>
 
 #include "formats/base/vec3.h"
-#include "render/curved/hex_open.h"
-#include "render/curved/hex_stretch.h"
+#include "formats/curved/hex_open.h"
+#include "formats/curved/hex_stretch.h"
 
 enum { STRETCHES = 512 };
 

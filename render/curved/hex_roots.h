@@ -13,7 +13,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "render/curved/hex_path.h"
+#include "formats/curved/hex_path.h"
 
 enum { HEX_ROOTS = 16 };
 

@@ -8,10 +8,10 @@
 
 #ifdef SIMD_NAME
 
+#include "formats/curved/hex_normal_template.h"
+#include "formats/curved/hex_point.h"
 #include "render/curved/hex_meet.h"
 #include "render/curved/hex_meet_template.h"
-#include "render/curved/hex_normal_template.h"
-#include "render/curved/hex_point.h"
 #include "render/curved/hex_shade_template.h"
 #include "render/tile/tile_boxes_template.h"
 
@@ -86,7 +86,7 @@ static void take_root(hex_tile *w, unsigned i, const tile_surface *found) {
 /* Decide by the cell's faces what the vectors leave in doubt. */
 static void take_crossed(hex_tile *w, const near_cell *c, unsigned i, int32_t iso) {
     const ray r = tile_ray(&w->b.s, i);
-    const sheared_ray sheared = sheared_ray_of(&r);
+    const sheared_ray sheared = sheared_ray_of(r.o, r.d);
     hex_root roots[HEX_ROOTS];
     const int count = hex_meet_crossed(&c->hexahedron, c->sense, &sheared,
                                        w->b.s.f->tracer->isos.isovalues[iso], roots, NULL);

@@ -3,9 +3,9 @@
 #include <float.h>
 
 #include "formats/base/vec3.h"
+#include "formats/curved/hex_point.h"
 #include "render/curved/hex_meet.h"
 #include "render/curved/hex_pieces.h"
-#include "render/curved/hex_point.h"
 #include "render/walk/cell_walks.h"
 #include "render/walk/tree_pieces.h"
 

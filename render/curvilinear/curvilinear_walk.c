@@ -122,7 +122,7 @@ static bool next_cell(hex_way *way, double limit, hex_cell *out) {
 static void begin_way(cell_way *w, const curvilinear_lattice *l, hex_block_fn cells,
                       const isovalue_list *isos, const ray *r, const hit *after,
                       ray_counters *counters) {
-    w->way = (hex_way){r, sheared_ray_of(r), counters, next_cell};
+    w->way = (hex_way){r, sheared_ray_of(r->o, r->d), counters, next_cell};
     w->lattice = l;
     w->cells = cells;
     w->isos = isos;

@@ -50,7 +50,7 @@ static bool next_cell(hex_way *way, double limit, hex_cell *out) {
 
 void mixed_way_begin(mixed_way *w, const mixed_blocks *b, const ray *r, const hit *after,
                      ray_counters *counters) {
-    w->way = (hex_way){r, sheared_ray_of(r), counters, next_cell};
+    w->way = (hex_way){r, sheared_ray_of(r->o, r->d), counters, next_cell};
     w->blocks = b;
     w->at = (tree_passage){.t_in = -INFINITY};
     w->ahead = 0;

@@ -212,12 +212,16 @@ ok "is refused" says 'its nodes move'
 exits "a grid behind a mesh" 2 "$leafcast" convert "$tmp/drop_0000.vts" --append -o "$tmp/as_mesh.leaf"
 ok "is refused, too" says 'no further step\|it is a curvilinear grid'
 
+# As a regular grid.
+exits "resampled" 0 "$leafcast" resample "$tmp/warp.leaf" --dims 17 -o "$tmp/warp.nrrd"
+ok "has more than half of the box" [ "$(sed -n 's/^in the mesh \([0-9]*\) of .*/\1/p' "$tmp/out")" -gt 2456 ]
+exits "without a size" 0 "$leafcast" resample "$tmp/warp.leaf" -o "$tmp/warp.nrrd" --force --json
+exits "converted" 0 "$leafcast" convert "$tmp/warp.nrrd" -o "$tmp/regular.leaf" -q
+
 # What is not done with them.
 exits "too little memory" 4 "$leafcast" convert "$tmp/warp.vts" -o "$tmp/x.leaf" --memory 500K
 ok "says how much is needed" says 'MiB of memory (--memory)'
 exits "options of regular grids" 2 "$leafcast" convert "$tmp/warp.vts" -o "$tmp/x.leaf" --spacing 2,2,2
-exits "resample" 3 "$leafcast" resample "$tmp/warp.leaf" -o "$tmp/x.nrrd"
-ok "takes meshes" says 'a curvilinear grid, of which none is resampled'
 exits "a bench of another kind's" 3 "$leafcast" bench nodes "$tmp/warp.leaf" --iso 0 --size 16x16 --runs 1
 exits "and of masks" 3 "$leafcast" bench isovalues "$tmp/warp.leaf" --iso 0 --size 16x16 --runs 1
 exits "a shape that is none" 2 "$leafcast" generate gyroid --curvilinear torus --dims 9 -o "$tmp/x.vts"

@@ -481,6 +481,7 @@ resample|--step|output|@m.leaf --dims 7|--step 1
 resample|--component|shown inputs|
 resample|--cells-to-points|shown inputs|
 resample|--by-corners|shown whole_cells|
+resample|--whole-cells|shown whole_cells|
 resample|--output|makes r.nrrd|@m.leaf --dims 7|--output @r.nrrd
 resample|--threads|shown resample|
 resample|--memory|exit 4|@m.leaf --dims 7 -o @m.nrrd --force|--memory 1K

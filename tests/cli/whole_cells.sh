@@ -119,6 +119,14 @@ mv "$tmp/out" "$tmp/q.nrrd"
 exits "as those of first order" 0 "$leafcast" resample "$tmp/s.vtu" --dims 9 -o -
 ok "are" cmp "$tmp/q.nrrd" "$tmp/out"
 exits "a treelet file, resampled so" 2 "$leafcast" resample "$tmp/q.leaf" --by-corners --dims 9 -o -
+exits "resampled whole" 0 "$leafcast" resample "$tmp/q.vtu" --by-corners --whole-cells --dims 9 -o -
+ok "is another grid" [ "$(cmp -s "$tmp/q.nrrd" "$tmp/out"; echo $?)" = 1 ]
+mv "$tmp/out" "$tmp/q.nrrd"
+exits "whole cells" 0 "$leafcast" convert "$tmp/s.vtu" --whole-cells -o "$tmp/s.leaf" --force -q
+exits "resampled as a treelet file" 0 "$leafcast" resample "$tmp/s.leaf" --dims 9 -o -
+ok "are the same" cmp "$tmp/q.nrrd" "$tmp/out"
+exits "a treelet file, to be kept whole" 2 "$leafcast" resample "$tmp/s.leaf" --whole-cells --dims 9 -o -
+ok "says so" says '--whole-cells is for meshes in other formats'
 
 # ---- memory ----
 

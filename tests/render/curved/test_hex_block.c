@@ -9,8 +9,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/curved/hex_path.h"
 #include "render/curved/hex_block.h"
-#include "render/curved/hex_path.h"
 #include "tests/support/hex_lab.h"
 #include "tests/support/watched.h"
 
@@ -94,7 +94,7 @@ static void test_cells(void **state) {
             }
             bool special;
             const ray r = hex_lab_ray(&s, &random, &special);
-            const sheared_ray sheared = sheared_ray_of(&r);
+            const sheared_ray sheared = sheared_ray_of(r.o, r.d);
             const hex_block b = block_of(&nodes, first, cells);
             const uint64_t right = expected(&s, first, cells, &sheared, &crossed);
             for (int isa = 0; isa <= (int)cpu_best(); isa++)
@@ -121,7 +121,7 @@ static void test_planes(void **state) {
     }
     const hex_block b = {{p[0], p[1], p[2]}, SIDE, SIDE * SIDE, {4, 4, 4}};
     const ray r = {.o = {2.0, 2.0, -1.0}, .d = {0.0, 0.0, 1.0}, .t0 = 0.0, .t1 = INFINITY};
-    const sheared_ray sheared = sheared_ray_of(&r);
+    const sheared_ray sheared = sheared_ray_of(r.o, r.d);
     /* As if moved by (-e, -e^2): the cells below. Along the first axis a node at 0 is on no side.
      */
     const uint64_t slab = UINT64_C(0x60); /* cells (1, 1) and (2, 1) */

@@ -65,7 +65,7 @@ static void test_same_roots(void **state) {
         for (int i = 0; i < RAYS; i++) {
             bool special;
             const ray r = hex_lab_ray(&s, &random, &special);
-            const sheared_ray sheared = sheared_ray_of(&r);
+            const sheared_ray sheared = sheared_ray_of(r.o, r.d);
             for (int c = 0; c < CELLS && !special; c++) {
                 const int at[3] = {c % HEX_LAB_CELLS, c / HEX_LAB_CELLS % HEX_LAB_CELLS,
                                    c / (HEX_LAB_CELLS * HEX_LAB_CELLS)};

@@ -11,11 +11,11 @@
 
 #include <cmocka.h>
 
+#include "formats/curved/hex_point.h"
+#include "formats/curved/hex_stretch.h"
+#include "formats/curved/patch.h"
 #include "render/curved/hex_pieces.h"
-#include "render/curved/hex_point.h"
 #include "render/curved/hex_roots.h"
-#include "render/curved/hex_stretch.h"
-#include "render/curved/patch.h"
 #include "tests/support/hex_lab.h"
 #include "tests/support/hex_truth.h"
 #include "tests/support/watched.h"
@@ -55,7 +55,7 @@ static void test_truth(void **state) {
             const ray r = hex_lab_ray(&s, &random, &special);
             if (special)
                 continue;
-            const sheared_ray sheared = sheared_ray_of(&r);
+            const sheared_ray sheared = sheared_ray_of(r.o, r.d);
             for (int c = 0; c < CELLS; c++) {
                 const hexahedron h = cell_of(&s, c);
                 const int sense = hexahedron_sense(h.p);
@@ -134,7 +134,7 @@ static void test_faces(void **state) {
             bool is_special;
             const ray r = hex_lab_ray(&s, &random, &is_special);
             special += is_special;
-            const sheared_ray sheared = sheared_ray_of(&r);
+            const sheared_ray sheared = sheared_ray_of(r.o, r.d);
             size_t count = 0;
             for (int c = 0; c < CELLS; c++) {
                 const hexahedron h = cell_of(&s, c);
@@ -204,7 +204,7 @@ static void test_bounds(void **state) {
             const ray r = hex_lab_ray(&s, &random, &special);
             if (special)
                 continue;
-            const sheared_ray sheared = sheared_ray_of(&r);
+            const sheared_ray sheared = sheared_ray_of(r.o, r.d);
             for (int c = 0; c < CELLS; c++)
                 bounds_hold(&s, c, &sheared, &looked, &proven);
         }
@@ -224,7 +224,7 @@ static void pieces_hold(const hex_lab *s, int c, const ray *r, double tolerance,
                         long *pieces, hex_counts *counts, double *closest) {
     enum { SAMPLES = 7 };
     const hexahedron h = cell_of(s, c);
-    const sheared_ray sheared = sheared_ray_of(r);
+    const sheared_ray sheared = sheared_ray_of(r->o, r->d);
     const int sense = hexahedron_sense(h.p);
     hex_path path;
     hex_piece piece[HEX_PIECES];
@@ -420,7 +420,7 @@ static void test_orders(void **state) {
         for (int i = 0; i < RAYS; i++) {
             bool special;
             const ray r = hex_lab_ray(&s, &random, &special);
-            const sheared_ray sheared = sheared_ray_of(&r);
+            const sheared_ray sheared = sheared_ray_of(r.o, r.d);
             const int flips = (int)field_random_below(&random, 8);
             const int first = (int)field_random_below(&random, 3);
             const int step = 1 + (int)field_random_below(&random, 2);
@@ -493,7 +493,7 @@ static void test_rulings(void **state) {
         for (int a = 0; a < 3; a++)
             along.o[a] = 0.5 * (double)(field_random_below(&r, 13) - 2) - 10.0 * along.d[a];
         const int sense = hexahedron_sense(h.p);
-        const sheared_ray sheared = sheared_ray_of(&along);
+        const sheared_ray sheared = sheared_ray_of(along.o, along.d);
         hex_path path;
         if (sense == 0)
             continue;

@@ -12,8 +12,8 @@
 
 #include <cmocka.h>
 
+#include "formats/curved/hex_point.h"
 #include "render/curved/hex_meet.h"
-#include "render/curved/hex_point.h"
 #include "tests/support/cell_mix.h"
 #include "tests/support/hex_truth.h"
 #include "tests/support/watched.h"
@@ -64,7 +64,7 @@ static void test_faces(void **state) {
         for (int i = 0; i < RAYS; i++) {
             bool special;
             const ray r = hex_lab_ray(&mix.lab, &random, &special);
-            const sheared_ray sheared = sheared_ray_of(&r);
+            const sheared_ray sheared = sheared_ray_of(r.o, r.d);
             size_t count = 0;
             for (int c = 0; c < mix.count; c++) {
                 const int turn = (int)field_random_below(&random, TURNS);
@@ -158,7 +158,7 @@ typedef struct tally {
 
 static void compare(const cell_mix_cell *c, const hexahedron *h, int sense, const ray *r,
                     tally *out, hex_counts *counts) {
-    const sheared_ray sheared = sheared_ray_of(r);
+    const sheared_ray sheared = sheared_ray_of(r->o, r->d);
     hex_root found[HEX_ROOTS];
     hex_truth truth = {.count = 0};
     const int count = hex_meet_roots(h, sense, &sheared, mix.lab.iso, found, counts);
@@ -193,7 +193,7 @@ static void test_truth(void **state) {
         for (int i = 0; i < RAYS; i++) {
             bool special;
             const ray r = hex_lab_ray(&mix.lab, &random, &special);
-            const sheared_ray sheared = sheared_ray_of(&r);
+            const sheared_ray sheared = sheared_ray_of(r.o, r.d);
             for (int c = 0; c < mix.count && !special; c++) {
                 const hexahedron h = cell_mix_hexahedron(&mix.cell[c], (i + c) % TURNS);
                 const int sense = hexahedron_sense(h.p);

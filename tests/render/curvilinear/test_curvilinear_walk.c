@@ -11,9 +11,9 @@
 #include <string.h>
 
 #include "formats/base/vec3.h"
+#include "formats/curved/hex_point.h"
 #include "render/curved/hex_meet.h"
 #include "render/curved/hex_pieces.h"
-#include "render/curved/hex_point.h"
 #include "render/curvilinear/curvilinear_walk.h"
 #include "tests/support/curvilinear_lab.h"
 #include "tests/support/watched.h"
@@ -108,7 +108,7 @@ static int by_hit(const void *a, const void *b) {
 }
 
 static void all_hits(const curvilinear_lattice *l, const ray *r, hit_list *out) {
-    const sheared_ray sheared = sheared_ray_of(r);
+    const sheared_ray sheared = sheared_ray_of(r->o, r->d);
     out->count = 0;
     for (uint32_t c = 0; c < lab.count; c++) {
         if (!is_active(l, c))
@@ -248,7 +248,7 @@ static void test_pieces(void **state) {
         curvilinear_lattice_select(&lab.lattice, &in);
         for (int i = 0; i < RAYS; i++) {
             const ray r = curvilinear_lab_ray(&lab, &random);
-            const sheared_ray sheared = sheared_ray_of(&r);
+            const sheared_ray sheared = sheared_ray_of(r.o, r.d);
             ray_counters counters = {0};
             all.count = 0;
             curvilinear_walk_pieces(l, hex_block_cells[cpu_best()], above, tolerance, &r, &before,

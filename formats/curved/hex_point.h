@@ -1,10 +1,10 @@
 /* hex_point.h - points in a hexahedron: which cell has one, its parameters, the gradient there. */
-#ifndef RENDER_CURVED_HEX_POINT_H
-#define RENDER_CURVED_HEX_POINT_H
+#ifndef FORMATS_CURVED_HEX_POINT_H
+#define FORMATS_CURVED_HEX_POINT_H
 
 #include <stdbool.h>
 
-#include "render/curved/hex_path.h"
+#include "formats/curved/hex_path.h"
 
 /* hex_point_find() - whether the cell holds a point; if so, its parameters. Of cells that share a
  * face, one holds a point of it: the parts along an axis tell (hex_path.h). Where that axis touches

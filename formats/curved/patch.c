@@ -1,4 +1,4 @@
-#include "render/curved/patch.h"
+#include "formats/curved/patch.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -6,13 +6,13 @@
  * (hexahedron_sense()), parts are what the trilinear map makes of the ray. In a folded cell they
  * are the crossings in order of t, an entry with an exit each.
  */
-#ifndef RENDER_CURVED_HEX_PATH_H
-#define RENDER_CURVED_HEX_PATH_H
+#ifndef FORMATS_CURVED_HEX_PATH_H
+#define FORMATS_CURVED_HEX_PATH_H
 
 #include <stdbool.h>
 
 #include "formats/base/hexahedron.h"
-#include "render/curved/sheared_ray.h"
+#include "formats/curved/sheared_ray.h"
 
 enum { HEX_PARTS = 6 };
 

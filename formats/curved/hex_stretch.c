@@ -1,4 +1,4 @@
-#include "render/curved/hex_stretch.h"
+#include "formats/curved/hex_stretch.h"
 
 #include <math.h>
 

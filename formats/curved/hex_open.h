@@ -6,10 +6,10 @@
  * as in its parallelepiped. So is a pyramid whose base is a parallelogram, value included. The
  * parameters of these are polynomials of the cell's own. All other cells stay as they are.
  */
-#ifndef RENDER_CURVED_HEX_OPEN_H
-#define RENDER_CURVED_HEX_OPEN_H
+#ifndef FORMATS_CURVED_HEX_OPEN_H
+#define FORMATS_CURVED_HEX_OPEN_H
 
-#include "render/curved/hex_path.h"
+#include "formats/curved/hex_path.h"
 
 typedef struct hex_opened {
     double q[3][HEX_CORNERS]; /* as of hex_path */

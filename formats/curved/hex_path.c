@@ -1,6 +1,6 @@
-#include "render/curved/hex_path.h"
+#include "formats/curved/hex_path.h"
 
-#include "render/curved/patch.h"
+#include "formats/curved/patch.h"
 
 /* Crossings in one sense, in order of t. */
 typedef struct crossings {

@@ -2,8 +2,8 @@
  * at VD_N places of one cell. In units of an ISA (simd.h), or of one (simd_one.h, which such a unit
  * includes first): the same bits.
  */
-#ifndef RENDER_CURVED_HEX_NORMAL_TEMPLATE_H
-#define RENDER_CURVED_HEX_NORMAL_TEMPLATE_H
+#ifndef FORMATS_CURVED_HEX_NORMAL_TEMPLATE_H
+#define FORMATS_CURVED_HEX_NORMAL_TEMPLATE_H
 
 #include "formats/base/simd.h"
 

@@ -11,8 +11,8 @@
  * about the ray, it is crossed once. Where they do not turn, it is crossed not at all, or twice, in
  * either sense: there the patch is folded as the ray sees it.
  */
-#ifndef RENDER_CURVED_PATCH_H
-#define RENDER_CURVED_PATCH_H
+#ifndef FORMATS_CURVED_PATCH_H
+#define FORMATS_CURVED_PATCH_H
 
 #include <stdbool.h>
 

@@ -1,4 +1,4 @@
-#include "render/curved/hex_open.h"
+#include "formats/curved/hex_open.h"
 
 #include <math.h>
 #include <string.h>

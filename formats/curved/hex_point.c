@@ -1,15 +1,15 @@
-#include "render/curved/hex_point.h"
+#include "formats/curved/hex_point.h"
 
 #include "formats/base/simd_one.h"
 #include "formats/base/vec3.h"
-#include "render/curved/hex_normal_template.h"
-#include "render/curved/hex_open.h"
-#include "render/curved/hex_stretch.h"
+#include "formats/curved/hex_normal_template.h"
+#include "formats/curved/hex_open.h"
+#include "formats/curved/hex_stretch.h"
 
 bool hex_point_find(const hexahedron *h, int sense, const double point[3], double at[3],
                     double *value) {
-    const ray along = {.o = {point[0], point[1], point[2]}, .d = {0.0, 0.0, 1.0}};
-    const sheared_ray r = sheared_ray_of(&along);
+    static const double up[3] = {0.0, 0.0, 1.0};
+    const sheared_ray r = sheared_ray_of(point, up);
     hex_path path;
     const int count = hex_path_of(h, sense, &r, &path);
     for (int i = 0; i < count; i++) {

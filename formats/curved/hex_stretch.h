@@ -7,12 +7,12 @@
  * hence the slope of the value. Bounds are computed in doubles and widened by 2^-40 of their terms,
  * some thousand times what those round.
  */
-#ifndef RENDER_CURVED_HEX_STRETCH_H
-#define RENDER_CURVED_HEX_STRETCH_H
+#ifndef FORMATS_CURVED_HEX_STRETCH_H
+#define FORMATS_CURVED_HEX_STRETCH_H
 
 #include <stdbool.h>
 
-#include "render/curved/hex_path.h"
+#include "formats/curved/hex_path.h"
 
 /* A trilinear map, coordinate by coordinate. */
 typedef const double (*hex_map)[HEX_CORNERS];

@@ -5,10 +5,10 @@
  * the true one by some roundings of the vertex's way from the ray's origin. What is decided from
  * these doubles exactly is decided alike everywhere.
  */
-#ifndef RENDER_CURVED_SHEARED_RAY_H
-#define RENDER_CURVED_SHEARED_RAY_H
+#ifndef FORMATS_CURVED_SHEARED_RAY_H
+#define FORMATS_CURVED_SHEARED_RAY_H
 
-#include "render/ray/ray.h"
+#include <math.h>
 
 typedef struct sheared_ray {
     double o[3]; /* the ray's origin */
@@ -18,16 +18,17 @@ typedef struct sheared_ray {
     int sense;       /* 1 or -1: whether a right-handed cell is one here, too */
 } sheared_ray;
 
-static inline sheared_ray sheared_ray_of(const ray *r) {
+/* sheared_ray_of() - the space of the ray o + t d. */
+static inline sheared_ray sheared_ray_of(const double o[3], const double d[3]) {
     int c = 0;
     for (int a = 1; a < 3; a++)
-        c = fabs(r->d[a]) > fabs(r->d[c]) ? a : c;
+        c = fabs(d[a]) > fabs(d[c]) ? a : c;
     const int a = (c + 1) % 3, b = (c + 2) % 3;
-    return (sheared_ray){.o = {r->o[0], r->o[1], r->o[2]},
+    return (sheared_ray){.o = {o[0], o[1], o[2]},
                          .axis = {a, b, c},
-                         .slope = {r->d[a] / r->d[c], r->d[b] / r->d[c]},
-                         .d = r->d[c],
-                         .sense = r->d[c] > 0.0 ? 1 : -1};
+                         .slope = {d[a] / d[c], d[b] / d[c]},
+                         .d = d[c],
+                         .sense = d[c] > 0.0 ? 1 : -1};
 }
 
 /* sheared_ray_place() - a point of the world in the ray's space. */
