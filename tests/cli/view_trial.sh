@@ -12,8 +12,12 @@ mkdir "$tmp/hostile" "$tmp/wander"
 "$leafcast" convert "$tmp/g.nrrd" -o "$tmp/hostile/g.leaf" -q
 "$leafcast" generate buckyball --tets --dims 11 --steps 2 --deform 0.4 -o "$tmp/m.mesh" -q
 "$leafcast" convert "$tmp/m_0000.mesh" "$tmp/m_0001.mesh" --coarse -o "$tmp/hostile/m.leaf" -q
+"$leafcast" generate drop --curvilinear warp --dims 11 --steps 2 -o "$tmp/c.vts" -q
+"$leafcast" convert "$tmp/c_0000.vts" "$tmp/c_0001.vts" -o "$tmp/hostile/c.leaf" -q
+"$leafcast" export "$tmp/hostile/c.leaf" -o "$tmp/x.vtu" -q
+"$leafcast" convert "$tmp/x.vtu" --whole-cells -o "$tmp/hostile/x.leaf" -q
 
 client "hostile" python3 tests/support/view_hostile.py "$leafcast" "$tmp/hostile" 600
-client "at random" python3 tests/support/view_wander.py "$leafcast" "$tmp/wander" 500 "$tmp/hostile/g.leaf" \
-    "$tmp/hostile/m.leaf"
+client "at random" python3 tests/support/view_wander.py "$leafcast" "$tmp/wander" 500 \
+    "$tmp/hostile/g.leaf" "$tmp/hostile/m.leaf" "$tmp/hostile/c.leaf" "$tmp/hostile/x.leaf"
 finish
