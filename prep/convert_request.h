@@ -58,6 +58,14 @@ static inline uint32_t convert_request_steps(const convert_request *a) {
     return convert_sets_count_steps(&a->sets, a->common.input_count);
 }
 
+/* convert_request_times() - take the times that the command line gives, and tell if a file's own do
+ * not ascend. */
+static inline status convert_request_times(convert_request *a) {
+    if (a->sets.times_fall)
+        cli_note(&a->common, 1, "%s: its times do not ascend: 0, 1, .. instead", a->common.input);
+    return convert_sets_times(&a->sets, convert_request_steps(a));
+}
+
 /* convert_request_beside() - give `take` each file that an option names, beside the inputs. Stops
  * at an error, which it returns. */
 static inline status convert_request_beside(const convert_request *a,

@@ -77,7 +77,7 @@ static const public_fields options_table =
 static const public_field tets_rows[] = {
     PUBLIC_OWN_SIZE(leafcast_tets),
     PUBLIC_NUMBER(leafcast_tets, vertex_count, 0, (double)MESH_POINTS_MAX, 0),
-    PUBLIC_NUMBER(leafcast_tets, tet_count, 0, (double)MESH_STREAM_TETS_MAX, 0),
+    PUBLIC_NUMBER(leafcast_tets, tet_count, 0, (double)MESH_STREAM_CELLS_MAX, 0),
     {PUBLIC_MEMBER(leafcast_tets, vertices), .type = PUBLIC_POINTER, .values = 1,
      .counted_by = "vertex_count"},
     {PUBLIC_MEMBER(leafcast_tets, values), .type = PUBLIC_POINTER, .values = 1,

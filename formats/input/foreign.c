@@ -72,25 +72,29 @@ enum { ANYWHERE = FOREIGN_PEEK };
 
 /* Formats of this program, read by another verb or by an importer. */
 #define KNOWN(name, advice, at, bytes, suffixes) \
-    { {name, advice, NULL}, at, bytes, NULL, NULL, suffixes, false, "" }
+    { {name, advice, NULL, false}, at, bytes, NULL, NULL, suffixes, false, "" }
 #define IMPORTED(name, importer, at, bytes, suffixes) \
-    { {name, CONVERT, importer}, at, bytes, NULL, NULL, suffixes, false, "" }
+    { {name, CONVERT, importer, false}, at, bytes, NULL, NULL, suffixes, false, "" }
 #define IMPORTED_IF_NAMED(name, importer, at, bytes, suffixes) \
-    { {name, CONVERT, importer}, at, bytes, NULL, NULL, suffixes, true, "" }
+    { {name, CONVERT, importer, false}, at, bytes, NULL, NULL, suffixes, true, "" }
+#define IMPORTED_MESH_WITH(name, importer, bytes, word) \
+    { {name, CONVERT, importer, true}, 0, bytes, word, NULL, "", false, "" }
+#define IMPORTED_MESH_IF_NAMED(name, importer, bytes, suffixes) \
+    { {name, CONVERT, importer, true}, 0, bytes, NULL, NULL, suffixes, true, "" }
 
 /* Formats that nothing here reads. tests/support/foreign_samples.py has a file for each of them. */
 #define REFUSED(name, advice, at, bytes, suffixes) \
-    { {name, advice, NULL}, at, bytes, NULL, NULL, suffixes, false, "" }
+    { {name, advice, NULL, false}, at, bytes, NULL, NULL, suffixes, false, "" }
 #define REFUSED_IF_NAMED(name, advice, bytes, suffixes) \
-    { {name, advice, NULL}, 0, bytes, NULL, NULL, suffixes, true, "" }
+    { {name, advice, NULL, false}, 0, bytes, NULL, NULL, suffixes, true, "" }
 #define REFUSED_WITH(name, advice, bytes, word) \
-    { {name, advice, NULL}, 0, bytes, word, NULL, "", false, "" }
+    { {name, advice, NULL, false}, 0, bytes, word, NULL, "", false, "" }
 #define REFUSED_IF(name, advice, is, suffixes) \
-    { {name, advice, NULL}, 0, NO_BYTES, NULL, is, suffixes, false, "" }
+    { {name, advice, NULL, false}, 0, NO_BYTES, NULL, is, suffixes, false, "" }
 #define REFUSED_IF_BOTH(name, advice, is, suffixes) \
-    { {name, advice, NULL}, 0, NO_BYTES, NULL, is, suffixes, true, "" }
+    { {name, advice, NULL, false}, 0, NO_BYTES, NULL, is, suffixes, true, "" }
 #define REFUSED_FOLDER(name, advice, is, suffixes, inside) \
-    { {name, advice, NULL}, 0, NO_BYTES, NULL, is, suffixes, false, inside }
+    { {name, advice, NULL, false}, 0, NO_BYTES, NULL, is, suffixes, false, inside }
 
 /* How formats are recognised; the first row that fits wins. Formats that another verb reads come
  * first, and go by their bytes alone: a broken file must not be sent to and fro. */
@@ -131,11 +135,10 @@ static const row rows[] = {
     REFUSED("JPEG 2000", SLICES, 0, BYTES("\0\0\0\x0cjP  \r\n"), ".jp2 "),
     IMPORTED("OpenVDB", "vdb", 0, BYTES(" BDV\0\0\0\0"), ".vdb "),
     /* Formats inside HDF5 and NetCDF come before these two, and go by their content. */
-    REFUSED_WITH("Exodus", MESHIO("in.exo"), BYTES(HDF5), "num_el_blk"),
-    REFUSED_WITH("Exodus", MESHIO("in.exo"), BYTES("CDF"), "num_el_blk"),
-    REFUSED_IF_NAMED("Exodus", MESHIO("in.exo"), BYTES(HDF5), ".exo .ex2 .e .g .exii "),
-    REFUSED_IF_NAMED("Exodus", MESHIO("in.exo"), BYTES("CDF"), ".exo .ex2 .e .g .exii "),
-    REFUSED("Exodus", MESHIO("in.exo"), 0, NO_BYTES, ".exo .ex2 "),
+    IMPORTED_MESH_WITH("Exodus", "exodus", BYTES(HDF5), "num_el_blk"),
+    IMPORTED_MESH_WITH("Exodus", "exodus", BYTES("CDF"), "num_el_blk"),
+    IMPORTED_MESH_IF_NAMED("Exodus", "exodus", BYTES(HDF5), ".exo .ex2 .e .g .exii "),
+    IMPORTED_MESH_IF_NAMED("Exodus", "exodus", BYTES("CDF"), ".exo .ex2 .e .g .exii "),
     REFUSED_WITH("MED", MESHIO("in.med"), BYTES(HDF5), "INFOS_GENERALES"),
     REFUSED_IF_NAMED("MED", MESHIO("in.med"), BYTES(HDF5), ".med .rmed "),
     REFUSED_WITH("CGNS", PARAVIEW, BYTES(HDF5), "CGNSLibraryVersion"),
@@ -273,7 +276,7 @@ static bool is_plot3d(const uint8_t *start, size_t size, uint64_t bytes) {
 
 const foreign_format *foreign_find(const char *path, const uint8_t *start, size_t size,
                                    uint64_t bytes) {
-    static const foreign_format plot3d = {"PLOT3D", PLOT3D, NULL};
+    static const foreign_format plot3d = {"PLOT3D", PLOT3D, NULL, false};
     for (int i = 0; i < ROWS; i++)
         if (begins(&rows[i], start, size) && (!rows[i].both || has_suffix(&rows[i], path)))
             return &rows[i].format;

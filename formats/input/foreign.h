@@ -15,6 +15,7 @@ typedef struct foreign_format {
     const char *name;     /* "NIfTI-1" */
     const char *advice;   /* advice to the user, as the end of a sentence */
     const char *importer; /* "vdb" if leafcast-import-vdb, and so convert, reads it; or NULL */
+    bool mesh;            /* which gives a mesh; else a grid */
 } foreign_format;
 
 /* foreign_find() - find the format by the first bytes (FOREIGN_PEEK, or all there are), else by the

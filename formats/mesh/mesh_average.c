@@ -98,11 +98,9 @@ void mesh_average_add_each(mesh_average *a, uint32_t field, cell_shape kind, con
 }
 
 static status feed_field(const mesh_average *a, mesh_feed *feed, uint32_t first, uint32_t field) {
-    const double *sums = a->sums + field * a->room;
-    const uint32_t *cells = a->cells + field * a->room;
     status st = ST_OK;
     for (size_t i = 0; st == ST_OK && i < a->count; i++)
-        st = mesh_feed_value(feed, first + field, cells[i] ? sums[i] / cells[i] : 0);
+        st = mesh_feed_value(feed, first + field, mesh_average_value(a, field, i));
     return st;
 }
 

@@ -54,6 +54,13 @@ void mesh_average_add_points(mesh_average *a, uint32_t field, const uint64_t *id
 void mesh_average_add_each(mesh_average *a, uint32_t field, cell_shape kind, const uint64_t *ids,
                            const float *values);
 
+/* mesh_average_value() - point i's value of a field when the last cell has been added; counted from
+ * the window's first. */
+static inline double mesh_average_value(const mesh_average *a, uint32_t field, size_t i) {
+    const size_t at = field * a->room + i;
+    return a->cells[at] ? a->sums[at] / a->cells[at] : 0;
+}
+
 /* mesh_average_feed() - feed the window's values when the last cell has been added. The first field
  * is fed as field `first`, the others follow. */
 CHECKED status mesh_average_feed(const mesh_average *a, mesh_feed *feed, uint32_t first);

@@ -58,7 +58,7 @@ typedef struct gmsh_state {
     const gmsh_array **taken; /* the fields */
     uint32_t count;           /* 0: there is none */
     uint32_t steps;           /* the most arrays of one name, 1 or more */
-    double *times;            /* of each step; NULL: they do not ascend */
+    double *times;            /* of each step; NULL: there is one */
 } gmsh_state;
 
 /* An array of floats that grows. */
@@ -182,22 +182,11 @@ static const gmsh_array *const *longest_field(const gmsh_array *const *sorted, s
     return longest;
 }
 
-/* Keep the times of these steps if they ascend. */
 static status keep_times(gmsh_state *s, const gmsh_array *const *field) {
-    mem *m = s->file.m;
-    bool ascend = true;
-    s->times = mem_array(m, s->steps, sizeof *s->times);
-    if (!s->times)
-        return ST_NOMEM;
-    for (uint32_t k = 0; k < s->steps; k++) {
+    s->times = mem_array(s->file.m, s->steps, sizeof *s->times);
+    for (uint32_t k = 0; s->times && k < s->steps; k++)
         s->times[k] = field[k]->time;
-        ascend &= isfinite(s->times[k]) && (k == 0 || s->times[k] > s->times[k - 1]);
-    }
-    if (!ascend) {
-        mem_free(m, s->times);
-        s->times = NULL;
-    }
-    return ST_OK;
+    return s->times ? ST_OK : ST_NOMEM;
 }
 
 /* Find the field of the most steps, and its times. */

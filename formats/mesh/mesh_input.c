@@ -9,6 +9,7 @@
 #include "formats/mesh/mesh_arrays.h"
 #include "formats/mesh/mesh_feed.h"
 #include "formats/mesh/mesh_gmsh.h"
+#include "formats/mesh/mesh_imported.h"
 #include "formats/mesh/mesh_reader.h"
 #include "formats/mesh/mesh_stream.h"
 #include "formats/mesh/mesh_tetgen.h"
@@ -27,9 +28,9 @@ struct mesh_input {
 };
 
 /* The formats. The first that recognises a file reads it. */
-static const mesh_reader *const readers[] = {&mesh_stream_reader, &mesh_tetgen_reader,
-                                             &mesh_gmsh_reader,   &mesh_vtk_reader,
-                                             &mesh_vtu_reader,    &mesh_vtk_parts_reader};
+static const mesh_reader *const readers[] = {
+    &mesh_stream_reader, &mesh_tetgen_reader,    &mesh_gmsh_reader,    &mesh_vtk_reader,
+    &mesh_vtu_reader,    &mesh_vtk_parts_reader, &mesh_imported_reader};
 
 enum { READERS = sizeof readers / sizeof *readers };
 
@@ -128,7 +129,7 @@ void mesh_input_close(mesh_input *x) {
 }
 
 const char *mesh_input_format(const mesh_input *x) {
-    return x->reader->format;
+    return x->source.format ? x->source.format : x->reader->format;
 }
 
 const char *mesh_input_name(const mesh_input *x) {

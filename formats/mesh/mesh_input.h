@@ -74,7 +74,7 @@ bool mesh_input_may_have_steps(const mesh_input *x);
 const char *mesh_input_file(const mesh_input *x);
 
 /* mesh_input_steps() - returns how many time steps its file has, 1 or more.
- * mesh_input_times() - returns the time of each step, ascending; NULL if the file has none. */
+ * mesh_input_times() - returns the time of each step, as the file has it; NULL if it has none. */
 uint32_t mesh_input_steps(const mesh_input *x);
 const double *mesh_input_times(const mesh_input *x);
 

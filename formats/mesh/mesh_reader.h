@@ -16,6 +16,7 @@ typedef struct mesh_source {
     byte_stream *data; /* at the start of the file; closed by mesh_input.c */
     mesh_hints hints;
     char name[MESH_NAME_MAX + 1]; /* the data set's; empty unless open() finds one */
+    const char *format;           /* set by open() if it is not the reader's */
 } mesh_source;
 
 typedef struct mesh_reader {

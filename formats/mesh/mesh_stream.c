@@ -11,10 +11,24 @@
 #include "formats/base/text.h"
 #include "formats/mesh/mesh_choice.h"
 
-#define MAGIC   "LEAFCAST MESH "
-#define VERSION "1"
+#define MAGIC      "LEAFCAST MESH "
+#define BY_CORNERS "by-corners: "
+#define SKIPPED    "skipped: "
 
-enum { HEADER_LINES_MAX = 100, CHUNK = 4096 };
+enum { HEADER_LINES_MAX = MESH_STREAM_FIELDS_MAX + 100, CHUNK = 4096 };
+
+/* The cells, in the file's order. */
+static const struct {
+    const char *line; /* of the header, up to its number */
+    const char *one;
+    cell_shape shape;
+} kinds[] = {
+    {"tets: ", "tet", CELL_TET},
+    {"pyramids: ", "pyramid", CELL_PYRAMID},
+    {"wedges: ", "wedge", CELL_WEDGE},
+    {"hexahedra: ", "hexahedron", CELL_HEXAHEDRON},
+};
+enum { KINDS = sizeof kinds / sizeof *kinds };
 
 /* Convert words between the file's and the machine's byte order, in place. */
 static void swap_words(uint32_t *words, size_t count) {
@@ -26,8 +40,9 @@ static void swap_words(uint32_t *words, size_t count) {
 
 struct mesh_stream_writer {
     mem *m;
-    out_file *file;                /* NULL: standard output */
-    uint64_t points, values, tets; /* still to come */
+    out_file *file;          /* NULL: standard output */
+    uint64_t points, values; /* still to come */
+    uint64_t cells[CELL_SHAPES];
 };
 
 static status write_bytes(mesh_stream_writer *w, const void *data, size_t size) {
@@ -51,25 +66,58 @@ static status write_words(mesh_stream_writer *w, const void *words, size_t count
     return st;
 }
 
+static bool needs_version_2(const mesh_stream_header *h) {
+    bool needs = h->bare || h->field_count > 0 || h->by_corners > 0 || h->skipped > 0;
+    for (int i = 0; i < CELL_SPLIT_SHAPES; i++)
+        needs = needs || h->cells[i] > 0;
+    return needs;
+}
+
+static status write_text(mesh_stream_writer *w, const char *key, const char *value) {
+    char text[MESH_NAME_MAX + 32];
+    const int length = snprintf(text, sizeof text, "%s%s\n", key, value);
+    return *value ? write_bytes(w, text, (size_t)length) : ST_OK;
+}
+
+static status write_number(mesh_stream_writer *w, const char *key, uint64_t value) {
+    char text[24];
+    snprintf(text, sizeof text, "%llu", (unsigned long long)value);
+    return write_text(w, key, text);
+}
+
 static status write_header(mesh_stream_writer *w, const mesh_stream_header *h) {
-    char text[400];
-    int length =
-        snprintf(text, sizeof text, MAGIC VERSION "\n%s%s%s%s%s%spoints: %llu\ntets: %llu\n\n",
-                 h->name[0] ? "name: " : "", h->name, h->name[0] ? "\n" : "",
-                 h->field[0] ? "field: " : "", h->field, h->field[0] ? "\n" : "",
-                 (unsigned long long)h->points, (unsigned long long)h->tets);
-    return write_bytes(w, text, (size_t)length);
+    status st = write_text(w, MAGIC, needs_version_2(h) ? "2" : "1");
+    if (st == ST_OK)
+        st = write_text(w, "name: ", h->name);
+    if (st == ST_OK)
+        st = write_text(w, "field: ", h->field);
+    for (uint32_t i = 0; i < h->field_count && st == ST_OK; i++)
+        st = write_text(w, "field: ", h->fields[i]);
+    if (st == ST_OK)
+        st = write_number(w, "points: ", h->points);
+    for (int i = 0; i < KINDS && st == ST_OK; i++)
+        if (kinds[i].shape == CELL_TET || w->cells[kinds[i].shape])
+            st = write_number(w, kinds[i].line, w->cells[kinds[i].shape]);
+    if (st == ST_OK && h->by_corners > 0)
+        st = write_number(w, BY_CORNERS, h->by_corners);
+    if (st == ST_OK && h->skipped > 0)
+        st = write_number(w, SKIPPED, h->skipped);
+    return st == ST_OK ? write_bytes(w, "\n", 1) : st;
 }
 
 status mesh_stream_create(mem *m, const char *path, bool force, const mesh_stream_header *h,
                           mesh_stream_writer **out) {
-    assert(h->points <= MESH_POINTS_MAX && h->tets <= MESH_STREAM_TETS_MAX);
+    assert(h->points <= MESH_POINTS_MAX && h->tets <= MESH_STREAM_CELLS_MAX);
+    assert(h->field_count < MESH_STREAM_FIELDS_MAX && (h->field[0] || h->field_count == 0));
+    assert(h->cells[CELL_VOXEL] == 0 && !(h->bare && h->field[0]));
     mesh_stream_writer *w = mem_zalloc(m, sizeof *w);
     if (!w)
         return ST_NOMEM;
     w->m = m;
-    w->points = w->values = h->points;
-    w->tets = h->tets;
+    w->points = h->points;
+    w->values = h->points * (h->field_count + (h->field[0] || !needs_version_2(h)));
+    memcpy(w->cells, h->cells, sizeof h->cells);
+    w->cells[CELL_TET] = h->tets;
     status st = strcmp(path, "-") == 0 ? ST_OK : out_file_create(m, path, force, &w->file);
     if (st == ST_OK)
         st = write_header(w, h);
@@ -93,14 +141,29 @@ status mesh_stream_values(mesh_stream_writer *w, size_t count, const float *valu
     return write_words(w, values, count);
 }
 
+/* Returns whether all that comes before cells of a shape has been written; CELL_SHAPES: all. */
+static bool is_turn_of(const mesh_stream_writer *w, cell_shape shape) {
+    uint64_t left = w->points + w->values;
+    for (int i = 0; i < KINDS && kinds[i].shape != shape; i++)
+        left += w->cells[kinds[i].shape];
+    return left == 0;
+}
+
+status mesh_stream_cells(mesh_stream_writer *w, cell_shape shape, size_t count,
+                         const uint32_t *ids) {
+    assert(is_turn_of(w, shape) && count <= w->cells[shape]);
+    w->cells[shape] -= count;
+    return write_words(w, ids, count * (size_t)cell_shape_vertices(shape));
+}
+
 status mesh_stream_tets(mesh_stream_writer *w, size_t count, const uint32_t (*ids)[4]) {
-    assert(w->points == 0 && w->values == 0 && count <= w->tets);
-    w->tets -= count;
-    return write_words(w, ids, count * 4);
+    return mesh_stream_cells(w, CELL_TET, count, (const uint32_t *)ids);
 }
 
 status mesh_stream_commit(mesh_stream_writer *w) {
-    assert(w->points == 0 && w->values == 0 && w->tets == 0);
+    const bool whole = is_turn_of(w, CELL_SHAPES);
+    assert(whole);
+    (void)whole;
     status st = w->file ? out_file_commit(w->file) : ST_OK;
     w->file = NULL;
     mesh_stream_discard(w);
@@ -116,14 +179,22 @@ void mesh_stream_discard(mesh_stream_writer *w) {
 
 /* ---- reading the header ---- */
 
+typedef char field_name[MESH_NAME_MAX + 1];
+
 typedef struct stream_state {
     mem *m;
     byte_stream *data;
     const mesh_hints *hints;
     const char *file; /* its name */
     unsigned line;    /* of the header, from 1 */
-    bool has_points, has_tets;
-    mesh_stream_header header;
+    int version;
+    char name[MESH_NAME_MAX + 1];
+    bool has_points, has_cells[CELL_SHAPES], has_by_corners, has_skipped;
+    uint64_t points, cells[CELL_SHAPES], by_corners, skipped;
+    field_name *fields;
+    size_t field_count, field_room;
+    uint32_t *taken; /* by mesh_feed's field: which of the file's */
+    uint32_t taken_count;
 } stream_state;
 
 static bool stream_known(const char *path, const uint8_t *start, size_t size) {
@@ -142,33 +213,75 @@ static status take_count(stream_state *s, const char *line, const char *value, i
     if (*had)
         return bad_line(s, line, "each line once");
     if (num_int(value, "", 0, max, &count) != ST_OK)
-        return bad_line(s, line, "a number of points or tets in range");
+        return bad_line(s, line, "a number of points or cells in range");
     *had = true;
     *out = (uint64_t)count;
     return ST_OK;
 }
 
-static status take_text(const stream_state *s, const char *line, const char *value,
-                        char out[MESH_NAME_MAX + 1]) {
-    if (!*value || strlen(value) > MESH_NAME_MAX)
-        return bad_line(s, line, "a name of 1 to 63 bytes");
-    if (*out)
+static status take_cells(stream_state *s, const char *line, const char *value, bool *had,
+                         uint64_t *out) {
+    return take_count(s, line, value, (int64_t)MESH_STREAM_CELLS_MAX, had, out);
+}
+
+static status check_name(const stream_state *s, const char *line, const char *value) {
+    return *value && strlen(value) <= MESH_NAME_MAX ? ST_OK
+                                                    : bad_line(s, line, "a name of 1 to 63 bytes");
+}
+
+static status take_name(stream_state *s, const char *line, const char *value) {
+    if (s->name[0])
         return bad_line(s, line, "each line once");
-    strcpy(out, value);
-    return ST_OK;
+    status st = check_name(s, line, value);
+    if (st == ST_OK)
+        strcpy(s->name, value);
+    return st;
+}
+
+static status take_field(stream_state *s, const char *line, const char *value) {
+    if (s->version == 1 && s->field_count > 0)
+        return bad_line(s, line, "each line once");
+    if (s->field_count == MESH_STREAM_FIELDS_MAX)
+        return bad_line(s, line, "fewer fields");
+    for (size_t i = 0; i < s->field_count; i++)
+        if (strcmp(s->fields[i], value) == 0)
+            return bad_line(s, line, "each field once");
+    status st = check_name(s, line, value);
+    if (st == ST_OK)
+        st = mem_grow(s->m, &s->fields, sizeof *s->fields, s->field_count, 8, &s->field_room);
+    if (st == ST_OK)
+        strcpy(s->fields[s->field_count++], value);
+    return st;
+}
+
+/* A line's value behind its key; NULL: the line has another one. */
+static const char *behind(const char *line, const char *key) {
+    const size_t length = strlen(key);
+    return strncmp(line, key, length) == 0 ? line + length : NULL;
 }
 
 static status take_line(stream_state *s, const char *line) {
-    mesh_stream_header *h = &s->header;
-    if (strncmp(line, "name: ", 6) == 0)
-        return take_text(s, line, line + 6, h->name);
-    if (strncmp(line, "field: ", 7) == 0)
-        return take_text(s, line, line + 7, h->field);
-    if (strncmp(line, "points: ", 8) == 0)
-        return take_count(s, line, line + 8, (int64_t)MESH_POINTS_MAX, &s->has_points, &h->points);
-    if (strncmp(line, "tets: ", 6) == 0)
-        return take_count(s, line, line + 6, (int64_t)MESH_STREAM_TETS_MAX, &s->has_tets, &h->tets);
-    return bad_line(s, line, "name, field, points, tets or an empty line");
+    const char *value;
+    if ((value = behind(line, "name: ")))
+        return take_name(s, line, value);
+    if ((value = behind(line, "field: ")))
+        return take_field(s, line, value);
+    if ((value = behind(line, "points: ")))
+        return take_count(s, line, value, (int64_t)MESH_POINTS_MAX, &s->has_points, &s->points);
+    if (s->version > 1 && (value = behind(line, BY_CORNERS)))
+        return take_cells(s, line, value, &s->has_by_corners, &s->by_corners);
+    if (s->version > 1 && (value = behind(line, SKIPPED)))
+        return take_cells(s, line, value, &s->has_skipped, &s->skipped);
+    for (int i = 0; i < (s->version == 1 ? 1 : KINDS); i++)
+        if ((value = behind(line, kinds[i].line)))
+            return take_cells(s, line, value, &s->has_cells[kinds[i].shape],
+                              &s->cells[kinds[i].shape]);
+    return bad_line(
+        s, line,
+        s->version == 1
+            ? "name, field, points, tets or an empty line"
+            : "name, field, points, tets, pyramids, wedges, hexahedra, by-corners, skipped or an "
+              "empty line");
 }
 
 /* Read one line of the header. Its lines are limited in number: what follows is no text. */
@@ -181,11 +294,26 @@ static status next_line(stream_state *s, text_line *line) {
     return st;
 }
 
+static status read_version(stream_state *s, const text_line *line) {
+    const char *version = behind(line->text, MAGIC);
+    s->version = !version ? 0 : strcmp(version, "1") == 0 ? 1 : strcmp(version, "2") == 0 ? 2 : 0;
+    if (s->version)
+        return ST_OK;
+    return status_describe(ST_UNSUPPORTED, "%s: \"%.40s\", expected \"" MAGIC "1\" or 2", s->file,
+                           line->text);
+}
+
+static bool is_whole(const stream_state *s) {
+    bool any = s->version == 2;
+    for (int i = 0; i < CELL_SHAPES; i++)
+        any = any || s->has_cells[i];
+    return s->has_points && any;
+}
+
 static status read_header(stream_state *s, text_line *line) {
     status st = next_line(s, line);
-    if (st == ST_OK && strcmp(line->text, MAGIC VERSION) != 0)
-        return status_describe(ST_UNSUPPORTED, "%s: \"%.40s\", expected \"%s\"", s->file,
-                               line->text, MAGIC VERSION);
+    if (st == ST_OK)
+        st = read_version(s, line);
     while (st == ST_OK && s->line < HEADER_LINES_MAX) {
         st = next_line(s, line);
         if (st == ST_OK && line->length == 0)
@@ -193,37 +321,62 @@ static status read_header(stream_state *s, text_line *line) {
         if (st == ST_OK)
             st = take_line(s, line->text);
     }
-    if (st == ST_OK && !(s->has_points && s->has_tets))
-        return bad_line(s, line->text, "lines \"points: N\" and \"tets: N\" before it");
+    if (st == ST_OK && !is_whole(s))
+        return bad_line(s, line->text,
+                        s->version == 1 ? "lines \"points: N\" and \"tets: N\" before it"
+                                        : "a line \"points: N\" before it");
     return st;
 }
 
-/* Check a file's length against the header. A pipe's end is checked later, behind the last tet. */
+/* Arrays of values. Version 1 has one without a name, too. */
+static size_t arrays_of(const stream_state *s) {
+    return s->version == 1 ? 1 : s->field_count;
+}
+
+/* Check a file's length against the header. A pipe's end is checked later, behind the last cell. */
 static status check_length(const stream_state *s) {
-    uint64_t want = 16 * (s->header.points + s->header.tets), left = byte_stream_left(s->data);
+    uint64_t want = s->points * (12 + 4 * (uint64_t)arrays_of(s)), cells = 0;
+    const uint64_t left = byte_stream_left(s->data);
+    for (int i = 0; i < KINDS; i++) {
+        const uint64_t count = s->cells[kinds[i].shape];
+        want += count * 4 * (uint64_t)cell_shape_vertices(kinds[i].shape);
+        cells += count;
+    }
     if (left == UINT64_MAX || left == want)
         return ST_OK;
     return status_describe(ST_CORRUPT,
                            "%s: %llu bytes behind the header, expected %llu for %llu points and "
-                           "%llu tets",
+                           "%llu %s",
                            s->file, (unsigned long long)left, (unsigned long long)want,
-                           (unsigned long long)s->header.points,
-                           (unsigned long long)s->header.tets);
+                           (unsigned long long)s->points, (unsigned long long)cells,
+                           s->version == 1 ? "tets" : "cells");
 }
 
-/* Take the one field that a stream can have. */
-static status stream_take(void *state, const char *const *names, uint32_t count) {
-    const stream_state *s = state;
-    const char *field = s->header.field;
+/* Take one of the stream's fields; without a name the first one, if there is any. */
+static status take_one(stream_state *s, const char *name) {
     mesh_hints asked = *s->hints;
-    asked.field = names[count - 1];
+    asked.field = name;
     name_list points = {0}, cells = {0};
-    if (field[0])
-        name_list_add(&points, field);
-    if (asked.cells_to_points ||
-        (asked.field && !text_same_name(asked.field, field, sizeof s->header.field)))
+    size_t i = 0;
+    for (size_t k = 0; k < s->field_count; k++)
+        name_list_add(&points, s->fields[k]);
+    while (name && i < s->field_count && !text_same_name(name, s->fields[i], sizeof(field_name)))
+        i++;
+    if (asked.cells_to_points || (name && i == s->field_count))
         return mesh_choice_missing(s->file, &asked, &points, &cells);
-    return mesh_choice_component(s->file, &asked, field, 1);
+    s->taken[s->taken_count++] = (uint32_t)i;
+    return mesh_choice_component(s->file, &asked, i < s->field_count ? s->fields[i] : "", 1);
+}
+
+static status stream_take(void *state, const char *const *names, uint32_t count) {
+    stream_state *s = state;
+    mem_free(s->m, s->taken);
+    s->taken_count = 0;
+    s->taken = mem_array(s->m, count, sizeof *s->taken);
+    status st = s->taken ? ST_OK : ST_NOMEM;
+    for (uint32_t i = 0; i < count && st == ST_OK; i++)
+        st = take_one(s, names[i]);
+    return st;
 }
 
 static status stream_open(mesh_source *source, void **state) {
@@ -240,15 +393,18 @@ static status stream_open(mesh_source *source, void **state) {
     byte_stream_line_release(&line);
     if (st == ST_OK)
         st = check_length(s);
-    if (st == ST_OK && s->header.name[0])
-        strcpy(source->name, s->header.name);
+    if (st == ST_OK && s->name[0])
+        strcpy(source->name, s->name);
     return st;
 }
 
 static void stream_close(void *state) {
     stream_state *s = state;
-    if (s)
-        mem_free(s->m, s);
+    if (!s)
+        return;
+    mem_free(s->m, s->fields);
+    mem_free(s->m, s->taken);
+    mem_free(s->m, s);
 }
 
 /* ---- reading the arrays ---- */
@@ -270,24 +426,75 @@ static size_t chunk_of(uint64_t left) {
     return left < CHUNK ? (size_t)left : CHUNK;
 }
 
-static status read_arrays(const stream_state *s, mesh_feed *feed, void *buffer) {
-    const uint64_t points = s->header.points, tets = s->header.tets;
+static status read_points(const stream_state *s, mesh_feed *feed, void *buffer) {
     status st = ST_OK;
-    for (uint64_t i = 0; st == ST_OK && i < points; i += CHUNK) {
-        st = read_words(s, "point", i, chunk_of(points - i), 3, buffer);
+    for (uint64_t i = 0; st == ST_OK && i < s->points; i += CHUNK) {
+        const size_t count = chunk_of(s->points - i);
+        st = read_words(s, "point", i, count, 3, buffer);
         if (st == ST_OK)
-            st = mesh_feed_points(feed, (const float(*)[3])buffer, chunk_of(points - i));
+            st = mesh_feed_points(feed, (const float(*)[3])buffer, count);
     }
-    for (uint64_t i = 0; st == ST_OK && i < points; i += CHUNK) {
-        st = read_words(s, "value", i, chunk_of(points - i), 1, buffer);
+    return st;
+}
+
+static bool is_taken(const stream_state *s, uint32_t array) {
+    bool is = false;
+    for (uint32_t k = 0; k < s->taken_count; k++)
+        is = is || s->taken[k] == array;
+    return is;
+}
+
+/* Read one array of values, for all fields that are it. */
+static status read_values(const stream_state *s, uint32_t array, mesh_feed *feed, void *buffer) {
+    status st = ST_OK;
+    if (!is_taken(s, array))
+        return byte_stream_skip(s->data, 4 * s->points);
+    for (uint64_t i = 0; st == ST_OK && i < s->points; i += CHUNK) {
+        const size_t count = chunk_of(s->points - i);
+        st = read_words(s, "value", i, count, 1, buffer);
+        for (uint32_t k = 0; st == ST_OK && k < s->taken_count; k++)
+            if (s->taken[k] == array)
+                st = mesh_feed_values(feed, k, buffer, count);
+    }
+    return st;
+}
+
+static status feed_cells(mesh_feed *feed, cell_shape shape, size_t count, const uint32_t *ids) {
+    const int vertices = cell_shape_vertices(shape);
+    status st = ST_OK;
+    if (shape == CELL_TET)
+        return mesh_feed_tets(feed, (const uint32_t(*)[4])ids, count);
+    for (size_t c = 0; c < count && st == ST_OK; c++, ids += vertices) {
+        uint64_t wide[HEX_CORNERS];
+        for (int i = 0; i < vertices; i++)
+            wide[i] = ids[i];
+        st = mesh_feed_cell(feed, shape, wide);
+    }
+    return st;
+}
+
+static status read_cells(const stream_state *s, int kind, mesh_feed *feed, void *buffer) {
+    const cell_shape shape = kinds[kind].shape;
+    const uint64_t cells = s->cells[shape];
+    status st = ST_OK;
+    for (uint64_t i = 0; st == ST_OK && i < cells; i += CHUNK) {
+        const size_t count = chunk_of(cells - i);
+        st = read_words(s, kinds[kind].one, i, count, (size_t)cell_shape_vertices(shape), buffer);
         if (st == ST_OK)
-            st = mesh_feed_values(feed, 0, (const float *)buffer, chunk_of(points - i));
+            st = feed_cells(feed, shape, count, buffer);
     }
-    for (uint64_t i = 0; st == ST_OK && i < tets; i += CHUNK) {
-        st = read_words(s, "tet", i, chunk_of(tets - i), 4, buffer);
-        if (st == ST_OK)
-            st = mesh_feed_tets(feed, (const uint32_t(*)[4])buffer, chunk_of(tets - i));
-    }
+    return st;
+}
+
+static status read_arrays(const stream_state *s, mesh_feed *feed, void *buffer) {
+    const size_t arrays = arrays_of(s);
+    status st = read_points(s, feed, buffer);
+    for (uint32_t i = 0; i < arrays && st == ST_OK; i++)
+        st = read_values(s, i, feed, buffer);
+    if (st == ST_OK && arrays == 0)
+        st = mesh_feed_zeros(feed);
+    for (int i = 0; i < KINDS && st == ST_OK; i++)
+        st = read_cells(s, i, feed, buffer);
     return st;
 }
 
@@ -296,19 +503,24 @@ static status check_end(const stream_state *s) {
     size_t size;
     status st = byte_stream_peek(s->data, 1, &data, &size);
     if (st == ST_OK && size > 0)
-        return status_describe(ST_CORRUPT, "%s: expected the end behind the last tet, at byte %llu",
-                               s->file, (unsigned long long)byte_stream_position(s->data));
+        return status_describe(ST_CORRUPT,
+                               "%s: expected the end behind the last cell, at byte %llu", s->file,
+                               (unsigned long long)byte_stream_position(s->data));
     return st;
 }
 
 static status stream_read(void *state, mesh_feed *feed) {
     const stream_state *s = state;
-    void *buffer = mem_array(s->m, CHUNK, 16);
-    status st = buffer ? mesh_feed_expect(feed, s->header.points) : ST_NOMEM;
-    strcpy(feed->report->field, s->header.field);
-    mesh_feed_expect_cells(feed, s->header.tets);
+    void *buffer = mem_array(s->m, CHUNK, HEX_CORNERS * sizeof(uint32_t));
+    status st = buffer ? mesh_feed_expect(feed, s->points) : ST_NOMEM;
+    if (s->field_count > 0)
+        strcpy(feed->report->field, s->fields[s->taken[0]]);
+    for (int i = 0; i < KINDS; i++)
+        mesh_feed_expect_cells(feed, s->cells[kinds[i].shape]);
     if (st == ST_OK)
         st = read_arrays(s, feed, buffer);
+    feed->report->by_corners = s->by_corners;
+    feed->report->skipped = s->skipped;
     if (st == ST_OK)
         st = check_end(s);
     mem_free(s->m, buffer);
@@ -317,8 +529,8 @@ static status stream_read(void *state, mesh_feed *feed) {
 
 static void stream_fields(const void *state, mesh_field_taker *take, void *ctx) {
     const stream_state *s = state;
-    if (s->header.field[0])
-        take(ctx, s->header.field, 1);
+    for (size_t i = 0; i < s->field_count; i++)
+        take(ctx, s->fields[i], 1);
 }
 
 const mesh_reader mesh_stream_reader = {"mesh stream", stream_known, stream_open,

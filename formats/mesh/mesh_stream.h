@@ -1,7 +1,7 @@
 /* mesh_stream.h - the mesh stream: the simplest mesh format, for pipes and for everything else.
  *
- * A header of text, then three arrays, little endian; see MESH_STREAM.md. The same calls give the
- * same bytes on every machine.
+ * A header of text, then arrays, little endian; see MESH_STREAM.md. The same calls give the same
+ * bytes on every machine.
  */
 #ifndef FORMATS_MESH_MESH_STREAM_H
 #define FORMATS_MESH_MESH_STREAM_H
@@ -15,12 +15,20 @@
 #include "formats/mesh/mesh_reader.h"
 #include "formats/mesh/mesh_sink.h"
 
+enum { MESH_STREAM_FIELDS_MAX = 1000 };
+#define MESH_STREAM_CELLS_MAX ((uint64_t)1 << 56)
+
 typedef struct mesh_stream_header {
     char name[MESH_NAME_MAX + 1], field[MESH_NAME_MAX + 1]; /* "": none; printable, one line */
-    uint64_t points, tets; /* points <= MESH_POINTS_MAX; tets <= MESH_STREAM_TETS_MAX */
+    uint64_t points, tets; /* points <= MESH_POINTS_MAX; tets <= MESH_STREAM_CELLS_MAX */
+    /* What version 1 has not. If there is any of it, version 2 is written. */
+    bool bare;                         /* no values at all, and no `field` */
+    uint64_t cells[CELL_SPLIT_SHAPES]; /* further ones, by cell_shape; 0 of CELL_VOXEL */
+    const char *const *fields;         /* further ones, if `field` is one, as that */
+    uint32_t field_count;              /* < MESH_STREAM_FIELDS_MAX */
+    uint64_t by_corners; /* of these cells: linear in place of those of a higher order */
+    uint64_t skipped;    /* cells of fewer dimensions that are not here */
 } mesh_stream_header;
-
-#define MESH_STREAM_TETS_MAX ((uint64_t)1 << 56)
 
 typedef struct mesh_stream_writer mesh_stream_writer;
 
@@ -29,11 +37,15 @@ typedef struct mesh_stream_writer mesh_stream_writer;
 CHECKED status mesh_stream_create(mem *m, const char *path, bool force, const mesh_stream_header *h,
                                   mesh_stream_writer **out);
 
-/* Write all points, then all values, then all tets, in runs of any length. Another order, or more
- * than the header says, fails an assert. */
+/* Write all points, then all values, field by field, then all tets, pyramids, wedges and hexahedra,
+ * in runs of any length. Another order, or more than the header says, fails an assert. Without a
+ * field, version 1 has values all the same. mesh_stream_cells(): ids of `count` cells of a shape,
+ * as cell_shape.h orders them. */
 CHECKED status mesh_stream_points(mesh_stream_writer *w, size_t count, const float (*xyz)[3]);
 CHECKED status mesh_stream_values(mesh_stream_writer *w, size_t count, const float *values);
 CHECKED status mesh_stream_tets(mesh_stream_writer *w, size_t count, const uint32_t (*ids)[4]);
+CHECKED status mesh_stream_cells(mesh_stream_writer *w, cell_shape shape, size_t count,
+                                 const uint32_t *ids);
 
 /* mesh_stream_commit() - give the file its name. Everything must have been written (an assert).
  * Consumes w in any case. */

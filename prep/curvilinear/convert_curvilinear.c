@@ -96,10 +96,8 @@ static status run(convert_request *a, mem *m, input *in, double start) {
     status st = refuse(a);
     if (st == ST_OK)
         st = take_sets(&a->sets, files.first, a->common.input);
-    if (a->sets.times_fall)
-        cli_note(&a->common, 1, "%s: its times do not ascend: 0, 1, .. instead", a->common.input);
     if (st == ST_OK)
-        st = convert_sets_times(&a->sets, convert_request_steps(a));
+        st = convert_request_times(a);
     files.of = convert_request_series(a);
     if (st == ST_OK)
         st = step_series_check(&files.of);

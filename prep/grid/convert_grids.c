@@ -184,10 +184,8 @@ static status begin_series(convert_request *a, mem *m, grid_series *series, inpu
 
 static status run(convert_request *a, mem *m, input *in, double start) {
     status st = convert_grid_sets(&a->sets, in->own, a->common.input);
-    if (a->sets.times_fall)
-        cli_note(&a->common, 1, "%s: its times do not ascend: 0, 1, .. instead", a->common.input);
     if (st == ST_OK)
-        st = convert_sets_times(&a->sets, convert_request_steps(a));
+        st = convert_request_times(a);
     grid_series series = {.of = convert_request_series(a), .hints = a->hints.grid};
     if (st == ST_OK)
         st = begin_series(a, m, &series, in);

@@ -29,14 +29,24 @@ typedef struct arguments {
     const importer *importer;
     import_request q;
     bool list, tiles;
+    const char *fields[MESH_STREAM_FIELDS_MAX];
 } arguments;
 
 /* ---- options ---- */
 
+static status take_field(arguments *a, const char *name) {
+    if (a->q.field_count == MESH_STREAM_FIELDS_MAX)
+        return status_describe(ST_USAGE, "--field: at most %d are taken", MESH_STREAM_FIELDS_MAX);
+    a->fields[a->q.field_count++] = a->q.field = name;
+    return ST_OK;
+}
+
 static status set_option(void *own, int key, const char *text) {
     arguments *a = own;
     switch (key) {
-    case IMPORT_KEY_FIELD: a->q.field = text; return ST_OK;
+    case IMPORT_KEY_FIELD: return take_field(a, text);
+    case IMPORT_KEY_BY_CORNERS: a->q.by_corners = true; return ST_OK;
+    case IMPORT_KEY_CELLS_TO_POINTS: a->q.cells_to_points = true; return ST_OK;
     case IMPORT_KEY_COMPONENT:
         return cli_uint(text, "--component", 1, COMPONENT_MAX, &a->q.component);
     case IMPORT_KEY_STEP: return cli_uint(text, "--step", 0, STEP_MAX, &a->q.step);
@@ -62,6 +72,7 @@ static status check(void *own) {
     if (!a->common.output)
         a->common.output = "-";
     a->q.paths = a->common.inputs;
+    a->q.fields = a->fields;
     a->q.path_count = a->common.input_count;
     return ST_OK;
 }
@@ -239,11 +250,27 @@ static json_t *shape_json(const uint64_t shape[4]) {
     return list;
 }
 
+/* What is told of all fields. */
+typedef struct listing {
+    json_t *root, *fields;
+} listing;
+
+static status set_array(json_t *to, const char *key, uint64_t count, const double *numbers) {
+    json_t *list = json_array();
+    for (uint64_t i = 0; i < count; i++)
+        json_array_append_new(list, json_real(numbers[i]));
+    return json_object_set_new(to, key, list) == 0 ? ST_OK : ST_NOMEM;
+}
+
+static status list_about(void *ctx, const char *name, uint64_t steps, const double *times) {
+    json_t *root = ((listing *)ctx)->root;
+    if (*name)
+        json_object_set_new(root, "name", json_string(name));
+    return times ? set_array(root, "times", steps, times) : ST_OK;
+}
+
 static void set_times(json_t *entry, const import_item *item) {
-    json_t *times = json_array();
-    for (uint64_t i = 0; i < item->shape[3]; i++)
-        json_array_append_new(times, json_real(item->times[i]));
-    json_object_set_new(entry, "times", times);
+    (void)set_array(entry, "times", item->shape[3], item->times);
     if (item->time_unit)
         json_object_set_new(entry, "time_unit", json_string(item->time_unit));
 }
@@ -262,9 +289,11 @@ static status list_json(void *ctx, const import_item *item) {
         set_times(entry, item);
     if (entry && item->components > 1)
         set_components(entry, item);
+    if (entry && item->of_cells)
+        json_object_set_new(entry, "of_cells", json_true());
     if (entry && item->refuse)
         json_object_set_new(entry, "why", json_string(item->refuse));
-    return json_array_append_new(ctx, entry) == 0 ? ST_OK : ST_NOMEM;
+    return json_array_append_new(((listing *)ctx)->fields, entry) == 0 ? ST_OK : ST_NOMEM;
 }
 
 static status list_line(void *ctx, const import_item *item) {
@@ -277,26 +306,29 @@ static status list_line(void *ctx, const import_item *item) {
     return ST_OK;
 }
 
-/* List the fields as JSON. */
+/* List the fields as JSON, in an object. */
 static status read_list(mem *m, const arguments *a, json_t **out) {
-    json_t *items = json_array();
-    const status st = a->importer->list(m, &a->q, &(import_list){list_json, items});
+    listing l = {.root = json_object(), .fields = json_array()};
+    const import_list to = {.take = list_json, .about = list_about, .ctx = &l};
+    const status st = a->importer->list(m, &a->q, &to);
+    json_object_set_new(l.root, "fields", l.fields);
     if (st != ST_OK)
-        json_decref(items);
-    *out = st == ST_OK ? items : NULL;
+        json_decref(l.root);
+    *out = st == ST_OK ? l.root : NULL;
     return st;
 }
 
 static status list(mem *m, const arguments *a) {
     if (!a->common.json)
-        return judge(a, a->importer->list(m, &a->q, &(import_list){list_line, NULL}));
-    json_t *items = NULL;
-    status st = judge(a, read_list(m, a, &items));
-    if (st == ST_OK)
-        return cli_print_json(&a->common,
-                              json_pack("{s:s, s:s, s:o}", "input", a->common.input, "format",
-                                        a->importer->format, "fields", items));
-    return st;
+        return judge(a, a->importer->list(m, &a->q, &(import_list){.take = list_line}));
+    json_t *told = NULL;
+    status st = judge(a, read_list(m, a, &told));
+    if (st != ST_OK)
+        return st;
+    json_t *root = json_pack("{s:s, s:s}", "input", a->common.input, "format", a->importer->format);
+    json_object_update(root, told);
+    json_decref(told);
+    return cli_print_json(&a->common, root);
 }
 
 /* ---- importing ---- */
@@ -307,12 +339,11 @@ static void tell_convert(mem *m, const arguments *a, slice_source *from) {
     sample_place at;
     if (from->place && from->place(from->place_ctx, &at))
         (void)sample_place_print(&at, from->g.place);
-    json_t *items = NULL;
+    json_t *root = NULL;
     struct stat about;
     if (a->q.path_count != 1 || stat(a->q.paths[0], &about) != 0 || !S_ISREG(about.st_mode) ||
-        read_list(m, a, &items) != ST_OK)
+        read_list(m, a, &root) != ST_OK)
         return;
-    json_t *root = json_pack("{s:o}", "fields", items);
     char *text = json_dumps(root, JSON_COMPACT);
     if (text && strlen(text) < sizeof from->g.fields && !strchr(text, '\\'))
         memcpy(from->g.fields, text, strlen(text) + 1);
@@ -346,6 +377,53 @@ static status import(mem *m, arguments *a) {
     return st;
 }
 
+/* ---- importing a mesh ---- */
+
+static status mesh_step(const void *ctx, double fraction) {
+    return step(ctx, fraction);
+}
+
+static status report_mesh(const arguments *a, const import_mesh *x, double seconds) {
+    const mesh_stream_header *h = &x->header;
+    if (h->by_corners > 0)
+        cli_note(&a->common, 1, "%s: %llu cells of higher order are taken by their corners",
+                 a->common.input, (unsigned long long)h->by_corners);
+    if (h->skipped > 0)
+        cli_note(&a->common, 1, "%s: %llu cells of fewer dimensions are left out", a->common.input,
+                 (unsigned long long)h->skipped);
+    if (!a->common.json)
+        return ST_OK;
+    return cli_print_json(
+        &a->common,
+        json_pack("{s:s, s:s, s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f}", "input",
+                  a->common.input, "output", a->common.output, "format", a->importer->format,
+                  "name", h->name, "points", (json_int_t)h->points, "tets", (json_int_t)h->tets,
+                  "pyramids", (json_int_t)h->cells[CELL_PYRAMID], "wedges",
+                  (json_int_t)h->cells[CELL_WEDGE], "hexahedra",
+                  (json_int_t)h->cells[CELL_HEXAHEDRON], "by_corners", (json_int_t)h->by_corners,
+                  "skipped", (json_int_t)h->skipped, "seconds", seconds));
+}
+
+static status import_the_mesh(mem *m, arguments *a) {
+    import_mesh x = {0};
+    if (strcmp(a->common.output, "-") == 0 && isatty(STDOUT_FILENO))
+        return status_describe(ST_USAGE, "a mesh does not go to a terminal: give -o F.mesh");
+    const double start = clock_seconds();
+    status st = a->importer->open_mesh(m, &a->q, &x);
+    if (st == ST_OK)
+        st = import_mesh_write(m, &x, a->common.output, a->common.force, mesh_step,
+                               cli_progress(&a->common));
+    st = judge(a, st);
+    if (st == ST_OK)
+        st = report_mesh(a, &x, clock_seconds() - start);
+    if (st == ST_OK)
+        st = cli_flush();
+    if (st == ST_OK)
+        crash_done(0);
+    import_mesh_close(&x);
+    return st;
+}
+
 /* ---- the fence ---- */
 
 /* Register the files before the library opens any: an output must not be an input. */
@@ -372,15 +450,17 @@ static void fence(const arguments *a) {
 static const output_kind *output(const void *own) {
     static const output_kind samples = {
         .what = "NRRD", .suffixes = ".nrrd ", .instead = OUTPUT_BY_EXPORT};
-    (void)own;
-    return &samples;
+    static const output_kind mesh = {
+        .what = "mesh stream", .suffixes = ".mesh ", .instead = OUTPUT_BY_EXPORT};
+    return ((const arguments *)own)->importer->open_mesh ? &mesh : &samples;
 }
 
 int importer_main(const importer *x, int argc, char **argv) {
     arguments a = {
         .common = {.verb = x->verb, .without = "threads"}, .importer = x, .q = {.verb = x->verb}};
     char usage[256];
-    snprintf(usage, sizeof usage, "%s [-o F.nrrd]\n%s --list", x->inputs, x->inputs);
+    snprintf(usage, sizeof usage, "%s [-o F.%s]\n%s --list", x->inputs,
+             x->open_mesh ? "mesh" : "nrrd", x->inputs);
     const cli_verb verb = {.options = x->options,
                            .args_doc = usage,
                            .doc = x->doc,
@@ -397,7 +477,7 @@ int importer_main(const importer *x, int argc, char **argv) {
     fence(&a);
     status st = guard_files(&a);
     if (st == ST_OK)
-        st = a.list ? list(&m, &a) : import(&m, &a);
+        st = a.list ? list(&m, &a) : x->open_mesh ? import_the_mesh(&m, &a) : import(&m, &a);
     const int code = cli_finish(&a.common, st);
     crash_done(code);
     return code;

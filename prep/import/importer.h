@@ -1,8 +1,10 @@
-/* importer.h - common part of the verbs import-X: their options, and the NRRD that they write.
+/* importer.h - common part of the verbs import-X: their options, and the NRRD or the mesh stream
+ * that they write.
  *
  * An importer is a folder prep/import/X. Its import_X_main.c has a row that tells how to open and
- * list a format. Its shim around the format's library gives a slice_source. Only that verb is
- * linked with the library. `convert' and `info' run it and read its NRRD through a pipe.
+ * list a format. Its shim around the format's library gives a slice_source, or an import_mesh. Only
+ * that verb is linked with the library. `convert' and `info' run it and read what it writes through
+ * a pipe.
  */
 #ifndef PREP_IMPORT_IMPORTER_H
 #define PREP_IMPORT_IMPORTER_H
@@ -13,15 +15,20 @@
 #include "formats/base/status.h"
 #include "formats/grid/slice_source.h"
 #include "formats/input/input_trust.h"
+#include "prep/import/import_mesh.h"
 
 /* A request of the command line. */
 typedef struct import_request {
     const char *verb; /* "import-vdb", for messages */
     char **paths;     /* files, or a folder */
     int path_count;
-    const char *field;  /* as its file spells it; NULL: the first that can be read */
-    uint32_t component; /* if a sample has several numbers: 1, 2, ..; 0: see volume_hints.h */
-    uint32_t step;      /* if there are several time steps: from 0 on */
+    const char *field;   /* as its file spells it; NULL: the first that can be read */
+    const char **fields; /* of a mesh, which may have several; `field` is the last one */
+    uint32_t field_count;
+    bool by_corners;      /* take a mesh's cells of higher order as linear ones */
+    bool cells_to_points; /* take a mesh's values at cells, averaged to the points */
+    uint32_t component;   /* if a sample has several numbers: 1, 2, ..; 0: see volume_hints.h */
+    uint32_t step;        /* if there are several time steps: from 0 on */
     input_trust trust;
     bool chunks; /* the source is to tell where its chunks are, and not to be read */
 } import_request;
@@ -33,6 +40,7 @@ typedef struct import_item {
     uint64_t shape[4];     /* samples along x, y, z, then time steps; 0: no such axis */
     const char *refuse;    /* why it cannot be read; NULL: it can */
     bool taken;            /* open() would take this one */
+    bool of_cells;         /* a mesh's: its values are at cells, not at points */
     const double *times;   /* of all steps; NULL: unknown */
     const char *time_unit; /* NULL: unknown */
     uint32_t components;   /* numbers per sample; 0: 1 */
@@ -42,6 +50,9 @@ typedef struct import_item {
 
 typedef struct import_list {
     status (*take)(void *ctx, const import_item *item);
+    /* What all fields of a mesh share: the data set's name, or ""; the times, or NULL. NULL:
+     * unasked. */
+    status (*about)(void *ctx, const char *name, uint64_t steps, const double *times);
     void *ctx;
 } import_list;
 
@@ -55,9 +66,11 @@ typedef struct importer {
     /* The importer's own options, and their handler; see cli_verb. NULL: none. */
     const struct argp_option *options;
     status (*set_option)(int key, const char *text);
-    /* Both may return ST_CORRUPT, ST_UNSUPPORTED, ST_IO, ST_NOMEM. They let no C++ exception
+    /* All may return ST_CORRUPT, ST_UNSUPPORTED, ST_IO, ST_NOMEM. They let no C++ exception
      * out. */
     status (*open)(mem *m, const import_request *q, slice_source *out);
+    /* Instead: *out is closed in any case. */
+    status (*open_mesh)(mem *m, const import_request *q, import_mesh *out);
     status (*list)(mem *m, const import_request *q, const import_list *to);
 } importer;
 

@@ -16,6 +16,8 @@ enum {
     IMPORT_KEY_TILES,
     IMPORT_KEY_CHUNKS,
     IMPORT_KEY_GUARD,
+    IMPORT_KEY_BY_CORNERS,
+    IMPORT_KEY_CELLS_TO_POINTS,
     IMPORT_KEY_OWN
 };
 
@@ -29,6 +31,22 @@ enum {
             "the " what " to take (default: the " which " that can be read)", 0 \
     }
 #define IMPORT_FIELD(what) IMPORT_FIELD_BY(what, "first")
+/* Of meshes: several. */
+#define IMPORT_FIELDS(what)                                                                     \
+    {                                                                                           \
+        "field", IMPORT_KEY_FIELD, "NAME", CLI_BASIC,                                           \
+            "a " what " to take (default: the first; several --field: each, in their order)", 0 \
+    }
+#define IMPORT_BY_CORNERS                                                                          \
+    {                                                                                              \
+        "by-corners", IMPORT_KEY_BY_CORNERS, NULL, CLI_BASIC,                                      \
+            "take cells of higher order as linear ones of their corners (default: refuse them)", 0 \
+    }
+#define IMPORT_CELLS_TO_POINTS                                                            \
+    {                                                                                     \
+        "cells-to-points", IMPORT_KEY_CELLS_TO_POINTS, NULL, CLI_BASIC,                   \
+            "take fields of cells, averaged to the points (default: fields of points)", 0 \
+    }
 #define IMPORT_COMPONENT                                                                  \
     {                                                                                     \
         "component", IMPORT_KEY_COMPONENT, "N", 0,                                        \

@@ -133,7 +133,7 @@ static status run(convert_request *a, mem *m, input *in, double start) {
     if (st == ST_OK)
         st = take_sets(&a->sets, x, a->common.input);
     if (st == ST_OK)
-        st = convert_sets_times(&a->sets, convert_request_steps(a));
+        st = convert_request_times(a);
     mesh_series series = {convert_request_series(a), a->hints.mesh};
     if (st == ST_OK)
         st = step_series_check(&series.of);

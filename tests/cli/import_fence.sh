@@ -170,10 +170,12 @@ case $build in
     for f in "$(dirname "$(readlink -f "$leafcast")")"/../libexec/leafcast-import-*; do
         verb=${f##*/leafcast-}
         given=$(sed -n "s/^$verb	\([^	]*\)		.*/\1/p" "$tmp/table" | head -n 1)
+        suffix=nrrd
+        [ "$verb" != import-exodus ] || suffix=mesh
         [ -n "$given" ] || { skip "$verb" "no file of it here"; continue; }
         for kib in 1000 2000 4000 16000 40000 60000 80000 100000; do
             # 127: it is not even loaded.
-            run sh -c 'ulimit -d $1; exec "$2" "$3" -o "$4" --force' sh $kib "$f" "$given" "$tmp/low.nrrd"
+            run sh -c 'ulimit -d $1; exec "$2" "$3" -o "$4" --force' sh $kib "$f" "$given" "$tmp/low.$suffix"
             ok "$verb with $kib KiB (got $rc)" [ $rc = 0 -o $rc = 4 -o $rc = 127 ]
             run sh -c 'ulimit -d $1; exec "$2" convert "$3" -o "$4" --force' sh $kib "$leafcast" "$given" "$tmp/low.leaf"
             ok "convert with it, and $kib KiB (got $rc)" [ $rc = 0 -o $rc = 4 ]

@@ -544,6 +544,23 @@ import-netcdf|--help|shown help|
 import-netcdf|--help-all|shown help|
 import-netcdf|--usage|taken||--usage
 import-netcdf|--version|taken||--version
+import-exodus|--by-corners|shown import_exodus|
+import-exodus|--cells-to-points|shown import_exodus|
+import-exodus|--field|shown import_exodus|
+import-exodus|--follow-links|shown named_files|
+import-exodus|--allow-missing|shown absent_parts|
+import-exodus|--list|shown import_exodus|
+import-exodus|--step|shown import_exodus|
+import-exodus|--output|shown import_options|
+import-exodus|--quiet|shown import_options|
+import-exodus|--verbose|shown import_options|
+import-exodus|--memory|shown import_options|
+import-exodus|--json|shown import_options|
+import-exodus|--force|shown import_options|
+import-exodus|--help|shown help|
+import-exodus|--help-all|shown help|
+import-exodus|--usage|taken||--usage
+import-exodus|--version|taken||--version
 import-dicom|--allow-gaps|shown import_dicom|
 import-dicom|--component|shown import_dicom|
 import-dicom|--field|shown import_dicom|

@@ -63,7 +63,7 @@ row() { cut -f1 "$tmp/table" | grep -qx -- "$1" || grep -q "^skip	$1	" "$tmp/tab
 for reader in $(sed -n '/^static const [a-z_]*reader \*const readers/,/};/p' formats/grid/volume.c formats/mesh/mesh_input.c |
     grep -o '&[a-z_]*_reader' | tr -d '&'); do
     case $reader in
-    imported_reader) ;; # these are the importers
+    imported_reader | mesh_imported_reader) ;; # these are the importers
     mesh_stream_reader) ;; # m.mesh, t_0000.mesh, .. below
     *) ok "guard_forms.py has a row for $reader" row "${reader%_reader}" ;;
     esac
@@ -154,7 +154,9 @@ walk() { # walk READER GIVEN OPTIONS FILES
         ;;
     mesh_*) over resample "$@" ;;
     import-*)
-        exits "$given: $reader" 0 "$leafcast" "$reader" "$@" -o "$tmp/form.nrrd" --force
+        suffix=nrrd
+        [ "$reader" != import-exodus ] || suffix=mesh
+        exits "$given: $reader" 0 "$leafcast" "$reader" "$@" -o "$tmp/form.$suffix" --force
         over "$reader" "$@"
         ;;
     esac

@@ -58,6 +58,13 @@ if form == "vtk":
               floats(flat, ">") + b"\nCELLS %d %d\n" % (len(cells), len(ids)) + ints(ids, ">") +
               b"\nCELL_TYPES %d\n" % len(cells) + ints([t for t, _ in cells], ">") +
               b"\nPOINT_DATA %d\nSCALARS f float 1\nLOOKUP_TABLE default\n" % len(points) + floats(values, ">"))
+elif form == "mesh":
+    rows = ("tets", 10), ("pyramids", 14), ("wedges", 13), ("hexahedra", 12)
+    count = {t: sum(k == t for k, _ in cells) for _, t in rows}
+    out.write(b"LEAFCAST MESH 2\nfield: other\nfield: f\npoints: %d\n" % len(points))
+    out.write("".join("%s: %d\n" % (word, count[t]) for word, t in rows).encode() + b"\n")
+    out.write(floats(flat, "<") + floats([0] * len(points), "<") + floats(values, "<"))
+    out.write(ints([v for _, t in rows for k, c in cells if k == t for v in c], "<"))
 elif form == "vtu":
     ends, end = [], 0
     for _, c in cells:
@@ -81,15 +88,16 @@ make() { python3 "$tmp/mix.py" "$1" "$2" "$3" >"$4"; }
 
 # ---- shapes and formats ----
 
-for form in vtk vtu msh; do
+for form in vtk vtu msh mesh; do
     make $form 6 0 "$tmp/s.$form"
-    exits "$form" 0 "$leafcast" convert "$tmp/s.$form" --whole-cells -o "$tmp/s_$form.leaf" --json
+    exits "$form" 0 "$leafcast" convert "$tmp/s.$form" --whole-cells --field f -o "$tmp/s_$form.leaf" --json
     ok "keeps each shape" json 'x["whole"] == [72, 108, 540, 0, 216] and x["split"] == [0] * 4 and x["tets"] == 936'
     exits "is sound" 0 "$leafcast" verify "$tmp/s_$form.leaf"
     exits "draws" 0 "$leafcast" render "$tmp/s_$form.leaf" --iso 0.2 --size 64x48 -o "$tmp/$form.pfm" -q
 done
 ok "of VTK's two forms the same picture" cmp "$tmp/vtk.pfm" "$tmp/vtu.pfm"
 ok "of Gmsh, too" cmp "$tmp/vtk.pfm" "$tmp/msh.pfm"
+ok "of a mesh stream, too" cmp "$tmp/vtk.pfm" "$tmp/mesh.pfm"
 exits "split" 0 "$leafcast" convert "$tmp/s.vtk" -o "$tmp/split.leaf" --json
 ok "counts what was split" json 'x["split"] == [72, 108, 540, 0] and x["whole"] == [0] * 5'
 exits "whole, in words" 0 "$leafcast" convert "$tmp/s.vtk" --whole-cells -o "$tmp/x.leaf" --force

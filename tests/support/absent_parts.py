@@ -13,6 +13,7 @@ import struct
 import sys
 import zlib
 
+import exodus_file
 from imported import DEBIAN, start, tell
 
 try:
@@ -265,6 +266,7 @@ ROWS = (
     ("netCDF", "bytes at the end, classic", netcdf("NETCDF3_CLASSIC", N), 3, "ends at byte", None),
     ("netCDF", "some chunks", netcdf("NETCDF4", 4), 0, "4 of 8 chunks are absent", None),
     ("netCDF", "all chunks", netcdf("NETCDF4", 0), 3, "none of its 8 chunks", "8 of 8 chunks are absent"),
+    ("Exodus", "bytes at the end, classic", lambda: put("a.exo", exodus_file.tets()[:-212]), 3, "ends at byte", None),
     ("TIFF", "strips without bytes", tiff((0, 0)), 3, "has no bytes: a sparse TIFF", None),
     ("TIFF", "strips behind the end", tiff((9999, 32)), 3, "the file ends at byte", None),
     ("PNG", "bytes at the end", png, 3, "png", None),

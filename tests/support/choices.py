@@ -11,6 +11,7 @@ import struct
 import sys
 import zlib
 
+import exodus_file
 from imported import np, start, tell
 
 leafcast, folder = sys.argv[1:3]
@@ -202,6 +203,10 @@ FORMS = {
     "images": (png, {"field_count": 3, "field": ""}, [("its 3 channels, .* are taken together", ["--component", "1"])]),
     "netCDF": (netcdf, {"steps": 3, "times": TIMES, "time_unit": SINCE, "field_count": 2, "field": "temp"},
                [STEP, ("of 2 fields .*temp.* is taken", ["--field", "temp"])]),
+    "Exodus": (lambda: write("a.exo", exodus_file.tets(times=TIMES)),
+               {"field": "speed", "field_count": 2, "steps": 3, "times": TIMES,
+                "fields": [{"name": n, "steps": 3, "components": 1} for n in ("speed", "heat")]},
+               [STEP, ('of 2 fields "speed" is taken', ["--field", "heat"])]),
     "HDF5": (hdf5, {"steps": 1, "field_count": 2, "field": "/rho",
                     "fields": [{"name": "/b", "steps": 1, "components": 3}, {"name": "/rho", "steps": 1, "components": 1}]},
              [("of 2 fields .*rho.* is taken", ["--field", "/rho"])]),
@@ -211,7 +216,7 @@ FORMS = {
     "DICOM": (dicom, {"steps": 2, "field_count": 2},
               [("of 2 fields .* is taken", ["--fields", "all"]), ("of 2 steps the first", ["--step", "1"])]),
 }
-READERS = {"images": "images", "netCDF": "netcdf", "HDF5": "hdf5", "OME-TIFF": "images", "DICOM": "dicom"}
+READERS = {"images": "images", "netCDF": "netcdf", "Exodus": "exodus", "HDF5": "hdf5", "OME-TIFF": "images", "DICOM": "dicom"}
 
 
 def told(path, *options):

@@ -24,14 +24,6 @@ def legacy(kind):
     return text("# vtk DataFile Version 3.0", "title", "ASCII", "DATASET " + kind)
 
 
-def netcdf(*names):
-    """The header of a classic file: dimensions alone (NetCDF User's Guide, file format)."""
-    head = b"CDF\x01" + struct.pack(">iii", 0, 10, len(names))
-    for name in names:
-        head += struct.pack(">i", len(name)) + name.encode().ljust(-(-len(name) // 4) * 4, b"\0") + struct.pack(">i", 2)
-    return head + bytes(16)
-
-
 def hdf5(*names):
     """As much of a file as tells: the signature, a superblock of version 0, names in a local heap."""
     return b"\x89HDF\r\n\x1a\n".ljust(600, b"\0") + b"HEAP" + bytes(28) + b"\0".join(n.encode() for n in names) + bytes(64)
@@ -62,10 +54,6 @@ SAMPLES = [
     ("Analyze 7.5", "little.hdr", b"\x5c\x01\0\0" + bytes(344)),
     ("Analyze 7.5", "big.hdr", b"\0\0\x01\x5c" + bytes(344)),
     ("JPEG 2000", "a.jp2", b"\0\0\0\x0cjP  \r\n\x87\n" + bytes(64)),
-    ("Exodus", "classic", netcdf("len_string", "num_dim", "num_nodes", "num_elem", "num_el_blk", "num_nod_per_el1")),
-    ("Exodus", "classic.exo", netcdf("len_string", "four")),
-    ("Exodus", "netcdf4", hdf5("len_string", "num_nodes", "num_el_blk", "num_nod_per_el1")),
-    ("Exodus", "netcdf4.e", hdf5("a")),
     ("MED", "mesh", hdf5("INFOS_GENERALES", "ENS_MAA")),
     ("MED", "mesh.med", hdf5("a")),
     ("CGNS", "zones", hdf5("CGNSLibraryVersion", "Base")),

@@ -11,6 +11,8 @@ import os
 import struct
 import sys
 
+import exodus_file
+
 os.chdir(sys.argv[1])
 SAMPLES = bytes((7 * i) % 251 for i in range(64))  # 4 x 4 x 4 u8
 SLICES = [SAMPLES[16 * z:16 * z + 16] for z in range(4)]
@@ -256,6 +258,10 @@ def hdf5():
     form("import-hdf5", "linked.h5", "linked.h5", "h.h5", options="--field w")
 
 
+def exodus():
+    form("import-exodus", write("two.exo", exodus_file.tets()))
+
+
 def netcdf():
     def text(name):
         return struct.pack(">i", len(name)) + name.encode().ljust((len(name) + 3) // 4 * 4, b"\0")
@@ -304,5 +310,5 @@ def dicom():
     form("import-dicom", "dcm", *["dcm/%d.dcm" % z for z in range(4)])
 
 
-for make in nrrd, metaimage, nifti, others, vtk_grids, xdmf_raw, raw, zarr, meshes, surfaces, hdf5, netcdf, images, dicom:
+for make in nrrd, metaimage, nifti, others, vtk_grids, xdmf_raw, raw, zarr, meshes, surfaces, hdf5, netcdf, exodus, images, dicom:
     make()

@@ -19,7 +19,8 @@ const char *lab_leaf_make(const lab_mesh *lab, uint32_t treelet_tets, bool gradi
     mesh_input *x;
     mesh_result result;
     mesh_options o = mesh_options_default();
-    const mesh_stream_header head = {"lab", "f", lab->point_count, lab->tet_count};
+    const mesh_stream_header head = {
+        .name = "lab", .field = "f", .points = lab->point_count, .tets = lab->tet_count};
     mem_init(&m, 0);
     o.force = true;
     o.treelet_tets = treelet_tets;

@@ -7,6 +7,7 @@ import json
 import struct
 import sys
 
+import exodus_file
 from imported import elsewhere, np, start, tell
 from watched import WATCHED
 
@@ -32,6 +33,18 @@ def netcdf(times, name="time", **attributes):
             f[name].setncatts(attributes)
         f.createVariable("v", "f4", (name, "z", "y", "x"))[...] = A
     return path
+
+
+def exodus(times):
+    return write("a.exo", exodus_file.tets(times=times))
+
+
+def gmsh(times):
+    text = ("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n"
+            "$Elements\n1\n1 4 2 0 0 1 2 3 4\n$EndElements\n")
+    for s, t in enumerate(times):
+        text += '$NodeData\n1\n"v"\n1\n%r\n3\n%d\n1\n4\n' % (float(t), s) + "".join("%d %d\n" % (i + 1, i + s) for i in range(4)) + "$EndNodeData\n"
+    return write("a.msh", text.encode())
 
 
 def nifti(step, offset, code):
@@ -88,6 +101,10 @@ FORMS = {
     "netCDF, months": (lambda: netcdf([1, 2, 3, 4, 5], "MONTH", units="months"), [1, 2, 3, 4, 5], "months"),
     "netCDF, untold": (lambda: netcdf(None), [0, 1, 2, 3, 4], ""),
     "netCDF, falling": (lambda: netcdf(HOURS[::-1], units=SINCE), [0, 1, 2, 3, 4], ""),
+    "Exodus": (lambda: exodus(HOURS), HOURS, ""),
+    "Exodus, falling": (lambda: exodus(HOURS[::-1]), [0, 1, 2, 3, 4], ""),
+    "Gmsh": (lambda: gmsh(HOURS), HOURS, ""),
+    "Gmsh, falling": (lambda: gmsh(HOURS[::-1]), [0, 1, 2, 3, 4], ""),
     "NIfTI, s": (lambda: nifti(2.5, 0, 8), [0, 2.5, 5, 7.5, 10], "s"),
     "NIfTI, ms, from an offset on": (lambda: nifti(720, 100, 16), [100, 820, 1540, 2260, 2980], "ms"),
     "NIfTI, without a time": (lambda: nifti(0, 0, 0), [0, 1, 2, 3, 4], ""),
@@ -124,8 +141,9 @@ def main():
         except ImportError as e:
             print("%s\tskip %s" % (name, e))
             continue
-        if "netCDF" in name and start(leafcast, "import-netcdf", "--help")[0] != 0:
-            print("%s\tskip no import-netcdf here" % name)
+        library = "netcdf" if "netCDF" in name else "exodus" if "Exodus" in name else None
+        if library and start(leafcast, "import-" + library, "--help")[0] != 0:
+            print("%s\tskip no import-%s here" % (name, library))
             continue
         image = "TIFF" in name or name == "ImageJ"
         if image and not images:

@@ -1,0 +1,336 @@
+#include "prep/import/exodus/exodus_mesh.h"
+
+#include <netcdf.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "formats/base/text.h"
+#include "formats/mesh/mesh_choice.h"
+#include "prep/import/exodus/exodus_averages.h"
+#include "prep/import/exodus/exodus_blocks.h"
+#include "prep/import/hdf5/hdf5_storage.h"
+#include "prep/import/netcdf/netcdf_storage.h"
+
+typedef char field_name[MESH_NAME_MAX + 1];
+
+enum { READ_NUMBERS = 2048, AXES = 3 };
+
+/* Whose variables; a row of owners[]. */
+typedef enum owner { NODES, ELEMENTS, OWNERS } owner;
+
+static const struct {
+    const char *names, *count; /* in the file */
+    const char *type;          /* for --list */
+} owners[OWNERS] = {
+    {"name_nod_var", "num_nod_var", "of the nodes"},
+    {"name_elem_var", "num_elem_var", "of the elements"},
+};
+
+typedef struct name_array {
+    field_name *of;
+    uint32_t count;
+} name_array;
+
+typedef struct exodus {
+    mem *m;
+    netcdf_storage storage;
+    file *guard; /* the same file, opened so that the guard knows it as an input */
+    exodus_numbers n;
+    exodus_blocks blocks;
+    uint64_t nodes, steps;
+    name_array names[OWNERS];
+    exodus_averages averages;
+    /* What is taken: */
+    owner owner;
+    uint32_t step;
+    uint32_t *taken; /* which of the owner's names */
+    uint32_t taken_count;
+    const char **further; /* names of all but the first */
+} exodus;
+
+/* ---- opening ---- */
+
+static void close_exodus(void *ctx) {
+    exodus *x = ctx;
+    exodus_averages_release(&x->averages);
+    exodus_blocks_release(&x->blocks);
+    for (int o = 0; o < OWNERS; o++)
+        mem_free(x->m, x->names[o].of);
+    mem_free(x->m, x->taken);
+    mem_free(x->m, x->further);
+    if (x->n.id >= 0)
+        nc_close(x->n.id);
+    file_close(x->guard);
+    netcdf_storage_release(&x->storage);
+    mem_free(x->m, x);
+}
+
+static status open_library(exodus *x, const import_request *q) {
+    const char *path = q->paths[0];
+    status st = file_open(x->m, path, &x->guard);
+    if (st == ST_OK)
+        st = netcdf_storage_look(x->m, path, &q->trust, &x->storage);
+    if (st != ST_OK)
+        return st;
+    const int error = nc_open(path, NC_NOWRITE, &x->n.id);
+    x->n.path = path;
+    x->n.f = x->guard;
+    if (error == NC_NOERR)
+        return ST_OK;
+    x->n.id = -1;
+    st = hdf5_storage_denied();
+    return st == ST_OK ? exodus_numbers_failed(&x->n, "opening", error) : st;
+}
+
+/* Read the names of the variables. One without a name is called by its number. */
+static status read_names(exodus *x, owner o) {
+    const int variable = exodus_numbers_find(&x->n, owners[o].names);
+    const uint64_t count = variable < 0 ? 0 : exodus_numbers_dim(&x->n, owners[o].count);
+    name_array *names = &x->names[o];
+    if (count > MESH_STREAM_FIELDS_MAX)
+        return status_describe(ST_UNSUPPORTED, "%s: %llu variables %s, at most %d are read",
+                               x->n.path, (unsigned long long)count, owners[o].type,
+                               MESH_STREAM_FIELDS_MAX);
+    names->of = mem_array(x->m, count + 1, sizeof *names->of);
+    for (uint32_t i = 0; names->of && i < count; i++, names->count++) {
+        char *name = names->of[i];
+        exodus_numbers_name(&x->n, variable, i, name, sizeof(field_name));
+        if (!*name)
+            snprintf(name, sizeof(field_name), "variable %u", i + 1);
+    }
+    return names->of ? ST_OK : ST_NOMEM;
+}
+
+static status read_sizes(exodus *x) {
+    const uint64_t axes = exodus_numbers_dim(&x->n, "num_dim");
+    x->nodes = exodus_numbers_dim(&x->n, "num_nodes");
+    x->steps = exodus_numbers_dim(&x->n, "time_step");
+    if (axes == 0 || exodus_numbers_dim(&x->n, "num_el_blk") == 0)
+        return status_describe(
+            ST_UNSUPPORTED, "%s: expected an Exodus file, with num_dim and num_el_blk", x->n.path);
+    if (axes != AXES)
+        return status_describe(ST_UNSUPPORTED, "%s: a mesh of %llu dimensions, expected 3",
+                               x->n.path, (unsigned long long)axes);
+    if (x->nodes > MESH_POINTS_MAX)
+        return status_describe(ST_UNSUPPORTED, "%s: %llu nodes, at most %llu are read", x->n.path,
+                               (unsigned long long)x->nodes, (unsigned long long)MESH_POINTS_MAX);
+    status st = read_names(x, NODES);
+    return st == ST_OK ? read_names(x, ELEMENTS) : st;
+}
+
+static status open_exodus(mem *m, const import_request *q, exodus **out) {
+    exodus *x = mem_zalloc(m, sizeof *x);
+    if (!x)
+        return ST_NOMEM;
+    x->m = x->blocks.m = m;
+    x->n.id = -1;
+    status st = open_library(x, q);
+    if (st == ST_OK)
+        st = read_sizes(x);
+    if (st != ST_OK) {
+        close_exodus(x);
+        return st;
+    }
+    *out = x;
+    return ST_OK;
+}
+
+/* ---- what is taken ---- */
+
+static status no_such(const exodus *x, const char *name) {
+    const mesh_hints asked = {.field = name, .cells_to_points = x->owner == ELEMENTS};
+    name_list there[OWNERS] = {{0}, {0}};
+    for (int o = 0; o < OWNERS; o++)
+        for (uint32_t i = 0; i < x->names[o].count; i++)
+            name_list_add(&there[o], x->names[o].of[i]);
+    return mesh_choice_missing(x->n.path, &asked, &there[NODES], &there[ELEMENTS]);
+}
+
+/* Take a variable by its name; NULL: the first, if there are any. */
+static status take_one(exodus *x, const char *name) {
+    const name_array *names = &x->names[x->owner];
+    uint32_t i = 0;
+    while (name && i < names->count && !text_same_name(name, names->of[i], sizeof(field_name)))
+        i++;
+    if (i == names->count)
+        return no_such(x, name);
+    for (uint32_t k = 0; k < x->taken_count; k++)
+        if (x->taken[k] == i)
+            return status_describe(ST_USAGE, "--field %s: each field is taken once", name);
+    x->taken[x->taken_count++] = i;
+    return ST_OK;
+}
+
+static status take_fields(exodus *x, const import_request *q) {
+    const char *const first[1] = {NULL};
+    const uint32_t count = q->field_count ? q->field_count : 1;
+    const char *const *fields = q->field_count ? q->fields : first;
+    x->taken = mem_array(x->m, count, sizeof *x->taken);
+    x->further = mem_array(x->m, count, sizeof *x->further);
+    x->owner = q->cells_to_points ? ELEMENTS : NODES;
+    x->step = q->step;
+    status st = x->taken && x->further ? ST_OK : ST_NOMEM;
+    for (uint32_t i = 0; i < count && st == ST_OK; i++)
+        st = take_one(x, fields[i]);
+    for (uint32_t i = 1; i < x->taken_count; i++)
+        x->further[i - 1] = x->names[x->owner].of[x->taken[i]];
+    if (st == ST_OK && (x->taken_count > 0 || q->step > 0) && q->step >= x->steps)
+        st = status_describe(ST_USAGE, "%s: no step %u: there are %llu, counted from 0", x->n.path,
+                             q->step, (unsigned long long)x->steps);
+    return st;
+}
+
+/* ---- reading ---- */
+
+/* Where numbers along the nodes are: a variable, behind up to two indices. */
+typedef struct row {
+    int variable, rank;
+    size_t start[AXES];
+} row;
+
+static status find_row(const exodus *x, const char *name, row *r) {
+    r->variable = exodus_numbers_find(&x->n, name);
+    return r->variable >= 0
+               ? ST_OK
+               : status_describe(ST_CORRUPT, "%s: there is no variable %s", x->n.path, name);
+}
+
+/* Read numbers along the nodes as floats, `apart` floats apart. */
+static status read_row(exodus *x, row *r, uint64_t first, size_t count, float *to, size_t apart) {
+    double numbers[READ_NUMBERS];
+    size_t size[AXES] = {1, 1, 1};
+    status st = ST_OK;
+    for (size_t i = 0, some; i < count && st == ST_OK; i += some) {
+        some = count - i < READ_NUMBERS ? count - i : READ_NUMBERS;
+        r->start[r->rank - 1] = (size_t)first + i;
+        size[r->rank - 1] = some;
+        st = exodus_numbers_read(&x->n, r->variable, r->rank, r->start, size, numbers);
+        for (size_t k = 0; k < some && st == ST_OK; k++)
+            to[(i + k) * apart] = (float)numbers[k];
+    }
+    return st;
+}
+
+static status give_points(void *ctx, uint64_t first, size_t count, float (*xyz)[3]) {
+    exodus *x = ctx;
+    static const char *const names[AXES] = {"coordx", "coordy", "coordz"};
+    const bool together = exodus_numbers_find(&x->n, "coord") >= 0;
+    status st = ST_OK;
+    for (size_t a = 0; a < AXES && st == ST_OK; a++) {
+        row r = {.rank = together ? 2 : 1, .start = {together ? a : 0}};
+        st = find_row(x, together ? "coord" : names[a], &r);
+        if (st == ST_OK)
+            st = read_row(x, &r, first, count, &xyz[0][a], 3);
+    }
+    return st;
+}
+
+static status give_values(void *ctx, uint32_t field, uint64_t first, size_t count, float *to) {
+    exodus *x = ctx;
+    if (x->owner == ELEMENTS)
+        return exodus_averages_read(&x->averages, x->taken[field], first, count, to);
+    char name[64];
+    snprintf(name, sizeof name, "vals_nod_var%u", x->taken[field] + 1);
+    row r = {.rank = 2, .start = {x->step}};
+    if (exodus_numbers_find(&x->n, "vals_nod_var") >= 0) { /* all of them in one */
+        snprintf(name, sizeof name, "vals_nod_var");
+        r = (row){.rank = 3, .start = {x->step, x->taken[field]}};
+    }
+    status st = find_row(x, name, &r);
+    return st == ST_OK ? read_row(x, &r, first, count, to, 1) : st;
+}
+
+static status give_cells(void *ctx, cell_shape shape, uint64_t first, size_t count, uint32_t *ids) {
+    exodus *x = ctx;
+    return exodus_blocks_cells(&x->blocks, &x->n, shape, first, count, ids);
+}
+
+static void read_title(const exodus *x, char to[MESH_NAME_MAX + 1]) {
+    netcdf_text(x->n.id, NC_GLOBAL, "title", to, MESH_NAME_MAX + 1);
+}
+
+static void describe(const exodus *x, import_mesh *out) {
+    mesh_stream_header *h = &out->header;
+    read_title(x, h->name);
+    h->points = x->nodes;
+    h->tets = x->blocks.cells[CELL_TET];
+    memcpy(h->cells, x->blocks.cells, sizeof h->cells);
+    h->by_corners = x->blocks.higher;
+    h->skipped = x->blocks.skipped;
+    if (x->taken_count == 0)
+        return;
+    memcpy(h->field, x->names[x->owner].of[x->taken[0]], sizeof h->field);
+    h->fields = x->further;
+    h->field_count = x->taken_count - 1;
+}
+
+status exodus_mesh_open(mem *m, const import_request *q, import_mesh *out) {
+    exodus *x = NULL;
+    status st = open_exodus(m, q, &x);
+    if (st != ST_OK)
+        return st;
+    *out = (import_mesh){.ctx = x,
+                         .points = give_points,
+                         .values = give_values,
+                         .cells = give_cells,
+                         .close = close_exodus};
+    st = take_fields(x, q);
+    if (st == ST_OK)
+        st = exodus_blocks_read(m, &x->n, q->by_corners, &x->blocks);
+    x->averages = (exodus_averages){
+        .m = m, .n = &x->n, .blocks = &x->blocks, .nodes = x->nodes, .step = x->step};
+    if (st == ST_OK)
+        describe(x, out);
+    return st;
+}
+
+/* ---- listing ---- */
+
+static status read_times(exodus *x, double **times) {
+    const int variable = exodus_numbers_find(&x->n, "time_whole");
+    const size_t start = 0, count = (size_t)x->steps;
+    if (variable < 0 || count == 0)
+        return ST_OK;
+    *times = mem_array(x->m, count, sizeof **times);
+    return *times ? exodus_numbers_read(&x->n, variable, 1, &start, &count, *times) : ST_NOMEM;
+}
+
+static status list_owner(const exodus *x, owner o, const import_list *to) {
+    status st = ST_OK;
+    for (uint32_t i = 0; i < x->names[o].count && st == ST_OK; i++) {
+        import_item item = {.name = x->names[o].of[i],
+                            .type = owners[o].type,
+                            .shape = {x->nodes, 1, 1, x->steps},
+                            .of_cells = o == ELEMENTS};
+        for (uint32_t k = 0; k < x->taken_count; k++)
+            item.taken = item.taken || (x->owner == o && x->taken[k] == i);
+        st = to->take(to->ctx, &item);
+    }
+    return st;
+}
+
+static status list_about(exodus *x, const import_list *to) {
+    char title[MESH_NAME_MAX + 1];
+    double *times = NULL;
+    read_title(x, title);
+    status st = read_times(x, &times);
+    if (st == ST_OK)
+        st = to->about(to->ctx, title, x->steps, times);
+    mem_free(x->m, times);
+    return st;
+}
+
+status exodus_mesh_list(mem *m, const import_request *q, const import_list *to) {
+    exodus *x = NULL;
+    status st = open_exodus(m, q, &x);
+    if (st != ST_OK)
+        return st;
+    if (q->field_count > 0 || x->names[q->cells_to_points ? ELEMENTS : NODES].count > 0)
+        st = take_fields(x, q);
+    if (st == ST_OK && to->about)
+        st = list_about(x, to);
+    for (int o = 0; o < OWNERS && st == ST_OK; o++)
+        st = list_owner(x, (owner)o, to);
+    close_exodus(x);
+    return st;
+}

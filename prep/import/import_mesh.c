@@ -1,0 +1,106 @@
+#include "prep/import/import_mesh.h"
+
+enum { CHUNK = 1 << 16 };
+
+void import_mesh_close(import_mesh *x) {
+    if (x->close)
+        x->close(x->ctx);
+    x->close = NULL;
+}
+
+typedef struct writing {
+    import_mesh *x;
+    mesh_stream_writer *w;
+    void *buffer; /* CHUNK cells of the largest shape */
+    status (*step)(const void *ctx, double fraction);
+    const void *ctx;
+    double done, all; /* bytes */
+} writing;
+
+static size_t chunk_of(uint64_t left) {
+    return left < CHUNK ? (size_t)left : CHUNK;
+}
+
+static status went(writing *g, size_t bytes) {
+    g->done += (double)bytes;
+    return g->step(g->ctx, g->done / g->all);
+}
+
+static status write_points(writing *g) {
+    const uint64_t points = g->x->header.points;
+    status st = ST_OK;
+    for (uint64_t i = 0; st == ST_OK && i < points; i += CHUNK) {
+        const size_t count = chunk_of(points - i);
+        st = g->x->points(g->x->ctx, i, count, g->buffer);
+        if (st == ST_OK)
+            st = mesh_stream_points(g->w, count, g->buffer);
+        if (st == ST_OK)
+            st = went(g, count * 12);
+    }
+    return st;
+}
+
+static status write_values(writing *g, uint32_t field) {
+    const uint64_t points = g->x->header.points;
+    status st = ST_OK;
+    for (uint64_t i = 0; st == ST_OK && i < points; i += CHUNK) {
+        const size_t count = chunk_of(points - i);
+        st = g->x->values(g->x->ctx, field, i, count, g->buffer);
+        if (st == ST_OK)
+            st = mesh_stream_values(g->w, count, g->buffer);
+        if (st == ST_OK)
+            st = went(g, count * 4);
+    }
+    return st;
+}
+
+static status write_cells(writing *g, cell_shape shape, uint64_t cells) {
+    status st = ST_OK;
+    for (uint64_t i = 0; st == ST_OK && i < cells; i += CHUNK) {
+        const size_t count = chunk_of(cells - i);
+        st = g->x->cells(g->x->ctx, shape, i, count, g->buffer);
+        if (st == ST_OK)
+            st = mesh_stream_cells(g->w, shape, count, g->buffer);
+        if (st == ST_OK)
+            st = went(g, count * 4 * (size_t)cell_shape_vertices(shape));
+    }
+    return st;
+}
+
+static uint64_t cells_of(const mesh_stream_header *h, cell_shape shape) {
+    return shape == CELL_TET ? h->tets : h->cells[shape];
+}
+
+/* In the order of mesh_stream.h. */
+static const cell_shape shapes[] = {CELL_TET, CELL_PYRAMID, CELL_WEDGE, CELL_HEXAHEDRON};
+enum { SHAPES = sizeof shapes / sizeof *shapes };
+
+static status write_all(writing *g) {
+    const mesh_stream_header *h = &g->x->header;
+    const uint32_t fields = h->field[0] ? 1 + h->field_count : 0;
+    g->all = (double)h->points * (12 + 4 * fields);
+    for (int i = 0; i < SHAPES; i++)
+        g->all += (double)cells_of(h, shapes[i]) * 4 * cell_shape_vertices(shapes[i]);
+    status st = write_points(g);
+    for (uint32_t k = 0; k < fields && st == ST_OK; k++)
+        st = write_values(g, k);
+    for (int i = 0; i < SHAPES && st == ST_OK; i++)
+        st = write_cells(g, shapes[i], cells_of(h, shapes[i]));
+    return st;
+}
+
+status import_mesh_write(mem *m, import_mesh *x, const char *path, bool force,
+                         status (*step)(const void *ctx, double fraction), const void *ctx) {
+    writing g = {.x = x, .step = step, .ctx = ctx};
+    x->header.bare = !x->header.field[0];
+    g.buffer = mem_array(m, CHUNK, HEX_CORNERS * sizeof(uint32_t));
+    status st = g.buffer ? mesh_stream_create(m, path, force, &x->header, &g.w) : ST_NOMEM;
+    if (st == ST_OK)
+        st = write_all(&g);
+    if (st == ST_OK)
+        st = mesh_stream_commit(g.w);
+    else
+        mesh_stream_discard(g.w);
+    mem_free(m, g.buffer);
+    return st;
+}

@@ -1,0 +1,374 @@
+#!/usr/bin/env python3
+"""import_exodus.py LEAFCAST FOLDER - Exodus II files by netCDF4 and by hand, and what leafcast import-exodus makes of them."""
+import itertools
+import json
+import os
+import re
+import subprocess
+import sys
+
+from exodus_file import tets
+from imported import damaged, elsewhere, ends, np, start, tell
+
+try:
+    from netCDF4 import Dataset
+except ImportError:
+    elsewhere()
+
+leafcast, folder = sys.argv[1:3]
+FORMS = {"classic": "NETCDF3_CLASSIC", "offset64": "NETCDF3_64BIT_OFFSET", "data64": "NETCDF3_64BIT_DATA",
+         "nc4": "NETCDF4", "nc4classic": "NETCDF4_CLASSIC"}
+VERTICES = {"tets": 4, "pyramids": 5, "wedges": 6, "hexahedra": 8}
+VTK = {"tets": 10, "pyramids": 14, "wedges": 13, "hexahedra": 12}
+N = 4  # cells along an edge
+
+
+def path(name):
+    return folder + "/" + name
+
+
+def take(name, *arguments):
+    return (leafcast, "import-exodus", path(name), *arguments)
+
+
+# ---- a bent box of all shapes ----
+
+
+def node(i, j, k):
+    return i + (N + 1) * (j + (N + 1) * k)
+
+
+def corners(i, j, k):
+    return [node(i + a, j + b, k + c) for c in (0, 1) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+
+
+POINTS = np.array([(i / N + 0.06 * np.sin(4 * j / N), j / N + 0.06 * np.sin(4 * k / N + 1), k / N + 0.06 * np.sin(4 * i / N + 2))
+                   for k in range(N + 1) for j in range(N + 1) for i in range(N + 1)])
+NODES = len(POINTS)
+
+
+def cells():
+    """By layer: hexahedra, wedges, pyramids around a corner, tets."""
+    made = {shape: [] for shape in VERTICES}
+    for k, j, i in itertools.product(range(N), repeat=3):
+        v = corners(i, j, k)
+        if k == 0 or k == 3 and i == 0:
+            made["hexahedra"].append(v)
+        elif k == 1:
+            made["wedges"] += [[v[x] for x in t] + [v[x + 4] for x in t] for t in ((0, 1, 2), (0, 2, 3))]
+        elif k == 2:
+            made["pyramids"] += [[v[x] for x in q] + [v[6]] for q in ((0, 1, 2, 3), (0, 4, 5, 1), (0, 3, 7, 4))]
+        else:
+            made["tets"] += [[v[x] for x in t] for t in ((0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6))]
+    return made
+
+
+CELLS = cells()
+TIMES = [0.0, 0.25, 1.5]
+FIELDS = {"speed": np.array([np.sin(5 * POINTS[:, 0] + t) + POINTS[:, 1] for t in TIMES]),
+          "heat": np.array([POINTS[:, 2] * (1 + t) for t in TIMES])}
+# Block by block: what its elements are called, and which they are.
+BLOCKS = [("HEX8", "hexahedra", CELLS["hexahedra"][:7]), ("WEDGE", "wedges", CELLS["wedges"]),
+          ("pyramid5", "pyramids", CELLS["pyramids"]), ("TETRA4", "tets", CELLS["tets"]), ("SHELL4", None, [[0, 1, 2, 3]] * 5),
+          ("hex", "hexahedra", CELLS["hexahedra"][7:])]
+
+
+def write(name, form="NETCDF4", blocks=BLOCKS, fields=FIELDS, of_elements=None, ids="i4", points=POINTS, together=False,
+          one_array=False, axes=3, title="a bent box", chunks=None, times=TIMES):
+    """of_elements: name -> a number of each element of each block, or None for a block without the variable."""
+    with Dataset(path(name), "w", format=form) as d:
+        d.title = title
+        d.createDimension("len_name", 33)
+        d.createDimension("time_step", None)
+        d.createDimension("num_dim", axes)
+        d.createDimension("num_nodes", len(points))
+        d.createDimension("num_elem", sum(len(b[2]) for b in blocks))
+        d.createDimension("num_el_blk", len(blocks))
+        for b, (kind, _, elements) in enumerate(blocks, 1):
+            if not elements:
+                continue  # as the library writes a block without elements
+            d.createDimension("num_el_in_blk%d" % b, len(elements))
+            d.createDimension("num_nod_per_el%d" % b, len(elements[0]))
+            v = d.createVariable("connect%d" % b, ids, ("num_el_in_blk%d" % b, "num_nod_per_el%d" % b), zlib=chunks is not None)
+            v.elem_type = kind
+            v[:] = np.array(elements) + 1
+        if together:
+            d.createVariable("coord", "f8", ("num_dim", "num_nodes"))[:] = points.T
+        for a, x in enumerate("xyz"[:0 if together else axes]):
+            d.createVariable("coord" + x, "f8", ("num_nodes",), zlib=chunks is not None)[:] = points[:, a]
+        t = d.createVariable("time_whole", "f8", ("time_step",))
+        names(d, "nod", fields)
+        if one_array:
+            d.createVariable("vals_nod_var", "f8", ("time_step", "num_nod_var", "num_nodes"))
+        for s, time in enumerate(times):
+            t[s] = time
+        for i, values in enumerate(fields.values()):
+            more = dict(zlib=True, chunksizes=(1, chunks)) if chunks else {}
+            v = None if one_array else d.createVariable("vals_nod_var%d" % (i + 1), "f8", ("time_step", "num_nodes"), **more)
+            for s in range(len(times)):
+                if one_array:
+                    d["vals_nod_var"][s, i, :] = values[s]
+                else:
+                    v[s, :] = values[s]
+        names(d, "elem", of_elements or {})
+        for i, values in enumerate((of_elements or {}).values(), 1):
+            for b, of_block in enumerate(values, 1):
+                if of_block is None:
+                    continue
+                v = d.createVariable("vals_elem_var%deb%d" % (i, b), "f8", ("time_step", "num_el_in_blk%d" % b))
+                for s in range(len(times)):
+                    v[s, :] = np.asarray(of_block) + 1000 * s
+
+
+def names(d, owner, of):
+    if of:
+        d.createDimension("num_%s_var" % owner, len(of))
+        v = d.createVariable("name_%s_var" % owner, "S1", ("num_%s_var" % owner, "len_name"))
+        for i, name in enumerate(of):
+            v[i, :] = np.frombuffer(name.encode().ljust(33, b"\0"), "S1")
+
+
+# ---- a mesh stream ----
+
+
+class Stream:
+    def __init__(self, data):
+        head, rest = data.split(b"\n\n", 1)
+        lines = [line.split(": ", 1) for line in head.decode().split("\n")[1:]]
+        self.fields = [value for key, value in lines if key == "field"]
+        self.head = {key: value for key, value in lines if key != "field"}
+        points = int(self.head["points"])
+        self.points = np.frombuffer(rest, "<f4", 3 * points).reshape(-1, 3)
+        at = 12 * points
+        self.values = {}
+        for f in self.fields:
+            self.values[f] = np.frombuffer(rest, "<f4", points, at)
+            at += 4 * points
+        self.cells = {}
+        for shape, vertices in VERTICES.items():
+            count = int(self.head.get(shape, 0))
+            self.cells[shape] = np.frombuffer(rest, "<u4", count * vertices, at).reshape(-1, vertices)
+            at += 4 * count * vertices
+        self.left = len(rest) - at
+
+
+def holds(what, fields, *arguments, points=POINTS, cells=CELLS, **head):
+    """The stream has these points, cells, and in this order these fields; and these lines in its header."""
+    rc, out, said = start(*arguments)
+    if rc != 0:
+        return tell(what, "exit %s: %s" % (rc, said))
+    got, wrong = Stream(out), ""
+    if not np.array_equal(got.points, points.astype("f4")):
+        wrong = "points differ"
+    for shape in VERTICES:
+        if not np.array_equal(got.cells[shape], np.array(cells.get(shape, []), "u4").reshape(-1, VERTICES[shape])):
+            wrong = "%s differ" % shape
+    if got.fields != list(fields):
+        wrong = "fields %s" % got.fields
+    for f in fields:
+        if not wrong and not np.array_equal(got.values[f], fields[f].astype("f4"), equal_nan=True):
+            wrong = "%s differs: %s, expected %s" % (f, got.values[f][:4], fields[f][:4])
+    for key, value in head.items():
+        if got.head.get(key.replace("_", "-")) != value:
+            wrong = "%s is %s, expected %s" % (key, got.head.get(key), value)
+    return tell(what, wrong or ("%d bytes behind it" % got.left if got.left else ""))
+
+
+def step(s, *names):
+    return {f: FIELDS[f][s] for f in names or FIELDS}
+
+
+# ---- what is looked at ----
+
+
+def forms():
+    for name, form in FORMS.items():
+        write(name, form)
+        holds(name + ": the first field", step(0, "speed"), *take(name), name="a bent box", skipped="5")
+        holds(name + ": both at a step", step(2, "heat", "speed"), *take(name, "--field", "heat", "--field", "speed", "--step", 2))
+    write("wide", ids="i8")
+    holds("ids of 64 bits", step(0, "speed"), *take("wide"))
+    write("together", "NETCDF3_CLASSIC", together=True, one_array=True)
+    holds("all coordinates in one, all values in one", step(1), *take("together", "--step", 1, "--field", "speed", "--field", "heat"))
+    write("packed", chunks=17)
+    holds("chunks that are packed", step(1), *take("packed", "--step", 1, "--field", "speed", "--field", "heat"))
+    write("bare", fields={}, times=[])
+    holds("a mesh without variables", {}, *take("bare"))
+    write("still", times=[])
+    ends("variables without a step", 2, "no step 0: there are 0", *take("still"))
+    write("unwritten")
+    with Dataset(path("unwritten"), "a") as d:
+        d["time_whole"][3] = 9
+        d["vals_nod_var1"][3, 5:] = FIELDS["speed"][0][5:]
+    holds("numbers never written are none", {"speed": np.where(np.arange(NODES) < 5, np.nan, FIELDS["speed"][0])}, *take("unwritten", "--step", 3))
+    with open(path("by_hand.exo"), "wb") as f:
+        f.write(tets())
+    holds("by hand", {"heat": np.arange(5) + 110}, *take("by_hand.exo", "--field", "heat", "--step", 1), cells={"tets": [[0, 1, 2, 3], [1, 2, 3, 4]]},
+          points=np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]]), name="two tets")
+
+
+def large_chunks():
+    """A chunk that the library would not keep by itself is read and unpacked once, not for each part that is taken."""
+    many = 2300000
+    points = np.zeros((many, 3))
+    points[:NODES] = POINTS
+    values = (np.arange(many) % 1000).astype("f8")
+    write("large", fields={"f": [values]}, points=points, chunks=many, times=[0])
+    child = subprocess.Popen(take("large", "-o", path("large.mesh"), "-q"))
+    os.waitid(os.P_PID, child.pid, os.WEXITED | os.WNOWAIT)
+    with open("/proc/%d/io" % child.pid) as f:
+        read = int(re.search(r"rchar: (\d+)", f.read()).group(1))
+    rc, size = child.wait(), os.path.getsize(path("large"))
+    with open(path("large.mesh"), "rb") as f:
+        got = Stream(f.read())
+    tell("large chunks: what is read", "" if rc == 0 and np.array_equal(got.values["f"], values) else rc)
+    tell("large chunks: once", "" if read < size + (8 << 20) else "%d bytes of %d" % (read, size))
+    os.remove(path("large"))
+
+
+def blocks():
+    first = CELLS["hexahedra"]
+    write("empty", blocks=[("HEX8", "hexahedra", []), ("HEX8", "hexahedra", first)])
+    holds("a block without elements", step(0, "speed"), *take("empty"), cells={"hexahedra": first})
+    twenty = [("HEX20", "hexahedra", [c + c + c[:4] for c in first]), ("TETRA10", "tets", [c + c + c[:2] for c in CELLS["tets"]])]
+    write("higher", blocks=twenty)
+    ends("elements of higher order", 3, "block 1 (counted from 1) has elements HEX20 of 20 nodes: higher order (--by-corners", *take("higher"))
+    holds("by their corners", step(0, "speed"), *take("higher", "--by-corners"), cells={"hexahedra": first, "tets": CELLS["tets"]},
+          by_corners=str(len(first) + len(CELLS["tets"])))
+    for name, block, words in (("unknown", ("GADGET", None, first), "elements GADGET of 8 nodes, expected hexahedra"),
+                               ("few", ("HEX8", None, [c[:7] for c in first]), "elements HEX8 of 7 nodes, which no such element has"),
+                               ("many", ("HEX", None, [c * 9 for c in first]), "of 72 nodes, which no such")):
+        write(name, blocks=[block])
+        ends("elements: " + name, 3, words, *take(name))
+    write("nfaced")
+    with Dataset(path("nfaced"), "a") as d:
+        d.createDimension("num_fac", 4)
+        d.createVariable("fbconn2", "i4", ("num_fac",))
+    ends("polyhedra", 3, "block 2 (counted from 1) has polyhedra", *take("nfaced"))
+    write("flat", axes=2)
+    ends("a mesh of two dimensions", 3, "2 dimensions, expected 3", *take("flat"))
+    write("outside", blocks=[("HEX8", None, [[-1] + first[0][1:], first[1][:7] + [NODES], first[2]])])
+    rc, out, said = start(leafcast, "convert", path("outside"), "-o", path("outside.leaf"), "--whole-cells", "--json")
+    told = json.loads(out) if rc == 0 else {}
+    tell("elements with nodes that are none", "" if (told.get("bad"), told.get("tets")) == (2, 1) else (rc, said, told))
+
+
+def averages():
+    dice = np.random.default_rng(3)
+    stress = [None if kind == "WEDGE" else dice.random(len(elements)) for kind, _, elements in BLOCKS]
+    work = [dice.random(len(elements)) for _, _, elements in BLOCKS]
+    write("elements", of_elements={"stress": stress, "work": work})
+
+    def mean(values, s):
+        sums, count = np.zeros(NODES), np.zeros(NODES)
+        for (_, shape, elements), of_block in zip(BLOCKS, values):
+            if of_block is None or shape is None:
+                continue
+            for c, value in zip(elements, of_block):
+                sums[c] += value + 1000 * s
+                count[c] += 1
+        return sums / np.maximum(count, 1)
+
+    def near(name, fields, *arguments):
+        rc, out, said = start(*arguments)
+        got = Stream(out) if rc == 0 else None
+        wrong = said if rc else "" if got.fields == list(fields) else got.fields
+        for f, want in fields.items() if not wrong else ():
+            off = np.abs(got.values[f] - want).max()
+            wrong = wrong or ("" if off <= 1e-7 * np.abs(want).max() else "%s: off by %g" % (f, off))
+        tell(name, wrong)
+
+    near("means of the elements' values", {"stress": mean(stress, 0)}, *take("elements", "--cells-to-points"))
+    near("two of them, at a step", {"work": mean(work, 2), "stress": mean(stress, 2)},
+         *take("elements", "--cells-to-points", "--field", "work", "--field", "stress", "--step", 2))
+    ends("a variable of the elements, unasked", 2, "(--cells-to-points takes them", *take("elements", "--field", "stress"))
+    ends("a variable of the nodes, asked of the elements", 2, 'no array "heat" of the cells, which have "stress", "work"',
+         *take("elements", "--cells-to-points", "--field", "heat"))
+    for verb in ("convert", "resample"):
+        more = ("--dims", "5") if verb == "resample" else ()
+        rc, _, said = start(leafcast, verb, path("elements"), "--cells-to-points", "--field", "work", "-o",
+                            path("e.leaf" if verb == "convert" else "e.nrrd"), "-q", *more)
+        tell(verb + " --cells-to-points", said if rc else "")
+    write("only", fields={}, of_elements={"stress": stress})
+    ends("nothing but variables of the elements", 2, 'the cells have "stress" (--cells-to-points', *take("only"))
+
+
+def choices():
+    write("a.e")
+    ends("no such field", 2, 'no array "wind" of the points, which have "speed", "heat"', *take("a.e", "--field", "wind"))
+    ends("a field twice", 2, "each field is taken once", *take("a.e", "--field", "heat", "--field", "heat"))
+    ends("no such step", 2, "no step 3: there are 3", *take("a.e", "--step", 3))
+    rc, out, said = start(*take("a.e", "--list", "--json"))
+    told = json.loads(out) if rc == 0 else {}
+    tell("--list --json", "" if told.get("times") == TIMES and told.get("name") == "a bent box" and
+         [(f["name"], f["taken"]) for f in told["fields"]] == [("speed", True), ("heat", False)] else (said, told))
+    rc, out, said = start(*take("a.e", "-o", path("a.mesh"), "--json"))
+    told = json.loads(out) if rc == 0 else {}
+    want = dict({shape: len(c) for shape, c in CELLS.items()}, points=NODES, by_corners=0, skipped=5, name="a bent box")
+    tell("--json", {k: told.get(k) for k, v in want.items() if told.get(k) != v} or "")
+    for f, name in ({"a b\x07c": FIELDS["heat"]}, "a b?c"), ({"": FIELDS["heat"]}, "variable 1"), ({"end   ": FIELDS["heat"]}, "end"):
+        write("names", fields=f)
+        rc, out, said = start(*take("names"))
+        got = Stream(out).fields if rc == 0 else said
+        tell("a field called %r" % list(f)[0], "" if len(got) == 1 and (got[0] == name or "?" in name) and "\x07" not in got[0] else got)
+    write("many", fields={"f%04d" % i: FIELDS["heat"] for i in range(300)}, times=TIMES)
+    rc, out, said = start(leafcast, "convert", path("many"), "-o", path("many.leaf"), "--field", "f0299", "--force", "-q")
+    tell("300 variables", said)
+
+
+def vtu(name):
+    """The same mesh, shape by shape as the stream has it."""
+    def numbers(a):
+        return " ".join(repr(x) for x in np.asarray(a).ravel().tolist())
+
+    every = [(VTK[shape], c) for shape in VERTICES for c in CELLS[shape]]
+    arrays = "".join('<DataArray type="Float32" Name="%s" format="ascii">%s</DataArray>' % (f, numbers(v[0].astype("f4"))) for f, v in FIELDS.items())
+    with open(path(name), "w") as f:
+        f.write('<VTKFile type="UnstructuredGrid"><UnstructuredGrid><Piece NumberOfPoints="%d" NumberOfCells="%d"><PointData>%s</PointData><Points>'
+                '<DataArray type="Float32" NumberOfComponents="3" format="ascii">%s</DataArray></Points><Cells>'
+                '<DataArray type="Int64" Name="connectivity" format="ascii">%s</DataArray><DataArray type="Int64" Name="offsets" format="ascii">%s'
+                '</DataArray><DataArray type="UInt8" Name="types" format="ascii">%s</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>' % (
+                    NODES, len(every), arrays, numbers(POINTS.astype("f4")), " ".join(numbers(c) for _, c in every),
+                    numbers(np.cumsum([len(c) for _, c in every])), numbers([t for t, _ in every])))
+
+
+def converted():
+    """convert makes of it what it makes of the same mesh as .vtu, and has its steps."""
+    write("a.exo")
+    vtu("a.vtu")
+    for what, options in (("whole", ("--whole-cells",)), ("split", ()), ("two fields", ("--whole-cells", "--fields", "all"))):
+        made = []
+        for suffix in ("exo", "vtu"):
+            to = path("%s.leaf" % suffix)
+            rc, _, said = start(leafcast, "convert", path("a." + suffix), "-o", to, "--force", "-q", "--name", "same", *options)
+            made.append(open(to, "rb").read() if rc == 0 else said.encode())
+        tell("convert, %s: as the .vtu" % what, "" if made[0] == made[1] else "%d bytes, %d: %s" % (len(made[0]), len(made[1]), made[0][:300]))
+    rc, _, said = start(leafcast, "convert", path("a.exo"), "-o", path("s.leaf"), "--steps", "all", "--whole-cells", "-q")
+    rc, out, said = start(leafcast, "info", path("s.leaf"), "--json") if rc == 0 else (rc, b"", said)
+    told = json.loads(out) if rc == 0 else {}
+    tell("convert --steps all", "" if told.get("times") == TIMES else (said, told.get("times")))
+    rc, out, said = start(leafcast, "convert", path("a.exo"), "-o", path("t.leaf"), "--json", "-q")
+    told = json.loads(out) if rc == 0 else {}
+    tell("convert tells what was left out", "" if told.get("skipped") == 5 else (said, told))
+    rc, out, said = start(leafcast, "info", path("a.exo"), "--json", "-q")
+    told = json.loads(out) if rc == 0 else {}
+    want = {"format": "Exodus", "name": "a bent box", "steps": 3, "times": TIMES, "field": "speed", "field_count": 2}
+    tell("info", {k: told.get(k) for k, v in want.items() if told.get(k) != v} or "")
+
+
+def broken():
+    for name, form in (("classic", "NETCDF3_CLASSIC"), ("nc4", "NETCDF4")):
+        write("whole.exo", form, of_elements={"work": [np.arange(len(b[2])) for b in BLOCKS]})
+        for options in ((), ("--cells-to-points",)):
+            damaged("damaged, %s%s" % (name, " ".join(("",) + options)), path("whole.exo"), path("broken.exo"), 24,
+                    *take("broken.exo", "-o", path("broken.mesh"), "--force", *options))
+    with open(path("text"), "w") as f:
+        f.write("no netCDF file")
+    ends("no netCDF file", 3, "libnetcdf", *take("text"))
+    with Dataset(path("other.nc"), "w") as d:
+        d.createDimension("x", 3)
+    ends("no Exodus file", 3, "expected an Exodus file", *take("other.nc"))
+
+
+for look in forms, large_chunks, blocks, averages, choices, converted, broken:
+    look()
