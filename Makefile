@@ -180,9 +180,12 @@ LIB_view    := $(if $(and $(call has,libwebsockets-dev),$(call has,libturbojpeg0
 LIB_hdf5    := $(if $(call has,libhdf5-dev),$(shell $(PKG_CONFIG) --cflags --libs hdf5-serial))
 # netCDF-4 is HDF5 below, which is looked at before libnetcdf is.
 LIB_netcdf  := $(if $(LIB_hdf5),$(if $(call has,libnetcdf-dev),$(shell $(PKG_CONFIG) --cflags --libs netcdf) $(LIB_hdf5)))
+# CGNS is HDF5 or ADF; its library brings no .pc file.
+LIB_cgns    := $(if $(LIB_hdf5),$(if $(call has,libcgns-dev),-lcgns $(LIB_hdf5)))
 # Exodus is netCDF.
 LIB_exodus  := $(LIB_netcdf)
 ALSO_netcdf := $(addprefix prep/import/hdf5/,hdf5_chunks.c hdf5_lzf.c hdf5_storage.c hdf5_text.c hdf5_walk.c)
+ALSO_cgns   := prep/import/netcdf/netcdf_storage.c $(ALSO_netcdf)
 ALSO_exodus := $(filter-out %_main.c,$(wildcard prep/import/netcdf/*.c)) $(ALSO_netcdf)
 endif
 endif

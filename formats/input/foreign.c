@@ -77,6 +77,8 @@ enum { ANYWHERE = FOREIGN_PEEK };
     { {name, CONVERT, importer, false}, at, bytes, NULL, NULL, suffixes, false, "" }
 #define IMPORTED_IF_NAMED(name, importer, at, bytes, suffixes) \
     { {name, CONVERT, importer, false}, at, bytes, NULL, NULL, suffixes, true, "" }
+#define IMPORTED_MESH(name, importer, bytes) \
+    { {name, CONVERT, importer, true}, 0, bytes, NULL, NULL, "", false, "" }
 #define IMPORTED_MESH_WITH(name, importer, bytes, word) \
     { {name, CONVERT, importer, true}, 0, bytes, word, NULL, "", false, "" }
 #define IMPORTED_MESH_IF_NAMED(name, importer, bytes, suffixes) \
@@ -141,9 +143,11 @@ static const row rows[] = {
     IMPORTED_MESH_IF_NAMED("Exodus", "exodus", BYTES("CDF"), ".exo .ex2 .e .g .exii "),
     REFUSED_WITH("MED", MESHIO("in.med"), BYTES(HDF5), "INFOS_GENERALES"),
     REFUSED_IF_NAMED("MED", MESHIO("in.med"), BYTES(HDF5), ".med .rmed "),
-    REFUSED_WITH("CGNS", PARAVIEW, BYTES(HDF5), "CGNSLibraryVersion"),
-    REFUSED_IF_NAMED("CGNS", PARAVIEW, BYTES(HDF5), ".cgns "),
-    REFUSED("CGNS", PARAVIEW, 0, NO_BYTES, ".cgns "),
+    IMPORTED_MESH_WITH("CGNS", "cgns", BYTES(HDF5), "CGNSLibraryVersion"),
+    IMPORTED_MESH_IF_NAMED("CGNS", "cgns", BYTES(HDF5), ".cgns "),
+    IMPORTED_MESH("CGNS", "cgns",
+                  BYTES("\xc0\xa8\xa3\xa9"
+                        "ADF Database Version")),
     REFUSED_WITH("GADGET, particles", PARTICLES, BYTES(HDF5), "PartType"),
     REFUSED_IF("GADGET, particles", PARTICLES, foreign_is_gadget, ""),
     REFUSED("GADGET, particles", PARTICLES, 0, BYTES("\x08\0\0\0HEAD"), ""),

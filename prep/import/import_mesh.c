@@ -1,6 +1,6 @@
 #include "prep/import/import_mesh.h"
 
-enum { CHUNK = 1 << 16 };
+enum { CHUNK = 1 << 13 };
 
 void import_mesh_close(import_mesh *x) {
     if (x->close)

@@ -171,7 +171,7 @@ case $build in
         verb=${f##*/leafcast-}
         given=$(sed -n "s/^$verb	\([^	]*\)		.*/\1/p" "$tmp/table" | head -n 1)
         suffix=nrrd
-        [ "$verb" != import-exodus ] || suffix=mesh
+        case $verb in import-exodus | import-cgns) suffix=mesh ;; esac
         [ -n "$given" ] || { skip "$verb" "no file of it here"; continue; }
         for kib in 1000 2000 4000 16000 40000 60000 80000 100000; do
             # 127: it is not even loaded.

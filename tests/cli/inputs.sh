@@ -196,6 +196,7 @@ write("VTK surface", (0, b'<?xml version="1.0"?>\n<VTKFile type="PolyData">'))
 write("legacy VTK surface", (0, b"# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\n"))
 open(folder + "PLOT3D", "wb").write(b"\0\0\0\2\0\0\0\3\0\0\0\4" + bytes(16 + 24 * 20))
 open(folder + "Exodus", "wb").write(b"CDF\1" + bytes(30) + b"num_el_blk")
+open(folder + "CGNS", "wb").write(b"\xc0\xa8\xa3\xa9ADF Database Version")
 open(folder + "x.dcm", "wb").write(b"not at all")
 PY
 for format in Analyze gzip zstd "VTK surface" "legacy VTK surface" PLOT3D; do
@@ -229,7 +230,7 @@ exits "OpenVDB without import-vdb" 3 bare convert "$tmp/OpenVDB" -o "$tmp/x.leaf
 ok "is named, with what to do" says "this is OpenVDB, and leafcast-import-vdb, which reads it, is not there"
 exits "a suffix alone" 3 bare convert "$tmp/x.dcm" -o "$tmp/x.leaf" --force
 ok "is a hint" says "this is DICOM, and leafcast-import-dicom"
-for format in DICOM:dicom TIFF:images BigTIFF:images PNG:images JPEG:images OpenEXR:images HDF5:hdf5 NetCDF:netcdf Exodus:exodus; do
+for format in DICOM:dicom TIFF:images BigTIFF:images PNG:images JPEG:images OpenEXR:images HDF5:hdf5 NetCDF:netcdf Exodus:exodus CGNS:cgns; do
     play "import-${format#*:}" <<'X'
 echo "leafcast $(basename "$0"): F: refused on purpose" >&2
 exit 3

@@ -561,6 +561,23 @@ import-exodus|--help|shown help|
 import-exodus|--help-all|shown help|
 import-exodus|--usage|taken||--usage
 import-exodus|--version|taken||--version
+import-cgns|--by-corners|shown import_cgns|
+import-cgns|--cells-to-points|shown import_cgns|
+import-cgns|--field|shown import_cgns|
+import-cgns|--follow-links|shown named_files|
+import-cgns|--allow-missing|shown absent_parts|
+import-cgns|--list|shown import_cgns|
+import-cgns|--step|shown import_cgns|
+import-cgns|--output|shown import_options|
+import-cgns|--quiet|shown import_options|
+import-cgns|--verbose|shown import_options|
+import-cgns|--memory|shown import_options|
+import-cgns|--json|shown import_options|
+import-cgns|--force|shown import_options|
+import-cgns|--help|shown help|
+import-cgns|--help-all|shown help|
+import-cgns|--usage|taken||--usage
+import-cgns|--version|taken||--version
 import-dicom|--allow-gaps|shown import_dicom|
 import-dicom|--component|shown import_dicom|
 import-dicom|--field|shown import_dicom|

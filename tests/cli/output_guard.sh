@@ -155,7 +155,7 @@ walk() { # walk READER GIVEN OPTIONS FILES
     mesh_*) over resample "$@" ;;
     import-*)
         suffix=nrrd
-        [ "$reader" != import-exodus ] || suffix=mesh
+        case $reader in import-exodus | import-cgns) suffix=mesh ;; esac
         exits "$given: $reader" 0 "$leafcast" "$reader" "$@" -o "$tmp/form.$suffix" --force
         over "$reader" "$@"
         ;;

@@ -39,7 +39,7 @@ render g.leaf --iso 99 --size 8x8 --format ppm|.ppm
 probe g.leaf --ray 0,4,4,1,0,0 --csv|.csv
 probe g.leaf --ray 0,4,4,1,0,0 --svg|.svg
 TABLE
-for verb in vdb:nrrd images:nrrd dicom:nrrd hdf5:nrrd netcdf:nrrd exodus:mesh; do
+for verb in vdb:nrrd images:nrrd dicom:nrrd hdf5:nrrd netcdf:nrrd exodus:mesh cgns:mesh; do
     "$leafcast" --list-verbs own | grep -qx "import-${verb%:*}" && echo "import-${verb%:*} absent.input|.${verb#*:}" >>verbs
 done
 

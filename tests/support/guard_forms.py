@@ -262,6 +262,19 @@ def exodus():
     form("import-exodus", write("two.exo", exodus_file.tets()))
 
 
+def cgns():
+    try:
+        import cgns_file
+        f, base = cgns_file.create("two.cgns")
+    except ImportError:
+        return skip("import-cgns", "no h5py here")
+    z = cgns_file.zone(base, "two", CORNERS, len(TETS))
+    cgns_file.section(z, "tets", "tets", 1, TETS)
+    cgns_file.solution(z, "s", "Vertex", {"v": range(len(CORNERS))})
+    f.close()
+    form("import-cgns", "two.cgns")
+
+
 def netcdf():
     def text(name):
         return struct.pack(">i", len(name)) + name.encode().ljust((len(name) + 3) // 4 * 4, b"\0")
@@ -310,5 +323,5 @@ def dicom():
     form("import-dicom", "dcm", *["dcm/%d.dcm" % z for z in range(4)])
 
 
-for make in nrrd, metaimage, nifti, others, vtk_grids, xdmf_raw, raw, zarr, meshes, surfaces, hdf5, netcdf, exodus, images, dicom:
+for make in nrrd, metaimage, nifti, others, vtk_grids, xdmf_raw, raw, zarr, meshes, surfaces, hdf5, netcdf, exodus, cgns, images, dicom:
     make()

@@ -311,7 +311,7 @@ OPENS = {
     "prep/import/hdf5/hdf5_storage.c": "rule", "prep/import/images/image_file.cpp": "folder",
     "prep/import/images/jpeg_end.c": "folder", "prep/import/images/tiff_pages.c": "folder",
     "prep/import/netcdf/netcdf_slices.c": "given", "prep/import/netcdf/netcdf_storage.c": "given",
-    "prep/import/exodus/exodus_mesh.c": "given",
+    "prep/import/exodus/exodus_mesh.c": "given", "prep/import/cgns/cgns_file.c": "given",
     "prep/import/vdb/vdb_archive.cpp": "given", "prep/leafcast_prep.c": "given", "prep/resample/resample_input.c": "given",
 }
 OPENERS = re.compile(r"\b(file_open|byte_stream_open(_stored)?|fopen|H5Fopen|nc_open|ifstream|loadFile|open\w*File)\b *[(,;]|\bifstream\b"

@@ -4,32 +4,22 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "formats/base/text.h"
-#include "formats/mesh/mesh_choice.h"
 #include "prep/import/exodus/exodus_averages.h"
 #include "prep/import/exodus/exodus_blocks.h"
 #include "prep/import/hdf5/hdf5_storage.h"
+#include "prep/import/import_fields.h"
 #include "prep/import/netcdf/netcdf_storage.h"
-
-typedef char field_name[MESH_NAME_MAX + 1];
 
 enum { READ_NUMBERS = 2048, AXES = 3 };
 
-/* Whose variables; a row of owners[]. */
-typedef enum owner { NODES, ELEMENTS, OWNERS } owner;
-
+/* The variables of the nodes and of the elements. */
 static const struct {
     const char *names, *count; /* in the file */
-    const char *type;          /* for --list */
-} owners[OWNERS] = {
+    const char *of;
+} owners[IMPORT_OWNERS] = {
     {"name_nod_var", "num_nod_var", "of the nodes"},
     {"name_elem_var", "num_elem_var", "of the elements"},
 };
-
-typedef struct name_array {
-    field_name *of;
-    uint32_t count;
-} name_array;
 
 typedef struct exodus {
     mem *m;
@@ -37,15 +27,9 @@ typedef struct exodus {
     file *guard; /* the same file, opened so that the guard knows it as an input */
     exodus_numbers n;
     exodus_blocks blocks;
-    uint64_t nodes, steps;
-    name_array names[OWNERS];
+    uint64_t nodes;
+    import_fields fields;
     exodus_averages averages;
-    /* What is taken: */
-    owner owner;
-    uint32_t step;
-    uint32_t *taken; /* which of the owner's names */
-    uint32_t taken_count;
-    const char **further; /* names of all but the first */
 } exodus;
 
 /* ---- opening ---- */
@@ -54,10 +38,7 @@ static void close_exodus(void *ctx) {
     exodus *x = ctx;
     exodus_averages_release(&x->averages);
     exodus_blocks_release(&x->blocks);
-    for (int o = 0; o < OWNERS; o++)
-        mem_free(x->m, x->names[o].of);
-    mem_free(x->m, x->taken);
-    mem_free(x->m, x->further);
+    import_fields_release(&x->fields);
     if (x->n.id >= 0)
         nc_close(x->n.id);
     file_close(x->guard);
@@ -83,28 +64,34 @@ static status open_library(exodus *x, const import_request *q) {
 }
 
 /* Read the names of the variables. One without a name is called by its number. */
-static status read_names(exodus *x, owner o) {
-    const int variable = exodus_numbers_find(&x->n, owners[o].names);
-    const uint64_t count = variable < 0 ? 0 : exodus_numbers_dim(&x->n, owners[o].count);
-    name_array *names = &x->names[o];
-    if (count > MESH_STREAM_FIELDS_MAX)
-        return status_describe(ST_UNSUPPORTED, "%s: %llu variables %s, at most %d are read",
-                               x->n.path, (unsigned long long)count, owners[o].type,
-                               MESH_STREAM_FIELDS_MAX);
-    names->of = mem_array(x->m, count + 1, sizeof *names->of);
-    for (uint32_t i = 0; names->of && i < count; i++, names->count++) {
-        char *name = names->of[i];
-        exodus_numbers_name(&x->n, variable, i, name, sizeof(field_name));
+static status read_names(exodus *x, import_owner owner) {
+    const int variable = exodus_numbers_find(&x->n, owners[owner].names);
+    const uint64_t count = variable < 0 ? 0 : exodus_numbers_dim(&x->n, owners[owner].count);
+    status st = ST_OK;
+    x->fields.of[owner] = owners[owner].of;
+    for (uint64_t i = 0; i < count && st == ST_OK; i++) {
+        char name[MESH_NAME_MAX + 1];
+        exodus_numbers_name(&x->n, variable, (size_t)i, name, sizeof name);
         if (!*name)
-            snprintf(name, sizeof(field_name), "variable %u", i + 1);
+            snprintf(name, sizeof name, "variable %llu", (unsigned long long)i + 1);
+        st = import_fields_add(&x->fields, owner, name);
     }
-    return names->of ? ST_OK : ST_NOMEM;
+    return st;
+}
+
+static status read_times(exodus *x) {
+    const int variable = exodus_numbers_find(&x->n, "time_whole");
+    const size_t start = 0, count = (size_t)x->fields.steps;
+    if (variable < 0 || count == 0)
+        return ST_OK;
+    double *times = x->fields.times = mem_array(x->m, count, sizeof *times);
+    return times ? exodus_numbers_read(&x->n, variable, 1, &start, &count, times) : ST_NOMEM;
 }
 
 static status read_sizes(exodus *x) {
     const uint64_t axes = exodus_numbers_dim(&x->n, "num_dim");
     x->nodes = exodus_numbers_dim(&x->n, "num_nodes");
-    x->steps = exodus_numbers_dim(&x->n, "time_step");
+    x->fields.steps = exodus_numbers_dim(&x->n, "time_step");
     if (axes == 0 || exodus_numbers_dim(&x->n, "num_el_blk") == 0)
         return status_describe(
             ST_UNSUPPORTED, "%s: expected an Exodus file, with num_dim and num_el_blk", x->n.path);
@@ -114,8 +101,10 @@ static status read_sizes(exodus *x) {
     if (x->nodes > MESH_POINTS_MAX)
         return status_describe(ST_UNSUPPORTED, "%s: %llu nodes, at most %llu are read", x->n.path,
                                (unsigned long long)x->nodes, (unsigned long long)MESH_POINTS_MAX);
-    status st = read_names(x, NODES);
-    return st == ST_OK ? read_names(x, ELEMENTS) : st;
+    status st = read_names(x, IMPORT_POINTS);
+    if (st == ST_OK)
+        st = read_names(x, IMPORT_CELLS);
+    return st == ST_OK ? read_times(x) : st;
 }
 
 static status open_exodus(mem *m, const import_request *q, exodus **out) {
@@ -123,6 +112,7 @@ static status open_exodus(mem *m, const import_request *q, exodus **out) {
     if (!x)
         return ST_NOMEM;
     x->m = x->blocks.m = m;
+    x->fields = (import_fields){.m = m, .path = q->paths[0]};
     x->n.id = -1;
     status st = open_library(x, q);
     if (st == ST_OK)
@@ -133,51 +123,6 @@ static status open_exodus(mem *m, const import_request *q, exodus **out) {
     }
     *out = x;
     return ST_OK;
-}
-
-/* ---- what is taken ---- */
-
-static status no_such(const exodus *x, const char *name) {
-    const mesh_hints asked = {.field = name, .cells_to_points = x->owner == ELEMENTS};
-    name_list there[OWNERS] = {{0}, {0}};
-    for (int o = 0; o < OWNERS; o++)
-        for (uint32_t i = 0; i < x->names[o].count; i++)
-            name_list_add(&there[o], x->names[o].of[i]);
-    return mesh_choice_missing(x->n.path, &asked, &there[NODES], &there[ELEMENTS]);
-}
-
-/* Take a variable by its name; NULL: the first, if there are any. */
-static status take_one(exodus *x, const char *name) {
-    const name_array *names = &x->names[x->owner];
-    uint32_t i = 0;
-    while (name && i < names->count && !text_same_name(name, names->of[i], sizeof(field_name)))
-        i++;
-    if (i == names->count)
-        return no_such(x, name);
-    for (uint32_t k = 0; k < x->taken_count; k++)
-        if (x->taken[k] == i)
-            return status_describe(ST_USAGE, "--field %s: each field is taken once", name);
-    x->taken[x->taken_count++] = i;
-    return ST_OK;
-}
-
-static status take_fields(exodus *x, const import_request *q) {
-    const char *const first[1] = {NULL};
-    const uint32_t count = q->field_count ? q->field_count : 1;
-    const char *const *fields = q->field_count ? q->fields : first;
-    x->taken = mem_array(x->m, count, sizeof *x->taken);
-    x->further = mem_array(x->m, count, sizeof *x->further);
-    x->owner = q->cells_to_points ? ELEMENTS : NODES;
-    x->step = q->step;
-    status st = x->taken && x->further ? ST_OK : ST_NOMEM;
-    for (uint32_t i = 0; i < count && st == ST_OK; i++)
-        st = take_one(x, fields[i]);
-    for (uint32_t i = 1; i < x->taken_count; i++)
-        x->further[i - 1] = x->names[x->owner].of[x->taken[i]];
-    if (st == ST_OK && (x->taken_count > 0 || q->step > 0) && q->step >= x->steps)
-        st = status_describe(ST_USAGE, "%s: no step %u: there are %llu, counted from 0", x->n.path,
-                             q->step, (unsigned long long)x->steps);
-    return st;
 }
 
 /* ---- reading ---- */
@@ -227,14 +172,15 @@ static status give_points(void *ctx, uint64_t first, size_t count, float (*xyz)[
 
 static status give_values(void *ctx, uint32_t field, uint64_t first, size_t count, float *to) {
     exodus *x = ctx;
-    if (x->owner == ELEMENTS)
-        return exodus_averages_read(&x->averages, x->taken[field], first, count, to);
+    const uint32_t variable = x->fields.taken[field], step = x->fields.step;
+    if (x->fields.owner == IMPORT_CELLS)
+        return exodus_averages_read(&x->averages, variable, first, count, to);
     char name[64];
-    snprintf(name, sizeof name, "vals_nod_var%u", x->taken[field] + 1);
-    row r = {.rank = 2, .start = {x->step}};
+    snprintf(name, sizeof name, "vals_nod_var%u", variable + 1);
+    row r = {.rank = 2, .start = {step}};
     if (exodus_numbers_find(&x->n, "vals_nod_var") >= 0) { /* all of them in one */
         snprintf(name, sizeof name, "vals_nod_var");
-        r = (row){.rank = 3, .start = {x->step, x->taken[field]}};
+        r = (row){.rank = 3, .start = {step, variable}};
     }
     status st = find_row(x, name, &r);
     return st == ST_OK ? read_row(x, &r, first, count, to, 1) : st;
@@ -257,11 +203,7 @@ static void describe(const exodus *x, import_mesh *out) {
     memcpy(h->cells, x->blocks.cells, sizeof h->cells);
     h->by_corners = x->blocks.higher;
     h->skipped = x->blocks.skipped;
-    if (x->taken_count == 0)
-        return;
-    memcpy(h->field, x->names[x->owner].of[x->taken[0]], sizeof h->field);
-    h->fields = x->further;
-    h->field_count = x->taken_count - 1;
+    import_fields_describe(&x->fields, h);
 }
 
 status exodus_mesh_open(mem *m, const import_request *q, import_mesh *out) {
@@ -274,63 +216,24 @@ status exodus_mesh_open(mem *m, const import_request *q, import_mesh *out) {
                          .values = give_values,
                          .cells = give_cells,
                          .close = close_exodus};
-    st = take_fields(x, q);
+    st = import_fields_take(&x->fields, q);
     if (st == ST_OK)
         st = exodus_blocks_read(m, &x->n, q->by_corners, &x->blocks);
     x->averages = (exodus_averages){
-        .m = m, .n = &x->n, .blocks = &x->blocks, .nodes = x->nodes, .step = x->step};
+        .m = m, .n = &x->n, .blocks = &x->blocks, .nodes = x->nodes, .step = x->fields.step};
     if (st == ST_OK)
         describe(x, out);
     return st;
 }
 
-/* ---- listing ---- */
-
-static status read_times(exodus *x, double **times) {
-    const int variable = exodus_numbers_find(&x->n, "time_whole");
-    const size_t start = 0, count = (size_t)x->steps;
-    if (variable < 0 || count == 0)
-        return ST_OK;
-    *times = mem_array(x->m, count, sizeof **times);
-    return *times ? exodus_numbers_read(&x->n, variable, 1, &start, &count, *times) : ST_NOMEM;
-}
-
-static status list_owner(const exodus *x, owner o, const import_list *to) {
-    status st = ST_OK;
-    for (uint32_t i = 0; i < x->names[o].count && st == ST_OK; i++) {
-        import_item item = {.name = x->names[o].of[i],
-                            .type = owners[o].type,
-                            .shape = {x->nodes, 1, 1, x->steps},
-                            .of_cells = o == ELEMENTS};
-        for (uint32_t k = 0; k < x->taken_count; k++)
-            item.taken = item.taken || (x->owner == o && x->taken[k] == i);
-        st = to->take(to->ctx, &item);
-    }
-    return st;
-}
-
-static status list_about(exodus *x, const import_list *to) {
-    char title[MESH_NAME_MAX + 1];
-    double *times = NULL;
-    read_title(x, title);
-    status st = read_times(x, &times);
-    if (st == ST_OK)
-        st = to->about(to->ctx, title, x->steps, times);
-    mem_free(x->m, times);
-    return st;
-}
-
 status exodus_mesh_list(mem *m, const import_request *q, const import_list *to) {
     exodus *x = NULL;
+    char title[MESH_NAME_MAX + 1];
     status st = open_exodus(m, q, &x);
     if (st != ST_OK)
         return st;
-    if (q->field_count > 0 || x->names[q->cells_to_points ? ELEMENTS : NODES].count > 0)
-        st = take_fields(x, q);
-    if (st == ST_OK && to->about)
-        st = list_about(x, to);
-    for (int o = 0; o < OWNERS && st == ST_OK; o++)
-        st = list_owner(x, (owner)o, to);
+    read_title(x, title);
+    st = import_fields_list(&x->fields, q, title, x->nodes, to);
     close_exodus(x);
     return st;
 }

@@ -1,0 +1,322 @@
+#include "prep/import/cgns/cgns_fields.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "formats/base/text.h"
+
+enum { READ_NUMBERS = 2048, STEPS_MAX = 1 << 20 };
+
+/* ---- names ---- */
+
+/* Whose fields a solution has; IMPORT_OWNERS: neither's. */
+static import_owner owner_of(CGNS_ENUMT(GridLocation_t) location) {
+    return location == CGNS_ENUMV(Vertex)       ? IMPORT_POINTS
+           : location == CGNS_ENUMV(CellCenter) ? IMPORT_CELLS
+                                                : IMPORT_OWNERS;
+}
+
+static status add_solution(cgns_fields *x, int zone, int solution) {
+    const cgns_file *f = x->f;
+    char name[CGNS_NAME];
+    CGNS_ENUMT(GridLocation_t) location;
+    CGNS_ENUMT(DataType_t) type;
+    int fields = 0;
+    if (cg_sol_info(f->id, f->base, zone + 1, solution, name, &location) != CG_OK ||
+        cg_nfields(f->id, f->base, zone + 1, solution, &fields) != CG_OK)
+        return cgns_file_failed(f, "a solution");
+    const import_owner owner = owner_of(location);
+    status st = ST_OK;
+    for (int i = 1; i <= fields && owner != IMPORT_OWNERS && st == ST_OK; i++) {
+        if (cg_field_info(f->id, f->base, zone + 1, solution, i, &type, name) != CG_OK)
+            return cgns_file_failed(f, "a field");
+        if (!import_fields_has(&x->all, owner, name))
+            st = import_fields_add(&x->all, owner, name);
+    }
+    return st;
+}
+
+static status add_zone(cgns_fields *x, int zone) {
+    int solutions = 0;
+    if (cg_nsols(x->f->id, x->f->base, zone + 1, &solutions) != CG_OK)
+        return cgns_file_failed(x->f, "solutions");
+    status st = ST_OK;
+    for (int s = 1; s <= solutions && st == ST_OK; s++)
+        st = add_solution(x, zone, s);
+    return st;
+}
+
+/* ---- steps ---- */
+
+/* An array of the node that cg_goto() has gone to. */
+typedef struct array {
+    int number;
+    char name[CGNS_NAME];
+    CGNS_ENUMT(DataType_t) type;
+    uint64_t dims[2]; /* 1 of those that there are not */
+} array;
+
+/* Go through the arrays there: *a is the next one behind a->number; false: there is none. */
+static bool next_array(array *a) {
+    int count = 0, rank = 0;
+    cgsize_t dims[12] = {0};
+    if (cg_narrays(&count) != CG_OK || a->number >= count ||
+        cg_array_info(++a->number, a->name, &a->type, &rank, dims) != CG_OK)
+        return false;
+    a->dims[0] = rank >= 1 && rank <= 2 && dims[0] > 0 ? (uint64_t)dims[0] : 0;
+    a->dims[1] = rank == 2 && dims[1] > 0 ? (uint64_t)dims[1] : 1;
+    return true;
+}
+
+static status read_steps(cgns_fields *x) {
+    const cgns_file *f = x->f;
+    char name[CGNS_NAME];
+    int steps = 0;
+    array a = {0};
+    x->all.steps = 1;
+    if (cg_biter_read(f->id, f->base, name, &steps) != CG_OK || steps < 1 || steps > STEPS_MAX)
+        return ST_OK;
+    x->all.steps = (uint32_t)steps;
+    if (cg_goto(f->id, f->base, "BaseIterativeData_t", 1, "end") != CG_OK)
+        return ST_OK;
+    while (next_array(&a) && !x->all.times) {
+        if (strcmp(a.name, "TimeValues") != 0 || a.dims[0] * a.dims[1] != x->all.steps)
+            continue;
+        double *times = x->all.times = mem_array(f->m, x->all.steps, sizeof *times);
+        if (!times)
+            return ST_NOMEM;
+        if (cg_array_read_as(a.number, CGNS_ENUMV(RealDouble), times) != CG_OK)
+            return cgns_file_failed(f, "TimeValues");
+    }
+    return ST_OK;
+}
+
+status cgns_fields_open(const cgns_file *f, cgns_fields *x) {
+    *x = (cgns_fields){.f = f, .all = {.m = f->m, .path = f->path}};
+    x->all.of[IMPORT_POINTS] = "of the nodes";
+    x->all.of[IMPORT_CELLS] = "of the cells";
+    x->solutions = mem_array(f->m, (size_t)f->zone_count + 1, sizeof *x->solutions);
+    status st = x->solutions ? read_steps(x) : ST_NOMEM;
+    for (int z = 0; z < f->zone_count && st == ST_OK; z++)
+        st = add_zone(x, z);
+    return st;
+}
+
+void cgns_fields_release(cgns_fields *x) {
+    if (!x->f)
+        return;
+    import_fields_release(&x->all);
+    mem_free(x->f->m, x->solutions);
+    mesh_average_release(&x->sums);
+}
+
+/* ---- a field at a step ---- */
+
+enum { POINTER = 32 }; /* characters of a solution's name, without a NUL */
+
+/* The arrays that name the solutions of each step: FlowSolutionPointers, and what others call those
+ * of nodes and cells. */
+static bool points_to_solutions(const array *a, uint64_t steps) {
+    const size_t length = strlen(a->name);
+    return strncmp(a->name, "Flow", 4) == 0 && length > 8 &&
+           strcmp(a->name + length - 8, "Pointers") == 0 && a->type == CGNS_ENUMV(Character) &&
+           a->dims[0] == POINTER && a->dims[1] == steps;
+}
+
+/* Read the names of a zone's solutions at a step, each with a slash behind it; "": none are named.
+ */
+static status read_pointers(const cgns_fields *x, int zone, char *to, size_t room) {
+    const cgns_file *f = x->f;
+    array a = {0};
+    char name[CGNS_NAME];
+    *to = 0;
+    if (cg_ziter_read(f->id, f->base, zone + 1, name) != CG_OK ||
+        cg_goto(f->id, f->base, "Zone_t", zone + 1, "ZoneIterativeData_t", 1, "end") != CG_OK)
+        return ST_OK;
+    while (next_array(&a)) {
+        if (!points_to_solutions(&a, x->all.steps))
+            continue;
+        char *all = mem_alloc(f->m, (size_t)POINTER * (size_t)x->all.steps);
+        if (!all)
+            return ST_NOMEM;
+        const int error = cg_array_read(a.number, all);
+        int length = POINTER;
+        const char *at = all + (size_t)x->all.step * POINTER;
+        while (length > 0 && (at[length - 1] == ' ' || at[length - 1] == 0))
+            length--;
+        if (error == CG_OK)
+            text_add(to, room, "/%.*s/", length, at);
+        mem_free(f->m, all);
+        if (error != CG_OK)
+            return cgns_file_failed(f, a.name);
+    }
+    return ST_OK;
+}
+
+static bool has_field(const cgns_file *f, int zone, int solution, const char *name) {
+    int fields = 0;
+    char other[CGNS_NAME];
+    CGNS_ENUMT(DataType_t) type;
+    if (cg_nfields(f->id, f->base, zone + 1, solution, &fields) != CG_OK)
+        return false;
+    for (int i = 1; i <= fields; i++)
+        if (cg_field_info(f->id, f->base, zone + 1, solution, i, &type, other) == CG_OK &&
+            strcmp(other, name) == 0)
+            return true;
+    return false;
+}
+
+/* Find a zone's solution that has the field. */
+static status find_solution(const cgns_fields *x, int zone, int *found) {
+    const cgns_file *f = x->f;
+    char pointers[4 * CGNS_NAME], name[CGNS_NAME], quoted[CGNS_NAME + 2];
+    int solutions = 0;
+    *found = 0;
+    status st = read_pointers(x, zone, pointers, sizeof pointers);
+    if (st == ST_OK && cg_nsols(f->id, f->base, zone + 1, &solutions) != CG_OK)
+        st = cgns_file_failed(f, "solutions");
+    for (int s = 1; s <= solutions && *found == 0 && st == ST_OK; s++) {
+        CGNS_ENUMT(GridLocation_t) location;
+        if (cg_sol_info(f->id, f->base, zone + 1, s, name, &location) != CG_OK)
+            return cgns_file_failed(f, "a solution");
+        snprintf(quoted, sizeof quoted, "/%s/", name);
+        if (owner_of(location) == x->all.owner && (!*pointers || strstr(pointers, quoted)) &&
+            has_field(f, zone, s, x->name))
+            *found = s;
+    }
+    return st;
+}
+
+static status turn_to(cgns_fields *x, uint32_t k) {
+    status st = ST_OK;
+    x->name = import_fields_taken(&x->all, k);
+    x->turned = k + 1;
+    for (int z = 0; z < x->f->zone_count && st == ST_OK; z++)
+        st = find_solution(x, z, &x->solutions[z]);
+    mesh_average_release(&x->sums);
+    x->sums = (mesh_average){0};
+    return st;
+}
+
+/* ---- values ---- */
+
+typedef struct place {
+    const cgns_fields *x;
+    int zone;
+} place;
+
+static status read_box(void *ctx, const cgsize_t lo[3], const cgsize_t hi[3], double *to) {
+    const place *p = ctx;
+    const cgns_fields *x = p->x;
+    return cg_field_read(x->f->id, x->f->base, p->zone + 1, x->solutions[p->zone], x->name,
+                         CGNS_ENUMV(RealDouble), lo, hi, to) == CG_OK
+               ? ST_OK
+               : cgns_file_failed(x->f, x->name);
+}
+
+static status read_nodes(cgns_fields *x, uint64_t first, size_t count, float *to) {
+    double numbers[READ_NUMBERS];
+    status st = ST_OK;
+    for (size_t i = 0, some; i < count && st == ST_OK; i += some) {
+        const int zone = cgns_file_zone(x->f, first + i);
+        const cgns_zone *z = &x->f->zones[zone];
+        const uint64_t at = first + i - z->first, left = z->nodes - at;
+        some = count - i < READ_NUMBERS ? count - i : READ_NUMBERS;
+        some = left < some ? (size_t)left : some;
+        if (x->solutions[zone] > 0)
+            st = cgns_file_boxes(z->dims, at, some, read_box, &(place){x, zone}, numbers);
+        for (size_t k = 0; k < some && st == ST_OK; k++)
+            to[i + k] = x->solutions[zone] > 0 ? (float)numbers[k] : NAN;
+    }
+    return st;
+}
+
+/* Values of a zone's cells, in order. */
+typedef struct cell_values {
+    int zone;
+    uint64_t at, begun;
+    size_t held;
+    double numbers[READ_NUMBERS];
+} cell_values;
+
+static status next_value(const cgns_fields *x, cell_values *v, double *value) {
+    const cgns_zone *z = &x->f->zones[v->zone];
+    const uint64_t all = z->cells[0] * z->cells[1] * z->cells[2], i = v->at++;
+    status st = ST_OK;
+    if (i >= all)
+        return status_describe(ST_CORRUPT, "%s: zone %d has more cells than the %llu it tells of",
+                               x->f->path, v->zone + 1, (unsigned long long)all);
+    if (v->held == 0 || i - v->begun >= v->held) {
+        v->begun = i;
+        v->held = all - i < READ_NUMBERS ? (size_t)(all - i) : READ_NUMBERS;
+        st = cgns_file_boxes(z->cells, i, v->held, read_box, &(place){x, v->zone}, v->numbers);
+    }
+    *value = v->numbers[i - v->begun];
+    return st;
+}
+
+static status add_cell(cgns_fields *x, const cgns_cell *cell, cell_values *v) {
+    double value = 0;
+    uint64_t wide[HEX_CORNERS];
+    if (cell->zone != v->zone) {
+        v->zone = cell->zone;
+        v->at = 0;
+        v->held = 0;
+    }
+    if (x->solutions[cell->zone] == 0)
+        return ST_OK;
+    const status st = next_value(x, v, &value);
+    for (int i = 0; i < cell_shape_vertices(cell->shape); i++)
+        wide[i] = cell->ids[i];
+    if (st == ST_OK)
+        mesh_average_add(&x->sums, 0, cell->shape, wide, value);
+    return st;
+}
+
+/* Add all cells' values to the window of nodes. */
+static status add_cells(cgns_fields *x, cgns_cells *cells) {
+    cgns_walk *w = mem_alloc(x->f->m, sizeof *w);
+    cell_values *v = mem_zalloc(x->f->m, sizeof *v);
+    status st = w && v ? ST_OK : ST_NOMEM;
+    bool more = st == ST_OK;
+    if (more) {
+        cgns_walk_begin(w, cells, -1);
+        v->zone = -1;
+    }
+    while (st == ST_OK && more) {
+        cgns_cell cell;
+        st = cgns_walk_next(w, &cell, &more);
+        if (st == ST_OK && more)
+            st = add_cell(x, &cell, v);
+    }
+    mem_free(x->f->m, w);
+    mem_free(x->f->m, v);
+    return st;
+}
+
+static status read_means(cgns_fields *x, cgns_cells *cells, uint64_t first, size_t count,
+                         float *to) {
+    status st = ST_OK;
+    for (size_t i = 0; i < count && st == ST_OK; i++) {
+        const uint64_t node = first + i;
+        const bool begins = !x->sums.m;
+        if (begins)
+            st = mesh_average_begin_rounds(&x->sums, x->f->m, x->f->nodes, 1);
+        if (st == ST_OK &&
+            (begins || (node >= x->sums.first + x->sums.count && mesh_average_next(&x->sums))))
+            st = add_cells(x, cells);
+        if (st == ST_OK)
+            to[i] = (float)mesh_average_value(&x->sums, 0, (size_t)(node - x->sums.first));
+    }
+    return st;
+}
+
+status cgns_fields_read(cgns_fields *x, cgns_cells *cells, uint32_t k, uint64_t first, size_t count,
+                        float *to) {
+    const status st = x->turned == k + 1 ? ST_OK : turn_to(x, k);
+    if (st != ST_OK)
+        return st;
+    return x->all.owner == IMPORT_CELLS ? read_means(x, cells, first, count, to)
+                                        : read_nodes(x, first, count, to);
+}

@@ -1,0 +1,119 @@
+#include "prep/import/cgns/cgns_mesh.h"
+
+#include <string.h>
+
+#include "formats/base/text.h"
+#include "prep/import/cgns/cgns_cells.h"
+#include "prep/import/cgns/cgns_fields.h"
+
+typedef struct cgns {
+    cgns_file file;
+    cgns_fields fields;
+    cgns_cells cells;
+    cgns_walk *walk; /* over cells of one shape */
+} cgns;
+
+static void close_cgns(void *ctx) {
+    cgns *x = ctx;
+    mem *m = x->file.m;
+    mem_free(m, x->walk);
+    cgns_cells_release(&x->cells);
+    cgns_fields_release(&x->fields);
+    cgns_file_close(&x->file);
+    mem_free(m, x);
+}
+
+static status open_cgns(mem *m, const import_request *q, cgns **out) {
+    cgns *x = mem_zalloc(m, sizeof *x);
+    if (!x)
+        return ST_NOMEM;
+    status st = cgns_file_open(m, q, &x->file);
+    if (st == ST_OK)
+        st = cgns_fields_open(&x->file, &x->fields);
+    if (st != ST_OK) {
+        close_cgns(x);
+        return st;
+    }
+    *out = x;
+    return ST_OK;
+}
+
+static void read_title(const cgns *x, char to[MESH_NAME_MAX + 1]) {
+    char name[CGNS_NAME] = "";
+    int cell_axes, axes;
+    if (cg_base_read(x->file.id, x->file.base, name, &cell_axes, &axes) != CG_OK)
+        name[0] = 0;
+    text_name(to, MESH_NAME_MAX + 1, name);
+}
+
+/* ---- reading ---- */
+
+static status give_points(void *ctx, uint64_t first, size_t count, float (*xyz)[3]) {
+    const cgns *x = ctx;
+    return cgns_file_points(&x->file, first, count, xyz);
+}
+
+static status give_values(void *ctx, uint32_t field, uint64_t first, size_t count, float *to) {
+    cgns *x = ctx;
+    return cgns_fields_read(&x->fields, &x->cells, field, first, count, to);
+}
+
+static status give_cells(void *ctx, cell_shape shape, uint64_t first, size_t count, uint32_t *ids) {
+    cgns *x = ctx;
+    const size_t corners = (size_t)cell_shape_vertices(shape);
+    status st = ST_OK;
+    if (first == 0)
+        cgns_walk_begin(x->walk, &x->cells, (int)shape);
+    for (size_t i = 0; i < count && st == ST_OK; i++) {
+        cgns_cell cell;
+        bool more;
+        st = cgns_walk_next(x->walk, &cell, &more);
+        if (st == ST_OK && !more)
+            st = status_describe(ST_CORRUPT, "%s: fewer cells than were counted", x->file.path);
+        if (st == ST_OK)
+            memcpy(ids + i * corners, cell.ids, corners * sizeof *ids);
+    }
+    return st;
+}
+
+static void describe(const cgns *x, import_mesh *out) {
+    mesh_stream_header *h = &out->header;
+    read_title(x, h->name);
+    h->points = x->file.nodes;
+    h->tets = x->cells.of[CELL_TET];
+    memcpy(h->cells, x->cells.of, sizeof h->cells);
+    h->by_corners = x->cells.higher;
+    h->skipped = x->cells.skipped;
+    import_fields_describe(&x->fields.all, h);
+}
+
+status cgns_mesh_open(mem *m, const import_request *q, import_mesh *out) {
+    cgns *x = NULL;
+    status st = open_cgns(m, q, &x);
+    if (st != ST_OK)
+        return st;
+    *out = (import_mesh){.ctx = x,
+                         .points = give_points,
+                         .values = give_values,
+                         .cells = give_cells,
+                         .close = close_cgns};
+    x->walk = mem_alloc(m, sizeof *x->walk);
+    st = x->walk ? import_fields_take(&x->fields.all, q) : ST_NOMEM;
+    if (st == ST_OK)
+        st = cgns_cells_open(&x->file, q->by_corners, &x->cells);
+    if (st == ST_OK)
+        describe(x, out);
+    return st;
+}
+
+status cgns_mesh_list(mem *m, const import_request *q, const import_list *to) {
+    cgns *x = NULL;
+    char title[MESH_NAME_MAX + 1];
+    status st = open_cgns(m, q, &x);
+    if (st != ST_OK)
+        return st;
+    read_title(x, title);
+    st = import_fields_list(&x->fields.all, q, title, x->file.nodes, to);
+    close_cgns(x);
+    return st;
+}

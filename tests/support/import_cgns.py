@@ -1,0 +1,258 @@
+#!/usr/bin/env python3
+"""import_cgns.py LEAFCAST FOLDER - CGNS files by h5py, and what leafcast import-cgns makes of them."""
+import ctypes
+import itertools
+import json
+import shutil
+import sys
+
+from imported import damaged, elsewhere, ends, np, start, tell
+from imported_mesh import CELLS, NODES, POINTS, Stream, holds, near
+
+try:
+    import h5py
+except ImportError:
+    elsewhere()
+
+import cgns_file as cgns
+
+leafcast, folder = sys.argv[1:3]
+TIMES = [0.0, 0.25, 1.5]
+
+
+def path(name):
+    return folder + "/" + name
+
+
+def take(name, *arguments):
+    return (leafcast, "import-cgns", path(name), *arguments)
+
+
+def field(points, number, step=0):
+    return np.sin(5 * points[..., 0] + number + TIMES[step]) + points[..., 1]
+
+
+# ---- unstructured zones ----
+
+
+def elements(z, cells=None, first=1):
+    """A section a shape, one of surfaces before and one behind."""
+    at = cgns.section(z, "wall", "QUAD_4", first, [[0, 1, 2, 3]] * 3)
+    for kind, of in (cells or CELLS).items():
+        at = cgns.section(z, kind, kind, at, of)
+    return cgns.section(z, "lid", "TRI_3", at, [[0, 1, 2]] * 2)
+
+
+def count(cells=None):
+    return sum(len(c) for c in (cells or CELLS).values())
+
+
+def unstructured(name, steps=1, **more):
+    f, base = cgns.create(path(name), times=TIMES if steps > 1 else None, **more)
+    z = cgns.zone(base, "all", POINTS, count())
+    elements(z)
+    for s in range(steps):
+        cgns.solution(z, "Flow%d" % s, "Vertex", {"Density": field(POINTS, 1, s), "Pressure": field(POINTS, 2, s)})
+    if steps > 1:
+        cgns.pointers(z, ["Flow%d" % s for s in range(steps)])
+    f.close()
+
+
+def shapes():
+    unstructured("one.cgns")
+    holds("the first field", {"Density": field(POINTS, 1)}, *take("one.cgns"), name="a base", skipped="5")
+    holds("two, as they are asked for", {"Pressure": field(POINTS, 2), "Density": field(POINTS, 1)},
+          *take("one.cgns", "--field", "Pressure", "--field", "Density"))
+    unstructured("steps.cgns", steps=3)
+    holds("a step", {"Pressure": field(POINTS, 2, 2)}, *take("steps.cgns", "--step", 2, "--field", "Pressure"))
+    # One section of all shapes, in turn, with surfaces between.
+    parts = [p for ps in itertools.zip_longest(*[[(k, c) for c in of] for k, of in CELLS.items()], [("TRI_3", [0, 1, 2])] * 4) for p in ps if p]
+    f, base = cgns.create(path("mixed.cgns"))
+    z = cgns.zone(base, "all", POINTS, count(), sort="f4")
+    cgns.section(z, "everything", "MIXED", 1, *cgns.mixed(parts))
+    f.close()
+    holds("a mixed section, without a solution", {}, *take("mixed.cgns"), skipped="4")
+    shutil.copy(path("mixed.cgns"), path("wide.cgns"))
+    with h5py.File(path("wide.cgns"), "a") as f:
+        s = f["a base/all/everything/ElementConnectivity"]
+        wide = s[" data"][:].astype("i8")
+        del s[" data"]
+        del s.attrs["type"]
+        cgns.data(s, wide)
+    holds("a mixed section of 64 bits", {}, *take("wide.cgns"), skipped="4")
+    for name, kind, cells, words in (("higher", "HEXA_20", [c + c + c[:4] for c in CELLS["hexahedra"]], "HEXA_20: higher order (--by-corners"),
+                                     ("faces", "NFACE_n", None, "NFACE_n, expected hexahedra")):
+        f, base = cgns.create(path(name))
+        z = cgns.zone(base, "all", POINTS, len(CELLS["hexahedra"]))
+        if cells:
+            cgns.section(z, "s", kind, 1, cells)
+        else:
+            cgns.section(z, "s", kind, 1, list(range(1, 7)), [0, 6])
+        f.close()
+        ends("elements: " + name, 3, words, *take(name))
+    holds("by their corners", {}, *take("higher", "--by-corners"), cells={"hexahedra": CELLS["hexahedra"]},
+          by_corners=str(len(CELLS["hexahedra"])))
+    f, base = cgns.create(path("outside.cgns"))
+    h = CELLS["hexahedra"]
+    cgns.section(cgns.zone(base, "all", POINTS, 3), "s", "hexahedra", 1, [[-1] + h[0][1:], h[1][:7] + [NODES], h[2]])
+    f.close()
+    rc, out, said = start(leafcast, "convert", path("outside.cgns"), "-o", path("outside.leaf"), "--whole-cells", "--json", "--allow-empty")
+    told = json.loads(out) if rc == 0 else {}
+    tell("elements with nodes that are none", "" if (told.get("bad"), told.get("tets")) == (2, 1) else (rc, said, told))
+
+
+# ---- structured zones ----
+
+
+def block(shape, shift):
+    k, j, i = np.meshgrid(*[np.arange(n) / 4 for n in shape], indexing="ij")
+    return np.stack([i + shift + 0.05 * np.sin(4 * j), j + 0.05 * np.sin(4 * k), k + 0.05 * np.sin(4 * i)], axis=-1)
+
+
+SHAPES = ((5, 4, 3), (2, 6, 4), (60, 40, 3))
+BLOCKS = [block(s, 2.0 * n) for n, s in enumerate(SHAPES)]
+STACKED = np.concatenate([b.reshape(-1, 3) for b in BLOCKS])
+
+
+def hexahedra():
+    made, first = [], 0
+    for b in BLOCKS:
+        n = np.arange(first, first + b[..., 0].size).reshape(b.shape[:-1])
+        c = [n[z:len(n) - 1 + z, y:n.shape[1] - 1 + y, x:n.shape[2] - 1 + x] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        made.append(np.stack(c, axis=-1).reshape(-1, 8))
+        first += n.size
+    return np.concatenate(made)
+
+
+def structured(name, fields=True, steps=1):
+    f, base = cgns.create(path(name), times=TIMES if steps > 1 else None)
+    for n, b in enumerate(BLOCKS):
+        z = cgns.zone(base, "zone %d" % n, b)
+        for s in range(steps if fields else 0):
+            cgns.solution(z, "S%d" % s, None, {"Density": field(b, 1, s), **({"Mach": field(b, 2, s)} if n != 1 else {})})
+            cgns.solution(z, "C%d" % s, "CellCenter", {"Vorticity": centres(b, n, s)})
+        if steps > 1:
+            cgns.pointers(z, ["S%d" % s for s in range(steps)])
+            cgns.pointers(z, ["C%d" % s for s in range(steps)], "FlowSolutionCellPointers")
+    f.close()
+
+
+def centres(b, n, step):
+    return np.arange((b.shape[0] - 1) * (b.shape[1] - 1) * (b.shape[2] - 1)).reshape([k - 1 for k in b.shape[:-1]]) % 97 + 1000.0 * n + step
+
+
+def means(cells, values, nodes):
+    sums, of = np.zeros(nodes), np.zeros(nodes)
+    for c, v in zip(cells, values):
+        for n in set(c):
+            sums[n] += v
+            of[n] += 1
+    return sums / np.maximum(of, 1)
+
+
+def grids():
+    cells = hexahedra()
+    structured("zones.cgns")
+    structured("zone_steps.cgns", steps=3)
+    holds("zones, a field", {"Density": field(STACKED, 1)}, *take("zones.cgns"), points=STACKED, cells={"hexahedra": cells})
+    without = field(STACKED, 2)
+    without[BLOCKS[0][..., 0].size:BLOCKS[0][..., 0].size + BLOCKS[1][..., 0].size] = np.nan
+    holds("a field that a zone has not", {"Mach": without}, *take("zones.cgns", "--field", "Mach"), points=STACKED, cells={"hexahedra": cells})
+    holds("zones at a step", {"Density": field(STACKED, 1, 2)}, *take("zone_steps.cgns", "--step", 2), points=STACKED, cells={"hexahedra": cells})
+    for step, name in (0, "zones.cgns"), (1, "zone_steps.cgns"):
+        values = np.concatenate([centres(b, n, step).ravel() for n, b in enumerate(BLOCKS)])
+        near("means of cells, " + name, {"Vorticity": means(cells, values, len(STACKED))}, *take(name, "--cells-to-points", "--step", step))
+    near("means of cells, in windows", {"Vorticity": means(cells, values, len(STACKED))},
+         *take("zone_steps.cgns", "--cells-to-points", "--step", 1, "--memory", "600K"))
+
+
+def averages():
+    """Values of cells are in the order of the elements' numbers, surfaces not counted, however the sections lie in the file."""
+    f, base = cgns.create(path("cells.cgns"))
+    z = cgns.zone(base, "all", POINTS, count())
+    at, order = {}, []
+    number = 4
+    for kind, of in CELLS.items():
+        at[kind] = number
+        number += len(of) + 2  # surfaces between
+        order += [(kind, c) for c in of]
+    for kind in reversed(CELLS):
+        cgns.section(z, kind, kind, at[kind], CELLS[kind])
+        cgns.section(z, "surface of " + kind, "TRI_3", at[kind] + len(CELLS[kind]), [[0, 1, 2]] * 2)
+    dice = np.random.default_rng(8)
+    values = dice.random(count())
+    cgns.solution(z, "S", "CellCenter", {"Heat": values})
+    f.close()
+    near("means, sections in another order", {"Heat": means([c for _, c in order], values, NODES)}, *take("cells.cgns", "--cells-to-points"))
+    ends("a field of cells, unasked", 2, "(--cells-to-points takes them", *take("cells.cgns"))
+    f, base = cgns.create(path("more.cgns"))
+    z = cgns.zone(base, "all", POINTS, count() - 1)
+    elements(z)
+    cgns.solution(z, "S", "CellCenter", {"Heat": values[:-1]})
+    f.close()
+    ends("more elements than cells", 3, "zone 1 has more cells than the %d" % (count() - 1), *take("more.cgns", "--cells-to-points"))
+
+
+# ---- the rest ----
+
+
+def choices():
+    ends("no such field", 2, 'no array "Wind" of the points, which have "Density", "Pressure"', *take("steps.cgns", "--field", "Wind"))
+    ends("no such step", 2, "no step 3: there are 3", *take("steps.cgns", "--step", 3))
+    rc, out, said = start(*take("zone_steps.cgns", "--list", "--json"))
+    told = json.loads(out) if rc == 0 else {}
+    tell("--list --json", "" if told.get("times") == TIMES and told.get("name") == "a base" and
+         [(f["name"], f["taken"], f.get("of_cells", False)) for f in told["fields"]] ==
+         [("Density", True, False), ("Mach", False, False), ("Vorticity", False, True)] else (said, told))
+    f, base = cgns.create(path("flat.cgns"), axes=(2, 3))
+    f.close()
+    ends("a base of surfaces", 3, "none of 1 bases has cells of 3 dimensions", *take("flat.cgns"))
+    f, base = cgns.create(path("round.cgns"))
+    z = cgns.zone(base, "all", BLOCKS[0])
+    z.group["GridCoordinates"].move("CoordinateX", "CoordinateR")
+    z.group["GridCoordinates/CoordinateR"].attrs.modify("name", np.bytes_("CoordinateR").ljust(33, b"\0"))
+    f.close()
+    ends("cylindrical coordinates", 3, "zone 1 (counted from 1) has no CoordinateX", *take("round.cgns"))
+    with open(path("text"), "w") as f:
+        f.write("no CGNS file")
+    ends("no CGNS file", 3, "libcgns", *take("text"))
+
+
+def adf():
+    """The older form of files, made by the library's own converter; the same comes of it."""
+    try:
+        library = ctypes.CDLL("libcgns.so.3.4")
+    except OSError:
+        return print("ADF\tskip no libcgns.so.3.4 here")
+    number = ctypes.c_int()
+    for name in "zone_steps", "mixed":
+        library.cg_open(path(name + ".cgns").encode(), 0, ctypes.byref(number))
+        library.cg_save_as(number, path(name + ".adf").encode(), 1, 0)
+        library.cg_close(number)
+        same = [start(*take(name + suffix, *(["--step", 1] if name == "zone_steps" else []))) for suffix in (".cgns", ".adf")]
+        tell("ADF, " + name, "" if same[0][:2] == same[1][:2] and same[0][0] == 0 else (same[0][2], same[1][2]))
+    rc, out, said = start(leafcast, "info", path("mixed.adf"), "--json", "-q")
+    tell("ADF is known by its bytes", "" if rc == 0 and json.loads(out).get("format") == "CGNS" else said)
+
+
+def converted():
+    for name in "zone_steps", "steps":
+        rc, _, said = start(leafcast, "convert", path(name + ".cgns"), "-o", path("s.leaf"), "--steps", "all", "--whole-cells", "--force", "-q")
+        rc, out, said = start(leafcast, "info", path("s.leaf"), "--json") if rc == 0 else (rc, b"", said)
+        told = json.loads(out) if rc == 0 else {}
+        tell("convert --steps all: " + name, "" if told.get("times") == TIMES and told.get("name") == "a base" else (said, told.get("times")))
+    rc, out, said = start(*take("steps.cgns", "-o", path("s.mesh"), "--force", "--step", 1, "-q"))
+    made = []
+    for given, more in ((path("steps.cgns"), ("--step", "1")), (path("s.mesh"), ())):
+        rc, _, said = start(leafcast, "convert", given, "-o", path("t.leaf"), "--whole-cells", "--force", "-q", *more)
+        made.append(open(path("t.leaf"), "rb").read() if rc == 0 else said)
+    tell("convert: what its mesh stream gives", "" if made[0] == made[1] else made[1][:200])
+
+
+def broken():
+    for name, options in (("zone_steps.cgns", ("--step", 2)), ("zones.cgns", ("--cells-to-points",)), ("mixed.cgns", ())):
+        damaged("damaged: " + name, path(name), path("broken.cgns"), 20, *take("broken.cgns", *options, "-o", path("broken.mesh"), "--force"))
+
+
+for look in shapes, grids, averages, choices, adf, converted, broken:
+    look()
