@@ -224,6 +224,18 @@ def gmsh():
     return put("t.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n")
 
 
+def cgns():
+    try:
+        import cgns_file
+        f, base = cgns_file.create(top + "/a.cgns")
+    except ImportError:
+        return None
+    z = cgns_file.zone(base, "zone", np.random.default_rng(1).random((4, 4, 4, 3)))
+    cgns_file.solution(z, "s", "Vertex", {"v": np.zeros((4, 4, 4))})
+    f.close()
+    return put("a.cgns", open(top + "/a.cgns", "rb").read()[:-70])
+
+
 def stream():
     run = start(leafcast, "generate", "buckyball", "--tets", "--dims", "5", "-o", top + "/t.mesh", "--force", "-q")
     assert run[0] == 0, run
@@ -267,6 +279,7 @@ ROWS = (
     ("netCDF", "some chunks", netcdf("NETCDF4", 4), 0, "4 of 8 chunks are absent", None),
     ("netCDF", "all chunks", netcdf("NETCDF4", 0), 3, "none of its 8 chunks", "8 of 8 chunks are absent"),
     ("Exodus", "bytes at the end, classic", lambda: put("a.exo", exodus_file.tets()[:-212]), 3, "ends at byte", None),
+    ("CGNS", "bytes at the end", cgns, 3, "libcgns", None),
     ("TIFF", "strips without bytes", tiff((0, 0)), 3, "has no bytes: a sparse TIFF", None),
     ("TIFF", "strips behind the end", tiff((9999, 32)), 3, "the file ends at byte", None),
     ("PNG", "bytes at the end", png, 3, "png", None),

@@ -86,12 +86,18 @@ def mixed(parts):
     return numbers, offsets
 
 
-def solution(z, name, location, fields):
+def solution(z, name, location, fields, rind=None):
+    """rind: planes before and behind along i, j, k; made of 1e9."""
     s = z.put(name, "FlowSolution_t")
     if location:
         s.put("GridLocation", "GridLocation_t", location)
+    if rind:
+        s.put("Rind", "Rind_t", np.array(rind, "i4"))
     for field, values in fields.items():
-        s.put(field, "DataArray_t", np.asarray(values, "f8"))
+        a = np.asarray(values, "f8")
+        if rind:
+            a = np.pad(a, [(rind[2 * n], rind[2 * n + 1]) for n in (2, 1, 0)], constant_values=1e9)
+        s.put(field, "DataArray_t", a)
 
 
 def pointers(z, names, array="FlowSolutionPointers"):

@@ -166,6 +166,32 @@ def grids():
          *take("zone_steps.cgns", "--cells-to-points", "--step", 1, "--memory", "600K"))
 
 
+def rinds():
+    """Planes around a solution's own are left out."""
+    f, base = cgns.create(path("rind.cgns"))
+    z = cgns.zone(base, "zone", BLOCKS[0])
+    cgns.solution(z, "S", "Vertex", {"Density": field(BLOCKS[0], 1)}, rind=(1, 0, 0, 2, 1, 1))
+    cgns.solution(z, "C", "CellCenter", {"Heat": centres(BLOCKS[0], 0, 0)}, rind=(1, 1, 1, 1, 0, 3))
+    f.close()
+    nodes = BLOCKS[0].reshape(-1, 3)
+    cells = hexahedra()[:centres(BLOCKS[0], 0, 0).size]
+    holds("rind planes of nodes", {"Density": field(nodes, 1)}, *take("rind.cgns"), points=nodes, cells={"hexahedra": cells})
+    near("rind planes of cells", {"Heat": means(cells, centres(BLOCKS[0], 0, 0).ravel(), len(nodes))}, *take("rind.cgns", "--cells-to-points"))
+
+
+def moving():
+    f, base = cgns.create(path("moving.cgns"), times=[0, 1])
+    z = cgns.zone(base, "zone", BLOCKS[0])
+    z.group.copy("GridCoordinates", "Grid2")
+    z.group["Grid2"].attrs.modify("name", np.bytes_("Grid2").ljust(33, b"\0"))
+    cgns.solution(z, "S", "Vertex", {"a\x07b": field(BLOCKS[0], 1)})
+    f.close()
+    ends("nodes that move", 3, "zone 1 has 2 grids: nodes that move are read at step 0 alone", *take("moving.cgns", "--step", 1))
+    rc, out, said = start(*take("moving.cgns"))
+    got = Stream(out) if rc == 0 else None
+    tell("their first step, and an odd name", said if rc else "" if np.array_equal(list(got.values.values())[0], field(BLOCKS[0].reshape(-1, 3), 1).astype("f4")) else got.fields)
+
+
 def averages():
     """Values of cells are in the order of the elements' numbers, surfaces not counted, however the sections lie in the file."""
     f, base = cgns.create(path("cells.cgns"))
@@ -254,5 +280,5 @@ def broken():
         damaged("damaged: " + name, path(name), path("broken.cgns"), 20, *take("broken.cgns", *options, "-o", path("broken.mesh"), "--force"))
 
 
-for look in shapes, grids, averages, choices, adf, converted, broken:
+for look in shapes, grids, rinds, moving, averages, choices, adf, converted, broken:
     look()

@@ -154,7 +154,9 @@ static status read_pointers(const cgns_fields *x, int zone, char *to, size_t roo
     return ST_OK;
 }
 
-static bool has_field(const cgns_file *f, int zone, int solution, const char *name) {
+/* Find a field in a solution by what it is called; *name: as the file spells it. */
+static bool has_field(const cgns_file *f, int zone, int solution, const char *called,
+                      char name[CGNS_NAME]) {
     int fields = 0;
     char other[CGNS_NAME];
     CGNS_ENUMT(DataType_t) type;
@@ -162,13 +164,15 @@ static bool has_field(const cgns_file *f, int zone, int solution, const char *na
         return false;
     for (int i = 1; i <= fields; i++)
         if (cg_field_info(f->id, f->base, zone + 1, solution, i, &type, other) == CG_OK &&
-            strcmp(other, name) == 0)
+            text_same_name(other, called, MESH_NAME_MAX + 1)) {
+            strcpy(name, other);
             return true;
+        }
     return false;
 }
 
 /* Find a zone's solution that has the field. */
-static status find_solution(const cgns_fields *x, int zone, int *found) {
+static status find_solution(cgns_fields *x, const char *called, int zone, int *found) {
     const cgns_file *f = x->f;
     char pointers[4 * CGNS_NAME], name[CGNS_NAME], quoted[CGNS_NAME + 2];
     int solutions = 0;
@@ -182,7 +186,7 @@ static status find_solution(const cgns_fields *x, int zone, int *found) {
             return cgns_file_failed(f, "a solution");
         snprintf(quoted, sizeof quoted, "/%s/", name);
         if (owner_of(location) == x->all.owner && (!*pointers || strstr(pointers, quoted)) &&
-            has_field(f, zone, s, x->name))
+            has_field(f, zone, s, called, x->name))
             *found = s;
     }
     return st;
@@ -190,10 +194,10 @@ static status find_solution(const cgns_fields *x, int zone, int *found) {
 
 static status turn_to(cgns_fields *x, uint32_t k) {
     status st = ST_OK;
-    x->name = import_fields_taken(&x->all, k);
+    const char *called = import_fields_taken(&x->all, k);
     x->turned = k + 1;
     for (int z = 0; z < x->f->zone_count && st == ST_OK; z++)
-        st = find_solution(x, z, &x->solutions[z]);
+        st = find_solution(x, called, z, &x->solutions[z]);
     mesh_average_release(&x->sums);
     x->sums = (mesh_average){0};
     return st;

@@ -14,10 +14,10 @@ typedef struct cgns_fields {
     const cgns_file *f;
     import_fields all;
     /* What is read now: */
-    uint32_t turned; /* which taken field, from 1; 0: none yet */
-    int *solutions;  /* by zone: of the field at the step, from 1; 0: there is none */
-    const char *name;
-    mesh_average sums; /* of a field of cells */
+    uint32_t turned;      /* which taken field, from 1; 0: none yet */
+    int *solutions;       /* by zone: of the field at the step, from 1; 0: there is none */
+    char name[CGNS_NAME]; /* as the file spells it */
+    mesh_average sums;    /* of a field of cells */
 } cgns_fields;
 
 CHECKED status cgns_fields_open(const cgns_file *f, cgns_fields *x);

@@ -67,7 +67,20 @@ static status take_sizes(cgns_file *f, cgns_zone *z, const cgsize_t sizes[9]) {
     return ST_OK;
 }
 
-static status read_zone(cgns_file *f, cgns_zone *z) {
+/* Refuse another step than the first of nodes that move: the library reads only one grid's. */
+static status check_grids(const cgns_file *f, int number, uint32_t step) {
+    int grids = 0;
+    if (cg_ngrids(f->id, f->base, number, &grids) != CG_OK)
+        return cgns_file_failed(f, "grids");
+    return grids <= 1 || step == 0
+               ? ST_OK
+               : status_describe(ST_UNSUPPORTED,
+                                 "%s: zone %d has %d grids: nodes that move are read at step 0 "
+                                 "alone",
+                                 f->path, number, grids);
+}
+
+static status read_zone(cgns_file *f, cgns_zone *z, uint32_t step) {
     char name[CGNS_NAME];
     cgsize_t sizes[9] = {0};
     CGNS_ENUMT(ZoneType_t) type;
@@ -79,17 +92,18 @@ static status read_zone(cgns_file *f, cgns_zone *z) {
     if (!z->structured && type != CGNS_ENUMV(Unstructured))
         return status_describe(ST_UNSUPPORTED, "%s: zone %d is of a type that is not known",
                                f->path, number);
-    return take_sizes(f, z, sizes);
+    const status st = check_grids(f, number, step);
+    return st == ST_OK ? take_sizes(f, z, sizes) : st;
 }
 
-static status read_zones(cgns_file *f) {
+static status read_zones(cgns_file *f, uint32_t step) {
     int zones = 0;
     if (cg_nzones(f->id, f->base, &zones) != CG_OK)
         return cgns_file_failed(f, "zones");
     f->zones = mem_array(f->m, (size_t)zones + 1, sizeof *f->zones);
     status st = f->zones ? ST_OK : ST_NOMEM;
     while (st == ST_OK && f->zone_count < zones)
-        st = read_zone(f, &f->zones[f->zone_count]);
+        st = read_zone(f, &f->zones[f->zone_count], step);
     return st;
 }
 
@@ -98,7 +112,7 @@ status cgns_file_open(mem *m, const import_request *q, cgns_file *f) {
     status st = open_library(f, q);
     if (st == ST_OK)
         st = find_base(f);
-    return st == ST_OK ? read_zones(f) : st;
+    return st == ST_OK ? read_zones(f, q->step) : st;
 }
 
 void cgns_file_close(cgns_file *f) {

@@ -2,7 +2,7 @@
  * the other, structured ones as hexahedra.
  *
  * Zones are not joined: nodes that they share come twice, with the same place and, if the file has
- * it so, the same value. Rind planes, boundary conditions and connectivities are not looked at.
+ * it so, the same value. Rind planes, boundary conditions and connectivities are left out.
  * After the CGNS Standard Interface Data Structures (SIDS), version 3.4.
  */
 #ifndef PREP_IMPORT_CGNS_CGNS_MESH_H
