@@ -60,6 +60,8 @@ status import_fields_take(import_fields *x, const import_request *q) {
     x->owner = q->cells_to_points ? IMPORT_CELLS : IMPORT_POINTS;
     x->step = q->step;
     status st = x->taken && x->further ? ST_OK : ST_NOMEM;
+    if (st == ST_OK && x->steps == 0 && q->field_count == 0 && q->step == 0)
+        return ST_OK; /* there are no values of it yet */
     for (uint32_t i = 0; i < count && st == ST_OK; i++)
         st = take_one(x, fields[i]);
     for (uint32_t k = 1; k < x->count; k++)

@@ -32,7 +32,7 @@ CHECKED status import_fields_add(import_fields *x, import_owner owner, const cha
 bool import_fields_has(const import_fields *x, import_owner owner, const char *name);
 
 /* import_fields_take() - take what is asked for: fields of points or cells, by default the first of
- * the points; and a step. ST_USAGE: there is no such field, or step. */
+ * the points, none if there is no step; and a step. ST_USAGE: there is no such field, or step. */
 CHECKED status import_fields_take(import_fields *x, const import_request *q);
 
 /* import_fields_taken() - the name of taken field k. import_fields_describe() - set them in the

@@ -86,13 +86,27 @@ def mixed(parts):
     return numbers, offsets
 
 
-def solution(z, name, location, fields, rind=None):
-    """rind: planes before and behind along i, j, k; made of 1e9."""
+def link(node, name, label, file, path):
+    """A node that is another file's."""
+    import h5py
+    g = node.group.create_group(name, track_order=True)
+    for key, value, size in (("name", name, 33), ("label", label, 33), ("type", "LK", 3)):
+        g.attrs.create(key, np.bytes_(value), dtype="S%d" % size)
+    g.attrs.create("flags", np.array([1], "i4"))
+    g.create_dataset(" file", data=words(file + "\0"))
+    g.create_dataset(" path", data=words(path + "\0"))
+    g[" link"] = h5py.ExternalLink(file, path)
+
+
+def solution(z, name, location, fields, rind=None, points=None):
+    """rind: planes before and behind along i, j, k; made of 1e9. points: numbers, from 1, of the only ones that it has."""
     s = z.put(name, "FlowSolution_t")
     if location:
         s.put("GridLocation", "GridLocation_t", location)
     if rind:
         s.put("Rind", "Rind_t", np.array(rind, "i4"))
+    if points:
+        s.put("PointList", "IndexArray_t", np.array([points], "i4").T)
     for field, values in fields.items():
         a = np.asarray(values, "f8")
         if rind:

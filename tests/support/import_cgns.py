@@ -3,6 +3,7 @@
 import ctypes
 import itertools
 import json
+import os
 import shutil
 import sys
 
@@ -179,6 +180,73 @@ def rinds():
     near("rind planes of cells", {"Heat": means(cells, centres(BLOCKS[0], 0, 0).ravel(), len(nodes))}, *take("rind.cgns", "--cells-to-points"))
 
 
+def few(name, times=None, steps=0, cells=None, **more):
+    """A zone of few nodes: the open file and the zone, with so many solutions S0, S1, .."""
+    f, base = cgns.create(path(name), times=times)
+    z = cgns.zone(base, "zone", BLOCKS[0])
+    for s in range(steps):
+        cgns.solution(z, "S%d" % s, "Vertex", {"Density": field(BLOCKS[0], 1, s)}, **more)
+    return f, z
+
+
+def which_steps():
+    """Solutions of one field, of which nothing says when they are."""
+    nodes, cells = BLOCKS[0].reshape(-1, 3), hexahedra()[:24]
+    for name, times in (("untold.cgns", None), ("unnamed.cgns", TIMES)):
+        few(name, times, 3)[0].close()
+        for s in (0, 2):
+            holds("%s, step %d" % (name, s), {"Density": field(nodes, 1, s)}, *take(name, "--step", s), points=nodes, cells={"hexahedra": cells})
+        ends(name + ": no fourth", 2, "no step 3: there are 3", *take(name, "--step", 3))
+    few("unclear.cgns", TIMES, 2)[0].close()
+    ends("two solutions, three steps", 3, "zone 1 has Density in 2 solutions, of 3 steps", *take("unclear.cgns"))
+    f, z = few("listed.cgns")
+    cgns.solution(z, "some", "Vertex", {"Density": [1, 2, 3]}, points=[3, 2, 1])
+    cgns.solution(z, "all", "Vertex", {"Density": field(BLOCKS[0], 1)})
+    f.close()
+    holds("a solution of listed points is left out", {"Density": field(nodes, 1)}, *take("listed.cgns"), points=nodes, cells={"hexahedra": cells})
+
+
+def links():
+    """Nodes that are in a file beside are followed, elsewhere only where the user says so."""
+    nodes, cells = BLOCKS[0].reshape(-1, 3), hexahedra()[:24]
+    few("grid.cgns")[0].close()
+    os.makedirs(path("store"), exist_ok=True)
+    shutil.copy(path("grid.cgns"), path("store/grid.cgns"))
+    os.makedirs(path("deep"), exist_ok=True)
+    for name, file in (("beside.cgns", "grid.cgns"), ("deep/elsewhere.cgns", "../store/grid.cgns")):
+        f, z = few(name, steps=1)
+        del z.group["GridCoordinates"]
+        cgns.link(z, "GridCoordinates", "GridCoordinates_t", file, "/a base/zone/GridCoordinates")
+        f.close()
+    holds("a link to a file beside", {"Density": field(nodes, 1)}, *take("beside.cgns"), points=nodes, cells={"hexahedra": cells})
+    ends("a link to elsewhere", 3, "--follow-links", *take("deep/elsewhere.cgns"))
+    holds("a link that may be followed", {"Density": field(nodes, 1)}, *take("deep/elsewhere.cgns", "--follow-links"),
+          points=nodes, cells={"hexahedra": cells})
+
+
+def lacking():
+    """What is not there is not made up."""
+    f, z = few("unwritten.cgns", steps=1)
+    g = z.group["S0/Density"]
+    del g[" data"]
+    g.create_dataset(" data", shape=BLOCKS[0].shape[:-1], dtype="f8", chunks=(1, 4, 3))[0] = 1
+    f.close()
+    ends("chunks that were never written", 3, "/a base/zone/S0/Density/ data were never written (--allow-missing", *take("unwritten.cgns"))
+    rc, _, said = start(*take("unwritten.cgns", "--allow-missing", "-o", path("unwritten.mesh")))
+    tell("as zeros", said if rc else "")
+    for name, elements in (("faces.cgns", "NGON_n"), ("range.cgns", "tets")):
+        f, base = cgns.create(path(name))
+        z = cgns.zone(base, "all", POINTS, 2)
+        if elements == "NGON_n":
+            cgns.section(z, "s", elements, 1, [1, 2, 3, 2, 3, 4], [0, 3, 6])
+        else:
+            cgns.section(z, "s", elements, 1, CELLS["tets"][:2])
+            z.group["s/ElementRange/ data"][:] = [2, 0]
+        f.close()
+    ends("faces of polyhedra", 3, "zone 1 tells of 2 cells, and has none by its nodes: polyhedra", *take("faces.cgns"))
+    ends("a range that falls", 3, "", *take("range.cgns"))
+
+
 def moving():
     f, base = cgns.create(path("moving.cgns"), times=[0, 1])
     z = cgns.zone(base, "zone", BLOCKS[0])
@@ -216,7 +284,7 @@ def averages():
     elements(z)
     cgns.solution(z, "S", "CellCenter", {"Heat": values[:-1]})
     f.close()
-    ends("more elements than cells", 3, "zone 1 has more cells than the %d" % (count() - 1), *take("more.cgns", "--cells-to-points"))
+    ends("more elements than cells", 3, "zone 1 tells of %d cells and has %d" % (count() - 1, count()), *take("more.cgns", "--cells-to-points"))
 
 
 # ---- the rest ----
@@ -280,5 +348,5 @@ def broken():
         damaged("damaged: " + name, path(name), path("broken.cgns"), 20, *take("broken.cgns", *options, "-o", path("broken.mesh"), "--force"))
 
 
-for look in shapes, grids, rinds, moving, averages, choices, adf, converted, broken:
+for look in shapes, grids, rinds, which_steps, links, lacking, moving, averages, choices, adf, converted, broken:
     look()

@@ -11,6 +11,7 @@ from imported import damaged, elsewhere, ends, np, start, tell
 from imported_mesh import CELLS, NODES, POINTS, Stream, VERTICES, VTK, holds, near
 
 try:
+    import h5py
     from netCDF4 import Dataset
 except ImportError:
     elsewhere()
@@ -38,11 +39,11 @@ BLOCKS = [("HEX8", "hexahedra", CELLS["hexahedra"][:7]), ("WEDGE", "wedges", CEL
 
 
 def write(name, form="NETCDF4", blocks=BLOCKS, fields=FIELDS, of_elements=None, ids="i4", points=POINTS, together=False,
-          one_array=False, axes=3, title="a bent box", chunks=None, times=TIMES):
+          one_array=False, axes=3, title="a bent box", chunks=None, times=TIMES, name_room=33):
     """of_elements: name -> a number of each element of each block, or None for a block without the variable."""
     with Dataset(path(name), "w", format=form) as d:
         d.title = title
-        d.createDimension("len_name", 33)
+        d.createDimension("len_name", name_room)
         d.createDimension("time_step", None)
         d.createDimension("num_dim", axes)
         d.createDimension("num_nodes", len(points))
@@ -61,7 +62,7 @@ def write(name, form="NETCDF4", blocks=BLOCKS, fields=FIELDS, of_elements=None, 
         for a, x in enumerate("xyz"[:0 if together else axes]):
             d.createVariable("coord" + x, "f8", ("num_nodes",), zlib=chunks is not None)[:] = points[:, a]
         t = d.createVariable("time_whole", "f8", ("time_step",))
-        names(d, "nod", fields)
+        names(d, "nod", fields, name_room)
         if one_array:
             d.createVariable("vals_nod_var", "f8", ("time_step", "num_nod_var", "num_nodes"))
         for s, time in enumerate(times):
@@ -74,7 +75,7 @@ def write(name, form="NETCDF4", blocks=BLOCKS, fields=FIELDS, of_elements=None, 
                     d["vals_nod_var"][s, i, :] = values[s]
                 else:
                     v[s, :] = values[s]
-        names(d, "elem", of_elements or {})
+        names(d, "elem", of_elements or {}, name_room)
         for i, values in enumerate((of_elements or {}).values(), 1):
             for b, of_block in enumerate(values, 1):
                 if of_block is None:
@@ -84,12 +85,12 @@ def write(name, form="NETCDF4", blocks=BLOCKS, fields=FIELDS, of_elements=None, 
                     v[s, :] = np.asarray(of_block) + 1000 * s
 
 
-def names(d, owner, of):
+def names(d, owner, of, room):
     if of:
         d.createDimension("num_%s_var" % owner, len(of))
         v = d.createVariable("name_%s_var" % owner, "S1", ("num_%s_var" % owner, "len_name"))
         for i, name in enumerate(of):
-            v[i, :] = np.frombuffer(name.encode().ljust(33, b"\0"), "S1")
+            v[i, :] = np.frombuffer(name.encode().ljust(room, b"\0"), "S1")
 
 
 def step(s, *names):
@@ -113,7 +114,13 @@ def forms():
     write("bare", fields={}, times=[])
     holds("a mesh without variables", {}, *take("bare"))
     write("still", times=[])
-    ends("variables without a step", 2, "no step 0: there are 0", *take("still"))
+    holds("variables without a step are none yet", {}, *take("still"))
+    ends("one of them, asked for", 2, "no step 0: there are 0", *take("still", "--field", "speed"))
+    rc, out, said = start(*take("still", "--list"))
+    tell("they are listed", "" if rc == 0 and b"heat" in out else said)
+    for form in "classic", "nc4":
+        write("long", FORMS[form], name_room=256)
+        holds("long names, " + form, step(0, "heat"), *take("long", "--field", "heat"))
     write("unwritten")
     with Dataset(path("unwritten"), "a") as d:
         d["time_whole"][3] = 9
@@ -158,6 +165,29 @@ def blocks():
                                ("many", ("HEX", None, [c * 9 for c in first]), "of 72 nodes, which no such")):
         write(name, blocks=[block])
         ends("elements: " + name, 3, words, *take(name))
+    write("aliases", blocks=[("PYRA5", "pyramids", CELLS["pyramids"]), ("SPRING", None, [[0, 1]] * 3), ("", None, [[0, 1, 2]])])
+    holds("a pyramid by its other name; what has too few nodes is none", step(0, "speed"), *take("aliases"),
+          cells={"pyramids": CELLS["pyramids"]}, skipped="4")
+    write("unnamed", blocks=[("", None, CELLS["tets"])])
+    ends("elements of no name", 3, "has elements (not said) of 4 nodes", *take("unnamed"))
+    write("more")
+    with Dataset(path("more"), "a") as d:
+        d.renameDimension("num_elem", "elements")
+        d.createDimension("num_elem", 3)
+    ends("more elements than there are", 3, "its blocks have more elements than num_elem", *take("more"))
+    write("void")
+    with h5py.File(path("void"), "a") as f:
+        of, like = f["connect1"], f["connect1"].dtype
+        shape, kept = of.shape, dict(of.attrs)
+        scales = [[s.name for s in of.dims[i].values()] for i in range(2)]
+        del f["connect1"]
+        v = f.create_dataset("connect1", shape, like, chunks=(1, shape[1]), fillvalue=-1)
+        v[0] = 1
+        v.attrs["elem_type"] = kept["elem_type"]
+        for i in range(2):
+            for s in scales[i]:
+                v.dims[i].attach_scale(f[s])
+    ends("elements that were never written", 3, "6 of 7 parts of variable connect1 were never written (--allow-missing", *take("void"))
     write("nfaced")
     with Dataset(path("nfaced"), "a") as d:
         d.createDimension("num_fac", 4)

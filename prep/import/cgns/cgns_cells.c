@@ -45,20 +45,21 @@ static status look_up(const cgns_cells *c, int zone, int type, cgns_element *e) 
 }
 
 /* Find what elements of a type are. ST_UNSUPPORTED: they cannot be taken. */
-static status find_type(cgns_cells *c, int zone, int type, const cgns_element **out) {
+static status find_type(cgns_cells *c, int zone, long long type, const cgns_element **out) {
     if (type < 0 || type >= NofValidElementTypes)
-        return status_describe(ST_CORRUPT, "%s: zone %d: elements of type %d", c->f->path, zone + 1,
-                               type);
+        return status_describe(ST_CORRUPT, "%s: zone %d: elements of type %lld", c->f->path,
+                               zone + 1, type);
     *out = &c->types[type];
-    return c->types[type].known ? ST_OK : look_up(c, zone, type, &c->types[type]);
+    return c->types[type].known ? ST_OK : look_up(c, zone, (int)type, &c->types[type]);
 }
 
-static void count_cells(cgns_cells *c, const cgns_element *e, uint64_t cells) {
+static void count_cells(cgns_cells *c, int zone, const cgns_element *e, uint64_t cells) {
     if (!e->volume) {
         c->skipped += cells;
         return;
     }
     c->of[e->shape] += cells;
+    c->in_zone[zone] += cells;
     c->higher += e->nodes > cell_shape_vertices(e->shape) ? cells : 0;
 }
 
@@ -133,7 +134,13 @@ static status next_mixed(cgns_walk *w, const cgns_section *s, const cgns_element
         return st;
     *ids = w->ids + (w->at - w->begun) + 1;
     st = find_type(w->c, s->zone, (*ids)[-1], e);
-    if (st == ST_OK && ((*e)->nodes < 1 || (uint64_t)(*e)->nodes >= s->numbers - w->at))
+    if (st == ST_OK && (*e)->nodes < 1)
+        st =
+            status_describe(ST_UNSUPPORTED,
+                            "%s: zone %d: a mixed section has an element of type %lld, whose nodes "
+                            "are not counted",
+                            w->c->f->path, s->zone + 1, (long long)(*ids)[-1]);
+    else if (st == ST_OK && (uint64_t)(*e)->nodes >= s->numbers - w->at)
         st = status_describe(ST_CORRUPT,
                              "%s: zone %d: the last element of a mixed section is cut off",
                              w->c->f->path, s->zone + 1);
@@ -175,7 +182,7 @@ static status count_mixed(cgns_cells *c, const cgns_section *s) {
         st = next_mixed(w, s, &e, &ids);
         more = st == ST_OK && e;
         if (more)
-            count_cells(c, e, 1);
+            count_cells(c, s->zone, e, 1);
         elements += more;
     }
     mem_free(c->f->m, w);
@@ -191,13 +198,13 @@ static status look_into(cgns_cells *c, const char *name, CGNS_ENUMT(ElementType_
                         cgns_section *s) {
     const cgns_element *e = NULL;
     s->mixed = type == CGNS_ENUMV(MIXED);
-    status st = s->mixed ? find_numbers(c->f, name, s) : find_type(c, s->zone, (int)type, &e);
+    status st = s->mixed ? find_numbers(c->f, name, s) : find_type(c, s->zone, type, &e);
     if (st == ST_OK && s->mixed)
         return count_mixed(c, s);
     if (st != ST_OK)
         return st;
     s->element = *e;
-    count_cells(c, e, (uint64_t)(s->end - s->start) + 1);
+    count_cells(c, s->zone, e, (uint64_t)(s->end - s->start) + 1);
     return ST_OK;
 }
 
@@ -210,6 +217,9 @@ static status add_section(cgns_cells *c, int zone, int number) {
     if (cg_section_read(f->id, f->base, zone + 1, number, name, &type, &s.start, &s.end, &boundary,
                         &parents) != CG_OK)
         return cgns_file_failed(f, "a section of elements");
+    if (s.start < 1 || s.end < s.start - 1)
+        return status_describe(ST_CORRUPT, "%s: zone %d: section %s has elements %lld to %lld",
+                               f->path, zone + 1, name, (long long)s.start, (long long)s.end);
     if (s.end < s.start)
         return ST_OK;
     status st = look_into(c, name, type, &s);
@@ -231,7 +241,8 @@ static status add_zone(cgns_cells *c, int zone) {
     const cgns_zone *z = &c->f->zones[zone];
     int sections = 0;
     if (z->structured) {
-        c->of[CELL_HEXAHEDRON] += z->cells[0] * z->cells[1] * z->cells[2];
+        c->in_zone[zone] = z->cells[0] * z->cells[1] * z->cells[2];
+        c->of[CELL_HEXAHEDRON] += c->in_zone[zone];
         return ST_OK;
     }
     if (cg_nsections(c->f->id, c->f->base, zone + 1, &sections) != CG_OK)
@@ -239,12 +250,19 @@ static status add_zone(cgns_cells *c, int zone) {
     status st = ST_OK;
     for (int s = 1; s <= sections && st == ST_OK; s++)
         st = add_section(c, zone, s);
+    if (st == ST_OK && z->cells[0] > 0 && c->in_zone[zone] == 0)
+        st = status_describe(
+            ST_UNSUPPORTED,
+            "%s: zone %d tells of %llu cells, and has none by its nodes: polyhedra by "
+            "their faces (NGON_n) are not read",
+            c->f->path, zone + 1, (unsigned long long)z->cells[0]);
     return st;
 }
 
 status cgns_cells_open(cgns_file *f, bool by_corners, cgns_cells *c) {
     *c = (cgns_cells){.f = f, .by_corners = by_corners};
-    status st = ST_OK;
+    c->in_zone = mem_array(f->m, (size_t)f->zone_count + 1, sizeof *c->in_zone);
+    status st = c->in_zone ? ST_OK : ST_NOMEM;
     for (int z = 0; z < f->zone_count && st == ST_OK; z++)
         st = add_zone(c, z);
     if (c->count > 0)
@@ -253,8 +271,10 @@ status cgns_cells_open(cgns_file *f, bool by_corners, cgns_cells *c) {
 }
 
 void cgns_cells_release(cgns_cells *c) {
-    if (c->f)
-        mem_free(c->f->m, c->sections);
+    if (!c->f)
+        return;
+    mem_free(c->f->m, c->sections);
+    mem_free(c->f->m, c->in_zone);
 }
 
 /* ---- the walk ---- */

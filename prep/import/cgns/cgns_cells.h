@@ -34,6 +34,7 @@ typedef struct cgns_cells {
     cgns_section *sections; /* by zones, and in a zone by their numbers */
     size_t count, room;
     uint64_t of[CELL_SHAPES];
+    uint64_t *in_zone;        /* cells of each zone */
     uint64_t higher, skipped; /* cells of higher order; elements that are no cells */
 } cgns_cells;
 

@@ -10,24 +10,32 @@ enum { READ_NUMBERS = 2048, STEPS_MAX = 1 << 20 };
 
 /* ---- names ---- */
 
-/* Whose fields a solution has; IMPORT_OWNERS: neither's. */
-static import_owner owner_of(CGNS_ENUMT(GridLocation_t) location) {
-    return location == CGNS_ENUMV(Vertex)       ? IMPORT_POINTS
-           : location == CGNS_ENUMV(CellCenter) ? IMPORT_CELLS
-                                                : IMPORT_OWNERS;
+/* Find whose fields a solution has: IMPORT_OWNERS: neither's, or only some nodes' or cells', which
+ * it lists. name: of the solution. */
+static status find_owner(const cgns_file *f, int zone, int solution, char name[CGNS_NAME],
+                         import_owner *owner) {
+    CGNS_ENUMT(GridLocation_t) location;
+    CGNS_ENUMT(PointSetType_t) listed = CGNS_ENUMV(PointSetTypeNull);
+    cgsize_t points = 0;
+    if (cg_sol_info(f->id, f->base, zone + 1, solution, name, &location) != CG_OK ||
+        cg_sol_ptset_info(f->id, f->base, zone + 1, solution, &listed, &points) != CG_OK)
+        return cgns_file_failed(f, "a solution");
+    *owner = listed != CGNS_ENUMV(PointSetTypeNull) ? IMPORT_OWNERS
+             : location == CGNS_ENUMV(Vertex)       ? IMPORT_POINTS
+             : location == CGNS_ENUMV(CellCenter)   ? IMPORT_CELLS
+                                                    : IMPORT_OWNERS;
+    return ST_OK;
 }
 
 static status add_solution(cgns_fields *x, int zone, int solution) {
     const cgns_file *f = x->f;
     char name[CGNS_NAME];
-    CGNS_ENUMT(GridLocation_t) location;
     CGNS_ENUMT(DataType_t) type;
+    import_owner owner;
     int fields = 0;
-    if (cg_sol_info(f->id, f->base, zone + 1, solution, name, &location) != CG_OK ||
-        cg_nfields(f->id, f->base, zone + 1, solution, &fields) != CG_OK)
-        return cgns_file_failed(f, "a solution");
-    const import_owner owner = owner_of(location);
-    status st = ST_OK;
+    status st = find_owner(f, zone, solution, name, &owner);
+    if (st == ST_OK && cg_nfields(f->id, f->base, zone + 1, solution, &fields) != CG_OK)
+        st = cgns_file_failed(f, name);
     for (int i = 1; i <= fields && owner != IMPORT_OWNERS && st == ST_OK; i++) {
         if (cg_field_info(f->id, f->base, zone + 1, solution, i, &type, name) != CG_OK)
             return cgns_file_failed(f, "a field");
@@ -45,6 +53,23 @@ static status add_zone(cgns_fields *x, int zone) {
     for (int s = 1; s <= solutions && st == ST_OK; s++)
         st = add_solution(x, zone, s);
     return st;
+}
+
+/* Find a field in a solution by what it is called; *name: as the file spells it. */
+static bool has_field(const cgns_file *f, int zone, int solution, const char *called,
+                      char name[CGNS_NAME]) {
+    int fields = 0;
+    char other[CGNS_NAME];
+    CGNS_ENUMT(DataType_t) type;
+    if (cg_nfields(f->id, f->base, zone + 1, solution, &fields) != CG_OK)
+        return false;
+    for (int i = 1; i <= fields; i++)
+        if (cg_field_info(f->id, f->base, zone + 1, solution, i, &type, other) == CG_OK &&
+            text_same_name(other, called, MESH_NAME_MAX + 1)) {
+            strcpy(name, other);
+            return true;
+        }
+    return false;
 }
 
 /* ---- steps ---- */
@@ -78,6 +103,7 @@ static status read_steps(cgns_fields *x) {
     if (cg_biter_read(f->id, f->base, name, &steps) != CG_OK || steps < 1 || steps > STEPS_MAX)
         return ST_OK;
     x->all.steps = (uint32_t)steps;
+    x->told = true;
     if (cg_goto(f->id, f->base, "BaseIterativeData_t", 1, "end") != CG_OK)
         return ST_OK;
     while (next_array(&a) && !x->all.times) {
@@ -92,6 +118,41 @@ static status read_steps(cgns_fields *x) {
     return ST_OK;
 }
 
+/* Count a zone's solutions that have a field of their first one: steps, where nothing is said of
+ * any.
+ */
+static status count_solutions(const cgns_fields *x, int zone, uint64_t *count) {
+    const cgns_file *f = x->f;
+    char name[CGNS_NAME], field[CGNS_NAME], other[CGNS_NAME];
+    CGNS_ENUMT(DataType_t) type;
+    import_owner first, owner;
+    int solutions = 0, fields = 0;
+    *count = 0;
+    if (cg_nsols(f->id, f->base, zone + 1, &solutions) != CG_OK)
+        return cgns_file_failed(f, "solutions");
+    if (solutions < 2)
+        return ST_OK;
+    status st = find_owner(f, zone, 1, name, &first);
+    if (st != ST_OK || cg_nfields(f->id, f->base, zone + 1, 1, &fields) != CG_OK || fields < 1 ||
+        cg_field_info(f->id, f->base, zone + 1, 1, 1, &type, field) != CG_OK)
+        return st;
+    for (int s = 1; s <= solutions && st == ST_OK; s++) {
+        st = find_owner(f, zone, s, name, &owner);
+        *count += st == ST_OK && owner == first && has_field(f, zone, s, field, other);
+    }
+    return st;
+}
+
+static status count_steps(cgns_fields *x) {
+    status st = ST_OK;
+    for (int z = 0; z < x->f->zone_count && st == ST_OK && !x->told; z++) {
+        uint64_t count;
+        st = count_solutions(x, z, &count);
+        x->all.steps = count > x->all.steps ? count : x->all.steps;
+    }
+    return st;
+}
+
 status cgns_fields_open(const cgns_file *f, cgns_fields *x) {
     *x = (cgns_fields){.f = f, .all = {.m = f->m, .path = f->path}};
     x->all.of[IMPORT_POINTS] = "of the nodes";
@@ -100,7 +161,7 @@ status cgns_fields_open(const cgns_file *f, cgns_fields *x) {
     status st = x->solutions ? read_steps(x) : ST_NOMEM;
     for (int z = 0; z < f->zone_count && st == ST_OK; z++)
         st = add_zone(x, z);
-    return st;
+    return st == ST_OK ? count_steps(x) : st;
 }
 
 void cgns_fields_release(cgns_fields *x) {
@@ -113,7 +174,7 @@ void cgns_fields_release(cgns_fields *x) {
 
 /* ---- a field at a step ---- */
 
-enum { POINTER = 32 }; /* characters of a solution's name, without a NUL */
+enum { POINTER = 32, POINTERS_MAX = 16 * (POINTER + 3) }; /* a solution's name has no NUL */
 
 /* The arrays that name the solutions of each step: FlowSolutionPointers, and what others call those
  * of nodes and cells. */
@@ -145,7 +206,7 @@ static status read_pointers(const cgns_fields *x, int zone, char *to, size_t roo
         const char *at = all + (size_t)x->all.step * POINTER;
         while (length > 0 && (at[length - 1] == ' ' || at[length - 1] == 0))
             length--;
-        if (error == CG_OK)
+        if (error == CG_OK && strlen(to) + POINTER + 3 <= room)
             text_add(to, room, "/%.*s/", length, at);
         mem_free(f->m, all);
         if (error != CG_OK)
@@ -154,41 +215,32 @@ static status read_pointers(const cgns_fields *x, int zone, char *to, size_t roo
     return ST_OK;
 }
 
-/* Find a field in a solution by what it is called; *name: as the file spells it. */
-static bool has_field(const cgns_file *f, int zone, int solution, const char *called,
-                      char name[CGNS_NAME]) {
-    int fields = 0;
-    char other[CGNS_NAME];
-    CGNS_ENUMT(DataType_t) type;
-    if (cg_nfields(f->id, f->base, zone + 1, solution, &fields) != CG_OK)
-        return false;
-    for (int i = 1; i <= fields; i++)
-        if (cg_field_info(f->id, f->base, zone + 1, solution, i, &type, other) == CG_OK &&
-            text_same_name(other, called, MESH_NAME_MAX + 1)) {
-            strcpy(name, other);
-            return true;
-        }
-    return false;
-}
-
-/* Find a zone's solution that has the field. */
+/* Find a zone's solution that has the field at the step. Where nothing says which solutions are a
+ * step's, one that is alone is all steps', and of as many as there are steps each is one's. */
 static status find_solution(cgns_fields *x, const char *called, int zone, int *found) {
     const cgns_file *f = x->f;
-    char pointers[4 * CGNS_NAME], name[CGNS_NAME], quoted[CGNS_NAME + 2];
-    int solutions = 0;
+    char pointers[POINTERS_MAX], name[CGNS_NAME], quoted[CGNS_NAME + 2];
+    int solutions = 0, count = 0;
     *found = 0;
     status st = read_pointers(x, zone, pointers, sizeof pointers);
     if (st == ST_OK && cg_nsols(f->id, f->base, zone + 1, &solutions) != CG_OK)
         st = cgns_file_failed(f, "solutions");
-    for (int s = 1; s <= solutions && *found == 0 && st == ST_OK; s++) {
-        CGNS_ENUMT(GridLocation_t) location;
-        if (cg_sol_info(f->id, f->base, zone + 1, s, name, &location) != CG_OK)
-            return cgns_file_failed(f, "a solution");
+    for (int s = 1; s <= solutions && st == ST_OK; s++) {
+        import_owner owner;
+        st = find_owner(f, zone, s, name, &owner);
         snprintf(quoted, sizeof quoted, "/%s/", name);
-        if (owner_of(location) == x->all.owner && (!*pointers || strstr(pointers, quoted)) &&
-            has_field(f, zone, s, called, x->name))
+        if (st != ST_OK || owner != x->all.owner || (*pointers && !strstr(pointers, quoted)) ||
+            !has_field(f, zone, s, called, x->name))
+            continue;
+        if (count == 0 || (uint64_t)count == x->all.step)
             *found = s;
+        count++;
     }
+    if (st == ST_OK && !*pointers && count > 1 && (uint64_t)count != x->all.steps)
+        st = status_describe(ST_UNSUPPORTED,
+                             "%s: zone %d has %s in %d solutions, of %llu steps, and nothing says "
+                             "which is a step's",
+                             f->path, zone + 1, called, count, (unsigned long long)x->all.steps);
     return st;
 }
 
@@ -248,9 +300,6 @@ static status next_value(const cgns_fields *x, cell_values *v, double *value) {
     const cgns_zone *z = &x->f->zones[v->zone];
     const uint64_t all = z->cells[0] * z->cells[1] * z->cells[2], i = v->at++;
     status st = ST_OK;
-    if (i >= all)
-        return status_describe(ST_CORRUPT, "%s: zone %d has more cells than the %llu it tells of",
-                               x->f->path, v->zone + 1, (unsigned long long)all);
     if (v->held == 0 || i - v->begun >= v->held) {
         v->begun = i;
         v->held = all - i < READ_NUMBERS ? (size_t)(all - i) : READ_NUMBERS;
@@ -299,6 +348,21 @@ static status add_cells(cgns_fields *x, cgns_cells *cells) {
     return st;
 }
 
+/* Refuse a zone of which it is not clear whose values its solution has. */
+static status check_counts(const cgns_fields *x, const cgns_cells *cells) {
+    for (int i = 0; i < x->f->zone_count; i++) {
+        const cgns_zone *z = &x->f->zones[i];
+        const uint64_t told = z->cells[0] * z->cells[1] * z->cells[2];
+        if (x->solutions[i] > 0 && told != cells->in_zone[i])
+            return status_describe(ST_UNSUPPORTED,
+                                   "%s: zone %d tells of %llu cells and has %llu: whose values a "
+                                   "field of cells has is not clear",
+                                   x->f->path, i + 1, (unsigned long long)told,
+                                   (unsigned long long)cells->in_zone[i]);
+    }
+    return ST_OK;
+}
+
 static status read_means(cgns_fields *x, cgns_cells *cells, uint64_t first, size_t count,
                          float *to) {
     status st = ST_OK;
@@ -306,6 +370,8 @@ static status read_means(cgns_fields *x, cgns_cells *cells, uint64_t first, size
         const uint64_t node = first + i;
         const bool begins = !x->sums.m;
         if (begins)
+            st = check_counts(x, cells);
+        if (begins && st == ST_OK)
             st = mesh_average_begin_rounds(&x->sums, x->f->m, x->f->nodes, 1);
         if (st == ST_OK &&
             (begins || (node >= x->sums.first + x->sums.count && mesh_average_next(&x->sums))))

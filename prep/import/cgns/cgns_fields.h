@@ -1,7 +1,8 @@
 /* cgns_fields.h - the fields of a CGNS file at their steps, of nodes and of cells.
  *
  * A field is what has one name in the solutions of all zones (SIDS, 7.7). Where a zone's iterative
- * data names its solutions of each step (SIDS, 11.1.2), only these have a step's fields.
+ * data names its solutions of each step (SIDS, 11.1.2), only these have a step's fields. Solutions
+ * of listed points alone are left out.
  */
 #ifndef PREP_IMPORT_CGNS_CGNS_FIELDS_H
 #define PREP_IMPORT_CGNS_CGNS_FIELDS_H
@@ -13,6 +14,7 @@
 typedef struct cgns_fields {
     const cgns_file *f;
     import_fields all;
+    bool told; /* the file says how many steps there are */
     /* What is read now: */
     uint32_t turned;      /* which taken field, from 1; 0: none yet */
     int *solutions;       /* by zone: of the field at the step, from 1; 0: there is none */

@@ -20,6 +20,10 @@ static status open_library(cgns_file *f, const import_request *q) {
     status st = file_open(f->m, f->path, &f->guard);
     if (st == ST_OK)
         st = netcdf_storage_look(f->m, f->path, &q->trust, &f->storage);
+    if (st == ST_OK && f->storage.count > 0 && !q->trust.allow_missing)
+        st = status_describe(ST_CORRUPT,
+                             "%s: parts of %s were never written (--allow-missing takes zeros)",
+                             f->path, f->storage.lacks[0].path);
     if (st != ST_OK)
         return st;
     if (cg_open(f->path, CG_MODE_READ, &f->id) == CG_OK)
@@ -48,19 +52,20 @@ static status find_base(cgns_file *f) {
 /* sizes: as the library gives them: nodes, cells, and what is no use here, each along i, j, k. */
 static status take_sizes(cgns_file *f, cgns_zone *z, const cgsize_t sizes[9]) {
     const int axes = z->structured ? AXES : 1;
+    const uint64_t most = MESH_POINTS_MAX - f->nodes;
     z->nodes = 1;
     z->first = f->nodes;
     for (int a = 0; a < AXES; a++) {
         const cgsize_t nodes = a < axes ? sizes[a] : 1, cells = a < axes ? sizes[axes + a] : 1;
-        if (nodes < 0 || cells < 0 || (z->structured && cells + 1 != nodes))
+        if (nodes < 0 || cells < 0 || (z->structured && cells != nodes - 1))
             return status_describe(ST_CORRUPT, "%s: zone %d has %lld nodes and %lld cells", f->path,
                                    f->zone_count + 1, (long long)nodes, (long long)cells);
         z->dims[a] = (uint64_t)nodes;
         z->cells[a] = (uint64_t)cells;
-        z->nodes *= z->dims[a];
-        if (z->nodes > MESH_POINTS_MAX - z->first)
+        if (z->nodes > 0 && z->dims[a] > most / z->nodes)
             return status_describe(ST_UNSUPPORTED, "%s: more than %llu nodes", f->path,
                                    (unsigned long long)MESH_POINTS_MAX);
+        z->nodes *= z->dims[a];
     }
     f->nodes += z->nodes;
     f->zone_count++;

@@ -4,7 +4,9 @@
 #include <string.h>
 #include <strings.h>
 
-enum { NODES_MAX = 64, READ_IDS = 2048 };
+#include "formats/mesh/mesh_stream.h"
+
+enum { TET_NODES = 4, NODES_MAX = 64, READ_IDS = 2048 };
 
 /* ---- shapes ---- */
 
@@ -15,12 +17,12 @@ static const struct {
     bool volume;
     cell_shape shape;
 } names[] = {
-    {"hex", true, CELL_HEXAHEDRON},  {"tet", true, CELL_TET},     {"wedge", true, CELL_WEDGE},
-    {"pyramid", true, CELL_PYRAMID}, {"shell", false, CELL_TET},  {"quad", false, CELL_TET},
-    {"tri", false, CELL_TET},        {"bar", false, CELL_TET},    {"beam", false, CELL_TET},
-    {"truss", false, CELL_TET},      {"rod", false, CELL_TET},    {"edge", false, CELL_TET},
-    {"sphere", false, CELL_TET},     {"circle", false, CELL_TET}, {"point", false, CELL_TET},
-    {"nsided", false, CELL_TET},     {"super", false, CELL_TET},  {"null", false, CELL_TET},
+    {"hex", true, CELL_HEXAHEDRON}, {"tet", true, CELL_TET},     {"wedge", true, CELL_WEDGE},
+    {"pyr", true, CELL_PYRAMID},    {"shell", false, CELL_TET},  {"quad", false, CELL_TET},
+    {"tri", false, CELL_TET},       {"bar", false, CELL_TET},    {"beam", false, CELL_TET},
+    {"truss", false, CELL_TET},     {"rod", false, CELL_TET},    {"edge", false, CELL_TET},
+    {"sphere", false, CELL_TET},    {"circle", false, CELL_TET}, {"point", false, CELL_TET},
+    {"nsided", false, CELL_TET},    {"super", false, CELL_TET},  {"null", false, CELL_TET},
 };
 enum { NAMES = sizeof names / sizeof *names };
 
@@ -52,10 +54,10 @@ static status add_block(const exodus_numbers *n, uint64_t number, int connect, b
     const int name = find_name(type);
     if (block.cells == 0)
         return ST_OK;
-    if (name < 0)
-        return refuse(n, number, type, block.nodes,
+    if (name < 0 && block.nodes >= TET_NODES)
+        return refuse(n, number, *type ? type : "(not said)", block.nodes,
                       ", expected hexahedra, wedges, pyramids or tets");
-    if (!names[name].volume) {
+    if (name < 0 || !names[name].volume) {
         b->skipped += block.cells;
         return ST_OK;
     }
@@ -75,10 +77,21 @@ static status add_block(const exodus_numbers *n, uint64_t number, int connect, b
     return ST_OK;
 }
 
+static uint64_t count_all(const exodus_blocks *b) {
+    uint64_t all = b->skipped;
+    for (int i = 0; i < CELL_SHAPES; i++)
+        all += b->cells[i];
+    return all;
+}
+
 status exodus_blocks_read(mem *m, const exodus_numbers *n, bool by_corners, exodus_blocks *b) {
     const uint64_t count = exodus_numbers_dim(n, "num_el_blk");
+    const uint64_t all = exodus_numbers_dim(n, "num_elem");
     *b = (exodus_blocks){.m = m};
     status st = ST_OK;
+    if (all > MESH_STREAM_CELLS_MAX)
+        st = status_describe(ST_UNSUPPORTED, "%s: %llu elements, at most %llu are read", n->path,
+                             (unsigned long long)all, (unsigned long long)MESH_STREAM_CELLS_MAX);
     for (uint64_t i = 1; i <= count && st == ST_OK; i++) {
         char text[64];
         snprintf(text, sizeof text, "connect%llu", (unsigned long long)i);
@@ -90,6 +103,9 @@ status exodus_blocks_read(mem *m, const exodus_numbers *n, bool by_corners, exod
                                  (unsigned long long)i);
         else if (connect >= 0) /* blocks without elements have none */
             st = add_block(n, i, connect, by_corners, b);
+        if (st == ST_OK && count_all(b) > all)
+            st = status_describe(ST_CORRUPT, "%s: its blocks have more elements than num_elem",
+                                 n->path);
     }
     return st;
 }

@@ -56,6 +56,8 @@ static status open_library(exodus *x, const import_request *q) {
     const int error = nc_open(path, NC_NOWRITE, &x->n.id);
     x->n.path = path;
     x->n.f = x->guard;
+    x->n.storage = &x->storage;
+    x->n.allow_missing = q->trust.allow_missing;
     if (error == NC_NOERR)
         return ST_OK;
     x->n.id = -1;
@@ -71,19 +73,25 @@ static status read_names(exodus *x, import_owner owner) {
     x->fields.of[owner] = owners[owner].of;
     for (uint64_t i = 0; i < count && st == ST_OK; i++) {
         char name[MESH_NAME_MAX + 1];
-        exodus_numbers_name(&x->n, variable, (size_t)i, name, sizeof name);
-        if (!*name)
+        st = exodus_numbers_name(&x->n, variable, (size_t)i, name, sizeof name);
+        if (st == ST_OK && !*name)
             snprintf(name, sizeof name, "variable %llu", (unsigned long long)i + 1);
-        st = import_fields_add(&x->fields, owner, name);
+        if (st == ST_OK)
+            st = import_fields_add(&x->fields, owner, name);
     }
     return st;
 }
 
 static status read_times(exodus *x) {
     const int variable = exodus_numbers_find(&x->n, "time_whole");
-    const size_t start = 0, count = (size_t)x->fields.steps;
+    const size_t start = 0, count = (size_t)x->fields.steps, none = 0;
+    double unused;
     if (variable < 0 || count == 0)
         return ST_OK;
+    /* Are they there at all? */
+    status st = exodus_numbers_read(&x->n, variable, 1, &start, &none, &unused);
+    if (st != ST_OK)
+        return st;
     double *times = x->fields.times = mem_array(x->m, count, sizeof *times);
     return times ? exodus_numbers_read(&x->n, variable, 1, &start, &count, times) : ST_NOMEM;
 }

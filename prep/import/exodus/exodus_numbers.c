@@ -6,7 +6,7 @@
 #include "formats/base/text.h"
 #include "prep/import/netcdf/netcdf_classic.h"
 
-enum { TEXT_MAX = 256, SLOTS = 521 };
+enum { TEXT_MAX = 1024, SLOTS = 521 };
 
 status exodus_numbers_failed(const exodus_numbers *n, const char *what, int error) {
     return status_describe(error == NC_ENOMEM ? ST_NOMEM : ST_CORRUPT, "%s: %s: libnetcdf: %s",
@@ -51,9 +51,23 @@ static void keep_chunk(const netcdf_variable *v, bool keep) {
         (void)nc_set_var_chunk_cache(v->group, v->id, keep ? bytes : 0, SLOTS, 1);
 }
 
+/* Refuse a variable that was never written: not whole, or nothing of it. Numbers that are not there
+ * are the fill value. */
+static status check_written(const exodus_numbers *n, const netcdf_variable *v, bool whole) {
+    const absent_parts absent = netcdf_storage_absent(n->storage, v->path);
+    const bool enough = absent.count == 0 || (!whole && absent.count < absent.of);
+    return enough || n->allow_missing
+               ? ST_OK
+               : status_describe(ST_CORRUPT,
+                                 "%s: %llu of %llu parts of variable %s were never written "
+                                 "(--allow-missing takes it all the same)",
+                                 n->path, (unsigned long long)absent.count,
+                                 (unsigned long long)absent.of, v->path);
+}
+
 /* Turn to a variable that was not read lately: check that it has these dimensions, and all its
  * bytes. */
-static status turn_to(exodus_numbers *n, int variable, int rank, const size_t start[],
+static status turn_to(exodus_numbers *n, int variable, int rank, const size_t start[], bool whole,
                       exodus_use *use) {
     if (use->any)
         keep_chunk(&use->v, false);
@@ -62,7 +76,9 @@ static status turn_to(exodus_numbers *n, int variable, int rank, const size_t st
     if (use->v.rank != rank)
         return status_describe(ST_CORRUPT, "%s: variable %s has %d dimensions, expected %d",
                                n->path, use->v.path, use->v.rank, rank);
-    const status st = netcdf_classic_check(n->f, &use->v, start);
+    status st = netcdf_classic_check(n->f, &use->v, start);
+    if (st == ST_OK)
+        st = check_written(n, &use->v, whole);
     if (st != ST_OK)
         return st;
     keep_chunk(&use->v, true);
@@ -70,7 +86,7 @@ static status turn_to(exodus_numbers *n, int variable, int rank, const size_t st
     return ST_OK;
 }
 
-static status find_use(exodus_numbers *n, int variable, int rank, const size_t start[],
+static status find_use(exodus_numbers *n, int variable, int rank, const size_t start[], bool whole,
                        exodus_use **out) {
     for (int i = 0; i < EXODUS_USES; i++)
         if (n->uses[i].any && n->uses[i].v.id == variable) {
@@ -79,13 +95,13 @@ static status find_use(exodus_numbers *n, int variable, int rank, const size_t s
         }
     *out = &n->uses[n->oldest];
     n->oldest = (n->oldest + 1) % EXODUS_USES;
-    return turn_to(n, variable, rank, start, *out);
+    return turn_to(n, variable, rank, start, whole, *out);
 }
 
 static status check(exodus_numbers *n, int variable, int rank, const size_t start[],
-                    const size_t count[]) {
+                    const size_t count[], bool whole) {
     exodus_use *use;
-    status st = find_use(n, variable, rank, start, &use);
+    status st = find_use(n, variable, rank, start, whole, &use);
     for (int i = 0; i < rank && st == ST_OK; i++)
         if (start[i] > use->v.count[i] || count[i] > use->v.count[i] - start[i])
             st = status_describe(ST_CORRUPT, "%s: variable %s has %zu numbers, expected %zu",
@@ -104,7 +120,7 @@ static status told(const exodus_numbers *n, int variable, int error) {
 status exodus_numbers_read(exodus_numbers *n, int variable, int rank, const size_t start[],
                            const size_t count[], double *to) {
     size_t all = 1;
-    status st = check(n, variable, rank, start, count);
+    status st = check(n, variable, rank, start, count, false);
     if (st == ST_OK)
         st = told(n, variable, nc_get_vara_double(n->id, variable, start, count, to));
     for (int i = 0; i < rank; i++)
@@ -117,7 +133,7 @@ status exodus_numbers_read(exodus_numbers *n, int variable, int rank, const size
 
 status exodus_numbers_cells(exodus_numbers *n, int variable, const size_t start[2],
                             const size_t count[2], int64_t *to) {
-    const status st = check(n, variable, 2, start, count);
+    const status st = check(n, variable, 2, start, count, true);
     long long *numbers = (long long *)to;
     return st == ST_OK
                ? told(n, variable, nc_get_vara_longlong(n->id, variable, start, count, numbers))
@@ -126,18 +142,22 @@ status exodus_numbers_cells(exodus_numbers *n, int variable, const size_t start[
 
 /* ---- names ---- */
 
-void exodus_numbers_name(const exodus_numbers *n, int variable, size_t i, char *to, size_t room) {
+status exodus_numbers_name(const exodus_numbers *n, int variable, size_t i, char *to, size_t room) {
     char text[TEXT_MAX];
     netcdf_variable v;
-    *to = 0;
     netcdf_variable_find(n->id, variable, "", &v);
-    const size_t start[2] = {i, 0}, count[2] = {1, v.count[1]};
-    if (v.rank != 2 || i >= v.count[0] || v.count[1] >= sizeof text ||
-        netcdf_classic_check(n->f, &v, start) != ST_OK ||
-        nc_get_vara_text(n->id, variable, start, count, text) != NC_NOERR)
-        return;
+    if (v.rank != 2 || i >= v.count[0])
+        return status_describe(ST_CORRUPT, "%s: variable %s has no name %zu", n->path, v.path, i);
+    const size_t start[2] = {i, 0};
+    const size_t count[2] = {1, v.count[1] < TEXT_MAX ? v.count[1] : TEXT_MAX - 1};
+    status st = netcdf_classic_check(n->f, &v, start);
+    if (st == ST_OK)
+        st = told(n, variable, nc_get_vara_text(n->id, variable, start, count, text));
+    if (st != ST_OK)
+        return st;
     text[count[1]] = 0;
     for (size_t end = strlen(text); end > 0 && text[end - 1] == ' '; end--)
         text[end - 1] = 0;
     text_name(to, room, text);
+    return ST_OK;
 }

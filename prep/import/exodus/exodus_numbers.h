@@ -10,6 +10,7 @@
 
 #include "formats/base/file.h"
 #include "formats/base/status.h"
+#include "prep/import/netcdf/netcdf_storage.h"
 #include "prep/import/netcdf/netcdf_variable.h"
 
 /* A variable that was read, and checked. The library keeps a chunk of it. */
@@ -24,6 +25,8 @@ typedef struct exodus_numbers {
     const char *path;
     file *f; /* the same file: libnetcdf reads zeros behind the end of a classic one */
     int id;  /* the library's */
+    const netcdf_storage *storage;
+    bool allow_missing;
     exodus_use uses[EXODUS_USES];
     int oldest;
 } exodus_numbers;
@@ -43,7 +46,8 @@ CHECKED status exodus_numbers_cells(exodus_numbers *n, int variable, const size_
 
 /* exodus_numbers_name() - row i of a variable of characters, as text_name() has it, and cut to the
  * room; "": there is none. */
-void exodus_numbers_name(const exodus_numbers *n, int variable, size_t i, char *to, size_t room);
+CHECKED status exodus_numbers_name(const exodus_numbers *n, int variable, size_t i, char *to,
+                                   size_t room);
 
 CHECKED status exodus_numbers_failed(const exodus_numbers *n, const char *what, int error);
 
