@@ -99,7 +99,8 @@ static const cli_verb verb = {
 /* Beside what inputs are like: what only treelet files or only other inputs can use. */
 enum { LEAF = INPUT_TRAIT_END, INPUT = 2 * LEAF };
 static const char *const input_names[] = {
-    INPUT_TRAIT_NAMES, [LEAF] = "treelet files", [INPUT] = "inputs of convert"};
+    INPUT_TRAIT_NAMES, [LEAF] = "treelet files", [INPUT] = "inputs of convert",
+    [LEAF | INPUT_CHOICES] = "treelet files, and formats that have several"};
 static const cli_use uses[] = {{KEY_ISO, LEAF},
                                {KEY_STEPS, LEAF},
                                {KEY_QUICK, INPUT},
@@ -108,8 +109,8 @@ static const cli_use uses[] = {{KEY_ISO, LEAF},
                                {KEY_TYPE, INPUT_RAW},
                                {KEY_BIG_ENDIAN, INPUT_RAW},
                                {KEY_SKIP, INPUT_RAW},
-                               {TRUST_KEY_LINKS, INPUT_LATTICE},
-                               {TRUST_KEY_MISSING, INPUT_LATTICE}};
+                               {TRUST_KEY_LINKS, INPUT_FILES},
+                               {TRUST_KEY_MISSING, INPUT_PARTS}};
 
 /* Refuse options that the input cannot use. */
 static status check_uses(const arguments *a, unsigned input, const char *format) {

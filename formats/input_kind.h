@@ -24,7 +24,8 @@ typedef enum input_trait {
     INPUT_STEPS = 16,     /* its format may have several time steps */
     INPUT_SERIES = 32,    /* several of its steps can be taken at once */
     INPUT_FILES = 64,     /* it may lead to other files */
-    INPUT_TRAIT_END = 128 /* verbs may add their own from here on */
+    INPUT_PARTS = 128,    /* it may lack parts, and tells so */
+    INPUT_TRAIT_END = 256 /* verbs may add their own from here on */
 } input_trait;
 
 /* What inputs of a trait are called: cli_check_uses()'s names. */
@@ -32,7 +33,8 @@ typedef enum input_trait {
     [INPUT_RAW] = "raw samples", [INPUT_LATTICE] = "grids", [INPUT_CELLS] = "meshes",          \
     [INPUT_CHOICES] = "formats that have several", [INPUT_STEPS] = "formats of several steps", \
     [INPUT_SERIES] = "grids and meshes of several steps",                                      \
-    [INPUT_FILES] = "grids and collections of VTK"
+    [INPUT_FILES] = "grids, collections of VTK, and meshes that a library reads",              \
+    [INPUT_PARTS] = "grids, and meshes that a library reads"
 
 /* What the user says of an input, for the readers of each kind. */
 typedef struct input_hints {

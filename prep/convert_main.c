@@ -173,7 +173,7 @@ static const struct argp_option options[] = {
 static const char *const input_names[] = {INPUT_TRAIT_NAMES};
 
 /* What an input must be like for an option to have an effect. Options not listed work for all. */
-static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES}, {TRUST_KEY_MISSING, INPUT_LATTICE},
+static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES}, {TRUST_KEY_MISSING, INPUT_PARTS},
                                {KEY_TREELET, INPUT_LATTICE},   {KEY_HALO, INPUT_LATTICE},
                                {KEY_IN_PLACE, INPUT_LATTICE},  {KEY_LEVELS, INPUT_LATTICE},
                                {KEY_DIMS, INPUT_RAW},          {KEY_TYPE, INPUT_RAW},

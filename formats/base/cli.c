@@ -209,12 +209,14 @@ static void note_given(cli_common *c, int row) {
 
 status cli_check_uses(const cli_common *common, const cli_use *uses, size_t count, unsigned input,
                       const char *const *names, const char *format) {
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
+        assert(names[uses[i].inputs]);
         if (cli_given(common, uses[i].key) && !(uses[i].inputs & input))
             return status_describe(
                 ST_USAGE, "--%s is for %s, and %s is %s: it would change nothing",
                 parsed_verb->options[row_of(uses[i].key)].name, names[uses[i].inputs],
                 strcmp(common->input, "-") ? common->input : "standard input", format);
+    }
     return ST_OK;
 }
 

@@ -28,7 +28,7 @@ static const char *format(const void *own) {
 
 static unsigned traits(const void *own) {
     const bool raw = strcmp(volume_format(own), VOLUME_RAW_SAMPLES) == 0;
-    return INPUT_LATTICE | INPUT_SERIES | INPUT_FILES |
+    return INPUT_LATTICE | INPUT_SERIES | INPUT_FILES | INPUT_PARTS |
            (raw                      ? INPUT_RAW
             : volume_has_fields(own) ? INPUT_CHOICES | INPUT_STEPS
                                      : 0U);

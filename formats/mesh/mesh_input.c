@@ -162,6 +162,10 @@ bool mesh_input_names_files(const mesh_input *x) {
     return x->reader->file != NULL;
 }
 
+bool mesh_input_by_library(const mesh_input *x) {
+    return x->reader == &mesh_imported_reader;
+}
+
 bool mesh_input_may_have_steps(const mesh_input *x) {
     return x->reader->steps != NULL;
 }

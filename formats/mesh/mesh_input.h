@@ -65,7 +65,9 @@ double mesh_input_share(mesh_input *x);
 void mesh_input_fields(const mesh_input *x, mesh_field_taker *take, void *ctx);
 
 /* mesh_input_names_files() - returns whether files of its format name other files.
+ * mesh_input_by_library() - returns whether an importer reads it, which asks what may be trusted.
  * mesh_input_may_have_steps() - returns whether files of its format may have several time steps. */
+bool mesh_input_by_library(const mesh_input *x);
 bool mesh_input_names_files(const mesh_input *x);
 bool mesh_input_may_have_steps(const mesh_input *x);
 

@@ -44,4 +44,7 @@ cp "$out" "$tmp/bad.leaf"
 printf '\377\377\377' | dd of="$tmp/bad.leaf" bs=1 seek=16384 conv=notrunc 2>/dev/null
 exits "a payload changed" 3 "$leafcast" verify "$tmp/bad.leaf"
 ok "names payload and byte" says "bad.leaf: byte [0-9]*: treelet [0-9]*'s topology" err
+"$leafcast" generate sphere --dims 5 -o "$tmp/one.nrrd" -q
+exits "a field of what has one" 2 "$leafcast" info "$tmp/one.nrrd" --field f
+ok "says what it is for" grep -q -- '--field is for treelet files, and formats that have several, and .* is NRRD' "$tmp/err"
 finish

@@ -222,6 +222,10 @@ def links():
     ends("a link to elsewhere", 3, "--follow-links", *take("deep/elsewhere.cgns"))
     holds("a link that may be followed", {"Density": field(nodes, 1)}, *take("deep/elsewhere.cgns", "--follow-links"),
           points=nodes, cells={"hexahedra": cells})
+    for verb, more in (("convert", ("-o", path("l.leaf"), "--force", "-q")), ("info", ())):
+        ends(verb + " of such a link", 3, "--follow-links", leafcast, verb, path("deep/elsewhere.cgns"), *more)
+        rc, _, said = start(leafcast, verb, path("deep/elsewhere.cgns"), "--follow-links", *more)
+        tell(verb + " --follow-links", said if rc else "")
 
 
 def lacking():
@@ -234,6 +238,8 @@ def lacking():
     ends("chunks that were never written", 3, "/a base/zone/S0/Density/ data were never written (--allow-missing", *take("unwritten.cgns"))
     rc, _, said = start(*take("unwritten.cgns", "--allow-missing", "-o", path("unwritten.mesh")))
     tell("as zeros", said if rc else "")
+    rc, _, said = start(leafcast, "convert", path("unwritten.cgns"), "--allow-missing", "-o", path("u.leaf"), "-q")
+    tell("convert --allow-missing", said if rc else "")
     for name, elements in (("faces.cgns", "NGON_n"), ("range.cgns", "tets")):
         f, base = cgns.create(path(name))
         z = cgns.zone(base, "all", POINTS, 2)
@@ -244,7 +250,7 @@ def lacking():
             z.group["s/ElementRange/ data"][:] = [2, 0]
         f.close()
     ends("faces of polyhedra", 3, "zone 1 tells of 2 cells, and has none by its nodes: polyhedra", *take("faces.cgns"))
-    ends("a range that falls", 3, "", *take("range.cgns"))
+    ends("a range that falls", 3, "section s has elements 2 to 0", *take("range.cgns"))
 
 
 def moving():
