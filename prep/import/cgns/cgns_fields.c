@@ -232,7 +232,7 @@ static status find_solution(cgns_fields *x, const char *called, int zone, int *f
         if (st != ST_OK || owner != x->all.owner || (*pointers && !strstr(pointers, quoted)) ||
             !has_field(f, zone, s, called, x->name))
             continue;
-        if (count == 0 || (uint64_t)count == x->all.step)
+        if (count == 0 || (!*pointers && (uint64_t)count == x->all.step))
             *found = s;
         count++;
     }
