@@ -6,11 +6,11 @@
 #include "formats/base/cli_value.h"
 #include "formats/base/file.h"
 #include "formats/base/num.h"
+#include "formats/curvilinear_options.h"
 #include "formats/grid/grid.h"
 #include "formats/info_leaf.h"
 #include "formats/info_next.h"
 #include "formats/input_facts.h"
-#include "formats/plot3d_options.h"
 #include "formats/trust_options.h"
 
 typedef struct arguments {
@@ -47,7 +47,7 @@ static const struct argp_option options[] = {
     {"big-endian", KEY_BIG_ENDIAN, NULL, 0, "of raw samples: most significant byte first", 1},
     {"skip", KEY_SKIP, "BYTES", 0, "of raw samples: header bytes to pass over", 1},
     TRUST_OPTIONS(1),
-    PLOT3D_OPTIONS(1),
+    CURVILINEAR_OPTIONS(1),
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status add_iso(arguments *a, const char *text) {
@@ -74,7 +74,7 @@ static status set_option(void *own, int key, const char *text) {
     default: break;
     }
     const status st = trust_option(&q->hints.grid.trust, key);
-    return st == ST_AGAIN ? plot3d_option(&q->hints.curvilinear, key, text) : st;
+    return st == ST_AGAIN ? curvilinear_option(&q->hints.curvilinear, key, text) : st;
 }
 
 static status check(void *own) {
@@ -192,6 +192,6 @@ int main(int argc, char **argv) {
     arguments a = {.common = {.verb = "info", .without = "output force"}};
     cli_parse(&verb, &a.common, argc, argv);
     const int code = cli_finish(&a.common, run(&a));
-    plot3d_options_release(&a.question.hints.curvilinear);
+    curvilinear_options_release(&a.question.hints.curvilinear);
     return code;
 }

@@ -135,7 +135,7 @@ static void put_leaf_name(shell_line *c, const char *path) {
         c->full = true;
 }
 
-static void put_plot3d(shell_line *c, const curvilinear_hints *h) {
+static void put_curvilinear(shell_line *c, const curvilinear_hints *h) {
     const struct {
         const char *option;
         const path_list *files;
@@ -148,6 +148,10 @@ static void put_plot3d(shell_line *c, const curvilinear_hints *h) {
     if (h->layout) {
         shell_line_put(c, " --plot3d ");
         shell_line_word(c, h->layout);
+    }
+    if (h->to) {
+        shell_line_put(c, " --to ");
+        shell_line_word(c, h->to);
     }
 }
 
@@ -182,7 +186,7 @@ bool input_facts_next(const input_facts *x, const input_question *q, char *text,
         shell_line_put(&c, " --follow-links");
     if (grids->trust.allow_missing)
         shell_line_put(&c, " --allow-missing");
-    put_plot3d(&c, &q->hints.curvilinear);
+    put_curvilinear(&c, &q->hints.curvilinear);
     /* Without this option convert would refuse it: there is nothing to draw. */
     if (x->lacks_values)
         shell_line_put(&c, " --allow-empty");

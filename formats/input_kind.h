@@ -17,15 +17,17 @@
 /* What an input is like, as bits. An option that needs one of them changes nothing of inputs that
  * have none of them. */
 typedef enum input_trait {
-    INPUT_RAW = 1,        /* samples whose sizes come from outside */
-    INPUT_LATTICE = 2,    /* its nodes form rows, columns and slices */
-    INPUT_CELLS = 4,      /* it lists its cells */
-    INPUT_CHOICES = 8,    /* its format may have several fields and components */
-    INPUT_STEPS = 16,     /* its format may have several time steps */
-    INPUT_SERIES = 32,    /* several of its steps can be taken at once */
-    INPUT_FILES = 64,     /* it may lead to other files */
-    INPUT_PARTS = 128,    /* it may lack parts, and tells so */
-    INPUT_TRAIT_END = 256 /* verbs may add their own from here on */
+    INPUT_RAW = 1,         /* samples whose sizes come from outside */
+    INPUT_LATTICE = 2,     /* its nodes form rows, columns and slices */
+    INPUT_CELLS = 4,       /* it lists its cells */
+    INPUT_CHOICES = 8,     /* its format may have several fields and components */
+    INPUT_STEPS = 16,      /* its format may have several time steps */
+    INPUT_SERIES = 32,     /* several of its steps can be taken at once */
+    INPUT_FILES = 64,      /* it may lead to other files */
+    INPUT_PARTS = 128,     /* it may lack parts, and tells so */
+    INPUT_MEANS = 256,     /* its format may have values of cells, too, and whole cells by itself */
+    INPUT_PLACED = 512,    /* its nodes were placed as `--to' says */
+    INPUT_TRAIT_END = 1024 /* verbs may add their own from here on */
 } input_trait;
 
 /* What inputs of a trait are called: cli_check_uses()'s names. */
@@ -54,6 +56,9 @@ typedef struct input_kind {
      * lie anywhere make a regular grid is only seen in all of them. */
     bool last_first;
     bool (*is_folder)(const char *path);
+    /* Where an earlier row recognises a stream, too: whether it is this row's, after a closer look.
+     * NULL: never. */
+    status (*takes_over)(mem *m, byte_stream *s, const input_hints *hints, bool *takes);
     /* open(): open a stream, which is taken over and closed in any case. open_folder(): goes with
      * is_folder(). close(): NULL is fine. */
     status (*open)(mem *m, byte_stream *s, const input_hints *hints, void **own);

@@ -15,14 +15,29 @@ static const input_kind *kind_of_folder(const char *path) {
     return NULL;
 }
 
-static status recognise(byte_stream *s, const input_kind **kind) {
+/* Let later rows have a closer look. */
+static status look_closer(mem *m, byte_stream *s, const input_hints *hints, int at,
+                          const input_kind **kind) {
+    bool takes = false;
+    status st = ST_OK;
+    for (int i = at + 1; i < KINDS && !takes && st == ST_OK; i++)
+        if (kinds[i]->takes_over) {
+            st = kinds[i]->takes_over(m, s, hints, &takes);
+            *kind = takes ? kinds[i] : *kind;
+        }
+    return st;
+}
+
+static status recognise(mem *m, byte_stream *s, const input_hints *hints, const input_kind **kind) {
     bool known = false;
-    for (int i = 0; i < KINDS && !known; i++) {
+    for (int i = 0; i < KINDS; i++) {
         *kind = kinds[i];
         known = !kinds[i]->recognises;
         const status st = known ? ST_OK : kinds[i]->recognises(s, &known);
         if (st != ST_OK)
             return st;
+        if (known)
+            return look_closer(m, s, hints, i, kind);
     }
     return ST_OK;
 }
@@ -50,12 +65,12 @@ static status open_recognised(mem *m, const char *path, const input_hints *hints
     byte_stream *s = NULL;
     status st = byte_stream_open(m, path, &s);
     if (st == ST_OK)
-        st = recognise(s, &kind);
+        st = recognise(m, s, hints, &kind);
     if (st != ST_OK) {
         byte_stream_close(s);
         return st;
     }
-    if (!kind->last_first)
+    if (!kind->last_first || byte_stream_is_pipe(s))
         return open_stream(m, s, hints, kind, out);
     st = open_stream(m, s, hints, kinds[KINDS - 1], out);
     if (st != ST_UNSUPPORTED)

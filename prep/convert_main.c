@@ -12,9 +12,9 @@
 #include "formats/base/num.h"
 #include "formats/base/path_pattern.h"
 #include "formats/base/text.h"
+#include "formats/curvilinear_options.h"
 #include "formats/grid/grid.h"
 #include "formats/input_open.h"
-#include "formats/plot3d_options.h"
 #include "formats/trust_options.h"
 #include "prep/convert_append.h"
 #include "prep/convert_defaults.h"
@@ -167,28 +167,30 @@ static const struct argp_option options[] = {
      "keep hexahedra, wedges and pyramids as they are, each with its own interpolant (default: "
      "split them into tets)",
      3},
-    PLOT3D_OPTIONS(3),
+    CURVILINEAR_OPTIONS(3),
     {NULL, 0, NULL, 0, NULL, 0}};
 
-static const char *const input_names[] = {INPUT_TRAIT_NAMES};
+static const char *const input_names[] = {INPUT_TRAIT_NAMES, [INPUT_CELLS | INPUT_MEANS] = "meshes",
+                                          [INPUT_LATTICE | INPUT_PLACED] = "grids"};
 
 /* What an input must be like for an option to have an effect. Options not listed work for all. */
-static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES}, {TRUST_KEY_MISSING, INPUT_PARTS},
-                               {KEY_TREELET, INPUT_LATTICE},   {KEY_HALO, INPUT_LATTICE},
-                               {KEY_IN_PLACE, INPUT_LATTICE},  {KEY_LEVELS, INPUT_LATTICE},
-                               {KEY_DIMS, INPUT_RAW},          {KEY_TYPE, INPUT_RAW},
-                               {KEY_BIG_ENDIAN, INPUT_RAW},    {KEY_SKIP, INPUT_RAW},
-                               {KEY_SPACING, INPUT_LATTICE},   {KEY_MISSING, INPUT_LATTICE},
-                               {KEY_ORIGIN, INPUT_LATTICE},    {KEY_EXAGGERATE, INPUT_LATTICE},
-                               {KEY_AXES, INPUT_LATTICE},      {KEY_UNIT, INPUT_LATTICE},
-                               {KEY_AXIS_X, INPUT_LATTICE},    {KEY_AXIS_Y, INPUT_LATTICE},
-                               {KEY_AXIS_Z, INPUT_LATTICE},    {KEY_FIELD, INPUT_CHOICES},
-                               {KEY_COMPONENT, INPUT_CHOICES}, {KEY_STEP, INPUT_STEPS},
-                               {KEY_STEPS, INPUT_SERIES},      {KEY_CELLS_TO_POINTS, INPUT_CELLS},
-                               {KEY_COARSE, INPUT_CELLS},      {KEY_TREELET_TETS, INPUT_CELLS},
-                               {KEY_LEAF_TETS, INPUT_CELLS},   {KEY_BUILD, INPUT_CELLS},
-                               {KEY_GRADIENTS, INPUT_CELLS},   {KEY_WHOLE, INPUT_CELLS},
-                               {KEY_BY_CORNERS, INPUT_CELLS}};
+static const cli_use uses[] = {
+    {TRUST_KEY_LINKS, INPUT_FILES}, {TRUST_KEY_MISSING, INPUT_PARTS},
+    {KEY_TREELET, INPUT_LATTICE},   {KEY_HALO, INPUT_LATTICE},
+    {KEY_IN_PLACE, INPUT_LATTICE},  {KEY_LEVELS, INPUT_LATTICE},
+    {KEY_DIMS, INPUT_RAW},          {KEY_TYPE, INPUT_RAW},
+    {KEY_BIG_ENDIAN, INPUT_RAW},    {KEY_SKIP, INPUT_RAW},
+    {KEY_SPACING, INPUT_LATTICE},   {KEY_MISSING, INPUT_LATTICE},
+    {KEY_ORIGIN, INPUT_LATTICE},    {KEY_EXAGGERATE, INPUT_LATTICE | INPUT_PLACED},
+    {KEY_AXES, INPUT_LATTICE},      {KEY_UNIT, INPUT_LATTICE},
+    {KEY_AXIS_X, INPUT_LATTICE},    {KEY_AXIS_Y, INPUT_LATTICE},
+    {KEY_AXIS_Z, INPUT_LATTICE},    {KEY_FIELD, INPUT_CHOICES},
+    {KEY_COMPONENT, INPUT_CHOICES}, {KEY_STEP, INPUT_STEPS},
+    {KEY_STEPS, INPUT_SERIES},      {KEY_CELLS_TO_POINTS, INPUT_CELLS | INPUT_MEANS},
+    {KEY_COARSE, INPUT_CELLS},      {KEY_TREELET_TETS, INPUT_CELLS},
+    {KEY_LEAF_TETS, INPUT_CELLS},   {KEY_BUILD, INPUT_CELLS},
+    {KEY_GRADIENTS, INPUT_CELLS},   {KEY_WHOLE, INPUT_CELLS | INPUT_MEANS},
+    {KEY_BY_CORNERS, INPUT_CELLS}};
 
 static status set_spacing(convert_request *a, const char *text) {
     status st = num_doubles(text, "--spacing", ", ", 3, a->hints.grid.spacing);
@@ -196,13 +198,6 @@ static status set_spacing(convert_request *a, const char *text) {
         if (!isfinite(a->hints.grid.spacing[i]) || a->hints.grid.spacing[i] == 0)
             st = status_describe(ST_USAGE, "--spacing: \"%s\": expected three numbers other than 0",
                                  text);
-    return st;
-}
-
-static status set_exaggerate(volume_hints *h, const char *text) {
-    status st = num_double(text, "--exaggerate", &h->exaggerate);
-    if (st == ST_OK && !(h->exaggerate > 0 && isfinite(h->exaggerate)))
-        st = status_describe(ST_USAGE, "--exaggerate: \"%s\": expected a number above 0", text);
     return st;
 }
 
@@ -279,7 +274,7 @@ static status set_grid(volume_hints *h, int key, const char *text) {
     case KEY_ORIGIN: h->has_origin = true; return num_doubles(text, "--origin", ", ", 3, h->origin);
     case KEY_AXES: return set_axes(h, text);
     case KEY_UNIT: h->unit = text; return ST_OK;
-    case KEY_EXAGGERATE: return set_exaggerate(h, text);
+    case KEY_EXAGGERATE: return cli_positive(text, "--exaggerate", &h->exaggerate);
     case KEY_AXIS_X:
     case KEY_AXIS_Y:
     case KEY_AXIS_Z: h->axis_file[key - KEY_AXIS_X] = text; return ST_OK;
@@ -303,7 +298,9 @@ static status set_mesh(convert_request *a, int key, const char *text) {
     case KEY_COMPONENT: return set_component(a, text);
     case KEY_STEP: return cli_uint(text, "--step", 0, INT_MAX, &a->hints.grid.step);
     case KEY_BY_CORNERS: a->hints.mesh.by_corners = true; return ST_OK;
-    case KEY_CELLS_TO_POINTS: a->hints.mesh.cells_to_points = true; return ST_OK;
+    case KEY_CELLS_TO_POINTS:
+        a->hints.mesh.cells_to_points = a->hints.curvilinear.cells_to_points = true;
+        return ST_OK;
     case KEY_TREELET_TETS:
         return cli_uint(text, "--treelet-tets", 1, LEAF_TREELET_TETS_MAX, &a->treelet_tets);
     case KEY_LEAF_TETS: return cli_uint(text, "--leaf-tets", 1, LEAF_LEAF_TETS_MAX, &a->leaf_tets);
@@ -366,7 +363,7 @@ static status take_option(convert_request *a, int key, const char *text) {
     }
     status st = trust_option(&a->hints.grid.trust, key);
     if (st == ST_AGAIN)
-        st = plot3d_option(&a->hints.curvilinear, key, text);
+        st = curvilinear_option(&a->hints.curvilinear, key, text);
     if (st == ST_AGAIN)
         st = set_grid(&a->hints.grid, key, text);
     return st == ST_AGAIN ? set_mesh(a, key, text) : st;
@@ -495,6 +492,7 @@ static status run(convert_request *a) {
     convert_sets_first_step(&a->sets, &a->hints.grid.step);
     a->hints.curvilinear.step = a->hints.mesh.step = a->hints.grid.step;
     a->hints.curvilinear.trust = a->hints.mesh.trust = a->hints.grid.trust;
+    a->hints.curvilinear.exaggerate = a->hints.grid.exaggerate;
     bool done = false;
     status st = guard_files(a);
     if (st == ST_OK && a->append)
@@ -523,6 +521,6 @@ int main(int argc, char **argv) {
     const int code = a.watch.on ? convert_watch_run(&a, run) : cli_finish(&a.common, run(&a));
     if (!a.watch.on)
         path_pattern_release(a.common.inputs, a.common.input_count);
-    plot3d_options_release(&a.hints.curvilinear);
+    curvilinear_options_release(&a.hints.curvilinear);
     return code;
 }

@@ -35,6 +35,16 @@ status cli_finite(const char *text, const char *what, double lo, double hi, doub
     return ST_OK;
 }
 
+status cli_positive(const char *text, const char *what, double *out) {
+    double value;
+    const status st = num_double(text, what, &value);
+    if (st == ST_OK && !(value > 0 && isfinite(value)))
+        return status_describe(ST_USAGE, "%s: \"%s\": expected a number above 0", what, text);
+    if (st == ST_OK)
+        *out = value;
+    return st;
+}
+
 status cli_vector(const char *text, const char *what, int count, double *out) {
     status st = num_doubles(text, what, ",", count, out);
     for (int i = 0; i < count && st == ST_OK; i++)

@@ -18,6 +18,9 @@ CHECKED status cli_uint(const char *text, const char *what, uint32_t lo, uint32_
 /* cli_finite() - a finite number in lo .. hi. */
 CHECKED status cli_finite(const char *text, const char *what, double lo, double hi, double *out);
 
+/* cli_positive() - a finite number above 0. */
+CHECKED status cli_positive(const char *text, const char *what, double *out);
+
 /* cli_vector() - `count` finite numbers, separated by commas. */
 CHECKED status cli_vector(const char *text, const char *what, int count, double *out);
 

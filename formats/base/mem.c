@@ -177,7 +177,9 @@ void mem_unreserve(mem *m, size_t bytes) {
 }
 
 size_t mem_lend_half(mem *m) {
-    const size_t lent = m->limit / 2;
+    const size_t used = mem_used(m), half = m->limit / 2;
+    const size_t left = used < m->limit ? m->limit - used : 0, most = left - left / 4;
+    const size_t lent = half < most ? half : most;
     m->limit -= lent;
     m->lent += lent;
     return lent;

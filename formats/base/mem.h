@@ -53,7 +53,8 @@ void mem_zlib_free(void *m, void *block);
 CHECKED bool mem_reserve(mem *m, size_t bytes);
 void mem_unreserve(mem *m, size_t bytes);
 
-/* mem_lend_half() - lower the limit by half, and return that half, for a process that helps.
+/* mem_lend_half() - lower the limit by half, and return that half, for a process that helps; less
+ * than half where so much is in use that a quarter of the rest would not be left.
  * mem_take_back() - raise it again, when that process has ended. Both only while a single thread
  * uses m. */
 size_t mem_lend_half(mem *m);

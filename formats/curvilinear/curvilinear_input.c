@@ -4,7 +4,9 @@
 
 #include "formats/base/name_list.h"
 #include "formats/base/text.h"
+#include "formats/curvilinear/curvilinear_imported.h"
 #include "formats/curvilinear/curvilinear_reader.h"
+#include "formats/curvilinear/curvilinear_stream.h"
 #include "formats/curvilinear/curvilinear_vtk.h"
 #include "formats/curvilinear/curvilinear_vtk_parts.h"
 #include "formats/curvilinear/plot3d.h"
@@ -27,26 +29,29 @@ struct curvilinear_input {
 };
 
 /* The formats. The first that recognises a file reads it. */
-static const curvilinear_reader *const readers[] = {
-    &curvilinear_vtk_xml_reader, &curvilinear_vtk_pieces_reader, &curvilinear_vtk_collection_reader,
-    &curvilinear_vtk_legacy_reader, &plot3d_reader};
+static const curvilinear_reader *const readers[] = {&curvilinear_stream_reader,
+                                                    &curvilinear_imported_reader,
+                                                    &curvilinear_vtk_xml_reader,
+                                                    &curvilinear_vtk_pieces_reader,
+                                                    &curvilinear_vtk_collection_reader,
+                                                    &curvilinear_vtk_legacy_reader,
+                                                    &plot3d_reader};
 
 enum { READERS = sizeof readers / sizeof *readers };
 
 /* ---- recognising ---- */
 
-/* Pipes and packed files have no size. */
+/* Few readers read pipes and packed files. */
 static status find_reader(byte_stream *s, const curvilinear_reader **out) {
     const uint8_t *start;
     size_t size;
     *out = NULL;
-    if (byte_stream_is_pipe(s) || byte_stream_left(s) == UINT64_MAX)
-        return ST_OK;
     status st = byte_stream_peek(s, CURVILINEAR_READER_PEEK, &start, &size);
     if (st != ST_OK || dicom_mark_is_at(start, size))
         return st;
     for (int i = 0; i < READERS && !*out; i++)
-        if (readers[i]->known(start, size, byte_stream_left(s)))
+        if ((readers[i]->any_stream || byte_stream_is_file(s)) &&
+            readers[i]->known(byte_stream_kind(s), start, size, byte_stream_left(s)))
             *out = readers[i];
     return ST_OK;
 }
@@ -59,7 +64,7 @@ status curvilinear_input_recognise(byte_stream *s, bool *known) {
 }
 
 bool curvilinear_input_is_asked(const curvilinear_hints *hints) {
-    return hints->layout || hints->solutions.count > 0 || hints->functions.count > 0;
+    return hints->layout || hints->to || hints->solutions.count > 0 || hints->functions.count > 0;
 }
 
 /* ---- fields ---- */
@@ -124,6 +129,25 @@ static status find_field(curvilinear_input *x, const char *asked, choice *out) {
     return component ? ST_OK : refuse_field(x, asked);
 }
 
+/* Tell the reader which fields are going to be read, each once. */
+static status tell_taken(const curvilinear_input *x) {
+    if (!x->reader->take)
+        return ST_OK;
+    uint32_t *fields = mem_array(x->m, (size_t)x->source.fields + 1, sizeof *fields), count = 0;
+    if (!fields)
+        return ST_NOMEM;
+    for (uint32_t i = 0; i < x->source.fields && x->from.fields > 0; i++) {
+        uint32_t k = 0;
+        while (k < count && fields[k] != x->taken[i].field)
+            k++;
+        fields[k] = x->taken[i].field;
+        count += k == count;
+    }
+    const status st = x->reader->take(x->state, fields, count);
+    mem_free(x->m, fields);
+    return st;
+}
+
 status curvilinear_input_take(curvilinear_input *x, const char *const *names, uint32_t count) {
     choice *taken = mem_array(x->m, count, sizeof *taken);
     status st = taken ? ST_OK : ST_NOMEM;
@@ -136,7 +160,7 @@ status curvilinear_input_take(curvilinear_input *x, const char *const *names, ui
     mem_free(x->m, x->taken);
     x->taken = taken;
     x->source.fields = count;
-    return ST_OK;
+    return tell_taken(x);
 }
 
 const char *curvilinear_input_taken(curvilinear_input *x, uint32_t field, uint32_t *component) {
@@ -179,14 +203,18 @@ static status open_reader(curvilinear_input *x) {
     status st = find_reader(s, &x->reader);
     if (st != ST_OK)
         return st;
-    if (byte_stream_is_pipe(s) || byte_stream_left(s) == UINT64_MAX)
+    if (x->from.hints.to)
+        x->reader = &curvilinear_imported_reader;
+    if (!x->reader && !byte_stream_is_file(s))
         return status_describe(ST_UNSUPPORTED,
                                "%s: a curvilinear grid must be a regular file, not packed",
                                byte_stream_name(s));
     if (!x->reader && curvilinear_input_is_asked(&x->from.hints))
         x->reader = &plot3d_reader;
     if (!x->reader)
-        return foreign_refuse(s, "expected a curvilinear grid: PLOT3D, VTK (.vts, .pvts, .vtk)");
+        return foreign_refuse(s,
+                              "expected a curvilinear grid: PLOT3D, VTK (.vts, .pvts, .vtk), CGNS, "
+                              "a curvilinear stream");
     return x->reader->open(&x->from, &x->state);
 }
 
@@ -249,7 +277,7 @@ void curvilinear_input_close(curvilinear_input *x) {
 }
 
 const char *curvilinear_input_format(const curvilinear_input *x) {
-    return x->reader->format;
+    return x->from.format ? x->from.format : x->reader->format;
 }
 
 const char *curvilinear_input_name(const curvilinear_input *x) {
@@ -264,6 +292,14 @@ const char *curvilinear_input_file(const curvilinear_input *x) {
 
 bool curvilinear_input_names_files(const curvilinear_input *x) {
     return x->reader->names_files;
+}
+
+bool curvilinear_input_has_library(const curvilinear_input *x) {
+    return x->reader->library;
+}
+
+bool curvilinear_input_is_placed(const curvilinear_input *x) {
+    return x->from.hints.to != NULL;
 }
 
 bool curvilinear_input_may_have_steps(const curvilinear_input *x) {

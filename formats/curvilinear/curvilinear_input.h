@@ -1,8 +1,9 @@
 /* curvilinear_input.h - any known curvilinear grid as planes of nodes, in any order.
  *
- * curvilinear_input_open() recognises the format (PLOT3D, VTK) and reads its head;
- * curvilinear_input_source() then hands over planes. Readers hold buffers of fixed size, or a
- * plane. Only regular files, as they are stored: they are read at several places. One thread per
+ * curvilinear_input_open() recognises the format (PLOT3D, VTK, CGNS, netCDF, a stream) and reads
+ * its head; curvilinear_input_source() then hands over planes. Readers hold buffers of fixed size,
+ * or a plane. Only regular files, as they are stored, are read where they lie; a stream from
+ * elsewhere, and what an importer writes, goes into a file without a name first. One thread per
  * grid.
  *
  * Positions are floats. Doubles are rounded once, to nearest; ST_CORRUPT naming the node if the
@@ -65,11 +66,16 @@ CHECKED status curvilinear_input_take(curvilinear_input *x, const char *const *n
 const char *curvilinear_input_taken(curvilinear_input *x, uint32_t field, uint32_t *component);
 
 /* curvilinear_input_names_files() - returns whether files of its format name other files.
+ * curvilinear_input_has_library() - returns whether a library reads it, which may find other files
+ * and parts that are missing.
+ * curvilinear_input_is_placed() - returns whether its nodes were placed as hints.to says.
  * curvilinear_input_may_have_steps() - returns whether inputs of its format may have several time
  * steps. curvilinear_input_steps() - returns how many it has, 1 or more; *times: the time of each,
  * in no order; NULL: not known.
  * curvilinear_input_still() - returns whether it says that nodes are the same at all steps. */
 bool curvilinear_input_names_files(const curvilinear_input *x);
+bool curvilinear_input_has_library(const curvilinear_input *x);
+bool curvilinear_input_is_placed(const curvilinear_input *x);
 bool curvilinear_input_may_have_steps(const curvilinear_input *x);
 uint32_t curvilinear_input_steps(const curvilinear_input *x, const double **times);
 bool curvilinear_input_still(const curvilinear_input *x);

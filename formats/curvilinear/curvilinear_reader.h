@@ -26,21 +26,26 @@ typedef struct curvilinear_opening {
     uint32_t fields;                     /* that there are */
     bool still;                          /* nodes are the same at all steps */
     char name[CURVILINEAR_NAME_MAX + 1]; /* the data set's; "": it has none */
+    const char *format;                  /* a constant; NULL: the row's */
 } curvilinear_opening;
 
 /* Reading is as in curvilinear_source.h, of any plane at any time. */
 typedef struct curvilinear_reader {
     const char *format; /* for messages: "PLOT3D" */
     bool names_files;   /* its files name others */
-    /* Returns whether a regular file of so many bytes is of this format. start: its first
-     * CURVILINEAR_READER_PEEK bytes, or all there are. */
-    bool (*known)(const uint8_t *start, size_t size, uint64_t bytes);
+    bool library;       /* an importer reads it: parts may be missing */
+    bool any_stream;    /* also pipes and packed files are read */
+    /* Returns whether a file of so many bytes is of this format. path: its name, without the suffix
+     * of packed files. start: its first CURVILINEAR_READER_PEEK bytes, or all there are. */
+    bool (*known)(const char *path, const uint8_t *start, size_t size, uint64_t bytes);
     /* *state belongs to the reader; close() is called also when open() fails. */
     status (*open)(curvilinear_opening *o, void **state);
     void (*close)(void *state); /* NULL is fine */
     /* Returns the name of a field, below o->fields, and its number of components; the name is valid
      * until the next call. The first field is the default. */
     const char *(*field)(void *state, uint32_t field, uint32_t *components);
+    /* Only these fields are going to be read; NULL: the reader need not know. */
+    status (*take)(void *state, const uint32_t *fields, uint32_t count);
     status (*places)(void *state, uint32_t zone, uint32_t first, uint32_t count, float (*p)[3]);
     /* component: 1, 2, ..; 0: the magnitude */
     status (*values)(void *state, uint32_t zone, uint32_t field, uint32_t component, uint32_t first,

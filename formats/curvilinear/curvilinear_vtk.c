@@ -480,7 +480,8 @@ static const char *name_field(void *state, uint32_t field, uint32_t *components)
     return a->name;
 }
 
-static bool is_xml(const uint8_t *start, size_t size, uint64_t bytes) {
+static bool is_xml(const char *path, const uint8_t *start, size_t size, uint64_t bytes) {
+    (void)path;
     char type[VTK_XML_TYPE_MAX];
     (void)bytes;
     return vtk_xml_type(start, size, type) && strcmp(type, "StructuredGrid") == 0;
@@ -490,7 +491,8 @@ static status open_xml(curvilinear_opening *o, void **state) {
     return open_zones(o, scan_xml, state);
 }
 
-static bool is_legacy(const uint8_t *start, size_t size, uint64_t bytes) {
+static bool is_legacy(const char *path, const uint8_t *start, size_t size, uint64_t bytes) {
+    (void)path;
     char name[VTK_LEGACY_NAME_MAX];
     (void)bytes;
     return vtk_legacy_names(start, size, name) && strcasecmp(name, "STRUCTURED_GRID") == 0;

@@ -39,7 +39,8 @@ static status open_part(mem *m, const char *by, const char *path, const curvilin
     if (st != ST_OK)
         return st;
     for (; *readers && !out->reader; readers++)
-        if ((*readers)->known(start, size, byte_stream_left(out->from.data)))
+        if ((*readers)->known(byte_stream_kind(out->from.data), start, size,
+                              byte_stream_left(out->from.data)))
             out->reader = *readers;
     if (!out->reader)
         return status_describe(ST_UNSUPPORTED, "%s: names %s, expected a structured grid of VTK",
@@ -302,7 +303,8 @@ static status join_blanks(void *state, uint32_t zone, uint32_t first, uint32_t c
     return join_planes(j, first, count, &(wanted){.is_node = out});
 }
 
-static bool are_pieces(const uint8_t *start, size_t size, uint64_t bytes) {
+static bool are_pieces(const char *path, const uint8_t *start, size_t size, uint64_t bytes) {
+    (void)path;
     char type[VTK_XML_TYPE_MAX];
     (void)bytes;
     return vtk_xml_type(start, size, type) && strcmp(type, "PStructuredGrid") == 0;
@@ -400,7 +402,8 @@ static status read_blanks(void *state, uint32_t zone, uint32_t first, uint32_t c
     return c->file.reader->blanks(c->file.state, zone, first, count, is_node);
 }
 
-static bool is_collection(const uint8_t *start, size_t size, uint64_t bytes) {
+static bool is_collection(const char *path, const uint8_t *start, size_t size, uint64_t bytes) {
+    (void)path;
     char type[VTK_XML_TYPE_MAX];
     (void)bytes;
     return vtk_xml_type(start, size, type) && strcmp(type, "Collection") == 0 &&

@@ -42,7 +42,8 @@ static bool is_text(const uint8_t *start, size_t size, uint64_t bytes) {
     return is;
 }
 
-static bool known(const uint8_t *start, size_t size, uint64_t bytes) {
+static bool known(const char *path, const uint8_t *start, size_t size, uint64_t bytes) {
+    (void)path;
     plot3d_head heads[PLOT3D_LAYOUTS];
     return plot3d_head_find(PLOT3D_GRID, &(plot3d_words){0}, 0, start, size, bytes, 0, heads) ==
                1 ||

@@ -119,6 +119,10 @@ uint64_t byte_stream_position(const byte_stream *s) {
     return s->taken;
 }
 
+bool byte_stream_is_file(const byte_stream *s) {
+    return s->f != NULL;
+}
+
 uint64_t byte_stream_left(const byte_stream *s) {
     if (s->f)
         return file_size(s->f) - s->taken;

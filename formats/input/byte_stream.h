@@ -49,9 +49,11 @@ const char *byte_stream_path(const byte_stream *s);
 const char *byte_stream_kind(const byte_stream *s);
 
 /* byte_stream_drop_suffix() - cut the last suffix, which must be there, from the kind.
- * byte_stream_is_pipe() - returns whether it reads standard input or a named pipe. */
+ * byte_stream_is_pipe() - returns whether it reads standard input or a named pipe.
+ * byte_stream_is_file() - returns whether it reads a regular file as it is stored. */
 void byte_stream_drop_suffix(byte_stream *s);
 bool byte_stream_is_pipe(const byte_stream *s);
+bool byte_stream_is_file(const byte_stream *s);
 
 /* byte_stream_position() - returns the bytes taken so far.
  * byte_stream_left() - returns the bytes still to come; UINT64_MAX if unknown, as for pipes and

@@ -117,6 +117,7 @@ static const row rows[] = {
     KNOWN("PVM, a grid", CONVERT, 0, BYTES("PVM3\n"), ""),
     KNOWN("PVM, a grid", CONVERT, 0, BYTES("DDS v3"), ""),
     KNOWN("a mesh stream", MESH, 0, BYTES("LEAFCAST MESH "), ""),
+    KNOWN("a curvilinear stream", CONVERT, 0, BYTES("LEAFCAST CURVILINEAR "), ""),
     KNOWN("Gmsh", MESH, 0, BYTES("$MeshFormat"), ""),
     KNOWN("a VTK mesh", MESH, ANYWHERE, BYTES("type=\"UnstructuredGrid\""), ""),
     KNOWN("a VTK mesh in pieces (.pvtu)", MESH, ANYWHERE, BYTES("type=\"PUnstructuredGrid\""), ""),

@@ -7,6 +7,7 @@
 #include "formats/base/child.h"
 #include "formats/base/file_guard.h"
 #include "formats/base/json_text.h"
+#include "formats/base/num.h"
 #include "formats/base/wait.h"
 
 /* ---- what it says when it fails ---- */
@@ -112,6 +113,7 @@ static void release_command(command *c) {
 /* Write the command line. first: up to three words that say what is wanted. */
 static status write_command(const importing *x, const char *const first[3], size_t lent,
                             command *c) {
+    char text[NUM_TEXT_MAX];
     status st = add_word(c, x->program);
     if (st == ST_OK)
         st = add_word(c, "-q");
@@ -127,6 +129,12 @@ static status write_command(const importing *x, const char *const first[3], size
         st = add_word(c, "--by-corners");
     if (st == ST_OK && x->cells_to_points)
         st = add_word(c, "--cells-to-points");
+    if (st == ST_OK && x->zones)
+        st = add_word(c, "--zones");
+    if (st == ST_OK && x->to)
+        st = add_option(c, "--to", x->to);
+    if (st == ST_OK && x->exaggerate != 0)
+        st = add_option(c, "--exaggerate", num_print(x->exaggerate, text));
     if (st == ST_OK)
         st = add_number(c, "--memory", lent);
     if (st == ST_OK && x->trust.follow_links)

@@ -26,6 +26,9 @@ typedef struct importing {
     size_t field_count;
     uint32_t component, step; /* 0: not said */
     bool by_corners, cells_to_points;
+    bool zones;     /* of a mesh whose cells are all implied by zones: these */
+    const char *to; /* where netCDF's nodes go; NULL: not asked. Heights times exaggerate; 0: 1 */
+    double exaggerate;
     input_trust trust;
     char program[SIBLING_PATH];
 } importing;

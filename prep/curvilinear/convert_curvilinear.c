@@ -14,7 +14,7 @@
 
 static bool is_collection(const void *own) {
     const double *times;
-    return curvilinear_input_steps(own, &times) > 1;
+    return !curvilinear_input_has_library(own) && curvilinear_input_steps(own, &times) > 1;
 }
 
 static void note(const convert_request *a, const void *own) {

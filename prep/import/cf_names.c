@@ -63,3 +63,52 @@ bool cf_goes_down(const cf_coordinates *c) {
         return strcasecmp(c->positive, "down") == 0;
     return is_any(c->units, pressures);
 }
+
+/* ---- places ---- */
+
+bool cf_is_east(const char *units, const char *standard_name) {
+    static const char *const known[] = {"degrees_east", "degree_east", "degree_E", "degrees_E",
+                                        "degreeE",      "degreesE",    NULL};
+    return is_any(units, known) || strcmp(standard_name, "longitude") == 0;
+}
+
+bool cf_is_north(const char *units, const char *standard_name) {
+    static const char *const known[] = {"degrees_north", "degree_north", "degree_N", "degrees_N",
+                                        "degreeN",       "degreesN",     NULL};
+    return is_any(units, known) || strcmp(standard_name, "latitude") == 0;
+}
+
+cf_measure cf_measure_of(const char *units, double *factor) {
+    static const struct {
+        const char *const names[6];
+        cf_measure is;
+        double factor;
+    } known[] = {
+        {{"m", "meter", "meters", "metre", "metres", NULL}, CF_LENGTH, 1},
+        {{"km", "kilometer", "kilometers", "kilometre", "kilometres", NULL}, CF_LENGTH, 1000},
+        {{"cm", "centimeter", "centimeters", "centimetre", "centimetres", NULL}, CF_LENGTH, 0.01},
+        {{"gpm", "geopotential meter", "geopotential metre", NULL}, CF_LENGTH, 1},
+        {{"dbar", "decibar", "decibars", NULL}, CF_LENGTH, 1},
+        {{"Pa", "pascal", "pascals", NULL}, CF_PRESSURE, 1},
+        {{"hPa", "mbar", "mb", "millibar", "millibars", NULL}, CF_PRESSURE, 100},
+        {{"kPa", "kilopascal", "kilopascals", NULL}, CF_PRESSURE, 1000},
+        {{"bar", "bars", NULL}, CF_PRESSURE, 100000}};
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (is_any(units, known[i].names)) {
+            *factor = known[i].factor;
+            return known[i].is;
+        }
+    return CF_OTHER;
+}
+
+bool cf_term(const char *formula_terms, const char *term, char *to, size_t room) {
+    const size_t length = strlen(term);
+    for (const char *at = formula_terms; *(at += strspn(at, gaps));) {
+        const size_t word = strcspn(at, gaps);
+        const bool is = word == length + 1 && at[length] == ':' && strncmp(at, term, length) == 0;
+        at += word;
+        if (is)
+            return cf_next_name(&at, to, room);
+    }
+    return false;
+}

@@ -34,4 +34,18 @@ bool cf_is_time(const cf_coordinates *c, const char *dimension);
  * pressures. */
 bool cf_goes_down(const cf_coordinates *c);
 
+/* cf_is_east() - returns whether coordinates are longitudes on a globe. cf_is_north() - whether
+ * they are latitudes. */
+bool cf_is_east(const char *units, const char *standard_name);
+bool cf_is_north(const char *units, const char *standard_name);
+
+/* cf_measure_of() - what numbers of these units measure, and by how many metres or pascals each.
+ * Decibars of the sea are metres. */
+typedef enum cf_measure { CF_OTHER, CF_LENGTH, CF_PRESSURE } cf_measure;
+cf_measure cf_measure_of(const char *units, double *factor);
+
+/* cf_term() - the variable that formula_terms names for a term, as in "s: s_rho eta: zeta". Returns
+ * false if it names none. */
+bool cf_term(const char *formula_terms, const char *term, char *to, size_t room);
+
 #endif

@@ -1,5 +1,7 @@
 #include "prep/import/import_mesh.h"
 
+#include "formats/curvilinear/curvilinear_stream.h"
+
 enum { CHUNK = 1 << 13 };
 
 void import_mesh_close(import_mesh *x) {
@@ -11,7 +13,8 @@ void import_mesh_close(import_mesh *x) {
 typedef struct writing {
     import_mesh *x;
     mesh_stream_writer *w;
-    void *buffer; /* CHUNK cells of the largest shape */
+    curvilinear_stream_writer *grid; /* instead */
+    void *buffer;                    /* CHUNK cells of the largest shape */
     status (*step)(const void *ctx, double fraction);
     const void *ctx;
     double done, all; /* bytes */
@@ -33,7 +36,8 @@ static status write_points(writing *g) {
         const size_t count = chunk_of(points - i);
         st = g->x->points(g->x->ctx, i, count, g->buffer);
         if (st == ST_OK)
-            st = mesh_stream_points(g->w, count, g->buffer);
+            st = g->grid ? curvilinear_stream_places(g->grid, count, g->buffer)
+                         : mesh_stream_points(g->w, count, g->buffer);
         if (st == ST_OK)
             st = went(g, count * 12);
     }
@@ -47,9 +51,24 @@ static status write_values(writing *g, uint32_t field) {
         const size_t count = chunk_of(points - i);
         st = g->x->values(g->x->ctx, field, i, count, g->buffer);
         if (st == ST_OK)
-            st = mesh_stream_values(g->w, count, g->buffer);
+            st = g->grid ? curvilinear_stream_values(g->grid, count, g->buffer)
+                         : mesh_stream_values(g->w, count, g->buffer);
         if (st == ST_OK)
             st = went(g, count * 4);
+    }
+    return st;
+}
+
+static status write_blanks(writing *g) {
+    const uint64_t points = g->x->header.points;
+    status st = ST_OK;
+    for (uint64_t i = 0; st == ST_OK && g->x->blanks && i < points; i += CHUNK) {
+        const size_t count = chunk_of(points - i);
+        st = g->x->blanks(g->x->ctx, i, count, g->buffer);
+        if (st == ST_OK)
+            st = curvilinear_stream_blanks(g->grid, count, g->buffer);
+        if (st == ST_OK)
+            st = went(g, count);
     }
     return st;
 }
@@ -81,7 +100,10 @@ static status write_all(writing *g) {
     g->all = (double)h->points * (12 + 4 * fields);
     for (int i = 0; i < SHAPES; i++)
         g->all += (double)cells_of(h, shapes[i]) * 4 * cell_shape_vertices(shapes[i]);
+    g->all += g->x->blanks ? (double)h->points : 0;
     status st = write_points(g);
+    if (st == ST_OK)
+        st = write_blanks(g);
     for (uint32_t k = 0; k < fields && st == ST_OK; k++)
         st = write_values(g, k);
     for (int i = 0; i < SHAPES && st == ST_OK; i++)
@@ -89,18 +111,52 @@ static status write_all(writing *g) {
     return st;
 }
 
+/* ---- a file ---- */
+
+static status begin_grid(mem *m, writing *g, const char *path, bool force) {
+    const mesh_stream_header *h = &g->x->header;
+    const char **fields = mem_array(m, (size_t)h->field_count + 1, sizeof *fields);
+    if (!fields)
+        return ST_NOMEM;
+    fields[0] = h->field;
+    for (uint32_t i = 0; i < h->field_count; i++)
+        fields[i + 1] = h->fields[i];
+    const curvilinear_stream_header head = {.name = h->name,
+                                            .fields = fields,
+                                            .field_count = h->field[0] ? 1 + h->field_count : 0,
+                                            .nodes = g->x->zones,
+                                            .zones = g->x->zone_count,
+                                            .blanked = g->x->blanks != NULL};
+    const status st = curvilinear_stream_create(m, path, force, &head, &g->grid);
+    mem_free(m, fields);
+    return st;
+}
+
+static status begin(mem *m, writing *g, const char *path, bool force) {
+    g->buffer = mem_array(m, CHUNK, HEX_CORNERS * sizeof(uint32_t));
+    if (!g->buffer)
+        return ST_NOMEM;
+    return g->x->zone_count ? begin_grid(m, g, path, force)
+                            : mesh_stream_create(m, path, force, &g->x->header, &g->w);
+}
+
+static status end(writing *g, status st) {
+    if (st != ST_OK) {
+        mesh_stream_discard(g->w);
+        curvilinear_stream_discard(g->grid);
+        return st;
+    }
+    return g->grid ? curvilinear_stream_commit(g->grid) : mesh_stream_commit(g->w);
+}
+
 status import_mesh_write(mem *m, import_mesh *x, const char *path, bool force,
                          status (*step)(const void *ctx, double fraction), const void *ctx) {
     writing g = {.x = x, .step = step, .ctx = ctx};
     x->header.bare = !x->header.field[0];
-    g.buffer = mem_array(m, CHUNK, HEX_CORNERS * sizeof(uint32_t));
-    status st = g.buffer ? mesh_stream_create(m, path, force, &x->header, &g.w) : ST_NOMEM;
+    status st = begin(m, &g, path, force);
     if (st == ST_OK)
         st = write_all(&g);
-    if (st == ST_OK)
-        st = mesh_stream_commit(g.w);
-    else
-        mesh_stream_discard(g.w);
+    st = end(&g, st);
     mem_free(m, g.buffer);
     return st;
 }

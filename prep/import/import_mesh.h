@@ -1,7 +1,11 @@
-/* import_mesh.h - a mesh that an importer has opened, and its way out as a mesh stream.
+/* import_mesh.h - a mesh or a curvilinear grid that an importer has opened, and its way out as a
+ * mesh stream, or a curvilinear stream.
  */
 #ifndef PREP_IMPORT_IMPORT_MESH_H
 #define PREP_IMPORT_IMPORT_MESH_H
+
+#include <stdbool.h>
+#include <stdint.h>
 
 #include "formats/base/mem.h"
 #include "formats/base/progress.h"
@@ -17,6 +21,12 @@ typedef struct import_mesh {
     status (*values)(void *ctx, uint32_t field, uint64_t first, size_t count, float *to);
     /* Ids as cell_shape.h orders them, from 0; any that is no point makes the cell a bad one. */
     status (*cells)(void *ctx, cell_shape shape, uint64_t first, size_t count, uint32_t *ids);
+    /* A curvilinear grid in place of cells: its zones, whose nodes are the points, in order. 0: it
+     * is a mesh. blanks(): as curvilinear_source.h has it; NULL: all are nodes. */
+    const uint32_t (*zones)[3];
+    uint32_t zone_count;
+    status (*blanks)(void *ctx, uint64_t first, size_t count, uint8_t *to);
+    bool still;               /* nodes are the same at all steps */
     void (*close)(void *ctx); /* NULL: it has not been opened */
 } import_mesh;
 

@@ -12,6 +12,7 @@
 #include "formats/base/clock.h"
 #include "formats/base/file_guard.h"
 #include "formats/base/text.h"
+#include "formats/curvilinear_options.h"
 #include "formats/grid/imported_chunks.h"
 #include "formats/grid/nrrd_writer.h"
 #include "formats/grid/sample_place.h"
@@ -43,10 +44,14 @@ static status take_field(arguments *a, const char *name) {
 
 static status set_option(void *own, int key, const char *text) {
     arguments *a = own;
+    int word;
     switch (key) {
     case IMPORT_KEY_FIELD: return take_field(a, text);
     case IMPORT_KEY_BY_CORNERS: a->q.by_corners = true; return ST_OK;
     case IMPORT_KEY_CELLS_TO_POINTS: a->q.cells_to_points = true; return ST_OK;
+    case IMPORT_KEY_ZONES: a->q.zones = true; return ST_OK;
+    case IMPORT_KEY_TO: a->q.to = text; return cli_word(text, "--to", CURVILINEAR_PLACES, &word);
+    case IMPORT_KEY_EXAGGERATE: return cli_positive(text, "--exaggerate", &a->q.exaggerate);
     case IMPORT_KEY_COMPONENT:
         return cli_uint(text, "--component", 1, COMPONENT_MAX, &a->q.component);
     case IMPORT_KEY_STEP: return cli_uint(text, "--step", 0, STEP_MAX, &a->q.step);
@@ -69,6 +74,10 @@ static status check(void *own) {
     if (a->common.json && !a->common.output && !a->list)
         return status_describe(ST_USAGE,
                                "--json: standard output is taken by the samples: give -o");
+    if (a->q.exaggerate != 0 && !a->q.to)
+        return status_describe(ST_USAGE, "--exaggerate goes with --to");
+    if (a->q.exaggerate == 0)
+        a->q.exaggerate = 1;
     if (!a->common.output)
         a->common.output = "-";
     a->q.paths = a->common.inputs;
@@ -269,6 +278,17 @@ static status list_about(void *ctx, const char *name, uint64_t steps, const doub
     return times ? set_array(root, "times", steps, times) : ST_OK;
 }
 
+static status list_grid(void *ctx, const import_mesh *x) {
+    json_t *root = ((listing *)ctx)->root, *zones = json_array();
+    for (uint32_t z = 0; z < x->zone_count; z++)
+        json_array_append_new(zones,
+                              json_pack("[I, I, I]", (json_int_t)x->zones[z][0],
+                                        (json_int_t)x->zones[z][1], (json_int_t)x->zones[z][2]));
+    json_object_set_new(root, "blanked", json_boolean(x->blanks != NULL));
+    json_object_set_new(root, "still", json_boolean(x->still));
+    return json_object_set_new(root, "zones", zones) == 0 ? ST_OK : ST_NOMEM;
+}
+
 static void set_times(json_t *entry, const import_item *item) {
     (void)set_array(entry, "times", item->shape[3], item->times);
     if (item->time_unit)
@@ -309,7 +329,7 @@ static status list_line(void *ctx, const import_item *item) {
 /* List the fields as JSON, in an object. */
 static status read_list(mem *m, const arguments *a, json_t **out) {
     listing l = {.root = json_object(), .fields = json_array()};
-    const import_list to = {.take = list_json, .about = list_about, .ctx = &l};
+    const import_list to = {.take = list_json, .about = list_about, .grid = list_grid, .ctx = &l};
     const status st = a->importer->list(m, &a->q, &to);
     json_object_set_new(l.root, "fields", l.fields);
     if (st != ST_OK)
@@ -383,6 +403,14 @@ static status mesh_step(const void *ctx, double fraction) {
     return step(ctx, fraction);
 }
 
+static status report_grid(const arguments *a, const import_mesh *x, double seconds) {
+    return cli_print_json(&a->common,
+                          json_pack("{s:s, s:s, s:s, s:s, s:I, s:I, s:f}", "input", a->common.input,
+                                    "output", a->common.output, "format", a->importer->format,
+                                    "name", x->header.name, "zones", (json_int_t)x->zone_count,
+                                    "nodes", (json_int_t)x->header.points, "seconds", seconds));
+}
+
 static status report_mesh(const arguments *a, const import_mesh *x, double seconds) {
     const mesh_stream_header *h = &x->header;
     if (h->by_corners > 0)
@@ -393,6 +421,8 @@ static status report_mesh(const arguments *a, const import_mesh *x, double secon
                  (unsigned long long)h->skipped);
     if (!a->common.json)
         return ST_OK;
+    if (x->zone_count)
+        return report_grid(a, x, seconds);
     return cli_print_json(
         &a->common,
         json_pack("{s:s, s:s, s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f}", "input",
@@ -406,8 +436,10 @@ static status report_mesh(const arguments *a, const import_mesh *x, double secon
 
 static status import_the_mesh(mem *m, arguments *a) {
     import_mesh x = {0};
+    const bool has_zones = a->q.zones || a->q.to;
     if (strcmp(a->common.output, "-") == 0 && isatty(STDOUT_FILENO))
-        return status_describe(ST_USAGE, "a mesh does not go to a terminal: give -o F.mesh");
+        return status_describe(ST_USAGE, "a mesh does not go to a terminal: give -o F.%s",
+                               has_zones ? "curv" : "mesh");
     const double start = clock_seconds();
     status st = a->importer->open_mesh(m, &a->q, &x);
     if (st == ST_OK)
@@ -447,12 +479,22 @@ static void fence(const arguments *a) {
         cli_note(&a->common, 2, "%s is not kept from %s", a->importer->format, open);
 }
 
+/* Returns whether a mesh or a curvilinear grid is asked for, and not samples. */
+static bool gives_nodes(const arguments *a) {
+    return a->importer->open_mesh && (!a->importer->open || a->q.to);
+}
+
 static const output_kind *output(const void *own) {
+    const arguments *a = own;
+    static const output_kind zones = {
+        .what = "curvilinear stream", .suffixes = ".curv ", .instead = OUTPUT_BY_EXPORT};
     static const output_kind samples = {
         .what = "NRRD", .suffixes = ".nrrd ", .instead = OUTPUT_BY_EXPORT};
     static const output_kind mesh = {
         .what = "mesh stream", .suffixes = ".mesh ", .instead = OUTPUT_BY_EXPORT};
-    return ((const arguments *)own)->importer->open_mesh ? &mesh : &samples;
+    if (a->q.zones || a->q.to)
+        return &zones;
+    return gives_nodes(a) ? &mesh : &samples;
 }
 
 int importer_main(const importer *x, int argc, char **argv) {
@@ -477,7 +519,7 @@ int importer_main(const importer *x, int argc, char **argv) {
     fence(&a);
     status st = guard_files(&a);
     if (st == ST_OK)
-        st = a.list ? list(&m, &a) : x->open_mesh ? import_the_mesh(&m, &a) : import(&m, &a);
+        st = a.list ? list(&m, &a) : gives_nodes(&a) ? import_the_mesh(&m, &a) : import(&m, &a);
     const int code = cli_finish(&a.common, st);
     crash_done(code);
     return code;

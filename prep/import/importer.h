@@ -1,5 +1,5 @@
-/* importer.h - common part of the verbs import-X: their options, and the NRRD or the mesh stream
- * that they write.
+/* importer.h - common part of the verbs import-X: their options, and the NRRD, the mesh stream or
+ * the curvilinear stream that they write.
  *
  * An importer is a folder prep/import/X. Its import_X_main.c has a row that tells how to open and
  * list a format. Its shim around the format's library gives a slice_source, or an import_mesh. Only
@@ -27,6 +27,9 @@ typedef struct import_request {
     uint32_t field_count;
     bool by_corners;      /* take a mesh's cells of higher order as linear ones */
     bool cells_to_points; /* take a mesh's values at cells, averaged to the points */
+    bool zones;           /* take a mesh whose cells are implied by zones as a curvilinear grid */
+    const char *to;       /* IMPORT_TO: "cartesian" or "sphere"; NULL: not asked */
+    double exaggerate;    /* factor on heights there; above 0 */
     uint32_t component;   /* if a sample has several numbers: 1, 2, ..; 0: see volume_hints.h */
     uint32_t step;        /* if there are several time steps: from 0 on */
     input_trust trust;
@@ -53,6 +56,8 @@ typedef struct import_list {
     /* What all fields of a mesh share: the data set's name, or ""; the times, or NULL. NULL:
      * unasked. */
     status (*about)(void *ctx, const char *name, uint64_t steps, const double *times);
+    /* The zones, if it is a curvilinear grid; NULL: unasked. */
+    status (*grid)(void *ctx, const import_mesh *x);
     void *ctx;
 } import_list;
 
@@ -69,7 +74,7 @@ typedef struct importer {
     /* All may return ST_CORRUPT, ST_UNSUPPORTED, ST_IO, ST_NOMEM. They let no C++ exception
      * out. */
     status (*open)(mem *m, const import_request *q, slice_source *out);
-    /* Instead: *out is closed in any case. */
+    /* Instead, or where q->to is set: *out is closed in any case. */
     status (*open_mesh)(mem *m, const import_request *q, import_mesh *out);
     status (*list)(mem *m, const import_request *q, const import_list *to);
 } importer;

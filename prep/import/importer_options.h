@@ -5,6 +5,7 @@
 #include <argp.h>
 
 #include "formats/base/cli_options.h"
+#include "formats/curvilinear_options.h"
 #include "formats/trust_options.h"
 
 /* Keys of an importer's own options begin at IMPORT_KEY_OWN. */
@@ -18,6 +19,9 @@ enum {
     IMPORT_KEY_GUARD,
     IMPORT_KEY_BY_CORNERS,
     IMPORT_KEY_CELLS_TO_POINTS,
+    IMPORT_KEY_ZONES,
+    IMPORT_KEY_TO,
+    IMPORT_KEY_EXAGGERATE,
     IMPORT_KEY_OWN
 };
 
@@ -46,6 +50,23 @@ enum {
     {                                                                                     \
         "cells-to-points", IMPORT_KEY_CELLS_TO_POINTS, NULL, CLI_BASIC,                   \
             "take fields of cells, averaged to the points (default: fields of points)", 0 \
+    }
+#define IMPORT_ZONES                                                                              \
+    {                                                                                             \
+        "zones", IMPORT_KEY_ZONES, NULL, CLI_BASIC,                                               \
+            "write structured zones as a curvilinear stream (default: as hexahedra of a mesh)", 0 \
+    }
+#define IMPORT_TO                                                                                 \
+    {"to",                                                                                        \
+     IMPORT_KEY_TO,                                                                               \
+     CURVILINEAR_PLACES,                                                                          \
+     CLI_BASIC,                                                                                   \
+     "write a curvilinear stream: its nodes lie where longitudes, latitudes and heights say, on " \
+     "a "                                                                                         \
+     "plane or on a globe",                                                                       \
+     0},                                                                                          \
+    {                                                                                             \
+        "exaggerate", IMPORT_KEY_EXAGGERATE, "Z", CLI_BASIC, "with --to: factor on heights", 0    \
     }
 #define IMPORT_COMPONENT                                                                  \
     {                                                                                     \

@@ -58,13 +58,6 @@ static const struct argp_option options[] = {
      "interpolate in hexahedra, wedges and pyramids (default: split them into tets)", 2},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-static status set_spacing(resample_wish *w, const char *text) {
-    status st = num_double(text, "--spacing", &w->spacing);
-    if (st == ST_OK && !(w->spacing > 0 && isfinite(w->spacing)))
-        st = status_describe(ST_USAGE, "--spacing: \"%s\": expected a number above 0", text);
-    return st;
-}
-
 static status set_bounds(resample_wish *w, const char *text) {
     status st = num_doubles(text, "--bounds", ", ", 6, w->box);
     for (int a = 0; a < 3 && st == ST_OK; a++)
@@ -81,7 +74,7 @@ static status set_option(void *own, int key, const char *text) {
     int count;
     switch (key) {
     case KEY_DIMS: return cli_dims_or_one(text, "--dims", 2, GRID_DIM_MAX, a->wish.dims, &count);
-    case KEY_SPACING: return set_spacing(&a->wish, text);
+    case KEY_SPACING: return cli_positive(text, "--spacing", &a->wish.spacing);
     case KEY_BOUNDS: return set_bounds(&a->wish, text);
     case KEY_FIELD: hints->field = text; return ST_OK;
     case KEY_COMPONENT: return cli_int(text, "--component", 1, INT_MAX, &hints->component);

@@ -75,6 +75,7 @@ field=sphere m
 fields=all rhm
 steps=all rh
 times=7 rhm
+to=sphere -
 component=1 m
 step=0 -
 cells-to-points -

@@ -432,6 +432,7 @@ view|--usage|taken||--usage
 view|--version|taken||--version
 info|--solution|says|@p.xyz|--solution @p.q
 info|--functions|says|@p.xyz|--functions @p.f
+info|--to|refused expected netCDF|@p.xyz|--to sphere
 info|--plot3d|refused expected once|@p.xyz|--plot3d nonsense
 info|--skip|shown inputs|
 info|--threads|taken|@g.nrrd|--threads 2
@@ -534,6 +535,8 @@ import-netcdf|--follow-links|shown named_files|
 import-netcdf|--allow-missing|shown absent_parts|
 import-netcdf|--list|shown import_netcdf|
 import-netcdf|--step|shown import_netcdf|
+import-netcdf|--to|shown import_places|
+import-netcdf|--exaggerate|shown import_places|
 import-netcdf|--output|shown import_options|
 import-netcdf|--quiet|shown import_options|
 import-netcdf|--verbose|shown import_options|
@@ -568,6 +571,7 @@ import-cgns|--follow-links|shown named_files|
 import-cgns|--allow-missing|shown absent_parts|
 import-cgns|--list|shown import_cgns|
 import-cgns|--step|shown import_cgns|
+import-cgns|--zones|shown import_cgns|
 import-cgns|--output|shown import_options|
 import-cgns|--quiet|shown import_options|
 import-cgns|--verbose|shown import_options|

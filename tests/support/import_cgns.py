@@ -8,6 +8,7 @@ import shutil
 import sys
 
 from imported import damaged, elsewhere, ends, np, start, tell
+from curvilinear_stream import Grid
 from imported_mesh import CELLS, NODES, POINTS, Stream, holds, near
 
 try:
@@ -165,6 +166,49 @@ def grids():
         near("means of cells, " + name, {"Vorticity": means(cells, values, len(STACKED))}, *take(name, "--cells-to-points", "--step", step))
     near("means of cells, in windows", {"Vorticity": means(cells, values, len(STACKED))},
          *take("zone_steps.cgns", "--cells-to-points", "--step", 1, "--memory", "600K"))
+
+
+def as_zones():
+    """Structured zones as they are: the same places and values, zone by zone; convert and info take them so."""
+    for step, more in ((0, ()), (2, ("--field", "Mach", "--field", "Density")), (1, ("--cells-to-points",))):
+        rc, out, said = start(*take("zone_steps.cgns", "--zones", "--step", step, *more))
+        if rc != 0:
+            tell("--zones", said)
+            continue
+        got, all_of = Grid(out), lambda arrays: np.concatenate([a.reshape(len(a), -1) if a.ndim < 4 else a.reshape(-1, 3) for a in arrays], axis=None)
+        want = Stream(start(*take("zone_steps.cgns", "--step", step, *more))[1])
+        wrong = [f for f in want.fields if not np.array_equal(all_of(got.values[f]), want.values[f], equal_nan=True)]
+        if [p.shape[:3] for p in got.places] != [b.shape[:3] for b in BLOCKS] or got.marks or got.left or got.fields != want.fields:
+            wrong.append("shapes")
+        if not np.array_equal(all_of(got.places), want.points.ravel()):
+            wrong.append("places")
+        tell("--zones at step %d" % step, ", ".join(wrong))
+    ends("--zones of cells that are listed", 3, "--zones: expected structured zones", *take("steps.cgns", "--zones"))
+    rc, out, said = start(leafcast, "info", path("zone_steps.cgns"), "--json", "-q")
+    told = json.loads(out) if rc == 0 else {}
+    tell("info of zones", "" if told.get("zones") == [list(b.shape[2::-1]) for b in BLOCKS] and told["format"] == "CGNS" and
+         told.get("times") == TIMES else (said, told))
+    made = {}
+    start(*take("zone_steps.cgns", "--zones", "--step", 1, "-o", path("z.curv")))
+    for name, given, more in (("as it is", "zone_steps.cgns", ("--step", 1)), ("the stream", "z.curv", ("--name", "a base")),
+                              ("--whole-cells", "zone_steps.cgns", ("--step", 1, "--whole-cells"))):
+        rc, _, said = start(leafcast, "convert", path(given), "-o", path("z.leaf"), "--force", "-q", *more)
+        made[name] = open(path("z.leaf"), "rb").read() if rc == 0 else said
+    tell("convert: what its stream gives, whole cells or not", "" if len(set(made.values())) == 1 and isinstance(made["the stream"], bytes) else
+         [str(m)[:200] for m in made.values()])
+    rc, out, said = start(leafcast, "convert", path("zone_steps.cgns"), "-o", path("z.leaf"), "--force", "--json", "--steps", "all", "--fields", "all")
+    told = json.loads(out) if rc == 0 else {}
+    tell("all steps and fields, whose nodes stay", "" if told.get("moving") is False and told.get("steps") == 3 and told.get("fields") == ["Density", "Mach"] else (said, told))
+    rc, out, said = start(leafcast, "convert", path("zone_steps.cgns"), "-o", path("z.leaf"), "--force", "--json", "--cells-to-points")
+    told = json.loads(out) if rc == 0 else {}
+    tell("fields of the cells", "" if told.get("fields", [told.get("field")])[0] == "Vorticity" else (said, told))
+    rc, out, said = start(leafcast, "convert", path("zones.cgns"), "-o", path("z.leaf"), "--force", "--memory", "24M", "-q", "--threads", 1)
+    tell("within 24M", said if rc else "")
+    f, z = few("of_cells.cgns", steps=0)
+    cgns.solution(z, "C", "CellCenter", {"Heat": centres(BLOCKS[0], 0, 0)})
+    f.close()
+    ends("fields of cells, unasked", 2, 'no field of the nodes; of the cells it has "Heat" (--cells-to-points', leafcast, "convert",
+         path("of_cells.cgns"), "-o", path("z.leaf"), "--force")
 
 
 def rinds():
@@ -354,5 +398,5 @@ def broken():
         damaged("damaged: " + name, path(name), path("broken.cgns"), 20, *take("broken.cgns", *options, "-o", path("broken.mesh"), "--force"))
 
 
-for look in shapes, grids, rinds, which_steps, links, lacking, moving, averages, choices, adf, converted, broken:
+for look in shapes, grids, as_zones, rinds, which_steps, links, lacking, moving, averages, choices, adf, converted, broken:
     look()

@@ -1,12 +1,12 @@
 # import_options.sh - what the script tests of importers share. Sourced behind tap.sh:
-#   import_files NAME MODULE LIBRARY   runs tests/support/import_NAME.py; without them it is skipped, visibly
+#   import_files NAME MODULE LIBRARY [SCRIPT]   runs tests/support/import_NAME.py, or import_SCRIPT.py; without them it is skipped, visibly
 #   import_options VERB INPUT [mesh]   the options that all importers have; mesh: it writes a mesh stream
 # shellcheck shell=sh
 
 import_files() {
     verb=$(dirname "$(readlink -f "$leafcast")")/../libexec/leafcast-import-$1
     [ -x "$verb" ] || { skip "import-$1" "no $3 here"; finish; }
-    PYTHONDONTWRITEBYTECODE=1 python3 "tests/support/import_$1.py" "$leafcast" "$tmp" "$data" \
+    PYTHONDONTWRITEBYTECODE=1 python3 "tests/support/import_${4:-$1}.py" "$leafcast" "$tmp" "$data" \
         >"$tmp/results" 2>"$tmp/said"
     rc=$?
     [ $rc != 77 ] || { skip "import-$1" "no $2 here"; finish; }

@@ -300,7 +300,7 @@ OPENS = {
     "formats/grid/volume.c": "given", "formats/grid/volume_layout.c": "rule", "formats/grid/vtk_grid_xml.c": "rule",
     "formats/grid/vtk_grid_parts.c": "kept", "formats/grid/xdmf_file.c": "rule", "formats/grid/xdmf.c": "kept", "formats/vtk/vtk_parts.c": "rule", "formats/mesh/mesh_vtk_parts.c": "kept",
     "formats/grid/chunk_array.c": "rule", "formats/grid/slice_folder.c": "known", "formats/grid/zarr_array.c": "folder", "formats/grid/zarr_chunk.c": "kept",
-    "formats/curvilinear/curvilinear_input.c": "given", "formats/curvilinear/curvilinear_vtk_parts.c": "rule", "formats/curvilinear/plot3d_file.c": "given", "formats/input/foreign.c": "folder",
+    "formats/curvilinear/curvilinear_input.c": "given", "formats/curvilinear/curvilinear_stream.c": "given", "formats/curvilinear/curvilinear_vtk_parts.c": "rule", "formats/curvilinear/plot3d_file.c": "given", "formats/input/foreign.c": "folder",
     "formats/info_main.c": "given", "formats/input/byte_stream.c": "given", "formats/input/packed_stream.c": "given", "formats/input_open.c": "given",
     "formats/leaf/leaf_file.c": "given", "formats/leaf/leaf_grow.c": "given", "formats/leaf/outside_samples.c": "known", "formats/leaf/leaf_repair.c": "given", "formats/leaf/leaf_writer_finish.c": "given", "formats/mesh/gmsh_file.c": "given",
     "formats/mesh/mesh_input.c": "given", "formats/mesh/mesh_tetgen.c": "implied", "formats/surface/plc.c": "given",
@@ -310,7 +310,7 @@ OPENS = {
     "prep/import/dicom/dicom_image.cpp": "folder", "prep/import/hdf5/hdf5_slices.c": "given",
     "prep/import/hdf5/hdf5_storage.c": "rule", "prep/import/images/image_file.cpp": "folder",
     "prep/import/images/jpeg_end.c": "folder", "prep/import/images/tiff_pages.c": "folder",
-    "prep/import/netcdf/netcdf_slices.c": "given", "prep/import/netcdf/netcdf_storage.c": "given",
+    "prep/import/netcdf/netcdf_file.c": "given", "prep/import/netcdf/netcdf_storage.c": "given",
     "prep/import/exodus/exodus_mesh.c": "given", "prep/import/cgns/cgns_file.c": "given",
     "prep/import/vdb/vdb_archive.cpp": "given", "prep/leafcast_prep.c": "given", "prep/resample/resample_input.c": "given",
 }

@@ -10,17 +10,41 @@ typedef struct cgns {
     cgns_file file;
     cgns_fields fields;
     cgns_cells cells;
-    cgns_walk *walk; /* over cells of one shape */
+    cgns_walk *walk;      /* over cells of one shape */
+    uint32_t (*zones)[3]; /* NULL: not all are structured, or one has no cells */
 } cgns;
 
 static void close_cgns(void *ctx) {
     cgns *x = ctx;
     mem *m = x->file.m;
     mem_free(m, x->walk);
+    mem_free(m, x->zones);
     cgns_cells_release(&x->cells);
     cgns_fields_release(&x->fields);
     cgns_file_close(&x->file);
     mem_free(m, x);
+}
+
+/* Find the zones' sizes, if all are structured. */
+static status find_zones(cgns *x) {
+    const cgns_file *f = &x->file;
+    bool all = f->zone_count > 0;
+    for (int z = 0; z < f->zone_count; z++)
+        for (int a = 0; a < 3; a++)
+            all = all && f->zones[z].structured && f->zones[z].dims[a] >= 2;
+    if (!all)
+        return ST_OK;
+    x->zones = mem_array(f->m, (size_t)f->zone_count, sizeof *x->zones);
+    for (int z = 0; x->zones && z < f->zone_count; z++)
+        for (int a = 0; a < 3; a++)
+            x->zones[z][a] = (uint32_t)f->zones[z].dims[a];
+    return x->zones ? ST_OK : ST_NOMEM;
+}
+
+static void set_zones(const cgns *x, import_mesh *out) {
+    out->zones = (const uint32_t(*)[3])x->zones;
+    out->zone_count = x->zones ? (uint32_t)x->file.zone_count : 0;
+    out->still = true; /* else only the first step is read */
 }
 
 static status open_cgns(mem *m, const import_request *q, cgns **out) {
@@ -30,6 +54,8 @@ static status open_cgns(mem *m, const import_request *q, cgns **out) {
     status st = cgns_file_open(m, q, &x->file);
     if (st == ST_OK)
         st = cgns_fields_open(&x->file, &x->fields);
+    if (st == ST_OK)
+        st = find_zones(x);
     if (st != ST_OK) {
         close_cgns(x);
         return st;
@@ -80,11 +106,13 @@ static void describe(const cgns *x, import_mesh *out) {
     mesh_stream_header *h = &out->header;
     read_title(x, h->name);
     h->points = x->file.nodes;
+    import_fields_describe(&x->fields.all, h);
+    if (out->zone_count)
+        return;
     h->tets = x->cells.of[CELL_TET];
     memcpy(h->cells, x->cells.of, sizeof h->cells);
     h->by_corners = x->cells.higher;
     h->skipped = x->cells.skipped;
-    import_fields_describe(&x->fields.all, h);
 }
 
 status cgns_mesh_open(mem *m, const import_request *q, import_mesh *out) {
@@ -97,6 +125,13 @@ status cgns_mesh_open(mem *m, const import_request *q, import_mesh *out) {
                          .values = give_values,
                          .cells = give_cells,
                          .close = close_cgns};
+    if (q->zones && !x->zones)
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: --zones: expected structured zones of 2 nodes or more along "
+                               "each axis",
+                               x->file.path);
+    if (q->zones)
+        set_zones(x, out);
     x->walk = mem_alloc(m, sizeof *x->walk);
     st = x->walk ? import_fields_take(&x->fields.all, q) : ST_NOMEM;
     if (st == ST_OK)
@@ -114,6 +149,10 @@ status cgns_mesh_list(mem *m, const import_request *q, const import_list *to) {
         return st;
     read_title(x, title);
     st = import_fields_list(&x->fields.all, q, title, x->file.nodes, to);
+    import_mesh of_zones = {.close = NULL};
+    set_zones(x, &of_zones);
+    if (st == ST_OK && to->grid && x->zones)
+        st = to->grid(to->ctx, &of_zones);
     close_cgns(x);
     return st;
 }

@@ -14,14 +14,9 @@ static const double uneven = 1e-3; /* as a part of the step; beyond that, distan
 /* ---- reading ---- */
 
 static bool is_longitude(int group, int id) {
-    static const char *const known[] = {"degrees_east", "degree_east", "degree_E",
-                                        "degrees_E",    "degreeE",     "degreesE"};
     char units[32];
     netcdf_text(group, id, "units", units, sizeof units);
-    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
-        if (strcmp(units, known[i]) == 0)
-            return true;
-    return false;
+    return cf_is_east(units, "");
 }
 
 /* If longitudes turn over from 359 to 0, add a turn to all that follow. */

@@ -3,12 +3,7 @@
 #define PREP_IMPORT_NETCDF_NETCDF_SLICES_H
 
 #include "prep/import/importer.h"
-
-/* Options beside an import_request. */
-typedef struct netcdf_wish {
-    bool indices;    /* ignore coordinates */
-    bool stack_time; /* times may be slices: a map that changes in time becomes a volume */
-} netcdf_wish;
+#include "prep/import/netcdf/netcdf_choice.h"
 
 /* netcdf_slices_open() - open q's variable, or the largest field (netcdf_roles.h) that can be read
  * and has q's step. As importer.open(). */

@@ -257,11 +257,13 @@ void netcdf_variable_find(int group, int id, const char *prefix, netcdf_variable
     sound = sound && nc_inq_vardimid(group, id, v->dim) == NC_NOERR && find_shape(v);
     if (!sound && !v->refuse[0])
         snprintf(v->refuse, sizeof v->refuse, "its dimensions cannot be told");
-    if (v->refuse[0])
+    if (!sound || !kind_of(type).type)
         return;
     netcdf_minc_find(v);
     if (!v->minc)
         find_packing(v, type);
+    if (v->refuse[0])
+        return;
     find_chunks(v);
     find_units(v);
 }

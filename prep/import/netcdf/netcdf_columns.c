@@ -1,0 +1,256 @@
+#include "prep/import/netcdf/netcdf_columns.h"
+
+#include <math.h>
+#include <string.h>
+#include <strings.h>
+
+#include "prep/import/cf_names.h"
+#include "prep/import/netcdf/netcdf_roles.h"
+
+static const double radian = 0.017453292519943295;
+
+/* ---- which variables tell ---- */
+
+/* What a variable says of columns. */
+typedef enum saying { SAYS_EAST, SAYS_NORTH, SAYS_X, SAYS_Y, SAYINGS } saying;
+
+typedef struct search {
+    const netcdf_frame *fr;
+    netcdf_term *terms; /* SAYINGS of them */
+    bool has[SAYINGS];
+} search;
+
+/* Whether a variable of lengths is along axis x or y: by its standard name, its axis, or its own
+ * name. */
+static saying plane_axis(int group, int id, const char *standard_name) {
+    char axis[8], name[NC_MAX_NAME + 1] = "";
+    netcdf_text(group, id, "axis", axis, sizeof axis);
+    nc_inq_varname(group, id, name);
+    if (strcmp(standard_name, "projection_x_coordinate") == 0 || strcasecmp(axis, "X") == 0)
+        return SAYS_X;
+    if (strcmp(standard_name, "projection_y_coordinate") == 0 || strcasecmp(axis, "Y") == 0)
+        return SAYS_Y;
+    if (standard_name[0] || axis[0])
+        return SAYINGS;
+    return name[0] == 'x' || name[0] == 'X'   ? SAYS_X
+           : name[0] == 'y' || name[0] == 'Y' ? SAYS_Y
+                                              : SAYINGS;
+}
+
+static saying what_says(int group, int id) {
+    char units[64], standard_name[64];
+    double factor;
+    netcdf_text(group, id, "units", units, sizeof units);
+    netcdf_text(group, id, "standard_name", standard_name, sizeof standard_name);
+    if (cf_is_east(units, standard_name))
+        return SAYS_EAST;
+    if (cf_is_north(units, standard_name))
+        return SAYS_NORTH;
+    return cf_measure_of(units, &factor) == CF_LENGTH ? plane_axis(group, id, standard_name)
+                                                      : SAYINGS;
+}
+
+/* Take a variable for what it says, unless another one said it before. */
+static void take(search *s, int group, int id) {
+    const saying what = what_says(group, id);
+    if (what == SAYINGS || s->has[what])
+        return;
+    netcdf_term *t = &s->terms[what];
+    s->has[what] = netcdf_frame_term(s->fr, group, id, t) && t->axes != 0 && !(t->axes & NETCDF_Z);
+}
+
+static void take_named(search *s) {
+    const netcdf_variable *v = &s->fr->v;
+    char text[CF_TEXT], name[NC_MAX_NAME + 1];
+    const char *at = text;
+    int group, id;
+    netcdf_text(v->group, v->id, "coordinates", text, sizeof text);
+    while (cf_next_name(&at, name, sizeof name))
+        if (netcdf_find(v->group, name, &group, &id))
+            take(s, group, id);
+}
+
+static void take_all(search *s) {
+    const netcdf_variable *v = &s->fr->v;
+    int group, id, count = 0;
+    take_named(s);
+    for (int a = 0; a < 2; a++)
+        if (netcdf_coordinates(v->group, v->dim[v->rank - 1 - a], &group, &id))
+            take(s, group, id);
+    nc_inq_nvars(v->group, &count);
+    for (id = 0; id < count; id++)
+        take(s, v->group, id);
+}
+
+/* ---- reading ---- */
+
+/* Read two terms into at[.][0] and [1], by their factors. */
+static status read_both(const netcdf_frame *fr, const search *s, saying first, netcdf_columns *c) {
+    double *numbers = mem_array(c->m, fr->columns, sizeof *numbers);
+    status st = numbers ? ST_OK : ST_NOMEM;
+    for (int i = 0; i < 2 && st == ST_OK; i++) {
+        const netcdf_term *t = &s->terms[first + i];
+        char units[64];
+        double factor = 1;
+        netcdf_text(t->v.group, t->v.id, "units", units, sizeof units);
+        if (cf_measure_of(units, &factor) != CF_LENGTH)
+            factor = 1;
+        st = netcdf_frame_map(fr, t, numbers);
+        for (size_t n = 0; n < fr->columns && st == ST_OK; n++)
+            c->at[n][i] = numbers[n] * factor;
+        c->moves = c->moves || t->moves;
+    }
+    mem_free(c->m, numbers);
+    return st;
+}
+
+static status refuse(const netcdf_frame *fr, bool sphere) {
+    return status_describe(ST_UNSUPPORTED,
+                           "%s: %s: nothing tells where its columns are: expected variables along "
+                           "its last two dimensions, or named by its attribute coordinates, in "
+                           "degrees_east and degrees_north%s",
+                           file_path(fr->f->guard), fr->v.path,
+                           sphere ? "" : ", or in metres along x and y");
+}
+
+/* ---- on the globe ---- */
+
+static double turned(double degrees) {
+    return remainder(degrees, 360);
+}
+
+/* Whether a row of longitudes goes around the globe, and ends a step before its first one. */
+static bool closes(const double (*at)[3], uint32_t count) {
+    double sum = 0, most = 0;
+    for (uint32_t i = 0; i + 1 < count; i++) {
+        const double step = turned(at[i + 1][0] - at[i][0]);
+        sum += step;
+        most = fmax(most, fabs(step));
+    }
+    const double last = turned(at[0][0] - at[count - 1][0]);
+    return fabs(fabs(sum + last) - 360) < 1e-3 && fabs(last) > 1e-3 && fabs(last) <= 2 * most;
+}
+
+static bool is_whole(const double (*at)[3], uint32_t count) {
+    bool whole = true;
+    for (uint32_t i = 0; i < count; i++)
+        whole = whole && isfinite(at[i][0]) && isfinite(at[i][1]);
+    return whole;
+}
+
+/* The first row without gaps tells. */
+static void find_closes(const netcdf_frame *fr, netcdf_columns *c) {
+    const double(*at)[3] = (const double(*)[3])c->at;
+    for (uint32_t j = 0; j < fr->n[1]; j++, at += fr->n[0])
+        if (is_whole(at, fr->n[0])) {
+            c->closes = closes(at, fr->n[0]);
+            return;
+        }
+}
+
+static void raise_globe(const netcdf_frame *fr, netcdf_columns *c) {
+    for (size_t n = 0; n < fr->columns; n++) {
+        const double east = c->at[n][0] * radian, north = c->at[n][1] * radian;
+        c->at[n][0] = cos(north) * cos(east);
+        c->at[n][1] = cos(north) * sin(east);
+        c->at[n][2] = sin(north);
+    }
+}
+
+/* ---- on a plane ---- */
+
+/* The longitude of the column in the middle, or of the next one that is somewhere. */
+static double middle_of(const netcdf_frame *fr, const netcdf_columns *c) {
+    const size_t middle = fr->n[1] / 2 * (size_t)fr->n[0] + fr->n[0] / 2;
+    size_t n = 0;
+    while (n + 1 < fr->columns && !isfinite(c->at[(middle + n) % fr->columns][0]))
+        n++;
+    return c->at[(middle + n) % fr->columns][0];
+}
+
+static bool has_seam(const netcdf_frame *fr, const netcdf_columns *c) {
+    bool seam = false;
+    for (uint32_t j = 0; j < fr->n[1]; j++)
+        for (uint32_t i = 0; i < fr->n[0]; i++) {
+            const size_t n = (size_t)j * fr->n[0] + i;
+            seam = seam || (i + 1 < fr->n[0] && netcdf_columns_is_torn(c, n, n + 1)) ||
+                   (j + 1 < fr->n[1] && netcdf_columns_is_torn(c, n, n + fr->n[0]));
+        }
+    return seam;
+}
+
+/* Degrees times the length of one in the middle: a plate carree whose standard parallel is the
+ * middle latitude. */
+static void unroll(const netcdf_frame *fr, netcdf_columns *c) {
+    const double east = middle_of(fr, c);
+    double low = 90, high = -90;
+    for (size_t n = 0; n < fr->columns; n++) {
+        low = fmin(low, c->at[n][1]);
+        high = fmax(high, c->at[n][1]);
+    }
+    const double north = (low + high) / 2, metres = NETCDF_EARTH * radian;
+    for (size_t n = 0; n < fr->columns; n++) {
+        c->at[n][2] = turned(c->at[n][0] - east);
+        c->at[n][0] = c->at[n][2] * metres * cos(north * radian);
+        c->at[n][1] = (c->at[n][1] - north) * metres;
+    }
+    c->seam = has_seam(fr, c);
+}
+
+/* ---- all of it ---- */
+
+static void find_gaps(const netcdf_frame *fr, netcdf_columns *c) {
+    for (size_t n = 0; n < fr->columns && !c->gaps; n++)
+        c->gaps = !isfinite(c->at[n][0]) || !isfinite(c->at[n][1]);
+}
+
+/* Columns that all stand along one axis are no grid, but a list. */
+static bool are_both(const search *s, saying first) {
+    return s->has[first] && s->has[first + 1] &&
+           (s->terms[first].axes | s->terms[first + 1].axes) == (NETCDF_X | NETCDF_Y);
+}
+
+static status find(const netcdf_frame *fr, search *s, netcdf_columns *c) {
+    take_all(s);
+    const bool plane = !c->sphere && are_both(s, SAYS_X);
+    if (!plane && !are_both(s, SAYS_EAST))
+        return refuse(fr, c->sphere);
+    c->at = mem_array(c->m, fr->columns, sizeof *c->at);
+    const status st = c->at ? read_both(fr, s, plane ? SAYS_X : SAYS_EAST, c) : ST_NOMEM;
+    if (st != ST_OK)
+        return st;
+    find_gaps(fr, c);
+    for (size_t n = 0; n < fr->columns && plane; n++)
+        c->at[n][2] = 0;
+    if (c->sphere) {
+        find_closes(fr, c);
+        raise_globe(fr, c);
+    } else if (!plane) {
+        unroll(fr, c);
+    }
+    return ST_OK;
+}
+
+status netcdf_columns_find(const netcdf_frame *fr, bool sphere, netcdf_columns *c) {
+    search s = {.fr = fr};
+    *c = (netcdf_columns){.m = fr->f->m, .sphere = sphere};
+    s.terms = mem_array(c->m, SAYINGS, sizeof *s.terms);
+    const status st = s.terms ? find(fr, &s, c) : ST_NOMEM;
+    mem_free(c->m, s.terms);
+    return st;
+}
+
+void netcdf_columns_release(netcdf_columns *c) {
+    if (c->m)
+        mem_free(c->m, c->at);
+}
+
+void netcdf_columns_place(const netcdf_columns *c, size_t column, double height, double to[3]) {
+    const double *at = c->at[column], radius = NETCDF_EARTH + height;
+    for (int a = 0; a < 3; a++)
+        to[a] = c->sphere ? radius * at[a] : a < 2 ? at[a] : height;
+}
+
+bool netcdf_columns_is_torn(const netcdf_columns *c, size_t a, size_t b) {
+    return fabs(c->at[a][2] - c->at[b][2]) > 180;
+}

@@ -1,0 +1,42 @@
+#!/bin/sh
+# import_places.sh - netCDF as models of the sea and the air write it, as curvilinear grids (--to): where their nodes lie, against
+# formulas in numpy; convert, info and pictures of it.
+# marks: long
+. tests/support/tap.sh
+. tests/support/import_options.sh
+
+says() { cat "$tmp/out" "$tmp/err" | grep -q -- "$1"; }
+
+import_files netcdf netCDF4 libnetcdf places
+exits "info --to" 0 "$leafcast" info "$tmp/roms1.nc" --to sphere
+ok "says its zone" says '^zones *7 x 6 x 5 nodes$'
+ok "and its steps" says '^steps *2, the first is taken here$'
+ok "and its fields on the same nodes" says '^ *salt$'
+ok "and not those on others" [ "$(grep -c '^ *u$' "$tmp/out")" = 0 ]
+ok "and what is next" says 'leafcast convert .*roms1.nc --to sphere'
+exits "convert --to" 0 "$leafcast" convert "$tmp/roms1.nc" --to sphere -o "$tmp/one.leaf" --exaggerate 20 --name sea
+ok "takes the first step" [ "$(grep -c '^steps' "$tmp/out")" = 0 ]
+exits "its stream" 0 "$leafcast" import-netcdf "$tmp/roms1.nc" --to sphere --exaggerate 20 -o "$tmp/one.curv"
+exits "which convert takes" 0 "$leafcast" convert "$tmp/one.curv" --name sea -o "$tmp/stream.leaf"
+ok "the same file" cmp -s "$tmp/one.leaf" "$tmp/stream.leaf"
+"$leafcast" import-netcdf "$tmp/roms1.nc" --to sphere --exaggerate 20 | "$leafcast" convert - --name sea -o "$tmp/pipe.leaf" -q
+ok "through a pipe, too" cmp -s "$tmp/one.leaf" "$tmp/pipe.leaf"
+gzip -c "$tmp/one.curv" >"$tmp/two.curv.gz"
+exits "packed" 0 "$leafcast" convert "$tmp/two.curv.gz" --name sea -o "$tmp/packed.leaf"
+ok "too" cmp -s "$tmp/one.leaf" "$tmp/packed.leaf"
+exits "all steps and fields" 0 "$leafcast" convert "$tmp/roms2.nc" --to cartesian --steps all --fields all -o "$tmp/all.leaf"
+ok "nodes move with the water" says '^nodes *move from step to step$'
+exits "are sound" 0 "$leafcast" verify "$tmp/all.leaf"
+exits "info of it" 0 "$leafcast" info "$tmp/all.leaf"
+ok "has the times" says '^steps *2, times 0 \.\. 3600'
+exits "nodes of fixed depths" 0 "$leafcast" convert "$tmp/nemo.nc" --to sphere --steps all -o "$tmp/nemo.leaf"
+ok "stay" says '^nodes *stay where they are$'
+ok "land is blanked" says ' blanked$'
+exits "a picture" 0 "$leafcast" render "$tmp/all.leaf" --iso 0.5 --step 1 --size 40x30 -o "$tmp/all.ppm"
+exits "--to of another format" 2 "$leafcast" convert "$tmp/one.curv" --to sphere -o "$tmp/x.leaf"
+ok "is refused by name" says 'one.curv: --to: this is a curvilinear stream, expected netCDF'
+exits "--to from a pipe" 2 sh -c '"$1" convert - --to sphere -o "$2/x.leaf" <"$2/one.curv"' sh "$leafcast" "$tmp"
+exits "--exaggerate without --to" 2 "$leafcast" convert "$tmp/one.curv" --exaggerate 2 -o "$tmp/x.leaf"
+exits "a file that is cut off" 3 sh -c 'head -c 3000 "$1/classic.nc" >"$1/cut.nc"; exec "$2" convert "$1/cut.nc" --to sphere -o "$1/x.leaf"' sh "$tmp" "$leafcast"
+ok "nothing is left" [ ! -e "$tmp/x.leaf" ]
+finish
