@@ -36,7 +36,7 @@ typedef enum input_trait {
     [INPUT_CHOICES] = "formats that have several", [INPUT_STEPS] = "formats of several steps", \
     [INPUT_SERIES] = "grids and meshes of several steps",                                      \
     [INPUT_FILES] = "grids, collections of VTK, and meshes that a library reads",              \
-    [INPUT_PARTS] = "grids, and meshes that a library reads"
+    [INPUT_PARTS] = "grids, and meshes that a library reads", [INPUT_PLACED] = "netCDF with --to"
 
 /* What the user says of an input, for the readers of each kind. */
 typedef struct input_hints {

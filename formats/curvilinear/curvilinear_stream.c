@@ -11,11 +11,11 @@
 #include "formats/base/sample.h"
 #include "formats/curvilinear/curvilinear_source.h"
 #include "formats/curvilinear/curvilinear_stream_lines.h"
+#include "formats/leaf/curvilinear_zones.h"
 
 enum {
     LINES_MAX = CURVILINEAR_STREAM_FIELDS_MAX + CURVILINEAR_STREAM_ZONES_MAX + 16,
-    SPOOL_BYTES = 1 << 20,
-    SIDE_MAX = 1 << 30
+    SPOOL_BYTES = 1 << 20
 };
 #define NODES_MAX ((uint64_t)1 << 48)
 
@@ -85,7 +85,7 @@ static status take_zone(curvilinear_stream *s, const char *line, const char *val
         return bad_line(s, line, "fewer zones");
     status st = num_doubles(value, "zone", " ", 3, sides);
     for (int a = 0; a < 3 && st == ST_OK; a++)
-        if (!(sides[a] >= 2 && sides[a] <= SIDE_MAX && sides[a] == floor(sides[a])))
+        if (!(sides[a] >= 2 && sides[a] <= CURVILINEAR_NODES_MAX && sides[a] == floor(sides[a])))
             st = ST_CORRUPT;
     if (st != ST_OK)
         return bad_line(s, line, "nodes along i, j and k: three whole numbers from 2 on");

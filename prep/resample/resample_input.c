@@ -7,7 +7,10 @@
 
 #include "formats/base/file.h"
 #include "formats/base/partial.h"
+#include "formats/curvilinear/curvilinear_input_kind.h"
 #include "formats/leaf/leaf_tell.h"
+#include "formats/mesh/mesh_input_kind.h"
+#include "prep/curvilinear/curvilinear_files.h"
 #include "prep/mesh/mesh_convert.h"
 #include "prep/resample/resample_cells.h"
 
@@ -39,21 +42,76 @@ static bool stop_half(void *ctx) {
     return h->p && h->p->stop && h->p->stop(h->p->ctx);
 }
 
+/* A conversion to a treelet file. */
+typedef struct conversion {
+    mem *m;
+    const resample_source *s;
+    const char *output;
+    progress p;
+} conversion;
+
+static status convert_mesh(const conversion *c, void *own) {
+    mesh_options o = mesh_options_default();
+    mesh_result result;
+    o.threads = c->s->threads;
+    o.force = true;
+    o.mixed = c->s->whole_cells;
+    if (c->m->limit)
+        o.memory = c->m->limit;
+    return mesh_convert_run(c->m, own, c->output, &o, &c->p, &result);
+}
+
+static status convert_zones(const conversion *c, void *own) {
+    const char *const paths[1] = {c->s->path};
+    curvilinear_files files = {.m = c->m,
+                               .of = {.paths = paths, .sets = {.fields = 1, .steps = 1}},
+                               .hints = c->s->hints.curvilinear,
+                               .first = own};
+    const curvilinear_options o = {.file = leaf_parameters_default(),
+                                   .memory = c->m->limit ? c->m->limit : UINT64_MAX,
+                                   .threads = c->s->threads,
+                                   .force = true};
+    curvilinear_result result;
+    status st = curvilinear_files_check(&files);
+    if (st == ST_OK) {
+        const curvilinear_series series = curvilinear_files_series(&files);
+        st = curvilinear_convert(c->m, &series, curvilinear_input_name(own), c->output, &o, &c->p,
+                                 &result);
+    }
+    curvilinear_files_release(&files);
+    return st;
+}
+
+static const struct {
+    const input_kind *of;
+    status (*convert)(const conversion *c, void *own);
+} conversions[] = {{&mesh_input_kind, convert_mesh}, {&curvilinear_input_kind, convert_zones}};
+enum { CONVERSIONS = sizeof conversions / sizeof *conversions };
+
+static status convert_input(const conversion *c, const input *in) {
+    const resample_source *s = c->s;
+    int i = 0;
+    while (i < CONVERSIONS && conversions[i].of != in->kind)
+        i++;
+    if (i == CONVERSIONS)
+        return status_describe(
+            ST_UNSUPPORTED,
+            "%s: a %s, which is regular already: convert takes it; resampled are "
+            "meshes and curvilinear grids",
+            s->path, in->kind->name);
+    const status st =
+        s->opened ? s->opened(s->ctx, in->kind->traits(in->own), in->kind->format(in->own)) : ST_OK;
+    return st == ST_OK ? conversions[i].convert(c, in->own) : st;
+}
+
 static status convert(mem *m, const resample_source *s, const char *path, const progress *p) {
     half h = {p};
-    const progress first = {.report = report_half, .stop = stop_half, .ctx = &h};
-    mesh_options o = mesh_options_default();
-    o.threads = s->threads;
-    o.force = true;
-    o.mixed = s->whole_cells;
-    if (m->limit)
-        o.memory = m->limit;
-    mesh_input *x = NULL;
-    mesh_result result;
-    status st = mesh_input_open(m, s->path, &s->hints, &x);
+    const conversion c = {m, s, path, {.report = report_half, .stop = stop_half, .ctx = &h}};
+    input in;
+    status st = input_open(m, s->path, &s->hints, &in);
     if (st == ST_OK)
-        st = mesh_convert_run(m, x, path, &o, &first, &result);
-    mesh_input_close(x);
+        st = convert_input(&c, &in);
+    input_close(&in);
     return st;
 }
 

@@ -10,7 +10,9 @@
 #include "formats/base/cli_value.h"
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
+#include "formats/curvilinear_options.h"
 #include "formats/grid/nrrd_writer.h"
+#include "formats/trust_options.h"
 #include "prep/resample/resample.h"
 #include "prep/resample/resample_cells.h"
 #include "prep/resample/resample_input.h"
@@ -33,7 +35,8 @@ enum {
     KEY_CELLS_TO_POINTS,
     KEY_BY_CORNERS,
     KEY_WHOLE_CELLS,
-    KEY_STEP
+    KEY_STEP,
+    KEY_EXAGGERATE
 };
 
 static const struct argp_option options[] = {
@@ -48,14 +51,17 @@ static const struct argp_option options[] = {
     {NULL, 0, NULL, 0, "What of the mesh:", 2},
     {"field", KEY_FIELD, "NAME", CLI_BASIC, "the array to take (default: the first of the points)",
      2},
-    {"step", KEY_STEP, "K", CLI_BASIC, "of a treelet file's time steps this one, from 0 on (0)", 2},
+    {"step", KEY_STEP, "K", CLI_BASIC, "of several time steps this one, from 0 on (0)", 2},
     {"component", KEY_COMPONENT, "N", 0, "of vectors: 1, 2, ..; default: their magnitude", 2},
     {"cells-to-points", KEY_CELLS_TO_POINTS, NULL, 0,
      "take an array of the cells, averaged to the points", 2},
     {"by-corners", KEY_BY_CORNERS, NULL, 0,
      "take cells of higher order as linear ones of their corners (default: refuse them)", 2},
     {"whole-cells", KEY_WHOLE_CELLS, NULL, CLI_BASIC,
-     "interpolate in hexahedra, wedges and pyramids (default: split them into tets)", 2},
+     "interpolate in hexahedra, wedges and pyramids of a mesh (default: split them into tets)", 2},
+    TRUST_OPTIONS(2),
+    CURVILINEAR_OPTIONS(2),
+    {"exaggerate", KEY_EXAGGERATE, "Z", 0, "with --to: factor on heights", 2},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status set_bounds(resample_wish *w, const char *text) {
@@ -68,29 +74,40 @@ static status set_bounds(resample_wish *w, const char *text) {
     return st;
 }
 
+static status set_component(input_hints *hints, const char *text) {
+    const status st = cli_int(text, "--component", 1, INT_MAX, &hints->mesh.component);
+    hints->curvilinear.component = hints->mesh.component;
+    return st;
+}
+
 static status set_option(void *own, int key, const char *text) {
     arguments *a = own;
-    mesh_hints *hints = &a->source.hints;
+    input_hints *hints = &a->source.hints;
     int count;
     switch (key) {
     case KEY_DIMS: return cli_dims_or_one(text, "--dims", 2, GRID_DIM_MAX, a->wish.dims, &count);
     case KEY_SPACING: return cli_positive(text, "--spacing", &a->wish.spacing);
     case KEY_BOUNDS: return set_bounds(&a->wish, text);
-    case KEY_FIELD: hints->field = text; return ST_OK;
-    case KEY_COMPONENT: return cli_int(text, "--component", 1, INT_MAX, &hints->component);
-    case KEY_CELLS_TO_POINTS: hints->cells_to_points = true; return ST_OK;
-    case KEY_BY_CORNERS: hints->by_corners = true; return ST_OK;
+    case KEY_FIELD: hints->mesh.field = hints->curvilinear.field = text; return ST_OK;
+    case KEY_COMPONENT: return set_component(hints, text);
+    case KEY_CELLS_TO_POINTS:
+        hints->mesh.cells_to_points = hints->curvilinear.cells_to_points = true;
+        return ST_OK;
+    case KEY_BY_CORNERS: hints->mesh.by_corners = true; return ST_OK;
+    case KEY_EXAGGERATE: return cli_positive(text, "--exaggerate", &hints->curvilinear.exaggerate);
     case KEY_WHOLE_CELLS: a->source.whole_cells = true; return ST_OK;
     case KEY_STEP: return num_int(text, "--step", 0, UINT32_MAX, &a->step);
-    default: return ST_AGAIN;
+    default: break;
     }
+    const status st = trust_option(&hints->grid.trust, key);
+    return st == ST_AGAIN ? curvilinear_option(&hints->curvilinear, key, text) : st;
 }
 
 static status check(void *own) {
     arguments *a = own;
     a->source.path = a->common.input;
     if (!a->source.path || !a->common.output)
-        return status_describe(ST_USAGE, "a MESH and -o are needed");
+        return status_describe(ST_USAGE, "an INPUT and -o are needed");
     if (a->wish.dims[0] > 0 && a->wish.spacing > 0)
         return status_describe(ST_USAGE, "either --dims or --spacing");
     return ST_OK;
@@ -108,17 +125,19 @@ static const cli_verb verb = {
     .set_option = set_option,
     .check = check,
     .output = output,
-    .input = "MESH",
-    .args_doc = "MESH -o F.nrrd",
-    .doc = "Resample a mesh or a curvilinear grid to a regular grid of f32 samples, as NRRD (-o -: "
-           "to standard output). MESH: a treelet file, or whatever mesh convert takes; or - for a "
-           "mesh on standard input. A node's value is that of the cell that holds it, linear in a "
-           "tet, else by its own interpolant; NaN outside."
-           "\vExample:\n  leafcast resample fin.vtk --dims 256 -o fin.nrrd\v"
-           "Memory stays below --memory (default 2G) whatever the sizes of mesh and grid. A mesh "
-           "that is no treelet file becomes one first, beside the output (-o -: in $TMPDIR), "
-           "which takes about 14 bytes a tet and vanishes in the end. The output's bytes depend "
-           "on neither --memory nor --threads.",
+    .input = "input",
+    .args_doc = "INPUT -o F.nrrd",
+    .doc =
+        "Resample a mesh or a curvilinear grid to a regular grid of f32 samples, as NRRD (-o -: "
+        "to standard output). INPUT: a treelet file, or whatever mesh or curvilinear grid convert "
+        "takes; or - for one on standard input. A node's value is that of the cell that holds it, "
+        "linear in a "
+        "tet, else by its own interpolant; NaN outside."
+        "\vExample:\n  leafcast resample fin.vtk --dims 256 -o fin.nrrd\v"
+        "Memory stays below --memory (default 2G) whatever the sizes of mesh and grid. What "
+        "is no treelet file becomes one first, beside the output (-o -: in $TMPDIR), "
+        "which takes about 14 bytes a tet and vanishes in the end. The output's bytes depend "
+        "on neither --memory nor --threads.",
 };
 
 /* ---- all of it ---- */
@@ -154,9 +173,10 @@ static status append(void *ctx, const float *samples, size_t count) {
 
 /* Find the set of values asked for. */
 static status find_set(const arguments *a, const leaf_file *f, uint32_t *set) {
-    /* A mesh converted for this job has only the field asked for. */
-    const char *name = resample_input_is_leaf(a->source.path) ? a->source.hints.field : NULL;
-    const uint32_t step = a->step > 0 ? (uint32_t)a->step : 0;
+    /* An input converted for this job has only the field and the step asked for. */
+    const bool is_leaf = resample_input_is_leaf(a->source.path);
+    const char *name = is_leaf ? a->source.hints.mesh.field : NULL;
+    const uint32_t step = is_leaf && a->step > 0 ? (uint32_t)a->step : 0;
     uint32_t i = 0;
     if (step >= f->header.steps)
         return status_describe(ST_USAGE, "--step %u: there are %u steps, from 0 on", step,
@@ -194,6 +214,45 @@ static status resample(arguments *a, mem *m, leaf_file *f, double start) {
     return st;
 }
 
+/* Beside what inputs are like: what only treelet files, or only others can use. */
+enum { LEAF = INPUT_TRAIT_END, INPUT = 2 * LEAF };
+static const char *const input_names[] = {
+    INPUT_TRAIT_NAMES, [INPUT] = "inputs of convert",
+    [INPUT_STEPS | LEAF] = "treelet files, and formats of several steps",
+    [INPUT_CHOICES | LEAF] = "treelet files, and formats that have several",
+    [INPUT_CELLS | INPUT_MEANS] = "meshes"};
+static const cli_use uses[] = {{KEY_FIELD, INPUT_CHOICES | LEAF},
+                               {KEY_STEP, INPUT_STEPS | LEAF},
+                               {KEY_COMPONENT, INPUT_CHOICES},
+                               {KEY_CELLS_TO_POINTS, INPUT_CELLS | INPUT_MEANS},
+                               {KEY_WHOLE_CELLS, INPUT_CELLS | INPUT_MEANS},
+                               {KEY_BY_CORNERS, INPUT_CELLS},
+                               {KEY_EXAGGERATE, INPUT_PLACED},
+                               {CURVILINEAR_KEY_TO, INPUT},
+                               {CURVILINEAR_KEY_SOLUTION, INPUT},
+                               {CURVILINEAR_KEY_FUNCTIONS, INPUT},
+                               {CURVILINEAR_KEY_LAYOUT, INPUT},
+                               {TRUST_KEY_LINKS, INPUT_FILES},
+                               {TRUST_KEY_MISSING, INPUT_PARTS}};
+
+static status check_uses(const arguments *a, unsigned traits, const char *format) {
+    return cli_check_uses(&a->common, uses, sizeof uses / sizeof *uses, traits, input_names,
+                          format);
+}
+
+static status check_input(void *own, unsigned traits, const char *format) {
+    return check_uses(own, traits | INPUT, format);
+}
+
+/* What is said of an input for one kind holds for all. */
+static void spread_hints(arguments *a) {
+    input_hints *h = &a->source.hints;
+    h->mesh.step = h->curvilinear.step = a->step > 0 ? (uint32_t)a->step : 0;
+    h->mesh.trust = h->curvilinear.trust = h->grid.trust;
+    a->source.opened = check_input;
+    a->source.ctx = a;
+}
+
 static status run(arguments *a) {
     const bool pipe = output_name_is_stdout(a->common.output);
     if (pipe && isatty(STDOUT_FILENO))
@@ -204,21 +263,17 @@ static status run(arguments *a) {
     leaf_file *f = NULL;
     a->source.beside = pipe ? NULL : a->common.output;
     a->source.threads = a->common.threads;
+    spread_hints(a);
     const bool is_leaf = resample_input_is_leaf(a->source.path);
-    if (is_leaf && (a->source.hints.component || a->source.hints.cells_to_points))
-        return status_describe(ST_USAGE, "%s: a treelet file has values of points already",
-                               a->source.path);
-    if (is_leaf && (a->source.hints.by_corners || a->source.whole_cells))
-        return status_describe(ST_USAGE, "%s: %s is for meshes in other formats", a->source.path,
-                               a->source.whole_cells ? "--whole-cells" : "--by-corners");
-    if (!is_leaf && a->step >= 0)
-        return status_describe(ST_USAGE, "--step is for treelet files of several steps");
-    status st = cli_check_files(&a->common, &m, &a->common.output, pipe ? 0 : 1);
+    status st = is_leaf ? check_uses(a, LEAF, "a treelet file") : ST_OK;
+    if (st == ST_OK)
+        st = cli_check_files(&a->common, &m, &a->common.output, pipe ? 0 : 1);
     if (st == ST_OK)
         st = resample_input_open(&m, &a->source, cli_progress(&a->common), &f);
     if (st == ST_OK)
         st = resample(a, &m, f, start);
     leaf_file_close(f);
+    curvilinear_options_release(&a->source.hints.curvilinear);
     return st;
 }
 

@@ -306,12 +306,10 @@ exits "info of a folder" 0 bare info "$tmp/series"
 exits "a folder of nothing" 3 bare convert "$tmp/empty" -o "$tmp/x.leaf" --force
 ok "is told what was expected" says "expected the slices of"
 
-for verb in resample tetrahedralize; do
-    exits "$verb of NIfTI-1" 3 "$leafcast" $verb "$tmp/NIfTI-1" -o "$tmp/x.out"
-    ok "is named" says "this is NIfTI-1"
-done
+exits "tetrahedralize of NIfTI-1" 3 "$leafcast" tetrahedralize "$tmp/NIfTI-1" -o "$tmp/x.out"
+ok "is named" says "this is NIfTI-1"
 exits "a grid resampled" 3 "$leafcast" resample "$tmp/a.nrrd" -o "$tmp/x.nrrd"
-ok "is sent to convert" says "this is NRRD.*convert"
+ok "is sent to convert" says "a grid, which is regular already: convert takes it"
 exits "a treelet file converted" 3 "$leafcast" convert "$tmp/plain.leaf" -o "$tmp/x.leaf" --force
 ok "is named" says "this is a treelet file"
 { cat "$tmp/PLOT3D" && head -c 484 /dev/zero; } >"$tmp/padded"

@@ -483,6 +483,13 @@ resample|--component|shown inputs|
 resample|--cells-to-points|shown inputs|
 resample|--by-corners|shown whole_cells|
 resample|--whole-cells|shown whole_cells|
+resample|--to|refused it would change nothing|@m.leaf -o @m.nrrd --force|--to sphere
+resample|--exaggerate|refused it would change nothing|@m.leaf -o @m.nrrd --force|--exaggerate 2
+resample|--solution|refused it would change nothing|@m.leaf -o @m.nrrd --force|--solution q
+resample|--functions|refused it would change nothing|@m.leaf -o @m.nrrd --force|--functions f
+resample|--plot3d|refused it would change nothing|@m.leaf -o @m.nrrd --force|--plot3d text
+resample|--follow-links|refused it would change nothing|@m.leaf -o @m.nrrd --force|--follow-links
+resample|--allow-missing|refused it would change nothing|@m.leaf -o @m.nrrd --force|--allow-missing
 resample|--output|makes r.nrrd|@m.leaf --dims 7|--output @r.nrrd
 resample|--threads|shown resample|
 resample|--memory|exit 4|@m.leaf --dims 7 -o @m.nrrd --force|--memory 1K

@@ -48,6 +48,22 @@ for step in 0 1 3; do
     floats "$tmp/alone" 2744
     ok "is that mesh" cmp "$tmp/samples" "$tmp/first"
 done
+"$leafcast" generate drop --curvilinear warp --dims 9,7,12 --steps 2 -o "$tmp/w.vts" -q
+for step in 0 1; do
+    "$leafcast" convert "$tmp/w_000$step.vts" -o "$tmp/w.mleaf" -q --force
+    exits "a curvilinear grid, step $step" 0 "$leafcast" resample "$tmp/w_000$step.vts" --dims 14 -o -
+    cp "$tmp/out" "$tmp/first"
+    exits "and its treelet file" 0 "$leafcast" resample "$tmp/w.mleaf" --dims 14 -o -
+    ok "are the same" cmp "$tmp/out" "$tmp/first"
+done
+printf '<VTKFile type="Collection"><Collection>%s%s</Collection></VTKFile>' '<DataSet timestep="0" file="w_0000.vts"/>' \
+    '<DataSet timestep="2" file="w_0001.vts"/>' >"$tmp/w.pvd"
+exits "a step of a collection" 0 "$leafcast" resample "$tmp/w.pvd" --step 1 --dims 14 -o -
+ok "is that step" cmp "$tmp/out" "$tmp/first"
+exits "a step that it has not" 2 "$leafcast" resample "$tmp/w.pvd" --step 2 --dims 14 -o "$out"
+exits "--by-corners of it" 2 "$leafcast" resample "$tmp/w.pvd" --by-corners -o "$out"
+ok "would change nothing" grep -q -- "--by-corners is for meshes" "$tmp/err"
+rm -f "$tmp"/w*
 exits "a step that is not there" 2 "$leafcast" resample "$tmp/s.mleaf" --step 4 -o "$out"
 exits "a field that is not there" 2 "$leafcast" resample "$tmp/s.mleaf" --field x -o "$out"
 exits "a step of a mesh" 2 "$leafcast" resample "$tmp/b.mesh" --step 0 -o "$out"
@@ -55,6 +71,10 @@ exits "a step of a mesh" 2 "$leafcast" resample "$tmp/b.mesh" --step 0 -o "$out"
 exits "too little memory" 4 "$leafcast" resample "$tmp/b.mleaf" --memory 64K -o "$out"
 exits "a grid" 3 sh -c "'$leafcast' convert '$tmp/b.grid' -q -o '$tmp/g.vleaf' >/dev/null && '$leafcast' resample '$tmp/g.vleaf' -o '$out'"
 ok "is told to be one" grep -q "of which none is resampled" "$tmp/err"
+"$leafcast" export "$tmp/g.vleaf" -o "$tmp/g.nrrd" -q
+exits "a grid that is no treelet file" 3 "$leafcast" resample "$tmp/g.nrrd" -o "$out"
+ok "is told to be one, too" grep -q "g.nrrd: a grid, which is regular already" "$tmp/err"
+rm "$tmp/g.nrrd"
 exits "no mesh" 3 "$leafcast" resample tests/README.md -o "$out"
 exits "a file that is not there" 1 "$leafcast" resample "$tmp/none.mesh" -o "$out"
 exits "a folder that is not there" 1 "$leafcast" resample "$tmp/b.mleaf" -o "$tmp/none/a.nrrd"

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "formats/base/text.h"
+#include "formats/leaf/curvilinear_zones.h"
 #include "prep/import/cgns/cgns_cells.h"
 #include "prep/import/cgns/cgns_fields.h"
 
@@ -31,7 +32,8 @@ static status find_zones(cgns *x) {
     bool all = f->zone_count > 0;
     for (int z = 0; z < f->zone_count; z++)
         for (int a = 0; a < 3; a++)
-            all = all && f->zones[z].structured && f->zones[z].dims[a] >= 2;
+            all = all && f->zones[z].structured && f->zones[z].dims[a] >= 2 &&
+                  f->zones[z].dims[a] <= CURVILINEAR_NODES_MAX;
     if (!all)
         return ST_OK;
     x->zones = mem_array(f->m, (size_t)f->zone_count, sizeof *x->zones);

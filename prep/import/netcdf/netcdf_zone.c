@@ -6,6 +6,7 @@
 
 #include "formats/base/text.h"
 #include "formats/curvilinear/curvilinear_source.h"
+#include "formats/leaf/curvilinear_zones.h"
 #include "prep/import/netcdf/netcdf_columns.h"
 #include "prep/import/netcdf/netcdf_heights.h"
 #include "prep/import/netcdf/netcdf_slices.h"
@@ -162,9 +163,10 @@ static status check_nodes(zone *z) {
     netcdf_frame *fr = &z->frame;
     for (int a = 0; a < 3; a++) {
         const size_t n = fr->v.count[fr->v.rank - 1 - a];
-        if (n < 2 || n > INT32_MAX)
-            return status_describe(ST_UNSUPPORTED, "%s: %s: %zu nodes along %c, expected 2 or more",
-                                   file_path(z->file.guard), fr->v.path, n, "xyz"[a]);
+        if (n < 2 || n > CURVILINEAR_NODES_MAX)
+            return status_describe(ST_UNSUPPORTED, "%s: %s: %zu nodes along %c, expected 2 to %d",
+                                   file_path(z->file.guard), fr->v.path, n, "xyz"[a],
+                                   CURVILINEAR_NODES_MAX);
         fr->n[a] = (uint32_t)n;
     }
     fr->columns = (size_t)fr->n[0] * fr->n[1];
