@@ -197,6 +197,9 @@ static void show(curvilinear_opening *o, const imported *x) {
     o->blanked = json_is_true(json_object_get(x->list, "blanked"));
     o->still = json_is_true(json_object_get(x->list, "still"));
     o->fields = x->fields;
+    const char *unit =
+        x->fields ? json_string_value(json_object_get(item_of(x, 0), "time_unit")) : NULL;
+    text_name(o->time_unit, sizeof o->time_unit, unit ? unit : "");
     text_name(o->name, sizeof o->name, name ? name : "");
 }
 

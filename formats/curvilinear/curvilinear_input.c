@@ -311,6 +311,10 @@ uint32_t curvilinear_input_steps(const curvilinear_input *x, const double **time
     return x->reader->steps ? x->reader->steps(x->state, times) : 1;
 }
 
+const char *curvilinear_input_time_unit(const curvilinear_input *x) {
+    return x->from.time_unit;
+}
+
 bool curvilinear_input_still(const curvilinear_input *x) {
     return x->from.still;
 }

@@ -72,12 +72,14 @@ const char *curvilinear_input_taken(curvilinear_input *x, uint32_t field, uint32
  * curvilinear_input_may_have_steps() - returns whether inputs of its format may have several time
  * steps. curvilinear_input_steps() - returns how many it has, 1 or more; *times: the time of each,
  * in no order; NULL: not known.
+ * curvilinear_input_time_unit() - returns the unit of these times; "": unknown.
  * curvilinear_input_still() - returns whether it says that nodes are the same at all steps. */
 bool curvilinear_input_names_files(const curvilinear_input *x);
 bool curvilinear_input_has_library(const curvilinear_input *x);
 bool curvilinear_input_is_placed(const curvilinear_input *x);
 bool curvilinear_input_may_have_steps(const curvilinear_input *x);
 uint32_t curvilinear_input_steps(const curvilinear_input *x, const double **times);
+const char *curvilinear_input_time_unit(const curvilinear_input *x);
 bool curvilinear_input_still(const curvilinear_input *x);
 
 /* curvilinear_input_seek() - go to another step, as if it had been opened with hints of that step:

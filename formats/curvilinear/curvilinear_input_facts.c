@@ -225,6 +225,7 @@ static status ask(mem *m, void *input, const input_question *q, const progress *
     x->steps = curvilinear_input_steps(input, &times);
     if (times && x->steps > 1)
         input_collect_times(x, x->steps, times);
+    text_name(x->frame.time_unit, sizeof x->frame.time_unit, curvilinear_input_time_unit(input));
     if (q->opened)
         st = q->opened(q->ctx, x);
     if (st == ST_OK && !q->header_only)

@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "formats/base/mem.h"
+#include "formats/base/world_frame.h"
 #include "formats/curvilinear/curvilinear_hints.h"
 #include "formats/input/byte_stream.h"
 
@@ -27,6 +28,7 @@ typedef struct curvilinear_opening {
     bool still;                          /* nodes are the same at all steps */
     char name[CURVILINEAR_NAME_MAX + 1]; /* the data set's; "": it has none */
     const char *format;                  /* a constant; NULL: the row's */
+    char time_unit[WORLD_TIME_UNIT];     /* of the steps' times; "": unknown */
 } curvilinear_opening;
 
 /* Reading is as in curvilinear_source.h, of any plane at any time. */

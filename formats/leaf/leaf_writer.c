@@ -350,6 +350,8 @@ status leaf_writer_create_curvilinear(mem *m, const leaf_target *to, const leaf_
     head_segment(w);
     leaf_writer_place_sections(w);
     w->order = leaf_order_begin(&w->layout);
+    if (g->sets.time_unit && !to->grow)
+        world_frame_set_time_unit(&w->frame, g->sets.time_unit);
     *out = w;
     return ST_OK;
 }

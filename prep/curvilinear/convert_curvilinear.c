@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
+#include "formats/base/text.h"
 #include "formats/curvilinear/curvilinear_input_kind.h"
 #include "prep/convert_append.h"
 #include "prep/convert_choices.h"
@@ -47,6 +48,8 @@ static status take_sets(convert_sets *s, curvilinear_input *x, const char *name)
         uint32_t components;
         st = convert_sets_take_copy(s, curvilinear_input_field(x, i, &components));
     }
+    if (step_list_given(&s->taken) && !s->times)
+        text_name(s->time_unit, sizeof s->time_unit, curvilinear_input_time_unit(x));
     return st == ST_OK ? convert_sets_take_steps(s, name, steps, times) : st;
 }
 

@@ -28,7 +28,7 @@ exits "all steps and fields" 0 "$leafcast" convert "$tmp/roms2.nc" --to cartesia
 ok "nodes move with the water" says '^nodes *move from step to step$'
 exits "are sound" 0 "$leafcast" verify "$tmp/all.leaf"
 exits "info of it" 0 "$leafcast" info "$tmp/all.leaf"
-ok "has the times" says '^steps *2, times 0 \.\. 3600'
+ok "has the times" says '^steps *2, times 0 \.\. 3600 seconds since 2000-01-01, vertices move$'
 exits "nodes of fixed depths" 0 "$leafcast" convert "$tmp/nemo.nc" --to sphere --steps all -o "$tmp/nemo.leaf"
 ok "stay" says '^nodes *stay where they are$'
 ok "land is blanked" says ' blanked$'
