@@ -1,7 +1,7 @@
 /* mesh_average.h - cell data averaged to the points: each point gets the mean of its cells' values.
  *
  * A cell counts once at each of its points, before it is split into tets. Sums are double, added in
- * the order of the cells. A point without cells gets 0. Takes 12 bytes a point and field.
+ * the order of the cells. A point without cells gets NaN. Takes 12 bytes a point and field.
  *
  * A reader that can read its cells again may do so in rounds, each for a window of the points:
  *
@@ -15,6 +15,8 @@
  */
 #ifndef FORMATS_MESH_MESH_AVERAGE_H
 #define FORMATS_MESH_MESH_AVERAGE_H
+
+#include <math.h>
 
 #include "formats/mesh/mesh_feed.h"
 
@@ -58,7 +60,7 @@ void mesh_average_add_each(mesh_average *a, uint32_t field, cell_shape kind, con
  * the window's first. */
 static inline double mesh_average_value(const mesh_average *a, uint32_t field, size_t i) {
     const size_t at = field * a->room + i;
-    return a->cells[at] ? a->sums[at] / a->cells[at] : 0;
+    return a->cells[at] ? a->sums[at] / a->cells[at] : (double)NAN;
 }
 
 /* mesh_average_feed() - feed the window's values when the last cell has been added. The first field

@@ -149,7 +149,7 @@ def means(cells, values, nodes):
         for n in set(c):
             sums[n] += v
             of[n] += 1
-    return sums / np.maximum(of, 1)
+    return np.where(of > 0, sums / np.maximum(of, 1), np.nan)
 
 
 def grids():

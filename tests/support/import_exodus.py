@@ -215,7 +215,7 @@ def averages():
             for c, value in zip(elements, of_block):
                 sums[c] += value + 1000 * s
                 count[c] += 1
-        return sums / np.maximum(count, 1)
+        return np.where(count > 0, sums / np.maximum(count, 1), np.nan)
 
     near("means of the elements' values", {"stress": mean(stress, 0)}, *take("elements", "--cells-to-points"))
     near("two of them, at a step", {"work": mean(work, 2), "stress": mean(stress, 2)},
@@ -228,6 +228,10 @@ def averages():
         rc, _, said = start(leafcast, verb, path("elements"), "--cells-to-points", "--field", "work", "-o",
                             path("e.leaf" if verb == "convert" else "e.nrrd"), "-q", *more)
         tell(verb + " --cells-to-points", said if rc else "")
+    few = [v if i == 0 else None for i, v in enumerate(work)]
+    write("few", of_elements={"work": few})
+    near("nodes of elements without it have no data", {"work": mean(few, 1)}, *take("few", "--cells-to-points", "--step", 1))
+    tell("of which there are some", "" if np.isnan(mean(few, 1)).any() else "none")
     write("only", fields={}, of_elements={"stress": stress})
     ends("nothing but variables of the elements", 2, 'the cells have "stress" (--cells-to-points', *take("only"))
 

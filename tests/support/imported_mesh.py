@@ -94,6 +94,7 @@ def near(name, fields, *arguments):
     got = Stream(out) if rc == 0 else None
     wrong = said if rc else "" if got.fields == list(fields) else got.fields
     for f, want in fields.items() if not wrong else ():
-        off = np.abs(got.values[f] - want).max()
-        wrong = wrong or ("" if off <= 1e-7 * np.abs(want).max() else "%s: off by %g" % (f, off))
+        off = np.nanmax(np.abs(got.values[f] - want))
+        wrong = wrong or ("" if off <= 1e-7 * np.nanmax(np.abs(want)) else "%s: off by %g" % (f, off))
+        wrong = wrong or ("" if np.array_equal(np.isnan(got.values[f]), np.isnan(want)) else f + ": other nodes have no data")
     tell(name, wrong)
