@@ -118,17 +118,11 @@ static status find_zones(imported *x, const char *format) {
 
 /* Times are told of all fields, or of the one that is taken. */
 static status find_steps(imported *x) {
-    const json_t *item = x->fields ? item_of(x, 0) : NULL,
-                 *times = json_object_get(x->list, "times");
-    const json_int_t steps = json_integer_value(json_array_get(json_object_get(item, "shape"), 3));
-    x->steps = steps < 1 || steps > UINT32_MAX ? 1 : (uint32_t)steps;
-    times = times ? times : json_object_get(item, "times");
-    if (json_array_size(times) != x->steps)
-        return ST_OK;
-    x->times = mem_array(x->m, x->steps, sizeof *x->times);
-    for (uint32_t i = 0; x->times && i < x->steps; i++)
-        x->times[i] = json_number_value(json_array_get(times, i));
-    return x->times ? ST_OK : ST_NOMEM;
+    const json_t *item = x->fields ? item_of(x, 0) : NULL;
+    const json_t *times = json_object_get(x->list, "times");
+    x->steps = importing_steps(item);
+    return importing_times(x->m, times ? times : json_object_get(item, "times"), x->steps,
+                           &x->times);
 }
 
 /* ---- opening ---- */

@@ -53,28 +53,14 @@ static status open_import(mem *m, const foreign_format *f, const char *path,
 
 /* ---- what fields there are ---- */
 
-/* Read one time for each step; *out is NULL where there are none. */
-static status read_times(mem *m, const json_t *item, uint32_t steps, double **out) {
-    const json_t *times = json_object_get(item, "times");
-    *out = NULL;
-    if (json_array_size(times) != steps)
-        return ST_OK;
-    *out = mem_array(m, steps, sizeof **out);
-    for (uint32_t i = 0; *out && i < steps; i++)
-        (*out)[i] = json_number_value(json_array_get(times, i));
-    return *out ? ST_OK : ST_NOMEM;
-}
-
 /* Tell the fields that can be read. */
 static status tell_items(mem *m, const json_t *items, const slice_fields *to) {
     status st = ST_OK;
     for (size_t i = 0; st == ST_OK && i < json_array_size(items); i++) {
         const json_t *item = json_array_get(items, i);
         const char *name = json_string_value(json_object_get(item, "name"));
-        const json_int_t steps =
-            json_integer_value(json_array_get(json_object_get(item, "shape"), 3));
         slice_field one = {.name = name,
-                           .steps = steps < 1 || steps > UINT32_MAX ? 1 : (uint32_t)steps,
+                           .steps = importing_steps(item),
                            .taken = json_is_true(json_object_get(item, "taken"))};
         one.components = (uint32_t)json_integer_value(json_object_get(item, "components"));
         one.component = (uint32_t)json_integer_value(json_object_get(item, "component"));
@@ -82,7 +68,7 @@ static status tell_items(mem *m, const json_t *items, const slice_fields *to) {
         double *times = NULL;
         if (!name || !json_is_true(json_object_get(item, "readable")))
             continue;
-        st = read_times(m, item, one.steps, &times);
+        st = importing_times(m, json_object_get(item, "times"), one.steps, &times);
         one.times = times;
         one.time_unit = json_string_value(json_object_get(item, "time_unit"));
         if (st == ST_OK)

@@ -312,3 +312,18 @@ status importing_list(importing *x, json_t **out) {
     }
     return st;
 }
+
+uint32_t importing_steps(const json_t *field) {
+    const json_int_t steps = json_integer_value(json_array_get(json_object_get(field, "shape"), 3));
+    return steps < 1 || steps > UINT32_MAX ? 1 : (uint32_t)steps;
+}
+
+status importing_times(mem *m, const json_t *times, uint32_t steps, double **out) {
+    *out = NULL;
+    if (json_array_size(times) != steps)
+        return ST_OK;
+    *out = mem_array(m, steps, sizeof **out);
+    for (uint32_t i = 0; *out && i < steps; i++)
+        (*out)[i] = json_number_value(json_array_get(times, i));
+    return *out ? ST_OK : ST_NOMEM;
+}

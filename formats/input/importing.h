@@ -51,4 +51,10 @@ CHECKED status importing_stream(importing *x, const char *const words[3], void (
  * an array "fields". The caller lets go of *out. */
 CHECKED status importing_list(importing *x, json_t **out);
 
+/* importing_steps() - the number of steps of an entry of "fields"; 1 or more.
+ * importing_times() - one time for each step, of an array "times", which may be NULL. *out is
+ * allocated from m, or NULL: there are not as many. */
+uint32_t importing_steps(const json_t *field);
+CHECKED status importing_times(mem *m, const json_t *times, uint32_t steps, double **out);
+
 #endif

@@ -34,16 +34,8 @@ static const char *name_of(const imported *x, size_t i) {
 }
 
 static status read_steps(imported *x) {
-    const json_t *first = json_array_get(fields_of(x), 0),
-                 *times = json_object_get(x->list, "times");
-    const json_int_t steps = json_integer_value(json_array_get(json_object_get(first, "shape"), 3));
-    x->steps = steps < 1 || steps > UINT32_MAX ? 1 : (uint32_t)steps;
-    if (json_array_size(times) != x->steps)
-        return ST_OK;
-    x->times = mem_array(x->m, x->steps, sizeof *x->times);
-    for (uint32_t i = 0; x->times && i < x->steps; i++)
-        x->times[i] = json_number_value(json_array_get(times, i));
-    return x->times ? ST_OK : ST_NOMEM;
+    x->steps = importing_steps(json_array_get(fields_of(x), 0));
+    return importing_times(x->m, json_object_get(x->list, "times"), x->steps, &x->times);
 }
 
 static bool of_cells(const imported *x, size_t i) {
