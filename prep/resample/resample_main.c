@@ -74,33 +74,34 @@ static status set_bounds(resample_wish *w, const char *text) {
     return st;
 }
 
-static status set_component(input_hints *hints, const char *text) {
-    const status st = cli_int(text, "--component", 1, INT_MAX, &hints->mesh.component);
-    hints->curvilinear.component = hints->mesh.component;
+static status set_component(resample_source *s, const char *text) {
+    const status st = cli_int(text, "--component", 1, INT_MAX, &s->hints.mesh.component);
+    s->hints.curvilinear.component = s->hints.mesh.component;
     return st;
 }
 
 static status set_option(void *own, int key, const char *text) {
     arguments *a = own;
-    input_hints *hints = &a->source.hints;
+    resample_source *s = &a->source;
     int count;
     switch (key) {
     case KEY_DIMS: return cli_dims_or_one(text, "--dims", 2, GRID_DIM_MAX, a->wish.dims, &count);
     case KEY_SPACING: return cli_positive(text, "--spacing", &a->wish.spacing);
     case KEY_BOUNDS: return set_bounds(&a->wish, text);
-    case KEY_FIELD: hints->mesh.field = hints->curvilinear.field = text; return ST_OK;
-    case KEY_COMPONENT: return set_component(hints, text);
+    case KEY_FIELD: s->hints.mesh.field = s->hints.curvilinear.field = text; return ST_OK;
+    case KEY_COMPONENT: return set_component(s, text);
     case KEY_CELLS_TO_POINTS:
-        hints->mesh.cells_to_points = hints->curvilinear.cells_to_points = true;
+        s->hints.mesh.cells_to_points = s->hints.curvilinear.cells_to_points = true;
         return ST_OK;
-    case KEY_BY_CORNERS: hints->mesh.by_corners = true; return ST_OK;
-    case KEY_EXAGGERATE: return cli_positive(text, "--exaggerate", &hints->curvilinear.exaggerate);
+    case KEY_BY_CORNERS: s->hints.mesh.by_corners = true; return ST_OK;
+    case KEY_EXAGGERATE:
+        return cli_positive(text, "--exaggerate", &s->hints.curvilinear.exaggerate);
     case KEY_WHOLE_CELLS: a->source.whole_cells = true; return ST_OK;
     case KEY_STEP: return num_int(text, "--step", 0, UINT32_MAX, &a->step);
     default: break;
     }
-    const status st = trust_option(&hints->grid.trust, key);
-    return st == ST_AGAIN ? curvilinear_option(&hints->curvilinear, key, text) : st;
+    const status st = trust_option(&s->hints.grid.trust, key);
+    return st == ST_AGAIN ? curvilinear_option(&s->hints.curvilinear, key, text) : st;
 }
 
 static status check(void *own) {
@@ -246,11 +247,11 @@ static status check_input(void *own, unsigned traits, const char *format) {
 
 /* What is said of an input for one kind holds for all. */
 static void spread_hints(arguments *a) {
-    input_hints *h = &a->source.hints;
-    h->mesh.step = h->curvilinear.step = a->step > 0 ? (uint32_t)a->step : 0;
-    h->mesh.trust = h->curvilinear.trust = h->grid.trust;
-    a->source.opened = check_input;
-    a->source.ctx = a;
+    resample_source *s = &a->source;
+    s->hints.mesh.step = s->hints.curvilinear.step = a->step > 0 ? (uint32_t)a->step : 0;
+    s->hints.mesh.trust = s->hints.curvilinear.trust = s->hints.grid.trust;
+    s->opened = check_input;
+    s->ctx = a;
 }
 
 static status run(arguments *a) {

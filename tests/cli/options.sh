@@ -525,16 +525,6 @@ import-hdf5|--follow-links|shown named_files|
 import-hdf5|--allow-missing|shown absent_parts|
 import-hdf5|--list|shown import_hdf5|
 import-hdf5|--step|shown import_hdf5|
-import-hdf5|--output|shown import_options|
-import-hdf5|--quiet|shown import_options|
-import-hdf5|--verbose|shown import_options|
-import-hdf5|--memory|shown import_options|
-import-hdf5|--json|shown import_options|
-import-hdf5|--force|shown import_options|
-import-hdf5|--help|shown help|
-import-hdf5|--help-all|shown help|
-import-hdf5|--usage|taken||--usage
-import-hdf5|--version|taken||--version
 import-netcdf|--field|shown import_netcdf|
 import-netcdf|--indices|shown import_netcdf|
 import-netcdf|--stack-time|shown import_netcdf|
@@ -544,16 +534,6 @@ import-netcdf|--list|shown import_netcdf|
 import-netcdf|--step|shown import_netcdf|
 import-netcdf|--to|shown import_places|
 import-netcdf|--exaggerate|shown import_places|
-import-netcdf|--output|shown import_options|
-import-netcdf|--quiet|shown import_options|
-import-netcdf|--verbose|shown import_options|
-import-netcdf|--memory|shown import_options|
-import-netcdf|--json|shown import_options|
-import-netcdf|--force|shown import_options|
-import-netcdf|--help|shown help|
-import-netcdf|--help-all|shown help|
-import-netcdf|--usage|taken||--usage
-import-netcdf|--version|taken||--version
 import-exodus|--by-corners|shown import_exodus|
 import-exodus|--cells-to-points|shown import_exodus|
 import-exodus|--field|shown import_exodus|
@@ -561,16 +541,6 @@ import-exodus|--follow-links|shown named_files|
 import-exodus|--allow-missing|shown absent_parts|
 import-exodus|--list|shown import_exodus|
 import-exodus|--step|shown import_exodus|
-import-exodus|--output|shown import_options|
-import-exodus|--quiet|shown import_options|
-import-exodus|--verbose|shown import_options|
-import-exodus|--memory|shown import_options|
-import-exodus|--json|shown import_options|
-import-exodus|--force|shown import_options|
-import-exodus|--help|shown help|
-import-exodus|--help-all|shown help|
-import-exodus|--usage|taken||--usage
-import-exodus|--version|taken||--version
 import-cgns|--by-corners|shown import_cgns|
 import-cgns|--cells-to-points|shown import_cgns|
 import-cgns|--field|shown import_cgns|
@@ -579,31 +549,11 @@ import-cgns|--allow-missing|shown absent_parts|
 import-cgns|--list|shown import_cgns|
 import-cgns|--step|shown import_cgns|
 import-cgns|--zones|shown import_cgns|
-import-cgns|--output|shown import_options|
-import-cgns|--quiet|shown import_options|
-import-cgns|--verbose|shown import_options|
-import-cgns|--memory|shown import_options|
-import-cgns|--json|shown import_options|
-import-cgns|--force|shown import_options|
-import-cgns|--help|shown help|
-import-cgns|--help-all|shown help|
-import-cgns|--usage|taken||--usage
-import-cgns|--version|taken||--version
 import-dicom|--allow-gaps|shown import_dicom|
 import-dicom|--component|shown import_dicom|
 import-dicom|--field|shown import_dicom|
 import-dicom|--list|shown import_dicom|
 import-dicom|--step|shown import_dicom|
-import-dicom|--output|shown import_options|
-import-dicom|--quiet|shown import_options|
-import-dicom|--verbose|shown import_options|
-import-dicom|--memory|shown import_options|
-import-dicom|--json|shown import_options|
-import-dicom|--force|shown import_options|
-import-dicom|--help|shown help|
-import-dicom|--help-all|shown help|
-import-dicom|--usage|taken||--usage
-import-dicom|--version|taken||--version
 import-images|--spacing|output|@s2.ppm @s10.ppm|--spacing 2,3,4
 import-images|--field|output|@s2.ppm @s10.ppm|--field G
 import-images|--component|output|@s2.ppm @s10.ppm|--component 1
@@ -636,6 +586,10 @@ import-vdb|--help-all|shown help|
 import-vdb|--usage|says|@v/sphere.vdb -o @vu.nrrd --force|--usage
 import-vdb|--version|says|@v/sphere.vdb -o @vu.nrrd --force|--version
 TABLE
+for verb in import-cgns import-dicom import-exodus import-hdf5 import-netcdf; do
+    for option in output quiet verbose memory json force; do echo "$verb|--$option|shown import_options|"; done
+    printf '%s|--%s|%s\n' $verb help 'shown help|' $verb help-all 'shown help|' $verb usage 'taken||--usage' $verb version 'taken||--version'
+done >>"$tmp/table"
 for kind in picture stats; do
     # shellcheck disable=SC2086 # arguments
     for name in without with; do
