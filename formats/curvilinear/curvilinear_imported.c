@@ -144,11 +144,12 @@ static void close_file(void *state) {
 static status find_format(const curvilinear_opening *o, const foreign_format **out) {
     const uint8_t *start;
     size_t size;
-    const char *kind = byte_stream_kind(o->data);
+    /* What is to be placed is netCDF, whatever its file is called, as wrfout_d01. */
+    const char *kind = byte_stream_kind(o->data), *named = o->hints.to ? "F.nc" : kind;
     status st = byte_stream_peek(o->data, FOREIGN_PEEK, &start, &size);
     if (st != ST_OK)
         return st;
-    *out = format_of(kind, start, size, o->hints.to ? IMPORTERS : BY_ITSELF);
+    *out = format_of(named, start, size, o->hints.to ? IMPORTERS : BY_ITSELF);
     const foreign_format *any = foreign_find(kind, start, size, UINT64_MAX);
     if (!*out || (o->hints.to && strcmp((*out)->importer, importers[IMPORTERS - 1]) != 0))
         return status_describe(ST_USAGE, "%s: --to: this is %s, expected netCDF",
@@ -171,9 +172,9 @@ static status open_list(imported *x, const curvilinear_opening *o, const foreign
     status st = importing_init(&x->at, x->m, f, byte_stream_path(o->data));
     x->at.step = o->hints.step;
     x->at.trust = o->hints.trust;
-    x->at.cells_to_points = o->hints.cells_to_points;
+    x->at.cells_to_points = o->hints.cells_to_points && !o->hints.to;
     x->at.to = o->hints.to;
-    x->at.exaggerate = o->hints.exaggerate;
+    x->at.exaggerate = o->hints.to ? o->hints.exaggerate : 0;
     x->at.zones = !o->hints.to;
     if (st == ST_OK)
         st = ask(x, o);
@@ -228,7 +229,8 @@ static void drop_stream(imported *x) {
 
 static status take(void *state, const uint32_t *fields, uint32_t count) {
     imported *x = state;
-    if (count == x->taken_count && memcmp(fields, x->taken, count * sizeof *fields) == 0)
+    if (count == x->taken_count && x->taken &&
+        memcmp(fields, x->taken, count * sizeof *fields) == 0)
         return ST_OK;
     drop_stream(x);
     mem_free(x->m, x->taken);
@@ -262,7 +264,8 @@ static status check_stream(const imported *x) {
     const curvilinear_stream_header h = curvilinear_stream_header_of(x->stream);
     if (h.zones == json_array_size(json_object_get(x->list, "zones")) &&
         memcmp(h.nodes, x->nodes, h.zones * sizeof *x->nodes) == 0 &&
-        h.field_count == x->taken_count)
+        h.field_count == x->taken_count &&
+        h.blanked == json_is_true(json_object_get(x->list, "blanked")))
         return ST_OK;
     return status_describe(ST_CORRUPT, "%s: step %u has other zones, expected those of the first",
                            x->at.path, x->at.step);

@@ -63,8 +63,12 @@ status curvilinear_input_recognise(byte_stream *s, bool *known) {
     return st;
 }
 
+static bool is_plot3d_asked(const curvilinear_hints *hints) {
+    return hints->layout || hints->solutions.count > 0 || hints->functions.count > 0;
+}
+
 bool curvilinear_input_is_asked(const curvilinear_hints *hints) {
-    return hints->layout || hints->to || hints->solutions.count > 0 || hints->functions.count > 0;
+    return hints->to || is_plot3d_asked(hints);
 }
 
 /* ---- fields ---- */
@@ -203,6 +207,11 @@ static status open_reader(curvilinear_input *x) {
     status st = find_reader(s, &x->reader);
     if (st != ST_OK)
         return st;
+    if (x->from.hints.to && is_plot3d_asked(&x->from.hints))
+        return status_describe(ST_USAGE,
+                               "%s: --to is for netCDF, and --solution, --functions and "
+                               "--plot3d are for PLOT3D",
+                               byte_stream_name(s));
     if (x->from.hints.to)
         x->reader = &curvilinear_imported_reader;
     if (!x->reader && !byte_stream_is_file(s))

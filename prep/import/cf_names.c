@@ -61,6 +61,8 @@ bool cf_goes_down(const cf_coordinates *c) {
                                             "decibar",  "decibars",  NULL};
     if (c->positive[0])
         return strcasecmp(c->positive, "down") == 0;
+    if (strncmp(c->standard_name, "depth", 5) == 0)
+        return true;
     return is_any(c->units, pressures);
 }
 

@@ -30,8 +30,8 @@ typedef struct cf_coordinates {
  * axis T or a standard name. If all of these are missing, by the name of the dimension. */
 bool cf_is_time(const cf_coordinates *c, const char *dimension);
 
-/* cf_goes_down() - returns whether coordinates grow downwards: depths (positive: down) and
- * pressures. */
+/* cf_goes_down() - returns whether coordinates grow downwards: depths (positive: down, or by their
+ * standard name) and pressures. */
 bool cf_goes_down(const cf_coordinates *c);
 
 /* cf_is_east() - returns whether coordinates are longitudes on a globe. cf_is_north() - whether

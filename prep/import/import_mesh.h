@@ -10,6 +10,7 @@
 #include "formats/base/mem.h"
 #include "formats/base/progress.h"
 #include "formats/base/status.h"
+#include "formats/grid/absent.h"
 #include "formats/mesh/mesh_stream.h"
 
 /* What the shim around a format's library fills. Each call gives `count` from `first` on, of what
@@ -26,8 +27,9 @@ typedef struct import_mesh {
     const uint32_t (*zones)[3];
     uint32_t zone_count;
     status (*blanks)(void *ctx, uint64_t first, size_t count, uint8_t *to);
-    bool still;               /* nodes are the same at all steps */
-    void (*close)(void *ctx); /* NULL: it has not been opened */
+    bool still;                 /* nodes are the same at all steps */
+    const absent_parts *absent; /* of what has been read; NULL: nothing tells */
+    void (*close)(void *ctx);   /* NULL: it has not been opened */
 } import_mesh;
 
 void import_mesh_close(import_mesh *x);

@@ -419,6 +419,10 @@ static status report_mesh(const arguments *a, const import_mesh *x, double secon
     if (h->skipped > 0)
         cli_note(&a->common, 1, "%s: %llu cells of fewer dimensions are left out", a->common.input,
                  (unsigned long long)h->skipped);
+    if (x->absent && x->absent->count) {
+        char text[ABSENT_TEXT];
+        cli_note(&a->common, 1, "%s: %s", a->common.input, absent_print(x->absent, text));
+    }
     if (!a->common.json)
         return ST_OK;
     if (x->zone_count)

@@ -36,6 +36,16 @@ exits "a picture" 0 "$leafcast" render "$tmp/all.leaf" --iso 0.5 --step 1 --size
 exits "--to of another format" 2 "$leafcast" convert "$tmp/one.curv" --to sphere -o "$tmp/x.leaf"
 ok "is refused by name" says 'one.curv: --to: this is a curvilinear stream, expected netCDF'
 exits "--to from a pipe" 2 sh -c '"$1" convert - --to sphere -o "$2/x.leaf" <"$2/one.curv"' sh "$leafcast" "$tmp"
+cp "$tmp/roms1.nc" "$tmp/wrfout_d01_2000-01-24_12:00:00"
+exits "whatever its file is called" 0 "$leafcast" convert "$tmp/wrfout_d01_2000-01-24_12:00:00" --to sphere -o "$tmp/named.leaf" --exaggerate 20 --name sea
+ok "it is the same" cmp -s "$tmp/one.leaf" "$tmp/named.leaf"
+exits "gaps of one step alone" 0 "$leafcast" convert "$tmp/gap1.nc" --to sphere --steps all -o "$tmp/gap.leaf"
+exits "are no corruption" 0 "$leafcast" verify "$tmp/gap.leaf"
+exits "or of the first" 0 "$leafcast" convert "$tmp/gap0.nc" --to sphere --steps all -o "$tmp/gap.leaf" --force
+exits "--to with --solution" 2 "$leafcast" convert "$tmp/roms1.nc" --to sphere --solution q -o "$tmp/x.leaf"
+ok "says whose each is" says 'roms1.nc: --to is for netCDF, and --solution'
+exits "--to with --cells-to-points" 2 "$leafcast" convert "$tmp/roms1.nc" --to sphere --cells-to-points -o "$tmp/x.leaf"
+ok "which would change nothing" says 'cells-to-points is for meshes, and .*roms1.nc is NetCDF'
 exits "--exaggerate without --to" 2 "$leafcast" convert "$tmp/one.curv" --exaggerate 2 -o "$tmp/x.leaf"
 exits "a file that is cut off" 3 sh -c 'head -c 3000 "$1/classic.nc" >"$1/cut.nc"; exec "$2" convert "$1/cut.nc" --to sphere -o "$1/x.leaf"' sh "$tmp" "$leafcast"
 ok "nothing is left" [ ! -e "$tmp/x.leaf" ]

@@ -257,10 +257,12 @@ def wrf(name="wrfout"):
     f.put("XLONG_U", "Time south_north west_east_stag", np.stack([wide] * 2), units="degree_east")
     f.put("XLAT_U", "Time south_north west_east_stag", np.stack([tall] * 2), units="degree_north")
     f.put("PH", "Time bottom_top_stag south_north west_east", ph, units="m2 s-2", stagger="Z", coordinates="XLONG XLAT")
-    f.put("PHB", "Time bottom_top_stag south_north west_east", np.stack([phb] * 2), units="m2 s-2", coordinates="XLONG XLAT")
+    f.put("PHB", "bottom_top_stag south_north west_east", phb, units="m2 s-2", coordinates="XLONG XLAT")
     f.put("T", "Time bottom_top south_north west_east", TEMPERATURE, coordinates="XLONG XLAT XTIME")
     f.put("U", "Time bottom_top south_north west_east_stag", np.concatenate([TEMPERATURE, TEMPERATURE[..., :1]], axis=-1),
           coordinates="XLONG_U XLAT_U XTIME")
+    f.d.createDimension("soil_layers_stag", NZ - 1)
+    f.put("SMOIS", "Time soil_layers_stag south_north west_east", TEMPERATURE[:, 1:], coordinates="XLONG XLAT XTIME")
     f.put("W", "Time bottom_top_stag south_north west_east", ph, coordinates="XLONG XLAT XTIME")
     f.end()
     for step in (0, 1):
@@ -268,6 +270,10 @@ def wrf(name="wrfout"):
         middle = (faces[1:] + faces[:-1]) / 2
         lies("WRF at step %d" % step, name, globe(EAST, NORTH, middle), "--to", "sphere", "--field", "T", "--step", step,
              values=TEMPERATURE[step])
+    rc, out, said = start(leafcast, "import-netcdf", path(name), "--to", "sphere")
+    tell("geopotential is no field", said if rc else "" if Grid(out).fields == ["W"] else Grid(out).fields)
+    ends("soil has no heights", 3, "nothing tells heights along soil_layers_stag", leafcast, "import-netcdf", path(name), "--to", "sphere",
+         "--field", "SMOIS")
     lies("its W, on the faces", name, globe(EAST, NORTH, (ph[0] + phb) / 9.81), "--to", "sphere", "--field", "W", values=ph[0])
     between = np.concatenate([middle[..., :1], (middle[..., 1:] + middle[..., :-1]) / 2, middle[..., -1:]], axis=-1)
     lies("its U, between the nodes", name, globe(f4(wide), f4(tall), between), "--to", "sphere", "--field", "U", "--step", 1)
@@ -321,7 +327,95 @@ def turns():
     lies("and unrolled", "skew.nc", plane(skew, f4(10.0 * J), up[..., :-1]), "--to", "cartesian", hidden=np.array([torn] * NZ))
 
 
+def steps():
+    """Gaps of one step are not another's; heights are those of the step's own time; one part moves, the other stays."""
+    a, b = f4([0, 30000, 50000, 20000, 0]), f4([0, 0, 0.3, 0.7, 1])
+    for gap in (0, 1):
+        ps = np.stack([f4(98000 + 300.0 * I)] * 2)
+        ps[gap, 2, 3] = np.nan
+        f = File("gap%d.nc" % gap, time=2, lev=NZ, y=NY, x=NX)
+        f.put("lev", "lev", np.arange(NZ), standard_name="hybrid_sigma_pressure", formula_terms="ap: a b: b ps: ps")
+        f.put("a", "lev", a).put("b", "lev", b).put("ps", "time y x", ps, units="Pa")
+        f.put("lon", "y x", EAST, units="degrees_east").put("lat", "y x", NORTH, units="degrees_north")
+        f.put("ta", "time lev y x", TEMPERATURE).end()
+        for step in (0, 1):
+            has = (a[:, None, None] + b[:, None, None] * ps[step]) > 0
+            rc, out, said = start(leafcast, "import-netcdf", path("gap%d.nc" % gap), "--to", "sphere", "--step", step)
+            got = Grid(out) if rc == 0 else None
+            tell("gaps of step %d, at step %d, and no pressure at the top" % (gap, step), said if rc else
+                 "" if np.array_equal(got.marks[0] > 0, has) else (got.marks[0] > 0).sum())
+    height = f4(np.arange(NZ)[:, None, None] * 100 + 10 * I + J) * np.array([1, 2, 3])[:, None, None, None]
+    f = File("members.nc", time=3, member=2, z=NZ, y=NY, x=NX)
+    f.put("lon", "y x", EAST, units="degrees_east").put("lat", "y x", NORTH, units="degrees_north")
+    f.put("hgt", "time z y x", height, units="m")
+    f.put("q", "time member z y x", dice.random((3, 2, NZ, NY, NX)), coordinates="lon lat hgt").end()
+    for step in range(6):
+        lies("member %d at time %d" % (step % 2, step // 2), "members.nc", globe(EAST, NORTH, f4(height[step // 2])), "--to", "sphere",
+             "--field", "q", "--step", step)
+
+
+def names():
+    """What is on the very points comes first; what lies along other axes is never taken; depths without a word go down."""
+    f = File("near.nc", z=NZ, yr=NY, xr=NX, yu=NY, xu=NX - 1)
+    f.put("lon_u", "yu xu", EAST[:, 1:], units="degrees_east").put("lat_u", "yu xu", NORTH[:, 1:], units="degrees_north")
+    f.put("lon_r", "yr xr", EAST, "f8", units="degrees_east").put("lat_r", "yr xr", NORTH, "f8", units="degrees_north")
+    f.put("x_r", "yr xr", 0 * EAST, units="m").put("y_r", "yr xr", 0 * EAST, units="m")
+    f.put("levels", "z", np.arange(NZ) * 0.125, units="km").put("q", "z yr xr", TEMPERATURE[0]).end()
+    up = np.arange(NZ)[:, None, None] * 125.0 * np.ones_like(EAST)
+    lies("the same points before those between; a line of heights that nothing names", "near.nc", globe(EAST, NORTH, up), "--to", "sphere")
+    lies("lengths that were never set", "near.nc", plane(EAST, NORTH, up), "--to", "cartesian")
+    f = File("square.nc", z=NZ, y=NY, x=NY)
+    f.put("lon", "y x", EAST[:, :NY], units="degrees_east").put("lat", "y x", NORTH[:, :NY], units="degrees_north")
+    f.put("z", "z", np.arange(NZ) * 100.0, units="m").put("q", "z x y", TEMPERATURE[0][:, :, :NY]).end()
+    ends("axes that are turned", 3, "nothing tells where its columns are", leafcast, "import-netcdf", path("square.nc"), "--to", "sphere")
+    f = File("deep.nc", depth=NZ, y=NY, x=NX)
+    f.put("longitude", "y x", EAST, "f8", units="degrees").put("latitude", "y x", NORTH, "f8", units="degrees")
+    f.put("depth", "depth", np.arange(NZ) * 125.0, units="m").put("q", "depth y x", TEMPERATURE[0]).end()
+    lies("depths without `positive', mere degrees", "deep.nc", globe(EAST, NORTH, -up), "--to", "sphere")
+    ends("beyond the centre", 2, "behind the centre of the globe", leafcast, "import-netcdf", path("deep.nc"), "--to", "sphere",
+         "--exaggerate", 20000)
+    # Two columns come twice, as in ORCA.
+    lon, lat = f4(np.concatenate([np.arange(12) * 30, [0, 30]])), f4(np.arange(NY) * 10.0)
+    east, north = np.meshgrid(lon, lat)
+    f = File("orca.nc", z=NZ, y=NY, x=14)
+    f.put("lon", "y x", east, units="degrees_east").put("lat", "y x", north, units="degrees_north")
+    f.put("z", "z", np.arange(NZ) * 125.0, units="m").put("q", "z y x", dice.random((NZ, NY, 14))).end()
+    lies("columns that come twice", "orca.nc", globe(east, north, np.arange(NZ)[:, None, None] * 125.0 * np.ones_like(east)), "--to", "sphere")
+    f = File("pole.nc", z=NZ, y=NY, x=NX)
+    f.put("lon", "y x", EAST, "f8", units="degrees_east").put("lat", "y x", np.where(I + J, NORTH, 100), "f8", units="degrees_north")
+    f.put("z", "z", np.arange(NZ) * 125.0, units="m").put("q", "z y x", TEMPERATURE[0]).end()
+    lies("beyond a pole", "pole.nc", globe(EAST, np.where(I + J, NORTH, np.nan), up), "--to", "sphere")
+
+
+def absent():
+    """What was never written is not made up, however its file is open."""
+    f = File("absent.nc", z=NZ, y=NY, x=NX)
+    f.put("lon", "y x", EAST, units="degrees_east").put("lat", "y x", NORTH, units="degrees_north")
+    f.put("z", "z", np.arange(NZ) * 125.0, units="m").put("q", "z y x", TEMPERATURE[0])
+    f.d.createVariable("none", "f4", ("z", "y", "x"), chunksizes=(1, NY, NX))
+    f.end()
+    ends("a field", 3, "absent.nc: none: none of its 5", leafcast, "import-netcdf", path("absent.nc"), "--to", "sphere", "--field", "none")
+    f = File("part.nc", z=NZ, y=NY, x=NX)
+    f.put("lon", "y x", EAST, units="degrees_east").put("lat", "y x", NORTH, units="degrees_north")
+    f.put("z", "z", np.arange(NZ) * 125.0, units="m")
+    f.d.createVariable("q", "f4", ("z", "y", "x"), chunksizes=(1, NY, NX))[2] = TEMPERATURE[0][2]
+    f.end()
+    rc, _, said = start(leafcast, "import-netcdf", path("part.nc"), "--to", "sphere", "-o", path("part.curv"))
+    tell("parts that were never written are told", "" if rc == 0 and "4 of 5" in said else said)
+    f = File("group.nc", z=NZ, y=NY, x=NX)
+    g = f.d.createGroup("model")
+    for name, units in (("lon", "degrees_east"), ("lat", "degrees_north")):
+        g.createVariable(name, "f4", ("y", "x"), chunksizes=(NY, NX)).units = units
+    g["lat"][:] = NORTH
+    g.createVariable("q", "f4", ("z", "y", "x"))[:] = TEMPERATURE[0]
+    f.put("z", "z", np.arange(NZ) * 125.0, units="m").end()
+    ends("coordinates in a group", 3, "group.nc: model/lon: none of its 1", leafcast, "import-netcdf", path("group.nc"), "--to", "sphere")
+
+
 def refused():
+    ends("a field twice", 2, "each field is taken once", leafcast, "import-netcdf", path("roms1.nc"), "--to", "sphere", "--field", "temp",
+         "--field", "temp")
+    ends("--indices", 2, "--indices leaves places aside", leafcast, "import-netcdf", path("roms1.nc"), "--to", "sphere", "--indices")
     f = File("list.nc", z=NZ, y=NY, cells=NX)
     f.put("lon", "cells", np.arange(NX), units="degrees_east").put("lat", "cells", np.arange(NX), units="degrees_north")
     f.put("z", "z", np.arange(NZ), units="m").put("q", "z y cells", TEMPERATURE[0]).end()
@@ -349,4 +443,7 @@ airs()
 wrf()
 planes()
 turns()
+steps()
+names()
+absent()
 refused()

@@ -162,12 +162,15 @@ static void list_variable(walk *w, netcdf_variable *v) {
     const char *role = netcdf_roles_of(w->roles, v->group, v->id);
     if (w->judge && !v->refuse[0] && w->best.suits)
         w->judge(&w->found, v);
+    const bool taken = w->best.suits && v->group == w->found.group && v->id == w->found.id;
+    if (w->judge && role && !v->refuse[0] && !taken)
+        snprintf(v->refuse, sizeof v->refuse, "it is no field, but tells of others: %s", role);
     import_item item = {.name = v->path, .type = v->type};
     for (int i = 0; i < 3 && i < v->rank; i++)
         item.shape[i] = v->count[v->rank - 1 - i];
     item.shape[3] = v->rank > 3 ? v->steps : 0;
     item.refuse = v->refuse[0] ? v->refuse : NULL;
-    item.taken = w->best.suits && v->group == w->found.group && v->id == w->found.id;
+    item.taken = taken;
     if (role)
         text_add(v->type, sizeof v->type, ", %s", role);
     double *times = NULL;

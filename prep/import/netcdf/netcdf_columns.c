@@ -18,6 +18,7 @@ typedef struct search {
     const netcdf_frame *fr;
     netcdf_term *terms; /* SAYINGS of them */
     bool has[SAYINGS];
+    bool near; /* take those on other points of a staggered grid, too */
 } search;
 
 /* Whether a variable of lengths is along axis x or y: by its standard name, its axis, or its own
@@ -37,11 +38,28 @@ static saying plane_axis(int group, int id, const char *standard_name) {
                                               : SAYINGS;
 }
 
+static bool is_degrees(const char *units) {
+    return strcasecmp(units, "degrees") == 0 || strcasecmp(units, "degree") == 0;
+}
+
+/* What a variable of mere degrees says by its name, or its long name. */
+static saying globe_axis(int group, int id) {
+    char name[NC_MAX_NAME + 1] = "", long_name[64];
+    nc_inq_varname(group, id, name);
+    netcdf_text(group, id, "long_name", long_name, sizeof long_name);
+    if (strncasecmp(name, "lon", 3) == 0 || strcasecmp(long_name, "longitude") == 0)
+        return SAYS_EAST;
+    return strncasecmp(name, "lat", 3) == 0 || strcasecmp(long_name, "latitude") == 0 ? SAYS_NORTH
+                                                                                      : SAYINGS;
+}
+
 static saying what_says(int group, int id) {
     char units[64], standard_name[64];
     double factor;
     netcdf_text(group, id, "units", units, sizeof units);
     netcdf_text(group, id, "standard_name", standard_name, sizeof standard_name);
+    if (!standard_name[0] && is_degrees(units))
+        return globe_axis(group, id);
     if (cf_is_east(units, standard_name))
         return SAYS_EAST;
     if (cf_is_north(units, standard_name))
@@ -56,7 +74,8 @@ static void take(search *s, int group, int id) {
     if (what == SAYINGS || s->has[what])
         return;
     netcdf_term *t = &s->terms[what];
-    s->has[what] = netcdf_frame_term(s->fr, group, id, t) && t->axes != 0 && !(t->axes & NETCDF_Z);
+    s->has[what] = netcdf_frame_term(s->fr, group, id, t) && t->axes != 0 &&
+                   !(t->axes & NETCDF_Z) && (s->near || t->exact);
 }
 
 static void take_named(search *s) {
@@ -70,16 +89,23 @@ static void take_named(search *s) {
             take(s, group, id);
 }
 
+/* What is on the very same points comes before what is near. */
 static void take_all(search *s) {
     const netcdf_variable *v = &s->fr->v;
     int group, id, count = 0;
     take_named(s);
+    s->near = true;
+    take_named(s);
+    s->near = false;
     for (int a = 0; a < 2; a++)
         if (netcdf_coordinates(v->group, v->dim[v->rank - 1 - a], &group, &id))
             take(s, group, id);
     nc_inq_nvars(v->group, &count);
-    for (id = 0; id < count; id++)
-        take(s, v->group, id);
+    for (int near = 0; near < 2; near++)
+        for (id = 0; id < count; id++) {
+            s->near = near == 1;
+            take(s, v->group, id);
+        }
 }
 
 /* ---- reading ---- */
@@ -102,6 +128,22 @@ static status read_both(const netcdf_frame *fr, const search *s, saying first, n
     }
     mem_free(c->m, numbers);
     return st;
+}
+
+/* Beyond a pole there is nothing. */
+static void check_norths(const netcdf_frame *fr, netcdf_columns *c) {
+    for (size_t n = 0; n < fr->columns; n++)
+        if (!(fabs(c->at[n][1]) <= 90 + 1e-3))
+            c->at[n][1] = (double)NAN;
+}
+
+/* Whether columns stand apart along both axes: lengths may be there, but never set. */
+static bool is_spread(const netcdf_frame *fr, const netcdf_columns *c) {
+    bool spread[2] = {false, false};
+    for (size_t n = 1; n < fr->columns; n++)
+        for (int a = 0; a < 2; a++)
+            spread[a] = spread[a] || c->at[n][a] != c->at[0][a];
+    return spread[0] && spread[1];
 }
 
 static status refuse(const netcdf_frame *fr, bool sphere) {
@@ -128,7 +170,8 @@ static bool closes(const double (*at)[3], uint32_t count) {
         most = fmax(most, fabs(step));
     }
     const double last = turned(at[0][0] - at[count - 1][0]);
-    return fabs(fabs(sum + last) - 360) < 1e-3 && fabs(last) > 1e-3 && fabs(last) <= 2 * most;
+    return fabs(fabs(sum + last) - 360) < 1e-3 && last * sum > 0 && fabs(last) > 1e-3 &&
+           fabs(last) <= 2 * most;
 }
 
 static bool is_whole(const double (*at)[3], uint32_t count) {
@@ -199,36 +242,45 @@ static void unroll(const netcdf_frame *fr, netcdf_columns *c) {
 
 /* ---- all of it ---- */
 
-static void find_gaps(const netcdf_frame *fr, netcdf_columns *c) {
-    for (size_t n = 0; n < fr->columns && !c->gaps; n++)
-        c->gaps = !isfinite(c->at[n][0]) || !isfinite(c->at[n][1]);
-}
-
 /* Columns that all stand along one axis are no grid, but a list. */
 static bool are_both(const search *s, saying first) {
     return s->has[first] && s->has[first + 1] &&
            (s->terms[first].axes | s->terms[first + 1].axes) == (NETCDF_X | NETCDF_Y);
 }
 
-static status find(const netcdf_frame *fr, search *s, netcdf_columns *c) {
-    take_all(s);
-    const bool plane = !c->sphere && are_both(s, SAYS_X);
-    if (!plane && !are_both(s, SAYS_EAST))
+static status find_plane(const netcdf_frame *fr, const search *s, netcdf_columns *c, bool *found) {
+    *found = false;
+    if (c->sphere || !are_both(s, SAYS_X))
+        return ST_OK;
+    const status st = read_both(fr, s, SAYS_X, c);
+    *found = st == ST_OK && is_spread(fr, c);
+    for (size_t n = 0; n < fr->columns && *found; n++)
+        c->at[n][2] = 0;
+    return st;
+}
+
+static status find_degrees(const netcdf_frame *fr, const search *s, netcdf_columns *c) {
+    if (!are_both(s, SAYS_EAST))
         return refuse(fr, c->sphere);
-    c->at = mem_array(c->m, fr->columns, sizeof *c->at);
-    const status st = c->at ? read_both(fr, s, plane ? SAYS_X : SAYS_EAST, c) : ST_NOMEM;
+    const status st = read_both(fr, s, SAYS_EAST, c);
     if (st != ST_OK)
         return st;
-    find_gaps(fr, c);
-    for (size_t n = 0; n < fr->columns && plane; n++)
-        c->at[n][2] = 0;
+    check_norths(fr, c);
     if (c->sphere) {
         find_closes(fr, c);
         raise_globe(fr, c);
-    } else if (!plane) {
+    } else {
         unroll(fr, c);
     }
     return ST_OK;
+}
+
+static status find(const netcdf_frame *fr, search *s, netcdf_columns *c) {
+    bool plane = false;
+    take_all(s);
+    c->at = mem_array(c->m, fr->columns, sizeof *c->at);
+    const status st = c->at ? find_plane(fr, s, c, &plane) : ST_NOMEM;
+    return st == ST_OK && !plane ? find_degrees(fr, s, c) : st;
 }
 
 status netcdf_columns_find(const netcdf_frame *fr, bool sphere, netcdf_columns *c) {

@@ -15,7 +15,6 @@ typedef struct netcdf_columns {
     mem *m;
     bool sphere;
     bool closes; /* along x they go around the globe: the first one is behind the last one, too */
-    bool gaps;   /* some are nowhere */
     bool seam;   /* a cell of some reaches across the plane: see netcdf_columns_is_torn() */
     bool moves;
     /* On a globe: a unit vector, z to the north pole. On a plane: x and y in metres, and degrees

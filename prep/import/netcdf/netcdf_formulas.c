@@ -31,8 +31,9 @@ static double ocean_s_g2(const double *t) {
 /* s eta depth a b depth_c */
 static double ocean_s(const double *t) {
     const double a = t[3], b = t[4];
-    const double c = (1 - b) * sinh(a * t[0]) / sinh(a) +
-                     b * (tanh(a * (t[0] + 0.5)) / (2 * tanh(0.5 * a)) - 0.5);
+    const double c = a == 0 ? t[0] /* the limit */
+                            : (1 - b) * sinh(a * t[0]) / sinh(a) +
+                                  b * (tanh(a * (t[0] + 0.5)) / (2 * tanh(0.5 * a)) - 0.5);
     return t[1] * (1 + t[0]) + t[5] * t[0] + (t[2] - t[5]) * c;
 }
 
@@ -61,7 +62,8 @@ static double atmosphere_hybrid_height(const double *t) {
     return t[0] + t[1] * t[2];
 }
 
-/* ocean_s_coordinate with C is what ROMS wrote before the two others had a name. */
+/* ocean_s_coordinate with C is what ROMS wrote before the two others had a name,
+ * hybrid_sigma_pressure what ECHAM and CDO did. */
 static const netcdf_formula formulas[] = {
     {"ocean_sigma_coordinate", {"sigma", "eta", "depth"}, ocean_sigma, false},
     {"ocean_s_coordinate_g1", {"s", "C", "eta", "depth", "depth_c"}, ocean_s_g1, false},
@@ -74,6 +76,8 @@ static const netcdf_formula formulas[] = {
      atmosphere_hybrid,
      true},
     {"atmosphere_hybrid_sigma_pressure_coordinate", {"ap", "b", "ps"}, atmosphere_hybrid_ap, true},
+    {"hybrid_sigma_pressure", {"a", "b", "ps", "p0"}, atmosphere_hybrid, true},
+    {"hybrid_sigma_pressure", {"ap", "b", "ps"}, atmosphere_hybrid_ap, true},
     {"atmosphere_ln_pressure_coordinate", {"p0", "lev"}, atmosphere_ln, true},
     {"atmosphere_hybrid_height_coordinate", {"a", "b", "orog"}, atmosphere_hybrid_height, false},
 };

@@ -40,9 +40,21 @@ static bool is_near(size_t a, size_t b) {
     return a == b || a + 1 == b || a == b + 1;
 }
 
+/* Whether a term of two or three dimensions has axis a of the frame where it stands. */
+static bool find_axis(const netcdf_frame *fr, netcdf_term *t, int a) {
+    const int dim = t->v.dim[t->v.rank - 1 - a];
+    const size_t count = t->v.count[t->v.rank - 1 - a];
+    if (dim == dim_of(fr, a))
+        return true;
+    t->exact = false;
+    return count > 0 && is_near(count, fr->n[a]) && !is_axis(fr, dim) && step_of(fr, dim) < 0;
+}
+
 bool netcdf_frame_term(const netcdf_frame *fr, int group, int id, netcdf_term *t) {
+    char prefix[NETCDF_PATH - NC_MAX_NAME - 2];
     memset(t, 0, sizeof *t);
-    netcdf_variable_find(group, id, "", &t->v);
+    (void)netcdf_variable_prefix(group, prefix, sizeof prefix);
+    netcdf_variable_find(group, id, prefix, &t->v);
     if (!t->v.packed.type || t->v.minc)
         return false;
     const int passed = pass_steps(fr, t), left = t->v.rank - passed;
@@ -52,9 +64,9 @@ bool netcdf_frame_term(const netcdf_frame *fr, int group, int id, netcdf_term *t
     else
         t->axes = left == 0 ? 0 : left == 2 ? NETCDF_X | NETCDF_Y : NETCDF_X | NETCDF_Y | NETCDF_Z;
     bool fits = left <= 3 && (left != 1 || t->axes != 0);
+    t->exact = true;
     for (int a = 0; a < left && left > 1 && fits; a++)
-        fits =
-            t->v.count[t->v.rank - 1 - a] > 0 && is_near(t->v.count[t->v.rank - 1 - a], fr->n[a]);
+        fits = find_axis(fr, t, a);
     return fits;
 }
 
@@ -62,9 +74,19 @@ bool netcdf_frame_term(const netcdf_frame *fr, int group, int id, netcdf_term *t
 
 enum { BLOCK_BYTES = 4 << 20 };
 
+/* Rows of the chunks that a map lies in; 0: it lies in none. */
+static size_t chunk_rows(const netcdf_variable *v) {
+    size_t chunk[NETCDF_RANK];
+    int storage = NC_CONTIGUOUS;
+    return nc_inq_var_chunking(v->group, v->id, &storage, chunk) == NC_NOERR &&
+                   storage == NC_CHUNKED
+               ? chunk[v->rank - 2]
+               : 0;
+}
+
 /* Rows to read at once: of whole chunks where those fit. */
 static size_t rows_of(const netcdf_frame *fr, const netcdf_term *t, size_t row, size_t rows) {
-    const size_t bytes = row * packed_bytes(&t->v.packed), chunk = t->v.chunk[t->v.rank - 2];
+    const size_t bytes = row * packed_bytes(&t->v.packed), chunk = chunk_rows(&t->v);
     size_t some = BLOCK_BYTES / (bytes ? bytes : 1);
     some = some < 1 ? 1 : some;
     if (chunk > some && chunk * bytes <= fr->f->m->limit / 8)
@@ -102,6 +124,8 @@ static status read_rows(const netcdf_frame *fr, const netcdf_term *t, size_t row
         else
             (void)packed_unpack(&packed, raw, to + first * row, n * row);
     }
+    if (t->v.rank > 0) /* the library need not keep chunks that are not read again */
+        (void)nc_set_var_chunk_cache(t->v.group, t->v.id, 0, 1, 0);
     mem_free(fr->f->m, raw);
     return st;
 }

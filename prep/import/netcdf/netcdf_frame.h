@@ -3,7 +3,7 @@
  *
  * Staggered grids have values on nodes, on faces and on edges, so a variable may have one node more
  * or less along an axis than what tells its places. Means of two neighbours are taken then; at an
- * end where there is but one, that.
+ * end where there is but one, that. A dimension of another axis is never taken for one.
  */
 #ifndef PREP_IMPORT_NETCDF_NETCDF_FRAME_H
 #define PREP_IMPORT_NETCDF_NETCDF_FRAME_H
@@ -26,6 +26,7 @@ typedef struct netcdf_term {
     unsigned axes;             /* of its last dimensions */
     size_t start[NETCDF_RANK]; /* at the frame's step */
     bool moves;                /* it differs from step to step */
+    bool exact;                /* its dimensions are the frame's own */
 } netcdf_term;
 
 /* netcdf_frame_term() - find how a variable lies along the frame. Returns false if it does not: it

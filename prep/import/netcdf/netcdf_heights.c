@@ -26,7 +26,23 @@ static cf_measure measure_of(int group, int id, double *factor) {
 
 /* ---- levels ---- */
 
-/* Coordinates along z alone: of its dimension, or named by the attribute. */
+/* Lengths or pressures of the group along z alone, which nothing names: only if there is but one.
+ */
+static bool find_any_line(const netcdf_frame *fr, netcdf_term *t) {
+    int count = 0, found = 0, last = -1;
+    nc_inq_nvars(fr->v.group, &count);
+    for (int id = 0; id < count; id++) {
+        double factor;
+        if (measure_of(fr->v.group, id, &factor) == CF_OTHER ||
+            !netcdf_frame_term(fr, fr->v.group, id, t) || t->axes != NETCDF_Z)
+            continue;
+        last = id;
+        found++;
+    }
+    return found == 1 && netcdf_frame_term(fr, fr->v.group, last, t);
+}
+
+/* Coordinates along z alone: of its dimension, named by the attribute, or alone in the group. */
 static bool find_line(const netcdf_frame *fr, netcdf_term *t) {
     const netcdf_variable *v = &fr->v;
     char text[CF_TEXT], name[NC_MAX_NAME + 1];
@@ -40,7 +56,7 @@ static bool find_line(const netcdf_frame *fr, netcdf_term *t) {
         if (netcdf_find(v->group, name, &group, &id) && netcdf_frame_term(fr, group, id, t) &&
             t->axes == NETCDF_Z)
             return true;
-    return false;
+    return find_any_line(fr, t);
 }
 
 static status take_levels(netcdf_heights *h, const netcdf_term *t, cf_measure measure,
@@ -53,7 +69,6 @@ static status take_levels(netcdf_heights *h, const netcdf_term *t, cf_measure me
         h->levels[k] *= factor;
         if (measure == CF_PRESSURE)
             h->levels[k] = netcdf_formula_height(h->levels[k]);
-        h->gaps = h->gaps || !isfinite(h->levels[k]);
     }
     h->moves = h->moves || t->moves;
     return st;
@@ -78,7 +93,6 @@ static status read_map(netcdf_heights *h, const netcdf_term *t, double factor, n
     const status st = numbers && part->map ? netcdf_frame_map(h->fr, t, numbers) : ST_NOMEM;
     for (size_t c = 0; c < count && st == ST_OK; c++) {
         part->map[c] = (float)(numbers[c] * factor);
-        h->gaps = h->gaps || !isfinite(part->map[c]);
     }
     mem_free(h->m, numbers);
     return st;
@@ -127,21 +141,13 @@ static status take_formula(netcdf_heights *h, const netcdf_term *line, const cha
 
 static status add_volume(netcdf_heights *h, const netcdf_term *t, double factor) {
     netcdf_planes *p = &h->planes[h->volumes];
-    int group = t->v.group, parent;
-    char path[NETCDF_PATH - NC_MAX_NAME - 2] = "", name[NC_MAX_NAME + 1] = "";
-    size_t length = 0;
-    /* Paths are told from the root on, without a slash in front. */
-    if (nc_inq_grp_parent(group, &parent) == NC_NOERR &&
-        (nc_inq_grpname_len(group, &length) != NC_NOERR || length >= sizeof path ||
-         nc_inq_grpname_full(group, &length, path) != NC_NOERR))
-        return refuse(h, "its heights lie in a group whose name is too long");
-    nc_inq_varname(group, t->v.id, name);
-    snprintf(p->path, sizeof p->path, "%s%s%s", path[0] ? path + 1 : "", path[0] ? "/" : "", name);
+    snprintf(p->path, sizeof p->path, "%s", t->v.path);
     for (int a = 0; a < 3; a++)
         p->has[a] = t->v.count[t->v.rank - 1 - a];
     p->factor = factor;
+    for (int i = 0; i < t->v.rank - 3; i++)
+        p->step = p->step * (uint32_t)t->v.count[i] + (uint32_t)t->start[i];
     h->volumes++;
-    h->gaps = true; /* it is not read yet */
     h->moves = h->moves || t->moves;
     return ST_OK;
 }
@@ -169,6 +175,16 @@ static status take_named(netcdf_heights *h, netcdf_term *t) {
     return ST_OK;
 }
 
+/* Whether a term lies along the frame's z, or along that as WRF names it between: z_stag. */
+static bool is_staggered(const netcdf_frame *fr, const netcdf_term *t) {
+    char own[NC_MAX_NAME + 8] = "", its[NC_MAX_NAME + 1] = "";
+    const int dim = fr->v.dim[fr->v.rank - 3], of = t->v.dim[t->v.rank - 3];
+    nc_inq_dimname(fr->v.group, dim, own);
+    nc_inq_dimname(t->v.group, of, its);
+    strcat(own, "_stag");
+    return dim == of || strcmp(own, its) == 0;
+}
+
 /* WRF's geopotential, in m2 s-2, is split in two. */
 static status take_geopotential(netcdf_heights *h, netcdf_term *t) {
     static const char *const names[NETCDF_VOLUMES] = {"PH", "PHB"};
@@ -177,7 +193,8 @@ static status take_geopotential(netcdf_heights *h, netcdf_term *t) {
     for (int i = 0; i < NETCDF_VOLUMES && st == ST_OK; i++) {
         int group, id;
         if (!netcdf_find(h->fr->v.group, names[i], &group, &id) ||
-            !netcdf_frame_term(h->fr, group, id, t) || t->axes != (NETCDF_X | NETCDF_Y | NETCDF_Z))
+            !netcdf_frame_term(h->fr, group, id, t) ||
+            t->axes != (NETCDF_X | NETCDF_Y | NETCDF_Z) || !is_staggered(h->fr, t))
             break;
         st = add_volume(h, t, 1 / gravity);
     }
@@ -209,10 +226,10 @@ static status begin(const netcdf_heights *h, netcdf_planes *p) {
     const netcdf_wish wish = {.indices = true};
     import_request q = *h->q;
     q.field = p->path;
-    q.step = h->moves ? q.step : 0;
+    q.step = p->step;
     slice_source_close(&p->source);
     p->next = 0;
-    return netcdf_slices_open(h->m, &q, &wish, &p->source);
+    return netcdf_slices_open_in(h->fr->f, &q, &wish, &p->source);
 }
 
 static status next_plane(const netcdf_heights *h, netcdf_planes *p) {

@@ -23,6 +23,7 @@ typedef struct netcdf_planes {
     char path[NETCDF_PATH];
     size_t has[3];
     double factor;
+    uint32_t step;       /* its own, counted through its dimensions */
     slice_source source; /* zeros: it is to be opened */
     uint32_t next;       /* its next plane */
     double *last[2];     /* the planes before that, over the frame's columns; [1] is the later */
@@ -34,7 +35,6 @@ typedef struct netcdf_heights {
     mem *m;
     const netcdf_frame *fr;
     const import_request *q;
-    bool gaps;  /* there may be nodes without a height */
     bool moves; /* they differ from step to step */
     bool pressure;
     double *levels; /* of each level; or */

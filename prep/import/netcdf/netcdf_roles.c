@@ -1,6 +1,7 @@
 #include "prep/import/netcdf/netcdf_roles.h"
 
 #include <string.h>
+#include <strings.h>
 
 #include "prep/import/cf_names.h"
 #include "prep/import/netcdf/netcdf_variable.h"
@@ -51,8 +52,19 @@ static status add_named(netcdf_roles *r, int group, const char *text, const char
     return ST_OK;
 }
 
+/* WRF tells heights by two variables of their own. */
+static status add_geopotential(netcdf_roles *r, int group) {
+    int id;
+    if (nc_inq_varid(group, "PH", &id) != NC_NOERR || nc_inq_varid(group, "PHB", &id) != NC_NOERR)
+        return ST_OK;
+    return add_named(r, group, "PH PHB", "geopotential");
+}
+
 status netcdf_roles_add(netcdf_roles *r, int group) {
     int count = 0;
+    const status added = add_geopotential(r, group);
+    if (added != ST_OK)
+        return added;
     nc_inq_nvars(group, &count);
     for (int id = 0; id < count; id++)
         for (int i = 0; i < CF_ROLES; i++) {
@@ -112,6 +124,9 @@ bool netcdf_is_time(int group, int dim) {
 
 bool netcdf_goes_down(int group, int id) {
     cf_coordinates c = {0};
+    char name[NC_MAX_NAME + 1] = "";
     read_coordinates(group, id, &c);
-    return cf_goes_down(&c);
+    nc_inq_varname(group, id, name);
+    const bool is_depth = !c.positive[0] && strncasecmp(name, "depth", 5) == 0;
+    return is_depth || cf_goes_down(&c);
 }

@@ -10,6 +10,11 @@
 CHECKED status netcdf_slices_open(mem *m, const import_request *q, const netcdf_wish *wish,
                                   slice_source *out);
 
+/* netcdf_slices_open_in() - the same of a file that is open, and stays so longer than *out. What it
+ * lacks cannot be told while it is open again. */
+CHECKED status netcdf_slices_open_in(const netcdf_file *f, const import_request *q,
+                                     const netcdf_wish *wish, slice_source *out);
+
 /* netcdf_slices_list() - list all variables of all groups. As importer.list(). */
 CHECKED status netcdf_slices_list(mem *m, const import_request *q, const netcdf_wish *wish,
                                   const import_list *to);

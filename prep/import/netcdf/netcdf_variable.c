@@ -235,6 +235,22 @@ static void find_units(netcdf_variable *v) {
         text_add(v->type, sizeof v->type, ", steps unlimited");
 }
 
+bool netcdf_variable_prefix(int group, char *to, size_t room) {
+    int parent;
+    size_t length = 0;
+    to[0] = 0;
+    if (nc_inq_grp_parent(group, &parent) != NC_NOERR)
+        return true;
+    char *path = NULL;
+    bool fits = nc_inq_grpname_full(group, &length, NULL) == NC_NOERR && length + 1 < room;
+    path = fits ? calloc(length + 1, 1) : NULL;
+    fits = path && nc_inq_grpname_full(group, &length, path) == NC_NOERR;
+    if (fits)
+        snprintf(to, room, "%s/", path + 1);
+    free(path);
+    return fits;
+}
+
 bool netcdf_variable_stacked(const netcdf_variable *v) {
     return v->rank >= 3 && v->time >= v->rank - 3;
 }

@@ -37,6 +37,10 @@ typedef struct netcdf_variable {
  */
 void netcdf_variable_find(int group, int id, const char *prefix, netcdf_variable *out);
 
+/* netcdf_variable_prefix() - the path of a group as netcdf_variable_find() takes it: "", "a/b/".
+ * Returns false where there is no room for it, and "". */
+bool netcdf_variable_prefix(int group, char *to, size_t room);
+
 /* netcdf_variable_stacked() - returns whether its times would be slices: they are among the last
  * three dimensions, and the rest is no volume. */
 bool netcdf_variable_stacked(const netcdf_variable *v);

@@ -27,6 +27,7 @@ typedef struct zone {
     /* The field that is read: */
     uint32_t field; /* from 1; 0: none */
     slice_source source;
+    absent_parts absent;    /* of the fields so far */
     uint32_t next;          /* its next plane */
     void *raw;              /* a plane as it is stored */
     double *plane;          /* and as numbers */
@@ -77,12 +78,25 @@ static bool find_place(const zone *z, const node *x, float p[3]) {
     return is;
 }
 
+/* Refuse a globe that is turned inside out. */
+static status check_depth(const zone *z, const node *x) {
+    const double height = netcdf_heights_at(&z->heights, x->column, x->k);
+    if (!z->columns.sphere || !(height * z->q.exaggerate <= -NETCDF_EARTH))
+        return ST_OK;
+    return status_describe(ST_USAGE,
+                           "%s: --exaggerate %g: a height of %g m would lie behind the centre of "
+                           "the globe",
+                           file_path(z->file.guard), z->q.exaggerate, height);
+}
+
 static status give_points(void *ctx, uint64_t first, size_t count, float (*xyz)[3]) {
     zone *z = ctx;
     status st = ST_OK;
     for (size_t i = 0; i < count && st == ST_OK; i++) {
         const node x = node_of(z, first + i);
         st = netcdf_heights_turn(&z->heights, x.k);
+        if (st == ST_OK)
+            st = check_depth(z, &x);
         if (st == ST_OK && !find_place(z, &x, xyz[i]))
             memset(xyz[i], 0, sizeof xyz[i]);
     }
@@ -123,7 +137,10 @@ static status begin_field(zone *z, uint32_t field) {
     slice_source_close(&z->source);
     z->field = field + 1;
     z->next = 0;
-    return netcdf_slices_open(z->m, &one, &wish, &z->source);
+    const status st = netcdf_slices_open_in(&z->file, &one, &wish, &z->source);
+    if (st == ST_OK)
+        absent_add(&z->absent, &z->source.g.absent);
+    return st;
 }
 
 static status next_plane(zone *z) {
@@ -205,6 +222,12 @@ static status check_fields(zone *z, const netcdf_wish *wish) {
             st = status_describe(ST_USAGE, "%s: %s lies on other nodes than %s",
                                  file_path(z->file.guard), v->path, z->frame.v.path);
         text_name(z->names[i], sizeof *z->names, z->q.fields[i]);
+        for (uint32_t k = 0; k < i && st == ST_OK; k++)
+            if (strcmp(z->names[k], z->names[i]) == 0)
+                st = status_describe(ST_USAGE,
+                                     "--field %s: each field is taken once, by the first %d bytes "
+                                     "of its name",
+                                     z->q.fields[i], MESH_NAME_MAX);
         if (i > 0)
             z->further[i - 1] = z->names[i];
     }
@@ -239,9 +262,9 @@ static void describe(zone *z, import_mesh *out) {
                          .close = close_zone,
                          .zones = (const uint32_t(*)[3])z->nodes,
                          .zone_count = 1,
+                         .absent = &z->absent,
+                         .blanks = give_blanks, /* other steps may have other gaps */
                          .still = !z->columns.moves && !z->heights.moves};
-    if (z->columns.gaps || z->columns.seam || z->heights.gaps)
-        out->blanks = give_blanks;
     out->header.points = (uint64_t)n[0] * n[1] * n[2];
     strcpy(out->header.field, z->names[0]);
     out->header.fields = z->further;
@@ -256,7 +279,10 @@ status netcdf_zone_open(mem *m, const import_request *q, const netcdf_wish *wish
     z->m = m;
     z->q = *q;
     z->file.id = -1;
-    const status st = open_zone(z, wish);
+    const status st =
+        wish->indices ? status_describe(ST_USAGE, "--indices leaves places aside, and --to asks "
+                                                  "for them")
+                      : open_zone(z, wish);
     if (st == ST_OK)
         describe(z, out);
     else
