@@ -222,6 +222,18 @@ static const char *field(void *state, uint32_t number, uint32_t *components) {
     return json_string_value(json_object_get(item_of(x, number), "name"));
 }
 
+static const char *refused(void *state, const char *name) {
+    const imported *x = state;
+    const json_t *all = json_object_get(x->list, "fields");
+    for (size_t i = 0; i < json_array_size(all); i++) {
+        const json_t *item = json_array_get(all, i);
+        const char *its = json_string_value(json_object_get(item, "name"));
+        if (its && strcmp(its, name) == 0)
+            return json_string_value(json_object_get(item, "why"));
+    }
+    return NULL;
+}
+
 static void drop_stream(imported *x) {
     curvilinear_stream_close(x->stream);
     x->stream = NULL;
@@ -332,6 +344,7 @@ const curvilinear_reader curvilinear_imported_reader = {.format = "imported",
                                                         .open = open_file,
                                                         .close = close_file,
                                                         .field = field,
+                                                        .refused = refused,
                                                         .take = take,
                                                         .places = places,
                                                         .values = values,

@@ -96,6 +96,10 @@ static uint32_t find_axis(const char *asked, const char *name, uint32_t componen
 
 static status refuse_field(curvilinear_input *x, const char *asked) {
     name_list names = {0};
+    const char *why = x->reader->refused ? x->reader->refused(x->state, asked) : NULL;
+    if (why)
+        return status_describe(ST_USAGE, "%s: field \"%s\" cannot be taken: %s",
+                               curvilinear_input_file(x), asked, why);
     for (uint32_t i = 0; i < x->from.fields; i++) {
         uint32_t components;
         name_list_add(&names, curvilinear_input_field(x, i, &components));

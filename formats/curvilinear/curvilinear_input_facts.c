@@ -200,11 +200,14 @@ static void take_zones(curvilinear_input_facts *own, const curvilinear_source *f
 }
 
 static void take_fields(input_facts *x, curvilinear_input *from) {
+    const double *times;
     uint32_t components;
     for (uint32_t i = 0; i < curvilinear_input_fields(from); i++) {
         const char *name = curvilinear_input_field(from, i, &components);
         input_collect_field(x, name, components);
     }
+    for (uint32_t i = 0; i < x->field_count && i < INPUT_FACTS_FIELDS; i++)
+        x->fields[i].steps = curvilinear_input_steps(from, &times);
     x->lacks_values = x->field_count == 0;
     text_name(x->field, sizeof x->field, curvilinear_input_taken(from, 0, &x->component));
     const input_field *taken = *x->field ? input_collect_listed(x, x->field) : NULL;

@@ -46,6 +46,9 @@ typedef struct curvilinear_reader {
     /* Returns the name of a field, below o->fields, and its number of components; the name is valid
      * until the next call. The first field is the default. */
     const char *(*field)(void *state, uint32_t field, uint32_t *components);
+    /* Why a field that the file has cannot be asked for, as the end of a sentence; valid until the
+     * next call. NULL: there is none of this name. NULL, also if the function is. */
+    const char *(*refused)(void *state, const char *name);
     /* Only these fields are going to be read; NULL: the reader need not know. */
     status (*take)(void *state, const uint32_t *fields, uint32_t count);
     status (*places)(void *state, uint32_t zone, uint32_t first, uint32_t count, float (*p)[3]);

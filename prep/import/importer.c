@@ -491,11 +491,11 @@ static bool gives_nodes(const arguments *a) {
 static const output_kind *output(const void *own) {
     const arguments *a = own;
     static const output_kind zones = {
-        .what = "curvilinear stream", .suffixes = ".curv ", .instead = OUTPUT_BY_EXPORT};
+        .what = "a curvilinear stream", .suffixes = ".curv ", .instead = OUTPUT_BY_EXPORT};
     static const output_kind samples = {
         .what = "NRRD", .suffixes = ".nrrd ", .instead = OUTPUT_BY_EXPORT};
     static const output_kind mesh = {
-        .what = "mesh stream", .suffixes = ".mesh ", .instead = OUTPUT_BY_EXPORT};
+        .what = "a mesh stream", .suffixes = ".mesh ", .instead = OUTPUT_BY_EXPORT};
     if (a->q.zones || a->q.to)
         return &zones;
     return gives_nodes(a) ? &mesh : &samples;

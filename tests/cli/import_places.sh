@@ -11,7 +11,7 @@ import_files netcdf netCDF4 libnetcdf places
 exits "info --to" 0 "$leafcast" info "$tmp/roms1.nc" --to sphere
 ok "says its zone" says '^zones *7 x 6 x 5 nodes$'
 ok "and its steps" says '^steps *2, the first is taken here$'
-ok "and its fields on the same nodes" says '^ *salt$'
+ok "and its fields on the same nodes" says '^ *salt'
 ok "and not those on others" [ "$(grep -c '^ *u$' "$tmp/out")" = 0 ]
 ok "and what is next" says 'leafcast convert .*roms1.nc --to sphere'
 exits "convert --to" 0 "$leafcast" convert "$tmp/roms1.nc" --to sphere -o "$tmp/one.leaf" --exaggerate 20 --name sea
@@ -29,6 +29,12 @@ ok "nodes move with the water" says '^nodes *move from step to step$'
 exits "are sound" 0 "$leafcast" verify "$tmp/all.leaf"
 exits "info of it" 0 "$leafcast" info "$tmp/all.leaf"
 ok "has the times" says '^steps *2, times 0 \.\. 3600 seconds since 2000-01-01, vertices move$'
+exits "a field on other nodes" 2 "$leafcast" convert "$tmp/roms2.nc" --to sphere --field temp --field u -o "$tmp/x.leaf"
+ok "is told why" says 'field "u" cannot be taken: it lies on other nodes than temp, which is taken'
+exits "a field that is nowhere" 2 "$leafcast" convert "$tmp/roms2.nc" --to sphere --field temp --field w -o "$tmp/x.leaf"
+ok "is told what there is" says 'no field "w"; it has "temp", "salt"'
+exits "info --json" 0 "$leafcast" info "$tmp/roms2.nc" --to sphere --json -q
+ok "tells the steps of each field" [ "$(grep -c '"steps": 2' "$tmp/out")" = 3 ]
 exits "nodes of fixed depths" 0 "$leafcast" convert "$tmp/nemo.nc" --to sphere --steps all -o "$tmp/nemo.leaf"
 ok "stay" says '^nodes *stay where they are$'
 ok "land is blanked" says ' blanked$'
