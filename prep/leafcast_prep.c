@@ -342,11 +342,18 @@ static status clean_fields(job *j, field_names *f) {
     return ST_OK;
 }
 
+static curvilinear_hints hints_of_zones(const job *j) {
+    return (curvilinear_hints){.component = j->o.component,
+                               .name = j->o.name,
+                               .cells_to_points = j->o.cells_to_points,
+                               .trust = hints_of(j).trust};
+}
+
 static status convert_curvilinear(job *j, curvilinear_input *x, const step_series *series) {
     curvilinear_files files = {
         .m = &j->m,
         .of = *series,
-        .hints = {.component = j->o.component, .name = j->o.name},
+        .hints = hints_of_zones(j),
         .first = x,
     };
     const curvilinear_options o = {.file = parameters_of(j),
@@ -398,10 +405,8 @@ static status convert_files(job *j, const char *const *paths, uint32_t steps, co
                                           .by_corners = j->o.by_corners,
                                           .name = j->o.name,
                                           .trust = of_grids.trust}};
-    const input_hints hints = {
-        of_grids,
-        series.hints,
-        {.field = series.hints.field, .component = j->o.component, .name = j->o.name}};
+    input_hints hints = {of_grids, series.hints, hints_of_zones(j)};
+    hints.curvilinear.field = series.hints.field;
     if (st == ST_OK)
         st = input_open(&j->m, paths[0], &hints, &in);
     if (st == ST_OK)
