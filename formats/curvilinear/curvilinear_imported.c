@@ -141,14 +141,20 @@ static void close_file(void *state) {
     mem_free(x->m, x);
 }
 
+/* What is to be placed is netCDF whatever its file is called, as wrfout_d01: HDF5, too. */
+static bool may_be_netcdf(const uint8_t *start, size_t size) {
+    return size >= 4 && (memcmp(start, "CDF", 3) == 0 || memcmp(start, "\x89HDF", 4) == 0);
+}
+
 static status find_format(const curvilinear_opening *o, const foreign_format **out) {
     const uint8_t *start;
     size_t size;
-    /* What is to be placed is netCDF, whatever its file is called, as wrfout_d01. */
-    const char *kind = byte_stream_kind(o->data), *named = o->hints.to ? "F.nc" : kind;
+    const char *kind = byte_stream_kind(o->data), *named = kind;
     status st = byte_stream_peek(o->data, FOREIGN_PEEK, &start, &size);
     if (st != ST_OK)
         return st;
+    if (o->hints.to && may_be_netcdf(start, size))
+        named = "F.nc";
     *out = format_of(named, start, size, o->hints.to ? IMPORTERS : BY_ITSELF);
     const foreign_format *any = foreign_find(kind, start, size, UINT64_MAX);
     if (!*out || (o->hints.to && strcmp((*out)->importer, importers[IMPORTERS - 1]) != 0))
@@ -158,7 +164,7 @@ static status find_format(const curvilinear_opening *o, const foreign_format **o
         return ST_OK;
     return status_describe(ST_UNSUPPORTED,
                            "%s: this is %s, whose library needs a file that is not packed",
-                           byte_stream_name(o->data), any->name);
+                           byte_stream_name(o->data), (*out)->name);
 }
 
 /* Ask for the list again where a field decides which grid it is of. */
