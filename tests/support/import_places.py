@@ -360,6 +360,7 @@ def names():
     f.put("lon_u", "yu xu", EAST[:, 1:], units="degrees_east").put("lat_u", "yu xu", NORTH[:, 1:], units="degrees_north")
     f.put("lon_r", "yr xr", EAST, "f8", units="degrees_east").put("lat_r", "yr xr", NORTH, "f8", units="degrees_north")
     f.put("x_r", "yr xr", 0 * EAST, units="m").put("y_r", "yr xr", 0 * EAST, units="m")
+    f.put("thickness", "z", np.ones(NZ), units="m")
     f.put("levels", "z", np.arange(NZ) * 0.125, units="km").put("q", "z yr xr", TEMPERATURE[0]).end()
     up = np.arange(NZ)[:, None, None] * 125.0 * np.ones_like(EAST)
     lies("the same points before those between; a line of heights that nothing names", "near.nc", globe(EAST, NORTH, up), "--to", "sphere")

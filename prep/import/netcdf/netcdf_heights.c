@@ -26,6 +26,17 @@ static cf_measure measure_of(int group, int id, double *factor) {
 
 /* ---- levels ---- */
 
+/* Whether a variable is called as heights are: the thickness of layers is a length, too. */
+static bool is_called_height(int group, int id) {
+    static const char *const begins[] = {"z", "lev", "alt", "height", "depth", "pres", "plev"};
+    char name[NC_MAX_NAME + 1] = "";
+    bool is = false;
+    nc_inq_varname(group, id, name);
+    for (size_t i = 0; i < sizeof begins / sizeof *begins; i++)
+        is = is || strncasecmp(name, begins[i], strlen(begins[i])) == 0;
+    return is;
+}
+
 /* Lengths or pressures of the group along z alone, which nothing names: only if there is but one.
  */
 static bool find_any_line(const netcdf_frame *fr, netcdf_term *t) {
@@ -34,7 +45,8 @@ static bool find_any_line(const netcdf_frame *fr, netcdf_term *t) {
     for (int id = 0; id < count; id++) {
         double factor;
         if (measure_of(fr->v.group, id, &factor) == CF_OTHER ||
-            !netcdf_frame_term(fr, fr->v.group, id, t) || t->axes != NETCDF_Z)
+            !is_called_height(fr->v.group, id) || !netcdf_frame_term(fr, fr->v.group, id, t) ||
+            t->axes != NETCDF_Z)
             continue;
         last = id;
         found++;
