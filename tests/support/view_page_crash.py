@@ -39,6 +39,7 @@ def crashes(b):
     b.open(s.url)
     b.js("leafcast.surfaces.set(0, 77, true)")
     b.rest()
+    b.until("return leafcast.crash.drawn(leafcast.crash.asked)")
     theirs, other = b.flags(), b.driver.current_window_handle
     b.driver.switch_to.window(mine)
     b.js(LONG)

@@ -27,9 +27,9 @@ export class Crash {
   // Of a connection, what the server says first.
   connected({talk, crash}) {
     if (crash && this.talk !== null && crash.life !== this.life) {
-      const drawn = this.drawn(this.asked), text = this.asked?.text;
-      const mine = crash.talk === this.talk || !drawn && (crash.what === "nothing" || text === this.spared);
-      this.spared = mine || drawn ? "" : text;
+      const text = this.asked?.text, waits = !this.drawn(this.asked) && this.app.link.sent(this.asked?.number);
+      const mine = crash.talk === this.talk || waits && (crash.what === "nothing" || text === this.spared);
+      this.spared = mine || !waits ? "" : text;
       this.after = {...crash, mine};
     }
     this.life = crash?.life ?? 0;

@@ -55,6 +55,9 @@ export class Link extends EventTarget {
     return this.number + 1;
   }
 
+  // A view that view() was told of has gone out: the page of a hidden tab has no frames.
+  sent(number) { return number <= this.number; }
+
   flush() {
     if (!this.pending) return;
     const view = this.pending;
