@@ -125,8 +125,7 @@ static void mask(const resident_store *s, treelet *head, const interest *in) {
     treelet_tree_select(&tr->tree, tr->tree.active[0]);
 }
 
-const resident_kind cell_resident = {.shares = false,
-                                     .boxes = boxes,
+const resident_kind cell_resident = {.boxes = boxes,
                                      .scratch = scratch_bytes,
                                      .bytes = most_bytes,
                                      .shared_bytes = shared_bytes,

@@ -59,14 +59,9 @@ static size_t own_bytes(uint32_t blocks) {
                      sizeof(curvilinear_place));
 }
 
-/* Boxes are made where the tree is not yet. */
-static size_t boxes_bytes(uint32_t blocks) {
-    return blocks * sizeof(treelet_bounds);
-}
-
 size_t curvilinear_lattice_bytes(const uint32_t cells[3]) {
     const uint32_t blocks = block_count(cells);
-    return own_bytes(blocks) + boxes_bytes(blocks) + treelet_tree_bytes(blocks);
+    return own_bytes(blocks) + treelet_tree_bytes(blocks);
 }
 
 status curvilinear_lattice_init(curvilinear_lattice *l, mem *m, const uint32_t cells[3],
@@ -77,22 +72,24 @@ status curvilinear_lattice_init(curvilinear_lattice *l, mem *m, const uint32_t c
         l->nodes[a] = cells[a] + 1;
         l->p[a] = p[a];
     }
-    treelet_bounds *boxes = mem_array(m, l->blocks, sizeof *boxes);
     l->active = mem_zalloc(m, own_bytes(l->blocks));
-    status st = boxes && l->active ? ST_OK : ST_NOMEM;
-    if (st == ST_OK) {
-        l->planes = (curvilinear_plane *)(l->active + l->blocks);
-        l->ranges = (float(*)[2])(l->planes + l->blocks);
-        l->places = (curvilinear_place *)(l->ranges + l->blocks);
-        make_places(l);
-        for (uint32_t b = 0; b < l->blocks; b++)
-            box_of(l, &l->places[b], boxes[b]);
-        st = treelet_tree_init(&l->tree, m, (const treelet_bounds *)boxes, l->blocks);
-    }
-    mem_free(m, boxes);
+    if (!l->active)
+        return ST_NOMEM;
+    l->planes = (curvilinear_plane *)(l->active + l->blocks);
+    l->ranges = (float(*)[2])(l->planes + l->blocks);
+    l->places = (curvilinear_place *)(l->ranges + l->blocks);
+    make_places(l);
+    const status st = treelet_tree_init(&l->tree, m, NULL, l->blocks);
     if (st != ST_OK)
         curvilinear_lattice_release(l);
     return st;
+}
+
+void curvilinear_lattice_move(curvilinear_lattice *l) {
+    treelet_bounds *boxes = l->tree.bounds[0];
+    for (uint32_t b = 0; b < l->blocks; b++)
+        box_of(l, &l->places[b], boxes[b]);
+    treelet_tree_move(&l->tree, (const treelet_bounds *)boxes);
 }
 
 void curvilinear_lattice_release(curvilinear_lattice *l) {

@@ -46,11 +46,13 @@ typedef struct curvilinear_lattice {
 } curvilinear_lattice;
 
 /* curvilinear_lattice_init() - make the tree of a treelet of cells[0] x cells[1] x cells[2] cells,
- * 1 to CURVILINEAR_SIDE each. p and codes must outlive it; coordinates are finite.
- * curvilinear_lattice_bytes() - the memory that takes from m. */
+ * 1 to CURVILINEAR_SIDE each. p and codes must outlive it. curvilinear_lattice_bytes() - the memory
+ * that takes from m. curvilinear_lattice_move() - coordinates are there, finite, or other ones: set
+ * boxes. */
 CHECKED status curvilinear_lattice_init(curvilinear_lattice *l, mem *m, const uint32_t cells[3],
                                         const float *const p[3], const uint8_t *codes);
 size_t curvilinear_lattice_bytes(const uint32_t cells[3]);
+void curvilinear_lattice_move(curvilinear_lattice *l);
 void curvilinear_lattice_release(curvilinear_lattice *l);
 
 /* curvilinear_lattice_fill() - give it the values of a set, kept by reference. No cell is active

@@ -1,15 +1,14 @@
 /* curvilinear_resident.h - the row of resident.h for curvilinear grids: a treelet's nodes and
- * values, checked, as a lattice.
+ * values as a lattice.
  */
 #ifndef STREAM_CURVILINEAR_RESIDENT_H
 #define STREAM_CURVILINEAR_RESIDENT_H
 
 #include "stream/curvilinear_lattice.h"
-#include "stream/resident.h"
+#include "stream/hex_resident.h"
 
 typedef struct resident_curvilinear {
-    treelet head; /* its payload: the places */
-    const void *values;
+    resident_hexes hexes;
     curvilinear_lattice lattice;
 } resident_curvilinear;
 

@@ -220,8 +220,7 @@ static void mask(const resident_store *s, treelet *tr, const interest *in) {
     active_whole(masks, s->file, payload_of(s, tr), tr->payload, &in->whole);
 }
 
-const resident_kind grid_resident = {.shares = false,
-                                     .boxes = boxes,
+const resident_kind grid_resident = {.boxes = boxes,
                                      .scratch = scratch_bytes,
                                      .head = head_bytes,
                                      .bytes = most_bytes,

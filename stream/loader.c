@@ -44,9 +44,10 @@ static status grow_tree(loader *l) {
     struct loader_private *h = l->hidden;
     const uint32_t treelets = l->file->layout.treelets;
     const treelet_bounds *boxes = h->kind->boxes(l->file, 0);
-    if (h->kind->shares)
+    const bool shares = h->kind->shares && h->kind->shares(l->file);
+    if (shares)
         h->shared = mem_array(l->m, treelets, sizeof *h->shared);
-    if (h->kind->shares && !h->shared)
+    if (shares && !h->shared)
         return ST_NOMEM;
     if (!boxes)
         return ST_OK;

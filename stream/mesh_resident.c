@@ -409,6 +409,11 @@ static void renumber(const resident_store *s, treelet *tr, uint32_t set, const v
     tr->set = set;
 }
 
+static bool shares(const leaf_file *f) {
+    (void)f;
+    return true;
+}
+
 static const treelet_bounds *boxes(const leaf_file *f, uint32_t set) {
     return (const treelet_bounds *)f->mesh->bounds +
            leaf_layout_bounds(&f->layout, leaf_layout_step(&f->layout, set), 0);
@@ -426,7 +431,7 @@ static void mask(const resident_store *s, treelet *head, const interest *in) {
         s->derived.make(tr, in);
 }
 
-const resident_kind mesh_resident = {.shares = true,
+const resident_kind mesh_resident = {.shares = shares,
                                      .boxes = boxes,
                                      .scratch = scratch_bytes,
                                      .bytes = most_bytes,

@@ -11,14 +11,9 @@ static size_t own_bytes(uint32_t blocks) {
     return blocks * (sizeof(float[2]) + sizeof(uint16_t));
 }
 
-/* Boxes are made where the tree is not yet. */
-static size_t boxes_bytes(uint32_t blocks) {
-    return blocks * sizeof(treelet_bounds);
-}
-
 size_t mixed_blocks_bytes(const mixed_shape *s) {
     const uint32_t blocks = block_count(s);
-    return own_bytes(blocks) + boxes_bytes(blocks) + treelet_tree_bytes(blocks);
+    return own_bytes(blocks) + treelet_tree_bytes(blocks);
 }
 
 static void box_of(const mixed_blocks *b, uint32_t block, treelet_bounds out) {
@@ -45,19 +40,21 @@ status mixed_blocks_init(mixed_blocks *b, mem *m, const mixed_shape *s, const vo
                         .m = m};
     for (int a = 0; a < 3; a++)
         b->p[a] = mixed_coordinates(s, places, a);
-    treelet_bounds *boxes = mem_array(m, b->blocks, sizeof *boxes);
     b->ranges = mem_zalloc(m, own_bytes(b->blocks));
-    status st = boxes && b->ranges ? ST_OK : ST_NOMEM;
-    if (st == ST_OK) {
-        b->active = (uint16_t *)(b->ranges + b->blocks);
-        for (uint32_t n = 0; n < b->blocks; n++)
-            box_of(b, n, boxes[n]);
-        st = treelet_tree_init(&b->tree, m, (const treelet_bounds *)boxes, b->blocks);
-    }
-    mem_free(m, boxes);
+    if (!b->ranges)
+        return ST_NOMEM;
+    b->active = (uint16_t *)(b->ranges + b->blocks);
+    const status st = treelet_tree_init(&b->tree, m, NULL, b->blocks);
     if (st != ST_OK)
         mixed_blocks_release(b);
     return st;
+}
+
+void mixed_blocks_move(mixed_blocks *b) {
+    treelet_bounds *boxes = b->tree.bounds[0];
+    for (uint32_t n = 0; n < b->blocks; n++)
+        box_of(b, n, boxes[n]);
+    treelet_tree_move(&b->tree, (const treelet_bounds *)boxes);
 }
 
 void mixed_blocks_release(mixed_blocks *b) {

@@ -29,13 +29,13 @@ typedef struct mixed_blocks {
 } mixed_blocks;
 
 /* mixed_blocks_init() - make the tree of a treelet. topology and places must outlive it; corners
- * are nodes of the treelet, and coordinates finite. mixed_blocks_bytes() - the memory that takes
- * from m.
- */
+ * are nodes of the treelet. mixed_blocks_bytes() - the memory that takes from m.
+ * mixed_blocks_move() - coordinates are there, finite, or other ones: set boxes. */
 CHECKED status mixed_blocks_init(mixed_blocks *b, mem *m, const mixed_shape *s,
                                  const void *topology, const void *places);
 size_t mixed_blocks_bytes(const mixed_shape *s);
 void mixed_blocks_release(mixed_blocks *b);
+void mixed_blocks_move(mixed_blocks *b);
 
 /* mixed_blocks_fill() - give it the values of a set, kept by reference. No cell is active then. */
 void mixed_blocks_fill(mixed_blocks *b, const float *values);

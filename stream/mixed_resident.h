@@ -1,16 +1,14 @@
-/* mixed_resident.h - the row of resident.h for mixed meshes: a treelet's cells, nodes and values,
- * checked, in blocks.
+/* mixed_resident.h - the row of resident.h for mixed meshes: a treelet's cells, nodes and values in
+ * blocks.
  */
 #ifndef STREAM_MIXED_RESIDENT_H
 #define STREAM_MIXED_RESIDENT_H
 
+#include "stream/hex_resident.h"
 #include "stream/mixed_blocks.h"
-#include "stream/resident.h"
 
 typedef struct resident_mixed {
-    treelet head;      /* its payload: the topology */
-    const void *moved; /* places of a later step; NULL: those of the topology are its */
-    const void *values;
+    resident_hexes hexes;
     mixed_blocks blocks;
 } resident_mixed;
 

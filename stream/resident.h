@@ -39,8 +39,8 @@ typedef struct resident_scratch {
 enum { RESIDENT_PAYLOADS = 4 * LEAF_CHAIN_MAX };
 
 typedef struct resident_kind {
-    /* Whether treelets of several sets share their payload. */
-    bool shares;
+    /* Whether treelets of several sets share their payload; NULL: never. */
+    bool (*shares)(const leaf_file *f);
     /* Returns the boxes of a set's treelets, for a tree over treelets that overlap. NULL: the
      * directory is the tree. */
     const treelet_bounds *(*boxes)(const leaf_file *f, uint32_t set);
@@ -85,6 +85,7 @@ typedef struct resident_kind {
     void (*destroy)(const resident_store *s, treelet *tr);
     /* Make the masks of active cells or tets. */
     void (*mask)(const resident_store *s, treelet *tr, const interest *in);
+    const struct hex_blocks *hexes; /* of kinds whose cells are hexahedra (hex_resident.h) */
 } resident_kind;
 
 /* resident_kind_of() - returns the table for a file's kind. */

@@ -46,7 +46,8 @@ status treelet_tree_init(treelet_tree *tree, mem *m, const treelet_bounds bounds
         next += tree->count[level];
         flags += tree->count[level];
     }
-    treelet_tree_move(tree, bounds);
+    if (bounds)
+        treelet_tree_move(tree, bounds);
     return ST_OK;
 }
 
@@ -58,7 +59,7 @@ static void widen(double widest[3], const treelet_bounds bounds) {
 }
 
 void treelet_tree_move(treelet_tree *tree, const treelet_bounds bounds[]) {
-    memcpy(tree->bounds[0], bounds, tree->count[0] * sizeof(treelet_bounds));
+    memmove(tree->bounds[0], bounds, tree->count[0] * sizeof(treelet_bounds));
     memset(tree->widest, 0, sizeof tree->widest);
     for (uint32_t t = 0; t < tree->count[0]; t++)
         widen(tree->widest, bounds[t]);

@@ -34,8 +34,8 @@ typedef struct treelet_tree {
     mem *m;
 } treelet_tree;
 
-/* treelet_tree_init() - make a tree over count >= 1 treelets with these bounds (copied).
- * None is active. */
+/* treelet_tree_init() - make a tree over count >= 1 treelets with these bounds (copied); NULL:
+ * treelet_tree_move() comes first. None is active. */
 CHECKED status treelet_tree_init(treelet_tree *tree, mem *m, const treelet_bounds bounds[],
                                  uint32_t count);
 void treelet_tree_release(treelet_tree *tree);
@@ -43,7 +43,7 @@ void treelet_tree_release(treelet_tree *tree);
 /* treelet_tree_bytes() - returns the memory of a tree over `count` treelets. */
 size_t treelet_tree_bytes(uint32_t count);
 
-/* treelet_tree_move() - set new bounds of the same treelets. */
+/* treelet_tree_move() - set new bounds of the same treelets; may be bounds[0] itself. */
 void treelet_tree_move(treelet_tree *tree, const treelet_bounds bounds[]);
 
 /* treelet_tree_select() - set which nodes are active. own: per treelet, whether it is active; may

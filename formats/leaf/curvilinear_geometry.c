@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "formats/leaf/curvilinear_verify.h"
+#include "formats/leaf/hex_blending.h"
 #include "formats/leaf/hex_treelet.h"
 #include "formats/leaf/leaf_cells.h"
 
@@ -22,15 +23,6 @@ uint32_t curvilinear_value_bytes(const uint32_t cells[3]) {
 bool curvilinear_layout(leaf_layout *l, uint64_t treelets, uint32_t fields, uint32_t steps,
                         bool moving) {
     return leaf_layout_blocks(l, &curvilinear_geometry, treelets, fields, steps, moving);
-}
-
-void curvilinear_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]) {
-    l->counts = counts;
-    l->payload_max = 0;
-    for (uint32_t t = 0; t < l->treelets; t++) {
-        const uint32_t bytes = curvilinear_place_bytes(counts[t]);
-        l->payload_max = bytes > l->payload_max ? bytes : l->payload_max;
-    }
 }
 
 /* ---- The header ---- */
@@ -184,18 +176,11 @@ static status lay_out(leaf_file *f, leaf_directory *d) {
     for (to.zone = 0; to.zone < f->header.zones; to.zone++)
         curvilinear_zones_walk(own->zones[to.zone], list_treelet, &to);
     d->bounds = (const float(*)[6])own->bounds;
-    curvilinear_layout_set_counts(&f->layout, (const uint32_t(*)[4])own->counts);
+    leaf_layout_set_counts(&f->layout, (const uint32_t(*)[4])own->counts);
     return leaf_layout_init_flat(&f->layout, f->m);
 }
 
 /* ---- Payloads ---- */
-
-static uint32_t payload_bytes(const leaf_layout *l, uint32_t p) {
-    const uint32_t *cells = l->counts[p % l->treelets];
-    uint32_t index;
-    return leaf_layout_block_of(l, p, &index) == LEAF_BLOCK_VALUES ? curvilinear_value_bytes(cells)
-                                                                   : curvilinear_place_bytes(cells);
-}
 
 static const char *payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]) {
     uint32_t index;
@@ -253,7 +238,8 @@ static void corners(const hex_treelet *h, uint32_t cell, uint32_t corner[HEX_COR
 
 static const leaf_hexes hexes = {false, count, corners};
 
-const leaf_geometry curvilinear_geometry = {.growth = &growth,
+const leaf_geometry curvilinear_geometry = {.blending = &hex_blending,
+                                            .growth = &growth,
                                             .check_parameters = check_parameters,
                                             .check_values = check_values,
                                             .check_rest = check_rest,
@@ -267,7 +253,7 @@ const leaf_geometry curvilinear_geometry = {.growth = &growth,
                                             .release = release,
                                             .lay_out = lay_out,
                                             .check_directory = leaf_cells_check_directory,
-                                            .payload_bytes = payload_bytes,
+                                            .payload_bytes = hex_treelet_payload_bytes,
                                             .begins_run = leaf_cells_begins_run,
                                             .series = leaf_layout_block_series,
                                             .payload_name = payload_name,

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "formats/leaf/leaf_coder.h"
+
 hex_treelet hex_treelet_of(const leaf_file *f, uint32_t t) {
     hex_treelet h = {.f = f, .id = t};
     f->geometry->hexes->count(&h);
@@ -13,6 +15,14 @@ uint32_t hex_treelet_places(const leaf_layout *l, uint32_t step, uint32_t t) {
     return place ? leaf_layout_positions(l, place, t) : t;
 }
 
+uint32_t hex_treelet_payload_bytes(const leaf_layout *l, uint32_t p) {
+    uint32_t index;
+    const leaf_block block = leaf_layout_block_of(l, p, &index);
+    const uint32_t bytes = (uint32_t)l->geometry->coder->bytes(block, l->counts[p % l->treelets]);
+    const leaf_beside b = leaf_layout_block_beside(l, block, bytes, 0);
+    return leaf_layout_block_bytes(&b, bytes);
+}
+
 /* ---- checks ---- */
 
 static status fault(const hex_treelet *h, const char *what, uint32_t i, const char *how) {
@@ -20,7 +30,7 @@ static status fault(const hex_treelet *h, const char *what, uint32_t i, const ch
                            what, i, how);
 }
 
-static status check_values(const hex_treelet *h, uint32_t set, const float *values) {
+status hex_treelet_check_values(const hex_treelet *h, uint32_t set, const float *values) {
     const size_t element = leaf_layout_samples(&h->f->layout, set, h->id);
     const float *own = h->f->own[element];
     const bool may_miss = h->f->flags[element] & LEAF_FLAG_NON_FINITE;
@@ -32,7 +42,7 @@ static status check_values(const hex_treelet *h, uint32_t set, const float *valu
     return ST_OK;
 }
 
-static status check_places(const hex_treelet *h, uint32_t step) {
+status hex_treelet_check_places(const hex_treelet *h, uint32_t step) {
     const float(*boxes)[6] = h->f->geometry->section(h->f, LEAF_SECTION_BOUNDS);
     const float *bounds = boxes[leaf_layout_bounds(&h->f->layout, step, h->id)];
     for (int a = 0; a < 3; a++) {
@@ -44,7 +54,7 @@ static status check_places(const hex_treelet *h, uint32_t step) {
     return ST_OK;
 }
 
-static status check_corners(const hex_treelet *h) {
+status hex_treelet_check_corners(const hex_treelet *h) {
     for (uint32_t i = 0; i < h->cells; i++) {
         uint32_t corner[HEX_CORNERS];
         hex_treelet_corners(h, i, corner);
@@ -56,10 +66,10 @@ static status check_corners(const hex_treelet *h) {
 }
 
 status hex_treelet_check(const hex_treelet *h, uint32_t set, const float *values) {
-    status st = check_places(h, leaf_layout_step(&h->f->layout, set));
+    status st = hex_treelet_check_places(h, leaf_layout_step(&h->f->layout, set));
     if (st == ST_OK && h->f->geometry->hexes->listed)
-        st = check_corners(h);
-    return st == ST_OK ? check_values(h, set, values) : st;
+        st = hex_treelet_check_corners(h);
+    return st == ST_OK ? hex_treelet_check_values(h, set, values) : st;
 }
 
 /* ---- reading ---- */
@@ -100,5 +110,5 @@ status hex_treelet_load_values(leaf_file *f, const hex_treelet *h, uint32_t set,
                                void *to, const float **values) {
     const status st = leaf_file_load(f, leaf_layout_values(&f->layout, set, h->id), u, to);
     *values = to;
-    return st == ST_OK ? check_values(h, set, *values) : st;
+    return st == ST_OK ? hex_treelet_check_values(h, set, *values) : st;
 }

@@ -23,7 +23,7 @@ typedef struct leaf_hexes {
     /* Set nodes and cells of h. */
     void (*count)(hex_treelet *h);
     /* The nodes at the corners of a cell (hexahedron.h). */
-    void (*corners)(const hex_treelet *h, uint32_t cell, uint32_t corner[HEX_CORNERS]);
+    void (*corners)(const hex_treelet *h, uint32_t i, uint32_t corner[HEX_CORNERS]);
 } leaf_hexes;
 
 /* hex_treelet_of() - treelet t of a file with leaf_geometry.hexes, its payloads not yet known.
@@ -31,23 +31,36 @@ typedef struct leaf_hexes {
 hex_treelet hex_treelet_of(const leaf_file *f, uint32_t t);
 uint32_t hex_treelet_places(const leaf_layout *l, uint32_t step, uint32_t t);
 
+/* hex_treelet_payload_bytes() - leaf_geometry.payload_bytes of all such kinds. */
+uint32_t hex_treelet_payload_bytes(const leaf_layout *l, uint32_t p);
+
 static inline const float *hex_treelet_coordinates(const hex_treelet *h, int axis) {
     return h->places + (size_t)axis * h->nodes;
 }
-static inline hex_code hex_treelet_code(const hex_treelet *h, uint32_t cell) {
+static inline hex_code hex_treelet_code(const hex_treelet *h, uint32_t i) {
     const uint8_t *codes = (const uint8_t *)(h->places + 3 * (size_t)h->nodes);
-    return (hex_code)(codes[cell / 4] >> 2 * (cell % 4) & 3);
+    return (hex_code)(codes[i / 4] >> 2 * (i % 4) & 3);
 }
-static inline void hex_treelet_corners(const hex_treelet *h, uint32_t cell,
+/* hex_treelet_write_code() - of a cell whose bits are 0. places: a payload of them, of h's nodes.
+ */
+static inline void hex_treelet_write_code(const hex_treelet *h, float *places, uint32_t i,
+                                          hex_code code) {
+    uint8_t *codes = (uint8_t *)(places + 3 * (size_t)h->nodes);
+    codes[i / 4] |= (uint8_t)((unsigned)code << 2 * (i % 4));
+}
+static inline void hex_treelet_corners(const hex_treelet *h, uint32_t i,
                                        uint32_t corner[HEX_CORNERS]) {
-    h->f->geometry->hexes->corners(h, cell, corner);
+    h->f->geometry->hexes->corners(h, i, corner);
 }
 
 /* hex_treelet_check() - what the directory says of the treelet at the step of a set holds for
  * payloads as they were read: all nodes lie in its box, all values in its range, unless it says
  * that some are not finite, and all corners are at nodes. ST_CORRUPT names what does not. values:
- * float[n]. */
+ * float[n]. hex_treelet_check_places(), _corners(), _values() - each of these alone. */
 CHECKED status hex_treelet_check(const hex_treelet *h, uint32_t set, const float *values);
+CHECKED status hex_treelet_check_places(const hex_treelet *h, uint32_t step);
+CHECKED status hex_treelet_check_corners(const hex_treelet *h);
+CHECKED status hex_treelet_check_values(const hex_treelet *h, uint32_t set, const float *values);
 
 /* hex_treelet_load() - read and check treelet t with the values of a set. room: of
  * HEX_TREELET_PAYLOADS times leaf_layout_payload_max() bytes, aligned to LEAF_ALIGN, which *h and

@@ -37,8 +37,7 @@ status leaf_between_check(const leaf_file *f) {
     const leaf_blending *b = blending_of(f);
     if (!b)
         return status_describe(ST_UNSUPPORTED,
-                               "%s: times between steps are of grids and tetrahedral meshes; this "
-                               "is neither",
+                               "%s: times between steps are of grids and meshes; this has neither",
                                file_path(f->source));
     if ((uint64_t)f->layout.treelets * b->blocks >= LEAF_NO_TREELET)
         return status_describe(ST_UNSUPPORTED,

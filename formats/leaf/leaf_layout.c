@@ -344,6 +344,29 @@ leaf_block leaf_layout_block_of(const leaf_layout *l, uint32_t p, uint32_t *inde
     return LEAF_BLOCK_POSITIONS;
 }
 
+void leaf_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]) {
+    uint32_t blocks[4] = {0, leaf_layout_values(l, 0, 0)};
+    int n = 2;
+    if (l->gradient_sets)
+        blocks[n++] = leaf_layout_gradients(l, 0, 0);
+    if (leaf_layout_moves(l))
+        blocks[n++] = leaf_layout_positions(l, 1, 0);
+    l->counts = counts;
+    l->payload_max = 0;
+    for (uint32_t t = 0; t < l->treelets; t++)
+        for (int i = 0; i < n; i++) {
+            const uint32_t bytes = leaf_layout_payload_bytes(l, blocks[i] + t);
+            l->payload_max = bytes > l->payload_max ? bytes : l->payload_max;
+        }
+}
+
+leaf_beside leaf_layout_block_beside(const leaf_layout *l, leaf_block block, uint32_t bytes,
+                                     size_t scratch) {
+    if (!l->beside || block == LEAF_BLOCK_TOPOLOGY)
+        return (leaf_beside){0};
+    return leaf_layout_beside(bytes, scratch, bytes);
+}
+
 leaf_series leaf_layout_series(const leaf_layout *l, uint32_t p) {
     return l->geometry->series(l, p);
 }

@@ -43,7 +43,7 @@ typedef struct leaf_layout {
     bool coded;                  /* grid: payloads are compressed (grid_coding.h) */
     bool outside;                /* grid: level 0 has its samples in another file */
     uint32_t beside;             /* payloads keep others beside: leaf_layout_keep_beside() or
-                                    mesh_layout_keep_beside(); 0: they do not */
+                                    leaf_layout_keep_blocks(); 0: they do not */
     leaf_level level[LEAF_LEVELS_MAX];
     /* Per treelet: */
     uint32_t *first_child; /* LEAF_NO_TREELET at level 0 */
@@ -71,6 +71,12 @@ void leaf_layout_release(leaf_layout *l);
 /* leaf_layout_keep_beside() - let a grid's payloads in memory have room for two payloads with
  * samples of `bytes` bytes, too (leaf_between.h). */
 void leaf_layout_keep_beside(leaf_layout *l, uint32_t bytes);
+
+/* leaf_layout_keep_blocks() - let payloads of a kind with blocks, but topologies, have room for two
+ * others of their block. Call it before counts are set. */
+static inline void leaf_layout_keep_blocks(leaf_layout *l) {
+    l->beside = 1;
+}
 
 /* leaf_layout_repeat() - give a grid's layout so many fields and steps, with payloads set after
  * set, and the shells of all sets behind them if it is compressed. False: that makes 2^32 - 1
@@ -292,6 +298,19 @@ typedef enum leaf_block {
     LEAF_BLOCK_POSITIONS
 } leaf_block;
 leaf_block leaf_layout_block_of(const leaf_layout *l, uint32_t p, uint32_t *index);
+
+/* leaf_layout_set_counts() - set COUNTS, or what a kind has in their place, which sizes of payloads
+ * in blocks follow from. They must be sound, and outlive l. */
+void leaf_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]);
+
+/* leaf_layout_block_beside() - where a payload of such a block, which has so many bytes in a file,
+ * has those of two steps in memory; zeros: nothing is made of it, as of topologies, which are the
+ * same in all sets. leaf_layout_block_bytes() - its bytes in memory. */
+leaf_beside leaf_layout_block_beside(const leaf_layout *l, leaf_block block, uint32_t bytes,
+                                     size_t scratch);
+static inline uint32_t leaf_layout_block_bytes(const leaf_beside *b, uint32_t bytes) {
+    return b->at ? leaf_layout_beside_end(b) : bytes;
+}
 
 /* leaf_layout_payload_name() - for messages: "treelet 5's payload", "treelet 5's values of set 2".
  * Returns text. */

@@ -313,7 +313,7 @@ static status allocate_zones(leaf_writer *w, const leaf_curvilinear *g) {
         memcpy(w->zones[z], g->nodes[z], sizeof g->nodes[z]);
         curvilinear_zones_walk(g->nodes[z], count_cells, &c);
     }
-    curvilinear_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
+    leaf_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
     return ST_OK;
 }
 

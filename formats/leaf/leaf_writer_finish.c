@@ -143,10 +143,8 @@ static status close_payloads(leaf_writer *w) {
         sum_up_grid(w);
         return ST_OK;
     }
-    if (w->header.kind == LEAF_KIND_MESH)
-        mesh_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
-    if (w->header.kind == LEAF_KIND_MIXED)
-        mixed_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
+    if (w->header.kind == LEAF_KIND_MESH || w->header.kind == LEAF_KIND_MIXED)
+        leaf_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
     status st = make_copy_room(w);
     if (st == ST_OK)
         st = copy_payloads(w);

@@ -203,7 +203,7 @@ static status init_layout(leaf_file *f) {
     status st = mesh_layout_init(&f->layout, f->m, &blocks);
     if (st != ST_OK)
         return st;
-    mesh_layout_set_counts(&f->layout, (const uint32_t(*)[4])mesh->counts);
+    leaf_layout_set_counts(&f->layout, (const uint32_t(*)[4])mesh->counts);
     for (uint32_t t = 0; t < f->layout.treelets; t++)
         mesh->first_tet[t + 1] = mesh->first_tet[t] + mesh->counts[t][0];
     return ST_OK;

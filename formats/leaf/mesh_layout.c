@@ -47,17 +47,13 @@ static uint32_t file_bytes(const mesh_shape *s, leaf_block block) {
     }
 }
 
-/* Nothing is made of a topology: it is the same in all sets. */
 static leaf_beside beside_of(const leaf_layout *l, const mesh_shape *s, leaf_block block) {
-    const uint32_t bytes = file_bytes(s, block);
-    if (!l->beside || block == LEAF_BLOCK_TOPOLOGY)
-        return (leaf_beside){0};
-    return leaf_layout_beside(bytes, mesh_refit_scratch(s), bytes);
+    return leaf_layout_block_beside(l, block, file_bytes(s, block), mesh_refit_scratch(s));
 }
 
 static uint32_t memory_bytes(const leaf_layout *l, const mesh_shape *s, leaf_block block) {
     const leaf_beside b = beside_of(l, s, block);
-    return b.at ? leaf_layout_beside_end(&b) : file_bytes(s, block);
+    return leaf_layout_block_bytes(&b, file_bytes(s, block));
 }
 
 uint32_t mesh_layout_payload_bytes(const leaf_layout *l, uint32_t p) {
@@ -70,20 +66,4 @@ leaf_beside mesh_layout_beside(const leaf_layout *l, uint32_t p) {
     const mesh_shape s = mesh_leaf_shape(l->counts[p % l->treelets]);
     uint32_t index;
     return beside_of(l, &s, leaf_layout_block_of(l, p, &index));
-}
-
-void mesh_layout_keep_beside(leaf_layout *l) {
-    l->beside = 1;
-}
-
-void mesh_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]) {
-    l->counts = counts;
-    l->payload_max = 0;
-    for (uint32_t t = 0; t < l->treelets; t++) {
-        const mesh_shape s = mesh_leaf_shape(counts[t]);
-        for (leaf_block b = LEAF_BLOCK_TOPOLOGY; b <= LEAF_BLOCK_POSITIONS; b++) {
-            const uint32_t bytes = memory_bytes(l, &s, b);
-            l->payload_max = bytes > l->payload_max ? bytes : l->payload_max;
-        }
-    }
 }

@@ -18,20 +18,15 @@ uint64_t mesh_layout_payloads(const mesh_layout_blocks *b);
 /* mesh_layout_of() - the layout, without allocating. mesh_layout_payloads() must be below 2^32 - 1.
  * mesh_layout_init() - the same, and make the per-treelet arrays.
  * mesh_layout_repeat() - give the layout of a mesh that does not move so many steps. False: that
- * makes 2^32 - 1 payloads or more.
- * mesh_layout_set_counts() - set the counts that sizes follow from. They must outlive l, each
- * without a mesh_leaf_counts_fault(). */
+ * makes 2^32 - 1 payloads or more. */
 void mesh_layout_of(leaf_layout *l, const mesh_layout_blocks *b);
 CHECKED status mesh_layout_init(leaf_layout *l, mem *m, const mesh_layout_blocks *b);
 bool mesh_layout_repeat(leaf_layout *l, uint32_t steps);
-void mesh_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]);
 
 /* mesh_layout_payload_bytes() - the bytes of payload p in memory.
- * mesh_layout_keep_beside() - let payloads but topologies have room in memory for two others of
- * their kind (leaf_between.h). Call it before mesh_layout_set_counts().
- * mesh_layout_beside() - where payload p has these; zeros for a topology. */
+ * mesh_layout_beside() - where payload p has those of two steps (leaf_layout_keep_blocks()); zeros
+ * for a topology. */
 uint32_t mesh_layout_payload_bytes(const leaf_layout *l, uint32_t p);
-void mesh_layout_keep_beside(leaf_layout *l);
 leaf_beside mesh_layout_beside(const leaf_layout *l, uint32_t p);
 
 #endif

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/leaf/hex_blending.h"
 #include "formats/leaf/hex_treelet.h"
 #include "formats/leaf/leaf_place.h"
 #include "formats/leaf/mixed_coder.h"
@@ -29,15 +30,6 @@ const char *mixed_counts_fault(const uint32_t counts[4], uint32_t treelet_cells)
 
 bool mixed_layout(leaf_layout *l, uint64_t treelets, uint32_t fields, uint32_t steps, bool moving) {
     return leaf_layout_blocks(l, &mixed_geometry, treelets, fields, steps, moving);
-}
-
-void mixed_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]) {
-    l->counts = counts;
-    l->payload_max = 0;
-    for (uint32_t t = 0; t < l->treelets; t++) {
-        const uint32_t bytes = mixed_shape_of(counts[t]).topology_bytes;
-        l->payload_max = bytes > l->payload_max ? bytes : l->payload_max;
-    }
 }
 
 /* ---- The header ---- */
@@ -132,7 +124,7 @@ static status lay_out(leaf_file *f, leaf_directory *d) {
                                   "expected the treelets' %llu cells, found %llu",
                                   (unsigned long long)own->first[f->layout.treelets],
                                   (unsigned long long)h->tets);
-    mixed_layout_set_counts(&f->layout, (const uint32_t(*)[4])own->counts);
+    leaf_layout_set_counts(&f->layout, (const uint32_t(*)[4])own->counts);
     return leaf_layout_init_flat(&f->layout, f->m);
 }
 
@@ -146,16 +138,6 @@ static status check_directory(const char *path, const leaf_header *h, const leaf
 }
 
 /* ---- Payloads ---- */
-
-static uint32_t payload_bytes(const leaf_layout *l, uint32_t p) {
-    const mixed_shape s = mixed_shape_of(l->counts[p % l->treelets]);
-    uint32_t index;
-    switch (leaf_layout_block_of(l, p, &index)) {
-    case LEAF_BLOCK_TOPOLOGY: return s.topology_bytes;
-    case LEAF_BLOCK_VALUES: return s.value_bytes;
-    default: return s.place_bytes;
-    }
-}
 
 static const char *payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]) {
     static const char *const formats[] = {[LEAF_BLOCK_TOPOLOGY] = "treelet %u's topology",
@@ -216,7 +198,8 @@ static void corners(const hex_treelet *h, uint32_t cell, uint32_t corner[HEX_COR
 
 static const leaf_hexes hexes = {true, count, corners};
 
-const leaf_geometry mixed_geometry = {.growth = &growth,
+const leaf_geometry mixed_geometry = {.blending = &hex_blending,
+                                      .growth = &growth,
                                       .check_parameters = check_parameters,
                                       .check_values = check_values,
                                       .check_rest = check_rest,
@@ -230,7 +213,7 @@ const leaf_geometry mixed_geometry = {.growth = &growth,
                                       .release = leaf_cells_release,
                                       .lay_out = lay_out,
                                       .check_directory = check_directory,
-                                      .payload_bytes = payload_bytes,
+                                      .payload_bytes = hex_treelet_payload_bytes,
                                       .begins_run = leaf_cells_begins_run,
                                       .series = leaf_layout_block_series,
                                       .payload_name = payload_name,

@@ -53,10 +53,8 @@ static inline const uint16_t (*mixed_corners(const mixed_shape *s,
 }
 
 /* mixed_layout() - the layout of so many treelets, fields and steps, without allocating. False:
- * that makes 2^32 - 1 payloads or more. mixed_layout_set_counts() - set COUNTS, which sizes follow
- * from. They must outlive l. */
+ * that makes 2^32 - 1 payloads or more. */
 bool mixed_layout(leaf_layout *l, uint64_t treelets, uint32_t fields, uint32_t steps, bool moving);
-void mixed_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]);
 
 /* mixed_directory_of() - what the directory has besides. */
 static inline const leaf_cells_directory *mixed_directory_of(const leaf_file *f) {

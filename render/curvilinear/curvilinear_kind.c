@@ -80,33 +80,41 @@ static int curvilinear_cell_indices(const leafcast *v, uint32_t level, uint64_t 
     return 3;
 }
 
-static status find_cell(leafcast *v, uint64_t number, hex_cell *out) {
+/* *l: NULL on failure; *local: its number in there. */
+static status find_cell(leafcast *v, uint64_t number, const curvilinear_lattice **l,
+                        uint32_t *local) {
     const curvilinear_directory *d = curvilinear_directory_of(v->file);
     const uint32_t t = leaf_cells_treelet(d->first, v->file->layout.treelets, number);
     const treelet *at;
     const status st = volume_treelet(v, t, &at);
-    if (st == ST_OK)
-        *out = curvilinear_walk_hexahedron(lattice_of(at), (uint32_t)(number - d->first[t]));
+    *l = st == ST_OK ? lattice_of(at) : NULL;
+    *local = (uint32_t)(number - d->first[t]);
     return st;
 }
 
 static status curvilinear_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, const hit *h,
                                       leafcast_hit *out) {
-    hex_cell c;
+    const curvilinear_lattice *l;
+    uint32_t local;
     (void)tr;
-    const status st = find_cell(v, h->cell, &c);
-    if (st == ST_OK)
+    const status st = find_cell(v, h->cell, &l, &local);
+    if (st == ST_OK) {
+        const hex_cell c = curvilinear_walk_hexahedron(l, local);
         hex_walk_at(&c, r, h->t, out);
+    }
     return st;
 }
 
 static status curvilinear_cell_corners(leafcast *v, uint32_t level, uint64_t number,
                                        leafcast_cell *out) {
-    hex_cell c;
+    const curvilinear_lattice *l;
+    uint32_t local;
     (void)level;
-    const status st = find_cell(v, number, &c);
-    if (st == ST_OK)
-        hex_walk_corners(&c.hexahedron, out);
+    const status st = find_cell(v, number, &l, &local);
+    if (st == ST_OK && curvilinear_lattice_code(l, local) != HEX_NONE) {
+        const hexahedron h = curvilinear_walk_cell(l, local);
+        hex_walk_corners(&h, out);
+    }
     return st;
 }
 

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/support/between_mesh.h"
+#include "tests/support/between_hexes.h"
 #include "tests/support/scratch.h"
 
 const double between_times[BETWEEN_STEPS] = {-3, 1, 2, 10, 1e6, 2e6};
@@ -27,6 +27,28 @@ const between_kind between_kinds[BETWEEN_KINDS] = {
     {.type = SAMPLE_F32, .codec = LEAF_CODEC_ZSTD, .mesh = true, .moves = true},
     {.type = SAMPLE_F32, .codec = LEAF_CODEC_ZSTD, .mesh = true, .grown = true, .non_finite = 90},
     {.type = SAMPLE_F32, .codec = LEAF_CODEC_RAW, .mesh = true, .moves = true, .non_finite = 90},
+    {.type = SAMPLE_F32,
+     .codec = LEAF_CODEC_ZSTD,
+     .mesh = true,
+     .grown = true,
+     .non_finite = 90,
+     .cells = BETWEEN_MIXED},
+    {.type = SAMPLE_F32,
+     .codec = LEAF_CODEC_ZSTD,
+     .mesh = true,
+     .moves = true,
+     .cells = BETWEEN_MIXED},
+    {.type = SAMPLE_F32,
+     .codec = LEAF_CODEC_RAW,
+     .mesh = true,
+     .grown = true,
+     .cells = BETWEEN_CURVILINEAR},
+    {.type = SAMPLE_F32,
+     .codec = LEAF_CODEC_ZSTD,
+     .mesh = true,
+     .moves = true,
+     .non_finite = 90,
+     .cells = BETWEEN_CURVILINEAR},
 };
 
 /* ---- Samples ---- */
@@ -125,9 +147,17 @@ static void fill_steps(between_lab *s) {
         for (int i = 0; i < side * side * side; i++)
             to[i] = sample_of(of, step, i % side * stride, i / side % side * stride,
                               i / side / side * stride);
-        if (of->mesh)
+        if (of->mesh) {
             between_mesh_points(of->moves, step, (float(*)[3])(to + BETWEEN_MESH_POINTS));
+            between_hexes_hide(of->moves ? step : 0, to + BETWEEN_MESH_HIDDEN);
+        }
     }
+}
+
+static void convert_mesh(const between_kind *of, const float *const *steps, uint32_t first,
+                         uint32_t count, const char *path) {
+    (of->cells == BETWEEN_TETS ? between_mesh_convert : between_hexes_convert)(of, steps, first,
+                                                                               count, path);
 }
 
 static void make_mesh(between_lab *s) {
@@ -135,11 +165,12 @@ static void make_mesh(between_lab *s) {
     const uint32_t first = of->grown ? 2 : BETWEEN_STEPS;
     const float *const *steps = (const float *const *)s->step;
     char name[64];
-    snprintf(name, sizeof name, "mesh-%d-%d-%d.leaf", of->moves, of->codec, of->grown);
+    snprintf(name, sizeof name, "mesh-%d-%d-%d-%d.leaf", of->cells, of->moves, of->codec,
+             of->grown);
     snprintf(s->series, sizeof s->series, "%s", scratch_path(name));
-    between_mesh_convert(of, steps, 0, first, s->series);
+    convert_mesh(of, steps, 0, first, s->series);
     for (uint32_t step = first; step < BETWEEN_STEPS; step += 2)
-        between_mesh_convert(of, steps, step, 2, s->series);
+        convert_mesh(of, steps, step, 2, s->series);
 }
 
 static void make_grid(between_lab *s) {
@@ -194,8 +225,8 @@ void between_lab_free(between_lab *s) {
 /* A file of the samples between, alone. */
 const char *between_lab_alone(const between_lab *s, const float *samples) {
     if (s->of.mesh) {
-        const between_kind alone = {.codec = s->of.codec};
-        between_mesh_convert(&alone, &samples, 0, 1, scratch_path("between-alone.leaf"));
+        const between_kind alone = {.codec = s->of.codec, .cells = s->of.cells};
+        convert_mesh(&alone, &samples, 0, 1, scratch_path("between-alone.leaf"));
         return scratch_path("between-alone.leaf");
     }
     leaf_case c = case_of(&s->of);

@@ -12,10 +12,14 @@ enum {
     BETWEEN_STEPS = 6, /* more pairs than sets of leaf_between.h */
     BETWEEN_SIDE = 36,
     BETWEEN_SAMPLES = BETWEEN_SIDE * BETWEEN_SIDE * BETWEEN_SIDE,
-    BETWEEN_GRIDS = 7, /* kinds, of which the others are meshes */
-    BETWEEN_KINDS = BETWEEN_GRIDS + 4,
+    BETWEEN_GRIDS = 7, /* kinds, of which the others are meshes: 4 of tets, 4 of hexahedra */
+    BETWEEN_HEXES = BETWEEN_GRIDS + 4,
+    BETWEEN_KINDS = BETWEEN_HEXES + 4,
     BETWEEN_SHARES = 5
 };
+
+/* The cells between a mesh's points. */
+typedef enum between_cells { BETWEEN_TETS, BETWEEN_MIXED, BETWEEN_CURVILINEAR } between_cells;
 
 /* What a series is like. */
 typedef struct between_kind {
@@ -24,7 +28,8 @@ typedef struct between_kind {
     bool bare, grown; /* levels 1; the last steps were added to the file */
     bool small;       /* a small ball, that is at another place in each step */
     int non_finite;   /* of f32: one sample in so many is NaN or infinite; 0: none */
-    bool mesh, moves; /* a mesh, whose points move */
+    bool mesh, moves; /* a mesh, whose points move; between_mesh.h */
+    between_cells cells;
 } between_kind;
 
 typedef struct between_lab {

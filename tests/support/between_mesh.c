@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "formats/leaf/leaf_grow.h"
-#include "tests/support/mesh_movies.h"
 #include "tests/support/scratch.h"
 #include "tests/support/tet_judge.h"
 
@@ -27,8 +26,8 @@ void between_mesh_points(bool moves, int step, float (*to)[3]) {
     }
 }
 
-static mesh_movie movie_of(const between_kind *of, const float *const *steps, uint32_t first,
-                           uint32_t count) {
+mesh_movie between_mesh_movie(const between_kind *of, const float *const *steps, uint32_t first,
+                              uint32_t count) {
     mesh_case c = mesh_cases_kuhn(BETWEEN_MESH_CELLS, BETWEEN_MESH_CELLS, BETWEEN_MESH_CELLS);
     c.options.treelet_tets = 300;
     c.options.file.codec = of->codec;
@@ -47,7 +46,7 @@ static mesh_movie movie_of(const between_kind *of, const float *const *steps, ui
 
 void between_mesh_convert(const between_kind *of, const float *const *steps, uint32_t first,
                           uint32_t count, const char *path) {
-    mesh_movie v = movie_of(of, steps, first, count);
+    mesh_movie v = between_mesh_movie(of, steps, first, count);
     mesh_result r;
     mem m;
     mem_init(&m, 0);

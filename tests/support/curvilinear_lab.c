@@ -107,6 +107,7 @@ void curvilinear_lab_make(curvilinear_lab *s, mem *m, int index) {
     make_nodes(s, of, &r);
     if (curvilinear_lattice_init(&s->lattice, m, of->cells, p, s->codes) != ST_OK)
         abort();
+    curvilinear_lattice_move(&s->lattice);
     s->lattice.first = 1000;
     s->lattice.values = s->values;
     memset(s->codes, 0, sizeof s->codes);

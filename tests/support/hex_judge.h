@@ -41,7 +41,8 @@ typedef struct hex_tally {
 } hex_tally;
 
 /* hex_judge_mix() - all cells of a mesh. hex_judge_open() - all cells that a volume has, as it
- * tells them (leafcast_get_cell()), but those with a corner without a value. hex_judge_release() -
+ * tells them (leafcast_get_cell()), but those that are hidden or have a corner without a value.
+ * hex_judge_release() -
  * in any case. */
 void hex_judge_mix(hex_judge *j, const cell_mix *m);
 void hex_judge_open(hex_judge *j, leafcast *v);

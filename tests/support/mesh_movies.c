@@ -61,7 +61,24 @@ const char *mesh_movies_stream(const mesh_movie *v, uint32_t s, const char *name
     return path;
 }
 
-/* Several: VTK text. */
+static void write_cells(FILE *f, const mesh_movie *v) {
+    const mesh_case *c = &v->c;
+    const size_t count = v->hexes ? v->hex_count : c->tet_count;
+    const int corners = v->hexes ? 8 : 4;
+    fprintf(f, "CELLS %zu %zu\n", count, (size_t)(1 + corners) * count);
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t *corner = v->hexes ? v->hexes[i] : c->tets[i];
+        fprintf(f, "%d", corners);
+        for (int k = 0; k < corners; k++)
+            fprintf(f, " %u", corner[k]);
+        fputc('\n', f);
+    }
+    fprintf(f, "CELL_TYPES %zu\n", count);
+    for (size_t i = 0; i < count; i++)
+        fputs(v->hexes ? "12\n" : "10\n", f);
+}
+
+/* Several, or hexahedra: VTK text. */
 static const char *write_vtk(const mesh_movie *v, uint32_t s, const char *name) {
     const mesh_case *c = &v->c;
     const char *path = scratch_path(name);
@@ -73,12 +90,7 @@ static const char *write_vtk(const mesh_movie *v, uint32_t s, const char *name) 
     for (size_t i = 0; i < c->point_count; i++)
         fprintf(f, "%.9g %.9g %.9g\n", (double)v->points[s][i][0], (double)v->points[s][i][1],
                 (double)v->points[s][i][2]);
-    fprintf(f, "CELLS %zu %zu\n", c->tet_count, 5 * c->tet_count);
-    for (size_t i = 0; i < c->tet_count; i++)
-        fprintf(f, "4 %u %u %u %u\n", c->tets[i][0], c->tets[i][1], c->tets[i][2], c->tets[i][3]);
-    fprintf(f, "CELL_TYPES %zu\n", c->tet_count);
-    for (size_t i = 0; i < c->tet_count; i++)
-        fputs("10\n", f);
+    write_cells(f, v);
     fprintf(f, "POINT_DATA %zu\n", c->point_count);
     for (uint32_t k = 0; k < v->fields; k++) {
         fprintf(f, "SCALARS %s float 1\nLOOKUP_TABLE default\n", v->names[k]);
@@ -92,9 +104,9 @@ static const char *write_vtk(const mesh_movie *v, uint32_t s, const char *name) 
 void mesh_movies_write(mesh_movie *v) {
     for (uint32_t s = 0; s < v->steps; s++) {
         char name[32];
-        snprintf(name, sizeof name, "step%u.%s", s, v->fields > 1 ? "vtk" : "mesh");
-        v->paths[s] =
-            v->fields > 1 ? write_vtk(v, s, name) : mesh_movies_stream(v, s, name, v->c.tet_count);
+        const bool vtk = v->fields > 1 || v->hexes;
+        snprintf(name, sizeof name, "step%u.%s", s, vtk ? "vtk" : "mesh");
+        v->paths[s] = vtk ? write_vtk(v, s, name) : mesh_movies_stream(v, s, name, v->c.tet_count);
     }
     v->series = (mesh_series){
         .of = {.paths = v->paths,

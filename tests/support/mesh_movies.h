@@ -15,6 +15,8 @@ typedef struct mesh_movie {
     const char *paths[MESH_MOVIES_STEPS];
     const char *names[MESH_MOVIES_FIELDS];
     double times[MESH_MOVIES_STEPS];
+    const uint32_t (*hexes)[8]; /* in place of c's tets, as VTK has their corners; or NULL */
+    size_t hex_count;
     mesh_series series;
 } mesh_movie;
 

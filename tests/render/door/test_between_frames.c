@@ -15,6 +15,7 @@
 
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/leaf_between.h"
+#include "formats/leaf/leaf_geometry.h"
 #include "render/door/leafcast_volume.h"
 #include "render/leafcast_experimental.h"
 #include "tests/support/between_lab.h"
@@ -39,7 +40,8 @@ static leafcast_stats draw(const between_lab *s, leafcast *v, uint32_t step, dou
 /* Each of the two steps once; another time between them nothing; the next two the step that is not
  * there. What is the same in both counts once. */
 static void test_reading(void **state) {
-    static const int kinds[] = {0, 5, BETWEEN_GRIDS, BETWEEN_GRIDS + 1};
+    static const int kinds[] = {
+        0, 5, BETWEEN_GRIDS, BETWEEN_GRIDS + 1, BETWEEN_HEXES, BETWEEN_HEXES + 1};
     (void)state;
     for (size_t i = !WITH_GRIDS; i < sizeof kinds / sizeof *kinds; i += 2 - WITH_GRIDS) {
         between_lab *s = between_lab_make(&between_kinds[kinds[i]]);
@@ -166,9 +168,15 @@ static void test_expected(void **state) {
  * volume that has seen no other. */
 static void test_playing(void **state) {
     static picture want[BETWEEN_STEPS - 1][2], is;
-    static const int kinds[] = {0, 4, BETWEEN_GRIDS + 1, BETWEEN_GRIDS + 2};
+    static const int kinds[] = {0,
+                                4,
+                                BETWEEN_GRIDS + 1,
+                                BETWEEN_GRIDS + 2,
+                                BETWEEN_HEXES + 1,
+                                BETWEEN_HEXES + 2,
+                                BETWEEN_HEXES + 3};
     (void)state;
-    /* A grid and a mesh have all the threads that the others have. */
+    /* A grid, a mesh and hexahedra have all the threads that the others have. */
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k += WATCHED_THREADS ? 2 : 1) {
         between_lab *s = between_lab_make(&between_kinds[kinds[k]]);
         const leafcast_scene scene = between_lab_scene(s, SHADOWS);
@@ -227,6 +235,7 @@ static void test_steps(void **state) {
         check_steps(&between_kinds[BETWEEN_GRIDS]);
     }
     check_steps(&between_kinds[BETWEEN_GRIDS + 1]);
+    check_steps(&between_kinds[BETWEEN_HEXES + 3]);
 }
 
 /* ---- Budgets, frames ---- */
@@ -291,6 +300,7 @@ static void test_budgets(void **state) {
         check_budgets(&between_kinds[BETWEEN_GRIDS]);
     }
     check_budgets(&between_kinds[BETWEEN_GRIDS + 3]);
+    check_budgets(&between_kinds[BETWEEN_HEXES + 3]);
 }
 
 /* Frames at many times that go on by turns: each has its own time to its end. */
@@ -350,6 +360,7 @@ static void test_turns(void **state) {
         check_turns(&between_kinds[BETWEEN_GRIDS]);
     }
     check_turns(&between_kinds[BETWEEN_GRIDS + 1]);
+    check_turns(&between_kinds[BETWEEN_HEXES + 1]);
 }
 
 /* What a preview does not mark is exact; some of it is marked at first, and in the end nothing. */
@@ -454,7 +465,8 @@ static void check_hull(const leaf_file *f, uint32_t set, const leaf_file *one) {
         for (uint32_t t = 0; t < of[i]->layout.treelets; t++) {
             const uint32_t at = i ? 0 : set;
             const float *own = of[i]->own[leaf_layout_samples(&of[i]->layout, at, t)];
-            const float *box = of[i]->mesh->bounds[leaf_layout_bounds(&of[i]->layout, at, t)];
+            float(*boxes)[6] = of[i]->geometry->section(of[i], LEAF_SECTION_BOUNDS);
+            const float *box = boxes[leaf_layout_bounds(&of[i]->layout, at, t)];
             for (int a = 0; a < 4; a++) {
                 const double least = (double)(a < 3 ? box[a] : own[0]);
                 const double most = (double)(a < 3 ? box[a + 3] : own[1]);
@@ -585,6 +597,8 @@ static void test_damage(void **state) {
         check_damage(&between_kinds[BETWEEN_GRIDS]);
     }
     check_damage(&between_kinds[BETWEEN_GRIDS + 3]);
+    check_damage(&between_kinds[BETWEEN_HEXES]);
+    check_damage(&between_kinds[BETWEEN_HEXES + 3]);
 }
 
 int main(void) {
