@@ -165,6 +165,12 @@ static status read_parts(const resident_store *s, resident_hexes *tr, const resi
     return st;
 }
 
+/* What follows from nodes and values. */
+static void follow(const resident_store *s, resident_hexes *tr) {
+    blocks_of(s)->move(tr);
+    blocks_of(s)->fill(tr, tr->part[VALUES]);
+}
+
 static status fill(const resident_store *s, resident_hexes *tr, const resident_hexes *earlier,
                    resident_scratch *scratch, uint64_t *read) {
     uint32_t p[LEAF_PARTS_MAX];
@@ -175,10 +181,8 @@ static status fill(const resident_store *s, resident_hexes *tr, const resident_h
     const hex_treelet h = hexes_of(s, tr);
     if (st == ST_OK)
         st = blocks_of(s)->make(tr, s->m, &h);
-    if (st == ST_OK && !s->file->below) {
-        blocks_of(s)->move(tr);
-        blocks_of(s)->fill(tr, tr->part[VALUES]);
-    }
+    if (st == ST_OK && !s->file->below)
+        follow(s, tr);
     return st;
 }
 
@@ -230,8 +234,7 @@ static void make_between(const resident_store *s, resident_hexes *tr) {
     for (int i = 0; i < parts; i++)
         if (is_made(s->file, p[i]))
             leaf_between_make(s->file, p[i], tr->part[0], (void *)(uintptr_t)tr->part[i]);
-    blocks_of(s)->move(tr);
-    blocks_of(s)->fill(tr, tr->part[VALUES]);
+    follow(s, tr);
 }
 
 void hex_resident_mask(const resident_store *s, treelet *head, const interest *in) {

@@ -41,6 +41,16 @@ exits "the last one is drawn" 0 "$leafcast" render "$tmp/drop.leaf" --step 2 --t
 exits "nodes that move" 0 "$leafcast" convert "$tmp/drop_0000.vts" "$tmp/turned.vts" -o "$tmp/moving.leaf"
 ok "are said to" says '^nodes *move from step to step$'
 exits "are sound, too" 0 "$leafcast" verify "$tmp/moving.leaf"
+for file in drop moving; do
+    for time in 0 0.5 1; do
+        exits "$file: time $time" 0 "$leafcast" render "$tmp/$file.leaf" --time $time --interpolate --tf auto \
+            --size 20x20 -o "$tmp/$file$time.ppm"
+    done
+    for step in 0 1; do
+        ok "$file: what is between is not step $step" sh -c '! cmp -s "$1" "$2"' - "$tmp/$file$step.ppm" \
+            "$tmp/${file}0.5.ppm"
+    done
+done
 "$leafcast" generate drop --curvilinear warp --dims 8 -o "$tmp/fewer.vts" -q
 exits "steps of other sizes" 3 "$leafcast" convert "$tmp/drop_0000.vts" "$tmp/fewer.vts" -o "$tmp/x.leaf"
 ok "are refused by name" says 'fewer.vts: zone 0 has 8 x 8 x 8 nodes, but 9 x 9 x 9 in the first step'

@@ -19,6 +19,12 @@ void between_hexes_hide(int step, float *to) {
         to[i] = i * 7919 % 31 == step ? INFINITY : 0;
 }
 
+void between_hexes_fold(int step, float (*to)[3]) {
+    for (int i = 0; i < BETWEEN_MESH_POINTS; i++)
+        if (i * 104729 % 173 == step)
+            to[i][i % 3] += 1.5F * BETWEEN_MESH_STRIDE;
+}
+
 /* ---- A curvilinear grid ---- */
 
 /* Zones lie on one another along k. */

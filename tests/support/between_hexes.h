@@ -11,6 +11,9 @@
  * So it is hidden at one of two steps where their blend is not 0. */
 void between_hexes_hide(int step, float *to);
 
+/* between_hexes_fold() - move some of the points on, so far that hexahedra fold. */
+void between_hexes_fold(int step, float (*to)[3]);
+
 /* between_hexes_convert() - between_mesh_convert() of these. */
 void between_hexes_convert(const between_kind *of, const float *const *steps, uint32_t first,
                            uint32_t count, const char *path);

@@ -150,6 +150,8 @@ static void fill_steps(between_lab *s) {
         if (of->mesh) {
             between_mesh_points(of->moves, step, (float(*)[3])(to + BETWEEN_MESH_POINTS));
             between_hexes_hide(of->moves ? step : 0, to + BETWEEN_MESH_HIDDEN);
+            if (of->moves && of->cells != BETWEEN_TETS)
+                between_hexes_fold(step, (float(*)[3])(to + BETWEEN_MESH_POINTS));
         }
     }
 }
