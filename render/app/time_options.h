@@ -17,9 +17,8 @@ typedef struct time_options {
 } time_options;
 
 /* What verbs say of them in their tables. */
-#define TIME_OPTIONS_TIME "of several time steps: draw the one of this time, instead of --step"
-#define TIME_OPTIONS_INTERPOLATE \
-    "--time may lie between two steps; all is then linear in time"
+#define TIME_OPTIONS_TIME        "of several time steps: draw the one of this time, instead of --step"
+#define TIME_OPTIONS_INTERPOLATE "--time may lie between two steps; all is then linear in time"
 
 /* time_options_parse() - the value of --time. time_options_step() - --step is given: of both, the
  * last one counts, where a line of a script names another one than the command line.
