@@ -51,8 +51,8 @@ uint32_t curvilinear_place_bytes(const uint32_t cells[3]);
 uint32_t curvilinear_value_bytes(const uint32_t cells[3]);
 
 /* curvilinear_layout() - the layout of so many treelets, fields and steps, without allocating.
- * False: that makes 2^32 - 1 payloads or more. Its counts (leaf_layout_set_counts()): cells along i,
- * j, k, and 0. */
+ * False: that makes 2^32 - 1 payloads or more. Its counts (leaf_layout_set_counts()): cells along
+ * i, j, k, and 0. */
 bool curvilinear_layout(leaf_layout *l, uint64_t treelets, uint32_t fields, uint32_t steps,
                         bool moving);
 
