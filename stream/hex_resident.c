@@ -200,7 +200,25 @@ status hex_resident_load(const resident_store *s, uint32_t t, uint32_t set, cons
     return fill(s, tr, (const resident_hexes *)earlier, scratch, read);
 }
 
-/* ---- between steps ---- */
+/* ---- other sets ---- */
+
+/* Whether all parts are those of another set. */
+bool hex_resident_same(const resident_store *s, const treelet *head, uint32_t set) {
+    const resident_hexes *tr = (const resident_hexes *)head;
+    const leaf_file *f = s->file;
+    uint32_t p[LEAF_PARTS_MAX], q[LEAF_PARTS_MAX];
+    const int parts = parts_of(f, head->set, head->id, p);
+    bool same = parts_of(f, set, head->id, q) == parts;
+    for (int i = 0; i < parts && same; i++)
+        same = is_made(f, q[i]) ? leaf_between_is_made(f, q[i], tr->part[i])
+                                : leaf_file_same(f, p[i], q[i]);
+    return same;
+}
+
+void hex_resident_adopt(const resident_store *s, treelet *tr, uint32_t set) {
+    (void)s;
+    tr->set = set;
+}
 
 bool hex_resident_helps(const resident_store *s, const treelet *head, uint32_t set) {
     const resident_hexes *tr = (const resident_hexes *)head;

@@ -47,6 +47,8 @@ bool hex_resident_helps(const resident_store *s, const treelet *tr, uint32_t set
 CHECKED status hex_resident_load(const resident_store *s, uint32_t t, uint32_t set,
                                  const void *shared, const treelet *earlier,
                                  resident_scratch *scratch, treelet **out, uint64_t *read);
+bool hex_resident_same(const resident_store *s, const treelet *tr, uint32_t set);
+void hex_resident_adopt(const resident_store *s, treelet *tr, uint32_t set);
 bool hex_resident_keep(const resident_store *s, treelet *tr);
 void hex_resident_strip(const resident_store *s, treelet *tr);
 void hex_resident_destroy(const resident_store *s, treelet *tr);
@@ -56,7 +58,8 @@ void hex_resident_mask(const resident_store *s, treelet *tr, const interest *in)
     .shares = hex_resident_shares, .boxes = hex_resident_boxes, .scratch = hex_resident_scratch, \
     .bytes = hex_resident_bytes, .shared_bytes = hex_resident_shared_bytes,                      \
     .stored = hex_resident_stored, .ahead = hex_resident_ahead, .helps = hex_resident_helps,     \
-    .load = hex_resident_load, .keep = hex_resident_keep, .strip = hex_resident_strip,           \
-    .destroy = hex_resident_destroy, .mask = hex_resident_mask
+    .load = hex_resident_load, .same = hex_resident_same, .adopt = hex_resident_adopt,           \
+    .keep = hex_resident_keep, .strip = hex_resident_strip, .destroy = hex_resident_destroy,     \
+    .mask = hex_resident_mask
 
 #endif

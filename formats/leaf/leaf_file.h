@@ -155,8 +155,8 @@ static inline leaf_file *leaf_file_stores(leaf_file *f) {
     return f->below ? f->below : f;
 }
 
-/* leaf_file_same() - whether payloads p and q, of a treelet of a grid in two sets, have the same
- * samples, as far as the directory tells. */
+/* leaf_file_same() - whether payloads p and q, which hold the same of a treelet in two sets, are
+ * the same, as far as the directory tells. */
 bool leaf_file_same(const leaf_file *f, uint32_t p, uint32_t q);
 
 /* leaf_file_home() - leaf_layout_home(). leaf_file_chain() - leaf_layout_chain().

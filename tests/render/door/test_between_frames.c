@@ -71,6 +71,11 @@ static void test_reading(void **state) {
         assert_true(both > 0);
         assert_true(both < one + one / 2 + 3 * one / 8);
         assert_true(draw(s, other, 2, 0.5).bytes_read == 0);
+        /* So these need not be loaded again for step 3; of tets they are, and where they move. */
+        const uint64_t active = draw(s, single, 2, 0).treelets_active,
+                       again = draw(s, single, 3, 0).treelets_loaded;
+        if (!s->of.mesh || (s->of.cells != BETWEEN_TETS && !s->of.moves))
+            assert_true(again <= active / 2);
         leafcast_close(single);
         leafcast_close(other);
         leafcast_close(plain);
