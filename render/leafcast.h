@@ -276,12 +276,11 @@ LEAFCAST_API leafcast_status leafcast_select_set(leafcast *volume, uint32_t fiel
  * hexahedron is folded, or is not, as its nodes between say; it is blanked where it is at one of
  * both steps.
  *
- * Both steps are in memory, beside what lies between: another
- * time between them reads nothing that is still there. leafcast_range(), leafcast_fit_view() and
- * what else takes a step tell of that step alone, as the file does: all values between lie within
- * the ranges of both steps, but a histogram, or the box of a surface, does not follow from those of
- * the steps. LEAFCAST_USAGE where there is no next step; LEAFCAST_UNSUPPORTED of a file with too
- * many treelets.
+ * Both steps are in memory, beside what lies between: another time between them reads nothing that
+ * is still there. leafcast_range(), leafcast_fit_view() and what else takes a step tell of that
+ * step alone, as the file does: all values between lie within the ranges of both steps, but a
+ * histogram, or the box of a surface, does not follow from those of the steps. LEAFCAST_USAGE where
+ * there is no next step; LEAFCAST_UNSUPPORTED of a file with too many treelets.
  *
  * leafcast_find_time() - the step and the share of the way to the next one of a time, in the units
  * of leafcast_step_time(): *between = (time - t0) / (t1 - t0). LEAFCAST_USAGE: no two steps are on

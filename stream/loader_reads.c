@@ -189,7 +189,10 @@ static void bring_in(loader *l, uint32_t t, uint32_t set, loader_seat *seat) {
         h->bytes -= tr->bytes;
     }
     treelet *helper = take_helper(l, t, set);
-    loader_slots_make_room(l, 1);
+    if (!loader_slots_make_room(l, 1) && helper && helper != loader_peek(l, t)) {
+        loader_slots_discard(l, helper);
+        helper = NULL;
+    }
     uint32_t *reads = early ? &h->early : &h->loading;
     if (!early)
         loader_slots_set_state(h, t, LOADING);

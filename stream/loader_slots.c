@@ -17,11 +17,19 @@ void loader_slots_release(struct loader_private *h, uint32_t t) {
     h->shared[t].payload = NULL;
 }
 
-void loader_slots_offer(struct loader_private *h, const treelet *tr) {
-    if (!h->shared || h->shared[tr->id].payload || !tr->payload)
+void loader_slots_offer(struct loader_private *h, treelet *tr) {
+    if (!h->shared || !tr->payload || tr->alone || h->shared[tr->id].payload == tr->payload)
         return;
-    h->shared[tr->id].payload = tr->payload;
+    tr->alone = h->shared[tr->id].payload != NULL;
+    if (!tr->alone)
+        h->shared[tr->id].payload = tr->payload;
     h->bytes += h->kind->shared_bytes(&h->store, tr->id);
+}
+
+/* Free the payload that only one treelet has. */
+static void free_alone(struct loader_private *h, uint32_t t, const void *payload) {
+    source_evict(h->source, t, payload);
+    h->bytes -= h->kind->shared_bytes(&h->store, t);
 }
 
 residence loader_slots_state(const struct loader_private *h, uint32_t t) {
@@ -51,8 +59,11 @@ void loader_slots_publish(loader *l, treelet *tr) {
 void loader_slots_discard(loader *l, treelet *tr) {
     struct loader_private *h = l->hidden;
     const uint32_t t = tr->id;
+    const void *alone = tr->alone ? tr->payload : NULL;
     h->bytes -= tr->bytes;
     h->kind->destroy(&h->store, tr);
+    if (alone)
+        free_alone(h, t, alone);
     loader_slots_release(h, t);
 }
 
@@ -61,7 +72,7 @@ void loader_slots_withdraw(loader *l, treelet *tr) {
     loader_slots_set_state(l->hidden, tr->id, ABSENT);
 }
 
-void loader_slots_make_room(loader *l, uint32_t more) {
+bool loader_slots_make_room(loader *l, uint32_t more) {
     struct loader_private *h = l->hidden;
     const size_t wanted = (size_t)(h->loading + h->early + more) * h->slot_bytes;
     while (h->cache.oldest && (h->bytes > h->room || h->room - h->bytes < wanted)) {
@@ -69,6 +80,7 @@ void loader_slots_make_room(loader *l, uint32_t more) {
         treelet_cache_remove(&h->cache, tr);
         loader_slots_discard(l, tr);
     }
+    return h->bytes <= h->room && h->room - h->bytes >= wanted;
 }
 
 void loader_slots_evict(loader *l, uint32_t count) {

@@ -31,17 +31,19 @@ void loader_slots_discard(loader *l, treelet *tr);
 void loader_slots_evict(loader *l, uint32_t count);
 
 /* loader_slots_make_room() - free treelets of the cache, the oldest first, until there is room for
- * the treelets that are being read and `more` others, or the cache is empty. */
-void loader_slots_make_room(loader *l, uint32_t more);
+ * the treelets that are being read and `more` others, or the cache is empty. False: there is none.
+ */
+bool loader_slots_make_room(loader *l, uint32_t more);
 
 /* For kinds whose sets share payloads; for others, these functions do nothing.
  *
  * loader_slots_share() - add a user of treelet t's shared payload. Returns the payload, or NULL if
  * it is not in memory. loader_slots_release() - remove a user; the payload is freed with the last
- * one. loader_slots_offer() - let other treelets of the same id share this one's payload. */
+ * one. loader_slots_offer() - let other treelets of the same id share this one's payload; where
+ * they share another copy, it keeps its own. */
 const void *loader_slots_share(struct loader_private *h, uint32_t t);
 void loader_slots_release(struct loader_private *h, uint32_t t);
-void loader_slots_offer(struct loader_private *h, const treelet *tr);
+void loader_slots_offer(struct loader_private *h, treelet *tr);
 
 /* loader_slots_most_bytes() - returns the most memory of a resident treelet. */
 size_t loader_slots_most_bytes(const loader *l);

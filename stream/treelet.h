@@ -9,6 +9,7 @@
 #define STREAM_TREELET_H
 
 #include <stdatomic.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -18,7 +19,8 @@ typedef struct treelet {
     const void *payload;  /* shared with other sets, if its kind shares */
     atomic_size_t masked; /* its masks' selection; 0: no masks; or LOADER_MASKING */
     /* For the loader: */
-    size_t bytes;                         /* of memory, without a shared payload */
+    size_t bytes; /* of memory, without a shared payload */
+    bool alone;   /* its payload is another copy of the shared one, as both were read at once */
     struct treelet *older, *newer, *next; /* in the cache: by age, and by id */
 } treelet;
 

@@ -18,6 +18,7 @@
 #include "formats/leaf/leaf_between.h"
 #include "formats/mesh/mesh_leaf_check.h"
 #include "stream/loader.h"
+#include "stream/loader_slots.h"
 #include "stream/mesh_resident.h"
 #include "tests/support/fixture.h"
 #include "tests/support/leaf_image.h"
@@ -431,6 +432,42 @@ static void test_lying(void **state) {
     mesh_leaves_release(&c);
 }
 
+/* What sets share, read twice at once, as an early read and a late one may: one copy is shared, the
+ * other goes with its treelet. */
+static void test_shared(void **state) {
+    (void)state;
+    mesh_case c = make_case(true, LEAF_CODEC_ZSTD, 0);
+    stage s;
+    begin(&s, mesh_leaves_make(&c, "between-shared.leaf"));
+    struct loader_private *h = s.l->hidden;
+    const leaf_moment at = {0, 0, 0.5};
+    const uint32_t set = leaf_between_select(s.f, &at);
+    const size_t used = mem_used(&s.m), counted = h->bytes;
+    resident_scratch scratch = {0};
+    assert_int_equal(leaf_unpacker_create(&s.m, s.f, &scratch.unpacker), ST_OK);
+    treelet *both[2] = {NULL, NULL};
+    uint64_t bytes = 0;
+    for (int i = 0; i < 2; i++)
+        assert_null(loader_slots_share(h, 0));
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(h->kind->load(&h->store, 0, set, NULL, NULL, &scratch, &both[i], &bytes),
+                         ST_OK);
+        h->bytes += both[i]->bytes;
+        loader_slots_offer(h, both[i]);
+        assert_int_equal(both[i]->alone, i);
+    }
+    const void *payload = loader_slots_share(h, 0);
+    assert_ptr_equal(payload, both[0]->payload);
+    loader_slots_release(h, 0);
+    for (int i = 0; i < 2; i++)
+        loader_slots_discard(s.l, both[i]);
+    leaf_unpacker_destroy(scratch.unpacker);
+    assert_int_equal(h->bytes, counted);
+    assert_int_equal(mem_used(&s.m), used);
+    end(&s);
+    mesh_leaves_release(&c);
+}
+
 /* Opening fails at every allocation in turn. */
 static void test_opening(void **state) {
     (void)state;
@@ -462,7 +499,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_pictures), cmocka_unit_test(test_treelets),
         cmocka_unit_test(test_faults),   cmocka_unit_test(test_lying),
-        cmocka_unit_test(test_opening),
+        cmocka_unit_test(test_opening),  cmocka_unit_test(test_shared),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
