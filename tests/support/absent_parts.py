@@ -13,6 +13,7 @@ import struct
 import sys
 import zlib
 
+import curvilinear_stream
 import exodus_file
 from imported import DEBIAN, start, tell
 
@@ -242,6 +243,12 @@ def stream():
     return put("t.mesh", open(top + "/t.mesh", "rb").read()[:-70])
 
 
+def curvilinear():
+    at = np.stack(np.meshgrid(*3 * [np.arange(4)]), axis=-1)
+    curvilinear_stream.write(top + "/t.curv", [at], {"a": [at[..., 0]]})
+    return put("t.curv", open(top + "/t.curv", "rb").read()[:-70])
+
+
 HALF = {"0.0.0": RAW[:256]}
 # Format, what is absent, how it is made; the exit status, what is said; options, and what then becomes of it.
 ROWS = (
@@ -288,6 +295,7 @@ ROWS = (
     ("TetGen", "rows", tetgen, 3, "t.ele", None),
     ("Gmsh", "rows", gmsh, 3, "t.msh", None),
     ("mesh stream", "bytes at the end", stream, 3, "t.mesh", None),
+    ("curvilinear stream", "bytes at the end", curvilinear, 3, "t.curv", None),
     ("PLOT3D", "bytes at the end", lambda: put("a.p3d", struct.pack(">3i", 2, 3, 4) + bytes(12 * 24 - 1)), 3, "PLOT3D", None),
 )
 
