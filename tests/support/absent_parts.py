@@ -13,7 +13,6 @@ import struct
 import sys
 import zlib
 
-import curvilinear_stream
 import exodus_file
 from imported import DEBIAN, start, tell
 
@@ -26,6 +25,8 @@ except ImportError:
         os.execv(DEBIAN, [DEBIAN] + sys.argv)
     h5py = netCDF4 = None
 import numpy as np
+
+import curvilinear_stream
 
 leafcast, top = sys.argv[1:3]
 N = 8
