@@ -5,7 +5,6 @@
 
 #include "formats/leaf/block_blending.h"
 #include "formats/leaf/hex_treelet.h"
-#include "formats/leaf/leaf_coder.h"
 
 /* ---- The directory ---- */
 
@@ -41,18 +40,6 @@ static status allocate(leaf_file *f) {
 static uint32_t alike(const leaf_layout *l, uint32_t p, const leaf_layout *of, uint32_t set) {
     const uint32_t q = block_blending_alike(l, p, of, set);
     return q == LEAF_NO_TREELET && !l->geometry->hexes->listed ? p % l->treelets : q;
-}
-
-static uint32_t file_bytes(const leaf_layout *l, uint32_t p, leaf_block *block) {
-    uint32_t index;
-    *block = leaf_layout_block_of(l, p, &index);
-    return (uint32_t)l->geometry->coder->bytes(*block, l->counts[p % l->treelets]);
-}
-
-static leaf_beside beside(const leaf_layout *l, uint32_t p) {
-    leaf_block block;
-    const uint32_t bytes = file_bytes(l, p, &block);
-    return leaf_layout_block_beside(l, block, bytes, 0);
 }
 
 static hex_code code_of(const hex_treelet *h, uint32_t cell) {
@@ -100,7 +87,7 @@ static void make_values(const leaf_file *f, const leaf_mix *m, uint32_t bytes) {
 
 static void make(const leaf_file *f, uint32_t p, const leaf_mix *m) {
     leaf_block block;
-    const uint32_t bytes = file_bytes(&f->layout, p, &block);
+    const uint32_t bytes = hex_treelet_stored_bytes(&f->layout, p, &block);
     if (m->share == 0.0)
         memcpy(m->payload, m->part[0], bytes);
     else if (block == LEAF_BLOCK_VALUES)
@@ -116,5 +103,5 @@ const leaf_blending hex_blending = {.blocks = 1 + 2 * (LEAF_BETWEEN_SETS + 1),
                                     .fill = block_blending_fill,
                                     .set_of = block_blending_set_of,
                                     .alike = alike,
-                                    .beside = beside,
+                                    .beside = hex_treelet_beside,
                                     .make = make};

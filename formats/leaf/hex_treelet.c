@@ -15,12 +15,22 @@ uint32_t hex_treelet_places(const leaf_layout *l, uint32_t step, uint32_t t) {
     return place ? leaf_layout_positions(l, place, t) : t;
 }
 
-uint32_t hex_treelet_payload_bytes(const leaf_layout *l, uint32_t p) {
+uint32_t hex_treelet_stored_bytes(const leaf_layout *l, uint32_t p, leaf_block *block) {
     uint32_t index;
-    const leaf_block block = leaf_layout_block_of(l, p, &index);
-    const uint32_t bytes = (uint32_t)l->geometry->coder->bytes(block, l->counts[p % l->treelets]);
-    const leaf_beside b = leaf_layout_block_beside(l, block, bytes, 0);
-    return leaf_layout_block_bytes(&b, bytes);
+    *block = leaf_layout_block_of(l, p, &index);
+    return (uint32_t)l->geometry->coder->bytes(*block, l->counts[p % l->treelets]);
+}
+
+leaf_beside hex_treelet_beside(const leaf_layout *l, uint32_t p) {
+    leaf_block block;
+    const uint32_t bytes = hex_treelet_stored_bytes(l, p, &block);
+    return leaf_layout_block_beside(l, block, bytes, 0);
+}
+
+uint32_t hex_treelet_payload_bytes(const leaf_layout *l, uint32_t p) {
+    leaf_block block;
+    const leaf_beside b = hex_treelet_beside(l, p);
+    return leaf_layout_block_bytes(&b, hex_treelet_stored_bytes(l, p, &block));
 }
 
 /* ---- checks ---- */

@@ -31,8 +31,12 @@ typedef struct leaf_hexes {
 hex_treelet hex_treelet_of(const leaf_file *f, uint32_t t);
 uint32_t hex_treelet_places(const leaf_layout *l, uint32_t step, uint32_t t);
 
-/* hex_treelet_payload_bytes() - leaf_geometry.payload_bytes of all such kinds. */
+/* hex_treelet_payload_bytes() - leaf_geometry.payload_bytes of all such kinds.
+ * hex_treelet_stored_bytes() - its bytes in a file, before compression. hex_treelet_beside() -
+ * leaf_blending.beside of all such kinds. */
 uint32_t hex_treelet_payload_bytes(const leaf_layout *l, uint32_t p);
+uint32_t hex_treelet_stored_bytes(const leaf_layout *l, uint32_t p, leaf_block *block);
+leaf_beside hex_treelet_beside(const leaf_layout *l, uint32_t p);
 
 static inline const float *hex_treelet_coordinates(const hex_treelet *h, int axis) {
     return h->places + (size_t)axis * h->nodes;
