@@ -17,26 +17,28 @@
 /* What an input is like, as bits. An option that needs one of them changes nothing of inputs that
  * have none of them. */
 typedef enum input_trait {
-    INPUT_RAW = 1,         /* samples whose sizes come from outside */
-    INPUT_LATTICE = 2,     /* its nodes form rows, columns and slices */
-    INPUT_CELLS = 4,       /* it lists its cells */
-    INPUT_CHOICES = 8,     /* its format may have several fields and components */
-    INPUT_STEPS = 16,      /* its format may have several time steps */
-    INPUT_SERIES = 32,     /* several of its steps can be taken at once */
-    INPUT_FILES = 64,      /* it may lead to other files */
-    INPUT_PARTS = 128,     /* it may lack parts, and tells so */
-    INPUT_MEANS = 256,     /* its format may have values of cells, too, and whole cells by itself */
-    INPUT_PLACED = 512,    /* its nodes were placed as `--to' says */
-    INPUT_TRAIT_END = 1024 /* verbs may add their own from here on */
+    INPUT_RAW = 1,      /* samples whose sizes come from outside */
+    INPUT_LATTICE = 2,  /* its nodes form rows, columns and slices */
+    INPUT_CELLS = 4,    /* it lists its cells */
+    INPUT_CHOICES = 8,  /* its format may have several fields and components */
+    INPUT_STEPS = 16,   /* its format may have several time steps */
+    INPUT_SERIES = 32,  /* several of its steps can be taken at once */
+    INPUT_FILES = 64,   /* it may lead to other files */
+    INPUT_PARTS = 128,  /* it may lack parts, and tells so */
+    INPUT_MEANS = 256,  /* its format may have values of cells, too, and whole cells by itself */
+    INPUT_PLACED = 512, /* its nodes were placed as `--to' says */
+    INPUT_ONE_LEVEL = 1024, /* no levels of detail are made of it but by --coarse */
+    INPUT_TRAIT_END = 2048  /* verbs may add their own from here on */
 } input_trait;
 
 /* What inputs of a trait are called: cli_check_uses()'s names. */
-#define INPUT_TRAIT_NAMES                                                                      \
-    [INPUT_RAW] = "raw samples", [INPUT_LATTICE] = "grids", [INPUT_CELLS] = "meshes",          \
-    [INPUT_CHOICES] = "formats that have several", [INPUT_STEPS] = "formats of several steps", \
-    [INPUT_SERIES] = "grids and meshes of several steps",                                      \
-    [INPUT_FILES] = "grids, collections of VTK, and meshes that a library reads",              \
-    [INPUT_PARTS] = "grids, and meshes that a library reads", [INPUT_PLACED] = "netCDF with --to"
+#define INPUT_TRAIT_NAMES                                                                          \
+    [INPUT_RAW] = "raw samples", [INPUT_LATTICE] = "grids", [INPUT_CELLS] = "meshes",              \
+    [INPUT_CHOICES] = "formats that have several", [INPUT_STEPS] = "formats of several steps",     \
+    [INPUT_SERIES] = "grids and meshes of several steps",                                          \
+    [INPUT_FILES] = "grids, collections of VTK, and meshes that a library reads",                  \
+    [INPUT_PARTS] = "grids, and meshes that a library reads", [INPUT_PLACED] = "netCDF with --to", \
+    [INPUT_ONE_LEVEL] = "meshes and curvilinear grids"
 
 /* What the user says of an input, for the readers of each kind. */
 typedef struct input_hints {

@@ -152,8 +152,8 @@ static const struct argp_option options[] = {
      "between (default: refuse them)",
      3},
     {"coarse", KEY_COARSE, "N", OPTION_ARG_OPTIONAL,
-     "with a regular grid of the values, for previews: N nodes along the longest edge (default: "
-     "half as many nodes as tets)",
+     "of meshes and curvilinear grids: with a regular grid of the values, for previews: N nodes "
+     "along the longest edge (default: half as many nodes as tets, as many as of whole cells)",
      3},
     {"treelet-tets", KEY_TREELET_TETS, "N", CLI_EXPERIMENT,
      "at most so many in a treelet (default 4096)", 3},
@@ -187,7 +187,7 @@ static const cli_use uses[] = {
     {KEY_AXIS_Z, INPUT_LATTICE},    {KEY_FIELD, INPUT_CHOICES},
     {KEY_COMPONENT, INPUT_CHOICES}, {KEY_STEP, INPUT_STEPS},
     {KEY_STEPS, INPUT_SERIES},      {KEY_CELLS_TO_POINTS, INPUT_CELLS | INPUT_MEANS},
-    {KEY_COARSE, INPUT_CELLS},      {KEY_TREELET_TETS, INPUT_CELLS},
+    {KEY_COARSE, INPUT_ONE_LEVEL},  {KEY_TREELET_TETS, INPUT_CELLS},
     {KEY_LEAF_TETS, INPUT_CELLS},   {KEY_BUILD, INPUT_CELLS},
     {KEY_GRADIENTS, INPUT_CELLS},   {KEY_WHOLE, INPUT_CELLS | INPUT_MEANS},
     {KEY_BY_CORNERS, INPUT_CELLS}};

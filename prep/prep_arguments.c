@@ -54,9 +54,9 @@ static status options_together(const void *of) {
                                "leafcast_convert_options.treelet_cells is %u: 16, 32 and 64 are "
                                "possible",
                                o->treelet_cells);
-    if (o->whole_cells && (o->gradients || o->coarse || o->leaf_tets))
+    if (o->whole_cells && (o->gradients || o->leaf_tets))
         return status_describe(ST_USAGE, "leafcast_convert_options.whole_cells goes without "
-                                         "gradients, coarse and leaf_tets");
+                                         "gradients and leaf_tets");
     if (o->whole_cells && o->treelet_tets > MIXED_CELLS_MAX)
         return status_describe(
             ST_USAGE,

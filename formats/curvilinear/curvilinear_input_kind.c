@@ -46,8 +46,8 @@ static unsigned library_traits(const void *own) {
 }
 
 static unsigned traits(const void *own) {
-    return INPUT_CHOICES | (curvilinear_input_names_files(own) ? INPUT_FILES : 0U) |
-           library_traits(own) |
+    return INPUT_ONE_LEVEL | INPUT_CHOICES |
+           (curvilinear_input_names_files(own) ? INPUT_FILES : 0U) | library_traits(own) |
            (curvilinear_input_may_have_steps(own) ? INPUT_STEPS | INPUT_SERIES : 0U);
 }
 

@@ -97,7 +97,7 @@ status coarse_pair_open(mem *m, const leaf_file *f, uint32_t set, leaf_file **ou
         st = status_describe(ST_CORRUPT, "%s: the coarse grids of sets %u and %u differ in kind",
                              file_path(f->source), set, set + 1);
     for (uint32_t i = 0; i < 2 && st == ST_OK; i++)
-        st = widen(of[i], f, &f->mesh->coarse[set + i]);
+        st = widen(of[i], f, &f->coarse[set + i]);
     if (st == ST_OK)
         st = join(of[0], of[1]);
     leaf_file_close(of[1]);

@@ -48,6 +48,7 @@ static void tell(const leaf_file *f, const fact_sheet *to) {
     leaf_tell_print_fields(f, to);
     leaf_tell_values(f, to, "values");
     leaf_tell_print_steps(f, to);
+    leaf_tell_coarse(f, to);
     leaf_tell_bounds(f, to);
     fact_sheet_line(to, "treelets", "%llu of up to %d^3 cells, runs at %u, %s",
                     (unsigned long long)h->treelets, CURVILINEAR_SIDE, 1U << h->run_align_log2,

@@ -238,7 +238,8 @@ static void corners(const hex_treelet *h, uint32_t cell, uint32_t corner[HEX_COR
 
 static const leaf_hexes hexes = {false, count, corners};
 
-const leaf_geometry curvilinear_geometry = {.blending = &hex_blending,
+const leaf_geometry curvilinear_geometry = {.coarse = true,
+                                            .blending = &hex_blending,
                                             .growth = &growth,
                                             .check_parameters = check_parameters,
                                             .check_values = check_values,

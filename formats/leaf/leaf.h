@@ -296,7 +296,7 @@ typedef enum leaf_section_kind {
     LEAF_SECTION_FIELDS = 10, /* may be missing: char[64]: name of a field, as header.field */
     LEAF_SECTION_TIMES = 11,  /* of two steps or more, may be missing: double: time of a step,
                                  ascending */
-    LEAF_SECTION_COARSE = 12, /* mesh, may be missing: leaf_part: a set's coarse grid */
+    LEAF_SECTION_COARSE = 12, /* no grid, may be missing: leaf_part: a set's coarse grid */
     LEAF_SECTION_OUTSIDE = 13, /* grid with header.outside: leaf_outside */
     LEAF_SECTION_CHUNKS = 14,  /* grid with header.outside_chunks: chunk_entry (chunk_array.h) */
     LEAF_SECTION_SAME = 15,    /* two sets or more, may be missing: uint32_t per payload: 0, or 1 +

@@ -246,6 +246,8 @@ uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
     case LEAF_SECTION_TIMES: return g->labels(h) && has_times(h) ? h->steps * sizeof(double) : 0;
     case LEAF_SECTION_HISTOGRAMS: return sets <= LEAF_HISTOGRAMS_MAX ? sets * sizeof(histogram) : 0;
     case LEAF_SECTION_WORLD: return sizeof(world_frame);
+    case LEAF_SECTION_COARSE:
+        return g->coarse && !leaf_has_segments(h) ? sets * sizeof(leaf_part) : 0;
     default: return g->section_bytes(h, kind);
     }
 }

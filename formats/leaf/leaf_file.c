@@ -236,6 +236,12 @@ static status read_links(leaf_file *f, const leaf_section *s, const uint32_t **o
     return links ? read_section(f, s, links) : ST_NOMEM;
 }
 
+/* The kind decides that the section may be there, and its size. */
+static status read_coarse(leaf_file *f, const leaf_section *s) {
+    f->coarse = mem_array(f->m, f->layout.sets, sizeof *f->coarse);
+    return f->coarse ? read_section(f, s, f->coarse) : ST_NOMEM;
+}
+
 static status read_sections(opening *o) {
     leaf_file *f = o->f;
     void *arrays[LEAF_SECTION_LAST + 1] = {
@@ -270,6 +276,8 @@ static status read_sections(opening *o) {
             st = read_links(f, s, &f->links.same);
         else if (s->kind == LEAF_SECTION_BASES)
             st = read_links(f, s, &f->links.bases);
+        else if (s->kind == LEAF_SECTION_COARSE)
+            st = read_coarse(f, s);
         else if (s->kind == LEAF_SECTION_AXES)
             axes = s;
         else
@@ -336,6 +344,7 @@ static status check_directory(const opening *o) {
         .end = o->end,
     };
     memcpy(d.at, o->at, sizeof d.at);
+    d.parts = f->coarse;
     status st = check_labels(f, &d);
     if (st == ST_OK)
         st = f->geometry->lay_out(f, &d);
@@ -514,25 +523,25 @@ status leaf_file_changed(const leaf_file *f) {
 }
 
 bool leaf_file_has_coarse(const leaf_file *f, uint32_t set) {
-    return f->mesh && f->mesh->coarse && f->mesh->coarse[set].bytes;
+    return f->coarse && f->coarse[set].bytes;
 }
 
 status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, leaf_file **out) {
     assert(leaf_file_has_coarse(f, set));
-    const leaf_part *part = &f->mesh->coarse[set];
+    const leaf_part *part = &f->coarse[set];
     leaf_file *coarse = NULL;
     file *source = NULL;
     status st = file_open_part(m, f->source, part->offset, part->bytes, &source);
     if (st == ST_OK)
         st = open_alone(m, source, NULL, file_path(f->source), &coarse);
     const bool alone = st == ST_OK && !coarse->header.segments && !coarse->header.steps_before;
-    if (st == ST_OK &&
-        (!alone || coarse->mesh || memcmp(coarse->header.id, part->id, sizeof part->id)))
+    if (st == ST_OK && (!alone || !coarse->geometry->has_map ||
+                        memcmp(coarse->header.id, part->id, sizeof part->id)))
         st = status_describe(
-            ST_CORRUPT, "%s: expected the grid %016llx%016llx, found %s%016llx%016llx",
+            ST_CORRUPT, "%s: expected the grid %016llx%016llx, found %016llx%016llx of kind %u",
             file_path(coarse->source), (unsigned long long)part->id[1],
-            (unsigned long long)part->id[0], coarse->mesh ? "the mesh " : "",
-            (unsigned long long)coarse->header.id[1], (unsigned long long)coarse->header.id[0]);
+            (unsigned long long)part->id[0], (unsigned long long)coarse->header.id[1],
+            (unsigned long long)coarse->header.id[0], coarse->header.kind);
     if (st != ST_OK) {
         leaf_file_close(coarse);
         return st;
@@ -556,6 +565,7 @@ void leaf_file_close(leaf_file *f) {
     mem_free(f->m, f->segments);
     mem_free(f->m, f->histograms);
     mem_free(f->m, f->deviations);
+    mem_free(f->m, f->coarse);
     mem_free(f->m, f->axis[0]);
     mem_free(f->m, f->names);
     mem_free(f->m, f->times);

@@ -22,7 +22,6 @@ typedef struct mesh_directory {
                               treelet (leaf_layout_bounds()), so that step 0 comes first */
     uint32_t (*counts)[4]; /* for mesh_leaf_shape() */
     uint64_t *first_tet;   /* treelets + 1: number of a treelet's first tet in the whole mesh */
-    leaf_part *coarse; /* per set; zeros without section COARSE; NULL: a growing file has none */
 } mesh_directory;
 
 /* A part of a growing file with steps of its own (SERIES.md 4). */
@@ -66,6 +65,7 @@ typedef struct leaf_file {
     struct leaf_file *below;
     bool owns_below; /* the other one is closed with it */
     struct leaf_between *between;
+    leaf_part *coarse;     /* per set; NULL: without section COARSE */
     void *besides;         /* what the directory of another kind has in addition */
     histogram *histograms; /* per set; NULL: the file has none */
     world_frame frame;     /* what the world's axes mean; zeros: the file does not say */
@@ -130,7 +130,7 @@ uint32_t leaf_file_segment_sets(const leaf_file *f, uint32_t set);
  * was opened. That it has grown is no change. */
 CHECKED status leaf_file_changed(const leaf_file *f);
 
-/* leaf_file_has_coarse() - whether f, a mesh, has a coarse grid of a set.
+/* leaf_file_has_coarse() - whether f has a coarse grid of a set.
  * leaf_file_open_coarse() - open it: a treelet file like any other, of kind grid, which may outlive
  * f. Messages call it F.leaf (from byte N), and count its bytes from there. ST_CORRUPT also where
  * it is not the file that the directory names. */

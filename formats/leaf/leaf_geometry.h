@@ -64,6 +64,7 @@ typedef struct leaf_geometry {
     const struct leaf_cells *cells; /* what a cell's record is (leaf_cells.h); NULL: no records */
     const struct leaf_blending *blending; /* NULL: no times between its steps (leaf_between.h) */
     const leaf_growth *growth;            /* NULL: a file of it has no segments */
+    bool coarse;                          /* sets may have coarse grids: section COARSE */
     bool has_map; /* to_world is meaningful, so section WORLD may name its axes */
 
     /* ---- The header: parts of leaf_check_header() and leaf_check_layout() ---- */

@@ -253,8 +253,8 @@ static status take_payloads(repair *r, const region *g, const leaf_file *f, uint
 /* Repair the coarse grid of a set, of f, whose own directory is in the output. */
 static status repair_coarse(repair *r, const leaf_file *f, uint32_t set) {
     char where[LEAF_WHERE_MAX];
-    region g = {.base = f->mesh->coarse[set].offset,
-                .part = &f->mesh->coarse[set],
+    region g = {.base = f->coarse[set].offset,
+                .part = &f->coarse[set],
                 .where = leaf_damage_where(set, where)};
     leaf_file *coarse = NULL;
     bool found;

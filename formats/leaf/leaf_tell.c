@@ -96,6 +96,22 @@ void leaf_tell_set_fields(const leaf_file *f, const fact_sheet *to) {
 
 /* ---- bytes ---- */
 
+void leaf_tell_coarse(const leaf_file *f, const fact_sheet *to) {
+    uint32_t sets = 0;
+    uint64_t bytes = 0;
+    for (uint32_t set = 0; set < f->layout.sets; set++)
+        if (leaf_file_has_coarse(f, set)) {
+            sets++;
+            bytes += f->coarse[set].bytes;
+        }
+    if (sets)
+        fact_sheet_line(to, "coarse", "grids of %u of %u sets, %llu bytes, %.3f of the file", sets,
+                        f->layout.sets, (unsigned long long)bytes,
+                        (double)bytes / (double)f->header.file_bytes);
+    fact_sheet_whole(to, "coarse_sets", sets);
+    fact_sheet_whole(to, "coarse_bytes", bytes);
+}
+
 void leaf_tell_bounds(const leaf_file *f, const fact_sheet *to) {
     const leaf_header *h = &f->header;
     char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX];

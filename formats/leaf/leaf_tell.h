@@ -41,6 +41,9 @@ void leaf_tell_print_fields(const leaf_file *f, const fact_sheet *to);
 void leaf_tell_print_steps(const leaf_file *f, const fact_sheet *to);
 void leaf_tell_set_fields(const leaf_file *f, const fact_sheet *to);
 
+/* leaf_tell_coarse() - tell how many sets have coarse grids, and their bytes. */
+void leaf_tell_coarse(const leaf_file *f, const fact_sheet *to);
+
 /* leaf_tell_bounds() - tell the box about all cells, at all steps. */
 void leaf_tell_bounds(const leaf_file *f, const fact_sheet *to);
 

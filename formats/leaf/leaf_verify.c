@@ -594,7 +594,7 @@ static status verify_file(mem *m, leaf_file *f, int threads, const progress *p) 
 
 status leaf_verify(mem *m, leaf_file *f, int threads, const progress *p) {
     status st = verify_file(m, f, threads, p);
-    for (uint32_t set = 0; f->mesh && set < f->layout.sets && st == ST_OK; set++) {
+    for (uint32_t set = 0; f->coarse && set < f->layout.sets && st == ST_OK; set++) {
         leaf_file *coarse = NULL;
         if (!leaf_file_has_coarse(f, set))
             continue;

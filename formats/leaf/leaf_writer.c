@@ -145,8 +145,8 @@ static status copy_labels(leaf_writer *w, const leaf_sets *sets) {
     return ST_OK;
 }
 
-static status allocate_parts(leaf_writer *w, const leaf_mesh *mesh) {
-    if (mesh->coarse) {
+static status allocate_parts(leaf_writer *w, bool coarse) {
+    if (coarse) {
         w->parts = mem_array(w->m, w->layout.sets, sizeof *w->parts);
         if (!w->parts)
             return ST_NOMEM;
@@ -290,7 +290,7 @@ status leaf_writer_curvilinear_memory(const leaf_curvilinear *g, bool grow, uint
                      (PAYLOAD_BYTES + sizeof(uint64_t) + (uint64_t)(l.sets > 1 || grow ? 4 : 0)) +
                  (l.sets <= LEAF_HISTOGRAMS_MAX ? l.sets * sizeof(histogram) : 0) +
                  g->zones * sizeof(uint32_t[4]) + g->sets.fields * sizeof(char[64]) +
-                 g->sets.steps * sizeof(double);
+                 g->sets.steps * sizeof(double) + (g->coarse ? l.sets * sizeof(leaf_part) : 0);
     return st;
 }
 
@@ -338,6 +338,8 @@ status leaf_writer_create_curvilinear(mem *m, const leaf_target *to, const leaf_
     if (st == ST_OK)
         st = label(w, &g->sets);
     if (st == ST_OK)
+        st = allocate_parts(w, g->coarse);
+    if (st == ST_OK)
         st = create_out(w, to);
     if (st == ST_OK)
         st = create_scratch(w, to);
@@ -366,8 +368,8 @@ status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf_mesh *m
     assert(!mesh->names || strncmp(mesh->names[0], mesh->field, sizeof(char[63])) == 0);
     assert(mesh->treelet_tets > 0 && mesh->treelet_tets <= LEAF_TREELET_TETS_MAX);
     assert(mesh->mixed || (mesh->leaf_tets > 0 && mesh->leaf_tets <= LEAF_LEAF_TETS_MAX));
-    assert(!mesh->mixed || (mesh->treelet_tets <= MIXED_CELLS_MAX && mesh->leaf_tets == 0 &&
-                            !mesh->gradients && !mesh->coarse));
+    assert(!mesh->mixed ||
+           (mesh->treelet_tets <= MIXED_CELLS_MAX && mesh->leaf_tets == 0 && !mesh->gradients));
     if (mesh_layout_payloads(&blocks) >= LEAF_NO_TREELET)
         return status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 payloads; use larger treelets");
     leaf_writer *w = new_writer(m, p);
@@ -389,7 +391,7 @@ status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf_mesh *m
     if (st == ST_OK)
         st = label(w, &(leaf_sets){mesh->fields, mesh->steps, mesh->names, mesh->times, NULL});
     if (st == ST_OK)
-        st = allocate_parts(w, mesh);
+        st = allocate_parts(w, mesh->coarse);
     if (st == ST_OK)
         st = create_out(w, to);
     if (st == ST_OK)

@@ -77,7 +77,7 @@ typedef struct leaf_mesh {
     bool moving;            /* steps behind the first have positions; steps is 2 or more then */
     bool coarse;            /* sets may have coarse grids: leaf_writer_embed() */
     bool mixed;             /* a mixed mesh (mixed_geometry.h): treelet_tets up to MIXED_CELLS_MAX,
-                               leaf_tets 0, neither gradients nor coarse */
+                               leaf_tets 0, no gradients */
 } leaf_mesh;
 
 /* Contents of the file of a curvilinear grid. It does not use cells_log2 and halo of
@@ -87,7 +87,7 @@ typedef struct leaf_curvilinear {
     leaf_sets sets;             /* names may be NULL */
     uint32_t zones;             /* 1 or more */
     const uint32_t (*nodes)[3]; /* of each zone along i, j, k: 2 to CURVILINEAR_NODES_MAX */
-    bool moving;                /* as of leaf_mesh */
+    bool moving, coarse;        /* as of leaf_mesh */
 } leaf_curvilinear;
 
 /* Where a file comes to be. */
@@ -210,7 +210,7 @@ void leaf_writer_files(const leaf_writer *w, out_file *files[WORK_FILES]);
  * reference. */
 void leaf_writer_stop_by(leaf_writer *w, const progress *p);
 
-/* leaf_writer_settle() - call it when all treelets of a mesh are put. Does what
+/* leaf_writer_settle() - call it when all treelets of a mesh or curvilinear grid are put. Does what
  * leaf_writer_finish() does, except publishing. Then leaf_writer_path() is a treelet file without
  * coarse grids, which may be opened and read.
  * leaf_writer_embed() - add the treelet file of a grid as a set's coarse grid. Sets in ascending

@@ -28,8 +28,6 @@ static status allocate(leaf_file *f) {
     memcpy(to->counts, from->counts, n * sizeof *to->counts);
     memcpy(to->first_tet, from->first_tet, (n + 1) * sizeof *to->first_tet);
     memcpy(to->bounds, from->bounds, n * sizeof *to->bounds);
-    mem_free(f->m, to->coarse); /* those of the file below are asked for (coarse_pair.h) */
-    to->coarse = NULL;
     leaf_layout_keep_blocks(&f->layout);
     leaf_layout_set_counts(&f->layout, (const uint32_t(*)[4])to->counts);
     return ST_OK;

@@ -37,27 +37,12 @@ static void tell_tets(const leaf_header *h, const fact_sheet *to) {
     fact_sheet_reals(to, "bounds", bounds, 6);
 }
 
-static uint32_t coarse_sets(const leaf_file *f, uint64_t *bytes) {
-    uint32_t sets = 0;
-    *bytes = 0;
-    for (uint32_t set = 0; set < f->layout.sets; set++)
-        if (leaf_file_has_coarse(f, set)) {
-            sets++;
-            *bytes += f->mesh->coarse[set].bytes;
-        }
-    return sets;
-}
-
 static void print_extras(const leaf_file *f, const fact_sheet *to) {
     const leaf_header *h = &f->header;
     char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
     if (h->gradients)
         fact_sheet_line(to, "gradients", "of every field and step");
-    uint64_t bytes;
-    const uint32_t coarse = coarse_sets(f, &bytes);
-    if (coarse)
-        fact_sheet_line(to, "coarse", "grids of %u of %u sets, %llu bytes, %.2f a tet", coarse,
-                        f->layout.sets, whole(bytes), (double)bytes / (double)h->tets);
+    leaf_tell_coarse(f, to);
     for (int i = 0; i < 3; i++)
         fact_sheet_line(to, i ? "" : "bounds", "%s .. %s", num_print((double)h->bounds[i], a),
                         num_print((double)h->bounds[i + 3], b));
@@ -131,13 +116,9 @@ static void tell(const leaf_file *f, const fact_sheet *to) {
     tell_treelets(f, to);
     if (to->values)
         set_parts(f, to);
-    uint64_t bytes;
-    const uint32_t coarse = coarse_sets(f, &bytes);
     fact_sheet_flag(to, "gradients", h->gradients);
     fact_sheet_flag(to, "moving", h->moving);
     leaf_tell_set_fields(f, to);
-    fact_sheet_whole(to, "coarse_sets", coarse);
-    fact_sheet_whole(to, "coarse_bytes", bytes);
 }
 
 static void tell_parts(const leaf_file *f, const fact_sheet *to) {

@@ -124,7 +124,6 @@ static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
     switch (kind) {
     case LEAF_SECTION_BOUNDS: return h->treelets * (h->moving ? h->steps : 1) * sizeof(float[6]);
     case LEAF_SECTION_COUNTS: return h->treelets * sizeof(uint32_t[4]);
-    case LEAF_SECTION_COARSE: return leaf_has_segments(h) ? 0 : sets(h) * sizeof(leaf_part);
     default: return 0;
     }
 }
@@ -137,12 +136,7 @@ static status allocate(leaf_file *f) {
     mesh->bounds = mem_array(f->m, count * f->layout.places, sizeof *mesh->bounds);
     mesh->counts = mem_array(f->m, count, sizeof *mesh->counts);
     mesh->first_tet = mem_array(f->m, count + 1, sizeof *mesh->first_tet);
-    if (!mesh->bounds || !mesh->counts || !mesh->first_tet)
-        return ST_NOMEM;
-    if (leaf_has_segments(&f->header))
-        return ST_OK;
-    mesh->coarse = mem_array(f->m, f->layout.sets, sizeof *mesh->coarse);
-    return mesh->coarse ? ST_OK : ST_NOMEM;
+    return mesh->bounds && mesh->counts && mesh->first_tet ? ST_OK : ST_NOMEM;
 }
 
 static void release(leaf_file *f) {
@@ -151,7 +145,6 @@ static void release(leaf_file *f) {
     mem_free(f->m, f->mesh->bounds);
     mem_free(f->m, f->mesh->counts);
     mem_free(f->m, f->mesh->first_tet);
-    mem_free(f->m, f->mesh->coarse);
     mem_free(f->m, f->mesh);
 }
 
@@ -159,7 +152,6 @@ static void *section(const leaf_file *f, uint32_t kind) {
     switch (kind) {
     case LEAF_SECTION_BOUNDS: return f->mesh->bounds;
     case LEAF_SECTION_COUNTS: return f->mesh->counts;
-    case LEAF_SECTION_COARSE: return f->mesh->coarse;
     default: return NULL;
     }
 }
@@ -212,7 +204,6 @@ static status init_layout(leaf_file *f) {
 static status lay_out(leaf_file *f, leaf_directory *d) {
     d->bounds = (const float(*)[6])f->mesh->bounds;
     d->counts = (const uint32_t(*)[4])f->mesh->counts;
-    d->parts = d->at[LEAF_SECTION_COARSE - 1] ? f->mesh->coarse : NULL;
     status st = check_counts(file_path(f->source), &f->header, d);
     return st == ST_OK ? init_layout(f) : st;
 }
@@ -307,6 +298,7 @@ static const leaf_growth growth = {
     .may = may_grow, .alike = same_treelets, .repeat = mesh_layout_repeat, .rows = rows};
 
 const leaf_geometry mesh_geometry = {.holds_indices = true,
+                                     .coarse = true,
                                      .blending = &mesh_blending,
                                      .growth = &growth,
                                      .check_parameters = check_parameters,

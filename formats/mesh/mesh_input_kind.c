@@ -20,7 +20,7 @@ static const char *format(const void *own) {
 static unsigned traits(const void *own) {
     const bool files = mesh_input_names_files(own);
     const unsigned library = mesh_input_by_library(own) ? INPUT_FILES | INPUT_PARTS : 0U;
-    return INPUT_CELLS | INPUT_CHOICES | (files ? INPUT_FILES : 0U) | library |
+    return INPUT_CELLS | INPUT_ONE_LEVEL | INPUT_CHOICES | (files ? INPUT_FILES : 0U) | library |
            (files || mesh_input_may_have_steps(own) ? INPUT_STEPS | INPUT_SERIES : 0U);
 }
 

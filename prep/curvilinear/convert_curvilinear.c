@@ -72,7 +72,9 @@ static status convert_files(convert_request *a, mem *m, curvilinear_files *files
                                    .force = a->common.force,
                                    .grows = a->append,
                                    .grow = a->grow,
-                                   .refuse_empty = !a->allow_empty};
+                                   .refuse_empty = !a->allow_empty,
+                                   .coarse = a->coarse,
+                                   .coarse_dims = a->coarse_dims};
     const curvilinear_series series = curvilinear_files_series(files);
     const curvilinear_source *source;
     curvilinear_plan plan;

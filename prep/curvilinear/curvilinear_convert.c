@@ -13,6 +13,7 @@
 #include "formats/leaf/hex_treelet.h"
 #include "prep/curvilinear/curvilinear_slab.h"
 #include "prep/further_step.h"
+#include "prep/resample/coarse_grids.h"
 
 #ifndef LEAFCAST_VERSION
 #define LEAFCAST_VERSION "0"
@@ -61,8 +62,10 @@ typedef struct conversion {
 
 /* ---- the plan ---- */
 
-static leaf_curvilinear contents(const curvilinear_series *s, const curvilinear_source *first) {
-    return (leaf_curvilinear){.sets = s->sets, .zones = first->zones, .nodes = first->nodes};
+static leaf_curvilinear contents(const curvilinear_series *s, const curvilinear_source *first,
+                                 const curvilinear_options *o) {
+    return (leaf_curvilinear){
+        .sets = s->sets, .zones = first->zones, .nodes = first->nodes, .coarse = o->coarse};
 }
 
 /* Counts of the largest treelet. */
@@ -105,7 +108,7 @@ static uint64_t drawing_bytes(const leaf_sets *sets) {
 
 status curvilinear_plan_make(mem *m, const curvilinear_series *s, const curvilinear_source *first,
                              const curvilinear_options *o, curvilinear_plan *plan) {
-    leaf_curvilinear g = contents(s, first);
+    leaf_curvilinear g = contents(s, first, o);
     uint64_t writer = 0, packer = 0;
     g.moving = s->sets.steps > 1 && !s->still; /* at most */
     status st = leaf_writer_curvilinear_memory(&g, o->grow != NULL, &writer);
@@ -518,7 +521,8 @@ static status begin_writer(conversion *c, const char *name, const char *output) 
                                 .sets = c->series->sets,
                                 .zones = c->zones,
                                 .nodes = (const uint32_t(*)[3])c->nodes,
-                                .moving = c->moving};
+                                .moving = c->moving,
+                                .coarse = o->coarse};
     const status st = leaf_writer_create_curvilinear(c->m, &to, &g, &o->file, &c->writer);
     if (st == ST_OK)
         leaf_writer_stop_by(c->writer, c->p);
@@ -563,6 +567,16 @@ static void note_result(const conversion *c, curvilinear_result *result) {
             result->cells[code] += c->codes[i][code];
 }
 
+static status embed_coarse(conversion *c, const char *output, const leaf_facts *facts) {
+    const curvilinear_options *o = c->o;
+    const coarse_grids coarse = {
+        .dims = o->coarse_dims, .file = o->file, .memory = o->memory, .threads = o->threads};
+    if (!o->coarse)
+        return ST_OK;
+    const status st = leaf_writer_settle(c->writer, facts);
+    return st == ST_OK ? coarse_grids_embed(c->m, c->writer, output, &coarse, c->p) : st;
+}
+
 status curvilinear_convert(mem *m, const curvilinear_series *s, const char *name,
                            const char *output, const curvilinear_options *o, const progress *p,
                            curvilinear_result *result) {
@@ -584,6 +598,8 @@ status curvilinear_convert(mem *m, const curvilinear_series *s, const char *name
              codec);
     const leaf_facts facts = {.non_finite = c.slab.odd, .provenance = origin};
     release(&c);
+    if (st == ST_OK)
+        st = embed_coarse(&c, output, &facts);
     if (st != ST_OK) {
         leaf_writer_discard(c.writer);
         return st;

@@ -30,6 +30,8 @@ typedef struct curvilinear_options {
     bool grows;           /* steps may be added to the output later */
     leaf_grow *grow;      /* the output, opened: these are further steps of it; or NULL */
     bool refuse_empty;    /* ST_UNSUPPORTED if no value is a number */
+    bool coarse;          /* add a coarse grid for each set, */
+    uint32_t coarse_dims; /* as coarse_grids.dims */
 } curvilinear_options;
 
 typedef struct curvilinear_plan {

@@ -81,7 +81,6 @@ static status check_whole(const convert_request *a) {
         bool given;
         const char *what;
     } without[] = {{a->gradients, "--gradients"},
-                   {a->coarse, "--coarse"},
                    {a->sah, "--build sah"},
                    {a->leaf_tets_is_given, "--leaf-tets"}};
     for (size_t i = 0; i < sizeof without / sizeof *without && a->whole; i++)

@@ -7,9 +7,9 @@
 #include "formats/base/clock.h"
 #include "formats/base/file.h"
 #include "prep/further_step.h"
-#include "prep/mesh/mesh_coarse.h"
 #include "prep/mesh/mesh_conversion.h"
 #include "prep/mesh/mesh_earlier.h"
+#include "prep/resample/coarse_grids.h"
 
 #ifndef LEAFCAST_VERSION
 #define LEAFCAST_VERSION "0"
@@ -286,10 +286,10 @@ static status embed_coarse(mem *m, leaf_writer *w, const char *output, const lea
                            const mesh_options *o, const progress *p) {
     if (!o->coarse)
         return ST_OK;
-    const mesh_coarse coarse = {
+    const coarse_grids coarse = {
         .dims = o->coarse_dims, .file = o->file, .memory = o->memory, .threads = o->threads};
     status st = leaf_writer_settle(w, facts);
-    return st == ST_OK ? mesh_coarse_embed(m, w, output, &coarse, p) : st;
+    return st == ST_OK ? coarse_grids_embed(m, w, output, &coarse, p) : st;
 }
 
 /* Make the treelet file of what has been read, or what is left of that. */

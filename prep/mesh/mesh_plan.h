@@ -36,13 +36,13 @@ typedef struct mesh_options {
     uint32_t coarse_dims;      /* with this many nodes along the longest edge; 0: chosen by the
                                   mesh */
     bool gradients;            /* store the gradient at each vertex */
-    bool mixed;        /* keep cells of all shapes as they are: a mixed mesh. Without sah, coarse,
-                          gradients, grow and grows, raw, treelet_tets up to MIXED_CELLS_MAX */
-    bool refuse_empty; /* ST_UNSUPPORTED if no value is a number */
-    bool grows;        /* steps may be added to the output later */
-    leaf_grow *grow;   /* the output, to be added to; or NULL */
-    work_folder *work; /* the output's, to save what is done; NULL: it is not */
-    convert_job *job;  /* what is to be done, if there is a work folder */
+    bool mixed;                /* keep cells of all shapes as they are: a mixed mesh. Without sah,
+                                  gradients, grow and grows, raw, treelet_tets up to MIXED_CELLS_MAX */
+    bool refuse_empty;         /* ST_UNSUPPORTED if no value is a number */
+    bool grows;                /* steps may be added to the output later */
+    leaf_grow *grow;           /* the output, to be added to; or NULL */
+    work_folder *work;         /* the output's, to save what is done; NULL: it is not */
+    convert_job *job;          /* what is to be done, if there is a work folder */
 } mesh_options;
 
 typedef struct mesh_plan {

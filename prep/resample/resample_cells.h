@@ -26,7 +26,8 @@ typedef struct resample_cells {
     const leaf_geometry *of; /* NULL: all whose cells are hexahedra */
     /* How many payloads a treelet has room for. */
     int (*payloads)(const leaf_file *f, uint32_t set);
-    uint64_t (*nodes)(const leaf_file *f); /* about; of the whole file */
+    uint64_t (*nodes)(const leaf_file *f);  /* about; of the whole file */
+    uint64_t (*coarse)(const leaf_file *f); /* how many a coarse grid has by default */
     /* Read and check the treelet's payloads. */
     status (*load)(const resample_treelet *t, leaf_unpacker *u);
     /* Draw the treelet's cells. A cell gives its value to nodes that it holds and no earlier cell

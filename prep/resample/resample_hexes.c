@@ -111,4 +111,4 @@ static void draw(const resample_block *b, uint64_t first_row, uint64_t rows,
                     draw_row(&d, y, z);
 }
 
-const resample_cells resample_hexes = {NULL, payloads, nodes, load, draw};
+const resample_cells resample_hexes = {NULL, payloads, nodes, nodes, load, draw};

@@ -142,6 +142,10 @@ static uint64_t nodes(const leaf_file *f) {
     return f->header.vertices;
 }
 
+static uint64_t coarse(const leaf_file *f) {
+    return f->header.tets / 2;
+}
+
 static status load(const resample_treelet *t, leaf_unpacker *u) {
     const leaf_layout *l = &t->f->layout;
     const uint32_t step = leaf_layout_step(l, t->set);
@@ -202,4 +206,4 @@ static void draw(const resample_block *b, uint64_t first_row, uint64_t rows,
     }
 }
 
-const resample_cells resample_tets = {&mesh_geometry, payloads, nodes, load, draw};
+const resample_cells resample_tets = {&mesh_geometry, payloads, nodes, coarse, load, draw};

@@ -30,6 +30,7 @@ void hex_kind_close(leafcast *v) {
 void hex_kind_aim(leafcast *v, const leafcast_scene *scene, const struct camera *c, tracer *tr) {
     (void)scene, (void)c;
     tr->own = v->own;
+    tr->boxed = tr->preview;
     box3_of_floats(v->file->header.bounds, tr->box);
 }
 

@@ -1,17 +1,17 @@
-/* coarse_preview.h - a mesh's coarse grid, drawn where a preview's treelets are not resident yet,
- * or in place of the mesh.
+/* coarse_preview.h - the coarse grid of a volume whose kind has no levels of detail, drawn where a
+ * preview's treelets are not resident yet, or in place of the volume.
  *
- * The grid is embedded in the mesh's file (leaf.h, COARSE). It is a volume with its own loader, on
- * the mesh's device, inside an eighth of the device's budget. A primary ray that meets an absent
- * treelet of the mesh is traced through the grid instead, as far as the grid's levels are resident.
- * Its pixel is provisional; all others are exact. So the picture becomes exact as treelets come.
+ * The grid is embedded in the volume's file (leaf.h, COARSE). It is a volume with its own loader,
+ * on the same device, inside an eighth of the device's budget. A primary ray that meets an absent
+ * treelet is traced through the grid instead, as far as the grid's levels are resident. Its pixel
+ * is provisional; all others are exact. So the picture becomes exact as treelets come.
  *
- * Between two steps it is what lies between the grids of both (coarse_pair.h); of a mesh whose
- * points move, the nearest step's.
+ * Between two steps it is what lies between the grids of both (coarse_pair.h); where points move,
+ * the nearest step's.
  *
- * The grid's levels are the mesh's coarse levels of detail: level 0 is the tets, level n the grid's
- * level n - 1. A preview that asks for level 1 or more shows the grid alone, and all of it is
- * provisional.
+ * The grid's levels are the volume's coarse levels of detail: level 0 is its cells, level n the
+ * grid's level n - 1. A preview that asks for level 1 or more shows the grid alone, and all of it
+ * is provisional.
  */
 #ifndef RENDER_DOOR_COARSE_PREVIEW_H
 #define RENDER_DOOR_COARSE_PREVIEW_H

@@ -104,10 +104,18 @@ void device_make_room(leafcast *v) {
         device_clear(v->device);
 }
 
+bool device_drop_scratch(leafcast_device *d) {
+    const bool any = d->scratch_bytes > 0;
+    mem_free(&d->budget, d->scratch);
+    d->scratch = NULL;
+    d->scratch_bytes = 0;
+    return any;
+}
+
 status device_scratch(leafcast_device *d, size_t bytes) {
     if (d->scratch && bytes <= d->scratch_bytes)
         return ST_OK;
-    mem_free(&d->budget, d->scratch);
+    (void)device_drop_scratch(d);
     d->scratch = mem_alloc(&d->budget, bytes);
     d->scratch_bytes = d->scratch ? bytes : 0;
     return d->scratch ? ST_OK : ST_NOMEM;

@@ -55,7 +55,9 @@ void device_clear(leafcast_device *d);
 /* device_make_room() - make room for one treelet of v: evict all volumes' treelets if need be. */
 void device_make_room(leafcast *v);
 
-/* device_scratch() - allocate scratch for all threads; the next frame reuses it. Needs the lock. */
+/* device_scratch() - allocate scratch for all threads; the next frame reuses it. Needs the lock.
+ * device_drop_scratch() - free it; false: there was none. */
 CHECKED status device_scratch(leafcast_device *d, size_t bytes);
+bool device_drop_scratch(leafcast_device *d);
 
 #endif

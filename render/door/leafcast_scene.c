@@ -138,6 +138,16 @@ static status choose_walk(const leafcast *v, const leafcast_scene *scene,
     return st;
 }
 
+status volume_check_level(const leafcast *v, const leafcast_scene *scene) {
+    const bool coarse = scene->preview && v->preview_levels > 1;
+    if (scene->lod != LEAFCAST_LOD_LEVEL || scene->lod_level == 0 || coarse)
+        return ST_OK;
+    return status_describe(ST_USAGE,
+                           "this %s has no coarse levels: of one with a coarse grid (leafcast "
+                           "convert --coarse) a preview has them",
+                           v->kind->name);
+}
+
 status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
     const struct walk_choice *choice;
     status st = v->kind->check(v, scene);

@@ -54,6 +54,7 @@ status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene) {
     t->f.isa = v->device->isa;
     t->f.tracer = t->tracers;
     t->f.volumes = t->volumes;
+    t->f.stand_ins = t->coarse;
     return st;
 }
 
@@ -108,11 +109,12 @@ static status prepare_volume(turn *t, int i) {
     return st;
 }
 
-/* Close coarse grids to gain room. Returns whether any was to be drawn. */
+/* Close coarse grids to gain room, also what an earlier preview left. Returns whether any was
+ * open. */
 static bool drop_coarse(turn *t) {
     bool any = false;
     for (int i = 0; i < t->volumes; i++) {
-        any |= t->coarse[i] != NULL;
+        any |= t->shown[i].volume->coarse != NULL;
         t->coarse[i] = NULL;
         coarse_preview_end(t->shown[i].volume);
     }
@@ -144,15 +146,21 @@ static void begin_loading(turn *t, int i) {
         loader_sweep_level(v->treelets, t->tracers[i].target_level, UINT64_MAX);
 }
 
+/* Share the budget out, if need be without what a frame of more scratch has left. */
+static status share_budget(turn *t) {
+    const status st = budget_share(t);
+    return st == ST_NOMEM && device_drop_scratch(t->device) ? budget_share(t) : st;
+}
+
 /* Set all that another frame may have changed in between. */
 status turn_prepare(turn *t) {
     status st = ST_OK;
     for (int i = 0; i < t->volumes && st == ST_OK; i++)
         st = prepare_volume(t, i);
     if (st == ST_OK)
-        st = budget_share(t);
+        st = share_budget(t);
     if (st == ST_NOMEM && drop_coarse(t))
-        st = budget_share(t);
+        st = share_budget(t);
     if (st != ST_OK)
         return st;
     for (int i = 0; i < t->volumes; i++)

@@ -170,9 +170,8 @@ status scene_look_choose(scene_look *l, turn *t) {
     const leafcast_scene *scene = &t->scene;
     status st = ST_OK;
     l->turn = t;
-    l->look.surfaces =
-        (surface_look){scene, (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])t->surfaces,
-                       t->first_id, t->coarse};
+    l->look.surfaces = (surface_look){
+        scene, (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])t->surfaces, t->first_id};
     t->f.integrator = &surface_integrator;
     t->f.look = &l->look;
     if (scene->project != LEAFCAST_PROJECT_NONE)

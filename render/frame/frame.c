@@ -66,9 +66,13 @@ static size_t shared_scratch(const frame *f) {
 
 static size_t batch_scratch(const frame *f) {
     size_t most = 0;
-    for (int v = 0; v < f->volumes; v++)
-        most = most > kind_batch_scratch(f->tracer[v].kind) ? most
-                                                            : kind_batch_scratch(f->tracer[v].kind);
+    for (int v = 0; v < f->volumes; v++) {
+        const size_t own = kind_batch_scratch(f->tracer[v].kind);
+        const tracer *other = f->stand_ins ? f->stand_ins[v] : NULL;
+        const size_t others = other ? kind_batch_scratch(other->kind) : 0;
+        most = own > most ? own : most;
+        most = others > most ? others : most;
+    }
     return up_to_64(most);
 }
 

@@ -29,6 +29,8 @@ typedef struct frame {
     pool *threads;
     const tracer *tracer; /* one a volume */
     int volumes;
+    const tracer *const *stand_ins; /* one a volume, of any kind: what is asked where its treelets
+                                       are absent; NULL for none, and for all of them */
     const struct integrator *integrator;
     const void *look;   /* description for the integrator */
     size_t record_more; /* bytes that records need more for this look, a multiple of 8 */

@@ -34,7 +34,8 @@ typedef struct tile_outcome {
     /* The caller's room, since stacks may be small: kind_tiles.scratch bytes, 64-byte aligned; */
     void *scratch;
     ray_batch *batch;        /* for rays behind the first surfaces, */
-    void *batch_scratch;     /* and the largest kind_batches.scratch of all volumes */
+    void *batch_scratch;     /* and the largest kind_batches.scratch of all volumes,
+                                and of what stands in for them */
     tile_row open[TILE_MAX]; /* pixels to be traced one by one, from their start */
     tile_row
         waits[TILE_MAX]; /* pixels that met an absent treelet: try again with it, or one by one */

@@ -80,12 +80,7 @@ static status mesh_check(const leafcast *v, const leafcast_scene *scene) {
     if (scene->smooth_normals && v->file->layout.gradient_sets == 0)
         return status_describe(ST_USAGE, "this file has no gradients for smooth normals: "
                                          "leafcast convert --gradients stores them");
-    const bool coarse = scene->preview && v->preview_levels > 1;
-    if (scene->lod == LEAFCAST_LOD_LEVEL && scene->lod_level > 0 && !coarse)
-        return status_describe(ST_USAGE,
-                               "this mesh has no coarse levels: of one with a coarse grid "
-                               "(leafcast convert --coarse) a preview has them");
-    return ST_OK;
+    return volume_check_level(v, scene);
 }
 
 static void mesh_aim(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {

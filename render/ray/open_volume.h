@@ -40,8 +40,8 @@ struct leafcast {
     uint32_t field, step; /* of a live volume: the file's step that is shown */
     double share;         /* ... and so much of the way to the next step */
     uint32_t preview_levels;
-    int frames;          /* of a coarse grid: frames under way that draw it in a mesh's place */
-    leafcast *coarse;    /* a mesh's coarse grid, once a preview wants it; else NULL */
+    int frames;          /* of a coarse grid: frames under way that draw it in a volume's place */
+    leafcast *coarse;    /* its coarse grid, once a preview wants it; else NULL */
     uint32_t coarse_set; /* the set it was made from */
     leafcast *between;   /* at times between steps (render/door/between_steps.h), once such a time
                             was asked for; else NULL */
@@ -54,5 +54,9 @@ struct leafcast {
 
 /* volume_treelet() - treelet t, loaded again if it has been evicted since rays saw it. */
 CHECKED status volume_treelet(leafcast *v, uint32_t t, const treelet **out);
+
+/* volume_check_level() - ST_USAGE if a scene asks for a coarse level of a kind that has none, or
+ * only in previews, by coarse grids. */
+CHECKED status volume_check_level(const leafcast *v, const leafcast_scene *scene);
 
 #endif

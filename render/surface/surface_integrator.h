@@ -12,8 +12,7 @@ extern const integrator surface_integrator;
 typedef struct surface_look {
     const leafcast_scene *scene;                               /* its lights, shading, background */
     const leafcast_surface (*surfaces)[LEAFCAST_SURFACES_MAX]; /* by isovalue of the tracer */
-    const int32_t *first_id;     /* in image.id: the first surface's number */
-    const tracer *const *coarse; /* what a preview draws where treelets are absent, or NULL */
+    const int32_t *first_id; /* in image.id: the first surface's number */
 } surface_look;
 
 static inline const surface_look *surface_look_of(const frame *f) {

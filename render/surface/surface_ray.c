@@ -27,7 +27,7 @@ world_ray surface_ray_primary(const frame *f, uint32_t pixel) {
 
 bool surface_ray_find(const frame *f, surface_ray *p, ray_question *q) {
     const world_ray w = surface_ray_primary(f, p->head.pixel);
-    return surface_search_ask(f, &w, surface_look_of(f)->coarse, &p->head.volume, &p->search, q);
+    return surface_search_ask(f, &w, f->stand_ins, &p->head.volume, &p->search, q);
 }
 
 /* ---- Lights ---- */
@@ -159,7 +159,7 @@ void surface_ray_write(const frame *f, const surface_ray *p, const float rgba[4]
 
 void surface_ray_answer(const frame *f, surface_ray *p, trace_result result) {
     if (p->head.leg == SURFACE_PRIMARY)
-        surface_search_answer(surface_look_of(f)->coarse, &p->head.volume, &p->search, result);
+        surface_search_answer(f->stand_ins, &p->head.volume, &p->search, result);
     else
         answer_shadow(f, p, result);
 }

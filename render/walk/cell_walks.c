@@ -141,11 +141,10 @@ void cell_walks_describe(const leafcast *v, leafcast_info *info) {
 }
 
 status cell_walks_check(const leafcast *v, const leafcast_scene *scene) {
-    if (scene_intersector(scene) != LEAFCAST_MARMITT || scene->smooth_normals ||
-        (scene->lod == LEAFCAST_LOD_LEVEL && scene->lod_level > 0))
-        return status_describe(ST_USAGE, "a %s has no intersectors, smooth normals or levels",
+    if (scene_intersector(scene) != LEAFCAST_MARMITT || scene->smooth_normals)
+        return status_describe(ST_USAGE, "a %s has no intersectors or smooth normals",
                                v->kind->name);
-    return ST_OK;
+    return volume_check_level(v, scene);
 }
 
 void cell_walks_aim(leafcast *v, const leafcast_scene *scene, const struct camera *c, tracer *tr) {

@@ -5,6 +5,11 @@
 . tests/support/tap.sh
 
 differ() { [ "$(cmp -s "$1" "$2"; echo $?)" = 1 ]; }
+json_of() { # json_of FILE EXPRESSION: of info --json, as j
+    "$leafcast" info --json "$1" | python3 -c 'import json, sys
+j = json.load(sys.stdin)
+sys.exit(not eval(sys.argv[1]))' "$2"
+}
 says() { cat "$tmp/out" "$tmp/err" | grep -q -- "$1"; }
 
 for shape in warp annulus twisted; do
@@ -24,6 +29,22 @@ done
 exits "info of a treelet file" 0 "$leafcast" info "$tmp/warp.leaf"
 ok "says its cells" says '^curvilinear 8151 cells, 9600 nodes, 1 zones$'
 ok "and suggests isovalues" says '^isovalues '
+ok "there is no coarse grid" json_of "$tmp/warp.leaf" 'j["coarse_sets"] == 0 and j["coarse_bytes"] == 0'
+exits "with one" 0 "$leafcast" convert "$tmp/warp.vts" --coarse -o "$tmp/coarse.leaf" -q
+exits "which is sound" 0 "$leafcast" verify "$tmp/coarse.leaf"
+exits "info tells" 0 "$leafcast" info "$tmp/coarse.leaf"
+ok "of its bytes" says '^coarse *grids of 1 of 1 sets, [0-9]* bytes'
+ok "and counts it" json_of "$tmp/coarse.leaf" 'j["coarse_sets"] == 1 and 0 < j["coarse_bytes"] < j["file_bytes"]'
+exits "a level of it" 0 "$leafcast" render "$tmp/coarse.leaf" --iso 0 --lod 1 --preview -o "$tmp/p.pfm" --size 32x32
+ok "is provisional" says "1024 pixels are provisional"
+exits "a medium at that level" 0 "$leafcast" render "$tmp/coarse.leaf" --tf auto --lod 1 --preview -o "$tmp/p.pfm" --size 32x32 --force
+exits "but in a preview there are no levels" 2 "$leafcast" render "$tmp/coarse.leaf" --iso 0 --lod 1 -o "$tmp/p.pfm" --force
+exits "nor without a grid" 2 "$leafcast" render "$tmp/warp.leaf" --iso 0 --lod 1 --preview -o "$tmp/p.pfm" --force
+ok "which is said" says 'convert --coarse'
+"$leafcast" render "$tmp/coarse.leaf" --iso 0 --size 40x30 -o "$tmp/exact.ppm" -q
+"$leafcast" render "$tmp/warp.leaf" --iso 0 --size 40x30 -o "$tmp/plain.ppm" -q
+ok "exact pictures stay" cmp -s "$tmp/exact.ppm" "$tmp/plain.ppm"
+exits "it does not grow" 2 "$leafcast" convert "$tmp/warp.vts" --coarse --append -o "$tmp/grows.leaf"
 exits "a medium" 0 "$leafcast" render "$tmp/warp.leaf" --tf auto --size 40x30 -o "$tmp/medium.ppm"
 exits "a slice" 0 "$leafcast" slice "$tmp/warp.leaf" --axis z --at 0.5 --size 60x50 -o "$tmp/slice.ppm"
 exits "a point" 0 "$leafcast" probe "$tmp/warp.leaf" --point 0.5,0.5,0.5

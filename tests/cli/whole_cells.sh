@@ -310,11 +310,19 @@ while read -r option; do
     ok "says so" says "--whole-cells"
 done <<'X'
 --gradients
---coarse
 --build sah
 --leaf-tets 4
 --treelet-tets 16384
 X
+# ---- with a coarse grid ----
+
+exits "--coarse" 0 "$leafcast" convert "$tmp/s.vtk" --whole-cells --coarse=24 -o "$tmp/coarse.leaf" --force -q
+exits "which is sound" 0 "$leafcast" verify "$tmp/coarse.leaf"
+exits "a level of it" 0 "$leafcast" render "$tmp/coarse.leaf" --iso 0.3 --lod 1 --preview -o "$tmp/p.pfm" --size 32x32 --force
+ok "is provisional" says "1024 pixels are provisional"
+exits "info" 0 "$leafcast" info "$tmp/coarse.leaf"
+ok "tells of it" grep -q '^coarse *grids of 1 of 1 sets, [0-9]* bytes' "$tmp/out"
+
 exits "--compress none" 0 "$leafcast" convert "$tmp/s.vtk" --whole-cells --compress none -o "$tmp/x.leaf" --force -q
 exits "a grid" 2 "$leafcast" convert "$tmp/s.vtk" --dims 2,2,2 --type u8 --whole-cells -o "$tmp/x.leaf" --force
 finish

@@ -48,7 +48,7 @@ leaf_parts leaf_parts_of(const char *path) {
         if (!leaf_file_has_coarse(f, set))
             continue;
         assert_int_equal(leaf_file_open_coarse(&m, f, set, &coarse), ST_OK);
-        add_file(&p, coarse, true, f->mesh->coarse[set].offset);
+        add_file(&p, coarse, true, f->coarse[set].offset);
         leaf_file_close(coarse);
     }
     leaf_file_close(f);

@@ -206,12 +206,12 @@ static void stage_open(stage *s, const subject *of, int threads, uint32_t slots,
     s->look =
         (surface_look){.scene = &s->scene,
                        .surfaces = (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])s->v->surfaces,
-                       .first_id = &s->first_id,
-                       .coarse = &s->coarse};
+                       .first_id = &s->first_id};
     s->f = (frame){.m = s->v->m,
                    .threads = s->v->device->threads,
                    .tracer = &s->tr,
                    .volumes = 1,
+                   .stand_ins = &s->coarse,
                    .integrator = &surface_integrator,
                    .look = &s->look,
                    .isa = s->v->kernels.isa,

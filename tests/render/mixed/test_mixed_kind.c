@@ -472,11 +472,10 @@ static void test_library(void **state) {
         assert_int_equal(leaf_verify(&m, f, 1, NULL), ST_OK);
         leaf_file_close(f);
     }
-    leafcast_convert_options without[] = {plain, plain, plain, plain};
+    leafcast_convert_options without[] = {plain, plain, plain};
     without[0].gradients = true;
-    without[1].coarse = true;
-    without[2].leaf_tets = 12;
-    without[3].treelet_tets = MIXED_CELLS_MAX + 1;
+    without[1].leaf_tets = 12;
+    without[2].treelet_tets = MIXED_CELLS_MAX + 1;
     for (size_t i = 0; i < sizeof without / sizeof *without; i++) {
         without[i].whole_cells = true;
         assert_int_equal(

@@ -1,5 +1,6 @@
-/* test_mesh_preview.c - previews of meshes with a coarse grid: where treelets are there the exact
- * picture to the bit, elsewhere that of the grid, marked; the exact one once all have come.
+/* test_coarse_preview.c - previews of meshes, of tets or of whole cells, and of curvilinear grids,
+ * with a coarse grid: where treelets are there the exact picture to the bit, elsewhere that of the
+ * grid, marked; the exact one once all have come.
  */
 /* marks: threads, long */
 #include <setjmp.h>
@@ -18,6 +19,7 @@
 #include "formats/leaf/leaf_between.h"
 #include "formats/leaf/leaf_unpacker.h"
 #include "prep/mesh/mesh_series.h"
+#include "tests/support/coarse_hexes.h"
 #include "tests/support/fixture.h"
 #include "tests/support/mesh_cases.h"
 #include "tests/support/pictures.h"
@@ -35,14 +37,27 @@ static void take_part(const char *name, uint32_t set, const char *part_name) {
     size_t size;
     char *bytes = scratch_read(scratch_path(name), &size);
     assert_int_equal(leaf_file_open(&m, scratch_path(name), &f), ST_OK);
-    const leaf_part part = f->mesh->coarse[set];
+    const leaf_part part = f->coarse[set];
     (void)scratch_write(part_name, bytes + part.offset, (size_t)part.bytes);
     leaf_file_close(f);
     free(bytes);
 }
 
-/* A mesh with a coarse grid, and the grid as a file of its own. */
-static void make(const char *name, const char *part_name, bool coarse) {
+/* What a test is of. Tests that go for tets alone are about what all have in common. */
+typedef enum subject { TETS, LATTICE, WHOLE_CELLS } subject;
+static subject subjects[] = {TETS, LATTICE, WHOLE_CELLS};
+#define OF_EACH(test)                                                                             \
+    cmocka_unit_test_prestate(test, &subjects[0]), cmocka_unit_test_prestate(test, &subjects[1]), \
+        cmocka_unit_test_prestate(test, &subjects[2])
+
+static void make_hexes(subject of, const char *name, bool coarse) {
+    coarse_hexes c = coarse_hexes_of(of == WHOLE_CELLS, CELLS, 37);
+    c.coarse = coarse;
+    if (coarse_hexes_convert(&m, &c, name) != ST_OK)
+        fail_msg("%s", status_text());
+}
+
+static void make_tets(const char *name, bool coarse) {
     mesh_case c = mesh_cases_kuhn(CELLS, CELLS, CELLS);
     mesh_result r;
     c.options.treelet_tets = 400;
@@ -52,8 +67,20 @@ static void make(const char *name, const char *part_name, bool coarse) {
         fail_msg("%s", status_text());
     m.limit = 0;
     mesh_cases_free(&c);
+}
+
+/* A file with a coarse grid, and the grid as a file of its own. */
+static void make_of(subject of, const char *name, const char *part_name, bool coarse) {
+    if (of == TETS)
+        make_tets(name, coarse);
+    else
+        make_hexes(of, name, coarse);
     if (part_name)
         take_part(name, 0, part_name);
+}
+
+static void make(const char *name, const char *part_name, bool coarse) {
+    make_of(TETS, name, part_name, coarse);
 }
 
 static leafcast *open_with(const char *name, const char *isa, uint32_t treelet_limit) {
@@ -132,9 +159,9 @@ static void draw_until_come(const char *isa, const leafcast_scene *scene,
 static const char *const ISAS[] = {"scalar", NULL};
 
 static void test_becomes_exact(void **state) {
-    (void)state;
+    const subject of = *(const subject *)*state;
     static picture exact, got;
-    make("mesh.leaf", NULL, true);
+    make_of(of, "mesh.leaf", NULL, true);
     leafcast_scene scene = leafcast_scene_default();
     for (size_t i = 0; i < sizeof ISAS / sizeof *ISAS; i++) {
         leafcast *v = open_with("mesh.leaf", ISAS[i], 0);
@@ -160,9 +187,9 @@ static void test_becomes_exact(void **state) {
 
 /* Of 2 treelets at a time most are absent: the picture is the grid's, once that has come. */
 static void test_is_the_grid(void **state) {
-    (void)state;
+    const subject of = *(const subject *)*state;
     static picture exact, gridded, got;
-    make("mesh.leaf", "part.leaf", true);
+    make_of(of, "mesh.leaf", "part.leaf", true);
     leafcast_scene scene = leafcast_scene_default();
     for (int kind = 0; kind < 4; kind += WATCHED_THREADS ? 3 : 1) {
         leafcast *any = open_with("mesh.leaf", NULL, 0);
@@ -191,9 +218,9 @@ static void test_is_the_grid(void **state) {
 
 /* Transparent layers, shadows: what is not marked is exact. */
 static void test_scenes(void **state) {
-    (void)state;
+    const subject of = *(const subject *)*state;
     static picture exact, got;
-    make("mesh.leaf", NULL, true);
+    make_of(of, "mesh.leaf", NULL, true);
     field_random r = {5};
     for (int kind = 0; kind < 12; kind += WATCHED_THREADS ? 5 : 1) {
         leafcast *v = open_with("mesh.leaf", ISAS[kind % 2], kind % 3 ? 8 : 0), *w;
@@ -274,9 +301,9 @@ static leafcast_scene scene_of(int which) {
 /* Level n of the mesh is level n - 1 of its grid, whatever is shown, to the bit; none of it is said
  * to be exact, and a medium's colours are within the bound that is given. */
 static void test_levels(void **state) {
-    (void)state;
+    const subject of = *(const subject *)*state;
     static all_planes got, gridded, exact;
-    make("mesh.leaf", "part.leaf", true);
+    make_of(of, "mesh.leaf", "part.leaf", true);
     leafcast *alone = open_with("part.leaf", "scalar", 0);
     leafcast *tets = open_with("mesh.leaf", NULL, 0);
     const uint32_t levels = leafcast_describe(alone).levels;
@@ -319,10 +346,10 @@ static void test_levels(void **state) {
 
 /* What has no coarse grid has no levels; nor has a picture that is no preview. */
 static void test_no_levels(void **state) {
-    (void)state;
+    const subject of = *(const subject *)*state;
     static all_planes p;
-    make("mesh.leaf", NULL, true);
-    make("plain.leaf", NULL, false);
+    make_of(of, "mesh.leaf", NULL, true);
+    make_of(of, "plain.leaf", NULL, false);
     for (int i = 0; i < 2; i++) {
         leafcast *v = open_with(i ? "plain.leaf" : "mesh.leaf", NULL, 0);
         const leafcast_camera view = leafcast_standard_view(v, 1.3, PICTURE_WIDTH, PICTURE_HEIGHT);
@@ -597,7 +624,7 @@ static void test_damage(void **state) {
     leaf_file *f = NULL, *coarse = NULL;
     assert_int_equal(leaf_file_open(&m, scratch_path("mesh.leaf"), &f), ST_OK);
     assert_int_equal(leaf_file_open_coarse(&m, f, 0, &coarse), ST_OK);
-    const uint64_t start = f->mesh->coarse[0].offset;
+    const uint64_t start = f->coarse[0].offset;
     const uint64_t places[] = {start + 100, start + LEAF_HEADER_BYTES, start + coarse->offsets[0]};
     leaf_file_close(coarse);
     leaf_file_close(f);
@@ -620,8 +647,8 @@ static void test_damage(void **state) {
 
 /* A budget that draws the exact picture draws a preview, with the grid or without. */
 static void test_memory(void **state) {
-    (void)state;
-    make("mesh.leaf", NULL, true);
+    const subject of = *(const subject *)*state;
+    make_of(of, "mesh.leaf", NULL, true);
     int enough = 0;
     for (uint64_t memory = 256 << 10; memory < 64 << 20; memory += memory / (WATCHED ? 2 : 24)) {
         const leafcast_options o = {
@@ -644,11 +671,16 @@ static void test_memory(void **state) {
 int main(void) {
     mem_init(&m, 0);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_becomes_exact),   cmocka_unit_test(test_is_the_grid),
-        cmocka_unit_test(test_scenes),          cmocka_unit_test(test_damage),
-        cmocka_unit_test(test_memory),          cmocka_unit_test(test_steps),
-        cmocka_unit_test(test_samples_between), cmocka_unit_test(test_levels),
-        cmocka_unit_test(test_no_levels),       cmocka_unit_test(test_steps_in_turns),
+        OF_EACH(test_becomes_exact),
+        OF_EACH(test_is_the_grid),
+        OF_EACH(test_scenes),
+        cmocka_unit_test(test_damage),
+        OF_EACH(test_memory),
+        cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_samples_between),
+        OF_EACH(test_levels),
+        OF_EACH(test_no_levels),
+        cmocka_unit_test(test_steps_in_turns),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

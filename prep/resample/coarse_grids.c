@@ -1,4 +1,4 @@
-#include "prep/mesh/mesh_coarse.h"
+#include "prep/resample/coarse_grids.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -8,14 +8,15 @@
 #include "formats/grid/nrrd_writer.h"
 #include "prep/grid/convert.h"
 #include "prep/resample/resample.h"
+#include "prep/resample/resample_cells.h"
 
 enum { SUFFIX_ROOM = 64 };
 
 typedef struct embedding {
     mem *m;
-    const mesh_coarse *o;
+    const coarse_grids *o;
     const progress *p;
-    leaf_file *f;         /* the mesh */
+    leaf_file *f;         /* what is resampled */
     char *samples, *grid; /* paths of the two scratch files */
 } embedding;
 
@@ -25,7 +26,8 @@ static status append(void *ctx, const float *samples, size_t count) {
 
 static status resample(const embedding *e, uint32_t set) {
     const leaf_header *h = &e->f->header;
-    const resample_wish wish = {.dims = {e->o->dims}, .nodes = h->tets / 2};
+    const resample_wish wish = {.dims = {e->o->dims},
+                                .nodes = resample_cells_of(e->f)->coarse(e->f)};
     const resample_options options = {.set = set, .memory = e->o->memory, .threads = e->o->threads};
     resample_grid g;
     grid described;
@@ -43,7 +45,7 @@ static status resample(const embedding *e, uint32_t set) {
 }
 
 static status convert(const embedding *e) {
-    const mesh_coarse *o = e->o;
+    const coarse_grids *o = e->o;
     const leaf_parameters plain = leaf_parameters_default();
     convert_options options = {
         .file = o->file, .memory = o->memory, .threads = o->threads, .force = true};
@@ -89,8 +91,8 @@ static status embed_sets(embedding *e, leaf_writer *w) {
     return st;
 }
 
-status mesh_coarse_embed(mem *m, leaf_writer *w, const char *output, const mesh_coarse *o,
-                         const progress *p) {
+status coarse_grids_embed(mem *m, leaf_writer *w, const char *output, const coarse_grids *o,
+                          const progress *p) {
     /* Do not report progress: this is a small rest of the whole job. */
     const progress quiet = {.stop = p ? p->stop : NULL, .ctx = p ? p->ctx : NULL};
     embedding e = {.m = m,

@@ -1,5 +1,6 @@
-/* test_mesh_coarse.c - the coarse grids in a mesh's treelet file: they are the mesh resampled, the
- * same bytes whatever the way; what is wrong with them is found, by both readers alike.
+/* test_coarse_grids.c - the coarse grids in treelet files of meshes, of tets or of whole cells, and
+ * of curvilinear grids: they are the cells resampled, the same bytes whatever the way; what is
+ * wrong with them is found, in meshes of tets by both readers alike.
  */
 /* marks: threads, bits */
 #include <setjmp.h>
@@ -15,8 +16,9 @@
 #include "formats/base/hash.h"
 #include "formats/leaf/leaf_check.h"
 #include "formats/leaf/leaf_verify.h"
-#include "prep/mesh/mesh_coarse.h"
+#include "prep/resample/coarse_grids.h"
 #include "prep/resample/resample.h"
+#include "tests/support/coarse_hexes.h"
 #include "tests/support/mesh_cases.h"
 #include "tests/support/naive_leaf.h"
 #include "tests/support/naive_mesh.h"
@@ -61,9 +63,9 @@ static status take(void *ctx, const float *from, size_t count) {
     return ST_OK;
 }
 
-/* Level 0 of the grid, as the second reader has it, against the mesh of the same file, resampled.
- */
-static void check_samples(leaf_file *f, leaf_file *coarse, const char *part) {
+/* Level 0 of the grid of a set, as the second reader has it, against the cells of the same file,
+ * resampled. */
+static void check_samples(leaf_file *f, uint32_t set, leaf_file *coarse, const char *part) {
     naive_leaf naive;
     if (!naive_leaf_load(&naive, scratch_path(part)))
         fail_msg("%s", naive.why);
@@ -74,7 +76,7 @@ static void check_samples(leaf_file *f, leaf_file *coarse, const char *part) {
         g.origin[a] = coarse->header.to_world[4 * a + 3];
     }
     samples s = {.at = malloc((size_t)g.dims[0] * g.dims[1] * g.dims[2] * sizeof(float))};
-    const resample_options o = {.memory = 1 << 30, .threads = 1};
+    const resample_options o = {.set = set, .memory = 1 << 30, .threads = 1};
     resample_result r;
     assert_non_null(s.at);
     assert_int_equal(resample_run(&m, f, &g, &o, NULL, take, &s, &r), ST_OK);
@@ -101,11 +103,11 @@ static void test_is_the_mesh_resampled(void **state) {
     const uint32_t dims[3] = {41, 33, 25};
     assert_memory_equal(coarse->header.dims, dims, sizeof dims);
     assert_int_equal(coarse->header.levels, 2);
-    const leaf_part *part = &f->mesh->coarse[0];
+    const leaf_part *part = &f->coarse[0];
     assert_int_equal(part->offset, f->payloads_end);
     assert_int_equal(part->offset + part->bytes, size);
     (void)scratch_write("part.leaf", bytes + part->offset, (size_t)part->bytes);
-    check_samples(f, coarse, "part.leaf");
+    check_samples(f, 0, coarse, "part.leaf");
     leaf_file_close(coarse);
     leaf_file_close(f);
     naive_mesh other;
@@ -161,6 +163,91 @@ static void test_payloads_stay(void **state) {
     mesh_cases_free(&c);
 }
 
+/* ---- of hexahedra ---- */
+
+static char *convert_hexes(const coarse_hexes *c, const char *name, size_t *size) {
+    if (coarse_hexes_convert(&m, c, name) != ST_OK)
+        fail_msg("%s", status_text());
+    assert_int_equal(mem_used(&m), 0);
+    return scratch_read(scratch_path(name), size);
+}
+
+/* Each set has a grid, one behind the other, and after the last the file ends. */
+static void check_sets(const coarse_hexes *c) {
+    size_t size;
+    char *bytes = convert_hexes(c, "hexes.leaf", &size);
+    leaf_file *f = NULL;
+    assert_int_equal(leaf_file_open(&m, scratch_path("hexes.leaf"), &f), ST_OK);
+    assert_int_equal(leaf_verify(&m, f, 2, NULL), ST_OK);
+    uint64_t end = f->payloads_end;
+    for (uint32_t set = 0; set < c->steps; set++) {
+        const leaf_part *part = &f->coarse[set];
+        leaf_file *coarse = NULL;
+        assert_true(leaf_file_has_coarse(f, set) && part->offset >= end);
+        assert_int_equal(leaf_file_open_coarse(&m, f, set, &coarse), ST_OK);
+        if (c->dims > 0)
+            assert_int_equal(coarse->header.dims[0], c->dims);
+        (void)scratch_write("part.leaf", bytes + part->offset, (size_t)part->bytes);
+        check_samples(f, set, coarse, "part.leaf");
+        end = part->offset + part->bytes;
+        leaf_file_close(coarse);
+    }
+    assert_int_equal(end, size);
+    leaf_file_close(f);
+    free(bytes);
+}
+
+static void test_hexahedra_resampled(void **state) {
+    (void)state;
+    for (int whole = 0; whole < 2; whole++) {
+        coarse_hexes c = coarse_hexes_of(whole, 8, 41);
+        c.steps = 2;
+        check_sets(&c);
+        /* By default about as many nodes as the cells have. */
+        c = coarse_hexes_of(whole, 8, 0);
+        c.codec = LEAF_CODEC_ZSTD;
+        check_sets(&c);
+        leaf_file *f = NULL, *coarse = NULL;
+        assert_int_equal(leaf_file_open(&m, scratch_path("hexes.leaf"), &f), ST_OK);
+        assert_int_equal(leaf_file_open_coarse(&m, f, 0, &coarse), ST_OK);
+        for (int a = 0; a < 3; a++)
+            assert_in_range(coarse->header.dims[a], 8, 9);
+        leaf_file_close(coarse);
+        leaf_file_close(f);
+    }
+}
+
+/* The same bytes whatever the threads and the memory; without grids, all before them but the
+ * directory. */
+static void test_hexahedra_same_bytes(void **state) {
+    (void)state;
+    for (int whole = 0; whole < 2; whole++) {
+        coarse_hexes c = coarse_hexes_of(whole, 8, 20);
+        size_t size, other;
+        char *want = convert_hexes(&c, "want.leaf", &size);
+        for (int threads = 1; threads <= 4; threads += 3) {
+            c.threads = threads;
+            c.memory = threads == 1 ? 16 << 20 : 1 << 30;
+            char *got = convert_hexes(&c, "other.leaf", &other);
+            assert_int_equal(other, size);
+            assert_memory_equal(got, want, size);
+            free(got);
+        }
+        c.coarse = false;
+        char *without = convert_hexes(&c, "without.leaf", &other);
+        leaf_file *f = NULL;
+        assert_int_equal(leaf_file_open(&m, scratch_path("without.leaf"), &f), ST_OK);
+        assert_false(leaf_file_has_coarse(f, 0));
+        const uint64_t at = f->offsets[0];
+        leaf_file_close(f);
+        assert_int_equal(leaf_file_open(&m, scratch_path("want.leaf"), &f), ST_OK);
+        assert_memory_equal(want + f->offsets[0], without + at, other - at);
+        leaf_file_close(f);
+        free(without);
+        free(want);
+    }
+}
+
 /* ---- what is wrong with it ---- */
 
 static status verify(const char *path) {
@@ -182,6 +269,27 @@ static void check_refused(const char *bytes, size_t size, const char *what, size
     if (naive_mesh_load(&other, path))
         fail_msg("%s %zu: the second reader sees nothing", what, at);
     naive_mesh_release(&other);
+}
+
+static void test_hexahedra_damage(void **state) {
+    (void)state;
+    for (int whole = 0; whole < 2; whole++) {
+        const coarse_hexes c = coarse_hexes_of(whole, 4, 7);
+        size_t size;
+        char *bytes = convert_hexes(&c, "made.leaf", &size);
+        leaf_file *f = NULL;
+        assert_int_equal(leaf_file_open(&m, scratch_path("made.leaf"), &f), ST_OK);
+        const uint64_t start = f->coarse[0].offset;
+        leaf_file_close(f);
+        for (size_t at = (size_t)start; at < size; at += at % 997 ? 31 : 7) {
+            bytes[at] ^= 4;
+            assert_int_equal(verify(scratch_write("bad.leaf", bytes, size)), ST_CORRUPT);
+            bytes[at] ^= 4;
+        }
+        for (size_t cut = size; cut > start; cut -= 1000)
+            assert_int_equal(verify(scratch_write("bad.leaf", bytes, cut - 1)), ST_CORRUPT);
+        free(bytes);
+    }
 }
 
 /* Right checksums and id after a change to the directory. */
@@ -256,26 +364,44 @@ static void test_lies(void **state) {
     mesh_cases_free(&c);
 }
 
+static status try_kind(int kind) {
+    if (kind == 2) {
+        mesh_case c = small(5);
+        c.options.threads = 1;
+        const status st = try_convert(&c, "fault.leaf");
+        mesh_cases_free(&c);
+        return st;
+    }
+    coarse_hexes c = coarse_hexes_of(kind == 1, 4, 5);
+    c.threads = 1;
+    const status st = coarse_hexes_convert(&m, &c, "fault.leaf");
+    assert_int_equal(mem_used(&m), 0);
+    return st;
+}
+
+static void check_faults(int of, fault_kind kind) {
+    const size_t before = scratch_count();
+    bool fired = true;
+    for (long k = 1; fired; k += 1 + k / 16) {
+        fault_arm(kind, k);
+        const status st = try_kind(of);
+        fired = fault_fired(kind);
+        fault_arm(kind, 0);
+        if (st == ST_OK)
+            assert_int_equal(unlink(scratch_path("fault.leaf")), 0);
+        assert_int_equal(scratch_count(), before);
+    }
+}
+
 /* Nothing but the file is left, and not even that after a failure. */
 static void test_faults(void **state) {
     (void)state;
-    mesh_case c = small(5);
-    c.options.threads = 1;
     (void)unlink(scratch_path("fault.leaf"));
-    for (fault_kind kind = FAULT_ALLOC; kind <= FAULT_WRITE; kind++) {
-        const size_t before = scratch_count();
-        bool fired = true;
-        for (long k = 1; fired; k += 1 + k / 16) {
-            fault_arm(kind, k);
-            const status st = try_convert(&c, "fault.leaf");
-            fired = fault_fired(kind);
-            fault_arm(kind, 0);
-            if (st == ST_OK)
-                assert_int_equal(unlink(scratch_path("fault.leaf")), 0);
-            assert_int_equal(scratch_count(), before);
-        }
-    }
-    mesh_cases_free(&c);
+    assert_int_equal(try_kind(1), ST_OK); /* its input stays */
+    (void)unlink(scratch_path("fault.leaf"));
+    for (int of = 0; of < 3; of++)
+        for (fault_kind kind = FAULT_ALLOC; kind <= FAULT_WRITE; kind++)
+            check_faults(of, kind);
 }
 
 int main(void) {
@@ -284,6 +410,9 @@ int main(void) {
         cmocka_unit_test(test_is_the_mesh_resampled),
         cmocka_unit_test(test_same_bytes),
         cmocka_unit_test(test_payloads_stay),
+        cmocka_unit_test(test_hexahedra_resampled),
+        cmocka_unit_test(test_hexahedra_same_bytes),
+        cmocka_unit_test(test_hexahedra_damage),
         cmocka_unit_test(test_damage),
         cmocka_unit_test(test_lies),
         cmocka_unit_test(test_faults),
