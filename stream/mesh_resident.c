@@ -17,6 +17,11 @@ static bool moves(const resident_store *s) {
     return leaf_layout_moves(&s->file->layout);
 }
 
+/* The box of treelet t at the step of a set. */
+static const float *bounds_of(const resident_store *s, uint32_t set, uint32_t t) {
+    return s->file->mesh->bounds[leaf_layout_bounds(&s->file->layout, step_of(s, set), t)];
+}
+
 /* One block holds a treelet, its masks, its nodes if vertices move, and derived data. */
 enum { HEAD = (sizeof(resident_mesh) + 63) / 64 * 64 };
 
@@ -319,8 +324,7 @@ static status load_set(const resident_store *s, resident_mesh *tr, uint32_t set,
                        const resident_mesh *earlier, resident_scratch *scratch, uint64_t *read) {
     tr->head.set = set;
     tr->refit = s->schema == MESH_REFIT;
-    tr->bounds =
-        s->file->mesh->bounds[leaf_layout_bounds(&s->file->layout, step_of(s, set), tr->head.id)];
+    tr->bounds = bounds_of(s, set, tr->head.id);
     const status st = read_set(s, tr, set, earlier, scratch, read);
     if (st != ST_OK) {
         strip_mesh(s, tr);
@@ -400,6 +404,32 @@ static void make_between(const resident_store *s, resident_mesh *tr) {
     make_nodes(tr);
 }
 
+/* ---- other sets ---- */
+
+/* Whether payload i of a set, which a treelet has, is that of another set. */
+static bool same_payload(const resident_store *s, const set_payloads *own, uint32_t q, int i) {
+    return s->file->below && leaf_between_is_made_of(s->file, q)
+               ? leaf_between_is_made(s->file, q, own->at[i])
+               : leaf_file_same(s->file, own->p[i], q);
+}
+
+/* Whether values, positions and gradients are those of another set. */
+static bool same(const resident_store *s, const treelet *head, uint32_t set) {
+    const resident_mesh *tr = resident_mesh_of(head);
+    const set_payloads own = payloads_of(s, tr, head->set), other = payloads_of(s, tr, set);
+    const bool moved = moves(s) && step_of(s, set) > 0;
+    bool alike = moved == (tr->moved != NULL) && s->gradients == (tr->gradients != NULL);
+    for (int i = 0; i < own.count && alike; i++)
+        alike = same_payload(s, &own, other.p[i], i);
+    return alike;
+}
+
+static void adopt(const resident_store *s, treelet *head, uint32_t set) {
+    resident_mesh *tr = (resident_mesh *)head;
+    head->set = set;
+    tr->bounds = bounds_of(s, set, head->id);
+}
+
 /* ---- the row ---- */
 
 /* What is resident of a mesh was copied: it lies where it lay. */
@@ -440,6 +470,8 @@ const resident_kind mesh_resident = {.shares = shares,
                                      .ahead = ahead,
                                      .helps = helps,
                                      .load = load,
+                                     .same = same,
+                                     .adopt = adopt,
                                      .renumber = renumber,
                                      .keep = keep,
                                      .strip = strip,

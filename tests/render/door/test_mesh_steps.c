@@ -16,6 +16,7 @@
 #include <time.h>
 
 #include "formats/base/fault.h"
+#include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/leaf_unpacker.h"
 #include "formats/mesh/mesh_leaf_check.h"
 #include "formats/mesh/mesh_refit.h"
@@ -282,6 +283,91 @@ static void test_reading(void **state) {
     }
 }
 
+/* Let steps 0 and 2 of the first field have the values of step 1 at the first half of each layer's
+ * points, and step 2 its positions. The surfaces are in the lower layers. */
+static void make_alike(series *s, const char *name) {
+    const size_t n = s->all.points, layer = (CELLS + 1) * (CELLS + 1);
+    for (size_t i = 0; i < n; i++) {
+        if (i % layer >= layer / 2)
+            continue;
+        s->all.values[2 * n + i] = s->all.values[n + i];
+        s->all.values[i] = s->all.values[n + i];
+        if (s->all.mesh.moving)
+            memcpy(s->all.moved[n + i], s->all.moved[i], sizeof *s->all.moved);
+    }
+    s->all.mesh.treelet_tets = 12;
+    s->path = mesh_leaves_make(&s->all, name);
+}
+
+static bool has_surface(const leaf_file *f, uint32_t set, uint32_t t) {
+    const float *own = f->own[(size_t)set * f->layout.treelets + t];
+    bool any = false;
+    for (size_t i = 0; i < sizeof surfaces / sizeof *surfaces; i++)
+        any |= (double)own[0] <= surfaces[i].isovalue && surfaces[i].isovalue <= (double)own[1];
+    return any;
+}
+
+/* The bytes that one set does not have in common with another, of treelets with a surface; *same:
+ * how many treelets with a surface have all. */
+static uint64_t apart_bytes(const char *path, uint32_t set, uint32_t other, uint32_t *same) {
+    mem m;
+    leaf_file *f;
+    uint64_t bytes = 0;
+    mem_init(&m, 0);
+    assert_int_equal(leaf_file_open(&m, path, &f), ST_OK);
+    *same = 0;
+    for (uint32_t t = 0; t < f->layout.treelets; t++) {
+        uint32_t p[2][LEAF_PARTS_MAX];
+        bool alike = true;
+        if (!has_surface(f, set, t))
+            continue;
+        const int parts = f->geometry->parts(&f->layout, other, t, p[0]);
+        assert_int_equal(f->geometry->parts(&f->layout, set, t, p[1]), parts);
+        for (int i = 1; i < parts; i++)
+            alike = alike && leaf_file_same(f, p[0][i], p[1][i]);
+        for (int i = 1; i < parts && !alike; i++)
+            bytes += f->sizes[p[1][i]];
+        *same += alike;
+    }
+    leaf_file_close(f);
+    return bytes;
+}
+
+/* A treelet that has the same in another step stays, and is read for neither; its pictures are
+ * those of the step's own file, there and back. */
+static void test_alike(void **state) {
+    (void)state;
+    static album a;
+    for (int kind = 0; kind < 8; kind++) {
+        series s = series_make(kind & 1, kind & 2 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW, 0, "apart");
+        uint32_t same;
+        make_alike(&s, "alike.leaf");
+        fill_album(&s, &a);
+        const uint64_t back = apart_bytes(s.path, 1, 2, &same),
+                       apart = apart_bytes(s.path, 2, 1, &same);
+        assert_true(same > 1 && apart > 0);
+        const leafcast_options o = {
+            .size = sizeof(leafcast_options),
+            .threads = 2,
+            .experiments =
+                EXPERIMENTS(.schema = kind & 4 ? LEAFCAST_SCHEMA_REFIT : LEAFCAST_SCHEMA_TREES)};
+        leafcast_stats stats = {.size = sizeof stats};
+        leafcast *v = fixture_open(s.path, &o);
+        assert_int_equal(leafcast_select(v, surfaces, 2), LEAFCAST_OK);
+        assert_page(v, &a, 1, &stats);
+        assert_page(v, &a, 2, &stats);
+        assert_true(stats.bytes_read > 0 && stats.bytes_read <= apart);
+        assert_page(v, &a, 1, &stats);
+        assert_true(stats.bytes_read <= back);
+        assert_page(v, &a, 0, &stats);
+        assert_page(v, &a, 2, &stats);
+        assert_page(v, &a, SETS - 1, &stats);
+        assert_page(v, &a, 2, &stats);
+        leafcast_close(v);
+        mesh_leaves_release(&s.all);
+    }
+}
+
 /* ---- the loader by itself ---- */
 
 /* Each treelet that is READY is sound as `verify` would have it, its tree holds its tets, and its
@@ -530,8 +616,8 @@ static void test_names(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_refit),   cmocka_unit_test(test_pictures),
-        cmocka_unit_test(test_reading), cmocka_unit_test(test_loader),
-        cmocka_unit_test(test_faults),  cmocka_unit_test(test_damage),
-        cmocka_unit_test(test_names)};
+        cmocka_unit_test(test_reading), cmocka_unit_test(test_alike),
+        cmocka_unit_test(test_loader),  cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_damage),  cmocka_unit_test(test_names)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
