@@ -18,22 +18,43 @@ typedef struct embedding {
     const progress *p;
     leaf_file *f;         /* what is resampled */
     char *samples, *grid; /* paths of the two scratch files */
+    const char *output;
 } embedding;
 
 static status append(void *ctx, const float *samples, size_t count) {
     return nrrd_writer_append(ctx, samples, count);
 }
 
+/* The most nodes: so many times as many as by default, or as this. A grid that is larger by far
+ * than what it stands for would sooner fill a disk than help. */
+enum { MOST_TIMES = 64, MOST_NODES = 1 << 24 };
+
+static status check_size(const embedding *e, const resample_grid *g, uint64_t usual) {
+    const uint64_t most = usual * MOST_TIMES > MOST_NODES ? usual * MOST_TIMES : MOST_NODES;
+    double nodes = 1.0;
+    for (int a = 0; a < 3; a++)
+        nodes *= g->dims[a];
+    if (nodes <= (double)most)
+        return ST_OK;
+    return status_describe(ST_UNSUPPORTED,
+                           "%s: --coarse: a grid of %u x %u x %u nodes is far larger than the "
+                           "volume it stands for; at most %llu nodes, by default there are %llu",
+                           e->output, g->dims[0], g->dims[1], g->dims[2], (unsigned long long)most,
+                           (unsigned long long)usual);
+}
+
 static status resample(const embedding *e, uint32_t set) {
     const leaf_header *h = &e->f->header;
-    const resample_wish wish = {.dims = {e->o->dims},
-                                .nodes = resample_cells_of(e->f)->coarse(e->f)};
+    const uint64_t usual = resample_cells_of(e->f)->coarse(e->f);
+    const resample_wish wish = {.dims = {e->o->dims}, .nodes = usual};
     const resample_options options = {.set = set, .memory = e->o->memory, .threads = e->o->threads};
     resample_grid g;
     grid described;
     nrrd_writer *writer = NULL;
     resample_result result;
     status st = resample_grid_choose(&wish, h->bounds, h->name, &g, &described);
+    if (st == ST_OK)
+        st = check_size(e, &g, usual);
     if (st == ST_OK)
         st = nrrd_writer_create(e->m, e->samples, true, &described, &writer);
     if (st == ST_OK)
@@ -99,7 +120,8 @@ status coarse_grids_embed(mem *m, leaf_writer *w, const char *output, const coar
                    .o = o,
                    .p = &quiet,
                    .samples = beside(m, output, "nrrd"),
-                   .grid = beside(m, output, "leaf")};
+                   .grid = beside(m, output, "leaf"),
+                   .output = output};
     const status st = e.samples && e.grid ? embed_sets(&e, w) : ST_NOMEM;
     mem_free(m, e.samples);
     mem_free(m, e.grid);

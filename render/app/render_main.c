@@ -129,8 +129,8 @@ int main(int argc, char **argv) {
                "middle of the volume from the direction "
                "(1, 0.6, 0.8), 2.2 or 1.1 times its longest edge away. Vectors "
                "are in world space. The picture is exact unless --lod, --preview or --intersector "
-               "say otherwise. A mesh of tetrahedra has no levels of detail and no intersector but "
-               "the exact one."};
+               "say otherwise. Meshes and curvilinear grids have levels of detail in previews "
+               "alone (convert --coarse), and no intersector but the exact one."};
     view_options_init(&o.view);
     o.view.takes_media = true;
     cli_parse(&verb, &o.common, argc, argv);

@@ -15,8 +15,16 @@ size_t coarse_preview_bytes(const leafcast *v) {
     return v->coarse ? share_of(v) : 0;
 }
 
+static bool is_held(const leafcast *v) {
+    return v->coarse && v->coarse->frames > 0;
+}
+
+size_t coarse_preview_held(const leafcast *v) {
+    return is_held(v) ? share_of(v) : 0;
+}
+
 void coarse_preview_end(leafcast *v) {
-    if (!v->coarse || v->coarse->frames > 0)
+    if (!v->coarse || is_held(v))
         return;
     volume_release(v->coarse);
     v->coarse = NULL;
@@ -33,7 +41,7 @@ uint32_t coarse_preview_levels(const leafcast *v) {
 }
 
 /* Whether what is shown of v is between steps whose grids can be blended. Where points move, grids
- * have data in different places: a blend would have some where both have, and of no mesh. */
+ * have data in different places: a blend would have some where both have, and of no cell. */
 static bool is_blended(const leafcast *v) {
     return v->file->below && !leaf_layout_moves(&v->file->layout);
 }
@@ -134,7 +142,7 @@ leafcast_shown coarse_preview_shown(leafcast *coarse, const leafcast_shown *show
     return grid;
 }
 
-/* The scene for rays through a grid: without a mesh's normals, and with the grid's levels. */
+/* The scene for rays through a grid: without the cells' normals, and with the grid's levels. */
 static leafcast_scene scene_of_grid(const leafcast_scene *scene, leafcast_lod lod, uint32_t level) {
     leafcast_scene of = *scene;
     of.smooth_normals = false;
@@ -157,8 +165,10 @@ status coarse_preview_begin(leafcast *v, const leafcast_scene *scene, const leaf
     st = load_root(coarse->treelets);
     if (st == ST_OK)
         st = volume_tracer(coarse, &whole, NULL, tr); /* forgets what was queued */
+    if (st == ST_NOMEM)
+        coarse_preview_end(v);
     if (st != ST_OK)
-        return st;
+        return st == ST_NOMEM ? ST_OK : st;
     loader_sweep(coarse->treelets);
     *out = tr;
     return ST_OK;
@@ -182,7 +192,7 @@ status coarse_preview_show(leafcast *coarse, const leafcast_scene *scene,
         st = volume_tracer(coarse, &level, c, tr);
     if (st == ST_OK)
         loader_sweep_level(coarse->treelets, tr->target_level, UINT64_MAX);
-    tr->doubts = false; /* how far the grid is from the mesh is not known */
+    tr->doubts = false; /* how far the grid is from the cells is not known */
     return st;
 }
 

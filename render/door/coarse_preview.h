@@ -30,7 +30,7 @@ CHECKED status coarse_preview_begin(leafcast *v, const leafcast_scene *scene,
                                     const leafcast_shown *shown, tracer *tr, const tracer **out);
 
 /* coarse_preview_instead() - open the coarse grid that a scene asks for in place of v. *out = NULL
- * where the scene asks for the tets, the file has no such grid, the budget has no room for it, or
+ * where the scene asks for the cells, the file has no such grid, the budget has no room for it, or
  * another set's grid is being drawn. v owns the grid. It stays open while its `frames` is above 0,
  * else until another set is shown. */
 CHECKED status coarse_preview_instead(leafcast *v, const leafcast_scene *scene,
@@ -46,8 +46,10 @@ CHECKED status coarse_preview_show(leafcast *coarse, const leafcast_scene *scene
                                    const camera *c, tracer *tr);
 
 /* coarse_preview_bytes() - returns the grid's share of v's budget; 0 without a grid.
+ * coarse_preview_held() - the same, but 0, too, of a grid that coarse_preview_end() would close.
  * coarse_preview_end() - close the grid and give its share back, unless a frame draws the grid. */
 size_t coarse_preview_bytes(const leafcast *v);
+size_t coarse_preview_held(const leafcast *v);
 void coarse_preview_end(leafcast *v);
 
 /* coarse_preview_stats() - add the bytes read and resident for the grid. */

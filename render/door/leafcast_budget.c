@@ -33,8 +33,9 @@ size_t budget_scratch(const frame *f) {
     return (size_t)pool_threads(f->threads) * frame_scratch_bytes(f);
 }
 
-/* The frame's bytes without records and treelets. kept: those of the device's scratch. */
-static size_t frame_fixed_bytes(const turn *t, size_t kept) {
+/* The frame's bytes without records and treelets. least: without what turn_prepare() can give back:
+ * scratch that another frame has left, and coarse grids that nobody draws. */
+static size_t frame_fixed_bytes(const turn *t, bool least) {
     const frame *f = &t->f;
     const leafcast_image *planes = &f->image;
     const leafcast_image colours = {.r = planes->r,
@@ -43,23 +44,23 @@ static size_t frame_fixed_bytes(const turn *t, size_t kept) {
                                     .a = planes->a,
                                     .provisional =
                                         t->scene.allow_missing ? planes->provisional : NULL};
-    const size_t scratch = budget_scratch(f);
+    const size_t kept = least ? 0 : t->device->scratch_bytes, scratch = budget_scratch(f);
     size_t bytes = (kept > scratch ? kept : scratch) + budget_image(&f->image, frame_pixels(f)) +
                    frame_bytes(f, records_wanted(f));
     if (t->scene.samples > 1)
         bytes += budget_image(&colours, frame_pixels(f));
     for (int i = 0; i < t->volumes; i++) {
-        const leafcast *v = t->drawn[i];
-        bytes += coarse_preview_bytes(t->shown[i].volume) +
+        const leafcast *v = t->drawn[i], *of = t->shown[i].volume;
+        bytes += (least ? coarse_preview_held(of) : coarse_preview_bytes(of)) +
                  (v->kind->tiles ? v->kind->tiles->projection_bytes(&v->file->layout) : 0);
     }
     return bytes;
 }
 
 /* Returns the bytes in use or promised, without this frame's records and without treelets. */
-static size_t fixed_bytes(const turn *t, size_t kept) {
+static size_t fixed_bytes(const turn *t, bool least) {
     const leafcast_device *d = t->device;
-    return d->base_bytes + d->beside + d->frames_bytes - t->reserved + frame_fixed_bytes(t, kept);
+    return d->base_bytes + d->beside + d->frames_bytes - t->reserved + frame_fixed_bytes(t, least);
 }
 
 /* Bytes of one treelet of each volume. */
@@ -165,7 +166,7 @@ status budget_share(turn *t) {
         for (int i = 0; i < t->volumes; i++)
             budget_slots(t->shown[i].volume, SIZE_MAX);
     } else {
-        const size_t fixed = fixed_bytes(t, d->scratch_bytes), slots = least_slots(t);
+        const size_t fixed = fixed_bytes(t, false), slots = least_slots(t);
         status st = check_budget(t, fixed);
         if (st != ST_OK)
             return st;
@@ -179,11 +180,11 @@ status budget_share(turn *t) {
     }
     f->records_max = (uint32_t)records;
     d->frames_bytes -= t->reserved;
-    t->reserved = frame_fixed_bytes(t, d->scratch_bytes) + records * frame_record_bytes(f);
+    t->reserved = frame_fixed_bytes(t, false) + records * frame_record_bytes(f);
     d->frames_bytes += t->reserved;
     return ST_OK;
 }
 
 status budget_check(const turn *t) {
-    return check_budget(t, fixed_bytes(t, 0)); /* turn_prepare() drops what is kept */
+    return check_budget(t, fixed_bytes(t, true));
 }

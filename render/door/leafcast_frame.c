@@ -361,7 +361,7 @@ static void release(leafcast_frame *fr) {
 
 /* ---- The public functions ---- */
 
-/* Describe the frame. Draw the tets if there is no room for a coarse grid in their place. */
+/* Describe the frame. Draw the cells if there is no room for a coarse grid in their place. */
 static status describe_within(leafcast_frame *fr, leafcast *v, const leafcast_scene *scene,
                               const leafcast_camera *from, const leafcast_image *image) {
     const status st = describe(fr, v, scene, from, image);

@@ -217,6 +217,18 @@ static void test_hexahedra_resampled(void **state) {
     }
 }
 
+/* A grid that is far too large is refused before anything is written. */
+static void test_too_large(void **state) {
+    (void)state;
+    for (int whole = 0; whole < 2; whole++) {
+        const coarse_hexes c = coarse_hexes_of(whole, 4, 300);
+        assert_int_equal(coarse_hexes_convert(&m, &c, "large.leaf"), ST_UNSUPPORTED);
+        assert_non_null(strstr(status_text(), "300 x 300 x 300"));
+        assert_int_not_equal(access(scratch_path("large.leaf"), F_OK), 0);
+        assert_int_equal(mem_used(&m), 0);
+    }
+}
+
 /* The same bytes whatever the threads and the memory; without grids, all before them but the
  * directory. */
 static void test_hexahedra_same_bytes(void **state) {
@@ -411,6 +423,7 @@ int main(void) {
         cmocka_unit_test(test_same_bytes),
         cmocka_unit_test(test_payloads_stay),
         cmocka_unit_test(test_hexahedra_resampled),
+        cmocka_unit_test(test_too_large),
         cmocka_unit_test(test_hexahedra_same_bytes),
         cmocka_unit_test(test_hexahedra_damage),
         cmocka_unit_test(test_damage),
