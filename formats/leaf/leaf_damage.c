@@ -70,7 +70,7 @@ static status find_in_coarse(mem *m, leaf_file *f, uint32_t set, const progress 
 
 status leaf_damage_find(mem *m, leaf_file *f, const progress *p, leaf_damage *d) {
     status st = find_in(m, f, p, "", d);
-    for (uint32_t set = 0; f->mesh && set < f->layout.sets && st == ST_OK; set++)
+    for (uint32_t set = 0; set < f->layout.sets && st == ST_OK; set++)
         if (leaf_file_has_coarse(f, set))
             st = find_in_coarse(m, f, set, p, d);
     return st;

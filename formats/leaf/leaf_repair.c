@@ -350,7 +350,7 @@ static status fill(repair *r) {
         st = take_segments(r, &g, f);
         g.header = f->header;
     }
-    for (uint32_t set = 0; f && f->mesh && set < f->layout.sets && st == ST_OK; set++)
+    for (uint32_t set = 0; f && set < f->layout.sets && st == ST_OK; set++)
         if (leaf_file_has_coarse(f, set))
             st = repair_coarse(r, f, set);
     leaf_file_close(f);

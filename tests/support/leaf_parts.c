@@ -44,7 +44,7 @@ leaf_parts leaf_parts_of(const char *path) {
         add_file(&p, part, false, f->segments[i].base);
         leaf_file_close(part);
     }
-    for (uint32_t set = 0; f->mesh && set < f->layout.sets; set++) {
+    for (uint32_t set = 0; set < f->layout.sets; set++) {
         if (!leaf_file_has_coarse(f, set))
             continue;
         assert_int_equal(leaf_file_open_coarse(&m, f, set, &coarse), ST_OK);

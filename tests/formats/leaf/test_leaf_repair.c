@@ -16,6 +16,7 @@
 #include "formats/leaf/leaf_damage.h"
 #include "formats/leaf/leaf_repair.h"
 #include "formats/leaf/leaf_verify.h"
+#include "tests/support/coarse_hexes.h"
 #include "tests/support/fields.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/leaf_parts.h"
@@ -100,6 +101,15 @@ static sound mesh_file(const char *name, leaf_codec codec) {
     return sound_of(name, scratch_path("sound.leaf"));
 }
 
+/* Two steps of hexahedra. */
+static sound hexes_file(bool whole) {
+    coarse_hexes c = coarse_hexes_of(whole, 8, 20);
+    c.steps = 2;
+    if (coarse_hexes_convert(&m, &c, "sound.leaf") != ST_OK)
+        fail_msg("%s", status_text());
+    return sound_of(whole ? "whole cells" : "curvilinear grid", scratch_path("sound.leaf"));
+}
+
 /* A grid of two steps and two more that were added. */
 static sound grown_file(void) {
     leaf_steps s;
@@ -117,7 +127,7 @@ static sound grown_file(void) {
     return sound_of("grown grid", path);
 }
 
-enum { KINDS = 7, COARSE = 3, GROWN = 5 }; /* from COARSE to GROWN: with coarse grids */
+enum { KINDS = 9, COARSE = 3, GROWN = 7 }; /* from COARSE to GROWN: with coarse grids */
 static sound make(int kind) {
     switch (kind) {
     case 0: return grid_file("raw grid", LEAF_CODEC_RAW, 1);
@@ -125,7 +135,9 @@ static sound make(int kind) {
     case 2: return sets_file();
     case 3: return mesh_file("raw mesh", LEAF_CODEC_RAW);
     case 4: return mesh_file("compressed mesh", LEAF_CODEC_ZSTD);
-    case 5: return grown_file();
+    case 5: return hexes_file(false);
+    case 6: return hexes_file(true);
+    case 7: return grown_file();
     default: return sound_of("grown mesh", mesh_grown_make(8, 2, LEAF_CODEC_RAW, "sound.leaf"));
     }
 }
