@@ -130,7 +130,8 @@ static void test_kind(void **state) {
     assert_int_equal(input_open(&m, path, NULL, &in), ST_OK);
     assert_ptr_equal(in.kind, &curvilinear_input_kind);
     assert_string_equal(in.kind->format(in.own), "PLOT3D");
-    assert_int_equal(in.kind->traits(in.own), INPUT_CHOICES | INPUT_STEPS | INPUT_SERIES);
+    assert_int_equal(in.kind->traits(in.own),
+                     INPUT_ONE_LEVEL | INPUT_CHOICES | INPUT_STEPS | INPUT_SERIES);
     input_close(&in);
     /* Any file, if the layout is told; then it must be one. */
     path = scratch_text("a.nrrd", "NRRD0004\n");

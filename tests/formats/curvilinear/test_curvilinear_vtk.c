@@ -464,7 +464,7 @@ static void test_collection(void **state) {
         fail_msg("%s", status_text());
     assert_ptr_equal(in.kind, &curvilinear_input_kind);
     assert_int_equal(in.kind->traits(in.own),
-                     INPUT_CHOICES | INPUT_FILES | INPUT_STEPS | INPUT_SERIES);
+                     INPUT_ONE_LEVEL | INPUT_CHOICES | INPUT_FILES | INPUT_STEPS | INPUT_SERIES);
     curvilinear_input *x = in.own;
     const double *times;
     assert_int_equal(curvilinear_input_steps(x, &times), 2);
