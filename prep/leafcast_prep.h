@@ -66,7 +66,7 @@ typedef struct leafcast_convert_options {
 
     /* Meshes. */
     bool gradients;        /* store the gradient at each vertex, too, for smooth normals */
-    bool coarse;           /* store a grid of the values, too, for previews; of whole cells, too, */
+    bool coarse;           /* store a grid of the values, too, for previews, */
     uint32_t coarse_dims;  /* with so many nodes along the longest edge, 2 to 2^20; 0: as suits the
                               mesh */
     uint32_t treelet_tets; /* at most in a treelet, to 16384; 0: 4096 */

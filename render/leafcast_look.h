@@ -139,14 +139,13 @@ typedef struct leafcast_scene {
     uint32_t lod_level; /* 0 is full resolution; beyond the last level: the last one, but
                            LEAFCAST_USAGE in a grid that has level 0 alone; at most
                            LEAFCAST_LEVEL_MAX */
-    bool
-        preview; /* do not wait for all data. Draws a grid's isosurfaces alone at the finest level
-                    of which few megabytes are absent, and waits for what it sees of that. Else
-                    draws what is resident, the finest levels first, or a coarse grid where
-                    cells are absent. Marks provisional pixels; with media, image.error says how far
-                    they may be off. For a volume with a coarse grid, lod level n > 0 is
-                    that grid's level n - 1, drawn instead of the cells, and the whole picture is
-                    provisional */
+    bool preview; /* do not wait for all data. Draws a grid's isosurfaces alone at the finest level
+                     of which few megabytes are absent, and waits for what it sees of that. Else
+                     draws what is resident, the finest levels first, or a coarse grid where cells
+                     are absent. Marks provisional pixels; with media, image.error says how far they
+                     may be off. For a volume with a coarse grid, lod level n > 0 is that grid's
+                     level n - 1, drawn instead of the cells, and the whole picture is provisional
+                   */
     bool allow_missing; /* draw treelets that cannot be read, as they are damaged or the disk fails,
                            by the coarser one above, or not at all; their pixels are provisional,
                            and stats count them. false: they are an error. Ignored by previews,

@@ -98,8 +98,8 @@ static void look_at_gap(repair *r, uint64_t from, uint64_t to) {
 
 /* ---- header and section table ---- */
 
-/* Read a copy's header. Returns whether it is sound and, of a coarse grid, has the id that the mesh
- * gives. note: why not. */
+/* Read a copy's header. Returns whether it is sound and, of a coarse grid, has the id that
+ * the file around it gives. note: why not. */
 static bool read_header(const repair *r, const region *g, int i, leaf_header *h,
                         status_note *note) {
     leaf_layout layout;
