@@ -526,6 +526,13 @@ bool leaf_file_has_coarse(const leaf_file *f, uint32_t set) {
     return f->coarse && f->coarse[set].bytes;
 }
 
+/* A grid, or no more cells of the same kind. */
+static bool stands_for(const leaf_file *coarse, const leaf_file *f) {
+    const leaf_geometry *g = coarse->geometry;
+    return g->has_map || (g == f->geometry && !coarse->coarse && coarse->layout.sets == 1 &&
+                          g->verifier->cells(coarse) <= g->verifier->cells(f));
+}
+
 status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, leaf_file **out) {
     assert(leaf_file_has_coarse(f, set));
     const leaf_part *part = &f->coarse[set];
@@ -535,8 +542,8 @@ status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, leaf_file
     if (st == ST_OK)
         st = open_alone(m, source, NULL, file_path(f->source), &coarse);
     const bool alone = st == ST_OK && !coarse->header.segments && !coarse->header.steps_before;
-    if (st == ST_OK && (!alone || !coarse->geometry->has_map ||
-                        memcmp(coarse->header.id, part->id, sizeof part->id)))
+    if (st == ST_OK &&
+        (!alone || !stands_for(coarse, f) || memcmp(coarse->header.id, part->id, sizeof part->id)))
         st = status_describe(
             ST_CORRUPT, "%s: expected the grid %016llx%016llx, found %016llx%016llx of kind %u",
             file_path(coarse->source), (unsigned long long)part->id[1],

@@ -201,7 +201,8 @@ status leaf_writer_embed(leaf_writer *w, uint32_t set, const char *path) {
     if (st == ST_OK)
         st = copy_file(w, from, h->file_bytes);
     if (st == ST_OK) {
-        assert(own.kind == LEAF_KIND_GRID && own.run_align_log2 == h->run_align_log2);
+        assert(own.kind == LEAF_KIND_GRID || own.kind == h->kind);
+        assert(own.run_align_log2 == h->run_align_log2);
         w->parts[set] = (leaf_part){
             .offset = h->file_bytes, .bytes = own.file_bytes, .id = {own.id[0], own.id[1]}};
         h->file_bytes += own.file_bytes;

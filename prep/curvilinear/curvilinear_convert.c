@@ -11,9 +11,9 @@
 #include "formats/leaf/curvilinear_draw.h"
 #include "formats/leaf/curvilinear_geometry.h"
 #include "formats/leaf/hex_treelet.h"
+#include "prep/curvilinear/curvilinear_coarse.h"
 #include "prep/curvilinear/curvilinear_slab.h"
 #include "prep/further_step.h"
-#include "prep/resample/coarse_grids.h"
 
 #ifndef LEAFCAST_VERSION
 #define LEAFCAST_VERSION "0"
@@ -568,13 +568,12 @@ static void note_result(const conversion *c, curvilinear_result *result) {
 }
 
 static status embed_coarse(conversion *c, const char *output, const leaf_facts *facts) {
-    const curvilinear_options *o = c->o;
-    const coarse_grids coarse = {
-        .dims = o->coarse_dims, .file = o->file, .memory = o->memory, .threads = o->threads};
-    if (!o->coarse)
+    curvilinear_coarse coarse = curvilinear_coarse_of(c->o);
+    const coarse_maker maker = curvilinear_coarse_maker(&coarse);
+    if (!c->o->coarse)
         return ST_OK;
     const status st = leaf_writer_settle(c->writer, facts);
-    return st == ST_OK ? coarse_grids_embed(c->m, c->writer, output, &coarse, c->p) : st;
+    return st == ST_OK ? coarse_parts_embed(c->m, c->writer, output, &maker, c->p) : st;
 }
 
 status curvilinear_convert(mem *m, const curvilinear_series *s, const char *name,

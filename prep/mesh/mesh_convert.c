@@ -286,10 +286,11 @@ static status embed_coarse(mem *m, leaf_writer *w, const char *output, const lea
                            const mesh_options *o, const progress *p) {
     if (!o->coarse)
         return ST_OK;
-    const coarse_grids coarse = {
+    coarse_grids coarse = {
         .dims = o->coarse_dims, .file = o->file, .memory = o->memory, .threads = o->threads};
     status st = leaf_writer_settle(w, facts);
-    return st == ST_OK ? coarse_grids_embed(m, w, output, &coarse, p) : st;
+    const coarse_maker maker = coarse_grids_maker(&coarse);
+    return st == ST_OK ? coarse_parts_embed(m, w, output, &maker, p) : st;
 }
 
 /* Make the treelet file of what has been read, or what is left of that. */

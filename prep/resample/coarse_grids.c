@@ -2,27 +2,31 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "formats/base/file_guard.h"
+#include "formats/base/file.h"
 #include "formats/grid/nrrd_writer.h"
 #include "prep/grid/convert.h"
+#include "prep/resample/grid_fill.h"
 #include "prep/resample/resample.h"
 #include "prep/resample/resample_cells.h"
-
-enum { SUFFIX_ROOM = 64 };
 
 typedef struct embedding {
     mem *m;
     const coarse_grids *o;
     const progress *p;
-    leaf_file *f;         /* what is resampled */
-    char *samples, *grid; /* paths of the two scratch files */
-    const char *output;
+    leaf_file *f;               /* what is resampled */
+    const char *samples, *grid; /* paths */
 } embedding;
 
-static status append(void *ctx, const float *samples, size_t count) {
-    return nrrd_writer_append(ctx, samples, count);
+typedef struct receiver {
+    nrrd_writer *writer;
+    grid_fill fill;
+} receiver;
+
+static status receive(void *ctx, const float *samples, size_t count) {
+    receiver *r = ctx;
+    grid_fill_count(&r->fill, samples, count);
+    return nrrd_writer_append(r->writer, samples, count);
 }
 
 /* The most nodes: so many times as many as by default, or as this. A grid that is larger by far
@@ -39,29 +43,33 @@ static status check_size(const embedding *e, const resample_grid *g, uint64_t us
     return status_describe(ST_UNSUPPORTED,
                            "%s: --coarse: a grid of %u x %u x %u nodes is far larger than the "
                            "volume it stands for; at most %llu nodes, by default there are %llu",
-                           e->output, g->dims[0], g->dims[1], g->dims[2], (unsigned long long)most,
-                           (unsigned long long)usual);
+                           file_path(e->f->source), g->dims[0], g->dims[1], g->dims[2],
+                           (unsigned long long)most, (unsigned long long)usual);
 }
 
-static status resample(const embedding *e, uint32_t set) {
+static status resample(const embedding *e, uint32_t set, coarse_grids_fill *fill) {
     const leaf_header *h = &e->f->header;
     const uint64_t usual = resample_cells_of(e->f)->coarse(e->f);
     const resample_wish wish = {.dims = {e->o->dims}, .nodes = usual};
     const resample_options options = {.set = set, .memory = e->o->memory, .threads = e->o->threads};
     resample_grid g;
     grid described;
-    nrrd_writer *writer = NULL;
+    receiver r = {0};
     resample_result result;
     status st = resample_grid_choose(&wish, h->bounds, h->name, &g, &described);
     if (st == ST_OK)
         st = check_size(e, &g, usual);
     if (st == ST_OK)
-        st = nrrd_writer_create(e->m, e->samples, true, &described, &writer);
+        st = nrrd_writer_create(e->m, e->samples, true, &described, &r.writer);
     if (st == ST_OK)
-        st = resample_run(e->m, e->f, &g, &options, e->p, append, writer, &result);
+        st = grid_fill_init(&r.fill, e->m, g.dims);
     if (st == ST_OK)
-        return nrrd_writer_commit(writer);
-    nrrd_writer_discard(writer);
+        st = resample_run(e->m, e->f, &g, &options, e->p, receive, &r, &result);
+    *fill = (coarse_grids_fill){r.fill.nodes, r.fill.cells};
+    grid_fill_release(&r.fill);
+    if (st == ST_OK)
+        return nrrd_writer_commit(r.writer);
+    nrrd_writer_discard(r.writer);
     return st;
 }
 
@@ -84,46 +92,29 @@ static status convert(const embedding *e) {
     return st;
 }
 
-static char *beside(mem *m, const char *output, const char *suffix) {
-    const size_t size = strlen(output) + SUFFIX_ROOM;
-    char *path = mem_alloc(m, size);
-    if (path)
-        snprintf(path, size, "%s.coarse-%ld.%s", output, (long)getpid(), suffix);
-    return path;
-}
-
-static void remove_scratch(const char *path) {
-    file_guard_forget(path);
-    (void)unlink(path);
-}
-
-static status embed_sets(embedding *e, leaf_writer *w) {
-    status st = leaf_file_open(e->m, leaf_writer_path(w), &e->f);
-    for (uint32_t set = 0; st == ST_OK && set < e->f->layout.sets; set++) {
-        st = resample(e, set);
-        if (st == ST_OK)
-            st = convert(e);
-        if (st == ST_OK)
-            st = leaf_writer_embed(w, set, e->grid);
-        remove_scratch(e->samples);
-        remove_scratch(e->grid);
-    }
-    leaf_file_close(e->f);
+/* The samples wait in a file beside the grid's. */
+status coarse_grids_make(const coarse_grids *o, mem *m, leaf_file *f, uint32_t set,
+                         const char *path, const progress *p, coarse_grids_fill *fill) {
+    const size_t size = strlen(path) + COARSE_PARTS_SUFFIX;
+    char *samples = mem_alloc(m, size);
+    if (!samples)
+        return ST_NOMEM;
+    snprintf(samples, size, "%s.nrrd", path);
+    const embedding e = {.m = m, .o = o, .p = p, .f = f, .samples = samples, .grid = path};
+    status st = resample(&e, set, fill);
+    if (st == ST_OK)
+        st = convert(&e);
+    coarse_parts_remove(samples);
+    mem_free(m, samples);
     return st;
 }
 
-status coarse_grids_embed(mem *m, leaf_writer *w, const char *output, const coarse_grids *o,
-                          const progress *p) {
-    /* Do not report progress: this is a small rest of the whole job. */
-    const progress quiet = {.stop = p ? p->stop : NULL, .ctx = p ? p->ctx : NULL};
-    embedding e = {.m = m,
-                   .o = o,
-                   .p = &quiet,
-                   .samples = beside(m, output, "nrrd"),
-                   .grid = beside(m, output, "leaf"),
-                   .output = output};
-    const status st = e.samples && e.grid ? embed_sets(&e, w) : ST_NOMEM;
-    mem_free(m, e.samples);
-    mem_free(m, e.grid);
-    return st;
+static status make(void *ctx, mem *m, leaf_file *f, uint32_t set, const char *path,
+                   const progress *p) {
+    coarse_grids_fill unused;
+    return coarse_grids_make(ctx, m, f, set, path, p, &unused);
+}
+
+coarse_maker coarse_grids_maker(coarse_grids *o) {
+    return (coarse_maker){o, make};
 }

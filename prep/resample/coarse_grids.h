@@ -7,10 +7,7 @@
 
 #include <stdint.h>
 
-#include "formats/base/mem.h"
-#include "formats/base/progress.h"
-#include "formats/base/status.h"
-#include "formats/leaf/leaf_writer.h"
+#include "prep/resample/coarse_parts.h"
 
 typedef struct coarse_grids {
     uint32_t dims; /* nodes along the longest edge; 0: resample_cells.coarse() in all, about */
@@ -19,9 +16,18 @@ typedef struct coarse_grids {
     int threads;
 } coarse_grids;
 
-/* coarse_grids_embed() - put a grid for each set into w, which must be settled. output: path beside
- * which scratch files may lie. The grids depend on the cells, dims and file alone. */
-CHECKED status coarse_grids_embed(mem *m, leaf_writer *w, const char *output, const coarse_grids *o,
-                                  const progress *p);
+/* How much a grid shows (grid_fill.h). */
+typedef struct coarse_grids_fill {
+    uint64_t nodes, cells; /* that have data */
+} coarse_grids_fill;
+
+/* coarse_grids_make() - write the grid of a set of f to `path`, and nothing else that stays. It
+ * depends on the cells, dims and file alone. ST_UNSUPPORTED if it is far larger than what it stands
+ * for. */
+CHECKED status coarse_grids_make(const coarse_grids *o, mem *m, leaf_file *f, uint32_t set,
+                                 const char *path, const progress *p, coarse_grids_fill *fill);
+
+/* coarse_grids_maker() - one that makes grids so; o: by reference. */
+coarse_maker coarse_grids_maker(coarse_grids *o);
 
 #endif

@@ -14,6 +14,14 @@ static uint64_t nodes(const leaf_file *f) {
     return f->header.vertices ? f->header.vertices : f->geometry->verifier->cells(f);
 }
 
+/* Finding where in a hexahedron a node lies takes long: with more, converting would, too. */
+enum { COARSE_NODES = 1 << 22 };
+
+static uint64_t coarse(const leaf_file *f) {
+    const uint64_t all = nodes(f);
+    return all < COARSE_NODES ? all : COARSE_NODES;
+}
+
 static status load(const resample_treelet *t, leaf_unpacker *u) {
     hex_treelet h;
     const float *values;
@@ -111,4 +119,4 @@ static void draw(const resample_block *b, uint64_t first_row, uint64_t rows,
                     draw_row(&d, y, z);
 }
 
-const resample_cells resample_hexes = {NULL, payloads, nodes, nodes, load, draw};
+const resample_cells resample_hexes = {NULL, payloads, nodes, coarse, load, draw};

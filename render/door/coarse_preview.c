@@ -2,6 +2,7 @@
 
 #include "formats/leaf/coarse_pair.h"
 #include "formats/leaf/leaf_between.h"
+#include "formats/leaf/leaf_geometry.h"
 #include "render/door/leafcast_device.h"
 
 enum { SHARE_LOG2 = 3 };
@@ -30,20 +31,22 @@ void coarse_preview_end(leafcast *v) {
     v->coarse = NULL;
 }
 
-uint32_t coarse_preview_levels(const leafcast *v) {
+uint32_t coarse_preview_levels(leafcast *v) {
     const leaf_file *f = leaf_file_stores(v->file);
     leaf_file *grid = NULL;
     if (!leaf_file_has_coarse(f, 0) || leaf_file_open_coarse(v->m, f, 0, &grid) != ST_OK)
         return 0;
     const uint32_t levels = grid->layout.sampled;
+    v->coarse_is_grid = grid->geometry->has_map;
     leaf_file_close(grid);
     return levels;
 }
 
-/* Whether what is shown of v is between steps whose grids can be blended. Where points move, grids
+/* Whether what is shown of v is between steps whose grids can be blended: those of samples. Where
+ * points move, grids
  * have data in different places: a blend would have some where both have, and of no cell. */
 static bool is_blended(const leafcast *v) {
-    return v->file->below && !leaf_layout_moves(&v->file->layout);
+    return v->file->below && v->coarse_is_grid && !leaf_layout_moves(&v->file->layout);
 }
 
 /* The set whose grid is shown, or that and the next one's blend: else the nearest step's. */
@@ -117,6 +120,12 @@ static status load_root(loader *l) {
     return l->own[0] && !loader_lookup(l, 0) ? loader_admit(l, &root, 1) : ST_OK;
 }
 
+/* What is no grid has no coarser level that is there at once: wait for all of it, which is small.
+ */
+static status wait_for_cells(const leafcast *coarse) {
+    return coarse->file->layout.sampled > 1 ? ST_OK : loader_settle(coarse->treelets);
+}
+
 /* Open the grid of the set that is shown of v. *out = NULL: there is no grid, or no room for it. */
 static status open_shown(leafcast *v, const leafcast_shown *shown, leafcast **out) {
     const uint32_t set = set_of(v, shown);
@@ -171,7 +180,7 @@ status coarse_preview_begin(leafcast *v, const leafcast_scene *scene, const leaf
         return st == ST_NOMEM ? ST_OK : st;
     loader_sweep(coarse->treelets);
     *out = tr;
-    return ST_OK;
+    return wait_for_cells(coarse);
 }
 
 status coarse_preview_instead(leafcast *v, const leafcast_scene *scene, const leafcast_shown *shown,
@@ -184,7 +193,9 @@ status coarse_preview_instead(leafcast *v, const leafcast_scene *scene, const le
 status coarse_preview_show(leafcast *coarse, const leafcast_scene *scene,
                            const leafcast_shown *shown, const interest *beside, const camera *c,
                            tracer *tr) {
-    const leafcast_scene level = scene_of_grid(scene, LEAFCAST_LOD_LEVEL, scene->lod_level - 1);
+    const uint32_t last = coarse->file->layout.sampled - 1;
+    const leafcast_scene level = scene_of_grid(
+        scene, LEAFCAST_LOD_LEVEL, scene->lod_level - 1 < last ? scene->lod_level - 1 : last);
     const leafcast_shown grid = coarse_preview_shown(coarse, shown);
     volume_show_beside(&grid, beside);
     status st = load_root(coarse->treelets);
@@ -192,6 +203,8 @@ status coarse_preview_show(leafcast *coarse, const leafcast_scene *scene,
         st = volume_tracer(coarse, &level, c, tr);
     if (st == ST_OK)
         loader_sweep_level(coarse->treelets, tr->target_level, UINT64_MAX);
+    if (st == ST_OK)
+        st = wait_for_cells(coarse);
     tr->doubts = false; /* how far the grid is from the cells is not known */
     return st;
 }

@@ -20,7 +20,7 @@
 
 /* coarse_preview_levels() - returns the levels of v's coarse grids; all fields and steps have as
  * many as the first. 0: there is no grid that can be opened. */
-uint32_t coarse_preview_levels(const leafcast *v);
+uint32_t coarse_preview_levels(leafcast *v);
 
 /* coarse_preview_begin() - call before a picture of v. Sets *tr up for rays through the coarse grid
  * of the set and surfaces shown, and *out = tr. *out = NULL where the scene is no preview, the file

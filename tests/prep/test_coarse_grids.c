@@ -8,17 +8,23 @@
 #include <stddef.h>
 
 #include <cmocka.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "formats/base/fault.h"
 #include "formats/base/hash.h"
+#include "formats/leaf/curvilinear_geometry.h"
+#include "formats/leaf/hex_treelet.h"
 #include "formats/leaf/leaf_check.h"
 #include "formats/leaf/leaf_verify.h"
+#include "prep/curvilinear/curvilinear_thinned.h"
 #include "prep/resample/coarse_grids.h"
+#include "prep/resample/grid_fill.h"
 #include "prep/resample/resample.h"
 #include "tests/support/coarse_hexes.h"
+#include "tests/support/fields.h"
 #include "tests/support/mesh_cases.h"
 #include "tests/support/naive_leaf.h"
 #include "tests/support/naive_mesh.h"
@@ -210,16 +216,140 @@ static void test_hexahedra_resampled(void **state) {
         c.steps = 2;
         check_sets(&c);
         /* By default about as many nodes as the cells have. */
-        c = coarse_hexes_of(whole, 8, 0);
+        c = coarse_hexes_of(whole, 24, 0);
         c.codec = LEAF_CODEC_ZSTD;
         check_sets(&c);
         leaf_file *f = NULL, *coarse = NULL;
         assert_int_equal(leaf_file_open(&m, scratch_path("hexes.leaf"), &f), ST_OK);
         assert_int_equal(leaf_file_open_coarse(&m, f, 0, &coarse), ST_OK);
         for (int a = 0; a < 3; a++)
-            assert_in_range(coarse->header.dims[a], 8, 9);
+            assert_in_range(coarse->header.dims[a], 24, 25);
         leaf_file_close(coarse);
         leaf_file_close(f);
+    }
+}
+
+/* ---- how much of the cells a grid shows ---- */
+
+enum { FILL_NODES = 6 * 7 * 8 };
+
+static void check_fill(const uint32_t n[3], field_random *r) {
+    float data[FILL_NODES];
+    uint64_t nodes = 0, cells = 0;
+    grid_fill f;
+    for (uint32_t at = 0; at < n[0] * n[1] * n[2]; at++) {
+        data[at] = field_random_below(r, 5) ? 1.0F : NAN;
+        nodes += !isnan(data[at]);
+    }
+    for (uint32_t k = 0; k + 1 < n[2]; k++)
+        for (uint32_t j = 0; j + 1 < n[1]; j++)
+            for (uint32_t i = 0; i + 1 < n[0]; i++) {
+                bool all = true;
+                for (uint32_t c = 0; c < 8; c++)
+                    all = all && !isnan(data[i + (c & 1) +
+                                                n[0] * (j + (c >> 1 & 1) + n[1] * (k + (c >> 2)))]);
+                cells += all;
+            }
+    assert_int_equal(grid_fill_init(&f, &m, n), ST_OK);
+    for (size_t at = 0, run, all = (size_t)n[0] * n[1] * n[2]; at < all; at += run) {
+        run = (size_t)field_random_below(r, 40);
+        run = run < all - at ? run : all - at;
+        grid_fill_count(&f, data + at, run);
+    }
+    assert_int_equal(f.nodes, nodes);
+    assert_int_equal(f.cells, cells);
+    grid_fill_release(&f);
+}
+
+static void test_fill(void **state) {
+    (void)state;
+    field_random r = {3};
+    for (int k = 0; k < 200; k++)
+        check_fill((const uint32_t[3]){6, 7, 8}, &r);
+    for (int k = 0; k < 20; k++)
+        check_fill((const uint32_t[3]){2, 2, 2}, &r);
+}
+
+/* ---- in computational space ---- */
+
+/* The node of a file's zone, as its treelets have it. */
+typedef struct node {
+    float p[3], value;
+} node;
+
+static node node_at(leaf_file *f, uint32_t zone, const uint32_t at[3]) {
+    const curvilinear_directory *d = curvilinear_directory_of(f);
+    node found = {{NAN, NAN, NAN}, NAN};
+    char *room = mem_alloc(&m, HEX_TREELET_PAYLOADS * leaf_layout_payload_max(&f->layout));
+    for (uint32_t t = 0; t < f->layout.treelets; t++) {
+        const uint32_t *first = d->where[t].first, *cells = d->counts[t];
+        bool in = d->where[t].zone == zone;
+        for (int a = 0; a < 3; a++)
+            in = in && at[a] >= first[a] && at[a] <= first[a] + cells[a];
+        if (!in)
+            continue;
+        hex_treelet h;
+        const float *values;
+        assert_int_equal(hex_treelet_load(f, t, 0, NULL, room, &h, &values), ST_OK);
+        const uint32_t n =
+            at[0] - first[0] +
+            (cells[0] + 1) * (at[1] - first[1] + (cells[1] + 1) * (at[2] - first[2]));
+        for (int a = 0; a < 3; a++)
+            found.p[a] = hex_treelet_coordinates(&h, a)[n];
+        found.value = values[n];
+        break;
+    }
+    mem_free(&m, room);
+    return found;
+}
+
+/* Every node of the thinned grid is the one of the grid that it stands for. */
+static void check_thinned(leaf_file *f, uint32_t log2) {
+    const curvilinear_directory *d = curvilinear_directory_of(f);
+    curvilinear_thinned t;
+    assert_int_equal(curvilinear_thinned_init(&t, &m, f, 0, log2), ST_OK);
+    assert_false(t.source.blanked);
+    for (uint32_t z = 0; z < f->header.zones; z++) {
+        const uint32_t *n = t.source.nodes[z];
+        const size_t plane = (size_t)n[0] * n[1];
+        float(*p)[3] = malloc(plane * sizeof *p), *values = malloc(plane * sizeof *values);
+        for (int a = 0; a < 3; a++)
+            assert_int_equal(n[a], (d->zones[z][a] - 2) / (1U << log2) + 2);
+        for (uint32_t k = 0; k < n[2]; k++) {
+            assert_int_equal(t.source.places(&t, z, k, 1, p), ST_OK);
+            assert_int_equal(t.source.values(&t, z, 0, k, 1, values), ST_OK);
+            for (size_t i = 0; i < plane; i++) {
+                uint32_t at[3] = {(uint32_t)i % n[0], (uint32_t)i / n[0], k};
+                for (int a = 0; a < 3; a++)
+                    at[a] = at[a] + 1 == n[a] ? d->zones[z][a] - 1 : at[a] << log2;
+                const node want = node_at(f, z, at);
+                assert_memory_equal(p[i], want.p, sizeof want.p);
+                assert_true(values[i] == want.value);
+            }
+        }
+        free(p);
+        free(values);
+    }
+    curvilinear_thinned_release(&t);
+}
+
+/* By default, where a regular grid would lose much: here, the cells at the sides of few. */
+static void test_thinned(void **state) {
+    (void)state;
+    for (uint32_t cells = 4; cells <= 20; cells += 8) {
+        coarse_hexes c = coarse_hexes_of(false, cells, 0);
+        leaf_file *f = NULL, *coarse = NULL;
+        assert_int_equal(coarse_hexes_convert(&m, &c, "thin.leaf"), ST_OK);
+        assert_int_equal(leaf_file_open(&m, scratch_path("thin.leaf"), &f), ST_OK);
+        for (uint32_t log2 = 1; log2 < 7; log2 += 2)
+            check_thinned(f, log2);
+        assert_int_equal(leaf_file_open_coarse(&m, f, 0, &coarse), ST_OK);
+        assert_ptr_equal(coarse->geometry, f->geometry);
+        assert_int_equal(coarse->layout.treelets, f->layout.treelets);
+        assert_true(curvilinear_directory_of(coarse)->zones[0][0] == cells / 2 + 1);
+        leaf_file_close(coarse);
+        leaf_file_close(f);
+        assert_int_equal(mem_used(&m), 0);
     }
 }
 
@@ -239,8 +369,8 @@ static void test_too_large(void **state) {
  * directory. */
 static void test_hexahedra_same_bytes(void **state) {
     (void)state;
-    for (int whole = 0; whole < 2; whole++) {
-        coarse_hexes c = coarse_hexes_of(whole, 8, 20);
+    for (int of = 0; of < 3; of++) { /* 2: thinned */
+        coarse_hexes c = coarse_hexes_of(of == 1, 8, of == 2 ? 0 : 20);
         size_t size, other;
         char *want = convert_hexes(&c, "want.leaf", &size);
         for (int threads = 1; threads <= 4; threads += 3) {
@@ -284,8 +414,8 @@ static void check_refused(const char *bytes, size_t size, const char *what, size
 
 static void test_hexahedra_damage(void **state) {
     (void)state;
-    for (int whole = 0; whole < 2; whole++) {
-        const coarse_hexes c = coarse_hexes_of(whole, 4, 7);
+    for (int of = 0; of < 3; of++) { /* 2: thinned */
+        const coarse_hexes c = coarse_hexes_of(of == 1, 4, of == 2 ? 0 : 7);
         size_t size;
         char *bytes = convert_hexes(&c, "made.leaf", &size);
         leaf_file *f = NULL;
@@ -376,14 +506,14 @@ static void test_lies(void **state) {
 }
 
 static status try_kind(int kind) {
-    if (kind == 2) {
+    if (kind == 3) {
         mesh_case c = small(5);
         c.options.threads = 1;
         const status st = try_convert(&c, "fault.leaf");
         mesh_cases_free(&c);
         return st;
     }
-    coarse_hexes c = coarse_hexes_of(kind == 1, 4, 5);
+    coarse_hexes c = coarse_hexes_of(kind == 1, 4, kind == 2 ? 0 : 5); /* 2: thinned */
     c.threads = 1;
     const status st = coarse_hexes_convert(&m, &c, "fault.leaf");
     assert_int_equal(mem_used(&m), 0);
@@ -410,7 +540,7 @@ static void test_faults(void **state) {
     (void)unlink(scratch_path("fault.leaf"));
     assert_int_equal(try_kind(1), ST_OK); /* its input stays */
     (void)unlink(scratch_path("fault.leaf"));
-    for (int of = 0; of < 3; of++)
+    for (int of = 0; of < 4; of++)
         for (fault_kind kind = FAULT_ALLOC; kind <= FAULT_WRITE; kind++)
             check_faults(of, kind);
 }
@@ -422,6 +552,8 @@ int main(void) {
         cmocka_unit_test(test_same_bytes),
         cmocka_unit_test(test_payloads_stay),
         cmocka_unit_test(test_hexahedra_resampled),
+        cmocka_unit_test(test_fill),
+        cmocka_unit_test(test_thinned),
         cmocka_unit_test(test_too_large),
         cmocka_unit_test(test_hexahedra_same_bytes),
         cmocka_unit_test(test_hexahedra_damage),

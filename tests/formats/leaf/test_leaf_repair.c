@@ -102,12 +102,12 @@ static sound mesh_file(const char *name, leaf_codec codec) {
 }
 
 /* Two steps of hexahedra. */
-static sound hexes_file(bool whole) {
-    coarse_hexes c = coarse_hexes_of(whole, 8, 20);
+static sound hexes_file(const char *name, bool whole, uint32_t dims) {
+    coarse_hexes c = coarse_hexes_of(whole, 8, dims);
     c.steps = 2;
     if (coarse_hexes_convert(&m, &c, "sound.leaf") != ST_OK)
         fail_msg("%s", status_text());
-    return sound_of(whole ? "whole cells" : "curvilinear grid", scratch_path("sound.leaf"));
+    return sound_of(name, scratch_path("sound.leaf"));
 }
 
 /* A grid of two steps and two more that were added. */
@@ -127,7 +127,7 @@ static sound grown_file(void) {
     return sound_of("grown grid", path);
 }
 
-enum { KINDS = 9, COARSE = 3, GROWN = 7 }; /* from COARSE to GROWN: with coarse grids */
+enum { KINDS = 10, COARSE = 3, GROWN = 8 }; /* from COARSE to GROWN: with coarse grids */
 static sound make(int kind) {
     switch (kind) {
     case 0: return grid_file("raw grid", LEAF_CODEC_RAW, 1);
@@ -135,9 +135,10 @@ static sound make(int kind) {
     case 2: return sets_file();
     case 3: return mesh_file("raw mesh", LEAF_CODEC_RAW);
     case 4: return mesh_file("compressed mesh", LEAF_CODEC_ZSTD);
-    case 5: return hexes_file(false);
-    case 6: return hexes_file(true);
-    case 7: return grown_file();
+    case 5: return hexes_file("curvilinear grid", false, 20);
+    case 6: return hexes_file("curvilinear grid, thinned", false, 0);
+    case 7: return hexes_file("whole cells", true, 20);
+    case 8: return grown_file();
     default: return sound_of("grown mesh", mesh_grown_make(8, 2, LEAF_CODEC_RAW, "sound.leaf"));
     }
 }

@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "formats/base/fault.h"
-#include "tests/support/coarse_hexes.h"
+#include "tests/support/coarse_subjects.h"
 #include "tests/support/fixture.h"
 #include "tests/support/pictures.h"
 #include "tests/support/scratch.h"
@@ -44,12 +44,11 @@ static bool fail_at(long k, int *drawn, int *refused) {
 
 static void test_no_memory(void **state) {
     (void)state;
-    for (int whole = 0; whole < 2; whole++) {
-        const coarse_hexes c = coarse_hexes_of(whole, 8, 20);
+    for (subject of = TETS; of < SUBJECTS; of++) {
         mem m;
         int drawn = 0, refused = 0;
         mem_init(&m, 0);
-        assert_int_equal(coarse_hexes_convert(&m, &c, "coarse.leaf"), ST_OK);
+        coarse_subjects_make(&m, of, "coarse.leaf", NULL, true);
         for (long k = 1; fail_at(k, &drawn, &refused); k++)
             assert_true(k < 10000);
         assert_true(drawn > 5 && refused > 0);

@@ -20,64 +20,24 @@
 #include "formats/leaf/leaf_unpacker.h"
 #include "prep/mesh/mesh_series.h"
 #include "tests/support/coarse_hexes.h"
+#include "tests/support/coarse_subjects.h"
 #include "tests/support/fixture.h"
 #include "tests/support/mesh_cases.h"
 #include "tests/support/pictures.h"
 #include "tests/support/scratch.h"
 #include "tests/support/watched.h"
 
-enum { CELLS = 20, FRAMES_MAX = 20000, READ_US = 1000 };
+enum { FRAMES_MAX = 20000, READ_US = 1000 };
 #define ISO_VALUE 0.4
 static const double ISO = ISO_VALUE;
 static mem m;
 
-/* The coarse grid of a set, as a file of its own. */
-static void take_part(const char *name, uint32_t set, const char *part_name) {
-    leaf_file *f = NULL;
-    size_t size;
-    char *bytes = scratch_read(scratch_path(name), &size);
-    assert_int_equal(leaf_file_open(&m, scratch_path(name), &f), ST_OK);
-    const leaf_part part = f->coarse[set];
-    (void)scratch_write(part_name, bytes + part.offset, (size_t)part.bytes);
-    leaf_file_close(f);
-    free(bytes);
-}
-
 /* What a test is of. Tests that go for tets alone are about what all have in common. */
-typedef enum subject { TETS, LATTICE, WHOLE_CELLS } subject;
-static subject subjects[] = {TETS, LATTICE, WHOLE_CELLS};
+static subject subjects[] = {TETS, LATTICE, THINNED, WHOLE_CELLS};
 #define OF_EACH(test)                                                                             \
     cmocka_unit_test_prestate(test, &subjects[0]), cmocka_unit_test_prestate(test, &subjects[1]), \
-        cmocka_unit_test_prestate(test, &subjects[2])
-
-static void make_hexes(subject of, const char *name, bool coarse) {
-    coarse_hexes c = coarse_hexes_of(of == WHOLE_CELLS, CELLS, 37);
-    c.coarse = coarse;
-    if (coarse_hexes_convert(&m, &c, name) != ST_OK)
-        fail_msg("%s", status_text());
-}
-
-static void make_tets(const char *name, bool coarse) {
-    mesh_case c = mesh_cases_kuhn(CELLS, CELLS, CELLS);
-    mesh_result r;
-    c.options.treelet_tets = 400;
-    c.options.coarse = coarse;
-    c.options.coarse_dims = 37;
-    if (mesh_cases_convert(&m, &c, name, 0, &r) != ST_OK)
-        fail_msg("%s", status_text());
-    m.limit = 0;
-    mesh_cases_free(&c);
-}
-
-/* A file with a coarse grid, and the grid as a file of its own. */
-static void make_of(subject of, const char *name, const char *part_name, bool coarse) {
-    if (of == TETS)
-        make_tets(name, coarse);
-    else
-        make_hexes(of, name, coarse);
-    if (part_name)
-        take_part(name, 0, part_name);
-}
+        cmocka_unit_test_prestate(test, &subjects[2]),                                            \
+        cmocka_unit_test_prestate(test, &subjects[3])
 
 static leafcast *open_with(const char *name, const char *isa, uint32_t treelet_limit) {
     const leafcast_options o = {.size = sizeof(leafcast_options),
@@ -157,7 +117,7 @@ static const char *const ISAS[] = {"scalar", NULL};
 static void test_becomes_exact(void **state) {
     const subject of = *(const subject *)*state;
     static picture exact, got;
-    make_of(of, "mesh.leaf", NULL, true);
+    coarse_subjects_make(&m, of, "mesh.leaf", NULL, true);
     leafcast_scene scene = leafcast_scene_default();
     for (size_t i = 0; i < sizeof ISAS / sizeof *ISAS; i++) {
         leafcast *v = open_with("mesh.leaf", ISAS[i], 0);
@@ -185,7 +145,7 @@ static void test_becomes_exact(void **state) {
 static void test_is_the_grid(void **state) {
     const subject of = *(const subject *)*state;
     static picture exact, gridded, got;
-    make_of(of, "mesh.leaf", "part.leaf", true);
+    coarse_subjects_make(&m, of, "mesh.leaf", "part.leaf", true);
     leafcast_scene scene = leafcast_scene_default();
     for (int kind = 0; kind < 4; kind += WATCHED_THREADS ? 3 : 1) {
         leafcast *any = open_with("mesh.leaf", NULL, 0);
@@ -216,7 +176,7 @@ static void test_is_the_grid(void **state) {
 static void test_scenes(void **state) {
     const subject of = *(const subject *)*state;
     static picture exact, got;
-    make_of(of, "mesh.leaf", NULL, true);
+    coarse_subjects_make(&m, of, "mesh.leaf", NULL, true);
     field_random r = {5};
     for (int kind = 0; kind < 12; kind += WATCHED_THREADS ? 5 : 1) {
         leafcast *v = open_with("mesh.leaf", ISAS[kind % 2], kind % 3 ? 8 : 0), *w;
@@ -267,10 +227,14 @@ static leafcast_stats draw_all(leafcast *v, const leafcast_scene *scene,
     return stats;
 }
 
-/* How values look is the mesh's: shading and shades of grey are others in the grid alone. */
-static bool same_planes(const leafcast_scene *scene, const all_planes *a, const all_planes *b) {
+/* How values look is the mesh's: shading and shades of grey are others in the grid alone. Cells'
+ * values are made from differences to one that is the mesh's, too: their last bits differ. */
+static bool same_planes(const leafcast_scene *scene, const all_planes *a, const all_planes *b,
+                        subject of) {
     const bool coloured = !scene->shade_media && scene->project == LEAFCAST_PROJECT_NONE;
-    bool same = memcmp(a->value, b->value, sizeof a->value) == 0;
+    bool same = of == THINNED || memcmp(a->value, b->value, sizeof a->value) == 0;
+    for (int i = 0; i < PICTURE_PIXELS; i++)
+        same &= isnan(b->value[i]) ? isnan(a->value[i]) : fabs(a->value[i] - b->value[i]) <= 1e-13;
     for (int c = coloured ? 0 : 3; c < 4; c++)
         same &= memcmp(a->rgba[c], b->rgba[c], sizeof a->rgba[c]) == 0;
     return same;
@@ -299,7 +263,7 @@ static leafcast_scene scene_of(int which) {
 static void test_levels(void **state) {
     const subject of = *(const subject *)*state;
     static all_planes got, gridded, exact;
-    make_of(of, "mesh.leaf", "part.leaf", true);
+    coarse_subjects_make(&m, of, "mesh.leaf", "part.leaf", true);
     leafcast *alone = open_with("part.leaf", "scalar", 0);
     leafcast *tets = open_with("mesh.leaf", NULL, 0);
     const uint32_t levels = leafcast_describe(alone).levels;
@@ -320,11 +284,12 @@ static void test_levels(void **state) {
         scene.preview = true;
         scene.lod_level = level + 1;
         leafcast_stats stats = {.size = sizeof(leafcast_stats)};
-        for (int n = 0; n < FRAMES_MAX && (n == 0 || !same_planes(&scene, &got, &gridded)); n++) {
+        for (int n = 0; n < FRAMES_MAX && (n == 0 || !same_planes(&scene, &got, &gridded, of));
+             n++) {
             pause_for(n ? 2 : 0);
             stats = draw_all(v, &scene, &view, &got);
         }
-        if (!same_planes(&scene, &got, &gridded))
+        if (!same_planes(&scene, &got, &gridded, of))
             fail_msg("scene %d, level %u: not the grid's", k % SCENES, level + 1);
         assert_int_equal(stats.provisional_pixels, PICTURE_PIXELS);
         for (int i = 0; i < PICTURE_PIXELS; i++) {
@@ -344,8 +309,8 @@ static void test_levels(void **state) {
 static void test_no_levels(void **state) {
     const subject of = *(const subject *)*state;
     static all_planes p;
-    make_of(of, "mesh.leaf", NULL, true);
-    make_of(of, "plain.leaf", NULL, false);
+    coarse_subjects_make(&m, of, "mesh.leaf", NULL, true);
+    coarse_subjects_make(&m, of, "plain.leaf", NULL, false);
     for (int i = 0; i < 2; i++) {
         leafcast *v = open_with(i ? "plain.leaf" : "mesh.leaf", NULL, 0);
         const leafcast_camera view = leafcast_standard_view(v, 1.3, PICTURE_WIDTH, PICTURE_HEIGHT);
@@ -357,7 +322,7 @@ static void test_no_levels(void **state) {
         assert_int_equal(leafcast_trace(v, &scene, &view, &image, NULL, NULL, NULL),
                          LEAFCAST_USAGE);
         assert_non_null(strstr(leafcast_error_text(), "no coarse levels"));
-        assert_int_equal(leafcast_describe(v).preview_levels, i ? 1 : 3);
+        assert_int_equal(leafcast_describe(v).preview_levels, i ? 1 : of == THINNED ? 2 : 3);
         leafcast_close(v);
     }
 }
@@ -390,7 +355,7 @@ static const char *write_step(const mesh_case *c, bool moves, uint32_t step, con
 }
 
 static void make_series_as(const char *name, bool moves, leaf_codec codec, uint32_t dims) {
-    mesh_case c = mesh_cases_kuhn(CELLS, CELLS, CELLS);
+    mesh_case c = mesh_cases_kuhn(SUBJECT_CELLS, SUBJECT_CELLS, SUBJECT_CELLS);
     const char *paths[STEPS];
     for (uint32_t s = 0; s < STEPS; s++) {
         char step[16];
@@ -420,14 +385,23 @@ static void make_series(const char *name, bool moves) {
     make_series_as(name, moves, LEAF_CODEC_RAW, 37);
 }
 
+static void make_thinned_series(const char *name) {
+    coarse_hexes c = coarse_hexes_of(false, SUBJECT_CELLS, 0);
+    c.steps = STEPS;
+    assert_int_equal(coarse_hexes_convert(&m, &c, name), ST_OK);
+}
+
 /* Each step has a grid of its own, there and back: few treelets at a time leave most to it, with
  * all of them the picture becomes exact. So it is between two steps, so
- * near to one of them that each sample is that one's. */
-static void check_steps(double share, bool moves) {
+ * near to one of them that each sample is that one's. Grids that are no samples are not blended. */
+static void check_steps(double share, subject of, bool moves) {
     static const uint32_t order[] = {0, 2, 1, 1, 2, 0};
     const size_t count = WATCHED_THREADS ? 3 : sizeof order / sizeof *order;
     static picture exact, gridded, got;
-    make_series("series.leaf", moves);
+    if (of == THINNED)
+        make_thinned_series("series.leaf");
+    else
+        make_series("series.leaf", moves);
     for (int kind = 0; kind < 2; kind++) {
         uint64_t most = 0;
         leafcast *v = open_with("series.leaf", NULL, kind ? 0 : 2);
@@ -441,9 +415,11 @@ static void check_steps(double share, bool moves) {
             const uint32_t nearest = order[k] + (share > 0.5);
             if (share > 0 && order[k] + 1 == STEPS)
                 continue;
-            take_part("series.leaf", nearest, "part.leaf");
+            coarse_subjects_take_part(&m, "series.leaf", nearest, "part.leaf");
             scene.preview = false;
-            assert_int_equal(leafcast_select_set(w, 0, nearest), LEAFCAST_OK);
+            assert_int_equal(of == THINNED ? leafcast_select_between(w, 0, order[k], share)
+                                           : leafcast_select_set(w, 0, nearest),
+                             LEAFCAST_OK);
             pictures_draw(w, &scene, &view, &exact, &stats);
             draw_exact("part.leaf", &scene, &view, ISO, &gridded);
             scene.preview = true;
@@ -469,13 +445,15 @@ static void check_steps(double share, bool moves) {
 
 static void test_steps(void **state) {
     (void)state;
-    check_steps(0, true);
-    check_steps(1e-300, true);
+    check_steps(0, TETS, true);
+    check_steps(1e-300, TETS, true);
     if (WATCHED_THREADS) /* points that rest, and the other end, have the same threads */
         return;
-    check_steps(1e-300, false);
+    check_steps(1e-300, TETS, false);
     for (int moves = 0; moves < 2; moves++)
-        check_steps(1 - 0x1p-53, moves);
+        check_steps(1 - 0x1p-53, TETS, moves);
+    check_steps(0.3, THINNED, false);
+    check_steps(0.7, THINNED, false);
 }
 
 /* ---- between two steps ---- */
@@ -619,7 +597,7 @@ static leafcast_status try_draw(leafcast *v, bool preview) {
 /* Damage in the grid is told by previews alone. */
 static void test_damage(void **state) {
     (void)state;
-    make_of(TETS, "mesh.leaf", NULL, true);
+    coarse_subjects_make(&m, TETS, "mesh.leaf", NULL, true);
     leaf_file *f = NULL, *coarse = NULL;
     assert_int_equal(leaf_file_open(&m, scratch_path("mesh.leaf"), &f), ST_OK);
     assert_int_equal(leaf_file_open_coarse(&m, f, 0, &coarse), ST_OK);
@@ -656,7 +634,7 @@ static leafcast_status try_draw_checked(leafcast *v, bool preview, uint32_t leve
  * before, and the exact picture again. */
 static void test_memory(void **state) {
     const subject of = *(const subject *)*state;
-    make_of(of, "mesh.leaf", NULL, true);
+    coarse_subjects_make(&m, of, "mesh.leaf", NULL, true);
     int enough = 0;
     for (uint64_t memory = 256 << 10; memory < 64 << 20; memory += memory / (WATCHED ? 2 : 24)) {
         const leafcast_options o = {

@@ -1,0 +1,40 @@
+#include "prep/resample/coarse_parts.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "formats/base/file_guard.h"
+
+void coarse_parts_remove(const char *path) {
+    file_guard_forget(path);
+    (void)unlink(path);
+}
+
+static status embed_sets(mem *m, leaf_writer *w, const char *path, const coarse_maker *maker,
+                         const progress *p) {
+    leaf_file *f = NULL;
+    status st = leaf_file_open(m, leaf_writer_path(w), &f);
+    for (uint32_t set = 0; st == ST_OK && set < f->layout.sets; set++) {
+        st = maker->make(maker->ctx, m, f, set, path, p);
+        if (st == ST_OK)
+            st = leaf_writer_embed(w, set, path);
+        coarse_parts_remove(path);
+    }
+    leaf_file_close(f);
+    return st;
+}
+
+status coarse_parts_embed(mem *m, leaf_writer *w, const char *output, const coarse_maker *maker,
+                          const progress *p) {
+    /* Do not report progress: this is a small rest of the whole job. */
+    const progress quiet = {.stop = p ? p->stop : NULL, .ctx = p ? p->ctx : NULL};
+    const size_t size = strlen(output) + COARSE_PARTS_SUFFIX;
+    char *path = mem_alloc(m, size);
+    if (!path)
+        return ST_NOMEM;
+    snprintf(path, size, "%s.coarse-%ld.leaf", output, (long)getpid());
+    const status st = embed_sets(m, w, path, maker, &quiet);
+    mem_free(m, path);
+    return st;
+}
