@@ -23,6 +23,7 @@ struct file {
     uint64_t offset;    /* of byte 0, within fd or memory */
     uint64_t size;
     char *path;
+    char *whole; /* of a part: the path that was opened; else NULL */
 };
 
 struct out_file {
@@ -132,10 +133,10 @@ status file_open_pipe(const char *path, int *fd) {
 
 status file_open_part(mem *m, const file *of, uint64_t offset, uint64_t size, file **out) {
     file *f = NULL;
-    const char *path = of->path;
-    assert(of->offset == 0);
-    status st = of->memory ? file_open_memory(m, path, of->memory, (size_t)of->size, &f)
-                           : file_open(m, path, &f);
+    const char *path = of->whole ? of->whole : of->path;
+    status st = of->memory
+                    ? file_open_memory(m, path, of->memory, (size_t)(of->offset + of->size), &f)
+                    : file_open(m, path, &f);
     if (st != ST_OK)
         return st;
     const size_t room = strlen(path) + 64;
@@ -144,8 +145,9 @@ status file_open_part(mem *m, const file *of, uint64_t offset, uint64_t size, fi
         file_close(f);
         return ST_NOMEM;
     }
+    offset += of->offset;
     snprintf(name, room, "%s (from byte %llu)", path, (unsigned long long)offset);
-    mem_free(m, f->path);
+    f->whole = f->path;
     f->path = name;
     const uint64_t behind = f->size > offset ? f->size - offset : 0;
     f->offset = offset;
@@ -170,6 +172,7 @@ void file_close(file *f) {
         return;
     if (f->fd >= 0)
         close(f->fd);
+    mem_free(f->m, f->whole);
     mem_free(f->m, f->path);
     mem_free(f->m, f);
 }

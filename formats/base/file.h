@@ -33,8 +33,8 @@ CHECKED status file_open_memory(mem *m, const char *name, const void *bytes, siz
                                 file **out);
 
 /* file_open_part() - open bytes [offset, offset + size) of another file as bytes 0 .. size - 1 of
- * this one. The part is cut where the other file ends. That file may be closed first, and must not
- * be a part itself. The path of the new one says which part it is. */
+ * this one. The part is cut where the other file ends, or what that is a part of. That one may be
+ * closed first. The path of the new one says where in the whole file it begins. */
 CHECKED status file_open_part(mem *m, const file *of, uint64_t offset, uint64_t size, file **out);
 
 /* file_look_again() - the length of a file that others make longer. What is there is as it was. */

@@ -51,29 +51,39 @@ static status find_in(mem *m, leaf_file *f, const progress *p, const char *where
     return st;
 }
 
+static status find_in_all(mem *m, leaf_file *f, const progress *p, const char *where,
+                          leaf_damage *d);
+
+/* where: of f. What a coarse grid has inside is told as part of it. */
 static status find_in_coarse(mem *m, leaf_file *f, uint32_t set, const progress *p,
-                             leaf_damage *d) {
-    char where[LEAF_WHERE_MAX];
+                             const char *where, leaf_damage *d) {
+    char text[LEAF_WHERE_MAX];
     leaf_file *coarse = NULL;
     status st = leaf_file_open_coarse(m, f, set, &coarse);
     if (st == ST_NOMEM)
         return st;
-    leaf_damage_where(set, where);
+    if (!f->stands_in)
+        where = leaf_damage_where(set, text);
     if (st != ST_OK) {
         leaf_damage_add(d, where, "its directory");
         return ST_OK;
     }
-    st = find_in(m, coarse, p, where, d);
+    st = find_in_all(m, coarse, p, where, d);
     leaf_file_close(coarse);
     return st;
 }
 
-status leaf_damage_find(mem *m, leaf_file *f, const progress *p, leaf_damage *d) {
-    status st = find_in(m, f, p, "", d);
+static status find_in_all(mem *m, leaf_file *f, const progress *p, const char *where,
+                          leaf_damage *d) {
+    status st = find_in(m, f, p, where, d);
     for (uint32_t set = 0; set < f->layout.sets && st == ST_OK; set++)
         if (leaf_file_has_coarse(f, set))
-            st = find_in_coarse(m, f, set, p, d);
+            st = find_in_coarse(m, f, set, p, where, d);
     return st;
+}
+
+status leaf_damage_find(mem *m, leaf_file *f, const progress *p, leaf_damage *d) {
+    return find_in_all(m, f, p, "", d);
 }
 
 status leaf_damage_tell(mem *m, leaf_file *f, const progress *p) {

@@ -526,10 +526,10 @@ bool leaf_file_has_coarse(const leaf_file *f, uint32_t set) {
     return f->coarse && f->coarse[set].bytes;
 }
 
-/* A grid, or no more cells of the same kind. */
+/* A grid; or in a file that is none no more cells of the same kind. */
 static bool stands_for(const leaf_file *coarse, const leaf_file *f) {
     const leaf_geometry *g = coarse->geometry;
-    return g->has_map || (g == f->geometry && !coarse->coarse && coarse->layout.sets == 1 &&
+    return g->has_map || (g == f->geometry && !f->stands_in && coarse->layout.sets == 1 &&
                           g->verifier->cells(coarse) <= g->verifier->cells(f));
 }
 
@@ -553,6 +553,7 @@ status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, leaf_file
         leaf_file_close(coarse);
         return st;
     }
+    coarse->stands_in = true;
     *out = coarse;
     return ST_OK;
 }

@@ -66,6 +66,7 @@ typedef struct leaf_file {
     bool owns_below; /* the other one is closed with it */
     struct leaf_between *between;
     leaf_part *coarse;     /* per set; NULL: without section COARSE */
+    bool stands_in;        /* it is a coarse grid of another file */
     void *besides;         /* what the directory of another kind has in addition */
     histogram *histograms; /* per set; NULL: the file has none */
     world_frame frame;     /* what the world's axes mean; zeros: the file does not say */
@@ -131,9 +132,10 @@ uint32_t leaf_file_segment_sets(const leaf_file *f, uint32_t set);
 CHECKED status leaf_file_changed(const leaf_file *f);
 
 /* leaf_file_has_coarse() - whether f has a coarse grid of a set.
- * leaf_file_open_coarse() - open it: a treelet file like any other, of kind grid, which may outlive
- * f. Messages call it F.leaf (from byte N), and count its bytes from there. ST_CORRUPT also where
- * it is not the file that the directory names. */
+ * leaf_file_open_coarse() - open it: a treelet file like any other, which may outlive f. It is of
+ * kind grid, or else of f's kind with one set, and may have a coarse grid of kind grid then.
+ * Messages call it F.leaf (from byte N), and count its bytes from there. ST_CORRUPT also where it
+ * is not the file that the directory names. */
 bool leaf_file_has_coarse(const leaf_file *f, uint32_t set);
 CHECKED status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, leaf_file **out);
 

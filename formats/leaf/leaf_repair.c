@@ -26,6 +26,7 @@ typedef struct repair {
      * most of its payloads. */
     bool same;
     uint64_t same_bytes; /* of payloads taken from bad */
+    uint64_t all_bytes;  /* of the file */
 } repair;
 
 /* A treelet file within the copies: all of it, or a segment (SERIES.md 4), or a coarse grid. */
@@ -227,7 +228,7 @@ static status take_payload(repair *r, const region *g, const leaf_file *f, uint3
     return r->lost.count ? ST_OK : out_file_write_at(r->out, at, r->buffer, (size_t)f->sizes[p]);
 }
 
-static status take_payloads(repair *r, const region *g, const leaf_file *f, uint64_t all_bytes) {
+static status take_payloads(repair *r, const region *g, const leaf_file *f) {
     status st = reserve(r, leaf_layout_stored_max(&f->layout));
     const uint64_t table = f->header.directory;
     uint64_t end = leaf_payloads_at(&f->header, f->directory_end);
@@ -238,7 +239,7 @@ static status take_payloads(repair *r, const region *g, const leaf_file *f, uint
         look_at_gap(r, g->base + end, g->base + f->offsets[o.p]);
         end = f->offsets[o.p] + f->sizes[o.p];
         st = progress_step(r->job->progress, "repair",
-                           0.5 * (double)(g->base + end) / (double)all_bytes);
+                           0.5 * (double)(g->base + end) / (double)r->all_bytes);
         if (st == ST_OK)
             st = take_payload(r, g, f, o.p);
     }
@@ -250,12 +251,15 @@ static status take_payloads(repair *r, const region *g, const leaf_file *f, uint
 
 /* ---- files ---- */
 
-/* Repair the coarse grid of a set, of f, whose own directory is in the output. */
-static status repair_coarse(repair *r, const leaf_file *f, uint32_t set) {
+static status repair_all_coarse(repair *r, const region *of, const leaf_file *f);
+
+/* Repair the coarse grid of a set, of f, whose own directory is in the output, and what that has
+ * inside. of: the region of f. */
+static status repair_coarse(repair *r, const region *of, const leaf_file *f, uint32_t set) {
     char where[LEAF_WHERE_MAX];
-    region g = {.base = f->coarse[set].offset,
+    region g = {.base = of->base + f->coarse[set].offset,
                 .part = &f->coarse[set],
-                .where = leaf_damage_where(set, where)};
+                .where = f->stands_in ? of->where : leaf_damage_where(set, where)};
     leaf_file *coarse = NULL;
     bool found;
     status st = take_directory(r, &g, &found);
@@ -263,8 +267,18 @@ static status repair_coarse(repair *r, const leaf_file *f, uint32_t set) {
         return st;
     st = leaf_file_open_coarse(r->m, f, set, &coarse);
     if (st == ST_OK)
-        st = take_payloads(r, &g, coarse, f->header.file_bytes);
+        st = take_payloads(r, &g, coarse);
+    if (st == ST_OK)
+        st = repair_all_coarse(r, &g, coarse);
     leaf_file_close(coarse);
+    return st;
+}
+
+static status repair_all_coarse(repair *r, const region *of, const leaf_file *f) {
+    status st = ST_OK;
+    for (uint32_t set = 0; set < f->layout.sets && st == ST_OK; set++)
+        if (leaf_file_has_coarse(f, set))
+            st = repair_coarse(r, of, f, set);
     return st;
 }
 
@@ -308,17 +322,16 @@ static status begin_output(repair *r, region *g, leaf_file **f) {
 
 /* Take the payloads of a file, segment by segment where it has several. */
 static status take_segments(repair *r, const region *g, const leaf_file *f) {
-    const uint64_t all = f->header.file_bytes;
     status st = ST_OK;
     if (f->header.segments < 2)
-        return take_payloads(r, g, f, all);
+        return take_payloads(r, g, f);
     for (uint32_t i = 0; i < f->header.segments && st == ST_OK; i++) {
         char where[LEAF_WHERE_MAX];
         const region own = {.base = f->segments[i].base, .where = leaf_damage_segment(i, where)};
         leaf_file *part = NULL;
         st = leaf_file_open_segment(r->m, f, &f->segments[i], &part);
         if (st == ST_OK)
-            st = take_payloads(r, &own, part, all);
+            st = take_payloads(r, &own, part);
         leaf_file_close(part);
     }
     return st;
@@ -347,12 +360,12 @@ static status fill(repair *r) {
     leaf_file *f = NULL;
     status st = begin_output(r, &g, &f);
     if (f && st == ST_OK) {
+        r->all_bytes = f->header.file_bytes;
         st = take_segments(r, &g, f);
         g.header = f->header;
     }
-    for (uint32_t set = 0; f && set < f->layout.sets && st == ST_OK; set++)
-        if (leaf_file_has_coarse(f, set))
-            st = repair_coarse(r, f, set);
+    if (f && st == ST_OK)
+        st = repair_all_coarse(r, &g, f);
     leaf_file_close(f);
     if (st == ST_OK && r->lost.count)
         st = refuse_lost(r);

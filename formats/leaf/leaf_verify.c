@@ -600,7 +600,7 @@ status leaf_verify(mem *m, leaf_file *f, int threads, const progress *p) {
             continue;
         st = leaf_file_open_coarse(m, f, set, &coarse);
         if (st == ST_OK)
-            st = verify_file(m, coarse, threads, NULL);
+            st = leaf_verify(m, coarse, threads, NULL);
         leaf_file_close(coarse);
     }
     return st;

@@ -1,24 +1,16 @@
 /* curvilinear_coarse.h - makes what stands for a set of a curvilinear grid in previews (leaf.h,
- * COARSE): a regular grid, or where that would lose too much, of thin cells or shells, the same
- * grid with fewer nodes (curvilinear_thinned.h).
+ * COARSE): the same grid with fewer nodes (curvilinear_thinned.h), which loses no thin cells, and
+ * in its file a regular grid, whose media and projections are soon drawn. Of a size that is asked
+ * for, a regular one alone.
  */
 #ifndef PREP_CURVILINEAR_CURVILINEAR_COARSE_H
 #define PREP_CURVILINEAR_CURVILINEAR_COARSE_H
 
-#include <stdbool.h>
-
 #include "prep/curvilinear/curvilinear_convert.h"
-#include "prep/resample/coarse_grids.h"
 
-typedef struct curvilinear_coarse {
-    coarse_grids regular; /* dims not 0: these, whatever they lose */
-    bool thinned;         /* found by the first set, for all */
-} curvilinear_coarse;
-
-/* curvilinear_coarse_of() - for a conversion. */
-curvilinear_coarse curvilinear_coarse_of(const curvilinear_options *o);
-
-/* curvilinear_coarse_maker() - one that makes it so; c: by reference. */
-coarse_maker curvilinear_coarse_maker(curvilinear_coarse *c);
+/* curvilinear_coarse_embed() - put one for each set into w, which must be settled. output, o, p: of
+ * the conversion. */
+CHECKED status curvilinear_coarse_embed(mem *m, leaf_writer *w, const char *output,
+                                        const curvilinear_options *o, const progress *p);
 
 #endif

@@ -568,12 +568,10 @@ static void note_result(const conversion *c, curvilinear_result *result) {
 }
 
 static status embed_coarse(conversion *c, const char *output, const leaf_facts *facts) {
-    curvilinear_coarse coarse = curvilinear_coarse_of(c->o);
-    const coarse_maker maker = curvilinear_coarse_maker(&coarse);
     if (!c->o->coarse)
         return ST_OK;
     const status st = leaf_writer_settle(c->writer, facts);
-    return st == ST_OK ? coarse_parts_embed(c->m, c->writer, output, &maker, c->p) : st;
+    return st == ST_OK ? curvilinear_coarse_embed(c->m, c->writer, output, c->o, c->p) : st;
 }
 
 status curvilinear_convert(mem *m, const curvilinear_series *s, const char *name,

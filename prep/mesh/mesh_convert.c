@@ -286,7 +286,7 @@ static status embed_coarse(mem *m, leaf_writer *w, const char *output, const lea
                            const mesh_options *o, const progress *p) {
     if (!o->coarse)
         return ST_OK;
-    coarse_grids coarse = {
+    const coarse_grids coarse = {
         .dims = o->coarse_dims, .file = o->file, .memory = o->memory, .threads = o->threads};
     status st = leaf_writer_settle(w, facts);
     const coarse_maker maker = coarse_grids_maker(&coarse);

@@ -47,7 +47,7 @@ static status check_size(const embedding *e, const resample_grid *g, uint64_t us
                            (unsigned long long)most, (unsigned long long)usual);
 }
 
-static status resample(const embedding *e, uint32_t set, coarse_grids_fill *fill) {
+static status resample(const embedding *e, uint32_t set, bool *shows) {
     const leaf_header *h = &e->f->header;
     const uint64_t usual = resample_cells_of(e->f)->coarse(e->f);
     const resample_wish wish = {.dims = {e->o->dims}, .nodes = usual};
@@ -65,7 +65,7 @@ static status resample(const embedding *e, uint32_t set, coarse_grids_fill *fill
         st = grid_fill_init(&r.fill, e->m, g.dims);
     if (st == ST_OK)
         st = resample_run(e->m, e->f, &g, &options, e->p, receive, &r, &result);
-    *fill = (coarse_grids_fill){r.fill.nodes, r.fill.cells};
+    *shows = r.fill.cells > 0 && r.fill.cells >= r.fill.nodes / 8;
     grid_fill_release(&r.fill);
     if (st == ST_OK)
         return nrrd_writer_commit(r.writer);
@@ -93,28 +93,25 @@ static status convert(const embedding *e) {
 }
 
 /* The samples wait in a file beside the grid's. */
-status coarse_grids_make(const coarse_grids *o, mem *m, leaf_file *f, uint32_t set,
-                         const char *path, const progress *p, coarse_grids_fill *fill) {
+static status make(const void *ctx, mem *m, leaf_file *f, uint32_t set, const char *path,
+                   const progress *p, bool *made) {
+    const coarse_grids *o = ctx;
+    bool shows;
     const size_t size = strlen(path) + COARSE_PARTS_SUFFIX;
     char *samples = mem_alloc(m, size);
     if (!samples)
         return ST_NOMEM;
     snprintf(samples, size, "%s.nrrd", path);
     const embedding e = {.m = m, .o = o, .p = p, .f = f, .samples = samples, .grid = path};
-    status st = resample(&e, set, fill);
-    if (st == ST_OK)
+    status st = resample(&e, set, &shows);
+    *made = st == ST_OK && (shows || !o->optional);
+    if (*made)
         st = convert(&e);
     coarse_parts_remove(samples);
     mem_free(m, samples);
     return st;
 }
 
-static status make(void *ctx, mem *m, leaf_file *f, uint32_t set, const char *path,
-                   const progress *p) {
-    coarse_grids_fill unused;
-    return coarse_grids_make(ctx, m, f, set, path, p, &unused);
-}
-
-coarse_maker coarse_grids_maker(coarse_grids *o) {
+coarse_maker coarse_grids_maker(const coarse_grids *o) {
     return (coarse_maker){o, make};
 }

@@ -14,20 +14,12 @@ typedef struct coarse_grids {
     leaf_parameters file; /* of the file they are put into */
     uint64_t memory;
     int threads;
+    bool optional; /* leave out one that shows less than an eighth of what it stands for
+                      (grid_fill.h) */
 } coarse_grids;
 
-/* How much a grid shows (grid_fill.h). */
-typedef struct coarse_grids_fill {
-    uint64_t nodes, cells; /* that have data */
-} coarse_grids_fill;
-
-/* coarse_grids_make() - write the grid of a set of f to `path`, and nothing else that stays. It
- * depends on the cells, dims and file alone. ST_UNSUPPORTED if it is far larger than what it stands
- * for. */
-CHECKED status coarse_grids_make(const coarse_grids *o, mem *m, leaf_file *f, uint32_t set,
-                                 const char *path, const progress *p, coarse_grids_fill *fill);
-
-/* coarse_grids_maker() - one that makes grids so; o: by reference. */
-coarse_maker coarse_grids_maker(coarse_grids *o);
+/* coarse_grids_maker() - make grids so; by reference. They depend on the cells, dims and file
+ * alone. ST_UNSUPPORTED if one is far larger than what it stands for. */
+coarse_maker coarse_grids_maker(const coarse_grids *o);
 
 #endif

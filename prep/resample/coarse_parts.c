@@ -16,8 +16,9 @@ static status embed_sets(mem *m, leaf_writer *w, const char *path, const coarse_
     leaf_file *f = NULL;
     status st = leaf_file_open(m, leaf_writer_path(w), &f);
     for (uint32_t set = 0; st == ST_OK && set < f->layout.sets; set++) {
-        st = maker->make(maker->ctx, m, f, set, path, p);
-        if (st == ST_OK)
+        bool made = true;
+        st = maker->make(maker->ctx, m, f, set, path, p, &made);
+        if (st == ST_OK && made)
             st = leaf_writer_embed(w, set, path);
         coarse_parts_remove(path);
     }

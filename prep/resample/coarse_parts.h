@@ -9,11 +9,11 @@
 
 /* How it is made. */
 typedef struct coarse_maker {
-    void *ctx;
+    const void *ctx;
     /* Write the treelet file that stands for a set of f to `path`, whose runs are aligned like f's.
-     * Files that it writes beside that it removes. */
-    status (*make)(void *ctx, mem *m, leaf_file *f, uint32_t set, const char *path,
-                   const progress *p);
+     * Files that it writes beside that it removes. *made = false: none is worth it. */
+    status (*make)(const void *ctx, mem *m, leaf_file *f, uint32_t set, const char *path,
+                   const progress *p, bool *made);
 } coarse_maker;
 
 enum { COARSE_PARTS_SUFFIX = 64 };

@@ -31,20 +31,36 @@ void coarse_preview_end(leafcast *v) {
     v->coarse = NULL;
 }
 
+/* Open the coarse grid of a set of f, or if `inner` the one inside that where there is one. *out =
+ * NULL: there is none. */
+static status open_one(mem *m, const leaf_file *f, uint32_t set, bool inner, leaf_file **out) {
+    *out = NULL;
+    status st = leaf_file_has_coarse(f, set) ? leaf_file_open_coarse(m, f, set, out) : ST_OK;
+    leaf_file *outer = *out;
+    if (!outer || !inner || !leaf_file_has_coarse(outer, 0))
+        return st;
+    st = leaf_file_open_coarse(m, outer, 0, out);
+    leaf_file_close(outer);
+    return st;
+}
+
 uint32_t coarse_preview_levels(leafcast *v) {
-    const leaf_file *f = leaf_file_stores(v->file);
-    leaf_file *grid = NULL;
-    if (!leaf_file_has_coarse(f, 0) || leaf_file_open_coarse(v->m, f, 0, &grid) != ST_OK)
-        return 0;
-    const uint32_t levels = grid->layout.sampled;
-    v->coarse_is_grid = grid->geometry->has_map;
-    leaf_file_close(grid);
+    leaf_file *outer = NULL, *inner = NULL;
+    uint32_t levels = 0;
+    if (open_one(v->m, leaf_file_stores(v->file), 0, false, &outer) == ST_OK && outer) {
+        levels = outer->layout.sampled;
+        v->coarse_is_grid = outer->geometry->has_map;
+        if (open_one(v->m, outer, 0, false, &inner) == ST_OK && inner)
+            levels += inner->layout.sampled;
+    }
+    leaf_file_close(inner);
+    leaf_file_close(outer);
     return levels;
 }
 
 /* Whether what is shown of v is between steps whose grids can be blended: those of samples. Where
- * points move, grids
- * have data in different places: a blend would have some where both have, and of no cell. */
+ * points move, grids have data in different places: a blend would have some where both have, and
+ * of no cell. */
 static bool is_blended(const leafcast *v) {
     return v->file->below && v->coarse_is_grid && !leaf_layout_moves(&v->file->layout);
 }
@@ -56,11 +72,14 @@ static uint32_t set_of(const leafcast *v, const leafcast_shown *shown) {
     return leaf_layout_set(stored, shown->field, shown->step + next);
 }
 
-/* Open the file of a set's grid, or one between this and the next set's. */
-static status open_file(const leafcast *v, uint32_t set, leaf_file **out) {
+/* Open the file of a set's grid, or one between this and the next set's. *out = NULL: there is
+ * none. */
+static status open_file(const leafcast *v, uint32_t set, bool inner, leaf_file **out) {
     leaf_file *pair = NULL;
     if (!is_blended(v))
-        return leaf_file_open_coarse(v->m, leaf_file_stores(v->file), set, out);
+        return open_one(v->m, leaf_file_stores(v->file), set, inner, out);
+    if (!coarse_pair_has(leaf_file_stores(v->file), set))
+        return ST_OK;
     status st = coarse_pair_open(v->m, v->file->below, set, &pair);
     if (st == ST_OK)
         st = leaf_between_open(v->m, pair, v->device->isa, out);
@@ -71,12 +90,8 @@ static status open_file(const leafcast *v, uint32_t set, leaf_file **out) {
     return st;
 }
 
-static bool has_file(const leafcast *v, uint32_t set) {
-    const leaf_file *f = leaf_file_stores(v->file);
-    return is_blended(v) ? coarse_pair_has(f, set) : leaf_file_has_coarse(f, set);
-}
-
-static status open_coarse(leafcast *v, uint32_t set) {
+/* v->coarse stays NULL where there is no grid. */
+static status open_coarse(leafcast *v, uint32_t set, bool inner) {
     leafcast_options options = v->options;
     leafcast_experiments experiments = v->experiments;
     experiments.packets = 0;
@@ -86,16 +101,17 @@ static status open_coarse(leafcast *v, uint32_t set) {
     if (!coarse)
         return ST_NOMEM;
     const size_t before = mem_used(v->m);
-    status st = open_file(v, set, &coarse->file);
-    if (st == ST_OK)
+    status st = open_file(v, set, inner, &coarse->file);
+    if (st == ST_OK && coarse->file)
         st = volume_open_file(coarse);
-    if (st != ST_OK) {
+    if (st != ST_OK || !coarse->file) {
         volume_release(coarse);
         return st;
     }
     coarse->base_bytes = mem_used(v->m) - before;
     v->coarse = coarse;
     v->coarse_set = set;
+    v->coarse_inner = inner;
     return ST_OK;
 }
 
@@ -126,16 +142,17 @@ static status wait_for_cells(const leafcast *coarse) {
     return coarse->file->layout.sampled > 1 ? ST_OK : loader_settle(coarse->treelets);
 }
 
-/* Open the grid of the set that is shown of v. *out = NULL: there is no grid, or no room for it. */
-static status open_shown(leafcast *v, const leafcast_shown *shown, leafcast **out) {
+/* Open the grid of the set that is shown of v, or the one inside that. *out = NULL: there is no
+ * grid, or no room for it. */
+static status open_shown(leafcast *v, const leafcast_shown *shown, bool inner, leafcast **out) {
     const uint32_t set = set_of(v, shown);
     *out = NULL;
-    if (v->coarse && v->coarse_set != set)
+    if (v->coarse && (v->coarse_set != set || v->coarse_inner != inner))
         coarse_preview_end(v);
-    if (!has_file(v, set) || (v->coarse && v->coarse_set != set))
+    if (v->coarse && (v->coarse_set != set || v->coarse_inner != inner))
         return ST_OK;
-    const status st = v->coarse ? ST_OK : open_coarse(v, set);
-    if (st != ST_OK)
+    const status st = v->coarse ? ST_OK : open_coarse(v, set, inner);
+    if (st != ST_OK || !v->coarse)
         return st == ST_NOMEM ? ST_OK : st;
     if (make_slots(v))
         *out = v->coarse;
@@ -165,7 +182,7 @@ status coarse_preview_begin(leafcast *v, const leafcast_scene *scene, const leaf
     const leafcast_scene whole = scene_of_grid(scene, LEAFCAST_LOD_EXACT, 0);
     leafcast *coarse = NULL;
     *out = NULL;
-    status st = scene->preview ? open_shown(v, shown, &coarse) : ST_OK;
+    status st = scene->preview ? open_shown(v, shown, false, &coarse) : ST_OK;
     if (!coarse)
         return st;
     const leafcast_shown grid = coarse_preview_shown(coarse, shown);
@@ -187,15 +204,17 @@ status coarse_preview_instead(leafcast *v, const leafcast_scene *scene, const le
                               leafcast **out) {
     const bool asked = scene->preview && scene->lod == LEAFCAST_LOD_LEVEL && scene->lod_level > 0;
     *out = NULL;
-    return asked ? open_shown(v, shown, out) : ST_OK;
+    const bool inner = !v->coarse_is_grid && scene->lod_level > 1;
+    return asked ? open_shown(v, shown, inner, out) : ST_OK;
 }
 
 status coarse_preview_show(leafcast *coarse, const leafcast_scene *scene,
                            const leafcast_shown *shown, const interest *beside, const camera *c,
                            tracer *tr) {
-    const uint32_t last = coarse->file->layout.sampled - 1;
-    const leafcast_scene level = scene_of_grid(
-        scene, LEAFCAST_LOD_LEVEL, scene->lod_level - 1 < last ? scene->lod_level - 1 : last);
+    const uint32_t last = coarse->file->layout.sampled - 1,
+                   asked = scene->lod_level - 1 - shown->volume->coarse_inner;
+    const leafcast_scene level =
+        scene_of_grid(scene, LEAFCAST_LOD_LEVEL, asked < last ? asked : last);
     const leafcast_shown grid = coarse_preview_shown(coarse, shown);
     volume_show_beside(&grid, beside);
     status st = load_root(coarse->treelets);

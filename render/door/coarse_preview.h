@@ -7,11 +7,12 @@
  * is provisional; all others are exact. So the picture becomes exact as treelets come.
  *
  * Between two steps it is what lies between the grids of both (coarse_pair.h); where points move,
- * the nearest step's.
+ * or the grids are no samples, the nearest step's.
  *
  * The grid's levels are the volume's coarse levels of detail: level 0 is its cells, level n the
- * grid's level n - 1. A preview that asks for level 1 or more shows the grid alone, and all of it
- * is provisional.
+ * grid's level n - 1. Of a curvilinear grid level 1 may be one with fewer nodes, and the further
+ * levels those of a regular grid inside that one's file. A preview that asks for level 1 or more
+ * shows the grid alone, and all of it is provisional.
  */
 #ifndef RENDER_DOOR_COARSE_PREVIEW_H
 #define RENDER_DOOR_COARSE_PREVIEW_H

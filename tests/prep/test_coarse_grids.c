@@ -24,6 +24,7 @@
 #include "prep/resample/grid_fill.h"
 #include "prep/resample/resample.h"
 #include "tests/support/coarse_hexes.h"
+#include "tests/support/coarse_subjects.h"
 #include "tests/support/fields.h"
 #include "tests/support/mesh_cases.h"
 #include "tests/support/naive_leaf.h"
@@ -184,21 +185,23 @@ static char *convert_hexes(const coarse_hexes *c, const char *name, size_t *size
     return scratch_read(scratch_path(name), size);
 }
 
-/* Each set has a grid, one behind the other, and after the last the file ends. */
-static void check_sets(const coarse_hexes *c) {
+/* Each set has a regular grid, of so many nodes if dims > 0, one behind the other, and after the
+ * last the file ends. */
+static void check_sets(const char *name, uint32_t sets, uint32_t dims) {
     size_t size;
-    char *bytes = convert_hexes(c, "hexes.leaf", &size);
+    char *bytes = scratch_read(scratch_path(name), &size);
     leaf_file *f = NULL;
-    assert_int_equal(leaf_file_open(&m, scratch_path("hexes.leaf"), &f), ST_OK);
+    assert_int_equal(leaf_file_open(&m, scratch_path(name), &f), ST_OK);
     assert_int_equal(leaf_verify(&m, f, 2, NULL), ST_OK);
+    assert_int_equal(f->layout.sets, sets);
     uint64_t end = f->payloads_end;
-    for (uint32_t set = 0; set < c->steps; set++) {
+    for (uint32_t set = 0; set < sets; set++) {
         const leaf_part *part = &f->coarse[set];
         leaf_file *coarse = NULL;
         assert_true(leaf_file_has_coarse(f, set) && part->offset >= end);
         assert_int_equal(leaf_file_open_coarse(&m, f, set, &coarse), ST_OK);
-        if (c->dims > 0)
-            assert_int_equal(coarse->header.dims[0], c->dims);
+        if (dims > 0)
+            assert_int_equal(coarse->header.dims[0], dims);
         (void)scratch_write("part.leaf", bytes + part->offset, (size_t)part->bytes);
         check_samples(f, set, coarse, "part.leaf");
         end = part->offset + part->bytes;
@@ -214,19 +217,21 @@ static void test_hexahedra_resampled(void **state) {
     for (int whole = 0; whole < 2; whole++) {
         coarse_hexes c = coarse_hexes_of(whole, 8, 41);
         c.steps = 2;
-        check_sets(&c);
-        /* By default about as many nodes as the cells have. */
-        c = coarse_hexes_of(whole, 24, 0);
-        c.codec = LEAF_CODEC_ZSTD;
-        check_sets(&c);
-        leaf_file *f = NULL, *coarse = NULL;
-        assert_int_equal(leaf_file_open(&m, scratch_path("hexes.leaf"), &f), ST_OK);
-        assert_int_equal(leaf_file_open_coarse(&m, f, 0, &coarse), ST_OK);
-        for (int a = 0; a < 3; a++)
-            assert_in_range(coarse->header.dims[a], 24, 25);
-        leaf_file_close(coarse);
-        leaf_file_close(f);
+        assert_int_equal(coarse_hexes_convert(&m, &c, "hexes.leaf"), ST_OK);
+        check_sets("hexes.leaf", 2, 41);
     }
+    /* By default about as many nodes as the cells have. */
+    coarse_hexes c = coarse_hexes_of(true, 8, 0);
+    leaf_file *f = NULL, *coarse = NULL;
+    c.codec = LEAF_CODEC_ZSTD;
+    assert_int_equal(coarse_hexes_convert(&m, &c, "hexes.leaf"), ST_OK);
+    check_sets("hexes.leaf", 1, 0);
+    assert_int_equal(leaf_file_open(&m, scratch_path("hexes.leaf"), &f), ST_OK);
+    assert_int_equal(leaf_file_open_coarse(&m, f, 0, &coarse), ST_OK);
+    for (int a = 0; a < 3; a++)
+        assert_in_range(coarse->header.dims[a], 8, 9);
+    leaf_file_close(coarse);
+    leaf_file_close(f);
 }
 
 /* ---- how much of the cells a grid shows ---- */
@@ -246,8 +251,10 @@ static void check_fill(const uint32_t n[3], field_random *r) {
             for (uint32_t i = 0; i + 1 < n[0]; i++) {
                 bool all = true;
                 for (uint32_t c = 0; c < 8; c++)
-                    all = all && !isnan(data[i + (c & 1) +
-                                                n[0] * (j + (c >> 1 & 1) + n[1] * (k + (c >> 2)))]);
+                    all =
+                        all &&
+                        !isnan(
+                            data[i + (c & 1) + n[0] * (j + (c >> 1 & 1) + n[1] * (k + (c >> 2)))]);
                 cells += all;
             }
     assert_int_equal(grid_fill_init(&f, &m, n), ST_OK);
@@ -333,10 +340,10 @@ static void check_thinned(leaf_file *f, uint32_t log2) {
     curvilinear_thinned_release(&t);
 }
 
-/* By default, where a regular grid would lose much: here, the cells at the sides of few. */
+/* By default, with a regular grid of it inside. */
 static void test_thinned(void **state) {
     (void)state;
-    for (uint32_t cells = 4; cells <= 20; cells += 8) {
+    for (uint32_t cells = 4; cells <= 40; cells += 12) {
         coarse_hexes c = coarse_hexes_of(false, cells, 0);
         leaf_file *f = NULL, *coarse = NULL;
         assert_int_equal(coarse_hexes_convert(&m, &c, "thin.leaf"), ST_OK);
@@ -345,10 +352,13 @@ static void test_thinned(void **state) {
             check_thinned(f, log2);
         assert_int_equal(leaf_file_open_coarse(&m, f, 0, &coarse), ST_OK);
         assert_ptr_equal(coarse->geometry, f->geometry);
-        assert_int_equal(coarse->layout.treelets, f->layout.treelets);
+        assert_true(coarse->layout.treelets <= f->layout.treelets);
         assert_true(curvilinear_directory_of(coarse)->zones[0][0] == cells / 2 + 1);
+        assert_int_equal(leaf_verify(&m, f, 2, NULL), ST_OK);
         leaf_file_close(coarse);
         leaf_file_close(f);
+        coarse_subjects_take_part(&m, "thin.leaf", 0, "thinned.leaf");
+        check_sets("thinned.leaf", 1, 0);
         assert_int_equal(mem_used(&m), 0);
     }
 }

@@ -1,7 +1,8 @@
 /* test_curvilinear_thinned.c - every 2^n-th node of a curvilinear grid: each one's place and value,
- * and which nodes and cells are there, against the arrays that the grid was made from.
+ * and which nodes and cells are there, against the arrays that the grid was made from; what is
+ * embedded, and drawn of a thin shell.
  */
-/* marks: bits */
+/* marks: threads, bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,6 +17,8 @@
 #include "prep/curvilinear/curvilinear_thinned.h"
 #include "tests/support/curvilinear_steps.h"
 #include "tests/support/fields.h"
+#include "tests/support/fixture.h"
+#include "tests/support/pictures.h"
 #include "tests/support/scratch.h"
 
 static mem m;
@@ -115,7 +118,7 @@ static uint8_t expected_blank(const curvilinear_zone *z, const uint32_t at[3], u
 
 /* ---- tests ---- */
 
-static void convert(const blocks *g, const char *name, bool coarse) {
+static void convert(const curvilinear_zone *zones, uint32_t count, const char *name, bool coarse) {
     curvilinear_steps s;
     curvilinear_result r;
     curvilinear_options o = {.file = leaf_parameters_default(),
@@ -123,7 +126,7 @@ static void convert(const blocks *g, const char *name, bool coarse) {
                              .threads = 2,
                              .force = true,
                              .coarse = coarse};
-    curvilinear_steps_init(&s, g->zones, ZONES, 1, 1);
+    curvilinear_steps_init(&s, zones, count, 1, 1);
     if (curvilinear_convert(&m, &s.series, "g", scratch_path(name), &o, NULL, &r) != ST_OK)
         fail_msg("%s", status_text());
 }
@@ -166,7 +169,7 @@ static void test_nodes(void **state) {
     leaf_file *f = NULL;
     for (uint32_t z = 0; z < ZONES; z++)
         make_zone(&g, z, &r);
-    convert(&g, "thin.leaf", false);
+    convert(g.zones, ZONES, "thin.leaf", false);
     assert_int_equal(leaf_file_open(&m, scratch_path("thin.leaf"), &f), ST_OK);
     for (uint32_t log2 = 1; log2 < 8; log2++) {
         curvilinear_thinned t;
@@ -200,7 +203,7 @@ static void test_how_thin(void **state) {
     leaf_file *f = NULL;
     for (uint32_t z = 0; z < ZONES; z++)
         make_zone(&g, z, &r);
-    convert(&g, "thin.leaf", false);
+    convert(g.zones, ZONES, "thin.leaf", false);
     assert_int_equal(leaf_file_open(&m, scratch_path("thin.leaf"), &f), ST_OK);
     uint64_t before = UINT64_MAX;
     for (uint32_t log2 = 1; log2 <= 7; log2++) {
@@ -230,7 +233,7 @@ static void test_embedded(void **state) {
     leaf_file *f = NULL, *coarse = NULL;
     for (uint32_t z = 0; z < ZONES; z++)
         make_zone(&g, z, &r);
-    convert(&g, "thin.leaf", true);
+    convert(g.zones, ZONES, "thin.leaf", true);
     assert_int_equal(leaf_file_open(&m, scratch_path("thin.leaf"), &f), ST_OK);
     assert_int_equal(leaf_verify(&m, f, 2, NULL), ST_OK);
     assert_int_equal(leaf_file_open_coarse(&m, f, 0, &coarse), ST_OK);
@@ -246,12 +249,59 @@ static void test_embedded(void **state) {
     assert_int_equal(mem_used(&m), 0);
 }
 
+/* A thin shell, of which a regular grid would show nothing: none is inside, and what is thinned is
+ * the last level. */
+static void test_shell(void **state) {
+    (void)state;
+    enum { SIDE = 33 };
+    static float p[2 * SIDE * SIDE][3], values[2 * SIDE * SIDE];
+    const curvilinear_zone zone = {
+        .nodes = {SIDE, SIDE, 2}, .p = (const float(*)[3])p, .values = values};
+    for (uint32_t n = 0; n < 2 * SIDE * SIDE; n++) {
+        const double u = 0.05 * (n % SIDE), v = 0.05 * (n / SIDE % SIDE) - 0.8,
+                     radius = 1.0 + 0.001 * (n / (SIDE * SIDE));
+        p[n][0] = (float)(radius * cos(u) * cos(v));
+        p[n][1] = (float)(radius * sin(u) * cos(v));
+        p[n][2] = (float)(radius * sin(v));
+        values[n] = (float)u;
+    }
+    convert(&zone, 1, "shell.leaf", true);
+    leaf_file *f = NULL, *coarse = NULL;
+    assert_int_equal(leaf_file_open(&m, scratch_path("shell.leaf"), &f), ST_OK);
+    assert_int_equal(leaf_file_open_coarse(&m, f, 0, &coarse), ST_OK);
+    assert_false(leaf_file_has_coarse(coarse, 0));
+    leaf_file_close(coarse);
+    leaf_file_close(f);
+    leafcast *shell = fixture_open(scratch_path("shell.leaf"), NULL);
+    const leafcast_surface s = leafcast_surface_default(0.7);
+    leafcast_scene scene = leafcast_scene_default();
+    const leafcast_camera view = leafcast_standard_view(shell, 1, PICTURE_WIDTH, PICTURE_HEIGHT);
+    uint64_t hits[4];
+    assert_int_equal(leafcast_describe(shell).preview_levels, 2);
+    assert_int_equal(leafcast_select(shell, &s, 1), LEAFCAST_OK);
+    for (uint32_t level = 0; level < 4; level++) {
+        static picture drawn;
+        leafcast_stats stats = {.size = sizeof stats};
+        scene.preview = level > 0;
+        scene.lod = LEAFCAST_LOD_LEVEL;
+        scene.lod_level = level;
+        pictures_draw(shell, &scene, &view, &drawn, &stats);
+        hits[level] = stats.covered_pixels;
+        assert_int_equal(stats.provisional_pixels, level ? PICTURE_PIXELS : 0);
+    }
+    assert_true(hits[0] > 0 && hits[1] > hits[0] / 2);
+    assert_true(hits[2] == hits[1] && hits[3] == hits[1]);
+    leafcast_close(shell);
+    assert_int_equal(mem_used(&m), 0);
+}
+
 int main(void) {
     mem_init(&m, 0);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_nodes),
         cmocka_unit_test(test_how_thin),
         cmocka_unit_test(test_embedded),
+        cmocka_unit_test(test_shell),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -30,10 +30,23 @@ static void add_file(leaf_parts *p, leaf_file *f, bool coarse, uint64_t base) {
             add(p, PART_PAYLOAD, coarse, base + f->offsets[o.p], f->sizes[o.p]);
 }
 
+/* at: where f lies. */
+static void add_coarse(leaf_parts *p, mem *m, const leaf_file *f, uint64_t at) {
+    for (uint32_t set = 0; set < f->layout.sets; set++) {
+        leaf_file *coarse = NULL;
+        if (!leaf_file_has_coarse(f, set))
+            continue;
+        assert_int_equal(leaf_file_open_coarse(m, f, set, &coarse), ST_OK);
+        add_file(p, coarse, true, at + f->coarse[set].offset);
+        add_coarse(p, m, coarse, at + f->coarse[set].offset);
+        leaf_file_close(coarse);
+    }
+}
+
 leaf_parts leaf_parts_of(const char *path) {
     leaf_parts p = {0};
     mem m;
-    leaf_file *f = NULL, *coarse = NULL;
+    leaf_file *f = NULL;
     mem_init(&m, 0);
     assert_int_equal(leaf_file_open(&m, path, &f), ST_OK);
     if (f->header.segments < 2)
@@ -44,13 +57,7 @@ leaf_parts leaf_parts_of(const char *path) {
         add_file(&p, part, false, f->segments[i].base);
         leaf_file_close(part);
     }
-    for (uint32_t set = 0; set < f->layout.sets; set++) {
-        if (!leaf_file_has_coarse(f, set))
-            continue;
-        assert_int_equal(leaf_file_open_coarse(&m, f, set, &coarse), ST_OK);
-        add_file(&p, coarse, true, f->coarse[set].offset);
-        leaf_file_close(coarse);
-    }
+    add_coarse(&p, &m, f, 0);
     leaf_file_close(f);
     return p;
 }

@@ -67,6 +67,22 @@ static void test_read(void **state) {
     check_left(0);
 }
 
+/* Bytes "6789", from byte 6 of "a name". */
+static void check_part_of_part(const file *part) {
+    char buffer[4] = "";
+    file *inner = NULL;
+    assert_int_equal(file_open_part(&m, part, 1, 2, &inner), ST_OK);
+    assert_int_equal(file_size(inner), 2);
+    assert_int_equal(file_read_at(inner, 0, buffer, 2), ST_OK);
+    assert_string_equal(buffer, "78");
+    assert_int_equal(file_read_at(inner, 0, buffer, 3), ST_CORRUPT);
+    assert_non_null(strstr(status_text(), "a name (from byte 7)"));
+    file_close(inner);
+    assert_int_equal(file_open_part(&m, part, 3, 5, &inner), ST_OK);
+    assert_int_equal(file_size(inner), 1);
+    file_close(inner);
+}
+
 /* Bytes of the caller's, and parts of them. */
 static void test_memory(void **state) {
     (void)state;
@@ -89,6 +105,7 @@ static void test_memory(void **state) {
     assert_string_equal(buffer, "789");
     assert_int_equal(file_read_at(part, 1, buffer, 4), ST_CORRUPT);
     assert_non_null(strstr(status_text(), "a name (from byte 6)"));
+    check_part_of_part(part);
     file_close(part);
     check_left(0);
 }
