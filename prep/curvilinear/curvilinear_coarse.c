@@ -46,7 +46,7 @@ status curvilinear_coarse_embed(mem *m, leaf_writer *w, const char *output,
                                   .file = o->file,
                                   .memory = o->memory,
                                   .threads = o->threads,
-                                  .optional = o->coarse_regular};
+                                  .inside = o->coarse_regular};
     const coarse_maker maker = o->coarse_regular || o->coarse_dims
                                    ? coarse_grids_maker(&regular)
                                    : (coarse_maker){o, make_thinned};

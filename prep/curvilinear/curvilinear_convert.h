@@ -31,7 +31,7 @@ typedef struct curvilinear_options {
     leaf_grow *grow;      /* the output, opened: these are further steps of it; or NULL */
     bool refuse_empty;    /* ST_UNSUPPORTED if no value is a number */
     bool coarse;          /* add a coarse grid for each set (curvilinear_coarse.h), */
-    bool coarse_regular;  /* a regular one alone, if it shows enough; a regular one, too: */
+    bool coarse_regular;  /* a regular one alone, as coarse_grids.inside; also regular: */
     uint32_t coarse_dims; /* as coarse_grids.dims */
 } curvilinear_options;
 

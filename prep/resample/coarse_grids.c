@@ -6,7 +6,7 @@
 #include "formats/base/file.h"
 #include "formats/grid/nrrd_writer.h"
 #include "prep/grid/convert.h"
-#include "prep/resample/grid_fill.h"
+#include "prep/resample/grid_cover.h"
 #include "prep/resample/resample.h"
 #include "prep/resample/resample_cells.h"
 
@@ -20,18 +20,27 @@ typedef struct embedding {
 
 typedef struct receiver {
     nrrd_writer *writer;
-    grid_fill fill;
+    grid_cover cover; /* of a grid that is inside another */
 } receiver;
 
 static status receive(void *ctx, const float *samples, size_t count) {
     receiver *r = ctx;
-    grid_fill_count(&r->fill, samples, count);
+    if (r->cover.node)
+        grid_cover_take(&r->cover, samples, count);
     return nrrd_writer_append(r->writer, samples, count);
 }
 
 /* The most nodes: so many times as many as by default, or as this. A grid that is larger by far
  * than what it stands for would sooner fill a disk than help. */
 enum { MOST_TIMES = 64, MOST_NODES = 1 << 24 };
+
+/* Of a grid inside another: the nodes for each cell, the most nodes, and what it must show. */
+enum { INSIDE_TIMES = 8, INSIDE_MOST = 1 << 20, SHOWN = 7, SHOWN_OF = 8 };
+
+static uint64_t usual_nodes(const embedding *e) {
+    const uint64_t usual = resample_cells_of(e->f)->coarse(e->f), times = usual * INSIDE_TIMES;
+    return !e->o->inside ? usual : times < INSIDE_MOST ? times : INSIDE_MOST;
+}
 
 static status check_size(const embedding *e, const resample_grid *g, uint64_t usual) {
     const uint64_t most = usual * MOST_TIMES > MOST_NODES ? usual * MOST_TIMES : MOST_NODES;
@@ -49,24 +58,27 @@ static status check_size(const embedding *e, const resample_grid *g, uint64_t us
 
 static status resample(const embedding *e, uint32_t set, bool *shows) {
     const leaf_header *h = &e->f->header;
-    const uint64_t usual = resample_cells_of(e->f)->coarse(e->f);
+    const uint64_t usual = usual_nodes(e);
     const resample_wish wish = {.dims = {e->o->dims}, .nodes = usual};
     const resample_options options = {.set = set, .memory = e->o->memory, .threads = e->o->threads};
     resample_grid g;
     grid described;
     receiver r = {0};
+    uint64_t cells = 0, covered = 0;
     resample_result result;
     status st = resample_grid_choose(&wish, h->bounds, h->name, &g, &described);
     if (st == ST_OK)
         st = check_size(e, &g, usual);
     if (st == ST_OK)
         st = nrrd_writer_create(e->m, e->samples, true, &described, &r.writer);
-    if (st == ST_OK)
-        st = grid_fill_init(&r.fill, e->m, g.dims);
+    if (st == ST_OK && e->o->inside)
+        st = grid_cover_init(&r.cover, e->m, &g);
     if (st == ST_OK)
         st = resample_run(e->m, e->f, &g, &options, e->p, receive, &r, &result);
-    *shows = r.fill.cells > 0 && r.fill.cells >= r.fill.nodes / 8;
-    grid_fill_release(&r.fill);
+    if (st == ST_OK && e->o->inside)
+        st = grid_cover_count(&r.cover, e->f, set, &cells, &covered);
+    *shows = !e->o->inside || (covered > 0 && covered * SHOWN_OF >= cells * SHOWN);
+    grid_cover_release(&r.cover);
     if (st == ST_OK)
         return nrrd_writer_commit(r.writer);
     nrrd_writer_discard(r.writer);
@@ -104,7 +116,7 @@ static status make(const void *ctx, mem *m, leaf_file *f, uint32_t set, const ch
     snprintf(samples, size, "%s.nrrd", path);
     const embedding e = {.m = m, .o = o, .p = p, .f = f, .samples = samples, .grid = path};
     status st = resample(&e, set, &shows);
-    *made = st == ST_OK && (shows || !o->optional);
+    *made = st == ST_OK && shows;
     if (*made)
         st = convert(&e);
     coarse_parts_remove(samples);

@@ -5,6 +5,7 @@
 #ifndef PREP_RESAMPLE_COARSE_GRIDS_H
 #define PREP_RESAMPLE_COARSE_GRIDS_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "prep/resample/coarse_parts.h"
@@ -14,8 +15,8 @@ typedef struct coarse_grids {
     leaf_parameters file; /* of the file they are put into */
     uint64_t memory;
     int threads;
-    bool optional; /* leave out one that shows less than an eighth of what it stands for
-                      (grid_fill.h) */
+    bool inside; /* one inside another coarse grid, of hexahedra: with about 8 nodes for each, but
+                    at most 2^20; left out if it shows less than 7/8 of them (grid_cover.h) */
 } coarse_grids;
 
 /* coarse_grids_maker() - make grids so; by reference. They depend on the cells, dims and file

@@ -21,7 +21,7 @@
 #include "formats/leaf/leaf_verify.h"
 #include "prep/curvilinear/curvilinear_thinned.h"
 #include "prep/resample/coarse_grids.h"
-#include "prep/resample/grid_fill.h"
+#include "prep/resample/grid_cover.h"
 #include "prep/resample/resample.h"
 #include "tests/support/coarse_hexes.h"
 #include "tests/support/coarse_subjects.h"
@@ -234,47 +234,73 @@ static void test_hexahedra_resampled(void **state) {
     leaf_file_close(f);
 }
 
-/* ---- how much of the cells a grid shows ---- */
+/* ---- how many cells a grid shows ---- */
 
-enum { FILL_NODES = 6 * 7 * 8 };
+enum { COVER_CELLS = 8, COVER_NODES = 7 * 6 * 5 };
 
-static void check_fill(const uint32_t n[3], field_random *r) {
-    float data[FILL_NODES];
-    uint64_t nodes = 0, cells = 0;
-    grid_fill f;
-    for (uint32_t at = 0; at < n[0] * n[1] * n[2]; at++) {
-        data[at] = field_random_below(r, 5) ? 1.0F : NAN;
-        nodes += !isnan(data[at]);
+static bool is_covered(const resample_grid *g, const float *at, const double point[3]) {
+    double low[3];
+    for (int a = 0; a < 3; a++) {
+        low[a] = floor((point[a] - g->origin[a]) / g->spacing[a]);
+        if (low[a] < 0.0 || low[a] > g->dims[a] - 2.0)
+            return false;
     }
-    for (uint32_t k = 0; k + 1 < n[2]; k++)
-        for (uint32_t j = 0; j + 1 < n[1]; j++)
-            for (uint32_t i = 0; i + 1 < n[0]; i++) {
-                bool all = true;
-                for (uint32_t c = 0; c < 8; c++)
-                    all =
-                        all &&
-                        !isnan(
-                            data[i + (c & 1) + n[0] * (j + (c >> 1 & 1) + n[1] * (k + (c >> 2)))]);
-                cells += all;
-            }
-    assert_int_equal(grid_fill_init(&f, &m, n), ST_OK);
-    for (size_t at = 0, run, all = (size_t)n[0] * n[1] * n[2]; at < all; at += run) {
-        run = (size_t)field_random_below(r, 40);
-        run = run < all - at ? run : all - at;
-        grid_fill_count(&f, data + at, run);
+    bool all = true;
+    for (int c = 0; c < 8; c++) {
+        const double node[3] = {low[0] + (c & 1), low[1] + (c >> 1 & 1), low[2] + (c >> 2)};
+        all = all && !isnan(at[(size_t)(node[0] + g->dims[0] * (node[1] + g->dims[1] * node[2]))]);
     }
-    assert_int_equal(f.nodes, nodes);
-    assert_int_equal(f.cells, cells);
-    grid_fill_release(&f);
+    return all;
 }
 
-static void test_fill(void **state) {
+/* As many as of the lattice's own cells, by their corners. */
+static uint64_t count_covered(const mesh_case *points, const resample_grid *g, const float *at) {
+    enum { SIDE = COVER_CELLS + 1 };
+    uint64_t covered = 0;
+    for (size_t n = 0; n < SIDE * SIDE * SIDE; n++) {
+        double middle[3] = {0.0, 0.0, 0.0};
+        if (n % SIDE == COVER_CELLS || n / SIDE % SIDE == COVER_CELLS ||
+            n / SIDE / SIDE == COVER_CELLS)
+            continue;
+        for (size_t c = 0; c < 8; c++)
+            for (int a = 0; a < 3; a++)
+                middle[a] +=
+                    (double)points
+                        ->points[n + (c & 1) + SIDE * (c >> 1 & 1) + SIDE * SIDE * (c >> 2)][a] /
+                    8;
+        covered += is_covered(g, at, middle);
+    }
+    return covered;
+}
+
+static void test_cover(void **state) {
     (void)state;
+    coarse_hexes h = coarse_hexes_of(false, COVER_CELLS, 0);
+    const resample_grid g = {
+        .dims = {7, 6, 5}, .origin = {-0.5, 1.1, 0.2}, .spacing = {1.5, 1.3, 1.8}};
+    mesh_case points = mesh_cases_kuhn(COVER_CELLS, COVER_CELLS, COVER_CELLS);
     field_random r = {3};
-    for (int k = 0; k < 200; k++)
-        check_fill((const uint32_t[3]){6, 7, 8}, &r);
-    for (int k = 0; k < 20; k++)
-        check_fill((const uint32_t[3]){2, 2, 2}, &r);
+    leaf_file *f = NULL;
+    h.coarse = false;
+    assert_int_equal(coarse_hexes_convert(&m, &h, "cover.leaf"), ST_OK);
+    assert_int_equal(leaf_file_open(&m, scratch_path("cover.leaf"), &f), ST_OK);
+    for (int k = 0; k < 20; k++) {
+        float at[COVER_NODES];
+        uint64_t cells, covered;
+        grid_cover c;
+        for (int n = 0; n < COVER_NODES; n++)
+            at[n] = k > 0 && field_random_below(&r, 1 + 100 / k) == 0 ? NAN : 1.0F;
+        assert_int_equal(grid_cover_init(&c, &m, &g), ST_OK);
+        for (size_t n = 0, run = 1; n < COVER_NODES; n += run, run = run % 37 + 1)
+            grid_cover_take(&c, at + n, run < COVER_NODES - n ? run : COVER_NODES - n);
+        assert_int_equal(grid_cover_count(&c, f, 0, &cells, &covered), ST_OK);
+        assert_int_equal(cells, COVER_CELLS * COVER_CELLS * COVER_CELLS);
+        assert_int_equal(covered, count_covered(&points, &g, at));
+        assert_true(covered < cells && (k > 0 || covered > cells / 4));
+        grid_cover_release(&c);
+    }
+    leaf_file_close(f);
+    mesh_cases_free(&points);
 }
 
 /* ---- in computational space ---- */
@@ -562,7 +588,7 @@ int main(void) {
         cmocka_unit_test(test_same_bytes),
         cmocka_unit_test(test_payloads_stay),
         cmocka_unit_test(test_hexahedra_resampled),
-        cmocka_unit_test(test_fill),
+        cmocka_unit_test(test_cover),
         cmocka_unit_test(test_thinned),
         cmocka_unit_test(test_too_large),
         cmocka_unit_test(test_hexahedra_same_bytes),
