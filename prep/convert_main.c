@@ -153,7 +153,8 @@ static const struct argp_option options[] = {
      3},
     {"coarse", KEY_COARSE, "N", OPTION_ARG_OPTIONAL,
      "of meshes and curvilinear grids: with a regular grid of the values, for previews: N nodes "
-     "along the longest edge (default: half as many nodes as tets, as many as of whole cells)",
+     "along the longest edge (default: half as many nodes as tets, as many as of whole cells; of "
+     "curvilinear grids every second or n-th node first)",
      3},
     {"treelet-tets", KEY_TREELET_TETS, "N", CLI_EXPERIMENT,
      "at most so many in a treelet (default 4096)", 3},

@@ -68,7 +68,7 @@ typedef struct leafcast_convert_options {
     bool gradients;        /* store the gradient at each vertex, too, for smooth normals */
     bool coarse;           /* store a grid of the values, too, for previews, */
     uint32_t coarse_dims;  /* with so many nodes along the longest edge, 2 to 2^20; 0: as suits the
-                              mesh */
+                              mesh; of a curvilinear grid its own with fewer nodes, too */
     uint32_t treelet_tets; /* at most in a treelet, to 16384; 0: 4096 */
     uint32_t leaf_tets;    /* at most in a leaf of a treelet's tree, to 64; 0: 12 */
 

@@ -234,7 +234,8 @@ typedef struct leafcast_info {
     double cell_size;    /* geometric mean edge of a cell, world units; without dims an estimate */
     uint64_t file_bytes, payload_bytes; /* of a live volume: of one step's samples */
     uint32_t preview_levels; /* levels of detail that a preview may draw. As `levels`, but with a
-                                coarse grid: the cells themselves, then the grid's levels */
+                                coarse grid: the cells themselves, then the grid's levels, and
+                                those of the one inside it */
     bool gradients;          /* stored at the nodes, for leafcast_scene.smooth_normals */
     leafcast_axes axes;      /* of the world that the volume lies in */
     const char *units[3];    /* of lengths along x, y, z, such as "mm"; "": the file does not say */

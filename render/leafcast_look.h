@@ -144,8 +144,8 @@ typedef struct leafcast_scene {
                      draws what is resident, the finest levels first, or a coarse grid where cells
                      are absent. Marks provisional pixels; with media, image.error says how far they
                      may be off. For a volume with a coarse grid, lod level n > 0 is that grid's
-                     level n - 1, drawn instead of the cells, and the whole picture is provisional
-                   */
+                     level n - 1, or one inside it, drawn instead of the cells, and the whole
+                     picture is provisional */
     bool allow_missing; /* draw treelets that cannot be read, as they are damaged or the disk fails,
                            by the coarser one above, or not at all; their pixels are provisional,
                            and stats count them. false: they are an error. Ignored by previews,

@@ -450,13 +450,17 @@ static status open_source(mem *m, file *source, const leaf_header *first, const 
     return ST_OK;
 }
 
+status leaf_file_open_part(mem *m, const leaf_file *f, uint64_t offset, uint64_t bytes,
+                           leaf_file **out) {
+    file *source = NULL;
+    const status st = file_open_part(m, f->source, offset, bytes, &source);
+    return st == ST_OK ? open_alone(m, source, NULL, file_path(f->source), out) : st;
+}
+
 status leaf_file_open_segment(mem *m, const leaf_file *f, const leaf_segment *s, leaf_file **out) {
     leaf_header head;
-    file *source = NULL;
-    status st = file_read_at(f->source, s->base, &head, sizeof head);
-    if (st == ST_OK)
-        st = file_open_part(m, f->source, s->base, head.file_bytes, &source);
-    return st == ST_OK ? open_alone(m, source, NULL, file_path(f->source), out) : st;
+    const status st = file_read_at(f->source, s->base, &head, sizeof head);
+    return st == ST_OK ? leaf_file_open_part(m, f, s->base, head.file_bytes, out) : st;
 }
 
 status leaf_file_open_as(mem *m, const char *path, const char *as, leaf_file **out) {
@@ -520,42 +524,6 @@ status leaf_file_changed(const leaf_file *f) {
     if (st == ST_CORRUPT)
         st = check_growth(f, st);
     return st == ST_OK && f->samples ? outside_samples_changed(f->samples) : st;
-}
-
-bool leaf_file_has_coarse(const leaf_file *f, uint32_t set) {
-    return f->coarse && f->coarse[set].bytes;
-}
-
-/* A grid; or in a file that is none no more cells of the same kind. */
-static bool stands_for(const leaf_file *coarse, const leaf_file *f) {
-    const leaf_geometry *g = coarse->geometry;
-    return g->has_map || (g == f->geometry && !f->stands_in && coarse->layout.sets == 1 &&
-                          g->verifier->cells(coarse) <= g->verifier->cells(f));
-}
-
-status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, leaf_file **out) {
-    assert(leaf_file_has_coarse(f, set));
-    const leaf_part *part = &f->coarse[set];
-    leaf_file *coarse = NULL;
-    file *source = NULL;
-    status st = file_open_part(m, f->source, part->offset, part->bytes, &source);
-    if (st == ST_OK)
-        st = open_alone(m, source, NULL, file_path(f->source), &coarse);
-    const bool alone = st == ST_OK && !coarse->header.segments && !coarse->header.steps_before;
-    if (st == ST_OK &&
-        (!alone || !stands_for(coarse, f) || memcmp(coarse->header.id, part->id, sizeof part->id)))
-        st = status_describe(
-            ST_CORRUPT, "%s: expected the grid %016llx%016llx, found %016llx%016llx of kind %u",
-            file_path(coarse->source), (unsigned long long)part->id[1],
-            (unsigned long long)part->id[0], (unsigned long long)coarse->header.id[1],
-            (unsigned long long)coarse->header.id[0], coarse->header.kind);
-    if (st != ST_OK) {
-        leaf_file_close(coarse);
-        return st;
-    }
-    coarse->stands_in = true;
-    *out = coarse;
-    return ST_OK;
 }
 
 void leaf_file_close(leaf_file *f) {

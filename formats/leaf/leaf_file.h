@@ -94,9 +94,12 @@ void leaf_file_close(leaf_file *f); /* NULL is fine */
 /* leaf_file_open_as() - the same of a file that is about to get the name `as`. */
 CHECKED status leaf_file_open_as(mem *m, const char *path, const char *as, leaf_file **out);
 
-/* leaf_file_open_segment() - open segment i of f alone: what leads to earlier segments leads
+/* leaf_file_open_part() - open bytes [offset, offset + bytes) of f's file as a treelet file of its
+ * own. leaf_file_open_segment() - open segment i of f alone: what leads to earlier segments leads
  * nowhere. For checks. leaf_file_join() - make a file of all its segments of a growing one, of
  * which the first is open; for leaf_file.c. */
+CHECKED status leaf_file_open_part(mem *m, const leaf_file *f, uint64_t offset, uint64_t bytes,
+                                   leaf_file **out);
 CHECKED status leaf_file_open_segment(mem *m, const leaf_file *f, const leaf_segment *s,
                                       leaf_file **out);
 CHECKED status leaf_file_join(leaf_file *f);

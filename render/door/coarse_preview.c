@@ -142,14 +142,19 @@ static status wait_for_cells(const leafcast *coarse) {
     return coarse->file->layout.sampled > 1 ? ST_OK : loader_settle(coarse->treelets);
 }
 
+/* Whether the open grid is that of a set, or the one inside it. */
+static bool is_of(const leafcast *v, uint32_t set, bool inner) {
+    return v->coarse_set == set && v->coarse_inner == inner;
+}
+
 /* Open the grid of the set that is shown of v, or the one inside that. *out = NULL: there is no
  * grid, or no room for it. */
 static status open_shown(leafcast *v, const leafcast_shown *shown, bool inner, leafcast **out) {
     const uint32_t set = set_of(v, shown);
     *out = NULL;
-    if (v->coarse && (v->coarse_set != set || v->coarse_inner != inner))
+    if (!is_of(v, set, inner))
         coarse_preview_end(v);
-    if (v->coarse && (v->coarse_set != set || v->coarse_inner != inner))
+    if (v->coarse && !is_of(v, set, inner))
         return ST_OK;
     const status st = v->coarse ? ST_OK : open_coarse(v, set, inner);
     if (st != ST_OK || !v->coarse)

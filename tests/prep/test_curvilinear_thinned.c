@@ -263,7 +263,7 @@ static void test_shell(void **state) {
         p[n][0] = (float)(radius * cos(u) * cos(v));
         p[n][1] = (float)(radius * sin(u) * cos(v));
         p[n][2] = (float)(radius * sin(v));
-        values[n] = (float)u;
+        values[n] = n < SIDE * SIDE ? 0.0F : 1.0F;
     }
     convert(&zone, 1, "shell.leaf", true);
     leaf_file *f = NULL, *coarse = NULL;
@@ -273,7 +273,7 @@ static void test_shell(void **state) {
     leaf_file_close(coarse);
     leaf_file_close(f);
     leafcast *shell = fixture_open(scratch_path("shell.leaf"), NULL);
-    const leafcast_surface s = leafcast_surface_default(0.7);
+    const leafcast_surface s = leafcast_surface_default(0.5);
     leafcast_scene scene = leafcast_scene_default();
     const leafcast_camera view = leafcast_standard_view(shell, 1, PICTURE_WIDTH, PICTURE_HEIGHT);
     uint64_t hits[4];
