@@ -12,7 +12,7 @@
 #include "tests/support/mesh_cases.h"
 #include "tests/support/scratch.h"
 
-enum { GRID_NODES = 37 };
+enum { GRID_NODES = 37, THINNED_CELLS = 36 };
 
 void coarse_subjects_take_part(mem *m, const char *name, uint32_t set, const char *part_name) {
     leaf_file *f = NULL;
@@ -26,8 +26,8 @@ void coarse_subjects_take_part(mem *m, const char *name, uint32_t set, const cha
 }
 
 static void make_hexes(mem *m, subject of, const char *name, bool coarse) {
-    coarse_hexes c =
-        coarse_hexes_of(of == WHOLE_CELLS, SUBJECT_CELLS, of == THINNED ? 0 : GRID_NODES);
+    coarse_hexes c = of == THINNED ? coarse_hexes_of(false, THINNED_CELLS, 0)
+                                   : coarse_hexes_of(of == WHOLE_CELLS, SUBJECT_CELLS, GRID_NODES);
     c.coarse = coarse;
     if (coarse_hexes_convert(m, &c, name) != ST_OK)
         fail_msg("%s", status_text());

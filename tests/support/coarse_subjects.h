@@ -10,7 +10,8 @@
 #include "formats/base/mem.h"
 
 /* TETS, WHOLE_CELLS: meshes; LATTICE: a curvilinear grid, all with regular grids of 37^3 nodes.
- * THINNED: as LATTICE, and with the same grid of fewer nodes. */
+ * THINNED: one of 36^3 cells, with the same grid of fewer nodes, and a regular one of 2 levels
+ * inside. */
 typedef enum subject { TETS, LATTICE, THINNED, WHOLE_CELLS, SUBJECTS } subject;
 
 enum { SUBJECT_CELLS = 20 };

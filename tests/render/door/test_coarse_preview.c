@@ -280,7 +280,7 @@ static void test_levels(void **state) {
     if (of == THINNED)
         coarse_subjects_take_part(&m, "part.leaf", 0, "inner.leaf");
     leafcast *tets = open_with("mesh.leaf", NULL, 0);
-    const uint32_t levels = 2;
+    const uint32_t levels = of == THINNED ? 3 : 2;
     select_one(tets, ISO);
     for (int k = 0; k < SCENES * (int)levels * (WATCHED ? 1 : 2); k += WATCHED_THREADS ? 3 : 1) {
         const uint32_t level = (uint32_t)(k / SCENES) % levels;
@@ -338,7 +338,7 @@ static void test_no_levels(void **state) {
         assert_int_equal(leafcast_trace(v, &scene, &view, &image, NULL, NULL, NULL),
                          LEAFCAST_USAGE);
         assert_non_null(strstr(leafcast_error_text(), "no coarse levels"));
-        assert_int_equal(leafcast_describe(v).preview_levels, i ? 1 : 3);
+        assert_int_equal(leafcast_describe(v).preview_levels, i ? 1 : of == THINNED ? 4 : 3);
         leafcast_close(v);
     }
 }
