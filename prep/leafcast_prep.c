@@ -80,8 +80,7 @@ static status check_gives_way(const job *j) {
 
 /* ---- A job ---- */
 
-/* Stages that report no progress (coarse_grids.h) still ask whether to stop. watch() then gets the
- * last values again. */
+/* What reports no progress still asks whether to stop. watch() then gets the last values again. */
 static void tell(void *ctx, const char *stage, double fraction) {
     job *j = ctx;
     pthread_mutex_lock(&j->lock);

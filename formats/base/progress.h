@@ -21,6 +21,15 @@ typedef struct progress {
 /* progress_step() - report, and ask whether to go on: ST_OK or ST_STOPPED. p may be NULL. */
 CHECKED status progress_step(const progress *p, const char *stage, double fraction);
 
+/* A job that is a part of another: from 0 to 1 of it is from `from` to `to` of that one. */
+typedef struct progress_part {
+    const progress *of; /* or NULL */
+    double from, to;
+} progress_part;
+
+/* progress_of_part() - what such a job reports to, and asks. part: by reference. */
+progress progress_of_part(progress_part *part);
+
 /* progress_ask() - only ask. */
 CHECKED status progress_ask(const progress *p, const char *stage);
 

@@ -40,6 +40,14 @@ static status make_thinned(const void *ctx, mem *m, leaf_file *f, uint32_t set, 
     return st;
 }
 
+static bool is_regular(const curvilinear_options *o) {
+    return o->coarse_regular || o->coarse_dims;
+}
+
+double curvilinear_coarse_share(const curvilinear_options *o) {
+    return !o->coarse ? 0.0 : is_regular(o) ? 0.5 : 0.1;
+}
+
 status curvilinear_coarse_embed(mem *m, leaf_writer *w, const char *output,
                                 const curvilinear_options *o, const progress *p) {
     const coarse_grids regular = {.dims = o->coarse_dims,
@@ -47,8 +55,7 @@ status curvilinear_coarse_embed(mem *m, leaf_writer *w, const char *output,
                                   .memory = o->memory,
                                   .threads = o->threads,
                                   .inside = o->coarse_regular};
-    const coarse_maker maker = o->coarse_regular || o->coarse_dims
-                                   ? coarse_grids_maker(&regular)
-                                   : (coarse_maker){o, make_thinned};
+    const coarse_maker maker =
+        is_regular(o) ? coarse_grids_maker(&regular) : (coarse_maker){o, make_thinned};
     return coarse_parts_embed(m, w, output, &maker, p);
 }

@@ -8,6 +8,9 @@
 
 #include "prep/curvilinear/curvilinear_convert.h"
 
+/* curvilinear_coarse_share() - about the share of a conversion's time that they take. */
+double curvilinear_coarse_share(const curvilinear_options *o);
+
 /* curvilinear_coarse_embed() - put one for each set into w, which must be settled. output, o, p: of
  * the conversion. */
 CHECKED status curvilinear_coarse_embed(mem *m, leaf_writer *w, const char *output,

@@ -567,17 +567,21 @@ static void note_result(const conversion *c, curvilinear_result *result) {
             result->cells[code] += c->codes[i][code];
 }
 
-static status embed_coarse(conversion *c, const char *output, const leaf_facts *facts) {
+static status embed_coarse(conversion *c, const char *output, const leaf_facts *facts,
+                           const progress *p) {
     if (!c->o->coarse)
         return ST_OK;
     const status st = leaf_writer_settle(c->writer, facts);
-    return st == ST_OK ? curvilinear_coarse_embed(c->m, c->writer, output, c->o, c->p) : st;
+    return st == ST_OK ? curvilinear_coarse_embed(c->m, c->writer, output, c->o, p) : st;
 }
 
 status curvilinear_convert(mem *m, const curvilinear_series *s, const char *name,
                            const char *output, const curvilinear_options *o, const progress *p,
                            curvilinear_result *result) {
-    conversion c = {.m = m, .series = s, .o = o, .p = p};
+    const double share = curvilinear_coarse_share(o);
+    progress_part parts[2] = {{p, 0.0, 1.0 - share}, {p, 1.0 - share, 1.0}};
+    const progress of_part[2] = {progress_of_part(&parts[0]), progress_of_part(&parts[1])};
+    conversion c = {.m = m, .series = s, .o = o, .p = &of_part[0]};
     curvilinear_plan plan;
     const curvilinear_source *first;
     status st = s->open(s->ctx, 0, &first);
@@ -596,7 +600,7 @@ status curvilinear_convert(mem *m, const curvilinear_series *s, const char *name
     const leaf_facts facts = {.non_finite = c.slab.odd, .provenance = origin};
     release(&c);
     if (st == ST_OK)
-        st = embed_coarse(&c, output, &facts);
+        st = embed_coarse(&c, output, &facts, &of_part[1]);
     if (st != ST_OK) {
         leaf_writer_discard(c.writer);
         return st;

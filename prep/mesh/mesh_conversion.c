@@ -82,9 +82,13 @@ status mesh_conversion_begin_writer(mesh_conversion *c) {
     return mesh_build_create(c->m, c->workers, &in, c->writer, &c->build);
 }
 
+double mesh_conversion_share(const mesh_options *o) {
+    return o->coarse ? 0.5 : 1.0;
+}
+
 status mesh_conversion_tell(mesh_conversion *c, const char *stage, double from, double to,
                             double part) {
-    c->share = from + (to - from) * part;
+    c->share = mesh_conversion_share(&c->o) * (from + (to - from) * part);
     return progress_step(c->p, stage, c->share);
 }
 

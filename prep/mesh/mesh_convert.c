@@ -290,7 +290,9 @@ static status embed_coarse(mem *m, leaf_writer *w, const char *output, const lea
         .dims = o->coarse_dims, .file = o->file, .memory = o->memory, .threads = o->threads};
     status st = leaf_writer_settle(w, facts);
     const coarse_maker maker = coarse_grids_maker(&coarse);
-    return st == ST_OK ? coarse_parts_embed(m, w, output, &maker, p) : st;
+    progress_part rest = {p, mesh_conversion_share(o), 1.0};
+    const progress of_rest = progress_of_part(&rest);
+    return st == ST_OK ? coarse_parts_embed(m, w, output, &maker, &of_rest) : st;
 }
 
 /* Make the treelet file of what has been read, or what is left of that. */
@@ -356,7 +358,7 @@ static status read_rest(mesh_conversion *c, mesh_input *x) {
     status st = ST_OK;
     while (st == ST_OK && c->g->done < c->g->steps) {
         st = read_step(c->m, x, &c->o, c->g, &sink, c->report);
-        c->share = READ_END * c->g->done / c->g->steps;
+        c->share = mesh_conversion_share(&c->o) * READ_END * c->g->done / c->g->steps;
         if (st == ST_OK)
             st = mesh_conversion_save(c);
     }
@@ -401,7 +403,7 @@ status mesh_convert_run(mem *m, mesh_input *x, const char *output, const mesh_op
     if (st != ST_OK)
         return st;
     mesh_gather_init(&g, m, output, (size_t)(o->memory / 2), p);
-    g.share = READ_END;
+    g.share = mesh_conversion_share(o) * READ_END;
     if (o->mixed)
         mesh_gather_whole(&g);
     begin_reading(&g, x, o);

@@ -10,6 +10,8 @@
 #include "prep/resample/resample.h"
 #include "prep/resample/resample_cells.h"
 
+static const double RESAMPLE_SHARE = 0.9; /* of the whole, as progress */
+
 typedef struct embedding {
     mem *m;
     const coarse_grids *o;
@@ -114,9 +116,12 @@ static status make(const void *ctx, mem *m, leaf_file *f, uint32_t set, const ch
     if (!samples)
         return ST_NOMEM;
     snprintf(samples, size, "%s.nrrd", path);
-    const embedding e = {.m = m, .o = o, .p = p, .f = f, .samples = samples, .grid = path};
+    progress_part parts[2] = {{p, 0.0, RESAMPLE_SHARE}, {p, RESAMPLE_SHARE, 1.0}};
+    const progress of_part[2] = {progress_of_part(&parts[0]), progress_of_part(&parts[1])};
+    embedding e = {.m = m, .o = o, .p = &of_part[0], .f = f, .samples = samples, .grid = path};
     status st = resample(&e, set, &shows);
     *made = st == ST_OK && shows;
+    e.p = &of_part[1];
     if (*made)
         st = convert(&e);
     coarse_parts_remove(samples);

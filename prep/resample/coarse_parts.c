@@ -16,8 +16,11 @@ static status embed_sets(mem *m, leaf_writer *w, const char *path, const coarse_
     leaf_file *f = NULL;
     status st = leaf_file_open(m, leaf_writer_path(w), &f);
     for (uint32_t set = 0; st == ST_OK && set < f->layout.sets; set++) {
+        const double sets = f->layout.sets;
+        progress_part part = {p, set / sets, (set + 1) / sets};
+        const progress of_set = progress_of_part(&part);
         bool made = true;
-        st = maker->make(maker->ctx, m, f, set, path, p, &made);
+        st = maker->make(maker->ctx, m, f, set, path, &of_set, &made);
         if (st == ST_OK && made)
             st = leaf_writer_embed(w, set, path);
         coarse_parts_remove(path);
@@ -28,14 +31,12 @@ static status embed_sets(mem *m, leaf_writer *w, const char *path, const coarse_
 
 status coarse_parts_embed(mem *m, leaf_writer *w, const char *output, const coarse_maker *maker,
                           const progress *p) {
-    /* Do not report progress: this is a small rest of the whole job. */
-    const progress quiet = {.stop = p ? p->stop : NULL, .ctx = p ? p->ctx : NULL};
     const size_t size = strlen(output) + COARSE_PARTS_SUFFIX;
     char *path = mem_alloc(m, size);
     if (!path)
         return ST_NOMEM;
     snprintf(path, size, "%s.coarse-%ld.leaf", output, (long)getpid());
-    const status st = embed_sets(m, w, path, maker, &quiet);
+    const status st = embed_sets(m, w, path, maker, p);
     mem_free(m, path);
     return st;
 }

@@ -389,6 +389,37 @@ static void test_thinned(void **state) {
     }
 }
 
+typedef struct reports {
+    double last;
+    int count, late; /* late: of what follows the cells' own conversion */
+    bool falls;
+} reports;
+
+static void take_report(void *ctx, const char *stage, double fraction) {
+    reports *r = ctx;
+    (void)stage;
+    r->count++;
+    r->late += fraction > 0.9;
+    r->falls = r->falls || fraction < r->last || fraction > 1.0;
+    r->last = fraction;
+}
+
+/* Progress rises to the end, also while grids are made. */
+static void test_progress(void **state) {
+    (void)state;
+    for (int of = 0; of < 3; of++) { /* 2: thinned */
+        coarse_hexes c = coarse_hexes_of(of == 1, 8, of == 2 ? 0 : 20);
+        reports r = {0.0, 0, 0, false};
+        const progress p = {take_report, NULL, &r};
+        c.threads = 1;
+        c.steps = 3;
+        c.progress = &p;
+        assert_int_equal(coarse_hexes_convert(&m, &c, "told.leaf"), ST_OK);
+        assert_false(r.falls);
+        assert_true(r.count > r.late && r.late > 2 && r.last > 0.99);
+    }
+}
+
 /* A grid that is far too large is refused before anything is written. */
 static void test_too_large(void **state) {
     (void)state;
@@ -590,6 +621,7 @@ int main(void) {
         cmocka_unit_test(test_hexahedra_resampled),
         cmocka_unit_test(test_cover),
         cmocka_unit_test(test_thinned),
+        cmocka_unit_test(test_progress),
         cmocka_unit_test(test_too_large),
         cmocka_unit_test(test_hexahedra_same_bytes),
         cmocka_unit_test(test_hexahedra_damage),

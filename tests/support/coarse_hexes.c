@@ -101,7 +101,7 @@ static status convert_lattice(mem *m, const coarse_hexes *c, const mesh_case *po
                                    .coarse = c->coarse,
                                    .coarse_dims = c->dims};
     curvilinear_result r;
-    return curvilinear_convert(m, &series, "lattice", path, &o, NULL, &r);
+    return curvilinear_convert(m, &series, "lattice", path, &o, c->progress, &r);
 }
 
 /* ---- A mesh ---- */
@@ -158,7 +158,7 @@ static status convert_mesh(mem *m, const coarse_hexes *c, const mesh_case *point
     o.coarse_dims = c->dims;
     status st = mesh_input_open(m, paths[0], NULL, &x);
     if (st == ST_OK)
-        st = mesh_convert_run(m, x, output, &o, NULL, &r);
+        st = mesh_convert_run(m, x, output, &o, c->progress, &r);
     mesh_input_close(x);
     return st;
 }

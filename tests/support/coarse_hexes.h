@@ -7,6 +7,7 @@
 #include <stdbool.h>
 
 #include "formats/base/mem.h"
+#include "formats/base/progress.h"
 #include "formats/leaf/leaf_writer.h"
 
 typedef struct coarse_hexes {
@@ -18,6 +19,7 @@ typedef struct coarse_hexes {
     leaf_codec codec;
     int threads;
     uint64_t memory;
+    const progress *progress; /* or NULL */
 } coarse_hexes;
 
 /* coarse_hexes_of() - one step, with grids, nothing compressed, 2 threads, 1 GiB. */
