@@ -145,6 +145,8 @@ status file_open_part(mem *m, const file *of, uint64_t offset, uint64_t size, fi
         file_close(f);
         return ST_NOMEM;
     }
+    if (of->whole)
+        size = offset >= of->size ? 0 : size < of->size - offset ? size : of->size - offset;
     offset += of->offset;
     snprintf(name, room, "%s (from byte %llu)", path, (unsigned long long)offset);
     f->whole = f->path;

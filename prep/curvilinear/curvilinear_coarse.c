@@ -54,6 +54,7 @@ status curvilinear_coarse_embed(mem *m, leaf_writer *w, const char *output,
                                   .file = o->file,
                                   .memory = o->memory,
                                   .threads = o->threads,
+                                  .output = output,
                                   .inside = o->coarse_regular};
     const coarse_maker maker =
         is_regular(o) ? coarse_grids_maker(&regular) : (coarse_maker){o, make_thinned};

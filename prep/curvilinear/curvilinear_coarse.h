@@ -1,5 +1,5 @@
 /* curvilinear_coarse.h - makes what stands for a set of a curvilinear grid in previews (leaf.h,
- * COARSE): the same grid with fewer nodes (curvilinear_thinned.h), which loses no thin cells, and
+ * COARSE): the same grid with fewer nodes (curvilinear_thinned.h), whose thin layers stay, and
  * in its file a regular grid, whose media and projections are soon drawn. Of a size that is asked
  * for, a regular one alone.
  */

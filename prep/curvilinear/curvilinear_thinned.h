@@ -1,9 +1,11 @@
 /* curvilinear_thinned.h - every 2^n-th node of a set of a curvilinear grid's treelet file as a
- * source: the same grid, coarser in computational space. Faces of zones stay where they are, so it
- * shows what a regular grid of as many nodes has lost: thin cells at walls, shells.
+ * source: the same grid, coarser in computational space. The nodes that are left stay where they
+ * are, those of faces on faces. So it shows what a regular grid of as many nodes has lost: thin
+ * cells at walls, shells.
  *
  * Along each axis node i is the grid's node 2^n i, the last one its last. A coarse cell is none if
- * all cells that it stands for are, or a corner of it is a corner of no cell at all.
+ * all cells that it stands for are, or a corner of it is a corner of no cell at all. So what is
+ * narrower than 2^n cells between blanked ones may vanish.
  */
 #ifndef PREP_CURVILINEAR_CURVILINEAR_THINNED_H
 #define PREP_CURVILINEAR_CURVILINEAR_THINNED_H

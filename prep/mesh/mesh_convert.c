@@ -286,8 +286,11 @@ static status embed_coarse(mem *m, leaf_writer *w, const char *output, const lea
                            const mesh_options *o, const progress *p) {
     if (!o->coarse)
         return ST_OK;
-    const coarse_grids coarse = {
-        .dims = o->coarse_dims, .file = o->file, .memory = o->memory, .threads = o->threads};
+    const coarse_grids coarse = {.dims = o->coarse_dims,
+                                 .file = o->file,
+                                 .memory = o->memory,
+                                 .threads = o->threads,
+                                 .output = output};
     status st = leaf_writer_settle(w, facts);
     const coarse_maker maker = coarse_grids_maker(&coarse);
     progress_part rest = {p, mesh_conversion_share(o), 1.0};

@@ -54,7 +54,7 @@ static status check_size(const embedding *e, const resample_grid *g, uint64_t us
     return status_describe(ST_UNSUPPORTED,
                            "%s: --coarse: a grid of %u x %u x %u nodes is far larger than the "
                            "volume it stands for; at most %llu nodes, by default there are %llu",
-                           file_path(e->f->source), g->dims[0], g->dims[1], g->dims[2],
+                           e->o->output, g->dims[0], g->dims[1], g->dims[2],
                            (unsigned long long)most, (unsigned long long)usual);
 }
 
@@ -69,6 +69,9 @@ static status resample(const embedding *e, uint32_t set, bool *shows) {
     uint64_t cells = 0, covered = 0;
     resample_result result;
     status st = resample_grid_choose(&wish, h->bounds, h->name, &g, &described);
+    *shows = !e->o->inside;
+    if (e->o->inside && st == ST_UNSUPPORTED) /* it is flat */
+        return ST_OK;
     if (st == ST_OK)
         st = check_size(e, &g, usual);
     if (st == ST_OK)

@@ -15,6 +15,7 @@ typedef struct coarse_grids {
     leaf_parameters file; /* of the file they are put into */
     uint64_t memory;
     int threads;
+    const char *output; /* named in messages */
     bool inside; /* one inside another coarse grid, of hexahedra: with about 8 nodes for each, but
                     at most 2^20; left out if it shows less than 7/8 of them (grid_cover.h) */
 } coarse_grids;

@@ -39,6 +39,7 @@ static status open_one(mem *m, const leaf_file *f, uint32_t set, bool inner, lea
     leaf_file *outer = *out;
     if (!outer || !inner || !leaf_file_has_coarse(outer, 0))
         return st;
+    *out = NULL;
     st = leaf_file_open_coarse(m, outer, 0, out);
     leaf_file_close(outer);
     return st;
@@ -115,7 +116,13 @@ static status open_coarse(leafcast *v, uint32_t set, bool inner) {
     return ST_OK;
 }
 
-/* Allow as many treelets as the grid's share holds. Returns false if not even one fits. */
+/* Whether what is open is of samples. */
+static bool is_grid(const leafcast *coarse) {
+    return coarse->file->geometry->has_map;
+}
+
+/* Allow as many treelets as the grid's share holds. Returns false if not even one fits, or not all
+ * of what has no coarser ones. */
 static bool make_slots(const leafcast *v) {
     const leafcast *coarse = v->coarse;
     const size_t slot = loader_slot_bytes(coarse->treelets), share = share_of(v);
@@ -126,7 +133,7 @@ static bool make_slots(const leafcast *v) {
     }
     if (slots > 0)
         loader_set_capacity(coarse->treelets, (uint32_t)slots, 0);
-    return slots > 0;
+    return slots > 0 && (is_grid(coarse) || slots == coarse->file->layout.treelets);
 }
 
 /* Load the coarsest level, which is one treelet, and wait for it. */
@@ -136,10 +143,14 @@ static status load_root(loader *l) {
     return l->own[0] && !loader_lookup(l, 0) ? loader_admit(l, &root, 1) : ST_OK;
 }
 
-/* What is no grid has no coarser level that is there at once: wait for all of it, which is small.
- */
+/* What is no grid has no coarser level that is there at once: wait for all that is seen of it. */
 static status wait_for_cells(const leafcast *coarse) {
-    return coarse->file->layout.sampled > 1 ? ST_OK : loader_settle(coarse->treelets);
+    return is_grid(coarse) ? ST_OK : loader_settle(coarse->treelets);
+}
+
+/* Whether what stands for the first set has a grid inside. */
+static bool has_inner(const leafcast *v) {
+    return !v->coarse_is_grid && v->preview_levels > v->file->layout.sampled + 1;
 }
 
 /* Whether the open grid is that of a set, or the one inside it. */
@@ -147,8 +158,8 @@ static bool is_of(const leafcast *v, uint32_t set, bool inner) {
     return v->coarse_set == set && v->coarse_inner == inner;
 }
 
-/* Open the grid of the set that is shown of v, or the one inside that. *out = NULL: there is no
- * grid, or no room for it. */
+/* Open the grid of the set that is shown of v, or the one inside that, also where there is no room
+ * for the other. *out = NULL: there is no grid, or no room for it. */
 static status open_shown(leafcast *v, const leafcast_shown *shown, bool inner, leafcast **out) {
     const uint32_t set = set_of(v, shown);
     *out = NULL;
@@ -163,7 +174,11 @@ static status open_shown(leafcast *v, const leafcast_shown *shown, bool inner, l
         *out = v->coarse;
     else
         coarse_preview_end(v);
-    return ST_OK;
+    if (*out || inner || !has_inner(v))
+        return ST_OK;
+    const status instead = open_shown(v, shown, true, out);
+    v->coarse_inner = false; /* it is what is asked for */
+    return instead;
 }
 
 leafcast_shown coarse_preview_shown(leafcast *coarse, const leafcast_shown *shown) {
@@ -209,15 +224,16 @@ status coarse_preview_instead(leafcast *v, const leafcast_scene *scene, const le
                               leafcast **out) {
     const bool asked = scene->preview && scene->lod == LEAFCAST_LOD_LEVEL && scene->lod_level > 0;
     *out = NULL;
-    const bool inner = !v->coarse_is_grid && scene->lod_level > 1;
+    const bool inner = has_inner(v) && scene->lod_level > 1;
     return asked ? open_shown(v, shown, inner, out) : ST_OK;
 }
 
 status coarse_preview_show(leafcast *coarse, const leafcast_scene *scene,
                            const leafcast_shown *shown, const interest *beside, const camera *c,
                            tracer *tr) {
-    const uint32_t last = coarse->file->layout.sampled - 1,
-                   asked = scene->lod_level - 1 - shown->volume->coarse_inner;
+    const bool inside = is_grid(coarse) && !shown->volume->coarse_is_grid;
+    const uint32_t last = coarse->file->layout.sampled - 1, level_there = scene->lod_level - 1,
+                   asked = inside && level_there ? level_there - 1 : level_there;
     const leafcast_scene level =
         scene_of_grid(scene, LEAFCAST_LOD_LEVEL, asked < last ? asked : last);
     const leafcast_shown grid = coarse_preview_shown(coarse, shown);

@@ -152,13 +152,21 @@ static status share_budget(turn *t) {
     return st == ST_NOMEM && device_drop_scratch(t->device) ? budget_share(t) : st;
 }
 
-/* Set all that another frame may have changed in between. */
-status turn_prepare(turn *t) {
+static status prepare_all(turn *t) {
     status st = ST_OK;
     for (int i = 0; i < t->volumes && st == ST_OK; i++)
         st = prepare_volume(t, i);
-    if (st == ST_OK)
-        st = share_budget(t);
+    return st;
+}
+
+/* Set all that another frame may have changed in between. */
+status turn_prepare(turn *t) {
+    status st = prepare_all(t);
+    if (st == ST_NOMEM && !t->scene.preview && drop_coarse(t))
+        st = prepare_all(t);
+    if (st != ST_OK)
+        return st;
+    st = share_budget(t);
     if (st == ST_NOMEM && drop_coarse(t))
         st = share_budget(t);
     if (st != ST_OK)

@@ -43,7 +43,7 @@ struct leafcast {
     int frames;          /* of a coarse grid: frames under way that draw it in a volume's place */
     leafcast *coarse;    /* its coarse grid, once a preview wants it; else NULL */
     uint32_t coarse_set; /* the set it was made from */
-    bool coarse_inner;   /* it is the grid inside the one of that set */
+    bool coarse_inner;   /* the grid inside the one of that set was asked for */
     bool coarse_is_grid; /* those of sets are of samples; else of the same kind as the volume, with
                             one of samples inside */
     leafcast *between;   /* at times between steps (render/door/between_steps.h), once such a time

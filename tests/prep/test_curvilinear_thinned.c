@@ -295,13 +295,37 @@ static void test_shell(void **state) {
     assert_int_equal(mem_used(&m), 0);
 }
 
+/* A ring whose nodes that are left lie in a plane: no regular grid is made of it, and it is
+ * converted all the same. */
+static void test_flat(void **state) {
+    (void)state;
+    static const float around[5][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 0}};
+    float p[5 * 3 * 3][3], values[5 * 3 * 3];
+    const curvilinear_zone zone = {.nodes = {5, 3, 3}, .p = (const float(*)[3])p, .values = values};
+    leaf_file *f = NULL, *coarse = NULL;
+    for (int n = 0; n < 5 * 3 * 3; n++) {
+        const float radius = 1.0F + (float)(n / 5 % 3);
+        p[n][0] = radius * around[n % 5][0];
+        p[n][1] = radius * around[n % 5][1];
+        p[n][2] = (float)(n / 15);
+        values[n] = radius;
+    }
+    convert(&zone, 1, "flat.leaf", true);
+    assert_int_equal(leaf_file_open(&m, scratch_path("flat.leaf"), &f), ST_OK);
+    assert_int_equal(leaf_verify(&m, f, 2, NULL), ST_OK);
+    assert_int_equal(leaf_file_open_coarse(&m, f, 0, &coarse), ST_OK);
+    assert_false(leaf_file_has_coarse(coarse, 0));
+    leaf_file_close(coarse);
+    leaf_file_close(f);
+    assert_int_equal(mem_used(&m), 0);
+}
+
 int main(void) {
     mem_init(&m, 0);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_nodes),
-        cmocka_unit_test(test_how_thin),
-        cmocka_unit_test(test_embedded),
-        cmocka_unit_test(test_shell),
+        cmocka_unit_test(test_nodes),    cmocka_unit_test(test_how_thin),
+        cmocka_unit_test(test_embedded), cmocka_unit_test(test_shell),
+        cmocka_unit_test(test_flat),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
