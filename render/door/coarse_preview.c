@@ -117,7 +117,7 @@ static status open_coarse(leafcast *v, uint32_t set, bool inner) {
 }
 
 /* Whether what is open is of samples. */
-static bool is_grid(const leafcast *coarse) {
+static bool is_sampled(const leafcast *coarse) {
     return coarse->file->geometry->has_map;
 }
 
@@ -133,7 +133,7 @@ static bool make_slots(const leafcast *v) {
     }
     if (slots > 0)
         loader_set_capacity(coarse->treelets, (uint32_t)slots, 0);
-    return slots > 0 && (is_grid(coarse) || slots == coarse->file->layout.treelets);
+    return slots > 0 && (is_sampled(coarse) || slots == coarse->file->layout.treelets);
 }
 
 /* Load the coarsest level, which is one treelet, and wait for it. */
@@ -145,7 +145,7 @@ static status load_root(loader *l) {
 
 /* What is no grid has no coarser level that is there at once: wait for all that is seen of it. */
 static status wait_for_cells(const leafcast *coarse) {
-    return is_grid(coarse) ? ST_OK : loader_settle(coarse->treelets);
+    return is_sampled(coarse) ? ST_OK : loader_settle(coarse->treelets);
 }
 
 /* Whether what stands for the first set has a grid inside. */
@@ -231,7 +231,7 @@ status coarse_preview_instead(leafcast *v, const leafcast_scene *scene, const le
 status coarse_preview_show(leafcast *coarse, const leafcast_scene *scene,
                            const leafcast_shown *shown, const interest *beside, const camera *c,
                            tracer *tr) {
-    const bool inside = is_grid(coarse) && !shown->volume->coarse_is_grid;
+    const bool inside = is_sampled(coarse) && !shown->volume->coarse_is_grid;
     const uint32_t last = coarse->file->layout.sampled - 1, level_there = scene->lod_level - 1,
                    asked = inside && level_there ? level_there - 1 : level_there;
     const leafcast_scene level =
