@@ -492,8 +492,9 @@ static void test_stop(void **state) {
     o.gradients = true;
     o.treelet_tets = 100;
     const long plain = check_stops(convert_a_mesh, o, "read sort gradients build ");
-    o.coarse = true; /* watched, too, though it is no phase of its own */
-    assert_true(check_stops(convert_a_mesh, o, "read sort gradients build ") > plain + 1);
+    o.coarse = true;
+    assert_true(check_stops(convert_a_mesh, o, "read sort gradients build resample convert ") >
+                plain + 1);
 }
 
 /* Each allocation, read, write and thread fails in turn: nothing is left, in the folder or in
