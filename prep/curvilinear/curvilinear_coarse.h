@@ -8,7 +8,8 @@
 
 #include "prep/curvilinear/curvilinear_convert.h"
 
-/* curvilinear_coarse_share() - about the share of a conversion's time that they take. */
+/* curvilinear_coarse_share() - a guess at their share of a conversion's time, for progress alone.
+ */
 double curvilinear_coarse_share(const curvilinear_options *o);
 
 /* curvilinear_coarse_embed() - put one for each set into w, which must be settled. output, o, p: of

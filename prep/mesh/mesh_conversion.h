@@ -65,7 +65,7 @@ CHECKED status mesh_conversion_begin_keys(mesh_conversion *c);
 CHECKED status mesh_conversion_begin_batches(mesh_conversion *c);
 CHECKED status mesh_conversion_begin_writer(mesh_conversion *c);
 
-/* mesh_conversion_share() - of the whole job, without coarse grids.
+/* mesh_conversion_share() - a guess at its share of the whole job; coarse grids take the rest.
  * mesh_conversion_tell() - report progress: `part` of the way between two shares of that. */
 double mesh_conversion_share(const mesh_options *o);
 CHECKED status mesh_conversion_tell(mesh_conversion *c, const char *stage, double from, double to,

@@ -3,14 +3,13 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "formats/base/file.h"
 #include "formats/grid/nrrd_writer.h"
 #include "prep/grid/convert.h"
 #include "prep/resample/grid_cover.h"
 #include "prep/resample/resample.h"
 #include "prep/resample/resample_cells.h"
 
-static const double RESAMPLE_SHARE = 0.9; /* of the whole, as progress */
+static const double RESAMPLE_SHARE = 0.9; /* of the whole, a guess, for progress alone */
 
 typedef struct embedding {
     mem *m;

@@ -16,10 +16,8 @@
 #include "formats/base/fault.h"
 #include "formats/base/hash.h"
 #include "formats/leaf/curvilinear_geometry.h"
-#include "formats/leaf/hex_treelet.h"
 #include "formats/leaf/leaf_check.h"
 #include "formats/leaf/leaf_verify.h"
-#include "prep/curvilinear/curvilinear_thinned.h"
 #include "prep/resample/coarse_grids.h"
 #include "prep/resample/grid_cover.h"
 #include "prep/resample/resample.h"
@@ -305,68 +303,7 @@ static void test_cover(void **state) {
 
 /* ---- in computational space ---- */
 
-/* The node of a file's zone, as its treelets have it. */
-typedef struct node {
-    float p[3], value;
-} node;
-
-static node node_at(leaf_file *f, uint32_t zone, const uint32_t at[3]) {
-    const curvilinear_directory *d = curvilinear_directory_of(f);
-    node found = {{NAN, NAN, NAN}, NAN};
-    char *room = mem_alloc(&m, HEX_TREELET_PAYLOADS * leaf_layout_payload_max(&f->layout));
-    for (uint32_t t = 0; t < f->layout.treelets; t++) {
-        const uint32_t *first = d->where[t].first, *cells = d->counts[t];
-        bool in = d->where[t].zone == zone;
-        for (int a = 0; a < 3; a++)
-            in = in && at[a] >= first[a] && at[a] <= first[a] + cells[a];
-        if (!in)
-            continue;
-        hex_treelet h;
-        const float *values;
-        assert_int_equal(hex_treelet_load(f, t, 0, NULL, room, &h, &values), ST_OK);
-        const uint32_t n =
-            at[0] - first[0] +
-            (cells[0] + 1) * (at[1] - first[1] + (cells[1] + 1) * (at[2] - first[2]));
-        for (int a = 0; a < 3; a++)
-            found.p[a] = hex_treelet_coordinates(&h, a)[n];
-        found.value = values[n];
-        break;
-    }
-    mem_free(&m, room);
-    return found;
-}
-
-/* Every node of the thinned grid is the one of the grid that it stands for. */
-static void check_thinned(leaf_file *f, uint32_t log2) {
-    const curvilinear_directory *d = curvilinear_directory_of(f);
-    curvilinear_thinned t;
-    assert_int_equal(curvilinear_thinned_init(&t, &m, f, 0, log2), ST_OK);
-    assert_false(t.source.blanked);
-    for (uint32_t z = 0; z < f->header.zones; z++) {
-        const uint32_t *n = t.source.nodes[z];
-        const size_t plane = (size_t)n[0] * n[1];
-        float(*p)[3] = malloc(plane * sizeof *p), *values = malloc(plane * sizeof *values);
-        for (int a = 0; a < 3; a++)
-            assert_int_equal(n[a], (d->zones[z][a] - 2) / (1U << log2) + 2);
-        for (uint32_t k = 0; k < n[2]; k++) {
-            assert_int_equal(t.source.places(&t, z, k, 1, p), ST_OK);
-            assert_int_equal(t.source.values(&t, z, 0, k, 1, values), ST_OK);
-            for (size_t i = 0; i < plane; i++) {
-                uint32_t at[3] = {(uint32_t)i % n[0], (uint32_t)i / n[0], k};
-                for (int a = 0; a < 3; a++)
-                    at[a] = at[a] + 1 == n[a] ? d->zones[z][a] - 1 : at[a] << log2;
-                const node want = node_at(f, z, at);
-                assert_memory_equal(p[i], want.p, sizeof want.p);
-                assert_true(values[i] == want.value);
-            }
-        }
-        free(p);
-        free(values);
-    }
-    curvilinear_thinned_release(&t);
-}
-
-/* By default, with a regular grid of it inside. */
+/* By default, with a regular grid of it inside; its nodes: test_curvilinear_thinned.c. */
 static void test_thinned(void **state) {
     (void)state;
     for (uint32_t cells = 4; cells <= 40; cells += 12) {
@@ -374,8 +311,6 @@ static void test_thinned(void **state) {
         leaf_file *f = NULL, *coarse = NULL;
         assert_int_equal(coarse_hexes_convert(&m, &c, "thin.leaf"), ST_OK);
         assert_int_equal(leaf_file_open(&m, scratch_path("thin.leaf"), &f), ST_OK);
-        for (uint32_t log2 = 1; log2 < 7; log2 += 2)
-            check_thinned(f, log2);
         assert_int_equal(leaf_file_open_coarse(&m, f, 0, &coarse), ST_OK);
         assert_ptr_equal(coarse->geometry, f->geometry);
         assert_true(coarse->layout.treelets <= f->layout.treelets);
