@@ -9,7 +9,7 @@ enum { FORMS = 4 }; /* three of position, one of value */
 
 /* Of a corner's forms. */
 static double *form_of(hex_opened *o, int form, int corner) {
-    return form < 3 ? &o->q[form][corner] : &o->value[corner];
+    return form < 3 ? &o->map.q[form][corner] : &o->map.value[corner];
 }
 
 static bool same(const hexahedron *h, int a, int b) {
@@ -94,8 +94,10 @@ static bool has_even_base(const hexahedron *h, int a, int side) {
 }
 
 void hex_open(const hexahedron *h, const hex_path *path, hex_opened *out) {
-    memcpy(out->q, path->q, sizeof out->q);
-    memcpy(out->value, h->value, sizeof out->value);
+    out->map.form = &form_trilinear;
+    for (int k = 0; k < 3; k++)
+        memcpy(out->map.q[k], path->q[k], sizeof path->q[k]);
+    memcpy(out->map.value, h->value, sizeof h->value);
     out->along = -1;
     out->apex = find_apex(h, &out->apex_side);
     if (find_edge(h, out->apex, !out->apex_side, out))
@@ -129,4 +131,12 @@ void hex_open_out(const hex_opened *o, double at[3]) {
             quotient(at[(o->apex + n) % 3], from_side(at[o->apex], o->apex_side));
     if (o->along >= 0)
         at[o->along] = quotient(at[o->along], from_side(at[o->across], o->edge_side));
+}
+
+void hex_open_parts(const hex_opened *o, const hex_path *path, path_part out[PATH_PARTS]) {
+    for (int i = 0; i < path->count; i++) {
+        out[i] = path->part[i];
+        for (int k = 0; k < 2; k++)
+            hex_open_into(o, out[i].end[k].at);
+    }
 }

@@ -4,7 +4,7 @@
 #include "formats/base/vec3.h"
 #include "formats/curved/hex_normal_template.h"
 #include "formats/curved/hex_open.h"
-#include "formats/curved/hex_stretch.h"
+#include "formats/curved/path_stretch.h"
 
 bool hex_point_find(const hexahedron *h, int sense, const double point[3], double at[3],
                     double *value) {
@@ -13,7 +13,7 @@ bool hex_point_find(const hexahedron *h, int sense, const double point[3], doubl
     hex_path path;
     const int count = hex_path_of(h, sense, &r, &path);
     for (int i = 0; i < count; i++) {
-        const hex_end *from = &path.part[i].end[0], *to = &path.part[i].end[1];
+        const path_end *from = &path.part[i].end[0], *to = &path.part[i].end[1];
         if (!(from->t <= 0.0 && 0.0 < to->t))
             continue;
         const double share = -from->t / (to->t - from->t);
@@ -25,8 +25,8 @@ bool hex_point_find(const hexahedron *h, int sense, const double point[3], doubl
         for (int a = 0; a < 3; a++)
             in[a] = linear[a];
         hex_open_into(&opened, in);
-        if (sense != 0 && hex_stretch_locate(opened.q, 0.0, in)) {
-            *value = hexahedron_at(opened.value, in);
+        if (sense != 0 && path_stretch_locate(&opened.map, 0.0, in)) {
+            *value = hexahedron_at(opened.map.value, in);
             hex_open_out(&opened, in);
             for (int a = 0; a < 3; a++)
                 at[a] = in[a];

@@ -32,22 +32,20 @@ static double turn_of(const double a[3], const double b[3]) {
     return a[0] * b[1] - a[1] * b[0];
 }
 
-/* How often the edges turn about the ray, moved as patch.h says: edges that cross the first axis
- * upward on its positive side, less those that cross downward. */
+int patch_turn(const double from[3], const double to[3]) {
+    const bool up = to[1] >= 0.0;
+    if (up == (from[1] >= 0.0))
+        return 0;
+    const int side = side_of(from, to);
+    return up ? side >= 0 : -(side <= 0);
+}
+
+/* How often the edges turn about the ray, moved as patch.h says. */
 static int turns(const double q[PATCH_CORNERS][3]) {
     static const int ring[PATCH_CORNERS] = {0, 1, 3, 2};
     int sum = 0;
-    for (int k = 0; k < PATCH_CORNERS; k++) {
-        const double *from = q[ring[k]], *to = q[ring[(k + 1) % PATCH_CORNERS]];
-        const bool up = to[1] >= 0.0;
-        if (up == (from[1] >= 0.0))
-            continue;
-        const int side = side_of(from, to);
-        if (up && side >= 0)
-            sum++;
-        if (!up && side <= 0)
-            sum--;
-    }
+    for (int k = 0; k < PATCH_CORNERS; k++)
+        sum += patch_turn(q[ring[k]], q[ring[(k + 1) % PATCH_CORNERS]]);
     return sum;
 }
 

@@ -36,6 +36,11 @@ static inline bool patch_beside(const double q[PATCH_CORNERS][3]) {
     return above == 0 || above == PATCH_CORNERS || right == PATCH_CORNERS || left == PATCH_CORNERS;
 }
 
+/* patch_turn() - of a straight edge, directed: 1 if it crosses the first axis upward on its
+ * positive side, -1 if downward, else 0; exact, and moved as above. Over a face's edges they add up
+ * to how often these turn about the ray. */
+int patch_turn(const double from[3], const double to[3]);
+
 /* patch_cross() - returns the number of crossings.
  *
  * q    the corners in the ray's space; the third coordinate is not looked at. Finite, and 0 or with

@@ -5,7 +5,7 @@
 
 /* The number of roots, 0 or 1; -1: not known. */
 static int single_root(const hexahedron *cell, int sense, const sheared_ray *r, double isovalue,
-                       hex_root *out) {
+                       path_root *out) {
     const hex_rays rays = {{r->axis[0], r->axis[1], r->axis[2]}, {r->slope[0], r->slope[1]}, r->d};
     hex_sight sight;
     hex_forms forms;
@@ -27,13 +27,13 @@ static int single_root(const hexahedron *cell, int sense, const sheared_ray *r, 
 }
 
 int hex_meet_roots(const hexahedron *cell, int sense, const sheared_ray *r, double isovalue,
-                   hex_root out[HEX_ROOTS], hex_counts *counts) {
+                   path_root out[PATH_ROOTS], path_counts *counts) {
     const int single = sense != 0 ? single_root(cell, sense, r, isovalue, out) : -1;
     return single >= 0 ? single : hex_meet_crossed(cell, sense, r, isovalue, out, counts);
 }
 
 int hex_meet_crossed(const hexahedron *cell, int sense, const sheared_ray *r, double isovalue,
-                     hex_root out[HEX_ROOTS], hex_counts *counts) {
+                     path_root out[PATH_ROOTS], path_counts *counts) {
     hex_path path;
     if (hex_path_of(cell, sense, r, &path) == 0)
         return 0;

@@ -16,10 +16,10 @@
 /* hex_meet_roots() - as hex_roots(). sense: hexahedron_sense(). counts: of what went there; may be
  * NULL. */
 int hex_meet_roots(const hexahedron *cell, int sense, const sheared_ray *r, double isovalue,
-                   hex_root out[HEX_ROOTS], hex_counts *counts);
+                   path_root out[PATH_ROOTS], path_counts *counts);
 
 /* hex_meet_crossed() - the same, by the faces alone. */
 int hex_meet_crossed(const hexahedron *cell, int sense, const sheared_ray *r, double isovalue,
-                     hex_root out[HEX_ROOTS], hex_counts *counts);
+                     path_root out[PATH_ROOTS], path_counts *counts);
 
 #endif

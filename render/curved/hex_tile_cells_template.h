@@ -87,7 +87,7 @@ static void take_root(hex_tile *w, unsigned i, const tile_surface *found) {
 static void take_crossed(hex_tile *w, const near_cell *c, unsigned i, int32_t iso) {
     const ray r = tile_ray(&w->b.s, i);
     const sheared_ray sheared = sheared_ray_of(r.o, r.d);
-    hex_root roots[HEX_ROOTS];
+    path_root roots[PATH_ROOTS];
     const int count = hex_meet_crossed(&c->hexahedron, c->sense, &sheared,
                                        w->b.s.f->tracer->isos.isovalues[iso], roots, NULL);
     for (int n = 0; n < count; n++) {

@@ -26,11 +26,11 @@ typedef struct best_root {
 } best_root;
 
 static void take_roots(const hex_way *w, const hex_cell *c, const isovalue_list *isos,
-                       trace_state *state, best_root *best, hex_counts *counts) {
+                       trace_state *state, best_root *best, path_counts *counts) {
     double range[2];
     hex_cell_range(&c->hexahedron, range);
     for (int i = 0; i < isos->count; i++) {
-        hex_root roots[HEX_ROOTS];
+        path_root roots[PATH_ROOTS];
         if (!(range[0] < isos->isovalues[i] && isos->isovalues[i] <= range[1]))
             continue;
         const int count = hex_meet_roots(&c->hexahedron, c->sense, &w->sheared, isos->isovalues[i],
@@ -72,7 +72,7 @@ surface_point hex_walk_surface(const hexahedron *h, const double at[3], const ra
     return p;
 }
 
-bool hex_walk_hits(hex_way *w, const isovalue_list *isos, trace_state *state, hex_counts *counts) {
+bool hex_walk_hits(hex_way *w, const isovalue_list *isos, trace_state *state, path_counts *counts) {
     const hit before = state->best;
     hex_cell c;
     best_root best;
@@ -94,9 +94,9 @@ bool hex_walk_hits(hex_way *w, const isovalue_list *isos, trace_state *state, he
 /* ---- Pieces ---- */
 
 static void take_pieces(const hex_way *w, const hex_cell *c, double tolerance, hex_taker *take,
-                        void *ctx, hex_counts *counts) {
+                        void *ctx, path_counts *counts) {
     hex_path path;
-    hex_piece pieces[HEX_PIECES];
+    path_piece pieces[PATH_PIECES];
     double range[2];
     if (hex_path_of(&c->hexahedron, c->sense, &w->sheared, &path) == 0)
         return;
@@ -116,7 +116,7 @@ static void take_pieces(const hex_way *w, const hex_cell *c, double tolerance, h
 }
 
 void hex_walk_pieces(hex_way *w, double above, double tolerance, double limit, hex_taker *take,
-                     void *ctx, hex_counts *counts) {
+                     void *ctx, path_counts *counts) {
     hex_cell c;
     while (w->next(w, limit, &c)) {
         for (int k = 0; k < HEX_CORNERS; k++)

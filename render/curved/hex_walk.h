@@ -37,7 +37,7 @@ struct hex_way {
  * whether state->best changed.
  *
  * counts   added to: what could not be proven is among it; may be NULL */
-bool hex_walk_hits(hex_way *w, const isovalue_list *isos, trace_state *state, hex_counts *counts);
+bool hex_walk_hits(hex_way *w, const isovalue_list *isos, trace_state *state, path_counts *counts);
 
 /* hex_walk_surface() - the surface point of a hit at parameters at[] of its cell. */
 surface_point hex_walk_surface(const hexahedron *h, const double at[3], const ray *r, double t);
@@ -49,7 +49,7 @@ surface_point hex_walk_surface(const hexahedron *h, const double at[3], const ra
  * take        is given each piece; its treelet is not set */
 typedef void hex_taker(void *ctx, const segment *piece);
 void hex_walk_pieces(hex_way *w, double above, double tolerance, double limit, hex_taker *take,
-                     void *ctx, hex_counts *counts);
+                     void *ctx, path_counts *counts);
 
 /* hex_walk_hold() - the same for treelet_walks.segments of a treelet: all pieces are held. id: the
  * treelet's. hex_walk_extremes() - for treelet_walks.extremes: the pieces up to `limit` are

@@ -135,7 +135,7 @@ static void begin_way(cell_way *w, const curvilinear_lattice *l, hex_block_fn ce
 
 bool curvilinear_walk_hits(const curvilinear_lattice *l, hex_block_fn cells,
                            const isovalue_list *isos, const ray *r, trace_state *state,
-                           ray_counters *counters, hex_counts *counts) {
+                           ray_counters *counters, path_counts *counts) {
     cell_way w;
     begin_way(&w, l, cells, isos, r, &state->after, counters);
     return hex_walk_hits(&w.way, isos, state, counts);
@@ -144,7 +144,7 @@ bool curvilinear_walk_hits(const curvilinear_lattice *l, hex_block_fn cells,
 void curvilinear_walk_pieces(const curvilinear_lattice *l, hex_block_fn cells, double above,
                              double tolerance, const ray *r, const hit *after, double limit,
                              hex_taker *take, void *ctx, ray_counters *counters,
-                             hex_counts *counts) {
+                             path_counts *counts) {
     cell_way w;
     begin_way(&w, l, cells, NULL, r, after, counters);
     hex_walk_pieces(&w.way, above, tolerance, limit, take, ctx, counts);

@@ -21,7 +21,7 @@
  * counts   added to: what could not be proven is among it */
 bool curvilinear_walk_hits(const curvilinear_lattice *l, hex_block_fn cells,
                            const isovalue_list *isos, const ray *r, trace_state *state,
-                           ray_counters *counters, hex_counts *counts);
+                           ray_counters *counters, path_counts *counts);
 
 /* curvilinear_walk_pieces(), curvilinear_walk_hold(), curvilinear_walk_extremes() - hex_walk.h's,
  * of the blocks that the ray enters up to the limit, and leaves behind `after`, or behind part->t0.
@@ -29,7 +29,7 @@ bool curvilinear_walk_hits(const curvilinear_lattice *l, hex_block_fn cells,
 void curvilinear_walk_pieces(const curvilinear_lattice *l, hex_block_fn cells, double above,
                              double tolerance, const ray *r, const hit *after, double limit,
                              hex_taker *take, void *ctx, ray_counters *counters,
-                             hex_counts *counts);
+                             path_counts *counts);
 void curvilinear_walk_hold(const curvilinear_lattice *l, hex_block_fn cells, uint32_t id,
                            double above, double tolerance, const ray *r, const hit *after,
                            segments_state *state, ray_counters *counters);

@@ -32,8 +32,8 @@ static bool has(const hexahedron *h, double isovalue) {
 
 static void compare(const hex_lab *s, const hexahedron *h, const sheared_ray *r, tally *sum) {
     const int sense = hexahedron_sense(h->p);
-    hex_root want[HEX_ROOTS], got[HEX_ROOTS];
-    hex_counts all = {0}, crossed = {0};
+    path_root want[PATH_ROOTS], got[PATH_ROOTS];
+    path_counts all = {0}, crossed = {0};
     hex_path path;
     const int parts = hex_path_of(h, sense, r, &path);
     const int wanted = parts ? hex_roots(h, sense, &path, s->iso, want, &all) : 0;

@@ -1,5 +1,6 @@
-/* test_hex_roots.c - rays and points in trilinear cells: isosurfaces and pieces against brute force
- * in long double; that nothing leaks or doubles at faces; that bounds hold; which cells are folded.
+/* test_path_roots.c - rays and points in trilinear cells: isosurfaces and pieces against brute
+ * force in long double; that nothing leaks or doubles at faces; that bounds hold; which cells are
+ * folded.
  */
 /* marks: long */
 #include <setjmp.h>
@@ -12,15 +13,15 @@
 #include <cmocka.h>
 
 #include "formats/curved/hex_point.h"
-#include "formats/curved/hex_stretch.h"
 #include "formats/curved/patch.h"
+#include "formats/curved/path_stretch.h"
 #include "render/curved/hex_pieces.h"
 #include "render/curved/hex_roots.h"
 #include "tests/support/hex_lab.h"
 #include "tests/support/hex_truth.h"
 #include "tests/support/watched.h"
 
-enum { CELLS = HEX_LAB_CELLS * HEX_LAB_CELLS * HEX_LAB_CELLS, ENDS = 2 * HEX_PARTS * CELLS };
+enum { CELLS = HEX_LAB_CELLS * HEX_LAB_CELLS * HEX_LAB_CELLS, ENDS = 2 * PATH_PARTS * CELLS };
 
 static void place_of(int c, int at[3]) {
     at[0] = c % HEX_LAB_CELLS;
@@ -35,7 +36,7 @@ static hexahedron cell_of(const hex_lab *s, int c) {
 }
 
 static int by_t(const void *a, const void *b) {
-    const hex_root *x = a, *y = b;
+    const path_root *x = a, *y = b;
     return (x->t > y->t) - (x->t < y->t);
 }
 
@@ -46,7 +47,7 @@ static void test_truth(void **state) {
     for (int n = 0; n < hex_lab_count(); n++) {
         hex_lab s;
         field_random random = {FIELD_SEED + (uint64_t)n};
-        hex_counts counts = {0};
+        path_counts counts = {0};
         long sure = 0, roots = 0, several = 0, doubtful = 0, missed = 0, false_ones = 0, folded = 0;
         double worst = 0.0;
         hex_lab_make(&s, n, FIELD_SEED);
@@ -60,7 +61,7 @@ static void test_truth(void **state) {
                 const hexahedron h = cell_of(&s, c);
                 const int sense = hexahedron_sense(h.p);
                 hex_path path;
-                hex_root found[HEX_ROOTS];
+                path_root found[PATH_ROOTS];
                 hex_truth truth;
                 (void)hex_path_of(&h, sense, &sheared, &path);
                 folded += sense == 0 && path.count > 0;
@@ -141,7 +142,7 @@ static void test_faces(void **state) {
                 hex_path path;
                 (void)hex_path_of(&h, hexahedron_sense(h.p), &sheared, &path);
                 for (int k = 0; k < 2 * path.count; k++) {
-                    const hex_end *e = &path.part[k / 2].end[k % 2];
+                    const path_end *e = &path.part[k / 2].end[k % 2];
                     if (!at_boundary(&s, c, e->at))
                         ends[count++] = (face_end){e->t, e->value};
                 }
@@ -168,20 +169,23 @@ static void bounds_hold(const hex_lab *s, int c, const sheared_ray *r, long *loo
     const hexahedron h = cell_of(s, c);
     const int sense = hexahedron_sense(h.p);
     hex_path path;
-    hex_stretch x;
+    path_stretch x;
     bool located;
     if (sense == 0 || hex_path_of(&h, sense, r, &path) == 0)
         return;
-    const hex_end *end = path.part[0].end;
+    const path_end *end = path.part[0].end;
+    curved_map map = {.form = &form_trilinear};
+    for (int a = 0; a < 3; a++)
+        memcpy(map.q[a], path.q[a], sizeof path.q[a]);
     ++*looked;
-    if (!hex_stretch_of(path.q, &end[0], &end[1], &x, &located))
+    if (!path_stretch_of(&map, &end[0], &end[1], &x, &located))
         return;
     ++*proven;
     double error, before = end[0].value, at[3] = {end[0].at[0], end[0].at[1], end[0].at[2]};
-    const double slope = hex_stretch_slope(&x, h.value, &error);
+    const double slope = path_stretch_slope(&x, h.value, &error);
     const double step = (end[1].t - end[0].t) / SAMPLES;
     for (int k = 1; k <= SAMPLES; k++) {
-        assert_true(hex_stretch_locate(path.q, end[0].t + k * step, at));
+        assert_true(path_stretch_locate(&map, end[0].t + k * step, at));
         const double value = hexahedron_at(h.value, at);
         assert_true(fabs((value - before) / step - slope) <= error + 1e-12 * (1.0 + 1.0 / step));
         before = value;
@@ -221,20 +225,20 @@ static double cubic_at(const double b[4], double x) {
 
 /* Pieces cover their part, end to end, and the true value is within their error. */
 static void pieces_hold(const hex_lab *s, int c, const ray *r, double tolerance, long *parts,
-                        long *pieces, hex_counts *counts, double *closest) {
+                        long *pieces, path_counts *counts, double *closest) {
     enum { SAMPLES = 7 };
     const hexahedron h = cell_of(s, c);
     const sheared_ray sheared = sheared_ray_of(r->o, r->d);
     const int sense = hexahedron_sense(h.p);
     hex_path path;
-    hex_piece piece[HEX_PIECES];
+    path_piece piece[PATH_PIECES];
     (void)hex_path_of(&h, sense, &sheared, &path);
     const int count = hex_pieces(&h, sense, &path, tolerance, piece, counts);
     int k = 0;
     *parts += path.count;
     *pieces += count;
     for (int i = 0; i < path.count; i++) {
-        const hex_end *end = path.part[i].end;
+        const path_end *end = path.part[i].end;
         double t = end[0].t, value = end[0].value;
         if (!(end[0].t < end[1].t))
             continue;
@@ -273,7 +277,7 @@ static void test_pieces(void **state) {
         for (size_t i = 0; i < sizeof tolerances / sizeof *tolerances; i++) {
             hex_lab s;
             field_random random = {FIELD_SEED + (uint64_t)n};
-            hex_counts counts = {0};
+            path_counts counts = {0};
             long parts = 0, pieces = 0;
             double closest = 0.0;
             hex_lab_make(&s, n, FIELD_SEED + 3);
@@ -429,7 +433,7 @@ static void test_orders(void **state) {
                 const int sense = hexahedron_sense(h.p);
                 hexahedron other;
                 hex_path path[2];
-                face_end ends[2][2 * HEX_PARTS];
+                face_end ends[2][2 * PATH_PARTS];
                 for (int k = 0; k < HEX_CORNERS; k++) {
                     int from = 0;
                     for (int a = 0; a < 3; a++)
@@ -444,7 +448,7 @@ static void test_orders(void **state) {
                 assert_int_equal(path[0].count, path[1].count);
                 for (int k = 0; k < 2; k++) {
                     for (int e = 0; e < 2 * path[k].count; e++) {
-                        const hex_end *end = &path[k].part[e / 2].end[e % 2];
+                        const path_end *end = &path[k].part[e / 2].end[e % 2];
                         ends[k][e] = (face_end){end->t, end->value};
                     }
                     qsort(ends[k], (size_t)(2 * path[k].count), sizeof *ends[k], by_end);
@@ -499,7 +503,7 @@ static void test_rulings(void **state) {
             continue;
         (void)hex_path_of(&h, sense, &sheared, &path);
         for (int k = 0; k < 2 * path.count; k++) {
-            const hex_end *e = &path.part[k / 2].end[k % 2];
+            const path_end *e = &path.part[k / 2].end[k % 2];
             double far = fabs(e->value - (along.o[1] + e->t * along.d[1]));
             for (int a = 0; a < 3; a++) {
                 double p[HEX_CORNERS];

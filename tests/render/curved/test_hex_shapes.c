@@ -18,7 +18,7 @@
 #include "tests/support/hex_truth.h"
 #include "tests/support/watched.h"
 
-enum { TURNS = 48, ENDS = 2 * HEX_PARTS * CELL_MIX_CELLS };
+enum { TURNS = 48, ENDS = 2 * PATH_PARTS * CELL_MIX_CELLS };
 
 static cell_mix mix;
 
@@ -39,7 +39,7 @@ static int by_end(const void *a, const void *b) {
 }
 
 /* How far an end's parameters are from where the ray is there, and from the value. */
-static double off_by(const hexahedron *h, const ray *r, const hex_end *e) {
+static double off_by(const hexahedron *h, const ray *r, const path_end *e) {
     double most = fabs(hexahedron_at(h->value, e->at) - e->value);
     for (int a = 0; a < 3; a++) {
         double p[HEX_CORNERS];
@@ -72,7 +72,7 @@ static void test_faces(void **state) {
                 hex_path path;
                 (void)hex_path_of(&h, hexahedron_sense(h.p), &sheared, &path);
                 for (int k = 0; k < 2 * path.count; k++) {
-                    const hex_end *e = &path.part[k / 2].end[k % 2];
+                    const path_end *e = &path.part[k / 2].end[k % 2];
                     if (!special)
                         off = fmax(off, off_by(&h, &r, e));
                     ends[count++] =
@@ -147,7 +147,7 @@ static bool tet_truth(const cell_mix_cell *c, double iso, const ray *r, hex_trut
 }
 
 static int by_t(const void *a, const void *b) {
-    const hex_root *x = a, *y = b;
+    const path_root *x = a, *y = b;
     return (x->t > y->t) - (x->t < y->t);
 }
 
@@ -157,9 +157,9 @@ typedef struct tally {
 } tally;
 
 static void compare(const cell_mix_cell *c, const hexahedron *h, int sense, const ray *r,
-                    tally *out, hex_counts *counts) {
+                    tally *out, path_counts *counts) {
     const sheared_ray sheared = sheared_ray_of(r->o, r->d);
-    hex_root found[HEX_ROOTS];
+    path_root found[PATH_ROOTS];
     hex_truth truth = {.count = 0};
     const int count = hex_meet_roots(h, sense, &sheared, mix.lab.iso, found, counts);
     if (c->shape == CELL_TET)
@@ -188,7 +188,7 @@ static void test_truth(void **state) {
     for (int n = 0; n < hex_lab_count(); n++) {
         field_random random = {FIELD_SEED + (uint64_t)n};
         tally of[CELL_SHAPES] = {{0}};
-        hex_counts counts = {0};
+        path_counts counts = {0};
         cell_mix_make(&mix, n, FIELD_SEED + 1);
         for (int i = 0; i < RAYS; i++) {
             bool special;

@@ -115,7 +115,7 @@ static void all_hits(const curvilinear_lattice *l, const ray *r, hit_list *out) 
             continue;
         const hexahedron h = curvilinear_walk_cell(l, c);
         for (int i = 0; i < isos.count; i++) {
-            hex_root roots[HEX_ROOTS];
+            path_root roots[PATH_ROOTS];
             if (!has(&h, isos.isovalues[i]))
                 continue;
             const int count =
@@ -135,7 +135,7 @@ static void same_hits(const curvilinear_lattice *l, const ray *r, int isa, const
     for (int n = 0; n <= all->count; n++) {
         trace_state s = trace_begin(&after);
         ray_counters counters = {0};
-        hex_counts counts = {0};
+        path_counts counts = {0};
         const bool found =
             curvilinear_walk_hits(l, hex_block_cells[isa], &isos, r, &s, &counters, &counts);
         assert_int_equal(found, n < all->count);
@@ -257,7 +257,7 @@ static void test_pieces(void **state) {
             for (uint32_t c = 0; c < lab.count; c++) {
                 hexahedron h = curvilinear_walk_cell(l, c);
                 hex_path path;
-                hex_piece out[HEX_PIECES];
+                path_piece out[PATH_PIECES];
                 for (int k = 0; k < HEX_CORNERS; k++)
                     h.value[k] -= above;
                 if (!is_active(l, c) || hex_path_of(&h, sense_of(l, c), &sheared, &path) == 0)

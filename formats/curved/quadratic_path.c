@@ -1,0 +1,148 @@
+#include "formats/curved/quadratic_path.h"
+
+#include <math.h>
+
+#include "formats/base/vec3.h"
+#include "formats/curved/bent_triangle.h"
+#include "formats/curved/path_stretch.h"
+
+/* Everybody's order of a face's corners: by position, then by value, which all who share it have
+ * alike. Returns its sense in one's own order. */
+static int order_corners(const quadratic_tet *c, const int node[BENT_CORNERS],
+                         int corner[BENT_CORNERS]) {
+    int sense = 1;
+    for (int k = 0; k < BENT_CORNERS; k++) {
+        int i = k;
+        for (; i > 0; i--) {
+            const double *mine = c->p[node[k]], *its = c->p[node[corner[i - 1]]];
+            int a = 0;
+            while (a < 2 && mine[a] == its[a])
+                a++;
+            const bool same = mine[a] == its[a];
+            if (same ? c->value[node[k]] >= c->value[node[corner[i - 1]]] : mine[a] > its[a])
+                break;
+            corner[i] = corner[i - 1];
+            sense = -sense;
+        }
+        corner[i] = k;
+    }
+    return sense;
+}
+
+/* The place in a face's list of nodes of that between two of its corners. */
+static int node_between(int a, int b) {
+    return a + b == 1 ? 3 : a + b == 3 ? 4 : 5;
+}
+
+/* The nodes of a face in everybody's order: the corners, then those of the edges 01, 12, 02. */
+static int order_face(const quadratic_tet *c, int face, int node[BENT_NODES]) {
+    const int *own = quadratic_face(face);
+    int corner[BENT_CORNERS];
+    const int sense = order_corners(c, own, corner);
+    for (int k = 0; k < BENT_CORNERS; k++) {
+        node[k] = own[corner[k]];
+        node[BENT_CORNERS + k] =
+            own[node_between(corner[k > 1 ? 0 : k], corner[k > 1 ? 2 : k + 1])];
+    }
+    return sense;
+}
+
+/* All of it is made in everybody's order. */
+static void cross_face(const quadratic_tet *c, unsigned straight, const curved_map *map, int face,
+                       int sense, path_crossings in_out[2]) {
+    int node[BENT_NODES];
+    const int order = order_face(c, face, node);
+    bent_triangle b;
+    double t[BENT_NODES], value[BENT_NODES];
+    for (int i = 0; i < BENT_NODES; i++) {
+        for (int a = 0; a < 3; a++)
+            b.q[i][a] = map->q[a][node[i]];
+        if (i >= BENT_CORNERS)
+            b.straight[i - BENT_CORNERS] = straight >> (node[i] - QUADRATIC_CORNERS) & 1;
+        t[i] = map->q[2][node[i]];
+        value[i] = map->value[node[i]];
+    }
+    bent_crossing found[BENT_CROSSINGS];
+    const int count = bent_triangle_cross(&b, found);
+    for (int i = 0; i < count; i++) {
+        path_end e = {.t = bent_triangle_at(t, found[i].share),
+                      .value = bent_triangle_at(value, found[i].share)};
+        for (int k = 0; k < BENT_CORNERS; k++)
+            if (node[k] > 0)
+                e.at[node[k] - 1] = found[i].share[k];
+        path_crossings_add(&in_out[found[i].sense * order * sense > 0], &e);
+    }
+}
+
+int quadratic_path_of(const quadratic_tet *c, int sense, const sheared_ray *r,
+                      quadratic_path *out) {
+    const unsigned straight = quadratic_straight_edges(c->p);
+    double q[3][QUADRATIC_NODES];
+    path_crossings in_out[2] = {{0}, {0}};
+    for (int n = 0; n < QUADRATIC_NODES; n++) {
+        double place[3];
+        sheared_ray_place(r, c->p[n], place);
+        for (int a = 0; a < 3; a++)
+            q[a][n] = place[a];
+    }
+    out->map.form = &form_quadratic;
+    for (int a = 0; a < 3; a++)
+        quadratic_form(q[a], straight, out->map.q[a]);
+    quadratic_form(c->value, 0, out->map.value);
+    for (int face = 0; face < QUADRATIC_FACES; face++)
+        cross_face(c, straight, &out->map, face, (sense < 0 ? -1 : 1) * r->sense, in_out);
+    out->count = path_parts(in_out, sense == 0, out->part);
+    return out->count;
+}
+
+bool quadratic_point_find(const quadratic_tet *c, int sense, const double point[3], double at[3],
+                          double *value) {
+    static const double up[3] = {0.0, 0.0, 1.0};
+    const sheared_ray r = sheared_ray_of(point, up);
+    quadratic_path path;
+    const int count = quadratic_path_of(c, sense, &r, &path);
+    for (int i = 0; i < count; i++) {
+        const path_end *from = &path.part[i].end[0], *to = &path.part[i].end[1];
+        if (!(from->t <= 0.0 && 0.0 < to->t))
+            continue;
+        const double share = -from->t / (to->t - from->t);
+        double in[3];
+        for (int a = 0; a < 3; a++)
+            at[a] = in[a] = from->at[a] + share * (to->at[a] - from->at[a]);
+        *value = from->value + share * (to->value - from->value);
+        if (sense != 0 && path_stretch_locate(&path.map, 0.0, in)) {
+            *value = quadratic_at(path.map.value, in);
+            for (int a = 0; a < 3; a++)
+                at[a] = in[a];
+        }
+        return true;
+    }
+    return false;
+}
+
+bool quadratic_point_gradient(const quadratic_tet *c, const double at[3], double gradient[3]) {
+    const unsigned straight = quadratic_straight_edges(c->p);
+    double edge[3][3], rise[3], across[3][3], form[QUADRATIC_NODES];
+    for (int a = 0; a < 3; a++) {
+        double v[QUADRATIC_NODES], along[3];
+        for (int n = 0; n < QUADRATIC_NODES; n++)
+            v[n] = c->p[n][a];
+        quadratic_form(v, straight, form);
+        quadratic_slope(form, at, along);
+        for (int k = 0; k < 3; k++)
+            edge[k][a] = along[k];
+    }
+    quadratic_form(c->value, 0, form);
+    quadratic_slope(form, at, rise);
+    for (int k = 0; k < 3; k++)
+        vec3_cross(edge[(k + 1) % 3], edge[(k + 2) % 3], across[k]);
+    const double det = vec3_dot(edge[0], across[0]);
+    const double most = vec3_size(edge[0]) * vec3_size(edge[1]) * vec3_size(edge[2]);
+    const bool has = fabs(det) > 0x1p-48 * most;
+    for (int a = 0; a < 3; a++) {
+        gradient[a] = 0.0;
+        for (int k = 0; k < 3 && has; k++)
+            gradient[a] += rise[k] / det * across[k][a];
+    }
+    return has;
+}
