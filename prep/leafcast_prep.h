@@ -90,7 +90,7 @@ typedef struct leafcast_convert_options {
 
     /* Meshes: keep hexahedra, wedges and pyramids as they are, each with its own interpolant; else
      * they are split into tets. Without gradients and leaf_tets, and with
-     * treelet_tets to 8192; else LEAFCAST_USAGE. */
+     * treelet_tets to 6553; else LEAFCAST_USAGE. */
     bool whole_cells;
 
     /* Meshes in files: take cells of higher order as linear ones of their corners, without what

@@ -57,12 +57,12 @@ static status options_together(const void *of) {
     if (o->whole_cells && (o->gradients || o->leaf_tets))
         return status_describe(ST_USAGE, "leafcast_convert_options.whole_cells goes without "
                                          "gradients and leaf_tets");
-    if (o->whole_cells && o->treelet_tets > MIXED_CELLS_MAX)
+    if (o->whole_cells && o->treelet_tets > MIXED_QUADRATIC_MAX)
         return status_describe(
             ST_USAGE,
             "leafcast_convert_options.treelet_tets is %u: with whole_cells, 0 to "
             "%d are possible",
-            o->treelet_tets, MIXED_CELLS_MAX);
+            o->treelet_tets, MIXED_QUADRATIC_MAX);
     for (uint32_t i = 0; i < o->field_count; i++)
         if (!o->fields[i])
             return status_describe(ST_USAGE, "leafcast_convert_options.fields[%u] is NULL", i);

@@ -16,18 +16,22 @@ size_t mixed_blocks_bytes(const mixed_shape *s) {
     return own_bytes(blocks) + treelet_tree_bytes(blocks);
 }
 
-static void box_of(const mixed_blocks *b, uint32_t block, treelet_bounds out) {
-    const uint16_t *corner = b->corners[MIXED_BLOCK * block];
-    const uint32_t count = HEX_CORNERS * mixed_blocks_cells(b, block);
-    for (int a = 0; a < 3; a++) {
-        float lo = INFINITY, hi = -INFINITY;
-        for (uint32_t i = 0; i < count; i++) {
-            const float x = b->p[a][corner[i]];
-            lo = x < lo ? x : lo;
-            hi = x > hi ? x : hi;
-        }
-        out[a] = lo;
-        out[a + 3] = hi;
+/* What the cells of a block have of a value of the nodes; of those numbers that are finite. */
+static void limits_of(const mixed_blocks *b, uint32_t block, const float *of_nodes, float *least,
+                      float *greatest) {
+    const uint32_t width = b->shape.width, cells = mixed_blocks_cells(b, block);
+    const uint16_t *row = b->rows + (size_t)width * MIXED_BLOCK * block;
+    *least = INFINITY;
+    *greatest = -INFINITY;
+    for (uint32_t i = 0; i < width * cells; i++) {
+        const float x = of_nodes[row[i]];
+        *least = isfinite(x) && x < *least ? x : *least;
+        *greatest = isfinite(x) && x > *greatest ? x : *greatest;
+    }
+    if (b->shape.quadratic) {
+        mixed_shape part = b->shape;
+        part.cells = cells;
+        mixed_widen(&part, row, of_nodes, least, greatest);
     }
 }
 
@@ -35,7 +39,7 @@ status mixed_blocks_init(mixed_blocks *b, mem *m, const mixed_shape *s, const vo
                          const void *places) {
     *b = (mixed_blocks){.shape = *s,
                         .places = places,
-                        .corners = mixed_corners(s, topology),
+                        .rows = mixed_rows(s, topology),
                         .blocks = block_count(s),
                         .m = m};
     for (int a = 0; a < 3; a++)
@@ -53,7 +57,8 @@ status mixed_blocks_init(mixed_blocks *b, mem *m, const mixed_shape *s, const vo
 void mixed_blocks_move(mixed_blocks *b) {
     treelet_bounds *boxes = b->tree.bounds[0];
     for (uint32_t n = 0; n < b->blocks; n++)
-        box_of(b, n, boxes[n]);
+        for (int a = 0; a < 3; a++)
+            limits_of(b, n, b->p[a], &boxes[n][a], &boxes[n][a + 3]);
     treelet_tree_move(&b->tree, (const treelet_bounds *)boxes);
 }
 
@@ -70,28 +75,24 @@ void mixed_blocks_fill(mixed_blocks *b, const float *values) {
     memset(b->active, 0, b->blocks * sizeof *b->active);
     memset(b->tree.active[0], 0, b->blocks);
     treelet_tree_select(&b->tree, b->tree.active[0]);
-    for (uint32_t n = 0; n < b->blocks; n++) {
-        const uint16_t *corner = b->corners[MIXED_BLOCK * n];
-        const uint32_t count = HEX_CORNERS * mixed_blocks_cells(b, n);
-        float lo = INFINITY, hi = -INFINITY;
-        for (uint32_t i = 0; i < count; i++) {
-            const float x = values[corner[i]];
-            lo = isfinite(x) && x < lo ? x : lo;
-            hi = isfinite(x) && x > hi ? x : hi;
-        }
-        b->ranges[n][0] = lo;
-        b->ranges[n][1] = hi;
-    }
+    for (uint32_t n = 0; n < b->blocks; n++)
+        limits_of(b, n, values, &b->ranges[n][0], &b->ranges[n][1]);
 }
 
 static bool is_active(const mixed_blocks *b, uint32_t cell, const interest *in) {
-    const uint16_t *corner = b->corners[cell];
+    const uint32_t width = b->shape.width;
+    const uint16_t *row = b->rows + (size_t)width * cell;
     float lo = INFINITY, hi = -INFINITY, odd = 0.0f;
-    for (int c = 0; c < HEX_CORNERS; c++) {
-        const float x = b->values[corner[c]];
+    for (uint32_t c = 0; c < width; c++) {
+        const float x = b->values[row[c]];
         lo = fminf(lo, x);
         hi = fmaxf(hi, x);
         odd += x - x; /* NaN unless x is finite */
+    }
+    if (b->shape.quadratic && odd == 0.0f) {
+        mixed_shape one = b->shape;
+        one.cells = 1;
+        mixed_widen(&one, row, b->values, &lo, &hi);
     }
     return odd == 0.0f && interest_meets(in, lo, hi);
 }

@@ -2,7 +2,7 @@
  * mask of each block's active cells.
  *
  * A cell is the hexahedron between eight nodes, some of them the same, trilinear in position and
- * value. Cells are in the order of a space-filling curve, so a block is a run of them, and eight
+ * value; or a quadratic tet. Cells are in the order of a space-filling curve, so a block is a run of them, and eight
  * blocks in a row are neighbours (treelet_tree.h).
  */
 #ifndef STREAM_MIXED_BLOCKS_H
@@ -20,7 +20,7 @@ typedef struct mixed_blocks {
     const void *places;  /* of its step (mixed_geometry.h) */
     const float *p[3];   /* a coordinate of all nodes, in there */
     const float *values; /* of all nodes */
-    const uint16_t (*corners)[HEX_CORNERS];
+    const uint16_t *rows; /* of the cells; mixed_row() */
     treelet_tree tree; /* over the blocks; active: those with an active cell */
     uint32_t blocks;
     float (*ranges)[2]; /* of a block's finite values; inf, -inf: it has none */
@@ -28,8 +28,8 @@ typedef struct mixed_blocks {
     mem *m;
 } mixed_blocks;
 
-/* mixed_blocks_init() - make the tree of a treelet. topology and places must outlive it; corners
- * are nodes of the treelet. mixed_blocks_bytes() - the memory that takes from m.
+/* mixed_blocks_init() - make the tree of a treelet. topology and places must outlive it; rows
+ * have nodes of the treelet. mixed_blocks_bytes() - the memory that takes from m.
  * mixed_blocks_move() - coordinates are there, finite, or other ones: set boxes. */
 CHECKED status mixed_blocks_init(mixed_blocks *b, mem *m, const mixed_shape *s,
                                  const void *topology, const void *places);
@@ -48,6 +48,12 @@ void mixed_blocks_select(mixed_blocks *b, const interest *in);
 static inline uint32_t mixed_blocks_cells(const mixed_blocks *b, uint32_t block) {
     const uint32_t left = b->shape.cells - MIXED_BLOCK * block;
     return left < MIXED_BLOCK ? left : MIXED_BLOCK;
+}
+
+/* mixed_blocks_is_quadratic() - whether a cell is a quadratic tet. */
+static inline bool mixed_blocks_is_quadratic(const mixed_blocks *b, uint32_t i) {
+    const uint16_t *row = b->rows + (size_t)b->shape.width * i;
+    return b->shape.quadratic && row[CELL_ROW - 2] != row[CELL_ROW - 1];
 }
 
 #endif

@@ -21,6 +21,13 @@ const int *quadratic_face(int face) {
     return nodes[face];
 }
 
+const int *quadratic_part(int part) {
+    static const int nodes[QUADRATIC_PARTS][QUADRATIC_CORNERS] = {
+        {0, 4, 6, 7}, {4, 1, 5, 8}, {6, 5, 2, 9}, {7, 8, 9, 3},
+        {6, 8, 4, 5}, {6, 8, 5, 9}, {6, 8, 9, 7}, {6, 8, 7, 4}};
+    return nodes[part];
+}
+
 bool quadratic_is_straight(const double end[3], const double other[3], const double middle[3]) {
     for (int a = 0; a < 3; a++) {
         const double size = real_max(real_max(fabs(end[a]), fabs(other[a])), fabs(middle[a]));
@@ -30,10 +37,11 @@ bool quadratic_is_straight(const double end[3], const double other[3], const dou
     return true;
 }
 
-unsigned quadratic_straight_edges(const double p[QUADRATIC_NODES][3]) {
+unsigned quadratic_straight_edges(const quadratic_tet *c) {
     unsigned straight = 0;
     for (int e = 0; e < QUADRATIC_EDGES; e++)
-        if (quadratic_is_straight(p[edges[e][0]], p[edges[e][1]], p[QUADRATIC_CORNERS + e]))
+        if (quadratic_is_straight(c->p[edges[e][0]], c->p[edges[e][1]],
+                                  c->p[QUADRATIC_CORNERS + e]))
             straight |= 1u << e;
     return straight;
 }
@@ -174,14 +182,14 @@ static int sense_of(const control_net *n, int depth, int *left) {
     return sense;
 }
 
-int quadratic_sense(const double p[QUADRATIC_NODES][3]) {
+int quadratic_sense(const quadratic_tet *c) {
     enum { DEPTH = 18, PARTS = 1024 };
-    const unsigned straight = quadratic_straight_edges(p);
+    const unsigned straight = quadratic_straight_edges(c);
     control_net n;
     for (int a = 0; a < 3; a++) {
         double v[QUADRATIC_NODES], form[QUADRATIC_NODES];
         for (int i = 0; i < QUADRATIC_NODES; i++)
-            v[i] = p[i][a];
+            v[i] = c->p[i][a];
         quadratic_form(v, straight, form);
         for (int i = 0; i < QUADRATIC_NODES; i++)
             n.p[i][a] = form[i];

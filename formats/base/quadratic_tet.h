@@ -34,7 +34,7 @@ static inline double quadratic_control(double end, double other, double middle) 
 }
 
 /* quadratic_straight_edges() - bit by bit, which edges of a cell count as straight. */
-unsigned quadratic_straight_edges(const double p[QUADRATIC_NODES][3]);
+unsigned quadratic_straight_edges(const quadratic_tet *c);
 
 /* quadratic_form() - the coefficients of a form with these values at the nodes. straight: of these
  * edges, as bits, the node counts as the middle. */
@@ -54,7 +54,12 @@ void quadratic_range(const double value[QUADRATIC_NODES], double range[2]);
 /* quadratic_sense() - as hexahedron_sense(): 1 if the map is right-handed inside the tet, by the
  * Bernstein coefficients of its Jacobian's determinant in the tet or in parts of it; -1
  * left-handed; 0 folded or flat. Depends on positions alone. */
-int quadratic_sense(const double p[QUADRATIC_NODES][3]);
+int quadratic_sense(const quadratic_tet *c);
+
+/* quadratic_part() - the nodes at the corners of part 0 to 7, the linear tets between a quadratic
+ * one's nodes: one at each corner, four about the line between edges 02 and 13; of its sense. */
+enum { QUADRATIC_PARTS = 8 };
+const int *quadratic_part(int part);
 
 /* quadratic_face() - the nodes of face 0 to 3, opposite to that corner: three corners, then the
  * nodes of the edges from the first to the second, from there to the third, and back. Seen from

@@ -76,7 +76,7 @@ static void cross_face(const quadratic_tet *c, unsigned straight, const curved_m
 
 int quadratic_path_of(const quadratic_tet *c, int sense, const sheared_ray *r,
                       quadratic_path *out) {
-    const unsigned straight = quadratic_straight_edges(c->p);
+    const unsigned straight = quadratic_straight_edges(c);
     double q[3][QUADRATIC_NODES];
     path_crossings in_out[2] = {{0}, {0}};
     for (int n = 0; n < QUADRATIC_NODES; n++) {
@@ -121,7 +121,7 @@ bool quadratic_point_find(const quadratic_tet *c, int sense, const double point[
 }
 
 bool quadratic_point_gradient(const quadratic_tet *c, const double at[3], double gradient[3]) {
-    const unsigned straight = quadratic_straight_edges(c->p);
+    const unsigned straight = quadratic_straight_edges(c);
     double edge[3][3], rise[3], across[3][3], form[QUADRATIC_NODES];
     for (int a = 0; a < 3; a++) {
         double v[QUADRATIC_NODES], along[3];

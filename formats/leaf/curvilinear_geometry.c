@@ -227,16 +227,18 @@ static void count(hex_treelet *h) {
     h->cells = curvilinear_cells(cells);
 }
 
-static void corners(const hex_treelet *h, uint32_t cell, uint32_t corner[HEX_CORNERS]) {
+static void row_of(const hex_treelet *h, uint32_t cell, uint32_t out[CELL_ROW]) {
     const uint32_t *cells = h->f->layout.counts[h->id], row = cells[0] + 1,
                    plane = row * (cells[1] + 1);
     const uint32_t node = cell % cells[0] + row * (cell / cells[0] % cells[1]) +
                           plane * (cell / (cells[0] * cells[1]));
-    for (uint32_t c = 0; c < HEX_CORNERS; c++)
-        corner[c] = node + (c & 1) + (c >> 1 & 1) * row + (c >> 2) * plane;
+    for (uint32_t c = 0; c < CELL_ROW; c++) {
+        const uint32_t corner = c < HEX_CORNERS ? c : 0;
+        out[c] = node + (corner & 1) + (corner >> 1 & 1) * row + (corner >> 2) * plane;
+    }
 }
 
-static const leaf_hexes hexes = {false, count, corners};
+static const leaf_hexes hexes = {false, count, row_of};
 
 const leaf_geometry curvilinear_geometry = {.coarse = true,
                                             .blending = &hex_blending,

@@ -25,10 +25,10 @@ static uint32_t corner_of(const subject *s, uint32_t node, uint32_t corner) {
 }
 
 static hex_code made_again(const subject *s, uint32_t node) {
-    uint32_t corner[HEX_CORNERS];
-    for (uint32_t c = 0; c < HEX_CORNERS; c++)
-        corner[c] = corner_of(s, node, c);
-    return places_code(&s->of, corner);
+    uint32_t row[CELL_ROW];
+    for (uint32_t c = 0; c < CELL_ROW; c++)
+        row[c] = corner_of(s, node, c < HEX_CORNERS ? c : 0);
+    return places_code(&s->of, row);
 }
 
 static const uint8_t *codes_of(const subject *s) {

@@ -43,13 +43,9 @@ static uint32_t alike(const leaf_layout *l, uint32_t p, const leaf_layout *of, u
 }
 
 static hex_code code_of(const hex_treelet *h, uint32_t cell) {
-    uint32_t corner[HEX_CORNERS];
-    double p[HEX_CORNERS][3];
-    hex_treelet_corners(h, cell, corner);
-    for (int a = 0; a < 3; a++)
-        for (int c = 0; c < HEX_CORNERS; c++)
-            p[c][a] = (double)hex_treelet_coordinates(h, a)[corner[c]];
-    return hex_code_of(hexahedron_sense((const double(*)[3])p));
+    curved_cell c;
+    hex_treelet_cell(h, cell, NULL, &c);
+    return hex_code_of(curved_cell_sense(&c));
 }
 
 static void make_codes(const leaf_file *f, const leaf_mix *m, const float *const from[2]) {

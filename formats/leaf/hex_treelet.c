@@ -33,6 +33,20 @@ uint32_t hex_treelet_payload_bytes(const leaf_layout *l, uint32_t p) {
     return leaf_layout_block_bytes(&b, hex_treelet_stored_bytes(l, p, &block));
 }
 
+void hex_treelet_cell(const hex_treelet *h, uint32_t i, const float *values, curved_cell *out) {
+    uint32_t row[CELL_ROW];
+    hex_treelet_row(h, i, row);
+    out->quadratic = cell_row_is_quadratic(row);
+    out->sense = hex_code_sense(hex_treelet_code(h, i));
+    out->number = i;
+    for (int n = 0; n < curved_cell_nodes(out); n++) {
+        double p[3];
+        for (int a = 0; a < 3; a++)
+            p[a] = (double)hex_treelet_coordinates(h, a)[row[n]];
+        curved_cell_put(out, n, p, values ? (double)values[row[n]] : 0.0);
+    }
+}
+
 /* ---- checks ---- */
 
 static status fault(const hex_treelet *h, const char *what, uint32_t i, const char *how) {
@@ -66,10 +80,10 @@ status hex_treelet_check_places(const hex_treelet *h, uint32_t step) {
 
 status hex_treelet_check_corners(const hex_treelet *h) {
     for (uint32_t i = 0; i < h->cells; i++) {
-        uint32_t corner[HEX_CORNERS];
-        hex_treelet_corners(h, i, corner);
-        for (int c = 0; c < HEX_CORNERS; c++)
-            if (corner[c] >= h->nodes)
+        uint32_t row[CELL_ROW];
+        hex_treelet_row(h, i, row);
+        for (int c = 0; c < CELL_ROW; c++)
+            if (row[c] >= h->nodes)
                 return fault(h, "cell", i, "has a corner at no node");
     }
     return ST_OK;

@@ -7,7 +7,7 @@
 #ifndef FORMATS_LEAF_HEX_TREELET_H
 #define FORMATS_LEAF_HEX_TREELET_H
 
-#include "formats/base/hexahedron.h"
+#include "formats/curved/curved_cell.h"
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/leaf_unpacker.h"
 
@@ -22,8 +22,8 @@ typedef struct leaf_hexes {
     bool listed; /* corners are in the topology; else they follow from the treelet's COUNTS */
     /* Set nodes and cells of h. */
     void (*count)(hex_treelet *h);
-    /* The nodes at the corners of a cell (hexahedron.h). */
-    void (*corners)(const hex_treelet *h, uint32_t i, uint32_t corner[HEX_CORNERS]);
+    /* The nodes of a cell (cell_row.h). */
+    void (*row)(const hex_treelet *h, uint32_t i, uint32_t row[CELL_ROW]);
 } leaf_hexes;
 
 /* hex_treelet_of() - treelet t of a file with leaf_geometry.hexes, its payloads not yet known.
@@ -52,10 +52,13 @@ static inline void hex_treelet_write_code(const hex_treelet *h, float *places, u
     uint8_t *codes = (uint8_t *)(places + 3 * (size_t)h->nodes);
     codes[i / 4] |= (uint8_t)((unsigned)code << 2 * (i % 4));
 }
-static inline void hex_treelet_corners(const hex_treelet *h, uint32_t i,
-                                       uint32_t corner[HEX_CORNERS]) {
-    h->f->geometry->hexes->corners(h, i, corner);
+static inline void hex_treelet_row(const hex_treelet *h, uint32_t i, uint32_t row[CELL_ROW]) {
+    h->f->geometry->hexes->row(h, i, row);
 }
+
+/* hex_treelet_cell() - a cell at the places of h; its number is that in the treelet. values: of the
+ * nodes; NULL: 0. Its sense is what its code says. */
+void hex_treelet_cell(const hex_treelet *h, uint32_t i, const float *values, curved_cell *out);
 
 /* hex_treelet_check() - what the directory says of the treelet at the step of a set holds for
  * payloads as they were read: all nodes lie in its box, all values in its range, unless it says

@@ -91,6 +91,15 @@ static status active_tets(const leaf_active *a, uint64_t *cells) {
 
 /* ---- hexahedra ---- */
 
+/* The sides of what a quadratic tet may have beyond the values of its nodes. */
+static unsigned beyond_nodes(const float *values, const uint32_t row[CELL_ROW], double iso) {
+    float v[QUADRATIC_NODES], limits[2];
+    for (int n = 0; n < QUADRATIC_NODES; n++)
+        v[n] = values[row[n]];
+    curved_quadratic_limits(v, &limits[0], &limits[1]);
+    return side_of(limits[0], iso) | side_of(limits[1], iso);
+}
+
 static status active_hexes(const leaf_active *a, uint64_t *cells) {
     const float *values;
     hex_treelet h;
@@ -98,13 +107,15 @@ static status active_hexes(const leaf_active *a, uint64_t *cells) {
     if (st != ST_OK)
         return st;
     for (uint32_t i = 0; i < h.cells; i++) {
-        uint32_t corner[HEX_CORNERS];
+        uint32_t row[CELL_ROW];
         unsigned sides = 0;
         if (hex_treelet_code(&h, i) == HEX_NONE)
             continue;
-        hex_treelet_corners(&h, i, corner);
-        for (int c = 0; c < HEX_CORNERS; c++)
-            sides |= side_of(values[corner[c]], a->iso);
+        hex_treelet_row(&h, i, row);
+        for (int n = 0; n < CELL_ROW; n++)
+            sides |= side_of(values[row[n]], a->iso);
+        if (cell_row_is_quadratic(row))
+            sides |= beyond_nodes(values, row, a->iso);
         *cells += sides == SIDE_BOTH;
     }
     return ST_OK;

@@ -30,7 +30,7 @@ static parts parts_of(leaf_block block, const mixed_shape *s) {
                .bytes = s->place_bytes};
     if (block != LEAF_BLOCK_TOPOLOGY)
         return p;
-    p.corners_end = s->corners_at + s->cells * sizeof(uint16_t[HEX_CORNERS]);
+    p.corners_end = s->rows_at + mixed_rows_bytes(s);
     p.bytes = s->topology_bytes;
     return p;
 }
@@ -50,7 +50,8 @@ static size_t room_of(leaf_block block, const uint32_t counts[4]) {
 
 /* A word for each corner. */
 static size_t scratch_of(const uint32_t counts[4]) {
-    return counts[0] * sizeof(uint16_t[HEX_CORNERS]);
+    const mixed_shape s = mixed_shape_of(counts);
+    return mixed_rows_bytes(&s);
 }
 
 /* False: the payload could not be made again. */

@@ -1,6 +1,6 @@
 /* The streams:
  *
- *   0      u8 code[cells][8]
+ *   0      u8 code[cells][8], or [10]
  *   1 - 4  u8 plane[4][3][nodes]       coordinates, by axis, node after node
  *   5, 6   u8 low[words], high[words]
  */
@@ -8,6 +8,7 @@
 
 #include <string.h>
 
+#include "formats/base/quadratic_tet.h"
 #include "formats/leaf/coded_payload.h"
 #include "formats/leaf/float_lattice.h"
 #include "formats/leaf/float_planes.h"
@@ -15,7 +16,7 @@
 enum { AXES = 3, NOWHERE = 0xFFFF };
 
 size_t mixed_corners_room(const mixed_shape *s) {
-    const size_t corners = (size_t)s->cells * HEX_CORNERS;
+    const size_t corners = (size_t)s->cells * s->width;
     return corners * (1 + sizeof(uint16_t)) + (size_t)s->nodes * sizeof(float[AXES]);
 }
 
@@ -46,7 +47,7 @@ static void edges_add(edges *e, const uint16_t cell[HEX_CORNERS]) {
 
 /* What predicts a new node, in the order of float_lattice_predict3(), or predict2(). */
 typedef struct guess {
-    uint32_t count; /* 7, 3, 1; 0: nothing does */
+    uint32_t count; /* 7, 3, 2, 1; 0: nothing does */
     uint32_t node[HEX_CORNERS - 1];
 } guess;
 
@@ -55,6 +56,21 @@ static void guess_take(guess *g, const uint16_t cell[HEX_CORNERS], uint32_t corn
     g->count = count;
     for (uint32_t i = 0; i < count; i++)
         g->node[i] = cell[corner ^ across[i]];
+}
+
+/* In a quadratic tet, whose row is told: the corner before predicts a corner, those of its edge, in
+ * the middle between them, an edge's node. */
+static guess guess_in_quadratic(const uint16_t *cell, uint32_t k, uint32_t told) {
+    guess g = {.count = told ? 1 : 0, .node = {told - 1}};
+    if (k >= QUADRATIC_CORNERS) {
+        const int *edge = quadratic_edge((int)k - QUADRATIC_CORNERS);
+        g.count = 2;
+        for (int i = 0; i < 2; i++)
+            g.node[i] = cell[edge[i]];
+    } else if (k > 0) {
+        g.node[0] = cell[k - 1];
+    }
+    return g;
 }
 
 /* Say what predicts the node of a corner: all others, as in a lattice; else three of a face, as a
@@ -90,6 +106,8 @@ static uint32_t predict(const guess *g, const float *x) {
         p = float_lattice_predict3(x[n[0]], x[n[1]], x[n[2]], x[n[3]], x[n[4]], x[n[5]], x[n[6]]);
     else if (g->count == 3)
         p = float_lattice_predict2(x[n[0]], x[n[1]], x[n[2]]);
+    else if (g->count == 2)
+        p = 0.5F * (x[n[0]] + x[n[1]]);
     else if (g->count == 1)
         p = x[n[0]];
     return float_planes_predicted(p);
@@ -98,7 +116,7 @@ static uint32_t predict(const guess *g, const float *x) {
 /* ---- encoding ---- */
 
 typedef struct encoder {
-    const uint16_t *corner; /* of all cells */
+    const uint16_t *corner; /* of all cells, row after row */
     uint32_t told, words;
     uint16_t *word;
     edges ends;
@@ -112,7 +130,7 @@ static uint8_t code_of(encoder *e, size_t first, uint32_t c) {
         e->told++;
         return MIXED_NEW;
     }
-    for (uint32_t i = 0; i < c; i++)
+    for (uint32_t i = 0; i < c && i < MIXED_EARLIER - MIXED_OWN; i++)
         if (cell[i] == node)
             return (uint8_t)(MIXED_OWN + i);
     for (uint32_t a = 0; a < AXES; a++)
@@ -128,7 +146,7 @@ static uint8_t code_of(encoder *e, size_t first, uint32_t c) {
 
 static bool are_in_order(const mixed_shape *s, const uint16_t *corner) {
     uint32_t told = 0;
-    for (size_t i = 0; i < (size_t)s->cells * HEX_CORNERS; i++) {
+    for (size_t i = 0; i < (size_t)s->cells * s->width; i++) {
         if (corner[i] > told)
             return false;
         told += corner[i] == told;
@@ -139,22 +157,26 @@ static bool are_in_order(const mixed_shape *s, const uint16_t *corner) {
 static void encode_codes(const mixed_shape *s, encoder *e, uint8_t *code) {
     edges_init(&e->ends);
     for (uint32_t i = 0; i < s->cells; i++) {
-        const size_t first = (size_t)i * HEX_CORNERS;
-        for (uint32_t c = 0; c < HEX_CORNERS; c++)
+        const size_t first = (size_t)i * s->width;
+        for (uint32_t c = 0; c < s->width; c++)
             code[first + c] = code_of(e, first, c);
         edges_add(&e->ends, e->corner + first);
     }
 }
 
 /* Call take() for each node in turn, with what predicts it. */
-static inline void walk_nodes(const mixed_shape *s, const uint16_t (*cells)[HEX_CORNERS],
+static inline void walk_nodes(const mixed_shape *s, const uint16_t *rows,
                               void (*take)(void *ctx, uint32_t node, const guess *g), void *ctx) {
-    for (uint32_t i = 0, told = 0; i < s->cells && told < s->nodes; i++)
-        for (uint32_t c = 0; c < HEX_CORNERS; c++)
-            if (cells[i][c] == told) {
-                const guess g = guess_from(cells[i], c, told);
+    for (uint32_t i = 0, told = 0; i < s->cells && told < s->nodes; i++) {
+        const uint16_t *row = rows + (size_t)s->width * i;
+        const bool quadratic = s->width == CELL_ROW && row[CELL_ROW - 2] != row[CELL_ROW - 1];
+        for (uint32_t c = 0; c < s->width; c++)
+            if (row[c] == told) {
+                const guess g =
+                    quadratic ? guess_in_quadratic(row, c, told) : guess_from(row, c, told);
                 take(ctx, told++, &g);
             }
+    }
 }
 
 typedef struct coordinates {
@@ -194,15 +216,15 @@ static coordinates coordinates_of(const mixed_shape *s, const void *topology) {
 
 bool mixed_corners_encode(const mixed_shape *s, const void *topology, void *scratch,
                           coded_streams *out) {
-    const uint16_t(*cells)[HEX_CORNERS] = mixed_corners(s, topology);
-    encoder e = {.corner = cells[0], .word = scratch};
-    if (!are_in_order(s, cells[0]))
+    const uint16_t *rows = mixed_rows(s, topology);
+    encoder e = {.corner = rows, .word = scratch};
+    if (!are_in_order(s, rows))
         return false;
-    encode_codes(s, &e, coded_streams_take(out, (size_t)s->cells * HEX_CORNERS));
+    encode_codes(s, &e, coded_streams_take(out, (size_t)s->cells * s->width));
     coded_streams_end(out);
     coordinates x = coordinates_of(s, topology);
     x.put = coded_streams_take(out, (size_t)s->nodes * sizeof(float[AXES]));
-    walk_nodes(s, cells, put_node, &x);
+    walk_nodes(s, rows, put_node, &x);
     coded_payload_end_planes(out, FLOAT_PLANES, (size_t)s->nodes * AXES);
     uint8_t *low = coded_streams_take(out, e.words);
     coded_streams_end(out);
@@ -253,8 +275,8 @@ static uint32_t node_of(decoder *d, uint8_t code, size_t first, uint32_t c) {
 static bool decode_codes(decoder *d, const uint8_t *code) {
     edges_init(&d->ends);
     for (uint32_t i = 0; i < d->s->cells; i++) {
-        const size_t first = (size_t)i * HEX_CORNERS;
-        for (uint32_t c = 0; c < HEX_CORNERS; c++) {
+        const size_t first = (size_t)i * d->s->width;
+        for (uint32_t c = 0; c < d->s->width; c++) {
             const uint32_t node = node_of(d, code[first + c], first, c);
             if (node >= d->s->nodes)
                 return false;
@@ -266,8 +288,8 @@ static bool decode_codes(decoder *d, const uint8_t *code) {
 }
 
 bool mixed_corners_decode(const mixed_shape *s, coded_input *in, void *topology) {
-    const size_t corners = (size_t)s->cells * HEX_CORNERS;
-    decoder d = {.s = s, .corner = (uint16_t *)((char *)topology + s->corners_at)};
+    const size_t corners = (size_t)s->cells * s->width;
+    decoder d = {.s = s, .corner = (uint16_t *)((char *)topology + s->rows_at)};
     coordinates x = coordinates_of(s, topology);
     const uint8_t *code = coded_input_take(in, corners);
     x.get = code ? coded_input_take(in, (size_t)s->nodes * sizeof(float[AXES])) : NULL;
@@ -280,6 +302,6 @@ bool mixed_corners_decode(const mixed_shape *s, coded_input *in, void *topology)
     d.high = coded_input_take(in, d.words);
     if (!decode_codes(&d, code))
         return false;
-    walk_nodes(s, mixed_corners(s, topology), get_node, &x);
+    walk_nodes(s, mixed_rows(s, topology), get_node, &x);
     return true;
 }

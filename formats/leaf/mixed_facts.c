@@ -1,6 +1,6 @@
 #include "formats/leaf/mixed_facts.h"
 
-#include "formats/base/hexahedron.h"
+#include "formats/leaf/mixed_geometry.h"
 
 /* Bytes before compression: positions and values of the nodes, corners of the cells. */
 static double raw_bytes(const leaf_file *f) {
@@ -9,9 +9,19 @@ static double raw_bytes(const leaf_file *f) {
            4 * HEX_CORNERS * (double)h->tets;
 }
 
-static void tell_cells(const leaf_header *h, const fact_sheet *to) {
+static uint64_t count_quadratic(const leaf_file *f) {
+    const leaf_cells_directory *d = mixed_directory_of(f);
+    uint64_t sum = 0;
+    for (uint32_t t = 0; t < f->layout.treelets; t++)
+        sum += d->counts[t][2];
+    return sum;
+}
+
+static void tell_cells(const leaf_header *h, uint64_t quadratic, const fact_sheet *to) {
     fact_sheet_line(to, "mixed mesh", "%llu cells, %llu nodes", (unsigned long long)h->tets,
                     (unsigned long long)h->vertices);
+    if (quadratic)
+        fact_sheet_line(to, "quadratic tets", "%llu of the cells", (unsigned long long)quadratic);
     if (h->flat)
         fact_sheet_line(to, "cells", "%llu folded", (unsigned long long)h->flat);
     if (h->repeated || h->bad)
@@ -20,6 +30,7 @@ static void tell_cells(const leaf_header *h, const fact_sheet *to) {
                         (unsigned long long)h->repeated, (unsigned long long)h->bad);
     fact_sheet_whole(to, "cells", h->tets);
     fact_sheet_whole(to, "nodes", h->vertices);
+    fact_sheet_whole(to, "quadratic", quadratic);
     fact_sheet_whole(to, "folded", h->flat);
     fact_sheet_whole(to, "repeated", h->repeated);
     fact_sheet_whole(to, "bad", h->bad);
@@ -29,7 +40,7 @@ static void tell(const leaf_file *f, const fact_sheet *to) {
     const leaf_header *h = &f->header;
     const double raw = raw_bytes(f), each = (double)h->file_bytes / (double)h->tets;
     leaf_tell_begin(f, to);
-    tell_cells(h, to);
+    tell_cells(h, count_quadratic(f), to);
     leaf_tell_print_fields(f, to);
     leaf_tell_values(f, to, "values");
     leaf_tell_print_steps(f, to);

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/curved/curved_cell.h"
 #include "formats/leaf/hex_blending.h"
 #include "formats/leaf/hex_treelet.h"
 #include "formats/leaf/leaf_place.h"
@@ -11,11 +12,13 @@
 #include "formats/leaf/mixed_verify.h"
 
 mixed_shape mixed_shape_of(const uint32_t counts[4]) {
-    mixed_shape s = {.cells = counts[0], .nodes = counts[1]};
+    mixed_shape s = {.cells = counts[0],
+                     .nodes = counts[1],
+                     .quadratic = counts[2],
+                     .width = counts[2] ? CELL_ROW : HEX_CORNERS};
     s.codes_at = s.nodes * (uint32_t)sizeof(float[3]);
-    s.place_bytes = s.corners_at = leaf_aligned(s.codes_at + (s.cells + 3) / 4);
-    s.topology_bytes =
-        s.corners_at + leaf_aligned(s.cells * (uint32_t)sizeof(uint16_t[HEX_CORNERS]));
+    s.place_bytes = s.rows_at = leaf_aligned(s.codes_at + (s.cells + 3) / 4);
+    s.topology_bytes = s.rows_at + leaf_aligned(mixed_rows_bytes(&s));
     s.value_bytes = leaf_aligned(s.nodes * (uint32_t)sizeof(float));
     return s;
 }
@@ -23,9 +26,31 @@ mixed_shape mixed_shape_of(const uint32_t counts[4]) {
 const char *mixed_counts_fault(const uint32_t counts[4], uint32_t treelet_cells) {
     if (counts[0] < 1 || counts[0] > treelet_cells)
         return "so many cells";
-    if (counts[1] < 4 || counts[1] > HEX_CORNERS * counts[0])
+    if (counts[2] > counts[0] || (counts[2] && counts[0] > MIXED_QUADRATIC_MAX))
+        return "so many quadratic tets";
+    if (counts[1] < 4 || counts[1] > (counts[2] ? CELL_ROW : HEX_CORNERS) * counts[0])
         return "so many nodes";
-    return counts[2] || counts[3] ? "more than cells and nodes" : NULL;
+    return counts[3] ? "more than cells and nodes" : NULL;
+}
+
+void mixed_widen(const mixed_shape *s, const uint16_t *rows, const float *of_nodes, float *least,
+                 float *greatest) {
+    for (uint32_t i = 0; s->quadratic && i < s->cells; i++) {
+        uint32_t row[CELL_ROW];
+        float v[QUADRATIC_NODES], lo, hi, odd = 0.0F;
+        mixed_row(s, rows, i, row);
+        if (!cell_row_is_quadratic(row))
+            continue;
+        for (int n = 0; n < QUADRATIC_NODES; n++) {
+            v[n] = of_nodes[row[n]];
+            odd += v[n] - v[n]; /* NaN unless it is finite */
+        }
+        if (odd != 0.0F)
+            continue;
+        curved_quadratic_limits(v, &lo, &hi);
+        *least = lo < *least ? lo : *least;
+        *greatest = hi > *greatest ? hi : *greatest;
+    }
 }
 
 bool mixed_layout(leaf_layout *l, uint64_t treelets, uint32_t fields, uint32_t steps, bool moving) {
@@ -71,7 +96,7 @@ static status check_values(const char *path, const leaf_header *h) {
                                   "%llu treelets are too many", (unsigned long long)h->treelets);
     const uint64_t most = h->treelets * h->treelet_tets;
     if (h->tets < h->treelets || h->tets > most || h->vertices < 4 ||
-        h->vertices > HEX_CORNERS * most || h->flat > h->tets || h->inverted)
+        h->vertices > CELL_ROW * most || h->flat > h->tets || h->inverted)
         return leaf_check_corrupt(path, offsetof(leaf_header, tets),
                                   "%llu treelets cannot have %llu cells, %llu of them folded, and "
                                   "%llu nodes",
@@ -189,14 +214,12 @@ static void count(hex_treelet *h) {
     h->cells = s.cells;
 }
 
-static void corners(const hex_treelet *h, uint32_t cell, uint32_t corner[HEX_CORNERS]) {
+static void row_of(const hex_treelet *h, uint32_t cell, uint32_t row[CELL_ROW]) {
     const mixed_shape s = mixed_shape_of(h->f->layout.counts[h->id]);
-    const uint16_t *node = mixed_corners(&s, h->topology)[cell];
-    for (int c = 0; c < HEX_CORNERS; c++)
-        corner[c] = node[c];
+    mixed_row(&s, mixed_rows(&s, h->topology), cell, row);
 }
 
-static const leaf_hexes hexes = {true, count, corners};
+static const leaf_hexes hexes = {true, count, row_of};
 
 const leaf_geometry mixed_geometry = {.coarse = true,
                                       .blending = &hex_blending,

@@ -11,29 +11,51 @@
 typedef struct subject {
     places_subject of;
     mixed_shape shape;
-    const uint16_t (*corners)[HEX_CORNERS];
+    const uint16_t *rows;
 } subject;
 
 /* ---- topology ---- */
 
-static status check_corners(const subject *s, const char *topology) {
+/* How many of a treelet's cells are quadratic tets. -1: a row is neither such a tet nor a
+ * hexahedron's. */
+static int64_t count_quadratic(const subject *s) {
+    int64_t count = 0;
+    for (uint32_t i = 0; i < s->shape.cells; i++) {
+        uint32_t row[CELL_ROW];
+        mixed_row(&s->shape, s->rows, i, row);
+        if (!cell_row_is_quadratic(row)) {
+            if (row[CELL_ROW - 1] != row[0])
+                return -1;
+            continue;
+        }
+        count++;
+        for (int n = 1; n < CELL_ROW; n++)
+            for (int k = 0; k < n; k++)
+                if (row[n] == row[k])
+                    return -1;
+    }
+    return count;
+}
+
+static status check_rows(const subject *s, const char *topology) {
     const mixed_shape *shape = &s->shape;
     uint32_t met = 0;
     for (uint32_t i = 0; i < shape->cells; i++)
-        for (uint32_t c = 0; c < HEX_CORNERS; c++) {
-            const uint16_t node = s->corners[i][c];
-            const size_t at = shape->corners_at + (i * HEX_CORNERS + c) * sizeof(uint16_t);
+        for (uint32_t c = 0; c < shape->width; c++) {
+            const size_t k = (size_t)shape->width * i + c;
+            const uint16_t node = s->rows[k];
+            const size_t at = shape->rows_at + k * sizeof(uint16_t);
             if (node >= shape->nodes)
-                return places_wrong(&s->of, at, "a corner is at no node");
+                return places_wrong(&s->of, at, "a cell is at no node");
             if (node > met)
                 return places_wrong(&s->of, at, "nodes are not in the order of their first use");
             met += node == met;
         }
     if (met < shape->nodes)
         return places_wrong(&s->of, met * sizeof(float), "a node is at no cell");
-    return places_check_zeros(&s->of, topology,
-                              shape->corners_at +
-                                  shape->cells * (uint32_t)sizeof(uint16_t[HEX_CORNERS]),
+    if (count_quadratic(s) != (int64_t)shape->quadratic)
+        return places_wrong(&s->of, shape->rows_at, "quadratic tets are not as many as it says");
+    return places_check_zeros(&s->of, topology, shape->rows_at + mixed_rows_bytes(shape),
                               shape->topology_bytes);
 }
 
@@ -43,12 +65,11 @@ static status check_codes(const subject *s) {
     const mixed_shape *shape = &s->shape;
     const char *places = (const char *)s->of.places;
     for (uint32_t i = 0; i < shape->cells; i++) {
-        uint32_t corner[HEX_CORNERS];
-        for (uint32_t c = 0; c < HEX_CORNERS; c++)
-            corner[c] = s->corners[i][c];
-        if (mixed_code(shape, places, i) != places_code(&s->of, corner))
+        uint32_t row[CELL_ROW];
+        mixed_row(shape, s->rows, i, row);
+        if (mixed_code(shape, places, i) != places_code(&s->of, row))
             return places_wrong(&s->of, shape->codes_at + i / 4,
-                                "a cell's bits are not those of its corners");
+                                "a cell's bits are not those of its nodes");
     }
     const uint8_t last = (uint8_t)places[shape->codes_at + (shape->cells - 1) / 4];
     if (shape->cells % 4 && last >> 2 * (shape->cells % 4))
@@ -56,6 +77,11 @@ static status check_codes(const subject *s) {
                             "expected 0 behind the last cell's bits");
     return places_check_zeros(&s->of, places, shape->codes_at + (shape->cells + 3) / 4,
                               shape->place_bytes);
+}
+
+static void widen(const places_subject *of, const float *of_nodes, float *least, float *greatest) {
+    const subject *s = (const subject *)of;
+    mixed_widen(&s->shape, s->rows, of_nodes, least, greatest);
 }
 
 static status check_places(subject *s, uint32_t step) {
@@ -79,8 +105,11 @@ static void measure(const leaf_verifying *v, const subject *s, uint32_t set) {
             continue;
         const float *at[HISTOGRAM_CORNERS];
         float places[HISTOGRAM_CORNERS][3], values[HISTOGRAM_CORNERS];
+        uint32_t row[CELL_ROW], corner[HEX_CORNERS];
+        mixed_row(&s->shape, s->rows, (uint32_t)(cell - first), row);
+        cell_row_corners(row, corner);
         for (uint32_t c = 0; c < HISTOGRAM_CORNERS; c++) {
-            const uint32_t node = s->corners[cell - first][c];
+            const uint32_t node = corner[c];
             for (uint32_t a = 0; a < 3; a++)
                 places[c][a] = s->of.places[a * s->shape.nodes + node];
             values[c] = s->of.values[node];
@@ -132,10 +161,11 @@ static status verify_treelet(const leaf_verifying *v, uint32_t treelet, uint64_t
                  .shape = mixed_shape_of(l->counts[treelet])};
     s.of.nodes = s.shape.nodes;
     s.of.places = (const float *)(void *)v->room;
-    s.corners = mixed_corners(&s.shape, v->room);
+    s.rows = mixed_rows(&s.shape, v->room);
+    s.of.widen = widen;
     status st = v->load(v, treelet, v->room);
     if (st == ST_OK)
-        st = check_corners(&s, v->room);
+        st = check_rows(&s, v->room);
     for (uint32_t step = 0; step < l->steps && st == ST_OK; step++)
         st = verify_step(v, &s, step, v->room + each, non_finite);
     return st;

@@ -24,6 +24,8 @@ status places_check_box(const places_subject *s, const float bounds[6]) {
             lo = x < lo ? x : lo;
             hi = x > hi ? x : hi;
         }
+        if (s->widen)
+            s->widen(s, s->places + a * (size_t)s->nodes, &lo, &hi);
         if (lo != bounds[a] || hi != bounds[a + 3])
             return places_wrong(s, a * s->nodes * sizeof(float),
                                 "its box is not that of its nodes");
@@ -45,6 +47,8 @@ status places_check_values(places_subject *s, uint32_t set, uint32_t value_bytes
         hi = isfinite(v) && v > hi ? v : hi;
     }
     *non_finite += odd;
+    if (s->widen)
+        s->widen(s, s->values, &lo, &hi);
     if (lo != own[0] || hi != own[1])
         return places_wrong(s, 0, "its range is not that of its values");
     if ((odd > 0) != ((s->f->flags[element] & LEAF_FLAG_NON_FINITE) != 0))
@@ -52,10 +56,13 @@ status places_check_values(places_subject *s, uint32_t set, uint32_t value_bytes
     return places_check_zeros(s, s->values, sizeof(float) * s->nodes, value_bytes);
 }
 
-hex_code places_code(const places_subject *s, const uint32_t corner[HEX_CORNERS]) {
-    double p[HEX_CORNERS][3];
-    for (uint32_t c = 0; c < HEX_CORNERS; c++)
+hex_code places_code(const places_subject *s, const uint32_t row[CELL_ROW]) {
+    curved_cell c = {.quadratic = cell_row_is_quadratic(row)};
+    for (int n = 0; n < curved_cell_nodes(&c); n++) {
+        double p[3];
         for (uint32_t a = 0; a < 3; a++)
-            p[c][a] = (double)s->places[a * s->nodes + corner[c]];
-    return hex_code_of(hexahedron_sense((const double(*)[3])p));
+            p[a] = (double)s->places[a * s->nodes + row[n]];
+        curved_cell_put(&c, n, p, 0.0);
+    }
+    return hex_code_of(curved_cell_sense(&c));
 }

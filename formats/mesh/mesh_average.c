@@ -91,7 +91,7 @@ void mesh_average_add(mesh_average *a, uint32_t field, cell_shape kind, const ui
 
 void mesh_average_add_each(mesh_average *a, uint32_t field, cell_shape kind, const uint64_t *ids,
                            const float *values) {
-    double wide[8];
+    double wide[CELL_VERTICES_MAX];
     for (int i = 0; i < cell_shape_vertices(kind); i++)
         wide[i] = (double)values[i];
     add(a, field, kind, ids, wide, 1);

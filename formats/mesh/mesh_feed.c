@@ -1,3 +1,4 @@
+#include "formats/base/quadratic_tet.h"
 #include "formats/mesh/mesh_feed.h"
 
 #include <assert.h>
@@ -186,7 +187,7 @@ static status flush_tets(mesh_feed *f) {
     f->tets_held = 0;
     f->report->tets += count;
     if (f->whole)
-        return f->sink->cells(f->sink->ctx, count, (const uint32_t(*)[HEX_CORNERS])f->whole);
+        return f->sink->cells(f->sink->ctx, count, (const uint32_t(*)[CELL_ROW])f->whole);
     return f->sink->tets(f->sink->ctx, count, (const uint32_t(*)[4])f->tets);
 }
 
@@ -205,8 +206,7 @@ static status keep_tet(mesh_feed *f, const uint32_t ids[4]) {
     return f->tets_held == MESH_FEED_CHUNK ? flush_tets(f) : ST_OK;
 }
 
-/* Whether less than four ids are different. */
-static bool is_less_than_tet(const uint32_t *ids, int count) {
+static int count_different(const uint32_t *ids, int count) {
     int different = 0;
     for (int i = 0; i < count; i++) {
         int k = 0;
@@ -214,19 +214,20 @@ static bool is_less_than_tet(const uint32_t *ids, int count) {
             k++;
         different += k == i;
     }
-    return different < 4;
+    return different;
 }
 
-/* Keep a cell as it is, whose ids are all valid. */
+/* Keep a cell as it is, whose ids are all valid. A quadratic tet has ten different ones. */
 static status keep_whole(mesh_feed *f, cell_shape kind, const uint32_t *ids, bool counts) {
-    const uint8_t *corner = cell_shape_corners(kind);
-    if (is_less_than_tet(ids, cell_shape_vertices(kind))) {
+    const uint8_t *vertex = cell_shape_row(kind);
+    const int least = kind == CELL_QUADRATIC_TET ? QUADRATIC_NODES : QUADRATIC_CORNERS;
+    if (count_different(ids, cell_shape_vertices(kind)) < least) {
         f->report->repeated++;
         return ST_OK;
     }
     f->report->whole[kind] += counts;
-    for (int c = 0; c < HEX_CORNERS; c++)
-        f->whole[f->tets_held][c] = ids[corner[c]];
+    for (int c = 0; c < CELL_ROW; c++)
+        f->whole[f->tets_held][c] = ids[vertex[c]];
     return ++f->tets_held == MESH_FEED_CHUNK ? flush_tets(f) : ST_OK;
 }
 
@@ -245,7 +246,7 @@ static status keep_cell(mesh_feed *f, cell_shape kind, const uint32_t *ids, bool
 }
 
 status mesh_feed_part(mesh_feed *f, cell_shape kind, const uint64_t *ids) {
-    uint32_t small[8];
+    uint32_t small[CELL_VERTICES_MAX];
     for (int i = 0; i < cell_shape_vertices(kind); i++) {
         assert(ids[i] < f->points);
         small[i] = (uint32_t)ids[i];
@@ -254,7 +255,7 @@ status mesh_feed_part(mesh_feed *f, cell_shape kind, const uint64_t *ids) {
 }
 
 status mesh_feed_cell(mesh_feed *f, cell_shape kind, const uint64_t *ids) {
-    uint32_t small[8];
+    uint32_t small[CELL_VERTICES_MAX];
     f->cells_seen++;
     for (int i = 0; i < cell_shape_vertices(kind); i++) {
         if (ids[i] >= f->points) {

@@ -42,7 +42,7 @@ typedef struct mesh_feed {
     mesh_feed_column *columns; /* of the fields */
     uint32_t fields;
     uint32_t (*tets)[4];
-    uint32_t (*whole)[HEX_CORNERS]; /* instead, if the sink takes cells */
+    uint32_t (*whole)[CELL_ROW]; /* instead, if the sink takes cells */
     float bounds[6];                /* box of the points so far: lo x, y, z, hi x, y, z */
     mesh_feed_kept kept;
     bool vanished; /* a coordinate that is not 0 was rounded to 0 */
@@ -84,6 +84,12 @@ CHECKED status mesh_feed_zeros(mesh_feed *f);
 /* mesh_feed_keep() - keep the next `count` points that will be fed, and the values of all fields of
  * these, until the next call. 0: nothing more. Takes 12 bytes a point, and 4 a value. */
 CHECKED status mesh_feed_keep(mesh_feed *f, uint64_t count);
+
+/* mesh_feed_takes_quadratic() - whether quadratic tets may be fed: the sink takes cells as they are.
+ */
+static inline bool mesh_feed_takes_quadratic(const mesh_feed *f) {
+    return f->whole != NULL;
+}
 
 /* mesh_feed_cell() - feed one cell. An invalid id may be passed as any value outside 0 .. points -
  * 1; the cell is then counted as bad. mesh_feed_part() - one with valid ids that is a part of the

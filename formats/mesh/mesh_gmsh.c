@@ -12,7 +12,7 @@
 #include "formats/mesh/mesh_choice.h"
 #include "formats/mesh/mesh_split.h"
 
-enum { NODES_MAX = 56, SKIPPED = -1, REFUSED = -2 };
+enum { NODES_MAX = 56, SKIPPED = -1, REFUSED = -2, QUADRATIC_TET = 11 };
 
 /* The meaning of an element's type number. kind: SKIPPED for anything less than a volume. corners:
  * of higher order, the kind that its corners make, which are its first nodes. */
@@ -436,13 +436,21 @@ static status read_field(gmsh_reading *r, gmsh_field *f) {
 
 static status find_type(const gmsh_reading *r, const gmsh_cursor *c, uint64_t number,
                         element_type *type) {
-    bool known = number < sizeof types / sizeof *types && types[number].nodes > 0;
+    const bool known = number < sizeof types / sizeof *types && types[number].nodes > 0;
+    const bool quadratic = number == QUADRATIC_TET;
+    if (quadratic && !r->by_corners && mesh_feed_takes_quadratic(r->feed)) {
+        *type = (element_type){types[number].nodes, CELL_QUADRATIC_TET, 0};
+        return ST_OK;
+    }
     if (!known || (types[number].kind == REFUSED && !r->by_corners))
         return gmsh_cursor_fault(c, ST_UNSUPPORTED,
                                  "an element of type %lld, expected tets, hexes, prisms and "
                                  "pyramids of first order (4 5 6 7), surfaces, edges or points%s",
                                  (long long)number,
-                                 known ? " (--by-corners takes it as of first order)" : "");
+                                 quadratic ? " (--whole-cells takes it as it is, --by-corners as of "
+                                             "first order)"
+                                 : known   ? " (--by-corners takes it as of first order)"
+                                           : "");
     *type = types[number];
     return ST_OK;
 }
@@ -488,6 +496,11 @@ static status read_element(gmsh_reading *r, gmsh_cursor *c, element_type type, u
         return ST_OK;
     }
     const cell_shape kind = (cell_shape)(type.kind == REFUSED ? type.corners : type.kind);
+    if (kind == CELL_QUADRATIC_TET) { /* Gmsh has the node of edge 23 before that of edge 13 */
+        const uint64_t last = ids[9];
+        ids[9] = ids[8];
+        ids[8] = last;
+    }
     for (int i = 0; i < cell_shape_vertices(kind); i++)
         ids[i] = id_map_find(&r->nodes, ids[i]);
     r->feed->report->by_corners += type.kind == REFUSED;

@@ -8,7 +8,7 @@
 #include <stdint.h>
 
 #include "formats/base/cell_shape.h"
-#include "formats/base/hexahedron.h"
+#include "formats/base/cell_row.h"
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/input/input_trust.h"
@@ -29,10 +29,9 @@ typedef struct mesh_sink {
     status (*values)(void *ctx, uint64_t first, size_t count, const float *values);
     /* Four different ids, each a point's, in any orientation. Tets may be flat or inverted. */
     status (*tets)(void *ctx, size_t count, const uint32_t (*ids)[4]);
-    /* NULL, or taken in the place of tets: cells of all shapes, none of them split. Ids at the
-     * corners of a hexahedron (hexahedron.h), some of them the same (cell_shape.h), four or more
-     * different. */
-    status (*cells)(void *ctx, size_t count, const uint32_t (*ids)[HEX_CORNERS]);
+    /* NULL, or taken in the place of tets: cells of all shapes, none of them split, as rows of ids
+     * (cell_row.h), four or more of them different. */
+    status (*cells)(void *ctx, size_t count, const uint32_t (*ids)[CELL_ROW]);
 } mesh_sink;
 
 /* What the command line says. Zero/NULL = not given. */

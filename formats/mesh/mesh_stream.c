@@ -27,6 +27,7 @@ static const struct {
     {"pyramids: ", "pyramid", CELL_PYRAMID},
     {"wedges: ", "wedge", CELL_WEDGE},
     {"hexahedra: ", "hexahedron", CELL_HEXAHEDRON},
+    {"quadratic tets: ", "quadratic tet", CELL_QUADRATIC_TET},
 };
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
@@ -68,7 +69,7 @@ static status write_words(mesh_stream_writer *w, const void *words, size_t count
 
 static bool needs_version_2(const mesh_stream_header *h) {
     bool needs = h->bare || h->field_count > 0 || h->by_corners > 0 || h->skipped > 0;
-    for (int i = 0; i < CELL_SPLIT_SHAPES; i++)
+    for (int i = 0; i < CELL_SHAPES; i++)
         needs = needs || h->cells[i] > 0;
     return needs;
 }
@@ -109,7 +110,7 @@ status mesh_stream_create(mem *m, const char *path, bool force, const mesh_strea
                           mesh_stream_writer **out) {
     assert(h->points <= MESH_POINTS_MAX && h->tets <= MESH_STREAM_CELLS_MAX);
     assert(h->field_count < MESH_STREAM_FIELDS_MAX && (h->field[0] || h->field_count == 0));
-    assert(h->cells[CELL_VOXEL] == 0 && !(h->bare && h->field[0]));
+    assert(h->cells[CELL_VOXEL] == 0 && h->cells[CELL_TET] == 0 && !(h->bare && h->field[0]));
     mesh_stream_writer *w = mem_zalloc(m, sizeof *w);
     if (!w)
         return ST_NOMEM;
@@ -280,8 +281,8 @@ static status take_line(stream_state *s, const char *line) {
         s, line,
         s->version == 1
             ? "name, field, points, tets or an empty line"
-            : "name, field, points, tets, pyramids, wedges, hexahedra, by-corners, skipped or an "
-              "empty line");
+            : "name, field, points, tets, pyramids, wedges, hexahedra, quadratic tets, by-corners, "
+              "skipped or an empty line");
 }
 
 /* Read one line of the header. Its lines are limited in number: what follows is no text. */
@@ -465,7 +466,7 @@ static status feed_cells(mesh_feed *feed, cell_shape shape, size_t count, const 
     if (shape == CELL_TET)
         return mesh_feed_tets(feed, (const uint32_t(*)[4])ids, count);
     for (size_t c = 0; c < count && st == ST_OK; c++, ids += vertices) {
-        uint64_t wide[HEX_CORNERS];
+        uint64_t wide[CELL_VERTICES_MAX];
         for (int i = 0; i < vertices; i++)
             wide[i] = ids[i];
         st = mesh_feed_cell(feed, shape, wide);
@@ -511,7 +512,12 @@ static status check_end(const stream_state *s) {
 
 static status stream_read(void *state, mesh_feed *feed) {
     const stream_state *s = state;
-    void *buffer = mem_array(s->m, CHUNK, HEX_CORNERS * sizeof(uint32_t));
+    if (s->cells[CELL_QUADRATIC_TET] && !mesh_feed_takes_quadratic(feed))
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: has quadratic tets, which only whole cells keep "
+                               "(--whole-cells)",
+                               s->file);
+    void *buffer = mem_array(s->m, CHUNK, CELL_VERTICES_MAX * sizeof(uint32_t));
     status st = buffer ? mesh_feed_expect(feed, s->points) : ST_NOMEM;
     if (s->field_count > 0)
         strcpy(feed->report->field, s->fields[s->taken[0]]);

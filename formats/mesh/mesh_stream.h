@@ -22,12 +22,12 @@ typedef struct mesh_stream_header {
     char name[MESH_NAME_MAX + 1], field[MESH_NAME_MAX + 1]; /* "": none; printable, one line */
     uint64_t points, tets; /* points <= MESH_POINTS_MAX; tets <= MESH_STREAM_CELLS_MAX */
     /* What version 1 has not. If there is any of it, version 2 is written. */
-    bool bare;                         /* no values at all, and no `field` */
-    uint64_t cells[CELL_SPLIT_SHAPES]; /* further ones, by cell_shape; 0 of CELL_VOXEL */
-    const char *const *fields;         /* further ones, if `field` is one, as that */
-    uint32_t field_count;              /* < MESH_STREAM_FIELDS_MAX */
-    uint64_t by_corners; /* of these cells: linear in place of those of a higher order */
-    uint64_t skipped;    /* cells of fewer dimensions that are not here */
+    bool bare;                   /* no values at all, and no `field` */
+    uint64_t cells[CELL_SHAPES]; /* further ones, by cell_shape; 0 of CELL_VOXEL and CELL_TET */
+    const char *const *fields;   /* further ones, if `field` is one, as that */
+    uint32_t field_count;        /* < MESH_STREAM_FIELDS_MAX */
+    uint64_t by_corners;         /* of these cells: linear in place of those of a higher order */
+    uint64_t skipped;            /* cells of fewer dimensions that are not here */
 } mesh_stream_header;
 
 typedef struct mesh_stream_writer mesh_stream_writer;
@@ -37,10 +37,10 @@ typedef struct mesh_stream_writer mesh_stream_writer;
 CHECKED status mesh_stream_create(mem *m, const char *path, bool force, const mesh_stream_header *h,
                                   mesh_stream_writer **out);
 
-/* Write all points, then all values, field by field, then all tets, pyramids, wedges and hexahedra,
- * in runs of any length. Another order, or more than the header says, fails an assert. Without a
- * field, version 1 has values all the same. mesh_stream_cells(): ids of `count` cells of a shape,
- * as cell_shape.h orders them. */
+/* Write all points, then all values, field by field, then all tets, pyramids, wedges, hexahedra
+ * and quadratic tets, in runs of any length. Another order, or more than the header says, fails an
+ * assert. Without a field, version 1 has values all the same. mesh_stream_cells(): ids of `count`
+ * cells of a shape, as cell_shape.h orders them. */
 CHECKED status mesh_stream_points(mesh_stream_writer *w, size_t count, const float (*xyz)[3]);
 CHECKED status mesh_stream_values(mesh_stream_writer *w, size_t count, const float *values);
 CHECKED status mesh_stream_tets(mesh_stream_writer *w, size_t count, const uint32_t (*ids)[4]);

@@ -90,7 +90,16 @@ void vtk_cells_close(vtk_cells *c) {
 
 /* ---- types, by VTK's numbers ---- */
 
-enum { TETRA = 10, VOXEL, HEXAHEDRON, WEDGE, PYRAMID, POLYHEDRON = 42, TYPES_MAX = 96 };
+enum {
+    TETRA = 10,
+    VOXEL,
+    HEXAHEDRON,
+    WEDGE,
+    PYRAMID,
+    QUADRATIC_TETRA = 24,
+    POLYHEDRON = 42,
+    TYPES_MAX = 96
+};
 
 static const struct {
     const char *name; /* for messages; NULL: no such type */
@@ -153,8 +162,11 @@ static const struct {
     [81] = {"Bezier pyramid", false, 1 + CELL_PYRAMID},
 };
 
-static bool volume_kind(uint64_t type, cell_shape *kind) {
+static bool volume_kind(const vtk_cells *c, uint64_t type, cell_shape *kind) {
     switch (type) {
+    case QUADRATIC_TETRA:
+        *kind = CELL_QUADRATIC_TET;
+        return c->source->quadratic && !c->source->by_corners;
     case TETRA: *kind = CELL_TET; return true;
     case VOXEL: *kind = CELL_VOXEL; return true;
     case HEXAHEDRON: *kind = CELL_HEXAHEDRON; return true;
@@ -172,8 +184,11 @@ static status check_passed_over(const vtk_cells *c, uint64_t type) {
                                "cell %llu (counted from 0) is a %s; linear tetrahedra, hexahedra, "
                                "wedges, pyramids, voxels and polyhedra are supported%s",
                                (unsigned long long)c->cell, types[type].name,
-                               types[type].corners ? " (--by-corners takes it as a linear one)"
-                                                   : "");
+                               type == QUADRATIC_TETRA
+                                   ? " (--whole-cells takes it as it is, --by-corners as a linear "
+                                     "one)"
+                               : types[type].corners ? " (--by-corners takes it as a linear one)"
+                                                     : "");
     return vtk_array_fault(
         &c->source->types, ST_CORRUPT,
         "cell %llu (counted from 0) is of type %lld, expected a cell type of VTK",
@@ -294,11 +309,11 @@ status vtk_cells_next(vtk_cells *c, vtk_cell *cell) {
     st = next_faces(c, polyhedron, size, cell);
     if (st != ST_OK)
         return st;
-    const bool linear = volume_kind(type, &cell->kind);
-    cell->bent = !linear && c->source->by_corners && type < TYPES_MAX && types[type].corners;
+    const bool own = volume_kind(c, type, &cell->kind);
+    cell->bent = !own && c->source->by_corners && type < TYPES_MAX && types[type].corners;
     if (cell->bent)
         cell->kind = (cell_shape)(types[type].corners - 1);
-    const bool shaped = linear || cell->bent;
+    const bool shaped = own || cell->bent;
     cell->volume = shaped || polyhedron;
     cell->count = shaped ? cell_shape_vertices(cell->kind) : 0;
     if (!cell->volume)

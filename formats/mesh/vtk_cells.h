@@ -17,6 +17,7 @@ typedef struct vtk_cells_source {
     vtk_faces_source faces;  /* of polyhedra. None: they are among the ids (legacy files) */
     const vtk_array *ghosts; /* vtkGhostType or vtkGhostLevels; NULL: there is none */
     bool by_corners;         /* mesh_hints.by_corners */
+    bool quadratic;          /* quadratic tets are taken as they are; without by_corners */
     bool from_zero;    /* the offsets start with a 0, so there is one more of them than cells */
     uint64_t ids_size; /* length of ids; VTK_CURSOR_ANY: any length */
 } vtk_cells_source;
@@ -25,7 +26,7 @@ typedef struct vtk_cell {
     bool volume;     /* false: vertices, lines or surfaces; kind and ids are not set */
     cell_shape kind; /* vertices in the order of mesh_sink.h */
     int count;       /* number of ids; 0 for polyhedra */
-    uint64_t ids[8];
+    uint64_t ids[CELL_VERTICES_MAX];
     mesh_polyhedron polyhedron; /* of no faces: it is none. Valid up to the next cell */
     bool bent;                  /* of higher order: the ids are those of its corners */
     bool copied;                /* another piece has it, too */

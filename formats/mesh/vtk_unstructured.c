@@ -321,8 +321,10 @@ status vtk_unstructured_read(void *state, mesh_feed *feed) {
     status st = count_middles(g, &points);
     if (st == ST_OK)
         st = mesh_feed_expect(feed, points);
-    for (size_t i = 0; i < g->count; i++)
+    for (size_t i = 0; i < g->count; i++) {
+        g->pieces[i].cells.quadratic = mesh_feed_takes_quadratic(feed);
         mesh_feed_expect_cells(feed, g->pieces[i].cells.count);
+    }
     for (size_t i = 0; st == ST_OK && i < g->count; i++) {
         vtk_piece *p = &g->pieces[i];
         st = mesh_feed_keep(feed, p->middles ? p->points : 0);

@@ -36,12 +36,12 @@ static void find_used(bench *b) {
     const hex_treelet *tr = &b->hexes.tr;
     memset(b->vertex, 0xff, tr->nodes * sizeof *b->vertex);
     for (uint32_t cell = 0; cell < tr->cells; cell++) {
-        uint32_t corner[HEX_CORNERS];
+        uint32_t row[CELL_ROW];
         if (hex_treelet_code(tr, cell) == HEX_NONE)
             continue;
-        hex_treelet_corners(tr, cell, corner);
-        for (int c = 0; c < HEX_CORNERS; c++)
-            b->vertex[corner[c]] = 0;
+        hex_treelet_row(tr, cell, row);
+        for (int c = 0; c < CELL_ROW; c++)
+            b->vertex[row[c]] = 0;
     }
 }
 
@@ -66,10 +66,12 @@ static status add_nodes(bench *b, piece *p) {
 }
 
 /* The shape with the fewest vertices whose corners are the same where these are. */
-static cell_shape shape_of(const uint32_t corner[HEX_CORNERS]) {
+static cell_shape shape_of(const uint32_t corner[CELL_ROW]) {
+    if (cell_row_is_quadratic(corner))
+        return CELL_QUADRATIC_TET;
     static const cell_shape shapes[] = {CELL_TET, CELL_PYRAMID, CELL_WEDGE};
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
-        const uint8_t *at = cell_shape_corners(shapes[i]);
+        const uint8_t *at = cell_shape_row(shapes[i]);
         bool fits = true;
         for (int c = 0; c < HEX_CORNERS; c++)
             for (int d = 0; d < c; d++)
@@ -81,12 +83,13 @@ static cell_shape shape_of(const uint32_t corner[HEX_CORNERS]) {
 }
 
 /* Pairs of vertices that trade places where a shape is mirrored. */
-static void mirror(cell_shape shape, uint32_t vertex[HEX_CORNERS]) {
+static void mirror(cell_shape shape, uint32_t vertex[CELL_ROW]) {
     static const uint8_t pairs[CELL_SHAPES][4][2] = {
         [CELL_HEXAHEDRON] = {{0, 4}, {1, 5}, {2, 6}, {3, 7}},
         [CELL_WEDGE] = {{0, 3}, {1, 4}, {2, 5}},
         [CELL_PYRAMID] = {{1, 3}},
         [CELL_TET] = {{1, 2}},
+        [CELL_QUADRATIC_TET] = {{1, 2}, {4, 6}, {8, 9}},
     };
     for (int i = 0; i < 4; i++) {
         const uint8_t *pair = pairs[shape][i];
@@ -97,14 +100,15 @@ static void mirror(cell_shape shape, uint32_t vertex[HEX_CORNERS]) {
 }
 
 static status add_cell(const bench *b, uint32_t cell, piece *p) {
-    uint32_t corner[HEX_CORNERS], vertex[HEX_CORNERS];
+    uint32_t row[CELL_ROW], corner[HEX_CORNERS], vertex[CELL_ROW];
     double at[HEX_CORNERS][3];
-    hex_treelet_corners(&b->hexes.tr, cell, corner);
+    hex_treelet_row(&b->hexes.tr, cell, row);
+    cell_row_corners(row, corner);
     hex_bench_cell(&b->hexes, corner, at);
-    const cell_shape shape = shape_of(corner);
-    const uint8_t *of = cell_shape_corners(shape);
-    for (int c = 0; c < HEX_CORNERS; c++)
-        vertex[of[c]] = b->vertex[corner[c]];
+    const cell_shape shape = shape_of(row);
+    const uint8_t *of = cell_shape_row(shape);
+    for (int c = 0; c < CELL_ROW; c++)
+        vertex[of[c]] = b->vertex[row[c]];
     if (hex_bench_sense(&b->hexes, cell, (const double(*)[3])at) < 0)
         mirror(shape, vertex);
     return piece_add_solid(p, shape, vertex);

@@ -1,7 +1,9 @@
 #include "prep/export/hex_surface.h"
 
 #include <math.h>
+#include <string.h>
 
+#include "formats/base/cell_shape.h"
 #include "formats/base/vec3.h"
 #include "prep/export/cell_source.h"
 #include "prep/export/hex_bench.h"
@@ -102,13 +104,10 @@ static status make_centre(bench *b, const marching_case *m, int n, uint32_t *ind
 
 /* ---- cells ---- */
 
-/* Take a cell up. Returns one bit per corner that is inside; 0 also if it has no surface. */
-static int take_cell(bench *b, uint32_t cell) {
-    const hex_treelet *tr = &b->hexes.tr;
+/* Take a cell up, whose corners are there. Returns one bit per corner that is inside; 0 also if it
+ * has no surface. */
+static int take_cell(bench *b) {
     int mask = 0;
-    if (hex_treelet_code(tr, cell) == HEX_NONE)
-        return 0;
-    hex_treelet_corners(tr, cell, b->corner);
     for (int c = 0; c < HEX_CORNERS; c++) {
         b->f[c] = (double)b->hexes.value[0][b->corner[c]] - b->p->isovalue;
         if (!isfinite(b->f[c]))
@@ -143,16 +142,40 @@ static status fill_cell(bench *b, uint32_t cell, int mask) {
     return st;
 }
 
+/* A quadratic tet is drawn as the linear ones between its nodes. */
+static void set_corners(bench *b, const uint32_t row[CELL_ROW], int part) {
+    const uint8_t *of = cell_shape_row(CELL_TET);
+    if (!cell_row_is_quadratic(row)) {
+        memcpy(b->corner, row, sizeof b->corner);
+        return;
+    }
+    for (int c = 0; c < HEX_CORNERS; c++)
+        b->corner[c] = row[quadratic_part(part)[of[c]]];
+}
+
+static status add_cell(bench *b, uint32_t cell) {
+    uint32_t row[CELL_ROW];
+    status st = ST_OK;
+    if (hex_treelet_code(&b->hexes.tr, cell) == HEX_NONE)
+        return ST_OK;
+    hex_treelet_row(&b->hexes.tr, cell, row);
+    const int parts = cell_row_is_quadratic(row) ? QUADRATIC_PARTS : 1;
+    for (int part = 0; part < parts && st == ST_OK; part++) {
+        set_corners(b, row, part);
+        const int mask = take_cell(b);
+        if (mask != 0 && mask != 255)
+            st = fill_cell(b, cell, mask);
+    }
+    return st;
+}
+
 static status make(void *bench_of, uint32_t treelet, piece *p) {
     bench *b = bench_of;
     b->p = p;
     surface_edges_clear(&b->edges);
     status st = hex_bench_load(&b->hexes, treelet);
-    for (uint32_t cell = 0; st == ST_OK && cell < b->hexes.tr.cells; cell++) {
-        const int mask = take_cell(b, cell);
-        if (mask != 0 && mask != 255)
-            st = fill_cell(b, cell, mask);
-    }
+    for (uint32_t cell = 0; st == ST_OK && cell < b->hexes.tr.cells; cell++)
+        st = add_cell(b, cell);
     return st;
 }
 

@@ -91,7 +91,8 @@ static uint64_t cells_of(const mesh_stream_header *h, cell_shape shape) {
 }
 
 /* In the order of mesh_stream.h. */
-static const cell_shape shapes[] = {CELL_TET, CELL_PYRAMID, CELL_WEDGE, CELL_HEXAHEDRON};
+static const cell_shape shapes[] = {CELL_TET, CELL_PYRAMID, CELL_WEDGE, CELL_HEXAHEDRON,
+                                    CELL_QUADRATIC_TET};
 enum { SHAPES = sizeof shapes / sizeof *shapes };
 
 static status write_all(writing *g) {
@@ -133,7 +134,7 @@ static status begin_grid(mem *m, writing *g, const char *path, bool force) {
 }
 
 static status begin(mem *m, writing *g, const char *path, bool force) {
-    g->buffer = mem_array(m, CHUNK, HEX_CORNERS * sizeof(uint32_t));
+    g->buffer = mem_array(m, CHUNK, CELL_VERTICES_MAX * sizeof(uint32_t));
     if (!g->buffer)
         return ST_NOMEM;
     return g->x->zone_count ? begin_grid(m, g, path, force)

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
-#include "formats/leaf/mixed_geometry.h"
+#include "prep/mesh/mixed_treelet.h"
 #include "formats/mesh/mesh_input.h"
 #include "formats/mesh/mesh_input_kind.h"
 #include "prep/convert_append.h"
@@ -86,9 +86,9 @@ static status check_whole(const convert_request *a) {
     for (size_t i = 0; i < sizeof without / sizeof *without && a->whole; i++)
         if (without[i].given)
             return status_describe(ST_USAGE, "--whole-cells goes without %s", without[i].what);
-    if (a->whole && a->treelet_tets > MIXED_CELLS_MAX)
+    if (a->whole && a->treelet_tets > MIXED_TREELET_MAX)
         return status_describe(ST_USAGE, "--treelet-tets: with --whole-cells at most %d",
-                               MIXED_CELLS_MAX);
+                               MIXED_TREELET_MAX);
     return ST_OK;
 }
 

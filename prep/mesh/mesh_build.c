@@ -20,7 +20,7 @@ typedef struct bench {
     mesh_treelet_builder *builder; /* or, of a mixed mesh: */
     mixed_treelet_builder *mixed;
     mesh_pages input;               /* its cells, as they were gathered */
-    uint32_t (*cells)[HEX_CORNERS]; /* of the treelet */
+    uint32_t (*cells)[CELL_ROW]; /* of the treelet */
     mesh_sah *sah;                  /* NULL: trees by keys */
     mesh_earlier earlier;           /* if the output is added to */
     mesh_pages points, values, gradients;
@@ -248,7 +248,7 @@ static status fetch_cells(const mesh_build *b, bench *k, const mesh_record *reco
         if (!ids)
             return k->input.st;
         memcpy(k->cells[i], ids, sizeof k->cells[i]);
-        for (int c = 0; c < HEX_CORNERS; c++)
+        for (int c = 0; c < CELL_ROW; c++)
             if (k->cells[i][c] >= b->in.g->vertices)
                 return mesh_batches_fault();
     }
@@ -279,7 +279,7 @@ static status value_mixed(const mesh_build *b, bench *k, const piece *p, uint32_
         st = leaf_writer_put_values(b->writer, k->packer, set, p->treelet, &t->entry, t->values,
                                     k->pack);
     return st == ST_OK ? mesh_histogram_take_cells(&b->histogram, set, p->first_tet,
-                                                   (const uint32_t(*)[HEX_CORNERS])k->cells,
+                                                   (const uint32_t(*)[CELL_ROW])k->cells,
                                                    p->count, &k->points, &k->values)
                        : st;
 }
@@ -289,7 +289,7 @@ static status build_mixed(const mesh_build *b, bench *k, const piece *p) {
     status st = fetch_cells(b, k, p->records, p->count);
     if (st != ST_OK)
         return st;
-    mixed_treelet_begin(k->mixed, (const uint32_t(*)[HEX_CORNERS])k->cells, p->count, &t);
+    mixed_treelet_begin(k->mixed, (const uint32_t(*)[CELL_ROW])k->cells, p->count, &t);
     if (t.counts[1] < 4)
         return mesh_batches_fault();
     for (uint32_t step = b->first_step; step < b->end_step && st == ST_OK; step++) {

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/base/hexahedron.h"
 #include "formats/mesh/mesh_feed.h"
 
 void mesh_gather_init(mesh_gather *g, mem *m, const char *beside, size_t ceiling,
@@ -22,8 +23,8 @@ void mesh_gather_init(mesh_gather *g, mem *m, const char *beside, size_t ceiling
 }
 
 void mesh_gather_whole(mesh_gather *g) {
-    g->corners = HEX_CORNERS;
-    g->tets.element = sizeof(uint32_t[HEX_CORNERS]);
+    g->corners = CELL_ROW;
+    g->tets.element = sizeof(uint32_t[CELL_ROW]);
 }
 
 void mesh_gather_release(mesh_gather *g) {
@@ -118,8 +119,11 @@ static status take_moved(mesh_gather *g, uint64_t first, size_t count, const flo
 
 static status differs(const mesh_gather *g, uint64_t tet, const uint32_t *now,
                       const uint32_t *before) {
-    char text[2][12 * HEX_CORNERS] = {"", ""};
-    for (uint32_t c = 0; c < g->corners; c++)
+    char text[2][12 * CELL_ROW] = {"", ""};
+    const bool quadratic = g->corners == CELL_ROW &&
+                           (cell_row_is_quadratic(now) || cell_row_is_quadratic(before));
+    const uint32_t told = g->corners == CELL_ROW && !quadratic ? HEX_CORNERS : g->corners;
+    for (uint32_t c = 0; c < told; c++)
         for (int k = 0; k < 2; k++) {
             const size_t end = strlen(text[k]);
             snprintf(text[k] + end, sizeof text[k] - end, "%s%u", c ? ", " : "",
@@ -135,7 +139,7 @@ static status differs(const mesh_gather *g, uint64_t tet, const uint32_t *now,
 
 /* ids: g->corners of each. */
 static status check_tets(mesh_gather *g, size_t count, const uint32_t *ids) {
-    uint32_t before[SOME * HEX_CORNERS];
+    uint32_t before[SOME * CELL_ROW];
     const size_t each = g->corners, bytes = each * sizeof *ids;
     if (count > g->tets.count - g->tets_seen)
         return too_many(g, "tets", g->tets.count);
@@ -200,7 +204,7 @@ static status take_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
     return take_ids(ctx, count, ids[0]);
 }
 
-static status take_cells(void *ctx, size_t count, const uint32_t (*ids)[HEX_CORNERS]) {
+static status take_cells(void *ctx, size_t count, const uint32_t (*ids)[CELL_ROW]) {
     return take_ids(ctx, count, ids[0]);
 }
 
@@ -335,7 +339,7 @@ static status count_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
     return count_ids(ctx, count);
 }
 
-static status count_cells(void *ctx, size_t count, const uint32_t (*ids)[HEX_CORNERS]) {
+static status count_cells(void *ctx, size_t count, const uint32_t (*ids)[CELL_ROW]) {
     (void)ids;
     return count_ids(ctx, count);
 }

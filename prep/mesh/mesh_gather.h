@@ -20,7 +20,7 @@
 typedef struct mesh_gather {
     mesh_spool points, values, tets; /* float[3], float, uint32_t[corners]; of all steps and fields,
                                         see mesh_gather_points(), mesh_gather_values() */
-    uint32_t corners;                /* of a cell: 4, or HEX_CORNERS: mesh_gather_whole() */
+    uint32_t corners;                /* of a cell: 4, or CELL_ROW: mesh_gather_whole() */
     uint64_t vertices;               /* points of the mesh */
     uint32_t fields, steps;          /* 1 unless set before the first reading */
     bool moving;                     /* points move between steps */

@@ -1,5 +1,6 @@
 #include "prep/mesh/mesh_histogram.h"
 
+#include "formats/base/hexahedron.h"
 #include <string.h>
 
 uint64_t mesh_histogram_memory(void) {
@@ -72,11 +73,14 @@ static status take_tet(const uint32_t ids[4], mesh_pages *points, mesh_pages *va
     return ST_OK;
 }
 
-static status take_cell(const uint32_t ids[HEX_CORNERS], mesh_pages *points, mesh_pages *values,
+/* A quadratic tet counts as the linear one of its corners. */
+static status take_cell(const uint32_t row[CELL_ROW], mesh_pages *points, mesh_pages *values,
                         histogram_cell *out) {
+    uint32_t ids[HEX_CORNERS];
     float position[HEX_CORNERS][3], value[HEX_CORNERS];
     const float *corners[HEX_CORNERS];
     status st = ST_OK;
+    cell_row_corners(row, ids);
     for (int c = 0; c < HEX_CORNERS && st == ST_OK; c++) {
         st = take_point(ids[c], points, values, position[c], &value[c]);
         corners[c] = position[c];
@@ -88,7 +92,7 @@ static status take_cell(const uint32_t ids[HEX_CORNERS], mesh_pages *points, mes
 
 /* The cells that are drawn from a treelet, one of tets and cells. */
 static status take(const mesh_histogram *h, uint32_t set, uint64_t first,
-                   const mesh_record *records, const uint32_t (*cells)[HEX_CORNERS], size_t count,
+                   const mesh_record *records, const uint32_t (*cells)[CELL_ROW], size_t count,
                    mesh_pages *points, mesh_pages *values) {
     const histogram_run *r = &h->run;
     const uint64_t end = first + count;
@@ -113,7 +117,7 @@ status mesh_histogram_take(const mesh_histogram *h, uint32_t set, uint64_t first
 }
 
 status mesh_histogram_take_cells(const mesh_histogram *h, uint32_t set, uint64_t first,
-                                 const uint32_t (*cells)[HEX_CORNERS], size_t count,
+                                 const uint32_t (*cells)[CELL_ROW], size_t count,
                                  mesh_pages *points, mesh_pages *values) {
     return take(h, set, first, NULL, cells, count, points, values);
 }

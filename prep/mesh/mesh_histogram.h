@@ -4,6 +4,7 @@
 
 #include <stdint.h>
 
+#include "formats/base/cell_row.h"
 #include "formats/base/hexahedron.h"
 #include "formats/base/mem.h"
 #include "formats/base/state_io.h"
@@ -36,7 +37,7 @@ CHECKED status mesh_histogram_keep(mesh_histogram *h, state_io *io);
 /* mesh_histogram_take_cells() - the same for cells of a mixed mesh, as mixed_treelet_begin() takes
  * them. */
 CHECKED status mesh_histogram_take_cells(const mesh_histogram *h, uint32_t set, uint64_t first,
-                                         const uint32_t (*cells)[HEX_CORNERS], size_t count,
+                                         const uint32_t (*cells)[CELL_ROW], size_t count,
                                          mesh_pages *points, mesh_pages *values);
 
 /* mesh_histogram_take() - for a set, take the samples drawn from tets first .. first + count - 1 of

@@ -65,7 +65,7 @@ static bool is_bad(const uint32_t *id, uint32_t corners, uint64_t points) {
 }
 
 static status key_of(const mesh_keys *k, bench *b, const uint32_t *id, uint64_t *key) {
-    float corners[HEX_CORNERS][3];
+    float corners[CELL_ROW][3];
     for (uint32_t c = 0; c < k->g->corners; c++) {
         const void *p = mesh_pages_at(&b->points, id[c]);
         if (!p)

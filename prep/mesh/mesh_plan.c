@@ -69,7 +69,7 @@ static uint64_t writer_memory(const mesh_options *o, const mesh_gather *g, uint6
 static uint64_t mixed_fixed(const needs *n) {
     const mesh_options *o = n->o;
     uint64_t thread = mixed_treelet_memory(o->treelet_tets) +
-                      o->treelet_tets * sizeof(uint32_t[HEX_CORNERS]) + n->packer + 512;
+                      o->treelet_tets * sizeof(uint32_t[CELL_ROW]) + n->packer + 512;
     if (o->grow)
         thread += mesh_earlier_memory(leaf_grow_before(o->grow));
     if (o->file.codec != LEAF_CODEC_RAW)

@@ -37,7 +37,7 @@ typedef struct mesh_options {
                                   mesh */
     bool gradients;            /* store the gradient at each vertex */
     bool mixed;                /* keep cells of all shapes as they are: a mixed mesh. Without sah,
-                                  gradients, grow and grows, raw, treelet_tets up to MIXED_CELLS_MAX */
+                                  gradients, grow and grows, raw, treelet_tets up to MIXED_TREELET_MAX */
     bool refuse_empty;         /* ST_UNSUPPORTED if no value is a number */
     bool grows;                /* steps may be added to the output later */
     leaf_grow *grow;           /* the output, to be added to; or NULL */

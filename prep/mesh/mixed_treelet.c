@@ -3,6 +3,7 @@
 #include <assert.h>
 #include <string.h>
 
+#include "formats/curved/curved_cell.h"
 #include "formats/leaf/mixed_geometry.h"
 #include "prep/mesh/mesh_fetch.h"
 
@@ -15,7 +16,7 @@ struct mixed_treelet_builder {
 };
 
 void mixed_treelet_counts_max(uint32_t treelet_cells, uint32_t counts[4]) {
-    const uint32_t most[4] = {treelet_cells, HEX_CORNERS * treelet_cells};
+    const uint32_t most[4] = {treelet_cells, CELL_ROW * treelet_cells, treelet_cells};
     memcpy(counts, most, sizeof most);
 }
 
@@ -31,18 +32,18 @@ size_t mixed_treelet_payload_max(uint32_t treelet_cells) {
 
 uint64_t mixed_treelet_memory(uint32_t treelet_cells) {
     const mixed_shape s = largest_shape(treelet_cells);
-    return sizeof(mixed_treelet_builder) + mesh_vertices_memory(treelet_cells, HEX_CORNERS) +
+    return sizeof(mixed_treelet_builder) + mesh_vertices_memory(treelet_cells, CELL_ROW) +
            (uint64_t)s.nodes * sizeof(float[3]) + s.topology_bytes + s.value_bytes + 1024;
 }
 
 status mixed_treelet_create(mem *m, uint32_t treelet_cells, mixed_treelet_builder **out) {
-    assert(treelet_cells > 0 && treelet_cells <= MIXED_CELLS_MAX);
+    assert(treelet_cells > 0 && treelet_cells <= MIXED_TREELET_MAX);
     mixed_treelet_builder *b = mem_zalloc(m, sizeof *b);
     if (!b)
         return ST_NOMEM;
     const mixed_shape s = largest_shape(treelet_cells);
     b->m = m;
-    status st = mesh_vertices_init(&b->nodes, m, treelet_cells, HEX_CORNERS);
+    status st = mesh_vertices_init(&b->nodes, m, treelet_cells, CELL_ROW);
     b->xyz = mem_array(m, s.nodes, sizeof *b->xyz);
     b->topology = mem_alloc(m, s.topology_bytes);
     b->values = mem_alloc(m, s.value_bytes);
@@ -66,23 +67,33 @@ void mixed_treelet_destroy(mixed_treelet_builder *b) {
     mem_free(b->m, b);
 }
 
-void mixed_treelet_begin(mixed_treelet_builder *b, const uint32_t (*cells)[HEX_CORNERS],
-                         size_t count, mixed_treelet *out) {
+void mixed_treelet_begin(mixed_treelet_builder *b, const uint32_t (*cells)[CELL_ROW], size_t count,
+                         mixed_treelet *out) {
+    uint32_t quadratic = 0;
+    for (size_t i = 0; i < count; i++)
+        quadratic += cell_row_is_quadratic(cells[i]);
     mesh_vertices_number_met(&b->nodes, cells[0], sizeof *cells, count);
-    *out = (mixed_treelet){.counts = {(uint32_t)count, b->nodes.count}};
+    *out = (mixed_treelet){.counts = {(uint32_t)count, b->nodes.count, quadratic}};
     b->shape = mixed_shape_of(out->counts);
+    /* Rows of hexahedra alone are as short as they can be. */
+    for (size_t i = 0; i < count; i++)
+        memmove(b->nodes.corners + b->shape.width * i, b->nodes.corners + CELL_ROW * i,
+                b->shape.width * sizeof *b->nodes.corners);
 }
 
 static void clear(char *payload, uint32_t from, uint32_t end) {
     memset(payload + from, 0, end - from);
 }
 
-static hex_code code_of(const mixed_treelet_builder *b, const uint16_t corner[HEX_CORNERS]) {
-    double p[HEX_CORNERS][3];
-    for (int c = 0; c < HEX_CORNERS; c++)
-        for (int a = 0; a < 3; a++)
-            p[c][a] = (double)b->xyz[corner[c]][a];
-    return hex_code_of(hexahedron_sense((const double(*)[3])p));
+static hex_code code_of(const mixed_treelet_builder *b, uint32_t cell) {
+    uint32_t row[CELL_ROW];
+    mixed_row(&b->shape, b->nodes.corners, cell, row);
+    curved_cell c = {.quadratic = cell_row_is_quadratic(row)};
+    for (int n = 0; n < curved_cell_nodes(&c); n++) {
+        const float *x = b->xyz[row[n]];
+        curved_cell_put(&c, n, (const double[3]){(double)x[0], (double)x[1], (double)x[2]}, 0.0);
+    }
+    return hex_code_of(curved_cell_sense(&c));
 }
 
 /* Places: coordinates one axis after another, then the cells' codes. */
@@ -94,9 +105,12 @@ static void place_nodes(mixed_treelet_builder *b, mixed_treelet *out) {
         for (uint32_t n = 0; n < s->nodes; n++)
             *to++ = b->xyz[n][a];
     clear(b->topology, s->codes_at, s->place_bytes);
+    for (int a = 0; a < 3; a++)
+        mixed_widen(s, b->nodes.corners, mixed_coordinates(s, b->topology, a), &out->bounds[a],
+                    &out->bounds[a + 3]);
     out->folded = 0;
     for (uint32_t i = 0; i < s->cells; i++) {
-        const hex_code code = code_of(b, b->nodes.corners + HEX_CORNERS * (size_t)i);
+        const hex_code code = code_of(b, i);
         codes[i / 4] |= (uint8_t)(code << 2 * (i % 4));
         out->folded += code == HEX_FOLDED;
     }
@@ -105,7 +119,7 @@ static void place_nodes(mixed_treelet_builder *b, mixed_treelet *out) {
 status mixed_treelet_place(mixed_treelet_builder *b, mesh_pages *points, uint32_t step,
                            mixed_treelet *out) {
     const mixed_shape *s = &b->shape;
-    const size_t corners = s->cells * sizeof(uint16_t[HEX_CORNERS]);
+    const uint32_t rows = mixed_rows_bytes(s);
     const status st = mesh_fetch(&b->nodes, points, b->xyz, sizeof *b->xyz);
     if (st != ST_OK)
         return st;
@@ -114,8 +128,8 @@ status mixed_treelet_place(mixed_treelet_builder *b, mesh_pages *points, uint32_
     out->topology = out->positions = b->topology;
     if (step > 0)
         return ST_OK;
-    memcpy(b->topology + s->corners_at, b->nodes.corners, corners);
-    clear(b->topology, s->corners_at + (uint32_t)corners, s->topology_bytes);
+    memcpy(b->topology + s->rows_at, b->nodes.corners, rows);
+    clear(b->topology, s->rows_at + rows, s->topology_bytes);
     return ST_OK;
 }
 
@@ -127,6 +141,7 @@ status mixed_treelet_value(mixed_treelet_builder *b, mesh_pages *values, mixed_t
         return st;
     clear(b->values, s->nodes * (uint32_t)sizeof *value, s->value_bytes);
     out->entry = mesh_fetch_range(value, s->nodes);
+    mixed_widen(s, b->nodes.corners, value, &out->entry.own[0], &out->entry.own[1]);
     out->values = b->values;
     return ST_OK;
 }

@@ -44,10 +44,11 @@ static bool covers(const grid_cover *c, const double point[3]) {
 
 /* The middle of a cell. Returns false if there is none, or it has no value. */
 static bool middle_of(const hex_treelet *h, uint32_t cell, const float *values, double point[3]) {
-    uint32_t corner[HEX_CORNERS];
+    uint32_t row[CELL_ROW], corner[HEX_CORNERS];
     if (hex_treelet_code(h, cell) == HEX_NONE)
         return false;
-    hex_treelet_corners(h, cell, corner);
+    hex_treelet_row(h, cell, row);
+    cell_row_corners(row, corner);
     for (int a = 0; a < 3; a++) {
         const float *x = hex_treelet_coordinates(h, a);
         point[a] = 0.0;

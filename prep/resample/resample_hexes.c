@@ -1,6 +1,5 @@
 #include <math.h>
 
-#include "formats/curved/hex_point.h"
 #include "formats/leaf/hex_treelet.h"
 #include "prep/resample/resample_cells.h"
 
@@ -34,42 +33,30 @@ typedef struct drawing {
     const resample_block *block;
     uint64_t first_row, end_row;
     double lo[3], hi[3]; /* the box that all nodes are taken to */
-    hexahedron cell;
-    int sense;
-    bool finite;               /* all corners have values */
+    curved_cell cell;
+    bool finite;               /* all nodes have values */
     double least, most;        /* of them */
     uint32_t first[3], end[3]; /* range of nodes in the cell's box */
 } drawing;
 
 /* Take up a cell. Returns false if there is none, or no node in its box. */
 static bool take(drawing *d, const hex_treelet *h, uint32_t cell, const float *values) {
-    const hex_code code = hex_treelet_code(h, cell);
-    uint32_t corner[HEX_CORNERS];
-    if (code == HEX_NONE)
+    double box[2][3], range[2];
+    if (hex_treelet_code(h, cell) == HEX_NONE)
         return false;
-    hex_treelet_corners(h, cell, corner);
-    d->sense = hex_code_sense(code);
+    hex_treelet_cell(h, cell, values, &d->cell);
+    curved_cell_box(&d->cell, box);
     for (int a = 2; a >= 0; a--) {
-        const float *x = hex_treelet_coordinates(h, a);
-        float lo = x[corner[0]], hi = lo;
-        for (int c = 0; c < HEX_CORNERS; c++) {
-            d->cell.p[c][a] = (double)x[corner[c]];
-            lo = x[corner[c]] < lo ? x[corner[c]] : lo;
-            hi = x[corner[c]] > hi ? x[corner[c]] : hi;
-        }
-        resample_grid_nodes(d->block->grid, a, (double)lo, (double)hi, &d->first[a], &d->end[a]);
+        resample_grid_nodes(d->block->grid, a, box[0][a], box[1][a], &d->first[a], &d->end[a]);
         if (d->first[a] == d->end[a])
             return false;
     }
+    curved_cell_range(&d->cell, range);
     d->finite = true;
-    d->least = INFINITY;
-    d->most = -INFINITY;
-    for (int c = 0; c < HEX_CORNERS; c++) {
-        const double v = d->cell.value[c] = (double)values[corner[c]];
-        d->finite = d->finite && isfinite(v);
-        d->least = fmin(d->least, v);
-        d->most = fmax(d->most, v);
-    }
+    for (int n = 0; n < curved_cell_nodes(&d->cell); n++)
+        d->finite = d->finite && isfinite(curved_cell_value(&d->cell, n));
+    d->least = range[0];
+    d->most = range[1];
     return true;
 }
 
@@ -77,7 +64,7 @@ static void draw_node(const drawing *d, const double at[3], float *sample) {
     double point[3], in[3], value;
     for (int a = 0; a < 3; a++)
         point[a] = fmin(fmax(at[a], d->lo[a]), d->hi[a]);
-    if (hex_point_find(&d->cell, d->sense, point, in, &value))
+    if (curved_cell_find(&d->cell, point, in, &value))
         resample_block_give(sample, d->finite ? (float)fmin(fmax(value, d->least), d->most) : NAN);
 }
 

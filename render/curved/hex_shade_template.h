@@ -1,7 +1,7 @@
 /* hex_shade_template.h - shades the hits of a tile's rays in cells with bent faces as pixels;
  * included by the units of an ISA (see formats/base/simd.h). The kind defines before:
  *
- *   static hex_cell hex_tile_cell(const treelet *at, uint32_t local);   a cell of a treelet
+ *   static curved_cell hex_tile_cell(const treelet *at, uint32_t local);   a cell of a treelet
  *   static uint64_t hex_tile_first(const treelet *at);   number of its first cell in the file
  */
 #ifndef RENDER_CURVED_HEX_SHADE_TEMPLATE_H
@@ -64,7 +64,7 @@ static void hex_starts(void *work, const tile_layer *l, unsigned i, unsigned whi
     for (unsigned left = which; left; left &= left - 1) {
         const unsigned n = i + (unsigned)__builtin_ctz(left);
         const tile_surface *x = surface_of(l, n);
-        const hexahedron cell = hex_tile_cell(x->at, x->local).hexahedron;
+        const curved_cell cell = hex_tile_cell(x->at, x->local);
         const ray r = tile_ray(m->s, n);
         *to++ = hex_walk_surface(&cell, x->in_cell, &r, x->t);
     }

@@ -9,7 +9,6 @@
 #ifdef SIMD_NAME
 
 #include "formats/curved/hex_normal_template.h"
-#include "formats/curved/hex_point.h"
 #include "render/curved/hex_meet.h"
 #include "render/curved/hex_meet_template.h"
 #include "render/curved/hex_shade_template.h"
@@ -65,8 +64,7 @@ typedef struct near_cell {
     uint32_t number; /* in the treelet */
     tile_rect rect;
     float depth; /* no point of it is nearer */
-    hexahedron hexahedron;
-    int sense;
+    curved_cell cell;
 } near_cell;
 
 /* Whether ray i looks as far as t, and no farther than its surfaces. */
@@ -88,7 +86,7 @@ static void take_crossed(hex_tile *w, const near_cell *c, unsigned i, int32_t is
     const ray r = tile_ray(&w->b.s, i);
     const sheared_ray sheared = sheared_ray_of(r.o, r.d);
     path_root roots[PATH_ROOTS];
-    const int count = hex_meet_crossed(&c->hexahedron, c->sense, &sheared,
+    const int count = hex_walk_crossed(&c->cell, &sheared,
                                        w->b.s.f->tracer->isos.isovalues[iso], roots, NULL);
     for (int n = 0; n < count; n++) {
         const double *at = roots[n].at;
@@ -97,7 +95,7 @@ static void take_crossed(hex_tile *w, const near_cell *c, unsigned i, int32_t is
             roots[n].t, w->at, c->number, iso, roots[n].entering, {at[0], at[1], at[2]}, {0.0f}};
         if (!looks_at(w, i, found.t))
             continue;
-        hex_point_normal(&c->hexahedron, at, gradient, found.normal);
+        curved_cell_gradient(&c->cell, at, gradient, found.normal);
         take_root(w, i, &found);
     }
 }
@@ -168,8 +166,8 @@ SIMD void meet_rays(hex_tile *w, const near_cell *c, const hex_sight *sight, hex
     unsigned left = md_bits(met.once) & lanes;
     if (!left)
         return;
-    const unsigned enters = c->sense > 0 ? md_bits(met.enters) : ~md_bits(met.enters);
-    (void)hex_gradient(&c->hexahedron, met.at, gradient);
+    const unsigned enters = c->cell.sense > 0 ? md_bits(met.enters) : ~md_bits(met.enters);
+    (void)hex_gradient(&c->cell.hexahedron, met.at, gradient);
     hex_normal(gradient, unit);
     d_store(t, met.t);
     for (int a = 0; a < 3; a++) {
@@ -207,8 +205,8 @@ static void meet_isosurface(hex_tile *w, const near_cell *c, const hex_sight *si
     }
 }
 
-/* A folded cell: all its pixels' rays cross its faces. */
-static void meet_folded(hex_tile *w, const near_cell *c, int32_t iso) {
+/* A folded cell, or one that is no hexahedron: all its pixels' rays cross its faces. */
+static void meet_crossed(hex_tile *w, const near_cell *c, int32_t iso) {
     for (unsigned y = c->rect.y0; y <= c->rect.y1; y++)
         for (tile_row left = row_mask(c->rect) & w->b.s.open[y]; left; left &= left - 1)
             take_crossed(w, c, TILE * y + (unsigned)__builtin_ctz(left), iso);
@@ -219,18 +217,18 @@ static void walk_cell(hex_tile *w, near_cell *c) {
     double range[2];
     hex_sight sight;
     w->b.s.counters->cells++;
-    const hex_cell cell = hex_tile_cell(w->at, c->number);
-    c->hexahedron = cell.hexahedron;
-    c->sense = cell.sense;
-    hex_cell_range(&c->hexahedron, range);
-    hex_sight_of(&c->hexahedron, w->b.eye, &sight);
+    c->cell = hex_tile_cell(w->at, c->number);
+    const bool crossed = c->cell.quadratic || !c->cell.sense;
+    curved_cell_range(&c->cell, range);
+    if (!crossed)
+        hex_sight_of(&c->cell.hexahedron, w->b.eye, &sight);
     for (int32_t iso = 0; iso < isos->count; iso++) {
         if (!(range[0] < isos->isovalues[iso] && isos->isovalues[iso] <= range[1]))
             continue;
-        if (c->sense)
-            meet_isosurface(w, c, &sight, iso);
+        if (crossed)
+            meet_crossed(w, c, iso);
         else
-            meet_folded(w, c, iso);
+            meet_isosurface(w, c, &sight, iso);
     }
 }
 

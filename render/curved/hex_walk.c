@@ -3,78 +3,114 @@
 #include <float.h>
 
 #include "formats/base/vec3.h"
-#include "formats/curved/hex_point.h"
+#include "formats/curved/quadratic_path.h"
 #include "render/curved/hex_meet.h"
 #include "render/curved/hex_pieces.h"
 #include "render/walk/cell_walks.h"
 #include "render/walk/tree_pieces.h"
 
-void hex_cell_range(const hexahedron *h, double range[2]) {
-    range[0] = range[1] = h->value[0];
-    for (int c = 1; c < HEX_CORNERS; c++) {
-        range[0] = real_min(range[0], h->value[c]);
-        range[1] = real_max(range[1], h->value[c]);
+/* ---- Cells of either shape ---- */
+
+static int quadratic_roots(const curved_cell *c, const sheared_ray *r, double isovalue,
+                           path_root out[PATH_ROOTS], path_counts *counts) {
+    quadratic_path path;
+    if (quadratic_path_of(&c->tet, c->sense, r, &path) == 0)
+        return 0;
+    return path_roots(&path.map, path.part, path.count, c->sense == 0, isovalue, out, counts);
+}
+
+int hex_walk_crossed(const curved_cell *c, const sheared_ray *r, double isovalue,
+                     path_root out[PATH_ROOTS], path_counts *counts) {
+    return c->quadratic ? quadratic_roots(c, r, isovalue, out, counts)
+                        : hex_meet_crossed(&c->hexahedron, c->sense, r, isovalue, out, counts);
+}
+
+static int roots_of(const curved_cell *c, const sheared_ray *r, double isovalue,
+                    path_root out[PATH_ROOTS], path_counts *counts) {
+    return c->quadratic ? quadratic_roots(c, r, isovalue, out, counts)
+                        : hex_meet_roots(&c->hexahedron, c->sense, r, isovalue, out, counts);
+}
+
+static int pieces_of(const curved_cell *c, const sheared_ray *r, const double range[2],
+                     double tolerance, path_piece out[PATH_PIECES], path_counts *counts) {
+    if (c->quadratic) {
+        quadratic_path path;
+        if (quadratic_path_of(&c->tet, c->sense, r, &path) == 0)
+            return 0;
+        return path_pieces(&path.map, path.part, path.count, c->sense == 0, range, tolerance, out,
+                           counts);
     }
+    hex_path path;
+    return hex_path_of(&c->hexahedron, c->sense, r, &path) == 0
+               ? 0
+               : hex_pieces(&c->hexahedron, c->sense, &path, tolerance, out, counts);
 }
 
 /* ---- Hits ---- */
 
 /* A root, and what its surface point is made of. */
 typedef struct best_root {
-    hexahedron hexahedron;
+    curved_cell cell;
     double at[3];
 } best_root;
 
-static void take_roots(const hex_way *w, const hex_cell *c, const isovalue_list *isos,
+static void take_roots(const hex_way *w, const curved_cell *c, const isovalue_list *isos,
                        trace_state *state, best_root *best, path_counts *counts) {
     double range[2];
-    hex_cell_range(&c->hexahedron, range);
+    curved_cell_range(c, range);
     for (int i = 0; i < isos->count; i++) {
         path_root roots[PATH_ROOTS];
         if (!(range[0] < isos->isovalues[i] && isos->isovalues[i] <= range[1]))
             continue;
-        const int count = hex_meet_roots(&c->hexahedron, c->sense, &w->sheared, isos->isovalues[i],
-                                         roots, counts);
+        const int count = roots_of(c, &w->sheared, isos->isovalues[i], roots, counts);
         for (int n = 0; n < count; n++) {
             const hit h = {roots[n].t, c->number, i, roots[n].entering};
             if (!cell_hit(state, w->ray, &h))
                 continue;
-            best->hexahedron = c->hexahedron;
+            best->cell = *c;
             for (int a = 0; a < 3; a++)
                 best->at[a] = roots[n].at[a];
         }
     }
 }
 
-static double shortest_edge(const hexahedron *h) {
+/* Collapsed edges are none. */
+static double edge_or(const double a[3], const double b[3], double least) {
+    double away[3];
+    vec3_sub(a, b, away);
+    const double length = vec3_length(away);
+    return length > 0.0 ? real_min(least, length) : least;
+}
+
+static double shortest_edge(const curved_cell *c) {
     double least = INFINITY;
-    for (int c = 0; c < HEX_CORNERS; c++)
-        for (int bit = 1; bit < HEX_CORNERS; bit *= 2) {
-            double away[3];
-            vec3_sub(h->p[c | bit], h->p[c & ~bit], away);
-            const double length = vec3_length(away);
-            least = length > 0.0 ? real_min(least, length) : least; /* collapsed edges are none */
-        }
+    for (int e = 0; e < QUADRATIC_EDGES && c->quadratic; e++) {
+        const int *edge = quadratic_edge(e);
+        least = edge_or(c->tet.p[edge[0]], c->tet.p[edge[1]], least);
+    }
+    for (int n = 0; n < HEX_CORNERS && !c->quadratic; n++)
+        for (int bit = 1; bit < HEX_CORNERS; bit *= 2)
+            least = edge_or(c->hexahedron.p[n | bit], c->hexahedron.p[n & ~bit], least);
     return least;
 }
 
 /* The value errs as if the point were moved by the roundings of its way from the ray's origin and
  * of the cell's corners, and by those of the trilinear form. */
-surface_point hex_walk_surface(const hexahedron *h, const double at[3], const ray *r, double t) {
-    surface_point p = {.span = shortest_edge(h)};
-    double reach = 0.0, most = 0.0;
-    hex_point_normal(h, at, p.gradient, p.normal);
+surface_point hex_walk_surface(const curved_cell *c, const double at[3], const ray *r, double t) {
+    surface_point p = {.span = shortest_edge(c)};
+    double reach = 0.0, range[2];
+    curved_cell_range(c, range);
+    curved_cell_gradient(c, at, p.gradient, p.normal);
     for (int a = 0; a < 3; a++)
         reach += 2.0 * fabs(r->o[a]) + 2.0 * fabs(t * r->d[a]);
-    for (int c = 0; c < HEX_CORNERS; c++)
-        most = real_max(most, fabs(h->value[c]));
+    const double most = real_max(fabs(range[0]), fabs(range[1]));
     p.error = 64.0 * DBL_EPSILON * (reach * vec3_length(p.gradient) + most);
     return p;
 }
 
 bool hex_walk_hits(hex_way *w, const isovalue_list *isos, trace_state *state, path_counts *counts) {
     const hit before = state->best;
-    hex_cell c;
+    curved_cell c;
     best_root best;
     while (w->next(w, state->best.t, &c)) {
         const hit last = state->best;
@@ -87,21 +123,18 @@ bool hex_walk_hits(hex_way *w, const isovalue_list *isos, trace_state *state, pa
     }
     if (!hit_less(&state->best, &before))
         return false;
-    state->point = hex_walk_surface(&best.hexahedron, best.at, w->ray, state->best.t);
+    state->point = hex_walk_surface(&best.cell, best.at, w->ray, state->best.t);
     return true;
 }
 
 /* ---- Pieces ---- */
 
-static void take_pieces(const hex_way *w, const hex_cell *c, double tolerance, hex_taker *take,
+static void take_pieces(const hex_way *w, const curved_cell *c, double tolerance, hex_taker *take,
                         void *ctx, path_counts *counts) {
-    hex_path path;
     path_piece pieces[PATH_PIECES];
     double range[2];
-    if (hex_path_of(&c->hexahedron, c->sense, &w->sheared, &path) == 0)
-        return;
-    hex_cell_range(&c->hexahedron, range);
-    const int count = hex_pieces(&c->hexahedron, c->sense, &path, tolerance, pieces, counts);
+    curved_cell_range(c, range);
+    const int count = pieces_of(c, &w->sheared, range, tolerance, pieces, counts);
     for (int n = 0; n < count; n++) {
         segment s = {.t0 = pieces[n].t[0],
                      .t1 = pieces[n].t[1],
@@ -117,10 +150,11 @@ static void take_pieces(const hex_way *w, const hex_cell *c, double tolerance, h
 
 void hex_walk_pieces(hex_way *w, double above, double tolerance, double limit, hex_taker *take,
                      void *ctx, path_counts *counts) {
-    hex_cell c;
+    curved_cell c;
     while (w->next(w, limit, &c)) {
-        for (int k = 0; k < HEX_CORNERS; k++)
-            c.hexahedron.value[k] -= above;
+        double *value = curved_cell_values(&c);
+        for (int k = 0; k < curved_cell_nodes(&c); k++)
+            value[k] -= above;
         take_pieces(w, &c, tolerance, take, ctx, counts);
     }
 }
@@ -162,46 +196,45 @@ void hex_walk_extremes(hex_way *w, uint32_t id, double tolerance, double limit,
 
 /* ---- Points ---- */
 
-bool hex_walk_sample(const hex_cell *c, const double point[3], leafcast_sample *out) {
+bool hex_walk_sample(const curved_cell *c, const double point[3], leafcast_sample *out) {
     double at[3], value;
-    int corner = 0;
-    if (!hex_point_find(&c->hexahedron, c->sense, point, at, &value))
+    float normal[3];
+    if (!curved_cell_find(c, point, at, &value))
         return false;
-    for (int a = 0; a < 3; a++)
-        corner |= (at[a] >= 0.5) << a;
     *out = (leafcast_sample){.inside = true,
                              .cell = c->number,
                              .at = {at[0], at[1], at[2]},
                              .value = value,
-                             .nearest = c->hexahedron.value[corner]};
-    (void)hex_point_gradient(&c->hexahedron, at, out->gradient);
+                             .nearest = curved_cell_value(c, curved_cell_nearest(c, at))};
+    curved_cell_gradient(c, at, out->gradient, normal);
     return true;
 }
 
 /* The parameters of a point on the cell. Where rounding puts it beside the cell, the cell's middle
  * stands in. */
-static void locate(const hex_cell *c, const double point[3], double at[3]) {
+static void locate(const curved_cell *c, const double point[3], double at[3]) {
     double value;
-    if (!hex_point_find(&c->hexahedron, c->sense, point, at, &value))
-        at[0] = at[1] = at[2] = 0.5;
+    if (!curved_cell_find(c, point, at, &value))
+        at[0] = at[1] = at[2] = c->quadratic ? 0.25 : 0.5;
 }
 
-void hex_walk_gradient(const hex_cell *c, const ray *r, const segment *s, segment_gradient *out) {
+void hex_walk_gradient(const curved_cell *c, const ray *r, const segment *s, segment_gradient *out) {
     double b[3][4];
     for (int i = 0; i < 4; i++) {
         const double t = segment_t(s, i / 3.0);
         double point[3], at[3], gradient[3];
+        float normal[3];
         for (int a = 0; a < 3; a++)
             point[a] = r->o[a] + t * r->d[a];
         locate(c, point, at);
-        (void)hex_point_gradient(&c->hexahedron, at, gradient);
+        curved_cell_gradient(c, at, gradient, normal);
         for (int a = 0; a < 3; a++)
             b[a][i] = gradient[a];
     }
     *out = segment_gradient_through((const double(*)[4])b);
 }
 
-void hex_walk_at(const hex_cell *c, const ray *r, double t, leafcast_hit *out) {
+void hex_walk_at(const curved_cell *c, const ray *r, double t, leafcast_hit *out) {
     double point[3];
     for (int a = 0; a < 3; a++)
         point[a] = r->o[a] + t * r->d[a];
@@ -209,12 +242,12 @@ void hex_walk_at(const hex_cell *c, const ray *r, double t, leafcast_hit *out) {
     out->flat = c->sense == 0;
 }
 
-void hex_walk_corners(const hexahedron *h, leafcast_cell *out) {
-    out->corners = HEX_CORNERS;
-    for (int c = 0; c < HEX_CORNERS; c++) {
-        out->value[c] = (float)h->value[c];
+void hex_walk_corners(const curved_cell *c, leafcast_cell *out) {
+    out->corners = curved_cell_nodes(c);
+    for (int n = 0; n < out->corners; n++) {
+        out->value[n] = (float)curved_cell_value(c, n);
         for (int a = 0; a < 3; a++)
-            out->position[c][a] = h->p[c][a];
+            out->position[n][a] = curved_cell_place(c, n)[a];
     }
 }
 

@@ -1,5 +1,5 @@
-/* hex_walk.h - a ray, or a point, in a treelet whose cells are hexahedra: what is the same for all
- * kinds of such treelets.
+/* hex_walk.h - a ray, or a point, in a treelet whose cells are hexahedra, or other curved cells: what
+ * is the same for all kinds of such treelets.
  *
  * A kind says which cells a ray may cross, one after another (hex_way); of these, the exact cell
  * decides.
@@ -7,19 +7,11 @@
 #ifndef RENDER_CURVED_HEX_WALK_H
 #define RENDER_CURVED_HEX_WALK_H
 
+#include "formats/curved/curved_cell.h"
 #include "render/curved/hex_roots.h"
 #include "render/leafcast.h"
 #include "render/ray/extremes.h"
 #include "render/ray/segments.h"
-
-typedef struct hex_cell {
-    hexahedron hexahedron;
-    int sense;       /* hexahedron_sense() */
-    uint64_t number; /* in the whole file */
-} hex_cell;
-
-/* hex_cell_range() - the least and the greatest value of its corners. */
-void hex_cell_range(const hexahedron *h, double range[2]);
 
 /* A ray's cells in a treelet. */
 typedef struct hex_way hex_way;
@@ -29,8 +21,13 @@ struct hex_way {
     ray_counters *counters;
     /* Go on to the next cell that the ray may cross, among those that it enters at `limit` or
      * before; any order. False: there is none. */
-    bool (*next)(hex_way *w, double limit, hex_cell *out);
+    bool (*next)(hex_way *w, double limit, curved_cell *out);
 };
+
+/* hex_walk_crossed() - where a ray meets an isosurface of a cell, by its faces alone: as
+ * hex_meet_crossed(), of any shape. */
+int hex_walk_crossed(const curved_cell *c, const sheared_ray *r, double isovalue,
+                     path_root out[PATH_ROOTS], path_counts *counts);
 
 /* hex_walk_hits() - treelet_walks.hits: lower state->best to the first root of an isovalue that
  * counts, and set state->point to it; if any will do, to some root, without the point. Returns
@@ -40,7 +37,7 @@ struct hex_way {
 bool hex_walk_hits(hex_way *w, const isovalue_list *isos, trace_state *state, path_counts *counts);
 
 /* hex_walk_surface() - the surface point of a hit at parameters at[] of its cell. */
-surface_point hex_walk_surface(const hexahedron *h, const double at[3], const ray *r, double t);
+surface_point hex_walk_surface(const curved_cell *c, const double at[3], const ray *r, double t);
 
 /* hex_walk_pieces() - the pieces of the ray, cut to its [t0, t1]; in each cell in order of t.
  *
@@ -60,14 +57,14 @@ void hex_walk_extremes(hex_way *w, uint32_t id, double tolerance, double limit,
 
 /* hex_walk_sample() - what is at a point, if the cell holds it; returns whether it does. Sets all
  * but the treelet. */
-bool hex_walk_sample(const hex_cell *c, const double point[3], leafcast_sample *out);
+bool hex_walk_sample(const curved_cell *c, const double point[3], leafcast_sample *out);
 
 /* hex_walk_gradient() - kind.gradient along a piece in the cell. */
-void hex_walk_gradient(const hex_cell *c, const ray *r, const segment *s, segment_gradient *out);
+void hex_walk_gradient(const curved_cell *c, const ray *r, const segment *s, segment_gradient *out);
 
 /* hex_walk_at() - kind.cell_of_hit. hex_walk_corners() - kind.cell_corners. */
-void hex_walk_at(const hex_cell *c, const ray *r, double t, leafcast_hit *out);
-void hex_walk_corners(const hexahedron *h, leafcast_cell *out);
+void hex_walk_at(const curved_cell *c, const ray *r, double t, leafcast_hit *out);
+void hex_walk_corners(const curved_cell *c, leafcast_cell *out);
 
 /* hex_walk_error() - kind.segments_error of pieces in the box: values err by the tolerance and the
  * roundings of the trilinear form, t by those of the way to the cell; a face that is seen at less

@@ -11,7 +11,7 @@
 #include "render/curvilinear/curvilinear_walk.h"
 #include "stream/curvilinear_resident.h"
 
-static hex_cell hex_tile_cell(const treelet *at, uint32_t local) {
+static curved_cell hex_tile_cell(const treelet *at, uint32_t local) {
     return curvilinear_walk_hexahedron(&resident_curvilinear_of(at)->lattice, local);
 }
 

@@ -57,7 +57,7 @@ static const treelet_walks curvilinear_walks = {walk_hits, walk_pieces, walk_ext
 static void curvilinear_gradient(const tracer *tr, const treelet *at, const ray *r,
                                  const segment *s, segment_gradient *out) {
     const curvilinear_lattice *l = lattice_of(at);
-    const hex_cell c = curvilinear_walk_hexahedron(l, (uint32_t)(s->cell - l->first));
+    const curved_cell c = curvilinear_walk_hexahedron(l, (uint32_t)(s->cell - l->first));
     (void)tr;
     hex_walk_gradient(&c, r, s, out);
 }
@@ -99,7 +99,7 @@ static status curvilinear_cell_of_hit(leafcast *v, const tracer *tr, const ray *
     (void)tr;
     const status st = find_cell(v, h->cell, &l, &local);
     if (st == ST_OK) {
-        const hex_cell c = curvilinear_walk_hexahedron(l, local);
+        const curved_cell c = curvilinear_walk_hexahedron(l, local);
         hex_walk_at(&c, r, h->t, out);
     }
     return st;
@@ -112,8 +112,8 @@ static status curvilinear_cell_corners(leafcast *v, uint32_t level, uint64_t num
     (void)level;
     const status st = find_cell(v, number, &l, &local);
     if (st == ST_OK && curvilinear_lattice_code(l, local) != HEX_NONE) {
-        const hexahedron h = curvilinear_walk_cell(l, local);
-        hex_walk_corners(&h, out);
+        const curved_cell c = curvilinear_walk_hexahedron(l, local);
+        hex_walk_corners(&c, out);
     }
     return st;
 }

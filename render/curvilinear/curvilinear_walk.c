@@ -26,9 +26,10 @@ int curvilinear_walk_sense(const curvilinear_lattice *l, uint32_t index) {
     return hex_code_sense(curvilinear_lattice_code(l, index));
 }
 
-hex_cell curvilinear_walk_hexahedron(const curvilinear_lattice *l, uint32_t index) {
-    return (hex_cell){curvilinear_walk_cell(l, index), curvilinear_walk_sense(l, index),
-                      l->first + index};
+curved_cell curvilinear_walk_hexahedron(const curvilinear_lattice *l, uint32_t index) {
+    return (curved_cell){.hexahedron = curvilinear_walk_cell(l, index),
+                         .sense = curvilinear_walk_sense(l, index),
+                         .number = l->first + index};
 }
 
 /* ---- A ray's cells ---- */
@@ -107,7 +108,7 @@ static bool next_block(cell_way *w, double limit) {
 }
 
 /* hex_way.next: cells that are not beside the ray, block by block. */
-static bool next_cell(hex_way *way, double limit, hex_cell *out) {
+static bool next_cell(hex_way *way, double limit, curved_cell *out) {
     cell_way *w = (cell_way *)way;
     if (!next_block(w, limit))
         return false;
@@ -173,7 +174,7 @@ static bool find_in(const curvilinear_lattice *l, uint32_t index, const double p
                     leafcast_sample *out) {
     if (curvilinear_lattice_code(l, index) == HEX_NONE)
         return false;
-    const hex_cell c = curvilinear_walk_hexahedron(l, index);
+    const curved_cell c = curvilinear_walk_hexahedron(l, index);
     return hex_walk_sample(&c, point, out);
 }
 

@@ -46,6 +46,6 @@ bool curvilinear_walk_point(const curvilinear_lattice *l, const double point[3],
  * its hexahedron_sense(), as the file says. curvilinear_walk_hexahedron() - both. */
 hexahedron curvilinear_walk_cell(const curvilinear_lattice *l, uint32_t index);
 int curvilinear_walk_sense(const curvilinear_lattice *l, uint32_t index);
-hex_cell curvilinear_walk_hexahedron(const curvilinear_lattice *l, uint32_t index);
+curved_cell curvilinear_walk_hexahedron(const curvilinear_lattice *l, uint32_t index);
 
 #endif

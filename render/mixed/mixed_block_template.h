@@ -11,7 +11,7 @@
 #include "render/mixed/mixed_walk.h"
 #include "stream/mixed_resident.h"
 
-static hex_cell hex_tile_cell(const treelet *at, uint32_t local) {
+static curved_cell hex_tile_cell(const treelet *at, uint32_t local) {
     return mixed_walk_cell(&resident_mixed_of(at)->blocks, local);
 }
 
@@ -29,25 +29,42 @@ static const treelet_tree *hex_tile_tree(const treelet *at) {
 typedef struct mixed_covers {
     unsigned count;
     uint8_t cell[MIXED_BLOCK]; /* in the block */
-    _Alignas(64) float corner[3][HEX_CORNERS][MIXED_BLOCK];
+    _Alignas(64) float corner[3][CELL_ROW][MIXED_BLOCK];
+    int points; /* of each cell: what it is in the hull of */
     tile_rect rect[MIXED_BLOCK];
     _Alignas(64) float depth[MIXED_BLOCK];
     uint32_t alive; /* a bit for each that covers something */
 } mixed_covers;
+
+/* A quadratic tet lies in the hull of its coefficients; those of edges take the place of their
+ * nodes. */
+static void gather_controls(mixed_covers *c, unsigned n) {
+    for (int e = 0; e < QUADRATIC_EDGES; e++)
+        for (int a = 0; a < 3; a++) {
+            const float *end = c->corner[a][quadratic_edge(e)[0]],
+                        *other = c->corner[a][quadratic_edge(e)[1]];
+            float *between = &c->corner[a][QUADRATIC_CORNERS + e][n];
+            *between = 2.0f * *between - 0.5f * (end[n] + other[n]);
+        }
+}
 
 /* Positions are relative to the block's lower corner. The last cell stands for those that are not
  * there. */
 static void gather_corners(const mixed_blocks *b, uint32_t block, mixed_covers *c) {
     const float *bounds = b->tree.bounds[0][block];
     c->count = 0;
+    c->points = (int)b->shape.width;
     for (uint32_t left = b->active[block]; left; left &= left - 1)
         c->cell[c->count++] = (uint8_t)__builtin_ctz(left);
     for (unsigned n = 0; n < MIXED_BLOCK; n++) {
         const unsigned of = c->cell[n < c->count ? n : c->count - 1];
-        const uint16_t *corner = b->corners[MIXED_BLOCK * block + of];
-        for (int k = 0; k < HEX_CORNERS; k++)
+        const uint32_t at = MIXED_BLOCK * block + of;
+        const uint16_t *row = b->rows + (size_t)b->shape.width * at;
+        for (int k = 0; k < c->points; k++)
             for (int a = 0; a < 3; a++)
-                c->corner[a][k][n] = b->p[a][corner[k]] - bounds[a];
+                c->corner[a][k][n] = b->p[a][row[k]] - bounds[a];
+        if (mixed_blocks_is_quadratic(b, at))
+            gather_controls(c, n);
     }
 }
 
@@ -63,7 +80,7 @@ SIMD void extend_by_corner(const projection *p, const mixed_covers *c, int corne
     extend(e, sum[0], sum[1], sum[2]);
 }
 
-/* A cell is in the convex hull of its corners. Errors are a few units of 2^-24 of the distance and
+/* A cell is in the convex hull of its points. Errors are a few units of 2^-24 of the distance and
  * of the block's size. One nearer than a sixteenth of the bound on distances counts as covering all
  * of the block's pixels. */
 static void find_covers(const hex_tile *w, const float bounds[6], const tile_rect *within,
@@ -79,7 +96,7 @@ static void find_covers(const hex_tile *w, const float bounds[6], const tile_rec
     for (unsigned n = 0; n < MIXED_BLOCK; n += VF_N) {
         const vf most = f_set(INFINITY), least = f_set(-INFINITY);
         children_extent e = {most, least, most, least, most, least};
-        for (int corner = 0; corner < HEX_CORNERS; corner++)
+        for (int corner = 0; corner < c->points; corner++)
             extend_by_corner(p, c, corner, n, eye, &e);
         mf alive;
         const mf whole = mf_of_bits(~mf_bits(f_ge(e.w0, f_set(far * projection_depth_share))));

@@ -53,14 +53,14 @@ static const treelet_walks mixed_walks = {walk_hits, walk_pieces, walk_extremes}
 static void mixed_gradient(const tracer *tr, const treelet *at, const ray *r, const segment *s,
                            segment_gradient *out) {
     const mixed_blocks *b = blocks_of(at);
-    const hex_cell c = mixed_walk_cell(b, (uint32_t)(s->cell - b->first));
+    const curved_cell c = mixed_walk_cell(b, (uint32_t)(s->cell - b->first));
     (void)tr;
     hex_walk_gradient(&c, r, s, out);
 }
 
 /* ---- Cells ---- */
 
-static status find_cell(leafcast *v, uint64_t number, hex_cell *out) {
+static status find_cell(leafcast *v, uint64_t number, curved_cell *out) {
     const leaf_cells_directory *d = mixed_directory_of(v->file);
     const uint32_t t = leaf_cells_treelet(d->first, v->file->layout.treelets, number);
     const treelet *at;
@@ -72,7 +72,7 @@ static status find_cell(leafcast *v, uint64_t number, hex_cell *out) {
 
 static status mixed_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, const hit *h,
                                 leafcast_hit *out) {
-    hex_cell c;
+    curved_cell c;
     (void)tr;
     const status st = find_cell(v, h->cell, &c);
     if (st == ST_OK)
@@ -81,11 +81,11 @@ static status mixed_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, con
 }
 
 static status mixed_cell_corners(leafcast *v, uint32_t level, uint64_t number, leafcast_cell *out) {
-    hex_cell c;
+    curved_cell c;
     (void)level;
     const status st = find_cell(v, number, &c);
     if (st == ST_OK)
-        hex_walk_corners(&c.hexahedron, out);
+        hex_walk_corners(&c, out);
     return st;
 }
 

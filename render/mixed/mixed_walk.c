@@ -2,14 +2,15 @@
 
 #include "render/walk/tree_points.h"
 
-hex_cell mixed_walk_cell(const mixed_blocks *b, uint32_t index) {
-    const uint16_t *corner = b->corners[index];
-    hex_cell out = {.sense = hex_code_sense(mixed_code(&b->shape, b->places, index)),
-                    .number = b->first + index};
-    for (int c = 0; c < HEX_CORNERS; c++) {
-        for (int a = 0; a < 3; a++)
-            out.hexahedron.p[c][a] = (double)b->p[a][corner[c]];
-        out.hexahedron.value[c] = (double)b->values[corner[c]];
+curved_cell mixed_walk_cell(const mixed_blocks *b, uint32_t index) {
+    const uint16_t *row = b->rows + (size_t)b->shape.width * index;
+    curved_cell out = {.quadratic = mixed_blocks_is_quadratic(b, index),
+                       .sense = hex_code_sense(mixed_code(&b->shape, b->places, index)),
+                       .number = b->first + index};
+    for (int n = 0; n < curved_cell_nodes(&out); n++) {
+        const double p[3] = {(double)b->p[0][row[n]], (double)b->p[1][row[n]],
+                             (double)b->p[2][row[n]]};
+        curved_cell_put(&out, n, p, (double)b->values[row[n]]);
     }
     return out;
 }
@@ -29,7 +30,7 @@ static bool is_beside(const hexahedron *h, const sheared_ray *r) {
 }
 
 /* hex_way.next: active cells that are not beside the ray, block by block. */
-static bool next_cell(hex_way *way, double limit, hex_cell *out) {
+static bool next_cell(hex_way *way, double limit, curved_cell *out) {
     mixed_way *w = (mixed_way *)way;
     for (;;) {
         while (!w->ahead) {
@@ -41,8 +42,8 @@ static bool next_cell(hex_way *way, double limit, hex_cell *out) {
         const uint32_t bit = (uint32_t)__builtin_ctz(w->ahead);
         w->ahead &= w->ahead - 1;
         *out = mixed_walk_cell(w->blocks, MIXED_BLOCK * w->at.t + bit);
-        if (is_beside(&out->hexahedron, &way->sheared))
-            continue;
+        if (!out->quadratic && is_beside(&out->hexahedron, &way->sheared))
+            continue; /* a quadratic tet's faces tell */
         way->counters->cells++;
         return true;
     }
@@ -62,7 +63,7 @@ bool mixed_walk_point(const mixed_blocks *b, const double point[3], leafcast_sam
     while ((block = tree_box_at(&b->tree, point, block)) != LEAF_NO_TREELET) {
         const uint32_t cells = mixed_blocks_cells(b, block);
         for (uint32_t i = 0; i < cells; i++) {
-            const hex_cell c = mixed_walk_cell(b, MIXED_BLOCK * block + i);
+            const curved_cell c = mixed_walk_cell(b, MIXED_BLOCK * block + i);
             if (hex_walk_sample(&c, point, out))
                 return true;
         }

@@ -30,6 +30,6 @@ void mixed_way_begin(mixed_way *w, const mixed_blocks *b, const ray *r, const hi
 bool mixed_walk_point(const mixed_blocks *b, const double point[3], leafcast_sample *out);
 
 /* mixed_walk_cell() - a cell of the treelet, by its number there. */
-hex_cell mixed_walk_cell(const mixed_blocks *b, uint32_t index);
+curved_cell mixed_walk_cell(const mixed_blocks *b, uint32_t index);
 
 #endif

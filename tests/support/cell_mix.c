@@ -136,7 +136,7 @@ static int turned(int turn, int c) {
 }
 
 hexahedron cell_mix_hexahedron(const cell_mix_cell *c, int turn) {
-    const uint8_t *corners = cell_shape_corners(c->shape);
+    const uint8_t *corners = cell_shape_row(c->shape);
     hexahedron h;
     for (int i = 0; i < HEX_CORNERS; i++) {
         const int v = corners[turned(turn, i)];
@@ -147,7 +147,7 @@ hexahedron cell_mix_hexahedron(const cell_mix_cell *c, int turn) {
 }
 
 bool cell_mix_outside(const cell_mix_cell *c, int turn, const double at[3]) {
-    const uint8_t *corners = cell_shape_corners(c->shape);
+    const uint8_t *corners = cell_shape_row(c->shape);
     for (int face = 0; face < HEX_FACES; face++) {
         int corner[4];
         unsigned sides = ~0U;

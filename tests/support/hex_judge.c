@@ -10,25 +10,36 @@
 #include <stdlib.h>
 
 #include "tests/support/hex_truth.h"
+#include "tests/support/quadratic_truth.h"
 
-static void take(hex_judged *x, const hexahedron *cell) {
-    *x = (hex_judged){.cell = *cell};
-    for (int a = 0; a < 3; a++)
-        for (int c = 0; c < HEX_CORNERS; c++)
-            x->middle[a] += cell->p[c][a] / HEX_CORNERS;
-    for (int c = 0; c < HEX_CORNERS; c++) {
-        double square = 0.0;
-        for (int a = 0; a < 3; a++) {
-            const double away = cell->p[c][a] - x->middle[a];
-            square += away * away;
-        }
-        x->square = fmax(x->square, square);
-        for (int a = 0; a < 3; a++) {
-            const double *p = cell->p[c], *q = cell->p[c ^ 1 << a];
-            x->edge += hypot(hypot(p[0] - q[0], p[1] - q[1]), p[2] - q[2]) / (3 * HEX_CORNERS);
-        }
+static double distance(const double p[3], const double q[3]) {
+    return hypot(hypot(p[0] - q[0], p[1] - q[1]), p[2] - q[2]);
+}
+
+static double mean_edge(const curved_cell *c) {
+    double sum = 0.0;
+    for (int e = 0; e < QUADRATIC_EDGES && c->quadratic; e++) {
+        const int *edge = quadratic_edge(e);
+        sum += distance(c->tet.p[edge[0]], c->tet.p[edge[1]]) / QUADRATIC_EDGES;
     }
-    x->square *= 1.001;
+    for (int n = 0; n < HEX_CORNERS && !c->quadratic; n++)
+        for (int a = 0; a < 3; a++)
+            sum += distance(c->hexahedron.p[n], c->hexahedron.p[n ^ 1 << a]) / (3 * HEX_CORNERS);
+    return sum;
+}
+
+static void take(hex_judged *x, const curved_cell *cell) {
+    const int nodes = curved_cell_nodes(cell);
+    *x = (hex_judged){.cell = *cell, .edge = mean_edge(cell)};
+    for (int a = 0; a < 3; a++)
+        for (int n = 0; n < nodes; n++)
+            x->middle[a] += curved_cell_place(cell, n)[a] / nodes;
+    for (int n = 0; n < nodes; n++) {
+        const double away = distance(curved_cell_place(cell, n), x->middle);
+        x->square = fmax(x->square, away * away);
+    }
+    /* Bent edges reach no further than thrice as far as the nodes. */
+    x->square *= cell->quadratic ? 9.0 : 1.001;
 }
 
 static void allocate(hex_judge *j, size_t count) {
@@ -39,8 +50,8 @@ static void allocate(hex_judge *j, size_t count) {
 void hex_judge_mix(hex_judge *j, const cell_mix *m) {
     allocate(j, (size_t)m->count);
     for (int i = 0; i < m->count; i++) {
-        const hexahedron h = cell_mix_hexahedron(&m->cell[i], 0);
-        take(&j->of[i], &h);
+        const curved_cell c = {.hexahedron = cell_mix_hexahedron(&m->cell[i], 0)};
+        take(&j->of[i], &c);
     }
 }
 
@@ -50,22 +61,20 @@ void hex_judge_open(hex_judge *j, leafcast *v) {
     j->count = 0;
     for (uint64_t i = 0; i < cells; i++) {
         leafcast_cell told = {.size = sizeof told};
-        hexahedron h;
         assert_int_equal(leafcast_get_cell(v, 0, i, &told), LEAFCAST_OK);
         if (!told.corners) /* hidden */
             continue;
-        assert_int_equal(told.corners, HEX_CORNERS);
+        curved_cell c = {.quadratic = told.corners == QUADRATIC_NODES};
+        assert_int_equal(told.corners, curved_cell_nodes(&c));
         bool finite = true;
-        for (int c = 0; c < HEX_CORNERS; c++) {
-            for (int a = 0; a < 3; a++)
-                h.p[c][a] = told.position[c][a];
-            h.value[c] = (double)told.value[c];
-            finite = finite && isfinite(h.value[c]);
+        for (int n = 0; n < told.corners; n++) {
+            curved_cell_put(&c, n, told.position[n], (double)told.value[n]);
+            finite = finite && isfinite(told.value[n]);
         }
         if (!finite)
             continue;
-        take(&j->of[j->count], &h);
-        j->of[j->count++].folded = hexahedron_sense((const double(*)[3])h.p) == 0;
+        take(&j->of[j->count], &c);
+        j->of[j->count++].folded = curved_cell_sense(&c) == 0;
     }
 }
 
@@ -90,22 +99,43 @@ static int by_t(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
+/* The roots of a cell by brute force, put behind those that are there. Returns how many there are
+ * then; -1: in doubt. */
+static int add_roots(const hex_judged *x, double iso, const double o[3], const double d[3],
+                     hex_judge_root *roots, int count) {
+    const long double *t;
+    hex_truth hex;
+    quadratic_truth tet;
+    int more;
+    if (x->cell.quadratic) {
+        quadratic_truth_of(&x->cell.tet, quadratic_straight_edges(&x->cell.tet), iso, o, d, &tet);
+        more = tet.doubtful ? -1 : tet.count;
+        t = tet.t;
+    } else {
+        hex_truth_of(x->cell.hexahedron.p, x->cell.hexahedron.value, iso, o, d, &hex);
+        more = hex.doubtful ? -1 : hex.count;
+        t = hex.t;
+    }
+    if (more < 0 || count + more > HEX_JUDGE_ROOTS)
+        return -1;
+    for (int n = 0; n < more; n++)
+        if (t[n] > 0.0L)
+            roots[count++] = (hex_judge_root){t[n], x->edge};
+    return count;
+}
+
 int hex_judge_roots(const hex_judge *j, double iso, const double o[3], const double d[3],
                     hex_judge_root roots[HEX_JUDGE_ROOTS]) {
     int count = 0;
     for (size_t i = 0; i < j->count; i++) {
         const hex_judged *x = &j->of[i];
-        hex_truth found;
         if (!is_near(x, o, d))
             continue;
         if (x->folded)
             return -1;
-        hex_truth_of(x->cell.p, x->cell.value, iso, o, d, &found);
-        if (found.doubtful || count + found.count > HEX_JUDGE_ROOTS)
+        count = add_roots(x, iso, o, d, roots, count);
+        if (count < 0)
             return -1;
-        for (int n = 0; n < found.count; n++)
-            if (found.t[n] > 0.0L)
-                roots[count++] = (hex_judge_root){found.t[n], x->edge};
     }
     qsort(roots, (size_t)count, sizeof *roots, by_t);
     return count;

@@ -1,5 +1,5 @@
-/* hex_judge.h - what the library tells of isosurfaces of hexahedra, of whatever kind their file is,
- * beside brute force over all cells (hex_truth.h).
+/* hex_judge.h - what the library tells of isosurfaces of hexahedra and quadratic tets, of whatever
+ * kind their file is, beside brute force over all cells (hex_truth.h, quadratic_truth.h).
  *
  * Rays that brute force is in doubt about (a root within 1e-9 of a cell's face, in parameters, or
  * two that nearly touch; all rays near a folded cell) are counted and not judged. Distances are in
@@ -10,7 +10,7 @@
 
 #include <stdio.h>
 
-#include "formats/base/hexahedron.h"
+#include "formats/curved/curved_cell.h"
 #include "render/leafcast.h"
 #include "tests/support/cell_mix.h"
 
@@ -19,7 +19,7 @@ enum { HEX_JUDGE_ROOTS = 512 };
 
 /* A cell, and the ball about it. */
 typedef struct hex_judged {
-    hexahedron cell;
+    curved_cell cell;
     double middle[3], square, edge;
     bool folded; /* it has no interpolant of its own */
 } hex_judged;

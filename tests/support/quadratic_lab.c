@@ -155,7 +155,7 @@ quadratic_tet quadratic_lab_cell(const quadratic_lab *s, int cell, int nodes[QUA
 }
 
 void quadratic_lab_at(const quadratic_tet *c, const double at[3], double p[3], double *value) {
-    const unsigned straight = quadratic_straight_edges(c->p);
+    const unsigned straight = quadratic_straight_edges(c);
     double form[QUADRATIC_NODES];
     for (int a = 0; a < 3; a++) {
         double v[QUADRATIC_NODES];

@@ -68,7 +68,7 @@ static bool judge(const hex_judge *j, leafcast *v, double at, field_random *r, h
 
 static bool is_sound(const hex_judge *j) {
     for (size_t i = 0; i < j->count; i++)
-        if (hexahedron_sense((const double(*)[3])j->of[i].cell.p) == 0)
+        if (curved_cell_sense(&j->of[i].cell) == 0)
             return false;
     return true;
 }

@@ -311,7 +311,7 @@ static status next_value(const cgns_fields *x, cell_values *v, double *value) {
 
 static status add_cell(cgns_fields *x, const cgns_cell *cell, cell_values *v) {
     double value = 0;
-    uint64_t wide[HEX_CORNERS];
+    uint64_t wide[CELL_VERTICES_MAX];
     if (cell->zone != v->zone) {
         v->zone = cell->zone;
         v->at = 0;

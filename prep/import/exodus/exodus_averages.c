@@ -9,14 +9,14 @@ enum { CHUNK = 512 };
 static status add_cells(exodus_averages *a, const exodus_block *block, int values, uint64_t first,
                         size_t count) {
     const size_t corners = (size_t)cell_shape_vertices(block->shape);
-    uint32_t ids[CHUNK * HEX_CORNERS];
+    uint32_t ids[CHUNK * CELL_VERTICES_MAX];
     double numbers[CHUNK];
     const size_t start[2] = {a->step, (size_t)first}, size[2] = {1, count};
     status st = exodus_block_cells(block, a->n, first, count, ids);
     if (st == ST_OK)
         st = exodus_numbers_read(a->n, values, 2, start, size, numbers);
     for (size_t i = 0; i < count && st == ST_OK; i++) {
-        uint64_t wide[HEX_CORNERS];
+        uint64_t wide[CELL_VERTICES_MAX];
         for (size_t c = 0; c < corners; c++)
             wide[c] = ids[i * corners + c];
         mesh_average_add(&a->sums, 0, block->shape, wide, numbers[i]);

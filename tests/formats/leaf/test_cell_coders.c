@@ -145,7 +145,7 @@ static void fill_mixed(coder_subject *x, const cells *c, number *of, field_rando
     if (!values)
         fill_codes(x->payload + s.codes_at, s.cells, r);
     if (x->block == LEAF_BLOCK_TOPOLOGY)
-        memcpy(x->payload + s.corners_at, c->corner, s.cells * sizeof c->corner[0]);
+        memcpy(x->payload + s.rows_at, c->corner, s.cells * sizeof c->corner[0]);
 }
 
 /* ---- all of them ---- */
@@ -239,10 +239,9 @@ static size_t content_end(const coder_subject *x) {
         return values ? 4 * nodes : 12 * nodes + (curvilinear_cells(x->counts) + 3) / 4;
     }
     const mixed_shape s = mixed_shape_of(x->counts);
-    return values ? 4 * (size_t)s.nodes
-           : x->block != LEAF_BLOCK_TOPOLOGY
-               ? s.codes_at + (s.cells + 3) / 4
-               : s.corners_at + s.cells * sizeof(uint16_t[HEX_CORNERS]);
+    return values                            ? 4 * (size_t)s.nodes
+           : x->block != LEAF_BLOCK_TOPOLOGY ? s.codes_at + (s.cells + 3) / 4
+                                             : s.rows_at + s.cells * sizeof(uint16_t[HEX_CORNERS]);
 }
 
 /* What cannot be made again is stored: padding with something in it, nodes out of order. */
@@ -255,7 +254,7 @@ static void check_stored(coder_subject *x, field_random *r) {
     if (x->coder != &mixed_coder || x->block != LEAF_BLOCK_TOPOLOGY)
         return;
     const mixed_shape s = mixed_shape_of(x->counts);
-    uint16_t *corner = (uint16_t *)(void *)(x->payload + s.corners_at);
+    uint16_t *corner = (uint16_t *)(void *)(x->payload + s.rows_at);
     const uint16_t second = corner[1];
     corner[0] = 1;
     check_round(x, 0);
@@ -277,7 +276,7 @@ static void test_odd_payloads_are_stored(void **state) {
     visit_all(check_stored, 3);
     coder_subject x =
         coder_lab_subject(&mixed_coder, LEAF_BLOCK_TOPOLOGY, (const uint32_t[4]){1, 7}, NULL);
-    memcpy(x.payload + mixed_shape_of(x.counts).corners_at, late, sizeof late);
+    memcpy(x.payload + mixed_shape_of(x.counts).rows_at, late, sizeof late);
     check_round(&x, 0);
     coder_lab_release(&x);
 }

@@ -185,7 +185,7 @@ static const char *write_mixed(const mesh_stream_header *h) {
 typedef struct whole {
     uint32_t points, values, cells;
     float of[FIELDS_2 * POINTS_2];
-    uint32_t ids[8][HEX_CORNERS];
+    uint32_t ids[8][CELL_ROW];
 } whole;
 
 static status take_points(void *ctx, uint64_t first, size_t count, const float (*at)[3]) {
@@ -204,7 +204,7 @@ static status take_values(void *ctx, uint64_t first, size_t count, const float *
     return ST_OK;
 }
 
-static status take_cells(void *ctx, size_t count, const uint32_t (*ids)[HEX_CORNERS]) {
+static status take_cells(void *ctx, size_t count, const uint32_t (*ids)[CELL_ROW]) {
     whole *x = ctx;
     assert_true(x->cells + count <= 8);
     memcpy(x->ids[x->cells], ids, count * sizeof *ids);
@@ -230,8 +230,8 @@ static void read_whole(const char *const *names, uint32_t count, whole *x, mesh_
 }
 
 static void check_cell(const whole *x, uint32_t cell, cell_shape shape, const uint32_t *ids) {
-    for (int c = 0; c < HEX_CORNERS; c++)
-        assert_int_equal(x->ids[cell][c], ids[cell_shape_corners(shape)[c]]);
+    for (int c = 0; c < CELL_ROW; c++)
+        assert_int_equal(x->ids[cell][c], ids[cell_shape_row(shape)[c]]);
 }
 
 static void test_whole_cells(void **state) {
@@ -344,7 +344,7 @@ static void test_refused(void **state) {
         {START_2 "points: 0\nby-corners: 0\nby-corners: 1\n\n", ST_CORRUPT, "each line once"},
         {START_2 "tets: 0\n\n", ST_CORRUPT, "line 3: \"\", expected a line \"points: N\""},
         {START_2 "points: 0\nvoxels: 0\n\n", ST_CORRUPT,
-         "hexahedra, by-corners, skipped or an empty"},
+         "hexahedra, quadratic tets, by-corners, skipped or an empty"},
         {START_2 "points: 0\nwedges: 1\nwedges: 1\n\n", ST_CORRUPT, "line 4: \"wedges: 1\""},
         {START_2 "field: a\nfield: b\nfield: a\npoints: 0\n\n", ST_CORRUPT, "each field once"},
         {START_2 "field: 1234567890123456789012345678901234567890123456789012345678901234\n",

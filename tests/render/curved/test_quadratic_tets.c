@@ -35,7 +35,7 @@ typedef struct tally {
 static void compare(const quadratic_lab *s, const quadratic_tet *c, const ray *r, bool look_closely,
                     tally *sum) {
     const sheared_ray sheared = sheared_ray_of(r->o, r->d);
-    const int sense = quadratic_sense(c->p);
+    const int sense = quadratic_sense(c);
     quadratic_path path;
     path_root found[PATH_ROOTS];
     quadratic_truth truth;
@@ -47,7 +47,7 @@ static void compare(const quadratic_lab *s, const quadratic_tet *c, const ray *r
     assert_int_equal(sense, s->left ? -1 : 1);
     const int count =
         path_roots(&path.map, path.part, path.count, false, s->iso, found, &sum->counts);
-    quadratic_truth_of(c, quadratic_straight_edges(c->p), s->iso, r->o, r->d, &truth);
+    quadratic_truth_of(c, quadratic_straight_edges(c), s->iso, r->o, r->d, &truth);
     if (truth.doubtful) {
         sum->doubtful++;
         return;
@@ -142,7 +142,7 @@ static void test_faces(void **state) {
                 int nodes[QUADRATIC_NODES][3];
                 const quadratic_tet t = quadratic_lab_cell(&s, c, nodes);
                 quadratic_path path;
-                (void)quadratic_path_of(&t, quadratic_sense(t.p), &sheared, &path);
+                (void)quadratic_path_of(&t, quadratic_sense(&t), &sheared, &path);
                 for (int e = 0; e < 2 * path.count; e++) {
                     const path_end *end = &path.part[e / 2].end[e % 2];
                     if (!at_boundary((const int(*)[3])nodes, end->at))
@@ -184,7 +184,7 @@ static void piece_holds(const quadratic_tet *c, const ray *r, const path_end end
         const double x = (double)n / SAMPLES;
         const double now = piece->t[0] + x * (piece->t[1] - piece->t[0]);
         long double truth;
-        if (!quadratic_truth_value(c, quadratic_straight_edges(c->p), r->o, r->d, now, at, &truth))
+        if (!quadratic_truth_value(c, quadratic_straight_edges(c), r->o, r->d, now, at, &truth))
             continue;
         const double off = fabs(cubic_at(piece->b, x) - (double)truth);
         assert_true(off <= piece->error + 1e-12 * (1.0 + 1.0 / (end[1].t - end[0].t)));
@@ -197,7 +197,7 @@ static void piece_holds(const quadratic_tet *c, const ray *r, const path_end end
 static void pieces_hold(const quadratic_tet *c, const ray *r, double tolerance, long *parts,
                         long *pieces, path_counts *counts, double *closest) {
     const sheared_ray sheared = sheared_ray_of(r->o, r->d);
-    const int sense = quadratic_sense(c->p);
+    const int sense = quadratic_sense(c);
     quadratic_path path;
     path_piece piece[PATH_PIECES];
     double range[2];
@@ -260,7 +260,7 @@ static void test_pieces(void **state) {
 /* The gradient is what differences of the truth say. */
 static long gradient_holds(const quadratic_lab *s, const quadratic_tet *c, const double at[3],
                            const double point[3]) {
-    const unsigned straight = quadratic_straight_edges(c->p);
+    const unsigned straight = quadratic_straight_edges(c);
     const double step = 1e-9 * s->size;
     double gradient[3];
     long held = 0;
@@ -305,14 +305,14 @@ static void test_points(void **state) {
             quadratic_lab_at(&in, u, point, &there);
             for (int c = 0; c < CELLS; c++) {
                 const quadratic_tet t = quadratic_lab_cell(&s, c, NULL);
-                const int sense = quadratic_sense(t.p);
+                const int sense = quadratic_sense(&t);
                 double at[3], value;
                 if (!quadratic_point_find(&t, sense, point, at, &value))
                     continue;
                 holders++;
                 const double none[3] = {0.0, 0.0, 0.0};
                 long double near[3] = {at[0], at[1], at[2]}, truth;
-                if (sense == 0 || !quadratic_truth_value(&t, quadratic_straight_edges(t.p), point,
+                if (sense == 0 || !quadratic_truth_value(&t, quadratic_straight_edges(&t), point,
                                                          none, 0.0, near, &truth))
                     continue;
                 assert_true(fabs(value - (double)truth) < 1e-8);
@@ -363,9 +363,9 @@ static void test_orders(void **state) {
                 memcpy(turned.p[k], t.p[from], sizeof t.p[from]);
                 turned.value[k] = t.value[from];
             }
-            const int sense = quadratic_sense(t.p);
+            const int sense = quadratic_sense(&t);
             quadratic_path a, b;
-            assert_int_equal(quadratic_sense(turned.p), odd ? -sense : sense);
+            assert_int_equal(quadratic_sense(&turned), odd ? -sense : sense);
             assert_int_equal(quadratic_path_of(&t, sense, &sheared, &a),
                              quadratic_path_of(&turned, odd ? -sense : sense, &sheared, &b));
             for (int k = 0; k < 2 * a.count; k++) {
@@ -385,8 +385,8 @@ static void test_sense(void **state) {
     for (int e = 0; e < QUADRATIC_EDGES; e++)
         for (int a = 0; a < 3; a++)
             t.p[4 + e][a] = 0.5 * (t.p[quadratic_edge(e)[0]][a] + t.p[quadratic_edge(e)[1]][a]);
-    assert_int_equal(quadratic_straight_edges(t.p), 63);
-    assert_int_equal(quadratic_sense(t.p), 1);
+    assert_int_equal(quadratic_straight_edges(&t), 63);
+    assert_int_equal(quadratic_sense(&t), 1);
     /* Along the edge 01 the map is 4 x s (1 - s) + s^2: it rises where x is from 1/4 to 3/4. */
     static const struct {
         double x;
@@ -395,23 +395,23 @@ static void test_sense(void **state) {
     for (size_t i = 0; i < sizeof trials / sizeof *trials; i++) {
         quadratic_tet u = t;
         u.p[4][0] = trials[i].x;
-        assert_int_equal(quadratic_sense(u.p), trials[i].sense);
+        assert_int_equal(quadratic_sense(&u), trials[i].sense);
         for (int n = 0; n < QUADRATIC_NODES; n++)
             u.p[n][2] *= -1.0;
-        assert_int_equal(quadratic_sense(u.p), -trials[i].sense);
+        assert_int_equal(quadratic_sense(&u), -trials[i].sense);
     }
     /* Flat, and without size. */
     quadratic_tet flat = t;
     for (int n = 0; n < QUADRATIC_NODES; n++)
         flat.p[n][2] = 0.0;
-    assert_int_equal(quadratic_sense(flat.p), 0);
+    assert_int_equal(quadratic_sense(&flat), 0);
     memset(flat.p, 0, sizeof flat.p);
-    assert_int_equal(quadratic_sense(flat.p), 0);
+    assert_int_equal(quadratic_sense(&flat), 0);
     /* Roundings to floats are no bends. */
     t.p[4][0] += 0x1p-24;
-    assert_int_equal(quadratic_straight_edges(t.p), 63);
+    assert_int_equal(quadratic_straight_edges(&t), 63);
     t.p[4][0] += 0x1p-19;
-    assert_int_equal(quadratic_straight_edges(t.p), 62);
+    assert_int_equal(quadratic_straight_edges(&t), 62);
 }
 
 /* A parabola folded over itself, as the ray sees it: two crossings or none, and four. */

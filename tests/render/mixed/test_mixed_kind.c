@@ -295,20 +295,20 @@ static void add_code(const lied *x) {
 }
 
 static void lose_corner(const lied *x) {
-    uint16_t *corner = (uint16_t *)(void *)(x->topology + x->shape.corners_at);
+    uint16_t *corner = (uint16_t *)(void *)(x->topology + x->shape.rows_at);
     corner[HEX_CORNERS] = (uint16_t)x->shape.nodes;
 }
 
 /* Of all cells that have the last node, the one before takes its place. */
 static void leave_node(const lied *x) {
-    uint16_t *corner = (uint16_t *)(void *)(x->topology + x->shape.corners_at);
+    uint16_t *corner = (uint16_t *)(void *)(x->topology + x->shape.rows_at);
     for (uint32_t i = 0; i < HEX_CORNERS * x->shape.cells; i++)
         corner[i] = (uint16_t)(corner[i] - (corner[i] + 1U == x->shape.nodes));
 }
 
 static void swap_nodes(const lied *x) {
     uint16_t(*corners)[HEX_CORNERS] =
-        (uint16_t(*)[HEX_CORNERS])(void *)(x->topology + x->shape.corners_at);
+        (uint16_t(*)[HEX_CORNERS])(void *)(x->topology + x->shape.rows_at);
     const uint16_t first = corners[0][0];
     corners[0][0] = corners[0][1];
     corners[0][1] = first;
@@ -342,7 +342,12 @@ static void count_nodes(const lied *x) {
 
 static void count_more(const lied *x) {
     uint32_t(*counts)[4] = leaf_image_section(&x->image, LEAF_SECTION_COUNTS);
-    counts[0][2] = 1;
+    counts[0][3] = 1;
+}
+
+static void count_quadratic(const lied *x) {
+    uint32_t(*counts)[4] = leaf_image_section(&x->image, LEAF_SECTION_COUNTS);
+    counts[0][2] = counts[0][0] + 1;
 }
 
 static void claim_cells(const lied *x) {
@@ -372,9 +377,9 @@ static const struct {
     const char *told;
     bool drawn;
 } lies[] = {
-    {turn_cell, "bits are not those of its corners", true},
+    {turn_cell, "bits are not those of its nodes", true},
     {add_code, "expected 0 as padding", true},
-    {lose_corner, "a corner is at no node", false},
+    {lose_corner, "a cell is at no node", false},
     {leave_node, "a node is at no cell", true},
     {swap_nodes, "nodes are not in the order of their first use", true},
     {add_corner, "expected 0 as padding", true},
@@ -384,6 +389,7 @@ static const struct {
     {count_cells, "cannot have so many cells", false},
     {count_nodes, "cannot have so many nodes", false},
     {count_more, "cannot have more than cells and nodes", false},
+    {count_quadratic, "cannot have so many quadratic tets", false},
     {claim_cells, "expected the treelets'", false},
     {claim_folds, "of them folded", false},
     {claim_leaves, "leaf_tets", false},
@@ -475,7 +481,7 @@ static void test_library(void **state) {
     leafcast_convert_options without[] = {plain, plain, plain};
     without[0].gradients = true;
     without[1].leaf_tets = 12;
-    without[2].treelet_tets = MIXED_CELLS_MAX + 1;
+    without[2].treelet_tets = MIXED_QUADRATIC_MAX + 1;
     for (size_t i = 0; i < sizeof without / sizeof *without; i++) {
         without[i].whole_cells = true;
         assert_int_equal(
