@@ -236,6 +236,9 @@ typedef struct leafcast_info {
     uint32_t preview_levels; /* levels of detail that a preview may draw. As `levels`, but with a
                                 coarse grid: the cells themselves, then the grid's levels, and
                                 those of the one inside it */
+    uint32_t cell_levels;    /* how many of these, from level 0 on, are of cells of the volume's
+                                kind; the others are of a regular grid. 1 to preview_levels; with
+                                neither coarse levels nor a coarse grid 1 */
     bool gradients;          /* stored at the nodes, for leafcast_scene.smooth_normals */
     leafcast_axes axes;      /* of the world that the volume lies in */
     const char *units[3];    /* of lengths along x, y, z, such as "mm"; "": the file does not say */

@@ -48,9 +48,11 @@ static status open_one(mem *m, const leaf_file *f, uint32_t set, bool inner, lea
 uint32_t coarse_preview_levels(leafcast *v) {
     leaf_file *outer = NULL, *inner = NULL;
     uint32_t levels = 0;
+    v->cell_levels = v->file->layout.sampled;
     if (open_one(v->m, leaf_file_stores(v->file), 0, false, &outer) == ST_OK && outer) {
         levels = outer->layout.sampled;
         v->coarse_is_grid = outer->geometry->has_map;
+        v->cell_levels += v->coarse_is_grid ? 0 : levels;
         if (open_one(v->m, outer, 0, false, &inner) == ST_OK && inner)
             levels += inner->layout.sampled;
     }

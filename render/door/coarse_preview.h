@@ -20,8 +20,8 @@
 #include "render/door/leafcast_volume.h"
 
 /* coarse_preview_levels() - returns the levels of the first set's coarse grid, with those of the
- * one inside it, and notes its kind in v. Others may lack the one inside: their last level stands
- * for what is missing. 0: there is no grid that can be opened. */
+ * one inside it, and notes in v its kind and cell_levels. Others may lack the one inside: their
+ * last level stands for what is missing. 0: there is no grid that can be opened. */
 uint32_t coarse_preview_levels(leafcast *v);
 
 /* coarse_preview_begin() - call before a picture of v. Sets *tr up for rays through the coarse grid

@@ -315,6 +315,7 @@ leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
                             .sample_type = sample_name((sample_type)h->sample_type),
                             .name = v->file->name,
                             .preview_levels = v->preview_levels,
+                            .cell_levels = v->cell_levels,
                             .gradients = h->gradients != 0,
                             .axes = (leafcast_axes)v->axes,
                             .units = {world->unit[0], world->unit[1], world->unit[2]},

@@ -39,7 +39,7 @@ struct leafcast {
     int surface_count;
     uint32_t field, step; /* of a live volume: the file's step that is shown */
     double share;         /* ... and so much of the way to the next step */
-    uint32_t preview_levels;
+    uint32_t preview_levels, cell_levels;
     int frames;          /* of a coarse grid: frames under way that draw it in a volume's place */
     leafcast *coarse;    /* its coarse grid, once a preview wants it; else NULL */
     uint32_t coarse_set; /* the set it was made from */

@@ -22,10 +22,16 @@
 
 /* Scales, and how many levels coarser than at a pixel's size. Doubling a pixel's width leaves a
  * quarter of the pixels; doubling a cell's leaves half of the cells. So both go together, pixels
- * first. */
-static const view_grade LADDER[] = {{1, 0},  {2, 0},  {3, 0},  {4, 0}, {4, 1}, {6, 0},
-                                    {6, 1},  {8, 0},  {8, 1},  {8, 2}, {8, 3}, {12, 2},
-                                    {12, 3}, {16, 3}, {24, 3}, {32, 3}};
+ * first. quick: where that level is slow, the next one that is not. */
+typedef struct rung {
+    uint32_t scale, level;
+    bool quick;
+} rung;
+
+static const rung LADDER[] = {
+    {1, 0, false}, {2, 0, false}, {3, 0, false}, {4, 0, false}, {4, 1, false}, {4, 1, true},
+    {6, 0, false}, {6, 1, true},  {8, 0, false}, {8, 1, true},  {8, 2, true},  {8, 3, true},
+    {12, 2, true}, {12, 3, true}, {16, 3, true}, {24, 3, true}, {32, 3, true}};
 enum { GRADES = (int)(sizeof LADDER / sizeof *LADDER) };
 
 double view_pace_pixels(const view_task *t, view_grade g) {
@@ -43,14 +49,23 @@ uint32_t view_pace_level(const view_task *t, uint32_t scale) {
     return cells >= 2.0 ? level_at_most(t, (uint32_t)fmin(log2(cells), VIEW_PACE_LEVELS)) : 0;
 }
 
+static bool is_slow(const view_task *t, uint32_t level) {
+    return t->apart > 1.0 && level < t->slow;
+}
+
+static uint32_t quick_from(const view_task *t, uint32_t level) {
+    const uint32_t quick = level_at_most(t, t->slow);
+    return is_slow(t, level) && !is_slow(t, quick) ? quick : level;
+}
+
 uint32_t view_pace_quick_level(const view_task *t, uint32_t scale) {
-    const uint32_t level = view_pace_level(t, scale);
-    return t->apart > 1.0 && level == 0 ? level_at_most(t, 1) : level;
+    return quick_from(t, view_pace_level(t, scale));
 }
 
 static view_grade grade_at(const view_task *t, int place) {
-    const view_grade g = LADDER[place];
-    return (view_grade){g.scale, level_at_most(t, view_pace_level(t, g.scale) + g.level)};
+    const rung *r = &LADDER[place];
+    const uint32_t level = level_at_most(t, view_pace_level(t, r->scale) + r->level);
+    return (view_grade){r->scale, r->quick ? quick_from(t, level) : level};
 }
 
 static bool is_same(view_grade a, view_grade b) {
@@ -61,7 +76,7 @@ static bool is_same(view_grade a, view_grade b) {
 
 /* Returns what a level's cells cost relative to those of a coarse level. */
 static double apart(const view_task *t, uint32_t level) {
-    return level == 0 ? t->apart : 1.0;
+    return is_slow(t, level) ? t->apart : 1.0;
 }
 
 /* Returns whether two levels have cells of one kind, so that the time of one predicts the

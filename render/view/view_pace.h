@@ -3,9 +3,9 @@
  *
  * A grade is a fraction of the canvas and a level of detail. Grades are tried from the best down:
  * first fewer pixels, with cells of about a pixel's size; when pixels are few already, larger
- * cells. The estimated time of a picture is a third of the quickest one lately, plus its pixels
- * times a cost per level. Costs are learned from pictures that were drawn; those of other levels
- * keep their ratio to them. No clock is read here.
+ * cells, then those of the first level that is not slow. The estimated time of a picture is a third
+ * of the quickest one lately, plus its pixels times a cost per level. Costs are learned from
+ * pictures that were drawn; those of other levels keep their ratio to them. No clock is read here.
  */
 #ifndef RENDER_VIEW_VIEW_PACE_H
 #define RENDER_VIEW_VIEW_PACE_H
@@ -21,8 +21,9 @@ typedef struct view_task {
     uint32_t levels;        /* number of levels of detail, at least 1 */
     double cells;           /* cells of level 0 in the width of a canvas pixel, about */
     double guess;           /* seconds per pixel before anything is known; above 0 */
-    double apart; /* 1, or more if level 0 has other cells (tets): its time relative to an estimate
-                     by other levels */
+    uint32_t slow; /* number of levels, from 0 on, that may have slower cells (tets) than others;
+                      more than `levels` is all */
+    double apart;  /* 1, or more: the time of slow levels relative to an estimate by others */
 } view_task;
 
 typedef struct view_grade {
@@ -43,7 +44,8 @@ double view_pace_pixels(const view_task *t, view_grade g);
 double view_pace_seconds(const view_pace *p, const view_task *t, view_grade g);
 
 /* view_pace_level() - returns the level whose cells are about as large as pixels at this scale.
- * view_pace_quick_level() - the same, or the next one if that has slow tets. */
+ * view_pace_quick_level() - the same, or if that is slow the first one that is not, where there is
+ * one. */
 uint32_t view_pace_level(const view_task *t, uint32_t scale);
 uint32_t view_pace_quick_level(const view_task *t, uint32_t scale);
 

@@ -14,11 +14,11 @@
 /* A renderer: seconds a pixel at level 0, and the share of that at each coarser level. */
 typedef struct model {
     double cost, per_level, more; /* more: seconds a picture, whatever its size */
-    double tets;                  /* how many times that level 0 takes */
+    double tets;                  /* how many times that slow levels take */
 } model;
 
 static double takes(const model *m, const view_task *t, view_grade g) {
-    const double cells = g.level == 0 ? m->tets : 1.0;
+    const double cells = g.level < t->slow ? m->tets : 1.0;
     return m->more + cells * m->cost * pow(m->per_level, g.level) * view_pace_pixels(t, g);
 }
 
@@ -192,6 +192,7 @@ static void test_no_levels(void **state) {
 static void test_tets(void **state) {
     (void)state;
     view_task t = GRID;
+    t.slow = 1;
     t.apart = 8.0;
     t.cells = 0.2;
     for (double tets = 4.0; tets < 200.0; tets *= 1.3)
@@ -218,6 +219,88 @@ static void test_tets(void **state) {
     assert_int_equal(view_pace_quick_level(&t, 32), 2);
     t.levels = 1;
     assert_int_equal(view_pace_quick_level(&t, 1), 0);
+}
+
+/* With no, one, two and all levels slow: the first one that is not. */
+static void test_quick_levels(void **state) {
+    (void)state;
+    /* At cells of 0.6: level 0 is asked for at scale 1, level 1 at 4, level 2 at 8. */
+    static const uint32_t expected[][3] = {{0, 1, 2}, {1, 1, 2}, {2, 2, 2}, {3, 3, 3}, {0, 1, 2}};
+    static const uint32_t scales[] = {1, 4, 8};
+    view_task t = GRID;
+    t.apart = 8.0;
+    for (t.slow = 0; t.slow <= 4; t.slow++)
+        for (int i = 0; i < 3; i++)
+            assert_int_equal(view_pace_quick_level(&t, scales[i]), expected[t.slow][i]);
+    t.slow = 100; /* more than there are */
+    assert_int_equal(view_pace_quick_level(&t, 4), 1);
+    t.slow = 2; /* a picture of cells of a pixel: no other levels */
+    t.levels = 1;
+    assert_int_equal(view_pace_quick_level(&t, 4), 0);
+    t.levels = 4;
+    t.apart = 1.0; /* surfaces: as quick as any */
+    assert_int_equal(view_pace_quick_level(&t, 1), 0);
+}
+
+/* Seconds that are expected of a level after one of another level took a second. */
+static double expected_after(const view_task *t, uint32_t known, uint32_t of) {
+    view_pace p = {0};
+    view_pace_learn(&p, t, (view_grade){4, known}, 1.0, 1.0);
+    return view_pace_seconds(&p, t, (view_grade){4, of}) - p.least / 3.0;
+}
+
+/* The time of one slow level says how long another takes, as quick ones do of each other; between
+ * slow and quick ones it is `apart` times that. */
+static void test_slow_levels(void **state) {
+    (void)state;
+    view_task t = GRID;
+    t.apart = 8.0;
+    for (t.slow = 0; t.slow <= t.levels; t.slow++)
+        for (uint32_t known = 0; known < t.levels; known++)
+            for (uint32_t of = 0; of < t.levels; of++) {
+                const view_task alike = {.width = t.width,
+                                         .height = t.height,
+                                         .levels = t.levels,
+                                         .cells = t.cells,
+                                         .guess = t.guess,
+                                         .apart = 1.0};
+                const double more = (of < t.slow ? 8.0 : 1.0) / (known < t.slow ? 8.0 : 1.0);
+                const double usual = expected_after(&alike, known, of);
+                assert_true(fabs(expected_after(&t, known, of) - more * usual) <= 1e-9 * usual);
+            }
+}
+
+/* Two slow levels of four, as of a thinned grid with a regular one inside: neither is drawn where
+ * it takes too long, from the first picture on, and then pixels are not few if the regular grid's
+ * cells are quick. Where they do not, both are drawn. With other numbers of slow levels each
+ * picture soon fits, too. */
+static void test_thinned(void **state) {
+    (void)state;
+    view_task t = GRID;
+    t.apart = 8.0;
+    t.cells = 0.2;
+    for (t.slow = 0; t.slow <= t.levels; t.slow++)
+        for (double tets = 4.0; tets < 60.0; tets *= 1.3)
+            for (double cost = 3e-7; cost < 1e-6; cost *= 1.3) {
+                view_pace p = {0};
+                const model m = {cost, 0.6, 0.0, tets};
+                view_grade g;
+                int lost = 0;
+                (void)draw(&p, &t, &m, &g, &lost);
+                assert_true(lost <= 1);
+                assert_true(t.slow != 2 || (g.level == 2 && g.scale <= 6));
+                g = settles(&p, &t, &m, 20);
+                assert_true(t.slow != 2 || (g.level == 2 && g.scale == 4));
+            }
+    t.slow = 2;
+    view_pace p = {0};
+    view_grade g = settles(&p, &t, &(model){1e-9, 0.6, 0.0, 8.0}, 60);
+    assert_int_equal(g.scale, 1);
+    assert_int_equal(g.level, 0);
+    t.cells = 1.0; /* cells of level 1 are as large as pixels at scale 2 */
+    p = (view_pace){0};
+    g = settles(&p, &t, &(model){3e-8, 0.6, 0.0, 8.0}, 60);
+    assert_int_equal(g.level, 1);
 }
 
 /* A picture that takes long beside other programs' work changes little. */
@@ -259,11 +342,13 @@ static void test_small(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_quick),    cmocka_unit_test(test_fits),
-        cmocka_unit_test(test_hopeless), cmocka_unit_test(test_changes),
-        cmocka_unit_test(test_held_up),  cmocka_unit_test(test_steady),
-        cmocka_unit_test(test_levels),   cmocka_unit_test(test_no_levels),
-        cmocka_unit_test(test_outlier),  cmocka_unit_test(test_again),
-        cmocka_unit_test(test_tets),     cmocka_unit_test(test_small)};
+        cmocka_unit_test(test_quick),        cmocka_unit_test(test_fits),
+        cmocka_unit_test(test_hopeless),     cmocka_unit_test(test_changes),
+        cmocka_unit_test(test_held_up),      cmocka_unit_test(test_steady),
+        cmocka_unit_test(test_levels),       cmocka_unit_test(test_no_levels),
+        cmocka_unit_test(test_outlier),      cmocka_unit_test(test_again),
+        cmocka_unit_test(test_tets),         cmocka_unit_test(test_small),
+        cmocka_unit_test(test_quick_levels), cmocka_unit_test(test_slow_levels),
+        cmocka_unit_test(test_thinned)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
