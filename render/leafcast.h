@@ -507,8 +507,8 @@ typedef struct leafcast_cell {
     int corners;       /* 8 in a grid, 4 of a tet, 10 of a quadratic one: its nodes; 0: the cell has
                           none, or is blanked */
     /* The corners in world space, and the values there. Corner (x, y, z) of a grid's cell, or of a
-     * hexahedron, is at index x + 2y + 4z; those of a tet are in the order of the treelet file, of a quadratic
-     * one corners first, then the nodes of edges 01, 12, 02, 03, 13, 23. */
+     * hexahedron, is at index x + 2y + 4z; those of a tet are in the order of the treelet file, of
+     * a quadratic one corners first, then the nodes of edges 01, 12, 02, 03, 13, 23. */
     double position[LEAFCAST_CORNERS_MAX][3];
     float value[LEAFCAST_CORNERS_MAX];
 } leafcast_cell;

@@ -2,8 +2,8 @@
  * mask of each block's active cells.
  *
  * A cell is the hexahedron between eight nodes, some of them the same, trilinear in position and
- * value; or a quadratic tet. Cells are in the order of a space-filling curve, so a block is a run of them, and eight
- * blocks in a row are neighbours (treelet_tree.h).
+ * value; or a quadratic tet. Cells are in the order of a space-filling curve, so a block is a run
+ * of them, and eight blocks in a row are neighbours (treelet_tree.h).
  */
 #ifndef STREAM_MIXED_BLOCKS_H
 #define STREAM_MIXED_BLOCKS_H
@@ -16,12 +16,12 @@ enum { MIXED_BLOCK = 16 };
 
 typedef struct mixed_blocks {
     mixed_shape shape;
-    uint64_t first;      /* number of its first cell in the whole file */
-    const void *places;  /* of its step (mixed_geometry.h) */
-    const float *p[3];   /* a coordinate of all nodes, in there */
-    const float *values; /* of all nodes */
+    uint64_t first;       /* number of its first cell in the whole file */
+    const void *places;   /* of its step (mixed_geometry.h) */
+    const float *p[3];    /* a coordinate of all nodes, in there */
+    const float *values;  /* of all nodes */
     const uint16_t *rows; /* of the cells; mixed_row() */
-    treelet_tree tree; /* over the blocks; active: those with an active cell */
+    treelet_tree tree;    /* over the blocks; active: those with an active cell */
     uint32_t blocks;
     float (*ranges)[2]; /* of a block's finite values; inf, -inf: it has none */
     uint16_t *active;   /* per block: a bit for each cell, the first one lowest */

@@ -19,7 +19,8 @@ typedef struct curved_cell {
     uint64_t number; /* in the whole file */
 } curved_cell;
 
-/* curved_cell_nodes() - the number of its nodes. curved_cell_place(), _value() - what node n has. */
+/* curved_cell_nodes() - the number of its nodes. curved_cell_place(), _value() - what node n has.
+ */
 static inline int curved_cell_nodes(const curved_cell *c) {
     return c->quadratic ? QUADRATIC_NODES : HEX_CORNERS;
 }

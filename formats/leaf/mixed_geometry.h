@@ -15,8 +15,9 @@
  * A treelet's nodes are in the order in which its cells' rows use them first. A node that
  * several treelets share has the same bits in all. Cells are in the order of a space-filling curve.
  * COUNTS: c, n, q, 0; q: quadratic tets among the cells. What bounds positions and values bounds
- * the coefficients of such tets, too, rounded outward (curved_quadratic_limits()). Of the header: tets: cells; vertices: nodes of the whole mesh, each once;
- * treelet_tets: cells in a treelet at most; flat: cells that are folded at step 0.
+ * the coefficients of such tets, too, rounded outward (curved_quadratic_limits()). Of the header:
+ * tets: cells; vertices: nodes of the whole mesh, each once; treelet_tets: cells in a treelet at
+ * most; flat: cells that are folded at step 0.
  */
 #ifndef FORMATS_LEAF_MIXED_GEOMETRY_H
 #define FORMATS_LEAF_MIXED_GEOMETRY_H
@@ -33,7 +34,7 @@ enum { MIXED_CELLS_MAX = 8192, MIXED_QUADRATIC_MAX = 6553 };
 /* Where the parts of a treelet's payloads begin, in bytes. */
 typedef struct mixed_shape {
     uint32_t cells, nodes, quadratic;
-    uint32_t width;                /* of a row */
+    uint32_t width;             /* of a row */
     uint32_t codes_at, rows_at; /* of a topology; places end at the latter */
     uint32_t place_bytes, topology_bytes, value_bytes;
 } mixed_shape;

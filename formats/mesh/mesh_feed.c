@@ -1,5 +1,5 @@
-#include "formats/base/quadratic_tet.h"
 #include "formats/mesh/mesh_feed.h"
+#include "formats/base/quadratic_tet.h"
 
 #include <assert.h>
 #include <math.h>

@@ -43,7 +43,7 @@ typedef struct mesh_feed {
     uint32_t fields;
     uint32_t (*tets)[4];
     uint32_t (*whole)[CELL_ROW]; /* instead, if the sink takes cells */
-    float bounds[6];                /* box of the points so far: lo x, y, z, hi x, y, z */
+    float bounds[6];             /* box of the points so far: lo x, y, z, hi x, y, z */
     mesh_feed_kept kept;
     bool vanished; /* a coordinate that is not 0 was rounded to 0 */
 } mesh_feed;
@@ -85,7 +85,8 @@ CHECKED status mesh_feed_zeros(mesh_feed *f);
  * these, until the next call. 0: nothing more. Takes 12 bytes a point, and 4 a value. */
 CHECKED status mesh_feed_keep(mesh_feed *f, uint64_t count);
 
-/* mesh_feed_takes_quadratic() - whether quadratic tets may be fed: the sink takes cells as they are.
+/* mesh_feed_takes_quadratic() - whether quadratic tets may be fed: the sink takes cells as they
+ * are.
  */
 static inline bool mesh_feed_takes_quadratic(const mesh_feed *f) {
     return f->whole != NULL;

@@ -447,10 +447,11 @@ static status find_type(const gmsh_reading *r, const gmsh_cursor *c, uint64_t nu
                                  "an element of type %lld, expected tets, hexes, prisms and "
                                  "pyramids of first order (4 5 6 7), surfaces, edges or points%s",
                                  (long long)number,
-                                 quadratic ? " (--whole-cells takes it as it is, --by-corners as of "
-                                             "first order)"
-                                 : known   ? " (--by-corners takes it as of first order)"
-                                           : "");
+                                 quadratic
+                                     ? " (--whole-cells takes it as it is, --by-corners as of "
+                                       "first order)"
+                                 : known ? " (--by-corners takes it as of first order)"
+                                         : "");
     *type = types[number];
     return ST_OK;
 }

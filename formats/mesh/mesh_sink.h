@@ -7,8 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "formats/base/cell_shape.h"
 #include "formats/base/cell_row.h"
+#include "formats/base/cell_shape.h"
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/input/input_trust.h"

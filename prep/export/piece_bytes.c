@@ -140,12 +140,9 @@ char *piece_bytes_offsets(const piece_view *v, const piece_array *a, char *to) {
 }
 
 char *piece_bytes_shapes(const piece_view *v, const piece_array *a, char *to) {
-    static const char vtk[CELL_SHAPES] = {[CELL_TET] = 10,
-                                          [CELL_VOXEL] = 11,
-                                          [CELL_HEXAHEDRON] = 12,
-                                          [CELL_WEDGE] = 13,
-                                          [CELL_PYRAMID] = 14,
-                                          [CELL_QUADRATIC_TET] = 24};
+    static const char vtk[CELL_SHAPES] = {
+        [CELL_TET] = 10,   [CELL_VOXEL] = 11,   [CELL_HEXAHEDRON] = 12,
+        [CELL_WEDGE] = 13, [CELL_PYRAMID] = 14, [CELL_QUADRATIC_TET] = 24};
     (void)a;
     for (uint32_t c = 0; c < v->p->cells; c++)
         *to++ = vtk[v->p->shape[c]];

@@ -15,8 +15,8 @@ static const char *name_of(const convert_request *a) {
 }
 
 static void print_input(const convert_request *a, const mesh_report *r) {
-    static const char *const kinds[CELL_SHAPES] = {"hexahedra", "wedges", "pyramids", "voxels",
-                                                   "tets",      "quadratic tets"};
+    static const char *const kinds[CELL_SHAPES] = {"hexahedra", "wedges", "pyramids",
+                                                   "voxels",    "tets",   "quadratic tets"};
     printf("input       %llu points, %llu %ss\n", whole(r->points), whole(r->tets), name_of(a));
     convert_report_print_sets(a, r->field);
     for (int i = 0; i < CELL_SPLIT_SHAPES; i++)
@@ -80,9 +80,10 @@ static json_t *mesh_plan_json(const mesh_result *r) {
         (json_int_t)in->split[2], (json_int_t)in->split[3], "polyhedra", (json_int_t)in->polyhedra,
         "by_corners", (json_int_t)in->by_corners, "whole", (json_int_t)in->whole[0],
         (json_int_t)in->whole[1], (json_int_t)in->whole[2], (json_int_t)in->whole[3],
-        (json_int_t)in->whole[4], (json_int_t)in->whole[5], "skipped", (json_int_t)in->skipped, "ghosts",
-        (json_int_t)in->ghosts, "memory_planned", (json_int_t)r->plan.memory, "memory_least",
-        (json_int_t)r->plan.memory_least, "spill_bytes", (json_int_t)r->plan.spill_bytes);
+        (json_int_t)in->whole[4], (json_int_t)in->whole[5], "skipped", (json_int_t)in->skipped,
+        "ghosts", (json_int_t)in->ghosts, "memory_planned", (json_int_t)r->plan.memory,
+        "memory_least", (json_int_t)r->plan.memory_least, "spill_bytes",
+        (json_int_t)r->plan.spill_bytes);
 }
 
 static void add_mesh(json_t *json, const mesh_result *r, double seconds) {

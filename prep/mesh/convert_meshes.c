@@ -3,13 +3,13 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
-#include "prep/mesh/mixed_treelet.h"
 #include "formats/mesh/mesh_input.h"
 #include "formats/mesh/mesh_input_kind.h"
 #include "prep/convert_append.h"
 #include "prep/convert_choices.h"
 #include "prep/further_step.h"
 #include "prep/mesh/convert_mesh_report.h"
+#include "prep/mesh/mixed_treelet.h"
 
 /* ---- notes ---- */
 

@@ -19,10 +19,10 @@ typedef struct signs {
 typedef struct bench {
     mesh_treelet_builder *builder; /* or, of a mixed mesh: */
     mixed_treelet_builder *mixed;
-    mesh_pages input;               /* its cells, as they were gathered */
+    mesh_pages input;            /* its cells, as they were gathered */
     uint32_t (*cells)[CELL_ROW]; /* of the treelet */
-    mesh_sah *sah;                  /* NULL: trees by keys */
-    mesh_earlier earlier;           /* if the output is added to */
+    mesh_sah *sah;               /* NULL: trees by keys */
+    mesh_earlier earlier;        /* if the output is added to */
     mesh_pages points, values, gradients;
     leaf_packer *packer;
     void *pack;
@@ -279,8 +279,8 @@ static status value_mixed(const mesh_build *b, bench *k, const piece *p, uint32_
         st = leaf_writer_put_values(b->writer, k->packer, set, p->treelet, &t->entry, t->values,
                                     k->pack);
     return st == ST_OK ? mesh_histogram_take_cells(&b->histogram, set, p->first_tet,
-                                                   (const uint32_t(*)[CELL_ROW])k->cells,
-                                                   p->count, &k->points, &k->values)
+                                                   (const uint32_t(*)[CELL_ROW])k->cells, p->count,
+                                                   &k->points, &k->values)
                        : st;
 }
 

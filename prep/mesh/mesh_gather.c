@@ -120,8 +120,8 @@ static status take_moved(mesh_gather *g, uint64_t first, size_t count, const flo
 static status differs(const mesh_gather *g, uint64_t tet, const uint32_t *now,
                       const uint32_t *before) {
     char text[2][12 * CELL_ROW] = {"", ""};
-    const bool quadratic = g->corners == CELL_ROW &&
-                           (cell_row_is_quadratic(now) || cell_row_is_quadratic(before));
+    const bool quadratic =
+        g->corners == CELL_ROW && (cell_row_is_quadratic(now) || cell_row_is_quadratic(before));
     const uint32_t told = g->corners == CELL_ROW && !quadratic ? HEX_CORNERS : g->corners;
     for (uint32_t c = 0; c < told; c++)
         for (int k = 0; k < 2; k++) {

@@ -41,8 +41,8 @@ void mixed_treelet_counts_max(uint32_t treelet_cells, uint32_t counts[4]);
  * out->positions; both bounds and folded.
  * mixed_treelet_value() - values: float of every node. Sets out->values, out->entry.
  * Fail only if reading does. */
-void mixed_treelet_begin(mixed_treelet_builder *b, const uint32_t (*cells)[CELL_ROW],
-                         size_t count, mixed_treelet *out);
+void mixed_treelet_begin(mixed_treelet_builder *b, const uint32_t (*cells)[CELL_ROW], size_t count,
+                         mixed_treelet *out);
 CHECKED status mixed_treelet_place(mixed_treelet_builder *b, mesh_pages *points, uint32_t step,
                                    mixed_treelet *out);
 CHECKED status mixed_treelet_value(mixed_treelet_builder *b, mesh_pages *values,

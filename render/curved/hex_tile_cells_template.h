@@ -86,8 +86,8 @@ static void take_crossed(hex_tile *w, const near_cell *c, unsigned i, int32_t is
     const ray r = tile_ray(&w->b.s, i);
     const sheared_ray sheared = sheared_ray_of(r.o, r.d);
     path_root roots[PATH_ROOTS];
-    const int count = hex_walk_crossed(&c->cell, &sheared,
-                                       w->b.s.f->tracer->isos.isovalues[iso], roots, NULL);
+    const int count =
+        hex_walk_crossed(&c->cell, &sheared, w->b.s.f->tracer->isos.isovalues[iso], roots, NULL);
     for (int n = 0; n < count; n++) {
         const double *at = roots[n].at;
         double gradient[3];

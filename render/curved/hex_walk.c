@@ -218,7 +218,8 @@ static void locate(const curved_cell *c, const double point[3], double at[3]) {
         at[0] = at[1] = at[2] = c->quadratic ? 0.25 : 0.5;
 }
 
-void hex_walk_gradient(const curved_cell *c, const ray *r, const segment *s, segment_gradient *out) {
+void hex_walk_gradient(const curved_cell *c, const ray *r, const segment *s,
+                       segment_gradient *out) {
     double b[3][4];
     for (int i = 0; i < 4; i++) {
         const double t = segment_t(s, i / 3.0);

@@ -1,5 +1,5 @@
-/* hex_walk.h - a ray, or a point, in a treelet whose cells are hexahedra, or other curved cells: what
- * is the same for all kinds of such treelets.
+/* hex_walk.h - a ray, or a point, in a treelet whose cells are hexahedra, or other curved cells:
+ * what is the same for all kinds of such treelets.
  *
  * A kind says which cells a ray may cross, one after another (hex_way); of these, the exact cell
  * decides.

@@ -193,8 +193,8 @@ static void test_between_nodes(void **state) {
                 if (i == 0 && (j % 2 || k % 2))
                     lab.p[k][j][i][0] = -0.02F;
             }
-    /* Along x the value is 4 u (1 - u) on edges from 0 to 1 to 0; coefficients reach 2, and -2. The face at
-     * x = 0 is bent outward. */
+    /* Along x the value is 4 u (1 - u) on edges from 0 to 1 to 0; coefficients reach 2, and -2. The
+     * face at x = 0 is bent outward. */
     leafcast *v = fixture_open(convert(0, 0, "lab.leaf"), NULL);
     double range[2];
     assert_int_equal(leafcast_range(v, 0, 0, range), LEAFCAST_OK);
