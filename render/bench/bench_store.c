@@ -27,8 +27,10 @@ typedef struct bench_volume {
     const char *name;
     const char *data; /* raw samples in the data folder, FILE or FILE.zst; NULL: generated */
     double data_isovalue;
-    const char *field, *type; /* of generate; where the data is absent, too */
-    uint32_t side;            /* samples an axis of the generated field */
+    /* Of generate; where the data is absent, too. type: of samples, tets, or the flag that makes a
+     * curvilinear grid. */
+    const char *field, *type;
+    uint32_t side; /* samples an axis of the generated field */
     double field_isovalue;
     uint32_t copies;         /* of a mesh along each axis; 0: a grid */
     uint32_t steps;          /* of a series: `data` is a pattern of its files then; 0: none */
@@ -248,6 +250,29 @@ static status generate(const bench_store *s, const bench_volume *v, const char *
     return st;
 }
 
+static bool is_curvilinear(const bench_volume *v) {
+    return v->type[0] == '-';
+}
+
+/* By way of a file in our folder: convert reads such a grid from no pipe. */
+static status generate_curvilinear(const bench_store *s, const bench_volume *v, const char *codec,
+                                   const char *leaf) {
+    char side[NUMBER], path[1][PATH_MAX];
+    const steps one = {.path = path, .count = 1, .in = -1};
+    pid_t pid;
+    snprintf(side, sizeof side, "%u", v->side);
+    snprintf(path[0], PATH_MAX, "%.3000s/%s.vts", s->folder, v->name);
+    const char *const all[] = {GENERATE, v->field, v->type, "--dims",  side,
+                               "-o",     path[0],  "-q",    "--force", NULL};
+    status st = start(GENERATE, (char *const *)all, -1, -1, &pid);
+    if (st == ST_OK)
+        st = await(GENERATE, pid);
+    if (st == ST_OK)
+        st = convert(s, &one, 0, 1, codec, leaf);
+    (void)unlink(path[0]);
+    return st;
+}
+
 /* ---- the data folder ---- */
 
 /* Where a data set lies: FILE.zst or FILE; false when neither is there. */
@@ -365,6 +390,10 @@ static const bench_volume VOLUMES[] = {
     {"bucky-32", NULL, 0, "buckyball", "tets", 32, 0.3, 1, 0, NULL},
     {"bucky-2x32", NULL, 0, "buckyball", "tets", 32, 0.3, 2, 0, NULL},
     {"bucky-4x32", NULL, 0, "buckyball", "tets", 32, 0.3, 4, 0, NULL},
+    {"hexes-warp-12", NULL, 0, "sphere", "--curvilinear=warp", 12, 0.6, 0, 0, NULL},
+    {"hexes-annulus-12", NULL, 0, "sphere", "--curvilinear=annulus", 12, 0.6, 0, 0, NULL},
+    {"hexes-warp-40", NULL, 0, "buckyball", "--curvilinear=warp", 40, 0.3, 0, 0, NULL},
+    {"hexes-annulus-40", NULL, 0, "buckyball", "--curvilinear=annulus", 40, 0.3, 0, 0, NULL},
     {"drop-64", NULL, 0, "drop", "u8", 64, 127.5, 0, 5, NULL},
     {"jets-64", NULL, 0, "jets", "u8", 64, 160.3, 0, 5, NULL},
     {"vortex-64", NULL, 0, "vortex", "u8", 64, 85, 0, 5, NULL},
@@ -412,7 +441,7 @@ static const char *keep(bench_store *s, const bench_volume *v, bool data, const 
     if (v->steps > 0)
         snprintf(path, PATH_MAX, "%.3000s/%s-%s-%s%s", s->folder, v->name, data ? "data" : v->field,
                  "steps", suffix);
-    else if (data)
+    else if (data || is_curvilinear(v))
         snprintf(path, PATH_MAX, "%.3000s/%s%s", s->folder, v->name, suffix);
     else if (v->copies > 1)
         snprintf(path, PATH_MAX, "%.3000s/%s-tets-%ux%u%s", s->folder, v->field, v->copies, v->side,
@@ -524,8 +553,9 @@ static status get(bench_store *s, const char *name, const char *codec, const cha
     if (v->steps > 0)
         st = get_series(s, v, data ? &found : NULL, packed, codec, out->path);
     else if (access(out->path, R_OK) != 0)
-        st = data ? convert_data(s, v, from, packed, codec, out->path)
-                  : generate(s, v, codec, out->path);
+        st = data                ? convert_data(s, v, from, packed, codec, out->path)
+             : is_curvilinear(v) ? generate_curvilinear(s, v, codec, out->path)
+                                 : generate(s, v, codec, out->path);
     globfree(&found);
     return st;
 }

@@ -7,6 +7,7 @@
 #include "render/bench/bench_compression.h"
 #include "render/bench/bench_figure.h"
 #include "render/bench/bench_frames.h"
+#include "render/bench/bench_hexes.h"
 #include "render/bench/bench_intersect.h"
 #include "render/bench/bench_isovalue.h"
 #include "render/bench/bench_lanes.h"
@@ -152,6 +153,9 @@ static const bench_count PACKET_COUNTS[] = {{"box tests", 0.03},
                                             {NULL, 0.0}};
 static const bench_count PLUCKER_COUNTS[] = {
     {"tets/ray", 0.01}, {"tests/tet", 0.01}, {"nodes/ray", 0.03}, {"differ", 0.0}, {NULL, 0.0}};
+static const bench_count HEX_COUNTS[] = {{"hexes/ray", 0.01}, {"tests/hex", 0.01}, {"hits", 0.01},
+                                         {"lost", 0.05},      {"missed", 0.05},    {"false", 0.05},
+                                         {NULL, 0.0}};
 static const bench_count INTERSECTOR_COUNTS[] = {
     {"ray-cells", 0.0}, {"surfaces", 0.0}, {"missed", 0.05}, {"false", 0.05}, {NULL, 0.0}};
 
@@ -316,6 +320,16 @@ static const bench_suite SUITES[] = {
      .surfaces = "",
      .labels = 3,
      .charts = {{"ms", "+-", false}, {"x tree", NULL, false}, {"tests/tet", NULL, false}}},
+    {.name = "hexes",
+     .takes = "[F.leaf --iso V]",
+     .about = "hexahedra of a curvilinear grid from neighbour to neighbour, by\n"
+              "Pluecker tests and by bilinear patches, beside exact cells (M08\n6.4)",
+     .counts = HEX_COUNTS,
+     .run = bench_hexes,
+     .view = "size view",
+     .surfaces = "iso",
+     .labels = 3,
+     .charts = {{"ms", "+-", false}, {"Mhexes/s", NULL, false}, {"t mean", NULL, true}}},
     {.name = "isopolygons",
      .takes = "[F.leaf --iso V]",
      .about = "isopolygons made on the fly, precomputed, cached (W07 4.4)",

@@ -57,6 +57,12 @@ done
 judge_frames "$tmp/all/steps.csv" 12
 ok "by faces the same, in two to three tests a tet" csv "$tmp/all/plucker.csv" \
     'len(t) == 6 and all(r["differ"] == "0" for r in t) and all(2 <= float(r["tests/tet"]) <= 3 and float(r["tets/ray"]) > 1 for r in t if r["way"] == "faces") and all(r["tests/tet"] == "-" for r in t if r["way"] == "tree")'
+ok "hexes: every way, of both grids, and what none of it may lose" csv "$tmp/all/hexes.csv" \
+    'len(t) == 24 and all(float(r["fps"]) > 0 for r in t) and all(int(r["lost"]) <= 40 for r in t if r["lost"] != "-")'
+ok "hexes: two tests a cell at least, and by patches fewer tests and less error" csv "$tmp/all/hexes.csv" \
+    'all(float(r["tests/hex"]) >= 2 for r in t if r["tests/hex"] != "-") and all(float(b["tests/hex"]) < float(a["tests/hex"]) and (a["draws"] != "iso" or float(b["t mean"]) < float(a["t mean"]) < 0.1) for a, b in zip(t, t[1:]) if (a["way"], b["way"]) == ("pluecker", "hybrid"))'
+ok "hexes: nearly all exact hits, and none made up by patches" csv "$tmp/all/hexes.csv" \
+    'all(int(r["missed"]) + int(r["false"]) < 0.03 * int(r["hits"]) for r in t if r["t mean"] != "-") and all(r["false"] == "0" for r in t if r["draws"] == "iso" and r["way"] == "hybrid")'
 judge_frames "$tmp/all/frames.csv" 16
 judge_frames "$tmp/all/figure414.csv" 4
 judge_frames "$tmp/all/zoom.csv" 42
