@@ -183,7 +183,8 @@ static void compare(const cell_mix_cell *c, const hexahedron *h, int sense, cons
 
 static void test_truth(void **state) {
     enum { RAYS = SLOW ? 30 : 400 };
-    static const char *const names[CELL_SHAPES] = {"hexahedra", "wedges", "pyramids", "", "tets"};
+    static const char *const names[CELL_SHAPES] = {"hexahedra", "wedges", "pyramids",
+                                                   "",          "tets",   ""};
     (void)state;
     for (int n = 0; n < hex_lab_count(); n++) {
         field_random random = {FIELD_SEED + (uint64_t)n};
