@@ -74,25 +74,56 @@ static void cross_face(const quadratic_tet *c, unsigned straight, const curved_m
     }
 }
 
-int quadratic_path_of(const quadratic_tet *c, int sense, const sheared_ray *r,
-                      quadratic_path *out) {
-    const unsigned straight = quadratic_straight_edges(c);
+/* Whether all coefficients are on one side of the ray, along one of two axes: then no face is
+ * crossed. That of an edge that counts as straight is between two corners, so it need not be looked
+ * at by itself. */
+static bool is_beside(const double q[3][QUADRATIC_NODES]) {
+    int above = 0, left = 0, right = 0;
+    for (int n = 0; n < QUADRATIC_NODES; n++) {
+        double at[2] = {q[0][n], q[1][n]};
+        for (int a = 0; a < 2 && n >= QUADRATIC_CORNERS; a++) {
+            const int *edge = quadratic_edge(n - QUADRATIC_CORNERS);
+            at[a] = quadratic_control(q[a][edge[0]], q[a][edge[1]], at[a]);
+        }
+        above += at[1] >= 0.0;
+        right += at[0] > 0.0;
+        left += at[0] < 0.0;
+    }
+    return above == 0 || above == QUADRATIC_NODES || right == QUADRATIC_NODES ||
+           left == QUADRATIC_NODES;
+}
+
+bool quadratic_path_place(const quadratic_tet *c, const sheared_ray *r, quadratic_path *out) {
     double q[3][QUADRATIC_NODES];
-    path_crossings in_out[2] = {{0}, {0}};
     for (int n = 0; n < QUADRATIC_NODES; n++) {
         double place[3];
         sheared_ray_place(r, c->p[n], place);
         for (int a = 0; a < 3; a++)
             q[a][n] = place[a];
     }
+    out->count = 0;
+    if (is_beside((const double(*)[QUADRATIC_NODES])q)) /* most cells that are near */
+        return false;
+    out->straight = quadratic_straight_edges(c);
     out->map.form = &form_quadratic;
     for (int a = 0; a < 3; a++)
-        quadratic_form(q[a], straight, out->map.q[a]);
+        quadratic_form(q[a], out->straight, out->map.q[a]);
     quadratic_form(c->value, 0, out->map.value);
+    return true;
+}
+
+int quadratic_path_cross(const quadratic_tet *c, int sense, const sheared_ray *r,
+                         quadratic_path *out) {
+    path_crossings in_out[2] = {{0}, {0}};
     for (int face = 0; face < QUADRATIC_FACES; face++)
-        cross_face(c, straight, &out->map, face, (sense < 0 ? -1 : 1) * r->sense, in_out);
+        cross_face(c, out->straight, &out->map, face, (sense < 0 ? -1 : 1) * r->sense, in_out);
     out->count = path_parts(in_out, sense == 0, out->part);
     return out->count;
+}
+
+int quadratic_path_of(const quadratic_tet *c, int sense, const sheared_ray *r,
+                      quadratic_path *out) {
+    return quadratic_path_place(c, r, out) ? quadratic_path_cross(c, sense, r, out) : 0;
 }
 
 bool quadratic_point_find(const quadratic_tet *c, int sense, const double point[3], double at[3],

@@ -3,31 +3,23 @@
 #include <float.h>
 
 #include "formats/base/vec3.h"
-#include "formats/curved/quadratic_path.h"
 #include "render/curved/hex_meet.h"
 #include "render/curved/hex_pieces.h"
+#include "render/curved/quadratic_meet.h"
 #include "render/walk/cell_walks.h"
 #include "render/walk/tree_pieces.h"
 
 /* ---- Cells of either shape ---- */
 
-static int quadratic_roots(const curved_cell *c, const sheared_ray *r, double isovalue,
-                           path_root out[PATH_ROOTS], path_counts *counts) {
-    quadratic_path path;
-    if (quadratic_path_of(&c->tet, c->sense, r, &path) == 0)
-        return 0;
-    return path_roots(&path.map, path.part, path.count, c->sense == 0, isovalue, out, counts);
-}
-
 int hex_walk_crossed(const curved_cell *c, const sheared_ray *r, double isovalue,
                      path_root out[PATH_ROOTS], path_counts *counts) {
-    return c->quadratic ? quadratic_roots(c, r, isovalue, out, counts)
+    return c->quadratic ? quadratic_meet_roots(&c->tet, c->sense, r, isovalue, out, counts)
                         : hex_meet_crossed(&c->hexahedron, c->sense, r, isovalue, out, counts);
 }
 
 static int roots_of(const curved_cell *c, const sheared_ray *r, double isovalue,
                     path_root out[PATH_ROOTS], path_counts *counts) {
-    return c->quadratic ? quadratic_roots(c, r, isovalue, out, counts)
+    return c->quadratic ? quadratic_meet_roots(&c->tet, c->sense, r, isovalue, out, counts)
                         : hex_meet_roots(&c->hexahedron, c->sense, r, isovalue, out, counts);
 }
 

@@ -15,27 +15,18 @@ curved_cell mixed_walk_cell(const mixed_blocks *b, uint32_t index) {
     return out;
 }
 
-/* Whether all points of a cell's hull are on one side of the ray, along one of two axes: then none
- * of its faces is crossed (patch_beside()). Of a quadratic tet these are its coefficients; that of
- * an edge that counts as straight is between two corners, so it need not be looked at. */
-static bool is_beside(const curved_cell *c, const sheared_ray *r) {
-    const int points = curved_cell_nodes(c);
-    double q[CELL_ROW][3];
+/* Whether all corners of a cell are on one side of the ray, along one of two axes: then none of its
+ * faces is crossed (patch_beside()). */
+static bool is_beside(const hexahedron *h, const sheared_ray *r) {
     int above = 0, left = 0, right = 0;
-    for (int n = 0; n < points; n++)
-        sheared_ray_place(r, curved_cell_place(c, n), q[n]);
-    for (int e = 0; e < QUADRATIC_EDGES && c->quadratic; e++)
-        for (int a = 0; a < 2; a++) {
-            double *between = &q[QUADRATIC_CORNERS + e][a];
-            *between =
-                quadratic_control(q[quadratic_edge(e)[0]][a], q[quadratic_edge(e)[1]][a], *between);
-        }
-    for (int n = 0; n < points; n++) {
-        above += q[n][1] >= 0.0;
-        right += q[n][0] > 0.0;
-        left += q[n][0] < 0.0;
+    for (int c = 0; c < HEX_CORNERS; c++) {
+        double q[3];
+        sheared_ray_place(r, h->p[c], q);
+        above += q[1] >= 0.0;
+        right += q[0] > 0.0;
+        left += q[0] < 0.0;
     }
-    return above == 0 || above == points || right == points || left == points;
+    return above == 0 || above == HEX_CORNERS || right == HEX_CORNERS || left == HEX_CORNERS;
 }
 
 /* hex_way.next: active cells that are not beside the ray, block by block. */
@@ -51,8 +42,8 @@ static bool next_cell(hex_way *way, double limit, curved_cell *out) {
         const uint32_t bit = (uint32_t)__builtin_ctz(w->ahead);
         w->ahead &= w->ahead - 1;
         *out = mixed_walk_cell(w->blocks, MIXED_BLOCK * w->at.t + bit);
-        if (is_beside(out, &way->sheared))
-            continue;
+        if (!out->quadratic && is_beside(&out->hexahedron, &way->sheared))
+            continue; /* of a quadratic tet its path tells */
         way->counters->cells++;
         return true;
     }
