@@ -58,8 +58,10 @@ uint64_t mesh_runs_sorting(const mesh_runs_plan *plan) {
 
 uint64_t mesh_runs_merging(const mesh_runs_plan *plan, uint64_t records) {
     uint64_t each = plan->block * sizeof(mesh_record) + sizeof(stream) + sizeof(uint32_t);
-    uint64_t held = plan->block ? runs_of(plan, records) * each + plan->window * sizeof(mesh_record)
-                                : plan->run * sizeof(mesh_record);
+    /* One run of all records stays where it was made. */
+    uint64_t held = plan->block && plan->run < records
+                        ? runs_of(plan, records) * each + plan->window * sizeof(mesh_record)
+                        : plan->run * sizeof(mesh_record);
     return held + sizeof(mesh_runs) + 1024;
 }
 
@@ -100,7 +102,7 @@ mesh_runs_plan mesh_runs_plan_make(uint64_t records, uint64_t in_sight, uint64_t
     while (plan.run < records) {
         mesh_runs_plan longer = plan;
         longer.run += longer.run / 8;
-        if (mesh_runs_sorting(&longer) > making)
+        if (mesh_runs_sorting(&longer) > making || longer.run >= records)
             break;
         plan = longer;
     }

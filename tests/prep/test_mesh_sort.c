@@ -208,6 +208,14 @@ static void test_runs_plan(void **state) {
             assert_true(mesh_runs_filling(&plan) <= mesh_runs_sorting(&plan));
         }
     }
+    /* One run of all records stays in memory: where there is no room for it behind, there are
+     * several, however long they could be. */
+    enum { RECORDS = 142164 };
+    for (uint64_t making = 1 << 20; making < 16 << 20; making += 100000)
+        for (uint64_t merging = 1 << 18; merging < 8 << 20; merging += 100000) {
+            const mesh_runs_plan plan = mesh_runs_plan_make(RECORDS, 4097, making, merging);
+            assert_true(plan.run < RECORDS || plan.run * sizeof(mesh_record) <= merging);
+        }
     /* A hundred million tets pass through some MiB. */
     const mesh_runs_plan many = mesh_runs_plan_make(100000000, 4097, 0, 0);
     assert_true(mesh_runs_merging(&many, 100000000) < 24 << 20);
