@@ -168,7 +168,7 @@ static int sense_of(const control_net *n, int depth, int *left) {
     const int sign = sign_of(n);
     if (sign || depth == 0 || *left <= 0)
         return sign;
-    const int *edge = edges[(depth * 5) % QUADRATIC_EDGES]; /* opposite ones in turn */
+    const int *edge = edges[depth % QUADRATIC_EDGES];
     int sense = 0;
     *left -= 2;
     for (int side = 0; side < 2; side++) {

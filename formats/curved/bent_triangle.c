@@ -25,6 +25,8 @@ double bent_triangle_at(const double form[BENT_NODES], const double share[BENT_C
 
 /* The parabola's point at s, whose sign on the first axis is asked for where the second is 0. */
 static bool is_right(const double a[3], const double between[3], const double b[3], double s) {
+    if ((a[0] >= 0.0) == (b[0] >= 0.0) && (a[0] >= 0.0) == (between[0] >= 0.0))
+        return a[0] >= 0.0;                /* as beside() has it, whatever rounding does */
     s = s > 0.0 ? s < 1.0 ? s : 1.0 : 0.0; /* NaN is 0 */
     const double low = a[0] + s * (between[0] - a[0]), high = between[0] + s * (b[0] - between[0]);
     return low + s * (high - low) >= 0.0;

@@ -1,5 +1,6 @@
 #include "formats/curved/curved_cell.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "formats/base/simd_one.h"
@@ -76,10 +77,11 @@ void curved_quadratic_limits(const float v[QUADRATIC_NODES], float *least, float
     for (int n = 0; n < QUADRATIC_NODES; n++)
         value[n] = (double)v[n];
     quadratic_range(value, range);
-    *least = (float)range[0];
-    *greatest = (float)range[1];
+    /* No further than floats go: what is between the nodes hardly can. */
+    *least = (float)real_max(-(double)FLT_MAX, range[0]);
+    *greatest = (float)real_min((double)FLT_MAX, range[1]);
     if ((double)*least > range[0])
-        *least = nextafterf(*least, -INFINITY);
+        *least = nextafterf(*least, -FLT_MAX);
     if ((double)*greatest < range[1])
-        *greatest = nextafterf(*greatest, INFINITY);
+        *greatest = nextafterf(*greatest, FLT_MAX);
 }

@@ -144,6 +144,13 @@ static uint8_t code_of(encoder *e, size_t first, uint32_t c) {
     return MIXED_FAR;
 }
 
+/* Whether a row is one: of ten, that of a quadratic tet, or a hexahedron's with its first corner
+ * twice more. Nodes are new at corners of hexahedra alone, then. */
+static bool is_row(const mixed_shape *s, const uint16_t *row) {
+    return s->width < CELL_ROW || row[CELL_ROW - 2] != row[CELL_ROW - 1] ||
+           row[CELL_ROW - 1] == row[0];
+}
+
 static bool are_in_order(const mixed_shape *s, const uint16_t *corner) {
     uint32_t told = 0;
     for (size_t i = 0; i < (size_t)s->cells * s->width; i++) {
@@ -151,6 +158,9 @@ static bool are_in_order(const mixed_shape *s, const uint16_t *corner) {
             return false;
         told += corner[i] == told;
     }
+    for (uint32_t i = 0; i < s->cells; i++)
+        if (!is_row(s, corner + (size_t)s->width * i))
+            return false;
     return told == s->nodes;
 }
 
@@ -282,6 +292,8 @@ static bool decode_codes(decoder *d, const uint8_t *code) {
                 return false;
             d->corner[first + c] = (uint16_t)node;
         }
+        if (!is_row(d->s, d->corner + first))
+            return false;
         edges_add(&d->ends, d->corner + first);
     }
     return d->told == d->s->nodes && !d->words;

@@ -1,13 +1,7 @@
 #include "formats/leaf/mixed_facts.h"
 
+#include "formats/base/quadratic_tet.h"
 #include "formats/leaf/mixed_geometry.h"
-
-/* Bytes before compression: positions and values of the nodes, corners of the cells. */
-static double raw_bytes(const leaf_file *f) {
-    const leaf_header *h = &f->header;
-    return (double)h->vertices * (12 * (double)f->layout.places + 4 * (double)f->layout.sets) +
-           4 * HEX_CORNERS * (double)h->tets;
-}
 
 static uint64_t count_quadratic(const leaf_file *f) {
     const leaf_cells_directory *d = mixed_directory_of(f);
@@ -15,6 +9,14 @@ static uint64_t count_quadratic(const leaf_file *f) {
     for (uint32_t t = 0; t < f->layout.treelets; t++)
         sum += d->counts[t][2];
     return sum;
+}
+
+/* Bytes before compression: positions and values of the nodes, nodes of the cells. */
+static double raw_bytes(const leaf_file *f) {
+    const leaf_header *h = &f->header;
+    return (double)h->vertices * (12 * (double)f->layout.places + 4 * (double)f->layout.sets) +
+           4 * (HEX_CORNERS * (double)h->tets +
+                (QUADRATIC_NODES - HEX_CORNERS) * (double)count_quadratic(f));
 }
 
 static void tell_cells(const leaf_header *h, uint64_t quadratic, const fact_sheet *to) {

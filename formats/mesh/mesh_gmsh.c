@@ -497,15 +497,15 @@ static status read_element(gmsh_reading *r, gmsh_cursor *c, element_type type, u
         return ST_OK;
     }
     const cell_shape kind = (cell_shape)(type.kind == REFUSED ? type.corners : type.kind);
+    for (int i = 0; i < cell_shape_vertices(kind); i++)
+        ids[i] = id_map_find(&r->nodes, ids[i]);
+    r->feed->report->by_corners += type.kind == REFUSED;
+    st = add_to_averages(r, c, kind, type.nodes, id, ids);
     if (kind == CELL_QUADRATIC_TET) { /* Gmsh has the node of edge 23 before that of edge 13 */
         const uint64_t last = ids[9];
         ids[9] = ids[8];
         ids[8] = last;
     }
-    for (int i = 0; i < cell_shape_vertices(kind); i++)
-        ids[i] = id_map_find(&r->nodes, ids[i]);
-    r->feed->report->by_corners += type.kind == REFUSED;
-    st = add_to_averages(r, c, kind, type.nodes, id, ids);
     return st == ST_OK ? mesh_feed_cell(r->feed, kind, ids) : st;
 }
 

@@ -86,6 +86,11 @@ static status check_whole(const convert_request *a) {
     for (size_t i = 0; i < sizeof without / sizeof *without && a->whole; i++)
         if (without[i].given)
             return status_describe(ST_USAGE, "--whole-cells goes without %s", without[i].what);
+    if (a->whole && a->grow && a->treelet_tets > MIXED_TREELET_MAX)
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: its treelets have up to %u cells; those of %d or fewer can "
+                               "grow: convert it again",
+                               a->common.output, a->treelet_tets, MIXED_TREELET_MAX);
     if (a->whole && a->treelet_tets > MIXED_TREELET_MAX)
         return status_describe(ST_USAGE, "--treelet-tets: with --whole-cells at most %d",
                                MIXED_TREELET_MAX);

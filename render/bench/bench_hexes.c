@@ -310,7 +310,7 @@ status bench_hexes(bench_job *job) {
     static const char *const brief[] = {"hexes-warp-12", "hexes-annulus-12", NULL};
     bench_table_init(&job->table,
                      "M08 tables 6.5 to 6.7, 6.10: from hexahedron to hexahedron, beside the exact "
-                     "cells. Means over four views; t in edges of the cell, angles of normals in "
+                     "cells. Four views together; t in edges of the cell, angles of normals in "
                      "degrees. One thread, medians of CPU time, runs interleaved",
                      HEADINGS);
     return bench_suite_each(job, names, brief, try_grid);

@@ -5,6 +5,7 @@
 #include "formats/base/vec3.h"
 
 #define MARGIN 0x1p-20 /* of shares: a root so close to a face is left to it */
+#define SLANT  0x1p-26 /* slopes that are flatter than this have no inverse to rely on */
 
 /* By how much at most three forms' bent rests, and what rounding took from them, may move a share.
  * column k of the inverse: what changes form k by 1. The last is of corner 0. */
@@ -44,7 +45,7 @@ static bool is_off(const curved_map *m, double isovalue) {
     for (int k = 0; k < 3; k++)
         vec3_cross(slope[(k + 1) % 3], slope[(k + 2) % 3], column[k]);
     const double det = vec3_dot(slope[0], column[0]);
-    if (!(fabs(det) > 0x1p-40 * vec3_size(slope[0]) * vec3_size(slope[1]) * vec3_size(slope[2])))
+    if (!(fabs(det) > SLANT * vec3_size(slope[0]) * vec3_size(slope[1]) * vec3_size(slope[2])))
         return false;
     double share[QUADRATIC_CORNERS] = {0.25, 0.25, 0.25, 0.25};
     for (int k = 0; k < 3; k++) {

@@ -82,6 +82,23 @@ ok "they are linear" json 'x["by_corners"] == 384 and x["tets"] == 384'
 exits "by corners, whole" 0 "$leafcast" convert "$tmp/s.vtk" --by-corners --whole-cells -o "$tmp/lin2.leaf" --json
 ok "they are linear, too" json 'x["by_corners"] == 384 and x["whole"] == [0, 0, 0, 0, 384, 0]'
 
+python3 - "$tmp/s.msh" >"$tmp/each.msh" <<'PY'
+"""The same, the values at the nodes of each element."""
+import sys
+text = open(sys.argv[1]).read()
+head, data = text.split("$NodeData")
+values = dict(row.split() for row in data.split("\n")[9:-2])
+rows = head.split("$Elements\n")[1].split("$EndElements")[0].split("\n")[1:-1]
+out = [head.rstrip(), "$ElementNodeData", "1", '"f"', "1", "0", "3", "0", "1", str(len(rows))]
+for row in rows:
+    number, nodes = row.split()[0], row.split()[5:]
+    out.append(" ".join([number, "10"] + [values[v] for v in nodes]))
+print("\n".join(out + ["$EndElementNodeData"]))
+PY
+exits "values of each element's nodes" 0 "$leafcast" convert "$tmp/each.msh" --whole-cells -o "$tmp/each.leaf" -q
+exits "drawn" 0 "$leafcast" render "$tmp/each.leaf" --iso 0.5 --size 64x48 -o "$tmp/each.pfm" -q
+ok "the same picture" cmp "$tmp/vtk.pfm" "$tmp/each.pfm"
+
 # ---- the surface of x^2 + y^2 + z^2 ----
 
 cat >"$tmp/sphere.py" <<'PY'

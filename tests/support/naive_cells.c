@@ -119,7 +119,7 @@ bool naive_cells_curvilinear(bool places, const uint32_t counts[4], const unsign
 
 /* ---- mixed meshes ---- */
 
-enum { CORNERS = 8, PLACES = 4096 };
+enum { CORNERS = 8, ROW = 10, PLACES = 4096 };
 
 static size_t aligned(size_t bytes) {
     return (bytes + 63) / 64 * 64;
@@ -135,8 +135,8 @@ static bool decode_row(const unsigned char *planes, size_t count, unsigned char 
 }
 
 typedef struct mesh {
-    size_t cells, nodes;
-    uint32_t (*corner)[CORNERS];
+    size_t cells, nodes, width;
+    uint32_t (*row)[ROW];
 } mesh;
 
 static bool decode_corners(const mesh *m, const unsigned char *code, const unsigned char *words,
@@ -149,9 +149,9 @@ static bool decode_corners(const mesh *m, const unsigned char *code, const unsig
         for (int i = 0; i < PLACES; i++)
             end[a][i] = 65535;
     for (size_t c = 0; c < m->cells; c++) {
-        uint32_t *cell = m->corner[c];
-        for (size_t q = 0; q < CORNERS; q++) {
-            const unsigned k = code[c * CORNERS + q];
+        uint32_t *cell = m->row[c];
+        for (size_t q = 0; q < m->width; q++) {
+            const unsigned k = code[c * m->width + q];
             int64_t node;
             if (k == 0) {
                 node = told++;
@@ -165,9 +165,9 @@ static bool decode_corners(const mesh *m, const unsigned char *code, const unsig
                 node = cell[k - 4];
             } else if (k <= 254) {
                 const size_t back = k - 10;
-                if (back > c * CORNERS)
+                if (back > c * m->width)
                     return false;
-                node = m->corner[(c * CORNERS - back) / CORNERS][(c * CORNERS - back) % CORNERS];
+                node = m->row[(c * m->width - back) / m->width][(c * m->width - back) % m->width];
             } else {
                 if (taken == count)
                     return false;
@@ -178,6 +178,8 @@ static bool decode_corners(const mesh *m, const unsigned char *code, const unsig
                 return false;
             cell[q] = (uint32_t)node;
         }
+        if (m->width == ROW && cell[8] == cell[9] && cell[9] != cell[0])
+            return false;
         for (size_t q = 0; q < CORNERS; q++)
             for (size_t a = 0; a < 3; a++)
                 if (q >> a & 1 && cell[q] != cell[q - ((size_t)1 << a)])
@@ -186,7 +188,20 @@ static bool decode_corners(const mesh *m, const unsigned char *code, const unsig
     return told == m->nodes && taken == count;
 }
 
-static float predict(const uint32_t cell[CORNERS], size_t q, uint32_t told,
+static float predict_in_tet(const uint32_t cell[ROW], size_t q, uint32_t told,
+                            const unsigned char *payload, size_t first) {
+    static const size_t edges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
+    if (q >= 4) {
+        const float a = read_float(payload, first + cell[edges[q - 4][0]]),
+                    b = read_float(payload, first + cell[edges[q - 4][1]]);
+        return 0.5f * add(a, b);
+    }
+    if (q > 0)
+        return read_float(payload, first + cell[q - 1]);
+    return told ? read_float(payload, first + told - 1) : 0.0f;
+}
+
+static float predict(const uint32_t cell[ROW], size_t q, uint32_t told,
                      const unsigned char *payload, size_t first) {
     static const size_t faces[3][3] = {{1, 2, 3}, {1, 4, 5}, {2, 4, 6}},
                         one[7] = {1, 2, 4, 3, 5, 6, 7};
@@ -214,12 +229,15 @@ static float predict(const uint32_t cell[CORNERS], size_t q, uint32_t told,
 static void decode_places(const mesh *m, const unsigned char *planes, unsigned char *payload) {
     uint32_t told = 0;
     for (size_t c = 0; c < m->cells; c++)
-        for (size_t q = 0; q < CORNERS; q++) {
-            if (m->corner[c][q] != told)
+        for (size_t q = 0; q < m->width; q++) {
+            const uint32_t *cell = m->row[c];
+            const bool tet = m->width == ROW && cell[8] != cell[9];
+            if (cell[q] != told)
                 continue;
             for (size_t a = 0; a < 3; a++) {
                 const size_t first = a * m->nodes;
-                const float p = predict(m->corner[c], q, told, payload, first);
+                const float p = tet ? predict_in_tet(cell, q, told, payload, first)
+                                    : predict(cell, q, told, payload, first);
                 decode(planes, 3 * m->nodes, first + told, p, payload);
             }
             told++;
@@ -228,24 +246,25 @@ static void decode_places(const mesh *m, const unsigned char *planes, unsigned c
 
 static bool decode_topology(const mesh *m, const unsigned char *in, size_t bytes,
                             unsigned char *payload) {
-    const size_t fixed = m->cells * CORNERS + 12 * m->nodes;
+    const size_t fixed = m->cells * m->width + 12 * m->nodes;
     if (bytes < fixed || (bytes - fixed) % 2)
         return false;
-    const unsigned char *planes = in + m->cells * CORNERS;
+    const unsigned char *planes = in + m->cells * m->width;
     if (!decode_corners(m, in, planes + 12 * m->nodes, (bytes - fixed) / 2))
         return false;
     decode_places(m, planes, payload);
     unsigned char *to = payload + aligned(12 * m->nodes + (m->cells + 3) / 4);
-    for (size_t i = 0; i < m->cells * CORNERS; i++) {
-        to[2 * i] = (unsigned char)(m->corner[i / CORNERS][i % CORNERS] % 256);
-        to[2 * i + 1] = (unsigned char)(m->corner[i / CORNERS][i % CORNERS] / 256);
+    for (size_t i = 0; i < m->cells * m->width; i++) {
+        const uint32_t node = m->row[i / m->width][i % m->width];
+        to[2 * i] = (unsigned char)(node % 256);
+        to[2 * i + 1] = (unsigned char)(node / 256);
     }
     return true;
 }
 
 bool naive_cells_mixed(int block, const uint32_t counts[4], const unsigned char *in, size_t bytes,
                        unsigned char *payload, size_t payload_bytes) {
-    mesh m = {.cells = counts[0], .nodes = counts[1]};
+    mesh m = {.cells = counts[0], .nodes = counts[1], .width = counts[2] ? ROW : CORNERS};
     const size_t codes = block == 1 ? 0 : (m.cells + 3) / 4,
                  floats = block == 1 ? m.nodes : 3 * m.nodes;
     if (bytes && in[0] == 0)
@@ -258,9 +277,9 @@ bool naive_cells_mixed(int block, const uint32_t counts[4], const unsigned char 
     bytes -= 1 + codes;
     if (block != 0)
         return bytes == 4 * floats && decode_row(in, floats, payload);
-    m.corner = malloc(m.cells * sizeof *m.corner);
-    assert(m.corner);
+    m.row = malloc(m.cells * sizeof *m.row);
+    assert(m.row);
     const bool sound = decode_topology(&m, in, bytes, payload);
-    free(m.corner);
+    free(m.row);
     return sound;
 }

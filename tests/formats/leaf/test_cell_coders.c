@@ -177,6 +177,51 @@ static void visit_cells(const cells *c, visit *f, field_random *r) {
         }
 }
 
+static bool has(const uint16_t *row, uint32_t count, uint32_t node) {
+    for (uint32_t k = 0; k < count; k++)
+        if (row[k] == node)
+            return true;
+    return false;
+}
+
+/* Rows of ten: quadratic tets that share nodes with the row before, and hexahedra with their first
+ * corner twice more. */
+static void visit_tens(uint32_t count, visit *f, field_random *r) {
+    uint16_t(*rows)[CELL_ROW] = calloc(count, sizeof *rows);
+    uint32_t counts[4] = {count, 0, 0, 0};
+    assert_non_null(rows);
+    for (uint32_t i = 0; i < count; i++) {
+        const bool tet = i == 0 || field_random_below(r, 2) == 0;
+        counts[2] += tet;
+        for (uint32_t q = 0; q < CELL_ROW; q++) {
+            const uint32_t met = counts[1], back = (uint32_t)field_random_below(r, 30);
+            uint32_t node = met;
+            if (!tet && q >= HEX_CORNERS)
+                node = rows[i][0];
+            else if (!tet && met > back && field_random_below(r, 2) == 0)
+                node = met - 1 - back;
+            else if (tet && i > 0 && q < 5 && !has(rows[i], q, rows[i - 1][q]))
+                node = rows[i - 1][q];
+            rows[i][q] = (uint16_t)node;
+            counts[1] += node == met;
+        }
+    }
+    for (size_t b = 0; b < 3; b++)
+        for (size_t n = 0; n < 2; n++) {
+            coder_subject x = coder_lab_subject(&mixed_coder, blocks[b], counts, NULL);
+            const mixed_shape s = mixed_shape_of(counts);
+            const bool values = blocks[b] == LEAF_BLOCK_VALUES;
+            fill((float *)(void *)x.payload, s.nodes * (values ? 1U : 3U), numbers[n], r);
+            if (!values)
+                fill_codes(x.payload + s.codes_at, s.cells, r);
+            if (blocks[b] == LEAF_BLOCK_TOPOLOGY)
+                memcpy(x.payload + s.rows_at, rows, count * sizeof *rows);
+            f(&x, r);
+            coder_lab_release(&x);
+        }
+    free(rows);
+}
+
 static void visit_mixed(visit *f, field_random *r) {
     cells *c = malloc(sizeof *c);
     assert_non_null(c);
@@ -191,6 +236,9 @@ static void visit_mixed(visit *f, field_random *r) {
         visit_cells(c, f, r);
     }
     free(c);
+    visit_tens(1, f, r);
+    visit_tens(16, f, r);
+    visit_tens(500, f, r);
 }
 
 static void visit_all(visit *f, uint64_t seed) {
@@ -241,7 +289,7 @@ static size_t content_end(const coder_subject *x) {
     const mixed_shape s = mixed_shape_of(x->counts);
     return values                            ? 4 * (size_t)s.nodes
            : x->block != LEAF_BLOCK_TOPOLOGY ? s.codes_at + (s.cells + 3) / 4
-                                             : s.rows_at + s.cells * sizeof(uint16_t[HEX_CORNERS]);
+                                             : s.rows_at + mixed_rows_bytes(&s);
 }
 
 /* What cannot be made again is stored: padding with something in it, nodes out of order. */
@@ -262,11 +310,11 @@ static void check_stored(coder_subject *x, field_random *r) {
     check_round(x, 0);
     corner[0] = 0;
     corner[1] = second;
-    corner[8 * s.cells - 1] = (uint16_t)s.nodes;
+    corner[s.width * s.cells - 1] = (uint16_t)s.nodes;
     check_round(x, 0);
-    for (uint32_t i = 0; i < 8 * s.cells; i++)
+    for (uint32_t i = 0; i < s.width * s.cells; i++)
         corner[i] = (uint16_t)field_random_bits(r);
-    corner[field_random_below(r, 8 * (long)s.cells)] = UINT16_MAX;
+    corner[field_random_below(r, (long)s.width * (long)s.cells)] = UINT16_MAX;
     check_round(x, 0);
 }
 
@@ -277,6 +325,14 @@ static void test_odd_payloads_are_stored(void **state) {
     coder_subject x =
         coder_lab_subject(&mixed_coder, LEAF_BLOCK_TOPOLOGY, (const uint32_t[4]){1, 7}, NULL);
     memcpy(x.payload + mixed_shape_of(x.counts).rows_at, late, sizeof late);
+    check_round(&x, 0);
+    coder_lab_release(&x);
+    /* A row of ten that is neither a tet's nor a hexahedron's: its last node comes twice. */
+    x = coder_lab_subject(&mixed_coder, LEAF_BLOCK_TOPOLOGY, (const uint32_t[4]){16, 154, 15},
+                          NULL);
+    uint16_t *row = (uint16_t *)(void *)(x.payload + mixed_shape_of(x.counts).rows_at);
+    for (uint16_t i = 0; i < 16 * CELL_ROW; i++)
+        row[i] = i < 152 ? i : (uint16_t)(i < 156 ? 151 : i < 158 ? 152 : 153);
     check_round(&x, 0);
     coder_lab_release(&x);
 }
