@@ -113,6 +113,7 @@ static void describe(const cgns *x, import_mesh *out) {
         return;
     h->tets = x->cells.of[CELL_TET];
     memcpy(h->cells, x->cells.of, sizeof h->cells);
+    h->cells[CELL_TET] = 0; /* told apart */
     h->by_corners = x->cells.higher;
     h->skipped = x->cells.skipped;
 }

@@ -209,6 +209,7 @@ static void describe(const exodus *x, import_mesh *out) {
     h->points = x->nodes;
     h->tets = x->blocks.cells[CELL_TET];
     memcpy(h->cells, x->blocks.cells, sizeof h->cells);
+    h->cells[CELL_TET] = 0; /* told apart */
     h->by_corners = x->blocks.higher;
     h->skipped = x->blocks.skipped;
     import_fields_describe(&x->fields, h);
