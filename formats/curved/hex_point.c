@@ -43,12 +43,3 @@ bool hex_point_find(const hexahedron *h, int sense, const double point[3], doubl
 bool hex_point_gradient(const hexahedron *h, const double at[3], double gradient[3]) {
     return hex_gradient(h, at, gradient);
 }
-
-void hex_point_normal(const hexahedron *h, const double at[3], double gradient[3],
-                      float normal[3]) {
-    double unit[3];
-    (void)hex_gradient(h, at, gradient);
-    hex_normal(gradient, unit);
-    for (int a = 0; a < 3; a++)
-        normal[a] = (float)unit[a];
-}

@@ -20,8 +20,4 @@ bool hex_point_find(const hexahedron *h, int sense, const double point[3], doubl
  * no inverse there (a collapsed edge, say); then it is 0. */
 bool hex_point_gradient(const hexahedron *h, const double at[3], double gradient[3]);
 
-/* hex_point_normal() - the same, and the isosurface's unit normal, down the gradient; 0 where it
- * has none. */
-void hex_point_normal(const hexahedron *h, const double at[3], double gradient[3], float normal[3]);
-
 #endif
