@@ -4,9 +4,11 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "formats/base/simd_one.h"
-#include "formats/base/trilinear_template.h"
 #include "formats/base/vec3.h"
+
+#include "formats/base/simd_one.h" /* before templates */
+
+#include "formats/base/form_template.h"
 
 double hexahedron_at(const double v[HEX_CORNERS], const double at[3]) {
     double edge[4], face[2];
@@ -18,7 +20,7 @@ double hexahedron_at(const double v[HEX_CORNERS], const double at[3]) {
 }
 
 void hexahedron_slope(const double v[HEX_CORNERS], const double at[3], double slope[3]) {
-    trilinear_rise(v, at, slope);
+    form_rise_of_corners(v, at, slope);
 }
 
 double hexahedron_twist(const double v[HEX_CORNERS], const double at[3], double twist[3]) {
@@ -138,16 +140,16 @@ static int sense_of(const double p[HEX_CORNERS][3], int depth, int *left) {
 /* A cell that bends little. Then the determinants that are the Bernstein coefficients' have one
  * sign: the same answer, in less time. 0: not known. */
 static int sense_if_straight(const double p[HEX_CORNERS][3]) {
-    double form[3][TRILINEAR], rounding[3];
-    trilinear_bend b;
+    double form[3][FORM_TERMS], rounding[3];
+    form_bend b;
     for (int a = 0; a < 3; a++) {
         double away[HEX_CORNERS];
         for (int c = 0; c < HEX_CORNERS; c++)
             away[c] = p[c][a] - p[0][a];
-        trilinear_of(away, form[a]);
-        rounding[a] = 0x1p-48 * trilinear_size(form[a]);
+        form_of_corners(away, form[a]);
+        rounding[a] = 0x1p-48 * form_size(form[a], TRILINEAR);
     }
-    if (!trilinear_bend_of(form, rounding, &b) || !trilinear_is_single(&b, 1.0))
+    if (!form_bend_of(form, TRILINEAR, rounding, &b) || !form_is_single(&b, TRILINEAR, 1.0))
         return 0;
     return b.det > 0.0 ? 1 : -1;
 }

@@ -7,10 +7,6 @@
 
 static const int edges[QUADRATIC_EDGES][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
 
-/* The coefficient of a product of two shares. */
-static const int of_pair[QUADRATIC_CORNERS][QUADRATIC_CORNERS] = {
-    {0, 4, 6, 7}, {4, 1, 5, 8}, {6, 5, 2, 9}, {7, 8, 9, 3}};
-
 const int *quadratic_edge(int edge) {
     return edges[edge];
 }
@@ -69,7 +65,7 @@ static double half_at(const double form[QUADRATIC_NODES], const double share[QUA
                       int corner) {
     double sum = 0.0;
     for (int c = 0; c < QUADRATIC_CORNERS; c++)
-        sum += share[c] * form[of_pair[corner][c]];
+        sum += share[c] * form[quadratic_coefficient(corner, c)];
     return sum;
 }
 
@@ -92,9 +88,10 @@ void quadratic_slope(const double form[QUADRATIC_NODES], const double at[3], dou
 void quadratic_twist(const double form[QUADRATIC_NODES], double twist[3], double square[3]) {
     for (int a = 0; a < 3; a++) {
         const int b = 1 + (a + 1) % 3, c = 1 + (a + 2) % 3;
-        twist[a] =
-            2.0 * ((form[of_pair[b][c]] - form[of_pair[0][b]]) - (form[of_pair[0][c]] - form[0]));
-        square[a] = (form[a + 1] - form[of_pair[0][a + 1]]) - (form[of_pair[0][a + 1]] - form[0]);
+        twist[a] = 2.0 * ((form[quadratic_coefficient(b, c)] - form[quadratic_coefficient(0, b)]) -
+                          (form[quadratic_coefficient(0, c)] - form[0]));
+        square[a] = (form[a + 1] - form[quadratic_coefficient(0, a + 1)]) -
+                    (form[quadratic_coefficient(0, a + 1)] - form[0]);
     }
 }
 
@@ -122,7 +119,8 @@ static int sign_of(const control_net *n) {
     int count[64] = {0};
     for (int k = 0; k < 3; k++)
         for (int c = 0; c < QUADRATIC_CORNERS; c++) {
-            vec3_sub(n->p[of_pair[c][k + 1]], n->p[of_pair[c][0]], column[k][c]);
+            vec3_sub(n->p[quadratic_coefficient(c, k + 1)], n->p[quadratic_coefficient(c, 0)],
+                     column[k][c]);
             most[k] = real_max(most[k], vec3_size(column[k][c]));
         }
     for (int x = 0; x < QUADRATIC_CORNERS; x++)
@@ -152,13 +150,14 @@ static int sign_of(const control_net *n) {
 static void halve(control_net *n, int from, int to) {
     double middle[3];
     for (int a = 0; a < 3; a++) {
-        const double end = n->p[from][a], other = n->p[to][a], between = n->p[of_pair[from][to]][a];
+        const double end = n->p[from][a], other = n->p[to][a],
+                     between = n->p[quadratic_coefficient(from, to)][a];
         middle[a] = 0.25 * (end + other) + 0.5 * between;
     }
     for (int c = 0; c < QUADRATIC_CORNERS; c++)
         for (int a = 0; a < 3 && c != from; a++) {
-            double *mine = &n->p[of_pair[from][c]][a];
-            *mine = 0.5 * (*mine + n->p[of_pair[to][c]][a]);
+            double *mine = &n->p[quadratic_coefficient(from, c)][a];
+            *mine = 0.5 * (*mine + n->p[quadratic_coefficient(to, c)][a]);
         }
     memcpy(n->p[from], middle, sizeof middle);
 }

@@ -22,6 +22,14 @@ typedef struct quadratic_tet {
 /* quadratic_edge() - the corners of edge 0 to 5, whose node is 4 + edge; in ascending order. */
 const int *quadratic_edge(int edge);
 
+/* quadratic_coefficient() - which coefficient belongs to the product of the shares of two corners.
+ */
+static inline int quadratic_coefficient(int corner, int other) {
+    static const int of[QUADRATIC_CORNERS][QUADRATIC_CORNERS] = {
+        {0, 4, 6, 7}, {4, 1, 5, 8}, {6, 5, 2, 9}, {7, 8, 9, 3}};
+    return of[corner][other];
+}
+
 /* quadratic_is_straight() - whether an edge's node is its middle, to within 2^-21 of coordinates,
  * which is some roundings to floats: then the edge counts as straight. So a face with such edges is
  * the triangle that a linear tet beside it has. The same for both directions. */

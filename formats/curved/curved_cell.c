@@ -5,7 +5,7 @@
 
 #include "formats/base/simd_one.h"
 #include "formats/base/vec3.h"
-#include "formats/curved/hex_normal_template.h"
+#include "formats/curved/curved_normal_template.h"
 #include "formats/curved/hex_point.h"
 #include "formats/curved/quadratic_path.h"
 
@@ -54,7 +54,7 @@ void curved_cell_gradient(const curved_cell *c, const double at[3], double gradi
         (void)quadratic_point_gradient(&c->tet, at, gradient);
     else
         (void)hex_point_gradient(&c->hexahedron, at, gradient);
-    hex_normal(gradient, unit);
+    curved_normal(gradient, unit);
     for (int a = 0; a < 3; a++)
         normal[a] = (float)unit[a];
 }

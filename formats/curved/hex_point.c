@@ -2,7 +2,7 @@
 
 #include "formats/base/simd_one.h"
 #include "formats/base/vec3.h"
-#include "formats/curved/hex_normal_template.h"
+#include "formats/curved/curved_normal_template.h"
 #include "formats/curved/hex_open.h"
 #include "formats/curved/path_stretch.h"
 

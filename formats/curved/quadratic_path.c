@@ -2,8 +2,10 @@
 
 #include <math.h>
 
+#include "formats/base/simd_one.h"
 #include "formats/base/vec3.h"
 #include "formats/curved/bent_triangle.h"
+#include "formats/curved/curved_normal_template.h"
 #include "formats/curved/path_stretch.h"
 
 /* Everybody's order of a face's corners: by position, then by value, which all who share it have
@@ -152,28 +154,5 @@ bool quadratic_point_find(const quadratic_tet *c, int sense, const double point[
 }
 
 bool quadratic_point_gradient(const quadratic_tet *c, const double at[3], double gradient[3]) {
-    const unsigned straight = quadratic_straight_edges(c);
-    double edge[3][3], rise[3], across[3][3], form[QUADRATIC_NODES];
-    for (int a = 0; a < 3; a++) {
-        double v[QUADRATIC_NODES], along[3];
-        for (int n = 0; n < QUADRATIC_NODES; n++)
-            v[n] = c->p[n][a];
-        quadratic_form(v, straight, form);
-        quadratic_slope(form, at, along);
-        for (int k = 0; k < 3; k++)
-            edge[k][a] = along[k];
-    }
-    quadratic_form(c->value, 0, form);
-    quadratic_slope(form, at, rise);
-    for (int k = 0; k < 3; k++)
-        vec3_cross(edge[(k + 1) % 3], edge[(k + 2) % 3], across[k]);
-    const double det = vec3_dot(edge[0], across[0]);
-    const double most = vec3_size(edge[0]) * vec3_size(edge[1]) * vec3_size(edge[2]);
-    const bool has = fabs(det) > 0x1p-48 * most;
-    for (int a = 0; a < 3; a++) {
-        gradient[a] = 0.0;
-        for (int k = 0; k < 3 && has; k++)
-            gradient[a] += rise[k] / det * across[k][a];
-    }
-    return has;
+    return quadratic_gradient(c, at, gradient);
 }

@@ -8,9 +8,9 @@
 
 #ifdef SIMD_NAME
 
-#include "formats/curved/hex_normal_template.h"
-#include "render/curved/hex_meet.h"
-#include "render/curved/hex_meet_template.h"
+#include "formats/curved/curved_normal_template.h"
+#include "render/curved/curved_meet.h"
+#include "render/curved/curved_meet_template.h"
 #include "render/curved/hex_shade_template.h"
 #include "render/tile/tile_boxes_template.h"
 
@@ -87,7 +87,7 @@ static void take_crossed(hex_tile *w, const near_cell *c, unsigned i, int32_t is
     const sheared_ray sheared = sheared_ray_of(r.o, r.d);
     path_root roots[PATH_ROOTS];
     const int count =
-        hex_walk_crossed(&c->cell, &sheared, w->b.s.f->tracer->isos.isovalues[iso], roots, NULL);
+        curved_meet_crossed(&c->cell, &sheared, w->b.s.f->tracer->isos.isovalues[iso], roots, NULL);
     for (int n = 0; n < count; n++) {
         const double *at = roots[n].at;
         double gradient[3];
@@ -129,8 +129,8 @@ SIMD unsigned rays_in_window(const hex_tile *w, const near_cell *c, int axis, un
 
 /* List the rays of the cell's pixels whose longest axis is this, and that may meet the isosurface.
  */
-SIMD void list_rays(const hex_tile *w, const near_cell *c, const hex_sight *sight, hex_rays *rays,
-                    double isovalue, near_rays *out) {
+SIMD void list_rays(const hex_tile *w, const near_cell *c, const curved_sight *sight, int terms,
+                    curved_rays *rays, double isovalue, near_rays *out) {
     out->count = 0;
     for (unsigned y = c->rect.y0 & ~(WINDOW - 1u); y <= c->rect.y1; y += WINDOW)
         for (unsigned from = c->rect.x0; from <= c->rect.x1; from += D_ROW) {
@@ -142,33 +142,37 @@ SIMD void list_rays(const hex_tile *w, const near_cell *c, const hex_sight *sigh
                 continue;
             for (int k = 0; k < 2; k++)
                 rays->slope[k] = d_load_rows(w->slope[k] + i, TILE);
-            for (bits &= md_bits(hex_may_meet(sight, rays, isovalue)); bits; bits &= bits - 1) {
+            for (bits &= md_bits(curved_may_meet(sight, terms, rays, isovalue)); bits;
+                 bits &= bits - 1) {
                 const unsigned k = (unsigned)__builtin_ctz(bits);
                 out->of[out->count++] = (uint16_t)(i + TILE * (k / D_ROW) + k % D_ROW);
             }
         }
 }
 
-SIMD void meet_rays(hex_tile *w, const near_cell *c, const hex_sight *sight, hex_rays *rays,
-                    int32_t iso, const uint16_t of[VD_N], unsigned lanes) {
-    hex_forms forms;
-    hex_met met;
+SIMD void meet_rays(hex_tile *w, const near_cell *c, const curved_sight *sight, int terms,
+                    curved_rays *rays, int32_t iso, const uint16_t of[VD_N], unsigned lanes) {
+    curved_forms forms;
+    curved_met met;
     vd gradient[3], unit[3];
     double t[VD_N], at[3][VD_N];
     float normal[3][VD_N];
     for (int k = 0; k < 2; k++)
         rays->slope[k] = d_load_at(w->slope[k], of);
     rays->d = d_load_at(w->along, of);
-    hex_forms_of(sight, rays, w->b.s.f->tracer->isos.isovalues[iso], &forms);
-    hex_meet_lanes(sight, rays, &forms, md_of_bits(lanes), &met);
+    curved_forms_of(sight, terms, rays, w->b.s.f->tracer->isos.isovalues[iso], &forms);
+    curved_meet_lanes(sight, terms, rays, &forms, md_of_bits(lanes), &met);
     for (unsigned left = md_bits(met.unknown) & lanes; left; left &= left - 1)
         take_crossed(w, c, of[__builtin_ctz(left)], iso);
     unsigned left = md_bits(met.once) & lanes;
     if (!left)
         return;
     const unsigned enters = c->cell.sense > 0 ? md_bits(met.enters) : ~md_bits(met.enters);
-    (void)hex_gradient(&c->cell.hexahedron, met.at, gradient);
-    hex_normal(gradient, unit);
+    if (terms == TRILINEAR)
+        (void)hex_gradient(&c->cell.hexahedron, met.at, gradient);
+    else
+        (void)quadratic_gradient(&c->cell.tet, met.at, gradient);
+    curved_normal(gradient, unit);
     d_store(t, met.t);
     for (int a = 0; a < 3; a++) {
         d_store(at[a], met.at[a]);
@@ -188,25 +192,36 @@ SIMD void meet_rays(hex_tile *w, const near_cell *c, const hex_sight *sight, hex
     }
 }
 
-static void meet_isosurface(hex_tile *w, const near_cell *c, const hex_sight *sight, int32_t iso) {
+SIMD void meet_isosurface(hex_tile *w, const near_cell *c, const curved_sight *sight, int terms,
+                          int32_t iso) {
     for (int axis = 0; axis < 3; axis++) {
-        hex_rays rays = {.axis = {(axis + 1) % 3, (axis + 2) % 3, axis}};
+        curved_rays rays = {.axis = {(axis + 1) % 3, (axis + 2) % 3, axis}};
         near_rays near;
         if (!w->any[axis])
             continue;
-        list_rays(w, c, sight, &rays, w->b.s.f->tracer->isos.isovalues[iso], &near);
+        list_rays(w, c, sight, terms, &rays, w->b.s.f->tracer->isos.isovalues[iso], &near);
         for (unsigned n = 0; n < VD_N; n++)
             near.of[near.count + n] = near.of[0];
         for (unsigned n = 0; n < near.count; n += VD_N) {
             const unsigned left = near.count - n;
-            meet_rays(w, c, sight, &rays, iso, near.of + n,
+            meet_rays(w, c, sight, terms, &rays, iso, near.of + n,
                       left < VD_N ? (1u << left) - 1u : (1u << VD_N) - 1u);
         }
     }
 }
 
-/* A folded cell, or one that is no hexahedron: all its pixels' rays cross its faces. */
-static void meet_crossed(hex_tile *w, const near_cell *c, int32_t iso) {
+static void meet_hexahedron(hex_tile *w, const near_cell *c, const curved_sight *sight,
+                            int32_t iso) {
+    meet_isosurface(w, c, sight, TRILINEAR, iso);
+}
+
+static void meet_tet(hex_tile *w, const near_cell *c, const curved_sight *sight, int32_t iso) {
+    meet_isosurface(w, c, sight, FORM_TERMS, iso);
+}
+
+/* A folded cell: all its pixels' rays cross its faces. */
+static void meet_crossed(hex_tile *w, const near_cell *c, const curved_sight *sight, int32_t iso) {
+    (void)sight;
     for (unsigned y = c->rect.y0; y <= c->rect.y1; y++)
         for (tile_row left = row_mask(c->rect) & w->b.s.open[y]; left; left &= left - 1)
             take_crossed(w, c, TILE * y + (unsigned)__builtin_ctz(left), iso);
@@ -214,22 +229,22 @@ static void meet_crossed(hex_tile *w, const near_cell *c, int32_t iso) {
 
 static void walk_cell(hex_tile *w, near_cell *c) {
     const isovalue_list *isos = &w->b.s.f->tracer->isos;
+    void (*meet)(hex_tile *, const near_cell *, const curved_sight *, int32_t) = meet_crossed;
     double range[2];
-    hex_sight sight;
+    curved_sight sight;
     w->b.s.counters->cells++;
     c->cell = hex_tile_cell(w->at, c->number);
-    const bool crossed = c->cell.quadratic || !c->cell.sense;
     curved_cell_range(&c->cell, range);
-    if (!crossed)
-        hex_sight_of(&c->cell.hexahedron, w->b.eye, &sight);
-    for (int32_t iso = 0; iso < isos->count; iso++) {
-        if (!(range[0] < isos->isovalues[iso] && isos->isovalues[iso] <= range[1]))
-            continue;
-        if (crossed)
-            meet_crossed(w, c, iso);
-        else
-            meet_isosurface(w, c, &sight, iso);
+    if (c->cell.sense && c->cell.quadratic) {
+        curved_sight_of_tet(&c->cell.tet, w->b.eye, &sight);
+        meet = meet_tet;
+    } else if (c->cell.sense) {
+        curved_sight_of_hexahedron(&c->cell.hexahedron, w->b.eye, &sight);
+        meet = meet_hexahedron;
     }
+    for (int32_t iso = 0; iso < isos->count; iso++)
+        if (range[0] < isos->isovalues[iso] && isos->isovalues[iso] <= range[1])
+            meet(w, c, &sight, iso);
 }
 
 #endif

@@ -3,40 +3,11 @@
 #include <float.h>
 
 #include "formats/base/vec3.h"
-#include "render/curved/hex_meet.h"
+#include "formats/curved/quadratic_path.h"
+#include "render/curved/curved_meet.h"
 #include "render/curved/hex_pieces.h"
-#include "render/curved/quadratic_meet.h"
 #include "render/walk/cell_walks.h"
 #include "render/walk/tree_pieces.h"
-
-/* ---- Cells of either shape ---- */
-
-int hex_walk_crossed(const curved_cell *c, const sheared_ray *r, double isovalue,
-                     path_root out[PATH_ROOTS], path_counts *counts) {
-    return c->quadratic ? quadratic_meet_roots(&c->tet, c->sense, r, isovalue, out, counts)
-                        : hex_meet_crossed(&c->hexahedron, c->sense, r, isovalue, out, counts);
-}
-
-static int roots_of(const curved_cell *c, const sheared_ray *r, double isovalue,
-                    path_root out[PATH_ROOTS], path_counts *counts) {
-    return c->quadratic ? quadratic_meet_roots(&c->tet, c->sense, r, isovalue, out, counts)
-                        : hex_meet_roots(&c->hexahedron, c->sense, r, isovalue, out, counts);
-}
-
-static int pieces_of(const curved_cell *c, const sheared_ray *r, const double range[2],
-                     double tolerance, path_piece out[PATH_PIECES], path_counts *counts) {
-    if (c->quadratic) {
-        quadratic_path path;
-        if (quadratic_path_of(&c->tet, c->sense, r, &path) == 0)
-            return 0;
-        return path_pieces(&path.map, path.part, path.count, c->sense == 0, range, tolerance, out,
-                           counts);
-    }
-    hex_path path;
-    return hex_path_of(&c->hexahedron, c->sense, r, &path) == 0
-               ? 0
-               : hex_pieces(&c->hexahedron, c->sense, &path, tolerance, out, counts);
-}
 
 /* ---- Hits ---- */
 
@@ -54,7 +25,7 @@ static void take_roots(const hex_way *w, const curved_cell *c, const isovalue_li
         path_root roots[PATH_ROOTS];
         if (!(range[0] < isos->isovalues[i] && isos->isovalues[i] <= range[1]))
             continue;
-        const int count = roots_of(c, &w->sheared, isos->isovalues[i], roots, counts);
+        const int count = curved_meet_roots(c, &w->sheared, isos->isovalues[i], roots, counts);
         for (int n = 0; n < count; n++) {
             const hit h = {roots[n].t, c->number, i, roots[n].entering};
             if (!cell_hit(state, w->ray, &h))
@@ -120,6 +91,21 @@ bool hex_walk_hits(hex_way *w, const isovalue_list *isos, trace_state *state, pa
 }
 
 /* ---- Pieces ---- */
+
+static int pieces_of(const curved_cell *c, const sheared_ray *r, const double range[2],
+                     double tolerance, path_piece out[PATH_PIECES], path_counts *counts) {
+    if (c->quadratic) {
+        quadratic_path path;
+        if (quadratic_path_of(&c->tet, c->sense, r, &path) == 0)
+            return 0;
+        return path_pieces(&path.map, path.part, path.count, c->sense == 0, range, tolerance, out,
+                           counts);
+    }
+    hex_path path;
+    return hex_path_of(&c->hexahedron, c->sense, r, &path) == 0
+               ? 0
+               : hex_pieces(&c->hexahedron, c->sense, &path, tolerance, out, counts);
+}
 
 static void take_pieces(const hex_way *w, const curved_cell *c, double tolerance, hex_taker *take,
                         void *ctx, path_counts *counts) {

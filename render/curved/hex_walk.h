@@ -24,11 +24,6 @@ struct hex_way {
     bool (*next)(hex_way *w, double limit, curved_cell *out);
 };
 
-/* hex_walk_crossed() - where a ray meets an isosurface of a cell, by its faces alone: as
- * hex_meet_crossed(), of any shape. */
-int hex_walk_crossed(const curved_cell *c, const sheared_ray *r, double isovalue,
-                     path_root out[PATH_ROOTS], path_counts *counts);
-
 /* hex_walk_hits() - treelet_walks.hits: lower state->best to the first root of an isovalue that
  * counts, and set state->point to it; if any will do, to some root, without the point. Returns
  * whether state->best changed.

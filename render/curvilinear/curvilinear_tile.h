@@ -4,7 +4,7 @@
  * The tree over the treelets, and the trees over their blocks, are walked once for all rays of a
  * tile. The nodes of a block are projected once; a cell covers the pixels between those of its
  * corners. The rays of these pixels meet the cell a vector at a time, by the operations of single
- * rays (curved/hex_meet_template.h). So the picture has the same bits as with single rays.
+ * rays (curved/curved_meet_template.h). So the picture has the same bits as with single rays.
  */
 #ifndef RENDER_CURVILINEAR_CURVILINEAR_TILE_H
 #define RENDER_CURVILINEAR_CURVILINEAR_TILE_H

@@ -154,7 +154,7 @@ static int look(const part *p, hex_truth *out) {
 
 void hex_truth_of(const double p[8][3], const double value[8], double isovalue, const double o[3],
                   const double d[3], hex_truth *out) {
-    static _Thread_local part stack[8 * DEEPEST];
+    static part stack[8 * DEEPEST]; /* of one thread: threads that draw have small stacks */
     int count = 1, looked = 0;
     real n[2][3], size = 0.0L;
     int least = 0;

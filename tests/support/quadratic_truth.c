@@ -234,7 +234,7 @@ static void add(polynomial *out, const polynomial *p, real scale) {
 
 void quadratic_truth_of(const quadratic_tet *c, unsigned straight, double isovalue,
                         const double o[3], const double d[3], quadratic_truth *out) {
-    static _Thread_local part stack[8 * DEEPEST];
+    static part stack[8 * DEEPEST]; /* of one thread: threads that draw have small stacks */
     polynomial place[3];
     search s = {.out = out};
     int count = 1, looked = 0, least = 0;

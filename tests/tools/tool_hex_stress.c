@@ -1,10 +1,14 @@
-/* tool_hex_stress.c - isosurfaces of hexahedra, wedges, pyramids and tets beside brute force
+/* tool_hex_stress.c - isosurfaces of curved cells beside brute force
  * (tests/support/hex_judge.h), at length.
  *
- *   tool_hex_stress [COUNT [CASE]]     COUNT rays of each shape of tests/support/hex_lab.c whose
- *                                      cells are sound, or of one: in meshes of mixed cells, half
- * of them in pictures tool_hex_stress COUNT F.leaf ISO   the same of a file; of a curvilinear grid,
- * for one
+ *   tool_hex_stress [COUNT [CASE]]
+ *
+ * COUNT rays of each shape of tests/support/hex_lab.c, in meshes of mixed cells, then of
+ * quadratic_lab.c, whose cells are sound, or of one; half of them in pictures.
+ *
+ *   tool_hex_stress COUNT F.leaf ISO
+ *
+ * The same of a file; of a curvilinear grid, for one.
  *
  * Prints a table; the numbers of the first meshes with a fault. Exit status 1 when there is one.
  * The seed is $SEED, else 1.
@@ -19,12 +23,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "prep/leafcast_prep.h"
 #include "tests/support/fixture.h"
 #include "tests/support/hex_judge.h"
 #include "tests/support/mixed_file.h"
+#include "tests/support/quadratic_file.h"
 #include "tests/support/scratch.h"
 
-enum { SIDE = 16, RAYS = SIDE * SIDE, TREELET = 60, TOLD = 5 };
+enum { SIDE = 16, RAYS = SIDE * SIDE, TREELET = 60, HEXAHEDRA = 5, TOLD = 5 };
 
 static uint64_t count = 10000, seed = 1;
 static const char *only, *iso;
@@ -100,6 +106,42 @@ static void run_lab(int which) {
     faults += hex_tally_faults(&sum);
 }
 
+static void convert_quadratic(const quadratic_lab *s, int hexahedra) {
+    leafcast_convert_options o = {.size = sizeof o};
+    o.whole_cells = o.replace = true;
+    o.treelet_tets = TREELET;
+    quadratic_file_write(s, hexahedra, scratch_path("lab.mesh"));
+    if (leafcast_convert_path(scratch_path("lab.mesh"), scratch_path("lab.leaf"), &o) !=
+        LEAFCAST_OK)
+        fail_msg("%s", leafcast_error_text());
+}
+
+static void run_quadratic(int which) {
+    static quadratic_lab s;
+    char name[32];
+    hex_tally sum = {0};
+    int told = 0;
+    for (uint64_t n = 0; sum.rays < count && n < count; n++) {
+        field_random r = {seed * UINT64_C(1000003) + n};
+        hex_judge j;
+        quadratic_lab_make(&s, which, field_random_bits(&r));
+        convert_quadratic(&s, n % 2 ? HEXAHEDRA : 0);
+        leafcast *v = fixture_open(scratch_path("lab.leaf"), NULL);
+        const leafcast_surface surface = leafcast_surface_default(s.iso);
+        assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
+        hex_judge_open(&j, v);
+        if (is_sound(&j) && !judge(&j, v, s.iso, &r, &sum) && told++ < TOLD)
+            printf("mesh %llu\n", (unsigned long long)n);
+        leafcast_close(v);
+        hex_judge_release(&j);
+    }
+    snprintf(name, sizeof name, "tets, %s", s.name);
+    if (sum.rays)
+        hex_tally_row(stdout, name, &sum);
+    fflush(stdout);
+    faults += hex_tally_faults(&sum);
+}
+
 static void run_file(void) {
     hex_tally sum = {0};
     hex_judge j;
@@ -117,6 +159,7 @@ static void run_file(void) {
 }
 
 static void run(void **state) {
+    static quadratic_lab q;
     hex_lab s;
     (void)state;
     hex_tally_heading(stdout);
@@ -124,6 +167,11 @@ static void run(void **state) {
         hex_lab_make(&s, i, 1);
         if (!only || strcmp(only, s.name) == 0)
             run_lab(i);
+    }
+    for (int i = 0; i < quadratic_lab_count() && !iso; i++) {
+        quadratic_lab_make(&q, i, 1);
+        if (!only || strcmp(only, q.name) == 0)
+            run_quadratic(i);
     }
     if (iso)
         run_file();

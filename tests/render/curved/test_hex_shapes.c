@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "formats/curved/hex_point.h"
-#include "render/curved/hex_meet.h"
+#include "render/curved/curved_meet.h"
 #include "tests/support/cell_mix.h"
 #include "tests/support/hex_truth.h"
 #include "tests/support/watched.h"
@@ -161,7 +161,8 @@ static void compare(const cell_mix_cell *c, const hexahedron *h, int sense, cons
     const sheared_ray sheared = sheared_ray_of(r->o, r->d);
     path_root found[PATH_ROOTS];
     hex_truth truth = {.count = 0};
-    const int count = hex_meet_roots(h, sense, &sheared, mix.lab.iso, found, counts);
+    const curved_cell cell = {.quadratic = false, .hexahedron = *h, .sense = sense};
+    const int count = curved_meet_roots(&cell, &sheared, mix.lab.iso, found, counts);
     if (c->shape == CELL_TET)
         truth.doubtful = !tet_truth(c, mix.lab.iso, r, &truth);
     else

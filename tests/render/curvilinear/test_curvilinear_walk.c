@@ -12,7 +12,7 @@
 
 #include "formats/base/vec3.h"
 #include "formats/curved/hex_point.h"
-#include "render/curved/hex_meet.h"
+#include "render/curved/curved_meet.h"
 #include "render/curved/hex_pieces.h"
 #include "render/curvilinear/curvilinear_walk.h"
 #include "tests/support/curvilinear_lab.h"
@@ -113,13 +113,13 @@ static void all_hits(const curvilinear_lattice *l, const ray *r, hit_list *out) 
     for (uint32_t c = 0; c < lab.count; c++) {
         if (!is_active(l, c))
             continue;
-        const hexahedron h = curvilinear_walk_cell(l, c);
+        const curved_cell cell = {
+            .quadratic = false, .hexahedron = curvilinear_walk_cell(l, c), .sense = sense_of(l, c)};
         for (int i = 0; i < isos.count; i++) {
             path_root roots[PATH_ROOTS];
-            if (!has(&h, isos.isovalues[i]))
+            if (!has(&cell.hexahedron, isos.isovalues[i]))
                 continue;
-            const int count =
-                hex_meet_roots(&h, sense_of(l, c), &sheared, isos.isovalues[i], roots, NULL);
+            const int count = curved_meet_roots(&cell, &sheared, isos.isovalues[i], roots, NULL);
             for (int k = 0; k < count; k++)
                 if (roots[k].t >= r->t0 && roots[k].t <= r->t1) {
                     assert_true(out->count < HITS);
