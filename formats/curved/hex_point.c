@@ -1,5 +1,7 @@
 #include "formats/curved/hex_point.h"
 
+#include <string.h>
+
 #include "formats/base/simd_one.h"
 #include "formats/base/vec3.h"
 #include "formats/curved/curved_normal_template.h"
@@ -11,33 +13,23 @@ bool hex_point_find(const hexahedron *h, int sense, const double point[3], doubl
     static const double up[3] = {0.0, 0.0, 1.0};
     const sheared_ray r = sheared_ray_of(point, up);
     hex_path path;
-    const int count = hex_path_of(h, sense, &r, &path);
-    for (int i = 0; i < count; i++) {
-        const path_end *from = &path.part[i].end[0], *to = &path.part[i].end[1];
-        if (!(from->t <= 0.0 && 0.0 < to->t))
-            continue;
-        const double share = -from->t / (to->t - from->t);
-        double linear[3], in[3];
+    path_end e;
+    if (!path_parts_at(path.part, hex_path_of(h, sense, &r, &path), 0.0, &e))
+        return false;
+    if (sense != 0) {
+        double in[3] = {e.at[0], e.at[1], e.at[2]};
         hex_opened opened;
         hex_open(h, &path, &opened);
-        for (int a = 0; a < 3; a++)
-            at[a] = linear[a] = from->at[a] + share * (to->at[a] - from->at[a]);
-        for (int a = 0; a < 3; a++)
-            in[a] = linear[a];
         hex_open_into(&opened, in);
-        if (sense != 0 && path_stretch_locate(&opened.map, 0.0, in)) {
-            *value = hexahedron_at(opened.map.value, in);
+        if (path_stretch_locate(&opened.map, 0.0, in)) {
+            e.value = hexahedron_at(opened.map.value, in);
             hex_open_out(&opened, in);
-            for (int a = 0; a < 3; a++)
-                at[a] = in[a];
-            return true;
+            memcpy(e.at, in, sizeof e.at);
         }
-        for (int a = 0; a < 3; a++)
-            at[a] = linear[a];
-        *value = from->value + share * (to->value - from->value);
-        return true;
     }
-    return false;
+    memcpy(at, e.at, sizeof e.at);
+    *value = e.value;
+    return true;
 }
 
 bool hex_point_gradient(const hexahedron *h, const double at[3], double gradient[3]) {

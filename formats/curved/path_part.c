@@ -19,6 +19,21 @@ int path_parts(const path_crossings in_out[2], bool folded, path_part out[PATH_P
     return count;
 }
 
+bool path_parts_at(const path_part part[], int count, double t, path_end *out) {
+    for (int i = 0; i < count; i++) {
+        const path_end *from = &part[i].end[0], *to = &part[i].end[1];
+        if (!(from->t <= t && t < to->t))
+            continue;
+        const double share = (t - from->t) / (to->t - from->t);
+        out->t = t;
+        out->value = from->value + share * (to->value - from->value);
+        for (int a = 0; a < 3; a++)
+            out->at[a] = from->at[a] + share * (to->at[a] - from->at[a]);
+        return true;
+    }
+    return false;
+}
+
 void path_part_walk(const path_part *part, path_look *look, void *ctx) {
     struct {
         path_end end;

@@ -30,6 +30,10 @@ void path_crossings_add(path_crossings *s, const path_end *e);
  * nothing; the ends of a part are put in order of t. Returns the number of parts. */
 int path_parts(const path_crossings in_out[2], bool folded, path_part out[PATH_PARTS]);
 
+/* path_parts_at() - the point at t on the straight line between the ends of the part that has t:
+ * each t belongs to one part at most. False: none has it. */
+bool path_parts_at(const path_part part[], int count, double t, path_end *out);
+
 /* Looks at one stretch of a part, cut from it `depth` times. Returns true, and a point in its
  * middle, if it is to be cut there. */
 typedef bool path_look(void *ctx, const path_end *from, const path_end *to, int depth,

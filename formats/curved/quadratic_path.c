@@ -1,6 +1,7 @@
 #include "formats/curved/quadratic_path.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "formats/base/simd_one.h"
 #include "formats/base/vec3.h"
@@ -133,24 +134,17 @@ bool quadratic_point_find(const quadratic_tet *c, int sense, const double point[
     static const double up[3] = {0.0, 0.0, 1.0};
     const sheared_ray r = sheared_ray_of(point, up);
     quadratic_path path;
-    const int count = quadratic_path_of(c, sense, &r, &path);
-    for (int i = 0; i < count; i++) {
-        const path_end *from = &path.part[i].end[0], *to = &path.part[i].end[1];
-        if (!(from->t <= 0.0 && 0.0 < to->t))
-            continue;
-        const double share = -from->t / (to->t - from->t);
-        double in[3];
-        for (int a = 0; a < 3; a++)
-            at[a] = in[a] = from->at[a] + share * (to->at[a] - from->at[a]);
-        *value = from->value + share * (to->value - from->value);
-        if (sense != 0 && path_stretch_locate(&path.map, 0.0, in)) {
-            *value = quadratic_at(path.map.value, in);
-            for (int a = 0; a < 3; a++)
-                at[a] = in[a];
-        }
-        return true;
+    path_end e;
+    if (!path_parts_at(path.part, quadratic_path_of(c, sense, &r, &path), 0.0, &e))
+        return false;
+    double in[3] = {e.at[0], e.at[1], e.at[2]};
+    if (sense != 0 && path_stretch_locate(&path.map, 0.0, in)) {
+        e.value = quadratic_at(path.map.value, in);
+        memcpy(e.at, in, sizeof e.at);
     }
-    return false;
+    memcpy(at, e.at, sizeof e.at);
+    *value = e.value;
+    return true;
 }
 
 bool quadratic_point_gradient(const quadratic_tet *c, const double at[3], double gradient[3]) {

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "formats/base/vec3.h"
 #include "formats/curved/bent_triangle.h"
 #include "formats/curved/quadratic_path.h"
 #include "render/curved/curved_meet.h"
@@ -385,6 +386,59 @@ static void test_orders(void **state) {
     }
 }
 
+/* The least determinant of the Jacobian on a lattice of points. */
+static double least_det(const quadratic_tet *t) {
+    enum { STEPS = 14 };
+    double form[3][QUADRATIC_NODES], least = INFINITY;
+    for (int a = 0; a < 3; a++) {
+        double v[QUADRATIC_NODES];
+        for (int n = 0; n < QUADRATIC_NODES; n++)
+            v[n] = t->p[n][a];
+        quadratic_form(v, quadratic_straight_edges(t), form[a]);
+    }
+    for (int i = 0; i <= STEPS; i++)
+        for (int j = 0; i + j <= STEPS; j++)
+            for (int k = 0; i + j + k <= STEPS; k++) {
+                const double at[3] = {(double)i / STEPS, (double)j / STEPS, (double)k / STEPS};
+                double slope[3][3];
+                for (int a = 0; a < 3; a++)
+                    quadratic_slope(form[a], at, slope[a]);
+                least = fmin(least, vec3_det(slope[0], slope[1], slope[2]));
+            }
+    return least;
+}
+
+/* Bent by chance: what is clearly sound has a sense, though coefficients alone would not tell of
+ * all; what is folded anywhere has none. */
+static void test_bent_senses(void **state) {
+    enum { TETS = SLOW ? 500 : 5000 };
+    static const double corner[QUADRATIC_CORNERS][3] = {
+        {0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    field_random random = {FIELD_SEED};
+    int sound = 0, folded = 0;
+    (void)state;
+    for (int i = 0; i < TETS; i++) {
+        quadratic_tet t;
+        const double most = 0.3 * field_random_unit(&random);
+        memset(&t, 0, sizeof t);
+        for (int n = 0; n < QUADRATIC_NODES; n++)
+            for (int a = 0; a < 3; a++) {
+                const int *edge =
+                    n < QUADRATIC_CORNERS ? NULL : quadratic_edge(n - QUADRATIC_CORNERS);
+                t.p[n][a] = edge ? 0.5 * (corner[edge[0]][a] + corner[edge[1]][a]) : corner[n][a];
+                t.p[n][a] += field_random_in(&random, -most, most);
+            }
+        const double least = least_det(&t);
+        if (least > 0.05)
+            assert_int_equal(quadratic_sense(&t), 1);
+        if (least < 0.0)
+            assert_int_equal(quadratic_sense(&t), 0);
+        sound += least > 0.05;
+        folded += least < 0.0;
+    }
+    assert_true(sound > TETS / 5 && folded > TETS / 5);
+}
+
 static void test_sense(void **state) {
     quadratic_tet t = {.p = {{0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}};
     (void)state;
@@ -465,9 +519,10 @@ static void test_folds(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_truth),  cmocka_unit_test(test_faces),  cmocka_unit_test(test_pieces),
-        cmocka_unit_test(test_points), cmocka_unit_test(test_orders), cmocka_unit_test(test_sense),
-        cmocka_unit_test(test_folds),
+        cmocka_unit_test(test_truth),       cmocka_unit_test(test_faces),
+        cmocka_unit_test(test_pieces),      cmocka_unit_test(test_points),
+        cmocka_unit_test(test_orders),      cmocka_unit_test(test_sense),
+        cmocka_unit_test(test_bent_senses), cmocka_unit_test(test_folds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

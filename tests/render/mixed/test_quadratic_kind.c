@@ -214,6 +214,42 @@ static void test_between_nodes(void **state) {
     leafcast_close(v);
 }
 
+/* Where the surface has values beyond those of all nodes of its cells, and where a face bulges
+ * beyond the hull of the nodes, single rays and pictures find it. */
+static void test_beyond_nodes(void **state) {
+    enum { SIDE = 24 };
+    static const float wave[] = {0.0F, 0.9F, 1.0F, 0.9F};
+    (void)state;
+    for (int bulge = 0; bulge < 2; bulge++) {
+        quadratic_lab_make(&lab, 0, FIELD_SEED);
+        for (int k = 0; k < QUADRATIC_LAB_NODES; k++)
+            for (int j = 0; j < QUADRATIC_LAB_NODES; j++)
+                for (int i = 0; i < QUADRATIC_LAB_NODES; i++) {
+                    lab.value[k][j][i] = bulge ? (float)j : wave[i % 4];
+                    if (bulge && i == 0 && (j % 2 || k % 2))
+                        lab.p[k][j][i][0] = -0.3F;
+                }
+        leafcast *v = fixture_open(convert(0, 0, "lab.leaf"), NULL);
+        const leafcast_surface surface = leafcast_surface_default(bulge ? 1.35 : 1.03);
+        leafcast_camera c = leafcast_standard_view(v, 1.1, SIDE, SIDE);
+        hex_tally tally = {0};
+        hex_judge j;
+        if (bulge) { /* what is beyond the nodes, nothing else, from below */
+            const double eye[3] = {-0.45, -2.0, 0.5}, at[3] = {-0.45, 0.0, 0.5};
+            memcpy(c.eye, eye, sizeof eye);
+            memcpy(c.look_at, at, sizeof at);
+            c.fov = 8.0; /* the hull ends at -0.3, the face at -0.4 */
+        }
+        hex_judge_open(&j, v);
+        assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
+        assert_true(hex_judge_picture(&j, v, surface.isovalue, &c, &tally));
+        hex_tally_row(stdout, bulge ? "bulge" : "wave", &tally);
+        assert_true(tally.surfaces > SIDE);
+        hex_judge_release(&j);
+        leafcast_close(v);
+    }
+}
+
 /* The same pictures from compressed files, which are smaller, and sound. */
 static void test_compressed(void **state) {
     static picture p[2];
@@ -302,9 +338,10 @@ static void test_lies(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_hits),       cmocka_unit_test(test_cells),
-        cmocka_unit_test(test_pieces),     cmocka_unit_test(test_between_nodes),
-        cmocka_unit_test(test_compressed), cmocka_unit_test(test_lies),
+        cmocka_unit_test(test_hits),         cmocka_unit_test(test_cells),
+        cmocka_unit_test(test_pieces),       cmocka_unit_test(test_between_nodes),
+        cmocka_unit_test(test_beyond_nodes), cmocka_unit_test(test_compressed),
+        cmocka_unit_test(test_lies),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
