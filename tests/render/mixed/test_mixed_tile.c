@@ -12,21 +12,26 @@
 #include "tests/support/mixed_file.h"
 #include "tests/support/mixed_tile_wide.h"
 #include "tests/support/pictures.h"
+#include "tests/support/quadratic_file.h"
 #include "tests/support/scratch.h"
 
 static cell_mix mix;
 
-static picture_volumes open_all(int lab, uint32_t cells) {
+/* Cells of a mesh's file, by all ISAs, and by vectors as wide as AVX-512's. */
+static picture_volumes open_mesh(const char *mesh, uint32_t cells) {
     mesh_result result;
-    cell_mix_make(&mix, lab, FIELD_SEED);
-    (void)mixed_file_write(mix.cell, mix.count, scratch_path("tile.vtk"));
-    mixed_file_convert(scratch_path("tile.vtk"), scratch_path("tile.leaf"), cells,
-                       UINT64_C(1) << 32, &result);
+    mixed_file_convert(mesh, scratch_path("tile.leaf"), cells, UINT64_C(1) << 32, &result);
     picture_volumes v = pictures_open(scratch_path("tile.leaf"), 2);
     pictures_open_one(&v, scratch_path("tile.leaf"), "scalar", 2);
     v.of[v.count - 1]->kernels.tile = mixed_tile_wide;
     v.name[v.count - 1] = "wide";
     return v;
+}
+
+static picture_volumes open_all(int lab, uint32_t cells) {
+    cell_mix_make(&mix, lab, FIELD_SEED);
+    (void)mixed_file_write(mix.cell, mix.count, scratch_path("tile.vtk"));
+    return open_mesh(scratch_path("tile.vtk"), cells);
 }
 
 static void test_every_shape(void **state) {
@@ -41,6 +46,28 @@ static void test_every_shape(void **state) {
         for (int kind = n % PICTURE_VIEWS; kind < PICTURE_VIEWS; kind += 8) {
             const leafcast_camera c = pictures_view(v.of[0], kind, &r);
             hits += pictures_alike(&v, &scene, &c, mix.lab.name);
+        }
+        pictures_close(&v);
+    }
+    print_message("%d pixels with surfaces\n", hits);
+    assert_true(hits > (WATCHED ? 500 : 5000));
+}
+
+static void test_quadratic_tets(void **state) {
+    static quadratic_lab lab;
+    (void)state;
+    int hits = 0;
+    for (int n = 0; n < quadratic_lab_count(); n++) {
+        field_random r = {FIELD_SEED + (uint64_t)n};
+        quadratic_lab_make(&lab, n, FIELD_SEED);
+        quadratic_file_write(&lab, n % 3, scratch_path("tile.mesh"));
+        picture_volumes v = open_mesh(scratch_path("tile.mesh"), n % 2 ? 40 : 2000);
+        const leafcast_surface surface = leafcast_surface_default(lab.iso);
+        const leafcast_scene scene = leafcast_scene_default();
+        pictures_select(&v, &surface, 1);
+        for (int kind = n % PICTURE_VIEWS; kind < PICTURE_VIEWS; kind += 8) {
+            const leafcast_camera c = pictures_view(v.of[0], kind, &r);
+            hits += pictures_alike(&v, &scene, &c, lab.name);
         }
         pictures_close(&v);
     }
@@ -76,6 +103,7 @@ static void test_every_scene(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_shape),
+        cmocka_unit_test(test_quadratic_tets),
         cmocka_unit_test(test_every_scene),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
