@@ -52,6 +52,9 @@ SIMD vd d_max(vd a, vd b) {
 SIMD vd d_sqrt(vd a) {
     return D_(sqrt)(a);
 }
+SIMD vd d_ceil(vd a) {
+    return D_(ceil)(a);
+}
 SIMD vd d_abs(vd a) {
     return d_and_bits(a, UINT64_C(0x7fffffffffffffff));
 }

@@ -37,16 +37,16 @@ static inline quantizer quantizer_of(float lo, float hi, sample_type type) {
 
 /* The function g: monotone, 0 at lo, within [0, 255]. */
 static inline double quantizer_map(const quantizer *q, double value) {
-    double g = (value - q->lo) * q->scale;
-    return g < 0.0 ? 0.0 : g > 255.0 ? 255.0 : g;
+    const double g = (value - q->lo) * q->scale, up = 0.0 > g ? 0.0 : g;
+    return 255.0 < up ? 255.0 : up;
 }
 
 static inline uint8_t quantizer_floor(const quantizer *q, double value) {
-    return (uint8_t)floor(quantizer_map(q, value));
+    return (uint8_t)(int)quantizer_map(q, value);
 }
 
 static inline uint8_t quantizer_ceil(const quantizer *q, double value) {
-    return (uint8_t)ceil(quantizer_map(q, value));
+    return (uint8_t)(int)ceil(quantizer_map(q, value));
 }
 
 /* quantizer_limits() - the limits for ranges with min < beyond && reach <= max; call it once per

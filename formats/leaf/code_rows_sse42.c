@@ -1,0 +1,1 @@
+#include "formats/leaf/code_rows_template.h"
