@@ -8,20 +8,43 @@
 
 /* ---- samples ---- */
 
-/* Copy a row: `count` samples from node `first` on, which may lie outside; indices are clamped to
- * the level's nodes.
- */
-static char *copy_row(char *out, const char *row, int64_t first, uint32_t count, uint32_t nodes,
-                      uint32_t origin, size_t size) {
-    int64_t last = first + count - 1;
-    int64_t from = first < 0 ? 0 : first, to = last >= nodes ? (int64_t)nodes - 1 : last;
-    for (int64_t i = first; i < from; i++, out += size)
-        memcpy(out, row + (size_t)(from - origin) * size, size);
-    size_t bytes = (size_t)(to - from + 1) * size;
-    memcpy(out, row + (size_t)(from - origin) * size, bytes);
-    out += bytes;
-    for (int64_t i = to; i < last; i++, out += size)
-        memcpy(out, row + (size_t)(to - origin) * size, size);
+/* A row's samples: the first node of the level is repeated `before` times, the last one `behind`
+ * times. */
+typedef struct row_part {
+    uint32_t from; /* first node that is there */
+    uint32_t before, there, behind;
+} row_part;
+
+static row_part row_part_of(int64_t first, uint32_t count, uint32_t nodes) {
+    const int64_t last = first + count - 1;
+    const int64_t from = first < 0 ? 0 : first, to = last >= nodes ? (int64_t)nodes - 1 : last;
+    return (row_part){.from = (uint32_t)from,
+                      .before = (uint32_t)(from - first),
+                      .there = (uint32_t)(to - from + 1),
+                      .behind = (uint32_t)(last - to)};
+}
+
+/* Copy bytes. Rows are short and of any length, which memcpy() takes its time to tell apart. */
+static inline void copy_bytes(char *restrict out, const char *restrict from, size_t bytes) {
+    enum { SOME = 16 };
+    if (bytes < SOME) {
+        memcpy(out, from, bytes);
+        return;
+    }
+    for (size_t at = 0; at < bytes - SOME; at += SOME)
+        memcpy(out + at, from + at, SOME);
+    memcpy(out + bytes - SOME, from + bytes - SOME, SOME);
+}
+
+/* Copy a row whose first sample that is there lies at `row`. Returns the end of the copy. */
+static inline char *copy_row(char *out, const char *row, const row_part *p, size_t size) {
+    for (uint32_t i = 0; i < p->before; i++, out += size)
+        memcpy(out, row, size);
+    copy_bytes(out, row, p->there * size);
+    row += (p->there - 1) * size;
+    out += p->there * size;
+    for (uint32_t i = 0; i < p->behind; i++, out += size)
+        memcpy(out, row, size);
     return out;
 }
 
@@ -33,16 +56,10 @@ static uint32_t clamped(int64_t i, uint32_t nodes) {
  * leaves out calls of functions that do nothing else. */
 enum { AHEAD = 6 };
 
-static inline __attribute__((always_inline)) void fetch_row(const sample_box *box, uint32_t z,
-                                                            uint32_t y, int64_t first,
-                                                            uint32_t count, size_t size) {
-    if (y >= box->size[1])
-        return;
-    const size_t from = first > box->origin[0] ? (size_t)first - box->origin[0] : 0;
-    const char *row = box->slices[z] + y * box->row_bytes + from * size;
-    for (size_t at = 0; at < count * size; at += 64)
+static inline __attribute__((always_inline)) void fetch_row(const char *row, size_t bytes) {
+    for (size_t at = 0; at < bytes; at += 64)
         __builtin_prefetch(row + at);
-    __builtin_prefetch(row + count * size - 1);
+    __builtin_prefetch(row + bytes - 1);
 }
 
 /* Copy a box of samples of a level, from node `first` on. Returns the end of the copy. */
@@ -50,15 +67,17 @@ static char *copy_samples(const leaf_layout *l, uint32_t level, const int64_t fi
                           const uint32_t count[3], const sample_box *box, char *out) {
     const uint32_t *nodes = l->level[level].dims;
     const size_t size = sample_size(l->type);
+    const row_part part = row_part_of(first[0], count[0], nodes[0]);
     for (uint32_t k = 0; k < count[2]; k++) {
         const uint32_t z = clamped(first[2] + k, nodes[2]) - box->origin[2];
+        const char *slice = box->slices[z] + (part.from - box->origin[0]) * size;
         assert(z < box->size[2]);
         for (uint32_t j = 0; j < count[1]; j++) {
             const uint32_t y = clamped(first[1] + j, nodes[1]) - box->origin[1];
             assert(y < box->size[1]);
-            fetch_row(box, z, y + AHEAD, first[0], count[0], size);
-            out = copy_row(out, box->slices[z] + y * box->row_bytes, first[0], count[0], nodes[0],
-                           box->origin[0], size);
+            if (y + AHEAD < box->size[1])
+                fetch_row(slice + (y + AHEAD) * box->row_bytes, part.there * size);
+            out = copy_row(out, slice + y * box->row_bytes, &part, size);
         }
     }
     return out;
