@@ -197,9 +197,11 @@ static status convert_set(grid_conversion *c, volume *v, const char *output) {
         st = begin_histogram(c, g);
     if (st == ST_OK)
         st = begin_deviations(c, g);
-    if (st == ST_OK)
-        st = read_ahead_create(c->m, v, c->plan->batch, c->resumes ? &c->past : NULL,
-                               c->slices_done, &c->input);
+    if (st == ST_OK) {
+        const slice_ring ring = slab_ring(c->stages[0].slab);
+        st = read_ahead_create(c->m, v, &ring, c->resumes ? &c->past : NULL, c->slices_done,
+                               &c->input);
+    }
     if (st == ST_OK)
         st = begin_maps(c);
     if (st == ST_OK && c->resumes)

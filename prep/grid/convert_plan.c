@@ -10,12 +10,16 @@
 #include "prep/grid/treelet_build.h"
 
 /* Memory not counted elsewhere: the thread pool, touched parts of stacks, rounding of blocks. */
-enum { FIXED_BYTES = 256 << 10, THREAD_BYTES = 64 << 10, SPILLED_BATCH_MAX = 16 };
+enum { FIXED_BYTES = 256 << 10, THREAD_BYTES = 64 << 10, SPILLED_AHEAD_MAX = 32, AHEAD_MIN = 2 };
+
+/* So many bytes of slices go through the levels at once: they are still in a cache. */
+enum { BATCH_BYTES = 4 << 20 };
 
 slab_plan convert_plan_slab(const convert_plan *plan, uint32_t level, int threads) {
     return (slab_plan){.spilled = level < plan->spilled_levels,
                        .column_families = plan->column_families,
-                       .threads = threads};
+                       .threads = threads,
+                       .ahead = level == 0 ? plan->ahead : 0};
 }
 
 uint32_t convert_plan_slices(const convert_plan *plan, uint32_t level) {
@@ -50,7 +54,8 @@ static uint64_t fixed_memory(const grid *g, const convert_options *o, const leaf
 static uint64_t slab_side_memory(const grid *g, const convert_options *o,
                                  const convert_plan *plan) {
     const leaf_layout *l = &plan->layout;
-    uint64_t bytes = read_ahead_memory(g, plan->batch);
+    const slab_plan read = convert_plan_slab(plan, 0, o->threads);
+    uint64_t bytes = read_ahead_memory(g, slab_slots(l, 0, &read));
     if (o->work && plan->spilled_levels > 0) /* a slice at a time, when unfinished work is loaded */
         bytes += (uint64_t)g->dims[0] * g->dims[1] * sample_size(l->type) + 128;
     for (uint32_t level = 0; level < l->sampled; level++) {
@@ -182,22 +187,28 @@ static uint64_t least_memory(const grid *g, const convert_options *o, const conv
                              uint32_t spilled) {
     convert_plan least = *plan;
     least.spilled_levels = spilled;
+    least.ahead = AHEAD_MIN;
     least.batch = 1;
     least.column_families = 1;
     return slab_side_memory(g, o, &least);
 }
 
-/* With plan->spilled_levels given: choose the widest columns that fit, then the most slices at
- * once. */
+/* Slices at once, of those that are read ahead: the others are read meanwhile. */
+static uint32_t batch_of(const grid *g, const convert_plan *plan) {
+    const uint64_t slice = (uint64_t)g->dims[0] * g->dims[1] * sample_size(plan->layout.type);
+    const uint64_t some = BATCH_BYTES / slice + 1, half = plan->ahead / 2;
+    return (uint32_t)(some < half ? some : half);
+}
+
+/* With plan->spilled_levels given: choose the widest columns that fit, then read as far ahead as
+ * fits, at most a slab. */
 static bool choose_sizes(const grid *g, const convert_options *o, convert_plan *plan,
                          uint64_t room) {
-    uint32_t most = plan->spilled_levels ? SPILLED_BATCH_MAX : 2u << plan->layout.cells_log2;
-    if (most > g->dims[2])
-        most = g->dims[2];
+    const uint32_t most = plan->spilled_levels ? SPILLED_AHEAD_MAX : 2u << plan->layout.cells_log2;
     for (uint32_t across = slab_families(&plan->layout, 0, 0);; across = (across + 1) / 2) {
-        for (uint32_t batch = most; batch >= 1; batch /= 2) {
+        for (plan->ahead = most; plan->ahead >= AHEAD_MIN; plan->ahead /= 2) {
             plan->column_families = across;
-            plan->batch = batch;
+            plan->batch = batch_of(g, plan);
             if (slab_side_memory(g, o, plan) <= room)
                 return true;
         }

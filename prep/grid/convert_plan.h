@@ -34,7 +34,8 @@ typedef struct convert_options {
 
 typedef struct convert_plan {
     leaf_layout layout;       /* levels only, no arrays: needs no release */
-    uint32_t batch;           /* level-0 slices read at once */
+    uint32_t ahead;           /* level-0 slices read ahead */
+    uint32_t batch;           /* level-0 slices that go through the levels at once */
     uint32_t spilled_levels;  /* number of finest levels whose slabs go through a scratch file */
     uint32_t column_families; /* families across a spilled column */
     uint64_t memory;          /* bytes of the conversion, with what is in use already */

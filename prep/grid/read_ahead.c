@@ -10,32 +10,27 @@
 #include "formats/base/sample.h"
 #include "formats/base/thread.h"
 
-enum { BATCHES = 2 };
-
 struct read_ahead {
     mem *m;
     volume *v;
-    uint32_t batch;
     size_t slice_samples, slice_bytes; /* of the stored type */
     void *raw;                         /* one slice of the input's type, if that is larger */
-    char *slices[BATCHES];
-    uint8_t *busy[BATCHES]; /* their maps, `tiles` bytes each */
-    size_t tiles;
-    bool told; /* maps come from the input; otherwise from a look at the samples */
+    slice_ring ring;
+    size_t tiles; /* bytes of a map */
+    bool told;    /* maps come from the input; otherwise from a look at the samples */
     _Alignas(double) uint8_t quiet[SLICE_SAMPLE_MAX];
     pthread_t thread;
     bool started;
     pthread_mutex_t lock;
     pthread_cond_t changed;
-    /* Guarded by lock: batches count from 0; batch n is in slices[n % BATCHES]. */
-    uint32_t filled, taken, released;
-    uint32_t counts[BATCHES];
+    /* Guarded by lock: slices [taken, filled) are there, of which the caller waits for `wanted`. */
+    uint32_t filled, taken, needed, wanted;
     bool ended, quit;
     status_note note;
-    read_ahead_facts facts;         /* the reader's own */
-    read_ahead_facts seen[BATCHES]; /* up to the end of each batch */
-    read_ahead_facts handed;        /* the caller's: up to the end of what it has */
-    uint32_t done;                  /* slices of an earlier run */
+    read_ahead_facts facts;  /* the reader's own */
+    read_ahead_facts *seen;  /* up to the end of the slice in each slot */
+    read_ahead_facts handed; /* the caller's: up to the end of what it has */
+    uint32_t done;           /* slices of an earlier run */
 };
 
 static uint64_t count_non_finite(const float *samples, size_t count) {
@@ -106,10 +101,10 @@ static status read_slice(read_ahead *r, char *into, uint8_t *busy) {
     return ST_OK;
 }
 
-/* Wait for a batch that may be filled. Returns false if the reader is to end. */
+/* Wait for a slot that may be filled. Returns false if the reader is to end. */
 static bool wait_for_room(read_ahead *r) {
     pthread_mutex_lock(&r->lock);
-    while (!r->quit && r->filled - r->released == BATCHES)
+    while (!r->quit && r->filled - r->needed == r->ring.slots)
         pthread_cond_wait(&r->changed, &r->lock);
     bool go = !r->quit;
     pthread_mutex_unlock(&r->lock);
@@ -123,7 +118,14 @@ static bool must_quit(read_ahead *r) {
     return quit;
 }
 
-/* Move on behind the slices of an earlier run. */
+/* Read slice z to its slot. */
+static status fill_slot(read_ahead *r, uint32_t z) {
+    const uint32_t slot = z % r->ring.slots;
+    return read_slice(r, r->ring.samples + slot * r->slice_bytes, r->ring.busy + slot * r->tiles);
+}
+
+/* Move on behind the slices of an earlier run. Those that are needed are in their slots, which the
+ * next one is not. */
 static status pass_done(read_ahead *r) {
     const read_ahead_facts past = r->facts;
     status st = r->done && volume_skips(r->v) ? volume_skip(r->v, r->done) : ST_OK;
@@ -131,7 +133,7 @@ static status pass_done(read_ahead *r) {
         return st;
     r->facts.checksum = 0;
     for (uint32_t z = 0; z < r->done && st == ST_OK && !must_quit(r); z++)
-        st = read_slice(r, r->slices[0], r->busy[0]);
+        st = fill_slot(r, r->done);
     if (st == ST_OK && !must_quit(r) && r->facts.checksum != past.checksum)
         st = status_describe(ST_CORRUPT,
                              "the input has changed: its first %u slices are not those that the "
@@ -141,28 +143,20 @@ static status pass_done(read_ahead *r) {
     return st;
 }
 
-static status read_batches(read_ahead *r) {
-    uint32_t slices = volume_grid(r->v)->dims[2];
-    status passed = pass_done(r);
+static status read_slices_on(read_ahead *r) {
+    const uint32_t slices = volume_grid(r->v)->dims[2];
+    const status passed = pass_done(r);
     if (passed != ST_OK)
         return passed;
-    for (uint32_t z = r->done; z < slices && wait_for_room(r);) {
-        uint32_t count = slices - z < r->batch ? slices - z : r->batch;
-        uint32_t slot = r->filled % BATCHES;
-        for (uint32_t i = 0; i < count; i++) {
-            if (must_quit(r))
-                return ST_OK;
-            status st =
-                read_slice(r, r->slices[slot] + i * r->slice_bytes, r->busy[slot] + i * r->tiles);
-            if (st != ST_OK)
-                return st;
-        }
-        z += count;
+    for (uint32_t z = r->done; z < slices && wait_for_room(r); z++) {
+        const status st = fill_slot(r, z);
+        if (st != ST_OK)
+            return st;
         pthread_mutex_lock(&r->lock);
-        r->counts[slot] = count;
-        r->seen[slot] = r->facts;
+        r->seen[z % r->ring.slots] = r->facts;
         r->filled++;
-        pthread_cond_broadcast(&r->changed);
+        if (r->filled - r->taken >= r->wanted)
+            pthread_cond_broadcast(&r->changed);
         pthread_mutex_unlock(&r->lock);
     }
     return must_quit(r) ? ST_OK : volume_finish(r->v, &r->facts.trailing_bytes);
@@ -170,7 +164,7 @@ static status read_batches(read_ahead *r) {
 
 static void *work(void *arg) {
     read_ahead *r = arg;
-    status st = read_batches(r);
+    status st = read_slices_on(r);
     pthread_mutex_lock(&r->lock);
     status_note_take(&r->note, st);
     r->ended = true;
@@ -187,11 +181,9 @@ static bool needs_raw(const grid *g) {
     return sample_size(g->type) > sample_size(sample_stored(g->type));
 }
 
-uint64_t read_ahead_memory(const grid *g, uint32_t batch) {
-    uint64_t bytes = (uint64_t)BATCHES * batch * stored_slice_bytes(g) +
-                     (needs_raw(g) ? grid_slice_bytes(g) : 0) +
-                     (uint64_t)BATCHES * batch * slice_tiles_count(g->dims);
-    return bytes + sizeof(read_ahead) + 4096;
+uint64_t read_ahead_memory(const grid *g, uint32_t slots) {
+    return (needs_raw(g) ? grid_slice_bytes(g) : 0) + slots * sizeof(read_ahead_facts) +
+           sizeof(read_ahead) + 4096;
 }
 
 /* Returns whether the input tells a quiet value that is unchanged when stored: finite, and not -0.
@@ -206,21 +198,7 @@ static bool ask_quiet(read_ahead *r) {
     return isfinite(value) && !(value == 0 && signbit(value));
 }
 
-static status create_maps(read_ahead *r) {
-    r->tiles = slice_tiles_count(volume_grid(r->v)->dims);
-    r->told = ask_quiet(r);
-    if (!r->told)
-        memset(r->quiet, 0, sizeof r->quiet);
-    for (int i = 0; i < BATCHES; i++) {
-        r->busy[i] = mem_alloc(r->m, r->batch * r->tiles);
-        if (!r->busy[i])
-            return ST_NOMEM;
-        memset(r->busy[i], 1, r->batch * r->tiles);
-    }
-    return ST_OK;
-}
-
-status read_ahead_create(mem *m, volume *v, uint32_t batch, const read_ahead_facts *past,
+status read_ahead_create(mem *m, volume *v, const slice_ring *ring, const read_ahead_facts *past,
                          uint32_t done, read_ahead **out) {
     const grid *g = volume_grid(v);
     read_ahead *r = mem_zalloc(m, sizeof *r);
@@ -228,36 +206,26 @@ status read_ahead_create(mem *m, volume *v, uint32_t batch, const read_ahead_fac
         return ST_NOMEM;
     r->m = m;
     r->v = v;
-    r->batch = batch;
-    r->done = done;
+    r->ring = *ring;
+    r->done = r->filled = r->taken = done;
     r->facts = r->handed = past ? *past : (read_ahead_facts){0};
     r->slice_samples = (size_t)g->dims[0] * g->dims[1];
     r->slice_bytes = stored_slice_bytes(g);
+    r->tiles = slice_tiles_count(g->dims);
+    r->told = ask_quiet(r);
+    if (!r->told)
+        memset(r->quiet, 0, sizeof r->quiet);
     pthread_mutex_init(&r->lock, NULL);
     pthread_cond_init(&r->changed, NULL);
-    status st = ST_NOMEM;
-    if (needs_raw(g)) {
+    r->seen = mem_array(m, ring->slots, sizeof *r->seen);
+    if (needs_raw(g))
         r->raw = mem_alloc(m, (size_t)grid_slice_bytes(g));
-        if (!r->raw)
-            goto fail;
+    if (!r->seen || (needs_raw(g) && !r->raw)) {
+        read_ahead_destroy(r);
+        return ST_NOMEM;
     }
-    for (int i = 0; i < BATCHES; i++) {
-        r->slices[i] = mem_alloc(m, batch * r->slice_bytes);
-        if (!r->slices[i])
-            goto fail;
-    }
-    st = create_maps(r);
-    if (st != ST_OK)
-        goto fail;
-    st = thread_start(&r->thread, work, r, "the thread that reads the input");
-    if (st != ST_OK)
-        goto fail;
-    r->started = true;
     *out = r;
     return ST_OK;
-fail:
-    read_ahead_destroy(r);
-    return st;
 }
 
 void read_ahead_destroy(read_ahead *r) {
@@ -272,10 +240,7 @@ void read_ahead_destroy(read_ahead *r) {
     }
     pthread_cond_destroy(&r->changed);
     pthread_mutex_destroy(&r->lock);
-    for (int i = 0; i < BATCHES; i++) {
-        mem_free(r->m, r->slices[i]);
-        mem_free(r->m, r->busy[i]);
-    }
+    mem_free(r->m, r->seen);
     mem_free(r->m, r->raw);
     mem_free(r->m, r);
 }
@@ -284,22 +249,37 @@ const void *read_ahead_quiet(const read_ahead *r) {
     return r->quiet;
 }
 
-status read_ahead_next(read_ahead *r, read_slices *out) {
+/* How many slices are next that the ring has, or will have, in one piece. */
+static uint32_t next_piece(const read_ahead *r, uint32_t most) {
+    const uint32_t left = volume_grid(r->v)->dims[2] - r->taken, slots = r->ring.slots;
+    const uint32_t room = r->needed + slots - r->taken, piece = slots - r->taken % slots;
+    uint32_t count = most < left ? most : left;
+    count = count < room ? count : room;
+    return count < piece ? count : piece;
+}
+
+status read_ahead_next(read_ahead *r, uint32_t needed, uint32_t most, read_slices *out) {
+    assert(needed <= r->taken && r->taken - needed < r->ring.slots && most > 0);
     pthread_mutex_lock(&r->lock);
-    r->released = r->taken;
+    r->needed = needed;
+    r->wanted = next_piece(r, most);
     pthread_cond_broadcast(&r->changed);
-    while (r->filled == r->taken && !r->ended)
+    status st = ST_OK;
+    if (!r->started)
+        st = thread_start(&r->thread, work, r, "the thread that reads the input");
+    r->started |= st == ST_OK;
+    while (st == ST_OK && !r->ended && (r->filled - r->taken < r->wanted || !r->wanted))
         pthread_cond_wait(&r->changed, &r->lock);
-    bool more = r->filled > r->taken;
-    if (more) {
-        uint32_t slot = r->taken++ % BATCHES;
-        *out = (read_slices){r->slices[slot], r->busy[slot], r->counts[slot]};
-        r->handed = r->seen[slot];
-    }
+    const uint32_t there = r->filled - r->taken, slot = r->taken % r->ring.slots;
+    const uint32_t count = there < r->wanted ? there : r->wanted;
+    *out = (read_slices){r->ring.samples + slot * r->slice_bytes, r->ring.busy + slot * r->tiles,
+                         count};
+    if (count > 0)
+        r->handed = r->seen[slot + count - 1];
+    r->taken += count;
     pthread_mutex_unlock(&r->lock);
-    if (more)
-        return ST_OK;
-    *out = (read_slices){0};
+    if (st != ST_OK || count > 0)
+        return st;
     r->handed.trailing_bytes = r->facts.trailing_bytes;
     return r->note.st == ST_OK ? ST_OK : status_note_raise(&r->note);
 }

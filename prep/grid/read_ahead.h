@@ -1,6 +1,6 @@
 /* read_ahead.h - reads a volume's slices in a thread of its own, as a treelet file will hold them.
  *
- * There are two batches of slices: the caller has one while the other is filled. Samples are
+ * Slices go to a ring, where the caller uses some of them while others are read. Samples are
  * converted to their stored type on the way. Samples that are no numbers are counted.
  */
 #ifndef PREP_GRID_READ_AHEAD_H
@@ -11,6 +11,7 @@
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/grid/volume.h"
+#include "prep/grid/slice_ring.h"
 
 typedef struct read_ahead read_ahead;
 
@@ -22,18 +23,19 @@ typedef struct read_ahead_facts {
     uint64_t checksum;       /* of all slices as stored, each following from those before */
 } read_ahead_facts;
 
-/* read_ahead_create() - start reading v, which must not be used until read_ahead_destroy(). batch:
- * slices read at once, >= 1. past: NULL, or what an earlier run knew after `done` slices: they are
- * not handed out again. They are skipped where v can do that, else read, and their checksum
- * compared; ST_CORRUPT where it is another. */
-CHECKED status read_ahead_create(mem *m, volume *v, uint32_t batch, const read_ahead_facts *past,
-                                 uint32_t done, read_ahead **out);
+/* read_ahead_create() - read v, which must not be used until read_ahead_destroy(), from the first
+ * read_ahead_next() on. ring: where slices are read to, but for those that are still needed; it
+ * outlives the reader. past: NULL, or what an earlier run knew after `done` slices: they are not
+ * handed out again. They are skipped where v can do that, else read, and their checksum compared;
+ * ST_CORRUPT where it is another. */
+CHECKED status read_ahead_create(mem *m, volume *v, const slice_ring *ring,
+                                 const read_ahead_facts *past, uint32_t done, read_ahead **out);
 
 /* read_ahead_destroy() - stop, and wait for the slice that is being read. NULL is fine. */
 void read_ahead_destroy(read_ahead *r);
 
 /* read_ahead_memory() - bytes that read_ahead_create() takes. */
-uint64_t read_ahead_memory(const grid *g, uint32_t batch);
+uint64_t read_ahead_memory(const grid *g, uint32_t slots);
 
 /* Slices, consecutive in memory. busy: their maps (slice_tiles.h), also consecutive. */
 typedef struct read_slices {
@@ -42,9 +44,10 @@ typedef struct read_slices {
     uint32_t count;
 } read_slices;
 
-/* read_ahead_next() - wait for the next slices. They are valid until the next call; count is 0
- * behind the last. */
-CHECKED status read_ahead_next(read_ahead *r, read_slices *out);
+/* read_ahead_next() - wait for the next slices, `most` if the ring has them in one piece. needed:
+ * the first slice that must stay in the ring; those handed out before count as needed from there
+ * on. The ring must have more slots than that are. count is 0 behind the last. */
+CHECKED status read_ahead_next(read_ahead *r, uint32_t needed, uint32_t most, read_slices *out);
 
 /* read_ahead_quiet() - the value of tiles that are not busy, a finite sample: the input's own, if
  * it has maps; else 0. */

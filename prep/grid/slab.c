@@ -28,9 +28,10 @@ struct slab {
     uint32_t next_z;  /* the next slice */
     uint32_t current; /* the slab that is filling or complete */
     const char **slices;
-    char *samples; /* ring of `depth` slices; if spilled: one column */
-    size_t tiles;  /* bytes of a slice's map */
-    uint8_t *busy; /* maps of `depth` slices: slice z has map z % depth, whether spilled or not */
+    char *samples;   /* if spilled: one column */
+    size_t tiles;    /* bytes of a slice's map */
+    uint8_t *busy;   /* if spilled: maps of `depth` slices; slice z has map z % depth */
+    slice_ring ring; /* in memory: at least `depth` slices; if spilled: those read ahead */
     const uint8_t **maps;
     uint8_t quiet[SLICE_SAMPLE_MAX];
     /* If spilled: */
@@ -70,17 +71,49 @@ static uint64_t slice_bytes(const shape *s) {
     return (uint64_t)s->level->dims[0] * s->level->dims[1] * s->size;
 }
 
+static uint32_t slots_of(const shape *s, const slab_plan *plan) {
+    return least((uint64_t)plan->ahead + (plan->spilled ? 0 : s->depth), s->level->dims[2]);
+}
+
 uint64_t slab_memory(const leaf_layout *l, uint32_t level, const slab_plan *plan) {
     shape s = shape_of(l, level, plan);
-    uint64_t samples = plan->spilled
-                           ? s.column_bytes + s.column_slice_bytes * (uint64_t)plan->threads
-                           : slice_bytes(&s) * s.depth;
-    return samples + slice_tiles_count(s.level->dims) * s.depth + 2 * s.depth * sizeof(char *) +
-           sizeof(slab) + 4096;
+    const uint64_t tiles = slice_tiles_count(s.level->dims);
+    uint64_t bytes = (slice_bytes(&s) + tiles) * slots_of(&s, plan);
+    if (plan->spilled)
+        bytes += s.column_bytes + s.column_slice_bytes * (uint64_t)plan->threads + tiles * s.depth;
+    return bytes + 2 * s.depth * sizeof(char *) + sizeof(slab) + 4096;
+}
+
+uint32_t slab_slots(const leaf_layout *l, uint32_t level, const slab_plan *plan) {
+    const shape s = shape_of(l, level, plan);
+    return slots_of(&s, plan);
 }
 
 uint64_t slab_spill_bytes(const leaf_layout *l, uint32_t level, const slab_plan *plan) {
     return plan->spilled ? 2 * shape_of(l, level, plan).area_bytes : 0;
+}
+
+static status create_ring(slab *s, uint32_t slots) {
+    s->ring.slots = slots;
+    if (slots == 0)
+        return ST_OK;
+    s->ring.samples = mem_alloc(s->m, (size_t)slice_bytes(&s->shape) * slots);
+    s->ring.busy = mem_alloc(s->m, slots * s->tiles);
+    if (!s->ring.samples || !s->ring.busy)
+        return ST_NOMEM;
+    memset(s->ring.busy, 1, slots * s->tiles);
+    return ST_OK;
+}
+
+static status create_column(slab *s, const slab_plan *plan, const char *beside) {
+    const shape *sh = &s->shape;
+    s->samples = mem_alloc(s->m, (size_t)sh->column_bytes);
+    s->staging = mem_alloc(s->m, (size_t)sh->column_slice_bytes * (size_t)plan->threads);
+    s->busy = mem_alloc(s->m, sh->depth * s->tiles);
+    if (!s->samples || !s->staging || !s->busy)
+        return ST_NOMEM;
+    memset(s->busy, 1, sh->depth * s->tiles);
+    return out_file_scratch(s->m, beside, &s->file);
 }
 
 status slab_create(mem *m, const leaf_layout *l, uint32_t level, const slab_plan *plan,
@@ -95,20 +128,13 @@ status slab_create(mem *m, const leaf_layout *l, uint32_t level, const slab_plan
     s->tiles = slice_tiles_count(s->shape.level->dims);
     s->slices = mem_array(m, s->shape.depth, sizeof *s->slices);
     s->maps = mem_array(m, s->shape.depth, sizeof *s->maps);
-    s->samples = mem_alloc(
-        m, (size_t)(s->spilled ? s->shape.column_bytes : slice_bytes(&s->shape) * s->shape.depth));
-    s->busy = mem_alloc(m, s->shape.depth * s->tiles);
-    if (!s->slices || !s->maps || !s->samples || !s->busy)
+    if (!s->slices || !s->maps)
         goto fail;
-    memset(s->busy, 1, s->shape.depth * s->tiles);
-    if (s->spilled) {
-        s->staging = mem_alloc(m, (size_t)s->shape.column_slice_bytes * (size_t)plan->threads);
-        if (!s->staging)
-            goto fail;
-        st = out_file_scratch(m, beside, &s->file);
-        if (st != ST_OK)
-            goto fail;
-    }
+    st = create_ring(s, slots_of(&s->shape, plan));
+    if (st == ST_OK && s->spilled)
+        st = create_column(s, plan, beside);
+    if (st != ST_OK)
+        goto fail;
     *out = s;
     return ST_OK;
 fail:
@@ -123,6 +149,8 @@ void slab_destroy(slab *s) {
     mem_free(s->m, s->slices);
     mem_free(s->m, s->samples);
     mem_free(s->m, s->busy);
+    mem_free(s->m, s->ring.samples);
+    mem_free(s->m, s->ring.busy);
     mem_free(s->m, s->maps);
     mem_free(s->m, s->staging);
     mem_free(s->m, s);
@@ -133,7 +161,17 @@ void slab_quiet(slab *s, const void *sample) {
 }
 
 static uint8_t *map_of(const slab *s, uint32_t z) {
-    return s->busy + z % s->shape.depth * s->tiles;
+    return s->spilled ? s->busy + z % s->shape.depth * s->tiles
+                      : s->ring.busy + z % s->ring.slots * s->tiles;
+}
+
+/* Where a slice is held, in memory. */
+static char *slot_of(const slab *s, uint32_t z) {
+    return s->ring.samples + z % s->ring.slots * slice_bytes(&s->shape);
+}
+
+slice_ring slab_ring(const slab *s) {
+    return s->ring;
 }
 
 /* ---- nodes of families and columns ---- */
@@ -156,6 +194,19 @@ uint32_t slab_room(const slab *s) {
     uint32_t first, last;
     span(&s->shape, 2, s->current, 1, &first, &last);
     return last + 1 > s->next_z ? last + 1 - s->next_z : 0;
+}
+
+/* The first slice that the current slab needs, or the one behind the last. */
+static uint32_t first_needed(const slab *s) {
+    uint32_t first, last;
+    if (s->current == s->shape.families[2])
+        return s->shape.level->dims[2];
+    span(&s->shape, 2, s->current, 1, &first, &last);
+    return first;
+}
+
+uint32_t slab_needed(const slab *s) {
+    return s->spilled ? s->next_z : first_needed(s);
 }
 
 /* ---- storing ---- */
@@ -225,7 +276,7 @@ static status store_slice(void *ctx, size_t index, int worker) {
     const char *slice = job->slices + index * slice_bytes(sh);
     if (!s->spilled && job->busy) {
         slice_tiles_copy(sh->level->dims, sh->size, slice, job->busy + index * s->tiles,
-                         s->samples + z % sh->depth * slice_bytes(sh), map_of(s, z));
+                         slot_of(s, z), map_of(s, z));
         return ST_OK;
     }
     if (job->busy)
@@ -233,7 +284,7 @@ static status store_slice(void *ctx, size_t index, int worker) {
     else
         memset(map_of(s, z), 1, s->tiles);
     if (!s->spilled) {
-        memcpy(s->samples + z % sh->depth * slice_bytes(sh), slice, slice_bytes(sh));
+        memcpy(slot_of(s, z), slice, slice_bytes(sh));
         return ST_OK;
     }
     /* A slice near the border of two slabs belongs to both. */
@@ -254,7 +305,8 @@ static status store_slice(void *ctx, size_t index, int worker) {
 status slab_store(slab *s, pool *workers, const void *slices, const uint8_t *busy, uint32_t count) {
     assert(count <= slab_room(s));
     storing job = {.s = s, .slices = slices, .busy = busy};
-    status st = pool_run(workers, count, store_slice, &job);
+    const bool there = !s->spilled && slices == slot_of(s, s->next_z);
+    status st = there ? ST_OK : pool_run(workers, count, store_slice, &job);
     if (st == ST_OK)
         s->next_z += count;
     return st;
@@ -269,7 +321,7 @@ uint32_t slab_boxes(const slab *s) {
 static void take_whole(slab *s, slab_box *out) {
     const shape *sh = &s->shape;
     for (uint32_t i = 0; i < out->samples.size[2]; i++)
-        s->slices[i] = s->samples + (out->samples.origin[2] + i) % sh->depth * slice_bytes(sh);
+        s->slices[i] = slot_of(s, out->samples.origin[2] + i);
     out->samples.size[0] = sh->level->dims[0];
     out->samples.size[1] = sh->level->dims[1];
     out->samples.row_bytes = sh->level->dims[0] * sh->size;
@@ -393,8 +445,7 @@ static status save_slice(slab *s, state_io *io, uint32_t z) {
     const shape *sh = &s->shape;
     status st = ST_OK;
     if (!s->spilled)
-        return state_io_bytes(io, s->samples + z % sh->depth * slice_bytes(sh),
-                              (size_t)slice_bytes(sh));
+        return state_io_bytes(io, slot_of(s, z), (size_t)slice_bytes(sh));
     for (uint32_t y = 0; y < sh->level->dims[1] && st == ST_OK; y++)
         st = save_row(s, io, z, y);
     return st;
@@ -403,7 +454,7 @@ static status save_slice(slab *s, state_io *io, uint32_t z) {
 /* Load the next slice to its place, or through a buffer, to be spilled as ever. */
 static status load_slice(slab *s, state_io *io, char *buffer) {
     const size_t bytes = (size_t)slice_bytes(&s->shape);
-    char *slice = buffer ? buffer : s->samples + s->next_z % s->shape.depth * bytes;
+    char *slice = buffer ? buffer : slot_of(s, s->next_z);
     storing job = {.s = s, .slices = slice};
     status st = state_io_bytes(io, slice, bytes);
     memset(map_of(s, s->next_z), 1, s->tiles);
@@ -420,15 +471,6 @@ static status load_slices(slab *s, state_io *io, uint32_t end) {
         st = load_slice(s, io, buffer);
     mem_free(s->m, buffer);
     return st;
-}
-
-/* The first slice that the current slab needs, or the one behind the last. */
-static uint32_t first_needed(const slab *s) {
-    uint32_t first, last;
-    if (s->current == s->shape.families[2])
-        return s->shape.level->dims[2];
-    span(&s->shape, 2, s->current, 1, &first, &last);
-    return first;
 }
 
 status slab_keep(slab *s, state_io *io) {

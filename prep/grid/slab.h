@@ -17,6 +17,7 @@
 #include "formats/base/state_io.h"
 #include "formats/base/status.h"
 #include "formats/leaf/leaf_layout.h"
+#include "prep/grid/slice_ring.h"
 #include "prep/grid/treelet_build.h"
 
 typedef struct slab slab;
@@ -26,12 +27,16 @@ typedef struct slab_plan {
     bool spilled;
     uint32_t column_families; /* if spilled: families across a column; it is one family high */
     int threads;              /* of the pools that will store slices */
+    uint32_t ahead;           /* slices that are read ahead, to the slab's ring; 0: it has none */
 } slab_plan;
 
 /* slab_memory() - bytes that slab_create() takes. slab_spill_bytes() - size of the scratch file; 0
  * unless spilled. */
 uint64_t slab_memory(const leaf_layout *l, uint32_t level, const slab_plan *plan);
 uint64_t slab_spill_bytes(const leaf_layout *l, uint32_t level, const slab_plan *plan);
+
+/* slab_slots() - slots of slab_ring(). */
+uint32_t slab_slots(const leaf_layout *l, uint32_t level, const slab_plan *plan);
 
 /* slab_families() - families along an axis of a level. A root alone is one, too. */
 uint32_t slab_families(const leaf_layout *l, uint32_t level, int axis);
@@ -50,6 +55,11 @@ bool slab_complete(const slab *s);
  * slice.
  */
 void slab_quiet(slab *s, const void *sample);
+
+/* slab_ring() - where slices may be read to, before they are stored. In memory it is the slab's own
+ * ring, and they stay where they are. slab_needed() - the first slice that must stay there. */
+slice_ring slab_ring(const slab *s);
+uint32_t slab_needed(const slab *s);
 
 /* slab_store() - store the next `count` slices, at most slab_room(), consecutive in memory. busy:
  * their maps (slice_tiles.h); NULL: all tiles are. */
