@@ -1,7 +1,6 @@
 #include "formats/leaf/deviation_band.h"
 
 #include <assert.h>
-#include <math.h>
 #include <string.h>
 
 #include "formats/leaf/deviation_rows.h"
@@ -31,24 +30,30 @@ void deviation_compare(const deviation_slice *s, void *scratch, deviation_band *
     deviation_rows_for(cpu_best(), s->type, band->numbers)(s, scratch, band);
 }
 
-static double number_at(const deviation_band *band, uint32_t i) {
-    const void *most = band->most;
-    return band->numbers == DEVIATION_I16   ? ((const int16_t *)most)[i] * 0.125
-           : band->numbers == DEVIATION_I32 ? ((const int32_t *)most)[i] * 0.125
-                                            : ((const double *)most)[i];
-}
+#define DEFINE_MOST(A, suffix)                                        \
+    static inline A most_##suffix(const A *numbers, uint32_t count) { \
+        A most = 0;                                                   \
+        for (uint32_t i = 0; i < count; i++)                          \
+            most = numbers[i] > most ? numbers[i] : most;             \
+        return most;                                                  \
+    }
+DEFINE_MOST(int16_t, i16)
+DEFINE_MOST(int32_t, i32)
+DEFINE_MOST(double, f64)
 
 static double most_of(const deviation_band *band, uint32_t from, uint32_t count) {
-    double most = 0.0;
-    for (uint32_t i = from; i < from + count; i++)
-        most = fmax(most, number_at(band, i));
-    return most;
+    const void *most = band->most;
+    return band->numbers == DEVIATION_I16   ? most_i16((const int16_t *)most + from, count) * 0.125
+           : band->numbers == DEVIATION_I32 ? most_i32((const int32_t *)most + from, count) * 0.125
+                                            : most_f64((const double *)most + from, count);
 }
 
 /* Brick x has the nodes 8 x .. 8 x + 8: five at even places, four at odd ones. */
 double deviation_of_brick(const deviation_band *band, uint32_t x, uint32_t y) {
     const uint32_t half = DEVIATION_BRICK / 2, even = 2 * y * band->row;
     const uint32_t evens = (band->nodes + 1) / 2, odds = band->nodes / 2, from = half * x;
-    return fmax(most_of(band, even + from, evens - from < half + 1 ? evens - from : half + 1),
-                most_of(band, even + band->row + from, odds - from < half ? odds - from : half));
+    const double a = most_of(band, even + from, evens - from < half + 1 ? evens - from : half + 1);
+    const double b =
+        most_of(band, even + band->row + from, odds - from < half ? odds - from : half);
+    return a > b ? a : b;
 }

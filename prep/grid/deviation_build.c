@@ -33,15 +33,30 @@ typedef struct feeding {
 
 /* ---- A layer of fine bricks ---- */
 
-/* Where the code of a brick of a level is stored. */
-static uint16_t *code_at(const deviation_build *b, uint32_t level, const uint32_t brick[3]) {
-    const leaf_layout *l = b->l;
-    const uint32_t log2 = l->cells_log2 - DEVIATION_BRICK_LOG2, mask = deviation_side(l) - 1;
-    const uint32_t place[3] = {brick[0] >> log2, brick[1] >> log2, brick[2] >> log2};
-    const uint32_t t = leaf_layout_find(l, level, place);
-    const uint32_t x = brick[0] & mask, y = brick[1] & mask, z = brick[2] & mask;
-    return b->codes + deviation_at(l, b->set, t) + x +
-           deviation_side(l) * (y + deviation_side(l) * z);
+/* Bricks of a level along x, from one treelet to the next. */
+typedef struct brick_row {
+    const deviation_build *b;
+    uint32_t level, y, z;
+    uint32_t treelet; /* on x, whose bricks start at `at` */
+    uint16_t *at;
+} brick_row;
+
+static brick_row brick_row_of(const deviation_build *b, uint32_t level, uint32_t y, uint32_t z) {
+    return (brick_row){.b = b, .level = level, .y = y, .z = z, .treelet = UINT32_MAX};
+}
+
+/* Where the code of brick x is stored. */
+static uint16_t *code_at(brick_row *r, uint32_t x) {
+    const leaf_layout *l = r->b->l;
+    const uint32_t log2 = l->cells_log2 - DEVIATION_BRICK_LOG2, side = deviation_side(l);
+    if (x >> log2 != r->treelet) {
+        const uint32_t place[3] = {x >> log2, r->y >> log2, r->z >> log2};
+        const uint32_t t = leaf_layout_find(l, r->level, place);
+        r->treelet = place[0];
+        r->at = r->b->codes + deviation_at(l, r->b->set, t) +
+                side * ((r->y & (side - 1)) + side * (r->z & (side - 1)));
+    }
+    return r->at + (x & (side - 1));
 }
 
 static uint32_t bricks_along(const leaf_layout *l, uint32_t level, int axis) {
@@ -51,16 +66,18 @@ static uint32_t bricks_along(const leaf_layout *l, uint32_t level, int axis) {
 /* Fold layer z of a band's fine bricks, which is complete, into the codes of the coarse level. */
 static void fold(const deviation_build *b, uint32_t index, const deviation_band *band, uint32_t z) {
     const uint32_t rows = bricks_along(b->l, b->fine, 1), width = bricks_along(b->l, b->fine, 0);
-    for (uint32_t row = 0; row < 2 && 2 * index + row < rows; row++)
+    brick_row above = brick_row_of(b, b->fine + 1, index, z / 2);
+    for (uint32_t row = 0; row < 2 && 2 * index + row < rows; row++) {
+        brick_row below = brick_row_of(b, b->fine, 2 * index + row, z);
         for (uint32_t x = 0; x < width; x++) {
-            const uint32_t below[3] = {x, 2 * index + row, z}, above[3] = {x / 2, index, z / 2};
             double most = deviation_of_brick(band, x, row);
             if (b->fine > 0)
-                most += deviation_value(*code_at(b, b->fine, below));
+                most += deviation_value(*code_at(&below, x));
             const uint16_t code = deviation_code(most);
-            uint16_t *to = code_at(b, b->fine + 1, above);
+            uint16_t *to = code_at(&above, x / 2);
             *to = code > *to ? code : *to;
         }
+    }
 }
 
 /* ---- Slices ---- */

@@ -24,16 +24,23 @@ static row_part row_part_of(int64_t first, uint32_t count, uint32_t nodes) {
                       .behind = (uint32_t)(last - to)};
 }
 
-/* Copy bytes. Rows are short and of any length, which memcpy() takes its time to tell apart. */
+/* Copy a row of between n and 2n bytes by its first and its last n. */
+#define COPY_ENDS(n)                                        \
+    do {                                                    \
+        memcpy(out, from, (n));                             \
+        memcpy(out + bytes - (n), from + bytes - (n), (n)); \
+    } while (0)
+
+/* Copy bytes: rows are short and of any length, and too many for a call each. */
 static inline void copy_bytes(char *restrict out, const char *restrict from, size_t bytes) {
-    enum { SOME = 16 };
-    if (bytes < SOME) {
+    if (bytes < 16 || bytes > 128)
         memcpy(out, from, bytes);
-        return;
-    }
-    for (size_t at = 0; at < bytes - SOME; at += SOME)
-        memcpy(out + at, from + at, SOME);
-    memcpy(out + bytes - SOME, from + bytes - SOME, SOME);
+    else if (bytes <= 32)
+        COPY_ENDS(16);
+    else if (bytes <= 64)
+        COPY_ENDS(32);
+    else
+        COPY_ENDS(64);
 }
 
 /* Copy a row whose first sample that is there lies at `row`. Returns the end of the copy. */
