@@ -97,43 +97,46 @@ typedef __m128i code_ints;
 
 /* The same; the last samples of a row are taken together with some before them. Across, more than
  * the cells may be overwritten. */
-#define DEFINE_VECTORS(suffix, T, V, LOAD, STORE, MIN, MAX)                                     \
-    static inline __attribute__((always_inline)) void some_##suffix(const code_line *r,         \
-                                                                    uint32_t x, T *lo, T *hi) { \
-        const T *slice = (const T *)r->first + x;                                               \
-        V a = LOAD(slice), b = a;                                                               \
-        for (uint32_t z = 0; z < r->slices; z++, slice += r->slice) {                           \
-            const T *row = slice;                                                               \
-            for (uint32_t y = 0; y < r->rows; y++, row += r->row) {                             \
-                const V v = LOAD(row);                                                          \
-                a = MIN(v, a);                                                                  \
-                b = MAX(v, b);                                                                  \
-            }                                                                                   \
-        }                                                                                       \
-        STORE(lo + x, a);                                                                       \
-        STORE(hi + x, b);                                                                       \
-    }                                                                                           \
-    static void reduce_##suffix(const code_line *r, T *lo, T *hi) {                             \
-        const uint32_t lanes = sizeof(V) / sizeof(T);                                           \
-        if (r->nodes < lanes) {                                                                 \
-            plain_##suffix(r, lo, hi);                                                          \
-            return;                                                                             \
-        }                                                                                       \
-        for (uint32_t x = 0; x + lanes <= r->nodes; x += lanes)                                 \
-            some_##suffix(r, x, lo, hi);                                                        \
-        if (r->nodes % lanes)                                                                   \
-            some_##suffix(r, r->nodes - lanes, lo, hi);                                         \
-    }                                                                                           \
-    static void across_##suffix(T *lo, T *hi, uint32_t cells) {                                 \
-        for (uint32_t x = 0; x < cells; x += sizeof(V) / sizeof(T)) {                           \
-            V a = LOAD(lo + x), b = LOAD(hi + x);                                               \
-            for (uint32_t i = 1; i <= CODE_BLOCK; i++) {                                        \
-                a = MIN(a, LOAD(lo + x + i));                                                   \
-                b = MAX(b, LOAD(hi + x + i));                                                   \
-            }                                                                                   \
-            STORE(lo + x, a);                                                                   \
-            STORE(hi + x, b);                                                                   \
-        }                                                                                       \
+#define DEFINE_VECTORS(suffix, T, V, LOAD, STORE, MIN, MAX)               \
+    static inline __attribute__((always_inline)) void some_##suffix(      \
+        const code_line *r, uint32_t rows, uint32_t x, T *lo, T *hi) {    \
+        const T *slice = (const T *)r->first + x;                         \
+        V a = LOAD(slice), b = a;                                         \
+        for (uint32_t z = 0; z < r->slices; z++, slice += r->slice)       \
+            for (uint32_t y = 0; y < rows; y++) {                         \
+                const V v = LOAD(slice + y * r->row);                     \
+                a = MIN(v, a);                                            \
+                b = MAX(v, b);                                            \
+            }                                                             \
+        STORE(lo + x, a);                                                 \
+        STORE(hi + x, b);                                                 \
+    }                                                                     \
+    static inline __attribute__((always_inline)) void lanes_##suffix(     \
+        const code_line *r, uint32_t rows, T *lo, T *hi) {                \
+        const uint32_t lanes = sizeof(V) / sizeof(T);                     \
+        for (uint32_t x = 0; x + lanes <= r->nodes; x += lanes)           \
+            some_##suffix(r, rows, x, lo, hi);                            \
+        if (r->nodes % lanes)                                             \
+            some_##suffix(r, rows, r->nodes - lanes, lo, hi);             \
+    }                                                                     \
+    static void reduce_##suffix(const code_line *r, T *lo, T *hi) {       \
+        if (r->nodes < sizeof(V) / sizeof(T))                             \
+            plain_##suffix(r, lo, hi);                                    \
+        else if (r->rows == CODE_BLOCK + 1) /* nearly always: unrolled */ \
+            lanes_##suffix(r, CODE_BLOCK + 1, lo, hi);                    \
+        else                                                              \
+            lanes_##suffix(r, r->rows, lo, hi);                           \
+    }                                                                     \
+    static void across_##suffix(T *lo, T *hi, uint32_t cells) {           \
+        for (uint32_t x = 0; x < cells; x += sizeof(V) / sizeof(T)) {     \
+            V a = LOAD(lo + x), b = LOAD(hi + x);                         \
+            for (uint32_t i = 1; i <= CODE_BLOCK; i++) {                  \
+                a = MIN(a, LOAD(lo + x + i));                             \
+                b = MAX(b, LOAD(hi + x + i));                             \
+            }                                                             \
+            STORE(lo + x, a);                                             \
+            STORE(hi + x, b);                                             \
+        }                                                                 \
     }
 #define DEFINE_INTS(suffix, T, lanes)                                                             \
     DEFINE_VECTORS(suffix, T, code_ints, CODE_LOAD_INTS, CODE_STORE_INTS, CODE_INTS(min_##lanes), \

@@ -45,6 +45,41 @@ static void inside_f32(const float *restrict v, double *restrict sums, uint32_t 
             PYRAMID_WEIGH(double, v[2 * i - 2], v[2 * i - 1], v[2 * i], v[2 * i + 1], v[2 * i + 2]);
 }
 
+/* The same for samples of one byte, a vector of sums at once. WEIGH: the weighted sums of pairs. */
+#ifdef SIMD_NAME
+
+#ifdef __AVX2__
+typedef __m256i pyramid_ints;
+#define PYRAMID_INTS(op)     _mm256_##op
+#define PYRAMID_LOAD(from)   _mm256_loadu_si256((const __m256i *)(const void *)(from))
+#define PYRAMID_STORE(to, v) _mm256_storeu_si256((__m256i *)(void *)(to), v)
+#else
+typedef __m128i pyramid_ints;
+#define PYRAMID_INTS(op)     _mm_##op
+#define PYRAMID_LOAD(from)   _mm_loadu_si128((const __m128i *)(const void *)(from))
+#define PYRAMID_STORE(to, v) _mm_storeu_si128((__m128i *)(void *)(to), v)
+#endif
+#define WEIGH_U8(v, weights) PYRAMID_INTS(maddubs_epi16)(v, weights)
+#define WEIGH_I8(v, weights) PYRAMID_INTS(maddubs_epi16)(weights, v)
+
+#define DEFINE_INSIDE_BYTES(T, P, WEIGH, suffix)                                                \
+    static void inside_##suffix(const T *restrict v, P *restrict sums, uint32_t first,          \
+                                uint32_t end) {                                                 \
+        enum { LANES = sizeof(pyramid_ints) / sizeof(P) };                                      \
+        const pyramid_ints outer = PYRAMID_INTS(set1_epi16)(1 | 4 << 8);                        \
+        const pyramid_ints inner = PYRAMID_INTS(set1_epi16)(6 | 4 << 8);                        \
+        const pyramid_ints last = PYRAMID_INTS(set1_epi16)(1);                                  \
+        size_t i = first;                                                                       \
+        for (; i + LANES <= end; i += LANES) {                                                  \
+            const pyramid_ints a = WEIGH(PYRAMID_LOAD(v + 2 * i - 2), outer);                   \
+            const pyramid_ints b = WEIGH(PYRAMID_LOAD(v + 2 * i), inner);                       \
+            const pyramid_ints c = WEIGH(PYRAMID_LOAD(v + 2 * i + 2), last);                    \
+            PYRAMID_STORE(sums + i, PYRAMID_INTS(add_epi16)(PYRAMID_INTS(add_epi16)(a, b), c)); \
+        }                                                                                       \
+        inside_few_##suffix(v, sums, (uint32_t)i, end);                                         \
+    }
+#endif
+
 #define DEFINE_XY(T, P, suffix)                                                            \
     static void x_##suffix(const void *from, uint32_t nodes, void *to, uint32_t first,     \
                            uint32_t end) {                                                 \
@@ -90,15 +125,26 @@ static void inside_f32(const float *restrict v, double *restrict sums, uint32_t 
     }
 
 /* Sums over a plane are up to 256 samples: they just fit. */
-#define DEFINE_INTEGER(T, P, W, S, suffix) \
-    DEFINE_INSIDE_INTEGER(T, P, W, suffix) \
-    DEFINE_XY(T, P, suffix)                \
+#define DEFINE_INTEGER(T, P, S, suffix) \
+    DEFINE_XY(T, P, suffix)             \
     DEFINE_Z_INTEGER(T, P, S, suffix)
 
-DEFINE_INTEGER(uint8_t, uint16_t, uint16_t, uint32_t, u8)
-DEFINE_INTEGER(int8_t, int16_t, uint16_t, int32_t, i8)
-DEFINE_INTEGER(uint16_t, uint32_t, uint32_t, uint32_t, u16)
-DEFINE_INTEGER(int16_t, int32_t, uint32_t, int32_t, i16)
+#ifdef SIMD_NAME
+DEFINE_INSIDE_INTEGER(uint8_t, uint16_t, uint16_t, few_u8)
+DEFINE_INSIDE_INTEGER(int8_t, int16_t, uint16_t, few_i8)
+DEFINE_INSIDE_BYTES(uint8_t, uint16_t, WEIGH_U8, u8)
+DEFINE_INSIDE_BYTES(int8_t, int16_t, WEIGH_I8, i8)
+#else
+DEFINE_INSIDE_INTEGER(uint8_t, uint16_t, uint16_t, u8)
+DEFINE_INSIDE_INTEGER(int8_t, int16_t, uint16_t, i8)
+#endif
+DEFINE_INSIDE_INTEGER(uint16_t, uint32_t, uint32_t, u16)
+DEFINE_INSIDE_INTEGER(int16_t, int32_t, uint32_t, i16)
+
+DEFINE_INTEGER(uint8_t, uint16_t, uint32_t, u8)
+DEFINE_INTEGER(int8_t, int16_t, int32_t, i8)
+DEFINE_INTEGER(uint16_t, uint32_t, uint32_t, u16)
+DEFINE_INTEGER(int16_t, int32_t, int32_t, i16)
 DEFINE_XY(float, double, f32)
 
 static void z_f32(const void *const taps[PYRAMID_TAPS], void *to, uint32_t first, uint32_t end) {
