@@ -52,6 +52,7 @@ static size_t maps_bytes(const coded_box *boxes, uint32_t count) {
 #include "formats/leaf/box_samples_template.h"
 #undef T
 #undef ROWS
+#define SPLITS
 #define T          uint16_t
 #define ROWS(name) name##_u16
 #include "formats/leaf/box_samples_template.h"
@@ -62,6 +63,7 @@ static size_t maps_bytes(const coded_box *boxes, uint32_t count) {
 #include "formats/leaf/box_samples_template.h"
 #undef T
 #undef ROWS
+#undef SPLITS
 
 /* Call the function for the width of the coder's samples. */
 #define BY_WIDTH(c, name, ...)                               \
@@ -196,12 +198,27 @@ static uint64_t times_log(const box_coder *c, uint32_t x) {
 
 /* The entropy of n bytes, all together, in bits / 2^LOG_BITS. */
 static uint64_t entropy(const box_coder *c, const uint8_t *bytes, size_t n) {
-    uint32_t times[4][256] = {{0}};
+    enum { TABLES = 8 }; /* or equal bytes would wait for one another */
+    uint16_t times[256][TABLES];
+    uint8_t any = 0;
+    assert(n < TABLES << 16);
     for (size_t i = 0; i < n; i++)
-        times[i % 4][bytes[i]]++;
+        any |= bytes[i];
+    /* No byte has another bit. */
+    const unsigned values = any ? 2U << (31 - __builtin_clz(any)) : 1;
+    memset(times, 0, values * sizeof times[0]);
+    for (size_t i = 0; i < n / TABLES * TABLES; i += TABLES)
+        for (int k = 0; k < TABLES; k++)
+            times[bytes[i + k]][k]++;
+    for (size_t i = n / TABLES * TABLES; i < n; i++)
+        times[bytes[i]][i % TABLES]++;
     uint64_t sum = n ? times_log(c, (uint32_t)n) : 0;
-    for (int i = 0; i < 256; i++)
-        sum -= times_log(c, times[0][i] + times[1][i] + times[2][i] + times[3][i]);
+    for (unsigned i = 0; i < values; i++) {
+        uint32_t all = 0;
+        for (int k = 0; k < TABLES; k++)
+            all += times[i][k];
+        sum -= times_log(c, all);
+    }
     return sum;
 }
 
@@ -223,9 +240,14 @@ static unsigned width_of(const box_coder *c, size_t n) {
     return any ? (39U - (unsigned)__builtin_clz(any)) / 8 : 0;
 }
 
+/* The bytes of residuals, the lowest ones of all first: residuals of one byte are their own. */
+static uint8_t *bytes_of(const box_coder *c) {
+    return sample_size(c->type) == 1 ? c->w.residuals : c->bytes;
+}
+
 static void split(const box_coder *c, size_t n, unsigned width) {
     switch (sample_size(c->type)) {
-    case 1: split_u8(c->w.residuals, n, width, c->bytes); break;
+    case 1: break;
     case 2: split_u16(c->w.residuals, n, width, c->bytes); break;
     default: split_u32(c->w.residuals, n, width, c->bytes);
     }
@@ -240,7 +262,7 @@ static uint64_t cost_of(box_coder *c, const coded_box *boxes, uint32_t count, in
     uint64_t sum = 0;
     split(c, n, width);
     for (unsigned b = 0; b < width; b++)
-        sum += entropy(c, c->bytes + b * n, n);
+        sum += entropy(c, bytes_of(c) + b * n, n);
     return sum * step;
 }
 
@@ -353,16 +375,22 @@ static uint8_t *stream_at(const box_coder *c, const box_code *code, unsigned i, 
         return c->w.map;
     }
     *bytes = code->coded;
-    return c->bytes + (size_t)i * code->coded;
+    return bytes_of(c) + (size_t)i * code->coded;
 }
 
 /* Matches are worth finding where many bytes are the same as the one before. Elsewhere the search
  * skips ahead, which leaves most of the work to the entropy coder. */
 static void set_search(const box_coder *c, const uint8_t *stream, size_t n) {
-    enum { ALL = 1, SKIPPING = 64, LEAST_REPEATS = 160 }; /* repeats: in 256ths of the bytes */
+    /* repeats: in 256ths of the bytes */
+    enum { ALL = 1, SKIPPING = 64, LEAST_REPEATS = 160, COUNTED = 255 };
     size_t repeats = 0;
-    for (size_t i = 1; i < n; i++)
-        repeats += stream[i] == stream[i - 1];
+    for (size_t i = 1; i < n; i += COUNTED) {
+        const size_t end = i + COUNTED < n ? i + COUNTED : n;
+        uint8_t some = 0; /* lanes of a byte, in vectors */
+        for (size_t k = i; k < end; k++)
+            some = (uint8_t)(some + (stream[k] == stream[k - 1]));
+        repeats += some;
+    }
     const bool searched = repeats * 256 >= n * LEAST_REPEATS;
     (void)ZSTD_CCtx_setParameter(c->compressor, ZSTD_c_targetLength, searched ? ALL : SKIPPING);
 }
@@ -484,11 +512,12 @@ static bool decompress(const box_coder *c, const box_code *code, size_t map, con
 }
 
 static void join(const box_coder *c, size_t n, unsigned width) {
-    switch (sample_size(c->type)) {
-    case 1: join_u8(c->bytes, n, width, c->w.residuals); break;
-    case 2: join_u16(c->bytes, n, width, c->w.residuals); break;
-    default: join_u32(c->bytes, n, width, c->w.residuals);
-    }
+    if (width == 0)
+        memset(c->w.residuals, 0, n * sample_size(c->type));
+    else if (sample_size(c->type) == 2)
+        join_u16(c->bytes, n, width, c->w.residuals);
+    else if (sample_size(c->type) == 4)
+        join_u32(c->bytes, n, width, c->w.residuals);
 }
 
 static bool decode_plain(const box_coder *c, const uint8_t *in, size_t bytes,

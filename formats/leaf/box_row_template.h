@@ -16,45 +16,6 @@ static ROWS(neighbours)
                               .corner = y && z ? row - sheet - line : NULL};
 }
 
-/* Rows are short, so loops run in whole vectors: as if rows were longer (BOX_SPARE). */
-static inline uint32_t ROWS(whole)(uint32_t n) {
-    enum { LANES_MOST = BOX_SPARE / 2 / sizeof(T) };
-    return (n + LANES_MOST - 1) / LANES_MOST * LANES_MOST;
-}
-
-/* Predict a row from its neighbours. Without one of them the other stands for both. Returns the
- * prediction: one of the rows, zeros, or room with what was computed. */
-static const T *ROWS(predict)(int how, ROWS(neighbours) k, uint32_t n, const T *zeros,
-                              T *restrict room) {
-    const T *above = k.above ? k.above : k.behind, *behind = k.behind, *corner = k.corner;
-    if (how == BOX_NONE || !above)
-        return zeros;
-    if (how == BOX_ROW || !corner)
-        return above;
-    const uint32_t whole = ROWS(whole)(n);
-    if (how == BOX_PLANE) {
-        for (uint32_t x = 0; x < whole; x++)
-            room[x] = (T)(above[x] + behind[x] - corner[x]);
-        return room;
-    }
-    for (uint32_t x = 0; x < whole; x++) {
-        const T a = above[x], b = behind[x], c = corner[x];
-        const T least = a < b ? a : b, most = a < b ? b : a;
-        const T low = c < least ? least : c, clamped = low < most ? low : most;
-        room[x] = (T)(least + most - clamped);
-    }
-    return room;
-}
-
-/* Residuals are differences modulo 2^bits, folded so that small ones of either sign are small. */
-static inline T ROWS(fold)(T d) {
-    return (T)((T)(d << 1) ^ (T)(0 - (T)(d >> (8 * sizeof(T) - 1))));
-}
-
-static inline T ROWS(unfold)(T r) {
-    return (T)((T)(r >> 1) ^ (T)(0 - (T)(r & 1)));
-}
-
 /* Keep those values of a row that are coded. Writes as many as the row has, at most. */
 static uint32_t ROWS(keep)(const T *restrict row, uint32_t n, const uint8_t *restrict coded,
                            T *restrict out) {
@@ -80,35 +41,18 @@ static uint32_t ROWS(keep)(const T *restrict row, uint32_t n, const uint8_t *res
     return count;
 }
 
-/* Residuals of a row for its prediction. coded: which samples are coded; NULL: all. room: for two
- * rows. Returns how many residuals there are. */
-static uint32_t ROWS(subtract)(const T *restrict row, const T *restrict predicted, uint32_t n,
-                               bool along, const uint8_t *coded, T *restrict room,
-                               T *restrict out) {
-    const T *errors = room;
-    uint32_t whole = ROWS(whole)(n);
-    for (uint32_t x = 0; x < whole; x++)
-        room[x] = (T)(row[x] - predicted[x]);
-    if (coded) {
-        const uint32_t kept = ROWS(keep)(room, n, coded, room + n);
-        errors = room + n;
-        n = kept;
-        whole = ROWS(whole)(n);
-    }
-    if (along) {
-        out[0] = ROWS(fold)(errors[0]);
-        for (uint32_t x = 0; x < whole; x++)
-            out[x + 1] = ROWS(fold)((T)(errors[x + 1] - errors[x]));
-    } else {
-        for (uint32_t x = 0; x < whole; x++)
-            out[x] = ROWS(fold)(errors[x]);
-    }
-    return n;
-}
-
 static inline void ROWS(fill)(T *row, uint32_t n, T value) {
     for (uint32_t x = 0; x < n; x++)
         row[x] = value;
+}
+
+/* Replace a missing neighbour: predict by the one that is there alone; without both, by 0. */
+static int ROWS(settle)(int how, ROWS(neighbours) * k) {
+    if (!k->above)
+        k->above = k->behind;
+    if (!k->above)
+        return BOX_NONE;
+    return how != BOX_NONE && !k->corner ? BOX_ROW : how;
 }
 
 /* What makes a row of samples. */
@@ -140,6 +84,62 @@ static inline __m128i ROWS(prediction)(int how, const ROWS(neighbours) * k, uint
         return ROWS(minus)(ROWS(plus)(a, b), c);
     const __m128i least = ROWS(min)(a, b), most = ROWS(max)(a, b);
     return ROWS(minus)(ROWS(plus)(least, most), ROWS(min)(ROWS(max)(c, least), most));
+}
+
+/* Residuals are differences modulo 2^bits, folded so that small ones of either sign are small. */
+static inline __m128i ROWS(folded)(__m128i d) {
+    return _mm_xor_si128(ROWS(plus)(d, d), ROWS(below)(d, _mm_setzero_si128()));
+}
+
+/* Residuals of a row, or the errors of its prediction, in whole vectors. */
+static inline __attribute__((always_inline)) void ROWS(errors)(int how, bool along, bool folds,
+                                                               const T *row,
+                                                               const ROWS(neighbours) * k,
+                                                               uint32_t n, T *out) {
+    __m128i before = _mm_setzero_si128();
+    for (uint32_t x = 0; x < n; x += ROWS(LANES)) {
+        const __m128i error = ROWS(minus)(ROWS(load)(row + x), ROWS(prediction)(how, k, x));
+        const __m128i one_before = _mm_alignr_epi8(error, before, 16 - sizeof(T));
+        const __m128i off = along ? ROWS(minus)(error, one_before) : error;
+        before = error;
+        _mm_storeu_si128((__m128i *)(void *)(out + x), folds ? ROWS(folded)(off) : off);
+    }
+}
+
+static void ROWS(errors_of)(int how, bool along, bool folds, const T *row,
+                            const ROWS(neighbours) * k, uint32_t n, T *out) {
+#define ERRORS(of)                                          \
+    do {                                                    \
+        if (!folds)                                         \
+            ROWS(errors)(of, false, false, row, k, n, out); \
+        else if (along)                                     \
+            ROWS(errors)(of, true, true, row, k, n, out);   \
+        else                                                \
+            ROWS(errors)(of, false, true, row, k, n, out);  \
+    } while (0)
+    switch (how) {
+    case BOX_NONE: ERRORS(BOX_NONE); break;
+    case BOX_ROW: ERRORS(BOX_ROW); break;
+    case BOX_PLANE: ERRORS(BOX_PLANE); break;
+    default: ERRORS(BOX_MEDIAN);
+    }
+#undef ERRORS
+}
+
+/* Make the residuals of a row. coded: which samples are coded; NULL: all. Returns how many
+ * residuals there are. */
+static uint32_t ROWS(row_residuals)(const box_work *c, int how, bool along, ROWS(neighbours) k,
+                                    const T *row, uint32_t n, const uint8_t *coded, T *out) {
+    T *room = c->row;
+    how = ROWS(settle)(how, &k);
+    if (!coded) {
+        ROWS(errors_of)(how, along, true, row, &k, n, out);
+        return n;
+    }
+    ROWS(errors_of)(how, false, false, row, &k, n, room);
+    const uint32_t kept = ROWS(keep)(room, n, coded, room + n);
+    ROWS(errors_of)(BOX_NONE, along, true, room + n, &k, kept, out);
+    return kept;
 }
 
 /* Returns each lane plus all lanes before it. */
@@ -215,6 +215,79 @@ static void ROWS(make_row)(const box_work *c, const ROWS(recipe) * r, uint32_t n
 
 #else
 
+/* Rows are short, so loops run in whole vectors: as if rows were longer (BOX_SPARE). */
+static inline uint32_t ROWS(whole)(uint32_t n) {
+    enum { LANES_MOST = BOX_SPARE / 2 / sizeof(T) };
+    return (n + LANES_MOST - 1) / LANES_MOST * LANES_MOST;
+}
+
+/* Predict a row from its neighbours. Without one of them the other stands for both. Returns the
+ * prediction: one of the rows, zeros, or room with what was computed. */
+static const T *ROWS(predict)(int how, ROWS(neighbours) k, uint32_t n, const T *zeros,
+                              T *restrict room) {
+    const T *above = k.above ? k.above : k.behind, *behind = k.behind, *corner = k.corner;
+    if (how == BOX_NONE || !above)
+        return zeros;
+    if (how == BOX_ROW || !corner)
+        return above;
+    const uint32_t whole = ROWS(whole)(n);
+    if (how == BOX_PLANE) {
+        for (uint32_t x = 0; x < whole; x++)
+            room[x] = (T)(above[x] + behind[x] - corner[x]);
+        return room;
+    }
+    for (uint32_t x = 0; x < whole; x++) {
+        const T a = above[x], b = behind[x], c = corner[x];
+        const T least = a < b ? a : b, most = a < b ? b : a;
+        const T low = c < least ? least : c, clamped = low < most ? low : most;
+        room[x] = (T)(least + most - clamped);
+    }
+    return room;
+}
+
+/* Residuals are differences modulo 2^bits, folded so that small ones of either sign are small. */
+static inline T ROWS(fold)(T d) {
+    return (T)((T)(d << 1) ^ (T)(0 - (T)(d >> (8 * sizeof(T) - 1))));
+}
+
+static inline T ROWS(unfold)(T r) {
+    return (T)((T)(r >> 1) ^ (T)(0 - (T)(r & 1)));
+}
+
+/* Residuals of a row for its prediction. coded: which samples are coded; NULL: all. room: for two
+ * rows. Returns how many residuals there are. */
+static uint32_t ROWS(subtract)(const T *restrict row, const T *restrict predicted, uint32_t n,
+                               bool along, const uint8_t *coded, T *restrict room,
+                               T *restrict out) {
+    const T *errors = room;
+    uint32_t whole = ROWS(whole)(n);
+    for (uint32_t x = 0; x < whole; x++)
+        room[x] = (T)(row[x] - predicted[x]);
+    if (coded) {
+        const uint32_t kept = ROWS(keep)(room, n, coded, room + n);
+        errors = room + n;
+        n = kept;
+        whole = ROWS(whole)(n);
+    }
+    if (along) {
+        out[0] = ROWS(fold)(errors[0]);
+        for (uint32_t x = 0; x < whole; x++)
+            out[x + 1] = ROWS(fold)((T)(errors[x + 1] - errors[x]));
+    } else {
+        for (uint32_t x = 0; x < whole; x++)
+            out[x] = ROWS(fold)(errors[x]);
+    }
+    return n;
+}
+
+/* Make the residuals of a row. coded: which samples are coded; NULL: all. Returns how many
+ * residuals there are. */
+static uint32_t ROWS(row_residuals)(const box_work *c, int how, bool along, ROWS(neighbours) k,
+                                    const T *row, uint32_t n, const uint8_t *coded, T *out) {
+    const T *guess = ROWS(predict)(how, k, n, c->zeros, c->predicted);
+    return ROWS(subtract)(row, guess, n, along, coded, c->row, out);
+}
+
 /* Replace each of n values by the sum of all up to it. */
 static inline void ROWS(accumulate)(T *row, uint32_t n) {
     T sum = 0;
@@ -275,26 +348,23 @@ static size_t ROWS(residuals)(const box_work *c, const coded_box *boxes, uint32_
                               bool background, uint32_t step) {
     const T *row = c->values;
     const uint8_t *map = c->map;
-    T *out = c->residuals, *predicted = c->predicted, *room = c->row;
-    const T *zeros = c->zeros;
-    uint32_t skip = 0; /* rows before the next that is looked at */
+    T *out = c->residuals;
+    uint32_t next = 0; /* row of the box that is looked at next */
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t size[3] = {boxes[i].size[0], boxes[i].size[1], boxes[i].size[2]};
-        const uint32_t bytes = box_map_row_bytes(size[0]);
-        for (uint32_t z = 0; z < size[2]; z++)
-            for (uint32_t y = 0; y < size[1]; y++, row += size[0], map += bytes) {
-                if (skip > 0) {
-                    skip--;
-                    continue;
-                }
-                skip = step - 1;
-                const bool some = background && map_row_count(map, size[0]) < size[0];
-                const T *guess =
-                    ROWS(predict)(how & BOX_MEDIAN, ROWS(neighbours_of)(row, size, y, z), size[0],
-                                  zeros, predicted);
-                out += ROWS(subtract)(row, guess, size[0], how & BOX_ALONG, some ? map : NULL, room,
-                                      out);
-            }
+        const uint32_t bytes = box_map_row_bytes(size[0]), rows = size[1] * size[2];
+        for (; next < rows; next += step) {
+            const T *from = row + (size_t)next * size[0];
+            const uint8_t *bits = map + (size_t)next * bytes;
+            const bool some = background && map_row_count(bits, size[0]) < size[0];
+            out +=
+                ROWS(row_residuals)(c, how & BOX_MEDIAN, how & BOX_ALONG,
+                                    ROWS(neighbours_of)(from, size, next % size[1], next / size[1]),
+                                    from, size[0], some ? bits : NULL, out);
+        }
+        next -= rows;
+        row += (size_t)rows * size[0];
+        map += (size_t)rows * bytes;
     }
     return (size_t)(out - (T *)c->residuals);
 }
@@ -330,15 +400,6 @@ static void ROWS(mark)(const box_work *c, const coded_box *boxes, uint32_t count
         for (uint32_t r = 0; r < rows; r++, row += n, map += box_map_row_bytes(n))
             ROWS(mark_row)(row, n, (T)background, c->row, map);
     }
-}
-
-/* Replace a missing neighbour: predict by the one that is there alone; without both, by 0. */
-static int ROWS(settle)(int how, ROWS(neighbours) * k) {
-    if (!k->above)
-        k->above = k->behind;
-    if (!k->above)
-        return BOX_NONE;
-    return how != BOX_NONE && !k->corner ? BOX_ROW : how;
 }
 
 /* The samples of all boxes from their residuals. False: there are fewer or more residuals than the

@@ -20,9 +20,13 @@
 static uint32_t map_row_count(const uint8_t *bits, uint32_t samples) {
     uint32_t count = 0;
     for (uint32_t i = 0; i < box_map_row_bytes(samples); i++) {
+#ifdef __POPCNT__
+        count += (uint32_t)__builtin_popcount(bits[i]);
+#else
         unsigned b = bits[i] - (bits[i] >> 1 & 0x55U);
         b = (b & 0x33) + (b >> 2 & 0x33);
         count += (b + (b >> 4)) & 0xF;
+#endif
     }
     return count;
 }
@@ -39,6 +43,9 @@ static unsigned map_row_rest(const uint8_t *bits, uint32_t samples) {
 #define minus_u8        _mm_sub_epi8
 #define minus_u16       _mm_sub_epi16
 #define minus_u32       _mm_sub_epi32
+#define below_u8(a, b)  _mm_cmplt_epi8(a, b)
+#define below_u16(a, b) _mm_cmplt_epi16(a, b)
+#define below_u32(a, b) _mm_cmplt_epi32(a, b)
 #define min_u8          _mm_min_epu8
 #define min_u16         _mm_min_epu16
 #define min_u32         _mm_min_epu32

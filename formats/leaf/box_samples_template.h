@@ -1,6 +1,8 @@
 /* box_samples_template.h - samples of box_coder.c as unsigned integers of type T: to and from boxes
- * and bytes. Define T and ROWS(name) before each inclusion. */
+ * and bytes. Define T and ROWS(name) before each inclusion, and SPLITS for more than one byte. */
 #ifdef ROWS
+
+#ifdef SPLITS
 
 /* Split residuals into bytes, the lowest ones of all first. */
 static void ROWS(split)(const T *residuals, size_t n, unsigned width, uint8_t *out) {
@@ -10,12 +12,12 @@ static void ROWS(split)(const T *residuals, size_t n, unsigned width, uint8_t *o
 }
 
 static void ROWS(join)(const uint8_t *restrict in, size_t n, unsigned width, T *restrict out) {
-    if (width == 0)
-        memset(out, 0, n * sizeof *out);
     for (unsigned b = 0; b < width; b++)
         for (size_t i = 0; i < n; i++)
             out[i] = (T)(b ? out[i] | (T)((T)in[b * n + i] << (8 * b)) : in[i]);
 }
+
+#endif
 
 /* Turn earlier values into the differences to them; and differences into values. Half the range is
  * added, so that small differences of both signs are near each other. */

@@ -31,10 +31,23 @@ static row_part row_part_of(int64_t first, uint32_t count, uint32_t nodes) {
         memcpy(out + bytes - (n), from + bytes - (n), (n)); \
     } while (0)
 
+/* Copy one to three bytes. */
+static inline void copy_few(char *restrict out, const char *restrict from, size_t bytes) {
+    out[0] = from[0];
+    out[bytes / 2] = from[bytes / 2];
+    out[bytes - 1] = from[bytes - 1];
+}
+
 /* Copy bytes: rows are short and of any length, and too many for a call each. */
 static inline void copy_bytes(char *restrict out, const char *restrict from, size_t bytes) {
-    if (bytes < 16 || bytes > 128)
+    if (bytes > 128)
         memcpy(out, from, bytes);
+    else if (bytes < 4)
+        copy_few(out, from, bytes);
+    else if (bytes <= 8)
+        COPY_ENDS(4);
+    else if (bytes <= 16)
+        COPY_ENDS(8);
     else if (bytes <= 32)
         COPY_ENDS(16);
     else if (bytes <= 64)
