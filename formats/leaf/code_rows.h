@@ -1,4 +1,5 @@
-/* code_rows.h - the inner loops of grid_codes.c, by type and for each ISA. All give the same bits.
+/* code_rows.h - the inner loops of grid_codes.c, by type and for each ISA. All give the same
+ * values; a zero may have either sign.
  */
 #ifndef FORMATS_LEAF_CODE_ROWS_H
 #define FORMATS_LEAF_CODE_ROWS_H
