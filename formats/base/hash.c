@@ -1,5 +1,7 @@
 #include "formats/base/hash.h"
 
+/* Compiled here, with the flags of all else, it is half as fast again as the systems' libraries. */
+#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 uint64_t hash_bytes(const void *data, size_t size) {
