@@ -8,6 +8,7 @@
 #include "formats/base/clock.h"
 #include "render/app/picture_png.h"
 #include "render/app/view_camera.h"
+#include "render/view/view_stride.h"
 #include "render/view/view_where.h"
 
 /* A preview saves time: one ray per pixel, and media with at least this error bound. */
@@ -39,6 +40,7 @@ struct view_picture {
     view_tools tools;
     phase phase;
     view_wish wish;
+    view_stride stride; /* of the steps of its volume */
     picture_volume volume;
     picture_scene parts;
     leafcast_scene scene;
@@ -349,21 +351,20 @@ static phase after_preview(view_picture *p) {
     return BETTER;
 }
 
-/* Steps that play go on as they went: a change by as many is expected, in a circle. */
-static void expect_next(const view_wish *before, const view_wish *now) {
-    uint32_t field, next = now->view.step;
-    if (now->volume != before->volume ||
-        view_options_field(&now->view, now->volume, &field) != ST_OK)
-        return;
+static void expect_next(view_picture *p, const view_wish *now) {
     const uint32_t steps = leafcast_describe(now->volume).steps;
-    next = (2 * next + steps - before->view.step) % steps;
+    uint32_t field;
+    if (now->volume != p->wish.volume)
+        p->stride = (view_stride){false, 0, 0, 0};
     /* A wrong step is refused when the picture is described. */
-    (void)leafcast_expect_set(now->volume, field, next);
+    if (now->view.step < steps && view_options_field(&now->view, now->volume, &field) == ST_OK)
+        (void)leafcast_expect_set(now->volume, field,
+                                  view_stride_next(&p->stride, now->view.step, steps));
 }
 
 status view_picture_begin(view_picture *p, const view_wish *wish, uint64_t beside) {
     view_picture_stop(p);
-    expect_next(&p->wish, wish);
+    expect_next(p, wish);
     p->wish = *wish;
     p->volume = (picture_volume){wish->volume, &p->wish.view};
     p->beside = beside;

@@ -65,6 +65,40 @@ def held(s):
     page.close()
 
 
+def jumped(s):
+    """A step that is jumped to: what its picture needs of the next one is read meanwhile, and stays while the camera
+    turns. So is the step before, once steps have played backward."""
+    page = Page(s)
+    state = dict(page.volume["state"])
+    page.view(1, dict(state, step=0), W, H)
+    page.final()
+    page.send({"type": "residency", "on": False, "steps": True})
+
+    def ahead(step, next_one):
+        """How much of a step is there behind pictures of another one, once all is or has had its time."""
+        for k in range(200):
+            page.view(page.number + 1, dict(state, step=step, ambient=0.1 + 0.001 * k), W, H)
+            page.final()
+            told = page.text("steps")
+            wanted, there = told["wanted"][next_one], told["resident"][next_one]
+            if there == wanted:
+                break
+            time.sleep(0.02)
+        page.pictures.clear()
+        return f"{there} of {wanted}", wanted > 1 and there == wanted
+
+    last = len(INPUTS) - 1
+    said, there = ahead(last // 3, last // 3 + 1)
+    ok(f"behind a jump: {said} of the next step", there)
+    for step in last, last - 1, last - 2:
+        page.view(page.number + 1, dict(state, step=step), W, H)
+        page.final()
+        page.text("steps")
+    said, there = ahead(last // 2, last // 2 - 1)
+    ok(f"and of the one before, where steps played backward: {said}", there)
+    page.close()
+
+
 def steps_with(path, isos):
     """The steps that have any of the isovalues, in runs, as info tells them."""
     told = json.loads(subprocess.run([leafcast, "info", path, "--json", "--steps", "all", *(f"--iso={v}" for v in isos)],
@@ -179,6 +213,7 @@ def grows(s, path):
 def main():
     s = Server([leafcast, "view", folder + "/all.leaf"])
     held(s)
+    jumped(s)
     marked(s, folder + "/all.leaf")
     ends(s, "after that")
     s = Server([leafcast, "view", folder + "/all.leaf"])
