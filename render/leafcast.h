@@ -304,8 +304,10 @@ LEAFCAST_API leafcast_status leafcast_expect_set(leafcast *volume, uint32_t fiel
 
 /* leafcast_expect_between() - the same of a time between two steps, which should lie between others
  * than the next picture's: another time between the same two reads nothing. What is read is that
- * step of both which is not in memory. Only where a time between steps was drawn before, and behind
- * pictures of such times. `between` 0: leafcast_expect_set(). Fails as leafcast_select_between().
+ * step of both which is not in memory. Only where a time between steps was drawn before. Times
+ * between and steps share no memory, so both may be expected, each its own; without a memory budget
+ * both are read behind pictures of either, within one what belongs to the picture. `between` 0:
+ * leafcast_expect_set(). Fails as leafcast_select_between().
  */
 LEAFCAST_API leafcast_status leafcast_expect_between(leafcast *volume, uint32_t field,
                                                      uint32_t step, double between);

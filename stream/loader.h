@@ -119,6 +119,7 @@ void loader_follow(loader *l, const atomic_uchar touched[]);
 
 /* loader_expect() - say which set is selected next, until it is; TREELET_NO_SET: none is known.
  * Where sets change (leaf_file.versions): only while nothing is traced.
+ * loader_is_expecting() - whether one is known.
  * loader_read_expected() - call it when a frame is complete. Reads the treelets of that set that
  * rays touched last, makes their masks, and puts them into the cache, where their selection finds
  * them: in the background, after all that is wanted of the selected set, as far as the cache has
@@ -126,6 +127,7 @@ void loader_follow(loader *l, const atomic_uchar touched[]);
  * under way. What fails is not told: it is read again when it is wanted. Counts
  * in the statistics of its set, once that is selected, but for .load_s. */
 void loader_expect(loader *l, uint32_t set);
+bool loader_is_expecting(const loader *l);
 void loader_read_expected(loader *l, const atomic_uchar touched[]);
 
 /* loader_count_sets() - count, of `count` sets from `first` on, the treelets that rays touched last

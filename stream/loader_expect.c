@@ -93,6 +93,14 @@ void loader_expect(loader *l, uint32_t set) {
     pthread_mutex_unlock(&h->lock);
 }
 
+bool loader_is_expecting(const loader *l) {
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    const bool is = h->expected != TREELET_NO_SET;
+    pthread_mutex_unlock(&h->lock);
+    return is;
+}
+
 void loader_read_expected(loader *l, const atomic_uchar touched[]) {
     struct loader_private *h = l->hidden;
     const uint32_t treelets = l->file->layout.treelets;

@@ -288,14 +288,6 @@ static status select_set(render_job *job, const view_options *view) {
     return st;
 }
 
-status render_job_expect(const render_job *job, const view_options *view, uint32_t step,
-                         double between) {
-    uint32_t field;
-    const status st = view_options_field(view, job->volume, &field);
-    return st == ST_OK ? render_status(leafcast_expect_between(job->volume, field, step, between))
-                       : st;
-}
-
 /* A picture's part in the progress of the whole job. */
 typedef struct part {
     const progress *watch;

@@ -66,12 +66,6 @@ CHECKED status render_job_check(const render_job *job, script_frame *frame);
  * view_camera_turn(). */
 void render_job_turn(render_job *job, view_options *view, double share);
 
-/* render_job_expect() - before a picture is drawn: say which step the next one shows, of the same
- * field, or which time between that step and its next one a later picture does. The volume reads it
- * while this picture is written (leafcast_expect_between()). */
-CHECKED status render_job_expect(const render_job *job, const view_options *view, uint32_t step,
-                                 double between);
-
 /* render_job_draw() - open the files of a checked picture, draw it job->repeat times, write it
  * once.
  */

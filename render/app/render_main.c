@@ -2,6 +2,7 @@
 #include <stdio.h>
 
 #include "formats/base/file_guard.h"
+#include "render/app/render_ahead.h"
 #include "render/app/render_picture.h"
 #include "render/app/render_sequence.h"
 
@@ -22,8 +23,25 @@ static status check_line(const script_frame *frame) {
     return ST_OK;
 }
 
-static status answer_line(const render_options *o, render_job *job, const char *text, size_t size,
-                          long number, bool *failed) {
+/* Say before a line's picture is drawn what the lines show that have come behind it. */
+static void expect_lines(const render_options *o, const render_job *job, const script_frame *frame,
+                         const script_reader *script) {
+    enum { LOOK_AHEAD = 64 };
+    static view_options next;
+    render_ahead ahead = {.volume = job->volume, .now = &frame->view};
+    const char *line;
+    size_t size, at = 0;
+    bool more = job->info.steps > 1;
+    for (int i = 0; i < LOOK_AHEAD && more && script_peek(script, &at, &line, &size); i++) {
+        next = o->view;
+        if (script_foresee(&next, line, size) &&
+            time_options_find(&next.time, job->volume, &next.step) == ST_OK)
+            more = render_ahead_note(&ahead, &next);
+    }
+}
+
+static status answer_line(const render_options *o, render_job *job, const script_reader *script,
+                          const char *text, size_t size, long number, bool *failed) {
     static script_frame frame;
     char what[32];
     json_t *answer = NULL;
@@ -38,6 +56,8 @@ static status answer_line(const render_options *o, render_job *job, const char *
         st = render_picture_guard(o, &frame);
     if (st == ST_OK)
         st = render_job_check(job, &frame);
+    if (st == ST_OK)
+        expect_lines(o, job, &frame, script);
     if (st == ST_OK)
         st = render_picture_draw(o, job, &frame, &answer);
     if (st == ST_STOPPED)
@@ -69,7 +89,7 @@ static status run_script(const render_options *o, render_job *job) {
         st = script_line(script, job->watch->stop, job->watch->ctx, &line, &size, &number);
         if (st || !line)
             break;
-        st = answer_line(o, job, line, size, number, &failed);
+        st = answer_line(o, job, script, line, size, number, &failed);
     }
     script_close(script);
     if (st == ST_OK && failed)

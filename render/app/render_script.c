@@ -145,6 +145,28 @@ status script_parse(script_frame *frame, const char *text, size_t size, const ch
     return st;
 }
 
+/* The keys that say which step is drawn, or which time. */
+static bool is_moment(const char *key) {
+    static const char *const KEYS[] = {"field", "step", "time", "interpolate"};
+    bool is = false;
+    for (size_t i = 0; i < sizeof KEYS / sizeof *KEYS; i++)
+        is |= strcmp(key, KEYS[i]) == 0;
+    return is;
+}
+
+bool script_foresee(view_options *view, const char *text, size_t size) {
+    const char *key;
+    json_t *value, *object = json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
+    bool fine = json_is_object(object);
+    view_options_inherit(view);
+    json_object_foreach(object, key, value) {
+        if (is_moment(key))
+            fine &= apply_flag(view, key, value, "a line that comes") == ST_OK;
+    }
+    json_decref(object);
+    return fine;
+}
+
 static status load_json(const char *path, json_t **out) {
     json_error_t error;
     mem m;
@@ -300,4 +322,21 @@ status script_line(script_reader *r, bool (*stop)(void *), void *ctx, const char
         *number = r->number;
         return ST_OK;
     }
+}
+
+bool script_peek(const script_reader *r, size_t *at, const char **line, size_t *size) {
+    const size_t have = r->to - r->from;
+    while (*at < have) {
+        const char *start = r->buffer + r->from + *at;
+        const char *end = memchr(start, '\n', have - *at);
+        const bool whole = end || r->ended;
+        if (!whole)
+            return false;
+        *line = start;
+        *size = end ? (size_t)(end - start) : have - *at;
+        *at += *size + (end != NULL);
+        if (!blank(start, *size))
+            return true;
+    }
+    return false;
 }

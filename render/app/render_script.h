@@ -66,6 +66,10 @@ CHECKED status script_load_path(const char *file, json_t **path);
  * ST_CORRUPT: not JSON; ST_USAGE as from script_apply(), and for keys that name files to write. */
 CHECKED status script_load_state(const char *file, view_options *view);
 
+/* script_foresee() - apply what a line says of field, step and time to *view, and nothing else of
+ * it. Returns false if it is refused when it is drawn, as far as that is known by then. */
+bool script_foresee(view_options *view, const char *text, size_t size);
+
 /* ---- lines, one by one as they arrive ---- */
 
 typedef struct script_reader script_reader;
@@ -79,5 +83,10 @@ void script_close(script_reader *r); /* NULL is allowed */
  * as soon as stop() returns true (a signal wakes it). */
 CHECKED status script_line(script_reader *r, bool (*stop)(void *), void *ctx, const char **line,
                            size_t *size, long *number);
+
+/* script_peek() - look for lines that script_line() will return, without waiting for any. at: 0
+ * for the first one, then as it was left. They are valid as long as the last one of script_line().
+ * Returns false if there is no further one yet, or not all of it. */
+bool script_peek(const script_reader *r, size_t *at, const char **line, size_t *size);
 
 #endif

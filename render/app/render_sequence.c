@@ -8,6 +8,7 @@
 #include "formats/base/sequence.h"
 #include "render/app/key_times.h"
 #include "render/app/keyframes.h"
+#include "render/app/render_ahead.h"
 #include "render/app/render_picture.h"
 
 /* Write the statistics. Consumes f in any case. */
@@ -103,47 +104,37 @@ static status describe_frame(const render_options *o, sequence *s, int number,
     return st;
 }
 
-/* The same of a camera path with times, of which --interpolate draws what is between: a picture
- * between two steps needs no others, so what is expected are the next ones. */
-static status expect_time(const render_options *o, const sequence *s, const render_job *job,
-                          int number, const script_frame *frame) {
-    enum { LOOK_AHEAD = 256 };
-    const view_options *now = &frame->view;
-    for (int i = number + 1; i < s->count && i <= number + LOOK_AHEAD; i++) {
-        const json_t *entry =
-            json_array_get(s->path, (size_t)(i / turns_of(o)) % json_array_size(s->path));
-        const json_t *at = json_object_get(entry, "time");
-        time_options time = {.given = true, .interpolate = true, .time = json_number_value(at)};
-        uint32_t step = 0;
-        if (!at || time_options_find(&time, job->volume, &step) != ST_OK)
-            return ST_OK; /* none, or one that is refused when it is drawn */
-        const bool is_step = time.between == 0.0;
-        if (is_step ? i == number + 1 : step != now->step || now->time.between == 0.0)
-            return render_job_expect(job, now, step, time.between);
+/* Find the step that picture `number` shows, or the time between steps, in *view. Returns false if
+ * neither the command line nor the path say it. */
+static bool find_moment(const render_options *o, const sequence *s, const render_job *job,
+                        int number, view_options *view) {
+    const size_t views = s->path ? json_array_size(s->path) : 1;
+    const size_t index = (size_t)(number / turns_of(o));
+    const json_t *entry = s->path ? json_array_get(s->path, index % views) : NULL,
+                 *step = json_object_get(entry, "step"), *time = json_object_get(entry, "time");
+    view->time.between = 0.0;
+    if (step_list_given(&o->steps)) {
+        view->step = step_list_at(&o->steps, index / views % (uint64_t)steps_of(o));
+        return true;
     }
-    return ST_OK;
+    if (time) { /* of a path with times, each entry has one */
+        view->time.time = json_number_value(time);
+        return time_options_find(&view->time, job->volume, &view->step) == ST_OK;
+    }
+    view->step = (uint32_t)json_integer_value(step);
+    return json_is_integer(step) && json_integer_value(step) == view->step;
 }
 
-/* Say before a picture is drawn which step comes next, as --steps or the camera path says. */
-static status expect_next(const render_options *o, const sequence *s, const render_job *job,
-                          int number, const script_frame *frame) {
-    const uint64_t index = (uint64_t)((number + 1) / turns_of(o));
-    if (number + 1 >= s->count)
-        return ST_OK;
-    if (s->path && frame->view.time.given)
-        return expect_time(o, s, job, number, frame);
-    if (s->path) {
-        const size_t views = json_array_size(s->path);
-        const json_t *step = json_object_get(json_array_get(s->path, index % views), "step");
-        const bool known = json_is_integer(step) && json_integer_value(step) >= 0 &&
-                           json_integer_value(step) < job->info.steps;
-        return known ? render_job_expect(job, &frame->view, (uint32_t)json_integer_value(step), 0.0)
-                     : ST_OK;
-    }
-    if (!step_list_given(&o->steps))
-        return ST_OK;
-    return render_job_expect(job, &frame->view,
-                             step_list_at(&o->steps, index % (uint64_t)steps_of(o)), 0.0);
+/* Say before a picture is drawn what comes next. */
+static void expect_next(const render_options *o, const sequence *s, const render_job *job,
+                        int number, const script_frame *frame) {
+    enum { LOOK_AHEAD = 256 };
+    static view_options next;
+    render_ahead ahead = {.volume = job->volume, .now = &frame->view};
+    next = frame->view;
+    for (int i = number + 1; i < s->count && i <= number + LOOK_AHEAD; i++)
+        if (!find_moment(o, s, job, i, &next) || !render_ahead_note(&ahead, &next))
+            return;
 }
 
 /* Open the file, if it is not open. */
@@ -247,7 +238,7 @@ static status draw_sequence(const render_options *o, render_job *job, sequence *
         if (st == ST_OK && o->turns)
             render_job_turn(job, &frame->view, (double)(i % o->turns) / o->turns);
         if (st == ST_OK)
-            st = expect_next(o, s, job, i, frame);
+            expect_next(o, s, job, i, frame);
         if (st == ST_OK)
             st = render_picture_draw(o, job, frame, &stats);
         if (st == ST_OK && o->common.json && render_options_many(o))

@@ -45,6 +45,7 @@ status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene) {
         s->step = t->holds[i].step;
         t->first_id[i] = id;
         id += s->count;
+        t->of[i] = s->volume;
         st = between_steps_open(&s->volume, s->between);
         if (st == ST_OK)
             st = choose_drawn(t, i);
@@ -65,6 +66,20 @@ bool turn_any_instead(const turn *t) {
     return any;
 }
 
+static bool is_shown(const turn *t, const leafcast *v) {
+    bool shown = false;
+    for (int i = 0; i < t->volumes; i++)
+        shown |= t->shown[i].volume == v;
+    return shown;
+}
+
+/* The volume of the other times of volume i, at steps or between them; NULL: there is none, or it
+ * is shown, too. */
+static leafcast *other_times(const turn *t, int i) {
+    leafcast *of = t->of[i], *other = t->shown[i].volume == of ? of->between : of;
+    return is_shown(t, other) ? NULL : other;
+}
+
 /* Whether volume i is drawn at one level, and only its isosurfaces. */
 static bool may_be_coarser(const turn *t, int i) {
     return t->scene.preview && !t->scene.sweep && t->scene.lod != LEAFCAST_LOD_PIXEL &&
@@ -83,7 +98,9 @@ static void choose_level(turn *t, int i) {
 /* Select what rays see of volume i in this turn. */
 static status prepare_volume(turn *t, int i) {
     const leafcast_shown *s = &t->shown[i];
-    leafcast *v = s->volume;
+    leafcast *v = s->volume, *other = other_times(t, i);
+    if (other)
+        loader_rest(other->treelets);
     if (turn_is_instead(t, i)) {
         const status st = coarse_preview_show(t->drawn[i], &t->scene, s, &t->beside[i],
                                               &t->f.camera, &t->tracers[i]);
@@ -193,12 +210,25 @@ status turn_check(const turn *t, bool done, status st) {
     return st;
 }
 
+/* Read what is expected of the volume of the other times: what rays saw of this one is much the
+ * same. */
+static void read_other_times(const turn *t, int i) {
+    const leafcast *v = t->shown[i].volume;
+    leafcast *other = other_times(t, i);
+    if (!other || t->device->budget.limit != 0 || !loader_is_expecting(other->treelets))
+        return;
+    volume_seek_same(other, v);
+    budget_slots(other, SIZE_MAX);
+    loader_read_expected(other->treelets, v->touched);
+}
+
 void turn_read_on(const turn *t) {
     for (int i = 0; i < t->volumes; i++) {
         const uint64_t read = loader_statistics(t->shown[i].volume->treelets).bytes_read;
         if (may_be_coarser(t, i) && !t->reads_on[i] && read < LOADER_PREVIEW_BYTES)
             sweep_for_previews(t, i, LOADER_PREVIEW_BYTES - read);
         loader_read_expected(t->shown[i].volume->treelets, t->shown[i].volume->touched);
+        read_other_times(t, i);
     }
 }
 

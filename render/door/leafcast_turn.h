@@ -19,6 +19,7 @@ typedef struct turn {
     leafcast_scene scene; /* its experiments and volumes are copied below: */
     leafcast_scene_experiments experiments;
     int volumes;
+    leafcast *of[LEAFCAST_VOLUMES_MAX]; /* those that the scene lists, and in their places: */
     leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
     live_hold holds[LEAFCAST_VOLUMES_MAX]; /* of live volumes, from first to last */
     leafcast_surface surfaces[LEAFCAST_VOLUMES_MAX][LEAFCAST_SURFACES_MAX];
@@ -65,7 +66,8 @@ CHECKED status turn_check(const turn *t, bool done, status st);
 
 /* turn_read_on() - call when a frame is done, behind turn_stats(). Behind the first preview of a
  * selection, read for the next one what is left of its bytes; and what is expected of another set.
- * Waits for nothing. */
+ * Steps and times between them belong to two volumes: without a memory budget, of which only those
+ * that are shown have a share, also what is expected of the other one. Waits for nothing. */
 void turn_read_on(const turn *t);
 
 /* turn_stats() - add the figures of the volumes and the device. */

@@ -117,8 +117,9 @@ static void test_map(void **state) {
     between_lab_free(s);
 }
 
+/* What the loader of a volume's own moments has read early; of none, nothing. */
 static uint64_t early_of(const leafcast *v) {
-    return v->between ? loader_statistics(v->between->treelets).early : 0;
+    return v ? loader_statistics(v->treelets).early : 0;
 }
 
 /* The same, once nothing has come for a while. */
@@ -145,16 +146,16 @@ static void test_expected(void **state) {
     const leafcast_stats alone = draw(s, plain, 4, 0.5);
     assert_true(alone.treelets_loaded > 3);
     for (uint32_t step = 0; step < 4; step++) {
-        const uint64_t before = settled(v);
+        const uint64_t before = settled(v->between);
         between_lab_fine(leafcast_expect_between(v, 0, step + 1, 0.5));
         (void)draw(s, v, step, 0.25);
         (void)draw(s, v, step, 0.75);
-        uint64_t early = early_of(v);
+        uint64_t early = early_of(v->between);
         for (int i = 0; i < 10000 && step != 1 && early == before; i++) {
             between_lab_fine(leafcast_expect_between(v, 0, step + 1, 0.5));
             (void)draw(s, v, step, 0.5);
             nanosleep(&(struct timespec){0, 1000000}, NULL);
-            early = early_of(v);
+            early = early_of(v->between);
         }
         assert_true(early > before || step == 1); /* steps 2 and 3 are mostly the same */
     }
@@ -165,6 +166,76 @@ static void test_expected(void **state) {
                         "no next one");
     between_lab_refused(leafcast_expect_between(v, 0, 0, 1), LEAFCAST_USAGE, "below 1");
     leafcast_close(plain);
+    leafcast_close(v);
+    between_lab_free(s);
+}
+
+/* Draw a moment again and again until nothing more is read for the loader of other moments. Returns
+ * how many treelets were. */
+static uint64_t read_behind(const between_lab *s, leafcast *v, uint32_t step, double share,
+                            const leafcast *other) {
+    const uint64_t before = early_of(other);
+    uint64_t early, last = before;
+    for (int i = 0; i < 2000; i++, last = early) {
+        (void)draw(s, v, step, share);
+        early = settled(other);
+        if (early == last && early > before)
+            break;
+    }
+    return last - before;
+}
+
+/* Between steps, at a step and between steps again, as movies go: what of the step is expected is
+ * read behind pictures of the time before, and what of the time behind it, behind the step's. */
+static void check_landing(const between_kind *of) {
+    between_lab *s = between_lab_make(of);
+    const leafcast_options o = {.size = sizeof o, .threads = 2};
+    const leafcast_surface surface = leafcast_surface_default(s->iso);
+    leafcast *v = between_lab_open(s->series, &o, s->iso + 40);
+    (void)draw(s, v, 4, 0.5); /* so that there is a volume of times between; it shows this: */
+    between_lab_fine(leafcast_select(v, &surface, 1));
+    (void)draw(s, v, 0, 0.75);
+    between_lab_fine(leafcast_expect_set(v, 0, 1));
+    const uint64_t step = read_behind(s, v, 0, 0.75, v);
+    const leafcast_stats landed = draw(s, v, 1, 0);
+    assert_in_range(step, landed.treelets_loaded * 3 / 4, landed.treelets_loaded * 5 / 4);
+    assert_true(step > 3);
+    between_lab_fine(leafcast_expect_between(v, 0, 1, 0.25));
+    const uint64_t time = read_behind(s, v, 1, 0, v->between);
+    const uint64_t before = loader_statistics(v->between->treelets).bytes_read_ever;
+    const leafcast_stats on = draw(s, v, 1, 0.25);
+    assert_in_range(time, on.treelets_loaded * 3 / 4, on.treelets_loaded * 5 / 4);
+    assert_true(time > 3 && on.bytes_read_ever - before < on.bytes_read / 4);
+    /* Nothing is expected any more. */
+    assert_false(loader_is_expecting(v->treelets) || loader_is_expecting(v->between->treelets));
+    leafcast_close(v);
+    between_lab_free(s);
+}
+
+static void test_landing(void **state) {
+    (void)state;
+    if (WITH_GRIDS) {
+        check_landing(&between_kinds[0]);
+        check_landing(&between_kinds[5]);
+    }
+    check_landing(&between_kinds[BETWEEN_GRIDS]);
+    check_landing(&between_kinds[BETWEEN_HEXES + 1]);
+}
+
+/* Within a budget only what belongs to the picture is read. */
+static void test_landing_within(void **state) {
+    (void)state;
+    between_lab *s = between_lab_make(&between_kinds[BETWEEN_GRIDS]);
+    const leafcast_options o = {.size = sizeof o, .threads = 2, .memory = 64 << 20};
+    leafcast *v = between_lab_open(s->series, &o, s->iso);
+    (void)draw(s, v, 1, 0);
+    (void)draw(s, v, 0, 0.75);
+    between_lab_fine(leafcast_expect_set(v, 0, 2));
+    for (int i = 0; i < 5; i++) {
+        (void)draw(s, v, 0, 0.75);
+        nanosleep(&(struct timespec){0, 3000000}, NULL);
+    }
+    assert_int_equal(early_of(v), 0);
     leafcast_close(v);
     between_lab_free(s);
 }
@@ -608,11 +679,12 @@ static void test_damage(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reading),   cmocka_unit_test(test_map),
-        cmocka_unit_test(test_expected),  cmocka_unit_test(test_playing),
-        cmocka_unit_test(test_steps),     cmocka_unit_test(test_budgets),
-        cmocka_unit_test(test_turns),     cmocka_unit_test(test_previews),
-        cmocka_unit_test(test_directory), cmocka_unit_test(test_times),
+        cmocka_unit_test(test_reading),        cmocka_unit_test(test_map),
+        cmocka_unit_test(test_expected),       cmocka_unit_test(test_landing),
+        cmocka_unit_test(test_landing_within), cmocka_unit_test(test_playing),
+        cmocka_unit_test(test_steps),          cmocka_unit_test(test_budgets),
+        cmocka_unit_test(test_turns),          cmocka_unit_test(test_previews),
+        cmocka_unit_test(test_directory),      cmocka_unit_test(test_times),
         cmocka_unit_test(test_damage),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
