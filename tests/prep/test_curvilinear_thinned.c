@@ -118,17 +118,22 @@ static uint8_t expected_blank(const curvilinear_zone *z, const uint32_t at[3], u
 
 /* ---- tests ---- */
 
-static void convert(const curvilinear_zone *zones, uint32_t count, const char *name, bool coarse) {
-    curvilinear_steps s;
+static void convert_steps(const curvilinear_steps *s, const char *name, bool coarse) {
     curvilinear_result r;
     curvilinear_options o = {.file = leaf_parameters_default(),
                              .memory = UINT64_C(1) << 30,
                              .threads = 2,
                              .force = true,
                              .coarse = coarse};
-    curvilinear_steps_init(&s, zones, count, 1, 1);
-    if (curvilinear_convert(&m, &s.series, "g", scratch_path(name), &o, NULL, &r) != ST_OK)
+    if (curvilinear_convert(&m, &s->series, "g", scratch_path(name), &o, NULL, &r) != ST_OK)
         fail_msg("%s", status_text());
+    assert_int_equal(r.header.moving, s->moves && s->series.sets.steps > 1);
+}
+
+static void convert(const curvilinear_zone *zones, uint32_t count, const char *name, bool coarse) {
+    curvilinear_steps s;
+    curvilinear_steps_init(&s, zones, count, 1, 1);
+    convert_steps(&s, name, coarse);
 }
 
 /* Planes [first, first + count) of a zone. Returns the nodes that are there. */
@@ -249,6 +254,43 @@ static void test_embedded(void **state) {
     assert_int_equal(mem_used(&m), 0);
 }
 
+/* Of each step, whether its nodes move or not, what is embedded in a file of it alone: its nodes'
+ * own places, in the box that they have then. */
+static void test_steps(void **state) {
+    (void)state;
+    enum { STEPS = 3 };
+    blocks g;
+    field_random r = {14};
+    for (uint32_t z = 0; z < ZONES; z++)
+        make_zone(&g, z, &r);
+    for (int moves = 0; moves < 2; moves++) {
+        leaf_file *f = NULL, *alone = NULL, *coarse = NULL;
+        curvilinear_steps s;
+        curvilinear_steps_init(&s, g.zones, ZONES, 1, STEPS);
+        s.moves = moves;
+        convert_steps(&s, "steps.leaf", true);
+        assert_int_equal(leaf_file_open(&m, scratch_path("steps.leaf"), &f), ST_OK);
+        assert_int_equal(leaf_verify(&m, f, 2, NULL), ST_OK);
+        for (uint32_t step = 0; step < STEPS; step++) {
+            curvilinear_steps_init(&s, g.zones, ZONES, 1, 1);
+            s.moves = moves;
+            s.before = step;
+            convert_steps(&s, "alone.leaf", true);
+            assert_int_equal(leaf_file_open(&m, scratch_path("alone.leaf"), &alone), ST_OK);
+            assert_memory_equal(f->coarse[step].id, alone->coarse[0].id, sizeof alone->coarse->id);
+            assert_int_equal(f->coarse[step].bytes, alone->coarse[0].bytes);
+            leaf_file_close(alone);
+            assert_int_equal(leaf_file_open_coarse(&m, f, step, &coarse), ST_OK);
+            const float far = moves ? 0.5F * (float)step : 0.0F;
+            assert_true(fabsf(coarse->header.bounds[0] - f->header.bounds[0] - far) < 0.3F);
+            leaf_file_close(coarse);
+        }
+        leaf_file_close(f);
+    }
+    release(&g);
+    assert_int_equal(mem_used(&m), 0);
+}
+
 /* A thin shell, of which a regular grid would show nothing: none is inside, and what is thinned is
  * the last level. */
 static void test_shell(void **state) {
@@ -324,8 +366,8 @@ int main(void) {
     mem_init(&m, 0);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_nodes),    cmocka_unit_test(test_how_thin),
-        cmocka_unit_test(test_embedded), cmocka_unit_test(test_shell),
-        cmocka_unit_test(test_flat),
+        cmocka_unit_test(test_embedded), cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_shell),    cmocka_unit_test(test_flat),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
