@@ -8,6 +8,7 @@
 
 #include "formats/base/file.h"
 #include "formats/base/num.h"
+#include "formats/base/quadratic_tet.h"
 #include "formats/base/text.h"
 #include "formats/mesh/mesh_choice.h"
 
@@ -474,6 +475,14 @@ static status feed_cells(mesh_feed *feed, cell_shape shape, size_t count, const 
     return st;
 }
 
+/* Feed quadratic tets as linear ones of their corners, which come first. The ids are moved. */
+static status feed_corners(mesh_feed *feed, size_t count, uint32_t *ids) {
+    for (size_t c = 0; c < count; c++)
+        memmove(ids + c * QUADRATIC_CORNERS, ids + c * QUADRATIC_NODES,
+                QUADRATIC_CORNERS * sizeof *ids);
+    return feed_cells(feed, CELL_TET, count, ids);
+}
+
 static status read_cells(const stream_state *s, int kind, mesh_feed *feed, void *buffer) {
     const cell_shape shape = kinds[kind].shape;
     const uint64_t cells = s->cells[shape];
@@ -482,7 +491,9 @@ static status read_cells(const stream_state *s, int kind, mesh_feed *feed, void 
         const size_t count = chunk_of(cells - i);
         st = read_words(s, kinds[kind].one, i, count, (size_t)cell_shape_vertices(shape), buffer);
         if (st == ST_OK)
-            st = feed_cells(feed, shape, count, buffer);
+            st = shape == CELL_QUADRATIC_TET && s->hints->by_corners
+                     ? feed_corners(feed, count, buffer)
+                     : feed_cells(feed, shape, count, buffer);
     }
     return st;
 }
@@ -512,11 +523,12 @@ static status check_end(const stream_state *s) {
 
 static status stream_read(void *state, mesh_feed *feed) {
     const stream_state *s = state;
-    if (s->cells[CELL_QUADRATIC_TET] && !mesh_feed_takes_quadratic(feed))
+    const uint64_t quadratic = s->cells[CELL_QUADRATIC_TET];
+    if (quadratic && !s->hints->by_corners && !mesh_feed_takes_quadratic(feed))
         return status_describe(ST_UNSUPPORTED,
-                               "%s: has quadratic tets, which only whole cells keep "
-                               "(--whole-cells)",
-                               s->file);
+                               "%s: %llu cells are quadratic tets (--whole-cells takes them as "
+                               "they are, --by-corners as linear ones)",
+                               s->file, (unsigned long long)quadratic);
     void *buffer = mem_array(s->m, CHUNK, CELL_VERTICES_MAX * sizeof(uint32_t));
     status st = buffer ? mesh_feed_expect(feed, s->points) : ST_NOMEM;
     if (s->field_count > 0)
@@ -526,6 +538,7 @@ static status stream_read(void *state, mesh_feed *feed) {
     if (st == ST_OK)
         st = read_arrays(s, feed, buffer);
     feed->report->by_corners = s->by_corners;
+    feed->report->by_corners += s->hints->by_corners ? quadratic : 0;
     feed->report->skipped = s->skipped;
     if (st == ST_OK)
         st = check_end(s);

@@ -9,6 +9,7 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/progress.h"
+#include "formats/base/quadratic_tet.h"
 #include "formats/base/status.h"
 #include "formats/grid/absent.h"
 #include "formats/mesh/mesh_stream.h"
@@ -31,6 +32,13 @@ typedef struct import_mesh {
     const absent_parts *absent; /* of what has been read; NULL: nothing tells */
     void (*close)(void *ctx);   /* NULL: it has not been opened */
 } import_mesh;
+
+/* import_mesh_shape() - the shape of an element of so many nodes, whose corners have the shape
+ * given: a tet of ten is a quadratic one, unless it is taken by its corners. */
+static inline cell_shape import_mesh_shape(cell_shape corners, size_t nodes, bool by_corners) {
+    const bool quadratic = corners == CELL_TET && nodes == QUADRATIC_NODES && !by_corners;
+    return quadratic ? CELL_QUADRATIC_TET : corners;
+}
 
 void import_mesh_close(import_mesh *x);
 

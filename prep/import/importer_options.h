@@ -41,10 +41,12 @@ enum {
         "field", IMPORT_KEY_FIELD, "NAME", CLI_BASIC,                                           \
             "a " what " to take (default: the first; several --field: each, in their order)", 0 \
     }
-#define IMPORT_BY_CORNERS                                                                          \
-    {                                                                                              \
-        "by-corners", IMPORT_KEY_BY_CORNERS, NULL, CLI_BASIC,                                      \
-            "take cells of higher order as linear ones of their corners (default: refuse them)", 0 \
+#define IMPORT_BY_CORNERS                                                                        \
+    {                                                                                            \
+        "by-corners", IMPORT_KEY_BY_CORNERS, NULL, CLI_BASIC,                                    \
+            "take cells of higher order as linear ones of their corners (default: refuse them, " \
+            "but tets of ten nodes)",                                                            \
+            0                                                                                    \
     }
 #define IMPORT_CELLS_TO_POINTS                                                            \
     {                                                                                     \

@@ -1,8 +1,8 @@
 """cgns_file.py - CGNS files by h5py, without the CGNS library: nodes as groups, after the HDF5 mapping of the standard (SIDS-to-HDF5)."""
 import numpy as np
 
-TYPES = {"tets": 10, "pyramids": 12, "wedges": 14, "hexahedra": 17, "NODE": 2, "TRI_3": 5, "QUAD_4": 7, "TETRA_10": 11, "HEXA_20": 18,
-         "MIXED": 20, "NGON_n": 22, "NFACE_n": 23}
+TYPES = {"tets": 10, "pyramids": 12, "wedges": 14, "hexahedra": 17, "quadratic tets": 11, "NODE": 2, "TRI_3": 5, "QUAD_4": 7, "HEXA_20": 18,
+         "MIXED": 20, "NGON_n": 22, "NFACE_n": 23, "TETRA_16": 29}
 KINDS = {"i4": "I4", "i8": "I8", "f4": "R4", "f8": "R8", "i1": "C1"}
 
 

@@ -9,7 +9,7 @@ import sys
 
 from imported import damaged, elsewhere, ends, np, start, tell
 from curvilinear_stream import Grid
-from imported_mesh import CELLS, NODES, POINTS, Stream, holds, near
+from imported_mesh import CELLS, NODES, POINTS, Stream, TENS, TEN_POINTS, holds, near, probed, taken_as_tens, tens
 
 try:
     import h5py
@@ -76,11 +76,7 @@ def shapes():
     holds("a mixed section, without a solution", {}, *take("mixed.cgns"), skipped="4")
     shutil.copy(path("mixed.cgns"), path("wide.cgns"))
     with h5py.File(path("wide.cgns"), "a") as f:
-        s = f["a base/all/everything/ElementConnectivity"]
-        wide = s[" data"][:].astype("i8")
-        del s[" data"]
-        del s.attrs["type"]
-        cgns.data(s, wide)
+        widen(f["a base/all/everything"])
     holds("a mixed section of 64 bits", {}, *take("wide.cgns"), skipped="4")
     for name, kind, cells, words in (("higher", "HEXA_20", [c + c + c[:4] for c in CELLS["hexahedra"]], "HEXA_20: higher order (--by-corners"),
                                      ("faces", "NFACE_n", None, "NFACE_n, expected hexahedra")):
@@ -101,6 +97,67 @@ def shapes():
     rc, out, said = start(leafcast, "convert", path("outside.cgns"), "-o", path("outside.leaf"), "--whole-cells", "--json", "--allow-empty")
     told = json.loads(out) if rc == 0 else {}
     tell("elements with nodes that are none", "" if (told.get("bad"), told.get("tets")) == (2, 1) else (rc, said, told))
+
+
+def widen(section):
+    """Make a section's numbers 64 bits wide."""
+    s = section["ElementConnectivity"]
+    wide = s[" data"][:].astype("i8")
+    del s[" data"]
+    del s.attrs["type"]
+    cgns.data(s, wide)
+
+
+def quadratic():
+    """Tets of ten nodes stay what they are: in sections of their own, in mixed ones, in several zones."""
+    tets, split = TENS["quadratic tets"], 60
+    first = 7 ** 3  # node of the hexahedra, which are a zone of their own
+    values = {"Density": np.sin(3 * TEN_POINTS[:, 0]), "Square": (TEN_POINTS ** 2).sum(1)}
+    values["Density"][100:103] = np.nan
+    heat = {"quadratic tets": np.arange(len(tets)) % 13.0, "hexahedra": np.arange(len(TENS["hexahedra"])) + 50.0}
+    corners = {"tets": [c[:4] for c in tets], "hexahedra": TENS["hexahedra"]}
+
+    def write(name, mixed):
+        f, base = cgns.create(path(name))
+        for z, begin, end, shape in ((cgns.zone(base, "a tets", TEN_POINTS[:first], len(tets)), 0, first, "quadratic tets"),
+                                     (cgns.zone(base, "b hexes", TEN_POINTS[first:], len(heat["hexahedra"])), first, None, "hexahedra")):
+            of = [[n - begin for n in c] for c in TENS[shape]]
+            if mixed:
+                cgns.section(z, "all", "MIXED", 1, *cgns.mixed([p for c in of for p in ((shape, c), ("TRI_3", c[:3]))]))
+            else:
+                at = cgns.section(z, "some", shape, 1, of[:split])
+                at = cgns.section(z, "wall", "TRI_3", at, [c[:3] for c in of])
+                if of[split:]:
+                    cgns.section(z, "others", shape, at, of[split:])
+            cgns.solution(z, "S", "Vertex", {n: v[begin:end] for n, v in values.items()})
+            cgns.solution(z, "C", "CellCenter", {"Heat": heat[shape]})
+        f.close()
+
+    for name, mixed, wide in (("tens.cgns", False, ()), ("tens_mixed.cgns", True, ()), ("tens_wide.cgns", True, ("a tets/all", "b hexes/all"))):
+        write(name, mixed)
+        with h5py.File(path(name), "a") as f:
+            for s in wide:
+                widen(f["a base/" + s])
+        skipped = str(len(tets) + len(heat["hexahedra"]))
+        holds("quadratic tets, " + name, values, *take(name, "--field", "Density", "--field", "Square"), points=TEN_POINTS, cells=TENS,
+              skipped=skipped, by_corners=None)
+        holds("by their corners, " + name, {"Square": values["Square"]}, *take(name, "--by-corners", "--field", "Square"), points=TEN_POINTS,
+              cells=corners, skipped=skipped, by_corners=str(len(tets)))
+    taken_as_tens(leafcast, path("tens.cgns"), TEN_POINTS, values, {"Heat": heat})
+    near("means of quadratic tets' cells", {"Heat": means(tets + TENS["hexahedra"], np.concatenate(list(heat.values())), len(TEN_POINTS))},
+         *take("tens_mixed.cgns", "--cells-to-points"))
+    straight, cells = tens(0)
+    f, base = cgns.create(path("straight.cgns"))
+    z = cgns.zone(base, "all", straight, len(tets))
+    cgns.section(z, "tets", "quadratic tets", 1, cells["quadratic tets"])
+    cgns.solution(z, "S", "Vertex", {"Square": (straight ** 2).sum(1)})
+    f.close()
+    probed(leafcast, path("straight.cgns"), "Square")
+    f, base = cgns.create(path("odd.cgns"))
+    z = cgns.zone(base, "all", straight, len(tets))
+    cgns.section(z, "tets", "TETRA_16", 1, [(c + c)[:16] for c in cells["quadratic tets"]])
+    f.close()
+    ends("tets of 16 nodes", 3, "TETRA_16: higher order (--by-corners", *take("odd.cgns"))
 
 
 # ---- structured zones ----
@@ -403,5 +460,5 @@ def broken():
         damaged("damaged: " + name, path(name), path("broken.cgns"), 20, *take("broken.cgns", *options, "-o", path("broken.mesh"), "--force"))
 
 
-for look in shapes, grids, as_zones, rinds, which_steps, links, lacking, moving, averages, choices, adf, converted, broken:
+for look in shapes, quadratic, grids, as_zones, rinds, which_steps, links, lacking, moving, averages, choices, adf, converted, broken:
     look()

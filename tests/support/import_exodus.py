@@ -8,7 +8,7 @@ import sys
 
 from exodus_file import tets
 from imported import damaged, elsewhere, ends, np, start, tell
-from imported_mesh import CELLS, NODES, POINTS, Stream, VERTICES, VTK, holds, near
+from imported_mesh import CELLS, NODES, POINTS, Stream, TENS, TEN_POINTS, alike, holds, near, probed, taken_as_tens, tens, vtu
 
 try:
     import h5py
@@ -259,33 +259,55 @@ def choices():
     tell("300 variables", said)
 
 
-def vtu(name):
-    """The same mesh, shape by shape as the stream has it."""
-    def numbers(a):
-        return " ".join(repr(x) for x in np.asarray(a).ravel().tolist())
-
-    every = [(VTK[shape], c) for shape in VERTICES for c in CELLS[shape]]
-    arrays = "".join('<DataArray type="Float32" Name="%s" format="ascii">%s</DataArray>' % (f, numbers(v[0].astype("f4"))) for f, v in FIELDS.items())
-    with open(path(name), "w") as f:
-        f.write('<VTKFile type="UnstructuredGrid"><UnstructuredGrid><Piece NumberOfPoints="%d" NumberOfCells="%d"><PointData>%s</PointData><Points>'
-                '<DataArray type="Float32" NumberOfComponents="3" format="ascii">%s</DataArray></Points><Cells>'
-                '<DataArray type="Int64" Name="connectivity" format="ascii">%s</DataArray><DataArray type="Int64" Name="offsets" format="ascii">%s'
-                '</DataArray><DataArray type="UInt8" Name="types" format="ascii">%s</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>' % (
-                    NODES, len(every), arrays, numbers(POINTS.astype("f4")), " ".join(numbers(c) for _, c in every),
-                    numbers(np.cumsum([len(c) for _, c in every])), numbers([t for t, _ in every])))
+def quadratic():
+    """Tets of ten nodes stay what they are, in blocks between others, whatever else is in the file."""
+    all_of = TENS["quadratic tets"]
+    of = [("TETRA10", "quadratic tets", all_of[:40]), ("HEX8", "hexahedra", TENS["hexahedra"]), ("tet", "quadratic tets", all_of[40:])]
+    fields = {"speed": np.array([np.sin(3 * TEN_POINTS[:, 0] + t) for t in TIMES]), "square": np.array([(TEN_POINTS ** 2).sum(1)] * 3)}
+    fields["speed"][:, 100:103] = np.nan
+    work = [np.arange(len(b[2])) % 13 + 100.0 * i for i, b in enumerate(of)]
+    for name, more in (("tens", {}), ("tens64", dict(ids="i8", form="NETCDF3_64BIT_DATA")), ("tens_packed", dict(chunks=19))):
+        write(name, blocks=of, fields=fields, points=TEN_POINTS, of_elements={"work": work}, **more)
+        holds("quadratic tets, " + name, {f: v[1] for f, v in fields.items()},
+              *take(name, "--step", 1, "--field", "speed", "--field", "square"), points=TEN_POINTS, cells=TENS, by_corners=None)
+    taken_as_tens(leafcast, path("tens"), TEN_POINTS, {f: v[0] for f, v in fields.items()},
+                  {"work": {"hexahedra": work[1], "quadratic tets": np.concatenate(work[::2])}})
+    corners = {"tets": [c[:4] for c in all_of], "hexahedra": TENS["hexahedra"]}
+    holds("quadratic tets by their corners", {"speed": fields["speed"][0]}, *take("tens", "--by-corners"), points=TEN_POINTS, cells=corners,
+          by_corners=str(len(all_of)))
+    rc, out, said = start(*take("tens", "-o", path("tens.mesh"), "--json"))
+    told = json.loads(out) if rc == 0 else {}
+    tell("quadratic tets are told", "" if (told.get("quadratic_tets"), told.get("by_corners"), told.get("hexahedra")) ==
+         (len(all_of), 0, len(TENS["hexahedra"])) else (said, told))
+    alike("what its stream gives", leafcast, "convert", path("tens.mesh"), path("tens"), "--whole-cells")
+    vtu(path("tens_last.vtu"), {f: v[0] for f, v in fields.items()}, TEN_POINTS, TENS)
+    alike("a stream by its corners", leafcast, "convert", path("tens.mesh"), path("tens_last.vtu"), "--by-corners")
+    rc, out, said = start(leafcast, "convert", path("tens.mesh"), "-o", path("c.leaf"), "--by-corners", "--json")
+    told = json.loads(out) if rc == 0 else {}
+    tell("which are told", "" if told.get("by_corners") == len(all_of) else (said, told))
+    rc, _, said = start(leafcast, "convert", path("tens"), "-o", path("tens.leaf"), "--steps", "all", "--whole-cells", "--force", "-q")
+    rc, out, said = start(leafcast, "info", path("tens.leaf"), "--json") if rc == 0 else (rc, b"", said)
+    told = json.loads(out) if rc == 0 else {}
+    tell("quadratic tets at all steps", "" if (told.get("times"), told.get("quadratic")) == (TIMES, len(all_of)) else (said, told))
+    straight, cells = tens(0)
+    write("straight", blocks=[("TETRA10", None, cells["quadratic tets"])], fields={"square": np.array([(straight ** 2).sum(1)] * 3)}, points=straight)
+    probed(leafcast, path("straight"), "square")
+    write("tens_outside", blocks=[("TETRA10", None, [all_of[0][:9] + [len(TEN_POINTS)], all_of[1], all_of[2][:9] + all_of[2][:1]])], points=TEN_POINTS,
+          fields={})
+    rc, out, said = start(leafcast, "convert", path("tens_outside"), "-o", path("tens_outside.leaf"), "--whole-cells", "--json", "--allow-empty")
+    told = json.loads(out) if rc == 0 else {}
+    tell("a middle that is no node, and one that is a corner", "" if (told.get("bad"), told.get("repeated"), told.get("tets")) == (1, 1, 1) else (rc, said, told))
+    for nodes in 8, 11, 15:
+        write("odd", blocks=[("TETRA%d" % nodes, None, [(c + c)[:nodes] for c in all_of])], points=TEN_POINTS, fields={})
+        ends("tets of %d nodes" % nodes, 3, "elements TETRA%d of %d nodes: higher order (--by-corners" % (nodes, nodes), *take("odd"))
 
 
 def converted():
     """convert makes of it what it makes of the same mesh as .vtu, and has its steps."""
     write("a.exo")
-    vtu("a.vtu")
+    vtu(path("a.vtu"), {f: v[0] for f, v in FIELDS.items()})
     for what, options in (("whole", ("--whole-cells",)), ("split", ()), ("two fields", ("--whole-cells", "--fields", "all"))):
-        made = []
-        for suffix in ("exo", "vtu"):
-            to = path("%s.leaf" % suffix)
-            rc, _, said = start(leafcast, "convert", path("a." + suffix), "-o", to, "--force", "-q", "--name", "same", *options)
-            made.append(open(to, "rb").read() if rc == 0 else said.encode())
-        tell("convert, %s: as the .vtu" % what, "" if made[0] == made[1] else "%d bytes, %d: %s" % (len(made[0]), len(made[1]), made[0][:300]))
+        alike(what, leafcast, "convert", path("a.exo"), path("a.vtu"), *options)
     rc, _, said = start(leafcast, "convert", path("a.exo"), "-o", path("s.leaf"), "--steps", "all", "--whole-cells", "-q")
     rc, out, said = start(leafcast, "info", path("s.leaf"), "--json") if rc == 0 else (rc, b"", said)
     told = json.loads(out) if rc == 0 else {}
@@ -313,5 +335,5 @@ def broken():
     ends("no Exodus file", 3, "expected an Exodus file", *take("other.nc"))
 
 
-for look in forms, large_chunks, blocks, averages, choices, converted, broken:
+for look in forms, large_chunks, blocks, averages, choices, converted, quadratic, broken:
     look()

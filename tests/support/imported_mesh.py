@@ -1,10 +1,14 @@
-"""imported_mesh.py - what the tests of importers of meshes share: a bent box of cells of all shapes, and a reader of mesh streams."""
+"""imported_mesh.py - what the tests of importers of meshes share: a bent box of cells of all shapes, one of tets of ten nodes, a
+reader of mesh streams, and the same meshes as .vtu."""
 import itertools
+import json
+import os
+import re
 
 from imported import np, start, tell
 
-VERTICES = {"tets": 4, "pyramids": 5, "wedges": 6, "hexahedra": 8}
-VTK = {"tets": 10, "pyramids": 14, "wedges": 13, "hexahedra": 12}
+VERTICES = {"tets": 4, "pyramids": 5, "wedges": 6, "hexahedra": 8, "quadratic tets": 10}
+VTK = {"tets": 10, "pyramids": 14, "wedges": 13, "hexahedra": 12, "quadratic tets": 24}
 N = 4  # cells along an edge
 
 
@@ -26,7 +30,7 @@ NODES = len(POINTS)
 
 def cells():
     """By layer: hexahedra, wedges, pyramids around a corner, tets."""
-    made = {shape: [] for shape in VERTICES}
+    made = {shape: [] for shape in VERTICES if shape != "quadratic tets"}
     for k, j, i in itertools.product(range(N), repeat=3):
         v = corners(i, j, k)
         if k == 0 or k == 3 and i == 0:
@@ -41,6 +45,105 @@ def cells():
 
 
 CELLS = cells()
+
+
+# ---- tets of ten nodes ----
+
+
+def tens(bend, n=3):
+    """Points and cells: a layer of hexahedra, and apart from it n^3 cubes of six tets of ten nodes each, edges bent."""
+    m = 2 * n + 1
+    at = np.stack(np.meshgrid(*[np.arange(m) / (m - 1)] * 3, indexing="ij")[::-1], axis=-1).reshape(-1, 3)
+    points = at + bend * np.sin(3 * at[:, [1, 2, 0]] + at[:, [2, 0, 1]])
+    made = {"hexahedra": [], "quadratic tets": []}
+    for cube in itertools.product(range(n), repeat=3):
+        for order in itertools.permutations(range(3)):
+            c = [list(cube)]
+            for a in order:
+                c.append([v + (b == a) for b, v in enumerate(c[-1])])
+            if order in ((0, 2, 1), (1, 0, 2), (2, 1, 0)):  # all of one orientation
+                c[1], c[2] = c[2], c[1]
+            middles = [(np.array(c[a]) + c[b]) for a, b in ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))]
+            made["quadratic tets"].append([int(i + m * (j + m * k)) for i, j, k in [2 * np.array(p) for p in c] + middles])
+    first = len(points)
+    flat = np.array([(i / n, j / n, -2.0 + k) for k in (0, 1) for j in range(n + 1) for i in range(n + 1)])
+    for j, i in itertools.product(range(n), repeat=2):
+        v = [first + i + a + (n + 1) * (j + b) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        made["hexahedra"].append(v + [x + (n + 1) ** 2 for x in v])
+    return np.concatenate([points, flat]), made
+
+
+TEN_POINTS, TENS = tens(0.03)
+
+
+# ---- the same as .vtu ----
+
+
+def vtu(path, fields, points=POINTS, cells=CELLS, of_cells=None, order=tuple(VERTICES)):
+    """Cells shape by shape as the stream has them, or in another order of shapes. of_cells: name -> shape -> a number a cell."""
+    def array(kind, name, values, more=""):
+        numbers = " ".join(repr(x) for x in np.asarray(values).ravel().tolist())
+        return '<DataArray type="%s" Name="%s" %s format="ascii">%s</DataArray>' % (kind, name, more, numbers)
+
+    every = [(VTK[shape], c) for shape in order for c in cells.get(shape, [])]
+    kept = {f: [v for shape in order for v in of.get(shape, [])] for f, of in (of_cells or {}).items()}
+    with open(path, "w") as f:
+        f.write('<VTKFile type="UnstructuredGrid"><UnstructuredGrid><Piece NumberOfPoints="%d" NumberOfCells="%d">' % (len(points), len(every)) +
+                "<PointData>" + "".join(array("Float32", n, np.asarray(v).astype("f4")) for n, v in fields.items()) + "</PointData><CellData>" +
+                "".join(array("Float64", n, v) for n, v in kept.items()) + "</CellData><Points>" +
+                array("Float32", "p", points.astype("f4"), 'NumberOfComponents="3"') + "</Points><Cells>" +
+                array("Int64", "connectivity", [n for _, c in every for n in c]) +
+                array("Int64", "offsets", np.cumsum([len(c) for _, c in every])) +
+                array("UInt8", "types", [t for t, _ in every]) + "</Cells></Piece></UnstructuredGrid></VTKFile>")
+
+
+def alike(what, leafcast, verb, ours, theirs, *options):
+    """convert or resample makes the same bytes of both files, but for the name."""
+    made = []
+    for path in ours, theirs:
+        to = path + (".leaf" if verb == "convert" else ".nrrd")
+        rc, _, said = start(leafcast, verb, path, "-o", to, "--force", "-q", *(("--name", "same") if verb == "convert" else ()), *options)
+        data = open(to, "rb").read() if rc == 0 else said.encode()
+        made.append(data if verb == "convert" else re.sub(rb"content: .*\n", b"", data))
+    tell("%s, %s: as the .vtu" % (verb, what), "" if made[0] == made[1] and len(made[0]) > 500 else
+         "%d bytes, %d: %s" % (len(made[0]), len(made[1]), made[0][:300]))
+
+
+def taken_as_tens(leafcast, file, points, fields, of_cells=None):
+    """What convert and resample make of a file of TENS, with these fields, is what they make of the same mesh as .vtu."""
+    other = file + ".vtu"
+    vtu(other, fields, points, TENS, of_cells)
+    alike("quadratic tets", leafcast, "convert", file, other, "--whole-cells", "--fields", "all")
+    alike("quadratic tets", leafcast, "resample", file, other, "--whole-cells", "--dims", 25)
+    if of_cells:
+        alike("quadratic tets, means of cells", leafcast, "convert", file, other, "--whole-cells", "--cells-to-points")
+    for verb, to in ("convert", "none.leaf"), ("resample", "none.nrrd"):
+        more = ("--dims", 5) if verb == "resample" else ()
+        rc, _, said = start(leafcast, verb, file, "-o", to, *more)
+        tell(verb + " of quadratic tets, split", "" if rc == 3 and "%d cells are quadratic tets (--whole-cells takes them as they are, --by-corners as "
+             "linear ones)" % len(TENS["quadratic tets"]) in said and not os.path.exists(to) else (rc, said))
+    vtu(other, fields, points, TENS, of_cells, order=("quadratic tets", "hexahedra"))
+    for more in (), ("--whole-cells",):
+        alike("by corners " + "".join(more), leafcast, "convert", file, other, "--by-corners", *more)
+    alike("by corners", leafcast, "resample", file, other, "--by-corners", "--dims", 25)
+
+
+def probed(leafcast, file, field):
+    """The value x^2 + y^2 + z^2 of straight tets is exact between their nodes, as it is not in linear ones."""
+    off = []
+    for more in (), ("--by-corners",):
+        rc, _, said = start(leafcast, "convert", file, "-o", file + ".leaf", "--whole-cells", "--field", field, "--force", "-q", *more)
+        if rc != 0:
+            return tell("values probed", said)
+        worst = 0
+        for p in np.random.default_rng(5).random((20, 3)):
+            rc, out, said = start(leafcast, "probe", file + ".leaf", "--point", "%r,%r,%r" % tuple(p.tolist()), "--json")
+            value = json.loads(out).get("value") if rc == 0 else None
+            if value is None:
+                return tell("values probed", (rc, out, said))
+            worst = max(worst, abs(value - p @ p))
+        off.append(worst)
+    tell("values probed", "" if off[0] < 1e-6 and off[1] > 1e-3 else off)
 
 
 # ---- a mesh stream ----

@@ -8,7 +8,7 @@
 /* ---- shapes ---- */
 
 /* The library's names of types begin with the shape, and end in the number of nodes; the corners
- * come first (SIDS, 3.3). */
+ * come first, and those of TETRA_10 are ordered as quadratic_tet.h has them (SIDS, 3.3). */
 static const struct {
     const char *begins;
     bool volume;
@@ -36,6 +36,8 @@ static status look_up(const cgns_cells *c, int zone, int type, cgns_element *e) 
     *e = (cgns_element){.known = true, .volume = names[i].volume, .shape = names[i].shape};
     if (cg_npe((CGNS_ENUMT(ElementType_t))type, &e->nodes) != CG_OK)
         return cgns_file_failed(c->f, name);
+    if (e->volume)
+        e->shape = import_mesh_shape(e->shape, (size_t)e->nodes, c->by_corners);
     if (e->volume && e->nodes > cell_shape_vertices(e->shape) && !c->by_corners)
         return status_describe(ST_UNSUPPORTED,
                                "%s: zone %d has elements %.32s: higher order (--by-corners takes "

@@ -5,7 +5,6 @@
 #define PREP_IMPORT_CGNS_CGNS_CELLS_H
 
 #include "formats/base/cell_shape.h"
-#include "formats/base/hexahedron.h"
 #include "prep/import/cgns/cgns_file.h"
 
 /* What elements of a type are. */
@@ -39,7 +38,7 @@ typedef struct cgns_cells {
 } cgns_cells;
 
 /* cgns_cells_open() - find the sections, and count. ST_UNSUPPORTED: polyhedra, or elements of
- * higher order unless by_corners. Release c in any case. */
+ * higher order, but for tets of ten nodes, unless by_corners. Release c in any case. */
 CHECKED status cgns_cells_open(cgns_file *f, bool by_corners, cgns_cells *c);
 void cgns_cells_release(cgns_cells *c);
 
@@ -60,7 +59,7 @@ typedef struct cgns_walk {
 typedef struct cgns_cell {
     cell_shape shape;
     int zone;
-    uint32_t ids[HEX_CORNERS]; /* from 0; UINT32_MAX: no node */
+    uint32_t ids[CELL_VERTICES_MAX]; /* from 0; UINT32_MAX: no node */
 } cgns_cell;
 
 /* cgns_walk_begin() - shape: -1: all. cgns_walk_next() - the next cell; *more: false behind the

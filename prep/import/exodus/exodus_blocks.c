@@ -4,7 +4,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "formats/mesh/mesh_stream.h"
+#include "prep/import/import_mesh.h"
 
 enum { TET_NODES = 4, NODES_MAX = 64, READ_IDS = 2048 };
 
@@ -61,7 +61,7 @@ static status add_block(const exodus_numbers *n, uint64_t number, int connect, b
         b->skipped += block.cells;
         return ST_OK;
     }
-    block.shape = names[name].shape;
+    block.shape = import_mesh_shape(names[name].shape, block.nodes, by_corners);
     const size_t corners = (size_t)cell_shape_vertices(block.shape);
     if (block.nodes < corners || block.nodes > NODES_MAX)
         return refuse(n, number, type, block.nodes, ", which no such element has");

@@ -27,13 +27,14 @@ typedef struct exodus_blocks {
     uint64_t skipped; /* elements that are no volumes, in blocks that are not here */
 } exodus_blocks;
 
-/* exodus_blocks_read() - by_corners: take elements of higher order. Release b in any case. */
+/* exodus_blocks_read() - by_corners: take elements of higher order as linear ones. Release b in any
+ * case. */
 CHECKED status exodus_blocks_read(mem *m, const exodus_numbers *n, bool by_corners,
                                   exodus_blocks *b);
 void exodus_blocks_release(exodus_blocks *b);
 
-/* exodus_block_cells() - `count` elements of a block from `first` on: the ids of their corners from
- * 0, UINT32_MAX for what is none. */
+/* exodus_block_cells() - `count` elements of a block from `first` on: the ids of their shape's
+ * vertices from 0, UINT32_MAX for what is none. */
 CHECKED status exodus_block_cells(const exodus_block *block, exodus_numbers *n, uint64_t first,
                                   size_t count, uint32_t *ids);
 

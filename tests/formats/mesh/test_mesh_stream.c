@@ -140,7 +140,9 @@ enum { FIELDS_2 = 3, POINTS_2 = 12 };
 static const uint32_t tets_2[2][4] = {{0, 1, 2, 11}, {4, 3, 2, 1}},
                       pyramids_2[1][5] = {{0, 1, 2, 3, 8}},
                       wedges_2[2][6] = {{0, 1, 2, 3, 4, 5}, {6, 7, 8, 9, 10, 11}},
-                      hexahedra_2[2][8] = {{0, 1, 2, 3, 4, 5, 6, 7}, {4, 5, 6, 7, 8, 9, 10, 11}};
+                      hexahedra_2[2][8] = {{0, 1, 2, 3, 4, 5, 6, 7}, {4, 5, 6, 7, 8, 9, 10, 11}},
+                      quadratic_2[2][10] = {{11, 1, 2, 4, 3, 5, 6, 7, 8, 9},
+                                            {3, 9, 1, 8, 0, 2, 4, 5, 6, 7}};
 static const char *const further[FIELDS_2 - 1] = {"second", "third"};
 static const mesh_stream_header mixed = {
     .name = "mixed",
@@ -176,6 +178,9 @@ static const char *write_mixed(const mesh_stream_header *h) {
     assert_int_equal(mesh_stream_cells(w, CELL_WEDGE, 1, wedges_2[0]), ST_OK);
     assert_int_equal(mesh_stream_cells(w, CELL_WEDGE, 1, wedges_2[1]), ST_OK);
     assert_int_equal(mesh_stream_cells(w, CELL_HEXAHEDRON, 2, hexahedra_2[0]), ST_OK);
+    assert_int_equal(
+        mesh_stream_cells(w, CELL_QUADRATIC_TET, h->cells[CELL_QUADRATIC_TET], quadratic_2[0]),
+        ST_OK);
     assert_int_equal(mesh_stream_commit(w), ST_OK);
     assert_int_equal(mem_used(&m), 0);
     return scratch_path("m.mesh");
@@ -185,7 +190,7 @@ static const char *write_mixed(const mesh_stream_header *h) {
 typedef struct whole {
     uint32_t points, values, cells;
     float of[FIELDS_2 * POINTS_2];
-    uint32_t ids[8][CELL_ROW];
+    uint32_t ids[9][CELL_ROW];
 } whole;
 
 static status take_points(void *ctx, uint64_t first, size_t count, const float (*at)[3]) {
@@ -206,7 +211,7 @@ static status take_values(void *ctx, uint64_t first, size_t count, const float *
 
 static status take_cells(void *ctx, size_t count, const uint32_t (*ids)[CELL_ROW]) {
     whole *x = ctx;
-    assert_true(x->cells + count <= 8);
+    assert_true(x->cells + count <= 9);
     memcpy(x->ids[x->cells], ids, count * sizeof *ids);
     x->cells += (uint32_t)count;
     return ST_OK;
@@ -307,6 +312,31 @@ static void test_version_2(void **state) {
     a = mesh_files_good(write_mixed(&left), NULL);
     assert_int_equal(a->report.by_corners, 3);
     assert_int_equal(a->report.skipped, 5);
+}
+
+/* Quadratic tets stay what they are, or are taken by their corners; split they are not. */
+static void test_quadratic(void **state) {
+    (void)state;
+    whole x;
+    mesh_report report;
+    mesh_stream_header h = mixed;
+    h.cells[CELL_QUADRATIC_TET] = 2;
+    h.by_corners = 3;
+    const char *path = write_mixed(&h);
+    read_whole(NULL, 0, &x, &report);
+    assert_int_equal(x.cells, 9);
+    check_cell(&x, 7, CELL_QUADRATIC_TET, quadratic_2[0]);
+    check_cell(&x, 8, CELL_QUADRATIC_TET, quadratic_2[1]);
+    assert_int_equal(report.by_corners, 3);
+    mesh_files_refused(path, NULL, ST_UNSUPPORTED,
+                       "m.mesh: 2 cells are quadratic tets (--whole-cells takes them as they are, "
+                       "--by-corners as linear ones)");
+    const mesh_copy *a = mesh_files_good(path, &(mesh_hints){.by_corners = true});
+    for (int i = 0; i < 2; i++)
+        assert_memory_equal(a->tets[a->report.tets - 2 + (uint64_t)i], quadratic_2[i], 16);
+    assert_int_equal(a->report.by_corners, 3 + 2);
+    a = mesh_files_good(write_mixed(&mixed), &(mesh_hints){.by_corners = true});
+    assert_int_equal(a->report.by_corners, 0);
 }
 
 #define START   "LEAFCAST MESH 1\n"
@@ -412,6 +442,7 @@ int main(void) {
         cmocka_unit_test(test_refused),    cmocka_unit_test(test_not_finite),
         cmocka_unit_test(test_empty),      cmocka_unit_test(test_write_faults),
         cmocka_unit_test(test_version_2),  cmocka_unit_test(test_whole_cells),
+        cmocka_unit_test(test_quadratic),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
