@@ -141,14 +141,14 @@ status mesh_polyhedron_feed(const mesh_polyhedron *p, mesh_feed *f, uint64_t fir
         if (corners <= QUAD) {
             uint64_t cell[QUAD + 1];
             for (size_t i = 0; i < corners; i++)
-                cell[i] = first + ids[i];
+                cell[i] = first + ids[corners - 1 - i];
             cell[corners] = middle;
             st = mesh_feed_part(f, corners == QUAD ? CELL_PYRAMID : CELL_TET, cell);
         }
         for (size_t i = 0; corners > QUAD && st == ST_OK && i < corners; i++)
             st = mesh_feed_part(
                 f, CELL_TET,
-                (uint64_t[]){first + ids[i], first + ids[(i + 1) % corners], of_face, middle});
+                (uint64_t[]){first + ids[(i + 1) % corners], first + ids[i], of_face, middle});
         of_face += corners > QUAD;
         if (st != ST_OK)
             return st;

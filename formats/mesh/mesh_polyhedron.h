@@ -4,8 +4,9 @@
  * A cell's middle is the mean of its points, and so is that of a face with five corners or more. A
  * value there is the mean of the points' values. A triangle makes a tet with the cell's middle, a
  * quad a pyramid, a larger face a tet of each of its sides, its own middle and the cell's. So a
- * triangle or a quad fits the cells of other shapes that share it. A larger face's middle comes out
- * the same, to the bit, in both cells that have it. Its field is continuous: not the one that a
+ * triangle or a quad fits the cells of other shapes that share it. Faces that go round to the left,
+ * seen from outside, make parts that are turned as other cells are. A larger face's middle comes
+ * out the same, to the bit, in both cells that have it. Its field is continuous: not the one that a
  * solver with a value a cell has, of which there is none at points.
  */
 #ifndef FORMATS_MESH_MESH_POLYHEDRON_H

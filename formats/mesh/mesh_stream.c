@@ -11,8 +11,12 @@
 #include "formats/base/quadratic_tet.h"
 #include "formats/base/text.h"
 #include "formats/mesh/mesh_choice.h"
+#include "formats/mesh/mesh_stream_polyhedra.h"
 
 #define MAGIC      "LEAFCAST MESH "
+#define POLYHEDRA  "polyhedra: "
+#define NUMBERS    "numbers of polyhedra: "
+#define MIDDLES    "middles of polyhedra: "
 #define BY_CORNERS "by-corners: "
 #define SKIPPED    "skipped: "
 
@@ -44,7 +48,7 @@ struct mesh_stream_writer {
     mem *m;
     out_file *file;          /* NULL: standard output */
     uint64_t points, values; /* still to come */
-    uint64_t cells[CELL_SHAPES];
+    uint64_t cells[CELL_SHAPES], numbers;
 };
 
 static status write_bytes(mesh_stream_writer *w, const void *data, size_t size) {
@@ -69,7 +73,8 @@ static status write_words(mesh_stream_writer *w, const void *words, size_t count
 }
 
 static bool needs_version_2(const mesh_stream_header *h) {
-    bool needs = h->bare || h->field_count > 0 || h->by_corners > 0 || h->skipped > 0;
+    bool needs =
+        h->bare || h->field_count > 0 || h->by_corners > 0 || h->skipped > 0 || h->polyhedra > 0;
     for (int i = 0; i < CELL_SHAPES; i++)
         needs = needs || h->cells[i] > 0;
     return needs;
@@ -100,6 +105,12 @@ static status write_header(mesh_stream_writer *w, const mesh_stream_header *h) {
     for (int i = 0; i < KINDS && st == ST_OK; i++)
         if (kinds[i].shape == CELL_TET || w->cells[kinds[i].shape])
             st = write_number(w, kinds[i].line, w->cells[kinds[i].shape]);
+    if (st == ST_OK && h->polyhedra > 0)
+        st = write_number(w, POLYHEDRA, h->polyhedra);
+    if (st == ST_OK && h->polyhedra > 0)
+        st = write_number(w, NUMBERS, h->numbers);
+    if (st == ST_OK && h->polyhedra > 0)
+        st = write_number(w, MIDDLES, h->middles);
     if (st == ST_OK && h->by_corners > 0)
         st = write_number(w, BY_CORNERS, h->by_corners);
     if (st == ST_OK && h->skipped > 0)
@@ -120,6 +131,7 @@ status mesh_stream_create(mem *m, const char *path, bool force, const mesh_strea
     w->values = h->points * (h->field_count + (h->field[0] || !needs_version_2(h)));
     memcpy(w->cells, h->cells, sizeof h->cells);
     w->cells[CELL_TET] = h->tets;
+    w->numbers = h->numbers;
     status st = strcmp(path, "-") == 0 ? ST_OK : out_file_create(m, path, force, &w->file);
     if (st == ST_OK)
         st = write_header(w, h);
@@ -162,8 +174,14 @@ status mesh_stream_tets(mesh_stream_writer *w, size_t count, const uint32_t (*id
     return mesh_stream_cells(w, CELL_TET, count, (const uint32_t *)ids);
 }
 
+status mesh_stream_numbers(mesh_stream_writer *w, size_t count, const uint32_t *numbers) {
+    assert(is_turn_of(w, CELL_SHAPES) && count <= w->numbers);
+    w->numbers -= count;
+    return write_words(w, numbers, count);
+}
+
 status mesh_stream_commit(mesh_stream_writer *w) {
-    const bool whole = is_turn_of(w, CELL_SHAPES);
+    const bool whole = is_turn_of(w, CELL_SHAPES) && w->numbers == 0;
     assert(whole);
     (void)whole;
     status st = w->file ? out_file_commit(w->file) : ST_OK;
@@ -192,7 +210,9 @@ typedef struct stream_state {
     int version;
     char name[MESH_NAME_MAX + 1];
     bool has_points, has_cells[CELL_SHAPES], has_by_corners, has_skipped;
+    bool has_polyhedra, has_numbers, has_middles;
     uint64_t points, cells[CELL_SHAPES], by_corners, skipped;
+    mesh_stream_polyhedra polyhedra;
     field_name *fields;
     size_t field_count, field_room;
     uint32_t *taken; /* by mesh_feed's field: which of the file's */
@@ -270,6 +290,12 @@ static status take_line(stream_state *s, const char *line) {
         return take_field(s, line, value);
     if ((value = behind(line, "points: ")))
         return take_count(s, line, value, (int64_t)MESH_POINTS_MAX, &s->has_points, &s->points);
+    if (s->version > 1 && (value = behind(line, POLYHEDRA)))
+        return take_cells(s, line, value, &s->has_polyhedra, &s->polyhedra.count);
+    if (s->version > 1 && (value = behind(line, NUMBERS)))
+        return take_cells(s, line, value, &s->has_numbers, &s->polyhedra.numbers);
+    if (s->version > 1 && (value = behind(line, MIDDLES)))
+        return take_cells(s, line, value, &s->has_middles, &s->polyhedra.middles);
     if (s->version > 1 && (value = behind(line, BY_CORNERS)))
         return take_cells(s, line, value, &s->has_by_corners, &s->by_corners);
     if (s->version > 1 && (value = behind(line, SKIPPED)))
@@ -282,8 +308,8 @@ static status take_line(stream_state *s, const char *line) {
         s, line,
         s->version == 1
             ? "name, field, points, tets or an empty line"
-            : "name, field, points, tets, pyramids, wedges, hexahedra, quadratic tets, by-corners, "
-              "skipped or an empty line");
+            : "name, field, points, tets, pyramids, wedges, hexahedra, quadratic tets, polyhedra, "
+              "their numbers and middles, by-corners, skipped or an empty line");
 }
 
 /* Read one line of the header. Its lines are limited in number: what follows is no text. */
@@ -337,7 +363,8 @@ static size_t arrays_of(const stream_state *s) {
 
 /* Check a file's length against the header. A pipe's end is checked later, behind the last cell. */
 static status check_length(const stream_state *s) {
-    uint64_t want = s->points * (12 + 4 * (uint64_t)arrays_of(s)), cells = 0;
+    uint64_t want = s->points * (12 + 4 * (uint64_t)arrays_of(s)) + 4 * s->polyhedra.numbers;
+    uint64_t cells = s->polyhedra.count;
     const uint64_t left = byte_stream_left(s->data);
     for (int i = 0; i < KINDS; i++) {
         const uint64_t count = s->cells[kinds[i].shape];
@@ -475,6 +502,13 @@ static status feed_cells(mesh_feed *feed, cell_shape shape, size_t count, const 
     return st;
 }
 
+/* Turn ids that are no point's into one that no mesh has: middles of polyhedra have the next ones.
+ */
+static void check_ids(const stream_state *s, uint32_t *ids, size_t count) {
+    for (size_t i = 0; s->polyhedra.middles > 0 && i < count; i++)
+        ids[i] = ids[i] < s->points ? ids[i] : UINT32_MAX;
+}
+
 /* Feed quadratic tets as linear ones of their corners, which come first. The ids are moved. */
 static status feed_corners(mesh_feed *feed, size_t count, uint32_t *ids) {
     for (size_t c = 0; c < count; c++)
@@ -486,10 +520,13 @@ static status feed_corners(mesh_feed *feed, size_t count, uint32_t *ids) {
 static status read_cells(const stream_state *s, int kind, mesh_feed *feed, void *buffer) {
     const cell_shape shape = kinds[kind].shape;
     const uint64_t cells = s->cells[shape];
+    const size_t vertices = (size_t)cell_shape_vertices(shape);
     status st = ST_OK;
     for (uint64_t i = 0; st == ST_OK && i < cells; i += CHUNK) {
         const size_t count = chunk_of(cells - i);
-        st = read_words(s, kinds[kind].one, i, count, (size_t)cell_shape_vertices(shape), buffer);
+        st = read_words(s, kinds[kind].one, i, count, vertices, buffer);
+        if (st == ST_OK)
+            check_ids(s, buffer, count * vertices);
         if (st == ST_OK)
             st = shape == CELL_QUADRATIC_TET && s->hints->by_corners
                      ? feed_corners(feed, count, buffer)
@@ -507,7 +544,7 @@ static status read_arrays(const stream_state *s, mesh_feed *feed, void *buffer) 
         st = mesh_feed_zeros(feed);
     for (int i = 0; i < KINDS && st == ST_OK; i++)
         st = read_cells(s, i, feed, buffer);
-    return st;
+    return st == ST_OK ? mesh_stream_polyhedra_read(&s->polyhedra, feed) : st;
 }
 
 static status check_end(const stream_state *s) {
@@ -521,8 +558,14 @@ static status check_end(const stream_state *s) {
     return st;
 }
 
+/* Points with their values stay in memory if polyhedra add means of them. */
+static status expect_points(const stream_state *s, mesh_feed *feed) {
+    const status st = mesh_feed_expect(feed, s->points + s->polyhedra.middles);
+    return st == ST_OK ? mesh_feed_keep(feed, s->polyhedra.middles > 0 ? s->points : 0) : st;
+}
+
 static status stream_read(void *state, mesh_feed *feed) {
-    const stream_state *s = state;
+    stream_state *s = state;
     const uint64_t quadratic = s->cells[CELL_QUADRATIC_TET];
     if (quadratic && !s->hints->by_corners && !mesh_feed_takes_quadratic(feed))
         return status_describe(ST_UNSUPPORTED,
@@ -530,11 +573,16 @@ static status stream_read(void *state, mesh_feed *feed) {
                                "they are, --by-corners as linear ones)",
                                s->file, (unsigned long long)quadratic);
     void *buffer = mem_array(s->m, CHUNK, CELL_VERTICES_MAX * sizeof(uint32_t));
-    status st = buffer ? mesh_feed_expect(feed, s->points) : ST_NOMEM;
+    status st = buffer ? expect_points(s, feed) : ST_NOMEM;
     if (s->field_count > 0)
         strcpy(feed->report->field, s->fields[s->taken[0]]);
     for (int i = 0; i < KINDS; i++)
         mesh_feed_expect_cells(feed, s->cells[kinds[i].shape]);
+    mesh_feed_expect_cells(feed, s->polyhedra.count);
+    s->polyhedra.m = s->m;
+    s->polyhedra.data = s->data;
+    s->polyhedra.points = s->points;
+    s->polyhedra.fields = arrays_of(s) ? s->taken_count : 0;
     if (st == ST_OK)
         st = read_arrays(s, feed, buffer);
     feed->report->by_corners = s->by_corners;

@@ -17,6 +17,7 @@
 
 enum { MESH_STREAM_FIELDS_MAX = 1000 };
 #define MESH_STREAM_CELLS_MAX ((uint64_t)1 << 56)
+enum { MESH_STREAM_POLYHEDRON_MAX = 1 << 16 }; /* numbers of a polyhedron, the first one too */
 
 typedef struct mesh_stream_header {
     char name[MESH_NAME_MAX + 1], field[MESH_NAME_MAX + 1]; /* "": none; printable, one line */
@@ -24,10 +25,13 @@ typedef struct mesh_stream_header {
     /* What version 1 has not. If there is any of it, version 2 is written. */
     bool bare;                   /* no values at all, and no `field` */
     uint64_t cells[CELL_SHAPES]; /* further ones, by cell_shape; 0 of CELL_VOXEL and CELL_TET */
-    const char *const *fields;   /* further ones, if `field` is one, as that */
-    uint32_t field_count;        /* < MESH_STREAM_FIELDS_MAX */
-    uint64_t by_corners;         /* of these cells: linear in place of those of a higher order */
-    uint64_t skipped;            /* cells of fewer dimensions that are not here */
+    uint64_t polyhedra, numbers; /* and how many numbers these take */
+    uint64_t middles; /* points that they add: mesh_polyhedron_middles() of those that have points
+                         alone */
+    const char *const *fields; /* further ones, if `field` is one, as that */
+    uint32_t field_count;      /* < MESH_STREAM_FIELDS_MAX */
+    uint64_t by_corners;       /* of these cells: linear in place of those of a higher order */
+    uint64_t skipped;          /* cells of fewer dimensions that are not here */
 } mesh_stream_header;
 
 typedef struct mesh_stream_writer mesh_stream_writer;
@@ -37,15 +41,17 @@ typedef struct mesh_stream_writer mesh_stream_writer;
 CHECKED status mesh_stream_create(mem *m, const char *path, bool force, const mesh_stream_header *h,
                                   mesh_stream_writer **out);
 
-/* Write all points, then all values, field by field, then all tets, pyramids, wedges, hexahedra
- * and quadratic tets, in runs of any length. Another order, or more than the header says, fails an
- * assert. Without a field, version 1 has values all the same. mesh_stream_cells(): ids of `count`
- * cells of a shape, as cell_shape.h orders them. */
+/* Write all points, then all values, field by field, then all tets, pyramids, wedges, hexahedra,
+ * quadratic tets and polyhedra, in runs of any length. Another order, or more than the header says,
+ * fails an assert. Without a field, version 1 has values all the same. mesh_stream_cells(): ids of
+ * `count` cells of a shape, as cell_shape.h orders them. mesh_stream_numbers(): of polyhedra, as
+ * MESH_STREAM.md orders them. */
 CHECKED status mesh_stream_points(mesh_stream_writer *w, size_t count, const float (*xyz)[3]);
 CHECKED status mesh_stream_values(mesh_stream_writer *w, size_t count, const float *values);
 CHECKED status mesh_stream_tets(mesh_stream_writer *w, size_t count, const uint32_t (*ids)[4]);
 CHECKED status mesh_stream_cells(mesh_stream_writer *w, cell_shape shape, size_t count,
                                  const uint32_t *ids);
+CHECKED status mesh_stream_numbers(mesh_stream_writer *w, size_t count, const uint32_t *numbers);
 
 /* mesh_stream_commit() - give the file its name. Everything must have been written (an assert).
  * Consumes w in any case. */

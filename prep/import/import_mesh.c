@@ -2,7 +2,9 @@
 
 #include "formats/curvilinear/curvilinear_stream.h"
 
-enum { CHUNK = 1 << 13 };
+enum { CHUNK = 1 << 13, ROOM = CHUNK * CELL_VERTICES_MAX }; /* ids */
+
+_Static_assert((int)ROOM >= (int)MESH_STREAM_POLYHEDRON_MAX, "there is room for any polyhedron");
 
 void import_mesh_close(import_mesh *x) {
     if (x->close)
@@ -86,6 +88,21 @@ static status write_cells(writing *g, cell_shape shape, uint64_t cells) {
     return st;
 }
 
+static status write_polyhedra(writing *g) {
+    uint64_t left = g->x->header.numbers;
+    status st = ST_OK;
+    while (st == ST_OK && left > 0) {
+        size_t count = 0;
+        st = g->x->polyhedra(g->x->ctx, ROOM, g->buffer, &count);
+        if (st == ST_OK)
+            st = mesh_stream_numbers(g->w, count, g->buffer);
+        if (st == ST_OK)
+            st = went(g, count * 4);
+        left -= count;
+    }
+    return st;
+}
+
 static uint64_t cells_of(const mesh_stream_header *h, cell_shape shape) {
     return shape == CELL_TET ? h->tets : h->cells[shape];
 }
@@ -101,6 +118,7 @@ static status write_all(writing *g) {
     g->all = (double)h->points * (12 + 4 * fields);
     for (int i = 0; i < SHAPES; i++)
         g->all += (double)cells_of(h, shapes[i]) * 4 * cell_shape_vertices(shapes[i]);
+    g->all += (double)h->numbers * 4;
     g->all += g->x->blanks ? (double)h->points : 0;
     status st = write_points(g);
     if (st == ST_OK)
@@ -109,7 +127,7 @@ static status write_all(writing *g) {
         st = write_values(g, k);
     for (int i = 0; i < SHAPES && st == ST_OK; i++)
         st = write_cells(g, shapes[i], cells_of(h, shapes[i]));
-    return st;
+    return st == ST_OK ? write_polyhedra(g) : st;
 }
 
 /* ---- a file ---- */
@@ -134,7 +152,7 @@ static status begin_grid(mem *m, writing *g, const char *path, bool force) {
 }
 
 static status begin(mem *m, writing *g, const char *path, bool force) {
-    g->buffer = mem_array(m, CHUNK, CELL_VERTICES_MAX * sizeof(uint32_t));
+    g->buffer = mem_array(m, ROOM, sizeof(uint32_t));
     if (!g->buffer)
         return ST_NOMEM;
     return g->x->zone_count ? begin_grid(m, g, path, force)

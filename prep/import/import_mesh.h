@@ -23,6 +23,9 @@ typedef struct import_mesh {
     status (*values)(void *ctx, uint32_t field, uint64_t first, size_t count, float *to);
     /* Ids as cell_shape.h orders them, from 0; any that is no point makes the cell a bad one. */
     status (*cells)(void *ctx, cell_shape shape, uint64_t first, size_t count, uint32_t *ids);
+    /* The next polyhedra, as mesh_stream.h has their numbers: as many as there is room for, which
+     * is for one of any size, and how many numbers these are. NULL: there are none. */
+    status (*polyhedra)(void *ctx, size_t room, uint32_t *to, size_t *count);
     /* A curvilinear grid in place of cells: its zones, whose nodes are the points, in order. 0: it
      * is a mesh. blanks(): as curvilinear_source.h has it; NULL: all are nodes. */
     const uint32_t (*zones)[3];

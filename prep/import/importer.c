@@ -429,14 +429,15 @@ static status report_mesh(const arguments *a, const import_mesh *x, double secon
         return report_grid(a, x, seconds);
     return cli_print_json(
         &a->common,
-        json_pack("{s:s, s:s, s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f}", "input",
+        json_pack("{s:s, s:s, s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f}", "input",
                   a->common.input, "output", a->common.output, "format", a->importer->format,
                   "name", h->name, "points", (json_int_t)h->points, "tets", (json_int_t)h->tets,
                   "pyramids", (json_int_t)h->cells[CELL_PYRAMID], "wedges",
                   (json_int_t)h->cells[CELL_WEDGE], "hexahedra",
                   (json_int_t)h->cells[CELL_HEXAHEDRON], "quadratic_tets",
-                  (json_int_t)h->cells[CELL_QUADRATIC_TET], "by_corners", (json_int_t)h->by_corners,
-                  "skipped", (json_int_t)h->skipped, "seconds", seconds));
+                  (json_int_t)h->cells[CELL_QUADRATIC_TET], "polyhedra", (json_int_t)h->polyhedra,
+                  "by_corners", (json_int_t)h->by_corners, "skipped", (json_int_t)h->skipped,
+                  "seconds", seconds));
 }
 
 static status import_the_mesh(mem *m, arguments *a) {

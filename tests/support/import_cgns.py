@@ -9,7 +9,7 @@ import sys
 
 from imported import damaged, elsewhere, ends, np, start, tell
 from curvilinear_stream import Grid
-from imported_mesh import CELLS, NODES, POINTS, Stream, TENS, TEN_POINTS, holds, near, probed, taken_as_tens, tens
+from imported_mesh import CELLS, NODES, POINTS, Stream, TENS, TEN_POINTS, alike, holds, honeycomb, near, probed, taken_as_tens, tens, vtu
 
 try:
     import h5py
@@ -79,7 +79,7 @@ def shapes():
         widen(f["a base/all/everything"])
     holds("a mixed section of 64 bits", {}, *take("wide.cgns"), skipped="4")
     for name, kind, cells, words in (("higher", "HEXA_20", [c + c + c[:4] for c in CELLS["hexahedra"]], "HEXA_20: higher order (--by-corners"),
-                                     ("faces", "NFACE_n", None, "NFACE_n, expected hexahedra")):
+                                     ("faces", "NFACE_n", None, "has face 1, which is no element of a section NGON_n")):
         f, base = cgns.create(path(name))
         z = cgns.zone(base, "all", POINTS, len(CELLS["hexahedra"]))
         if cells:
@@ -158,6 +158,120 @@ def quadratic():
     cgns.section(z, "tets", "TETRA_16", 1, [(c + c)[:16] for c in cells["quadratic tets"]])
     f.close()
     ends("tets of 16 nodes", 3, "TETRA_16: higher order (--by-corners", *take("odd.cgns"))
+
+
+def lists(rows):
+    """Numbers and offsets of a section of lists."""
+    return [n for r in rows for n in r], np.cumsum([0] + [len(r) for r in rows])
+
+
+def faces_in_front(f, path):
+    """Write a section as files before 3.4 have it: each list behind its length."""
+    s = f[path]
+    numbers, offsets = s["ElementConnectivity/ data"][:], s["ElementStartOffset/ data"][:]
+    del s["ElementStartOffset"], s["ElementConnectivity/ data"], s["ElementConnectivity"].attrs["type"]
+    cgns.data(s["ElementConnectivity"], np.concatenate([np.concatenate([[b - a], numbers[a:b]]) for a, b in zip(offsets, offsets[1:])]).astype("i4"))
+
+
+def polyhedra():
+    """Polyhedra by their faces: what comes of them is what comes of VTK's."""
+    points, cells, faces, ids = honeycomb()
+    outer = sorted(n for n in range(1, len(faces) + 1) if sum(abs(k) == n for of in ids for k in of) == 1)
+    inner = sorted(set(range(1, len(faces) + 1)) - set(outer))
+    # Faces outside have numbers 3, .., those inside others far behind; polyhedra come before these, hexahedra first.
+    at = {n: 3 + i for i, n in enumerate(outer)}
+    at.update({n: 1000 + i for i, n in enumerate(inner)})
+    values = {"Density": np.sin(3 * points[:, 0]), "Mach": points[:, 1] + points[:, 2]}
+    heat = {"hexahedra": [7.0, 9.0], "polyhedra": np.arange(len(ids)) % 5.0}
+    twice = {"hexahedra": cells["hexahedra"] + [[n + len(points) for n in c] for c in cells["hexahedra"]],
+             "polyhedra": cells["polyhedra"] + [[[n + len(points) for n in f] for f in p] for p in cells["polyhedra"]]}
+
+    def write(name, zones=1, faces=faces, ids=ids):
+        f, base = cgns.create(path(name))
+        for i in range(zones):
+            z = cgns.zone(base, "zone %d" % i, points + [0, 0, 9.0 * i], 2 + len(ids))
+            cgns.section(z, "inner", "NGON_n", 1000, *lists([[n + 1 for n in faces[k - 1]] for k in inner]))
+            cgns.section(z, "cells", "NFACE_n", 500, *lists([[int(np.sign(k)) * at[abs(k)] if abs(k) in at else k for k in of] for of in ids]))
+            cgns.section(z, "outer", "NGON_n", 3, *lists([[n + 1 for n in faces[k - 1]] for k in outer]))
+            cgns.section(z, "boxes", "hexahedra", 1, cells["hexahedra"])
+            cgns.solution(z, "S", "Vertex", values)
+            cgns.solution(z, "C", "CellCenter", {"Heat": np.concatenate(list(heat.values()))})
+        f.close()
+
+    def change(name, look):
+        with h5py.File(path(name), "a") as f:
+            look(f["a base"])
+
+    for name, zones in ("poly.cgns", 1), ("poly_wide.cgns", 1), ("poly_old.cgns", 1), ("poly_zones.cgns", 2):
+        write(name, zones)
+        if name == "poly_wide.cgns":
+            change(name, lambda f: [widen(f["zone 0/" + s]) for s in ("inner", "cells", "outer")])
+        if name == "poly_old.cgns":
+            change(name, lambda f: [faces_in_front(f, "zone 0/" + s) for s in ("inner", "cells", "outer")])
+            with h5py.File(path(name), "a") as f:
+                f["CGNSLibraryVersion/ data"][:] = 3.2
+        many = {n: np.concatenate([v] * zones) for n, v in values.items()}
+        place = np.concatenate([points + [0, 0, 9.0 * z] for z in range(zones)])
+        every = cells if zones == 1 else twice
+        holds("polyhedra, " + name, {"Mach": many["Mach"]}, *take(name, "--field", "Mach"), points=place, cells=every,
+              polyhedra=str(len(every["polyhedra"])), skipped=None)
+        vtu(path("poly.vtu"), many, place, every, {"Heat": {s: np.concatenate([h] * zones) for s, h in heat.items()}})
+        for more in ("--fields", "all"), ("--whole-cells",), ("--cells-to-points",):
+            alike("polyhedra %s, %s" % (" ".join(more), name), leafcast, "convert", path(name), path("poly.vtu"), *more)
+    alike("polyhedra", leafcast, "resample", path(name), path("poly.vtu"), "--dims", 20)
+    rc, out, said = start(*take("poly.cgns", "-o", path("poly.mesh"), "--json"))
+    told = json.loads(out) if rc == 0 else {}
+    tell("polyhedra are told", "" if (told.get("polyhedra"), told.get("hexahedra"), told.get("skipped")) == (len(ids), 2, 0) else (said, told))
+    alike("what its stream gives, of polyhedra", leafcast, "convert", path("poly.mesh"), path("poly.cgns"))
+    rc, out, said = start(leafcast, "convert", path("poly.cgns"), "-o", path("poly.leaf"), "--json", "--force")
+    told = json.loads(out) if rc == 0 else {}
+    tell("convert tells of polyhedra", "" if (told.get("polyhedra"), told.get("inverted")) == (len(ids), 0) else (said, told))
+    # What is wrong in one.
+    far = [list(f) for f in faces]
+    far[2][1] = len(points) + 3
+    write("poly_bad.cgns", faces=far)
+    vtu(path("poly_bad.vtu"), values, points, {**cells, "polyhedra": [[far[abs(n) - 1][::1 if n > 0 else -1] for n in of] for of in ids]})
+    alike("polyhedra with nodes that are none", leafcast, "convert", path("poly_bad.cgns"), path("poly_bad.vtu"))
+    rc, out, said = start(leafcast, "convert", path("poly_bad.cgns"), "-o", path("poly.leaf"), "--json", "--force")
+    told = json.loads(out) if rc == 0 else {}
+    tell("are counted", "" if told.get("bad") == sum(3 in map(abs, of) for of in ids) > 0 else (said, told))
+    for what, wrong, words in (("a face that is none", ids[:-1] + [[99999] + ids[-1][1:]], "a polyhedron has face 99999, which is no element"),
+                               ("the face 0", ids[:-1] + [[0] + ids[-1][1:]], "a polyhedron has face 0, which is no element"),
+                               ("three faces", ids[:-1] + [ids[-1][:3]], "a polyhedron has less than four faces"),
+                               ("no faces", ids[:-1] + [[]], "a polyhedron has less than four faces"),
+                               ("many faces", ids[:-1] + [ids[-1] * 600], "has 4800 numbers, at most 4096")):
+        write("wrong.cgns", ids=wrong)
+        ends("polyhedra: " + what, 3, words, *take("wrong.cgns"))
+    write("wrong.cgns", faces=[f[:2] if n == 5 else f for n, f in enumerate(faces)])
+    ends("polyhedra: a face of two nodes", 3, "a polyhedron has a face with less than three corners", *take("wrong.cgns"))
+
+    def offsets(section, at, by):
+        def look(f):
+            f["zone 0/%s/ElementStartOffset/ data" % section][at] += by
+        return look
+
+    for what, look, words in (("an offset that falls", offsets("cells", 5, -99), "ends behind its numbers"),
+                              ("the first one", offsets("inner", 0, 1), "does not begin where the last one ends"),
+                              ("the last one", offsets("outer", -1, -1), "has numbers behind it"),
+                              ("one behind the end", offsets("cells", -1, 9), "ends behind its numbers")):
+        write("wrong.cgns")
+        change("wrong.cgns", look)
+        ends("offsets: " + what, 3, words, *take("wrong.cgns"))
+    write("wrong.cgns")
+    change("wrong.cgns", lambda f: f["zone 0/cells/ElementRange/ data"].__setitem__(1, 500))
+    ends("fewer polyhedra than offsets", 3, "numbers in ElementStartOffset, expected 2", *take("wrong.cgns"))
+    # Faces that do not fit: many of them, so that they are all that is large.
+    f, base = cgns.create(path("poly_large.cgns"))
+    z = cgns.zone(base, "a", points, len(ids))
+    cgns.section(z, "faces", "NGON_n", 1, *lists([[n + 1 for n in f] for f in faces] + [[1, 2, 3]] * 200000))
+    cgns.section(z, "cells", "NFACE_n", 10 ** 6, *lists(ids))
+    cgns.solution(z, "S", "Vertex", values)
+    f.close()
+    ends("faces that do not fit", 4, "faces of its polyhedra take 4 MiB, more than is left of --memory (3 MiB)", *take("poly_large.cgns", "--memory", "3M"))
+    rc, _, said = start(*take("poly_large.cgns", "--memory", "6M", "-o", path("l.mesh"), "-q"))
+    tell("faces that do", said if rc else "")
+    for name in "poly.cgns", "poly_old.cgns":
+        damaged("damaged: " + name, path(name), path("broken.cgns"), 20, *take("broken.cgns", "--cells-to-points", "-o", path("broken.mesh"), "--force"))
 
 
 # ---- structured zones ----
@@ -355,7 +469,7 @@ def lacking():
             cgns.section(z, "s", elements, 1, CELLS["tets"][:2])
             z.group["s/ElementRange/ data"][:] = [2, 0]
         f.close()
-    ends("faces of polyhedra", 3, "zone 1 tells of 2 cells, and has none by its nodes: polyhedra", *take("faces.cgns"))
+    ends("faces of polyhedra", 3, "zone 1 tells of 2 cells, and has none by its nodes or faces (NFACE_n): polyhedra of which only the faces tell", *take("faces.cgns"))
     ends("a range that falls", 3, "section s has elements 2 to 0", *take("range.cgns"))
 
 
@@ -460,5 +574,5 @@ def broken():
         damaged("damaged: " + name, path(name), path("broken.cgns"), 20, *take("broken.cgns", *options, "-o", path("broken.mesh"), "--force"))
 
 
-for look in shapes, quadratic, grids, as_zones, rinds, which_steps, links, lacking, moving, averages, choices, adf, converted, broken:
+for look in shapes, quadratic, polyhedra, grids, as_zones, rinds, which_steps, links, lacking, moving, averages, choices, adf, converted, broken:
     look()

@@ -1,5 +1,5 @@
-"""imported_mesh.py - what the tests of importers of meshes share: a bent box of cells of all shapes, one of tets of ten nodes, a
-reader of mesh streams, and the same meshes as .vtu."""
+"""imported_mesh.py - what the tests of importers of meshes share: a bent box of cells of all shapes, one of tets of ten nodes,
+one of polyhedra, a reader of mesh streams, and the same meshes as .vtu."""
 import itertools
 import json
 import os
@@ -8,7 +8,7 @@ import re
 from imported import np, start, tell
 
 VERTICES = {"tets": 4, "pyramids": 5, "wedges": 6, "hexahedra": 8, "quadratic tets": 10}
-VTK = {"tets": 10, "pyramids": 14, "wedges": 13, "hexahedra": 12, "quadratic tets": 24}
+VTK = {"tets": 10, "pyramids": 14, "wedges": 13, "hexahedra": 12, "quadratic tets": 24, "polyhedra": 42}
 N = 4  # cells along an edge
 
 
@@ -76,16 +76,58 @@ def tens(bend, n=3):
 TEN_POINTS, TENS = tens(0.03)
 
 
+# ---- polyhedra ----
+
+
+def honeycomb(columns=4, rows=3, layers=3):
+    """Points, cells, and how the cells share faces: prisms of six sides, each a list of faces; apart from them hexahedra. Faces: all
+    of them, each once; of each prism their numbers from 1, negative
+    where another one has it the other way round."""
+    number, points, faces, of, prisms, ids = {}, [], [], {}, [], []
+    for i, j, k in itertools.product(range(columns), range(rows), range(layers)):
+        def node(turn, z):
+            at = (1.5 * i + np.cos(np.pi / 3 * turn), np.sqrt(3) * (j + i % 2 / 2) + np.sin(np.pi / 3 * turn), float(z))
+            key = tuple(np.round(at, 6))
+            if key not in number:
+                number[key] = len(points)
+                points.append(np.array(at) / 4 + 0.02 * np.sin(3 * np.roll(at, 1)))
+            return number[key]
+        low, high = [node(t, k) for t in range(6)], [node(t, k + 1) for t in range(6)]
+        sides, signed = [low[::-1], high] + [[low[t], low[(t + 1) % 6], high[(t + 1) % 6], high[t]] for t in range(6)], []
+        for s in sides:
+            key = frozenset(s)
+            if key not in of:
+                faces.append(s)
+                of[key] = len(faces)
+                signed.append(of[key])
+            else:
+                signed.append(-of[key])
+        ids.append(signed)
+        prisms.append([faces[abs(n) - 1][::1 if n > 0 else -1] for n in signed])
+    first = len(points)
+    points += [np.array([a, b, -3 + c]) for c in (0, 1) for b in (0, 1, 2) for a in (0, 1)]
+    boxes = [[first + n for n in (0 + 2 * b, 1 + 2 * b, 3 + 2 * b, 2 + 2 * b, 6 + 2 * b, 7 + 2 * b, 9 + 2 * b, 8 + 2 * b)] for b in (0, 1)]
+    return np.array(points), {"hexahedra": boxes, "polyhedra": prisms}, faces, ids
+
+
 # ---- the same as .vtu ----
 
 
-def vtu(path, fields, points=POINTS, cells=CELLS, of_cells=None, order=tuple(VERTICES)):
+def vtu(path, fields, points=POINTS, cells=CELLS, of_cells=None, order=(*VERTICES, "polyhedra")):
     """Cells shape by shape as the stream has them, or in another order of shapes. of_cells: name -> shape -> a number a cell."""
+    def ids_of(shape, cell):
+        return sorted({n for f in cell for n in f}) if shape == "polyhedra" else cell
+
     def array(kind, name, values, more=""):
         numbers = " ".join(repr(x) for x in np.asarray(values).ravel().tolist())
         return '<DataArray type="%s" Name="%s" %s format="ascii">%s</DataArray>' % (kind, name, more, numbers)
 
-    every = [(VTK[shape], c) for shape in order for c in cells.get(shape, [])]
+    every = [(VTK[shape], ids_of(shape, c)) for shape in order for c in cells.get(shape, [])]
+    faces, ends = [], []
+    for shape in order:
+        for c in cells.get(shape, []):
+            faces += [len(c)] + [n for f in c for n in [len(f)] + f] if shape == "polyhedra" else []
+            ends.append(len(faces) if shape == "polyhedra" else -1)
     kept = {f: [v for shape in order for v in of.get(shape, [])] for f, of in (of_cells or {}).items()}
     with open(path, "w") as f:
         f.write('<VTKFile type="UnstructuredGrid"><UnstructuredGrid><Piece NumberOfPoints="%d" NumberOfCells="%d">' % (len(points), len(every)) +
@@ -94,7 +136,8 @@ def vtu(path, fields, points=POINTS, cells=CELLS, of_cells=None, order=tuple(VER
                 array("Float32", "p", points.astype("f4"), 'NumberOfComponents="3"') + "</Points><Cells>" +
                 array("Int64", "connectivity", [n for _, c in every for n in c]) +
                 array("Int64", "offsets", np.cumsum([len(c) for _, c in every])) +
-                array("UInt8", "types", [t for t, _ in every]) + "</Cells></Piece></UnstructuredGrid></VTKFile>")
+                array("UInt8", "types", [t for t, _ in every]) +
+                (array("Int64", "faces", faces) + array("Int64", "faceoffsets", ends) if faces else "") + "</Cells></Piece></UnstructuredGrid></VTKFile>")
 
 
 def alike(what, leafcast, verb, ours, theirs, *options):
@@ -167,6 +210,16 @@ class Stream:
             count = int(self.head.get(shape, 0))
             self.cells[shape] = np.frombuffer(rest, "<u4", count * vertices, at).reshape(-1, vertices)
             at += 4 * count * vertices
+        self.polyhedra, numbers = [], np.frombuffer(rest, "<u4", int(self.head.get("numbers of polyhedra", 0)), at).tolist()
+        at += 4 * len(numbers)
+        while numbers:
+            one, numbers = numbers[1:1 + numbers[0]], numbers[1 + numbers[0]:]
+            count, one = one[0], one[1:]
+            self.polyhedra.append([])
+            while one:
+                self.polyhedra[-1].append(one[1:1 + one[0]])
+                one = one[1 + one[0]:]
+            assert count == len(self.polyhedra[-1])
         self.left = len(rest) - at
 
 
@@ -181,6 +234,8 @@ def holds(what, fields, *arguments, points=POINTS, cells=CELLS, **head):
     for shape in VERTICES:
         if not np.array_equal(got.cells[shape], np.array(cells.get(shape, []), "u4").reshape(-1, VERTICES[shape])):
             wrong = "%s differ" % shape
+    if got.polyhedra != cells.get("polyhedra", []):
+        wrong = "polyhedra differ"
     if got.fields != list(fields):
         wrong = "fields %s" % got.fields
     for f in fields:

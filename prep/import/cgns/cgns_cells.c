@@ -1,7 +1,5 @@
 #include "prep/import/cgns/cgns_cells.h"
 
-#include <cgns_io.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,12 +14,9 @@ static const struct {
 } names[] = {
     {"HEXA_", true, CELL_HEXAHEDRON}, {"PENTA_", true, CELL_WEDGE}, {"PYRA_", true, CELL_PYRAMID},
     {"TETRA_", true, CELL_TET},       {"NODE", false, CELL_TET},    {"BAR_", false, CELL_TET},
-    {"TRI_", false, CELL_TET},        {"QUAD_", false, CELL_TET},   {"NGON_n", false, CELL_TET},
+    {"TRI_", false, CELL_TET},        {"QUAD_", false, CELL_TET},
 };
 enum { NAMES = sizeof names / sizeof *names };
-
-/* What the library calls a cgsize_t. */
-#define NUMBERS (sizeof(cgsize_t) == 4 ? "I4" : "I8")
 
 static status look_up(const cgns_cells *c, int zone, int type, cgns_element *e) {
     const char *name = cg_ElementTypeName((CGNS_ENUMT(ElementType_t))type);
@@ -81,29 +76,12 @@ static status fill(cgns_walk *w, const cgns_section *s) {
                : cgns_file_failed(f, "elements");
 }
 
-/* Read numbers of a mixed section, from number w->at on. The library's call for elements would read
- * all of the section for each part. */
+/* Read numbers of a mixed section, from number w->at on. */
 static status fill_mixed(cgns_walk *w, const cgns_section *s) {
-    const cgns_file *f = w->c->f;
-    const uint64_t left = s->numbers - w->at;
-    const cgsize_t one = 1, start = (cgsize_t)w->at + 1;
-    int io = 0;
+    const uint64_t left = s->numbers.count - w->at;
     w->begun = w->at;
     w->held = (size_t)(left < CGNS_WALK_IDS ? left : CGNS_WALK_IDS);
-    const cgsize_t count = (cgsize_t)w->held, end = start + count - 1;
-    if (cg_get_cgio(f->id, &io) != CG_OK)
-        return cgns_file_failed(f, "elements");
-    /* Only the first call is there for ADF, and only the second one converts. */
-    const int error = s->as_it_is ? cgio_read_data(io, s->node, &start, &end, &one, 1, &count, &one,
-                                                   &count, &one, w->ids)
-                                  : cgio_read_data_type(io, s->node, &start, &end, &one, NUMBERS, 1,
-                                                        &count, &one, &count, &one, w->ids);
-    if (error == CGIO_ERR_NONE)
-        return ST_OK;
-    char said[CGIO_MAX_ERROR_LENGTH + 1] = "";
-    cgio_error_message(said);
-    return status_describe(ST_CORRUPT, "%s: zone %d: elements: libcgns: %s", f->path, s->zone + 1,
-                           said);
+    return cgns_numbers_read(w->c->f, &s->numbers, w->at, w->held, w->ids);
 }
 
 /* Take the next element of a section. *e: NULL behind the last one. *ids: of its nodes, from 1. */
@@ -125,10 +103,11 @@ enum { NODES_MAX = 125 }; /* HEXA_125 */
 
 static status next_mixed(cgns_walk *w, const cgns_section *s, const cgns_element **e,
                          const cgsize_t **ids) {
-    const uint64_t wanted = s->numbers - w->at < 1 + NODES_MAX ? s->numbers : w->at + 1 + NODES_MAX;
+    const uint64_t wanted =
+        s->numbers.count - w->at < 1 + NODES_MAX ? s->numbers.count : w->at + 1 + NODES_MAX;
     status st = ST_OK;
     *e = NULL;
-    if (w->at >= s->numbers)
+    if (w->at >= s->numbers.count)
         return ST_OK;
     if (w->held == 0 || wanted > w->begun + w->held)
         st = fill_mixed(w, s);
@@ -142,7 +121,7 @@ static status next_mixed(cgns_walk *w, const cgns_section *s, const cgns_element
                             "%s: zone %d: a mixed section has an element of type %lld, whose nodes "
                             "are not counted",
                             w->c->f->path, s->zone + 1, (long long)(*ids)[-1]);
-    else if (st == ST_OK && (uint64_t)(*e)->nodes >= s->numbers - w->at)
+    else if (st == ST_OK && (uint64_t)(*e)->nodes >= s->numbers.count - w->at)
         st = status_describe(ST_CORRUPT,
                              "%s: zone %d: the last element of a mixed section is cut off",
                              w->c->f->path, s->zone + 1);
@@ -150,26 +129,21 @@ static status next_mixed(cgns_walk *w, const cgns_section *s, const cgns_element
     return st;
 }
 
-/* ---- the sections ---- */
-
-/* Find where a mixed section's numbers are. */
-static status find_numbers(const cgns_file *f, const char *name, cgns_section *s) {
-    char path[CGNS_NAME + 32], type[CGIO_MAX_DATATYPE_LENGTH + 1] = "";
-    double zone = 0;
-    int io = 0, rank = 0;
-    cgsize_t dims[12] = {0};
-    snprintf(path, sizeof path, "%s/ElementConnectivity", name);
-    if (cg_get_cgio(f->id, &io) != CG_OK || cg_zone_id(f->id, f->base, s->zone + 1, &zone) != CG_OK)
-        return cgns_file_failed(f, name);
-    if (cgio_get_node_id(io, zone, path, &s->node) != CGIO_ERR_NONE ||
-        cgio_get_dimensions(io, s->node, &rank, dims) != CGIO_ERR_NONE ||
-        cgio_get_data_type(io, s->node, type) != CGIO_ERR_NONE || rank != 1 || dims[0] < 0)
-        return status_describe(ST_CORRUPT, "%s: zone %d: section %s has no ElementConnectivity",
-                               f->path, s->zone + 1, name);
-    s->numbers = (uint64_t)dims[0];
-    s->as_it_is = strcmp(type, NUMBERS) == 0;
-    return ST_OK;
+/* Take the next polyhedron of a section. */
+static status next_polyhedron(cgns_walk *w, const cgns_section *s, cgns_cell *cell, bool *more) {
+    const cgsize_t *faces;
+    size_t count;
+    if (w->at++ == 0)
+        w->lists = (cgns_lists_walk){.held = 0};
+    status st = cgns_lists_next(&w->lists, w->c->f, &s->lists, &faces, &count);
+    *more = st == ST_OK && faces;
+    if (!*more)
+        return st;
+    cell->zone = s->zone;
+    return cgns_faces_polyhedron(&w->c->faces, s->zone, faces, count, &cell->polyhedron);
 }
+
+/* ---- the sections ---- */
 
 static status count_mixed(cgns_cells *c, const cgns_section *s) {
     cgns_walk *w = mem_alloc(c->f->m, sizeof *w);
@@ -177,7 +151,7 @@ static status count_mixed(cgns_cells *c, const cgns_section *s) {
     uint64_t elements = 0;
     status st = w ? ST_OK : ST_NOMEM;
     if (w)
-        cgns_walk_begin(w, c, -1);
+        cgns_walk_begin(w, c, CGNS_ALL);
     for (bool more = true; st == ST_OK && more;) {
         const cgns_element *e;
         const cgsize_t *ids;
@@ -195,18 +169,27 @@ static status count_mixed(cgns_cells *c, const cgns_section *s) {
     return st;
 }
 
-/* Find what a section's elements are, and count them. */
+/* Find what a section's elements are, and count them. Polyhedra are counted when the zone's
+ * polygons are known, and polygons that are no faces. */
 static status look_into(cgns_cells *c, const char *name, CGNS_ENUMT(ElementType_t) type,
                         cgns_section *s) {
+    const uint64_t count = (uint64_t)(s->end - s->start) + 1;
     const cgns_element *e = NULL;
     s->mixed = type == CGNS_ENUMV(MIXED);
-    status st = s->mixed ? find_numbers(c->f, name, s) : find_type(c, s->zone, type, &e);
+    s->polyhedra = type == CGNS_ENUMV(NFACE_n);
+    if (s->polyhedra)
+        return cgns_lists_find(c->f, s->zone, name, count, &s->lists);
+    if (type == CGNS_ENUMV(NGON_n))
+        return cgns_faces_add(&c->faces, s->zone, name, s->start, s->end);
+    status st =
+        s->mixed ? cgns_numbers_find(c->f, s->zone, name, "ElementConnectivity", NULL, &s->numbers)
+                 : find_type(c, s->zone, type, &e);
     if (st == ST_OK && s->mixed)
         return count_mixed(c, s);
     if (st != ST_OK)
         return st;
     s->element = *e;
-    count_cells(c, s->zone, e, (uint64_t)(s->end - s->start) + 1);
+    count_cells(c, s->zone, e, count);
     return ST_OK;
 }
 
@@ -225,7 +208,7 @@ static status add_section(cgns_cells *c, int zone, int number) {
     if (s.end < s.start)
         return ST_OK;
     status st = look_into(c, name, type, &s);
-    if (st != ST_OK || (!s.mixed && !s.element.volume))
+    if (st != ST_OK || (!s.mixed && !s.polyhedra && !s.element.volume))
         return st;
     st = mem_grow(f->m, &c->sections, sizeof s, c->count, 16, &c->room);
     if (st == ST_OK)
@@ -239,7 +222,43 @@ static int compare(const void *a, const void *b) {
                               : (x->start > y->start) - (x->start < y->start);
 }
 
+/* Count the polyhedra of a section, and the numbers and points that they take. */
+static status count_polyhedra(cgns_cells *c, const cgns_section *s, cgns_walk *w) {
+    const uint64_t nodes = c->f->nodes;
+    status st = ST_OK;
+    for (bool more = true; st == ST_OK && more;) {
+        cgns_cell cell;
+        st = next_polyhedron(w, s, &cell, &more);
+        if (st != ST_OK || !more)
+            break;
+        c->polyhedra++;
+        c->in_zone[s->zone]++;
+        c->numbers += 2 + cell.polyhedron.size;
+        if (mesh_polyhedron_inside(&cell.polyhedron, nodes))
+            c->middles += mesh_polyhedron_middles(&cell.polyhedron);
+    }
+    return st;
+}
+
+/* Count what a zone's polygons are for: the faces of its polyhedra, or nothing that is drawn. */
+static status count_polygons(cgns_cells *c, int zone, size_t first) {
+    cgns_walk *w = mem_alloc(c->f->m, sizeof *w);
+    bool any = false;
+    status st = w ? ST_OK : ST_NOMEM;
+    for (size_t i = first; i < c->count && st == ST_OK; i++)
+        if (c->sections[i].polyhedra) {
+            any = true;
+            cgns_walk_begin(w, c, CGNS_POLYHEDRA);
+            st = count_polyhedra(c, &c->sections[i], w);
+        }
+    mem_free(c->f->m, w);
+    for (size_t i = 0; i < c->faces.count && !any; i++)
+        c->skipped += c->faces.sections[i].zone == zone ? c->faces.sections[i].lists.count : 0;
+    return st;
+}
+
 static status add_zone(cgns_cells *c, int zone) {
+    const size_t first = c->count;
     const cgns_zone *z = &c->f->zones[zone];
     int sections = 0;
     if (z->structured) {
@@ -252,17 +271,19 @@ static status add_zone(cgns_cells *c, int zone) {
     status st = ST_OK;
     for (int s = 1; s <= sections && st == ST_OK; s++)
         st = add_section(c, zone, s);
+    if (st == ST_OK)
+        st = count_polygons(c, zone, first);
     if (st == ST_OK && z->cells[0] > 0 && c->in_zone[zone] == 0)
         st = status_describe(
             ST_UNSUPPORTED,
-            "%s: zone %d tells of %llu cells, and has none by its nodes: polyhedra by "
-            "their faces (NGON_n) are not read",
+            "%s: zone %d tells of %llu cells, and has none by its nodes or faces (NFACE_n): "
+            "polyhedra of which only the faces tell (ParentElements) are not read",
             c->f->path, zone + 1, (unsigned long long)z->cells[0]);
     return st;
 }
 
 status cgns_cells_open(cgns_file *f, bool by_corners, cgns_cells *c) {
-    *c = (cgns_cells){.f = f, .by_corners = by_corners};
+    *c = (cgns_cells){.f = f, .by_corners = by_corners, .faces = {.f = f}};
     c->in_zone = mem_array(f->m, (size_t)f->zone_count + 1, sizeof *c->in_zone);
     status st = c->in_zone ? ST_OK : ST_NOMEM;
     for (int z = 0; z < f->zone_count && st == ST_OK; z++)
@@ -275,6 +296,7 @@ status cgns_cells_open(cgns_file *f, bool by_corners, cgns_cells *c) {
 void cgns_cells_release(cgns_cells *c) {
     if (!c->f)
         return;
+    cgns_faces_release(&c->faces);
     mem_free(c->f->m, c->sections);
     mem_free(c->f->m, c->in_zone);
 }
@@ -290,11 +312,16 @@ void cgns_walk_begin(cgns_walk *w, cgns_cells *c, int shape) {
     w->held = 0;
 }
 
+static bool takes(const cgns_walk *w, int shape) {
+    return w->shape == CGNS_ALL || w->shape == shape;
+}
+
 static void take_ids(const cgns_file *f, int zone, cell_shape shape, const cgsize_t *ids,
                      cgns_cell *cell) {
     const cgns_zone *z = &f->zones[zone];
     cell->shape = shape;
     cell->zone = zone;
+    cell->polyhedron.faces = 0;
     for (int i = 0; i < cell_shape_vertices(shape); i++)
         cell->ids[i] = ids[i] >= 1 && (uint64_t)ids[i] <= z->nodes
                            ? (uint32_t)(z->first + (uint64_t)ids[i] - 1)
@@ -310,6 +337,7 @@ static void make_cell(const cgns_file *f, int zone, uint64_t at, cgns_cell *cell
                    k = at / z->cells[0] / z->cells[1];
     cell->shape = CELL_HEXAHEDRON;
     cell->zone = zone;
+    cell->polyhedron.faces = 0;
     for (int v = 0; v < 8; v++)
         cell->ids[v] =
             (uint32_t)(z->first + (i + corners[v][0]) +
@@ -320,7 +348,7 @@ static void make_cell(const cgns_file *f, int zone, uint64_t at, cgns_cell *cell
 static bool next_of_zone(cgns_walk *w, cgns_cell *cell) {
     const cgns_zone *z = &w->c->f->zones[w->zone];
     if (!z->structured || w->at >= z->cells[0] * z->cells[1] * z->cells[2] ||
-        (w->shape >= 0 && w->shape != CELL_HEXAHEDRON))
+        !takes(w, CELL_HEXAHEDRON))
         return false;
     make_cell(w->c->f, w->zone, w->at++, cell);
     return true;
@@ -332,11 +360,13 @@ static status next_of_section(cgns_walk *w, const cgns_section *s, cgns_cell *ce
     const cgsize_t *ids = NULL;
     status st = ST_OK;
     *more = false;
-    if (!s->mixed && w->shape >= 0 && w->shape != (int)e->shape)
+    if (s->polyhedra)
+        return takes(w, CGNS_POLYHEDRA) ? next_polyhedron(w, s, cell, more) : ST_OK;
+    if (!s->mixed && !takes(w, (int)e->shape))
         return ST_OK;
     while (st == ST_OK && !*more && e) {
         st = s->mixed ? next_mixed(w, s, &e, &ids) : next_element(w, s, &e, &ids);
-        *more = st == ST_OK && e && e->volume && (w->shape < 0 || w->shape == (int)e->shape);
+        *more = st == ST_OK && e && e->volume && takes(w, (int)e->shape);
     }
     if (*more)
         take_ids(w->c->f, s->zone, e->shape, ids, cell);

@@ -170,6 +170,8 @@ void cgns_fields_release(cgns_fields *x) {
     import_fields_release(&x->all);
     mem_free(x->f->m, x->solutions);
     mesh_average_release(&x->sums);
+    if (x->room.m)
+        mesh_polyhedron_release(&x->room);
 }
 
 /* ---- a field at a step ---- */
@@ -309,6 +311,15 @@ static status next_value(const cgns_fields *x, cell_values *v, double *value) {
     return st;
 }
 
+static status add_polyhedron(cgns_fields *x, const mesh_polyhedron *p, double value) {
+    x->room.m = x->f->m;
+    const status st = mesh_polyhedron_reserve(&x->room, p);
+    if (st == ST_OK)
+        mesh_average_add_points(&x->sums, 0, x->room.ids, mesh_polyhedron_ids(p, x->room.ids),
+                                value);
+    return st;
+}
+
 static status add_cell(cgns_fields *x, const cgns_cell *cell, cell_values *v) {
     double value = 0;
     uint64_t wide[CELL_VERTICES_MAX];
@@ -319,8 +330,10 @@ static status add_cell(cgns_fields *x, const cgns_cell *cell, cell_values *v) {
     }
     if (x->solutions[cell->zone] == 0)
         return ST_OK;
-    const status st = next_value(x, v, &value);
-    for (int i = 0; i < cell_shape_vertices(cell->shape); i++)
+    status st = next_value(x, v, &value);
+    if (st == ST_OK && cell->polyhedron.faces)
+        return add_polyhedron(x, &cell->polyhedron, value);
+    for (int i = 0; st == ST_OK && i < cell_shape_vertices(cell->shape); i++)
         wide[i] = cell->ids[i];
     if (st == ST_OK)
         mesh_average_add(&x->sums, 0, cell->shape, wide, value);
@@ -334,7 +347,7 @@ static status add_cells(cgns_fields *x, cgns_cells *cells) {
     status st = w && v ? ST_OK : ST_NOMEM;
     bool more = st == ST_OK;
     if (more) {
-        cgns_walk_begin(w, cells, -1);
+        cgns_walk_begin(w, cells, CGNS_ALL);
         v->zone = -1;
     }
     while (st == ST_OK && more) {

@@ -20,6 +20,7 @@ typedef struct cgns_fields {
     int *solutions;       /* by zone: of the field at the step, from 1; 0: there is none */
     char name[CGNS_NAME]; /* as the file spells it */
     mesh_average sums;    /* of a field of cells */
+    mesh_polyhedron_room room;
 } cgns_fields;
 
 CHECKED status cgns_fields_open(const cgns_file *f, cgns_fields *x);

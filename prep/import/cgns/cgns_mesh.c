@@ -12,6 +12,8 @@ typedef struct cgns {
     cgns_fields fields;
     cgns_cells cells;
     cgns_walk *walk;      /* over cells of one shape */
+    cgns_cell next;       /* a polyhedron that has been read, but not given */
+    bool begun, held;     /* polyhedra; it */
     uint32_t (*zones)[3]; /* NULL: not all are structured, or one has no cells */
 } cgns;
 
@@ -104,6 +106,36 @@ static status give_cells(void *ctx, cell_shape shape, uint64_t first, size_t cou
     return st;
 }
 
+/* Give a polyhedron's numbers. */
+static void give_numbers(const mesh_polyhedron *p, uint32_t *to) {
+    to[0] = (uint32_t)p->size + 1;
+    to[1] = (uint32_t)p->faces;
+    for (size_t i = 0; i < p->size; i++)
+        to[2 + i] = (uint32_t)p->stream[i];
+}
+
+static status give_polyhedra(void *ctx, size_t room, uint32_t *to, size_t *count) {
+    cgns *x = ctx;
+    status st = ST_OK;
+    *count = 0;
+    if (!x->begun)
+        cgns_walk_begin(x->walk, &x->cells, CGNS_POLYHEDRA);
+    x->begun = true;
+    for (bool more = true; st == ST_OK;) {
+        if (!x->held)
+            st = cgns_walk_next(x->walk, &x->next, &more);
+        const mesh_polyhedron *p = &x->next.polyhedron;
+        x->held = st == ST_OK && more && p->size + 2 > room - *count;
+        if (st != ST_OK || !more || x->held)
+            break;
+        give_numbers(p, to + *count);
+        *count += p->size + 2;
+    }
+    return st == ST_OK && *count == 0
+               ? status_describe(ST_CORRUPT, "%s: fewer cells than were counted", x->file.path)
+               : st;
+}
+
 static void describe(const cgns *x, import_mesh *out) {
     mesh_stream_header *h = &out->header;
     read_title(x, h->name);
@@ -114,6 +146,9 @@ static void describe(const cgns *x, import_mesh *out) {
     h->tets = x->cells.of[CELL_TET];
     memcpy(h->cells, x->cells.of, sizeof h->cells);
     h->cells[CELL_TET] = 0; /* told apart */
+    h->polyhedra = x->cells.polyhedra;
+    h->numbers = x->cells.numbers;
+    h->middles = x->cells.middles;
     h->by_corners = x->cells.higher;
     h->skipped = x->cells.skipped;
 }
@@ -127,6 +162,7 @@ status cgns_mesh_open(mem *m, const import_request *q, import_mesh *out) {
                          .points = give_points,
                          .values = give_values,
                          .cells = give_cells,
+                         .polyhedra = give_polyhedra,
                          .close = close_cgns};
     if (q->zones && !x->zones)
         return status_describe(ST_UNSUPPORTED,

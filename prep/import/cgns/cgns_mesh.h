@@ -11,8 +11,8 @@
 #include "prep/import/importer.h"
 
 /* cgns_mesh_open() - ST_USAGE for a field or a step that there is not; ST_UNSUPPORTED for
- * polyhedra, coordinates other than x, y and z, and for elements of higher order, but for tets of
- * ten nodes, unless q->by_corners. */
+ * polyhedra without NFACE_n, coordinates other than x, y and z, and for elements of higher order,
+ * but for tets of ten nodes, unless q->by_corners. */
 CHECKED status cgns_mesh_open(mem *m, const import_request *q, import_mesh *out);
 CHECKED status cgns_mesh_list(mem *m, const import_request *q, const import_list *to);
 

@@ -374,7 +374,7 @@ static void test_refused(void **state) {
         {START_2 "points: 0\nby-corners: 0\nby-corners: 1\n\n", ST_CORRUPT, "each line once"},
         {START_2 "tets: 0\n\n", ST_CORRUPT, "line 3: \"\", expected a line \"points: N\""},
         {START_2 "points: 0\nvoxels: 0\n\n", ST_CORRUPT,
-         "hexahedra, quadratic tets, by-corners, skipped or an empty"},
+         "quadratic tets, polyhedra, their numbers and middles, by-corners, skipped or an "},
         {START_2 "points: 0\nwedges: 1\nwedges: 1\n\n", ST_CORRUPT, "line 4: \"wedges: 1\""},
         {START_2 "field: a\nfield: b\nfield: a\npoints: 0\n\n", ST_CORRUPT, "each field once"},
         {START_2 "field: 1234567890123456789012345678901234567890123456789012345678901234\n",
