@@ -95,7 +95,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (size == 0)
         return 0;
     const char *suffix = suffixes[(data[0] & 0xf) % 5];
-    const mesh_hints hints = {.component = data[0] >> 4 & 1, .cells_to_points = data[0] >> 5 & 1};
+    const mesh_hints hints = {.component = data[0] >> 4 & 1,
+                              .cells_to_points = data[0] >> 5 & 1,
+                              .by_corners = data[0] >> 7};
     const uint8_t *end = data + size;
     const uint8_t *cut = strcmp(suffix, "node") == 0 ? memchr(data + 1, '$', size - 1) : NULL;
     if (cut)
