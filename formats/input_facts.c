@@ -182,6 +182,8 @@ bool input_facts_next(const input_facts *x, const input_question *q, char *text,
         shell_line_put(&c, " --cells-to-points");
     if (meshes->by_corners)
         shell_line_put(&c, " --by-corners");
+    if (x->needs_whole)
+        shell_line_put(&c, " --whole-cells");
     if (grids->trust.follow_links)
         shell_line_put(&c, " --follow-links");
     if (grids->trust.allow_missing)

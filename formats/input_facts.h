@@ -41,6 +41,7 @@ typedef struct input_facts {
     bool timed;                 /* the steps have times; times: the first ones */
     double times[INPUT_FACTS_TIMES], last_time;
     bool lacks_values; /* there is no field to take */
+    bool needs_whole;  /* it has cells that only whole ones keep */
     /* Values: */
     bool read;           /* whether the values were read: not with header_only */
     double range[2];     /* of all finite values; lo > hi: none */

@@ -236,6 +236,10 @@ static status keep_cell(mesh_feed *f, cell_shape kind, const uint32_t *ids, bool
     uint32_t tets[MESH_SPLIT_TETS][4];
     if (f->whole)
         return keep_whole(f, kind, ids, counts);
+    if (kind == CELL_QUADRATIC_TET) {
+        f->report->whole[kind] += counts;
+        return keep_tet(f, ids);
+    }
     if (counts && kind != CELL_TET)
         f->report->split[kind]++;
     const int count = mesh_split(kind, ids, tets);

@@ -86,10 +86,9 @@ CHECKED status mesh_feed_zeros(mesh_feed *f);
 CHECKED status mesh_feed_keep(mesh_feed *f, uint64_t count);
 
 /* mesh_feed_takes_quadratic() - whether quadratic tets may be fed: the sink takes cells as they
- * are.
- */
+ * are, or by their corners. */
 static inline bool mesh_feed_takes_quadratic(const mesh_feed *f) {
-    return f->whole != NULL;
+    return f->whole != NULL || f->sink->corners;
 }
 
 /* mesh_feed_cell() - feed one cell. An invalid id may be passed as any value outside 0 .. points -

@@ -121,12 +121,16 @@ static status count_tets(gathered *g) {
 
 static status count_mesh(mem *m, mesh_input *x, const progress *p, input_facts *out) {
     gathered g = {.m = m, .mesh = x, .p = p, .x = out, .step = 1};
-    const mesh_sink sink = {
-        .ctx = &g, .points = take_points, .values = take_values, .tets = take_tets};
+    const mesh_sink sink = {.ctx = &g,
+                            .points = take_points,
+                            .values = take_values,
+                            .tets = take_tets,
+                            .corners = true};
     g.ids = mem_array(m, HISTOGRAM_TETS, sizeof *g.ids);
     status st = g.ids ? mesh_input_read(x, &sink, &own_of(out)->report) : ST_NOMEM;
     if (st == ST_OK)
         st = count_tets(&g);
+    out->needs_whole = own_of(out)->report.whole[CELL_QUADRATIC_TET] > 0;
     mem_free(m, g.ids);
     mem_free(m, g.xyz);
     mem_free(m, g.values);
@@ -185,6 +189,9 @@ static void print_mesh(const input_facts *x, const fact_sheet *to) {
     if (x->read)
         fact_sheet_line(to, "mesh", "%llu tets, %llu points", (unsigned long long)r->tets,
                         (unsigned long long)r->points);
+    if (x->read && r->whole[CELL_QUADRATIC_TET])
+        fact_sheet_line(to, "quadratic", "%llu of the tets, of which the corners count here",
+                        (unsigned long long)r->whole[CELL_QUADRATIC_TET]);
     if (x->read && r->ghosts)
         fact_sheet_line(to, "ghosts", "%llu cells of other pieces, or hidden, are left out",
                         (unsigned long long)r->ghosts);
@@ -206,6 +213,7 @@ static void tell(const input_facts *x, const fact_sheet *to) {
     if (!x->read)
         return;
     fact_sheet_whole(to, "tets", r->tets);
+    fact_sheet_whole(to, "quadratic", r->whole[CELL_QUADRATIC_TET]);
     fact_sheet_whole(to, "vertices", r->points);
     fact_sheet_whole(to, "repeated", r->repeated);
     fact_sheet_whole(to, "bad", r->bad_indices);

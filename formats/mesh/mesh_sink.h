@@ -32,6 +32,8 @@ typedef struct mesh_sink {
     /* NULL, or taken in the place of tets: cells of all shapes, none of them split, as rows of ids
      * (cell_row.h), four or more of them different. */
     status (*cells)(void *ctx, size_t count, const uint32_t (*ids)[CELL_ROW]);
+    bool corners; /* tets() takes quadratic ones, too, as linear ones of their corners; else they
+                     are refused without cells() */
 } mesh_sink;
 
 /* What the command line says. Zero/NULL = not given. */
@@ -48,8 +50,8 @@ typedef struct mesh_hints {
 } mesh_hints;
 
 typedef struct mesh_report {
-    uint64_t whole[CELL_SHAPES]; /* by cell_shape: cells handed over as they are; `tets` counts
-                                    all of them */
+    uint64_t whole[CELL_SHAPES]; /* by cell_shape: cells handed over as they are, or quadratic tets
+                                    by their corners; `tets` counts all of them */
     uint64_t points, tets;       /* handed over */
     uint64_t split[CELL_SPLIT_SHAPES]; /* by cell_shape: cells that were split; `tets` counts the
                                           tets they gave */

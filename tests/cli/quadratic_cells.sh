@@ -69,6 +69,8 @@ for form in vtk vtu msh mesh; do
     exits "split" 3 "$leafcast" convert "$tmp/s.$form" -o "$tmp/none.leaf"
     ok "is refused, and told how it is taken" says '--whole-cells'
     ok "and nothing is left" [ ! -e "$tmp/none.leaf" ]
+    exits "info" 0 "$leafcast" info "$tmp/s.$form" --json
+    ok "tells of them, and how they are taken" json 'x["quadratic"] == 384 == x["tets"] and " --whole-cells " in x["next"]'
 done
 for form in vtu msh mesh; do
     ok "of $form the same picture" cmp "$tmp/vtk.pfm" "$tmp/$form.pfm"

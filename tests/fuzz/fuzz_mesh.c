@@ -72,7 +72,8 @@ static void write_file(char path[PATH_ROOM], const char *suffix, const uint8_t *
 }
 
 static void read_mesh(const char *path, const mesh_hints *hints, bool whole) {
-    const mesh_sink sink = {NULL, take_points, take_values, take_tets, whole ? take_cells : NULL};
+    const mesh_sink sink = {NULL,  take_points, take_values, take_tets, whole ? take_cells : NULL,
+                            !whole};
     mem m;
     mesh_input *x = NULL;
     mesh_report report;

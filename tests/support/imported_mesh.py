@@ -165,6 +165,9 @@ def taken_as_tens(leafcast, file, points, fields, of_cells=None):
         rc, _, said = start(leafcast, verb, file, "-o", to, *more)
         tell(verb + " of quadratic tets, split", "" if rc == 3 and "%d cells are quadratic tets (--whole-cells takes them as they are, --by-corners as "
              "linear ones)" % len(TENS["quadratic tets"]) in said and not os.path.exists(to) else (rc, said))
+    rc, out, said = start(leafcast, "info", file, "--json", "-q")
+    told = json.loads(out) if rc == 0 else {}
+    tell("info of quadratic tets", "" if told.get("quadratic") == len(TENS["quadratic tets"]) and " --whole-cells " in told["next"] else (said, told))
     vtu(other, fields, points, TENS, of_cells, order=("quadratic tets", "hexahedra"))
     for more in (), ("--whole-cells",):
         alike("by corners " + "".join(more), leafcast, "convert", file, other, "--by-corners", *more)
