@@ -540,11 +540,12 @@ static status read_arrays(const stream_state *s, mesh_feed *feed, void *buffer) 
     status st = read_points(s, feed, buffer);
     for (uint32_t i = 0; i < arrays && st == ST_OK; i++)
         st = read_values(s, i, feed, buffer);
-    if (st == ST_OK && arrays == 0)
-        st = mesh_feed_zeros(feed);
     for (int i = 0; i < KINDS && st == ST_OK; i++)
         st = read_cells(s, i, feed, buffer);
-    return st == ST_OK ? mesh_stream_polyhedra_read(&s->polyhedra, feed) : st;
+    if (st == ST_OK)
+        st = mesh_stream_polyhedra_read(&s->polyhedra, feed);
+    /* Behind the polyhedra: they have added as many points as the header tells of. */
+    return st == ST_OK && arrays == 0 ? mesh_feed_zeros(feed) : st;
 }
 
 static status check_end(const stream_state *s) {

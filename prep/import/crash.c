@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -59,6 +60,12 @@ void crash_begin(void) {
         sigaction(signals[i], &action, NULL);
 }
 
+/* Some libraries end the program where they get no memory, and say nothing. */
+static void on_exit_of_library(void) {
+    if (done < 0)
+        on_crash(SIGABRT);
+}
+
 void crash_watch(const char *verb, const char *library, const char *path) {
     prepare(MALFORMED, verb, path, library,
             "crashed while reading it; the file is likely malformed");
@@ -70,6 +77,7 @@ void crash_watch(const char *verb, const char *library, const char *path) {
     prepare(BEHIND_ITS_END, verb, path, library,
             "crashed while closing it; nothing of the output is missing");
     meaning[MALFORMED] = ST_CORRUPT;
+    (void)atexit(on_exit_of_library);
     crash_begin();
 }
 

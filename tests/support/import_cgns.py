@@ -235,15 +235,15 @@ def polyhedra():
     rc, out, said = start(leafcast, "convert", path("poly_bad.cgns"), "-o", path("poly.leaf"), "--json", "--force")
     told = json.loads(out) if rc == 0 else {}
     tell("are counted", "" if told.get("bad") == sum(3 in map(abs, of) for of in ids) > 0 else (said, told))
-    for what, wrong, words in (("a face that is none", ids[:-1] + [[99999] + ids[-1][1:]], "a polyhedron has face 99999, which is no element"),
-                               ("the face 0", ids[:-1] + [[0] + ids[-1][1:]], "a polyhedron has face 0, which is no element"),
-                               ("three faces", ids[:-1] + [ids[-1][:3]], "a polyhedron has less than four faces"),
-                               ("no faces", ids[:-1] + [[]], "a polyhedron has less than four faces"),
+    for what, wrong, words in (("a face that is none", ids[:-1] + [[99999] + ids[-1][1:]], "polyhedron %d (of its section, counted from 0) has face 99999, which is no element" % (len(ids) - 1)),
+                               ("the face 0", ids[:-1] + [[0] + ids[-1][1:]], "counted from 0) has face 0, which is no element"),
+                               ("three faces", ids[:-1] + [ids[-1][:3]], "counted from 0) has less than four faces"),
+                               ("no faces", ids[:-1] + [[]], "counted from 0) has less than four faces"),
                                ("many faces", ids[:-1] + [ids[-1] * 600], "has 4800 numbers, at most 4096")):
         write("wrong.cgns", ids=wrong)
         ends("polyhedra: " + what, 3, words, *take("wrong.cgns"))
     write("wrong.cgns", faces=[f[:2] if n == 5 else f for n, f in enumerate(faces)])
-    ends("polyhedra: a face of two nodes", 3, "a polyhedron has a face with less than three corners", *take("wrong.cgns"))
+    ends("polyhedra: a face of two nodes", 3, "counted from 0) has a face with less than three corners", *take("wrong.cgns"))
 
     def offsets(section, at, by):
         def look(f):

@@ -140,7 +140,8 @@ static status next_polyhedron(cgns_walk *w, const cgns_section *s, cgns_cell *ce
     if (!*more)
         return st;
     cell->zone = s->zone;
-    return cgns_faces_polyhedron(&w->c->faces, s->zone, faces, count, &cell->polyhedron);
+    return cgns_faces_polyhedron(&w->c->faces, s->zone, w->lists.element - 1, faces, count,
+                                 &cell->polyhedron);
 }
 
 /* ---- the sections ---- */

@@ -119,18 +119,23 @@ static uint64_t find_face(const cgns_faces *x, uint64_t number) {
 }
 
 /* Add a face to the stream, so that it is seen from outside. */
-static status add_face(cgns_faces *x, int zone, cgsize_t number, mesh_polyhedron *p) {
+static status add_face(cgns_faces *x, int zone, uint64_t which, cgsize_t number,
+                       mesh_polyhedron *p) {
     const uint64_t face = find_face(x, number < 0 ? 0 - (uint64_t)number : (uint64_t)number);
     if (face == UINT64_MAX)
         return status_describe(ST_CORRUPT,
-                               "%s: zone %d: a polyhedron has face %lld, which is no element of a "
+                               "%s: zone %d: polyhedron %llu (of its section, counted from 0) has "
+                               "face %lld, which is no element of a "
                                "section NGON_n",
-                               x->f->path, zone + 1, (long long)number);
+                               x->f->path, zone + 1, (unsigned long long)which, (long long)number);
     const uint64_t from = face > 0 ? x->ends[face - 1] : 0;
     const size_t corners = (size_t)(x->ends[face] - from);
     if (corners >= MESH_STREAM_POLYHEDRON_MAX - p->size - 2)
-        return status_describe(ST_UNSUPPORTED, "%s: zone %d: a polyhedron of more than %d numbers",
-                               x->f->path, zone + 1, MESH_STREAM_POLYHEDRON_MAX);
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: zone %d: polyhedron %llu (of its section, counted from 0) has "
+                               "more than %d numbers",
+                               x->f->path, zone + 1, (unsigned long long)which,
+                               MESH_STREAM_POLYHEDRON_MAX);
     x->stream[p->size++] = corners;
     for (size_t i = 0; i < corners; i++)
         x->stream[p->size++] = x->ids[number < 0 ? x->ends[face] - 1 - i : from + i];
@@ -138,15 +143,17 @@ static status add_face(cgns_faces *x, int zone, cgsize_t number, mesh_polyhedron
     return ST_OK;
 }
 
-status cgns_faces_polyhedron(cgns_faces *x, int zone, const cgsize_t *numbers, size_t count,
-                             mesh_polyhedron *p) {
+status cgns_faces_polyhedron(cgns_faces *x, int zone, uint64_t which, const cgsize_t *numbers,
+                             size_t count, mesh_polyhedron *p) {
     status st = x->zone == zone + 1 ? ST_OK : load(x, zone);
     *p = (mesh_polyhedron){.faces = 0};
     for (size_t i = 0; i < count && st == ST_OK; i++)
-        st = add_face(x, zone, numbers[i], p);
+        st = add_face(x, zone, which, numbers[i], p);
     p->stream = x->stream;
     const char *fault = st == ST_OK ? mesh_polyhedron_fault(p) : NULL;
-    return fault ? status_describe(ST_CORRUPT, "%s: zone %d: a polyhedron %s", x->f->path, zone + 1,
-                                   fault)
-                 : st;
+    return fault
+               ? status_describe(ST_CORRUPT,
+                                 "%s: zone %d: polyhedron %llu (of its section, counted from 0) %s",
+                                 x->f->path, zone + 1, (unsigned long long)which, fault)
+               : st;
 }

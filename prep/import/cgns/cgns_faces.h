@@ -35,10 +35,10 @@ CHECKED status cgns_faces_add(cgns_faces *x, int zone, const char *name, cgsize_
 void cgns_faces_release(cgns_faces *x);
 
 /* cgns_faces_polyhedron() - the polyhedron of a zone's elements with these numbers, negative for
- * those that go round the other way; valid until the next call. ST_CORRUPT: one is no polygon, or
- * mesh_polyhedron_fault(). ST_UNSUPPORTED: more numbers than a mesh stream has. ST_NOMEM: the
- * zone's faces do not fit. */
-CHECKED status cgns_faces_polyhedron(cgns_faces *x, int zone, const cgsize_t *numbers, size_t count,
-                                     mesh_polyhedron *p);
+ * those that go round the other way; valid until the next call. which: that of its section, from 0.
+ * ST_CORRUPT: one is no polygon, or mesh_polyhedron_fault(). ST_UNSUPPORTED: more numbers than a
+ * mesh stream has. ST_NOMEM: the zone's faces do not fit. */
+CHECKED status cgns_faces_polyhedron(cgns_faces *x, int zone, uint64_t which,
+                                     const cgsize_t *numbers, size_t count, mesh_polyhedron *p);
 
 #endif

@@ -61,10 +61,11 @@ static const char *vtk_file(int field) {
 typedef struct told {
     uint64_t polyhedra, numbers, middles; /* in the header */
     uint32_t tet[4], of[NUMBERS];
+    int fields;
 } told;
 
 static told right(void) {
-    told t = {.polyhedra = POLYHEDRA, .numbers = NUMBERS, .middles = MIDDLES};
+    told t = {.polyhedra = POLYHEDRA, .numbers = NUMBERS, .middles = MIDDLES, .fields = 2};
     memcpy(t.tet, tet[0], sizeof t.tet);
     memcpy(t.of, numbers, sizeof t.of);
     return t;
@@ -78,13 +79,14 @@ static char *put(char *to, const void *data, size_t size) {
 static const char *by_hand(const told *t) {
     static char bytes[4096];
     char *at = bytes + snprintf(bytes, sizeof bytes,
-                                "LEAFCAST MESH 2\nfield: f\nfield: g\npoints: %d\ntets: "
+                                "LEAFCAST MESH 2\n%spoints: %d\ntets: "
                                 "1\npolyhedra: %llu\nnumbers of polyhedra: %llu\nmiddles of "
                                 "polyhedra: %llu\n\n",
-                                POINTS, (unsigned long long)t->polyhedra,
-                                (unsigned long long)t->numbers, (unsigned long long)t->middles);
+                                t->fields ? "field: f\nfield: g\n" : "", POINTS,
+                                (unsigned long long)t->polyhedra, (unsigned long long)t->numbers,
+                                (unsigned long long)t->middles);
     at = put(at, places, sizeof places);
-    for (int field = 0; field < 2; field++)
+    for (int field = 0; field < t->fields; field++)
         for (int i = 0; i < POINTS; i++) {
             const float value = value_of(field, i);
             at = put(at, &value, sizeof value);
@@ -112,6 +114,21 @@ static void test_as_vtk(void **state) {
         assert_int_equal(a->report.tets, want->report.tets);
         free(want);
     }
+}
+
+/* Without a field all values are 0. More of them than there are points to be are not begun. */
+static void test_no_field(void **state) {
+    (void)state;
+    told t = right();
+    const mesh_copy *a = mesh_files_good(by_hand(&t), NULL);
+    const uint64_t tets = a->report.tets;
+    t.fields = 0;
+    a = mesh_files_good(by_hand(&t), NULL);
+    assert_true(a->report.tets == tets && a->report.points == POINTS + MIDDLES);
+    for (int i = 0; i < POINTS + MIDDLES; i++)
+        assert_true(a->values[i] == 0.0f);
+    t.middles = 16 * MESH_FILES_ROOM; /* more than can be taken */
+    mesh_files_refused(by_hand(&t), NULL, ST_CORRUPT, "add 4 points, expected 62 and 4194304");
 }
 
 static status write_all(mesh_stream_writer *w, int fields) {
@@ -240,9 +257,9 @@ static void test_damage(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_as_vtk),  cmocka_unit_test(test_writer),
-        cmocka_unit_test(test_bad_ids), cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_damage),
+        cmocka_unit_test(test_as_vtk),  cmocka_unit_test(test_no_field),
+        cmocka_unit_test(test_writer),  cmocka_unit_test(test_bad_ids),
+        cmocka_unit_test(test_refused), cmocka_unit_test(test_damage),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
