@@ -65,7 +65,7 @@ typedef struct candidate {
     bool taken;
 } candidate;
 
-enum { CANDIDATES = 16, DEEPEST = 26, PARTS = 512 };
+enum { CANDIDATES = 16, DEEPEST = 26, PARTS = 512, LOOKS = 4096 };
 
 typedef struct search {
     double q[2][BENT_NODES]; /* coefficients, by coordinate */
@@ -173,22 +173,22 @@ static bool look(search *s, const part *p) {
     return false;
 }
 
-/* The largest parts first. Where the ray goes along the face, they have no end: what some hundreds
+/* The largest parts first. Where the ray goes along the face, they have no end: what some thousands
  * of them have not found is left to the edges. */
 static void find_all(search *s) {
-    part ahead[PARTS];
-    int count = 1;
+    part ahead[PARTS]; /* a ring */
+    int next = 0, count = 1, looked = 0;
     ahead[0] = (part){0.0, 0.0, 1.0, 0};
-    for (int next = 0; next < count; next++) {
-        const part p = ahead[next];
-        if (!look(s, &p) || p.depth == DEEPEST || count + 4 > PARTS)
+    for (; next < count && looked < LOOKS; looked++) {
+        const part p = ahead[next++ % PARTS];
+        if (!look(s, &p) || p.depth == DEEPEST || count - next + 4 > PARTS)
             continue;
         const double h = 0.5 * p.h;
         const int depth = p.depth + 1;
-        ahead[count++] = (part){p.u + h, p.v + h, -h, depth};
-        ahead[count++] = (part){p.u, p.v + h, h, depth};
-        ahead[count++] = (part){p.u + h, p.v, h, depth};
-        ahead[count++] = (part){p.u, p.v, h, depth};
+        ahead[count++ % PARTS] = (part){p.u + h, p.v + h, -h, depth};
+        ahead[count++ % PARTS] = (part){p.u, p.v + h, h, depth};
+        ahead[count++ % PARTS] = (part){p.u + h, p.v, h, depth};
+        ahead[count++ % PARTS] = (part){p.u, p.v, h, depth};
     }
 }
 

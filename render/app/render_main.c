@@ -34,7 +34,7 @@ static void expect_lines(const render_options *o, const render_job *job, const s
     bool more = job->info.steps > 1;
     for (int i = 0; i < LOOK_AHEAD && more && script_peek(script, &at, &line, &size); i++) {
         next = o->view;
-        if (script_foresee(&next, line, size) &&
+        if (script_foresee_line(&next, line, size) &&
             time_options_find(&next.time, job->volume, &next.step) == ST_OK)
             more = render_ahead_note(&ahead, &next);
     }

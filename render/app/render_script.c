@@ -154,15 +154,21 @@ static bool is_moment(const char *key) {
     return is;
 }
 
-bool script_foresee(view_options *view, const char *text, size_t size) {
+bool script_foresee(view_options *view, json_t *object) {
     const char *key;
-    json_t *value, *object = json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
+    json_t *value;
     bool fine = json_is_object(object);
     view_options_inherit(view);
     json_object_foreach(object, key, value) {
         if (is_moment(key))
             fine &= apply_flag(view, key, value, "a line that comes") == ST_OK;
     }
+    return fine;
+}
+
+bool script_foresee_line(view_options *view, const char *text, size_t size) {
+    json_t *object = json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
+    const bool fine = script_foresee(view, object);
     json_decref(object);
     return fine;
 }

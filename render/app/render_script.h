@@ -66,9 +66,11 @@ CHECKED status script_load_path(const char *file, json_t **path);
  * ST_CORRUPT: not JSON; ST_USAGE as from script_apply(), and for keys that name files to write. */
 CHECKED status script_load_state(const char *file, view_options *view);
 
-/* script_foresee() - apply what a line says of field, step and time to *view, and nothing else of
- * it. Returns false if it is refused when it is drawn, as far as that is known by then. */
-bool script_foresee(view_options *view, const char *text, size_t size);
+/* script_foresee() - apply what an object says of field, step and time to *view, and nothing else
+ * of it. Returns false if it is refused when it is drawn, as far as that is known by then.
+ * script_foresee_line() - the same of a line. */
+bool script_foresee(view_options *view, json_t *object);
+bool script_foresee_line(view_options *view, const char *text, size_t size);
 
 /* ---- lines, one by one as they arrive ---- */
 

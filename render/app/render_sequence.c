@@ -104,25 +104,18 @@ static status describe_frame(const render_options *o, sequence *s, int number,
     return st;
 }
 
-/* Find the step that picture `number` shows, or the time between steps, in *view. Returns false if
- * neither the command line nor the path say it. */
+/* Find the field and step that picture `number` shows, or the time between steps, in *view. Returns
+ * false if it is refused when it is drawn. */
 static bool find_moment(const render_options *o, const sequence *s, const render_job *job,
                         int number, view_options *view) {
     const size_t views = s->path ? json_array_size(s->path) : 1;
     const size_t index = (size_t)(number / turns_of(o));
-    const json_t *entry = s->path ? json_array_get(s->path, index % views) : NULL,
-                 *step = json_object_get(entry, "step"), *time = json_object_get(entry, "time");
-    view->time.between = 0.0;
-    if (step_list_given(&o->steps)) {
+    *view = o->view;
+    if (s->path && !script_foresee(view, json_array_get(s->path, index % views)))
+        return false;
+    if (step_list_given(&o->steps))
         view->step = step_list_at(&o->steps, index / views % (uint64_t)steps_of(o));
-        return true;
-    }
-    if (time) { /* of a path with times, each entry has one */
-        view->time.time = json_number_value(time);
-        return time_options_find(&view->time, job->volume, &view->step) == ST_OK;
-    }
-    view->step = (uint32_t)json_integer_value(step);
-    return json_is_integer(step) && json_integer_value(step) == view->step;
+    return time_options_find(&view->time, job->volume, &view->step) == ST_OK;
 }
 
 /* Say before a picture is drawn what comes next. */
@@ -131,7 +124,6 @@ static void expect_next(const render_options *o, const sequence *s, const render
     enum { LOOK_AHEAD = 256 };
     static view_options next;
     render_ahead ahead = {.volume = job->volume, .now = &frame->view};
-    next = frame->view;
     for (int i = number + 1; i < s->count && i <= number + LOOK_AHEAD; i++)
         if (!find_moment(o, s, job, i, &next) || !render_ahead_note(&ahead, &next))
             return;

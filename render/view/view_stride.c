@@ -3,9 +3,9 @@
 /* The shorter way in the circle of all steps. */
 static int64_t way(uint32_t from, uint32_t to, uint32_t steps) {
     const int64_t straight = (int64_t)to - from;
-    return 2 * straight > steps             ? straight - steps
-           : 2 * straight < -(int64_t)steps ? straight + steps
-                                            : straight;
+    return 2 * straight > steps              ? straight - steps
+           : 2 * straight <= -(int64_t)steps ? straight + steps
+                                             : straight;
 }
 
 uint32_t view_stride_next(view_stride *s, uint32_t step, uint32_t steps) {

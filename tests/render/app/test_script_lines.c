@@ -86,7 +86,7 @@ static void test_peek_pipe(void **state) {
 }
 
 static bool foresee(view_options *v, const char *line) {
-    return script_foresee(v, line, strlen(line));
+    return script_foresee_line(v, line, strlen(line));
 }
 
 static void test_foresee(void **state) {

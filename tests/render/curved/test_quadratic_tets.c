@@ -517,12 +517,36 @@ static void test_folds(void **state) {
     assert_int_equal(sum, 0);
 }
 
+/* A face that nearly folds takes many parts to tell its two crossings apart, in some orders of its
+ * corners more than in others. */
+static void test_strong_bends(void **state) {
+    static const double face[BENT_NODES][2] = {{0.0240621, 0.9277928},   {0.0916096, -0.0363157},
+                                               {-0.6644740, -0.8394143}, {-0.5824726, 0.3119199},
+                                               {0.3086345, -0.3156304},  {0.4858730, 0.2721946}};
+    static const int orders[][BENT_CORNERS] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1},
+                                               {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
+    (void)state;
+    for (size_t n = 0; n < sizeof orders / sizeof *orders; n++) {
+        bent_triangle b = {0};
+        bent_crossing out[BENT_CROSSINGS];
+        for (int k = 0; k < BENT_CORNERS; k++) {
+            const int from = orders[n][k > 1 ? 0 : k], to = orders[n][k > 1 ? 2 : k + 1];
+            const int edge = from + to == 1 ? 3 : from + to == 3 ? 4 : 5;
+            memcpy(b.q[k], face[orders[n][k]], sizeof face[0]);
+            memcpy(b.q[BENT_CORNERS + k], face[edge], sizeof face[0]);
+        }
+        assert_int_equal(bent_triangle_cross(&b, out), 2);
+        assert_int_equal(out[0].sense + out[1].sense, 0);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_truth),       cmocka_unit_test(test_faces),
-        cmocka_unit_test(test_pieces),      cmocka_unit_test(test_points),
-        cmocka_unit_test(test_orders),      cmocka_unit_test(test_sense),
-        cmocka_unit_test(test_bent_senses), cmocka_unit_test(test_folds),
+        cmocka_unit_test(test_truth),        cmocka_unit_test(test_faces),
+        cmocka_unit_test(test_pieces),       cmocka_unit_test(test_points),
+        cmocka_unit_test(test_orders),       cmocka_unit_test(test_sense),
+        cmocka_unit_test(test_bent_senses),  cmocka_unit_test(test_folds),
+        cmocka_unit_test(test_strong_bends),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
