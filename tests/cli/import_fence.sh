@@ -109,6 +109,7 @@ ends() {
 for when in open read last; do
     ends $when-crash 3 3 'likely malformed'
     ends $when-abort 3 3 'likely malformed'
+    ends $when-leave 3 3 'likely malformed'
     ends $when-none 3 3 'says it is malformed'
     ends $when-die 137 4 'killed over this file (signal 9)'
     ends $when-stop 143 1 'stopped by signal 15\|signal 15'

@@ -260,6 +260,9 @@ static void crash(void) {
 static void give_up(void) {
     abort();
 }
+static void leave(void) {
+    exit(EXIT_FAILURE);
+}
 static void die(void) {
     raise(SIGKILL);
 }
@@ -289,8 +292,9 @@ static void ask_for_more(void) {
 static const struct {
     const char *name;
     void (*act)(void);
-} acts[] = {{"crash", crash}, {"abort", give_up},     {"die", die},          {"stop", stop},
-            {"spin", spin},   {"take-all", take_all}, {"ask", ask_for_more}, {"fence", try_all}};
+} acts[] = {{"crash", crash},       {"abort", give_up},    {"leave", leave},
+            {"die", die},           {"stop", stop},        {"spin", spin},
+            {"take-all", take_all}, {"ask", ask_for_more}, {"fence", try_all}};
 
 /* $TRIAL: WHEN-WHAT. */
 static bool act(const char *when) {
