@@ -201,7 +201,7 @@ static uint64_t entropy(const box_coder *c, const uint8_t *bytes, size_t n) {
     enum { TABLES = 8 }; /* or equal bytes would wait for one another */
     uint16_t times[256][TABLES];
     uint8_t any = 0;
-    assert(n < TABLES << 16);
+    assert(n / TABLES < UINT16_MAX);
     for (size_t i = 0; i < n; i++)
         any |= bytes[i];
     /* No byte has another bit. */
