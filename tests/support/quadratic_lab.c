@@ -68,16 +68,28 @@ static void folded(const double u[3], const bool even[3], field_random *r, doubl
         p[a] = u[a] + field_random_in(r, -by, by) / QUADRATIC_LAB_CUBES;
 }
 
+/* Most cells of it are folded; quadratic_lab_make() unbends these until they hardly are. */
+static void strong(const double u[3], const bool even[3], field_random *r, double p[3]) {
+    const double by = is_corner(even) ? 0.0 : 0.3;
+    for (int a = 0; a < 3; a++)
+        p[a] = u[a] + field_random_in(r, -by, by) / QUADRATIC_LAB_CUBES;
+}
+
 static const struct {
     const char *name;
     shape make;
-    bool straight, may_be_folded, left;
+    bool straight, may_be_folded, left, unbent;
 } shapes[] = {
-    {"regular", regular, true, false, false},   {"jittered", jittered, true, false, false},
-    {"bent", bent, false, false, false},        {"wild", wild, false, true, false},
-    {"a few", a_few, false, true, false},       {"flat", flat, false, false, false},
-    {"mirrored", mirrored, false, false, true}, {"far away", far_away, false, true, false},
-    {"folded", folded, false, true, false},
+    {.name = "regular", .make = regular, .straight = true},
+    {.name = "jittered", .make = jittered, .straight = true},
+    {.name = "bent", .make = bent},
+    {.name = "wild", .make = wild, .may_be_folded = true},
+    {.name = "a few", .make = a_few, .may_be_folded = true},
+    {.name = "flat", .make = flat},
+    {.name = "mirrored", .make = mirrored, .left = true},
+    {.name = "far away", .make = far_away, .may_be_folded = true},
+    {.name = "strong", .make = strong, .unbent = true},
+    {.name = "folded", .make = folded, .may_be_folded = true},
 };
 
 int quadratic_lab_count(void) {
@@ -92,6 +104,33 @@ static void straighten(quadratic_lab *s) {
                 for (int a = 0; a < 3; a++)
                     s->p[k][j][i][a] = 0.5f * (s->p[k - k % 2][j - j % 2][i - i % 2][a] +
                                                s->p[k + k % 2][j + j % 2][i + i % 2][a]);
+}
+
+/* Move the nodes of a cell's edges a tenth of the way to their middles. */
+static void unbend_cell(quadratic_lab *s, int cell) {
+    int at[QUADRATIC_NODES][3];
+    const quadratic_tet t = quadratic_lab_cell(s, cell, at);
+    for (int e = 0; e < QUADRATIC_EDGES; e++) {
+        const int *edge = quadratic_edge(e), n = QUADRATIC_CORNERS + e;
+        for (int a = 0; a < 3; a++) {
+            const double middle = 0.5 * (t.p[edge[0]][a] + t.p[edge[1]][a]);
+            s->p[at[n][2]][at[n][1]][at[n][0]][a] = (float)(0.9 * t.p[n][a] + 0.1 * middle);
+        }
+    }
+}
+
+/* Unbend cells until none is folded. */
+static void unbend(quadratic_lab *s) {
+    for (int folds = 1; folds > 0;) {
+        folds = 0;
+        for (int c = 0; c < QUADRATIC_LAB_CELLS; c++) {
+            const quadratic_tet t = quadratic_lab_cell(s, c, NULL);
+            if (quadratic_sense(&t) > 0)
+                continue;
+            folds++;
+            unbend_cell(s, c);
+        }
+    }
 }
 
 void quadratic_lab_make(quadratic_lab *s, int index, uint64_t seed) {
@@ -119,6 +158,8 @@ void quadratic_lab_make(quadratic_lab *s, int index, uint64_t seed) {
             }
     if (s->straight)
         straighten(s);
+    if (shapes[index].unbent)
+        unbend(s);
     s->size = 0.0;
     for (int a = 0; a < 3; a++)
         s->size = fmax(s->size, box[1][a] - box[0][a]);

@@ -1,5 +1,6 @@
 /* quadratic_lab.h - small meshes of quadratic tets, each of a shape that is hard somewhere:
- * straight, bent, with a few bent edges, flat, far from the origin, left-handed, folded.
+ * straight, bent, with a few bent edges, flat, far from the origin, left-handed, nearly folded,
+ * folded.
  */
 #ifndef TESTS_SUPPORT_QUADRATIC_LAB_H
 #define TESTS_SUPPORT_QUADRATIC_LAB_H
