@@ -78,10 +78,13 @@ static status push_batch(grid_conversion *c, read_slices in, bool *complete) {
 }
 
 status grid_levels_run(grid_conversion *c) {
+    status st = progress_step(c->p, "convert", grid_conversion_share(c));
+    if (st != ST_OK)
+        return st;
     for (bool complete = false;;) {
         read_slices in;
         const uint32_t needed = slab_needed(c->stages[0].slab);
-        status st = read_ahead_next(c->input, needed, c->plan->batch, &in);
+        st = read_ahead_next(c->input, needed, c->plan->batch, &in);
         if (st != ST_OK || in.count == 0)
             return st;
         st = push_batch(c, in, &complete);
