@@ -210,7 +210,11 @@ typedef enum leafcast_ability {
     LEAFCAST_ABILITY_SMOOTH_NORMALS = 8,   /* leafcast_scene.smooth_normals, if the file has
                                               gradients */
     LEAFCAST_ABILITY_INTERSECTORS = 16,    /* experiments: a choice of intersectors */
-    LEAFCAST_ABILITY_PACKETS = 32          /* experiments: packets, isopolygons, schemas */
+    LEAFCAST_ABILITY_PACKETS = 32,         /* experiments: packets, isopolygons, schemas */
+    LEAFCAST_ABILITY_GIVEN = 64            /* it is a surface itself, whatever its values, and no
+                                              isosurfaces, media, projections or slices are made of
+                                              it. Of its surfaces, which are selected as any, the
+                                              first says how it looks */
 } leafcast_ability;
 
 typedef struct leafcast_info {

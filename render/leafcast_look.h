@@ -40,7 +40,8 @@ enum {
 enum { LEAFCAST_SURFACES_MAX = 32, LEAFCAST_LIGHTS_MAX = 16, LEAFCAST_CLIP_PLANES_MAX = 16 };
 
 typedef struct leafcast_surface {
-    double isovalue; /* finite */
+    double isovalue; /* finite; of a volume that is a surface itself (LEAFCAST_ABILITY_GIVEN) it
+                        does not matter */
     float rgb[3];    /* 0 to LEAFCAST_COLOUR_MOST */
     float opacity;   /* (0, 1]; 1 is opaque */
 } leafcast_surface;
@@ -108,6 +109,10 @@ typedef struct leafcast_shown {
                                          projection count may be 0 */
     int count;
     double between; /* so much of the way from that step to the next: leafcast_select_between() */
+    /* Colours its surfaces by the value there, whatever the extinction: that of an isosurface is
+     * the isovalue. NULL: by surfaces[].rgb, or of a volume with LEAFCAST_ABILITY_GIVEN, whose
+     * field is named "rgb", by its own colours. */
+    const leafcast_medium *colours;
 } leafcast_shown;
 
 enum { LEAFCAST_VOLUMES_MAX = 16 };
@@ -258,7 +263,8 @@ LEAFCAST_API leafcast_status leafcast_data_range(const leafcast *volume, uint32_
                                                  uint32_t step, double range[2]);
 
 /* leafcast_suggested_isovalues() - up to `max` (0 or more; at most LEAFCAST_SUGGESTIONS_MAX)
- * isovalues whose surfaces are worth a look, best first; *count may become 0. */
+ * isovalues whose surfaces are worth a look, best first; *count may become 0. Of a volume with
+ * LEAFCAST_ABILITY_GIVEN one, which stands for its surface. */
 enum { LEAFCAST_SUGGESTIONS_MAX = 4 };
 LEAFCAST_API leafcast_status leafcast_suggested_isovalues(const leafcast *volume, uint32_t field,
                                                           uint32_t step, double *isovalues, int max,

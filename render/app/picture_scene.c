@@ -90,8 +90,12 @@ status picture_scene_describe(picture_scene *p, const picture_volume *volumes, i
         const view_options *v = volumes[i].view;
         uint32_t field;
         st = view_options_field(v, volumes[i].volume, &field);
-        p->shown[i] = (leafcast_shown){volumes[i].volume, field,   v->step,
-                                       v->surfaces,       v->isos, v->time.between};
+        p->shown[i] = (leafcast_shown){.volume = volumes[i].volume,
+                                       .field = field,
+                                       .step = v->step,
+                                       .surfaces = v->surfaces,
+                                       .count = v->isos,
+                                       .between = v->time.between};
         if (st == ST_OK && filled)
             st = fill_volume(p, volumes, i);
     }

@@ -151,6 +151,8 @@ static const public_field shown_rows[] = {
     {PUBLIC_MEMBER(leafcast_shown, surfaces), .type = PUBLIC_POINTER, .values = 1,
      .counted_by = "count", .element = &surface_table},
     PUBLIC_NUMBER(leafcast_shown, between, 0, 1, PUBLIC_BELOW),
+    {PUBLIC_MEMBER(leafcast_shown, colours), .type = PUBLIC_POINTER, .values = 1,
+     .how = PUBLIC_OR_NULL, .element = &medium_table},
 };
 static const public_fields shown_table = PUBLIC_TABLE(leafcast_shown, shown_rows);
 

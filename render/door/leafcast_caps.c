@@ -5,6 +5,7 @@
 
 #include "render/door/between_steps.h"
 #include "render/door/point_samples.h"
+#include "render/ray/kind.h"
 #include "render/surface/shade.h"
 #include "render/surface/surface_light.h"
 
@@ -169,7 +170,7 @@ status caps_draw(turn *t, const frame *f, const transfer *colours, ray_counters 
     status st = ST_OK;
     /* Draw the first volume last: it is on top. */
     for (int v = t->volumes - 1; v >= 0 && st == ST_OK; v--)
-        if (t->shown[v].count > 0)
+        if (t->shown[v].count > 0 && !t->shown[v].volume->kind->given)
             st = draw_volume(t, f, colours, v, &capped);
     if (counters->covered_pixels < capped)
         counters->covered_pixels = capped;

@@ -78,7 +78,10 @@ leafcast_status leafcast_suggested_isovalues(const leafcast *v, uint32_t field, 
     st = public_in_range(__func__, "max", max, 0, INT_MAX);
     if (st == ST_OK)
         st = find_histogram(v, field, step, &h);
-    if (st == ST_OK && max > 0)
+    if (st == ST_OK && max > 0 && v->kind->given) {
+        isovalues[0] = 0.0;
+        *count = 1;
+    } else if (st == ST_OK && max > 0)
         *count = histogram_suggest(&h, isovalues,
                                    max < LEAFCAST_SUGGESTIONS_MAX ? max : LEAFCAST_SUGGESTIONS_MAX);
     return public_status(st);
@@ -110,8 +113,8 @@ leafcast_status leafcast_fit_view(const leafcast *v, uint32_t field, uint32_t st
         return public_status(st);
     live_hold h;
     step = volume_hold(v, step, &h);
-    v->kind->walks->active_box(v, leaf_layout_set(&v->file->layout, field, step), isovalues, count,
-                               corners);
+    v->kind->walks->active_box(v, leaf_layout_set(&v->file->layout, field, step), isovalues,
+                               v->kind->given ? 0 : count, corners);
     volume_let_go(v, &h);
     *view =
         camera_fit((const double(*)[3])corners, fov > 0.0 ? fov : LEAFCAST_FIT_FOV, width, height);

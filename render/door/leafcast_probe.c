@@ -183,7 +183,8 @@ static status probe_segments(leafcast *v, const leafcast_scene *scene, const dou
     tr.preview = tr.lenient = false;
     /* Make the whole volume active while the ray is followed. Then select the isovalues again. */
     const interest all = interest_of_all();
-    const interest shown = interest_of_isovalues(v->isovalues, v->isovalue_count);
+    const interest shown =
+        v->kind->given ? all : interest_of_isovalues(v->isovalues, v->isovalue_count);
     loader_select(v->treelets, &all);
     if (tracer_ray(&tr, origin, direction, 0.0, INFINITY, &r))
         st = follow(v, &tr, &r, segments, max, count);

@@ -52,7 +52,12 @@ status scene_volumes(leafcast *v, const leafcast_scene *scene,
     }
     if (st != ST_OK || *count > 0)
         return st;
-    shown[0] = (leafcast_shown){v, v->field, v->step, v->surfaces, v->surface_count, v->share};
+    shown[0] = (leafcast_shown){.volume = v,
+                                .field = v->field,
+                                .step = v->step,
+                                .surfaces = v->surfaces,
+                                .count = v->surface_count,
+                                .between = v->share};
     *count = 1;
     return ST_OK;
 }
@@ -63,6 +68,8 @@ status scene_volumes(leafcast *v, const leafcast_scene *scene,
 static interest wanted_of(const leafcast *v) {
     interest_interval of[INTEREST_MAX];
     int count = 0;
+    if (v->kind->given)
+        return interest_of_all();
     for (int i = 0; i < v->isovalue_count; i++)
         of[count++] = (interest_interval){v->isovalues[i], v->isovalues[i], false, true};
     for (int i = 0; i < v->beside.count; i++)
@@ -77,19 +84,23 @@ static interest wanted_of(const leafcast *v) {
 void volume_show(leafcast *v, uint32_t field, uint32_t step, const leafcast_surface *surfaces,
                  int count) {
     const interest nothing = {.count = 0};
-    volume_show_beside(&(leafcast_shown){v, field, step, surfaces, count, 0.0}, &nothing);
+    volume_show_beside(
+        &(leafcast_shown){
+            .volume = v, .field = field, .step = step, .surfaces = surfaces, .count = count},
+        &nothing);
 }
 
 void volume_show_beside(const leafcast_shown *s, const interest *beside) {
     leafcast *v = s->volume;
     const uint32_t set = between_steps_shown(s);
-    bool changed = s->count != v->isovalue_count || set != v->set ||
-                   loader_is_behind(v->treelets) || !interest_same(beside, &v->beside);
-    for (int i = 0; i < s->count; i++) {
+    const int count = v->kind->given && s->count > 1 ? 1 : s->count;
+    bool changed = count != v->isovalue_count || set != v->set || loader_is_behind(v->treelets) ||
+                   !interest_same(beside, &v->beside);
+    for (int i = 0; i < count; i++) {
         changed |= v->isovalues[i] != s->surfaces[i].isovalue;
         v->isovalues[i] = s->surfaces[i].isovalue;
     }
-    v->isovalue_count = s->count;
+    v->isovalue_count = count;
     v->set = set;
     v->beside = *beside;
     if (!changed)

@@ -21,6 +21,8 @@ static double brightest_surface(const scene_look *l) {
         for (int i = 0; i < t->shown[v].count; i++)
             for (int c = 0; c < 3; c++)
                 rgb = fmax(rgb, (double)t->surfaces[v][i].rgb[c]);
+    for (int v = 0; v < t->volumes; v++)
+        rgb = fmax(rgb, l->colours[v].spans > 0 ? l->colours[v].most_rgb : t->tracers[v].coloured);
     return rgb * (1.0 + lights) + fabs((double)scene->specular) * lights;
 }
 
@@ -41,6 +43,11 @@ static void drawn_range(const scene_look *l, int i, double range[2]) {
         shown_range(l, i, range);
 }
 
+static status refuse_given(const turn *t, int i, const char *what) {
+    return status_describe(ST_USAGE, "volume %d of the scene, of %s, is a surface: %s", i + 1,
+                           t->shown[i].volume->kind->name, what);
+}
+
 static status fill_volume(scene_look *l, int i) {
     turn *t = l->turn;
     interest_interval of[SCENE_BESIDE_MAX];
@@ -48,6 +55,8 @@ static status fill_volume(scene_look *l, int i) {
     const status st = transfer_init(medium, t->f.m, &t->scene.media[i]);
     if (st != ST_OK || medium->spans == 0)
         return st;
+    if (t->shown[i].volume->kind->given)
+        return refuse_given(t, i, "no medium fills it");
     t->beside[i] = interest_of_intervals(of, transfer_interest(medium, of, SCENE_BESIDE_MAX));
     drawn_range(l, i, l->ranges[i]);
     l->look.brightest = fmax(l->look.brightest, medium->most_rgb);
@@ -131,18 +140,21 @@ static status fill(scene_look *l) {
 }
 
 /* Set a volume up for projection: its interest, and its part of the value range. */
-static void project_volume(scene_look *l, int i) {
+static status project_volume(scene_look *l, int i) {
     turn *t = l->turn;
     leafcast_shown *s = &t->shown[i];
     const leafcast_scene *scene = &t->scene;
     const interest_interval above = {.lo = scene->project_value, .hi = (double)INFINITY};
     double range[2];
+    if (s->volume->kind->given)
+        return refuse_given(t, i, "there are no values along a ray to project");
     s->count = 0;
     t->beside[i] = scene->project == LEAFCAST_PROJECT_FIRST ? interest_of_intervals(&above, 1)
                                                             : interest_of_all();
     shown_range(l, i, range);
     l->projected.range[0] = fmin(l->projected.range[0], range[0]);
     l->projected.range[1] = fmax(l->projected.range[1], range[1]);
+    return ST_OK;
 }
 
 static status project_scene(scene_look *l) {
@@ -158,7 +170,7 @@ static status project_scene(scene_look *l) {
     t->f.integrator = &projection_integrator;
     t->f.look = &l->projected;
     for (int i = 0; i < t->volumes && st == ST_OK; i++)
-        project_volume(l, i);
+        st = project_volume(l, i);
     /* Raise a threshold below all data to their least value: rays reach it where data begin, too.
      * So differences from the data lose no digits. */
     if (scene->project == LEAFCAST_PROJECT_FIRST && isfinite(l->projected.range[0]))
@@ -170,8 +182,14 @@ status scene_look_choose(scene_look *l, turn *t) {
     const leafcast_scene *scene = &t->scene;
     status st = ST_OK;
     l->turn = t;
-    l->look.surfaces = (surface_look){
-        scene, (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])t->surfaces, t->first_id};
+    l->look.surfaces =
+        (surface_look){scene, (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])t->surfaces,
+                       t->first_id, l->colours};
+    for (int v = 0; v < t->volumes && st == ST_OK; v++)
+        if (t->shown[v].colours)
+            st = transfer_init(&l->colours[v], t->f.m, t->shown[v].colours);
+    if (st != ST_OK)
+        return st;
     t->f.integrator = &surface_integrator;
     t->f.look = &l->look;
     if (scene->project != LEAFCAST_PROJECT_NONE)
@@ -186,6 +204,8 @@ status scene_look_choose(scene_look *l, turn *t) {
 void scene_look_release(scene_look *l, mem *m) {
     for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
         transfer_release(&l->media[i], m);
+    for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
+        transfer_release(&l->colours[i], m);
     transfer_release(&l->cap_colours, m);
     if (l->laboratory)
         l->laboratory->end_steps(m, l->stepped);

@@ -22,8 +22,9 @@ typedef struct scene_look {
     const laboratory *laboratory; /* media in steps: who draws them, and */
     void *stepped;                /* their look; else NULL */
     transfer media[LEAFCAST_VOLUMES_MAX];
-    medium_shade shade;   /* for scene.shade_media */
-    transfer cap_colours; /* without spans: caps have surfaces' colours */
+    medium_shade shade;                     /* for scene.shade_media */
+    transfer colours[LEAFCAST_VOLUMES_MAX]; /* of surfaces; without spans: by their own */
+    transfer cap_colours;                   /* without spans: caps have surfaces' colours */
     double ranges[LEAFCAST_VOLUMES_MAX][2];
 } scene_look;
 

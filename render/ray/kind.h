@@ -89,6 +89,10 @@ typedef struct kind_batches {
 typedef struct kind {
     const char *name; /* leafcast_info.kind */
     const char *cell; /* leafcast_info.cell: what one is called */
+    /* Its cells are pieces of a surface, which is drawn whatever their values, as long as these are
+     * finite. Isovalues do not matter: the first surface that is selected says how it looks. It has
+     * no pieces, no extremes, and holds no points. */
+    bool given;
 
     /* ---- An open volume ---- */
 

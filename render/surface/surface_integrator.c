@@ -23,6 +23,21 @@ bool surface_opaque(const frame *f) {
     return true;
 }
 
+void surface_colour(const frame *f, uint16_t v, const hit *found, const surface_point *point,
+                    float rgb[3]) {
+    const surface_look *look = surface_look_of(f);
+    const tracer *tr = &f->tracer[v];
+    if (look->colours && look->colours[v].spans > 0) {
+        double of[3];
+        transfer_rgb(&look->colours[v],
+                     tr->kind->given ? point->value : tr->isos.isovalues[found->iso], of);
+        for (int c = 0; c < 3; c++)
+            rgb[c] = (float)of[c];
+        return;
+    }
+    memcpy(rgb, tr->coloured ? point->rgb : look->surfaces[v][found->iso].rgb, sizeof(float[3]));
+}
+
 static void surface_begin(const frame *f, uint32_t pixel, ray_record *r) {
     surface_pixel *p = surface_pixel_of(r);
     (void)f;
@@ -59,9 +74,11 @@ static void surface_answer(const frame *f, ray_record *record, trace_result resu
     surface_ray_answer(f, &surface_pixel_of(record)->way, result);
 }
 
-/* A tile's kernel walks one volume. */
+/* A tile's kernel walks one volume, and has one colour for each surface. */
 static tile_fn surface_tile(const frame *f) {
-    return f->projection ? f->tracer->kernels->tile : NULL;
+    const transfer *colours = surface_look_of(f)->colours;
+    const bool coloured = f->tracer->coloured || (colours && colours->spans > 0);
+    return f->projection && !coloured ? f->tracer->kernels->tile : NULL;
 }
 
 const integrator surface_integrator = {.record_bytes = sizeof(surface_pixel),

@@ -5,6 +5,7 @@
 #define RENDER_SURFACE_SURFACE_INTEGRATOR_H
 
 #include "render/frame/integrator.h"
+#include "render/look/transfer.h"
 
 extern const integrator surface_integrator;
 
@@ -13,6 +14,7 @@ typedef struct surface_look {
     const leafcast_scene *scene;                               /* its lights, shading, background */
     const leafcast_surface (*surfaces)[LEAFCAST_SURFACES_MAX]; /* by isovalue of the tracer */
     const int32_t *first_id; /* in image.id: the first surface's number */
+    const transfer *colours; /* by the value at a surface; without spans: there are none */
 } surface_look;
 
 static inline const surface_look *surface_look_of(const frame *f) {
@@ -21,6 +23,10 @@ static inline const surface_look *surface_look_of(const frame *f) {
 
 /* surface_opaque() - whether no light comes through any surface. */
 bool surface_opaque(const frame *f);
+
+/* surface_colour() - the colour of a surface of volume v that was met. */
+void surface_colour(const frame *f, uint16_t v, const hit *found, const surface_point *point,
+                    float rgb[3]);
 
 /* surface_layers() - the most surfaces of a ray that count; 0: any number. */
 static inline int surface_layers(const frame *f) {

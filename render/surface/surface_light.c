@@ -40,8 +40,9 @@ shade_point lit_shading(const frame *f, const lit_surface *s) {
     double origin[3], direction[3];
     eye_ray(f, s->pixel, origin, direction);
     const float eye[3] = {(float)-direction[0], (float)-direction[1], (float)-direction[2]};
-    return shade_point_of(surface_look_of(f)->scene, look_of(f, s->volume, s->found)->rgb,
-                          s->point->normal, eye);
+    float rgb[3];
+    surface_colour(f, s->volume, s->found, s->point, rgb);
+    return shade_point_of(surface_look_of(f)->scene, rgb, s->point->normal, eye);
 }
 
 /* The start of a shadow ray at its surface. */

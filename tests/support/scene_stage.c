@@ -59,8 +59,10 @@ void scene_stage_open(scene_pair *p, const scene_stage *s, const leafcast_option
                                 .experiments = EXPERIMENTS(.treelet_limit = treelets)};
     assert_int_equal(leafcast_open(s->grid_path, &o, &p->volume[0]), LEAFCAST_OK);
     assert_int_equal(leafcast_open(s->mesh_path, &o, &p->volume[1]), LEAFCAST_OK);
-    p->shown[0] = (leafcast_shown){p->volume[0], 0, 0, scene_stage_grid, 2, 0.0};
-    p->shown[1] = (leafcast_shown){p->volume[1], 0, 0, &scene_stage_mesh, 1, 0.0};
+    p->shown[0] =
+        (leafcast_shown){.volume = p->volume[0], .surfaces = scene_stage_grid, .count = 2};
+    p->shown[1] =
+        (leafcast_shown){.volume = p->volume[1], .surfaces = &scene_stage_mesh, .count = 1};
     p->scene = leafcast_scene_default();
     p->scene.volumes = p->shown;
     p->scene.volume_count = 2;
