@@ -19,6 +19,7 @@
 #include "prep/curvilinear/curvilinear_files.h"
 #include "prep/grid/convert.h"
 #include "prep/mesh/mesh_convert.h"
+#include "prep/mesh/mixed_treelet.h"
 #include "prep/prep_arguments.h"
 
 _Static_assert((int)LEAFCAST_U8 == (int)SAMPLE_U8 && (int)LEAFCAST_I8 == (int)SAMPLE_I8 &&
@@ -280,7 +281,7 @@ static status convert_mesh(job *j, mesh_input *x, const mesh_series *series) {
     o.force = j->o.replace;
     o.gradients = j->o.gradients;
     o.coarse = j->o.coarse;
-    o.mixed = j->o.whole_cells;
+    o.cells = j->o.whole_cells ? &mixed_treelets : NULL;
     o.coarse_dims = j->o.coarse_dims;
     o.refuse_empty = !j->o.allow_empty;
     o.treelet_tets = j->o.treelet_tets ? j->o.treelet_tets : o.treelet_tets;

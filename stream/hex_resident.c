@@ -13,7 +13,7 @@ static int parts_of(const leaf_file *f, uint32_t set, uint32_t t, uint32_t p[LEA
 }
 
 bool hex_resident_shares(const leaf_file *f) {
-    return f->geometry->hexes->listed || !leaf_layout_moves(&f->layout);
+    return f->geometry->noded->listed || !leaf_layout_moves(&f->layout);
 }
 
 const treelet_bounds *hex_resident_boxes(const leaf_file *f, uint32_t set) {
@@ -137,7 +137,7 @@ static status check(const resident_store *s, const resident_hexes *tr, const uin
     hex_treelet h = hexes_of(s, tr);
     if (!s->file->below)
         return hex_treelet_check(&h, tr->head.set, tr->part[VALUES]);
-    status st = s->file->geometry->hexes->listed ? hex_treelet_check_corners(&h) : ST_OK;
+    status st = s->file->geometry->noded->listed ? hex_treelet_check_corners(&h) : ST_OK;
     for (int i = 0; i < tr->parts && st == ST_OK; i++)
         if (is_made(s->file, p[i])) {
             st = check_made_of(s, tr, p[i], tr->part[i]);

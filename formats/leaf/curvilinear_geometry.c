@@ -238,7 +238,7 @@ static void row_of(const hex_treelet *h, uint32_t cell, uint32_t out[CELL_ROW]) 
     }
 }
 
-static const leaf_hexes hexes = {false, count, row_of};
+static const leaf_noded noded = {.hexahedra = true, .count = count, .row = row_of};
 
 const leaf_geometry curvilinear_geometry = {.coarse = true,
                                             .blending = &hex_blending,
@@ -262,5 +262,5 @@ const leaf_geometry curvilinear_geometry = {.coarse = true,
                                             .payload_name = payload_name,
                                             .parts = parts,
                                             .coder = &curvilinear_coder,
-                                            .hexes = &hexes,
+                                            .noded = &noded,
                                             .verifier = &curvilinear_verifier};

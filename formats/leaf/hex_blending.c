@@ -39,7 +39,7 @@ static status allocate(leaf_file *f) {
 /* Where cells move, payload t of a kind that lists no corners is places alone: those of step 0. */
 static uint32_t alike(const leaf_layout *l, uint32_t p, const leaf_layout *of, uint32_t set) {
     const uint32_t q = block_blending_alike(l, p, of, set);
-    return q == LEAF_NO_TREELET && !l->geometry->hexes->listed ? p % l->treelets : q;
+    return q == LEAF_NO_TREELET && !l->geometry->noded->listed ? p % l->treelets : q;
 }
 
 static hex_code code_of(const hex_treelet *h, uint32_t cell) {
@@ -72,7 +72,8 @@ static void make_places(const leaf_file *f, const leaf_mix *m, uint32_t bytes) {
     const size_t coordinates = 3 * (size_t)h.nodes;
     block_blending_mix(m, from[0], 0, coordinates);
     memset(m->payload + coordinates * sizeof(float), 0, bytes - coordinates * sizeof(float));
-    make_codes(f, m, from);
+    if (f->geometry->noded->hexahedra)
+        make_codes(f, m, from);
 }
 
 static void make_values(const leaf_file *f, const leaf_mix *m, uint32_t bytes) {

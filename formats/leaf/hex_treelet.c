@@ -6,7 +6,7 @@
 
 hex_treelet hex_treelet_of(const leaf_file *f, uint32_t t) {
     hex_treelet h = {.f = f, .id = t};
-    f->geometry->hexes->count(&h);
+    f->geometry->noded->count(&h);
     return h;
 }
 
@@ -91,7 +91,7 @@ status hex_treelet_check_corners(const hex_treelet *h) {
 
 status hex_treelet_check(const hex_treelet *h, uint32_t set, const float *values) {
     status st = hex_treelet_check_places(h, leaf_layout_step(&h->f->layout, set));
-    if (st == ST_OK && h->f->geometry->hexes->listed)
+    if (st == ST_OK && h->f->geometry->noded->listed)
         st = hex_treelet_check_corners(h);
     return st == ST_OK ? hex_treelet_check_values(h, set, values) : st;
 }
@@ -120,7 +120,7 @@ status hex_treelet_load(leaf_file *f, uint32_t t, uint32_t set, leaf_unpacker *u
                 *const last = places + payload_bytes(f);
     const uint32_t at = hex_treelet_places(&f->layout, leaf_layout_step(&f->layout, set), t);
     status st = ST_OK;
-    if (at == t || f->geometry->hexes->listed)
+    if (at == t || f->geometry->noded->listed)
         st = leaf_file_load(f, t, u, topology);
     if (st == ST_OK && at != t)
         st = leaf_file_load(f, at, u, places);

@@ -1,8 +1,8 @@
-/* hex_treelet.h - a treelet whose cells are hexahedra, of whatever kind its file is: nodes, and
- * which of them are at the corners of a cell.
+/* hex_treelet.h - a treelet of nodes and cells between them, of whatever kind its file is: nodes,
+ * and which of them are at the corners of a cell.
  *
- * All such kinds have the same places: float x[n], y[n], z[n], then the cells' hex_code, four a
- * byte, the first one lowest. What differs is a row, leaf_geometry.hexes.
+ * All such kinds have the same places: float x[n], y[n], z[n]; if cells are hexahedra, then their
+ * hex_code, four a byte, the first one lowest. What differs is a row, leaf_geometry.noded.
  */
 #ifndef FORMATS_LEAF_HEX_TREELET_H
 #define FORMATS_LEAF_HEX_TREELET_H
@@ -18,15 +18,20 @@ typedef struct hex_treelet {
     const float *places;
 } hex_treelet;
 
-typedef struct leaf_hexes {
-    bool listed; /* corners are in the topology; else they follow from the treelet's COUNTS */
+typedef struct leaf_noded {
+    bool listed;    /* corners are in the topology; else they follow from the treelet's COUNTS */
+    bool hexahedra; /* cells are, or collapse from them, or are quadratic tets; places have codes */
     /* Set nodes and cells of h. */
     void (*count)(hex_treelet *h);
-    /* The nodes of a cell (cell_row.h). */
+    /* The nodes of a cell (cell_row.h); of a triangle three, then the last one again. */
     void (*row)(const hex_treelet *h, uint32_t i, uint32_t row[CELL_ROW]);
-} leaf_hexes;
+    /* Of those that are listed (listed_geometry.h): the most cells of a treelet; the fewest nodes
+     * of a cell; the most of each in a treelet; and what it cannot have (COUNTS), or NULL. */
+    uint32_t cells_max, nodes_least, nodes_each;
+    const char *(*counts_fault)(const uint32_t counts[4], uint32_t treelet_cells);
+} leaf_noded;
 
-/* hex_treelet_of() - treelet t of a file with leaf_geometry.hexes, its payloads not yet known.
+/* hex_treelet_of() - treelet t of a file with leaf_geometry.noded, its payloads not yet known.
  * hex_treelet_places() - the payload of its places at a step. */
 hex_treelet hex_treelet_of(const leaf_file *f, uint32_t t);
 uint32_t hex_treelet_places(const leaf_layout *l, uint32_t step, uint32_t t);
@@ -53,7 +58,7 @@ static inline void hex_treelet_write_code(const hex_treelet *h, float *places, u
     codes[i / 4] |= (uint8_t)((unsigned)code << 2 * (i % 4));
 }
 static inline void hex_treelet_row(const hex_treelet *h, uint32_t i, uint32_t row[CELL_ROW]) {
-    h->f->geometry->hexes->row(h, i, row);
+    h->f->geometry->noded->row(h, i, row);
 }
 
 /* hex_treelet_cell() - a cell at the places of h; its number is that in the treelet. values: of the

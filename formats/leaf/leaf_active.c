@@ -124,7 +124,7 @@ static status active_hexes(const leaf_active *a, uint64_t *cells) {
 status leaf_active_count(const leaf_active *a, uint64_t *cells) {
     const leaf_file *f = a->f;
     *cells = 0;
-    if (f->geometry->cells)
+    if (f->geometry->cells || (f->geometry->noded && !f->geometry->noded->hexahedra))
         return ST_OK;
-    return (f->geometry->hexes ? active_hexes : f->mesh ? active_tets : active_grid)(a, cells);
+    return (f->geometry->noded ? active_hexes : f->mesh ? active_tets : active_grid)(a, cells);
 }

@@ -3,6 +3,7 @@
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/mesh_geometry.h"
 #include "formats/leaf/mixed_geometry.h"
+#include "formats/leaf/triangle_geometry.h"
 
 const leaf_geometry *leaf_geometry_of(uint32_t kind) {
     static const leaf_geometry *const geometries[] = {
@@ -10,6 +11,7 @@ const leaf_geometry *leaf_geometry_of(uint32_t kind) {
         [LEAF_KIND_MESH] = &mesh_geometry,
         [LEAF_KIND_CURVILINEAR] = &curvilinear_geometry,
         [LEAF_KIND_MIXED] = &mixed_geometry,
+        [LEAF_KIND_TRIANGLES] = &triangle_geometry,
     };
     return kind < sizeof geometries / sizeof *geometries ? geometries[kind] : NULL;
 }

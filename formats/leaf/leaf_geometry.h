@@ -112,8 +112,8 @@ typedef struct leaf_geometry {
      * section BOUNDS is float[6] of each treelet, those of the first step first. */
     const struct leaf_coder *coder;
 
-    /* How its cells are hexahedra (hex_treelet.h); NULL: they are not. */
-    const struct leaf_hexes *hexes;
+    /* How its treelets have nodes, and cells between these (hex_treelet.h); NULL: otherwise. */
+    const struct leaf_noded *noded;
 
     const leaf_verifier *verifier; /* NULL: leaf_verify.c goes set by set, as of a grid */
 

@@ -45,7 +45,7 @@ void leaf_head_grid(leaf_header *h, const leaf_layout *l, const leaf_parameters 
 void leaf_head_mesh(leaf_header *h, const leaf_layout *l, const leaf_parameters *p,
                     const leaf_mesh *mesh) {
     fill_common(h, l, p);
-    h->kind = mesh->mixed ? LEAF_KIND_MIXED : LEAF_KIND_MESH;
+    h->kind = mesh->kind;
     h->source_type = SAMPLE_F32;
     h->fields = mesh->fields;
     h->steps = mesh->steps;

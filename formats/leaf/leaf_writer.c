@@ -6,11 +6,11 @@
 
 #include "formats/leaf/curvilinear_geometry.h"
 #include "formats/leaf/deviation.h"
+#include "formats/leaf/hex_treelet.h"
 #include "formats/leaf/leaf_check.h"
 #include "formats/leaf/leaf_head.h"
 #include "formats/leaf/leaf_writer_private.h"
 #include "formats/leaf/mesh_layout.h"
-#include "formats/leaf/mixed_geometry.h"
 
 /* Memory per treelet of the layout, per range, and per payload of the directory. */
 enum {
@@ -367,17 +367,19 @@ status leaf_writer_create_mesh(mem *m, const leaf_target *to, const leaf_mesh *m
     assert(mesh->treelets > 0 && sets > 0 && sets <= LEAF_SETS_MAX);
     assert(!mesh->names || strncmp(mesh->names[0], mesh->field, sizeof(char[63])) == 0);
     assert(mesh->treelet_tets > 0 && mesh->treelet_tets <= LEAF_TREELET_TETS_MAX);
-    assert(mesh->mixed || (mesh->leaf_tets > 0 && mesh->leaf_tets <= LEAF_LEAF_TETS_MAX));
-    assert(!mesh->mixed ||
-           (mesh->treelet_tets <= MIXED_CELLS_MAX && mesh->leaf_tets == 0 && !mesh->gradients));
+    const leaf_geometry *g = leaf_geometry_of(mesh->kind);
+    assert(g->noded || (mesh->leaf_tets > 0 && mesh->leaf_tets <= LEAF_LEAF_TETS_MAX));
+    assert(!g->noded ||
+           (mesh->treelet_tets <= g->noded->cells_max && mesh->leaf_tets == 0 && !mesh->gradients));
     if (mesh_layout_payloads(&blocks) >= LEAF_NO_TREELET)
         return status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 payloads; use larger treelets");
     leaf_writer *w = new_writer(m, p);
     if (!w)
         return ST_NOMEM;
     take_target(w, to);
-    if (mesh->mixed)
-        (void)mixed_layout(&w->layout, mesh->treelets, mesh->fields, mesh->steps, mesh->moving);
+    if (g->noded)
+        (void)leaf_layout_blocks(&w->layout, g, mesh->treelets, mesh->fields, mesh->steps,
+                                 mesh->moving);
     else
         mesh_layout_of(&w->layout, &blocks);
     status st = leaf_layout_init_flat(&w->layout, m);

@@ -76,8 +76,8 @@ typedef struct leaf_mesh {
     bool gradients;         /* each set has gradients, too */
     bool moving;            /* steps behind the first have positions; steps is 2 or more then */
     bool coarse;            /* sets may have coarse grids: leaf_writer_embed() */
-    bool mixed;             /* a mixed mesh (mixed_geometry.h): treelet_tets up to MIXED_CELLS_MAX,
-                               leaf_tets 0, no gradients */
+    uint32_t kind;          /* of a leaf_kind: LEAF_KIND_MESH, or one whose cells are listed
+                               (listed_geometry.h): leaf_tets 0, no gradients */
 } leaf_mesh;
 
 /* Contents of the file of a curvilinear grid. It does not use cells_log2 and halo of
@@ -178,8 +178,8 @@ CHECKED status leaf_writer_put_shell(leaf_writer *w, leaf_family *f, leaf_packer
                                      uint32_t parent, const void *samples);
 
 /* leaf_writer_put_topology() - put treelet t of a mesh: its bounds (exact), its counts (without a
- * mesh_leaf_counts_fault(), or mixed_counts_fault()), and its topology. Sizes follow from the
- * counts: mesh_leaf_shape(), mixed_shape_of().
+ * mesh_leaf_counts_fault(), or its kind's), and its topology. Sizes follow from the
+ * counts: mesh_leaf_shape(), mixed_shape_of(), triangle_shape_of().
  * leaf_writer_keep_topology() - instead, where a file is added to: it is the one that the file has.
  * leaf_writer_put_values() - its values in a set, .values_bytes, after its topology; entry->own:
  * the range of its vertices' finite values.

@@ -6,13 +6,13 @@
 
 #include "formats/base/file_guard.h"
 #include "formats/base/hash.h"
+#include "formats/leaf/hex_treelet.h"
 #include "formats/leaf/leaf_check.h"
 #include "formats/leaf/leaf_file.h"
 #include "formats/leaf/leaf_head.h"
 #include "formats/leaf/leaf_unpacker.h"
 #include "formats/leaf/leaf_writer_private.h"
 #include "formats/leaf/mesh_layout.h"
-#include "formats/leaf/mixed_geometry.h"
 
 /* Place the payloads of a mesh, all of whose sizes are known. */
 static void place_payloads(leaf_writer *w) {
@@ -143,7 +143,8 @@ static status close_payloads(leaf_writer *w) {
         sum_up_grid(w);
         return ST_OK;
     }
-    if (w->header.kind == LEAF_KIND_MESH || w->header.kind == LEAF_KIND_MIXED)
+    const leaf_noded *noded = w->layout.geometry->noded;
+    if (!noded || noded->listed)
         leaf_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
     status st = make_copy_room(w);
     if (st == ST_OK)

@@ -4,10 +4,10 @@
 #include <string.h>
 
 #include "formats/base/hash.h"
+#include "formats/leaf/hex_treelet.h"
 #include "formats/leaf/implied_payload.h"
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/leaf_writer_private.h"
-#include "formats/leaf/mixed_geometry.h"
 #include "formats/mesh/mesh_leaf.h"
 
 /* Decide where a payload of this size goes. Returns true for offsets[p], as all before it have been
@@ -99,7 +99,7 @@ status leaf_writer_put_topology(leaf_writer *w, leaf_packer *k, uint32_t t, cons
     assert(t < w->layout.treelets && w->counts);
     assert(!(w->header.leaf_tets
                  ? mesh_leaf_counts_fault(counts, w->header.treelet_tets, w->header.leaf_tets)
-                 : mixed_counts_fault(counts, w->header.treelet_tets)));
+                 : w->layout.geometry->noded->counts_fault(counts, w->header.treelet_tets)));
     copy_floats(w->bounds[t], bounds, 6);
     memcpy(w->counts[t], counts, sizeof w->counts[t]);
     return put_payload(w, k, t, payload, pack);

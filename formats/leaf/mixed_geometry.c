@@ -1,13 +1,9 @@
 #include "formats/leaf/mixed_geometry.h"
 
-#include <stddef.h>
-#include <stdio.h>
-#include <string.h>
-
 #include "formats/curved/curved_cell.h"
 #include "formats/leaf/hex_blending.h"
 #include "formats/leaf/hex_treelet.h"
-#include "formats/leaf/leaf_place.h"
+#include "formats/leaf/listed_geometry.h"
 #include "formats/leaf/mixed_coder.h"
 #include "formats/leaf/mixed_verify.h"
 
@@ -53,159 +49,6 @@ void mixed_widen(const mixed_shape *s, const uint16_t *rows, const float *of_nod
     }
 }
 
-bool mixed_layout(leaf_layout *l, uint64_t treelets, uint32_t fields, uint32_t steps, bool moving) {
-    return leaf_layout_blocks(l, &mixed_geometry, treelets, fields, steps, moving);
-}
-
-/* ---- The header ---- */
-
-static status check_parameters(const char *path, const leaf_header *h) {
-    const leaf_field fields[] = {
-        LEAF_FIELD(h, sample_type, SAMPLE_F32, SAMPLE_F32),
-        LEAF_FIELD(h, source_type, SAMPLE_F32, SAMPLE_F64),
-        LEAF_FIELD(h, dims[0], 0, 0),
-        LEAF_FIELD(h, dims[1], 0, 0),
-        LEAF_FIELD(h, dims[2], 0, 0),
-        LEAF_FIELD(h, levels, 1, 1),
-        LEAF_FIELD(h, cells_log2, 0, 0),
-        LEAF_FIELD(h, halo, 0, 0),
-        LEAF_FIELD(h, block_log2, 0, 0),
-        LEAF_FIELD(h, codec, LEAF_CODEC_RAW, LEAF_CODEC_ZSTD),
-        LEAF_FIELD(h, rectilinear, 0, 0),
-        LEAF_FIELD(h, outside, 0, 0),
-        LEAF_FIELD(h, fields, 1, LEAF_SETS_MAX),
-        LEAF_FIELD(h, steps, 1, LEAF_SETS_MAX / (h->fields ? h->fields : 1)),
-        LEAF_FIELD(h, treelet_tets, 1, MIXED_CELLS_MAX),
-        LEAF_FIELD(h, leaf_tets, 0, 0),
-        LEAF_FIELD(h, gradients, 0, 0),
-        LEAF_FIELD(h, moving, 0, h->steps > 1 ? 1 : 0),
-    };
-    return leaf_check_fields(path, fields, sizeof fields / sizeof fields[0]);
-}
-
-static uint64_t payloads(const leaf_header *h) {
-    return leaf_layout_block_count(h->treelets, h->fields, h->steps, h->moving);
-}
-
-static status check_values(const char *path, const leaf_header *h) {
-    const status st = leaf_cells_check_values(path, h);
-    if (st != ST_OK)
-        return st;
-    if (payloads(h) >= LEAF_NO_TREELET)
-        return leaf_check_corrupt(path, offsetof(leaf_header, treelets),
-                                  "%llu treelets are too many", (unsigned long long)h->treelets);
-    const uint64_t most = h->treelets * h->treelet_tets;
-    if (h->tets < h->treelets || h->tets > most || h->vertices < 4 ||
-        h->vertices > CELL_ROW * most || h->flat > h->tets || h->inverted)
-        return leaf_check_corrupt(path, offsetof(leaf_header, tets),
-                                  "%llu treelets cannot have %llu cells, %llu of them folded, and "
-                                  "%llu nodes",
-                                  (unsigned long long)h->treelets, (unsigned long long)h->tets,
-                                  (unsigned long long)h->flat, (unsigned long long)h->vertices);
-    return ST_OK;
-}
-
-static status check_rest(const char *path, const leaf_header *h) {
-    const size_t bare = offsetof(leaf_header, bare), rest = offsetof(leaf_header, zones);
-    status st = leaf_check_text(path, h->field, sizeof h->field, offsetof(leaf_header, field));
-    if (st == ST_OK)
-        st = leaf_check_zero(path, (const char *)h + bare, offsetof(leaf_header, directory) - bare,
-                             bare);
-    return st == ST_OK ? leaf_check_zero(path, (const char *)h + rest, sizeof *h - rest, rest) : st;
-}
-
-static status check_layout(const char *path, const leaf_header *h, leaf_layout *l) {
-    if (!leaf_check_may_hold(h))
-        return leaf_check_corrupt(
-            path, offsetof(leaf_header, treelets), "a file of %llu bytes cannot hold %llu treelets",
-            (unsigned long long)h->file_bytes, (unsigned long long)h->treelets);
-    (void)mixed_layout(l, h->treelets, h->fields, h->steps, h->moving);
-    return ST_OK;
-}
-
-/* ---- The directory ---- */
-
-static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
-    return kind == LEAF_SECTION_BOUNDS ? h->treelets * (h->moving ? h->steps : 1) * sizeof(float[6])
-           : kind == LEAF_SECTION_COUNTS ? h->treelets * sizeof(uint32_t[4])
-                                         : 0;
-}
-
-static status lay_out(leaf_file *f, leaf_directory *d) {
-    leaf_cells_directory *own = f->besides;
-    const leaf_header *h = &f->header;
-    d->bounds = (const float(*)[6])own->bounds;
-    for (uint32_t t = 0; t < f->layout.treelets; t++) {
-        const char *fault = mixed_counts_fault(own->counts[t], h->treelet_tets);
-        if (fault)
-            return leaf_check_corrupt(file_path(f->source),
-                                      d->at[LEAF_SECTION_COUNTS - 1] + t * sizeof *own->counts,
-                                      "treelet %u of %u cells and %u nodes cannot have %s", t,
-                                      own->counts[t][0], own->counts[t][1], fault);
-        own->first[t + 1] = own->first[t] + own->counts[t][0];
-    }
-    if (own->first[f->layout.treelets] != h->tets)
-        return leaf_check_corrupt(file_path(f->source), offsetof(leaf_header, tets),
-                                  "expected the treelets' %llu cells, found %llu",
-                                  (unsigned long long)own->first[f->layout.treelets],
-                                  (unsigned long long)h->tets);
-    leaf_layout_set_counts(&f->layout, (const uint32_t(*)[4])own->counts);
-    return leaf_layout_init_flat(&f->layout, f->m);
-}
-
-static status check_directory(const char *path, const leaf_header *h, const leaf_layout *l,
-                              const leaf_directory *d) {
-    char why[LEAF_PLACE_TEXT];
-    const status st = leaf_cells_check_directory(path, h, l, d);
-    if (st == ST_OK && !leaf_place_mesh(h->bounds, why))
-        return leaf_check_corrupt(path, offsetof(leaf_header, bounds), "%s", why);
-    return st;
-}
-
-/* ---- Payloads ---- */
-
-static const char *payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]) {
-    static const char *const formats[] = {[LEAF_BLOCK_TOPOLOGY] = "treelet %u's topology",
-                                          [LEAF_BLOCK_VALUES] = "treelet %u's values of set %u",
-                                          [LEAF_BLOCK_POSITIONS] =
-                                              "treelet %u's positions of step %u"};
-    uint32_t index;
-    const leaf_block block = leaf_layout_block_of(l, p, &index);
-    snprintf(text, LEAF_NAME_MAX, formats[block], p % l->treelets, index);
-    return text;
-}
-
-static int parts(const leaf_layout *l, uint32_t set, uint32_t treelet,
-                 uint32_t payloads_of[LEAF_PARTS_MAX]) {
-    const uint32_t place = leaf_layout_place(l, leaf_layout_step(l, set));
-    payloads_of[0] = treelet;
-    payloads_of[1] = leaf_layout_values(l, set, treelet);
-    if (place == 0)
-        return 2;
-    payloads_of[2] = leaf_layout_positions(l, place, treelet);
-    return 3;
-}
-
-/* ---- Segments ---- */
-
-/* Segments have one topology: nodes that move at a later step would be in none of them. */
-static bool may_grow(const leaf_header *h, const char **why) {
-    *why = "its nodes move";
-    return !h->moving;
-}
-
-static bool same_treelets(const leaf_file *first, const leaf_file *part) {
-    const size_t n = first->layout.treelets;
-    const leaf_cells_directory *a = mixed_directory_of(first), *b = mixed_directory_of(part);
-    return memcmp(a->counts, b->counts, n * sizeof *a->counts) == 0 &&
-           memcmp(a->bounds, b->bounds, n * sizeof *a->bounds) == 0;
-}
-
-static const leaf_growth growth = {.may = may_grow,
-                                   .alike = same_treelets,
-                                   .repeat = leaf_layout_block_repeat,
-                                   .rows = leaf_layout_block_rows};
-
 /* ---- Cells ---- */
 
 static void count(hex_treelet *h) {
@@ -219,29 +62,14 @@ static void row_of(const hex_treelet *h, uint32_t cell, uint32_t row[CELL_ROW]) 
     mixed_row(&s, mixed_rows(&s, h->topology), cell, row);
 }
 
-static const leaf_hexes hexes = {true, count, row_of};
+static const leaf_noded noded = {.listed = true,
+                                 .hexahedra = true,
+                                 .count = count,
+                                 .row = row_of,
+                                 .cells_max = MIXED_CELLS_MAX,
+                                 .nodes_least = 4,
+                                 .nodes_each = CELL_ROW,
+                                 .counts_fault = mixed_counts_fault};
 
-const leaf_geometry mixed_geometry = {.coarse = true,
-                                      .blending = &hex_blending,
-                                      .growth = &growth,
-                                      .check_parameters = check_parameters,
-                                      .check_values = check_values,
-                                      .check_rest = check_rest,
-                                      .check_layout = check_layout,
-                                      .sets = leaf_cells_sets,
-                                      .payloads = payloads,
-                                      .labels = leaf_cells_labels,
-                                      .section_bytes = section_bytes,
-                                      .allocate = leaf_cells_allocate,
-                                      .section = leaf_cells_section,
-                                      .release = leaf_cells_release,
-                                      .lay_out = lay_out,
-                                      .check_directory = check_directory,
-                                      .payload_bytes = hex_treelet_payload_bytes,
-                                      .begins_run = leaf_cells_begins_run,
-                                      .series = leaf_layout_block_series,
-                                      .payload_name = payload_name,
-                                      .parts = parts,
-                                      .coder = &mixed_coder,
-                                      .hexes = &hexes,
-                                      .verifier = &mixed_verifier};
+const leaf_geometry mixed_geometry = {LISTED_GEOMETRY, .coarse = true, .coder = &mixed_coder,
+                                      .noded = &noded, .verifier = &mixed_verifier};

@@ -73,10 +73,6 @@ static inline void mixed_row(const mixed_shape *s, const uint16_t *rows, uint32_
 void mixed_widen(const mixed_shape *s, const uint16_t *rows, const float *of_nodes, float *least,
                  float *greatest);
 
-/* mixed_layout() - the layout of so many treelets, fields and steps, without allocating. False:
- * that makes 2^32 - 1 payloads or more. */
-bool mixed_layout(leaf_layout *l, uint64_t treelets, uint32_t fields, uint32_t steps, bool moving);
-
 /* mixed_directory_of() - what the directory has besides. */
 static inline const leaf_cells_directory *mixed_directory_of(const leaf_file *f) {
     return f->besides;

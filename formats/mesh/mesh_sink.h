@@ -32,6 +32,9 @@ typedef struct mesh_sink {
     /* NULL, or taken in the place of tets: cells of all shapes, none of them split, as rows of ids
      * (cell_row.h), four or more of them different. */
     status (*cells)(void *ctx, size_t count, const uint32_t (*ids)[CELL_ROW]);
+    /* Taken in the place of tets by inputs that are surfaces: three ids, each a point's; all
+     * different. */
+    status (*triangles)(void *ctx, size_t count, const uint32_t (*ids)[3]);
     bool corners; /* tets() takes quadratic ones, too, as linear ones of their corners; else they
                      are refused without cells() */
 } mesh_sink;

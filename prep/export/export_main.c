@@ -14,6 +14,7 @@
 #include "formats/base/out_folder.h"
 #include "formats/base/text.h"
 #include "formats/grid/grid.h"
+#include "formats/leaf/hex_treelet.h"
 #include "formats/leaf/leaf_tell.h"
 #include "prep/export/export_cells.h"
 #include "prep/export/export_grid.h"
@@ -240,7 +241,7 @@ static const export_kind *const kinds[] = {&export_grid, &export_tets, &export_h
 /* Returns NULL for a kind that is not exported. */
 static const export_kind *kind_of(const leaf_file *f) {
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-        if (kinds[i]->of ? kinds[i]->of == f->geometry : f->geometry->hexes != NULL)
+        if (kinds[i]->of ? kinds[i]->of == f->geometry : f->geometry->noded && f->geometry->noded->hexahedra)
             return kinds[i];
     return NULL;
 }

@@ -110,7 +110,7 @@ static status convert_mesh(convert_request *a, mem *m, mesh_input *x, const mesh
                             .threads = a->common.threads,
                             .force = a->common.force,
                             .gradients = a->gradients,
-                            .mixed = a->whole,
+                            .cells = a->whole ? &mixed_treelets : NULL,
                             .refuse_empty = !a->allow_empty,
                             .grows = a->append,
                             .grow = a->grow,

@@ -16,8 +16,9 @@ void mesh_batches_release(mesh_batches *b) {
     b->first = NULL;
 }
 
-void mesh_batches_doubt(mesh_batches *b, uint64_t vertices) {
+void mesh_batches_doubt(mesh_batches *b, uint64_t vertices, uint32_t corners) {
     b->vertices = vertices;
+    b->corners = corners;
 }
 
 void mesh_batches_doubt_cells(mesh_batches *b, uint64_t cells) {
@@ -35,8 +36,8 @@ static bool is_sound(const mesh_batches *b, const mesh_record *r, uint64_t befor
     const uint64_t vertices = b->vertices;
     if (b->cells)
         return r->key >= before && mesh_record_cell(r) < b->cells;
-    for (int i = 0; i < 4; i++)
-        for (int k = 0; k < i; k++)
+    for (uint32_t i = 0; i < b->corners; i++)
+        for (uint32_t k = 0; k < i; k++)
             if (id[i] == id[k])
                 return false;
     return r->key >= before && id[0] < vertices && id[1] < vertices && id[2] < vertices &&

@@ -30,6 +30,7 @@ typedef struct mesh_batches {
     uint64_t before;       /* key of the last tet */
     size_t used;           /* records of the window up to the batch's end */
     uint64_t vertices;     /* check each record, with ids below this; 0: do not */
+    uint32_t corners;      /* the first so many of its ids are different then */
     uint64_t cells;        /* check each record, with numbers of cells below this; 0: do not */
 } mesh_batches;
 
@@ -40,9 +41,10 @@ CHECKED status mesh_batches_init(mesh_batches *b, mem *m, mesh_runs *runs, uint6
 void mesh_batches_release(mesh_batches *b); /* a zeroed struct is fine */
 
 /* mesh_batches_doubt() - the records are in a file that another run has left: from now on, check
- * that they are of tets with different vertices, in order. vertices: ids are below this.
+ * that they are of tets, or triangles, with different vertices, in order. vertices: ids are below
+ * this; corners: of each.
  * mesh_batches_fault() - ST_CORRUPT: they are not. */
-void mesh_batches_doubt(mesh_batches *b, uint64_t vertices);
+void mesh_batches_doubt(mesh_batches *b, uint64_t vertices, uint32_t corners);
 void mesh_batches_doubt_cells(mesh_batches *b, uint64_t cells);
 status mesh_batches_fault(void);
 

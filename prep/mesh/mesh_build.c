@@ -2,13 +2,11 @@
 
 #include <string.h>
 
-#include "formats/leaf/mixed_coder.h"
 #include "formats/mesh/mesh_coder.h"
 #include "prep/mesh/mesh_earlier.h"
 #include "prep/mesh/mesh_histogram.h"
 #include "prep/mesh/mesh_sah.h"
 #include "prep/mesh/mesh_treelet.h"
-#include "prep/mesh/mixed_treelet.h"
 
 /* Tets by the sign of their volume. */
 typedef struct signs {
@@ -17,9 +15,9 @@ typedef struct signs {
 
 /* Buffers and counts of one thread. */
 typedef struct bench {
-    mesh_treelet_builder *builder; /* or, of a mixed mesh: */
-    mixed_treelet_builder *mixed;
-    mesh_pages input;            /* its cells, as they were gathered */
+    mesh_treelet_builder *builder; /* or, of cells as they are: */
+    void *of_cells;
+    mesh_pages input;            /* cells, as they were gathered, if these are kept */
     uint32_t (*cells)[CELL_ROW]; /* of the treelet */
     mesh_sah *sah;               /* NULL: trees by keys */
     mesh_earlier earlier;        /* if the output is added to */
@@ -71,16 +69,16 @@ static status create_tets(const mesh_build *b, bench *k, const uint32_t counts[4
     return st;
 }
 
-static status create_mixed(const mesh_build *b, bench *k) {
+static status create_cells(const mesh_build *b, bench *k) {
+    const cell_treelets *row = b->in.o->cells;
     const uint32_t most = b->in.o->treelet_tets;
-    status st = mixed_treelet_create(b->m, most, &k->mixed);
-    if (st == ST_OK)
+    uint32_t counts[4];
+    status st = row->create(b->m, most, &k->of_cells);
+    if (st == ST_OK && mesh_gather_keeps(b->in.g))
         st = mesh_pages_init(&k->input, &b->in.g->tets, b->in.plan->cells_window);
-    if (st == ST_OK) {
-        uint32_t counts[4];
-        mixed_treelet_counts_max(most, counts);
-        st = create_packer(b, k, &mixed_coder, counts, mixed_treelet_payload_max(most));
-    }
+    row->counts_max(most, counts);
+    if (st == ST_OK)
+        st = create_packer(b, k, row->coder, counts, row->payload_max(most));
     k->cells = mem_array(b->m, most, sizeof *k->cells);
     return st == ST_OK && !k->cells ? ST_NOMEM : st;
 }
@@ -88,7 +86,7 @@ static status create_mixed(const mesh_build *b, bench *k) {
 static status create_bench(const mesh_build *b, bench *k, const uint32_t counts[4]) {
     const mesh_plan *plan = b->in.plan;
     const leaf_grow *grow = b->in.o->grow;
-    status st = b->in.o->mixed ? create_mixed(b, k) : create_tets(b, k, counts);
+    status st = b->in.o->cells ? create_cells(b, k) : create_tets(b, k, counts);
     if (st == ST_OK && grow)
         st = mesh_earlier_init(&k->earlier, b->m, leaf_grow_before(grow));
     if (st == ST_OK)
@@ -135,7 +133,8 @@ void mesh_build_destroy(mesh_build *b) {
     for (int i = 0; b->benches && i < b->threads; i++) {
         bench *k = &b->benches[i];
         mesh_treelet_destroy(k->builder);
-        mixed_treelet_destroy(k->mixed);
+        if (k->of_cells)
+            b->in.o->cells->destroy(k->of_cells);
         mesh_pages_release(&k->input);
         mem_free(b->m, k->cells);
         mesh_sah_destroy(k->sah);
@@ -239,10 +238,20 @@ static status put_gradients(const mesh_build *b, bench *k, uint32_t treelet,
     return st;
 }
 
-/* ---- one treelet of a mixed mesh ---- */
+/* ---- one treelet of cells as they are ---- */
+
+static void take_triangles(bench *k, const mesh_record *records, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        for (int c = 0; c < CELL_ROW; c++)
+            k->cells[i][c] = records[i].id[c < 3 ? c : 2];
+}
 
 /* Ids are looked at again: an earlier run may have left the file that they are in. */
 static status fetch_cells(const mesh_build *b, bench *k, const mesh_record *records, size_t count) {
+    if (!mesh_gather_keeps(b->in.g)) {
+        take_triangles(k, records, count);
+        return ST_OK;
+    }
     for (size_t i = 0; i < count; i++) {
         const void *ids = mesh_pages_at(&k->input, mesh_record_cell(&records[i]));
         if (!ids)
@@ -255,10 +264,10 @@ static status fetch_cells(const mesh_build *b, bench *k, const mesh_record *reco
     return ST_OK;
 }
 
-static status place_mixed(const mesh_build *b, bench *k, uint32_t treelet, uint32_t step,
-                          mixed_treelet *t) {
+static status place_cells(const mesh_build *b, bench *k, uint32_t treelet, uint32_t step,
+                          cell_treelet *t) {
     k->points.first = mesh_gather_points(b->in.g, step);
-    const status st = mixed_treelet_place(k->mixed, &k->points, step, t);
+    const status st = b->in.o->cells->place(k->of_cells, &k->points, step, t);
     if (st != ST_OK)
         return st;
     if (step > 0)
@@ -269,34 +278,37 @@ static status place_mixed(const mesh_build *b, bench *k, uint32_t treelet, uint3
                         &(mesh_earlier_built){t->counts, t->topology, NULL});
 }
 
-static status value_mixed(const mesh_build *b, bench *k, const piece *p, uint32_t step,
-                          uint32_t field, mixed_treelet *t) {
+static status value_cells(const mesh_build *b, bench *k, const piece *p, uint32_t step,
+                          uint32_t field, cell_treelet *t) {
+    const cell_treelets *row = b->in.o->cells;
     const uint32_t set = leaf_layout_set(leaf_writer_layout(b->writer), field, step);
     k->points.first = mesh_gather_points(b->in.g, step);
     k->values.first = mesh_gather_values(b->in.g, step, field);
-    status st = mixed_treelet_value(k->mixed, &k->values, t);
+    status st = row->value(k->of_cells, &k->values, t);
     if (st == ST_OK)
         st = leaf_writer_put_values(b->writer, k->packer, set, p->treelet, &t->entry, t->values,
                                     k->pack);
-    return st == ST_OK ? mesh_histogram_take_cells(&b->histogram, set, p->first_tet,
-                                                   (const uint32_t(*)[CELL_ROW])k->cells, p->count,
-                                                   &k->points, &k->values)
-                       : st;
+    return st == ST_OK && row->histograms
+               ? mesh_histogram_take_cells(&b->histogram, set, p->first_tet,
+                                           (const uint32_t(*)[CELL_ROW])k->cells, p->count,
+                                           &k->points, &k->values)
+               : st;
 }
 
-static status build_mixed(const mesh_build *b, bench *k, const piece *p) {
-    mixed_treelet t;
+static status build_cells(const mesh_build *b, bench *k, const piece *p) {
+    const cell_treelets *row = b->in.o->cells;
+    cell_treelet t;
     status st = fetch_cells(b, k, p->records, p->count);
     if (st != ST_OK)
         return st;
-    mixed_treelet_begin(k->mixed, (const uint32_t(*)[CELL_ROW])k->cells, p->count, &t);
-    if (t.counts[1] < 4)
+    row->begin(k->of_cells, (const uint32_t(*)[CELL_ROW])k->cells, p->count, &t);
+    if (t.counts[1] < row->nodes_least)
         return mesh_batches_fault();
     for (uint32_t step = b->first_step; step < b->end_step && st == ST_OK; step++) {
         if (step == 0 || b->in.g->moving)
-            st = place_mixed(b, k, p->treelet, step, &t);
+            st = place_cells(b, k, p->treelet, step, &t);
         for (uint32_t field = 0; st == ST_OK && field < b->in.g->fields; field++)
-            st = value_mixed(b, k, p, step, field, &t);
+            st = value_cells(b, k, p, step, field, &t);
     }
     return st;
 }
@@ -316,8 +328,8 @@ static status build_one(void *ctx, size_t index, int worker) {
     if (st != ST_OK)
         return st;
     p.records = records;
-    if (k->mixed)
-        return build_mixed(b, k, &p);
+    if (k->of_cells)
+        return build_cells(b, k, &p);
     if (b->first_step == 0)
         st = build_first(b, k, &p, &t);
     else

@@ -45,10 +45,10 @@ status mesh_conversion_begin_batches(mesh_conversion *c) {
     const size_t most = (size_t)c->o.threads * BATCH_PER_THREAD;
     status st =
         mesh_batches_init(&c->batches, c->m, c->runs, c->sorted.tets, c->o.treelet_tets, most);
-    if (c->resumed && c->o.mixed)
+    if (c->resumed && mesh_gather_keeps(c->g))
         mesh_batches_doubt_cells(&c->batches, c->g->tets.count);
     else if (c->resumed)
-        mesh_batches_doubt(&c->batches, c->g->vertices);
+        mesh_batches_doubt(&c->batches, c->g->vertices, c->g->corners);
     return st;
 }
 
@@ -67,8 +67,8 @@ status mesh_conversion_begin_writer(mesh_conversion *c) {
                              .times = sets ? sets->times : NULL,
                              .treelets = (uint32_t)c->plan.treelets,
                              .treelet_tets = c->o.treelet_tets,
-                             .leaf_tets = c->o.mixed ? 0 : c->o.leaf_tets,
-                             .mixed = c->o.mixed,
+                             .leaf_tets = c->o.cells ? 0 : c->o.leaf_tets,
+                             .kind = c->o.cells ? c->o.cells->kind : LEAF_KIND_MESH,
                              .fields = c->g->fields,
                              .steps = c->g->steps,
                              .gradients = c->o.gradients,
@@ -199,7 +199,7 @@ static bool is_kept(const mesh_conversion *c) {
 
 /* Remove the file of tets once they are sorted. No state may need it. */
 static void drop_tets(mesh_conversion *c) {
-    if (!c->o.work || c->o.mixed || c->stage < MESH_SORTED || c->dropped)
+    if (!c->o.work || mesh_gather_keeps(c->g) || c->stage < MESH_SORTED || c->dropped)
         return;
     work_folder_drop(c->o.work, WORK_TETS);
     c->dropped = true;

@@ -90,7 +90,7 @@ static status sort_tets(mesh_conversion *c) {
         st = sort_rest(c);
     if (st == ST_OK)
         st = mesh_runs_end(c->runs);
-    if (!c->o.mixed) /* their cells are looked up */
+    if (!mesh_gather_keeps(c->g))
         mesh_spool_release(&c->g->tets);
     if (st == ST_OK)
         st = check_sorted(c);
@@ -271,9 +271,10 @@ static void describe_origin(const mesh_options *o, const mesh_report *r, char *t
     char cells[64] = "";
     if (split)
         snprintf(cells, sizeof cells, ", %llu cells split", (unsigned long long)split);
-    if (o->mixed) {
-        snprintf(text, size, "leafcast %s convert, from %s: Morton treelets of %u cells, %s",
-                 LEAFCAST_VERSION, steps, o->treelet_tets, codec);
+    if (o->cells) {
+        snprintf(text, size, "leafcast %s convert, from %s: Morton treelets of %u %s, %s",
+                 LEAFCAST_VERSION, o->cells->corners == 3 ? "a surface" : steps, o->treelet_tets,
+                 o->cells->cells, codec);
         return;
     }
     snprintf(text, size,
@@ -374,8 +375,8 @@ static status plan_counted(mem *m, mesh_input *x, const mesh_options *o, const p
     mesh_gather g;
     status st = ST_OK;
     mesh_gather_init(&g, m, "", 0, p);
-    if (o->mixed)
-        mesh_gather_whole(&g);
+    if (o->cells)
+        mesh_gather_cells(&g, o->cells->corners);
     begin_reading(&g, x, o);
     const mesh_sink sink = mesh_gather_counter(&g);
     while (st == ST_OK && g.done < g.steps)
@@ -407,8 +408,8 @@ status mesh_convert_run(mem *m, mesh_input *x, const char *output, const mesh_op
         return st;
     mesh_gather_init(&g, m, output, (size_t)(o->memory / 2), p);
     g.share = mesh_conversion_share(o) * READ_END;
-    if (o->mixed)
-        mesh_gather_whole(&g);
+    if (o->cells)
+        mesh_gather_cells(&g, o->cells->corners);
     begin_reading(&g, x, o);
     if (o->work)
         mesh_gather_keep_in(&g, o->work);

@@ -22,9 +22,9 @@ void mesh_gather_init(mesh_gather *g, mem *m, const char *beside, size_t ceiling
     }
 }
 
-void mesh_gather_whole(mesh_gather *g) {
-    g->corners = CELL_ROW;
-    g->tets.element = sizeof(uint32_t[CELL_ROW]);
+void mesh_gather_cells(mesh_gather *g, uint32_t corners) {
+    g->corners = corners;
+    g->tets.element = (uint32_t)(corners * sizeof(uint32_t));
 }
 
 void mesh_gather_release(mesh_gather *g) {
@@ -129,7 +129,7 @@ static status differs(const mesh_gather *g, uint64_t tet, const uint32_t *now,
             snprintf(text[k] + end, sizeof text[k] - end, "%s%u", c ? ", " : "",
                      (k ? before : now)[c]);
         }
-    const char *what = g->corners == 4 ? "tet" : "cell";
+    const char *what = g->corners == 3 ? "triangle" : g->corners == 4 ? "tet" : "cell";
     return status_describe(ST_CORRUPT,
                            "%s: %s %llu has the vertices %s, expected %s as in %s: the %ss of a "
                            "series must be the same at each step",
@@ -204,6 +204,10 @@ static status take_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
     return take_ids(ctx, count, ids[0]);
 }
 
+static status take_triangles(void *ctx, size_t count, const uint32_t (*ids)[3]) {
+    return take_ids(ctx, count, ids[0]);
+}
+
 static status take_cells(void *ctx, size_t count, const uint32_t (*ids)[CELL_ROW]) {
     return take_ids(ctx, count, ids[0]);
 }
@@ -213,7 +217,8 @@ mesh_sink mesh_gather_sink(mesh_gather *g) {
                        .points = take_points,
                        .values = take_values,
                        .tets = take_tets,
-                       .cells = g->corners == 4 ? NULL : take_cells};
+                       .triangles = g->corners == 3 ? take_triangles : NULL,
+                       .cells = g->corners == CELL_ROW ? take_cells : NULL};
 }
 
 void mesh_gather_next(mesh_gather *g, uint32_t step, const char *name) {
@@ -339,6 +344,11 @@ static status count_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
     return count_ids(ctx, count);
 }
 
+static status count_triangles(void *ctx, size_t count, const uint32_t (*ids)[3]) {
+    (void)ids;
+    return count_ids(ctx, count);
+}
+
 static status count_cells(void *ctx, size_t count, const uint32_t (*ids)[CELL_ROW]) {
     (void)ids;
     return count_ids(ctx, count);
@@ -351,5 +361,6 @@ mesh_sink mesh_gather_counter(mesh_gather *g) {
                        .points = count_points,
                        .values = count_values,
                        .tets = count_tets,
-                       .cells = g->corners == 4 ? NULL : count_cells};
+                       .triangles = g->corners == 3 ? count_triangles : NULL,
+                       .cells = g->corners == CELL_ROW ? count_cells : NULL};
 }

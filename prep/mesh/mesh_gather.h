@@ -20,7 +20,7 @@
 typedef struct mesh_gather {
     mesh_spool points, values, tets; /* float[3], float, uint32_t[corners]; of all steps and fields,
                                         see mesh_gather_points(), mesh_gather_values() */
-    uint32_t corners;                /* of a cell: 4, or CELL_ROW: mesh_gather_whole() */
+    uint32_t corners;                /* of a cell: 4, or mesh_gather_cells() */
     uint64_t vertices;               /* points of the mesh */
     uint32_t fields, steps;          /* 1 unless set before the first reading */
     bool moving;                     /* points move between steps */
@@ -43,9 +43,14 @@ void mesh_gather_init(mesh_gather *g, mem *m, const char *beside, size_t ceiling
                       const progress *p);
 void mesh_gather_release(mesh_gather *g); /* a zeroed struct is fine */
 
-/* mesh_gather_whole() - gather cells of all shapes as they are (mesh_sink.cells), in the place of
- * tets. Call it before anything is gathered. */
-void mesh_gather_whole(mesh_gather *g);
+/* mesh_gather_cells() - gather cells of so many corners in the place of tets: of all shapes, as
+ * they are (CELL_ROW; mesh_sink.cells), or triangles (3). Call it before anything is gathered.
+ * mesh_gather_keeps() - whether cells are too wide for a record (mesh_sort.h), and are looked up
+ * once they are sorted. */
+void mesh_gather_cells(mesh_gather *g, uint32_t corners);
+static inline bool mesh_gather_keeps(const mesh_gather *g) {
+    return g->corners > 4;
+}
 
 /* For another run, between two steps. mesh_gather_keep_in() - keep scratch files in this folder;
  * call it before anything is gathered. mesh_gather_store() - write what is in memory alone to them.

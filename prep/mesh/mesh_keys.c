@@ -53,6 +53,8 @@ static void mark(mesh_keys *k, const uint32_t *id) {
 
 /* Whether an id comes twice. Of cells, the reader has left out those with less than four. */
 static bool is_repeated(const uint32_t *id, uint32_t corners) {
+    if (corners == 3)
+        return id[0] == id[1] || id[0] == id[2] || id[1] == id[2];
     return corners == 4 && (id[0] == id[1] || id[0] == id[2] || id[0] == id[3] || id[1] == id[2] ||
                             id[1] == id[3] || id[2] == id[3]);
 }
@@ -72,17 +74,19 @@ static status key_of(const mesh_keys *k, bench *b, const uint32_t *id, uint64_t 
             return b->points.st;
         memcpy(corners[c], p, sizeof corners[c]);
     }
-    *key = k->g->corners == 4 ? mesh_morton_key(&k->lattice, (const float(*)[3])corners)
-                              : mesh_morton_cell(&k->lattice, (const float(*)[3])corners);
+    *key = k->g->corners == 3   ? mesh_morton_triangle(&k->lattice, (const float(*)[3])corners)
+           : k->g->corners == 4 ? mesh_morton_key(&k->lattice, (const float(*)[3])corners)
+                                : mesh_morton_cell(&k->lattice, (const float(*)[3])corners);
     return ST_OK;
 }
 
-/* A tet is moved into its record; of a cell that has its number. */
+/* A tet or a triangle is moved into its record; of another cell that has its number. */
 static void put_ids(const mesh_keys *k, const uint32_t *id, uint64_t number, mesh_record *to) {
-    if (k->g->corners == 4)
-        memcpy(to->id, id, sizeof to->id);
-    else
+    if (mesh_gather_keeps(k->g))
         mesh_record_number(to, number);
+    else
+        for (uint32_t c = 0; c < 4; c++)
+            to->id[c] = id[c < k->g->corners ? c : k->g->corners - 1];
 }
 
 static status make_block(void *ctx, size_t index, int worker) {
@@ -182,7 +186,7 @@ status mesh_keys_next(mesh_keys *k, mesh_runs *r) {
     if (st != ST_OK)
         return st;
     k->first += k->count;
-    if (k->g->corners == 4)
+    if (!mesh_gather_keeps(k->g))
         mesh_spool_forget(&k->g->tets, k->first);
     return mesh_runs_put(r, close_gaps(k, blocks));
 }
@@ -190,9 +194,9 @@ status mesh_keys_next(mesh_keys *k, mesh_runs *r) {
 /* Count values that are not finite, at points of tets only: other points may have any value, and
  * are not written. */
 static status count_non_finite(const mesh_keys *k, mesh_spool *values, uint64_t *count) {
-    enum { SOME = 4 * BLOCK };
+    enum { SOME = 3 * BLOCK };
     float *value = (float *)k->benches[0].ids;
-    _Static_assert(SOME * sizeof(float) == BLOCK * sizeof(uint32_t[4]), "the tets' room is lent");
+    _Static_assert(SOME * sizeof(float) == BLOCK * sizeof(uint32_t[3]), "the cells' room is lent");
     for (uint64_t first = 0; first < values->count; first += SOME) {
         const uint64_t left = values->count - first;
         const size_t some = left < SOME ? (size_t)left : SOME;

@@ -40,6 +40,7 @@ static inline uint64_t mesh_morton_spread(uint64_t x) {
 
 /* mesh_morton_at() - key of a place within the bounds.
  * mesh_morton_key() - key of the tet with these vertices, which must lie within the bounds.
+ * mesh_morton_triangle() - likewise of a triangle.
  * mesh_morton_cell() - likewise of a hexahedron with these corners. */
 static inline uint64_t mesh_morton_at(const mesh_lattice *l, const double p[3]) {
     uint64_t key = 0;
@@ -57,6 +58,13 @@ static inline uint64_t mesh_morton_key(const mesh_lattice *l, const float p[4][3
     for (int a = 0; a < 3; a++)
         middle[a] =
             0.25 * (((double)p[0][a] + (double)p[1][a]) + ((double)p[2][a] + (double)p[3][a]));
+    return mesh_morton_at(l, middle);
+}
+
+static inline uint64_t mesh_morton_triangle(const mesh_lattice *l, const float p[3][3]) {
+    double middle[3];
+    for (int a = 0; a < 3; a++)
+        middle[a] = (((double)p[0][a] + (double)p[1][a]) + (double)p[2][a]) / 3.0;
     return mesh_morton_at(l, middle);
 }
 

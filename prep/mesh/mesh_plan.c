@@ -1,6 +1,5 @@
 #include "prep/mesh/mesh_plan.h"
 
-#include "formats/leaf/mixed_coder.h"
 #include "formats/mesh/mesh_coder.h"
 #include "prep/mesh/mesh_earlier.h"
 #include "prep/mesh/mesh_histogram.h"
@@ -8,7 +7,6 @@
 #include "prep/mesh/mesh_pages.h"
 #include "prep/mesh/mesh_sah.h"
 #include "prep/mesh/mesh_treelet.h"
-#include "prep/mesh/mixed_treelet.h"
 
 /* Memory not counted elsewhere: the thread pool, touched parts of stacks, rounding of blocks. */
 enum { FIXED_BYTES = 512 << 10, THREAD_BYTES = 64 << 10 };
@@ -60,28 +58,28 @@ static uint64_t writer_memory(const mesh_options *o, const mesh_gather *g, uint6
                              .steps = g->steps,
                              .gradients = o->gradients,
                              .moving = g->moving};
-    const size_t most = o->mixed ? mixed_treelet_payload_max(o->treelet_tets)
+    const size_t most = o->cells ? o->cells->payload_max(o->treelet_tets)
                                  : mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets);
     return leaf_writer_mesh_memory(&parts, most, o->grow != NULL);
 }
 
-/* Of a mixed mesh, with the ids of a treelet's cells. */
-static uint64_t mixed_fixed(const needs *n) {
+/* Of cells as they are, with the ids of those of a treelet. */
+static uint64_t cells_fixed(const needs *n) {
     const mesh_options *o = n->o;
-    uint64_t thread = mixed_treelet_memory(o->treelet_tets) +
+    uint64_t thread = o->cells->memory(o->treelet_tets) +
                       o->treelet_tets * sizeof(uint32_t[CELL_ROW]) + n->packer + 512;
     if (o->grow)
         thread += mesh_earlier_memory(leaf_grow_before(o->grow));
     if (o->file.codec != LEAF_CODEC_RAW)
-        thread += mixed_treelet_payload_max(o->treelet_tets) + 128;
+        thread += o->cells->payload_max(o->treelet_tets) + 128;
     return n->others + writer_memory(o, n->g, n->treelets) + (uint64_t)o->threads * thread +
            (o->file.histograms ? mesh_histogram_memory() : 0);
 }
 
 static uint64_t build_fixed(const needs *n) {
     const mesh_options *o = n->o;
-    if (o->mixed)
-        return mixed_fixed(n);
+    if (o->cells)
+        return cells_fixed(n);
     uint64_t thread = mesh_treelet_memory(o->treelet_tets, o->leaf_tets) + n->packer + 256;
     if (o->sah)
         thread += mesh_sah_memory(o->treelet_tets);
@@ -139,11 +137,11 @@ static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *pla
     const mesh_spool gradients = gradients_of(n);
     const bool any = gradients.count > 0;
     const uint64_t least_gradients = any && paged ? mesh_pages_least(&gradients) : 0;
-    /* Cells of a mixed mesh are kept, and looked up. */
-    const bool mixed = n->o->mixed, cells_paged = how >= SPILL_TETS || !mesh_spool_held(&g->tets);
-    const uint64_t least_cells = mixed && cells_paged ? mesh_pages_least(&g->tets) : 0;
+    const bool kept = mesh_gather_keeps(g),
+               cells_paged = how >= SPILL_TETS || !mesh_spool_held(&g->tets);
+    const uint64_t least_cells = kept && cells_paged ? mesh_pages_least(&g->tets) : 0;
     const uint64_t keys = keys_fixed(n) + points,
-                   build = build_fixed(n) + points + (mixed ? tets : 0) +
+                   build = build_fixed(n) + points + (kept ? tets : 0) +
                            (any && !paged ? filled_bytes(&gradients, true) : 0);
     const uint64_t keys_least = keys + threads * least_points,
                    build_least = build + threads * (least_points + least_values + least_gradients +
@@ -195,9 +193,9 @@ static status needs_of(mem *m, const mesh_gather *g, const mesh_options *o, need
     if (n->treelets > g->tets.count)
         n->treelets = g->tets.count;
     uint32_t counts[4];
-    if (o->mixed) {
-        mixed_treelet_counts_max(o->treelet_tets, counts);
-        return leaf_packer_memory(m, NULL, &mixed_coder, counts, &o->file, &n->packer);
+    if (o->cells) {
+        o->cells->counts_max(o->treelet_tets, counts);
+        return leaf_packer_memory(m, NULL, o->cells->coder, counts, &o->file, &n->packer);
     }
     mesh_treelet_counts_max(o->treelet_tets, o->leaf_tets, counts);
     return leaf_packer_memory(m, NULL, &mesh_coder, counts, &o->file, &n->packer);
@@ -223,8 +221,8 @@ static uint64_t least_of(const needs *n) {
 status mesh_plan_least(mem *m, const mesh_options *o, uint64_t *least) {
     mesh_gather g;
     mesh_gather_init(&g, m, "", 0, NULL);
-    if (o->mixed)
-        mesh_gather_whole(&g);
+    if (o->cells)
+        mesh_gather_cells(&g, o->cells->corners);
     g.points.count = g.values.count = g.vertices = 4;
     g.tets.count = 1;
     needs n;

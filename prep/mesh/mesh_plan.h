@@ -13,6 +13,7 @@
 #include "formats/base/status.h"
 #include "formats/leaf/leaf_writer.h"
 #include "prep/convert_job.h"
+#include "prep/mesh/cell_treelet.h"
 #include "prep/mesh/mesh_gather.h"
 #include "prep/mesh/mesh_gradients.h"
 #include "prep/mesh/mesh_runs.h"
@@ -27,22 +28,22 @@ enum {
 typedef struct mesh_options {
     leaf_parameters file; /* cells_log2 and halo are ignored */
     uint32_t treelet_tets, leaf_tets;
-    uint64_t memory;           /* budget in bytes */
-    int threads;               /* >= 1 */
-    bool force;                /* replace an existing output */
-    const mesh_series *series; /* steps and fields of a mesh; NULL: one of each */
-    bool sah;                  /* build trees by the surface area heuristic: mesh_sah.h */
-    bool coarse;               /* add a coarse grid for each set, */
-    uint32_t coarse_dims;      /* with this many nodes along the longest edge; 0: chosen by the
-                                  mesh */
-    bool gradients;            /* store the gradient at each vertex */
-    bool mixed;                /* keep cells of all shapes as they are: a mixed mesh. Without sah,
-                                  gradients, grow and grows, raw, treelet_tets up to MIXED_TREELET_MAX */
-    bool refuse_empty;         /* ST_UNSUPPORTED if no value is a number */
-    bool grows;                /* steps may be added to the output later */
-    leaf_grow *grow;           /* the output, to be added to; or NULL */
-    work_folder *work;         /* the output's, to save what is done; NULL: it is not */
-    convert_job *job;          /* what is to be done, if there is a work folder */
+    uint64_t memory;            /* budget in bytes */
+    int threads;                /* >= 1 */
+    bool force;                 /* replace an existing output */
+    const mesh_series *series;  /* steps and fields of a mesh; NULL: one of each */
+    bool sah;                   /* build trees by the surface area heuristic: mesh_sah.h */
+    bool coarse;                /* add a coarse grid for each set, */
+    uint32_t coarse_dims;       /* with this many nodes along the longest edge; 0: chosen by the
+                                   mesh */
+    bool gradients;             /* store the gradient at each vertex */
+    const cell_treelets *cells; /* keep cells as they are, in treelets of this kind; NULL: tets.
+                                   Without sah and gradients; treelet_tets up to its cells_max */
+    bool refuse_empty;          /* ST_UNSUPPORTED if no value is a number */
+    bool grows;                 /* steps may be added to the output later */
+    leaf_grow *grow;            /* the output, to be added to; or NULL */
+    work_folder *work;          /* the output's, to save what is done; NULL: it is not */
+    convert_job *job;           /* what is to be done, if there is a work folder */
 } mesh_options;
 
 typedef struct mesh_plan {

@@ -20,7 +20,8 @@ typedef struct mesh_record {
     uint32_t id[4]; /* its vertices, numbered as in the input */
 } mesh_record;
 
-/* Of cells of all shapes, a record has the number in the input instead. */
+/* A triangle has its last vertex twice. Of cells of all shapes, a record has the number in the
+ * input instead. */
 static inline void mesh_record_number(mesh_record *r, uint64_t number) {
     r->id[0] = (uint32_t)number;
     r->id[1] = (uint32_t)(number >> 32);

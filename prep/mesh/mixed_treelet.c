@@ -4,41 +4,52 @@
 #include <string.h>
 
 #include "formats/curved/curved_cell.h"
-#include "formats/leaf/mixed_geometry.h"
+#include "formats/leaf/mixed_coder.h"
 #include "prep/mesh/mesh_fetch.h"
 
-struct mixed_treelet_builder {
+typedef struct builder {
     mem *m;
     mesh_vertices nodes;
     mixed_shape shape; /* of the current treelet */
     float (*xyz)[3];   /* of its nodes */
     char *topology, *values;
-};
+} builder;
 
-void mixed_treelet_counts_max(uint32_t treelet_cells, uint32_t counts[4]) {
+static void counts_max(uint32_t treelet_cells, uint32_t counts[4]) {
     const uint32_t most[4] = {treelet_cells, CELL_ROW * treelet_cells, treelet_cells};
     memcpy(counts, most, sizeof most);
 }
 
 static mixed_shape largest_shape(uint32_t treelet_cells) {
     uint32_t counts[4];
-    mixed_treelet_counts_max(treelet_cells, counts);
+    counts_max(treelet_cells, counts);
     return mixed_shape_of(counts);
 }
 
-size_t mixed_treelet_payload_max(uint32_t treelet_cells) {
+static size_t payload_max(uint32_t treelet_cells) {
     return largest_shape(treelet_cells).topology_bytes;
 }
 
-uint64_t mixed_treelet_memory(uint32_t treelet_cells) {
+static uint64_t memory(uint32_t treelet_cells) {
     const mixed_shape s = largest_shape(treelet_cells);
-    return sizeof(mixed_treelet_builder) + mesh_vertices_memory(treelet_cells, CELL_ROW) +
+    return sizeof(builder) + mesh_vertices_memory(treelet_cells, CELL_ROW) +
            (uint64_t)s.nodes * sizeof(float[3]) + s.topology_bytes + s.value_bytes + 1024;
 }
 
-status mixed_treelet_create(mem *m, uint32_t treelet_cells, mixed_treelet_builder **out) {
+static void destroy(void *made) {
+    builder *b = made;
+    if (!b)
+        return;
+    mesh_vertices_release(&b->nodes);
+    mem_free(b->m, b->xyz);
+    mem_free(b->m, b->topology);
+    mem_free(b->m, b->values);
+    mem_free(b->m, b);
+}
+
+static status create(mem *m, uint32_t treelet_cells, void **out) {
     assert(treelet_cells > 0 && treelet_cells <= MIXED_TREELET_MAX);
-    mixed_treelet_builder *b = mem_zalloc(m, sizeof *b);
+    builder *b = mem_zalloc(m, sizeof *b);
     if (!b)
         return ST_NOMEM;
     const mixed_shape s = largest_shape(treelet_cells);
@@ -50,30 +61,20 @@ status mixed_treelet_create(mem *m, uint32_t treelet_cells, mixed_treelet_builde
     if (st == ST_OK && !(b->xyz && b->topology && b->values))
         st = ST_NOMEM;
     if (st != ST_OK) {
-        mixed_treelet_destroy(b);
+        destroy(b);
         return st;
     }
     *out = b;
     return ST_OK;
 }
 
-void mixed_treelet_destroy(mixed_treelet_builder *b) {
-    if (!b)
-        return;
-    mesh_vertices_release(&b->nodes);
-    mem_free(b->m, b->xyz);
-    mem_free(b->m, b->topology);
-    mem_free(b->m, b->values);
-    mem_free(b->m, b);
-}
-
-void mixed_treelet_begin(mixed_treelet_builder *b, const uint32_t (*cells)[CELL_ROW], size_t count,
-                         mixed_treelet *out) {
+static void begin(void *of, const uint32_t (*cells)[CELL_ROW], size_t count, cell_treelet *out) {
+    builder *b = of;
     uint32_t quadratic = 0;
     for (size_t i = 0; i < count; i++)
         quadratic += cell_row_is_quadratic(cells[i]);
     mesh_vertices_number_met(&b->nodes, cells[0], sizeof *cells, count);
-    *out = (mixed_treelet){.counts = {(uint32_t)count, b->nodes.count, quadratic}};
+    *out = (cell_treelet){.counts = {(uint32_t)count, b->nodes.count, quadratic}};
     b->shape = mixed_shape_of(out->counts);
     /* Rows of hexahedra alone are as short as they can be. */
     for (size_t i = 0; i < count; i++)
@@ -85,7 +86,7 @@ static void clear(char *payload, uint32_t from, uint32_t end) {
     memset(payload + from, 0, end - from);
 }
 
-static hex_code code_of(const mixed_treelet_builder *b, uint32_t cell) {
+static hex_code code_of(const builder *b, uint32_t cell) {
     uint32_t row[CELL_ROW];
     mixed_row(&b->shape, b->nodes.corners, cell, row);
     curved_cell c = {.quadratic = cell_row_is_quadratic(row)};
@@ -97,7 +98,7 @@ static hex_code code_of(const mixed_treelet_builder *b, uint32_t cell) {
 }
 
 /* Places: coordinates one axis after another, then the cells' codes. */
-static void place_nodes(mixed_treelet_builder *b, mixed_treelet *out) {
+static void place_nodes(builder *b, cell_treelet *out) {
     const mixed_shape *s = &b->shape;
     float *to = (float *)(void *)b->topology;
     uint8_t *codes = (uint8_t *)b->topology + s->codes_at;
@@ -116,8 +117,8 @@ static void place_nodes(mixed_treelet_builder *b, mixed_treelet *out) {
     }
 }
 
-status mixed_treelet_place(mixed_treelet_builder *b, mesh_pages *points, uint32_t step,
-                           mixed_treelet *out) {
+static status place(void *of, mesh_pages *points, uint32_t step, cell_treelet *out) {
+    builder *b = of;
     const mixed_shape *s = &b->shape;
     const uint32_t rows = mixed_rows_bytes(s);
     const status st = mesh_fetch(&b->nodes, points, b->xyz, sizeof *b->xyz);
@@ -133,7 +134,8 @@ status mixed_treelet_place(mixed_treelet_builder *b, mesh_pages *points, uint32_
     return ST_OK;
 }
 
-status mixed_treelet_value(mixed_treelet_builder *b, mesh_pages *values, mixed_treelet *out) {
+static status value(void *of, mesh_pages *values, cell_treelet *out) {
+    builder *b = of;
     const mixed_shape *s = &b->shape;
     float *value = (float *)(void *)b->values;
     const status st = mesh_fetch(&b->nodes, values, value, sizeof *value);
@@ -145,3 +147,19 @@ status mixed_treelet_value(mixed_treelet_builder *b, mesh_pages *values, mixed_t
     out->values = b->values;
     return ST_OK;
 }
+
+const cell_treelets mixed_treelets = {.kind = LEAF_KIND_MIXED,
+                                      .corners = CELL_ROW,
+                                      .cells_max = MIXED_TREELET_MAX,
+                                      .nodes_least = 4,
+                                      .cells = "cells",
+                                      .histograms = true,
+                                      .coder = &mixed_coder,
+                                      .memory = memory,
+                                      .payload_max = payload_max,
+                                      .counts_max = counts_max,
+                                      .create = create,
+                                      .destroy = destroy,
+                                      .begin = begin,
+                                      .place = place,
+                                      .value = value};

@@ -12,6 +12,7 @@
 #include "formats/mesh/mesh_input_kind.h"
 #include "prep/curvilinear/curvilinear_files.h"
 #include "prep/mesh/mesh_convert.h"
+#include "prep/mesh/mixed_treelet.h"
 #include "prep/resample/resample_cells.h"
 
 bool resample_input_is_leaf(const char *path) {
@@ -55,7 +56,7 @@ static status convert_mesh(const conversion *c, void *own) {
     mesh_result result;
     o.threads = c->s->threads;
     o.force = true;
-    o.mixed = c->s->whole_cells;
+    o.cells = c->s->whole_cells ? &mixed_treelets : NULL;
     if (c->m->limit)
         o.memory = c->m->limit;
     return mesh_convert_run(c->m, own, c->output, &o, &c->p, &result);

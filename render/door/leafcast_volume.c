@@ -342,7 +342,12 @@ leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, i
     volume_lock(v, &h);
     memcpy(v->surfaces, surfaces, (size_t)count * sizeof *surfaces);
     v->surface_count = count;
-    leafcast_shown shown = {v, v->field, v->step, surfaces, count, v->share};
+    leafcast_shown shown = {.volume = v,
+                            .field = v->field,
+                            .step = v->step,
+                            .surfaces = surfaces,
+                            .count = count,
+                            .between = v->share};
     st = between_steps_open(&shown.volume, v->share);
     if (st == ST_OK) {
         const interest nothing = {.count = 0};

@@ -10,6 +10,7 @@
 
 #include "prep/curvilinear/curvilinear_convert.h"
 #include "prep/mesh/mesh_series.h"
+#include "prep/mesh/mixed_treelet.h"
 #include "tests/support/mesh_cases.h"
 #include "tests/support/scratch.h"
 
@@ -150,7 +151,8 @@ static status convert_mesh(mem *m, const coarse_hexes *c, const mesh_case *point
     }
     o.file = parameters_of(c);
     o.series = &series;
-    o.mixed = o.force = true;
+    o.cells = &mixed_treelets;
+    o.force = true;
     o.treelet_tets = TREELET_CELLS;
     o.memory = c->memory;
     o.threads = c->threads;

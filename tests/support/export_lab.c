@@ -72,7 +72,7 @@ status export_lab_try(mem *m, const char *path, const export_how *h, piece_info 
     status st = leaf_file_open(m, path, &f);
     if (st == ST_OK) {
         m->limit = h->memory ? mem_used(m) + h->memory : 0;
-        st = f->mesh || f->geometry->hexes ? try_cells(m, f, h, info) : try_grid(m, f, h, info);
+        st = f->mesh || f->geometry->noded ? try_cells(m, f, h, info) : try_grid(m, f, h, info);
         m->limit = 0;
     }
     leaf_file_close(f);

@@ -1,4 +1,5 @@
 #include "tests/support/hex_grown.h"
+#include "prep/mesh/mixed_treelet.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -62,7 +63,8 @@ const char *hex_grown_mix(int lab, uint32_t segments, leaf_codec codec, const ch
     mesh_options o = mesh_options_default();
     cell_mix_make(&mix, lab, FIELD_SEED);
     o.file = parameters_of(codec);
-    o.mixed = o.force = o.grows = true;
+    o.cells = &mixed_treelets;
+    o.force = o.grows = true;
     o.treelet_tets = TREELET;
     o.memory = MEMORY;
     o.series = &series;

@@ -66,7 +66,8 @@ mesh_case mesh_leaves_cube(uint32_t n, uint32_t fields, uint32_t steps, uint64_t
     assert_true(c.xyz && c.values && c.ids);
     fill_points(&c, n, (uint32_t)sets, &r, non_finite);
     fill_tets(&c, n);
-    c.mesh = (leaf_mesh){.name = "cube",
+    c.mesh = (leaf_mesh){.kind = LEAF_KIND_MESH,
+                         .name = "cube",
                          .field = "waves",
                          .treelet_tets = 50,
                          .leaf_tets = 3,

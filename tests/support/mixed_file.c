@@ -1,4 +1,5 @@
 #include "tests/support/mixed_file.h"
+#include "prep/mesh/mixed_treelet.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -103,7 +104,8 @@ void mixed_file_convert(const char *input, const char *output, uint32_t treelet_
     mem m;
     mesh_input *x = NULL;
     mesh_options o = mesh_options_default();
-    o.mixed = o.force = true;
+    o.cells = &mixed_treelets;
+    o.force = true;
     o.treelet_tets = treelet_cells;
     o.memory = memory;
     o.threads = 2;
