@@ -423,7 +423,9 @@ static const cli_verb verb = {
         "samples "
         "(dimensions in the file's name, in a JSON beside it, or given); a mesh of tetrahedra: "
         "TetGen (.node, .ele), VTK (.vtk, .vtu; in files: .pvtu, .vtm), Gmsh (.msh), a mesh "
-        "stream; a curvilinear grid: VTK (.vts, .pvts, .vtk), PLOT3D; "
+        "stream; a curvilinear grid: VTK (.vts, .pvts, .vtk), PLOT3D; a surface of triangles: PLY, "
+        "STL, OBJ, OFF, "
+        "VTK (.vtp, .vtk), glTF (.glb); "
         "VTK's collections of either (.pvd), with all their steps; packed by gzip, "
         "bzip2, xz or zstd; or - for any of these on standard input that takes one file and one "
         "pass. OpenVDB, images (a file of several, a folder), DICOM series (a folder), HDF5 and "
@@ -441,7 +443,8 @@ static const cli_verb verb = {
 
 /* ---- the input ---- */
 
-static const convert_kind *const kinds[] = {&convert_grids, &convert_meshes, &convert_curvilinear};
+static const convert_kind *const kinds[] = {&convert_grids, &convert_meshes, &convert_curvilinear,
+                                            &convert_surfaces};
 
 static const convert_kind *kind_of(const input *in) {
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)

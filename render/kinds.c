@@ -2,6 +2,7 @@
 #include "render/grid/grid_kind.h"
 #include "render/mesh/mesh_kind.h"
 #include "render/mixed/mixed_kind.h"
+#include "render/triangle/triangle_kind.h"
 
 const kind *kind_of(const leaf_file *f) {
     static const kind *const kinds[] = {
@@ -9,6 +10,7 @@ const kind *kind_of(const leaf_file *f) {
         [LEAF_KIND_MESH] = &mesh_kind,
         [LEAF_KIND_CURVILINEAR] = &curvilinear_kind,
         [LEAF_KIND_MIXED] = &mixed_kind,
+        [LEAF_KIND_TRIANGLES] = &triangle_kind,
     };
     return kinds[f->header.kind];
 }

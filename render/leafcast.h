@@ -510,8 +510,8 @@ typedef struct leafcast_cell {
     int indices;       /* 3: index[] says where the cell is in rows, columns and slices. 0: cells
                           have numbers alone */
     uint32_t index[3]; /* i, j, k; of a curvilinear grid in the cell's zone */
-    int corners;       /* 8 in a grid, 4 of a tet, 10 of a quadratic one: its nodes; 0: the cell has
-                          none, or is blanked */
+    int corners;       /* 8 in a grid, 4 of a tet, 10 of a quadratic one: its nodes; 3 of a
+                          triangle; 0: the cell has none, or is blanked */
     /* The corners in world space, and the values there. Corner (x, y, z) of a grid's cell, or of a
      * hexahedron, is at index x + 2y + 4z; those of a tet are in the order of the treelet file, of
      * a quadratic one corners first, then the nodes of edges 01, 12, 02, 03, 13, 23. */

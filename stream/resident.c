@@ -4,6 +4,7 @@
 #include "stream/grid_resident.h"
 #include "stream/mesh_resident.h"
 #include "stream/mixed_resident.h"
+#include "stream/triangle_resident.h"
 
 const resident_kind *resident_kind_of(const leaf_file *f) {
     static const resident_kind *const kinds[] = {
@@ -11,6 +12,7 @@ const resident_kind *resident_kind_of(const leaf_file *f) {
         [LEAF_KIND_MESH] = &mesh_resident,
         [LEAF_KIND_CURVILINEAR] = &curvilinear_resident,
         [LEAF_KIND_MIXED] = &mixed_resident,
+        [LEAF_KIND_TRIANGLES] = &triangle_resident,
     };
     return kinds[f->header.kind];
 }

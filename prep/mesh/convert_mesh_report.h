@@ -5,7 +5,9 @@
 #include "prep/convert_request.h"
 #include "prep/mesh/mesh_convert.h"
 
-/* convert_mesh_report() - seconds: since the verb began. */
-CHECKED status convert_mesh_report(const convert_request *a, const mesh_result *r, double seconds);
+/* convert_mesh_report() - cells: what was kept as it is; NULL: tets. seconds: since the verb began.
+ */
+CHECKED status convert_mesh_report(const convert_request *a, const cell_treelets *cells,
+                                   const mesh_result *r, double seconds);
 
 #endif

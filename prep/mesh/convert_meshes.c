@@ -5,11 +5,13 @@
 #include "formats/base/clock.h"
 #include "formats/mesh/mesh_input.h"
 #include "formats/mesh/mesh_input_kind.h"
+#include "formats/surface/surface_input_kind.h"
 #include "prep/convert_append.h"
 #include "prep/convert_choices.h"
 #include "prep/further_step.h"
 #include "prep/mesh/convert_mesh_report.h"
 #include "prep/mesh/mixed_treelet.h"
+#include "prep/mesh/triangle_treelet.h"
 
 /* ---- notes ---- */
 
@@ -76,29 +78,35 @@ static status take_sets(convert_sets *s, const mesh_input *x, const char *name) 
 /* ---- one series ---- */
 
 /* What does not go with cells that are not split. */
-static status check_whole(const convert_request *a) {
+static status check_whole(const convert_request *a, const cell_treelets *cells) {
+    const bool surface = cells == &triangle_treelets;
     const struct {
-        bool given;
+        bool given, of_all;
         const char *what;
-    } without[] = {{a->gradients, "--gradients"},
-                   {a->sah, "--build sah"},
-                   {a->leaf_tets_is_given, "--leaf-tets"}};
-    for (size_t i = 0; i < sizeof without / sizeof *without && a->whole; i++)
-        if (without[i].given)
-            return status_describe(ST_USAGE, "--whole-cells goes without %s", without[i].what);
-    if (a->whole && a->grow && a->treelet_tets > MIXED_TREELET_MAX)
+    } without[] = {{a->gradients, true, "--gradients"},
+                   {a->sah, true, "--build sah"},
+                   {a->leaf_tets_is_given, true, "--leaf-tets"},
+                   {a->coarse, surface, "--coarse"},
+                   {a->whole, surface, "--whole-cells"}};
+    for (size_t i = 0; i < sizeof without / sizeof *without && cells; i++)
+        if (without[i].given && without[i].of_all)
+            return status_describe(ST_USAGE, "%s without %s",
+                                   surface ? "a surface is converted" : "--whole-cells goes",
+                                   without[i].what);
+    const uint32_t most = cells ? cells->cells_max : a->treelet_tets;
+    if (a->grow && a->treelet_tets > most)
         return status_describe(ST_UNSUPPORTED,
-                               "%s: its treelets have up to %u cells; those of %d or fewer can "
+                               "%s: its treelets have up to %u cells; those of %u or fewer can "
                                "grow: convert it again",
-                               a->common.output, a->treelet_tets, MIXED_TREELET_MAX);
-    if (a->whole && a->treelet_tets > MIXED_TREELET_MAX)
-        return status_describe(ST_USAGE, "--treelet-tets: with --whole-cells at most %d",
-                               MIXED_TREELET_MAX);
+                               a->common.output, a->treelet_tets, most);
+    if (a->treelet_tets > most)
+        return status_describe(ST_USAGE, "--treelet-tets: %s at most %u",
+                               surface ? "of triangles" : "with --whole-cells", most);
     return ST_OK;
 }
 
 static status convert_mesh(convert_request *a, mem *m, mesh_input *x, const mesh_series *series,
-                           double start) {
+                           const cell_treelets *cells, double start) {
     const mesh_options o = {.file = a->file,
                             .series = series,
                             .treelet_tets = a->treelet_tets,
@@ -110,8 +118,8 @@ static status convert_mesh(convert_request *a, mem *m, mesh_input *x, const mesh
                             .threads = a->common.threads,
                             .force = a->common.force,
                             .gradients = a->gradients,
-                            .cells = a->whole ? &mixed_treelets : NULL,
-                            .refuse_empty = !a->allow_empty,
+                            .cells = cells,
+                            .refuse_empty = !a->allow_empty && cells != &triangle_treelets,
                             .grows = a->append,
                             .grow = a->grow,
                             .work = a->work.folder,
@@ -123,17 +131,15 @@ static status convert_mesh(convert_request *a, mem *m, mesh_input *x, const mesh
     if (st == ST_OK)
         convert_append_note(a, &series->of.sets);
     if (st == ST_OK)
-        st = convert_mesh_report(a, &r, clock_seconds() - start);
+        st = convert_mesh_report(a, cells, &r, clock_seconds() - start);
     return st;
 }
 
-static leaf_kind kind_of(const convert_request *a) {
-    return a->whole ? LEAF_KIND_MIXED : LEAF_KIND_MESH;
-}
-
-static status run(convert_request *a, mem *m, input *in, double start) {
+/* cells: NULL: tets. what: the input is. */
+static status run_as(convert_request *a, mem *m, input *in, double start,
+                     const cell_treelets *cells, const char *what) {
     mesh_input *x = in->own;
-    status st = check_whole(a);
+    status st = check_whole(a, cells);
     if (st == ST_OK)
         st = take_sets(&a->sets, x, a->common.input);
     if (st == ST_OK)
@@ -141,14 +147,26 @@ static status run(convert_request *a, mem *m, input *in, double start) {
     mesh_series series = {convert_request_series(a), a->hints.mesh};
     if (st == ST_OK)
         st = step_series_check(&series.of);
-    if (st == ST_OK && a->grow && leaf_grow_before(a->grow)->header.kind != kind_of(a))
-        st = further_step_refuse(leaf_grow_before(a->grow), a->common.input,
-                                 a->whole ? "it is a mesh of whole cells, and the file is of none"
-                                          : "it is a mesh, and the file is of none");
+    const uint32_t kind = cells ? cells->kind : LEAF_KIND_MESH;
+    if (st == ST_OK && a->grow && leaf_grow_before(a->grow)->header.kind != kind)
+        st = further_step_refuse(leaf_grow_before(a->grow), a->common.input, what);
     if (st == ST_OK)
         st = convert_append_check(a, &series.of.sets);
-    return st == ST_OK ? convert_mesh(a, m, x, &series, start) : st;
+    return st == ST_OK ? convert_mesh(a, m, x, &series, cells, start) : st;
+}
+
+static status run(convert_request *a, mem *m, input *in, double start) {
+    return run_as(a, m, in, start, a->whole ? &mixed_treelets : NULL,
+                  a->whole ? "it is a mesh of whole cells, and the file is of none"
+                           : "it is a mesh, and the file is of none");
+}
+
+static status run_surface(convert_request *a, mem *m, input *in, double start) {
+    return run_as(a, m, in, start, &triangle_treelets, "it is a surface, and the file is of none");
 }
 
 const convert_kind convert_meshes = {
     .of = &mesh_input_kind, .is_collection = is_collection, .note = note, .run = run};
+
+const convert_kind convert_surfaces = {
+    .of = &surface_input_kind, .is_collection = is_collection, .note = note, .run = run_surface};

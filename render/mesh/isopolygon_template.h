@@ -1,7 +1,7 @@
 /* isopolygon_template.h - tests of isopolygons against vectors of rays; included by the units of an
  * ISA (see formats/base/simd.h).
  *
- * Sums and products are the same as in exact_near() and isopolygon_hit(), in the same order, so
+ * Sums and products are the same as in exact_near() and flat_polygon_hit(), in the same order, so
  * results agree to the bit. Terms that all rays of one origin share are computed once per edge.
  */
 #ifndef RENDER_MESH_ISOPOLYGON_TEMPLATE_H

@@ -37,7 +37,7 @@ typedef struct mesh_shading {
     float normal[TILE_RAYS / VD_N][3][VD_N]; /* of the listed tets */
     /* Terms shared by all rays that hit a tet's isopolygon: */
     tet_smooth known[KNOWN_TETS];
-    tet_facts facts[KNOWN_TETS];
+    flat_facts facts[KNOWN_TETS];
     uint16_t facts_of[KNOWN_TETS]; /* the layer's list index of each slot's facts */
 } mesh_shading;
 
@@ -47,11 +47,11 @@ static uint64_t mesh_cell_of(const frame *f, const tile_surface *s) {
 }
 
 static bool mesh_less(const hit *a, const hit *b) {
-    return tet_less(a, b);
+    return flat_polygon_less(a, b);
 }
 
 static bool mesh_same(const hit *a, const hit *b) {
-    return tet_double(a, b);
+    return flat_polygon_double(a, b);
 }
 
 static const tile_order mesh_order = {mesh_cell_of, mesh_less, mesh_same};
@@ -148,7 +148,7 @@ static void mesh_normals(void *work, const tile_layer *s, tile_normals normal) {
 }
 
 /* Returns the facts of a surface's tet, made when first needed. */
-static const tet_facts *facts_of(mesh_shading *m, const tile_layer *l, unsigned i) {
+static const flat_facts *facts_of(mesh_shading *m, const tile_layer *l, unsigned i) {
     const unsigned of = m->tets.of[i], k = of % KNOWN_TETS;
     if (m->facts_of[k] != of) {
         const tet x = tet_of(l, i);
@@ -175,7 +175,7 @@ SIMD void start_columns(mesh_shading *m, const tile_layer *l, unsigned i, unsign
     for (unsigned left = which; left;) {
         const unsigned first = (unsigned)__builtin_ctz(left);
         const unsigned same = same_tet(&m->tets, i, left, first);
-        const tet_facts *f = facts_of(m, l, i + first);
+        const flat_facts *f = facts_of(m, l, i + first);
         left &= ~same;
         point_columns_put(c, same, f);
         for (unsigned of = same; of; of &= of - 1) {

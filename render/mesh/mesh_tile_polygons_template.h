@@ -46,7 +46,7 @@ static void take_scalar(mesh_tile *w, unsigned of, unsigned i) {
         r.o[a] = r.held[a] = w->b.eye[a];
         r.d[a] = w->b.s.rays.d[a][i];
     }
-    for (; isopolygon_hit(&g, &r, cell, q->iso[of], &before, &found); before = found)
+    for (; flat_polygon_hit(&g, &r, cell, q->iso[of], &before, &found); before = found)
         take_surface(w, of, i, found.t, found.entering);
 }
 

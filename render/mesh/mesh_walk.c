@@ -27,21 +27,6 @@ void mesh_walk_gradients(const resident_mesh *tr, uint32_t local, float gradient
 
 /* ---- Leaves ---- */
 
-/* Find the first hit with one isopolygon behind `after`. Skip the same crossing seen from another
- * tet. */
-static bool next_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t iso,
-                     const hit *after, hit *found) {
-    /* The kernel orders by (t, tet, iso), so ask it for everything from the same t on. */
-    hit last = {after->t, 0, -1, false};
-    const hit behind = {after->t, UINT64_MAX, after->iso, after->entering};
-    while (isopolygon_hit(g, r, cell, iso, &last, found)) {
-        if (tet_less(&behind, found))
-            return true;
-        last = *found;
-    }
-    return false;
-}
-
 /* Returns whether the ray meets the tet's box, which costs less than its isopolygon. */
 static bool passes_box(const box_line *line, const tet *x) {
     double lo[3], hi[3];
@@ -73,10 +58,10 @@ static bool test_tet(const isovalue_list *isos, const resident_mesh *tr, uint32_
         if (!isopolygon_of(&x, isos->isovalues[i], &g))
             continue;
         active = true;
-        if (!next_hit(&g, r, cell, i, &s->after, &found))
+        if (!flat_polygon_next(&g, r, cell, i, &s->after, &found))
             continue;
         counters->roots++;
-        if (tet_less(&found, &s->best)) {
+        if (flat_polygon_less(&found, &s->best)) {
             s->best = found;
             changed = true;
         }

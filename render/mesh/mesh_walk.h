@@ -13,7 +13,7 @@
 #include "stream/mesh_resident.h"
 
 /* mesh_walk() - lowers state->best to the first hit in this treelet that counts, in the order of
- * tet_less(); if any hit will do, to some hit. Returns whether state->best changed.
+ * flat_polygon_less(); if any hit will do, to some hit. Returns whether state->best changed.
  *
  * A tet's isopolygon is flat: a ray that begins on it (state->origin) does not meet it again. */
 bool mesh_walk(const isovalue_list *isos, const resident_mesh *tr, const ray *r, trace_state *state,

@@ -15,7 +15,7 @@ bool tet_batch_one(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_ra
     }
     hit last = hit_before_all(), h;
     bool taken = false;
-    while (isopolygon_hit(g, &r, cell, iso_index, &last, &h)) {
+    while (flat_polygon_hit(g, &r, cell, iso_index, &last, &h)) {
         taken |= tet_batch_offer(rays, lane, &h);
         last = h;
     }

@@ -1,9 +1,10 @@
 /* tet_batch.h - tests many rays against one isopolygon.
  *
- * Each ray keeps its first hit behind a given one, in the order of tet_less(), so a crossing seen
- * from two tets counts once. The answer of a ray is, to the bit, that of isopolygon_hit(). It
- * depends neither on the other rays nor on the order of polygons. Versions for newer instructions
- * come from one template (tet_batch_template.h); the scalar one is the truth.
+ * Each ray keeps its first hit behind a given one, in the order of flat_polygon_less(), so a
+ * crossing seen from two tets counts once. The answer of a ray is, to the bit, that of
+ * flat_polygon_hit(). It depends neither on the other rays nor on the order of polygons. Versions
+ * for newer instructions come from one template (tet_batch_template.h); the scalar one is the
+ * truth.
  */
 #ifndef RENDER_MESH_TET_BATCH_H
 #define RENDER_MESH_TET_BATCH_H
@@ -47,8 +48,8 @@ void tet_rays_clear(tet_rays *rays, int lane);
 typedef enum tet_known { TET_UNKNOWN, TET_FIRST_IS_HIT, TET_SECOND_IS_HIT } tet_known;
 
 /* A tet_batch_fn tests the rays first <= i < end <= TET_RAYS against g. A hit that comes before
- * best[i] in the order of tet_less() replaces it, and its t becomes to[i]. g, cell and iso_index
- * are as for isopolygon_hit(). `known` changes no result: it only saves time. */
+ * best[i] in the order of flat_polygon_less() replaces it, and its t becomes to[i]. g, cell and
+ * iso_index are as for flat_polygon_hit(). `known` changes no result: it only saves time. */
 typedef void (*tet_batch_fn)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
                              tet_rays *rays, int first, int end);
 
@@ -60,7 +61,7 @@ extern const tet_batch_fn tet_batch_kernels[CPU_ISAS];
 static inline bool tet_batch_offer(tet_rays *rays, int lane, const hit *h) {
     const hit *after = &rays->after[lane];
     const hit behind = {after->t, UINT64_MAX, after->iso, after->entering};
-    if (!tet_less(&behind, h) || !tet_less(h, &rays->best[lane]))
+    if (!flat_polygon_less(&behind, h) || !flat_polygon_less(h, &rays->best[lane]))
         return false;
     rays->best[lane] = *h;
     rays->to[lane] = h->t;

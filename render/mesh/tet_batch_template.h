@@ -2,8 +2,8 @@
  *
  * Takes a vector of rays at a time. The polygon's edges as seen from the origin are prepared once
  * for all rays of one origin; then an edge function is a scalar product. Sums and products are
- * those of exact_near() and isopolygon_hit(), in their order, so the bits are the same. Rays whose
- * signs stay in doubt go to the scalar truth.
+ * those of exact_near() and flat_polygon_hit(), in their order, so the bits are the same. Rays
+ * whose signs stay in doubt go to the scalar truth.
  */
 #ifndef RENDER_MESH_TET_BATCH_TEMPLATE_H
 #define RENDER_MESH_TET_BATCH_TEMPLATE_H

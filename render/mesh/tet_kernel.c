@@ -28,19 +28,12 @@ const tet_cut tet_cuts[16] = {
     {0, {0, 0, 0, 0}}, /* all */
 };
 
-/* The triangles of a polygon, by its points. All edges but the diagonal are the polygon's own. */
-static const uint8_t corners_of[2][3] = {{0, 1, 2}, {0, 2, 3}};
-
 static double least(double a, double b) {
     return a < b ? a : b;
 }
 
 static double most(double a, double b) {
     return a > b ? a : b;
-}
-
-static double kept_within(double x, double lo, double hi) {
-    return most(lo, least(x, hi));
 }
 
 /* ---- the polygon ----------------------------------------------------------------------------- */
@@ -95,138 +88,12 @@ bool isopolygon_of(const tet *x, double iso, isopolygon *out) {
     return true;
 }
 
-/* ---- the ray --------------------------------------------------------------------------------- */
-
-/* A polygon, with its points relative to a ray's origin. */
-typedef struct seen_polygon {
-    const isopolygon *g;
-    const ray *r;
-    double a[4][3];
-} seen_polygon;
-
-/* Where the ray's line crosses a triangle. */
-typedef struct crossing {
-    double t;
-    bool entering; /* along the polygon's normal */
-} crossing;
-
-static void see_polygon(const isopolygon *g, const ray *r, seen_polygon *s) {
-    s->g = g;
-    s->r = r;
-    for (int i = 0; i < g->count; i++)
-        for (int k = 0; k < 3; k++)
-            s->a[i][k] = g->p[i][k] - r->o[k];
-}
-
-/* Returns the edge function of points i -> j of the polygon. It is always computed from the lower
- * tet edge to the higher, as for the tet beyond the face. */
-static exact_estimate weight_of(const seen_polygon *s, int i, int j, bool exact) {
-    const bool swap = s->g->edge[i] > s->g->edge[j];
-    const int from = swap ? j : i, to = swap ? i : j;
-    const double *p = s->g->p[from], *q = s->g->p[to];
-    exact_estimate w;
-    if (exact) {
-        w = exact_edge(s->r->o, s->r->d, p, q);
-    } else {
-        const double e[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
-        w = exact_near(s->r->d, s->a[from], e);
-    }
-    w.value = swap ? -w.value : w.value;
-    return w;
-}
-
-/* Returns how far along the ray a point lies, as t times d . d, which keeps the order. */
-static double along_of(const seen_polygon *s, int i) {
-    return vec3_dot(s->r->d, s->a[i]);
-}
-
-/* Find t on the edge from i to j, by the distances of its ends from the ray. Symmetric in i and j
- * to the bit. */
-static void cross_edge(const seen_polygon *s, int i, int j, crossing *out) {
-    double off[2][3], far[2];
-    const double ti = along_of(s, i), tj = along_of(s, j);
-    vec3_cross(s->r->d, s->a[i], off[0]);
-    vec3_cross(s->r->d, s->a[j], off[1]);
-    for (int k = 0; k < 2; k++)
-        far[k] = vec3_size(off[k]);
-    const double sum = far[0] + far[1];
-    out->t = kept_within(sum > 0.0 ? (far[1] * ti + far[0] * tj) / sum : 0.5 * (ti + tj),
-                         least(ti, tj), most(ti, tj));
-}
-
-static void cross_inside(const seen_polygon *s, const uint8_t c[3], const exact_estimate w[3],
-                         crossing *out) {
-    const double t0 = along_of(s, c[0]), t1 = along_of(s, c[1]), t2 = along_of(s, c[2]);
-    const double w0 = fabs(w[0].value), w1 = fabs(w[1].value), w2 = fabs(w[2].value);
-    const double sum = w0 + w1 + w2, lo = least(t0, least(t1, t2)), hi = most(t0, most(t1, t2));
-    out->t = kept_within(t0 + (w1 * (t1 - t0) + w2 * (t2 - t0)) / sum, lo, hi);
-}
-
-/* Returns whether the ray's line crosses a triangle of the polygon: all its weights have one
- * sign. */
-static bool cross_triangle(const seen_polygon *s, const uint8_t c[3], crossing *out) {
-    exact_estimate w[3]; /* weight of corner k: of the opposite edge */
-    unsigned above = 0, below = 0;
-    for (int k = 0; k < 3; k++) {
-        w[k] = weight_of(s, c[(k + 1) % 3], c[(k + 2) % 3], false);
-        above |= (unsigned)(w[k].value > w[k].bound) << k;
-        below |= (unsigned)(w[k].value < -w[k].bound) << k;
-    }
-    if (above && below)
-        return false;
-    const unsigned doubtful = 7u & ~(above | below);
-    for (int k = 0; k < 3; k++) {
-        if (!(doubtful >> k & 1))
-            continue;
-        w[k] = weight_of(s, c[(k + 1) % 3], c[(k + 2) % 3], true);
-        above |= (unsigned)(w[k].value > 0.0) << k;
-        below |= (unsigned)(w[k].value < 0.0) << k;
-    }
-    if ((above != 0) == (below != 0))
-        return false;
-    out->entering = above != 0;
-    const unsigned held = above | below; /* corners whose weight is not 0 */
-    if (held == 7) {
-        cross_inside(s, c, w, out);
-    } else if ((held & (held - 1)) == 0) {
-        out->t = along_of(s, c[held >> 1]);
-    } else {
-        const int gone = held == 6 ? 0 : held == 5 ? 1 : 2;
-        cross_edge(s, c[(gone + 1) % 3], c[(gone + 2) % 3], out);
-    }
-    out->t /= vec3_dot(s->r->d, s->r->d);
-    return true;
-}
-
-bool isopolygon_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t iso_index,
-                    const hit *after, hit *found) {
-    seen_polygon s;
-    see_polygon(g, r, &s);
-    bool any = false;
-    for (int k = 0; k < g->count - 2; k++) {
-        crossing x;
-        if (!cross_triangle(&s, corners_of[k], &x) || !(x.t >= r->t0 && x.t <= r->t1))
-            continue;
-        const hit h = {x.t, cell, iso_index, x.entering};
-        if (hit_less(after, &h) && (!any || hit_less(&h, found))) {
-            *found = h;
-            any = true;
-        }
-    }
-    return any;
-}
-
 /* ---- what is known about a hit --------------------------------------------------------------- */
-
-/* A direction across a surface, a unit vector or the gradient, and its error bounds. */
-typedef struct across {
-    double direction[3], error[3];
-} across;
 
 /* Errors, with u = half an epsilon: sides err by u of themselves, differences of two products by 4
  * u of the moduli, their products with the values by 8 u; so does the determinant, of its own
  * terms. */
-static bool find_gradient(const tet *x, across *out) {
+static bool find_gradient(const tet *x, flat_across *out) {
     double e[3][3], df[3], normal[3][3], moduli[3] = {0.0, 0.0, 0.0};
     for (int i = 0; i < 3; i++) {
         for (int k = 0; k < 3; k++)
@@ -257,26 +124,11 @@ static bool find_gradient(const tet *x, across *out) {
 }
 
 bool tet_gradient(const tet *x, double gradient[3]) {
-    across g;
+    flat_across g;
     if (!find_gradient(x, &g))
         return false;
     memcpy(gradient, g.direction, sizeof g.direction);
     return true;
-}
-
-/* Find the normal from the diagonals, or two edges of a triangle. Returns false if it is 0. */
-static bool find_normal(const isopolygon *g, across *out) {
-    double e[2][3], normal[3], moduli = 0.0;
-    vec3_sub(g->p[2], g->p[0], e[0]);
-    vec3_sub(g->p[3], g->p[1], e[1]);
-    vec3_cross(e[0], e[1], normal);
-    for (int k = 0; k < 3; k++) {
-        const int l = (k + 1) % 3, m = (k + 2) % 3;
-        moduli += fabs(e[0][l] * e[1][m]) + fabs(e[0][m] * e[1][l]);
-    }
-    for (int k = 0; k < 3; k++)
-        out->error[k] = 4.0 * DBL_EPSILON * (moduli / vec3_size(normal) + 1.0);
-    return isfinite(normal[0] + normal[1] + normal[2]) && vec3_unit(normal, out->direction);
 }
 
 static double shortest_edge(const tet *x) {
@@ -292,32 +144,27 @@ static double shortest_edge(const tet *x) {
 
 /* Find the gradient, and return true. If there is none, set the polygon's normal or 0, and return
  * false. */
-static bool find_across(const tet *x, const isopolygon *g, across *out) {
+static bool find_across(const tet *x, const isopolygon *g, flat_across *out) {
     if (find_gradient(x, out))
         return true;
-    if (!find_normal(g, out))
-        *out = (across){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    if (!flat_normal((const double(*)[3])g->p, out))
+        *out = (flat_across){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     return false;
 }
 
-static void normal_against(const double gradient[3], float normal[3]) {
-    if (!shade_normal(gradient, normal))
-        normal[0] = normal[1] = normal[2] = 0.0f;
-}
-
 void tet_normal(const tet *x, double iso, float normal[3]) {
-    across n = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    flat_across n = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     isopolygon g;
     if (!find_gradient(x, &n) && isopolygon_of(x, iso, &g))
         (void)find_across(x, &g, &n);
-    normal_against(n.direction, normal);
+    flat_normal_against(n.direction, normal);
 }
 
 /* A point of the polygon has the isovalue, but for an error along its edge (8 epsilons of the
  * values' greatest difference from it) and its own rounding. */
-tet_facts tet_facts_of(const tet *x, double iso) {
-    tet_facts f = {.slack = INFINITY, .point = {.span = shortest_edge(x)}};
-    across n;
+flat_facts tet_facts_of(const tet *x, double iso) {
+    flat_facts f = {.slack = INFINITY, .point = {.span = shortest_edge(x)}};
+    flat_across n;
     isopolygon g;
     double range = 0.0;
     if (!isopolygon_of(x, iso, &g))
@@ -329,27 +176,11 @@ tet_facts tet_facts_of(const tet *x, double iso) {
     memcpy(f.at, g.p[0], sizeof f.at);
     memcpy(f.error, n.error, sizeof f.error);
     memcpy(f.point.gradient, n.direction, sizeof n.direction);
-    normal_against(f.point.gradient, f.point.normal);
+    flat_normal_against(f.point.gradient, f.point.normal);
     return f;
 }
 
-/* Compute the difference of f from the isovalue at the ray's point, from a point that has the
- * isovalue. Its error: 11 halves of an epsilon of the coordinates, which are rounded, subtracted
- * and added up. */
-surface_point tet_surface_at(const tet_facts *f, const ray *r, const hit *h) {
-    surface_point point = f->point;
-    double away[3], sum = f->slack;
-    for (int k = 0; k < 3; k++) {
-        const double along = h->t * r->d[k];
-        const double far = most(fabs(r->o[k]) + fabs(along), fabs(f->at[k]));
-        away[k] = r->o[k] + along - f->at[k];
-        sum += fabs(point.gradient[k]) * 6.0 * DBL_EPSILON * far + f->error[k] * fabs(away[k]);
-    }
-    point.error = fabs(vec3_dot(point.gradient, away)) + sum;
-    return point;
-}
-
 surface_point tet_surface(const tet *x, const ray *r, double iso, const hit *h) {
-    const tet_facts f = tet_facts_of(x, iso);
-    return tet_surface_at(&f, r, h);
+    const flat_facts f = tet_facts_of(x, iso);
+    return flat_point_at(&f, r, h);
 }

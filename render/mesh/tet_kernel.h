@@ -33,9 +33,9 @@
  *
  * Doubles. Such hits have the same t bits: where the ray meets an edge, t comes from its two points
  * alone, by a formula symmetric in them; where it meets a corner, from that point alone. So of hits
- * sorted by (t, cell, iso) only the first of each (t, iso, entering) counts: tet_double(). A ray
- * that touches a silhouette has there one hit that enters and one that leaves. A ray that lies in a
- * polygon's plane may hit its neighbours at both ends, at two t: no double.
+ * sorted by (t, cell, iso) only the first of each (t, iso, entering) counts: flat_polygon_double().
+ * A ray that touches a silhouette has there one hit that enters and one that leaves. A ray that
+ * lies in a polygon's plane may hit its neighbours at both ends, at two t: no double.
  *
  * Sources: W07 4.1 (isopolygons by marching tetrahedra, 16 cases). Deviation: edges are tested in
  * space and exactly, not in a plane of projection that changes from tet to tet.
@@ -46,6 +46,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "render/flat/flat_point.h"
+#include "render/flat/flat_polygon.h"
 #include "render/ray/ray.h"
 #include "render/ray/surface_point.h"
 
@@ -58,13 +60,9 @@ typedef struct tet {
     float f[4];
 } tet;
 
-/* 3 or 4 points on cut edges, in order around: by the right-hand rule the normal points to the
- * inside (f >= iso) unless the tet is flat. Points may coincide. */
-typedef struct isopolygon {
-    double p[4][3];  /* [count..] are copies of [count - 1] */
-    uint8_t edge[4]; /* number of the edge that each point lies on; copies as for p */
-    uint8_t count;
-} isopolygon;
+/* Its points lie on cut edges, whose numbers are their ranks. By the right-hand rule the normal
+ * points to the inside (f >= iso) unless the tet is flat. */
+typedef flat_polygon isopolygon;
 
 /* isopolygon_of() - makes the isopolygon. Returns false, and leaves *out untouched, if the tet is
  * not active: min < iso && iso <= max, all values finite. iso is finite.
@@ -86,32 +84,6 @@ extern const tet_cut tet_cuts[16];
 extern const uint8_t tet_edge_ends[TET_EDGES][2];
 void tet_turn_over(uint8_t edge[4], int count);
 
-/* isopolygon_hit() - finds the first hit of the ray that comes strictly after `after` in (t, cell,
- * iso) order, with t in [r->t0, r->t1]. *found is set only when true is returned; it gets cell (the
- * tet's global index) and iso_index as given.
- *
- * t lies within the t of the polygon's points. A polygon has two hits, at different t, only where
- * rounding has bent a quadrilateral.
- *
- * r->o finite; r->d finite, between 1e-60 and 1e60 long for the sake of t (signs are exact in any
- * case). r->held is not looked at. */
-bool isopolygon_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t iso_index,
-                    const hit *after, hit *found);
-
-/* tet_double() - whether two hits of one ray are the same crossing, seen from two tets. */
-static inline bool tet_double(const hit *a, const hit *b) {
-    return a->t == b->t && a->iso == b->iso && a->entering == b->entering;
-}
-
-/* tet_less() - the order (t, iso, entering, cell), in which doubles lie side by side. */
-static inline bool tet_less(const hit *a, const hit *b) {
-    if (a->t != b->t)
-        return a->t < b->t;
-    if (a->iso != b->iso)
-        return a->iso < b->iso;
-    return a->entering != b->entering ? b->entering : a->cell < b->cell;
-}
-
 /* tet_gradient() - gives the gradient of f in the tet, world space, right to 1e-4 of its terms
  * (mostly to 1e-15). Returns false, and leaves gradient untouched, if the tet is too flat for that,
  * or a value is not finite. */
@@ -121,7 +93,7 @@ bool tet_gradient(const tet *x, double gradient[3]);
  * The determinant errs by about 2^-50 of that sum, so the gradient by 2^-14. */
 #define TET_GRADIENT_SURE 0x1p-36
 
-/* tet_surface() - describes the point of a hit that isopolygon_hit() found on this ray, tet and
+/* tet_surface() - describes the point of a hit that flat_polygon_hit() found on this ray, tet and
  * isovalue.
  *
  * gradient  from tet_gradient(). If there is none: the polygon's unit normal, and `error` is a
@@ -132,16 +104,9 @@ bool tet_gradient(const tet *x, double gradient[3]);
  * normal    unit, against gradient; zero if gradient is */
 surface_point tet_surface(const tet *x, const ray *r, double iso, const hit *h);
 
-/* What all rays that hit a tet's isopolygon have in common. tet_facts_of() once, then
- * tet_surface_at() for each ray, give the same as tet_surface(). */
-typedef struct tet_facts {
-    double at[3];        /* a point of the polygon */
-    double slack;        /* error bound of its value; INFINITY: there is no polygon */
-    double error[3];     /* of the gradient */
-    surface_point point; /* without its error */
-} tet_facts;
-tet_facts tet_facts_of(const tet *x, double iso);
-surface_point tet_surface_at(const tet_facts *f, const ray *r, const hit *h);
+/* tet_facts_of() - what all rays that hit a tet's isopolygon have in common. With flat_point_at()
+ * for each ray it gives the same as tet_surface(). */
+flat_facts tet_facts_of(const tet *x, double iso);
 
 /* tet_normal() - gives the normal alone, which is the same for all rays that hit the tet's
  * isopolygon. */

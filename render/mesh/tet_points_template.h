@@ -1,4 +1,4 @@
-/* tet_points_template.h - tet_surface_at() for many rays at a time, to the bit; included by the
+/* tet_points_template.h - flat_point_at() for many rays at a time, to the bit; included by the
  * units of an ISA (see formats/base/simd.h). */
 #ifndef RENDER_MESH_TET_POINTS_TEMPLATE_H
 #define RENDER_MESH_TET_POINTS_TEMPLATE_H
@@ -17,7 +17,7 @@ typedef struct point_columns {
 } point_columns;
 
 /* Set the facts of these lanes (bits), which have hit one tet. */
-SIMD void point_columns_put(point_columns *c, unsigned lanes, const tet_facts *f) {
+SIMD void point_columns_put(point_columns *c, unsigned lanes, const flat_facts *f) {
     const md in = md_of_bits(lanes);
     for (int k = 0; k < 3; k++) {
         c->at[k] = d_select(in, d_set(f->at[k]), c->at[k]);

@@ -41,7 +41,7 @@ typedef struct tet_piece {
 
 /* tet_segment() - finds where the line enters and leaves the tet; false if it misses the tet. t[0]
  * >= t[1] where rounding hides the length. The ray's [t0, t1] is ignored. Values finite; the ray as
- * for isopolygon_hit(). */
+ * for flat_polygon_hit(). */
 bool tet_segment(const tet *x, const ray *r, tet_piece *out);
 
 #endif

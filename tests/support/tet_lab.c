@@ -103,7 +103,7 @@ static size_t kernel_hits(const subject *p, const ref_ray *from, hit *hits) {
     for (size_t i = 0; i < count; i++) {
         bool seen = false;
         for (size_t k = 0; k < kept; k++)
-            seen |= tet_double(&hits[k], &hits[i]);
+            seen |= flat_polygon_double(&hits[k], &hits[i]);
         if (!seen)
             hits[kept++] = hits[i];
     }

@@ -224,7 +224,7 @@ static void test_same_points(void **state) {
     int same = 0, shared = 0;
     for (int i = 0; i < TETS / 4; i++) {
         point_columns c;
-        tet_facts facts[VD_N];
+        flat_facts facts[VD_N];
         isopolygon g;
         ray rays[VD_N];
         hit hits[VD_N];
@@ -250,7 +250,7 @@ static void test_same_points(void **state) {
             if (g.count == 0)
                 continue;
             rays[k] = ray_to(&g, o, &r);
-            if (!isopolygon_hit(&g, &rays[k], 5, 0, &before, &hits[k]))
+            if (!flat_polygon_hit(&g, &rays[k], 5, 0, &before, &hits[k]))
                 continue;
             some |= 1u << k;
             t[k] = hits[k].t;
@@ -259,7 +259,7 @@ static void test_same_points(void **state) {
         }
         for (unsigned left = some; left;) {
             unsigned as = left & -left;
-            const tet_facts *f = &facts[__builtin_ctz(left)];
+            const flat_facts *f = &facts[__builtin_ctz(left)];
             for (unsigned k = 0; k < VD_N; k++)
                 if (left >> k & 1u && memcmp(&facts[k], f, sizeof *f) == 0)
                     as |= 1u << k;
@@ -273,7 +273,7 @@ static void test_same_points(void **state) {
         point_errors(&c, o, error);
         for (unsigned left = some; left; left &= left - 1) {
             const int k = __builtin_ctz(left);
-            const surface_point want = tet_surface_at(&facts[k], &rays[k], &hits[k]);
+            const surface_point want = flat_point_at(&facts[k], &rays[k], &hits[k]);
             assert_memory_equal(&error[k], &want.error, sizeof error[k]);
             same++;
         }

@@ -97,7 +97,7 @@ static void test_interpolation(void **state) {
         const hit before = hit_before_all();
         random_case(&r, &x, gradients, &look);
         double gradient[3];
-        if (!isopolygon_of(&x, 0, &g) || !isopolygon_hit(&g, &look, 0, 0, &before, &h) ||
+        if (!isopolygon_of(&x, 0, &g) || !flat_polygon_hit(&g, &look, 0, 0, &before, &h) ||
             !tet_gradient(&x, gradient))
             continue;
         long double at[3], want[3], length = 0, largest = 0, p[4][3];

@@ -1,5 +1,5 @@
 /* test_tet_batch.c - every version of the many-rays kernel that this CPU has against
- * isopolygon_hit(), to the bit: rays at random and on lattices, of one origin and of many, behind
+ * flat_polygon_hit(), to the bit: rays at random and on lattices, of one origin and of many, behind
  * given hits, with any polygons in any order. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -90,8 +90,8 @@ static hit truth_of(const ray *r, const hit *after) {
     for (int i = 0; i < TETS * ISOS; i++) {
         hit last = hit_before_all();
         while (it.polygons[i].count > 0 &&
-               isopolygon_hit(&it.polygons[i], r, (uint64_t)(i / ISOS), i % ISOS, &last, &h)) {
-            if (tet_less(&behind, &h) && tet_less(&h, &best))
+               flat_polygon_hit(&it.polygons[i], r, (uint64_t)(i / ISOS), i % ISOS, &last, &h)) {
+            if (flat_polygon_less(&behind, &h) && flat_polygon_less(&h, &best))
                 best = h;
             last = h;
         }

@@ -77,7 +77,7 @@ static void shoot(const ray *r) {
     for (int i = 0; i < it.count; i++) {
         hit after = hit_before_all(), h;
         while (it.polygons[i].count > 0 &&
-               isopolygon_hit(&it.polygons[i], r, (uint64_t)i, 0, &after, &h)) {
+               flat_polygon_hit(&it.polygons[i], r, (uint64_t)i, 0, &after, &h)) {
             assert_true(hit_less(&after, &h));
             assert_true(it.raw < HITS_MAX);
             it.hits[it.raw++] = after = h;
@@ -87,7 +87,7 @@ static void shoot(const ray *r) {
     for (int i = 0; i < it.raw; i++) {
         bool again = false;
         for (int j = it.single - 1; j >= 0 && it.hits[j].t == it.hits[i].t; j--)
-            again |= tet_double(&it.hits[j], &it.hits[i]);
+            again |= flat_polygon_double(&it.hits[j], &it.hits[i]);
         if (!again)
             it.hits[it.single++] = it.hits[i];
     }

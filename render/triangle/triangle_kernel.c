@@ -1,0 +1,110 @@
+#include "render/triangle/triangle_kernel.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "formats/base/vec3.h"
+#include "render/look/picture_bytes.h"
+
+/* Whether a comes before b: x before y before z. */
+static bool is_before(const float a[3], const float b[3]) {
+    for (int k = 0; k < 2; k++)
+        if (a[k] != b[k])
+            return a[k] < b[k];
+    return a[2] < b[2];
+}
+
+void triangle_polygon(const triangle *x, flat_polygon *out) {
+    static const int from[4] = {0, 2, 1, 1};
+    out->count = 3;
+    for (int i = 0; i < 4; i++) {
+        const float *p = x->p[from[i]];
+        out->edge[i] = 0;
+        for (int k = 0; k < 3; k++) {
+            out->p[i][k] = (double)p[k];
+            out->edge[i] = (uint8_t)(out->edge[i] + is_before(x->p[k], p));
+        }
+    }
+}
+
+static double shortest_edge(const triangle *x) {
+    double square = INFINITY;
+    for (int i = 0; i < 3; i++) {
+        double e[3];
+        for (int k = 0; k < 3; k++)
+            e[k] = (double)x->p[(i + 1) % 3][k] - (double)x->p[i][k];
+        square = fmin(square, vec3_dot(e, e));
+    }
+    return sqrt(square);
+}
+
+flat_facts triangle_facts(const triangle *x) {
+    flat_facts f = {.point = {.span = shortest_edge(x)}};
+    flat_polygon g;
+    flat_across n;
+    triangle_polygon(x, &g);
+    if (!flat_normal((const double(*)[3])g.p, &n))
+        n = (flat_across){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    memcpy(f.at, g.p[0], sizeof f.at);
+    memcpy(f.error, n.error, sizeof f.error);
+    memcpy(f.point.gradient, n.direction, sizeof n.direction);
+    flat_normal_against(f.point.gradient, f.point.normal);
+    return f;
+}
+
+/* The shares of the vertices at a point of the plane, by the areas as seen along the axis along
+ * which the triangle is seen largest. */
+static void shares_at(const triangle *x, const ray *r, double t, double share[3]) {
+    double e[2][3], n[3], away[3], area[3];
+    int axis = 0;
+    for (int k = 0; k < 3; k++) {
+        e[0][k] = (double)x->p[1][k] - (double)x->p[0][k];
+        e[1][k] = (double)x->p[2][k] - (double)x->p[0][k];
+        away[k] = r->o[k] + t * r->d[k] - (double)x->p[0][k];
+    }
+    vec3_cross(e[0], e[1], n);
+    for (int k = 1; k < 3; k++)
+        if (fabs(n[k]) > fabs(n[axis]))
+            axis = k;
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    area[1] = (away[u] * e[1][v] - away[v] * e[1][u]) / n[axis];
+    area[2] = (e[0][u] * away[v] - e[0][v] * away[u]) / n[axis];
+    for (int k = 1; k < 3; k++)
+        area[k] = area[k] > 0.0 ? fmin(area[k], 1.0) : 0.0; /* NaN: a triangle without an area */
+    share[1] = area[1];
+    share[2] = fmin(area[2], 1.0 - area[1]);
+    share[0] = 1.0 - share[1] - share[2];
+}
+
+/* The light of a packed colour. What is none is black. */
+static void unpack(float value, double rgb[3]) {
+    const bool is_one = value >= 0.0f && value < 0x1p24f;
+    const uint32_t bits = is_one ? (uint32_t)value : 0;
+    for (unsigned c = 0; c < 3; c++)
+        rgb[c] = picture_linear((bits >> (16 - 8 * c) & 255) / 255.0);
+}
+
+void triangle_values(const triangle *x, const ray *r, double t, bool coloured, surface_point *out) {
+    double share[3], rgb[3] = {0.0, 0.0, 0.0};
+    shares_at(x, r, t, share);
+    out->value = 0.0;
+    for (int k = 0; k < 3; k++) {
+        double of[3];
+        if (!coloured) {
+            out->value += share[k] * (double)x->value[k];
+            continue;
+        }
+        unpack(x->value[k], of);
+        for (int c = 0; c < 3; c++)
+            rgb[c] += share[k] * of[c];
+    }
+    for (int c = 0; c < 3; c++)
+        out->rgb[c] = (float)rgb[c];
+}
+
+surface_point triangle_point(const triangle *x, const ray *r, const hit *h, bool coloured) {
+    const flat_facts f = triangle_facts(x);
+    surface_point p = flat_point_at(&f, r, h);
+    triangle_values(x, r, h->t, coloured, &p);
+    return p;
+}

@@ -1,0 +1,120 @@
+#include "render/triangle/triangle_kind.h"
+
+#include <string.h>
+
+#include "formats/base/box3.h"
+#include "render/ray/open_volume.h"
+#include "render/triangle/triangle_walk.h"
+#include "render/walk/cell_walks.h"
+#include "render/walk/tree_points.h"
+#include "stream/triangle_resident.h"
+
+static const triangle_blocks *blocks_of(const treelet *at) {
+    return &resident_triangles_of(at)->blocks;
+}
+
+/* ---- An open volume ---- */
+
+static void triangle_describe(const leafcast *v, leafcast_info *info) {
+    info->cells = v->file->header.tets;
+    info->nodes = v->file->header.vertices;
+    info->abilities = LEAFCAST_ABILITY_GIVEN;
+    tree_describe(v, 1.0 / (double)info->cells, info);
+}
+
+/* ---- A frame ---- */
+
+static void triangle_aim(leafcast *v, const leafcast_scene *scene, const struct camera *c,
+                         tracer *tr) {
+    const leaf_file *f = v->file;
+    const uint32_t shown = v->set / f->layout.steps;
+    (void)scene, (void)c;
+    box3_of_floats(v->file->header.bounds, tr->box);
+    /* Between two steps packed numbers are not those of colours. */
+    tr->coloured = !f->below && strcmp(leaf_file_field_name(f, shown), TRIANGLE_COLOURS) == 0;
+}
+
+/* ---- In a treelet ---- */
+
+static bool walk_hits(const tracer *tr, const treelet *at, const ray *r, trace_state *state,
+                      ray_counters *counters) {
+    return triangle_walk_hits(blocks_of(at), tr->coloured, r, state, counters);
+}
+
+/* A surface has no pieces, no extremes, and holds no points. */
+static void walk_pieces(const tracer *tr, const treelet *at, const ray *r, const hit *after,
+                        segments_state *state, ray_counters *counters) {
+    (void)tr, (void)at, (void)r, (void)after, (void)state, (void)counters;
+}
+
+static void walk_extremes(const tracer *tr, const treelet *at, const ray *r, const ray *part,
+                          extreme_state *s, ray_counters *counters) {
+    (void)tr, (void)at, (void)r, (void)part, (void)s, (void)counters;
+}
+
+static const treelet_walks triangle_walks = {walk_hits, walk_pieces, walk_extremes};
+
+static segments_error no_error(const tracer *tr, const ray *r, const double range[2]) {
+    (void)tr, (void)r, (void)range;
+    return (segments_error){0};
+}
+
+static void no_gradient(const tracer *tr, const treelet *at, const ray *r, const segment *s,
+                        segment_gradient *out) {
+    (void)tr, (void)at, (void)r, (void)s;
+    *out = (segment_gradient){0};
+}
+
+static void no_cell_in(const leafcast *v, const treelet *at, const double point[3],
+                       leafcast_sample *out) {
+    (void)v, (void)at, (void)point, (void)out;
+}
+
+/* ---- Triangles ---- */
+
+static status find_triangle(leafcast *v, uint64_t number, triangle *out) {
+    const leaf_cells_directory *d = triangle_directory_of(v->file);
+    const uint32_t t = leaf_cells_treelet(d->first, v->file->layout.treelets, number);
+    const treelet *at;
+    const status st = volume_treelet(v, t, &at);
+    if (st == ST_OK)
+        *out = triangle_walk_one(blocks_of(at), (uint32_t)(number - d->first[t]));
+    return st;
+}
+
+static status triangle_of_hit(leafcast *v, const tracer *tr, const ray *r, const hit *h,
+                              leafcast_hit *out) {
+    triangle x;
+    (void)tr, (void)r, (void)out;
+    return find_triangle(v, h->cell, &x);
+}
+
+static status triangle_corners(leafcast *v, uint32_t level, uint64_t number, leafcast_cell *out) {
+    triangle x;
+    (void)level;
+    const status st = find_triangle(v, number, &x);
+    if (st != ST_OK)
+        return st;
+    out->corners = TRIANGLE_CORNERS;
+    for (int k = 0; k < TRIANGLE_CORNERS; k++) {
+        out->value[k] = x.value[k];
+        for (int a = 0; a < 3; a++)
+            out->position[k][a] = (double)x.p[k][a];
+    }
+    return ST_OK;
+}
+
+const kind triangle_kind = {.name = "triangles",
+                            .cell = "triangle",
+                            .given = true,
+                            .describe = triangle_describe,
+                            .check = cell_walks_check,
+                            .aim = triangle_aim,
+                            .walks = &tree_walks,
+                            .inside = &triangle_walks,
+                            .degree = 1,
+                            .segments_error = no_error,
+                            .gradient = no_gradient,
+                            .cell_in = no_cell_in,
+                            .cell_of_hit = triangle_of_hit,
+                            .cell_corners = triangle_corners};
