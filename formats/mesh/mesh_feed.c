@@ -17,12 +17,15 @@ status mesh_feed_begin(mesh_feed *f, mem *m, const char *name, uint32_t fields,
         f->bounds[a + 3] = -INFINITY;
     }
     f->xyz = mem_array(m, MESH_FEED_CHUNK, sizeof *f->xyz);
-    if (sink->cells)
+    f->corners.scratch.m = m;
+    if (sink->triangles)
+        f->triangles = mem_array(m, MESH_FEED_CHUNK, sizeof *f->triangles);
+    else if (sink->cells)
         f->whole = mem_array(m, MESH_FEED_CHUNK, sizeof *f->whole);
     else
         f->tets = mem_array(m, MESH_FEED_CHUNK, sizeof *f->tets);
     f->columns = mem_array(m, fields, sizeof *f->columns);
-    if (!f->xyz || !(f->tets || f->whole) || !f->columns)
+    if (!f->xyz || !(f->tets || f->whole || f->triangles) || !f->columns)
         return ST_NOMEM;
     for (uint32_t k = 0; k < fields; k++)
         if (!(f->columns[k].values = mem_array(m, MESH_FEED_CHUNK, sizeof(float))))
@@ -43,6 +46,9 @@ void mesh_feed_release(mesh_feed *f) {
     mem_free(f->m, f->xyz);
     mem_free(f->m, f->tets);
     mem_free(f->m, f->whole);
+    mem_free(f->m, f->triangles);
+    mem_free(f->m, f->corners.xyz);
+    mesh_polygon_release(&f->corners.scratch);
     forget(f);
 }
 
@@ -54,13 +60,35 @@ status mesh_feed_expect(mesh_feed *f, uint64_t points) {
     return ST_OK;
 }
 
+void mesh_feed_expect_open(mesh_feed *f, const byte_stream *by) {
+    assert(f->fields == 1);
+    f->points = MESH_POINTS_MAX;
+    f->open = by;
+}
+
+/* All points have come. */
+static void settle(mesh_feed *f) {
+    if (f->open)
+        f->points = f->points_given + f->points_held;
+    f->open = NULL;
+}
+
 void mesh_feed_expect_cells(mesh_feed *f, uint64_t cells) {
     f->cells += cells;
 }
 
+static double share_of(const byte_stream *s) {
+    const uint64_t left = byte_stream_left(s), taken = byte_stream_position(s);
+    return left == UINT64_MAX ? 0 : (double)taken / ((double)taken + (double)left + 1);
+}
+
 double mesh_feed_share(const mesh_feed *f) {
+    if (f->open)
+        return share_of(f->open);
     const double point = sizeof *f->xyz, value = sizeof(float),
-                 cell = f->whole ? sizeof *f->whole : sizeof *f->tets;
+                 cell = f->triangles ? sizeof *f->triangles
+                        : f->whole   ? sizeof *f->whole
+                                     : sizeof *f->tets;
     const double cells = f->cells ? (double)f->cells : 5 * (double)f->points;
     const double all = (point + value * f->fields) * (double)f->points + cell * cells;
     double seen =
@@ -107,9 +135,31 @@ status mesh_feed_keep(mesh_feed *f, uint64_t count) {
     return ST_OK;
 }
 
+void mesh_feed_keep_corners(mesh_feed *f) {
+    f->corners.wanted = f->triangles != NULL && f->points_given + f->points_held == 0;
+}
+
+/* Keep one more point where there is room. The first that is not kept is the last one tried. */
+static status keep_corner(mesh_feed *f, const float p[3]) {
+    mesh_feed_corners *c = &f->corners;
+    if (c->count == c->room) {
+        const size_t more = c->room ? 3 * c->room * sizeof *c->xyz : 0, used = mem_used(f->m);
+        const size_t left = f->m->limit > used ? f->m->limit - used : 0;
+        c->wanted = c->count < MESH_FEED_CORNERS && (f->m->limit == 0 || more <= left / 8);
+        if (!c->wanted)
+            return ST_OK;
+    }
+    status st = mem_grow(f->m, &c->xyz, sizeof *c->xyz, c->count, 1024, &c->room);
+    if (st == ST_OK)
+        memcpy(c->xyz[c->count++], p, sizeof *c->xyz);
+    return st;
+}
+
 static status keep_point(mesh_feed *f, const float p[3]) {
     uint64_t id = f->points_given + f->points_held;
-    assert(id < f->points);
+    assert(id < f->points || f->open);
+    if (id >= f->points)
+        return mesh_feed_expect(f, id + 1);
     if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2]))
         return status_describe(ST_CORRUPT,
                                "%s: point %llu (counted from 0) lies at (%g, %g, %g), expected "
@@ -123,6 +173,9 @@ static status keep_point(mesh_feed *f, const float p[3]) {
     if (id - f->kept.first < f->kept.count)
         memcpy(f->kept.xyz[id - f->kept.first], p, sizeof *f->kept.xyz);
     memcpy(f->xyz[f->points_held++], p, sizeof *f->xyz);
+    const status st = f->corners.wanted ? keep_corner(f, p) : ST_OK;
+    if (st != ST_OK)
+        return st;
     return f->points_held == MESH_FEED_CHUNK ? flush_points(f) : ST_OK;
 }
 
@@ -163,6 +216,7 @@ status mesh_feed_values(mesh_feed *f, uint32_t field, const float *values, size_
 
 status mesh_feed_zeros(mesh_feed *f) {
     status st = ST_OK;
+    settle(f);
     while (st == ST_OK && f->columns[0].given + f->columns[0].held < f->points)
         st = keep_value(f, 0, 0);
     return st;
@@ -186,6 +240,8 @@ static status flush_tets(mesh_feed *f) {
         return ST_OK;
     f->tets_held = 0;
     f->report->tets += count;
+    if (f->triangles)
+        return f->sink->triangles(f->sink->ctx, count, (const uint32_t(*)[3])f->triangles);
     if (f->whole)
         return f->sink->cells(f->sink->ctx, count, (const uint32_t(*)[CELL_ROW])f->whole);
     return f->sink->tets(f->sink->ctx, count, (const uint32_t(*)[4])f->tets);
@@ -284,6 +340,77 @@ status mesh_feed_tets(mesh_feed *f, const uint32_t (*ids)[4], size_t count) {
     return st;
 }
 
+/* ---- surfaces ---- */
+
+static status keep_triangle(mesh_feed *f, uint64_t a, uint64_t b, uint64_t c) {
+    if (a == b || b == c || c == a) {
+        f->report->repeated++;
+        return ST_OK;
+    }
+    uint32_t *to = f->triangles[f->tets_held++];
+    to[0] = (uint32_t)a;
+    to[1] = (uint32_t)b;
+    to[2] = (uint32_t)c;
+    return f->tets_held == MESH_FEED_CHUNK ? flush_tets(f) : ST_OK;
+}
+
+/* Whether all ids may be points'; else the cell is counted as bad. */
+static bool are_points(mesh_feed *f, const uint64_t *ids, size_t count) {
+    assert(f->triangles); /* the sink takes surfaces */
+    f->cells_seen++;
+    for (size_t i = 0; i < count; i++)
+        if (ids[i] >= f->points) {
+            f->report->bad_indices++;
+            return false;
+        }
+    for (size_t i = 0; i < count; i++)
+        f->highest = ids[i] > f->highest ? ids[i] : f->highest;
+    return true;
+}
+
+status mesh_feed_triangle(mesh_feed *f, const uint64_t ids[3]) {
+    return are_points(f, ids, 3) ? keep_triangle(f, ids[0], ids[1], ids[2]) : ST_OK;
+}
+
+/* Gather the corners of a polygon. Returns whether all are kept. */
+static bool gather_corners(mesh_feed *f, const uint64_t *ids, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        if (ids[i] >= f->corners.count)
+            return false;
+        for (int a = 0; a < 3; a++)
+            f->corners.scratch.xyz[i][a] = (double)f->corners.xyz[ids[i]][a];
+    }
+    return true;
+}
+
+status mesh_feed_polygon(mesh_feed *f, const uint64_t *ids, size_t corners) {
+    assert(corners >= 3);
+    if (!are_points(f, ids, corners))
+        return ST_OK;
+    if (corners == 3)
+        return keep_triangle(f, ids[0], ids[1], ids[2]);
+    mesh_polygon_room *s = &f->corners.scratch;
+    status st = mesh_polygon_reserve(s, corners);
+    if (st != ST_OK)
+        return st;
+    f->report->polygons++;
+    f->report->fanned += !mesh_polygon_cut(s, corners, gather_corners(f, ids, corners));
+    for (size_t i = 0; st == ST_OK && i + 2 < corners; i++)
+        st = keep_triangle(f, ids[s->cut[i][0]], ids[s->cut[i][1]], ids[s->cut[i][2]]);
+    return st;
+}
+
+/* Check the ids of a mesh whose number of points has only now become known. */
+static status check_ids(mesh_feed *f) {
+    const bool open = f->open;
+    settle(f);
+    if (!open || f->cells_seen == f->report->bad_indices || f->highest < f->points)
+        return ST_OK;
+    return status_describe(ST_CORRUPT,
+                           "%s: a face of point %llu (counted from 0), expected one of %llu",
+                           f->name, (unsigned long long)f->highest, (unsigned long long)f->points);
+}
+
 static status check_place(const mesh_feed *f) {
     const float *b = f->bounds;
     char why[LEAF_PLACE_TEXT] = "its points are told apart by less than floats hold: scale it";
@@ -295,7 +422,9 @@ static status check_place(const mesh_feed *f) {
 }
 
 status mesh_feed_end(mesh_feed *f) {
-    status st = check_place(f);
+    status st = check_ids(f);
+    if (st == ST_OK)
+        st = check_place(f);
     if (st == ST_OK)
         st = flush_points(f);
     assert(st != ST_OK || f->points_given == f->points);

@@ -8,6 +8,8 @@
 #ifndef FORMATS_MESH_MESH_FEED_H
 #define FORMATS_MESH_MESH_FEED_H
 
+#include "formats/input/byte_stream.h"
+#include "formats/mesh/mesh_polygon.h"
 #include "formats/mesh/mesh_sink.h"
 
 enum { MESH_FEED_CHUNK = 4096 };
@@ -27,6 +29,14 @@ typedef struct mesh_feed_kept {
     float *values; /* [fields][count] */
 } mesh_feed_kept;
 
+/* The first points, for polygons that may be concave. */
+typedef struct mesh_feed_corners {
+    bool wanted;
+    float (*xyz)[3];
+    size_t count, room;
+    mesh_polygon_room scratch;
+} mesh_feed_corners;
+
 /* Readers use `m`, `points`, `kept` and `report` (skipped, ghosts, field). The rest is private. */
 typedef struct mesh_feed {
     mem *m;
@@ -43,7 +53,11 @@ typedef struct mesh_feed {
     uint32_t fields;
     uint32_t (*tets)[4];
     uint32_t (*whole)[CELL_ROW]; /* instead, if the sink takes cells */
-    float bounds[6];             /* box of the points so far: lo x, y, z, hi x, y, z */
+    uint32_t (*triangles)[3];    /* instead, if the sink takes triangles */
+    const byte_stream *open;     /* the number of points is not known yet; NULL: it is */
+    uint64_t highest;            /* of the triangles' ids */
+    mesh_feed_corners corners;
+    float bounds[6]; /* box of the points so far: lo x, y, z, hi x, y, z */
     mesh_feed_kept kept;
     bool vanished; /* a coordinate that is not 0 was rounded to 0 */
 } mesh_feed;
@@ -61,6 +75,12 @@ static inline size_t mesh_feed_memory(void) {
 /* mesh_feed_expect() - set the number of points, before any is fed. ST_UNSUPPORTED above
  * MESH_POINTS_MAX. */
 CHECKED status mesh_feed_expect(mesh_feed *f, uint64_t points);
+
+/* mesh_feed_expect_open() - instead: the format does not tell the number of points before they have
+ * come. Allowed with one field; every value then has its point before it, or mesh_feed_zeros()
+ * comes last. An id is checked by mesh_feed_end(): ST_CORRUPT where it is no point's. by: the
+ * stream that tells how much has come. */
+void mesh_feed_expect_open(mesh_feed *f, const byte_stream *by);
 
 /* mesh_feed_expect_cells() - expect so many more cells. Only mesh_feed_share() uses the number: the
  * file may hold another one, and skipped cells may count or not. */
@@ -97,6 +117,20 @@ static inline bool mesh_feed_takes_quadratic(const mesh_feed *f) {
 CHECKED status mesh_feed_cell(mesh_feed *f, cell_shape kind, const uint64_t *ids);
 CHECKED status mesh_feed_part(mesh_feed *f, cell_shape kind, const uint64_t *ids);
 CHECKED status mesh_feed_tets(mesh_feed *f, const uint32_t (*ids)[4], size_t count);
+
+/* mesh_feed_keep_corners() - keep the points that will be fed, for mesh_feed_polygon(). Takes 12
+ * bytes a point; stops at MESH_FEED_CORNERS points, or where it would take more than an eighth of
+ * what the budget has left. */
+enum { MESH_FEED_CORNERS = 1 << 24 };
+void mesh_feed_keep_corners(mesh_feed *f);
+
+/* mesh_feed_triangle() - feed one triangle of a surface, to a sink that takes triangles. Ids as of
+ * mesh_feed_cell(); one with a repeated vertex is left out and counted.
+ * mesh_feed_polygon() - feed a polygon of three or more corners, cut into triangles as
+ * mesh_polygon.h says; by a fan, and counted as fanned, unless its corners have come and are kept.
+ */
+CHECKED status mesh_feed_triangle(mesh_feed *f, const uint64_t ids[3]);
+CHECKED status mesh_feed_polygon(mesh_feed *f, const uint64_t *ids, size_t corners);
 
 /* mesh_feed_end() - hand the rest to the sink. All points and values must have been fed (an
  * assert). ST_CORRUPT for a mesh at a place that no treelet file may have (leaf_place.h). */

@@ -32,39 +32,45 @@ static const mesh_reader *const readers[] = {
     &mesh_stream_reader, &mesh_tetgen_reader,    &mesh_gmsh_reader,    &mesh_vtk_reader,
     &mesh_vtu_reader,    &mesh_vtk_parts_reader, &mesh_imported_reader};
 
-enum { READERS = sizeof readers / sizeof *readers };
+static const mesh_readers meshes = {
+    readers, sizeof readers / sizeof *readers,
+    "expected a mesh: TetGen (.node and .ele), VTK (.vtk, .vtu), Gmsh (.msh) or a mesh stream"};
 
 /* ---- recognising ---- */
 
-static const mesh_reader *find_reader(const char *path, const uint8_t *start, size_t size) {
-    for (int i = 0; i < READERS && !dicom_mark_is_at(start, size); i++)
-        if (readers[i]->known(path, start, size))
-            return readers[i];
+static const mesh_reader *find_reader(const mesh_readers *by, const char *path,
+                                      const uint8_t *start, size_t size) {
+    for (size_t i = 0; i < by->count && !dicom_mark_is_at(start, size); i++)
+        if (by->items[i]->known(path, start, size))
+            return by->items[i];
     return NULL;
 }
 
 status mesh_input_recognise(byte_stream *s, bool *known) {
+    return mesh_input_recognise_by(&meshes, s, known);
+}
+
+status mesh_input_recognise_by(const mesh_readers *by, byte_stream *s, bool *known) {
     const uint8_t *start;
     size_t size;
     status st = byte_stream_peek(s, MESH_READER_PEEK, &start, &size);
     if (st == ST_OK)
-        *known = find_reader(byte_stream_kind(s), start, size) != NULL;
+        *known = find_reader(by, byte_stream_kind(s), start, size) != NULL;
     return st;
 }
 
 /* ---- opening ---- */
 
-static status open_reader(mesh_input *x) {
+static status open_reader(mesh_input *x, const mesh_readers *by) {
     mesh_source *source = &x->source;
     const uint8_t *start;
     size_t size;
     status st = byte_stream_peek(source->data, MESH_READER_PEEK, &start, &size);
     if (st != ST_OK)
         return st;
-    x->reader = find_reader(byte_stream_kind(source->data), start, size);
+    x->reader = find_reader(by, byte_stream_kind(source->data), start, size);
     if (!x->reader)
-        return foreign_refuse(source->data, "expected a mesh: TetGen (.node and .ele), VTK (.vtk, "
-                                            ".vtu), Gmsh (.msh) or a mesh stream");
+        return foreign_refuse(source->data, by->expected);
     if (!x->reader->steps && source->hints.step > 0)
         return status_describe(ST_USAGE, "%s: no step %u: there is 1, counted from 0",
                                byte_stream_name(source->data), source->hints.step);
@@ -72,6 +78,11 @@ static status open_reader(mesh_input *x) {
 }
 
 status mesh_input_open_stream(mem *m, byte_stream *s, const mesh_hints *hints, mesh_input **out) {
+    return mesh_input_open_by(m, &meshes, s, hints, out);
+}
+
+status mesh_input_open_by(mem *m, const mesh_readers *by, byte_stream *s, const mesh_hints *hints,
+                          mesh_input **out) {
     mesh_input *x = mem_zalloc(m, sizeof *x);
     if (!x) {
         byte_stream_close(s);
@@ -81,7 +92,7 @@ status mesh_input_open_stream(mem *m, byte_stream *s, const mesh_hints *hints, m
     x->source = (mesh_source){.m = m, .path = byte_stream_path(s), .data = s};
     if (hints)
         x->source.hints = *hints;
-    status st = open_reader(x);
+    status st = open_reader(x, by);
     if (st == ST_OK)
         st = mesh_input_take(x, (const char *const[]){x->source.hints.field}, 1);
     if (st != ST_OK) {

@@ -33,6 +33,13 @@ CHECKED status mesh_input_open(mem *m, const char *path, const mesh_hints *hints
 CHECKED status mesh_input_open_stream(mem *m, byte_stream *s, const mesh_hints *hints,
                                       mesh_input **out);
 
+/* mesh_input_recognise_by(), mesh_input_open_by() - the same by another table of readers
+ * (mesh_reader.h), such as that of surfaces. */
+struct mesh_readers;
+CHECKED status mesh_input_recognise_by(const struct mesh_readers *by, byte_stream *s, bool *known);
+CHECKED status mesh_input_open_by(mem *m, const struct mesh_readers *by, byte_stream *s,
+                                  const mesh_hints *hints, mesh_input **out);
+
 /* A mesh in memory. The caller owns it and must not change it while the mesh is open. */
 typedef struct mesh_arrays {
     uint64_t points, tets;

@@ -40,4 +40,11 @@ typedef struct mesh_reader {
     const char *(*file)(const void *state); /* mesh_input_file(); NULL: the source's path */
 } mesh_reader;
 
+/* A table of readers. The first that knows a file reads it. */
+typedef struct mesh_readers {
+    const mesh_reader *const *items;
+    size_t count;
+    const char *expected; /* where none of them knows it, as the end of a sentence */
+} mesh_readers;
+
 #endif

@@ -55,11 +55,13 @@ typedef struct mesh_hints {
 typedef struct mesh_report {
     uint64_t whole[CELL_SHAPES]; /* by cell_shape: cells handed over as they are, or quadratic tets
                                     by their corners; `tets` counts all of them */
-    uint64_t points, tets;       /* handed over */
+    uint64_t points, tets;       /* handed over; of surfaces, `tets` counts triangles */
     uint64_t split[CELL_SPLIT_SHAPES]; /* by cell_shape: cells that were split; `tets` counts the
                                           tets they gave */
     uint64_t polyhedra;   /* cells of many faces, handed over in parts (mesh_polyhedron.h), which
                              `tets` counts */
+    uint64_t polygons;    /* of four or more corners, which were cut into triangles */
+    uint64_t fanned;      /* those of them that were cut without a look at their corners */
     uint64_t by_corners;  /* cells of higher order that were taken as linear ones */
     uint64_t bad_indices; /* cells left out: an id is outside the points */
     uint64_t repeated;    /* tets left out: a vertex comes twice */
