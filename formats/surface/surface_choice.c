@@ -6,14 +6,14 @@
 #include "formats/base/text.h"
 #include "formats/mesh/mesh_choice.h"
 
-enum { RANKS = 6, VECTORS = 4, NOT_OFFERED = RANKS };
+enum { RANKS = 6, ASIDE = 4, NOT_OFFERED = RANKS };
 
 /* Returns a field's place in what is offered. */
 static int rank_of(const surface_choice *c, const surface_field *f) {
-    const int vector = !f->colour && f->components > 1;
+    const int aside = f->aside || f->components > 1;
     if (c->source->hints.cells_to_points)
-        return f->of_faces && !f->colour ? VECTORS * vector : NOT_OFFERED;
-    return VECTORS * vector + 2 * f->colour + f->of_faces;
+        return f->of_faces && !f->colour ? ASIDE * aside : NOT_OFFERED;
+    return ASIDE * aside + 2 * f->colour + f->of_faces;
 }
 
 status surface_choice_add(surface_choice *c, const surface_field *field) {
@@ -32,14 +32,18 @@ void surface_choice_release(surface_choice *c) {
     mem_free(c->source->m, c->taken);
 }
 
-/* Find a field by its name; NULL: the first scalar or colour, or with a component the first
- * vector. Returns the number of fields where there is none. */
+static bool fits(const surface_choice *c, const surface_field *f, const char *name) {
+    return name ? text_same_name(f->name, name, sizeof f->name)
+                : f->components >= (uint32_t)c->source->hints.component;
+}
+
+/* Find a field by its name; NULL: the first that is not aside, or that has the hints' component.
+ * Returns the number of fields where there is none. */
 static size_t find(const surface_choice *c, const char *name) {
-    const int ranks = name || c->source->hints.component ? RANKS : VECTORS;
-    for (int rank = !name && c->source->hints.component ? VECTORS : 0; rank < ranks; rank++)
+    const int ranks = name || c->source->hints.component > 0 ? RANKS : ASIDE;
+    for (int rank = 0; rank < ranks; rank++)
         for (size_t i = 0; i < c->count; i++)
-            if (rank_of(c, &c->fields[i]) == rank &&
-                (!name || text_same_name(c->fields[i].name, name, sizeof c->fields[i].name)))
+            if (rank_of(c, &c->fields[i]) == rank && fits(c, &c->fields[i], name))
                 return i;
     return c->count;
 }
@@ -52,12 +56,13 @@ static status missing(const surface_choice *c, const char *name) {
             name_list_add(&names, c->fields[i].name);
     if (!name && !hints->cells_to_points && hints->component == 0)
         return ST_OK;
-    return status_describe(
-        ST_USAGE, "%s: no field %s%s%s of the surface%s, which %s %s",
-        byte_stream_name(c->source->data), name ? "\"" : "",
-        name ? name : hints->component ? "of several components" : "of numbers", name ? "\"" : "",
-        hints->cells_to_points ? "'s faces" : "", hints->cells_to_points ? "have" : "has",
-        name_list_print(&names));
+    return status_describe(ST_USAGE, "%s: no field %s%s%s of the surface%s, which %s %s",
+                           byte_stream_name(c->source->data), name ? "\"" : "",
+                           name               ? name
+                           : hints->component ? "of several components"
+                                              : "of numbers",
+                           name ? "\"" : "", hints->cells_to_points ? "'s faces" : "",
+                           hints->cells_to_points ? "have" : "has", name_list_print(&names));
 }
 
 static status take_one(surface_choice *c, const char *name) {

@@ -1,8 +1,8 @@
 /* surface_choice.h - the fields of a surface, and which of them are taken.
  *
  * A reader adds the fields that its header names. Offered first, and so taken unasked, are scalars
- * of the points, then scalars of the faces, then colours; vectors come last, and are taken if asked
- * for. --cells-to-points leaves the faces' own, without colours, which have no mean.
+ * of the points, then scalars of the faces, then colours; vectors and the like come last, and are
+ * taken if asked for. --cells-to-points leaves the faces' own, without colours, which have no mean.
  */
 #ifndef FORMATS_SURFACE_SURFACE_CHOICE_H
 #define FORMATS_SURFACE_SURFACE_CHOICE_H
@@ -13,6 +13,7 @@ typedef struct surface_field {
     char name[MESH_NAME_MAX + 1];
     uint32_t components; /* of a colour 1: surface_colour.h */
     bool of_faces, colour;
+    bool aside;  /* such as normals: not taken unasked */
     uint32_t at; /* the reader's own number of it */
 } surface_field;
 

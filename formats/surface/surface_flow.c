@@ -118,8 +118,16 @@ static status put_shared(surface_flow *f, const uint64_t *ids, size_t corners) {
     return st;
 }
 
+void surface_flow_skip(surface_flow *f, uint64_t count) {
+    f->feed->report->skipped += f->dry ? 0 : count;
+}
+
 status surface_flow_polygon(surface_flow *f, const uint64_t *ids, size_t corners,
                             const double *values) {
+    if (corners < 3) {
+        surface_flow_skip(f, 1);
+        return ST_OK;
+    }
     if (f->apart)
         return put_apart(f, ids, corners, values);
     for (uint32_t k = 0; f->averaged && k < f->choice->taken_count; k++)
@@ -202,6 +210,11 @@ status surface_flow_run(const surface_choice *choice, mesh_feed *feed, uint64_t 
     }
     if (st == ST_OK && points != UINT64_MAX)
         st = mesh_feed_expect(feed, points);
+    else if (st == ST_OK && feed->fields > 1)
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: several fields, expected one: the file does not "
+                               "tell how many points it has",
+                               feed->name);
     else if (st == ST_OK)
         mesh_feed_expect_open(feed, choice->source->data);
     if (st == ST_OK)

@@ -28,9 +28,9 @@ typedef struct surface_flow {
     const surface_choice *choice;
     mem *m;
     bool apart, averaged;
-    bool dry;       /* points of triangles are counted, nothing is fed */
-    uint64_t base;  /* points of the pieces before */
-    uint64_t count; /* of this piece; UINT64_MAX: not known */
+    bool dry;               /* points of triangles are counted, nothing is fed */
+    uint64_t base;          /* points of the pieces before */
+    uint64_t count;         /* of this piece; UINT64_MAX: not known */
     uint64_t fed, expected; /* apart: points of triangles */
     mesh_average sums;
     float (*xyz)[3]; /* apart: of the piece */
@@ -61,9 +61,12 @@ CHECKED status surface_flow_point(surface_flow *f, const double xyz[3]);
 CHECKED status surface_flow_value(surface_flow *f, uint32_t k, double value);
 
 /* Put a face. values: of the fields taken; those of the points are not looked at; may be NULL when
- * there is none of faces. Ids that are invalid, and corners that repeat, count in the report. */
+ * there is none of faces. Ids that are invalid, and corners that repeat, count in the report; so do
+ * faces of fewer than three corners, as skipped. surface_flow_skip() - count so many vertices or
+ * edges that are not taken. */
 CHECKED status surface_flow_polygon(surface_flow *f, const uint64_t *ids, size_t corners,
                                     const double *values);
+void surface_flow_skip(surface_flow *f, uint64_t count);
 
 /* The triangles of a strip. Begin with zeros, and put its ids one by one. */
 typedef struct surface_strip {

@@ -319,7 +319,11 @@ static status on_colours(vtk_legacy *v) {
     if (st == ST_OK)
         st = vtk_legacy_count(v, 2, &components);
     vtk_type type = v->text ? VTK_F32 : VTK_U8;
-    return st == ST_OK ? add_array(v, v->word[1], type, components, v->tuples) : st;
+    if (st == ST_OK)
+        st = add_array(v, v->word[1], type, components, v->tuples);
+    if (st == ST_OK)
+        v->fields->items[v->owner][v->fields->count[v->owner] - 1].colour = true;
+    return st;
 }
 
 static status on_table(vtk_legacy *v) {
