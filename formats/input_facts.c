@@ -17,8 +17,10 @@
 #include "formats/input_open.h"
 #include "formats/leaf/histogram_text.h"
 #include "formats/mesh/mesh_input_facts.h"
+#include "formats/surface/surface_input_facts.h"
 
 static const input_facts_kind *const kinds[] = {&volume_facts_kind, &mesh_input_facts_kind,
+                                                &surface_input_facts_kind,
                                                 &curvilinear_input_facts_kind};
 
 static const input_facts_kind *kind_of(const input_facts *x) {

@@ -3,9 +3,11 @@
 #include "formats/curvilinear/curvilinear_input_kind.h"
 #include "formats/grid/volume_kind.h"
 #include "formats/mesh/mesh_input_kind.h"
+#include "formats/surface/surface_input_kind.h"
 
 /* The last row takes what no other does. */
-static const input_kind *const kinds[] = {&mesh_input_kind, &curvilinear_input_kind, &volume_kind};
+static const input_kind *const kinds[] = {&mesh_input_kind, &surface_input_kind,
+                                          &curvilinear_input_kind, &volume_kind};
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
 static const input_kind *kind_of_folder(const char *path) {

@@ -1,8 +1,8 @@
 /* input_open.h - what a conversion starts from, recognized and opened by the row of its kind.
  *
- * The one entry for all formats: grids by volume.h's table, meshes by mesh_input.h's, curvilinear
- * grids by curvilinear_input.h's. A format that is only recognized (formats/input/foreign.h) is
- * named in the error.
+ * The one entry for all formats: grids by volume.h's table, meshes by mesh_input.h's, surfaces
+ * by surface_readers.h's, curvilinear grids by curvilinear_input.h's. A format that is only
+ * recognized (formats/input/foreign.h) is named in the error.
  */
 #ifndef FORMATS_INPUT_OPEN_H
 #define FORMATS_INPUT_OPEN_H

@@ -169,6 +169,13 @@ status mesh_input_take(mesh_input *x, const char *const *names, uint32_t count) 
     return x->reader->take(x->state, names, count);
 }
 
+bool mesh_input_counts(const mesh_input *x, uint64_t *points, uint64_t *cells) {
+    *points = *cells = UINT64_MAX;
+    if (x->reader->counts)
+        x->reader->counts(x->state, points, cells);
+    return *points != UINT64_MAX;
+}
+
 bool mesh_input_names_files(const mesh_input *x) {
     return x->reader->file != NULL;
 }

@@ -71,6 +71,10 @@ double mesh_input_share(mesh_input *x);
  * before mesh_input_read(). */
 void mesh_input_fields(const mesh_input *x, mesh_field_taker *take, void *ctx);
 
+/* mesh_input_counts() - returns whether the header says how many points and cells there are, and
+ * how many. A reader of surfaces counts polygons and strips as the file has them. */
+bool mesh_input_counts(const mesh_input *x, uint64_t *points, uint64_t *cells);
+
 /* mesh_input_names_files() - returns whether files of its format name other files.
  * mesh_input_by_library() - returns whether an importer reads it, which asks what may be trusted.
  * mesh_input_may_have_steps() - returns whether files of its format may have several time steps. */

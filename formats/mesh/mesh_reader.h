@@ -38,6 +38,8 @@ typedef struct mesh_reader {
      * hints' step. */
     uint32_t (*steps)(const void *state, const double **times);
     const char *(*file)(const void *state); /* mesh_input_file(); NULL: the source's path */
+    /* mesh_input_counts(). NULL: the header does not say. */
+    void (*counts)(const void *state, uint64_t *points, uint64_t *cells);
 } mesh_reader;
 
 /* A table of readers. The first that knows a file reads it. */

@@ -191,6 +191,12 @@ static status read(void *state, mesh_feed *feed) {
     return surface_flow_run(&o->choice, feed, (uint64_t)o->vertices, false, pass, o);
 }
 
+static void counts(const void *state, uint64_t *points, uint64_t *cells) {
+    const off *o = state;
+    *points = (uint64_t)o->vertices;
+    *cells = (uint64_t)o->faces;
+}
+
 static void close_file(void *state) {
     off *o = state;
     if (!o)
@@ -206,4 +212,5 @@ const mesh_reader surface_off_reader = {.format = "OFF",
                                         .read = read,
                                         .close = close_file,
                                         .take = surface_choice_take,
-                                        .fields = surface_choice_fields};
+                                        .fields = surface_choice_fields,
+                                        .counts = counts};

@@ -536,6 +536,15 @@ static status read(void *state, mesh_feed *feed) {
                             !byte_stream_is_pipe(p->t.s), pass, p);
 }
 
+static void counts(const void *state, uint64_t *points, uint64_t *cells) {
+    const ply *p = state;
+    *points = (uint64_t)p->vertices->count;
+    *cells = 0;
+    for (int i = 0; i < p->element_count; i++)
+        if (p->elements[i].kind >= FACES)
+            *cells += (uint64_t)p->elements[i].count;
+}
+
 static void close_file(void *state) {
     ply *p = state;
     if (!p)
@@ -552,4 +561,5 @@ const mesh_reader surface_ply_reader = {.format = "PLY",
                                         .read = read,
                                         .close = close_file,
                                         .take = surface_choice_take,
-                                        .fields = surface_choice_fields};
+                                        .fields = surface_choice_fields,
+                                        .counts = counts};

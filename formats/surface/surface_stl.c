@@ -195,6 +195,12 @@ static status read(void *state, mesh_feed *feed) {
                             s);
 }
 
+static void counts(const void *state, uint64_t *points, uint64_t *cells) {
+    const stl *s = state;
+    *points = s->text ? UINT64_MAX : 3 * s->triangles;
+    *cells = s->triangles;
+}
+
 static void close_file(void *state) {
     stl *s = state;
     if (!s)
@@ -209,4 +215,5 @@ const mesh_reader surface_stl_reader = {.format = "STL",
                                         .read = read,
                                         .close = close_file,
                                         .take = surface_choice_take,
-                                        .fields = surface_choice_fields};
+                                        .fields = surface_choice_fields,
+                                        .counts = counts};

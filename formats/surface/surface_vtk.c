@@ -136,6 +136,15 @@ status surface_vtk_open(mesh_source *source, status (*scan)(surface_vtk *v), voi
     return st;
 }
 
+void surface_vtk_counts(const void *state, uint64_t *points, uint64_t *cells) {
+    const surface_vtk *v = state;
+    *points = v->points;
+    *cells = 0;
+    for (size_t i = 0; i < v->count; i++)
+        *cells += v->pieces[i].cells[SURFACE_VTK_POLYGONS].count +
+                  v->pieces[i].cells[SURFACE_VTK_STRIPS].count;
+}
+
 void surface_vtk_close(void *state) {
     surface_vtk *v = state;
     if (!v)

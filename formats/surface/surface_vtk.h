@@ -52,6 +52,7 @@ CHECKED status surface_vtk_add_piece(surface_vtk *v, surface_vtk_piece **out);
 CHECKED status surface_vtk_open(mesh_source *source, status (*scan)(surface_vtk *v), void **state);
 CHECKED status surface_vtk_take(void *state, const char *const *names, uint32_t count);
 CHECKED status surface_vtk_read(void *state, mesh_feed *feed);
+void surface_vtk_counts(const void *state, uint64_t *points, uint64_t *cells);
 void surface_vtk_close(void *state);
 
 extern const mesh_reader surface_vtk_reader;

@@ -118,4 +118,5 @@ const mesh_reader surface_vtk_reader = {.format = "VTK surface",
                                         .read = surface_vtk_read,
                                         .close = surface_vtk_close,
                                         .take = surface_vtk_take,
-                                        .fields = surface_choice_fields};
+                                        .fields = surface_choice_fields,
+                                        .counts = surface_vtk_counts};

@@ -135,4 +135,5 @@ const mesh_reader surface_vtp_reader = {.format = "VTP",
                                         .read = surface_vtk_read,
                                         .close = surface_vtk_close,
                                         .take = surface_vtk_take,
-                                        .fields = surface_choice_fields};
+                                        .fields = surface_choice_fields,
+                                        .counts = surface_vtk_counts};
