@@ -20,6 +20,7 @@
 #define SLICES   "join the slices to one NRRD, for example with Fiji (File > Save As > NRRD)"
 #define ARRAY    "write the array as raw samples and give --dims X,Y,Z and --type"
 #define CONVERT  "`leafcast convert' takes it"
+#define PIECES   "each of the .vtp files that it names is taken; ParaView saves them as one"
 #define MESH                                                                                     \
     "`leafcast convert' takes its tets; its surface as .ply, as `meshio convert' writes it, is " \
     "filled by `leafcast tetrahedralize'"
@@ -51,7 +52,7 @@
 #define PLOT3D                                                                                 \
     "a binary grid of three dimensions is, if its size fits to the byte, and a solution goes " \
     "with its grid; " PARAVIEW
-#define SURFACE "`leafcast tetrahedralize' fills a surface with tets"
+#define SURFACE CONVERT "; `leafcast tetrahedralize' fills a .ply, .stl or .off with tets"
 
 typedef struct row {
     foreign_format format;
@@ -170,15 +171,15 @@ static const row rows[] = {
     KNOWN("a VTK structured grid", CONVERT, ANYWHERE, BYTES("type=\"StructuredGrid\""), ""),
     KNOWN("a VTK structured grid in pieces (.pvts)", CONVERT, ANYWHERE,
           BYTES("type=\"PStructuredGrid\""), ""),
-    REFUSED("VTK surface data", SURFACE " of .ply or .stl, which ParaView writes", ANYWHERE,
-            BYTES("type=\"PolyData\""), ".vtp "),
+    KNOWN("VTK surface data", CONVERT, ANYWHERE, BYTES("type=\"PolyData\""), ".vtp "),
+    REFUSED("VTK surface data in pieces (.pvtp)", PIECES, ANYWHERE, BYTES("type=\"PPolyData\""),
+            ".pvtp "),
     KNOWN("legacy VTK of structured points", CONVERT, ANYWHERE, BYTES("DATASET STRUCTURED_POINTS"),
           ""),
     KNOWN("a legacy VTK rectilinear grid", CONVERT, ANYWHERE, BYTES("DATASET RECTILINEAR_GRID"),
           ""),
     KNOWN("a legacy VTK structured grid", CONVERT, ANYWHERE, BYTES("DATASET STRUCTURED_GRID"), ""),
-    REFUSED("legacy VTK surface data", SURFACE " of .ply or .stl, which ParaView writes", ANYWHERE,
-            BYTES("DATASET POLYDATA"), ""),
+    KNOWN("legacy VTK surface data", CONVERT, ANYWHERE, BYTES("DATASET POLYDATA"), ""),
     REFUSED("a USGS DEM, heights over a map", HEIGHTS, 0, NO_BYTES, ".dem "),
     REFUSED("EnSight", PARAVIEW, 0, BYTES("EnSight"), ".case "),
     REFUSED_IF("Abaqus", MESHIO("in.inp"), foreign_is_abaqus, ".inp "),
@@ -216,7 +217,9 @@ static const row rows[] = {
     KNOWN("a surface for TetGen", "`leafcast tetrahedralize' takes it", 0, NO_BYTES,
           ".poly .smesh "),
     KNOWN("a table", "`leafcast tetrahedralize' makes tets of points", 0, NO_BYTES, ".csv .xyz "),
-    REFUSED("Wavefront OBJ", "save it as .ply; " SURFACE, 0, NO_BYTES, ".obj "),
+    KNOWN("Wavefront OBJ", CONVERT, 0, NO_BYTES, ".obj "),
+    KNOWN("glTF, binary", CONVERT, 0, BYTES("glTF"), ".glb "),
+    KNOWN("glTF", CONVERT, 0, NO_BYTES, ".gltf "),
     KNOWN("gzip", UNPACK, 0, BYTES("\x1f\x8b\x08"), ""),
     KNOWN("zstd", UNPACK, 0, BYTES("\x28\xb5\x2f\xfd"), ""),
     KNOWN("xz", UNPACK, 0, BYTES("\xfd\x37zXZ\0"), ""),

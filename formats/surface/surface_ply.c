@@ -360,7 +360,7 @@ static uint64_t id_of(double number) {
 /* ---- elements ---- */
 
 static status skip_list(ply *p, const ply_element *e, int64_t index, const ply_property *q) {
-    int64_t count;
+    int64_t count = 0;
     double number;
     status st = read_count(p, e, index, q, LIST_MAX, &count);
     for (int64_t i = 0; st == ST_OK && i < count; i++)
@@ -369,7 +369,7 @@ static status skip_list(ply *p, const ply_element *e, int64_t index, const ply_p
 }
 
 static status read_corners(ply *p, const ply_element *e, int64_t index, const ply_property *q) {
-    int64_t count;
+    int64_t count = 0;
     double number = 0;
     status st = read_count(p, e, index, q, SURFACE_CORNERS_MAX, &count);
     p->corners = 0;
@@ -386,7 +386,7 @@ static status read_corners(ply *p, const ply_element *e, int64_t index, const pl
 /* Put the triangles of a list of strips, each but the last with -1 behind it. */
 static status put_strips(ply *p, const ply_element *e, int64_t index, const ply_property *q,
                          surface_flow *flow) {
-    int64_t count;
+    int64_t count = 0;
     double number = 0;
     surface_strip strip = {.count = 0};
     status st = read_count(p, e, index, q, (int64_t)1 << 40, &count);
