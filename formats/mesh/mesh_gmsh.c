@@ -672,5 +672,11 @@ static void gmsh_fields(const void *state, mesh_field_taker *take, void *ctx) {
             take(ctx, s->file.arrays[i].name, s->file.arrays[i].components);
 }
 
-const mesh_reader mesh_gmsh_reader = {"Gmsh",    gmsh_known,  gmsh_open,  gmsh_read, gmsh_close,
-                                      gmsh_take, gmsh_fields, gmsh_steps, NULL};
+const mesh_reader mesh_gmsh_reader = {.format = "Gmsh",
+                                      .known = gmsh_known,
+                                      .open = gmsh_open,
+                                      .read = gmsh_read,
+                                      .close = gmsh_close,
+                                      .take = gmsh_take,
+                                      .fields = gmsh_fields,
+                                      .steps = gmsh_steps};

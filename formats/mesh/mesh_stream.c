@@ -601,6 +601,10 @@ static void stream_fields(const void *state, mesh_field_taker *take, void *ctx) 
         take(ctx, s->fields[i], 1);
 }
 
-const mesh_reader mesh_stream_reader = {"mesh stream", stream_known, stream_open,
-                                        stream_read,   stream_close, stream_take,
-                                        stream_fields, NULL,         NULL};
+const mesh_reader mesh_stream_reader = {.format = "mesh stream",
+                                        .known = stream_known,
+                                        .open = stream_open,
+                                        .read = stream_read,
+                                        .close = stream_close,
+                                        .take = stream_take,
+                                        .fields = stream_fields};

@@ -310,6 +310,10 @@ static void tetgen_fields(const void *state, mesh_field_taker *take, void *ctx) 
     }
 }
 
-const mesh_reader mesh_tetgen_reader = {"TetGen",      tetgen_known, tetgen_open,
-                                        tetgen_read,   tetgen_close, tetgen_take,
-                                        tetgen_fields, NULL,         NULL};
+const mesh_reader mesh_tetgen_reader = {.format = "TetGen",
+                                        .known = tetgen_known,
+                                        .open = tetgen_open,
+                                        .read = tetgen_read,
+                                        .close = tetgen_close,
+                                        .take = tetgen_take,
+                                        .fields = tetgen_fields};

@@ -8,6 +8,8 @@ mesh_conversion mesh_conversion_of(mem *m, mesh_gather *g, const char *name, con
                                    const mesh_options *o, const progress *p, mesh_report *report) {
     mesh_conversion c = {
         .m = m, .name = name, .output = output, .o = *o, .p = p, .g = g, .report = report};
+    if (o->cells && !o->cells->histograms)
+        c.o.file.histograms = false;
     mesh_spool_init(&c.gradients, m, output, sizeof(float[3]), 0);
     c.gradients.p = p;
     if (o->work)

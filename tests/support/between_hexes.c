@@ -10,6 +10,7 @@
 
 #include "formats/leaf/leaf_grow.h"
 #include "prep/curvilinear/curvilinear_convert.h"
+#include "prep/mesh/mixed_treelet.h"
 #include "tests/support/mesh_movies.h"
 
 enum { SIDE = BETWEEN_MESH_NODES, CELLS = BETWEEN_MESH_CELLS };
@@ -128,7 +129,7 @@ static void convert_mesh(mem *m, const between_kind *of, const float *const *ste
     }
     v.hexes = (const uint32_t(*)[8])corners;
     v.hex_count = CELLS * CELLS * CELLS;
-    v.c.options.mixed = true;
+    v.c.options.cells = &mixed_treelets;
     v.c.options.treelet_tets = 200;
     mesh_movies_write(&v);
     if (first > 0)

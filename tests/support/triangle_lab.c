@@ -145,11 +145,11 @@ static void fan(triangle_lab *s, field_random *r) {
 static const struct {
     const char *name;
     void (*make)(triangle_lab *s, field_random *r);
-} labs[] = {{"ball", ball},   {"needles", needles}, {"far away", far_away}, {"tiny", tiny},
+} rows[] = {{"ball", ball},   {"needles", needles}, {"far away", far_away}, {"tiny", tiny},
             {"tiles", tiles}, {"soup", soup},       {"loose", loose},       {"fan", fan}};
 
 int triangle_lab_count(void) {
-    return sizeof labs / sizeof *labs;
+    return sizeof rows / sizeof *rows;
 }
 
 static double distance(const float *p, const float *q) {
@@ -179,8 +179,8 @@ static void measure(triangle_lab *s) {
 void triangle_lab_make(triangle_lab *s, int n, uint64_t seed) {
     field_random r = {seed + (uint64_t)n};
     memset(s, 0, sizeof *s);
-    s->name = labs[n].name;
-    labs[n].make(s, &r);
+    s->name = rows[n].name;
+    rows[n].make(s, &r);
     measure(s);
 }
 
@@ -249,7 +249,7 @@ void triangle_lab_ray(const triangle_lab *s, field_random *r, double o[3], doubl
 /* ---- Files ---- */
 
 void triangle_lab_convert(const triangle_lab *s, const char *path, uint32_t treelet,
-                          const char *field, bool compressed, mesh_result *result) {
+                          const char *name, bool compressed, mesh_result *result) {
     mem m;
     mesh_gather g;
     mesh_options o = mesh_options_default();
@@ -266,7 +266,7 @@ void triangle_lab_convert(const triangle_lab *s, const char *path, uint32_t tree
     mesh_gather_init(&g, &m, path, 0, NULL);
     mesh_gather_cells(&g, TRIANGLE_CORNERS);
     *result = (mesh_result){0};
-    strcpy(result->report.field, field);
+    strcpy(result->report.field, name);
     const mesh_sink sink = mesh_gather_sink(&g);
     assert_int_equal(sink.points(sink.ctx, 0, s->points, (const float(*)[3])s->xyz), ST_OK);
     assert_int_equal(sink.values(sink.ctx, 0, s->points, s->value), ST_OK);

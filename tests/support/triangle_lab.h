@@ -32,8 +32,8 @@ void triangle_lab_ray(const triangle_lab *s, field_random *r, double o[3], doubl
 /* triangle_lab_convert() - a file of it, in treelets of at most so many triangles. Its values have
  the
 
- * name `field`. */
+ * name `name`. */
 void triangle_lab_convert(const triangle_lab *s, const char *path, uint32_t treelet,
-                          const char *field, bool compressed, mesh_result *result);
+                          const char *name, bool compressed, mesh_result *result);
 
 #endif

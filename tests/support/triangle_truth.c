@@ -9,18 +9,22 @@ static real determinant(const real a[3], const real b[3], const real c[3]) {
            a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-static real meet(const triangle_lab *s, uint32_t i, const real o[3], const real d[3]) {
-    real a[3][3], w[3], sum = 0.0L, t = 0.0L, square = 0.0L;
+/* slack: the triangle is larger by so much. */
+static real meet(const triangle_lab *s, uint32_t i, const real o[3], const real d[3], real slack) {
+    real a[3][3], w[3], give[3], sum = 0.0L, t = 0.0L, square = 0.0L;
     for (int k = 0; k < 3; k++)
         for (int x = 0; x < 3; x++)
             a[k][x] = (real)s->xyz[s->corner[i][k]][x] - o[x];
     for (int k = 0; k < 3; k++) {
         w[k] = determinant(d, a[(k + 1) % 3], a[(k + 2) % 3]);
         sum += w[k];
+        give[k] = 0.0L;
+        for (int x = 0; x < 3; x++)
+            give[k] += slack * fabsl(a[(k + 1) % 3][x] - a[(k + 2) % 3][x]);
     }
-    const bool above = w[0] >= 0.0L && w[1] >= 0.0L && w[2] >= 0.0L,
-               below = w[0] <= 0.0L && w[1] <= 0.0L && w[2] <= 0.0L;
-    if (above == below)
+    const bool above = w[0] >= -give[0] && w[1] >= -give[1] && w[2] >= -give[2],
+               below = w[0] <= give[0] && w[1] <= give[1] && w[2] <= give[2];
+    if (sum == 0.0L || (above ? below && slack == 0.0L : !below))
         return INFINITY;
     for (int x = 0; x < 3; x++) {
         square += d[x] * d[x];
@@ -30,11 +34,11 @@ static real meet(const triangle_lab *s, uint32_t i, const real o[3], const real 
     return t / square;
 }
 
-static real first_of(const triangle_lab *s, const real o[3], const real d[3], real t0,
+static real first_of(const triangle_lab *s, const real o[3], const real d[3], real t0, real slack,
                      uint32_t *nearest) {
     real first = INFINITY;
     for (uint32_t i = 0; i < s->triangles; i++) {
-        const real t = meet(s, i, o, d);
+        const real t = meet(s, i, o, d, slack);
         if (t > t0 && t < first) {
             first = t;
             if (nearest)
@@ -47,7 +51,7 @@ static real first_of(const triangle_lab *s, const real o[3], const real d[3], re
 long double triangle_truth_first(const triangle_lab *s, const double o[3], const double d[3],
                                  double t0, uint32_t *nearest) {
     const real from[3] = {o[0], o[1], o[2]}, along[3] = {d[0], d[1], d[2]};
-    return first_of(s, from, along, t0, nearest);
+    return first_of(s, from, along, t0, 0.0L, nearest);
 }
 
 /* Two directions across the ray. */
@@ -77,16 +81,21 @@ long double triangle_truth_expect(const triangle_lab *s, const double o[3], cons
         real from[3];
         for (int a = 0; a < 3; a++)
             from[a] = o[a] + by * (cosl(turn) * u[a] + sinl(turn) * v[a]);
-        const real t = first_of(s, from, along, 0.0L, NULL);
+        const real t = first_of(s, from, along, 0.0L, 0.0L, NULL);
         least = t < least ? t : least;
         most = t > most ? t : most;
     }
-    if (isinf(least))
-        return INFINITY;
-    if (isinf(most) || most - least > 1e-4L * s->edge)
-        return NAN;
     of_ray = triangle_truth_first(s, o, d, 0.0, NULL);
-    return of_ray >= least - by && of_ray <= most + by ? of_ray : 0.5L * (least + most);
+    /* A corner may be too narrow for the moves. */
+    const real at[3] = {o[0], o[1], o[2]}, wide = first_of(s, at, along, 0.0L, by, NULL);
+    if (isinf(least))
+        return isinf(of_ray) && isinf(wide) ? INFINITY : (real)NAN;
+    if (isinf(of_ray)) /* lost between two triangles by rounding */
+        of_ray = least;
+    least = wide < least ? wide : least;
+    least = of_ray < least ? of_ray : least;
+    most = of_ray > most ? of_ray : most;
+    return isinf(most) || most - least > 1e-4L * s->edge ? (real)NAN : of_ray;
 }
 
 bool triangle_truth_judge(const triangle_lab *s, const double o[3], const double d[3], double t,

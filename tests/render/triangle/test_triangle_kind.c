@@ -20,13 +20,15 @@
 enum { TREELET = 64 };
 
 static triangle_lab lab;
+static leafcast_scene scene; /* with the defaults */
 
-static leafcast *open_lab(int n, uint32_t treelet, const char *field, bool compressed,
+static leafcast *open_lab(int n, uint32_t treelet, const char *name, bool compressed,
                           const leafcast_options *o) {
     mesh_result result;
     triangle_lab_make(&lab, n, FIELD_SEED);
-    triangle_lab_convert(&lab, scratch_path("lab.leaf"), treelet, field, compressed, &result);
+    triangle_lab_convert(&lab, scratch_path("lab.leaf"), treelet, name, compressed, &result);
     assert_int_equal(result.header.tets, lab.triangles);
+    scene = leafcast_scene_default();
     return fixture_open(scratch_path("lab.leaf"), o);
 }
 
@@ -60,11 +62,12 @@ static void test_rays(void **state) {
             triangle_lab_ray(&lab, &r, o, d);
             rays[i] = ray_of(o, d);
         }
-        assert_int_equal(leafcast_trace_rays(v, NULL, rays, RAYS, hits), LEAFCAST_OK);
-        assert_int_equal(leafcast_occluded_rays(v, NULL, rays, RAYS, occluded), LEAFCAST_OK);
+        assert_int_equal(leafcast_trace_rays(v, &scene, rays, RAYS, hits), LEAFCAST_OK);
+        assert_int_equal(leafcast_occluded_rays(v, &scene, rays, RAYS, occluded), LEAFCAST_OK);
         for (int i = 0; i < RAYS; i++) {
             if (!triangle_truth_judge(&lab, rays[i].origin, rays[i].direction, hits[i].t, &tally))
-                print_error("%s: ray %d: %g\n", lab.name, i, hits[i].t);
+                print_error("%s: ray %d: %.17g, expected %.17Lg\n", lab.name, i, hits[i].t,
+                            triangle_truth_expect(&lab, rays[i].origin, rays[i].direction));
             assert_int_equal(occluded[i], !isinf(hits[i].t));
         }
         print_message("%s: %llu rays, %llu in doubt, %llu surfaces, worst %.1e\n", lab.name,
@@ -86,7 +89,7 @@ static void test_edges(void **state) {
             const double o[3] = {x / 2.0, y / 2.0, 8.0}, d[3] = {0.0, 0.0, -1.0};
             leafcast_hit hits[4];
             int count;
-            assert_int_equal(leafcast_probe_ray(v, NULL, o, d, hits, 4, &count), LEAFCAST_OK);
+            assert_int_equal(leafcast_probe_ray(v, &scene, o, d, hits, 4, &count), LEAFCAST_OK);
             assert_int_equal(count, 1);
             assert_true(hits[0].t == 8.0);
         }
@@ -109,7 +112,7 @@ static void test_all_hits(void **state) {
             if (isnan(triangle_truth_expect(&lab, o, d)))
                 continue;
             long double t = triangle_truth_first(&lab, o, d, 0.0, NULL);
-            assert_int_equal(leafcast_probe_ray(v, NULL, o, d, hits, 16, &count), LEAFCAST_OK);
+            assert_int_equal(leafcast_probe_ray(v, &scene, o, d, hits, 16, &count), LEAFCAST_OK);
             if (count < 2 || isinf(t))
                 continue;
             for (int k = 1; k < count; k++)
@@ -129,7 +132,7 @@ static void test_budgets(void **state) {
         const leafcast_options o = {
             .size = sizeof o, .threads = how % 2 ? 3 : 1, .memory = how == 2 ? 3 << 20 : 0};
         leafcast *v = open_lab(6, how == 3 ? 500 : TREELET, "f", how == 1, &o);
-        leafcast_scene scene = leafcast_scene_default();
+        scene = leafcast_scene_default();
         const leafcast_camera c = leafcast_standard_view(v, 1.4, SIDE, SIDE);
         float plane[4][SIDE * SIDE];
         static double z[SIDE * SIDE];
@@ -186,7 +189,7 @@ static void test_colours(void **state) {
         const leafcast_surface surface = leafcast_surface_default(0.0);
         const leafcast_shown shown = {
             .volume = v, .surfaces = &surface, .count = 1, .colours = how ? &map : NULL};
-        leafcast_scene scene = leafcast_scene_default();
+        scene = leafcast_scene_default();
         leafcast_camera c = leafcast_standard_view(v, 1.0, SIDE, SIDE);
         float plane[3][SIDE * SIDE];
         leafcast_image image = {.size = sizeof image, .r = plane[0], .g = plane[1], .b = plane[2]};
@@ -207,7 +210,7 @@ static void test_refusals(void **state) {
     (void)state;
     leafcast *v = open_lab(0, TREELET, "f", false, NULL);
     const leafcast_info info = leafcast_describe(v);
-    leafcast_scene scene = leafcast_scene_default();
+    scene = leafcast_scene_default();
     const leafcast_camera c = leafcast_standard_view(v, 1.0, 4, 4);
     float r[16];
     leafcast_image image = {.size = sizeof image, .r = r};
