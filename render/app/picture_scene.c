@@ -25,11 +25,16 @@ status picture_scene_choose(const leafcast *volume, view_options *v, double *sug
     status st = volume ? time_options_find(&v->time, volume, &v->step) : ST_OK;
     if (st != ST_OK)
         return st;
+    const bool is_surface = volume && leafcast_describe(volume).abilities & LEAFCAST_ABILITY_GIVEN;
+    if (is_surface && !v->is_surface && v->isos > 0)
+        return status_describe(ST_USAGE, "--iso: \"%s\" is a surface itself: it has no isosurfaces",
+                               leafcast_describe(volume).name);
+    v->is_surface = is_surface;
     if (v->isos > 0 || view_options_filled(v))
         return ST_OK;
     v->isos = 1;
     v->surfaces[0].isovalue = 0.0;
-    if (!volume)
+    if (!volume || is_surface)
         return ST_OK;
     st = view_options_field(v, volume, &field);
     if (st == ST_OK)
@@ -56,10 +61,14 @@ static status fill_volume(picture_scene *p, const picture_volume *volumes, int v
         p->measured[volume].step = shown->step;
     }
     transfer_list_release(t);
+    const bool coloured = view_options_coloured(volumes[volume].view);
     if (projected ? volume == 0 : medium_options_given(medium))
         st = medium_options_make(medium, shown->volume, shown->field, p->measured[volume].step,
-                                 projected, t);
-    p->media[volume] = (leafcast_medium){t->points, (int)t->count};
+                                 projected || coloured, t);
+    p->media[volume] = (leafcast_medium){t->points, coloured ? 0 : (int)t->count};
+    p->colours[volume] = (leafcast_medium){t->points, (int)t->count};
+    if (coloured)
+        p->shown[volume].colours = &p->colours[volume];
     return st;
 }
 
@@ -84,7 +93,8 @@ status picture_scene_describe(picture_scene *p, const picture_volume *volumes, i
     const bool filled = view_options_any_filled(first);
     *scene = view_options_scene(first, &p->experiments);
     status st = colour_caps(p, volumes, scene);
-    if (st != ST_OK || (count == 1 && !filled && !always))
+    const bool coloured = count == 1 && view_options_coloured(first);
+    if (st != ST_OK || (count == 1 && !filled && !coloured && !always))
         return st;
     for (int i = 0; i < count && st == ST_OK; i++) {
         const view_options *v = volumes[i].view;
@@ -96,7 +106,7 @@ status picture_scene_describe(picture_scene *p, const picture_volume *volumes, i
                                        .surfaces = v->surfaces,
                                        .count = v->isos,
                                        .between = v->time.between};
-        if (st == ST_OK && filled)
+        if (st == ST_OK && (filled || view_options_coloured(v)))
             st = fill_volume(p, volumes, i);
     }
     scene->volumes = p->shown;

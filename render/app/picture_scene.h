@@ -17,9 +17,10 @@ typedef struct picture_volume {
 
 typedef struct picture_scene {
     leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
-    transfer_list transfer[LEAFCAST_VOLUMES_MAX]; /* per volume; empty: no medium */
-    leafcast_medium media[LEAFCAST_VOLUMES_MAX];  /* the same, for the scene */
-    transfer_list caps;                           /* colours of caps; empty: the surfaces' own */
+    transfer_list transfer[LEAFCAST_VOLUMES_MAX];  /* per volume; empty: no medium */
+    leafcast_medium media[LEAFCAST_VOLUMES_MAX];   /* the same, for the scene */
+    transfer_list caps;                            /* colours of caps; empty: the surfaces' own */
+    leafcast_medium colours[LEAFCAST_VOLUMES_MAX]; /* of surfaces, by value */
     leafcast_medium cap_colours;
     /* The step whose values set presets and windows: that of the first picture of this field. So
      * colours mean the same at every step. */

@@ -106,7 +106,7 @@ static void note_others(const render_job *job, view_options *first) {
     const bool projected = first->scene.project != LEAFCAST_PROJECT_NONE;
     for (int i = 0; i < job->also_count; i++) {
         const view_options *v = &job->also[i].view;
-        const bool filled = medium_options_given(&v->medium);
+        const bool filled = !v->is_surface && medium_options_given(&v->medium);
         first->others_transparent |= view_options_transparent(v);
         first->others_surfaces |= v->isos > 0 || (!filled && !projected);
         first->others_filled |= filled;

@@ -27,7 +27,7 @@ static bool say_absent(const render_options *o, const render_job *job, const vie
     char value[NUM_TEXT_MAX], lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX];
     double range[2];
     bool any = false;
-    if (!range_of(job, range))
+    if (view->is_surface || !range_of(job, range))
         return true;
     for (int i = 0; i < view->isos; i++) {
         const double iso = view->surfaces[i].isovalue;

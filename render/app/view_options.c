@@ -532,7 +532,12 @@ static bool has_normals(const view_options *v) {
 }
 
 bool view_options_filled(const view_options *v) {
-    return v->scene.project != LEAFCAST_PROJECT_NONE || medium_options_given(&v->medium);
+    return v->scene.project != LEAFCAST_PROJECT_NONE ||
+           (!v->is_surface && medium_options_given(&v->medium));
+}
+
+bool view_options_coloured(const view_options *v) {
+    return v->is_surface && medium_options_given(&v->medium);
 }
 
 bool view_options_any_filled(const view_options *v) {
@@ -656,7 +661,11 @@ status view_options_check(view_options *v) {
         memcpy(v->surfaces[i].rgb, PALETTE[(v->painted + i) % PALETTE_SIZE], sizeof PALETTE[0]);
     for (int i = v->opacities; i < v->isos; i++)
         v->surfaces[i].opacity = 1.0f;
-    status st = medium_options_check(&v->medium, v->scene.project != LEAFCAST_PROJECT_NONE);
+    if (v->is_surface && (v->medium.opacities > 0 || v->medium.opacity_length > 0.0))
+        return status_describe(ST_USAGE, "--opacity V:A and --opacity-length are of media: this is "
+                                         "a surface, for which --opacity A is");
+    status st = medium_options_check(&v->medium, v->scene.project != LEAFCAST_PROJECT_NONE ||
+                                                     view_options_coloured(v));
     if (st == ST_OK)
         st = view_options_check_either(v);
     return st == ST_OK ? check_flags(v, NEEDS, sizeof NEEDS / sizeof *NEEDS) : st;

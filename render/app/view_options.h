@@ -36,6 +36,9 @@ typedef struct view_options {
     time_options time;       /* or a time: picture_scene_choose() finds its step */
     int painted;             /* surfaces of other volumes; default colours begin behind theirs */
     bool others_transparent; /* some of theirs are transparent */
+    /* It is of a volume that is a surface itself (picture_scene_choose()): its one surface needs no
+     * --iso, and the flags of media are colours by the value there. */
+    bool is_surface;
     bool others_surfaces, others_filled; /* some other volume has isosurfaces, or a medium */
     bool takes_media;                    /* the verb draws media; set it before flags are applied */
     medium_options medium;
@@ -84,6 +87,9 @@ bool view_options_transparent(const view_options *v);
 /* view_options_filled() - returns whether flags give a medium or a projection, with or without
  * isosurfaces. */
 bool view_options_filled(const view_options *v);
+
+/* view_options_coloured() - returns whether flags of media colour a surface. */
+bool view_options_coloured(const view_options *v);
 
 /* view_options_any_filled() - the same for any volume of the picture. view_options_any_medium() -
  * returns whether any has a medium that is drawn, not a projection. */
