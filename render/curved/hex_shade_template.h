@@ -70,7 +70,7 @@ static void hex_starts(void *work, const tile_layer *l, unsigned i, unsigned whi
     }
 }
 
-static const tile_kind hex_kind_of_tile = {hex_normals, hex_starts};
+static const tile_kind hex_kind_of_tile = {hex_normals, hex_starts, NULL};
 
 #endif
 #endif

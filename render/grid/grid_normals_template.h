@@ -163,7 +163,7 @@ static void grid_normals(void *work, const tile_layer *l, tile_normals normal) {
     }
 }
 
-static const tile_kind grid_kind_of_tile = {grid_normals, grid_starts};
+static const tile_kind grid_kind_of_tile = {grid_normals, grid_starts, NULL};
 
 #endif
 #endif

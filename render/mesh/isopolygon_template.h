@@ -1,9 +1,5 @@
-/* isopolygon_template.h - tests of isopolygons against vectors of rays; included by the units of an
- * ISA (see formats/base/simd.h).
- *
- * Sums and products are the same as in exact_near() and flat_polygon_hit(), in the same order, so
- * results agree to the bit. Terms that all rays of one origin share are computed once per edge.
- */
+/* isopolygon_template.h - isopolygons as vectors of rays meet them; included by the units of an ISA
+ * (see formats/base/simd.h). The bits are those of isopolygon_of(). */
 #ifndef RENDER_MESH_ISOPOLYGON_TEMPLATE_H
 #define RENDER_MESH_ISOPOLYGON_TEMPLATE_H
 
@@ -13,16 +9,8 @@
 
 #include <string.h>
 
-#include "formats/base/exact.h"
+#include "render/flat/flat_polygon_template.h"
 #include "render/mesh/tet_kernel.h"
-
-/* Edges by their points: first those of triangle 0 1 2, last those of 0 2 3. */
-enum { EDGE_12, EDGE_20, EDGE_01, EDGE_23, EDGE_30, EDGES };
-
-typedef struct seen_edge {
-    vd normal[3]; /* a x e */
-    vd terms[3];  /* the sum of the moduli of its two products */
-} seen_edge;
 
 /* A vertex with its position and its value; or any four doubles. */
 typedef double point4 __attribute__((vector_size(32)));
@@ -108,21 +96,6 @@ typedef struct seen {
     seen_edge edge[EDGES];
 } seen;
 
-typedef struct weights {
-    vd modulus;
-    md above, below; /* where this is sure */
-} weights;
-
-/* Prepare an edge e that begins at `from`. */
-SIMD void see_line(const vd from[3], const vd e[3], seen_edge *out) {
-    for (int k = 0; k < 3; k++) {
-        const int l = (k + 1) % 3, m = (k + 2) % 3;
-        const vd up = from[l] * e[m], down = from[m] * e[l];
-        out->normal[k] = up - down;
-        out->terms[k] = d_abs(up) + d_abs(down);
-    }
-}
-
 /* Prepare the edge function, from the point on the lower tet edge. Reversing the edge only changes
  * its sign, to the bit. */
 SIMD void see_edge(const isopolygon *g, int i, int j, const vd a[4][3], seen_edge *out) {
@@ -143,53 +116,6 @@ SIMD void see(const isopolygon *g, const vd o[3], seen *out) {
         return;
     see_edge(g, 2, 3, out->a, &out->edge[EDGE_23]);
     see_edge(g, 3, 0, out->a, &out->edge[EDGE_30]);
-}
-
-SIMD vd dot(const vd a[3], const vd b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* Returns the error bound of exact_near() for rays; moduli: of their directions, or more. */
-SIMD vd error_of(const vd moduli[3], const seen_edge *e) {
-    return d_set(EXACT_BOUND) * dot(moduli, e->terms) + d_set(EXACT_SMALLEST);
-}
-
-/* Vector form of exact_near(). error: at least error_of(). A larger error only leaves more lanes in
- * doubt; other lanes do not change. */
-SIMD weights weigh(const vd d[3], const vd normal[3], vd error) {
-    const vd value = dot(d, normal);
-    return (weights){d_abs(value), d_gt(value, error), d_lt(value, d_set(0.0) - error)};
-}
-
-SIMD weights against(weights w) {
-    return (weights){w.modulus, w.below, w.above};
-}
-
-/* Which rays certainly hit a triangle, by direction. doubtful: neither a hit nor a miss is certain.
- */
-typedef struct verdict {
-    md enters, leaves, doubtful;
-} verdict;
-
-SIMD verdict judge(weights w0, weights w1, weights w2) {
-    const md above = md_or(w0.above, md_or(w1.above, w2.above));
-    const md below = md_or(w0.below, md_or(w1.below, w2.below));
-    const md all = md_of_bits((1u << VD_N) - 1);
-    verdict v;
-    v.enters = md_and(w0.above, md_and(w1.above, w2.above));
-    v.leaves = md_and(w0.below, md_and(w1.below, w2.below));
-    v.doubtful = md_and_not(md_and_not(all, md_and(above, below)), md_or(v.enters, v.leaves));
-    return v;
-}
-
-/* Vector form of cross_inside() of the scalar kernel. */
-SIMD vd cross_at(const vd d[3], const vd a0[3], const vd a1[3], const vd a2[3], weights w0,
-                 weights w1, weights w2) {
-    const vd t0 = dot(d, a0), t1 = dot(d, a1), t2 = dot(d, a2);
-    const vd sum = w0.modulus + w1.modulus + w2.modulus;
-    const vd lo = d_min(t0, d_min(t1, t2)), hi = d_max(t0, d_max(t1, t2));
-    const vd t = t0 + (w1.modulus * (t1 - t0) + w2.modulus * (t2 - t0)) / sum;
-    return d_max(lo, d_min(t, hi)) / dot(d, d);
 }
 
 #endif

@@ -201,7 +201,7 @@ static void mesh_starts(void *work, const tile_layer *l, unsigned i, unsigned wh
         to++->error = error[__builtin_ctz(left)];
 }
 
-static const tile_kind mesh_kind_of_tile = {mesh_normals, mesh_starts};
+static const tile_kind mesh_kind_of_tile = {mesh_normals, mesh_starts, NULL};
 
 /* Call before the first walk. */
 static void mesh_shade_begin(mesh_shading *m, const tile_state *s) {

@@ -94,17 +94,10 @@ SIMD children_extent extent_of_polygons(const tets_in_view *v, double iso, cut_p
     return e;
 }
 
-/* ---- Pixels' centres ---- */
-
-/* Isopolygons in the picture, relative to a tile's first pixel: their corners in order around, then
- * the first one again. A triangle has its third corner twice. */
-typedef struct flat_polygons {
-    vf x[5], y[5];
-} flat_polygons;
-
 /* Take pairs of edges without a common vertex (01 23, 02 13, 03 12). A triangle has a corner on one
  * edge of each pair. A quadrilateral has opposite corners on both edges of two of these pairs. */
-SIMD flat_polygons flatten(const tile_view *tile, const cut_points *c) {
+SIMD flat_polygons flatten(const tile_view *tile, const void *points) {
+    const cut_points *c = points;
     enum { E01, E02, E03, E12, E13, E23 };
     const mf both = mf_and(c->cut[E01], c->cut[E23]), any = mf_or(c->cut[E01], c->cut[E23]);
     const mf triangle = mf_and_not(any, both);
@@ -126,97 +119,11 @@ SIMD flat_polygons flatten(const tile_view *tile, const cut_points *c) {
     return p;
 }
 
-/* Lines around polygons. The edge function of line i falls by y[i] from each pixel of a row to the
- * next. */
-typedef struct flat_lines {
-    flat_polygons from;
-    vf x[4], y[4], error;
-} flat_lines;
-
-/* Polygons up to this size, in pixels, are tested against pixel centres. */
-static const float CENTRES_REACH = 8.0f;
-
-/* Make the lines around the polygons, and the error bound of their edge functions. deep: far / w.
- *
- * Proof. If a pixel's centre c is within the exact polygon, it is on the same side of all edges.
- * The computed corners are off by at most m per coordinate, twice the margin at `deep`. Errors a
- * and b of the corners P and Q move the edge function at c by (b - a) x (c - P) - (Q - P) x a - (b
- * - a) x a, with |a|, |b| <= m. Let S be the sum of the moduli of all edges' coordinates, so that c
- * - P has S / 2 at most. Then this is less than m S + m S / 2 + 2 m^2. The S of the computed
- * corners is itself off by 16 m. Together this makes 1.5 m S + 26 m^2. Edge functions are rounded
- * by less than 2^-22 (S / 2)^2 < m S / 4, as m > 2e-4 and S < 128. */
-SIMD flat_lines lines_around(const tile_view *tile, const cut_points *c, vf deep) {
-    const float least = tile->p->margin_least;
-    const float slope = (tile->p->margin - least) * projection_depth_share;
-    const vf m = f_set(2.0f * least) + f_set(2.0f * slope) * deep;
-    flat_lines l = {.from = flatten(tile, c)};
-    vf sum = f_set(0.0f);
-    for (int i = 0; i < 4; i++) {
-        l.x[i] = l.from.x[i + 1] - l.from.x[i];
-        l.y[i] = l.from.y[i + 1] - l.from.y[i];
-        sum = sum + (f_abs(l.x[i]) + f_abs(l.y[i]));
-    }
-    l.error = (f_set(2.0f) * m) * sum + (f_set(32.0f) * m) * m;
-    return l;
-}
-
-/* Returns the lanes in which a pixel's centre is certainly outside the polygon. side: the edge
- * functions at the centre. */
-SIMD mf is_beside(const vf side[4], vf error) {
-    const vf least = f_min(f_min(side[0], side[1]), f_min(side[2], side[3]));
-    const vf most = f_max(f_max(side[0], side[1]), f_max(side[2], side[3]));
-    return mf_and(f_gt(most, error), f_lt(least, f_set(0.0f) - error));
-}
-
-typedef struct tet_covers {
-    tile_rect rect[VF_N];
-    _Alignas(64) float depth[VF_N]; /* no point of the polygon is nearer than this */
-    /* If the rectangle is small: the pixels whose centres may be covered, a bit each of a window of
-     * 4 x 4 from its corner on, row by row. 0: it is not small. */
-    uint32_t centres[VF_N];
-} tet_covers;
-
-/* Test pixel centres in small rectangles of small polygons. Returns the lanes that cover none. */
-SIMD mf cover_no_centre(const tile_view *tile, const cut_points *c, const children_extent *e,
-                        vf far, mf alive, tet_covers *out) {
-    const rect_lanes r = rect_lanes_load(out->rect);
-    const vf wide = r.x1 - r.x0, high = r.y1 - r.y0, last = f_set(CENTRES - 1);
-    const vf reach = f_max(e->x1 - e->x0, e->y1 - e->y0), zero = f_set(0.0f);
-    const mf small =
-        mf_and(alive, mf_and(f_le(reach, f_set(CENTRES_REACH)), f_le(f_max(wide, high), last)));
-    vf centres = zero;
-    if (mf_bits(small)) {
-        const flat_lines l = lines_around(tile, c, far / e->w0);
-        for (int y = 0; y < CENTRES; y++) {
-            const mf row = mf_and(small, f_ge(high, f_set((float)y)));
-            vf side[4];
-            if (!mf_bits(row))
-                break;
-            for (int i = 0; i < 4; i++)
-                side[i] =
-                    l.x[i] * (r.y0 + f_set((float)y) - l.from.y[i]) - l.y[i] * (r.x0 - l.from.x[i]);
-            for (int x = 0; x < CENTRES; x++) {
-                const mf there = mf_and(row, f_ge(wide, f_set((float)x)));
-                const float bit = (float)(1 << (CENTRES * y + x));
-                if (!mf_bits(there))
-                    break;
-                centres = centres +
-                          f_select(mf_and_not(there, is_beside(side, l.error)), f_set(bit), zero);
-                for (int i = 0; i < 4; i++)
-                    side[i] = side[i] - l.y[i];
-            }
-        }
-    }
-    const vi bits = f_to_int(centres);
-    memcpy(out->centres, &bits, sizeof bits);
-    return mf_and(small, f_le(centres, zero));
-}
-
 /* Find which part of their leaves' rectangles the isopolygons can cover. Returns the lanes that
  * cover anything. An isopolygon nearer than a sixteenth of the bound on distances counts as
  * covering the whole rectangle. */
 SIMD unsigned covers_of(const mesh_tile *w, const tet_lanes *l, const tets_in_view *v, double iso,
-                        tet_covers *out) {
+                        flat_covers *out) {
     const unsigned lanes = (1u << l->count) - 1u;
     const rect_lanes within = rect_lanes_load(l->within);
     cut_points c;
@@ -229,7 +136,8 @@ SIMD unsigned covers_of(const mesh_tile *w, const tet_lanes *l, const tets_in_vi
     f_store(out->depth, f_select(whole, f_set(0.0f), e.w0 - f_set(0x1p-19f) * v->far));
     alive = mf_and(alive, mf_of_bits(lanes));
     LANE_COUNT(covers, mf_bits(alive));
-    const mf none = cover_no_centre(&w->b.view, &c, &e, v->far, mf_and_not(alive, whole), out);
+    const mf none =
+        cover_no_centre(&w->b.view, flatten, &c, &e, v->far, mf_and_not(alive, whole), out);
     LANE_COUNT(covering, mf_bits(mf_and_not(alive, none)));
     return mf_bits(mf_and_not(alive, none));
 }
@@ -243,7 +151,7 @@ static void walk_lanes(mesh_tile *w, const resident_mesh *at, tet_lanes *l) {
     view_tets(w, at, l, &view);
     LANE_COUNT(tets, (1u << l->count) - 1u);
     for (int32_t i = 0; i < isos->count; i++) {
-        tet_covers covers;
+        flat_covers covers;
         for (unsigned left = covers_of(w, l, &view, isos->isovalues[i], &covers); left;
              left &= left - 1) {
             const unsigned k = (unsigned)__builtin_ctz(left);

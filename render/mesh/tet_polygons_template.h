@@ -14,30 +14,6 @@
 #include "render/mesh/isopolygon_template.h"
 #include "render/mesh/tet_normals_template.h"
 
-/* Isopolygons, a lane each. */
-typedef struct polygon_lanes {
-    double p[4][3][VD_N];
-    uint8_t edge[VD_N][4], count[VD_N]; /* count 0: there is none */
-} polygon_lanes;
-
-SIMD void polygon_lanes_put(polygon_lanes *g, unsigned lane, const isopolygon *from) {
-    for (int i = 0; i < 4; i++)
-        for (int a = 0; a < 3; a++)
-            g->p[i][a][lane] = from->p[i][a];
-    memcpy(g->edge[lane], from->edge, sizeof from->edge);
-    g->count[lane] = from->count;
-}
-
-SIMD isopolygon polygon_lanes_get(const polygon_lanes *g, unsigned lane) {
-    isopolygon to;
-    for (int i = 0; i < 4; i++)
-        for (int a = 0; a < 3; a++)
-            to.p[i][a] = g->p[i][a][lane];
-    memcpy(to.edge, g->edge[lane], sizeof to.edge);
-    to.count = g->count[lane];
-    return to;
-}
-
 /* Find the signs of exact_orientation(). Returns the lanes where they are sure; *negative: lanes
  * where they are below 0. */
 SIMD unsigned surely_orient(const vd p[4][3], unsigned *negative) {
@@ -101,48 +77,6 @@ SIMD unsigned isopolygons_near(const tet_columns *x, const double isovalues[VD_N
                 out->p[i][a][lane] = cut[edge[i]][a][lane];
     }
     return sure;
-}
-
-/* Polygons, prepared for rays from one point: as struct seen, with a polygon per lane. */
-typedef struct seen_lanes {
-    vd a[4][3];
-    vd normal[EDGES][3]; /* per edge */
-    vd error[EDGES];     /* at least error_of() for rays of unit length */
-} seen_lanes;
-
-SIMD void see_edges(const polygon_lanes *g, int i, int j, const vd p[4][3], vd error_most,
-                    seen_lanes *out, int at) {
-    unsigned swap = 0;
-    vd from[3], e[3], terms = d_set(0.0);
-    for (unsigned lane = 0; lane < VD_N; lane++)
-        swap |= (unsigned)(g->edge[lane][i] > g->edge[lane][j]) << lane;
-    for (int a = 0; a < 3; a++) {
-        from[a] = d_select(md_of_bits(swap), out->a[j][a], out->a[i][a]);
-        e[a] = p[j][a] - p[i][a];
-    }
-    for (int a = 0; a < 3; a++) {
-        const int b = (a + 1) % 3, c = (a + 2) % 3;
-        const vd up = from[b] * e[c], down = from[c] * e[b];
-        out->normal[at][a] = up - down;
-        terms = terms + (d_abs(up) + d_abs(down));
-    }
-    out->error[at] = d_set(EXACT_BOUND) * (error_most * terms) + d_set(EXACT_SMALLEST);
-}
-
-SIMD void see_lanes(const polygon_lanes *g, const double o[3], seen_lanes *out) {
-    const vd most = d_set(1.0 + 0x1p-40); /* more than a rounded component */
-    vd p[4][3];
-    for (int i = 0; i < 4; i++) {
-        for (int a = 0; a < 3; a++) {
-            p[i][a] = d_load(g->p[i][a]);
-            out->a[i][a] = p[i][a] - d_set(o[a]);
-        }
-    }
-    see_edges(g, 1, 2, (const vd(*)[3])p, most, out, EDGE_12);
-    see_edges(g, 2, 0, (const vd(*)[3])p, most, out, EDGE_20);
-    see_edges(g, 0, 1, (const vd(*)[3])p, most, out, EDGE_01);
-    see_edges(g, 2, 3, (const vd(*)[3])p, most, out, EDGE_23);
-    see_edges(g, 3, 0, (const vd(*)[3])p, most, out, EDGE_30);
 }
 
 #endif

@@ -69,6 +69,7 @@ typedef struct kind_walks {
 typedef struct kind_tiles {
     uint32_t side;  /* pixels on a side, 1 to TILE_MAX, used also where rays go one by one */
     size_t scratch; /* bytes that a tile needs */
+    bool colours;   /* kernels colour surfaces by value, or by their own colours */
     const tile_fn *kernels;
     /* project(): the camera's projection; not `usable` where tiles are impossible.
      * projection_bytes(): the memory it takes. */

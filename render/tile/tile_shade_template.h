@@ -42,10 +42,12 @@ typedef struct tile_pixels {
 /* The part of shading that depends on the kind. normals: set the unit normals of a layer's
  * surfaces; normals of other pixels are undefined. starts: for shadows, write the points of
  * surfaces, without normals, one after the other; which: the rays, a bit each, of VD_N rays from i
- * on. */
+ * on. colours: set the colours of surfaces by surface_colour(), of the rays `which` from i on;
+ * NULL: there are none but those of surfaces as a whole (kind_tiles.colours). */
 typedef struct tile_kind {
     void (*normals)(void *work, const tile_layer *l, tile_normals normal);
     void (*starts)(void *work, const tile_layer *l, unsigned i, unsigned which, surface_point to[]);
+    void (*colours)(void *work, const tile_layer *l, unsigned i, unsigned which, float rgb[][3]);
 } tile_kind;
 
 SIMD vf dot_f(const vf a[3], const vf b[3]) {
@@ -95,6 +97,24 @@ SIMD vf looks_of(const tile_state *s, const tile_layer *l, unsigned i, unsigned 
     for (int c = 0; c < 3; c++)
         rgb[c] = f_load(of[c]);
     return f_load(of[3]);
+}
+
+/* Whether surfaces have other colours than those of surfaces as a whole. */
+static bool has_colours(const tile_state *s) {
+    const transfer *by_value = surface_look_of(s->f)->colours;
+    return s->f->tracer->coloured || (by_value && by_value->spans > 0);
+}
+
+SIMD void colour_each(const tile_kind *kind, void *work, const tile_layer *l, unsigned i,
+                      unsigned hits, vf rgb[3]) {
+    float each[VF_N][3], of[VF_N];
+    memset(each, 0, sizeof each);
+    kind->colours(work, l, i, hits, each);
+    for (int c = 0; c < 3; c++) {
+        for (unsigned k = 0; k < VF_N; k++)
+            of[k] = each[k][c];
+        rgb[c] = f_load(of);
+    }
 }
 
 /* Vector form of shade_point_of() and shade_ambient(). */
@@ -167,13 +187,16 @@ static void aim_lights(const frame *f, tile_pixels *p) {
 
 /* Shade a layer's surfaces, and composite them behind the layers in front, as shade_composite()
  * does. */
-SIMD void shade_surfaces(const tile_state *s, const tile_layer *l, unsigned i, unsigned hits,
-                         tile_normals normal, tile_pixels *p) {
+SIMD void shade_surfaces(const tile_state *s, const tile_kind *kind, void *work,
+                         const tile_layer *l, unsigned i, unsigned hits, tile_normals normal,
+                         tile_pixels *p) {
     static const float white[3] = {1.0f, 1.0f, 1.0f};
     const leafcast_scene *scene = surface_look_of(s->f)->scene;
     const vf one = f_set(1.0f);
     vf rgb[3];
     const vf opacity = looks_of(s, l, i, hits, rgb);
+    if (kind->colours && has_colours(s))
+        colour_each(kind, work, l, i, hits, rgb);
     lit_pixels lit = lit_begin(s, i, normal, rgb);
     if (scene->light_count == 0)
         lit_add(scene, lit.eye, white, one, &lit);
@@ -324,7 +347,7 @@ static void shade_layer(const tile_state *s, const tile_kind *kind, void *work, 
     for (unsigned i = 0; i < TILE_RAYS; i += VF_N) {
         const unsigned hits = hits_from(l, i, VF_N);
         if (hits)
-            shade_surfaces(s, l, i, hits, normal, p);
+            shade_surfaces(s, kind, work, l, i, hits, normal, p);
     }
 }
 

@@ -3,7 +3,9 @@
 #include <string.h>
 
 #include "formats/base/box3.h"
+#include "render/look/box_projection.h"
 #include "render/ray/open_volume.h"
+#include "render/triangle/triangle_tile.h"
 #include "render/triangle/triangle_walk.h"
 #include "render/walk/cell_walks.h"
 #include "render/walk/tree_points.h"
@@ -14,6 +16,25 @@ static const triangle_blocks *blocks_of(const treelet *at) {
 }
 
 /* ---- An open volume ---- */
+
+CPU_KERNELS(tile_fn, triangle_tile_kernels, NULL, triangle_tile);
+
+static status triangle_project(leafcast *v, const struct camera *c, struct projection *out) {
+    box_projection_init(out, v->file->header.bounds, c);
+    return ST_OK;
+}
+
+static size_t triangle_projection_bytes(const leaf_layout *layout) {
+    (void)layout;
+    return 0;
+}
+
+static const kind_tiles tiles = {.side = TRIANGLE_TILE,
+                                 .scratch = TRIANGLE_TILE_SCRATCH,
+                                 .colours = true,
+                                 .kernels = triangle_tile_kernels,
+                                 .project = triangle_project,
+                                 .projection_bytes = triangle_projection_bytes};
 
 static void triangle_describe(const leafcast *v, leafcast_info *info) {
     info->cells = v->file->header.tets;
@@ -116,5 +137,6 @@ const kind triangle_kind = {.name = "triangles",
                             .segments_error = no_error,
                             .gradient = no_gradient,
                             .cell_in = no_cell_in,
+                            .tiles = &tiles,
                             .cell_of_hit = triangle_of_hit,
                             .cell_corners = triangle_corners};

@@ -1,0 +1,1 @@
+#include "render/triangle/triangle_tile_template.h"
