@@ -38,7 +38,7 @@ static double shortest_edge(const triangle *x) {
     return sqrt(square);
 }
 
-flat_facts triangle_facts(const triangle *x) {
+flat_facts triangle_flat_facts(const triangle *x) {
     flat_facts f = {.point = {.span = shortest_edge(x)}};
     flat_polygon g;
     flat_across n;
@@ -103,7 +103,7 @@ void triangle_values(const triangle *x, const ray *r, double t, bool coloured, s
 }
 
 surface_point triangle_point(const triangle *x, const ray *r, const hit *h, bool coloured) {
-    const flat_facts f = triangle_facts(x);
+    const flat_facts f = triangle_flat_facts(x);
     surface_point p = flat_point_at(&f, r, h);
     triangle_values(x, r, h->t, coloured, &p);
     return p;

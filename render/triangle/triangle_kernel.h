@@ -24,8 +24,8 @@ typedef struct triangle {
 /* triangle_polygon() - the triangle turned over, as rays meet it: its points are 0, 2, 1. */
 void triangle_polygon(const triangle *x, flat_polygon *out);
 
-/* triangle_facts() - what all rays that meet a triangle have in common. */
-flat_facts triangle_facts(const triangle *x);
+/* triangle_flat_facts() - what all rays that meet a triangle have in common. */
+flat_facts triangle_flat_facts(const triangle *x);
 
 /* triangle_point() - the point of a hit. coloured: values are packed colours (triangle_geometry.h);
  * rgb is then set, else value. Both are linear between the vertices, colours as light. */

@@ -52,7 +52,7 @@ static const flat_facts *facts_of(triangle_shading *m, const tile_surface *x) {
         const triangle met = triangle_met(x);
         m->at[k] = x->at;
         m->local[k] = x->local;
-        m->facts[k] = triangle_facts(&met);
+        m->facts[k] = triangle_flat_facts(&met);
     }
     return &m->facts[k];
 }
