@@ -16,8 +16,10 @@ static const char known[] =
     ".pvtr .pvts .vdb .zarr .h5 .hdf5 .he5 .hdf .nc .nc4 .cdf .mgh .mgz .head .brik .par .rec "
     ".slc .cube .cub .fld .mat .fits .fit .grib .grb .grib2 .dem .p3d .q .dcm .ima "
     /* meshes and surfaces */
-    ".vtk .vtu .vtp .pvtu .vtm .vtmb .pvd .node .ele .msh .poly .smesh .ply .stl .off .obj .exo "
-    ".ex2 .e .g .exii .med .rmed .cgns .inp .avs .ucd .bdf .nas .meshb .su2 .ugrid .plt .szplt "
+    ".vtk .vtu .vtp .pvtp .pvtu .vtm .vtmb .pvd .node .ele .msh .poly .smesh .ply .stl .off .obj "
+    ".glb "
+    ".gltf .exo .ex2 .e .g .exii .med .rmed .cgns .inp .avs .ucd .bdf .nas .meshb .su2 .ugrid .plt "
+    ".szplt "
     ".tec .nek5000 .re2 .foam .case .xdmf .xmf .las .laz "
     /* pictures, tables, texts */
     ".tif .tiff .png .jpg .jpeg .jp2 .exr .pgm .ppm .pnm .pbm .pfm .svg .csv .xyz .json .pdf "

@@ -249,7 +249,7 @@ static status check_size(const ply *p) {
     for (int i = 0; left != UINT64_MAX && i < p->element_count; i++) {
         const ply_element *e = &p->elements[i];
         const uint64_t bytes = least_bytes(p, e);
-        if (bytes && (uint64_t)e->count > (left + 1) / bytes)
+        if (bytes && (uint64_t)e->count > (left + (p->coding == TEXT)) / bytes)
             return status_describe(ST_CORRUPT,
                                    "%s: the header says %lld of \"%s\", of %llu bytes or more "
                                    "each, but only %llu bytes follow",

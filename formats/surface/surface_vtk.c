@@ -228,7 +228,8 @@ typedef struct cells {
     values *fields; /* of the fields taken; those of the points stay closed */
     double *now;    /* their values of this cell */
     vtk_cursor *ghosts, *offsets, *ids;
-    uint64_t end; /* where the ids of the cell before end */
+    uint64_t end;  /* where the ids of the cell before end */
+    uint64_t used; /* numbers among the ids so far */
     uint64_t *corners;
     size_t room;
 } cells;
@@ -297,6 +298,7 @@ static status next_size(cells *c, const surface_vtk_cells *of, uint64_t number, 
     if (*size > UINT32_MAX)
         return vtk_array_fault(told, ST_CORRUPT, "cell %llu has %llu points",
                                (unsigned long long)number, (unsigned long long)*size);
+    c->used += *size + !c->offsets;
     c->end = end;
     return ST_OK;
 }
@@ -354,7 +356,7 @@ static status open_ids(cells *c, const surface_vtk_cells *of) {
     if (st == ST_OK && zero != 0)
         st = vtk_array_fault(&of->offsets, ST_CORRUPT, "begins with %llu, expected 0",
                              (unsigned long long)zero);
-    c->end = 0;
+    c->end = c->used = 0;
     return st;
 }
 
@@ -364,6 +366,9 @@ static status read_kind(cells *c, surface_vtk_kind kind) {
     status st = taken ? open_ids(c, of) : ST_OK;
     for (uint64_t i = 0; st == ST_OK && i < of->count; i++)
         st = read_cell(c, kind, i);
+    if (st == ST_OK && taken && of->ids_size != VTK_CURSOR_ANY && c->used != of->ids_size)
+        st = vtk_array_fault(&of->ids, ST_CORRUPT, "%llu numbers, but its cells have %llu",
+                             (unsigned long long)of->ids_size, (unsigned long long)c->used);
     if (st == ST_OK && c->offsets)
         st = vtk_cursor_finish(c->offsets);
     if (st == ST_OK && c->ids)

@@ -57,9 +57,10 @@ static status check_sorted(const mesh_conversion *c) {
         return ST_OK;
     if (bad + repeated == 0)
         return status_describe(ST_UNSUPPORTED,
-                               "%s: no tets; a surface of triangles is filled with them: `meshio "
-                               "convert IN surface.ply' (python3-meshio), then `leafcast "
-                               "tetrahedralize surface.ply -o F.mesh', and convert F.mesh",
+                               "%s: no tets; a surface of triangles is converted as .ply: `meshio "
+                               "convert IN surface.ply' (python3-meshio); or filled with tets: "
+                               "then `leafcast tetrahedralize surface.ply -o F.mesh', and convert "
+                               "F.mesh",
                                name);
     return status_describe(ST_CORRUPT,
                            "%s: %llu tets with an id that is no point, %llu with a vertex twice, "

@@ -193,14 +193,12 @@ write("JPEG", (0, b"\xff\xd8\xff\xe0"))
 write("OpenEXR", (0, b"\x76\x2f\x31\x01"))
 write("gzip", (0, b"\x1f\x8b\x08"))
 write("zstd", (0, b"\x28\xb5\x2f\xfd"))
-write("VTK surface", (0, b'<?xml version="1.0"?>\n<VTKFile type="PolyData">'))
-write("legacy VTK surface", (0, b"# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\n"))
 open(folder + "PLOT3D", "wb").write(b"\0\0\0\2\0\0\0\3\0\0\0\4" + bytes(16 + 24 * 20))
 open(folder + "Exodus", "wb").write(b"CDF\1" + bytes(30) + b"num_el_blk")
 open(folder + "CGNS", "wb").write(b"\xc0\xa8\xa3\xa9ADF Database Version")
 open(folder + "x.dcm", "wb").write(b"not at all")
 PY
-for format in Analyze gzip zstd "VTK surface" "legacy VTK surface" PLOT3D; do
+for format in Analyze gzip zstd PLOT3D; do
     exits "$format" 3 "$leafcast" convert "$tmp/$format" -o "$tmp/x.leaf" --force
     ok "is named" says "/$format: this is .*$format"
 done

@@ -51,14 +51,14 @@ printf 'OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3
 
 for form in t.msh t.vtk; do
     exits "$form: triangles alone" 3 "$leafcast" convert $form -o x.leaf --allow-empty
-    ok "are told as such" grep -q "no tets; a surface of triangles is filled with them: .meshio convert IN surface.ply" err
-    ok "and the next step" grep -q "leafcast tetrahedralize surface.ply -o F.mesh" err
+    ok "are told as such" grep -q "no tets; a surface of triangles is converted as .ply: .meshio convert IN surface.ply" err
+    ok "and how it is filled" grep -q "leafcast tetrahedralize surface.ply -o F.mesh" err
     exits "$form given to tetrahedralize" 3 "$leafcast" tetrahedralize $form -o x.mesh
     ok "is told the same way" grep -q "meshio convert.*leafcast tetrahedralize" err
 done
 for form in t.off surface.ply; do
-    exits "$form converted" 3 "$leafcast" convert $form -o x.leaf
-    ok "is sent to tetrahedralize" grep -q "leafcast tetrahedralize. fills a surface" err
+    exits "$form" 0 "$leafcast" info $form
+    ok "is known as triangles" grep -q "^surface  *4 triangles, 4 points$" out
 done
 [ -x "$(dirname "$(readlink -f "$leafcast")")/../libexec/leafcast-tetgen" ] || {
     skip "what is named" "no TetGen here"

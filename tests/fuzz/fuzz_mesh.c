@@ -1,6 +1,6 @@
-/* fuzz_mesh.c - hostile meshes: the first byte chooses the format and what is asked for, the others
- * are the file; of TetGen both, with a $ between .node and .ele. What is handed over must keep the
- * promises of mesh_input.h.
+/* fuzz_mesh.c - hostile meshes and surfaces: the first byte chooses the format and what is asked
+ * for, the others are the file; of TetGen both, with a $ between .node and .ele. What is handed
+ * over must keep the promises of mesh_input.h.
  */
 #include <math.h>
 #include <stdint.h>
@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "formats/mesh/mesh_input.h"
+#include "formats/surface/surface_readers.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -71,15 +71,27 @@ static void write_file(char path[PATH_ROOM], const char *suffix, const uint8_t *
     fclose(f);
 }
 
-static void read_mesh(const char *path, const mesh_hints *hints, bool whole) {
-    const mesh_sink sink = {NULL,  take_points, take_values, take_tets, whole ? take_cells : NULL,
-                            !whole};
+static status take_triangles(void *ctx, size_t count, const uint32_t (*ids)[3]) {
+    (void)ctx;
+    for (size_t i = 0; i < count; i++)
+        require(ids[i][0] != ids[i][1] && ids[i][1] != ids[i][2] && ids[i][2] != ids[i][0]);
+    return ST_OK;
+}
+
+static void read_mesh(const char *path, const mesh_hints *hints, bool whole, bool surface) {
+    const mesh_sink sink = {.points = take_points,
+                            .values = take_values,
+                            .tets = take_tets,
+                            .cells = whole ? take_cells : NULL,
+                            .triangles = surface ? take_triangles : NULL,
+                            .corners = !whole};
     mem m;
     mesh_input *x = NULL;
     mesh_report report;
     mem_init(&m, (size_t)16 << 20);
     points = values = 0;
-    status st = mesh_input_open(&m, path, hints, &x);
+    status st =
+        surface ? surface_input_open(&m, path, hints, &x) : mesh_input_open(&m, path, hints, &x);
     if (st == ST_OK)
         st = mesh_input_read(x, &sink, &report);
     if (st == ST_OK)
@@ -91,11 +103,14 @@ static void read_mesh(const char *path, const mesh_hints *hints, bool whole) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    static const char *const suffixes[] = {"vtk", "vtu", "mesh", "msh", "node"};
+    static const char *const suffixes[] = {"vtk", "vtu", "mesh", "msh", "node", "ply",
+                                           "stl", "obj", "off",  "vtk", "vtp",  "glb"};
+    enum { MESHES = 5, FORMATS = sizeof suffixes / sizeof *suffixes };
     char path[PATH_ROOM], other[PATH_ROOM] = "";
     if (size == 0)
         return 0;
-    const char *suffix = suffixes[(data[0] & 0xf) % 5];
+    const int format = (data[0] & 0xf) < FORMATS ? data[0] & 0xf : (data[0] & 0xf) % MESHES;
+    const char *suffix = suffixes[format];
     const mesh_hints hints = {.component = data[0] >> 4 & 1,
                               .cells_to_points = data[0] >> 5 & 1,
                               .by_corners = data[0] >> 7};
@@ -104,7 +119,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (cut)
         write_file(other, "ele", cut + 1, (size_t)(end - cut - 1));
     write_file(path, suffix, data + 1, (size_t)((cut ? cut : end) - data - 1));
-    read_mesh(path, &hints, data[0] >> 6 & 1);
+    read_mesh(path, &hints, data[0] >> 6 & 1, format >= MESHES);
     remove(path);
     if (cut)
         remove(other);

@@ -43,7 +43,7 @@ static void test_ply(void **state) {
             ST_CORRUPT, "expected a count of whole numbers");
     refused("a.ply", PLY("4294967296", "0"), ST_CORRUPT,
             "the header says 4294967296 of \"vertex\", of 6 bytes or more each, but only 0 bytes");
-    refused("a.ply", PLY("1", "0") "0 0\n", ST_CORRUPT, "nothing more here, expected a number");
+    refused("a.ply", PLY("1", "0") "0 0    \n", ST_CORRUPT, "nothing more here, expected a number");
     refused("a.ply", PLY("1", "0") "0 0 1e39\n", ST_CORRUPT, "point 0 (counted from 0) lies at");
     refused("a.ply", PLY("1", "0") "0 0 1 7\n", ST_CORRUPT, "\"7\", expected the end");
     refused("a.ply", PLY("4", "1") SQUARE "-1 0 1\n", ST_CORRUPT, "a list of -1, expected 0 to");
@@ -149,7 +149,8 @@ static void test_vtk(void **state) {
     refused("a.vtk", VTK_SQUARE "POLYGONS 1\n", ST_CORRUPT, "expected \"POLYGONS n size\"");
     refused("a.vtk", VTK_SQUARE "POLYGONS 1 4\n3 0 1 2\nPOLYGONS 1 4\n3 0 1 2\n", ST_CORRUPT,
             "POLYGONS comes twice");
-    refused("a.vtk", VTK_SQUARE "POLYGONS 1 5\n3 0 1 2 3\n", ST_CORRUPT, "a.vtk: byte");
+    refused("a.vtk", VTK_SQUARE "POLYGONS 1 5\n3 0 1 2 3\n", ST_CORRUPT,
+            "POLYGONS: 5 numbers, but its cells have 4");
     refused("a.vtk", VTK_SQUARE "POLYGONS 2 4\n3 0 1 2\n", ST_CORRUPT, "a.vtk: byte");
     refused("a.vtk", VTK_SQUARE "POLYGONS 1 4\n3 0 1 2\nCELL_DATA 2\n", ST_CORRUPT,
             "CELL_DATA of 2, expected 1");
