@@ -93,6 +93,8 @@ json document info g.nrrd
 json document info place.leaf
 json document info bare.leaf
 json document info b_0000.mesh
+printf 'OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n3 0 1 2\n' >t.off
+json document info t.off
 "$leafcast" convert d_0000.nrrd d_0001.nrrd -o d.leaf -q
 json document probe d.leaf --point 3,3,3 --time 0.5 --interpolate
 json document slice d.leaf --time 0.5 --interpolate -o s.ppm --force

@@ -222,6 +222,21 @@ def tetgen():
     return put("t.node", "4 3 1 0\n1 0 0 0 1\n2 1 0 0 2\n3 0 1 0 3\n4 0 0 1 4\n")
 
 
+def ply():
+    return put("a.ply", b"ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+               b"property float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n" + bytes(24))
+
+
+def stl():
+    return put("a.stl", bytes(80) + struct.pack("<I", 2) + bytes(50))
+
+
+def gltf():
+    text = b'{"asset":{"version":"2.0"},"buffers":[{"byteLength":64}]}   '
+    return put("a.glb", b"glTF" + struct.pack("<4I", 2, 92 + len(text), len(text), 0x4e4f534a) + text
+               + struct.pack("<2I", 64, 0x004e4942) + bytes(60))
+
+
 def gmsh():
     return put("t.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n")
 
@@ -293,6 +308,10 @@ ROWS = (
     ("PNG", "bytes at the end", png, 3, "png", None),
     ("DICOM", "slices", dicom((0, 1, 2, 5, 6), 2 * N * N), 3, "--allow-gaps", None),
     ("DICOM", "bytes of the pixels", dicom((0, 1, 2), N * N), 3, "dcm", None),
+    ("PLY", "bytes at the end", ply, 3, "bytes follow", None),
+    ("STL", "bytes at the end", stl, 3, "bytes follow", None),
+    ("OFF", "rows", lambda: put("a.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n"), 3, "bytes follow", None),
+    ("glTF", "bytes at the end", gltf, 3, "only 60 follow", None),
     ("TetGen", "rows", tetgen, 3, "t.ele", None),
     ("Gmsh", "rows", gmsh, 3, "t.msh", None),
     ("mesh stream", "bytes at the end", stream, 3, "t.mesh", None),
