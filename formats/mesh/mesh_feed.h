@@ -121,7 +121,7 @@ CHECKED status mesh_feed_tets(mesh_feed *f, const uint32_t (*ids)[4], size_t cou
 /* mesh_feed_keep_corners() - keep the points that will be fed, for mesh_feed_polygon(). Takes 12
  * bytes a point; stops at MESH_FEED_CORNERS points, or where it would take more than an eighth of
  * what the budget has left. */
-enum { MESH_FEED_CORNERS = 1 << 24 };
+enum { MESH_FEED_CORNERS = 1 << 22 };
 void mesh_feed_keep_corners(mesh_feed *f);
 
 /* mesh_feed_triangle() - feed one triangle of a surface, to a sink that takes triangles. Ids as of

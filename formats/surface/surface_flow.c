@@ -150,6 +150,11 @@ status surface_flow_strip(surface_flow *f, surface_strip *s, uint64_t id, const 
 
 /* ---- the surface ---- */
 
+void surface_flow_expect_polygons(const surface_choice *choice, mesh_feed *feed) {
+    if (!surface_choice_apart(choice)) /* else all points are kept */
+        mesh_feed_keep_corners(feed);
+}
+
 static void release(surface_flow *f) {
     mesh_average_release(&f->sums);
     mem_free(f->m, f->xyz);
@@ -164,8 +169,6 @@ static status run(surface_flow *f, surface_pass *pass, void *state) {
     if (f->apart) {
         f->columns = mem_array(f->m, f->choice->taken_count, sizeof *f->columns);
         st = f->columns ? ST_OK : ST_NOMEM;
-    } else {
-        mesh_feed_keep_corners(f->feed);
     }
     if (st == ST_OK)
         st = pass(state, f);

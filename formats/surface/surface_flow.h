@@ -39,6 +39,10 @@ typedef struct surface_flow {
     mesh_polygon_room polygon;
 } surface_flow;
 
+/* surface_flow_expect_polygons() - keep corners for polygons of four or more (mesh_feed.h), before
+ * surface_flow_run(). For formats that may have such. */
+void surface_flow_expect_polygons(const surface_choice *choice, mesh_feed *feed);
+
 /* Goes through a surface; called twice where its triangles must be counted first. */
 typedef status surface_pass(void *state, surface_flow *flow);
 

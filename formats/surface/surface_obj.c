@@ -275,6 +275,7 @@ static status pass(void *state, surface_flow *flow) {
 
 static status read(void *state, mesh_feed *feed) {
     obj *o = state;
+    surface_flow_expect_polygons(&o->choice, feed);
     return surface_flow_run(&o->choice, feed, UINT64_MAX, false, pass, o);
 }
 

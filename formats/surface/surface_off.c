@@ -188,6 +188,7 @@ static status pass(void *state, surface_flow *flow) {
 static status read(void *state, mesh_feed *feed) {
     off *o = state;
     mesh_feed_expect_cells(feed, (uint64_t)o->faces);
+    surface_flow_expect_polygons(&o->choice, feed);
     return surface_flow_run(&o->choice, feed, (uint64_t)o->vertices, false, pass, o);
 }
 

@@ -532,6 +532,7 @@ static status read(void *state, mesh_feed *feed) {
     for (int i = 0; i < p->element_count; i++)
         if (p->elements[i].kind == FACES)
             mesh_feed_expect_cells(feed, (uint64_t)p->elements[i].count);
+    surface_flow_expect_polygons(&p->choice, feed);
     return surface_flow_run(&p->choice, feed, (uint64_t)p->vertices->count,
                             !byte_stream_is_pipe(p->t.s), pass, p);
 }

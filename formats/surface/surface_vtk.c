@@ -415,5 +415,6 @@ status surface_vtk_read(void *state, mesh_feed *feed) {
     surface_vtk *v = state;
     for (size_t i = 0; i < v->count; i++)
         mesh_feed_expect_cells(feed, cells_of(&v->pieces[i]));
+    surface_flow_expect_polygons(&v->choice, feed);
     return surface_flow_run(&v->choice, feed, v->points, true, pass, v);
 }

@@ -96,10 +96,10 @@ static status convert_input(const conversion *c, const input *in) {
         i++;
     if (i == CONVERSIONS)
         return status_describe(
-            ST_UNSUPPORTED,
-            "%s: a %s, which is regular already: convert takes it; resampled are "
-            "meshes and curvilinear grids",
-            s->path, in->kind->name);
+            ST_UNSUPPORTED, "%s: a %s, which %s; resampled are meshes and curvilinear grids",
+            s->path, in->kind->name,
+            in->kind->traits(in->own) & INPUT_LATTICE ? "is regular already: convert takes it"
+                                                      : "fills no volume: convert takes it");
     const status st =
         s->opened ? s->opened(s->ctx, in->kind->traits(in->own), in->kind->format(in->own)) : ST_OK;
     return st == ST_OK ? conversions[i].convert(c, in->own) : st;

@@ -59,6 +59,8 @@ done
 for form in t.off surface.ply; do
     exits "$form" 0 "$leafcast" info $form
     ok "is known as triangles" grep -q "^surface  *4 triangles, 4 points$" out
+    exits "$form resampled" 3 "$leafcast" resample $form --dims 8 -o x.nrrd
+    ok "is refused" grep -q "a surface, which fills no volume" err
 done
 [ -x "$(dirname "$(readlink -f "$leafcast")")/../libexec/leafcast-tetgen" ] || {
     skip "what is named" "no TetGen here"
