@@ -194,12 +194,12 @@ void surface_files_damage(const char *path, const mesh_hints *hints) {
     size_t size;
     char *data = scratch_read(path, &size);
     const char *name = strrchr(path, '/') + 1;
-    for (size_t n = 0; n < 3 * size; n++) {
-        data[n / 3] ^= masks[n % 3];
+    for (size_t n = 0; n < size; n++) {
+        data[n] ^= masks[n % 3];
         scratch_write(name, data, size);
         const status st = surface_files_read(path, hints, NULL, 0, &a);
         assert_true(st != ST_NOMEM && st != ST_FAILED);
-        data[n / 3] ^= masks[n % 3];
+        data[n] ^= masks[n % 3];
     }
     scratch_write(name, data, size);
     free(data);

@@ -37,8 +37,9 @@ void surface_files_refused(const char *path, const mesh_hints *hints, status st,
  * bytes. */
 const surface_copy *surface_files_pipe(const char *path, const char *name, size_t piece);
 
-/* The sweeps: every prefix but the last `spare` bytes is an error; any byte changed gives an error
- * or a surface; each allocation and each read failing in turn is told and leaks nothing. */
+/* The sweeps: every prefix but the last `spare` bytes is an error; any byte changed (in one of
+ * three ways) gives an error or a surface; each allocation and each read failing in turn is told
+ * and leaks nothing. */
 void surface_files_truncate(const char *path, const mesh_hints *hints, size_t spare);
 void surface_files_damage(const char *path, const mesh_hints *hints);
 void surface_files_faults(const char *path, const mesh_hints *hints);
