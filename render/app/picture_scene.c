@@ -30,6 +30,7 @@ status picture_scene_choose(const leafcast *volume, view_options *v, double *sug
         return status_describe(ST_USAGE, "--iso: \"%s\" is a surface itself: it has no isosurfaces",
                                leafcast_describe(volume).name);
     v->is_surface = is_surface;
+    v->unopened = !volume;
     if (v->isos > 0 || view_options_filled(v))
         return ST_OK;
     v->isos = 1;

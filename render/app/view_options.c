@@ -524,7 +524,7 @@ static bool is_transparent(const view_options *v) {
 }
 
 static bool has_surfaces(const view_options *v) {
-    return v->isos > 0 || v->others_surfaces;
+    return v->isos > 0 || v->others_surfaces || v->unopened;
 }
 
 static bool has_normals(const view_options *v) {
