@@ -38,12 +38,15 @@ enum {
 /* ---- Scenes ---- */
 
 enum { LEAFCAST_SURFACES_MAX = 32, LEAFCAST_LIGHTS_MAX = 16, LEAFCAST_CLIP_PLANES_MAX = 16 };
+enum { LEAFCAST_LIGHT_SAMPLES_MAX = 64, LEAFCAST_BOUNCES_MAX = 8 };
 
 typedef struct leafcast_surface {
-    double isovalue; /* finite; of a volume that is a surface itself (LEAFCAST_ABILITY_GIVEN) it
-                        does not matter */
-    float rgb[3];    /* 0 to LEAFCAST_COLOUR_MOST */
-    float opacity;   /* (0, 1]; 1 is opaque */
+    double isovalue;    /* finite; of a volume that is a surface itself (LEAFCAST_ABILITY_GIVEN) it
+                           does not matter */
+    float rgb[3];       /* 0 to LEAFCAST_COLOUR_MOST */
+    float opacity;      /* (0, 1]; 1 is opaque */
+    float reflectivity; /* 0 to 1: the share of the mirrored ray's colour in the surface's own; the
+                           scene's `bounces` says how deep */
 } leafcast_surface;
 
 LEAFCAST_API leafcast_surface leafcast_surface_default(double isovalue);
@@ -52,6 +55,10 @@ typedef struct leafcast_light {
     bool point;       /* whether `vector` is a position; else it is a direction */
     double vector[3]; /* direction towards the light, or its position */
     float rgb[3];     /* 0 to LEAFCAST_COLOUR_MOST; no fall-off */
+    /* Above 0, shadows are soft. A point: the light is a ball of this radius, in world lengths, to
+     * LEAFCAST_PLACE_MOST. A direction: it is a disc in the sky, seen from everywhere under this
+     * half-angle in degrees, to 90; the sun has 0.27. Surfaces are shaded by the light's middle. */
+    double radius;
 } leafcast_light;
 
 typedef enum leafcast_shading {
@@ -190,6 +197,24 @@ typedef struct leafcast_scene {
     /* Lighting of media fades out where the value changes by less than this share of its range in a
      * cell, so flat regions and noise stay unlit. 0 to 1; 0: 1/32. */
     double shade_fade;
+    /* Soft shadows: rays to each light that has a radius, 1 to LEAFCAST_LIGHT_SAMPLES_MAX, or
+     * 0: 16. So much of the light arrives as their mean says. Their directions are spread evenly
+     * over the part of the sky that the light covers; each ends at the light. One on the other side
+     * of the cell's own gradient is hidden. A surface inside the ball of a light gets all of it. */
+    int light_samples;
+    /* Ambient occlusion: above 0, the ambient term (with LEAFCAST_SHADING_FLAT, the colour) of a
+     * surface is multiplied by the share of such light that comes from up to this world length, to
+     * LEAFCAST_PLACE_MOST. Each of `occlusion_samples` rays (1 to LEAFCAST_LIGHT_SAMPLES_MAX, or 0:
+     * 16), spread about the shading normal by the cosine, is dimmed by surfaces as light is. Those
+     * on the other side of the cell's own gradient are left out; if all are, the share is 1. */
+    double occlusion;
+    int occlusion_samples;
+    /* Mirrored rays, of surfaces with a reflectivity: 0 to LEAFCAST_BOUNCES_MAX one after the
+     * other. They see surfaces, lit like others, and behind these the background; no media and no
+     * caps. A surface keeps its own colour where a mirrored ray would count for 2^-12 of the pixel
+     * or less (without the media before it), and where the ray would lead to the other side of the
+     * cell's own gradient. */
+    int bounces;
 } leafcast_scene;
 
 /* leafcast_init_scene(), leafcast_scene_default() - set the defaults: a headlight, diffuse shading,

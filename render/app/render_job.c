@@ -110,6 +110,8 @@ static void note_others(const render_job *job, view_options *first) {
         first->others_transparent |= view_options_transparent(v);
         first->others_surfaces |= v->isos > 0 || (!filled && !projected);
         first->others_filled |= filled;
+        if (v->scene.bounces > first->scene.bounces)
+            first->scene.bounces = v->scene.bounces;
     }
 }
 

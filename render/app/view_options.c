@@ -7,7 +7,9 @@
 #include "formats/base/cli_options.h"
 #include "formats/base/cli_value.h"
 #include "formats/base/num.h"
+#include "render/app/clip_options.h"
 #include "render/app/colour.h"
+#include "render/app/light_options.h"
 #include "render/experiments/experiments.h"
 
 LINK_EXPERIMENTS;
@@ -43,7 +45,10 @@ enum {
     STEP,
     ORTHO,
     TIME,
-    INTERPOLATE
+    INTERPOLATE,
+    LIGHT_SAMPLES,
+    OCCLUSION,
+    REFLECT
 };
 
 static const char SHADINGS[] = "diffuse|phong|flat",
@@ -83,12 +88,26 @@ const struct argp_option view_options_table[] = {
      "meshes: faceted (one normal per tet) or smooth (interpolated gradients of the vertices) "
      "(faceted)",
      0},
-    {"light", LIGHT, "X,Y,Z[,R,G,B]", 0,
+    {"light", LIGHT, "X,Y,Z[,R,G,B][,RADIUS]", 0,
      "a light from this direction, in this colour; without lights, one shines from the eye. "
-     "Repeatable",
+     "RADIUS: "
+     "half the angle that it covers, in degrees (the sun: 0.27), for soft shadows. Repeatable",
      0},
-    {"point-light", POINT_LIGHT, "X,Y,Z[,R,G,B]", 0, "a light at this point. Repeatable", 0},
+    {"point-light", POINT_LIGHT, "X,Y,Z[,R,G,B][,RADIUS]", 0,
+     "a light at this point; a ball of RADIUS world units casts soft shadows. Repeatable", 0},
     {"shadows", SHADOWS, NULL, 0, "lights cast shadows", 0},
+    {"light-samples", LIGHT_SAMPLES, "N", 0,
+     "rays of each surface to each light with a RADIUS, 1 to 64 (16)", 0},
+    {"occlusion", OCCLUSION, "DISTANCE[,SAMPLES]", 0,
+     "ambient light is hidden by surfaces within DISTANCE world units, which so many rays look "
+     "for, "
+     "1 to 64 (16)",
+     0},
+    {"reflect", REFLECT, "WEIGHT[,BOUNCES]", 0,
+     "the isosurface given at the same position reflects: share of the mirrored colour, 0 to 1; "
+     "and "
+     "of how many surfaces one after the other, 1 to 8 (1)",
+     0},
     {"ambient", AMBIENT, "A", 0, "share of ambient light, 0 to 1 (0.15)", 0},
     {"specular", SPECULAR, "S", 0, "weight of the highlight of --shading phong (0.3)", 0},
     {"shininess", SHININESS, "N", 0, "exponent of the highlight of --shading phong, 1 to 1024 (32)",
@@ -136,7 +155,7 @@ int view_options_key(const char *name, bool *repeats, view_value *value) {
                 continue;
             const int key = o->key;
             *repeats = key == ISO || key == COLOUR || key == OPACITY || key == LIGHT ||
-                       key == POINT_LIGHT || key == CLIP_PLANE;
+                       key == POINT_LIGHT || key == CLIP_PLANE || key == REFLECT;
             *value = !o->arg && !(o->flags & OPTION_ALIAS) ? VIEW_VALUE_NONE
                      : o->flags & OPTION_ARG_OPTIONAL      ? VIEW_VALUE_OPTIONAL
                                                            : VIEW_VALUE_NEEDED;
@@ -248,48 +267,11 @@ static status add_opacity(view_options *v, const char *text) {
     return st;
 }
 
-static status add_light(leafcast_scene *scene, bool point, const char *text) {
-    const char *what = point ? "--point-light" : "--light";
-    status st = room(what, scene->light_count, LEAFCAST_LIGHTS_MAX);
-    if (st)
-        return st;
-    int commas = 0;
-    for (const char *at = text; *at; at++)
-        commas += *at == ',';
-    double x[6] = {0.0, 0.0, 0.0, 1.0, 1.0, 1.0};
-    st = cli_vector(text, what, commas == 5 ? 6 : 3, x);
-    if (st)
-        return st;
-    if (!point && x[0] == 0.0 && x[1] == 0.0 && x[2] == 0.0)
-        return status_describe(ST_USAGE, "--light: %s is no direction", text);
-    leafcast_light *light = &scene->lights[scene->light_count++];
-    light->point = point;
-    for (int i = 0; i < 3; i++) {
-        light->vector[i] = x[i];
-        light->rgb[i] = (float)x[3 + i];
-    }
-    return ST_OK;
-}
-
-static status add_clip_plane(leafcast_scene *scene, const char *text) {
-    double *plane = scene->clip_planes[scene->clip_plane_count];
-    status st = room("--clip-plane", scene->clip_plane_count, LEAFCAST_CLIP_PLANES_MAX);
+static status add_reflect(view_options *v, const char *text) {
+    status st = room("--reflect", v->reflects, LEAFCAST_SURFACES_MAX);
     if (st == ST_OK)
-        st = cli_vector(text, "--clip-plane", 4, plane);
-    scene->clip_plane_count += st == ST_OK;
-    return st;
-}
-
-static status set_clip_box(leafcast_scene *scene, const char *text) {
-    double x[6];
-    status st = cli_vector(text, "--clip-box", 6, x);
-    for (int a = 0; a < 3 && st == ST_OK; a++) {
-        if (!(x[a] <= x[a + 3]))
-            st = status_describe(ST_USAGE, "--clip-box: \"%s\" ends before it begins", text);
-        scene->clip_min[a] = x[a];
-        scene->clip_max[a] = x[a + 3];
-    }
-    scene->clip_box = st == ST_OK;
+        st = light_options_reflect(text, &v->surfaces[v->reflects], &v->scene.bounces);
+    v->reflects += st == ST_OK;
     return st;
 }
 
@@ -300,6 +282,7 @@ static status set_surface(view_options *v, int key, const char *text) {
     case ISO: return add_iso(v, text);
     case COLOUR: return add_colour(v, text);
     case OPACITY: return add_opacity(v, text);
+    case REFLECT: return add_reflect(v, text);
     case LAYERS: return cli_int(text, "--layers", 0, 1 << 20, &v->scene.layers_max);
     default: return ST_AGAIN;
     }
@@ -348,9 +331,12 @@ static status set_light(view_options *v, int key, const char *text) {
         s->smooth_normals = which == 3;
         v->normals = which;
         return st;
-    case LIGHT: return add_light(s, false, text);
-    case POINT_LIGHT: return add_light(s, true, text);
+    case LIGHT: return light_options_add(s, false, text);
+    case POINT_LIGHT: return light_options_add(s, true, text);
     case SHADOWS: s->shadows = true; return ST_OK;
+    case LIGHT_SAMPLES:
+        return cli_int(text, "--light-samples", 1, LEAFCAST_LIGHT_SAMPLES_MAX, &s->light_samples);
+    case OCCLUSION: return light_options_occlusion(text, s);
     case AMBIENT: return parse_weight(text, "--ambient", 1.0, &s->ambient);
     case SPECULAR: return parse_weight(text, "--specular", 1000.0, &s->specular);
     case SHININESS: return cli_int(text, "--shininess", 1, 1024, &s->shininess);
@@ -361,8 +347,8 @@ static status set_light(view_options *v, int key, const char *text) {
 
 static status set_extent(view_options *v, int key, const char *text) {
     switch (key) {
-    case CLIP_BOX: return set_clip_box(&v->scene, text);
-    case CLIP_PLANE: return add_clip_plane(&v->scene, text);
+    case CLIP_BOX: return clip_options_box(&v->scene, text);
+    case CLIP_PLANE: return clip_options_add_plane(&v->scene, text);
     case LOD: return parse_lod(text, &v->scene);
     case PREVIEW: v->scene.preview = true; return ST_OK;
     case SWEEP: v->scene.sweep = true; return ST_OK;
@@ -425,8 +411,9 @@ static status set_any(view_options *v, int key, const char *text) {
 }
 
 bool view_options_of_one(int key) {
-    return key == ISO || key == COLOUR || key == OPACITY || key == FIELD || key == STEP ||
-           key == TIME || key == INTERPOLATE || (key >= MEDIUM_TF && key <= MEDIUM_OPACITY_LENGTH);
+    return key == ISO || key == COLOUR || key == OPACITY || key == REFLECT || key == FIELD ||
+           key == STEP || key == TIME || key == INTERPOLATE ||
+           (key >= MEDIUM_TF && key <= MEDIUM_OPACITY_LENGTH);
 }
 
 static uint64_t bit_of(int key) {
@@ -442,19 +429,15 @@ status view_options_set(view_options *v, int key, const char *text) {
 
 void view_options_clear(view_options *v, int key) {
     leafcast_scene *s = &v->scene;
-    int kept = 0;
     v->given &= ~bit_of(key);
     switch (key) {
     case ISO: v->isos = 0; break;
     case COLOUR: v->colours = 0; break;
     case OPACITY: v->opacities = v->medium.opacities = 0; break;
+    case REFLECT: v->reflects = s->bounces = 0; break;
     case LIGHT:
-    case POINT_LIGHT:
-        for (int i = 0; i < s->light_count; i++)
-            if (s->lights[i].point != (key == POINT_LIGHT))
-                s->lights[kept++] = s->lights[i];
-        s->light_count = kept;
-        break;
+    case POINT_LIGHT: light_options_remove(s, key == POINT_LIGHT); break;
+    case OCCLUSION: s->occlusion = s->occlusion_samples = 0; break;
     case CLIP_PLANE: s->clip_plane_count = 0; break;
     case CLIP_BOX: s->clip_box = false; break;
     case SHADOWS: s->shadows = false; break;
@@ -506,6 +489,18 @@ static bool is_lit(const view_options *v) {
 
 static bool has_light(const view_options *v) {
     return v->scene.shading != LEAFCAST_SHADING_FLAT && v->scene.light_count > 0;
+}
+
+static bool radius_shows(const view_options *v) {
+    return v->scene.shadows || !light_options_soft(&v->scene);
+}
+
+static bool is_soft(const view_options *v) {
+    return light_options_soft(&v->scene);
+}
+
+static bool is_ambient(const view_options *v) {
+    return v->scene.ambient > 0.0f || v->scene.shading == LEAFCAST_SHADING_FLAT;
 }
 
 static bool is_phong(const view_options *v) {
@@ -604,6 +599,11 @@ static const flag_need NEEDS[] = {
      "--shadows: the light at the eye casts none that can be seen; --light says where another is"},
     {LIGHT, is_lit, "--light: there is none in --shading flat"},
     {POINT_LIGHT, is_lit, "--point-light: there is none in --shading flat"},
+    {LIGHT, radius_shows, "--light: a RADIUS shows in shadows alone: --shadows"},
+    {POINT_LIGHT, radius_shows, "--point-light: a RADIUS shows in shadows alone: --shadows"},
+    {LIGHT_SAMPLES, is_soft, "--light-samples: no --light and no --point-light has a RADIUS"},
+    {OCCLUSION, has_surfaces, "--occlusion: there is no surface without --iso"},
+    {OCCLUSION, is_ambient, "--occlusion: there is no ambient light to hide with --ambient 0"},
     {AMBIENT, is_lit, "--ambient: there is no light in --shading flat"},
     {SPECULAR, is_phong, "--specular: highlights are --shading phong's"},
     {SHININESS, is_phong, "--shininess: highlights are --shading phong's"},
@@ -649,23 +649,38 @@ status view_options_check_volume(const view_options *v, const leafcast *volume) 
     return ST_OK;
 }
 
+/* Check that no flag about one surface is given more often than --iso. */
+static status check_counts(const view_options *v) {
+    const struct {
+        int count;
+        const char *name;
+    } flags[] = {{v->colours, "colour"}, {v->opacities, "opacity"}, {v->reflects, "reflect"}};
+    for (int i = 0; i < 3; i++)
+        if (flags[i].count > v->isos)
+            return status_describe(ST_USAGE,
+                                   "%d of --%s for %d of --iso: the k-th belongs to the k-th",
+                                   flags[i].count, flags[i].name, v->isos);
+    return ST_OK;
+}
+
 status view_options_check(view_options *v) {
     if (v->isos == 0 && !view_options_filled(v))
         return status_describe(ST_USAGE, "which isosurface? --iso V");
-    if (v->colours > v->isos || v->opacities > v->isos)
-        return status_describe(ST_USAGE, "%d of --%s for %d of --iso: the k-th belongs to the k-th",
-                               v->colours > v->isos ? v->colours : v->opacities,
-                               v->colours > v->isos ? "colour" : "opacity", v->isos);
+    status st = check_counts(v);
+    if (st != ST_OK)
+        return st;
     enum { PALETTE_SIZE = sizeof PALETTE / sizeof *PALETTE };
     for (int i = v->colours; i < v->isos; i++)
         memcpy(v->surfaces[i].rgb, PALETTE[(v->painted + i) % PALETTE_SIZE], sizeof PALETTE[0]);
     for (int i = v->opacities; i < v->isos; i++)
         v->surfaces[i].opacity = 1.0f;
+    for (int i = v->reflects; i < v->isos; i++)
+        v->surfaces[i].reflectivity = 0.0f;
     if (v->is_surface && (v->medium.opacities > 0 || v->medium.opacity_length > 0.0))
         return status_describe(ST_USAGE, "--opacity V:A and --opacity-length are of media: this is "
                                          "a surface, for which --opacity A is");
-    status st = medium_options_check(&v->medium, v->scene.project != LEAFCAST_PROJECT_NONE ||
-                                                     view_options_coloured(v));
+    st = medium_options_check(&v->medium, v->scene.project != LEAFCAST_PROJECT_NONE ||
+                                              view_options_coloured(v));
     if (st == ST_OK)
         st = view_options_check_either(v);
     return st == ST_OK ? check_flags(v, NEEDS, sizeof NEEDS / sizeof *NEEDS) : st;

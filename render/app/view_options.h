@@ -20,9 +20,9 @@ enum { VIEW_FIELD_MAX = 64 };
 
 typedef struct view_options {
     leafcast_surface
-        surfaces[LEAFCAST_SURFACES_MAX]; /* view_options_check() fills in what was not given */
-    int isos, colours, opacities;        /* how often each flag was given */
-    leafcast_scene scene;                /* without experiments; view_options_scene() adds them */
+        surfaces[LEAFCAST_SURFACES_MAX];    /* view_options_check() fills in what was not given */
+    int isos, colours, opacities, reflects; /* how often each flag was given */
+    leafcast_scene scene; /* without experiments; view_options_scene() adds them */
     leafcast_scene_experiments experiments;
     leafcast_camera camera; /* width and height; other fields if flags gave them, see below */
     bool eye, look_at, up, fov;

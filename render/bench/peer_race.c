@@ -72,6 +72,9 @@ status peer_race_check(view_options *view) {
         return status_describe(ST_USAGE, "peers shade diffuse, with smooth normals");
     if (s->clip_box || s->clip_plane_count > 0 || s->lod != LEAFCAST_LOD_EXACT || s->preview)
         return status_describe(ST_USAGE, "peers draw all of the surface, at full resolution");
+    for (int i = 0; i < s->light_count; i++)
+        if (s->lights[i].radius > 0.0)
+            return status_describe(ST_USAGE, "peers draw shadows without penumbras: no RADIUS");
     if (s->samples > 1)
         return status_describe(ST_USAGE, "peers trace one ray a pixel");
     return ST_OK;

@@ -82,6 +82,7 @@ static const public_field surface_rows[] = {
     PUBLIC_NUMBER(leafcast_surface, isovalue, -DBL_MAX, DBL_MAX, 0),
     PUBLIC_NUMBER(leafcast_surface, rgb, 0, LEAFCAST_COLOUR_MOST, 0),
     PUBLIC_NUMBER(leafcast_surface, opacity, 0, 1, PUBLIC_ABOVE),
+    PUBLIC_NUMBER(leafcast_surface, reflectivity, 0, 1, 0),
 };
 static const public_fields surface_table = PUBLIC_TABLE(leafcast_surface, surface_rows);
 
@@ -89,6 +90,7 @@ static const public_field light_rows[] = {
     PUBLIC_FLAG(leafcast_light, point),
     PUBLIC_NUMBER(leafcast_light, vector, -LEAFCAST_PLACE_MOST, LEAFCAST_PLACE_MOST, 0),
     PUBLIC_NUMBER(leafcast_light, rgb, 0, LEAFCAST_COLOUR_MOST, 0),
+    PUBLIC_NUMBER(leafcast_light, radius, 0, LEAFCAST_PLACE_MOST, 0),
 };
 
 static double largest(const double v[3]) {
@@ -97,6 +99,11 @@ static double largest(const double v[3]) {
 
 static status light_together(const void *of) {
     const leafcast_light *light = of;
+    if (!light->point && light->radius > 90.0)
+        return status_describe(ST_USAGE,
+                               "leafcast_light.radius is %g: the half-angle of a light that is no "
+                               "point is 0 to 90 degrees",
+                               light->radius);
     if (light->point || largest(light->vector) >= LEAFCAST_DIRECTION_LEAST)
         return ST_OK;
     return status_describe(ST_USAGE,
@@ -223,6 +230,10 @@ static const public_field scene_rows[] = {
      .how = PUBLIC_OR_NULL, .element = &medium_table},
     PUBLIC_FLAG(leafcast_scene, shade_media),
     PUBLIC_NUMBER(leafcast_scene, shade_fade, 0, 1, 0),
+    PUBLIC_NUMBER(leafcast_scene, light_samples, 0, LEAFCAST_LIGHT_SAMPLES_MAX, 0),
+    PUBLIC_NUMBER(leafcast_scene, occlusion, 0, LEAFCAST_PLACE_MOST, 0),
+    PUBLIC_NUMBER(leafcast_scene, occlusion_samples, 0, LEAFCAST_LIGHT_SAMPLES_MAX, 0),
+    PUBLIC_NUMBER(leafcast_scene, bounces, 0, LEAFCAST_BOUNCES_MAX, 0),
 };
 
 static status scene_together(const void *of) {

@@ -189,6 +189,8 @@ static status begin_part(leafcast_frame *fr) {
         double shift[2];
         samples_shift(fr->t.scene.samples, fr->part - fr->first_sample, shift);
         camera_shift(&f->camera, shift[0], shift[1]);
+        f->sample = (uint32_t)(fr->part - fr->first_sample);
+        f->samples = (uint32_t)fr->t.scene.samples;
     }
     const status st = project(fr, f);
     return st == ST_OK ? frame_begin(f, &fr->drawing) : st;
@@ -306,8 +308,10 @@ static status encode(leafcast_frame *fr) {
 
 static void fill_stats(const leafcast_frame *fr, leafcast_stats *stats) {
     const ray_counters *c = &fr->counters;
-    *stats = (leafcast_stats){
-        .size = sizeof *stats, .render_s = fr->render_s, .rays = c->primary_rays + c->shadow_rays};
+    *stats = (leafcast_stats){.size = sizeof *stats,
+                              .render_s = fr->render_s,
+                              .rays = c->primary_rays + c->shadow_rays + c->occlusion_rays +
+                                      c->mirrored_rays};
 #define COUNTER(name) stats->name = c->name;
     RAY_COUNTERS(COUNTER)
     PACKET_COUNTERS(COUNTER)

@@ -8,6 +8,7 @@
 #include "render/door/coarse_preview.h"
 #include "render/ray/kind.h"
 #include "render/surface/surface_integrator.h"
+#include "render/surface/surface_ray.h"
 
 /* Returns an upper bound of a lit surface's colour channels. */
 static double brightest_surface(const scene_look *l) {
@@ -178,13 +179,22 @@ static status project_scene(scene_look *l) {
     return st;
 }
 
+/* Returns how many mirrored rays may follow each other. */
+static int bounces_of(const turn *t) {
+    for (int v = 0; v < t->volumes; v++)
+        for (int i = 0; i < t->shown[v].count; i++)
+            if (t->surfaces[v][i].reflectivity > 0.0F)
+                return t->scene.bounces;
+    return 0;
+}
+
 status scene_look_choose(scene_look *l, turn *t) {
     const leafcast_scene *scene = &t->scene;
     status st = ST_OK;
     l->turn = t;
     l->look.surfaces =
         (surface_look){scene, (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])t->surfaces,
-                       t->first_id, l->colours};
+                       t->first_id, l->colours, bounces_of(t)};
     for (int v = 0; v < t->volumes && st == ST_OK; v++)
         if (t->shown[v].colours)
             st = transfer_init(&l->colours[v], t->f.m, t->shown[v].colours);
@@ -196,6 +206,8 @@ status scene_look_choose(scene_look *l, turn *t) {
         st = project_scene(l);
     else if (scene->media_count > 0)
         st = fill(l);
+    if (scene->project == LEAFCAST_PROJECT_NONE)
+        t->f.record_more += surface_ray_more(&l->look.surfaces);
     if (st == ST_OK && scene->caps && scene->cap_colours)
         st = transfer_init(&l->cap_colours, t->f.m, scene->cap_colours);
     return st;

@@ -38,6 +38,7 @@ typedef struct frame {
     cpu_isa isa;                  /* of the integrator's own kernels */
     const projection *projection; /* of the first volume; NULL unless its kind's tiles need one */
     uint32_t width, height;
+    uint32_t sample, samples; /* it draws this one of so many rays a pixel; 0, 0: the only one */
     leafcast_image image;
     size_t stride;        /* of the image's planes, from row to row */
     void *scratch;        /* frame_scratch_bytes() for each thread, not initialised */

@@ -12,6 +12,8 @@
 #define RAY_COUNTERS(X)                                                            \
     X(primary_rays)       /* from the eye */                                       \
     X(shadow_rays)        /* towards lights */                                     \
+    X(occlusion_rays)     /* towards what hides ambient light */                   \
+    X(mirrored_rays)      /* from surfaces that reflect */                         \
     X(nodes)              /* traversal steps, of the directory and in treelets */  \
     X(cells)              /* cells given to the intersector */                     \
     X(roots)              /* hits that it found */                                 \

@@ -37,9 +37,8 @@ static const leafcast_surface *look_of(const frame *f, uint16_t volume, const hi
 }
 
 shade_point lit_shading(const frame *f, const lit_surface *s) {
-    double origin[3], direction[3];
-    eye_ray(f, s->pixel, origin, direction);
-    const float eye[3] = {(float)-direction[0], (float)-direction[1], (float)-direction[2]};
+    const double *d = s->direction;
+    const float eye[3] = {(float)-d[0], (float)-d[1], (float)-d[2]};
     float rgb[3];
     surface_colour(f, s->volume, s->found, s->point, rgb);
     return shade_point_of(surface_look_of(f)->scene, rgb, s->point->normal, eye);
@@ -64,15 +63,8 @@ bool lit_faces(const lit_surface *s, const double to[3]) {
     return depart(s->point, s->found->entering, to).faces;
 }
 
-bool lit_needs_ray(const frame *f, const lit_surface *s, const double to[3], float *visibility) {
-    const float to_light[3] = {(float)to[0], (float)to[1], (float)to[2]};
-    const shade_point shading = lit_shading(f, s);
-    *visibility = shade_reaches(&shading, to_light) ? 1.0f : 0.0f;
-    if (*visibility == 0.0f || !surface_look_of(f)->scene->shadows)
-        return false;
-    if (!lit_faces(s, to))
-        *visibility = 0.0f;
-    return *visibility > 0.0f;
+double lit_behind(const lit_surface *s, const double to[3]) {
+    return depart(s->point, s->found->entering, to).behind;
 }
 
 bool lit_ill_conditioned(const lit_surface *s, const double to[3]) {
@@ -90,7 +82,7 @@ trace_state lit_search(const frame *f, const lit_surface *s, uint16_t v, const d
     const hit anywhere = hit_before_all();
     trace_state state = trace_begin(&anywhere);
     if (v == s->volume)
-        begin_behind(s->found, depart(s->point, s->found->entering, to).behind, &state);
+        begin_behind(s->found, lit_behind(s, to), &state);
     state.any = surface_opaque(f);
     return state;
 }

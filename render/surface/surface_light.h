@@ -1,8 +1,8 @@
-/* surface_light.h - lights and shadows on surfaces that pixels' rays have met.
+/* surface_light.h - lights and shadows on surfaces that rays have met.
  *
- * A shadow ray starts at the surface, on the side that the pixel's ray came from, and ends at the
- * light. Roots that are within the error of the surface's position count as the surface itself
- * (DESIGN 5.7). Each surface on the way dims the light.
+ * A shadow ray starts at the surface, on the side that the ray came from, and ends at the light, or
+ * as far as ambient light is looked for. Roots that are within the error of the surface's position
+ * count as the surface itself (DESIGN 5.7). Each surface on the way dims the light.
  */
 #ifndef RENDER_SURFACE_SURFACE_LIGHT_H
 #define RENDER_SURFACE_SURFACE_LIGHT_H
@@ -21,7 +21,8 @@ double light_towards(const frame *f, uint32_t pixel, double t, const leafcast_li
                      double at[3], double to[3]);
 
 typedef struct lit_surface {
-    uint32_t pixel;
+    double at[3];
+    double direction[3]; /* of the ray that has met it, unit length */
     uint16_t volume;
     const hit *found;
     const surface_point *point;
@@ -33,14 +34,13 @@ shade_point lit_shading(const frame *f, const lit_surface *s);
 /* lit_at() - set `at` to the point at t on a pixel's ray. */
 void lit_at(const frame *f, uint32_t pixel, double t, double at[3]);
 
-/* lit_faces() - whether a light in direction `to` is on the side of the surface that the pixel's
- * ray came from, where the shadow ray starts. If not, the surface itself hides the light.
- */
+/* lit_faces() - whether a light in direction `to` is on the side of the surface that the ray came
+ * from, where the shadow ray starts. If not, the surface itself hides the light. */
 bool lit_faces(const lit_surface *s, const double to[3]);
 
-/* lit_needs_ray() - whether a shadow ray must decide how much arrives of a light in direction `to`.
- * Then *visibility is 1, else it is the answer. */
-bool lit_needs_ray(const frame *f, const lit_surface *s, const double to[3], float *visibility);
+/* lit_behind() - returns the t on a ray in direction `to` up to which roots count as the surface
+ * itself, by its error. */
+double lit_behind(const lit_surface *s, const double to[3]);
 
 /* lit_ill_conditioned() - whether a shadow ray may be wrong near the surface, because the error of
  * its start is more than a cell. */

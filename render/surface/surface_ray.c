@@ -4,19 +4,47 @@
 #include <string.h>
 
 #include "render/ray/kind.h"
+#include "render/surface/light_samples.h"
 #include "render/surface/shade.h"
 #include "render/surface/surface_light.h"
+
+/* A surface whose mirrored ray is under way, and that ray. */
+typedef struct surface_mirror {
+    hit behind, found; /* of the search that has met the surface */
+    surface_point point;
+    uint16_t behind_volume, found_volume;
+    int32_t layers;             /* on the ray that has met it, */
+    float through;              /* and what these leave of the rest */
+    float own[3], reflectivity; /* its colour but for the mirrored ray, whose share is the second */
+    float weight;               /* of the mirrored ray in the pixel */
+    float rgba[4];              /* composited on the mirrored ray so far, premultiplied */
+    double origin[3], direction[3]; /* of the mirrored ray, */
+    double leaves;                  /* on which roots up to this t are the surface itself */
+} surface_mirror;
+
+size_t surface_ray_more(const surface_look *look) {
+    _Static_assert(sizeof(surface_mirror) % 8 == 0, "records are made of doubles");
+    return (size_t)look->bounces * sizeof(surface_mirror);
+}
+
+/* Returns mirrored ray `depth`, from 1 on. */
+static surface_mirror *mirror_at(const frame *f, const surface_ray *p, int depth) {
+    char *end = (char *)p + f->integrator->record_bytes + f->record_more;
+    return (surface_mirror *)(void *)end - surface_look_of(f)->bounces + (depth - 1);
+}
+
+/* The mirrored ray that is followed now. */
+static surface_mirror *mirror_of(const frame *f, const surface_ray *p) {
+    return mirror_at(f, p, p->depth);
+}
 
 void surface_ray_begin(uint32_t pixel, surface_ray *p) {
     p->head = (ray_record){.pixel = pixel};
     p->layers = 0;
+    p->through = 1.0f;
     p->provisional = p->shadow = false;
+    p->depth = 0;
     surface_search_begin(&p->search, false);
-}
-
-/* The current surface, for lights. */
-static lit_surface current(const surface_ray *p) {
-    return (lit_surface){p->head.pixel, p->search.found_volume, &p->search.found, &p->search.point};
 }
 
 world_ray surface_ray_primary(const frame *f, uint32_t pixel) {
@@ -25,25 +53,51 @@ world_ray surface_ray_primary(const frame *f, uint32_t pixel) {
     return w;
 }
 
+/* The ray on which the current surface lies, or the next one is looked for. */
+static world_ray current_ray(const frame *f, const surface_ray *p) {
+    if (p->depth == 0)
+        return surface_ray_primary(f, p->head.pixel);
+    const surface_mirror *m = mirror_of(f, p);
+    world_ray w = {
+        .t1 = INFINITY, .from = &m->found, .behind = m->leaves, .from_volume = m->found_volume};
+    memcpy(w.origin, m->origin, sizeof w.origin);
+    memcpy(w.direction, m->direction, sizeof w.direction);
+    return w;
+}
+
+/* The current surface, for lights. */
+static lit_surface current(const frame *f, const surface_ray *p) {
+    const world_ray w = current_ray(f, p);
+    lit_surface s = {
+        .volume = p->search.found_volume, .found = &p->search.found, .point = &p->search.point};
+    memcpy(s.direction, w.direction, sizeof s.direction);
+    for (int a = 0; a < 3; a++)
+        s.at[a] = w.origin[a] + p->search.found.t * w.direction[a];
+    return s;
+}
+
+static const leafcast_surface *current_look(const frame *f, const surface_ray *p) {
+    return &surface_look_of(f)->surfaces[p->search.found_volume][p->search.found.iso];
+}
+
 bool surface_ray_find(const frame *f, surface_ray *p, ray_question *q) {
     const world_ray w = surface_ray_primary(f, p->head.pixel);
     return surface_search_ask(f, &w, f->stand_ins, &p->head.volume, &p->search, q);
 }
 
-/* ---- Lights ---- */
+/* ---- Rays to lights ---- */
 
 /* Ask the next volume for what hides the light. Returns false once the visibility is known. */
-static bool ask_for_shadow(const frame *f, surface_ray *p, const double at[3], const double to[3],
-                           double distance, ray_question *q) {
+static bool ask_for_shadow(const frame *f, surface_ray *p, const lit_surface *s, const lit_way *way,
+                           ray_question *q) {
     for (; p->head.volume < f->volumes && p->visibility > 0.0f; p->head.volume++) {
         const uint16_t v = p->head.volume;
         q->tracer = &f->tracer[v];
         q->state = &p->search.state;
-        if (!tracer_ray(q->tracer, at, to, 0.0, distance, &q->ray))
+        if (!tracer_ray(q->tracer, s->at, way->to, 0.0, way->distance, &q->ray))
             continue;
         if (!p->search.searching) {
-            const lit_surface s = current(p);
-            p->search.state = lit_search(f, &s, v, to);
+            p->search.state = lit_search(f, s, v, way->to);
             p->search.searching = true;
         }
         return true;
@@ -65,44 +119,252 @@ static void answer_shadow(const frame *f, surface_ray *p, trace_result result) {
     p->head.volume++;
 }
 
-/* Returns whether a light needs a shadow ray, and counts it. */
-static bool begin_shadow(const frame *f, const lit_surface *s, const double to[3],
-                         float *visibility, ray_counters *counters) {
-    if (!lit_needs_ray(f, s, to, visibility))
-        return false;
-    counters->ill_conditioned += lit_ill_conditioned(s, to);
-    counters->shadow_rays++;
-    return true;
+/* ---- Lights, and ambient light ---- */
+
+/* Where light of the current leg comes from. */
+typedef struct light_source {
+    const leafcast_light *light; /* NULL: ambient light, from all about */
+    lit_way middle;              /* of a light */
+    int samples;                 /* rays that say how much arrives; 0: all of it */
+} light_source;
+
+enum { SAMPLES = 16 }; /* unless the scene says how many */
+
+static light_source source_of(const frame *f, const surface_ray *p, const lit_surface *s,
+                              const shade_point *shading) {
+    const leafcast_scene *scene = surface_look_of(f)->scene;
+    light_source from = {.light = NULL};
+    if (p->head.leg > scene->light_count) {
+        from.samples = scene->occlusion_samples > 0 ? scene->occlusion_samples : SAMPLES;
+        from.middle.distance = scene->occlusion;
+        return from;
+    }
+    from.light = &scene->lights[p->head.leg - 1];
+    from.middle.distance = light_from(from.light, s->at, from.middle.to);
+    const double *to = from.middle.to;
+    const float to_light[3] = {(float)to[0], (float)to[1], (float)to[2]};
+    const bool inside = from.light->point && from.middle.distance <= from.light->radius;
+    if (!scene->shadows || !shade_reaches(shading, to_light) || inside)
+        return from;
+    const int soft = scene->light_samples > 0 ? scene->light_samples : SAMPLES;
+    from.samples = from.light->radius > 0.0 ? soft : 1;
+    return from;
 }
 
-bool surface_ray_light(const frame *f, surface_ray *p, ray_question *q, ray_counters *counters) {
-    const leafcast_scene *scene = surface_look_of(f)->scene;
-    const lit_surface s = current(p);
-    for (; p->head.leg <= scene->light_count; p->head.leg++) {
-        const leafcast_light *light = &scene->lights[p->head.leg - 1];
-        double at[3], to[3];
-        const double distance = light_towards(f, s.pixel, s.found->t, light, at, to);
+/* Returns the way of the current sample's ray. */
+static lit_way way_of(const frame *f, const surface_ray *p, const shade_point *shading,
+                      const light_source *from) {
+    lit_way way = from->middle;
+    double uv[2];
+    if (from->light && from->light->radius == 0.0)
+        return way;
+    const uint32_t q = from->light ? p->head.leg - 1u : LEAFCAST_LIGHTS_MAX;
+    light_samples_point(f, p->head.pixel, q, p->sample, from->samples, uv);
+    if (from->light)
+        return light_samples_light(from->light, &from->middle, uv);
+    light_samples_about(shading->normal, uv, way.to);
+    return way;
+}
+
+/* Begin a sample: p->shadow tells whether it needs a ray, which is counted. */
+static void begin_sample(surface_ray *p, const lit_surface *s, const light_source *from,
+                         const lit_way *way, ray_counters *counters) {
+    p->shadow = lit_faces(s, way->to);
+    p->visibility = p->shadow ? 1.0f : 0.0f;
+    p->taken += p->shadow || from->light;
+    if (!p->shadow)
+        return;
+    counters->ill_conditioned += lit_ill_conditioned(s, way->to);
+    counters->shadow_rays += from->light != NULL;
+    counters->occlusion_rays += from->light == NULL;
+}
+
+/* Ask for all that hides light of the current leg. Returns false when p->sum has all answers. */
+static bool ask_samples(const frame *f, surface_ray *p, const lit_surface *s,
+                        const shade_point *shading, const light_source *from, ray_question *q,
+                        ray_counters *counters) {
+    for (; p->sample < from->samples; p->sample++) {
+        const lit_way way = way_of(f, p, shading, from);
         if (!p->shadow)
-            p->shadow = begin_shadow(f, &s, to, &p->visibility, counters);
-        if (p->shadow && ask_for_shadow(f, p, at, to, distance, q))
+            begin_sample(p, s, from, &way, counters);
+        if (p->shadow && ask_for_shadow(f, p, s, &way, q))
             return true;
-        const float to_light[3] = {(float)to[0], (float)to[1], (float)to[2]};
-        const shade_point shading = lit_shading(f, &s);
-        shade_light(&shading, to_light, light->rgb, p->visibility, p->rgb);
+        p->sum += p->visibility;
     }
-    p->head.leg = SURFACE_PRIMARY;
+    return false;
+}
+
+static void begin_leg(surface_ray *p, uint16_t leg) {
+    p->head.leg = leg;
+    p->sample = p->taken = 0;
+    p->sum = 0.0f;
+}
+
+static void add_light(surface_ray *p, const shade_point *shading, const light_source *from) {
+    const float share = p->taken > 0 ? p->sum / (float)p->taken : 1.0f;
+    const double *to = from->middle.to;
+    const float to_light[3] = {(float)to[0], (float)to[1], (float)to[2]};
+    float ambient[3];
+    if (from->light) {
+        shade_light(shading, to_light, from->light->rgb, share, p->rgb);
+        return;
+    }
+    shade_ambient(shading, ambient);
+    for (int c = 0; c < 3; c++)
+        p->rgb[c] += share * ambient[c];
+}
+
+/* The leg of mirrored rays, behind all lights and ambient light. */
+static uint16_t mirrored_leg(const leafcast_scene *scene) {
+    return (uint16_t)(scene->light_count + 2);
+}
+
+/* Ask for all that hides light from the current surface. Returns false when that is lit. */
+static bool ask_lights(const frame *f, surface_ray *p, ray_question *q, ray_counters *counters) {
+    const leafcast_scene *scene = surface_look_of(f)->scene;
+    const int last = scene->light_count + (scene->occlusion > 0.0);
+    if (p->head.leg > last)
+        return false;
+    const lit_surface s = current(f, p);
+    const shade_point shading = lit_shading(f, &s);
+    while (p->head.leg <= last) {
+        const light_source from = source_of(f, p, &s, &shading);
+        if (ask_samples(f, p, &s, &shading, &from, q, counters))
+            return true;
+        add_light(p, &shading, &from);
+        begin_leg(p, p->head.leg + 1);
+    }
     return false;
 }
 
 static void begin_lighting(const frame *f, surface_ray *p) {
-    const lit_surface s = current(p);
+    const leafcast_scene *scene = surface_look_of(f)->scene;
+    const lit_surface s = current(f, p);
     const shade_point shading = lit_shading(f, &s);
-    shade_ambient(&shading, p->rgb);
-    if (surface_look_of(f)->scene->light_count == 0) {
+    memset(p->rgb, 0, sizeof p->rgb);
+    if (!(scene->occlusion > 0.0))
+        shade_ambient(&shading, p->rgb);
+    if (scene->light_count == 0) {
         static const float white[3] = {1.0f, 1.0f, 1.0f};
         shade_light(&shading, shading.eye, white, 1.0f, p->rgb);
     }
-    p->head.leg = SURFACE_PRIMARY + 1;
+    begin_leg(p, SURFACE_PRIMARY + 1);
+}
+
+/* ---- Mirrored rays ---- */
+
+/* Set `to` to the direction of the ray that a surface mirrors. */
+static void mirror(const double direction[3], const float normal[3], double to[3]) {
+    double along = 0.0, square = 0.0, length = 0.0;
+    for (int a = 0; a < 3; a++) {
+        along += direction[a] * (double)normal[a];
+        square += (double)normal[a] * (double)normal[a];
+    }
+    for (int a = 0; a < 3; a++) {
+        to[a] = direction[a] - 2.0 * along / square * (double)normal[a];
+        length += to[a] * to[a];
+    }
+    for (int a = 0; a < 3; a++)
+        to[a] /= sqrt(length);
+}
+
+/* Begin the current surface's mirrored ray. Returns false if there is none that counts. */
+static bool begin_mirrored(const frame *f, surface_ray *p, ray_counters *counters) {
+    const surface_look *look = surface_look_of(f);
+    if (p->depth >= look->bounces)
+        return false;
+    const leafcast_surface *of = current_look(f, p);
+    const float before = (p->depth > 0 ? mirror_of(f, p)->weight : 1.0f) * p->through;
+    const lit_surface s = current(f, p);
+    surface_mirror m = {.behind = p->search.behind,
+                        .found = p->search.found,
+                        .point = p->search.point,
+                        .behind_volume = p->search.behind_volume,
+                        .found_volume = p->search.found_volume,
+                        .layers = p->layers,
+                        .through = p->through,
+                        .own = {p->rgb[0], p->rgb[1], p->rgb[2]},
+                        .reflectivity = of->reflectivity,
+                        .weight = before * of->opacity * of->reflectivity};
+    mirror(s.direction, lit_shading(f, &s).normal, m.direction);
+    if (!(m.weight > 1.0f - surface_opaque_enough) || !lit_faces(&s, m.direction))
+        return false;
+    memcpy(m.origin, s.at, sizeof m.origin);
+    m.leaves = lit_behind(&s, m.direction);
+    counters->ill_conditioned += lit_ill_conditioned(&s, m.direction);
+    counters->mirrored_rays++;
+    p->depth++;
+    *mirror_of(f, p) = m;
+    p->layers = 0;
+    p->through = 1.0f;
+    surface_search_begin(&p->search, false);
+    p->head.leg = mirrored_leg(look->scene);
+    return true;
+}
+
+/* Put the background behind all of a mirrored ray, and go back to the surface that mirrors it,
+ * which has its colour then. */
+static void end_mirrored(const frame *f, surface_ray *p) {
+    surface_mirror *m = mirror_of(f, p);
+    shade_background(m->rgba, surface_look_of(f)->scene->background);
+    for (int c = 0; c < 3; c++)
+        p->rgb[c] = (1.0f - m->reflectivity) * m->own[c] + m->reflectivity * m->rgba[c];
+    surface_search_begin(&p->search, false);
+    p->search.behind = m->behind;
+    p->search.found = m->found;
+    p->search.point = m->point;
+    p->search.behind_volume = m->behind_volume;
+    p->search.found_volume = m->found_volume;
+    p->layers = m->layers;
+    p->through = m->through;
+    p->depth--;
+}
+
+/* The current surface has its colour: composite it on its mirrored ray. Where nothing behind it
+ * counts, that ray ends, and the surface that mirrors it has its colour, and so on. Returns false
+ * once that is a surface on the ray from the eye. */
+static bool go_on_behind(const frame *f, surface_ray *p) {
+    for (; p->depth > 0; end_mirrored(f, p)) {
+        surface_mirror *m = mirror_of(f, p);
+        const float opacity = surface_ray_opacity(f, p);
+        shade_composite(m->rgba, p->rgb, opacity);
+        if (surface_ray_pass(f, p) && surface_shows_through(m->rgba[3], opacity)) {
+            p->head.leg = mirrored_leg(surface_look_of(f)->scene);
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Find the next surface on a mirrored ray, and begin its lighting. Returns true if *q asks for
+ * something first; *more becomes false when the surface on the ray from the eye has its colour. */
+static bool ask_mirrored(const frame *f, surface_ray *p, ray_question *q, bool *more) {
+    while (*more && p->head.leg == mirrored_leg(surface_look_of(f)->scene)) {
+        const world_ray w = current_ray(f, p);
+        if (surface_search_ask(f, &w, NULL, &p->head.volume, &p->search, q))
+            return true;
+        p->provisional |= p->search.provisional;
+        if (hit_exists(&p->search.found)) {
+            begin_lighting(f, p);
+            return false;
+        }
+        end_mirrored(f, p);
+        *more = go_on_behind(f, p);
+    }
+    return false;
+}
+
+/* Light the surface, then follow the ray that it mirrors: light what that meets, and so on. */
+bool surface_ray_light(const frame *f, surface_ray *p, ray_question *q, ray_counters *counters) {
+    for (bool more = true; more;) {
+        if (p->depth > 0 && ask_mirrored(f, p, q, &more))
+            return true;
+        if (more && ask_lights(f, p, q, counters))
+            return true;
+        more = more && (begin_mirrored(f, p, counters) || go_on_behind(f, p));
+    }
+    p->head.leg = SURFACE_PRIMARY;
+    return false;
 }
 
 /* ---- Pixels ---- */
@@ -133,11 +395,12 @@ bool surface_ray_meet(const frame *f, surface_ray *p, ray_counters *counters) {
 }
 
 float surface_ray_opacity(const frame *f, const surface_ray *p) {
-    return surface_look_of(f)->surfaces[p->search.found_volume][p->search.found.iso].opacity;
+    return current_look(f, p)->opacity;
 }
 
 bool surface_ray_pass(const frame *f, surface_ray *p) {
     p->layers++;
+    p->through *= 1.0f - surface_ray_opacity(f, p);
     surface_search_behind(&p->search);
     return p->layers != surface_look_of(f)->scene->layers_max;
 }
@@ -160,14 +423,18 @@ void surface_ray_write(const frame *f, const surface_ray *p, const float rgba[4]
 void surface_ray_answer(const frame *f, surface_ray *p, trace_result result) {
     if (p->head.leg == SURFACE_PRIMARY)
         surface_search_answer(f->stand_ins, &p->head.volume, &p->search, result);
+    else if (p->head.leg == mirrored_leg(surface_look_of(f)->scene))
+        surface_search_answer(NULL, &p->head.volume, &p->search, result);
     else
         answer_shadow(f, p, result);
 }
 
 ray_bundle surface_ray_bundle(const frame *f, uint32_t leg) {
-    if (leg == SURFACE_PRIMARY)
+    const leafcast_scene *scene = surface_look_of(f)->scene;
+    /* No order fits rays that go all about; that of the camera is as good as any. */
+    if (leg == SURFACE_PRIMARY || leg > (uint32_t)scene->light_count)
         return camera_bundle(&f->camera);
-    const leafcast_light *light = &surface_look_of(f)->scene->lights[leg - 1];
+    const leafcast_light *light = &scene->lights[leg - 1];
     return (ray_bundle){light->point ? RAYS_TOWARDS : RAYS_ALONG,
                         {light->vector[0], light->vector[1], light->vector[2]}};
 }

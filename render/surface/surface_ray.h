@@ -1,7 +1,8 @@
 /* surface_ray.h - a ray's way from surface to surface, as a small state machine: find the next
- * surface of any volume, then for each light whether it is seen. The ray is computed anew from the
- * pixel and the current hit whenever the state resumes. It is part of the records of integrators
- * that draw surfaces.
+ * surface of any volume; for each light, and for ambient light, how much of it is seen; then what
+ * the surface mirrors, whose surfaces are lit likewise. The ray is computed anew from the pixel and
+ * the current hit whenever the state resumes. It is part of the records of integrators that draw
+ * surfaces; mirrored rays lie at the records' end.
  */
 #ifndef RENDER_SURFACE_SURFACE_RAY_H
 #define RENDER_SURFACE_SURFACE_RAY_H
@@ -9,18 +10,28 @@
 #include "render/surface/surface_integrator.h"
 #include "render/surface/surface_search.h"
 
-/* Legs of a ray's way: from the eye, then towards each light. */
+/* Legs of a ray's way: from the eye, then towards each light, about the surface for ambient light,
+ * and the mirrored ray. */
 enum { SURFACE_PRIMARY = 0 };
 
 typedef struct surface_ray {
     ray_record head;       /* volume: being searched now */
     int32_t layers;        /* surfaces composited so far */
     bool provisional;      /* something on the way was coarser than asked, or absent */
-    bool shadow;           /* a ray towards the leg's light is under way */
-    float visibility;      /* of that light */
+    bool shadow;           /* a ray towards the leg's light is under way, */
+    uint8_t sample;        /* the one with this number; */
+    uint8_t taken;         /* so many have answered, or will, */
+    uint8_t depth;         /* mirrored rays under way: the surface is the last one's */
+    float through;         /* what surfaces passed on the current ray leave of what is behind */
+    float visibility;      /* by that ray; */
+    float sum;             /* and by those before it */
     float rgb[3];          /* shading of the current surface so far */
     surface_search search; /* for the current surface, and for what hides it from a light */
 } surface_ray;
+
+/* surface_ray_more() - bytes of frame.record_more that mirrored rays need, the last ones of a
+ * record. */
+size_t surface_ray_more(const surface_look *look);
 
 void surface_ray_begin(uint32_t pixel, surface_ray *p);
 

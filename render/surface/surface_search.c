@@ -9,9 +9,19 @@ static hit begins_at(const surface_search *s, uint16_t v) {
     return v < s->behind_volume ? hit_behind(last->t) : hit_from(last->t);
 }
 
-static void begin(surface_search *s, uint16_t volume) {
-    const hit after = begins_at(s, volume);
+/* Whether nothing behind the surface that the ray starts on is known to be passed. */
+static bool leaves(const surface_search *s, const world_ray *w, uint16_t v) {
+    return w->from && v == w->from_volume && !(s->behind.t > w->behind);
+}
+
+static void begin(surface_search *s, const world_ray *w, uint16_t volume) {
+    const bool start = leaves(s, w, volume);
+    const hit after = start ? hit_behind(w->behind) : begins_at(s, volume);
     trace_begin_at(&s->state, &after);
+    if (start) {
+        s->state.origin = w->from->cell;
+        s->state.origin_iso = w->from->iso;
+    }
     s->state.any = s->any;
     if (hit_exists(&s->found))
         s->state.best = hit_from(s->found.t);
@@ -24,7 +34,7 @@ bool surface_search_ask(const frame *f, const world_ray *w, const tracer *const 
         if (f->tracer[*volume].isos.count == 0 || (s->any && hit_exists(&s->found)))
             continue;
         if (!s->searching)
-            begin(s, *volume);
+            begin(s, w, *volume);
         q->tracer = s->stand_in ? coarse[*volume] : &f->tracer[*volume];
         q->state = &s->state;
         /* Skip the volume where clip planes leave nothing of the ray. */
@@ -41,7 +51,7 @@ void surface_search_answer(const tracer *const coarse[], uint16_t *volume, surfa
     s->provisional |= s->state.provisional;
     if (coarse && coarse[*volume] && !s->stand_in && s->state.provisional) {
         s->stand_in = true;
-        begin(s, *volume);
+        s->searching = false;
         return;
     }
     s->searching = s->stand_in = false;

@@ -11,6 +11,10 @@
 /* A ray in world space, for t0 <= t <= t1. */
 typedef struct world_ray {
     double origin[3], direction[3], t0, t1;
+    const hit
+        *from;     /* NULL, or the surface that it starts on, of volume from_volume: there, roots */
+    double behind; /* up to this t are the surface itself */
+    uint16_t from_volume;
 } world_ray;
 
 typedef struct surface_search {
