@@ -176,6 +176,9 @@ render|--normals|picture|@grid|--normals analytic
 render|--light|picture|@grid|--light 1,0,0
 render|--point-light|picture|@grid|--point-light 90,0,0
 render|--shadows|picture|@grid --light 1,0,0|--shadows
+render|--light-samples|picture|@grid --light 1,0,0,9 --shadows|--light-samples 3
+render|--occlusion|picture|@grid|--occlusion 9
+render|--reflect|picture|@grid|--reflect 0.4
 render|--ambient|picture|@grid|--ambient 0.7
 render|--specular|picture|@grid --shading phong|--specular 0.9
 render|--shininess|picture|@grid --shading phong|--shininess 3
@@ -253,6 +256,9 @@ bench|--shininess|refused --shininess: bench walk|walk @grid --size 16x16 --runs
 bench|--background|refused --background: bench walk|walk @grid --size 16x16 --runs 1|--background red
 bench|--light|refused --light: bench frames|frames @grid --size 8x8 --runs 1|--light 1,0,0
 bench|--point-light|refused --point-light: bench frames|frames @grid --size 8x8 --runs 1|--point-light 1,0,0
+bench|--light-samples|refused --light-samples|walk @grid --size 16x16 --runs 1|--light-samples 3
+bench|--occlusion|refused --occlusion: bench walk|walk @grid --size 16x16 --runs 1|--occlusion 9
+bench|--reflect|refused --reflect: bench walk|walk @grid --size 16x16 --runs 1|--reflect 0.4
 bench|--shadows|counts|walk @grid --size 16x16 --runs 1 --light 1,0,0|--shadows
 bench|--field|refused first field|walk @grid --size 16x16 --runs 1|--field 0
 bench|--step|refused first field|walk @grid --size 16x16 --runs 1|--step 1
@@ -306,6 +312,9 @@ bench peers|--shading|refused shade diffuse|@grid --size 8x8 --runs 1|--shading 
 bench peers|--normals|refused smooth normals|@grid --size 8x8 --runs 1|--normals analytic
 bench peers|--light|shown peers|
 bench peers|--point-light|shown peers|
+bench peers|--light-samples|refused --light-samples|@grid --size 8x8 --runs 1|--light-samples 3
+bench peers|--occlusion|refused --occlusion: bench peers would not change|@grid --size 8x8 --runs 1|--occlusion 9
+bench peers|--reflect|refused --reflect: bench peers would not change|@grid --size 8x8 --runs 1|--reflect 0.4
 bench peers|--shadows|counts|@grid --size 8x8 --runs 1 --light 1,0,0|--shadows
 bench peers|--field|refused first field|@grid --size 8x8 --runs 1|--field 0
 bench peers|--clip-box|refused all of the surface|@grid --size 8x8 --runs 1|--clip-box 0,0,0,20,36,44
@@ -352,6 +361,9 @@ probe|--ambient|taken|@grid --size 16x16 --at 8,8|--ambient 0.4
 probe|--background|taken|@grid --size 16x16 --at 8,8|--background red
 probe|--light|taken|@grid --size 16x16 --at 8,8|--light 1,0,0
 probe|--point-light|taken|@grid --size 16x16 --at 8,8|--point-light 90,0,0
+probe|--light-samples|taken|@grid --size 16x16 --at 8,8|--shadows --light 1,0,0,9 --light-samples 3
+probe|--occlusion|taken|@grid --size 16x16 --at 8,8|--occlusion 9
+probe|--reflect|taken|@grid --size 16x16 --at 8,8|--reflect 0.4
 probe|--shadows|taken|@grid --size 16x16 --at 8,8|--shadows --light 1,0,0
 probe|--shading|taken|@grid --size 16x16 --at 8,8|--shading flat
 probe|--specular|taken|@grid --size 16x16 --at 8,8|--shading phong --specular 0.4

@@ -153,8 +153,8 @@ leafcast_scene pictures_scene(int kind, const leafcast_info *info) {
     s.layers_max = kind % 5 == 2;
     if (kind % 3 == 1) {
         s.light_count = 2;
-        s.lights[0] = (leafcast_light){false, {1, 0.5, 2}, {0.8f, 0.8f, 0.7f}};
-        s.lights[1] = (leafcast_light){true, {200, -80, 90}, {0.3f, 0.3f, 0.4f}};
+        s.lights[0] = (leafcast_light){false, {1, 0.5, 2}, {0.8f, 0.8f, 0.7f}, 0};
+        s.lights[1] = (leafcast_light){true, {200, -80, 90}, {0.3f, 0.3f, 0.4f}, 0};
         s.shadows = kind % 2;
     }
     s.clip_box = kind % 4 == 2;

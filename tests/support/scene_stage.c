@@ -14,9 +14,9 @@
 
 enum { NODES = 36, CUBES = 6 };
 
-const leafcast_surface scene_stage_grid[] = {{0.5, {0.9f, 0.2f, 0.1f}, 0.4f},
-                                             {1.1, {0.1f, 0.8f, 0.3f}, 0.6f}};
-leafcast_surface scene_stage_mesh = {0, {0.2f, 0.3f, 0.9f}, 0.5f};
+const leafcast_surface scene_stage_grid[] = {{0.5, {0.9f, 0.2f, 0.1f}, 0.4f, 0},
+                                             {1.1, {0.1f, 0.8f, 0.3f}, 0.6f, 0}};
+leafcast_surface scene_stage_mesh = {0, {0.2f, 0.3f, 0.9f}, 0.5f, 0};
 const double scene_stage_isos[] = {0.5, 1.1};
 
 int scene_stage_set(void **state) {
@@ -94,8 +94,8 @@ void scene_stage_same(const picture *a, const picture *b) {
 leafcast_scene scene_stage_lit(const scene_pair *v) {
     leafcast_scene scene = v->scene;
     scene.light_count = 2;
-    scene.lights[0] = (leafcast_light){false, {1, 0.4, 2}, {0.8f, 0.7f, 0.6f}};
-    scene.lights[1] = (leafcast_light){true, {60, -20, 50}, {0.3f, 0.4f, 0.5f}};
+    scene.lights[0] = (leafcast_light){false, {1, 0.4, 2}, {0.8f, 0.7f, 0.6f}, 0};
+    scene.lights[1] = (leafcast_light){true, {60, -20, 50}, {0.3f, 0.4f, 0.5f}, 0};
     scene.shadows = true;
     return scene;
 }

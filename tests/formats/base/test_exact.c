@@ -26,8 +26,8 @@ typedef struct picture {
 static leafcast_scene rich_scene(void) {
     leafcast_scene scene = leafcast_scene_default();
     scene.light_count = 2;
-    scene.lights[0] = (leafcast_light){false, {1, 0.5, 2}, {0.8f, 0.8f, 0.7f}};
-    scene.lights[1] = (leafcast_light){true, {200, -80, 90}, {0.3f, 0.3f, 0.4f}};
+    scene.lights[0] = (leafcast_light){false, {1, 0.5, 2}, {0.8f, 0.8f, 0.7f}, 0};
+    scene.lights[1] = (leafcast_light){true, {200, -80, 90}, {0.3f, 0.3f, 0.4f}, 0};
     scene.shadows = true;
     scene.shading = LEAFCAST_SHADING_PHONG;
     return scene;

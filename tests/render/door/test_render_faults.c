@@ -53,8 +53,8 @@ typedef struct job {
 static leafcast_scene scene_of(const job *j) {
     leafcast_scene scene = leafcast_scene_default();
     scene.light_count = 2;
-    scene.lights[0] = (leafcast_light){false, {1, 0.5, 2}, {0.8f, 0.8f, 0.7f}};
-    scene.lights[1] = (leafcast_light){true, {90, -50, 60}, {0.3f, 0.3f, 0.4f}};
+    scene.lights[0] = (leafcast_light){false, {1, 0.5, 2}, {0.8f, 0.8f, 0.7f}, 0};
+    scene.lights[1] = (leafcast_light){true, {90, -50, 60}, {0.3f, 0.3f, 0.4f}, 0};
     scene.shadows = true;
     scene.sweep = j->sweep;
     return scene;

@@ -76,8 +76,8 @@ static leafcast_scene scene_of(const leafcast *v, const filling *fill, int kind)
     scene.shade_fade = 1.0 / 8.0;
     scene.ambient = 0.25F;
     scene.light_count = 2;
-    scene.lights[0] = (leafcast_light){false, {1.0, 2.0, -0.5}, {0.7F, 0.8F, 0.9F}};
-    scene.lights[1] = (leafcast_light){true, {0}, {0.4F, 0.1F, 0.2F}};
+    scene.lights[0] = (leafcast_light){false, {1.0, 2.0, -0.5}, {0.7F, 0.8F, 0.9F}, 0};
+    scene.lights[1] = (leafcast_light){true, {0}, {0.4F, 0.1F, 0.2F}, 0};
     for (int a = 0; a < 3; a++)
         scene.lights[1].vector[a] = 2.0 * info.bounds[1][a] - info.bounds[0][a];
     return scene;
@@ -316,7 +316,7 @@ static void test_sphere_is_as_by_formula(void **state) {
     scene.shade_fade = 1.0 / 64.0;
     scene.ambient = 0.2F;
     scene.light_count = 1;
-    scene.lights[0] = (leafcast_light){false, {0.0, 3.0, 4.0}, {1, 0.5F, 0.25F}};
+    scene.lights[0] = (leafcast_light){false, {0.0, 3.0, 4.0}, {1, 0.5F, 0.25F}, 0};
     const leafcast_camera view = {.size = sizeof view,
                                   .eye = {middle, middle, 200.0},
                                   .look_at = {middle, middle, middle},
@@ -390,7 +390,7 @@ static void test_linear_mesh_is_as_by_formula(void **state) {
             scene.shade_fade = fades[i];
             check_mesh(v, &scene, &fill_of);
             scene.light_count = 1;
-            scene.lights[0] = (leafcast_light){false, {0.3, -1.0, 0.5}, {0.9F, 0.7F, 0.5F}};
+            scene.lights[0] = (leafcast_light){false, {0.3, -1.0, 0.5}, {0.9F, 0.7F, 0.5F}, 0};
             check_mesh(v, &scene, &fill_of);
         }
     leafcast_close(v);
@@ -492,7 +492,7 @@ static void test_two_media_are_lit_apart(void **state) {
     scene.media = media;
     scene.shade_media = true;
     scene.light_count = 1;
-    scene.lights[0] = (leafcast_light){false, {2.0, 1.0, 0.5}, {1, 0.8F, 0.6F}};
+    scene.lights[0] = (leafcast_light){false, {2.0, 1.0, 0.5}, {1, 0.8F, 0.6F}, 0};
     assert_int_equal(draw(of[0], &scene, &view, &p), LEAFCAST_OK);
     for (int i = 0; i < PIXELS; i++) {
         ref_ray ray;
