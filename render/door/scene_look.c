@@ -188,13 +188,22 @@ static int bounces_of(const turn *t) {
     return 0;
 }
 
+static bool is_soft(const turn *t) {
+    const leafcast_scene *scene = &t->scene;
+    bool soft = bounces_of(t) > 0 || scene->occlusion > 0.0;
+    for (int i = 0; i < scene->light_count && scene->shadows; i++)
+        soft |= scene->lights[i].radius > 0.0;
+    return soft;
+}
+
 status scene_look_choose(scene_look *l, turn *t) {
     const leafcast_scene *scene = &t->scene;
     status st = ST_OK;
     l->turn = t;
     l->look.surfaces =
-        (surface_look){scene, (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])t->surfaces,
-                       t->first_id, l->colours, bounces_of(t)};
+        (surface_look){scene,       (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])t->surfaces,
+                       t->first_id, l->colours,
+                       is_soft(t),  bounces_of(t)};
     for (int v = 0; v < t->volumes && st == ST_OK; v++)
         if (t->shown[v].colours)
             st = transfer_init(&l->colours[v], t->f.m, t->shown[v].colours);

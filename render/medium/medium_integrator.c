@@ -59,7 +59,7 @@ static double per_length_of(const frame *f, const double way[2]) {
 static void medium_begin(const frame *f, uint32_t pixel, ray_record *r) {
     medium_ray *p = medium_ray_of(r);
     double way[2] = {INFINITY, 0.0};
-    surface_ray_begin(pixel, &p->way);
+    surface_ray_begin(f, pixel, &p->way);
     p->stage = FINDING;
     p->begun = p->doubted = false;
     p->unbounded = medium_ray_look(f)->unbounded;

@@ -38,19 +38,9 @@ void surface_colour(const frame *f, uint16_t v, const hit *found, const surface_
     memcpy(rgb, tr->coloured ? point->rgb : look->surfaces[v][found->iso].rgb, sizeof(float[3]));
 }
 
-bool surface_is_plain(const frame *f) {
-    const surface_look *look = surface_look_of(f);
-    const leafcast_scene *scene = look->scene;
-    bool soft = look->bounces > 0 || scene->occlusion > 0.0;
-    for (int i = 0; i < scene->light_count && scene->shadows; i++)
-        soft |= scene->lights[i].radius > 0.0;
-    return !soft;
-}
-
 static void surface_begin(const frame *f, uint32_t pixel, ray_record *r) {
     surface_pixel *p = surface_pixel_of(r);
-    (void)f;
-    surface_ray_begin(pixel, &p->way);
+    surface_ray_begin(f, pixel, &p->way);
     memset(p->rgba, 0, sizeof p->rgba);
 }
 
@@ -87,7 +77,8 @@ static void surface_answer(const frame *f, ray_record *record, trace_result resu
 static tile_fn surface_tile(const frame *f) {
     const transfer *colours = surface_look_of(f)->colours;
     const bool coloured = f->tracer->coloured || (colours && colours->spans > 0);
-    return f->projection && surface_is_plain(f) && (!coloured || f->tracer->kind->tiles->colours)
+    return f->projection && !surface_look_of(f)->soft &&
+                   (!coloured || f->tracer->kind->tiles->colours)
                ? f->tracer->kernels->tile
                : NULL;
 }

@@ -15,7 +15,9 @@ typedef struct surface_look {
     const leafcast_surface (*surfaces)[LEAFCAST_SURFACES_MAX]; /* by isovalue of the tracer */
     const int32_t *first_id; /* in image.id: the first surface's number */
     const transfer *colours; /* by the value at a surface; without spans: there are none */
-    int bounces;             /* mirrored rays, one after the other; 0: no surface reflects */
+    /* More is asked than one ray to each light; kernels of tiles cannot. */
+    bool soft;
+    int bounces; /* mirrored rays, one after the other; 0: no surface reflects. Above 0: soft */
 } surface_look;
 
 static inline const surface_look *surface_look_of(const frame *f) {
@@ -28,10 +30,6 @@ bool surface_opaque(const frame *f);
 /* surface_colour() - the colour of a surface of volume v that was met. */
 void surface_colour(const frame *f, uint16_t v, const hit *found, const surface_point *point,
                     float rgb[3]);
-
-/* surface_is_plain() - whether lights are points, and nothing else is asked about surroundings:
- * what kernels of tiles can draw. */
-bool surface_is_plain(const frame *f);
 
 /* surface_layers() - the most surfaces of a ray that count; 0: any number. */
 static inline int surface_layers(const frame *f) {

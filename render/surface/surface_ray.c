@@ -22,28 +22,39 @@ typedef struct surface_mirror {
     double leaves;                  /* on which roots up to this t are the surface itself */
 } surface_mirror;
 
+/* At the end of the records of soft looks; mirrored rays follow it. */
+typedef struct surface_more {
+    float through; /* what surfaces passed on the current ray leave of what is behind */
+    float sum;     /* of the visibilities by the leg's rays that have answered, */
+    int32_t taken; /* so many, */
+    int32_t spare;
+    surface_mirror mirror[];
+} surface_more;
+
 size_t surface_ray_more(const surface_look *look) {
-    _Static_assert(sizeof(surface_mirror) % 8 == 0, "records are made of doubles");
-    return (size_t)look->bounces * sizeof(surface_mirror);
+    _Static_assert(sizeof(surface_more) % 8 == 0 && sizeof(surface_mirror) % 8 == 0,
+                   "records are made of doubles");
+    return look->soft ? sizeof(surface_more) + (size_t)look->bounces * sizeof(surface_mirror) : 0;
 }
 
-/* Returns mirrored ray `depth`, from 1 on. */
-static surface_mirror *mirror_at(const frame *f, const surface_ray *p, int depth) {
+/* Only of soft looks. */
+static surface_more *more_of(const frame *f, const surface_ray *p) {
     char *end = (char *)p + f->integrator->record_bytes + f->record_more;
-    return (surface_mirror *)(void *)end - surface_look_of(f)->bounces + (depth - 1);
+    return (surface_more *)(void *)(end - surface_ray_more(surface_look_of(f)));
 }
 
 /* The mirrored ray that is followed now. */
 static surface_mirror *mirror_of(const frame *f, const surface_ray *p) {
-    return mirror_at(f, p, p->depth);
+    return &more_of(f, p)->mirror[p->depth - 1];
 }
 
-void surface_ray_begin(uint32_t pixel, surface_ray *p) {
+void surface_ray_begin(const frame *f, uint32_t pixel, surface_ray *p) {
     p->head = (ray_record){.pixel = pixel};
     p->layers = 0;
-    p->through = 1.0f;
     p->provisional = p->shadow = false;
-    p->depth = 0;
+    p->sample = p->depth = 0;
+    if (surface_look_of(f)->soft)
+        more_of(f, p)->through = 1.0f;
     surface_search_begin(&p->search, false);
 }
 
@@ -168,10 +179,11 @@ static lit_way way_of(const frame *f, const surface_ray *p, const shade_point *s
 
 /* Begin a sample: p->shadow tells whether it needs a ray, which is counted. */
 static void begin_sample(surface_ray *p, const lit_surface *s, const light_source *from,
-                         const lit_way *way, ray_counters *counters) {
+                         const lit_way *way, surface_more *more, ray_counters *counters) {
     p->shadow = lit_faces(s, way->to);
     p->visibility = p->shadow ? 1.0f : 0.0f;
-    p->taken += p->shadow || from->light;
+    if (more)
+        more->taken += p->shadow || from->light;
     if (!p->shadow)
         return;
     counters->ill_conditioned += lit_ill_conditioned(s, way->to);
@@ -179,29 +191,42 @@ static void begin_sample(surface_ray *p, const lit_surface *s, const light_sourc
     counters->occlusion_rays += from->light == NULL;
 }
 
-/* Ask for all that hides light of the current leg. Returns false when p->sum has all answers. */
+/* Ask for all that hides light of the current leg. Returns false when all have answered. more: NULL
+ * for one ray, whose answer is p->visibility. */
 static bool ask_samples(const frame *f, surface_ray *p, const lit_surface *s,
-                        const shade_point *shading, const light_source *from, ray_question *q,
-                        ray_counters *counters) {
+                        const shade_point *shading, const light_source *from, surface_more *more,
+                        ray_question *q, ray_counters *counters) {
     for (; p->sample < from->samples; p->sample++) {
         const lit_way way = way_of(f, p, shading, from);
         if (!p->shadow)
-            begin_sample(p, s, from, &way, counters);
+            begin_sample(p, s, from, &way, more, counters);
         if (p->shadow && ask_for_shadow(f, p, s, &way, q))
             return true;
-        p->sum += p->visibility;
+        if (more)
+            more->sum += p->visibility;
     }
     return false;
 }
 
-static void begin_leg(surface_ray *p, uint16_t leg) {
+static void begin_leg(const frame *f, surface_ray *p, uint16_t leg) {
     p->head.leg = leg;
-    p->sample = p->taken = 0;
-    p->sum = 0.0f;
+    p->sample = 0;
+    if (!surface_look_of(f)->soft)
+        return;
+    surface_more *more = more_of(f, p);
+    more->sum = 0.0f;
+    more->taken = 0;
 }
 
-static void add_light(surface_ray *p, const shade_point *shading, const light_source *from) {
-    const float share = p->taken > 0 ? p->sum / (float)p->taken : 1.0f;
+/* Returns the share of the leg's light that arrives. */
+static float arriving(const surface_ray *p, const light_source *from, const surface_more *more) {
+    if (!more)
+        return from->samples > 0 ? p->visibility : 1.0f;
+    return more->taken > 0 ? more->sum / (float)more->taken : 1.0f;
+}
+
+static void add_light(surface_ray *p, const shade_point *shading, const light_source *from,
+                      float share) {
     const double *to = from->middle.to;
     const float to_light[3] = {(float)to[0], (float)to[1], (float)to[2]};
     float ambient[3];
@@ -229,10 +254,11 @@ static bool ask_lights(const frame *f, surface_ray *p, ray_question *q, ray_coun
     const shade_point shading = lit_shading(f, &s);
     while (p->head.leg <= last) {
         const light_source from = source_of(f, p, &s, &shading);
-        if (ask_samples(f, p, &s, &shading, &from, q, counters))
+        surface_more *more = surface_look_of(f)->soft ? more_of(f, p) : NULL;
+        if (ask_samples(f, p, &s, &shading, &from, more, q, counters))
             return true;
-        add_light(p, &shading, &from);
-        begin_leg(p, p->head.leg + 1);
+        add_light(p, &shading, &from, arriving(p, &from, more));
+        begin_leg(f, p, (uint16_t)(p->head.leg + 1));
     }
     return false;
 }
@@ -248,7 +274,7 @@ static void begin_lighting(const frame *f, surface_ray *p) {
         static const float white[3] = {1.0f, 1.0f, 1.0f};
         shade_light(&shading, shading.eye, white, 1.0f, p->rgb);
     }
-    begin_leg(p, SURFACE_PRIMARY + 1);
+    begin_leg(f, p, SURFACE_PRIMARY + 1);
 }
 
 /* ---- Mirrored rays ---- */
@@ -274,7 +300,7 @@ static bool begin_mirrored(const frame *f, surface_ray *p, ray_counters *counter
     if (p->depth >= look->bounces)
         return false;
     const leafcast_surface *of = current_look(f, p);
-    const float before = (p->depth > 0 ? mirror_of(f, p)->weight : 1.0f) * p->through;
+    const float before = (p->depth > 0 ? mirror_of(f, p)->weight : 1.0f) * more_of(f, p)->through;
     const lit_surface s = current(f, p);
     surface_mirror m = {.behind = p->search.behind,
                         .found = p->search.found,
@@ -282,7 +308,7 @@ static bool begin_mirrored(const frame *f, surface_ray *p, ray_counters *counter
                         .behind_volume = p->search.behind_volume,
                         .found_volume = p->search.found_volume,
                         .layers = p->layers,
-                        .through = p->through,
+                        .through = more_of(f, p)->through,
                         .own = {p->rgb[0], p->rgb[1], p->rgb[2]},
                         .reflectivity = of->reflectivity,
                         .weight = before * of->opacity * of->reflectivity};
@@ -296,7 +322,7 @@ static bool begin_mirrored(const frame *f, surface_ray *p, ray_counters *counter
     p->depth++;
     *mirror_of(f, p) = m;
     p->layers = 0;
-    p->through = 1.0f;
+    more_of(f, p)->through = 1.0f;
     surface_search_begin(&p->search, false);
     p->head.leg = mirrored_leg(look->scene);
     return true;
@@ -316,7 +342,7 @@ static void end_mirrored(const frame *f, surface_ray *p) {
     p->search.behind_volume = m->behind_volume;
     p->search.found_volume = m->found_volume;
     p->layers = m->layers;
-    p->through = m->through;
+    more_of(f, p)->through = m->through;
     p->depth--;
 }
 
@@ -400,7 +426,8 @@ float surface_ray_opacity(const frame *f, const surface_ray *p) {
 
 bool surface_ray_pass(const frame *f, surface_ray *p) {
     p->layers++;
-    p->through *= 1.0f - surface_ray_opacity(f, p);
+    if (surface_look_of(f)->soft)
+        more_of(f, p)->through *= 1.0f - surface_ray_opacity(f, p);
     surface_search_behind(&p->search);
     return p->layers != surface_look_of(f)->scene->layers_max;
 }

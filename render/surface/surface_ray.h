@@ -2,7 +2,7 @@
  * surface of any volume; for each light, and for ambient light, how much of it is seen; then what
  * the surface mirrors, whose surfaces are lit likewise. The ray is computed anew from the pixel and
  * the current hit whenever the state resumes. It is part of the records of integrators that draw
- * surfaces; mirrored rays lie at the records' end.
+ * surfaces; what soft looks need more lies at the records' end.
  */
 #ifndef RENDER_SURFACE_SURFACE_RAY_H
 #define RENDER_SURFACE_SURFACE_RAY_H
@@ -19,21 +19,18 @@ typedef struct surface_ray {
     int32_t layers;        /* surfaces composited so far */
     bool provisional;      /* something on the way was coarser than asked, or absent */
     bool shadow;           /* a ray towards the leg's light is under way, */
-    uint8_t sample;        /* the one with this number; */
-    uint8_t taken;         /* so many have answered, or will, */
+    uint8_t sample;        /* the one with this number */
     uint8_t depth;         /* mirrored rays under way: the surface is the last one's */
-    float through;         /* what surfaces passed on the current ray leave of what is behind */
-    float visibility;      /* by that ray; */
-    float sum;             /* and by those before it */
+    float visibility;      /* of that light, by that ray */
     float rgb[3];          /* shading of the current surface so far */
     surface_search search; /* for the current surface, and for what hides it from a light */
 } surface_ray;
 
-/* surface_ray_more() - bytes of frame.record_more that mirrored rays need, the last ones of a
- * record. */
+/* surface_ray_more() - bytes of frame.record_more that soft looks need, the last ones of a record.
+ */
 size_t surface_ray_more(const surface_look *look);
 
-void surface_ray_begin(uint32_t pixel, surface_ray *p);
+void surface_ray_begin(const frame *f, uint32_t pixel, surface_ray *p);
 
 /* surface_ray_primary() - the ray from the eye, not cut. */
 world_ray surface_ray_primary(const frame *f, uint32_t pixel);

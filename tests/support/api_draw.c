@@ -101,6 +101,8 @@ void api_draw_surfaces(field_random *r, const leafcast *v,
         surfaces[i] = leafcast_surface_default(isovalue(r, &info));
         if (api_chance(r, 2))
             surfaces[i].opacity = (float)field_random_in(r, 0.01, 1.0);
+        if (api_chance(r, 6))
+            surfaces[i].reflectivity = (float)field_random_unit(r);
         spoil(r, 60, "leafcast_surface", &surfaces[i]);
     }
 }
@@ -128,7 +130,21 @@ static void draw_light(field_random *r, const leafcast *v, leafcast_light *light
         api_draw_place(r, v, light->vector);
     else
         api_draw_direction(r, light->vector);
+    if (api_chance(r, 4))
+        light->radius = api_number(r, field_random_in(r, 0.0, 20.0));
     spoil(r, 60, "leafcast_light", light);
+}
+
+/* So few that pictures do not take long. */
+static void draw_soft(field_random *r, leafcast_scene *scene) {
+    scene->light_samples = 1 + below(r, 3);
+    scene->occlusion = api_chance(r, 4) ? api_number(r, field_random_in(r, 0.0, 30.0)) : 0.0;
+    scene->occlusion_samples = 1 + below(r, 3);
+    scene->bounces = api_chance(r, 3) ? below(r, 3) : 0;
+}
+
+static int at_most(int n, int most, int allowed) {
+    return n > most && n <= allowed ? most : n;
 }
 
 static void draw_clips(field_random *r, const leafcast *v, leafcast_scene *scene) {
@@ -228,9 +244,12 @@ void api_draw_scene(field_random *r, leafcast *const volumes[], int count, api_s
     s->scene.light_count = api_chance(r, 2) ? below(r, 3) : 0;
     for (int i = 0; i < s->scene.light_count; i++)
         draw_light(r, volumes[0], &s->scene.lights[i]);
+    draw_soft(r, &s->scene);
     spoil(r, 6, "leafcast_scene", &s->scene);
-    if (s->scene.light_count > 2 && s->scene.light_count <= LEAFCAST_LIGHTS_MAX)
-        s->scene.light_count = 2;
+    s->scene.light_count = at_most(s->scene.light_count, 2, LEAFCAST_LIGHTS_MAX);
+    s->scene.light_samples = at_most(s->scene.light_samples, 3, LEAFCAST_LIGHT_SAMPLES_MAX);
+    s->scene.occlusion_samples = at_most(s->scene.occlusion_samples, 3, LEAFCAST_LIGHT_SAMPLES_MAX);
+    s->scene.bounces = at_most(s->scene.bounces, 2, LEAFCAST_BOUNCES_MAX);
     if (s->scene.error > 0.0 && s->scene.error < 1e-6) /* takes long, as it may */
         s->scene.error = 1e-6;
 }
