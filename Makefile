@@ -455,7 +455,7 @@ check: all
 # ---- installing ----------------------------------------------------------------------------------
 D := $(DESTDIR)$(PREFIX)
 install: all $(STATIC) $(SHARED)
-	install -d $D/bin $D/libexec/leafcast $D/lib/pkgconfig $D/include/leafcast $D/share/man/man1
+	install -d $D/bin $D/libexec/leafcast $D/lib/pkgconfig $D/include/leafcast $D/share/man/man1 $D/share/man/man5
 	install -m 755 $(FRONT) $D/bin
 	install -m 755 $(VERBS) $(IMPORTERS) $(PEER_VTK) $(if $(OIIO),$(IMAGE)) $(if $(TETGEN),$(TETGEN_BIN)) \
 	    $D/libexec/leafcast
@@ -464,6 +464,7 @@ install: all $(STATIC) $(SHARED)
 	ln -sfn $(SONAME) $D/lib/libleafcast.so
 	install -m 644 $(HEADERS) $D/include/leafcast
 	install -m 644 $(wildcard scripts/man/*.1) $D/share/man/man1
+	install -m 644 $(wildcard scripts/man/*.5) $D/share/man/man5
 	install -D -m 644 scripts/completion.bash $D/share/bash-completion/completions/leafcast
 	install -D -m 644 scripts/completion.zsh $D/share/zsh/site-functions/_leafcast
 	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|; s|@REQUIRES@|$(DOOR_PC)|' \

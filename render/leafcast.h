@@ -454,6 +454,9 @@ typedef struct leafcast_stats {
      * Pluecker tests. */
     uint64_t passed_tets, edge_tests;
     uint64_t bytes_read_ever; /* for treelets, since the volumes were opened */
+    uint64_t objects; /* questions that rays asked of an object, one by one or in batches: from the
+                         eye, unless in whole tiles, and towards lights. A ray that waited asks anew
+                       */
 } leafcast_stats;
 
 /* leafcast_check_room() - whether the memory budget has room for this picture. No plane need exist

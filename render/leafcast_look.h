@@ -108,7 +108,7 @@ typedef enum leafcast_project {
                               more if data begin above it; image.z: where it is */
 } leafcast_project;
 
-/* A volume of a scene, and what is shown of it. */
+/* An object of a scene: a volume, what is shown of it, and where. */
 typedef struct leafcast_shown {
     leafcast *volume;
     uint32_t field, step;
@@ -120,15 +120,31 @@ typedef struct leafcast_shown {
      * the isovalue. NULL: by surfaces[].rgb, or of a volume with LEAFCAST_ABILITY_GIVEN, whose
      * field is named "rgb", by its own colours. */
     const leafcast_medium *colours;
+    /* Where it is: 12 numbers, rows of 4, that take a point of the volume's own world to the
+     * scene's (p -> M p + origin); NULL: both are the same. M may turn, mirror, shear and scale,
+     * also unevenly. No number above LEAFCAST_PLACE_MOST; M with its largest number in 1 /
+     * LEAFCAST_SCALE_MOST .. LEAFCAST_SCALE_MOST, and |M| |M^-1| (Frobenius) at most
+     * LEAFCAST_SCALE_UNEVEN, which no singular M is. Rays are taken to the volume's own world,
+     * once, and keep their t; what they find there is taken back: so a hit has the bits of that
+     * ray's in the volume alone. Lights, clips, cameras, t, normals, gradients, and the lengths of
+     * which extinction is told, are the scene's. */
+    const double *place;
 } leafcast_shown;
 
-enum { LEAFCAST_VOLUMES_MAX = 16 };
+#define LEAFCAST_SCALE_MOST   1e30
+#define LEAFCAST_SCALE_UNEVEN 1e6
+
+enum {
+    LEAFCAST_VOLUMES_MAX = 4096, /* objects of a scene */
+    LEAFCAST_MEDIA_MAX = 16      /* those among them that are filled with a medium */
+};
 
 typedef struct leafcast_scene {
     size_t size;
-    /* Volumes of one device, each listed once. All their surfaces are seen in order of distance; at
-     * equal distance the volume listed first comes first. 0 volumes: the volume passed with the
-     * scene, as selected. */
+    /* Objects: volumes of one device. All their surfaces are seen in order of distance; at equal
+     * distance the object listed first comes first. A volume may be listed many times, with other
+     * surfaces, media and places, but with one field and step. 0 objects: the volume passed with
+     * the scene, as selected. LEAFCAST_LOD_PIXEL and media in steps: not with places. */
     const leafcast_shown *volumes;
     int volume_count;
     leafcast_light lights[LEAFCAST_LIGHTS_MAX];
@@ -169,7 +185,7 @@ typedef struct leafcast_scene {
                        always those of the pixel's centre */
     int layers_max; /* stop after so many transparent surfaces on a ray, 0 or more; 0: no limit */
     const struct leafcast_scene_experiments *experiments; /* leafcast_experimental.h; NULL: none */
-    const leafcast_medium *media;                         /* one per volume, in order */
+    const leafcast_medium *media;                         /* one per object, in order */
     int media_count; /* the number of volumes (1 if volume_count is 0); or 0: no media */
     /* The largest allowed error of a channel (r, g, b, a) of a picture with media: in [1e-9, 1]; 0:
      * half a step of 8 bits, 1/510. image.error gives the bound that was reached. Measured against

@@ -6,16 +6,46 @@
 #include "render/app/legend.h"
 
 void picture_scene_init(picture_scene *p, mem *m) {
-    *p = (picture_scene){0};
-    for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
-        p->transfer[i].m = m;
+    *p = (picture_scene){.m = m};
     p->caps.m = m;
 }
 
 void picture_scene_release(picture_scene *p) {
-    for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
+    for (int i = 0; i < p->room; i++)
         transfer_list_release(&p->transfer[i]);
     transfer_list_release(&p->caps);
+    mem_free(p->m, p->shown);
+    mem_free(p->m, p->transfer);
+    mem_free(p->m, p->media);
+    mem_free(p->m, p->colours);
+    mem_free(p->m, p->measured);
+    p->shown = NULL;
+    p->transfer = NULL;
+    p->media = NULL;
+    p->colours = NULL;
+    p->measured = NULL;
+    p->room = 0;
+}
+
+/* Make room for so many objects: the first picture of a run says how many all have. */
+static status make_room(picture_scene *p, int count) {
+    if (count <= p->room)
+        return ST_OK;
+    const transfer_list caps = p->caps;
+    p->caps = (transfer_list){.m = p->m};
+    picture_scene_release(p);
+    p->caps = caps;
+    p->shown = mem_array(p->m, (size_t)count, sizeof *p->shown);
+    p->transfer = mem_array(p->m, (size_t)count, sizeof *p->transfer);
+    p->media = mem_array(p->m, (size_t)count, sizeof *p->media);
+    p->colours = mem_array(p->m, (size_t)count, sizeof *p->colours);
+    p->measured = mem_array(p->m, (size_t)count, sizeof *p->measured);
+    if (!p->shown || !p->transfer || !p->media || !p->colours || !p->measured)
+        return ST_NOMEM;
+    p->room = count;
+    for (int i = 0; i < count; i++)
+        p->transfer[i].m = p->m;
+    return ST_OK;
 }
 
 status picture_scene_choose(const leafcast *volume, view_options *v, double *suggested,
@@ -95,8 +125,10 @@ status picture_scene_describe(picture_scene *p, const picture_volume *volumes, i
     *scene = view_options_scene(first, &p->experiments);
     status st = colour_caps(p, volumes, scene);
     const bool coloured = count == 1 && view_options_coloured(first);
+    always = always || volumes[0].place;
     if (st != ST_OK || (count == 1 && !filled && !coloured && !always))
         return st;
+    st = make_room(p, count);
     for (int i = 0; i < count && st == ST_OK; i++) {
         const view_options *v = volumes[i].view;
         uint32_t field;
@@ -106,7 +138,8 @@ status picture_scene_describe(picture_scene *p, const picture_volume *volumes, i
                                        .step = v->step,
                                        .surfaces = v->surfaces,
                                        .count = v->isos,
-                                       .between = v->time.between};
+                                       .between = v->time.between,
+                                       .place = volumes[i].place};
         if (st == ST_OK && (filled || view_options_coloured(v)))
             st = fill_volume(p, volumes, i);
     }

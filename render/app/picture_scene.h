@@ -9,25 +9,30 @@
 #include "render/app/transfer_list.h"
 #include "render/app/view_options.h"
 
-/* A volume of the picture and its flags. */
+/* An object of the picture: a volume, its flags, and where it is (leafcast_shown.place). */
 typedef struct picture_volume {
     leafcast *volume;
     const view_options *view;
+    const double *place;
 } picture_volume;
 
+/* The step whose values set presets and windows: that of the first picture of this field. So
+ * colours mean the same at every step. */
+typedef struct picture_measured {
+    bool known;
+    uint32_t field, step;
+} picture_measured;
+
 typedef struct picture_scene {
-    leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
-    transfer_list transfer[LEAFCAST_VOLUMES_MAX];  /* per volume; empty: no medium */
-    leafcast_medium media[LEAFCAST_VOLUMES_MAX];   /* the same, for the scene */
-    transfer_list caps;                            /* colours of caps; empty: the surfaces' own */
-    leafcast_medium colours[LEAFCAST_VOLUMES_MAX]; /* of surfaces, by value */
+    mem *m;
+    int room; /* elements of the arrays, one an object: */
+    leafcast_shown *shown;
+    transfer_list *transfer;  /* empty: no medium */
+    leafcast_medium *media;   /* the same, for the scene */
+    leafcast_medium *colours; /* of surfaces, by value */
+    picture_measured *measured;
+    transfer_list caps; /* colours of caps; empty: the surfaces' own */
     leafcast_medium cap_colours;
-    /* The step whose values set presets and windows: that of the first picture of this field. So
-     * colours mean the same at every step. */
-    struct {
-        bool known;
-        uint32_t field, step;
-    } measured[LEAFCAST_VOLUMES_MAX];
     leafcast_scene_experiments experiments;
 } picture_scene;
 

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/base/box3.h"
 #include "formats/base/clock.h"
 #include "formats/base/file.h"
 #include "formats/base/num.h"
@@ -11,6 +12,8 @@
 #include "render/app/lost_marks.h"
 #include "render/app/transfer_file.h"
 #include "render/app/view_camera.h"
+#include "render/look/camera.h"
+#include "render/ray/placement.h"
 
 enum { META_TEXT_MAX = 1024, NOTES_MAX = 16 };
 
@@ -36,12 +39,49 @@ static status open_volumes(render_job *job, const char *path, const leafcast_opt
     if (st == ST_OK)
         choose_world(&on, job->volume);
     for (int i = 0; i < job->also_count && st == ST_OK; i++) {
-        st = render_status(leafcast_open(job->also[i].path, &on, &job->also[i].volume));
+        render_also *also = &job->also[i];
+        if (also->same >= 0)
+            continue;
+        st = render_status(leafcast_open(also->path, &on, &also->volume));
         if (st == ST_OK)
-            choose_world(&on, job->also[i].volume);
+            choose_world(&on, also->volume);
+    }
+    for (int i = 0; i < job->also_count && st == ST_OK; i++) {
+        const int same = job->also[i].same;
+        if (same >= 0)
+            job->also[i].volume = same == 0 ? job->volume : job->also[same - 1].volume;
     }
     leafcast_device_destroy(on.device);
     return st;
+}
+
+static int places_of(const render_places *p) {
+    return p->count > 0 ? p->count : 1;
+}
+
+/* List a volume at its places. */
+static void list_places(render_job *job, leafcast *volume, const view_options *view,
+                        const render_places *p) {
+    for (int i = 0; i < places_of(p); i++)
+        job->objects[job->object_count++] =
+            (picture_volume){volume, view, p->count > 0 ? p->at + 12 * (size_t)i : NULL};
+}
+
+/* List all objects of the pictures. */
+static status list_objects(render_job *job) {
+    size_t count = (size_t)places_of(&job->places);
+    for (int i = 0; i < job->also_count; i++)
+        count += (size_t)places_of(&job->also[i].places);
+    if (count > LEAFCAST_VOLUMES_MAX)
+        return status_describe(ST_USAGE, "%zu objects: a picture has at most %d", count,
+                               LEAFCAST_VOLUMES_MAX);
+    job->objects = mem_array(&job->m, count, sizeof *job->objects);
+    if (!job->objects)
+        return ST_NOMEM;
+    list_places(job, job->volume, NULL, &job->places);
+    for (int i = 0; i < job->also_count; i++)
+        list_places(job, job->also[i].volume, &job->also[i].view, &job->also[i].places);
+    return ST_OK;
 }
 
 status render_job_open(render_job *job, const char *path, const leafcast_options *options) {
@@ -49,6 +89,8 @@ status render_job_open(render_job *job, const char *path, const leafcast_options
     picture_scene_init(&job->scene, &job->m);
     job->source = path;
     status st = open_volumes(job, path, options);
+    if (st == ST_OK)
+        st = list_objects(job);
     if (st == ST_OK)
         job->info = leafcast_describe(job->volume);
     if (st == ST_OK)
@@ -73,8 +115,11 @@ void render_job_close(render_job *job) {
     job->face = NULL;
     image_out_close(job->files);
     job->files = NULL;
+    mem_free(&job->m, job->objects);
+    job->objects = NULL;
     for (int i = 0; i < job->also_count; i++) {
-        leafcast_close(job->also[i].volume);
+        if (job->also[i].same < 0)
+            leafcast_close(job->also[i].volume);
         job->also[i].volume = NULL;
     }
     leafcast_close(job->volume);
@@ -92,6 +137,11 @@ static status check_also(const render_job *job, const view_options *first) {
     for (int i = 0; i < job->also_count && job->volume && st == ST_OK; i++) {
         view_options *v = &job->also[i].view;
         v->scene.project = first->scene.project;
+        if (job->also[i].same == 0) { /* one field and step for all objects of a volume */
+            memcpy(v->field, first->field, sizeof v->field);
+            v->step = first->step;
+            v->time = first->time;
+        }
         st = picture_scene_choose(job->also[i].volume, v, suggested, &count);
         v->painted = painted;
         if (st == ST_OK)
@@ -303,13 +353,11 @@ static bool report(void *ctx, double done) {
     return !p->watch->stop || !p->watch->stop(p->watch->ctx);
 }
 
-/* List all volumes of the picture. Returns their number. */
-static int volumes_of(const render_job *job, const view_options *first,
-                      picture_volume volumes[LEAFCAST_VOLUMES_MAX]) {
-    volumes[0] = (picture_volume){job->volume, first};
-    for (int i = 0; i < job->also_count; i++)
-        volumes[i + 1] = (picture_volume){job->also[i].volume, &job->also[i].view};
-    return job->also_count + 1;
+/* Returns the objects of the picture that has these flags. */
+static const picture_volume *objects_of(const render_job *job, const view_options *first) {
+    for (int i = 0; i < places_of(&job->places); i++)
+        job->objects[i].view = first;
+    return job->objects;
 }
 
 /* Open the font when a picture first needs it. */
@@ -458,11 +506,38 @@ static status write_targets(render_job *job, const script_frame *frame,
     return st;
 }
 
+/* Returns a view of the boxes of all objects at their places, as the flags say. */
+static leafcast_camera view_of_all(const render_job *job, const view_options *view) {
+    double box[2][3], corners[8][3];
+    box3_begin(box);
+    for (int i = 0; i < job->object_count; i++) {
+        const leafcast_info info = leafcast_describe(job->objects[i].volume);
+        const placement place = placement_of(job->objects[i].place);
+        for (int k = 0; k < 8; k++) {
+            double own[3], at[3];
+            for (int a = 0; a < 3; a++)
+                own[a] = info.bounds[k >> a & 1][a];
+            placement_to_scene(&place, own, at);
+            box3_widen(box, at, at);
+        }
+    }
+    for (int k = 0; k < 8; k++)
+        box3_corner(box, k, corners[k]);
+    const uint32_t width = view->camera.width, height = view->camera.height;
+    return view_camera_fits(view)
+               ? camera_fit((const double(*)[3])corners,
+                            view->fov ? view->camera.fov : LEAFCAST_FIT_FOV, width, height)
+               : camera_standard((const double(*)[3])box, view->distance, width, height);
+}
+
 /* Returns the flags with the view that was fitted to the run's first picture of this size. */
 static view_options hold_fitted(render_job *job, const view_options *view) {
     view_options held = *view;
     const leafcast_camera *size = &view->camera;
-    if (view_camera_fits(view)) {
+    if (job->fits_all) {
+        job->fitted = view_of_all(job, view);
+        held.hold = &job->fitted;
+    } else if (view_camera_fits(view)) {
         if (job->fitted.width != size->width || job->fitted.height != size->height)
             job->fitted = view_camera_fit(view, job->volume);
         held.hold = &job->fitted;
@@ -515,10 +590,9 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
                            render_stats *stats) {
     const bool progressive = is_progressive(job, frame);
     const leafcast_camera camera = camera_of(job, &frame->view);
-    picture_volume volumes[LEAFCAST_VOLUMES_MAX];
-    const int count = volumes_of(job, &frame->view, volumes);
+    const picture_volume *volumes = objects_of(job, &frame->view);
     leafcast_scene scene;
-    status st = picture_scene_describe(&job->scene, volumes, count, false, &scene);
+    status st = picture_scene_describe(&job->scene, volumes, job->object_count, false, &scene);
     if (st == ST_OK)
         st = open_face(job, &frame->view.annotation);
     if (st == ST_OK && !progressive)

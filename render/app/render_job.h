@@ -11,12 +11,22 @@
 #include "render/app/render_script.h"
 #include "render/app/render_stats.h"
 
+/* Where a volume is drawn: `count` places of 12 numbers (leafcast_shown.place), one after the
+ * other; 0: once, where its file says. */
+typedef struct render_places {
+    double *at;
+    int count;
+} render_places;
+
 /* A volume that is drawn together with the first one. */
-enum { RENDER_ALSO_MAX = LEAFCAST_VOLUMES_MAX - 1 };
 typedef struct render_also {
     const char *path;
+    char *allocated;   /* NULL, or the same */
     view_options view; /* its isosurfaces, field and step */
     leafcast *volume;
+    int same; /* the number of the volume whose file is this one, opened before: 1 is also[0], 0 the
+                 picture's first; -1: none */
+    render_places places;
 } render_also;
 
 typedef struct render_job {
@@ -24,6 +34,10 @@ typedef struct render_job {
     leafcast *volume;
     render_also *also; /* also_count more volumes, on the same device */
     int also_count;
+    bool fits_all;           /* views are of all objects, in the scene's world */
+    render_places places;    /* of the first volume */
+    picture_volume *objects; /* of all, each at each of its places; its flags are those of `also` */
+    int object_count;
     picture_scene scene;
     leafcast_info info;
     leafcast_camera fitted; /* the view fitted to the first picture; width 0: none yet */

@@ -5,10 +5,12 @@
 #include "render/app/render_ahead.h"
 #include "render/app/render_picture.h"
 #include "render/app/render_sequence.h"
+#include "render/app/scene_file.h"
 
 /* Register the input files; outputs are compared with them. */
-static status guard_inputs(const render_options *o) {
-    const char *const inputs[] = {o->common.input, o->camera_path, o->state, o->font, o->script};
+static status guard_inputs(const render_options *o, const char *scene) {
+    const char *const inputs[] = {scene,    o->common.input, o->camera_path,
+                                  o->state, o->font,         o->script};
     status st = ST_OK;
     file_guard_watch();
     for (size_t i = 0; i < sizeof inputs / sizeof *inputs && st == ST_OK; i++)
@@ -155,6 +157,13 @@ int main(int argc, char **argv) {
     o.view.takes_media = true;
     cli_parse(&verb, &o.common, argc, argv);
 
+    const char *const scene = o.common.input;
+    const status loaded =
+        o.common.input && scene_file_is(o.common.input) ? scene_file_load(&o) : ST_OK;
+    status_note_take(&o.scene_read,
+                     o.follow_links && !o.scene && loaded == ST_OK
+                         ? status_describe(ST_USAGE, "--follow-links is of scene files")
+                         : loaded);
     o.open.memory = o.common.memory;
     o.open.threads = o.common.threads;
     o.open.neighbours = render_options_neighbours(&o);
@@ -164,6 +173,8 @@ int main(int argc, char **argv) {
                       .font = o.font,
                       .also = o.also,
                       .also_count = o.also_count,
+                      .places = o.places,
+                      .fits_all = o.scene,
                       .watch = cli_progress(&o.common)};
     job.out = (image_out_options){.force = o.common.force,
                                   .threads = o.common.threads,
@@ -173,7 +184,9 @@ int main(int argc, char **argv) {
     o.common.json_lines = o.script || render_options_many(&o);
     status st = status_note_raise(&o.state_read);
     if (st == ST_OK)
-        st = guard_inputs(&o);
+        st = status_note_raise(&o.scene_read);
+    if (st == ST_OK)
+        st = guard_inputs(&o, scene);
     if (st == ST_OK)
         st = o.script ? run_script(&o, &job) : render_sequence_run(&o, &job);
     if (st == ST_OK)
@@ -181,5 +194,6 @@ int main(int argc, char **argv) {
     if (st == ST_OK)
         st = check_lacking(&job);
     render_job_close(&job);
+    render_options_release(&o);
     return cli_finish(&o.common, st);
 }

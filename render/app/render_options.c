@@ -31,7 +31,8 @@ enum {
     ISA,
     PACKETS,
     ISOPOLYGONS,
-    TRAVERSAL
+    TRAVERSAL,
+    FOLLOW_LINKS
 };
 
 static const char BACKENDS[] = "auto|mapped|arena", SIDES[] = "tile|2|4|8|16",
@@ -78,6 +79,8 @@ const struct argp_option render_options_table[] = {
      "each can have a medium",
      10},
     WORLD_OPTION(10),
+    {"follow-links", FOLLOW_LINKS, NULL, 0,
+     "a scene file may name files anywhere, not only in its own folder", 10},
     {NULL, 0, NULL, 0, "Many pictures (-o out.png becomes out_0000.png ...):", 50},
     {"iso-list", ISO_LIST, "V1,V2,...", 0, "a picture for each isovalue; V:V is a picture with two",
      0},
@@ -152,14 +155,45 @@ static status set_machine(render_options *o, int key, const char *text) {
     }
 }
 
-static status add_volume(render_options *o, const char *path) {
-    if (o->also_count == RENDER_ALSO_MAX)
-        return status_describe(ST_USAGE, "--and: at most %d volumes in one picture",
-                               LEAFCAST_VOLUMES_MAX);
+static mem outside(void) {
+    mem m;
+    mem_init(&m, 0);
+    return m;
+}
+
+render_also *render_options_also(render_options *o) {
+    mem m = outside();
+    if (mem_grow(&m, &o->also, sizeof *o->also, (size_t)o->also_count, 4, &o->also_room) != ST_OK)
+        return NULL;
     render_also *also = &o->also[o->also_count++];
-    also->path = path;
+    *also = (render_also){.same = -1};
     view_options_init(&also->view);
     also->view.takes_media = true;
+    return also;
+}
+
+void render_options_release(render_options *o) {
+    mem m = outside();
+    for (int i = 0; i < o->also_count; i++) {
+        mem_free(&m, o->also[i].places.at);
+        mem_free(&m, o->also[i].allocated);
+    }
+    mem_free(&m, o->places.at);
+    mem_free(&m, o->first_path);
+    mem_free(&m, o->flags);
+    mem_free(&m, o->also);
+    o->also = NULL;
+    o->also_count = 0;
+}
+
+static status add_volume(render_options *o, const char *path) {
+    if (o->also_count == LEAFCAST_VOLUMES_MAX - 1)
+        return status_describe(ST_USAGE, "--and: at most %d volumes in one picture",
+                               LEAFCAST_VOLUMES_MAX);
+    render_also *also = render_options_also(o);
+    if (!also)
+        return ST_NOMEM;
+    also->path = path;
     return ST_OK;
 }
 
@@ -167,6 +201,15 @@ static status add_volume(render_options *o, const char *path) {
 static view_options *view_of(render_options *o, int key) {
     return o->also_count > 0 && view_options_of_one(key) ? &o->also[o->also_count - 1].view
                                                          : &o->view;
+}
+
+/* Keep a flag of the picture, or of its first volume, in case that the input is a scene file. */
+static status note_flag(render_options *o, int key, const char *text) {
+    mem m = outside();
+    const status st = mem_grow(&m, &o->flags, sizeof *o->flags, o->flag_count, 16, &o->flag_room);
+    if (st == ST_OK)
+        o->flags[o->flag_count++] = (struct render_flag){key, text, view_options_of_one(key)};
+    return st;
 }
 
 /* Read --state at its place among the flags: later flags add to it. Errors are kept for later. */
@@ -192,6 +235,7 @@ status render_options_set(void *own, int key, const char *text) {
     case FRAMES: return cli_int(text, "--frames", 1, PICTURES_MAX, &o->frames);
     case STEPS: return step_list_parse(text, "--steps", &o->steps);
     case TURNTABLE: return cli_int(text, "--turntable", 1, PICTURES_MAX, &o->turns);
+    case FOLLOW_LINKS: o->follow_links = true; return ST_OK;
     case FAIL_EMPTY: o->fail_empty = true; return ST_OK;
     case CERTIFY: o->certify = true; return ST_OK;
     case PROGRESSIVE: o->progressive = true; return ST_OK;
@@ -204,7 +248,10 @@ status render_options_set(void *own, int key, const char *text) {
             return ST_OK;
         }
         st = set_machine(o, key, text);
-        return st == ST_AGAIN ? view_options_set(view_of(o, key), key, text) : st;
+        if (st != ST_AGAIN)
+            return st;
+        st = view_options_set(view_of(o, key), key, text);
+        return st == ST_OK && view_of(o, key) == &o->view ? note_flag(o, key, text) : st;
     }
 }
 

@@ -16,16 +16,33 @@ typedef struct render_options {
     leafcast_experiments experiments; /* experiments of `open` */
     const char *files[FRAME_FILES];   /* all but the picture, which is -o */
     const char *stats, *script, *iso_list, *camera_path, *font, *format, *state;
-    status_note state_read;            /* the result of reading it */
-    step_list steps;                   /* --steps */
-    render_also also[RENDER_ALSO_MAX]; /* --and; later flags are about the last one */
+    status_note state_read; /* the result of reading it, */
+    status_note scene_read; /* and of a scene file */
+    step_list steps;        /* --steps */
+    render_also *also;      /* --and; later flags are about the last one */
     int also_count;
+    size_t also_room;
+    render_places places; /* of the first volume, by a scene file */
+    bool follow_links;    /* ... which may name files anywhere */
+    bool scene;           /* the input is such a file; common.input is then its first object's */
+    char *first_path;     /* that, allocated */
+    struct render_flag {  /* flags of the view, in their order, for scene_file_load() */
+        int key;
+        const char *text;
+        bool of_one; /* of one volume, before any --and */
+    } * flags;
+    size_t flag_count, flag_room;
     int repeat;
     int turns;     /* --turntable; 0: none */
     int frames;    /* --frames; 0: a picture for each entry of the path */
     int traversal; /* --traversal: 1 tree, 2 faces; 0: faces where volumes are filled */
     bool fail_empty, certify, progressive;
 } render_options;
+
+/* render_options_also() - add a volume without flags to `also`; NULL: no memory.
+ * render_options_release() - free what flags have allocated. */
+render_also *render_options_also(render_options *o);
+void render_options_release(render_options *o);
 
 /* The table of these flags, for argp. */
 extern const struct argp_option render_options_table[];

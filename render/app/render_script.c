@@ -64,8 +64,7 @@ static bool is_list(const json_t *value, const char *name) {
            strcmp(name, "opacity") == 0;
 }
 
-static status apply_flag(view_options *view, const char *name, const json_t *value,
-                         const char *what) {
+status script_flag(view_options *view, const char *name, const json_t *value, const char *what) {
     bool repeats = false;
     view_value takes = VIEW_VALUE_NEEDED;
     const int key = view_options_key(name, &repeats, &takes);
@@ -124,7 +123,8 @@ static status apply_object(script_frame *frame, json_t *object, const char *what
         else if (find_file(key) < FRAME_FILES)
             st = apply_file(frame->file[find_file(key)], value, what, key);
         else
-            st = apply_flag(&frame->view, strcmp(key, "isovalues") == 0 ? "iso" : key, value, what);
+            st =
+                script_flag(&frame->view, strcmp(key, "isovalues") == 0 ? "iso" : key, value, what);
     }
     return st;
 }
@@ -161,7 +161,7 @@ bool script_foresee(view_options *view, json_t *object) {
     view_options_inherit(view);
     json_object_foreach(object, key, value) {
         if (is_moment(key))
-            fine &= apply_flag(view, key, value, "a line that comes") == ST_OK;
+            fine &= script_flag(view, key, value, "a line that comes") == ST_OK;
     }
     return fine;
 }
@@ -173,7 +173,7 @@ bool script_foresee_line(view_options *view, const char *text, size_t size) {
     return fine;
 }
 
-static status load_json(const char *path, json_t **out) {
+status script_load(const char *path, json_t **out) {
     json_error_t error;
     mem m;
     file *f = NULL;
@@ -191,7 +191,7 @@ static status load_json(const char *path, json_t **out) {
 
 status script_load_path(const char *path, json_t **out) {
     json_t *array = NULL;
-    const status st = load_json(path, &array);
+    const status st = script_load(path, &array);
     if (st != ST_OK)
         return st;
     if (!json_is_array(array) || json_array_size(array) == 0) {
@@ -206,7 +206,7 @@ status script_load_state(const char *path, view_options *view) {
     json_t *object = NULL;
     mem m;
     mem_init(&m, 0);
-    status st = load_json(path, &object);
+    status st = script_load(path, &object);
     script_frame *frame = st == ST_OK ? mem_zalloc(&m, sizeof *frame) : NULL;
     if (st == ST_OK && !frame)
         st = ST_NOMEM;

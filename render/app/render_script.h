@@ -50,6 +50,13 @@ typedef struct script_frame {
  * names `what` ("line 3") and the key. An object "page" belongs to the viewer and is skipped. */
 CHECKED status script_apply(script_frame *frame, json_t *object, const char *what);
 
+/* script_flag() - apply one key, which must be a flag of the view, and replaces what was said of
+ * it. script_load() - read a file's JSON, which is the caller's to json_decref(). ST_CORRUPT names
+ * the line. */
+CHECKED status script_flag(view_options *view, const char *key, const json_t *value,
+                           const char *what);
+CHECKED status script_load(const char *file, json_t **out);
+
 /* script_text() - convert a number, a string, or an array of them (joined by commas) to a flag's
  * text. ST_USAGE names `what` and `key`. */
 CHECKED status script_text(const json_t *value, const char *what, const char *key,

@@ -24,8 +24,10 @@ leafcast_camera view_camera_fit(const view_options *v, const leafcast *volume) {
 
 static leafcast_camera first_view(const view_options *v, const leafcast *volume) {
     const leafcast_camera *given = &v->camera;
+    if (v->hold)
+        return *v->hold;
     if (view_camera_fits(v))
-        return v->hold ? *v->hold : view_camera_fit(v, volume);
+        return view_camera_fit(v, volume);
     return leafcast_standard_view(volume, v->distance, given->width, given->height);
 }
 

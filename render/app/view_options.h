@@ -30,7 +30,7 @@ typedef struct view_options {
     int normals;                 /* --normals, as numbered in view_options.c */
     bool fit;                    /* --view fit; else `distance` counts */
     double distance;             /* of --view, in longest edges of the volume */
-    const leafcast_camera *hold; /* fitted view to use instead of a new one; or NULL */
+    const leafcast_camera *hold; /* view to use instead of a new one; or NULL */
     char field[VIEW_FIELD_MAX];  /* "": the first field */
     uint32_t step;
     time_options time;       /* or a time: picture_scene_choose() finds its step */

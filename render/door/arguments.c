@@ -13,6 +13,8 @@
 #include "render/experiments/preintegrated_table.h"
 #include "render/leafcast_experimental.h"
 #include "render/look/samples.h"
+#include "render/look/scene_facts.h"
+#include "render/ray/placement.h"
 
 /* Limits within which sums of products of values and light do not overflow. */
 #define MEDIUM_VALUE_MOST      1e300
@@ -160,8 +162,20 @@ static const public_field shown_rows[] = {
     PUBLIC_NUMBER(leafcast_shown, between, 0, 1, PUBLIC_BELOW),
     {PUBLIC_MEMBER(leafcast_shown, colours), .type = PUBLIC_POINTER, .values = 1,
      .how = PUBLIC_OR_NULL, .element = &medium_table},
+    {PUBLIC_MEMBER(leafcast_shown, place), .type = PUBLIC_POINTER, .values = 1,
+     .how = PUBLIC_OR_NULL,
+     .number = &(const public_field){.type = PUBLIC_DOUBLE,
+                                     .values = 12,
+                                     .least = -LEAFCAST_PLACE_MOST,
+                                     .most = LEAFCAST_PLACE_MOST}},
 };
-static const public_fields shown_table = PUBLIC_TABLE(leafcast_shown, shown_rows);
+
+static status shown_together(const void *of) {
+    return placement_check(((const leafcast_shown *)of)->place);
+}
+
+static const public_fields shown_table =
+    PUBLIC_TABLE(leafcast_shown, shown_rows, .together = shown_together);
 
 static const public_field scene_experiments_rows[] = {
     PUBLIC_OWN_SIZE(leafcast_scene_experiments),
@@ -242,6 +256,10 @@ static status scene_together(const void *of) {
     if (s->media_count != 0 && s->media_count != volumes)
         return status_describe(ST_USAGE, "leafcast_scene.media_count is %d: there are %d volumes",
                                s->media_count, volumes);
+    if (scene_filled(s) > LEAFCAST_MEDIA_MAX)
+        return status_describe(ST_USAGE,
+                               "leafcast_scene.media: %d objects are filled, and %d can be",
+                               scene_filled(s), LEAFCAST_MEDIA_MAX);
     if (s->shade_media && s->experiments &&
         (s->experiments->summing != LEAFCAST_CERTIFIED || s->experiments->homogeneous > 0.0))
         return status_describe(ST_USAGE, "media are shaded cell by cell: not in steps, and no "

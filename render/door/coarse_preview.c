@@ -210,6 +210,7 @@ status coarse_preview_begin(leafcast *v, const leafcast_scene *scene, const leaf
     const leafcast_shown grid = coarse_preview_shown(coarse, shown);
     const interest nothing = {.count = 0};
     volume_show_beside(&grid, &nothing);
+    coarse->seek = v->seek;
     st = load_root(coarse->treelets);
     if (st == ST_OK)
         st = volume_tracer(coarse, &whole, NULL, tr); /* forgets what was queued */
@@ -240,6 +241,7 @@ status coarse_preview_show(leafcast *coarse, const leafcast_scene *scene,
         scene_of_grid(scene, LEAFCAST_LOD_LEVEL, asked < last ? asked : last);
     const leafcast_shown grid = coarse_preview_shown(coarse, shown);
     volume_show_beside(&grid, beside);
+    coarse->seek = shown->volume->seek;
     status st = load_root(coarse->treelets);
     if (st == ST_OK)
         st = volume_tracer(coarse, &level, c, tr);

@@ -51,6 +51,8 @@ static size_t frame_fixed_bytes(const turn *t, bool least) {
         bytes += budget_image(&colours, frame_pixels(f));
     for (int i = 0; i < t->volumes; i++) {
         const leafcast *v = t->drawn[i], *of = t->shown[i].volume;
+        if (!turn_is_first(t, i))
+            continue;
         bytes += (least ? coarse_preview_held(of) : coarse_preview_bytes(of)) +
                  (v->kind->tiles ? v->kind->tiles->projection_bytes(&v->file->layout) : 0);
     }
@@ -67,7 +69,7 @@ static size_t fixed_bytes(const turn *t, bool least) {
 static size_t least_slots(const turn *t) {
     size_t bytes = 0;
     for (int i = 0; i < t->volumes; i++)
-        bytes += loader_slot_bytes(t->shown[i].volume->treelets);
+        bytes += turn_is_first(t, i) ? loader_slot_bytes(t->shown[i].volume->treelets) : 0;
     return bytes;
 }
 
@@ -101,19 +103,12 @@ static size_t wanted_bytes(const leafcast *v) {
     return v->treelets->treelets_active * loader_slot_bytes(v->treelets);
 }
 
-static bool is_shown(const turn *t, const leafcast *v) {
-    bool shown = false;
-    for (int i = 0; i < t->volumes; i++)
-        shown |= t->shown[i].volume == v;
-    return shown;
-}
-
 /* Returns how many of `rest` bytes remain with treelets of volumes that are not shown. Evicts these
  * treelets if the frame could use the bytes. */
 static size_t others_bytes(turn *t, size_t rest) {
     size_t held = 0, wanted = records_wanted(&t->f) * frame_record_bytes(&t->f);
     for (leafcast *v = t->device->volumes; v; v = v->next) {
-        if (is_shown(t, v))
+        if (turn_shows(t, v))
             wanted += wanted_bytes(v);
         else
             held += loader_statistics(v->treelets).bytes_resident;
@@ -121,7 +116,7 @@ static size_t others_bytes(turn *t, size_t rest) {
     if (wanted + held <= rest)
         return held;
     for (leafcast *v = t->device->volumes; v; v = v->next)
-        if (!is_shown(t, v))
+        if (!turn_shows(t, v))
             loader_clear(v->treelets);
     return 0;
 }
@@ -142,12 +137,17 @@ void budget_slots(leafcast *v, size_t bytes) {
 static void share_treelets(turn *t, size_t bytes) {
     size_t spare = bytes - least_slots(t);
     double wanted = 0.0;
-    for (int i = 0; i < t->volumes; i++)
-        wanted += (double)wanted_bytes(t->shown[i].volume);
+    int left = 0;
+    for (int i = 0; i < t->volumes; i++) {
+        left += turn_is_first(t, i);
+        wanted += turn_is_first(t, i) ? (double)wanted_bytes(t->shown[i].volume) : 0.0;
+    }
     for (int i = 0; i < t->volumes; i++) {
         leafcast *v = t->shown[i].volume;
+        if (!turn_is_first(t, i))
+            continue;
         const double share = wanted > 0.0 ? (double)wanted_bytes(v) / wanted : 1.0;
-        const bool last = i + 1 == t->volumes || share >= 1.0;
+        const bool last = --left == 0 || share >= 1.0;
         const size_t more = last ? spare : (size_t)(share * (double)spare);
         wanted -= (double)wanted_bytes(v);
         spare -= more;
@@ -164,7 +164,8 @@ status budget_share(turn *t) {
     size_t records = t->begun ? f->records_max : records_wanted(f);
     if (d->budget.limit == 0) {
         for (int i = 0; i < t->volumes; i++)
-            budget_slots(t->shown[i].volume, SIZE_MAX);
+            if (turn_is_first(t, i))
+                budget_slots(t->shown[i].volume, SIZE_MAX);
     } else {
         const size_t fixed = fixed_bytes(t, false), slots = least_slots(t);
         status st = check_budget(t, fixed);

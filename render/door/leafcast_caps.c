@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdatomic.h>
+#include <string.h>
 
 #include "render/door/between_steps.h"
 #include "render/door/point_samples.h"
@@ -36,9 +37,12 @@ static entry entry_of(const cap_job *job, size_t pixel) {
 }
 
 static void cap_point(const void *ctx, size_t i, double point[3]) {
-    const entry e = entry_of(ctx, i);
+    const cap_job *job = ctx;
+    const entry e = entry_of(job, i);
+    double at[3], own[3];
     for (int a = 0; a < 3; a++)
-        point[a] = e.clip >= 0 ? e.origin[a] + e.t * e.direction[a] : (double)NAN;
+        at[a] = e.clip >= 0 ? e.origin[a] + e.t * e.direction[a] : (double)NAN;
+    memcpy(point, placement_point(&job->f->tracer[job->volume].place, at, own), sizeof at);
 }
 
 /* Returns the surface of the greatest isovalue that is at most `value`; -1: there is none. */

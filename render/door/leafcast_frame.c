@@ -170,7 +170,7 @@ static bool watch_part(void *ctx, double done) {
 static status project(leafcast_frame *fr, frame *f) {
     leafcast *v = fr->t.drawn[0];
     const bool tiles = f->integrator->tile && f->tracer->kernels->tile;
-    if (!tiles || f->volumes > 1 || f->camera.ortho)
+    if (!tiles || f->volumes > 1 || f->camera.ortho || f->tracer->place.moved)
         return ST_OK;
     const status st = v->kind->tiles->project(v, &f->camera, &fr->projection);
     if (st == ST_OK && fr->projection.usable)
@@ -327,7 +327,7 @@ static void fill_stats(const leafcast_frame *fr, leafcast_stats *stats) {
 
 static void note_first_image(const leafcast_frame *fr, double now) {
     for (int i = 0; i < fr->t.volumes; i++)
-        if (fr->t.shown[i].volume->first_image_s == 0.0)
+        if (turn_is_first(&fr->t, i) && fr->t.shown[i].volume->first_image_s == 0.0)
             fr->t.shown[i].volume->first_image_s = now - fr->t.shown[i].volume->opened_at;
 }
 

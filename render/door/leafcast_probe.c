@@ -24,25 +24,32 @@ status volume_treelet(leafcast *v, uint32_t t, const treelet **out) {
 
 /* ---- Rays ---- */
 
-/* Select the scene's surfaces of the probed volume, of which *v shows the moment then. */
-static status show(leafcast **v, const leafcast_scene *scene) {
-    leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
-    int count = 0, i = 0;
+static bool is_listed(const leafcast *v, const leafcast_scene *scene) {
+    bool listed = false;
+    for (int i = 0; i < scene->volume_count && !listed; i++)
+        listed = scene->volumes[i].volume == v;
+    return listed;
+}
+
+/* Select the surfaces of the scene's first object of the probed volume, of which *v shows the
+ * moment then. *place: where it is. */
+static status show(leafcast **v, const leafcast_scene *scene, placement *place) {
     const interest nothing = {.count = 0};
-    status st = scene_volumes(*v, scene, shown, &count);
-    while (i < count && shown[i].volume != *v)
-        i++;
-    if (st == ST_OK && i == count)
+    status st = scene_check(*v, scene);
+    if (st == ST_OK && scene->volume_count > 0 && !is_listed(*v, scene))
         return status_describe(ST_USAGE, "the scene does not show the volume that is probed");
-    if (st == ST_OK)
-        st = between_steps_open(v, shown[i].between);
+    if (st != ST_OK)
+        return st;
+    leafcast_shown shown = scene_object(*v, scene, (*v)->listed);
+    *place = placement_of(shown.place);
+    st = between_steps_open(v, shown.between);
     if (st != ST_OK)
         return st;
     device_make_room(*v);
     loader_forget_failures((*v)->treelets);
-    shown[i].volume = *v;
-    shown[i].step = (*v)->live ? (*v)->step : shown[i].step;
-    volume_show_beside(&shown[i], &nothing);
+    shown.volume = *v;
+    shown.step = (*v)->live ? (*v)->step : shown.step;
+    volume_show_beside(&shown, &nothing);
     return ST_OK;
 }
 
@@ -89,11 +96,13 @@ static status probe_ray(leafcast *v, const leafcast_scene *scene, const double o
     tracer tr;
     ray r;
     ray_counters counters = {0};
-    status st = show(&v, scene);
+    placement place;
+    status st = show(&v, scene, &place);
     if (st == ST_OK)
         st = volume_tracer(v, scene, NULL, &tr);
     if (st != ST_OK)
         return st;
+    tr.place = place;
     tr.preview = tr.lenient = false;
     if (!tracer_ray(&tr, origin, direction, 0.0, INFINITY, &r))
         return ST_OK;
@@ -175,11 +184,13 @@ static status probe_segments(leafcast *v, const leafcast_scene *scene, const dou
                              int *count) {
     tracer tr;
     ray r;
-    status st = show(&v, scene);
+    placement place;
+    status st = show(&v, scene, &place);
     if (st == ST_OK)
         st = volume_tracer_of_all(v, scene, NULL, &tr);
     if (st != ST_OK)
         return st;
+    tr.place = place;
     tr.preview = tr.lenient = false;
     /* Make the whole volume active while the ray is followed. Then select the isovalues again. */
     const interest all = interest_of_all();

@@ -11,55 +11,76 @@
 
 /* ---- Which volumes ---- */
 
-/* Check that volume i's world axes agree with those of earlier volumes, where both are known. */
-static status check_world(const leafcast_scene *scene, int i) {
-    const world_axes axes = scene->volumes[i].volume->axes;
-    for (int k = 0; k < i; k++) {
-        const world_axes other = scene->volumes[k].volume->axes;
-        if (axes && other && axes != other)
-            return status_describe(ST_USAGE,
-                                   "volume %d of the scene lies in a world of %s axes, volume %d "
-                                   "in one of %s: open both with the same leafcast_options.axes",
-                                   k + 1, world_axes_name(other), i + 1, world_axes_name(axes));
-    }
-    return ST_OK;
+leafcast_shown scene_object(const leafcast *v, const leafcast_scene *scene, int i) {
+    if (scene->volume_count > 0)
+        return scene->volumes[i];
+    return (leafcast_shown){(leafcast *)(uintptr_t)v, v->field, v->step, v->surfaces,
+                            v->surface_count,         v->share, NULL};
 }
 
-/* Check the i-th volume of a scene's list. Its fields have been checked, so that nothing else can
+/* Check that volume i's world axes agree with those of *known, the first volume that tells of its
+ * own; -1: none has. */
+static status check_world(const leafcast_scene *scene, int i, int *known) {
+    const world_axes axes = scene->volumes[i].volume->axes;
+    if (axes && *known < 0)
+        *known = i;
+    const world_axes other = *known < 0 ? axes : scene->volumes[*known].volume->axes;
+    if (!axes || axes == other)
+        return ST_OK;
+    return status_describe(ST_USAGE,
+                           "volume %d of the scene lies in a world of %s axes, volume %d in one of "
+                           "%s: open both with the same leafcast_options.axes",
+                           *known + 1, world_axes_name(other), i + 1, world_axes_name(axes));
+}
+
+/* Check that object i shows its volume as the first object of that volume does. */
+static status check_set(const leafcast_scene *scene, int i) {
+    const leafcast_shown *s = &scene->volumes[i];
+    const int first = s->volume->listed;
+    const leafcast_shown *other = &scene->volumes[first];
+    const bool same_step =
+        s->volume->live || (s->step == other->step && s->between == other->between);
+    if (s->field == other->field && same_step)
+        return ST_OK;
+    return status_describe(ST_USAGE,
+                           "volumes %d and %d of the scene are the same, and show field %u at step "
+                           "%u, and field %u at step %u, or different times: at a time, a volume "
+                           "has one field and step; open it once more for another",
+                           first + 1, i + 1, other->field, other->step, s->field, s->step);
+}
+
+/* Check the i-th object of a scene's list. Its fields have been checked, so that nothing else can
  * be wrong with its surfaces than that there are none. */
-static status check_shown(const leafcast *v, const leafcast_scene *scene, int i) {
+static status check_shown(const leafcast *v, const leafcast_scene *scene, int i, int *known) {
     const leafcast_shown *s = &scene->volumes[i];
     if (s->volume->device != v->device)
         return status_describe(ST_USAGE, "volume %d of the scene is on another device", i + 1);
-    for (int k = 0; k < i; k++)
-        if (scene->volumes[k].volume == s->volume)
-            return status_describe(ST_USAGE, "volumes %d and %d of the scene are the same", k + 1,
-                                   i + 1);
-    status st = check_world(scene, i);
+    if (s->volume->listed < 0)
+        s->volume->listed = i;
+    status st = check_world(scene, i, known);
     if (st == ST_OK)
         st = between_steps_check(s->volume, s->field, s->step, s->between);
+    if (st == ST_OK)
+        st = check_set(scene, i);
+    if (st == ST_OK && s->place && scene->lod == LEAFCAST_LOD_PIXEL)
+        st = status_describe(ST_USAGE,
+                             "volume %d of the scene has a place: levels by pixels are for volumes "
+                             "without one",
+                             i + 1);
     const bool empty = s->count == 0 && !scene_is_filled(scene);
     return st == ST_OK && empty ? arguments_check_surfaces(s->surfaces, s->count) : st;
 }
 
-status scene_volumes(leafcast *v, const leafcast_scene *scene,
-                     leafcast_shown shown[LEAFCAST_VOLUMES_MAX], int *count) {
+status scene_check(leafcast *v, const leafcast_scene *scene) {
     status st = ST_OK;
-    *count = scene->volume_count;
-    for (int i = 0; i < *count && st == ST_OK; i++) {
-        st = check_shown(v, scene, i);
-        shown[i] = scene->volumes[i];
-    }
-    if (st != ST_OK || *count > 0)
-        return st;
-    shown[0] = (leafcast_shown){.volume = v,
-                                .field = v->field,
-                                .step = v->step,
-                                .surfaces = v->surfaces,
-                                .count = v->surface_count,
-                                .between = v->share};
-    *count = 1;
-    return ST_OK;
+    int known = -1;
+    v->listed = 0;
+    for (int i = 0; i < scene->volume_count; i++)
+        if (scene->volumes[i].volume->device == v->device)
+            scene->volumes[i].volume->listed = -1;
+    for (int i = 0; i < scene->volume_count && st == ST_OK; i++)
+        st = check_shown(v, scene, i, &known);
+    return st;
 }
 
 /* ---- What rays look for ---- */
@@ -93,14 +114,14 @@ void volume_show(leafcast *v, uint32_t field, uint32_t step, const leafcast_surf
 void volume_show_beside(const leafcast_shown *s, const interest *beside) {
     leafcast *v = s->volume;
     const uint32_t set = between_steps_shown(s);
-    const int count = v->kind->given && s->count > 1 ? 1 : s->count;
-    bool changed = count != v->isovalue_count || set != v->set || loader_is_behind(v->treelets) ||
-                   !interest_same(beside, &v->beside);
-    for (int i = 0; i < count; i++) {
+    bool changed = s->count != v->isovalue_count || set != v->set ||
+                   loader_is_behind(v->treelets) || !interest_same(beside, &v->beside);
+    for (int i = 0; i < s->count; i++) {
         changed |= v->isovalues[i] != s->surfaces[i].isovalue;
         v->isovalues[i] = s->surfaces[i].isovalue;
     }
-    v->isovalue_count = count;
+    v->isovalue_count = s->count;
+    v->seek = (isovalue_list){s->count, v->isovalues};
     v->set = set;
     v->beside = *beside;
     if (!changed)
@@ -114,6 +135,7 @@ void volume_show_beside(const leafcast_shown *s, const interest *beside) {
 void volume_seek_same(leafcast *v, const leafcast *other) {
     memcpy(v->isovalues, other->isovalues, sizeof v->isovalues);
     v->isovalue_count = other->isovalue_count;
+    v->seek = (isovalue_list){v->isovalue_count, v->isovalues};
     v->beside = other->beside;
     const interest wanted = wanted_of(v);
     loader_select(v->treelets, &wanted);
@@ -167,20 +189,20 @@ status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const came
     if (st != ST_OK)
         return st;
     loader_select_gradients(v->treelets, scene->smooth_normals);
-    *tr =
-        (tracer){.kind = v->kind,
-                 .kernels = &v->kernels,
-                 .choice = choice,
-                 .treelets = v->treelets,
-                 .layout = &v->file->layout,
-                 .set = v->set,
-                 .target_level = scene_level(scene, v),
-                 .isos = {v->isovalue_count, v->isovalues},
-                 .space = v->space,
-                 .preview = scene->preview,
-                 .lenient = scene->allow_missing && !scene->preview,
-                 .doubts = scene->preview && scene_is_certified(scene) && scene_filled(scene) == 1,
-                 .touched = v->touched};
+    *tr = (tracer){
+        .kind = v->kind,
+        .kernels = &v->kernels,
+        .choice = choice,
+        .treelets = v->treelets,
+        .layout = &v->file->layout,
+        .set = v->set,
+        .target_level = scene_level(scene, v),
+        .isos = {v->kind->given && v->seek.count > 1 ? 1 : v->seek.count, v->seek.isovalues},
+        .space = v->space,
+        .preview = scene->preview,
+        .lenient = scene->allow_missing && !scene->preview,
+        .doubts = scene->preview && scene_is_certified(scene) && scene_filled(scene) == 1,
+        .touched = v->touched};
     v->kind->aim(v, scene, c, tr);
     add_clips(tr, scene);
     return ST_OK;

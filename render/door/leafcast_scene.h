@@ -6,14 +6,20 @@
 #include "render/frame/frame.h"
 #include "render/look/scene_facts.h"
 
-_Static_assert((int)LEAFCAST_VOLUMES_MAX == (int)FRAME_VOLUMES_MAX,
-               "as many in a frame as in a scene");
+_Static_assert(LEAFCAST_VOLUMES_MAX < UINT16_MAX, "ray_record.volume");
 
-/* scene_volumes() - list the *count volumes that a scene passed with volume v shows, and check that
- * they can be shown together. The scene has passed arguments_check_scene(). `surfaces` still points
- * into the caller's memory, or into v. Needs the device's lock. */
-CHECKED status scene_volumes(leafcast *v, const leafcast_scene *scene,
-                             leafcast_shown shown[LEAFCAST_VOLUMES_MAX], int *count);
+/* scene_objects() - returns how many objects a scene shows. scene_object() - returns the i-th one
+ * of a scene that is passed with volume v. `surfaces` and `place` still point into the caller's
+ * memory, or into v. */
+static inline int scene_objects(const leafcast_scene *scene) {
+    return scene->volume_count > 0 ? scene->volume_count : 1;
+}
+leafcast_shown scene_object(const leafcast *v, const leafcast_scene *scene, int i);
+
+/* scene_check() - whether the objects of a scene that is passed with volume v can be shown
+ * together. Sets `listed` of their volumes: the first object that shows it. The scene has passed
+ * arguments_check_scene(). Needs the device's lock. */
+CHECKED status scene_check(leafcast *v, const leafcast_scene *scene);
 
 /* How many intervals an interest holds at most, in addition to the isovalues. */
 enum { SCENE_BESIDE_MAX = (int)INTEREST_MAX - (int)LEAFCAST_SURFACES_MAX };

@@ -1,5 +1,6 @@
 #include "render/door/leafcast_turn.h"
 
+#include "formats/base/box3.h"
 #include "render/door/between_steps.h"
 #include "render/door/coarse_preview.h"
 #include "render/door/leafcast_volume.h"
@@ -13,43 +14,115 @@ static int filled_media(const leafcast_scene *scene) {
     return 0;
 }
 
-/* Choose between the volume and its coarse grid, which then stays open until turn_end(). */
+/* All that has an element for each object. */
+#define TURN_ARRAYS(X) \
+    X(of)              \
+    X(shown)           \
+    X(first)           \
+    X(next)            \
+    X(holds)           \
+    X(surfaces)        \
+    X(isovalues)       \
+    X(place)           \
+    X(first_id) X(beside) X(drawn) X(tracers) X(coarse) X(coarse_tracers) X(level) X(reads_on)
+
+/* Make room for objects, outside of the budget, as the turn itself is. */
+static status make_room(turn *t, int objects) {
+    mem outside;
+    bool made = true;
+    mem_init(&outside, 0);
+#define MAKE(array)                                                    \
+    t->array = mem_array(&outside, (size_t)objects, sizeof *t->array); \
+    made = made && t->array;
+    TURN_ARRAYS(MAKE)
+#undef MAKE
+    t->volumes = made ? objects : 0;
+    return made ? ST_OK : ST_NOMEM;
+}
+
+static void free_room(turn *t) {
+    mem outside;
+    mem_init(&outside, 0);
+    object_tree_release(&t->objects, &outside);
+#define FREE(array) mem_free(&outside, t->array);
+    TURN_ARRAYS(FREE)
+#undef FREE
+}
+
+/* Choose between the volume and its coarse grid, which then stays open until turn_end(): the same
+ * for all objects of a volume. */
 static status choose_drawn(turn *t, int i) {
     const leafcast_shown *s = &t->shown[i];
     leafcast *coarse = NULL;
-    const status st = coarse_preview_instead(s->volume, &t->scene, s, &coarse);
-    t->drawn[i] = coarse ? coarse : s->volume;
+    status st = ST_OK;
+    if (turn_is_first(t, i)) {
+        st = coarse_preview_instead(s->volume, &t->scene, s, &coarse);
+        t->drawn[i] = coarse ? coarse : s->volume;
+    } else {
+        t->drawn[i] = t->drawn[t->first[i]];
+    }
     t->drawn[i]->frames += turn_is_instead(t, i);
     t->tracers[i] = (tracer){.kind = t->drawn[i]->kind,
                              .kernels = &t->drawn[i]->kernels,
-                             .layout = &t->drawn[i]->file->layout};
+                             .twin = t->first[i],
+                             .layout = &t->drawn[i]->file->layout,
+                             .place = t->place[i]};
     return st;
+}
+
+/* Note which objects are of the same volume as object i. */
+static void join_first(turn *t, int i, int last[]) {
+    const int first = t->shown[i].volume->listed;
+    t->first[i] = first;
+    t->next[i] = -1;
+    if (first != i)
+        t->next[last[first]] = i;
+    last[first] = i;
+}
+
+/* Copy what the scene says of object i, and choose what is drawn of it. */
+static status describe_object(turn *t, int i, int32_t *id) {
+    leafcast_shown *s = &t->shown[i];
+    t->place[i] = placement_of(s->place);
+    s->place = NULL;
+    for (int k = 0; k < s->count; k++) {
+        t->surfaces[i][k] = s->surfaces[k];
+        t->isovalues[i][k] = s->surfaces[k].isovalue;
+    }
+    s->surfaces = t->surfaces[i];
+    if (turn_is_first(t, i)) {
+        t->holds[i] = (live_hold){.step = s->step};
+        live_steps_hold(s->volume->live, &t->holds[i]);
+        s->step = t->holds[i].step;
+    } else {
+        s->step = t->shown[t->first[i]].step;
+    }
+    t->first_id[i] = *id;
+    *id += s->count;
+    t->of[i] = s->volume;
+    const status st = between_steps_open(&s->volume, s->between);
+    return st == ST_OK ? choose_drawn(t, i) : st;
 }
 
 status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene) {
     *t = (turn){.device = v->device, .scene = *scene};
-    status st = scene_volumes(v, scene, t->shown, &t->volumes);
+    status st = scene_check(v, scene);
+    if (st == ST_OK)
+        st = make_room(t, scene_objects(scene));
     if (st == ST_OK && scene->experiments) {
         t->experiments = *scene->experiments;
         t->scene.experiments = &t->experiments;
     }
     t->scene.media_count = st == ST_OK ? filled_media(scene) : 0;
+    for (int i = 0; i < t->volumes; i++)
+        t->shown[i] = scene_object(v, scene, i);
+    for (int i = 0; i < t->volumes; i++)
+        join_first(t, i, (int *)t->level); /* not in use yet */
     int32_t id = 0;
-    for (int i = 0; i < t->volumes && st == ST_OK; i++) {
-        leafcast_shown *s = &t->shown[i];
-        for (int k = 0; k < s->count; k++)
-            t->surfaces[i][k] = s->surfaces[k];
-        s->surfaces = t->surfaces[i];
-        t->holds[i] = (live_hold){.step = s->step};
-        live_steps_hold(s->volume->live, &t->holds[i]);
-        s->step = t->holds[i].step;
-        t->first_id[i] = id;
-        id += s->count;
-        t->of[i] = s->volume;
-        st = between_steps_open(&s->volume, s->between);
-        if (st == ST_OK)
-            st = choose_drawn(t, i);
-    }
+    for (int i = 0; i < t->volumes && st == ST_OK; i++)
+        st = describe_object(t, i, &id);
+    for (int i = 0; i < t->volumes; i++)
+        t->level[i] = 0;
     t->f.m = &v->device->budget;
     t->f.threads = v->device->threads;
     t->f.isa = v->device->isa;
@@ -66,7 +139,7 @@ bool turn_any_instead(const turn *t) {
     return any;
 }
 
-static bool is_shown(const turn *t, const leafcast *v) {
+bool turn_shows(const turn *t, const leafcast *v) {
     bool shown = false;
     for (int i = 0; i < t->volumes; i++)
         shown |= t->shown[i].volume == v;
@@ -77,7 +150,7 @@ static bool is_shown(const turn *t, const leafcast *v) {
  * is shown, too. */
 static leafcast *other_times(const turn *t, int i) {
     leafcast *of = t->of[i], *other = t->shown[i].volume == of ? of->between : of;
-    return is_shown(t, other) ? NULL : other;
+    return !other || turn_shows(t, other) ? NULL : other;
 }
 
 /* Whether volume i is drawn at one level, and only its isosurfaces. */
@@ -95,22 +168,91 @@ static void choose_level(turn *t, int i) {
     t->coarser |= t->level[i] > asked;
 }
 
-/* Select what rays see of volume i in this turn. */
-static status prepare_volume(turn *t, int i) {
+/* ---- What objects of one volume ask for together ---- */
+
+/* The surfaces of all objects of a volume; `surfaces` lies in of[]. */
+typedef struct joint {
+    leafcast_shown shown;
+    leafcast_surface of[LEAFCAST_SURFACES_MAX];
+    interest beside;
+    bool all; /* there are too many: it asks for all values */
+} joint;
+
+static void add_surface(joint *j, const leafcast_surface *s) {
+    int k = 0;
+    while (k < j->shown.count && j->of[k].isovalue != s->isovalue)
+        k++;
+    if (k < j->shown.count)
+        return;
+    if (k < LEAFCAST_SURFACES_MAX)
+        j->of[j->shown.count++] = *s;
+    else
+        j->all = true;
+}
+
+static void add_beside(joint *j, const interest *more) {
+    interest_interval of[2 * SCENE_BESIDE_MAX];
+    int count = 0;
+    for (int i = 0; i < j->beside.count && count < 2 * SCENE_BESIDE_MAX; i++)
+        of[count++] = j->beside.of[i];
+    for (int i = 0; i < more->count && count < 2 * SCENE_BESIDE_MAX; i++)
+        of[count++] = more->of[i];
+    const homogeneous whole = j->beside.count > 0 ? j->beside.whole : more->whole;
+    j->beside = interest_of_intervals(of, count);
+    j->beside.whole = whole;
+    j->all = j->all || j->beside.count > SCENE_BESIDE_MAX;
+}
+
+/* Join what all objects of volume i, the first of them, ask for. */
+static void join_objects(const turn *t, int i, joint *j) {
+    *j = (joint){.shown = t->shown[i], .beside = t->beside[i]};
+    j->shown.surfaces = j->of;
+    j->shown.count = 0;
+    for (int k = 0; k < t->shown[i].count; k++)
+        j->of[j->shown.count++] = t->surfaces[i][k];
+    for (int n = t->next[i]; n >= 0 && !j->all; n = t->next[n]) {
+        for (int k = 0; k < t->shown[n].count; k++)
+            add_surface(j, &t->surfaces[n][k]);
+        add_beside(j, &t->beside[n]);
+    }
+    if (j->all)
+        j->beside = interest_of_all();
+}
+
+/* ---- A turn ---- */
+
+/* Select what rays see of a volume in this turn: what all its objects ask for. */
+static void select_volume(const turn *t, int i, const joint *j) {
     const leafcast_shown *s = &t->shown[i];
     leafcast *v = s->volume, *other = other_times(t, i);
     if (other)
         loader_rest(other->treelets);
-    if (turn_is_instead(t, i)) {
-        const status st = coarse_preview_show(t->drawn[i], &t->scene, s, &t->beside[i],
-                                              &t->f.camera, &t->tracers[i]);
-        t->tracers[i].above = t->above;
-        return st;
-    }
+    if (turn_is_instead(t, i))
+        return;
     loader_forget_failures(v->treelets);
     if (t->scene.allow_missing && !t->scene.preview)
         loader_tolerate(v->treelets);
-    volume_show_beside(s, &t->beside[i]);
+    volume_show_beside(&j->shown, &j->beside);
+}
+
+static void place_tracer(const turn *t, int i, tracer *tr) {
+    tr->place = t->place[i];
+    tr->twin = t->first[i];
+    tr->above = t->above;
+}
+
+/* Make the tracer of object i, and that of its coarse grid. */
+static status prepare_object(turn *t, int i, const joint *j) {
+    const leafcast_shown *s = &t->shown[i];
+    leafcast *v = s->volume;
+    status st = ST_OK;
+    v->seek = (isovalue_list){s->count, t->isovalues[i]};
+    if (turn_is_instead(t, i)) {
+        st = coarse_preview_show(t->drawn[i], &t->scene, &j->shown, &j->beside, &t->f.camera,
+                                 &t->tracers[i]);
+        place_tracer(t, i, &t->tracers[i]);
+        return st;
+    }
     leafcast_scene scene = t->scene;
     if (may_be_coarser(t, i) && !t->begun)
         choose_level(t, i);
@@ -118,11 +260,63 @@ static status prepare_volume(turn *t, int i) {
         scene.lod = LEAFCAST_LOD_LEVEL;
         scene.lod_level = t->level[i];
     }
-    status st = volume_tracer(v, &scene, &t->f.camera, &t->tracers[i]);
-    t->tracers[i].above = t->above;
+    st = volume_tracer(v, &scene, &t->f.camera, &t->tracers[i]);
+    place_tracer(t, i, &t->tracers[i]);
     t->tracers[i].preview &= !may_be_coarser(t, i); /* it waits for the level that was chosen */
-    if (st == ST_OK && s->count > 0)
-        st = coarse_preview_begin(v, &t->scene, s, &t->coarse_tracers[i], &t->coarse[i]);
+    if (st == ST_OK && s->count > 0) {
+        st = coarse_preview_begin(v, &t->scene, &j->shown, &t->coarse_tracers[i], &t->coarse[i]);
+        t->coarse_tracers[i].place = t->place[i];
+    }
+    return st;
+}
+
+/* Prepare a volume, and all its objects. */
+static status prepare_volume(turn *t, int i) {
+    joint j;
+    status st = ST_OK;
+    join_objects(t, i, &j);
+    select_volume(t, i, &j);
+    for (int n = i; n >= 0 && st == ST_OK; n = t->next[n])
+        st = prepare_object(t, n, &j);
+    return st;
+}
+
+/* The box of an object in the scene's world: with that of what stands in for it. */
+static void object_box(const turn *t, int i, double box[2][3]) {
+    double corners[8][3];
+    box3_begin(box);
+    tracer_corners(&t->tracers[i], corners);
+    for (int k = 0; k < 8; k++)
+        box3_widen(box, corners[k], corners[k]);
+    if (!t->coarse[i])
+        return;
+    tracer_corners(t->coarse[i], corners);
+    for (int k = 0; k < 8; k++)
+        box3_widen(box, corners[k], corners[k]);
+}
+
+/* Of fewer objects each ray asks all. */
+enum { TREE_LEAST = 4 };
+
+/* Make the tree of objects, once their tracers are there. */
+static status make_tree(turn *t) {
+    mem outside;
+    mem_init(&outside, 0);
+    t->f.coarse = false;
+    for (int i = 0; i < t->volumes; i++)
+        t->f.coarse |= t->tracers[i].coarse;
+    if (t->volumes < TREE_LEAST)
+        return ST_OK;
+    double(*boxes)[2][3] = mem_array(&outside, (size_t)t->volumes, sizeof *boxes);
+    if (!boxes)
+        return ST_NOMEM;
+    for (int i = 0; i < t->volumes; i++)
+        object_box(t, i, boxes[i]);
+    object_tree_release(&t->objects, &outside);
+    const status st =
+        object_tree_make(&t->objects, &outside, (const double(*)[2][3])boxes, (uint32_t)t->volumes);
+    t->f.objects = &t->objects;
+    mem_free(&outside, boxes);
     return st;
 }
 
@@ -172,8 +366,8 @@ static status share_budget(turn *t) {
 static status prepare_all(turn *t) {
     status st = ST_OK;
     for (int i = 0; i < t->volumes && st == ST_OK; i++)
-        st = prepare_volume(t, i);
-    return st;
+        st = turn_is_first(t, i) ? prepare_volume(t, i) : ST_OK;
+    return st == ST_OK ? make_tree(t) : st;
 }
 
 /* Set all that another frame may have changed in between. */
@@ -189,7 +383,8 @@ status turn_prepare(turn *t) {
     if (st != ST_OK)
         return st;
     for (int i = 0; i < t->volumes; i++)
-        begin_loading(t, i);
+        if (turn_is_first(t, i))
+            begin_loading(t, i);
     st = device_scratch(t->device, budget_scratch(&t->f));
     t->f.scratch = t->device->scratch;
     t->begun = true;
@@ -201,6 +396,8 @@ status turn_prepare(turn *t) {
 status turn_check(const turn *t, bool done, status st) {
     for (int i = 0; i < t->volumes; i++) {
         const leafcast *v = t->shown[i].volume;
+        if (!turn_is_first(t, i))
+            continue;
         if (st == ST_OK && (t->coarse[i] || turn_is_instead(t, i)))
             st = loader_failure(v->coarse->treelets);
         if (st == ST_OK && done && t->scene.sweep && !t->scene.preview)
@@ -224,6 +421,8 @@ static void read_other_times(const turn *t, int i) {
 
 void turn_read_on(const turn *t) {
     for (int i = 0; i < t->volumes; i++) {
+        if (!turn_is_first(t, i))
+            continue;
         const uint64_t read = loader_statistics(t->shown[i].volume->treelets).bytes_read;
         if (may_be_coarser(t, i) && !t->reads_on[i] && read < LOADER_PREVIEW_BYTES)
             sweep_for_previews(t, i, LOADER_PREVIEW_BYTES - read);
@@ -275,6 +474,8 @@ void turn_stats(const turn *t, leafcast_stats *stats) {
     stats->threads = pool_threads(t->f.threads);
     stats->isa = first->device->isa_name;
     for (int i = 0; i < t->volumes; i++) {
+        if (!turn_is_first(t, i))
+            continue;
         add_volume_stats(t->shown[i].volume, stats);
         if (t->coarse[i] || turn_is_instead(t, i))
             coarse_preview_stats(t->shown[i].volume, stats);
@@ -289,4 +490,5 @@ void turn_end(turn *t) {
             loader_rest(t->shown[i].volume->treelets);
         live_steps_let_go(&t->holds[i]);
     }
+    free_room(t);
 }

@@ -18,26 +18,37 @@ typedef struct turn {
     double above;         /* tracer.above of all tracers */
     leafcast_scene scene; /* its experiments and volumes are copied below: */
     leafcast_scene_experiments experiments;
-    int volumes;
-    leafcast *of[LEAFCAST_VOLUMES_MAX]; /* those that the scene lists, and in their places: */
-    leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
-    live_hold holds[LEAFCAST_VOLUMES_MAX]; /* of live volumes, from first to last */
-    leafcast_surface surfaces[LEAFCAST_VOLUMES_MAX][LEAFCAST_SURFACES_MAX];
-    int32_t first_id[LEAFCAST_VOLUMES_MAX];      /* a volume's surfaces have ids from here on */
-    interest beside[LEAFCAST_VOLUMES_MAX];       /* the interest beside isovalues */
-    leafcast *drawn[LEAFCAST_VOLUMES_MAX];       /* the volume, or in a preview its coarse grid */
-    tracer tracers[LEAFCAST_VOLUMES_MAX];        /* of drawn[i] */
-    const tracer *coarse[LEAFCAST_VOLUMES_MAX];  /* where a preview's treelets are absent: */
-    tracer coarse_tracers[LEAFCAST_VOLUMES_MAX]; /* one of these; or NULL */
-    frame f;
+    int volumes;           /* objects; of each, in their order: */
+    leafcast **of;         /* its volume as the scene lists it, and in its place: */
+    leafcast_shown *shown; /* without `place` */
+    int *first;            /* the first object of the same volume, perhaps this one, */
+    int *next;             /* and the next one; -1: there is none */
+    live_hold *holds;      /* of live volumes, from first to last */
+    leafcast_surface (*surfaces)[LEAFCAST_SURFACES_MAX];
+    double (*isovalues)[LEAFCAST_SURFACES_MAX]; /* the same */
+    placement *place;
+    int32_t *first_id;      /* its surfaces have ids from here on */
+    interest *beside;       /* the interest beside isovalues */
+    leafcast **drawn;       /* the volume, or in a preview its coarse grid */
+    tracer *tracers;        /* of drawn[i] */
+    const tracer **coarse;  /* where a preview's treelets are absent: */
+    tracer *coarse_tracers; /* one of these; or NULL */
     /* In a preview of isosurfaces: the level that is drawn, at least the one that is asked for. */
-    uint32_t level[LEAFCAST_VOLUMES_MAX];
-    bool coarser;                        /* a volume is drawn coarser than asked for */
-    bool reads_on[LEAFCAST_VOLUMES_MAX]; /* in such a preview: more than it needs is read meanwhile
-                                          */
-    size_t reserved;                     /* this frame's part of the device's frames_bytes */
-    bool begun;                          /* this is not the first turn */
+    uint32_t *level;
+    bool *reads_on; /* in such a preview: more than it needs is read meanwhile */
+    object_tree objects;
+    frame f;
+    bool coarser;    /* a volume is drawn coarser than asked for */
+    size_t reserved; /* this frame's part of the device's frames_bytes */
+    bool begun;      /* this is not the first turn */
 } turn;
+
+/* turn_is_first() - whether no object before i is of the same volume. turn_shows() - whether any
+ * object is of v. */
+static inline bool turn_is_first(const turn *t, int i) {
+    return t->first[i] == i;
+}
+bool turn_shows(const turn *t, const leafcast *v);
 
 /* turn_describe() - set *t up from a scene. The caller sets the look, integrator, camera, image and
  * size of t->f. Changes nothing in the volumes, except that it may open coarse grids. */

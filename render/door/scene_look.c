@@ -67,8 +67,9 @@ static status fill_volume(scene_look *l, int i) {
 /* Set media up for an experiment that sums in steps, without an error bound. */
 static status fill_for_steps(scene_look *l) {
     turn *t = l->turn;
-    if (t->volumes > 1 || t->shown[0].count > 0)
-        return status_describe(ST_USAGE, "media in steps: one volume without isosurfaces");
+    if (t->volumes > 1 || t->shown[0].count > 0 || t->place[0].moved)
+        return status_describe(ST_USAGE, "media in steps: one volume without isosurfaces, and "
+                                         "without a place");
     const status st = laboratory_needed(&l->laboratory);
     const laboratory_medium medium = {&l->media[0], l->ranges[0],
                                       leafcast_describe(t->shown[0].volume).cell_size};
@@ -84,7 +85,8 @@ static homogeneous homogeneous_of(const scene_look *l, int i) {
     v->kind->describe(v, &info);
     for (int a = 0; a < 3; a++)
         square += (info.bounds[1][a] - info.bounds[0][a]) * (info.bounds[1][a] - info.bounds[0][a]);
-    return medium_homogeneous(&l->look, i, sqrt(square), v->file->layout.type != SAMPLE_F32,
+    const double longest = sqrt(square) * (l->turn->place[i].moved ? l->turn->place[i].grow : 1.0);
+    return medium_homogeneous(&l->look, i, longest, v->file->layout.type != SAMPLE_F32,
                               e ? e->homogeneous : 0.0);
 }
 
@@ -93,6 +95,7 @@ static void shade_media(scene_look *l) {
     const turn *t = l->turn;
     const leafcast_scene *scene = &t->scene;
     l->shade = medium_shade_of(scene);
+    l->shade.steepness = l->steepness;
     for (int i = 0; i < t->volumes; i++) {
         const leafcast *v = t->shown[i].volume;
         leafcast_info info = {.cell_size = 1.0};
@@ -102,7 +105,9 @@ static void shade_media(scene_look *l) {
         const kind *k = t->tracers[i].kind;
         v->kind->describe(v, &info);
         shown_range(l, i, range);
-        l->shade.steepness[i] = medium_shade_steepness(scene->shade_fade, info.cell_size, range);
+        if (t->place[i].moved)
+            info.cell_size *= t->place[i].size;
+        l->steepness[i] = medium_shade_steepness(scene->shade_fade, info.cell_size, range);
         l->look.overlaid |= k->walks->overlaps;
     }
     l->look.brightest *= l->shade.most;
@@ -124,7 +129,8 @@ static status fill(scene_look *l) {
     l->look.filled = 0;
     for (int i = 0; i < t->volumes && st == ST_OK; i++) {
         st = fill_volume(l, i);
-        l->look.filled += l->media[i].spans > 0;
+        if (l->media[i].spans > 0)
+            l->look.filled_by[l->look.filled++] = (uint16_t)i;
     }
     const bool certified = !scene->experiments || scene->experiments->summing == LEAFCAST_CERTIFIED;
     if (st == ST_OK && !certified)
@@ -196,14 +202,42 @@ static bool is_soft(const turn *t) {
     return soft;
 }
 
+/* Make what has an element for each object. */
+static status make_room(scene_look *l) {
+    mem outside;
+    const size_t objects = (size_t)l->turn->volumes;
+    mem_init(&outside, 0);
+    l->media = mem_array(&outside, objects, sizeof *l->media);
+    l->colours = mem_array(&outside, objects, sizeof *l->colours);
+    l->ranges = mem_array(&outside, objects, sizeof *l->ranges);
+    l->steepness = mem_array(&outside, objects, sizeof *l->steepness);
+    return l->media && l->colours && l->ranges && l->steepness ? ST_OK : ST_NOMEM;
+}
+
+static bool any_clear(const turn *t) {
+    for (int i = 0; i < t->volumes; i++)
+        for (int k = 0; k < t->shown[i].count; k++)
+            if (t->surfaces[i][k].opacity < 1.0F)
+                return true;
+    return false;
+}
+
 status scene_look_choose(scene_look *l, turn *t) {
     const leafcast_scene *scene = &t->scene;
-    status st = ST_OK;
+    const bool clear = any_clear(t);
     l->turn = t;
+    status st = make_room(l);
+    if (st != ST_OK)
+        return st;
     l->look.surfaces =
-        (surface_look){scene,       (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])t->surfaces,
-                       t->first_id, l->colours,
-                       is_soft(t),  bounces_of(t)};
+        (surface_look){.scene = scene,
+                       .surfaces = (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])t->surfaces,
+                       .first_id = t->first_id,
+                       .colours = l->colours,
+                       .opaque = !clear,
+                       .clear = clear,
+                       .soft = is_soft(t),
+                       .bounces = bounces_of(t)};
     for (int v = 0; v < t->volumes && st == ST_OK; v++)
         if (t->shown[v].colours)
             st = transfer_init(&l->colours[v], t->f.m, t->shown[v].colours);
@@ -223,10 +257,16 @@ status scene_look_choose(scene_look *l, turn *t) {
 }
 
 void scene_look_release(scene_look *l, mem *m) {
-    for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
+    mem outside;
+    mem_init(&outside, 0);
+    for (int i = 0; l->media && i < l->turn->volumes; i++)
         transfer_release(&l->media[i], m);
-    for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
+    for (int i = 0; l->colours && i < l->turn->volumes; i++)
         transfer_release(&l->colours[i], m);
+    mem_free(&outside, l->colours);
+    mem_free(&outside, l->media);
+    mem_free(&outside, l->ranges);
+    mem_free(&outside, l->steepness);
     transfer_release(&l->cap_colours, m);
     if (l->laboratory)
         l->laboratory->end_steps(m, l->stepped);

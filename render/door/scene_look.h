@@ -21,11 +21,11 @@ typedef struct scene_look {
     projection_look projected;
     const laboratory *laboratory; /* media in steps: who draws them, and */
     void *stepped;                /* their look; else NULL */
-    transfer media[LEAFCAST_VOLUMES_MAX];
-    medium_shade shade;                     /* for scene.shade_media */
-    transfer colours[LEAFCAST_VOLUMES_MAX]; /* of surfaces; without spans: by their own */
-    transfer cap_colours;                   /* without spans: caps have surfaces' colours */
-    double ranges[LEAFCAST_VOLUMES_MAX][2];
+    transfer *media;              /* one an object, as are: */
+    transfer *colours;            /* of surfaces; without spans: by their own */
+    double (*ranges)[2], *steepness;
+    medium_shade shade;   /* for scene.shade_media */
+    transfer cap_colours; /* without spans: caps have surfaces' colours */
 } scene_look;
 
 /* scene_look_choose() - set the integrator and the look of a described turn. Also sets which values

@@ -103,18 +103,10 @@ static uint32_t tiles_of(uint32_t pixels, uint32_t side) {
     return (pixels + side - 1) / side;
 }
 
-static uint32_t treelets_of(const frame *f) {
-    uint32_t treelets = 0;
-    for (int v = 0; v < f->volumes; v++)
-        treelets += f->tracer[v].layout->treelets;
-    return treelets;
-}
-
 size_t frame_bytes(const frame *f, uint32_t records_max) {
     const uint32_t side = kind_tile_side(f->tracer->kind);
     const size_t tiles = (size_t)tiles_of(f->width, side) * tiles_of(f->height, side);
-    return frame_work_bytes(treelets_of(f), tiles) +
-           ray_records_bytes(frame_record_bytes(f), records_max) +
+    return frame_work_bytes(f, tiles) + ray_records_bytes(frame_record_bytes(f), records_max) +
            tiles * (side * sizeof(tile_row) + sizeof(uint32_t)) +
            ((size_t)pool_threads(f->threads) + 1) * sizeof(tally) + sizeof(drawing) + 128;
 }
@@ -299,7 +291,8 @@ static status draw_items(void *ctx, size_t index, int worker) {
 static status failure(const frame *f) {
     status st = ST_OK;
     for (int v = 0; v < f->volumes && st == ST_OK; v++)
-        st = loader_failure(f->tracer[v].treelets);
+        if (f->tracer[v].twin == v)
+            st = loader_failure(f->tracer[v].treelets);
     return st;
 }
 

@@ -13,6 +13,7 @@
 #include <stdatomic.h>
 
 #include "formats/base/pool.h"
+#include "render/frame/object_tree.h"
 #include "render/leafcast.h"
 #include "render/look/camera.h"
 #include "render/look/projection.h"
@@ -21,14 +22,13 @@
 
 struct integrator;
 
-/* The most volumes that a frame shows. */
-enum { FRAME_VOLUMES_MAX = 16 };
-
 typedef struct frame {
     mem *m;
     pool *threads;
-    const tracer *tracer; /* one a volume */
+    const tracer *tracer; /* one an object; here `volume` is an object's number */
     int volumes;
+    const object_tree *objects;     /* over the boxes of all; NULL: rays ask each */
+    bool coarse;                    /* some tracer is `coarse` */
     const tracer *const *stand_ins; /* one a volume, of any kind: what is asked where its treelets
                                        are absent; NULL for none, and for all of them */
     const struct integrator *integrator;
@@ -53,6 +53,17 @@ typedef struct frame {
 static inline bool frame_goes_on(const frame *f) {
     return !(f->cancel && atomic_load_explicit(f->cancel, memory_order_relaxed)) &&
            (!f->watch || f->watch(f->watch_ctx, -1.0));
+}
+
+/* frame_object() - returns the first object, from `from` on, that a ray of the scene may meet in
+ * [t0, t1]; f->volumes: there is none. */
+static inline uint16_t frame_object(const frame *f, const double origin[3],
+                                    const double direction[3], double t0, double t1,
+                                    uint16_t from) {
+    if (!f->objects || from >= f->volumes)
+        return from;
+    const object_ray r = {origin, direction, t0, t1};
+    return (uint16_t)object_tree_from(f->objects, &r, from);
 }
 
 /* frame_plane() - index of a pixel in the image's planes. */

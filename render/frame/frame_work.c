@@ -22,7 +22,7 @@ static wish wish_of(const ray_record *r) {
 
 static uint64_t priority_of(const frame *f, wish w) {
     const tracer *tr = &f->tracer[w.volume];
-    const ray_bundle rays = f->integrator->bundle(f, w.leg);
+    const ray_bundle all = f->integrator->bundle(f, w.leg), rays = tracer_bundle(tr, &all);
     return (uint64_t)w.leg << 32 | tr->kind->walks->rank(tr, w.t, &rays);
 }
 
@@ -90,7 +90,7 @@ static uint32_t pop_tile(frame_work *w, uint32_t *list) {
  * else waits for it, and it is still absent. */
 static bool hang_up_ray(frame_work *w, uint32_t record) {
     const ray_record *r = ray_records_at(w->records, record);
-    const uint32_t t = w->first[r->volume] + r->blocked;
+    const uint32_t t = w->numbers[r->volume].first + r->blocked;
     const bool ready = loader_has_come(w->f->tracer[r->volume].treelets, r->blocked);
     const bool first = !ready && begin_waiting(w, t);
     push_ray(w, &w->buckets[t], record);
@@ -123,39 +123,23 @@ static void hang_up_hand(frame_work *w, work_hand *own) {
 
 /* ---- Arrivals ---- */
 
-/* Whether no volume before this one has the same loader. */
-static bool is_first_of_loader(const frame *f, int volume) {
-    int v = 0;
-    while (f->tracer[v].treelets != f->tracer[volume].treelets)
-        v++;
-    return v == volume;
-}
-
 /* Whether any loader has arrivals. Takes no lock. */
-static bool has_arrivals(const frame *f) {
+static bool has_arrivals(const frame_work *w) {
     bool any = false;
-    for (int v = 0; v < f->volumes && !any; v++)
-        any = arrivals_any(&f->tracer[v].treelets->arrivals);
+    for (int i = 0; i < w->loader_count && !any; i++)
+        any = arrivals_any(&w->numbers[i].from->arrivals);
     return any;
-}
-
-/* With the lock held: a treelet of a loader is READY. Call bucket_ready() for its bucket in each
- * volume with that loader. */
-static void buckets_ready(frame_work *w, const loader *from, uint32_t t) {
-    for (int v = 0; v < w->f->volumes; v++)
-        if (w->f->tracer[v].treelets == from)
-            bucket_ready(w, w->first[v] + t);
 }
 
 /* With the lock held: take all arrivals of the loaders. Returns whether all of them are READY. */
 static bool take_arrivals(frame_work *w) {
     bool all = true;
-    for (int v = 0; v < w->f->volumes; v++) {
-        loader *from = w->f->tracer[v].treelets;
+    for (int i = 0; i < w->loader_count; i++) {
+        loader *from = w->numbers[i].from;
         for (uint32_t t = arrivals_take(&from->arrivals), after; t != arrivals_end; t = after) {
             after = arrivals_after(&from->arrivals, t);
             if (loader_has_come(from, t))
-                buckets_ready(w, from, t);
+                bucket_ready(w, w->numbers[i].first_of + t);
             else
                 all = false;
         }
@@ -237,10 +221,10 @@ static void end_round(frame_work *w) {
     sleepers_wake_all(&w->sleepers);
 }
 
-static bool loaders_read(const frame *f) {
+static bool loaders_read(const frame_work *w) {
     bool reading = false;
-    for (int v = 0; v < f->volumes && !reading; v++)
-        reading = loader_is_reading(f->tracer[v].treelets);
+    for (int i = 0; i < w->loader_count && !reading; i++)
+        reading = loader_is_reading(w->numbers[i].from);
     return reading;
 }
 
@@ -250,8 +234,8 @@ bool frame_work_late(const frame_work *w) {
 }
 
 /* Whether a treelet has arrived, or a read is under way whose end will wake a thread. */
-static bool more_comes(const frame *f) {
-    return loaders_read(f) || has_arrivals(f);
+static bool more_comes(const frame_work *w) {
+    return loaders_read(w) || has_arrivals(w);
 }
 
 /* The time at which a sleeping thread must wake. */
@@ -281,8 +265,8 @@ static bool lie_down_or_end(frame_work *w, work_hand *own) {
      * it looks whether there are any. */
     (void)ray_records_keep(w->records, &own->reserve, 0);
     const bool last = sleepers_lie_down(&w->sleepers) == atomic_load(&w->inside);
-    const bool ends = last && !(w->hung_up > 0 && more_comes(w->f));
-    if (!ends && !has_arrivals(w->f))
+    const bool ends = last && !(w->hung_up > 0 && more_comes(w));
+    if (!ends && !has_arrivals(w))
         return true;
     sleepers_get_up(&w->sleepers);
     if (ends)
@@ -312,7 +296,7 @@ void frame_work_leave(frame_work *w, work_hand *own) {
 /* Take a tile to begin while nothing else can be done. Takes no lock. */
 static bool take_quickly(frame_work *w, const work_hand *own, work_item *item) {
     item->is_tile = true;
-    return !atomic_load_explicit(&w->look, memory_order_relaxed) && !has_arrivals(w->f) &&
+    return !atomic_load_explicit(&w->look, memory_order_relaxed) && !has_arrivals(w) &&
            own->reserve.promised >= w->tile_rays && !is_cancelled(w->f) && !frame_work_late(w) &&
            next_tile(w, &item->tile);
 }
@@ -428,7 +412,6 @@ bool frame_work_done(frame_work *w) {
 }
 
 status frame_work_admit(frame_work *w) {
-    const frame *f = w->f;
     status st = ST_OK;
     pthread_mutex_lock(&w->lock);
     atomic_store_explicit(&w->over, false, memory_order_relaxed);
@@ -436,9 +419,9 @@ status frame_work_admit(frame_work *w) {
     (void)has_work(w);
     pthread_mutex_unlock(&w->lock);
     /* Each loader that rays wait for brings at least one treelet. */
-    for (int v = 0; v < f->volumes && !tiles && st == ST_OK; v++) {
-        loader *from = f->tracer[v].treelets;
-        const size_t count = is_first_of_loader(f, v) ? collect_requests(w, from) : 0;
+    for (int i = 0; i < w->loader_count && !tiles && st == ST_OK; i++) {
+        loader *from = w->numbers[i].from;
+        const size_t count = collect_requests(w, from);
         if (count > 0)
             st = loader_admit(from, w->requests, count);
     }
@@ -455,7 +438,7 @@ status frame_work_admit(frame_work *w) {
 static void sort_buckets(frame_work *w) {
     w->ready_first = none;
     w->waiting_count = 0;
-    for (uint32_t t = 0; t < w->first[w->f->volumes]; t++) {
+    for (uint32_t t = 0; t < w->treelets; t++) {
         work_bucket *b = &w->buckets[t];
         b->next = not_ready;
         for (; b->tiles != none; w->hung_up--)
@@ -472,8 +455,8 @@ static void sort_buckets(frame_work *w) {
 
 void frame_work_begin(frame_work *w, double until) {
     const frame *f = w->f;
-    for (int v = 0; v < f->volumes; v++)
-        loader_listen(f->tracer[v].treelets, &w->sleepers);
+    for (int i = 0; i < w->loader_count; i++)
+        loader_listen(w->numbers[i].from, &w->sleepers);
     pthread_mutex_lock(&w->lock);
     w->until = until;
     atomic_store_explicit(&w->progress, false, memory_order_relaxed);
@@ -490,14 +473,39 @@ void frame_work_begin(frame_work *w, double until) {
 }
 
 void frame_work_end(frame_work *w) {
-    for (int v = 0; v < w->f->volumes; v++)
-        loader_listen(w->f->tracer[v].treelets, NULL);
+    for (int i = 0; i < w->loader_count; i++)
+        loader_listen(w->numbers[i].from, NULL);
 }
 
 /* ---- Making and ending ---- */
 
-size_t frame_work_bytes(uint32_t treelets, size_t tiles) {
-    return treelets * (sizeof(work_bucket) + sizeof(uint32_t) + sizeof(loader_request)) +
+/* Returns the number of treelets of all loaders. Numbers them, unless w is NULL. */
+static uint32_t number_treelets(const frame *f, frame_work *w) {
+    uint32_t treelets = 0;
+    int count = 0;
+    for (int v = 0; v < f->volumes; v++) {
+        const tracer *tr = &f->tracer[v];
+        if (w && tr->twin == v) {
+            w->numbers[count].from = tr->treelets;
+            w->numbers[count].first_of = treelets;
+        }
+        if (w)
+            w->numbers[v].first = tr->twin == v ? treelets : w->numbers[tr->twin].first;
+        count += tr->twin == v;
+        treelets += tr->twin == v ? tr->layout->treelets : 0;
+    }
+    if (w) {
+        w->loader_count = count;
+        w->treelets = treelets;
+    }
+    return treelets;
+}
+
+size_t frame_work_bytes(const frame *f, size_t tiles) {
+    const uint32_t treelets = number_treelets(f, NULL);
+    const size_t objects = (size_t)f->volumes;
+    return (objects > 1 ? objects * sizeof(frame_numbers) + 128 : 0) +
+           treelets * (sizeof(work_bucket) + sizeof(uint32_t) + sizeof(loader_request)) +
            tiles * (sizeof(work_tile) + sizeof(uint32_t));
 }
 
@@ -512,9 +520,11 @@ status frame_work_init(frame_work *w, const frame *f, ray_records *records, uint
                       .resumable = none};
     pthread_mutex_init(&w->lock, NULL);
     sleepers_init(&w->sleepers);
-    for (int v = 0; v < f->volumes; v++)
-        w->first[v + 1] = w->first[v] + f->tracer[v].layout->treelets;
-    const uint32_t treelets = w->first[f->volumes];
+    const size_t objects = (size_t)f->volumes;
+    w->numbers = objects > 1 ? mem_array(f->m, objects, sizeof *w->numbers) : &w->only;
+    if (!w->numbers)
+        return ST_NOMEM;
+    const uint32_t treelets = number_treelets(f, w);
     w->buckets = mem_array(f->m, treelets, sizeof *w->buckets);
     w->waiting = mem_array(f->m, treelets, sizeof *w->waiting);
     w->requests = mem_array(f->m, treelets, sizeof *w->requests);
@@ -528,6 +538,8 @@ status frame_work_init(frame_work *w, const frame *f, ray_records *records, uint
 }
 
 void frame_work_release(frame_work *w) {
+    if (w->numbers != &w->only)
+        mem_free(w->f->m, w->numbers);
     mem_free(w->f->m, w->order);
     mem_free(w->f->m, w->tiles);
     mem_free(w->f->m, w->requests);

@@ -70,14 +70,24 @@ typedef struct work_hand {
     uint32_t tiles[WORK_HAND], tile_count;
 } work_hand;
 
+/* Element i is about loader i, and about object i: there are no more loaders than objects. */
+typedef struct frame_numbers {
+    loader *from;
+    uint32_t first_of; /* of loader i: the number of its first treelet; */
+    uint32_t first;    /* of the loader of object i */
+} frame_numbers;
+
 typedef struct frame_work {
     const frame *f;
     ray_records *records;
     uint32_t tile_rays; /* records that a tile must be promised */
     double until; /* once there was progress, begin no item after this time; INFINITY: no limit */
     atomic_bool progress; /* a tile or a ray got further since frame_work_begin() */
-    /* First number of each volume's treelets; those of all volumes are numbered through. */
-    uint32_t first[FRAME_VOLUMES_MAX + 1];
+    /* The loaders of all volumes, each once, with the first number of its treelets: those of all
+     * are numbered through. Objects of one volume share its loader, and so its buckets. */
+    frame_numbers *numbers, only; /* where there is one object, this is it */
+    int loader_count;
+    uint32_t treelets; /* of all loaders */
     work_bucket *buckets;
     work_tile *tiles;
     uint32_t *order; /* of tiles to begin; the caller fills it */
@@ -117,7 +127,7 @@ void frame_work_begin(frame_work *w, double until);
 void frame_work_end(frame_work *w);
 
 /* frame_work_bytes() - memory of a frame_work. */
-size_t frame_work_bytes(uint32_t treelets, size_t tiles);
+size_t frame_work_bytes(const frame *f, size_t tiles);
 
 /* frame_work_enter(), frame_work_leave() - call around a thread's part in a round. */
 void frame_work_enter(frame_work *w);

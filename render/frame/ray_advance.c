@@ -87,6 +87,7 @@ static void walk_together(const frame *f, ray_group *c, unsigned first, ray_piec
     gather_walkers(c, first, p);
     b->take = take;
     b->ctx = p;
+    counters->objects += b->count;
     segment_batch_walk(c->question[first].tracer, b, scratch, counters);
     for (unsigned k = 0; k < b->count; k++)
         go_on(f, c, c->asked[k],
@@ -98,6 +99,7 @@ static void walk_together(const frame *f, ray_group *c, unsigned first, ray_piec
 static void answer_together(const frame *f, ray_group *c, unsigned first, ray_batch *b,
                             void *scratch, ray_counters *counters) {
     gather(c, first, b);
+    counters->objects += b->count;
     ray_batch_next(c->question[first].tracer, b, scratch, counters);
     for (unsigned k = 0; k < b->count; k++) {
         *c->question[c->asked[k]].state = b->states[k];
@@ -121,6 +123,7 @@ static void search_together(const frame *f, ray_group *c, unsigned first, ray_pi
         b->state[b->count] = q->extreme;
         c->asked[b->count++] = (uint8_t)i;
     }
+    counters->objects += b->count;
     extreme_batch_next(tr, b, scratch, counters);
     for (unsigned k = 0; k < b->count; k++)
         go_on(f, c, c->asked[k], b->result[k], counters);

@@ -23,7 +23,6 @@
 typedef struct grid_volume {
     level_planes_table planes;
     double narrowest[3]; /* width of the narrowest cell of level 0 on each axis */
-    walk_scene scene;    /* of the frame, or of the question, under way */
 } grid_volume;
 
 static grid_volume *grid_of(const leafcast *v) {
@@ -207,21 +206,22 @@ static bool stop_levels(leafcast *v, const camera *c) {
 static void grid_aim(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
     const leaf_layout *layout = &v->file->layout;
     const walk_choice *choice = tr->choice;
-    grid_volume *g = grid_of(v);
-    g->scene = (walk_scene){.levels = g->planes.levels,
-                            .isovalues = tr->isos.isovalues,
-                            .count = tr->isos.count,
-                            .type = layout->type,
-                            .halo = layout->halo,
-                            .walk = choice && choice->walk ? choice->walk : walk_treelet,
-                            .packet = choice && choice->packet > 0 ? choice->packet : GRID_TILE,
-                            .by_cell = choice && choice->by_cell,
-                            .analytic_normals = scene->analytic_normals};
-    tr->own = &g->scene;
+    const grid_volume *g = grid_of(v);
+    walk_scene *walked = (walk_scene *)(void *)tr->room;
+    *walked = (walk_scene){.levels = g->planes.levels,
+                           .isovalues = tr->isos.isovalues,
+                           .count = tr->isos.count,
+                           .type = layout->type,
+                           .halo = layout->halo,
+                           .walk = choice && choice->walk ? choice->walk : walk_treelet,
+                           .packet = choice && choice->packet > 0 ? choice->packet : GRID_TILE,
+                           .by_cell = choice && choice->by_cell,
+                           .analytic_normals = scene->analytic_normals};
+    tr->own = walked;
     if (choice && choice->walk)
         tr->kernels = &ray_kernels_none;
     for (int a = 0; a < 3; a++) {
-        g->scene.narrowest[a] = g->narrowest[a];
+        walked->narrowest[a] = g->narrowest[a];
         tr->box[0][a] = v->file->axis[a][0];
         tr->box[1][a] = v->file->axis[a][v->file->header.dims[a] - 1];
     }
@@ -237,6 +237,8 @@ static status grid_project(leafcast *v, const camera *c, projection *out) {
     return grid_projection_init(out, v->m, &v->file->layout, grid_of(v)->planes.levels, &v->space,
                                 c);
 }
+
+_Static_assert(sizeof(walk_scene) <= TRACER_ROOM, "a tracer has room for it");
 
 /* ---- The order of treelets ---- */
 

@@ -37,7 +37,7 @@ static medium_rule rule_of(const frame *f, uint32_t pixel, int v, double way[2])
 
 /* Whether the ray meets a volume that is drawn at a coarse level. */
 static bool meets_coarse(const frame *f, uint32_t pixel) {
-    for (int v = 0; v < f->volumes; v++) {
+    for (int v = 0; v < f->volumes && f->coarse; v++) {
         const tracer *tr = &f->tracer[v];
         if (!tr->coarse)
             continue;
@@ -118,8 +118,8 @@ static double depth_error_at(const frame *f, const medium_ray *p) {
     for (int a = 0; a < 3; a++)
         slope += at->gradient[a] * w.direction[a];
     double most_k = 0.0;
-    for (int v = 0; v < f->volumes; v++)
-        most_k += medium_ray_look(f)->media[v].most_k;
+    for (int i = 0; i < medium_ray_look(f)->filled; i++)
+        most_k += medium_ray_look(f)->media[medium_ray_look(f)->filled_by[i]].most_k;
     if (most_k == 0.0)
         return 0.0;
     return slope != 0.0 ? fmin(at->error / fabs(slope) * most_k, 1.0) : 1.0;

@@ -27,8 +27,9 @@ typedef struct medium_look {
     surface_look surfaces;    /* must be first: the surfaces' code uses it as frame.look */
     const transfer *media;    /* one for each volume; without spans: no medium there */
     const double (*range)[2]; /* one for each volume: its values lie in it */
-    int filled;               /* number of filled volumes */
-    double error;             /* the most that a channel may be off */
+    int filled;               /* number of filled volumes, */
+    uint16_t filled_by[LEAFCAST_MEDIA_MAX]; /* and these, in order */
+    double error;                           /* the most that a channel may be off */
     double brightest; /* the largest component of any medium's colour, surface's, light's, ... */
     /* Shades colours; then no pixel is certified. NULL: colours are not shaded. */
     const medium_shade *shade;

@@ -32,6 +32,6 @@ shaded_piece medium_ray_lit(const frame *f, int v, const treelet *at, const ray 
     if (!at || s->spread >= SEGMENT_EXACT)
         return p;
     p.steepness = medium_ray_look(f)->shade->steepness[v];
-    tr->kind->gradient(tr, at, r, s, &p.gradient);
+    tracer_gradient(tr, at, r, s, &p.gradient);
     return p;
 }

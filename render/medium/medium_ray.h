@@ -45,9 +45,11 @@ static inline medium_doubt *medium_ray_doubt(medium_ray *p) {
 
 /* The first filled volume from v on. */
 static inline int medium_ray_filled(const frame *f, int v) {
-    while (v < f->volumes && medium_ray_look(f)->media[v].spans == 0)
-        v++;
-    return v;
+    const medium_look *look = medium_ray_look(f);
+    int i = 0;
+    while (i < look->filled && look->filled_by[i] < v)
+        i++;
+    return i < look->filled ? look->filled_by[i] : f->volumes;
 }
 
 /* Whether so little light comes through that the rest may be left out. Leaving it out adds to the

@@ -33,7 +33,7 @@ typedef struct medium_shade {
     const leafcast_scene *scene;
     double towards[LEAFCAST_LIGHTS_MAX][3]; /* direction to each light that is not a point */
     double most;                            /* upper bound of L */
-    double steepness[FRAME_VOLUMES_MAX];    /* per volume: cell / (fade range), as in x above */
+    const double *steepness;                /* per volume: cell / (fade range), as in x above */
 } medium_shade;
 
 /* medium_shade_of() - make a medium_shade for a scene; the caller sets steepness. */

@@ -28,7 +28,7 @@ typedef struct overlay_lane {
 typedef struct overlay_stretch {
     double t0, t1;
     int count;
-    const overlay_lane *lane[FRAME_VOLUMES_MAX];
+    const overlay_lane *lane[LEAFCAST_MEDIA_MAX];
 } overlay_stretch;
 
 /* overlay_begin() - set the lanes to a ray's start. The caller sets volume and error. */

@@ -180,10 +180,7 @@ static void conclude(const frame *f, projected_ray *p) {
 
 /* Not exact where coarse levels were drawn or treelets were absent: the error is then unknown. */
 static bool is_exact(const frame *f, const projected_ray *p) {
-    bool coarse = p->provisional;
-    for (int v = 0; v < f->volumes; v++)
-        coarse = coarse || f->tracer[v].coarse;
-    return !coarse;
+    return !p->provisional && !f->coarse;
 }
 
 static void write(const frame *f, const projected_ray *p, ray_counters *counters) {
@@ -223,7 +220,12 @@ static bool projection_ask(const frame *f, ray_record *record, ray_question *q,
     if (p->head.volume < f->volumes)
         camera_ray(&f->camera, p->head.pixel % f->width + 0.5, p->head.pixel / f->width + 0.5,
                    origin, direction);
-    for (; p->head.volume < f->volumes; p->head.volume++) {
+    for (;; p->head.volume++) {
+        if (p->head.volume < f->volumes)
+            p->head.volume =
+                frame_object(f, origin, direction, 0.0, (double)INFINITY, p->head.volume);
+        if (p->head.volume >= f->volumes)
+            break;
         q->tracer = &f->tracer[p->head.volume];
         if (!tracer_ray(q->tracer, origin, direction, 0.0, (double)INFINITY, &q->ray))
             continue;

@@ -23,6 +23,7 @@
     X(uncertified_pixels) /* of media: the error may exceed the limit */           \
     X(passed_tets)        /* entered from a neighbouring tet */                    \
     X(edge_tests)         /* side of a tet's edge that a ray passes (M08 6.2.1) */ \
+    X(objects)            /* questions of rays to an object of the scene */        \
     X(passes)             /* rounds: 1 more whenever all rays wait for room */
 
 /* Work of packets through a mesh (W07 table 4). */

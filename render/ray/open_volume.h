@@ -9,6 +9,7 @@
 #include "render/leafcast.h"
 #include "render/leafcast_experimental.h"
 #include "render/ray/affine.h"
+#include "render/ray/isovalue_list.h"
 #include "render/ray/ray_kernels.h"
 #include "stream/loader.h"
 
@@ -32,6 +33,7 @@ struct leafcast {
     /* What rays look for now: */
     double isovalues[LEAFCAST_SURFACES_MAX];
     int isovalue_count;
+    isovalue_list seek; /* those of them that the next tracer looks for */
     interest beside;
     uint32_t set;
     /* What leafcast_select() and leafcast_select_set() said: */
@@ -50,6 +52,7 @@ struct leafcast {
                             was asked for; else NULL */
     bool is_between;     /* what was asked for last was such a time */
     atomic_uchar *touched;
+    int listed;        /* scratch of scene_check(): the first object of it in a scene */
     uint8_t *stop;     /* per treelet, for --lod pixel */
     size_t base_bytes; /* of the budget, taken before any treelet */
     double opened_at, open_s, first_image_s;

@@ -30,10 +30,10 @@ typedef void (*batch_fn)(const tracer *tr, ray_batch *b, void *scratch, ray_coun
  * has none. */
 void ray_batch_next(const tracer *tr, ray_batch *b, void *scratch, ray_counters *counters);
 
-/* ray_batch_single() - tracer_next() for ray i alone, so that the others need not wait for it. */
+/* ray_batch_single() - tracer_find() for ray i alone, so that the others need not wait for it. */
 static inline void ray_batch_single(const tracer *tr, ray_batch *b, unsigned i,
                                     ray_counters *counters) {
-    b->results[i] = tracer_next(tr, &b->rays[i], &b->states[i], counters);
+    b->results[i] = tracer_find(tr, &b->rays[i], &b->states[i], counters);
 }
 
 #endif

@@ -1,6 +1,7 @@
 #include "render/ray/tracer.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "render/ray/kind.h"
 #include "render/ray/ray_box.h"
@@ -47,7 +48,8 @@ bool tracer_box(const tracer *tr, const ray *r, double *t0, double *t1) {
 }
 
 void tracer_direction(const tracer *tr, const double direction[3], double in_grid[3]) {
-    affine_vector_to_grid(&tr->space, direction, in_grid);
+    double own[3];
+    affine_vector_to_grid(&tr->space, placement_vector(&tr->place, direction, own), in_grid);
     for (int a = 0; a < 3; a++)
         in_grid[a] += 0.0; /* -0 becomes +0 */
 }
@@ -57,7 +59,8 @@ bool tracer_ray_along(const tracer *tr, const double origin[3], const double dir
     for (int i = 0; i < tr->clip_count; i++)
         if (!cut(tr->clip[i], origin, direction, &t0, &t1))
             return false;
-    affine_point_to_grid(&tr->space, origin, out->o);
+    double own[3];
+    affine_point_to_grid(&tr->space, placement_point(&tr->place, origin, own), out->o);
     for (int a = 0; a < 3; a++) {
         const double end = tr->box[1][a];
         out->held[a] = out->o[a] < end ? out->o[a] : nextafter(end, tr->box[0][a]);
@@ -76,9 +79,61 @@ bool tracer_ray(const tracer *tr, const double origin[3], const double direction
     return tracer_ray_along(tr, origin, direction, t0, t1, out);
 }
 
-trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
+trace_result tracer_find(const tracer *tr, const ray *r, trace_state *state,
                          ray_counters *counters) {
     return tr->kind->walks->next(tr, r, state, counters);
+}
+
+void tracer_take_back(const tracer *tr, const ray *r, trace_result result, trace_state *state) {
+    double grid[3], reach[3];
+    if (!tr->place.moved || result != TRACE_HIT || state->any || hit_is_bound(&state->best))
+        return;
+    for (int a = 0; a < 3; a++)
+        grid[a] = fabs(r->o[a]) + fabs(state->best.t * r->d[a]);
+    for (int i = 0; i < 3; i++) {
+        reach[i] = fabs(tr->space.to_world[i][3]);
+        for (int a = 0; a < 3; a++)
+            reach[i] += fabs(tr->space.to_world[i][a]) * grid[a];
+    }
+    placement_take_back(&tr->place, reach, &state->point);
+}
+
+trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
+                         ray_counters *counters) {
+    const trace_result result = tracer_find(tr, r, state, counters);
+    tracer_take_back(tr, r, result, state);
+    return result;
+}
+
+ray_bundle tracer_bundle(const tracer *tr, const ray_bundle *rays) {
+    ray_bundle own = *rays;
+    double vector[3];
+    const double *to = rays->way == RAYS_ALONG ? placement_vector(&tr->place, rays->vector, vector)
+                                               : placement_point(&tr->place, rays->vector, vector);
+    memcpy(own.vector, to, sizeof own.vector);
+    return own;
+}
+
+void tracer_gradient(const tracer *tr, const treelet *at, const ray *r, const segment *s,
+                     segment_gradient *out) {
+    tr->kind->gradient(tr, at, r, s, out);
+    for (int i = 0; i < 4 && tr->place.moved; i++) {
+        const double own[3] = {out->power[0][i], out->power[1][i], out->power[2][i]};
+        double scene[3];
+        affine_gradient_to_world(&tr->place.space, own, scene);
+        for (int a = 0; a < 3; a++)
+            out->power[a][i] = scene[a];
+    }
+}
+
+void tracer_corners(const tracer *tr, double corners[8][3]) {
+    for (int i = 0; i < 8; i++) {
+        double grid[3], own[3];
+        for (int a = 0; a < 3; a++)
+            grid[a] = tr->box[i >> a & 1][a];
+        affine_point_to_world(&tr->space, grid, own);
+        placement_to_scene(&tr->place, own, corners[i]);
+    }
 }
 
 uint32_t tracer_stand_in(const tracer *tr, uint32_t t) {

@@ -13,21 +13,28 @@
 #include "render/ray/affine.h"
 #include "render/ray/counters.h"
 #include "render/ray/isovalue_list.h"
+#include "render/ray/placement.h"
 #include "render/ray/ray.h"
+#include "render/ray/ray_bundle.h"
 #include "render/ray/surface_point.h"
 #include "stream/loader.h"
 
-/* A volume, prepared for the rays of a frame. */
+enum { TRACER_ROOM = 128 };
+
+/* A volume at a place, prepared for the rays of a frame. Not to be moved: `own` may point into it.
+ */
 typedef struct tracer {
     const struct kind *kind;
     const struct ray_kernels *kernels; /* for many rays together (ray_kernels.h) */
     const struct walk_choice *choice;  /* how rays walk, if an experiment chooses; else NULL */
     const void *own;                   /* the kind's part */
     loader *treelets;
+    int twin; /* the first object of the frame with the same loader, perhaps this one */
     const leaf_layout *layout;
     uint32_t set; /* the set of values that is drawn */
     isovalue_list isos;
-    affine space;
+    affine space;     /* of the volume's own world */
+    placement place;  /* of that world in the scene's; kinds need not know */
     double box[2][3]; /* of the volume, grid space */
     bool boxed;       /* cut rays to the box; for coarse levels, which reach past it */
     bool preview;     /* draw what is resident instead of suspending */
@@ -40,7 +47,8 @@ typedef struct tracer {
     const uint8_t *stop;   /* also draw treelets whose entry is 1; may be NULL */
     atomic_uchar *touched; /* per treelet: set when a ray walked it */
     int clip_count;
-    double clip[32][4]; /* world-space half-spaces n . p + d >= 0 */
+    double clip[32][4];                 /* half-spaces n . p + d >= 0 of the scene's world */
+    _Alignas(8) char room[TRACER_ROOM]; /* for `own`, where objects of one volume differ in it */
 } tracer;
 
 typedef enum trace_result { TRACE_HIT, TRACE_MISS, TRACE_BLOCKED } trace_result;
@@ -58,8 +66,8 @@ typedef struct trace_state {
     bool any;            /* any hit will do as best; its point is not needed */
 } trace_state;
 
-/* tracer_ray() - make a ray from a world-space one for t in [t0, t1], cut by the clip planes.
- * Returns false when nothing of it is left. */
+/* tracer_ray() - make a ray from one of the scene's world for t in [t0, t1], cut by the clip
+ * planes. Returns false when nothing of it is left. */
 bool tracer_ray(const tracer *tr, const double origin[3], const double direction[3], double t0,
                 double t1, ray *out);
 
@@ -97,6 +105,25 @@ static inline trace_state trace_begin(const hit *after) {
  * left, or the treelet state->blocked is needed. */
 trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
                          ray_counters *counters);
+
+/* tracer_find() - the same, but the point stays in the volume's own world. tracer_take_back() -
+ * take it to the scene's, once the search has ended: for batches, which do this for all rays
+ * together. */
+trace_result tracer_find(const tracer *tr, const ray *r, trace_state *state,
+                         ray_counters *counters);
+void tracer_take_back(const tracer *tr, const ray *r, trace_result result, trace_state *state);
+
+/* tracer_bundle() - a bundle of the scene's rays, as the volume's own world has it. */
+ray_bundle tracer_bundle(const tracer *tr, const ray_bundle *rays);
+
+/* tracer_gradient() - kind.gradient(), in the scene's world. */
+struct segment;
+struct segment_gradient;
+void tracer_gradient(const tracer *tr, const treelet *at, const ray *r, const struct segment *s,
+                     struct segment_gradient *out);
+
+/* tracer_corners() - the corners of the volume's box, in the scene's world. */
+void tracer_corners(const tracer *tr, double corners[8][3]);
 
 /* ---- For kinds ---- */
 

@@ -16,6 +16,9 @@ static surface_pixel *surface_pixel_of(ray_record *r) {
 }
 
 bool surface_opaque(const frame *f) {
+    const surface_look *look = surface_look_of(f);
+    if (look->opaque || look->clear)
+        return look->opaque;
     for (int v = 0; v < f->volumes; v++)
         for (int i = 0; i < f->tracer[v].isos.count; i++)
             if (surface_look_of(f)->surfaces[v][i].opacity < 1.0f)

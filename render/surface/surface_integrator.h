@@ -18,6 +18,8 @@ typedef struct surface_look {
     /* More is asked than one ray to each light; kernels of tiles cannot. */
     bool soft;
     int bounces; /* mirrored rays, one after the other; 0: no surface reflects. Above 0: soft */
+    bool opaque; /* all surfaces are; false: unknown */
+    bool clear;  /* some surface is not opaque; false: unknown */
 } surface_look;
 
 static inline const surface_look *surface_look_of(const frame *f) {

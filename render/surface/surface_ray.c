@@ -101,8 +101,11 @@ bool surface_ray_find(const frame *f, surface_ray *p, ray_question *q) {
 /* Ask the next volume for what hides the light. Returns false once the visibility is known. */
 static bool ask_for_shadow(const frame *f, surface_ray *p, const lit_surface *s, const lit_way *way,
                            ray_question *q) {
-    for (; p->head.volume < f->volumes && p->visibility > 0.0f; p->head.volume++) {
-        const uint16_t v = p->head.volume;
+    for (;; p->head.volume++) {
+        const uint16_t v = frame_object(f, s->at, way->to, 0.0, way->distance, p->head.volume);
+        p->head.volume = v;
+        if (v >= f->volumes || !(p->visibility > 0.0f))
+            break;
         q->tracer = &f->tracer[v];
         q->state = &p->search.state;
         if (!tracer_ray(q->tracer, s->at, way->to, 0.0, way->distance, &q->ray))

@@ -1,5 +1,7 @@
 #include "render/surface/surface_search.h"
 
+#include <math.h>
+
 /* Where the search begins in volume v. Of two surfaces at the same t, the one of the lower volume
  * comes first. */
 static hit begins_at(const surface_search *s, uint16_t v) {
@@ -23,16 +25,39 @@ static void begin(surface_search *s, const world_ray *w, uint16_t volume) {
         s->state.origin_iso = w->from->iso;
     }
     s->state.any = s->any;
+    /* At the same t as what was found, a surface of a lower volume comes first. */
     if (hit_exists(&s->found))
-        s->state.best = hit_from(s->found.t);
+        s->state.best =
+            hit_from(volume < s->found_volume ? nextafter(s->found.t, INFINITY) : s->found.t);
     s->searching = true;
+}
+
+/* Whether *volume is to be searched: go on to the next one that is, if need be. */
+static bool reach(const frame *f, const world_ray *w, uint16_t *volume, surface_search *s) {
+    if (s->searching)
+        return true;
+    if (s->any && hit_exists(&s->found))
+        return false;
+    if (!f->objects) {
+        while (*volume < f->volumes && f->tracer[*volume].isos.count == 0)
+            ++*volume;
+        return *volume < f->volumes;
+    }
+    const object_ray r = {w->origin, w->direction, fmax(w->t0, s->behind.t),
+                          fmin(w->t1, s->found.t)};
+    object_entry at = {-INFINITY, 0};
+    if (*volume > 0) /* behind the one before it */
+        at = object_tree_entry(f->objects, &r, *volume - 1u);
+    bool any = object_tree_after(f->objects, &r, &at);
+    while (any && f->tracer[at.object].isos.count == 0)
+        any = object_tree_after(f->objects, &r, &at);
+    *volume = (uint16_t)at.object;
+    return any;
 }
 
 bool surface_search_ask(const frame *f, const world_ray *w, const tracer *const coarse[],
                         uint16_t *volume, surface_search *s, ray_question *q) {
-    for (; *volume < f->volumes; ++*volume) {
-        if (f->tracer[*volume].isos.count == 0 || (s->any && hit_exists(&s->found)))
-            continue;
+    for (; reach(f, w, volume, s); ++*volume) {
         if (!s->searching)
             begin(s, w, *volume);
         q->tracer = s->stand_in ? coarse[*volume] : &f->tracer[*volume];

@@ -1,7 +1,9 @@
 /* surface_search.h - the next surface on a ray through all volumes of a frame, resumable.
  *
  * Volumes are searched one after the other; the nearest surface found so far bounds the search.
- * Surfaces are ordered by (t, volume), then as their kind orders hits.
+ * With a tree of objects (frame.objects) a ray asks only those whose boxes it meets, in the order
+ * in which it enters these, up to the nearest surface. Surfaces are ordered by (t, volume), then as
+ * their kind orders hits, whatever the order of the search.
  */
 #ifndef RENDER_SURFACE_SURFACE_SEARCH_H
 #define RENDER_SURFACE_SURFACE_SEARCH_H

@@ -20,6 +20,7 @@ ok "installs the front door, library, headers, pkg-config file" there bin/leafca
 ok "and every verb with its page" there $(for v in generate convert render info verify probe slice bench; do
     echo "libexec/leafcast/leafcast-$v share/man/man1/leafcast-$v.1"
 done)
+ok "and the page of scenes" there share/man/man5/leafcast-scene.5
 run "$at/bin/leafcast" --help
 ok "the front door lists the installed verbs" grep -q '^  convert ' "$tmp/out"
 ln -s "$at/bin/leafcast" "$tmp/leafcast"

@@ -127,6 +127,7 @@ render|--write-tf|makes tf|@g.leaf --tf auto --size 8x8|--write-tf @tf
 render|--stats|makes s|@grid --size 8x8|--stats @s
 render|--certify|stats|@g.leaf --tf auto --size 16x16|--certify
 render|--allow-missing|shown lost_treelets|
+render|--follow-links|shown scene_file|
 render|--progressive|stats|@grid -o @pg.png --force|--progressive
 render|--fail-empty|exit 1|@g.leaf --iso 999 --size 8x8 --json|--fail-empty
 render|--repeat|stats|@grid|--repeat 3

@@ -178,7 +178,8 @@ static void draw_volumes(field_random *r, leafcast *const volumes[], int count, 
     s->scene.volumes = s->shown;
     s->scene.volume_count = listed;
     if (api_chance(r, 100))
-        s->scene.volume_count = api_chance(r, 2) ? 17 + below(r, 1000) : -1 - below(r, INT_MAX);
+        s->scene.volume_count =
+            api_chance(r, 2) ? LEAFCAST_VOLUMES_MAX + 1 + below(r, 1000) : -1 - below(r, INT_MAX);
 }
 
 static void draw_media(field_random *r, leafcast *const volumes[], int count, api_scene *s) {
@@ -186,13 +187,13 @@ static void draw_media(field_random *r, leafcast *const volumes[], int count, ap
     if (api_chance(r, 2))
         s->scene.media_count = api_chance(r, 30) ? below(r, 40) - 10 : media;
     s->scene.media = s->media;
-    for (int i = 0; i < LEAFCAST_VOLUMES_MAX && i < s->scene.media_count; i++) {
+    for (int i = 0; i < API_ROOM && i < s->scene.media_count; i++) {
         const leafcast_info info = leafcast_describe(volumes[i < count ? i : 0]);
         draw_medium(r, &info, &s->media[i], s->points[i]);
     }
     if (api_chance(r, 4)) {
         const leafcast_info info = leafcast_describe(volumes[0]);
-        draw_medium(r, &info, &s->colours, s->points[LEAFCAST_VOLUMES_MAX]);
+        draw_medium(r, &info, &s->colours, s->points[API_ROOM]);
         s->scene.cap_colours = &s->colours;
     }
 }

@@ -10,7 +10,7 @@
 #include "render/leafcast_experimental.h"
 #include "tests/support/fields.h"
 
-enum { API_SIDE = 8, API_VOLUMES = 4, API_POINTS = 6, API_LINE = 5 };
+enum { API_SIDE = 8, API_VOLUMES = 4, API_ROOM = 32, API_POINTS = 6, API_LINE = 5 };
 
 /* api_chance() - once in n. api_number() - about x, or any odd number. */
 bool api_chance(field_random *r, long n);
@@ -19,10 +19,10 @@ double api_number(field_random *r, double x);
 /* A scene and all that it points to; may not be copied. */
 typedef struct api_scene {
     leafcast_scene scene;
-    leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
-    leafcast_surface surfaces[LEAFCAST_VOLUMES_MAX][LEAFCAST_SURFACES_MAX];
-    leafcast_medium media[LEAFCAST_VOLUMES_MAX], colours;
-    leafcast_transfer_point points[LEAFCAST_VOLUMES_MAX + 1][API_POINTS];
+    leafcast_shown shown[API_ROOM];
+    leafcast_surface surfaces[API_ROOM][LEAFCAST_SURFACES_MAX];
+    leafcast_medium media[API_ROOM], colours;
+    leafcast_transfer_point points[API_ROOM + 1][API_POINTS];
     leafcast_scene_experiments experiments;
 } api_scene;
 
