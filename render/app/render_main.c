@@ -144,6 +144,8 @@ int main(int argc, char **argv) {
         .args_doc = "F.leaf -o FILE.png",
         .doc = "Draw isosurfaces of a treelet file, or see through it, into a picture.\v"
                "Example:\n  leafcast render bonsai.leaf --iso 37 -o bonsai.png\v"
+               "In place of F.leaf, a scene file in JSON lists many objects, and where they are: "
+               "leafcast-scene(5). "
                "Without --iso, media and --project it draws the isosurface that the histogram in "
                "the file suggests, and says which. Without --eye the view fits what the isovalues "
                "make active: up is +z, "

@@ -79,7 +79,7 @@ for count in 2 3 16; do
         abs(x[4 * i + 1] - 0.5 * x[4 * i + 3]) < 2 / 510 for i in range(1200))"
     ok "within the error" numbers "$tmp/error" 'all(0 <= e <= 1 / 510 for e in x)'
 done
-exits "in one more volume than there may be" 2 draw --tf "$tmp/one.tf" "$@" --and "$tmp/v.leaf" -o "$tmp/x.ppm"
+exits "in one more volume than there may be media" 2 draw --tf "$tmp/one.tf" "$@" --and "$tmp/v.leaf" --tf "$tmp/one.tf" -o "$tmp/x.ppm"
 exits "a second volume's medium" 0 draw --iso 40 --and "$tmp/v.leaf" --tf auto -o "$tmp/and.ppm"
 if draw --tf auto -o "$tmp/a.exr" 2>/dev/null; then
     ok "EXR says the error" grep -aq error "$tmp/a.exr"

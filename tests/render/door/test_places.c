@@ -392,6 +392,48 @@ static void thousands_are_few_questions_a_ray(void **state) {
     field_release(&f);
 }
 
+/* Two objects have a surface at one t, to the bit: the one that is entered later is listed first,
+ * and comes first. */
+static void at_one_t_the_first_listed_comes_first(void **state) {
+    const scene_stage *s = *state;
+    static const double away[12] = {1, 0, 0, 500, 0, 1, 0, 0, 0, 0, 1, 0};
+    double about[12] = {0.5, 0, 0, 2.5, 0, 1, 0, 0, 0, 0, 1, 0}; /* x = 5 stays */
+    scene_pair pair;
+    int row = 1;
+    const float *x = NULL;
+    for (; row < 30; row++) {
+        x = s->samples + (36 * (size_t)row + 7) * 36;
+        if (x[4] < x[5] && x[5] < x[6])
+            break;
+    }
+    assert_true(row < 30);
+    const leafcast_surface surface = {(double)x[5], {1, 1, 1}, 1};
+    scene_stage_open(&pair, s, NULL, 0);
+    leafcast_shown shown[5];
+    leafcast_scene scene = leafcast_scene_default();
+    scene.volumes = shown;
+    for (int first = 0; first < 2; first++)
+        for (int count = 2; count <= 5; count += 3) {
+            leafcast_ray ray = {{-10, 7, row}, {1, 0, 0}, 14.5, INFINITY};
+            leafcast_ray_hit hit;
+            for (int i = 0; i < count; i++)
+                shown[i] = (leafcast_shown){pair.volume[0],
+                                            0,
+                                            0,
+                                            &surface,
+                                            1,
+                                            0.0,
+                                            i == first ? about : i == 1 - first ? NULL : away};
+            scene.volume_count = count;
+            assert_int_equal(leafcast_trace_rays(pair.volume[0], &scene, &ray, 1, &hit),
+                             LEAFCAST_OK);
+            assert_true(hit.t == 15);
+            assert_int_equal(hit.volume, 0);
+            assert_int_equal(hit.surface, 0);
+        }
+    scene_stage_close(&pair);
+}
+
 /* ---- Media, projections, clips ---- */
 
 /* A picture of the grid at a place, and of the grid alone, by a camera that is placed the other way
@@ -578,6 +620,7 @@ int main(void) {
         cmocka_unit_test(budgets_threads_and_trees_do_not_show),
         cmocka_unit_test(an_instance_is_the_mesh_converted_there),
         cmocka_unit_test(thousands_are_few_questions_a_ray),
+        cmocka_unit_test(at_one_t_the_first_listed_comes_first),
         cmocka_unit_test(a_medium_is_as_thick_as_the_scene_says),
         cmocka_unit_test(projections_and_clips_are_the_scenes),
         cmocka_unit_test(wrong_places_are_refused),
