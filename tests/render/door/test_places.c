@@ -397,16 +397,18 @@ static void thousands_are_few_questions_a_ray(void **state) {
 static void at_one_t_the_first_listed_comes_first(void **state) {
     const scene_stage *s = *state;
     static const double away[12] = {1, 0, 0, 500, 0, 1, 0, 0, 0, 0, 1, 0};
-    double about[12] = {0.5, 0, 0, 2.5, 0, 1, 0, 0, 0, 0, 1, 0}; /* x = 5 stays */
+    double about[12] = {0.0625, 0, 0, 4.6875, 0, 1, 0, 0, 0, 0, 1, 0}; /* x = 5 stays */
     scene_pair pair;
-    int row = 1;
+    int row = 36;
     const float *x = NULL;
-    for (; row < 30; row++) {
-        x = s->samples + (36 * (size_t)row + 7) * 36;
-        if (x[4] < x[5] && x[5] < x[6])
-            break;
+    bool first_there = false; /* the way to node 5 lies below it */
+    while (!first_there && ++row < 34 * 36) {
+        x = s->samples + (size_t)row * 36;
+        first_there = x[5] < x[6];
+        for (int i = 0; i < 5; i++)
+            first_there = first_there && x[i] < x[5];
     }
-    assert_true(row < 30);
+    assert_true(first_there && row % 36 > 0);
     const leafcast_surface surface = {(double)x[5], {1, 1, 1}, 1};
     scene_stage_open(&pair, s, NULL, 0);
     leafcast_shown shown[5];
@@ -414,7 +416,7 @@ static void at_one_t_the_first_listed_comes_first(void **state) {
     scene.volumes = shown;
     for (int first = 0; first < 2; first++)
         for (int count = 2; count <= 5; count += 3) {
-            leafcast_ray ray = {{-10, 7, row}, {1, 0, 0}, 14.5, INFINITY};
+            leafcast_ray ray = {{-10, row % 36, row / 36}, {1, 0, 0}, 14.5, INFINITY};
             leafcast_ray_hit hit;
             for (int i = 0; i < count; i++)
                 shown[i] = (leafcast_shown){pair.volume[0],
@@ -544,11 +546,11 @@ static void projections_and_clips_are_the_scenes(void **state) {
         scene.project_value = 1.2;
         scene.caps = kind == 5;
         scene.shading = LEAFCAST_SHADING_FLAT;
-        /* x >= 12 of the grid is z >= 32 of the scene. */
+        /* x <= 20 of the grid is z <= 48 of the scene: rays enter through the clip. */
         scene.clip_plane_count = 1;
-        memcpy(scene.clip_planes[0], (double[4]){1, 0, 0, -12}, sizeof scene.clip_planes[0]);
+        memcpy(scene.clip_planes[0], (double[4]){-1, 0, 0, 20}, sizeof scene.clip_planes[0]);
         draw_grid(&pair, scene, false, &own);
-        memcpy(scene.clip_planes[0], (double[4]){0, 0, 1, -32}, sizeof scene.clip_planes[0]);
+        memcpy(scene.clip_planes[0], (double[4]){0, 0, -1, 48}, sizeof scene.clip_planes[0]);
         draw_grid(&pair, scene, true, &placed);
         int there = 0, other = 0;
         for (int i = 0; i < PICTURE_PIXELS; i++) {
