@@ -116,10 +116,6 @@ typedef struct leafcast_shown {
                                          projection count may be 0 */
     int count;
     double between; /* so much of the way from that step to the next: leafcast_select_between() */
-    /* Colours its surfaces by the value there, whatever the extinction: that of an isosurface is
-     * the isovalue. NULL: by surfaces[].rgb, or of a volume with LEAFCAST_ABILITY_GIVEN, whose
-     * field is named "rgb", by its own colours. */
-    const leafcast_medium *colours;
     /* Where it is: 12 numbers, rows of 4, that take a point of the volume's own world to the
      * scene's (p -> M p + origin); NULL: both are the same. M may turn, mirror, shear and scale,
      * also unevenly. No number above LEAFCAST_PLACE_MOST; M with its largest number in 1 /
@@ -129,6 +125,10 @@ typedef struct leafcast_shown {
      * ray's in the volume alone. Lights, clips, cameras, t, normals, gradients, and the lengths of
      * which extinction is told, are the scene's. */
     const double *place;
+    /* Colours its surfaces by the value there, whatever the extinction: that of an isosurface is
+     * the isovalue. NULL: by surfaces[].rgb, or of a volume with LEAFCAST_ABILITY_GIVEN, whose
+     * field is named "rgb", by its own colours. */
+    const leafcast_medium *colours;
 } leafcast_shown;
 
 #define LEAFCAST_SCALE_MOST   1e30

@@ -70,7 +70,8 @@ typedef struct mesh_report {
     char field[MESH_NAME_MAX + 1]; /* the first array taken; "" for a mesh without any */
 } mesh_report;
 
-/* Receives a field that could be taken and its number of components: see mesh_input_fields(). */
+/* Receives a field that could be taken and its number of components, with a minus where it is not
+ * taken unasked: see mesh_input_fields(). */
 typedef void mesh_field_taker(void *ctx, const char *name, int components);
 
 #endif

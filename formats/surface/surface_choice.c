@@ -90,7 +90,8 @@ void surface_choice_fields(const void *state, mesh_field_taker *take, void *ctx)
     for (int rank = 0; rank < RANKS; rank++)
         for (size_t i = 0; i < c->count; i++)
             if (rank_of(c, &c->fields[i]) == rank)
-                take(ctx, c->fields[i].name, (int)c->fields[i].components);
+                take(ctx, c->fields[i].name,
+                     (rank < ASIDE ? 1 : -1) * (int)c->fields[i].components);
 }
 
 bool surface_choice_apart(const surface_choice *c) {

@@ -2,6 +2,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "formats/base/num.h"
@@ -92,13 +93,16 @@ static status read_values(mem *m, mesh_input *surface, const progress *p, input_
     return st;
 }
 
-static void take_field(void *ctx, const char *name, int components) {
-    input_collect_field(ctx, name, (uint32_t)components);
-}
+typedef struct taking {
+    input_facts *x;
+    const char *by_default; /* "": no field is taken unasked */
+} taking;
 
-/* A field of several components is not taken unasked. */
-static const char *default_field(const input_facts *x) {
-    return x->field_count && x->fields[0].components == 1 ? x->fields[0].name : "";
+static void take_field(void *ctx, const char *name, int components) {
+    taking *t = ctx;
+    if (components > 0 && t->x->field_count == 0)
+        t->by_default = name;
+    input_collect_field(t->x, name, (uint32_t)abs(components));
 }
 
 static status ask(mem *m, void *input, const input_question *q, const progress *p, input_facts *x) {
@@ -108,13 +112,14 @@ static status ask(mem *m, void *input, const input_question *q, const progress *
     *own = (facts){.bounds = {FLT_MAX, FLT_MAX, FLT_MAX, -FLT_MAX, -FLT_MAX, -FLT_MAX}};
     own->counted = mesh_input_counts(surface, &own->vertices, &own->faces);
     input_collect_name(x, mesh_input_name(surface));
-    mesh_input_fields(surface, take_field, x);
+    taking t = {x, ""};
+    mesh_input_fields(surface, take_field, &t);
     if (q->opened)
         st = q->opened(q->ctx, x);
     if (st == ST_OK && !q->header_only)
         st = read_values(m, surface, p, x);
     const mesh_hints *hints = &q->hints.mesh;
-    const char *asked = hints->field ? hints->field : default_field(x);
+    const char *asked = hints->field ? hints->field : t.by_default;
     text_name(x->field, sizeof x->field, x->read ? own->report.field : asked);
     for (uint32_t i = 0; i < x->field_count && i < INPUT_FACTS_FIELDS; i++)
         if (strcmp(x->fields[i].name, x->field) == 0)

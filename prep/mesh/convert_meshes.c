@@ -1,5 +1,6 @@
 #include "prep/mesh/convert_meshes.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "formats/base/clock.h"
@@ -31,8 +32,8 @@ static void take_array(void *ctx, const char *name, int components) {
     convert_choices *of = &c->choices;
     const slice_field f = {.name = name,
                            .steps = c->steps,
-                           .taken = of->count == 0,
-                           .components = (uint32_t)components};
+                           .taken = of->count == 0 && components > 0,
+                           .components = (uint32_t)abs(components)};
     name_list before = {0};
     name_list_add(&before, name);
     if (!strstr(of->taken.text, before.text) && !strstr(of->others.text, before.text))

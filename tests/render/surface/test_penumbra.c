@@ -76,8 +76,8 @@ static void set_stage(stage *s) {
         for (int c = 0; c < 3; c++)
             s->surfaces[i].rgb[c] = 1;
     }
-    s->shown[0] = (leafcast_shown){s->plane, 0, 0, &s->surfaces[0], 1, 0.0};
-    s->shown[1] = (leafcast_shown){s->ball, 0, 0, &s->surfaces[1], 1, 0.0};
+    s->shown[0] = (leafcast_shown){.volume = s->plane, .surfaces = &s->surfaces[0], .count = 1};
+    s->shown[1] = (leafcast_shown){.volume = s->ball, .surfaces = &s->surfaces[1], .count = 1};
     s->scene = leafcast_scene_default();
     s->scene.volumes = s->shown;
     s->scene.volume_count = 2;
