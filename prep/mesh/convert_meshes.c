@@ -150,7 +150,7 @@ static status run_as(convert_request *a, mem *m, input *in, double start,
         st = step_series_check(&series.of);
     const uint32_t kind = cells ? cells->kind : LEAF_KIND_MESH;
     if (st == ST_OK && a->grow && leaf_grow_before(a->grow)->header.kind != kind)
-        st = further_step_refuse(leaf_grow_before(a->grow), a->common.input, what);
+        st = further_step_refuse(leaf_grow_before(a->grow), a->common.input, "%s", what);
     if (st == ST_OK)
         st = convert_append_check(a, &series.of.sets);
     return st == ST_OK ? convert_mesh(a, m, x, &series, cells, start) : st;

@@ -270,18 +270,18 @@ static void *plane(render_job *job, void *there, const void *wanted, size_t size
 
 /* Allocate the planes. They count against the treelets' budget, so check first that they fit. */
 static status make_planes(render_job *job, const script_frame *frame, const leafcast_scene *scene,
-                          const leafcast_camera *camera) {
+                          const leafcast_camera *seen_by) {
     const leafcast_image w = planes_wanted(job, frame);
     leafcast_image *i = &job->image;
-    if (job->width != camera->width || job->height != camera->height)
+    if (job->width != seen_by->width || job->height != seen_by->height)
         release_planes(job);
-    status st = render_status(
-        leafcast_check_room(job->volume, scene, camera, &w,
-                            image_out_bytes(&job->out, frame->file[FRAME_PICTURE], camera->width)));
+    status st = render_status(leafcast_check_room(
+        job->volume, scene, seen_by, &w,
+        image_out_bytes(&job->out, frame->file[FRAME_PICTURE], seen_by->width)));
     if (st != ST_OK)
         return st;
-    job->width = camera->width;
-    job->height = camera->height;
+    job->width = seen_by->width;
+    job->height = seen_by->height;
     bool failed = false;
     i->r = plane(job, i->r, w.r, sizeof *i->r, &failed);
     i->g = plane(job, i->g, w.g, sizeof *i->g, &failed);
@@ -366,7 +366,7 @@ static status open_face(render_job *job, const annotation *a) {
                                             : ST_OK;
 }
 
-static status trace(render_job *job, const leafcast_scene *scene, const leafcast_camera *camera,
+static status trace(render_job *job, const leafcast_scene *scene, const leafcast_camera *seen_by,
                     leafcast_stats *median) {
     leafcast_stats *all = mem_array(&job->m, (size_t)job->repeat, sizeof *all);
     if (!all)
@@ -375,7 +375,7 @@ static status trace(render_job *job, const leafcast_scene *scene, const leafcast
     for (int i = 0; i < job->repeat && st == ST_OK; i++) {
         all[i].size = sizeof all[i];
         part p = {job->watch, job->done + job->share * i / job->repeat, job->share / job->repeat};
-        st = render_status(leafcast_trace(job->volume, scene, camera, &job->image, &all[i],
+        st = render_status(leafcast_trace(job->volume, scene, seen_by, &job->image, &all[i],
                                           job->watch ? report : NULL, &p));
     }
     if (st == ST_OK)
@@ -429,7 +429,7 @@ static void note_medium(notes *n, const view_options *v) {
 
 /* Write the picture, with the metadata that are needed to draw it again. */
 static status finish_picture(render_job *job, const script_frame *frame,
-                             const leafcast_camera *camera, image_target *to) {
+                             const leafcast_camera *seen_by, image_target *to) {
     notes n = {.count = 0};
     double isos[LEAFCAST_SURFACES_MAX];
     const double step = job->step;
@@ -438,10 +438,10 @@ static status finish_picture(render_job *job, const script_frame *frame,
         isos[i] = frame->view.surfaces[i].isovalue;
     note_text(&n, "volume", slash ? slash + 1 : job->source);
     note_numbers(&n, "isovalues", isos, frame->view.isos);
-    note_numbers(&n, "eye", camera->eye, 3);
-    note_numbers(&n, "look_at", camera->look_at, 3);
-    note_numbers(&n, "up", camera->up, 3);
-    note_numbers(&n, "fov", &camera->fov, 1);
+    note_numbers(&n, "eye", seen_by->eye, 3);
+    note_numbers(&n, "look_at", seen_by->look_at, 3);
+    note_numbers(&n, "up", seen_by->up, 3);
+    note_numbers(&n, "fov", &seen_by->fov, 1);
     if (several(job)) {
         note_text(&n, "field", leafcast_field_name(job->volume, job->field));
         note_numbers(&n, "step", &step, 1);
@@ -488,7 +488,7 @@ static void print_transfer(const void *ctx, FILE *out) {
 
 /* Write all files, the picture last. */
 static status write_targets(render_job *job, const script_frame *frame,
-                            const leafcast_camera *camera, const leafcast_scene *scene,
+                            const leafcast_camera *seen_by, const leafcast_scene *scene,
                             targets *to) {
     const picture raw = {.width = job->width, .height = job->height, .image = &job->image};
     const int filled = picture_scene_filled(&job->scene, scene);
@@ -500,7 +500,7 @@ static status write_targets(render_job *job, const script_frame *frame,
         image_target *now = to->file[i];
         to->file[i] = NULL;
         if (now)
-            st = i == FRAME_PICTURE ? finish_picture(job, frame, camera, now)
+            st = i == FRAME_PICTURE ? finish_picture(job, frame, seen_by, now)
                                     : image_out_finish(now, &raw);
     }
     return st;
@@ -562,7 +562,7 @@ static bool is_progressive(const render_job *job, const script_frame *frame) {
 }
 
 /* Write what can be drawn at once. */
-static status draw_first(render_job *job, const script_frame *frame, const leafcast_camera *camera,
+static status draw_first(render_job *job, const script_frame *frame, const leafcast_camera *seen_by,
                          const leafcast_scene *scene, const picture_volume *volumes,
                          render_stats *stats) {
     const double begun = clock_seconds();
@@ -573,14 +573,14 @@ static status draw_first(render_job *job, const script_frame *frame, const leafc
     now.preview = true;
     status st = image_out_begin(job->files, frame->file[FRAME_PICTURE], &to);
     if (st == ST_OK)
-        st = render_status(leafcast_trace(job->volume, &now, camera, &job->image, &t,
+        st = render_status(leafcast_trace(job->volume, &now, seen_by, &job->image, &t,
                                           job->watch ? report : NULL, &whole));
     if (st != ST_OK) {
         image_out_discard(to);
         return st;
     }
-    picture_scene_mark(&job->scene, volumes, &now, camera, &job->image, job->face);
-    st = finish_picture(job, frame, camera, to);
+    picture_scene_mark(&job->scene, volumes, &now, seen_by, &job->image, job->face);
+    st = finish_picture(job, frame, seen_by, to);
     stats->first_s = clock_seconds() - begun;
     stats->first_provisional = t.provisional_pixels;
     return st;
@@ -589,7 +589,7 @@ static status draw_first(render_job *job, const script_frame *frame, const leafc
 static status draw_picture(render_job *job, const script_frame *frame, targets *to,
                            render_stats *stats) {
     const bool progressive = is_progressive(job, frame);
-    const leafcast_camera camera = camera_of(job, &frame->view);
+    const leafcast_camera seen_by = camera_of(job, &frame->view);
     const picture_volume *volumes = objects_of(job, &frame->view);
     leafcast_scene scene;
     status st = picture_scene_describe(&job->scene, volumes, job->object_count, false, &scene);
@@ -605,23 +605,23 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
     if (st == ST_OK)
         st = select_set(job, &frame->view);
     if (st == ST_OK)
-        st = make_planes(job, frame, &scene, &camera);
+        st = make_planes(job, frame, &scene, &seen_by);
     if (st == ST_OK && progressive)
-        st = draw_first(job, frame, &camera, &scene, volumes, stats);
+        st = draw_first(job, frame, &seen_by, &scene, volumes, stats);
     if (st == ST_OK && progressive)
         st = open_picture(job, frame, true, to);
     if (st == ST_OK)
-        st = trace(job, &scene, &camera, &stats->trace);
+        st = trace(job, &scene, &seen_by, &stats->trace);
     if (st == ST_OK && job->certify)
-        st =
-            certificate_make(job->volume, &scene, &camera, &job->image, &job->m, &stats->certified);
+        st = certificate_make(job->volume, &scene, &seen_by, &job->image, &job->m,
+                              &stats->certified);
     const double traced = clock_seconds();
     if (st == ST_OK && stats->trace.treelets_lost && job->image.provisional)
-        lost_marks_draw(&job->image, (size_t)camera.width * camera.height);
+        lost_marks_draw(&job->image, (size_t)seen_by.width * seen_by.height);
     if (st == ST_OK)
-        picture_scene_mark(&job->scene, volumes, &scene, &camera, &job->image, job->face);
+        picture_scene_mark(&job->scene, volumes, &scene, &seen_by, &job->image, job->face);
     if (st == ST_OK)
-        st = write_targets(job, frame, &camera, &scene, to);
+        st = write_targets(job, frame, &seen_by, &scene, to);
     stats->write_s = clock_seconds() - traced;
     return st;
 }
