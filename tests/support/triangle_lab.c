@@ -174,6 +174,18 @@ static void measure(triangle_lab *s) {
         for (int k = 0; k < 3; k++)
             s->edge += distance(s->xyz[s->corner[i][k]], s->xyz[s->corner[i][(k + 1) % 3]]);
     s->edge /= 3.0 * s->triangles;
+    for (uint32_t i = 0; i < s->triangles; i++) {
+        float middle[3];
+        for (int a = 0; a < 3; a++) {
+            double sum = 0.0;
+            for (int k = 0; k < 3; k++)
+                sum += (double)s->xyz[s->corner[i][k]][a];
+            middle[a] = (float)(sum / 3.0);
+            s->about[i][a] = (double)middle[a];
+        }
+        for (int k = 0; k < 3; k++)
+            s->about[i][3] = fmax(s->about[i][3], distance(middle, s->xyz[s->corner[i][k]]));
+    }
 }
 
 void triangle_lab_make(triangle_lab *s, int n, uint64_t seed) {

@@ -17,7 +17,8 @@ typedef struct triangle_lab {
     float xyz[3 * TRIANGLE_LAB_MAX][3];
     float value[3 * TRIANGLE_LAB_MAX];
     uint32_t corner[TRIANGLE_LAB_MAX][3];
-    double middle[3], size, edge; /* of all points; the mean edge */
+    double about[TRIANGLE_LAB_MAX][4]; /* a ball about each triangle: middle, radius */
+    double middle[3], size, edge;      /* of all points; the mean edge */
     bool closed; /* a line that does not graze it crosses it an even number of times */
 } triangle_lab;
 

@@ -34,10 +34,28 @@ static real meet(const triangle_lab *s, uint32_t i, const real o[3], const real 
     return t / square;
 }
 
+/* Whether the line passes far from a triangle: by the ball about it, made larger. */
+static bool passes_far(const triangle_lab *s, uint32_t i, const real o[3], const real d[3]) {
+    const double *ball = s->about[i];
+    double a[3], off = 0.0, far = 0.0;
+    for (int k = 0; k < 3; k++) {
+        a[k] = ball[k] - (double)o[k];
+        far += fabs(a[k]);
+    }
+    for (int k = 0; k < 3; k++) {
+        const double c =
+            a[(k + 1) % 3] * (double)d[(k + 2) % 3] - a[(k + 2) % 3] * (double)d[(k + 1) % 3];
+        off += c * c;
+    }
+    return sqrt(off) > 1.001 * ball[3] + 1e-5 * s->edge + 1e-12 * far;
+}
+
 static real first_of(const triangle_lab *s, const real o[3], const real d[3], real t0, real slack,
                      uint32_t *nearest) {
     real first = INFINITY;
     for (uint32_t i = 0; i < s->triangles; i++) {
+        if (passes_far(s, i, o, d))
+            continue;
         const real t = meet(s, i, o, d, slack);
         if (t > t0 && t < first) {
             first = t;
