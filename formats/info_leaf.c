@@ -223,7 +223,8 @@ static status print_json(const report *r) {
     const fact_sheet to = {.values = json_object()};
     char next[INFO_NEXT_MAX];
     tell_file(r->f, &to);
-    fact_sheet_json(&to, "histogram", histogram_json(&r->values));
+    if (!leaf_teller_of(r->f)->is_surface)
+        fact_sheet_json(&to, "histogram", histogram_json(&r->values));
     info_next_tell(&to, next_command(r->common->input, next));
     if (r->q->iso_count) {
         json_t *isos = json_array();
@@ -235,14 +236,18 @@ static status print_json(const report *r) {
 }
 
 static void print_text(const report *r) {
+    const leaf_teller *kind = leaf_teller_of(r->f);
     const fact_sheet to = {.lines = stdout};
     char next[INFO_NEXT_MAX];
     cli_results(r->common, false);
     tell_file(r->f, &to);
-    histogram_print(stdout, &r->values,
-                    r->f->histograms ? leaf_teller_of(r->f)->drawn : "treelets");
-    printf("\n");
-    histogram_print_isovalues(stdout, &r->values);
+    if (kind->is_surface) {
+        printf("\n");
+    } else {
+        histogram_print(stdout, &r->values, r->f->histograms ? kind->drawn : "treelets");
+        printf("\n");
+        histogram_print_isovalues(stdout, &r->values);
+    }
     info_next_tell(&to, next_command(r->common->input, next));
     for (int i = 0; i < r->q->iso_count; i++)
         print_activity(r, i);
@@ -296,10 +301,22 @@ static status count(report *r, mem *m, leaf_file *f) {
     return st;
 }
 
+/* Refuse isovalues of what is a surface already. */
+static status check_isovalues(const report *r) {
+    if (!leaf_teller_of(r->f)->is_surface || (!r->q->iso_count && !step_list_given(&r->q->steps)))
+        return ST_OK;
+    return status_describe(ST_USAGE,
+                           "%s: a surface of %s, which has no isosurfaces: --iso and --steps are "
+                           "for volumes",
+                           r->common->input, leaf_teller_of(r->f)->cells);
+}
+
 status info_leaf_report(cli_common *common, mem *m, leaf_file *f, info_leaf_question *q) {
     report r = {.common = common, .f = f, .q = q};
-    status st = settle(&r, m);
+    status st = check_isovalues(&r);
     if (st == ST_OK)
+        st = settle(&r, m);
+    if (st == ST_OK && !leaf_teller_of(f)->is_surface)
         st = leaf_histogram_get(m, f, leaf_layout_set(&f->layout, r.field, r.first), &r.values);
     if (st == ST_OK)
         st = count(&r, m, f);

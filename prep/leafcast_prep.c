@@ -15,11 +15,14 @@
 #include "formats/mesh/mesh_input_kind.h"
 #include "formats/public_grid.h"
 #include "formats/public_status.h"
+#include "formats/surface/surface_input_kind.h"
+#include "formats/surface/surface_readers.h"
 #include "prep/convert_defaults.h"
 #include "prep/curvilinear/curvilinear_files.h"
 #include "prep/grid/convert.h"
 #include "prep/mesh/mesh_convert.h"
 #include "prep/mesh/mixed_treelet.h"
+#include "prep/mesh/triangle_treelet.h"
 #include "prep/prep_arguments.h"
 
 _Static_assert((int)LEAFCAST_U8 == (int)SAMPLE_U8 && (int)LEAFCAST_I8 == (int)SAMPLE_I8 &&
@@ -271,7 +274,9 @@ leafcast_status leafcast_convert_array(const leafcast_grid *from, const void *sa
 
 /* ---- Meshes ---- */
 
-static status convert_mesh(job *j, mesh_input *x, const mesh_series *series) {
+/* cells: NULL: tets. */
+static status convert_cells(job *j, mesh_input *x, const mesh_series *series,
+                            const cell_treelets *cells) {
     mesh_options o = mesh_options_default();
     mesh_result result;
     o.file = parameters_of(j);
@@ -281,13 +286,37 @@ static status convert_mesh(job *j, mesh_input *x, const mesh_series *series) {
     o.force = j->o.replace;
     o.gradients = j->o.gradients;
     o.coarse = j->o.coarse;
-    o.cells = j->o.whole_cells ? &mixed_treelets : NULL;
+    o.cells = cells;
     o.coarse_dims = j->o.coarse_dims;
-    o.refuse_empty = !j->o.allow_empty;
+    o.refuse_empty = !j->o.allow_empty && cells != &triangle_treelets;
     o.treelet_tets = j->o.treelet_tets ? j->o.treelet_tets : o.treelet_tets;
     o.leaf_tets = j->o.leaf_tets ? j->o.leaf_tets : o.leaf_tets;
     status st = check_gives_way(j);
     return st == ST_OK ? mesh_convert_run(&j->m, x, j->out, &o, &j->p, &result) : st;
+}
+
+static status convert_mesh(job *j, mesh_input *x, const mesh_series *series) {
+    return convert_cells(j, x, series, j->o.whole_cells ? &mixed_treelets : NULL);
+}
+
+/* The values of a surface may be none, and what is made of cells of a volume is not made of it. */
+static status convert_surface(job *j, mesh_input *x, const mesh_series *series) {
+    const struct {
+        bool given;
+        const char *what;
+    } without[] = {{j->o.gradients, "gradients"},
+                   {j->o.coarse, "coarse"},
+                   {j->o.leaf_tets, "leaf_tets"},
+                   {j->o.whole_cells, "whole_cells"}};
+    for (size_t i = 0; i < sizeof without / sizeof *without; i++)
+        if (without[i].given)
+            return status_describe(ST_USAGE,
+                                   "%s: a surface is converted without "
+                                   "leafcast_convert_options.%s",
+                                   series->of.paths[0], without[i].what);
+    mesh_series of = *series;
+    of.readers = &surface_readers;
+    return convert_cells(j, x, &of, &triangle_treelets);
 }
 
 static status convert_arrays(job *j, const leafcast_tets *tets) {
@@ -379,12 +408,16 @@ static status convert_curvilinear(job *j, curvilinear_input *x, const step_serie
 static status convert_input_of(job *j, const input *in, const mesh_series *series) {
     if (in->kind == &curvilinear_input_kind)
         return convert_curvilinear(j, in->own, &series->of);
-    if (in->kind == &mesh_input_kind) {
-        status st = step_series_check(&series->of);
-        return st == ST_OK ? convert_mesh(j, in->own, series) : st;
+    if (in->kind == &mesh_input_kind || in->kind == &surface_input_kind) {
+        const status st = step_series_check(&series->of);
+        if (st != ST_OK)
+            return st;
+        return in->kind == &mesh_input_kind ? convert_mesh(j, in->own, series)
+                                            : convert_surface(j, in->own, series);
     }
     if (series->of.sets.steps > 1)
-        return status_describe(ST_USAGE, "%s: only meshes and curvilinear grids have several steps",
+        return status_describe(ST_USAGE,
+                               "%s: only meshes, surfaces and curvilinear grids have several steps",
                                series->of.paths[0]);
     return convert_volume(j, in->own);
 }

@@ -38,7 +38,8 @@ extern "C" {
 #endif
 
 /* All zero but `size` gives the defaults of `leafcast convert`. Options for grids do not affect
- * meshes, nor those for meshes grids. */
+ * meshes, nor those for meshes grids. Surfaces of triangles go with the options for meshes, but for
+ * gradients, coarse, leaf_tets and whole_cells: LEAFCAST_USAGE. */
 typedef struct leafcast_convert_options {
     size_t size;
     uint64_t memory;  /* in bytes, not counting the caller's own; 0: 2 GiB */
@@ -103,9 +104,10 @@ typedef struct leafcast_convert_options {
 /* leafcast_convert_path() - converts a file as `leafcast convert` takes it. Grids: NRRD, MetaImage,
  * NIfTI, VTK, NumPy, MRC, FreeSurfer, PVM, SLC, XDMF, a Zarr folder, raw samples with their
  * dimensions in the name or in a JSON beside them. Meshes: TetGen, VTK, Gmsh, a mesh stream.
- * Curvilinear grids: VTK. Of several steps the first. Waits for a named pipe's writer, whatever
- * watch() says; refuses standard input. leafcast_convert_steps() - converts several meshes of the
- * same tets, or curvilinear grids of the same numbers of nodes, whose points may move, as the steps
+ * Curvilinear grids: VTK. Surfaces: PLY, STL, OBJ, OFF, VTK, glTF. Of several steps the first.
+ * Waits for a named pipe's writer, whatever watch() says; refuses standard input.
+ * leafcast_convert_steps() - converts several meshes of the same tets, surfaces of the same
+ * triangles, or curvilinear grids of the same numbers of nodes, whose points may move, as the steps
  * of a time series. times: ascending; NULL: 0, 1, .. options may be NULL. */
 LEAFCAST_API leafcast_status leafcast_convert_path(const char *in, const char *out,
                                                    const leafcast_convert_options *options);

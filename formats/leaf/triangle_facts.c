@@ -46,4 +46,4 @@ static void tell(const leaf_file *f, const fact_sheet *to) {
 }
 
 const leaf_teller triangle_facts = {
-    .name = "triangles", .cells = "triangles", .drawn = "triangles", .tell = tell};
+    .name = "triangles", .cells = "triangles", .is_surface = true, .tell = tell};

@@ -7,7 +7,7 @@
 typedef struct cell_source {
     mem *m;
     const cell_source_kind *kind;
-    const double *isovalues; /* NULL: solid cells */
+    const double *isovalues; /* NULL: cells */
     surface_units units;
     int threads, created;
     char *benches;
@@ -21,7 +21,7 @@ static status make(void *ctx, uint32_t index, int worker, piece *p) {
     cell_source *s = ctx;
     void *bench = bench_of(s, worker);
     if (!s->isovalues) {
-        piece_begin(p, true, 0);
+        piece_begin(p, !s->kind->flat, 0);
         return s->kind->make(bench, index, p);
     }
     const surface_unit *u = &s->units.list[index];

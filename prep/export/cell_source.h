@@ -14,10 +14,11 @@ typedef struct cell_source_kind {
     void (*release)(void *bench); /* also if create() has failed */
     /* Fill a piece, which has begun. Normals of a surface may have any length. */
     status (*make)(void *bench, uint32_t treelet, piece *p);
+    bool flat; /* without isovalues its cells are triangles */
 } cell_source_kind;
 
 /* cell_source_create() - release *out. isovalues: count of them, for surfaces of the choice's first
- * field, ordered by isovalue, then by treelet; count 0: solid cells, of all treelets. choice and
+ * field, ordered by isovalue, then by treelet; count 0: its cells, of all treelets. choice and
  * isovalues must outlive it. */
 CHECKED status cell_source_create(mem *m, const cell_source_kind *kind, const cell_choice *choice,
                                   const double *isovalues, uint32_t count, int threads,

@@ -1,11 +1,13 @@
 #include "prep/export/export_cells.h"
 
 #include "formats/leaf/mesh_geometry.h"
+#include "formats/leaf/triangle_geometry.h"
 #include "prep/export/export_pieces.h"
 #include "prep/export/hex_solids.h"
 #include "prep/export/hex_surface.h"
 #include "prep/export/tet_solids.h"
 #include "prep/export/tet_surface.h"
+#include "prep/export/triangle_cells.h"
 
 /* Makers of isosurfaces and of cells, and what each of their threads needs. */
 typedef struct cell_makers {
@@ -37,10 +39,21 @@ static status write_cells(export_request *a, mem *m, const cell_choice *choice,
     if (st == ST_OK)
         st = export_pieces_write(a, m, &source, threads, info);
     piece_source_release(&source);
-    if (st == ST_OK && info->vertices < known)
+    if (st == ST_OK && !a->pieces->loose && info->vertices < known)
         cli_note(&a->common, 1,
                  "%llu vertices lay on others, with the same values, and are one now",
                  (unsigned long long)(known - info->vertices));
+    return st;
+}
+
+/* The fields that are asked for, and their names. Release them in any case. */
+static status choose(export_request *a, mem *m, leaf_file *f, export_fields *fields,
+                     cell_choice *choice, piece_info *info) {
+    const status st = export_request_fields(a, m, f, fields);
+    *choice =
+        (cell_choice){.f = f, .fields = fields->fields, .count = fields->count, .step = a->step};
+    info->fields = fields->names;
+    info->field_count = fields->count;
     return st;
 }
 
@@ -49,15 +62,10 @@ static status write_pieces(export_request *a, mem *m, leaf_file *f, const cell_m
     const bool surface = !a->pieces->solid;
     double time = leaf_file_step_time(f, a->step < f->header.steps ? a->step : 0);
     export_fields fields;
-    status st = export_request_fields(a, m, f, &fields);
+    cell_choice choice;
+    status st = choose(a, m, f, &fields, &choice, info);
     if (st == ST_OK) {
-        const cell_choice choice = {.f = f,
-                                    .fields = fields.fields,
-                                    .count = fields.count,
-                                    .step = a->step,
-                                    .gradients = surface};
-        info->fields = fields.names;
-        info->field_count = fields.count;
+        choice.gradients = surface;
         info->time = f->header.steps > 1 && !surface ? &time : NULL;
         st =
             surface ? write_surface(a, m, &choice, by, info) : write_cells(a, m, &choice, by, info);
@@ -78,7 +86,22 @@ static status write_hexes(export_request *a, mem *m, leaf_file *f, piece_info *i
     return write_pieces(a, m, f, &by, info);
 }
 
+static status write_triangles(export_request *a, mem *m, leaf_file *f, piece_info *info) {
+    static const cell_makers by = {.cells = triangle_cells_create,
+                                   .cells_worker = triangle_cells_worker};
+    export_fields fields;
+    cell_choice choice;
+    info->given = true;
+    status st = choose(a, m, f, &fields, &choice, info);
+    if (st == ST_OK)
+        st = write_cells(a, m, &choice, &by, info);
+    export_request_release(m, &fields);
+    return st;
+}
+
 #define INSTEAD "leafcast resample makes some, or export it as .vtu"
 
-const export_kind export_tets = {&mesh_geometry, NULL, write_tets, "tets", INSTEAD};
-const export_kind export_hexes = {NULL, NULL, write_hexes, "cells", INSTEAD};
+const export_kind export_tets = {&mesh_geometry, NULL, write_tets, "tets", INSTEAD, false};
+const export_kind export_hexes = {NULL, NULL, write_hexes, "cells", INSTEAD, false};
+const export_kind export_triangles = {
+    &triangle_geometry, NULL, write_triangles, NULL, "export it as .ply, .stl or .vtp", true};

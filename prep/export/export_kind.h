@@ -15,6 +15,7 @@ typedef struct export_kind {
     status (*pieces)(export_request *a, mem *m, leaf_file *f, piece_info *info);
     const char *cells;   /* what they are called; NULL: they cannot be written */
     const char *instead; /* advice where a format cannot hold it */
+    bool given;          /* a surface by itself: pieces() writes its triangles, as they are */
 } export_kind;
 
 #endif

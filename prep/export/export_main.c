@@ -25,7 +25,7 @@ enum { MEMORY_DEFAULT_MIB = 2048 };
 enum { KEY_FORMAT = 0x2000, KEY_BOX, KEY_LEVEL, KEY_ISO, KEY_FLOATS, KEY_FIELD, KEY_STEP };
 
 /* What is exported: an option lists what it has an effect on. */
-enum { LATTICE = 1, SURFACE = 2, CELLS = 4 };
+enum { LATTICE = 1, SURFACE = 2, CELLS = 4, GIVEN = 8 };
 static const char *const use_names[] = {[LATTICE] = "grids", [SURFACE] = "isosurfaces"};
 static const cli_use uses[] = {
     {KEY_BOX, LATTICE}, {KEY_LEVEL, LATTICE}, {KEY_ISO, SURFACE}, {KEY_FLOATS, SURFACE}};
@@ -47,7 +47,8 @@ static const struct argp_option options[] = {
      "coordinates of vertices as 32-bit floats instead of doubles: smaller, less exact", 3},
     {NULL, 0, NULL, 0, "Of several fields and steps:", 4},
     {"field", KEY_FIELD, "NAME", CLI_BASIC,
-     "this one; may be repeated for .vdb and .vtu (default: there all, else the first)", 4},
+     "this one; may be repeated for .vdb, .vtu and surfaces (default: there all, else the first)",
+     4},
     {"step", KEY_STEP, "K|all", CLI_BASIC,
      "of time steps this one, from 0 on (0); all: one .nii or .zarr of four axes", 4},
     {NULL, 0, NULL, 0, NULL, 0}};
@@ -147,14 +148,19 @@ static status find_format(export_request *a) {
 }
 
 static status check_surface(const export_request *a) {
-    if (a->iso_count == 0)
-        return status_describe(ST_USAGE, "which isosurface? --iso says it; leafcast info suggests "
-                                         "isovalues");
     if (a->pieces->loose && a->floats)
         return status_describe(ST_USAGE, "--floats: .%s has no other", a->pieces->name);
     if (a->pieces->loose && a->iso_count > 1)
         return status_describe(ST_USAGE, "--iso: .%s cannot tell several isosurfaces apart",
                                a->pieces->name);
+    return ST_OK;
+}
+
+/* What is wrong of isosurfaces of a file's kind. */
+static status check_isosurface(const export_request *a) {
+    if (a->iso_count == 0)
+        return status_describe(ST_USAGE, "which isosurface? --iso says it; leafcast info suggests "
+                                         "isovalues");
     if (a->field_count > 1)
         return status_describe(ST_USAGE, "--field: an isosurface is of one field");
     return ST_OK;
@@ -198,11 +204,12 @@ static const cli_verb verb = {
     .output = output,
     .input = "treelet file",
     .args_doc = "F.leaf -o FILE.nrrd|.raw|.nii|.mha|.npy|.vti|.vtr|.tif|.vdb|.zarr\n"
-                "F.leaf --iso V -o FILE.ply|.stl|.vtp\nF.leaf -o FILE.vtu",
+                "F.leaf --iso V -o FILE.ply|.stl|.vtp\nF.leaf -o FILE.vtu\n"
+                "SURFACE.leaf -o FILE.ply|.stl|.vtp",
     .doc =
         "Write what is in a treelet file to another format: the samples of a grid, isosurfaces, "
-        "or the cells of a mesh or a curvilinear grid (-o -: to standard output, --format says "
-        "what)."
+        "the cells of a mesh or a curvilinear grid, or the triangles of a surface (-o -: to "
+        "standard output, --format says what)."
         "\vExample:\n"
         "  leafcast export head.leaf --iso 1150 -o skull.ply\v"
         "Samples come out as they went in, to the bit, unless their type was not kept (u32, i32, "
@@ -225,7 +232,7 @@ static status report_pieces(const export_request *a, const export_kind *kind,
                               json_pack("{s:s, s:s, s:I, s:I, s:f}", "output", a->common.output,
                                         "format", a->pieces->name, "vertices", (json_int_t)vertices,
                                         cells, (json_int_t)count, "seconds", seconds));
-    if (!mesh && info->cells == 0)
+    if (!mesh && !kind->given && info->cells == 0)
         cli_note(&a->common, 1, "there is no such surface: the file has no triangles");
     if (export_request_to_stdout(a) || !cli_results(&a->common, true))
         return ST_OK;
@@ -236,12 +243,14 @@ static status report_pieces(const export_request *a, const export_kind *kind,
     return ST_OK;
 }
 
-static const export_kind *const kinds[] = {&export_grid, &export_tets, &export_hexes};
+static const export_kind *const kinds[] = {&export_grid, &export_tets, &export_hexes,
+                                           &export_triangles};
 
 /* Returns NULL for a kind that is not exported. */
 static const export_kind *kind_of(const leaf_file *f) {
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-        if (kinds[i]->of ? kinds[i]->of == f->geometry : f->geometry->noded && f->geometry->noded->hexahedra)
+        if (kinds[i]->of ? kinds[i]->of == f->geometry
+                         : f->geometry->noded && f->geometry->noded->hexahedra)
             return kinds[i];
     return NULL;
 }
@@ -249,12 +258,13 @@ static const export_kind *kind_of(const leaf_file *f) {
 static unsigned use_of(const export_request *a, const export_kind *kind) {
     if (a->pieces && a->pieces->solid)
         return CELLS;
-    return (a->pieces ? SURFACE : 0U) | (kind->samples ? LATTICE : 0U);
+    return (a->pieces ? kind->given ? GIVEN : SURFACE : 0U) | (kind->samples ? LATTICE : 0U);
 }
 
 static status check_kind(const export_request *a, const leaf_file *f) {
     const export_kind *kind = kind_of(f);
-    const char *path = a->common.input, *name = leaf_teller_of(f)->name;
+    const char *path = a->common.input,
+               *name = kind && kind->given ? "surface" : leaf_teller_of(f)->name;
     if (!kind)
         return status_describe(ST_UNSUPPORTED, "%s: its kind of geometry is not exported", path);
     if (a->samples && !kind->samples)
@@ -263,11 +273,13 @@ static status check_kind(const export_request *a, const leaf_file *f) {
     if (a->pieces && a->pieces->solid && !kind->cells)
         return status_describe(ST_UNSUPPORTED, "%s: a %s, which .%s is not for: %s", path, name,
                                a->pieces->name, kind->instead);
-    char becomes[32];
-    snprintf(becomes, sizeof becomes, "to become .%s",
+    char becomes[64];
+    snprintf(becomes, sizeof becomes, "%sto become .%s",
+             kind->given ? "a surface of triangles, " : "",
              a->samples ? a->samples->name : a->pieces->name);
-    return cli_check_uses(&a->common, uses, sizeof uses / sizeof *uses, use_of(a, kind), use_names,
-                          becomes);
+    const status st = cli_check_uses(&a->common, uses, sizeof uses / sizeof *uses, use_of(a, kind),
+                                     use_names, becomes);
+    return st == ST_OK && use_of(a, kind) & SURFACE ? check_isosurface(a) : st;
 }
 
 static status export_pieces(export_request *a, mem *m, leaf_file *f, double start) {
@@ -300,6 +312,7 @@ static status run(export_request *a) {
         st = leaf_file_open(&m, a->common.input, &f);
     if (st == ST_OK)
         st = check_kind(a, f);
+    a->given = st == ST_OK && kind_of(f)->given;
     if (st == ST_OK)
         st = a->samples ? kind_of(f)->samples(a, &m, f, start) : export_pieces(a, &m, f, start);
     leaf_file_close(f);

@@ -36,7 +36,7 @@ status export_request_step(const export_request *a, const leaf_file *f) {
 
 /* Returns whether one file of the format holds several fields. */
 static bool takes_all(const export_request *a) {
-    return a->samples ? a->samples->fields : a->pieces->solid;
+    return a->samples ? a->samples->fields : a->pieces->solid || (a->given && !a->pieces->loose);
 }
 
 /* The fields that are named, or all, or the first. fields: room for all of them. */

@@ -23,6 +23,7 @@ typedef struct export_request {
     const char *fields[EXPORT_FIELDS_MAX];
     uint32_t field_count, step;
     bool all_steps;
+    bool given; /* the file is of a surface: its triangles are written, with values of fields */
 } export_request;
 
 /* Where it goes: to standard output, to a file for each slice, to a folder. */

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "formats/base/vec3.h"
+#include "formats/leaf/triangle_geometry.h"
 
 static char *put32(char *to, uint32_t value) {
     const uint32_t little = htole32(value);
@@ -59,6 +60,30 @@ char *piece_bytes_records(const piece_view *v, const piece_array *a, char *to) {
         to = put_floats(put_point(v, x, to), x->normal);
         if (v->info->isovalues > 1)
             to = put_double(to, v->p->isovalue);
+    }
+    return to;
+}
+
+bool piece_bytes_is_colour(const piece_info *info, uint32_t field) {
+    return strcmp(info->fields[field], TRIANGLE_COLOURS) == 0;
+}
+
+/* Of a value that is no colour: black. */
+static char *put_colour(char *to, float value) {
+    const uint32_t rgb = value >= 0.0F && value <= (float)0xffffff ? (uint32_t)value : 0;
+    for (int shift = 16; shift >= 0; shift -= 8)
+        *to++ = (char)(unsigned char)(rgb >> shift);
+    return to;
+}
+
+char *piece_bytes_given(const piece_view *v, const piece_array *a, char *to) {
+    (void)a;
+    for (uint32_t i = 0; i < v->owned; i++) {
+        const uint32_t n = v->order[i];
+        to = put_point(v, &v->p->vertex[n], to);
+        for (uint32_t k = 0; k < v->info->field_count; k++)
+            to = piece_bytes_is_colour(v->info, k) ? put_colour(to, v->p->values[k][n])
+                                                   : put_float(to, v->p->values[k][n]);
     }
     return to;
 }

@@ -6,13 +6,17 @@
 #include "prep/export/piece_format.h"
 
 /* Per vertex. points: coordinates, as doubles or floats (info->floats). records: coordinates, the
- * normal in floats and, with several isovalues, the isovalue as a double. normals; isovalues;
- * values of a field. */
+ * normal in floats and, with several isovalues, the isovalue as a double. given: coordinates and
+ * the values of all fields, colours as bytes. normals; isovalues; values of a field. */
 char *piece_bytes_points(const piece_view *v, const piece_array *a, char *to);
 char *piece_bytes_records(const piece_view *v, const piece_array *a, char *to);
+char *piece_bytes_given(const piece_view *v, const piece_array *a, char *to);
 char *piece_bytes_normals(const piece_view *v, const piece_array *a, char *to);
 char *piece_bytes_isovalues(const piece_view *v, const piece_array *a, char *to);
 char *piece_bytes_values(const piece_view *v, const piece_array *a, char *to);
+
+/* piece_bytes_is_colour() - whether a field holds colours (triangle_geometry.h). */
+bool piece_bytes_is_colour(const piece_info *info, uint32_t field);
 
 /* Per cell. faces: the count 3 in a byte, then corners in 32 bits (PLY). facets: normal, corners
  * and 16 zero bits (STL). offsets: where the next cell's corners begin. shapes: VTK's number of the

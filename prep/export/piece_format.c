@@ -43,6 +43,27 @@ static status finish(const piece_layout *l) {
 
 /* ---- PLY ---- */
 
+static size_t given_bytes(const piece_info *info) {
+    size_t bytes = point_bytes(info);
+    for (uint32_t i = 0; i < info->field_count; i++)
+        bytes += piece_bytes_is_colour(info, i) ? 3 : sizeof(float);
+    return bytes;
+}
+
+/* Names in a header of PLY have no blanks. */
+static void add_property(head_text *h, const piece_info *info, uint32_t i) {
+    if (piece_bytes_is_colour(info, i)) {
+        head_text_add(h, "property uchar red\nproperty uchar green\nproperty uchar blue\n");
+        return;
+    }
+    char name[80];
+    snprintf(name, sizeof name, "%s", info->fields[i]);
+    for (char *c = name; *c; c++)
+        if (*c == ' ' || *c == '\t')
+            *c = '_';
+    head_text_add(h, "property float %s\n", name);
+}
+
 static status lay_out_ply(mem *m, const piece_info *info, piece_layout *l) {
     status st = begin(m, info, l);
     if (st != ST_OK)
@@ -54,17 +75,22 @@ static status lay_out_ply(mem *m, const piece_info *info, piece_layout *l) {
     const char *type = info->floats ? "float" : "double";
     const bool many = info->isovalues > 1;
     const size_t record = point_bytes(info) + 3 * sizeof(float) + (many ? sizeof(double) : 0);
-    head_text *h = add(l, (piece_array){.stride = record, .encode = piece_bytes_records});
-    head_text_add(h, "ply\nformat binary_little_endian 1.0\ncomment leafcast isosurface\n");
+    head_text *h =
+        add(l, info->given ? (piece_array){.stride = given_bytes(info), .encode = piece_bytes_given}
+                           : (piece_array){.stride = record, .encode = piece_bytes_records});
+    head_text_add(h, "ply\nformat binary_little_endian 1.0\ncomment leafcast %s\n",
+                  info->given ? "surface" : "isosurface");
     if (info->name[0])
         head_text_add(h, "comment of %s\n", info->name);
     head_text_add(h, "element vertex %llu\n", (unsigned long long)info->vertices);
     for (int a = 0; a < 3; a++)
         head_text_add(h, "property %s %c\n", type, "xyz"[a]);
-    for (int a = 0; a < 3; a++)
+    for (int a = 0; a < 3 && !info->given; a++)
         head_text_add(h, "property float n%c\n", "xyz"[a]);
     if (many)
         head_text_add(h, "property double isovalue\n");
+    for (uint32_t i = 0; i < info->field_count && info->given; i++)
+        add_property(h, info, i);
     head_text_add(h, "element face %llu\nproperty list uchar %s vertex_indices\nend_header\n",
                   (unsigned long long)info->cells,
                   info->vertices > (uint64_t)INT32_MAX + 1 ? "uint" : "int");
@@ -88,7 +114,8 @@ static status lay_out_stl(mem *m, const piece_info *info, piece_layout *l) {
     head_text *h = add(l, (piece_array){.stride = 12 * sizeof(float) + 2,
                                         .of = PIECE_CELLS,
                                         .encode = piece_bytes_facets});
-    snprintf(title, sizeof title, "leafcast isosurface %.40s", info->name);
+    snprintf(title, sizeof title, "leafcast %s %.40s", info->given ? "surface" : "isosurface",
+             info->name);
     head_text_bytes(h, title, STL_TITLE);
     head_text_bytes(h, &count, sizeof count);
     return finish(l);
@@ -167,6 +194,16 @@ static status end_vtk(vtk_file *f, const char *kind) {
     return st == ST_OK ? finish(f->l) : st;
 }
 
+/* The fields of all vertices, and their beginning. */
+static void declare_values(vtk_file *f) {
+    head_text_add(f->h, "<PointData Scalars=\"");
+    head_text_xml(f->h, f->info->fields[0]);
+    head_text_add(f->h, "\">\n");
+    for (uint32_t i = 0; i < f->info->field_count; i++)
+        declare(f, "Float32", f->info->fields[i], 1,
+                (piece_array){.stride = sizeof(float), .field = i, .encode = piece_bytes_values});
+}
+
 static status lay_out_vtp(mem *m, const piece_info *info, piece_layout *l) {
     head_text h = {.m = m};
     vtk_file f = {.l = l, .info = info, .h = &h};
@@ -175,9 +212,13 @@ static status lay_out_vtp(mem *m, const piece_info *info, piece_layout *l) {
         return st;
     begin_vtk(&f, "PolyData", "NumberOfPolys");
     declare_points(&f);
-    head_text_add(&h, "<PointData Normals=\"Normals\">\n");
-    declare(&f, "Float32", "Normals", 3,
-            (piece_array){.stride = 3 * sizeof(float), .encode = piece_bytes_normals});
+    if (info->given) {
+        declare_values(&f);
+    } else {
+        head_text_add(&h, "<PointData Normals=\"Normals\">\n");
+        declare(&f, "Float32", "Normals", 3,
+                (piece_array){.stride = 3 * sizeof(float), .encode = piece_bytes_normals});
+    }
     if (info->isovalues > 1)
         declare(&f, "Float64", "isovalue", 1,
                 (piece_array){.stride = sizeof(double), .encode = piece_bytes_isovalues});
@@ -195,12 +236,7 @@ static status lay_out_vtu(mem *m, const piece_info *info, piece_layout *l) {
         return st;
     begin_vtk(&f, "UnstructuredGrid", "NumberOfCells");
     declare_points(&f);
-    head_text_add(&h, "<PointData Scalars=\"");
-    head_text_xml(&h, info->fields[0]);
-    head_text_add(&h, "\">\n");
-    for (uint32_t i = 0; i < info->field_count; i++)
-        declare(&f, "Float32", info->fields[i], 1,
-                (piece_array){.stride = sizeof(float), .field = i, .encode = piece_bytes_values});
+    declare_values(&f);
     head_text_add(&h, "</PointData>\n<Cells>\n");
     declare_cells(&f);
     declare(&f, "UInt8", "types", 1,

@@ -14,6 +14,7 @@
 typedef struct piece_info {
     const char *name; /* of the data set; "": none */
     bool floats;      /* coordinates as floats instead of doubles */
+    bool given;       /* a surface with values of fields; else isosurfaces, with normals */
     uint32_t isovalues;
     const char *const *fields; /* their names */
     uint32_t field_count;

@@ -7,6 +7,7 @@
 #include "formats/mesh/mesh_input.h"
 #include "formats/mesh/mesh_input_kind.h"
 #include "formats/surface/surface_input_kind.h"
+#include "formats/surface/surface_readers.h"
 #include "prep/convert_append.h"
 #include "prep/convert_choices.h"
 #include "prep/further_step.h"
@@ -145,7 +146,8 @@ static status run_as(convert_request *a, mem *m, input *in, double start,
         st = take_sets(&a->sets, x, a->common.input);
     if (st == ST_OK)
         st = convert_request_times(a);
-    mesh_series series = {convert_request_series(a), a->hints.mesh};
+    const mesh_series series = {convert_request_series(a), a->hints.mesh,
+                                cells == &triangle_treelets ? &surface_readers : NULL};
     if (st == ST_OK)
         st = step_series_check(&series.of);
     const uint32_t kind = cells ? cells->kind : LEAF_KIND_MESH;

@@ -55,6 +55,12 @@ static status check_sorted(const mesh_conversion *c) {
                    repeated = c->report->repeated + c->sorted.repeated;
     if (c->sorted.tets > 0)
         return ST_OK;
+    if (c->g->corners == 3)
+        return status_describe(bad + repeated ? ST_CORRUPT : ST_UNSUPPORTED,
+                               "%s: %llu triangles with an id that is no point, %llu with a vertex "
+                               "twice, and no triangle besides",
+                               *c->name ? c->name : "the surface", (unsigned long long)bad,
+                               (unsigned long long)repeated);
     if (bad + repeated == 0)
         return status_describe(ST_UNSUPPORTED,
                                "%s: no tets; a surface of triangles is converted as .ply: `meshio "
@@ -260,9 +266,11 @@ static status check_empty(const mesh_conversion *c) {
 /* ---- all of it ---- */
 
 static void describe_origin(const mesh_options *o, const mesh_report *r, char *text, size_t size) {
-    char steps[32] = "a mesh";
+    const char *what = o->cells && o->cells->corners == 3 ? "a surface" : "a mesh";
+    char steps[32];
+    snprintf(steps, sizeof steps, "%s", what);
     if (o->series && o->series->of.sets.steps > 1)
-        snprintf(steps, sizeof steps, "a mesh at %u steps", o->series->of.sets.steps);
+        snprintf(steps, sizeof steps, "%s at %u steps", what, o->series->of.sets.steps);
     char codec[32] = "raw";
     if (o->file.codec == LEAF_CODEC_ZSTD)
         snprintf(codec, sizeof codec, "zstd:%d", o->file.zstd_level);
@@ -274,8 +282,7 @@ static void describe_origin(const mesh_options *o, const mesh_report *r, char *t
         snprintf(cells, sizeof cells, ", %llu cells split", (unsigned long long)split);
     if (o->cells) {
         snprintf(text, size, "leafcast %s convert, from %s: Morton treelets of %u %s, %s",
-                 LEAFCAST_VERSION, o->cells->corners == 3 ? "a surface" : steps, o->treelet_tets,
-                 o->cells->cells, codec);
+                 LEAFCAST_VERSION, steps, o->treelet_tets, o->cells->cells, codec);
         return;
     }
     snprintf(text, size,

@@ -59,6 +59,11 @@ static void widen_bounds(mesh_gather *g, size_t count, const float (*xyz)[3]) {
 
 enum { SOME = 512 };
 
+/* What cells are called, in the plural. */
+static const char *name_of(const mesh_gather *g) {
+    return g->corners == 3 ? "triangles" : g->corners == 4 ? "tets" : "cells";
+}
+
 static status too_many(const mesh_gather *g, const char *what, uint64_t expected) {
     return status_describe(ST_CORRUPT, "%s: expected %llu %s, as %s has, found more", g->name,
                            (unsigned long long)expected, what, g->first_name);
@@ -129,12 +134,12 @@ static status differs(const mesh_gather *g, uint64_t tet, const uint32_t *now,
             snprintf(text[k] + end, sizeof text[k] - end, "%s%u", c ? ", " : "",
                      (k ? before : now)[c]);
         }
-    const char *what = g->corners == 3 ? "triangle" : g->corners == 4 ? "tet" : "cell";
+    const char *what = name_of(g);
     return status_describe(ST_CORRUPT,
-                           "%s: %s %llu has the vertices %s, expected %s as in %s: the %ss of a "
+                           "%s: %.*s %llu has the vertices %s, expected %s as in %s: the %s of a "
                            "series must be the same at each step",
-                           g->name, what, (unsigned long long)tet, text[0], text[1], g->first_name,
-                           what);
+                           g->name, (int)strlen(what) - 1, what, (unsigned long long)tet, text[0],
+                           text[1], g->first_name, what);
 }
 
 /* ids: g->corners of each. */
@@ -142,7 +147,7 @@ static status check_tets(mesh_gather *g, size_t count, const uint32_t *ids) {
     uint32_t before[SOME * CELL_ROW];
     const size_t each = g->corners, bytes = each * sizeof *ids;
     if (count > g->tets.count - g->tets_seen)
-        return too_many(g, "tets", g->tets.count);
+        return too_many(g, name_of(g), g->tets.count);
     for (size_t at = 0; at < count; at += SOME) {
         const size_t some = count - at < SOME ? count - at : SOME;
         status st = mesh_spool_read(&g->tets, g->tets_seen + at, some, before);
@@ -236,7 +241,7 @@ status mesh_gather_done(mesh_gather *g) {
         uint64_t found, expected;
     } counts[] = {{"points", g->points_seen, g->vertices},
                   {"values", g->values_seen, g->vertices * g->fields},
-                  {"tets", g->tets_seen, g->tets.count}};
+                  {name_of(g), g->tets_seen, g->tets.count}};
     for (int i = 0; i < 3; i++)
         if (counts[i].found != counts[i].expected)
             return status_describe(ST_CORRUPT, "%s: expected %llu %s, as %s has, found %llu",

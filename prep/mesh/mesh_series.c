@@ -9,6 +9,15 @@ static status read_step(const mesh_series *s, mesh_gather *g, mesh_input *x, con
     return st == ST_OK ? mesh_gather_done(g) : st;
 }
 
+static status open_step(mem *m, const mesh_series *s, uint32_t step, const mesh_hints *hints,
+                        mesh_input **out) {
+    byte_stream *stream;
+    if (!s->readers)
+        return mesh_input_open(m, step_series_path(&s->of, step), hints, out);
+    const status st = byte_stream_open(m, step_series_path(&s->of, step), &stream);
+    return st == ST_OK ? mesh_input_open_by(m, s->readers, stream, hints, out) : st;
+}
+
 /* field: of the first step, used if the series has no names; "": it has none. */
 static status read_later_step(mem *m, const mesh_series *s, mesh_gather *g, uint32_t step,
                               const char *field, const mesh_sink *sink) {
@@ -17,7 +26,7 @@ static status read_later_step(mem *m, const mesh_series *s, mesh_gather *g, uint
     mesh_input *x = NULL;
     hints.field = s->of.sets.names ? s->of.sets.names[0] : *field ? field : NULL;
     step_series_seek(&s->of, step, &hints.step);
-    status st = mesh_input_open(m, step_series_path(&s->of, step), &hints, &x);
+    status st = open_step(m, s, step, &hints, &x);
     if (st == ST_OK) {
         mesh_gather_next(g, step, mesh_input_file(x));
         st = read_step(s, g, x, sink, &report);

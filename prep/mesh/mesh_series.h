@@ -17,6 +17,7 @@
 typedef struct mesh_series {
     step_series of;
     mesh_hints hints; /* `field` is unused if there are names, `step` if the steps are in a file */
+    const struct mesh_readers *readers; /* of later steps' files (mesh_reader.h); NULL: of meshes */
 } mesh_series;
 
 /* mesh_series_begin() - call it before the steps are read into g. first: the first step's mesh,

@@ -154,7 +154,8 @@ status resample_input_open(mem *m, const resample_source *s, const progress *p, 
     status st =
         resample_input_is_leaf(s->path) ? leaf_file_open(m, s->path, &f) : open_mesh(m, s, p, &f);
     if (st == ST_OK && !resample_cells_of(f)) {
-        const char *kind = leaf_teller_of(f)->name;
+        const leaf_teller *teller = leaf_teller_of(f);
+        const char *kind = teller->is_surface ? "surface" : teller->name;
         leaf_file_close(f);
         return status_describe(
             ST_UNSUPPORTED,
