@@ -146,8 +146,8 @@ static status run_as(convert_request *a, mem *m, input *in, double start,
         st = take_sets(&a->sets, x, a->common.input);
     if (st == ST_OK)
         st = convert_request_times(a);
-    const mesh_series series = {convert_request_series(a), a->hints.mesh,
-                                cells == &triangle_treelets ? &surface_readers : NULL};
+    mesh_series series = {convert_request_series(a), a->hints.mesh,
+                          cells == &triangle_treelets ? &surface_readers : NULL};
     if (st == ST_OK)
         st = step_series_check(&series.of);
     const uint32_t kind = cells ? cells->kind : LEAF_KIND_MESH;

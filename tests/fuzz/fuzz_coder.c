@@ -10,6 +10,8 @@
 #include "formats/leaf/curvilinear_coder.h"
 #include "formats/leaf/mixed_coder.h"
 #include "formats/leaf/mixed_geometry.h"
+#include "formats/leaf/triangle_coder.h"
+#include "formats/leaf/triangle_geometry.h"
 #include "formats/mesh/mesh_coder.h"
 #include "formats/mesh/mesh_leaf.h"
 #include "tests/support/leaf_fuzz.h"
@@ -34,12 +36,17 @@ static int mixed_can_be(const uint32_t counts[4]) {
     return !mixed_counts_fault(counts, 1024);
 }
 
+static int triangles_can_be(const uint32_t counts[4]) {
+    return !triangle_counts_fault(counts, 1024);
+}
+
 static const struct {
     const leaf_coder *coder;
     int (*can_be)(const uint32_t counts[4]);
 } kinds[] = {{&mesh_coder, mesh_can_be},
              {&curvilinear_coder, curvilinear_can_be},
-             {&mixed_coder, mixed_can_be}};
+             {&mixed_coder, mixed_can_be},
+             {&triangle_coder, triangles_can_be}};
 
 static int bounds_are_sound(const float b[6]) {
     int sound = 1;

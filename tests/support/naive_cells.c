@@ -283,3 +283,77 @@ bool naive_cells_mixed(int block, const uint32_t counts[4], const unsigned char 
     free(m.row);
     return sound;
 }
+
+/* ---- surfaces ---- */
+
+static uint32_t corner_at(const unsigned char *rows, size_t i) {
+    return rows[2 * i] + 256U * rows[2 * i + 1];
+}
+
+/* The vertex that a corner's code says; -1: none. */
+static int64_t told_by(const unsigned char *rows, size_t i, unsigned code, uint32_t told,
+                       int64_t word) {
+    if (code == 0)
+        return told;
+    if (code == 255)
+        return word < 0 ? -1 : (int64_t)told - 1 - word;
+    return code > i ? -1 : (int64_t)corner_at(rows, i - code);
+}
+
+static bool decode_triangles(size_t corners, size_t vertices, const unsigned char *code,
+                             const unsigned char *words, size_t count, unsigned char *rows) {
+    uint32_t told = 0;
+    size_t taken = 0;
+    for (size_t i = 0; i < corners; i++) {
+        int64_t word = -1;
+        if (code[i] == 255 && taken < count) {
+            word = words[taken] + 256 * words[count + taken];
+            taken++;
+        }
+        const int64_t v = told_by(rows, i, code[i], told, word);
+        told += code[i] == 0;
+        if (v < 0 || v >= told || told > vertices)
+            return false;
+        rows[2 * i] = (unsigned char)(v % 256);
+        rows[2 * i + 1] = (unsigned char)(v / 256);
+    }
+    return told == vertices && taken == count;
+}
+
+static void decode_points(size_t corners, size_t vertices, const unsigned char *planes,
+                          const unsigned char *rows, unsigned char *payload) {
+    uint32_t told = 0;
+    for (size_t i = 0; i < corners; i++) {
+        if (corner_at(rows, i) != told)
+            continue;
+        for (size_t a = 0; a < 3; a++) {
+            const size_t first = a * vertices;
+            float p = told ? read_float(payload, first + told - 1) : 0.0f;
+            if (i % 3 == 1)
+                p = read_float(payload, first + corner_at(rows, i - 1));
+            if (i % 3 == 2)
+                p = 0.5f * add(read_float(payload, first + corner_at(rows, i - 2)),
+                               read_float(payload, first + corner_at(rows, i - 1)));
+            decode(planes, 3 * vertices, first + told, p, payload);
+        }
+        told++;
+    }
+}
+
+bool naive_cells_triangles(int block, const uint32_t counts[4], const unsigned char *in,
+                           size_t bytes, unsigned char *payload, size_t payload_bytes) {
+    const size_t corners = block == 0 ? 3 * (size_t)counts[0] : 0, vertices = counts[1],
+                 floats = block == 1 ? vertices : 3 * vertices, fixed = 1 + corners + 4 * floats;
+    if (bytes && in[0] == 0)
+        return take_stored(in, bytes, payload, payload_bytes);
+    if (!bytes || in[0] != 1 || bytes < fixed || (bytes - fixed) % 2)
+        return false;
+    memset(payload, 0, payload_bytes);
+    if (block != 0)
+        return bytes == fixed && decode_row(in + 1, floats, payload);
+    unsigned char *rows = payload + aligned(4 * floats);
+    if (!decode_triangles(corners, vertices, in + 1, in + fixed, (bytes - fixed) / 2, rows))
+        return false;
+    decode_points(corners, vertices, in + 1 + corners, rows, payload);
+    return true;
+}

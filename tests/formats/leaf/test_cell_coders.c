@@ -1,6 +1,6 @@
-/* test_cell_coders.c - coded payloads of curvilinear grids and mixed meshes: the same bytes come
- * back, whatever they are, from both decoders; hostile streams are refused by both, or make the
- * same payload, and touch nothing else. */
+/* test_cell_coders.c - coded payloads of curvilinear grids, mixed meshes and surfaces: the same
+ * bytes come back, whatever they are, from both decoders; hostile streams are refused by both, or
+ * make the same payload, and touch nothing else. */
 /* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,6 +17,8 @@
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/leaf/mixed_coder.h"
 #include "formats/leaf/mixed_corner_coder.h"
+#include "formats/leaf/triangle_coder.h"
+#include "formats/leaf/triangle_geometry.h"
 #include "formats/mesh/mesh_coder.h"
 #include "tests/support/coder_lab.h"
 #include "tests/support/fields.h"
@@ -27,10 +29,14 @@ enum { LIES = 30 };
 static uint8_t *decode_naively(const coder_subject *x, const uint8_t *in, size_t size) {
     uint8_t *out = coder_lab_guarded(x->bytes);
     memset(out, 0, x->bytes);
-    const bool good = x->coder == &mixed_coder
-                          ? naive_cells_mixed((int)x->block, x->counts, in, size, out, x->bytes)
-                          : naive_cells_curvilinear(x->block != LEAF_BLOCK_VALUES, x->counts, in,
-                                                    size, out, x->bytes);
+    bool good;
+    if (x->coder == &mixed_coder)
+        good = naive_cells_mixed((int)x->block, x->counts, in, size, out, x->bytes);
+    else if (x->coder == &triangle_coder)
+        good = naive_cells_triangles((int)x->block, x->counts, in, size, out, x->bytes);
+    else
+        good = naive_cells_curvilinear(x->block != LEAF_BLOCK_VALUES, x->counts, in, size, out,
+                                       x->bytes);
     if (good)
         return out;
     free(out);
@@ -241,10 +247,64 @@ static void visit_mixed(visit *f, field_random *r) {
     visit_tens(500, f, r);
 }
 
+/* ---- surfaces ---- */
+
+/* Rows of triangles in their order. Sets counts[1]. */
+typedef struct surface {
+    uint32_t counts[4];
+    uint16_t corner[TRIANGLES_MAX * TRIANGLE_CORNERS];
+} surface;
+
+/* Corners of random vertices, many of them again: near, and far behind. */
+static void make_soup(surface *s, uint32_t count, field_random *r) {
+    *s = (surface){.counts = {count}};
+    for (uint32_t i = 0; i < TRIANGLE_CORNERS * count; i++) {
+        const uint32_t met = s->counts[1];
+        const long how = field_random_below(r, 4);
+        uint32_t v = met;
+        if (met > 4 && how == 1) /* one of them all */
+            v = (uint32_t)field_random_below(r, met);
+        else if (met > 4 && how >= 2) /* one of the latest */
+            v = met - 1 - (uint32_t)field_random_below(r, met < 40 ? met : 40);
+        s->counts[1] += v == met;
+        s->corner[i] = (uint16_t)v;
+    }
+}
+
+static void fill_surface(coder_subject *x, const surface *s, number *of, field_random *r) {
+    const triangle_shape shape = triangle_shape_of(x->counts);
+    fill((float *)(void *)x->payload, shape.vertices * (x->block == LEAF_BLOCK_VALUES ? 1U : 3U),
+         of, r);
+    if (x->block == LEAF_BLOCK_TOPOLOGY)
+        memcpy(x->payload + shape.place_bytes, s->corner, triangle_rows_bytes(&shape));
+}
+
+static void visit_surface(const surface *s, visit *f, field_random *r) {
+    for (size_t b = 0; b < 3; b++)
+        for (size_t n = 0; n < 2; n++) {
+            coder_subject x = coder_lab_subject(&triangle_coder, blocks[b], s->counts, NULL);
+            fill_surface(&x, s, numbers[n], r);
+            f(&x, r);
+            coder_lab_release(&x);
+        }
+}
+
+static void visit_surfaces(visit *f, field_random *r) {
+    surface *s = malloc(sizeof *s);
+    assert_non_null(s);
+    for (uint32_t count = 1; count <= 1500; count = 4 * count + 3) {
+        make_soup(s, count, r);
+        if (s->counts[1] >= TRIANGLE_CORNERS)
+            visit_surface(s, f, r);
+    }
+    free(s);
+}
+
 static void visit_all(visit *f, uint64_t seed) {
     field_random r = {seed};
     visit_curvilinear(f, &r);
     visit_mixed(f, &r);
+    visit_surfaces(f, &r);
 }
 
 /* ---- tests ---- */
@@ -280,8 +340,44 @@ static void test_all_nodes_are_new(void **state) {
     free(c);
 }
 
+/* Likewise of triangles that share nothing. */
+static void test_all_vertices_are_new(void **state) {
+    (void)state;
+    field_random r = {6};
+    surface *s = calloc(1, sizeof *s);
+    assert_non_null(s);
+    s->counts[0] = TRIANGLES_MAX;
+    s->counts[1] = TRIANGLE_CORNERS * TRIANGLES_MAX;
+    for (uint32_t i = 0; i < s->counts[1]; i++)
+        s->corner[i] = (uint16_t)i;
+    visit_surface(s, check_sound, &r);
+    /* The last triangle has the very first vertex, too, and one at 255 corners before, and one at
+     * 254. */
+    uint16_t *last = s->corner + TRIANGLE_CORNERS * (TRIANGLES_MAX - 1);
+    last[0] = 0;
+    last[1] = (uint16_t)(s->counts[1] - 3 + 1 - 255);
+    last[2] = (uint16_t)(s->counts[1] - 3 + 2 - 254);
+    s->counts[1] -= 3;
+    visit_surface(s, check_sound, &r);
+    coder_subject x = coder_lab_subject(&triangle_coder, LEAF_BLOCK_TOPOLOGY, s->counts, NULL);
+    fill_surface(&x, s, smooth, &r);
+    coder_lab_encode(&x);
+    const uint8_t *codes = x.streams.bytes + x.streams.end[1] - 3;
+    assert_int_equal(codes[0], 255);
+    assert_int_equal(codes[1], 255);
+    assert_int_equal(codes[2], 254);
+    coder_lab_release(&x);
+    free(s);
+}
+
 static size_t content_end(const coder_subject *x) {
     const bool values = x->block == LEAF_BLOCK_VALUES;
+    if (x->coder == &triangle_coder) {
+        const triangle_shape s = triangle_shape_of(x->counts);
+        return values                            ? 4 * (size_t)s.vertices
+               : x->block != LEAF_BLOCK_TOPOLOGY ? 12 * (size_t)s.vertices
+                                                 : s.place_bytes + triangle_rows_bytes(&s);
+    }
     if (x->coder == &curvilinear_coder) {
         const size_t nodes = curvilinear_nodes(x->counts);
         return values ? 4 * nodes : 12 * nodes + (curvilinear_cells(x->counts) + 3) / 4;
@@ -292,6 +388,28 @@ static size_t content_end(const coder_subject *x) {
                                              : s.rows_at + mixed_rows_bytes(&s);
 }
 
+/* Vertices out of order, in the first corner, in the last one, in all. */
+static void check_stored_rows(coder_subject *x, field_random *r) {
+    const triangle_shape s = triangle_shape_of(x->counts);
+    const long corners = TRIANGLE_CORNERS * (long)s.triangles;
+    uint16_t *corner = (uint16_t *)(void *)(x->payload + s.place_bytes);
+    const uint16_t first = corner[0], last = corner[corners - 1];
+    corner[0] = 1;
+    check_round(x, 0);
+    corner[0] = first;
+    corner[corners - 1] = (uint16_t)(s.vertices + 1);
+    check_round(x, 0);
+    corner[corners - 1] = last;
+    for (long i = 0; i < corners; i++)
+        corner[i] = (uint16_t)field_random_bits(r);
+    corner[field_random_below(r, corners)] = UINT16_MAX;
+    check_round(x, 0);
+    for (long i = 0; i < corners; i++)
+        corner[i] = 0;
+    corner[corners - 1] = 2; /* and 1 never */
+    check_round(x, 0);
+}
+
 /* What cannot be made again is stored: padding with something in it, nodes out of order. */
 static void check_stored(coder_subject *x, field_random *r) {
     if (content_end(x) < x->bytes) {
@@ -299,6 +417,8 @@ static void check_stored(coder_subject *x, field_random *r) {
         check_round(x, 0);
         x->payload[x->bytes - 1] = 0;
     }
+    if (x->coder == &triangle_coder && x->block == LEAF_BLOCK_TOPOLOGY)
+        check_stored_rows(x, r);
     if (x->coder != &mixed_coder || x->block != LEAF_BLOCK_TOPOLOGY)
         return;
     const mixed_shape s = mixed_shape_of(x->counts);
@@ -401,6 +521,35 @@ static void test_codes_of_corners(void **state) {
     free(c);
 }
 
+/* Each code of a triangle's corner. */
+static void test_codes_of_triangles(void **state) {
+    (void)state;
+    field_random r = {7};
+    surface *s = malloc(sizeof *s);
+    assert_non_null(s);
+    make_soup(s, 300, &r);
+    coder_subject x = coder_lab_subject(&triangle_coder, LEAF_BLOCK_TOPOLOGY, s->counts, NULL);
+    fill_surface(&x, s, smooth, &r);
+    coder_lab_encode(&x);
+    uint8_t *codes = x.streams.bytes + 1;
+    int seen[3] = {0}, refused = 0;
+    for (size_t i = 0; i < 900; i++)
+        seen[codes[i] == 0 ? 0 : codes[i] < 255 ? 1 : 2]++;
+    for (int i = 0; i < 3; i++)
+        assert_true(seen[i] > 0);
+    for (size_t i = 0; i < 900; i += 7) {
+        const uint8_t was = codes[i];
+        for (int code = 0; code < 256; code++) {
+            codes[i] = (uint8_t)code;
+            refused += !check_both(&x, x.streams.bytes, x.streams.used);
+        }
+        codes[i] = was;
+    }
+    assert_true(refused > 100);
+    coder_lab_release(&x);
+    free(s);
+}
+
 /* Close nodes make small differences: a straight lattice has none but rounding. */
 static void test_a_lattice_is_predicted(void **state) {
     (void)state;
@@ -430,9 +579,9 @@ static void test_every_coder(void **state) {
             continue;
         coders++;
         assert_true(g->coder == &mesh_coder || g->coder == &curvilinear_coder ||
-                    g->coder == &mixed_coder);
+                    g->coder == &mixed_coder || g->coder == &triangle_coder);
     }
-    assert_int_equal(coders, 3);
+    assert_int_equal(coders, 4);
 }
 
 int main(void) {
@@ -441,7 +590,9 @@ int main(void) {
         cmocka_unit_test(test_all_nodes_are_new),
         cmocka_unit_test(test_odd_payloads_are_stored),
         cmocka_unit_test(test_lies),
+        cmocka_unit_test(test_all_vertices_are_new),
         cmocka_unit_test(test_codes_of_corners),
+        cmocka_unit_test(test_codes_of_triangles),
         cmocka_unit_test(test_a_lattice_is_predicted),
         cmocka_unit_test(test_every_coder),
     };
