@@ -89,7 +89,8 @@ static status check_whole(const convert_request *a, const cell_treelets *cells) 
                    {a->sah, true, "--build sah"},
                    {a->leaf_tets_is_given, true, "--leaf-tets"},
                    {a->coarse, surface, "--coarse"},
-                   {a->whole, surface, "--whole-cells"}};
+                   {a->whole, surface, "--whole-cells"},
+                   {a->hints.mesh.by_corners, surface, "--by-corners"}};
     for (size_t i = 0; i < sizeof without / sizeof *without && cells; i++)
         if (without[i].given && without[i].of_all)
             return status_describe(ST_USAGE, "%s without %s",

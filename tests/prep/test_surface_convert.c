@@ -1,0 +1,260 @@
+/* test_surface_convert.c - conversions of surfaces: what the file holds is what the inputs do,
+ * whatever the budget and the threads, whether it was interrupted or not, at once or step by step;
+ * files that are no further step are refused by name; bad, repeated and flat triangles are counted.
+ */
+/* marks: threads */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "formats/leaf/leaf_grow.h"
+#include "formats/leaf/leaf_verify.h"
+#include "prep/leafcast_prep.h"
+#include "prep/mesh/triangle_treelet.h"
+#include "tests/support/scratch.h"
+#include "tests/support/surface_movie.h"
+#include "tests/support/watched.h"
+
+enum { SIDE = WATCHED ? 60 : 200 };
+
+static mem m;
+
+static void convert(const surface_movie *v, const char *name, mesh_result *r) {
+    if (surface_movie_convert(&m, v, scratch_path(name), NULL, false, r) != ST_OK)
+        fail_msg("%s: %s", name, status_text());
+}
+
+static void compress(surface_movie *v, int zstd) {
+    v->options.file.codec = zstd ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW;
+    v->options.file.zstd_level = 1;
+}
+
+static void verify(const char *name) {
+    leaf_file *f = NULL;
+    mem_init(&m, 0);
+    if (leaf_file_open(&m, scratch_path(name), &f) != ST_OK || leaf_verify(&m, f, 2, NULL) != ST_OK)
+        fail_msg("%s: %s", name, status_text());
+    leaf_file_close(f);
+}
+
+/* ---- budgets and threads ---- */
+
+/* As little memory as the plan asks for. */
+static void squeeze(surface_movie *v) {
+    mesh_result r;
+    assert_int_equal(surface_movie_convert(&m, v, scratch_path("none.leaf"), NULL, true, &r),
+                     ST_OK);
+    v->options.memory = r.plan.memory_least + (1 << 17);
+}
+
+static void test_budgets(void **state) {
+    (void)state;
+    for (int zstd = 0; zstd < 2; zstd++) {
+        mesh_result r;
+        surface_movie v = surface_movie_make(SIDE, 2, 3, true, "sheet");
+        const uint64_t much = v.options.memory;
+        compress(&v, zstd);
+        convert(&v, "whole.leaf", &r);
+        assert_int_equal(r.plan.spill_bytes, 0);
+        assert_int_equal(r.header.tets, v.triangles);
+        assert_int_equal(r.header.vertices, v.points);
+        assert_int_equal(r.header.flat, 1);
+        assert_int_equal(r.header.repeated, 1);
+        assert_int_equal(r.header.bad, 1);
+        surface_movie_check(&v, scratch_path("whole.leaf"));
+        verify("whole.leaf");
+        for (int threads = 1; threads <= 4; threads *= 2)
+            for (int little = 0; little < 2; little++) {
+                v.options.threads = threads;
+                v.options.memory = much;
+                if (little)
+                    squeeze(&v);
+                convert(&v, "again.leaf", &r);
+                assert_int_equal(r.plan.spill_bytes > 0, little);
+                scratch_same("budget", scratch_path("whole.leaf"), scratch_path("again.leaf"));
+            }
+        v.options.memory = 1 << 20;
+        assert_int_equal(surface_movie_convert(&m, &v, scratch_path("again.leaf"), NULL, false, &r),
+                         ST_NOMEM);
+        surface_movie_release(&v);
+    }
+}
+
+/* ---- conversions that end early ---- */
+
+typedef struct question {
+    long asked, end; /* from question number `end` on: stop; 0: never */
+} question;
+
+static bool is_enough(void *ctx) {
+    question *q = ctx;
+    const long asked = __atomic_add_fetch(&q->asked, 1, __ATOMIC_RELAXED);
+    return q->end > 0 && asked >= q->end;
+}
+
+/* With what an earlier run has kept, and keeping what it has done. */
+static status go_on(surface_movie *v, const char *name, question *q) {
+    const progress p = {.stop = is_enough, .ctx = q};
+    const char *path = scratch_path(name);
+    convert_job text = {0};
+    mesh_result r;
+    mem own; /* of the folder */
+    q->asked = 0;
+    mem_init(&own, 0);
+    v->options.job = &text;
+    assert_int_equal(convert_job_init(&text, &own, path), ST_OK);
+    assert_int_equal(work_folder_open(&own, path, WORK_RESUME, 0, &v->options.work), ST_OK);
+    const status st = surface_movie_convert(&m, v, path, &p, false, &r);
+    (void)work_folder_close(v->options.work, st != ST_OK);
+    convert_job_release(&text);
+    v->options.work = NULL;
+    v->options.job = NULL;
+    assert_int_equal(mem_used(&own), 0);
+    return st;
+}
+
+static void test_resumed(void **state) {
+    enum { TIMES = WATCHED ? 6 : 24 };
+    (void)state;
+    for (int little = 0; little < 2; little++) {
+        mesh_result r;
+        question q = {0};
+        surface_movie v = surface_movie_make(SIDE, 1, 3, true, "sheet");
+        convert(&v, "whole.leaf", &r);
+        if (little)
+            squeeze(&v);
+        assert_int_equal(go_on(&v, "again.leaf", &q), ST_OK);
+        scratch_same("kept", scratch_path("whole.leaf"), scratch_path("again.leaf"));
+        const long all = q.asked;
+        long stopped = 0;
+        assert_true(all > TIMES);
+        for (int k = 1; k < TIMES; k++) {
+            assert_int_equal(remove(scratch_path("again.leaf")), 0);
+            q.end = 1 + k * all / TIMES;
+            stopped += go_on(&v, "again.leaf", &q) == ST_STOPPED;
+            q.end = 0;
+            if (go_on(&v, "again.leaf", &q) != ST_OK)
+                fail_msg("after %d of %d: %s", k, TIMES, status_text());
+            scratch_same("resumed", scratch_path("whole.leaf"), scratch_path("again.leaf"));
+        }
+        assert_true(stopped > TIMES / 2);
+        assert_int_equal(remove(scratch_path("again.leaf")), 0);
+        surface_movie_release(&v);
+    }
+}
+
+/* ---- steps ---- */
+
+/* Steps whose points stay cost values alone, and may come later. */
+static void test_grown(void **state) {
+    (void)state;
+    for (int zstd = 0; zstd < 2; zstd++) {
+        mesh_result r;
+        uint64_t size[2];
+        surface_movie v = surface_movie_make(30, 2, 3, false, "sheet");
+        const char *const *paths = v.paths;
+        compress(&v, zstd);
+        convert(&v, "all.leaf", &r);
+        surface_movie_check(&v, scratch_path("all.leaf"));
+        v.options.grows = true;
+        for (uint32_t s = 0; s < 3; s++) {
+            surface_movie one = v;
+            one.series.of.sets.steps = one.steps = 1;
+            one.paths[0] = paths[s];
+            mem grow;
+            mem_init(&grow, 0);
+            if (s)
+                assert_int_equal(
+                    leaf_grow_open(&grow, scratch_path("grown.leaf"), &one.options.grow), ST_OK);
+            if (surface_movie_convert(&m, &one, scratch_path("grown.leaf"), NULL, false, &r) !=
+                ST_OK)
+                fail_msg("step %u: %s", s, status_text());
+            leaf_grow_close(one.options.grow);
+            if (s < 2)
+                size[s] = r.header.file_bytes;
+        }
+        assert_true(size[1] < size[0]);
+        verify("grown.leaf");
+        mem_init(&m, 0);
+        leaf_file *f = NULL;
+        assert_int_equal(leaf_file_open(&m, scratch_path("grown.leaf"), &f), ST_OK);
+        assert_int_equal(f->header.steps, 3);
+        leaf_file_close(f);
+        surface_movie_release(&v);
+    }
+}
+
+/* Another surface, one that moves, one of more points: each is named. */
+static void test_unlike(void **state) {
+    (void)state;
+    mesh_result r;
+    surface_movie v = surface_movie_make(10, 1, 2, false, "sheet"),
+                  other = surface_movie_make(11, 1, 1, false, "other"),
+                  moves = surface_movie_make(10, 1, 2, true, "moves");
+    const char *sound = v.paths[1];
+    v.paths[1] = other.paths[0];
+    assert_int_equal(surface_movie_convert(&m, &v, scratch_path("x.leaf"), NULL, false, &r),
+                     ST_CORRUPT);
+    assert_non_null(strstr(status_text(), other.paths[0]));
+    v.paths[1] =
+        scratch_text("turned.ply", "ply\nformat ascii 1.0\nelement vertex 121\nproperty float x\n"
+                                   "property float y\nproperty float z\nproperty float f0\n"
+                                   "element face 1\nproperty list uchar int vertex_indices\n"
+                                   "end_header\n");
+    assert_int_equal(surface_movie_convert(&m, &v, scratch_path("x.leaf"), NULL, false, &r),
+                     ST_CORRUPT);
+    assert_non_null(strstr(status_text(), "turned.ply"));
+    v.paths[1] = sound;
+    moves.options.grows = true;
+    assert_int_equal(surface_movie_convert(&m, &moves, scratch_path("x.leaf"), NULL, false, &r),
+                     ST_USAGE);
+    assert_non_null(strstr(status_text(), "points that move"));
+    surface_movie_release(&v);
+    surface_movie_release(&other);
+    surface_movie_release(&moves);
+}
+
+/* ---- by the library ---- */
+
+static void test_library(void **state) {
+    (void)state;
+    mesh_result r;
+    static const char *const names[] = {"f0", "f1"};
+    surface_movie v = surface_movie_make(30, 2, 3, true, "sheet");
+    const leafcast_convert_options plain = {.size = sizeof plain,
+                                            .replace = true,
+                                            .fields = names,
+                                            .field_count = 2,
+                                            .treelet_tets = 100};
+    convert(&v, "cli.leaf", &r);
+    assert_int_equal(leafcast_convert_steps(v.paths, 3, NULL, scratch_path("lib.leaf"), &plain),
+                     LEAFCAST_OK);
+    surface_movie_check(&v, scratch_path("lib.leaf"));
+    verify("lib.leaf");
+    assert_int_equal(leafcast_convert_path(v.paths[0], scratch_path("lib.leaf"), NULL),
+                     LEAFCAST_EXISTS);
+    leafcast_convert_options without[] = {plain, plain, plain, plain};
+    without[0].gradients = without[1].coarse = without[2].whole_cells = true;
+    without[3].leaf_tets = 12;
+    static const char *const told[] = {"gradients", "coarse", "whole_cells", "leaf_tets"};
+    for (size_t i = 0; i < sizeof without / sizeof *without; i++) {
+        assert_int_equal(leafcast_convert_path(v.paths[0], scratch_path("no.leaf"), &without[i]),
+                         LEAFCAST_USAGE);
+        assert_non_null(strstr(leafcast_error_text(), told[i]));
+    }
+    surface_movie_release(&v);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_budgets), cmocka_unit_test(test_resumed),
+        cmocka_unit_test(test_grown),   cmocka_unit_test(test_unlike),
+        cmocka_unit_test(test_library),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
