@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "formats/leaf/hex_treelet.h"
 #include "formats/leaf/leaf_grow.h"
 #include "prep/further_step.h"
 
@@ -52,7 +53,8 @@ static status take_parameters(convert_request *a, const leaf_file *f) {
     a->treelet_tets = h->treelet_tets;
     a->leaf_tets = h->leaf_tets;
     a->gradients = h->gradients;
-    a->whole |= h->treelet_tets && !h->leaf_tets; /* trees of tets have leaves */
+    const leaf_noded *noded = leaf_geometry_of(h->kind)->noded;
+    a->whole |= h->treelet_tets && noded && noded->hexahedra;
     p->histograms = f->histograms != NULL;
     p->deviations = f->deviations != NULL;
     if (p->codec != h->codec && h->codec == LEAF_CODEC_ZSTD)

@@ -20,6 +20,7 @@
 #include "tests/support/mesh_grown.h"
 #include "tests/support/mesh_leaves.h"
 #include "tests/support/scratch.h"
+#include "tests/support/surface_movie.h"
 
 enum { COUNT = 400, CHANGES_MAX = 6 };
 
@@ -113,6 +114,22 @@ static leaf_image make_mix(leaf_codec codec, int segments) {
     return leaf_image_as_is(bytes, size);
 }
 
+static leaf_image make_surface(leaf_codec codec, int moves) {
+    size_t size;
+    mem m;
+    mesh_result r;
+    surface_movie v = surface_movie_make(8, 2, moves ? 3 : 1, moves, "fuzz");
+    v.options.treelet_tets = 30;
+    v.options.file.codec = codec;
+    v.options.file.zstd_level = 1;
+    v.options.file.run_align_log2 = 9;
+    assert_int_equal(surface_movie_convert(&m, &v, scratch_path("made.leaf"), NULL, false, &r),
+                     ST_OK);
+    surface_movie_release(&v);
+    char *bytes = scratch_read(scratch_path("made.leaf"), &size);
+    return leaf_image_as_is(bytes, size);
+}
+
 typedef struct sound_kind {
     const char *name;
     leaf_image (*make)(leaf_codec codec, int how);
@@ -132,6 +149,8 @@ static const sound_kind kinds[] = {
     {"a grown curvilinear grid", make_curvilinear, 4},
     {"a mixed mesh", make_mix, 1},
     {"a grown mixed mesh", make_mix, 4},
+    {"a surface", make_surface, 0},
+    {"a moving surface", make_surface, 1},
 };
 
 /* Four bytes or one, by what breaks things. */
